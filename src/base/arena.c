@@ -1,0 +1,76 @@
+#include "base/arena.h"
+
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define ALIGNMENT 64
+
+static size_t round_up( size_t bytes )
+{
+    return ( bytes + ALIGNMENT - 1 ) / ALIGNMENT * ALIGNMENT;
+}
+
+static RfArenaEntry* find_entry( RfArena* arena, const char* name )
+{
+    for ( int i = 0; i < arena->entry_count; ++i )
+    {
+        if ( strcmp( arena->entries[i].name, name ) == 0 )
+            return arena->entries + i;
+    }
+    if ( arena->entry_count == RF_ARENA_MAX_NAMES )
+        return NULL;
+    RfArenaEntry* entry = arena->entries + arena->entry_count++;
+    *entry = ( RfArenaEntry ){ .name = name };
+    return entry;
+}
+
+RfArena rf_create_arena( size_t budget )
+{
+    return ( RfArena ){ .budget = budget };
+}
+
+RfResult rf_arena_alloc( RfArena* arena, const char* name, size_t bytes, void** memory, RfError* error )
+{
+    *memory = NULL;
+    if ( bytes > SIZE_MAX - ALIGNMENT )
+        return rf_fail( error, RF_ERROR_MEMORY, "%s: %zu bytes are more than any machine has", name, bytes );
+    size_t rounded = round_up( bytes > 0 ? bytes : 1 );
+    if ( rounded > rf_arena_room( arena ) )
+        return rf_fail( error, RF_ERROR_MEMORY,
+                        "%s: %.1f MiB do not fit, %.1f of %.1f MiB are in use: raise --memory, or lower --size or --group",
+                        name, (double)rounded / 1048576.0, (double)arena->bytes / 1048576.0,
+                        (double)arena->budget / 1048576.0 );
+    RfArenaEntry* entry = find_entry( arena, name );
+    if ( entry == NULL )
+        return rf_fail( error, RF_ERROR_MEMORY, "%s: the arena has no room for another name", name );
+    *memory = aligned_alloc( ALIGNMENT, rounded );
+    if ( *memory == NULL )
+        return rf_fail( error, RF_ERROR_MEMORY, "%s: the system has no %.1f MiB left", name, (double)rounded / 1048576.0 );
+    arena->bytes += rounded;
+    entry->bytes += rounded;
+    if ( arena->bytes > arena->peak )
+        arena->peak = arena->bytes;
+    if ( entry->bytes > entry->peak )
+        entry->peak = entry->bytes;
+    return RF_OK;
+}
+
+void rf_arena_free( RfArena* arena, const char* name, void* memory, size_t bytes )
+{
+    if ( memory == NULL )
+        return;
+    size_t rounded = round_up( bytes > 0 ? bytes : 1 );
+    RfArenaEntry* entry = find_entry( arena, name );
+    free( memory );
+    arena->bytes -= rounded;
+    if ( entry != NULL )
+        entry->bytes -= rounded;
+}
+
+size_t rf_arena_room( const RfArena* arena )
+{
+    if ( arena->budget == 0 )
+        return SIZE_MAX;
+    return arena->budget > arena->bytes ? arena->budget - arena->bytes : 0;
+}

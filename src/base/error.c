@@ -1,0 +1,62 @@
+#include "base/error.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+
+static void format_line( char* text, size_t size, const char* format, va_list args )
+{
+    vsnprintf( text, size, format, args );
+    for ( char* c = text; *c != 0; ++c )
+    {
+        if ( (unsigned char)*c < 0x20 || *c == 0x7f )
+            *c = '?';
+    }
+}
+
+RfResult rf_fail( RfError* error, RfResult code, const char* format, ... )
+{
+    if ( error != NULL )
+    {
+        // formatted aside first: an argument may be the text that is replaced
+        char text[sizeof error->text];
+        va_list args;
+        va_start( args, format );
+        format_line( text, sizeof text, format, args );
+        va_end( args );
+        error->code = code;
+        snprintf( error->text, sizeof error->text, "%s", text );
+    }
+    return code;
+}
+
+const char* rf_result_name( RfResult code )
+{
+    switch ( code )
+    {
+        case RF_OK: return "RF_OK";
+        case RF_ERROR_USAGE: return "RF_ERROR_USAGE";
+        case RF_ERROR_IO: return "RF_ERROR_IO";
+        case RF_ERROR_FORMAT: return "RF_ERROR_FORMAT";
+        case RF_ERROR_UNSUPPORTED: return "RF_ERROR_UNSUPPORTED";
+        case RF_ERROR_MEMORY: return "RF_ERROR_MEMORY";
+        case RF_ERROR_SCENE: return "RF_ERROR_SCENE";
+        case RF_ERROR_DEVICE: return "RF_ERROR_DEVICE";
+        case RF_ERROR_INTERRUPTED: return "RF_ERROR_INTERRUPTED";
+    }
+    return "RF_ERROR_UNKNOWN";
+}
+
+void rf_warn( RfLog* log, const char* format, ... )
+{
+    if ( log == NULL )
+        return;
+    log->count += 1;
+    if ( log->fn == NULL )
+        return;
+    char text[1024];
+    va_list args;
+    va_start( args, format );
+    format_line( text, sizeof text, format, args );
+    va_end( args );
+    log->fn( log->user, text );
+}

@@ -1,0 +1,65 @@
+// Random numbers as a function of where they are used, never of call order or
+// thread: (seed, frame, group, pass, pixel) make a key, and a key and an
+// enumerated dimension make a number. So any thread count, any split of the
+// frames and any resume give the same bits.
+//
+// The mixer is the two-round multiply-xorshift of C. Wellons' hash prospector
+// ("lowbias32"); two words of key keep streams apart that share one of them.
+#ifndef REFRAME_BASE_RANDOM_H
+#define REFRAME_BASE_RANDOM_H
+
+#include <stdint.h>
+
+typedef struct RfRandomKey
+{
+    uint32_t a, b;
+} RfRandomKey;
+
+static inline uint32_t rf_mix32( uint32_t x )
+{
+    x ^= x >> 16;
+    x *= 0x7feb352du;
+    x ^= x >> 15;
+    x *= 0x846ca68bu;
+    x ^= x >> 16;
+    return x;
+}
+
+// 64-bit finaliser (splitmix64) for the slow, outer part of a key.
+static inline uint64_t rf_mix64( uint64_t x )
+{
+    x += 0x9e3779b97f4a7c15ull;
+    x = ( x ^ ( x >> 30 ) ) * 0xbf58476d1ce4e5b9ull;
+    x = ( x ^ ( x >> 27 ) ) * 0x94d049bb133111ebull;
+    return x ^ ( x >> 31 );
+}
+
+// The part of the key that all pixels of a pass share.
+static inline uint64_t rf_pass_key( uint64_t seed, uint32_t frame, uint32_t group, uint32_t pass )
+{
+    uint64_t key = rf_mix64( seed );
+    key = rf_mix64( key ^ ( (uint64_t)frame << 32 | group ) );
+    return rf_mix64( key ^ pass );
+}
+
+// The key of one pixel's path in one pass.
+static inline RfRandomKey rf_pixel_key( uint64_t pass_key, uint32_t pixel )
+{
+    uint32_t low = (uint32_t)pass_key, high = (uint32_t)( pass_key >> 32 );
+    uint32_t a = rf_mix32( pixel ^ low );
+    return ( RfRandomKey ){ a, rf_mix32( pixel * 0x9e3779b9u + high ) };
+}
+
+// 32 random bits of one dimension.
+static inline uint32_t rf_random_bits( RfRandomKey key, uint32_t dimension )
+{
+    return rf_mix32( rf_mix32( key.a + dimension * 0x9e3779b9u ) ^ key.b );
+}
+
+// Uniform in [0, 1), 24 bits.
+static inline float rf_random( RfRandomKey key, uint32_t dimension )
+{
+    return (float)(int32_t)( rf_random_bits( key, dimension ) >> 8 ) * 0x1p-24f;
+}
+
+#endif

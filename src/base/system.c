@@ -1,0 +1,29 @@
+#include "base/system.h"
+
+#include <omp.h>
+#include <stdio.h>
+#include <time.h>
+
+double rf_wall_seconds( void )
+{
+    struct timespec now;
+    clock_gettime( CLOCK_MONOTONIC, &now );
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+size_t rf_free_memory( void )
+{
+    unsigned long long kib = 0;
+    FILE* file = fopen( "/proc/meminfo", "r" );
+    if ( file != NULL )
+    {
+        char line[256];
+        while ( fgets( line, sizeof line, file ) != NULL && sscanf( line, "MemAvailable: %llu kB", &kib ) != 1 )
+        {
+        }
+        fclose( file );
+    }
+    return kib > 0 ? (size_t)kib * 1024 : (size_t)1 << 30;
+}
+
+int rf_core_count( void ) { return omp_get_num_procs(); }

@@ -1,0 +1,52 @@
+// Three-component float vectors as plain structs passed by value. Lengths in
+// scene units (metres), unless a comment says otherwise.
+#ifndef REFRAME_MATH_VEC3_H
+#define REFRAME_MATH_VEC3_H
+
+#include <math.h>
+
+#define RF_PI 3.14159265358979f
+#define RF_INV_PI 0.318309886183791f
+
+typedef struct RfVec3
+{
+    float x, y, z;
+} RfVec3;
+
+static inline RfVec3 rf_vec3( float x, float y, float z ) { return ( RfVec3 ){ x, y, z }; }
+static inline RfVec3 rf_add( RfVec3 a, RfVec3 b ) { return rf_vec3( a.x + b.x, a.y + b.y, a.z + b.z ); }
+static inline RfVec3 rf_sub( RfVec3 a, RfVec3 b ) { return rf_vec3( a.x - b.x, a.y - b.y, a.z - b.z ); }
+static inline RfVec3 rf_mul( RfVec3 a, RfVec3 b ) { return rf_vec3( a.x * b.x, a.y * b.y, a.z * b.z ); }
+static inline RfVec3 rf_scale( RfVec3 a, float s ) { return rf_vec3( a.x * s, a.y * s, a.z * s ); }
+static inline RfVec3 rf_madd( RfVec3 a, RfVec3 b, float s ) { return rf_add( a, rf_scale( b, s ) ); }
+static inline float rf_dot( RfVec3 a, RfVec3 b ) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+static inline RfVec3 rf_cross( RfVec3 a, RfVec3 b )
+{
+    return rf_vec3( a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x );
+}
+static inline float rf_length( RfVec3 a ) { return sqrtf( rf_dot( a, a ) ); }
+// A zero vector stays zero.
+static inline RfVec3 rf_normalize( RfVec3 a )
+{
+    float l2 = rf_dot( a, a );
+    return l2 > 0.0f ? rf_scale( a, 1.0f / sqrtf( l2 ) ) : a;
+}
+static inline float rf_maxf( float a, float b ) { return a > b ? a : b; }
+static inline float rf_minf( float a, float b ) { return a < b ? a : b; }
+static inline float rf_clampf( float a, float low, float high ) { return rf_minf( rf_maxf( a, low ), high ); }
+static inline float rf_max_component( RfVec3 a ) { return rf_maxf( a.x, rf_maxf( a.y, a.z ) ); }
+// Rec. 709 luminance of linear RGB.
+static inline float rf_luminance( RfVec3 c ) { return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z; }
+
+// Two unit vectors that make a right-handed frame with the unit vector n
+// (Duff et al., Building an Orthonormal Basis, Revisited, JCGT 2017).
+static inline void rf_basis( RfVec3 n, RfVec3* t, RfVec3* b )
+{
+    float sign = copysignf( 1.0f, n.z );
+    float a = -1.0f / ( sign + n.z );
+    float c = n.x * n.y * a;
+    *t = rf_vec3( 1.0f + sign * n.x * n.x * a, sign * c, -sign * n.x );
+    *b = rf_vec3( c, sign + n.y * n.y * a, -n.y );
+}
+
+#endif

@@ -1,0 +1,145 @@
+// Light samples at the vertices of a wavefront (estimators.md section 3).
+#include "path/walk.h"
+
+// The chosen points of the lights, gathered for the vector loop.
+typedef struct LightPoints
+{
+    RF_ALIGN float p[3][RF_LANES];
+    float n[3][RF_LANES];
+    float radiance[3][RF_LANES];
+    float pdf_area[RF_LANES];
+    float two_sided[RF_LANES]; // 1 or 0
+} LightPoints;
+
+void rf_draw_lanes( const RfWalk* keys, int count, const int32_t* slot, uint32_t dimension, int numbers,
+                    float random[][RF_LANES] )
+{
+    for ( int k = 0; k < numbers; ++k )
+    {
+        float* restrict out = random[k];
+#pragma omp simd
+        for ( int i = 0; i < count; ++i )
+        {
+            RfRandomKey key = { keys->key_a[slot[i]], keys->key_b[slot[i]] };
+            out[i] = rf_random( key, dimension + (uint32_t)k );
+        }
+    }
+}
+
+// Uniform by area: u ↦ (1 − √u₁, u₂ √u₁) in barycentrics.
+static void choose_points( const RfLights* lights, int count, float random[][RF_LANES], LightPoints* out )
+{
+    for ( int i = 0; i < count; ++i )
+    {
+        const RfLight* light = lights->light + rf_pick_light( lights, random[0][i] );
+        float root = sqrtf( random[1][i] );
+        float b1 = 1.0f - root, b2 = random[2][i] * root;
+        RfVec3 p = rf_add( light->p0, rf_add( rf_scale( light->e1, b1 ), rf_scale( light->e2, b2 ) ) );
+        out->p[0][i] = p.x;
+        out->p[1][i] = p.y;
+        out->p[2][i] = p.z;
+        out->n[0][i] = light->normal.x;
+        out->n[1][i] = light->normal.y;
+        out->n[2][i] = light->normal.z;
+        out->radiance[0][i] = light->radiance.x;
+        out->radiance[1][i] = light->radiance.y;
+        out->radiance[2][i] = light->radiance.z;
+        out->pdf_area[i] = light->pdf_area;
+        out->two_sided[i] = light->two_sided ? 1.0f : 0.0f;
+    }
+}
+
+// Directions, densities and segments; radiance_cos stays 0 where the light is
+// behind the surface or turned away.
+static void connect( const RfVertexLanes* restrict v, const LightPoints* restrict points, float offset,
+                     RfLightLanes* restrict out, RfLaneScratch* restrict scratch )
+{
+    int count = v->count;
+#pragma omp simd
+    for ( int i = 0; i < count; ++i )
+    {
+        RfVec3 x = rf_vec3( v->p[0][i], v->p[1][i], v->p[2][i] );
+        RfVec3 ng = rf_vec3( v->ng[0][i], v->ng[1][i], v->ng[2][i] );
+        RfVec3 n = rf_vec3( v->n[0][i], v->n[1][i], v->n[2][i] );
+        RfVec3 z = rf_vec3( points->p[0][i], points->p[1][i], points->p[2][i] );
+        RfVec3 nz = rf_vec3( points->n[0][i], points->n[1][i], points->n[2][i] );
+        RfVec3 way = rf_sub( z, x );
+        float d2 = rf_dot( way, way );
+        RfVec3 wi = rf_scale( way, 1.0f / sqrtf( d2 ) );
+        float facing = -rf_dot( nz, wi );
+        float side = facing < 0.0f ? -1.0f : 1.0f;
+        float cos_light = points->two_sided[i] > 0.0f ? fabsf( facing ) : facing;
+        float cos_x = rf_dot( n, wi );
+        float pdf = points->pdf_area[i] * d2 / cos_light;
+        int arrives = ( cos_x > 0.0f ) & ( rf_dot( ng, wi ) > 0.0f ) & ( cos_light > 0.0f ) & ( pdf < 1e30f ) & ( d2 > 0.0f );
+        float scale = arrives ? cos_x : 0.0f;
+        out->wi[0][i] = wi.x;
+        out->wi[1][i] = wi.y;
+        out->wi[2][i] = wi.z;
+        out->pdf_solid_angle[i] = arrives ? pdf : 1.0f;
+        out->radiance_cos[0][i] = points->radiance[0][i] * scale;
+        out->radiance_cos[1][i] = points->radiance[1][i] * scale;
+        out->radiance_cos[2][i] = points->radiance[2][i] * scale;
+        // both ends are lifted off their surfaces, each on the side that is seen
+        RfVec3 from = rf_madd( x, ng, offset );
+        RfVec3 to = rf_madd( z, nz, offset * side );
+        scratch->o[0][i] = from.x;
+        scratch->o[1][i] = from.y;
+        scratch->o[2][i] = from.z;
+        scratch->d[0][i] = to.x - from.x;
+        scratch->d[1][i] = to.y - from.y;
+        scratch->d[2][i] = to.z - from.z;
+    }
+}
+
+// Segments of the lanes that something arrives at, moved to the front.
+static int compact_segments( const RfLightLanes* lights, int count, RfLaneScratch* scratch )
+{
+    int kept = 0;
+    for ( int i = 0; i < count; ++i )
+    {
+        float sum = lights->radiance_cos[0][i] + lights->radiance_cos[1][i] + lights->radiance_cos[2][i];
+        for ( int c = 0; c < 3; ++c )
+        {
+            scratch->o[c][kept] = scratch->o[c][i];
+            scratch->d[c][kept] = scratch->d[c][i];
+        }
+        scratch->index[kept] = i;
+        kept += sum > 0.0f;
+    }
+    return kept;
+}
+
+int rf_sample_lights( const RfWalkSettings* settings, const RfWalk* keys, const RfVertexLanes* vertices,
+                      uint32_t dimension, RfLightLanes* out, RfLaneScratch* scratch )
+{
+    const RfLights* lights = rf_tracer_lights( settings->tracer );
+    int count = vertices->count;
+    if ( lights->count == 0 )
+    {
+        for ( int c = 0; c < 3; ++c )
+        {
+            for ( int i = 0; i < count; ++i )
+                out->radiance_cos[c][i] = out->wi[c][i] = 0.0f;
+        }
+        for ( int i = 0; i < count; ++i )
+            out->pdf_solid_angle[i] = 1.0f;
+        return 0;
+    }
+    LightPoints points;
+    rf_draw_lanes( keys, count, vertices->slot, dimension, 3, scratch->random );
+    choose_points( lights, count, scratch->random, &points );
+    connect( vertices, &points, rf_ray_offset( rf_tracer_scene( settings->tracer ) ), out, scratch );
+    int kept = compact_segments( out, count, scratch );
+    const float* o[3] = { scratch->o[0], scratch->o[1], scratch->o[2] };
+    const float* d[3] = { scratch->d[0], scratch->d[1], scratch->d[2] };
+    rf_trace_segments( settings->tracer, kept, o, d, scratch->visible );
+    for ( int k = 0; k < kept; ++k )
+    {
+        int i = scratch->index[k];
+        float open = scratch->visible[k] ? 1.0f : 0.0f;
+        for ( int c = 0; c < 3; ++c )
+            out->radiance_cos[c][i] *= open;
+    }
+    return kept;
+}

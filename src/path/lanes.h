@@ -1,0 +1,91 @@
+// A wavefront: up to RF_LANES paths that advance together, one vertex at a
+// time, as structures of arrays. Lane i of a vertex array belongs to path
+// slot[i]; lanes are compacted and sorted by scattering model at every vertex,
+// slots stay.
+#ifndef REFRAME_PATH_LANES_H
+#define REFRAME_PATH_LANES_H
+
+#include "base/random.h"
+#include "bsdf/bsdf.h"
+#include "light/light.h"
+#include "trace/trace.h"
+
+#define RF_LANES 1024
+#define RF_ALIGN _Alignas( 64 )
+
+// Rays that look for their next vertex.
+typedef struct RfRayLanes
+{
+    int count;
+    RF_ALIGN float o[3][RF_LANES];
+    float d[3][RF_LANES];          // unit
+    float throughput[3][RF_LANES]; // of the path since its first vertex
+    float pdf_solid_angle[RF_LANES]; // of d
+    int32_t slot[RF_LANES];
+} RfRayLanes;
+
+// Path vertices. Lanes [first[k], first[k+1]) scatter by model k.
+typedef struct RfVertexLanes
+{
+    int count;
+    int first[RF_BSDF_KIND_COUNT + 1];
+    RF_ALIGN float p[3][RF_LANES];
+    float ng[3][RF_LANES]; // unit geometric normal, on the side of wo
+    float n[3][RF_LANES];  // unit shading normal, on the side of ng
+    float wo[3][RF_LANES]; // unit, back along the ray
+    float diffuse[3][RF_LANES];
+    float specular[3][RF_LANES];
+    float shape[RF_LANES];
+    float f90[RF_LANES];
+    float coat_f0[RF_LANES];
+    float coat_f90[RF_LANES];
+    float emission[3][RF_LANES];            // towards wo
+    float light_pdf_solid_angle[RF_LANES];  // of a light sample at the ray's origin choosing this point; 0: none would
+    int32_t ray[RF_LANES];                  // lane of the ray that found it
+    int32_t slot[RF_LANES];
+} RfVertexLanes;
+
+// One light sample per vertex lane.
+typedef struct RfLightLanes
+{
+    RF_ALIGN float wi[3][RF_LANES];  // unit
+    float radiance_cos[3][RF_LANES]; // arriving radiance times n·wi; 0: nothing arrives
+    float pdf_solid_angle[RF_LANES];
+} RfLightLanes;
+
+// Workspace of the steps below; nothing in it outlives a call.
+typedef struct RfLaneScratch
+{
+    RF_ALIGN uint32_t triangle[RF_LANES];
+    float u[RF_LANES], v[RF_LANES];
+    uint8_t kind[RF_LANES];
+    uint8_t visible[RF_LANES];
+    int32_t index[RF_LANES];
+    RF_ALIGN float o[3][RF_LANES];
+    float d[3][RF_LANES];
+    float random[3][RF_LANES];
+    float wi[3][RF_LANES];
+    float f[3][RF_LANES];
+    float pdf[RF_LANES];
+} RfLaneScratch;
+
+// The dimensions of a path's random numbers (base/random.h), enumerated: the
+// film first, then a block per vertex (numbered from 1).
+enum
+{
+    RF_DIMENSION_FILM_X,
+    RF_DIMENSION_FILM_Y,
+    RF_DIMENSION_FIRST_VERTEX,
+};
+enum
+{
+    RF_DIMENSION_SCATTER, // three
+    RF_DIMENSION_ROULETTE = RF_DIMENSION_SCATTER + 3,
+    RF_DIMENSION_LIGHTS, // three for each light sample
+};
+static inline uint32_t rf_vertex_dimension( int vertex, int light_samples )
+{
+    return (uint32_t)( RF_DIMENSION_FIRST_VERTEX + ( vertex - 1 ) * ( RF_DIMENSION_LIGHTS + 3 * light_samples ) );
+}
+
+#endif

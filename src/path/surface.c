@@ -1,0 +1,103 @@
+// From rays to vertices: hits, their surfaces, sorted by scattering model.
+#include "path/walk.h"
+
+#include <string.h>
+
+// Stable counting sort of the hits by model: index[] lists their ray lanes.
+static void sort_by_kind( const RfTracer* tracer, int count, RfLaneScratch* scratch, RfVertexLanes* vertices )
+{
+    const RfTriangleRecord* triangles = rf_tracer_triangles( tracer );
+    const RfMaterial* materials = rf_tracer_scene( tracer )->materials;
+    int bucket[RF_BSDF_KIND_COUNT + 1] = { 0 };
+    for ( int i = 0; i < count; ++i )
+    {
+        uint32_t t = scratch->triangle[i];
+        int kind = t == RF_MISS ? RF_BSDF_KIND_COUNT : (int)materials[triangles[t].material].kind;
+        scratch->kind[i] = (uint8_t)kind;
+        bucket[kind] += 1;
+    }
+    int start = 0;
+    for ( int k = 0; k <= RF_BSDF_KIND_COUNT; ++k )
+    {
+        int size = bucket[k];
+        vertices->first[k] = bucket[k] = start;
+        start += size;
+    }
+    vertices->count = vertices->first[RF_BSDF_KIND_COUNT];
+    for ( int i = 0; i < count; ++i )
+        scratch->index[bucket[scratch->kind[i]]++] = i;
+}
+
+static void put( float ( *array )[RF_LANES], int i, RfVec3 v )
+{
+    array[0][i] = v.x;
+    array[1][i] = v.y;
+    array[2][i] = v.z;
+}
+
+static void fill_material( RfVertexLanes* v, int i, const RfMaterial* m )
+{
+    put( v->diffuse, i, m->diffuse );
+    if ( m->kind == RF_BSDF_LAMBERT )
+        return;
+    put( v->specular, i, m->specular );
+    v->shape[i] = m->kind == RF_BSDF_PHONG ? m->exponent : m->alpha;
+    v->f90[i] = m->f90;
+    v->coat_f0[i] = m->coat_f0;
+    v->coat_f90[i] = m->coat_f90;
+}
+
+// Emission on the side of wo, and the density with which a light sample at
+// the ray's origin would have found this point: (E3)'s p_L.
+static void fill_emission( RfVertexLanes* v, int i, const RfLights* lights, uint32_t index, float facing, RfVec3 way )
+{
+    v->light_pdf_solid_angle[i] = 0.0f;
+    put( v->emission, i, rf_vec3( 0, 0, 0 ) );
+    if ( index == RF_NO_LIGHT )
+        return;
+    const RfLight* light = lights->light + index;
+    if ( facing <= 0.0f && !light->two_sided )
+        return;
+    put( v->emission, i, light->radiance );
+    float cos_light = fabsf( facing );
+    if ( cos_light > 0.0f )
+        v->light_pdf_solid_angle[i] = light->pdf_area * rf_dot( way, way ) / cos_light;
+}
+
+static void fill_lane( const RfTracer* tracer, const RfRayLanes* rays, const RfLaneScratch* scratch, RfVertexLanes* v, int i )
+{
+    int r = scratch->index[i];
+    float bu = scratch->u[r], bv = scratch->v[r];
+    const RfTriangleRecord* t = rf_tracer_triangles( tracer ) + scratch->triangle[r];
+    RfVec3 p = rf_add( t->p0, rf_add( rf_scale( t->e1, bu ), rf_scale( t->e2, bv ) ) );
+    RfVec3 wo = rf_vec3( -rays->d[0][r], -rays->d[1][r], -rays->d[2][r] );
+    float facing = rf_dot( t->ng, wo );
+    float side = facing < 0.0f ? -1.0f : 1.0f;
+    RfVec3 ng = rf_scale( t->ng, side );
+    RfVec3 n = rf_add( t->n0, rf_add( rf_scale( t->d1, bu ), rf_scale( t->d2, bv ) ) );
+    float length2 = rf_dot( n, n );
+    n = rf_scale( n, side / sqrtf( length2 ) );
+    // normals that contradict their face, or cancel, are no use
+    if ( !( rf_dot( n, ng ) > 0.0f && length2 > 1e-12f ) )
+        n = ng;
+    put( v->p, i, p );
+    put( v->ng, i, ng );
+    put( v->n, i, n );
+    put( v->wo, i, wo );
+    v->ray[i] = r;
+    v->slot[i] = rays->slot[r];
+    fill_material( v, i, rf_tracer_scene( tracer )->materials + t->material );
+    RfVec3 way = rf_sub( p, rf_vec3( rays->o[0][r], rays->o[1][r], rays->o[2][r] ) );
+    fill_emission( v, i, rf_tracer_lights( tracer ), t->light, facing, way );
+}
+
+void rf_find_vertices( const RfWalkSettings* settings, const RfRayLanes* rays, bool coherent, RfVertexLanes* vertices,
+                       RfLaneScratch* scratch )
+{
+    const float* o[3] = { rays->o[0], rays->o[1], rays->o[2] };
+    const float* d[3] = { rays->d[0], rays->d[1], rays->d[2] };
+    rf_trace_nearest( settings->tracer, rays->count, o, d, coherent, scratch->triangle, scratch->u, scratch->v );
+    sort_by_kind( settings->tracer, rays->count, scratch, vertices );
+    for ( int i = 0; i < vertices->count; ++i )
+        fill_lane( settings->tracer, rays, scratch, vertices, i );
+}

@@ -1,0 +1,74 @@
+// The path tracer: one walk, by wavefronts. A caller finds first vertices,
+// samples lights and scatters there as it likes, and hands the scattered rays
+// to rf_trace_tails, which brings back the radiance that arrives along them.
+#ifndef REFRAME_PATH_WALK_H
+#define REFRAME_PATH_WALK_H
+
+#include "path/lanes.h"
+
+// What all paths of a render share.
+typedef struct RfWalkSettings
+{
+    const RfTracer* tracer;
+    int max_depth;     // path vertices after the eye, ≥ 1
+    int light_samples; // K ≥ 1 per vertex
+} RfWalkSettings;
+
+// What arrives along the ray of each path slot. The light emitted by the first
+// vertex that the ray finds is apart, since light sampling at the ray's origin
+// could have found it too (estimators.md E3).
+typedef struct RfArrivals
+{
+    RF_ALIGN float emitted[3][RF_LANES];
+    float light_pdf_solid_angle[RF_LANES]; // of that vertex, by light sampling at the origin
+    float rest[3][RF_LANES];               // all longer paths
+} RfArrivals;
+
+// A thread's wavefront.
+typedef struct RfWalk
+{
+    // in, by slot
+    RF_ALIGN uint32_t key_a[RF_LANES];
+    uint32_t key_b[RF_LANES];
+    float roulette_scale[RF_LANES]; // largest channel of the path's weight at its first scattering
+    RfRayLanes rays;                // in: the scattered rays; used up
+    // out, by slot
+    RfArrivals arrivals;
+    uint64_t path_rays, shadow_rays; // counted up
+    // inside
+    RfRayLanes next;
+    RfVertexLanes vertices;
+    RfLightLanes lights;
+    RfLaneScratch scratch;
+} RfWalk;
+
+// Traces the rays and fills the vertices they find, sorted by scattering
+// model, in the rays' order within a model. Rays that miss leave no vertex.
+// `coherent` is a hint for the traversal.
+void rf_find_vertices( const RfWalkSettings* settings, const RfRayLanes* rays, bool coherent, RfVertexLanes* vertices,
+                       RfLaneScratch* scratch );
+
+// `numbers` uniform random numbers per lane, from `dimension` on.
+void rf_draw_lanes( const RfWalk* keys, int count, const int32_t* slot, uint32_t dimension, int numbers,
+                    float random[][RF_LANES] );
+
+// One light sample for every vertex lane, with its visibility tested. Random
+// numbers: `dimension` and the two after it. Returns the shadow rays traced.
+int rf_sample_lights( const RfWalkSettings* settings, const RfWalk* keys, const RfVertexLanes* vertices,
+                      uint32_t dimension, RfLightLanes* lights, RfLaneScratch* scratch );
+
+// f and density for all lanes of the vertices, model by model (see bsdf.h).
+void rf_evaluate_lanes( const RfVertexLanes* vertices, const float* const wi[3], float* const f[3],
+                        float* pdf_solid_angle );
+
+// Scatters all lanes of the vertices: wi from three random numbers each.
+void rf_scatter_lanes( const RfWalk* keys, const RfVertexLanes* vertices, uint32_t dimension, float* const wi[3],
+                       RfLaneScratch* scratch );
+
+// Radiance that arrives along walk->rays, which left their first vertices:
+// the vertices from the second on, lights sampled and scattered directions
+// combined by the balance heuristic, roulette after the third vertex.
+// walk->arrivals must be zero for the slots of the rays.
+void rf_trace_tails( const RfWalkSettings* settings, RfWalk* walk );
+
+#endif

@@ -1,0 +1,46 @@
+// Phase 2, COMPUTE: the hit records that land in a frame, weighted (E1, E3),
+// into the halves of its film.
+#ifndef REFRAME_REUSE_COMPUTE_H
+#define REFRAME_REUSE_COMPUTE_H
+
+#include "image/film.h"
+#include "reuse/records.h"
+#include "reuse/render.h"
+
+// Rows [first_row, end_row) of the film of one eye of the window.
+typedef struct RfComputeJob
+{
+    int eye;
+    int first_row, end_row;
+    RfFilm* film;
+    int half;
+} RfComputeJob;
+
+// What all jobs of a chunk share.
+typedef struct RfCompute
+{
+    const RfEye* eyes;
+    RfBatchShape shape;
+    RfWeights weights;
+    const RfHitBatch* batches; // in the order in which they add to the film
+    int batch_count;
+} RfCompute;
+
+typedef struct RfComputeScratch
+{
+    RF_ALIGN int32_t pixel[RF_LANES];
+    RF_ALIGN float ratio[RF_LANES]; // r_t, 0 where the hit does not land
+    RF_ALIGN float wo[3][RF_LANES];
+    RF_ALIGN float f[3][RF_LANES];
+    RF_ALIGN float sum[3][RF_LANES];
+    RF_ALIGN float pdf[RF_LANES];
+    RF_ALIGN float mixture[RF_LANES];
+} RfComputeScratch;
+
+// Adds a chunk to some rows of a film; returns how many samples landed there.
+// Jobs on different rows or films may run at the same time. For
+// RF_WEIGHTS_EQ15 `landed_eyes` has rf_seen_words per pixel of the film, all
+// zero at first, and the chunk must be the whole pass; else NULL.
+uint64_t rf_compute_rows( const RfCompute* compute, RfComputeJob job, uint32_t* landed_eyes, RfComputeScratch* scratch );
+
+#endif

@@ -1,0 +1,87 @@
+#include "reuse/glossy.h"
+
+#include <string.h>
+
+void rf_directions_to( const RfEye* eyes, int eye, const RfHitBatch* batch, float* const wo[3] )
+{
+    int first = batch->first[RF_BSDF_PHONG], count = rf_glossy_count( batch );
+    if ( eye == batch->eye )
+    {
+        for ( int c = 0; c < 3; ++c )
+            memcpy( wo[c], batch->wo[c], (size_t)count * sizeof( float ) );
+        return;
+    }
+    RfVec3 o = eyes[eye].origin;
+    const float* restrict px = batch->p[0] + first;
+    const float* restrict py = batch->p[1] + first;
+    const float* restrict pz = batch->p[2] + first;
+    float* restrict x = wo[0];
+    float* restrict y = wo[1];
+    float* restrict z = wo[2];
+#pragma omp simd
+    for ( int i = 0; i < count; ++i )
+    {
+        RfVec3 v = rf_sub( o, rf_vec3( px[i], py[i], pz[i] ) );
+        float d2 = rf_dot( v, v );
+        float scale = d2 > 0.0f ? 1.0f / sqrtf( d2 ) : 0.0f;
+        x[i] = v.x * scale;
+        y[i] = v.y * scale;
+        z[i] = v.z * scale;
+    }
+}
+
+void rf_evaluate_glossy( const RfHitBatch* b, const float* const wo[3], const float* const wi[3], float* const f[3],
+                         float* pdf_solid_angle )
+{
+    int base = b->first[RF_BSDF_PHONG];
+    for ( int kind = RF_BSDF_PHONG; kind < RF_BSDF_KIND_COUNT; ++kind )
+    {
+        int k = b->first[kind] - base, count = b->first[kind + 1] - b->first[kind];
+        if ( count == 0 )
+            continue;
+        RfBsdfLanes lanes = {
+            .n = { b->n[0] + k, b->n[1] + k, b->n[2] + k },
+            .diffuse = { b->diffuse[0] + k, b->diffuse[1] + k, b->diffuse[2] + k },
+            .specular = { b->specular[0] + k, b->specular[1] + k, b->specular[2] + k },
+            .shape = b->shape + k,
+            .f90 = b->f90 + k,
+            .coat_f0 = b->coat_f0 + k,
+            .coat_f90 = b->coat_f90 + k,
+        };
+        const float* out_dir[3] = { wo[0] + k, wo[1] + k, wo[2] + k };
+        const float* in_dir[3] = { wi[0] + k, wi[1] + k, wi[2] + k };
+        if ( f != NULL )
+        {
+            float* out[3] = { f[0] + k, f[1] + k, f[2] + k };
+            rf_bsdf_evaluate( (RfBsdfKind)kind, count, &lanes, out_dir, in_dir, out,
+                              pdf_solid_angle != NULL ? pdf_solid_angle + k : NULL );
+        }
+        else
+            rf_bsdf_evaluate( (RfBsdfKind)kind, count, &lanes, out_dir, in_dir, NULL, pdf_solid_angle + k );
+    }
+}
+
+static void clear( float* lanes, int count ) { memset( lanes, 0, (size_t)count * sizeof( float ) ); }
+
+void rf_clear_directions( RfHitBatch* batch, int directions, bool eq15 )
+{
+    int count = rf_glossy_count( batch );
+    if ( count == 0 )
+        return;
+    for ( int d = 0; d < directions; ++d )
+    {
+        RfDirectionLanes* lanes = batch->directions + d;
+        for ( int c = 0; c < 3; ++c )
+        {
+            clear( lanes->wi[c], count );
+            clear( lanes->q[c], count );
+            if ( eq15 )
+            {
+                clear( lanes->a[c], count );
+                clear( lanes->b[c], count );
+            }
+        }
+        if ( eq15 )
+            clear( lanes->light_pdf, count );
+    }
+}

@@ -1,0 +1,211 @@
+#include "reuse/harvest_internal.h"
+
+#include <string.h>
+
+// What the roulette takes a path for whose own eye sees next to nothing of it:
+// other eyes may see more.
+#define MIN_ROULETTE_SCALE 0.1f
+
+static size_t scratch_struct_bytes( void ) { return ( sizeof( RfHarvestScratch ) + 63 ) / 64 * 64; }
+
+size_t rf_harvest_scratch_bytes( const RfBatchShape* shape )
+{
+    return scratch_struct_bytes() + (size_t)shape->light_samples * sizeof( RfLightLanes ) +
+           (size_t)shape->eyes * RF_LANES * sizeof( float );
+}
+
+RfHarvestScratch* rf_lay_out_harvest_scratch( const RfBatchShape* shape, void* memory )
+{
+    RfHarvestScratch* scratch = memory;
+    scratch->direct = (RfLightLanes*)( (char*)memory + scratch_struct_bytes() );
+    scratch->density = (float*)( scratch->direct + shape->light_samples );
+    return scratch;
+}
+
+static int tiles_across( int pixels ) { return ( pixels + RF_TILE_SIZE - 1 ) / RF_TILE_SIZE; }
+
+int rf_tile_count( int width, int height ) { return tiles_across( width ) * tiles_across( height ); }
+
+// The pixels of a tile in blocks of 4×4, so that a packet's rays keep together.
+static int list_pixels( const RfEye* eye, int tile, int32_t* pixel )
+{
+    int x0 = tile % tiles_across( eye->width ) * RF_TILE_SIZE;
+    int y0 = tile / tiles_across( eye->width ) * RF_TILE_SIZE;
+    int count = 0;
+    for ( int i = 0; i < RF_TILE_SIZE * RF_TILE_SIZE; ++i )
+    {
+        int block = i / 16, within = i % 16;
+        int x = x0 + block % ( RF_TILE_SIZE / 4 ) * 4 + within % 4;
+        int y = y0 + block / ( RF_TILE_SIZE / 4 ) * 4 + within / 4;
+        if ( x < eye->width && y < eye->height )
+            pixel[count++] = y * eye->width + x;
+    }
+    return count;
+}
+
+static void make_keys( uint64_t pass_key, int count, const int32_t* pixel, RfWalk* walk )
+{
+#pragma omp simd
+    for ( int i = 0; i < count; ++i )
+    {
+        RfRandomKey key = rf_pixel_key( pass_key, (uint32_t)pixel[i] );
+        walk->key_a[i] = key.a;
+        walk->key_b[i] = key.b;
+    }
+}
+
+// One ray through a uniform point of each pixel.
+static void make_camera_rays( const RfEye* eye, int count, const int32_t* pixel, RfWalk* walk, RfRayLanes* rays )
+{
+    int32_t* slot = rays->slot;
+    for ( int i = 0; i < count; ++i )
+        slot[i] = i;
+    float( *random )[RF_LANES] = walk->scratch.random;
+    rf_draw_lanes( walk, count, slot, RF_DIMENSION_FILM_X, 2, random );
+    float inverse_focal = 1.0f / eye->focal;
+    int width = eye->width;
+    RfEye e = *eye;
+#pragma omp simd
+    for ( int i = 0; i < count; ++i )
+    {
+        int y = pixel[i] / width, x = pixel[i] - y * width;
+        float fx = ( (float)x + random[0][i] - 0.5f * (float)width ) * inverse_focal;
+        float fy = ( 0.5f * (float)e.height - (float)y - random[1][i] ) * inverse_focal;
+        RfVec3 d = rf_madd( rf_madd( e.forward, e.right, fx ), e.up, fy );
+        d = rf_scale( d, 1.0f / sqrtf( rf_dot( d, d ) ) );
+        rays->o[0][i] = e.origin.x;
+        rays->o[1][i] = e.origin.y;
+        rays->o[2][i] = e.origin.z;
+        rays->d[0][i] = d.x;
+        rays->d[1][i] = d.y;
+        rays->d[2][i] = d.z;
+    }
+    rays->count = count;
+}
+
+// Hits keep the pixel they were drawn in; what found nothing is a miss.
+static void note_pixels( int count, const RfHarvestScratch* scratch, RfHitBatch* batch )
+{
+    uint8_t hit[RF_LANES];
+    memset( hit, 0, (size_t)count );
+    for ( int i = 0; i < scratch->first.count; ++i )
+    {
+        int slot = scratch->first.slot[i];
+        hit[slot] = 1;
+        batch->pixel[i] = scratch->pixel[slot];
+    }
+    batch->miss_count = 0;
+    for ( int slot = 0; slot < count; ++slot )
+    {
+        batch->miss_pixel[batch->miss_count] = scratch->pixel[slot];
+        batch->miss_count += !hit[slot];
+    }
+}
+
+static void sample_direct( const RfHarvest* harvest, RfHarvestScratch* scratch, RfRayCounts* rays )
+{
+    int k = harvest->walk.light_samples;
+    uint32_t dimension = rf_vertex_dimension( 1, k ) + RF_DIMENSION_LIGHTS;
+    for ( int j = 0; j < k; ++j )
+        rays->shadow += (uint64_t)rf_sample_lights( &harvest->walk, &scratch->walk, &scratch->first,
+                                                    dimension + 3u * (uint32_t)j, scratch->direct + j,
+                                                    &scratch->walk.scratch );
+}
+
+// Draws the scattered directions and queues the rays that can carry light.
+static void scatter_first( const RfHarvest* harvest, RfHarvestScratch* scratch )
+{
+    const RfVertexLanes* v = &scratch->first;
+    RfWalk* walk = &scratch->walk;
+    RfLaneScratch* s = &walk->scratch;
+    RfRayLanes* rays = &walk->rays;
+    float* wi[3] = { scratch->scattered[0], scratch->scattered[1], scratch->scattered[2] };
+    const float* wi_in[3] = { wi[0], wi[1], wi[2] };
+    float* f[3] = { s->f[0], s->f[1], s->f[2] };
+    rf_scatter_lanes( walk, v, rf_vertex_dimension( 1, harvest->walk.light_samples ) + RF_DIMENSION_SCATTER, wi, s );
+    rf_evaluate_lanes( v, wi_in, f, s->pdf );
+    float offset = rf_ray_offset( rf_tracer_scene( harvest->walk.tracer ) );
+    int kept = 0;
+    for ( int i = 0; i < v->count; ++i )
+    {
+        float cos_x = v->n[0][i] * wi[0][i] + v->n[1][i] * wi[1][i] + v->n[2][i] * wi[2][i];
+        float cos_g = v->ng[0][i] * wi[0][i] + v->ng[1][i] * wi[1][i] + v->ng[2][i] * wi[2][i];
+        float pdf = s->pdf[i];
+        int slot = v->slot[i];
+        for ( int c = 0; c < 3; ++c )
+        {
+            rays->o[c][kept] = v->p[c][i] + v->ng[c][i] * offset;
+            rays->d[c][kept] = wi[c][i];
+            rays->throughput[c][kept] = 1.0f;
+        }
+        rays->pdf_solid_angle[kept] = pdf;
+        rays->slot[kept] = slot;
+        float weight = rf_maxf( f[0][i], rf_maxf( f[1][i], f[2][i] ) ) * cos_x / pdf;
+        walk->roulette_scale[slot] = rf_maxf( weight, MIN_ROULETTE_SCALE );
+        kept += ( cos_x > 0.0f ) & ( cos_g > 0.0f ) & ( pdf > 0.0f );
+    }
+    rays->count = kept;
+}
+
+static void copy_hits( const RfVertexLanes* v, RfHitBatch* batch )
+{
+    size_t bytes = (size_t)v->count * sizeof( float );
+    batch->count = v->count;
+    memcpy( batch->first, v->first, sizeof batch->first );
+    for ( int c = 0; c < 3; ++c )
+    {
+        memcpy( batch->p[c], v->p[c], bytes );
+        memcpy( batch->ng[c], v->ng[c], bytes );
+    }
+    int first = v->first[RF_BSDF_PHONG];
+    bytes = (size_t)( v->count - first ) * sizeof( float );
+    if ( bytes == 0 )
+        return;
+    for ( int c = 0; c < 3; ++c )
+    {
+        memcpy( batch->n[c], v->n[c] + first, bytes );
+        memcpy( batch->wo[c], v->wo[c] + first, bytes );
+        memcpy( batch->diffuse[c], v->diffuse[c] + first, bytes );
+        memcpy( batch->specular[c], v->specular[c] + first, bytes );
+    }
+    memcpy( batch->shape, v->shape + first, bytes );
+    memcpy( batch->f90, v->f90 + first, bytes );
+    memcpy( batch->coat_f0, v->coat_f0 + first, bytes );
+    memcpy( batch->coat_f90, v->coat_f90 + first, bytes );
+}
+
+void rf_harvest_batch( const RfHarvest* harvest, RfHarvestJob job, RfHitBatch* batch, RfHarvestScratch* scratch,
+                       RfRayCounts* rays )
+{
+    const RfEye* eye = harvest->eyes + job.eye;
+    RfWalk* walk = &scratch->walk;
+    uint64_t key = rf_pass_key( harvest->seed, (uint32_t)( harvest->first_frame + job.eye ),
+                                (uint32_t)harvest->first_frame, (uint32_t)job.pass );
+    batch->eye = job.eye;
+
+    // first hits
+    int count = list_pixels( eye, job.tile, scratch->pixel );
+    make_keys( key, count, scratch->pixel, walk );
+    make_camera_rays( eye, count, scratch->pixel, walk, &scratch->camera_rays );
+    rf_find_vertices( &harvest->walk, &scratch->camera_rays, true, &scratch->first, &walk->scratch );
+    rays->primary += (uint64_t)count;
+    note_pixels( count, scratch, batch );
+    copy_hits( &scratch->first, batch );
+
+    // the rest of their paths
+    memset( &walk->arrivals, 0, sizeof walk->arrivals );
+    walk->path_rays = walk->shadow_rays = 0;
+    walk->rays.count = 0;
+    if ( harvest->walk.max_depth > 1 )
+    {
+        sample_direct( harvest, scratch, rays );
+        scatter_first( harvest, scratch );
+        rf_trace_tails( &harvest->walk, walk );
+    }
+    rays->path += walk->path_rays;
+    rays->shadow += walk->shadow_rays;
+
+    // who sees them, and what they are worth
+    rf_see_batch( harvest, batch, scratch, rays );
+    rf_weigh_batch( harvest, batch, scratch );
+}

@@ -1,0 +1,46 @@
+// Phase 1, HARVEST: the native hits of one tile of one frame in one pass, with
+// the light that arrives at them, their visibility from every eye of the
+// group, and the densities that the weights need, into a batch of hit records.
+#ifndef REFRAME_REUSE_HARVEST_H
+#define REFRAME_REUSE_HARVEST_H
+
+#include "path/walk.h"
+#include "reuse/project.h"
+#include "reuse/records.h"
+#include "reuse/render.h"
+
+#define RF_TILE_SIZE 32 // pixels, wide and high; a tile's rays fill a wavefront
+
+// What all batches of a window share.
+typedef struct RfHarvest
+{
+    RfWalkSettings walk;
+    RfBatchShape shape;
+    RfWeights weights;
+    uint64_t seed;
+    const RfEye* eyes; // shape.eyes of them
+    int first_frame;   // path frame of eyes[0]; also the window's number
+} RfHarvest;
+
+// One batch: whose pixels, which, and the pass.
+typedef struct RfHarvestJob
+{
+    int eye; // index in the window
+    int tile;
+    int pass;
+} RfHarvestJob;
+
+// A thread's workspace.
+typedef struct RfHarvestScratch RfHarvestScratch;
+size_t rf_harvest_scratch_bytes( const RfBatchShape* shape );
+// Lays a workspace out in memory of that size, aligned to 64.
+RfHarvestScratch* rf_lay_out_harvest_scratch( const RfBatchShape* shape, void* memory );
+
+// Tiles that cover a film.
+int rf_tile_count( int width, int height );
+
+// Fills `batch`; adds the rays traced to `rays`.
+void rf_harvest_batch( const RfHarvest* harvest, RfHarvestJob job, RfHitBatch* batch, RfHarvestScratch* scratch,
+                       RfRayCounts* rays );
+
+#endif

@@ -1,0 +1,40 @@
+// Shared by the files of the harvest: the workspace and its steps.
+#ifndef REFRAME_REUSE_HARVEST_INTERNAL_H
+#define REFRAME_REUSE_HARVEST_INTERNAL_H
+
+#include "reuse/glossy.h"
+#include "reuse/harvest.h"
+
+// One direction of all hits: where from, and the light in its two parts.
+typedef struct RfArrivalLanes
+{
+    const float* wi[3];
+    RF_ALIGN float a[3][RF_LANES]; // |cos| times radiance that light sampling could have found too
+    float b[3][RF_LANES];          // |cos| times the rest
+    float light_pdf[RF_LANES];     // K p_L
+} RfArrivalLanes;
+
+struct RfHarvestScratch
+{
+    RfWalk walk;
+    RfRayLanes camera_rays;
+    RfVertexLanes first; // the hits
+    RF_ALIGN int32_t pixel[RF_LANES]; // by slot
+    RF_ALIGN float scattered[3][RF_LANES]; // direction drawn at each hit
+    RF_ALIGN float mixture[RF_LANES];
+    RF_ALIGN float wo[3][RF_LANES];
+    RfArrivalLanes arrival;
+    RF_ALIGN int32_t row[RF_LANES];
+    RF_ALIGN int32_t candidate[RF_LANES];
+    RfLightLanes* direct; // light samples at the hits, K of them
+    float* density;       // J_l V_l: eye l, hit i at l·RF_LANES + i
+};
+
+// Visibility and densities from every eye: batch->seen, rows and density_sum,
+// and scratch->density.
+void rf_see_batch( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch, RfRayCounts* rays );
+
+// The light of the records: batch->radiance, and the glossy hits' directions.
+void rf_weigh_batch( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch );
+
+#endif

@@ -1,0 +1,80 @@
+#include "reuse/records.h"
+
+// Hands out pieces of a block; with base NULL it only counts.
+typedef struct Layout
+{
+    char* base;
+    size_t used;
+} Layout;
+
+static void* take( Layout* layout, size_t bytes )
+{
+    void* piece = layout->base != NULL ? layout->base + layout->used : NULL;
+    layout->used += ( bytes + 63 ) / 64 * 64;
+    return piece;
+}
+
+static float* take_lanes( Layout* layout ) { return take( layout, RF_LANES * sizeof( float ) ); }
+
+static void take_lanes3( Layout* layout, float* lanes[3] )
+{
+    for ( int c = 0; c < 3; ++c )
+        lanes[c] = take_lanes( layout );
+}
+
+static void take_glossy( Layout* layout, const RfBatchShape* shape, RfHitBatch* batch )
+{
+    take_lanes3( layout, batch->n );
+    take_lanes3( layout, batch->wo );
+    take_lanes3( layout, batch->diffuse );
+    take_lanes3( layout, batch->specular );
+    batch->shape = take_lanes( layout );
+    batch->f90 = take_lanes( layout );
+    batch->coat_f0 = take_lanes( layout );
+    batch->coat_f90 = take_lanes( layout );
+    int directions = shape->light_samples + 1;
+    batch->directions = take( layout, (size_t)directions * sizeof *batch->directions );
+    for ( int d = 0; d < directions; ++d )
+    {
+        RfDirectionLanes lanes = { 0 };
+        take_lanes3( layout, lanes.wi );
+        take_lanes3( layout, lanes.q );
+        if ( shape->eq15 )
+        {
+            take_lanes3( layout, lanes.a );
+            take_lanes3( layout, lanes.b );
+            lanes.light_pdf = take_lanes( layout );
+        }
+        if ( layout->base != NULL )
+            batch->directions[d] = lanes;
+    }
+}
+
+static RfHitBatch lay_out( const RfBatchShape* shape, Layout* layout )
+{
+    RfHitBatch batch = { 0 };
+    take_lanes3( layout, batch.p );
+    take_lanes3( layout, batch.ng );
+    batch.density_sum = take_lanes( layout );
+    batch.radiance = take( layout, 4 * RF_LANES * sizeof( float ) );
+    batch.seen = take( layout, (size_t)rf_seen_words( shape->eyes ) * RF_LANES * sizeof( uint32_t ) );
+    batch.pixel = take( layout, RF_LANES * sizeof( int32_t ) );
+    batch.miss_pixel = take( layout, RF_LANES * sizeof( int32_t ) );
+    batch.rows = take( layout, (size_t)shape->eyes * 2 * sizeof( int32_t ) );
+    if ( shape->glossy )
+        take_glossy( layout, shape, &batch );
+    return batch;
+}
+
+size_t rf_batch_bytes( const RfBatchShape* shape )
+{
+    Layout layout = { NULL, 0 };
+    lay_out( shape, &layout );
+    return layout.used;
+}
+
+RfHitBatch rf_lay_out_batch( const RfBatchShape* shape, void* memory )
+{
+    Layout layout = { memory, 0 };
+    return lay_out( shape, &layout );
+}

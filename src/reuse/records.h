@@ -1,0 +1,67 @@
+// Hit records: what the harvest leaves for the compute phase. A batch holds
+// the hits of one tile of one frame in one pass, as structures of arrays; the
+// diffuse ones first, which cost no storage per eye and none per direction.
+#ifndef REFRAME_REUSE_RECORDS_H
+#define REFRAME_REUSE_RECORDS_H
+
+#include "base/arena.h"
+#include "path/lanes.h"
+
+// A direction that a glossy hit was lit from, with the light that the weights
+// over the eyes leave of it: C_t = r_t f_t(x, wi) Q, with r_t = J_t V_t / Σ J_l V_l
+// and Q = |cos| (A / (K p_L + P) + B / P), P = Σ r_l p_l the mixture density of
+// the eyes (E1, E3). A: radiance that light sampling could have found too, B: the rest.
+typedef struct RfDirectionLanes
+{
+    float* wi[3];
+    float* q[3];
+    // for RF_WEIGHTS_EQ15 only, whose P differs from pixel to pixel; else NULL
+    float* a[3];
+    float* b[3];
+    float* light_pdf; // K p_L
+} RfDirectionLanes;
+
+typedef struct RfHitBatch
+{
+    int eye;        // index in the group of the frame whose pixels these are
+    int count;      // hits
+    int miss_count; // pixels whose ray found nothing
+    int first[RF_BSDF_KIND_COUNT + 1]; // hits [first[k], first[k+1]) scatter by model k
+    float* p[3];
+    float* ng[3];
+    float* density_sum; // Σ_l J_l V_l over the eyes of the group
+    float* radiance;    // 4 per hit: r g b 1. Diffuse: all light to any eye; glossy: emission only
+    uint32_t* seen;     // visibility: word w of hit i is seen[w·RF_LANES + i], bit l%32 of word l/32 for eye l
+    int32_t* pixel;     // y·width + x in its own frame
+    int32_t* miss_pixel;
+    int32_t* rows;      // 2 per eye: first and last row of its film that a hit lands in; first > last: none
+    // glossy hits, lane i − first[RF_BSDF_PHONG]
+    float* n[3];
+    float* wo[3]; // to its own eye, as the camera ray came
+    float* diffuse[3];
+    float* specular[3];
+    float* shape;
+    float* f90;
+    float* coat_f0;
+    float* coat_f90;
+    RfDirectionLanes* directions; // K light samples and the scattered direction
+} RfHitBatch;
+
+// What the size of a batch depends on.
+typedef struct RfBatchShape
+{
+    int eyes;          // in a group
+    int light_samples; // K
+    bool glossy;       // the scene has any
+    bool eq15;
+} RfBatchShape;
+
+static inline int rf_seen_words( int eyes ) { return ( eyes + 31 ) / 32; }
+
+// Bytes of one batch.
+size_t rf_batch_bytes( const RfBatchShape* shape );
+
+// Lays a batch out in `memory`, rf_batch_bytes long and aligned to 64.
+RfHitBatch rf_lay_out_batch( const RfBatchShape* shape, void* memory );
+
+#endif

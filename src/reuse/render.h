@@ -1,0 +1,100 @@
+// Renders frames of a camera path with unbiased frame reuse (Méndez Feliu,
+// Sbert, Szirmay-Kalos, Reusing Frames in Camera Animation, WSCG 2006;
+// estimators.md sections 1 to 3 and 7): harvest and compute over sliding
+// groups of 2n+1 frames.
+#ifndef REFRAME_REUSE_RENDER_H
+#define REFRAME_REUSE_RENDER_H
+
+#include "scene/eye.h"
+#include "trace/trace.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+typedef enum RfWeights
+{
+    RF_WEIGHTS_EXACT,      // (E1), (E3): the balance heuristic over all eyes
+    RF_WEIGHTS_EQ15,       // FR (15): biased, for comparison
+    RF_WEIGHTS_UNWEIGHTED, // all hits of a pixel averaged: biased, for comparison
+} RfWeights;
+
+typedef enum RfNormalize
+{
+    RF_NORMALIZE_CROSSFIT, // (E2): unbiased
+    RF_NORMALIZE_RATIO,    // A/B: small bias
+    RF_NORMALIZE_NONE,     // A: unbiased, noisy
+} RfNormalize;
+
+typedef struct RfRenderSettings
+{
+    int spp;           // native samples per pixel and frame in all
+    int group;         // half-width n, cut to the path; RF_GROUP_AUTO: chosen
+    RfWeights weights;
+    RfNormalize normalize;
+    int max_depth;     // path vertices after the eye
+    int light_samples; // K per vertex
+    uint64_t seed;
+    int threads;       // 0: all cores
+    size_t memory;     // budget in bytes; 0: half of what is free
+} RfRenderSettings;
+
+#define RF_GROUP_AUTO ( -1 )
+
+RfRenderSettings rf_default_render_settings( void );
+
+// A finished frame. The pixels are valid during the callback only.
+typedef struct RfFrameResult
+{
+    int frame;              // index into the eyes, from 0
+    int width, height;
+    const float* rgb;       // 3 × width × height
+    const float* weight;    // width × height: B, the mean of the summed weights; E[B] = 1
+    double seconds;         // wall time since the frame before it
+    double relmse_estimate; // from the film halves; NaN with a single pass
+    double native_spp;      // native samples traced per pixel
+    double effective_spp;   // samples that landed per pixel, native and reused
+} RfFrameResult;
+
+typedef struct RfProgress
+{
+    int frames_done, frames_all;
+    double share;       // of the whole work, 0 to 1
+    double samples;     // native samples traced so far
+    double seconds;     // since the start
+} RfProgress;
+
+// Either callback may be NULL. `frame` failing stops the render with its
+// error; `progress` returning false stops it with RF_ERROR_INTERRUPTED.
+typedef struct RfRenderCallbacks
+{
+    void* user;
+    RfResult ( *frame )( void* user, const RfFrameResult* result, RfError* error );
+    bool ( *progress )( void* user, const RfProgress* progress );
+} RfRenderCallbacks;
+
+typedef struct RfRayCounts
+{
+    uint64_t primary, path, shadow, tile, eye;
+} RfRayCounts;
+
+typedef struct RfRenderStats
+{
+    double seconds;
+    RfRayCounts rays;
+    size_t peak_bytes, budget_bytes;
+    int group;   // as rendered
+    int spp;     // as rendered: rounded up to what the groups need
+    int threads;
+} RfRenderStats;
+
+// Renders `frames` (ascending indices into the `eye_count` eyes of the whole
+// path; a frame's result does not depend on which others are asked for) and
+// hands each to callbacks->frame as soon as it is finished, in order. All eyes
+// have the same film size. Two runs, and any number of threads, give the same
+// bits. Fails with RF_ERROR_USAGE for settings out of range, RF_ERROR_MEMORY
+// where the smallest chunk does not fit the budget.
+RfResult rf_render( const RfTracer* tracer, const RfEye* eyes, int eye_count, const int* frames, int frame_count,
+                    const RfRenderSettings* settings, const RfRenderCallbacks* callbacks, RfRenderStats* stats,
+                    RfError* error );
+
+#endif

@@ -1,0 +1,126 @@
+// A scene as plain data: one soup of world-space triangles, materials, lights
+// by triangle, and what is needed to place a camera at any time. It knows
+// nothing of files, rays or estimators; loaders fill it, everybody else reads.
+#ifndef REFRAME_SCENE_SCENE_H
+#define REFRAME_SCENE_SCENE_H
+
+#include "base/error.h"
+#include "math/mat4.h"
+#include "math/vec3.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+typedef enum RfBsdfKind
+{
+    RF_BSDF_LAMBERT, // diffuse only: the same for every eye
+    RF_BSDF_PHONG,   // Lambert + modified Phong lobe (Lafortune, Willems 1994)
+    RF_BSDF_GGX,     // Lambert base under a Fresnel-weighted GGX coat, or metal
+    RF_BSDF_KIND_COUNT
+} RfBsdfKind;
+
+// Reflectances are linear RGB in [0, 1].
+typedef struct RfMaterial
+{
+    char* name;
+    RfBsdfKind kind;
+    RfVec3 diffuse;   // Lambert reflectance (GGX: of the base, times 1 − metallic)
+    RfVec3 specular;  // Phong: lobe reflectance; GGX: reflectance at normal incidence F0
+    float f90;        // GGX: reflectance at grazing incidence
+    float coat_f0;    // GGX: dielectric Fresnel that takes light from the base
+    float coat_f90;   //      (scalars: the largest channel), at normal and at grazing
+    float exponent;   // Phong: n of cosⁿ, ≥ 0
+    float alpha;      // GGX: roughness², in [RF_MIN_ALPHA, 1]
+    RfVec3 emission;  // radiance, W/(m² sr), on the front (on both sides if double_sided)
+    bool double_sided;
+} RfMaterial;
+
+#define RF_MIN_ALPHA 1e-3f
+
+#define RF_NO_LIGHT 0xffffffffu
+
+typedef struct RfTriangles
+{
+    uint32_t vertex_count;
+    uint32_t count;
+    float* positions;   // 3 × vertex_count, world space
+    float* normals;     // 3 × vertex_count, unit length, world space; meshes without
+                        // normals have copies of their vertices with the face's normal
+    float* uvs;         // 2 × vertex_count, or NULL where no mesh has any
+    uint32_t* indices;  // 3 × count, front face counter-clockwise
+    uint32_t* material; // count
+} RfTriangles;
+
+// A node of the hierarchy; kept to place cameras at any time.
+typedef struct RfNode
+{
+    char* name;
+    int parent;         // −1: a root
+    bool has_matrix;    // else translation, rotation, scale
+    RfMat4 matrix;
+    double translation[3];
+    double rotation[4]; // x y z w, unit
+    double scale[3];
+} RfNode;
+
+typedef enum RfInterpolation
+{
+    RF_STEP,
+    RF_LINEAR,
+    RF_CUBICSPLINE,
+} RfInterpolation;
+
+typedef enum RfAnimatedPath
+{
+    RF_TRANSLATION,
+    RF_ROTATION,
+    RF_SCALE,
+} RfAnimatedPath;
+
+// One animated property of one node. Values hold `count` keys of 3 (or 4)
+// doubles; CUBICSPLINE keys are in-tangent, value, out-tangent (3 × as many).
+typedef struct RfChannel
+{
+    int node;
+    RfAnimatedPath path;
+    RfInterpolation interpolation;
+    int count;
+    double* times; // seconds, strictly increasing
+    double* values;
+} RfChannel;
+
+typedef struct RfCamera
+{
+    char* name;    // unique, never empty
+    int node;      // −1: the default camera made for a scene that has none
+    double yfov;   // radians, of the image's height
+    bool animated; // a channel moves its node or an ancestor
+    double start;  // seconds: first and last key of those channels
+    double end;
+} RfCamera;
+
+typedef struct RfScene
+{
+    char* path; // the file it came from
+    uint64_t content_hash; // of the file's bytes (and its buffers'), for --resume
+    RfTriangles triangles;
+    RfVec3 bounds_min, bounds_max; // of the triangles; both 0 where there are none
+    uint32_t instance_count;       // mesh primitives placed by nodes
+    uint32_t material_count;
+    RfMaterial* materials;
+    int node_count;
+    RfNode* nodes;
+    int channel_count;
+    RfChannel* channels;
+    int camera_count;
+    RfCamera* cameras;
+} RfScene;
+
+// Frees all that a loader filled in, and clears the struct. NULL-safe inside.
+void rf_destroy_scene( RfScene* scene );
+
+// Smallest offset that keeps a ray clear of the surface it starts from: scene
+// units, for points anywhere inside the bounds.
+float rf_ray_offset( const RfScene* scene );
+
+#endif

@@ -1,0 +1,280 @@
+#include "trace/trace.h"
+
+#include "light/light.h"
+
+#include <embree3/rtcore.h>
+#include <pmmintrin.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <xmmintrin.h>
+
+#define PACKET 16
+
+struct RfTracer
+{
+    const RfScene* scene;
+    RTCDevice device;
+    RTCScene embree_scene;
+    RfLights lights;
+    RfTriangleRecord* triangles;
+    long bytes;
+    char text[64];
+    char message[256]; // Embree's last error
+};
+
+void rf_set_float_mode( void )
+{
+    _MM_SET_FLUSH_ZERO_MODE( _MM_FLUSH_ZERO_ON );
+    _MM_SET_DENORMALS_ZERO_MODE( _MM_DENORMALS_ZERO_ON );
+}
+
+static void on_device_error( void* user, enum RTCError code, const char* text )
+{
+    RfTracer* tracer = user;
+    if ( tracer->message[0] == 0 )
+        snprintf( tracer->message, sizeof tracer->message, "Embree error %d: %s", (int)code, text != NULL ? text : "" );
+}
+
+static bool on_memory( void* user, ssize_t bytes, bool post )
+{
+    (void)post;
+    RfTracer* tracer = user;
+    __atomic_add_fetch( &tracer->bytes, (long)bytes, __ATOMIC_RELAXED );
+    return true;
+}
+
+// Build quality MEDIUM with ROBUST is deterministic over threads; HIGH is not.
+static RfResult build_bvh( RfTracer* tracer, RfError* error )
+{
+    const RfTriangles* t = &tracer->scene->triangles;
+    tracer->embree_scene = rtcNewScene( tracer->device );
+    rtcSetSceneBuildQuality( tracer->embree_scene, RTC_BUILD_QUALITY_MEDIUM );
+    rtcSetSceneFlags( tracer->embree_scene, RTC_SCENE_FLAG_ROBUST );
+    if ( t->count > 0 )
+    {
+        RTCGeometry geometry = rtcNewGeometry( tracer->device, RTC_GEOMETRY_TYPE_TRIANGLE );
+        // Embree may read 16 bytes at each vertex: its own buffer is padded for that
+        float* positions = rtcSetNewGeometryBuffer( geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12,
+                                                    t->vertex_count );
+        if ( positions != NULL )
+            memcpy( positions, t->positions, (size_t)t->vertex_count * 12 );
+        rtcSetSharedGeometryBuffer( geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, t->indices, 0, 12, t->count );
+        rtcCommitGeometry( geometry );
+        rtcAttachGeometryByID( tracer->embree_scene, geometry, 0 );
+        rtcReleaseGeometry( geometry );
+    }
+    rtcCommitScene( tracer->embree_scene );
+    if ( tracer->message[0] != 0 )
+        return rf_fail( error, RF_ERROR_DEVICE, "%s: building the BVH failed: %s",
+                        tracer->scene->path != NULL ? tracer->scene->path : "scene", tracer->message );
+    return RF_OK;
+}
+
+static RfVec3 load_vec3( const float* values, uint32_t index )
+{
+    return rf_vec3( values[3 * (size_t)index], values[3 * (size_t)index + 1], values[3 * (size_t)index + 2] );
+}
+
+static RfTriangleRecord make_record( const RfTriangles* t, uint32_t i, uint32_t light )
+{
+    const uint32_t* v = t->indices + 3 * (size_t)i;
+    RfTriangleRecord r = { .material = t->material[i], .light = light };
+    r.p0 = load_vec3( t->positions, v[0] );
+    r.e1 = rf_sub( load_vec3( t->positions, v[1] ), r.p0 );
+    r.e2 = rf_sub( load_vec3( t->positions, v[2] ), r.p0 );
+    r.n0 = load_vec3( t->normals, v[0] );
+    r.d1 = rf_sub( load_vec3( t->normals, v[1] ), r.n0 );
+    r.d2 = rf_sub( load_vec3( t->normals, v[2] ), r.n0 );
+    // scaled first: the cross product of tiny edges must not underflow
+    float scale = rf_maxf( rf_maxf( fabsf( r.e1.x ), rf_maxf( fabsf( r.e1.y ), fabsf( r.e1.z ) ) ), 1e-30f );
+    float scale2 = rf_maxf( rf_maxf( fabsf( r.e2.x ), rf_maxf( fabsf( r.e2.y ), fabsf( r.e2.z ) ) ), 1e-30f );
+    r.ng = rf_normalize( rf_cross( rf_scale( r.e1, 1.0f / scale ), rf_scale( r.e2, 1.0f / scale2 ) ) );
+    return r;
+}
+
+static RfResult fill_records( RfTracer* tracer, RfError* error )
+{
+    const RfTriangles* t = &tracer->scene->triangles;
+    tracer->triangles = malloc( ( (size_t)t->count + 1 ) * sizeof *tracer->triangles );
+    if ( tracer->triangles == NULL )
+        return rf_fail( error, RF_ERROR_MEMORY, "no memory for the surfaces of %u triangles", t->count );
+    for ( uint32_t i = 0; i < t->count; ++i )
+        tracer->triangles[i] = make_record( t, i, tracer->lights.of_triangle != NULL ? tracer->lights.of_triangle[i] : RF_NO_LIGHT );
+    return RF_OK;
+}
+
+static void describe_device( RfTracer* tracer )
+{
+    long version = (long)rtcGetDeviceProperty( tracer->device, RTC_DEVICE_PROPERTY_VERSION );
+    const char* isa = __builtin_cpu_supports( "avx512f" ) && __builtin_cpu_supports( "avx512dq" ) &&
+                              __builtin_cpu_supports( "avx512vl" ) && __builtin_cpu_supports( "avx512bw" )
+                          ? "avx512"
+                          : ( __builtin_cpu_supports( "avx2" ) ? "avx2" : "sse" );
+    snprintf( tracer->text, sizeof tracer->text, "embree %ld.%ld.%ld %s", version / 10000, version / 100 % 100,
+              version % 100, isa );
+}
+
+RfResult rf_create_tracer( const RfScene* scene, RfTracer** out, RfError* error )
+{
+    *out = NULL;
+    RfTracer* tracer = calloc( 1, sizeof *tracer );
+    if ( tracer == NULL )
+        return rf_fail( error, RF_ERROR_MEMORY, "no memory for the ray tracer" );
+    tracer->scene = scene;
+    tracer->device = rtcNewDevice( "frequency_level=simd512" );
+    if ( tracer->device == NULL )
+    {
+        free( tracer );
+        return rf_fail( error, RF_ERROR_DEVICE, "Embree gave no device (error %d)", (int)rtcGetDeviceError( NULL ) );
+    }
+    rtcSetDeviceErrorFunction( tracer->device, on_device_error, tracer );
+    rtcSetDeviceMemoryMonitorFunction( tracer->device, on_memory, tracer );
+    describe_device( tracer );
+    RfResult result = rf_collect_lights( scene, &tracer->lights, error );
+    if ( result == RF_OK )
+        result = build_bvh( tracer, error );
+    if ( result == RF_OK )
+        result = fill_records( tracer, error );
+    if ( result != RF_OK )
+    {
+        rf_destroy_tracer( tracer );
+        return result;
+    }
+    *out = tracer;
+    return RF_OK;
+}
+
+void rf_destroy_tracer( RfTracer* tracer )
+{
+    if ( tracer == NULL )
+        return;
+    if ( tracer->embree_scene != NULL )
+        rtcReleaseScene( tracer->embree_scene );
+    rtcReleaseDevice( tracer->device );
+    rf_destroy_lights( &tracer->lights );
+    free( tracer->triangles );
+    free( tracer );
+}
+
+const RfScene* rf_tracer_scene( const RfTracer* tracer ) { return tracer->scene; }
+const RfLights* rf_tracer_lights( const RfTracer* tracer ) { return &tracer->lights; }
+const RfTriangleRecord* rf_tracer_triangles( const RfTracer* tracer ) { return tracer->triangles; }
+const char* rf_tracer_device( const RfTracer* tracer ) { return tracer->text; }
+size_t rf_tracer_bytes( const RfTracer* tracer )
+{
+    return (size_t)tracer->bytes + (size_t)tracer->scene->triangles.count * sizeof( RfTriangleRecord );
+}
+
+// The lanes of a packet beyond `count` get no ray: their valid mask is 0.
+static int set_valid( int* valid, int first, int count )
+{
+    int lanes = count - first < PACKET ? count - first : PACKET;
+    for ( int i = 0; i < PACKET; ++i )
+        valid[i] = i < lanes ? -1 : 0;
+    return lanes;
+}
+
+static void set_ray( struct RTCRay16* ray, int lanes, const float* const d[3], int first, float far )
+{
+    for ( int i = 0; i < lanes; ++i )
+    {
+        ray->dir_x[i] = d[0][first + i];
+        ray->dir_y[i] = d[1][first + i];
+        ray->dir_z[i] = d[2][first + i];
+    }
+    for ( int i = 0; i < PACKET; ++i )
+    {
+        ray->tnear[i] = 0.0f;
+        ray->tfar[i] = far;
+        ray->time[i] = 0.0f;
+        ray->mask[i] = 0xffffffffu;
+        ray->id[i] = 0;
+        ray->flags[i] = 0;
+    }
+}
+
+static void set_origins( struct RTCRay16* ray, int lanes, const float* const o[3], int first )
+{
+    for ( int i = 0; i < lanes; ++i )
+    {
+        ray->org_x[i] = o[0][first + i];
+        ray->org_y[i] = o[1][first + i];
+        ray->org_z[i] = o[2][first + i];
+    }
+}
+
+void rf_trace_nearest( const RfTracer* tracer, int count, const float* const o[3], const float* const d[3],
+                       bool coherent, uint32_t* triangle, float* u, float* v )
+{
+    struct RTCIntersectContext context;
+    rtcInitIntersectContext( &context );
+    context.flags = coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+    _Alignas( 64 ) int valid[PACKET];
+    struct RTCRayHit16 packet;
+    memset( &packet, 0, sizeof packet );
+    for ( int first = 0; first < count; first += PACKET )
+    {
+        int lanes = set_valid( valid, first, count );
+        set_origins( &packet.ray, lanes, o, first );
+        set_ray( &packet.ray, lanes, d, first, INFINITY );
+        for ( int i = 0; i < PACKET; ++i )
+            packet.hit.geomID[i] = packet.hit.primID[i] = RTC_INVALID_GEOMETRY_ID;
+        rtcIntersect16( valid, tracer->embree_scene, &context, &packet );
+        for ( int i = 0; i < lanes; ++i )
+        {
+            triangle[first + i] = packet.hit.primID[i];
+            u[first + i] = packet.hit.u[i];
+            v[first + i] = packet.hit.v[i];
+        }
+    }
+}
+
+static void occluded_packet( const RfTracer* tracer, struct RTCIntersectContext* context, const int* valid,
+                             struct RTCRay16* ray, int lanes, uint8_t* visible )
+{
+    rtcOccluded16( valid, tracer->embree_scene, context, ray );
+    for ( int i = 0; i < lanes; ++i )
+        visible[i] = ray->tfar[i] >= 0.0f; // −inf where something is in the way
+}
+
+void rf_trace_segments( const RfTracer* tracer, int count, const float* const o[3], const float* const d[3],
+                        uint8_t* visible )
+{
+    struct RTCIntersectContext context;
+    rtcInitIntersectContext( &context );
+    context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+    _Alignas( 64 ) int valid[PACKET];
+    struct RTCRay16 ray;
+    memset( &ray, 0, sizeof ray );
+    for ( int first = 0; first < count; first += PACKET )
+    {
+        int lanes = set_valid( valid, first, count );
+        set_origins( &ray, lanes, o, first );
+        set_ray( &ray, lanes, d, first, 1.0f );
+        occluded_packet( tracer, &context, valid, &ray, lanes, visible + first );
+    }
+}
+
+void rf_trace_segments_from( const RfTracer* tracer, RfVec3 origin, int count, const float* const d[3],
+                             uint8_t* visible )
+{
+    struct RTCIntersectContext context;
+    rtcInitIntersectContext( &context );
+    context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    _Alignas( 64 ) int valid[PACKET];
+    struct RTCRay16 ray;
+    memset( &ray, 0, sizeof ray );
+    for ( int i = 0; i < PACKET; ++i )
+    {
+        ray.org_x[i] = origin.x;
+        ray.org_y[i] = origin.y;
+        ray.org_z[i] = origin.z;
+    }
+    for ( int first = 0; first < count; first += PACKET )
+    {
+        int lanes = set_valid( valid, first, count );
+        set_ray( &ray, lanes, d, first, 1.0f );
+        occluded_packet( tracer, &context, valid, &ray, lanes, visible + first );
+    }
+}

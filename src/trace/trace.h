@@ -1,0 +1,61 @@
+// Embree behind a small door: nearest hits and occlusion, always for arrays of
+// rays, as structures of arrays. Rays are traced in packets of 16 in the order
+// given; what lies next to each other in the arrays should be close in space.
+#ifndef REFRAME_TRACE_TRACE_H
+#define REFRAME_TRACE_TRACE_H
+
+#include "light/light.h"
+#include "scene/scene.h"
+
+#include <stddef.h>
+#include <stdint.h>
+
+typedef struct RfTracer RfTracer;
+
+// Builds the BVH of a scene, which must outlive the tracer. An empty scene is
+// allowed: every ray misses.
+RfResult rf_create_tracer( const RfScene* scene, RfTracer** tracer, RfError* error );
+void rf_destroy_tracer( RfTracer* tracer );
+
+const RfScene* rf_tracer_scene( const RfTracer* tracer );
+// The lights of the scene, collected at creation (light/light.h).
+const RfLights* rf_tracer_lights( const RfTracer* tracer );
+// What the image depends on besides the scene: Embree's version and instruction set.
+const char* rf_tracer_device( const RfTracer* tracer );
+// Memory that Embree holds, bytes.
+size_t rf_tracer_bytes( const RfTracer* tracer );
+
+#define RF_MISS 0xffffffffu
+
+// What a surface is at a triangle, in one place: a hit reads one of these.
+// Edges and normal differences are relative to vertex 0, for barycentrics u, v.
+typedef struct RfTriangleRecord
+{
+    RfVec3 p0, e1, e2; // position = p0 + u e1 + v e2
+    RfVec3 n0, d1, d2; // shading normal = n0 + u d1 + v d2, not unit
+    RfVec3 ng;         // unit geometric normal of the front
+    uint32_t material;
+    uint32_t light;    // index into RfLights, or RF_NO_LIGHT
+    uint32_t pad;
+} RfTriangleRecord;
+
+const RfTriangleRecord* rf_tracer_triangles( const RfTracer* tracer );
+
+// Nearest hits of `count` rays o + t d, t > 0: triangle index (RF_MISS where
+// there is none) and barycentrics. `coherent` is a hint for the traversal.
+void rf_trace_nearest( const RfTracer* tracer, int count, const float* const o[3], const float* const d[3],
+                       bool coherent, uint32_t* triangle, float* u, float* v );
+
+// Are the segments from o to o + d free? 1 or 0 each.
+void rf_trace_segments( const RfTracer* tracer, int count, const float* const o[3], const float* const d[3],
+                        uint8_t* visible );
+
+// The same from one common origin: packets of coherent rays (estimators.md 8).
+void rf_trace_segments_from( const RfTracer* tracer, RfVec3 origin, int count, const float* const d[3],
+                             uint8_t* visible );
+
+// Set flush-to-zero for this thread: call at the top of main and of every
+// parallel region, so that results do not depend on the thread.
+void rf_set_float_mode( void );
+
+#endif

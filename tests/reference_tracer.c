@@ -1,0 +1,258 @@
+#include "reference_tracer.h"
+
+#include "base/random.h"
+#include "bsdf/bsdf.h"
+#include "light/light.h"
+#include "path/lanes.h"
+
+#include <stdlib.h>
+
+// A surface point, seen along −wo.
+typedef struct Point
+{
+    RfVec3 p, ng, n, wo;
+    const RfMaterial* material;
+    RfVec3 emission;
+    float light_pdf; // of a light sample at the ray's origin choosing this point
+} Point;
+
+static bool find( const RfTracer* tracer, RfVec3 o, RfVec3 d, Point* out )
+{
+    const float* ro[3] = { &o.x, &o.y, &o.z };
+    const float* rd[3] = { &d.x, &d.y, &d.z };
+    uint32_t triangle;
+    float u, v;
+    rf_trace_nearest( tracer, 1, ro, rd, false, &triangle, &u, &v );
+    if ( triangle == RF_MISS )
+        return false;
+    const RfTriangleRecord* t = rf_tracer_triangles( tracer ) + triangle;
+    out->p = rf_add( t->p0, rf_add( rf_scale( t->e1, u ), rf_scale( t->e2, v ) ) );
+    out->wo = rf_scale( d, -1.0f );
+    float facing = rf_dot( t->ng, out->wo );
+    float side = facing < 0.0f ? -1.0f : 1.0f;
+    out->ng = rf_scale( t->ng, side );
+    RfVec3 n = rf_add( t->n0, rf_add( rf_scale( t->d1, u ), rf_scale( t->d2, v ) ) );
+    float length2 = rf_dot( n, n );
+    n = rf_scale( n, side / sqrtf( length2 ) );
+    out->n = rf_dot( n, out->ng ) > 0.0f && length2 > 1e-12f ? n : out->ng;
+    out->material = rf_tracer_scene( tracer )->materials + t->material;
+    out->emission = rf_vec3( 0, 0, 0 );
+    out->light_pdf = 0.0f;
+    if ( t->light != RF_NO_LIGHT )
+    {
+        const RfLight* light = rf_tracer_lights( tracer )->light + t->light;
+        if ( facing > 0.0f || light->two_sided )
+        {
+            RfVec3 way = rf_sub( out->p, o );
+            out->emission = light->radiance;
+            out->light_pdf = light->pdf_area * rf_dot( way, way ) / fabsf( facing );
+        }
+    }
+    return true;
+}
+
+static RfBsdfLanes lane_of( const Point* x )
+{
+    const RfMaterial* m = x->material;
+    return ( RfBsdfLanes ){
+        .n = { &x->n.x, &x->n.y, &x->n.z },
+        .diffuse = { &m->diffuse.x, &m->diffuse.y, &m->diffuse.z },
+        .specular = { &m->specular.x, &m->specular.y, &m->specular.z },
+        .shape = m->kind == RF_BSDF_PHONG ? &m->exponent : &m->alpha,
+        .f90 = &m->f90,
+        .coat_f0 = &m->coat_f0,
+        .coat_f90 = &m->coat_f90,
+    };
+}
+
+static RfVec3 evaluate( const Point* x, RfVec3 wi, float* pdf )
+{
+    RfBsdfLanes lane = lane_of( x );
+    const float* wo[3] = { &x->wo.x, &x->wo.y, &x->wo.z };
+    const float* in[3] = { &wi.x, &wi.y, &wi.z };
+    RfVec3 f;
+    float* out[3] = { &f.x, &f.y, &f.z };
+    rf_bsdf_evaluate( x->material->kind, 1, &lane, wo, in, out, pdf );
+    return f;
+}
+
+static RfVec3 sample( const Point* x, RfRandomKey key, uint32_t dimension )
+{
+    RfBsdfLanes lane = lane_of( x );
+    float random[3];
+    for ( uint32_t k = 0; k < 3; ++k )
+        random[k] = rf_random( key, dimension + k );
+    const float* wo[3] = { &x->wo.x, &x->wo.y, &x->wo.z };
+    const float* u[3] = { random, random + 1, random + 2 };
+    RfVec3 wi;
+    float* out[3] = { &wi.x, &wi.y, &wi.z };
+    rf_bsdf_sample( x->material->kind, 1, &lane, wo, u, out );
+    return wi;
+}
+
+// A light sample at x: direction, density, and what arrives, times the cosine.
+static RfVec3 sample_light( const RfTracer* tracer, const Point* x, RfRandomKey key, uint32_t dimension, RfVec3* wi,
+                            float* pdf )
+{
+    RfVec3 black = rf_vec3( 0, 0, 0 );
+    const RfLights* lights = rf_tracer_lights( tracer );
+    if ( lights->count == 0 )
+        return black;
+    const RfLight* light = lights->light + rf_pick_light( lights, rf_random( key, dimension ) );
+    float root = sqrtf( rf_random( key, dimension + 1 ) );
+    float b1 = 1.0f - root, b2 = rf_random( key, dimension + 2 ) * root;
+    RfVec3 z = rf_add( light->p0, rf_add( rf_scale( light->e1, b1 ), rf_scale( light->e2, b2 ) ) );
+    RfVec3 way = rf_sub( z, x->p );
+    float d2 = rf_dot( way, way );
+    *wi = rf_scale( way, 1.0f / sqrtf( d2 ) );
+    float facing = -rf_dot( light->normal, *wi );
+    float cos_light = light->two_sided ? fabsf( facing ) : facing;
+    float cos_x = rf_dot( x->n, *wi );
+    *pdf = light->pdf_area * d2 / cos_light;
+    if ( !( cos_x > 0.0f && rf_dot( x->ng, *wi ) > 0.0f && cos_light > 0.0f && *pdf < 1e30f ) )
+        return black;
+    float offset = rf_ray_offset( rf_tracer_scene( tracer ) );
+    RfVec3 from = rf_madd( x->p, x->ng, offset );
+    RfVec3 to = rf_madd( z, light->normal, facing < 0.0f ? -offset : offset );
+    RfVec3 segment = rf_sub( to, from );
+    const float* o[3] = { &from.x, &from.y, &from.z };
+    const float* d[3] = { &segment.x, &segment.y, &segment.z };
+    uint8_t visible;
+    rf_trace_segments( tracer, 1, o, d, &visible );
+    return visible ? rf_scale( light->radiance, cos_x ) : black;
+}
+
+// Light that leaves x towards wo by the light samples.
+static RfVec3 direct( const RfTracer* tracer, const Point* x, RfRandomKey key, int vertex, int k, RfVec3 throughput,
+                      RfVec3 sum )
+{
+    for ( int j = 0; j < k; ++j )
+    {
+        uint32_t dimension = rf_vertex_dimension( vertex, k ) + RF_DIMENSION_LIGHTS + 3u * (uint32_t)j;
+        RfVec3 wi = { 0 };
+        float pdf_light = 1.0f, pdf;
+        RfVec3 arriving = sample_light( tracer, x, key, dimension, &wi, &pdf_light );
+        if ( rf_max_component( arriving ) == 0.0f )
+            continue;
+        RfVec3 f = evaluate( x, wi, &pdf );
+        float scale = 1.0f / ( (float)k * pdf_light + pdf );
+        sum = rf_add( sum, rf_scale( rf_mul( rf_mul( throughput, f ), arriving ), scale ) );
+    }
+    return sum;
+}
+
+// Light that arrives along a ray: emitted by the first point it finds, and the
+// rest.
+typedef struct Arriving
+{
+    RfVec3 emitted, rest;
+    float light_pdf;
+} Arriving;
+
+static Arriving arriving_light( const RfTracer* tracer, const ReferenceSettings* s, RfRandomKey key, RfVec3 o, RfVec3 d,
+                                float roulette_scale )
+{
+    Arriving result = { { 0, 0, 0 }, { 0, 0, 0 }, 0.0f };
+    RfVec3 throughput = rf_vec3( 1, 1, 1 );
+    float pdf_scatter = 0.0f, offset = rf_ray_offset( rf_tracer_scene( tracer ) );
+    for ( int vertex = 2; vertex <= s->max_depth; ++vertex )
+    {
+        Point x;
+        if ( !find( tracer, o, d, &x ) )
+            break;
+        if ( vertex == 2 )
+        {
+            result.emitted = x.emission;
+            result.light_pdf = x.light_pdf;
+        }
+        else if ( x.light_pdf > 0.0f )
+        {
+            float weight = pdf_scatter / ( pdf_scatter + (float)s->light_samples * x.light_pdf );
+            result.rest = rf_add( result.rest, rf_scale( rf_mul( throughput, x.emission ), weight ) );
+        }
+        if ( vertex == s->max_depth )
+            break;
+        result.rest = direct( tracer, &x, key, vertex, s->light_samples, throughput, result.rest );
+        uint32_t dimension = rf_vertex_dimension( vertex, s->light_samples );
+        RfVec3 wi = sample( &x, key, dimension + RF_DIMENSION_SCATTER );
+        RfVec3 f = evaluate( &x, wi, &pdf_scatter );
+        float cos_x = rf_dot( x.n, wi );
+        throughput = rf_scale( rf_mul( throughput, f ), cos_x / pdf_scatter );
+        float q = vertex < 3 ? 1.0f : rf_minf( rf_max_component( throughput ) * roulette_scale, 1.0f );
+        if ( !( cos_x > 0.0f && rf_dot( x.ng, wi ) > 0.0f && pdf_scatter > 0.0f &&
+                rf_random( key, dimension + RF_DIMENSION_ROULETTE ) < q ) )
+            break;
+        throughput = rf_vec3( throughput.x / q, throughput.y / q, throughput.z / q );
+        o = rf_madd( x.p, x.ng, offset );
+        d = wi;
+    }
+    return result;
+}
+
+static RfVec3 scattered_light( const RfTracer* tracer, const ReferenceSettings* s, RfRandomKey key, const Point* x )
+{
+    RfVec3 black = rf_vec3( 0, 0, 0 );
+    RfVec3 wi = sample( x, key, rf_vertex_dimension( 1, s->light_samples ) + RF_DIMENSION_SCATTER );
+    float pdf;
+    RfVec3 f = evaluate( x, wi, &pdf );
+    float cos_x = rf_dot( x->n, wi );
+    if ( !( cos_x > 0.0f && rf_dot( x->ng, wi ) > 0.0f && pdf > 0.0f ) )
+        return black;
+    RfVec3 o = rf_madd( x->p, x->ng, rf_ray_offset( rf_tracer_scene( tracer ) ) );
+    float roulette_scale = rf_maxf( rf_max_component( f ) * cos_x / pdf, 0.1f );
+    Arriving in = arriving_light( tracer, s, key, o, wi, roulette_scale );
+    RfVec3 emitted = rf_scale( rf_scale( in.emitted, cos_x ), 1.0f / ( (float)s->light_samples * in.light_pdf + pdf ) );
+    return rf_mul( f, rf_add( emitted, rf_scale( rf_scale( in.rest, cos_x ), 1.0f / pdf ) ) );
+}
+
+static RfVec3 first_ray( const RfEye* eye, RfRandomKey key, int x, int y )
+{
+    float inverse_focal = 1.0f / eye->focal;
+    float fx = ( (float)x + rf_random( key, RF_DIMENSION_FILM_X ) - 0.5f * (float)eye->width ) * inverse_focal;
+    float fy = ( 0.5f * (float)eye->height - (float)y - rf_random( key, RF_DIMENSION_FILM_Y ) ) * inverse_focal;
+    RfVec3 d = rf_madd( rf_madd( eye->forward, eye->right, fx ), eye->up, fy );
+    return rf_scale( d, 1.0f / sqrtf( rf_dot( d, d ) ) );
+}
+
+RfVec3 reference_sample( const RfTracer* tracer, const RfEye* eye, const ReferenceSettings* s, int pass, int x, int y )
+{
+    uint64_t pass_key = rf_pass_key( s->seed, (uint32_t)s->frame, (uint32_t)s->frame, (uint32_t)pass );
+    RfRandomKey key = rf_pixel_key( pass_key, (uint32_t)( y * eye->width + x ) );
+    Point hit;
+    if ( !find( tracer, eye->origin, first_ray( eye, key, x, y ), &hit ) )
+        return rf_vec3( 0, 0, 0 );
+    RfVec3 sum = hit.emission;
+    if ( s->max_depth == 1 )
+        return sum;
+    for ( int j = 0; j < s->light_samples; ++j )
+    {
+        uint32_t dimension = rf_vertex_dimension( 1, s->light_samples ) + RF_DIMENSION_LIGHTS + 3u * (uint32_t)j;
+        RfVec3 wi = { 0 };
+        float pdf_light = 1.0f, pdf;
+        RfVec3 arriving = sample_light( tracer, &hit, key, dimension, &wi, &pdf_light );
+        RfVec3 f = evaluate( &hit, wi, &pdf );
+        sum = rf_add( sum, rf_mul( f, rf_scale( arriving, 1.0f / ( (float)s->light_samples * pdf_light + pdf ) ) ) );
+    }
+    return rf_add( sum, scattered_light( tracer, s, key, &hit ) );
+}
+
+void reference_image( const RfTracer* tracer, const RfEye* eye, const ReferenceSettings* s, float* rgb )
+{
+    for ( int y = 0; y < eye->height; ++y )
+    {
+        for ( int x = 0; x < eye->width; ++x )
+        {
+            RfVec3 half[2] = { { 0, 0, 0 }, { 0, 0, 0 } };
+            for ( int pass = 0; pass < s->spp; ++pass )
+            {
+                RfVec3* sum = half + ( ( s->frame + pass ) & 1 );
+                *sum = rf_add( *sum, reference_sample( tracer, eye, s, pass, x, y ) );
+            }
+            RfVec3 all = rf_add( half[0], half[1] );
+            float* out = rgb + 3 * ( (size_t)y * (size_t)eye->width + (size_t)x );
+            out[0] = all.x / (float)s->spp;
+            out[1] = all.y / (float)s->spp;
+            out[2] = all.z / (float)s->spp;
+        }
+    }
+}

@@ -1,0 +1,52 @@
+// Small scenes made in memory for tests.
+#ifndef REFRAME_TESTS_SCENE_BUILDER_H
+#define REFRAME_TESTS_SCENE_BUILDER_H
+
+#include "scene/eye.h"
+#include "scene/scene.h"
+
+typedef struct SceneBuilder
+{
+    RfScene scene;
+    uint32_t vertex_room, triangle_room;
+} SceneBuilder;
+
+RfMaterial make_lambert( float r, float g, float b );
+RfMaterial make_phong( float diffuse, float specular, float exponent );
+RfMaterial make_metal( float reflectance, float roughness );
+RfMaterial make_plastic( float diffuse, float roughness );
+RfMaterial make_light( float radiance, bool double_sided );
+
+// Index of the material added.
+uint32_t add_material( SceneBuilder* builder, RfMaterial material );
+
+// Two triangles a b c, a c d; front where they run counter-clockwise.
+void add_quad( SceneBuilder* builder, uint32_t material, RfVec3 a, RfVec3 b, RfVec3 c, RfVec3 d );
+
+// The inside (facing in) or outside of a box.
+void add_box( SceneBuilder* builder, uint32_t material, RfVec3 low, RfVec3 high, bool inside );
+
+// A sphere of 2 × n × n triangles with smooth normals, facing out.
+void add_sphere( SceneBuilder* builder, uint32_t material, RfVec3 center, float radius, int n );
+
+// The scene, owned by the caller; the builder is empty afterwards.
+RfScene finish_scene( SceneBuilder* builder );
+
+typedef enum RoomKind
+{
+    ROOM_DIFFUSE,
+    ROOM_PHONG,
+    ROOM_GGX,
+} RoomKind;
+
+// A closed 4 × 3 × 4 room (x ±2, y 0…3, z ±2) with a ceiling light, a sphere
+// and a block of the given kind.
+RfScene make_room( RoomKind kind );
+
+// A closed box whose inside has this albedo and emits this radiance.
+RfScene make_furnace( float albedo, float emission );
+
+// `count` eyes around the sphere of the room, `degrees` apart.
+void orbit_eyes( RfEye* eyes, int count, float degrees, int width, int height );
+
+#endif
