@@ -111,7 +111,7 @@ typedef struct RfScene
     int node_count;
     RfNode* nodes;
     int channel_count;
-    RfChannel* channels;
+    RfChannel* channels; // sorted by node, then path
     int camera_count;
     RfCamera* cameras;
 } RfScene;

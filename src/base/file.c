@@ -1,0 +1,99 @@
+#include "base/file.h"
+
+#include "base/random.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+// Largest single read: read() itself stops short of 2 GiB.
+#define CHUNK ( (size_t)1 << 30 )
+
+static RfResult check_kind( const char* path, const struct stat* info, uint64_t limit, RfError* error )
+{
+    if ( S_ISDIR( info->st_mode ) )
+        return rf_fail( error, RF_ERROR_IO, "%s: is a folder: name a file in it", path );
+    if ( S_ISREG( info->st_mode ) == 0 )
+        return rf_fail( error, RF_ERROR_IO, "%s: is not a regular file: copy what it gives into one", path );
+    if ( (uint64_t)info->st_size > limit )
+        return rf_fail( error, RF_ERROR_UNSUPPORTED, "%s: has %llu bytes, more than the %llu that are read: make it smaller",
+                        path, (unsigned long long)info->st_size, (unsigned long long)limit );
+    if ( (uint64_t)info->st_size >= SIZE_MAX )
+        return rf_fail( error, RF_ERROR_MEMORY, "%s: is larger than this machine's memory can be", path );
+    return RF_OK;
+}
+
+static RfResult read_all( const char* path, int file, uint8_t* bytes, size_t size, RfError* error )
+{
+    size_t done = 0;
+    while ( done < size )
+    {
+        size_t want = size - done < CHUNK ? size - done : CHUNK;
+        ssize_t got = read( file, bytes + done, want );
+        if ( got < 0 && errno == EINTR )
+            continue;
+        if ( got < 0 )
+            return rf_fail( error, RF_ERROR_IO, "%s: cannot be read: %s", path, strerror( errno ) );
+        if ( got == 0 )
+            return rf_fail( error, RF_ERROR_IO, "%s: became shorter while it was read: try again", path );
+        done += (size_t)got;
+    }
+    return RF_OK;
+}
+
+static RfResult read_open( const char* path, int file, uint64_t limit, uint8_t** bytes, size_t* size, RfError* error )
+{
+    struct stat info;
+    if ( fstat( file, &info ) != 0 )
+        return rf_fail( error, RF_ERROR_IO, "%s: cannot be examined: %s", path, strerror( errno ) );
+    RfResult result = check_kind( path, &info, limit, error );
+    if ( result != RF_OK )
+        return result;
+
+    *size = (size_t)info.st_size;
+    *bytes = malloc( *size > 0 ? *size : 1 );
+    if ( *bytes == NULL )
+        return rf_fail( error, RF_ERROR_MEMORY, "%s: the system has no %zu bytes left to read it into", path, *size );
+    result = read_all( path, file, *bytes, *size, error );
+    if ( result != RF_OK )
+    {
+        free( *bytes );
+        *bytes = NULL;
+        *size = 0;
+    }
+    return result;
+}
+
+RfResult rf_read_file( const char* path, uint64_t limit, uint8_t** bytes, size_t* size, RfError* error )
+{
+    *bytes = NULL;
+    *size = 0;
+    // without O_NONBLOCK the opening of a pipe would wait for its writer
+    int file = open( path, O_RDONLY | O_NONBLOCK | O_CLOEXEC );
+    if ( file < 0 )
+        return rf_fail( error, RF_ERROR_IO, "%s: cannot be opened: %s", path, strerror( errno ) );
+    RfResult result = read_open( path, file, limit, bytes, size, error );
+    close( file );
+    return result;
+}
+
+uint64_t rf_hash_bytes( uint64_t hash, const void* bytes, size_t size )
+{
+    const uint8_t* at = bytes;
+    size_t left = size;
+    for ( ; left >= 8; at += 8, left -= 8 )
+    {
+        uint64_t word;
+        memcpy( &word, at, 8 );
+        hash = rf_mix64( hash ^ word );
+    }
+    uint64_t tail = 0;
+    for ( size_t i = 0; i < left; ++i )
+        tail |= (uint64_t)at[i] << ( 8 * i );
+    // the size tells trailing zeros from none
+    hash = rf_mix64( hash ^ tail );
+    return rf_mix64( hash ^ (uint64_t)size );
+}

@@ -1,0 +1,186 @@
+#include "scene/animation.h"
+
+#include <math.h>
+#include <string.h>
+
+// Above this cosine the arc is a straight line to within 1e-8 and sin() of the
+// angle is too small to divide by.
+#define SLERP_LINEAR_COSINE 0.9999
+
+static int components_of( RfAnimatedPath path )
+{
+    return path == RF_ROTATION ? 4 : 3;
+}
+
+static void normalize_quaternion( double q[4] )
+{
+    double largest = 0.0;
+    for ( int i = 0; i < 4; ++i )
+        largest = fmax( largest, fabs( q[i] ) );
+    // a spline between opposite keys may pass through zero: no rotation then
+    if ( largest > 0.0 && isfinite( largest ) )
+    {
+        double sum = 0.0;
+        for ( int i = 0; i < 4; ++i )
+        {
+            q[i] /= largest;
+            sum += q[i] * q[i];
+        }
+        double scale = 1.0 / sqrt( sum );
+        for ( int i = 0; i < 4; ++i )
+            q[i] *= scale;
+        return;
+    }
+    q[0] = q[1] = q[2] = 0.0;
+    q[3] = 1.0;
+}
+
+static void slerp( const double a[4], const double b[4], double t, double out[4] )
+{
+    double cosine = a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3];
+    // q and −q are the same rotation: take the one on this side
+    double sign = cosine < 0.0 ? -1.0 : 1.0;
+    cosine *= sign;
+    double weight_a = 1.0 - t, weight_b = t;
+    if ( cosine < SLERP_LINEAR_COSINE )
+    {
+        double angle = acos( cosine );
+        weight_a = sin( ( 1.0 - t ) * angle ) / sin( angle );
+        weight_b = sin( t * angle ) / sin( angle );
+    }
+    for ( int i = 0; i < 4; ++i )
+        out[i] = weight_a * a[i] + sign * weight_b * b[i];
+}
+
+// Last key at or before `time`; the caller has clamped.
+static int find_key( const RfChannel* channel, double time )
+{
+    int low = 0, high = channel->count - 1;
+    while ( low < high )
+    {
+        int middle = low + ( high - low + 1 ) / 2;
+        if ( channel->times[middle] <= time )
+            low = middle;
+        else
+            high = middle - 1;
+    }
+    return low;
+}
+
+static const double* key_value( const RfChannel* channel, int key )
+{
+    int n = components_of( channel->path );
+    // a cubic key is in-tangent, value, out-tangent
+    if ( channel->interpolation == RF_CUBICSPLINE )
+        return channel->values + ( (size_t)key * 3 + 1 ) * (size_t)n;
+    return channel->values + (size_t)key * (size_t)n;
+}
+
+// Hermite basis of the glTF specification, appendix C: the tangents are per
+// second, hence times the spacing of the keys.
+static void sample_cubic( const RfChannel* channel, int key, double t, double spacing, double* value )
+{
+    int n = components_of( channel->path );
+    const double* v0 = key_value( channel, key );
+    const double* v1 = key_value( channel, key + 1 );
+    const double* out_tangent = v0 + n;
+    const double* in_tangent = v1 - n;
+    double t2 = t * t, t3 = t2 * t;
+    for ( int i = 0; i < n; ++i )
+        value[i] = ( 2.0 * t3 - 3.0 * t2 + 1.0 ) * v0[i] + spacing * ( t3 - 2.0 * t2 + t ) * out_tangent[i] +
+                   ( 3.0 * t2 - 2.0 * t3 ) * v1[i] + spacing * ( t3 - t2 ) * in_tangent[i];
+}
+
+static void sample_between( const RfChannel* channel, int key, double time, double* value )
+{
+    int n = components_of( channel->path );
+    double spacing = channel->times[key + 1] - channel->times[key];
+    double t = ( time - channel->times[key] ) / spacing;
+    if ( channel->interpolation == RF_CUBICSPLINE )
+    {
+        sample_cubic( channel, key, t, spacing, value );
+        return;
+    }
+    const double* v0 = key_value( channel, key );
+    const double* v1 = key_value( channel, key + 1 );
+    if ( channel->path == RF_ROTATION )
+    {
+        slerp( v0, v1, t, value );
+        return;
+    }
+    for ( int i = 0; i < n; ++i )
+        value[i] = ( 1.0 - t ) * v0[i] + t * v1[i];
+}
+
+void rf_sample_channel( const RfChannel* channel, double time, double value[4] )
+{
+    int n = components_of( channel->path );
+    int last = channel->count - 1;
+    int key = 0;
+    if ( time >= channel->times[last] )
+        key = last;
+    else if ( time > channel->times[0] )
+        key = find_key( channel, time );
+
+    bool between = key < last && time > channel->times[key];
+    if ( between && channel->interpolation != RF_STEP )
+        sample_between( channel, key, time, value );
+    else
+        memcpy( value, key_value( channel, key ), (size_t)n * sizeof( double ) );
+    if ( channel->path == RF_ROTATION )
+        normalize_quaternion( value );
+}
+
+const RfChannel* rf_node_channels( const RfScene* scene, int node, int* count )
+{
+    int low = 0, high = scene->channel_count;
+    while ( low < high )
+    {
+        int middle = low + ( high - low ) / 2;
+        if ( scene->channels[middle].node < node )
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    *count = 0;
+    while ( low + *count < scene->channel_count && scene->channels[low + *count].node == node )
+        *count += 1;
+    return *count > 0 ? scene->channels + low : NULL;
+}
+
+static void compose( const double t[3], const double q[4], const double s[3], RfMat4* matrix )
+{
+    double x = q[0], y = q[1], z = q[2], w = q[3];
+    double r[9] = {
+        1 - 2 * ( y * y + z * z ), 2 * ( x * y + z * w ),     2 * ( x * z - y * w ),
+        2 * ( x * y - z * w ),     1 - 2 * ( x * x + z * z ), 2 * ( y * z + x * w ),
+        2 * ( x * z + y * w ),     2 * ( y * z - x * w ),     1 - 2 * ( x * x + y * y ),
+    };
+    *matrix = rf_mat4_identity();
+    for ( int c = 0; c < 3; ++c )
+    {
+        for ( int row = 0; row < 3; ++row )
+            matrix->m[4 * c + row] = r[3 * c + row] * s[c];
+        matrix->m[12 + c] = t[c];
+    }
+}
+
+void rf_node_local_matrix( const RfScene* scene, int node, double time, RfMat4* matrix )
+{
+    const RfNode* self = scene->nodes + node;
+    if ( self->has_matrix )
+    {
+        *matrix = self->matrix;
+        return;
+    }
+    double trs[3][4] = { { 0 } };
+    memcpy( trs[RF_TRANSLATION], self->translation, sizeof self->translation );
+    memcpy( trs[RF_ROTATION], self->rotation, sizeof self->rotation );
+    memcpy( trs[RF_SCALE], self->scale, sizeof self->scale );
+
+    int count;
+    const RfChannel* channels = rf_node_channels( scene, node, &count );
+    for ( int i = 0; i < count; ++i )
+        rf_sample_channel( channels + i, time, trs[channels[i].path] );
+    compose( trs[RF_TRANSLATION], trs[RF_ROTATION], trs[RF_SCALE], matrix );
+}

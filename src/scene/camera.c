@@ -1,0 +1,155 @@
+#include "scene/camera.h"
+
+#include "scene/animation.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#define MAX_FRAMES 1000000
+#define NAMES_LISTED 12
+
+// Cameras further out than this have no float precision left to look with.
+#define MAX_COORDINATE 1e15
+
+static void list_names( const RfScene* scene, char* text, size_t size )
+{
+    size_t used = 0;
+    int listed = scene->camera_count < NAMES_LISTED ? scene->camera_count : NAMES_LISTED;
+    for ( int i = 0; i < listed && used < size; ++i )
+    {
+        int n = snprintf( text + used, size - used, "%s'%.40s'", i > 0 ? ", " : "", scene->cameras[i].name );
+        used += n > 0 ? (size_t)n : 0;
+    }
+    if ( listed < scene->camera_count && used < size )
+        snprintf( text + used, size - used, " and %d more", scene->camera_count - listed );
+}
+
+static int default_camera( const RfScene* scene )
+{
+    for ( int i = 0; i < scene->camera_count; ++i )
+    {
+        if ( scene->cameras[i].animated )
+            return i;
+    }
+    return 0;
+}
+
+RfResult rf_find_camera( const RfScene* scene, const char* name, int* index, RfError* error )
+{
+    const char* path = scene->path != NULL ? scene->path : "scene";
+    *index = -1;
+    if ( scene->camera_count == 0 )
+        return rf_fail( error, RF_ERROR_SCENE,
+                        "%s: has no camera: add one in the modelling program and export cameras", path );
+    if ( name == NULL )
+    {
+        *index = default_camera( scene );
+        return RF_OK;
+    }
+    for ( int i = 0; i < scene->camera_count; ++i )
+    {
+        if ( strcmp( scene->cameras[i].name, name ) == 0 )
+        {
+            *index = i;
+            return RF_OK;
+        }
+    }
+    char names[640];
+    list_names( scene, names, sizeof names );
+    return rf_fail( error, RF_ERROR_USAGE, "%s: has no camera '%.60s': choose one of %s", path, name, names );
+}
+
+RfResult rf_camera_frame_count( const RfCamera* camera, double fps, int* count, RfError* error )
+{
+    *count = 0;
+    if ( isfinite( fps ) == 0 || fps <= 0.0 )
+        return rf_fail( error, RF_ERROR_USAGE, "camera '%.60s': frames per second must be above 0, got %g", camera->name,
+                        fps );
+    *count = 1;
+    if ( camera->animated == false )
+        return RF_OK;
+    // keys written as floats miss the frame they mean by a little
+    double frames = floor( ( camera->end - camera->start ) * fps + 1e-3 ) + 1.0;
+    if ( ( frames <= (double)MAX_FRAMES ) == false )
+    {
+        *count = 0;
+        return rf_fail( error, RF_ERROR_USAGE,
+                        "camera '%.60s': %g s at %g frames/s are more than %d frames: lower the frames per second",
+                        camera->name, camera->end - camera->start, fps, MAX_FRAMES );
+    }
+    *count = frames > 1.0 ? (int)frames : 1;
+    return RF_OK;
+}
+
+void rf_node_world_matrix( const RfScene* scene, int node, double time, RfMat4* matrix )
+{
+    *matrix = rf_mat4_identity();
+    for ( ; node >= 0; node = scene->nodes[node].parent )
+    {
+        RfMat4 local;
+        rf_node_local_matrix( scene, node, time, &local );
+        *matrix = rf_mat4_mul( &local, matrix );
+    }
+}
+
+// Unit length in double, so that no scale is too large or small for a float.
+static bool unit_axis( const double* column, double sign, double axis[3] )
+{
+    double largest = fmax( fabs( column[0] ), fmax( fabs( column[1] ), fabs( column[2] ) ) );
+    if ( isfinite( column[0] + column[1] + column[2] ) == 0 || ( largest > 0.0 ) == false )
+        return false;
+    double sum = 0.0;
+    for ( int i = 0; i < 3; ++i )
+    {
+        axis[i] = sign * ( column[i] / largest );
+        sum += axis[i] * axis[i];
+    }
+    for ( int i = 0; i < 3; ++i )
+        axis[i] /= sqrt( sum );
+    return true;
+}
+
+static RfVec3 to_vec3( const double v[3] )
+{
+    return rf_vec3( (float)v[0], (float)v[1], (float)v[2] );
+}
+
+static bool in_range( const double* origin )
+{
+    for ( int i = 0; i < 3; ++i )
+    {
+        // written so that NaN fails
+        if ( ( fabs( origin[i] ) <= MAX_COORDINATE ) == false )
+            return false;
+    }
+    return true;
+}
+
+RfResult rf_scene_eye( const RfScene* scene, int camera, double time, int width, int height, RfEye* eye, RfError* error )
+{
+    *eye = ( RfEye ){ 0 };
+    if ( camera < 0 || camera >= scene->camera_count )
+        return rf_fail( error, RF_ERROR_USAGE, "camera %d: the scene has %d", camera, scene->camera_count );
+    const RfCamera* self = scene->cameras + camera;
+    if ( width <= 0 || height <= 0 )
+        return rf_fail( error, RF_ERROR_USAGE, "camera '%.60s': the film must have pixels, got %d × %d", self->name, width,
+                        height );
+
+    RfMat4 world;
+    rf_node_world_matrix( scene, self->node, time, &world );
+    double forward[3], up[3];
+    bool sound = unit_axis( world.m + 8, -1.0, forward ) && unit_axis( world.m + 4, 1.0, up );
+    if ( sound )
+    {
+        double cosine = forward[0] * up[0] + forward[1] * up[1] + forward[2] * up[2];
+        sound = fabs( cosine ) < 1.0 - 1e-9;
+    }
+    if ( sound == false || in_range( world.m + 12 ) == false )
+        return rf_fail( error, RF_ERROR_SCENE,
+                        "%s: camera '%.60s' at %g s: its transform collapses or is not finite: "
+                        "remove zero scales from it and from its parents",
+                        scene->path != NULL ? scene->path : "scene", self->name, time );
+    *eye = rf_make_eye( to_vec3( world.m + 12 ), to_vec3( forward ), to_vec3( up ), self->yfov, width, height );
+    return RF_OK;
+}

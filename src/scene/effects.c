@@ -1,0 +1,159 @@
+#include "scene/effects.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+// Counts what a scene uses: materials that no triangle has call for nothing.
+typedef struct Census
+{
+    const RfScene* scene;
+    uint32_t* triangles; // by material; NULL where there is no memory: all count as used
+    uint32_t smooth;     // triangles whose normals are interpolated
+} Census;
+
+static bool is_used( const Census* census, uint32_t material )
+{
+    return census->triangles == NULL || census->triangles[material] > 0;
+}
+
+static bool is_lit( RfVec3 c )
+{
+    return rf_max_component( c ) > 0.0f;
+}
+
+static RfVec3 load_vec3( const float* array, uint32_t index )
+{
+    return rf_vec3( array[3 * (size_t)index], array[3 * (size_t)index + 1], array[3 * (size_t)index + 2] );
+}
+
+// A shading normal more than half a degree off the face's is interpolated.
+static bool is_smooth( const RfTriangles* triangles, uint32_t triangle )
+{
+    const uint32_t* index = triangles->indices + 3 * (size_t)triangle;
+    RfVec3 p0 = load_vec3( triangles->positions, index[0] );
+    RfVec3 e1 = rf_sub( load_vec3( triangles->positions, index[1] ), p0 );
+    RfVec3 e2 = rf_sub( load_vec3( triangles->positions, index[2] ), p0 );
+    RfVec3 face = rf_cross( e1, e2 );
+    float length = rf_length( face );
+    for ( int k = 0; k < 3 && length > 0.0f; ++k )
+    {
+        if ( rf_dot( load_vec3( triangles->normals, index[k] ), face ) < 0.99996f * length )
+            return true;
+    }
+    return false;
+}
+
+static Census take_census( const RfScene* scene )
+{
+    Census census = { .scene = scene };
+    if ( scene->material_count > 0 )
+        census.triangles = calloc( scene->material_count, sizeof *census.triangles );
+    for ( uint32_t i = 0; i < scene->triangles.count; ++i )
+    {
+        if ( census.triangles != NULL && scene->triangles.material[i] < scene->material_count )
+            census.triangles[scene->triangles.material[i]] += 1;
+        census.smooth += is_smooth( &scene->triangles, i );
+    }
+    return census;
+}
+
+static bool has_diffuse( const RfMaterial* m )
+{
+    return is_lit( m->diffuse );
+}
+
+static bool has_phong( const RfMaterial* m )
+{
+    return m->kind == RF_BSDF_PHONG && is_lit( m->specular );
+}
+
+static bool has_ggx( const RfMaterial* m )
+{
+    return m->kind == RF_BSDF_GGX;
+}
+
+static bool has_emission( const RfMaterial* m )
+{
+    return is_lit( m->emission );
+}
+
+static bool has_two_sided_emission( const RfMaterial* m )
+{
+    return is_lit( m->emission ) && m->double_sided;
+}
+
+// An effect that some materials call for: names the first, counts the rest.
+static RfEffect material_effect( const Census* census, const char* name, bool ( *calls )( const RfMaterial* ),
+                                 const char* none )
+{
+    RfEffect effect = { .name = name };
+    const RfMaterial* first = NULL;
+    uint32_t count = 0;
+    for ( uint32_t i = 0; i < census->scene->material_count; ++i )
+    {
+        const RfMaterial* material = census->scene->materials + i;
+        if ( !is_used( census, i ) || !calls( material ) )
+            continue;
+        first = first == NULL ? material : first;
+        ++count;
+    }
+    effect.on = count > 0;
+    if ( count == 0 )
+        snprintf( effect.why, sizeof effect.why, "%s", none );
+    else if ( count == 1 )
+        snprintf( effect.why, sizeof effect.why, "material '%.80s'", first->name );
+    else
+        snprintf( effect.why, sizeof effect.why, "material '%.80s' and %u more", first->name, count - 1 );
+    return effect;
+}
+
+static RfEffect count_effect( const char* name, uint32_t count, const char* what, const char* none )
+{
+    RfEffect effect = { .name = name, .on = count > 0 };
+    if ( count > 0 )
+        snprintf( effect.why, sizeof effect.why, "%u %s", count, what );
+    else
+        snprintf( effect.why, sizeof effect.why, "%s", none );
+    return effect;
+}
+
+static RfEffect camera_effect( const RfScene* scene )
+{
+    for ( int i = 0; i < scene->camera_count; ++i )
+    {
+        if ( !scene->cameras[i].animated )
+            continue;
+        RfEffect effect = { .name = "camera-animation", .on = true };
+        snprintf( effect.why, sizeof effect.why, "camera '%.80s' from %g to %g s", scene->cameras[i].name,
+                  scene->cameras[i].start, scene->cameras[i].end );
+        return effect;
+    }
+    return ( RfEffect ){ .name = "camera-animation", .why = "no camera of the scene moves" };
+}
+
+static RfEffect missing_effect( const char* name )
+{
+    RfEffect effect = { .name = name };
+    snprintf( effect.why, sizeof effect.why, "the scene has none, or it is not supported yet: see the warnings" );
+    return effect;
+}
+
+int rf_list_effects( const RfScene* scene, RfEffect effects[RF_MAX_EFFECTS] )
+{
+    Census census = take_census( scene );
+    int count = 0;
+    effects[count++] = material_effect( &census, "diffuse", has_diffuse, "no material reflects diffusely" );
+    effects[count++] = material_effect( &census, "phong", has_phong, "no material has a Phong lobe" );
+    effects[count++] = material_effect( &census, "ggx", has_ggx, "no material is a metal or coated" );
+    effects[count++] = material_effect( &census, "area-lights", has_emission, "no material emits: the picture is black" );
+    effects[count++] =
+        material_effect( &census, "two-sided-emission", has_two_sided_emission, "no emitting material is double-sided" );
+    effects[count++] = count_effect( "interpolated-normals", census.smooth, "triangles with normals off their face's",
+                                     "all normals are those of the faces" );
+    effects[count++] = camera_effect( scene );
+    static const char* const missing[] = { "textures", "alpha", "transmission", "punctual-lights", "environment" };
+    for ( size_t i = 0; i < sizeof missing / sizeof missing[0]; ++i )
+        effects[count++] = missing_effect( missing[i] );
+    free( census.triangles );
+    return count;
+}
