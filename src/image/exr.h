@@ -1,0 +1,52 @@
+// EXR by OpenEXRCore. Writing is atomic (temporary name in the same folder,
+// fsync, rename, fsync of the folder): a file with its final name is whole.
+#ifndef REFRAME_IMAGE_EXR_H
+#define REFRAME_IMAGE_EXR_H
+
+#include "image/image.h"
+
+typedef enum RfExrCompression
+{
+    RF_EXR_NONE,
+    RF_EXR_ZIP,
+    RF_EXR_PIZ,
+} RfExrCompression;
+
+// A string attribute, such as { "reframe/group", "3" }.
+typedef struct RfExrString
+{
+    const char* name;
+    const char* value;
+} RfExrString;
+
+typedef struct RfExrOptions
+{
+    RfExrCompression compression;
+    bool half;                     // half floats, clamped to ±65504; else 32-bit floats
+    int fps_numerator;             // framesPerSecond; numerator 0: not written
+    unsigned int fps_denominator;
+    bool has_camera;               // write the two matrices, row vectors as OpenEXR has them:
+    float world_to_camera[16];     // p_camera = p_world · M, 16 floats row by row
+    float world_to_ndc[16];
+    const RfExrString* strings;
+    int string_count;
+} RfExrOptions;
+
+// zip, half floats, nothing else.
+RfExrOptions rf_default_exr_options( void );
+
+// Writes channels R G B. On failure no file of that name is made or changed,
+// and no temporary file is left.
+RfResult rf_write_exr( const char* path, const RfImage* image, const RfExrOptions* options, RfError* error );
+
+// Reads R, G, B (or Y, spread over the three) of the first part of any
+// scan-line or tiled, half, float or uint EXR, the data window only. Channel
+// names are matched by name; a file with a single layer prefix, such as
+// Blender's "ViewLayer.Combined.R", is read through that prefix.
+RfResult rf_read_exr( const char* path, RfImage* image, RfError* error );
+
+// Reads one string attribute into `value` (size bytes, truncated). Fails with
+// RF_ERROR_IO or RF_ERROR_FORMAT where the file cannot be read or has none.
+RfResult rf_read_exr_string( const char* path, const char* name, char* value, size_t size, RfError* error );
+
+#endif

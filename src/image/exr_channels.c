@@ -1,0 +1,127 @@
+#include "image/exr_channels.h"
+
+#include <stdio.h>
+#include <string.h>
+
+// Finds the channel named by the first `length` characters of `prefix` and `suffix`.
+static const exr_attr_chlist_entry_t* find_channel( const exr_attr_chlist_t* list, const char* prefix, size_t length,
+                                                    const char* suffix )
+{
+    for ( int i = 0; i < list->num_channels; ++i )
+    {
+        const char* name = list->entries[i].name.str;
+        if ( strlen( name ) >= length && memcmp( name, prefix, length ) == 0 && strcmp( name + length, suffix ) == 0 )
+            return list->entries + i;
+    }
+    return NULL;
+}
+
+// Fills `channels` if the three of a layer are there; `length` counts its dot.
+static bool find_layer( const exr_attr_chlist_t* list, const char* prefix, size_t length, RfExrChannels* channels )
+{
+    static const char* const suffixes[3] = { "R", "G", "B" };
+    RfExrChannels found = { .count = 3 };
+    for ( int c = 0; c < 3; ++c )
+    {
+        const exr_attr_chlist_entry_t* entry = find_channel( list, prefix, length, suffixes[c] );
+        if ( entry == NULL )
+            return false;
+        found.names[c] = entry->name.str;
+    }
+    *channels = found;
+    return true;
+}
+
+static bool ends_with_combined( const char* name, size_t length )
+{
+    static const char word[] = "Combined.";
+    size_t size = sizeof word - 1;
+    return length >= size && memcmp( name + length - size, word, size ) == 0;
+}
+
+static void append_name( char* text, size_t size, const char* name, size_t length )
+{
+    size_t used = strlen( text );
+    snprintf( text + used, size - used, "%s%.*s", used > 0 ? ", " : "", (int)length, name );
+}
+
+// Counts the layers, all and those named "…Combined"; leaves the one to be read,
+// where the counts say there is one, in `channels`.
+static void find_layers( const exr_attr_chlist_t* list, RfExrChannels* channels, int* layers, int* combined,
+                         char* text, size_t size )
+{
+    for ( int i = 0; i < list->num_channels; ++i )
+    {
+        const char* name = list->entries[i].name.str;
+        size_t length = strlen( name );
+        RfExrChannels found;
+        if ( length < 3 || strcmp( name + length - 2, ".R" ) != 0 || !find_layer( list, name, length - 1, &found ) )
+            continue;
+        bool is_combined = ends_with_combined( name, length - 1 );
+        *layers += 1;
+        *combined += is_combined;
+        if ( *layers == 1 || is_combined )
+            *channels = found;
+        append_name( text, size, name, length - 2 );
+    }
+}
+
+static RfResult find_luminance( const RfExrStream* stream, const exr_attr_chlist_t* list, RfExrChannels* channels,
+                                RfError* error )
+{
+    const exr_attr_chlist_entry_t* entry = find_channel( list, "", 0, "Y" );
+    if ( entry != NULL && ( find_channel( list, "", 0, "RY" ) != NULL || find_channel( list, "", 0, "BY" ) != NULL ) )
+        return rf_fail( error, RF_ERROR_UNSUPPORTED,
+                        "%s: is stored as luminance and chroma (Y, RY, BY): convert it to R, G, B", stream->path );
+    if ( entry != NULL )
+    {
+        *channels = ( RfExrChannels ){ .names = { entry->name.str }, .count = 1 };
+        return RF_OK;
+    }
+    char text[512] = "";
+    for ( int i = 0; i < list->num_channels; ++i )
+        append_name( text, sizeof text, list->entries[i].name.str, strlen( list->entries[i].name.str ) );
+    return rf_fail( error, RF_ERROR_UNSUPPORTED, "%s: has no channels R, G, B and no Y; it has %s", stream->path,
+                    text[0] != 0 ? text : "none" );
+}
+
+static RfResult refuse_subsampling( const RfExrStream* stream, const exr_attr_chlist_t* list,
+                                    const RfExrChannels* channels, RfError* error )
+{
+    for ( int c = 0; c < channels->count; ++c )
+    {
+        const exr_attr_chlist_entry_t* entry = find_channel( list, "", 0, channels->names[c] );
+        if ( entry == NULL || entry->x_sampling != 1 || entry->y_sampling != 1 )
+            return rf_fail( error, RF_ERROR_UNSUPPORTED, "%s: channel %s is subsampled: store it at full size",
+                            stream->path, channels->names[c] );
+    }
+    return RF_OK;
+}
+
+RfResult rf_find_exr_channels( const RfExrStream* stream, const exr_attr_chlist_t* list, RfExrChannels* channels,
+                               RfError* error )
+{
+    int layers = 0, combined = 0;
+    char text[512] = "";
+    if ( !find_layer( list, "", 0, channels ) )
+    {
+        find_layers( list, channels, &layers, &combined, text, sizeof text );
+        if ( layers > 1 && combined != 1 )
+            return rf_fail( error, RF_ERROR_UNSUPPORTED, "%s: has more than one layer of colour: %s: keep one",
+                            stream->path, text );
+        RfResult result = layers == 0 ? find_luminance( stream, list, channels, error ) : RF_OK;
+        if ( result != RF_OK )
+            return result;
+    }
+    return refuse_subsampling( stream, list, channels, error );
+}
+
+int rf_exr_channel_index( const RfExrChannels* channels, const char* name )
+{
+    for ( int c = 0; c < channels->count; ++c )
+    {
+        if ( strcmp( channels->names[c], name ) == 0 )
+            return c;
+    }
+    return -1;
+}

@@ -1,0 +1,106 @@
+#include "image/exr_stream.h"
+
+#include "image/atomic_file.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static void keep_message( exr_const_context_t context, exr_result_t code, const char* message )
+{
+    (void)code;
+    void* user = NULL;
+    if ( context == NULL || exr_get_user_data( context, &user ) != EXR_ERR_SUCCESS || user == NULL )
+        return;
+    RfExrStream* stream = user;
+    if ( stream->message[0] == 0 && message != NULL )
+        snprintf( stream->message, sizeof stream->message, "%s", message );
+}
+
+static int64_t read_bytes( exr_const_context_t context, void* user, void* buffer, uint64_t size, uint64_t offset,
+                           exr_stream_error_func_ptr_t report )
+{
+    (void)context;
+    (void)report;
+    RfExrStream* stream = user;
+    char* next = buffer;
+    uint64_t done = 0;
+    while ( done < size && offset + done <= INT64_MAX )
+    {
+        ssize_t count = pread( stream->fd, next + done, size - done, (off_t)( offset + done ) );
+        if ( count < 0 && errno == EINTR )
+            continue;
+        if ( count < 0 )
+        {
+            stream->io_error = stream->io_error != 0 ? stream->io_error : errno;
+            return -1;
+        }
+        if ( count == 0 )
+            break; // end of the file: a short count, which the library checks
+        done += (uint64_t)count;
+    }
+    return (int64_t)done;
+}
+
+static int64_t write_bytes( exr_const_context_t context, void* user, const void* buffer, uint64_t size,
+                            uint64_t offset, exr_stream_error_func_ptr_t report )
+{
+    (void)context;
+    (void)report;
+    RfExrStream* stream = user;
+    const char* next = buffer;
+    uint64_t done = 0;
+    while ( done < size )
+    {
+        ssize_t count = pwrite( stream->fd, next + done, size - done, (off_t)( offset + done ) );
+        if ( count < 0 && errno == EINTR )
+            continue;
+        if ( count <= 0 )
+        {
+            stream->io_error = stream->io_error != 0 ? stream->io_error : count < 0 ? errno : EIO;
+            return -1;
+        }
+        done += (uint64_t)count;
+    }
+    return (int64_t)done;
+}
+
+static int64_t query_size( exr_const_context_t context, void* user )
+{
+    (void)context;
+    RfExrStream* stream = user;
+    struct stat status;
+    return fstat( stream->fd, &status ) == 0 ? (int64_t)status.st_size : -1;
+}
+
+exr_context_initializer_t rf_exr_initializer( RfExrStream* stream )
+{
+    return ( exr_context_initializer_t ){
+        .size = sizeof( exr_context_initializer_t ),
+        .error_handler_fn = keep_message,
+        .user_data = stream,
+        .read_fn = read_bytes,
+        .size_fn = query_size,
+        .write_fn = write_bytes,
+        .max_image_width = RF_EXR_MAX_SIDE,
+        .max_image_height = RF_EXR_MAX_SIDE,
+        .max_tile_width = RF_EXR_MAX_SIDE,
+        .max_tile_height = RF_EXR_MAX_SIDE,
+        .zip_level = -2, // the library's default
+        .dwa_quality = -1.0f,
+        // a file with chunks missing is an error, not a search for them
+        .flags = EXR_CONTEXT_FLAG_DISABLE_CHUNK_RECONSTRUCTION,
+    };
+}
+
+RfResult rf_fail_exr( const RfExrStream* stream, exr_result_t code, const char* what, RfError* error )
+{
+    if ( stream->io_error != 0 )
+        return rf_fail_io( stream->path, what, stream->io_error, error );
+    const char* why = stream->message[0] != 0 ? stream->message : exr_get_default_error_message( code );
+    RfResult result = code == EXR_ERR_OUT_OF_MEMORY             ? RF_ERROR_MEMORY
+                      : code == EXR_ERR_FEATURE_NOT_IMPLEMENTED ? RF_ERROR_UNSUPPORTED
+                                                                : RF_ERROR_FORMAT;
+    return rf_fail( error, result, "%s: %s: %s", stream->path, what, why );
+}

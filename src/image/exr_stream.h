@@ -1,0 +1,32 @@
+// What reading and writing an EXR share: an OpenEXRCore context over a file
+// descriptor of ours. Our own read and write functions see every failure of
+// the system, also those that the library forgets (exr_finish reports success
+// after a full disk), and its messages come to us instead of standard error.
+#ifndef REFRAME_IMAGE_EXR_STREAM_H
+#define REFRAME_IMAGE_EXR_STREAM_H
+
+#include "image/image.h"
+
+#include <openexr.h>
+
+// A frame of film at 16 K has 2^27 pixels; what is larger is a damaged header.
+#define RF_EXR_MAX_SIDE ( 1 << 20 )
+
+typedef struct RfExrStream
+{
+    const char* path;  // for messages
+    int fd;            // stays the caller's
+    int io_error;      // first errno of a failed read or write, else 0
+    char message[256]; // the library's first message, else empty
+} RfExrStream;
+
+// The initializer of a context over the stream, which must outlive it.
+exr_context_initializer_t rf_exr_initializer( RfExrStream* stream );
+
+// The error line for a library call that returned `code`.
+RfResult rf_fail_exr( const RfExrStream* stream, exr_result_t code, const char* what, RfError* error );
+
+// Reads the image from the beginning of the stream's file.
+RfResult rf_read_exr_stream( RfExrStream* stream, RfImage* image, RfError* error );
+
+#endif

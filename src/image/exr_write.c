@@ -1,0 +1,248 @@
+#include "image/atomic_file.h"
+#include "image/exr.h"
+#include "image/exr_stream.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define PIXEL_BYTES ( 3 * (int32_t)sizeof( float ) )
+#define HALF_MAX 65504.0f
+
+typedef struct Writer
+{
+    RfExrStream stream;
+    exr_context_t context;
+    const RfImage* image;
+    const RfExrOptions* options;
+    float* clamped; // the lines of one chunk, where halfs are written
+    exr_encode_pipeline_t pipeline;
+    bool started; // the pipeline has been initialised
+} Writer;
+
+RfExrOptions rf_default_exr_options( void )
+{
+    return ( RfExrOptions ){ .compression = RF_EXR_ZIP, .half = true };
+}
+
+// Infinity stays what it is: it is to be counted, not repaired.
+static float clamp_half( float value )
+{
+    if ( isinf( value ) )
+        return value;
+    return value > HALF_MAX ? HALF_MAX : value < -HALF_MAX ? -HALF_MAX : value;
+}
+
+static RfResult check_options( const char* path, const RfImage* image, const RfExrOptions* options, RfError* error )
+{
+    if ( image->rgb == NULL || image->width < 1 || image->height < 1 )
+        return rf_fail( error, RF_ERROR_USAGE, "%s: an image without pixels cannot be written", path );
+    if ( image->width > RF_EXR_MAX_SIDE || image->height > RF_EXR_MAX_SIDE )
+        return rf_fail( error, RF_ERROR_USAGE, "%s: %dx%d pixels cannot be written: a side has at most %d", path,
+                        image->width, image->height, RF_EXR_MAX_SIDE );
+    if ( options->compression != RF_EXR_NONE && options->compression != RF_EXR_ZIP &&
+         options->compression != RF_EXR_PIZ )
+        return rf_fail( error, RF_ERROR_USAGE, "%s: the compression is none of none, zip, piz", path );
+    if ( options->fps_numerator < 0 || ( options->fps_numerator > 0 && options->fps_denominator == 0 ) )
+        return rf_fail( error, RF_ERROR_USAGE, "%s: %d/%u frames per second cannot be", path, options->fps_numerator,
+                        options->fps_denominator );
+    return RF_OK;
+}
+
+static exr_compression_t core_compression( RfExrCompression compression )
+{
+    return compression == RF_EXR_NONE  ? EXR_COMPRESSION_NONE
+           : compression == RF_EXR_ZIP ? EXR_COMPRESSION_ZIP
+                                       : EXR_COMPRESSION_PIZ;
+}
+
+static exr_result_t add_channels( Writer* writer )
+{
+    static const char* const names[3] = { "R", "G", "B" };
+    exr_pixel_type_t type = writer->options->half ? EXR_PIXEL_HALF : EXR_PIXEL_FLOAT;
+    exr_result_t code = EXR_ERR_SUCCESS;
+    for ( int c = 0; c < 3 && code == EXR_ERR_SUCCESS; ++c )
+        code = exr_add_channel( writer->context, 0, names[c], type, EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1 );
+    return code;
+}
+
+static exr_result_t set_camera( exr_context_t context, const RfExrOptions* options )
+{
+    exr_attr_m44f_t world_to_camera, world_to_ndc;
+    memcpy( world_to_camera.m, options->world_to_camera, sizeof world_to_camera.m );
+    memcpy( world_to_ndc.m, options->world_to_ndc, sizeof world_to_ndc.m );
+    exr_result_t code = exr_attr_set_m44f( context, 0, "worldToCamera", &world_to_camera );
+    return code == EXR_ERR_SUCCESS ? exr_attr_set_m44f( context, 0, "worldToNDC", &world_to_ndc ) : code;
+}
+
+static exr_result_t set_attributes( Writer* writer )
+{
+    static const exr_attr_chromaticities_t rec709 = { 0.64f, 0.33f, 0.30f, 0.60f, 0.15f, 0.06f, 0.3127f, 0.3290f };
+    const RfExrOptions* options = writer->options;
+    exr_result_t code = exr_attr_set_chromaticities( writer->context, 0, "chromaticities", &rec709 );
+    if ( code == EXR_ERR_SUCCESS && options->fps_numerator > 0 )
+    {
+        exr_attr_rational_t fps = { .num = options->fps_numerator, .denom = options->fps_denominator };
+        code = exr_attr_set_rational( writer->context, 0, "framesPerSecond", &fps );
+    }
+    if ( code == EXR_ERR_SUCCESS && options->has_camera )
+        code = set_camera( writer->context, options );
+    for ( int i = 0; i < options->string_count && code == EXR_ERR_SUCCESS; ++i )
+        code = exr_attr_set_string( writer->context, 0, options->strings[i].name, options->strings[i].value );
+    return code;
+}
+
+static exr_result_t write_header( Writer* writer )
+{
+    int index = 0;
+    exr_compression_t compression = core_compression( writer->options->compression );
+    exr_context_t context = writer->context;
+    exr_result_t code = EXR_ERR_SUCCESS;
+    // names beyond 31 characters need a flag, which old readers refuse
+    for ( int i = 0; i < writer->options->string_count && code == EXR_ERR_SUCCESS; ++i )
+    {
+        if ( strlen( writer->options->strings[i].name ) > 31 )
+            code = exr_set_longname_support( context, 1 );
+    }
+    if ( code == EXR_ERR_SUCCESS )
+        code = exr_add_part( context, NULL, EXR_STORAGE_SCANLINE, &index );
+    if ( code == EXR_ERR_SUCCESS )
+        code = exr_initialize_required_attr_simple( context, 0, writer->image->width, writer->image->height,
+                                                    compression );
+    if ( code == EXR_ERR_SUCCESS )
+        code = add_channels( writer );
+    if ( code == EXR_ERR_SUCCESS )
+        code = set_attributes( writer );
+    return code == EXR_ERR_SUCCESS ? exr_write_header( context ) : code;
+}
+
+// The floats of a chunk's lines, interleaved, ready to be encoded.
+static const float* chunk_source( Writer* writer, int y, int lines )
+{
+    const RfImage* image = writer->image;
+    size_t count = 3 * (size_t)image->width * (size_t)lines;
+    const float* source = image->rgb + 3 * (size_t)image->width * (size_t)y;
+    if ( !writer->options->half )
+        return source;
+    for ( size_t i = 0; i < count; ++i )
+        writer->clamped[i] = clamp_half( source[i] );
+    return writer->clamped;
+}
+
+static void aim_channels( Writer* writer, const float* source )
+{
+    for ( int i = 0; i < writer->pipeline.channel_count; ++i )
+    {
+        exr_coding_channel_info_t* channel = writer->pipeline.channels + i;
+        int c = channel->channel_name[0] == 'R' ? 0 : channel->channel_name[0] == 'G' ? 1 : 2;
+        channel->encode_from_ptr = (const uint8_t*)( source + c );
+        channel->user_data_type = EXR_PIXEL_FLOAT;
+        channel->user_bytes_per_element = sizeof( float );
+        channel->user_pixel_stride = PIXEL_BYTES;
+        channel->user_line_stride = PIXEL_BYTES * writer->image->width;
+    }
+}
+
+static exr_result_t write_chunk( Writer* writer, int y )
+{
+    exr_chunk_info_t chunk = { 0 };
+    exr_result_t code = exr_write_scanline_chunk_info( writer->context, 0, y, &chunk );
+    if ( code != EXR_ERR_SUCCESS )
+        return code;
+    code = writer->started ? exr_encoding_update( writer->context, 0, &chunk, &writer->pipeline )
+                           : exr_encoding_initialize( writer->context, 0, &chunk, &writer->pipeline );
+    writer->started = true;
+    if ( code == EXR_ERR_SUCCESS )
+    {
+        aim_channels( writer, chunk_source( writer, y, chunk.height ) );
+        code = exr_encoding_choose_default_routines( writer->context, 0, &writer->pipeline );
+    }
+    return code == EXR_ERR_SUCCESS ? exr_encoding_run( writer->context, 0, &writer->pipeline ) : code;
+}
+
+static exr_result_t write_chunks( Writer* writer )
+{
+    int32_t lines = 0;
+    exr_result_t code = exr_get_scanlines_per_chunk( writer->context, 0, &lines );
+    if ( code != EXR_ERR_SUCCESS || lines < 1 )
+        return code != EXR_ERR_SUCCESS ? code : EXR_ERR_UNKNOWN;
+    if ( writer->options->half )
+    {
+        writer->clamped = malloc( (size_t)lines * (size_t)writer->image->width * PIXEL_BYTES );
+        if ( writer->clamped == NULL )
+            return EXR_ERR_OUT_OF_MEMORY;
+    }
+    for ( int64_t y = 0; y < writer->image->height && code == EXR_ERR_SUCCESS; y += lines )
+        code = write_chunk( writer, (int)y );
+    return code;
+}
+
+static RfResult write_stream( Writer* writer, RfError* error )
+{
+    exr_context_initializer_t initializer = rf_exr_initializer( &writer->stream );
+    exr_result_t code = exr_start_write( &writer->context, writer->stream.path, EXR_WRITE_FILE_DIRECTLY, &initializer );
+    if ( code == EXR_ERR_SUCCESS )
+        code = write_header( writer );
+    if ( code == EXR_ERR_SUCCESS )
+        code = write_chunks( writer );
+    if ( writer->started )
+        exr_encoding_destroy( writer->context, &writer->pipeline );
+    free( writer->clamped );
+    exr_result_t finish_code = writer->context != NULL ? exr_finish( &writer->context ) : EXR_ERR_SUCCESS;
+    code = code != EXR_ERR_SUCCESS ? code : finish_code;
+    if ( code != EXR_ERR_SUCCESS || writer->stream.io_error != 0 )
+        return rf_fail_exr( &writer->stream, code, "cannot be written", error );
+    return RF_OK;
+}
+
+// Rounding to half errs by half a unit in the last place: 2^-11 of the value,
+// or 2^-25 below the normal range.
+static bool is_half_of( float half, float value )
+{
+    value = clamp_half( value );
+    if ( isnan( value ) || isinf( value ) )
+        return isnan( value ) ? isnan( half ) : half == value;
+    float bound = fmaxf( 0x1p-11f * fabsf( value ), 0x1p-25f );
+    return fabsf( half - value ) <= bound;
+}
+
+// Reads the file back: the last guard against a library or a disk that lost
+// something without saying so.
+static RfResult verify( Writer* writer, RfError* error )
+{
+    RfImage back;
+    RfExrStream stream = { .path = writer->stream.path, .fd = writer->stream.fd };
+    RfResult result = rf_read_exr_stream( &stream, &back, error );
+    if ( result != RF_OK )
+        return result;
+    const RfImage* image = writer->image;
+    size_t count = 3 * (size_t)image->width * (size_t)image->height;
+    bool same = back.width == image->width && back.height == image->height;
+    if ( same && !writer->options->half )
+        same = memcmp( back.rgb, image->rgb, count * sizeof( float ) ) == 0;
+    for ( size_t i = 0; same && writer->options->half && i < count; ++i )
+        same = is_half_of( back.rgb[i], image->rgb[i] );
+    rf_destroy_image( &back );
+    if ( !same )
+        return rf_fail( error, RF_ERROR_IO, "%s: cannot be written: what was read back differs", stream.path );
+    return RF_OK;
+}
+
+RfResult rf_write_exr( const char* path, const RfImage* image, const RfExrOptions* options, RfError* error )
+{
+    RfResult result = check_options( path, image, options, error );
+    if ( result != RF_OK )
+        return result;
+    RfAtomicFile file;
+    result = rf_open_atomic_file( path, &file, error );
+    if ( result != RF_OK )
+        return result;
+    Writer writer = { .stream = { .path = path, .fd = file.fd }, .image = image, .options = options };
+    result = write_stream( &writer, error );
+    if ( result == RF_OK )
+        result = verify( &writer, error );
+    if ( result == RF_OK )
+        return rf_commit_atomic_file( &file, error );
+    rf_discard_atomic_file( &file );
+    return result;
+}

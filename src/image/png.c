@@ -1,0 +1,131 @@
+#include "image/png.h"
+
+#include "image/atomic_file.h"
+
+#include <math.h>
+#include <png.h>
+#include <setjmp.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+// Everything that the error path of libpng, a longjmp, needs to find again.
+typedef struct Writer
+{
+    RfAtomicFile file;
+    RfResult result; // of the write that failed
+    RfError* error;
+    png_structp png;
+    png_infop info;
+    png_bytep row;
+    jmp_buf out;
+} Writer;
+
+static void keep_error( png_structp png, png_const_charp message )
+{
+    Writer* writer = png_get_error_ptr( png );
+    if ( writer->result == RF_OK ) // else the line is already there
+        writer->result = rf_fail( writer->error, RF_ERROR_IO, "%s: cannot be written: libpng: %s", writer->file.path,
+                                  message );
+    longjmp( writer->out, 1 );
+}
+
+static void drop_warning( png_structp png, png_const_charp message )
+{
+    (void)png;
+    (void)message;
+}
+
+static void write_bytes( png_structp png, png_bytep bytes, size_t size )
+{
+    Writer* writer = png_get_io_ptr( png );
+    writer->result = rf_append_atomic_file( &writer->file, bytes, size, writer->error );
+    if ( writer->result != RF_OK )
+        png_error( png, "write" );
+}
+
+static void flush_bytes( png_structp png )
+{
+    (void)png; // the commit syncs
+}
+
+static png_byte encode_srgb( float linear )
+{
+    if ( !( linear > 0.0f ) )
+        return 0;
+    if ( linear >= 1.0f )
+        return 255;
+    float curve = linear <= 0.0031308f ? 12.92f * linear : 1.055f * powf( linear, 1.0f / 2.4f ) - 0.055f;
+    return (png_byte)( 255.0f * curve + 0.5f );
+}
+
+static void encode_row( const float* rgb, int width, float exposure, png_bytep row )
+{
+    for ( int x = 0; x < width; ++x )
+    {
+        const float* pixel = rgb + 3 * x;
+        png_bytep out = row + 3 * x;
+        bool is_nan = isnan( pixel[0] ) || isnan( pixel[1] ) || isnan( pixel[2] );
+        for ( int c = 0; c < 3; ++c )
+            out[c] = is_nan ? ( c == 1 ? 0 : 255 ) : encode_srgb( exposure * pixel[c] );
+    }
+}
+
+// Runs under the setjmp of its caller and keeps nothing in locals that it needs.
+static void write_rows( Writer* writer, const RfImage* image, float exposure )
+{
+    png_set_write_fn( writer->png, writer, write_bytes, flush_bytes );
+    // the library's own bound is a million pixels a side
+    png_set_user_limits( writer->png, 0x7fffffff, 0x7fffffff );
+    png_set_IHDR( writer->png, writer->info, (png_uint_32)image->width, (png_uint_32)image->height, 8,
+                  PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT );
+    png_set_sRGB( writer->png, writer->info, PNG_sRGB_INTENT_PERCEPTUAL );
+    png_write_info( writer->png, writer->info );
+    for ( int y = 0; y < image->height; ++y )
+    {
+        encode_row( image->rgb + 3 * (size_t)image->width * (size_t)y, image->width, exposure, writer->row );
+        png_write_row( writer->png, writer->row );
+    }
+    png_write_end( writer->png, NULL );
+}
+
+static RfResult write_image( Writer* writer, const RfImage* image, float exposure )
+{
+    writer->row = malloc( 3 * (size_t)image->width );
+    if ( writer->row == NULL )
+        return rf_fail( writer->error, RF_ERROR_MEMORY, "%s: no memory left for a row", writer->file.path );
+    // libpng reports failures of these two by NULL, or through keep_error
+    if ( setjmp( writer->out ) != 0 )
+        return writer->result;
+    writer->png = png_create_write_struct( PNG_LIBPNG_VER_STRING, writer, keep_error, drop_warning );
+    writer->info = writer->png != NULL ? png_create_info_struct( writer->png ) : NULL;
+    if ( writer->info == NULL )
+        return rf_fail( writer->error, RF_ERROR_MEMORY, "%s: no memory left for libpng", writer->file.path );
+    write_rows( writer, image, exposure );
+    return RF_OK;
+}
+
+RfResult rf_write_png( const char* path, const RfImage* image, float exposure_stops, RfError* error )
+{
+    if ( image->rgb == NULL || image->width < 1 || image->height < 1 )
+        return rf_fail( error, RF_ERROR_USAGE, "%s: an image without pixels cannot be written", path );
+    float exposure = exp2f( exposure_stops );
+    if ( !isfinite( exposure ) )
+        return rf_fail( error, RF_ERROR_USAGE, "%s: an exposure of %g stops cannot be", path, (double)exposure_stops );
+    Writer* writer = calloc( 1, sizeof *writer );
+    if ( writer == NULL )
+        return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left to write it", path );
+    writer->error = error;
+    RfResult result = rf_open_atomic_file( path, &writer->file, error );
+    if ( result == RF_OK )
+    {
+        result = write_image( writer, image, exposure );
+        png_destroy_write_struct( &writer->png, &writer->info );
+        free( writer->row );
+        if ( result == RF_OK )
+            result = rf_commit_atomic_file( &writer->file, error );
+        else
+            rf_discard_atomic_file( &writer->file );
+    }
+    free( writer );
+    return result;
+}

@@ -1,0 +1,159 @@
+#include "image/sequence.h"
+
+#include "image/atomic_file.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+// A pattern in its pieces: folder and prefix, run of '#', suffix.
+typedef struct Pattern
+{
+    const char* base; // last path component
+    const char* run;  // first '#', or NULL
+    int digits;       // length of the run
+} Pattern;
+
+static Pattern split( const char* pattern )
+{
+    const char* slash = strrchr( pattern, '/' );
+    Pattern parts = { .base = slash != NULL ? slash + 1 : pattern };
+    parts.run = strchr( parts.base, '#' );
+    parts.digits = parts.run != NULL ? (int)strspn( parts.run, "#" ) : 0;
+    return parts;
+}
+
+bool rf_is_sequence( const char* pattern )
+{
+    return split( pattern ).run != NULL;
+}
+
+static RfResult check_pattern( const char* pattern, const Pattern* parts, RfError* error )
+{
+    if ( memchr( pattern, '#', (size_t)( parts->base - pattern ) ) != NULL )
+        return rf_fail( error, RF_ERROR_USAGE, "%s: a folder's name may not have '#', which stands for the frame",
+                        pattern );
+    if ( parts->run != NULL && strchr( parts->run + parts->digits, '#' ) != NULL )
+        return rf_fail( error, RF_ERROR_USAGE, "%s: has more than one run of '#': the frame wants one", pattern );
+    return RF_OK;
+}
+
+RfResult rf_sequence_name( const char* pattern, int frame, char* name, size_t size, RfError* error )
+{
+    Pattern parts = split( pattern );
+    RfResult result = check_pattern( pattern, &parts, error );
+    if ( result != RF_OK )
+        return result;
+    if ( frame < 0 )
+        return rf_fail( error, RF_ERROR_USAGE, "%s: a frame of number %d cannot be", pattern, frame );
+    int length;
+    if ( parts.run == NULL )
+        length = snprintf( name, size, "%s", pattern );
+    else
+        length = snprintf( name, size, "%.*s%0*d%s", (int)( parts.run - pattern ), pattern, parts.digits, frame,
+                           parts.run + parts.digits );
+    if ( length < 0 || (size_t)length >= size )
+        return rf_fail( error, RF_ERROR_USAGE, "%s: the name is too long", pattern );
+    return RF_OK;
+}
+
+// The frame number in a file's name, or -1 where the name is not of the pattern.
+static int match_name( const Pattern* parts, const char* name )
+{
+    size_t prefix = (size_t)( parts->run - parts->base );
+    if ( strncmp( name, parts->base, prefix ) != 0 )
+        return -1;
+    const char* number = name + prefix;
+    size_t digits = strspn( number, "0123456789" );
+    if ( strcmp( number + digits, parts->run + parts->digits ) != 0 )
+        return -1;
+    // more digits than '#' only where the number needs them: not 00012 for ####
+    if ( digits < (size_t)parts->digits || ( digits > (size_t)parts->digits && number[0] == '0' ) )
+        return -1;
+    long frame = 0;
+    for ( size_t i = 0; i < digits; ++i )
+    {
+        frame = 10 * frame + ( number[i] - '0' );
+        if ( frame > INT_MAX )
+            return -1;
+    }
+    return (int)frame;
+}
+
+static int compare_ints( const void* a, const void* b )
+{
+    int x = *(const int*)a, y = *(const int*)b;
+    return ( x > y ) - ( x < y );
+}
+
+static bool append( int** frames, int* count, int* room, int frame )
+{
+    if ( *count == *room )
+    {
+        int more = *room > 0 ? 2 * *room : 64;
+        int* moved = realloc( *frames, (size_t)more * sizeof( int ) );
+        if ( moved == NULL )
+            return false;
+        *frames = moved;
+        *room = more;
+    }
+    ( *frames )[( *count )++] = frame;
+    return true;
+}
+
+static RfResult list_folder( const char* pattern, const Pattern* parts, DIR* folder, int** frames, int* count,
+                             RfError* error )
+{
+    int room = 0;
+    for ( ;; )
+    {
+        errno = 0;
+        const struct dirent* entry = readdir( folder );
+        if ( entry == NULL && errno != 0 )
+            return rf_fail_io( pattern, "its folder cannot be read", errno, error );
+        if ( entry == NULL )
+            break;
+        int frame = match_name( parts, entry->d_name );
+        if ( frame >= 0 && !append( frames, count, &room, frame ) )
+            return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for the list of frames", pattern );
+    }
+    if ( *count == 0 )
+        return rf_fail( error, RF_ERROR_IO, "%s: there is no such file", pattern );
+    qsort( *frames, (size_t)*count, sizeof( int ), compare_ints );
+    return RF_OK;
+}
+
+RfResult rf_sequence_frames( const char* pattern, int** frames, int* count, RfError* error )
+{
+    *frames = NULL;
+    *count = 0;
+    Pattern parts = split( pattern );
+    RfResult result = check_pattern( pattern, &parts, error );
+    if ( result != RF_OK )
+        return result;
+    if ( parts.run == NULL )
+        return rf_fail( error, RF_ERROR_USAGE, "%s: has no '#' that stands for the frame", pattern );
+    size_t length = (size_t)( parts.base - pattern );
+    char* path = malloc( length + 2 );
+    if ( path == NULL )
+        return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for the name of its folder", pattern );
+    memcpy( path, pattern, length );
+    strcpy( path + length, length == 0 ? "." : "" );
+    DIR* folder = opendir( path );
+    int failure = errno;
+    free( path );
+    if ( folder == NULL )
+        return rf_fail_io( pattern, "its folder cannot be read", failure, error );
+    result = list_folder( pattern, &parts, folder, frames, count, error );
+    closedir( folder );
+    if ( result != RF_OK )
+    {
+        free( *frames );
+        *frames = NULL;
+        *count = 0;
+    }
+    return result;
+}

@@ -1,0 +1,224 @@
+#include "measure/error.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#define TRIMMED_PER_THOUSAND 1
+#define NORMAL_QUANTILE 1.96 // two-sided 95 %
+
+RfResult rf_create_summary( int width, int height, int frames, RfErrorSummary* summary, RfError* error )
+{
+    *summary = ( RfErrorSummary ){ .width = width, .height = height };
+    if ( width < 1 || height < 1 || frames < 1 )
+        return rf_fail( error, RF_ERROR_USAGE, "%d frames of %dx%d pixels cannot be measured", frames, width, height );
+    size_t pixels = (size_t)width * (size_t)height * (size_t)frames;
+    summary->worst_room = pixels / 1000 * TRIMMED_PER_THOUSAND;
+    summary->worst = malloc( ( summary->worst_room + 1 ) * sizeof( double ) );
+    if ( summary->worst == NULL )
+        return rf_fail( error, RF_ERROR_MEMORY, "no memory left to measure %d frames of %dx%d pixels", frames, width,
+                        height );
+    return RF_OK;
+}
+
+void rf_destroy_summary( RfErrorSummary* summary )
+{
+    free( summary->worst );
+    *summary = ( RfErrorSummary ){ 0 };
+}
+
+static void swap( double* a, double* b )
+{
+    double c = *a;
+    *a = *b;
+    *b = c;
+}
+
+static void sift_up( double* heap, size_t i )
+{
+    while ( i > 0 && heap[i] < heap[( i - 1 ) / 2] )
+    {
+        swap( heap + i, heap + ( i - 1 ) / 2 );
+        i = ( i - 1 ) / 2;
+    }
+}
+
+static void sift_down( double* heap, size_t count )
+{
+    size_t i = 0;
+    for ( ;; )
+    {
+        size_t least = i;
+        for ( size_t child = 2 * i + 1; child <= 2 * i + 2 && child < count; ++child )
+            least = heap[child] < heap[least] ? child : least;
+        if ( least == i )
+            return;
+        swap( heap + i, heap + least );
+        i = least;
+    }
+}
+
+// Sums what is not among the worst. Subtracting the worst from the whole at the
+// end would lose the rest beside one firefly.
+static void add_relative( RfErrorSummary* summary, double value )
+{
+    summary->relative_sum += value;
+    if ( summary->worst_count < summary->worst_room )
+    {
+        summary->worst[summary->worst_count] = value;
+        sift_up( summary->worst, summary->worst_count++ );
+        return;
+    }
+    if ( summary->worst_room > 0 && value > summary->worst[0] )
+    {
+        swap( &value, summary->worst );
+        sift_down( summary->worst, summary->worst_count );
+    }
+    summary->kept_sum += value;
+}
+
+// Adds a pixel; the signed difference of its channels is the result.
+static double add_pixel( RfErrorSummary* summary, const float* image, const float* reference )
+{
+    bool is_nan = false, is_inf = false;
+    double squared = 0.0, sum = 0.0;
+    double mean = ( (double)reference[0] + (double)reference[1] + (double)reference[2] ) / 3.0;
+    for ( int c = 0; c < 3; ++c )
+    {
+        is_nan |= isnan( image[c] ) != 0;
+        is_inf |= isinf( image[c] ) != 0;
+        double difference = (double)image[c] - (double)reference[c];
+        squared += difference * difference;
+        sum += difference;
+        summary->max = fmax( summary->max, fabs( difference ) );
+    }
+    summary->nan += is_nan;
+    summary->inf += is_inf;
+    if ( is_nan || is_inf )
+        return 0.0;
+    summary->squared_sum += squared;
+    summary->signed_sum += sum;
+    add_relative( summary, squared / ( mean * mean + RF_RELMSE_EPSILON ) );
+    return sum;
+}
+
+// Welford's update with weight w². The sampling variance of a mean with weights
+// w is Σ w² (bias − mean)² / (Σ w)²; storing no block, and subtracting no large
+// sums, it is had from the spread about the w²-weighted mean.
+static void add_block( RfErrorSummary* summary, double bias, double pixels )
+{
+    double weight = pixels * pixels;
+    summary->blocks += 1;
+    summary->block_weight2 += weight;
+    double delta = bias - summary->block_mean;
+    summary->block_mean += delta * weight / summary->block_weight2;
+    summary->block_spread += weight * delta * ( bias - summary->block_mean );
+}
+
+static RfResult check_frame( const RfErrorSummary* summary, const RfImage* image, const RfImage* reference,
+                             RfError* error )
+{
+    if ( image->width != reference->width || image->height != reference->height )
+        return rf_fail( error, RF_ERROR_FORMAT, "the image has %dx%d pixels, the reference %dx%d", image->width,
+                        image->height, reference->width, reference->height );
+    if ( image->width != summary->width || image->height != summary->height )
+        return rf_fail( error, RF_ERROR_FORMAT, "the image has %dx%d pixels, frames before it %dx%d", image->width,
+                        image->height, summary->width, summary->height );
+    size_t count = 3 * (size_t)reference->width * (size_t)reference->height;
+    for ( size_t i = 0; i < count; ++i )
+    {
+        if ( !isfinite( reference->rgb[i] ) )
+            return rf_fail( error, RF_ERROR_FORMAT, "the reference has %s at pixel (%zu, %zu)",
+                            isnan( reference->rgb[i] ) ? "NaN" : "infinity", i / 3 % (size_t)reference->width,
+                            i / 3 / (size_t)reference->width );
+    }
+    return RF_OK;
+}
+
+// One row of blocks: `sums` has a running sum for each.
+static void add_rows( RfErrorSummary* summary, const RfImage* image, const RfImage* reference, int first, int end,
+                      double* sums )
+{
+    int width = summary->width;
+    int blocks = ( width + RF_ERROR_BLOCK - 1 ) / RF_ERROR_BLOCK;
+    for ( int b = 0; b < blocks; ++b )
+        sums[b] = 0.0;
+    for ( int y = first; y < end; ++y )
+    {
+        for ( int x = 0; x < width; ++x )
+        {
+            size_t i = 3 * ( (size_t)y * (size_t)width + (size_t)x );
+            sums[x / RF_ERROR_BLOCK] += add_pixel( summary, image->rgb + i, reference->rgb + i );
+        }
+    }
+    for ( int b = 0; b < blocks; ++b )
+    {
+        int columns = width - b * RF_ERROR_BLOCK;
+        double pixels = (double)( end - first ) * ( columns < RF_ERROR_BLOCK ? columns : RF_ERROR_BLOCK );
+        add_block( summary, sums[b] / ( 3.0 * pixels ), pixels );
+    }
+}
+
+RfResult rf_summary_add( RfErrorSummary* summary, const RfImage* image, const RfImage* reference, RfError* error )
+{
+    RfResult result = check_frame( summary, image, reference, error );
+    if ( result != RF_OK )
+        return result;
+    size_t blocks = ( (size_t)summary->width + RF_ERROR_BLOCK - 1 ) / RF_ERROR_BLOCK;
+    double* sums = malloc( blocks * sizeof( double ) );
+    if ( sums == NULL )
+        return rf_fail( error, RF_ERROR_MEMORY, "no memory left to measure %dx%d pixels", summary->width,
+                        summary->height );
+    for ( int y = 0; y < summary->height; y += RF_ERROR_BLOCK )
+    {
+        int end = summary->height - y < RF_ERROR_BLOCK ? summary->height : y + RF_ERROR_BLOCK;
+        add_rows( summary, image, reference, y, end, sums );
+    }
+    free( sums );
+    summary->pixels += (size_t)summary->width * (size_t)summary->height;
+    return RF_OK;
+}
+
+// Half the width of the bias' interval.
+static double bias_margin( const RfErrorSummary* summary, double bias )
+{
+    if ( summary->blocks < 2 )
+        return NAN;
+    double blocks = (double)summary->blocks, pixels = (double)summary->pixels;
+    double shift = summary->block_mean - bias;
+    double spread = summary->block_spread + summary->block_weight2 * shift * shift;
+    return NORMAL_QUANTILE * sqrt( blocks / ( blocks - 1.0 ) * spread ) / pixels;
+}
+
+RfErrorMetrics rf_summary_metrics( const RfErrorSummary* summary )
+{
+    RfErrorMetrics metrics = { .nan = summary->nan, .inf = summary->inf };
+    if ( summary->pixels == 0 || summary->nan > 0 || summary->inf > 0 )
+    {
+        metrics.relmse = metrics.relmse_trimmed = metrics.mse = metrics.max = NAN;
+        metrics.bias = metrics.bias_low = metrics.bias_high = NAN;
+        return metrics;
+    }
+    double pixels = (double)summary->pixels;
+    metrics.relmse = summary->relative_sum / pixels;
+    metrics.relmse_trimmed = summary->kept_sum / ( pixels - (double)summary->worst_count );
+    metrics.mse = summary->squared_sum / ( 3.0 * pixels );
+    metrics.max = summary->max;
+    metrics.bias = summary->signed_sum / ( 3.0 * pixels );
+    double margin = bias_margin( summary, metrics.bias );
+    metrics.bias_low = metrics.bias - margin;
+    metrics.bias_high = metrics.bias + margin;
+    return metrics;
+}
+
+RfResult rf_measure_error( const RfImage* image, const RfImage* reference, RfErrorMetrics* out, RfError* error )
+{
+    *out = ( RfErrorMetrics ){ 0 };
+    RfErrorSummary summary;
+    RfResult result = rf_create_summary( image->width, image->height, 1, &summary, error );
+    if ( result == RF_OK )
+        result = rf_summary_add( &summary, image, reference, error );
+    if ( result == RF_OK )
+        *out = rf_summary_metrics( &summary );
+    rf_destroy_summary( &summary );
+    return result;
+}
