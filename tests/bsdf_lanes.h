@@ -1,0 +1,113 @@
+// Lanes of scattering models for the tests: one batch of arrays, ways to fill
+// them and to call the models on a part of them. Included by one file per test
+// program.
+#ifndef REFRAME_TESTS_BSDF_LANES_H
+#define REFRAME_TESTS_BSDF_LANES_H
+
+#include "base/random.h"
+#include "bsdf/bsdf.h"
+
+#include <stdint.h>
+
+#define BATCH 1000
+
+enum
+{
+    N = 0, DIFFUSE = 3, SPECULAR = 6, SHAPE = 9, F90, COAT_F0, COAT_F90, WO, WI = WO + 3, U = WI + 3, F = U + 3,
+    PDF = F + 3, ARRAYS
+};
+
+static float s_lanes[ARRAYS][BATCH];
+
+#define THREE( a ) { s_lanes[a], s_lanes[( a ) + 1], s_lanes[( a ) + 2] }
+#define THREE_FROM( a, first ) { s_lanes[a] + first, s_lanes[( a ) + 1] + first, s_lanes[( a ) + 2] + first }
+
+typedef struct Material
+{
+    RfBsdfKind kind;
+    RfVec3 diffuse, specular;
+    float shape, f90, coat_f0, coat_f90;
+} Material;
+
+static inline void put( int array, int i, RfVec3 v )
+{
+    s_lanes[array][i] = v.x;
+    s_lanes[array + 1][i] = v.y;
+    s_lanes[array + 2][i] = v.z;
+}
+
+static inline RfVec3 get( int array, int i )
+{
+    return rf_vec3( s_lanes[array][i], s_lanes[array + 1][i], s_lanes[array + 2][i] );
+}
+
+static inline void put_material( int i, const Material* m )
+{
+    put( DIFFUSE, i, m->diffuse );
+    put( SPECULAR, i, m->specular );
+    s_lanes[SHAPE][i] = m->shape;
+    s_lanes[F90][i] = m->f90;
+    s_lanes[COAT_F0][i] = m->coat_f0;
+    s_lanes[COAT_F90][i] = m->coat_f90;
+}
+
+static inline void put_surface( const Material* m, RfVec3 n, RfVec3 wo )
+{
+    for ( int i = 0; i < BATCH; ++i )
+    {
+        put_material( i, m );
+        put( N, i, n );
+        put( WO, i, wo );
+    }
+}
+
+static inline void evaluate_range( RfBsdfKind kind, int first, int count )
+{
+    const RfBsdfLanes lanes = { THREE_FROM( N, first ), THREE_FROM( DIFFUSE, first ), THREE_FROM( SPECULAR, first ),
+                                s_lanes[SHAPE] + first, s_lanes[F90] + first, s_lanes[COAT_F0] + first,
+                                s_lanes[COAT_F90] + first };
+    const float* const wo[3] = THREE_FROM( WO, first );
+    const float* const wi[3] = THREE_FROM( WI, first );
+    float* const f[3] = THREE_FROM( F, first );
+    rf_bsdf_evaluate( kind, count, &lanes, wo, wi, f, s_lanes[PDF] + first );
+}
+
+static inline void sample_range( RfBsdfKind kind, int first, int count )
+{
+    const RfBsdfLanes lanes = { THREE_FROM( N, first ), THREE_FROM( DIFFUSE, first ), THREE_FROM( SPECULAR, first ),
+                                s_lanes[SHAPE] + first, s_lanes[F90] + first, s_lanes[COAT_F0] + first,
+                                s_lanes[COAT_F90] + first };
+    const float* const wo[3] = THREE_FROM( WO, first );
+    const float* const u[3] = THREE_FROM( U, first );
+    float* const wi[3] = THREE_FROM( WI, first );
+    rf_bsdf_sample( kind, count, &lanes, wo, u, wi );
+}
+
+static inline float uniform( uint32_t stream, int i, uint32_t dimension )
+{
+    return rf_random( rf_pixel_key( rf_pass_key( 11, stream, 0, 0 ), (uint32_t)i ), dimension );
+}
+
+static inline RfVec3 uniform_direction( uint32_t stream, int i, uint32_t dimension )
+{
+    float z = 2.0f * uniform( stream, i, dimension ) - 1.0f;
+    float phi = 2.0f * RF_PI * uniform( stream, i, dimension + 1 );
+    float r = sqrtf( rf_maxf( 1.0f - z * z, 0.0f ) );
+    return rf_normalize( rf_vec3( r * cosf( phi ), r * sinf( phi ), z ) );
+}
+
+static inline RfVec3 grey( float v )
+{
+    return rf_vec3( v, v, v );
+}
+
+// The direction with this cosine to n, towards some azimuth.
+static inline RfVec3 view_direction( RfVec3 n, float cos_o )
+{
+    RfVec3 t, b;
+    rf_basis( n, &t, &b );
+    RfVec3 side = rf_add( rf_scale( t, 0.8f ), rf_scale( b, -0.6f ) );
+    return rf_normalize( rf_madd( rf_scale( side, sqrtf( 1.0f - cos_o * cos_o ) ), n, cos_o ) );
+}
+
+#endif
