@@ -34,7 +34,7 @@ static bool find( const RfTracer* tracer, RfVec3 o, RfVec3 d, Point* out )
     RfVec3 n = rf_add( t->n0, rf_add( rf_scale( t->d1, u ), rf_scale( t->d2, v ) ) );
     float length2 = rf_dot( n, n );
     n = rf_scale( n, side / sqrtf( length2 ) );
-    out->n = rf_dot( n, out->ng ) > 0.0f && length2 > 1e-12f ? n : out->ng;
+    out->n = !t->flat && rf_dot( n, out->ng ) > 0.0f && length2 > 1e-12f ? n : out->ng;
     out->material = rf_tracer_scene( tracer )->materials + t->material;
     out->emission = rf_vec3( 0, 0, 0 );
     out->light_pdf = 0.0f;

@@ -39,6 +39,8 @@ typedef enum RoomKind
     ROOM_GGX,
 } RoomKind;
 
+#define ROOM_OBJECT_MATERIAL 3 // of the sphere
+
 // A closed 4 × 3 × 4 room (x ±2, y 0…3, z ±2) with a ceiling light, a sphere
 // and a block of the given kind.
 RfScene make_room( RoomKind kind );

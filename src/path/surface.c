@@ -64,40 +64,57 @@ static void fill_emission( RfVertexLanes* v, int i, const RfLights* lights, uint
         v->light_pdf_solid_angle[i] = light->pdf_area * rf_dot( way, way ) / cos_light;
 }
 
-static void fill_lane( const RfTracer* tracer, const RfRayLanes* rays, const RfLaneScratch* scratch, RfVertexLanes* v, int i )
+static inline RfVec3 shading_normal( const RfTriangleRecord* t, float u, float v, float side, RfVec3 ng )
 {
-    int r = scratch->index[i];
-    float bu = scratch->u[r], bv = scratch->v[r];
-    const RfTriangleRecord* t = rf_tracer_triangles( tracer ) + scratch->triangle[r];
+    RfVec3 n = rf_add( t->n0, rf_add( rf_scale( t->d1, u ), rf_scale( t->d2, v ) ) );
+    float length2 = rf_dot( n, n );
+    n = rf_scale( n, side / sqrtf( length2 ) );
+    // normals that contradict their face, or cancel, are no use
+    return rf_dot( n, ng ) > 0.0f && length2 > 1e-12f ? n : ng;
+}
+
+// What filling a lane reads.
+typedef struct Source
+{
+    const RfTriangleRecord* triangles;
+    const RfMaterial* materials;
+    const RfLights* lights;
+    const RfRayLanes* rays;
+    const RfLaneScratch* scratch;
+} Source;
+
+static inline void fill_lane( const Source* from, RfVertexLanes* restrict v, int i )
+{
+    const RfRayLanes* restrict rays = from->rays;
+    int r = from->scratch->index[i];
+    float bu = from->scratch->u[r], bv = from->scratch->v[r];
+    const RfTriangleRecord* t = from->triangles + from->scratch->triangle[r];
     RfVec3 p = rf_add( t->p0, rf_add( rf_scale( t->e1, bu ), rf_scale( t->e2, bv ) ) );
     RfVec3 wo = rf_vec3( -rays->d[0][r], -rays->d[1][r], -rays->d[2][r] );
     float facing = rf_dot( t->ng, wo );
     float side = facing < 0.0f ? -1.0f : 1.0f;
     RfVec3 ng = rf_scale( t->ng, side );
-    RfVec3 n = rf_add( t->n0, rf_add( rf_scale( t->d1, bu ), rf_scale( t->d2, bv ) ) );
-    float length2 = rf_dot( n, n );
-    n = rf_scale( n, side / sqrtf( length2 ) );
-    // normals that contradict their face, or cancel, are no use
-    if ( !( rf_dot( n, ng ) > 0.0f && length2 > 1e-12f ) )
-        n = ng;
+    RfVec3 n = t->flat ? ng : shading_normal( t, bu, bv, side, ng );
     put( v->p, i, p );
     put( v->ng, i, ng );
     put( v->n, i, n );
     put( v->wo, i, wo );
     v->ray[i] = r;
     v->slot[i] = rays->slot[r];
-    fill_material( v, i, rf_tracer_scene( tracer )->materials + t->material );
+    fill_material( v, i, from->materials + t->material );
     RfVec3 way = rf_sub( p, rf_vec3( rays->o[0][r], rays->o[1][r], rays->o[2][r] ) );
-    fill_emission( v, i, rf_tracer_lights( tracer ), t->light, facing, way );
+    fill_emission( v, i, from->lights, t->light, facing, way );
 }
 
 void rf_find_vertices( const RfWalkSettings* settings, const RfRayLanes* rays, bool coherent, RfVertexLanes* vertices,
                        RfLaneScratch* scratch )
 {
+    const RfTracer* tracer = settings->tracer;
     const float* o[3] = { rays->o[0], rays->o[1], rays->o[2] };
     const float* d[3] = { rays->d[0], rays->d[1], rays->d[2] };
-    rf_trace_nearest( settings->tracer, rays->count, o, d, coherent, scratch->triangle, scratch->u, scratch->v );
-    sort_by_kind( settings->tracer, rays->count, scratch, vertices );
+    rf_trace_nearest( tracer, rays->count, o, d, coherent, scratch->triangle, scratch->u, scratch->v );
+    sort_by_kind( tracer, rays->count, scratch, vertices );
+    Source from = { rf_tracer_triangles( tracer ), rf_tracer_scene( tracer )->materials, rf_tracer_lights( tracer ), rays, scratch };
     for ( int i = 0; i < vertices->count; ++i )
-        fill_lane( settings->tracer, rays, scratch, vertices, i );
+        fill_lane( &from, vertices, i );
 }

@@ -90,6 +90,7 @@ static RfTriangleRecord make_record( const RfTriangles* t, uint32_t i, uint32_t 
     float scale = rf_maxf( rf_maxf( fabsf( r.e1.x ), rf_maxf( fabsf( r.e1.y ), fabsf( r.e1.z ) ) ), 1e-30f );
     float scale2 = rf_maxf( rf_maxf( fabsf( r.e2.x ), rf_maxf( fabsf( r.e2.y ), fabsf( r.e2.z ) ) ), 1e-30f );
     r.ng = rf_normalize( rf_cross( rf_scale( r.e1, 1.0f / scale ), rf_scale( r.e2, 1.0f / scale2 ) ) );
+    r.flat = rf_dot( r.d1, r.d1 ) == 0.0f && rf_dot( r.d2, r.d2 ) == 0.0f && rf_dot( r.n0, r.ng ) > 0.999999f;
     return r;
 }
 

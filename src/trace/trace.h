@@ -36,7 +36,7 @@ typedef struct RfTriangleRecord
     RfVec3 ng;         // unit geometric normal of the front
     uint32_t material;
     uint32_t light;    // index into RfLights, or RF_NO_LIGHT
-    uint32_t pad;
+    uint32_t flat;     // 1: the shading normal is the geometric one
 } RfTriangleRecord;
 
 const RfTriangleRecord* rf_tracer_triangles( const RfTracer* tracer );

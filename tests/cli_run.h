@@ -1,0 +1,37 @@
+// Runs the program as a user does, in a folder of its own, and keeps what it said.
+#ifndef REFRAME_TESTS_CLI_RUN_H
+#define REFRAME_TESTS_CLI_RUN_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+typedef struct CliResult
+{
+    int status;        // exit status, or 1000 + signal
+    char out[65536];   // standard output, cut where longer
+    char err[65536];   // standard error
+} CliResult;
+
+// Makes a fresh folder, in which all commands run; cli_leave removes it.
+void cli_enter( void );
+void cli_leave( void );
+const char* cli_folder( void );
+
+// Runs a shell line in the folder, with $R the program and $VASE the vase room.
+const CliResult* cli_run( const char* format, ... ) __attribute__( ( format( printf, 1, 2 ) ) );
+
+// Starts the same and does not wait; cli_wait does.
+void cli_start( const char* format, ... ) __attribute__( ( format( printf, 1, 2 ) ) );
+const CliResult* cli_wait( int signal_number ); // sends the signal first unless it is 0
+
+// Files of the folder.
+bool cli_exists( const char* name );
+void cli_write( const char* name, const void* bytes, size_t size );
+char* cli_read( const char* name, size_t* size ); // to be freed
+int cli_count_files( const char* suffix, const char* subfolder );
+
+// Fails the test with all that was said unless status is as wanted and `part`
+// (may be NULL) is in standard error, which must then be one line.
+void cli_expect( const CliResult* result, int status, const char* part );
+
+#endif
