@@ -39,8 +39,20 @@ typedef struct RfRenderSettings
 } RfRenderSettings;
 
 #define RF_GROUP_AUTO ( -1 )
+#define RF_MAX_SPP ( 1 << 20 )
+#define RF_MAX_GROUP ( 1 << 20 )
+#define RF_MAX_DEPTH ( 1 << 20 )
+#define RF_MAX_LIGHT_SAMPLES 64
+#define RF_MAX_IMAGE_SIDE ( 1 << 15 ) // pixels
 
 RfRenderSettings rf_default_render_settings( void );
+
+// The settings as a render of this path will use them: group chosen and cut to
+// the path, spp rounded up to what its groups need, threads and memory filled
+// in, normalisation that the weights allow. Rendering with the result is the
+// same as with the settings. Fails with RF_ERROR_USAGE for values out of range.
+RfResult rf_resolve_settings( const RfScene* scene, const RfEye* eyes, int eye_count, const RfRenderSettings* settings,
+                              RfRenderSettings* resolved, RfError* error );
 
 // A finished frame. The pixels are valid during the callback only.
 typedef struct RfFrameResult

@@ -2,6 +2,7 @@
 // what film density. The tests are packets from the eye (estimators.md 8).
 #include "reuse/harvest_internal.h"
 
+#include <stdint.h>
 #include <string.h>
 
 // Where the hits fall on the film of an eye: density 0 where they do not.
@@ -39,15 +40,29 @@ static int list_candidates( const RfEye* eye, const RfHitBatch* batch, float off
     return kept;
 }
 
-static void mark_seen( RfHitBatch* batch, int eye, int hit, int row )
+// Visibility bits, the sum of the densities and the rows that hits land in, of
+// one eye; a density of 0 is a hit that it does not see.
+static void note_seen( const float* restrict density, const int32_t* restrict row, int eye, RfHitBatch* batch )
 {
-    batch->seen[( eye / 32 ) * RF_LANES + hit] |= 1u << ( eye % 32 );
-    int32_t* rows = batch->rows + 2 * eye;
-    rows[0] = row < rows[0] ? row : rows[0];
-    rows[1] = row > rows[1] ? row : rows[1];
+    uint32_t* restrict seen = batch->seen + ( eye / 32 ) * RF_LANES;
+    float* restrict sum = batch->density_sum;
+    uint32_t bit = 1u << ( eye % 32 );
+    int32_t low = batch->rows[2 * eye], high = batch->rows[2 * eye + 1];
+#pragma omp simd reduction( min : low ) reduction( max : high )
+    for ( int i = 0; i < batch->count; ++i )
+    {
+        int lands = density[i] > 0.0f;
+        int32_t from = lands ? row[i] : INT32_MAX, to = lands ? row[i] : -1;
+        seen[i] |= lands ? bit : 0u;
+        sum[i] += density[i];
+        low = from < low ? from : low;
+        high = to > high ? to : high;
+    }
+    batch->rows[2 * eye] = low;
+    batch->rows[2 * eye + 1] = high;
 }
 
-static void see_from_other( const RfHarvest* harvest, int eye, RfHitBatch* batch, RfHarvestScratch* scratch,
+static void see_from_other( const RfHarvest* harvest, int eye, const RfHitBatch* batch, RfHarvestScratch* scratch,
                             float* density, RfRayCounts* rays )
 {
     RfLaneScratch* s = &scratch->walk.scratch;
@@ -58,18 +73,12 @@ static void see_from_other( const RfHarvest* harvest, int eye, RfHitBatch* batch
     rf_trace_segments_from( harvest->walk.tracer, harvest->eyes[eye].origin, count, d, s->visible );
     rays->eye += (uint64_t)count;
     for ( int k = 0; k < count; ++k )
-    {
-        int i = scratch->candidate[k];
-        if ( s->visible[k] )
-            mark_seen( batch, eye, i, scratch->row[i] );
-        else
-            density[i] = 0.0f;
-    }
+        density[scratch->candidate[k]] *= (float)s->visible[k];
 }
 
 // Its own eye sees a hit in the pixel it was drawn in, whatever rounding makes
 // of its projection.
-static void see_from_own( const RfHarvest* harvest, RfHitBatch* batch, float* density )
+static void see_from_own( const RfHarvest* harvest, const RfHitBatch* batch, int32_t* row, float* density )
 {
     const RfEye* eye = harvest->eyes + batch->eye;
     for ( int i = 0; i < batch->count; ++i )
@@ -77,7 +86,7 @@ static void see_from_own( const RfHarvest* harvest, RfHitBatch* batch, float* de
         RfVec3 p = rf_vec3( batch->p[0][i], batch->p[1][i], batch->p[2][i] );
         RfVec3 ng = rf_vec3( batch->ng[0][i], batch->ng[1][i], batch->ng[2][i] );
         density[i] = rf_project( eye, p, ng ).density;
-        mark_seen( batch, batch->eye, i, batch->pixel[i] / eye->width );
+        row[i] = batch->pixel[i] / eye->width;
     }
 }
 
@@ -89,16 +98,13 @@ void rf_see_batch( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch
     for ( int l = 0; l < eyes; ++l )
     {
         float* density = scratch->density + (size_t)l * RF_LANES;
-        batch->rows[2 * l] = harvest->eyes[l].height;
+        batch->rows[2 * l] = INT32_MAX;
         batch->rows[2 * l + 1] = -1;
         if ( l == batch->eye )
-            see_from_own( harvest, batch, density );
+            see_from_own( harvest, batch, scratch->row, density );
         else
             see_from_other( harvest, l, batch, scratch, density, rays );
-        float* restrict sum = batch->density_sum;
-#pragma omp simd
-        for ( int i = 0; i < batch->count; ++i )
-            sum[i] += density[i];
+        note_seen( density, scratch->row, l, batch );
     }
     // the rows of misses belong to the batch as well
     for ( int i = 0; i < batch->miss_count; ++i )

@@ -1,0 +1,11 @@
+// The sub-commands, one file each. argv[0] is the command's name; the result
+// is the exit status: 0, 1 failed, 2 usage, 130 interrupted.
+#ifndef REFRAME_CLI_COMMANDS_H
+#define REFRAME_CLI_COMMANDS_H
+
+int rf_command_render( int argc, char** argv );
+int rf_command_info( int argc, char** argv );
+int rf_command_compare( int argc, char** argv );
+int rf_command_png( int argc, char** argv );
+
+#endif

@@ -1,0 +1,104 @@
+// The program: picks the sub-command and hands over.
+#include "cli/commands.h"
+#include "cli/options.h"
+#include "cli/report.h"
+#include "trace/trace.h"
+
+#include <signal.h>
+#include <stdio.h>
+#include <string.h>
+
+typedef struct Command
+{
+    const char* name;
+    int ( *run )( int argc, char** argv );
+    const char* summary;
+} Command;
+
+static const Command s_commands[] = {
+    { "render", rf_command_render, "a camera's path to a sequence of EXR files" },
+    { "info", rf_command_info, "what is in a scene, and which effects it calls for" },
+    { "compare", rf_command_compare, "the error of images against references" },
+    { "png", rf_command_png, "an EXR file as PNG, to look at" },
+};
+
+#define COMMAND_COUNT ( (int)( sizeof s_commands / sizeof s_commands[0] ) )
+
+static int finish_output( void )
+{
+    RfError error;
+    if ( rf_flush_output( &error ) == RF_OK )
+        return 0;
+    fprintf( stderr, "reframe: %s\n", error.text );
+    return 1;
+}
+
+static int print_usage( void )
+{
+    printf( "usage: reframe COMMAND [OPTIONS] FILES\n"
+            "Renders camera paths through glTF scenes; every light path serves all frames that see its first hit.\n\n" );
+    for ( int i = 0; i < COMMAND_COUNT; ++i )
+        printf( "  %-10s%s\n", s_commands[i].name, s_commands[i].summary );
+    printf( "\n  reframe COMMAND --help    the options of a command\n"
+            "  reframe --version\n" );
+    return finish_output();
+}
+
+static int fail_unknown( const char* name )
+{
+    const char* names[COMMAND_COUNT];
+    for ( int i = 0; i < COMMAND_COUNT; ++i )
+        names[i] = s_commands[i].name;
+    const char* nearest = rf_nearest_word( name, names, COMMAND_COUNT );
+    RfError error; // through rf_fail: the word may hold anything
+    if ( nearest != NULL )
+        rf_fail( &error, RF_ERROR_USAGE, "'%s': no such command, did you mean %s?", name, nearest );
+    else
+        rf_fail( &error, RF_ERROR_USAGE, "'%s': no such command, see reframe --help", name );
+    fprintf( stderr, "reframe: %s\n", error.text );
+    return 2;
+}
+
+// Compiled for AVX2 the program would die of an illegal instruction elsewhere.
+static bool check_cpu( void )
+{
+#if defined( __AVX2__ ) && defined( __GNUC__ )
+    __builtin_cpu_init();
+    if ( !__builtin_cpu_supports( "avx2" ) || !__builtin_cpu_supports( "fma" ) || !__builtin_cpu_supports( "bmi2" ) )
+    {
+        fprintf( stderr, "reframe: built for processors with AVX2, FMA and BMI2 (x86-64-v3), this one has not all of "
+                         "them: build with cmake -DREFRAME_MARCH=\n" );
+        return false;
+    }
+#endif
+    return true;
+}
+
+int main( int argc, char** argv )
+{
+    if ( !check_cpu() )
+        return 1;
+    rf_set_float_mode();
+#ifdef SIGXFSZ
+    // A file size limit is to be an error of write, as a full disk is, not the end.
+    signal( SIGXFSZ, SIG_IGN );
+#endif
+    if ( argc < 2 )
+    {
+        fprintf( stderr, "reframe: no command given, see reframe --help\n" );
+        return 2;
+    }
+    if ( strcmp( argv[1], "--help" ) == 0 || strcmp( argv[1], "-h" ) == 0 )
+        return print_usage();
+    if ( strcmp( argv[1], "--version" ) == 0 )
+    {
+        printf( "reframe %s\n", REFRAME_VERSION );
+        return finish_output();
+    }
+    for ( int i = 0; i < COMMAND_COUNT; ++i )
+    {
+        if ( strcmp( argv[1], s_commands[i].name ) == 0 )
+            return s_commands[i].run( argc - 1, argv + 1 );
+    }
+    return fail_unknown( argv[1] );
+}

@@ -1,0 +1,34 @@
+// Progress on standard error: one line rewritten in place on a terminal, plain
+// lines otherwise.
+#ifndef REFRAME_CLI_PROGRESS_H
+#define REFRAME_CLI_PROGRESS_H
+
+#include "reuse/render.h"
+
+#include <stdbool.h>
+
+typedef struct RfProgressLine
+{
+    bool quiet;
+    bool terminal;
+    double shown;  // seconds at which the line was last written
+    int width;     // characters of it
+} RfProgressLine;
+
+RfProgressLine rf_create_progress_line( bool quiet );
+
+// "frame 12/48  25 %  1.9 M samples/s  0:42 left", at most ten times a second;
+// nothing where standard error is no terminal.
+void rf_show_progress( RfProgressLine* line, const RfProgress* progress );
+
+// Tells of a finished frame, the `done`-th of `all`: a plain line where
+// standard error is no terminal.
+void rf_show_frame( RfProgressLine* line, const RfFrameResult* result, int done, int all );
+
+// Removes the line, so that something else can be said.
+void rf_clear_progress( RfProgressLine* line );
+
+// Writes the line's text (for the tests).
+void rf_format_progress( const RfProgress* progress, char* text, size_t size );
+
+#endif

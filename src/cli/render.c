@@ -1,0 +1,200 @@
+// reframe render: from a scene and a camera path to EXR files.
+#include "cli/commands.h"
+#include "cli/frame_list.h"
+#include "cli/interrupt.h"
+#include "cli/progress.h"
+#include "cli/render_json.h"
+#include "cli/render_output.h"
+#include "cli/report.h"
+#include "light/light.h"
+#include "reuse/group.h"
+#include "scene/gltf.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+// All that one render holds; made in order, freed by destroy_job.
+typedef struct Job
+{
+    RfRenderOptions options;
+    RfLog log;
+    RfScene scene;
+    RfCameraPath path;
+    int* frames; // to be rendered, indices from 0
+    int frame_count;
+    int asked_count; // with those that --resume keeps
+    RfTracer* tracer;
+    RfProgressLine line;
+    int frames_done;
+    json_t* frames_json;
+    double start, seconds_scene; // monotonic time of the start; seconds until the rays can go
+    RfRenderStats stats;
+} Job;
+
+static double now( void )
+{
+    struct timespec time;
+    clock_gettime( CLOCK_MONOTONIC, &time );
+    return (double)time.tv_sec + 1e-9 * (double)time.tv_nsec;
+}
+
+static void destroy_job( Job* job )
+{
+    rf_destroy_tracer( job->tracer );
+    rf_destroy_camera_path( &job->path );
+    rf_destroy_scene( &job->scene );
+    free( job->frames );
+    json_decref( job->frames_json );
+}
+
+static RfRenderSubject subject_of( const Job* job )
+{
+    return ( RfRenderSubject ){ .options = &job->options, .scene = &job->scene, .path = &job->path };
+}
+
+// What is done otherwise than asked is said, where it is worth a word.
+static void tell_settings( const Job* job, const RfRenderSettings* asked, const RfRenderSettings* used )
+{
+    if ( job->options.quiet )
+        return;
+    RfGroupPlan plan = rf_plan_groups( job->path.count, used->group, used->spp );
+    if ( asked->group > used->group )
+        fprintf( stderr, "reframe render: --group %d cut to the path: groups of its %d frames\n", asked->group, plan.eyes );
+    if ( asked->spp != used->spp )
+        fprintf( stderr, "reframe render: --spp %d rounded up to %d: %d groups of %d frames hold a frame, %d sample%s in each\n",
+                 asked->spp, used->spp, plan.eyes, plan.eyes, plan.passes, plan.passes == 1 ? "" : "s" );
+}
+
+// From here on the settings are those that are used.
+static RfResult resolve( Job* job, RfError* error )
+{
+    RfRenderSettings* settings = &job->options.settings;
+    RfRenderSettings used;
+    RfResult result = rf_resolve_settings( &job->scene, job->path.eyes, job->path.count, settings, &used, error );
+    if ( result != RF_OK )
+        return result;
+    tell_settings( job, settings, &used );
+    *settings = used;
+    return RF_OK;
+}
+
+static RfResult load( Job* job, RfError* error )
+{
+    RfResult result = rf_load_gltf( job->options.scene, &job->scene, &job->log, error );
+    if ( result == RF_OK )
+        result = rf_create_camera_path( &job->scene, job->options.camera, job->options.fps, job->options.size,
+                                        &job->path, error );
+    if ( result == RF_OK )
+        result = rf_parse_frames( job->options.frames, job->path.count, &job->frames, &job->frame_count, error );
+    if ( result != RF_OK )
+        return result;
+    job->asked_count = job->frame_count;
+    result = resolve( job, error );
+    if ( result != RF_OK )
+        return result;
+    RfRenderSubject subject = subject_of( job );
+    return rf_prepare_output( &subject, job->frames, &job->frame_count, error );
+}
+
+static RfResult build( Job* job, RfError* error )
+{
+    RfResult result = rf_create_tracer( &job->scene, &job->tracer, error );
+    if ( result != RF_OK )
+        return result;
+    if ( job->scene.triangles.count == 0 )
+        rf_warn( &job->log, "%s: has no triangles, the picture will be black", job->options.scene );
+    else if ( rf_tracer_lights( job->tracer )->count == 0 )
+        rf_warn( &job->log, "%s: has no lights (no material emits), the picture will be black", job->options.scene );
+    job->frames_json = json_array();
+    job->seconds_scene = now() - job->start;
+    return RF_OK;
+}
+
+static RfResult on_frame( void* user, const RfFrameResult* result, RfError* error )
+{
+    Job* job = user;
+    RfRenderSubject subject = subject_of( job );
+    RfResult written = rf_write_frame( &subject, result, rf_tracer_device( job->tracer ), error );
+    if ( written != RF_OK )
+        return written;
+    ++job->frames_done;
+    rf_show_frame( &job->line, result, job->frames_done, job->frame_count );
+    json_array_append_new( job->frames_json, rf_frame_json( result ) );
+    return RF_OK;
+}
+
+static bool on_progress( void* user, const RfProgress* progress )
+{
+    Job* job = user;
+    rf_show_progress( &job->line, progress );
+    return !rf_is_interrupted();
+}
+
+static RfResult render( Job* job, RfError* error )
+{
+    if ( rf_is_interrupted() )
+        return rf_fail( error, RF_ERROR_INTERRUPTED, "interrupted before the first frame" );
+    job->line = rf_create_progress_line( job->options.quiet );
+    RfRenderCallbacks callbacks = { .user = job, .frame = on_frame, .progress = on_progress };
+    RfResult result = rf_render( job->tracer, job->path.eyes, job->path.count, job->frames, job->frame_count,
+                                 &job->options.settings, &callbacks, &job->stats, error );
+    rf_clear_progress( &job->line );
+    if ( result == RF_ERROR_INTERRUPTED )
+        return rf_fail( error, result, "interrupted: %d of %d frames are finished and kept, --resume goes on",
+                        job->asked_count - job->frame_count + job->frames_done, job->asked_count );
+    return result;
+}
+
+static RfResult report( Job* job, RfError* error )
+{
+    double seconds = now() - job->start;
+    const char* json_name = job->options.json;
+    if ( json_name == NULL || strcmp( json_name, "-" ) != 0 )
+    {
+        int kept = job->asked_count - job->frame_count;
+        printf( "%d frame%s in %s, %.1f s", job->frame_count, job->frame_count == 1 ? "" : "s", job->options.output,
+                seconds );
+        if ( kept > 0 )
+            printf( "; %d kept from before", kept );
+        printf( "\n" );
+    }
+    if ( json_name == NULL )
+        return rf_flush_output( error );
+    json_t* json = rf_render_json( &job->options, &job->scene, &job->stats, seconds, job->seconds_scene,
+                                   json_incref( job->frames_json ) );
+    return rf_write_json( json_name, json, error );
+}
+
+static RfResult run( Job* job, RfError* error )
+{
+    RfResult result = load( job, error );
+    if ( result == RF_OK )
+        result = build( job, error );
+    if ( result == RF_OK && job->frame_count > 0 )
+        result = render( job, error );
+    else if ( result == RF_OK ) // all frames are there already
+        job->stats = ( RfRenderStats ){ .group = job->options.settings.group, .spp = job->options.settings.spp };
+    return result == RF_OK ? report( job, error ) : result;
+}
+
+int rf_command_render( int argc, char** argv )
+{
+    RfError error;
+    bool help;
+    Job job = { .log = rf_stderr_log( "render" ), .start = now() };
+    RfResult result = rf_parse_render_options( argc, argv, &job.options, &help, &error );
+    if ( result == RF_OK && help )
+    {
+        rf_print_render_help();
+        result = rf_flush_output( &error );
+        return result == RF_OK ? 0 : rf_report_error( "render", &error );
+    }
+    if ( result == RF_OK )
+    {
+        rf_catch_interrupts();
+        result = run( &job, &error );
+    }
+    destroy_job( &job );
+    return result == RF_OK ? 0 : rf_report_error( "render", &error );
+}

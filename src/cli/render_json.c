@@ -1,0 +1,61 @@
+#include "cli/render_json.h"
+
+#include "cli/report.h"
+#include "scene/effects.h"
+
+json_t* rf_frame_json( const RfFrameResult* result )
+{
+    return json_pack( "{s:i, s:o, s:o, s:o, s:o}", "frame", result->frame + 1, "seconds",
+                      rf_json_number( result->seconds ), "relmse_estimate", rf_json_number( result->relmse_estimate ),
+                      "native_spp", rf_json_number( result->native_spp ), "effective_spp",
+                      rf_json_number( result->effective_spp ) );
+}
+
+json_t* rf_effect_names_json( const RfScene* scene )
+{
+    RfEffect effects[RF_MAX_EFFECTS];
+    int count = rf_list_effects( scene, effects );
+    json_t* names = json_array();
+    for ( int i = 0; i < count; ++i )
+    {
+        if ( effects[i].on )
+            json_array_append_new( names, json_string( effects[i].name ) );
+    }
+    return names;
+}
+
+json_t* rf_effects_json( const RfScene* scene )
+{
+    RfEffect effects[RF_MAX_EFFECTS];
+    int count = rf_list_effects( scene, effects );
+    json_t* list = json_array();
+    for ( int i = 0; i < count; ++i )
+        json_array_append_new( list, json_pack( "{s:s, s:b, s:o}", "name", effects[i].name, "on", effects[i].on, "why",
+                                                rf_json_text( effects[i].why ) ) );
+    return list;
+}
+
+static json_t* count_json( uint64_t count )
+{
+    return json_integer( (json_int_t)count );
+}
+
+static json_t* rays_json( const RfRayCounts* rays )
+{
+    return json_pack( "{s:o, s:o, s:o, s:o, s:o}", "primary", count_json( rays->primary ), "path",
+                      count_json( rays->path ), "shadow", count_json( rays->shadow ), "tile", count_json( rays->tile ),
+                      "eye", count_json( rays->eye ) );
+}
+
+json_t* rf_render_json( const RfRenderOptions* options, const RfScene* scene, const RfRenderStats* stats,
+                        double seconds, double seconds_scene, json_t* frames )
+{
+    return json_pack( "{s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:i, s:s, s:s, s:s, s:i, s:o}", "version",
+                      REFRAME_VERSION, "scene", rf_json_text( options->scene ), "frames", frames, "seconds",
+                      rf_json_number( seconds ), "seconds_scene", rf_json_number( seconds_scene ), "peak_bytes",
+                      count_json( stats->peak_bytes ), "budget_bytes", count_json( stats->budget_bytes ), "rays",
+                      rays_json( &stats->rays ), "group", stats->group, "tile", options->tile, "weights",
+                      rf_weights_name( options->settings.weights ), "normalize",
+                      rf_normalize_name( options->settings.normalize ), "threads", stats->threads, "effects",
+                      rf_effect_names_json( scene ) );
+}

@@ -1,0 +1,129 @@
+#include "cli/render_options.h"
+
+#include "cli/camera_options.h"
+#include "image/exr.h"
+
+#include <string.h>
+
+static const char* const s_weights[] = { "exact", "eq15", "unweighted", NULL };
+static const char* const s_normalize[] = { "crossfit", "ratio", "none", NULL };
+static const char* const s_compressions[] = { "none", "zip", "piz", NULL }; // in the order of RfExrCompression
+static const char* const s_files[] = { "SCENE" };
+
+// The table points here; a parse starts from the defaults and is copied out.
+static RfRenderOptions s_parsed;
+static int s_weights_index, s_normalize_index;
+static bool s_float, s_float_given, s_half_given;
+
+static const RfOption s_options[] = {
+    { .name = "output", .letter = 'o', .type = RF_OPTION_STRING, .value = &s_parsed.output, .meta = "PATTERN",
+      .help = "where the frames go: out/frame.####.exr, #### is the frame's number" },
+    { .name = "camera", .type = RF_OPTION_STRING, .value = &s_parsed.camera, .meta = "NAME",
+      .default_text = "the first animated one, else the first", .help = "a camera of the scene" },
+    { .name = "frames", .type = RF_OPTION_STRING, .value = &s_parsed.frames, .meta = "A-B[xSTEP][,...]",
+      .default_text = "all", .help = "frames, the first is 1; negative ones count from the end" },
+    { .name = "fps", .type = RF_OPTION_FPS, .value = &s_parsed.fps, .meta = "R", .default_text = "24",
+      .help = "frames per second of the camera's path, 24 or 24000/1001" },
+    { .name = "size", .type = RF_OPTION_SIZE, .value = &s_parsed.size, .min = 1, .max = RF_MAX_IMAGE_SIDE, .meta = "WxH",
+      .default_text = "960x540", .help = "pixels" },
+    { .name = "spp", .type = RF_OPTION_INT, .value = &s_parsed.settings.spp, .min = 1, .max = 1048576, .meta = "S",
+      .default_text = "28", .help = "samples traced per pixel and frame in all, over the groups that hold the frame" },
+    { .name = "group", .type = RF_OPTION_INT, .value = &s_parsed.settings.group, .min = 0, .max = 1048576,
+      .keyword = "auto", .keyword_value = RF_GROUP_AUTO, .meta = "N|auto", .default_text = "auto",
+      .help = "paths serve groups of 2N+1 frames; 0: no reuse" },
+    { .name = "tile", .type = RF_OPTION_STRING, .value = &s_parsed.tile, .meta = "1", .default_text = "1",
+      .help = "reuse within a frame: none yet" },
+    { .name = "weights", .type = RF_OPTION_CHOICE, .value = &s_weights_index, .choices = s_weights,
+      .default_text = "exact", .help = "how reused paths are weighted; the others are biased, for comparison" },
+    { .name = "normalize", .type = RF_OPTION_CHOICE, .value = &s_normalize_index, .choices = s_normalize,
+      .default_text = "crossfit", .help = "how the sum of weights is divided out" },
+    { .name = "max-depth", .type = RF_OPTION_INT, .value = &s_parsed.settings.max_depth, .min = 1, .max = 1000,
+      .meta = "D", .default_text = "12", .help = "path vertices after the eye" },
+    { .name = "light-samples", .type = RF_OPTION_INT, .value = &s_parsed.settings.light_samples, .min = 1, .max = 64,
+      .meta = "K", .default_text = "1", .help = "light samples per vertex" },
+    { .name = "seed", .type = RF_OPTION_UINT64, .value = &s_parsed.settings.seed, .meta = "S", .default_text = "1",
+      .help = "of the random numbers" },
+    { .name = "memory", .type = RF_OPTION_MEMORY, .value = &s_parsed.settings.memory, .min = 1048576, .meta = "SIZE",
+      .default_text = "half of what is free", .help = "budget beyond the scene and its BVH: 512M, 4G" },
+    { .name = "threads", .type = RF_OPTION_INT, .value = &s_parsed.settings.threads, .min = 1, .max = 1024,
+      .meta = "T", .default_text = "all cores", .help = "threads; the pictures do not depend on them" },
+    { .name = "compression", .type = RF_OPTION_CHOICE, .value = &s_parsed.compression, .choices = s_compressions,
+      .default_text = "zip", .help = "of the EXR files" },
+    { .name = "half", .type = RF_OPTION_BOOL, .value = &s_parsed.half, .given = &s_half_given, .default_text = "yes",
+      .help = "EXR files with 16-bit floats" },
+    { .name = "float", .type = RF_OPTION_BOOL, .value = &s_float, .given = &s_float_given, .default_text = "no",
+      .help = "EXR files with 32-bit floats" },
+    { .name = "resume", .type = RF_OPTION_BOOL, .value = &s_parsed.resume,
+      .help = "keep the frames that are there, if they are of this very render" },
+    { .name = "overwrite", .type = RF_OPTION_BOOL, .value = &s_parsed.overwrite,
+      .help = "replace the frames that are there" },
+    { .name = "json", .type = RF_OPTION_STRING, .value = &s_parsed.json, .meta = "FILE",
+      .help = "the result for programs; - is standard output" },
+    { .name = "quiet", .type = RF_OPTION_BOOL, .value = &s_parsed.quiet, .help = "no progress" },
+};
+
+static const RfCommandTable s_table = { .command = "render",
+                                        .summary = "Renders a camera's path to a sequence of EXR files.",
+                                        .files = s_files,
+                                        .file_count = 1,
+                                        .options = s_options,
+                                        .option_count = sizeof s_options / sizeof s_options[0] };
+
+const char* rf_weights_name( RfWeights weights )
+{
+    return s_weights[weights];
+}
+
+const char* rf_normalize_name( RfNormalize normalize )
+{
+    return s_normalize[normalize];
+}
+
+static bool ends_with( const char* text, const char* end )
+{
+    size_t length = strlen( text ), end_length = strlen( end );
+    return length > end_length && strcmp( text + length - end_length, end ) == 0;
+}
+
+static RfResult check( const RfRenderOptions* options, RfError* error )
+{
+    if ( options->output == NULL )
+        return rf_fail( error, RF_ERROR_USAGE, "-o is missing: say where the frames go, such as -o out/frame.####.exr" );
+    if ( !ends_with( options->output, ".exr" ) )
+        return rf_fail( error, RF_ERROR_USAGE, "--output: wants a name that ends in .exr, got '%s'", options->output );
+    if ( s_half_given && s_float_given && options->half == s_float )
+        return rf_fail( error, RF_ERROR_USAGE, "--half and --float: only one of the two" );
+    if ( options->resume && options->overwrite )
+        return rf_fail( error, RF_ERROR_USAGE, "--resume and --overwrite: only one of the two" );
+    if ( strcmp( options->tile, "1" ) != 0 )
+        return rf_fail( error, RF_ERROR_USAGE, "--tile: '%s': tiles are not there yet, only 1 works", options->tile );
+    return RF_OK;
+}
+
+RfResult rf_parse_render_options( int argc, char** argv, RfRenderOptions* options, bool* help, RfError* error )
+{
+    s_parsed = ( RfRenderOptions ){ .fps = RF_DEFAULT_FPS,
+                                    .size = { 960, 540 },
+                                    .settings = rf_default_render_settings(),
+                                    .tile = "1",
+                                    .compression = RF_EXR_ZIP,
+                                    .half = true };
+    s_float = s_float_given = s_half_given = false;
+    s_weights_index = s_parsed.settings.weights;
+    s_normalize_index = s_parsed.settings.normalize;
+    RfResult result = rf_parse_options( &s_table, argc, argv, &s_parsed.scene, help, error );
+    if ( result != RF_OK || *help )
+        return result;
+    s_parsed.settings.weights = (RfWeights)s_weights_index;
+    s_parsed.settings.normalize = (RfNormalize)s_normalize_index;
+    result = check( &s_parsed, error );
+    if ( s_float_given )
+        s_parsed.half = !s_float;
+    *options = s_parsed;
+    return result;
+}
+
+void rf_print_render_help( void )
+{
+    rf_print_help( &s_table, stdout );
+}

@@ -1,0 +1,35 @@
+// What `reframe render` is asked for.
+#ifndef REFRAME_CLI_RENDER_OPTIONS_H
+#define REFRAME_CLI_RENDER_OPTIONS_H
+
+#include "cli/options.h"
+#include "reuse/render.h"
+
+typedef struct RfRenderOptions
+{
+    const char* scene;
+    const char* camera; // NULL: the scene's first animated one, else its first
+    const char* frames; // NULL: all
+    RfFps fps;
+    RfSize size;
+    RfRenderSettings settings;
+    const char* tile;
+    const char* output;
+    int compression; // an RfExrCompression
+    bool half;
+    bool resume;
+    bool overwrite;
+    const char* json; // NULL: none
+    bool quiet;
+} RfRenderOptions;
+
+// Parses and checks what can be checked without the scene. With *help set the
+// help was asked for and nothing else is valid.
+RfResult rf_parse_render_options( int argc, char** argv, RfRenderOptions* options, bool* help, RfError* error );
+void rf_print_render_help( void );
+
+// Words of the options, as the user writes them.
+const char* rf_weights_name( RfWeights weights );
+const char* rf_normalize_name( RfNormalize normalize );
+
+#endif

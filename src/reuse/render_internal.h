@@ -1,0 +1,55 @@
+// The state of a render, shared by its files: settings, memory, driver.
+#ifndef REFRAME_REUSE_RENDER_INTERNAL_H
+#define REFRAME_REUSE_RENDER_INTERNAL_H
+
+#include "base/arena.h"
+#include "reuse/compute.h"
+#include "reuse/group.h"
+#include "reuse/harvest.h"
+#include "reuse/render.h"
+
+// A film in use, of one frame of the path.
+typedef struct LiveFilm
+{
+    int frame; // −1: free
+    RfFilm film;
+    uint32_t* landed_eyes; // eq15 only
+} LiveFilm;
+
+// All that is allocated, from one arena.
+typedef struct RenderMemory
+{
+    RfArena arena;
+    RfHarvestScratch** harvest_scratch; // per thread
+    RfComputeScratch* compute_scratch;  // per thread
+    RfHitBatch* batches;
+    int batch_slots;
+    int batches_laid_out; // of them, while they are being allocated
+    LiveFilm* films;
+    int film_slots;
+    float* rgb;
+    float* weight;
+} RenderMemory;
+
+// What the sizes depend on.
+typedef struct RenderSizes
+{
+    int width, height, tiles;
+    int threads;
+    int films; // held at once
+    RfBatchShape shape;
+} RenderSizes;
+
+// Bytes of all but the hit records.
+size_t rf_fixed_bytes( const RenderSizes* sizes );
+
+// Allocates films, scratch, and as many batches as serve the threads and fit
+// the budget. On failure what was allocated stays for rf_free_render_memory.
+RfResult rf_alloc_render_memory( const RenderSizes* sizes, RenderMemory* memory, RfError* error );
+void rf_free_render_memory( const RenderSizes* sizes, RenderMemory* memory );
+
+// Sizes for `films` frames held at once, with settings that are resolved.
+RenderSizes rf_render_sizes( const RfScene* scene, const RfEye* eyes, const RfGroupPlan* plan, int films,
+                             const RfRenderSettings* settings );
+
+#endif

@@ -1,0 +1,161 @@
+#include "reuse/render_internal.h"
+
+#include <string.h>
+
+#define BATCHES_PER_THREAD 16 // in a chunk: enough to share out, few enough to stay in the cache
+
+static size_t film_pixels( const RenderSizes* s ) { return (size_t)s->width * (size_t)s->height; }
+
+static size_t landed_bytes( const RenderSizes* s )
+{
+    return film_pixels( s ) * (size_t)rf_seen_words( s->shape.eyes ) * sizeof( uint32_t );
+}
+
+static bool has_glossy( const RfScene* scene )
+{
+    for ( uint32_t i = 0; i < scene->triangles.count; ++i )
+    {
+        if ( scene->materials[scene->triangles.material[i]].kind != RF_BSDF_LAMBERT )
+            return true;
+    }
+    return false;
+}
+
+RenderSizes rf_render_sizes( const RfScene* scene, const RfEye* eyes, const RfGroupPlan* plan, int films,
+                             const RfRenderSettings* settings )
+{
+    return ( RenderSizes ){
+        .width = eyes->width,
+        .height = eyes->height,
+        .tiles = rf_tile_count( eyes->width, eyes->height ),
+        .threads = settings->threads,
+        .films = films < plan->eyes ? films : plan->eyes,
+        .shape = { plan->eyes, settings->light_samples, has_glossy( scene ),
+                   settings->weights == RF_WEIGHTS_EQ15 },
+    };
+}
+
+size_t rf_fixed_bytes( const RenderSizes* s )
+{
+    size_t film = 2 * rf_film_half_bytes( s->width, s->height ) + ( s->shape.eq15 ? landed_bytes( s ) : 0 );
+    size_t scratch = rf_harvest_scratch_bytes( &s->shape ) + sizeof( RfComputeScratch );
+    size_t tables = 1 << 16;
+    return (size_t)s->films * film + film_pixels( s ) * 4 * sizeof( float ) + (size_t)s->threads * scratch + tables;
+}
+
+static RfResult alloc_film( const RenderSizes* s, RenderMemory* m, LiveFilm* live, RfError* error )
+{
+    RfResult result = RF_OK;
+    live->frame = -1;
+    live->film.width = s->width;
+    live->film.height = s->height;
+    for ( int h = 0; h < 2 && result == RF_OK; ++h )
+        result = rf_arena_alloc( &m->arena, "films", rf_film_half_bytes( s->width, s->height ), (void**)&live->film.half[h], error );
+    if ( s->shape.eq15 && result == RF_OK )
+        result = rf_arena_alloc( &m->arena, "landed eyes", landed_bytes( s ), (void**)&live->landed_eyes, error );
+    return result;
+}
+
+static RfResult alloc_films( const RenderSizes* s, RenderMemory* m, RfError* error )
+{
+    size_t bytes = (size_t)s->films * sizeof *m->films;
+    RfResult result = rf_arena_alloc( &m->arena, "film table", bytes, (void**)&m->films, error );
+    if ( result != RF_OK )
+        return result;
+    memset( m->films, 0, bytes );
+    m->film_slots = s->films;
+    for ( int i = 0; i < s->films && result == RF_OK; ++i )
+        result = alloc_film( s, m, m->films + i, error );
+    if ( result == RF_OK )
+        result = rf_arena_alloc( &m->arena, "image", film_pixels( s ) * 3 * sizeof( float ), (void**)&m->rgb, error );
+    if ( result == RF_OK )
+        result = rf_arena_alloc( &m->arena, "image", film_pixels( s ) * sizeof( float ), (void**)&m->weight, error );
+    return result;
+}
+
+static RfResult alloc_scratch( const RenderSizes* s, RenderMemory* m, RfError* error )
+{
+    size_t threads = (size_t)s->threads;
+    RfResult result = rf_arena_alloc( &m->arena, "scratch", threads * sizeof *m->harvest_scratch, (void**)&m->harvest_scratch, error );
+    if ( result != RF_OK )
+        return result;
+    memset( m->harvest_scratch, 0, threads * sizeof *m->harvest_scratch );
+    for ( size_t t = 0; t < threads; ++t )
+    {
+        void* memory = NULL;
+        result = rf_arena_alloc( &m->arena, "scratch", rf_harvest_scratch_bytes( &s->shape ), &memory, error );
+        if ( result != RF_OK )
+            return result;
+        m->harvest_scratch[t] = rf_lay_out_harvest_scratch( &s->shape, memory );
+    }
+    return rf_arena_alloc( &m->arena, "scratch", threads * sizeof *m->compute_scratch, (void**)&m->compute_scratch, error );
+}
+
+// As many batches at once as serve the threads and fit the budget, at least
+// one; the biased eq15 needs all of a pass.
+static int batch_slots( const RenderSizes* s, const RenderMemory* m )
+{
+    int jobs = s->shape.eyes * s->tiles;
+    if ( s->shape.eq15 )
+        return jobs;
+    size_t each = rf_batch_bytes( &s->shape ) + sizeof( RfHitBatch ), room = rf_arena_room( &m->arena ) / ( each + 64 );
+    int slots = s->threads * BATCHES_PER_THREAD;
+    slots = slots < jobs ? slots : jobs;
+    if ( (size_t)slots > room )
+        slots = room > 1 ? (int)room : 1;
+    return slots;
+}
+
+static RfResult alloc_batches( const RenderSizes* s, RenderMemory* m, RfError* error )
+{
+    m->batch_slots = batch_slots( s, m );
+    RfResult result = rf_arena_alloc( &m->arena, "hit records", (size_t)m->batch_slots * sizeof *m->batches, (void**)&m->batches, error );
+    for ( int i = 0; i < m->batch_slots && result == RF_OK; ++i )
+    {
+        void* memory = NULL;
+        result = rf_arena_alloc( &m->arena, "hit records", rf_batch_bytes( &s->shape ), &memory, error );
+        if ( result == RF_OK )
+        {
+            m->batches[i] = rf_lay_out_batch( &s->shape, memory );
+            m->batches_laid_out = i + 1;
+        }
+    }
+    return result;
+}
+
+RfResult rf_alloc_render_memory( const RenderSizes* sizes, RenderMemory* memory, RfError* error )
+{
+    RfResult result = alloc_films( sizes, memory, error );
+    if ( result == RF_OK )
+        result = alloc_scratch( sizes, memory, error );
+    if ( result == RF_OK )
+        result = alloc_batches( sizes, memory, error );
+    return result;
+}
+
+static void free_films( const RenderSizes* s, RenderMemory* m )
+{
+    for ( int i = 0; i < m->film_slots; ++i )
+    {
+        for ( int h = 0; h < 2; ++h )
+            rf_arena_free( &m->arena, "films", m->films[i].film.half[h], rf_film_half_bytes( s->width, s->height ) );
+        rf_arena_free( &m->arena, "landed eyes", m->films[i].landed_eyes, landed_bytes( s ) );
+    }
+    rf_arena_free( &m->arena, "film table", m->films, (size_t)s->films * sizeof *m->films );
+    rf_arena_free( &m->arena, "image", m->rgb, film_pixels( s ) * 3 * sizeof( float ) );
+    rf_arena_free( &m->arena, "image", m->weight, film_pixels( s ) * sizeof( float ) );
+}
+
+void rf_free_render_memory( const RenderSizes* s, RenderMemory* m )
+{
+    free_films( s, m );
+    size_t threads = (size_t)s->threads;
+    for ( size_t t = 0; m->harvest_scratch != NULL && t < threads; ++t )
+        rf_arena_free( &m->arena, "scratch", m->harvest_scratch[t], rf_harvest_scratch_bytes( &s->shape ) );
+    rf_arena_free( &m->arena, "scratch", m->harvest_scratch, threads * sizeof *m->harvest_scratch );
+    rf_arena_free( &m->arena, "scratch", m->compute_scratch, threads * sizeof *m->compute_scratch );
+    // a batch's first array is where its memory begins
+    for ( int i = 0; i < m->batches_laid_out; ++i )
+        rf_arena_free( &m->arena, "hit records", m->batches[i].p[0], rf_batch_bytes( &s->shape ) );
+    rf_arena_free( &m->arena, "hit records", m->batches, (size_t)m->batch_slots * sizeof *m->batches );
+}

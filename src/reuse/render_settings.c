@@ -1,0 +1,83 @@
+#include "base/system.h"
+#include "reuse/render_internal.h"
+
+#define AUTO_GROUP 3 // what --group auto takes where memory allows
+
+RfRenderSettings rf_default_render_settings( void )
+{
+    return ( RfRenderSettings ){
+        .spp = 28,
+        .group = RF_GROUP_AUTO,
+        .weights = RF_WEIGHTS_EXACT,
+        .normalize = RF_NORMALIZE_CROSSFIT,
+        .max_depth = 12,
+        .light_samples = 1,
+        .seed = 1,
+    };
+}
+
+static RfResult check_settings( const RfRenderSettings* s, RfError* error )
+{
+    if ( s->spp < 1 || s->spp > RF_MAX_SPP )
+        return rf_fail( error, RF_ERROR_USAGE, "samples per pixel must be 1 to %d, got %d", RF_MAX_SPP, s->spp );
+    if ( s->group < RF_GROUP_AUTO || s->group > RF_MAX_GROUP )
+        return rf_fail( error, RF_ERROR_USAGE, "group must be 0 to %d, got %d", RF_MAX_GROUP, s->group );
+    if ( s->max_depth < 1 || s->max_depth > RF_MAX_DEPTH )
+        return rf_fail( error, RF_ERROR_USAGE, "depth must be 1 to %d, got %d", RF_MAX_DEPTH, s->max_depth );
+    if ( s->light_samples < 1 || s->light_samples > RF_MAX_LIGHT_SAMPLES )
+        return rf_fail( error, RF_ERROR_USAGE, "light samples must be 1 to %d, got %d", RF_MAX_LIGHT_SAMPLES, s->light_samples );
+    return RF_OK;
+}
+
+static RfResult check_eyes( const RfEye* eyes, int count, RfError* error )
+{
+    if ( count < 1 )
+        return rf_fail( error, RF_ERROR_USAGE, "a render needs at least one frame" );
+    for ( int k = 0; k < count; ++k )
+    {
+        if ( eyes[k].width < 1 || eyes[k].height < 1 || eyes[k].width > RF_MAX_IMAGE_SIDE || eyes[k].height > RF_MAX_IMAGE_SIDE )
+            return rf_fail( error, RF_ERROR_USAGE, "the image must be 1x1 to %dx%d pixels, got %dx%d", RF_MAX_IMAGE_SIDE,
+                            RF_MAX_IMAGE_SIDE, eyes[k].width, eyes[k].height );
+        if ( eyes[k].width != eyes[0].width || eyes[k].height != eyes[0].height )
+            return rf_fail( error, RF_ERROR_USAGE, "all frames of a path must have the same size" );
+    }
+    return RF_OK;
+}
+
+// The largest group up to the usual one whose films leave room for a chunk;
+// never a matter of which frames are asked for.
+static int choose_group( const RfScene* scene, const RfEye* eyes, int eye_count, const RfRenderSettings* settings )
+{
+    if ( settings->group != RF_GROUP_AUTO )
+        return settings->group;
+    for ( int n = AUTO_GROUP; n > 0; --n )
+    {
+        RfGroupPlan plan = rf_plan_groups( eye_count, n, settings->spp );
+        RenderSizes sizes = rf_render_sizes( scene, eyes, &plan, eye_count, settings );
+        if ( rf_fixed_bytes( &sizes ) + rf_batch_bytes( &sizes.shape ) <= settings->memory )
+            return n;
+    }
+    return 0;
+}
+
+RfResult rf_resolve_settings( const RfScene* scene, const RfEye* eyes, int eye_count, const RfRenderSettings* settings,
+                              RfRenderSettings* resolved, RfError* error )
+{
+    RfResult result = check_settings( settings, error );
+    if ( result == RF_OK )
+        result = check_eyes( eyes, eye_count, error );
+    if ( result != RF_OK )
+        return result;
+    *resolved = *settings;
+    if ( resolved->threads < 1 )
+        resolved->threads = rf_core_count();
+    if ( resolved->memory == 0 )
+        resolved->memory = rf_free_memory() / 2;
+    RfGroupPlan plan = rf_plan_groups( eye_count, choose_group( scene, eyes, eye_count, resolved ), settings->spp );
+    resolved->group = plan.eyes / 2;
+    resolved->spp = plan.spp;
+    // the biased weightings count hits, whose mean is not known: their quotient only
+    if ( resolved->weights != RF_WEIGHTS_EXACT )
+        resolved->normalize = RF_NORMALIZE_RATIO;
+    return RF_OK;
+}
