@@ -22,6 +22,7 @@
 
 #define TRIANGLE "AACAvwAAgL8AAADAAACAPwAAgL8AAADAAAAAAAAAgD8AAADA"
 #define NAN_TRIANGLE "AACAvwAAgL8AAADAAACAPwAAwH8AAADAAAAAAAAAgD8AAADA"
+#define AWAY_TRIANGLE "AACAPwAAgL8AAADAAACAvwAAgL8AAADAAAAAAAAAgD8AAADA"
 #define CAMERA_NODE "{\"name\":\"Eye\",\"camera\":0}"
 #define CAMERAS "\"cameras\":[{\"type\":\"perspective\",\"perspective\":{\"yfov\":0.8,\"znear\":0.1}}],"
 
@@ -162,6 +163,10 @@ static void test_black_pictures_warn( void** state )
     write_gltf( "void.gltf", true, NULL, false );
     cli_expect( cli_run( "$R render void.gltf -o void.exr " SMALL ), 0, "warning: void.gltf: has no triangles" );
     assert_true( mean_of( "void.exr", 24, 16 ) == 0.0 );
+    // A light that the eye cannot see by any path: its one side is turned away.
+    write_gltf( "away.gltf", true, AWAY_TRIANGLE, true );
+    cli_expect( cli_run( "$R render away.gltf -o away.exr " SMALL ), 0, "away.gltf: frame 1 is black" );
+    assert_true( mean_of( "away.exr", 24, 16 ) == 0.0 );
 }
 
 static void test_small_paths_and_images( void** state )

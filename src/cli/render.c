@@ -27,6 +27,7 @@ typedef struct Job
     RfTracer* tracer;
     RfProgressLine line;
     int frames_done;
+    bool told_black; // the warning comes once
     json_t* frames_json;
     double start, seconds_scene; // monotonic time of the start; seconds until the rays can go
     RfRenderStats stats;
@@ -111,6 +112,24 @@ static RfResult build( Job* job, RfError* error )
     return RF_OK;
 }
 
+// A scene with lights whose picture is black: most likely a camera that stands
+// where it should not.
+static void warn_if_black( Job* job, const RfFrameResult* result )
+{
+    size_t count = 3 * (size_t)result->width * (size_t)result->height;
+    if ( job->told_black || rf_tracer_lights( job->tracer )->count == 0 )
+        return;
+    for ( size_t i = 0; i < count; ++i )
+    {
+        if ( result->rgb[i] != 0.0f )
+            return;
+    }
+    job->told_black = true;
+    rf_clear_progress( &job->line );
+    rf_warn( &job->log, "%s: frame %d is black, no light reaches the camera: is it inside a wall, or looking away?",
+             job->options.scene, result->frame + 1 );
+}
+
 static RfResult on_frame( void* user, const RfFrameResult* result, RfError* error )
 {
     Job* job = user;
@@ -119,6 +138,7 @@ static RfResult on_frame( void* user, const RfFrameResult* result, RfError* erro
     if ( written != RF_OK )
         return written;
     ++job->frames_done;
+    warn_if_black( job, result );
     rf_show_frame( &job->line, result, job->frames_done, job->frame_count );
     json_array_append_new( job->frames_json, rf_frame_json( result ) );
     return RF_OK;
