@@ -1,51 +1,32 @@
 #include "reuse/compute.h"
 
 #include "reuse/glossy.h"
-#include "reuse/project.h"
+#include "reuse/landing.h"
 
 #include <string.h>
 
-// Pixels and ratios r_t = J_t V_t / Σ J_l V_l of hits [0, count) at an eye that
-// is not their own.
-static void land_at_other( const RfEye* eye_in, int eye_index, const RfHitBatch* batch, int32_t* restrict pixel,
-                           float* restrict ratio )
+// Pixels of the hits at an eye, and their ratios r_t = J_t V_t / Σ J_l V_l.
+static void weigh_landing( const RfEye* eye, int eye_index, const RfHitBatch* batch, int32_t* pixel, float* restrict ratio )
 {
-    RfEye eye = *eye_in;
-    const float* restrict px = batch->p[0];
-    const float* restrict py = batch->p[1];
-    const float* restrict pz = batch->p[2];
-    const float* restrict nx = batch->ng[0];
-    const float* restrict ny = batch->ng[1];
-    const float* restrict nz = batch->ng[2];
+    bool own = eye_index == batch->eye;
+    if ( own )
+    {
+        memcpy( pixel, batch->pixel, (size_t)batch->count * sizeof *pixel );
+        rf_own_densities( eye, batch, ratio );
+    }
+    else
+        rf_project_batch( eye, batch, pixel, ratio );
     const float* restrict sum = batch->density_sum;
     const uint32_t* restrict seen = batch->seen + ( eye_index / 32 ) * RF_LANES;
     uint32_t bit = 1u << ( eye_index % 32 );
 #pragma omp simd
     for ( int i = 0; i < batch->count; ++i )
-    {
-        RfProjection at = rf_project( &eye, rf_vec3( px[i], py[i], pz[i] ), rf_vec3( nx[i], ny[i], nz[i] ) );
-        pixel[i] = at.y * eye.width + at.x;
-        ratio[i] = ( seen[i] & bit ) != 0 ? at.density / sum[i] : 0.0f;
-    }
-}
-
-static void land_at_own( const RfEye* eye, const RfHitBatch* batch, int32_t* pixel, float* ratio )
-{
-    memcpy( pixel, batch->pixel, (size_t)batch->count * sizeof *pixel );
-    for ( int i = 0; i < batch->count; ++i )
-    {
-        RfVec3 p = rf_vec3( batch->p[0][i], batch->p[1][i], batch->p[2][i] );
-        RfVec3 ng = rf_vec3( batch->ng[0][i], batch->ng[1][i], batch->ng[2][i] );
-        ratio[i] = rf_project( eye, p, ng ).density / batch->density_sum[i];
-    }
+        ratio[i] = ( seen[i] & bit ) != 0 ? ratio[i] / sum[i] : 0.0f;
 }
 
 static void land( const RfCompute* compute, int eye, const RfHitBatch* batch, RfComputeScratch* scratch )
 {
-    if ( eye == batch->eye )
-        land_at_own( compute->eyes + eye, batch, scratch->pixel, scratch->ratio );
-    else
-        land_at_other( compute->eyes + eye, eye, batch, scratch->pixel, scratch->ratio );
+    weigh_landing( compute->eyes + eye, eye, batch, scratch->pixel, scratch->ratio );
     if ( compute->weights == RF_WEIGHTS_EXACT )
         return;
     // the biased weightings count hits

@@ -5,7 +5,6 @@
 #define REFRAME_REUSE_HARVEST_H
 
 #include "path/walk.h"
-#include "reuse/project.h"
 #include "reuse/records.h"
 #include "reuse/render.h"
 

@@ -4,6 +4,7 @@
 
 #include "reuse/glossy.h"
 #include "reuse/harvest.h"
+#include "reuse/landing.h"
 
 // One direction of all hits: where from, and the light in its two parts.
 typedef struct RfArrivalLanes
@@ -24,7 +25,7 @@ struct RfHarvestScratch
     RF_ALIGN float mixture[RF_LANES];
     RF_ALIGN float wo[3][RF_LANES];
     RfArrivalLanes arrival;
-    RF_ALIGN int32_t row[RF_LANES];
+    RF_ALIGN int32_t landing[RF_LANES]; // pixel of each hit at an eye
     RF_ALIGN int32_t candidate[RF_LANES];
     RfLightLanes* direct; // light samples at the hits, K of them
     float* density;       // J_l V_l: eye l, hit i at l·RF_LANES + i
