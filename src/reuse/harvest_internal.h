@@ -26,7 +26,7 @@ struct RfHarvestScratch
     RF_ALIGN float wo[3][RF_LANES];
     RfArrivalLanes arrival;
     RF_ALIGN int32_t landing[RF_LANES]; // pixel of each hit at an eye
-    RF_ALIGN int32_t candidate[RF_LANES];
+    RF_ALIGN float lifted[3][RF_LANES]; // the hits, off their surface
     RfLightLanes* direct; // light samples at the hits, K of them
     float* density;       // J_l V_l: eye l, hit i at l·RF_LANES + i
 };

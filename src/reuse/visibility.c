@@ -5,20 +5,19 @@
 #include <stdint.h>
 #include <string.h>
 
-// Segments from the eye to the hits that may be seen, lifted off their surface.
-static int list_candidates( const RfEye* eye, const RfHitBatch* batch, float offset, const float* density,
-                            int32_t* candidate, RfLaneScratch* s )
+// The hits lifted off their surface, for segments that end there.
+static void lift_hits( const RfHarvest* harvest, const RfHitBatch* batch, float lifted[3][RF_LANES] )
 {
-    int kept = 0;
-    for ( int i = 0; i < batch->count; ++i )
+    float offset = rf_ray_offset( rf_tracer_scene( harvest->walk.tracer ) );
+    for ( int c = 0; c < 3; ++c )
     {
-        candidate[kept] = i;
-        s->d[0][kept] = batch->p[0][i] + batch->ng[0][i] * offset - eye->origin.x;
-        s->d[1][kept] = batch->p[1][i] + batch->ng[1][i] * offset - eye->origin.y;
-        s->d[2][kept] = batch->p[2][i] + batch->ng[2][i] * offset - eye->origin.z;
-        kept += density[i] > 0.0f;
+        const float* restrict p = batch->p[c];
+        const float* restrict ng = batch->ng[c];
+        float* restrict out = lifted[c];
+#pragma omp simd
+        for ( int i = 0; i < batch->count; ++i )
+            out[i] = p[i] + ng[i] * offset;
     }
-    return kept;
 }
 
 // Visibility bits, the sum of the densities and the rows that hits land in, of
@@ -43,20 +42,6 @@ static void note_seen( const float* restrict density, const int32_t* restrict pi
     batch->rows[2 * eye + 1] = high < 0 ? -1 : high / width;
 }
 
-static void see_from_other( const RfHarvest* harvest, int eye, const RfHitBatch* batch, RfHarvestScratch* scratch,
-                            float* density, RfRayCounts* rays )
-{
-    RfLaneScratch* s = &scratch->walk.scratch;
-    float offset = rf_ray_offset( rf_tracer_scene( harvest->walk.tracer ) );
-    rf_project_batch( harvest->eyes + eye, batch, scratch->landing, density );
-    int count = list_candidates( harvest->eyes + eye, batch, offset, density, scratch->candidate, s );
-    const float* d[3] = { s->d[0], s->d[1], s->d[2] };
-    rf_trace_segments_from( harvest->walk.tracer, harvest->eyes[eye].origin, count, d, s->visible );
-    rays->eye += (uint64_t)count;
-    for ( int k = 0; k < count; ++k )
-        density[scratch->candidate[k]] *= (float)s->visible[k];
-}
-
 // Its own eye sees a hit in the pixel it was drawn in, whatever rounding makes
 // of its projection.
 static void see_from_own( const RfHarvest* harvest, const RfHitBatch* batch, int32_t* pixel, float* density )
@@ -70,14 +55,20 @@ void rf_see_batch( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch
     int eyes = harvest->shape.eyes;
     memset( batch->seen, 0, (size_t)rf_seen_words( eyes ) * RF_LANES * sizeof *batch->seen );
     memset( batch->density_sum, 0, (size_t)batch->count * sizeof( float ) );
+    lift_hits( harvest, batch, scratch->lifted );
+    const float* lifted[3] = { scratch->lifted[0], scratch->lifted[1], scratch->lifted[2] };
     for ( int l = 0; l < eyes; ++l )
     {
+        const RfEye* eye = harvest->eyes + l;
         float* density = scratch->density + (size_t)l * RF_LANES;
         if ( l == batch->eye )
             see_from_own( harvest, batch, scratch->landing, density );
         else
-            see_from_other( harvest, l, batch, scratch, density, rays );
-        note_seen( density, scratch->landing, l, harvest->eyes[l].width, batch );
+        {
+            rf_project_batch( eye, batch, scratch->landing, density );
+            rays->eye += (uint64_t)rf_trace_from_origin( harvest->walk.tracer, eye->origin, batch->count, lifted, density );
+        }
+        note_seen( density, scratch->landing, l, eye->width, batch );
     }
     // the rows of misses belong to the batch as well
     for ( int i = 0; i < batch->miss_count; ++i )

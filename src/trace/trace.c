@@ -257,12 +257,29 @@ void rf_trace_segments( const RfTracer* tracer, int count, const float* const o[
     }
 }
 
-void rf_trace_segments_from( const RfTracer* tracer, RfVec3 origin, int count, const float* const d[3],
-                             uint8_t* visible )
+// Fills a packet's segments; returns how many lanes are to be tested.
+static int set_segments( struct RTCRay16* ray, int* valid, RfVec3 origin, int lanes, const float* const point[3], int first,
+                         const float* weight )
 {
+    int tested = 0;
+#pragma omp simd reduction( + : tested )
+    for ( int i = 0; i < lanes; ++i )
+    {
+        ray->dir_x[i] = point[0][first + i] - origin.x;
+        ray->dir_y[i] = point[1][first + i] - origin.y;
+        ray->dir_z[i] = point[2][first + i] - origin.z;
+        valid[i] = weight[first + i] > 0.0f ? -1 : 0;
+        tested -= valid[i];
+    }
+    return tested;
+}
+
+int rf_trace_from_origin( const RfTracer* tracer, RfVec3 origin, int count, const float* const point[3], float* weight )
+{
+    // coherent as they are, Embree's traversal for incoherent packets is the faster one here
     struct RTCIntersectContext context;
     rtcInitIntersectContext( &context );
-    context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
     _Alignas( 64 ) int valid[PACKET];
     struct RTCRay16 ray;
     memset( &ray, 0, sizeof ray );
@@ -271,11 +288,21 @@ void rf_trace_segments_from( const RfTracer* tracer, RfVec3 origin, int count, c
         ray.org_x[i] = origin.x;
         ray.org_y[i] = origin.y;
         ray.org_z[i] = origin.z;
+        ray.mask[i] = 0xffffffffu;
     }
+    int sum = 0;
     for ( int first = 0; first < count; first += PACKET )
     {
         int lanes = set_valid( valid, first, count );
-        set_ray( &ray, lanes, d, first, 1.0f );
-        occluded_packet( tracer, &context, valid, &ray, lanes, visible + first );
+        int tested = set_segments( &ray, valid, origin, lanes, point, first, weight );
+        if ( tested == 0 )
+            continue;
+        for ( int i = 0; i < PACKET; ++i )
+            ray.tfar[i] = 1.0f;
+        rtcOccluded16( valid, tracer->embree_scene, &context, &ray );
+        for ( int i = 0; i < lanes; ++i )
+            weight[first + i] = ray.tfar[i] < 0.0f ? 0.0f : weight[first + i]; // −inf where blocked
+        sum += tested;
     }
+    return sum;
 }

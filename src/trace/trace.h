@@ -50,9 +50,10 @@ void rf_trace_nearest( const RfTracer* tracer, int count, const float* const o[3
 void rf_trace_segments( const RfTracer* tracer, int count, const float* const o[3], const float* const d[3],
                         uint8_t* visible );
 
-// The same from one common origin: packets of coherent rays (estimators.md 8).
-void rf_trace_segments_from( const RfTracer* tracer, RfVec3 origin, int count, const float* const d[3],
-                             uint8_t* visible );
+// Segments from one common origin to points, in packets (estimators.md 8):
+// tested where weight > 0, which becomes 0 where something is in the way.
+// Returns how many were tested.
+int rf_trace_from_origin( const RfTracer* tracer, RfVec3 origin, int count, const float* const point[3], float* weight );
 
 // Set flush-to-zero for this thread: call at the top of main and of every
 // parallel region, so that results do not depend on the thread.
