@@ -102,7 +102,9 @@ static RfVec3 sample_light( const RfTracer* tracer, const Point* x, RfRandomKey 
     float root = sqrtf( rf_random( key, dimension + 1 ) );
     float b1 = 1.0f - root, b2 = rf_random( key, dimension + 2 ) * root;
     RfVec3 z = rf_add( light->p0, rf_add( rf_scale( light->e1, b1 ), rf_scale( light->e2, b2 ) ) );
-    RfVec3 way = rf_sub( z, x->p );
+    float offset = rf_ray_offset( rf_tracer_scene( tracer ) );
+    RfVec3 from = rf_madd( x->p, x->ng, offset );
+    RfVec3 way = rf_sub( z, from );
     float d2 = rf_dot( way, way );
     *wi = rf_scale( way, 1.0f / sqrtf( d2 ) );
     float facing = -rf_dot( light->normal, *wi );
@@ -111,8 +113,6 @@ static RfVec3 sample_light( const RfTracer* tracer, const Point* x, RfRandomKey 
     *pdf = light->pdf_area * d2 / cos_light;
     if ( !( cos_x > 0.0f && rf_dot( x->ng, *wi ) > 0.0f && cos_light > 0.0f && *pdf < 1e30f ) )
         return black;
-    float offset = rf_ray_offset( rf_tracer_scene( tracer ) );
-    RfVec3 from = rf_madd( x->p, x->ng, offset );
     RfVec3 to = rf_madd( z, light->normal, facing < 0.0f ? -offset : offset );
     RfVec3 segment = rf_sub( to, from );
     const float* o[3] = { &from.x, &from.y, &from.z };

@@ -41,6 +41,8 @@ static double incomplete_beta( double a, double b, double x )
 
 double student_p( double t, double df ) { return incomplete_beta( 0.5 * df, 0.5, df / ( df + t * t ) ); }
 
+bool is_far_off( double t, double df ) { return !( student_p( t, df ) > 6.3e-5 ); }
+
 double mean_of( const double* values, int count, double* standard_error )
 {
     double mean = 0.0, square = 0.0;

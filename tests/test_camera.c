@@ -266,9 +266,9 @@ static void test_ray_offset( void** state )
 {
     (void)state;
     RfScene scene = { .bounds_min = { -200, 0, 0 }, .bounds_max = { 100, 1, 1 } };
-    assert_near( (double)rf_ray_offset( &scene ), 2e-3, 1e-9 );
+    assert_near( (double)rf_ray_offset( &scene ), 2e-4, 1e-10 );
     scene = ( RfScene ){ 0 };
-    assert_near( (double)rf_ray_offset( &scene ), 1e-7, 1e-13 );
+    assert_near( (double)rf_ray_offset( &scene ), 1e-12, 1e-18 );
     rf_destroy_scene( &scene );
     rf_destroy_scene( NULL );
 }

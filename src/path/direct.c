@@ -63,7 +63,10 @@ static void connect( const RfVertexLanes* restrict v, const LightPoints* restric
         RfVec3 n = rf_vec3( v->n[0][i], v->n[1][i], v->n[2][i] );
         RfVec3 z = rf_vec3( points->p[0][i], points->p[1][i], points->p[2][i] );
         RfVec3 nz = rf_vec3( points->n[0][i], points->n[1][i], points->n[2][i] );
-        RfVec3 way = rf_sub( z, x );
+        // from where scattered rays start as well, so that both techniques of
+        // (E3) measure the same directions and distances
+        RfVec3 from = rf_madd( x, ng, offset );
+        RfVec3 way = rf_sub( z, from );
         float d2 = rf_dot( way, way );
         RfVec3 wi = rf_scale( way, 1.0f / sqrtf( d2 ) );
         float facing = -rf_dot( nz, wi );
@@ -80,8 +83,7 @@ static void connect( const RfVertexLanes* restrict v, const LightPoints* restric
         out->radiance_cos[0][i] = points->radiance[0][i] * scale;
         out->radiance_cos[1][i] = points->radiance[1][i] * scale;
         out->radiance_cos[2][i] = points->radiance[2][i] * scale;
-        // both ends are lifted off their surfaces, each on the side that is seen
-        RfVec3 from = rf_madd( x, ng, offset );
+        // the far end is lifted off the light, on the side that is seen
         RfVec3 to = rf_madd( z, nz, offset * side );
         scratch->o[0][i] = from.x;
         scratch->o[1][i] = from.y;

@@ -44,6 +44,8 @@ static float largest_coordinate( RfVec3 v )
 float rf_ray_offset( const RfScene* scene )
 {
     float largest = rf_maxf( largest_coordinate( scene->bounds_min ), largest_coordinate( scene->bounds_max ) );
-    // a float has 24 bits: 1e-5 of a coordinate is some 170 of its last steps
-    return rf_maxf( 1e-5f * largest, 1e-7f );
+    // A float has 24 bits. A point made from barycentrics is off its plane by at
+    // most some 2e-7 of the largest coordinate; more room would let light into
+    // corners and points past thin things.
+    return rf_maxf( 1e-6f * largest, 1e-12f );
 }
