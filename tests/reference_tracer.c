@@ -13,6 +13,7 @@ typedef struct Point
     RfVec3 p, ng, n, wo;
     const RfMaterial* material;
     RfVec3 emission;
+    float offset;
     float light_pdf; // of a light sample at the ray's origin choosing this point
 } Point;
 
@@ -37,6 +38,7 @@ static bool find( const RfTracer* tracer, RfVec3 o, RfVec3 d, Point* out )
     out->n = !t->flat && rf_dot( n, out->ng ) > 0.0f && length2 > 1e-12f ? n : out->ng;
     out->material = rf_tracer_scene( tracer )->materials + t->material;
     out->emission = rf_vec3( 0, 0, 0 );
+    out->offset = t->offset;
     out->light_pdf = 0.0f;
     if ( t->light != RF_NO_LIGHT )
     {
@@ -98,12 +100,11 @@ static RfVec3 sample_light( const RfTracer* tracer, const Point* x, RfRandomKey 
     const RfLights* lights = rf_tracer_lights( tracer );
     if ( lights->count == 0 )
         return black;
-    const RfLight* light = lights->light + rf_pick_light( lights, rf_random( key, dimension ) );
+    const RfLight* light = lights->light + rf_pick_light( lights, rf_random_bits( key, dimension ), rf_random_bits( key, dimension | RF_DIMENSION_TWIN ) );
     float root = sqrtf( rf_random( key, dimension + 1 ) );
     float b1 = 1.0f - root, b2 = rf_random( key, dimension + 2 ) * root;
     RfVec3 z = rf_add( light->p0, rf_add( rf_scale( light->e1, b1 ), rf_scale( light->e2, b2 ) ) );
-    float offset = rf_ray_offset( rf_tracer_scene( tracer ) );
-    RfVec3 from = rf_madd( x->p, x->ng, offset );
+    RfVec3 from = rf_madd( x->p, x->ng, x->offset );
     RfVec3 way = rf_sub( z, from );
     float d2 = rf_dot( way, way );
     *wi = rf_scale( way, 1.0f / sqrtf( d2 ) );
@@ -113,7 +114,7 @@ static RfVec3 sample_light( const RfTracer* tracer, const Point* x, RfRandomKey 
     *pdf = light->pdf_area * d2 / cos_light;
     if ( !( cos_x > 0.0f && rf_dot( x->ng, *wi ) > 0.0f && cos_light > 0.0f && *pdf < 1e30f ) )
         return black;
-    RfVec3 to = rf_madd( z, light->normal, facing < 0.0f ? -offset : offset );
+    RfVec3 to = rf_madd( z, light->normal, facing < 0.0f ? -light->offset : light->offset );
     RfVec3 segment = rf_sub( to, from );
     const float* o[3] = { &from.x, &from.y, &from.z };
     const float* d[3] = { &segment.x, &segment.y, &segment.z };
@@ -154,7 +155,7 @@ static Arriving arriving_light( const RfTracer* tracer, const ReferenceSettings*
 {
     Arriving result = { { 0, 0, 0 }, { 0, 0, 0 }, 0.0f };
     RfVec3 throughput = rf_vec3( 1, 1, 1 );
-    float pdf_scatter = 0.0f, offset = rf_ray_offset( rf_tracer_scene( tracer ) );
+    float pdf_scatter = 0.0f;
     for ( int vertex = 2; vertex <= s->max_depth; ++vertex )
     {
         Point x;
@@ -183,7 +184,7 @@ static Arriving arriving_light( const RfTracer* tracer, const ReferenceSettings*
                 rf_random( key, dimension + RF_DIMENSION_ROULETTE ) < q ) )
             break;
         throughput = rf_vec3( throughput.x / q, throughput.y / q, throughput.z / q );
-        o = rf_madd( x.p, x.ng, offset );
+        o = rf_madd( x.p, x.ng, x.offset );
         d = wi;
     }
     return result;
@@ -198,7 +199,7 @@ static RfVec3 scattered_light( const RfTracer* tracer, const ReferenceSettings* 
     float cos_x = rf_dot( x->n, wi );
     if ( !( cos_x > 0.0f && rf_dot( x->ng, wi ) > 0.0f && pdf > 0.0f ) )
         return black;
-    RfVec3 o = rf_madd( x->p, x->ng, rf_ray_offset( rf_tracer_scene( tracer ) ) );
+    RfVec3 o = rf_madd( x->p, x->ng, x->offset );
     float roulette_scale = rf_maxf( rf_max_component( f ) * cos_x / pdf, 0.1f );
     Arriving in = arriving_light( tracer, s, key, o, wi, roulette_scale );
     RfVec3 emitted = rf_scale( rf_scale( in.emitted, cos_x ), 1.0f / ( (float)s->light_samples * in.light_pdf + pdf ) );
@@ -242,17 +243,18 @@ void reference_image( const RfTracer* tracer, const RfEye* eye, const ReferenceS
     {
         for ( int x = 0; x < eye->width; ++x )
         {
-            RfVec3 half[2] = { { 0, 0, 0 }, { 0, 0, 0 } };
+            double half[2][3] = { { 0 } };
             for ( int pass = 0; pass < s->spp; ++pass )
             {
-                RfVec3* sum = half + ( ( s->frame + pass ) & 1 );
-                *sum = rf_add( *sum, reference_sample( tracer, eye, s, pass, x, y ) );
+                RfVec3 value = reference_sample( tracer, eye, s, pass, x, y );
+                double* sum = half[( s->frame + pass ) & 1];
+                sum[0] += (double)value.x;
+                sum[1] += (double)value.y;
+                sum[2] += (double)value.z;
             }
-            RfVec3 all = rf_add( half[0], half[1] );
             float* out = rgb + 3 * ( (size_t)y * (size_t)eye->width + (size_t)x );
-            out[0] = all.x / (float)s->spp;
-            out[1] = all.y / (float)s->spp;
-            out[2] = all.z / (float)s->spp;
+            for ( int c = 0; c < 3; ++c )
+                out[c] = (float)( ( half[0][c] + half[1][c] ) / s->spp );
         }
     }
 }

@@ -30,7 +30,7 @@ static Film make_film( int width, int height, int even, int odd )
     size_t pixels = (size_t)width * (size_t)height;
     Film f = { .film = { .width = width, .height = height, .passes = { even, odd } } };
     for ( int h = 0; h < 2; ++h )
-        f.film.half[h] = calloc( pixels, 4 * sizeof( float ) );
+        f.film.half[h] = calloc( pixels, 4 * sizeof( double ) );
     f.rgb = calloc( pixels, 3 * sizeof( float ) );
     f.weight = calloc( pixels, sizeof( float ) );
     if ( f.film.half[0] == NULL || f.film.half[1] == NULL || f.rgb == NULL || f.weight == NULL )
@@ -48,7 +48,7 @@ static void free_film( Film* f )
 
 static void set_pixel( Film* f, int half, size_t i, float r, float g, float b, float w )
 {
-    float* p = f->film.half[half] + 4 * i;
+    double* p = f->film.half[half] + 4 * i;
     p[0] = r;
     p[1] = g;
     p[2] = b;
@@ -107,8 +107,8 @@ static void test_equal_halves_are_equation_2( void** state )
     rf_combine_film( &f.film, RF_FILM_CROSSFIT, f.rgb, NULL );
     for ( size_t i = 0; i < 3 * PIXELS; ++i )
     {
-        const float* e = f.film.half[0] + 4 * ( i / 3 );
-        const float* o = f.film.half[1] + 4 * ( i / 3 );
+        const double* e = f.film.half[0] + 4 * ( i / 3 );
+        const double* o = f.film.half[1] + 4 * ( i / 3 );
         double n = PASSES;
         double expected = equation_2( (double)e[i % 3] / n, (double)e[3] / n, (double)o[i % 3] / n, (double)o[3] / n );
         // rounding is relative to the terms, not to what they leave of each other
@@ -176,7 +176,7 @@ static void test_empty_halves( void** state )
 static void add_noisy_pass( Film* f, int half, uint32_t i, uint32_t pass )
 {
     float w = 2.0f * uniform( i, pass );
-    float* p = f->film.half[half] + 4 * (size_t)i;
+    double* p = f->film.half[half] + 4 * (size_t)i;
     p[0] += w * ( 0.5f + w );
     p[1] += w;
     p[2] += 0.5f * w;
@@ -249,7 +249,7 @@ static void check_relmse( RfFilmCombine combine, int even, int odd )
         for ( int pass = 0; pass < even + odd; ++pass )
         {
             uint32_t d = 4 * (uint32_t)pass;
-            float* p = f.film.half[pass >= even] + 4 * (size_t)i;
+            double* p = f.film.half[pass >= even] + 4 * (size_t)i;
             for ( uint32_t c = 0; c < 3; ++c )
                 p[c] += mean + width * ( uniform( i, d + c ) - 0.5f );
             p[3] += 1.0f;

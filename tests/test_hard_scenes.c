@@ -8,6 +8,7 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdio.h>
+#include <stdlib.h>
 
 #include <cmocka.h>
 
@@ -90,6 +91,45 @@ static void test_very_small( void** state )
 {
     (void)state;
     check_scale( 1e-5f, rf_vec3( 0, 0, 0 ) );
+}
+
+// Something tiny, far away and out of sight stretches the bounds of the scene;
+// offsets that grew with them would let eyes see around edges.
+static void test_a_far_thing_changes_nothing( void** state )
+{
+    (void)state;
+    RfEye eyes[EYES];
+    orbit_eyes( eyes, EYES, 20.0f, WIDTH, HEIGHT );
+    for ( int group = 0; group <= 2; group += 2 )
+    {
+        RfRenderSettings settings = small_settings( group, 20 );
+        double mean[2] = { 0.0, 0.0 }, difference = 0.0;
+        Rendered rendered[2];
+        for ( int far = 0; far < 2; ++far )
+        {
+            RfScene scene = make_room( ROOM_DIFFUSE );
+            SceneBuilder b = { .scene = scene, .vertex_room = scene.triangles.vertex_count, .triangle_room = scene.triangles.count };
+            if ( far )
+                add_quad( &b, 0, rf_vec3( 3000, 0, 0 ), rf_vec3( 3000.1f, 0, 0 ), rf_vec3( 3000.1f, 0.1f, 0 ), rf_vec3( 3000, 0.1f, 0 ) );
+            free( b.scene.path );
+            scene = finish_scene( &b );
+            RfTracer* tracer = make_tracer( &scene );
+            rendered[far] = render_all( tracer, eyes, EYES, &settings );
+            for ( size_t i = 0; i < 3 * rendered[far].pixels * EYES; ++i )
+                mean[far] += (double)rendered[far].rgb[i];
+            rf_destroy_tracer( tracer );
+            rf_destroy_scene( &scene );
+        }
+        for ( size_t i = 0; i < 3 * rendered[0].pixels * EYES; ++i )
+            difference += fabs( (double)rendered[0].rgb[i] - (double)rendered[1].rgb[i] );
+        printf( "a thing at 3000, group %d: mean differs by %.2g, pixels by %.2g of the mean\n", group, mean[1] / mean[0] - 1.0,
+                difference / mean[0] );
+        // the paths are the same but for rounding in the other tree
+        assert_true( mean[0] > 0.0 && fabs( mean[1] / mean[0] - 1.0 ) < 1e-3 );
+        assert_true( difference / mean[0] < 1e-2 );
+        free_rendered( rendered );
+        free_rendered( rendered + 1 );
+    }
 }
 
 // A floor and a light over it, with something between.
@@ -185,7 +225,8 @@ int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( test_scale_invariance ),  cmocka_unit_test( test_far_from_the_origin ),
-        cmocka_unit_test( test_very_small ),        cmocka_unit_test( test_odd_triangles ),
+        cmocka_unit_test( test_very_small ), cmocka_unit_test( test_a_far_thing_changes_nothing ),
+        cmocka_unit_test( test_odd_triangles ),
         cmocka_unit_test( test_extreme_materials ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );

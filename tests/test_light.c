@@ -57,7 +57,7 @@ static void table_shares( const RfLights* lights, double* share )
         share[i] = 0.0;
     for ( uint32_t i = 0; i < lights->count; ++i )
     {
-        double own = (double)lights->alias_share[i];
+        double own = lights->alias[i] == i ? 1.0 : (double)lights->alias_share[i] * 0x1p-32;
         assert_true( own >= 0.0 && own <= 1.0 && lights->alias[i] < lights->count );
         share[i] += own / lights->count;
         share[lights->alias[i]] += ( 1.0 - own ) / lights->count;
@@ -144,7 +144,7 @@ static void test_picks( void** state )
     RfLights lights = collect( &scene );
     double count[MOST_LIGHTS] = { 0 }, total = 0.0, chi_square = 0.0;
     for ( uint32_t k = 0; k < PICKS; ++k )
-        count[rf_pick_light( &lights, rf_random( rf_pixel_key( 99, k ), 0 ) )] += 1.0;
+        count[rf_pick_light( &lights, rf_random_bits( rf_pixel_key( 99, k ), 0 ), rf_random_bits( rf_pixel_key( 99, k ), 1 ) )] += 1.0;
     for ( uint32_t i = 0; i < lights.count; ++i )
         total += power_of( &scene, lights.light + i );
     for ( uint32_t i = 0; i < lights.count; ++i )
@@ -155,7 +155,38 @@ static void test_picks( void** state )
     double p = chi_square_p( chi_square, lights.count - 1 );
     printf( "picks of %u lights: chi-square p %.3g\n", lights.count, p );
     assert_true( p > 1e-4 && p < 1.0 - 1e-4 );
-    assert_true( rf_pick_light( &lights, 0.0f ) < lights.count && rf_pick_light( &lights, 0x1.fffffep-1f ) < lights.count );
+    assert_true( rf_pick_light( &lights, 0, 0 ) < lights.count && rf_pick_light( &lights, UINT32_MAX, UINT32_MAX ) < lights.count );
+    rf_destroy_lights( &lights );
+    rf_destroy_scene( &scene );
+}
+
+// Many lights, every second one a thousandth as strong: picked as the densities
+// say, which a share test with the bits that the column left over is not.
+static void test_small_among_many( void** state )
+{
+    (void)state;
+    enum { LIGHTS = 20000, PICKS = 40000000 };
+    SceneBuilder b = { 0 };
+    uint32_t strong = add_material( &b, make_light( 1000.0f, false ) ), weak = add_material( &b, make_light( 1.0f, false ) );
+    for ( int i = 0; i < LIGHTS / 2; ++i )
+        add_quad( &b, i % 2 == 0 ? strong : weak, rf_vec3( (float)i, 0, 0 ), rf_vec3( (float)i + 0.5f, 0, 0 ),
+                  rf_vec3( (float)i + 0.5f, 1, 0 ), rf_vec3( (float)i, 1, 0 ) );
+    RfScene scene = finish_scene( &b );
+    RfLights lights;
+    RfError error;
+    assert_int_equal( rf_collect_lights( &scene, &lights, &error ), RF_OK );
+    assert_int_equal( lights.count, LIGHTS );
+    double weak_picks = 0.0, expected = 0.0;
+    for ( uint32_t k = 0; k < PICKS; ++k )
+    {
+        RfRandomKey key = rf_pixel_key( 7, k );
+        uint32_t light = rf_pick_light( &lights, rf_random_bits( key, 0 ), rf_random_bits( key, 1 ) );
+        weak_picks += (double)( lights.light[light].radiance.x < 10.0f );
+    }
+    for ( uint32_t i = 0; i < LIGHTS; ++i )
+        expected += lights.light[i].radiance.x < 10.0f ? PICKS * (double)lights.light[i].pdf_area * (double)lights.light[i].area : 0.0;
+    printf( "weak lights: %.0f picks, %.0f expected\n", weak_picks, expected );
+    assert_true( fabs( weak_picks - expected ) < 4.0 * sqrt( expected ) );
     rf_destroy_lights( &lights );
     rf_destroy_scene( &scene );
 }
@@ -276,7 +307,7 @@ int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( test_who_is_a_light ),          cmocka_unit_test( test_shares_and_densities ),
-        cmocka_unit_test( test_two_sided_counts_double ), cmocka_unit_test( test_picks ),
+        cmocka_unit_test( test_two_sided_counts_double ), cmocka_unit_test( test_picks ), cmocka_unit_test( test_small_among_many ),
         cmocka_unit_test( test_no_lights ),               cmocka_unit_test( test_square_light ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );

@@ -45,9 +45,8 @@ static inline uint64_t rf_pass_key( uint64_t seed, uint32_t frame, uint32_t grou
 // The key of one pixel's path in one pass.
 static inline RfRandomKey rf_pixel_key( uint64_t pass_key, uint32_t pixel )
 {
-    uint32_t low = (uint32_t)pass_key, high = (uint32_t)( pass_key >> 32 );
-    uint32_t a = rf_mix32( pixel ^ low );
-    return ( RfRandomKey ){ a, rf_mix32( pixel * 0x9e3779b9u + high ) };
+    uint64_t key = rf_mix64( pass_key ^ pixel );
+    return ( RfRandomKey ){ (uint32_t)key, (uint32_t)( key >> 32 ) };
 }
 
 // 32 random bits of one dimension.

@@ -5,38 +5,38 @@
 // Sums of one pixel in the two halves.
 typedef struct Pixel
 {
-    const float* half[2];
-    float passes[2];
+    const double* half[2];
+    double passes[2];
 } Pixel;
 
 static Pixel pixel_of( const RfFilm* film, size_t i )
 {
     return ( Pixel ){ { film->half[0] + 4 * i, film->half[1] + 4 * i },
-                      { (float)film->passes[0], (float)film->passes[1] } };
+                      { film->passes[0], film->passes[1] } };
 }
 
 // c_h = A_h / B_h, 0 where nothing landed.
-static float quotient( const float* half, int c ) { return half[3] > 0.0f ? half[c] / half[3] : 0.0f; }
+static double quotient( const double* half, int c ) { return half[3] > 0.0 ? half[c] / half[3] : 0.0; }
 
 // (E2) in sums, n the passes of a half: [ A_e + c_o (n_e − B_e) + A_o + c_e (n_o − B_o) ] / (n_e + n_o).
 // Where B is exactly n, as without reuse, this is the plain mean, bit for bit.
-static float crossfit( const Pixel* p, int c )
+static double crossfit( const Pixel* p, int c )
 {
-    float e = p->half[0][c] + quotient( p->half[1], c ) * ( p->passes[0] - p->half[0][3] );
-    float o = p->half[1][c] + quotient( p->half[0], c ) * ( p->passes[1] - p->half[1][3] );
+    double e = p->half[0][c] + quotient( p->half[1], c ) * ( p->passes[0] - p->half[0][3] );
+    double o = p->half[1][c] + quotient( p->half[0], c ) * ( p->passes[1] - p->half[1][3] );
     return ( e + o ) / ( p->passes[0] + p->passes[1] );
 }
 
-static float combine_channel( const Pixel* p, RfFilmCombine combine, int c )
+static double combine_channel( const Pixel* p, RfFilmCombine combine, int c )
 {
-    float a = p->half[0][c] + p->half[1][c], b = p->half[0][3] + p->half[1][3];
+    double a = p->half[0][c] + p->half[1][c], b = p->half[0][3] + p->half[1][3];
     switch ( combine )
     {
         case RF_FILM_CROSSFIT: return crossfit( p, c );
-        case RF_FILM_RATIO: return b > 0.0f ? a / b : 0.0f;
+        case RF_FILM_RATIO: return b > 0.0 ? a / b : 0.0;
         case RF_FILM_PLAIN: return a / ( p->passes[0] + p->passes[1] );
     }
-    return 0.0f;
+    return 0.0;
 }
 
 void rf_combine_film( const RfFilm* film, RfFilmCombine combine, float* rgb, float* weight )
@@ -46,22 +46,22 @@ void rf_combine_film( const RfFilm* film, RfFilmCombine combine, float* rgb, flo
     {
         Pixel p = pixel_of( film, i );
         for ( int c = 0; c < 3; ++c )
-            rgb[3 * i + (size_t)c] = combine_channel( &p, combine, c );
+            rgb[3 * i + (size_t)c] = (float)combine_channel( &p, combine, c );
         if ( weight != NULL )
-            weight[i] = ( p.half[0][3] + p.half[1][3] ) / ( p.passes[0] + p.passes[1] );
+            weight[i] = (float)( ( p.half[0][3] + p.half[1][3] ) / ( p.passes[0] + p.passes[1] ) );
     }
 }
 
 // What a half alone makes of a pixel.
 static double half_value( const Pixel* p, RfFilmCombine combine, int h, int c )
 {
-    const float* own = p->half[h];
+    const double* own = p->half[h];
     switch ( combine )
     {
         case RF_FILM_CROSSFIT:
-            return (double)( own[c] + quotient( p->half[1 - h], c ) * ( p->passes[h] - own[3] ) ) / (double)p->passes[h];
-        case RF_FILM_RATIO: return (double)quotient( own, c );
-        case RF_FILM_PLAIN: return (double)own[c] / (double)p->passes[h];
+            return ( own[c] + quotient( p->half[1 - h], c ) * ( p->passes[h] - own[3] ) ) / p->passes[h];
+        case RF_FILM_RATIO: return quotient( own, c );
+        case RF_FILM_PLAIN: return own[c] / p->passes[h];
     }
     return 0.0;
 }

@@ -9,7 +9,7 @@
 typedef struct RfFilm
 {
     int width, height;
-    float* half[2];     // 4 per pixel: A red, green, blue, B
+    double* half[2];    // 4 per pixel: A red, green, blue, B; doubles, for a million passes
     int passes[2];      // passes summed up in each half
     uint64_t landed;    // samples that fell into the film
 } RfFilm;
@@ -23,7 +23,7 @@ typedef enum RfFilmCombine
 
 static inline size_t rf_film_half_bytes( int width, int height )
 {
-    return (size_t)width * (size_t)height * 4 * sizeof( float );
+    return (size_t)width * (size_t)height * 4 * sizeof( double );
 }
 
 // The image of the film: rgb (3 per pixel), and the mean of B over the passes

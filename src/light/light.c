@@ -19,6 +19,8 @@ static RfLight make_light( const RfScene* scene, uint32_t triangle )
     light.e2 = rf_sub( vertex( t, triangle, 2 ), light.p0 );
     RfVec3 cross = rf_cross( light.e1, light.e2 );
     light.area = 0.5f * rf_length( cross );
+    light.offset = rf_ray_offset( rf_maxf( rf_largest_coordinate( light.p0 ), rf_maxf( rf_largest_coordinate( vertex( t, triangle, 1 ) ),
+                                                                                      rf_largest_coordinate( vertex( t, triangle, 2 ) ) ) ) );
     light.normal = rf_normalize( cross );
     return light;
 }
@@ -52,7 +54,7 @@ static RfResult build_alias( RfLights* lights, const double* weight, double tota
     for ( uint32_t i = 0; i < n; ++i )
     {
         scaled[i] = weight[i] / total * n;
-        lights->alias_share[i] = 1.0f;
+        lights->alias_share[i] = UINT32_MAX; // its alias is itself
         lights->alias[i] = i;
         if ( scaled[i] < 1.0 )
             work[small++] = i;
@@ -62,7 +64,7 @@ static RfResult build_alias( RfLights* lights, const double* weight, double tota
     while ( small > 0 && large < n )
     {
         uint32_t s = work[--small], l = work[large];
-        lights->alias_share[s] = (float)scaled[s];
+        lights->alias_share[s] = (uint32_t)( scaled[s] * 0x1p32 ); // below 1: fits
         lights->alias[s] = l;
         scaled[l] -= 1.0 - scaled[s];
         if ( scaled[l] < 1.0 )

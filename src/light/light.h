@@ -12,6 +12,7 @@ typedef struct RfLight
     RfVec3 radiance; // W/(m² sr)
     float pdf_area;  // probability of the pick over the area: density of its points, 1/m²
     float area;
+    float offset;    // what lifts a point off it (rf_ray_offset)
     uint32_t triangle;
     bool two_sided;
 } RfLight;
@@ -20,7 +21,7 @@ typedef struct RfLights
 {
     uint32_t count;
     RfLight* light;
-    float* alias_share;    // alias table: below the share take the column, else its alias
+    uint32_t* alias_share; // alias table, in units of 2⁻³²: below the share take the column, else its alias
     uint32_t* alias;
     uint32_t* of_triangle; // light of each triangle, or RF_NO_LIGHT; NULL without lights
 } RfLights;
@@ -29,13 +30,13 @@ typedef struct RfLights
 RfResult rf_collect_lights( const RfScene* scene, RfLights* lights, RfError* error );
 void rf_destroy_lights( RfLights* lights );
 
-// The light for a uniform number in [0, 1). `count` must not be 0.
-static inline uint32_t rf_pick_light( const RfLights* lights, float u )
+// The light for 64 random bits: one word picks the column, the other decides
+// between it and its alias, so that shares of the table are met to 2⁻³² however
+// many lights there are. `count` must not be 0.
+static inline uint32_t rf_pick_light( const RfLights* lights, uint32_t column_bits, uint32_t share_bits )
 {
-    float scaled = u * (float)lights->count;
-    uint32_t column = (uint32_t)scaled;
-    column = column < lights->count ? column : lights->count - 1;
-    return scaled - (float)column < lights->alias_share[column] ? column : lights->alias[column];
+    uint32_t column = (uint32_t)( (uint64_t)column_bits * lights->count >> 32 );
+    return share_bits < lights->alias_share[column] ? column : lights->alias[column];
 }
 
 #endif

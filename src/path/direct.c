@@ -8,6 +8,7 @@ typedef struct LightPoints
     float n[3][RF_LANES];
     float radiance[3][RF_LANES];
     float pdf_area[RF_LANES];
+    float offset[RF_LANES];
     float two_sided[RF_LANES]; // 1 or 0
 } LightPoints;
 
@@ -26,14 +27,26 @@ void rf_draw_lanes( const RfWalk* keys, int count, const int32_t* slot, uint32_t
     }
 }
 
+// Two words for the pick of a light: of the dimension, and of its twin.
+static void draw_bits( const RfWalk* keys, int count, const int32_t* slot, uint32_t dimension, uint32_t bits[2][RF_LANES] )
+{
+#pragma omp simd
+    for ( int i = 0; i < count; ++i )
+    {
+        RfRandomKey key = { keys->key_a[slot[i]], keys->key_b[slot[i]] };
+        bits[0][i] = rf_random_bits( key, dimension );
+        bits[1][i] = rf_random_bits( key, dimension | RF_DIMENSION_TWIN );
+    }
+}
+
 // Uniform by area: u ↦ (1 − √u₁, u₂ √u₁) in barycentrics.
-static void choose_points( const RfLights* lights, int count, float random[][RF_LANES], LightPoints* out )
+static void choose_points( const RfLights* lights, int count, const RfLaneScratch* scratch, LightPoints* out )
 {
     for ( int i = 0; i < count; ++i )
     {
-        const RfLight* light = lights->light + rf_pick_light( lights, random[0][i] );
-        float root = sqrtf( random[1][i] );
-        float b1 = 1.0f - root, b2 = random[2][i] * root;
+        const RfLight* light = lights->light + rf_pick_light( lights, scratch->bits[0][i], scratch->bits[1][i] );
+        float root = sqrtf( scratch->random[0][i] );
+        float b1 = 1.0f - root, b2 = scratch->random[1][i] * root;
         RfVec3 p = rf_add( light->p0, rf_add( rf_scale( light->e1, b1 ), rf_scale( light->e2, b2 ) ) );
         out->p[0][i] = p.x;
         out->p[1][i] = p.y;
@@ -45,14 +58,15 @@ static void choose_points( const RfLights* lights, int count, float random[][RF_
         out->radiance[1][i] = light->radiance.y;
         out->radiance[2][i] = light->radiance.z;
         out->pdf_area[i] = light->pdf_area;
+        out->offset[i] = light->offset;
         out->two_sided[i] = light->two_sided ? 1.0f : 0.0f;
     }
 }
 
 // Directions, densities and segments; radiance_cos stays 0 where the light is
 // behind the surface or turned away.
-static void connect( const RfVertexLanes* restrict v, const LightPoints* restrict points, float offset,
-                     RfLightLanes* restrict out, RfLaneScratch* restrict scratch )
+static void connect( const RfVertexLanes* restrict v, const LightPoints* restrict points, RfLightLanes* restrict out,
+                     RfLaneScratch* restrict scratch )
 {
     int count = v->count;
 #pragma omp simd
@@ -65,7 +79,7 @@ static void connect( const RfVertexLanes* restrict v, const LightPoints* restric
         RfVec3 nz = rf_vec3( points->n[0][i], points->n[1][i], points->n[2][i] );
         // from where scattered rays start as well, so that both techniques of
         // (E3) measure the same directions and distances
-        RfVec3 from = rf_madd( x, ng, offset );
+        RfVec3 from = rf_madd( x, ng, v->offset[i] );
         RfVec3 way = rf_sub( z, from );
         float d2 = rf_dot( way, way );
         RfVec3 wi = rf_scale( way, 1.0f / sqrtf( d2 ) );
@@ -76,15 +90,16 @@ static void connect( const RfVertexLanes* restrict v, const LightPoints* restric
         float pdf = points->pdf_area[i] * d2 / cos_light;
         int arrives = ( cos_x > 0.0f ) & ( rf_dot( ng, wi ) > 0.0f ) & ( cos_light > 0.0f ) & ( pdf < 1e30f ) & ( d2 > 0.0f );
         float scale = arrives ? cos_x : 0.0f;
-        out->wi[0][i] = wi.x;
-        out->wi[1][i] = wi.y;
-        out->wi[2][i] = wi.z;
+        // a direction always, be it to no avail: the BSDFs want one
+        out->wi[0][i] = arrives ? wi.x : n.x;
+        out->wi[1][i] = arrives ? wi.y : n.y;
+        out->wi[2][i] = arrives ? wi.z : n.z;
         out->pdf_solid_angle[i] = arrives ? pdf : 1.0f;
         out->radiance_cos[0][i] = points->radiance[0][i] * scale;
         out->radiance_cos[1][i] = points->radiance[1][i] * scale;
         out->radiance_cos[2][i] = points->radiance[2][i] * scale;
         // the far end is lifted off the light, on the side that is seen
-        RfVec3 to = rf_madd( z, nz, offset * side );
+        RfVec3 to = rf_madd( z, nz, points->offset[i] * side );
         scratch->o[0][i] = from.x;
         scratch->o[1][i] = from.y;
         scratch->o[2][i] = from.z;
@@ -129,9 +144,10 @@ int rf_sample_lights( const RfWalkSettings* settings, const RfWalk* keys, const 
         return 0;
     }
     LightPoints points;
-    rf_draw_lanes( keys, count, vertices->slot, dimension, 3, scratch->random );
-    choose_points( lights, count, scratch->random, &points );
-    connect( vertices, &points, rf_ray_offset( rf_tracer_scene( settings->tracer ) ), out, scratch );
+    draw_bits( keys, count, vertices->slot, dimension, scratch->bits );
+    rf_draw_lanes( keys, count, vertices->slot, dimension + 1, 2, scratch->random );
+    choose_points( lights, count, scratch, &points );
+    connect( vertices, &points, out, scratch );
     int kept = compact_segments( out, count, scratch );
     const float* o[3] = { scratch->o[0], scratch->o[1], scratch->o[2] };
     const float* d[3] = { scratch->d[0], scratch->d[1], scratch->d[2] };

@@ -35,6 +35,7 @@ typedef struct RfVertexLanes
     float ng[3][RF_LANES]; // unit geometric normal, on the side of wo
     float n[3][RF_LANES];  // unit shading normal, on the side of ng
     float wo[3][RF_LANES]; // unit, back along the ray
+    float offset[RF_LANES]; // along ng: where rays to and from the point end and start
     float diffuse[3][RF_LANES];
     float specular[3][RF_LANES];
     float shape[RF_LANES];
@@ -58,6 +59,7 @@ typedef struct RfLightLanes
 // Workspace of the steps below; nothing in it outlives a call.
 typedef struct RfLaneScratch
 {
+    RF_ALIGN uint32_t bits[2][RF_LANES];
     RF_ALIGN uint32_t triangle[RF_LANES];
     float u[RF_LANES], v[RF_LANES];
     uint8_t kind[RF_LANES];
@@ -85,6 +87,9 @@ enum
     RF_DIMENSION_ROULETTE = RF_DIMENSION_SCATTER + 3,
     RF_DIMENSION_LIGHTS, // three for each light sample
 };
+// A second word of a dimension, where one has too few bits.
+#define RF_DIMENSION_TWIN 0x80000000u
+
 static inline uint32_t rf_vertex_dimension( int vertex, int light_samples )
 {
     return (uint32_t)( RF_DIMENSION_FIRST_VERTEX + ( vertex - 1 ) * ( RF_DIMENSION_LIGHTS + 3 * light_samples ) );

@@ -99,6 +99,7 @@ static inline void fill_lane( const Source* from, RfVertexLanes* restrict v, int
     put( v->ng, i, ng );
     put( v->n, i, n );
     put( v->wo, i, wo );
+    v->offset[i] = t->offset;
     v->ray[i] = r;
     v->slot[i] = rays->slot[r];
     fill_material( v, i, from->materials + t->material );

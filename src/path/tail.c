@@ -117,7 +117,6 @@ static void scatter( const RfWalkSettings* settings, RfWalk* walk, const RfRayLa
     rf_scatter_lanes( walk, v, dimension + RF_DIMENSION_SCATTER, wi, s );
     rf_evaluate_lanes( v, wi_in, f, s->pdf );
     rf_draw_lanes( walk, v->count, v->slot, dimension + RF_DIMENSION_ROULETTE, 1, s->random );
-    float offset = rf_ray_offset( rf_tracer_scene( settings->tracer ) );
     int kept = 0;
     for ( int i = 0; i < v->count; ++i )
     {
@@ -134,7 +133,7 @@ static void scatter( const RfWalkSettings* settings, RfWalk* walk, const RfRayLa
         for ( int c = 0; c < 3; ++c )
         {
             next->throughput[c][kept] = t[c] / q;
-            next->o[c][kept] = v->p[c][i] + v->ng[c][i] * offset;
+            next->o[c][kept] = v->p[c][i] + v->ng[c][i] * v->offset[i];
             next->d[c][kept] = s->wi[c][i];
         }
         next->pdf_solid_angle[kept] = pdf;

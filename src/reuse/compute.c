@@ -117,15 +117,15 @@ static void light_glossy( const RfCompute* compute, int eye, const RfHitBatch* b
 // Pixels [low, end) are this job's.
 typedef struct PixelRange
 {
-    float* film; // 4 per pixel
+    double* film; // 4 per pixel
     int32_t low, end;
 } PixelRange;
 
 // film += r · (value, 1)
-static void add_to_pixel( float* film, float ratio, const float value[4] )
+static void add_to_pixel( double* film, float ratio, const float value[4] )
 {
     for ( int c = 0; c < 4; ++c )
-        film[c] += ratio * value[c];
+        film[c] += (double)( ratio * value[c] );
 }
 
 static uint64_t splat_diffuse( const RfHitBatch* batch, const RfComputeScratch* s, PixelRange range )
@@ -170,7 +170,7 @@ static uint64_t splat_misses( const RfHitBatch* batch, PixelRange range )
         int32_t pixel = batch->miss_pixel[i];
         if ( pixel >= range.low && pixel < range.end )
         {
-            range.film[4 * (size_t)pixel + 3] += 1.0f;
+            range.film[4 * (size_t)pixel + 3] += 1.0;
             ++landed;
         }
     }

@@ -124,7 +124,6 @@ static void scatter_first( const RfHarvest* harvest, RfHarvestScratch* scratch )
     float* f[3] = { s->f[0], s->f[1], s->f[2] };
     rf_scatter_lanes( walk, v, rf_vertex_dimension( 1, harvest->walk.light_samples ) + RF_DIMENSION_SCATTER, wi, s );
     rf_evaluate_lanes( v, wi_in, f, s->pdf );
-    float offset = rf_ray_offset( rf_tracer_scene( harvest->walk.tracer ) );
     int kept = 0;
     for ( int i = 0; i < v->count; ++i )
     {
@@ -134,7 +133,7 @@ static void scatter_first( const RfHarvest* harvest, RfHarvestScratch* scratch )
         int slot = v->slot[i];
         for ( int c = 0; c < 3; ++c )
         {
-            rays->o[c][kept] = v->p[c][i] + v->ng[c][i] * offset;
+            rays->o[c][kept] = v->p[c][i] + v->ng[c][i] * v->offset[i];
             rays->d[c][kept] = wi[c][i];
             rays->throughput[c][kept] = 1.0f;
         }

@@ -5,10 +5,14 @@
 #include <stdint.h>
 #include <string.h>
 
-// The hits lifted off their surface, for segments that end there.
-static void lift_hits( const RfHarvest* harvest, const RfHitBatch* batch, float lifted[3][RF_LANES] )
+// The hits lifted off their surface, for segments from the eyes that end there:
+// clear of the rounding of the eyes' coordinates as well.
+static void lift_hits( const RfHarvest* harvest, const RfHitBatch* batch, const float* restrict offset,
+                       float lifted[3][RF_LANES] )
 {
-    float offset = rf_ray_offset( rf_tracer_scene( harvest->walk.tracer ) );
+    float least = 0.0f;
+    for ( int l = 0; l < harvest->shape.eyes; ++l )
+        least = rf_maxf( least, rf_ray_offset( rf_largest_coordinate( harvest->eyes[l].origin ) ) );
     for ( int c = 0; c < 3; ++c )
     {
         const float* restrict p = batch->p[c];
@@ -16,7 +20,7 @@ static void lift_hits( const RfHarvest* harvest, const RfHitBatch* batch, float 
         float* restrict out = lifted[c];
 #pragma omp simd
         for ( int i = 0; i < batch->count; ++i )
-            out[i] = p[i] + ng[i] * offset;
+            out[i] = p[i] + ng[i] * ( offset[i] > least ? offset[i] : least );
     }
 }
 
@@ -55,7 +59,7 @@ void rf_see_batch( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch
     int eyes = harvest->shape.eyes;
     memset( batch->seen, 0, (size_t)rf_seen_words( eyes ) * RF_LANES * sizeof *batch->seen );
     memset( batch->density_sum, 0, (size_t)batch->count * sizeof( float ) );
-    lift_hits( harvest, batch, scratch->lifted );
+    lift_hits( harvest, batch, scratch->first.offset, scratch->lifted );
     const float* lifted[3] = { scratch->lifted[0], scratch->lifted[1], scratch->lifted[2] };
     for ( int l = 0; l < eyes; ++l )
     {

@@ -14,6 +14,20 @@ typedef struct RfEye
     int width, height;         // film size in pixels
 } RfEye;
 
+static inline void rf_cross3( const double a[3], const double b[3], double out[3] )
+{
+    out[0] = a[1] * b[2] - a[2] * b[1];
+    out[1] = a[2] * b[0] - a[0] * b[2];
+    out[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+static inline void rf_unit3( double v[3] )
+{
+    double length = sqrt( v[0] * v[0] + v[1] * v[1] + v[2] * v[2] );
+    for ( int i = 0; i < 3; ++i )
+        v[i] = length > 0.0 ? v[i] / length : v[i];
+}
+
 // A right-handed eye that looks from `origin` along `forward`, with `up` made
 // orthogonal to it; yfov in radians over the film's height. forward and up
 // need not be unit but must not be parallel or zero.
@@ -21,9 +35,15 @@ static inline RfEye rf_make_eye( RfVec3 origin, RfVec3 forward, RfVec3 up, doubl
 {
     RfEye eye;
     eye.origin = origin;
-    eye.forward = rf_normalize( forward );
-    eye.right = rf_normalize( rf_cross( eye.forward, up ) );
-    eye.up = rf_cross( eye.right, eye.forward );
+    double f[3] = { (double)forward.x, (double)forward.y, (double)forward.z };
+    double u[3] = { (double)up.x, (double)up.y, (double)up.z }, r[3];
+    rf_unit3( f );
+    rf_cross3( f, u, r ); // in doubles: up may lean far towards forward
+    rf_unit3( r );
+    rf_cross3( r, f, u );
+    eye.forward = rf_vec3( (float)f[0], (float)f[1], (float)f[2] );
+    eye.right = rf_vec3( (float)r[0], (float)r[1], (float)r[2] );
+    eye.up = rf_vec3( (float)u[0], (float)u[1], (float)u[2] );
     eye.focal = (float)( 0.5 * (double)height / tan( 0.5 * yfov ) );
     eye.width = width;
     eye.height = height;

@@ -35,17 +35,3 @@ void rf_destroy_scene( RfScene* scene )
     free( scene->path );
     memset( scene, 0, sizeof *scene );
 }
-
-static float largest_coordinate( RfVec3 v )
-{
-    return rf_max_component( rf_vec3( fabsf( v.x ), fabsf( v.y ), fabsf( v.z ) ) );
-}
-
-float rf_ray_offset( const RfScene* scene )
-{
-    float largest = rf_maxf( largest_coordinate( scene->bounds_min ), largest_coordinate( scene->bounds_max ) );
-    // A float has 24 bits. A point made from barycentrics is off its plane by at
-    // most some 2e-7 of the largest coordinate; more room would let light into
-    // corners and points past thin things.
-    return rf_maxf( 1e-6f * largest, 1e-12f );
-}

@@ -119,8 +119,16 @@ typedef struct RfScene
 // Frees all that a loader filled in, and clears the struct. NULL-safe inside.
 void rf_destroy_scene( RfScene* scene );
 
-// Smallest offset that keeps a ray clear of the surface it starts from: scene
-// units, for points anywhere inside the bounds.
-float rf_ray_offset( const RfScene* scene );
+// How far a point made in floats must be lifted off its surface to be clear of
+// it: scene units, for coordinates up to `largest`. A float has 24 bits; a point
+// made from barycentrics is off its plane by at most some 2e-7 of the largest
+// coordinate of the triangle. More room would let light into corners and points
+// past thin things, and eyes see around edges.
+static inline float rf_ray_offset( float largest ) { return rf_maxf( 1e-6f * largest, 1e-30f ); }
+
+static inline float rf_largest_coordinate( RfVec3 v )
+{
+    return rf_maxf( fabsf( v.x ), rf_maxf( fabsf( v.y ), fabsf( v.z ) ) );
+}
 
 #endif

@@ -37,6 +37,7 @@ typedef struct RfTriangleRecord
     uint32_t material;
     uint32_t light;    // index into RfLights, or RF_NO_LIGHT
     uint32_t flat;     // 1: the shading normal is the geometric one
+    float offset;      // what lifts a point off this triangle (rf_ray_offset)
 } RfTriangleRecord;
 
 const RfTriangleRecord* rf_tracer_triangles( const RfTracer* tracer );
