@@ -179,7 +179,7 @@ static void test_small_among_many( void** state )
     double weak_picks = 0.0, expected = 0.0;
     for ( uint32_t k = 0; k < PICKS; ++k )
     {
-        RfRandomKey key = rf_pixel_key( 7, k );
+        RfRandomKey key = rf_pixel_key( rf_pass_key( 7, 0, 0, 0 ), k );
         uint32_t light = rf_pick_light( &lights, rf_random_bits( key, 0 ), rf_random_bits( key, 1 ) );
         weak_picks += (double)( lights.light[light].radiance.x < 10.0f );
     }
