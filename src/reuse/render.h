@@ -60,7 +60,7 @@ typedef struct RfFrameResult
     int frame;              // index into the eyes, from 0
     int width, height;
     const float* rgb;       // 3 × width × height
-    const float* weight;    // width × height: B, the mean of the summed weights; E[B] = 1
+    const float* weight;    // width × height: B, the mean of the summed weights; E[B] = 1 with exact weights, else hits per pass
     double seconds;         // wall time since the frame before it
     double relmse_estimate; // from the film halves; NaN with a single pass
     double native_spp;      // native samples traced per pixel
