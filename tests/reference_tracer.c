@@ -243,18 +243,18 @@ void reference_image( const RfTracer* tracer, const RfEye* eye, const ReferenceS
     {
         for ( int x = 0; x < eye->width; ++x )
         {
-            double half[2][3] = { { 0 } };
+            float half[2][3] = { { 0 } };
             for ( int pass = 0; pass < s->spp; ++pass )
             {
                 RfVec3 value = reference_sample( tracer, eye, s, pass, x, y );
-                double* sum = half[( s->frame + pass ) & 1];
-                sum[0] += (double)value.x;
-                sum[1] += (double)value.y;
-                sum[2] += (double)value.z;
+                float* sum = half[( s->frame * s->spp + pass ) & 1];
+                sum[0] += value.x;
+                sum[1] += value.y;
+                sum[2] += value.z;
             }
             float* out = rgb + 3 * ( (size_t)y * (size_t)eye->width + (size_t)x );
             for ( int c = 0; c < 3; ++c )
-                out[c] = (float)( ( half[0][c] + half[1][c] ) / s->spp );
+                out[c] = (float)( ( (double)half[0][c] + (double)half[1][c] ) / s->spp );
         }
     }
 }

@@ -30,7 +30,7 @@ static Film make_film( int width, int height, int even, int odd )
     size_t pixels = (size_t)width * (size_t)height;
     Film f = { .film = { .width = width, .height = height, .passes = { even, odd } } };
     for ( int h = 0; h < 2; ++h )
-        f.film.half[h] = calloc( pixels, 4 * sizeof( double ) );
+        f.film.half[h] = calloc( pixels, 4 * sizeof( float ) );
     f.rgb = calloc( pixels, 3 * sizeof( float ) );
     f.weight = calloc( pixels, sizeof( float ) );
     if ( f.film.half[0] == NULL || f.film.half[1] == NULL || f.rgb == NULL || f.weight == NULL )
@@ -48,7 +48,7 @@ static void free_film( Film* f )
 
 static void set_pixel( Film* f, int half, size_t i, float r, float g, float b, float w )
 {
-    double* p = f->film.half[half] + 4 * i;
+    float* p = f->film.half[half] + 4 * i;
     p[0] = r;
     p[1] = g;
     p[2] = b;
@@ -89,6 +89,79 @@ static void test_by_hand( void** state )
     free_film( &f );
 }
 
+// A million passes of the same value: a sum in floats alone would be off by
+// half a per cent.
+static void test_long_sums_do_not_drift( void** state )
+{
+    (void)state;
+    enum { PASSES = 1 << 20 };
+    const float value = 0.1f;
+    for ( int samples = 1; samples <= 1000; samples = samples * 7 + 3 )
+    {
+        Film f = make_film( 1, 1, 0, 0 );
+        f.film.total_every = rf_film_total_every( samples );
+        assert_true( rf_film_needs_total( PASSES, f.film.total_every ) );
+        double total[2][4];
+        f.film.total[0] = total[0];
+        f.film.total[1] = total[1];
+        rf_clear_film( &f.film );
+        for ( int pass = 0; pass < PASSES; ++pass )
+        {
+            for ( int s = 0; s < samples && ( samples == 1 || pass < 1 << 12 ); ++s )
+            {
+                for ( int c = 0; c < 3; ++c )
+                    f.film.half[pass & 1][c] += value;
+            }
+            f.film.half[pass & 1][3] += 1.0f;
+            rf_end_film_pass( &f.film, pass & 1 );
+        }
+        assert_int_equal( f.film.passes[0], PASSES / 2 );
+        assert_int_equal( f.film.passes[1], PASSES / 2 );
+        rf_combine_film( &f.film, RF_FILM_PLAIN, f.rgb, f.weight );
+        double count = samples == 1 ? PASSES : (double)samples * ( 1 << 12 );
+        double off = (double)f.rgb[0] / ( (double)value * count / PASSES ) - 1.0;
+        printf( "%d samples a pass: off by %.2g\n", samples, off );
+        assert_true( fabs( off ) < RF_FILM_ADDITIONS * 0x1p-25 );
+        assert_true( f.weight[0] == 1.0f );
+        free_film( &f );
+    }
+}
+
+// Emptied or not, the image is the same where rounding plays no part.
+static void test_totals_are_part_of_the_sum( void** state )
+{
+    (void)state;
+    enum { PASSES = 100 };
+    Film plain = make_film( 3, 2, 0, 0 ), emptied = make_film( 3, 2, 0, 0 );
+    double total[2][4 * 6];
+    emptied.film.total[0] = total[0];
+    emptied.film.total[1] = total[1];
+    emptied.film.total_every = 7;
+    rf_clear_film( &emptied.film );
+    for ( int pass = 0; pass < PASSES; ++pass )
+    {
+        int half = pass % 3 == 0;
+        for ( int i = 0; i < 4 * 6; ++i )
+        {
+            float value = (float)( ( pass + 3 * i ) % 17 );
+            plain.film.half[half][i] += value;
+            emptied.film.half[half][i] += value;
+        }
+        rf_end_film_pass( &plain.film, half );
+        rf_end_film_pass( &emptied.film, half );
+    }
+    for ( int c = RF_FILM_CROSSFIT; c <= RF_FILM_PLAIN; ++c )
+    {
+        rf_combine_film( &plain.film, (RfFilmCombine)c, plain.rgb, plain.weight );
+        rf_combine_film( &emptied.film, (RfFilmCombine)c, emptied.rgb, emptied.weight );
+        assert_memory_equal( plain.rgb, emptied.rgb, 3 * 6 * sizeof( float ) );
+        assert_memory_equal( plain.weight, emptied.weight, 6 * sizeof( float ) );
+        assert_true( plain.rgb[0] > 0.0f );
+    }
+    free_film( &plain );
+    free_film( &emptied );
+}
+
 static float uniform( uint32_t pixel, uint32_t dimension ) { return rf_random( rf_pixel_key( 4711, pixel ), dimension ); }
 
 static void test_equal_halves_are_equation_2( void** state )
@@ -107,8 +180,8 @@ static void test_equal_halves_are_equation_2( void** state )
     rf_combine_film( &f.film, RF_FILM_CROSSFIT, f.rgb, NULL );
     for ( size_t i = 0; i < 3 * PIXELS; ++i )
     {
-        const double* e = f.film.half[0] + 4 * ( i / 3 );
-        const double* o = f.film.half[1] + 4 * ( i / 3 );
+        const float* e = f.film.half[0] + 4 * ( i / 3 );
+        const float* o = f.film.half[1] + 4 * ( i / 3 );
         double n = PASSES;
         double expected = equation_2( (double)e[i % 3] / n, (double)e[3] / n, (double)o[i % 3] / n, (double)o[3] / n );
         // rounding is relative to the terms, not to what they leave of each other
@@ -129,7 +202,8 @@ static void check_plain_mean( int even, int odd )
     rf_combine_film( &f.film, RF_FILM_CROSSFIT, f.rgb, f.weight );
     for ( size_t i = 0; i < 3 * PIXELS; ++i )
     {
-        float mean = ( f.film.half[0][4 * ( i / 3 ) + i % 3] + f.film.half[1][4 * ( i / 3 ) + i % 3] ) / (float)( even + odd );
+        double sum = (double)f.film.half[0][4 * ( i / 3 ) + i % 3] + (double)f.film.half[1][4 * ( i / 3 ) + i % 3];
+        float mean = (float)( sum / ( even + odd ) );
         assert_memory_equal( f.rgb + i, &mean, sizeof mean );
         assert_true( f.weight[i / 3] == 1.0f );
     }
@@ -176,7 +250,7 @@ static void test_empty_halves( void** state )
 static void add_noisy_pass( Film* f, int half, uint32_t i, uint32_t pass )
 {
     float w = 2.0f * uniform( i, pass );
-    double* p = f->film.half[half] + 4 * (size_t)i;
+    float* p = f->film.half[half] + 4 * (size_t)i;
     p[0] += w * ( 0.5f + w );
     p[1] += w;
     p[2] += 0.5f * w;
@@ -249,7 +323,7 @@ static void check_relmse( RfFilmCombine combine, int even, int odd )
         for ( int pass = 0; pass < even + odd; ++pass )
         {
             uint32_t d = 4 * (uint32_t)pass;
-            double* p = f.film.half[pass >= even] + 4 * (size_t)i;
+            float* p = f.film.half[pass >= even] + 4 * (size_t)i;
             for ( uint32_t c = 0; c < 3; ++c )
                 p[c] += mean + width * ( uniform( i, d + c ) - 0.5f );
             p[3] += 1.0f;
@@ -278,6 +352,8 @@ int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( test_by_hand ),
+        cmocka_unit_test( test_long_sums_do_not_drift ),
+        cmocka_unit_test( test_totals_are_part_of_the_sum ),
         cmocka_unit_test( test_equal_halves_are_equation_2 ),
         cmocka_unit_test( test_whole_weights_give_the_plain_mean ),
         cmocka_unit_test( test_empty_halves ),

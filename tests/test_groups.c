@@ -35,28 +35,39 @@ static void for_all_plans( CheckPlan* check )
     }
 }
 
-static bool holds( const RfGroupPlan* plan, int window, int frame ) { return frame >= window && frame < window + plan->eyes; }
+static bool holds( RfWindow window, int frame ) { return frame >= window.first && frame < window.first + window.eyes; }
 
-static int window_passes( const RfGroupPlan* plan, int window )
-{
-    int passes = rf_window_passes( plan, window );
-    assert_true( passes >= 1 );
-    return passes;
-}
+static bool same_window( RfWindow a, RfWindow b ) { return a.first == b.first && a.eyes == b.eyes; }
 
 static void check_windows( const RfGroupPlan* plan, int half_width, int spp )
 {
     (void)spp;
     long whole = 2 * (long)half_width + 1;
     assert_int_equal( plan->eyes, whole < plan->frames ? whole : plan->frames );
-    assert_int_equal( plan->windows + plan->eyes - 1, plan->frames ); // full ones, from end to end
+    int64_t before = 0;
+    for ( int w = 0; w < plan->windows; ++w )
+    {
+        RfWindow window = rf_window( plan, w );
+        assert_true( window.first >= 0 && window.eyes >= 1 && window.eyes <= plan->eyes );
+        assert_true( window.first + window.eyes <= plan->frames );
+        assert_true( window.passes >= 0 );
+        assert_true( window.passes_before == before );
+        before += window.passes;
+        if ( w > 0 )
+        {
+            RfWindow last = rf_window( plan, w - 1 );
+            assert_true( window.first >= last.first && window.first + window.eyes >= last.first + last.eyes );
+            assert_false( same_window( window, last ) );
+        }
+    }
     for ( int frame = 0; frame < plan->frames; ++frame )
     {
         int first, last;
         rf_windows_of_frame( plan, frame, &first, &last );
         assert_true( first >= 0 && first <= last && last < plan->windows );
+        assert_true( last - first < plan->eyes );
         for ( int w = 0; w < plan->windows; ++w )
-            assert_int_equal( holds( plan, w, frame ), w >= first && w <= last );
+            assert_int_equal( holds( rf_window( plan, w ), frame ), w >= first && w <= last );
     }
 }
 
@@ -66,12 +77,30 @@ static void test_windows_cover_the_path( void** state )
     for_all_plans( check_windows );
 }
 
+// Windows are cut in paths of one to two groups only.
+static void check_full( const RfGroupPlan* plan, int half_width, int spp )
+{
+    (void)half_width;
+    (void)spp;
+    bool between = plan->eyes > 1 && plan->frames > plan->eyes && plan->frames <= 2 * plan->eyes;
+    assert_int_equal( plan->cut, between ? plan->eyes - 1 : 0 );
+    assert_int_equal( plan->windows, plan->frames - plan->eyes + 1 + 2 * plan->cut );
+    for ( int w = plan->cut; w < plan->windows - plan->cut; ++w )
+        assert_int_equal( rf_window( plan, w ).eyes, plan->eyes );
+}
+
+static void test_long_paths_have_full_windows( void** state )
+{
+    (void)state;
+    for_all_plans( check_full );
+}
+
 // No more is added than one pass of every eye would bring.
 static void check_rounding( const RfGroupPlan* plan, int half_width, int spp )
 {
     (void)half_width;
     assert_true( plan->spp >= spp );
-    if ( plan->windows == 1 )
+    if ( plan->windows == 1 || plan->cut > 0 )
         assert_int_equal( plan->spp, spp );
     else
     {
@@ -97,11 +126,14 @@ static void check_native( const RfGroupPlan* plan, int half_width, int spp )
     {
         long sum = 0;
         for ( int w = 0; w < plan->windows; ++w )
-            sum += holds( plan, w, frame ) ? window_passes( plan, w ) : 0;
+        {
+            RfWindow window = rf_window( plan, w );
+            sum += holds( window, frame ) ? window.passes : 0;
+        }
         assert_int_equal( rf_frame_passes( plan, frame ), sum );
-        assert_true( sum >= plan->spp );
+        assert_true( sum >= plan->spp && sum <= rf_most_passes( plan ) );
         bool inner = frame >= plan->eyes && frame < plan->windows - 1; // in no end window
-        if ( inner || frame == 0 || frame == plan->frames - 1 )
+        if ( plan->cut == 0 && ( inner || frame == 0 || frame == plan->frames - 1 ) )
             assert_int_equal( sum, plan->spp );
     }
 }
@@ -119,14 +151,16 @@ static long effective_samples( const RfGroupPlan* plan, int frame )
     long sum = 0;
     rf_windows_of_frame( plan, frame, &first, &last );
     for ( int w = first; w <= last; ++w )
-        sum += (long)window_passes( plan, w ) * plan->eyes;
+    {
+        RfWindow window = rf_window( plan, w );
+        sum += (long)window.passes * window.eyes;
+    }
     return sum;
 }
 
-static void check_ends( const RfGroupPlan* plan, int half_width, int spp )
+// Full windows only: the ends have exactly what the middle has.
+static void check_full_ends( const RfGroupPlan* plan )
 {
-    (void)half_width;
-    (void)spp;
     long enough = (long)plan->spp * plan->eyes, first = effective_samples( plan, 0 );
     assert_int_equal( first, enough );
     assert_int_equal( effective_samples( plan, plan->frames - 1 ), enough );
@@ -135,8 +169,35 @@ static void check_ends( const RfGroupPlan* plan, int half_width, int spp )
         long here = effective_samples( plan, frame );
         assert_true( here >= enough ); // frames close to an end share its window, and get more
         if ( frame >= plan->eyes && frame < plan->windows - 1 )
-            assert_true( first >= here );
+            assert_int_equal( here, enough );
     }
+}
+
+// Cut windows: no frame has more than 1.3 times the samples of another, but for
+// what the rounding to whole passes does where they are few.
+static void check_cut_ends( const RfGroupPlan* plan )
+{
+    long least = LONG_MAX, most = 0;
+    for ( int frame = 0; frame < plan->frames; ++frame )
+    {
+        long here = effective_samples( plan, frame );
+        least = here < least ? here : least;
+        most = here > most ? here : most;
+    }
+    assert_true( least > 0 );
+    if ( plan->spp >= 2 * plan->eyes )
+        assert_true( most <= 1.3 * least );
+    assert_true( most <= 1.3 * least + 2.0 * plan->eyes );
+}
+
+static void check_ends( const RfGroupPlan* plan, int half_width, int spp )
+{
+    (void)half_width;
+    (void)spp;
+    if ( plan->cut == 0 )
+        check_full_ends( plan );
+    else
+        check_cut_ends( plan );
 }
 
 static void test_the_ends_get_as_many_samples( void** state )
@@ -145,10 +206,7 @@ static void test_the_ends_get_as_many_samples( void** state )
     for_all_plans( check_ends );
 }
 
-// Exactly: with even passes a window the halves are equal; with odd ones a
-// window has one more in the half it starts with, which alternates from window
-// to window, and so they differ by one where the frame lies in an odd number
-// of windows, else not at all.
+// The halves of every frame differ by one pass at most.
 static void check_halves( const RfGroupPlan* plan, int half_width, int spp )
 {
     (void)half_width;
@@ -157,19 +215,16 @@ static void check_halves( const RfGroupPlan* plan, int half_width, int spp )
         return; // nothing new, and long
     for ( int frame = 0; frame < plan->frames; ++frame )
     {
-        int first, last, count[2] = { 0, 0 }, odd_windows = 0;
+        int first, last, count[2] = { 0, 0 };
         rf_windows_of_frame( plan, frame, &first, &last );
         for ( int w = first; w <= last; ++w )
         {
-            int passes = window_passes( plan, w );
-            odd_windows += passes & 1;
-            for ( int pass = 0; pass < passes; ++pass )
-                count[rf_half_of_pass( w, pass )] += 1;
+            RfWindow window = rf_window( plan, w );
+            for ( int pass = 0; pass < window.passes; ++pass )
+                count[rf_half_of_pass( &window, pass )] += 1;
         }
         assert_int_equal( count[0] + count[1], rf_frame_passes( plan, frame ) );
-        assert_int_equal( abs( count[0] - count[1] ), odd_windows & 1 );
-        if ( count[0] + count[1] > 1 )
-            assert_true( count[0] > 0 && count[1] > 0 );
+        assert_int_equal( abs( count[0] - count[1] ), ( count[0] + count[1] ) & 1 );
     }
 }
 
@@ -179,16 +234,21 @@ static void test_halves_share_alike( void** state )
     for_all_plans( check_halves );
 }
 
-// With two passes or more a window both halves see every window.
+// With two passes or more a window both halves see it; with one pass a window
+// the windows alternate.
 static void check_halves_of_windows( const RfGroupPlan* plan, int half_width, int spp )
 {
     (void)half_width;
     (void)spp;
     for ( int w = 0; w < plan->windows; ++w )
     {
-        if ( window_passes( plan, w ) > 1 )
-            assert_int_not_equal( rf_half_of_pass( w, 0 ), rf_half_of_pass( w, 1 ) );
-        assert_int_not_equal( rf_half_of_pass( w, 0 ), rf_half_of_pass( w + 1, 0 ) );
+        RfWindow window = rf_window( plan, w );
+        if ( window.passes > 1 )
+            assert_int_not_equal( rf_half_of_pass( &window, 0 ), rf_half_of_pass( &window, 1 ) );
+        if ( w + 1 == plan->windows || window.passes == 0 )
+            continue;
+        RfWindow next = rf_window( plan, w + 1 );
+        assert_int_not_equal( rf_half_of_pass( &window, window.passes - 1 ), rf_half_of_pass( &next, 0 ) );
     }
 }
 
@@ -201,7 +261,8 @@ static void test_halves_see_all_windows( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_windows_cover_the_path ), cmocka_unit_test( test_rounding_is_minimal ),
+        cmocka_unit_test( test_windows_cover_the_path ), cmocka_unit_test( test_long_paths_have_full_windows ),
+        cmocka_unit_test( test_rounding_is_minimal ),
         cmocka_unit_test( test_native_samples ),         cmocka_unit_test( test_the_ends_get_as_many_samples ),
         cmocka_unit_test( test_halves_share_alike ),     cmocka_unit_test( test_halves_see_all_windows ),
     };

@@ -62,7 +62,7 @@ static void tell_settings( const Job* job, const RfRenderSettings* asked, const 
     RfGroupPlan plan = rf_plan_groups( job->path.count, used->group, used->spp );
     if ( asked->group > used->group )
         fprintf( stderr, "reframe render: --group %d cut to the path: groups of its %d frames\n", asked->group, plan.eyes );
-    if ( asked->spp != used->spp )
+    if ( asked->spp != used->spp ) // full windows only, with the same passes each
         fprintf( stderr, "reframe render: --spp %d rounded up to %d: %d groups of %d frames hold a frame, %d sample%s in each\n",
                  asked->spp, used->spp, plan.eyes, plan.eyes, plan.passes, plan.passes == 1 ? "" : "s" );
 }

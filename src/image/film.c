@@ -1,18 +1,47 @@
 #include "image/film.h"
 
 #include <math.h>
+#include <string.h>
+
+void rf_clear_film( RfFilm* film )
+{
+    for ( int h = 0; h < 2; ++h )
+    {
+        memset( film->half[h], 0, rf_film_half_bytes( film->width, film->height ) );
+        if ( film->total[h] != NULL )
+            memset( film->total[h], 0, rf_film_total_bytes( film->width, film->height ) );
+        film->passes[h] = 0;
+    }
+    film->landed = 0;
+}
+
+void rf_end_film_pass( RfFilm* film, int half )
+{
+    film->passes[half] += 1;
+    if ( film->total[half] == NULL || film->passes[half] % film->total_every != 0 )
+        return;
+    size_t count = 4 * (size_t)film->width * (size_t)film->height;
+    for ( size_t i = 0; i < count; ++i )
+        film->total[half][i] += (double)film->half[half][i];
+    memset( film->half[half], 0, rf_film_half_bytes( film->width, film->height ) );
+}
 
 // Sums of one pixel in the two halves.
 typedef struct Pixel
 {
-    const double* half[2];
+    double half[2][4];
     double passes[2];
 } Pixel;
 
 static Pixel pixel_of( const RfFilm* film, size_t i )
 {
-    return ( Pixel ){ { film->half[0] + 4 * i, film->half[1] + 4 * i },
-                      { film->passes[0], film->passes[1] } };
+    Pixel p = { .passes = { film->passes[0], film->passes[1] } };
+    for ( int h = 0; h < 2; ++h )
+    {
+        for ( size_t c = 0; c < 4; ++c )
+            p.half[h][c] = (double)film->half[h][4 * i + c] + ( film->total[h] != NULL ? film->total[h][4 * i + c] : 0.0 );
+    }
+    return p;
 }
 
 // c_h = A_h / B_h, 0 where nothing landed.

@@ -3,16 +3,23 @@
 #ifndef REFRAME_IMAGE_FILM_H
 #define REFRAME_IMAGE_FILM_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
 typedef struct RfFilm
 {
     int width, height;
-    double* half[2];    // 4 per pixel: A red, green, blue, B; doubles, for a million passes
-    int passes[2];      // passes summed up in each half
-    uint64_t landed;    // samples that fell into the film
+    float* half[2];   // 4 per pixel: A red, green, blue, B
+    double* total[2]; // what the halves held before they were emptied; NULL in renders too short for that
+    int total_every;  // passes of a half after which it is emptied
+    int passes[2];    // passes summed up in each half
+    uint64_t landed;  // samples that fell into the film
 } RfFilm;
+
+// Additions to a pixel after which a sum in floats is moved to one in doubles.
+// n equal values lose n·2^−25 of their sum at most: 3e-5.
+#define RF_FILM_ADDITIONS ( 1 << 10 )
 
 typedef enum RfFilmCombine
 {
@@ -21,10 +28,25 @@ typedef enum RfFilmCombine
     RF_FILM_PLAIN,    // A
 } RfFilmCombine;
 
-static inline size_t rf_film_half_bytes( int width, int height )
+// Bytes of a half, and of the doubles that it is emptied into.
+static inline size_t rf_film_half_bytes( int width, int height ) { return (size_t)width * (size_t)height * 4 * sizeof( float ); }
+static inline size_t rf_film_total_bytes( int width, int height ) { return (size_t)width * (size_t)height * 4 * sizeof( double ); }
+
+// Passes after which a half must be emptied where a pass adds to a pixel about
+// `samples` times.
+static inline int rf_film_total_every( int samples )
 {
-    return (size_t)width * (size_t)height * 4 * sizeof( double );
+    return samples < RF_FILM_ADDITIONS ? RF_FILM_ADDITIONS / samples : 1;
 }
+
+// Does a film of so many passes need totals?
+static inline bool rf_film_needs_total( int64_t passes, int total_every ) { return passes > total_every; }
+
+// Empties the film.
+void rf_clear_film( RfFilm* film );
+
+// A pass into a half is complete.
+void rf_end_film_pass( RfFilm* film, int half );
 
 // The image of the film: rgb (3 per pixel), and the mean of B over the passes
 // in `weight` (1 per pixel; may be NULL). A pixel without weight is black.

@@ -117,22 +117,20 @@ static void light_glossy( const RfCompute* compute, int eye, const RfHitBatch* b
 // Pixels [low, end) are this job's.
 typedef struct PixelRange
 {
-    double* film; // 4 per pixel
+    float* film; // 4 per pixel
     int32_t low, end;
 } PixelRange;
 
 typedef float Float4 __attribute__( ( vector_size( 16 ) ) );
-typedef double Double4 __attribute__( ( vector_size( 32 ) ) );
 
 // film += r · (value, 1), four lanes at once. Spelled out: left to itself the
 // compiler goes through the stack, and waits for it.
-static inline void add_to_pixel( double* film, float ratio, const float* value )
+static inline void add_to_pixel( float* film, float ratio, const float* value )
 {
-    Float4 v;
-    Double4 sum;
+    Float4 v, sum;
     memcpy( &v, value, sizeof v );
     memcpy( &sum, film, sizeof sum );
-    sum += __builtin_convertvector( v * ratio, Double4 );
+    sum += v * ratio;
     memcpy( film, &sum, sizeof sum );
 }
 
@@ -178,7 +176,7 @@ static uint64_t splat_misses( const RfHitBatch* batch, PixelRange range )
         int32_t pixel = batch->miss_pixel[i];
         if ( pixel >= range.low && pixel < range.end )
         {
-            range.film[4 * (size_t)pixel + 3] += 1.0;
+            range.film[4 * (size_t)pixel + 3] += 1.0f;
             ++landed;
         }
     }

@@ -1,37 +1,88 @@
 #include "reuse/group.h"
 
+#include <math.h>
+#include <stdbool.h>
+
 RfGroupPlan rf_plan_groups( int frames, int half_width, int spp )
 {
-    RfGroupPlan plan = { .frames = frames };
+    RfGroupPlan plan = { .frames = frames, .spp = spp };
     plan.eyes = half_width <= ( frames - 1 ) / 2 ? 2 * half_width + 1 : frames;
-    plan.windows = frames - plan.eyes + 1;
-    if ( plan.windows == 1 )
+    if ( plan.eyes == frames )
     {
-        plan.passes = plan.end_passes = plan.spp = spp;
+        plan.windows = 1;
+        plan.passes = plan.end_passes = spp;
         return plan;
     }
+    if ( plan.eyes > 1 && plan.eyes > ( frames - 1 ) / 2 )
+    {
+        plan.cut = plan.eyes - 1;
+        plan.windows = frames + plan.cut;
+        return plan;
+    }
+    plan.windows = frames - plan.eyes + 1;
     plan.passes = ( spp - 1 ) / plan.eyes + 1;
-    plan.spp = plan.passes * plan.eyes;
-    plan.end_passes = plan.spp;
+    plan.spp = plan.end_passes = plan.passes * plan.eyes;
     return plan;
 }
 
-int rf_window_passes( const RfGroupPlan* plan, int window )
+// Passes of the cut windows of 1 … m frames, where a full one of N gets one:
+// Σ (N/m)^¾, as the integral over m from ½ to m + ½. With (N/m)^1 the ends
+// would get as many samples as the middle, native and reused ones; but they get
+// more native samples and nearer reused ones, and ¾ is cheaper.
+static double cut_passes( const RfGroupPlan* plan, int m )
 {
-    return window == 0 || window == plan->windows - 1 ? plan->end_passes : plan->passes;
+    double n = plan->eyes;
+    return 4.0 * pow( n, 0.75 ) * ( pow( m + 0.5, 0.25 ) - pow( 0.5, 0.25 ) );
+}
+
+// Passes of the windows with a lower number, where windows are cut: shares of
+// whole passes go to the window in which they are full.
+static int64_t passes_before( const RfGroupPlan* plan, int number )
+{
+    int full_end = plan->frames, left = number < plan->cut ? number : plan->cut;
+    double sum = cut_passes( plan, left );
+    if ( number > plan->cut )
+        sum += ( number < full_end ? number : full_end ) - plan->cut;
+    if ( number > full_end )
+        sum += cut_passes( plan, plan->cut ) - cut_passes( plan, plan->cut - ( number - full_end ) );
+    return (int64_t)floor( sum * plan->spp / plan->eyes + 0.5 );
+}
+
+RfWindow rf_window( const RfGroupPlan* plan, int number )
+{
+    if ( plan->cut > 0 )
+    {
+        int first = number - plan->cut, end = first + plan->eyes;
+        int64_t before = passes_before( plan, number );
+        first = first > 0 ? first : 0;
+        end = end < plan->frames ? end : plan->frames;
+        return ( RfWindow ){ first, end - first, (int)( passes_before( plan, number + 1 ) - before ), before };
+    }
+    bool at_end = number == 0 || number == plan->windows - 1;
+    int64_t before = number == 0 ? 0 : plan->end_passes + ( number - 1 ) * (int64_t)plan->passes;
+    return ( RfWindow ){ number, plan->eyes, at_end ? plan->end_passes : plan->passes, before };
 }
 
 void rf_windows_of_frame( const RfGroupPlan* plan, int frame, int* first, int* last )
 {
-    *first = frame >= plan->eyes ? frame - plan->eyes + 1 : 0;
-    *last = frame < plan->windows ? frame : plan->windows - 1;
+    int start = frame + plan->cut, end = plan->windows - 1;
+    *first = start >= plan->eyes ? start - plan->eyes + 1 : 0;
+    *last = start < end ? start : end;
 }
 
 int rf_frame_passes( const RfGroupPlan* plan, int frame )
 {
-    int first, last, sum = 0;
+    int first, last;
     rf_windows_of_frame( plan, frame, &first, &last );
-    for ( int w = first; w <= last; ++w )
-        sum += rf_window_passes( plan, w );
-    return sum;
+    RfWindow end = rf_window( plan, last );
+    return (int)( end.passes_before - rf_window( plan, first ).passes_before ) + end.passes;
+}
+
+int64_t rf_most_passes( const RfGroupPlan* plan )
+{
+    if ( plan->windows == 1 )
+        return plan->passes;
+    if ( plan->cut > 0 ) // the frames at the ends lie in the shortest windows
+        return passes_before( plan, plan->eyes ) + 1;
+    return (int64_t)plan->end_passes + (int64_t)( plan->eyes - 1 ) * plan->passes;
 }

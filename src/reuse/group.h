@@ -1,37 +1,58 @@
-// Sliding groups (estimators.md section 7): windows of `eyes` consecutive
-// frames that move by one frame, and how many passes each is given.
+// Sliding groups (estimators.md section 7): windows of consecutive frames that
+// move by one frame, and how many passes each is given.
 //
-// Every window is full: a sample then always serves as many frames as it can.
-// The first and the last frame lie in one window only; its passes are raised
-// so that they get as many samples as a frame in the middle.
+// A path of more than two groups has full windows only: a sample then always
+// serves as many frames as it can. The first and the last frame lie in one
+// window only; its passes are raised so that they get as many samples as a
+// frame in the middle.
+//
+// In a path of one to two groups nearly all full windows hold the middle, which
+// would outdo the ends by far. There the windows go on over both ends of the
+// path, cut to what is left of them, and the shorter they are the more passes
+// they get. A path of one group or less is one window.
 #ifndef REFRAME_REUSE_GROUP_H
 #define REFRAME_REUSE_GROUP_H
 
+#include <stdint.h>
+
 typedef struct RfGroupPlan
 {
-    int frames;  // in the whole path
-    int eyes;    // in a window: 2n+1, or all frames of a shorter path
-    int windows; // first frames 0 … windows−1
-    int passes;  // of a window in the middle, one native sample per pixel each
-    int end_passes; // of the first and the last window
-    int spp;     // native samples per pixel of a frame in the middle
+    int frames;     // in the whole path
+    int eyes;       // in a full window: 2n+1, or all frames of a shorter path
+    int windows;    // numbered in the order in which they are rendered
+    int cut;        // windows at each end that are not full
+    int passes;     // of a full window in the middle, one native sample per pixel each; 0: unequal
+    int end_passes; // of the first and the last window, where all windows are full
+    int spp;        // native samples per pixel that every frame gets at least
 } RfGroupPlan;
+
+// A group of frames [first, first + eyes) that is harvested and computed as a whole.
+typedef struct RfWindow
+{
+    int first, eyes;
+    int passes;
+    int64_t passes_before; // of all windows with a lower number
+} RfWindow;
 
 // For a path of `frames` frames, half-width n and at least `spp` native
 // samples per pixel and frame.
 RfGroupPlan rf_plan_groups( int frames, int half_width, int spp );
 
-int rf_window_passes( const RfGroupPlan* plan, int window );
+// Window number 0 … windows−1.
+RfWindow rf_window( const RfGroupPlan* plan, int number );
 
-// First and last window that hold a frame.
+// Numbers of the first and last window that hold a frame; it is in all between.
 void rf_windows_of_frame( const RfGroupPlan* plan, int frame, int* first, int* last );
 
 // Native samples per pixel of a frame, over all windows that hold it.
 int rf_frame_passes( const RfGroupPlan* plan, int frame );
 
-// Which half of the film a pass goes to (E2): alternates with the passes of a
-// window and starts at the other half in the next window, so that both halves
-// see all windows, and with one pass a window alternate with the windows.
-static inline int rf_half_of_pass( int window, int pass ) { return ( window + pass ) & 1; }
+// A bound on that for all frames.
+int64_t rf_most_passes( const RfGroupPlan* plan );
+
+// Which half of the film a pass goes to (E2): the passes of the whole render
+// alternate, so that the halves of a frame, whose windows follow each other,
+// differ by one pass at most and both see every window of two passes or more.
+static inline int rf_half_of_pass( const RfWindow* window, int pass ) { return (int)( ( window->passes_before + pass ) & 1 ); }
 
 #endif

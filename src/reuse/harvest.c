@@ -179,7 +179,7 @@ void rf_harvest_batch( const RfHarvest* harvest, RfHarvestJob job, RfHitBatch* b
     const RfEye* eye = harvest->eyes + job.eye;
     RfWalk* walk = &scratch->walk;
     uint64_t key = rf_pass_key( harvest->seed, (uint32_t)( harvest->first_frame + job.eye ),
-                                (uint32_t)harvest->first_frame, (uint32_t)job.pass );
+                                (uint32_t)harvest->window, (uint32_t)job.pass );
     batch->eye = job.eye;
 
     // first hits

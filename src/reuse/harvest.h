@@ -18,7 +18,8 @@ typedef struct RfHarvest
     RfWeights weights;
     uint64_t seed;
     const RfEye* eyes; // shape.eyes of them
-    int first_frame;   // path frame of eyes[0]; also the window's number
+    int first_frame;   // path frame of eyes[0]
+    int window;        // its number
 } RfHarvest;
 
 // One batch: whose pixels, which, and the pass.

@@ -52,8 +52,8 @@ static LiveFilm* find_film( Renderer* r, int frame )
 // The films of the asked frames that a window is the first to hold, cleared.
 static void open_films( Renderer* r, int window )
 {
-    size_t bytes = rf_film_half_bytes( r->sizes.width, r->sizes.height );
-    for ( int frame = window; frame < window + r->plan.eyes; ++frame )
+    RfWindow group = rf_window( &r->plan, window );
+    for ( int frame = group.first; frame < group.first + group.eyes; ++frame )
     {
         int first, last;
         rf_windows_of_frame( &r->plan, frame, &first, &last );
@@ -61,10 +61,7 @@ static void open_films( Renderer* r, int window )
             continue;
         LiveFilm* live = find_film( r, -1 );
         live->frame = frame;
-        live->film.passes[0] = live->film.passes[1] = 0;
-        live->film.landed = 0;
-        memset( live->film.half[0], 0, bytes );
-        memset( live->film.half[1], 0, bytes );
+        rf_clear_film( &live->film );
     }
 }
 
@@ -104,7 +101,8 @@ static RfResult finish_film( Renderer* r, LiveFilm* live, RfError* error )
 // Hands over the frames whose last window is done, in order.
 static RfResult close_films( Renderer* r, int window, RfError* error )
 {
-    for ( int frame = window; frame < window + r->plan.eyes; ++frame )
+    RfWindow group = rf_window( &r->plan, window );
+    for ( int frame = group.first; frame < group.first + group.eyes; ++frame )
     {
         int first, last;
         rf_windows_of_frame( &r->plan, frame, &first, &last );
@@ -117,10 +115,10 @@ static RfResult close_films( Renderer* r, int window, RfError* error )
     return RF_OK;
 }
 
-static bool window_wanted( const Renderer* r, int window )
+static bool window_wanted( const Renderer* r, RfWindow window )
 {
     bool wanted = false;
-    for ( int frame = window; frame < window + r->plan.eyes && !wanted; ++frame )
+    for ( int frame = window.first; frame < window.first + window.eyes && !wanted; ++frame )
         wanted = asked_for( r, frame );
     return wanted;
 }
@@ -166,7 +164,7 @@ static void compute_chunk( Renderer* r, const RfHarvest* harvest, int half, int 
         return;
     int bands = r->sizes.shape.eq15 ? 1 : ( 2 * r->settings.threads + live - 1 ) / live;
     bands = bands < r->sizes.height ? bands : r->sizes.height;
-    RfCompute compute = { r->eyes + harvest->first_frame, r->sizes.shape, r->settings.weights, r->memory.batches, count };
+    RfCompute compute = { harvest->eyes, harvest->shape, r->settings.weights, r->memory.batches, count };
 #pragma omp parallel num_threads( r->settings.threads )
     {
         rf_set_float_mode();
@@ -207,19 +205,22 @@ static bool report_progress( Renderer* r, int count )
     return r->callbacks.progress( r->callbacks.user, &progress );
 }
 
-static RfResult render_pass( Renderer* r, const RfHarvest* harvest, int pass, RfError* error )
+// Which eyes' hits landed where: known by pass.
+static void forget_landed_eyes( Renderer* r )
 {
-    int half = rf_half_of_pass( harvest->first_frame, pass );
+    size_t words = (size_t)r->sizes.width * (size_t)r->sizes.height * (size_t)rf_seen_words( r->sizes.shape.eyes );
     for ( int i = 0; i < r->memory.film_slots; ++i )
     {
-        if ( r->memory.films[i].frame == -1 )
-            continue;
-        r->memory.films[i].film.passes[half] += 1;
-        if ( r->sizes.shape.eq15 )
-            memset( r->memory.films[i].landed_eyes, 0,
-                    (size_t)r->sizes.width * (size_t)r->sizes.height * (size_t)rf_seen_words( r->sizes.shape.eyes ) * sizeof( uint32_t ) );
+        if ( r->memory.films[i].frame != -1 )
+            memset( r->memory.films[i].landed_eyes, 0, words * sizeof( uint32_t ) );
     }
-    int jobs = r->sizes.shape.eyes * r->sizes.tiles;
+}
+
+static RfResult render_pass( Renderer* r, const RfHarvest* harvest, int pass, int half, RfError* error )
+{
+    if ( harvest->shape.eq15 )
+        forget_landed_eyes( r );
+    int jobs = harvest->shape.eyes * r->sizes.tiles;
     for ( int first = 0; first < jobs; first += r->memory.batch_slots )
     {
         int count = jobs - first < r->memory.batch_slots ? jobs - first : r->memory.batch_slots;
@@ -227,6 +228,11 @@ static RfResult render_pass( Renderer* r, const RfHarvest* harvest, int pass, Rf
         compute_chunk( r, harvest, half, count );
         if ( !report_progress( r, count ) )
             return rf_fail( error, RF_ERROR_INTERRUPTED, "interrupted after %d of %d frames", r->frames_done, r->frame_count );
+    }
+    for ( int i = 0; i < r->memory.film_slots; ++i )
+    {
+        if ( r->memory.films[i].frame != -1 )
+            rf_end_film_pass( &r->memory.films[i].film, half );
     }
     return RF_OK;
 }
@@ -237,34 +243,40 @@ static int useful_depth( const Renderer* r )
     return rf_tracer_lights( r->tracer )->count > 0 ? r->settings.max_depth : 1;
 }
 
-static RfResult render_window( Renderer* r, int window, RfError* error )
+static RfResult render_window( Renderer* r, int number, RfError* error )
 {
+    RfWindow window = rf_window( &r->plan, number );
     RfHarvest harvest = {
         .walk = { r->tracer, useful_depth( r ), r->settings.light_samples },
         .shape = r->sizes.shape,
         .weights = r->settings.weights,
         .seed = r->settings.seed,
-        .eyes = r->eyes + window,
-        .first_frame = window,
+        .eyes = r->eyes + window.first,
+        .first_frame = window.first,
+        .window = number,
     };
-    open_films( r, window );
-    for ( int pass = 0; pass < rf_window_passes( &r->plan, window ); ++pass )
+    harvest.shape.eyes = window.eyes;
+    open_films( r, number );
+    for ( int pass = 0; pass < window.passes; ++pass )
     {
-        RfResult result = render_pass( r, &harvest, pass, error );
+        RfResult result = render_pass( r, &harvest, pass, rf_half_of_pass( &window, pass ), error );
         if ( result != RF_OK )
             return result;
     }
-    return close_films( r, window, error );
+    return close_films( r, number, error );
 }
 
 static RfResult render_windows( Renderer* r, RfError* error )
 {
     r->batches_all = 0.0;
     for ( int w = 0; w < r->plan.windows; ++w )
-        r->batches_all += window_wanted( r, w ) ? (double)rf_window_passes( &r->plan, w ) * r->sizes.shape.eyes * r->sizes.tiles : 0.0;
+    {
+        RfWindow window = rf_window( &r->plan, w );
+        r->batches_all += window_wanted( r, window ) ? (double)window.passes * window.eyes * r->sizes.tiles : 0.0;
+    }
     for ( int w = 0; w < r->plan.windows; ++w )
     {
-        RfResult result = window_wanted( r, w ) ? render_window( r, w, error ) : RF_OK;
+        RfResult result = window_wanted( r, rf_window( &r->plan, w ) ) ? render_window( r, w, error ) : RF_OK;
         if ( result != RF_OK )
             return result;
     }

@@ -36,7 +36,8 @@ typedef struct RenderSizes
 {
     int width, height, tiles;
     int threads;
-    int films; // held at once
+    int films;       // held at once
+    int total_every; // passes of a half of a film before it is emptied; 0: never
     RfBatchShape shape;
 } RenderSizes;
 

@@ -24,7 +24,11 @@ static bool has_glossy( const RfScene* scene )
 RenderSizes rf_render_sizes( const RfScene* scene, const RfEye* eyes, const RfGroupPlan* plan, int films,
                              const RfRenderSettings* settings )
 {
+    // as many landings in a pixel as eyes, and half of the passes in each half
+    int total_every = rf_film_total_every( plan->eyes );
+    int64_t most = ( rf_most_passes( plan ) + 1 ) / 2;
     return ( RenderSizes ){
+        .total_every = rf_film_needs_total( most, total_every ) ? total_every : 0,
         .width = eyes->width,
         .height = eyes->height,
         .tiles = rf_tile_count( eyes->width, eyes->height ),
@@ -35,9 +39,15 @@ RenderSizes rf_render_sizes( const RfScene* scene, const RfEye* eyes, const RfGr
     };
 }
 
+static size_t total_bytes( const RenderSizes* s )
+{
+    return s->total_every > 0 ? rf_film_total_bytes( s->width, s->height ) : 0;
+}
+
 size_t rf_fixed_bytes( const RenderSizes* s )
 {
-    size_t film = 2 * rf_film_half_bytes( s->width, s->height ) + ( s->shape.eq15 ? landed_bytes( s ) : 0 );
+    size_t half = rf_film_half_bytes( s->width, s->height ) + total_bytes( s );
+    size_t film = 2 * half + ( s->shape.eq15 ? landed_bytes( s ) : 0 );
     size_t scratch = rf_harvest_scratch_bytes( &s->shape ) + sizeof( RfComputeScratch );
     size_t tables = 1 << 16;
     return (size_t)s->films * film + film_pixels( s ) * 4 * sizeof( float ) + (size_t)s->threads * scratch + tables;
@@ -49,8 +59,11 @@ static RfResult alloc_film( const RenderSizes* s, RenderMemory* m, LiveFilm* liv
     live->frame = -1;
     live->film.width = s->width;
     live->film.height = s->height;
+    live->film.total_every = s->total_every;
     for ( int h = 0; h < 2 && result == RF_OK; ++h )
         result = rf_arena_alloc( &m->arena, "films", rf_film_half_bytes( s->width, s->height ), (void**)&live->film.half[h], error );
+    for ( int h = 0; h < 2 && result == RF_OK && s->total_every > 0; ++h )
+        result = rf_arena_alloc( &m->arena, "films", total_bytes( s ), (void**)&live->film.total[h], error );
     if ( s->shape.eq15 && result == RF_OK )
         result = rf_arena_alloc( &m->arena, "landed eyes", landed_bytes( s ), (void**)&live->landed_eyes, error );
     return result;
@@ -138,7 +151,10 @@ static void free_films( const RenderSizes* s, RenderMemory* m )
     for ( int i = 0; i < m->film_slots; ++i )
     {
         for ( int h = 0; h < 2; ++h )
+        {
             rf_arena_free( &m->arena, "films", m->films[i].film.half[h], rf_film_half_bytes( s->width, s->height ) );
+            rf_arena_free( &m->arena, "films", m->films[i].film.total[h], total_bytes( s ) );
+        }
         rf_arena_free( &m->arena, "landed eyes", m->films[i].landed_eyes, landed_bytes( s ) );
     }
     rf_arena_free( &m->arena, "film table", m->films, (size_t)s->films * sizeof *m->films );
