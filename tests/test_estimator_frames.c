@@ -1,5 +1,5 @@
 // Frame reuse is unbiased: against independent references, over 16 seeds, per
-// block and per pixel, for diffuse, Phong and GGX, groups of 1, 3, 7 and 17
+// block and per pixel, for diffuse, Phong and GGX, groups of 1, 3, 7, 13 and 17
 // frames. And the test can see bias: the biased weightings fail it.
 #include "scene_builder.h"
 #include "statistics.h"
@@ -75,6 +75,7 @@ static void check_scene( const char* what, RfScene scene )
         check_group( what, tracer, eyes, EYES, f, 0, 32 * spp, RF_NORMALIZE_CROSSFIT, &reference );
         check_group( what, tracer, eyes, EYES, f, 1, 12 * spp, RF_NORMALIZE_CROSSFIT, &reference );
         check_group( what, tracer, eyes, EYES, f, 3, 7 * spp, RF_NORMALIZE_CROSSFIT, &reference );
+        check_group( what, tracer, eyes, EYES, f, 6, 5 * spp, RF_NORMALIZE_CROSSFIT, &reference ); // cut windows
         check_group( what, tracer, eyes, EYES, f, 8, 4 * spp, RF_NORMALIZE_CROSSFIT, &reference );
         check_group( what, tracer, eyes, EYES, f, 3, 7 * spp, RF_NORMALIZE_NONE, &reference );
         free_images( &reference );

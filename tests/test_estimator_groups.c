@@ -100,25 +100,25 @@ static void test_equal_eyes( void** state )
     check_equal_eyes( "GGX", make_room( ROOM_GGX ) );
 }
 
-#define PATH 21
+#define MOST_FRAMES 21
 #define END_SEEDS 8
 
 static RfImage image_of( float* rgb ) { return ( RfImage ){ .width = WIDTH, .height = HEIGHT, .rgb = rgb }; }
 
-static void check_ends( const char* name, RfScene scene, int spp )
+static void check_ends( const char* name, RfScene scene, int path, int group, int spp )
 {
-    static const int frames[3] = { 0, PATH / 2, PATH - 1 };
+    int frames[3] = { 0, path / 2, path - 1 };
     RfTracer* tracer = make_tracer( &scene );
-    RfEye eyes[PATH];
-    orbit_eyes( eyes, PATH, 0.5f, WIDTH, HEIGHT );
+    RfEye eyes[MOST_FRAMES];
+    orbit_eyes( eyes, path, 0.5f, WIDTH, HEIGHT );
     RfRenderSettings many = settings_of( 0, is_long() ? 16384 : 2048, 5000 );
-    Rendered truth = render_frames( tracer, eyes, PATH, frames, 3, &many );
+    Rendered truth = render_frames( tracer, eyes, path, frames, 3, &many );
     double relmse[3] = { 0 };
     int seeds = is_long() ? 4 * END_SEEDS : END_SEEDS;
     for ( int k = 0; k < seeds; ++k )
     {
-        RfRenderSettings settings = settings_of( 3, spp, k );
-        Rendered r = render_frames( tracer, eyes, PATH, frames, 3, &settings );
+        RfRenderSettings settings = settings_of( group, spp, k );
+        Rendered r = render_frames( tracer, eyes, path, frames, 3, &settings );
         for ( int f = 0; f < 3; ++f )
         {
             RfImage image = image_of( r.rgb + 3 * r.pixels * (size_t)f ), reference = image_of( truth.rgb + 3 * r.pixels * (size_t)f );
@@ -129,8 +129,8 @@ static void check_ends( const char* name, RfScene scene, int spp )
         }
         free_rendered( &r );
     }
-    printf( "%s, %d samples: relMSE of first, middle, last frame %.5f %.5f %.5f; ends over middle %.3f %.3f\n", name, spp,
-            relmse[0], relmse[1], relmse[2], relmse[0] / relmse[1], relmse[2] / relmse[1] );
+    printf( "%s, %d frames, group %d, %d samples: relMSE of first, middle, last frame %.5f %.5f %.5f; ends over middle %.3f %.3f\n", name,
+            path, group, spp, relmse[0], relmse[1], relmse[2], relmse[0] / relmse[1], relmse[2] / relmse[1] );
     assert_true( relmse[0] <= 1.3 * relmse[1] );
     assert_true( relmse[2] <= 1.3 * relmse[1] );
     free_rendered( &truth );
@@ -141,9 +141,14 @@ static void check_ends( const char* name, RfScene scene, int spp )
 static void test_the_ends_are_as_good( void** state )
 {
     (void)state;
-    check_ends( "diffuse", make_room( ROOM_DIFFUSE ), 7 );
+    check_ends( "diffuse", make_room( ROOM_DIFFUSE ), 21, 3, 7 );
+    check_ends( "diffuse", make_room( ROOM_DIFFUSE ), 21, 8, 17 ); // cut windows
+    check_ends( "diffuse", make_room( ROOM_DIFFUSE ), 9, 3, 14 );
     if ( is_long() )
-        check_ends( "GGX", make_room( ROOM_GGX ), 28 );
+    {
+        check_ends( "GGX", make_room( ROOM_GGX ), 21, 3, 28 );
+        check_ends( "GGX", make_room( ROOM_GGX ), 21, 8, 34 );
+    }
 }
 
 int main( void )

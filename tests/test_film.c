@@ -28,7 +28,7 @@ typedef struct Film
 static Film make_film( int width, int height, int even, int odd )
 {
     size_t pixels = (size_t)width * (size_t)height;
-    Film f = { .film = { .width = width, .height = height, .passes = { even, odd } } };
+    Film f = { .film = { .width = width, .height = height, .passes = { even, odd }, .weight = { even, odd } } };
     for ( int h = 0; h < 2; ++h )
         f.film.half[h] = calloc( pixels, 4 * sizeof( float ) );
     f.rgb = calloc( pixels, 3 * sizeof( float ) );
@@ -113,7 +113,7 @@ static void test_long_sums_do_not_drift( void** state )
                     f.film.half[pass & 1][c] += value;
             }
             f.film.half[pass & 1][3] += 1.0f;
-            rf_end_film_pass( &f.film, pass & 1 );
+            rf_end_film_pass( &f.film, pass & 1, 1.0 );
         }
         assert_int_equal( f.film.passes[0], PASSES / 2 );
         assert_int_equal( f.film.passes[1], PASSES / 2 );
@@ -147,8 +147,8 @@ static void test_totals_are_part_of_the_sum( void** state )
             plain.film.half[half][i] += value;
             emptied.film.half[half][i] += value;
         }
-        rf_end_film_pass( &plain.film, half );
-        rf_end_film_pass( &emptied.film, half );
+        rf_end_film_pass( &plain.film, half, 1.0 );
+        rf_end_film_pass( &emptied.film, half, 1.0 );
     }
     for ( int c = RF_FILM_CROSSFIT; c <= RF_FILM_PLAIN; ++c )
     {
@@ -189,6 +189,39 @@ static void test_equal_halves_are_equation_2( void** state )
         assert_true( fabs( (double)f.rgb[i] - expected ) < 1e-6 * ( size + fabs( expected ) ) );
     }
     free_film( &f );
+}
+
+// Passes of weight 3 and 1 are as four equal ones, three of them alike.
+static void test_a_pass_of_weight_3_counts_three_times( void** state )
+{
+    (void)state;
+    Film heavy = make_film( WIDTH, HEIGHT, 0, 0 ), often = make_film( WIDTH, HEIGHT, 0, 0 );
+    for ( int pass = 0; pass < 4; ++pass )
+    {
+        int weight = pass < 2 ? 3 : 1, half = pass % 2;
+        for ( int k = 0; k < 4 * PIXELS; ++k )
+        {
+            float value = (float)(int)( 16.0f * uniform( (uint32_t)k, (uint32_t)pass ) ) / 16.0f;
+            heavy.film.half[half][k] += (float)weight * value;
+            for ( int i = 0; i < weight; ++i )
+                often.film.half[half][k] += value;
+        }
+        rf_end_film_pass( &heavy.film, half, weight );
+        for ( int i = 0; i < weight; ++i )
+            rf_end_film_pass( &often.film, half, 1.0 );
+    }
+    assert_true( heavy.film.passes[0] == 2 && often.film.passes[0] == 4 );
+    for ( int c = RF_FILM_CROSSFIT; c <= RF_FILM_PLAIN; ++c )
+    {
+        rf_combine_film( &heavy.film, (RfFilmCombine)c, heavy.rgb, heavy.weight );
+        rf_combine_film( &often.film, (RfFilmCombine)c, often.rgb, often.weight );
+        assert_memory_equal( heavy.rgb, often.rgb, 3 * PIXELS * sizeof( float ) );
+        assert_memory_equal( heavy.weight, often.weight, PIXELS * sizeof( float ) );
+        double a = rf_estimate_relmse( &heavy.film, (RfFilmCombine)c, heavy.rgb );
+        assert_true( a > 0.0 && a == rf_estimate_relmse( &often.film, (RfFilmCombine)c, often.rgb ) );
+    }
+    free_film( &heavy );
+    free_film( &often );
 }
 
 static void check_plain_mean( int even, int odd )
@@ -236,6 +269,7 @@ static void test_empty_halves( void** state )
         assert_true( isfinite( rf_estimate_relmse( &f.film, combines[c], f.rgb ) ) );
 
         f.film.passes[1] = 0; // a single pass in all: no other half, c = 0
+        f.film.weight[1] = 0.0;
         set_pixel( &f, 1, 2, 0.0f, 0.0f, 0.0f, 0.0f );
         rf_combine_film( &f.film, combines[c], f.rgb, f.weight );
         near( f.rgb[3], combines[c] == RF_FILM_RATIO ? 6.0 : 3.0 );
@@ -357,6 +391,7 @@ int main( void )
         cmocka_unit_test( test_equal_halves_are_equation_2 ),
         cmocka_unit_test( test_whole_weights_give_the_plain_mean ),
         cmocka_unit_test( test_empty_halves ),
+        cmocka_unit_test( test_a_pass_of_weight_3_counts_three_times ),
         cmocka_unit_test( test_without_bias ),
         cmocka_unit_test( test_relmse_estimate ),
     };

@@ -11,13 +11,15 @@ void rf_clear_film( RfFilm* film )
         if ( film->total[h] != NULL )
             memset( film->total[h], 0, rf_film_total_bytes( film->width, film->height ) );
         film->passes[h] = 0;
+        film->weight[h] = 0.0;
     }
     film->landed = 0;
 }
 
-void rf_end_film_pass( RfFilm* film, int half )
+void rf_end_film_pass( RfFilm* film, int half, double weight )
 {
     film->passes[half] += 1;
+    film->weight[half] += weight;
     if ( film->total[half] == NULL || film->passes[half] % film->total_every != 0 )
         return;
     size_t count = 4 * (size_t)film->width * (size_t)film->height;
@@ -30,12 +32,12 @@ void rf_end_film_pass( RfFilm* film, int half )
 typedef struct Pixel
 {
     double half[2][4];
-    double passes[2];
+    double weight[2];
 } Pixel;
 
 static Pixel pixel_of( const RfFilm* film, size_t i )
 {
-    Pixel p = { .passes = { film->passes[0], film->passes[1] } };
+    Pixel p = { .weight = { film->weight[0], film->weight[1] } };
     for ( int h = 0; h < 2; ++h )
     {
         for ( size_t c = 0; c < 4; ++c )
@@ -47,13 +49,13 @@ static Pixel pixel_of( const RfFilm* film, size_t i )
 // c_h = A_h / B_h, 0 where nothing landed.
 static double quotient( const double* half, int c ) { return half[3] > 0.0 ? half[c] / half[3] : 0.0; }
 
-// (E2) in sums, n the passes of a half: [ A_e + c_o (n_e − B_e) + A_o + c_e (n_o − B_o) ] / (n_e + n_o).
+// (E2) in sums, n the weights of a half's passes: [ A_e + c_o (n_e − B_e) + A_o + c_e (n_o − B_o) ] / (n_e + n_o).
 // Where B is exactly n, as without reuse, this is the plain mean, bit for bit.
 static double crossfit( const Pixel* p, int c )
 {
-    double e = p->half[0][c] + quotient( p->half[1], c ) * ( p->passes[0] - p->half[0][3] );
-    double o = p->half[1][c] + quotient( p->half[0], c ) * ( p->passes[1] - p->half[1][3] );
-    return ( e + o ) / ( p->passes[0] + p->passes[1] );
+    double e = p->half[0][c] + quotient( p->half[1], c ) * ( p->weight[0] - p->half[0][3] );
+    double o = p->half[1][c] + quotient( p->half[0], c ) * ( p->weight[1] - p->half[1][3] );
+    return ( e + o ) / ( p->weight[0] + p->weight[1] );
 }
 
 static double combine_channel( const Pixel* p, RfFilmCombine combine, int c )
@@ -63,7 +65,7 @@ static double combine_channel( const Pixel* p, RfFilmCombine combine, int c )
     {
         case RF_FILM_CROSSFIT: return crossfit( p, c );
         case RF_FILM_RATIO: return b > 0.0 ? a / b : 0.0;
-        case RF_FILM_PLAIN: return a / ( p->passes[0] + p->passes[1] );
+        case RF_FILM_PLAIN: return a / ( p->weight[0] + p->weight[1] );
     }
     return 0.0;
 }
@@ -77,7 +79,7 @@ void rf_combine_film( const RfFilm* film, RfFilmCombine combine, float* rgb, flo
         for ( int c = 0; c < 3; ++c )
             rgb[3 * i + (size_t)c] = (float)combine_channel( &p, combine, c );
         if ( weight != NULL )
-            weight[i] = (float)( ( p.half[0][3] + p.half[1][3] ) / ( p.passes[0] + p.passes[1] ) );
+            weight[i] = (float)( ( p.half[0][3] + p.half[1][3] ) / ( p.weight[0] + p.weight[1] ) );
     }
 }
 
@@ -88,19 +90,19 @@ static double half_value( const Pixel* p, RfFilmCombine combine, int h, int c )
     switch ( combine )
     {
         case RF_FILM_CROSSFIT:
-            return ( own[c] + quotient( p->half[1 - h], c ) * ( p->passes[h] - own[3] ) ) / p->passes[h];
+            return ( own[c] + quotient( p->half[1 - h], c ) * ( p->weight[h] - own[3] ) ) / p->weight[h];
         case RF_FILM_RATIO: return quotient( own, c );
-        case RF_FILM_PLAIN: return own[c] / p->passes[h];
+        case RF_FILM_PLAIN: return own[c] / p->weight[h];
     }
     return 0.0;
 }
 
 double rf_estimate_relmse( const RfFilm* film, RfFilmCombine combine, const float* rgb )
 {
-    double e = (double)film->passes[0], o = (double)film->passes[1];
+    double e = film->weight[0], o = film->weight[1];
     if ( e == 0.0 || o == 0.0 )
         return (double)NAN;
-    // with variance v per pass the halves differ by v (1/e + 1/o), the whole has v / (e + o)
+    // with variance v per weight the halves differ by v (1/e + 1/o), the whole has v / (e + o)
     double share = e * o / ( ( e + o ) * ( e + o ) );
     size_t count = (size_t)film->width * (size_t)film->height;
     double sum = 0.0;

@@ -14,6 +14,7 @@ typedef struct RfFilm
     double* total[2]; // what the halves held before they were emptied; NULL in renders too short for that
     int total_every;  // passes of a half after which it is emptied
     int passes[2];    // passes summed up in each half
+    double weight[2]; // and the sum of their weights, which is the mean of B
     uint64_t landed;  // samples that fell into the film
 } RfFilm;
 
@@ -45,8 +46,8 @@ static inline bool rf_film_needs_total( int64_t passes, int total_every ) { retu
 // Empties the film.
 void rf_clear_film( RfFilm* film );
 
-// A pass into a half is complete.
-void rf_end_film_pass( RfFilm* film, int half );
+// A pass into a half is complete, whose samples were all taken `weight` times.
+void rf_end_film_pass( RfFilm* film, int half, double weight );
 
 // The image of the film: rgb (3 per pixel), and the mean of B over the passes
 // in `weight` (1 per pixel; may be NULL). A pixel without weight is black.

@@ -5,8 +5,10 @@
 
 #include <string.h>
 
-// Pixels of the hits at an eye, and their ratios r_t = J_t V_t / Σ J_l V_l.
-static void weigh_landing( const RfEye* eye, int eye_index, const RfHitBatch* batch, int32_t* pixel, float* restrict ratio )
+// Pixels of the hits at an eye, and their ratios r_t = J_t V_t / Σ J_l V_l,
+// taken `weight` times.
+static void weigh_landing( const RfEye* eye, int eye_index, const RfHitBatch* batch, float weight, int32_t* pixel,
+                           float* restrict ratio )
 {
     bool own = eye_index == batch->eye;
     if ( own )
@@ -21,17 +23,17 @@ static void weigh_landing( const RfEye* eye, int eye_index, const RfHitBatch* ba
     uint32_t bit = 1u << ( eye_index % 32 );
 #pragma omp simd
     for ( int i = 0; i < batch->count; ++i )
-        ratio[i] = ( seen[i] & bit ) != 0 ? ratio[i] / sum[i] : 0.0f;
+        ratio[i] = ( seen[i] & bit ) != 0 ? weight * ( ratio[i] / sum[i] ) : 0.0f;
 }
 
 static void land( const RfCompute* compute, int eye, const RfHitBatch* batch, RfComputeScratch* scratch )
 {
-    weigh_landing( compute->eyes + eye, eye, batch, scratch->pixel, scratch->ratio );
+    weigh_landing( compute->eyes + eye, eye, batch, compute->weight, scratch->pixel, scratch->ratio );
     if ( compute->weights == RF_WEIGHTS_EXACT )
         return;
     // the biased weightings count hits
     for ( int i = 0; i < batch->count; ++i )
-        scratch->ratio[i] = scratch->ratio[i] > 0.0f ? 1.0f : 0.0f;
+        scratch->ratio[i] = scratch->ratio[i] > 0.0f ? compute->weight : 0.0f;
 }
 
 // Σ over the eyes whose hits landed in the pixel, in the mean: FR (15).
@@ -167,8 +169,8 @@ static uint64_t splat_glossy( const RfHitBatch* batch, const RfComputeScratch* s
     return landed;
 }
 
-// Black, and certain: weight 1 in its own frame.
-static uint64_t splat_misses( const RfHitBatch* batch, PixelRange range )
+// Black, and certain: in its own frame only.
+static uint64_t splat_misses( const RfHitBatch* batch, float weight, PixelRange range )
 {
     uint64_t landed = 0;
     for ( int i = 0; i < batch->miss_count; ++i )
@@ -176,7 +178,7 @@ static uint64_t splat_misses( const RfHitBatch* batch, PixelRange range )
         int32_t pixel = batch->miss_pixel[i];
         if ( pixel >= range.low && pixel < range.end )
         {
-            range.film[4 * (size_t)pixel + 3] += 1.0f;
+            range.film[4 * (size_t)pixel + 3] += weight;
             ++landed;
         }
     }
@@ -228,7 +230,7 @@ uint64_t rf_compute_rows( const RfCompute* compute, RfComputeJob job, uint32_t* 
             landed += splat_glossy( batch, scratch, range );
         }
         if ( job.eye == batch->eye )
-            landed += splat_misses( batch, range );
+            landed += splat_misses( batch, compute->weight, range );
     }
     return landed;
 }

@@ -56,11 +56,23 @@ RfWindow rf_window( const RfGroupPlan* plan, int number )
         int64_t before = passes_before( plan, number );
         first = first > 0 ? first : 0;
         end = end < plan->frames ? end : plan->frames;
-        return ( RfWindow ){ first, end - first, (int)( passes_before( plan, number + 1 ) - before ), before };
+        return ( RfWindow ){
+            .first = first,
+            .eyes = end - first,
+            .passes = (int)( passes_before( plan, number + 1 ) - before ),
+            .weight = end - first, // the samples that a pixel gets of a pass
+            .passes_before = before,
+        };
     }
     bool at_end = number == 0 || number == plan->windows - 1;
     int64_t before = number == 0 ? 0 : plan->end_passes + ( number - 1 ) * (int64_t)plan->passes;
-    return ( RfWindow ){ number, plan->eyes, at_end ? plan->end_passes : plan->passes, before };
+    return ( RfWindow ){
+        .first = number,
+        .eyes = plan->eyes,
+        .passes = at_end ? plan->end_passes : plan->passes,
+        .weight = 1,
+        .passes_before = before,
+    };
 }
 
 void rf_windows_of_frame( const RfGroupPlan* plan, int frame, int* first, int* last )

@@ -31,6 +31,7 @@ typedef struct RfWindow
 {
     int first, eyes;
     int passes;
+    int weight;            // of a pass in the mean of a frame: shorter windows are noisier
     int64_t passes_before; // of all windows with a lower number
 } RfWindow;
 

@@ -155,7 +155,7 @@ static void harvest_chunk( Renderer* r, const RfHarvest* harvest, int pass, int 
 
 // The chunk into the films: a job is some rows of one film, so no two jobs
 // touch the same pixel and every pixel is added to in the batches' order.
-static void compute_chunk( Renderer* r, const RfHarvest* harvest, int half, int count )
+static void compute_chunk( Renderer* r, const RfHarvest* harvest, const RfWindow* window, int half, int count )
 {
     int live = 0;
     for ( int i = 0; i < r->memory.film_slots; ++i )
@@ -164,7 +164,14 @@ static void compute_chunk( Renderer* r, const RfHarvest* harvest, int half, int 
         return;
     int bands = r->sizes.shape.eq15 ? 1 : ( 2 * r->settings.threads + live - 1 ) / live;
     bands = bands < r->sizes.height ? bands : r->sizes.height;
-    RfCompute compute = { harvest->eyes, harvest->shape, r->settings.weights, r->memory.batches, count };
+    RfCompute compute = {
+        .eyes = harvest->eyes,
+        .shape = harvest->shape,
+        .weights = r->settings.weights,
+        .weight = (float)window->weight,
+        .batches = r->memory.batches,
+        .batch_count = count,
+    };
 #pragma omp parallel num_threads( r->settings.threads )
     {
         rf_set_float_mode();
@@ -216,8 +223,9 @@ static void forget_landed_eyes( Renderer* r )
     }
 }
 
-static RfResult render_pass( Renderer* r, const RfHarvest* harvest, int pass, int half, RfError* error )
+static RfResult render_pass( Renderer* r, const RfHarvest* harvest, const RfWindow* window, int pass, RfError* error )
 {
+    int half = rf_half_of_pass( window, pass );
     if ( harvest->shape.eq15 )
         forget_landed_eyes( r );
     int jobs = harvest->shape.eyes * r->sizes.tiles;
@@ -225,14 +233,14 @@ static RfResult render_pass( Renderer* r, const RfHarvest* harvest, int pass, in
     {
         int count = jobs - first < r->memory.batch_slots ? jobs - first : r->memory.batch_slots;
         harvest_chunk( r, harvest, pass, first, count );
-        compute_chunk( r, harvest, half, count );
+        compute_chunk( r, harvest, window, half, count );
         if ( !report_progress( r, count ) )
             return rf_fail( error, RF_ERROR_INTERRUPTED, "interrupted after %d of %d frames", r->frames_done, r->frame_count );
     }
     for ( int i = 0; i < r->memory.film_slots; ++i )
     {
         if ( r->memory.films[i].frame != -1 )
-            rf_end_film_pass( &r->memory.films[i].film, half );
+            rf_end_film_pass( &r->memory.films[i].film, half, window->weight );
     }
     return RF_OK;
 }
@@ -259,7 +267,7 @@ static RfResult render_window( Renderer* r, int number, RfError* error )
     open_films( r, number );
     for ( int pass = 0; pass < window.passes; ++pass )
     {
-        RfResult result = render_pass( r, &harvest, pass, rf_half_of_pass( &window, pass ), error );
+        RfResult result = render_pass( r, &harvest, &window, pass, error );
         if ( result != RF_OK )
             return result;
     }
