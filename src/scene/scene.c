@@ -28,6 +28,10 @@ void rf_destroy_scene( RfScene* scene )
     }
     for ( int i = 0; scene->cameras != NULL && i < scene->camera_count; ++i )
         free( scene->cameras[i].name );
+    for ( int i = 0; scene->punctuals != NULL && i < scene->punctual_count; ++i )
+        free( scene->punctuals[i].name );
+    free( scene->punctuals );
+    free( scene->environment.map );
     free( scene->materials );
     free( scene->nodes );
     free( scene->channels );

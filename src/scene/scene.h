@@ -99,6 +99,36 @@ typedef struct RfCamera
     double end;
 } RfCamera;
 
+// Light from infinitely far away, for every direction that no surface hides.
+typedef struct RfEnvironment
+{
+    RfVec3 radiance;   // W/(m² sr): all of it, or what a map is multiplied by; 0: none
+    int width, height; // of the map
+    float* map;        // rgb, row by row from straight up to straight down; NULL: constant
+    float rotation;    // of the map about +y, radians, counter-clockwise seen from above;
+                       // at 0 the map's middle lies towards −z, +x to the right of it
+    bool hidden;       // from the camera, which then sees black; it lights all the same
+} RfEnvironment;
+
+typedef enum RfPunctualKind
+{
+    RF_PUNCTUAL_POINT,
+    RF_PUNCTUAL_SPOT,
+    RF_PUNCTUAL_DIRECTIONAL,
+} RfPunctualKind;
+
+// A light without size (KHR_lights_punctual), in world space.
+typedef struct RfPunctual
+{
+    char* name;
+    RfPunctualKind kind;
+    RfVec3 position;
+    RfVec3 direction;  // unit, of travel: the spot's axis
+    RfVec3 intensity;  // W/sr; of directional lights irradiance, W/m²
+    float cos_inner, cos_outer; // of the spot's cone: full inside, none outside
+    float range;       // nothing arrives from farther away, m; infinity: no limit
+} RfPunctual;
+
 typedef struct RfScene
 {
     char* path; // the file it came from
@@ -108,6 +138,9 @@ typedef struct RfScene
     uint32_t instance_count;       // mesh primitives placed by nodes
     uint32_t material_count;
     RfMaterial* materials;
+    RfEnvironment environment;
+    int punctual_count;
+    RfPunctual* punctuals;
     int node_count;
     RfNode* nodes;
     int channel_count;
