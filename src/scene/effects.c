@@ -72,6 +72,21 @@ static bool has_ggx( const RfMaterial* m )
     return m->kind == RF_BSDF_GGX;
 }
 
+static bool has_mirror( const RfMaterial* m )
+{
+    return m->kind == RF_BSDF_GLASS && m->ior == 0.0f;
+}
+
+static bool has_transmission( const RfMaterial* m )
+{
+    return m->kind == RF_BSDF_GLASS && m->ior > 0.0f;
+}
+
+static bool has_absorption( const RfMaterial* m )
+{
+    return has_transmission( m ) && is_lit( m->absorption );
+}
+
 static bool has_emission( const RfMaterial* m )
 {
     return is_lit( m->emission );
@@ -138,6 +153,32 @@ static RfEffect missing_effect( const char* name )
     return effect;
 }
 
+static RfEffect punctual_effect( const RfScene* scene )
+{
+    RfEffect effect = { .name = "punctual-lights", .on = scene->punctual_count > 0 };
+    if ( scene->punctual_count == 0 )
+        snprintf( effect.why, sizeof effect.why, "no lamp without size" );
+    else if ( scene->punctual_count == 1 )
+        snprintf( effect.why, sizeof effect.why, "light '%.80s'", scene->punctuals[0].name );
+    else
+        snprintf( effect.why, sizeof effect.why, "light '%.80s' and %d more", scene->punctuals[0].name, scene->punctual_count - 1 );
+    return effect;
+}
+
+static RfEffect environment_effect( const RfScene* scene )
+{
+    const RfEnvironment* e = &scene->environment;
+    RfEffect effect = { .name = "environment", .on = is_lit( e->radiance ) };
+    if ( !effect.on )
+        snprintf( effect.why, sizeof effect.why, "no light from around the scene" );
+    else if ( e->map != NULL )
+        snprintf( effect.why, sizeof effect.why, "a map of %d x %d pixels%s", e->width, e->height, e->hidden ? ", hidden from the camera" : "" );
+    else
+        snprintf( effect.why, sizeof effect.why, "radiance %g %g %g all around%s", (double)e->radiance.x, (double)e->radiance.y,
+                  (double)e->radiance.z, e->hidden ? ", hidden from the camera" : "" );
+    return effect;
+}
+
 int rf_list_effects( const RfScene* scene, RfEffect effects[RF_MAX_EFFECTS] )
 {
     Census census = take_census( scene );
@@ -145,13 +186,18 @@ int rf_list_effects( const RfScene* scene, RfEffect effects[RF_MAX_EFFECTS] )
     effects[count++] = material_effect( &census, "diffuse", has_diffuse, "no material reflects diffusely" );
     effects[count++] = material_effect( &census, "phong", has_phong, "no material has a Phong lobe" );
     effects[count++] = material_effect( &census, "ggx", has_ggx, "no material is a metal or coated" );
-    effects[count++] = material_effect( &census, "area-lights", has_emission, "no material emits: the picture is black" );
+    effects[count++] = material_effect( &census, "area-lights", has_emission, "no material emits" );
     effects[count++] =
         material_effect( &census, "two-sided-emission", has_two_sided_emission, "no emitting material is double-sided" );
     effects[count++] = count_effect( "interpolated-normals", census.smooth, "triangles with normals off their face's",
                                      "all normals are those of the faces" );
     effects[count++] = camera_effect( scene );
-    static const char* const missing[] = { "textures", "alpha", "transmission", "punctual-lights", "environment" };
+    effects[count++] = material_effect( &census, "mirrors", has_mirror, "no material is a perfect mirror" );
+    effects[count++] = material_effect( &census, "transmission", has_transmission, "no material lets light through" );
+    effects[count++] = material_effect( &census, "absorption", has_absorption, "no glass takes colour from its depth" );
+    effects[count++] = punctual_effect( scene );
+    effects[count++] = environment_effect( scene );
+    static const char* const missing[] = { "textures", "alpha" };
     for ( size_t i = 0; i < sizeof missing / sizeof missing[0]; ++i )
         effects[count++] = missing_effect( missing[i] );
     free( census.triangles );

@@ -235,6 +235,17 @@ RfResult rf_gltf_bake( RfGltf* gltf, RfGltfBaker* baker, const RfGltfPrimitive* 
                        const char* where );
 void rf_gltf_finish_bake( RfGltf* gltf, RfGltfBaker* baker );
 
+// gltf_instancing.c: how often a node places its mesh, once without the
+// extension, and where within the node.
+typedef struct RfGltfInstances
+{
+    uint32_t count;
+    int translation, rotation, scale; // accessors, or −1
+} RfGltfInstances;
+
+RfResult rf_gltf_open_instances( RfGltf* gltf, int node, RfGltfInstances* instances );
+RfResult rf_gltf_instance_matrix( const RfGltf* gltf, const RfGltfInstances* instances, uint32_t element, RfMat4* matrix );
+
 // gltf_mesh.c: places every mesh that a node of the default scene has.
 RfResult rf_gltf_load_meshes( RfGltf* gltf );
 
