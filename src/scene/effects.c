@@ -69,7 +69,12 @@ static bool has_phong( const RfMaterial* m )
 
 static bool has_ggx( const RfMaterial* m )
 {
-    return m->kind == RF_BSDF_GGX;
+    return m->kind == RF_BSDF_GGX || m->kind == RF_BSDF_COATED;
+}
+
+static bool has_clearcoat( const RfMaterial* m )
+{
+    return m->kind == RF_BSDF_COATED;
 }
 
 static bool has_mirror( const RfMaterial* m )
@@ -192,6 +197,7 @@ int rf_list_effects( const RfScene* scene, RfEffect effects[RF_MAX_EFFECTS] )
     effects[count++] = count_effect( "interpolated-normals", census.smooth, "triangles with normals off their face's",
                                      "all normals are those of the faces" );
     effects[count++] = camera_effect( scene );
+    effects[count++] = material_effect( &census, "clearcoat", has_clearcoat, "no material has a clear coat" );
     effects[count++] = material_effect( &census, "mirrors", has_mirror, "no material is a perfect mirror" );
     effects[count++] = material_effect( &census, "transmission", has_transmission, "no material lets light through" );
     effects[count++] = material_effect( &census, "absorption", has_absorption, "no glass takes colour from its depth" );

@@ -196,6 +196,9 @@ RfResult rf_gltf_load_lights( RfGltf* gltf );
 // without roughness; after the other factors have been applied
 RfResult rf_gltf_read_glass( const RfGltf* gltf, const json_t* material, const char* where, double ior, double metallic,
                              double roughness, const double base[3], RfMaterial* out );
+// gltf_clearcoat.c; last of the extensions
+RfResult rf_gltf_read_clearcoat( const RfGltf* gltf, const json_t* material, const char* where, RfMaterial* out );
+bool rf_gltf_is_unlit( const json_t* material );
 static inline bool rf_gltf_moves( const RfGltf* gltf, int node )
 {
     return gltf->spans[node].start <= gltf->spans[node].end;

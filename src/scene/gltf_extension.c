@@ -15,6 +15,7 @@ static const char* const s_read[] = {
     "KHR_materials_transmission",
     "KHR_materials_volume",
     "KHR_materials_unlit",
+    "KHR_materials_clearcoat",
     "KHR_lights_punctual",
     "KHR_mesh_quantization",
     "EXT_mesh_gpu_instancing",
@@ -26,7 +27,6 @@ static const struct
     const char* name;
     const char* instead;
 } s_unread[] = {
-    { "KHR_materials_clearcoat", "it is rendered without its coat" },
     { "KHR_materials_sheen", "it is rendered without its sheen" },
     { "KHR_materials_anisotropy", "it is rendered isotropic" },
     { "KHR_materials_iridescence", "it is rendered without its film" },

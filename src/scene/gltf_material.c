@@ -199,6 +199,8 @@ static RfResult load_material( RfGltf* gltf, int index, RfMaterial* out )
     rf_gltf_notice_extensions( gltf, json, "material", out->name );
     apply_factors( &factors, out );
     result = rf_gltf_read_glass( gltf, json, where.text, factors.ior, factors.metallic, factors.roughness, factors.base, out );
+    if ( result == RF_OK )
+        result = rf_gltf_read_clearcoat( gltf, json, where.text, out );
     return result == RF_OK ? rf_gltf_read_lobes( gltf, json, where.text, out ) : result;
 }
 
