@@ -10,6 +10,7 @@
 #include "reuse/group.h"
 #include "scene/gltf.h"
 
+#include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
@@ -25,6 +26,7 @@ typedef struct Job
     int frame_count;
     int asked_count; // with those that --resume keeps
     RfTracer* tracer;
+    pthread_mutex_t speech; // what is said: frames are written in a thread of their own
     RfProgressLine line;
     int frames_done;
     bool told_black; // the warning comes once
@@ -42,6 +44,7 @@ static double now( void )
 
 static void destroy_job( Job* job )
 {
+    pthread_mutex_destroy( &job->speech );
     rf_destroy_tracer( job->tracer );
     rf_destroy_camera_path( &job->path );
     rf_destroy_scene( &job->scene );
@@ -130,6 +133,7 @@ static void warn_if_black( Job* job, const RfFrameResult* result )
              job->options.scene, result->frame + 1 );
 }
 
+// In the writing thread.
 static RfResult on_frame( void* user, const RfFrameResult* result, RfError* error )
 {
     Job* job = user;
@@ -137,9 +141,11 @@ static RfResult on_frame( void* user, const RfFrameResult* result, RfError* erro
     RfResult written = rf_write_frame( &subject, result, rf_tracer_device( job->tracer ), error );
     if ( written != RF_OK )
         return written;
+    pthread_mutex_lock( &job->speech );
     ++job->frames_done;
     warn_if_black( job, result );
     rf_show_frame( &job->line, result, job->frames_done, job->frame_count );
+    pthread_mutex_unlock( &job->speech );
     json_array_append_new( job->frames_json, rf_frame_json( result ) );
     return RF_OK;
 }
@@ -147,7 +153,9 @@ static RfResult on_frame( void* user, const RfFrameResult* result, RfError* erro
 static bool on_progress( void* user, const RfProgress* progress )
 {
     Job* job = user;
+    pthread_mutex_lock( &job->speech );
     rf_show_progress( &job->line, progress );
+    pthread_mutex_unlock( &job->speech );
     return !rf_is_interrupted();
 }
 
@@ -202,7 +210,7 @@ int rf_command_render( int argc, char** argv )
 {
     RfError error;
     bool help;
-    Job job = { .log = rf_stderr_log( "render" ), .start = now() };
+    Job job = { .log = rf_stderr_log( "render" ), .speech = PTHREAD_MUTEX_INITIALIZER, .start = now() };
     RfResult result = rf_parse_render_options( argc, argv, &job.options, &help, &error );
     if ( result == RF_OK && help )
     {

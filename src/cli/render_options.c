@@ -10,6 +10,8 @@ static const char* const s_normalize[] = { "crossfit", "ratio", "none", NULL };
 static const char* const s_compressions[] = { "none", "zip", "piz", NULL }; // in the order of RfExrCompression
 static const char* const s_files[] = { "SCENE" };
 
+#define WRITE_QUEUE 2 // frames: one is written, one waits
+
 // The table points here; a parse starts from the defaults and is copied out.
 static RfRenderOptions s_parsed;
 static int s_weights_index, s_normalize_index;
@@ -108,6 +110,7 @@ RfResult rf_parse_render_options( int argc, char** argv, RfRenderOptions* option
                                     .tile = "1",
                                     .compression = RF_EXR_ZIP,
                                     .half = true };
+    s_parsed.settings.queue = WRITE_QUEUE;
     s_float = s_float_given = s_half_given = false;
     s_weights_index = s_parsed.settings.weights;
     s_normalize_index = s_parsed.settings.normalize;

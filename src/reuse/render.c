@@ -17,6 +17,7 @@ typedef struct Renderer
     RfGroupPlan plan;
     RenderSizes sizes;
     RenderMemory memory;
+    RfDelivery delivery;
     RfRayCounts rays;
     double start, last_frame; // seconds
     double batches_done, batches_all;
@@ -79,23 +80,25 @@ static RfFilmCombine combine_of( RfNormalize normalize )
 static RfResult finish_film( Renderer* r, LiveFilm* live, RfError* error )
 {
     RfFilmCombine combine = combine_of( r->settings.normalize );
-    rf_combine_film( &live->film, combine, r->memory.rgb, r->memory.weight );
+    RfFrameBuffer* buffer = rf_next_frame_buffer( &r->delivery );
+    rf_combine_film( &live->film, combine, buffer->rgb, buffer->weight );
     double now = rf_wall_seconds();
-    RfFrameResult result = {
+    buffer->result = ( RfFrameResult ){
         .frame = live->frame,
         .width = r->sizes.width,
         .height = r->sizes.height,
-        .rgb = r->memory.rgb,
-        .weight = r->memory.weight,
+        .rgb = buffer->rgb,
+        .weight = buffer->weight,
         .seconds = now - r->last_frame,
-        .relmse_estimate = rf_estimate_relmse( &live->film, combine, r->memory.rgb ),
+        .relmse_estimate = rf_estimate_relmse( &live->film, combine, buffer->rgb ),
         .native_spp = rf_frame_passes( &r->plan, live->frame ),
         .effective_spp = (double)live->film.landed / ( (double)r->sizes.width * (double)r->sizes.height ),
     };
     r->last_frame = now;
     live->frame = -1;
     r->frames_done += 1;
-    return r->callbacks.frame != NULL ? r->callbacks.frame( r->callbacks.user, &result, error ) : RF_OK;
+    rf_deliver( &r->delivery );
+    return rf_check_delivery( &r->delivery, error );
 }
 
 // Hands over the frames whose last window is done, in order.
@@ -236,6 +239,9 @@ static RfResult render_pass( Renderer* r, const RfHarvest* harvest, const RfWind
         compute_chunk( r, harvest, window, half, count );
         if ( !report_progress( r, count ) )
             return rf_fail( error, RF_ERROR_INTERRUPTED, "interrupted after %d of %d frames", r->frames_done, r->frame_count );
+        RfResult delivered = rf_check_delivery( &r->delivery, error );
+        if ( delivered != RF_OK )
+            return delivered;
     }
     for ( int i = 0; i < r->memory.film_slots; ++i )
     {
@@ -303,6 +309,16 @@ static RfResult check_frames( const int* frames, int frame_count, int eye_count,
     return RF_OK;
 }
 
+// All windows, with the frames handed over as they are finished. What the
+// caller says of a frame counts more than an interruption.
+static RfResult render_and_deliver( Renderer* r, RfError* error )
+{
+    rf_start_delivery( &r->delivery, &r->callbacks, r->memory.buffers, r->memory.buffer_count, r->settings.queue > 0 );
+    RfResult result = render_windows( r, error );
+    RfResult delivered = rf_end_delivery( &r->delivery, error );
+    return delivered != RF_OK ? delivered : result;
+}
+
 static void fill_stats( const Renderer* r, RfRenderStats* stats )
 {
     *stats = ( RfRenderStats ){
@@ -334,7 +350,7 @@ RfResult rf_render( const RfTracer* tracer, const RfEye* eyes, int eye_count, co
     r.start = r.last_frame = rf_wall_seconds();
     result = rf_alloc_render_memory( &r.sizes, &r.memory, error );
     if ( result == RF_OK )
-        result = render_windows( &r, error );
+        result = render_and_deliver( &r, error );
     if ( stats != NULL )
         fill_stats( &r, stats );
     rf_free_render_memory( &r.sizes, &r.memory );
