@@ -101,6 +101,22 @@ static RfResult load( Job* job, RfError* error )
     return rf_prepare_output( &subject, job->frames, &job->frame_count, error );
 }
 
+// A single pass cannot say how far off it is.
+static void warn_of_variance( Job* job )
+{
+    const RfRenderSettings* s = &job->options.settings;
+    RfGroupPlan plan = rf_plan_groups( job->path.count, s->group, s->spp );
+    if ( ( s->layers & RF_LAYER_BIT( RF_LAYER_VARIANCE ) ) == 0 )
+        return;
+    for ( int i = 0; i < job->frame_count; ++i )
+    {
+        if ( rf_frame_passes( &plan, job->frames[i] ) > 1 )
+            continue;
+        rf_warn( &job->log, "--aov variance: will be 0 in frame %d, which has one pass only: raise --spp", job->frames[i] + 1 );
+        return;
+    }
+}
+
 static RfResult build( Job* job, RfError* error )
 {
     RfResult result = rf_create_tracer( &job->scene, &job->tracer, error );
@@ -110,6 +126,7 @@ static RfResult build( Job* job, RfError* error )
         rf_warn( &job->log, "%s: has no triangles, the picture will be black", job->options.scene );
     else if ( rf_tracer_lights( job->tracer )->count == 0 )
         rf_warn( &job->log, "%s: has no lights (no material emits), the picture will be black", job->options.scene );
+    warn_of_variance( job );
     job->frames_json = json_array();
     job->seconds_scene = now() - job->start;
     return RF_OK;

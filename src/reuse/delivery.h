@@ -14,6 +14,7 @@ typedef struct RfFrameBuffer
 {
     float* rgb;
     float* weight;
+    float* layers[RF_LAYER_COUNT]; // those asked for
     RfFrameResult result; // points into them
 } RfFrameBuffer;
 

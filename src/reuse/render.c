@@ -41,13 +41,15 @@ static bool asked_for( const Renderer* r, int frame )
     return false;
 }
 
-// The slot that holds a frame's film, −1 for a free one.
-static LiveFilm* find_film( Renderer* r, int frame )
+// The slot that holds a frame's film, −1 for a free one; NULL where none does.
+static LiveFilm* find_film( const Renderer* r, int frame )
 {
-    LiveFilm* live = r->memory.films;
-    while ( live->frame != frame )
-        ++live;
-    return live;
+    for ( int i = 0; i < r->memory.film_slots; ++i )
+    {
+        if ( r->memory.films[i].frame == frame )
+            return r->memory.films + i;
+    }
+    return NULL;
 }
 
 // The films of the asked frames that a window is the first to hold, cleared.
@@ -63,6 +65,7 @@ static void open_films( Renderer* r, int window )
         LiveFilm* live = find_film( r, -1 );
         live->frame = frame;
         rf_clear_film( &live->film );
+        rf_clear_layer_film( &live->layers, r->sizes.width, r->sizes.height );
     }
 }
 
@@ -94,6 +97,12 @@ static RfResult finish_film( Renderer* r, LiveFilm* live, RfError* error )
         .native_spp = rf_frame_passes( &r->plan, live->frame ),
         .effective_spp = (double)live->film.landed / ( (double)r->sizes.width * (double)r->sizes.height ),
     };
+    for ( int l = 0; l < RF_LAYER_COUNT; ++l )
+    {
+        buffer->result.layers[l] = buffer->layers[l];
+        if ( buffer->layers[l] != NULL )
+            rf_finish_layer( &live->layers, (RfLayer)l, &live->film, combine, buffer->layers[l] );
+    }
     r->last_frame = now;
     live->frame = -1;
     r->frames_done += 1;
@@ -135,8 +144,27 @@ static void add_rays( RfRayCounts* sum, const RfRayCounts* part )
     sum->eye += part->eye;
 }
 
+// The native hits of a batch, into the layers of its own frame.
+static void add_to_layers( const Renderer* r, const RfHarvest* harvest, const RfWindow* window, int eye,
+                           const RfHarvestScratch* scratch )
+{
+    int frame = harvest->first_frame + eye;
+    LiveFilm* live = find_film( r, frame );
+    if ( live == NULL )
+        return;
+    RfLayerJob job = {
+        .film = &live->layers,
+        .eye = r->eyes + frame,
+        .previous = frame > 0 ? r->eyes + frame - 1 : NULL,
+        .next = frame + 1 < r->plan.frames ? r->eyes + frame + 1 : NULL,
+        .weight = (float)window->weight,
+        .weight_before = (float)( live->film.weight[0] + live->film.weight[1] ),
+    };
+    rf_add_to_layers( &job, scratch );
+}
+
 // Jobs [first, first + count) of a pass into the batches.
-static void harvest_chunk( Renderer* r, const RfHarvest* harvest, int pass, int first, int count )
+static void harvest_chunk( Renderer* r, const RfHarvest* harvest, const RfWindow* window, int pass, int first, int count )
 {
     RfRayCounts rays = { 0 };
 #pragma omp parallel num_threads( r->settings.threads )
@@ -149,6 +177,8 @@ static void harvest_chunk( Renderer* r, const RfHarvest* harvest, int pass, int 
         {
             RfHarvestJob job = { ( first + i ) / r->sizes.tiles, ( first + i ) % r->sizes.tiles, pass };
             rf_harvest_batch( harvest, job, r->memory.batches + i, scratch, &mine );
+            if ( ( r->settings.layers & RF_HARVESTED_LAYERS ) != 0 )
+                add_to_layers( r, harvest, window, job.eye, scratch );
         }
 #pragma omp critical
         add_rays( &rays, &mine );
@@ -192,6 +222,7 @@ static void compute_chunk( Renderer* r, const RfHarvest* harvest, const RfWindow
                 .end_row = (int)( (long)r->sizes.height * ( band + 1 ) / bands ),
                 .film = &film->film,
                 .half = half,
+                .landed = film->layers.landed,
             };
             uint64_t landed = rf_compute_rows( &compute, job, film->landed_eyes, scratch );
 #pragma omp atomic
@@ -235,7 +266,7 @@ static RfResult render_pass( Renderer* r, const RfHarvest* harvest, const RfWind
     for ( int first = 0; first < jobs; first += r->memory.batch_slots )
     {
         int count = jobs - first < r->memory.batch_slots ? jobs - first : r->memory.batch_slots;
-        harvest_chunk( r, harvest, pass, first, count );
+        harvest_chunk( r, harvest, window, pass, first, count );
         compute_chunk( r, harvest, window, half, count );
         if ( !report_progress( r, count ) )
             return rf_fail( error, RF_ERROR_INTERRUPTED, "interrupted after %d of %d frames", r->frames_done, r->frame_count );

@@ -5,6 +5,7 @@
 #ifndef REFRAME_REUSE_RENDER_H
 #define REFRAME_REUSE_RENDER_H
 
+#include "reuse/layers.h"
 #include "scene/eye.h"
 #include "trace/trace.h"
 
@@ -38,6 +39,7 @@ typedef struct RfRenderSettings
     size_t memory;     // budget in bytes; 0: half of what is free
     int queue;         // finished frames, at most, that callbacks->frame is given in a thread of its own
                        // while rendering goes on; fewer where memory is short. 0: it is called in between
+    unsigned layers;   // RF_LAYER_BIT of those that are wanted besides the colour, which they do not change
 } RfRenderSettings;
 
 #define RF_GROUP_AUTO ( -1 )
@@ -64,6 +66,7 @@ typedef struct RfFrameResult
     int width, height;
     const float* rgb;       // 3 × width × height
     const float* weight;    // width × height: B, the mean of the summed weights; E[B] = 1 with exact weights, else hits per pass
+    const float* layers[RF_LAYER_COUNT]; // rf_layer_channels × width × height; NULL: not asked for
     double seconds;         // wall time since the frame before it
     double relmse_estimate; // from the film halves; NaN with a single pass
     double native_spp;      // native samples traced per pixel

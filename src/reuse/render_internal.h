@@ -7,6 +7,7 @@
 #include "reuse/delivery.h"
 #include "reuse/group.h"
 #include "reuse/harvest.h"
+#include "reuse/layer_film.h"
 #include "reuse/render.h"
 
 // A film in use, of one frame of the path.
@@ -14,6 +15,7 @@ typedef struct LiveFilm
 {
     int frame; // −1: free
     RfFilm film;
+    RfLayerFilm layers;
     uint32_t* landed_eyes; // eq15 only
 } LiveFilm;
 
@@ -39,6 +41,7 @@ typedef struct RenderSizes
     int threads;
     int films;       // held at once
     int buffers;     // wanted
+    unsigned layers; // RF_LAYER_BIT of those asked for
     int total_every; // passes of a half of a film before it is emptied; 0: never
     RfBatchShape shape;
 } RenderSizes;

@@ -34,6 +34,7 @@ RenderSizes rf_render_sizes( const RfScene* scene, const RfEye* eyes, const RfGr
         .tiles = rf_tile_count( eyes->width, eyes->height ),
         .threads = settings->threads,
         .films = films < plan->eyes ? films : plan->eyes,
+        .layers = settings->layers,
         .buffers = settings->queue > films ? films : settings->queue > 1 ? settings->queue : 1,
         .shape = { plan->eyes, settings->light_samples, has_glossy( scene ),
                    settings->weights == RF_WEIGHTS_EQ15 },
@@ -45,12 +46,33 @@ static size_t total_bytes( const RenderSizes* s )
     return s->total_every > 0 ? rf_film_total_bytes( s->width, s->height ) : 0;
 }
 
-static size_t buffer_bytes( const RenderSizes* s ) { return film_pixels( s ) * 4 * sizeof( float ); }
+// Of a layer, while it is rendered and when it is finished; 0 where not asked for.
+static size_t layer_film_bytes( const RenderSizes* s, int layer )
+{
+    bool asked = ( s->layers & RF_LAYER_BIT( layer ) ) != 0;
+    return asked ? film_pixels( s ) * (size_t)rf_layer_film_floats( (RfLayer)layer ) * sizeof( float ) : 0;
+}
+
+static size_t layer_image_bytes( const RenderSizes* s, int layer )
+{
+    bool asked = ( s->layers & RF_LAYER_BIT( layer ) ) != 0;
+    return asked ? film_pixels( s ) * (size_t)rf_layer_channels( (RfLayer)layer ) * sizeof( float ) : 0;
+}
+
+static size_t buffer_bytes( const RenderSizes* s )
+{
+    size_t bytes = film_pixels( s ) * 4 * sizeof( float );
+    for ( int l = 0; l < RF_LAYER_COUNT; ++l )
+        bytes += layer_image_bytes( s, l );
+    return bytes;
+}
 
 size_t rf_fixed_bytes( const RenderSizes* s )
 {
     size_t half = rf_film_half_bytes( s->width, s->height ) + total_bytes( s );
     size_t film = 2 * half + ( s->shape.eq15 ? landed_bytes( s ) : 0 );
+    for ( int l = 0; l < RF_LAYER_COUNT; ++l )
+        film += layer_film_bytes( s, l );
     size_t scratch = rf_harvest_scratch_bytes( &s->shape ) + sizeof( RfComputeScratch );
     size_t tables = 1 << 16;
     return (size_t)s->films * film + buffer_bytes( s ) + (size_t)s->threads * scratch + tables;
@@ -65,6 +87,11 @@ static RfResult alloc_buffer( const RenderSizes* s, RenderMemory* m, RfError* er
     RfResult result = rf_arena_alloc( &m->arena, "image", film_pixels( s ) * 3 * sizeof( float ), (void**)&buffer->rgb, error );
     if ( result == RF_OK )
         result = rf_arena_alloc( &m->arena, "image", film_pixels( s ) * sizeof( float ), (void**)&buffer->weight, error );
+    for ( int l = 0; l < RF_LAYER_COUNT && result == RF_OK; ++l )
+    {
+        if ( layer_image_bytes( s, l ) > 0 )
+            result = rf_arena_alloc( &m->arena, "layer images", layer_image_bytes( s, l ), (void**)&buffer->layers[l], error );
+    }
     return result;
 }
 
@@ -72,6 +99,8 @@ static void free_buffer( const RenderSizes* s, RenderMemory* m, RfFrameBuffer* b
 {
     rf_arena_free( &m->arena, "image", buffer->rgb, film_pixels( s ) * 3 * sizeof( float ) );
     rf_arena_free( &m->arena, "image", buffer->weight, film_pixels( s ) * sizeof( float ) );
+    for ( int l = 0; l < RF_LAYER_COUNT; ++l )
+        rf_arena_free( &m->arena, "layer images", buffer->layers[l], layer_image_bytes( s, l ) );
 }
 
 // The first buffer, without which nothing can be finished.
@@ -80,6 +109,25 @@ static RfResult alloc_first_buffer( const RenderSizes* s, RenderMemory* m, RfErr
     size_t bytes = (size_t)s->buffers * sizeof *m->buffers;
     RfResult result = rf_arena_alloc( &m->arena, "image", bytes, (void**)&m->buffers, error );
     return result == RF_OK ? alloc_buffer( s, m, error ) : result;
+}
+
+static RfResult alloc_layer_film( const RenderSizes* s, RenderMemory* m, RfLayerFilm* layers, RfError* error )
+{
+    RfResult result = RF_OK;
+    for ( int l = 0; l < RF_LAYER_COUNT && result == RF_OK; ++l )
+    {
+        void** where = l == RF_LAYER_SAMPLES ? (void**)&layers->landed : (void**)&layers->mean[l];
+        if ( layer_film_bytes( s, l ) > 0 )
+            result = rf_arena_alloc( &m->arena, "layers", layer_film_bytes( s, l ), where, error );
+    }
+    return result;
+}
+
+static void free_layer_film( const RenderSizes* s, RenderMemory* m, const RfLayerFilm* layers )
+{
+    for ( int l = 0; l < RF_LAYER_COUNT; ++l )
+        rf_arena_free( &m->arena, "layers", layers->mean[l], layer_film_bytes( s, l ) );
+    rf_arena_free( &m->arena, "layers", layers->landed, layer_film_bytes( s, RF_LAYER_SAMPLES ) );
 }
 
 static RfResult alloc_film( const RenderSizes* s, RenderMemory* m, LiveFilm* live, RfError* error )
@@ -95,6 +143,8 @@ static RfResult alloc_film( const RenderSizes* s, RenderMemory* m, LiveFilm* liv
         result = rf_arena_alloc( &m->arena, "films", total_bytes( s ), (void**)&live->film.total[h], error );
     if ( s->shape.eq15 && result == RF_OK )
         result = rf_arena_alloc( &m->arena, "landed eyes", landed_bytes( s ), (void**)&live->landed_eyes, error );
+    if ( result == RF_OK )
+        result = alloc_layer_film( s, m, &live->layers, error );
     return result;
 }
 
@@ -152,7 +202,7 @@ static RfResult alloc_more_buffers( const RenderSizes* s, RenderMemory* m, RfErr
     size_t batches = (size_t)batch_slots( s, m ) * batch_slot_bytes( s );
     RfResult result = RF_OK;
     while ( result == RF_OK && m->buffer_count < s->buffers &&
-            rf_arena_room( &m->arena ) > batches && rf_arena_room( &m->arena ) - batches >= buffer_bytes( s ) + 128 )
+            rf_arena_room( &m->arena ) > batches && rf_arena_room( &m->arena ) - batches >= buffer_bytes( s ) + 512 )
         result = alloc_buffer( s, m, error );
     return result;
 }
@@ -198,6 +248,7 @@ static void free_films( const RenderSizes* s, RenderMemory* m )
             rf_arena_free( &m->arena, "films", m->films[i].film.total[h], total_bytes( s ) );
         }
         rf_arena_free( &m->arena, "landed eyes", m->films[i].landed_eyes, landed_bytes( s ) );
+        free_layer_film( s, m, &m->films[i].layers );
     }
     rf_arena_free( &m->arena, "film table", m->films, (size_t)s->films * sizeof *m->films );
     for ( int i = 0; i < m->buffer_count; ++i )
