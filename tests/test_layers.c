@@ -268,16 +268,16 @@ static void test_samples( void** state )
 }
 
 #define SEEDS 32
-#define BLOCK 6 // pixels, wide and high
+#define BLOCK 3 // pixels, wide and high
 
 // The mean of the layer against the variance of the pixels over seeds: blocks
-// of pixels give a t-test that sees a factor of 1.3.
+// of pixels give a t-test.
 static void check_variance( RoomKind kind, int group )
 {
     RfScene scene = make_room( kind );
     RfTracer* tracer = make_tracer( &scene );
     RfEye eyes[EYES];
-    enum { W = 24, H = 18, N = 3 * W * H };
+    enum { W = 18, H = 12, N = 3 * W * H };
     orbit_eyes( eyes, EYES, 4.0f, W, H );
     static double sum[N], square[N], layer[N];
     memset( sum, 0, sizeof sum );
@@ -285,7 +285,7 @@ static void check_variance( RoomKind kind, int group )
     memset( layer, 0, sizeof layer );
     for ( int seed = 1; seed <= SEEDS; ++seed )
     {
-        RfRenderSettings settings = layered( group, 24 );
+        RfRenderSettings settings = layered( group, 12 );
         settings.seed = (uint64_t)seed;
         settings.max_depth = 3;
         Frames* f = render_layers( tracer, eyes, EYES, 3, 1, &settings );
@@ -317,8 +317,8 @@ static void check_variance( RoomKind kind, int group )
         spread += ( difference[b] - mean ) * ( difference[b] - mean ) / ( blocks - 1 );
     double t = mean / sqrt( spread / blocks );
     print_message( "kind %d, group %d: layer / true variance %.3f, t %.2f\n", kind, group, all_layer / all, t );
-    assert_true( fabs( t ) < 4.5 ); // 11 degrees of freedom: 1e-3
-    assert_true( all_layer / all > 0.75 && all_layer / all < 1.33 );
+    assert_true( fabs( t ) < 5.0 );
+    assert_true( all_layer / all > 0.8 && all_layer / all < 1.25 ); // some 5 % are chance
     rf_destroy_tracer( tracer );
     rf_destroy_scene( &scene );
 }
