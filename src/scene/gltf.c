@@ -3,6 +3,7 @@
 #include "base/file.h"
 #include "scene/glb.h"
 #include "scene/gltf_document.h"
+#include "scene/json_value.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -18,14 +19,8 @@ static RfResult parse( RfGltf* gltf, const char* text, size_t size )
         return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, "document",
                              "%zu bytes of JSON, at most %zu are read: put buffers into a .glb or .bin", size,
                              MAX_JSON_BYTES );
-    json_error_t error;
-    gltf->root = json_loadb( text, size, JSON_REJECT_DUPLICATES, &error );
-    if ( gltf->root == NULL )
-        return rf_fail( gltf->error, RF_ERROR_FORMAT, "%s: line %d, column %d: %s: not JSON as glTF wants it, export the "
-                        "scene as .glb or .gltf", gltf->path, error.line, error.column, error.text );
-    if ( json_is_object( gltf->root ) == 0 )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, "document", "is no JSON object" );
-    return RF_OK;
+    return rf_parse_json( gltf->path, text, size, "not JSON as glTF wants it, export the scene as .glb or .gltf",
+                          &gltf->root, gltf->error );
 }
 
 static RfResult open_document( RfGltf* gltf )
