@@ -18,8 +18,9 @@ static bool s_float, s_float_given, s_half_given;
 static const RfOption s_options[] = {
     { .name = "output", .letter = 'o', .type = RF_OPTION_STRING, .value = &s_parsed.output, .meta = "PATTERN",
       .help = "where the frames go: out/frame.####.exr, #### is the frame's number" },
-    { .name = "camera", .type = RF_OPTION_STRING, .value = &s_parsed.camera, .meta = "NAME",
-      .default_text = "the first animated one, else the first", .help = "a camera of the scene" },
+    { .name = "camera", .type = RF_OPTION_STRING, .value = &s_parsed.camera, .meta = "NAME|FILE",
+      .default_text = "the scene file's, else the first animated one, else the first",
+      .help = "a camera of the scene, or a camera-path file (.json)" },
     { .name = "frames", .type = RF_OPTION_STRING, .value = &s_parsed.frames, .meta = "A-B[xSTEP][,...]",
       .default_text = "all", .help = "frames, the first is 1; negative ones count from the end" },
     { .name = "fps", .type = RF_OPTION_FPS, .value = &s_parsed.fps, .meta = "R", .default_text = "24",
