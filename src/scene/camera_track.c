@@ -90,11 +90,14 @@ RfResult rf_sample_camera_track( const RfCameraTrack* track, double time, RfView
         return fail_at( track, time, "the camera stands on its target: move one of them", error );
     rf_sample_curve( &track->up, at, view->up );
     rf_unit3( view->up );
-    double cosine = 0.0;
+    double cosine = 0.0, length = 0.0;
     for ( int i = 0; i < 3; ++i )
+    {
         cosine += view->forward[i] * view->up[i];
+        length += view->up[i] * view->up[i]; // 0 where it has turned over
+    }
     // written so that NaN fails
-    if ( !( fabs( cosine ) < 1.0 - 1e-9 ) )
-        return fail_at( track, time, "the camera looks along its up: give it another \"up\"", error );
+    if ( !( fabs( cosine ) < 1.0 - 1e-9 ) || !( length > 0.5 ) )
+        return fail_at( track, time, "the camera looks along its up, or has none: give it another \"up\"", error );
     return RF_OK;
 }

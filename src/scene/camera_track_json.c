@@ -33,6 +33,7 @@ RfResult rf_read_camera_track( const RfField* object, RfCameraTrack* track, RfEr
     RfResult result = track->name != NULL ? RF_OK : rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left", object->file );
     RfField top = *object;
     top.error = error;
+    top.notes = true;
     if ( result == RF_OK )
         result = read_kind( &top, track );
     if ( result != RF_OK )

@@ -69,7 +69,9 @@ RfField rf_make_field( const char* file, const char* path, const json_t* json, R
 
 RfField rf_root_field( const RfJsonDocument* document, RfError* error )
 {
-    return rf_make_field( document->path, "", document->root, error );
+    RfField root = rf_make_field( document->path, "", document->root, error );
+    root.notes = true;
+    return root;
 }
 
 static bool is_plain( const char* key )
@@ -171,12 +173,11 @@ RfResult rf_field_keys( const RfField* object, const char* const* keys )
 {
     if ( !json_is_object( object->json ) )
         return rf_field_wants( object, "an object" );
-    bool top = object->path[0] == 0;
     const char* key;
     json_t* value;
     json_object_foreach( (json_t*)object->json, key, value )
     {
-        if ( top && ( strcmp( key, "$schema" ) == 0 || strcmp( key, "about" ) == 0 ) )
+        if ( object->notes && ( strcmp( key, "$schema" ) == 0 || strcmp( key, "about" ) == 0 ) )
         {
             RfField member = rf_field_member( object, key );
             if ( !json_is_string( value ) )

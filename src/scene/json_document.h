@@ -32,10 +32,11 @@ typedef struct RfField
     const char* file;
     RfError* error;
     const json_t* json; // NULL: it is not there
+    bool notes;         // "$schema" and "about", a text for people, may stand in it
     char path[208];     // "keys[3].position"; "" is the whole document
 } RfField;
 
-RfField rf_root_field( const RfJsonDocument* document, RfError* error );
+RfField rf_root_field( const RfJsonDocument* document, RfError* error ); // may have notes
 // A field that stands elsewhere: `path` is for the error lines.
 RfField rf_make_field( const char* file, const char* path, const json_t* json, RfError* error );
 RfField rf_field_member( const RfField* object, const char* key );
@@ -51,7 +52,7 @@ RfResult rf_field_fail( const RfField* field, const char* format, ... ) __attrib
 RfResult rf_field_wants( const RfField* field, const char* want );
 
 // Fails unless the field is an object all of whose keys are in the list, which
-// ends with NULL. "$schema" and "about" are always allowed in the document itself.
+// ends with NULL.
 RfResult rf_field_keys( const RfField* object, const char* const* keys );
 // Fails where the member is not there; `want` says what it should be.
 RfResult rf_field_require( const RfField* object, const char* key, const char* want );
