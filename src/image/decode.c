@@ -42,13 +42,21 @@ static size_t sample_size( const RfPixels* pixels )
     return pixels->type == RF_PIXELS_U8 ? 1 : pixels->type == RF_PIXELS_U16 ? 2 : sizeof( float );
 }
 
-RfResult rf_create_pixels( const RfEncoded* in, long long width, long long height, RfPixels* out, RfError* error )
+RfResult rf_check_sides( const RfEncoded* in, long long width, long long height, RfError* error )
 {
     if ( width < 1 || height < 1 )
         return rf_fail( error, RF_ERROR_FORMAT, "%s: an image of %lldx%lld pixels cannot be", in->name, width, height );
     if ( width > RF_DECODE_MAX_SIDE || height > RF_DECODE_MAX_SIDE )
         return rf_fail( error, RF_ERROR_UNSUPPORTED, "%s: an image of %lldx%lld pixels, at most %d a side are read: scale it down",
                         in->name, width, height, RF_DECODE_MAX_SIDE );
+    return RF_OK;
+}
+
+RfResult rf_create_pixels( const RfEncoded* in, long long width, long long height, RfPixels* out, RfError* error )
+{
+    RfResult result = rf_check_sides( in, width, height, error );
+    if ( result != RF_OK )
+        return result;
     // at most 2^28 pixels of 16 bytes
     uint64_t bytes = (uint64_t)width * (uint64_t)height * (uint64_t)out->channels * sample_size( out );
     if ( bytes > RF_DECODE_MAX_BYTES )

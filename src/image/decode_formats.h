@@ -12,6 +12,9 @@ typedef struct RfEncoded
     const char* name; // for the error line
 } RfEncoded;
 
+// Fails where the sides of an image are out of bounds.
+RfResult rf_check_sides( const RfEncoded* in, long long width, long long height, RfError* error );
+
 // Checks the sizes and allocates the data of `out`, whose other members are
 // set; width and height as the file has them.
 RfResult rf_create_pixels( const RfEncoded* in, long long width, long long height, RfPixels* out, RfError* error );

@@ -14,6 +14,10 @@
 // goes over the whole image.
 #define MAX_SCANS 200
 
+// A block of 8x8 pixels takes a bit at least: what promises more pixels for its
+// bytes is cut off, and not worth the memory it asks for.
+#define MAX_PIXELS_PER_BYTE 1024
+
 typedef struct Reader
 {
     struct jpeg_decompress_struct jpeg; // first: the callbacks get its address
@@ -77,6 +81,11 @@ static RfResult read_header( Reader* reader )
     jpeg->dct_method = JDCT_ISLOW;
     reader->out->type = RF_PIXELS_U8;
     reader->out->channels = grey ? 1 : 3;
+    RfResult result = rf_check_sides( reader->in, jpeg->image_width, jpeg->image_height, reader->error );
+    if ( result != RF_OK )
+        return result;
+    if ( (size_t)jpeg->image_width * jpeg->image_height / MAX_PIXELS_PER_BYTE > reader->in->size )
+        return rf_fail( reader->error, RF_ERROR_FORMAT, "%s: damaged JPEG: it is cut off", reader->in->name );
     return rf_create_pixels( reader->in, jpeg->image_width, jpeg->image_height, reader->out, reader->error );
 }
 

@@ -44,13 +44,17 @@ static void read_bytes( png_structp png, png_bytep bytes, size_t size )
     reader->at += size;
 }
 
-static void read_header( Reader* reader )
+static RfResult read_header( Reader* reader )
 {
     png_structp png = reader->png;
     png_set_read_fn( png, reader, read_bytes );
-    // sizes are checked below, with a better line
+    // sizes are checked with a better line than libpng's
     png_set_user_limits( png, 0x7fffffff, 0x7fffffff );
     png_read_info( png, reader->info );
+    RfResult result = rf_check_sides( reader->in, png_get_image_width( png, reader->info ), png_get_image_height( png, reader->info ),
+                                      reader->error );
+    if ( result != RF_OK )
+        return result;
     png_set_expand( png ); // palettes and tRNS to RGB and alpha, few bits to 8
     int depth = png_get_bit_depth( png, reader->info );
     if ( depth == 16 )
@@ -59,6 +63,8 @@ static void read_header( Reader* reader )
     png_read_update_info( png, reader->info );
     reader->out->type = depth == 16 ? RF_PIXELS_U16 : RF_PIXELS_U8;
     reader->out->channels = png_get_channels( png, reader->info );
+    return rf_create_pixels( reader->in, png_get_image_width( png, reader->info ), png_get_image_height( png, reader->info ),
+                             reader->out, reader->error );
 }
 
 static void read_rows( Reader* reader )
@@ -87,9 +93,7 @@ static RfResult read_image( Reader* reader )
     reader->info = reader->png != NULL ? png_create_info_struct( reader->png ) : NULL;
     if ( reader->info == NULL )
         return rf_fail( reader->error, RF_ERROR_MEMORY, "%s: no memory left for libpng", reader->in->name );
-    read_header( reader );
-    reader->result = rf_create_pixels( reader->in, png_get_image_width( reader->png, reader->info ),
-                                       png_get_image_height( reader->png, reader->info ), reader->out, reader->error );
+    reader->result = read_header( reader );
     if ( reader->result == RF_OK )
         read_rows( reader );
     return reader->result;
