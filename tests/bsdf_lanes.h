@@ -61,11 +61,22 @@ static inline void put_surface( const Material* m, RfVec3 n, RfVec3 wo )
     }
 }
 
+static inline RfBsdfLanes parameters_from( int first )
+{
+    return ( RfBsdfLanes ){
+        .n = THREE_FROM( N, first ),
+        .diffuse = THREE_FROM( DIFFUSE, first ),
+        .specular = THREE_FROM( SPECULAR, first ),
+        .shape = s_lanes[SHAPE] + first,
+        .f90 = s_lanes[F90] + first,
+        .coat_f0 = s_lanes[COAT_F0] + first,
+        .coat_f90 = s_lanes[COAT_F90] + first,
+    };
+}
+
 static inline void evaluate_range( RfBsdfKind kind, int first, int count )
 {
-    const RfBsdfLanes lanes = { THREE_FROM( N, first ), THREE_FROM( DIFFUSE, first ), THREE_FROM( SPECULAR, first ),
-                                s_lanes[SHAPE] + first, s_lanes[F90] + first, s_lanes[COAT_F0] + first,
-                                s_lanes[COAT_F90] + first };
+    const RfBsdfLanes lanes = parameters_from( first );
     const float* const wo[3] = THREE_FROM( WO, first );
     const float* const wi[3] = THREE_FROM( WI, first );
     float* const f[3] = THREE_FROM( F, first );
@@ -74,9 +85,7 @@ static inline void evaluate_range( RfBsdfKind kind, int first, int count )
 
 static inline void sample_range( RfBsdfKind kind, int first, int count )
 {
-    const RfBsdfLanes lanes = { THREE_FROM( N, first ), THREE_FROM( DIFFUSE, first ), THREE_FROM( SPECULAR, first ),
-                                s_lanes[SHAPE] + first, s_lanes[F90] + first, s_lanes[COAT_F0] + first,
-                                s_lanes[COAT_F90] + first };
+    const RfBsdfLanes lanes = parameters_from( first );
     const float* const wo[3] = THREE_FROM( WO, first );
     const float* const u[3] = THREE_FROM( U, first );
     float* const wi[3] = THREE_FROM( WI, first );

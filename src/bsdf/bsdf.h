@@ -28,6 +28,9 @@ typedef struct RfBsdfLanes
     const float* f90;
     const float* coat_f0;
     const float* coat_f90;
+    // GLASS only; ior: of the far side over the near one, negative in thin walls, 0 for mirrors
+    const float* tint[3];
+    const float* ior;
 } RfBsdfLanes;
 
 // f (three arrays) and the density per solid angle with which rf_bsdf_sample
@@ -41,6 +44,20 @@ void rf_bsdf_evaluate( RfBsdfKind kind, int count, const RfBsdfLanes* lanes, con
 // Phong lobe directions below the surface come out as they are: their f is 0.
 void rf_bsdf_sample( RfBsdfKind kind, int count, const RfBsdfLanes* lanes, const float* const wo[3],
                      const float* const u[3], float* const wi[3] );
+
+// The same for RF_BSDF_GLASS, whose lobes may have no width and go through the
+// surface: also weight = f |n·wi| / density (three arrays, 0 where nothing is
+// scattered) and the density, RF_DELTA_PDF for directions that light sampling
+// cannot find. Evaluate has the other lobes only.
+void rf_glass_sample( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const u[3],
+                      float* const wi[3], float* const weight[3], float* pdf_solid_angle );
+void rf_glass_evaluate( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const wi[3],
+                        float* const f[3], float* pdf_solid_angle );
+
+// What has no width in solid angle has an infinite density there. This stands
+// for it: so large that a sum with any other density is the same float, so
+// that the balance heuristic gives it all the weight by itself.
+#define RF_DELTA_PDF 0x1p60f
 
 // The models one by one; sources in their files.
 void rf_lambert_evaluate( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const wi[3],

@@ -98,15 +98,22 @@ static RfResult load( Job* job, RfError* error )
     return rf_prepare_output( &subject, job->frames, &job->frame_count, error );
 }
 
+static bool has_light( const RfTracer* tracer )
+{
+    const RfLights* lights = rf_tracer_lights( tracer );
+    return lights->count > 0 || rf_has_sky( lights );
+}
+
 static RfResult build( Job* job, RfError* error )
 {
     RfResult result = rf_create_tracer( &job->scene, &job->tracer, error );
     if ( result != RF_OK )
         return result;
     if ( job->scene.triangles.count == 0 )
-        rf_warn( &job->log, "%s: has no triangles, the picture will be black", job->options.scene );
-    else if ( rf_tracer_lights( job->tracer )->count == 0 )
-        rf_warn( &job->log, "%s: has no lights (no material emits), the picture will be black", job->options.scene );
+        rf_warn( &job->log, "%s: has no triangles, the picture will be %s", job->options.scene,
+                 has_light( job->tracer ) ? "sky alone" : "black" );
+    else if ( !has_light( job->tracer ) )
+        rf_warn( &job->log, "%s: has no lights (no material emits, no lamp, no environment), the picture will be black", job->options.scene );
     job->frames_json = json_array();
     job->seconds_scene = now() - job->start;
     return RF_OK;
@@ -117,7 +124,7 @@ static RfResult build( Job* job, RfError* error )
 static void warn_if_black( Job* job, const RfFrameResult* result )
 {
     size_t count = 3 * (size_t)result->width * (size_t)result->height;
-    if ( job->told_black || rf_tracer_lights( job->tracer )->count == 0 )
+    if ( job->told_black || !has_light( job->tracer ) )
         return;
     for ( size_t i = 0; i < count; ++i )
     {

@@ -35,13 +35,27 @@ static void put( float ( *array )[RF_LANES], int i, RfVec3 v )
     array[2][i] = v.z;
 }
 
-static void fill_material( RfVertexLanes* v, int i, const RfMaterial* m )
+// The far side's index of refraction over the near one's (see bsdf.h).
+static float relative_ior( const RfMaterial* m, float facing )
+{
+    if ( m->thin )
+        return -m->ior;
+    return facing >= 0.0f || m->ior == 0.0f ? m->ior : 1.0f / m->ior;
+}
+
+static void fill_material( RfVertexLanes* v, int i, const RfMaterial* m, float facing )
 {
     put( v->diffuse, i, m->diffuse );
     if ( m->kind == RF_BSDF_LAMBERT )
         return;
     put( v->specular, i, m->specular );
     v->shape[i] = m->kind == RF_BSDF_PHONG ? m->exponent : m->alpha;
+    if ( m->kind == RF_BSDF_GLASS )
+    {
+        put( v->tint, i, m->tint );
+        v->ior[i] = relative_ior( m, facing );
+        return;
+    }
     v->f90[i] = m->f90;
     v->coat_f0[i] = m->coat_f0;
     v->coat_f90[i] = m->coat_f90;
@@ -102,7 +116,7 @@ static inline void fill_lane( const Source* from, RfVertexLanes* restrict v, int
     v->offset[i] = t->offset;
     v->ray[i] = r;
     v->slot[i] = rays->slot[r];
-    fill_material( v, i, from->materials + t->material );
+    fill_material( v, i, from->materials + t->material, facing );
     RfVec3 way = rf_sub( p, rf_vec3( rays->o[0][r], rays->o[1][r], rays->o[2][r] ) );
     fill_emission( v, i, from->lights, t->light, facing, way );
 }

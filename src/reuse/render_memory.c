@@ -11,14 +11,27 @@ static size_t landed_bytes( const RenderSizes* s )
     return film_pixels( s ) * (size_t)rf_seen_words( s->shape.eyes ) * sizeof( uint32_t );
 }
 
-static bool has_glossy( const RfScene* scene )
+static bool has_kinds( const RfScene* scene, RfBsdfKind first, RfBsdfKind end )
 {
     for ( uint32_t i = 0; i < scene->triangles.count; ++i )
     {
-        if ( scene->materials[scene->triangles.material[i]].kind != RF_BSDF_LAMBERT )
+        RfBsdfKind kind = scene->materials[scene->triangles.material[i]].kind;
+        if ( kind >= first && kind < end )
             return true;
     }
     return false;
+}
+
+static RfBatchShape batch_shape( const RfScene* scene, int eyes, const RfRenderSettings* settings )
+{
+    return ( RfBatchShape ){
+        .eyes = eyes,
+        .light_samples = settings->light_samples,
+        .glossy = has_kinds( scene, RF_BSDF_PHONG, RF_BSDF_FIRST_NATIVE ),
+        .eq15 = settings->weights == RF_WEIGHTS_EQ15,
+        .natives = has_kinds( scene, RF_BSDF_FIRST_NATIVE, RF_BSDF_KIND_COUNT ) ||
+                   rf_max_component( scene->environment.radiance ) > 0.0f,
+    };
 }
 
 RenderSizes rf_render_sizes( const RfScene* scene, const RfEye* eyes, const RfGroupPlan* plan, int films,
@@ -34,8 +47,7 @@ RenderSizes rf_render_sizes( const RfScene* scene, const RfEye* eyes, const RfGr
         .tiles = rf_tile_count( eyes->width, eyes->height ),
         .threads = settings->threads,
         .films = films < plan->eyes ? films : plan->eyes,
-        .shape = { plan->eyes, settings->light_samples, has_glossy( scene ),
-                   settings->weights == RF_WEIGHTS_EQ15 },
+        .shape = batch_shape( scene, plan->eyes, settings ),
     };
 }
 

@@ -90,6 +90,8 @@ static RfResult read_document( RfGltf* gltf )
     if ( result == RF_OK )
         result = rf_gltf_load_cameras( gltf );
     if ( result == RF_OK )
+        result = rf_gltf_load_lights( gltf );
+    if ( result == RF_OK )
         result = rf_gltf_load_meshes( gltf );
     return result == RF_OK ? rf_gltf_notice_unread( gltf ) : result;
 }

@@ -39,6 +39,7 @@ typedef enum RfGltfNotice
     RF_GLTF_SKINS,
     RF_GLTF_ORTHOGRAPHIC,
     RF_GLTF_MOVING_MESH,
+    RF_GLTF_MOVING_LIGHT,
     RF_GLTF_WEIGHT_CHANNELS,
     RF_GLTF_POINTER_CHANNELS,
     RF_GLTF_DOUBLE_CHANNELS,
@@ -187,6 +188,14 @@ RfResult rf_gltf_read_lobes( const RfGltf* gltf, const json_t* material, const c
 RfResult rf_gltf_load_nodes( RfGltf* gltf );
 RfResult rf_gltf_load_animations( RfGltf* gltf );
 RfResult rf_gltf_load_cameras( RfGltf* gltf );
+
+// gltf_light.c: the lights of KHR_lights_punctual
+RfResult rf_gltf_load_lights( RfGltf* gltf );
+
+// gltf_glass.c: KHR_materials_transmission, _volume and _unlit, and metals
+// without roughness; after the other factors have been applied
+RfResult rf_gltf_read_glass( const RfGltf* gltf, const json_t* material, const char* where, double ior, double metallic,
+                             double roughness, const double base[3], RfMaterial* out );
 static inline bool rf_gltf_moves( const RfGltf* gltf, int node )
 {
     return gltf->spans[node].start <= gltf->spans[node].end;

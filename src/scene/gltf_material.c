@@ -198,7 +198,8 @@ static RfResult load_material( RfGltf* gltf, int index, RfMaterial* out )
         return result;
     rf_gltf_notice_extensions( gltf, json, "material", out->name );
     apply_factors( &factors, out );
-    return rf_gltf_read_lobes( gltf, json, where.text, out );
+    result = rf_gltf_read_glass( gltf, json, where.text, factors.ior, factors.metallic, factors.roughness, factors.base, out );
+    return result == RF_OK ? rf_gltf_read_lobes( gltf, json, where.text, out ) : result;
 }
 
 RfResult rf_gltf_load_materials( RfGltf* gltf )

@@ -16,8 +16,13 @@ typedef enum RfBsdfKind
     RF_BSDF_LAMBERT, // diffuse only: the same for every eye
     RF_BSDF_PHONG,   // Lambert + modified Phong lobe (Lafortune, Willems 1994)
     RF_BSDF_GGX,     // Lambert base under a Fresnel-weighted GGX coat, or metal
+    RF_BSDF_GLASS,   // perfect mirrors; glass, smooth or rough
     RF_BSDF_KIND_COUNT
 } RfBsdfKind;
+
+// Kinds from this one on are seen by the frame that found them only: what they
+// scatter into one direction no density of another eye covers.
+#define RF_BSDF_FIRST_NATIVE RF_BSDF_GLASS
 
 // Reflectances are linear RGB in [0, 1].
 typedef struct RfMaterial
@@ -30,7 +35,11 @@ typedef struct RfMaterial
     float coat_f0;    // GGX: dielectric Fresnel that takes light from the base
     float coat_f90;   //      (scalars: the largest channel), at normal and at grazing
     float exponent;   // Phong: n of cosⁿ, ≥ 0
-    float alpha;      // GGX: roughness², in [RF_MIN_ALPHA, 1]
+    float alpha;      // GGX: roughness², in [RF_MIN_ALPHA, 1]; GLASS: 0 is smooth
+    RfVec3 tint;      // GLASS: what of the light that is not reflected passes through; 0 for mirrors
+    float ior;        // GLASS: of the inside, outside 1; 0: a mirror, its Fresnel Schlick's from `specular` on
+    bool thin;        // GLASS: a wall without an inside: nothing is bent or absorbed
+    RfVec3 absorption; // GLASS: of the inside, 1/m
     RfVec3 emission;  // radiance, W/(m² sr), on the front (on both sides if double_sided)
     bool double_sided;
 } RfMaterial;
