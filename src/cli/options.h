@@ -56,6 +56,7 @@ typedef struct RfOption
     const char* default_text; // shown in the help; or NULL
     const char* help;      // one line
     bool* given;           // set where the option was given; or NULL
+    bool in_file;          // a scene file may give it too, see file_options.h
 } RfOption;
 
 // A command as its user sees it. All its files are required.

@@ -92,6 +92,8 @@ static RfResult read_document( RfGltf* gltf )
     if ( result == RF_OK )
         result = rf_gltf_load_lights( gltf );
     if ( result == RF_OK )
+        result = rf_gltf_load_environment( gltf );
+    if ( result == RF_OK )
         result = rf_gltf_load_meshes( gltf );
     return result == RF_OK ? rf_gltf_notice_unread( gltf ) : result;
 }
@@ -108,16 +110,23 @@ static void close_document( RfGltf* gltf )
     free( gltf->remap_stamp );
 }
 
-RfResult rf_load_gltf( const char* path, RfScene* scene, RfLog* log, RfError* error )
+RfResult rf_load_edited_gltf( const char* path, const RfGltfEdit* edit, RfScene* scene, RfLog* log, RfError* error )
 {
     memset( scene, 0, sizeof *scene );
     RfGltf gltf = { .path = path, .scene = scene, .log = log, .error = error, .default_material = -1 };
     scene->path = strdup( path );
     RfResult result = scene->path != NULL ? open_document( &gltf ) : rf_gltf_no_memory( &gltf, "document" );
+    if ( result == RF_OK && edit != NULL )
+        result = edit->run( edit->user, gltf.root, error );
     if ( result == RF_OK )
         result = read_document( &gltf );
     close_document( &gltf );
     if ( result != RF_OK )
         rf_destroy_scene( scene );
     return result;
+}
+
+RfResult rf_load_gltf( const char* path, RfScene* scene, RfLog* log, RfError* error )
+{
+    return rf_load_edited_gltf( path, NULL, scene, log, error );
 }
