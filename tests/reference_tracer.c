@@ -75,6 +75,8 @@ static RfBsdfLanes lane_of( const Point* x )
         .f90 = &m->f90,
         .coat_f0 = &m->coat_f0,
         .coat_f90 = &m->coat_f90,
+        .clearcoat = &m->clearcoat,
+        .clearcoat_alpha = &m->clearcoat_alpha,
         .tint = { &m->tint.x, &m->tint.y, &m->tint.z },
         .ior = &x->ior,
     };

@@ -57,6 +57,11 @@ static void fill_material( RfVertexLanes* v, int i, const RfMaterial* m, float f
         return;
     }
     v->f90[i] = m->f90;
+    if ( m->kind == RF_BSDF_COATED )
+    {
+        v->clearcoat[i] = m->clearcoat;
+        v->clearcoat_alpha[i] = m->clearcoat_alpha;
+    }
     v->coat_f0[i] = m->coat_f0;
     v->coat_f90[i] = m->coat_f90;
 }

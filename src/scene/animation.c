@@ -148,23 +148,6 @@ const RfChannel* rf_node_channels( const RfScene* scene, int node, int* count )
     return *count > 0 ? scene->channels + low : NULL;
 }
 
-static void compose( const double t[3], const double q[4], const double s[3], RfMat4* matrix )
-{
-    double x = q[0], y = q[1], z = q[2], w = q[3];
-    double r[9] = {
-        1 - 2 * ( y * y + z * z ), 2 * ( x * y + z * w ),     2 * ( x * z - y * w ),
-        2 * ( x * y - z * w ),     1 - 2 * ( x * x + z * z ), 2 * ( y * z + x * w ),
-        2 * ( x * z + y * w ),     2 * ( y * z - x * w ),     1 - 2 * ( x * x + y * y ),
-    };
-    *matrix = rf_mat4_identity();
-    for ( int c = 0; c < 3; ++c )
-    {
-        for ( int row = 0; row < 3; ++row )
-            matrix->m[4 * c + row] = r[3 * c + row] * s[c];
-        matrix->m[12 + c] = t[c];
-    }
-}
-
 void rf_node_local_matrix( const RfScene* scene, int node, double time, RfMat4* matrix )
 {
     const RfNode* self = scene->nodes + node;
@@ -182,5 +165,5 @@ void rf_node_local_matrix( const RfScene* scene, int node, double time, RfMat4* 
     const RfChannel* channels = rf_node_channels( scene, node, &count );
     for ( int i = 0; i < count; ++i )
         rf_sample_channel( channels + i, time, trs[channels[i].path] );
-    compose( trs[RF_TRANSLATION], trs[RF_ROTATION], trs[RF_SCALE], matrix );
+    *matrix = rf_mat4_from_trs( trs[RF_TRANSLATION], trs[RF_ROTATION], trs[RF_SCALE] );
 }

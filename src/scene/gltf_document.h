@@ -213,6 +213,9 @@ RfResult rf_gltf_load_lights( RfGltf* gltf );
 // without roughness; after the other factors have been applied
 RfResult rf_gltf_read_glass( const RfGltf* gltf, const json_t* material, const char* where, double ior, double metallic,
                              double roughness, const double base[3], RfMaterial* out );
+// gltf_clearcoat.c; last of the extensions
+RfResult rf_gltf_read_clearcoat( const RfGltf* gltf, const json_t* material, const char* where, RfMaterial* out );
+bool rf_gltf_is_unlit( const json_t* material );
 static inline bool rf_gltf_moves( const RfGltf* gltf, int node )
 {
     return gltf->spans[node].start <= gltf->spans[node].end;
@@ -254,6 +257,17 @@ typedef struct RfGltfBaker
 RfResult rf_gltf_bake( RfGltf* gltf, RfGltfBaker* baker, const RfGltfPrimitive* primitive, const RfMat4* matrix,
                        const char* where );
 void rf_gltf_finish_bake( RfGltf* gltf, RfGltfBaker* baker );
+
+// gltf_instancing.c: how often a node places its mesh, once without the
+// extension, and where within the node.
+typedef struct RfGltfInstances
+{
+    uint32_t count;
+    int translation, rotation, scale; // accessors, or −1
+} RfGltfInstances;
+
+RfResult rf_gltf_open_instances( RfGltf* gltf, int node, RfGltfInstances* instances );
+RfResult rf_gltf_instance_matrix( const RfGltf* gltf, const RfGltfInstances* instances, uint32_t element, RfMat4* matrix );
 
 // gltf_mesh.c: places every mesh that a node of the default scene has.
 RfResult rf_gltf_load_meshes( RfGltf* gltf );

@@ -80,7 +80,7 @@ static void make_glass( const Inside* in, double ior, double metallic, double ro
                                absorption( in->color[2], in->distance ) );
 }
 
-static bool is_unlit( const json_t* material )
+bool rf_gltf_is_unlit( const json_t* material )
 {
     return json_object_get( json_object_get( material, "extensions" ), "KHR_materials_unlit" ) != NULL;
 }
@@ -102,7 +102,7 @@ RfResult rf_gltf_read_glass( const RfGltf* gltf, const json_t* material, const c
         result = read_volume( gltf, material, where, &inside );
     if ( result != RF_OK )
         return result;
-    if ( is_unlit( material ) )
+    if ( rf_gltf_is_unlit( material ) )
         make_unlit( base, out );
     else if ( inside.transmission > 0.0 && metallic < 1.0 )
         make_glass( &inside, ior, metallic, roughness, base, out );

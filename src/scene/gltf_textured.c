@@ -89,7 +89,7 @@ static RfTexturedModel find_model( const RfMaterial* material, const json_t* jso
 {
     if ( json_object_get( json_object_get( json, "extras" ), "reframe" ) != NULL )
         return RF_TEXTURED_DIFFUSE;
-    if ( json_object_get( json_object_get( json, "extensions" ), "KHR_materials_unlit" ) != NULL )
+    if ( rf_gltf_is_unlit( json ) )
         return RF_TEXTURED_UNLIT;
     return material->kind == RF_BSDF_GLASS ? RF_TEXTURED_GLASS : RF_TEXTURED_COATED;
 }

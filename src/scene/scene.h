@@ -17,6 +17,7 @@ typedef enum RfBsdfKind
     RF_BSDF_LAMBERT, // diffuse only: the same for every eye
     RF_BSDF_PHONG,   // Lambert + modified Phong lobe (Lafortune, Willems 1994)
     RF_BSDF_GGX,     // Lambert base under a Fresnel-weighted GGX coat, or metal
+    RF_BSDF_COATED,  // the same under one more clear coat (KHR_materials_clearcoat)
     RF_BSDF_GLASS,   // perfect mirrors; glass, smooth or rough
     RF_BSDF_KIND_COUNT
 } RfBsdfKind;
@@ -39,7 +40,9 @@ typedef struct RfMaterial
     float coat_f0;    // GGX: dielectric Fresnel that takes light from the base
     float coat_f90;   //      (scalars: the largest channel), at normal and at grazing
     float exponent;   // Phong: n of cosⁿ, ≥ 0
-    float alpha;      // GGX: roughness², in [RF_MIN_ALPHA, 1]; GLASS: 0 is smooth
+    float alpha;      // GGX, COATED: roughness², in [RF_MIN_ALPHA, 1]; GLASS: 0 is smooth
+    float clearcoat;       // COATED: how much of it there is, 0 to 1
+    float clearcoat_alpha; // COATED: its roughness², in [RF_MIN_ALPHA, 1]
     RfVec3 tint;      // GLASS: what of the light that is not reflected passes through; 0 for mirrors
     float ior;        // GLASS: of the inside, outside 1; 0: a mirror, its Fresnel Schlick's from `specular` on
     bool thin;        // GLASS: a wall without an inside: nothing is bent or absorbed
