@@ -1,5 +1,7 @@
 #include "scene/effects.h"
 
+#include "scene/textured.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -102,6 +104,21 @@ static bool has_two_sided_emission( const RfMaterial* m )
     return is_lit( m->emission ) && m->double_sided;
 }
 
+static bool has_texture( const RfMaterial* m )
+{
+    for ( int i = 0; m->textured != NULL && i < RF_TEXTURE_SLOT_COUNT; ++i )
+    {
+        if ( m->textured->refs[i].texture >= 0 )
+            return true;
+    }
+    return false;
+}
+
+static bool has_vertex_colors( const RfMaterial* m )
+{
+    return m->textured != NULL && m->textured->vertex_colors;
+}
+
 // An effect that some materials call for: names the first, counts the rest.
 static RfEffect material_effect( const Census* census, const char* name, bool ( *calls )( const RfMaterial* ),
                                  const char* none )
@@ -156,13 +173,6 @@ static RfEffect camera_effect( const RfScene* scene )
     return ( RfEffect ){ .name = "camera-animation", .why = "no camera of the scene moves" };
 }
 
-static RfEffect missing_effect( const char* name )
-{
-    RfEffect effect = { .name = name };
-    snprintf( effect.why, sizeof effect.why, "the scene has none, or it is not supported yet: see the warnings" );
-    return effect;
-}
-
 static RfEffect punctual_effect( const RfScene* scene )
 {
     RfEffect effect = { .name = "punctual-lights", .on = scene->punctual_count > 0 };
@@ -208,9 +218,9 @@ int rf_list_effects( const RfScene* scene, RfEffect effects[RF_MAX_EFFECTS] )
     effects[count++] = material_effect( &census, "absorption", has_absorption, "no glass takes colour from its depth" );
     effects[count++] = punctual_effect( scene );
     effects[count++] = environment_effect( scene );
-    static const char* const missing[] = { "textures", "alpha" };
-    for ( size_t i = 0; i < sizeof missing / sizeof missing[0]; ++i )
-        effects[count++] = missing_effect( missing[i] );
+    effects[count++] = material_effect( &census, "textures", has_texture, "no material has a texture" );
+    effects[count++] = material_effect( &census, "vertex-colors", has_vertex_colors, "no mesh has colours at its vertices" );
+    effects[count++] = material_effect( &census, "alpha-mask", rf_is_masked, "no material is cut out by its alpha" );
     free( census.triangles );
     return count;
 }
