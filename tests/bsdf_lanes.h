@@ -13,7 +13,7 @@
 
 enum
 {
-    N = 0, DIFFUSE = 3, SPECULAR = 6, SHAPE = 9, F90, COAT_F0, COAT_F90, WO, WI = WO + 3, U = WI + 3, F = U + 3,
+    N = 0, DIFFUSE = 3, SPECULAR = 6, SHAPE = 9, F90, COAT_F0, COAT_F90, CLEARCOAT, CLEARCOAT_ALPHA, WO, WI = WO + 3, U = WI + 3, F = U + 3,
     PDF = F + 3, ARRAYS
 };
 
@@ -27,6 +27,7 @@ typedef struct Material
     RfBsdfKind kind;
     RfVec3 diffuse, specular;
     float shape, f90, coat_f0, coat_f90;
+    float clearcoat, clearcoat_alpha;
 } Material;
 
 static inline void put( int array, int i, RfVec3 v )
@@ -49,6 +50,8 @@ static inline void put_material( int i, const Material* m )
     s_lanes[F90][i] = m->f90;
     s_lanes[COAT_F0][i] = m->coat_f0;
     s_lanes[COAT_F90][i] = m->coat_f90;
+    s_lanes[CLEARCOAT][i] = m->clearcoat;
+    s_lanes[CLEARCOAT_ALPHA][i] = m->clearcoat_alpha;
 }
 
 static inline void put_surface( const Material* m, RfVec3 n, RfVec3 wo )
@@ -71,6 +74,8 @@ static inline RfBsdfLanes parameters_from( int first )
         .f90 = s_lanes[F90] + first,
         .coat_f0 = s_lanes[COAT_F0] + first,
         .coat_f90 = s_lanes[COAT_F90] + first,
+        .clearcoat = s_lanes[CLEARCOAT] + first,
+        .clearcoat_alpha = s_lanes[CLEARCOAT_ALPHA] + first,
     };
 }
 

@@ -258,7 +258,14 @@ RfScene make_open_scene( OpenLight light )
     SceneBuilder b = { 0 };
     uint32_t floor = add_material( &b, make_lambert( 0.6f, 0.55f, 0.5f ) );
     uint32_t metal = add_material( &b, make_metal( 0.9f, 0.3f ) );
-    uint32_t plastic = add_material( &b, make_plastic( 0.6f, 0.25f ) );
+    RfMaterial block = make_plastic( 0.6f, 0.25f );
+    if ( light == LIT_BY_MAP )
+    {
+        block.kind = RF_BSDF_COATED;
+        block.clearcoat = 0.8f;
+        block.clearcoat_alpha = 0.04f;
+    }
+    uint32_t plastic = add_material( &b, block );
     add_quad( &b, floor, rf_vec3( -3, 0, 3 ), rf_vec3( 3, 0, 3 ), rf_vec3( 3, 0, -3 ), rf_vec3( -3, 0, -3 ) );
     add_sphere( &b, metal, rf_vec3( 0, 1.0f, 0 ), 0.5f, 12 );
     add_box( &b, plastic, rf_vec3( -0.6f, 0.0f, -0.5f ), rf_vec3( 0.7f, 0.5f, 0.5f ), false );

@@ -45,7 +45,8 @@ typedef enum RoomKind
 // and a block of the given kind.
 RfScene make_room( RoomKind kind );
 
-// A floor, a metal sphere and a plastic block, without walls.
+// A floor, a metal sphere and a plastic block (under a clear coat in
+// LIT_BY_MAP), without walls.
 typedef enum OpenLight
 {
     LIT_BY_SKY,      // constant

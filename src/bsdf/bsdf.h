@@ -18,7 +18,8 @@
 
 // Parameters per lane, named as in RfMaterial. Arrays a kind does not use are
 // not read: Lambert uses diffuse; Phong diffuse, specular, shape (exponent);
-// GGX diffuse, specular (F0), shape (alpha), f90, coat_f0, coat_f90.
+// GGX diffuse, specular (F0), shape (alpha), f90, coat_f0, coat_f90; COATED
+// these and clearcoat, clearcoat_alpha.
 typedef struct RfBsdfLanes
 {
     const float* n[3];
@@ -28,6 +29,9 @@ typedef struct RfBsdfLanes
     const float* f90;
     const float* coat_f0;
     const float* coat_f90;
+    // COATED only
+    const float* clearcoat;
+    const float* clearcoat_alpha;
     // GLASS only; ior: of the far side over the near one, negative in thin walls, 0 for mirrors
     const float* tint[3];
     const float* ior;
@@ -70,6 +74,10 @@ void rf_phong_sample( int count, const RfBsdfLanes* lanes, const float* const wo
                       float* const wi[3] );
 void rf_ggx_evaluate( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const wi[3],
                       float* const f[3], float* pdf_solid_angle );
+void rf_coated_evaluate( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const wi[3],
+                         float* const f[3], float* pdf_solid_angle );
+void rf_coated_sample( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const u[3],
+                       float* const wi[3] );
 void rf_ggx_sample( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const u[3],
                     float* const wi[3] );
 

@@ -29,6 +29,25 @@ static inline RfMat4 rf_mat4_mul( const RfMat4* a, const RfMat4* b )
     return out;
 }
 
+// Scale first, then the unit quaternion (x y z w), then the translation.
+static inline RfMat4 rf_mat4_from_trs( const double t[3], const double q[4], const double s[3] )
+{
+    double x = q[0], y = q[1], z = q[2], w = q[3];
+    double r[9] = {
+        1 - 2 * ( y * y + z * z ), 2 * ( x * y + z * w ),     2 * ( x * z - y * w ),
+        2 * ( x * y - z * w ),     1 - 2 * ( x * x + z * z ), 2 * ( y * z + x * w ),
+        2 * ( x * z + y * w ),     2 * ( y * z - x * w ),     1 - 2 * ( x * x + y * y ),
+    };
+    RfMat4 out = rf_mat4_identity();
+    for ( int c = 0; c < 3; ++c )
+    {
+        for ( int row = 0; row < 3; ++row )
+            out.m[4 * c + row] = r[3 * c + row] * s[c];
+        out.m[12 + c] = t[c];
+    }
+    return out;
+}
+
 // out = M · (p, w): w 1 for points, 0 for directions.
 static inline void rf_mat4_apply( const RfMat4* a, const double p[3], double w, double out[3] )
 {

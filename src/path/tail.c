@@ -15,6 +15,8 @@ static RfBsdfLanes bsdf_lanes( const RfVertexLanes* v, int first )
         .f90 = v->f90 + first,
         .coat_f0 = v->coat_f0 + first,
         .coat_f90 = v->coat_f90 + first,
+        .clearcoat = v->clearcoat + first,
+        .clearcoat_alpha = v->clearcoat_alpha + first,
         .tint = { v->tint[0] + first, v->tint[1] + first, v->tint[2] + first },
         .ior = v->ior + first,
     };

@@ -210,6 +210,10 @@ static void copy_hits( const RfVertexLanes* v, RfHitBatch* batch )
     memcpy( batch->f90, v->f90 + first, bytes );
     memcpy( batch->coat_f0, v->coat_f0 + first, bytes );
     memcpy( batch->coat_f90, v->coat_f90 + first, bytes );
+    if ( batch->clearcoat == NULL )
+        return;
+    memcpy( batch->clearcoat, v->clearcoat + first, bytes );
+    memcpy( batch->clearcoat_alpha, v->clearcoat_alpha + first, bytes );
 }
 
 void rf_harvest_batch( const RfHarvest* harvest, RfHarvestJob job, RfHitBatch* batch, RfHarvestScratch* scratch,

@@ -45,7 +45,7 @@ static void add_light_samples( const RfHarvest* harvest, RfHarvestScratch* scrat
             float* light = light_of( batch, base + i - rf_record_count( v ) );
             float scale = 1.0f / ( k * direct->pdf_solid_angle[i] + s->pdf[i] );
             for ( int c = 0; c < 3; ++c )
-                light[c] += s->f[c][i] * direct->radiance_cos[c][i] * scale;
+                light[c] += s->f[c][i] * ( direct->radiance_cos[c][i] * scale );
         }
     }
 }

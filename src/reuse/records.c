@@ -32,6 +32,11 @@ static void take_glossy( Layout* layout, const RfBatchShape* shape, RfHitBatch* 
     batch->f90 = take_lanes( layout );
     batch->coat_f0 = take_lanes( layout );
     batch->coat_f90 = take_lanes( layout );
+    if ( shape->coated )
+    {
+        batch->clearcoat = take_lanes( layout );
+        batch->clearcoat_alpha = take_lanes( layout );
+    }
     int directions = shape->light_samples + 1;
     batch->directions = take( layout, (size_t)directions * sizeof *batch->directions );
     for ( int d = 0; d < directions; ++d )

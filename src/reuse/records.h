@@ -47,6 +47,8 @@ typedef struct RfHitBatch
     float* f90;
     float* coat_f0;
     float* coat_f90;
+    float* clearcoat;       // NULL where the scene has no such coat
+    float* clearcoat_alpha;
     RfDirectionLanes* directions; // K light samples and the scattered direction
 } RfHitBatch;
 
@@ -56,6 +58,7 @@ typedef struct RfBatchShape
     int eyes;          // in a group
     int light_samples; // K
     bool glossy;       // the scene has any
+    bool coated;       // and RF_BSDF_COATED among them
     bool eq15;
     bool natives;      // misses may be other than black: the scene has a sky, mirrors or glass
 } RfBatchShape;

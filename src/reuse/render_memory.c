@@ -28,6 +28,7 @@ static RfBatchShape batch_shape( const RfScene* scene, int eyes, const RfRenderS
         .eyes = eyes,
         .light_samples = settings->light_samples,
         .glossy = has_kinds( scene, RF_BSDF_PHONG, RF_BSDF_FIRST_NATIVE ),
+        .coated = has_kinds( scene, RF_BSDF_COATED, RF_BSDF_COATED + 1 ),
         .eq15 = settings->weights == RF_WEIGHTS_EQ15,
         .natives = has_kinds( scene, RF_BSDF_FIRST_NATIVE, RF_BSDF_KIND_COUNT ) ||
                    rf_max_component( scene->environment.radiance ) > 0.0f,

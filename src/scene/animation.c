@@ -106,19 +106,6 @@ const RfChannel* rf_node_channels( const RfScene* scene, int node, int* count )
     return *count > 0 ? scene->channels + low : NULL;
 }
 
-static void compose( const double t[3], const double q[4], const double s[3], RfMat4* matrix )
-{
-    double r[9];
-    rf_quat_axes( q, r );
-    *matrix = rf_mat4_identity();
-    for ( int c = 0; c < 3; ++c )
-    {
-        for ( int row = 0; row < 3; ++row )
-            matrix->m[4 * c + row] = r[3 * c + row] * s[c];
-        matrix->m[12 + c] = t[c];
-    }
-}
-
 void rf_node_local_matrix( const RfScene* scene, int node, double time, RfMat4* matrix )
 {
     const RfNode* self = scene->nodes + node;
@@ -136,5 +123,5 @@ void rf_node_local_matrix( const RfScene* scene, int node, double time, RfMat4* 
     const RfChannel* channels = rf_node_channels( scene, node, &count );
     for ( int i = 0; i < count; ++i )
         rf_sample_channel( channels + i, time, trs[channels[i].path] );
-    compose( trs[RF_TRANSLATION], trs[RF_ROTATION], trs[RF_SCALE], matrix );
+    *matrix = rf_mat4_from_trs( trs[RF_TRANSLATION], trs[RF_ROTATION], trs[RF_SCALE] );
 }

@@ -1,5 +1,7 @@
 #include "scene/effects.h"
 
+#include "scene/textured.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -69,7 +71,27 @@ static bool has_phong( const RfMaterial* m )
 
 static bool has_ggx( const RfMaterial* m )
 {
-    return m->kind == RF_BSDF_GGX;
+    return m->kind == RF_BSDF_GGX || m->kind == RF_BSDF_COATED;
+}
+
+static bool has_clearcoat( const RfMaterial* m )
+{
+    return m->kind == RF_BSDF_COATED;
+}
+
+static bool has_mirror( const RfMaterial* m )
+{
+    return m->kind == RF_BSDF_GLASS && m->ior == 0.0f;
+}
+
+static bool has_transmission( const RfMaterial* m )
+{
+    return m->kind == RF_BSDF_GLASS && m->ior > 0.0f;
+}
+
+static bool has_absorption( const RfMaterial* m )
+{
+    return has_transmission( m ) && is_lit( m->absorption );
 }
 
 static bool has_emission( const RfMaterial* m )
@@ -80,6 +102,21 @@ static bool has_emission( const RfMaterial* m )
 static bool has_two_sided_emission( const RfMaterial* m )
 {
     return is_lit( m->emission ) && m->double_sided;
+}
+
+static bool has_texture( const RfMaterial* m )
+{
+    for ( int i = 0; m->textured != NULL && i < RF_TEXTURE_SLOT_COUNT; ++i )
+    {
+        if ( m->textured->refs[i].texture >= 0 )
+            return true;
+    }
+    return false;
+}
+
+static bool has_vertex_colors( const RfMaterial* m )
+{
+    return m->textured != NULL && m->textured->vertex_colors;
 }
 
 // An effect that some materials call for: names the first, counts the rest.
@@ -143,10 +180,29 @@ static RfEffect camera_effect( const RfScene* scene )
     return effect;
 }
 
-static RfEffect missing_effect( const char* name )
+static RfEffect punctual_effect( const RfScene* scene )
 {
-    RfEffect effect = { .name = name };
-    snprintf( effect.why, sizeof effect.why, "the scene has none, or it is not supported yet: see the warnings" );
+    RfEffect effect = { .name = "punctual-lights", .on = scene->punctual_count > 0 };
+    if ( scene->punctual_count == 0 )
+        snprintf( effect.why, sizeof effect.why, "no lamp without size" );
+    else if ( scene->punctual_count == 1 )
+        snprintf( effect.why, sizeof effect.why, "light '%.80s'", scene->punctuals[0].name );
+    else
+        snprintf( effect.why, sizeof effect.why, "light '%.80s' and %d more", scene->punctuals[0].name, scene->punctual_count - 1 );
+    return effect;
+}
+
+static RfEffect environment_effect( const RfScene* scene )
+{
+    const RfEnvironment* e = &scene->environment;
+    RfEffect effect = { .name = "environment", .on = is_lit( e->radiance ) };
+    if ( !effect.on )
+        snprintf( effect.why, sizeof effect.why, "no light from around the scene" );
+    else if ( e->map != NULL )
+        snprintf( effect.why, sizeof effect.why, "a map of %d x %d pixels%s", e->width, e->height, e->hidden ? ", hidden from the camera" : "" );
+    else
+        snprintf( effect.why, sizeof effect.why, "radiance %g %g %g all around%s", (double)e->radiance.x, (double)e->radiance.y,
+                  (double)e->radiance.z, e->hidden ? ", hidden from the camera" : "" );
     return effect;
 }
 
@@ -157,15 +213,21 @@ int rf_list_effects( const RfScene* scene, RfEffect effects[RF_MAX_EFFECTS] )
     effects[count++] = material_effect( &census, "diffuse", has_diffuse, "no material reflects diffusely" );
     effects[count++] = material_effect( &census, "phong", has_phong, "no material has a Phong lobe" );
     effects[count++] = material_effect( &census, "ggx", has_ggx, "no material is a metal or coated" );
-    effects[count++] = material_effect( &census, "area-lights", has_emission, "no material emits: the picture is black" );
+    effects[count++] = material_effect( &census, "area-lights", has_emission, "no material emits" );
     effects[count++] =
         material_effect( &census, "two-sided-emission", has_two_sided_emission, "no emitting material is double-sided" );
     effects[count++] = count_effect( "interpolated-normals", census.smooth, "triangles with normals off their face's",
                                      "all normals are those of the faces" );
     effects[count++] = camera_effect( scene );
-    static const char* const missing[] = { "textures", "alpha", "transmission", "punctual-lights", "environment" };
-    for ( size_t i = 0; i < sizeof missing / sizeof missing[0]; ++i )
-        effects[count++] = missing_effect( missing[i] );
+    effects[count++] = material_effect( &census, "clearcoat", has_clearcoat, "no material has a clear coat" );
+    effects[count++] = material_effect( &census, "mirrors", has_mirror, "no material is a perfect mirror" );
+    effects[count++] = material_effect( &census, "transmission", has_transmission, "no material lets light through" );
+    effects[count++] = material_effect( &census, "absorption", has_absorption, "no glass takes colour from its depth" );
+    effects[count++] = punctual_effect( scene );
+    effects[count++] = environment_effect( scene );
+    effects[count++] = material_effect( &census, "textures", has_texture, "no material has a texture" );
+    effects[count++] = material_effect( &census, "vertex-colors", has_vertex_colors, "no mesh has colours at its vertices" );
+    effects[count++] = material_effect( &census, "alpha-mask", rf_is_masked, "no material is cut out by its alpha" );
     free( census.triangles );
     return count;
 }

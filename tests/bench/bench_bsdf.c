@@ -84,6 +84,8 @@ static void run( RfBsdfKind kind, int what, int count )
         .f90 = s_values[F90],
         .coat_f0 = s_values[COAT_F0],
         .coat_f90 = s_values[COAT_F90],
+        .clearcoat = s_values[F90],
+        .clearcoat_alpha = s_values[COAT_F0],
     };
     const float* const wo[3] = THREE( WO );
     const float* const wi[3] = THREE( WI );
@@ -114,7 +116,7 @@ static double nanoseconds_per_lane( RfBsdfKind kind, int what, int count )
 
 int main( int argc, char** argv )
 {
-    static const char* names[RF_BSDF_FIRST_NATIVE] = { "lambert", "phong", "ggx" };
+    static const char* names[RF_BSDF_FIRST_NATIVE] = { "lambert", "phong", "ggx", "coated" };
     int count = argc > 1 ? atoi( argv[1] ) : 1024;
     if ( count < 1 || count > MAX_LANES )
     {
