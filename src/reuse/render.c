@@ -17,6 +17,7 @@ typedef struct Renderer
     RfGroupPlan plan;
     RenderSizes sizes;
     RenderMemory memory;
+    RfDelivery delivery;
     RfRayCounts rays;
     double start, last_frame; // seconds
     double batches_done, batches_all;
@@ -40,13 +41,15 @@ static bool asked_for( const Renderer* r, int frame )
     return false;
 }
 
-// The slot that holds a frame's film, −1 for a free one.
-static LiveFilm* find_film( Renderer* r, int frame )
+// The slot that holds a frame's film, −1 for a free one; NULL where none does.
+static LiveFilm* find_film( const Renderer* r, int frame )
 {
-    LiveFilm* live = r->memory.films;
-    while ( live->frame != frame )
-        ++live;
-    return live;
+    for ( int i = 0; i < r->memory.film_slots; ++i )
+    {
+        if ( r->memory.films[i].frame == frame )
+            return r->memory.films + i;
+    }
+    return NULL;
 }
 
 // The films of the asked frames that a window is the first to hold, cleared.
@@ -62,6 +65,7 @@ static void open_films( Renderer* r, int window )
         LiveFilm* live = find_film( r, -1 );
         live->frame = frame;
         rf_clear_film( &live->film );
+        rf_clear_layer_film( &live->layers, r->sizes.width, r->sizes.height );
     }
 }
 
@@ -79,23 +83,31 @@ static RfFilmCombine combine_of( RfNormalize normalize )
 static RfResult finish_film( Renderer* r, LiveFilm* live, RfError* error )
 {
     RfFilmCombine combine = combine_of( r->settings.normalize );
-    rf_combine_film( &live->film, combine, r->memory.rgb, r->memory.weight );
+    RfFrameBuffer* buffer = rf_next_frame_buffer( &r->delivery );
+    rf_combine_film( &live->film, combine, buffer->rgb, buffer->weight );
     double now = rf_wall_seconds();
-    RfFrameResult result = {
+    buffer->result = ( RfFrameResult ){
         .frame = live->frame,
         .width = r->sizes.width,
         .height = r->sizes.height,
-        .rgb = r->memory.rgb,
-        .weight = r->memory.weight,
+        .rgb = buffer->rgb,
+        .weight = buffer->weight,
         .seconds = now - r->last_frame,
-        .relmse_estimate = rf_estimate_relmse( &live->film, combine, r->memory.rgb ),
+        .relmse_estimate = rf_estimate_relmse( &live->film, combine, buffer->rgb ),
         .native_spp = rf_frame_passes( &r->plan, live->frame ),
         .effective_spp = (double)live->film.landed / ( (double)r->sizes.width * (double)r->sizes.height ),
     };
+    for ( int l = 0; l < RF_LAYER_COUNT; ++l )
+    {
+        buffer->result.layers[l] = buffer->layers[l];
+        if ( buffer->layers[l] != NULL )
+            rf_finish_layer( &live->layers, (RfLayer)l, &live->film, combine, buffer->layers[l] );
+    }
     r->last_frame = now;
     live->frame = -1;
     r->frames_done += 1;
-    return r->callbacks.frame != NULL ? r->callbacks.frame( r->callbacks.user, &result, error ) : RF_OK;
+    rf_deliver( &r->delivery );
+    return rf_check_delivery( &r->delivery, error );
 }
 
 // Hands over the frames whose last window is done, in order.
@@ -132,8 +144,27 @@ static void add_rays( RfRayCounts* sum, const RfRayCounts* part )
     sum->eye += part->eye;
 }
 
+// The native hits of a batch, into the layers of its own frame.
+static void add_to_layers( const Renderer* r, const RfHarvest* harvest, const RfWindow* window, int eye,
+                           const RfHarvestScratch* scratch )
+{
+    int frame = harvest->first_frame + eye;
+    LiveFilm* live = find_film( r, frame );
+    if ( live == NULL )
+        return;
+    RfLayerJob job = {
+        .film = &live->layers,
+        .eye = r->eyes + frame,
+        .previous = frame > 0 ? r->eyes + frame - 1 : NULL,
+        .next = frame + 1 < r->plan.frames ? r->eyes + frame + 1 : NULL,
+        .weight = (float)window->weight,
+        .weight_before = (float)( live->film.weight[0] + live->film.weight[1] ),
+    };
+    rf_add_to_layers( &job, scratch );
+}
+
 // Jobs [first, first + count) of a pass into the batches.
-static void harvest_chunk( Renderer* r, const RfHarvest* harvest, int pass, int first, int count )
+static void harvest_chunk( Renderer* r, const RfHarvest* harvest, const RfWindow* window, int pass, int first, int count )
 {
     RfRayCounts rays = { 0 };
 #pragma omp parallel num_threads( r->settings.threads )
@@ -146,6 +177,8 @@ static void harvest_chunk( Renderer* r, const RfHarvest* harvest, int pass, int 
         {
             RfHarvestJob job = { ( first + i ) / r->sizes.tiles, ( first + i ) % r->sizes.tiles, pass };
             rf_harvest_batch( harvest, job, r->memory.batches + i, scratch, &mine );
+            if ( ( r->settings.layers & RF_HARVESTED_LAYERS ) != 0 )
+                add_to_layers( r, harvest, window, job.eye, scratch );
         }
 #pragma omp critical
         add_rays( &rays, &mine );
@@ -189,6 +222,7 @@ static void compute_chunk( Renderer* r, const RfHarvest* harvest, const RfWindow
                 .end_row = (int)( (long)r->sizes.height * ( band + 1 ) / bands ),
                 .film = &film->film,
                 .half = half,
+                .landed = film->layers.landed,
             };
             uint64_t landed = rf_compute_rows( &compute, job, film->landed_eyes, scratch );
 #pragma omp atomic
@@ -232,10 +266,13 @@ static RfResult render_pass( Renderer* r, const RfHarvest* harvest, const RfWind
     for ( int first = 0; first < jobs; first += r->memory.batch_slots )
     {
         int count = jobs - first < r->memory.batch_slots ? jobs - first : r->memory.batch_slots;
-        harvest_chunk( r, harvest, pass, first, count );
+        harvest_chunk( r, harvest, window, pass, first, count );
         compute_chunk( r, harvest, window, half, count );
         if ( !report_progress( r, count ) )
             return rf_fail( error, RF_ERROR_INTERRUPTED, "interrupted after %d of %d frames", r->frames_done, r->frame_count );
+        RfResult delivered = rf_check_delivery( &r->delivery, error );
+        if ( delivered != RF_OK )
+            return delivered;
     }
     for ( int i = 0; i < r->memory.film_slots; ++i )
     {
@@ -303,6 +340,16 @@ static RfResult check_frames( const int* frames, int frame_count, int eye_count,
     return RF_OK;
 }
 
+// All windows, with the frames handed over as they are finished. What the
+// caller says of a frame counts more than an interruption.
+static RfResult render_and_deliver( Renderer* r, RfError* error )
+{
+    rf_start_delivery( &r->delivery, &r->callbacks, r->memory.buffers, r->memory.buffer_count, r->settings.queue > 0 );
+    RfResult result = render_windows( r, error );
+    RfResult delivered = rf_end_delivery( &r->delivery, error );
+    return delivered != RF_OK ? delivered : result;
+}
+
 static void fill_stats( const Renderer* r, RfRenderStats* stats )
 {
     *stats = ( RfRenderStats ){
@@ -334,7 +381,7 @@ RfResult rf_render( const RfTracer* tracer, const RfEye* eyes, int eye_count, co
     r.start = r.last_frame = rf_wall_seconds();
     result = rf_alloc_render_memory( &r.sizes, &r.memory, error );
     if ( result == RF_OK )
-        result = render_windows( &r, error );
+        result = render_and_deliver( &r, error );
     if ( stats != NULL )
         fill_stats( &r, stats );
     rf_free_render_memory( &r.sizes, &r.memory );

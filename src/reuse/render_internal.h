@@ -4,8 +4,10 @@
 
 #include "base/arena.h"
 #include "reuse/compute.h"
+#include "reuse/delivery.h"
 #include "reuse/group.h"
 #include "reuse/harvest.h"
+#include "reuse/layer_film.h"
 #include "reuse/render.h"
 
 // A film in use, of one frame of the path.
@@ -13,6 +15,7 @@ typedef struct LiveFilm
 {
     int frame; // −1: free
     RfFilm film;
+    RfLayerFilm layers;
     uint32_t* landed_eyes; // eq15 only
 } LiveFilm;
 
@@ -27,8 +30,8 @@ typedef struct RenderMemory
     int batches_laid_out; // of them, while they are being allocated
     LiveFilm* films;
     int film_slots;
-    float* rgb;
-    float* weight;
+    RfFrameBuffer* buffers; // finished frames on their way to the caller
+    int buffer_count;
 } RenderMemory;
 
 // What the sizes depend on.
@@ -37,6 +40,8 @@ typedef struct RenderSizes
     int width, height, tiles;
     int threads;
     int films;       // held at once
+    int buffers;     // wanted
+    unsigned layers; // RF_LAYER_BIT of those asked for
     int total_every; // passes of a half of a film before it is emptied; 0: never
     RfBatchShape shape;
 } RenderSizes;
@@ -45,7 +50,7 @@ typedef struct RenderSizes
 size_t rf_fixed_bytes( const RenderSizes* sizes );
 
 // Allocates films, scratch, and as many batches as serve the threads and fit
-// the budget. On failure what was allocated stays for rf_free_render_memory.
+// the budget; frame buffers beyond the first only where these all fit too. On failure what was allocated stays for rf_free_render_memory.
 RfResult rf_alloc_render_memory( const RenderSizes* sizes, RenderMemory* memory, RfError* error );
 void rf_free_render_memory( const RenderSizes* sizes, RenderMemory* memory );
 
