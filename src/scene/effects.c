@@ -154,23 +154,30 @@ static RfEffect count_effect( const char* name, uint32_t count, const char* what
     return effect;
 }
 
-static RfEffect camera_effect( const RfScene* scene )
+// The one that a scene file asks for if it moves, else the first that does.
+static const RfCamera* moving_camera( const RfScene* scene )
 {
+    if ( scene->chosen_camera > 0 && scene->cameras[scene->chosen_camera - 1].animated )
+        return scene->cameras + scene->chosen_camera - 1;
     for ( int i = 0; i < scene->camera_count; ++i )
     {
-        if ( !scene->cameras[i].animated )
-            continue;
-        RfEffect effect = { .name = "camera-animation", .on = true };
-        if ( scene->cameras[i].track != NULL )
-        {
-            snprintf( effect.why, sizeof effect.why, "camera path '%.80s'", scene->cameras[i].name );
-            return effect;
-        }
-        snprintf( effect.why, sizeof effect.why, "camera '%.80s' from %g to %g s", scene->cameras[i].name,
-                  scene->cameras[i].start, scene->cameras[i].end );
-        return effect;
+        if ( scene->cameras[i].animated )
+            return scene->cameras + i;
     }
-    return ( RfEffect ){ .name = "camera-animation", .why = "no camera of the scene moves" };
+    return NULL;
+}
+
+static RfEffect camera_effect( const RfScene* scene )
+{
+    const RfCamera* camera = moving_camera( scene );
+    if ( camera == NULL )
+        return ( RfEffect ){ .name = "camera-animation", .why = "no camera of the scene moves" };
+    RfEffect effect = { .name = "camera-animation", .on = true };
+    if ( camera->track != NULL )
+        snprintf( effect.why, sizeof effect.why, "camera path '%.80s'", camera->name );
+    else
+        snprintf( effect.why, sizeof effect.why, "camera '%.80s' from %g to %g s", camera->name, camera->start, camera->end );
+    return effect;
 }
 
 static RfEffect punctual_effect( const RfScene* scene )
