@@ -1,12 +1,9 @@
 #include "image/atomic_file.h"
 #include "image/exr.h"
-#include "image/exr_stream.h"
+#include "image/exr_verify.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-#define HALF_MAX 65504.0f
 
 typedef struct Writer
 {
@@ -24,14 +21,6 @@ typedef struct Writer
 RfExrOptions rf_default_exr_options( void )
 {
     return ( RfExrOptions ){ .compression = RF_EXR_ZIP, .half = true };
-}
-
-// Infinity stays what it is: it is to be counted, not repaired.
-static float clamp_half( float value )
-{
-    if ( isinf( value ) )
-        return value;
-    return value > HALF_MAX ? HALF_MAX : value < -HALF_MAX ? -HALF_MAX : value;
 }
 
 static RfResult check_options( const char* path, const RfImage* image, const RfExrOptions* options, RfError* error )
@@ -141,7 +130,7 @@ static const float* clamp_lines( const Writer* writer, int c, int y, int lines, 
     size_t width = (size_t)writer->image->width, count = width * (size_t)lines;
     const float* source = channel->values + (size_t)channel->stride * width * (size_t)y;
     for ( size_t i = 0; i < count; ++i )
-        clamped[i] = clamp_half( source[(size_t)channel->stride * i] );
+        clamped[i] = rf_clamp_half( source[(size_t)channel->stride * i] );
     return clamped;
 }
 
@@ -234,64 +223,6 @@ static RfResult write_stream( Writer* writer, RfError* error )
     return RF_OK;
 }
 
-// Rounding to half errs by half a unit in the last place: 2^-11 of the value,
-// or 2^-25 below the normal range.
-static bool is_half_of( float half, float value )
-{
-    value = clamp_half( value );
-    if ( isnan( value ) || isinf( value ) )
-        return isnan( value ) ? isnan( half ) : half == value;
-    float bound = fmaxf( 0x1p-11f * fabsf( value ), 0x1p-25f );
-    return fabsf( half - value ) <= bound;
-}
-
-// What reading back finds.
-typedef struct Check
-{
-    const Writer* writer;
-    bool same;
-    size_t values; // compared
-} Check;
-
-static void compare_line( void* user, int c, int x, int y, const float* values, int count )
-{
-    Check* check = user;
-    const RfExrChannel* channel = check->writer->channels + c;
-    const float* source = channel->values +
-                          (size_t)channel->stride * ( (size_t)y * (size_t)check->writer->image->width + (size_t)x );
-    for ( int i = 0; i < count && check->same; ++i )
-    {
-        const float* value = source + (size_t)channel->stride * (size_t)i;
-        check->same = channel->half ? is_half_of( values[i], *value ) : memcmp( values + i, value, sizeof *value ) == 0;
-    }
-    check->values += (size_t)count;
-}
-
-// Reads the file back: the last guard against a library or a disk that lost
-// something without saying so.
-static RfResult verify( const Writer* writer, RfError* error )
-{
-    RfExrStream stream = { .path = writer->stream.path, .fd = writer->stream.fd };
-    RfExrPart part;
-    RfResult result = rf_open_exr_part( &stream, &part, error );
-    if ( result != RF_OK )
-        return result;
-    const char* names[RF_EXR_MAX_CHANNELS];
-    for ( int c = 0; c < writer->channel_count; ++c )
-        names[c] = writer->channels[c].name;
-    const RfImage* image = writer->image;
-    Check check = { writer, part.width == image->width && part.height == image->height, 0 };
-    if ( check.same )
-        result = rf_read_exr_lines( &part, names, writer->channel_count, compare_line, &check, error );
-    rf_close_exr_part( &part );
-    if ( result != RF_OK )
-        return result;
-    size_t all = (size_t)image->width * (size_t)image->height * (size_t)writer->channel_count;
-    if ( !check.same || check.values != all )
-        return rf_fail( error, RF_ERROR_IO, "%s: cannot be written: what was read back differs", stream.path );
-    return RF_OK;
-}
-
 RfResult rf_write_exr( const char* path, const RfImage* image, const RfExrOptions* options, RfError* error )
 {
     RfResult result = check_options( path, image, options, error );
@@ -305,7 +236,7 @@ RfResult rf_write_exr( const char* path, const RfImage* image, const RfExrOption
     list_channels( &writer );
     result = write_stream( &writer, error );
     if ( result == RF_OK )
-        result = verify( &writer, error );
+        result = rf_verify_exr( &writer.stream, writer.channels, writer.channel_count, image, error );
     if ( result == RF_OK )
         return rf_commit_atomic_file( &file, error );
     rf_discard_atomic_file( &file );

@@ -46,6 +46,39 @@ typedef struct RenderSizes
     RfBatchShape shape;
 } RenderSizes;
 
+// A render as a whole.
+typedef struct RfRenderer
+{
+    const RfTracer* tracer;
+    const RfEye* eyes;
+    const int* frames; // asked for, ascending
+    int frame_count;
+    RfRenderSettings settings; // resolved
+    RfRenderCallbacks callbacks;
+    RfGroupPlan plan;
+    RenderSizes sizes;
+    RenderMemory memory;
+    RfDelivery delivery;
+    RfRayCounts rays;
+    double start, last_frame; // seconds
+    double batches_done, batches_all;
+    int frames_done;
+} RfRenderer;
+
+// Was any frame of the window asked for?
+bool rf_window_wanted( const RfRenderer* renderer, RfWindow window );
+
+// Clears films for the asked frames that a window is the first to hold.
+void rf_open_films( RfRenderer* renderer, int window );
+
+// Hands over the frames whose last window is done, in order.
+RfResult rf_close_films( RfRenderer* renderer, int window, RfError* error );
+
+// Adds the native hits of the batch just harvested to the layers of its own
+// frame, eye `eye` of the window.
+void rf_add_layers( const RfRenderer* renderer, const RfHarvest* harvest, const RfWindow* window, int eye,
+                    const RfHarvestScratch* scratch );
+
 // Bytes of all but the hit records.
 size_t rf_fixed_bytes( const RenderSizes* sizes );
 
