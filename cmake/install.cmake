@@ -49,7 +49,7 @@ install(FILES ${PROJECT_BINARY_DIR}/reframeConfig.cmake ${PROJECT_BINARY_DIR}/re
   DESTINATION ${package_folder})
 
 # pkg-config reframe: the libraries that ours needs, which with a static one are the user's to link.
-set(pc_requires "jansson libpng")
+set(pc_requires "jansson libpng libjpeg")
 set(pc_libs "-lembree${embree_VERSION_MAJOR} -lOpenEXRCore")
 foreach(name ${OpenMP_C_LIB_NAMES})
   string(APPEND pc_libs " -l${name}")

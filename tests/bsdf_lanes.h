@@ -13,7 +13,7 @@
 
 enum
 {
-    N = 0, DIFFUSE = 3, SPECULAR = 6, SHAPE = 9, F90, COAT_F0, COAT_F90, WO, WI = WO + 3, U = WI + 3, F = U + 3,
+    N = 0, DIFFUSE = 3, SPECULAR = 6, SHAPE = 9, F90, COAT_F0, COAT_F90, CLEARCOAT, CLEARCOAT_ALPHA, WO, WI = WO + 3, U = WI + 3, F = U + 3,
     PDF = F + 3, ARRAYS
 };
 
@@ -27,6 +27,7 @@ typedef struct Material
     RfBsdfKind kind;
     RfVec3 diffuse, specular;
     float shape, f90, coat_f0, coat_f90;
+    float clearcoat, clearcoat_alpha;
 } Material;
 
 static inline void put( int array, int i, RfVec3 v )
@@ -49,6 +50,8 @@ static inline void put_material( int i, const Material* m )
     s_lanes[F90][i] = m->f90;
     s_lanes[COAT_F0][i] = m->coat_f0;
     s_lanes[COAT_F90][i] = m->coat_f90;
+    s_lanes[CLEARCOAT][i] = m->clearcoat;
+    s_lanes[CLEARCOAT_ALPHA][i] = m->clearcoat_alpha;
 }
 
 static inline void put_surface( const Material* m, RfVec3 n, RfVec3 wo )
@@ -61,11 +64,24 @@ static inline void put_surface( const Material* m, RfVec3 n, RfVec3 wo )
     }
 }
 
+static inline RfBsdfLanes parameters_from( int first )
+{
+    return ( RfBsdfLanes ){
+        .n = THREE_FROM( N, first ),
+        .diffuse = THREE_FROM( DIFFUSE, first ),
+        .specular = THREE_FROM( SPECULAR, first ),
+        .shape = s_lanes[SHAPE] + first,
+        .f90 = s_lanes[F90] + first,
+        .coat_f0 = s_lanes[COAT_F0] + first,
+        .coat_f90 = s_lanes[COAT_F90] + first,
+        .clearcoat = s_lanes[CLEARCOAT] + first,
+        .clearcoat_alpha = s_lanes[CLEARCOAT_ALPHA] + first,
+    };
+}
+
 static inline void evaluate_range( RfBsdfKind kind, int first, int count )
 {
-    const RfBsdfLanes lanes = { THREE_FROM( N, first ), THREE_FROM( DIFFUSE, first ), THREE_FROM( SPECULAR, first ),
-                                s_lanes[SHAPE] + first, s_lanes[F90] + first, s_lanes[COAT_F0] + first,
-                                s_lanes[COAT_F90] + first };
+    const RfBsdfLanes lanes = parameters_from( first );
     const float* const wo[3] = THREE_FROM( WO, first );
     const float* const wi[3] = THREE_FROM( WI, first );
     float* const f[3] = THREE_FROM( F, first );
@@ -74,9 +90,7 @@ static inline void evaluate_range( RfBsdfKind kind, int first, int count )
 
 static inline void sample_range( RfBsdfKind kind, int first, int count )
 {
-    const RfBsdfLanes lanes = { THREE_FROM( N, first ), THREE_FROM( DIFFUSE, first ), THREE_FROM( SPECULAR, first ),
-                                s_lanes[SHAPE] + first, s_lanes[F90] + first, s_lanes[COAT_F0] + first,
-                                s_lanes[COAT_F90] + first };
+    const RfBsdfLanes lanes = parameters_from( first );
     const float* const wo[3] = THREE_FROM( WO, first );
     const float* const u[3] = THREE_FROM( U, first );
     float* const wi[3] = THREE_FROM( WI, first );

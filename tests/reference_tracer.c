@@ -3,7 +3,7 @@
 #include "base/random.h"
 #include "bsdf/bsdf.h"
 #include "light/light.h"
-#include "path/lanes.h"
+#include "path/walk.h"
 
 #include <stdlib.h>
 
@@ -11,7 +11,9 @@
 typedef struct Point
 {
     RfVec3 p, ng, n, wo;
-    const RfMaterial* material;
+    RfMaterial material; // as it is here
+    bool inside; // seen from behind
+    float ior;   // relative, for glass
     RfVec3 emission;
     float offset;
     float light_pdf; // of a light sample at the ray's origin choosing this point
@@ -36,7 +38,16 @@ static bool find( const RfTracer* tracer, RfVec3 o, RfVec3 d, Point* out )
     float length2 = rf_dot( n, n );
     n = rf_scale( n, side / sqrtf( length2 ) );
     out->n = !t->flat && rf_dot( n, out->ng ) > 0.0f && length2 > 1e-12f ? n : out->ng;
-    out->material = rf_tracer_scene( tracer )->materials + t->material;
+    const RfScene* scene = rf_tracer_scene( tracer );
+    const RfMaterial* material = scene->materials + t->material;
+    out->material = *material;
+    if ( material->textured != NULL )
+    {
+        rf_material_at( scene, material, triangle, u, v, &out->material );
+        out->n = rf_scale( rf_normal_at( scene, material, triangle, u, v, rf_scale( out->n, side ), t->ng ), side );
+    }
+    out->inside = facing < 0.0f;
+    out->ior = out->material.thin ? -out->material.ior : ( out->inside && out->material.ior > 0.0f ? 1.0f / out->material.ior : out->material.ior );
     out->emission = rf_vec3( 0, 0, 0 );
     out->offset = t->offset;
     out->light_pdf = 0.0f;
@@ -46,7 +57,7 @@ static bool find( const RfTracer* tracer, RfVec3 o, RfVec3 d, Point* out )
         if ( facing > 0.0f || light->two_sided )
         {
             RfVec3 way = rf_sub( out->p, o );
-            out->emission = light->radiance;
+            out->emission = rf_light_radiance( scene, light, u, v );
             out->light_pdf = light->pdf_area * rf_dot( way, way ) / fabsf( facing );
         }
     }
@@ -55,7 +66,7 @@ static bool find( const RfTracer* tracer, RfVec3 o, RfVec3 d, Point* out )
 
 static RfBsdfLanes lane_of( const Point* x )
 {
-    const RfMaterial* m = x->material;
+    const RfMaterial* m = &x->material;
     return ( RfBsdfLanes ){
         .n = { &x->n.x, &x->n.y, &x->n.z },
         .diffuse = { &m->diffuse.x, &m->diffuse.y, &m->diffuse.z },
@@ -64,8 +75,14 @@ static RfBsdfLanes lane_of( const Point* x )
         .f90 = &m->f90,
         .coat_f0 = &m->coat_f0,
         .coat_f90 = &m->coat_f90,
+        .clearcoat = &m->clearcoat,
+        .clearcoat_alpha = &m->clearcoat_alpha,
+        .tint = { &m->tint.x, &m->tint.y, &m->tint.z },
+        .ior = &x->ior,
     };
 }
+
+static bool is_native( const Point* x ) { return x->material.kind == RF_BSDF_GLASS; }
 
 static RfVec3 evaluate( const Point* x, RfVec3 wi, float* pdf )
 {
@@ -74,11 +91,19 @@ static RfVec3 evaluate( const Point* x, RfVec3 wi, float* pdf )
     const float* in[3] = { &wi.x, &wi.y, &wi.z };
     RfVec3 f;
     float* out[3] = { &f.x, &f.y, &f.z };
-    rf_bsdf_evaluate( x->material->kind, 1, &lane, wo, in, out, pdf );
+    rf_bsdf_evaluate( x->material.kind, 1, &lane, wo, in, out, pdf );
     return f;
 }
 
-static RfVec3 sample( const Point* x, RfRandomKey key, uint32_t dimension )
+// Where a path goes on from a point: direction, f |cos| / density, density,
+// and where the ray starts; side 0 where it ends.
+typedef struct Onward
+{
+    RfVec3 wi, weight, f;
+    float pdf, cos_x, side;
+} Onward;
+
+static Onward scatter( const Point* x, RfRandomKey key, uint32_t dimension )
 {
     RfBsdfLanes lane = lane_of( x );
     float random[3];
@@ -86,10 +111,89 @@ static RfVec3 sample( const Point* x, RfRandomKey key, uint32_t dimension )
         random[k] = rf_random( key, dimension + k );
     const float* wo[3] = { &x->wo.x, &x->wo.y, &x->wo.z };
     const float* u[3] = { random, random + 1, random + 2 };
-    RfVec3 wi;
-    float* out[3] = { &wi.x, &wi.y, &wi.z };
-    rf_bsdf_sample( x->material->kind, 1, &lane, wo, u, out );
-    return wi;
+    Onward out = { 0 };
+    float* wi[3] = { &out.wi.x, &out.wi.y, &out.wi.z };
+    float* weight[3] = { &out.weight.x, &out.weight.y, &out.weight.z };
+    if ( is_native( x ) )
+    {
+        rf_glass_sample( 1, &lane, wo, u, wi, weight, &out.pdf );
+        float cos_g = rf_dot( x->ng, out.wi );
+        out.cos_x = rf_dot( x->n, out.wi );
+        out.side = out.cos_x * cos_g <= 0.0f || rf_max_component( out.weight ) == 0.0f ? 0.0f : ( cos_g > 0.0f ? 1.0f : -1.0f );
+        return out;
+    }
+    rf_bsdf_sample( x->material.kind, 1, &lane, wo, u, wi );
+    out.f = evaluate( x, out.wi, &out.pdf );
+    out.cos_x = rf_dot( x->n, out.wi );
+    out.side = out.cos_x > 0.0f && rf_dot( x->ng, out.wi ) > 0.0f && out.pdf > 0.0f ? 1.0f : 0.0f;
+    return out;
+}
+
+static RfVec3 start_of( const Point* x, const Onward* onward ) { return rf_madd( x->p, x->ng, onward->side * x->offset ); }
+
+static RfVec3 sky_along( const RfTracer* tracer, RfVec3 d, float* light_pdf )
+{
+    const RfLights* lights = rf_tracer_lights( tracer );
+    *light_pdf = 0.0f;
+    if ( lights->sky.environment == NULL )
+        return rf_vec3( 0, 0, 0 );
+    *light_pdf = rf_sky_pdf_solid_angle( &lights->sky, d ) * lights->pick[lights->punctual_count];
+    return rf_sky_radiance( &lights->sky, d );
+}
+
+static bool is_open( const RfTracer* tracer, RfVec3 from, RfVec3 segment )
+{
+    const float* o[3] = { &from.x, &from.y, &from.z };
+    const float* d[3] = { &segment.x, &segment.y, &segment.z };
+    uint8_t visible;
+    rf_trace_segments( tracer, 1, o, d, &visible );
+    return visible != 0;
+}
+
+// A sample of a light without size, or of the sky.
+static RfVec3 sample_other_light( const RfTracer* tracer, const Point* x, uint32_t number, RfRandomKey key, uint32_t dimension,
+                                  RfVec3* wi, float* pdf )
+{
+    const RfLights* lights = rf_tracer_lights( tracer );
+    RfVec3 from = rf_madd( x->p, x->ng, x->offset ), radiance;
+    float distance = 2.0f * ( rf_length( rf_sub( from, lights->center ) ) + lights->radius );
+    int k = (int)( number - lights->triangle_count );
+    if ( k == lights->punctual_count )
+    {
+        uint32_t pick[2] = { rf_random_bits( key, ( dimension + 1 ) | RF_DIMENSION_TWIN ),
+                             rf_random_bits( key, ( dimension + 2 ) | RF_DIMENSION_TWIN ) };
+        float place[2] = { rf_random( key, dimension + 1 ), rf_random( key, dimension + 2 ) };
+        RfSkySample sky = rf_sample_sky( &lights->sky, pick, place );
+        *wi = sky.wi;
+        *pdf = sky.pdf_solid_angle * lights->pick[k];
+        radiance = sky.radiance;
+    }
+    else
+    {
+        const RfPunctual* p = lights->punctual + k;
+        *pdf = lights->pick[k] * RF_DELTA_PDF;
+        if ( p->kind == RF_PUNCTUAL_DIRECTIONAL )
+        {
+            *wi = rf_scale( p->direction, -1.0f );
+            radiance = rf_scale( p->intensity, RF_DELTA_PDF );
+        }
+        else
+        {
+            RfVec3 way = rf_sub( p->position, from );
+            float d2 = rf_dot( way, way );
+            distance = sqrtf( d2 );
+            *wi = rf_scale( way, 1.0f / distance );
+            float t = ( -rf_dot( p->direction, *wi ) - p->cos_outer ) / ( p->cos_inner - p->cos_outer );
+            t = t < 0.0f ? 0.0f : ( t > 1.0f ? 1.0f : t );
+            float cone = p->kind == RF_PUNCTUAL_SPOT ? t * t : 1.0f;
+            float r2 = d2 / ( p->range * p->range ), window = 1.0f - r2 * r2 > 0.0f ? 1.0f - r2 * r2 : 0.0f;
+            radiance = rf_scale( p->intensity, cone * window / d2 * RF_DELTA_PDF );
+        }
+    }
+    float cos_x = rf_dot( x->n, *wi );
+    if ( !( cos_x > 0.0f && rf_dot( x->ng, *wi ) > 0.0f && *pdf > 0.0f ) || rf_max_component( radiance ) == 0.0f )
+        return rf_vec3( 0, 0, 0 );
+    return is_open( tracer, from, rf_scale( *wi, distance ) ) ? rf_scale( radiance, cos_x ) : rf_vec3( 0, 0, 0 );
 }
 
 // A light sample at x: direction, density, and what arrives, times the cosine.
@@ -100,7 +204,10 @@ static RfVec3 sample_light( const RfTracer* tracer, const Point* x, RfRandomKey 
     const RfLights* lights = rf_tracer_lights( tracer );
     if ( lights->count == 0 )
         return black;
-    const RfLight* light = lights->light + rf_pick_light( lights, rf_random_bits( key, dimension ), rf_random_bits( key, dimension | RF_DIMENSION_TWIN ) );
+    uint32_t number = rf_pick_light( lights, rf_random_bits( key, dimension ), rf_random_bits( key, dimension | RF_DIMENSION_TWIN ) );
+    if ( number >= lights->triangle_count )
+        return sample_other_light( tracer, x, number, key, dimension, wi, pdf );
+    const RfLight* light = lights->light + number;
     float root = sqrtf( rf_random( key, dimension + 1 ) );
     float b1 = 1.0f - root, b2 = rf_random( key, dimension + 2 ) * root;
     RfVec3 z = rf_add( light->p0, rf_add( rf_scale( light->e1, b1 ), rf_scale( light->e2, b2 ) ) );
@@ -115,12 +222,10 @@ static RfVec3 sample_light( const RfTracer* tracer, const Point* x, RfRandomKey 
     if ( !( cos_x > 0.0f && rf_dot( x->ng, *wi ) > 0.0f && cos_light > 0.0f && *pdf < 1e30f ) )
         return black;
     RfVec3 to = rf_madd( z, light->normal, facing < 0.0f ? -light->offset : light->offset );
-    RfVec3 segment = rf_sub( to, from );
-    const float* o[3] = { &from.x, &from.y, &from.z };
-    const float* d[3] = { &segment.x, &segment.y, &segment.z };
-    uint8_t visible;
-    rf_trace_segments( tracer, 1, o, d, &visible );
-    return visible ? rf_scale( light->radiance, cos_x ) : black;
+    RfVec3 radiance = rf_light_radiance( rf_tracer_scene( tracer ), light, b1, b2 );
+    if ( rf_max_component( radiance ) == 0.0f )
+        return black;
+    return is_open( tracer, from, rf_sub( to, from ) ) ? rf_scale( radiance, cos_x ) : black;
 }
 
 // Light that leaves x towards wo by the light samples.
@@ -150,60 +255,76 @@ typedef struct Arriving
     float light_pdf;
 } Arriving;
 
+// What a ray meets at its end: a surface, or the sky.
+static bool meet( const RfTracer* tracer, RfVec3 o, RfVec3 d, Point* x, RfVec3* throughput, RfVec3* light, float* light_pdf )
+{
+    if ( !find( tracer, o, d, x ) )
+    {
+        *light = sky_along( tracer, d, light_pdf );
+        return false;
+    }
+    *light = x->emission;
+    *light_pdf = x->light_pdf;
+    if ( is_native( x ) && x->inside && !x->material.thin && rf_max_component( x->material.absorption ) > 0.0f )
+        *throughput = rf_mul( *throughput, rf_transmittance( x->material.absorption, rf_length( rf_sub( x->p, o ) ) ) );
+    return true;
+}
+
 static Arriving arriving_light( const RfTracer* tracer, const ReferenceSettings* s, RfRandomKey key, RfVec3 o, RfVec3 d,
-                                float roulette_scale )
+                                RfVec3 throughput, float roulette_scale )
 {
     Arriving result = { { 0, 0, 0 }, { 0, 0, 0 }, 0.0f };
-    RfVec3 throughput = rf_vec3( 1, 1, 1 );
     float pdf_scatter = 0.0f;
     for ( int vertex = 2; vertex <= s->max_depth; ++vertex )
     {
         Point x;
-        if ( !find( tracer, o, d, &x ) )
-            break;
+        RfVec3 light;
+        float light_pdf;
+        bool surface = meet( tracer, o, d, &x, &throughput, &light, &light_pdf );
         if ( vertex == 2 )
         {
-            result.emitted = x.emission;
-            result.light_pdf = x.light_pdf;
+            result.emitted = rf_mul( throughput, light );
+            result.light_pdf = light_pdf;
         }
-        else if ( x.light_pdf > 0.0f )
+        else if ( light_pdf > 0.0f )
         {
-            float weight = pdf_scatter / ( pdf_scatter + (float)s->light_samples * x.light_pdf );
-            result.rest = rf_add( result.rest, rf_scale( rf_mul( throughput, x.emission ), weight ) );
+            float weight = pdf_scatter / ( pdf_scatter + (float)s->light_samples * light_pdf );
+            result.rest = rf_add( result.rest, rf_scale( rf_mul( throughput, light ), weight ) );
         }
-        if ( vertex == s->max_depth )
+        if ( !surface || vertex == s->max_depth )
             break;
         result.rest = direct( tracer, &x, key, vertex, s->light_samples, throughput, result.rest );
         uint32_t dimension = rf_vertex_dimension( vertex, s->light_samples );
-        RfVec3 wi = sample( &x, key, dimension + RF_DIMENSION_SCATTER );
-        RfVec3 f = evaluate( &x, wi, &pdf_scatter );
-        float cos_x = rf_dot( x.n, wi );
-        throughput = rf_scale( rf_mul( throughput, f ), cos_x / pdf_scatter );
+        Onward onward = scatter( &x, key, dimension + RF_DIMENSION_SCATTER );
+        pdf_scatter = onward.pdf;
+        throughput = is_native( &x ) ? rf_mul( throughput, onward.weight )
+                                     : rf_scale( rf_mul( throughput, onward.f ), onward.cos_x / onward.pdf );
         float q = vertex < 3 ? 1.0f : rf_minf( rf_max_component( throughput ) * roulette_scale, 1.0f );
-        if ( !( cos_x > 0.0f && rf_dot( x.ng, wi ) > 0.0f && pdf_scatter > 0.0f &&
-                rf_random( key, dimension + RF_DIMENSION_ROULETTE ) < q ) )
+        if ( !( onward.side != 0.0f && rf_random( key, dimension + RF_DIMENSION_ROULETTE ) < q ) )
             break;
         throughput = rf_vec3( throughput.x / q, throughput.y / q, throughput.z / q );
-        o = rf_madd( x.p, x.ng, x.offset );
-        d = wi;
+        o = start_of( &x, &onward );
+        d = onward.wi;
     }
     return result;
 }
 
 static RfVec3 scattered_light( const RfTracer* tracer, const ReferenceSettings* s, RfRandomKey key, const Point* x )
 {
-    RfVec3 black = rf_vec3( 0, 0, 0 );
-    RfVec3 wi = sample( x, key, rf_vertex_dimension( 1, s->light_samples ) + RF_DIMENSION_SCATTER );
-    float pdf;
-    RfVec3 f = evaluate( x, wi, &pdf );
-    float cos_x = rf_dot( x->n, wi );
-    if ( !( cos_x > 0.0f && rf_dot( x->ng, wi ) > 0.0f && pdf > 0.0f ) )
-        return black;
-    RfVec3 o = rf_madd( x->p, x->ng, x->offset );
-    float roulette_scale = rf_maxf( rf_max_component( f ) * cos_x / pdf, 0.1f );
-    Arriving in = arriving_light( tracer, s, key, o, wi, roulette_scale );
-    RfVec3 emitted = rf_scale( rf_scale( in.emitted, cos_x ), 1.0f / ( (float)s->light_samples * in.light_pdf + pdf ) );
-    return rf_mul( f, rf_add( emitted, rf_scale( rf_scale( in.rest, cos_x ), 1.0f / pdf ) ) );
+    Onward onward = scatter( x, key, rf_vertex_dimension( 1, s->light_samples ) + RF_DIMENSION_SCATTER );
+    if ( onward.side == 0.0f )
+        return rf_vec3( 0, 0, 0 );
+    RfVec3 o = start_of( x, &onward );
+    float k = (float)s->light_samples;
+    if ( is_native( x ) )
+    {
+        Arriving in = arriving_light( tracer, s, key, o, onward.wi, onward.weight, 1.0f );
+        return rf_add( rf_scale( in.emitted, onward.pdf / ( onward.pdf + k * in.light_pdf ) ), in.rest );
+    }
+    float roulette_scale = rf_maxf( rf_max_component( onward.f ) * onward.cos_x / onward.pdf, 0.1f );
+    Arriving in = arriving_light( tracer, s, key, o, onward.wi, rf_vec3( 1, 1, 1 ), roulette_scale );
+    RfVec3 emitted = rf_scale( rf_scale( in.emitted, onward.cos_x ), 1.0f / ( k * in.light_pdf + onward.pdf ) );
+    return rf_mul( onward.f, rf_add( emitted, rf_scale( rf_scale( in.rest, onward.cos_x ), 1.0f / onward.pdf ) ) );
 }
 
 static RfVec3 first_ray( const RfEye* eye, RfRandomKey key, int x, int y )
@@ -220,8 +341,13 @@ RfVec3 reference_sample( const RfTracer* tracer, const RfEye* eye, const Referen
     uint64_t pass_key = rf_pass_key( s->seed, (uint32_t)s->frame, (uint32_t)s->frame, (uint32_t)pass );
     RfRandomKey key = rf_pixel_key( pass_key, (uint32_t)( y * eye->width + x ) );
     Point hit;
-    if ( !find( tracer, eye->origin, first_ray( eye, key, x, y ), &hit ) )
-        return rf_vec3( 0, 0, 0 );
+    RfVec3 ray = first_ray( eye, key, x, y );
+    if ( !find( tracer, eye->origin, ray, &hit ) )
+    {
+        float pdf;
+        bool hidden = rf_tracer_scene( tracer )->environment.hidden;
+        return hidden ? rf_vec3( 0, 0, 0 ) : sky_along( tracer, ray, &pdf );
+    }
     RfVec3 sum = hit.emission;
     if ( s->max_depth == 1 )
         return sum;

@@ -183,6 +183,133 @@ RfScene make_room( RoomKind kind )
     return finish_scene( &b );
 }
 
+RfMaterial make_glass( float ior, float roughness, bool thin )
+{
+    RfMaterial m = blank( RF_BSDF_GLASS );
+    m.alpha = roughness * roughness;
+    m.ior = ior;
+    m.thin = thin;
+    m.tint = rf_vec3( 1, 1, 1 );
+    return m;
+}
+
+RfMaterial make_mirror( float reflectance )
+{
+    RfMaterial m = blank( RF_BSDF_GLASS );
+    m.alpha = 0.0f;
+    m.specular = rf_vec3( reflectance, reflectance, 0.9f * reflectance );
+    return m;
+}
+
+RfPunctual make_point_light( RfVec3 position, float intensity )
+{
+    return ( RfPunctual ){
+        .kind = RF_PUNCTUAL_POINT,
+        .position = position,
+        .direction = rf_vec3( 0, -1, 0 ),
+        .intensity = rf_vec3( intensity, intensity, 0.8f * intensity ),
+        .cos_inner = 1.0f,
+        .cos_outer = -1.0f,
+        .range = INFINITY,
+    };
+}
+
+static void add_lamps( RfScene* scene )
+{
+    scene->punctuals = grow( NULL, 3 * sizeof *scene->punctuals );
+    scene->punctual_count = 3;
+    scene->punctuals[0] = make_point_light( rf_vec3( -0.8f, 1.6f, 0.6f ), 2.0f );
+    RfPunctual spot = make_point_light( rf_vec3( 0.9f, 2.2f, 0.3f ), 9.0f );
+    spot.kind = RF_PUNCTUAL_SPOT;
+    spot.direction = rf_normalize( rf_vec3( -0.9f, -2.0f, -0.3f ) );
+    spot.cos_inner = 0.98f;
+    spot.cos_outer = 0.9f;
+    spot.range = 4.0f;
+    scene->punctuals[1] = spot;
+    RfPunctual sun = make_point_light( rf_vec3( 0, 0, 0 ), 1.5f );
+    sun.kind = RF_PUNCTUAL_DIRECTIONAL;
+    sun.direction = rf_normalize( rf_vec3( 0.4f, -1.0f, -0.3f ) );
+    scene->punctuals[2] = sun;
+}
+
+#define MAP_WIDTH 16
+#define MAP_HEIGHT 8
+
+static void add_map( RfScene* scene )
+{
+    RfEnvironment* e = &scene->environment;
+    e->width = MAP_WIDTH;
+    e->height = MAP_HEIGHT;
+    e->map = grow( NULL, 3 * MAP_WIDTH * MAP_HEIGHT * sizeof( float ) );
+    e->rotation = 0.7f;
+    for ( int i = 0; i < MAP_WIDTH * MAP_HEIGHT; ++i )
+    {
+        float up = 1.0f - (float)( i / MAP_WIDTH ) / MAP_HEIGHT;
+        e->map[3 * i] = 0.3f * up;
+        e->map[3 * i + 1] = 0.4f * up;
+        e->map[3 * i + 2] = 0.6f * up;
+    }
+    for ( int c = 0; c < 3; ++c )
+        e->map[3 * ( 2 * MAP_WIDTH + 5 ) + c] = 30.0f;
+}
+
+RfScene make_open_scene( OpenLight light )
+{
+    SceneBuilder b = { 0 };
+    uint32_t floor = add_material( &b, make_lambert( 0.6f, 0.55f, 0.5f ) );
+    uint32_t metal = add_material( &b, make_metal( 0.9f, 0.3f ) );
+    RfMaterial block = make_plastic( 0.6f, 0.25f );
+    if ( light == LIT_BY_MAP )
+    {
+        block.kind = RF_BSDF_COATED;
+        block.clearcoat = 0.8f;
+        block.clearcoat_alpha = 0.04f;
+    }
+    uint32_t plastic = add_material( &b, block );
+    add_quad( &b, floor, rf_vec3( -3, 0, 3 ), rf_vec3( 3, 0, 3 ), rf_vec3( 3, 0, -3 ), rf_vec3( -3, 0, -3 ) );
+    add_sphere( &b, metal, rf_vec3( 0, 1.0f, 0 ), 0.5f, 12 );
+    add_box( &b, plastic, rf_vec3( -0.6f, 0.0f, -0.5f ), rf_vec3( 0.7f, 0.5f, 0.5f ), false );
+    if ( light == LIT_BY_ALL )
+    {
+        uint32_t lamp = add_material( &b, make_light( 6.0f, true ) );
+        add_quad( &b, lamp, rf_vec3( -1.2f, 1.2f, -1 ), rf_vec3( -0.8f, 1.2f, -1 ), rf_vec3( -0.8f, 1.6f, -1 ), rf_vec3( -1.2f, 1.6f, -1 ) );
+    }
+    RfScene scene = finish_scene( &b );
+    if ( light != LIT_BY_LAMPS )
+        scene.environment.radiance = rf_vec3( 0.5f, 0.5f, 0.6f );
+    if ( light == LIT_BY_MAP || light == LIT_BY_ALL )
+        add_map( &scene );
+    if ( light == LIT_BY_LAMPS || light == LIT_BY_ALL )
+        add_lamps( &scene );
+    scene.environment.hidden = light == LIT_BY_ALL;
+    return scene;
+}
+
+RfScene make_glass_room( void )
+{
+    SceneBuilder b = { 0 };
+    uint32_t wall = add_material( &b, make_lambert( 0.6f, 0.55f, 0.5f ) );
+    uint32_t light = add_material( &b, make_light( 4.0f, false ) );
+    uint32_t glass = add_material( &b, make_glass( 1.5f, 0.0f, false ) );
+    b.scene.materials[glass].absorption = rf_vec3( 0.2f, 0.6f, 1.5f );
+    uint32_t rough = add_material( &b, make_glass( 1.4f, 0.35f, false ) );
+    b.scene.materials[rough].diffuse = rf_vec3( 0.1f, 0.3f, 0.2f );
+    b.scene.materials[rough].tint = rf_vec3( 0.6f, 0.6f, 0.7f );
+    uint32_t thin = add_material( &b, make_glass( 1.5f, 0.2f, true ) );
+    b.scene.materials[thin].tint = rf_vec3( 0.9f, 0.5f, 0.4f );
+    uint32_t mirror = add_material( &b, make_mirror( 0.9f ) );
+    uint32_t plastic = add_material( &b, make_plastic( 0.6f, 0.25f ) );
+    add_box( &b, wall, rf_vec3( -2, 0, -2 ), rf_vec3( 2, 3, 2 ), true );
+    add_quad( &b, light, rf_vec3( -1.5f, 2.95f, -1.5f ), rf_vec3( 1.5f, 2.95f, -1.5f ), rf_vec3( 1.5f, 2.95f, 1.5f ),
+              rf_vec3( -1.5f, 2.95f, 1.5f ) );
+    add_sphere( &b, glass, rf_vec3( 0, 1.0f, 0 ), 0.4f, 12 );
+    add_box( &b, plastic, rf_vec3( -0.6f, 0.0f, -0.5f ), rf_vec3( 0.7f, 0.5f, 0.5f ), false );
+    add_box( &b, rough, rf_vec3( 0.6f, 0.6f, -0.4f ), rf_vec3( 0.9f, 1.1f, 0.3f ), false );
+    add_quad( &b, thin, rf_vec3( -1.0f, 0.5f, 0.2f ), rf_vec3( -0.5f, 0.5f, 0.2f ), rf_vec3( -0.5f, 1.3f, 0.2f ), rf_vec3( -1.0f, 1.3f, 0.2f ) );
+    add_quad( &b, mirror, rf_vec3( -1.9f, 0.3f, -1.8f ), rf_vec3( 1.9f, 0.3f, -1.8f ), rf_vec3( 1.9f, 2.0f, -1.8f ), rf_vec3( -1.9f, 2.0f, -1.8f ) );
+    return finish_scene( &b );
+}
+
 RfScene make_furnace( float albedo, float emission )
 {
     SceneBuilder b = { 0 };

@@ -45,6 +45,26 @@ typedef enum RoomKind
 // and a block of the given kind.
 RfScene make_room( RoomKind kind );
 
+// A floor, a metal sphere and a plastic block (under a clear coat in
+// LIT_BY_MAP), without walls.
+typedef enum OpenLight
+{
+    LIT_BY_SKY,      // constant
+    LIT_BY_MAP,      // a sky of 16 × 8 pixels with a bright spot
+    LIT_BY_LAMPS,    // a point light, a spot and a sun
+    LIT_BY_ALL,      // a small area light besides
+} OpenLight;
+
+RfScene make_open_scene( OpenLight light );
+
+// The room with a sphere of absorbing glass, a rough pane, a thin wall of
+// tinted glass and a mirror.
+RfScene make_glass_room( void );
+
+RfMaterial make_glass( float ior, float roughness, bool thin );
+RfMaterial make_mirror( float reflectance );
+RfPunctual make_point_light( RfVec3 position, float intensity );
+
 // A closed box whose inside has this albedo and emits this radiance.
 RfScene make_furnace( float albedo, float emission );
 

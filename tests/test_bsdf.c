@@ -38,17 +38,17 @@ static void test_closed_forms( void** state )
 {
     (void)state;
     RfVec3 n = rf_vec3( 0.0f, 0.6f, 0.8f );
-    Material lambert = { RF_BSDF_LAMBERT, { 0.2f, 0.4f, 0.6f }, { 0, 0, 0 }, 0, 0, 0, 0 };
+    Material lambert = { RF_BSDF_LAMBERT, { 0.2f, 0.4f, 0.6f }, { 0, 0, 0 }, 0, 0, 0, 0, 0, 0 };
     evaluate_one( &lambert, n, n, rf_vec3( 0.0f, 0.0f, 1.0f ) );
     assert_near( s_lanes[F + 1][0], 0.4 / 3.14159265, 1e-6 );
     assert_near( s_lanes[PDF][0], 0.8 / 3.14159265, 1e-6 );
 
-    Material phong = { RF_BSDF_PHONG, { 0.3f, 0.3f, 0.3f }, { 0.5f, 0.5f, 0.5f }, 50.0f, 0, 0, 0 };
+    Material phong = { RF_BSDF_PHONG, { 0.3f, 0.3f, 0.3f }, { 0.5f, 0.5f, 0.5f }, 50.0f, 0, 0, 0, 0, 0 };
     evaluate_one( &phong, n, n, n );
     assert_near( s_lanes[F][0], 0.3 / 3.14159265 + 0.5 * 52.0 / 6.2831853, 1e-6 );
     assert_near( s_lanes[PDF][0], 0.375 / 3.14159265 + 0.625 * 51.0 / 6.2831853, 1e-6 );
 
-    Material ggx = { RF_BSDF_GGX, { 0.6f, 0.6f, 0.6f }, { 0.04f, 0.04f, 0.04f }, 0.3f, 1.0f, 0.04f, 1.0f };
+    Material ggx = { RF_BSDF_GGX, { 0.6f, 0.6f, 0.6f }, { 0.04f, 0.04f, 0.04f }, 0.3f, 1.0f, 0.04f, 1.0f, 0, 0 };
     evaluate_one( &ggx, n, n, n );
     double d = 1.0 / ( 3.14159265 * 0.09 );
     assert_near( s_lanes[F][0], 0.04 * d / 4.0 + 0.6 / 3.14159265 * 0.96 * 0.96, 1e-5 );
@@ -60,9 +60,9 @@ static void test_closed_forms( void** state )
 static void test_horizon( void** state )
 {
     (void)state;
-    Material materials[3] = { { RF_BSDF_LAMBERT, { 1, 1, 1 }, { 0, 0, 0 }, 0, 0, 0, 0 },
-                              { RF_BSDF_PHONG, { 0.5f, 0.5f, 0.5f }, { 0.5f, 0.5f, 0.5f }, 3.0f, 0, 0, 0 },
-                              { RF_BSDF_GGX, { 0.5f, 0.5f, 0.5f }, { 0.5f, 0.5f, 0.5f }, 0.5f, 1, 0.04f, 1 } };
+    Material materials[3] = { { RF_BSDF_LAMBERT, { 1, 1, 1 }, { 0, 0, 0 }, 0, 0, 0, 0, 0, 0 },
+                              { RF_BSDF_PHONG, { 0.5f, 0.5f, 0.5f }, { 0.5f, 0.5f, 0.5f }, 3.0f, 0, 0, 0, 0, 0 },
+                              { RF_BSDF_GGX, { 0.5f, 0.5f, 0.5f }, { 0.5f, 0.5f, 0.5f }, 0.5f, 1, 0.04f, 1, 0, 0 } };
     for ( int k = 0; k < 3; ++k )
     {
         for ( int i = 0; i < 2000; ++i )
@@ -86,7 +86,7 @@ static void test_horizon( void** state )
 static void test_sharp_lobe_is_accurate( void** state )
 {
     (void)state;
-    Material m = { RF_BSDF_GGX, { 0, 0, 0 }, { 1, 1, 1 }, RF_MIN_ALPHA, 1, 0, 0 };
+    Material m = { RF_BSDF_GGX, { 0, 0, 0 }, { 1, 1, 1 }, RF_MIN_ALPHA, 1, 0, 0, 0, 0 };
     double a2 = (double)RF_MIN_ALPHA * RF_MIN_ALPHA;
     for ( int i = 0; i < 20000; ++i )
     {
@@ -108,7 +108,7 @@ static void test_sharp_lobe_is_accurate( void** state )
 static Material random_material( RfBsdfKind kind, uint32_t stream, int i )
 {
     float pick = uniform( stream, i, 20 );
-    Material m = { kind, { 0, 0, 0 }, { 0, 0, 0 }, 0, 1, 0, 1 };
+    Material m = { .kind = kind, .f90 = 1, .coat_f90 = 1, .clearcoat = 1, .clearcoat_alpha = RF_MIN_ALPHA };
     m.diffuse = rf_vec3( uniform( stream, i, 21 ), uniform( stream, i, 22 ), uniform( stream, i, 23 ) );
     m.specular = rf_vec3( uniform( stream, i, 24 ), uniform( stream, i, 25 ), uniform( stream, i, 26 ) );
     if ( pick > 0.8f )
@@ -119,7 +119,9 @@ static Material random_material( RfBsdfKind kind, uint32_t stream, int i )
     m.coat_f0 = pick > 0.5f ? 0.04f : 0.0f;
     m.coat_f90 = m.f90;
     float shape = uniform( stream, i, 29 );
-    if ( kind == RF_BSDF_GGX )
+    m.clearcoat = uniform( stream, i, 30 ) > 0.3f ? 1.0f : uniform( stream, i, 30 );
+    m.clearcoat_alpha = rf_maxf( RF_MIN_ALPHA, uniform( stream, i, 31 ) );
+    if ( kind == RF_BSDF_GGX || kind == RF_BSDF_COATED )
         m.shape = pick < 0.2f ? RF_MIN_ALPHA : pick > 0.95f ? 1.0f : rf_maxf( RF_MIN_ALPHA, shape * shape );
     else
         m.shape = pick < 0.1f ? 0.0f : pick > 0.8f ? 1e6f : exp2f( 14.0f * shape );
@@ -129,7 +131,7 @@ static Material random_material( RfBsdfKind kind, uint32_t stream, int i )
 static void test_reciprocity( void** state )
 {
     (void)state;
-    for ( int kind = 0; kind < RF_BSDF_KIND_COUNT; ++kind )
+    for ( int kind = 0; kind < RF_BSDF_FIRST_NATIVE; ++kind )
     {
         for ( int i = 0; i < 20000; ++i )
         {
@@ -224,7 +226,7 @@ static void assert_lane_is_sound( int i )
 static void test_any_input_is_finite( void** state )
 {
     (void)state;
-    for ( int kind = 0; kind < RF_BSDF_KIND_COUNT; ++kind )
+    for ( int kind = 0; kind < RF_BSDF_FIRST_NATIVE; ++kind )
     {
         for ( int first = 0; first < FUZZ; first += BATCH )
         {
@@ -250,7 +252,7 @@ static void test_lanes_stand_alone( void** state )
 {
     (void)state;
     static float whole[ARRAYS][BATCH], sampled[3][BATCH];
-    for ( int kind = 0; kind < RF_BSDF_KIND_COUNT; ++kind )
+    for ( int kind = 0; kind < RF_BSDF_FIRST_NATIVE; ++kind )
     {
         fill_awkward( (RfBsdfKind)kind, 9, 0 );
         evaluate_range( (RfBsdfKind)kind, 0, BATCH );
@@ -262,8 +264,7 @@ static void test_lanes_stand_alone( void** state )
                 evaluate_range( (RfBsdfKind)kind, first, BATCH - first < size ? BATCH - first : size );
             assert_memory_equal( s_lanes[F], whole[F], sizeof( s_lanes[F] ) * 4 );
         }
-        const RfBsdfLanes lanes = { THREE( N ), THREE( DIFFUSE ), THREE( SPECULAR ), s_lanes[SHAPE], s_lanes[F90],
-                                    s_lanes[COAT_F0], s_lanes[COAT_F90] };
+        const RfBsdfLanes lanes = parameters_from( 0 );
         const float* const wo[3] = THREE( WO );
         const float* const wi[3] = THREE( WI );
         float* const f[3] = THREE( F );

@@ -60,7 +60,7 @@ typedef struct CameraPath
 static const CameraPath paths[] = { { "orbit", make_orbit }, { "dolly", make_dolly }, { "pan", make_pan } };
 
 // Floor, block and sphere under an open sky.
-static RfScene make_open_scene( void )
+static RfScene make_plain_scene( void )
 {
     SceneBuilder b = { 0 };
     uint32_t grey = add_material( &b, make_lambert( 0.5f, 0.5f, 0.5f ) );
@@ -246,7 +246,7 @@ static void test_closed_room( void** state )
 static void test_open_scene( void** state )
 {
     (void)state;
-    check_scene( "open", make_open_scene() );
+    check_scene( "open", make_plain_scene() );
 }
 
 int main( void )

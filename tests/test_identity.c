@@ -32,9 +32,8 @@ static void assert_same_frames( const Rendered* a, int first_a, const Rendered* 
     assert_memory_equal( frame_weight( a, first_a ), frame_weight( b, first_b ), a->pixels * (size_t)count * sizeof( float ) );
 }
 
-static void check_plain( RoomKind kind, int light_samples, int max_depth )
+static void check_plain( RfScene scene, int light_samples, int max_depth )
 {
-    RfScene scene = make_room( kind );
     RfTracer* tracer = make_tracer( &scene );
     RfEye eyes[EYES];
     orbit_eyes( eyes, EYES, 4.0f, WIDTH, HEIGHT );
@@ -66,11 +65,16 @@ static void test_group_0_is_a_plain_path_tracer( void** state )
     (void)state;
     for ( int kind = ROOM_DIFFUSE; kind <= ROOM_GGX; ++kind )
     {
-        check_plain( (RoomKind)kind, 1, 12 );
-        check_plain( (RoomKind)kind, 3, 4 );
+        check_plain( make_room( (RoomKind)kind ), 1, 12 );
+        check_plain( make_room( (RoomKind)kind ), 3, 4 );
     }
-    check_plain( ROOM_DIFFUSE, 1, 1 );
-    check_plain( ROOM_GGX, 1, 2 );
+    check_plain( make_room( ROOM_DIFFUSE ), 1, 1 );
+    check_plain( make_room( ROOM_GGX ), 1, 2 );
+    for ( int light = LIT_BY_SKY; light <= LIT_BY_ALL; ++light )
+        check_plain( make_open_scene( (OpenLight)light ), 2, 5 );
+    check_plain( make_open_scene( LIT_BY_MAP ), 1, 1 );
+    check_plain( make_glass_room(), 1, 12 );
+    check_plain( make_glass_room(), 2, 3 );
 }
 
 // One scene, one setting, and what is changed without effect.

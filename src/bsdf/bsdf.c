@@ -14,6 +14,12 @@ void rf_bsdf_evaluate( RfBsdfKind kind, int count, const RfBsdfLanes* lanes, con
         case RF_BSDF_GGX:
             rf_ggx_evaluate( count, lanes, wo, wi, f, pdf_solid_angle );
             break;
+        case RF_BSDF_COATED:
+            rf_coated_evaluate( count, lanes, wo, wi, f, pdf_solid_angle );
+            break;
+        case RF_BSDF_GLASS:
+            rf_glass_evaluate( count, lanes, wo, wi, f, pdf_solid_angle );
+            break;
         case RF_BSDF_KIND_COUNT:
             break;
     }
@@ -33,6 +39,10 @@ void rf_bsdf_sample( RfBsdfKind kind, int count, const RfBsdfLanes* lanes, const
         case RF_BSDF_GGX:
             rf_ggx_sample( count, lanes, wo, u, wi );
             break;
+        case RF_BSDF_COATED:
+            rf_coated_sample( count, lanes, wo, u, wi );
+            break;
+        case RF_BSDF_GLASS: // by rf_glass_sample
         case RF_BSDF_KIND_COUNT:
             break;
     }

@@ -18,7 +18,8 @@
 
 // Parameters per lane, named as in RfMaterial. Arrays a kind does not use are
 // not read: Lambert uses diffuse; Phong diffuse, specular, shape (exponent);
-// GGX diffuse, specular (F0), shape (alpha), f90, coat_f0, coat_f90.
+// GGX diffuse, specular (F0), shape (alpha), f90, coat_f0, coat_f90; COATED
+// these and clearcoat, clearcoat_alpha.
 typedef struct RfBsdfLanes
 {
     const float* n[3];
@@ -28,6 +29,12 @@ typedef struct RfBsdfLanes
     const float* f90;
     const float* coat_f0;
     const float* coat_f90;
+    // COATED only
+    const float* clearcoat;
+    const float* clearcoat_alpha;
+    // GLASS only; ior: of the far side over the near one, negative in thin walls, 0 for mirrors
+    const float* tint[3];
+    const float* ior;
 } RfBsdfLanes;
 
 // f (three arrays) and the density per solid angle with which rf_bsdf_sample
@@ -42,6 +49,20 @@ void rf_bsdf_evaluate( RfBsdfKind kind, int count, const RfBsdfLanes* lanes, con
 void rf_bsdf_sample( RfBsdfKind kind, int count, const RfBsdfLanes* lanes, const float* const wo[3],
                      const float* const u[3], float* const wi[3] );
 
+// The same for RF_BSDF_GLASS, whose lobes may have no width and go through the
+// surface: also weight = f |n·wi| / density (three arrays, 0 where nothing is
+// scattered) and the density, RF_DELTA_PDF for directions that light sampling
+// cannot find. Evaluate has the other lobes only.
+void rf_glass_sample( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const u[3],
+                      float* const wi[3], float* const weight[3], float* pdf_solid_angle );
+void rf_glass_evaluate( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const wi[3],
+                        float* const f[3], float* pdf_solid_angle );
+
+// What has no width in solid angle has an infinite density there. This stands
+// for it: so large that a sum with any other density is the same float, so
+// that the balance heuristic gives it all the weight by itself.
+#define RF_DELTA_PDF 0x1p60f
+
 // The models one by one; sources in their files.
 void rf_lambert_evaluate( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const wi[3],
                           float* const f[3], float* pdf_solid_angle );
@@ -53,6 +74,10 @@ void rf_phong_sample( int count, const RfBsdfLanes* lanes, const float* const wo
                       float* const wi[3] );
 void rf_ggx_evaluate( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const wi[3],
                       float* const f[3], float* pdf_solid_angle );
+void rf_coated_evaluate( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const wi[3],
+                         float* const f[3], float* pdf_solid_angle );
+void rf_coated_sample( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const u[3],
+                       float* const wi[3] );
 void rf_ggx_sample( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const u[3],
                     float* const wi[3] );
 

@@ -8,7 +8,7 @@
 #include "cli/report.h"
 #include "light/light.h"
 #include "reuse/group.h"
-#include "scene/gltf.h"
+#include "scene/scene_file.h"
 
 #include <pthread.h>
 #include <stdlib.h>
@@ -18,8 +18,11 @@
 // All that one render holds; made in order, freed by destroy_job.
 typedef struct Job
 {
+    int argc; // the command line: it wins over a scene file, which is read later
+    char** argv;
     RfRenderOptions options;
     RfLog log;
+    RfSceneFile file; // options may point into it
     RfScene scene;
     RfCameraPath path;
     int* frames; // to be rendered, indices from 0
@@ -48,6 +51,7 @@ static void destroy_job( Job* job )
     rf_destroy_tracer( job->tracer );
     rf_destroy_camera_path( &job->path );
     rf_destroy_scene( &job->scene );
+    rf_close_scene_file( &job->file );
     free( job->frames );
     json_decref( job->frames_json );
 }
@@ -83,9 +87,20 @@ static RfResult resolve( Job* job, RfError* error )
     return RF_OK;
 }
 
+static RfResult load_scene( Job* job, RfError* error )
+{
+    RfResult result = rf_open_scene_file( job->options.scene, &job->file, error );
+    if ( result != RF_OK )
+        return result;
+    RfField defaults = rf_scene_file_defaults( &job->file, error );
+    if ( defaults.json != NULL )
+        result = rf_parse_render_options_over( &defaults, job->argc, job->argv, &job->options, error );
+    return result == RF_OK ? rf_load_scene_file( &job->file, &job->scene, &job->log, error ) : result;
+}
+
 static RfResult load( Job* job, RfError* error )
 {
-    RfResult result = rf_load_gltf( job->options.scene, &job->scene, &job->log, error );
+    RfResult result = load_scene( job, error );
     if ( result == RF_OK )
         result = rf_create_camera_path( &job->scene, job->options.camera, job->options.fps, job->options.size,
                                         &job->path, error );
@@ -99,6 +114,12 @@ static RfResult load( Job* job, RfError* error )
         return result;
     RfRenderSubject subject = subject_of( job );
     return rf_prepare_output( &subject, job->frames, &job->frame_count, error );
+}
+
+static bool has_light( const RfTracer* tracer )
+{
+    const RfLights* lights = rf_tracer_lights( tracer );
+    return lights->count > 0 || rf_has_sky( lights );
 }
 
 // A single pass cannot say how far off it is.
@@ -123,9 +144,10 @@ static RfResult build( Job* job, RfError* error )
     if ( result != RF_OK )
         return result;
     if ( job->scene.triangles.count == 0 )
-        rf_warn( &job->log, "%s: has no triangles, the picture will be black", job->options.scene );
-    else if ( rf_tracer_lights( job->tracer )->count == 0 )
-        rf_warn( &job->log, "%s: has no lights (no material emits), the picture will be black", job->options.scene );
+        rf_warn( &job->log, "%s: has no triangles, the picture will be %s", job->options.scene,
+                 has_light( job->tracer ) ? "sky alone" : "black" );
+    else if ( !has_light( job->tracer ) )
+        rf_warn( &job->log, "%s: has no lights (no material emits, no lamp, no environment), the picture will be black", job->options.scene );
     warn_of_variance( job );
     job->frames_json = json_array();
     job->seconds_scene = now() - job->start;
@@ -137,7 +159,7 @@ static RfResult build( Job* job, RfError* error )
 static void warn_if_black( Job* job, const RfFrameResult* result )
 {
     size_t count = 3 * (size_t)result->width * (size_t)result->height;
-    if ( job->told_black || rf_tracer_lights( job->tracer )->count == 0 )
+    if ( job->told_black || !has_light( job->tracer ) )
         return;
     for ( size_t i = 0; i < count; ++i )
     {
@@ -227,7 +249,7 @@ int rf_command_render( int argc, char** argv )
 {
     RfError error;
     bool help;
-    Job job = { .log = rf_stderr_log( "render" ), .speech = PTHREAD_MUTEX_INITIALIZER, .start = now() };
+    Job job = { .argc = argc, .argv = argv, .log = rf_stderr_log( "render" ), .speech = PTHREAD_MUTEX_INITIALIZER, .start = now() };
     RfResult result = rf_parse_render_options( argc, argv, &job.options, &help, &error );
     if ( result == RF_OK && help )
     {

@@ -39,8 +39,9 @@ static void spread_luminance( RfImage* image )
         image->rgb[3 * i + 1] = image->rgb[3 * i + 2] = image->rgb[3 * i];
 }
 
-static RfResult read_image( RfExrStream* stream, RfImage* image, RfError* error )
+RfResult rf_read_exr_stream( RfExrStream* stream, RfImage* image, RfError* error )
 {
+    *image = ( RfImage ){ 0 };
     RfExrPart part;
     RfResult result = rf_open_exr_part( stream, &part, error );
     if ( result != RF_OK )
@@ -66,7 +67,7 @@ RfResult rf_read_exr( const char* path, RfImage* image, RfError* error )
     RfResult result = open_file( path, &stream, error );
     if ( result != RF_OK )
         return result;
-    result = read_image( &stream, image, error );
+    result = rf_read_exr_stream( &stream, image, error );
     close( stream.fd );
     return result;
 }

@@ -55,7 +55,8 @@ static RfResult check_window( RfExrPart* part, RfError* error )
 {
     int64_t width = (int64_t)part->window.max.x - part->window.min.x + 1;
     int64_t height = (int64_t)part->window.max.y - part->window.min.y + 1;
-    if ( width < 1 || height < 1 || width > MAX_PIXELS || height > MAX_PIXELS / width )
+    int64_t most = part->stream->max_bytes > 0 ? (int64_t)( part->stream->max_bytes / ( 3 * sizeof( float ) ) ) : MAX_PIXELS;
+    if ( width < 1 || height < 1 || width > most || height > most / width )
         return rf_fail( error, RF_ERROR_FORMAT, "%s: its data window of %lldx%lld pixels is out of bounds",
                         part->stream->path, (long long)width, (long long)height );
     part->width = (int)width;

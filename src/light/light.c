@@ -17,6 +17,9 @@ static RfLight make_light( const RfScene* scene, uint32_t triangle )
     light.p0 = vertex( t, triangle, 0 );
     light.e1 = rf_sub( vertex( t, triangle, 1 ), light.p0 );
     light.e2 = rf_sub( vertex( t, triangle, 2 ), light.p0 );
+    light.textured = material->textured != NULL;
+    if ( light.textured )
+        light.radiance = rf_mean_emission( scene, material, triangle );
     RfVec3 cross = rf_cross( light.e1, light.e2 );
     light.area = 0.5f * rf_length( cross );
     light.offset = rf_ray_offset( rf_maxf( rf_largest_coordinate( light.p0 ), rf_maxf( rf_largest_coordinate( vertex( t, triangle, 1 ) ),
@@ -78,11 +81,9 @@ static RfResult build_alias( RfLights* lights, const double* weight, double tota
     return RF_OK;
 }
 
-static RfResult fill_lights( const RfScene* scene, RfLights* lights, RfError* error )
+// Emissive triangles, their powers into `weight`; returns the sum.
+static double fill_triangles( const RfScene* scene, RfLights* lights, double* weight )
 {
-    double* weight = malloc( lights->count * sizeof *weight );
-    if ( weight == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "no memory for %u lights", lights->count );
     double total = 0.0;
     uint32_t k = 0;
     for ( uint32_t i = 0; i < scene->triangles.count; ++i )
@@ -93,31 +94,105 @@ static RfResult fill_lights( const RfScene* scene, RfLights* lights, RfError* er
         RfLight light = make_light( scene, i );
         weight[k] = power( &light );
         if ( !( weight[k] > 0.0 ) )
-            continue; // no area: nothing can hit it either
+            continue; // no area, nothing can hit it either; or its texture is black all over it
         total += weight[k];
         lights->light[k] = light;
         lights->of_triangle[i] = k++;
     }
+    lights->triangle_count = k;
+    return total;
+}
+
+static void find_ball( const RfScene* scene, RfLights* lights )
+{
+    RfVec3 half = rf_scale( rf_sub( scene->bounds_max, scene->bounds_min ), 0.5f );
+    lights->center = rf_add( scene->bounds_min, half );
+    lights->radius = rf_maxf( rf_length( half ), 1e-6f * rf_largest_coordinate( lights->center ) );
+}
+
+// Power over π, as that of the triangles is: of what has no place, the light
+// that falls on the ball around the scene.
+static double punctual_power( const RfPunctual* p, double radius )
+{
+    double luminance = (double)rf_luminance( p->intensity );
+    switch ( p->kind )
+    {
+        case RF_PUNCTUAL_POINT: return 4.0 * luminance;
+        case RF_PUNCTUAL_SPOT: return 2.0 * ( 1.0 - 0.5 * (double)( p->cos_inner + p->cos_outer ) ) * luminance;
+        case RF_PUNCTUAL_DIRECTIONAL: return radius * radius * luminance;
+    }
+    return 0.0;
+}
+
+static double sky_power( const RfSky* sky, double radius )
+{
+    return 4.0 * 3.14159265358979324 * radius * radius * (double)sky->mean_luminance;
+}
+
+// Appends the lights that are not triangles: a weight each, also of those that are black.
+static double weigh_others( RfLights* lights, double* weight )
+{
+    double total = 0.0, radius = (double)lights->radius;
+    uint32_t k = lights->triangle_count;
+    for ( int i = 0; i < lights->punctual_count; ++i )
+        total += weight[k++] = punctual_power( lights->punctual + i, radius );
+    if ( rf_has_sky( lights ) )
+        total += weight[k++] = sky_power( &lights->sky, radius );
     lights->count = k;
-    for ( uint32_t i = 0; i < k; ++i )
-        lights->light[i].pdf_area = (float)( weight[i] / total / (double)lights->light[i].area );
-    RfResult result = k > 0 ? build_alias( lights, weight, total, error ) : RF_OK;
+    return total;
+}
+
+static RfResult fill_lights( const RfScene* scene, RfLights* lights, uint32_t room, RfError* error )
+{
+    double* weight = malloc( room * sizeof *weight );
+    if ( weight == NULL )
+        return rf_fail( error, RF_ERROR_MEMORY, "no memory for %u lights", room );
+    double total = lights->of_triangle != NULL ? fill_triangles( scene, lights, weight ) : 0.0;
+    total += weigh_others( lights, weight );
+    if ( !( total > 0.0 ) )
+        lights->count = 0;
+    uint32_t triangles = lights->triangle_count;
+    for ( uint32_t i = 0; i < lights->count; ++i )
+    {
+        if ( i < triangles )
+            lights->light[i].pdf_area = (float)( weight[i] / total / (double)lights->light[i].area );
+        else
+            lights->pick[i - triangles] = (float)( weight[i] / total );
+    }
+    RfResult result = lights->count > 0 ? build_alias( lights, weight, total, error ) : RF_OK;
     free( weight );
     return result;
 }
 
+static RfResult alloc_lights( const RfScene* scene, RfLights* lights, uint32_t emissive, RfError* error )
+{
+    bool whole = true;
+    if ( emissive > 0 )
+    {
+        lights->light = malloc( emissive * sizeof *lights->light );
+        lights->of_triangle = malloc( scene->triangles.count * sizeof *lights->of_triangle );
+        whole = lights->light != NULL && lights->of_triangle != NULL;
+    }
+    lights->pick = calloc( (size_t)scene->punctual_count + 1, sizeof *lights->pick );
+    if ( !whole || lights->pick == NULL )
+        return rf_fail( error, RF_ERROR_MEMORY, "no memory for %u lights", emissive );
+    return RF_OK;
+}
+
 RfResult rf_collect_lights( const RfScene* scene, RfLights* lights, RfError* error )
 {
-    *lights = ( RfLights ){ 0 };
+    *lights = ( RfLights ){ .punctual_count = scene->punctual_count, .punctual = scene->punctuals };
+    find_ball( scene, lights );
+    uint32_t emissive = 0;
     for ( uint32_t i = 0; i < scene->triangles.count; ++i )
-        lights->count += emits( scene, i );
-    if ( lights->count == 0 )
-        return RF_OK;
-    lights->light = malloc( lights->count * sizeof *lights->light );
-    lights->of_triangle = malloc( scene->triangles.count * sizeof *lights->of_triangle );
-    RfResult result = lights->light != NULL && lights->of_triangle != NULL
-                          ? fill_lights( scene, lights, error )
-                          : rf_fail( error, RF_ERROR_MEMORY, "no memory for %u lights", lights->count );
+        emissive += emits( scene, i );
+    RfResult result = rf_make_sky( &scene->environment, &lights->sky, error );
+    uint32_t room = emissive + (uint32_t)scene->punctual_count + rf_has_sky( lights );
+    if ( result != RF_OK || room == 0 )
+        return result;
+    result = alloc_lights( scene, lights, emissive, error );
+    if ( result == RF_OK )
+        result = fill_lights( scene, lights, room, error );
     if ( result != RF_OK )
         rf_destroy_lights( lights );
     return result;
@@ -125,7 +200,9 @@ RfResult rf_collect_lights( const RfScene* scene, RfLights* lights, RfError* err
 
 void rf_destroy_lights( RfLights* lights )
 {
+    rf_destroy_sky( &lights->sky );
     free( lights->light );
+    free( lights->pick );
     free( lights->alias_share );
     free( lights->alias );
     free( lights->of_triangle );

@@ -1,34 +1,61 @@
-// Emissive triangles as area lights: collected once, picked in proportion to
-// their power (alias table), sampled uniformly by area.
+// The lights of a scene: emissive triangles, lights without size, the sky.
+// Collected once, picked in proportion to their power (alias table); triangles
+// are sampled uniformly by area, the sky by direction.
 #ifndef REFRAME_LIGHT_LIGHT_H
 #define REFRAME_LIGHT_LIGHT_H
 
-#include "scene/scene.h"
+#include "light/sky.h"
+#include "scene/textured.h"
 
+#include <stddef.h>
+
+// An area light.
 typedef struct RfLight
 {
     RfVec3 p0, e1, e2;
     RfVec3 normal;   // unit, of the front
-    RfVec3 radiance; // W/(m² sr)
+    RfVec3 radiance; // W/(m² sr); where textured about the mean: rf_light_radiance tells it at a point
     float pdf_area;  // probability of the pick over the area: density of its points, 1/m²
     float area;
     float offset;    // what lifts a point off it (rf_ray_offset)
     uint32_t triangle;
     bool two_sided;
+    bool textured;
 } RfLight;
 
+// Picked by number: first the triangles, then the punctual lights, then the sky.
 typedef struct RfLights
 {
-    uint32_t count;
-    RfLight* light;
+    uint32_t count; // of all
+    uint32_t triangle_count;
+    RfLight* light; // triangle_count of them
+    int punctual_count;
+    const RfPunctual* punctual; // the scene's own
+    RfSky sky;
+    float* pick;         // chance of each punctual light, then of the sky
+    RfVec3 center;       // of a ball around the scene: what is beyond `radius` of it is as far as the sky
+    float radius;
     uint32_t* alias_share; // alias table, in units of 2⁻³²: below the share take the column, else its alias
     uint32_t* alias;
-    uint32_t* of_triangle; // light of each triangle, or RF_NO_LIGHT; NULL without lights
+    uint32_t* of_triangle; // light of each triangle, or RF_NO_LIGHT; NULL without area lights
 } RfLights;
 
 // Fails with RF_ERROR_MEMORY only. A scene without emission gives count 0.
 RfResult rf_collect_lights( const RfScene* scene, RfLights* lights, RfError* error );
 void rf_destroy_lights( RfLights* lights );
+
+static inline bool rf_has_sky( const RfLights* lights ) { return lights->sky.environment != NULL; }
+
+// Radiance at the barycentrics (b1, b2) of an area light.
+static inline RfVec3 rf_light_radiance( const RfScene* scene, const RfLight* light, float b1, float b2 )
+{
+    if ( !light->textured )
+        return light->radiance;
+    return rf_emission_at( scene, scene->materials + scene->triangles.material[light->triangle], light->triangle, b1, b2 );
+}
+
+// Chance of the sky; there must be one.
+static inline float rf_sky_pick( const RfLights* lights ) { return lights->pick[lights->punctual_count]; }
 
 // The light for 64 random bits: one word picks the column, the other decides
 // between it and its alias, so that shares of the table are met to 2⁻³² however

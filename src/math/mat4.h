@@ -3,6 +3,8 @@
 #ifndef REFRAME_MATH_MAT4_H
 #define REFRAME_MATH_MAT4_H
 
+#include "math/quat.h"
+
 typedef struct RfMat4
 {
     double m[16];
@@ -25,6 +27,21 @@ static inline RfMat4 rf_mat4_mul( const RfMat4* a, const RfMat4* b )
                 sum += a->m[4 * k + r] * b->m[4 * c + k];
             out.m[4 * c + r] = sum;
         }
+    }
+    return out;
+}
+
+// Scale first, then the unit quaternion (x y z w), then the translation.
+static inline RfMat4 rf_mat4_from_trs( const double t[3], const double q[4], const double s[3] )
+{
+    double r[9];
+    rf_quat_axes( q, r );
+    RfMat4 out = rf_mat4_identity();
+    for ( int c = 0; c < 3; ++c )
+    {
+        for ( int row = 0; row < 3; ++row )
+            out.m[4 * c + row] = r[3 * c + row] * s[c];
+        out.m[12 + c] = t[c];
     }
     return out;
 }

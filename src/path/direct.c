@@ -10,6 +10,9 @@ typedef struct LightPoints
     float pdf_area[RF_LANES];
     float offset[RF_LANES];
     float two_sided[RF_LANES]; // 1 or 0
+    int32_t other_count;       // lanes whose light is no triangle
+    int32_t other[RF_LANES];
+    uint32_t other_light[RF_LANES];
 } LightPoints;
 
 void rf_draw_lanes( const RfWalk* keys, int count, const int32_t* slot, uint32_t dimension, int numbers,
@@ -39,12 +42,20 @@ static void draw_bits( const RfWalk* keys, int count, const int32_t* slot, uint3
     }
 }
 
-// Uniform by area: u ↦ (1 − √u₁, u₂ √u₁) in barycentrics.
-static void choose_points( const RfLights* lights, int count, const RfLaneScratch* scratch, LightPoints* out )
+// Uniform by area: u ↦ (1 − √u₁, u₂ √u₁) in barycentrics. Lights that are no
+// triangles are only noted, and leave a point that sends nothing.
+static void choose_points( const RfScene* scene, const RfLights* lights, int count, const RfLaneScratch* scratch, LightPoints* out )
 {
+    static const RfLight s_none = { .pdf_area = 1.0f };
+    out->other_count = 0;
     for ( int i = 0; i < count; ++i )
     {
-        const RfLight* light = lights->light + rf_pick_light( lights, scratch->bits[0][i], scratch->bits[1][i] );
+        uint32_t number = rf_pick_light( lights, scratch->bits[0][i], scratch->bits[1][i] );
+        bool other = number >= lights->triangle_count;
+        const RfLight* light = other ? &s_none : lights->light + number;
+        out->other[out->other_count] = i;
+        out->other_light[out->other_count] = number;
+        out->other_count += other;
         float root = sqrtf( scratch->random[0][i] );
         float b1 = 1.0f - root, b2 = scratch->random[1][i] * root;
         RfVec3 p = rf_add( light->p0, rf_add( rf_scale( light->e1, b1 ), rf_scale( light->e2, b2 ) ) );
@@ -54,9 +65,10 @@ static void choose_points( const RfLights* lights, int count, const RfLaneScratc
         out->n[0][i] = light->normal.x;
         out->n[1][i] = light->normal.y;
         out->n[2][i] = light->normal.z;
-        out->radiance[0][i] = light->radiance.x;
-        out->radiance[1][i] = light->radiance.y;
-        out->radiance[2][i] = light->radiance.z;
+        RfVec3 radiance = rf_light_radiance( scene, light, b1, b2 );
+        out->radiance[0][i] = radiance.x;
+        out->radiance[1][i] = radiance.y;
+        out->radiance[2][i] = radiance.z;
         out->pdf_area[i] = light->pdf_area;
         out->offset[i] = light->offset;
         out->two_sided[i] = light->two_sided ? 1.0f : 0.0f;
@@ -109,6 +121,95 @@ static void connect( const RfVertexLanes* restrict v, const LightPoints* restric
     }
 }
 
+// A light sample from a light that is no triangle: the direction to it, what
+// arrives unless something is in the way, and the segment to test. A punctual
+// light has all its density in one direction.
+typedef struct OtherSample
+{
+    RfVec3 wi, radiance;
+    float pdf_solid_angle;
+    float distance;
+} OtherSample;
+
+static float cone( const RfPunctual* p, RfVec3 wi )
+{
+    if ( p->kind != RF_PUNCTUAL_SPOT )
+        return 1.0f;
+    float cos_axis = -rf_dot( p->direction, wi );
+    float t = ( cos_axis - p->cos_outer ) / rf_maxf( p->cos_inner - p->cos_outer, 1e-4f );
+    t = rf_clampf( t, 0.0f, 1.0f );
+    return t * t;
+}
+
+// The range of KHR_lights_punctual, as its text recommends.
+static float window( float distance2, float range )
+{
+    float ratio2 = distance2 / ( range * range );
+    return rf_clampf( 1.0f - ratio2 * ratio2, 0.0f, 1.0f );
+}
+
+static OtherSample sample_punctual( const RfLights* lights, const RfPunctual* p, float pick, RfVec3 from )
+{
+    OtherSample sample = { .pdf_solid_angle = pick * RF_DELTA_PDF };
+    if ( p->kind == RF_PUNCTUAL_DIRECTIONAL )
+    {
+        sample.wi = rf_scale( p->direction, -1.0f );
+        sample.distance = 2.0f * ( rf_length( rf_sub( from, lights->center ) ) + lights->radius );
+        sample.radiance = rf_scale( p->intensity, RF_DELTA_PDF );
+        return sample;
+    }
+    RfVec3 way = rf_sub( p->position, from );
+    float d2 = rf_maxf( rf_dot( way, way ), 1e-8f ); // on the light itself: no more than at a tenth of a millimetre
+    sample.distance = sqrtf( d2 );
+    sample.wi = rf_scale( way, 1.0f / sample.distance );
+    sample.radiance = rf_scale( p->intensity, cone( p, sample.wi ) * window( d2, p->range ) / d2 * RF_DELTA_PDF );
+    return sample;
+}
+
+static OtherSample sample_sky( const RfLights* lights, const RfWalk* keys, int slot, uint32_t dimension, const float place[2],
+                               RfVec3 from )
+{
+    RfRandomKey key = { keys->key_a[slot], keys->key_b[slot] };
+    uint32_t pick[2] = { rf_random_bits( key, ( dimension + 1 ) | RF_DIMENSION_TWIN ),
+                         rf_random_bits( key, ( dimension + 2 ) | RF_DIMENSION_TWIN ) };
+    RfSkySample sky = rf_sample_sky( &lights->sky, pick, place );
+    return ( OtherSample ){
+        .wi = sky.wi,
+        .radiance = sky.radiance,
+        .pdf_solid_angle = sky.pdf_solid_angle * rf_sky_pick( lights ),
+        .distance = 2.0f * ( rf_length( rf_sub( from, lights->center ) ) + lights->radius ),
+    };
+}
+
+// What connect() does for triangles, for the others.
+static void connect_others( const RfLights* lights, const RfWalk* keys, const RfVertexLanes* v, const LightPoints* points,
+                            uint32_t dimension, RfLightLanes* out, RfLaneScratch* scratch )
+{
+    for ( int k = 0; k < points->other_count; ++k )
+    {
+        int i = points->other[k];
+        int number = (int)( points->other_light[k] - lights->triangle_count );
+        RfVec3 ng = rf_vec3( v->ng[0][i], v->ng[1][i], v->ng[2][i] );
+        RfVec3 n = rf_vec3( v->n[0][i], v->n[1][i], v->n[2][i] );
+        RfVec3 from = rf_vec3( scratch->o[0][i], scratch->o[1][i], scratch->o[2][i] );
+        float place[2] = { scratch->random[0][i], scratch->random[1][i] };
+        OtherSample s = number < lights->punctual_count
+                            ? sample_punctual( lights, lights->punctual + number, lights->pick[number], from )
+                            : sample_sky( lights, keys, v->slot[i], dimension, place, from );
+        float cos_x = rf_dot( n, s.wi );
+        if ( !( cos_x > 0.0f && rf_dot( ng, s.wi ) > 0.0f && s.pdf_solid_angle > 0.0f && rf_max_component( s.radiance ) < 1e32f ) )
+            continue;
+        float wi[3] = { s.wi.x, s.wi.y, s.wi.z }, radiance[3] = { s.radiance.x, s.radiance.y, s.radiance.z };
+        for ( int c = 0; c < 3; ++c )
+        {
+            out->wi[c][i] = wi[c];
+            out->radiance_cos[c][i] = radiance[c] * cos_x;
+            scratch->d[c][i] = wi[c] * s.distance;
+        }
+        out->pdf_solid_angle[i] = s.pdf_solid_angle;
+    }
+}
+
 // Segments of the lanes that something arrives at, moved to the front.
 static int compact_segments( const RfLightLanes* lights, int count, RfLaneScratch* scratch )
 {
@@ -146,8 +247,10 @@ int rf_sample_lights( const RfWalkSettings* settings, const RfWalk* keys, const 
     LightPoints points;
     draw_bits( keys, count, vertices->slot, dimension, scratch->bits );
     rf_draw_lanes( keys, count, vertices->slot, dimension + 1, 2, scratch->random );
-    choose_points( lights, count, scratch, &points );
+    choose_points( rf_tracer_scene( settings->tracer ), lights, count, scratch, &points );
     connect( vertices, &points, out, scratch );
+    if ( points.other_count > 0 )
+        connect_others( lights, keys, vertices, &points, dimension, out, scratch );
     int kept = compact_segments( out, count, scratch );
     const float* o[3] = { scratch->o[0], scratch->o[1], scratch->o[2] };
     const float* d[3] = { scratch->d[0], scratch->d[1], scratch->d[2] };

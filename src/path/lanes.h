@@ -42,11 +42,18 @@ typedef struct RfVertexLanes
     float f90[RF_LANES];
     float coat_f0[RF_LANES];
     float coat_f90[RF_LANES];
+    float clearcoat[RF_LANES]; // these two of RF_BSDF_COATED only
+    float clearcoat_alpha[RF_LANES];
+    float tint[3][RF_LANES]; // these two of RF_BSDF_GLASS only
+    float ior[RF_LANES];
     float emission[3][RF_LANES];            // towards wo
     float light_pdf_solid_angle[RF_LANES];  // of a light sample at the ray's origin choosing this point; 0: none would
     int32_t ray[RF_LANES];                  // lane of the ray that found it
     int32_t slot[RF_LANES];
 } RfVertexLanes;
+
+// Lanes of kinds that records are made of, and of the others, which come last.
+static inline int rf_record_count( const RfVertexLanes* v ) { return v->first[RF_BSDF_FIRST_NATIVE]; }
 
 // One light sample per vertex lane.
 typedef struct RfLightLanes
@@ -69,7 +76,7 @@ typedef struct RfLaneScratch
     float d[3][RF_LANES];
     float random[3][RF_LANES];
     float wi[3][RF_LANES];
-    float f[3][RF_LANES];
+    float f[3][RF_LANES]; // of lanes from RF_BSDF_FIRST_NATIVE on, where they scatter: weight f |cos| / density
     float pdf[RF_LANES];
 } RfLaneScratch;
 

@@ -15,12 +15,17 @@ static RfBsdfLanes bsdf_lanes( const RfVertexLanes* v, int first )
         .f90 = v->f90 + first,
         .coat_f0 = v->coat_f0 + first,
         .coat_f90 = v->coat_f90 + first,
+        .clearcoat = v->clearcoat + first,
+        .clearcoat_alpha = v->clearcoat_alpha + first,
+        .tint = { v->tint[0] + first, v->tint[1] + first, v->tint[2] + first },
+        .ior = v->ior + first,
     };
 }
 
-void rf_evaluate_lanes( const RfVertexLanes* v, const float* const wi[3], float* const f[3], float* pdf_solid_angle )
+static void evaluate_kinds( const RfVertexLanes* v, int kinds, const float* const wi[3], float* const f[3],
+                            float* pdf_solid_angle )
 {
-    for ( int kind = 0; kind < RF_BSDF_KIND_COUNT; ++kind )
+    for ( int kind = 0; kind < kinds; ++kind )
     {
         int first = v->first[kind], count = v->first[kind + 1] - first;
         if ( count == 0 )
@@ -33,11 +38,15 @@ void rf_evaluate_lanes( const RfVertexLanes* v, const float* const wi[3], float*
     }
 }
 
-void rf_scatter_lanes( const RfWalk* keys, const RfVertexLanes* v, uint32_t dimension, float* const wi[3],
-                       RfLaneScratch* scratch )
+void rf_evaluate_lanes( const RfVertexLanes* v, const float* const wi[3], float* const f[3], float* pdf_solid_angle )
 {
-    rf_draw_lanes( keys, v->count, v->slot, dimension, 3, scratch->random );
-    for ( int kind = 0; kind < RF_BSDF_KIND_COUNT; ++kind )
+    evaluate_kinds( v, RF_BSDF_KIND_COUNT, wi, f, pdf_solid_angle );
+}
+
+// Directions of the kinds whose density can be asked for.
+static void sample_lanes( const RfVertexLanes* v, const RfLaneScratch* scratch, float* const wi[3] )
+{
+    for ( int kind = 0; kind < RF_BSDF_FIRST_NATIVE; ++kind )
     {
         int first = v->first[kind], count = v->first[kind + 1] - first;
         if ( count == 0 )
@@ -50,8 +59,50 @@ void rf_scatter_lanes( const RfWalk* keys, const RfVertexLanes* v, uint32_t dime
     }
 }
 
-// Light emitted by the vertices towards the rays that found them. At the
-// second vertex it is kept apart; later the balance heuristic weighs it here.
+static void sample_native_lanes( const RfVertexLanes* v, RfLaneScratch* s, float* const wi[3] )
+{
+    int first = rf_record_count( v );
+    if ( first == v->count )
+        return;
+    RfBsdfLanes lanes = bsdf_lanes( v, first );
+    const float* wo[3] = { v->wo[0] + first, v->wo[1] + first, v->wo[2] + first };
+    const float* u[3] = { s->random[0] + first, s->random[1] + first, s->random[2] + first };
+    float* out[3] = { wi[0] + first, wi[1] + first, wi[2] + first };
+    float* weight[3] = { s->f[0] + first, s->f[1] + first, s->f[2] + first };
+    rf_glass_sample( v->count - first, &lanes, wo, u, out, weight, s->pdf + first );
+}
+
+void rf_scatter_lanes( const RfWalk* keys, const RfVertexLanes* v, uint32_t dimension, float* const wi[3],
+                       RfLaneScratch* scratch )
+{
+    const float* wi_in[3] = { wi[0], wi[1], wi[2] };
+    float* f[3] = { scratch->f[0], scratch->f[1], scratch->f[2] };
+    rf_draw_lanes( keys, v->count, v->slot, dimension, 3, scratch->random );
+    sample_lanes( v, scratch, wi );
+    evaluate_kinds( v, RF_BSDF_FIRST_NATIVE, wi_in, f, scratch->pdf );
+    sample_native_lanes( v, scratch, wi );
+}
+
+// Light that a ray finds at its end. At the second vertex it is kept apart;
+// later the balance heuristic weighs it here.
+static inline void add_arrival( const RfWalkSettings* settings, const RfRayLanes* rays, int r, int vertex, RfVec3 light,
+                                float light_pdf, RfArrivals* arrivals )
+{
+    int slot = rays->slot[r];
+    float l[3] = { light.x, light.y, light.z };
+    if ( vertex == 2 )
+    {
+        for ( int c = 0; c < 3; ++c )
+            arrivals->emitted[c][slot] = rays->throughput[c][r] * l[c];
+        arrivals->light_pdf_solid_angle[slot] = light_pdf;
+        return;
+    }
+    float pdf = rays->pdf_solid_angle[r];
+    float weight = pdf / ( pdf + (float)settings->light_samples * light_pdf );
+    for ( int c = 0; c < 3; ++c )
+        arrivals->rest[c][slot] += rays->throughput[c][r] * l[c] * weight;
+}
+
 static void add_emission( const RfWalkSettings* settings, const RfRayLanes* rays, const RfVertexLanes* v, int vertex,
                           RfArrivals* arrivals )
 {
@@ -59,18 +110,26 @@ static void add_emission( const RfWalkSettings* settings, const RfRayLanes* rays
     {
         if ( v->light_pdf_solid_angle[i] == 0.0f )
             continue;
-        int slot = v->slot[i], r = v->ray[i];
-        if ( vertex == 2 )
-        {
-            for ( int c = 0; c < 3; ++c )
-                arrivals->emitted[c][slot] = v->emission[c][i];
-            arrivals->light_pdf_solid_angle[slot] = v->light_pdf_solid_angle[i];
+        RfVec3 emission = rf_vec3( v->emission[0][i], v->emission[1][i], v->emission[2][i] );
+        add_arrival( settings, rays, v->ray[i], vertex, emission, v->light_pdf_solid_angle[i], arrivals );
+    }
+}
+
+// Light of the sky along the rays that found nothing, weighed in the same way.
+static void add_sky( const RfWalkSettings* settings, const RfRayLanes* rays, const uint32_t* triangle, int vertex,
+                     RfArrivals* arrivals )
+{
+    const RfLights* lights = rf_tracer_lights( settings->tracer );
+    if ( !rf_has_sky( lights ) )
+        return;
+    for ( int r = 0; r < rays->count; ++r )
+    {
+        if ( triangle[r] != RF_MISS )
             continue;
-        }
-        float pdf = rays->pdf_solid_angle[r];
-        float weight = pdf / ( pdf + (float)settings->light_samples * v->light_pdf_solid_angle[i] );
-        for ( int c = 0; c < 3; ++c )
-            arrivals->rest[c][slot] += rays->throughput[c][r] * v->emission[c][i] * weight;
+        RfVec3 d = rf_vec3( rays->d[0][r], rays->d[1][r], rays->d[2][r] );
+        RfVec3 sky = rf_sky_radiance( &lights->sky, d );
+        float light_pdf = rf_sky_pdf_solid_angle( &lights->sky, d ) * rf_sky_pick( lights );
+        add_arrival( settings, rays, r, vertex, sky, light_pdf, arrivals );
     }
 }
 
@@ -106,23 +165,29 @@ static float survival( const RfWalk* walk, int vertex, int slot, const float thr
     return rf_minf( carried, 1.0f );
 }
 
-static void scatter( const RfWalkSettings* settings, RfWalk* walk, const RfRayLanes* rays, int vertex, RfRayLanes* next )
+// The ray that leaves lane i of the vertices, into place `at` of next.
+static inline void leave( const RfVertexLanes* v, int i, const float wi[3], float side, float pdf, RfRayLanes* next, int at )
+{
+    for ( int c = 0; c < 3; ++c )
+    {
+        next->o[c][at] = v->p[c][i] + v->ng[c][i] * ( side * v->offset[i] );
+        next->d[c][at] = wi[c];
+    }
+    next->pdf_solid_angle[at] = pdf;
+    next->slot[at] = v->slot[i];
+}
+
+// Lanes that scatter with a density.
+static int scatter_lanes( RfWalk* walk, const RfRayLanes* rays, int vertex, RfRayLanes* next )
 {
     const RfVertexLanes* v = &walk->vertices;
-    RfLaneScratch* s = &walk->scratch;
-    uint32_t dimension = rf_vertex_dimension( vertex, settings->light_samples );
-    float* wi[3] = { s->wi[0], s->wi[1], s->wi[2] };
-    const float* wi_in[3] = { s->wi[0], s->wi[1], s->wi[2] };
-    float* f[3] = { s->f[0], s->f[1], s->f[2] };
-    rf_scatter_lanes( walk, v, dimension + RF_DIMENSION_SCATTER, wi, s );
-    rf_evaluate_lanes( v, wi_in, f, s->pdf );
-    rf_draw_lanes( walk, v->count, v->slot, dimension + RF_DIMENSION_ROULETTE, 1, s->random );
-    int kept = 0;
-    for ( int i = 0; i < v->count; ++i )
+    const RfLaneScratch* s = &walk->scratch;
+    int kept = 0, count = rf_record_count( v );
+    for ( int i = 0; i < count; ++i )
     {
-        float x = s->wi[0][i], y = s->wi[1][i], z = s->wi[2][i];
-        float cos_x = v->n[0][i] * x + v->n[1][i] * y + v->n[2][i] * z;
-        float cos_g = v->ng[0][i] * x + v->ng[1][i] * y + v->ng[2][i] * z;
+        float wi[3] = { s->wi[0][i], s->wi[1][i], s->wi[2][i] };
+        float cos_x = v->n[0][i] * wi[0] + v->n[1][i] * wi[1] + v->n[2][i] * wi[2];
+        float cos_g = v->ng[0][i] * wi[0] + v->ng[1][i] * wi[1] + v->ng[2][i] * wi[2];
         float pdf = s->pdf[i];
         int r = v->ray[i];
         float scale = cos_x / pdf;
@@ -131,16 +196,66 @@ static void scatter( const RfWalkSettings* settings, RfWalk* walk, const RfRayLa
             t[c] = rays->throughput[c][r] * s->f[c][i] * scale;
         float q = survival( walk, vertex, v->slot[i], t );
         for ( int c = 0; c < 3; ++c )
-        {
             next->throughput[c][kept] = t[c] / q;
-            next->o[c][kept] = v->p[c][i] + v->ng[c][i] * v->offset[i];
-            next->d[c][kept] = s->wi[c][i];
-        }
-        next->pdf_solid_angle[kept] = pdf;
-        next->slot[kept] = v->slot[i];
+        leave( v, i, wi, 1.0f, pdf, next, kept );
         kept += ( cos_x > 0.0f ) & ( cos_g > 0.0f ) & ( pdf > 0.0f ) & ( s->random[0][i] < q );
     }
-    next->count = kept;
+    return kept;
+}
+
+// Lanes that come with their weight, and leave on either side.
+static int scatter_native_lanes( RfWalk* walk, const RfRayLanes* rays, int vertex, RfRayLanes* next, int kept )
+{
+    const RfVertexLanes* v = &walk->vertices;
+    const RfLaneScratch* s = &walk->scratch;
+    for ( int i = rf_record_count( v ); i < v->count; ++i )
+    {
+        float wi[3] = { s->wi[0][i], s->wi[1][i], s->wi[2][i] };
+        float side = rf_leaving_side( v, i, wi );
+        int r = v->ray[i];
+        float t[3];
+        for ( int c = 0; c < 3; ++c )
+            t[c] = rays->throughput[c][r] * s->f[c][i];
+        float q = survival( walk, vertex, v->slot[i], t );
+        for ( int c = 0; c < 3; ++c )
+            next->throughput[c][kept] = t[c] / q;
+        leave( v, i, wi, side, s->pdf[i], next, kept );
+        kept += ( side != 0.0f ) & ( rf_maxf( t[0], rf_maxf( t[1], t[2] ) ) > 0.0f ) & ( s->random[0][i] < q );
+    }
+    return kept;
+}
+
+static void scatter( const RfWalkSettings* settings, RfWalk* walk, const RfRayLanes* rays, int vertex, RfRayLanes* next )
+{
+    const RfVertexLanes* v = &walk->vertices;
+    RfLaneScratch* s = &walk->scratch;
+    uint32_t dimension = rf_vertex_dimension( vertex, settings->light_samples );
+    float* wi[3] = { s->wi[0], s->wi[1], s->wi[2] };
+    rf_scatter_lanes( walk, v, dimension + RF_DIMENSION_SCATTER, wi, s );
+    rf_draw_lanes( walk, v->count, v->slot, dimension + RF_DIMENSION_ROULETTE, 1, s->random );
+    next->count = scatter_native_lanes( walk, rays, vertex, next, scatter_lanes( walk, rays, vertex, next ) );
+}
+
+// What the inside of a body takes from the light of rays that reach its
+// surface from within (Beer, Lambert).
+static void absorb( const RfWalkSettings* settings, const RfVertexLanes* v, const uint32_t* triangle, RfRayLanes* rays )
+{
+    const RfTriangleRecord* triangles = rf_tracer_triangles( settings->tracer );
+    const RfMaterial* materials = rf_tracer_scene( settings->tracer )->materials;
+    for ( int i = v->first[RF_BSDF_GLASS]; i < v->first[RF_BSDF_GLASS + 1]; ++i )
+    {
+        int r = v->ray[i];
+        const RfTriangleRecord* t = triangles + triangle[r];
+        const RfMaterial* m = materials + t->material;
+        bool inside = t->ng.x * v->wo[0][i] + t->ng.y * v->wo[1][i] + t->ng.z * v->wo[2][i] < 0.0f;
+        if ( !inside || m->thin || rf_max_component( m->absorption ) == 0.0f )
+            continue;
+        RfVec3 way = rf_vec3( v->p[0][i] - rays->o[0][r], v->p[1][i] - rays->o[1][r], v->p[2][i] - rays->o[2][r] );
+        RfVec3 left = rf_transmittance( m->absorption, rf_length( way ) );
+        rays->throughput[0][r] *= left.x;
+        rays->throughput[1][r] *= left.y;
+        rays->throughput[2][r] *= left.z;
+    }
 }
 
 void rf_trace_tails( const RfWalkSettings* settings, RfWalk* walk )
@@ -151,7 +266,9 @@ void rf_trace_tails( const RfWalkSettings* settings, RfWalk* walk )
     {
         walk->path_rays += (uint64_t)rays->count;
         rf_find_vertices( settings, rays, false, &walk->vertices, &walk->scratch );
+        absorb( settings, &walk->vertices, walk->scratch.triangle, rays );
         add_emission( settings, rays, &walk->vertices, vertex, &walk->arrivals );
+        add_sky( settings, rays, walk->scratch.triangle, vertex, &walk->arrivals );
         if ( vertex == settings->max_depth )
             break;
         add_light_samples( settings, walk, rays, vertex );

@@ -61,9 +61,27 @@ int rf_sample_lights( const RfWalkSettings* settings, const RfWalk* keys, const 
 void rf_evaluate_lanes( const RfVertexLanes* vertices, const float* const wi[3], float* const f[3],
                         float* pdf_solid_angle );
 
-// Scatters all lanes of the vertices: wi from three random numbers each.
+// Scatters all lanes of the vertices: wi from three random numbers each, and
+// into scratch f and density of it; of native lanes the weight f |cos| / density.
 void rf_scatter_lanes( const RfWalk* keys, const RfVertexLanes* vertices, uint32_t dimension, float* const wi[3],
                        RfLaneScratch* scratch );
+
+// On which side of the surface wi leaves a native lane: 1 on the eye's, −1
+// beyond, 0 where normal and face disagree about it and nothing leaves.
+static inline float rf_leaving_side( const RfVertexLanes* v, int i, const float wi[3] )
+{
+    float cos_x = v->n[0][i] * wi[0] + v->n[1][i] * wi[1] + v->n[2][i] * wi[2];
+    float cos_g = v->ng[0][i] * wi[0] + v->ng[1][i] * wi[1] + v->ng[2][i] * wi[2];
+    if ( cos_x * cos_g <= 0.0f )
+        return 0.0f;
+    return cos_g > 0.0f ? 1.0f : -1.0f;
+}
+
+// Part of the light that is left after a way through an absorbing inside.
+static inline RfVec3 rf_transmittance( RfVec3 absorption, float distance )
+{
+    return rf_vec3( expf( -absorption.x * distance ), expf( -absorption.y * distance ), expf( -absorption.z * distance ) );
+}
 
 // Radiance that arrives along walk->rays, which left their first vertices:
 // the vertices from the second on, lights sampled and scattered directions

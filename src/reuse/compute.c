@@ -169,7 +169,7 @@ static uint64_t splat_glossy( const RfHitBatch* batch, const RfComputeScratch* s
     return landed;
 }
 
-// Black, and certain: in its own frame only.
+// Certain: in their own frame only.
 static uint64_t splat_misses( const RfHitBatch* batch, float weight, PixelRange range )
 {
     uint64_t landed = 0;
@@ -178,7 +178,10 @@ static uint64_t splat_misses( const RfHitBatch* batch, float weight, PixelRange 
         int32_t pixel = batch->miss_pixel[i];
         if ( pixel >= range.low && pixel < range.end )
         {
-            range.film[4 * (size_t)pixel + 3] += weight;
+            if ( batch->miss_radiance != NULL )
+                add_to_pixel( range.film + 4 * (size_t)pixel, weight, batch->miss_radiance + 4 * (size_t)i );
+            else
+                range.film[4 * (size_t)pixel + 3] += weight;
             ++landed;
         }
     }

@@ -83,23 +83,30 @@ static void make_camera_rays( const RfEye* eye, int count, const int32_t* pixel,
     rays->count = count;
 }
 
-// Hits keep the pixel they were drawn in; what found nothing is a miss.
+// Hits keep the pixel they were drawn in. What found nothing is a miss; native
+// hits are listed behind those.
 static void note_pixels( int count, const RfHarvestScratch* scratch, RfHitBatch* batch )
 {
     uint8_t hit[RF_LANES];
     memset( hit, 0, (size_t)count );
-    for ( int i = 0; i < scratch->first.count; ++i )
+    for ( int i = 0; i < batch->count; ++i )
     {
         int slot = scratch->first.slot[i];
         hit[slot] = 1;
         batch->pixel[i] = scratch->pixel[slot];
     }
+    for ( int i = batch->count; i < scratch->first.count; ++i )
+        hit[scratch->first.slot[i]] = 1;
     batch->miss_count = 0;
     for ( int slot = 0; slot < count; ++slot )
     {
         batch->miss_pixel[batch->miss_count] = scratch->pixel[slot];
+        if ( batch->miss_slot != NULL )
+            batch->miss_slot[batch->miss_count] = slot;
         batch->miss_count += !hit[slot];
     }
+    for ( int i = batch->count; i < scratch->first.count; ++i )
+        batch->miss_pixel[batch->miss_count++] = scratch->pixel[scratch->first.slot[i]];
 }
 
 static void sample_direct( const RfHarvest* harvest, RfHarvestScratch* scratch, RfRayCounts* rays )
@@ -112,52 +119,84 @@ static void sample_direct( const RfHarvest* harvest, RfHarvestScratch* scratch, 
                                                     &scratch->walk.scratch );
 }
 
+// The ray that leaves hit i into `scattered`, at place `at` of the rays.
+static inline void leave( const RfVertexLanes* v, int i, float* const wi[3], float side, float pdf, RfRayLanes* rays, int at )
+{
+    for ( int c = 0; c < 3; ++c )
+    {
+        rays->o[c][at] = v->p[c][i] + v->ng[c][i] * ( side * v->offset[i] );
+        rays->d[c][at] = wi[c][i];
+    }
+    rays->pdf_solid_angle[at] = pdf;
+    rays->slot[at] = v->slot[i];
+}
+
+// Hits that records are made of: their weights come later.
+static int scatter_records( const RfVertexLanes* v, float* const wi[3], RfWalk* walk )
+{
+    RfRayLanes* rays = &walk->rays;
+    const RfLaneScratch* s = &walk->scratch;
+    int kept = 0, count = rf_record_count( v );
+    for ( int i = 0; i < count; ++i )
+    {
+        float cos_x = v->n[0][i] * wi[0][i] + v->n[1][i] * wi[1][i] + v->n[2][i] * wi[2][i];
+        float cos_g = v->ng[0][i] * wi[0][i] + v->ng[1][i] * wi[1][i] + v->ng[2][i] * wi[2][i];
+        float pdf = s->pdf[i];
+        for ( int c = 0; c < 3; ++c )
+            rays->throughput[c][kept] = 1.0f;
+        leave( v, i, wi, 1.0f, pdf, rays, kept );
+        float weight = rf_maxf( s->f[0][i], rf_maxf( s->f[1][i], s->f[2][i] ) ) * cos_x / pdf;
+        walk->roulette_scale[v->slot[i]] = rf_maxf( weight, MIN_ROULETTE_SCALE );
+        kept += ( cos_x > 0.0f ) & ( cos_g > 0.0f ) & ( pdf > 0.0f );
+    }
+    return kept;
+}
+
+// Native hits: the weight goes along.
+static int scatter_natives( const RfVertexLanes* v, float* const wi[3], RfWalk* walk, int kept )
+{
+    RfRayLanes* rays = &walk->rays;
+    const RfLaneScratch* s = &walk->scratch;
+    for ( int i = rf_record_count( v ); i < v->count; ++i )
+    {
+        float direction[3] = { wi[0][i], wi[1][i], wi[2][i] };
+        float side = rf_leaving_side( v, i, direction );
+        for ( int c = 0; c < 3; ++c )
+            rays->throughput[c][kept] = s->f[c][i];
+        leave( v, i, wi, side, s->pdf[i], rays, kept );
+        walk->roulette_scale[v->slot[i]] = 1.0f;
+        kept += ( side != 0.0f ) & ( rf_maxf( s->f[0][i], rf_maxf( s->f[1][i], s->f[2][i] ) ) > 0.0f );
+    }
+    return kept;
+}
+
 // Draws the scattered directions and queues the rays that can carry light.
 static void scatter_first( const RfHarvest* harvest, RfHarvestScratch* scratch )
 {
     const RfVertexLanes* v = &scratch->first;
     RfWalk* walk = &scratch->walk;
-    RfLaneScratch* s = &walk->scratch;
-    RfRayLanes* rays = &walk->rays;
     float* wi[3] = { scratch->scattered[0], scratch->scattered[1], scratch->scattered[2] };
-    const float* wi_in[3] = { wi[0], wi[1], wi[2] };
-    float* f[3] = { s->f[0], s->f[1], s->f[2] };
-    rf_scatter_lanes( walk, v, rf_vertex_dimension( 1, harvest->walk.light_samples ) + RF_DIMENSION_SCATTER, wi, s );
-    rf_evaluate_lanes( v, wi_in, f, s->pdf );
-    int kept = 0;
-    for ( int i = 0; i < v->count; ++i )
-    {
-        float cos_x = v->n[0][i] * wi[0][i] + v->n[1][i] * wi[1][i] + v->n[2][i] * wi[2][i];
-        float cos_g = v->ng[0][i] * wi[0][i] + v->ng[1][i] * wi[1][i] + v->ng[2][i] * wi[2][i];
-        float pdf = s->pdf[i];
-        int slot = v->slot[i];
-        for ( int c = 0; c < 3; ++c )
-        {
-            rays->o[c][kept] = v->p[c][i] + v->ng[c][i] * v->offset[i];
-            rays->d[c][kept] = wi[c][i];
-            rays->throughput[c][kept] = 1.0f;
-        }
-        rays->pdf_solid_angle[kept] = pdf;
-        rays->slot[kept] = slot;
-        float weight = rf_maxf( f[0][i], rf_maxf( f[1][i], f[2][i] ) ) * cos_x / pdf;
-        walk->roulette_scale[slot] = rf_maxf( weight, MIN_ROULETTE_SCALE );
-        kept += ( cos_x > 0.0f ) & ( cos_g > 0.0f ) & ( pdf > 0.0f );
-    }
-    rays->count = kept;
+    uint32_t dimension = rf_vertex_dimension( 1, harvest->walk.light_samples ) + RF_DIMENSION_SCATTER;
+    rf_scatter_lanes( walk, v, dimension, wi, &walk->scratch );
+    int count = v->count - rf_record_count( v );
+    if ( count > 0 )
+        memcpy( scratch->native_pdf, walk->scratch.pdf + rf_record_count( v ), (size_t)count * sizeof( float ) );
+    walk->rays.count = scatter_natives( v, wi, walk, scatter_records( v, wi, walk ) );
 }
 
 static void copy_hits( const RfVertexLanes* v, RfHitBatch* batch )
 {
-    size_t bytes = (size_t)v->count * sizeof( float );
-    batch->count = v->count;
-    memcpy( batch->first, v->first, sizeof batch->first );
+    batch->count = rf_record_count( v );
+    for ( int k = 0; k <= RF_BSDF_KIND_COUNT; ++k )
+        batch->first[k] = v->first[k] < batch->count ? v->first[k] : batch->count;
+    size_t bytes = (size_t)batch->count * sizeof( float );
     for ( int c = 0; c < 3; ++c )
     {
         memcpy( batch->p[c], v->p[c], bytes );
         memcpy( batch->ng[c], v->ng[c], bytes );
     }
     int first = v->first[RF_BSDF_PHONG];
-    bytes = (size_t)( v->count - first ) * sizeof( float );
+    bytes = (size_t)( batch->count - first ) * sizeof( float );
     if ( bytes == 0 )
         return;
     for ( int c = 0; c < 3; ++c )
@@ -171,6 +210,10 @@ static void copy_hits( const RfVertexLanes* v, RfHitBatch* batch )
     memcpy( batch->f90, v->f90 + first, bytes );
     memcpy( batch->coat_f0, v->coat_f0 + first, bytes );
     memcpy( batch->coat_f90, v->coat_f90 + first, bytes );
+    if ( batch->clearcoat == NULL )
+        return;
+    memcpy( batch->clearcoat, v->clearcoat + first, bytes );
+    memcpy( batch->clearcoat_alpha, v->clearcoat_alpha + first, bytes );
 }
 
 void rf_harvest_batch( const RfHarvest* harvest, RfHarvestJob job, RfHitBatch* batch, RfHarvestScratch* scratch,
@@ -188,8 +231,8 @@ void rf_harvest_batch( const RfHarvest* harvest, RfHarvestJob job, RfHitBatch* b
     make_camera_rays( eye, count, scratch->pixel, walk, &scratch->camera_rays );
     rf_find_vertices( &harvest->walk, &scratch->camera_rays, true, &scratch->first, &walk->scratch );
     rays->primary += (uint64_t)count;
-    note_pixels( count, scratch, batch );
     copy_hits( &scratch->first, batch );
+    note_pixels( count, scratch, batch );
 
     // the rest of their paths
     memset( &walk->arrivals, 0, sizeof walk->arrivals );
@@ -207,4 +250,6 @@ void rf_harvest_batch( const RfHarvest* harvest, RfHarvestJob job, RfHitBatch* b
     // who sees them, and what they are worth
     rf_see_batch( harvest, batch, scratch, rays );
     rf_weigh_batch( harvest, batch, scratch );
+    if ( harvest->shape.natives )
+        rf_light_natives( harvest, batch, scratch );
 }

@@ -22,6 +22,7 @@ struct RfHarvestScratch
     RfVertexLanes first; // the hits
     RF_ALIGN int32_t pixel[RF_LANES]; // by slot
     RF_ALIGN float scattered[3][RF_LANES]; // direction drawn at each hit
+    RF_ALIGN float native_pdf[RF_LANES]; // of the direction drawn at native hits, the first of which is 0
     RF_ALIGN float mixture[RF_LANES];
     RF_ALIGN float wo[3][RF_LANES];
     RfArrivalLanes arrival;
@@ -34,6 +35,9 @@ struct RfHarvestScratch
 // Visibility and densities from every eye: batch->seen, rows and density_sum,
 // and scratch->density.
 void rf_see_batch( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch, RfRayCounts* rays );
+
+// The light of the misses: the sky, and what native hits send.
+void rf_light_natives( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch );
 
 // The light of the records: batch->radiance, and the glossy hits' directions.
 void rf_weigh_batch( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch );

@@ -85,7 +85,9 @@ static RfVec3 albedo_of( const RfVertexLanes* v, int i )
     if ( i < v->first[RF_BSDF_PHONG] )
         return diffuse;
     RfVec3 specular = rf_vec3( v->specular[0][i], v->specular[1][i], v->specular[2][i] );
-    bool coated = i >= v->first[RF_BSDF_GGX] && i < v->first[RF_BSDF_GGX + 1];
+    if ( i >= v->first[RF_BSDF_GLASS] ) // what passes through counts as well: glass is as bright as what is behind it
+        return rf_add( rf_add( specular, diffuse ), rf_vec3( v->tint[0][i], v->tint[1][i], v->tint[2][i] ) );
+    bool coated = i >= v->first[RF_BSDF_GGX];
     return rf_madd( specular, diffuse, coated ? 1.0f - v->coat_f0[i] : 1.0f );
 }
 

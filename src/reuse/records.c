@@ -32,6 +32,11 @@ static void take_glossy( Layout* layout, const RfBatchShape* shape, RfHitBatch* 
     batch->f90 = take_lanes( layout );
     batch->coat_f0 = take_lanes( layout );
     batch->coat_f90 = take_lanes( layout );
+    if ( shape->coated )
+    {
+        batch->clearcoat = take_lanes( layout );
+        batch->clearcoat_alpha = take_lanes( layout );
+    }
     int directions = shape->light_samples + 1;
     batch->directions = take( layout, (size_t)directions * sizeof *batch->directions );
     for ( int d = 0; d < directions; ++d )
@@ -60,6 +65,11 @@ static RfHitBatch lay_out( const RfBatchShape* shape, Layout* layout )
     batch.seen = take( layout, (size_t)rf_seen_words( shape->eyes ) * RF_LANES * sizeof( uint32_t ) );
     batch.pixel = take( layout, RF_LANES * sizeof( int32_t ) );
     batch.miss_pixel = take( layout, RF_LANES * sizeof( int32_t ) );
+    if ( shape->natives )
+    {
+        batch.miss_slot = take( layout, RF_LANES * sizeof( int32_t ) );
+        batch.miss_radiance = take( layout, 4 * RF_LANES * sizeof( float ) );
+    }
     batch.rows = take( layout, (size_t)shape->eyes * 2 * sizeof( int32_t ) );
     if ( shape->glossy )
         take_glossy( layout, shape, &batch );

@@ -25,7 +25,8 @@ typedef struct RfHitBatch
 {
     int eye;        // index in the group of the frame whose pixels these are
     int count;      // hits
-    int miss_count; // pixels whose ray found nothing
+    int miss_count; // samples that their own frame alone has: rays that found nothing, and hits of
+                    // kinds from RF_BSDF_FIRST_NATIVE on
     int first[RF_BSDF_KIND_COUNT + 1]; // hits [first[k], first[k+1]) scatter by model k
     float* p[3];
     float* ng[3];
@@ -34,6 +35,8 @@ typedef struct RfHitBatch
     uint32_t* seen;     // visibility: word w of hit i is seen[w·RF_LANES + i], bit l%32 of word l/32 for eye l
     int32_t* pixel;     // y·width + x in its own frame
     int32_t* miss_pixel;
+    int32_t* miss_slot;   // of the ray, of those that found nothing
+    float* miss_radiance; // 4 each: r g b 1; NULL where the shape has no natives: black
     int32_t* rows;      // 2 per eye: first and last row of its film that a hit lands in; first > last: none
     // glossy hits, lane i − first[RF_BSDF_PHONG]
     float* n[3];
@@ -44,6 +47,8 @@ typedef struct RfHitBatch
     float* f90;
     float* coat_f0;
     float* coat_f90;
+    float* clearcoat;       // NULL where the scene has no such coat
+    float* clearcoat_alpha;
     RfDirectionLanes* directions; // K light samples and the scattered direction
 } RfHitBatch;
 
@@ -53,7 +58,9 @@ typedef struct RfBatchShape
     int eyes;          // in a group
     int light_samples; // K
     bool glossy;       // the scene has any
+    bool coated;       // and RF_BSDF_COATED among them
     bool eq15;
+    bool natives;      // misses may be other than black: the scene has a sky, mirrors or glass
 } RfBatchShape;
 
 static inline int rf_seen_words( int eyes ) { return ( eyes + 31 ) / 32; }

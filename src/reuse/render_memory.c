@@ -11,14 +11,28 @@ static size_t landed_bytes( const RenderSizes* s )
     return film_pixels( s ) * (size_t)rf_seen_words( s->shape.eyes ) * sizeof( uint32_t );
 }
 
-static bool has_glossy( const RfScene* scene )
+static bool has_kinds( const RfScene* scene, RfBsdfKind first, RfBsdfKind end )
 {
     for ( uint32_t i = 0; i < scene->triangles.count; ++i )
     {
-        if ( scene->materials[scene->triangles.material[i]].kind != RF_BSDF_LAMBERT )
+        RfBsdfKind kind = scene->materials[scene->triangles.material[i]].kind;
+        if ( kind >= first && kind < end )
             return true;
     }
     return false;
+}
+
+static RfBatchShape batch_shape( const RfScene* scene, int eyes, const RfRenderSettings* settings )
+{
+    return ( RfBatchShape ){
+        .eyes = eyes,
+        .light_samples = settings->light_samples,
+        .glossy = has_kinds( scene, RF_BSDF_PHONG, RF_BSDF_FIRST_NATIVE ),
+        .coated = has_kinds( scene, RF_BSDF_COATED, RF_BSDF_COATED + 1 ),
+        .eq15 = settings->weights == RF_WEIGHTS_EQ15,
+        .natives = has_kinds( scene, RF_BSDF_FIRST_NATIVE, RF_BSDF_KIND_COUNT ) ||
+                   rf_max_component( scene->environment.radiance ) > 0.0f,
+    };
 }
 
 RenderSizes rf_render_sizes( const RfScene* scene, const RfEye* eyes, const RfGroupPlan* plan, int films,
@@ -36,8 +50,7 @@ RenderSizes rf_render_sizes( const RfScene* scene, const RfEye* eyes, const RfGr
         .films = films < plan->eyes ? films : plan->eyes,
         .layers = settings->layers,
         .buffers = settings->queue > films ? films : settings->queue > 1 ? settings->queue : 1,
-        .shape = { plan->eyes, settings->light_samples, has_glossy( scene ),
-                   settings->weights == RF_WEIGHTS_EQ15 },
+        .shape = batch_shape( scene, plan->eyes, settings ),
     };
 }
 

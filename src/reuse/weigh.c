@@ -31,7 +31,8 @@ static void gather_scattered( const RfHarvest* harvest, const RfHarvestScratch* 
     float k = (float)harvest->walk.light_samples;
     for ( int c = 0; c < 3; ++c )
         out->wi[c] = scratch->scattered[c];
-    for ( int i = 0; i < v->count; ++i )
+    int count = rf_record_count( v );
+    for ( int i = 0; i < count; ++i )
     {
         int slot = v->slot[i];
         float cos_x = v->n[0][i] * out->wi[0][i] + v->n[1][i] * out->wi[1][i] + v->n[2][i] * out->wi[2][i];

@@ -1,5 +1,7 @@
 #include "scene/effects.h"
 
+#include "scene/textured.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -69,7 +71,27 @@ static bool has_phong( const RfMaterial* m )
 
 static bool has_ggx( const RfMaterial* m )
 {
-    return m->kind == RF_BSDF_GGX;
+    return m->kind == RF_BSDF_GGX || m->kind == RF_BSDF_COATED;
+}
+
+static bool has_clearcoat( const RfMaterial* m )
+{
+    return m->kind == RF_BSDF_COATED;
+}
+
+static bool has_mirror( const RfMaterial* m )
+{
+    return m->kind == RF_BSDF_GLASS && m->ior == 0.0f;
+}
+
+static bool has_transmission( const RfMaterial* m )
+{
+    return m->kind == RF_BSDF_GLASS && m->ior > 0.0f;
+}
+
+static bool has_absorption( const RfMaterial* m )
+{
+    return has_transmission( m ) && is_lit( m->absorption );
 }
 
 static bool has_emission( const RfMaterial* m )
@@ -80,6 +102,21 @@ static bool has_emission( const RfMaterial* m )
 static bool has_two_sided_emission( const RfMaterial* m )
 {
     return is_lit( m->emission ) && m->double_sided;
+}
+
+static bool has_texture( const RfMaterial* m )
+{
+    for ( int i = 0; m->textured != NULL && i < RF_TEXTURE_SLOT_COUNT; ++i )
+    {
+        if ( m->textured->refs[i].texture >= 0 )
+            return true;
+    }
+    return false;
+}
+
+static bool has_vertex_colors( const RfMaterial* m )
+{
+    return m->textured != NULL && m->textured->vertex_colors;
 }
 
 // An effect that some materials call for: names the first, counts the rest.
@@ -117,24 +154,55 @@ static RfEffect count_effect( const char* name, uint32_t count, const char* what
     return effect;
 }
 
-static RfEffect camera_effect( const RfScene* scene )
+// The one that a scene file asks for if it moves, else the first that does.
+static const RfCamera* moving_camera( const RfScene* scene )
 {
+    if ( scene->chosen_camera > 0 && scene->cameras[scene->chosen_camera - 1].animated )
+        return scene->cameras + scene->chosen_camera - 1;
     for ( int i = 0; i < scene->camera_count; ++i )
     {
-        if ( !scene->cameras[i].animated )
-            continue;
-        RfEffect effect = { .name = "camera-animation", .on = true };
-        snprintf( effect.why, sizeof effect.why, "camera '%.80s' from %g to %g s", scene->cameras[i].name,
-                  scene->cameras[i].start, scene->cameras[i].end );
-        return effect;
+        if ( scene->cameras[i].animated )
+            return scene->cameras + i;
     }
-    return ( RfEffect ){ .name = "camera-animation", .why = "no camera of the scene moves" };
+    return NULL;
 }
 
-static RfEffect missing_effect( const char* name )
+static RfEffect camera_effect( const RfScene* scene )
 {
-    RfEffect effect = { .name = name };
-    snprintf( effect.why, sizeof effect.why, "the scene has none, or it is not supported yet: see the warnings" );
+    const RfCamera* camera = moving_camera( scene );
+    if ( camera == NULL )
+        return ( RfEffect ){ .name = "camera-animation", .why = "no camera of the scene moves" };
+    RfEffect effect = { .name = "camera-animation", .on = true };
+    if ( camera->track != NULL )
+        snprintf( effect.why, sizeof effect.why, "camera path '%.80s'", camera->name );
+    else
+        snprintf( effect.why, sizeof effect.why, "camera '%.80s' from %g to %g s", camera->name, camera->start, camera->end );
+    return effect;
+}
+
+static RfEffect punctual_effect( const RfScene* scene )
+{
+    RfEffect effect = { .name = "punctual-lights", .on = scene->punctual_count > 0 };
+    if ( scene->punctual_count == 0 )
+        snprintf( effect.why, sizeof effect.why, "no lamp without size" );
+    else if ( scene->punctual_count == 1 )
+        snprintf( effect.why, sizeof effect.why, "light '%.80s'", scene->punctuals[0].name );
+    else
+        snprintf( effect.why, sizeof effect.why, "light '%.80s' and %d more", scene->punctuals[0].name, scene->punctual_count - 1 );
+    return effect;
+}
+
+static RfEffect environment_effect( const RfScene* scene )
+{
+    const RfEnvironment* e = &scene->environment;
+    RfEffect effect = { .name = "environment", .on = is_lit( e->radiance ) };
+    if ( !effect.on )
+        snprintf( effect.why, sizeof effect.why, "no light from around the scene" );
+    else if ( e->map != NULL )
+        snprintf( effect.why, sizeof effect.why, "a map of %d x %d pixels%s", e->width, e->height, e->hidden ? ", hidden from the camera" : "" );
+    else
+        snprintf( effect.why, sizeof effect.why, "radiance %g %g %g all around%s", (double)e->radiance.x, (double)e->radiance.y,
+                  (double)e->radiance.z, e->hidden ? ", hidden from the camera" : "" );
     return effect;
 }
 
@@ -145,15 +213,21 @@ int rf_list_effects( const RfScene* scene, RfEffect effects[RF_MAX_EFFECTS] )
     effects[count++] = material_effect( &census, "diffuse", has_diffuse, "no material reflects diffusely" );
     effects[count++] = material_effect( &census, "phong", has_phong, "no material has a Phong lobe" );
     effects[count++] = material_effect( &census, "ggx", has_ggx, "no material is a metal or coated" );
-    effects[count++] = material_effect( &census, "area-lights", has_emission, "no material emits: the picture is black" );
+    effects[count++] = material_effect( &census, "area-lights", has_emission, "no material emits" );
     effects[count++] =
         material_effect( &census, "two-sided-emission", has_two_sided_emission, "no emitting material is double-sided" );
     effects[count++] = count_effect( "interpolated-normals", census.smooth, "triangles with normals off their face's",
                                      "all normals are those of the faces" );
     effects[count++] = camera_effect( scene );
-    static const char* const missing[] = { "textures", "alpha", "transmission", "punctual-lights", "environment" };
-    for ( size_t i = 0; i < sizeof missing / sizeof missing[0]; ++i )
-        effects[count++] = missing_effect( missing[i] );
+    effects[count++] = material_effect( &census, "clearcoat", has_clearcoat, "no material has a clear coat" );
+    effects[count++] = material_effect( &census, "mirrors", has_mirror, "no material is a perfect mirror" );
+    effects[count++] = material_effect( &census, "transmission", has_transmission, "no material lets light through" );
+    effects[count++] = material_effect( &census, "absorption", has_absorption, "no glass takes colour from its depth" );
+    effects[count++] = punctual_effect( scene );
+    effects[count++] = environment_effect( scene );
+    effects[count++] = material_effect( &census, "textures", has_texture, "no material has a texture" );
+    effects[count++] = material_effect( &census, "vertex-colors", has_vertex_colors, "no mesh has colours at its vertices" );
+    effects[count++] = material_effect( &census, "alpha-mask", rf_is_masked, "no material is cut out by its alpha" );
     free( census.triangles );
     return count;
 }

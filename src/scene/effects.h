@@ -5,7 +5,7 @@
 
 #include "scene/scene.h"
 
-#define RF_MAX_EFFECTS 16
+#define RF_MAX_EFFECTS 32
 
 typedef struct RfEffect
 {

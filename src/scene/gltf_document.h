@@ -6,7 +6,7 @@
 #ifndef REFRAME_SCENE_GLTF_DOCUMENT_H
 #define REFRAME_SCENE_GLTF_DOCUMENT_H
 
-#include "scene/scene.h"
+#include "scene/textured.h"
 
 #include <jansson.h>
 #include <stddef.h>
@@ -19,10 +19,13 @@ typedef enum RfGltfList
     RF_GLTF_BUFFERS,
     RF_GLTF_BUFFER_VIEWS,
     RF_GLTF_CAMERAS,
+    RF_GLTF_IMAGES,
     RF_GLTF_MATERIALS,
     RF_GLTF_MESHES,
     RF_GLTF_NODES,
+    RF_GLTF_SAMPLERS,
     RF_GLTF_SCENES,
+    RF_GLTF_TEXTURES_LIST,
     RF_GLTF_LIST_COUNT
 } RfGltfList;
 
@@ -32,13 +35,13 @@ typedef enum RfGltfNotice
 {
     RF_GLTF_TEXTURES,
     RF_GLTF_ALPHA_MODE,
-    RF_GLTF_VERTEX_COLORS,
     RF_GLTF_POINTS_LINES,
     RF_GLTF_NO_POSITIONS,
     RF_GLTF_MORPH_TARGETS,
     RF_GLTF_SKINS,
     RF_GLTF_ORTHOGRAPHIC,
     RF_GLTF_MOVING_MESH,
+    RF_GLTF_MOVING_LIGHT,
     RF_GLTF_WEIGHT_CHANNELS,
     RF_GLTF_POINTER_CHANNELS,
     RF_GLTF_DOUBLE_CHANNELS,
@@ -161,6 +164,19 @@ bool rf_is_data_uri( const char* uri );
 RfResult rf_gltf_decode_data_uri( const RfGltf* gltf, const char* where, const char* uri, uint8_t** bytes, size_t* size );
 RfResult rf_gltf_resolve_uri( const RfGltf* gltf, const char* where, const char* uri, char** path );
 
+// gltf_environment.c
+RfResult rf_gltf_load_environment( RfGltf* gltf );
+
+// gltf.c. A change to the parsed text before anything of it is read, which need
+// not be valid glTF then. What it makes of it is read, and checked, as if the
+// file had it.
+typedef struct RfGltfEdit
+{
+    RfResult ( *run )( void* user, json_t* root, RfError* error );
+    void* user;
+} RfGltfEdit;
+RfResult rf_load_edited_gltf( const char* path, const RfGltfEdit* edit, RfScene* scene, RfLog* log, RfError* error );
+
 // gltf_buffer.c
 RfResult rf_gltf_load_buffers( RfGltf* gltf );
 void rf_gltf_free_buffers( RfGltf* gltf );
@@ -183,10 +199,36 @@ RfResult rf_gltf_load_materials( RfGltf* gltf );
 RfResult rf_gltf_use_default_material( RfGltf* gltf, uint32_t* index );
 RfResult rf_gltf_read_lobes( const RfGltf* gltf, const json_t* material, const char* where, RfMaterial* out );
 
+// gltf_texture.c: one use of a texture, `key` of `parent`; `info` is NULL where
+// there is none. Until rf_gltf_load_images `texture` is 2 · image + srgb.
+RfResult rf_gltf_read_texture_info( RfGltf* gltf, const json_t* parent, const char* owner, const char* key, bool srgb,
+                                    RfTextureRef* out, const json_t** info );
+
+// gltf_textured.c: gives the material its `textured`, after everything else of
+// it has been read. rf_gltf_load_images removes it again where it is not needed.
+RfResult rf_gltf_read_textured( RfGltf* gltf, const json_t* json, const char* where, const RfFactors* factors,
+                                RfMaterial* out );
+// One without textures, or NULL where there is no memory.
+RfTextured* rf_gltf_textured( const RfFactors* factors );
+
+// gltf_image.c: decodes what the materials of triangles need; after the meshes.
+RfResult rf_gltf_load_images( RfGltf* gltf );
+
 // gltf_node.c, gltf_animation.c, gltf_camera.c
 RfResult rf_gltf_load_nodes( RfGltf* gltf );
 RfResult rf_gltf_load_animations( RfGltf* gltf );
 RfResult rf_gltf_load_cameras( RfGltf* gltf );
+
+// gltf_light.c: the lights of KHR_lights_punctual
+RfResult rf_gltf_load_lights( RfGltf* gltf );
+
+// gltf_glass.c: KHR_materials_transmission, _volume and _unlit, and metals
+// without roughness; after the other factors have been applied
+RfResult rf_gltf_read_glass( const RfGltf* gltf, const json_t* material, const char* where, double ior, double metallic,
+                             double roughness, const double base[3], RfMaterial* out );
+// gltf_clearcoat.c; last of the extensions
+RfResult rf_gltf_read_clearcoat( const RfGltf* gltf, const json_t* material, const char* where, RfMaterial* out );
+bool rf_gltf_is_unlit( const json_t* material );
 static inline bool rf_gltf_moves( const RfGltf* gltf, int node )
 {
     return gltf->spans[node].start <= gltf->spans[node].end;
@@ -200,7 +242,10 @@ typedef struct RfGltfPrimitive
     uint32_t triangle_count; // 0: nothing to draw
     float* positions;
     float* normals; // NULL: flat
-    float* uvs;     // or NULL
+    float* uvs;     // or NULL, as the following
+    float* uvs1;
+    float* colors;   // 4 numbers each, in [0, 1]
+    float* tangents; // 4 numbers each
     uint32_t* indices;
     uint32_t material;
 } RfGltfPrimitive;
@@ -225,6 +270,17 @@ typedef struct RfGltfBaker
 RfResult rf_gltf_bake( RfGltf* gltf, RfGltfBaker* baker, const RfGltfPrimitive* primitive, const RfMat4* matrix,
                        const char* where );
 void rf_gltf_finish_bake( RfGltf* gltf, RfGltfBaker* baker );
+
+// gltf_instancing.c: how often a node places its mesh, once without the
+// extension, and where within the node.
+typedef struct RfGltfInstances
+{
+    uint32_t count;
+    int translation, rotation, scale; // accessors, or −1
+} RfGltfInstances;
+
+RfResult rf_gltf_open_instances( RfGltf* gltf, int node, RfGltfInstances* instances );
+RfResult rf_gltf_instance_matrix( const RfGltf* gltf, const RfGltfInstances* instances, uint32_t element, RfMat4* matrix );
 
 // gltf_mesh.c: places every mesh that a node of the default scene has.
 RfResult rf_gltf_load_meshes( RfGltf* gltf );

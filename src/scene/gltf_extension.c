@@ -12,7 +12,14 @@ static const char* const s_read[] = {
     "KHR_materials_emissive_strength",
     "KHR_materials_specular",
     "KHR_materials_ior",
+    "KHR_materials_transmission",
+    "KHR_materials_volume",
+    "KHR_materials_unlit",
+    "KHR_materials_clearcoat",
+    "KHR_lights_punctual",
+    "KHR_texture_transform",
     "KHR_mesh_quantization",
+    "EXT_mesh_gpu_instancing",
 };
 
 // Not read: what the user sees instead. Objects that carry one are named.
@@ -21,18 +28,11 @@ static const struct
     const char* name;
     const char* instead;
 } s_unread[] = {
-    { "KHR_materials_transmission", "it is rendered opaque" },
-    { "KHR_materials_volume", "it is rendered without an inside" },
-    { "KHR_materials_clearcoat", "it is rendered without its coat" },
     { "KHR_materials_sheen", "it is rendered without its sheen" },
-    { "KHR_materials_unlit", "it is rendered lit" },
     { "KHR_materials_anisotropy", "it is rendered isotropic" },
     { "KHR_materials_iridescence", "it is rendered without its film" },
     { "KHR_materials_dispersion", "it is rendered without its colours of refraction" },
     { "KHR_materials_pbrSpecularGlossiness", "it is rendered by its metallic-roughness factors" },
-    { "KHR_lights_punctual", "its light is left out: give a mesh an emissive material" },
-    { "KHR_texture_transform", "its textures are not read either" },
-    { "EXT_mesh_gpu_instancing", "it is placed once" },
     { "KHR_animation_pointer", "what it moves stands still" },
 };
 

@@ -2,6 +2,8 @@
 //
 //     {"bsdf": "phong", "diffuse": [r, g, b], "specular": [r, g, b], "exponent": 60}
 //     {"bsdf": "lambert", "diffuse": [r, g, b]}
+//     {"bsdf": "mirror", "specular": [r, g, b]}
+//     {"bsdf": "glass", "ior": 1.5}
 
 #include "scene/gltf_document.h"
 
@@ -29,7 +31,7 @@ static RfResult check_keys( const RfGltf* gltf, const json_t* json, const char* 
         {
             RfWhere self = rf_where( "%s.%.60s", where, key );
             return fault( gltf, self.text, "is not known here: bsdf \"phong\" has diffuse, specular and exponent, "
-                                           "\"lambert\" has diffuse" );
+                                           "\"lambert\" has diffuse, \"mirror\" specular, \"glass\" ior" );
         }
     }
     return RF_OK;
@@ -87,6 +89,35 @@ static RfResult read_phong( const RfGltf* gltf, const json_t* json, const char* 
     return RF_OK;
 }
 
+static RfResult read_mirror( const RfGltf* gltf, const json_t* json, const char* where, RfMaterial* out )
+{
+    static const char* const s_keys[] = { "bsdf", "specular", NULL };
+    RfResult result = check_keys( gltf, json, where, s_keys );
+    out->kind = RF_BSDF_GLASS;
+    return result == RF_OK ? read_reflectance( gltf, json, where, "specular", &out->specular ) : result;
+}
+
+// A solid body, smooth and clear.
+static RfResult read_glass( const RfGltf* gltf, const json_t* json, const char* where, RfMaterial* out )
+{
+    static const char* const s_keys[] = { "bsdf", "ior", NULL };
+    double ior = 1.5;
+    RfResult result = check_keys( gltf, json, where, s_keys );
+    if ( result == RF_OK )
+        result = rf_gltf_get_number( gltf, json, where, "ior", &ior );
+    if ( result != RF_OK )
+        return result;
+    if ( !( ior > 1.0 && ior <= 10.0 ) )
+    {
+        RfWhere self = rf_where( "%s.ior", where );
+        return fault( gltf, self.text, "wants a number above 1, up to 10" );
+    }
+    out->kind = RF_BSDF_GLASS;
+    out->ior = (float)ior;
+    out->tint = rf_vec3( 1.0f, 1.0f, 1.0f );
+    return RF_OK;
+}
+
 RfResult rf_gltf_read_lobes( const RfGltf* gltf, const json_t* material, const char* where, RfMaterial* out )
 {
     // extras of other programs may be of any type
@@ -98,9 +129,17 @@ RfResult rf_gltf_read_lobes( const RfGltf* gltf, const json_t* material, const c
     out->diffuse = out->specular = rf_vec3( 0.0f, 0.0f, 0.0f );
     out->f90 = out->coat_f0 = out->coat_f90 = 0.0f;
     out->alpha = 1.0f;
+    out->tint = out->absorption = rf_vec3( 0.0f, 0.0f, 0.0f );
+    out->ior = 0.0f;
+    out->thin = false;
     if ( bsdf != NULL && strcmp( bsdf, "phong" ) == 0 )
         return read_phong( gltf, json, self.text, out );
     if ( bsdf != NULL && strcmp( bsdf, "lambert" ) == 0 )
         return read_lambert( gltf, json, self.text, out );
-    return fault( gltf, self.text, "wants an object with bsdf \"phong\" or \"lambert\"" );
+    out->alpha = 0.0f;
+    if ( bsdf != NULL && strcmp( bsdf, "mirror" ) == 0 )
+        return read_mirror( gltf, json, self.text, out );
+    if ( bsdf != NULL && strcmp( bsdf, "glass" ) == 0 )
+        return read_glass( gltf, json, self.text, out );
+    return fault( gltf, self.text, "wants an object with bsdf \"lambert\", \"phong\", \"mirror\" or \"glass\"" );
 }

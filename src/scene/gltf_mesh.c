@@ -97,6 +97,23 @@ static void find_worlds( const RfGltf* gltf, const Instances* out )
     }
 }
 
+static RfResult place_at_node( RfGltf* gltf, RfGltfBaker* baker, const RfGltfPrimitive* primitive, int node,
+                               const RfMat4* world, const char* where )
+{
+    RfGltfInstances instances;
+    RfWhere self = rf_where( "%s of nodes[%d]", where, node );
+    RfResult result = rf_gltf_open_instances( gltf, node, &instances );
+    for ( uint32_t i = 0; result == RF_OK && i < instances.count; ++i )
+    {
+        RfMat4 local;
+        result = rf_gltf_instance_matrix( gltf, &instances, i, &local );
+        RfMat4 matrix = result == RF_OK ? rf_mat4_mul( world, &local ) : *world; // times one: the same bits
+        if ( result == RF_OK )
+            result = rf_gltf_bake( gltf, baker, primitive, &matrix, self.text );
+    }
+    return result;
+}
+
 static RfResult place_primitive( RfGltf* gltf, RfGltfBaker* baker, const Instances* instances, int mesh,
                                  const json_t* json, const char* where )
 {
@@ -108,8 +125,7 @@ static RfResult place_primitive( RfGltf* gltf, RfGltfBaker* baker, const Instanc
     for ( size_t i = instances->starts[mesh]; result == RF_OK && i < end; ++i )
     {
         int node = instances->nodes[i];
-        RfWhere self = rf_where( "%s of nodes[%d]", where, node );
-        result = rf_gltf_bake( gltf, baker, &primitive, instances->worlds + node, self.text );
+        result = place_at_node( gltf, baker, &primitive, node, instances->worlds + node, where );
     }
     rf_gltf_free_primitive( &primitive );
     return result;

@@ -1,5 +1,7 @@
 #include "scene/scene.h"
 
+#include "scene/camera_track.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -8,8 +10,20 @@ static void free_triangles( RfTriangles* triangles )
     free( triangles->positions );
     free( triangles->normals );
     free( triangles->uvs );
+    free( triangles->uvs1 );
+    free( triangles->colors );
+    free( triangles->tangents );
     free( triangles->indices );
     free( triangles->material );
+}
+
+void rf_destroy_camera( RfCamera* camera )
+{
+    if ( camera->track != NULL )
+        rf_destroy_camera_track( camera->track );
+    free( camera->track );
+    free( camera->name );
+    memset( camera, 0, sizeof *camera );
 }
 
 void rf_destroy_scene( RfScene* scene )
@@ -18,7 +32,16 @@ void rf_destroy_scene( RfScene* scene )
         return;
     free_triangles( &scene->triangles );
     for ( uint32_t i = 0; scene->materials != NULL && i < scene->material_count; ++i )
+    {
         free( scene->materials[i].name );
+        free( scene->materials[i].textured );
+    }
+    for ( int i = 0; scene->textures != NULL && i < scene->texture_count; ++i )
+    {
+        free( scene->textures[i].bytes );
+        free( scene->textures[i].floats );
+    }
+    free( scene->textures );
     for ( int i = 0; scene->nodes != NULL && i < scene->node_count; ++i )
         free( scene->nodes[i].name );
     for ( int i = 0; scene->channels != NULL && i < scene->channel_count; ++i )
@@ -27,7 +50,7 @@ void rf_destroy_scene( RfScene* scene )
         free( scene->channels[i].values );
     }
     for ( int i = 0; scene->cameras != NULL && i < scene->camera_count; ++i )
-        free( scene->cameras[i].name );
+        rf_destroy_camera( scene->cameras + i );
     for ( int i = 0; scene->punctuals != NULL && i < scene->punctual_count; ++i )
         free( scene->punctuals[i].name );
     free( scene->punctuals );

@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "math/mat4.h"
 #include "math/vec3.h"
+#include "scene/texture.h"
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -16,8 +17,17 @@ typedef enum RfBsdfKind
     RF_BSDF_LAMBERT, // diffuse only: the same for every eye
     RF_BSDF_PHONG,   // Lambert + modified Phong lobe (Lafortune, Willems 1994)
     RF_BSDF_GGX,     // Lambert base under a Fresnel-weighted GGX coat, or metal
+    RF_BSDF_COATED,  // the same under one more clear coat (KHR_materials_clearcoat)
+    RF_BSDF_GLASS,   // perfect mirrors; glass, smooth or rough
     RF_BSDF_KIND_COUNT
 } RfBsdfKind;
+
+// Kinds from this one on are seen by the frame that found them only: what they
+// scatter into one direction no density of another eye covers.
+#define RF_BSDF_FIRST_NATIVE RF_BSDF_GLASS
+
+// Textures and the like of a material (scene/textured.h).
+typedef struct RfTextured RfTextured;
 
 // Reflectances are linear RGB in [0, 1].
 typedef struct RfMaterial
@@ -30,9 +40,16 @@ typedef struct RfMaterial
     float coat_f0;    // GGX: dielectric Fresnel that takes light from the base
     float coat_f90;   //      (scalars: the largest channel), at normal and at grazing
     float exponent;   // Phong: n of cosⁿ, ≥ 0
-    float alpha;      // GGX: roughness², in [RF_MIN_ALPHA, 1]
+    float alpha;      // GGX, COATED: roughness², in [RF_MIN_ALPHA, 1]; GLASS: 0 is smooth
+    float clearcoat;       // COATED: how much of it there is, 0 to 1
+    float clearcoat_alpha; // COATED: its roughness², in [RF_MIN_ALPHA, 1]
+    RfVec3 tint;      // GLASS: what of the light that is not reflected passes through; 0 for mirrors
+    float ior;        // GLASS: of the inside, outside 1; 0: a mirror, its Fresnel Schlick's from `specular` on
+    bool thin;        // GLASS: a wall without an inside: nothing is bent or absorbed
+    RfVec3 absorption; // GLASS: of the inside, 1/m
     RfVec3 emission;  // radiance, W/(m² sr), on the front (on both sides if double_sided)
     bool double_sided;
+    RfTextured* textured; // what varies over the surface: a hit asks rf_material_at; NULL: nothing
 } RfMaterial;
 
 #define RF_MIN_ALPHA 1e-3f
@@ -47,6 +64,10 @@ typedef struct RfTriangles
     float* normals;     // 3 × vertex_count, unit length, world space; meshes without
                         // normals have copies of their vertices with the face's normal
     float* uvs;         // 2 × vertex_count, or NULL where no mesh has any
+    float* uvs1;        // 2 × vertex_count, the second set, or NULL
+    float* colors;      // 4 × vertex_count, linear, multiply the base colour, or NULL
+    float* tangents;    // 4 × vertex_count: along u, and the bitangent's sign, 0 where
+                        // there is none; or NULL
     uint32_t* indices;  // 3 × count, front face counter-clockwise
     uint32_t* material; // count
 } RfTriangles;
@@ -89,9 +110,13 @@ typedef struct RfChannel
     double* values;
 } RfChannel;
 
+struct RfCameraTrack;
+
 typedef struct RfCamera
 {
     char* name;    // unique, never empty
+    struct RfCameraTrack* track; // a path of our own (scene/camera_track.h), owned, or NULL:
+                   // then the rest says how it moves with its node
     int node;      // −1: the default camera made for a scene that has none
     double yfov;   // radians, of the image's height
     bool animated; // a channel moves its node or an ancestor
@@ -138,6 +163,8 @@ typedef struct RfScene
     uint32_t instance_count;       // mesh primitives placed by nodes
     uint32_t material_count;
     RfMaterial* materials;
+    int texture_count;
+    RfTexture* textures;
     RfEnvironment environment;
     int punctual_count;
     RfPunctual* punctuals;
@@ -147,10 +174,12 @@ typedef struct RfScene
     RfChannel* channels; // sorted by node, then path
     int camera_count;
     RfCamera* cameras;
+    int chosen_camera; // 1 + the one that a scene file asks for; 0: none
 } RfScene;
 
 // Frees all that a loader filled in, and clears the struct. NULL-safe inside.
 void rf_destroy_scene( RfScene* scene );
+void rf_destroy_camera( RfCamera* camera );
 
 // How far a point made in floats must be lifted off its surface to be clear of
 // it: scene units, for coordinates up to `largest`. A float has 24 bits; a point

@@ -76,8 +76,17 @@ static double cpu_seconds( void )
 static void run( RfBsdfKind kind, int what, int count )
 {
 #define THREE( a ) { s_values[a], s_values[( a ) + 1], s_values[( a ) + 2] }
-    const RfBsdfLanes lanes = { THREE( N ), THREE( DIFFUSE ), THREE( SPECULAR ), s_values[SHAPE], s_values[F90],
-                                s_values[COAT_F0], s_values[COAT_F90] };
+    const RfBsdfLanes lanes = {
+        .n = THREE( N ),
+        .diffuse = THREE( DIFFUSE ),
+        .specular = THREE( SPECULAR ),
+        .shape = s_values[SHAPE],
+        .f90 = s_values[F90],
+        .coat_f0 = s_values[COAT_F0],
+        .coat_f90 = s_values[COAT_F90],
+        .clearcoat = s_values[F90],
+        .clearcoat_alpha = s_values[COAT_F0],
+    };
     const float* const wo[3] = THREE( WO );
     const float* const wi[3] = THREE( WI );
     const float* const u[3] = THREE( U );
@@ -107,7 +116,7 @@ static double nanoseconds_per_lane( RfBsdfKind kind, int what, int count )
 
 int main( int argc, char** argv )
 {
-    static const char* names[RF_BSDF_KIND_COUNT] = { "lambert", "phong", "ggx" };
+    static const char* names[RF_BSDF_FIRST_NATIVE] = { "lambert", "phong", "ggx", "coated" };
     int count = argc > 1 ? atoi( argv[1] ) : 1024;
     if ( count < 1 || count > MAX_LANES )
     {
@@ -115,7 +124,7 @@ int main( int argc, char** argv )
         return 2;
     }
     printf( "model,lanes,f+pdf_ns,f_ns,pdf_ns,sample_ns\n" );
-    for ( int kind = 0; kind < RF_BSDF_KIND_COUNT; ++kind )
+    for ( int kind = 0; kind < RF_BSDF_FIRST_NATIVE; ++kind )
     {
         fill( (RfBsdfKind)kind, count );
         printf( "%s,%d", names[kind], count );

@@ -1,0 +1,174 @@
+// A clear coat (GGX, Fresnel of an index of 1.5) over everything that the
+// metallic-roughness model has below it, which gets and gives what the coat
+// lets through: reciprocal, and keeps energy.
+//
+//   f = f_ggx (1 − c F(μo)) (1 − c F(μi)) + c D G2 F(wo·h) / (4 μo μi)
+#include "bsdf/lane.h"
+
+#define COAT_F0 0.04f
+
+RF_KERNEL float coat_fresnel( float cos_theta )
+{
+    float m = rf_maxf( 1.0f - cos_theta, 0.0f ), m2 = m * m;
+    return COAT_F0 + ( 1.0f - COAT_F0 ) * ( m2 * m2 * m );
+}
+
+// Chance to draw from the coat, from the eye's cosine alone.
+RF_KERNEL float coat_chance( float clearcoat, float cos_o, RfVec3 diffuse, RfVec3 specular )
+{
+    float coat = clearcoat * coat_fresnel( cos_o );
+    float below = ( 1.0f - coat ) * rf_maxf( rf_mean( diffuse ) + rf_mean( specular ), 0.05f );
+    return coat / ( coat + below );
+}
+
+// The coat's share of f, what it leaves of the rest; density and chance.
+typedef struct CoatLobe
+{
+    float f, below;
+    float pdf_solid_angle, chance;
+} CoatLobe;
+
+RF_KERNEL CoatLobe coat_lobe( RfVec3 n, RfEyeLane eye, RfVec3 wi, float clearcoat, float alpha )
+{
+    float cos_o = eye.cos_o, dot_i = rf_dot( n, wi );
+    float cos_i = rf_maxf( dot_i, 0.0f ), lit = dot_i > 0.0f ? 1.0f : 0.0f;
+    // along and across n apart, for sharp lobes (see ggx.c)
+    float along = cos_o + cos_i;
+    RfVec3 cross = rf_cross( n, rf_add( eye.wo, wi ) );
+    float across2 = rf_dot( cross, cross ), length2 = along * along + across2;
+    float alpha2 = alpha * alpha;
+    float q = length2 / ( alpha2 * along * along + across2 );
+    float d = alpha2 * RF_INV_PI * q * q;
+    float so = sqrtf( alpha2 + ( 1.0f - alpha2 ) * cos_o * cos_o );
+    float si = sqrtf( alpha2 + ( 1.0f - alpha2 ) * cos_i * cos_i );
+    float fresnel = coat_fresnel( 0.5f * sqrtf( length2 ) );
+    CoatLobe out = { 0 };
+    out.f = lit * clearcoat * fresnel * 0.5f * d / ( cos_o * si + cos_i * so );
+    out.pdf_solid_angle = lit * 0.5f * d / ( cos_o + so );
+    out.below = ( 1.0f - clearcoat * coat_fresnel( cos_o ) ) * ( 1.0f - clearcoat * coat_fresnel( cos_i ) );
+    return out;
+}
+
+RF_KERNEL void coat_block( int first, int count, const RfBsdfLanes* lanes, const RfEyeBlock* eyes, const float* const wi[3],
+                           float* const f[3], float* pdf_solid_angle )
+{
+    const float *restrict nx = lanes->n[0] + first, *restrict ny = lanes->n[1] + first, *restrict nz = lanes->n[2] + first;
+    const float *restrict dx = lanes->diffuse[0] + first, *restrict dy = lanes->diffuse[1] + first;
+    const float *restrict dz = lanes->diffuse[2] + first, *restrict sx = lanes->specular[0] + first;
+    const float *restrict sy = lanes->specular[1] + first, *restrict sz = lanes->specular[2] + first;
+    const float *restrict coat = lanes->clearcoat + first, *restrict alpha = lanes->clearcoat_alpha + first;
+    const float *restrict ix = wi[0] + first, *restrict iy = wi[1] + first, *restrict iz = wi[2] + first;
+    float* restrict fx = f != NULL ? f[0] + first : NULL;
+    float* restrict fy = f != NULL ? f[1] + first : NULL;
+    float* restrict fz = f != NULL ? f[2] + first : NULL;
+    float* restrict pdf = pdf_solid_angle != NULL ? pdf_solid_angle + first : NULL;
+#pragma omp simd
+    for ( int i = 0; i < count; ++i )
+    {
+        RfEyeLane eye = { rf_vec3( eyes->x[i], eyes->y[i], eyes->z[i] ), eyes->cos_o[i] };
+        CoatLobe c = coat_lobe( rf_vec3( nx[i], ny[i], nz[i] ), eye, rf_vec3( ix[i], iy[i], iz[i] ), coat[i], alpha[i] );
+        if ( f != NULL )
+        {
+            fx[i] = fx[i] * c.below + c.f;
+            fy[i] = fy[i] * c.below + c.f;
+            fz[i] = fz[i] * c.below + c.f;
+        }
+        if ( pdf != NULL )
+        {
+            float chance = coat_chance( coat[i], eye.cos_o, rf_vec3( dx[i], dy[i], dz[i] ), rf_vec3( sx[i], sy[i], sz[i] ) );
+            pdf[i] = ( 1.0f - chance ) * pdf[i] + chance * c.pdf_solid_angle;
+        }
+    }
+}
+
+void rf_coated_evaluate( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const wi[3],
+                         float* const f[3], float* pdf_solid_angle )
+{
+    rf_ggx_evaluate( count, lanes, wo, wi, f, pdf_solid_angle );
+    for ( int first = 0; first < count; first += RF_BLOCK )
+    {
+        RfEyeBlock eyes;
+        int size = rf_block_size( first, count );
+        rf_lift_block( first, size, lanes, wo, &eyes );
+        if ( f != NULL && pdf_solid_angle != NULL )
+            coat_block( first, size, lanes, &eyes, wi, f, pdf_solid_angle );
+        else if ( f != NULL )
+            coat_block( first, size, lanes, &eyes, wi, f, NULL );
+        else if ( pdf_solid_angle != NULL )
+            coat_block( first, size, lanes, &eyes, wi, NULL, pdf_solid_angle );
+    }
+}
+
+// Which lobe each lane takes, and the rest of the number that decided it.
+typedef struct Picks
+{
+    bool is_coat[RF_BLOCK];
+    float rest[RF_BLOCK];
+} Picks;
+
+static void pick_lobes( int first, int count, const RfBsdfLanes* lanes, const RfEyeBlock* eyes, const float* u, Picks* picks )
+{
+    for ( int i = 0; i < count; ++i )
+    {
+        int k = first + i;
+        RfVec3 diffuse = rf_vec3( lanes->diffuse[0][k], lanes->diffuse[1][k], lanes->diffuse[2][k] );
+        RfVec3 specular = rf_vec3( lanes->specular[0][k], lanes->specular[1][k], lanes->specular[2][k] );
+        float chance = coat_chance( lanes->clearcoat[k], eyes->cos_o[i], diffuse, specular );
+        picks->is_coat[i] = u[k] < chance;
+        picks->rest[i] = picks->is_coat[i] ? 0.0f : rf_minf( ( u[k] - chance ) / ( 1.0f - chance ), 0x1.fffffep-1f );
+    }
+}
+
+static RfBsdfLanes lanes_from( const RfBsdfLanes* lanes, int first )
+{
+    return ( RfBsdfLanes ){
+        .n = { lanes->n[0] + first, lanes->n[1] + first, lanes->n[2] + first },
+        .diffuse = { lanes->diffuse[0] + first, lanes->diffuse[1] + first, lanes->diffuse[2] + first },
+        .specular = { lanes->specular[0] + first, lanes->specular[1] + first, lanes->specular[2] + first },
+        .shape = lanes->shape + first,
+        .f90 = lanes->f90 + first,
+        .coat_f0 = lanes->coat_f0 + first,
+        .coat_f90 = lanes->coat_f90 + first,
+    };
+}
+
+// Both directions are drawn, of what is below and of the coat, and one taken.
+static void sample_block( int first, int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const u[3],
+                          const Picks* picks, float* const wi[3] )
+{
+    float black[RF_BLOCK] = { 0 }, one[RF_BLOCK], x[RF_BLOCK], y[RF_BLOCK], z[RF_BLOCK];
+    for ( int i = 0; i < RF_BLOCK; ++i )
+        one[i] = 1.0f;
+    RfBsdfLanes below = lanes_from( lanes, first ), coat = below;
+    coat.shape = lanes->clearcoat_alpha + first;
+    for ( int c = 0; c < 3; ++c ) // a white metal: the specular lobe alone
+    {
+        coat.diffuse[c] = black;
+        coat.specular[c] = one;
+    }
+    const float* o[3] = { wo[0] + first, wo[1] + first, wo[2] + first };
+    const float* random[3] = { u[0] + first, u[1] + first, picks->rest };
+    float* out[3] = { wi[0] + first, wi[1] + first, wi[2] + first };
+    float* coat_out[3] = { x, y, z };
+    rf_ggx_sample( count, &below, o, random, out );
+    rf_ggx_sample( count, &coat, o, random, coat_out );
+    for ( int c = 0; c < 3; ++c )
+    {
+        for ( int i = 0; i < count; ++i )
+            out[c][i] = picks->is_coat[i] ? coat_out[c][i] : out[c][i];
+    }
+}
+
+void rf_coated_sample( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const u[3],
+                       float* const wi[3] )
+{
+    for ( int first = 0; first < count; first += RF_BLOCK )
+    {
+        RfEyeBlock eyes;
+        Picks picks;
+        int size = rf_block_size( first, count );
+        rf_lift_block( first, size, lanes, wo, &eyes );
+        pick_lobes( first, size, lanes, &eyes, u[2], &picks );
+        sample_block( first, size, lanes, wo, u, &picks, wi );
+    }
+}

@@ -1,0 +1,227 @@
+// Mirrors and glass. A microfacet surface (GGX, alpha 0: smooth) that reflects
+// with Fresnel's reflectance and lets the rest through, tinted (Walter et al.
+// 2007), over a Lambert base where the material is not fully transmissive. Not
+// vectorised: there are few such lanes, and each goes one of many ways.
+//
+// Light sampling can find what the base scatters and what a rough surface
+// reflects. Everything else has RF_DELTA_PDF: smooth lobes, and what comes
+// through, which is found by scattering alone.
+#include "bsdf/lane.h"
+
+typedef struct Glass
+{
+    RfVec3 n, base, specular, tint;
+    float alpha;
+    float ior;  // of the far side over the near one; 0: mirror
+    bool thin;
+} Glass;
+
+static Glass glass_of( const RfBsdfLanes* lanes, int i )
+{
+    return ( Glass ){
+        .n = rf_vec3( lanes->n[0][i], lanes->n[1][i], lanes->n[2][i] ),
+        .base = rf_vec3( lanes->diffuse[0][i], lanes->diffuse[1][i], lanes->diffuse[2][i] ),
+        .specular = rf_vec3( lanes->specular[0][i], lanes->specular[1][i], lanes->specular[2][i] ),
+        .tint = rf_vec3( lanes->tint[0][i], lanes->tint[1][i], lanes->tint[2][i] ),
+        .alpha = lanes->shape[i],
+        .ior = fabsf( lanes->ior[i] ),
+        .thin = lanes->ior[i] < 0.0f,
+    };
+}
+
+// Fresnel's equations for unpolarised light that meets a dielectric.
+static float dielectric( float cos_o, float ior )
+{
+    float sin2 = ( 1.0f - cos_o * cos_o ) / ( ior * ior );
+    if ( sin2 >= 1.0f )
+        return 1.0f;
+    float cos_t = sqrtf( 1.0f - sin2 );
+    float s = ( cos_o - ior * cos_t ) / ( cos_o + ior * cos_t );
+    float p = ( ior * cos_o - cos_t ) / ( ior * cos_o + cos_t );
+    return 0.5f * ( s * s + p * p );
+}
+
+// Part that is reflected: of mirrors by Schlick, coloured.
+static RfVec3 reflectance( const Glass* g, float cos_o )
+{
+    if ( g->ior > 0.0f )
+    {
+        float f = dielectric( cos_o, g->ior );
+        return rf_vec3( f, f, f );
+    }
+    float m = 1.0f - rf_minf( cos_o, 1.0f ), m2 = m * m, w = m2 * m2 * m;
+    return rf_add( rf_scale( g->specular, 1.0f - w ), rf_vec3( w, w, w ) );
+}
+
+// What the coat lets through to the base, one way.
+static float to_base( const Glass* g, float cos_theta )
+{
+    return g->ior > 0.0f ? 1.0f - dielectric( cos_theta, g->ior > 1.0f ? g->ior : 1.0f / g->ior ) : 0.0f;
+}
+
+// Chance of the base, from the eye's cosine alone.
+static float base_chance( const Glass* g, float cos_o )
+{
+    float base = rf_mean( g->base ) * to_base( g, cos_o );
+    float f = rf_mean( reflectance( g, cos_o ) );
+    float specular = f + ( 1.0f - f ) * rf_mean( g->tint );
+    return base > 0.0f ? base / ( base + specular ) : 0.0f;
+}
+
+// Chance to reflect rather than to let through, once a facet is chosen.
+static float reflect_chance( const Glass* g, RfVec3 f )
+{
+    float reflected = rf_mean( f ), passed = ( 1.0f - reflected ) * rf_mean( g->tint );
+    return reflected + passed > 0.0f ? reflected / ( reflected + passed ) : 1.0f;
+}
+
+static float smith( float alpha, float cos_theta ) // 1 + 2 Λ
+{
+    float a2 = alpha * alpha, c2 = cos_theta * cos_theta;
+    return sqrtf( a2 / c2 + 1.0f - a2 );
+}
+
+// The lobes of width: base, and the reflection of a rough surface.
+static RfScattering evaluate( const Glass* g, RfEyeLane eye, RfVec3 wi )
+{
+    RfScattering s = { { 0, 0, 0 }, 0.0f };
+    float cos_i = rf_dot( g->n, wi ), cos_o = eye.cos_o;
+    if ( cos_i <= 0.0f )
+        return s;
+    float chance = base_chance( g, cos_o );
+    if ( chance > 0.0f )
+    {
+        s.f = rf_scale( g->base, RF_INV_PI * to_base( g, cos_o ) * to_base( g, cos_i ) );
+        s.pdf_solid_angle = chance * cos_i * RF_INV_PI;
+    }
+    if ( g->alpha == 0.0f )
+        return s;
+    RfVec3 h = rf_normalize( rf_add( eye.wo, wi ) );
+    RfVec3 cross = rf_cross( g->n, h );
+    float along = rf_dot( g->n, h ), a2 = g->alpha * g->alpha;
+    float q = a2 * along * along + rf_dot( cross, cross );
+    float d = a2 * RF_INV_PI / ( q * q );
+    float so = smith( g->alpha, cos_o ), si = smith( g->alpha, cos_i );
+    RfVec3 f = reflectance( g, rf_dot( eye.wo, h ) );
+    s.f = rf_add( s.f, rf_scale( f, d * 2.0f / ( so + si ) / ( 4.0f * cos_o * cos_i ) ) );
+    s.pdf_solid_angle += ( 1.0f - chance ) * reflect_chance( g, f ) * d * 2.0f / ( 1.0f + so ) / ( 4.0f * cos_o );
+    return s;
+}
+
+// A facet's unit normal that wo sees (Heitz, JCGT 2018).
+static RfVec3 sample_facet( const Glass* g, RfEyeLane eye, float u, float v )
+{
+    if ( g->alpha == 0.0f )
+        return g->n;
+    RfVec3 t, b;
+    rf_basis( g->n, &t, &b );
+    RfVec3 w = rf_normalize( rf_vec3( g->alpha * rf_dot( eye.wo, t ), g->alpha * rf_dot( eye.wo, b ), eye.cos_o ) );
+    float z = ( 1.0f - u ) * ( 1.0f + w.z ) - w.z, r = sqrtf( rf_maxf( 1.0f - z * z, 0.0f ) ), sine, cosine;
+    rf_sincos_2pi( v, &sine, &cosine );
+    RfVec3 h = rf_vec3( g->alpha * ( r * cosine + w.x ), g->alpha * ( r * sine + w.y ), rf_maxf( z + w.z, 1e-9f ) );
+    return rf_normalize( rf_add( rf_add( rf_scale( t, h.x ), rf_scale( b, h.y ) ), rf_scale( g->n, h.z ) ) );
+}
+
+static RfVec3 mirrored( RfVec3 wo, RfVec3 h ) { return rf_sub( rf_scale( h, 2.0f * rf_dot( wo, h ) ), wo ); }
+
+// Through the facet: bent, or in a thin wall straight on, spread as the
+// reflection would be.
+static RfVec3 passed( const Glass* g, RfVec3 wo, RfVec3 h )
+{
+    if ( g->thin )
+    {
+        RfVec3 r = mirrored( wo, h );
+        return rf_madd( r, g->n, -2.0f * rf_dot( r, g->n ) );
+    }
+    float cos_o = rf_dot( wo, h ), inverse = 1.0f / g->ior;
+    float cos_t = sqrtf( rf_maxf( 1.0f - inverse * inverse * ( 1.0f - cos_o * cos_o ), 0.0f ) );
+    return rf_normalize( rf_madd( rf_scale( wo, -inverse ), h, inverse * cos_o - cos_t ) );
+}
+
+// A direction, its weight f |cos| / density, and the density.
+typedef struct GlassSample
+{
+    RfVec3 wi, weight;
+    float pdf_solid_angle;
+} GlassSample;
+
+// A lobe of width was taken: weight and density are those of all such lobes.
+static GlassSample finish_wide( const Glass* g, RfEyeLane eye, RfVec3 wi )
+{
+    RfScattering s = evaluate( g, eye, wi );
+    GlassSample out = { wi, { 0, 0, 0 }, s.pdf_solid_angle };
+    if ( s.pdf_solid_angle > 0.0f )
+        out.weight = rf_scale( s.f, rf_dot( g->n, wi ) / s.pdf_solid_angle );
+    return out;
+}
+
+static GlassSample sample_passed( const Glass* g, RfEyeLane eye, RfVec3 h, RfVec3 f, float chance )
+{
+    GlassSample out = { passed( g, eye.wo, h ), { 0, 0, 0 }, RF_DELTA_PDF };
+    float cos_i = -rf_dot( g->n, out.wi );
+    if ( cos_i <= 0.0f )
+        return out;
+    // radiance is squeezed together where it enters the denser medium
+    float squeeze = g->thin ? 1.0f : 1.0f / ( g->ior * g->ior );
+    float shadow = g->alpha > 0.0f ? 2.0f / ( 1.0f + smith( g->alpha, cos_i ) ) : 1.0f;
+    RfVec3 rest = rf_sub( rf_vec3( 1, 1, 1 ), f );
+    out.weight = rf_scale( rf_mul( rest, g->tint ), squeeze * shadow / chance );
+    return out;
+}
+
+static GlassSample sample( const Glass* g, RfEyeLane eye, const float u[3] )
+{
+    float base = base_chance( g, eye.cos_o );
+    if ( u[2] < base )
+    {
+        RfVec3 azimuth = rf_azimuth_direction( g->n, u[1] );
+        return finish_wide( g, eye, rf_madd( rf_scale( azimuth, sqrtf( u[0] ) ), g->n, sqrtf( 1.0f - u[0] ) ) );
+    }
+    float pick = ( u[2] - base ) / ( 1.0f - base );
+    RfVec3 h = sample_facet( g, eye, u[0], u[1] );
+    RfVec3 f = reflectance( g, rf_dot( eye.wo, h ) );
+    float reflect = reflect_chance( g, f );
+    if ( pick >= reflect )
+        return sample_passed( g, eye, h, f, ( 1.0f - base ) * ( 1.0f - reflect ) );
+    RfVec3 wi = mirrored( eye.wo, h );
+    if ( g->alpha > 0.0f )
+        return finish_wide( g, eye, wi );
+    return ( GlassSample ){ wi, rf_scale( f, 1.0f / ( ( 1.0f - base ) * reflect ) ), RF_DELTA_PDF };
+}
+
+static void put( float* const out[3], int i, RfVec3 v )
+{
+    out[0][i] = v.x;
+    out[1][i] = v.y;
+    out[2][i] = v.z;
+}
+
+void rf_glass_sample( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const u[3],
+                      float* const wi[3], float* const weight[3], float* pdf_solid_angle )
+{
+    for ( int i = 0; i < count; ++i )
+    {
+        Glass g = glass_of( lanes, i );
+        float random[3] = { u[0][i], u[1][i], u[2][i] };
+        RfEyeLane eye = rf_lift_to_horizon( g.n, rf_vec3( wo[0][i], wo[1][i], wo[2][i] ) );
+        GlassSample s = sample( &g, eye, random );
+        put( wi, i, s.wi );
+        put( weight, i, s.weight );
+        pdf_solid_angle[i] = s.pdf_solid_angle;
+    }
+}
+
+void rf_glass_evaluate( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const wi[3],
+                        float* const f[3], float* pdf_solid_angle )
+{
+    for ( int i = 0; i < count; ++i )
+    {
+        Glass g = glass_of( lanes, i );
+        RfEyeLane eye = rf_lift_to_horizon( g.n, rf_vec3( wo[0][i], wo[1][i], wo[2][i] ) );
+        RfScattering s = evaluate( &g, eye, rf_vec3( wi[0][i], wi[1][i], wi[2][i] ) );
+        if ( f != NULL )
+            put( f, i, s.f );
+        if ( pdf_solid_angle != NULL )
+            pdf_solid_angle[i] = s.pdf_solid_angle;
+    }
+}

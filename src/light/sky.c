@@ -1,0 +1,231 @@
+// Directions of a map are drawn by its pixels: a row by its share, a pixel of
+// the row by its share, a direction inside the pixel uniformly by solid angle.
+// A pixel's share is the mean over it of what rf_sky_radiance makes of it and
+// its neighbours, so no direction that sends light has density 0.
+#include "light/sky.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static const float* pixel( const RfEnvironment* e, int x, int y )
+{
+    x = x < 0 ? x + e->width : ( x >= e->width ? x - e->width : x );
+    y = y < 0 ? 0 : ( y >= e->height ? e->height - 1 : y );
+    return e->map + 3 * ( (size_t)y * (size_t)e->width + (size_t)x );
+}
+
+static double luminance_at( const RfEnvironment* e, int x, int y )
+{
+    const float* p = pixel( e, x, y );
+    return (double)rf_luminance( rf_mul( e->radiance, rf_vec3( p[0], p[1], p[2] ) ) );
+}
+
+// The mean over a pixel of the linear interpolation: ⅛ ¾ ⅛ each way.
+static double mean_luminance( const RfEnvironment* e, int x, int y )
+{
+    double sum = 0.0;
+    for ( int j = -1; j <= 1; ++j )
+    {
+        for ( int i = -1; i <= 1; ++i )
+            sum += ( i == 0 ? 0.75 : 0.125 ) * ( j == 0 ? 0.75 : 0.125 ) * luminance_at( e, x + i, y + j );
+    }
+    return sum;
+}
+
+// Solid angle of a pixel of row y, sr.
+static double pixel_solid_angle( const RfEnvironment* e, int y )
+{
+    double top = cos( (double)y / e->height * 3.14159265358979324 );
+    double bottom = cos( (double)( y + 1 ) / e->height * 3.14159265358979324 );
+    return ( top - bottom ) * 2.0 * 3.14159265358979324 / e->width;
+}
+
+// Sums of a row's shares, 0 to 1; returns its light.
+static double sum_row( const RfEnvironment* e, int y, float* sum )
+{
+    double total = 0.0;
+    for ( int x = 0; x < e->width; ++x )
+        total += mean_luminance( e, x, y );
+    double run = 0.0;
+    sum[0] = 0.0f;
+    for ( int x = 0; x < e->width; ++x )
+    {
+        run += mean_luminance( e, x, y );
+        float share = total > 0.0 ? (float)( run / total ) : (float)( x + 1 ) / (float)e->width;
+        sum[x + 1] = share < 1.0f ? share : 1.0f;
+    }
+    sum[e->width] = 1.0f;
+    return total * pixel_solid_angle( e, y );
+}
+
+static double sum_rows( const RfEnvironment* e, RfSky* sky )
+{
+    sky->row_sum[0] = 0.0;
+    for ( int y = 0; y < e->height; ++y )
+    {
+        float* columns = sky->column_sum + (size_t)y * ( (size_t)e->width + 1 );
+        sky->row_sum[y + 1] = sky->row_sum[y] + sum_row( e, y, columns );
+    }
+    double total = sky->row_sum[e->height];
+    for ( int y = 1; y <= e->height && total > 0.0; ++y )
+        sky->row_sum[y] /= total;
+    for ( int y = 0; y < e->height; ++y )
+        sky->row_density[y] = (float)( ( sky->row_sum[y + 1] - sky->row_sum[y] ) / pixel_solid_angle( e, y ) );
+    return total / ( 4.0 * 3.14159265358979324 );
+}
+
+RfResult rf_make_sky( const RfEnvironment* e, RfSky* sky, RfError* error )
+{
+    *sky = ( RfSky ){ 0 };
+    if ( !( rf_max_component( e->radiance ) > 0.0f ) )
+        return RF_OK;
+    sky->mean_luminance = rf_luminance( e->radiance );
+    sky->cos_rotation = cosf( e->rotation );
+    sky->sin_rotation = sinf( e->rotation );
+    if ( e->map != NULL )
+    {
+        sky->row_sum = malloc( ( (size_t)e->height + 1 ) * sizeof *sky->row_sum );
+        sky->column_sum = malloc( (size_t)e->height * ( (size_t)e->width + 1 ) * sizeof *sky->column_sum );
+        sky->row_density = malloc( (size_t)e->height * sizeof *sky->row_density );
+        if ( sky->row_sum == NULL || sky->column_sum == NULL || sky->row_density == NULL )
+        {
+            rf_destroy_sky( sky );
+            return rf_fail( error, RF_ERROR_MEMORY, "no memory for the sums of an environment of %d x %d pixels", e->width, e->height );
+        }
+        sky->mean_luminance = (float)sum_rows( e, sky );
+    }
+    if ( !( sky->mean_luminance > 0.0f ) )
+    {
+        rf_destroy_sky( sky );
+        return RF_OK;
+    }
+    sky->environment = e;
+    return RF_OK;
+}
+
+void rf_destroy_sky( RfSky* sky )
+{
+    free( sky->row_sum );
+    free( sky->row_density );
+    free( sky->column_sum );
+    *sky = ( RfSky ){ 0 };
+}
+
+// Where a direction falls on the map, in pixels.
+typedef struct MapPlace
+{
+    float x, y;
+} MapPlace;
+
+static MapPlace place_of( const RfSky* sky, RfVec3 d )
+{
+    const RfEnvironment* e = sky->environment;
+    float x = d.x * sky->cos_rotation - d.z * sky->sin_rotation; // turned back
+    float z = d.x * sky->sin_rotation + d.z * sky->cos_rotation;
+    float u = atan2f( x, -z ) * ( 0.5f * RF_INV_PI ) + 0.5f;
+    float v = atan2f( sqrtf( x * x + z * z ), d.y ) * RF_INV_PI; // keeps its digits at the poles
+    return ( MapPlace ){ u * (float)e->width, v * (float)e->height };
+}
+
+static int whole( float value, int count )
+{
+    int i = (int)value;
+    return i < 0 ? 0 : ( i >= count ? count - 1 : i );
+}
+
+RfVec3 rf_sky_radiance( const RfSky* sky, RfVec3 wi )
+{
+    const RfEnvironment* e = sky->environment;
+    if ( e->map == NULL )
+        return e->radiance;
+    MapPlace at = place_of( sky, wi );
+    float left = floorf( at.x - 0.5f ), top = floorf( at.y - 0.5f );
+    float fx = at.x - 0.5f - left, fy = at.y - 0.5f - top;
+    const float* p[4];
+    for ( int k = 0; k < 4; ++k )
+        p[k] = pixel( e, (int)left + k % 2, (int)top + k / 2 );
+    float c[3];
+    for ( int i = 0; i < 3; ++i )
+    {
+        float upper = p[0][i] + fx * ( p[1][i] - p[0][i] ), lower = p[2][i] + fx * ( p[3][i] - p[2][i] );
+        c[i] = upper + fy * ( lower - upper );
+    }
+    return rf_mul( e->radiance, rf_vec3( c[0], c[1], c[2] ) );
+}
+
+static float pixel_pdf( const RfSky* sky, int x, int y )
+{
+    const RfEnvironment* e = sky->environment;
+    const float* columns = sky->column_sum + (size_t)y * ( (size_t)e->width + 1 );
+    return sky->row_density[y] * ( columns[x + 1] - columns[x] );
+}
+
+float rf_sky_pdf_solid_angle( const RfSky* sky, RfVec3 wi )
+{
+    const RfEnvironment* e = sky->environment;
+    if ( e->map == NULL )
+        return 0.25f * RF_INV_PI;
+    MapPlace at = place_of( sky, wi );
+    return pixel_pdf( sky, whole( at.x, e->width ), whole( at.y, e->height ) );
+}
+
+// The last entry that is not above `share`, of those that are followed by a larger one.
+static int find_row( const double* sum, int count, double share )
+{
+    int low = 0, high = count;
+    while ( high - low > 1 )
+    {
+        int middle = ( low + high ) / 2;
+        if ( sum[middle] <= share )
+            low = middle;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+static int find_column( const float* sum, int count, double share )
+{
+    int low = 0, high = count;
+    while ( high - low > 1 )
+    {
+        int middle = ( low + high ) / 2;
+        if ( (double)sum[middle] <= share )
+            low = middle;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+// Unit vector at azimuth 2π (u − ½) from the map's middle, and height z.
+static RfVec3 direction_of( const RfSky* sky, double u, double cos_up )
+{
+    double azimuth = 2.0 * 3.14159265358979324 * ( u - 0.5 );
+    double across = sqrt( fmax( 1.0 - cos_up * cos_up, 0.0 ) );
+    double x = across * sin( azimuth ), z = -across * cos( azimuth );
+    double c = (double)sky->cos_rotation, s = (double)sky->sin_rotation;
+    return rf_vec3( (float)( x * c + z * s ), (float)cos_up, (float)( z * c - x * s ) );
+}
+
+RfSkySample rf_sample_sky( const RfSky* sky, const uint32_t pick[2], const float place[2] )
+{
+    const RfEnvironment* e = sky->environment;
+    RfSkySample sample;
+    if ( e->map == NULL )
+    {
+        sample.wi = direction_of( sky, (double)place[0], 1.0 - 2.0 * (double)place[1] );
+        sample.radiance = e->radiance;
+        sample.pdf_solid_angle = 0.25f * RF_INV_PI;
+        return sample;
+    }
+    int y = find_row( sky->row_sum, e->height, (double)pick[0] * 0x1p-32 );
+    int x = find_column( sky->column_sum + (size_t)y * ( (size_t)e->width + 1 ), e->width, (double)pick[1] * 0x1p-32 );
+    double top = cos( (double)y / e->height * 3.14159265358979324 );
+    double bottom = cos( (double)( y + 1 ) / e->height * 3.14159265358979324 );
+    double cos_up = top + ( (double)place[1] + 0x1p-25 ) * ( bottom - top );
+    sample.wi = direction_of( sky, ( x + (double)place[0] + 0x1p-25 ) / e->width, cos_up );
+    sample.radiance = rf_sky_radiance( sky, sample.wi );
+    sample.pdf_solid_angle = pixel_pdf( sky, x, y );
+    return sample;
+}

@@ -1,0 +1,198 @@
+// Mirrors and glass: Fresnel and Snell by hand, energy, and that sampling,
+// density and evaluation of the lobes with a width agree.
+#include "bsdf/bsdf.h"
+
+#include "base/random.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdlib.h>
+
+#include <cmocka.h>
+
+typedef struct Glass
+{
+    RfVec3 base, specular, tint;
+    float alpha, ior;
+} Glass;
+
+typedef struct Drawn
+{
+    RfVec3 wi, weight;
+    float pdf;
+} Drawn;
+
+static const RfVec3 s_n = { 0, 0, 1 };
+
+static RfBsdfLanes lanes_of( const Glass* g )
+{
+    return ( RfBsdfLanes ){
+        .n = { &s_n.x, &s_n.y, &s_n.z },
+        .diffuse = { &g->base.x, &g->base.y, &g->base.z },
+        .specular = { &g->specular.x, &g->specular.y, &g->specular.z },
+        .shape = &g->alpha,
+        .tint = { &g->tint.x, &g->tint.y, &g->tint.z },
+        .ior = &g->ior,
+    };
+}
+
+static Drawn draw( const Glass* g, RfVec3 wo, const float u[3] )
+{
+    Drawn d;
+    RfBsdfLanes lanes = lanes_of( g );
+    const float* o[3] = { &wo.x, &wo.y, &wo.z };
+    const float* random[3] = { u, u + 1, u + 2 };
+    float* wi[3] = { &d.wi.x, &d.wi.y, &d.wi.z };
+    float* weight[3] = { &d.weight.x, &d.weight.y, &d.weight.z };
+    rf_glass_sample( 1, &lanes, o, random, wi, weight, &d.pdf );
+    return d;
+}
+
+static RfVec3 evaluate( const Glass* g, RfVec3 wo, RfVec3 wi, float* pdf )
+{
+    RfBsdfLanes lanes = lanes_of( g );
+    const float* o[3] = { &wo.x, &wo.y, &wo.z };
+    const float* in[3] = { &wi.x, &wi.y, &wi.z };
+    RfVec3 f;
+    float* out[3] = { &f.x, &f.y, &f.z };
+    rf_glass_evaluate( 1, &lanes, o, in, out, pdf );
+    return f;
+}
+
+static RfVec3 tilted( float degrees )
+{
+    float a = degrees * RF_PI / 180.0f;
+    return rf_vec3( sinf( a ), 0, cosf( a ) );
+}
+
+static bool near( float a, double b, double tolerance ) { return fabs( (double)a - b ) <= tolerance; }
+
+static const float s_reflect[3] = { 0.3f, 0.6f, 0.0f }, s_pass[3] = { 0.3f, 0.6f, 0.99999f };
+
+static void test_snell_and_fresnel( void** state )
+{
+    (void)state;
+    Glass g = { .tint = { 1, 0.5f, 0.25f }, .ior = 1.5f };
+    Drawn d = draw( &g, tilted( 0 ), s_reflect );
+    assert_true( near( d.wi.z, 1, 1e-6 ) && d.pdf == RF_DELTA_PDF );
+    // chances of the two ways are F and 1 − F, up to the tint
+    double f = 0.04, pass = ( 1 - f ) * ( 1 + 0.5 + 0.25 ) / 3, chance = f / ( f + pass );
+    assert_true( near( d.weight.x, f / chance, 1e-4 ) );
+    d = draw( &g, tilted( 30 ), s_pass );
+    double sine = 0.5 / 1.5;
+    assert_true( near( d.wi.x, -sine, 1e-5 ) && near( d.wi.z, -sqrt( 1 - sine * sine ), 1e-5 ) && d.pdf == RF_DELTA_PDF );
+    assert_true( near( d.weight.y, 0.5 * (double)d.weight.x, 1e-5 ) );
+    // at Brewster's angle the reflectance is half that of the perpendicular part
+    Glass clear = { .tint = { 1, 1, 1 }, .ior = 1.5f };
+    float degrees = atanf( 1.5f ) * 180.0f / RF_PI;
+    int reflected = 0;
+    for ( int i = 0; i < 100000; ++i )
+    {
+        float u[3] = { 0.5f, 0.5f, ( (float)i + 0.5f ) / 100000.0f };
+        reflected += draw( &clear, tilted( degrees ), u ).wi.z > 0.0f;
+    }
+    double cos_o = cos( atan( 1.5 ) ), cos_t = sqrt( 1 - ( 1 - cos_o * cos_o ) / 2.25 );
+    double s = ( cos_o - 1.5 * cos_t ) / ( cos_o + 1.5 * cos_t );
+    assert_true( fabs( reflected / 100000.0 - 0.5 * s * s ) < 2e-5 + 1e-5 );
+    // from within, beyond the critical angle of 41.8 degrees, all is reflected
+    clear.ior = 1.0f / 1.5f;
+    assert_true( draw( &clear, tilted( 42 ), s_pass ).wi.z > 0.0f );
+    assert_true( draw( &clear, tilted( 41 ), s_pass ).wi.z < 0.0f );
+    // what goes in is squeezed by the square of the index, what comes out spread
+    assert_true( near( draw( &clear, tilted( 0 ), s_pass ).weight.x, 2.25, 1e-3 ) );
+}
+
+static void test_thin_walls_and_mirrors( void** state )
+{
+    (void)state;
+    Glass wall = { .tint = { 1, 1, 1 }, .ior = -1.5f };
+    Drawn d = draw( &wall, tilted( 50 ), s_pass );
+    assert_true( near( d.wi.x, -sin( 50 * 3.14159265 / 180 ), 1e-5 ) && near( d.wi.z, -cos( 50 * 3.14159265 / 180 ), 1e-5 ) );
+    assert_true( near( d.weight.x, 1, 1e-5 ) );
+    Glass mirror = { .specular = { 0.9f, 0.5f, 0.1f } };
+    d = draw( &mirror, tilted( 0 ), s_pass );
+    assert_true( near( d.wi.z, 1, 1e-6 ) && near( d.weight.x, 0.9, 1e-5 ) && near( d.weight.z, 0.1, 1e-5 ) );
+    d = draw( &mirror, tilted( 89.9f ), s_pass );
+    assert_true( d.weight.z > 0.98f );
+}
+
+static float uniform( int i, uint32_t dimension ) { return rf_random( rf_pixel_key( 5, (uint32_t)i ), dimension ); }
+
+// Sampled directions that have a width carry the density that evaluate gives;
+// their share is the integral of that density; and no light is made.
+static void check_rough( Glass g, float degrees )
+{
+    enum { COUNT = 60000, GRID = 600 };
+    RfVec3 wo = tilted( degrees );
+    double wide = 0.0, albedo = 0.0, wide_albedo = 0.0, wide_albedo2 = 0.0;
+    for ( int i = 0; i < COUNT; ++i )
+    {
+        float u[3] = { uniform( i, 0 ), uniform( i, 1 ), uniform( i, 2 ) };
+        Drawn d = draw( &g, wo, u );
+        assert_true( d.weight.x >= 0.0f && d.weight.x < 20.0f );
+        float squeeze = g.ior > 0.0f && d.wi.z < 0.0f ? g.ior * g.ior : 1.0f; // energy, not radiance
+        albedo += (double)( d.weight.x * squeeze ) / COUNT;
+        if ( d.pdf == RF_DELTA_PDF )
+            continue;
+        float pdf;
+        RfVec3 f = evaluate( &g, wo, d.wi, &pdf );
+        assert_true( fabsf( pdf - d.pdf ) <= 1e-4f * pdf );
+        assert_true( fabsf( f.x * d.wi.z - d.weight.x * pdf ) <= 1e-4f * f.x * fabsf( d.wi.z ) + 1e-6f || d.wi.z <= 0.0f );
+        wide += 1.0 / COUNT;
+        wide_albedo += (double)d.weight.x / COUNT;
+        wide_albedo2 += (double)( d.weight.x * d.weight.x ) / COUNT;
+    }
+    double integral = 0.0, quadrature = 0.0;
+    for ( int i = 0; i < GRID * GRID; ++i )
+    {
+        double z = ( i / GRID + 0.5 ) / GRID, a = ( i % GRID + 0.5 ) / GRID * 2 * 3.14159265358979, r = sqrt( 1 - z * z );
+        float pdf;
+        RfVec3 wi = rf_vec3( (float)( r * cos( a ) ), (float)( r * sin( a ) ), (float)z );
+        RfVec3 f = evaluate( &g, wo, wi, &pdf );
+        integral += (double)pdf * 2 * 3.14159265358979 / ( GRID * GRID );
+        quadrature += (double)f.x * z * 2 * 3.14159265358979 / ( GRID * GRID );
+    }
+    double error = sqrt( ( wide_albedo2 - wide_albedo * wide_albedo ) / COUNT );
+    assert_true( albedo < 1.0 + 0.01 && albedo > 0.4 );
+    assert_true( integral < wide + 0.01 && integral > wide - 0.2 ); // what is drawn below the surface is lost
+    assert_true( fabs( quadrature - wide_albedo ) < 4.0 * error + 2e-3 );
+}
+
+static void test_rough( void** state )
+{
+    (void)state;
+    static const float degrees[] = { 0.0f, 35.0f, 70.0f };
+    for ( int k = 0; k < 3; ++k )
+    {
+        check_rough( ( Glass ){ .tint = { 1, 1, 1 }, .alpha = 0.3f, .ior = 1.5f }, degrees[k] );
+        check_rough( ( Glass ){ .tint = { 1, 1, 1 }, .alpha = 0.3f, .ior = 1.0f / 1.5f }, degrees[k] );
+        check_rough( ( Glass ){ .base = { 0.6f, 0.5f, 0.4f }, .tint = { 0.4f, 0.4f, 0.4f }, .alpha = 0.2f, .ior = -1.5f }, degrees[k] );
+        check_rough( ( Glass ){ .base = { 0.6f, 0.5f, 0.4f }, .tint = { 0.4f, 0.4f, 0.4f }, .alpha = 0.0f, .ior = 1.4f }, degrees[k] );
+    }
+}
+
+static void test_reciprocity( void** state )
+{
+    (void)state;
+    Glass g = { .base = { 0.6f, 0.5f, 0.4f }, .tint = { 0.4f, 0.4f, 0.4f }, .alpha = 0.4f, .ior = 1.5f };
+    for ( int i = 0; i < 2000; ++i )
+    {
+        RfVec3 a = rf_normalize( rf_vec3( uniform( i, 3 ) - 0.5f, uniform( i, 4 ) - 0.5f, 0.05f + uniform( i, 5 ) ) );
+        RfVec3 b = rf_normalize( rf_vec3( uniform( i, 6 ) - 0.5f, uniform( i, 7 ) - 0.5f, 0.05f + uniform( i, 8 ) ) );
+        float pdf, there = evaluate( &g, a, b, &pdf ).x, back = evaluate( &g, b, a, &pdf ).x;
+        assert_true( there > 0.0f && fabsf( there - back ) <= 1e-4f * there );
+    }
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( test_snell_and_fresnel ),
+        cmocka_unit_test( test_thin_walls_and_mirrors ),
+        cmocka_unit_test( test_rough ),
+        cmocka_unit_test( test_reciprocity ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}
