@@ -53,7 +53,7 @@ static void test_render_defaults( void** state )
     (void)state;
     char value[64];
     write_render( "{\"size\":[20,10],\"spp\":3,\"group\":0,\"seed\":9,\"fps\":\"24000/1001\",\"weights\":\"exact\","
-                  "\"normalize\":\"ratio\",\"max_depth\":4,\"light_samples\":2,\"frames\":\"2-3\",\"tile\":\"1\"}" );
+                  "\"normalize\":\"ratio\",\"max_depth\":4,\"light_samples\":2,\"frames\":\"2-3\",\"tile\":\"1\",\"aov\":\"albedo\"}" );
     cli_expect( cli_run( "$R render scene.json -o a.####.exr --quiet" ), 0, NULL );
     assert_true( !cli_exists( "a.0001.exr" ) && cli_exists( "a.0003.exr" ) );
     expect_size( "a.0002.exr", 20, 10 );

@@ -52,7 +52,7 @@ static const RfOption s_options[] = {
       .default_text = "half of what is free", .help = "budget beyond the scene and its BVH: 512M, 4G" },
     { .name = "threads", .type = RF_OPTION_INT, .value = &s_parsed.settings.threads, .min = 1, .max = 1024,
       .meta = "T", .default_text = "all cores", .help = "threads; the pictures do not depend on them" },
-    { .name = "aov", .type = RF_OPTION_STRING, .value = &s_parsed.aov, .meta = "LAYER[,...]", .default_text = "none",
+    { .name = "aov", .in_file = true, .type = RF_OPTION_STRING, .value = &s_parsed.aov, .meta = "LAYER[,...]", .default_text = "none",
       .help = "further layers: albedo, normal, depth, motion, variance, samples" },
     { .name = "compression", .type = RF_OPTION_CHOICE, .value = &s_parsed.compression, .choices = s_compressions,
       .default_text = "zip", .help = "of the EXR files" },

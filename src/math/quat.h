@@ -87,4 +87,17 @@ static inline void rf_quat_exp( const double v[3], double q[4] )
     q[3] = cos( 0.5 * angle );
 }
 
+// The axes x y z of the space that q turns, each 3 numbers.
+static inline void rf_quat_axes( const double q[4], double axes[9] )
+{
+    double x = q[0], y = q[1], z = q[2], w = q[3];
+    double r[9] = {
+        1 - 2 * ( y * y + z * z ), 2 * ( x * y + z * w ),     2 * ( x * z - y * w ),
+        2 * ( x * y - z * w ),     1 - 2 * ( x * x + z * z ), 2 * ( y * z + x * w ),
+        2 * ( x * z + y * w ),     2 * ( y * z - x * w ),     1 - 2 * ( x * x + y * y ),
+    };
+    for ( int i = 0; i < 9; ++i )
+        axes[i] = r[i];
+}
+
 #endif

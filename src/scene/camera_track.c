@@ -1,6 +1,6 @@
 #include "scene/camera_track.h"
 
-#include "math/mat4.h"
+#include "math/quat.h"
 #include "scene/eye.h"
 
 #include <math.h>
@@ -71,19 +71,18 @@ RfResult rf_sample_camera_track( const RfCameraTrack* track, double time, RfView
     double at = time;
     if ( track->kind != RF_TRACK_KEYED )
         at = track->end > 0.0 ? fmin( fmax( time / track->end, 0.0 ), 1.0 ) : 0.0;
-    static const double s_origin[3] = { 0.0, 0.0, 0.0 }, s_unit[3] = { 1.0, 1.0, 1.0 };
-    double target[3] = { 0 }, rotation[4];
+    double target[3] = { 0 }, rotation[4], axes[9];
     place( track, at, view, target );
     rf_sample_curve( &track->fov, at, &view->fov );
     view->fov *= 3.14159265358979323846 / 180.0;
     if ( track->rotation.count > 0 )
     {
         rf_sample_curve( &track->rotation, at, rotation );
-        RfMat4 axes = rf_mat4_from_trs( s_origin, rotation, s_unit );
+        rf_quat_axes( rotation, axes );
         for ( int i = 0; i < 3; ++i )
         {
-            view->up[i] = axes.m[4 + i];
-            view->forward[i] = -axes.m[8 + i];
+            view->up[i] = axes[3 + i];
+            view->forward[i] = -axes[6 + i];
         }
         return RF_OK;
     }
