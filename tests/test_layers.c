@@ -276,9 +276,9 @@ static void check_variance( RoomKind kind, int group )
 {
     RfScene scene = make_room( kind );
     RfTracer* tracer = make_tracer( &scene );
-    RfEye eyes[EYES];
-    enum { W = 18, H = 12, N = 3 * W * H };
-    orbit_eyes( eyes, EYES, 4.0f, W, H );
+    enum { W = 18, H = 12, N = 3 * W * H, FRAMES = 5 };
+    RfEye eyes[FRAMES];
+    orbit_eyes( eyes, FRAMES, 4.0f, W, H );
     static double sum[N], square[N], layer[N];
     memset( sum, 0, sizeof sum );
     memset( square, 0, sizeof square );
@@ -288,7 +288,7 @@ static void check_variance( RoomKind kind, int group )
         RfRenderSettings settings = layered( group, 12 );
         settings.seed = (uint64_t)seed;
         settings.max_depth = 3;
-        Frames* f = render_layers( tracer, eyes, EYES, 3, 1, &settings );
+        Frames* f = render_layers( tracer, eyes, FRAMES, 2, 1, &settings );
         for ( int i = 0; i < N; ++i )
         {
             double v = (double)f->rgb[0][i];
@@ -328,7 +328,7 @@ static void test_variance( void** state )
     (void)state;
     check_variance( ROOM_DIFFUSE, 0 );
     check_variance( ROOM_DIFFUSE, 1 );
-    check_variance( ROOM_GGX, 2 );
+    check_variance( ROOM_PHONG, 2 );
 }
 
 static void assert_same( const Frames* a, int i, const Frames* b, int j )
@@ -344,12 +344,12 @@ static void assert_same( const Frames* a, int i, const Frames* b, int j )
 static void test_same_bits( void** state )
 {
     (void)state;
-    static const int groups[] = { 0, 1, 2, 20 };
+    static const int groups[] = { 0, 1, 20 };
     RfScene scene = make_room( ROOM_GGX );
     RfTracer* tracer = make_tracer( &scene );
     RfEye eyes[EYES];
     orbit_eyes( eyes, EYES, 4.0f, WIDTH, HEIGHT );
-    for ( int g = 0; g < 4; ++g )
+    for ( int g = 0; g < 3; ++g )
     {
         RfRenderSettings settings = layered( groups[g], 5 );
         Frames* whole = render_layers( tracer, eyes, EYES, 0, EYES, &settings );
