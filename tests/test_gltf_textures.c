@@ -180,8 +180,12 @@ static void test_alpha( void** state )
 
     scene = gltf_load_built( &b, NODES ",\"materials\":[{\"name\":\"ghost\",\"alphaMode\":\"BLEND\",\"pbrMetallicRoughness\":"
                                  "{\"baseColorFactor\":[1,1,1,0.3]}}]" );
-    gltf_assert_warned( "alphaMode BLEND is not read yet: material 'ghost' is cut out where its alpha is below 0.5" );
-    assert_true( rf_is_cut_out( &scene, scene.materials, 0, 0.2f, 0.5f ) );
+    assert_string_equal( gltf_warnings, "" );
+    assert_true( rf_is_blended( scene.materials ) && !rf_is_masked( scene.materials ) );
+    assert_true( fabsf( rf_opacity_at( &scene, scene.materials, 0, 0.2f, 0.5f ) - 0.3f ) < 1e-6f );
+    rf_destroy_scene( &scene );
+    scene = gltf_load_built( &b, NODES ",\"materials\":[{\"alphaMode\":\"BLEND\"}]" ); // nothing to blend
+    assert_null( scene.materials[0].textured );
     rf_destroy_scene( &scene );
 
     // nothing to cut: nothing is looked up

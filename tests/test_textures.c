@@ -224,11 +224,11 @@ static void test_normal_map( void** state )
     rf_destroy_scene( &s.scene );
 }
 
-static uint8_t is_free( const RfTracer* tracer, RfVec3 o, RfVec3 d )
+static float is_free( const RfTracer* tracer, RfVec3 o, RfVec3 d )
 {
     const float* ro[3] = { &o.x, &o.y, &o.z };
     const float* rd[3] = { &d.x, &d.y, &d.z };
-    uint8_t visible;
+    float visible;
     rf_trace_segments( tracer, 1, ro, rd, &visible );
     return visible;
 }
@@ -322,10 +322,8 @@ static void test_one_bright_texel( void** state )
     rf_destroy_scene( &s.scene );
 }
 
-static void test_group_0_is_a_plain_path_tracer( void** state )
+static void check_plain( RfScene scene )
 {
-    (void)state;
-    RfScene scene = make_textured_room();
     RfTracer* tracer = make_tracer( &scene );
     RfEye eyes[3];
     orbit_eyes( eyes, 3, 4.0f, 39, 34 );
@@ -348,6 +346,71 @@ static void test_group_0_is_a_plain_path_tracer( void** state )
     rf_destroy_scene( &scene );
 }
 
+static void test_group_0_is_a_plain_path_tracer( void** state )
+{
+    (void)state;
+    check_plain( make_textured_room() );
+    check_plain( make_blended_room() );
+}
+
+// Panes of alpha 0.5 and 0.25, one behind the other.
+static RfScene make_panes( void )
+{
+    SceneBuilder b = { 0 };
+    for ( int k = 0; k < 2; ++k )
+    {
+        RfMaterial m = make_lambert( 0, 0, 0 );
+        RfFactors factors = { .base = { 0, 0, 0, k == 0 ? 0.5 : 0.25 }, .roughness = 1, .specular_color = { 1, 1, 1 }, .ior = 1.5 };
+        m.textured = make_textured( &factors );
+        m.textured->blended = true;
+        uint32_t index = add_material( &b, m );
+        float z = -(float)k;
+        add_quad( &b, index, rf_vec3( -1, -1, z ), rf_vec3( 1, -1, z ), rf_vec3( 1, 1, z ), rf_vec3( -1, 1, z ) );
+    }
+    return finish_scene( &b );
+}
+
+static void test_blended_panes( void** state )
+{
+    (void)state;
+    RfScene scene = make_panes();
+    scene.environment.radiance = rf_vec3( 2, 2, 2 );
+    RfTracer* tracer = make_tracer( &scene );
+    assert_true( rf_tracer_is_blended( tracer ) );
+    assert_close( is_free( tracer, rf_vec3( 0.1f, 0.2f, 1 ), rf_vec3( 0, 0, -1.5f ) ), 0.5, 1e-6 );
+    assert_close( is_free( tracer, rf_vec3( 0.1f, 0.2f, 1 ), rf_vec3( 0, 0, -3 ) ), 0.375, 1e-6 );
+    assert_close( is_free( tracer, rf_vec3( 3, 0.2f, 1 ), rf_vec3( 0, 0, -3 ) ), 1.0, 0 );
+    RfVec3 origin = rf_vec3( 0, 0, 1 );
+    float x[2] = { 0.1f, 0.1f }, y[2] = { 0, 0 }, z[2] = { -0.5f, -2 }, weight[2] = { 4, 8 };
+    const float* points[3] = { x, y, z };
+    assert_int_equal( rf_trace_from_origin( tracer, origin, 2, points, weight ), 2 );
+    assert_close( weight[0], 2.0, 1e-6 );
+    assert_close( weight[1], 3.0, 1e-6 );
+    // black panes in front of the sky: 3/8 of it is seen
+    RfEye eyes[3];
+    for ( int i = 0; i < 3; ++i )
+        eyes[i] = rf_make_eye( rf_vec3( 0.05f * (float)i, 0, 2 ), rf_vec3( 0, 0, -1 ), rf_vec3( 0, 1, 0 ), 0.4, 24, 24 );
+    for ( int group = 0; group <= 1; ++group )
+    {
+        RfRenderSettings settings = rf_default_render_settings();
+        settings.group = group;
+        settings.spp = 48;
+        settings.memory = (size_t)256 << 20;
+        Rendered r = render_all( tracer, eyes, 3, &settings );
+        double sum = 0.0, weights = 0.0, count = 3.0 * (double)r.pixels;
+        for ( size_t i = 0; i < 3 * r.pixels; ++i )
+        {
+            sum += (double)r.rgb[3 * i] / count;
+            weights += (double)r.weight[i] / count;
+        }
+        assert_close( (float)sum, 0.75, 0.02 ); // five standard errors and more: 2 √(15/64 / 83000)
+        assert_close( (float)weights, 1.0, 0.01 );
+        free_rendered( &r );
+    }
+    rf_destroy_tracer( tracer );
+    rf_destroy_scene( &scene );
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
@@ -355,6 +418,7 @@ int main( void )
         cmocka_unit_test( test_emission_by_texel ), cmocka_unit_test( test_albedo_by_texel ), cmocka_unit_test( test_normal_map ),
         cmocka_unit_test( test_cut_out ),           cmocka_unit_test( test_one_bright_texel ),
         cmocka_unit_test( test_group_0_is_a_plain_path_tracer ),
+        cmocka_unit_test( test_blended_panes ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

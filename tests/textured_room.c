@@ -121,3 +121,26 @@ RfScene make_textured_room( void )
     use( block, RF_TEXTURE_SPECULAR, 0, 0 );
     return scene;
 }
+
+static RfTextured* blend( RfScene* scene, uint32_t material, RfFactors factors, double alpha )
+{
+    factors.base[3] = alpha;
+    RfTextured* t = texture( scene, material, factors );
+    t->blended = true;
+    return t;
+}
+
+RfScene make_blended_room( void )
+{
+    RfScene scene = make_room( ROOM_GGX );
+    add_textures( &scene );
+    add_attributes( &scene );
+    RfFactors paint = { .base = { 0.8, 0.5, 0.3, 1 }, .roughness = 1, .specular_color = { 1, 1, 1 }, .ior = 1.5 };
+    use( blend( &scene, 1, paint, 0.9 ), RF_TEXTURE_BASE, 0, 1 );
+    blend( &scene, 2, paint, 0.7 );
+    RfFactors coated = paint;
+    coated.specular = 1;
+    coated.roughness = 0.5;
+    blend( &scene, ROOM_OBJECT_MATERIAL, coated, 0.4 ); // not the block, whose bottom is in the floor
+    return scene;
+}

@@ -11,6 +11,10 @@
 // with vertex colours and bumps, a block whose roughness and metal vary.
 RfScene make_textured_room( void );
 
+// The GGX room with a wall, a sphere and a light that let part of the light
+// straight through, the wall by a texture's alpha.
+RfScene make_blended_room( void );
+
 // `textured` of a material without textures, of malloc.
 RfTextured* make_textured( const RfFactors* factors );
 

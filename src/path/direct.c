@@ -275,7 +275,7 @@ int rf_sample_lights( const RfWalkSettings* settings, const RfWalk* keys, const 
     for ( int k = 0; k < kept; ++k )
     {
         int i = scratch->index[k];
-        float open = scratch->visible[k] ? 1.0f : 0.0f;
+        float open = scratch->visible[k];
         for ( int c = 0; c < 3; ++c )
             out->radiance_cos[c][i] *= open;
     }

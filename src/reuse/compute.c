@@ -18,6 +18,8 @@ static void weigh_landing( const RfEye* eye, int eye_index, const RfHitBatch* ba
     }
     else
         rf_project_batch( eye, batch, pixel, ratio );
+    if ( batch->densities != NULL )
+        memcpy( ratio, batch->densities + (size_t)eye_index * RF_LANES, (size_t)batch->count * sizeof *ratio );
     const float* restrict sum = batch->density_sum;
     const uint32_t* restrict seen = batch->seen + ( eye_index / 32 ) * RF_LANES;
     uint32_t bit = 1u << ( eye_index % 32 );

@@ -1,5 +1,7 @@
 #include "reuse/render_internal.h"
 
+#include "scene/textured.h"
+
 #include <string.h>
 
 #define BATCHES_PER_THREAD 16 // in a chunk: enough to share out, few enough to stay in the cache
@@ -22,6 +24,16 @@ static bool has_kinds( const RfScene* scene, RfBsdfKind first, RfBsdfKind end )
     return false;
 }
 
+static bool has_blended( const RfScene* scene )
+{
+    for ( uint32_t i = 0; i < scene->triangles.count; ++i )
+    {
+        if ( rf_is_blended( scene->materials + scene->triangles.material[i] ) )
+            return true;
+    }
+    return false;
+}
+
 static RfBatchShape batch_shape( const RfScene* scene, int eyes, const RfRenderSettings* settings )
 {
     return ( RfBatchShape ){
@@ -30,6 +42,7 @@ static RfBatchShape batch_shape( const RfScene* scene, int eyes, const RfRenderS
         .glossy = has_kinds( scene, RF_BSDF_PHONG, RF_BSDF_FIRST_NATIVE ),
         .coated = has_kinds( scene, RF_BSDF_COATED, RF_BSDF_COATED + 1 ),
         .eq15 = settings->weights == RF_WEIGHTS_EQ15,
+        .blended = has_blended( scene ),
         .natives = has_kinds( scene, RF_BSDF_FIRST_NATIVE, RF_BSDF_KIND_COUNT ) ||
                    rf_max_component( scene->environment.radiance ) > 0.0f,
     };

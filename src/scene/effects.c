@@ -227,6 +227,7 @@ int rf_list_effects( const RfScene* scene, RfEffect effects[RF_MAX_EFFECTS] )
     effects[count++] = environment_effect( scene );
     effects[count++] = material_effect( &census, "textures", has_texture, "no material has a texture" );
     effects[count++] = material_effect( &census, "vertex-colors", has_vertex_colors, "no mesh has colours at its vertices" );
+    effects[count++] = material_effect( &census, "alpha-blend", rf_is_blended, "no material lets part of the light straight through" );
     effects[count++] = material_effect( &census, "alpha-mask", rf_is_masked, "no material is cut out by its alpha" );
     free( census.triangles );
     return count;

@@ -34,7 +34,6 @@ typedef enum RfGltfList
 typedef enum RfGltfNotice
 {
     RF_GLTF_TEXTURES,
-    RF_GLTF_ALPHA_MODE,
     RF_GLTF_POINTS_LINES,
     RF_GLTF_NO_POSITIONS,
     RF_GLTF_MORPH_TARGETS,

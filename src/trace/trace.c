@@ -1,5 +1,6 @@
 #include "trace/trace.h"
 
+#include "base/random.h"
 #include "light/light.h"
 #include "scene/textured.h"
 
@@ -26,8 +27,8 @@ struct RfTracer
     RTCScene embree_scene;
     RfLights lights;
     RfTriangleRecord* triangles;
-    bool textured;
-    uint32_t masked_first; // first of the order below that may be cut out
+    bool textured, blended;
+    uint32_t masked_first; // first of the order below that may be cut out or blended
     uint32_t* order;       // the scene's triangles in the order of the BVH's two geometries; NULL: the scene's own order
     long bytes;
     char text[64];
@@ -55,7 +56,9 @@ static bool on_memory( void* user, ssize_t bytes, bool post )
     return true;
 }
 
-// Masked materials are a geometry of their own, so that all others go without
+static bool has_filter( const RfMaterial* m ) { return rf_is_masked( m ) || rf_is_blended( m ); }
+
+// Masked and blended materials are a geometry of their own, so that all others go without
 // its filter: first the triangles without, then those with.
 static RfResult sort_masked( RfTracer* tracer, RfError* error )
 {
@@ -63,7 +66,10 @@ static RfResult sort_masked( RfTracer* tracer, RfError* error )
     const RfTriangles* t = &scene->triangles;
     uint32_t masked = 0;
     for ( uint32_t i = 0; i < t->count; ++i )
-        masked += rf_is_masked( scene->materials + t->material[i] );
+    {
+        masked += has_filter( scene->materials + t->material[i] );
+        tracer->blended = tracer->blended || rf_is_blended( scene->materials + t->material[i] );
+    }
     tracer->masked_first = t->count - masked;
     if ( masked == 0 )
         return RF_OK;
@@ -72,26 +78,73 @@ static RfResult sort_masked( RfTracer* tracer, RfError* error )
         return rf_fail( error, RF_ERROR_MEMORY, "no memory for the order of %u triangles", t->count );
     uint32_t next[2] = { 0, tracer->masked_first };
     for ( uint32_t i = 0; i < t->count; ++i )
-        tracer->order[next[rf_is_masked( scene->materials + t->material[i] )]++] = i;
+        tracer->order[next[has_filter( scene->materials + t->material[i] )]++] = i;
     return RF_OK;
 }
 
-// Lets rays through where the surface is cut out. A packet's hits are rows of N:
-// the normal's x, y, z, then u, v and the number of the triangle (the accessors
-// of Embree's header are for C++).
+// A packet's query: Embree hands it on to the filter.
+typedef struct Query
+{
+    struct RTCIntersectContext context; // first
+    bool segments;               // asks for transmittance, not for the nearest hit
+    float transmittance[PACKET]; // by the id of the ray
+} Query;
+
+// Rows of N in Embree's packets (the accessors of its header are for C++).
+enum
+{
+    RAY_ORIGIN = 0,
+    RAY_DIRECTION = 4,
+    RAY_ID = 10,
+    HIT_U = 3,
+    HIT_V = 4,
+    HIT_NUMBER = 5,
+};
+
+static uint32_t ray_bits( const struct RTCFilterFunctionNArguments* args, int row, unsigned int lane )
+{
+    return ( (const uint32_t*)(const void*)args->ray )[(unsigned int)row * args->N + lane];
+}
+
+// Uniform in [0, 1): a function of the ray and the triangle.
+static float ray_number( const struct RTCFilterFunctionNArguments* args, unsigned int lane, uint32_t triangle )
+{
+    uint32_t hash = rf_mix32( triangle + 0x9e3779b9u );
+    for ( int c = 0; c < 3; ++c )
+    {
+        hash = rf_mix32( hash ^ ray_bits( args, RAY_ORIGIN + c, lane ) );
+        hash = rf_mix32( hash ^ ray_bits( args, RAY_DIRECTION + c, lane ) );
+    }
+    return (float)( hash >> 8 ) * 0x1p-24f;
+}
+
+// Does the ray end at a blended surface?
+static bool meets( const struct RTCFilterFunctionNArguments* args, unsigned int lane, uint32_t triangle, float opacity )
+{
+    Query* query = (Query*)args->context;
+    if ( !query->segments )
+        return ray_number( args, lane, triangle ) < opacity;
+    float* left = query->transmittance + ray_bits( args, RAY_ID, lane );
+    *left *= 1.0f - opacity;
+    return *left <= 0.0f;
+}
+
+// Lets rays through where the surface is cut out, or takes no part.
 static void filter_masked( const struct RTCFilterFunctionNArguments* args )
 {
     const RfTracer* tracer = args->geometryUserPtr;
     const RfScene* scene = tracer->scene;
-    const float *u = (const float*)(const void*)args->hit + 3 * args->N, *v = u + args->N;
-    const unsigned int* number = (const unsigned int*)(const void*)args->hit + 5 * args->N;
+    const float* u = (const float*)(const void*)args->hit + HIT_U * args->N;
+    const float* v = (const float*)(const void*)args->hit + HIT_V * args->N;
+    const unsigned int* number = (const unsigned int*)(const void*)args->hit + HIT_NUMBER * args->N;
     for ( unsigned int i = 0; i < args->N; ++i )
     {
         if ( args->valid[i] == 0 )
             continue;
         uint32_t triangle = tracer->order[tracer->masked_first + number[i]];
         const RfMaterial* material = scene->materials + scene->triangles.material[triangle];
-        if ( rf_is_cut_out( scene, material, triangle, u[i], v[i] ) )
+        float opacity = rf_opacity_at( scene, material, triangle, u[i], v[i] );
+        if ( opacity <= 0.0f || ( opacity < 1.0f && !meets( args, i, triangle, opacity ) ) )
             args->valid[i] = 0;
     }
 }
@@ -268,12 +321,28 @@ void rf_destroy_tracer( RfTracer* tracer )
 
 const RfScene* rf_tracer_scene( const RfTracer* tracer ) { return tracer->scene; }
 bool rf_tracer_is_textured( const RfTracer* tracer ) { return tracer->textured; }
+bool rf_tracer_is_blended( const RfTracer* tracer ) { return tracer->blended; }
 const RfLights* rf_tracer_lights( const RfTracer* tracer ) { return &tracer->lights; }
 const RfTriangleRecord* rf_tracer_triangles( const RfTracer* tracer ) { return tracer->triangles; }
 const char* rf_tracer_device( const RfTracer* tracer ) { return tracer->text; }
 size_t rf_tracer_bytes( const RfTracer* tracer )
 {
     return (size_t)tracer->bytes + (size_t)tracer->scene->triangles.count * sizeof( RfTriangleRecord );
+}
+
+static Query begin_query( bool segments, bool coherent )
+{
+    Query query;
+    rtcInitIntersectContext( &query.context );
+    query.context.flags = coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+    query.segments = segments;
+    return query;
+}
+
+static void reset_transmittance( Query* query )
+{
+    for ( int i = 0; i < PACKET; ++i )
+        query->transmittance[i] = 1.0f;
 }
 
 // The lanes of a packet beyond `count` get no ray: their valid mask is 0.
@@ -299,7 +368,7 @@ static void set_ray( struct RTCRay16* ray, int lanes, const float* const d[3], i
         ray->tfar[i] = far;
         ray->time[i] = 0.0f;
         ray->mask[i] = 0xffffffffu;
-        ray->id[i] = 0;
+        ray->id[i] = (unsigned int)i;
         ray->flags[i] = 0;
     }
 }
@@ -327,9 +396,7 @@ static void restore_order( const RfTracer* tracer, int lanes, const unsigned int
 void rf_trace_nearest( const RfTracer* tracer, int count, const float* const o[3], const float* const d[3],
                        bool coherent, uint32_t* triangle, float* u, float* v )
 {
-    struct RTCIntersectContext context;
-    rtcInitIntersectContext( &context );
-    context.flags = coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+    Query query = begin_query( false, coherent );
     _Alignas( 64 ) int valid[PACKET];
     struct RTCRayHit16 packet;
     memset( &packet, 0, sizeof packet );
@@ -340,7 +407,7 @@ void rf_trace_nearest( const RfTracer* tracer, int count, const float* const o[3
         set_ray( &packet.ray, lanes, d, first, INFINITY );
         for ( int i = 0; i < PACKET; ++i )
             packet.hit.geomID[i] = packet.hit.primID[i] = RTC_INVALID_GEOMETRY_ID;
-        rtcIntersect16( valid, tracer->embree_scene, &context, &packet );
+        rtcIntersect16( valid, tracer->embree_scene, &query.context, &packet );
         for ( int i = 0; i < lanes; ++i )
         {
             triangle[first + i] = packet.hit.primID[i];
@@ -352,20 +419,11 @@ void rf_trace_nearest( const RfTracer* tracer, int count, const float* const o[3
     }
 }
 
-static void occluded_packet( const RfTracer* tracer, struct RTCIntersectContext* context, const int* valid,
-                             struct RTCRay16* ray, int lanes, uint8_t* visible )
-{
-    rtcOccluded16( valid, tracer->embree_scene, context, ray );
-    for ( int i = 0; i < lanes; ++i )
-        visible[i] = ray->tfar[i] >= 0.0f; // −inf where something is in the way
-}
-
 void rf_trace_segments( const RfTracer* tracer, int count, const float* const o[3], const float* const d[3],
-                        uint8_t* visible )
+                        float* visible )
 {
-    struct RTCIntersectContext context;
-    rtcInitIntersectContext( &context );
-    context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+    Query query = begin_query( true, false );
+    reset_transmittance( &query );
     _Alignas( 64 ) int valid[PACKET];
     struct RTCRay16 ray;
     memset( &ray, 0, sizeof ray );
@@ -374,7 +432,11 @@ void rf_trace_segments( const RfTracer* tracer, int count, const float* const o[
         int lanes = set_valid( valid, first, count );
         set_origins( &ray, lanes, o, first );
         set_ray( &ray, lanes, d, first, 1.0f );
-        occluded_packet( tracer, &context, valid, &ray, lanes, visible + first );
+        rtcOccluded16( valid, tracer->embree_scene, &query.context, &ray );
+        for ( int i = 0; i < lanes; ++i )
+            visible[first + i] = ray.tfar[i] < 0.0f ? 0.0f : query.transmittance[i]; // −inf where blocked
+        if ( tracer->blended )
+            reset_transmittance( &query );
     }
 }
 
@@ -398,14 +460,14 @@ static int set_segments( struct RTCRay16* ray, int* valid, RfVec3 origin, int la
 int rf_trace_from_origin( const RfTracer* tracer, RfVec3 origin, int count, const float* const point[3], float* weight )
 {
     // coherent as they are, Embree's traversal for incoherent packets is the faster one here
-    struct RTCIntersectContext context;
-    rtcInitIntersectContext( &context );
-    context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+    Query query = begin_query( true, false );
+    reset_transmittance( &query );
     _Alignas( 64 ) int valid[PACKET];
     struct RTCRay16 ray;
     memset( &ray, 0, sizeof ray );
     for ( int i = 0; i < PACKET; ++i )
     {
+        ray.id[i] = (unsigned int)i;
         ray.org_x[i] = origin.x;
         ray.org_y[i] = origin.y;
         ray.org_z[i] = origin.z;
@@ -420,9 +482,11 @@ int rf_trace_from_origin( const RfTracer* tracer, RfVec3 origin, int count, cons
             continue;
         for ( int i = 0; i < PACKET; ++i )
             ray.tfar[i] = 1.0f;
-        rtcOccluded16( valid, tracer->embree_scene, &context, &ray );
+        rtcOccluded16( valid, tracer->embree_scene, &query.context, &ray );
         for ( int i = 0; i < lanes; ++i )
-            weight[first + i] = ray.tfar[i] < 0.0f ? 0.0f : weight[first + i]; // −inf where blocked
+            weight[first + i] = ray.tfar[i] < 0.0f ? 0.0f : weight[first + i] * query.transmittance[i]; // −inf where blocked
+        if ( tracer->blended )
+            reset_transmittance( &query );
         sum += tested;
     }
     return sum;
