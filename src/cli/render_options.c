@@ -70,7 +70,7 @@ static const RfOption s_options[] = {
 };
 
 static const RfCommandTable s_table = { .command = "render",
-                                        .summary = "Renders a camera's path to a sequence of EXR files. SCENE is a .glb, a .gltf or a scene file (.json).",
+                                        .summary = "Renders a camera's path to a sequence of EXR files. SCENE is a .glb, a .gltf or a scene file (.json), which may hold defaults of these options.",
                                         .files = s_files,
                                         .file_count = 1,
                                         .options = s_options,

@@ -26,6 +26,7 @@ struct RfTracer
     RTCScene embree_scene;
     RfLights lights;
     RfTriangleRecord* triangles;
+    bool textured;
     uint32_t masked_first; // first of the order below that may be cut out
     uint32_t* order;       // the scene's triangles in the order of the BVH's two geometries; NULL: the scene's own order
     long bytes;
@@ -227,6 +228,8 @@ RfResult rf_create_tracer( const RfScene* scene, RfTracer** out, RfError* error 
     if ( tracer == NULL )
         return rf_fail( error, RF_ERROR_MEMORY, "no memory for the ray tracer" );
     tracer->scene = scene;
+    for ( uint32_t i = 0; i < scene->material_count; ++i )
+        tracer->textured = tracer->textured || scene->materials[i].textured != NULL;
     tracer->device = rtcNewDevice( "frequency_level=simd512" );
     if ( tracer->device == NULL )
     {
@@ -264,6 +267,7 @@ void rf_destroy_tracer( RfTracer* tracer )
 }
 
 const RfScene* rf_tracer_scene( const RfTracer* tracer ) { return tracer->scene; }
+bool rf_tracer_is_textured( const RfTracer* tracer ) { return tracer->textured; }
 const RfLights* rf_tracer_lights( const RfTracer* tracer ) { return &tracer->lights; }
 const RfTriangleRecord* rf_tracer_triangles( const RfTracer* tracer ) { return tracer->triangles; }
 const char* rf_tracer_device( const RfTracer* tracer ) { return tracer->text; }

@@ -18,6 +18,8 @@ RfResult rf_create_tracer( const RfScene* scene, RfTracer** tracer, RfError* err
 void rf_destroy_tracer( RfTracer* tracer );
 
 const RfScene* rf_tracer_scene( const RfTracer* tracer );
+// Has some material of it what hits must look up (RfMaterial.textured)?
+bool rf_tracer_is_textured( const RfTracer* tracer );
 // The lights of the scene, collected at creation (light/light.h).
 const RfLights* rf_tracer_lights( const RfTracer* tracer );
 // What the image depends on besides the scene: Embree's version and instruction set.

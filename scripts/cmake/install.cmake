@@ -44,7 +44,7 @@ install(TARGETS libreframe EXPORT reframeTargets
 # find_package(reframe) gives reframe::reframe.
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/reframe)
 install(EXPORT reframeTargets NAMESPACE reframe:: DESTINATION ${package_folder})
-configure_package_config_file(cmake/reframeConfig.cmake.in ${PROJECT_BINARY_DIR}/reframeConfig.cmake
+configure_package_config_file(${PROJECT_SOURCE_DIR}/scripts/cmake/reframeConfig.cmake.in ${PROJECT_BINARY_DIR}/reframeConfig.cmake
   INSTALL_DESTINATION ${package_folder})
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/reframeConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/reframeConfig.cmake ${PROJECT_BINARY_DIR}/reframeConfigVersion.cmake
@@ -66,5 +66,5 @@ endif()
 set(pc_folder ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 file(RELATIVE_PATH pc_prefix ${CMAKE_INSTALL_PREFIX}/${pc_folder} ${CMAKE_INSTALL_PREFIX})
 string(REGEX REPLACE "/$" "" pc_prefix ${pc_prefix})
-configure_file(cmake/reframe.pc.in ${PROJECT_BINARY_DIR}/reframe.pc @ONLY)
+configure_file(scripts/cmake/reframe.pc.in ${PROJECT_BINARY_DIR}/reframe.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/reframe.pc DESTINATION ${pc_folder})
