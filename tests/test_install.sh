@@ -28,6 +28,13 @@ for command in $("$prefix/bin/reframe" --help | sed -n 's/^  \([a-z]\{1,\}\)  .*
 done
 [ "$count" -gt 20 ]
 
+step="compiling every header by itself"
+export PKG_CONFIG_PATH=$(dirname "$(find "$prefix" -name reframe.pc)")
+for header in $(cd "$prefix/include/reframe" && find . -name '*.h'); do
+    # shellcheck disable=SC2046
+    echo "#include \"$header\"" | "$compiler" -std=c11 -fsyntax-only $(pkg-config --cflags reframe) -xc -
+done
+
 step="building with find_package"
 CFLAGS=$flags cmake -S "$source" -B "$folder/cmake" -DCMAKE_C_COMPILER="$compiler" -DCMAKE_PREFIX_PATH="$prefix" >"$folder/log" 2>&1 &&
     cmake --build "$folder/cmake" >>"$folder/log" 2>&1 || { cat "$folder/log" >&2; exit 1; }
@@ -36,11 +43,9 @@ step="running what find_package built"
 "$prefix/bin/reframe" png "$folder/a.exr" "$folder/a.png"
 
 step="building with pkg-config"
-pc=$(dirname "$(find "$prefix" -name reframe.pc)")
-export PKG_CONFIG_PATH=$pc
 # shellcheck disable=SC2046,SC2086
 "$compiler" $flags -std=c11 -Wall -Wextra -Wpedantic -Werror "$source/consumer.c" -o "$folder/consumer" \
-    $(pkg-config --cflags --libs reframe) -Wl,-rpath,"$(dirname "$pc")"
+    $(pkg-config --cflags --libs reframe) -Wl,-rpath,"$(dirname "$PKG_CONFIG_PATH")"
 step="running what pkg-config built"
 "$folder/consumer" "$scene" "$folder/b.exr"
 cmp "$folder/a.exr" "$folder/b.exr"

@@ -3,9 +3,11 @@
 # `cmake --install build --prefix X` may put it anywhere.
 include(CMakePackageConfigHelpers)
 
-# Public headers: what the program, a client of the library, includes, and what that includes.
-set(public_headers)
+# Public headers: what the program, a client of the library, includes, some that
+# only others need, and what these include.
+set(public_headers scene/gltf.h)
 function(add_public_headers file)
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${file})
   file(STRINGS ${file} includes REGEX "^#include \"[^\"]+\"")
   foreach(line ${includes})
     string(REGEX REPLACE "^#include \"([^\"]+)\".*" "\\1" header "${line}")
@@ -17,7 +19,7 @@ function(add_public_headers file)
   set(public_headers ${public_headers} PARENT_SCOPE)
 endfunction()
 file(GLOB client_files CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/cli/*.[ch])
-foreach(file ${client_files})
+foreach(file ${client_files} ${PROJECT_SOURCE_DIR}/src/scene/gltf.h)
   add_public_headers(${file})
 endforeach()
 foreach(header ${public_headers})
@@ -48,17 +50,18 @@ write_basic_package_version_file(${PROJECT_BINARY_DIR}/reframeConfigVersion.cmak
 install(FILES ${PROJECT_BINARY_DIR}/reframeConfig.cmake ${PROJECT_BINARY_DIR}/reframeConfigVersion.cmake
   DESTINATION ${package_folder})
 
-# pkg-config reframe: the libraries that ours needs, which with a static one are the user's to link.
-set(pc_requires "jansson libpng libjpeg")
+# pkg-config reframe: the libraries that ours needs, which with a static one
+# are the user's to link. jansson is in a public header.
+set(pc_requires "libpng libjpeg")
 set(pc_libs "-lembree${embree_VERSION_MAJOR} -lOpenEXRCore")
 foreach(name ${OpenMP_C_LIB_NAMES})
   string(APPEND pc_libs " -l${name}")
 endforeach()
 string(APPEND pc_libs " ${CMAKE_THREAD_LIBS_INIT} -lm")
 if(BUILD_SHARED_LIBS)
-  set(pc_needs "Requires.private: ${pc_requires}\nLibs: -L\${libdir} -lreframe\nLibs.private: ${pc_libs}")
+  set(pc_needs "Requires: jansson\nRequires.private: ${pc_requires}\nLibs: -L\${libdir} -lreframe\nLibs.private: ${pc_libs}")
 else()
-  set(pc_needs "Requires: ${pc_requires}\nLibs: -L\${libdir} -lreframe ${pc_libs}")
+  set(pc_needs "Requires: jansson ${pc_requires}\nLibs: -L\${libdir} -lreframe ${pc_libs}")
 endif()
 set(pc_folder ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 file(RELATIVE_PATH pc_prefix ${CMAKE_INSTALL_PREFIX}/${pc_folder} ${CMAKE_INSTALL_PREFIX})

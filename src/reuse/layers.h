@@ -14,7 +14,8 @@ typedef enum RfLayer
     RF_LAYER_DEPTH,    // Z: metres along the viewing direction (not to the eye), the mean over what is
                        // there; RF_DEPTH_OF_NOTHING where the whole pixel is empty
     RF_LAYER_MOTION,   // X Y: where the point is on the film of the path's previous frame minus where it is
-                       // on this, pixels, +x right, +y up; Z W: the same to the next frame. 0 at
+                       // on this, pixels, +x right, +y up; Z W: the same to the next frame (Blender 3.4
+                       // has X and Y like this, Z and W with the opposite sign). 0 at
                        // the ends of the path, and where the point is behind the other eye
     RF_LAYER_VARIANCE, // R G B: estimated variance of the colour (rf_estimate_variance)
     RF_LAYER_SAMPLES,  // Y: samples that landed in the pixel, native and reused, each counted once
