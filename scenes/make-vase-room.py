@@ -250,7 +250,8 @@ def make_objects(variant):
 
 
 def read_path(file_name, frames):
-    """Eye and target of each frame, evenly over the keys' time, and yfov."""
+    """Eye and target of each frame, evenly over the keys' time, and yfov; of
+    paths with linear keys and one target only, as vase-zoom.json is."""
     with open(file_name, encoding="utf-8") as file:
         path = json.load(file)
     keys = path["keys"]
@@ -262,8 +263,8 @@ def read_path(file_name, frames):
             k += 1
         a, b = keys[k], keys[k + 1]
         t = min((time - a["time"]) / (b["time"] - a["time"]), 1.0)
-        views.append((mix(a["position"], b["position"], t), mix(a["target"], b["target"], t)))
-    return views, path["yfov"]
+        views.append((mix(a["position"], b["position"], t), tuple(path["target"])))
+    return views, math.radians(path["fov"])
 
 
 def wide_path(frames):

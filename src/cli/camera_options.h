@@ -11,7 +11,7 @@
 // The eyes of a camera's path, one per frame.
 typedef struct RfCameraPath
 {
-    int camera; // index into the scene's cameras
+    char* name; // of the camera, or of the file
     int count;
     RfEye* eyes;
     uint64_t hash; // of all eyes: a frame is made of its neighbours' paths too
@@ -19,8 +19,9 @@ typedef struct RfCameraPath
 
 double rf_fps_value( RfFps fps );
 
-// The path of the camera called `name` (NULL: the scene's first animated one,
-// else its first) on a film of `size`. Free with rf_destroy_camera_path.
+// The path of the camera called `name` (NULL: the one that the scene file asks
+// for, else the scene's first animated one, else its first), or with a name that
+// ends in .json that of a camera-path file, on a film of `size`. Free with rf_destroy_camera_path.
 RfResult rf_create_camera_path( const RfScene* scene, const char* name, RfFps fps, RfSize size, RfCameraPath* path,
                                 RfError* error );
 void rf_destroy_camera_path( RfCameraPath* path );

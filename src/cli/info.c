@@ -2,26 +2,29 @@
 #include "cli/camera_options.h"
 #include "cli/commands.h"
 #include "cli/render_json.h"
+#include "cli/render_options.h"
 #include "cli/report.h"
 #include "light/light.h"
 #include "scene/camera.h"
 #include "scene/effects.h"
-#include "scene/gltf.h"
+#include "scene/scene_file.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 static RfFps s_fps;
+static bool s_fps_given;
 static const char* s_json;
 static const char* const s_files[] = { "SCENE" };
 static const RfOption s_options[] = {
-    { .name = "fps", .type = RF_OPTION_FPS, .value = &s_fps, .meta = "R", .default_text = "24",
+    { .name = "fps", .type = RF_OPTION_FPS, .value = &s_fps, .given = &s_fps_given, .meta = "R",
+      .default_text = "the scene file's, else 24",
       .help = "frames per second, to count the cameras' frames" },
     { .name = "json", .type = RF_OPTION_STRING, .value = &s_json, .meta = "FILE",
       .help = "the result for programs; - is standard output" },
 };
 static const RfCommandTable s_table = { .command = "info",
-                                        .summary = "Tells what is in a scene and which effects it calls for.",
+                                        .summary = "Tells what is in a scene (.glb, .gltf or scene file, .json) and which effects it calls for.",
                                         .files = s_files,
                                         .file_count = 1,
                                         .options = s_options,
@@ -102,12 +105,29 @@ static json_t* info_json( const RfScene* scene, const Facts* facts )
                       (json_int_t)facts->lights, "cameras", cameras, "effects", rf_effects_json( scene ) );
 }
 
+static RfResult load( const char* name, RfScene* scene, RfError* error )
+{
+    RfSceneFile file;
+    RfLog log = rf_stderr_log( "info" );
+    RfResult result = rf_open_scene_file( name, &file, error );
+    if ( result != RF_OK )
+        return result;
+    RfRenderOptions options;
+    RfField defaults = rf_scene_file_defaults( &file, error );
+    result = rf_read_render_defaults( &defaults, &options );
+    if ( !s_fps_given )
+        s_fps = options.fps;
+    if ( result == RF_OK )
+        result = rf_load_scene_file( &file, scene, &log, error );
+    rf_close_scene_file( &file );
+    return result;
+}
+
 static RfResult tell( const char* name, RfError* error )
 {
     RfScene scene = { 0 };
     Facts facts = { 0 };
-    RfLog log = rf_stderr_log( "info" );
-    RfResult result = rf_load_gltf( name, &scene, &log, error );
+    RfResult result = load( name, &scene, error );
     if ( result == RF_OK )
         result = gather( &scene, &facts, error );
     if ( result == RF_OK && ( s_json == NULL || strcmp( s_json, "-" ) != 0 ) )
@@ -128,6 +148,7 @@ int rf_command_info( int argc, char** argv )
     bool help;
     RfError error;
     s_fps = RF_DEFAULT_FPS;
+    s_fps_given = false;
     RfResult result = rf_parse_options( &s_table, argc, argv, files, &help, &error );
     if ( result == RF_OK && help )
     {

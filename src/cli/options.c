@@ -1,7 +1,6 @@
 #include "cli/options.h"
 
 #include <ctype.h>
-#include <stdlib.h>
 #include <string.h>
 
 #define MAX_OPTIONS 64
@@ -17,48 +16,6 @@ typedef struct Parse
     int file_count;
     bool seen[MAX_OPTIONS];
 } Parse;
-
-static int edit_distance( const char* a, const char* b )
-{
-    enum { LONGEST = 31 };
-    size_t a_length = strlen( a ), b_length = strlen( b );
-    if ( a_length > LONGEST || b_length > LONGEST )
-        return LONGEST;
-    int row[LONGEST + 1];
-    for ( size_t j = 0; j <= b_length; ++j )
-        row[j] = (int)j;
-    for ( size_t i = 1; i <= a_length; ++i )
-    {
-        int diagonal = row[0];
-        row[0] = (int)i;
-        for ( size_t j = 1; j <= b_length; ++j )
-        {
-            int replace = diagonal + ( a[i - 1] != b[j - 1] );
-            int other = ( row[j] < row[j - 1] ? row[j] : row[j - 1] ) + 1;
-            diagonal = row[j];
-            row[j] = replace < other ? replace : other;
-        }
-    }
-    return row[b_length];
-}
-
-const char* rf_nearest_word( const char* word, const char* const* words, int count )
-{
-    const char* nearest = NULL;
-    int best = (int)strlen( word ) / 3 + 2; // farther is another word, not a misspelling
-    for ( int i = 0; i < count; ++i )
-    {
-        // A beginning of a word is most likely meant to be that word.
-        bool beginning = strlen( word ) >= 2 && strncmp( word, words[i], strlen( word ) ) == 0;
-        int distance = beginning ? 0 : edit_distance( word, words[i] );
-        if ( distance < best )
-        {
-            best = distance;
-            nearest = words[i];
-        }
-    }
-    return nearest;
-}
 
 static RfResult fail_unknown( const RfCommandTable* table, const char* argument, const char* name, RfError* error )
 {

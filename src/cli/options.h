@@ -11,6 +11,7 @@
 #define REFRAME_CLI_OPTIONS_H
 
 #include "base/error.h"
+#include "base/words.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -55,6 +56,7 @@ typedef struct RfOption
     const char* default_text; // shown in the help; or NULL
     const char* help;      // one line
     bool* given;           // set where the option was given; or NULL
+    bool in_file;          // a scene file may give it too, see file_options.h
 } RfOption;
 
 // A command as its user sees it. All its files are required.
@@ -82,9 +84,5 @@ RfResult rf_parse_option_value( const RfOption* option, const char* text, RfErro
 
 // A whole number with nothing before or after it, from min to max; false otherwise.
 bool rf_parse_whole( const char* text, long long min, long long max, long long* value );
-
-// The one of `count` words nearest to `word` if it is near enough to be a
-// misspelling, else NULL.
-const char* rf_nearest_word( const char* word, const char* const* words, int count );
 
 #endif

@@ -8,7 +8,7 @@
 #include "cli/report.h"
 #include "light/light.h"
 #include "reuse/group.h"
-#include "scene/gltf.h"
+#include "scene/scene_file.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -17,8 +17,11 @@
 // All that one render holds; made in order, freed by destroy_job.
 typedef struct Job
 {
+    int argc; // the command line: it wins over a scene file, which is read later
+    char** argv;
     RfRenderOptions options;
     RfLog log;
+    RfSceneFile file; // options may point into it
     RfScene scene;
     RfCameraPath path;
     int* frames; // to be rendered, indices from 0
@@ -45,6 +48,7 @@ static void destroy_job( Job* job )
     rf_destroy_tracer( job->tracer );
     rf_destroy_camera_path( &job->path );
     rf_destroy_scene( &job->scene );
+    rf_close_scene_file( &job->file );
     free( job->frames );
     json_decref( job->frames_json );
 }
@@ -80,9 +84,20 @@ static RfResult resolve( Job* job, RfError* error )
     return RF_OK;
 }
 
+static RfResult load_scene( Job* job, RfError* error )
+{
+    RfResult result = rf_open_scene_file( job->options.scene, &job->file, error );
+    if ( result != RF_OK )
+        return result;
+    RfField defaults = rf_scene_file_defaults( &job->file, error );
+    if ( defaults.json != NULL )
+        result = rf_parse_render_options_over( &defaults, job->argc, job->argv, &job->options, error );
+    return result == RF_OK ? rf_load_scene_file( &job->file, &job->scene, &job->log, error ) : result;
+}
+
 static RfResult load( Job* job, RfError* error )
 {
-    RfResult result = rf_load_gltf( job->options.scene, &job->scene, &job->log, error );
+    RfResult result = load_scene( job, error );
     if ( result == RF_OK )
         result = rf_create_camera_path( &job->scene, job->options.camera, job->options.fps, job->options.size,
                                         &job->path, error );
@@ -209,7 +224,7 @@ int rf_command_render( int argc, char** argv )
 {
     RfError error;
     bool help;
-    Job job = { .log = rf_stderr_log( "render" ), .start = now() };
+    Job job = { .argc = argc, .argv = argv, .log = rf_stderr_log( "render" ), .start = now() };
     RfResult result = rf_parse_render_options( argc, argv, &job.options, &help, &error );
     if ( result == RF_OK && help )
     {

@@ -1,6 +1,7 @@
 #include "cli/render_options.h"
 
 #include "cli/camera_options.h"
+#include "cli/file_options.h"
 #include "image/exr.h"
 
 #include <string.h>
@@ -18,30 +19,31 @@ static bool s_float, s_float_given, s_half_given;
 static const RfOption s_options[] = {
     { .name = "output", .letter = 'o', .type = RF_OPTION_STRING, .value = &s_parsed.output, .meta = "PATTERN",
       .help = "where the frames go: out/frame.####.exr, #### is the frame's number" },
-    { .name = "camera", .type = RF_OPTION_STRING, .value = &s_parsed.camera, .meta = "NAME",
-      .default_text = "the first animated one, else the first", .help = "a camera of the scene" },
-    { .name = "frames", .type = RF_OPTION_STRING, .value = &s_parsed.frames, .meta = "A-B[xSTEP][,...]",
+    { .name = "camera", .type = RF_OPTION_STRING, .value = &s_parsed.camera, .meta = "NAME|FILE",
+      .default_text = "the scene file's, else the first animated one, else the first",
+      .help = "a camera of the scene, or a camera-path file (.json)" },
+    { .name = "frames", .in_file = true, .type = RF_OPTION_STRING, .value = &s_parsed.frames, .meta = "A-B[xSTEP][,...]",
       .default_text = "all", .help = "frames, the first is 1; negative ones count from the end" },
-    { .name = "fps", .type = RF_OPTION_FPS, .value = &s_parsed.fps, .meta = "R", .default_text = "24",
+    { .name = "fps", .in_file = true, .type = RF_OPTION_FPS, .value = &s_parsed.fps, .meta = "R", .default_text = "24",
       .help = "frames per second of the camera's path, 24 or 24000/1001" },
-    { .name = "size", .type = RF_OPTION_SIZE, .value = &s_parsed.size, .min = 1, .max = RF_MAX_IMAGE_SIDE, .meta = "WxH",
+    { .name = "size", .in_file = true, .type = RF_OPTION_SIZE, .value = &s_parsed.size, .min = 1, .max = RF_MAX_IMAGE_SIDE, .meta = "WxH",
       .default_text = "960x540", .help = "pixels" },
-    { .name = "spp", .type = RF_OPTION_INT, .value = &s_parsed.settings.spp, .min = 1, .max = 1048576, .meta = "S",
+    { .name = "spp", .in_file = true, .type = RF_OPTION_INT, .value = &s_parsed.settings.spp, .min = 1, .max = 1048576, .meta = "S",
       .default_text = "28", .help = "samples traced per pixel and frame in all, over the groups that hold the frame" },
-    { .name = "group", .type = RF_OPTION_INT, .value = &s_parsed.settings.group, .min = 0, .max = 1048576,
+    { .name = "group", .in_file = true, .type = RF_OPTION_INT, .value = &s_parsed.settings.group, .min = 0, .max = 1048576,
       .keyword = "auto", .keyword_value = RF_GROUP_AUTO, .meta = "N|auto", .default_text = "auto",
       .help = "paths serve groups of 2N+1 frames; 0: no reuse" },
-    { .name = "tile", .type = RF_OPTION_STRING, .value = &s_parsed.tile, .meta = "1", .default_text = "1",
+    { .name = "tile", .in_file = true, .type = RF_OPTION_STRING, .value = &s_parsed.tile, .meta = "1", .default_text = "1",
       .help = "reuse within a frame: none yet" },
-    { .name = "weights", .type = RF_OPTION_CHOICE, .value = &s_weights_index, .choices = s_weights,
+    { .name = "weights", .in_file = true, .type = RF_OPTION_CHOICE, .value = &s_weights_index, .choices = s_weights,
       .default_text = "exact", .help = "how reused paths are weighted; the others are biased, for comparison" },
-    { .name = "normalize", .type = RF_OPTION_CHOICE, .value = &s_normalize_index, .choices = s_normalize,
+    { .name = "normalize", .in_file = true, .type = RF_OPTION_CHOICE, .value = &s_normalize_index, .choices = s_normalize,
       .default_text = "crossfit", .help = "how the sum of weights is divided out" },
-    { .name = "max-depth", .type = RF_OPTION_INT, .value = &s_parsed.settings.max_depth, .min = 1, .max = 1000,
+    { .name = "max-depth", .in_file = true, .type = RF_OPTION_INT, .value = &s_parsed.settings.max_depth, .min = 1, .max = 1000,
       .meta = "D", .default_text = "12", .help = "path vertices after the eye" },
-    { .name = "light-samples", .type = RF_OPTION_INT, .value = &s_parsed.settings.light_samples, .min = 1, .max = 64,
+    { .name = "light-samples", .in_file = true, .type = RF_OPTION_INT, .value = &s_parsed.settings.light_samples, .min = 1, .max = 64,
       .meta = "K", .default_text = "1", .help = "light samples per vertex" },
-    { .name = "seed", .type = RF_OPTION_UINT64, .value = &s_parsed.settings.seed, .meta = "S", .default_text = "1",
+    { .name = "seed", .in_file = true, .type = RF_OPTION_UINT64, .value = &s_parsed.settings.seed, .meta = "S", .default_text = "1",
       .help = "of the random numbers" },
     { .name = "memory", .type = RF_OPTION_MEMORY, .value = &s_parsed.settings.memory, .min = 1048576, .meta = "SIZE",
       .default_text = "half of what is free", .help = "budget beyond the scene and its BVH: 512M, 4G" },
@@ -63,7 +65,7 @@ static const RfOption s_options[] = {
 };
 
 static const RfCommandTable s_table = { .command = "render",
-                                        .summary = "Renders a camera's path to a sequence of EXR files.",
+                                        .summary = "Renders a camera's path to a sequence of EXR files. SCENE is a .glb, a .gltf or a scene file (.json).",
                                         .files = s_files,
                                         .file_count = 1,
                                         .options = s_options,
@@ -100,7 +102,7 @@ static RfResult check( const RfRenderOptions* options, RfError* error )
     return RF_OK;
 }
 
-RfResult rf_parse_render_options( int argc, char** argv, RfRenderOptions* options, bool* help, RfError* error )
+static void reset( void )
 {
     s_parsed = ( RfRenderOptions ){ .fps = RF_DEFAULT_FPS,
                                     .size = { 960, 540 },
@@ -111,16 +113,48 @@ RfResult rf_parse_render_options( int argc, char** argv, RfRenderOptions* option
     s_float = s_float_given = s_half_given = false;
     s_weights_index = s_parsed.settings.weights;
     s_normalize_index = s_parsed.settings.normalize;
-    RfResult result = rf_parse_options( &s_table, argc, argv, &s_parsed.scene, help, error );
-    if ( result != RF_OK || *help )
-        return result;
+}
+
+static void copy_out( RfRenderOptions* options )
+{
     s_parsed.settings.weights = (RfWeights)s_weights_index;
     s_parsed.settings.normalize = (RfNormalize)s_normalize_index;
-    result = check( &s_parsed, error );
     if ( s_float_given )
         s_parsed.half = !s_float;
     *options = s_parsed;
+}
+
+// On top of the values as they are.
+static RfResult parse( int argc, char** argv, RfRenderOptions* options, bool* help, RfError* error )
+{
+    RfResult result = rf_parse_options( &s_table, argc, argv, &s_parsed.scene, help, error );
+    if ( result != RF_OK || *help )
+        return result;
+    result = check( &s_parsed, error );
+    copy_out( options );
     return result;
+}
+
+RfResult rf_parse_render_options( int argc, char** argv, RfRenderOptions* options, bool* help, RfError* error )
+{
+    reset();
+    return parse( argc, argv, options, help, error );
+}
+
+RfResult rf_read_render_defaults( const RfField* defaults, RfRenderOptions* options )
+{
+    reset();
+    RfResult result = rf_take_file_options( &s_table, defaults );
+    copy_out( options );
+    return result;
+}
+
+RfResult rf_parse_render_options_over( const RfField* defaults, int argc, char** argv, RfRenderOptions* options,
+                                       RfError* error )
+{
+    bool help;
+    RfResult result = rf_read_render_defaults( defaults, options );
+    return result == RF_OK ? parse( argc, argv, options, &help, error ) : result;
 }
 
 void rf_print_render_help( void )

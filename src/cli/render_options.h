@@ -26,6 +26,15 @@ typedef struct RfRenderOptions
 // Parses and checks what can be checked without the scene. With *help set the
 // help was asked for and nothing else is valid.
 RfResult rf_parse_render_options( int argc, char** argv, RfRenderOptions* options, bool* help, RfError* error );
+
+// The defaults with what the `render` object of a scene file says; a fault of it
+// names its JSON path. Strings belong to the JSON.
+struct RfField;
+RfResult rf_read_render_defaults( const struct RfField* defaults, RfRenderOptions* options );
+// The same with the command line on top, which has been parsed before.
+RfResult rf_parse_render_options_over( const struct RfField* defaults, int argc, char** argv, RfRenderOptions* options,
+                                       RfError* error );
+
 void rf_print_render_help( void );
 
 // Words of the options, as the user writes them.

@@ -188,7 +188,7 @@ static void list_attributes( const RfRenderSubject* subject, const RfFrameResult
     attributes->count = 0;
     add_text( attributes, "reframe/version", REFRAME_VERSION );
     add_text( attributes, "reframe/scene", subject->options->scene );
-    add_text( attributes, "reframe/camera", subject->scene->cameras[subject->path->camera].name );
+    add_text( attributes, "reframe/camera", subject->path->name );
     add_number( attributes, "reframe/frame", "%.0f", result->frame + 1 );
     add_number( attributes, "reframe/group", "%.0f", s->group );
     add_number( attributes, "reframe/spp", "%.0f", s->spp );

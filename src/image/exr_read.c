@@ -58,7 +58,8 @@ static RfResult create_target( Reader* reader, RfError* error )
 {
     int64_t width = (int64_t)reader->window.max.x - reader->window.min.x + 1;
     int64_t height = (int64_t)reader->window.max.y - reader->window.min.y + 1;
-    if ( width < 1 || height < 1 || width > MAX_PIXELS || height > MAX_PIXELS / width )
+    int64_t most = reader->stream->max_bytes > 0 ? (int64_t)( reader->stream->max_bytes / ( 3 * sizeof( float ) ) ) : MAX_PIXELS;
+    if ( width < 1 || height < 1 || width > most || height > most / width )
         return rf_fail( error, RF_ERROR_FORMAT, "%s: its data window of %lldx%lld pixels is out of bounds",
                         reader->stream->path, (long long)width, (long long)height );
     return rf_create_image( (int)width, (int)height, reader->image, error );

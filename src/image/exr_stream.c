@@ -4,6 +4,7 @@
 
 #include <errno.h>
 #include <stdio.h>
+#include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -24,6 +25,13 @@ static int64_t read_bytes( exr_const_context_t context, void* user, void* buffer
     (void)context;
     (void)report;
     RfExrStream* stream = user;
+    if ( stream->bytes != NULL )
+    {
+        uint64_t left = offset < stream->size ? stream->size - offset : 0;
+        uint64_t count = size < left ? size : left; // a short count is checked by the library
+        memcpy( buffer, stream->bytes + ( count > 0 ? offset : 0 ), (size_t)count );
+        return (int64_t)count;
+    }
     char* next = buffer;
     uint64_t done = 0;
     while ( done < size && offset + done <= INT64_MAX )
@@ -70,12 +78,15 @@ static int64_t query_size( exr_const_context_t context, void* user )
 {
     (void)context;
     RfExrStream* stream = user;
+    if ( stream->bytes != NULL )
+        return (int64_t)stream->size;
     struct stat status;
     return fstat( stream->fd, &status ) == 0 ? (int64_t)status.st_size : -1;
 }
 
 exr_context_initializer_t rf_exr_initializer( RfExrStream* stream )
 {
+    int side = stream->max_side > 0 ? stream->max_side : RF_EXR_MAX_SIDE;
     return ( exr_context_initializer_t ){
         .size = sizeof( exr_context_initializer_t ),
         .error_handler_fn = keep_message,
@@ -83,10 +94,10 @@ exr_context_initializer_t rf_exr_initializer( RfExrStream* stream )
         .read_fn = read_bytes,
         .size_fn = query_size,
         .write_fn = write_bytes,
-        .max_image_width = RF_EXR_MAX_SIDE,
-        .max_image_height = RF_EXR_MAX_SIDE,
-        .max_tile_width = RF_EXR_MAX_SIDE,
-        .max_tile_height = RF_EXR_MAX_SIDE,
+        .max_image_width = side,
+        .max_image_height = side,
+        .max_tile_width = side,
+        .max_tile_height = side,
         .zip_level = -2, // the library's default
         .dwa_quality = -1.0f,
         // a file with chunks missing is an error, not a search for them

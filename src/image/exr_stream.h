@@ -1,5 +1,5 @@
 // What reading and writing an EXR share: an OpenEXRCore context over a file
-// descriptor of ours. Our own read and write functions see every failure of
+// descriptor of ours, or over bytes in memory. Our own read and write functions see every failure of
 // the system, also those that the library forgets (exr_finish reports success
 // after a full disk), and its messages come to us instead of standard error.
 #ifndef REFRAME_IMAGE_EXR_STREAM_H
@@ -16,6 +16,10 @@ typedef struct RfExrStream
 {
     const char* path;  // for messages
     int fd;            // stays the caller's
+    const unsigned char* bytes; // read from these instead, where not NULL
+    size_t size;
+    int max_side;      // 0: RF_EXR_MAX_SIDE
+    size_t max_bytes;  // of the image's floats; 0: 3 GiB
     int io_error;      // first errno of a failed read or write, else 0
     char message[256]; // the library's first message, else empty
 } RfExrStream;

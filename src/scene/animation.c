@@ -1,55 +1,12 @@
 #include "scene/animation.h"
 
-#include <math.h>
-#include <string.h>
+#include "math/quat.h"
 
-// Above this cosine the arc is a straight line to within 1e-8 and sin() of the
-// angle is too small to divide by.
-#define SLERP_LINEAR_COSINE 0.9999
+#include <string.h>
 
 static int components_of( RfAnimatedPath path )
 {
     return path == RF_ROTATION ? 4 : 3;
-}
-
-static void normalize_quaternion( double q[4] )
-{
-    double largest = 0.0;
-    for ( int i = 0; i < 4; ++i )
-        largest = fmax( largest, fabs( q[i] ) );
-    // a spline between opposite keys may pass through zero: no rotation then
-    if ( largest > 0.0 && isfinite( largest ) )
-    {
-        double sum = 0.0;
-        for ( int i = 0; i < 4; ++i )
-        {
-            q[i] /= largest;
-            sum += q[i] * q[i];
-        }
-        double scale = 1.0 / sqrt( sum );
-        for ( int i = 0; i < 4; ++i )
-            q[i] *= scale;
-        return;
-    }
-    q[0] = q[1] = q[2] = 0.0;
-    q[3] = 1.0;
-}
-
-static void slerp( const double a[4], const double b[4], double t, double out[4] )
-{
-    double cosine = a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3];
-    // q and −q are the same rotation: take the one on this side
-    double sign = cosine < 0.0 ? -1.0 : 1.0;
-    cosine *= sign;
-    double weight_a = 1.0 - t, weight_b = t;
-    if ( cosine < SLERP_LINEAR_COSINE )
-    {
-        double angle = acos( cosine );
-        weight_a = sin( ( 1.0 - t ) * angle ) / sin( angle );
-        weight_b = sin( t * angle ) / sin( angle );
-    }
-    for ( int i = 0; i < 4; ++i )
-        out[i] = weight_a * a[i] + sign * weight_b * b[i];
 }
 
 // Last key at or before `time`; the caller has clamped.
@@ -105,7 +62,7 @@ static void sample_between( const RfChannel* channel, int key, double time, doub
     const double* v1 = key_value( channel, key + 1 );
     if ( channel->path == RF_ROTATION )
     {
-        slerp( v0, v1, t, value );
+        rf_quat_slerp( v0, v1, t, value );
         return;
     }
     for ( int i = 0; i < n; ++i )
@@ -127,8 +84,9 @@ void rf_sample_channel( const RfChannel* channel, double time, double value[4] )
         sample_between( channel, key, time, value );
     else
         memcpy( value, key_value( channel, key ), (size_t)n * sizeof( double ) );
+    // a spline between opposite keys may pass through zero: no rotation then
     if ( channel->path == RF_ROTATION )
-        normalize_quaternion( value );
+        rf_quat_normalize( value );
 }
 
 const RfChannel* rf_node_channels( const RfScene* scene, int node, int* count )

@@ -1,9 +1,12 @@
 #include "scene/camera.h"
 
 #include "scene/animation.h"
+#include "scene/camera_track.h"
+#include "scene/json_document.h"
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #define MAX_FRAMES 1000000
@@ -27,6 +30,8 @@ static void list_names( const RfScene* scene, char* text, size_t size )
 
 static int default_camera( const RfScene* scene )
 {
+    if ( scene->chosen_camera > 0 )
+        return scene->chosen_camera - 1;
     for ( int i = 0; i < scene->camera_count; ++i )
     {
         if ( scene->cameras[i].animated )
@@ -70,7 +75,8 @@ RfResult rf_camera_frame_count( const RfCamera* camera, double fps, int* count, 
     if ( camera->animated == false )
         return RF_OK;
     // keys written as floats miss the frame they mean by a little
-    double frames = floor( ( camera->end - camera->start ) * fps + 1e-3 ) + 1.0;
+    double rate = camera->track != NULL && camera->track->in_frames ? 1.0 : fps;
+    double frames = floor( ( camera->end - camera->start ) * rate + 1e-3 ) + 1.0;
     if ( ( frames <= (double)MAX_FRAMES ) == false )
     {
         *count = 0;
@@ -126,16 +132,9 @@ static bool in_range( const double* origin )
     return true;
 }
 
-RfResult rf_scene_eye( const RfScene* scene, int camera, double time, int width, int height, RfEye* eye, RfError* error )
+static RfResult node_eye( const RfScene* scene, const RfCamera* self, double time, int width, int height, RfEye* eye,
+                          RfError* error )
 {
-    *eye = ( RfEye ){ 0 };
-    if ( camera < 0 || camera >= scene->camera_count )
-        return rf_fail( error, RF_ERROR_USAGE, "camera %d: the scene has %d", camera, scene->camera_count );
-    const RfCamera* self = scene->cameras + camera;
-    if ( width <= 0 || height <= 0 )
-        return rf_fail( error, RF_ERROR_USAGE, "camera '%.60s': the film must have pixels, got %d × %d", self->name, width,
-                        height );
-
     RfMat4 world;
     rf_node_world_matrix( scene, self->node, time, &world );
     double forward[3], up[3];
@@ -152,4 +151,88 @@ RfResult rf_scene_eye( const RfScene* scene, int camera, double time, int width,
                         scene->path != NULL ? scene->path : "scene", self->name, time );
     *eye = rf_make_eye( to_vec3( world.m + 12 ), to_vec3( forward ), to_vec3( up ), self->yfov, width, height );
     return RF_OK;
+}
+
+static RfResult track_eye( const RfCamera* self, double time, int width, int height, RfEye* eye, RfError* error )
+{
+    RfView view;
+    RfResult result = rf_sample_camera_track( self->track, time, &view, error );
+    if ( result == RF_OK && !in_range( view.position ) )
+        return rf_fail( error, RF_ERROR_SCENE, "%s: leads beyond %g: scale it down", self->track->name, MAX_COORDINATE );
+    if ( result == RF_OK )
+        *eye = rf_make_eye( to_vec3( view.position ), to_vec3( view.forward ), to_vec3( view.up ), view.fov, width, height );
+    return result;
+}
+
+static RfResult check_film( const RfCamera* self, int width, int height, RfEye* eye, RfError* error )
+{
+    *eye = ( RfEye ){ 0 };
+    if ( width > 0 && height > 0 )
+        return RF_OK;
+    return rf_fail( error, RF_ERROR_USAGE, "camera '%.60s': the film must have pixels, got %d × %d", self->name, width,
+                    height );
+}
+
+RfResult rf_scene_eye( const RfScene* scene, int camera, double time, int width, int height, RfEye* eye, RfError* error )
+{
+    *eye = ( RfEye ){ 0 };
+    if ( camera < 0 || camera >= scene->camera_count )
+        return rf_fail( error, RF_ERROR_USAGE, "camera %d: the scene has %d", camera, scene->camera_count );
+    const RfCamera* self = scene->cameras + camera;
+    RfResult result = check_film( self, width, height, eye, error );
+    if ( result == RF_OK && self->track != NULL && self->track->in_frames )
+        return rf_fail( error, RF_ERROR_USAGE, "camera '%.60s': its path counts frames, not seconds", self->name );
+    if ( result != RF_OK )
+        return result;
+    return self->track != NULL ? track_eye( self, time, width, height, eye, error )
+                               : node_eye( scene, self, time, width, height, eye, error );
+}
+
+RfResult rf_camera_eye( const RfScene* scene, const RfCamera* camera, double frame, int numerator, int denominator,
+                        int width, int height, RfEye* eye, RfError* error )
+{
+    RfResult result = check_film( camera, width, height, eye, error );
+    if ( result != RF_OK )
+        return result;
+    if ( camera->track != NULL && camera->track->in_frames )
+        return track_eye( camera, camera->start + frame, width, height, eye, error );
+    // One division from whole numbers, so that a frame's time is the same however it is reached.
+    double time = camera->start + frame * (double)denominator / (double)numerator;
+    return camera->track != NULL ? track_eye( camera, time, width, height, eye, error )
+                                 : node_eye( scene, camera, time, width, height, eye, error );
+}
+
+// Takes the track over, or frees it.
+static RfResult wrap_track( RfCameraTrack* track, const char* name, RfCamera* camera, RfError* error )
+{
+    *camera = ( RfCamera ){ .name = strdup( name ), .track = malloc( sizeof *camera->track ), .node = -1 };
+    if ( camera->name == NULL || camera->track == NULL )
+    {
+        free( camera->name );
+        free( camera->track );
+        *camera = ( RfCamera ){ 0 };
+        rf_destroy_camera_track( track );
+        return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left", name );
+    }
+    *camera->track = *track;
+    camera->animated = track->end > track->start;
+    camera->start = track->start;
+    camera->end = track->end;
+    return RF_OK;
+}
+
+RfResult rf_load_camera( const char* path, RfCamera* camera, RfError* error )
+{
+    RfCameraTrack track;
+    *camera = ( RfCamera ){ 0 };
+    RfResult result = rf_load_camera_track( path, &track, error );
+    return result == RF_OK ? wrap_track( &track, path, camera, error ) : result;
+}
+
+RfResult rf_read_camera( const RfField* object, const char* name, RfCamera* camera, RfError* error )
+{
+    RfCameraTrack track;
+    *camera = ( RfCamera ){ 0 };
+    RfResult result = rf_read_camera_track( object, &track, error );
+    return result == RF_OK ? wrap_track( &track, name, camera, error ) : result;
 }

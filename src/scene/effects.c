@@ -144,6 +144,11 @@ static RfEffect camera_effect( const RfScene* scene )
         if ( !scene->cameras[i].animated )
             continue;
         RfEffect effect = { .name = "camera-animation", .on = true };
+        if ( scene->cameras[i].track != NULL )
+        {
+            snprintf( effect.why, sizeof effect.why, "camera path '%.80s'", scene->cameras[i].name );
+            return effect;
+        }
         snprintf( effect.why, sizeof effect.why, "camera '%.80s' from %g to %g s", scene->cameras[i].name,
                   scene->cameras[i].start, scene->cameras[i].end );
         return effect;

@@ -3,6 +3,7 @@
 #include "base/file.h"
 #include "scene/glb.h"
 #include "scene/gltf_document.h"
+#include "scene/json_value.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -18,14 +19,8 @@ static RfResult parse( RfGltf* gltf, const char* text, size_t size )
         return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, "document",
                              "%zu bytes of JSON, at most %zu are read: put buffers into a .glb or .bin", size,
                              MAX_JSON_BYTES );
-    json_error_t error;
-    gltf->root = json_loadb( text, size, JSON_REJECT_DUPLICATES, &error );
-    if ( gltf->root == NULL )
-        return rf_fail( gltf->error, RF_ERROR_FORMAT, "%s: line %d, column %d: %s: not JSON as glTF wants it, export the "
-                        "scene as .glb or .gltf", gltf->path, error.line, error.column, error.text );
-    if ( json_is_object( gltf->root ) == 0 )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, "document", "is no JSON object" );
-    return RF_OK;
+    return rf_parse_json( gltf->path, text, size, "not JSON as glTF wants it, export the scene as .glb or .gltf",
+                          &gltf->root, gltf->error );
 }
 
 static RfResult open_document( RfGltf* gltf )
@@ -97,6 +92,8 @@ static RfResult read_document( RfGltf* gltf )
     if ( result == RF_OK )
         result = rf_gltf_load_lights( gltf );
     if ( result == RF_OK )
+        result = rf_gltf_load_environment( gltf );
+    if ( result == RF_OK )
         result = rf_gltf_load_meshes( gltf );
     return result == RF_OK ? rf_gltf_notice_unread( gltf ) : result;
 }
@@ -113,16 +110,23 @@ static void close_document( RfGltf* gltf )
     free( gltf->remap_stamp );
 }
 
-RfResult rf_load_gltf( const char* path, RfScene* scene, RfLog* log, RfError* error )
+RfResult rf_load_edited_gltf( const char* path, const RfGltfEdit* edit, RfScene* scene, RfLog* log, RfError* error )
 {
     memset( scene, 0, sizeof *scene );
     RfGltf gltf = { .path = path, .scene = scene, .log = log, .error = error, .default_material = -1 };
     scene->path = strdup( path );
     RfResult result = scene->path != NULL ? open_document( &gltf ) : rf_gltf_no_memory( &gltf, "document" );
+    if ( result == RF_OK && edit != NULL )
+        result = edit->run( edit->user, gltf.root, error );
     if ( result == RF_OK )
         result = read_document( &gltf );
     close_document( &gltf );
     if ( result != RF_OK )
         rf_destroy_scene( scene );
     return result;
+}
+
+RfResult rf_load_gltf( const char* path, RfScene* scene, RfLog* log, RfError* error )
+{
+    return rf_load_edited_gltf( path, NULL, scene, log, error );
 }

@@ -1,6 +1,7 @@
 #include "scene/gltf_document.h"
 
-#include <math.h>
+#include "scene/json_value.h"
+
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -56,25 +57,9 @@ void rf_gltf_notice( RfGltf* gltf, RfGltfNotice notice, const char* format, ... 
     rf_warn( gltf->log, "%s: %s", gltf->path, text );
 }
 
-static const char* kind_of( const json_t* value )
-{
-    switch ( json_typeof( value ) )
-    {
-        case JSON_OBJECT: return "an object";
-        case JSON_ARRAY: return "an array";
-        case JSON_STRING: return "a string";
-        case JSON_INTEGER: return "an integer";
-        case JSON_REAL: return "a real number";
-        case JSON_TRUE: return "true";
-        case JSON_FALSE: return "false";
-        case JSON_NULL: return "null";
-    }
-    return "something else";
-}
-
 static RfResult wrong_kind( const RfGltf* gltf, const char* where, const char* key, const char* want, const json_t* got )
 {
-    return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "%s wants %s, got %s", key, want, kind_of( got ) );
+    return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "%s wants %s, got %s", key, want, rf_json_kind( got ) );
 }
 
 RfResult rf_gltf_require( const RfGltf* gltf, const json_t* object, const char* where, const char* key )
@@ -116,21 +101,6 @@ RfResult rf_gltf_get_numbers( const RfGltf* gltf, const json_t* object, const ch
     return RF_OK;
 }
 
-// JSON does not tell 3 from 3.0, though the parser does.
-static bool integer_value( const json_t* value, int64_t* integer )
-{
-    if ( json_is_integer( value ) )
-    {
-        *integer = json_integer_value( value );
-        return true;
-    }
-    double real = json_is_real( value ) ? json_real_value( value ) : 0.5;
-    if ( fabs( real ) > 9007199254740992.0 || floor( real ) != real )
-        return false;
-    *integer = (int64_t)real;
-    return true;
-}
-
 RfResult rf_gltf_get_integer( const RfGltf* gltf, const json_t* object, const char* where, const char* key, int64_t low,
                               int64_t high, int64_t* value )
 {
@@ -138,7 +108,7 @@ RfResult rf_gltf_get_integer( const RfGltf* gltf, const json_t* object, const ch
     if ( member == NULL )
         return RF_OK;
     int64_t integer;
-    if ( integer_value( member, &integer ) == false )
+    if ( rf_json_whole( member, &integer ) == false )
         return wrong_kind( gltf, where, key, "an integer", member );
     if ( integer < low || integer > high )
         return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "%s wants %lld to %lld, got %lld", key, (long long)low,
@@ -254,7 +224,7 @@ RfResult rf_gltf_open_lists( RfGltf* gltf )
         {
             const json_t* item = rf_gltf_item( gltf, (RfGltfList)list, i );
             if ( json_is_object( item ) == 0 )
-                return rf_gltf_fail( gltf, RF_ERROR_FORMAT, name, "[%d] wants an object, got %s", i, kind_of( item ) );
+                return rf_gltf_fail( gltf, RF_ERROR_FORMAT, name, "[%d] wants an object, got %s", i, rf_json_kind( item ) );
         }
     }
     return RF_OK;

@@ -162,6 +162,19 @@ bool rf_is_data_uri( const char* uri );
 RfResult rf_gltf_decode_data_uri( const RfGltf* gltf, const char* where, const char* uri, uint8_t** bytes, size_t* size );
 RfResult rf_gltf_resolve_uri( const RfGltf* gltf, const char* where, const char* uri, char** path );
 
+// gltf_environment.c
+RfResult rf_gltf_load_environment( RfGltf* gltf );
+
+// gltf.c. A change to the parsed text before anything of it is read, which need
+// not be valid glTF then. What it makes of it is read, and checked, as if the
+// file had it.
+typedef struct RfGltfEdit
+{
+    RfResult ( *run )( void* user, json_t* root, RfError* error );
+    void* user;
+} RfGltfEdit;
+RfResult rf_load_edited_gltf( const char* path, const RfGltfEdit* edit, RfScene* scene, RfLog* log, RfError* error );
+
 // gltf_buffer.c
 RfResult rf_gltf_load_buffers( RfGltf* gltf );
 void rf_gltf_free_buffers( RfGltf* gltf );

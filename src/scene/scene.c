@@ -1,5 +1,7 @@
 #include "scene/scene.h"
 
+#include "scene/camera_track.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -10,6 +12,15 @@ static void free_triangles( RfTriangles* triangles )
     free( triangles->uvs );
     free( triangles->indices );
     free( triangles->material );
+}
+
+void rf_destroy_camera( RfCamera* camera )
+{
+    if ( camera->track != NULL )
+        rf_destroy_camera_track( camera->track );
+    free( camera->track );
+    free( camera->name );
+    memset( camera, 0, sizeof *camera );
 }
 
 void rf_destroy_scene( RfScene* scene )
@@ -27,7 +38,7 @@ void rf_destroy_scene( RfScene* scene )
         free( scene->channels[i].values );
     }
     for ( int i = 0; scene->cameras != NULL && i < scene->camera_count; ++i )
-        free( scene->cameras[i].name );
+        rf_destroy_camera( scene->cameras + i );
     for ( int i = 0; scene->punctuals != NULL && i < scene->punctual_count; ++i )
         free( scene->punctuals[i].name );
     free( scene->punctuals );

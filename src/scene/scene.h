@@ -101,9 +101,13 @@ typedef struct RfChannel
     double* values;
 } RfChannel;
 
+struct RfCameraTrack;
+
 typedef struct RfCamera
 {
     char* name;    // unique, never empty
+    struct RfCameraTrack* track; // a path of our own (scene/camera_track.h), owned, or NULL:
+                   // then the rest says how it moves with its node
     int node;      // −1: the default camera made for a scene that has none
     double yfov;   // radians, of the image's height
     bool animated; // a channel moves its node or an ancestor
@@ -159,10 +163,12 @@ typedef struct RfScene
     RfChannel* channels; // sorted by node, then path
     int camera_count;
     RfCamera* cameras;
+    int chosen_camera; // 1 + the one that a scene file asks for; 0: none
 } RfScene;
 
 // Frees all that a loader filled in, and clears the struct. NULL-safe inside.
 void rf_destroy_scene( RfScene* scene );
+void rf_destroy_camera( RfCamera* camera );
 
 // How far a point made in floats must be lifted off its surface to be clear of
 // it: scene units, for coordinates up to `largest`. A float has 24 bits; a point

@@ -1,0 +1,116 @@
+#include "cli/file_options.h"
+
+#include "scene/json_value.h"
+
+#include <string.h>
+
+#define MAX_KEYS 64
+
+// The key of an option in a file: names have no more than 30 characters.
+static const char* key_of( const RfOption* option, char key[32] )
+{
+    snprintf( key, 32, "%s", option->name );
+    for ( char* c = key; *c != 0; ++c )
+        *c = *c == '-' ? '_' : *c;
+    return key;
+}
+
+// Numbers as the command line would have them.
+static bool print_number( const json_t* json, char* text, size_t size )
+{
+    int64_t whole;
+    if ( rf_json_whole( json, &whole ) )
+        snprintf( text, size, "%lld", (long long)whole );
+    else if ( json_is_real( json ) )
+        snprintf( text, size, "%.9g", json_real_value( json ) );
+    else
+        return false;
+    return true;
+}
+
+static bool print_size( const json_t* json, char* text, size_t size )
+{
+    char side[2][32];
+    if ( json_array_size( json ) != 2 || !print_number( json_array_get( json, 0 ), side[0], sizeof side[0] ) ||
+         !print_number( json_array_get( json, 1 ), side[1], sizeof side[1] ) )
+        return false;
+    snprintf( text, size, "%sx%s", side[0], side[1] );
+    return true;
+}
+
+// The value as text, and what it should be where it is of the wrong kind.
+static const char* to_text( const RfOption* option, const json_t* json, char* text, size_t size, const char** want )
+{
+    const char* string = json_string_value( json );
+    switch ( option->type )
+    {
+        case RF_OPTION_INT:
+            *want = option->keyword != NULL ? "a whole number or \"auto\"" : "a whole number";
+            if ( string != NULL && option->keyword != NULL && strcmp( string, option->keyword ) == 0 )
+                return string;
+            return print_number( json, text, size ) ? text : NULL;
+        case RF_OPTION_UINT64:
+            *want = "a whole number";
+            return print_number( json, text, size ) ? text : NULL;
+        case RF_OPTION_REAL:
+            *want = "a number";
+            return print_number( json, text, size ) ? text : NULL;
+        case RF_OPTION_SIZE:
+            *want = "an array of width and height, such as [960, 540]";
+            return print_size( json, text, size ) ? text : NULL;
+        case RF_OPTION_FPS:
+            *want = "a whole number, or a string such as \"24000/1001\"";
+            return string != NULL ? string : print_number( json, text, size ) ? text : NULL;
+        case RF_OPTION_MEMORY:
+        case RF_OPTION_CHOICE:
+        case RF_OPTION_STRING:
+            *want = "a string";
+            return string;
+        case RF_OPTION_BOOL:
+            *want = "true or false";
+            return NULL;
+    }
+    return NULL;
+}
+
+static RfResult take( const RfOption* option, const RfField* field )
+{
+    if ( option->type == RF_OPTION_BOOL )
+        return rf_field_bool( field, option->value );
+    char buffer[80];
+    const char* want = "";
+    const char* text = to_text( option, field->json, buffer, sizeof buffer, &want );
+    if ( text == NULL )
+        return rf_field_wants( field, want );
+    RfError error = { 0 };
+    RfResult result = rf_parse_option_value( option, text, &error );
+    if ( result == RF_OK )
+        return RF_OK;
+    const char* rest = strstr( error.text, ": " ); // behind "--spp"
+    return rf_field_fail( field, "%s", rest != NULL ? rest + 2 : error.text );
+}
+
+RfResult rf_take_file_options( const RfCommandTable* table, const RfField* object )
+{
+    char names[MAX_KEYS][32];
+    const char* keys[MAX_KEYS + 1] = { NULL };
+    const RfOption* options[MAX_KEYS];
+    int count = 0;
+    for ( int i = 0; i < table->option_count && count < MAX_KEYS; ++i )
+    {
+        if ( !table->options[i].in_file )
+            continue;
+        keys[count] = key_of( table->options + i, names[count] );
+        options[count++] = table->options + i;
+    }
+    if ( object->json == NULL )
+        return RF_OK;
+    RfResult result = rf_field_keys( object, keys );
+    for ( int i = 0; i < count && result == RF_OK; ++i )
+    {
+        RfField field = rf_field_member( object, keys[i] );
+        if ( field.json != NULL )
+            result = take( options[i], &field );
+    }
+    return result;
+}

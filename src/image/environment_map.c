@@ -1,0 +1,80 @@
+// A lat-long image of light from all around, as linear RGB.
+#include "base/file.h"
+#include "image/decode.h"
+
+#include <math.h>
+#include <stdint.h>
+#include <stdlib.h>
+
+#define MAX_FILE_BYTES ( (uint64_t)2 << 30 )
+
+float rf_srgb_to_linear( float encoded )
+{
+    return encoded <= 0.04045f ? encoded / 12.92f : powf( ( encoded + 0.055f ) / 1.055f, 2.4f );
+}
+
+static float value_at( const RfPixels* pixels, size_t i )
+{
+    if ( pixels->type == RF_PIXELS_FLOAT )
+        return ( (const float*)pixels->data )[i];
+    return rf_srgb_to_linear( pixels->type == RF_PIXELS_U8 ? (float)( (const uint8_t*)pixels->data )[i] / 255.0f
+                                                          : (float)( (const uint16_t*)pixels->data )[i] / 65535.0f );
+}
+
+static RfResult fill( const RfPixels* pixels, const char* path, float* rgb, RfError* error )
+{
+    bool grey = pixels->channels < 3;
+    size_t width = (size_t)pixels->width, count = width * (size_t)pixels->height, channels = (size_t)pixels->channels;
+    for ( size_t i = 0; i < count; ++i )
+    {
+        for ( size_t c = 0; c < 3; ++c )
+        {
+            float value = value_at( pixels, i * channels + ( grey ? 0 : c ) );
+            // written so that NaN fails
+            if ( !( value >= 0.0f && value <= 3.4e38f ) )
+                return rf_fail( error, RF_ERROR_FORMAT, "%s: pixel (%zu, %zu) is %g, light wants a finite number of 0 or more: mend the image",
+                                path, i % width, i / width, (double)value );
+            rgb[3 * i + c] = value;
+        }
+    }
+    return RF_OK;
+}
+
+// Takes the pixels over.
+static RfResult convert( RfPixels* pixels, const char* path, float** rgb, RfError* error )
+{
+    size_t count = (size_t)pixels->width * (size_t)pixels->height;
+    *rgb = malloc( count * 3 * sizeof **rgb );
+    RfResult result = *rgb != NULL ? fill( pixels, path, *rgb, error )
+                                   : rf_fail( error, RF_ERROR_MEMORY, "%s: the system has no %zu MiB left for its pixels", path,
+                                              count * 12 >> 20 );
+    if ( result == RF_OK )
+        return RF_OK;
+    free( *rgb );
+    *rgb = NULL;
+    return result;
+}
+
+RfResult rf_load_environment_map( const char* path, int* width, int* height, float** rgb, RfError* error )
+{
+    *width = *height = 0;
+    *rgb = NULL;
+    uint8_t* bytes;
+    size_t size;
+    RfResult result = rf_read_file( path, MAX_FILE_BYTES, &bytes, &size, error );
+    if ( result != RF_OK )
+        return result;
+    RfPixels pixels;
+    result = rf_decode_image( bytes, size, path, &pixels, error );
+    free( bytes );
+    if ( result != RF_OK )
+        return result;
+    result = convert( &pixels, path, rgb, error );
+    if ( result == RF_OK )
+    {
+        *width = pixels.width;
+        *height = pixels.height;
+    }
+    rf_destroy_pixels( &pixels );
+    return result;
+}

@@ -1,0 +1,26 @@
+// What every reader of JSON files shares: parsing with errors by line and
+// column, and values in words.
+#ifndef REFRAME_SCENE_JSON_VALUE_H
+#define REFRAME_SCENE_JSON_VALUE_H
+
+#include "base/error.h"
+
+#include <jansson.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+// Parses a whole text, which must be an object; duplicate keys, NaN, numbers
+// that overflow and broken UTF-8 are errors. Fails with RF_ERROR_FORMAT, naming
+// `path`, line and column, and what to do by `advice`.
+RfResult rf_parse_json( const char* path, const void* text, size_t size, const char* advice, json_t** root,
+                        RfError* error );
+
+// "an object", "a string", "an integer" and so on.
+const char* rf_json_kind( const json_t* value );
+
+// A whole number, however it is written: JSON does not tell 3 from 3.0, though
+// the parser does. False where the value is none, or too large to be exact.
+bool rf_json_whole( const json_t* value, int64_t* whole );
+
+#endif

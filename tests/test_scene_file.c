@@ -1,0 +1,265 @@
+// The program with scene files and camera-path files: defaults, errors, the
+// schemas and the examples.
+#include "cli_run.h"
+#include "json_room.h"
+
+#include "image/exr.h"
+
+#include <dirent.h>
+#include <jansson.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#define PATH "{\"kind\":\"dolly\",\"from\":[0,0,5],\"to\":[0,0,3],\"target\":[0,0,0],\"frames\":7}"
+
+static void read_exr_text( const char* name, const char* key, char* value, size_t size )
+{
+    char path[256];
+    RfError error = { 0 };
+    snprintf( path, sizeof path, "%s/%s", cli_folder(), name );
+    if ( rf_read_exr_string( path, key, value, size, &error ) != RF_OK )
+        fail_msg( "%s", error.text );
+}
+
+static void expect_size( const char* name, int width, int height )
+{
+    char path[256];
+    RfError error = { 0 };
+    RfImage image;
+    snprintf( path, sizeof path, "%s/%s", cli_folder(), name );
+    if ( rf_read_exr( path, &image, &error ) != RF_OK )
+        fail_msg( "%s", error.text );
+    assert_int_equal( image.width, width );
+    assert_int_equal( image.height, height );
+    rf_destroy_image( &image );
+}
+
+static void write_render( const char* render )
+{
+    char text[1024];
+    snprintf( text, sizeof text, "{\"scene\":\"room.gltf\",\"camera\":" PATH ",\"render\":%s}", render );
+    write_text( "scene.json", text );
+}
+
+static void test_render_defaults( void** state )
+{
+    (void)state;
+    char value[64];
+    write_render( "{\"size\":[20,10],\"spp\":3,\"group\":0,\"seed\":9,\"fps\":\"24000/1001\",\"weights\":\"exact\","
+                  "\"normalize\":\"ratio\",\"max_depth\":4,\"light_samples\":2,\"frames\":\"2-3\",\"tile\":\"1\"}" );
+    cli_expect( cli_run( "$R render scene.json -o a.####.exr --quiet" ), 0, NULL );
+    assert_true( !cli_exists( "a.0001.exr" ) && cli_exists( "a.0003.exr" ) );
+    expect_size( "a.0002.exr", 20, 10 );
+    static const char* const wanted[][2] = { { "reframe/spp", "3" },       { "reframe/group", "0" },
+                                             { "reframe/seed", "9" },      { "reframe/normalize", "ratio" },
+                                             { "reframe/max-depth", "4" }, { "reframe/light-samples", "2" },
+                                             { "reframe/camera", "path" } };
+    for ( size_t i = 0; i < sizeof wanted / sizeof wanted[0]; ++i )
+    {
+        read_exr_text( "a.0002.exr", wanted[i][0], value, sizeof value );
+        assert_string_equal( value, wanted[i][1] );
+    }
+    // the command line wins
+    cli_expect( cli_run( "$R render scene.json -o b.exr --quiet --size 8x6 --seed 4 --frames 1 --camera Side" ), 0, NULL );
+    expect_size( "b.exr", 8, 6 );
+    read_exr_text( "b.exr", "reframe/seed", value, sizeof value );
+    assert_string_equal( value, "4" );
+    read_exr_text( "b.exr", "reframe/camera", value, sizeof value );
+    assert_string_equal( value, "Side" );
+}
+
+static void test_render_faults( void** state )
+{
+    (void)state;
+    static const char* const faults[][2] = {
+        { "3", "scene.json: render: wants an object, got 3" },
+        { "{\"spp\":0}", "scene.json: render.spp: wants a whole number from 1 to 1048576, got '0'" },
+        { "{\"spp\":2.5}", "scene.json: render.spp: wants a whole number from 1 to 1048576, got '2.5'" },
+        { "{\"spp\":\"many\"}", "scene.json: render.spp: wants a whole number, got \"many\"" },
+        { "{\"group\":\"off\"}", "scene.json: render.group: wants a whole number or \"auto\", got \"off\"" },
+        { "{\"size\":\"960x540\"}", "scene.json: render.size: wants an array of width and height" },
+        { "{\"size\":[0,5]}", "scene.json: render.size: wants WIDTHxHEIGHT" },
+        { "{\"fps\":0}", "scene.json: render.fps: wants frames per second" },
+        { "{\"weights\":\"best\"}", "scene.json: render.weights: wants one of exact" },
+        { "{\"max-depth\":3}", "scene.json: render.max-depth: no such key, did you mean max_depth?" },
+        { "{\"output\":\"a.exr\"}", "scene.json: render.output: no such key, the keys here are: frames, fps" },
+        { "{\"threads\":3}", "scene.json: render.threads: no such key" },
+        { "{\"seed\":-1}", "scene.json: render.seed: wants a whole number from 0" },
+    };
+    for ( size_t i = 0; i < sizeof faults / sizeof faults[0]; ++i )
+    {
+        write_render( faults[i][0] );
+        cli_expect( cli_run( "$R render scene.json -o x.####.exr --quiet" ), 1, faults[i][1] );
+        cli_expect( cli_run( "$R info scene.json" ), 1, faults[i][1] );
+    }
+    write_render( "{\"frames\":\"9\"}" );
+    cli_expect( cli_run( "$R render scene.json -o x.####.exr --quiet" ), 2, "no frame 9" );
+    assert_false( cli_exists( "x.0001.exr" ) );
+}
+
+static void test_info( void** state )
+{
+    (void)state;
+    write_text( "scene.json", "{\"scene\":\"room.gltf\",\"camera\":{\"kind\":\"orbit\",\"center\":[0,0,-2],\"radius\":3,"
+                              "\"duration\":2},\"render\":{\"fps\":30}}" );
+    const CliResult* result = cli_run( "$R info scene.json" );
+    cli_expect( result, 0, NULL );
+    assert_non_null( strstr( result->out, "path: 61 frames at 30 frames/s, animated" ) );
+    assert_non_null( strstr( result->out, "camera path 'path'" ) );
+    result = cli_run( "$R info scene.json --fps 10" );
+    assert_non_null( strstr( result->out, "path: 21 frames at 10 frames/s" ) );
+}
+
+static void test_camera_option( void** state )
+{
+    (void)state;
+    write_text( "move.json", PATH );
+    cli_expect( cli_run( "$R render room.gltf -o c.####.exr --camera move.json --size 8x6 --spp 1 --group 0 --quiet" ), 0, NULL );
+    assert_true( cli_exists( "c.0007.exr" ) && !cli_exists( "c.0008.exr" ) );
+    cli_expect( cli_run( "$R render room.gltf -o c.####.exr --camera none.json" ), 1, "none.json: cannot be opened" );
+    write_text( "broken.json", "{\"kind\":\"orbit\"" );
+    cli_expect( cli_run( "$R render room.gltf -o c.####.exr --camera broken.json" ), 1, "broken.json: line 1, column " );
+    // --resume knows a changed path, also one whose frames are the same
+    cli_expect( cli_run( "$R render room.gltf -o c.####.exr --camera move.json --size 8x6 --spp 1 --group 0 --quiet --resume" ), 0, NULL );
+    write_text( "move.json", PATH " " );
+    cli_expect( cli_run( "$R render room.gltf -o c.####.exr --camera move.json --size 8x6 --spp 1 --group 0 --quiet --resume" ), 1,
+                "was rendered from another" );
+    write_text( "blind.json", "{\"kind\":\"dolly\",\"from\":[0,9,0],\"to\":[1,9,0],\"target\":[0,0,0],\"frames\":2}" );
+    cli_expect( cli_run( "$R render room.gltf -o d.####.exr --camera blind.json" ), 1, "looks along its up" );
+}
+
+static json_t* load_schema( const char* name )
+{
+    char path[512];
+    json_error_t error;
+    snprintf( path, sizeof path, "%s/%s", REFRAME_SOURCE_DIR, name );
+    json_t* schema = json_load_file( path, JSON_REJECT_DUPLICATES, &error );
+    if ( schema == NULL )
+        fail_msg( "%s: %s", path, error.text );
+    return schema;
+}
+
+// The reader's keys, which it lists when it meets one that it does not know,
+// are those of the schema.
+static void expect_same_keys( const json_t* properties, const char* line )
+{
+    const char* list = strstr( line, "keys here are: " );
+    assert_non_null( list );
+    char copy[1024];
+    list += strlen( "keys here are: " );
+    snprintf( copy, sizeof copy, "%.*s", (int)strcspn( list, "\n" ), list );
+    size_t known = 0, notes = 0;
+    for ( char* key = strtok( copy, ", " ); key != NULL; key = strtok( NULL, ", " ), ++known )
+    {
+        if ( json_object_get( properties, key ) == NULL )
+            fail_msg( "the schema does not know %s", key );
+    }
+    notes += json_object_get( properties, "about" ) != NULL;
+    notes += json_object_get( properties, "$schema" ) != NULL;
+    assert_int_equal( json_object_size( properties ), known + notes );
+}
+
+static void test_schemas( void** state )
+{
+    (void)state;
+    static const char* const objects[][2] = {
+        { "\"zzzzzz\":0", "" },
+        { "\"environment\":{\"zzzzzz\":0}", "environment" },
+        { "\"materials\":{\"lamp\":{\"zzzzzz\":0}}", "materials" },
+    };
+    json_t* schema = load_schema( "scenes/scene.schema.json" );
+    RfScene scene;
+    for ( size_t i = 0; i < 3; ++i )
+    {
+        RfError error = { 0 };
+        const json_t* part = json_object_get( schema, "properties" );
+        if ( i > 0 )
+            part = json_object_get( part, objects[i][1] );
+        if ( i == 2 )
+            part = json_object_get( part, "additionalProperties" );
+        assert_int_not_equal( try_members( objects[i][0], &scene, &error ), RF_OK );
+        expect_same_keys( i > 0 ? json_object_get( part, "properties" ) : part, error.text );
+    }
+    write_render( "{\"zzzzzz\":0}" );
+    expect_same_keys( json_object_get( json_object_get( json_object_get( schema, "properties" ), "render" ), "properties" ),
+                      cli_run( "$R info scene.json" )->err );
+    json_decref( schema );
+
+    schema = load_schema( "anim/camera-path.schema.json" );
+    static const char* const kinds[] = { "keyed", "orbit", "dolly", "zoom", "walk" };
+    for ( size_t i = 0; i < 5; ++i )
+    {
+        char members[128];
+        RfError error = { 0 };
+        snprintf( members, sizeof members, "\"camera\":{\"kind\":\"%s\",\"zzzzzz\":0}", kinds[i] );
+        assert_int_not_equal( try_members( members, &scene, &error ), RF_OK );
+        const json_t* kind = json_object_get( json_object_get( schema, "$defs" ), kinds[i] );
+        expect_same_keys( json_object_get( kind, "properties" ), error.text );
+    }
+    json_decref( schema );
+}
+
+static int count_examples( const char* folder, const char* command )
+{
+    char path[512];
+    snprintf( path, sizeof path, "%s/%s", REFRAME_SOURCE_DIR, folder );
+    DIR* dir = opendir( path );
+    assert_non_null( dir );
+    int count = 0;
+    for ( struct dirent* entry = readdir( dir ); entry != NULL; entry = readdir( dir ) )
+    {
+        size_t length = strlen( entry->d_name );
+        if ( length < 6 || strcmp( entry->d_name + length - 5, ".json" ) != 0 || strstr( entry->d_name, ".schema." ) != NULL )
+            continue;
+        const CliResult* result = cli_run( command, entry->d_name );
+        if ( result->status != 0 || strstr( result->err, "is black" ) != NULL )
+            fail_msg( "%s/%s: %s", folder, entry->d_name, result->err );
+        ++count;
+    }
+    closedir( dir );
+    return count;
+}
+
+// Every file of anim/ and scenes/ renders, beginning, middle and end.
+static void test_examples( void** state )
+{
+    (void)state;
+    cli_run( "mkdir tree tree/out; cp -r %s/anim %s/scenes tree/; cp $VASE tree/scenes/vase-room.glb", REFRAME_SOURCE_DIR,
+             REFRAME_SOURCE_DIR );
+#define TINY "--size 16x9 --spp 1 --group 0 --frames 1,20,-1 --overwrite --quiet"
+    assert_true( count_examples( "anim", "$R render $VASE --camera tree/anim/%s -o tree/out/f.####.exr " TINY ) >= 6 );
+    assert_true( count_examples( "scenes", "$R render tree/scenes/%s -o tree/out/f.####.exr " TINY ) >= 2 );
+}
+
+static int enter( void** state )
+{
+    (void)state;
+    cli_enter();
+    write_room( "" );
+    return 0;
+}
+
+static int leave( void** state )
+{
+    (void)state;
+    cli_leave();
+    return 0;
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( test_render_defaults ),
+        cmocka_unit_test( test_render_faults ),
+        cmocka_unit_test( test_info ),
+        cmocka_unit_test( test_camera_option ),
+        cmocka_unit_test( test_schemas ),
+        cmocka_unit_test( test_examples ),
+    };
+    return cmocka_run_group_tests_name( "scene file", tests, enter, leave );
+}
