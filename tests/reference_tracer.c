@@ -11,7 +11,7 @@
 typedef struct Point
 {
     RfVec3 p, ng, n, wo;
-    const RfMaterial* material;
+    RfMaterial material; // as it is here
     bool inside; // seen from behind
     float ior;   // relative, for glass
     RfVec3 emission;
@@ -38,9 +38,16 @@ static bool find( const RfTracer* tracer, RfVec3 o, RfVec3 d, Point* out )
     float length2 = rf_dot( n, n );
     n = rf_scale( n, side / sqrtf( length2 ) );
     out->n = !t->flat && rf_dot( n, out->ng ) > 0.0f && length2 > 1e-12f ? n : out->ng;
-    out->material = rf_tracer_scene( tracer )->materials + t->material;
+    const RfScene* scene = rf_tracer_scene( tracer );
+    const RfMaterial* material = scene->materials + t->material;
+    out->material = *material;
+    if ( material->textured != NULL )
+    {
+        rf_material_at( scene, material, triangle, u, v, &out->material );
+        out->n = rf_scale( rf_normal_at( scene, material, triangle, u, v, rf_scale( out->n, side ), t->ng ), side );
+    }
     out->inside = facing < 0.0f;
-    out->ior = out->material->thin ? -out->material->ior : ( out->inside && out->material->ior > 0.0f ? 1.0f / out->material->ior : out->material->ior );
+    out->ior = out->material.thin ? -out->material.ior : ( out->inside && out->material.ior > 0.0f ? 1.0f / out->material.ior : out->material.ior );
     out->emission = rf_vec3( 0, 0, 0 );
     out->offset = t->offset;
     out->light_pdf = 0.0f;
@@ -50,7 +57,7 @@ static bool find( const RfTracer* tracer, RfVec3 o, RfVec3 d, Point* out )
         if ( facing > 0.0f || light->two_sided )
         {
             RfVec3 way = rf_sub( out->p, o );
-            out->emission = light->radiance;
+            out->emission = rf_light_radiance( scene, light, u, v );
             out->light_pdf = light->pdf_area * rf_dot( way, way ) / fabsf( facing );
         }
     }
@@ -59,7 +66,7 @@ static bool find( const RfTracer* tracer, RfVec3 o, RfVec3 d, Point* out )
 
 static RfBsdfLanes lane_of( const Point* x )
 {
-    const RfMaterial* m = x->material;
+    const RfMaterial* m = &x->material;
     return ( RfBsdfLanes ){
         .n = { &x->n.x, &x->n.y, &x->n.z },
         .diffuse = { &m->diffuse.x, &m->diffuse.y, &m->diffuse.z },
@@ -75,7 +82,7 @@ static RfBsdfLanes lane_of( const Point* x )
     };
 }
 
-static bool is_native( const Point* x ) { return x->material->kind == RF_BSDF_GLASS; }
+static bool is_native( const Point* x ) { return x->material.kind == RF_BSDF_GLASS; }
 
 static RfVec3 evaluate( const Point* x, RfVec3 wi, float* pdf )
 {
@@ -84,7 +91,7 @@ static RfVec3 evaluate( const Point* x, RfVec3 wi, float* pdf )
     const float* in[3] = { &wi.x, &wi.y, &wi.z };
     RfVec3 f;
     float* out[3] = { &f.x, &f.y, &f.z };
-    rf_bsdf_evaluate( x->material->kind, 1, &lane, wo, in, out, pdf );
+    rf_bsdf_evaluate( x->material.kind, 1, &lane, wo, in, out, pdf );
     return f;
 }
 
@@ -115,7 +122,7 @@ static Onward scatter( const Point* x, RfRandomKey key, uint32_t dimension )
         out.side = out.cos_x * cos_g <= 0.0f || rf_max_component( out.weight ) == 0.0f ? 0.0f : ( cos_g > 0.0f ? 1.0f : -1.0f );
         return out;
     }
-    rf_bsdf_sample( x->material->kind, 1, &lane, wo, u, wi );
+    rf_bsdf_sample( x->material.kind, 1, &lane, wo, u, wi );
     out.f = evaluate( x, out.wi, &out.pdf );
     out.cos_x = rf_dot( x->n, out.wi );
     out.side = out.cos_x > 0.0f && rf_dot( x->ng, out.wi ) > 0.0f && out.pdf > 0.0f ? 1.0f : 0.0f;
@@ -215,7 +222,10 @@ static RfVec3 sample_light( const RfTracer* tracer, const Point* x, RfRandomKey 
     if ( !( cos_x > 0.0f && rf_dot( x->ng, *wi ) > 0.0f && cos_light > 0.0f && *pdf < 1e30f ) )
         return black;
     RfVec3 to = rf_madd( z, light->normal, facing < 0.0f ? -light->offset : light->offset );
-    return is_open( tracer, from, rf_sub( to, from ) ) ? rf_scale( light->radiance, cos_x ) : black;
+    RfVec3 radiance = rf_light_radiance( rf_tracer_scene( tracer ), light, b1, b2 );
+    if ( rf_max_component( radiance ) == 0.0f )
+        return black;
+    return is_open( tracer, from, rf_sub( to, from ) ) ? rf_scale( radiance, cos_x ) : black;
 }
 
 // Light that leaves x towards wo by the light samples.
@@ -255,8 +265,8 @@ static bool meet( const RfTracer* tracer, RfVec3 o, RfVec3 d, Point* x, RfVec3* 
     }
     *light = x->emission;
     *light_pdf = x->light_pdf;
-    if ( is_native( x ) && x->inside && !x->material->thin && rf_max_component( x->material->absorption ) > 0.0f )
-        *throughput = rf_mul( *throughput, rf_transmittance( x->material->absorption, rf_length( rf_sub( x->p, o ) ) ) );
+    if ( is_native( x ) && x->inside && !x->material.thin && rf_max_component( x->material.absorption ) > 0.0f )
+        *throughput = rf_mul( *throughput, rf_transmittance( x->material.absorption, rf_length( rf_sub( x->p, o ) ) ) );
     return true;
 }
 

@@ -17,6 +17,9 @@ static RfLight make_light( const RfScene* scene, uint32_t triangle )
     light.p0 = vertex( t, triangle, 0 );
     light.e1 = rf_sub( vertex( t, triangle, 1 ), light.p0 );
     light.e2 = rf_sub( vertex( t, triangle, 2 ), light.p0 );
+    light.textured = material->textured != NULL;
+    if ( light.textured )
+        light.radiance = rf_mean_emission( scene, material, triangle );
     RfVec3 cross = rf_cross( light.e1, light.e2 );
     light.area = 0.5f * rf_length( cross );
     light.offset = rf_ray_offset( rf_maxf( rf_largest_coordinate( light.p0 ), rf_maxf( rf_largest_coordinate( vertex( t, triangle, 1 ) ),
@@ -91,7 +94,7 @@ static double fill_triangles( const RfScene* scene, RfLights* lights, double* we
         RfLight light = make_light( scene, i );
         weight[k] = power( &light );
         if ( !( weight[k] > 0.0 ) )
-            continue; // no area: nothing can hit it either
+            continue; // no area, nothing can hit it either; or its texture is black all over it
         total += weight[k];
         lights->light[k] = light;
         lights->of_triangle[i] = k++;

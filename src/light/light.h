@@ -5,7 +5,7 @@
 #define REFRAME_LIGHT_LIGHT_H
 
 #include "light/sky.h"
-#include "scene/scene.h"
+#include "scene/textured.h"
 
 #include <stddef.h>
 
@@ -14,12 +14,13 @@ typedef struct RfLight
 {
     RfVec3 p0, e1, e2;
     RfVec3 normal;   // unit, of the front
-    RfVec3 radiance; // W/(m² sr)
+    RfVec3 radiance; // W/(m² sr); where textured about the mean: rf_light_radiance tells it at a point
     float pdf_area;  // probability of the pick over the area: density of its points, 1/m²
     float area;
     float offset;    // what lifts a point off it (rf_ray_offset)
     uint32_t triangle;
     bool two_sided;
+    bool textured;
 } RfLight;
 
 // Picked by number: first the triangles, then the punctual lights, then the sky.
@@ -44,6 +45,14 @@ RfResult rf_collect_lights( const RfScene* scene, RfLights* lights, RfError* err
 void rf_destroy_lights( RfLights* lights );
 
 static inline bool rf_has_sky( const RfLights* lights ) { return lights->sky.environment != NULL; }
+
+// Radiance at the barycentrics (b1, b2) of an area light.
+static inline RfVec3 rf_light_radiance( const RfScene* scene, const RfLight* light, float b1, float b2 )
+{
+    if ( !light->textured )
+        return light->radiance;
+    return rf_emission_at( scene, scene->materials + scene->triangles.material[light->triangle], light->triangle, b1, b2 );
+}
 
 // Chance of the sky; there must be one.
 static inline float rf_sky_pick( const RfLights* lights ) { return lights->pick[lights->punctual_count]; }

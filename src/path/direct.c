@@ -44,7 +44,7 @@ static void draw_bits( const RfWalk* keys, int count, const int32_t* slot, uint3
 
 // Uniform by area: u ↦ (1 − √u₁, u₂ √u₁) in barycentrics. Lights that are no
 // triangles are only noted, and leave a point that sends nothing.
-static void choose_points( const RfLights* lights, int count, const RfLaneScratch* scratch, LightPoints* out )
+static void choose_points( const RfScene* scene, const RfLights* lights, int count, const RfLaneScratch* scratch, LightPoints* out )
 {
     static const RfLight s_none = { .pdf_area = 1.0f };
     out->other_count = 0;
@@ -65,9 +65,10 @@ static void choose_points( const RfLights* lights, int count, const RfLaneScratc
         out->n[0][i] = light->normal.x;
         out->n[1][i] = light->normal.y;
         out->n[2][i] = light->normal.z;
-        out->radiance[0][i] = light->radiance.x;
-        out->radiance[1][i] = light->radiance.y;
-        out->radiance[2][i] = light->radiance.z;
+        RfVec3 radiance = rf_light_radiance( scene, light, b1, b2 );
+        out->radiance[0][i] = radiance.x;
+        out->radiance[1][i] = radiance.y;
+        out->radiance[2][i] = radiance.z;
         out->pdf_area[i] = light->pdf_area;
         out->offset[i] = light->offset;
         out->two_sided[i] = light->two_sided ? 1.0f : 0.0f;
@@ -246,7 +247,7 @@ int rf_sample_lights( const RfWalkSettings* settings, const RfWalk* keys, const 
     LightPoints points;
     draw_bits( keys, count, vertices->slot, dimension, scratch->bits );
     rf_draw_lanes( keys, count, vertices->slot, dimension + 1, 2, scratch->random );
-    choose_points( lights, count, scratch, &points );
+    choose_points( rf_tracer_scene( settings->tracer ), lights, count, scratch, &points );
     connect( vertices, &points, out, scratch );
     if ( points.other_count > 0 )
         connect_others( lights, keys, vertices, &points, dimension, out, scratch );

@@ -1,5 +1,7 @@
 #include "scene/effects.h"
 
+#include "scene/textured.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -100,6 +102,21 @@ static bool has_emission( const RfMaterial* m )
 static bool has_two_sided_emission( const RfMaterial* m )
 {
     return is_lit( m->emission ) && m->double_sided;
+}
+
+static bool has_texture( const RfMaterial* m )
+{
+    for ( int i = 0; m->textured != NULL && i < RF_TEXTURE_SLOT_COUNT; ++i )
+    {
+        if ( m->textured->refs[i].texture >= 0 )
+            return true;
+    }
+    return false;
+}
+
+static bool has_vertex_colors( const RfMaterial* m )
+{
+    return m->textured != NULL && m->textured->vertex_colors;
 }
 
 // An effect that some materials call for: names the first, counts the rest.
@@ -208,7 +225,10 @@ int rf_list_effects( const RfScene* scene, RfEffect effects[RF_MAX_EFFECTS] )
     effects[count++] = material_effect( &census, "absorption", has_absorption, "no glass takes colour from its depth" );
     effects[count++] = punctual_effect( scene );
     effects[count++] = environment_effect( scene );
-    static const char* const missing[] = { "textures", "alpha" };
+    effects[count++] = material_effect( &census, "textures", has_texture, "no material has a texture" );
+    effects[count++] = material_effect( &census, "vertex-colors", has_vertex_colors, "no mesh has colours at its vertices" );
+    effects[count++] = material_effect( &census, "alpha-mask", rf_is_masked, "no material is cut out by its alpha" );
+    static const char* const missing[] = { "alpha-blend" };
     for ( size_t i = 0; i < sizeof missing / sizeof missing[0]; ++i )
         effects[count++] = missing_effect( missing[i] );
     free( census.triangles );

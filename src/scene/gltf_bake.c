@@ -53,7 +53,10 @@ static RfResult reserve_vertices( const RfGltf* gltf, RfGltfBaker* baker, uint32
     size_t capacity = next_capacity( baker->vertex_capacity, t->vertex_count + more, MAX_VERTICES );
     if ( grow_floats( &t->positions, capacity * 3 ) == false ||
          grow_floats( &t->normals, capacity * 3 ) == false ||
-         ( t->uvs != NULL && grow_floats( &t->uvs, capacity * 2 ) == false ) )
+         ( t->uvs != NULL && grow_floats( &t->uvs, capacity * 2 ) == false ) ||
+         ( t->uvs1 != NULL && grow_floats( &t->uvs1, capacity * 2 ) == false ) ||
+         ( t->colors != NULL && grow_floats( &t->colors, capacity * 4 ) == false ) ||
+         ( t->tangents != NULL && grow_floats( &t->tangents, capacity * 4 ) == false ) )
         return rf_gltf_no_memory( gltf, where );
     baker->vertex_capacity = (uint32_t)capacity;
     return RF_OK;
@@ -77,14 +80,32 @@ static RfResult reserve_triangles( const RfGltf* gltf, RfGltfBaker* baker, uint3
     return RF_OK;
 }
 
-// The first mesh with texture coordinates gives some to all before it: zeros.
-static RfResult reserve_uvs( const RfGltf* gltf, const RfGltfBaker* baker, const char* where )
+// The first mesh with an attribute gives some to all before it: `fill`.
+static RfResult reserve_attribute( const RfGltf* gltf, const RfGltfBaker* baker, const char* where, const float* needed,
+                                   int components, float fill, float** all )
+{
+    if ( needed == NULL || *all != NULL )
+        return RF_OK;
+    size_t count = (size_t)baker->vertex_capacity * (size_t)components;
+    *all = malloc( ( count + 1 ) * sizeof **all );
+    if ( *all == NULL )
+        return rf_gltf_no_memory( gltf, where );
+    for ( size_t i = 0; i < count; ++i )
+        ( *all )[i] = fill;
+    return RF_OK;
+}
+
+static RfResult reserve_attributes( const RfGltf* gltf, const RfGltfBaker* baker, const RfGltfPrimitive* primitive, const char* where )
 {
     RfTriangles* t = &gltf->scene->triangles;
-    if ( t->uvs != NULL )
-        return RF_OK;
-    t->uvs = calloc( (size_t)baker->vertex_capacity * 2 + 1, sizeof( float ) );
-    return t->uvs != NULL ? RF_OK : rf_gltf_no_memory( gltf, where );
+    RfResult result = reserve_attribute( gltf, baker, where, primitive->uvs, 2, 0.0f, &t->uvs );
+    if ( result == RF_OK )
+        result = reserve_attribute( gltf, baker, where, primitive->uvs1, 2, 0.0f, &t->uvs1 );
+    if ( result == RF_OK )
+        result = reserve_attribute( gltf, baker, where, primitive->colors, 4, 1.0f, &t->colors );
+    if ( result == RF_OK )
+        result = reserve_attribute( gltf, baker, where, primitive->tangents, 4, 0.0f, &t->tangents );
+    return result;
 }
 
 static RfResult reserve( const RfGltf* gltf, RfGltfBaker* baker, const RfGltfPrimitive* primitive, const char* where )
@@ -93,8 +114,8 @@ static RfResult reserve( const RfGltf* gltf, RfGltfBaker* baker, const RfGltfPri
     RfResult result = reserve_vertices( gltf, baker, vertices, where );
     if ( result == RF_OK )
         result = reserve_triangles( gltf, baker, primitive->triangle_count, where );
-    if ( result == RF_OK && primitive->uvs != NULL )
-        result = reserve_uvs( gltf, baker, where );
+    if ( result == RF_OK )
+        result = reserve_attributes( gltf, baker, primitive, where );
     if ( result != RF_OK || primitive->vertex_count <= baker->world_capacity )
         return result;
     if ( grow_floats( &baker->world, (size_t)primitive->vertex_count * 3 ) == false )
@@ -174,12 +195,32 @@ static void grow_bounds( RfScene* scene, bool first, const float* p )
                                  rf_maxf( scene->bounds_max.z, at.z ) );
 }
 
-static void copy_uv( RfTriangles* t, uint32_t to, const RfGltfPrimitive* primitive, uint32_t from )
+static void copy_attribute( float* all, const float* values, int components, float fill, uint32_t to, uint32_t from )
 {
-    if ( t->uvs == NULL )
+    if ( all == NULL )
         return;
-    for ( size_t i = 0; i < 2; ++i )
-        t->uvs[2 * (size_t)to + i] = primitive->uvs != NULL ? primitive->uvs[2 * (size_t)from + i] : 0.0f;
+    for ( size_t i = 0, n = (size_t)components; i < n; ++i )
+        all[n * to + i] = values != NULL ? values[n * from + i] : fill;
+}
+
+static void copy_attributes( RfTriangles* t, uint32_t to, const RfGltfPrimitive* primitive, uint32_t from )
+{
+    copy_attribute( t->uvs, primitive->uvs, 2, 0.0f, to, from );
+    copy_attribute( t->uvs1, primitive->uvs1, 2, 0.0f, to, from );
+    copy_attribute( t->colors, primitive->colors, 4, 1.0f, to, from );
+    copy_attribute( t->tangents, NULL, 4, 0.0f, to, from );
+}
+
+// Unit, along the surface as placed; the sign 0, which says that there is none,
+// where the matrix flattens it. A mirror changes the side of the bitangent.
+static void transform_tangent( const RfMat4* matrix, double sign, const float* tangent, float* out )
+{
+    double local[3] = { (double)tangent[0], (double)tangent[1], (double)tangent[2] }, t[3];
+    rf_mat4_apply( matrix, local, 0.0, t );
+    double length = sqrt( t[0] * t[0] + t[1] * t[1] + t[2] * t[2] );
+    bool usable = length > 0.0 && length <= DBL_MAX;
+    store( out, t, usable ? 1.0 / length : 0.0 );
+    out[3] = !usable ? 0.0f : (float)( ( tangent[3] < 0.0f ? -1.0 : 1.0 ) * sign );
 }
 
 static void append_smooth_vertices( RfTriangles* t, const RfGltfPrimitive* primitive, const RfMat4* matrix,
@@ -191,7 +232,9 @@ static void append_smooth_vertices( RfTriangles* t, const RfGltfPrimitive* primi
     for ( uint32_t v = 0; v < primitive->vertex_count; ++v )
     {
         transform_normal( matrix, sign, primitive->normals + 3 * (size_t)v, t->normals + 3 * ( base + v ) );
-        copy_uv( t, (uint32_t)base + v, primitive, v );
+        copy_attributes( t, (uint32_t)base + v, primitive, v );
+        if ( primitive->tangents != NULL )
+            transform_tangent( matrix, sign, primitive->tangents + 4 * (size_t)v, t->tangents + 4 * ( base + v ) );
     }
     t->vertex_count += primitive->vertex_count;
 }
@@ -202,7 +245,7 @@ static void append_flat_vertex( RfTriangles* t, const RfGltfPrimitive* primitive
     size_t at = t->vertex_count++;
     memcpy( t->positions + 3 * at, world + 3 * (size_t)from, 3 * sizeof( float ) );
     memcpy( t->normals + 3 * at, normal, 3 * sizeof( float ) );
-    copy_uv( t, (uint32_t)at, primitive, from );
+    copy_attributes( t, (uint32_t)at, primitive, from );
 }
 
 static bool is_zero( const float* v )
@@ -268,6 +311,8 @@ RfResult rf_gltf_bake( RfGltf* gltf, RfGltfBaker* baker, const RfGltfPrimitive* 
     if ( t->count == first )
         t->vertex_count = base;
     finish_normals( t, base );
+    if ( primitive->colors != NULL )
+        gltf->scene->materials[primitive->material].textured->vertex_colors = true;
     gltf->scene->instance_count += 1;
     return RF_OK;
 }
@@ -282,6 +327,12 @@ static void shrink( RfTriangles* t )
     grow_floats( &t->normals, vertices * 3 );
     if ( t->uvs != NULL )
         grow_floats( &t->uvs, vertices * 2 );
+    if ( t->uvs1 != NULL )
+        grow_floats( &t->uvs1, vertices * 2 );
+    if ( t->colors != NULL )
+        grow_floats( &t->colors, vertices * 4 );
+    if ( t->tangents != NULL )
+        grow_floats( &t->tangents, vertices * 4 );
     grow_numbers( &t->indices, triangles * 3 );
     grow_numbers( &t->material, triangles );
 }

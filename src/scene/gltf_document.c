@@ -15,7 +15,8 @@ static const char* const s_list_names[RF_GLTF_LIST_COUNT] = {
     [RF_GLTF_BUFFERS] = "buffers",     [RF_GLTF_BUFFER_VIEWS] = "bufferViews",
     [RF_GLTF_CAMERAS] = "cameras",     [RF_GLTF_MATERIALS] = "materials",
     [RF_GLTF_MESHES] = "meshes",       [RF_GLTF_NODES] = "nodes",
-    [RF_GLTF_SCENES] = "scenes",
+    [RF_GLTF_SCENES] = "scenes",       [RF_GLTF_IMAGES] = "images",
+    [RF_GLTF_SAMPLERS] = "samplers",   [RF_GLTF_TEXTURES_LIST] = "textures",
 };
 
 RfWhere rf_where( const char* format, ... )

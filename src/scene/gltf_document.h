@@ -6,7 +6,7 @@
 #ifndef REFRAME_SCENE_GLTF_DOCUMENT_H
 #define REFRAME_SCENE_GLTF_DOCUMENT_H
 
-#include "scene/scene.h"
+#include "scene/textured.h"
 
 #include <jansson.h>
 #include <stddef.h>
@@ -19,10 +19,13 @@ typedef enum RfGltfList
     RF_GLTF_BUFFERS,
     RF_GLTF_BUFFER_VIEWS,
     RF_GLTF_CAMERAS,
+    RF_GLTF_IMAGES,
     RF_GLTF_MATERIALS,
     RF_GLTF_MESHES,
     RF_GLTF_NODES,
+    RF_GLTF_SAMPLERS,
     RF_GLTF_SCENES,
+    RF_GLTF_TEXTURES_LIST,
     RF_GLTF_LIST_COUNT
 } RfGltfList;
 
@@ -32,7 +35,6 @@ typedef enum RfGltfNotice
 {
     RF_GLTF_TEXTURES,
     RF_GLTF_ALPHA_MODE,
-    RF_GLTF_VERTEX_COLORS,
     RF_GLTF_POINTS_LINES,
     RF_GLTF_NO_POSITIONS,
     RF_GLTF_MORPH_TARGETS,
@@ -197,6 +199,21 @@ RfResult rf_gltf_load_materials( RfGltf* gltf );
 RfResult rf_gltf_use_default_material( RfGltf* gltf, uint32_t* index );
 RfResult rf_gltf_read_lobes( const RfGltf* gltf, const json_t* material, const char* where, RfMaterial* out );
 
+// gltf_texture.c: one use of a texture, `key` of `parent`; `info` is NULL where
+// there is none. Until rf_gltf_load_images `texture` is 2 · image + srgb.
+RfResult rf_gltf_read_texture_info( RfGltf* gltf, const json_t* parent, const char* owner, const char* key, bool srgb,
+                                    RfTextureRef* out, const json_t** info );
+
+// gltf_textured.c: gives the material its `textured`, after everything else of
+// it has been read. rf_gltf_load_images removes it again where it is not needed.
+RfResult rf_gltf_read_textured( RfGltf* gltf, const json_t* json, const char* where, const RfFactors* factors,
+                                RfMaterial* out );
+// One without textures, or NULL where there is no memory.
+RfTextured* rf_gltf_textured( const RfFactors* factors );
+
+// gltf_image.c: decodes what the materials of triangles need; after the meshes.
+RfResult rf_gltf_load_images( RfGltf* gltf );
+
 // gltf_node.c, gltf_animation.c, gltf_camera.c
 RfResult rf_gltf_load_nodes( RfGltf* gltf );
 RfResult rf_gltf_load_animations( RfGltf* gltf );
@@ -225,7 +242,10 @@ typedef struct RfGltfPrimitive
     uint32_t triangle_count; // 0: nothing to draw
     float* positions;
     float* normals; // NULL: flat
-    float* uvs;     // or NULL
+    float* uvs;     // or NULL, as the following
+    float* uvs1;
+    float* colors;   // 4 numbers each, in [0, 1]
+    float* tangents; // 4 numbers each
     uint32_t* indices;
     uint32_t material;
 } RfGltfPrimitive;

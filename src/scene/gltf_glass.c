@@ -5,9 +5,6 @@
 
 #include <math.h>
 
-// Below this a surface counts as smooth: its lobe is narrower than RF_MIN_ALPHA's.
-#define SMOOTH_ROUGHNESS 0.0316
-
 typedef struct Inside
 {
     double transmission;
@@ -74,7 +71,7 @@ static void make_glass( const Inside* in, double ior, double metallic, double ro
     // an index of 0 is the extension's way to say that everything is reflected
     out->ior = ior > 0.0 ? (float)fmax( ior, 1.0001 ) : 1e4f;
     out->thin = in->thickness == 0.0;
-    out->alpha = roughness < SMOOTH_ROUGHNESS ? 0.0f : (float)( roughness * roughness );
+    out->alpha = roughness < RF_SMOOTH_ROUGHNESS ? 0.0f : (float)( roughness * roughness );
     out->tint = scaled( base, through );
     out->diffuse = scaled( base, 1.0 - in->transmission );
     if ( out->thin )
@@ -109,7 +106,7 @@ RfResult rf_gltf_read_glass( const RfGltf* gltf, const json_t* material, const c
         make_unlit( base, out );
     else if ( inside.transmission > 0.0 && metallic < 1.0 )
         make_glass( &inside, ior, metallic, roughness, base, out );
-    else if ( metallic == 1.0 && roughness < SMOOTH_ROUGHNESS )
+    else if ( metallic == 1.0 && roughness < RF_SMOOTH_ROUGHNESS )
     {
         out->kind = RF_BSDF_GLASS;
         out->alpha = 0.0f;

@@ -12,20 +12,16 @@
 
 typedef struct Factors
 {
-    double base[4];
-    double metallic, roughness;
+    RfFactors lobes;
     double emissive[3];
     double strength;
-    double specular;
-    double specular_color[3];
-    double ior;
 } Factors;
 
 static Factors default_factors( void )
 {
     return ( Factors ){
-        .base = { 1, 1, 1, 1 }, .metallic = 1, .roughness = 1, .strength = 1,
-        .specular = 1, .specular_color = { 1, 1, 1 }, .ior = 1.5,
+        .lobes = { .base = { 1, 1, 1, 1 }, .metallic = 1, .roughness = 1, .specular = 1, .specular_color = { 1, 1, 1 }, .ior = 1.5 },
+        .strength = 1,
     };
 }
 
@@ -42,28 +38,26 @@ static RfResult get_factors( const RfGltf* gltf, const json_t* json, const char*
     return result;
 }
 
-static RfResult notice_texture( RfGltf* gltf, const json_t* json, const char* where, const char* key, const char* name )
+// Textures of the extensions whose factors alone are read.
+static RfResult notice_extension_textures( RfGltf* gltf, const json_t* material, const char* owner, const char* name )
 {
-    const json_t* texture = NULL;
-    RfResult result = rf_gltf_get_object( gltf, json, where, key, &texture );
-    if ( result != RF_OK || texture == NULL )
-        return result;
-    rf_gltf_notice( gltf, RF_GLTF_TEXTURES, "textures are not read yet: material '%.80s' uses its factor alone", name );
-    rf_gltf_notice_extensions( gltf, texture, "material", name );
+    static const char* const s_slots[][2] = {
+        { "KHR_materials_transmission", "transmissionTexture" },
+        { "KHR_materials_volume", "thicknessTexture" },
+    };
+    for ( int i = 0; i < 2; ++i )
+    {
+        const json_t* json;
+        RfResult result = rf_gltf_get_extension( gltf, material, owner, s_slots[i][0], &json );
+        if ( result != RF_OK )
+            return result;
+        if ( json_object_get( json, s_slots[i][1] ) != NULL )
+            rf_gltf_notice( gltf, RF_GLTF_TEXTURES, "%s is not read: material '%.80s' uses the factor alone", s_slots[i][1], name );
+    }
     return RF_OK;
 }
 
-static RfResult notice_textures( RfGltf* gltf, const json_t* json, const char* where, const char* name )
-{
-    static const char* const s_slots[] = { "normalTexture", "occlusionTexture", "emissiveTexture" };
-    RfResult result = RF_OK;
-    for ( int i = 0; result == RF_OK && i < 3; ++i )
-        result = notice_texture( gltf, json, where, s_slots[i], name );
-    return result;
-}
-
-static RfResult read_metallic_roughness( RfGltf* gltf, const json_t* material, const char* owner, const char* name,
-                                         Factors* out )
+static RfResult read_metallic_roughness( const RfGltf* gltf, const json_t* material, const char* owner, RfFactors* out )
 {
     const json_t* json = NULL;
     RfResult result = rf_gltf_get_object( gltf, material, owner, "pbrMetallicRoughness", &json );
@@ -75,14 +69,10 @@ static RfResult read_metallic_roughness( RfGltf* gltf, const json_t* material, c
         result = get_factors( gltf, json, where.text, "metallicFactor", 1, &out->metallic );
     if ( result == RF_OK )
         result = get_factors( gltf, json, where.text, "roughnessFactor", 1, &out->roughness );
-    if ( result == RF_OK )
-        result = notice_texture( gltf, json, where.text, "baseColorTexture", name );
-    if ( result == RF_OK )
-        result = notice_texture( gltf, json, where.text, "metallicRoughnessTexture", name );
     return result;
 }
 
-static RfResult read_specular( RfGltf* gltf, const json_t* material, const char* owner, const char* name, Factors* out )
+static RfResult read_specular( const RfGltf* gltf, const json_t* material, const char* owner, RfFactors* out )
 {
     const json_t* json;
     RfResult result = rf_gltf_get_extension( gltf, material, owner, "KHR_materials_specular", &json );
@@ -98,14 +88,10 @@ static RfResult read_specular( RfGltf* gltf, const json_t* material, const char*
         if ( out->specular_color[i] < 0.0 )
             return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "specularColorFactor is below 0" );
     }
-    if ( result == RF_OK )
-        result = notice_texture( gltf, json, where.text, "specularTexture", name );
-    if ( result == RF_OK )
-        result = notice_texture( gltf, json, where.text, "specularColorTexture", name );
     return result;
 }
 
-static RfResult read_ior( const RfGltf* gltf, const json_t* material, const char* owner, Factors* out )
+static RfResult read_ior( const RfGltf* gltf, const json_t* material, const char* owner, RfFactors* out )
 {
     const json_t* json;
     RfResult result = rf_gltf_get_extension( gltf, material, owner, "KHR_materials_ior", &json );
@@ -135,40 +121,10 @@ static RfResult read_emission( const RfGltf* gltf, const json_t* material, const
     return result;
 }
 
-static RfResult notice_alpha( RfGltf* gltf, const json_t* material, const char* where, const char* name )
-{
-    const char* mode = "OPAQUE";
-    RfResult result = rf_gltf_get_string( gltf, material, where, "alphaMode", &mode );
-    if ( result != RF_OK || strcmp( mode, "OPAQUE" ) == 0 )
-        return result;
-    if ( strcmp( mode, "MASK" ) != 0 && strcmp( mode, "BLEND" ) != 0 )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "alphaMode '%.20s' wants OPAQUE, MASK or BLEND", mode );
-    rf_gltf_notice( gltf, RF_GLTF_ALPHA_MODE, "alphaMode %s is not read yet: material '%.80s' is rendered opaque", mode,
-                    name );
-    return RF_OK;
-}
-
-// The specification's own mix: metal and dielectric by `metallic`, where the
-// dielectric's Fresnel reflectance takes its light from the diffuse base.
 static void apply_factors( const Factors* in, RfMaterial* out )
 {
-    double m = in->metallic;
-    double root = ( in->ior - 1.0 ) / ( in->ior + 1.0 );
-    double diffuse[3], f0[3], coat = 0.0;
-    for ( int i = 0; i < 3; ++i )
-    {
-        double dielectric = fmin( root * root * in->specular_color[i], 1.0 ) * in->specular;
-        coat = fmax( coat, dielectric );
-        diffuse[i] = ( 1.0 - m ) * in->base[i];
-        f0[i] = ( 1.0 - m ) * dielectric + m * in->base[i];
-    }
-    out->diffuse = rf_vec3( (float)diffuse[0], (float)diffuse[1], (float)diffuse[2] );
-    out->specular = rf_vec3( (float)f0[0], (float)f0[1], (float)f0[2] );
-    out->f90 = (float)( ( 1.0 - m ) * in->specular + m );
-    out->coat_f0 = (float)coat;
-    out->coat_f90 = (float)in->specular;
-    out->alpha = fmaxf( (float)( in->roughness * in->roughness ), RF_MIN_ALPHA );
-    out->kind = m == 0.0 && in->specular == 0.0 ? RF_BSDF_LAMBERT : RF_BSDF_GGX;
+    rf_derive_lobes( &in->lobes, out );
+    out->kind = in->lobes.metallic == 0.0 && in->lobes.specular == 0.0 ? RF_BSDF_LAMBERT : RF_BSDF_GGX;
     out->emission = rf_vec3( (float)( in->emissive[0] * in->strength ), (float)( in->emissive[1] * in->strength ),
                              (float)( in->emissive[2] * in->strength ) );
 }
@@ -181,27 +137,28 @@ static RfResult load_material( RfGltf* gltf, int index, RfMaterial* out )
     if ( result != RF_OK )
         return result;
     Factors factors = default_factors();
-    result = read_metallic_roughness( gltf, json, where.text, out->name, &factors );
+    result = read_metallic_roughness( gltf, json, where.text, &factors.lobes );
     if ( result == RF_OK )
-        result = read_specular( gltf, json, where.text, out->name, &factors );
+        result = read_specular( gltf, json, where.text, &factors.lobes );
     if ( result == RF_OK )
-        result = read_ior( gltf, json, where.text, &factors );
+        result = read_ior( gltf, json, where.text, &factors.lobes );
     if ( result == RF_OK )
         result = read_emission( gltf, json, where.text, &factors );
     if ( result == RF_OK )
         result = rf_gltf_get_bool( gltf, json, where.text, "doubleSided", &out->double_sided );
     if ( result == RF_OK )
-        result = notice_alpha( gltf, json, where.text, out->name );
-    if ( result == RF_OK )
-        result = notice_textures( gltf, json, where.text, out->name );
+        result = notice_extension_textures( gltf, json, where.text, out->name );
     if ( result != RF_OK )
         return result;
     rf_gltf_notice_extensions( gltf, json, "material", out->name );
     apply_factors( &factors, out );
-    result = rf_gltf_read_glass( gltf, json, where.text, factors.ior, factors.metallic, factors.roughness, factors.base, out );
+    const RfFactors* lobes = &factors.lobes;
+    result = rf_gltf_read_glass( gltf, json, where.text, lobes->ior, lobes->metallic, lobes->roughness, lobes->base, out );
     if ( result == RF_OK )
         result = rf_gltf_read_clearcoat( gltf, json, where.text, out );
-    return result == RF_OK ? rf_gltf_read_lobes( gltf, json, where.text, out ) : result;
+    if ( result == RF_OK )
+        result = rf_gltf_read_lobes( gltf, json, where.text, out );
+    return result == RF_OK ? rf_gltf_read_textured( gltf, json, where.text, lobes, out ) : result;
 }
 
 RfResult rf_gltf_load_materials( RfGltf* gltf )
@@ -228,6 +185,10 @@ RfResult rf_gltf_use_default_material( RfGltf* gltf, uint32_t* index )
             return rf_gltf_no_memory( gltf, "materials" );
         Factors factors = default_factors();
         apply_factors( &factors, material );
+        material->textured = rf_gltf_textured( &factors.lobes );
+        if ( material->textured == NULL )
+            return rf_gltf_no_memory( gltf, "materials" );
+        material->textured->optional = true; // for primitives with vertex colours
         gltf->default_material = (int)gltf->scene->material_count++;
     }
     *index = (uint32_t)gltf->default_material;

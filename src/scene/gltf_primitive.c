@@ -9,7 +9,7 @@
 // Accessors of the attributes that are read; −1 where absent.
 typedef struct Attributes
 {
-    int position, normal, uv;
+    int position, normal, uv, uv1, color, tangent;
 } Attributes;
 
 void rf_gltf_free_primitive( RfGltfPrimitive* primitive )
@@ -17,10 +17,14 @@ void rf_gltf_free_primitive( RfGltfPrimitive* primitive )
     free( primitive->positions );
     free( primitive->normals );
     free( primitive->uvs );
+    free( primitive->uvs1 );
+    free( primitive->colors );
+    free( primitive->tangents );
     free( primitive->indices );
     memset( primitive, 0, sizeof *primitive );
 }
 
+// `components` 0: the caller checks their number.
 static RfResult open_attribute( RfGltf* gltf, const json_t* json, const char* where, const char* name, int components,
                                 int* index, uint32_t* count )
 {
@@ -29,7 +33,7 @@ static RfResult open_attribute( RfGltf* gltf, const json_t* json, const char* wh
         return result;
     const RfGltfAccessor* accessor;
     result = rf_gltf_open_accessor( gltf, *index, &accessor );
-    if ( result == RF_OK )
+    if ( result == RF_OK && components > 0 )
         result = rf_gltf_expect( gltf, *index, accessor, where, components );
     if ( result != RF_OK )
         return result;
@@ -40,12 +44,24 @@ static RfResult open_attribute( RfGltf* gltf, const json_t* json, const char* wh
     return RF_OK;
 }
 
+static RfResult check_colors( const RfGltf* gltf, const char* where, int index )
+{
+    if ( index < 0 )
+        return RF_OK;
+    const RfGltfAccessor* a = gltf->accessors + index;
+    bool is_float = a->component_type == 5126;
+    bool is_part = ( a->component_type == 5121 || a->component_type == 5123 ) && a->normalized;
+    if ( ( a->components == 3 || a->components == 4 ) && ( is_float || is_part ) )
+        return RF_OK;
+    return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "COLOR_0 wants 3 or 4 floats or normalized unsigned bytes or shorts" );
+}
+
 static RfResult open_attributes( RfGltf* gltf, const json_t* primitive, const char* owner, Attributes* out,
                                  uint32_t* count )
 {
     RfWhere where = rf_where( "%s.attributes", owner );
     const json_t* json = NULL;
-    *out = ( Attributes ){ -1, -1, -1 };
+    *out = ( Attributes ){ -1, -1, -1, -1, -1, -1 };
     *count = 0;
     RfResult result = rf_gltf_require( gltf, primitive, owner, "attributes" );
     if ( result == RF_OK )
@@ -57,9 +73,14 @@ static RfResult open_attributes( RfGltf* gltf, const json_t* primitive, const ch
     result = open_attribute( gltf, json, where.text, "NORMAL", 3, &out->normal, count );
     if ( result == RF_OK )
         result = open_attribute( gltf, json, where.text, "TEXCOORD_0", 2, &out->uv, count );
-    if ( json_object_get( json, "COLOR_0" ) != NULL )
-        rf_gltf_notice( gltf, RF_GLTF_VERTEX_COLORS, "vertex colours are not read: %s is drawn by its material alone",
-                        owner );
+    if ( result == RF_OK )
+        result = open_attribute( gltf, json, where.text, "TEXCOORD_1", 2, &out->uv1, count );
+    if ( result == RF_OK )
+        result = open_attribute( gltf, json, where.text, "COLOR_0", 0, &out->color, count );
+    if ( result == RF_OK )
+        result = check_colors( gltf, where.text, out->color );
+    if ( result == RF_OK )
+        result = open_attribute( gltf, json, where.text, "TANGENT", 4, &out->tangent, count );
     return result;
 }
 
@@ -123,6 +144,28 @@ static RfResult read_attribute( const RfGltf* gltf, const char* where, int acces
     return result;
 }
 
+// RGB or RGBA to RGBA in [0, 1].
+static RfResult read_colors( const RfGltf* gltf, const char* where, int accessor, const uint32_t* sources, uint32_t count,
+                             float** values )
+{
+    if ( accessor < 0 )
+        return RF_OK;
+    *values = malloc( ( (size_t)count * 4 + 1 ) * sizeof **values );
+    if ( *values == NULL )
+        return rf_gltf_no_memory( gltf, where );
+    for ( uint32_t i = 0; i < count; ++i )
+    {
+        float* rgba = *values + 4 * (size_t)i;
+        rgba[3] = 1.0f;
+        RfResult result = rf_gltf_read_floats( gltf, accessor, sources[i], rgba );
+        if ( result != RF_OK )
+            return result;
+        for ( int c = 0; c < 4; ++c )
+            rgba[c] = rf_clampf( rgba[c], 0.0f, 1.0f );
+    }
+    return RF_OK;
+}
+
 static RfResult read_vertices( RfGltf* gltf, const char* where, const Attributes* attributes, uint32_t vertex_count,
                                RfGltfPrimitive* out )
 {
@@ -134,6 +177,13 @@ static RfResult read_vertices( RfGltf* gltf, const char* where, const Attributes
         result = read_attribute( gltf, where, attributes->normal, sources, out->vertex_count, &out->normals );
     if ( result == RF_OK )
         result = read_attribute( gltf, where, attributes->uv, sources, out->vertex_count, &out->uvs );
+    if ( result == RF_OK )
+        result = read_attribute( gltf, where, attributes->uv1, sources, out->vertex_count, &out->uvs1 );
+    if ( result == RF_OK )
+        result = read_colors( gltf, where, attributes->color, sources, out->vertex_count, &out->colors );
+    // glTF: without normals the tangents are to be ignored
+    if ( result == RF_OK && attributes->normal >= 0 )
+        result = read_attribute( gltf, where, attributes->tangent, sources, out->vertex_count, &out->tangents );
     free( sources );
     return result;
 }

@@ -10,6 +10,9 @@ static void free_triangles( RfTriangles* triangles )
     free( triangles->positions );
     free( triangles->normals );
     free( triangles->uvs );
+    free( triangles->uvs1 );
+    free( triangles->colors );
+    free( triangles->tangents );
     free( triangles->indices );
     free( triangles->material );
 }
@@ -29,7 +32,16 @@ void rf_destroy_scene( RfScene* scene )
         return;
     free_triangles( &scene->triangles );
     for ( uint32_t i = 0; scene->materials != NULL && i < scene->material_count; ++i )
+    {
         free( scene->materials[i].name );
+        free( scene->materials[i].textured );
+    }
+    for ( int i = 0; scene->textures != NULL && i < scene->texture_count; ++i )
+    {
+        free( scene->textures[i].bytes );
+        free( scene->textures[i].floats );
+    }
+    free( scene->textures );
     for ( int i = 0; scene->nodes != NULL && i < scene->node_count; ++i )
         free( scene->nodes[i].name );
     for ( int i = 0; scene->channels != NULL && i < scene->channel_count; ++i )

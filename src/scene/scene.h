@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "math/mat4.h"
 #include "math/vec3.h"
+#include "scene/texture.h"
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -24,6 +25,9 @@ typedef enum RfBsdfKind
 // Kinds from this one on are seen by the frame that found them only: what they
 // scatter into one direction no density of another eye covers.
 #define RF_BSDF_FIRST_NATIVE RF_BSDF_GLASS
+
+// Textures and the like of a material (scene/textured.h).
+typedef struct RfTextured RfTextured;
 
 // Reflectances are linear RGB in [0, 1].
 typedef struct RfMaterial
@@ -45,6 +49,7 @@ typedef struct RfMaterial
     RfVec3 absorption; // GLASS: of the inside, 1/m
     RfVec3 emission;  // radiance, W/(m² sr), on the front (on both sides if double_sided)
     bool double_sided;
+    RfTextured* textured; // what varies over the surface: a hit asks rf_material_at; NULL: nothing
 } RfMaterial;
 
 #define RF_MIN_ALPHA 1e-3f
@@ -59,6 +64,10 @@ typedef struct RfTriangles
     float* normals;     // 3 × vertex_count, unit length, world space; meshes without
                         // normals have copies of their vertices with the face's normal
     float* uvs;         // 2 × vertex_count, or NULL where no mesh has any
+    float* uvs1;        // 2 × vertex_count, the second set, or NULL
+    float* colors;      // 4 × vertex_count, linear, multiply the base colour, or NULL
+    float* tangents;    // 4 × vertex_count: along u, and the bitangent's sign, 0 where
+                        // there is none; or NULL
     uint32_t* indices;  // 3 × count, front face counter-clockwise
     uint32_t* material; // count
 } RfTriangles;
@@ -154,6 +163,8 @@ typedef struct RfScene
     uint32_t instance_count;       // mesh primitives placed by nodes
     uint32_t material_count;
     RfMaterial* materials;
+    int texture_count;
+    RfTexture* textures;
     RfEnvironment environment;
     int punctual_count;
     RfPunctual* punctuals;

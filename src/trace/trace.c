@@ -1,6 +1,7 @@
 #include "trace/trace.h"
 
 #include "light/light.h"
+#include "scene/textured.h"
 
 #include <embree3/rtcore.h>
 #include <pmmintrin.h>
@@ -11,6 +12,13 @@
 
 #define PACKET 16
 
+// The two geometries of the BVH.
+enum
+{
+    OPAQUE,
+    MASKED,
+};
+
 struct RfTracer
 {
     const RfScene* scene;
@@ -18,6 +26,8 @@ struct RfTracer
     RTCScene embree_scene;
     RfLights lights;
     RfTriangleRecord* triangles;
+    uint32_t masked_first; // first of the order below that may be cut out
+    uint32_t* order;       // the scene's triangles in the order of the BVH's two geometries; NULL: the scene's own order
     long bytes;
     char text[64];
     char message[256]; // Embree's last error
@@ -44,26 +54,109 @@ static bool on_memory( void* user, ssize_t bytes, bool post )
     return true;
 }
 
+// Masked materials are a geometry of their own, so that all others go without
+// its filter: first the triangles without, then those with.
+static RfResult sort_masked( RfTracer* tracer, RfError* error )
+{
+    const RfScene* scene = tracer->scene;
+    const RfTriangles* t = &scene->triangles;
+    uint32_t masked = 0;
+    for ( uint32_t i = 0; i < t->count; ++i )
+        masked += rf_is_masked( scene->materials + t->material[i] );
+    tracer->masked_first = t->count - masked;
+    if ( masked == 0 )
+        return RF_OK;
+    tracer->order = malloc( (size_t)t->count * sizeof *tracer->order );
+    if ( tracer->order == NULL )
+        return rf_fail( error, RF_ERROR_MEMORY, "no memory for the order of %u triangles", t->count );
+    uint32_t next[2] = { 0, tracer->masked_first };
+    for ( uint32_t i = 0; i < t->count; ++i )
+        tracer->order[next[rf_is_masked( scene->materials + t->material[i] )]++] = i;
+    return RF_OK;
+}
+
+// Lets rays through where the surface is cut out. A packet's hits are rows of N:
+// the normal's x, y, z, then u, v and the number of the triangle (the accessors
+// of Embree's header are for C++).
+static void filter_masked( const struct RTCFilterFunctionNArguments* args )
+{
+    const RfTracer* tracer = args->geometryUserPtr;
+    const RfScene* scene = tracer->scene;
+    const float *u = (const float*)(const void*)args->hit + 3 * args->N, *v = u + args->N;
+    const unsigned int* number = (const unsigned int*)(const void*)args->hit + 5 * args->N;
+    for ( unsigned int i = 0; i < args->N; ++i )
+    {
+        if ( args->valid[i] == 0 )
+            continue;
+        uint32_t triangle = tracer->order[tracer->masked_first + number[i]];
+        const RfMaterial* material = scene->materials + scene->triangles.material[triangle];
+        if ( rf_is_cut_out( scene, material, triangle, u[i], v[i] ) )
+            args->valid[i] = 0;
+    }
+}
+
+// For both geometries. Embree may read 16 bytes at each vertex of 12.
+static RTCBuffer copy_positions( const RfTracer* tracer )
+{
+    const RfTriangles* t = &tracer->scene->triangles;
+    size_t bytes = (size_t)t->vertex_count * 12;
+    RTCBuffer buffer = rtcNewBuffer( tracer->device, bytes + 16 );
+    char* memory = buffer != NULL ? rtcGetBufferData( buffer ) : NULL;
+    if ( memory == NULL )
+        return buffer; // the device's error handler knows
+    if ( bytes > 0 )
+        memcpy( memory, t->positions, bytes );
+    memset( memory + bytes, 0, 16 );
+    return buffer;
+}
+
+static RTCGeometry make_geometry( const RfTracer* tracer, RTCBuffer positions, uint32_t first, uint32_t count )
+{
+    const RfTriangles* t = &tracer->scene->triangles;
+    RTCGeometry geometry = rtcNewGeometry( tracer->device, RTC_GEOMETRY_TYPE_TRIANGLE );
+    rtcSetGeometryBuffer( geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, positions, 0, 12, t->vertex_count );
+    if ( tracer->order == NULL )
+    {
+        rtcSetSharedGeometryBuffer( geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, t->indices, 0, 12, count );
+        return geometry;
+    }
+    uint32_t* indices = rtcSetNewGeometryBuffer( geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, count );
+    for ( uint32_t i = 0; indices != NULL && i < count; ++i )
+        memcpy( indices + 3 * (size_t)i, t->indices + 3 * (size_t)tracer->order[first + i], 12 );
+    return geometry;
+}
+
+static void attach( RfTracer* tracer, RTCBuffer positions, uint32_t first, uint32_t count, unsigned int id )
+{
+    if ( count == 0 )
+        return;
+    RTCGeometry geometry = make_geometry( tracer, positions, first, count );
+    if ( id == MASKED )
+    {
+        rtcSetGeometryUserData( geometry, tracer );
+        rtcSetGeometryIntersectFilterFunction( geometry, filter_masked );
+        rtcSetGeometryOccludedFilterFunction( geometry, filter_masked );
+    }
+    rtcCommitGeometry( geometry );
+    rtcAttachGeometryByID( tracer->embree_scene, geometry, id );
+    rtcReleaseGeometry( geometry );
+}
+
 // Build quality MEDIUM with ROBUST is deterministic over threads; HIGH is not.
 static RfResult build_bvh( RfTracer* tracer, RfError* error )
 {
-    const RfTriangles* t = &tracer->scene->triangles;
+    RfResult result = sort_masked( tracer, error );
+    if ( result != RF_OK )
+        return result;
+    uint32_t count = tracer->scene->triangles.count;
     tracer->embree_scene = rtcNewScene( tracer->device );
     rtcSetSceneBuildQuality( tracer->embree_scene, RTC_BUILD_QUALITY_MEDIUM );
     rtcSetSceneFlags( tracer->embree_scene, RTC_SCENE_FLAG_ROBUST );
-    if ( t->count > 0 )
-    {
-        RTCGeometry geometry = rtcNewGeometry( tracer->device, RTC_GEOMETRY_TYPE_TRIANGLE );
-        // Embree may read 16 bytes at each vertex: its own buffer is padded for that
-        float* positions = rtcSetNewGeometryBuffer( geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12,
-                                                    t->vertex_count );
-        if ( positions != NULL )
-            memcpy( positions, t->positions, (size_t)t->vertex_count * 12 );
-        rtcSetSharedGeometryBuffer( geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, t->indices, 0, 12, t->count );
-        rtcCommitGeometry( geometry );
-        rtcAttachGeometryByID( tracer->embree_scene, geometry, 0 );
-        rtcReleaseGeometry( geometry );
-    }
+    RTCBuffer positions = copy_positions( tracer );
+    attach( tracer, positions, 0, tracer->masked_first, OPAQUE );
+    attach( tracer, positions, tracer->masked_first, count - tracer->masked_first, MASKED );
+    if ( positions != NULL )
+        rtcReleaseBuffer( positions );
     rtcCommitScene( tracer->embree_scene );
     if ( tracer->message[0] != 0 )
         return rf_fail( error, RF_ERROR_DEVICE, "%s: building the BVH failed: %s",
@@ -166,6 +259,7 @@ void rf_destroy_tracer( RfTracer* tracer )
     rtcReleaseDevice( tracer->device );
     rf_destroy_lights( &tracer->lights );
     free( tracer->triangles );
+    free( tracer->order );
     free( tracer );
 }
 
@@ -216,6 +310,16 @@ static void set_origins( struct RTCRay16* ray, int lanes, const float* const o[3
     }
 }
 
+// From numbers within a geometry to the scene's.
+static void restore_order( const RfTracer* tracer, int lanes, const unsigned int* geometry, uint32_t* triangle )
+{
+    for ( int i = 0; i < lanes; ++i )
+    {
+        if ( triangle[i] != RF_MISS )
+            triangle[i] = tracer->order[triangle[i] + ( geometry[i] == MASKED ? tracer->masked_first : 0 )];
+    }
+}
+
 void rf_trace_nearest( const RfTracer* tracer, int count, const float* const o[3], const float* const d[3],
                        bool coherent, uint32_t* triangle, float* u, float* v )
 {
@@ -239,6 +343,8 @@ void rf_trace_nearest( const RfTracer* tracer, int count, const float* const o[3
             u[first + i] = packet.hit.u[i];
             v[first + i] = packet.hit.v[i];
         }
+        if ( tracer->order != NULL )
+            restore_order( tracer, lanes, packet.hit.geomID, triangle + first );
     }
 }
 

@@ -1,0 +1,266 @@
+#include "scene/textured.h"
+
+#include <math.h>
+
+// The mean over a triangle is taken at the middles of GRID² parts of it.
+#define GRID 8
+
+// A light that was black at all of these points is picked as if this part of
+// its brightest texel were its mean.
+#define LEAST_MEAN 0.02f
+
+static void interpolate( const float* values, int components, const uint32_t* corners, float u, float v, float* out )
+{
+    float w = 1.0f - u - v;
+    for ( int i = 0; i < components; ++i )
+    {
+        size_t k = (size_t)i, n = (size_t)components;
+        out[i] = w * values[n * corners[0] + k] + u * values[n * corners[1] + k] + v * values[n * corners[2] + k];
+    }
+}
+
+static const float* uv_array( const RfScene* scene, int set )
+{
+    return set == 0 ? scene->triangles.uvs : scene->triangles.uvs1;
+}
+
+static void place( const RfScene* scene, const RfTextureRef* ref, uint32_t triangle, float u, float v, float at[2] )
+{
+    float uv[2] = { 0.0f, 0.0f };
+    const float* values = uv_array( scene, ref->uv_set );
+    if ( values != NULL )
+        interpolate( values, 2, scene->triangles.indices + 3 * (size_t)triangle, u, v, uv );
+    rf_transform_uv( ref, uv, at );
+}
+
+// False where the slot has no texture.
+static bool look_up( const RfScene* scene, const RfMaterial* m, RfTextureSlot slot, uint32_t triangle, float u, float v, float rgba[4] )
+{
+    const RfTextureRef* ref = m->textured->refs + slot;
+    if ( ref->texture < 0 )
+        return false;
+    float at[2];
+    place( scene, ref, triangle, u, v, at );
+    rf_look_up( scene->textures + ref->texture, ref, at, rgba );
+    return true;
+}
+
+static double unit( double x ) { return x > 0.0 ? ( x < 1.0 ? x : 1.0 ) : 0.0; }
+
+void rf_derive_lobes( const RfFactors* in, RfMaterial* out )
+{
+    double m = in->metallic;
+    double root = ( in->ior - 1.0 ) / ( in->ior + 1.0 );
+    double diffuse[3], f0[3], coat = 0.0;
+    for ( int i = 0; i < 3; ++i )
+    {
+        // the dielectric's Fresnel reflectance takes its light from the diffuse base
+        double dielectric = fmin( root * root * in->specular_color[i], 1.0 ) * in->specular;
+        coat = fmax( coat, dielectric );
+        diffuse[i] = ( 1.0 - m ) * in->base[i];
+        f0[i] = ( 1.0 - m ) * dielectric + m * in->base[i];
+    }
+    out->diffuse = rf_vec3( (float)diffuse[0], (float)diffuse[1], (float)diffuse[2] );
+    out->specular = rf_vec3( (float)f0[0], (float)f0[1], (float)f0[2] );
+    out->f90 = (float)( ( 1.0 - m ) * in->specular + m );
+    out->coat_f0 = (float)coat;
+    out->coat_f90 = (float)in->specular;
+    out->alpha = fmaxf( (float)( in->roughness * in->roughness ), RF_MIN_ALPHA );
+}
+
+static void base_at( const RfScene* scene, const RfMaterial* m, uint32_t triangle, float u, float v, double base[4] )
+{
+    const RfTextured* t = m->textured;
+    float rgba[4];
+    for ( int i = 0; i < 4; ++i )
+        base[i] = t->factors.base[i];
+    if ( look_up( scene, m, RF_TEXTURE_BASE, triangle, u, v, rgba ) )
+    {
+        for ( int i = 0; i < 4; ++i )
+            base[i] *= (double)rgba[i];
+    }
+    if ( t->vertex_colors && scene->triangles.colors != NULL )
+    {
+        interpolate( scene->triangles.colors, 4, scene->triangles.indices + 3 * (size_t)triangle, u, v, rgba );
+        for ( int i = 0; i < 4; ++i )
+            base[i] *= (double)rgba[i];
+    }
+    for ( int i = 0; i < 4; ++i )
+        base[i] = unit( base[i] );
+}
+
+static RfVec3 scaled( const double rgb[3], double s )
+{
+    return rf_vec3( (float)( rgb[0] * s ), (float)( rgb[1] * s ), (float)( rgb[2] * s ) );
+}
+
+static RfFactors factors_at( const RfScene* scene, const RfMaterial* m, uint32_t triangle, float u, float v )
+{
+    RfFactors f = m->textured->factors;
+    float rgba[4];
+    base_at( scene, m, triangle, u, v, f.base );
+    if ( look_up( scene, m, RF_TEXTURE_METALLIC_ROUGHNESS, triangle, u, v, rgba ) )
+    {
+        f.roughness = unit( f.roughness * (double)rgba[1] );
+        f.metallic = unit( f.metallic * (double)rgba[2] );
+    }
+    if ( look_up( scene, m, RF_TEXTURE_SPECULAR, triangle, u, v, rgba ) )
+        f.specular = unit( f.specular * (double)rgba[3] );
+    if ( look_up( scene, m, RF_TEXTURE_SPECULAR_COLOR, triangle, u, v, rgba ) )
+    {
+        for ( int i = 0; i < 3; ++i )
+            f.specular_color[i] *= (double)rgba[i];
+    }
+    return f;
+}
+
+static void derive_glass( const RfFactors* f, double transmission, RfMaterial* out )
+{
+    if ( out->ior == 0.0f ) // a mirror, whose roughness has no texture
+    {
+        out->specular = scaled( f->base, 1.0 );
+        return;
+    }
+    out->alpha = f->roughness < RF_SMOOTH_ROUGHNESS ? 0.0f : (float)( f->roughness * f->roughness );
+    out->tint = scaled( f->base, transmission * ( 1.0 - f->metallic ) );
+    out->diffuse = scaled( f->base, 1.0 - transmission );
+}
+
+void rf_material_at( const RfScene* scene, const RfMaterial* m, uint32_t triangle, float u, float v, RfMaterial* out )
+{
+    *out = *m;
+    if ( m->textured->model == RF_TEXTURED_UNLIT )
+        return;
+    RfFactors f = factors_at( scene, m, triangle, u, v );
+    switch ( m->textured->model )
+    {
+        case RF_TEXTURED_COATED: rf_derive_lobes( &f, out ); break;
+        case RF_TEXTURED_GLASS: derive_glass( &f, m->textured->transmission, out ); break;
+        case RF_TEXTURED_DIFFUSE: out->diffuse = rf_mul( m->diffuse, scaled( f.base, 1.0 ) ); break;
+        case RF_TEXTURED_UNLIT: break;
+    }
+}
+
+bool rf_is_cut_out( const RfScene* scene, const RfMaterial* m, uint32_t triangle, float u, float v )
+{
+    double base[4];
+    base_at( scene, m, triangle, u, v, base );
+    return base[3] < (double)m->textured->alpha_cutoff;
+}
+
+RfVec3 rf_emission_at( const RfScene* scene, const RfMaterial* m, uint32_t triangle, float u, float v )
+{
+    if ( m->textured->masked && rf_is_cut_out( scene, m, triangle, u, v ) )
+        return rf_vec3( 0, 0, 0 );
+    if ( m->textured->model == RF_TEXTURED_UNLIT )
+    {
+        double base[4];
+        base_at( scene, m, triangle, u, v, base );
+        return scaled( base, 1.0 );
+    }
+    float rgba[4];
+    if ( !look_up( scene, m, RF_TEXTURE_EMISSIVE, triangle, u, v, rgba ) )
+        return m->emission;
+    return rf_mul( m->emission, rf_vec3( rgba[0], rgba[1], rgba[2] ) );
+}
+
+// The largest factor that textures may give to the emission of a triangle.
+static float bound_emission( const RfScene* scene, const RfMaterial* m, uint32_t triangle )
+{
+    RfTextureSlot slot = m->textured->model == RF_TEXTURED_UNLIT ? RF_TEXTURE_BASE : RF_TEXTURE_EMISSIVE;
+    const RfTextureRef* ref = m->textured->refs + slot;
+    if ( ref->texture < 0 )
+        return 1.0f;
+    float low[2], high[2];
+    for ( int corner = 0; corner < 3; ++corner )
+    {
+        float at[2];
+        place( scene, ref, triangle, corner == 1 ? 1.0f : 0.0f, corner == 2 ? 1.0f : 0.0f, at );
+        for ( int k = 0; k < 2; ++k )
+        {
+            low[k] = corner == 0 || at[k] < low[k] ? at[k] : low[k];
+            high[k] = corner == 0 || at[k] > high[k] ? at[k] : high[k];
+        }
+    }
+    return rf_texture_bound( scene->textures + ref->texture, ref, low, high );
+}
+
+RfVec3 rf_mean_emission( const RfScene* scene, const RfMaterial* m, uint32_t triangle )
+{
+    float bound = bound_emission( scene, m, triangle );
+    RfVec3 sum = rf_vec3( 0, 0, 0 );
+    if ( bound == 0.0f )
+        return sum;
+    for ( int i = 0; i < GRID; ++i )
+    {
+        for ( int k = 0; k < 2 * i + 1; ++k ) // row i has i + 1 upright parts and i upside down
+        {
+            float across = ( (float)( k / 2 ) + ( k & 1 ? 2.0f : 1.0f ) / 3.0f ) / (float)GRID;
+            float along = ( (float)i + ( k & 1 ? 1.0f : 2.0f ) / 3.0f ) / (float)GRID;
+            sum = rf_add( sum, rf_emission_at( scene, m, triangle, along - across, across ) );
+        }
+    }
+    RfVec3 mean = rf_scale( sum, 1.0f / (float)( GRID * GRID ) );
+    RfVec3 least = rf_scale( m->emission, LEAST_MEAN * bound );
+    return rf_luminance( mean ) > rf_luminance( least ) ? mean : least;
+}
+
+// Along u' and v' in space: the file's tangents, else from the coordinates.
+static bool find_tangents( const RfScene* scene, const RfTextureRef* ref, uint32_t triangle, float u, float v, RfVec3 n,
+                           RfVec3* tangent, RfVec3* bitangent )
+{
+    const RfTriangles* t = &scene->triangles;
+    const uint32_t* corners = t->indices + 3 * (size_t)triangle;
+    RfVec3 along;
+    float sign = 0.0f;
+    if ( t->tangents != NULL )
+    {
+        float given[4];
+        interpolate( t->tangents, 4, corners, u, v, given );
+        along = rf_vec3( given[0], given[1], given[2] );
+        sign = given[3];
+    }
+    if ( sign == 0.0f )
+    {
+        float a[2], b[2], c[2], p[3][3];
+        place( scene, ref, triangle, 0.0f, 0.0f, a );
+        place( scene, ref, triangle, 1.0f, 0.0f, b );
+        place( scene, ref, triangle, 0.0f, 1.0f, c );
+        for ( int i = 0; i < 3; ++i )
+            interpolate( t->positions, 3, corners, i == 1 ? 1.0f : 0.0f, i == 2 ? 1.0f : 0.0f, p[i] );
+        RfVec3 e1 = rf_vec3( p[1][0] - p[0][0], p[1][1] - p[0][1], p[1][2] - p[0][2] );
+        RfVec3 e2 = rf_vec3( p[2][0] - p[0][0], p[2][1] - p[0][1], p[2][2] - p[0][2] );
+        float du1 = b[0] - a[0], dv1 = b[1] - a[1], du2 = c[0] - a[0], dv2 = c[1] - a[1];
+        float det = du1 * dv2 - du2 * dv1;
+        if ( !( fabsf( det ) > 0.0f ) )
+            return false;
+        // v' runs down the image, the bitangent up: where det < 0 that is n × t
+        along = rf_scale( rf_sub( rf_scale( e1, dv2 ), rf_scale( e2, dv1 ) ), det < 0.0f ? -1.0f : 1.0f );
+        sign = det < 0.0f ? 1.0f : -1.0f;
+    }
+    along = rf_madd( along, n, -rf_dot( along, n ) );
+    float length2 = rf_dot( along, along );
+    if ( !( length2 > 0.0f && length2 < INFINITY ) )
+        return false;
+    *tangent = rf_scale( along, 1.0f / sqrtf( length2 ) );
+    *bitangent = rf_scale( rf_cross( n, *tangent ), sign < 0.0f ? -1.0f : 1.0f );
+    return true;
+}
+
+RfVec3 rf_normal_at( const RfScene* scene, const RfMaterial* m, uint32_t triangle, float u, float v, RfVec3 n, RfVec3 ng )
+{
+    float rgba[4];
+    RfVec3 tangent, bitangent;
+    if ( !look_up( scene, m, RF_TEXTURE_NORMAL, triangle, u, v, rgba ) ||
+         !find_tangents( scene, m->textured->refs + RF_TEXTURE_NORMAL, triangle, u, v, n, &tangent, &bitangent ) )
+        return n;
+    float x = ( 2.0f * rgba[0] - 1.0f ) * m->textured->normal_scale, y = ( 2.0f * rgba[1] - 1.0f ) * m->textured->normal_scale;
+    RfVec3 mapped = rf_madd( rf_madd( rf_scale( n, 2.0f * rgba[2] - 1.0f ), tangent, x ), bitangent, y );
+    float length2 = rf_dot( mapped, mapped );
+    if ( !( length2 > 1e-12f ) )
+        return n;
+    mapped = rf_scale( mapped, 1.0f / sqrtf( length2 ) );
+    // what points into the surface is lifted to its horizon
+    float above = rf_dot( mapped, ng );
+    return above > 1e-3f ? mapped : rf_normalize( rf_madd( mapped, ng, 2e-3f - above ) );
+}
