@@ -33,8 +33,10 @@ static const RfCommandTable s_table = { .command = "info",
 // What the scene struct does not say by itself.
 typedef struct Facts
 {
-    uint32_t lights; // emitting triangles
+    uint32_t lights; // of all kinds: a sky is one
+    uint32_t emitting_triangles;
     double light_area;
+    bool sky;
     int* frames;     // by camera
 } Facts;
 
@@ -52,7 +54,9 @@ static RfResult gather( const RfScene* scene, Facts* facts, RfError* error )
     if ( result != RF_OK )
         return result;
     facts->lights = lights.count;
-    for ( uint32_t i = 0; i < lights.count; ++i )
+    facts->emitting_triangles = lights.triangle_count;
+    facts->sky = rf_has_sky( &lights );
+    for ( uint32_t i = 0; i < lights.triangle_count; ++i )
         facts->light_area += lights.light[i].area;
     rf_destroy_lights( &lights );
     return RF_OK;
@@ -84,7 +88,8 @@ static void print_info( const RfScene* scene, const Facts* facts )
     printf( "materials  %u\n", scene->material_count );
     printf( "lights     %u", facts->lights );
     if ( facts->lights > 0 )
-        printf( " (emitting triangles, %.4g m2)", facts->light_area );
+        printf( " (emitting triangles %u, %.4g m2; lamps without size %d; sky %s)", facts->emitting_triangles, facts->light_area,
+                scene->punctual_count, facts->sky ? "yes" : "no" );
     printf( "\n" );
     if ( scene->triangles.count > 0 )
         printf( "bounds     %.4g %.4g %.4g to %.4g %.4g %.4g\n", scene->bounds_min.x, scene->bounds_min.y,
