@@ -89,7 +89,7 @@ const char* build_gltf_json( GltfBuilder* b, const char* uri, const char* rest )
     return b->json;
 }
 
-static char* encode_base64( const uint8_t* bytes, size_t size )
+char* gltf_base64( const uint8_t* bytes, size_t size )
 {
     static const char s_digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     char* text = calloc( size / 3 * 4 + 8, 1 );
@@ -107,7 +107,7 @@ static char* encode_base64( const uint8_t* bytes, size_t size )
 
 const char* write_gltf( GltfBuilder* b, GltfFolder* folder, const char* rest )
 {
-    char* data = encode_base64( b->bin, b->bin_size );
+    char* data = gltf_base64( b->bin, b->bin_size );
     char* uri = calloc( strlen( data ) + 64, 1 );
     sprintf( uri, "data:application/octet-stream;base64,%s", data );
     build_gltf_json( b, uri, rest );

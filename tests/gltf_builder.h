@@ -38,6 +38,9 @@ int add_gltf_accessor( GltfBuilder* b, int component_type, const char* type, int
 int add_gltf_floats( GltfBuilder* b, const char* type, int components, int count, const float* data );
 int add_gltf_u16( GltfBuilder* b, int count, const uint16_t* data );
 
+// A string for the caller to free.
+char* gltf_base64( const uint8_t* bytes, size_t size );
+
 // The JSON with a buffer that `uri` names (NULL: the chunk of a .glb), and the
 // test's own members, `rest`, after it.
 const char* build_gltf_json( GltfBuilder* b, const char* uri, const char* rest );

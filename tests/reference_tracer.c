@@ -57,7 +57,7 @@ static bool find( const RfTracer* tracer, RfVec3 o, RfVec3 d, Point* out )
         if ( facing > 0.0f || light->two_sided )
         {
             RfVec3 way = rf_sub( out->p, o );
-            out->emission = rf_light_radiance( scene, light, u, v );
+            out->emission = light->textured ? rf_emission_at( scene, material, triangle, u, v ) : light->radiance;
             out->light_pdf = light->pdf_area * rf_dot( way, way ) / fabsf( facing );
         }
     }
@@ -141,13 +141,13 @@ static RfVec3 sky_along( const RfTracer* tracer, RfVec3 d, float* light_pdf )
     return rf_sky_radiance( &lights->sky, d );
 }
 
-static bool is_open( const RfTracer* tracer, RfVec3 from, RfVec3 segment )
+static float part_open( const RfTracer* tracer, RfVec3 from, RfVec3 segment )
 {
     const float* o[3] = { &from.x, &from.y, &from.z };
     const float* d[3] = { &segment.x, &segment.y, &segment.z };
-    uint8_t visible;
+    float visible;
     rf_trace_segments( tracer, 1, o, d, &visible );
-    return visible != 0;
+    return visible;
 }
 
 // A sample of a light without size, or of the sky.
@@ -193,7 +193,7 @@ static RfVec3 sample_other_light( const RfTracer* tracer, const Point* x, uint32
     float cos_x = rf_dot( x->n, *wi );
     if ( !( cos_x > 0.0f && rf_dot( x->ng, *wi ) > 0.0f && *pdf > 0.0f ) || rf_max_component( radiance ) == 0.0f )
         return rf_vec3( 0, 0, 0 );
-    return is_open( tracer, from, rf_scale( *wi, distance ) ) ? rf_scale( radiance, cos_x ) : rf_vec3( 0, 0, 0 );
+    return rf_scale( rf_scale( radiance, cos_x ), part_open( tracer, from, rf_scale( *wi, distance ) ) );
 }
 
 // A light sample at x: direction, density, and what arrives, times the cosine.
@@ -225,7 +225,7 @@ static RfVec3 sample_light( const RfTracer* tracer, const Point* x, RfRandomKey 
     RfVec3 radiance = rf_light_radiance( rf_tracer_scene( tracer ), light, b1, b2 );
     if ( rf_max_component( radiance ) == 0.0f )
         return black;
-    return is_open( tracer, from, rf_sub( to, from ) ) ? rf_scale( radiance, cos_x ) : black;
+    return rf_scale( rf_scale( radiance, cos_x ), part_open( tracer, from, rf_sub( to, from ) ) );
 }
 
 // Light that leaves x towards wo by the light samples.

@@ -105,7 +105,7 @@ static void test_help_and_version( void** state )
     (void)state;
     static const char* const lines[] = { "$R --help", "$R -h", "$R --version", "$R render --help",
                                          "$R render --help --nonsense", "$R info -h", "$R compare --help",
-                                         "$R png --help" };
+                                         "$R png --help", "$R --man" };
     for ( size_t i = 0; i < sizeof lines / sizeof lines[0]; ++i )
     {
         const CliResult* result = cli_run( "%s", lines[i] );

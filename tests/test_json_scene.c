@@ -5,6 +5,8 @@
 #include "gltf_builder.h"
 #include "json_room.h"
 
+#include "scene/material_edit.h"
+
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -102,6 +104,27 @@ static void test_materials( void** state )
     assert_int_equal( scene.materials[2].kind, RF_BSDF_GLASS );
     assert_close( (double)scene.materials[2].ior, 1.3, 1e-6 );
     rf_destroy_scene( &scene );
+}
+
+// "textures": false on a parsed glTF, at all depths where one has textures.
+static void test_textures_dropped( void** state )
+{
+    (void)state;
+    json_t* root = json_loads( "{\"materials\":[{\"name\":\"a\",\"normalTexture\":{\"index\":0},\"pbrMetallicRoughness\":"
+                               "{\"baseColorTexture\":{\"index\":0},\"metallicFactor\":0.5},\"extensions\":{\"KHR_x\":"
+                               "{\"xTexture\":{\"index\":0},\"xFactor\":1}},\"extras\":{\"aTexture\":1}},"
+                               "{\"name\":\"b\",\"normalTexture\":{\"index\":0}}]}", 0, NULL );
+    json_t* edits = json_loads( "{\"a\":{\"textures\":false},\"b\":{\"textures\":true}}", 0, NULL );
+    RfError error = { 0 };
+    RfField field = rf_make_field( "x.json", "materials", edits, &error );
+    assert_int_equal( rf_edit_materials( &field, root ), RF_OK );
+    char* text = json_dumps( root, JSON_COMPACT | JSON_SORT_KEYS );
+    assert_string_equal( text, "{\"materials\":[{\"extensions\":{\"KHR_x\":{\"xFactor\":1}},\"extras\":{\"aTexture\":1},"
+                               "\"name\":\"a\",\"pbrMetallicRoughness\":{\"metallicFactor\":0.5}},"
+                               "{\"name\":\"b\",\"normalTexture\":{\"index\":0}}]}" );
+    free( text );
+    json_decref( edits );
+    json_decref( root );
 }
 
 static void test_material_faults( void** state )
@@ -345,6 +368,7 @@ int main( void )
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( test_plain ),
         cmocka_unit_test( test_materials ),
+        cmocka_unit_test( test_textures_dropped ),
         cmocka_unit_test( test_material_faults ),
         cmocka_unit_test( test_file_faults ),
         cmocka_unit_test( test_environment ),

@@ -1,8 +1,10 @@
 // The program with scene files and camera-path files: defaults, errors, the
 // schemas and the examples.
 #include "cli_run.h"
+#include "gltf_builder.h"
 #include "json_room.h"
 
+#include "cli/render_options.h"
 #include "image/exr.h"
 
 #include <dirent.h>
@@ -51,7 +53,7 @@ static void test_render_defaults( void** state )
     (void)state;
     char value[64];
     write_render( "{\"size\":[20,10],\"spp\":3,\"group\":0,\"seed\":9,\"fps\":\"24000/1001\",\"weights\":\"exact\","
-                  "\"normalize\":\"ratio\",\"max_depth\":4,\"light_samples\":2,\"frames\":\"2-3\",\"tile\":\"1\"}" );
+                  "\"normalize\":\"ratio\",\"max_depth\":4,\"light_samples\":2,\"frames\":\"2-3\",\"tile\":\"1\",\"aov\":\"albedo\"}" );
     cli_expect( cli_run( "$R render scene.json -o a.####.exr --quiet" ), 0, NULL );
     assert_true( !cli_exists( "a.0001.exr" ) && cli_exists( "a.0003.exr" ) );
     expect_size( "a.0002.exr", 20, 10 );
@@ -100,6 +102,36 @@ static void test_render_faults( void** state )
     write_render( "{\"frames\":\"9\"}" );
     cli_expect( cli_run( "$R render scene.json -o x.####.exr --quiet" ), 2, "no frame 9" );
     assert_false( cli_exists( "x.0001.exr" ) );
+}
+
+// Broken copies of defaults, in this process.
+static void test_mutated_defaults( void** state )
+{
+    (void)state;
+    static const char text[] = "{\"scene\":\"a.glb\",\"render\":{\"size\":[20,10],\"spp\":3,\"group\":\"auto\",\"seed\":9,"
+                               "\"fps\":\"24000/1001\",\"weights\":\"exact\",\"max_depth\":4,\"frames\":\"2-3\"}}";
+    char path[256];
+    int read = 0;
+    snprintf( path, sizeof path, "%s/scene.json", cli_folder() );
+    for ( uint64_t i = 0; i < 2000; ++i )
+    {
+        char bytes[sizeof text];
+        memcpy( bytes, text, sizeof text );
+        cli_write( "scene.json", bytes, mutate_bytes( (uint8_t*)bytes, sizeof text - 1, 5 * ( i + 1 ) ) );
+        RfSceneFile file;
+        RfRenderOptions options;
+        RfError error = { 0 };
+        RfResult result = rf_open_scene_file( path, &file, &error );
+        if ( result == RF_OK )
+        {
+            RfField defaults = rf_scene_file_defaults( &file, &error );
+            result = rf_read_render_defaults( &defaults, &options );
+        }
+        assert_true( result == RF_OK ? options.settings.spp >= 1 && options.size.width >= 1 : error.text[0] != 0 );
+        read += result == RF_OK;
+        rf_close_scene_file( &file );
+    }
+    assert_true( read > 0 );
 }
 
 static void test_info( void** state )
@@ -256,6 +288,7 @@ int main( void )
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( test_render_defaults ),
         cmocka_unit_test( test_render_faults ),
+        cmocka_unit_test( test_mutated_defaults ),
         cmocka_unit_test( test_info ),
         cmocka_unit_test( test_camera_option ),
         cmocka_unit_test( test_schemas ),

@@ -1,5 +1,6 @@
 // The program: picks the sub-command and hands over.
 #include "cli/commands.h"
+#include "cli/manual.h"
 #include "cli/options.h"
 #include "cli/report.h"
 #include "trace/trace.h"
@@ -40,7 +41,27 @@ static int print_usage( void )
     for ( int i = 0; i < COMMAND_COUNT; ++i )
         printf( "  %-10s%s\n", s_commands[i].name, s_commands[i].summary );
     printf( "\n  reframe COMMAND --help    the options of a command\n"
+            "  reframe --man             the manual page, for man -l -\n"
             "  reframe --version\n" );
+    return finish_output();
+}
+
+// Every command's help, printed as sections of the manual.
+static int print_manual( void )
+{
+    char help[] = "--help";
+    rf_set_help_printer( rf_print_manual_section );
+    rf_print_manual_head( stdout );
+    for ( int i = 0; i < COMMAND_COUNT; ++i )
+    {
+        char name[32];
+        snprintf( name, sizeof name, "%s", s_commands[i].name );
+        char* arguments[] = { name, help, NULL };
+        int status = s_commands[i].run( 2, arguments );
+        if ( status != 0 )
+            return status;
+    }
+    rf_print_manual_tail( stdout );
     return finish_output();
 }
 
@@ -90,6 +111,8 @@ int main( int argc, char** argv )
     }
     if ( strcmp( argv[1], "--help" ) == 0 || strcmp( argv[1], "-h" ) == 0 )
         return print_usage();
+    if ( strcmp( argv[1], "--man" ) == 0 )
+        return print_manual();
     if ( strcmp( argv[1], "--version" ) == 0 )
     {
         printf( "reframe %s\n", REFRAME_VERSION );

@@ -156,8 +156,7 @@ RfResult rf_parse_options( const RfCommandTable* table, int argc, char** argv, c
     return RF_OK;
 }
 
-// "--weights exact|eq15|unweighted", "-o, --output PATTERN", "--[no-]resume".
-static void print_name( const RfOption* option, char* text, size_t size )
+void rf_format_option( const RfOption* option, char* text, size_t size )
 {
     size_t used = 0;
     if ( option->letter != 0 )
@@ -177,8 +176,20 @@ static void print_name( const RfOption* option, char* text, size_t size )
         used += (size_t)snprintf( text + used, size - used, "%s%s", i > 0 ? "|" : "", option->choices[i] );
 }
 
+static RfHelpPrinter* s_help_printer;
+
+void rf_set_help_printer( RfHelpPrinter* printer )
+{
+    s_help_printer = printer;
+}
+
 void rf_print_help( const RfCommandTable* table, FILE* file )
 {
+    if ( s_help_printer != NULL )
+    {
+        s_help_printer( table, file );
+        return;
+    }
     fprintf( file, "usage: reframe %s [OPTIONS]", table->command );
     for ( int i = 0; i < table->file_count; ++i )
         fprintf( file, " %s", table->files[i] );
@@ -187,7 +198,7 @@ void rf_print_help( const RfCommandTable* table, FILE* file )
     {
         const RfOption* option = table->options + i;
         char name[128];
-        print_name( option, name, sizeof name );
+        rf_format_option( option, name, sizeof name );
         fprintf( file, strlen( name ) > 30 ? "  %s\n%34s" : "  %-30s  %s", name, "" );
         fprintf( file, "%s", option->help );
         if ( option->default_text != NULL )

@@ -79,6 +79,15 @@ RfResult rf_parse_options( const RfCommandTable* table, int argc, char** argv, c
 // Prints the help of a command.
 void rf_print_help( const RfCommandTable* table, FILE* file );
 
+// From here on rf_print_help leaves it to this: another kind of text from the
+// same tables, such as the manual page.
+typedef void RfHelpPrinter( const RfCommandTable* table, FILE* file );
+void rf_set_help_printer( RfHelpPrinter* printer );
+
+// An option as it is written: "--weights exact|eq15|unweighted",
+// "-o, --output PATTERN", "--[no-]resume".
+void rf_format_option( const RfOption* option, char* text, size_t size );
+
 // Parses one value by the option's type (option_values.c).
 RfResult rf_parse_option_value( const RfOption* option, const char* text, RfError* error );
 

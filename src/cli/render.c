@@ -10,6 +10,7 @@
 #include "reuse/group.h"
 #include "scene/scene_file.h"
 
+#include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
@@ -28,6 +29,7 @@ typedef struct Job
     int frame_count;
     int asked_count; // with those that --resume keeps
     RfTracer* tracer;
+    pthread_mutex_t speech; // what is said: frames are written in a thread of their own
     RfProgressLine line;
     int frames_done;
     bool told_black; // the warning comes once
@@ -45,6 +47,7 @@ static double now( void )
 
 static void destroy_job( Job* job )
 {
+    pthread_mutex_destroy( &job->speech );
     rf_destroy_tracer( job->tracer );
     rf_destroy_camera_path( &job->path );
     rf_destroy_scene( &job->scene );
@@ -119,6 +122,22 @@ static bool has_light( const RfTracer* tracer )
     return lights->count > 0 || rf_has_sky( lights );
 }
 
+// A single pass cannot say how far off it is.
+static void warn_of_variance( Job* job )
+{
+    const RfRenderSettings* s = &job->options.settings;
+    RfGroupPlan plan = rf_plan_groups( job->path.count, s->group, s->spp );
+    if ( ( s->layers & RF_LAYER_BIT( RF_LAYER_VARIANCE ) ) == 0 )
+        return;
+    for ( int i = 0; i < job->frame_count; ++i )
+    {
+        if ( rf_frame_passes( &plan, job->frames[i] ) > 1 )
+            continue;
+        rf_warn( &job->log, "--aov variance: will be 0 in frame %d, which has one pass only: raise --spp", job->frames[i] + 1 );
+        return;
+    }
+}
+
 static RfResult build( Job* job, RfError* error )
 {
     RfResult result = rf_create_tracer( &job->scene, &job->tracer, error );
@@ -129,6 +148,7 @@ static RfResult build( Job* job, RfError* error )
                  has_light( job->tracer ) ? "sky alone" : "black" );
     else if ( !has_light( job->tracer ) )
         rf_warn( &job->log, "%s: has no lights (no material emits, no lamp, no environment), the picture will be black", job->options.scene );
+    warn_of_variance( job );
     job->frames_json = json_array();
     job->seconds_scene = now() - job->start;
     return RF_OK;
@@ -152,6 +172,7 @@ static void warn_if_black( Job* job, const RfFrameResult* result )
              job->options.scene, result->frame + 1 );
 }
 
+// In the writing thread.
 static RfResult on_frame( void* user, const RfFrameResult* result, RfError* error )
 {
     Job* job = user;
@@ -159,9 +180,11 @@ static RfResult on_frame( void* user, const RfFrameResult* result, RfError* erro
     RfResult written = rf_write_frame( &subject, result, rf_tracer_device( job->tracer ), error );
     if ( written != RF_OK )
         return written;
+    pthread_mutex_lock( &job->speech );
     ++job->frames_done;
     warn_if_black( job, result );
     rf_show_frame( &job->line, result, job->frames_done, job->frame_count );
+    pthread_mutex_unlock( &job->speech );
     json_array_append_new( job->frames_json, rf_frame_json( result ) );
     return RF_OK;
 }
@@ -169,7 +192,9 @@ static RfResult on_frame( void* user, const RfFrameResult* result, RfError* erro
 static bool on_progress( void* user, const RfProgress* progress )
 {
     Job* job = user;
+    pthread_mutex_lock( &job->speech );
     rf_show_progress( &job->line, progress );
+    pthread_mutex_unlock( &job->speech );
     return !rf_is_interrupted();
 }
 
@@ -224,7 +249,7 @@ int rf_command_render( int argc, char** argv )
 {
     RfError error;
     bool help;
-    Job job = { .argc = argc, .argv = argv, .log = rf_stderr_log( "render" ), .start = now() };
+    Job job = { .argc = argc, .argv = argv, .log = rf_stderr_log( "render" ), .speech = PTHREAD_MUTEX_INITIALIZER, .start = now() };
     RfResult result = rf_parse_render_options( argc, argv, &job.options, &help, &error );
     if ( result == RF_OK && help )
     {

@@ -2,6 +2,7 @@
 
 #include "cli/camera_options.h"
 #include "cli/file_options.h"
+#include "cli/layer_list.h"
 #include "image/exr.h"
 
 #include <string.h>
@@ -10,6 +11,8 @@ static const char* const s_weights[] = { "exact", "eq15", "unweighted", NULL };
 static const char* const s_normalize[] = { "crossfit", "ratio", "none", NULL };
 static const char* const s_compressions[] = { "none", "zip", "piz", NULL }; // in the order of RfExrCompression
 static const char* const s_files[] = { "SCENE" };
+
+#define WRITE_QUEUE 2 // frames: one is written, one waits
 
 // The table points here; a parse starts from the defaults and is copied out.
 static RfRenderOptions s_parsed;
@@ -49,12 +52,14 @@ static const RfOption s_options[] = {
       .default_text = "half of what is free", .help = "budget beyond the scene and its BVH: 512M, 4G" },
     { .name = "threads", .type = RF_OPTION_INT, .value = &s_parsed.settings.threads, .min = 1, .max = 1024,
       .meta = "T", .default_text = "all cores", .help = "threads; the pictures do not depend on them" },
+    { .name = "aov", .in_file = true, .type = RF_OPTION_STRING, .value = &s_parsed.aov, .meta = "LAYER[,...]", .default_text = "none",
+      .help = "further layers: albedo, normal, depth, motion, variance, samples" },
     { .name = "compression", .type = RF_OPTION_CHOICE, .value = &s_parsed.compression, .choices = s_compressions,
       .default_text = "zip", .help = "of the EXR files" },
     { .name = "half", .type = RF_OPTION_BOOL, .value = &s_parsed.half, .given = &s_half_given, .default_text = "yes",
-      .help = "EXR files with 16-bit floats" },
+      .help = "16-bit floats for colour, albedo and normal" },
     { .name = "float", .type = RF_OPTION_BOOL, .value = &s_float, .given = &s_float_given, .default_text = "no",
-      .help = "EXR files with 32-bit floats" },
+      .help = "32-bit floats for all channels" },
     { .name = "resume", .type = RF_OPTION_BOOL, .value = &s_parsed.resume,
       .help = "keep the frames that are there, if they are of this very render" },
     { .name = "overwrite", .type = RF_OPTION_BOOL, .value = &s_parsed.overwrite,
@@ -65,7 +70,7 @@ static const RfOption s_options[] = {
 };
 
 static const RfCommandTable s_table = { .command = "render",
-                                        .summary = "Renders a camera's path to a sequence of EXR files. SCENE is a .glb, a .gltf or a scene file (.json).",
+                                        .summary = "Renders a camera's path to a sequence of EXR files. SCENE is a .glb, a .gltf or a scene file (.json), which may hold defaults of these options.",
                                         .files = s_files,
                                         .file_count = 1,
                                         .options = s_options,
@@ -110,6 +115,7 @@ static void reset( void )
                                     .tile = "1",
                                     .compression = RF_EXR_ZIP,
                                     .half = true };
+    s_parsed.settings.queue = WRITE_QUEUE;
     s_float = s_float_given = s_half_given = false;
     s_weights_index = s_parsed.settings.weights;
     s_normalize_index = s_parsed.settings.normalize;
@@ -131,6 +137,8 @@ static RfResult parse( int argc, char** argv, RfRenderOptions* options, bool* he
     if ( result != RF_OK || *help )
         return result;
     result = check( &s_parsed, error );
+    if ( result == RF_OK )
+        result = rf_parse_layers( s_parsed.aov, &s_parsed.settings.layers, error );
     copy_out( options );
     return result;
 }

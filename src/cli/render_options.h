@@ -14,6 +14,7 @@ typedef struct RfRenderOptions
     RfSize size;
     RfRenderSettings settings;
     const char* tile;
+    const char* aov; // NULL: none
     const char* output;
     int compression; // an RfExrCompression
     bool half;

@@ -1,6 +1,7 @@
 #include "cli/render_output.h"
 
 #include "base/file.h"
+#include "cli/layer_list.h"
 #include "image/exr.h"
 #include "image/sequence.h"
 
@@ -130,6 +131,10 @@ void rf_frame_fingerprint( const RfRenderSubject* subject, int frame, char text[
               rf_weights_name( s->weights ), rf_normalize_name( s->normalize ), s->max_depth, s->light_samples,
               (unsigned long long)s->seed, subject->options->tile );
     uint64_t hash = hash_text( hash_text( subject->path->hash, REFRAME_VERSION ), settings );
+    char layers[128];
+    rf_format_layers( s->layers, layers, sizeof layers );
+    if ( s->layers != 0 ) // a frame without is what it was before there were any
+        hash = hash_text( hash, layers );
     snprintf( text, 17, "%016llx", (unsigned long long)hash );
 }
 
@@ -160,12 +165,13 @@ void rf_eye_matrices( const RfEye* eye, float world_to_camera[16], float world_t
     }
 }
 
-#define STRING_COUNT 15
+#define STRING_COUNT 16
+#define TEXT_SIZE 64 // all layers fit
 
 typedef struct Attributes
 {
     RfExrString strings[STRING_COUNT];
-    char texts[STRING_COUNT][64];
+    char texts[STRING_COUNT][TEXT_SIZE];
     int count;
 } Attributes;
 
@@ -200,6 +206,12 @@ static void list_attributes( const RfRenderSubject* subject, const RfFrameResult
     add_text( attributes, "reframe/seed", seed );
     add_number( attributes, "reframe/max-depth", "%.0f", s->max_depth );
     add_number( attributes, "reframe/light-samples", "%.0f", s->light_samples );
+    if ( s->layers != 0 )
+    {
+        char* layers = attributes->texts[attributes->count];
+        rf_format_layers( s->layers, layers, TEXT_SIZE );
+        add_text( attributes, "reframe/aov", layers );
+    }
     add_text( attributes, "reframe/device", device );
     char* fingerprint = attributes->texts[attributes->count];
     rf_frame_fingerprint( subject, result->frame, fingerprint );
@@ -225,6 +237,10 @@ RfResult rf_write_frame( const RfRenderSubject* subject, const RfFrameResult* re
     rf_eye_matrices( subject->path->eyes + result->frame, exr.world_to_camera, exr.world_to_ndc );
     exr.strings = attributes.strings;
     exr.string_count = attributes.count;
+    RfLayerChannels layers;
+    rf_list_layer_channels( result, options->half, &layers );
+    exr.channels = layers.channels;
+    exr.channel_count = layers.count;
     // The writer only reads the pixels; RfImage has no const flavour.
     RfImage image = { .width = result->width, .height = result->height, .rgb = (float*)result->rgb };
     return rf_write_exr( name, &image, &exr, error );

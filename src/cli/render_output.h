@@ -22,7 +22,7 @@ typedef struct RfRenderSubject
 // there out of the list, and fails where one is not of this very render.
 RfResult rf_prepare_output( const RfRenderSubject* subject, int* frames, int* count, RfError* error );
 
-// What decides the picture of one frame, as 16 hexadecimal digits: scene,
+// What decides the picture and the layers of one frame, as 16 hexadecimal digits: scene,
 // camera path, settings, program version; not threads, memory or file format.
 void rf_frame_fingerprint( const RfRenderSubject* subject, int frame, char text[17] );
 

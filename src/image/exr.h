@@ -19,10 +19,21 @@ typedef struct RfExrString
     const char* value;
 } RfExrString;
 
+// A channel besides R G B, such as { "depth.Z", values, 1, false }.
+typedef struct RfExrChannel
+{
+    const char* name;
+    const float* values; // of pixel (x, y): values[stride (y·width + x)]
+    int stride;
+    bool half;           // 16 bits, clamped to ±65504; else 32
+} RfExrChannel;
+
+#define RF_EXR_MAX_CHANNELS 64 // R, G and B included
+
 typedef struct RfExrOptions
 {
     RfExrCompression compression;
-    bool half;                     // half floats, clamped to ±65504; else 32-bit floats
+    bool half;                     // R G B as half floats, clamped to ±65504; else 32-bit floats
     int fps_numerator;             // framesPerSecond; numerator 0: not written
     unsigned int fps_denominator;
     bool has_camera;               // write the two matrices, row vectors as OpenEXR has them:
@@ -30,12 +41,14 @@ typedef struct RfExrOptions
     float world_to_ndc[16];
     const RfExrString* strings;
     int string_count;
+    const RfExrChannel* channels;  // further ones, in any order; their names differ
+    int channel_count;
 } RfExrOptions;
 
 // zip, half floats, nothing else.
 RfExrOptions rf_default_exr_options( void );
 
-// Writes channels R G B. On failure no file of that name is made or changed,
+// Writes channels R G B and the options' own. On failure no file of that name is made or changed,
 // and no temporary file is left.
 RfResult rf_write_exr( const char* path, const RfImage* image, const RfExrOptions* options, RfError* error );
 
@@ -44,6 +57,12 @@ RfResult rf_write_exr( const char* path, const RfImage* image, const RfExrOption
 // names are matched by name; a file with a single layer prefix, such as
 // Blender's "ViewLayer.Combined.R", is read through that prefix.
 RfResult rf_read_exr( const char* path, RfImage* image, RfError* error );
+
+// Reads channels by their full names ("depth.Z"), which must all be there and
+// not be subsampled: `count` floats per pixel, in the order of the names, rows
+// from top to bottom. The caller frees *values.
+RfResult rf_read_exr_channels( const char* path, const char* const* names, int count, int* width, int* height,
+                               float** values, RfError* error );
 
 // Reads one string attribute into `value` (size bytes, truncated). Fails with
 // RF_ERROR_IO or RF_ERROR_FORMAT where the file cannot be read or has none.

@@ -85,16 +85,14 @@ static RfResult find_luminance( const RfExrStream* stream, const exr_attr_chlist
                     text[0] != 0 ? text : "none" );
 }
 
-static RfResult refuse_subsampling( const RfExrStream* stream, const exr_attr_chlist_t* list,
-                                    const RfExrChannels* channels, RfError* error )
+RfResult rf_check_exr_channel( const RfExrStream* stream, const exr_attr_chlist_t* list, const char* name, RfError* error )
 {
-    for ( int c = 0; c < channels->count; ++c )
-    {
-        const exr_attr_chlist_entry_t* entry = find_channel( list, "", 0, channels->names[c] );
-        if ( entry == NULL || entry->x_sampling != 1 || entry->y_sampling != 1 )
-            return rf_fail( error, RF_ERROR_UNSUPPORTED, "%s: channel %s is subsampled: store it at full size",
-                            stream->path, channels->names[c] );
-    }
+    const exr_attr_chlist_entry_t* entry = find_channel( list, "", 0, name );
+    if ( entry == NULL )
+        return rf_fail( error, RF_ERROR_FORMAT, "%s: has no channel %s", stream->path, name );
+    if ( entry->x_sampling != 1 || entry->y_sampling != 1 )
+        return rf_fail( error, RF_ERROR_UNSUPPORTED, "%s: channel %s is subsampled: store it at full size", stream->path,
+                        name );
     return RF_OK;
 }
 
@@ -113,15 +111,8 @@ RfResult rf_find_exr_channels( const RfExrStream* stream, const exr_attr_chlist_
         if ( result != RF_OK )
             return result;
     }
-    return refuse_subsampling( stream, list, channels, error );
-}
-
-int rf_exr_channel_index( const RfExrChannels* channels, const char* name )
-{
-    for ( int c = 0; c < channels->count; ++c )
-    {
-        if ( strcmp( channels->names[c], name ) == 0 )
-            return c;
-    }
-    return -1;
+    RfResult result = RF_OK;
+    for ( int c = 0; c < channels->count && result == RF_OK; ++c )
+        result = rf_check_exr_channel( stream, list, channels->names[c], error );
+    return result;
 }

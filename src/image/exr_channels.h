@@ -15,7 +15,7 @@ typedef struct RfExrChannels
 RfResult rf_find_exr_channels( const RfExrStream* stream, const exr_attr_chlist_t* list, RfExrChannels* channels,
                                RfError* error );
 
-// The place of a channel's name among those found, or -1.
-int rf_exr_channel_index( const RfExrChannels* channels, const char* name );
+// Fails, naming it, where a channel of this name is missing or subsampled.
+RfResult rf_check_exr_channel( const RfExrStream* stream, const exr_attr_chlist_t* list, const char* name, RfError* error );
 
 #endif

@@ -1,7 +1,8 @@
 // What reading and writing an EXR share: an OpenEXRCore context over a file
-// descriptor of ours, or over bytes in memory. Our own read and write functions see every failure of
-// the system, also those that the library forgets (exr_finish reports success
-// after a full disk), and its messages come to us instead of standard error.
+// descriptor of ours, or over bytes in memory. Our own read and write functions
+// see every failure of the system, also those that the library forgets
+// (exr_finish reports success after a full disk), and its messages come to us
+// instead of standard error.
 #ifndef REFRAME_IMAGE_EXR_STREAM_H
 #define REFRAME_IMAGE_EXR_STREAM_H
 
@@ -30,7 +31,32 @@ exr_context_initializer_t rf_exr_initializer( RfExrStream* stream );
 // The error line for a library call that returned `code`.
 RfResult rf_fail_exr( const RfExrStream* stream, exr_result_t code, const char* what, RfError* error );
 
-// Reads the image from the beginning of the stream's file.
+// Reads the image from the beginning of the stream.
 RfResult rf_read_exr_stream( RfExrStream* stream, RfImage* image, RfError* error );
+
+// The first part of a file that is being read.
+typedef struct RfExrPart
+{
+    RfExrStream* stream;
+    exr_context_t context;
+    exr_attr_box2i_t window; // of the data
+    int width, height;       // of it
+    bool tiled;
+    const exr_attr_chlist_t* channels;
+} RfExrPart;
+
+// Opens the file from its beginning and checks that its pixels can be read.
+// Closing is needed where it succeeded.
+RfResult rf_open_exr_part( RfExrStream* stream, RfExrPart* part, RfError* error );
+void rf_close_exr_part( RfExrPart* part );
+
+// Takes `count` values of a channel (an index into the names), from pixel
+// (x, y) of the data window on to the right.
+typedef void RfExrLineFn( void* user, int channel, int x, int y, const float* values, int count );
+
+// Reads all pixels of the named channels, which must be there and not be
+// subsampled, as floats, line by line in any order.
+RfResult rf_read_exr_lines( const RfExrPart* part, const char* const* names, int count, RfExrLineFn* take, void* user,
+                            RfError* error );
 
 #endif

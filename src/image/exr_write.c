@@ -1,13 +1,9 @@
 #include "image/atomic_file.h"
 #include "image/exr.h"
-#include "image/exr_stream.h"
+#include "image/exr_verify.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-#define PIXEL_BYTES ( 3 * (int32_t)sizeof( float ) )
-#define HALF_MAX 65504.0f
 
 typedef struct Writer
 {
@@ -15,7 +11,9 @@ typedef struct Writer
     exr_context_t context;
     const RfImage* image;
     const RfExrOptions* options;
-    float* clamped; // the lines of one chunk, where halfs are written
+    RfExrChannel channels[RF_EXR_MAX_CHANNELS]; // all, R G B first
+    int channel_count;
+    float* clamped; // the lines of one chunk, one channel after another, of those that are half
     exr_encode_pipeline_t pipeline;
     bool started; // the pipeline has been initialised
 } Writer;
@@ -23,14 +21,6 @@ typedef struct Writer
 RfExrOptions rf_default_exr_options( void )
 {
     return ( RfExrOptions ){ .compression = RF_EXR_ZIP, .half = true };
-}
-
-// Infinity stays what it is: it is to be counted, not repaired.
-static float clamp_half( float value )
-{
-    if ( isinf( value ) )
-        return value;
-    return value > HALF_MAX ? HALF_MAX : value < -HALF_MAX ? -HALF_MAX : value;
 }
 
 static RfResult check_options( const char* path, const RfImage* image, const RfExrOptions* options, RfError* error )
@@ -43,6 +33,9 @@ static RfResult check_options( const char* path, const RfImage* image, const RfE
     if ( options->compression != RF_EXR_NONE && options->compression != RF_EXR_ZIP &&
          options->compression != RF_EXR_PIZ )
         return rf_fail( error, RF_ERROR_USAGE, "%s: the compression is none of none, zip, piz", path );
+    if ( options->channel_count < 0 || options->channel_count > RF_EXR_MAX_CHANNELS - 3 )
+        return rf_fail( error, RF_ERROR_USAGE, "%s: %d channels cannot be written: at most %d and R, G, B", path,
+                        options->channel_count, RF_EXR_MAX_CHANNELS - 3 );
     if ( options->fps_numerator < 0 || ( options->fps_numerator > 0 && options->fps_denominator == 0 ) )
         return rf_fail( error, RF_ERROR_USAGE, "%s: %d/%u frames per second cannot be", path, options->fps_numerator,
                         options->fps_denominator );
@@ -58,12 +51,26 @@ static exr_compression_t core_compression( RfExrCompression compression )
 
 static exr_result_t add_channels( Writer* writer )
 {
-    static const char* const names[3] = { "R", "G", "B" };
-    exr_pixel_type_t type = writer->options->half ? EXR_PIXEL_HALF : EXR_PIXEL_FLOAT;
     exr_result_t code = EXR_ERR_SUCCESS;
-    for ( int c = 0; c < 3 && code == EXR_ERR_SUCCESS; ++c )
-        code = exr_add_channel( writer->context, 0, names[c], type, EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1 );
+    for ( int c = 0; c < writer->channel_count && code == EXR_ERR_SUCCESS; ++c )
+    {
+        const RfExrChannel* channel = writer->channels + c;
+        exr_pixel_type_t type = channel->half ? EXR_PIXEL_HALF : EXR_PIXEL_FLOAT;
+        code = exr_add_channel( writer->context, 0, channel->name, type,
+                                c < 3 ? EXR_PERCEPTUALLY_LOGARITHMIC : EXR_PERCEPTUALLY_LINEAR, 1, 1 );
+    }
     return code;
+}
+
+static void list_channels( Writer* writer )
+{
+    static const char* const names[3] = { "R", "G", "B" };
+    const RfExrOptions* options = writer->options;
+    for ( int c = 0; c < 3; ++c )
+        writer->channels[c] = ( RfExrChannel ){ names[c], writer->image->rgb + c, 3, options->half };
+    for ( int c = 0; c < options->channel_count; ++c )
+        writer->channels[3 + c] = options->channels[c];
+    writer->channel_count = 3 + options->channel_count;
 }
 
 static exr_result_t set_camera( exr_context_t context, const RfExrOptions* options )
@@ -116,30 +123,48 @@ static exr_result_t write_header( Writer* writer )
     return code == EXR_ERR_SUCCESS ? exr_write_header( context ) : code;
 }
 
-// The floats of a chunk's lines, interleaved, ready to be encoded.
-static const float* chunk_source( Writer* writer, int y, int lines )
+// The values of half channel c in a chunk's lines, ready to be encoded.
+static const float* clamp_lines( const Writer* writer, int c, int y, int lines, float* clamped )
 {
-    const RfImage* image = writer->image;
-    size_t count = 3 * (size_t)image->width * (size_t)lines;
-    const float* source = image->rgb + 3 * (size_t)image->width * (size_t)y;
-    if ( !writer->options->half )
-        return source;
+    const RfExrChannel* channel = writer->channels + c;
+    size_t width = (size_t)writer->image->width, count = width * (size_t)lines;
+    const float* source = channel->values + (size_t)channel->stride * width * (size_t)y;
     for ( size_t i = 0; i < count; ++i )
-        writer->clamped[i] = clamp_half( source[i] );
-    return writer->clamped;
+        clamped[i] = rf_clamp_half( source[(size_t)channel->stride * i] );
+    return clamped;
 }
 
-static void aim_channels( Writer* writer, const float* source )
+static int find_channel( const Writer* writer, const char* name )
 {
+    int c = 0;
+    while ( strcmp( writer->channels[c].name, name ) != 0 )
+        ++c;
+    return c;
+}
+
+// Tells the pipeline, whose channels are sorted by name, where the values are.
+static void aim_channels( Writer* writer, int y, int lines )
+{
+    int width = writer->image->width;
+    float* clamped = writer->clamped;
     for ( int i = 0; i < writer->pipeline.channel_count; ++i )
     {
-        exr_coding_channel_info_t* channel = writer->pipeline.channels + i;
-        int c = channel->channel_name[0] == 'R' ? 0 : channel->channel_name[0] == 'G' ? 1 : 2;
-        channel->encode_from_ptr = (const uint8_t*)( source + c );
-        channel->user_data_type = EXR_PIXEL_FLOAT;
-        channel->user_bytes_per_element = sizeof( float );
-        channel->user_pixel_stride = PIXEL_BYTES;
-        channel->user_line_stride = PIXEL_BYTES * writer->image->width;
+        exr_coding_channel_info_t* info = writer->pipeline.channels + i;
+        int c = find_channel( writer, info->channel_name );
+        const RfExrChannel* channel = writer->channels + c;
+        const float* source = channel->values + (size_t)channel->stride * (size_t)width * (size_t)y;
+        int stride = channel->stride;
+        if ( channel->half )
+        {
+            source = clamp_lines( writer, c, y, lines, clamped );
+            clamped += (size_t)width * (size_t)lines;
+            stride = 1;
+        }
+        info->encode_from_ptr = (const uint8_t*)source;
+        info->user_data_type = EXR_PIXEL_FLOAT;
+        info->user_bytes_per_element = sizeof( float );
+        info->user_pixel_stride = stride * (int32_t)sizeof( float );
+        info->user_line_stride = stride * (int32_t)sizeof( float ) * width;
     }
 }
 
@@ -154,7 +179,7 @@ static exr_result_t write_chunk( Writer* writer, int y )
     writer->started = true;
     if ( code == EXR_ERR_SUCCESS )
     {
-        aim_channels( writer, chunk_source( writer, y, chunk.height ) );
+        aim_channels( writer, y, chunk.height );
         code = exr_encoding_choose_default_routines( writer->context, 0, &writer->pipeline );
     }
     return code == EXR_ERR_SUCCESS ? exr_encoding_run( writer->context, 0, &writer->pipeline ) : code;
@@ -166,9 +191,12 @@ static exr_result_t write_chunks( Writer* writer )
     exr_result_t code = exr_get_scanlines_per_chunk( writer->context, 0, &lines );
     if ( code != EXR_ERR_SUCCESS || lines < 1 )
         return code != EXR_ERR_SUCCESS ? code : EXR_ERR_UNKNOWN;
-    if ( writer->options->half )
+    size_t halfs = 0;
+    for ( int c = 0; c < writer->channel_count; ++c )
+        halfs += writer->channels[c].half;
+    if ( halfs > 0 )
     {
-        writer->clamped = malloc( (size_t)lines * (size_t)writer->image->width * PIXEL_BYTES );
+        writer->clamped = malloc( halfs * (size_t)lines * (size_t)writer->image->width * sizeof( float ) );
         if ( writer->clamped == NULL )
             return EXR_ERR_OUT_OF_MEMORY;
     }
@@ -195,39 +223,6 @@ static RfResult write_stream( Writer* writer, RfError* error )
     return RF_OK;
 }
 
-// Rounding to half errs by half a unit in the last place: 2^-11 of the value,
-// or 2^-25 below the normal range.
-static bool is_half_of( float half, float value )
-{
-    value = clamp_half( value );
-    if ( isnan( value ) || isinf( value ) )
-        return isnan( value ) ? isnan( half ) : half == value;
-    float bound = fmaxf( 0x1p-11f * fabsf( value ), 0x1p-25f );
-    return fabsf( half - value ) <= bound;
-}
-
-// Reads the file back: the last guard against a library or a disk that lost
-// something without saying so.
-static RfResult verify( Writer* writer, RfError* error )
-{
-    RfImage back;
-    RfExrStream stream = { .path = writer->stream.path, .fd = writer->stream.fd };
-    RfResult result = rf_read_exr_stream( &stream, &back, error );
-    if ( result != RF_OK )
-        return result;
-    const RfImage* image = writer->image;
-    size_t count = 3 * (size_t)image->width * (size_t)image->height;
-    bool same = back.width == image->width && back.height == image->height;
-    if ( same && !writer->options->half )
-        same = memcmp( back.rgb, image->rgb, count * sizeof( float ) ) == 0;
-    for ( size_t i = 0; same && writer->options->half && i < count; ++i )
-        same = is_half_of( back.rgb[i], image->rgb[i] );
-    rf_destroy_image( &back );
-    if ( !same )
-        return rf_fail( error, RF_ERROR_IO, "%s: cannot be written: what was read back differs", stream.path );
-    return RF_OK;
-}
-
 RfResult rf_write_exr( const char* path, const RfImage* image, const RfExrOptions* options, RfError* error )
 {
     RfResult result = check_options( path, image, options, error );
@@ -238,9 +233,10 @@ RfResult rf_write_exr( const char* path, const RfImage* image, const RfExrOption
     if ( result != RF_OK )
         return result;
     Writer writer = { .stream = { .path = path, .fd = file.fd }, .image = image, .options = options };
+    list_channels( &writer );
     result = write_stream( &writer, error );
     if ( result == RF_OK )
-        result = verify( &writer, error );
+        result = rf_verify_exr( &writer.stream, writer.channels, writer.channel_count, image, error );
     if ( result == RF_OK )
         return rf_commit_atomic_file( &file, error );
     rf_discard_atomic_file( &file );

@@ -97,13 +97,35 @@ static double half_value( const Pixel* p, RfFilmCombine combine, int h, int c )
     return 0.0;
 }
 
-double rf_estimate_relmse( const RfFilm* film, RfFilmCombine combine, const float* rgb )
+// With variance v per weight the halves differ by v (1/e + 1/o), the whole has
+// v / (e + o): what the square of the difference is multiplied by. 0 where one
+// of them is empty.
+static double half_share( const RfFilm* film )
 {
     double e = film->weight[0], o = film->weight[1];
-    if ( e == 0.0 || o == 0.0 )
+    return e > 0.0 && o > 0.0 ? e * o / ( ( e + o ) * ( e + o ) ) : 0.0;
+}
+
+void rf_estimate_variance( const RfFilm* film, RfFilmCombine combine, float* variance )
+{
+    size_t count = (size_t)film->width * (size_t)film->height;
+    double share = half_share( film );
+    for ( size_t i = 0; i < count; ++i )
+    {
+        Pixel p = pixel_of( film, i );
+        for ( int c = 0; c < 3; ++c )
+        {
+            double d = share > 0.0 ? half_value( &p, combine, 0, c ) - half_value( &p, combine, 1, c ) : 0.0;
+            variance[3 * i + (size_t)c] = (float)( share * d * d );
+        }
+    }
+}
+
+double rf_estimate_relmse( const RfFilm* film, RfFilmCombine combine, const float* rgb )
+{
+    double share = half_share( film );
+    if ( share == 0.0 )
         return (double)NAN;
-    // with variance v per weight the halves differ by v (1/e + 1/o), the whole has v / (e + o)
-    double share = e * o / ( ( e + o ) * ( e + o ) );
     size_t count = (size_t)film->width * (size_t)film->height;
     double sum = 0.0;
     for ( size_t i = 0; i < count; ++i )

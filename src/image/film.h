@@ -53,6 +53,11 @@ void rf_end_film_pass( RfFilm* film, int half, double weight );
 // in `weight` (1 per pixel; may be NULL). A pixel without weight is black.
 void rf_combine_film( const RfFilm* film, RfFilmCombine combine, float* rgb, float* weight );
 
+// Variance of the combined film's pixels, each of the three channels, estimated
+// from the difference of the halves: right in the mean, but noisy, for each
+// pixel has one such difference. 0 where one of the halves is empty.
+void rf_estimate_variance( const RfFilm* film, RfFilmCombine combine, float* variance );
+
 // relMSE of `rgb`, the combined film, against the truth, estimated from the
 // difference of the halves; NaN where one of them is empty.
 double rf_estimate_relmse( const RfFilm* film, RfFilmCombine combine, const float* rgb );

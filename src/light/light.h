@@ -46,12 +46,16 @@ void rf_destroy_lights( RfLights* lights );
 
 static inline bool rf_has_sky( const RfLights* lights ) { return lights->sky.environment != NULL; }
 
-// Radiance at the barycentrics (b1, b2) of an area light.
+// Radiance at the barycentrics (b1, b2) of an area light, as a light sample
+// gets it: a blended light is met by other rays with the chance of its alpha,
+// by light samples always.
 static inline RfVec3 rf_light_radiance( const RfScene* scene, const RfLight* light, float b1, float b2 )
 {
     if ( !light->textured )
         return light->radiance;
-    return rf_emission_at( scene, scene->materials + scene->triangles.material[light->triangle], light->triangle, b1, b2 );
+    const RfMaterial* m = scene->materials + scene->triangles.material[light->triangle];
+    RfVec3 radiance = rf_emission_at( scene, m, light->triangle, b1, b2 );
+    return rf_is_blended( m ) ? rf_scale( radiance, rf_opacity_at( scene, m, light->triangle, b1, b2 ) ) : radiance;
 }
 
 // Chance of the sky; there must be one.

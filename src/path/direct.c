@@ -44,7 +44,7 @@ static void draw_bits( const RfWalk* keys, int count, const int32_t* slot, uint3
 
 // Uniform by area: u ↦ (1 − √u₁, u₂ √u₁) in barycentrics. Lights that are no
 // triangles are only noted, and leave a point that sends nothing.
-static void choose_points( const RfScene* scene, const RfLights* lights, int count, const RfLaneScratch* scratch, LightPoints* out )
+static void choose_points( const RfLights* lights, int count, const RfLaneScratch* scratch, LightPoints* out )
 {
     static const RfLight s_none = { .pdf_area = 1.0f };
     out->other_count = 0;
@@ -65,13 +65,28 @@ static void choose_points( const RfScene* scene, const RfLights* lights, int cou
         out->n[0][i] = light->normal.x;
         out->n[1][i] = light->normal.y;
         out->n[2][i] = light->normal.z;
-        RfVec3 radiance = rf_light_radiance( scene, light, b1, b2 );
-        out->radiance[0][i] = radiance.x;
-        out->radiance[1][i] = radiance.y;
-        out->radiance[2][i] = radiance.z;
+        out->radiance[0][i] = light->radiance.x;
+        out->radiance[1][i] = light->radiance.y;
+        out->radiance[2][i] = light->radiance.z;
         out->pdf_area[i] = light->pdf_area;
         out->offset[i] = light->offset;
         out->two_sided[i] = light->two_sided ? 1.0f : 0.0f;
+    }
+}
+
+// Radiance at the chosen points of lights with textures.
+static void look_up_radiance( const RfScene* scene, const RfLights* lights, int count, const RfLaneScratch* scratch, LightPoints* out )
+{
+    for ( int i = 0; i < count; ++i )
+    {
+        uint32_t number = rf_pick_light( lights, scratch->bits[0][i], scratch->bits[1][i] );
+        if ( number >= lights->triangle_count || !lights->light[number].textured )
+            continue;
+        float root = sqrtf( scratch->random[0][i] );
+        RfVec3 radiance = rf_light_radiance( scene, lights->light + number, 1.0f - root, scratch->random[1][i] * root );
+        out->radiance[0][i] = radiance.x;
+        out->radiance[1][i] = radiance.y;
+        out->radiance[2][i] = radiance.z;
     }
 }
 
@@ -247,7 +262,9 @@ int rf_sample_lights( const RfWalkSettings* settings, const RfWalk* keys, const 
     LightPoints points;
     draw_bits( keys, count, vertices->slot, dimension, scratch->bits );
     rf_draw_lanes( keys, count, vertices->slot, dimension + 1, 2, scratch->random );
-    choose_points( rf_tracer_scene( settings->tracer ), lights, count, scratch, &points );
+    choose_points( lights, count, scratch, &points );
+    if ( rf_tracer_is_textured( settings->tracer ) )
+        look_up_radiance( rf_tracer_scene( settings->tracer ), lights, count, scratch, &points );
     connect( vertices, &points, out, scratch );
     if ( points.other_count > 0 )
         connect_others( lights, keys, vertices, &points, dimension, out, scratch );
@@ -258,7 +275,7 @@ int rf_sample_lights( const RfWalkSettings* settings, const RfWalk* keys, const 
     for ( int k = 0; k < kept; ++k )
     {
         int i = scratch->index[k];
-        float open = scratch->visible[k] ? 1.0f : 0.0f;
+        float open = scratch->visible[k];
         for ( int c = 0; c < 3; ++c )
             out->radiance_cos[c][i] *= open;
     }

@@ -70,7 +70,7 @@ typedef struct RfLaneScratch
     RF_ALIGN uint32_t triangle[RF_LANES];
     float u[RF_LANES], v[RF_LANES];
     uint8_t kind[RF_LANES];
-    uint8_t visible[RF_LANES];
+    float visible[RF_LANES];
     int32_t index[RF_LANES];
     RF_ALIGN float o[3][RF_LANES];
     float d[3][RF_LANES];

@@ -68,8 +68,7 @@ static void fill_material( RfVertexLanes* v, int i, const RfMaterial* m, float f
 
 // Emission on the side of wo, and the density with which a light sample at
 // the ray's origin would have found this point: (E3)'s p_L.
-static void fill_emission( RfVertexLanes* v, int i, const RfLights* lights, uint32_t index, float facing, RfVec3 way,
-                           RfVec3 radiance )
+static void fill_emission( RfVertexLanes* v, int i, const RfLights* lights, uint32_t index, float facing, RfVec3 way )
 {
     v->light_pdf_solid_angle[i] = 0.0f;
     put( v->emission, i, rf_vec3( 0, 0, 0 ) );
@@ -78,7 +77,7 @@ static void fill_emission( RfVertexLanes* v, int i, const RfLights* lights, uint
     const RfLight* light = lights->light + index;
     if ( facing <= 0.0f && !light->two_sided )
         return;
-    put( v->emission, i, light->textured ? radiance : light->radiance );
+    put( v->emission, i, light->radiance );
     float cos_light = fabsf( facing );
     if ( cos_light > 0.0f )
         v->light_pdf_solid_angle[i] = light->pdf_area * rf_dot( way, way ) / cos_light;
@@ -96,32 +95,12 @@ static inline RfVec3 shading_normal( const RfTriangleRecord* t, float u, float v
 // What filling a lane reads.
 typedef struct Source
 {
-    const RfScene* scene;
     const RfTriangleRecord* triangles;
     const RfMaterial* materials;
     const RfLights* lights;
     const RfRayLanes* rays;
     const RfLaneScratch* scratch;
 } Source;
-
-// What hits of materials with textures look up besides. Returns the radiance.
-static RfVec3 fill_textured( const Source* from, RfVertexLanes* restrict v, int i, const RfMaterial* m, float facing )
-{
-    int r = from->scratch->index[i];
-    uint32_t triangle = from->scratch->triangle[r];
-    float bu = from->scratch->u[r], bv = from->scratch->v[r];
-    const RfTriangleRecord* t = from->triangles + triangle;
-    RfMaterial here;
-    rf_material_at( from->scene, m, triangle, bu, bv, &here );
-    fill_material( v, i, &here, facing );
-    if ( m->textured->refs[RF_TEXTURE_NORMAL].texture >= 0 )
-    {
-        float side = facing < 0.0f ? -1.0f : 1.0f;
-        RfVec3 n = rf_scale( rf_vec3( v->n[0][i], v->n[1][i], v->n[2][i] ), side );
-        put( v->n, i, rf_scale( rf_normal_at( from->scene, m, triangle, bu, bv, n, t->ng ), side ) );
-    }
-    return t->light != RF_NO_LIGHT ? rf_emission_at( from->scene, m, triangle, bu, bv ) : rf_vec3( 0, 0, 0 );
-}
 
 static inline void fill_lane( const Source* from, RfVertexLanes* restrict v, int i )
 {
@@ -142,14 +121,41 @@ static inline void fill_lane( const Source* from, RfVertexLanes* restrict v, int
     v->offset[i] = t->offset;
     v->ray[i] = r;
     v->slot[i] = rays->slot[r];
-    const RfMaterial* m = from->materials + t->material;
-    RfVec3 radiance = rf_vec3( 0, 0, 0 );
-    if ( m->textured != NULL )
-        radiance = fill_textured( from, v, i, m, facing );
-    else
-        fill_material( v, i, m, facing );
+    fill_material( v, i, from->materials + t->material, facing );
     RfVec3 way = rf_sub( p, rf_vec3( rays->o[0][r], rays->o[1][r], rays->o[2][r] ) );
-    fill_emission( v, i, from->lights, t->light, facing, way, radiance );
+    fill_emission( v, i, from->lights, t->light, facing, way );
+}
+
+// Material, normal and emission of a lane anew, looked up where the hit is.
+static void look_up_lane( const RfScene* scene, const Source* from, const RfMaterial* m, RfVertexLanes* v, int i )
+{
+    int r = from->scratch->index[i];
+    uint32_t triangle = from->scratch->triangle[r];
+    float bu = from->scratch->u[r], bv = from->scratch->v[r];
+    const RfTriangleRecord* t = from->triangles + triangle;
+    float facing = rf_dot( t->ng, rf_vec3( v->wo[0][i], v->wo[1][i], v->wo[2][i] ) );
+    RfMaterial here;
+    rf_material_at( scene, m, triangle, bu, bv, &here );
+    fill_material( v, i, &here, facing );
+    if ( m->textured->refs[RF_TEXTURE_NORMAL].texture >= 0 )
+    {
+        float side = facing < 0.0f ? -1.0f : 1.0f;
+        RfVec3 n = rf_scale( rf_vec3( v->n[0][i], v->n[1][i], v->n[2][i] ), side );
+        put( v->n, i, rf_scale( rf_normal_at( scene, m, triangle, bu, bv, n, t->ng ), side ) );
+    }
+    if ( v->emission[0][i] + v->emission[1][i] + v->emission[2][i] > 0.0f )
+        put( v->emission, i, rf_emission_at( scene, m, triangle, bu, bv ) );
+}
+
+static void look_up_textures( const RfTracer* tracer, const Source* from, RfVertexLanes* v )
+{
+    for ( int i = 0; i < v->count; ++i )
+    {
+        const RfTriangleRecord* t = from->triangles + from->scratch->triangle[from->scratch->index[i]];
+        const RfMaterial* m = from->materials + t->material;
+        if ( m->textured != NULL )
+            look_up_lane( rf_tracer_scene( tracer ), from, m, v, i );
+    }
 }
 
 void rf_find_vertices( const RfWalkSettings* settings, const RfRayLanes* rays, bool coherent, RfVertexLanes* vertices,
@@ -160,8 +166,9 @@ void rf_find_vertices( const RfWalkSettings* settings, const RfRayLanes* rays, b
     const float* d[3] = { rays->d[0], rays->d[1], rays->d[2] };
     rf_trace_nearest( tracer, rays->count, o, d, coherent, scratch->triangle, scratch->u, scratch->v );
     sort_by_kind( tracer, rays->count, scratch, vertices );
-    const RfScene* scene = rf_tracer_scene( tracer );
-    Source from = { scene, rf_tracer_triangles( tracer ), scene->materials, rf_tracer_lights( tracer ), rays, scratch };
+    Source from = { rf_tracer_triangles( tracer ), rf_tracer_scene( tracer )->materials, rf_tracer_lights( tracer ), rays, scratch };
     for ( int i = 0; i < vertices->count; ++i )
         fill_lane( &from, vertices, i );
+    if ( rf_tracer_is_textured( tracer ) )
+        look_up_textures( tracer, &from, vertices );
 }

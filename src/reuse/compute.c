@@ -18,6 +18,8 @@ static void weigh_landing( const RfEye* eye, int eye_index, const RfHitBatch* ba
     }
     else
         rf_project_batch( eye, batch, pixel, ratio );
+    if ( batch->densities != NULL )
+        memcpy( ratio, batch->densities + (size_t)eye_index * RF_LANES, (size_t)batch->count * sizeof *ratio );
     const float* restrict sum = batch->density_sum;
     const uint32_t* restrict seen = batch->seen + ( eye_index / 32 ) * RF_LANES;
     uint32_t bit = 1u << ( eye_index % 32 );
@@ -188,6 +190,26 @@ static uint64_t splat_misses( const RfHitBatch* batch, float weight, PixelRange 
     return landed;
 }
 
+static void count_landed( const RfHitBatch* batch, const RfComputeScratch* s, PixelRange range, uint32_t* landed )
+{
+    for ( int i = 0; i < batch->count; ++i )
+    {
+        int32_t pixel = s->pixel[i];
+        if ( s->ratio[i] > 0.0f && pixel >= range.low && pixel < range.end )
+            landed[pixel] += 1;
+    }
+}
+
+static void count_misses( const RfHitBatch* batch, PixelRange range, uint32_t* landed )
+{
+    for ( int i = 0; i < batch->miss_count; ++i )
+    {
+        int32_t pixel = batch->miss_pixel[i];
+        if ( pixel >= range.low && pixel < range.end )
+            landed[pixel] += 1;
+    }
+}
+
 static bool lands_in( const RfHitBatch* batch, RfComputeJob job )
 {
     return batch->rows[2 * job.eye] < job.end_row && batch->rows[2 * job.eye + 1] >= job.first_row;
@@ -234,6 +256,10 @@ uint64_t rf_compute_rows( const RfCompute* compute, RfComputeJob job, uint32_t* 
         }
         if ( job.eye == batch->eye )
             landed += splat_misses( batch, compute->weight, range );
+        if ( job.landed != NULL )
+            count_landed( batch, scratch, range, job.landed );
+        if ( job.landed != NULL && job.eye == batch->eye )
+            count_misses( batch, range, job.landed );
     }
     return landed;
 }

@@ -14,6 +14,7 @@ typedef struct RfComputeJob
     int first_row, end_row;
     RfFilm* film;
     int half;
+    uint32_t* landed; // samples per pixel of the film, counted up; or NULL
 } RfComputeJob;
 
 // What all jobs of a chunk share.

@@ -26,13 +26,13 @@ RfGroupPlan rf_plan_groups( int frames, int half_width, int spp )
 }
 
 // Passes of the cut windows of 1 … m frames, where a full one of N gets one:
-// Σ (N/m)^¾, as the integral over m from ½ to m + ½. With (N/m)^1 the ends
-// would get as many samples as the middle, native and reused ones; but they get
-// more native samples and nearer reused ones, and ¾ is cheaper.
+// Σ (N/m)^0.9, as the integral over m from ½ to m + ½. With (N/m)^1 the ends
+// would get as many samples as the middle, native and reused ones, and cost 10 %
+// more; with (N/m)^¾ their error was up to 1.38 times the middle's.
 static double cut_passes( const RfGroupPlan* plan, int m )
 {
     double n = plan->eyes;
-    return 4.0 * pow( n, 0.75 ) * ( pow( m + 0.5, 0.25 ) - pow( 0.5, 0.25 ) );
+    return 10.0 * pow( n, 0.9 ) * ( pow( m + 0.5, 0.1 ) - pow( 0.5, 0.1 ) );
 }
 
 // Passes of the windows with a lower number, where windows are cut: shares of

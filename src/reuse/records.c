@@ -63,6 +63,8 @@ static RfHitBatch lay_out( const RfBatchShape* shape, Layout* layout )
     batch.density_sum = take_lanes( layout );
     batch.radiance = take( layout, 4 * RF_LANES * sizeof( float ) );
     batch.seen = take( layout, (size_t)rf_seen_words( shape->eyes ) * RF_LANES * sizeof( uint32_t ) );
+    if ( shape->blended )
+        batch.densities = take( layout, (size_t)shape->eyes * RF_LANES * sizeof( float ) );
     batch.pixel = take( layout, RF_LANES * sizeof( int32_t ) );
     batch.miss_pixel = take( layout, RF_LANES * sizeof( int32_t ) );
     if ( shape->natives )

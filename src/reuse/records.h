@@ -33,6 +33,7 @@ typedef struct RfHitBatch
     float* density_sum; // Σ_l J_l V_l over the eyes of the group
     float* radiance;    // 4 per hit: r g b 1. Diffuse: all light to any eye; glossy: emission only
     uint32_t* seen;     // visibility: word w of hit i is seen[w·RF_LANES + i], bit l%32 of word l/32 for eye l
+    float* densities;   // J_l V_l: eye l, hit i at l·RF_LANES + i; NULL where the shape is not blended
     int32_t* pixel;     // y·width + x in its own frame
     int32_t* miss_pixel;
     int32_t* miss_slot;   // of the ray, of those that found nothing
@@ -60,6 +61,7 @@ typedef struct RfBatchShape
     bool glossy;       // the scene has any
     bool coated;       // and RF_BSDF_COATED among them
     bool eq15;
+    bool blended;      // visibility may be between 0 and 1
     bool natives;      // misses may be other than black: the scene has a sky, mirrors or glass
 } RfBatchShape;
 

@@ -6,123 +6,6 @@
 #include <omp.h>
 #include <string.h>
 
-typedef struct Renderer
-{
-    const RfTracer* tracer;
-    const RfEye* eyes;
-    const int* frames; // asked for, ascending
-    int frame_count;
-    RfRenderSettings settings; // resolved
-    RfRenderCallbacks callbacks;
-    RfGroupPlan plan;
-    RenderSizes sizes;
-    RenderMemory memory;
-    RfRayCounts rays;
-    double start, last_frame; // seconds
-    double batches_done, batches_all;
-    int frames_done;
-} Renderer;
-
-// Was the frame asked for? The frames are in ascending order.
-static bool asked_for( const Renderer* r, int frame )
-{
-    int low = 0, end = r->frame_count;
-    while ( low < end )
-    {
-        int middle = low + ( end - low ) / 2;
-        if ( r->frames[middle] == frame )
-            return true;
-        if ( r->frames[middle] < frame )
-            low = middle + 1;
-        else
-            end = middle;
-    }
-    return false;
-}
-
-// The slot that holds a frame's film, −1 for a free one.
-static LiveFilm* find_film( Renderer* r, int frame )
-{
-    LiveFilm* live = r->memory.films;
-    while ( live->frame != frame )
-        ++live;
-    return live;
-}
-
-// The films of the asked frames that a window is the first to hold, cleared.
-static void open_films( Renderer* r, int window )
-{
-    RfWindow group = rf_window( &r->plan, window );
-    for ( int frame = group.first; frame < group.first + group.eyes; ++frame )
-    {
-        int first, last;
-        rf_windows_of_frame( &r->plan, frame, &first, &last );
-        if ( first != window || !asked_for( r, frame ) )
-            continue;
-        LiveFilm* live = find_film( r, -1 );
-        live->frame = frame;
-        rf_clear_film( &live->film );
-    }
-}
-
-static RfFilmCombine combine_of( RfNormalize normalize )
-{
-    switch ( normalize )
-    {
-        case RF_NORMALIZE_CROSSFIT: return RF_FILM_CROSSFIT;
-        case RF_NORMALIZE_RATIO: return RF_FILM_RATIO;
-        case RF_NORMALIZE_NONE: return RF_FILM_PLAIN;
-    }
-    return RF_FILM_CROSSFIT;
-}
-
-static RfResult finish_film( Renderer* r, LiveFilm* live, RfError* error )
-{
-    RfFilmCombine combine = combine_of( r->settings.normalize );
-    rf_combine_film( &live->film, combine, r->memory.rgb, r->memory.weight );
-    double now = rf_wall_seconds();
-    RfFrameResult result = {
-        .frame = live->frame,
-        .width = r->sizes.width,
-        .height = r->sizes.height,
-        .rgb = r->memory.rgb,
-        .weight = r->memory.weight,
-        .seconds = now - r->last_frame,
-        .relmse_estimate = rf_estimate_relmse( &live->film, combine, r->memory.rgb ),
-        .native_spp = rf_frame_passes( &r->plan, live->frame ),
-        .effective_spp = (double)live->film.landed / ( (double)r->sizes.width * (double)r->sizes.height ),
-    };
-    r->last_frame = now;
-    live->frame = -1;
-    r->frames_done += 1;
-    return r->callbacks.frame != NULL ? r->callbacks.frame( r->callbacks.user, &result, error ) : RF_OK;
-}
-
-// Hands over the frames whose last window is done, in order.
-static RfResult close_films( Renderer* r, int window, RfError* error )
-{
-    RfWindow group = rf_window( &r->plan, window );
-    for ( int frame = group.first; frame < group.first + group.eyes; ++frame )
-    {
-        int first, last;
-        rf_windows_of_frame( &r->plan, frame, &first, &last );
-        if ( last != window || !asked_for( r, frame ) )
-            continue;
-        RfResult result = finish_film( r, find_film( r, frame ), error );
-        if ( result != RF_OK )
-            return result;
-    }
-    return RF_OK;
-}
-
-static bool window_wanted( const Renderer* r, RfWindow window )
-{
-    bool wanted = false;
-    for ( int frame = window.first; frame < window.first + window.eyes && !wanted; ++frame )
-        wanted = asked_for( r, frame );
-    return wanted;
-}
-
 static void add_rays( RfRayCounts* sum, const RfRayCounts* part )
 {
     sum->primary += part->primary;
@@ -133,7 +16,7 @@ static void add_rays( RfRayCounts* sum, const RfRayCounts* part )
 }
 
 // Jobs [first, first + count) of a pass into the batches.
-static void harvest_chunk( Renderer* r, const RfHarvest* harvest, int pass, int first, int count )
+static void harvest_chunk( RfRenderer* r, const RfHarvest* harvest, const RfWindow* window, int pass, int first, int count )
 {
     RfRayCounts rays = { 0 };
 #pragma omp parallel num_threads( r->settings.threads )
@@ -146,6 +29,8 @@ static void harvest_chunk( Renderer* r, const RfHarvest* harvest, int pass, int 
         {
             RfHarvestJob job = { ( first + i ) / r->sizes.tiles, ( first + i ) % r->sizes.tiles, pass };
             rf_harvest_batch( harvest, job, r->memory.batches + i, scratch, &mine );
+            if ( ( r->settings.layers & RF_HARVESTED_LAYERS ) != 0 )
+                rf_add_layers( r, harvest, window, job.eye, scratch );
         }
 #pragma omp critical
         add_rays( &rays, &mine );
@@ -155,7 +40,7 @@ static void harvest_chunk( Renderer* r, const RfHarvest* harvest, int pass, int 
 
 // The chunk into the films: a job is some rows of one film, so no two jobs
 // touch the same pixel and every pixel is added to in the batches' order.
-static void compute_chunk( Renderer* r, const RfHarvest* harvest, const RfWindow* window, int half, int count )
+static void compute_chunk( RfRenderer* r, const RfHarvest* harvest, const RfWindow* window, int half, int count )
 {
     int live = 0;
     for ( int i = 0; i < r->memory.film_slots; ++i )
@@ -189,6 +74,7 @@ static void compute_chunk( Renderer* r, const RfHarvest* harvest, const RfWindow
                 .end_row = (int)( (long)r->sizes.height * ( band + 1 ) / bands ),
                 .film = &film->film,
                 .half = half,
+                .landed = film->layers.landed,
             };
             uint64_t landed = rf_compute_rows( &compute, job, film->landed_eyes, scratch );
 #pragma omp atomic
@@ -197,7 +83,7 @@ static void compute_chunk( Renderer* r, const RfHarvest* harvest, const RfWindow
     }
 }
 
-static bool report_progress( Renderer* r, int count )
+static bool report_progress( RfRenderer* r, int count )
 {
     r->batches_done += count;
     if ( r->callbacks.progress == NULL )
@@ -213,7 +99,7 @@ static bool report_progress( Renderer* r, int count )
 }
 
 // Which eyes' hits landed where: known by pass.
-static void forget_landed_eyes( Renderer* r )
+static void forget_landed_eyes( RfRenderer* r )
 {
     size_t words = (size_t)r->sizes.width * (size_t)r->sizes.height * (size_t)rf_seen_words( r->sizes.shape.eyes );
     for ( int i = 0; i < r->memory.film_slots; ++i )
@@ -223,7 +109,7 @@ static void forget_landed_eyes( Renderer* r )
     }
 }
 
-static RfResult render_pass( Renderer* r, const RfHarvest* harvest, const RfWindow* window, int pass, RfError* error )
+static RfResult render_pass( RfRenderer* r, const RfHarvest* harvest, const RfWindow* window, int pass, RfError* error )
 {
     int half = rf_half_of_pass( window, pass );
     if ( harvest->shape.eq15 )
@@ -232,10 +118,13 @@ static RfResult render_pass( Renderer* r, const RfHarvest* harvest, const RfWind
     for ( int first = 0; first < jobs; first += r->memory.batch_slots )
     {
         int count = jobs - first < r->memory.batch_slots ? jobs - first : r->memory.batch_slots;
-        harvest_chunk( r, harvest, pass, first, count );
+        harvest_chunk( r, harvest, window, pass, first, count );
         compute_chunk( r, harvest, window, half, count );
         if ( !report_progress( r, count ) )
             return rf_fail( error, RF_ERROR_INTERRUPTED, "interrupted after %d of %d frames", r->frames_done, r->frame_count );
+        RfResult delivered = rf_check_delivery( &r->delivery, error );
+        if ( delivered != RF_OK )
+            return delivered;
     }
     for ( int i = 0; i < r->memory.film_slots; ++i )
     {
@@ -246,12 +135,12 @@ static RfResult render_pass( Renderer* r, const RfHarvest* harvest, const RfWind
 }
 
 // A scene without lights has nothing to sample, walk or combine.
-static int useful_depth( const Renderer* r )
+static int useful_depth( const RfRenderer* r )
 {
     return rf_tracer_lights( r->tracer )->count > 0 ? r->settings.max_depth : 1;
 }
 
-static RfResult render_window( Renderer* r, int number, RfError* error )
+static RfResult render_window( RfRenderer* r, int number, RfError* error )
 {
     RfWindow window = rf_window( &r->plan, number );
     RfHarvest harvest = {
@@ -264,27 +153,27 @@ static RfResult render_window( Renderer* r, int number, RfError* error )
         .window = number,
     };
     harvest.shape.eyes = window.eyes;
-    open_films( r, number );
+    rf_open_films( r, number );
     for ( int pass = 0; pass < window.passes; ++pass )
     {
         RfResult result = render_pass( r, &harvest, &window, pass, error );
         if ( result != RF_OK )
             return result;
     }
-    return close_films( r, number, error );
+    return rf_close_films( r, number, error );
 }
 
-static RfResult render_windows( Renderer* r, RfError* error )
+static RfResult render_windows( RfRenderer* r, RfError* error )
 {
     r->batches_all = 0.0;
     for ( int w = 0; w < r->plan.windows; ++w )
     {
         RfWindow window = rf_window( &r->plan, w );
-        r->batches_all += window_wanted( r, window ) ? (double)window.passes * window.eyes * r->sizes.tiles : 0.0;
+        r->batches_all += rf_window_wanted( r, window ) ? (double)window.passes * window.eyes * r->sizes.tiles : 0.0;
     }
     for ( int w = 0; w < r->plan.windows; ++w )
     {
-        RfResult result = window_wanted( r, rf_window( &r->plan, w ) ) ? render_window( r, w, error ) : RF_OK;
+        RfResult result = rf_window_wanted( r, rf_window( &r->plan, w ) ) ? render_window( r, w, error ) : RF_OK;
         if ( result != RF_OK )
             return result;
     }
@@ -303,7 +192,17 @@ static RfResult check_frames( const int* frames, int frame_count, int eye_count,
     return RF_OK;
 }
 
-static void fill_stats( const Renderer* r, RfRenderStats* stats )
+// All windows, with the frames handed over as they are finished. What the
+// caller says of a frame counts more than an interruption.
+static RfResult render_and_deliver( RfRenderer* r, RfError* error )
+{
+    rf_start_delivery( &r->delivery, &r->callbacks, r->memory.buffers, r->memory.buffer_count, r->settings.queue > 0 );
+    RfResult result = render_windows( r, error );
+    RfResult delivered = rf_end_delivery( &r->delivery, error );
+    return delivered != RF_OK ? delivered : result;
+}
+
+static void fill_stats( const RfRenderer* r, RfRenderStats* stats )
 {
     *stats = ( RfRenderStats ){
         .seconds = rf_wall_seconds() - r->start,
@@ -320,7 +219,7 @@ RfResult rf_render( const RfTracer* tracer, const RfEye* eyes, int eye_count, co
                     const RfRenderSettings* settings, const RfRenderCallbacks* callbacks, RfRenderStats* stats,
                     RfError* error )
 {
-    Renderer r = { .tracer = tracer, .eyes = eyes, .frames = frames, .frame_count = frame_count };
+    RfRenderer r = { .tracer = tracer, .eyes = eyes, .frames = frames, .frame_count = frame_count };
     RfResult result = rf_resolve_settings( rf_tracer_scene( tracer ), eyes, eye_count, settings, &r.settings, error );
     if ( result == RF_OK )
         result = check_frames( frames, frame_count, eye_count, error );
@@ -334,7 +233,7 @@ RfResult rf_render( const RfTracer* tracer, const RfEye* eyes, int eye_count, co
     r.start = r.last_frame = rf_wall_seconds();
     result = rf_alloc_render_memory( &r.sizes, &r.memory, error );
     if ( result == RF_OK )
-        result = render_windows( &r, error );
+        result = render_and_deliver( &r, error );
     if ( stats != NULL )
         fill_stats( &r, stats );
     rf_free_render_memory( &r.sizes, &r.memory );

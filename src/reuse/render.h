@@ -5,6 +5,7 @@
 #ifndef REFRAME_REUSE_RENDER_H
 #define REFRAME_REUSE_RENDER_H
 
+#include "reuse/layers.h"
 #include "scene/eye.h"
 #include "trace/trace.h"
 
@@ -36,6 +37,9 @@ typedef struct RfRenderSettings
     uint64_t seed;
     int threads;       // 0: all cores
     size_t memory;     // budget in bytes; 0: half of what is free
+    int queue;         // finished frames, at most, that callbacks->frame is given in a thread of its own
+                       // while rendering goes on; fewer where memory is short. 0: it is called in between
+    unsigned layers;   // RF_LAYER_BIT of those that are wanted besides the colour, which they do not change
 } RfRenderSettings;
 
 #define RF_GROUP_AUTO ( -1 )
@@ -43,6 +47,7 @@ typedef struct RfRenderSettings
 #define RF_MAX_GROUP ( 1 << 20 )
 #define RF_MAX_DEPTH ( 1 << 20 )
 #define RF_MAX_LIGHT_SAMPLES 64
+#define RF_MAX_QUEUE 64
 #define RF_MAX_IMAGE_SIDE ( 1 << 15 ) // pixels
 
 RfRenderSettings rf_default_render_settings( void );
@@ -61,6 +66,7 @@ typedef struct RfFrameResult
     int width, height;
     const float* rgb;       // 3 × width × height
     const float* weight;    // width × height: B, the mean of the summed weights; E[B] = 1 with exact weights, else hits per pass
+    const float* layers[RF_LAYER_COUNT]; // rf_layer_channels × width × height; NULL: not asked for
     double seconds;         // wall time since the frame before it
     double relmse_estimate; // from the film halves; NaN with a single pass
     double native_spp;      // native samples traced per pixel
@@ -76,7 +82,11 @@ typedef struct RfProgress
 } RfProgress;
 
 // Either callback may be NULL. `frame` failing stops the render with its
-// error; `progress` returning false stops it with RF_ERROR_INTERRUPTED.
+// error; `progress` returning false stops it with RF_ERROR_INTERRUPTED. With
+// settings.queue > 0 `frame` is called from another thread, still once at a
+// time and in order, while `progress` is called from that of rf_render; when
+// the render is stopped, the frames that are finished are still handed over,
+// before rf_render returns.
 typedef struct RfRenderCallbacks
 {
     void* user;

@@ -4,8 +4,10 @@
 
 #include "base/arena.h"
 #include "reuse/compute.h"
+#include "reuse/delivery.h"
 #include "reuse/group.h"
 #include "reuse/harvest.h"
+#include "reuse/layer_film.h"
 #include "reuse/render.h"
 
 // A film in use, of one frame of the path.
@@ -13,6 +15,7 @@ typedef struct LiveFilm
 {
     int frame; // −1: free
     RfFilm film;
+    RfLayerFilm layers;
     uint32_t* landed_eyes; // eq15 only
 } LiveFilm;
 
@@ -27,8 +30,8 @@ typedef struct RenderMemory
     int batches_laid_out; // of them, while they are being allocated
     LiveFilm* films;
     int film_slots;
-    float* rgb;
-    float* weight;
+    RfFrameBuffer* buffers; // finished frames on their way to the caller
+    int buffer_count;
 } RenderMemory;
 
 // What the sizes depend on.
@@ -37,15 +40,50 @@ typedef struct RenderSizes
     int width, height, tiles;
     int threads;
     int films;       // held at once
+    int buffers;     // wanted
+    unsigned layers; // RF_LAYER_BIT of those asked for
     int total_every; // passes of a half of a film before it is emptied; 0: never
     RfBatchShape shape;
 } RenderSizes;
+
+// A render as a whole.
+typedef struct RfRenderer
+{
+    const RfTracer* tracer;
+    const RfEye* eyes;
+    const int* frames; // asked for, ascending
+    int frame_count;
+    RfRenderSettings settings; // resolved
+    RfRenderCallbacks callbacks;
+    RfGroupPlan plan;
+    RenderSizes sizes;
+    RenderMemory memory;
+    RfDelivery delivery;
+    RfRayCounts rays;
+    double start, last_frame; // seconds
+    double batches_done, batches_all;
+    int frames_done;
+} RfRenderer;
+
+// Was any frame of the window asked for?
+bool rf_window_wanted( const RfRenderer* renderer, RfWindow window );
+
+// Clears films for the asked frames that a window is the first to hold.
+void rf_open_films( RfRenderer* renderer, int window );
+
+// Hands over the frames whose last window is done, in order.
+RfResult rf_close_films( RfRenderer* renderer, int window, RfError* error );
+
+// Adds the native hits of the batch just harvested to the layers of its own
+// frame, eye `eye` of the window.
+void rf_add_layers( const RfRenderer* renderer, const RfHarvest* harvest, const RfWindow* window, int eye,
+                    const RfHarvestScratch* scratch );
 
 // Bytes of all but the hit records.
 size_t rf_fixed_bytes( const RenderSizes* sizes );
 
 // Allocates films, scratch, and as many batches as serve the threads and fit
-// the budget. On failure what was allocated stays for rf_free_render_memory.
+// the budget; frame buffers beyond the first only where these all fit too. On failure what was allocated stays for rf_free_render_memory.
 RfResult rf_alloc_render_memory( const RenderSizes* sizes, RenderMemory* memory, RfError* error );
 void rf_free_render_memory( const RenderSizes* sizes, RenderMemory* memory );
 

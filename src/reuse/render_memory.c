@@ -1,5 +1,7 @@
 #include "reuse/render_internal.h"
 
+#include "scene/textured.h"
+
 #include <string.h>
 
 #define BATCHES_PER_THREAD 16 // in a chunk: enough to share out, few enough to stay in the cache
@@ -22,6 +24,16 @@ static bool has_kinds( const RfScene* scene, RfBsdfKind first, RfBsdfKind end )
     return false;
 }
 
+static bool has_blended( const RfScene* scene )
+{
+    for ( uint32_t i = 0; i < scene->triangles.count; ++i )
+    {
+        if ( rf_is_blended( scene->materials + scene->triangles.material[i] ) )
+            return true;
+    }
+    return false;
+}
+
 static RfBatchShape batch_shape( const RfScene* scene, int eyes, const RfRenderSettings* settings )
 {
     return ( RfBatchShape ){
@@ -30,6 +42,7 @@ static RfBatchShape batch_shape( const RfScene* scene, int eyes, const RfRenderS
         .glossy = has_kinds( scene, RF_BSDF_PHONG, RF_BSDF_FIRST_NATIVE ),
         .coated = has_kinds( scene, RF_BSDF_COATED, RF_BSDF_COATED + 1 ),
         .eq15 = settings->weights == RF_WEIGHTS_EQ15,
+        .blended = has_blended( scene ),
         .natives = has_kinds( scene, RF_BSDF_FIRST_NATIVE, RF_BSDF_KIND_COUNT ) ||
                    rf_max_component( scene->environment.radiance ) > 0.0f,
     };
@@ -48,6 +61,8 @@ RenderSizes rf_render_sizes( const RfScene* scene, const RfEye* eyes, const RfGr
         .tiles = rf_tile_count( eyes->width, eyes->height ),
         .threads = settings->threads,
         .films = films < plan->eyes ? films : plan->eyes,
+        .layers = settings->layers,
+        .buffers = settings->queue > films ? films : settings->queue > 1 ? settings->queue : 1,
         .shape = batch_shape( scene, plan->eyes, settings ),
     };
 }
@@ -57,13 +72,88 @@ static size_t total_bytes( const RenderSizes* s )
     return s->total_every > 0 ? rf_film_total_bytes( s->width, s->height ) : 0;
 }
 
+// Of a layer, while it is rendered and when it is finished; 0 where not asked for.
+static size_t layer_film_bytes( const RenderSizes* s, int layer )
+{
+    bool asked = ( s->layers & RF_LAYER_BIT( layer ) ) != 0;
+    return asked ? film_pixels( s ) * (size_t)rf_layer_film_floats( (RfLayer)layer ) * sizeof( float ) : 0;
+}
+
+static size_t layer_image_bytes( const RenderSizes* s, int layer )
+{
+    bool asked = ( s->layers & RF_LAYER_BIT( layer ) ) != 0;
+    return asked ? film_pixels( s ) * (size_t)rf_layer_channels( (RfLayer)layer ) * sizeof( float ) : 0;
+}
+
+static size_t buffer_bytes( const RenderSizes* s )
+{
+    size_t bytes = film_pixels( s ) * 4 * sizeof( float );
+    for ( int l = 0; l < RF_LAYER_COUNT; ++l )
+        bytes += layer_image_bytes( s, l );
+    return bytes;
+}
+
 size_t rf_fixed_bytes( const RenderSizes* s )
 {
     size_t half = rf_film_half_bytes( s->width, s->height ) + total_bytes( s );
     size_t film = 2 * half + ( s->shape.eq15 ? landed_bytes( s ) : 0 );
+    for ( int l = 0; l < RF_LAYER_COUNT; ++l )
+        film += layer_film_bytes( s, l );
     size_t scratch = rf_harvest_scratch_bytes( &s->shape ) + sizeof( RfComputeScratch );
     size_t tables = 1 << 16;
-    return (size_t)s->films * film + film_pixels( s ) * 4 * sizeof( float ) + (size_t)s->threads * scratch + tables;
+    return (size_t)s->films * film + buffer_bytes( s ) + (size_t)s->threads * scratch + tables;
+}
+
+// One frame on its way to the caller.
+static RfResult alloc_buffer( const RenderSizes* s, RenderMemory* m, RfError* error )
+{
+    RfFrameBuffer* buffer = m->buffers + m->buffer_count;
+    *buffer = ( RfFrameBuffer ){ 0 };
+    m->buffer_count += 1;
+    RfResult result = rf_arena_alloc( &m->arena, "image", film_pixels( s ) * 3 * sizeof( float ), (void**)&buffer->rgb, error );
+    if ( result == RF_OK )
+        result = rf_arena_alloc( &m->arena, "image", film_pixels( s ) * sizeof( float ), (void**)&buffer->weight, error );
+    for ( int l = 0; l < RF_LAYER_COUNT && result == RF_OK; ++l )
+    {
+        if ( layer_image_bytes( s, l ) > 0 )
+            result = rf_arena_alloc( &m->arena, "layer images", layer_image_bytes( s, l ), (void**)&buffer->layers[l], error );
+    }
+    return result;
+}
+
+static void free_buffer( const RenderSizes* s, RenderMemory* m, RfFrameBuffer* buffer )
+{
+    rf_arena_free( &m->arena, "image", buffer->rgb, film_pixels( s ) * 3 * sizeof( float ) );
+    rf_arena_free( &m->arena, "image", buffer->weight, film_pixels( s ) * sizeof( float ) );
+    for ( int l = 0; l < RF_LAYER_COUNT; ++l )
+        rf_arena_free( &m->arena, "layer images", buffer->layers[l], layer_image_bytes( s, l ) );
+}
+
+// The first buffer, without which nothing can be finished.
+static RfResult alloc_first_buffer( const RenderSizes* s, RenderMemory* m, RfError* error )
+{
+    size_t bytes = (size_t)s->buffers * sizeof *m->buffers;
+    RfResult result = rf_arena_alloc( &m->arena, "image", bytes, (void**)&m->buffers, error );
+    return result == RF_OK ? alloc_buffer( s, m, error ) : result;
+}
+
+static RfResult alloc_layer_film( const RenderSizes* s, RenderMemory* m, RfLayerFilm* layers, RfError* error )
+{
+    RfResult result = RF_OK;
+    for ( int l = 0; l < RF_LAYER_COUNT && result == RF_OK; ++l )
+    {
+        void** where = l == RF_LAYER_SAMPLES ? (void**)&layers->landed : (void**)&layers->mean[l];
+        if ( layer_film_bytes( s, l ) > 0 )
+            result = rf_arena_alloc( &m->arena, "layers", layer_film_bytes( s, l ), where, error );
+    }
+    return result;
+}
+
+static void free_layer_film( const RenderSizes* s, RenderMemory* m, const RfLayerFilm* layers )
+{
+    for ( int l = 0; l < RF_LAYER_COUNT; ++l )
+        rf_arena_free( &m->arena, "layers", layers->mean[l], layer_film_bytes( s, l ) );
+    rf_arena_free( &m->arena, "layers", layers->landed, layer_film_bytes( s, RF_LAYER_SAMPLES ) );
 }
 
 static RfResult alloc_film( const RenderSizes* s, RenderMemory* m, LiveFilm* live, RfError* error )
@@ -79,6 +169,8 @@ static RfResult alloc_film( const RenderSizes* s, RenderMemory* m, LiveFilm* liv
         result = rf_arena_alloc( &m->arena, "films", total_bytes( s ), (void**)&live->film.total[h], error );
     if ( s->shape.eq15 && result == RF_OK )
         result = rf_arena_alloc( &m->arena, "landed eyes", landed_bytes( s ), (void**)&live->landed_eyes, error );
+    if ( result == RF_OK )
+        result = alloc_layer_film( s, m, &live->layers, error );
     return result;
 }
 
@@ -92,10 +184,6 @@ static RfResult alloc_films( const RenderSizes* s, RenderMemory* m, RfError* err
     m->film_slots = s->films;
     for ( int i = 0; i < s->films && result == RF_OK; ++i )
         result = alloc_film( s, m, m->films + i, error );
-    if ( result == RF_OK )
-        result = rf_arena_alloc( &m->arena, "image", film_pixels( s ) * 3 * sizeof( float ), (void**)&m->rgb, error );
-    if ( result == RF_OK )
-        result = rf_arena_alloc( &m->arena, "image", film_pixels( s ) * sizeof( float ), (void**)&m->weight, error );
     return result;
 }
 
@@ -117,6 +205,8 @@ static RfResult alloc_scratch( const RenderSizes* s, RenderMemory* m, RfError* e
     return rf_arena_alloc( &m->arena, "scratch", threads * sizeof *m->compute_scratch, (void**)&m->compute_scratch, error );
 }
 
+static size_t batch_slot_bytes( const RenderSizes* s ) { return rf_batch_bytes( &s->shape ) + sizeof( RfHitBatch ) + 64; }
+
 // As many batches at once as serve the threads and fit the budget, at least
 // one; the biased eq15 needs all of a pass.
 static int batch_slots( const RenderSizes* s, const RenderMemory* m )
@@ -124,12 +214,23 @@ static int batch_slots( const RenderSizes* s, const RenderMemory* m )
     int jobs = s->shape.eyes * s->tiles;
     if ( s->shape.eq15 )
         return jobs;
-    size_t each = rf_batch_bytes( &s->shape ) + sizeof( RfHitBatch ), room = rf_arena_room( &m->arena ) / ( each + 64 );
+    size_t room = rf_arena_room( &m->arena ) / batch_slot_bytes( s );
     int slots = s->threads * BATCHES_PER_THREAD;
     slots = slots < jobs ? slots : jobs;
     if ( (size_t)slots > room )
         slots = room > 1 ? (int)room : 1;
     return slots;
+}
+
+// Buffers beyond the first, as long as they take no batches away.
+static RfResult alloc_more_buffers( const RenderSizes* s, RenderMemory* m, RfError* error )
+{
+    size_t batches = (size_t)batch_slots( s, m ) * batch_slot_bytes( s );
+    RfResult result = RF_OK;
+    while ( result == RF_OK && m->buffer_count < s->buffers &&
+            rf_arena_room( &m->arena ) > batches && rf_arena_room( &m->arena ) - batches >= buffer_bytes( s ) + 512 )
+        result = alloc_buffer( s, m, error );
+    return result;
 }
 
 static RfResult alloc_batches( const RenderSizes* s, RenderMemory* m, RfError* error )
@@ -153,7 +254,11 @@ RfResult rf_alloc_render_memory( const RenderSizes* sizes, RenderMemory* memory,
 {
     RfResult result = alloc_films( sizes, memory, error );
     if ( result == RF_OK )
+        result = alloc_first_buffer( sizes, memory, error );
+    if ( result == RF_OK )
         result = alloc_scratch( sizes, memory, error );
+    if ( result == RF_OK )
+        result = alloc_more_buffers( sizes, memory, error );
     if ( result == RF_OK )
         result = alloc_batches( sizes, memory, error );
     return result;
@@ -169,10 +274,12 @@ static void free_films( const RenderSizes* s, RenderMemory* m )
             rf_arena_free( &m->arena, "films", m->films[i].film.total[h], total_bytes( s ) );
         }
         rf_arena_free( &m->arena, "landed eyes", m->films[i].landed_eyes, landed_bytes( s ) );
+        free_layer_film( s, m, &m->films[i].layers );
     }
     rf_arena_free( &m->arena, "film table", m->films, (size_t)s->films * sizeof *m->films );
-    rf_arena_free( &m->arena, "image", m->rgb, film_pixels( s ) * 3 * sizeof( float ) );
-    rf_arena_free( &m->arena, "image", m->weight, film_pixels( s ) * sizeof( float ) );
+    for ( int i = 0; i < m->buffer_count; ++i )
+        free_buffer( s, m, m->buffers + i );
+    rf_arena_free( &m->arena, "image", m->buffers, (size_t)s->buffers * sizeof *m->buffers );
 }
 
 void rf_free_render_memory( const RenderSizes* s, RenderMemory* m )

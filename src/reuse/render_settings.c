@@ -26,6 +26,10 @@ static RfResult check_settings( const RfRenderSettings* s, RfError* error )
         return rf_fail( error, RF_ERROR_USAGE, "depth must be 1 to %d, got %d", RF_MAX_DEPTH, s->max_depth );
     if ( s->light_samples < 1 || s->light_samples > RF_MAX_LIGHT_SAMPLES )
         return rf_fail( error, RF_ERROR_USAGE, "light samples must be 1 to %d, got %d", RF_MAX_LIGHT_SAMPLES, s->light_samples );
+    if ( ( s->layers & ~RF_ALL_LAYERS ) != 0 )
+        return rf_fail( error, RF_ERROR_USAGE, "there are no such layers: %#x", s->layers );
+    if ( s->queue < 0 || s->queue > RF_MAX_QUEUE )
+        return rf_fail( error, RF_ERROR_USAGE, "the queue must be 0 to %d frames, got %d", RF_MAX_QUEUE, s->queue );
     return RF_OK;
 }
 

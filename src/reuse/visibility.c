@@ -48,10 +48,21 @@ static void note_seen( const float* restrict density, const int32_t* restrict pi
 
 // Its own eye sees a hit in the pixel it was drawn in, whatever rounding makes
 // of its projection.
-static void see_from_own( const RfHarvest* harvest, const RfHitBatch* batch, int32_t* pixel, float* density )
+static void see_from_own( const RfHarvest* harvest, const RfHitBatch* batch, const float* const lifted[3], int32_t* pixel,
+                          float* density, RfRayCounts* rays )
 {
-    rf_own_densities( harvest->eyes + batch->eye, batch, density );
+    const RfEye* eye = harvest->eyes + batch->eye;
+    rf_own_densities( eye, batch, density );
     memcpy( pixel, batch->pixel, (size_t)batch->count * sizeof *pixel );
+    if ( batch->densities == NULL )
+        return;
+    // through what the ray may have come: never nothing, since it did come
+    float least[RF_LANES];
+    for ( int i = 0; i < batch->count; ++i )
+        least[i] = 1e-4f * density[i];
+    rays->eye += (uint64_t)rf_trace_from_origin( harvest->walk.tracer, eye->origin, batch->count, lifted, density );
+    for ( int i = 0; i < batch->count; ++i )
+        density[i] = density[i] > least[i] ? density[i] : least[i];
 }
 
 void rf_see_batch( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch, RfRayCounts* rays )
@@ -66,12 +77,14 @@ void rf_see_batch( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch
         const RfEye* eye = harvest->eyes + l;
         float* density = scratch->density + (size_t)l * RF_LANES;
         if ( l == batch->eye )
-            see_from_own( harvest, batch, scratch->landing, density );
+            see_from_own( harvest, batch, lifted, scratch->landing, density, rays );
         else
         {
             rf_project_batch( eye, batch, scratch->landing, density );
             rays->eye += (uint64_t)rf_trace_from_origin( harvest->walk.tracer, eye->origin, batch->count, lifted, density );
         }
+        if ( batch->densities != NULL )
+            memcpy( batch->densities + (size_t)l * RF_LANES, density, (size_t)batch->count * sizeof *density );
         note_seen( density, scratch->landing, l, eye->width, batch );
     }
     // the rows of misses belong to the batch as well

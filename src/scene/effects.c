@@ -154,29 +154,29 @@ static RfEffect count_effect( const char* name, uint32_t count, const char* what
     return effect;
 }
 
-static RfEffect camera_effect( const RfScene* scene )
+// The one that a scene file asks for if it moves, else the first that does.
+static const RfCamera* moving_camera( const RfScene* scene )
 {
+    if ( scene->chosen_camera > 0 && scene->cameras[scene->chosen_camera - 1].animated )
+        return scene->cameras + scene->chosen_camera - 1;
     for ( int i = 0; i < scene->camera_count; ++i )
     {
-        if ( !scene->cameras[i].animated )
-            continue;
-        RfEffect effect = { .name = "camera-animation", .on = true };
-        if ( scene->cameras[i].track != NULL )
-        {
-            snprintf( effect.why, sizeof effect.why, "camera path '%.80s'", scene->cameras[i].name );
-            return effect;
-        }
-        snprintf( effect.why, sizeof effect.why, "camera '%.80s' from %g to %g s", scene->cameras[i].name,
-                  scene->cameras[i].start, scene->cameras[i].end );
-        return effect;
+        if ( scene->cameras[i].animated )
+            return scene->cameras + i;
     }
-    return ( RfEffect ){ .name = "camera-animation", .why = "no camera of the scene moves" };
+    return NULL;
 }
 
-static RfEffect missing_effect( const char* name )
+static RfEffect camera_effect( const RfScene* scene )
 {
-    RfEffect effect = { .name = name };
-    snprintf( effect.why, sizeof effect.why, "the scene has none, or it is not supported yet: see the warnings" );
+    const RfCamera* camera = moving_camera( scene );
+    if ( camera == NULL )
+        return ( RfEffect ){ .name = "camera-animation", .why = "no camera of the scene moves" };
+    RfEffect effect = { .name = "camera-animation", .on = true };
+    if ( camera->track != NULL )
+        snprintf( effect.why, sizeof effect.why, "camera path '%.80s'", camera->name );
+    else
+        snprintf( effect.why, sizeof effect.why, "camera '%.80s' from %g to %g s", camera->name, camera->start, camera->end );
     return effect;
 }
 
@@ -227,10 +227,8 @@ int rf_list_effects( const RfScene* scene, RfEffect effects[RF_MAX_EFFECTS] )
     effects[count++] = environment_effect( scene );
     effects[count++] = material_effect( &census, "textures", has_texture, "no material has a texture" );
     effects[count++] = material_effect( &census, "vertex-colors", has_vertex_colors, "no mesh has colours at its vertices" );
+    effects[count++] = material_effect( &census, "alpha-blend", rf_is_blended, "no material lets part of the light straight through" );
     effects[count++] = material_effect( &census, "alpha-mask", rf_is_masked, "no material is cut out by its alpha" );
-    static const char* const missing[] = { "alpha-blend" };
-    for ( size_t i = 0; i < sizeof missing / sizeof missing[0]; ++i )
-        effects[count++] = missing_effect( missing[i] );
     free( census.triangles );
     return count;
 }

@@ -80,34 +80,6 @@ static RfResult reserve_triangles( const RfGltf* gltf, RfGltfBaker* baker, uint3
     return RF_OK;
 }
 
-// The first mesh with an attribute gives some to all before it: `fill`.
-static RfResult reserve_attribute( const RfGltf* gltf, const RfGltfBaker* baker, const char* where, const float* needed,
-                                   int components, float fill, float** all )
-{
-    if ( needed == NULL || *all != NULL )
-        return RF_OK;
-    size_t count = (size_t)baker->vertex_capacity * (size_t)components;
-    *all = malloc( ( count + 1 ) * sizeof **all );
-    if ( *all == NULL )
-        return rf_gltf_no_memory( gltf, where );
-    for ( size_t i = 0; i < count; ++i )
-        ( *all )[i] = fill;
-    return RF_OK;
-}
-
-static RfResult reserve_attributes( const RfGltf* gltf, const RfGltfBaker* baker, const RfGltfPrimitive* primitive, const char* where )
-{
-    RfTriangles* t = &gltf->scene->triangles;
-    RfResult result = reserve_attribute( gltf, baker, where, primitive->uvs, 2, 0.0f, &t->uvs );
-    if ( result == RF_OK )
-        result = reserve_attribute( gltf, baker, where, primitive->uvs1, 2, 0.0f, &t->uvs1 );
-    if ( result == RF_OK )
-        result = reserve_attribute( gltf, baker, where, primitive->colors, 4, 1.0f, &t->colors );
-    if ( result == RF_OK )
-        result = reserve_attribute( gltf, baker, where, primitive->tangents, 4, 0.0f, &t->tangents );
-    return result;
-}
-
 static RfResult reserve( const RfGltf* gltf, RfGltfBaker* baker, const RfGltfPrimitive* primitive, const char* where )
 {
     uint32_t vertices = primitive->normals != NULL ? primitive->vertex_count : primitive->triangle_count * 3;
@@ -115,7 +87,7 @@ static RfResult reserve( const RfGltf* gltf, RfGltfBaker* baker, const RfGltfPri
     if ( result == RF_OK )
         result = reserve_triangles( gltf, baker, primitive->triangle_count, where );
     if ( result == RF_OK )
-        result = reserve_attributes( gltf, baker, primitive, where );
+        result = rf_gltf_reserve_attributes( gltf, baker, primitive, where );
     if ( result != RF_OK || primitive->vertex_count <= baker->world_capacity )
         return result;
     if ( grow_floats( &baker->world, (size_t)primitive->vertex_count * 3 ) == false )
@@ -195,34 +167,6 @@ static void grow_bounds( RfScene* scene, bool first, const float* p )
                                  rf_maxf( scene->bounds_max.z, at.z ) );
 }
 
-static void copy_attribute( float* all, const float* values, int components, float fill, uint32_t to, uint32_t from )
-{
-    if ( all == NULL )
-        return;
-    for ( size_t i = 0, n = (size_t)components; i < n; ++i )
-        all[n * to + i] = values != NULL ? values[n * from + i] : fill;
-}
-
-static void copy_attributes( RfTriangles* t, uint32_t to, const RfGltfPrimitive* primitive, uint32_t from )
-{
-    copy_attribute( t->uvs, primitive->uvs, 2, 0.0f, to, from );
-    copy_attribute( t->uvs1, primitive->uvs1, 2, 0.0f, to, from );
-    copy_attribute( t->colors, primitive->colors, 4, 1.0f, to, from );
-    copy_attribute( t->tangents, NULL, 4, 0.0f, to, from );
-}
-
-// Unit, along the surface as placed; the sign 0, which says that there is none,
-// where the matrix flattens it. A mirror changes the side of the bitangent.
-static void transform_tangent( const RfMat4* matrix, double sign, const float* tangent, float* out )
-{
-    double local[3] = { (double)tangent[0], (double)tangent[1], (double)tangent[2] }, t[3];
-    rf_mat4_apply( matrix, local, 0.0, t );
-    double length = sqrt( t[0] * t[0] + t[1] * t[1] + t[2] * t[2] );
-    bool usable = length > 0.0 && length <= DBL_MAX;
-    store( out, t, usable ? 1.0 / length : 0.0 );
-    out[3] = !usable ? 0.0f : (float)( ( tangent[3] < 0.0f ? -1.0 : 1.0 ) * sign );
-}
-
 static void append_smooth_vertices( RfTriangles* t, const RfGltfPrimitive* primitive, const RfMat4* matrix,
                                     const float* world )
 {
@@ -232,9 +176,8 @@ static void append_smooth_vertices( RfTriangles* t, const RfGltfPrimitive* primi
     for ( uint32_t v = 0; v < primitive->vertex_count; ++v )
     {
         transform_normal( matrix, sign, primitive->normals + 3 * (size_t)v, t->normals + 3 * ( base + v ) );
-        copy_attributes( t, (uint32_t)base + v, primitive, v );
-        if ( primitive->tangents != NULL )
-            transform_tangent( matrix, sign, primitive->tangents + 4 * (size_t)v, t->tangents + 4 * ( base + v ) );
+        rf_gltf_copy_attributes( t, (uint32_t)base + v, primitive, v );
+        rf_gltf_place_tangent( t, (uint32_t)base + v, primitive, v, matrix, sign );
     }
     t->vertex_count += primitive->vertex_count;
 }
@@ -245,7 +188,7 @@ static void append_flat_vertex( RfTriangles* t, const RfGltfPrimitive* primitive
     size_t at = t->vertex_count++;
     memcpy( t->positions + 3 * at, world + 3 * (size_t)from, 3 * sizeof( float ) );
     memcpy( t->normals + 3 * at, normal, 3 * sizeof( float ) );
-    copy_attributes( t, (uint32_t)at, primitive, from );
+    rf_gltf_copy_attributes( t, (uint32_t)at, primitive, from );
 }
 
 static bool is_zero( const float* v )

@@ -34,7 +34,6 @@ typedef enum RfGltfList
 typedef enum RfGltfNotice
 {
     RF_GLTF_TEXTURES,
-    RF_GLTF_ALPHA_MODE,
     RF_GLTF_POINTS_LINES,
     RF_GLTF_NO_POSITIONS,
     RF_GLTF_MORPH_TARGETS,
@@ -270,6 +269,14 @@ typedef struct RfGltfBaker
 RfResult rf_gltf_bake( RfGltf* gltf, RfGltfBaker* baker, const RfGltfPrimitive* primitive, const RfMat4* matrix,
                        const char* where );
 void rf_gltf_finish_bake( RfGltf* gltf, RfGltfBaker* baker );
+
+// gltf_attributes.c: coordinates of textures, colours and tangents of vertices.
+RfResult rf_gltf_reserve_attributes( const RfGltf* gltf, const RfGltfBaker* baker, const RfGltfPrimitive* primitive,
+                                     const char* where );
+void rf_gltf_copy_attributes( RfTriangles* t, uint32_t to, const RfGltfPrimitive* primitive, uint32_t from );
+// `sign`: −1 for a matrix that mirrors.
+void rf_gltf_place_tangent( RfTriangles* t, uint32_t to, const RfGltfPrimitive* primitive, uint32_t from, const RfMat4* matrix,
+                            double sign );
 
 // gltf_instancing.c: how often a node places its mesh, once without the
 // extension, and where within the node.

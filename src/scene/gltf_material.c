@@ -44,8 +44,11 @@ static RfResult notice_extension_textures( RfGltf* gltf, const json_t* material,
     static const char* const s_slots[][2] = {
         { "KHR_materials_transmission", "transmissionTexture" },
         { "KHR_materials_volume", "thicknessTexture" },
+        { "KHR_materials_clearcoat", "clearcoatTexture" },
+        { "KHR_materials_clearcoat", "clearcoatRoughnessTexture" },
+        { "KHR_materials_clearcoat", "clearcoatNormalTexture" },
     };
-    for ( int i = 0; i < 2; ++i )
+    for ( size_t i = 0; i < sizeof s_slots / sizeof s_slots[0]; ++i )
     {
         const json_t* json;
         RfResult result = rf_gltf_get_extension( gltf, material, owner, s_slots[i][0], &json );

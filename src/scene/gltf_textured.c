@@ -63,7 +63,7 @@ static RfResult read_slots( RfGltf* gltf, const json_t* material, const char* wh
     return RF_OK;
 }
 
-static RfResult read_alpha( RfGltf* gltf, const json_t* material, const char* where, const char* name, RfTextured* out )
+static RfResult read_alpha( RfGltf* gltf, const json_t* material, const char* where, RfTextured* out )
 {
     const char* mode = "OPAQUE";
     double cutoff = 0.5;
@@ -77,11 +77,9 @@ static RfResult read_alpha( RfGltf* gltf, const json_t* material, const char* wh
         return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "alphaMode '%.20s' wants OPAQUE, MASK or BLEND", mode );
     if ( !( cutoff >= 0.0 && cutoff <= 1e6 ) )
         return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "alphaCutoff is %g, it wants 0 or more", cutoff );
-    if ( blend )
-        rf_gltf_notice( gltf, RF_GLTF_ALPHA_MODE, "alphaMode BLEND is not read yet: material '%.80s' is cut out where its alpha is below 0.5",
-                        name );
-    out->masked = true;
-    out->alpha_cutoff = blend ? 0.5f : (float)cutoff;
+    out->masked = !blend;
+    out->blended = blend;
+    out->alpha_cutoff = (float)cutoff;
     return RF_OK;
 }
 
@@ -89,7 +87,7 @@ static RfTexturedModel find_model( const RfMaterial* material, const json_t* jso
 {
     if ( json_object_get( json_object_get( json, "extras" ), "reframe" ) != NULL )
         return RF_TEXTURED_DIFFUSE;
-    if ( json_object_get( json_object_get( json, "extensions" ), "KHR_materials_unlit" ) != NULL )
+    if ( rf_gltf_is_unlit( json ) )
         return RF_TEXTURED_UNLIT;
     return material->kind == RF_BSDF_GLASS ? RF_TEXTURED_GLASS : RF_TEXTURED_COATED;
 }
@@ -120,7 +118,8 @@ static bool is_needed( const RfTextured* textured )
         if ( textured->refs[i].texture >= 0 )
             return true;
     }
-    return textured->masked && textured->factors.base[3] < (double)textured->alpha_cutoff;
+    double alpha = textured->factors.base[3];
+    return ( textured->masked && alpha < (double)textured->alpha_cutoff ) || ( textured->blended && alpha < 1.0 );
 }
 
 RfResult rf_gltf_read_textured( RfGltf* gltf, const json_t* json, const char* where, const RfFactors* factors, RfMaterial* out )
@@ -131,7 +130,7 @@ RfResult rf_gltf_read_textured( RfGltf* gltf, const json_t* json, const char* wh
     RfTextured* textured = out->textured;
     RfResult result = read_slots( gltf, json, where, textured );
     if ( result == RF_OK )
-        result = read_alpha( gltf, json, where, out->name, textured );
+        result = read_alpha( gltf, json, where, textured );
     if ( result != RF_OK )
         return result;
     unmake_mirror( textured, out );

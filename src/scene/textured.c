@@ -148,6 +148,15 @@ bool rf_is_cut_out( const RfScene* scene, const RfMaterial* m, uint32_t triangle
     return base[3] < (double)m->textured->alpha_cutoff;
 }
 
+float rf_opacity_at( const RfScene* scene, const RfMaterial* m, uint32_t triangle, float u, float v )
+{
+    if ( m->textured->masked )
+        return rf_is_cut_out( scene, m, triangle, u, v ) ? 0.0f : 1.0f;
+    double base[4];
+    base_at( scene, m, triangle, u, v, base );
+    return m->textured->blended ? (float)unit( base[3] ) : 1.0f;
+}
+
 RfVec3 rf_emission_at( const RfScene* scene, const RfMaterial* m, uint32_t triangle, float u, float v )
 {
     if ( m->textured->masked && rf_is_cut_out( scene, m, triangle, u, v ) )

@@ -48,6 +48,7 @@ struct RfTextured
     bool vertex_colors;  // some primitive with the material has them
     bool masked;         // where alpha is below the cutoff there is no surface
     float alpha_cutoff;
+    bool blended;        // alpha is the part of the light that the surface takes part in
 };
 
 // Below this a surface counts as smooth: its lobe is narrower than RF_MIN_ALPHA's.
@@ -76,6 +77,11 @@ RfVec3 rf_normal_at( const RfScene* scene, const RfMaterial* material, uint32_t 
 // Is the surface cut out there?
 bool rf_is_cut_out( const RfScene* scene, const RfMaterial* material, uint32_t triangle, float u, float v );
 
+// The chance of a ray to meet the surface there, 0 to 1: all or nothing where
+// the material is masked, its alpha where it is blended.
+float rf_opacity_at( const RfScene* scene, const RfMaterial* material, uint32_t triangle, float u, float v );
+
 static inline bool rf_is_masked( const RfMaterial* m ) { return m->textured != NULL && m->textured->masked; }
+static inline bool rf_is_blended( const RfMaterial* m ) { return m->textured != NULL && m->textured->blended; }
 
 #endif

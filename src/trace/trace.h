@@ -18,6 +18,11 @@ RfResult rf_create_tracer( const RfScene* scene, RfTracer** tracer, RfError* err
 void rf_destroy_tracer( RfTracer* tracer );
 
 const RfScene* rf_tracer_scene( const RfTracer* tracer );
+// Does some surface let part of the light through (alpha blending)? Then
+// visibility is any number from 0 to 1.
+bool rf_tracer_is_blended( const RfTracer* tracer );
+// Has some material of it what hits must look up (RfMaterial.textured)?
+bool rf_tracer_is_textured( const RfTracer* tracer );
 // The lights of the scene, collected at creation (light/light.h).
 const RfLights* rf_tracer_lights( const RfTracer* tracer );
 // What the image depends on besides the scene: Embree's version and instruction set.
@@ -44,15 +49,18 @@ const RfTriangleRecord* rf_tracer_triangles( const RfTracer* tracer );
 
 // Nearest hits of `count` rays o + t d, t > 0: triangle index (RF_MISS where
 // there is none) and barycentrics. `coherent` is a hint for the traversal.
+// A blended surface is met with the chance of its alpha, which the bits of the
+// ray decide.
 void rf_trace_nearest( const RfTracer* tracer, int count, const float* const o[3], const float* const d[3],
                        bool coherent, uint32_t* triangle, float* u, float* v );
 
-// Are the segments from o to o + d free? 1 or 0 each.
+// The part of the light that gets through on the segments from o to o + d: 1
+// or 0, or between where blended surfaces are in the way.
 void rf_trace_segments( const RfTracer* tracer, int count, const float* const o[3], const float* const d[3],
-                        uint8_t* visible );
+                        float* visible );
 
 // Segments from one common origin to points, in packets (estimators.md 8):
-// tested where weight > 0, which becomes 0 where something is in the way.
+// tested where weight > 0, which is multiplied by the part that gets through.
 // Returns how many were tested.
 int rf_trace_from_origin( const RfTracer* tracer, RfVec3 origin, int count, const float* const point[3], float* weight );
 

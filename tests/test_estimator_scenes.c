@@ -1,6 +1,8 @@
-// Frame reuse is unbiased under skies and lamps without size, and where glass
-// and mirrors are seen: against independent references, over 16 seeds.
+// Frame reuse is unbiased under skies and lamps without size, where glass and
+// mirrors are seen, and where colours, roughness, normals, alpha and light come
+// from textures or are blended: against independent references, over 16 seeds.
 #include "scene_builder.h"
+#include "textured_room.h"
 #include "unbiased.h"
 
 #include <setjmp.h>
@@ -75,12 +77,26 @@ static void test_glass( void** state )
     check_scene( "glass, mirror", make_glass_room(), 1 );
 }
 
+static void test_textures( void** state )
+{
+    (void)state;
+    check_scene( "textures", make_textured_room(), 1 );
+}
+
+static void test_blending( void** state )
+{
+    (void)state;
+    check_scene( "blended", make_blended_room(), 1 );
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( test_skies ),
         cmocka_unit_test( test_lamps ),
         cmocka_unit_test( test_glass ),
+        cmocka_unit_test( test_textures ),
+        cmocka_unit_test( test_blending ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

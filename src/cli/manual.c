@@ -1,0 +1,96 @@
+#include "cli/manual.h"
+
+// Text as it is, whatever roff thinks of it.
+static void print_text( const char* text, FILE* file )
+{
+    if ( *text == '.' || *text == '\'' )
+        fputs( "\\&", file );
+    for ( const char* c = text; *c != '\0'; ++c )
+    {
+        if ( *c == '-' )
+            fputs( "\\-", file );
+        else if ( *c == '\\' )
+            fputs( "\\e", file );
+        else
+            fputc( *c, file );
+    }
+}
+
+void rf_print_manual_head( FILE* file )
+{
+    // without a date: equal sources make equal pages
+    fprintf( file, ".TH REFRAME 1 \"\" \"reframe %s\" \"User Commands\"\n", REFRAME_VERSION );
+    fputs( ".SH NAME\nreframe \\- renders camera animations with frame reuse\n"
+           ".SH SYNOPSIS\n.B reframe\n.I COMMAND\n[\\fIOPTIONS\\fR] \\fIFILES\\fR\n"
+           ".SH DESCRIPTION\n"
+           "Renders camera paths through glTF scenes to sequences of EXR files. Every light path serves all frames\n"
+           "of a group that see its first hit, combined by multiple importance sampling without bias.\n"
+           ".PP\n"
+           "Options may stand in any order; long ones take \\fB\\-\\-name value\\fR or \\fB\\-\\-name=value\\fR, those in\n"
+           "\\fB[no\\-]\\fR have a form with and one without it. In names of frames #### is the frame's number.\n",
+           file );
+}
+
+static void print_option( const char* usage, const RfOption* option, FILE* file )
+{
+    fputs( ".TP\n.B ", file );
+    print_text( usage, file );
+    fputc( '\n', file );
+    print_text( option->help, file );
+    if ( option->default_text != NULL )
+    {
+        fputs( " (default: ", file );
+        print_text( option->default_text, file );
+        fputc( ')', file );
+    }
+    fputc( '\n', file );
+}
+
+void rf_print_manual_section( const RfCommandTable* table, FILE* file )
+{
+    fprintf( file, ".SH \"reframe %s\"\n.B reframe %s\n[\\fIOPTIONS\\fR]", table->command, table->command );
+    for ( int i = 0; i < table->file_count; ++i )
+        fprintf( file, " \\fI%s\\fR", table->files[i] );
+    fputs( "\n.PP\n", file );
+    print_text( table->summary, file );
+    fputc( '\n', file );
+    for ( int i = 0; i < table->option_count; ++i )
+    {
+        char usage[128];
+        rf_format_option( table->options + i, usage, sizeof usage );
+        print_option( usage, table->options + i, file );
+    }
+}
+
+void rf_print_manual_tail( FILE* file )
+{
+    fputs( ".SH LAYERS\n"
+           "What \\fB\\-\\-aov\\fR adds to the files, as means over the pixel's own samples:\n"
+           ".TP\n.B albedo.R albedo.G albedo.B\n"
+           "what the surface reflects of light from straight above; 0 where nothing is\n"
+           ".TP\n.B normal.X normal.Y normal.Z\n"
+           "shading normal in world space, towards the camera; 0 where nothing is\n"
+           ".TP\n.B depth.Z\n"
+           "metres along the viewing direction, over the part of the pixel where something is; 1e10 where nothing is\n"
+           ".TP\n.B motion.X motion.Y motion.Z motion.W\n"
+           "pixels, +x right, +y up: X and Y from here to where the point is in the frame before, Z and W to where it\n"
+           "is in the next; 0 at the ends of the path and for what is behind the other camera. Blender's own passes have\n"
+           "X and Y alike, Z and W with the opposite sign\n"
+           ".TP\n.B variance.R variance.G variance.B\n"
+           "of the colour, estimated from the two halves of the samples: right in the mean, noisy in the pixel\n"
+           ".TP\n.B samples.Y\n"
+           "light paths that the pixel is made of, its own and those of other frames\n"
+           ".PP\nAlbedo and normal are 16-bit floats unless \\fB\\-\\-float\\fR is given, the others always 32-bit.\n"
+           ".SH \"EXIT STATUS\"\n"
+           "0: done. 1: it failed, with one line on standard error that says what, where and what to do.\n"
+           "2: the command line is wrong. 130: interrupted, with everything finished so far kept.\n"
+           ".SH EXAMPLES\n"
+           ".EX\n"
+           "reframe info scene.glb\n"
+           "reframe render scene.glb \\-o out/shot.####.exr \\-\\-size 960x540 \\-\\-spp 28\n"
+           "reframe render scene.glb \\-o out/shot.####.exr \\-\\-resume \\-\\-aov depth,motion\n"
+           "reframe compare out/shot.####.exr reference.####.exr\n"
+           "reframe png out/shot.0012.exr shot.png \\-\\-exposure 1\n"
+           ".EE\n",
+           file );
+}

@@ -1,0 +1,156 @@
+// Reading EXR files: images, channels, attributes.
+#include "image/atomic_file.h"
+#include "image/exr.h"
+#include "image/exr_channels.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static RfResult open_file( const char* path, RfExrStream* stream, RfError* error )
+{
+    // not to wait for ever at a pipe, which is refused below
+    *stream = ( RfExrStream ){ .path = path, .fd = open( path, O_RDONLY | O_CLOEXEC | O_NONBLOCK ) };
+    if ( stream->fd < 0 )
+        return rf_fail_io( path, "cannot be read", errno, error );
+    struct stat status;
+    if ( fstat( stream->fd, &status ) == 0 && S_ISREG( status.st_mode ) )
+        return RF_OK;
+    close( stream->fd );
+    return rf_fail( error, RF_ERROR_IO, "%s: is no regular file", path );
+}
+
+static void take_colour( void* user, int channel, int x, int y, const float* values, int count )
+{
+    RfImage* image = user;
+    float* out = image->rgb + 3 * ( (size_t)y * (size_t)image->width + (size_t)x ) + channel;
+    for ( int i = 0; i < count; ++i )
+        out[3 * i] = values[i];
+}
+
+static void spread_luminance( RfImage* image )
+{
+    size_t pixels = (size_t)image->width * (size_t)image->height;
+    for ( size_t i = 0; i < pixels; ++i )
+        image->rgb[3 * i + 1] = image->rgb[3 * i + 2] = image->rgb[3 * i];
+}
+
+RfResult rf_read_exr_stream( RfExrStream* stream, RfImage* image, RfError* error )
+{
+    *image = ( RfImage ){ 0 };
+    RfExrPart part;
+    RfResult result = rf_open_exr_part( stream, &part, error );
+    if ( result != RF_OK )
+        return result;
+    RfExrChannels channels;
+    result = rf_find_exr_channels( stream, part.channels, &channels, error );
+    if ( result == RF_OK )
+        result = rf_create_image( part.width, part.height, image, error );
+    if ( result == RF_OK )
+        result = rf_read_exr_lines( &part, channels.names, channels.count, take_colour, image, error );
+    if ( result == RF_OK && channels.count == 1 )
+        spread_luminance( image );
+    rf_close_exr_part( &part );
+    if ( result != RF_OK )
+        rf_destroy_image( image );
+    return result;
+}
+
+RfResult rf_read_exr( const char* path, RfImage* image, RfError* error )
+{
+    *image = ( RfImage ){ 0 };
+    RfExrStream stream;
+    RfResult result = open_file( path, &stream, error );
+    if ( result != RF_OK )
+        return result;
+    result = rf_read_exr_stream( &stream, image, error );
+    close( stream.fd );
+    return result;
+}
+
+typedef struct Interleaved
+{
+    float* values;
+    int width, channels;
+} Interleaved;
+
+static void take_channel( void* user, int channel, int x, int y, const float* values, int count )
+{
+    const Interleaved* to = user;
+    float* out = to->values + (size_t)to->channels * ( (size_t)y * (size_t)to->width + (size_t)x ) + channel;
+    for ( int i = 0; i < count; ++i )
+        out[(size_t)i * (size_t)to->channels] = values[i];
+}
+
+static RfResult read_channels( RfExrStream* stream, const char* const* names, int count, int* width, int* height,
+                               float** values, RfError* error )
+{
+    RfExrPart part;
+    RfResult result = rf_open_exr_part( stream, &part, error );
+    if ( result != RF_OK )
+        return result;
+    Interleaved to = { NULL, part.width, count };
+    to.values = malloc( (size_t)part.width * (size_t)part.height * (size_t)count * sizeof( float ) );
+    if ( to.values == NULL )
+        result = rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for %dx%d pixels", stream->path, part.width, part.height );
+    if ( result == RF_OK )
+        result = rf_read_exr_lines( &part, names, count, take_channel, &to, error );
+    rf_close_exr_part( &part );
+    if ( result != RF_OK )
+    {
+        free( to.values );
+        return result;
+    }
+    *width = part.width;
+    *height = part.height;
+    *values = to.values;
+    return RF_OK;
+}
+
+RfResult rf_read_exr_channels( const char* path, const char* const* names, int count, int* width, int* height,
+                               float** values, RfError* error )
+{
+    *values = NULL;
+    *width = *height = 0;
+    if ( count < 1 || count > RF_EXR_MAX_CHANNELS )
+        return rf_fail( error, RF_ERROR_USAGE, "%s: %d channels cannot be read: ask for 1 to %d", path, count,
+                        RF_EXR_MAX_CHANNELS );
+    RfExrStream stream;
+    RfResult result = open_file( path, &stream, error );
+    if ( result != RF_OK )
+        return result;
+    result = read_channels( &stream, names, count, width, height, values, error );
+    close( stream.fd );
+    return result;
+}
+
+RfResult rf_read_exr_string( const char* path, const char* name, char* value, size_t size, RfError* error )
+{
+    if ( size > 0 )
+        value[0] = 0;
+    RfExrStream stream;
+    RfResult result = open_file( path, &stream, error );
+    if ( result != RF_OK )
+        return result;
+    exr_context_t context = NULL;
+    exr_context_initializer_t initializer = rf_exr_initializer( &stream );
+    exr_result_t code = exr_start_read( &context, path, &initializer );
+    if ( code != EXR_ERR_SUCCESS )
+        result = rf_fail_exr( &stream, code, "is no EXR that can be read", error );
+    else
+    {
+        int32_t length = 0;
+        const char* text = NULL;
+        if ( exr_attr_get_string( context, 0, name, &length, &text ) != EXR_ERR_SUCCESS || text == NULL || length < 0 )
+            result = rf_fail( error, RF_ERROR_FORMAT, "%s: has no string attribute '%s'", path, name );
+        else if ( size > 0 )
+            snprintf( value, size, "%.*s", (int)length, text );
+        exr_finish( &context );
+    }
+    close( stream.fd );
+    return result;
+}

@@ -1,0 +1,131 @@
+// Frames of a render: their films from the first window that holds them to the
+// last, and then to the caller.
+#include "base/system.h"
+#include "reuse/render_internal.h"
+
+// Was the frame asked for? The frames are in ascending order.
+static bool asked_for( const RfRenderer* r, int frame )
+{
+    int low = 0, end = r->frame_count;
+    while ( low < end )
+    {
+        int middle = low + ( end - low ) / 2;
+        if ( r->frames[middle] == frame )
+            return true;
+        if ( r->frames[middle] < frame )
+            low = middle + 1;
+        else
+            end = middle;
+    }
+    return false;
+}
+
+// The slot that holds a frame's film, −1 for a free one; NULL where none does.
+static LiveFilm* find_film( const RfRenderer* r, int frame )
+{
+    for ( int i = 0; i < r->memory.film_slots; ++i )
+    {
+        if ( r->memory.films[i].frame == frame )
+            return r->memory.films + i;
+    }
+    return NULL;
+}
+
+void rf_open_films( RfRenderer* r, int window )
+{
+    RfWindow group = rf_window( &r->plan, window );
+    for ( int frame = group.first; frame < group.first + group.eyes; ++frame )
+    {
+        int first, last;
+        rf_windows_of_frame( &r->plan, frame, &first, &last );
+        if ( first != window || !asked_for( r, frame ) )
+            continue;
+        LiveFilm* live = find_film( r, -1 );
+        live->frame = frame;
+        rf_clear_film( &live->film );
+        rf_clear_layer_film( &live->layers, r->sizes.width, r->sizes.height );
+    }
+}
+
+static RfFilmCombine combine_of( RfNormalize normalize )
+{
+    switch ( normalize )
+    {
+        case RF_NORMALIZE_CROSSFIT: return RF_FILM_CROSSFIT;
+        case RF_NORMALIZE_RATIO: return RF_FILM_RATIO;
+        case RF_NORMALIZE_NONE: return RF_FILM_PLAIN;
+    }
+    return RF_FILM_CROSSFIT;
+}
+
+static RfResult finish_film( RfRenderer* r, LiveFilm* live, RfError* error )
+{
+    RfFilmCombine combine = combine_of( r->settings.normalize );
+    RfFrameBuffer* buffer = rf_next_frame_buffer( &r->delivery );
+    rf_combine_film( &live->film, combine, buffer->rgb, buffer->weight );
+    double now = rf_wall_seconds();
+    buffer->result = ( RfFrameResult ){
+        .frame = live->frame,
+        .width = r->sizes.width,
+        .height = r->sizes.height,
+        .rgb = buffer->rgb,
+        .weight = buffer->weight,
+        .seconds = now - r->last_frame,
+        .relmse_estimate = rf_estimate_relmse( &live->film, combine, buffer->rgb ),
+        .native_spp = rf_frame_passes( &r->plan, live->frame ),
+        .effective_spp = (double)live->film.landed / ( (double)r->sizes.width * (double)r->sizes.height ),
+    };
+    for ( int l = 0; l < RF_LAYER_COUNT; ++l )
+    {
+        buffer->result.layers[l] = buffer->layers[l];
+        if ( buffer->layers[l] != NULL )
+            rf_finish_layer( &live->layers, (RfLayer)l, &live->film, combine, buffer->layers[l] );
+    }
+    r->last_frame = now;
+    live->frame = -1;
+    r->frames_done += 1;
+    rf_deliver( &r->delivery );
+    return rf_check_delivery( &r->delivery, error );
+}
+
+RfResult rf_close_films( RfRenderer* r, int window, RfError* error )
+{
+    RfWindow group = rf_window( &r->plan, window );
+    for ( int frame = group.first; frame < group.first + group.eyes; ++frame )
+    {
+        int first, last;
+        rf_windows_of_frame( &r->plan, frame, &first, &last );
+        if ( last != window || !asked_for( r, frame ) )
+            continue;
+        RfResult result = finish_film( r, find_film( r, frame ), error );
+        if ( result != RF_OK )
+            return result;
+    }
+    return RF_OK;
+}
+
+bool rf_window_wanted( const RfRenderer* r, RfWindow window )
+{
+    bool wanted = false;
+    for ( int frame = window.first; frame < window.first + window.eyes && !wanted; ++frame )
+        wanted = asked_for( r, frame );
+    return wanted;
+}
+
+void rf_add_layers( const RfRenderer* r, const RfHarvest* harvest, const RfWindow* window, int eye,
+                    const RfHarvestScratch* scratch )
+{
+    int frame = harvest->first_frame + eye;
+    LiveFilm* live = find_film( r, frame );
+    if ( live == NULL )
+        return;
+    RfLayerJob job = {
+        .film = &live->layers,
+        .eye = r->eyes + frame,
+        .previous = frame > 0 ? r->eyes + frame - 1 : NULL,
+        .next = frame + 1 < r->plan.frames ? r->eyes + frame + 1 : NULL,
+        .weight = (float)window->weight,
+        .weight_before = (float)( live->film.weight[0] + live->film.weight[1] ),
+    };
+    rf_add_to_layers( &job, scratch );
+}

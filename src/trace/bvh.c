@@ -1,0 +1,123 @@
+#include "trace/bvh.h"
+
+#include "scene/textured.h"
+#include "trace/filter.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+// The two geometries.
+enum
+{
+    OPAQUE,
+    MASKED,
+};
+
+static bool has_filter( const RfMaterial* m ) { return rf_is_masked( m ) || rf_is_blended( m ); }
+
+// Masked and blended materials are a geometry of their own, so that all others go without
+// its filter: first the triangles without, then those with.
+static RfResult sort_masked( RfBvh* bvh, RfError* error )
+{
+    const RfScene* scene = bvh->scene;
+    const RfTriangles* t = &scene->triangles;
+    uint32_t masked = 0;
+    for ( uint32_t i = 0; i < t->count; ++i )
+    {
+        const RfMaterial* m = scene->materials + t->material[i];
+        masked += has_filter( m );
+        bvh->blended = bvh->blended || rf_is_blended( m );
+    }
+    bvh->masked_first = t->count - masked;
+    if ( masked == 0 )
+        return RF_OK;
+    bvh->order = malloc( (size_t)t->count * sizeof *bvh->order );
+    if ( bvh->order == NULL )
+        return rf_fail( error, RF_ERROR_MEMORY, "no memory for the order of %u triangles", t->count );
+    uint32_t next[2] = { 0, bvh->masked_first };
+    for ( uint32_t i = 0; i < t->count; ++i )
+        bvh->order[next[has_filter( scene->materials + t->material[i] )]++] = i;
+    return RF_OK;
+}
+
+// For both geometries. Embree may read 16 bytes at each vertex of 12.
+static RTCBuffer copy_positions( RTCDevice device, const RfTriangles* t )
+{
+    size_t bytes = (size_t)t->vertex_count * 12;
+    RTCBuffer buffer = rtcNewBuffer( device, bytes + 16 );
+    char* memory = buffer != NULL ? rtcGetBufferData( buffer ) : NULL;
+    if ( memory == NULL )
+        return buffer; // the device's error handler knows
+    if ( bytes > 0 )
+        memcpy( memory, t->positions, bytes );
+    memset( memory + bytes, 0, 16 );
+    return buffer;
+}
+
+static RTCGeometry make_geometry( RTCDevice device, const RfBvh* bvh, RTCBuffer positions, uint32_t first, uint32_t count )
+{
+    const RfTriangles* t = &bvh->scene->triangles;
+    RTCGeometry geometry = rtcNewGeometry( device, RTC_GEOMETRY_TYPE_TRIANGLE );
+    rtcSetGeometryBuffer( geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, positions, 0, 12, t->vertex_count );
+    if ( bvh->order == NULL )
+    {
+        rtcSetSharedGeometryBuffer( geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, t->indices, 0, 12, count );
+        return geometry;
+    }
+    uint32_t* indices = rtcSetNewGeometryBuffer( geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, count );
+    for ( uint32_t i = 0; indices != NULL && i < count; ++i )
+        memcpy( indices + 3 * (size_t)i, t->indices + 3 * (size_t)bvh->order[first + i], 12 );
+    return geometry;
+}
+
+static void attach( RTCDevice device, RfBvh* bvh, RTCBuffer positions, uint32_t first, uint32_t count, unsigned int id )
+{
+    if ( count == 0 )
+        return;
+    RTCGeometry geometry = make_geometry( device, bvh, positions, first, count );
+    if ( id == MASKED )
+    {
+        rtcSetGeometryUserData( geometry, bvh );
+        rtcSetGeometryIntersectFilterFunction( geometry, rf_filter_hits );
+        rtcSetGeometryOccludedFilterFunction( geometry, rf_filter_hits );
+    }
+    rtcCommitGeometry( geometry );
+    rtcAttachGeometryByID( bvh->embree_scene, geometry, id );
+    rtcReleaseGeometry( geometry );
+}
+
+// Build quality MEDIUM with ROBUST is deterministic over threads; HIGH is not.
+RfResult rf_build_bvh( RTCDevice device, const RfScene* scene, RfBvh* bvh, RfError* error )
+{
+    *bvh = ( RfBvh ){ .scene = scene };
+    RfResult result = sort_masked( bvh, error );
+    if ( result != RF_OK )
+        return result;
+    bvh->embree_scene = rtcNewScene( device );
+    rtcSetSceneBuildQuality( bvh->embree_scene, RTC_BUILD_QUALITY_MEDIUM );
+    rtcSetSceneFlags( bvh->embree_scene, RTC_SCENE_FLAG_ROBUST );
+    RTCBuffer positions = copy_positions( device, &scene->triangles );
+    attach( device, bvh, positions, 0, bvh->masked_first, OPAQUE );
+    attach( device, bvh, positions, bvh->masked_first, scene->triangles.count - bvh->masked_first, MASKED );
+    if ( positions != NULL )
+        rtcReleaseBuffer( positions );
+    rtcCommitScene( bvh->embree_scene );
+    return RF_OK;
+}
+
+void rf_restore_order( const RfBvh* bvh, int count, const unsigned int* geometry, uint32_t* triangle )
+{
+    for ( int i = 0; i < count; ++i )
+    {
+        if ( geometry[i] != RTC_INVALID_GEOMETRY_ID )
+            triangle[i] = bvh->order[triangle[i] + ( geometry[i] == MASKED ? bvh->masked_first : 0 )];
+    }
+}
+
+void rf_destroy_bvh( RfBvh* bvh )
+{
+    if ( bvh->embree_scene != NULL )
+        rtcReleaseScene( bvh->embree_scene );
+    free( bvh->order );
+    *bvh = ( RfBvh ){ 0 };
+}
