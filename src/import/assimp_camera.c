@@ -142,10 +142,13 @@ static void set_light_color( RfModelLight* light, const struct aiColor3D* color 
         light->color[i] = most > 0.0f ? values[i] / most : 0.0f;
 }
 
-// Both formats say the whole angle of a cone, glTF half of it.
-static void set_cone( RfModelLight* light, const struct aiLight* from )
+// Both formats say the whole angle of a cone, glTF half of it. Collada has one
+// angle only, which assimp gives as the inner one; its outer one is made up.
+static void set_cone( RfModelLight* light, const struct aiLight* from, RfSourceFormat format )
 {
     float outer = 0.5f * from->mAngleOuterCone, inner = 0.5f * from->mAngleInnerCone;
+    if ( format == RF_SOURCE_COLLADA )
+        outer = inner;
     if ( !( outer > 1e-3f ) || outer > 1.5707963f )
         outer = outer > 1.5707963f ? 1.5707963f : 0.7853982f;
     if ( !( inner >= 0.0f ) || inner >= outer )
@@ -169,7 +172,7 @@ static bool take_light( RfImport* import, const struct aiLight* from )
         return false;
     set_light_color( &light, &from->mColorDiffuse );
     if ( light.kind == RF_MODEL_SPOT )
-        set_cone( &light, from );
+        set_cone( &light, from, import->format );
     light.node = rf_import_add_node( import, &from->mName, find_node( model, from->mName.data ), &matrix );
     if ( light.node < 0 )
         return false;

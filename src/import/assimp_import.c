@@ -56,6 +56,21 @@ static RfResult fail_import( const char* reason, RfError* error )
                     *reason != 0 ? reason : "the importer does not say why" );
 }
 
+// assimp turns Collada files upright, FBX files it only tells about.
+static void warn_of_up_axis( RfImport* import )
+{
+    const struct aiMetadata* data = import->scene->mMetaData;
+    for ( unsigned i = 0; data != NULL && import->format == RF_SOURCE_FBX && i < data->mNumProperties; ++i )
+    {
+        const struct aiMetadataEntry* entry = data->mValues + i;
+        int axis = 1;
+        if ( strcmp( data->mKeys[i].data, "UpAxis" ) == 0 && entry->mType == AI_INT32 && entry->mData != NULL )
+            memcpy( &axis, entry->mData, sizeof axis );
+        if ( axis == 2 )
+            rf_warn( import->log, "its z points up: unless given already, give --up z" );
+    }
+}
+
 static RfResult take_all( RfImport* import, RfError* error )
 {
     RfResult result = rf_import_materials( import, error );
@@ -67,6 +82,7 @@ static RfResult take_all( RfImport* import, RfError* error )
         return result;
     rf_import_cameras( import );
     rf_import_lights( import );
+    warn_of_up_axis( import );
     if ( import->scene->mNumAnimations > 0 )
         rf_warn( import->log, "%u animations are left out: only what stands still is converted", import->scene->mNumAnimations );
     if ( import->model->mesh_count == 0 )
