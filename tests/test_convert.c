@@ -6,6 +6,7 @@
 #include "convert/glb_write.h"
 #include "convert/run_importer.h"
 #include "scene/gltf.h"
+#include "scene/textured.h"
 
 #include <errno.h>
 #include <math.h>
@@ -269,6 +270,18 @@ static void test_missing_texture( void** state )
     cli_expect( cli_run( "$R convert a.obj a.glb --overwrite" ), 0, "texture 'gone/wall.png': is neither PNG nor JPEG" );
 }
 
+static void test_vertex_colors( void** state )
+{
+    (void)state;
+    write_text( "a.obj", "v 0 0 0 1 0.5 0\nv 1 0 0 1 0.5 0\nv 0 1 0 1 0.5 0\nf 1 2 3\n" );
+    cli_expect( cli_run( "$R convert a.obj a.glb --quiet" ), 0, NULL );
+    RfScene scene = load( "a.glb" );
+    assert_non_null( scene.triangles.colors );
+    assert_point( scene.triangles.colors, 1, 0.214041, 0 ); // linear
+    assert_true( near( scene.materials->textured->factors.base[0], 1 ) ); // and not darkened by assimp's grey
+    rf_destroy_scene( &scene );
+}
+
 // Files that hang assimp 5.2.5, crash it and make it take all memory.
 #define PLY_HEAD "ply\nformat ascii 1.0\n"
 #define PLY_VERTICES "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
@@ -401,6 +414,7 @@ int main( void )
         TEST( test_obj ),          TEST( test_placement ),   TEST( test_collada ),
         TEST( test_refusals ),     TEST( test_missing_texture ), TEST( test_bad_importer ),
         TEST( test_interrupt ),    TEST( test_no_process_left ), TEST( test_writer_refuses ),
+        TEST( test_vertex_colors ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -43,9 +43,12 @@ RfResult rf_find_importer( char* path, size_t size, RfError* error )
         slash[1] = 0;
     for ( size_t i = 0; i < sizeof folders / sizeof folders[0]; ++i )
     {
-        int needed = snprintf( path, size, "%s%sreframe-import", self, folders[i] );
-        if ( needed > 0 && (size_t)needed < size && access( path, X_OK ) == 0 )
-            return RF_OK;
+        char found[8192];
+        int length_found = snprintf( found, sizeof found, "%s%sreframe-import", self, folders[i] );
+        if ( (size_t)length_found >= size || access( found, X_OK ) != 0 )
+            continue;
+        memcpy( path, found, (size_t)length_found + 1 );
+        return RF_OK;
     }
     return rf_fail( error, RF_ERROR_IO, "reframe-import: is neither in %s nor in ../libexec/reframe: install reframe with it",
                     self );

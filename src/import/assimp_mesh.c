@@ -1,5 +1,7 @@
 #include "import/assimp_import.h"
 
+#include <assimp/material.h>
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -73,6 +75,15 @@ static bool has_texture( const RfModel* model, int material )
     return m->base_color_image >= 0 || m->normal_image >= 0 || m->emissive_image >= 0;
 }
 
+// The grey that assimp makes up where a file has no material would darken the
+// colours at the vertices, which multiply it.
+static void whiten_default( RfModel* model, int material )
+{
+    RfModelMaterial* m = material >= 0 ? model->materials + material : NULL;
+    if ( m != NULL && m->name != NULL && strcmp( m->name, AI_DEFAULT_MATERIAL_NAME ) == 0 )
+        m->base_color[0] = m->base_color[1] = m->base_color[2] = 1.0f;
+}
+
 static bool take_mesh( RfImport* import, const struct aiMesh* from, RfModelMesh* mesh )
 {
     uint32_t count = from->mNumVertices;
@@ -105,7 +116,10 @@ static bool take_mesh( RfImport* import, const struct aiMesh* from, RfModelMesh*
     if ( good && from->mTextureCoords[0] == NULL && textured )
         rf_warn( import->log, "mesh '%s': has a texture and no texture coordinates: it gets one colour", from->mName.data );
     if ( good && from->mColors[0] != NULL )
+    {
         good = ( mesh->colors = copy_colors( from, count, import->format ) ) != NULL;
+        whiten_default( import->model, mesh->material );
+    }
     return good;
 }
 

@@ -85,7 +85,7 @@ int main( int argc, char** argv )
     }
     set_limits( strtoull( argv[2], NULL, 10 ), strtoull( argv[3], NULL, 10 ) );
     // what assimp may print does not get into the result
-    RfAtomicFile out = { .path = "the result", .fd = dup( 1 ), .folder = -1 };
+    RfAtomicFile out = { .path = "its .glb", .fd = dup( 1 ), .folder = -1 };
     int nothing = open( "/dev/null", O_WRONLY );
     if ( out.fd < 0 || nothing < 0 || dup2( nothing, 1 ) < 0 )
         return 1;
