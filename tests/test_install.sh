@@ -28,6 +28,10 @@ for command in $("$prefix/bin/reframe" --help | sed -n 's/^  \([a-z]\{1,\}\)  .*
 done
 [ "$count" -gt 20 ]
 
+step="converting by the installed importer"
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' >"$folder/a.obj"
+"$prefix/bin/reframe" convert "$folder/a.obj" "$folder/a.glb" | grep -q '1 triangles'
+
 step="compiling every header by itself"
 export PKG_CONFIG_PATH=$(dirname "$(find "$prefix" -name reframe.pc)")
 for header in $(cd "$prefix/include/reframe" && find . -name '*.h'); do

@@ -37,6 +37,11 @@ install(FILES ${PROJECT_BINARY_DIR}/reframe.1 DESTINATION ${CMAKE_INSTALL_MANDIR
 file(RELATIVE_PATH lib_from_bin ${CMAKE_INSTALL_FULL_BINDIR} ${CMAKE_INSTALL_FULL_LIBDIR})
 set_target_properties(reframe PROPERTIES INSTALL_RPATH "$ORIGIN/${lib_from_bin}")
 install(TARGETS reframe RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+
+# A program of the program: `reframe convert` looks for it relative to itself.
+file(RELATIVE_PATH lib_from_import ${CMAKE_INSTALL_FULL_LIBEXECDIR}/reframe ${CMAKE_INSTALL_FULL_LIBDIR})
+set_target_properties(reframe_import PROPERTIES INSTALL_RPATH "$ORIGIN/${lib_from_import}")
+install(TARGETS reframe_import RUNTIME DESTINATION ${CMAKE_INSTALL_LIBEXECDIR}/reframe)
 install(TARGETS libreframe EXPORT reframeTargets
   LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})

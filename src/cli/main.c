@@ -21,6 +21,7 @@ static const Command s_commands[] = {
     { "info", rf_command_info, "what is in a scene, and which effects it calls for" },
     { "compare", rf_command_compare, "the error of images against references" },
     { "png", rf_command_png, "an EXR file as PNG, to look at" },
+    { "convert", rf_command_convert, "OBJ, PLY, FBX or Collada as .glb" },
 };
 
 #define COMMAND_COUNT ( (int)( sizeof s_commands / sizeof s_commands[0] ) )

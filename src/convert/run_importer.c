@@ -1,0 +1,206 @@
+#include "convert/run_importer.h"
+
+#include "base/system.h"
+#include "image/atomic_file.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/types.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#define EXPORT_INSTEAD "export it as glTF (.glb) from the program it came from"
+
+// What the importer says, on its standard error, a line each: "warning: …",
+// "error: …" and at the end "counts: …". More than this is read and forgotten.
+typedef struct Talk
+{
+    char text[32768];
+    size_t size;
+} Talk;
+
+typedef enum End
+{
+    END_EXIT,
+    END_TIMEOUT,
+    END_INTERRUPT,
+} End;
+
+RfResult rf_find_importer( char* path, size_t size, RfError* error )
+{
+    static const char* const folders[] = { "", "../libexec/reframe/", "../lib/reframe/" };
+    char self[4096];
+    ssize_t length = readlink( "/proc/self/exe", self, sizeof self - 1 );
+    if ( length <= 0 )
+        return rf_fail( error, RF_ERROR_IO, "reframe-import: cannot be looked for: /proc is not there: mount it" );
+    self[length] = 0;
+    char* slash = strrchr( self, '/' );
+    if ( slash != NULL )
+        slash[1] = 0;
+    for ( size_t i = 0; i < sizeof folders / sizeof folders[0]; ++i )
+    {
+        char found[8192];
+        int length_found = snprintf( found, sizeof found, "%s%sreframe-import", self, folders[i] );
+        if ( (size_t)length_found >= size || access( found, X_OK ) != 0 )
+            continue;
+        memcpy( path, found, (size_t)length_found + 1 );
+        return RF_OK;
+    }
+    return rf_fail( error, RF_ERROR_IO, "reframe-import: is neither in %s nor in ../libexec/reframe: install reframe with it",
+                    self );
+}
+
+// In the child. The result goes into the open file by standard output, so that
+// the importer needs no name to write to. Only calls that are safe after fork.
+static void become_importer( const RfImporterRun* run, int out, int talk, char* const* arguments )
+{
+    int nothing = open( "/dev/null", O_RDONLY );
+    signal( SIGXFSZ, SIG_IGN );
+    if ( nothing >= 0 && dup2( nothing, 0 ) >= 0 && dup2( out, 1 ) >= 0 && dup2( talk, 2 ) >= 0 )
+        execv( run->program, arguments );
+    _exit( 127 );
+}
+
+static RfResult start( const RfImporterRun* run, int out, pid_t* child, int* talk, RfError* error )
+{
+    char memory[32], seconds[32], scale[32];
+    snprintf( memory, sizeof memory, "%zu", run->memory );
+    snprintf( seconds, sizeof seconds, "%.0f", run->seconds < 1.0 ? 1.0 : run->seconds );
+    // the bits of the number: no locale and no rounding in between
+    unsigned long long bits;
+    memcpy( &bits, &run->scale, sizeof bits );
+    snprintf( scale, sizeof scale, "%llx", bits );
+    char* arguments[] = { "reframe-import", (char*)run->source, memory, seconds, run->z_up ? "z" : "y", scale, NULL };
+    int ends[2];
+    if ( pipe( ends ) != 0 )
+        return rf_fail( error, RF_ERROR_IO, "%s: the importer cannot be started: %s", run->source, strerror( errno ) );
+    fcntl( ends[0], F_SETFD, FD_CLOEXEC );
+    fcntl( ends[1], F_SETFD, FD_CLOEXEC );
+    *child = fork();
+    if ( *child == 0 )
+        become_importer( run, out, ends[1], arguments );
+    int failure = errno;
+    close( ends[1] );
+    *talk = ends[0];
+    if ( *child > 0 )
+        return RF_OK;
+    close( ends[0] );
+    return rf_fail( error, RF_ERROR_IO, "%s: the importer cannot be started: %s", run->source, strerror( failure ) );
+}
+
+// Reads what is there; false at the end.
+static bool listen_once( int fd, Talk* talk )
+{
+    char bytes[4096];
+    ssize_t count = read( fd, bytes, sizeof bytes );
+    if ( count < 0 )
+        return errno == EINTR || errno == EAGAIN;
+    size_t room = sizeof talk->text - 1 - talk->size, taken = (size_t)count < room ? (size_t)count : room;
+    memcpy( talk->text + talk->size, bytes, taken );
+    talk->size += taken;
+    return count > 0;
+}
+
+// Waits for the end and brings it about where it does not come.
+static End wait_for( const RfImporterRun* run, pid_t child, int fd, Talk* talk, int* status )
+{
+    double deadline = rf_wall_seconds() + run->seconds;
+    End end = END_EXIT;
+    bool open = true;
+    for ( ;; )
+    {
+        struct pollfd poll_fd = { .fd = open ? fd : -1, .events = POLLIN };
+        if ( poll( &poll_fd, 1, 20 ) > 0 )
+            open = listen_once( fd, talk );
+        pid_t ended = waitpid( child, status, WNOHANG );
+        if ( ended == child || ( ended < 0 && errno != EINTR ) )
+            break;
+        if ( end != END_EXIT )
+            continue; // killed already
+        if ( run->is_interrupted != NULL && run->is_interrupted() )
+            end = END_INTERRUPT;
+        else if ( rf_wall_seconds() > deadline )
+            end = END_TIMEOUT;
+        if ( end != END_EXIT )
+            kill( child, SIGKILL );
+    }
+    fcntl( fd, F_SETFL, O_NONBLOCK );
+    struct pollfd rest = { .fd = fd, .events = POLLIN };
+    while ( open && poll( &rest, 1, 0 ) > 0 )
+        open = listen_once( fd, talk );
+    return end;
+}
+
+// Sends the warnings to the log; returns the error line, or NULL.
+static const char* read_talk( Talk* talk, RfModelCounts* counts, RfLog* log )
+{
+    const char* failure = NULL;
+    talk->text[talk->size] = 0;
+    char* rest = talk->text;
+    for ( char* line = strtok_r( rest, "\n", &rest ); line != NULL; line = strtok_r( NULL, "\n", &rest ) )
+    {
+        if ( strncmp( line, "warning: ", 9 ) == 0 )
+            rf_warn( log, "%s", line + 9 );
+        else if ( strncmp( line, "error: ", 7 ) == 0 )
+            failure = line + 7;
+        else if ( strncmp( line, "counts: ", 8 ) == 0 )
+            (void)sscanf( line + 8, "%llu %d %d %d %d %d %d", &counts->triangles, &counts->meshes, &counts->nodes,
+                          &counts->materials, &counts->images, &counts->cameras, &counts->lights );
+    }
+    return failure;
+}
+
+static RfResult judge( const RfImporterRun* run, End end, int status, bool no_memory, const char* failure, RfError* error )
+{
+    const char* source = run->source;
+    if ( end == END_INTERRUPT )
+        return rf_fail( error, RF_ERROR_INTERRUPTED, "%s: interrupted", source );
+    bool signalled = WIFSIGNALED( status );
+    if ( end == END_TIMEOUT || ( signalled && WTERMSIG( status ) == SIGXCPU ) )
+        return rf_fail( error, RF_ERROR_FORMAT,
+                        "%s: the importer had not finished after %g s: give it more by --timeout, or " EXPORT_INSTEAD, source,
+                        run->seconds );
+    if ( no_memory )
+        return rf_fail( error, RF_ERROR_MEMORY,
+                        "%s: the importer needs more than %zu MiB of memory: give it more by --memory, or " EXPORT_INSTEAD,
+                        source, run->memory >> 20 );
+    if ( signalled )
+        return rf_fail( error, RF_ERROR_FORMAT, "%s: the importer crashed on it (%s): " EXPORT_INSTEAD, source,
+                        strsignal( WTERMSIG( status ) ) );
+    if ( WEXITSTATUS( status ) == 0 )
+        return RF_OK;
+    if ( WEXITSTATUS( status ) == 127 )
+        return rf_fail( error, RF_ERROR_IO, "%s: cannot be started: reinstall reframe", run->program );
+    return rf_fail( error, RF_ERROR_FORMAT, "%s: %s", source,
+                    failure != NULL ? failure : "the importer failed on it: " EXPORT_INSTEAD );
+}
+
+RfResult rf_run_importer( const RfImporterRun* run, RfModelCounts* counts, RfLog* log, RfError* error )
+{
+    *counts = ( RfModelCounts ){ 0 };
+    RfAtomicFile file;
+    RfResult result = rf_open_atomic_file( run->target, &file, error );
+    if ( result != RF_OK )
+        return result;
+    pid_t child = -1;
+    int fd = -1, status = 0;
+    result = start( run, file.fd, &child, &fd, error );
+    if ( result == RF_OK )
+    {
+        Talk talk = { .size = 0 };
+        End end = wait_for( run, child, fd, &talk, &status );
+        close( fd );
+        talk.text[talk.size] = 0;
+        bool no_memory = strstr( talk.text, "bad_alloc" ) != NULL || strstr( talk.text, "out of memory" ) != NULL;
+        const char* failure = read_talk( &talk, counts, log );
+        result = judge( run, end, status, no_memory, failure, error );
+    }
+    if ( result == RF_OK )
+        return rf_commit_atomic_file( &file, error );
+    rf_discard_atomic_file( &file );
+    return result;
+}

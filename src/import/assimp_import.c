@@ -1,0 +1,107 @@
+#include "import/assimp_import.h"
+
+#include <assimp/cimport.h>
+#include <assimp/config.h>
+#include <assimp/postprocess.h>
+
+#include <ctype.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+static RfSourceFormat format_of( const char* path )
+{
+    const char* dot = strrchr( path, '.' );
+    if ( dot == NULL )
+        return RF_SOURCE_OTHER;
+    static const struct
+    {
+        const char* ending;
+        RfSourceFormat format;
+    } all[] = { { ".obj", RF_SOURCE_OBJ }, { ".ply", RF_SOURCE_PLY }, { ".dae", RF_SOURCE_COLLADA },
+                { ".zae", RF_SOURCE_COLLADA }, { ".fbx", RF_SOURCE_FBX } };
+    for ( size_t i = 0; i < sizeof all / sizeof all[0]; ++i )
+    {
+        if ( strcasecmp( dot, all[i].ending ) == 0 )
+            return all[i].format;
+    }
+    return RF_SOURCE_OTHER;
+}
+
+char* rf_import_text( const struct aiString* text )
+{
+    return text->length > 0 ? strdup( text->data ) : NULL;
+}
+
+// Triangles in metres; points and lines in meshes of their own, to be counted
+// and left out. FBX pivots are folded into one node each.
+static const struct aiScene* read_file( const char* path )
+{
+    struct aiPropertyStore* store = aiCreatePropertyStore();
+    if ( store == NULL )
+        return NULL;
+    aiSetImportPropertyInteger( store, AI_CONFIG_IMPORT_FBX_PRESERVE_PIVOTS, 0 );
+    const struct aiScene* scene = aiImportFileExWithProperties(
+        path, aiProcess_Triangulate | aiProcess_JoinIdenticalVertices | aiProcess_SortByPType | aiProcess_GlobalScale, NULL,
+        store );
+    aiReleasePropertyStore( store );
+    return scene;
+}
+
+static RfResult fail_import( const char* reason, RfError* error )
+{
+    if ( strstr( reason, "No suitable reader" ) != NULL )
+        return rf_fail( error, RF_ERROR_UNSUPPORTED, "is of no format known here: OBJ, PLY, FBX and Collada are converted" );
+    return rf_fail( error, RF_ERROR_FORMAT, "cannot be read (%s): export it as glTF (.glb) from the program it came from",
+                    *reason != 0 ? reason : "the importer does not say why" );
+}
+
+// assimp turns Collada files upright, FBX files it only tells about.
+static void warn_of_up_axis( RfImport* import )
+{
+    const struct aiMetadata* data = import->scene->mMetaData;
+    for ( unsigned i = 0; data != NULL && import->format == RF_SOURCE_FBX && i < data->mNumProperties; ++i )
+    {
+        const struct aiMetadataEntry* entry = data->mValues + i;
+        int axis = 1;
+        if ( strcmp( data->mKeys[i].data, "UpAxis" ) == 0 && entry->mType == AI_INT32 && entry->mData != NULL )
+            memcpy( &axis, entry->mData, sizeof axis );
+        if ( axis == 2 )
+            rf_warn( import->log, "its z points up: unless given already, give --up z" );
+    }
+}
+
+static RfResult take_all( RfImport* import, RfError* error )
+{
+    RfResult result = rf_import_materials( import, error );
+    if ( result == RF_OK )
+        result = rf_import_meshes( import, error );
+    if ( result == RF_OK )
+        result = rf_import_nodes( import, error );
+    if ( result != RF_OK )
+        return result;
+    rf_import_cameras( import );
+    rf_import_lights( import );
+    warn_of_up_axis( import );
+    if ( import->scene->mNumAnimations > 0 )
+        rf_warn( import->log, "%u animations are left out: only what stands still is converted", import->scene->mNumAnimations );
+    if ( import->model->mesh_count == 0 )
+        return rf_fail( error, RF_ERROR_SCENE, "has no triangles: nothing to convert" );
+    return RF_OK;
+}
+
+RfResult rf_import_by_assimp( const char* path, RfModel* model, RfLog* log, RfError* error )
+{
+    RfImport import = { .path = path, .format = format_of( path ), .model = model, .log = log };
+    import.scene = read_file( path );
+    if ( import.scene == NULL )
+        return fail_import( aiGetErrorString(), error );
+    if ( import.scene->mRootNode == NULL )
+        return fail_import( "it is empty", error );
+    import.meshes = malloc( ( (size_t)import.scene->mNumMeshes + 1 ) * sizeof *import.meshes );
+    RfResult result = import.meshes == NULL ? rf_fail( error, RF_ERROR_MEMORY, RF_IMPORT_MEMORY ) : take_all( &import, error );
+    free( import.meshes );
+    free( import.image_names );
+    aiReleaseImport( import.scene );
+    return result;
+}

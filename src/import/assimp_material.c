@@ -1,0 +1,209 @@
+// Materials of other formats in glTF's terms. Most are Phong's: a diffuse
+// colour, a specular colour and an exponent.
+#include "import/assimp_import.h"
+
+#include <assimp/ObjMaterial.h>
+#include <assimp/material.h>
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct RfPhong
+{
+    float diffuse[3], specular[3], emission[3], filter[3];
+    float exponent, opacity, ior;
+    bool has_specular;
+    int illumination; // OBJ's "illum", −1 elsewhere
+} RfPhong;
+
+static float clamp01( float value )
+{
+    return value > 0.0f ? value < 1.0f ? value : 1.0f : 0.0f; // 0 for NaN
+}
+
+static bool get_color( const struct aiMaterial* from, const char* key, float* out )
+{
+    struct aiColor4D c;
+    if ( aiGetMaterialColor( from, key, 0, 0, &c ) != aiReturn_SUCCESS )
+        return false;
+    out[0] = c.r;
+    out[1] = c.g;
+    out[2] = c.b;
+    return true;
+}
+
+static float get_float( const struct aiMaterial* from, const char* key, float otherwise )
+{
+    float value;
+    bool is_there = aiGetMaterialFloatArray( from, key, 0, 0, &value, NULL ) == aiReturn_SUCCESS;
+    return is_there && isfinite( value ) ? value : otherwise;
+}
+
+static int get_int( const struct aiMaterial* from, const char* key, int otherwise )
+{
+    int value;
+    return aiGetMaterialIntegerArray( from, key, 0, 0, &value, NULL ) == aiReturn_SUCCESS ? value : otherwise;
+}
+
+static RfPhong read_phong( const RfImport* import, const struct aiMaterial* from )
+{
+    RfPhong p = { .diffuse = { 0.8f, 0.8f, 0.8f }, .filter = { 1, 1, 1 }, .illumination = -1 };
+    get_color( from, "$clr.diffuse", p.diffuse );
+    get_color( from, "$clr.base", p.diffuse );
+    p.has_specular = get_color( from, "$clr.specular", p.specular );
+    get_color( from, "$clr.emissive", p.emission );
+    get_color( from, "$clr.transparent", p.filter );
+    p.exponent = get_float( from, "$mat.shininess", 0 );
+    p.opacity = get_float( from, "$mat.opacity", 1 );
+    p.ior = get_float( from, "$mat.refracti", 1 );
+    float strength = get_float( from, "$mat.emissiveIntensity", 1 );
+    for ( int i = 0; i < 3; ++i )
+        p.emission[i] = p.emission[i] * strength > 0.0f && isfinite( p.emission[i] * strength ) ? p.emission[i] * strength : 0.0f;
+    if ( import->format == RF_SOURCE_OBJ )
+        p.illumination = get_int( from, "$mat.illum", -1 );
+    return p;
+}
+
+static float largest( const float* color )
+{
+    return fmaxf( color[0], fmaxf( color[1], color[2] ) );
+}
+
+// Phong's cosⁿ lobe is about as wide as a GGX one of alpha = √(2 / (n + 2)),
+// and glTF's roughness is √alpha. Without a specular colour nothing shines.
+// A specular colour of 0.5 is the 4 % of plastic and glass, where exporters put
+// it; a bright one over black is a metal.
+static void set_surface( RfModelMaterial* m, const RfPhong* p )
+{
+    float shine = clamp01( largest( p->specular ) );
+    m->roughness = clamp01( powf( 2.0f / ( fmaxf( p->exponent, 0.0f ) + 2.0f ), 0.25f ) );
+    m->specular = clamp01( 2.0f * shine );
+    m->metallic = 0.0f;
+    const float* base = p->diffuse;
+    if ( shine == 0.0f )
+        m->roughness = 1.0f;
+    else if ( shine >= 0.25f && largest( p->diffuse ) <= 0.0f )
+    {
+        base = p->specular;
+        m->metallic = 1.0f;
+        m->specular = 1.0f;
+    }
+    for ( int i = 0; i < 3; ++i )
+        m->base_color[i] = clamp01( base[i] );
+}
+
+// OBJ's illumination models 4, 6, 7 and 9 are glass, coloured by Tf.
+static bool set_glass( RfModelMaterial* m, const RfPhong* p )
+{
+    int i = p->illumination;
+    if ( i != 4 && i != 6 && i != 7 && i != 9 )
+        return false;
+    m->transmission = 1.0f;
+    m->metallic = m->roughness = 0.0f;
+    m->specular = 1.0f;
+    for ( int k = 0; k < 3; ++k )
+        m->base_color[k] = clamp01( p->filter[k] );
+    return true;
+}
+
+static void set_opacity( RfImport* import, RfModelMaterial* m, const RfPhong* p )
+{
+    float opacity = clamp01( p->opacity );
+    if ( opacity == 0.0f )
+    {
+        // exporters that disagree on which end is clear; nobody models what cannot be seen
+        rf_warn( import->log, "material '%s': has opacity 0: it is taken as opaque", m->name != NULL ? m->name : "" );
+        opacity = 1.0f;
+    }
+    m->base_color[3] = opacity;
+    if ( opacity < 1.0f )
+        m->alpha_mode = RF_MODEL_BLEND;
+}
+
+// The numbers of physically based materials, where the file has them (MTL's Pr
+// and Pm, newer FBX), go before what is guessed from Phong's.
+static void set_physical( RfModelMaterial* m, const struct aiMaterial* from, bool obj )
+{
+    float roughness = get_float( from, "$mat.roughnessFactor", -1 ), metallic = get_float( from, "$mat.metallicFactor", -1 );
+    // assimp gives an MTL without them zeros
+    bool given = !obj || roughness > 0.0f || metallic > 0.0f;
+    if ( given && ( roughness >= 0.0f || metallic >= 0.0f ) )
+        m->specular = 1.0f;
+    if ( given && roughness >= 0.0f )
+        m->roughness = clamp01( roughness );
+    if ( given && metallic >= 0.0f )
+        m->metallic = clamp01( metallic );
+}
+
+// The first texture of a kind, by its name in the file; false where there is none.
+static bool get_texture( const struct aiMaterial* from, enum aiTextureType type, struct aiString* name )
+{
+    return aiGetMaterialTextureCount( from, type ) > 0 &&
+           aiGetMaterialTexture( from, type, 0, name, NULL, NULL, NULL, NULL, NULL, NULL ) == aiReturn_SUCCESS &&
+           name->length > 0;
+}
+
+static int take_texture( RfImport* import, const struct aiMaterial* from, enum aiTextureType type )
+{
+    struct aiString name;
+    return get_texture( from, type, &name ) ? rf_import_image( import, name.data ) : -1;
+}
+
+static void set_textures( RfImport* import, RfModelMaterial* m, const struct aiMaterial* from )
+{
+    struct aiString name, opacity;
+    const char* called = m->name != NULL ? m->name : "";
+    m->base_color_image = take_texture( import, from, aiTextureType_DIFFUSE );
+    if ( m->base_color_image < 0 )
+        m->base_color_image = take_texture( import, from, aiTextureType_BASE_COLOR );
+    m->normal_image = take_texture( import, from, aiTextureType_NORMALS );
+    m->emissive_image = take_texture( import, from, aiTextureType_EMISSIVE );
+    if ( m->emissive_image >= 0 && largest( m->emission ) == 0.0f )
+        m->emission[0] = m->emission[1] = m->emission[2] = 1.0f;
+    if ( get_texture( from, aiTextureType_OPACITY, &opacity ) )
+    {
+        bool same = get_texture( from, aiTextureType_DIFFUSE, &name ) && strcmp( name.data, opacity.data ) == 0;
+        if ( same && m->base_color_image >= 0 )
+            m->alpha_mode = RF_MODEL_BLEND; // the alpha of the colour's own image
+        else
+            rf_warn( import->log, "material '%s': its opacity texture is left out: put it into the colour's alpha", called );
+    }
+    if ( get_texture( from, aiTextureType_HEIGHT, &name ) )
+        rf_warn( import->log, "material '%s': its bump map is left out: only normal maps are taken", called );
+    if ( get_texture( from, aiTextureType_SPECULAR, &name ) || get_texture( from, aiTextureType_SHININESS, &name ) )
+        rf_warn( import->log, "material '%s': its specular textures are left out", called );
+}
+
+static void take_material( RfImport* import, const struct aiMaterial* from, RfModelMaterial* m )
+{
+    struct aiString name;
+    *m = rf_default_model_material();
+    if ( aiGetMaterialString( from, AI_MATKEY_NAME, &name ) == aiReturn_SUCCESS )
+        m->name = rf_import_text( &name );
+    RfPhong p = read_phong( import, from );
+    set_surface( m, &p );
+    if ( set_glass( m, &p ) )
+        p.opacity = 1.0f;
+    set_opacity( import, m, &p );
+    set_physical( m, from, import->format == RF_SOURCE_OBJ );
+    memcpy( m->emission, p.emission, sizeof m->emission );
+    if ( p.ior > 1.0f && p.ior < 10.0f )
+        m->ior = p.ior;
+    set_textures( import, m, from );
+    // What these formats leave open: seen from both sides, but lamps shine to the front.
+    m->double_sided = largest( m->emission ) == 0.0f || get_int( from, "$mat.twosided", 0 ) != 0;
+    m->double_sided = m->double_sided && m->transmission == 0.0f;
+}
+
+RfResult rf_import_materials( RfImport* import, RfError* error )
+{
+    const struct aiScene* scene = import->scene;
+    RfModel* model = import->model;
+    model->materials = calloc( (size_t)scene->mNumMaterials + 1, sizeof *model->materials );
+    if ( model->materials == NULL )
+        return rf_fail( error, RF_ERROR_MEMORY, RF_IMPORT_MEMORY );
+    for ( unsigned i = 0; i < scene->mNumMaterials; ++i )
+        take_material( import, scene->mMaterials[i], model->materials + model->material_count++ );
+    return RF_OK;
+}
