@@ -84,6 +84,16 @@ static void whiten_default( RfModel* model, int material )
         m->base_color[0] = m->base_color[1] = m->base_color[2] = 1.0f;
 }
 
+// How many of its faces are triangles: those that fell together into points and
+// lines may be among them.
+static uint32_t count_triangles( const struct aiMesh* from )
+{
+    uint32_t count = 0;
+    for ( uint32_t i = 0; from->mVertices != NULL && i < from->mNumFaces; ++i )
+        count += from->mFaces[i].mNumIndices == 3;
+    return count;
+}
+
 static bool take_mesh( RfImport* import, const struct aiMesh* from, RfModelMesh* mesh )
 {
     uint32_t count = from->mNumVertices;
@@ -135,10 +145,9 @@ RfResult rf_import_meshes( RfImport* import, RfError* error )
     {
         const struct aiMesh* from = scene->mMeshes[i];
         import->meshes[i] = -1;
-        bool triangles = ( from->mPrimitiveTypes & aiPrimitiveType_TRIANGLE ) != 0;
-        if ( !triangles )
-            dropped += from->mNumFaces > 0 ? from->mNumFaces : from->mNumVertices;
-        if ( !triangles || from->mNumVertices == 0 || from->mNumFaces == 0 || from->mVertices == NULL )
+        uint32_t triangles = count_triangles( from );
+        dropped += from->mNumFaces > 0 ? from->mNumFaces - triangles : from->mNumVertices;
+        if ( triangles == 0 )
             continue;
         import->meshes[i] = model->mesh_count;
         if ( !take_mesh( import, from, model->meshes + model->mesh_count++ ) )
