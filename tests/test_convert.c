@@ -89,6 +89,26 @@ static void test_bad_importer( void** state )
     convert_assert_files( 5 );
 }
 
+// Our own reader says of the same files, at once, where they are wrong.
+static void test_ply( void** state )
+{
+    (void)state;
+    convert_write( "hangs.ply", s_hangs );
+    convert_write( "crashes.ply", s_crashes );
+    convert_write( "eats.ply", s_eats );
+    convert_write( "good.ply", PLY_HEAD PLY_VERTICES PLY_FACES PLY_CORNERS "3 0 1 2\n" );
+    cli_expect( cli_run( "$R convert hangs.ply a.glb --quiet" ), 1, "hangs.ply: line 9: the header has no end_header" );
+    cli_expect( cli_run( "$R convert crashes.ply a.glb --quiet" ), 1, "crashes.ply: line 13: corner 2 of face 0 is vertex 999999999 of 3" );
+    cli_expect( cli_run( "$R convert eats.ply a.glb --quiet" ), 1, "100000000 of element face need more than" );
+    assert_false( cli_exists( "a.glb" ) );
+    cli_expect( cli_run( "$R convert good.ply a.glb --quiet --up z --scale 2" ), 0, NULL );
+    RfScene scene = convert_load( "a.glb" );
+    assert_int_equal( scene.triangles.count, 1 );
+    const float* p = scene.triangles.positions;
+    assert_true( p[3] == 2.0f && p[6] == 0.0f && fabsf( p[7] ) < 1e-6f && fabsf( p[8] + 2.0f ) < 1e-6f ); // y up, z towards
+    rf_destroy_scene( &scene );
+}
+
 static void test_interrupt( void** state )
 {
     (void)state;
@@ -183,7 +203,7 @@ int main( void )
 {
     const struct CMUnitTest tests[] = {
         TEST( test_refusals ),
-        TEST( test_bad_importer ),
+        TEST( test_bad_importer ), TEST( test_ply ),
         TEST( test_interrupt ),
         TEST( test_no_process_left ),
         TEST( test_writer_refuses ),

@@ -4,6 +4,7 @@
 #include "cli/options.h"
 #include "cli/report.h"
 #include "convert/glb_write.h"
+#include "convert/ply_read.h"
 #include "convert/run_importer.h"
 
 #include <errno.h>
@@ -102,6 +103,20 @@ static RfResult convert_by_assimp( const char* from, const char* to, RfModelCoun
     return result == RF_OK ? rf_run_importer( &run, counts, log, error ) : result;
 }
 
+static RfResult convert_ply( const char* from, const char* to, RfModelCounts* counts, RfLog* log, RfError* error )
+{
+    RfModel model;
+    RfResult result = rf_read_ply( from, &model, log, error );
+    if ( result == RF_OK )
+        result = rf_place_model( &model, s_up == UP_Z, s_scale, error );
+    if ( result == RF_OK )
+        result = rf_write_glb( to, &model, s_overwrite, error );
+    if ( result == RF_OK )
+        *counts = rf_count_model( &model );
+    rf_destroy_model( &model );
+    return result;
+}
+
 static RfResult tell( const char* from, const char* to, const RfModelCounts* c, int warnings, RfError* error )
 {
     bool json_out = s_json != NULL && strcmp( s_json, "-" ) == 0;
@@ -128,7 +143,10 @@ static RfResult convert( const char* from, const char* to, RfError* error )
     if ( result != RF_OK )
         return result;
     rf_catch_interrupts();
-    result = convert_by_assimp( from, to, &counts, &log, error );
+    if ( s_importer == IMPORTER_AUTO && memcmp( head, "ply", 3 ) == 0 && ( head[3] == '\n' || head[3] == '\r' || head[3] == ' ' ) )
+        result = convert_ply( from, to, &counts, &log, error );
+    else
+        result = convert_by_assimp( from, to, &counts, &log, error );
     return result == RF_OK ? tell( from, to, &counts, log.count, error ) : result;
 }
 

@@ -1,0 +1,16 @@
+// PLY, the format of scanners and point libraries: a strict reader, ascii and
+// binary of either byte order.
+#ifndef REFRAME_CONVERT_PLY_READ_H
+#define REFRAME_CONVERT_PLY_READ_H
+
+#include "convert/model.h"
+
+// One mesh at one node, without a material. Of vertices: x y z, nx ny nz, s t
+// (or u v, texture_u texture_v), red green blue alpha (whole numbers are sRGB,
+// floats linear); of faces: vertex_indices (or vertex_index), polygons cut into
+// triangles. All else is read past. Fails with RF_ERROR_FORMAT (with the line or
+// the byte), RF_ERROR_UNSUPPORTED, RF_ERROR_MEMORY, or as reading files does; the
+// model is empty then.
+RfResult rf_read_ply( const char* path, RfModel* model, RfLog* log, RfError* error );
+
+#endif

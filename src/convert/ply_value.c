@@ -1,0 +1,170 @@
+#include "convert/ply_file.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define MAX_WORD 64
+
+static const uint8_t s_sizes[RF_PLY_TYPE_COUNT] = { 1, 1, 2, 2, 4, 4, 4, 8 };
+
+// The fewest bytes that one value takes: in ascii a digit and what parts it
+// from the next.
+static uint64_t least_bytes( const RfPlyFile* file, RfPlyType type ) { return file->format == RF_PLY_ASCII ? 2 : s_sizes[type]; }
+
+static bool is_space( uint8_t c ) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
+
+// The digits after and before a point as one number, and a power of ten. False
+// where the word is none.
+static bool parse_decimal( const char* word, double* value )
+{
+    static const double s_tens[] = { 1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16,
+                                     1e17, 1e18, 1e19, 1e20, 1e21, 1e22 };
+    const char* at = word + ( *word == '-' || *word == '+' );
+    uint64_t digits = 0;
+    int count = 0, exponent = 0, seen = 0;
+    bool point = false;
+    for ( ;; ++at )
+    {
+        if ( *at == '.' && !point )
+        {
+            point = true;
+            continue;
+        }
+        if ( *at < '0' || *at > '9' )
+            break;
+        ++seen;
+        if ( count < 18 )
+        {
+            digits = 10 * digits + (uint64_t)( *at - '0' );
+            count += digits > 0;
+            exponent -= point;
+        }
+        else
+            exponent += !point;
+    }
+    if ( seen == 0 )
+        return false;
+    if ( *at == 'e' || *at == 'E' )
+    {
+        ++at;
+        bool negative = *at == '-';
+        at += *at == '-' || *at == '+';
+        int power = 0, power_digits = 0;
+        for ( ; *at >= '0' && *at <= '9' && power_digits < 6; ++at, ++power_digits )
+            power = 10 * power + ( *at - '0' );
+        if ( power_digits == 0 )
+            return false;
+        exponent += negative ? -power : power;
+    }
+    double v = (double)digits;
+    if ( exponent >= 0 && exponent <= 22 )
+        v *= s_tens[exponent];
+    else if ( exponent < 0 && exponent >= -22 )
+        v /= s_tens[-exponent];
+    else if ( v != 0.0 )
+        v = exp( log( v ) + exponent * 2.302585092994045684 ); // beyond any model's range: some digits less
+    *value = *word == '-' ? -v : v;
+    return *at == 0;
+}
+
+static RfResult read_word( RfPlyFile* file, char word[MAX_WORD] )
+{
+    while ( file->at < file->size && is_space( file->bytes[file->at] ) )
+        file->line += file->bytes[file->at++] == '\n';
+    size_t length = 0;
+    while ( file->at < file->size && !is_space( file->bytes[file->at] ) )
+    {
+        if ( length == MAX_WORD - 1 )
+            return rf_ply_fail( file, "a number of more than %d characters", MAX_WORD - 1 );
+        word[length++] = (char)file->bytes[file->at++];
+    }
+    word[length] = 0;
+    return length > 0 ? RF_OK : rf_ply_fail( file, "it ends too early" );
+}
+
+static double decode( RfPlyType type, const uint8_t* bytes )
+{
+    union
+    {
+        int8_t i8;
+        uint8_t u8;
+        int16_t i16;
+        uint16_t u16;
+        int32_t i32;
+        uint32_t u32;
+        float f32;
+        double f64;
+    } v;
+    memcpy( &v, bytes, s_sizes[type] );
+    switch ( type )
+    {
+        case RF_PLY_INT8: return v.i8;
+        case RF_PLY_UINT8: return v.u8;
+        case RF_PLY_INT16: return v.i16;
+        case RF_PLY_UINT16: return v.u16;
+        case RF_PLY_INT32: return v.i32;
+        case RF_PLY_UINT32: return v.u32;
+        case RF_PLY_FLOAT32: return (double)v.f32;
+        case RF_PLY_FLOAT64: return v.f64;
+        case RF_PLY_TYPE_COUNT: break;
+    }
+    return 0.0;
+}
+
+RfResult rf_ply_read_value( RfPlyFile* file, RfPlyType type, double* value )
+{
+    if ( file->format == RF_PLY_ASCII )
+    {
+        char word[MAX_WORD];
+        RfResult result = read_word( file, word );
+        if ( result == RF_OK && !parse_decimal( word, value ) )
+            return rf_ply_fail( file, "'%.40s' is no number", word );
+        if ( result == RF_OK && type < RF_PLY_FLOAT32 && *value != floor( *value ) )
+            return rf_ply_fail( file, "'%.40s' is no whole number", word );
+        return result;
+    }
+    size_t size = s_sizes[type];
+    if ( file->size - file->at < size )
+        return rf_ply_fail( file, "it ends too early" );
+    uint8_t bytes[8];
+    for ( size_t i = 0; i < size; ++i )
+        bytes[i] = file->bytes[file->at + ( file->format == RF_PLY_BIG_ENDIAN ? size - 1 - i : i )];
+    *value = decode( type, bytes );
+    file->at += size;
+    return RF_OK;
+}
+
+RfResult rf_ply_read_count( RfPlyFile* file, const RfPlyProperty* property, uint32_t* count )
+{
+    double value = 0.0;
+    RfResult result = rf_ply_read_value( file, property->count_type, &value );
+    if ( result != RF_OK )
+        return result;
+    uint64_t room = ( file->size - file->at + 1 ) / least_bytes( file, property->type );
+    if ( !( value >= 0.0 && value <= (double)room && value < 4294967295.0 ) )
+        return rf_ply_fail( file, "list %s has a length of %.0f, more than the file holds or less than nothing", property->name, value );
+    *count = (uint32_t)value;
+    return RF_OK;
+}
+
+RfResult rf_ply_check_element( const RfPlyFile* file, const RfPlyElement* element )
+{
+    uint64_t bytes = 0, left = file->size - file->at + 1; // the last word of an ascii file needs nothing after it
+    for ( int i = 0; i < element->property_count; ++i )
+        bytes += least_bytes( file, element->properties[i].is_list ? element->properties[i].count_type : element->properties[i].type );
+    if ( bytes > 0 && element->count > left / bytes )
+        return rf_ply_fail( file, "%llu of element %s need more than the %zu bytes that are left", (unsigned long long)element->count,
+                            element->name, file->size - file->at );
+    return RF_OK;
+}
+
+RfResult rf_ply_skip( RfPlyFile* file, const RfPlyProperty* property )
+{
+    uint32_t count = 1;
+    double value;
+    RfResult result = property->is_list ? rf_ply_read_count( file, property, &count ) : RF_OK;
+    for ( uint32_t i = 0; result == RF_OK && i < count; ++i )
+        result = rf_ply_read_value( file, property->type, &value );
+    return result;
+}

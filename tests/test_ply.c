@@ -1,0 +1,257 @@
+// The PLY reader: three formats, polygons, colours, what is read past, and
+// every error line.
+#include "convert/ply_read.h"
+#include "gltf_builder.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static GltfFolder s_folder;
+static int s_warnings;
+static char s_warning[512];
+
+static void keep_warning( void* user, const char* line )
+{
+    (void)user;
+    ++s_warnings;
+    snprintf( s_warning, sizeof s_warning, "%s", line );
+}
+
+static RfResult load( const void* bytes, size_t size, RfModel* model, RfError* error )
+{
+    RfLog log = { .fn = keep_warning };
+    s_warnings = 0;
+    return rf_read_ply( write_bytes( &s_folder, "a.bin", bytes, size ), model, &log, error );
+}
+
+static RfModelMesh* load_ok( const void* bytes, size_t size, RfModel* model )
+{
+    RfError error;
+    if ( load( bytes, size, model, &error ) != RF_OK )
+        fail_msg( "%s", error.text );
+    return model->meshes;
+}
+
+static void assert_fails( const char* text, const char* words )
+{
+    RfModel model;
+    RfError error;
+    assert_int_not_equal( load( text, strlen( text ), &model, &error ), RF_OK );
+    if ( strstr( error.text, words ) == NULL )
+        fail_msg( "'%s' does not say '%s'", error.text, words );
+    assert_int_equal( model.mesh_count, 0 );
+}
+
+#define VERTICES "element vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+#define FACES( n ) "element face " #n "\nproperty list uchar int vertex_indices\n"
+#define SQUARE "0 0 0\n1 0 0\n1 1 0\n0 1 0\n"
+
+static void test_ascii( void** state )
+{
+    (void)state;
+    static const char text[] = "ply\r\nformat ascii 1.0\r\ncomment any words at all here, more than six of them\n" VERTICES
+                               "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty float u\nproperty float v\n"
+                               "element stray 2\nproperty list uchar float things\nproperty int other\n" FACES( 2 ) "end_header\n"
+                               "0 0 0 255 0 128 0 0\n1e0 0 -0 255 0 128 1 0\n 1.00 1 0 255 0 128 1 1\n+0 .1e1 0 255 0 128 0 0.25\n"
+                               "2 1.5 2.5 7\n0 8\n4 0 1 2 3\n3 0\t1 2";
+    RfModel model;
+    RfModelMesh* m = load_ok( text, sizeof text - 1, &model );
+    assert_true( m->vertex_count == 4 && m->triangle_count == 3 && m->normals == NULL );
+    static const float positions[] = { 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0 };
+    static const uint32_t indices[] = { 0, 1, 2, 0, 2, 3, 0, 1, 2 };
+    assert_memory_equal( m->indices, indices, sizeof indices );
+    for ( int i = 0; i < 12; ++i )
+        assert_true( m->positions[i] == positions[i] );
+    assert_true( m->uvs[7] == 0.75f && m->uvs[0] == 0.0f && m->uvs[1] == 1.0f ); // v runs down
+    assert_true( m->colors[0] == 1.0f && m->colors[1] == 0.0f && fabsf( m->colors[2] - 0.2158605f ) < 1e-5f && m->colors[3] == 1.0f );
+    assert_int_equal( s_warnings, 0 );
+    rf_destroy_model( &model );
+}
+
+// The square with normals, bytes in either order.
+static size_t binary_square( bool big, uint8_t* out )
+{
+    char head[512];
+    int length = snprintf( head, sizeof head, "ply\nformat binary_%s_endian 1.0\n%sproperty double nx\nproperty short ny\nproperty int8 nz\n"
+                           "element face 1\nproperty uchar skipped\nproperty list ushort uint vertex_index\nend_header\n",
+                           big ? "big" : "little", VERTICES );
+    memcpy( out, head, (size_t)length );
+    size_t at = (size_t)length;
+    static const float positions[] = { 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0 };
+#define PUT( value )                                                                                                       \
+    do                                                                                                                     \
+    {                                                                                                                      \
+        const uint8_t* raw = (const uint8_t*)&( value );                                                                   \
+        for ( size_t k = 0; k < sizeof( value ); ++k )                                                                     \
+            out[at++] = raw[big ? sizeof( value ) - 1 - k : k];                                                            \
+    } while ( 0 )
+    double zero = 0.0;
+    int16_t y = 0;
+    int8_t z = 2;
+    for ( int i = 0; i < 4; ++i )
+    {
+        for ( int c = 0; c < 3; ++c )
+            PUT( positions[3 * i + c] );
+        PUT( zero );
+        PUT( y );
+        PUT( z );
+    }
+    uint8_t skipped = 9;
+    uint16_t count = 4;
+    PUT( skipped );
+    PUT( count );
+    for ( uint32_t i = 0; i < 4; ++i )
+        PUT( i );
+    return at;
+}
+
+static void test_binary( void** state )
+{
+    (void)state;
+    for ( int big = 0; big < 2; ++big )
+    {
+        uint8_t bytes[1024];
+        size_t size = binary_square( big != 0, bytes );
+        RfModel model;
+        RfModelMesh* m = load_ok( bytes, size, &model );
+        assert_true( m->vertex_count == 4 && m->triangle_count == 2 && m->positions[6] == 1.0f && m->positions[10] == 1.0f );
+        for ( int i = 0; i < 4; ++i )
+            assert_true( m->normals[3 * i] == 0.0f && m->normals[3 * i + 2] == 1.0f ); // made unit
+        rf_destroy_model( &model );
+        RfError error;
+        for ( size_t cut = 1; cut < size; ++cut ) // truncated anywhere
+        {
+            assert_int_not_equal( load( bytes, size - cut, &model, &error ), RF_OK );
+            assert_int_equal( model.mesh_count, 0 );
+        }
+    }
+}
+
+static double area_of( const RfModelMesh* m )
+{
+    double sum = 0.0;
+    for ( uint32_t i = 0; i < m->triangle_count; ++i )
+    {
+        const uint32_t* t = m->indices + 3 * (size_t)i;
+        const float *a = m->positions + 3 * (size_t)t[0], *b = m->positions + 3 * (size_t)t[1], *c = m->positions + 3 * (size_t)t[2];
+        double area = 0.5 * ( (double)( b[0] - a[0] ) * (double)( c[1] - a[1] ) - (double)( c[0] - a[0] ) * (double)( b[1] - a[1] ) );
+        assert_true( area > 0.0 ); // all of the polygon's sense
+        sum += area;
+    }
+    return sum;
+}
+
+static void test_concave( void** state )
+{
+    (void)state;
+    // an arrow head and an L of six corners, as polygons
+    static const char text[] = "ply\nformat ascii 1.0\nelement vertex 10\nproperty float x\nproperty float y\nproperty float z\n"
+                               "element face 2\nproperty list uchar int vertex_indices\nend_header\n"
+                               "0 0 0 2 1 0 0 2 0 0.5 1 0\n0 0 5 3 0 5 3 1 5 1 1 5 1 3 5 0 3 5\n4 0 1 2 3\n6 4 5 6 7 8 9\n";
+    RfModel model;
+    RfModelMesh* m = load_ok( text, sizeof text - 1, &model );
+    assert_int_equal( m->triangle_count, 6 );
+    assert_true( fabs( area_of( m ) - ( 1.5 + 5.0 ) ) < 1e-6 );
+    rf_destroy_model( &model );
+}
+
+#define HEAD "ply\nformat ascii 1.0\n"
+
+static void test_warnings( void** state )
+{
+    (void)state;
+    static const char text[] = HEAD VERTICES "property float nx\nproperty float ny\nproperty float nz\n" FACES( 2 )
+        "end_header\n0 0 0 0 0 1 1 0 0 0 0 1 1 1 0 0 0 0 0 1 0 0 0 1\n2 0 1 3 0 1 2";
+    RfModel model;
+    RfModelMesh* m = load_ok( text, sizeof text - 1, &model );
+    assert_true( m->normals == NULL && m->triangle_count == 1 && s_warnings == 2 );
+    assert_non_null( strstr( s_warning, "less than three corners" ) );
+    rf_destroy_model( &model );
+}
+
+static void test_faults( void** state )
+{
+    (void)state;
+    assert_fails( "plx\n", "line 1: does not begin with 'ply'" );
+    assert_fails( "ply\nformat ascii 1.0\n", "line 3: the header has no end_header" );
+    assert_fails( "ply\nformat ascii 2.0\n", "line 2: format wants" );
+    assert_fails( "ply\nend_header\n", "no format" );
+    assert_fails( HEAD "elephant 3\n", "line 3: 'elephant' is no word" );
+    assert_fails( HEAD "element vertex\n", "a name and a count" );
+    assert_fails( HEAD "element vertex -1\n", "no whole number" );
+    assert_fails( HEAD "property float x\n", "before any element" );
+    assert_fails( HEAD "element vertex 1\nproperty quad x\n", "type of property x is not known" );
+    assert_fails( HEAD "element vertex 1\nproperty list float int x\n", "wants a whole type" );
+    assert_fails( HEAD "element vertex 1\nproperty float\n", "property wants" );
+    assert_fails( HEAD "element vertex 2147483648\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 0\n", "need more than" );
+    assert_fails( HEAD "element vertex 999999999999999999\nproperty float x\nend_header\n", "need more than" );
+    assert_fails( HEAD "element vertex 1\nproperty float x\nproperty float y\nend_header\n0 0\n", "no x, y and z" );
+    assert_fails( HEAD VERTICES FACES( 1 ) "end_header\n" SQUARE, "ends too early" );
+    assert_fails( HEAD VERTICES FACES( 1 ) "end_header\n" SQUARE "3 0 1\n", "of 3, more than the file holds" );
+    assert_fails( HEAD VERTICES FACES( 1 ) "end_header\n" SQUARE "3 0 1 4\n", "line 13: corner 2 of face 0 is vertex 4 of 4" );
+    assert_fails( HEAD VERTICES FACES( 1 ) "end_header\n" SQUARE "3 0 1 -1\n", "corner 2 of face 0" );
+    assert_fails( HEAD VERTICES FACES( 1 ) "end_header\n" SQUARE "3 0 1 1.5\n", "'1.5' is no whole number" );
+    assert_fails( HEAD VERTICES FACES( 1 ) "end_header\n" SQUARE "-3 0 1 2\n", "a length of -3" );
+    assert_fails( HEAD VERTICES FACES( 1 ) "end_header\n0 0 0 1 zero 0 1 1 0 0 1 0 3 0 1 2\n", "'zero' is no number" );
+    assert_fails( HEAD VERTICES FACES( 1 ) "end_header\n0 0 0 1 1e60 0 1 1 0 0 1 0 3 0 1 2\n", "y of vertex 1 is no finite number" );
+    assert_fails( HEAD VERTICES FACES( 1 ) "end_header\n0 0 0 1 nan 0 1 1 0 0 1 0 3 0 1 2\n", "'nan' is no number" );
+    assert_fails( HEAD FACES( 1 ) VERTICES "end_header\n3 0 1 2\n" SQUARE, "faces come before" );
+    assert_fails( HEAD VERTICES "element face 1\nproperty int material\nend_header\n" SQUARE "7\n", "no list vertex_indices" );
+    assert_fails( HEAD VERTICES "end_header\n" SQUARE, "has no faces" );
+    RfModel model;
+    RfError error;
+    assert_int_equal( rf_read_ply( "/nowhere/at/all.ply", &model, NULL, &error ), RF_ERROR_IO );
+    assert_int_equal( rf_read_ply( "/dev/zero", &model, NULL, &error ), RF_ERROR_IO );
+}
+
+// Whatever becomes of the bytes: a result or an error line, in no time.
+static void test_mutations( void** state )
+{
+    (void)state;
+    for ( uint64_t number = 0; number < 4000; ++number )
+    {
+        uint8_t bytes[1024];
+        size_t size = binary_square( number % 2 == 0, bytes );
+        size_t head = size - 124;
+        if ( number % 3 == 0 )
+            size = mutate_bytes( bytes, size, number );
+        else
+            bytes[head + number * 7919 % ( size - head )] = (uint8_t)( number * 31 );
+        RfModel model;
+        RfError error;
+        if ( load( bytes, size, &model, &error ) == RF_OK )
+            rf_destroy_model( &model );
+        else
+            assert_true( strlen( error.text ) > 10 && strchr( error.text, '\n' ) == NULL );
+    }
+}
+
+static int enter( void** state )
+{
+    (void)state;
+    s_folder = make_folder();
+    return 0;
+}
+
+static int leave( void** state )
+{
+    (void)state;
+    remove_folder( &s_folder );
+    return 0;
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( test_ascii ),    cmocka_unit_test( test_binary ), cmocka_unit_test( test_concave ),
+        cmocka_unit_test( test_warnings ), cmocka_unit_test( test_faults ), cmocka_unit_test( test_mutations ),
+    };
+    return cmocka_run_group_tests( tests, enter, leave );
+}
