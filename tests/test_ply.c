@@ -194,8 +194,9 @@ static void test_faults( void** state )
     assert_fails( HEAD "element vertex 999999999999999999\nproperty float x\nend_header\n", "need more than" );
     assert_fails( HEAD "element vertex 1\nproperty float x\nproperty float y\nend_header\n0 0\n", "no x, y and z" );
     assert_fails( HEAD VERTICES FACES( 1 ) "end_header\n" SQUARE, "ends too early" );
-    assert_fails( HEAD VERTICES FACES( 1 ) "end_header\n" SQUARE "3 0 1\n", "of 3, more than the file holds" );
-    assert_fails( HEAD VERTICES FACES( 1 ) "end_header\n" SQUARE "3 0 1 4\n", "line 13: corner 2 of face 0 is vertex 4 of 4" );
+    assert_fails( HEAD VERTICES FACES( 1 ) "end_header\n" SQUARE "3 0 1\n", "ends too early" );
+    assert_fails( HEAD VERTICES FACES( 1 ) "end_header\n" SQUARE "200 0 1\n", "list vertex_indices has a length of 200" );
+    assert_fails( HEAD VERTICES FACES( 1 ) "end_header\n" SQUARE "3 0 1 4\n", "line 14: corner 2 of face 0 is vertex 4 of 4" );
     assert_fails( HEAD VERTICES FACES( 1 ) "end_header\n" SQUARE "3 0 1 -1\n", "corner 2 of face 0" );
     assert_fails( HEAD VERTICES FACES( 1 ) "end_header\n" SQUARE "3 0 1 1.5\n", "'1.5' is no whole number" );
     assert_fails( HEAD VERTICES FACES( 1 ) "end_header\n" SQUARE "-3 0 1 2\n", "a length of -3" );

@@ -33,7 +33,7 @@ static const RfOption s_options[] = {
     { .name = "scale", .type = RF_OPTION_REAL, .value = &s_scale, .min = 1e-9, .max = 1e9, .meta = "S",
       .default_text = "1", .help = "metres per unit of IN, after what its own units say" },
     { .name = "importer", .type = RF_OPTION_CHOICE, .value = &s_importer, .choices = s_importers, .default_text = "auto",
-      .help = "what reads IN; auto chooses by its format" },
+      .help = "what reads IN; auto: PLY by a strict reader of ours, all else by assimp" },
     { .name = "memory", .type = RF_OPTION_MEMORY, .value = &s_memory, .min = 128 << 20, .meta = "SIZE",
       .default_text = "4G", .help = "address space assimp may take before it is stopped" },
     { .name = "timeout", .type = RF_OPTION_REAL, .value = &s_timeout, .min = 0.1, .max = 86400, .meta = "SECONDS",
