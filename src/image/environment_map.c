@@ -21,6 +21,8 @@ static float value_at( const RfPixels* pixels, size_t i )
                                                           : (float)( (const uint16_t*)pixels->data )[i] / 65535.0f );
 }
 
+#define MAX_RADIANCE 1e15f
+
 static RfResult fill( const RfPixels* pixels, const char* path, float* rgb, RfError* error )
 {
     bool grey = pixels->channels < 3;
@@ -30,10 +32,10 @@ static RfResult fill( const RfPixels* pixels, const char* path, float* rgb, RfEr
         for ( size_t c = 0; c < 3; ++c )
         {
             float value = value_at( pixels, i * channels + ( grey ? 0 : c ) );
-            // written so that NaN fails
-            if ( !( value >= 0.0f && value <= 3.4e38f ) )
-                return rf_fail( error, RF_ERROR_FORMAT, "%s: pixel (%zu, %zu) is %g, light wants a finite number of 0 or more: mend the image",
-                                path, i % width, i / width, (double)value );
+            // written so that NaN fails; what is brighter would leave the range of floats on its way
+            if ( !( value >= 0.0f && value <= MAX_RADIANCE ) )
+                return rf_fail( error, RF_ERROR_FORMAT, "%s: pixel (%zu, %zu) is %g, light wants a number from 0 to %g: mend the image",
+                                path, i % width, i / width, (double)value, (double)MAX_RADIANCE );
             rgb[3 * i + c] = value;
         }
     }

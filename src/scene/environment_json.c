@@ -1,5 +1,7 @@
 #include "scene/environment_json.h"
 
+#include <stdlib.h>
+
 #include "base/file.h"
 #include "image/decode.h"
 
@@ -35,13 +37,32 @@ RfResult rf_read_environment( const RfField* object, RfEnvironment* environment,
     return RF_OK;
 }
 
+// Beyond this, light would leave the range of floats on its way.
+#define MAX_RADIANCE 1e15
+
+static bool is_too_bright( const RfEnvironment* e )
+{
+    double most = (double)rf_max_component( e->radiance );
+    size_t count = 3 * (size_t)e->width * (size_t)e->height;
+    for ( size_t i = 0; i < count; ++i )
+    {
+        if ( most * (double)e->map[i] > MAX_RADIANCE )
+            return true;
+    }
+    return false;
+}
+
 RfResult rf_load_environment( const RfField* object, const char* path, RfEnvironment* environment )
 {
     RfField field = rf_field_member( object, "map" );
     RfError error = { 0 };
     RfResult result = rf_load_environment_map( path, &environment->width, &environment->height, &environment->map, &error );
-    if ( result == RF_OK )
+    if ( result == RF_OK && !is_too_bright( environment ) )
         return RF_OK;
+    free( environment->map );
+    environment->map = NULL;
+    if ( result == RF_OK )
+        return rf_field_fail( &field, "times radiance is brighter than %g somewhere: lower radiance", MAX_RADIANCE );
     // the decoder's own line names the file; its code stays
     rf_field_fail( &field, "%.560s", error.text );
     if ( field.error != NULL )

@@ -42,7 +42,7 @@ static RfResult read_cone( const RfGltf* gltf, const json_t* json, const char* w
         return result;
     // exporters round both to the same float: an edge without width is one
     if ( !( inner >= 0.0 && inner <= outer && outer > 0.0 && outer <= HALF_PI + 1e-6 ) )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "cone angles %g and %g want 0 <= inner <= outer <= pi/2", inner, outer );
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "cone angles %g and %g want 0 <= inner <= outer, and outer above 0, at most pi/2", inner, outer );
     out->cos_inner = (float)cos( inner );
     out->cos_outer = (float)fmax( cos( outer ), 0.0 );
     return RF_OK;

@@ -1,0 +1,127 @@
+// scripts/blender-export.py on a scene made by Blender itself; skipped where
+// Blender, or the numpy that its exporter needs, is not there.
+#include "cli_run.h"
+
+#include "scene/camera.h"
+#include "scene/gltf.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+// A camera that a moving parent and a constraint move, an area light, a point
+// lamp, a world of one colour, a custom property.
+static const char s_make[] =
+    "import bpy, math, os\n"
+    "bpy.ops.wm.read_factory_settings(use_empty=True)\n"
+    "s = bpy.context.scene\n"
+    "s.frame_start, s.frame_end = 1, 5\n"
+    "bpy.ops.mesh.primitive_cube_add(size=1)\n"
+    "cube = bpy.context.object\n"
+    "m = bpy.data.materials.new('vase')\n"
+    "m['reframe'] = {'bsdf': 'phong', 'diffuse': [0.2, 0.1, 0.05], 'specular': [0.5, 0.5, 0.5], 'exponent': 60}\n"
+    "cube.data.materials.append(m)\n"
+    "def lamp(kind, place, energy):\n"
+    "    o = bpy.data.objects.new(kind, bpy.data.lights.new(kind, kind))\n"
+    "    o.location = place\n"
+    "    o.data.energy = energy\n"
+    "    s.collection.objects.link(o)\n"
+    "    return o\n"
+    "area = lamp('AREA', (0, 0, 3), 100)\n"
+    "area.data.shape, area.data.size, area.data.size_y = 'RECTANGLE', 2.0, 0.5\n"
+    "lamp('POINT', (-2, -1, 2), 40)\n"
+    "w = bpy.data.worlds.new('w')\n"
+    "s.world = w\n"
+    "w.use_nodes = True\n"
+    "b = w.node_tree.nodes['Background']\n"
+    "b.inputs['Color'].default_value = (0.2, 0.4, 0.6, 1)\n"
+    "b.inputs['Strength'].default_value = 0.5\n"
+    "c = bpy.data.objects.new('Eye', bpy.data.cameras.new('Eye'))\n"
+    "s.collection.objects.link(c)\n"
+    "s.camera = c\n"
+    "p = bpy.data.objects.new('pivot', None)\n"
+    "s.collection.objects.link(p)\n"
+    "c.parent, c.location = p, (0, -5, 0)\n"
+    "t = c.constraints.new('TRACK_TO')\n"
+    "t.target, t.track_axis, t.up_axis = cube, 'TRACK_NEGATIVE_Z', 'UP_Y'\n"
+    "p.keyframe_insert('rotation_euler', frame=1)\n"
+    "p.rotation_euler = (0, 0, math.pi / 2)\n"
+    "p.keyframe_insert('rotation_euler', frame=5)\n"
+    "bpy.ops.wm.save_as_mainfile(filepath=os.path.abspath('t.blend'))\n";
+
+static bool near( float a, double b ) { return fabs( (double)a - b ) <= 1e-4 * ( 1.0 + fabs( b ) ); }
+
+static void check_scene( const RfScene* scene )
+{
+    assert_int_equal( scene->camera_count, 1 );
+    assert_string_equal( scene->cameras[0].name, "Eye" );
+    int frames;
+    RfError error;
+    assert_int_equal( rf_camera_frame_count( scene->cameras, 24.0, &frames, &error ), RF_OK );
+    assert_int_equal( frames, 5 );
+    RfEye eye;
+    assert_int_equal( rf_scene_eye( scene, 0, scene->cameras[0].end, 64, 36, &eye, &error ), RF_OK );
+    assert_true( near( eye.origin.x, 5 ) && near( eye.origin.y, 0 ) && near( eye.origin.z, 0 ) ); // a quarter turn on
+    assert_true( near( eye.forward.x, -1 ) );
+    assert_int_equal( scene->punctual_count, 1 );
+    assert_true( near( scene->punctuals->intensity.x, 40.0 / ( 4.0 * 3.14159265358979 ) ) );
+    assert_true( near( scene->environment.radiance.x, 0.1 ) && near( scene->environment.radiance.z, 0.3 ) );
+    int glowing = 0, phong = 0;
+    for ( uint32_t i = 0; i < scene->material_count; ++i )
+    {
+        const RfMaterial* m = scene->materials + i;
+        phong += m->kind == RF_BSDF_PHONG && m->exponent == 60.0f;
+        if ( m->emission.x == 0.0f )
+            continue;
+        ++glowing;
+        assert_true( near( m->emission.x, 100.0 / ( 3.14159265358979 * 1.0 ) ) && !m->double_sided );
+    }
+    assert_true( glowing == 1 && phong == 1 );
+    const RfTriangles* t = &scene->triangles;
+    for ( uint32_t i = 0; i < t->count; ++i ) // the light looks down
+    {
+        if ( scene->materials[t->material[i]].emission.x > 0.0f )
+            assert_true( t->normals[3 * (size_t)t->indices[3 * (size_t)i] + 1] < -0.99f );
+    }
+}
+
+static void test_export( void** state )
+{
+    (void)state;
+    cli_enter();
+    // another Python first in the path would hide the numpy of Debian's
+    if ( cli_run( "PATH=/usr/bin:$PATH blender -b --factory-startup --python-exit-code 9 --python-expr 'import numpy' > log 2>&1" )->status != 0 )
+    {
+        cli_leave();
+        print_message( "skipped: there is no blender with numpy\n" );
+        skip();
+    }
+    cli_write( "make.py", s_make, sizeof s_make - 1 );
+    assert_int_equal( cli_run( "PATH=/usr/bin:$PATH blender -b --python-exit-code 9 -P make.py > log 2>&1" )->status, 0 );
+#define EXPORT "PATH=/usr/bin:$PATH blender -b t.blend -P " REFRAME_SOURCE_DIR "/scripts/blender-export.py -- "
+    const CliResult* refused = cli_run( EXPORT "t.glb --camera Nobody > log" );
+    assert_int_equal( refused->status, 1 );
+    assert_non_null( strstr( refused->err, "no camera 'Nobody' in the scene: it has Eye" ) );
+    assert_int_equal( cli_run( EXPORT "t.glb > log 2>&1" )->status, 0 );
+    char path[512];
+    snprintf( path, sizeof path, "%s/t.glb", cli_folder() );
+    RfScene scene;
+    RfError error;
+    RfLog log = { 0 };
+    if ( rf_load_gltf( path, &scene, &log, &error ) != RF_OK )
+        fail_msg( "%s", error.text );
+    check_scene( &scene );
+    rf_destroy_scene( &scene );
+    cli_leave();
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = { cmocka_unit_test( test_export ) };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}
