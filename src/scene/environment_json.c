@@ -1,9 +1,9 @@
 #include "scene/environment_json.h"
 
-#include <stdlib.h>
-
 #include "base/file.h"
 #include "image/decode.h"
+
+#include <stdlib.h>
 
 // Radiance above this would overflow where floats are squared.
 #define MAX_RADIANCE 1e15
@@ -36,9 +36,6 @@ RfResult rf_read_environment( const RfField* object, RfEnvironment* environment,
     };
     return RF_OK;
 }
-
-// Beyond this, light would leave the range of floats on its way.
-#define MAX_RADIANCE 1e15
 
 static bool is_too_bright( const RfEnvironment* e )
 {
