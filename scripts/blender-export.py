@@ -41,6 +41,9 @@ def parse():
         os._exit(e.code if isinstance(e.code, int) else 2)
     if not args.out.endswith(".glb"):
         fail("%s: only .glb is written: name it .glb" % args.out)
+    folder = os.path.dirname(os.path.abspath(args.out))
+    if not os.path.isdir(folder):
+        fail("%s: cannot be written: there is no folder %s" % (args.out, folder))
     return args
 
 
@@ -90,10 +93,14 @@ def bake_camera(scene, camera, first, last):
     if data.animation_data is not None:
         print("blender-export: warning: the lens of '%s' is animated: the field of view of the first frame is taken" % name)
         data.animation_data_clear()
+    scene.frame_set(first)
+    places = [(child, child.matrix_world.copy()) for child in camera.children]
+    for child, matrix in places:  # lamps at the camera, which goes
+        child.parent = None
+        child.matrix_world = matrix
     bpy.data.objects.remove(camera)
     baked.name = name
     scene.camera = baked
-    scene.frame_set(first)
 
 
 def corners_of(light):
@@ -171,14 +178,10 @@ def keep_world(scene):
     scene["reframe"] = own
 
 
-def remove_hidden(scene):
-    for thing in [o for o in scene.objects if o.hide_render]:
-        bpy.data.objects.remove(thing)
-
-
 def export(path):
     bpy.ops.export_scene.gltf(
         filepath=path, export_format="GLB", export_cameras=True, export_lights=True, export_extras=True, export_apply=True,
+        use_renderable=True,  # what is hidden stays in the scene: cutters, targets and parents are
         export_yup=True, export_animations=True, export_frame_range=True, export_force_sampling=False,
         convert_lighting_mode="COMPAT")
 
@@ -188,7 +191,6 @@ def main():
     scene = bpy.context.scene
     first, last = frame_range(scene, args.frames)
     scene.frame_start, scene.frame_end = first, last
-    remove_hidden(scene)
     bake_camera(scene, find_camera(scene, args.camera), first, last)
     replace_area_lights(scene)
     keep_world(scene)
@@ -201,4 +203,5 @@ def main():
 try:
     main()
 except Exception as e:  # whatever Blender raises is one line and a status
-    fail("%s: %s" % (type(e).__name__, e))
+    lines = [line.strip() for line in str(e).splitlines() if line.strip() and not line.startswith("Location:")]
+    fail("%s: %s" % (type(e).__name__, lines[-1] if lines else "no more is known"))

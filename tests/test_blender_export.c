@@ -45,13 +45,25 @@ static const char s_make[] =
     "s.collection.objects.link(c)\n"
     "s.camera = c\n"
     "p = bpy.data.objects.new('pivot', None)\n"
+    "p.hide_render = True\n" // what moves the camera need not be seen itself
     "s.collection.objects.link(p)\n"
     "c.parent, c.location = p, (0, -5, 0)\n"
     "t = c.constraints.new('TRACK_TO')\n"
-    "t.target, t.track_axis, t.up_axis = cube, 'TRACK_NEGATIVE_Z', 'UP_Y'\n"
+    "at = bpy.data.objects.new('target', None)\n"
+    "at.hide_render = True\n"
+    "s.collection.objects.link(at)\n"
+    "t.target, t.track_axis, t.up_axis = at, 'TRACK_NEGATIVE_Z', 'UP_Y'\n"
     "p.keyframe_insert('rotation_euler', frame=1)\n"
     "p.rotation_euler = (0, 0, math.pi / 2)\n"
     "p.keyframe_insert('rotation_euler', frame=5)\n"
+    // a hidden cutter still cuts
+    "bpy.ops.mesh.primitive_cylinder_add(radius=0.25, depth=3)\n"
+    "cutter = bpy.context.object\n"
+    "cutter.hide_render = True\n"
+    "hole = cube.modifiers.new('hole', 'BOOLEAN')\n"
+    "hole.object, hole.operation = cutter, 'DIFFERENCE'\n"
+    "head = lamp('SPOT', (1, 0, 0), 4)\n"
+    "head.parent = c\n"
     "bpy.ops.wm.save_as_mainfile(filepath=os.path.abspath('t.blend'))\n";
 
 static bool near( float a, double b ) { return fabs( (double)a - b ) <= 1e-4 * ( 1.0 + fabs( b ) ); }
@@ -68,8 +80,17 @@ static void check_scene( const RfScene* scene )
     assert_int_equal( rf_scene_eye( scene, 0, scene->cameras[0].end, 64, 36, &eye, &error ), RF_OK );
     assert_true( near( eye.origin.x, 5 ) && near( eye.origin.y, 0 ) && near( eye.origin.z, 0 ) ); // a quarter turn on
     assert_true( near( eye.forward.x, -1 ) );
-    assert_int_equal( scene->punctual_count, 1 );
-    assert_true( near( scene->punctuals->intensity.x, 40.0 / ( 4.0 * 3.14159265358979 ) ) );
+    assert_int_equal( scene->punctual_count, 2 );
+    int points = 0, heads = 0;
+    for ( int i = 0; i < scene->punctual_count; ++i )
+    {
+        const RfPunctual* p = scene->punctuals + i;
+        points += near( p->intensity.x, 40.0 / ( 4.0 * 3.14159265358979 ) );
+        // at the camera's right hand in the first frame
+        heads += near( p->intensity.x, 4.0 / ( 4.0 * 3.14159265358979 ) ) && near( p->position.x, 1 ) && near( p->position.z, 5 );
+    }
+    assert_true( points == 1 && heads == 1 );
+    assert_true( scene->triangles.count > 60 ); // a cube, a hole of 32 sides in it, an area light
     assert_true( near( scene->environment.radiance.x, 0.1 ) && near( scene->environment.radiance.z, 0.3 ) );
     int glowing = 0, phong = 0;
     for ( uint32_t i = 0; i < scene->material_count; ++i )

@@ -183,6 +183,8 @@ static void test_faults( void** state )
     assert_fails( "ply\nformat ascii 1.0\n", "line 3: the header has no end_header" );
     assert_fails( "ply\nformat ascii 2.0\n", "line 2: format wants" );
     assert_fails( "ply\nend_header\n", "no format" );
+    assert_fails( HEAD HEAD, "line 3: 'ply' is no word" );
+    assert_fails( HEAD "format ascii 1.0\n", "line 3: a second format" );
     assert_fails( HEAD "elephant 3\n", "line 3: 'elephant' is no word" );
     assert_fails( HEAD "element vertex\n", "a name and a count" );
     assert_fails( HEAD "element vertex -1\n", "no whole number" );
@@ -197,9 +199,18 @@ static void test_faults( void** state )
     assert_fails( HEAD VERTICES FACES( 1 ) "end_header\n" SQUARE "3 0 1\n", "ends too early" );
     assert_fails( HEAD VERTICES FACES( 1 ) "end_header\n" SQUARE "200 0 1\n", "list vertex_indices has a length of 200" );
     assert_fails( HEAD VERTICES FACES( 1 ) "end_header\n" SQUARE "3 0 1 4\n", "line 14: corner 2 of face 0 is vertex 4 of 4" );
+    assert_fails( HEAD VERTICES FACES( 1 ) "end_header\n" SQUARE "3 0 1 9999999999\n", "'9999999999' does not fit into int" );
+    assert_fails( HEAD VERTICES FACES( 1 ) "end_header\n" SQUARE "259 0 1 2\n", "'259' does not fit into uchar" );
+    assert_fails( HEAD VERTICES "property int red\nproperty int green\nproperty int blue\n" FACES( 1 )
+                  "end_header\n0 0 0 9 9 9 1 0 0 9 9 9 1 1 0 9 9 9 0 1 0 9 9 9 3 0 1 2\n", "property red wants uchar, ushort or float" );
+    static const char zero[] = HEAD VERTICES FACES( 1 ) "end_header\n0\0junk 0 0 1 0 0 1 1 0 0 1 0 3 0 1 2\n";
+    RfModel none;
+    RfError line;
+    assert_int_not_equal( load( zero, sizeof zero - 1, &none, &line ), RF_OK );
+    assert_non_null( strstr( line.text, "a zero byte in text" ) );
     assert_fails( HEAD VERTICES FACES( 1 ) "end_header\n" SQUARE "3 0 1 -1\n", "corner 2 of face 0" );
     assert_fails( HEAD VERTICES FACES( 1 ) "end_header\n" SQUARE "3 0 1 1.5\n", "'1.5' is no whole number" );
-    assert_fails( HEAD VERTICES FACES( 1 ) "end_header\n" SQUARE "-3 0 1 2\n", "a length of -3" );
+    assert_fails( HEAD VERTICES FACES( 1 ) "end_header\n" SQUARE "-3 0 1 2\n", "'-3' does not fit into uchar" );
     assert_fails( HEAD VERTICES FACES( 1 ) "end_header\n0 0 0 1 zero 0 1 1 0 0 1 0 3 0 1 2\n", "'zero' is no number" );
     assert_fails( HEAD VERTICES FACES( 1 ) "end_header\n0 0 0 1 1e60 0 1 1 0 0 1 0 3 0 1 2\n", "y of vertex 1 is no finite number" );
     assert_fails( HEAD VERTICES FACES( 1 ) "end_header\n0 0 0 1 nan 0 1 1 0 0 1 0 3 0 1 2\n", "'nan' is no number" );
@@ -210,6 +221,56 @@ static void test_faults( void** state )
     RfError error;
     assert_int_equal( rf_read_ply( "/nowhere/at/all.ply", &model, NULL, &error ), RF_ERROR_IO );
     assert_int_equal( rf_read_ply( "/dev/zero", &model, NULL, &error ), RF_ERROR_IO );
+}
+
+// A comment may be of any length; colours stay between 0 and 1; what has no
+// material is no metal.
+static void test_leniences( void** state )
+{
+    (void)state;
+    char text[2048], words[1001];
+    memset( words, 'a', 1000 );
+    words[1000] = 0;
+    snprintf( text, sizeof text, HEAD "comment %s\n" VERTICES "property float red\nproperty float green\nproperty float blue\n" FACES( 1 )
+              "end_header\n0 0 0 -2 9 .5 1 0 0 1 1 1 1 1 0 1 1 1 0 1 0 1 1 1 3 0 1 2\n", words );
+    RfModel model;
+    RfModelMesh* m = load_ok( text, strlen( text ), &model );
+    assert_true( m->colors[0] == 0.0f && m->colors[1] == 1.0f && m->colors[2] == 0.5f && s_warnings == 1 );
+    assert_non_null( strstr( s_warning, "2 values of colours" ) );
+    assert_true( m->material == 0 && model.material_count == 1 && model.materials->metallic == 0.0f );
+    rf_destroy_model( &model );
+}
+
+// Teeth all around: cutting one takes the square of its corners, and a file of
+// them must not take for ever.
+static void test_tangled( void** state )
+{
+    (void)state;
+    enum { CORNERS = 40000, FACES_MADE = 20, ROOM = 16 * CORNERS * ( FACES_MADE + 1 ) };
+    uint8_t* bytes = malloc( ROOM );
+    size_t at = (size_t)snprintf( (char*)bytes, ROOM, "ply\nformat binary_little_endian 1.0\nelement vertex %d\nproperty float x\n"
+                                  "property float y\nproperty float z\nelement face %d\nproperty list int int vertex_indices\nend_header\n",
+                                  CORNERS, FACES_MADE );
+    for ( int i = 0; i < CORNERS; ++i )
+    {
+        double turn = 2.0 * 3.14159265358979 * i / CORNERS, radius = i % 2 == 0 ? 0.5 : 1.0;
+        float p[3] = { (float)( radius * cos( turn ) ), (float)( radius * sin( turn ) ), 0.0f };
+        memcpy( bytes + at, p, sizeof p );
+        at += sizeof p;
+    }
+    for ( int f = 0; f < FACES_MADE; ++f )
+    {
+        int32_t n = CORNERS;
+        memcpy( bytes + at, &n, 4 );
+        at += 4;
+        for ( int32_t i = 0; i < n; ++i, at += 4 )
+            memcpy( bytes + at, &i, 4 );
+    }
+    RfModel model;
+    RfError error;
+    assert_int_equal( load( bytes, at, &model, &error ), RF_ERROR_UNSUPPORTED );
+    assert_non_null( strstr( error.text, "of 40000 corners takes too long to cut: cut it into triangles first" ) );
+    free( bytes );
 }
 
 // Whatever becomes of the bytes: a result or an error line, in no time.
@@ -252,7 +313,8 @@ int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( test_ascii ),    cmocka_unit_test( test_binary ), cmocka_unit_test( test_concave ),
-        cmocka_unit_test( test_warnings ), cmocka_unit_test( test_faults ), cmocka_unit_test( test_mutations ),
+        cmocka_unit_test( test_warnings ), cmocka_unit_test( test_faults ), cmocka_unit_test( test_leniences ),
+        cmocka_unit_test( test_tangled ),  cmocka_unit_test( test_mutations ),
     };
     return cmocka_run_group_tests( tests, enter, leave );
 }

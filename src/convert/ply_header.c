@@ -34,13 +34,16 @@ static RfResult next_line( RfPlyFile* file, Line* line )
     file->line += 1;
     const uint8_t* from = file->bytes + file->at;
     size_t left = file->size - file->at;
-    const uint8_t* end = memchr( from, '\n', left < MAX_LINE ? left : MAX_LINE );
+    const uint8_t* end = memchr( from, '\n', left );
     if ( end == NULL )
-        return rf_ply_fail( file, left < MAX_LINE ? "the header has no end_header" : "the line is too long" );
+        return rf_ply_fail( file, "the header has no end_header" );
     size_t length = (size_t)( end - from );
+    file->at += length + 1;
+    if ( length >= MAX_LINE && memcmp( from, "comment ", 8 ) != 0 && memcmp( from, "obj_info ", 9 ) != 0 )
+        return rf_ply_fail( file, "the line is too long" );
+    length = length < MAX_LINE ? length : MAX_LINE - 1; // of a comment the first word counts
     memcpy( line->text, from, length );
     line->text[length] = 0;
-    file->at += length + 1;
     line->count = 0;
     for ( char* at = line->text; line->count < MAX_WORDS; )
     {
@@ -137,6 +140,8 @@ static RfResult read_line( RfPlyFile* file, const Line* line, bool* has_format )
         return RF_OK;
     if ( strcmp( word, "format" ) == 0 )
     {
+        if ( *has_format )
+            return rf_ply_fail( file, "a second format" );
         *has_format = true;
         return read_format( file, line );
     }

@@ -12,7 +12,11 @@
 #define MAX_FILE_BYTES ( (uint64_t)64 << 30 )
 #define MAX_VERTICES ( 1u << 30 )
 #define MAX_TRIANGLES ( 1u << 28 )
-#define MAX_CORNERS 65536 // of a polygon: ears are found by trying
+#define MAX_CORNERS 65536 // of a polygon
+// For cutting polygons: about a second for all of a file, and so many more for
+// each corner, that no number of ordinary faces uses them up.
+#define CUT_STEPS ( (uint64_t)1 << 28 )
+#define CUT_STEPS_PER_CORNER 64
 
 typedef struct Reader
 {
@@ -23,7 +27,9 @@ typedef struct Reader
     size_t triangle_room;
     uint32_t *corners, *cut; // of the polygon at hand
     uint32_t corner_room;
+    uint64_t cut_steps; // left
     uint64_t dropped, crossed; // faces of less than three corners; that cross themselves
+    uint64_t clamped; // colours
 } Reader;
 
 static RfResult no_memory( const Reader* r )
@@ -36,8 +42,8 @@ typedef struct Slot
 {
     float* values;
     int stride, at;
-    float scale; // 0: whole numbers are an error of the caller
-    bool srgb;
+    float scale;
+    bool colour, srgb;
 } Slot;
 
 static float colour_scale( RfPlyType type )
@@ -80,7 +86,10 @@ static RfResult bind( Reader* r, const RfPlyElement* element, const char* const 
     for ( int k = 0; k < count; ++k )
     {
         RfPlyType type = element->properties[properties[k]].type;
-        slots[properties[k]] = ( Slot ){ *values, stride, k, colour ? colour_scale( type ) : 1.0f, colour && type < RF_PLY_FLOAT32 && k < 3 };
+        if ( colour && type != RF_PLY_UINT8 && type != RF_PLY_UINT16 && type < RF_PLY_FLOAT32 )
+            return rf_ply_fail( &r->file, "property %s wants uchar, ushort or float: what is white is not known else", names[k][0] );
+        slots[properties[k]] = ( Slot ){ *values, stride, k, colour ? colour_scale( type ) : 1.0f, colour,
+                                        colour && type < RF_PLY_FLOAT32 && k < 3 };
     }
     return RF_OK;
 }
@@ -117,7 +126,12 @@ static RfResult store( Reader* r, const RfPlyProperty* property, const Slot* slo
     if ( !( fabs( value ) <= 3e38 ) )
         return rf_ply_fail( &r->file, "%s of vertex %llu is no finite number", property->name, (unsigned long long)i );
     float f = (float)value * slot->scale;
-    slot->values[(size_t)i * (size_t)slot->stride + (size_t)slot->at] = slot->srgb ? rf_srgb_to_linear( f < 0.0f ? 0.0f : f ) : f;
+    if ( slot->colour && !( f >= 0.0f && f <= 1.0f ) ) // glTF has none such
+    {
+        f = f > 1.0f ? 1.0f : 0.0f;
+        r->clamped += 1;
+    }
+    slot->values[(size_t)i * (size_t)slot->stride + (size_t)slot->at] = slot->srgb ? rf_srgb_to_linear( f ) : f;
     return RF_OK;
 }
 
@@ -195,7 +209,12 @@ static RfResult read_polygon( Reader* r, const RfPlyProperty* property, uint64_t
         r->dropped += 1;
         return RF_OK;
     }
-    r->crossed += !rf_cut_polygon( r->mesh->positions, r->corners, count, r->cut );
+    r->cut_steps += (uint64_t)count * CUT_STEPS_PER_CORNER;
+    RfCut cut = rf_cut_polygon( r->mesh->positions, r->corners, count, r->cut, &r->cut_steps );
+    if ( cut == RF_CUT_GIVEN_UP )
+        return rf_fail( r->file.error, RF_ERROR_UNSUPPORTED, "%s: face %llu of %u corners takes too long to cut: cut it into triangles first",
+                        r->file.path, (unsigned long long)face, count );
+    r->crossed += cut == RF_CUT_CROSSED;
     return append( r, count - 2 );
 }
 
@@ -277,6 +296,9 @@ static void finish_vertices( Reader* r )
         m->uvs[2 * (size_t)i + 1] = 1.0f - m->uvs[2 * (size_t)i + 1];
     if ( r->dropped > 0 )
         rf_warn( r->log, "%s: %llu faces of less than three corners are left out", r->file.path, (unsigned long long)r->dropped );
+    if ( r->clamped > 0 )
+        rf_warn( r->log, "%s: %llu values of colours are not between 0 and 1: taken as the nearer of them", r->file.path,
+                 (unsigned long long)r->clamped );
     if ( r->crossed > 0 )
         rf_warn( r->log, "%s: %llu faces cross themselves: they are cut as they come", r->file.path, (unsigned long long)r->crossed );
 }
@@ -285,14 +307,15 @@ static RfResult make_model( RfModel* model )
 {
     model->meshes = calloc( 1, sizeof *model->meshes );
     model->nodes = calloc( 1, sizeof *model->nodes );
+    model->materials = malloc( sizeof *model->materials );
     int* meshes = calloc( 1, sizeof *meshes );
-    if ( model->meshes == NULL || model->nodes == NULL || meshes == NULL )
+    if ( model->meshes == NULL || model->nodes == NULL || model->materials == NULL || meshes == NULL )
     {
         free( meshes );
         return RF_ERROR_MEMORY;
     }
-    model->mesh_count = model->node_count = 1;
-    model->meshes->material = -1;
+    model->mesh_count = model->node_count = model->material_count = 1;
+    *model->materials = rf_default_model_material(); // without one glTF has a white metal
     *model->nodes = ( RfModelNode ){ .parent = -1, .matrix = rf_mat4_identity(), .mesh_count = 1, .meshes = meshes };
     return RF_OK;
 }
@@ -310,6 +333,7 @@ RfResult rf_read_ply( const char* path, RfModel* model, RfLog* log, RfError* err
     }
     r->file = ( RfPlyFile ){ .path = path, .error = error };
     r->log = log;
+    r->cut_steps = CUT_STEPS;
     r->mesh = model->meshes;
     RfResult result = rf_read_file( path, MAX_FILE_BYTES, &bytes, &r->file.size, error );
     r->file.bytes = bytes;

@@ -5,9 +5,9 @@
 
 #include "convert/model.h"
 
-// One mesh at one node, without a material. Of vertices: x y z, nx ny nz, s t
-// (or u v, texture_u texture_v), red green blue alpha (whole numbers are sRGB,
-// floats linear); of faces: vertex_indices (or vertex_index), polygons cut into
+// One mesh at one node, of the default material. Of vertices: x y z, nx ny nz, s t
+// (or u v, texture_u texture_v), red green blue alpha (uchar and ushort are sRGB,
+// float and double linear); of faces: vertex_indices (or vertex_index), polygons cut into
 // triangles. All else is read past. Fails with RF_ERROR_FORMAT (with the line or
 // the byte), RF_ERROR_UNSUPPORTED, RF_ERROR_MEMORY, or as reading files does; the
 // model is empty then.

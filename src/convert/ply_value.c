@@ -7,6 +7,7 @@
 #define MAX_WORD 64
 
 static const uint8_t s_sizes[RF_PLY_TYPE_COUNT] = { 1, 1, 2, 2, 4, 4, 4, 8 };
+static const char* const s_type_names[RF_PLY_TYPE_COUNT] = { "char", "uchar", "short", "ushort", "int", "uint", "float", "double" };
 
 // The fewest bytes that one value takes: in ascii a digit and what parts it
 // from the next.
@@ -80,6 +81,8 @@ static RfResult read_word( RfPlyFile* file, char word[MAX_WORD] )
         word[length++] = (char)file->bytes[file->at++];
     }
     word[length] = 0;
+    if ( strlen( word ) != length )
+        return rf_ply_fail( file, "a zero byte in text" );
     return length > 0 ? RF_OK : rf_ply_fail( file, "it ends too early" );
 }
 
@@ -112,6 +115,14 @@ static double decode( RfPlyType type, const uint8_t* bytes )
     return 0.0;
 }
 
+// Of whole types.
+static bool fits( RfPlyType type, double value )
+{
+    double half = ldexp( 1.0, 8 * s_sizes[type] - 1 ); // of all values
+    bool is_signed = type == RF_PLY_INT8 || type == RF_PLY_INT16 || type == RF_PLY_INT32;
+    return is_signed ? value >= -half && value < half : value >= 0.0 && value < 2.0 * half;
+}
+
 RfResult rf_ply_read_value( RfPlyFile* file, RfPlyType type, double* value )
 {
     if ( file->format == RF_PLY_ASCII )
@@ -122,6 +133,8 @@ RfResult rf_ply_read_value( RfPlyFile* file, RfPlyType type, double* value )
             return rf_ply_fail( file, "'%.40s' is no number", word );
         if ( result == RF_OK && type < RF_PLY_FLOAT32 && *value != floor( *value ) )
             return rf_ply_fail( file, "'%.40s' is no whole number", word );
+        if ( result == RF_OK && type < RF_PLY_FLOAT32 && !fits( type, *value ) )
+            return rf_ply_fail( file, "'%.40s' does not fit into %s", word, s_type_names[type] );
         return result;
     }
     size_t size = s_sizes[type];

@@ -1,6 +1,7 @@
 #include "convert/polygon.h"
 
 #include <math.h>
+#include <stdbool.h>
 #include <stddef.h>
 
 // Two coordinates of a corner, the third being the one along which the mean
@@ -81,28 +82,45 @@ static void fan( const uint32_t* corners, uint32_t count, uint32_t* triangles )
         triangles = put( triangles, corners[0], corners[i], corners[i + 1] );
 }
 
-bool rf_cut_polygon( const float* positions, uint32_t* corners, uint32_t count, uint32_t* triangles )
+// The first ear; `count` where there is none or the steps are used up.
+static uint32_t find_ear( const Plane* plane, const uint32_t* corners, uint32_t count, uint64_t* steps )
+{
+    for ( uint32_t i = 0; i < count; ++i )
+    {
+        if ( *steps < count )
+        {
+            *steps = 0;
+            return count;
+        }
+        *steps -= count;
+        if ( is_ear( plane, corners, count, i ) )
+            return i;
+    }
+    return count;
+}
+
+RfCut rf_cut_polygon( const float* positions, uint32_t* corners, uint32_t count, uint32_t* triangles, uint64_t* steps )
 {
     Plane plane = find_plane( positions, corners, count );
     if ( count == 3 || is_convex( &plane, corners, count ) )
     {
         fan( corners, count, triangles );
-        return true;
+        return RF_CUT_WHOLE;
     }
     while ( count > 3 )
     {
-        uint32_t i = 0;
-        while ( i < count && !is_ear( &plane, corners, count, i ) )
-            ++i;
+        uint32_t i = find_ear( &plane, corners, count, steps );
+        if ( i == count && *steps == 0 )
+            return RF_CUT_GIVEN_UP;
         if ( i == count )
         {
             fan( corners, count, triangles );
-            return false;
+            return RF_CUT_CROSSED;
         }
         triangles = put( triangles, corners[( i + count - 1 ) % count], corners[i], corners[( i + 1 ) % count] );
         for ( --count; i < count; ++i )
             corners[i] = corners[i + 1];
     }
     put( triangles, corners[0], corners[1], corners[2] );
-    return true;
+    return RF_CUT_WHOLE;
 }
