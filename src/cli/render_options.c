@@ -36,8 +36,8 @@ static const RfOption s_options[] = {
     { .name = "group", .in_file = true, .type = RF_OPTION_INT, .value = &s_parsed.settings.group, .min = 0, .max = 1048576,
       .keyword = "auto", .keyword_value = RF_GROUP_AUTO, .meta = "N|auto", .default_text = "auto",
       .help = "paths serve groups of 2N+1 frames; 0: no reuse" },
-    { .name = "tile", .in_file = true, .type = RF_OPTION_STRING, .value = &s_parsed.tile, .meta = "1", .default_text = "1",
-      .help = "reuse within a frame: none yet" },
+    { .name = "tile", .in_file = true, .type = RF_OPTION_STRING, .value = &s_parsed.tile, .meta = "WxH|rooksN|1", .default_text = "1",
+      .help = "pixels of a frame that share their paths: blocks, N of an NxN grid, or none" },
     { .name = "weights", .in_file = true, .type = RF_OPTION_CHOICE, .value = &s_weights_index, .choices = s_weights,
       .default_text = "exact", .help = "how reused paths are weighted; the others are biased, for comparison" },
     { .name = "normalize", .in_file = true, .type = RF_OPTION_CHOICE, .value = &s_normalize_index, .choices = s_normalize,
@@ -102,8 +102,6 @@ static RfResult check( const RfRenderOptions* options, RfError* error )
         return rf_fail( error, RF_ERROR_USAGE, "--half and --float: only one of the two" );
     if ( options->resume && options->overwrite )
         return rf_fail( error, RF_ERROR_USAGE, "--resume and --overwrite: only one of the two" );
-    if ( strcmp( options->tile, "1" ) != 0 )
-        return rf_fail( error, RF_ERROR_USAGE, "--tile: '%s': tiles are not there yet, only 1 works", options->tile );
     return RF_OK;
 }
 
@@ -130,6 +128,14 @@ static void copy_out( RfRenderOptions* options )
     *options = s_parsed;
 }
 
+static RfResult parse_tile( RfRenderOptions* options, RfError* error )
+{
+    if ( rf_parse_tile( options->tile, &options->settings.tile ) )
+        return RF_OK;
+    return rf_fail( error, RF_ERROR_USAGE, "--tile: wants 1, WxH such as 3x3, or rooksN such as rooks16, of at most %d pixels, got '%s'",
+                    RF_MAX_TILE_PIXELS, options->tile );
+}
+
 // On top of the values as they are.
 static RfResult parse( int argc, char** argv, RfRenderOptions* options, bool* help, RfError* error )
 {
@@ -137,6 +143,8 @@ static RfResult parse( int argc, char** argv, RfRenderOptions* options, bool* he
     if ( result != RF_OK || *help )
         return result;
     result = check( &s_parsed, error );
+    if ( result == RF_OK )
+        result = parse_tile( &s_parsed, error );
     if ( result == RF_OK )
         result = rf_parse_layers( s_parsed.aov, &s_parsed.settings.layers, error );
     copy_out( options );

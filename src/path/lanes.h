@@ -10,7 +10,7 @@
 #include "light/light.h"
 #include "trace/trace.h"
 
-// A tile of 32 × 32 paths, and a cache line: arrays whose distance is a power of
+// A patch of 32 × 32 paths, and a cache line: arrays whose distance is a power of
 // two would all fall into the same sets of the cache.
 #define RF_LANES ( 1024 + 16 )
 #define RF_ALIGN _Alignas( 64 )

@@ -22,20 +22,31 @@ static RfBsdfLanes bsdf_lanes( const RfVertexLanes* v, int first )
     };
 }
 
+void rf_evaluate_seen_from( const RfVertexLanes* v, RfBsdfKind kind, const float* const wo[3], const float* const wi[3],
+                            float* const f[3], float* pdf_solid_angle )
+{
+    int first = v->first[kind], count = v->first[kind + 1] - first;
+    if ( count == 0 )
+        return;
+    RfBsdfLanes lanes = bsdf_lanes( v, first );
+    const float* seen_from[3] = { wo[0] + first, wo[1] + first, wo[2] + first };
+    const float* in[3] = { wi[0] + first, wi[1] + first, wi[2] + first };
+    float* pdf = pdf_solid_angle != NULL ? pdf_solid_angle + first : NULL;
+    if ( f == NULL )
+    {
+        rf_bsdf_evaluate( kind, count, &lanes, seen_from, in, NULL, pdf );
+        return;
+    }
+    float* out[3] = { f[0] + first, f[1] + first, f[2] + first };
+    rf_bsdf_evaluate( kind, count, &lanes, seen_from, in, out, pdf );
+}
+
 static void evaluate_kinds( const RfVertexLanes* v, int kinds, const float* const wi[3], float* const f[3],
                             float* pdf_solid_angle )
 {
+    const float* wo[3] = { v->wo[0], v->wo[1], v->wo[2] };
     for ( int kind = 0; kind < kinds; ++kind )
-    {
-        int first = v->first[kind], count = v->first[kind + 1] - first;
-        if ( count == 0 )
-            continue;
-        RfBsdfLanes lanes = bsdf_lanes( v, first );
-        const float* wo[3] = { v->wo[0] + first, v->wo[1] + first, v->wo[2] + first };
-        const float* in[3] = { wi[0] + first, wi[1] + first, wi[2] + first };
-        float* out[3] = { f[0] + first, f[1] + first, f[2] + first };
-        rf_bsdf_evaluate( (RfBsdfKind)kind, count, &lanes, wo, in, out, pdf_solid_angle + first );
-    }
+        rf_evaluate_seen_from( v, (RfBsdfKind)kind, wo, wi, f, pdf_solid_angle );
 }
 
 void rf_evaluate_lanes( const RfVertexLanes* v, const float* const wi[3], float* const f[3], float* pdf_solid_angle )
@@ -83,14 +94,14 @@ void rf_scatter_lanes( const RfWalk* keys, const RfVertexLanes* v, uint32_t dime
     sample_native_lanes( v, scratch, wi );
 }
 
-// Light that a ray finds at its end. At the second vertex it is kept apart;
-// later the balance heuristic weighs it here.
-static inline void add_arrival( const RfWalkSettings* settings, const RfRayLanes* rays, int r, int vertex, RfVec3 light,
+// Light that a ray finds at its end. At the first vertex that is asked for it
+// is kept apart; later the balance heuristic weighs it here.
+static inline void add_arrival( const RfWalkSettings* settings, const RfRayLanes* rays, int r, bool apart, RfVec3 light,
                                 float light_pdf, RfArrivals* arrivals )
 {
     int slot = rays->slot[r];
     float l[3] = { light.x, light.y, light.z };
-    if ( vertex == 2 )
+    if ( apart )
     {
         for ( int c = 0; c < 3; ++c )
             arrivals->emitted[c][slot] = rays->throughput[c][r] * l[c];
@@ -103,7 +114,7 @@ static inline void add_arrival( const RfWalkSettings* settings, const RfRayLanes
         arrivals->rest[c][slot] += rays->throughput[c][r] * l[c] * weight;
 }
 
-static void add_emission( const RfWalkSettings* settings, const RfRayLanes* rays, const RfVertexLanes* v, int vertex,
+static void add_emission( const RfWalkSettings* settings, const RfRayLanes* rays, const RfVertexLanes* v, bool apart,
                           RfArrivals* arrivals )
 {
     for ( int i = 0; i < v->count; ++i )
@@ -111,12 +122,12 @@ static void add_emission( const RfWalkSettings* settings, const RfRayLanes* rays
         if ( v->light_pdf_solid_angle[i] == 0.0f )
             continue;
         RfVec3 emission = rf_vec3( v->emission[0][i], v->emission[1][i], v->emission[2][i] );
-        add_arrival( settings, rays, v->ray[i], vertex, emission, v->light_pdf_solid_angle[i], arrivals );
+        add_arrival( settings, rays, v->ray[i], apart, emission, v->light_pdf_solid_angle[i], arrivals );
     }
 }
 
 // Light of the sky along the rays that found nothing, weighed in the same way.
-static void add_sky( const RfWalkSettings* settings, const RfRayLanes* rays, const uint32_t* triangle, int vertex,
+static void add_sky( const RfWalkSettings* settings, const RfRayLanes* rays, const uint32_t* triangle, bool apart,
                      RfArrivals* arrivals )
 {
     const RfLights* lights = rf_tracer_lights( settings->tracer );
@@ -129,7 +140,7 @@ static void add_sky( const RfWalkSettings* settings, const RfRayLanes* rays, con
         RfVec3 d = rf_vec3( rays->d[0][r], rays->d[1][r], rays->d[2][r] );
         RfVec3 sky = rf_sky_radiance( &lights->sky, d );
         float light_pdf = rf_sky_pdf_solid_angle( &lights->sky, d ) * rf_sky_pick( lights );
-        add_arrival( settings, rays, r, vertex, sky, light_pdf, arrivals );
+        add_arrival( settings, rays, r, apart, sky, light_pdf, arrivals );
     }
 }
 
@@ -258,17 +269,22 @@ static void absorb( const RfWalkSettings* settings, const RfVertexLanes* v, cons
     }
 }
 
-void rf_trace_tails( const RfWalkSettings* settings, RfWalk* walk )
+void rf_find_lit_vertices( const RfWalkSettings* settings, RfWalk* walk, RfRayLanes* rays, bool apart, RfVertexLanes* vertices )
+{
+    walk->path_rays += (uint64_t)rays->count;
+    rf_find_vertices( settings, rays, false, vertices, &walk->scratch );
+    absorb( settings, vertices, walk->scratch.triangle, rays );
+    add_emission( settings, rays, vertices, apart, &walk->arrivals );
+    add_sky( settings, rays, walk->scratch.triangle, apart, &walk->arrivals );
+}
+
+void rf_trace_tails( const RfWalkSettings* settings, RfWalk* walk, int first_vertex )
 {
     RfRayLanes* rays = &walk->rays;
     RfRayLanes* next = &walk->next;
-    for ( int vertex = 2; vertex <= settings->max_depth && rays->count > 0; ++vertex )
+    for ( int vertex = first_vertex; vertex <= settings->max_depth && rays->count > 0; ++vertex )
     {
-        walk->path_rays += (uint64_t)rays->count;
-        rf_find_vertices( settings, rays, false, &walk->vertices, &walk->scratch );
-        absorb( settings, &walk->vertices, walk->scratch.triangle, rays );
-        add_emission( settings, rays, &walk->vertices, vertex, &walk->arrivals );
-        add_sky( settings, rays, walk->scratch.triangle, vertex, &walk->arrivals );
+        rf_find_lit_vertices( settings, walk, rays, vertex == first_vertex, &walk->vertices );
         if ( vertex == settings->max_depth )
             break;
         add_light_samples( settings, walk, rays, vertex );

@@ -14,9 +14,9 @@ typedef struct RfWalkSettings
     int light_samples; // K ≥ 1 per vertex
 } RfWalkSettings;
 
-// What arrives along the ray of each path slot. The light emitted by the first
-// vertex that the ray finds is apart, since light sampling at the ray's origin
-// could have found it too (estimators.md E3).
+// What arrives along the ray of each path slot. The light emitted by what the
+// ray finds is apart, since light sampling at the ray's origin could have found
+// it too (estimators.md E3).
 typedef struct RfArrivals
 {
     RF_ALIGN float emitted[3][RF_LANES];
@@ -30,7 +30,7 @@ typedef struct RfWalk
     // in, by slot
     RF_ALIGN uint32_t key_a[RF_LANES];
     uint32_t key_b[RF_LANES];
-    float roulette_scale[RF_LANES]; // largest channel of the path's weight at its first scattering
+    float roulette_scale[RF_LANES]; // largest channel of the path's weight before its throughput begins
     RfRayLanes rays;                // in: the scattered rays; used up
     // out, by slot
     RfArrivals arrivals;
@@ -61,6 +61,11 @@ int rf_sample_lights( const RfWalkSettings* settings, const RfWalk* keys, const 
 void rf_evaluate_lanes( const RfVertexLanes* vertices, const float* const wi[3], float* const f[3],
                         float* pdf_solid_angle );
 
+// The same for the lanes of one model, seen from wo; lane i of all arrays is
+// lane i of the vertices. Either output may be NULL.
+void rf_evaluate_seen_from( const RfVertexLanes* vertices, RfBsdfKind kind, const float* const wo[3],
+                            const float* const wi[3], float* const f[3], float* pdf_solid_angle );
+
 // Scatters all lanes of the vertices: wi from three random numbers each, and
 // into scratch f and density of it; of native lanes the weight f |cos| / density.
 void rf_scatter_lanes( const RfWalk* keys, const RfVertexLanes* vertices, uint32_t dimension, float* const wi[3],
@@ -83,10 +88,22 @@ static inline RfVec3 rf_transmittance( RfVec3 absorption, float distance )
     return rf_vec3( expf( -absorption.x * distance ), expf( -absorption.y * distance ), expf( -absorption.z * distance ) );
 }
 
-// Radiance that arrives along walk->rays, which left their first vertices:
-// the vertices from the second on, lights sampled and scattered directions
+// Scatters all lanes of the vertices, the path's `vertex`-th, with the weights
+// left to the caller: rays of the directions that can carry light into
+// walk->rays, whose throughput is 1 where records are made and the weight
+// f |cos| / density from native lanes; walk->roulette_scale takes what is left
+// out. Directions into wi, their densities into walk->scratch.pdf.
+void rf_scatter_apart( const RfWalkSettings* settings, RfWalk* walk, const RfVertexLanes* vertices, int vertex,
+                       float* const wi[3] );
+
+// The vertices at the ends of rays, and into walk->arrivals the light found
+// there: `apart` as emitted, or weighed by the balance heuristic.
+void rf_find_lit_vertices( const RfWalkSettings* settings, RfWalk* walk, RfRayLanes* rays, bool apart, RfVertexLanes* vertices );
+
+// Radiance that arrives along walk->rays, which left vertex first_vertex − 1 of
+// their paths: all further vertices, lights sampled and scattered directions
 // combined by the balance heuristic, roulette after the third vertex.
 // walk->arrivals must be zero for the slots of the rays.
-void rf_trace_tails( const RfWalkSettings* settings, RfWalk* walk );
+void rf_trace_tails( const RfWalkSettings* settings, RfWalk* walk, int first_vertex );
 
 #endif

@@ -104,7 +104,7 @@ static void light_glossy( const RfCompute* compute, int eye, const RfHitBatch* b
     }
     if ( !compute->shape.eq15 )
         rf_directions_to( compute->eyes, eye, batch, wo );
-    for ( int d = 0; d <= compute->shape.light_samples; ++d )
+    for ( int d = 0; d < rf_direction_count( &compute->shape ); ++d )
     {
         const RfDirectionLanes* lanes = batch->directions + d;
         const float* wi[3] = { lanes->wi[0], lanes->wi[1], lanes->wi[2] };

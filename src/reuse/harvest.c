@@ -2,16 +2,13 @@
 
 #include <string.h>
 
-// What the roulette takes a path for whose own eye sees next to nothing of it:
-// other eyes may see more.
-#define MIN_ROULETTE_SCALE 0.1f
-
 static size_t scratch_struct_bytes( void ) { return ( sizeof( RfHarvestScratch ) + 63 ) / 64 * 64; }
 
 size_t rf_harvest_scratch_bytes( const RfBatchShape* shape )
 {
-    return scratch_struct_bytes() + (size_t)shape->light_samples * sizeof( RfLightLanes ) +
-           (size_t)shape->eyes * RF_LANES * sizeof( float );
+    size_t lanes = RF_LANES * sizeof( float );
+    return scratch_struct_bytes() + (size_t)shape->light_samples * sizeof( RfLightLanes ) + (size_t)shape->eyes * lanes +
+           (size_t)rf_direction_count( shape ) * lanes + rf_share_bytes( shape->light_samples, shape->tile_pixels );
 }
 
 RfHarvestScratch* rf_lay_out_harvest_scratch( const RfBatchShape* shape, void* memory )
@@ -19,28 +16,10 @@ RfHarvestScratch* rf_lay_out_harvest_scratch( const RfBatchShape* shape, void* m
     RfHarvestScratch* scratch = memory;
     scratch->direct = (RfLightLanes*)( (char*)memory + scratch_struct_bytes() );
     scratch->density = (float*)( scratch->direct + shape->light_samples );
+    scratch->mixture = scratch->density + (size_t)shape->eyes * RF_LANES;
+    scratch->share = rf_lay_out_share( shape->light_samples, shape->tile_pixels,
+                                       scratch->mixture + (size_t)rf_direction_count( shape ) * RF_LANES );
     return scratch;
-}
-
-static int tiles_across( int pixels ) { return ( pixels + RF_TILE_SIZE - 1 ) / RF_TILE_SIZE; }
-
-int rf_tile_count( int width, int height ) { return tiles_across( width ) * tiles_across( height ); }
-
-// The pixels of a tile in blocks of 4×4, so that a packet's rays keep together.
-static int list_pixels( const RfEye* eye, int tile, int32_t* pixel )
-{
-    int x0 = tile % tiles_across( eye->width ) * RF_TILE_SIZE;
-    int y0 = tile / tiles_across( eye->width ) * RF_TILE_SIZE;
-    int count = 0;
-    for ( int i = 0; i < RF_TILE_SIZE * RF_TILE_SIZE; ++i )
-    {
-        int block = i / 16, within = i % 16;
-        int x = x0 + block % ( RF_TILE_SIZE / 4 ) * 4 + within % 4;
-        int y = y0 + block / ( RF_TILE_SIZE / 4 ) * 4 + within / 4;
-        if ( x < eye->width && y < eye->height )
-            pixel[count++] = y * eye->width + x;
-    }
-    return count;
 }
 
 static void make_keys( uint64_t pass_key, int count, const int32_t* pixel, RfWalk* walk )
@@ -119,69 +98,20 @@ static void sample_direct( const RfHarvest* harvest, RfHarvestScratch* scratch, 
                                                     &scratch->walk.scratch );
 }
 
-// The ray that leaves hit i into `scattered`, at place `at` of the rays.
-static inline void leave( const RfVertexLanes* v, int i, float* const wi[3], float side, float pdf, RfRayLanes* rays, int at )
-{
-    for ( int c = 0; c < 3; ++c )
-    {
-        rays->o[c][at] = v->p[c][i] + v->ng[c][i] * ( side * v->offset[i] );
-        rays->d[c][at] = wi[c][i];
-    }
-    rays->pdf_solid_angle[at] = pdf;
-    rays->slot[at] = v->slot[i];
-}
-
-// Hits that records are made of: their weights come later.
-static int scatter_records( const RfVertexLanes* v, float* const wi[3], RfWalk* walk )
-{
-    RfRayLanes* rays = &walk->rays;
-    const RfLaneScratch* s = &walk->scratch;
-    int kept = 0, count = rf_record_count( v );
-    for ( int i = 0; i < count; ++i )
-    {
-        float cos_x = v->n[0][i] * wi[0][i] + v->n[1][i] * wi[1][i] + v->n[2][i] * wi[2][i];
-        float cos_g = v->ng[0][i] * wi[0][i] + v->ng[1][i] * wi[1][i] + v->ng[2][i] * wi[2][i];
-        float pdf = s->pdf[i];
-        for ( int c = 0; c < 3; ++c )
-            rays->throughput[c][kept] = 1.0f;
-        leave( v, i, wi, 1.0f, pdf, rays, kept );
-        float weight = rf_maxf( s->f[0][i], rf_maxf( s->f[1][i], s->f[2][i] ) ) * cos_x / pdf;
-        walk->roulette_scale[v->slot[i]] = rf_maxf( weight, MIN_ROULETTE_SCALE );
-        kept += ( cos_x > 0.0f ) & ( cos_g > 0.0f ) & ( pdf > 0.0f );
-    }
-    return kept;
-}
-
-// Native hits: the weight goes along.
-static int scatter_natives( const RfVertexLanes* v, float* const wi[3], RfWalk* walk, int kept )
-{
-    RfRayLanes* rays = &walk->rays;
-    const RfLaneScratch* s = &walk->scratch;
-    for ( int i = rf_record_count( v ); i < v->count; ++i )
-    {
-        float direction[3] = { wi[0][i], wi[1][i], wi[2][i] };
-        float side = rf_leaving_side( v, i, direction );
-        for ( int c = 0; c < 3; ++c )
-            rays->throughput[c][kept] = s->f[c][i];
-        leave( v, i, wi, side, s->pdf[i], rays, kept );
-        walk->roulette_scale[v->slot[i]] = 1.0f;
-        kept += ( side != 0.0f ) & ( rf_maxf( s->f[0][i], rf_maxf( s->f[1][i], s->f[2][i] ) ) > 0.0f );
-    }
-    return kept;
-}
-
-// Draws the scattered directions and queues the rays that can carry light.
-static void scatter_first( const RfHarvest* harvest, RfHarvestScratch* scratch )
+// Draws the scattered directions and follows them.
+static void trace_tails( const RfHarvest* harvest, RfHarvestScratch* scratch, RfRayCounts* rays )
 {
     const RfVertexLanes* v = &scratch->first;
     RfWalk* walk = &scratch->walk;
     float* wi[3] = { scratch->scattered[0], scratch->scattered[1], scratch->scattered[2] };
-    uint32_t dimension = rf_vertex_dimension( 1, harvest->walk.light_samples ) + RF_DIMENSION_SCATTER;
-    rf_scatter_lanes( walk, v, dimension, wi, &walk->scratch );
-    int count = v->count - rf_record_count( v );
-    if ( count > 0 )
-        memcpy( scratch->native_pdf, walk->scratch.pdf + rf_record_count( v ), (size_t)count * sizeof( float ) );
-    walk->rays.count = scatter_natives( v, wi, walk, scatter_records( v, wi, walk ) );
+    rf_scatter_apart( &harvest->walk, walk, v, 1, wi );
+    int natives = v->count - rf_record_count( v );
+    if ( natives > 0 )
+        memcpy( scratch->native_pdf, walk->scratch.pdf + rf_record_count( v ), (size_t)natives * sizeof( float ) );
+    if ( scratch->share != NULL )
+        rays->tile += rf_trace_shared_tails( &harvest->walk, harvest->shape.tile_pixels, v, wi, walk, scratch->share );
+    else
+        rf_trace_tails( &harvest->walk, walk, 2 );
 }
 
 static void copy_hits( const RfVertexLanes* v, RfHitBatch* batch )
@@ -226,7 +156,12 @@ void rf_harvest_batch( const RfHarvest* harvest, RfHarvestJob job, RfHitBatch* b
     batch->eye = job.eye;
 
     // first hits
-    int count = list_pixels( eye, job.tile, scratch->pixel );
+    int tiles, count = rf_list_patch( &harvest->patches, eye, key, job.patch, scratch->pixel, scratch->tile_of, &tiles );
+    if ( scratch->share != NULL )
+    {
+        memcpy( scratch->share->tile_of, scratch->tile_of, (size_t)count * sizeof *scratch->tile_of );
+        scratch->share->tile_count = tiles;
+    }
     make_keys( key, count, scratch->pixel, walk );
     make_camera_rays( eye, count, scratch->pixel, walk, &scratch->camera_rays );
     rf_find_vertices( &harvest->walk, &scratch->camera_rays, true, &scratch->first, &walk->scratch );
@@ -238,11 +173,12 @@ void rf_harvest_batch( const RfHarvest* harvest, RfHarvestJob job, RfHitBatch* b
     memset( &walk->arrivals, 0, sizeof walk->arrivals );
     walk->path_rays = walk->shadow_rays = 0;
     walk->rays.count = 0;
+    for ( int slot = 0; slot < count; ++slot )
+        walk->roulette_scale[slot] = 1.0f;
     if ( harvest->walk.max_depth > 1 )
     {
         sample_direct( harvest, scratch, rays );
-        scatter_first( harvest, scratch );
-        rf_trace_tails( &harvest->walk, walk );
+        trace_tails( harvest, scratch, rays );
     }
     rays->path += walk->path_rays;
     rays->shadow += walk->shadow_rays;

@@ -1,4 +1,4 @@
-// Phase 1, HARVEST: the native hits of one tile of one frame in one pass, with
+// Phase 1, HARVEST: the native hits of one patch of one frame in one pass, with
 // the light that arrives at them, their visibility from every eye of the
 // group, and the densities that the weights need, into a batch of hit records.
 #ifndef REFRAME_REUSE_HARVEST_H
@@ -7,14 +7,14 @@
 #include "path/walk.h"
 #include "reuse/records.h"
 #include "reuse/render.h"
-
-#define RF_TILE_SIZE 32 // pixels, wide and high; a tile's rays fill a wavefront
+#include "reuse/tile.h"
 
 // What all batches of a window share.
 typedef struct RfHarvest
 {
     RfWalkSettings walk;
     RfBatchShape shape;
+    RfPatchLayout patches;
     RfWeights weights;
     uint64_t seed;
     const RfEye* eyes; // shape.eyes of them
@@ -26,7 +26,7 @@ typedef struct RfHarvest
 typedef struct RfHarvestJob
 {
     int eye; // index in the window
-    int tile;
+    int patch;
     int pass;
 } RfHarvestJob;
 
@@ -35,9 +35,6 @@ typedef struct RfHarvestScratch RfHarvestScratch;
 size_t rf_harvest_scratch_bytes( const RfBatchShape* shape );
 // Lays a workspace out in memory of that size, aligned to 64.
 RfHarvestScratch* rf_lay_out_harvest_scratch( const RfBatchShape* shape, void* memory );
-
-// Tiles that cover a film.
-int rf_tile_count( int width, int height );
 
 // Fills `batch`; adds the rays traced to `rays`.
 void rf_harvest_batch( const RfHarvest* harvest, RfHarvestJob job, RfHitBatch* batch, RfHarvestScratch* scratch,

@@ -36,7 +36,7 @@ typedef struct RfLayerJob
 } RfLayerJob;
 
 // Adds the native hits that rf_harvest_batch left in the workspace; every pixel
-// of a tile once. Batches of one pass may be added at the same time.
+// of a patch once. Batches of one pass may be added at the same time.
 void rf_add_to_layers( const RfLayerJob* job, const RfHarvestScratch* scratch );
 
 // The layer's image: rf_layer_channels floats per pixel. `colour` is the film of

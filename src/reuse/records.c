@@ -37,7 +37,7 @@ static void take_glossy( Layout* layout, const RfBatchShape* shape, RfHitBatch* 
         batch->clearcoat = take_lanes( layout );
         batch->clearcoat_alpha = take_lanes( layout );
     }
-    int directions = shape->light_samples + 1;
+    int directions = rf_direction_count( shape );
     batch->directions = take( layout, (size_t)directions * sizeof *batch->directions );
     for ( int d = 0; d < directions; ++d )
     {

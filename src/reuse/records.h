@@ -1,5 +1,5 @@
 // Hit records: what the harvest leaves for the compute phase. A batch holds
-// the hits of one tile of one frame in one pass, as structures of arrays; the
+// the hits of one patch of one frame in one pass, as structures of arrays; the
 // diffuse ones first, which cost no storage per eye and none per direction.
 #ifndef REFRAME_REUSE_RECORDS_H
 #define REFRAME_REUSE_RECORDS_H
@@ -50,7 +50,7 @@ typedef struct RfHitBatch
     float* coat_f90;
     float* clearcoat;       // NULL where the scene has no such coat
     float* clearcoat_alpha;
-    RfDirectionLanes* directions; // K light samples and the scattered direction
+    RfDirectionLanes* directions; // K light samples, the scattered direction, and N − 1 borrowed ones
 } RfHitBatch;
 
 // What the size of a batch depends on.
@@ -58,6 +58,7 @@ typedef struct RfBatchShape
 {
     int eyes;          // in a group
     int light_samples; // K
+    int tile_pixels;   // N, 1 without tiles
     bool glossy;       // the scene has any
     bool coated;       // and RF_BSDF_COATED among them
     bool eq15;
@@ -65,6 +66,7 @@ typedef struct RfBatchShape
     bool natives;      // misses may be other than black: the scene has a sky, mirrors or glass
 } RfBatchShape;
 
+static inline int rf_direction_count( const RfBatchShape* shape ) { return shape->light_samples + shape->tile_pixels; }
 static inline int rf_seen_words( int eyes ) { return ( eyes + 31 ) / 32; }
 
 // Bytes of one batch.

@@ -27,7 +27,7 @@ static void harvest_chunk( RfRenderer* r, const RfHarvest* harvest, const RfWind
 #pragma omp for schedule( dynamic, 1 )
         for ( int i = 0; i < count; ++i )
         {
-            RfHarvestJob job = { ( first + i ) / r->sizes.tiles, ( first + i ) % r->sizes.tiles, pass };
+            RfHarvestJob job = { ( first + i ) / r->sizes.patches.count, ( first + i ) % r->sizes.patches.count, pass };
             rf_harvest_batch( harvest, job, r->memory.batches + i, scratch, &mine );
             if ( ( r->settings.layers & RF_HARVESTED_LAYERS ) != 0 )
                 rf_add_layers( r, harvest, window, job.eye, scratch );
@@ -114,7 +114,7 @@ static RfResult render_pass( RfRenderer* r, const RfHarvest* harvest, const RfWi
     int half = rf_half_of_pass( window, pass );
     if ( harvest->shape.eq15 )
         forget_landed_eyes( r );
-    int jobs = harvest->shape.eyes * r->sizes.tiles;
+    int jobs = harvest->shape.eyes * r->sizes.patches.count;
     for ( int first = 0; first < jobs; first += r->memory.batch_slots )
     {
         int count = jobs - first < r->memory.batch_slots ? jobs - first : r->memory.batch_slots;
@@ -146,6 +146,7 @@ static RfResult render_window( RfRenderer* r, int number, RfError* error )
     RfHarvest harvest = {
         .walk = { r->tracer, useful_depth( r ), r->settings.light_samples },
         .shape = r->sizes.shape,
+        .patches = r->sizes.patches,
         .weights = r->settings.weights,
         .seed = r->settings.seed,
         .eyes = r->eyes + window.first,
@@ -169,7 +170,7 @@ static RfResult render_windows( RfRenderer* r, RfError* error )
     for ( int w = 0; w < r->plan.windows; ++w )
     {
         RfWindow window = rf_window( &r->plan, w );
-        r->batches_all += rf_window_wanted( r, window ) ? (double)window.passes * window.eyes * r->sizes.tiles : 0.0;
+        r->batches_all += rf_window_wanted( r, window ) ? (double)window.passes * window.eyes * r->sizes.patches.count : 0.0;
     }
     for ( int w = 0; w < r->plan.windows; ++w )
     {

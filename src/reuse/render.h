@@ -6,6 +6,7 @@
 #define REFRAME_REUSE_RENDER_H
 
 #include "reuse/layers.h"
+#include "reuse/tile.h"
 #include "scene/eye.h"
 #include "trace/trace.h"
 
@@ -30,6 +31,7 @@ typedef struct RfRenderSettings
 {
     int spp;           // native samples per pixel and frame in all
     int group;         // half-width n, cut to the path; RF_GROUP_AUTO: chosen
+    RfTile tile;       // pixels of a frame that share their paths
     RfWeights weights;
     RfNormalize normalize;
     int max_depth;     // path vertices after the eye

@@ -37,7 +37,8 @@ typedef struct RenderMemory
 // What the sizes depend on.
 typedef struct RenderSizes
 {
-    int width, height, tiles;
+    int width, height;
+    RfPatchLayout patches;
     int threads;
     int films;       // held at once
     int buffers;     // wanted

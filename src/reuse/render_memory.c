@@ -39,6 +39,7 @@ static RfBatchShape batch_shape( const RfScene* scene, int eyes, const RfRenderS
     return ( RfBatchShape ){
         .eyes = eyes,
         .light_samples = settings->light_samples,
+        .tile_pixels = rf_tile_pixels( &settings->tile ),
         .glossy = has_kinds( scene, RF_BSDF_PHONG, RF_BSDF_FIRST_NATIVE ),
         .coated = has_kinds( scene, RF_BSDF_COATED, RF_BSDF_COATED + 1 ),
         .eq15 = settings->weights == RF_WEIGHTS_EQ15,
@@ -58,7 +59,7 @@ RenderSizes rf_render_sizes( const RfScene* scene, const RfEye* eyes, const RfGr
         .total_every = rf_film_needs_total( most, total_every ) ? total_every : 0,
         .width = eyes->width,
         .height = eyes->height,
-        .tiles = rf_tile_count( eyes->width, eyes->height ),
+        .patches = rf_lay_out_patches( &settings->tile, eyes->width, eyes->height ),
         .threads = settings->threads,
         .films = films < plan->eyes ? films : plan->eyes,
         .layers = settings->layers,
@@ -211,7 +212,7 @@ static size_t batch_slot_bytes( const RenderSizes* s ) { return rf_batch_bytes( 
 // one; the biased eq15 needs all of a pass.
 static int batch_slots( const RenderSizes* s, const RenderMemory* m )
 {
-    int jobs = s->shape.eyes * s->tiles;
+    int jobs = s->shape.eyes * s->patches.count;
     if ( s->shape.eq15 )
         return jobs;
     size_t room = rf_arena_room( &m->arena ) / batch_slot_bytes( s );

@@ -8,6 +8,7 @@ RfRenderSettings rf_default_render_settings( void )
     return ( RfRenderSettings ){
         .spp = 28,
         .group = RF_GROUP_AUTO,
+        .tile = { RF_TILE_NONE, 1, 1 },
         .weights = RF_WEIGHTS_EXACT,
         .normalize = RF_NORMALIZE_CROSSFIT,
         .max_depth = 12,
@@ -26,6 +27,8 @@ static RfResult check_settings( const RfRenderSettings* s, RfError* error )
         return rf_fail( error, RF_ERROR_USAGE, "depth must be 1 to %d, got %d", RF_MAX_DEPTH, s->max_depth );
     if ( s->light_samples < 1 || s->light_samples > RF_MAX_LIGHT_SAMPLES )
         return rf_fail( error, RF_ERROR_USAGE, "light samples must be 1 to %d, got %d", RF_MAX_LIGHT_SAMPLES, s->light_samples );
+    if ( !rf_is_tile( &s->tile ) )
+        return rf_fail( error, RF_ERROR_USAGE, "tiles must have 1 to %d pixels, and rooks a square grid", RF_MAX_TILE_PIXELS );
     if ( ( s->layers & ~RF_ALL_LAYERS ) != 0 )
         return rf_fail( error, RF_ERROR_USAGE, "there are no such layers: %#x", s->layers );
     if ( s->queue < 0 || s->queue > RF_MAX_QUEUE )

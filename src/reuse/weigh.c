@@ -9,6 +9,18 @@
 
 typedef RfArrivalLanes Arrival;
 
+// Directions are numbered: the light samples, the scattered one, and those of
+// the tile's other paths.
+static void direction_lanes( const RfHarvest* harvest, RfHarvestScratch* scratch, int direction, const float* wi[3] )
+{
+    int turn = direction - harvest->walk.light_samples;
+    float( *lanes )[RF_LANES] = turn < 0    ? scratch->direct[direction].wi
+                                : turn == 0 ? scratch->scattered
+                                            : scratch->share->turns[turn].wi;
+    for ( int c = 0; c < 3; ++c )
+        wi[c] = lanes[c];
+}
+
 static void gather_light_sample( const RfHarvest* harvest, const RfHarvestScratch* scratch, int sample, Arrival* out )
 {
     const RfLightLanes* direct = scratch->direct + sample;
@@ -16,7 +28,6 @@ static void gather_light_sample( const RfHarvest* harvest, const RfHarvestScratc
     float k = (float)harvest->walk.light_samples;
     for ( int c = 0; c < 3; ++c )
     {
-        out->wi[c] = direct->wi[c];
         memcpy( out->a[c], direct->radiance_cos[c], bytes );
         memset( out->b[c], 0, bytes );
     }
@@ -28,14 +39,13 @@ static void gather_scattered( const RfHarvest* harvest, const RfHarvestScratch* 
 {
     const RfVertexLanes* v = &scratch->first;
     const RfArrivals* arrivals = &scratch->walk.arrivals;
+    const float( *wi )[RF_LANES] = scratch->scattered;
     float k = (float)harvest->walk.light_samples;
-    for ( int c = 0; c < 3; ++c )
-        out->wi[c] = scratch->scattered[c];
     int count = rf_record_count( v );
     for ( int i = 0; i < count; ++i )
     {
         int slot = v->slot[i];
-        float cos_x = v->n[0][i] * out->wi[0][i] + v->n[1][i] * out->wi[1][i] + v->n[2][i] * out->wi[2][i];
+        float cos_x = v->n[0][i] * wi[0][i] + v->n[1][i] * wi[1][i] + v->n[2][i] * wi[2][i];
         for ( int c = 0; c < 3; ++c )
         {
             out->a[c][i] = cos_x * arrivals->emitted[c][slot];
@@ -43,6 +53,15 @@ static void gather_scattered( const RfHarvest* harvest, const RfHarvestScratch* 
         }
         out->light_pdf[i] = k * arrivals->light_pdf_solid_angle[slot];
     }
+}
+
+static void gather_borrowed( const RfHarvestScratch* scratch, int turn, Arrival* out )
+{
+    size_t bytes = (size_t)rf_record_count( &scratch->first ) * sizeof( float );
+    rf_borrow_light( scratch->share, turn, &scratch->first, out->b );
+    for ( int c = 0; c < 3; ++c )
+        memset( out->a[c], 0, bytes );
+    memset( out->light_pdf, 0, bytes );
 }
 
 // Q = A / (K p_L + P) + B / P, at lane i.
@@ -57,14 +76,14 @@ static void light_of( const Arrival* arrival, int i, float mixture, float q[3] )
 
 // Diffuse hits: the density is the same for all eyes, so the light to any of
 // them is known here.
-static void add_diffuse( const RfHarvestScratch* scratch, const Arrival* arrival, RfHitBatch* batch, RfLaneScratch* s )
+static void add_diffuse( const RfHarvestScratch* scratch, const Arrival* arrival, const float* const wi[3], RfHitBatch* batch,
+                         RfLaneScratch* s )
 {
     int count = batch->first[RF_BSDF_PHONG];
     const RfVertexLanes* v = &scratch->first;
-    RfBsdfLanes lanes = { .n = { v->n[0], v->n[1], v->n[2] }, .diffuse = { v->diffuse[0], v->diffuse[1], v->diffuse[2] } };
     const float* wo[3] = { v->wo[0], v->wo[1], v->wo[2] };
     float* f[3] = { s->f[0], s->f[1], s->f[2] };
-    rf_bsdf_evaluate( RF_BSDF_LAMBERT, count, &lanes, wo, arrival->wi, f, s->pdf );
+    rf_evaluate_seen_from( v, RF_BSDF_LAMBERT, wo, wi, f, s->pdf );
     for ( int i = 0; i < count; ++i )
     {
         float q[3];
@@ -74,19 +93,36 @@ static void add_diffuse( const RfHarvestScratch* scratch, const Arrival* arrival
     }
 }
 
-// P = Σ_l r_l p_l(wi; x) of the glossy hits, r_l = J_l V_l / Σ J V. With
-// eyes that are not weighted, the density is that of the hit's own eye.
-static void mix_densities( const RfHarvest* harvest, const RfHitBatch* batch, RfHarvestScratch* scratch,
-                           const Arrival* arrival )
+// P += r_l p_l(wi; x) of the glossy hits for one eye and direction, r_l = J_l V_l / Σ J V.
+static void add_density( const RfHarvest* harvest, const RfHitBatch* batch, RfHarvestScratch* scratch, int eye, int direction )
 {
     int first = batch->first[RF_BSDF_PHONG], count = batch->count - first;
-    const float* wi[3] = { arrival->wi[0] + first, arrival->wi[1] + first, arrival->wi[2] + first };
-    float* wo[3] = { scratch->wo[0], scratch->wo[1], scratch->wo[2] };
-    const float* wo_in[3] = { wo[0], wo[1], wo[2] };
+    const float *wo[3] = { scratch->wo[0], scratch->wo[1], scratch->wo[2] }, *wi[3];
+    direction_lanes( harvest, scratch, direction, wi );
+    for ( int c = 0; c < 3; ++c )
+        wi[c] += first;
+    float* restrict pdf = scratch->walk.scratch.pdf;
+    float* restrict mixture = scratch->mixture + (size_t)direction * RF_LANES;
+    rf_evaluate_glossy( batch, wo, wi, NULL, scratch->walk.scratch.pdf );
+    if ( harvest->weights != RF_WEIGHTS_EXACT )
+    {
+        memcpy( mixture, pdf, (size_t)count * sizeof( float ) );
+        return;
+    }
     const float* restrict sum = batch->density_sum + first;
-    const float* restrict pdf = scratch->walk.scratch.pdf;
-    float* restrict mixture = scratch->mixture;
-    memset( mixture, 0, (size_t)count * sizeof( float ) );
+    const float* restrict density = scratch->density + (size_t)eye * RF_LANES + first;
+#pragma omp simd
+    for ( int i = 0; i < count; ++i )
+        mixture[i] += density[i] / sum[i] * pdf[i];
+}
+
+// P of all directions. With eyes that are not weighted, the density is that of
+// the hit's own eye.
+static void mix_densities( const RfHarvest* harvest, const RfHitBatch* batch, RfHarvestScratch* scratch )
+{
+    int directions = rf_direction_count( &harvest->shape );
+    float* wo[3] = { scratch->wo[0], scratch->wo[1], scratch->wo[2] };
+    memset( scratch->mixture, 0, (size_t)directions * RF_LANES * sizeof( float ) );
     for ( int l = 0; l < harvest->shape.eyes; ++l )
     {
         if ( harvest->weights != RF_WEIGHTS_EXACT && l != batch->eye )
@@ -94,21 +130,13 @@ static void mix_densities( const RfHarvest* harvest, const RfHitBatch* batch, Rf
         if ( batch->rows[2 * l] > batch->rows[2 * l + 1] )
             continue; // sees nothing of the batch
         rf_directions_to( harvest->eyes, l, batch, wo );
-        rf_evaluate_glossy( batch, wo_in, wi, NULL, scratch->walk.scratch.pdf );
-        const float* restrict density = scratch->density + (size_t)l * RF_LANES + first;
-        if ( harvest->weights == RF_WEIGHTS_EXACT )
-        {
-#pragma omp simd
-            for ( int i = 0; i < count; ++i )
-                mixture[i] += density[i] / sum[i] * pdf[i];
-        }
-        else
-            memcpy( mixture, pdf, (size_t)count * sizeof( float ) );
+        for ( int d = 0; d < directions; ++d )
+            add_density( harvest, batch, scratch, l, d );
     }
 }
 
 static void store_direction( const RfHarvest* harvest, const RfHitBatch* batch, const Arrival* arrival,
-                             const float* mixture, RfDirectionLanes* out )
+                             const float* const wi[3], const float* mixture, RfDirectionLanes* out )
 {
     int first = batch->first[RF_BSDF_PHONG], count = batch->count - first;
     for ( int i = 0; i < count; ++i )
@@ -117,7 +145,7 @@ static void store_direction( const RfHarvest* harvest, const RfHitBatch* batch, 
         light_of( arrival, first + i, mixture[i], q );
         for ( int c = 0; c < 3; ++c )
         {
-            out->wi[c][i] = arrival->wi[c][first + i];
+            out->wi[c][i] = wi[c][first + i];
             out->q[c][i] = q[c];
         }
     }
@@ -134,15 +162,19 @@ static void store_direction( const RfHarvest* harvest, const RfHitBatch* batch, 
 static void weigh_direction( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch, int direction )
 {
     Arrival* arrival = &scratch->arrival;
-    if ( direction < harvest->walk.light_samples )
+    int turn = direction - harvest->walk.light_samples;
+    if ( turn < 0 )
         gather_light_sample( harvest, scratch, direction, arrival );
-    else
+    else if ( turn == 0 )
         gather_scattered( harvest, scratch, arrival );
-    add_diffuse( scratch, arrival, batch, &scratch->walk.scratch );
-    if ( batch->first[RF_BSDF_PHONG] == batch->count )
-        return;
-    mix_densities( harvest, batch, scratch, arrival );
-    store_direction( harvest, batch, arrival, scratch->mixture, batch->directions + direction );
+    else
+        gather_borrowed( scratch, turn, arrival );
+    const float* wi[3];
+    direction_lanes( harvest, scratch, direction, wi );
+    add_diffuse( scratch, arrival, wi, batch, &scratch->walk.scratch );
+    if ( batch->first[RF_BSDF_PHONG] < batch->count )
+        store_direction( harvest, batch, arrival, wi, scratch->mixture + (size_t)direction * RF_LANES,
+                         batch->directions + direction );
 }
 
 void rf_weigh_batch( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch )
@@ -156,9 +188,11 @@ void rf_weigh_batch( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScrat
     }
     if ( harvest->walk.max_depth == 1 )
     {
-        rf_clear_directions( batch, harvest->walk.light_samples + 1, harvest->shape.eq15 );
+        rf_clear_directions( batch, rf_direction_count( &harvest->shape ), harvest->shape.eq15 );
         return;
     }
-    for ( int d = 0; d <= harvest->walk.light_samples; ++d )
+    if ( batch->first[RF_BSDF_PHONG] < batch->count )
+        mix_densities( harvest, batch, scratch );
+    for ( int d = 0; d < rf_direction_count( &harvest->shape ); ++d )
         weigh_direction( harvest, batch, scratch, d );
 }

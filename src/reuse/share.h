@@ -1,0 +1,79 @@
+// Path reuse inside tiles (Bekaert, Sbert, Halton, EGWR 2002; estimators.md
+// E4, E5). The paths of a tile, one per pixel, with first hits x^i and second
+// vertices y^j: what y^j sends on is made use of at every x^i that sees it.
+//
+// Pairs are kept by turn s: in turn s hit i looks at the vertex that its s-th
+// mate found, counted round the tile; turn 0 is its own path. So every array of
+// a turn has a lane per hit, or a lane per second vertex, and no pair is alone
+// in a loop.
+//
+// The density per area with which path k would have found y is R^k(y) = p G V,
+// with G = cos_y / r². It only comes in quotients, ρ_k = R^k(y) / G_own: free of
+// units, and 1/p·ρ = 1 for a path that is alone.
+#ifndef REFRAME_REUSE_SHARE_H
+#define REFRAME_REUSE_SHARE_H
+
+#include "path/walk.h"
+#include "reuse/render.h"
+
+// One turn.
+typedef struct RfTurnLanes
+{
+    // lanes: hits
+    RF_ALIGN float wi[3][RF_LANES]; // unit, to the mate's second vertex
+    float weight[RF_LANES];         // ρ, later the balance weight ρ / Σ_k ρ_k; 0: not seen, or no vertex
+    // lanes: second vertices with a shiny surface
+    float f[3][RF_LANES];
+    float light[3][RF_LANES]; // sent to the hit; of turn 0 also what diffuse vertices send to all
+} RfTurnLanes;
+
+typedef struct RfShare
+{
+    RF_ALIGN int32_t tile_of[RF_LANES]; // by slot
+    int tile_count;
+    // hits, tile after tile
+    int32_t member[RF_LANES];
+    // by hit
+    int32_t begin[RF_LANES], size[RF_LANES], rank[RF_LANES]; // of its tile in member[], and its own place there
+    int32_t found[RF_LANES];                                 // second vertex of its path; −1: none to share
+    int32_t mate[RF_LANES];                                  // of one turn: the second vertex looked at, or −1
+    // second vertices
+    RfVertexLanes second;
+    RF_ALIGN int32_t owner[RF_LANES];    // hit whose path found it; −1: not shared
+    float throughput[3][RF_LANES];       // of the ray that found it
+    float own_distance2_cos[RF_LANES];   // 1 / G_own
+    float sum[RF_LANES];                 // Σ ρ
+    float wi[3][RF_LANES];               // where its path goes on
+    float pdf[RF_LANES];
+    float wo[3][RF_LANES];               // to the hits of a turn
+    float mixture[RF_LANES];
+    float a[3][RF_LANES], b[3][RF_LANES], light_pdf[RF_LANES];
+    RfArrivals found_light; // by slot: what the scattered rays of the hits found
+    RfArrivals beyond;      // by slot: what arrives at the second vertices along wi
+    RfLightLanes* direct;   // light samples at the second vertices, K of them
+    RfTurnLanes* turns;     // as many as a tile has pixels
+} RfShare;
+
+size_t rf_share_bytes( int light_samples, int tile_pixels );
+RfShare* rf_lay_out_share( int light_samples, int tile_pixels, void* memory );
+
+// What rf_trace_tails does for the rays that left the hits, with what their
+// second vertices send shared in the tiles share->tile_of: walk->arrivals as from there,
+// rest being the balanced part of turn 0, and the turns from 1 on in
+// share->turns. Returns the segments tested.
+uint64_t rf_trace_shared_tails( const RfWalkSettings* settings, int tile_pixels, const RfVertexLanes* hits,
+                                float* const scattered[3], RfWalk* walk, RfShare* share );
+
+// The steps of that which have files of their own.
+uint64_t rf_weigh_turns( const RfWalkSettings* settings, int tile_pixels, const RfVertexLanes* hits, float* const scattered[3],
+                         RfLaneScratch* scratch, RfShare* share );
+void rf_light_turns( const RfWalkSettings* settings, int tile_pixels, RfWalk* walk, RfShare* share );
+
+// share->mate for turn `turn` of the first `count` hits.
+void rf_find_mates( RfShare* share, int turn, int count );
+
+// Light that a turn from 1 on brings to each hit times its cosine there: (E5)
+// without the weight over the eyes.
+void rf_borrow_light( RfShare* share, int turn, const RfVertexLanes* hits, float borrowed[3][RF_LANES] );
+
+#endif
