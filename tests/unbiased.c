@@ -5,8 +5,14 @@
 
 #include <math.h>
 #include <omp.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+#include <cmocka.h>
 
 #define REFERENCE_SEED 1000003 // far from the seeds of the renders
 
@@ -113,4 +119,17 @@ Verdict compare_images( const Images* a, const Images* b, int block )
     v.smallest_p = 1.0 - pow( 1.0 - p[0], tested );
     free( p );
     return v;
+}
+
+#define SIGNIFICANCE 1e-4
+
+void assert_unbiased( const char* what, const Images* rendered, const Images* reference, int block )
+{
+    Verdict b = compare_images( rendered, reference, block ), p = compare_images( rendered, reference, 1 );
+    printf( "%-34s whole p %.3g, per block smallest p %.3g, uniform p %.3g; per pixel smallest p %.3g\n", what, b.whole_p,
+            b.smallest_p, b.uniform_p, p.smallest_p );
+    assert_true( b.whole_p > SIGNIFICANCE );
+    assert_true( b.smallest_p > SIGNIFICANCE );
+    assert_true( b.uniform_p > SIGNIFICANCE );
+    assert_true( p.smallest_p > SIGNIFICANCE );
 }

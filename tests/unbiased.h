@@ -31,4 +31,10 @@ typedef struct Verdict
 // Compares luminance in blocks of block × block pixels.
 Verdict compare_images( const Images* a, const Images* b, int block );
 
+// Fails unless the means agree: of the images, of blocks of block × block
+// pixels and of pixels; prints the p-values under a name. A run of a program
+// makes some 30 of these with 4 p-values each; at the level of 1e-4 one in a
+// hundred runs with fresh seeds would fail by chance.
+void assert_unbiased( const char* what, const Images* rendered, const Images* reference, int block );
+
 #endif
