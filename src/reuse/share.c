@@ -88,13 +88,18 @@ static void list_owners( const RfVertexLanes* hits, RfShare* share )
     }
 }
 
-void rf_find_mates( RfShare* share, int turn, int count )
+// Who looks at whom in a turn; `weight` 1 where there is a vertex to look at.
+static void find_mates( const RfShare* share, int turn, int count, RfTurnLanes* out )
 {
     for ( int i = 0; i < count; ++i )
     {
-        int at = share->rank[i] + turn;
-        at -= at >= share->size[i] ? share->size[i] : 0;
-        share->mate[i] = turn < share->size[i] ? share->found[share->member[share->begin[i] + at]] : -1;
+        int size = share->size[i], at = share->rank[i] + turn;
+        at -= at >= size ? size : 0;
+        at = turn < size ? at : 0;
+        int mate = share->found[share->member[share->begin[i] + at]];
+        bool there = ( turn < size ) & ( mate >= 0 );
+        out->mate[i] = there ? mate : 0;
+        out->weight[i] = there ? 1.0f : 0.0f;
     }
 }
 
@@ -142,14 +147,17 @@ uint64_t rf_trace_shared_tails( const RfWalkSettings* settings, int tile_pixels,
             for ( int c = 0; c < 3; ++c )
                 memcpy( share->turns[s].wi[c], hits->n[c], (size_t)hits->count * sizeof( float ) );
         }
-        for ( int i = 0; i < hits->count; ++i )
-            share->found[i] = -1, share->size[i] = 0;
+        share->second.first[RF_BSDF_PHONG] = 0;
+        for ( int s = 1; s < tile_pixels; ++s )
+            memset( share->turns[s].mate, 0, sizeof share->turns[s].mate );
         return 0;
     }
     note_throughput( &walk->rays, share );
     go_on( settings, walk, share );
     list_members( hits, share );
     list_owners( hits, share );
+    for ( int s = 0; s < tile_pixels; ++s )
+        find_mates( share, s, rf_record_count( hits ), share->turns + s );
     uint64_t tested = rf_weigh_turns( settings, tile_pixels, hits, scattered, &walk->scratch, share );
     rf_light_turns( settings, tile_pixels, walk, share );
     return tested;

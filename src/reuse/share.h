@@ -22,6 +22,7 @@ typedef struct RfTurnLanes
     // lanes: hits
     RF_ALIGN float wi[3][RF_LANES]; // unit, to the mate's second vertex
     float weight[RF_LANES];         // ρ, later the balance weight ρ / Σ_k ρ_k; 0: not seen, or no vertex
+    int32_t mate[RF_LANES];         // the second vertex looked at; where there is none 0, with weight 0
     // lanes: second vertices with a shiny surface
     float f[3][RF_LANES];
     float light[3][RF_LANES]; // sent to the hit; of turn 0 also what diffuse vertices send to all
@@ -36,10 +37,10 @@ typedef struct RfShare
     // by hit
     int32_t begin[RF_LANES], size[RF_LANES], rank[RF_LANES]; // of its tile in member[], and its own place there
     int32_t found[RF_LANES];                                 // second vertex of its path; −1: none to share
-    int32_t mate[RF_LANES];                                  // of one turn: the second vertex looked at, or −1
     // second vertices
     RfVertexLanes second;
-    RF_ALIGN int32_t owner[RF_LANES];    // hit whose path found it; −1: not shared
+    RF_ALIGN float lifted[3][RF_LANES];  // of the hits: where segments to them end
+    int32_t owner[RF_LANES];             // hit whose path found it; −1: not shared
     float throughput[3][RF_LANES];       // of the ray that found it
     float own_distance2_cos[RF_LANES];   // 1 / G_own
     float sum[RF_LANES];                 // Σ ρ
@@ -69,11 +70,20 @@ uint64_t rf_weigh_turns( const RfWalkSettings* settings, int tile_pixels, const 
                          RfLaneScratch* scratch, RfShare* share );
 void rf_light_turns( const RfWalkSettings* settings, int tile_pixels, RfWalk* walk, RfShare* share );
 
-// share->mate for turn `turn` of the first `count` hits.
-void rf_find_mates( RfShare* share, int turn, int count );
+// The hit that looks at shared vertex a in a turn.
+static inline int rf_looker( const RfShare* share, int a, int turn )
+{
+    int i = share->owner[a], at = share->rank[i] - turn;
+    return share->member[share->begin[i] + at + ( at < 0 ? share->size[i] : 0 )];
+}
 
-// Light that a turn from 1 on brings to each hit times its cosine there: (E5)
-// without the weight over the eyes.
-void rf_borrow_light( RfShare* share, int turn, const RfVertexLanes* hits, float borrowed[3][RF_LANES] );
+// Light that a turn from 1 on brings to hits [first, end) times its cosine
+// there: (E5) without the weight over the eyes.
+void rf_borrow_light( const RfShare* share, int turn, const RfVertexLanes* hits, int first, int end,
+                      float borrowed[3][RF_LANES] );
+
+// Sum over these turns for diffuse hits [0, count), divided by the density of
+// its direction; f cos / density is the albedo.
+void rf_borrow_diffuse( const RfShare* share, int turns, int count, float sum[3][RF_LANES] );
 
 #endif

@@ -79,8 +79,7 @@ static void look_back( const RfShare* share, int turn, float wo[3][RF_LANES], fl
         bool looks = i >= 0 && turn < share->size[i];
         if ( looks )
         {
-            int at = share->rank[i] - turn;
-            i = share->member[share->begin[i] + at + ( at < 0 ? share->size[i] : 0 )];
+            i = rf_looker( share, a, turn );
             weight[a] = t->weight[i];
             looks = weight[a] > 0.0f;
         }
@@ -183,7 +182,8 @@ static void keep_own( RfWalk* walk, const RfShare* share )
 
 void rf_light_turns( const RfWalkSettings* settings, int tile_pixels, RfWalk* walk, RfShare* share )
 {
-    for ( int s = 0; s < tile_pixels; ++s )
+    bool shiny = share->second.first[RF_BSDF_PHONG] < rf_record_count( &share->second );
+    for ( int s = 0; s < ( shiny ? tile_pixels : 1 ); ++s )
         memset( share->turns[s].light, 0, sizeof share->turns[s].light );
     bool shared = all_shared( share );
     int k = settings->light_samples;
@@ -203,18 +203,39 @@ void rf_light_turns( const RfWalkSettings* settings, int tile_pixels, RfWalk* wa
     keep_own( walk, share );
 }
 
-void rf_borrow_light( RfShare* share, int turn, const RfVertexLanes* hits, float borrowed[3][RF_LANES] )
+void rf_borrow_light( const RfShare* share, int turn, const RfVertexLanes* hits, int first, int end,
+                      float borrowed[3][RF_LANES] )
 {
-    int count = rf_record_count( hits ), diffuse = share->second.first[RF_BSDF_PHONG];
-    RfTurnLanes* t = share->turns + turn;
-    rf_find_mates( share, turn, count );
-    for ( int i = 0; i < count; ++i )
+    int diffuse = share->second.first[RF_BSDF_PHONG];
+    const RfTurnLanes *t = share->turns + turn, *own = share->turns;
+    for ( int i = first; i < end; ++i )
     {
-        int a = share->mate[i];
-        float weight = a >= 0 ? t->weight[i] : 0.0f;
+        int a = t->mate[i];
+        float weight = t->weight[i];
         float cos_x = hits->n[0][i] * t->wi[0][i] + hits->n[1][i] * t->wi[1][i] + hits->n[2][i] * t->wi[2][i];
-        float( *light )[RF_LANES] = a < diffuse ? share->turns[0].light : t->light;
+        const RfTurnLanes* from = a < diffuse ? own : t;
         for ( int c = 0; c < 3; ++c )
-            borrowed[c][i] = weight > 0.0f ? cos_x * weight * light[c][a] : 0.0f;
+            borrowed[c][i] = weight > 0.0f ? cos_x * weight * from->light[c][a] : 0.0f;
+    }
+}
+
+void rf_borrow_diffuse( const RfShare* share, int turns, int count, float sum[3][RF_LANES] )
+{
+    int diffuse = share->second.first[RF_BSDF_PHONG];
+    const RfTurnLanes* own = share->turns;
+    for ( int c = 0; c < 3; ++c )
+        memset( sum[c], 0, (size_t)count * sizeof( float ) );
+    for ( int s = 1; s < turns; ++s )
+    {
+        const RfTurnLanes* t = share->turns + s;
+        for ( int i = 0; i < count; ++i )
+        {
+            if ( t->weight[i] == 0.0f )
+                continue;
+            int a = t->mate[i];
+            const RfTurnLanes* from = a < diffuse ? own : t;
+            for ( int c = 0; c < 3; ++c )
+                sum[c][i] += t->weight[i] * from->light[c][a];
+        }
     }
 }

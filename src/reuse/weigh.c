@@ -55,13 +55,15 @@ static void gather_scattered( const RfHarvest* harvest, const RfHarvestScratch* 
     }
 }
 
+// Of the glossy hits.
 static void gather_borrowed( const RfHarvestScratch* scratch, int turn, Arrival* out )
 {
-    size_t bytes = (size_t)rf_record_count( &scratch->first ) * sizeof( float );
-    rf_borrow_light( scratch->share, turn, &scratch->first, out->b );
+    int first = scratch->first.first[RF_BSDF_PHONG], end = rf_record_count( &scratch->first );
+    size_t bytes = (size_t)( end - first ) * sizeof( float );
+    rf_borrow_light( scratch->share, turn, &scratch->first, first, end, out->b );
     for ( int c = 0; c < 3; ++c )
-        memset( out->a[c], 0, bytes );
-    memset( out->light_pdf, 0, bytes );
+        memset( out->a[c] + first, 0, bytes );
+    memset( out->light_pdf + first, 0, bytes );
 }
 
 // Q = A / (K p_L + P) + B / P, at lane i.
@@ -90,6 +92,20 @@ static void add_diffuse( const RfHarvestScratch* scratch, const Arrival* arrival
         light_of( arrival, i, s->pdf[i], q );
         for ( int c = 0; c < 3; ++c )
             batch->radiance[4 * i + c] += f[c][i] * q[c];
+    }
+}
+
+// All the light of other paths at once: it comes without directions.
+static void add_borrowed_diffuse( const RfHarvest* harvest, RfHarvestScratch* scratch, RfHitBatch* batch )
+{
+    int count = batch->first[RF_BSDF_PHONG];
+    const RfVertexLanes* v = &scratch->first;
+    float( *sum )[RF_LANES] = scratch->arrival.b;
+    rf_borrow_diffuse( scratch->share, harvest->shape.tile_pixels, count, sum );
+    for ( int i = 0; i < count; ++i )
+    {
+        for ( int c = 0; c < 3; ++c )
+            batch->radiance[4 * i + c] += v->diffuse[c][i] * sum[c][i];
     }
 }
 
@@ -171,7 +187,8 @@ static void weigh_direction( const RfHarvest* harvest, RfHitBatch* batch, RfHarv
         gather_borrowed( scratch, turn, arrival );
     const float* wi[3];
     direction_lanes( harvest, scratch, direction, wi );
-    add_diffuse( scratch, arrival, wi, batch, &scratch->walk.scratch );
+    if ( turn <= 0 )
+        add_diffuse( scratch, arrival, wi, batch, &scratch->walk.scratch );
     if ( batch->first[RF_BSDF_PHONG] < batch->count )
         store_direction( harvest, batch, arrival, wi, scratch->mixture + (size_t)direction * RF_LANES,
                          batch->directions + direction );
@@ -191,8 +208,12 @@ void rf_weigh_batch( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScrat
         rf_clear_directions( batch, rf_direction_count( &harvest->shape ), harvest->shape.eq15 );
         return;
     }
-    if ( batch->first[RF_BSDF_PHONG] < batch->count )
+    bool glossy = batch->first[RF_BSDF_PHONG] < batch->count;
+    if ( glossy )
         mix_densities( harvest, batch, scratch );
-    for ( int d = 0; d < rf_direction_count( &harvest->shape ); ++d )
+    if ( scratch->share != NULL )
+        add_borrowed_diffuse( harvest, scratch, batch );
+    int directions = glossy ? rf_direction_count( &harvest->shape ) : harvest->walk.light_samples + 1;
+    for ( int d = 0; d < directions; ++d )
         weigh_direction( harvest, batch, scratch, d );
 }
