@@ -11,6 +11,7 @@
 typedef struct Point
 {
     RfVec3 p, ng, n, wo;
+    RfVec3 coat_n;
     RfMaterial material; // as it is here
     bool inside; // seen from behind
     float ior;   // relative, for glass
@@ -38,13 +39,16 @@ static bool find( const RfTracer* tracer, RfVec3 o, RfVec3 d, Point* out )
     float length2 = rf_dot( n, n );
     n = rf_scale( n, side / sqrtf( length2 ) );
     out->n = !t->flat && rf_dot( n, out->ng ) > 0.0f && length2 > 1e-12f ? n : out->ng;
+    out->coat_n = out->n;
     const RfScene* scene = rf_tracer_scene( tracer );
     const RfMaterial* material = scene->materials + t->material;
     out->material = *material;
     if ( material->textured != NULL )
     {
         rf_material_at( scene, material, triangle, u, v, &out->material );
-        out->n = rf_scale( rf_normal_at( scene, material, triangle, u, v, rf_scale( out->n, side ), t->ng ), side );
+        RfVec3 front = rf_scale( out->n, side );
+        out->n = rf_scale( rf_normal_at( scene, material, triangle, u, v, front, t->ng ), side );
+        out->coat_n = rf_scale( rf_coat_normal_at( scene, material, triangle, u, v, front, t->ng ), side );
     }
     out->inside = facing < 0.0f;
     out->ior = out->material.thin ? -out->material.ior : ( out->inside && out->material.ior > 0.0f ? 1.0f / out->material.ior : out->material.ior );
@@ -77,6 +81,7 @@ static RfBsdfLanes lane_of( const Point* x )
         .coat_f90 = &m->coat_f90,
         .clearcoat = &m->clearcoat,
         .clearcoat_alpha = &m->clearcoat_alpha,
+        .clearcoat_n = { &x->coat_n.x, &x->coat_n.y, &x->coat_n.z },
         .tint = { &m->tint.x, &m->tint.y, &m->tint.z },
         .ior = &x->ior,
     };

@@ -42,8 +42,9 @@ typedef struct RfVertexLanes
     float f90[RF_LANES];
     float coat_f0[RF_LANES];
     float coat_f90[RF_LANES];
-    float clearcoat[RF_LANES]; // these two of RF_BSDF_COATED only
+    float clearcoat[RF_LANES]; // these three of RF_BSDF_COATED only
     float clearcoat_alpha[RF_LANES];
+    float clearcoat_n[3][RF_LANES];
     float tint[3][RF_LANES]; // these two of RF_BSDF_GLASS only
     float ior[RF_LANES];
     float emission[3][RF_LANES];            // towards wo

@@ -17,6 +17,7 @@ static RfBsdfLanes bsdf_lanes( const RfVertexLanes* v, int first )
         .coat_f90 = v->coat_f90 + first,
         .clearcoat = v->clearcoat + first,
         .clearcoat_alpha = v->clearcoat_alpha + first,
+        .clearcoat_n = { v->clearcoat_n[0] + first, v->clearcoat_n[1] + first, v->clearcoat_n[2] + first },
         .tint = { v->tint[0] + first, v->tint[1] + first, v->tint[2] + first },
         .ior = v->ior + first,
     };

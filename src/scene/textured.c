@@ -1,6 +1,7 @@
 #include "scene/textured.h"
 
 #include <math.h>
+#include <string.h>
 
 // The mean over a triangle is taken at the middles of GRID² parts of it.
 #define GRID 8
@@ -114,16 +115,46 @@ static RfFactors factors_at( const RfScene* scene, const RfMaterial* m, uint32_t
     return f;
 }
 
-static void derive_glass( const RfFactors* f, double transmission, RfMaterial* out )
+void rf_derive_glass( const RfFactors* f, double transmission, RfMaterial* out )
+{
+    double dielectric = 1.0 - f->metallic;
+    out->alpha = f->roughness < RF_SMOOTH_ROUGHNESS ? 0.0f : (float)( f->roughness * f->roughness );
+    out->tint = scaled( f->base, transmission * dielectric );
+    out->diffuse = scaled( f->base, ( 1.0 - transmission ) * dielectric );
+    out->specular = scaled( f->base, f->metallic );
+    out->f90 = (float)f->metallic;
+}
+
+void rf_derive_clearcoat( double clearcoat, double roughness, RfMaterial* out )
+{
+    out->clearcoat = (float)clearcoat;
+    out->clearcoat_alpha = fmaxf( (float)( roughness * roughness ), RF_MIN_ALPHA );
+}
+
+static void glass_at( const RfScene* scene, const RfMaterial* m, const RfFactors* f, uint32_t triangle, float u, float v,
+                      RfMaterial* out )
 {
     if ( out->ior == 0.0f ) // a mirror, whose roughness has no texture
     {
         out->specular = scaled( f->base, 1.0 );
         return;
     }
-    out->alpha = f->roughness < RF_SMOOTH_ROUGHNESS ? 0.0f : (float)( f->roughness * f->roughness );
-    out->tint = scaled( f->base, transmission * ( 1.0 - f->metallic ) );
-    out->diffuse = scaled( f->base, 1.0 - transmission );
+    double transmission = m->textured->transmission;
+    float rgba[4];
+    if ( look_up( scene, m, RF_TEXTURE_TRANSMISSION, triangle, u, v, rgba ) )
+        transmission = unit( transmission * (double)rgba[0] );
+    rf_derive_glass( f, transmission, out );
+}
+
+static void clearcoat_at( const RfScene* scene, const RfMaterial* m, uint32_t triangle, float u, float v, RfMaterial* out )
+{
+    double clearcoat = m->textured->clearcoat, roughness = m->textured->clearcoat_roughness;
+    float rgba[4];
+    if ( look_up( scene, m, RF_TEXTURE_CLEARCOAT, triangle, u, v, rgba ) )
+        clearcoat = unit( clearcoat * (double)rgba[0] );
+    if ( look_up( scene, m, RF_TEXTURE_CLEARCOAT_ROUGHNESS, triangle, u, v, rgba ) )
+        roughness = unit( roughness * (double)rgba[1] );
+    rf_derive_clearcoat( clearcoat, roughness, out );
 }
 
 void rf_material_at( const RfScene* scene, const RfMaterial* m, uint32_t triangle, float u, float v, RfMaterial* out )
@@ -135,10 +166,12 @@ void rf_material_at( const RfScene* scene, const RfMaterial* m, uint32_t triangl
     switch ( m->textured->model )
     {
         case RF_TEXTURED_COATED: rf_derive_lobes( &f, out ); break;
-        case RF_TEXTURED_GLASS: derive_glass( &f, m->textured->transmission, out ); break;
+        case RF_TEXTURED_GLASS: glass_at( scene, m, &f, triangle, u, v, out ); break;
         case RF_TEXTURED_DIFFUSE: out->diffuse = rf_mul( m->diffuse, scaled( f.base, 1.0 ) ); break;
         case RF_TEXTURED_UNLIT: break;
     }
+    if ( m->kind == RF_BSDF_COATED )
+        clearcoat_at( scene, m, triangle, u, v, out );
 }
 
 bool rf_is_cut_out( const RfScene* scene, const RfMaterial* m, uint32_t triangle, float u, float v )
@@ -214,15 +247,25 @@ RfVec3 rf_mean_emission( const RfScene* scene, const RfMaterial* m, uint32_t tri
     return rf_luminance( mean ) > rf_luminance( least ) ? mean : least;
 }
 
-// Along u' and v' in space: the file's tangents, else from the coordinates.
-static bool find_tangents( const RfScene* scene, const RfTextureRef* ref, uint32_t triangle, float u, float v, RfVec3 n,
-                           RfVec3* tangent, RfVec3* bitangent )
+// Vertices have the tangents of one use of a texture: of the surface's normals,
+// or of the coat's where there is no such.
+static bool has_vertex_tangents( const RfScene* scene, const RfTextured* textured, const RfTextureRef* ref )
+{
+    const RfTextureRef* of = textured->refs + RF_TEXTURE_NORMAL;
+    if ( scene->triangles.tangents == NULL )
+        return false;
+    return of->texture < 0 || ( of->uv_set == ref->uv_set && memcmp( of->transform, ref->transform, sizeof of->transform ) == 0 );
+}
+
+// Along u' and v' in space: by the vertices' tangents, else from the coordinates.
+static bool find_tangents( const RfScene* scene, const RfTextured* textured, const RfTextureRef* ref, uint32_t triangle, float u,
+                           float v, RfVec3 n, RfVec3* tangent, RfVec3* bitangent )
 {
     const RfTriangles* t = &scene->triangles;
     const uint32_t* corners = t->indices + 3 * (size_t)triangle;
     RfVec3 along;
     float sign = 0.0f;
-    if ( t->tangents != NULL )
+    if ( has_vertex_tangents( scene, textured, ref ) )
     {
         float given[4];
         interpolate( t->tangents, 4, corners, u, v, given );
@@ -256,14 +299,15 @@ static bool find_tangents( const RfScene* scene, const RfTextureRef* ref, uint32
     return true;
 }
 
-RfVec3 rf_normal_at( const RfScene* scene, const RfMaterial* m, uint32_t triangle, float u, float v, RfVec3 n, RfVec3 ng )
+static RfVec3 mapped_normal( const RfScene* scene, const RfMaterial* m, RfTextureSlot slot, float scale, uint32_t triangle, float u,
+                             float v, RfVec3 n, RfVec3 ng )
 {
     float rgba[4];
     RfVec3 tangent, bitangent;
-    if ( !look_up( scene, m, RF_TEXTURE_NORMAL, triangle, u, v, rgba ) ||
-         !find_tangents( scene, m->textured->refs + RF_TEXTURE_NORMAL, triangle, u, v, n, &tangent, &bitangent ) )
+    if ( !look_up( scene, m, slot, triangle, u, v, rgba ) ||
+         !find_tangents( scene, m->textured, m->textured->refs + slot, triangle, u, v, n, &tangent, &bitangent ) )
         return n;
-    float x = ( 2.0f * rgba[0] - 1.0f ) * m->textured->normal_scale, y = ( 2.0f * rgba[1] - 1.0f ) * m->textured->normal_scale;
+    float x = ( 2.0f * rgba[0] - 1.0f ) * scale, y = ( 2.0f * rgba[1] - 1.0f ) * scale;
     RfVec3 mapped = rf_madd( rf_madd( rf_scale( n, 2.0f * rgba[2] - 1.0f ), tangent, x ), bitangent, y );
     float length2 = rf_dot( mapped, mapped );
     if ( !( length2 > 1e-12f ) )
@@ -272,4 +316,14 @@ RfVec3 rf_normal_at( const RfScene* scene, const RfMaterial* m, uint32_t triangl
     // what points into the surface is lifted to its horizon
     float above = rf_dot( mapped, ng );
     return above > 1e-3f ? mapped : rf_normalize( rf_madd( mapped, ng, 2e-3f - above ) );
+}
+
+RfVec3 rf_normal_at( const RfScene* scene, const RfMaterial* m, uint32_t triangle, float u, float v, RfVec3 n, RfVec3 ng )
+{
+    return mapped_normal( scene, m, RF_TEXTURE_NORMAL, m->textured->normal_scale, triangle, u, v, n, ng );
+}
+
+RfVec3 rf_coat_normal_at( const RfScene* scene, const RfMaterial* m, uint32_t triangle, float u, float v, RfVec3 n, RfVec3 ng )
+{
+    return mapped_normal( scene, m, RF_TEXTURE_CLEARCOAT_NORMAL, m->textured->clearcoat_normal_scale, triangle, u, v, n, ng );
 }
