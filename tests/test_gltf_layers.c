@@ -342,6 +342,85 @@ static void test_same_vertices_and_angles( void** state )
     rf_destroy_scene( &scene );
 }
 
+// A metal that its factors make a mirror is a rough one where a texture says so.
+static void test_mirror_with_a_roughness_texture( void** state )
+{
+    (void)state;
+    RfScene scene = load_material( MATERIAL( "\"pbrMetallicRoughness\":{\"roughnessFactor\":0.01,\"metallicRoughnessTexture\":{\"index\":0}}" ) );
+    assert_int_equal( scene.materials[0].kind, RF_BSDF_GGX );
+    gltf_assert_near( at( &scene, 0 ).alpha, RF_MIN_ALPHA );
+    rf_destroy_scene( &scene );
+    scene = load_material( MATERIAL( "\"pbrMetallicRoughness\":{\"roughnessFactor\":0.01}" ) );
+    assert_int_equal( scene.materials[0].kind, RF_BSDF_GLASS );
+    rf_destroy_scene( &scene );
+}
+
+// Triangles without area on the image take the tangents of others at the same
+// vertices; with none there, they do without.
+static void test_coordinates_without_area( void** state )
+{
+    (void)state;
+    static const float s_positions[] = { 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 0, 0, 0, 1, 0, -1, 0, 0, 5, 5, 0, 6, 5, 0, 5, 6, 0 };
+    static const float s_uvs[] = { 0, 0, 1, 0, 1, -1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0 };
+    float normals[27] = { 0 };
+    for ( int i = 0; i < 9; ++i )
+        normals[3 * i + 2] = 1.0f;
+    GltfBuilder b = make_square();
+    int p = add_gltf_floats( &b, "VEC3", 3, 9, s_positions ), n = add_gltf_floats( &b, "VEC3", 3, 9, normals );
+    int uv = add_gltf_floats( &b, "VEC2", 2, 9, s_uvs );
+    char rest[1024];
+    snprintf( rest, sizeof rest, "\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":%d,\"NORMAL\":%d,\"TEXCOORD_0\":%d},"
+        "\"material\":0}]}]" BUMPS, p, n, uv );
+    RfScene scene = gltf_load_built( &b, rest );
+    gltf_assert_three( scene.triangles.tangents + 12, 1, 0, 0 );
+    gltf_assert_near( scene.triangles.tangents[15], 1 );
+    for ( int i = 16; i < 36; ++i )
+        gltf_assert_near( scene.triangles.tangents[i], 0 );
+    RfVec3 up = rf_vec3( 0, 0, 1 ), normal = rf_normal_at( &scene, scene.materials, 2, 0.3f, 0.3f, up, up );
+    gltf_assert_rgb( normal, 0, 0, 1 );
+    rf_destroy_scene( &scene );
+}
+
+// Without normals: those of the faces, and tangents along their pictures.
+static void test_flat_faces( void** state )
+{
+    (void)state;
+    RfScene scene = load_material( MESH( ",\"TEXCOORD_0\":1,\"TEXCOORD_1\":2" ) BUMPS );
+    const RfTriangles* t = &scene.triangles;
+    assert_int_equal( t->vertex_count, 6 );
+    assert_non_null( t->tangents );
+    for ( size_t v = 0; v < 6; ++v )
+    {
+        gltf_assert_three( t->normals + 3 * v, 0, 0, 1 );
+        gltf_assert_three( t->tangents + 4 * v, 1, 0, 0 );
+        gltf_assert_near( t->tangents[4 * v + 3], 1 );
+    }
+    gltf_assert_near( t->uvs[3], 1 );
+    gltf_assert_near( t->uvs1[2 * 5 + 1], 0 );
+    rf_destroy_scene( &scene );
+}
+
+// Floats of an EXR are taken as they are; a material that nothing has needs no image.
+static void test_float_texture( void** state )
+{
+    (void)state;
+    float rgb[12] = { 0.5f, 0.25f, 4.0f, 0, 0, 0, 0, 0, 0, 0, 0, -1.0f };
+    size_t size;
+    uint8_t* exr = encode_exr( 2, 2, rgb, &size );
+    GltfBuilder b = make_square();
+    int view = add_gltf_accessor( &b, 5121, "SCALAR", (int)size, exr, size, "" );
+    free( exr );
+    char rest[1024];
+    snprintf( rest, sizeof rest, MESH( ALL_UVS ) ",\"images\":[{\"bufferView\":%d},{\"uri\":\"absent.png\"}],\"textures\":[{\"source\":0},{\"source\":1}],\"materials\":["
+        "{\"emissiveFactor\":[1,1,1],\"emissiveTexture\":{\"index\":0}},{\"emissiveTexture\":{\"index\":1}}]", view );
+    RfScene scene = gltf_load_built( &b, rest );
+    assert_int_equal( scene.texture_count, 1 );
+    gltf_assert_near( scene.textures[0].largest, 4 );
+    gltf_assert_near( scene.textures[0].floats[11], 0 );
+    assert_null( scene.materials[1].textured );
+    rf_destroy_scene( &scene );
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
@@ -353,6 +432,10 @@ int main( void )
         cmocka_unit_test( test_mirrored_coordinates ),
         cmocka_unit_test( test_sphere ),
         cmocka_unit_test( test_same_vertices_and_angles ),
+        cmocka_unit_test( test_mirror_with_a_roughness_texture ),
+        cmocka_unit_test( test_coordinates_without_area ),
+        cmocka_unit_test( test_flat_faces ),
+        cmocka_unit_test( test_float_texture ),
     };
     return cmocka_run_group_tests( tests, gltf_enter, gltf_leave );
 }

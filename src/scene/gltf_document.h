@@ -255,8 +255,11 @@ void rf_gltf_free_primitive( RfGltfPrimitive* primitive );
 RfResult rf_gltf_read_triangles( RfGltf* gltf, const json_t* primitive, const char* where, int mode,
                                  uint32_t vertex_count, uint32_t** indices, uint32_t* triangle_count );
 
-// gltf_tangents.c: gives a primitive the tangents that a texture of normals
-// needs, where it has normals and that texture's coordinates. Vertices whose
+// gltf_flat.c: a primitive's normals become those of its faces.
+RfResult rf_gltf_make_flat( const RfGltf* gltf, const char* where, RfGltfPrimitive* primitive );
+
+// gltf_tangents.c: gives a primitive, which has normals and that texture's
+// coordinates, the tangents that a texture of normals needs. Vertices whose
 // triangles lie on the image in both ways become two.
 RfResult rf_gltf_make_tangents( const RfGltf* gltf, const char* where, const RfTextureRef* ref, RfGltfPrimitive* primitive );
 

@@ -207,7 +207,11 @@ static RfResult add_tangents( const RfGltf* gltf, const char* where, RfGltfPrimi
         return RF_OK;
     RfTextureSlot slot = textured->refs[RF_TEXTURE_NORMAL].texture >= 0 ? RF_TEXTURE_NORMAL : RF_TEXTURE_CLEARCOAT_NORMAL;
     const RfTextureRef* ref = textured->refs + slot;
-    return ref->texture >= 0 ? rf_gltf_make_tangents( gltf, where, ref, out ) : RF_OK;
+    const float* uvs = ref->uv_set == 0 ? out->uvs : out->uvs1;
+    if ( ref->texture < 0 || uvs == NULL )
+        return RF_OK;
+    RfResult result = out->normals == NULL ? rf_gltf_make_flat( gltf, where, out ) : RF_OK;
+    return result == RF_OK ? rf_gltf_make_tangents( gltf, where, ref, out ) : result;
 }
 
 RfResult rf_gltf_read_primitive( RfGltf* gltf, const json_t* primitive, const char* where, RfGltfPrimitive* out )

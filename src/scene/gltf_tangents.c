@@ -24,7 +24,7 @@ typedef struct Spaces
     int8_t* side;     // by vertex, of the triangle that came first: 1 as seen, −1 mirrored, 0 none yet
 } Spaces;
 
-// As the texture takes them, before its transform; NULL: none.
+// As the texture takes them, before its transform.
 static const float* uvs_of( const RfGltfPrimitive* primitive, const RfTextureRef* ref )
 {
     return ref->uv_set == 0 ? primitive->uvs : primitive->uvs1;
@@ -296,8 +296,6 @@ static RfResult make( Spaces* s, const RfGltf* gltf, const char* where )
 
 RfResult rf_gltf_make_tangents( const RfGltf* gltf, const char* where, const RfTextureRef* ref, RfGltfPrimitive* primitive )
 {
-    if ( uvs_of( primitive, ref ) == NULL || primitive->normals == NULL )
-        return RF_OK;
     Spaces spaces = { .primitive = primitive, .ref = ref };
     RfResult result = make( &spaces, gltf, where );
     free_spaces( &spaces );
