@@ -56,6 +56,7 @@ static void fill_material( RfVertexLanes* v, int i, const RfMaterial* m, float f
     {
         put( v->tint, i, m->tint );
         v->ior[i] = relative_ior( m, facing );
+        put( v->absorption, i, facing < 0.0f && !m->thin ? m->absorption : rf_vec3( 0, 0, 0 ) );
         return;
     }
     if ( m->kind == RF_BSDF_COATED )

@@ -238,21 +238,13 @@ static void scatter( const RfWalkSettings* settings, RfWalk* walk, const RfRayLa
 }
 
 // What the inside of a body takes from the light of rays that reach its
-// surface from within (Beer, Lambert).
-static void absorb( const RfWalkSettings* settings, const RfVertexLanes* v, const uint32_t* triangle, RfRayLanes* rays )
+// surface from within.
+static void absorb( const RfVertexLanes* v, RfRayLanes* rays )
 {
-    const RfTriangleRecord* triangles = rf_tracer_triangles( settings->tracer );
-    const RfMaterial* materials = rf_tracer_scene( settings->tracer )->materials;
     for ( int i = v->first[RF_BSDF_GLASS]; i < v->first[RF_BSDF_GLASS + 1]; ++i )
     {
         int r = v->ray[i];
-        const RfTriangleRecord* t = triangles + triangle[r];
-        const RfMaterial* m = materials + t->material;
-        bool inside = t->ng.x * v->wo[0][i] + t->ng.y * v->wo[1][i] + t->ng.z * v->wo[2][i] < 0.0f;
-        if ( !inside || m->thin || rf_max_component( m->absorption ) == 0.0f )
-            continue;
-        RfVec3 way = rf_vec3( v->p[0][i] - rays->o[0][r], v->p[1][i] - rays->o[1][r], v->p[2][i] - rays->o[2][r] );
-        RfVec3 left = rf_transmittance( m->absorption, rf_length( way ) );
+        RfVec3 left = rf_left_of_way( v, i, rf_vec3( rays->o[0][r], rays->o[1][r], rays->o[2][r] ) );
         rays->throughput[0][r] *= left.x;
         rays->throughput[1][r] *= left.y;
         rays->throughput[2][r] *= left.z;
@@ -267,7 +259,7 @@ void rf_trace_tails( const RfWalkSettings* settings, RfWalk* walk )
     {
         walk->path_rays += (uint64_t)rays->count;
         rf_find_vertices( settings, rays, false, &walk->vertices, &walk->scratch );
-        absorb( settings, &walk->vertices, walk->scratch.triangle, rays );
+        absorb( &walk->vertices, rays );
         add_emission( settings, rays, &walk->vertices, vertex, &walk->arrivals );
         add_sky( settings, rays, walk->scratch.triangle, vertex, &walk->arrivals );
         if ( vertex == settings->max_depth )
