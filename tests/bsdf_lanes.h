@@ -14,7 +14,7 @@
 enum
 {
     N = 0, DIFFUSE = 3, SPECULAR = 6, SHAPE = 9, F90, COAT_F0, COAT_F90, CLEARCOAT, CLEARCOAT_ALPHA, WO, WI = WO + 3, U = WI + 3, F = U + 3,
-    PDF = F + 3, ARRAYS
+    PDF = F + 3, COAT_N, ARRAYS = COAT_N + 3
 };
 
 static float s_lanes[ARRAYS][BATCH];
@@ -54,12 +54,18 @@ static inline void put_material( int i, const Material* m )
     s_lanes[CLEARCOAT_ALPHA][i] = m->clearcoat_alpha;
 }
 
+// How far the coat's normal leans from the surface's; 0: not at all.
+static RfVec3 s_coat_lean;
+
+static inline RfVec3 coat_normal( RfVec3 n ) { return rf_normalize( rf_add( n, s_coat_lean ) ); }
+
 static inline void put_surface( const Material* m, RfVec3 n, RfVec3 wo )
 {
     for ( int i = 0; i < BATCH; ++i )
     {
         put_material( i, m );
         put( N, i, n );
+        put( COAT_N, i, s_coat_lean.x == 0.0f ? n : coat_normal( n ) );
         put( WO, i, wo );
     }
 }
@@ -76,6 +82,7 @@ static inline RfBsdfLanes parameters_from( int first )
         .coat_f90 = s_lanes[COAT_F90] + first,
         .clearcoat = s_lanes[CLEARCOAT] + first,
         .clearcoat_alpha = s_lanes[CLEARCOAT_ALPHA] + first,
+        .clearcoat_n = THREE_FROM( COAT_N, first ),
     };
 }
 

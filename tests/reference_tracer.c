@@ -11,6 +11,7 @@
 typedef struct Point
 {
     RfVec3 p, ng, n, wo;
+    RfVec3 coat_n;
     RfMaterial material; // as it is here
     bool inside; // seen from behind
     float ior;   // relative, for glass
@@ -38,13 +39,16 @@ static bool find( const RfTracer* tracer, RfVec3 o, RfVec3 d, Point* out )
     float length2 = rf_dot( n, n );
     n = rf_scale( n, side / sqrtf( length2 ) );
     out->n = !t->flat && rf_dot( n, out->ng ) > 0.0f && length2 > 1e-12f ? n : out->ng;
+    out->coat_n = out->n;
     const RfScene* scene = rf_tracer_scene( tracer );
     const RfMaterial* material = scene->materials + t->material;
     out->material = *material;
     if ( material->textured != NULL )
     {
         rf_material_at( scene, material, triangle, u, v, &out->material );
-        out->n = rf_scale( rf_normal_at( scene, material, triangle, u, v, rf_scale( out->n, side ), t->ng ), side );
+        RfVec3 front = rf_scale( out->n, side );
+        out->n = rf_scale( rf_normal_at( scene, material, triangle, u, v, front, t->ng ), side );
+        out->coat_n = rf_scale( rf_coat_normal_at( scene, material, triangle, u, v, front, t->ng ), side );
     }
     out->inside = facing < 0.0f;
     out->ior = out->material.thin ? -out->material.ior : ( out->inside && out->material.ior > 0.0f ? 1.0f / out->material.ior : out->material.ior );
@@ -77,6 +81,7 @@ static RfBsdfLanes lane_of( const Point* x )
         .coat_f90 = &m->coat_f90,
         .clearcoat = &m->clearcoat,
         .clearcoat_alpha = &m->clearcoat_alpha,
+        .clearcoat_n = { &x->coat_n.x, &x->coat_n.y, &x->coat_n.z },
         .tint = { &m->tint.x, &m->tint.y, &m->tint.z },
         .ior = &x->ior,
     };
@@ -255,6 +260,14 @@ typedef struct Arriving
     float light_pdf;
 } Arriving;
 
+// Of the light from x to o, which is inside of the body if x is seen from there.
+static RfVec3 part_left( const Point* x, RfVec3 o )
+{
+    if ( is_native( x ) && x->inside && !x->material.thin && rf_max_component( x->material.absorption ) > 0.0f )
+        return rf_transmittance( x->material.absorption, rf_length( rf_sub( x->p, o ) ) );
+    return rf_vec3( 1, 1, 1 );
+}
+
 // What a ray meets at its end: a surface, or the sky.
 static bool meet( const RfTracer* tracer, RfVec3 o, RfVec3 d, Point* x, RfVec3* throughput, RfVec3* light, float* light_pdf )
 {
@@ -265,8 +278,7 @@ static bool meet( const RfTracer* tracer, RfVec3 o, RfVec3 d, Point* x, RfVec3* 
     }
     *light = x->emission;
     *light_pdf = x->light_pdf;
-    if ( is_native( x ) && x->inside && !x->material.thin && rf_max_component( x->material.absorption ) > 0.0f )
-        *throughput = rf_mul( *throughput, rf_transmittance( x->material.absorption, rf_length( rf_sub( x->p, o ) ) ) );
+    *throughput = rf_mul( *throughput, part_left( x, o ) );
     return true;
 }
 
@@ -336,6 +348,9 @@ static RfVec3 first_ray( const RfEye* eye, RfRandomKey key, int x, int y )
     return rf_scale( d, 1.0f / sqrtf( rf_dot( d, d ) ) );
 }
 
+// Light that leaves a point that the camera sees.
+static RfVec3 seen_light( const RfTracer* tracer, const ReferenceSettings* s, RfRandomKey key, const Point* hit );
+
 RfVec3 reference_sample( const RfTracer* tracer, const RfEye* eye, const ReferenceSettings* s, int pass, int x, int y )
 {
     uint64_t pass_key = rf_pass_key( s->seed, (uint32_t)s->frame, (uint32_t)s->frame, (uint32_t)pass );
@@ -348,7 +363,13 @@ RfVec3 reference_sample( const RfTracer* tracer, const RfEye* eye, const Referen
         bool hidden = rf_tracer_scene( tracer )->environment.hidden;
         return hidden ? rf_vec3( 0, 0, 0 ) : sky_along( tracer, ray, &pdf );
     }
-    RfVec3 sum = hit.emission;
+    RfVec3 sum = seen_light( tracer, s, key, &hit );
+    return rf_mul( sum, part_left( &hit, eye->origin ) );
+}
+
+static RfVec3 seen_light( const RfTracer* tracer, const ReferenceSettings* s, RfRandomKey key, const Point* hit )
+{
+    RfVec3 sum = hit->emission;
     if ( s->max_depth == 1 )
         return sum;
     for ( int j = 0; j < s->light_samples; ++j )
@@ -356,11 +377,11 @@ RfVec3 reference_sample( const RfTracer* tracer, const RfEye* eye, const Referen
         uint32_t dimension = rf_vertex_dimension( 1, s->light_samples ) + RF_DIMENSION_LIGHTS + 3u * (uint32_t)j;
         RfVec3 wi = { 0 };
         float pdf_light = 1.0f, pdf;
-        RfVec3 arriving = sample_light( tracer, &hit, key, dimension, &wi, &pdf_light );
-        RfVec3 f = evaluate( &hit, wi, &pdf );
+        RfVec3 arriving = sample_light( tracer, hit, key, dimension, &wi, &pdf_light );
+        RfVec3 f = evaluate( hit, wi, &pdf );
         sum = rf_add( sum, rf_mul( f, rf_scale( arriving, 1.0f / ( (float)s->light_samples * pdf_light + pdf ) ) ) );
     }
-    return rf_add( sum, scattered_light( tracer, s, key, &hit ) );
+    return rf_add( sum, scattered_light( tracer, s, key, hit ) );
 }
 
 void reference_image( const RfTracer* tracer, const RfEye* eye, const ReferenceSettings* s, float* rgb )

@@ -29,6 +29,7 @@ static void evaluate_one( const Material* m, RfVec3 n, RfVec3 wo, RfVec3 wi )
 {
     put_material( 0, m );
     put( N, 0, n );
+    put( COAT_N, 0, n );
     put( WO, 0, wo );
     put( WI, 0, wi );
     evaluate_range( m->kind, 0, 1 );
@@ -191,6 +192,13 @@ static RfVec3 awkward_normal( uint32_t stream, int i )
     return any;
 }
 
+// On the side of n, up to next to its horizon.
+static RfVec3 awkward_coat_normal( RfVec3 n, uint32_t stream, int i )
+{
+    RfVec3 leaned = rf_madd( uniform_direction( stream, i, 80 ), n, i % 3 == 1 ? 1.001f : 2.0f );
+    return rf_normalize( leaned );
+}
+
 static void fill_awkward( RfBsdfKind kind, uint32_t stream, int first )
 {
     for ( int i = 0; i < BATCH; ++i )
@@ -201,6 +209,7 @@ static void fill_awkward( RfBsdfKind kind, uint32_t stream, int first )
         RfVec3 n = awkward_normal( stream, k ), any = uniform_direction( stream, k, 43 );
         RfVec3 wo = awkward_direction( n, any, stream, k, 50 );
         put( N, i, n );
+        put( COAT_N, i, k % 3 == 0 ? n : awkward_coat_normal( n, stream, k ) );
         put( WO, i, wo );
         put( WI, i, awkward_direction( n, wo, stream, k, 60 ) );
         for ( int c = 0; c < 3; ++c )

@@ -349,6 +349,25 @@ static void test_coated_sampling( void** state )
     check_sampling( m, 3 );
 }
 
+// Coats that lean away from what they cover.
+static void test_leaning_coat( void** state )
+{
+    (void)state;
+    const Material m[] = { { RF_BSDF_COATED, { 0.2f, 0.5f, 0.8f }, { 0.04f, 0.04f, 0.04f }, 0.5f, 1, 0.04f, 1, 1.0f, 0.3f },
+                           { RF_BSDF_COATED, { 0, 0, 0 }, { 0.9f, 0.7f, 0.3f }, 0.3f, 1, 0.04f, 1, 0.5f, 0.2f } };
+    s_coat_lean = rf_vec3( 0.4f, -0.1f, 0.2f );
+    check_sampling( m, 2 );
+    double least = 2.0, most = 0.0;
+    for ( int k = 0; k < 3; ++k )
+    {
+        Material white = { RF_BSDF_COATED, grey( 1.0f ), grey( 0.04f ), 0.4f, 1.0f, 0.04f, 1.0f, 1.0f, 0.05f + 0.3f * (float)k };
+        s_coat_lean = rf_vec3( 0.1f, 0.3f * (float)k, -0.2f );
+        check_furnace( &white, &least, &most );
+    }
+    s_coat_lean = rf_vec3( 0, 0, 0 );
+    print_message( "leaning coat: albedo %.4f to %.4f\n", least, most );
+}
+
 static void test_coated_furnace( void** state )
 {
     (void)state;
@@ -392,6 +411,7 @@ int main( void )
         cmocka_unit_test( test_ggx_furnace ),
         cmocka_unit_test( test_coated_sampling ),
         cmocka_unit_test( test_coated_furnace ),
+        cmocka_unit_test( test_leaning_coat ),
         cmocka_unit_test( test_phong_furnace ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );

@@ -78,6 +78,12 @@ static void test_textures( void** state )
     check_scene( "textures", make_textured_room(), 1 );
 }
 
+static void test_varied_glass_and_coats( void** state )
+{
+    (void)state;
+    check_scene( "textured glass and coats", make_varied_room(), 1 );
+}
+
 static void test_blending( void** state )
 {
     (void)state;
@@ -91,6 +97,7 @@ int main( void )
         cmocka_unit_test( test_lamps ),
         cmocka_unit_test( test_glass ),
         cmocka_unit_test( test_textures ),
+        cmocka_unit_test( test_varied_glass_and_coats ),
         cmocka_unit_test( test_blending ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );

@@ -15,7 +15,7 @@
 typedef struct Glass
 {
     RfVec3 base, specular, tint;
-    float alpha, ior;
+    float alpha, ior, metal;
 } Glass;
 
 typedef struct Drawn
@@ -33,6 +33,7 @@ static RfBsdfLanes lanes_of( const Glass* g )
         .diffuse = { &g->base.x, &g->base.y, &g->base.z },
         .specular = { &g->specular.x, &g->specular.y, &g->specular.z },
         .shape = &g->alpha,
+        .f90 = &g->metal,
         .tint = { &g->tint.x, &g->tint.y, &g->tint.z },
         .ior = &g->ior,
     };
@@ -173,6 +174,29 @@ static void test_rough( void** state )
     }
 }
 
+// Half a metal: its part of the reflection is coloured, and light goes through
+// the other half alone.
+static void test_half_metal( void** state )
+{
+    (void)state;
+    Glass g = { .specular = { 0.4f, 0.2f, 0.1f }, .tint = { 0.5f, 0.5f, 0.5f }, .ior = 1.5f, .metal = 0.5f };
+    double f = 0.5 * 0.04 + ( 0.4 + 0.2 + 0.1 ) / 3, pass = ( 1 - f ) * 0.5, chance = f / ( f + pass );
+    Drawn d = draw( &g, tilted( 0 ), s_reflect );
+    assert_true( d.wi.z > 0.0f && near( d.weight.x, ( 0.02 + 0.4 ) / chance, 1e-4 ) && near( d.weight.z, ( 0.02 + 0.1 ) / chance, 1e-4 ) );
+    d = draw( &g, tilted( 0 ), s_pass );
+    assert_true( d.wi.z < 0.0f && near( d.weight.x, 0.96 * 0.5 / 2.25 / ( 1 - chance ), 1e-4 ) );
+    // at grazing all of it is white
+    d = draw( &g, tilted( 89.99f ), s_reflect );
+    assert_true( near( d.weight.z / d.weight.x, 1.0, 5e-3 ) );
+    Glass all = { .specular = { 0.9f, 0.5f, 0.1f }, .ior = 1.5f, .metal = 1.0f }, mirror = { .specular = { 0.9f, 0.5f, 0.1f } };
+    for ( int k = 0; k < 8; ++k )
+    {
+        Drawn a = draw( &all, tilted( 11.0f * (float)k ), s_pass ), b = draw( &mirror, tilted( 11.0f * (float)k ), s_pass );
+        assert_true( near( a.weight.x, (double)b.weight.x, 1e-5 ) && near( a.wi.x, (double)b.wi.x, 1e-6 ) );
+    }
+    check_rough( ( Glass ){ .base = { 0.3f, 0.3f, 0.3f }, .specular = { 0.3f, 0.3f, 0.3f }, .tint = { 0.2f, 0.2f, 0.2f }, .alpha = 0.3f, .ior = 1.5f, .metal = 0.5f }, 35.0f );
+}
+
 static void test_reciprocity( void** state )
 {
     (void)state;
@@ -192,6 +216,7 @@ int main( void )
         cmocka_unit_test( test_snell_and_fresnel ),
         cmocka_unit_test( test_thin_walls_and_mirrors ),
         cmocka_unit_test( test_rough ),
+        cmocka_unit_test( test_half_metal ),
         cmocka_unit_test( test_reciprocity ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );

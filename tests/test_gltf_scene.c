@@ -79,11 +79,11 @@ static void test_warnings_are_said_once( void** state )
     RfScene scene = gltf_load_built( &b,
         "\"extensionsUsed\":[\"KHR_materials_ior\",\"KHR_materials_sheen\",\"EXT_unheard_of\"],"
         "\"materials\":[{\"name\":\"A\",\"alphaMode\":\"BLEND\","
-        "\"extensions\":{\"KHR_materials_sheen\":{},\"KHR_materials_clearcoat\":{\"clearcoatTexture\":{}}}},{\"name\":\"B\",\"alphaMode\":\"MASK\","
+        "\"extensions\":{\"KHR_materials_sheen\":{},\"KHR_materials_transmission\":{\"transmissionFactor\":1},\"KHR_materials_clearcoat\":{\"clearcoatFactor\":1}},\"pbrMetallicRoughness\":{\"metallicFactor\":0}},{\"name\":\"B\",\"alphaMode\":\"MASK\","
         "\"occlusionTexture\":{\"index\":0},\"extensions\":{\"KHR_materials_sheen\":{}}}],"
         "\"nodes\":[{\"mesh\":0,\"skin\":0},{\"name\":\"lamp\",\"extensions\":{\"KHR_animation_pointer\":{}}}],"
         MESH( "{\"attributes\":{\"POSITION\":0,\"COLOR_0\":1},\"mode\":6,\"targets\":[]}" ) );
-    gltf_assert_warned( "clearcoatTexture is not read: material 'A' uses the factor alone" );
+    gltf_assert_warned( "a clear coat over glass or a mirror is not read: material 'A'" );
     gltf_assert_warned( "KHR_materials_sheen is not read yet: material 'A'" );
     gltf_assert_warned( "KHR_animation_pointer is not read yet: node 'lamp'" );
     gltf_assert_warned( "EXT_unheard_of is not known" );

@@ -60,6 +60,21 @@ static void check_plain( RfScene scene, int light_samples, int max_depth )
     rf_destroy_scene( &scene );
 }
 
+// All eyes within a body that absorbs, with something in it.
+static RfScene make_flooded_room( void )
+{
+    SceneBuilder b = { 0 };
+    uint32_t wall = add_material( &b, make_lambert( 0.6f, 0.55f, 0.5f ) ), light = add_material( &b, make_light( 4.0f, false ) );
+    uint32_t plastic = add_material( &b, make_plastic( 0.6f, 0.25f ) );
+    RfMaterial water = make_glass( 1.33f, 0.0f, false );
+    water.absorption = rf_vec3( 0.9f, 0.3f, 0.1f );
+    add_box( &b, wall, rf_vec3( -3, -2, -3 ), rf_vec3( 3, 4, 3 ), true );
+    add_quad( &b, light, rf_vec3( -2, 3.9f, -2 ), rf_vec3( 2, 3.9f, -2 ), rf_vec3( 2, 3.9f, 2 ), rf_vec3( -2, 3.9f, 2 ) );
+    add_box( &b, plastic, rf_vec3( -0.6f, 0.0f, -0.5f ), rf_vec3( 0.7f, 0.5f, 0.5f ), false );
+    add_sphere( &b, add_material( &b, water ), rf_vec3( 0, 1, 0 ), 2.5f, 12 );
+    return finish_scene( &b );
+}
+
 static void test_group_0_is_a_plain_path_tracer( void** state )
 {
     (void)state;
@@ -75,6 +90,7 @@ static void test_group_0_is_a_plain_path_tracer( void** state )
     check_plain( make_open_scene( LIT_BY_MAP ), 1, 1 );
     check_plain( make_glass_room(), 1, 12 );
     check_plain( make_glass_room(), 2, 3 );
+    check_plain( make_flooded_room(), 1, 6 );
 }
 
 // One scene, one setting, and what is changed without effect.

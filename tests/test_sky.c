@@ -290,10 +290,31 @@ static void test_lossless_things_are_invisible( void** state )
     check_invisible( milky, 0.8, 1.0 );
 }
 
+// Within a body light is lost on its way to the eye.
+static void test_eye_inside_of_glass( void** state )
+{
+    (void)state;
+    for ( int rough = 0; rough < 2; ++rough )
+    {
+        SceneBuilder b = { 0 };
+        RfMaterial glass = make_glass( 1.0001f, rough ? 0.1f : 0.0f, false );
+        glass.absorption = rf_vec3( 2.0f, 1.0f, 0.0f );
+        add_box( &b, add_material( &b, glass ), rf_vec3( -0.5f, -0.5f, -0.5f ), rf_vec3( 0.5f, 0.5f, 0.5f ), false );
+        RfScene scene = finish_scene( &b );
+        scene.environment.radiance = rf_vec3( 1, 1, 1 );
+        RfEye eye = rf_make_eye( rf_vec3( 0, 0, -0.25f ), rf_vec3( 0, 0, -1 ), rf_vec3( 0, 1, 0 ), 0.02, 16, 16 );
+        Rendered r = render_one( &scene, &eye, 16, 8 );
+        double mean = mean_red( &r );
+        assert_true( fabs( mean - exp( -0.5 ) ) < 2e-3 );
+        free_rendered( &r );
+    }
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( test_middle_of_the_map ),
+        cmocka_unit_test( test_eye_inside_of_glass ),
         cmocka_unit_test( test_density ),
         cmocka_unit_test( test_directions_follow_the_density ),
         cmocka_unit_test( test_black_is_no_sky ),

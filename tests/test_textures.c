@@ -351,6 +351,7 @@ static void test_group_0_is_a_plain_path_tracer( void** state )
     (void)state;
     check_plain( make_textured_room() );
     check_plain( make_blended_room() );
+    check_plain( make_varied_room() );
 }
 
 // Panes of alpha 0.5 and 0.25, one behind the other.

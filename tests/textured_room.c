@@ -19,7 +19,7 @@ RfTextured* make_textured( const RfFactors* factors )
 {
     RfTextured* t = grab( sizeof *t );
     t->factors = *factors;
-    t->normal_scale = 1.0f;
+    t->normal_scale = t->clearcoat_normal_scale = 1.0f;
     for ( int i = 0; i < RF_TEXTURE_SLOT_COUNT; ++i )
         t->refs[i] = ( RfTextureRef ){ .texture = -1, .transform = { 1, 0, 0, 0, 1, 0 } };
     return t;
@@ -142,5 +142,40 @@ RfScene make_blended_room( void )
     coated.specular = 1;
     coated.roughness = 0.5;
     blend( &scene, ROOM_OBJECT_MATERIAL, coated, 0.4 ); // not the block, whose bottom is in the floor
+    return scene;
+}
+
+RfScene make_varied_room( void )
+{
+    RfScene scene = make_room( ROOM_GGX );
+    add_textures( &scene );
+    add_attributes( &scene );
+    RfFactors factors = { .base = { 0.8, 0.7, 0.6, 1 }, .metallic = 0.8, .roughness = 0.6, .specular = 1, .specular_color = { 1, 1, 1 }, .ior = 1.5 };
+    RfMaterial* ball = scene.materials + ROOM_OBJECT_MATERIAL;
+    ball->kind = RF_BSDF_GLASS;
+    ball->ior = 1.5f;
+    ball->absorption = rf_vec3( 0.3f, 0.1f, 0.9f );
+    RfTextured* glass = texture( &scene, ROOM_OBJECT_MATERIAL, factors );
+    glass->model = RF_TEXTURED_GLASS;
+    glass->transmission = 0.9;
+    use( glass, RF_TEXTURE_TRANSMISSION, 0, 1 );
+    use( glass, RF_TEXTURE_METALLIC_ROUGHNESS, 1, 0 );
+    factors.metallic = 0;
+    scene.materials[4].kind = RF_BSDF_COATED;
+    RfTextured* coat = texture( &scene, 4, factors );
+    coat->clearcoat = 0.9;
+    coat->clearcoat_roughness = 0.7;
+    coat->clearcoat_normal_scale = 0.7f;
+    use( coat, RF_TEXTURE_CLEARCOAT, 0, 0 );
+    use( coat, RF_TEXTURE_CLEARCOAT_ROUGHNESS, 1, 1 );
+    use( coat, RF_TEXTURE_CLEARCOAT_NORMAL, 2, 1 );
+    use( coat, RF_TEXTURE_NORMAL, 2, 0 );
+    // white paint with a coat that keeps the face's normal over bumps
+    scene.materials[1].kind = RF_BSDF_COATED;
+    factors.base[0] = factors.base[1] = factors.base[2] = 0.9;
+    RfTextured* lacquer = texture( &scene, 1, factors );
+    lacquer->clearcoat = 1.0;
+    lacquer->clearcoat_roughness = 0.4;
+    use( lacquer, RF_TEXTURE_NORMAL, 2, 1 );
     return scene;
 }

@@ -15,6 +15,10 @@ RfScene make_textured_room( void );
 // straight through, the wall by a texture's alpha.
 RfScene make_blended_room( void );
 
+// The GGX room with a ball whose parts are glass, metal and paint, a block under
+// a coat that comes and goes, with bumps of its own, and a lacquered wall.
+RfScene make_varied_room( void );
+
 // `textured` of a material without textures, of malloc.
 RfTextured* make_textured( const RfFactors* factors );
 

@@ -19,7 +19,8 @@
 // Parameters per lane, named as in RfMaterial. Arrays a kind does not use are
 // not read: Lambert uses diffuse; Phong diffuse, specular, shape (exponent);
 // GGX diffuse, specular (F0), shape (alpha), f90, coat_f0, coat_f90; COATED
-// these and clearcoat, clearcoat_alpha.
+// these and clearcoat, clearcoat_alpha, clearcoat_n; GLASS diffuse, specular
+// and f90 (of the part that is metal), shape (alpha), tint, ior.
 typedef struct RfBsdfLanes
 {
     const float* n[3];
@@ -32,6 +33,7 @@ typedef struct RfBsdfLanes
     // COATED only
     const float* clearcoat;
     const float* clearcoat_alpha;
+    const float* clearcoat_n[3]; // unit shading normal of the coat, on the side of n
     // GLASS only; ior: of the far side over the near one, negative in thin walls, 0 for mirrors
     const float* tint[3];
     const float* ior;

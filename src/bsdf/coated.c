@@ -2,7 +2,12 @@
 // metallic-roughness model has below it, which gets and gives what the coat
 // lets through: reciprocal, and keeps energy.
 //
-//   f = f_ggx (1 − c F(μo)) (1 − c F(μi)) + c D G2 F(wo·h) / (4 μo μi)
+//   f = f_ggx (1 − c F(μo)) (1 − c F(μi)) + c D G2 F(wo·h) / (4 μo μi) · μi / (n·wi)
+//
+// The coat has a shading normal of its own, nc, by which its μ are: it may be
+// smooth over bumps, or the other way round (then it is not quite reciprocal).
+// The last factor, 1 where the two normals are one, takes out the cosine that
+// everybody multiplies f by, which is the surface's.
 #include "bsdf/lane.h"
 
 #define COAT_F0 0.04f
@@ -21,19 +26,26 @@ RF_KERNEL float coat_chance( float clearcoat, float cos_o, RfVec3 diffuse, RfVec
     return coat / ( coat + below );
 }
 
-// The coat's share of f, what it leaves of the rest; density and chance.
+// The coat's share of f, what it leaves of the rest; its density.
 typedef struct CoatLobe
 {
     float f, below;
-    float pdf_solid_angle, chance;
+    float pdf_solid_angle;
 } CoatLobe;
 
-RF_KERNEL CoatLobe coat_lobe( RfVec3 n, RfEyeLane eye, RfVec3 wi, float clearcoat, float alpha )
+// n: of the coat; surface_i: n·wi of what is below.
+RF_KERNEL CoatLobe coat_lobe( RfVec3 n, RfEyeLane eye, RfVec3 wi, float surface_i, float clearcoat, float alpha )
 {
     float cos_o = eye.cos_o, dot_i = rf_dot( n, wi );
-    float cos_i = rf_maxf( dot_i, 0.0f ), lit = dot_i > 0.0f ? 1.0f : 0.0f;
+    float cos_i = rf_maxf( dot_i, 0.0f );
+    // facets send some of what is drawn below the coat's horizon, which is not
+    // always below the surface's: it has a density then, though no f
+    float drawn = surface_i > 0.0f ? 1.0f : 0.0f;
+    float lit = dot_i > 0.0f ? drawn : 0.0f;
+    drawn = cos_o + dot_i > 0.0f ? drawn : 0.0f;
+    float turned = cos_i / rf_maxf( surface_i, 1e-12f );
     // along and across n apart, for sharp lobes (see ggx.c)
-    float along = cos_o + cos_i;
+    float along = rf_maxf( cos_o + dot_i, 1e-12f );
     RfVec3 cross = rf_cross( n, rf_add( eye.wo, wi ) );
     float across2 = rf_dot( cross, cross ), length2 = along * along + across2;
     float alpha2 = alpha * alpha;
@@ -43,8 +55,8 @@ RF_KERNEL CoatLobe coat_lobe( RfVec3 n, RfEyeLane eye, RfVec3 wi, float clearcoa
     float si = sqrtf( alpha2 + ( 1.0f - alpha2 ) * cos_i * cos_i );
     float fresnel = coat_fresnel( 0.5f * sqrtf( length2 ) );
     CoatLobe out = { 0 };
-    out.f = lit * clearcoat * fresnel * 0.5f * d / ( cos_o * si + cos_i * so );
-    out.pdf_solid_angle = lit * 0.5f * d / ( cos_o + so );
+    out.f = lit * clearcoat * fresnel * 0.5f * d / ( cos_o * si + cos_i * so ) * turned;
+    out.pdf_solid_angle = drawn * 0.5f * d / ( cos_o + so );
     out.below = ( 1.0f - clearcoat * coat_fresnel( cos_o ) ) * ( 1.0f - clearcoat * coat_fresnel( cos_i ) );
     return out;
 }
@@ -53,6 +65,8 @@ RF_KERNEL void coat_block( int first, int count, const RfBsdfLanes* lanes, const
                            float* const f[3], float* pdf_solid_angle )
 {
     const float *restrict nx = lanes->n[0] + first, *restrict ny = lanes->n[1] + first, *restrict nz = lanes->n[2] + first;
+    const float *restrict cx = lanes->clearcoat_n[0] + first, *restrict cy = lanes->clearcoat_n[1] + first;
+    const float* restrict cz = lanes->clearcoat_n[2] + first;
     const float *restrict dx = lanes->diffuse[0] + first, *restrict dy = lanes->diffuse[1] + first;
     const float *restrict dz = lanes->diffuse[2] + first, *restrict sx = lanes->specular[0] + first;
     const float *restrict sy = lanes->specular[1] + first, *restrict sz = lanes->specular[2] + first;
@@ -66,7 +80,9 @@ RF_KERNEL void coat_block( int first, int count, const RfBsdfLanes* lanes, const
     for ( int i = 0; i < count; ++i )
     {
         RfEyeLane eye = { rf_vec3( eyes->x[i], eyes->y[i], eyes->z[i] ), eyes->cos_o[i] };
-        CoatLobe c = coat_lobe( rf_vec3( nx[i], ny[i], nz[i] ), eye, rf_vec3( ix[i], iy[i], iz[i] ), coat[i], alpha[i] );
+        RfVec3 in = rf_vec3( ix[i], iy[i], iz[i] );
+        float surface_i = rf_dot( rf_vec3( nx[i], ny[i], nz[i] ), in );
+        CoatLobe c = coat_lobe( rf_vec3( cx[i], cy[i], cz[i] ), eye, in, surface_i, coat[i], alpha[i] );
         if ( f != NULL )
         {
             fx[i] = fx[i] * c.below + c.f;
@@ -81,6 +97,13 @@ RF_KERNEL void coat_block( int first, int count, const RfBsdfLanes* lanes, const
     }
 }
 
+// The eye as the coat sees it.
+static void lift_to_coat( int first, int count, const RfBsdfLanes* lanes, const float* const wo[3], RfEyeBlock* eyes )
+{
+    RfBsdfLanes coat = { .n = { lanes->clearcoat_n[0], lanes->clearcoat_n[1], lanes->clearcoat_n[2] } };
+    rf_lift_block( first, count, &coat, wo, eyes );
+}
+
 void rf_coated_evaluate( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const wi[3],
                          float* const f[3], float* pdf_solid_angle )
 {
@@ -89,7 +112,7 @@ void rf_coated_evaluate( int count, const RfBsdfLanes* lanes, const float* const
     {
         RfEyeBlock eyes;
         int size = rf_block_size( first, count );
-        rf_lift_block( first, size, lanes, wo, &eyes );
+        lift_to_coat( first, size, lanes, wo, &eyes );
         if ( f != NULL && pdf_solid_angle != NULL )
             coat_block( first, size, lanes, &eyes, wi, f, pdf_solid_angle );
         else if ( f != NULL )
@@ -143,6 +166,7 @@ static void sample_block( int first, int count, const RfBsdfLanes* lanes, const 
     coat.shape = lanes->clearcoat_alpha + first;
     for ( int c = 0; c < 3; ++c ) // a white metal: the specular lobe alone
     {
+        coat.n[c] = lanes->clearcoat_n[c] + first;
         coat.diffuse[c] = black;
         coat.specular[c] = one;
     }
@@ -167,7 +191,7 @@ void rf_coated_sample( int count, const RfBsdfLanes* lanes, const float* const w
         RfEyeBlock eyes;
         Picks picks;
         int size = rf_block_size( first, count );
-        rf_lift_block( first, size, lanes, wo, &eyes );
+        lift_to_coat( first, size, lanes, wo, &eyes );
         pick_lobes( first, size, lanes, &eyes, u[2], &picks );
         sample_block( first, size, lanes, wo, u, &picks, wi );
     }

@@ -1,6 +1,7 @@
 // Mirrors and glass. A microfacet surface (GGX, alpha 0: smooth) that reflects
 // with Fresnel's reflectance and lets the rest through, tinted (Walter et al.
-// 2007), over a Lambert base where the material is not fully transmissive. Not
+// 2007), over a Lambert base where the material is not fully transmissive, mixed
+// with a metal of the same roughness where textures make parts of it one. Not
 // vectorised: there are few such lanes, and each goes one of many ways.
 //
 // Light sampling can find what the base scatters and what a rough surface
@@ -12,7 +13,8 @@ typedef struct Glass
 {
     RfVec3 n, base, specular, tint;
     float alpha;
-    float ior;  // of the far side over the near one; 0: mirror
+    float ior;   // of the far side over the near one; 0: mirror
+    float metal; // part of it that is, whose F0 is `specular`; base and tint have the rest
     bool thin;
 } Glass;
 
@@ -25,6 +27,7 @@ static Glass glass_of( const RfBsdfLanes* lanes, int i )
         .tint = rf_vec3( lanes->tint[0][i], lanes->tint[1][i], lanes->tint[2][i] ),
         .alpha = lanes->shape[i],
         .ior = fabsf( lanes->ior[i] ),
+        .metal = lanes->f90[i],
         .thin = lanes->ior[i] < 0.0f,
     };
 }
@@ -41,16 +44,20 @@ static float dielectric( float cos_o, float ior )
     return 0.5f * ( s * s + p * p );
 }
 
-// Part that is reflected: of mirrors by Schlick, coloured.
+static float schlick_weight( float cos_o )
+{
+    float m = 1.0f - rf_minf( cos_o, 1.0f ), m2 = m * m;
+    return m2 * m2 * m;
+}
+
+// Part that is reflected: of mirrors and metal by Schlick, coloured.
 static RfVec3 reflectance( const Glass* g, float cos_o )
 {
-    if ( g->ior > 0.0f )
-    {
-        float f = dielectric( cos_o, g->ior );
-        return rf_vec3( f, f, f );
-    }
-    float m = 1.0f - rf_minf( cos_o, 1.0f ), m2 = m * m, w = m2 * m2 * m;
-    return rf_add( rf_scale( g->specular, 1.0f - w ), rf_vec3( w, w, w ) );
+    float w = schlick_weight( cos_o );
+    if ( g->ior == 0.0f )
+        return rf_add( rf_scale( g->specular, 1.0f - w ), rf_vec3( w, w, w ) );
+    float f = dielectric( cos_o, g->ior ) * ( 1.0f - g->metal ) + w * g->metal;
+    return rf_add( rf_vec3( f, f, f ), rf_scale( g->specular, 1.0f - w ) );
 }
 
 // What the coat lets through to the base, one way.
@@ -155,7 +162,7 @@ static GlassSample finish_wide( const Glass* g, RfEyeLane eye, RfVec3 wi )
     return out;
 }
 
-static GlassSample sample_passed( const Glass* g, RfEyeLane eye, RfVec3 h, RfVec3 f, float chance )
+static GlassSample sample_passed( const Glass* g, RfEyeLane eye, RfVec3 h, float chance )
 {
     GlassSample out = { passed( g, eye.wo, h ), { 0, 0, 0 }, RF_DELTA_PDF };
     float cos_i = -rf_dot( g->n, out.wi );
@@ -164,8 +171,8 @@ static GlassSample sample_passed( const Glass* g, RfEyeLane eye, RfVec3 h, RfVec
     // radiance is squeezed together where it enters the denser medium
     float squeeze = g->thin ? 1.0f : 1.0f / ( g->ior * g->ior );
     float shadow = g->alpha > 0.0f ? 2.0f / ( 1.0f + smith( g->alpha, cos_i ) ) : 1.0f;
-    RfVec3 rest = rf_sub( rf_vec3( 1, 1, 1 ), f );
-    out.weight = rf_scale( rf_mul( rest, g->tint ), squeeze * shadow / chance );
+    float rest = 1.0f - dielectric( rf_dot( eye.wo, h ), g->ior ); // what is metal is not in the tint
+    out.weight = rf_scale( rf_scale( g->tint, rest ), squeeze * shadow / chance );
     return out;
 }
 
@@ -182,7 +189,7 @@ static GlassSample sample( const Glass* g, RfEyeLane eye, const float u[3] )
     RfVec3 f = reflectance( g, rf_dot( eye.wo, h ) );
     float reflect = reflect_chance( g, f );
     if ( pick >= reflect )
-        return sample_passed( g, eye, h, f, ( 1.0f - base ) * ( 1.0f - reflect ) );
+        return sample_passed( g, eye, h, ( 1.0f - base ) * ( 1.0f - reflect ) );
     RfVec3 wi = mirrored( eye.wo, h );
     if ( g->alpha > 0.0f )
         return finish_wide( g, eye, wi );

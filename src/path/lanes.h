@@ -42,10 +42,12 @@ typedef struct RfVertexLanes
     float f90[RF_LANES];
     float coat_f0[RF_LANES];
     float coat_f90[RF_LANES];
-    float clearcoat[RF_LANES]; // these two of RF_BSDF_COATED only
+    float clearcoat[RF_LANES]; // these three of RF_BSDF_COATED only
     float clearcoat_alpha[RF_LANES];
-    float tint[3][RF_LANES]; // these two of RF_BSDF_GLASS only
+    float clearcoat_n[3][RF_LANES];
+    float tint[3][RF_LANES]; // these three of RF_BSDF_GLASS only
     float ior[RF_LANES];
+    float absorption[3][RF_LANES]; // of what wo goes through, if that is its inside, 1/m
     float emission[3][RF_LANES];            // towards wo
     float light_pdf_solid_angle[RF_LANES];  // of a light sample at the ray's origin choosing this point; 0: none would
     int32_t ray[RF_LANES];                  // lane of the ray that found it

@@ -43,6 +43,7 @@ static float relative_ior( const RfMaterial* m, float facing )
     return facing >= 0.0f || m->ior == 0.0f ? m->ior : 1.0f / m->ior;
 }
 
+// v->n is the interpolated normal still, which a coat keeps.
 static void fill_material( RfVertexLanes* v, int i, const RfMaterial* m, float facing )
 {
     put( v->diffuse, i, m->diffuse );
@@ -50,17 +51,19 @@ static void fill_material( RfVertexLanes* v, int i, const RfMaterial* m, float f
         return;
     put( v->specular, i, m->specular );
     v->shape[i] = m->kind == RF_BSDF_PHONG ? m->exponent : m->alpha;
+    v->f90[i] = m->f90;
     if ( m->kind == RF_BSDF_GLASS )
     {
         put( v->tint, i, m->tint );
         v->ior[i] = relative_ior( m, facing );
+        put( v->absorption, i, facing < 0.0f && !m->thin ? m->absorption : rf_vec3( 0, 0, 0 ) );
         return;
     }
-    v->f90[i] = m->f90;
     if ( m->kind == RF_BSDF_COATED )
     {
         v->clearcoat[i] = m->clearcoat;
         v->clearcoat_alpha[i] = m->clearcoat_alpha;
+        put( v->clearcoat_n, i, rf_vec3( v->n[0][i], v->n[1][i], v->n[2][i] ) );
     }
     v->coat_f0[i] = m->coat_f0;
     v->coat_f90[i] = m->coat_f90;
@@ -126,7 +129,24 @@ static inline void fill_lane( const Source* from, RfVertexLanes* restrict v, int
     fill_emission( v, i, from->lights, t->light, facing, way );
 }
 
-// Material, normal and emission of a lane anew, looked up where the hit is.
+// Where on a triangle, and −1 where it is seen from behind.
+typedef struct Hit
+{
+    uint32_t triangle;
+    float u, v, side;
+} Hit;
+
+// Normals by the textures of them, of the surface and of its coat.
+static void look_up_normals( const RfScene* scene, const RfMaterial* m, const Hit* hit, RfVec3 ng, RfVertexLanes* v, int i )
+{
+    RfVec3 n = rf_scale( rf_vec3( v->n[0][i], v->n[1][i], v->n[2][i] ), hit->side );
+    if ( m->textured->refs[RF_TEXTURE_NORMAL].texture >= 0 )
+        put( v->n, i, rf_scale( rf_normal_at( scene, m, hit->triangle, hit->u, hit->v, n, ng ), hit->side ) );
+    if ( m->textured->refs[RF_TEXTURE_CLEARCOAT_NORMAL].texture >= 0 )
+        put( v->clearcoat_n, i, rf_scale( rf_coat_normal_at( scene, m, hit->triangle, hit->u, hit->v, n, ng ), hit->side ) );
+}
+
+// Material, normals and emission of a lane anew, looked up where the hit is.
 static void look_up_lane( const RfScene* scene, const Source* from, const RfMaterial* m, RfVertexLanes* v, int i )
 {
     int r = from->scratch->index[i];
@@ -137,12 +157,8 @@ static void look_up_lane( const RfScene* scene, const Source* from, const RfMate
     RfMaterial here;
     rf_material_at( scene, m, triangle, bu, bv, &here );
     fill_material( v, i, &here, facing );
-    if ( m->textured->refs[RF_TEXTURE_NORMAL].texture >= 0 )
-    {
-        float side = facing < 0.0f ? -1.0f : 1.0f;
-        RfVec3 n = rf_scale( rf_vec3( v->n[0][i], v->n[1][i], v->n[2][i] ), side );
-        put( v->n, i, rf_scale( rf_normal_at( scene, m, triangle, bu, bv, n, t->ng ), side ) );
-    }
+    Hit hit = { triangle, bu, bv, facing < 0.0f ? -1.0f : 1.0f };
+    look_up_normals( scene, m, &hit, t->ng, v, i );
     if ( v->emission[0][i] + v->emission[1][i] + v->emission[2][i] > 0.0f )
         put( v->emission, i, rf_emission_at( scene, m, triangle, bu, bv ) );
 }

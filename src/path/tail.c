@@ -17,6 +17,7 @@ static RfBsdfLanes bsdf_lanes( const RfVertexLanes* v, int first )
         .coat_f90 = v->coat_f90 + first,
         .clearcoat = v->clearcoat + first,
         .clearcoat_alpha = v->clearcoat_alpha + first,
+        .clearcoat_n = { v->clearcoat_n[0] + first, v->clearcoat_n[1] + first, v->clearcoat_n[2] + first },
         .tint = { v->tint[0] + first, v->tint[1] + first, v->tint[2] + first },
         .ior = v->ior + first,
     };
@@ -248,21 +249,13 @@ static void scatter( const RfWalkSettings* settings, RfWalk* walk, const RfRayLa
 }
 
 // What the inside of a body takes from the light of rays that reach its
-// surface from within (Beer, Lambert).
-static void absorb( const RfWalkSettings* settings, const RfVertexLanes* v, const uint32_t* triangle, RfRayLanes* rays )
+// surface from within.
+static void absorb( const RfVertexLanes* v, RfRayLanes* rays )
 {
-    const RfTriangleRecord* triangles = rf_tracer_triangles( settings->tracer );
-    const RfMaterial* materials = rf_tracer_scene( settings->tracer )->materials;
     for ( int i = v->first[RF_BSDF_GLASS]; i < v->first[RF_BSDF_GLASS + 1]; ++i )
     {
         int r = v->ray[i];
-        const RfTriangleRecord* t = triangles + triangle[r];
-        const RfMaterial* m = materials + t->material;
-        bool inside = t->ng.x * v->wo[0][i] + t->ng.y * v->wo[1][i] + t->ng.z * v->wo[2][i] < 0.0f;
-        if ( !inside || m->thin || rf_max_component( m->absorption ) == 0.0f )
-            continue;
-        RfVec3 way = rf_vec3( v->p[0][i] - rays->o[0][r], v->p[1][i] - rays->o[1][r], v->p[2][i] - rays->o[2][r] );
-        RfVec3 left = rf_transmittance( m->absorption, rf_length( way ) );
+        RfVec3 left = rf_left_of_way( v, i, rf_vec3( rays->o[0][r], rays->o[1][r], rays->o[2][r] ) );
         rays->throughput[0][r] *= left.x;
         rays->throughput[1][r] *= left.y;
         rays->throughput[2][r] *= left.z;
@@ -273,7 +266,7 @@ void rf_find_lit_vertices( const RfWalkSettings* settings, RfWalk* walk, RfRayLa
 {
     walk->path_rays += (uint64_t)rays->count;
     rf_find_vertices( settings, rays, false, vertices, &walk->scratch );
-    absorb( settings, vertices, walk->scratch.triangle, rays );
+    absorb( vertices, rays );
     add_emission( settings, rays, vertices, apart, &walk->arrivals );
     add_sky( settings, rays, walk->scratch.triangle, apart, &walk->arrivals );
 }

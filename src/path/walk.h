@@ -88,6 +88,16 @@ static inline RfVec3 rf_transmittance( RfVec3 absorption, float distance )
     return rf_vec3( expf( -absorption.x * distance ), expf( -absorption.y * distance ), expf( -absorption.z * distance ) );
 }
 
+// The part of the light that the inside of its body leaves of what goes from a
+// glass lane to `o`, where its ray began (Beer, Lambert); 1 from the outside.
+static inline RfVec3 rf_left_of_way( const RfVertexLanes* v, int i, RfVec3 o )
+{
+    RfVec3 absorption = rf_vec3( v->absorption[0][i], v->absorption[1][i], v->absorption[2][i] );
+    if ( rf_max_component( absorption ) == 0.0f )
+        return rf_vec3( 1, 1, 1 );
+    return rf_transmittance( absorption, rf_length( rf_sub( rf_vec3( v->p[0][i], v->p[1][i], v->p[2][i] ), o ) ) );
+}
+
 // Scatters all lanes of the vertices, the path's `vertex`-th, with the weights
 // left to the caller: rays of the directions that can carry light into
 // walk->rays, whose throughput is 1 where records are made and the weight

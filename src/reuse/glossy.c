@@ -47,9 +47,14 @@ void rf_evaluate_glossy( const RfHitBatch* b, const float* const wo[3], const fl
             .f90 = b->f90 + k,
             .coat_f0 = b->coat_f0 + k,
             .coat_f90 = b->coat_f90 + k,
-            .clearcoat = b->clearcoat != NULL ? b->clearcoat + k : NULL,
-            .clearcoat_alpha = b->clearcoat != NULL ? b->clearcoat_alpha + k : NULL,
         };
+        if ( b->clearcoat != NULL )
+        {
+            lanes.clearcoat = b->clearcoat + k;
+            lanes.clearcoat_alpha = b->clearcoat_alpha + k;
+            for ( int c = 0; c < 3; ++c )
+                lanes.clearcoat_n[c] = b->clearcoat_n[c] + k;
+        }
         const float* out_dir[3] = { wo[0] + k, wo[1] + k, wo[2] + k };
         const float* in_dir[3] = { wi[0] + k, wi[1] + k, wi[2] + k };
         if ( f != NULL )

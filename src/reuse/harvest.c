@@ -144,6 +144,8 @@ static void copy_hits( const RfVertexLanes* v, RfHitBatch* batch )
         return;
     memcpy( batch->clearcoat, v->clearcoat + first, bytes );
     memcpy( batch->clearcoat_alpha, v->clearcoat_alpha + first, bytes );
+    for ( int c = 0; c < 3; ++c )
+        memcpy( batch->clearcoat_n[c], v->clearcoat_n[c] + first, bytes );
 }
 
 void rf_harvest_batch( const RfHarvest* harvest, RfHarvestJob job, RfHitBatch* batch, RfHarvestScratch* scratch,

@@ -66,6 +66,22 @@ static void add_scattered( const RfHarvest* harvest, const RfHarvestScratch* scr
     }
 }
 
+// For an eye inside of a body: what is left of the light on its way through.
+static void absorb( const RfHarvestScratch* scratch, const RfHitBatch* batch, int base )
+{
+    const RfVertexLanes* v = &scratch->first;
+    const RfRayLanes* rays = &scratch->camera_rays;
+    for ( int i = rf_record_count( v ); i < v->count; ++i )
+    {
+        int slot = v->slot[i];
+        float* light = light_of( batch, base + i - rf_record_count( v ) );
+        RfVec3 left = rf_left_of_way( v, i, rf_vec3( rays->o[0][slot], rays->o[1][slot], rays->o[2][slot] ) );
+        light[0] *= left.x;
+        light[1] *= left.y;
+        light[2] *= left.z;
+    }
+}
+
 void rf_light_natives( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch )
 {
     const RfVertexLanes* v = &scratch->first;
@@ -78,8 +94,10 @@ void rf_light_natives( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScr
             light[c] = v->emission[c][rf_record_count( v ) + n];
         light[3] = 1.0f;
     }
-    if ( natives == 0 || harvest->walk.max_depth == 1 )
-        return;
-    add_light_samples( harvest, scratch, batch, base );
-    add_scattered( harvest, scratch, batch, base );
+    if ( natives > 0 && harvest->walk.max_depth > 1 )
+    {
+        add_light_samples( harvest, scratch, batch, base );
+        add_scattered( harvest, scratch, batch, base );
+    }
+    absorb( scratch, batch, base );
 }

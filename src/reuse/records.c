@@ -36,6 +36,7 @@ static void take_glossy( Layout* layout, const RfBatchShape* shape, RfHitBatch* 
     {
         batch->clearcoat = take_lanes( layout );
         batch->clearcoat_alpha = take_lanes( layout );
+        take_lanes3( layout, batch->clearcoat_n );
     }
     int directions = rf_direction_count( shape );
     batch->directions = take( layout, (size_t)directions * sizeof *batch->directions );

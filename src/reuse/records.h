@@ -49,7 +49,8 @@ typedef struct RfHitBatch
     float* coat_f0;
     float* coat_f90;
     float* clearcoat;       // NULL where the scene has no such coat
-    float* clearcoat_alpha;
+    float* clearcoat_alpha; // likewise
+    float* clearcoat_n[3];
     RfDirectionLanes* directions; // K light samples, the scattered direction, and N − 1 borrowed ones
 } RfHitBatch;
 

@@ -2,9 +2,7 @@
 
 #include "scene/gltf_document.h"
 
-#include <math.h>
-
-RfResult rf_gltf_read_clearcoat( const RfGltf* gltf, const json_t* material, const char* owner, RfMaterial* out )
+RfResult rf_gltf_read_clearcoat( RfGltf* gltf, const json_t* material, const char* owner, RfMaterial* out )
 {
     double factor = 0.0, roughness = 0.0;
     const json_t* json;
@@ -19,11 +17,16 @@ RfResult rf_gltf_read_clearcoat( const RfGltf* gltf, const json_t* material, con
         return result;
     if ( !( factor >= 0.0 && factor <= 1.0 && roughness >= 0.0 && roughness <= 1.0 ) )
         return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "factors %g and %g want 0 to 1", factor, roughness );
-    // glass, mirrors and unlit surfaces have their own way
-    if ( factor == 0.0 || rf_gltf_is_unlit( material ) || ( out->kind != RF_BSDF_GGX && out->kind != RF_BSDF_LAMBERT ) )
+    // unlit surfaces have their own way
+    if ( factor == 0.0 || rf_gltf_is_unlit( material ) )
         return RF_OK;
+    if ( out->kind == RF_BSDF_GLASS )
+    {
+        rf_gltf_notice( gltf, RF_GLTF_COATED_GLASS, "a clear coat over glass or a mirror is not read: material '%.80s' is without it",
+                        out->name );
+        return RF_OK;
+    }
     out->kind = RF_BSDF_COATED;
-    out->clearcoat = (float)factor;
-    out->clearcoat_alpha = fmaxf( (float)( roughness * roughness ), RF_MIN_ALPHA );
+    rf_derive_clearcoat( factor, roughness, out );
     return RF_OK;
 }

@@ -33,7 +33,7 @@ typedef enum RfGltfList
 // are not read keep their own marks.)
 typedef enum RfGltfNotice
 {
-    RF_GLTF_TEXTURES,
+    RF_GLTF_COATED_GLASS,
     RF_GLTF_POINTS_LINES,
     RF_GLTF_NO_POSITIONS,
     RF_GLTF_MORPH_TARGETS,
@@ -223,10 +223,10 @@ RfResult rf_gltf_load_lights( RfGltf* gltf );
 
 // gltf_glass.c: KHR_materials_transmission, _volume and _unlit, and metals
 // without roughness; after the other factors have been applied
-RfResult rf_gltf_read_glass( const RfGltf* gltf, const json_t* material, const char* where, double ior, double metallic,
-                             double roughness, const double base[3], RfMaterial* out );
+RfResult rf_gltf_read_glass( const RfGltf* gltf, const json_t* material, const char* where, const RfFactors* factors,
+                             RfMaterial* out );
 // gltf_clearcoat.c; last of the extensions
-RfResult rf_gltf_read_clearcoat( const RfGltf* gltf, const json_t* material, const char* where, RfMaterial* out );
+RfResult rf_gltf_read_clearcoat( RfGltf* gltf, const json_t* material, const char* where, RfMaterial* out );
 bool rf_gltf_is_unlit( const json_t* material );
 static inline bool rf_gltf_moves( const RfGltf* gltf, int node )
 {
@@ -254,6 +254,14 @@ void rf_gltf_free_primitive( RfGltfPrimitive* primitive );
 // Rows of three vertex numbers from indices or none, by mode.
 RfResult rf_gltf_read_triangles( RfGltf* gltf, const json_t* primitive, const char* where, int mode,
                                  uint32_t vertex_count, uint32_t** indices, uint32_t* triangle_count );
+
+// gltf_flat.c: a primitive's normals become those of its faces.
+RfResult rf_gltf_make_flat( const RfGltf* gltf, const char* where, RfGltfPrimitive* primitive );
+
+// gltf_tangents.c: gives a primitive, which has normals and that texture's
+// coordinates, the tangents that a texture of normals needs. Vertices whose
+// triangles lie on the image in both ways become two.
+RfResult rf_gltf_make_tangents( const RfGltf* gltf, const char* where, const RfTextureRef* ref, RfGltfPrimitive* primitive );
 
 // gltf_bake.c: primitives into the scene's soup.
 typedef struct RfGltfBaker

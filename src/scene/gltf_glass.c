@@ -64,16 +64,13 @@ static RfVec3 scaled( const double rgb[3], double s )
     return rf_vec3( (float)( rgb[0] * s ), (float)( rgb[1] * s ), (float)( rgb[2] * s ) );
 }
 
-static void make_glass( const Inside* in, double ior, double metallic, double roughness, const double base[3], RfMaterial* out )
+static void make_glass( const Inside* in, const RfFactors* factors, RfMaterial* out )
 {
-    double through = in->transmission * ( 1.0 - metallic );
     out->kind = RF_BSDF_GLASS;
     // an index of 0 is the extension's way to say that everything is reflected
-    out->ior = ior > 0.0 ? (float)fmax( ior, 1.0001 ) : 1e4f;
+    out->ior = factors->ior > 0.0 ? (float)fmax( factors->ior, 1.0001 ) : 1e4f;
     out->thin = in->thickness == 0.0;
-    out->alpha = roughness < RF_SMOOTH_ROUGHNESS ? 0.0f : (float)( roughness * roughness );
-    out->tint = scaled( base, through );
-    out->diffuse = scaled( base, 1.0 - in->transmission );
+    rf_derive_glass( factors, in->transmission, out );
     if ( out->thin )
         return;
     out->absorption = rf_vec3( absorption( in->color[0], in->distance ), absorption( in->color[1], in->distance ),
@@ -93,8 +90,15 @@ static void make_unlit( const double base[3], RfMaterial* out )
     out->emission = scaled( base, 1.0 );
 }
 
-RfResult rf_gltf_read_glass( const RfGltf* gltf, const json_t* material, const char* where, double ior, double metallic,
-                             double roughness, const double base[3], RfMaterial* out )
+// A metal by its factors is one everywhere, unless a texture has other plans.
+static bool is_all_metal( const json_t* material, const RfFactors* factors )
+{
+    const json_t* part = json_object_get( material, "pbrMetallicRoughness" );
+    return factors->metallic == 1.0 && json_object_get( part, "metallicRoughnessTexture" ) == NULL;
+}
+
+RfResult rf_gltf_read_glass( const RfGltf* gltf, const json_t* material, const char* where, const RfFactors* factors,
+                             RfMaterial* out )
 {
     Inside inside = { .distance = (double)INFINITY, .color = { 1, 1, 1 } };
     RfResult result = read_transmission( gltf, material, where, &inside );
@@ -103,10 +107,10 @@ RfResult rf_gltf_read_glass( const RfGltf* gltf, const json_t* material, const c
     if ( result != RF_OK )
         return result;
     if ( rf_gltf_is_unlit( material ) )
-        make_unlit( base, out );
-    else if ( inside.transmission > 0.0 && metallic < 1.0 )
-        make_glass( &inside, ior, metallic, roughness, base, out );
-    else if ( metallic == 1.0 && roughness < RF_SMOOTH_ROUGHNESS )
+        make_unlit( factors->base, out );
+    else if ( inside.transmission > 0.0 && !is_all_metal( material, factors ) )
+        make_glass( &inside, factors, out );
+    else if ( factors->metallic == 1.0 && factors->roughness < RF_SMOOTH_ROUGHNESS )
     {
         out->kind = RF_BSDF_GLASS;
         out->alpha = 0.0f;

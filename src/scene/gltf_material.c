@@ -38,28 +38,6 @@ static RfResult get_factors( const RfGltf* gltf, const json_t* json, const char*
     return result;
 }
 
-// Textures of the extensions whose factors alone are read.
-static RfResult notice_extension_textures( RfGltf* gltf, const json_t* material, const char* owner, const char* name )
-{
-    static const char* const s_slots[][2] = {
-        { "KHR_materials_transmission", "transmissionTexture" },
-        { "KHR_materials_volume", "thicknessTexture" },
-        { "KHR_materials_clearcoat", "clearcoatTexture" },
-        { "KHR_materials_clearcoat", "clearcoatRoughnessTexture" },
-        { "KHR_materials_clearcoat", "clearcoatNormalTexture" },
-    };
-    for ( size_t i = 0; i < sizeof s_slots / sizeof s_slots[0]; ++i )
-    {
-        const json_t* json;
-        RfResult result = rf_gltf_get_extension( gltf, material, owner, s_slots[i][0], &json );
-        if ( result != RF_OK )
-            return result;
-        if ( json_object_get( json, s_slots[i][1] ) != NULL )
-            rf_gltf_notice( gltf, RF_GLTF_TEXTURES, "%s is not read: material '%.80s' uses the factor alone", s_slots[i][1], name );
-    }
-    return RF_OK;
-}
-
 static RfResult read_metallic_roughness( const RfGltf* gltf, const json_t* material, const char* owner, RfFactors* out )
 {
     const json_t* json = NULL;
@@ -149,14 +127,12 @@ static RfResult load_material( RfGltf* gltf, int index, RfMaterial* out )
         result = read_emission( gltf, json, where.text, &factors );
     if ( result == RF_OK )
         result = rf_gltf_get_bool( gltf, json, where.text, "doubleSided", &out->double_sided );
-    if ( result == RF_OK )
-        result = notice_extension_textures( gltf, json, where.text, out->name );
     if ( result != RF_OK )
         return result;
     rf_gltf_notice_extensions( gltf, json, "material", out->name );
     apply_factors( &factors, out );
     const RfFactors* lobes = &factors.lobes;
-    result = rf_gltf_read_glass( gltf, json, where.text, lobes->ior, lobes->metallic, lobes->roughness, lobes->base, out );
+    result = rf_gltf_read_glass( gltf, json, where.text, lobes, out );
     if ( result == RF_OK )
         result = rf_gltf_read_clearcoat( gltf, json, where.text, out );
     if ( result == RF_OK )

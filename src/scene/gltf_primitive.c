@@ -198,6 +198,22 @@ static RfResult find_material( RfGltf* gltf, const json_t* primitive, const char
     return index >= 0 ? RF_OK : rf_gltf_use_default_material( gltf, material );
 }
 
+// By the texture of normals, else by the coat's. Files that have tangents are
+// taken at their word.
+static RfResult add_tangents( const RfGltf* gltf, const char* where, RfGltfPrimitive* out )
+{
+    const RfTextured* textured = gltf->scene->materials[out->material].textured;
+    if ( out->tangents != NULL || textured == NULL )
+        return RF_OK;
+    RfTextureSlot slot = textured->refs[RF_TEXTURE_NORMAL].texture >= 0 ? RF_TEXTURE_NORMAL : RF_TEXTURE_CLEARCOAT_NORMAL;
+    const RfTextureRef* ref = textured->refs + slot;
+    const float* uvs = ref->uv_set == 0 ? out->uvs : out->uvs1;
+    if ( ref->texture < 0 || uvs == NULL )
+        return RF_OK;
+    RfResult result = out->normals == NULL ? rf_gltf_make_flat( gltf, where, out ) : RF_OK;
+    return result == RF_OK ? rf_gltf_make_tangents( gltf, where, ref, out ) : result;
+}
+
 RfResult rf_gltf_read_primitive( RfGltf* gltf, const json_t* primitive, const char* where, RfGltfPrimitive* out )
 {
     *out = ( RfGltfPrimitive ){ 0 };
@@ -229,6 +245,8 @@ RfResult rf_gltf_read_primitive( RfGltf* gltf, const json_t* primitive, const ch
                                          &out->triangle_count );
     if ( result == RF_OK && out->triangle_count > 0 )
         result = read_vertices( gltf, where, &attributes, vertex_count, out );
+    if ( result == RF_OK && out->triangle_count > 0 )
+        result = add_tangents( gltf, where, out );
     if ( result != RF_OK )
         rf_gltf_free_primitive( out );
     return result;

@@ -12,10 +12,18 @@ RfTextured* rf_gltf_textured( const RfFactors* factors )
     if ( textured == NULL )
         return NULL;
     textured->factors = *factors;
-    textured->normal_scale = 1.0f;
+    textured->normal_scale = textured->clearcoat_normal_scale = 1.0f;
     for ( int i = 0; i < RF_TEXTURE_SLOT_COUNT; ++i )
         textured->refs[i] = ( RfTextureRef ){ .texture = -1, .transform = { 1, 0, 0, 0, 1, 0 } };
     return textured;
+}
+
+static RfResult read_scale( const RfGltf* gltf, const json_t* info, const char* where, float* scale )
+{
+    double value = 1.0;
+    RfResult result = rf_gltf_get_number( gltf, info, where, "scale", &value );
+    *scale = (float)value;
+    return result;
 }
 
 static RfResult read_slots( RfGltf* gltf, const json_t* material, const char* where, RfTextured* out )
@@ -32,6 +40,10 @@ static RfResult read_slots( RfGltf* gltf, const json_t* material, const char* wh
         { NULL, NULL, "emissiveTexture", RF_TEXTURE_EMISSIVE, true },
         { NULL, "KHR_materials_specular", "specularTexture", RF_TEXTURE_SPECULAR, false },
         { NULL, "KHR_materials_specular", "specularColorTexture", RF_TEXTURE_SPECULAR_COLOR, true },
+        { NULL, "KHR_materials_transmission", "transmissionTexture", RF_TEXTURE_TRANSMISSION, false },
+        { NULL, "KHR_materials_clearcoat", "clearcoatTexture", RF_TEXTURE_CLEARCOAT, false },
+        { NULL, "KHR_materials_clearcoat", "clearcoatRoughnessTexture", RF_TEXTURE_CLEARCOAT_ROUGHNESS, false },
+        { NULL, "KHR_materials_clearcoat", "clearcoatNormalTexture", RF_TEXTURE_CLEARCOAT_NORMAL, false },
     };
     for ( size_t i = 0; i < sizeof s_slots / sizeof s_slots[0]; ++i )
     {
@@ -52,15 +64,37 @@ static RfResult read_slots( RfGltf* gltf, const json_t* material, const char* wh
             continue;
         RfResult result = rf_gltf_read_texture_info( gltf, parent, owner.text, s_slots[i].key, s_slots[i].srgb,
                                                      out->refs + s_slots[i].slot, &info );
-        double scale = 1.0;
-        if ( result == RF_OK && info != NULL && s_slots[i].slot == RF_TEXTURE_NORMAL )
-            result = rf_gltf_get_number( gltf, info, rf_where( "%s.normalTexture", where ).text, "scale", &scale );
+        float* scale = s_slots[i].slot == RF_TEXTURE_NORMAL            ? &out->normal_scale
+                       : s_slots[i].slot == RF_TEXTURE_CLEARCOAT_NORMAL ? &out->clearcoat_normal_scale
+                                                                         : NULL;
+        if ( result == RF_OK && info != NULL && scale != NULL )
+            result = read_scale( gltf, info, rf_where( "%s.%s", owner.text, s_slots[i].key ).text, scale );
         if ( result != RF_OK )
             return result;
-        if ( s_slots[i].slot == RF_TEXTURE_NORMAL )
-            out->normal_scale = (float)scale;
     }
     return RF_OK;
+}
+
+// It tells renderers that do not trace how thick a body is. It is checked and
+// else left alone: light goes through the body as it is.
+static RfResult check_thickness( RfGltf* gltf, const json_t* material, const char* where )
+{
+    const json_t *json, *info;
+    RfTextureRef unused;
+    RfResult result = rf_gltf_get_extension( gltf, material, where, "KHR_materials_volume", &json );
+    if ( result != RF_OK || json == NULL )
+        return result;
+    RfWhere owner = rf_where( "%s.extensions.KHR_materials_volume", where );
+    return rf_gltf_read_texture_info( gltf, json, owner.text, "thicknessTexture", false, &unused, &info );
+}
+
+// Textures of what the material turned out not to have are not looked up.
+static void drop_unused( const RfMaterial* material, RfTextured* textured )
+{
+    if ( textured->model != RF_TEXTURED_GLASS || material->ior == 0.0f )
+        textured->refs[RF_TEXTURE_TRANSMISSION].texture = -1;
+    for ( int slot = RF_TEXTURE_CLEARCOAT; material->kind != RF_BSDF_COATED && slot <= RF_TEXTURE_CLEARCOAT_NORMAL; ++slot )
+        textured->refs[slot].texture = -1;
 }
 
 static RfResult read_alpha( RfGltf* gltf, const json_t* material, const char* where, RfTextured* out )
@@ -92,11 +126,11 @@ static RfTexturedModel find_model( const RfMaterial* material, const json_t* jso
     return material->kind == RF_BSDF_GLASS ? RF_TEXTURED_GLASS : RF_TEXTURED_COATED;
 }
 
-static double read_transmission( const json_t* json )
+// A factor of an extension, checked by the extension's own reader; 0 without.
+static double factor_of( const json_t* json, const char* extension, const char* key )
 {
-    // checked by rf_gltf_read_glass
-    const json_t* extension = json_object_get( json_object_get( json, "extensions" ), "KHR_materials_transmission" );
-    return json_number_value( json_object_get( extension, "transmissionFactor" ) );
+    const json_t* object = json_object_get( json_object_get( json, "extensions" ), extension );
+    return json_number_value( json_object_get( object, key ) );
 }
 
 // A metal that its factors alone make a perfect mirror is none where a texture
@@ -130,6 +164,8 @@ RfResult rf_gltf_read_textured( RfGltf* gltf, const json_t* json, const char* wh
     RfTextured* textured = out->textured;
     RfResult result = read_slots( gltf, json, where, textured );
     if ( result == RF_OK )
+        result = check_thickness( gltf, json, where );
+    if ( result == RF_OK )
         result = read_alpha( gltf, json, where, textured );
     if ( result != RF_OK )
         return result;
@@ -138,7 +174,10 @@ RfResult rf_gltf_read_textured( RfGltf* gltf, const json_t* json, const char* wh
     // bodies of our own models have their own diffuse for a base
     if ( textured->model == RF_TEXTURED_DIFFUSE )
         textured->factors.base[0] = textured->factors.base[1] = textured->factors.base[2] = 1.0;
-    textured->transmission = read_transmission( json );
+    textured->transmission = factor_of( json, "KHR_materials_transmission", "transmissionFactor" );
+    textured->clearcoat = factor_of( json, "KHR_materials_clearcoat", "clearcoatFactor" );
+    textured->clearcoat_roughness = factor_of( json, "KHR_materials_clearcoat", "clearcoatRoughnessFactor" );
+    drop_unused( out, textured );
     textured->optional = !is_needed( textured );
     return RF_OK;
 }

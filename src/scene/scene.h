@@ -35,8 +35,9 @@ typedef struct RfMaterial
     char* name;
     RfBsdfKind kind;
     RfVec3 diffuse;   // Lambert reflectance (GGX: of the base, times 1 − metallic)
-    RfVec3 specular;  // Phong: lobe reflectance; GGX: reflectance at normal incidence F0
-    float f90;        // GGX: reflectance at grazing incidence
+    RfVec3 specular;  // Phong: lobe reflectance; GGX: reflectance at normal incidence F0;
+                      // GLASS: the same, of the part of it that is metal
+    float f90;        // GGX: reflectance at grazing incidence; GLASS: how much of it is metal
     float coat_f0;    // GGX: dielectric Fresnel that takes light from the base
     float coat_f90;   //      (scalars: the largest channel), at normal and at grazing
     float exponent;   // Phong: n of cosⁿ, ≥ 0

@@ -1,4 +1,4 @@
-#include "scene/textured.h"
+#include "scene/textured_lookup.h"
 
 #include <math.h>
 
@@ -9,7 +9,7 @@
 // its brightest texel were its mean.
 #define LEAST_MEAN 0.02f
 
-static void interpolate( const float* values, int components, const uint32_t* corners, float u, float v, float* out )
+void rf_interpolate_corners( const float* values, int components, const uint32_t* corners, float u, float v, float* out )
 {
     float w = 1.0f - u - v;
     for ( int i = 0; i < components; ++i )
@@ -24,23 +24,22 @@ static const float* uv_array( const RfScene* scene, int set )
     return set == 0 ? scene->triangles.uvs : scene->triangles.uvs1;
 }
 
-static void place( const RfScene* scene, const RfTextureRef* ref, uint32_t triangle, float u, float v, float at[2] )
+void rf_place_texture( const RfScene* scene, const RfTextureRef* ref, uint32_t triangle, float u, float v, float at[2] )
 {
     float uv[2] = { 0.0f, 0.0f };
     const float* values = uv_array( scene, ref->uv_set );
     if ( values != NULL )
-        interpolate( values, 2, scene->triangles.indices + 3 * (size_t)triangle, u, v, uv );
+        rf_interpolate_corners( values, 2, scene->triangles.indices + 3 * (size_t)triangle, u, v, uv );
     rf_transform_uv( ref, uv, at );
 }
 
-// False where the slot has no texture.
-static bool look_up( const RfScene* scene, const RfMaterial* m, RfTextureSlot slot, uint32_t triangle, float u, float v, float rgba[4] )
+bool rf_look_up_slot( const RfScene* scene, const RfMaterial* m, RfTextureSlot slot, uint32_t triangle, float u, float v, float rgba[4] )
 {
     const RfTextureRef* ref = m->textured->refs + slot;
     if ( ref->texture < 0 )
         return false;
     float at[2];
-    place( scene, ref, triangle, u, v, at );
+    rf_place_texture( scene, ref, triangle, u, v, at );
     rf_look_up( scene->textures + ref->texture, ref, at, rgba );
     return true;
 }
@@ -74,14 +73,14 @@ static void base_at( const RfScene* scene, const RfMaterial* m, uint32_t triangl
     float rgba[4];
     for ( int i = 0; i < 4; ++i )
         base[i] = t->factors.base[i];
-    if ( look_up( scene, m, RF_TEXTURE_BASE, triangle, u, v, rgba ) )
+    if ( rf_look_up_slot( scene, m, RF_TEXTURE_BASE, triangle, u, v, rgba ) )
     {
         for ( int i = 0; i < 4; ++i )
             base[i] *= (double)rgba[i];
     }
     if ( t->vertex_colors && scene->triangles.colors != NULL )
     {
-        interpolate( scene->triangles.colors, 4, scene->triangles.indices + 3 * (size_t)triangle, u, v, rgba );
+        rf_interpolate_corners( scene->triangles.colors, 4, scene->triangles.indices + 3 * (size_t)triangle, u, v, rgba );
         for ( int i = 0; i < 4; ++i )
             base[i] *= (double)rgba[i];
     }
@@ -99,14 +98,14 @@ static RfFactors factors_at( const RfScene* scene, const RfMaterial* m, uint32_t
     RfFactors f = m->textured->factors;
     float rgba[4];
     base_at( scene, m, triangle, u, v, f.base );
-    if ( look_up( scene, m, RF_TEXTURE_METALLIC_ROUGHNESS, triangle, u, v, rgba ) )
+    if ( rf_look_up_slot( scene, m, RF_TEXTURE_METALLIC_ROUGHNESS, triangle, u, v, rgba ) )
     {
         f.roughness = unit( f.roughness * (double)rgba[1] );
         f.metallic = unit( f.metallic * (double)rgba[2] );
     }
-    if ( look_up( scene, m, RF_TEXTURE_SPECULAR, triangle, u, v, rgba ) )
+    if ( rf_look_up_slot( scene, m, RF_TEXTURE_SPECULAR, triangle, u, v, rgba ) )
         f.specular = unit( f.specular * (double)rgba[3] );
-    if ( look_up( scene, m, RF_TEXTURE_SPECULAR_COLOR, triangle, u, v, rgba ) )
+    if ( rf_look_up_slot( scene, m, RF_TEXTURE_SPECULAR_COLOR, triangle, u, v, rgba ) )
     {
         for ( int i = 0; i < 3; ++i )
             f.specular_color[i] *= (double)rgba[i];
@@ -114,16 +113,46 @@ static RfFactors factors_at( const RfScene* scene, const RfMaterial* m, uint32_t
     return f;
 }
 
-static void derive_glass( const RfFactors* f, double transmission, RfMaterial* out )
+void rf_derive_glass( const RfFactors* f, double transmission, RfMaterial* out )
+{
+    double dielectric = 1.0 - f->metallic;
+    out->alpha = f->roughness < RF_SMOOTH_ROUGHNESS ? 0.0f : (float)( f->roughness * f->roughness );
+    out->tint = scaled( f->base, transmission * dielectric );
+    out->diffuse = scaled( f->base, ( 1.0 - transmission ) * dielectric );
+    out->specular = scaled( f->base, f->metallic );
+    out->f90 = (float)f->metallic;
+}
+
+void rf_derive_clearcoat( double clearcoat, double roughness, RfMaterial* out )
+{
+    out->clearcoat = (float)clearcoat;
+    out->clearcoat_alpha = fmaxf( (float)( roughness * roughness ), RF_MIN_ALPHA );
+}
+
+static void glass_at( const RfScene* scene, const RfMaterial* m, const RfFactors* f, uint32_t triangle, float u, float v,
+                      RfMaterial* out )
 {
     if ( out->ior == 0.0f ) // a mirror, whose roughness has no texture
     {
         out->specular = scaled( f->base, 1.0 );
         return;
     }
-    out->alpha = f->roughness < RF_SMOOTH_ROUGHNESS ? 0.0f : (float)( f->roughness * f->roughness );
-    out->tint = scaled( f->base, transmission * ( 1.0 - f->metallic ) );
-    out->diffuse = scaled( f->base, 1.0 - transmission );
+    double transmission = m->textured->transmission;
+    float rgba[4];
+    if ( rf_look_up_slot( scene, m, RF_TEXTURE_TRANSMISSION, triangle, u, v, rgba ) )
+        transmission = unit( transmission * (double)rgba[0] );
+    rf_derive_glass( f, transmission, out );
+}
+
+static void clearcoat_at( const RfScene* scene, const RfMaterial* m, uint32_t triangle, float u, float v, RfMaterial* out )
+{
+    double clearcoat = m->textured->clearcoat, roughness = m->textured->clearcoat_roughness;
+    float rgba[4];
+    if ( rf_look_up_slot( scene, m, RF_TEXTURE_CLEARCOAT, triangle, u, v, rgba ) )
+        clearcoat = unit( clearcoat * (double)rgba[0] );
+    if ( rf_look_up_slot( scene, m, RF_TEXTURE_CLEARCOAT_ROUGHNESS, triangle, u, v, rgba ) )
+        roughness = unit( roughness * (double)rgba[1] );
+    rf_derive_clearcoat( clearcoat, roughness, out );
 }
 
 void rf_material_at( const RfScene* scene, const RfMaterial* m, uint32_t triangle, float u, float v, RfMaterial* out )
@@ -135,10 +164,12 @@ void rf_material_at( const RfScene* scene, const RfMaterial* m, uint32_t triangl
     switch ( m->textured->model )
     {
         case RF_TEXTURED_COATED: rf_derive_lobes( &f, out ); break;
-        case RF_TEXTURED_GLASS: derive_glass( &f, m->textured->transmission, out ); break;
+        case RF_TEXTURED_GLASS: glass_at( scene, m, &f, triangle, u, v, out ); break;
         case RF_TEXTURED_DIFFUSE: out->diffuse = rf_mul( m->diffuse, scaled( f.base, 1.0 ) ); break;
         case RF_TEXTURED_UNLIT: break;
     }
+    if ( m->kind == RF_BSDF_COATED )
+        clearcoat_at( scene, m, triangle, u, v, out );
 }
 
 bool rf_is_cut_out( const RfScene* scene, const RfMaterial* m, uint32_t triangle, float u, float v )
@@ -168,7 +199,7 @@ RfVec3 rf_emission_at( const RfScene* scene, const RfMaterial* m, uint32_t trian
         return scaled( base, 1.0 );
     }
     float rgba[4];
-    if ( !look_up( scene, m, RF_TEXTURE_EMISSIVE, triangle, u, v, rgba ) )
+    if ( !rf_look_up_slot( scene, m, RF_TEXTURE_EMISSIVE, triangle, u, v, rgba ) )
         return m->emission;
     return rf_mul( m->emission, rf_vec3( rgba[0], rgba[1], rgba[2] ) );
 }
@@ -184,7 +215,7 @@ static float bound_emission( const RfScene* scene, const RfMaterial* m, uint32_t
     for ( int corner = 0; corner < 3; ++corner )
     {
         float at[2];
-        place( scene, ref, triangle, corner == 1 ? 1.0f : 0.0f, corner == 2 ? 1.0f : 0.0f, at );
+        rf_place_texture( scene, ref, triangle, corner == 1 ? 1.0f : 0.0f, corner == 2 ? 1.0f : 0.0f, at );
         for ( int k = 0; k < 2; ++k )
         {
             low[k] = corner == 0 || at[k] < low[k] ? at[k] : low[k];
@@ -212,64 +243,4 @@ RfVec3 rf_mean_emission( const RfScene* scene, const RfMaterial* m, uint32_t tri
     RfVec3 mean = rf_scale( sum, 1.0f / (float)( GRID * GRID ) );
     RfVec3 least = rf_scale( m->emission, LEAST_MEAN * bound );
     return rf_luminance( mean ) > rf_luminance( least ) ? mean : least;
-}
-
-// Along u' and v' in space: the file's tangents, else from the coordinates.
-static bool find_tangents( const RfScene* scene, const RfTextureRef* ref, uint32_t triangle, float u, float v, RfVec3 n,
-                           RfVec3* tangent, RfVec3* bitangent )
-{
-    const RfTriangles* t = &scene->triangles;
-    const uint32_t* corners = t->indices + 3 * (size_t)triangle;
-    RfVec3 along;
-    float sign = 0.0f;
-    if ( t->tangents != NULL )
-    {
-        float given[4];
-        interpolate( t->tangents, 4, corners, u, v, given );
-        along = rf_vec3( given[0], given[1], given[2] );
-        sign = given[3];
-    }
-    if ( sign == 0.0f )
-    {
-        float a[2], b[2], c[2], p[3][3];
-        place( scene, ref, triangle, 0.0f, 0.0f, a );
-        place( scene, ref, triangle, 1.0f, 0.0f, b );
-        place( scene, ref, triangle, 0.0f, 1.0f, c );
-        for ( int i = 0; i < 3; ++i )
-            interpolate( t->positions, 3, corners, i == 1 ? 1.0f : 0.0f, i == 2 ? 1.0f : 0.0f, p[i] );
-        RfVec3 e1 = rf_vec3( p[1][0] - p[0][0], p[1][1] - p[0][1], p[1][2] - p[0][2] );
-        RfVec3 e2 = rf_vec3( p[2][0] - p[0][0], p[2][1] - p[0][1], p[2][2] - p[0][2] );
-        float du1 = b[0] - a[0], dv1 = b[1] - a[1], du2 = c[0] - a[0], dv2 = c[1] - a[1];
-        float det = du1 * dv2 - du2 * dv1;
-        if ( !( fabsf( det ) > 0.0f ) )
-            return false;
-        // v' runs down the image, the bitangent up: where det < 0 that is n × t
-        along = rf_scale( rf_sub( rf_scale( e1, dv2 ), rf_scale( e2, dv1 ) ), det < 0.0f ? -1.0f : 1.0f );
-        sign = det < 0.0f ? 1.0f : -1.0f;
-    }
-    along = rf_madd( along, n, -rf_dot( along, n ) );
-    float length2 = rf_dot( along, along );
-    if ( !( length2 > 0.0f && length2 < INFINITY ) )
-        return false;
-    *tangent = rf_scale( along, 1.0f / sqrtf( length2 ) );
-    *bitangent = rf_scale( rf_cross( n, *tangent ), sign < 0.0f ? -1.0f : 1.0f );
-    return true;
-}
-
-RfVec3 rf_normal_at( const RfScene* scene, const RfMaterial* m, uint32_t triangle, float u, float v, RfVec3 n, RfVec3 ng )
-{
-    float rgba[4];
-    RfVec3 tangent, bitangent;
-    if ( !look_up( scene, m, RF_TEXTURE_NORMAL, triangle, u, v, rgba ) ||
-         !find_tangents( scene, m->textured->refs + RF_TEXTURE_NORMAL, triangle, u, v, n, &tangent, &bitangent ) )
-        return n;
-    float x = ( 2.0f * rgba[0] - 1.0f ) * m->textured->normal_scale, y = ( 2.0f * rgba[1] - 1.0f ) * m->textured->normal_scale;
-    RfVec3 mapped = rf_madd( rf_madd( rf_scale( n, 2.0f * rgba[2] - 1.0f ), tangent, x ), bitangent, y );
-    float length2 = rf_dot( mapped, mapped );
-    if ( !( length2 > 1e-12f ) )
-        return n;
-    mapped = rf_scale( mapped, 1.0f / sqrtf( length2 ) );
-    // what points into the surface is lifted to its horizon
-    float above = rf_dot( mapped, ng );
-    return above > 1e-3f ? mapped : rf_normalize( rf_madd( mapped, ng, 2e-3f - above ) );
 }

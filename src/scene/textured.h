@@ -25,6 +25,10 @@ typedef enum RfTextureSlot
     RF_TEXTURE_EMISSIVE,       // sRGB
     RF_TEXTURE_SPECULAR,       // in A
     RF_TEXTURE_SPECULAR_COLOR, // sRGB
+    RF_TEXTURE_TRANSMISSION,        // in R, of glass
+    RF_TEXTURE_CLEARCOAT,           // in R; these three of RF_BSDF_COATED
+    RF_TEXTURE_CLEARCOAT_ROUGHNESS, // in G
+    RF_TEXTURE_CLEARCOAT_NORMAL,
     RF_TEXTURE_SLOT_COUNT
 } RfTextureSlot;
 
@@ -42,8 +46,9 @@ struct RfTextured
     RfTexturedModel model;
     RfFactors factors;
     double transmission; // of glass
+    double clearcoat, clearcoat_roughness; // of RF_BSDF_COATED
     RfTextureRef refs[RF_TEXTURE_SLOT_COUNT];
-    float normal_scale;
+    float normal_scale, clearcoat_normal_scale;
     bool optional;       // nothing varies but what vertex colours may bring: gone after loading without them
     bool vertex_colors;  // some primitive with the material has them
     bool masked;         // where alpha is below the cutoff there is no surface
@@ -57,6 +62,12 @@ struct RfTextured
 // The specification's mix of metal and coated base: diffuse, specular, f90,
 // coat_f0, coat_f90, alpha of `out`.
 void rf_derive_lobes( const RfFactors* factors, RfMaterial* out );
+
+// What glass is made of: diffuse, specular, f90, tint, alpha of `out`.
+void rf_derive_glass( const RfFactors* factors, double transmission, RfMaterial* out );
+
+// The coat: clearcoat, clearcoat_alpha of `out`.
+void rf_derive_clearcoat( double clearcoat, double roughness, RfMaterial* out );
 
 // The material (`material`, which must have `textured`) at the barycentrics
 // (u, v) of a triangle: a copy with everything looked up.
@@ -73,6 +84,11 @@ RfVec3 rf_mean_emission( const RfScene* scene, const RfMaterial* material, uint3
 // normal of the front, the result is unit and on the side of `ng`, the front's
 // geometric normal.
 RfVec3 rf_normal_at( const RfScene* scene, const RfMaterial* material, uint32_t triangle, float u, float v, RfVec3 n, RfVec3 ng );
+
+// The same for its clear coat, which normal textures of the surface below leave
+// as it is.
+RfVec3 rf_coat_normal_at( const RfScene* scene, const RfMaterial* material, uint32_t triangle, float u, float v, RfVec3 n,
+                          RfVec3 ng );
 
 // Is the surface cut out there?
 bool rf_is_cut_out( const RfScene* scene, const RfMaterial* material, uint32_t triangle, float u, float v );

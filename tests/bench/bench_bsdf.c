@@ -86,6 +86,7 @@ static void run( RfBsdfKind kind, int what, int count )
         .coat_f90 = s_values[COAT_F90],
         .clearcoat = s_values[F90],
         .clearcoat_alpha = s_values[COAT_F0],
+        .clearcoat_n = THREE( N ),
     };
     const float* const wo[3] = THREE( WO );
     const float* const wi[3] = THREE( WI );
