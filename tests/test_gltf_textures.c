@@ -285,7 +285,7 @@ static void test_faults( void** state )
         { RF_ERROR_UNSUPPORTED, "texCoord is 2", TEXTURE ",\"materials\":[{\"emissiveTexture\":{\"index\":0,\"texCoord\":2}}]" },
         { RF_ERROR_FORMAT, "texCoord", TEXTURE ",\"materials\":[{\"emissiveTexture\":{\"index\":0,\"texCoord\":-1}}]" },
         { RF_ERROR_FORMAT, "KHR_texture_transform: scale", TEXTURE ",\"materials\":[{\"emissiveTexture\":{\"index\":0,\"extensions\":{\"KHR_texture_transform\":{\"scale\":[1]}}}}]" },
-        { RF_ERROR_FORMAT, "beyond 1e+06", TEXTURE ",\"materials\":[{\"emissiveTexture\":{\"index\":0,\"extensions\":{\"KHR_texture_transform\":{\"offset\":[1e30,0]}}}}]" },
+        { RF_ERROR_UNSUPPORTED, "KHR_texture_transform: offset is 1e+30, beyond what reframe reads: at most 1e+06", TEXTURE ",\"materials\":[{\"emissiveTexture\":{\"index\":0,\"extensions\":{\"KHR_texture_transform\":{\"offset\":[1e30,0]}}}}]" },
         { RF_ERROR_FORMAT, "normalTexture: scale", TEXTURE ",\"materials\":[{\"normalTexture\":{\"index\":0,\"scale\":\"much\"}}]" },
         { RF_ERROR_FORMAT, "pbrMetallicRoughness.baseColorTexture: index", ",\"materials\":[{\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}}}]" },
         { RF_ERROR_FORMAT, "KHR_materials_specular.specularTexture: index", ",\"materials\":[{\"extensions\":{\"KHR_materials_specular\":{\"specularTexture\":{\"index\":0}}}}]" },

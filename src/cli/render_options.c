@@ -92,6 +92,13 @@ static bool ends_with( const char* text, const char* end )
     return length > end_length && strcmp( text + length - end_length, end ) == 0;
 }
 
+static RfResult check_tile( const char* tile, RfError* error )
+{
+    if ( strcmp( tile, "1" ) != 0 )
+        return rf_fail( error, RF_ERROR_USAGE, "--tile: '%s': tiles are not there yet, only 1 works", tile );
+    return RF_OK;
+}
+
 static RfResult check( const RfRenderOptions* options, RfError* error )
 {
     if ( options->output == NULL )
@@ -102,9 +109,7 @@ static RfResult check( const RfRenderOptions* options, RfError* error )
         return rf_fail( error, RF_ERROR_USAGE, "--half and --float: only one of the two" );
     if ( options->resume && options->overwrite )
         return rf_fail( error, RF_ERROR_USAGE, "--resume and --overwrite: only one of the two" );
-    if ( strcmp( options->tile, "1" ) != 0 )
-        return rf_fail( error, RF_ERROR_USAGE, "--tile: '%s': tiles are not there yet, only 1 works", options->tile );
-    return RF_OK;
+    return check_tile( options->tile, error );
 }
 
 static void reset( void )
@@ -152,7 +157,13 @@ RfResult rf_parse_render_options( int argc, char** argv, RfRenderOptions* option
 RfResult rf_read_render_defaults( const RfField* defaults, RfRenderOptions* options )
 {
     reset();
+    RfError error = { 0 };
+    RfField tile = rf_field_member( defaults, "tile" ), aov = rf_field_member( defaults, "aov" );
     RfResult result = rf_take_file_options( &s_table, defaults );
+    if ( result == RF_OK && check_tile( s_parsed.tile, &error ) != RF_OK )
+        result = rf_fail_file_option( &tile, &error );
+    if ( result == RF_OK && rf_parse_layers( s_parsed.aov, &s_parsed.settings.layers, &error ) != RF_OK )
+        result = rf_fail_file_option( &aov, &error );
     copy_out( options );
     return result;
 }
