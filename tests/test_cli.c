@@ -323,6 +323,12 @@ static void test_interrupt_keeps_finished_frames( void** state )
 static void test_full_disk( void** state )
 {
     (void)state;
+    // a folder in the way is told before anything is rendered, though another frame comes first
+    cli_expect( cli_run( "mkdir -p way/f.0002.exr way/j; $R render $VASE -o way/f.####.exr --frames 1-2 --size 8x6 --spp 1 --group 0 "
+                         "--quiet --overwrite" ), 1, "way/f.0002.exr: is a folder: choose another name" );
+    cli_expect( cli_run( "$R render $VASE -o way/f.####.exr --frames 1 --size 8x6 --spp 1 --group 0 --quiet --json way/j" ), 1,
+                "--json: way/j: is a folder: choose another name" );
+    assert_false( cli_exists( "way/f.0001.exr" ) );
     // A file size limit fails a write where it is reached, as a full disk does.
     const CliResult* result =
         cli_run( "mkdir full; ulimit -f 8; $R render $VASE -o full/f.####.exr --frames 1-2 --size 128x96 --spp 1 --group 0 "

@@ -66,6 +66,8 @@ static RfResult keep_or_refuse( const RfRenderSubject* subject, int frame, const
             return RF_OK;
         return rf_fail( error, RF_ERROR_IO, "%s: cannot be looked at: %s", name, strerror( errno ) );
     }
+    if ( S_ISDIR( status.st_mode ) ) // told before the work, and no matter what may be replaced
+        return rf_fail( error, RF_ERROR_IO, "%s: is a folder: choose another name", name );
     if ( subject->options->overwrite )
         return RF_OK;
     if ( !subject->options->resume )
@@ -84,6 +86,14 @@ static RfResult keep_or_refuse( const RfRenderSubject* subject, int frame, const
     return RF_OK;
 }
 
+static RfResult check_json( const char* name, RfError* error )
+{
+    struct stat status;
+    if ( name != NULL && strcmp( name, "-" ) != 0 && stat( name, &status ) == 0 && S_ISDIR( status.st_mode ) )
+        return rf_fail( error, RF_ERROR_IO, "--json: %s: is a folder: choose another name", name );
+    return RF_OK;
+}
+
 RfResult rf_prepare_output( const RfRenderSubject* subject, int* frames, int* count, RfError* error )
 {
     const char* pattern = subject->options->output;
@@ -98,6 +108,8 @@ RfResult rf_prepare_output( const RfRenderSubject* subject, int* frames, int* co
         result = make_folder( folder, error );
     if ( result == RF_OK )
         result = probe_folder( folder, error );
+    if ( result == RF_OK )
+        result = check_json( subject->options->json, error );
     int left = 0;
     for ( int i = 0; i < *count && result == RF_OK; ++i )
     {
