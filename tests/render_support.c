@@ -71,3 +71,10 @@ RfTracer* make_tracer( const RfScene* scene )
     must( rf_create_tracer( scene, &tracer, &error ), &error );
     return tracer;
 }
+
+RfRenderSettings plain_settings( void )
+{
+    RfRenderSettings settings = rf_default_render_settings();
+    settings.tile = rf_no_tile();
+    return settings;
+}

@@ -24,6 +24,9 @@ Rendered render_frames( const RfTracer* tracer, const RfEye* eyes, int eye_count
 Rendered render_all( const RfTracer* tracer, const RfEye* eyes, int eye_count, const RfRenderSettings* settings );
 void free_rendered( Rendered* rendered );
 
+// The defaults without tiles.
+RfRenderSettings plain_settings( void );
+
 RfTracer* make_tracer( const RfScene* scene );
 
 static inline const float* frame_rgb( const Rendered* r, int i ) { return r->rgb + 3 * r->pixels * (size_t)i; }

@@ -167,7 +167,7 @@ static void test_frame_count( void** state )
     assert_int_equal( rf_camera_frame_count( &camera, 24.0, &count, &error ), RF_OK );
     assert_int_equal( count, 1 );
     camera = ( RfCamera ){ .name = "c", .animated = true, .end = 1e9 };
-    assert_int_equal( rf_camera_frame_count( &camera, 24.0, &count, &error ), RF_ERROR_USAGE );
+    assert_int_equal( rf_camera_frame_count( &camera, 24.0, &count, &error ), RF_ERROR_SCENE );
     assert_int_equal( rf_camera_frame_count( &camera, 0.0, &count, &error ), RF_ERROR_USAGE );
     assert_int_equal( rf_camera_frame_count( &camera, NAN, &count, &error ), RF_ERROR_USAGE );
 }

@@ -185,7 +185,8 @@ static void test_eyes( void** state )
     rf_destroy_camera( &camera );
     camera = load_path( "{\"kind\":\"dolly\",\"from\":[0,0,0],\"to\":[10,0,0],\"rotation\":{},\"duration\":1e6}" );
     int count;
-    assert_int_equal( rf_camera_frame_count( &camera, 24.0, &count, &error ), RF_ERROR_USAGE );
+    assert_int_equal( rf_camera_frame_count( &camera, 24.0, &count, &error ), RF_ERROR_SCENE );
+    assert_non_null( strstr( error.text, ": duration: 1e+06 s at 24 frames/s are more than 1000000 frames" ) );
     rf_destroy_camera( &camera );
 }
 
@@ -228,7 +229,10 @@ static void test_faults( void** state )
         { "{\"kind\":\"orbit\",\"kind\":\"orbit\"}", "duplicate" },
         { "{\"kind\":NaN}", "line 1" },
         { ORBIT( ",\"fov\":1e999" ), "overflow" },
-        { "[]", "document: is no JSON object" },
+        { "[]", ": wants an object, got an array of 0" },
+        { "3", ": wants an object, got 3" },
+        { "\"orbit\"", ": wants an object, got \"orbit\"" },
+        { "{\"kind\":\"orb\"}", ": kind: wants one of keyed, orbit, dolly, zoom, walk, got \"orb\"" },
         { "{}", "kind: is missing: wants one of keyed, orbit, dolly, zoom, walk" },
         { "{\"kind\":\"fly\"}", "kind: wants one of keyed, orbit, dolly, zoom, walk, got \"fly\"" },
         { "{\"kind\":3}", "kind: wants one of keyed, orbit, dolly, zoom, walk, got 3" },

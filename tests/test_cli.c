@@ -127,7 +127,7 @@ static void test_usage_errors( void** state )
                 "reframe render: --spp: wants a whole number from 1 to 1048576, got '0'" );
     cli_expect( cli_run( "$R render one.gltf -o a.exr --smp 3" ), 2, "did you mean --spp?" );
     cli_expect( cli_run( "$R render one.gltf -o a.png" ), 2, "wants a name that ends in .exr" );
-    cli_expect( cli_run( "$R render one.gltf -o a.exr --tile 3x3" ), 2, "tiles are not there yet" );
+    cli_expect( cli_run( "$R render one.gltf -o a.exr --tile 3x" ), 2, "--tile: wants 1, WxH such as 3x3, or rooksN" );
     cli_expect( cli_run( "$R render one.gltf -o a.exr --resume --overwrite" ), 2, "only one of the two" );
     cli_expect( cli_run( "$R render one.gltf -o a.exr --half --float" ), 2, "only one of the two" );
     cli_expect( cli_run( "$R render one.gltf -o a.exr --frames 2" ), 2, "the camera's path has 1 frame" );
@@ -323,6 +323,12 @@ static void test_interrupt_keeps_finished_frames( void** state )
 static void test_full_disk( void** state )
 {
     (void)state;
+    // a folder in the way is told before anything is rendered, though another frame comes first
+    cli_expect( cli_run( "mkdir -p way/f.0002.exr way/j; $R render $VASE -o way/f.####.exr --frames 1-2 --size 8x6 --spp 1 --group 0 "
+                         "--quiet --overwrite" ), 1, "way/f.0002.exr: is a folder: choose another name" );
+    cli_expect( cli_run( "$R render $VASE -o way/f.####.exr --frames 1 --size 8x6 --spp 1 --group 0 --quiet --json way/j" ), 1,
+                "--json: way/j: is a folder: choose another name" );
+    assert_false( cli_exists( "way/f.0001.exr" ) );
     // A file size limit fails a write where it is reached, as a full disk does.
     const CliResult* result =
         cli_run( "mkdir full; ulimit -f 8; $R render $VASE -o full/f.####.exr --frames 1-2 --size 128x96 --spp 1 --group 0 "

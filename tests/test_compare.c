@@ -101,7 +101,17 @@ static void test_not_finite( void** state )
     assert_true( json_is_null( json_object_get( json, "relmse" ) ) );
     assert_true( number( json, "nan" ) == 1600.0 );
     json_decref( json );
+    // of the reference they are counted too, over all frames
     assert_int_equal( compare( "b.exr", "nan.exr", NULL, NULL ), 1 );
+    json = load_json();
+    assert_true( number( json, "nan" ) == 0.0 && number( json, "reference_nan" ) == 1600.0 );
+    assert_true( json_is_null( json_object_get( json, "mse" ) ) );
+    json_decref( json );
+    write_constant( "inf.exr", 40, INFINITY );
+    assert_int_equal( compare( "inf.exr", "inf.exr", NULL, NULL ), 1 );
+    json = load_json();
+    assert_true( number( json, "inf" ) == 1600.0 && number( json, "reference_inf" ) == 1600.0 && number( json, "reference_nan" ) == 0.0 );
+    json_decref( json );
 }
 
 static void test_refused( void** state )

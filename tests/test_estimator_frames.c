@@ -21,7 +21,7 @@ static bool is_long( void ) { return getenv( "REFRAME_LONG" ) != NULL; }
 
 static RfRenderSettings settings_of( int group, int spp )
 {
-    RfRenderSettings settings = rf_default_render_settings();
+    RfRenderSettings settings = plain_settings();
     settings.group = group;
     settings.spp = spp;
     settings.memory = (size_t)512 << 20;

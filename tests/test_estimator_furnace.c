@@ -52,7 +52,7 @@ static void end( Furnace* f )
 
 static RfRenderSettings settings_of( int group, RfNormalize normalize, int seed )
 {
-    RfRenderSettings settings = rf_default_render_settings();
+    RfRenderSettings settings = plain_settings();
     settings.group = group;
     settings.spp = 14 * ( is_long() ? 8 : 1 );
     settings.normalize = normalize;

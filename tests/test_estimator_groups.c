@@ -25,7 +25,7 @@ static bool is_long( void ) { return getenv( "REFRAME_LONG" ) != NULL; }
 
 static RfRenderSettings settings_of( int group, int spp, int seed )
 {
-    RfRenderSettings settings = rf_default_render_settings();
+    RfRenderSettings settings = plain_settings();
     settings.group = group;
     settings.spp = spp;
     settings.max_depth = 4; // enough, and quick

@@ -38,7 +38,7 @@ static void check_scene( const char* what, RfScene scene, int light_samples )
     RfTracer* tracer = make_tracer( &scene );
     RfEye eyes[EYES];
     orbit_eyes( eyes, EYES, 3.0f, WIDTH, HEIGHT );
-    RfRenderSettings settings = rf_default_render_settings();
+    RfRenderSettings settings = plain_settings();
     settings.light_samples = light_samples;
     settings.max_depth = 8;
     settings.memory = (size_t)512 << 20;

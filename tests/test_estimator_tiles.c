@@ -31,7 +31,7 @@ typedef struct Setting
 
 static RfRenderSettings settings_of( int light_samples, int max_depth )
 {
-    RfRenderSettings settings = rf_default_render_settings();
+    RfRenderSettings settings = plain_settings();
     settings.light_samples = light_samples;
     settings.max_depth = max_depth;
     settings.memory = (size_t)512 << 20;

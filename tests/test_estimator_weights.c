@@ -190,7 +190,7 @@ static void check_weights( const char* what, int group, int frame, const RfTrace
 static RfRenderSettings settings_of( int group, int seed )
 {
     static const int spp[] = { 3, 6, 0, 14, 0, 0, 0, 0, 4 };
-    RfRenderSettings settings = rf_default_render_settings();
+    RfRenderSettings settings = plain_settings();
     settings.group = group;
     settings.spp = spp[group] * ( is_long() ? 8 : 1 );
     settings.threads = 1; // the seeds are shared out

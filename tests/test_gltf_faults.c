@@ -293,6 +293,8 @@ static void test_materials( void** state )
           "\"materials\":[{\"pbrMetallicRoughness\":{\"metallicFactor\":2}}]" },
         { RF_ERROR_FORMAT, "baseColorFactor wants 4", "\"materials\":[{\"pbrMetallicRoughness\":{\"baseColorFactor\":[1]}}]" },
         { RF_ERROR_FORMAT, "emissiveFactor", "\"materials\":[{\"emissiveFactor\":[0,0,-1]}]" },
+        { RF_ERROR_UNSUPPORTED, "emissiveStrength is 1e+16, beyond what reframe reads: at most 1e+15",
+          "\"materials\":[{\"extensions\":{\"KHR_materials_emissive_strength\":{\"emissiveStrength\":1e16}}}]" },
         { RF_ERROR_FORMAT, "emissiveStrength is -1",
           "\"materials\":[{\"extensions\":{\"KHR_materials_emissive_strength\":{\"emissiveStrength\":-1}}}]" },
         { RF_ERROR_FORMAT, "ior is 0.5", "\"materials\":[{\"extensions\":{\"KHR_materials_ior\":{\"ior\":0.5}}}]" },

@@ -158,6 +158,7 @@ static void test_lamps( void** state )
     assert_fails( "", LAMP_NODE, LIGHTS( "{\"type\":\"spot\"}" ), "spot" );
     assert_fails( "", LAMP_NODE, LIGHTS( "{\"type\":\"spot\",\"spot\":{\"innerConeAngle\":1,\"outerConeAngle\":0.5}}" ), "cone angles" );
     assert_fails( "", LAMP_NODE, LIGHTS( "{\"type\":\"point\",\"intensity\":-1}" ), "intensity is -1" );
+    assert_fails( "", LAMP_NODE, LIGHTS( "{\"type\":\"point\",\"intensity\":2e9}" ), "intensity is 2e+09, beyond what reframe reads: at most 1e+09" );
     assert_fails( "", LAMP_NODE, LIGHTS( "{\"type\":\"point\",\"range\":0}" ), "range is 0" );
     assert_fails( "", LAMP_NODE, LIGHTS( "{\"type\":\"point\",\"color\":[1,1,2]}" ), "color is 2" );
     assert_fails( "", "{\"scale\":[0,0,0],\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}}}", LIGHTS( "{\"type\":\"directional\"}" ),

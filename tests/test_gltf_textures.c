@@ -285,7 +285,7 @@ static void test_faults( void** state )
         { RF_ERROR_UNSUPPORTED, "texCoord is 2", TEXTURE ",\"materials\":[{\"emissiveTexture\":{\"index\":0,\"texCoord\":2}}]" },
         { RF_ERROR_FORMAT, "texCoord", TEXTURE ",\"materials\":[{\"emissiveTexture\":{\"index\":0,\"texCoord\":-1}}]" },
         { RF_ERROR_FORMAT, "KHR_texture_transform: scale", TEXTURE ",\"materials\":[{\"emissiveTexture\":{\"index\":0,\"extensions\":{\"KHR_texture_transform\":{\"scale\":[1]}}}}]" },
-        { RF_ERROR_FORMAT, "beyond 1e+06", TEXTURE ",\"materials\":[{\"emissiveTexture\":{\"index\":0,\"extensions\":{\"KHR_texture_transform\":{\"offset\":[1e30,0]}}}}]" },
+        { RF_ERROR_UNSUPPORTED, "KHR_texture_transform: offset is 1e+30, beyond what reframe reads: at most 1e+06", TEXTURE ",\"materials\":[{\"emissiveTexture\":{\"index\":0,\"extensions\":{\"KHR_texture_transform\":{\"offset\":[1e30,0]}}}}]" },
         { RF_ERROR_FORMAT, "normalTexture: scale", TEXTURE ",\"materials\":[{\"normalTexture\":{\"index\":0,\"scale\":\"much\"}}]" },
         { RF_ERROR_FORMAT, "pbrMetallicRoughness.baseColorTexture: index", ",\"materials\":[{\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}}}]" },
         { RF_ERROR_FORMAT, "KHR_materials_specular.specularTexture: index", ",\"materials\":[{\"extensions\":{\"KHR_materials_specular\":{\"specularTexture\":{\"index\":0}}}}]" },
@@ -340,6 +340,40 @@ static void test_vertex_faults( void** state )
     }
 }
 
+// Pixels of floats: none that is no number, none so bright that its square is no float.
+static void test_wild_floats( void** state )
+{
+    (void)state;
+    static const struct { float value; RfResult code; const char* material; const char* text; } s_cases[] = {
+        { NAN, RF_ERROR_SCENE, "\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}}", "images[0]: pixel (1, 0) is not finite: mend the image" },
+        { INFINITY, RF_ERROR_SCENE, "\"normalTexture\":{\"index\":0}", "is not finite" },
+        { 3e38f, RF_ERROR_UNSUPPORTED, "\"emissiveFactor\":[0,1,0],\"emissiveTexture\":{\"index\":0}", "materials[0]: emission with its texture is 3e+38, beyond what reframe reads: at most 1e+15" },
+        { 1e10f, RF_ERROR_UNSUPPORTED, "\"emissiveFactor\":[1,1,1],\"emissiveTexture\":{\"index\":0},\"extensions\":{\"KHR_materials_emissive_strength\":{\"emissiveStrength\":1e6}}", "emission with its texture is 1e+16" },
+        { 3e38f, RF_ERROR_UNSUPPORTED, "\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}},\"extensions\":{\"KHR_materials_unlit\":{}}", "emission with its texture is 3e+38" },
+        { 1e14f, RF_OK, "\"emissiveFactor\":[1,1,1],\"emissiveTexture\":{\"index\":0}", "" },
+        { 3e38f, RF_OK, "\"emissiveTexture\":{\"index\":0}", "" }, // times the factor's default, black
+        { -1.0f, RF_OK, "\"emissiveFactor\":[1,1,1],\"emissiveTexture\":{\"index\":0}", "" },
+    };
+    for ( size_t i = 0; i < sizeof s_cases / sizeof s_cases[0]; ++i )
+    {
+        float pixels[12] = { 0, 0, 0, 0, s_cases[i].value };
+        size_t size;
+        uint8_t* exr = encode_exr( 2, 2, pixels, &size );
+        write_bytes( &gltf_folder, "wild.exr", exr, size );
+        free( exr );
+        GltfBuilder b = make_square();
+        char rest[1024];
+        snprintf( rest, sizeof rest, NODES ",\"images\":[{\"uri\":\"wild.exr\"}],\"textures\":[{\"source\":0}],\"materials\":[{%s}]", s_cases[i].material );
+        RfScene scene;
+        RfError error = { 0 };
+        assert_int_equal( rf_load_gltf( write_gltf( &b, &gltf_folder, rest ), &scene, NULL, &error ), s_cases[i].code );
+        if ( s_cases[i].code == RF_OK )
+            rf_destroy_scene( &scene );
+        else if ( strstr( error.text, s_cases[i].text ) == NULL || strstr( error.text, "not valid glTF" ) != NULL )
+            fail_msg( "%s", error.text );
+    }
+}
+
 // Broken files that are full of textures: an error line or a scene.
 static void test_mutations( void** state )
 {
@@ -381,6 +415,7 @@ int main( void )
         cmocka_unit_test( test_vertex_colours ), cmocka_unit_test( test_alpha ),                 cmocka_unit_test( test_tangents ),
         cmocka_unit_test( test_deep_images ),    cmocka_unit_test( test_where_images_come_from ), cmocka_unit_test( test_faults ),
         cmocka_unit_test( test_vertex_faults ),  cmocka_unit_test( test_mutations ),
+        cmocka_unit_test( test_wild_floats ),
     };
     return cmocka_run_group_tests( tests, gltf_enter, gltf_leave );
 }

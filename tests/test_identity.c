@@ -18,7 +18,7 @@
 
 static RfRenderSettings quick( int group, int spp )
 {
-    RfRenderSettings settings = rf_default_render_settings();
+    RfRenderSettings settings = plain_settings();
     settings.group = group;
     settings.spp = spp;
     settings.threads = 1;

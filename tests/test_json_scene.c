@@ -156,9 +156,12 @@ static void test_material_faults( void** state )
         expect_fault( faults[i][0], faults[i][1] );
 }
 
+static void write_map( const char* name, unsigned char mantissa );
+
 static void test_file_faults( void** state )
 {
     (void)state;
+    write_map( "bright.hdr", 255 );
     static const char* const faults[][2] = {
         { "\"scene\":\"room.gltf\"", "duplicate" },
         { "\"sky\":3", "sky: no such key, the keys here are: scene, environment, materials, camera, render" },
@@ -172,6 +175,7 @@ static void test_file_faults( void** state )
         { "\"environment\":{\"map\":\"\"}", "environment.map: wants a string that is not empty, got \"\"" },
         { "\"environment\":{\"map\":\"none.exr\"}", "/none.exr: cannot be opened" },
         { "\"environment\":{\"map\":\"room.gltf\"}", "environment.map: " },
+        { "\"environment\":{\"map\":\"bright.hdr\",\"radiance\":[1e15,1e15,1e15]}", "environment.map: times radiance is brighter than 1e+15 somewhere: lower radiance" },
         { "\"camera\":3", "camera: wants the name of a camera, a camera-path file (.json) or a camera path, got 3" },
         { "\"camera\":\"Nobody\"", "camera: " },
         { "\"camera\":\"Nobody\"", "choose one of 'Eye', 'Side'" },

@@ -259,7 +259,7 @@ static void check_square( const Receiver* receiver, bool facing, bool two_sided,
     RfScene scene = finish_scene( &b );
     RfTracer* tracer = make_tracer( &scene );
     RfEye eye = rf_make_eye( receiver->eye, rf_scale( receiver->eye, -1.0f ), rf_vec3( 0.1f, 1, 0.2f ), 1e-5, 16, 16 );
-    RfRenderSettings settings = rf_default_render_settings();
+    RfRenderSettings settings = plain_settings();
     settings.group = 0;
     settings.spp = 32;
     settings.threads = 1;

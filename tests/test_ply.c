@@ -176,6 +176,44 @@ static void test_warnings( void** state )
     rf_destroy_model( &model );
 }
 
+#define STRIPS "element tristrips 1\nproperty list int int vertex_indices\n"
+
+// As Stanford has them: every second triangle turned round, -1 starts anew, and
+// triangles without area turn corners.
+static void test_strips( void** state )
+{
+    (void)state;
+    static const char text[] = HEAD "element vertex 6\nproperty float x\nproperty float y\nproperty float z\n" STRIPS
+        "end_header\n0 0 0 1 0 0 0 1 0 1 1 0 0 2 0 1 2 0\n13 0 1 2 3 4 -1 3 3 4 5 -1 -1 1\n\n";
+    static const uint32_t indices[] = { 0, 1, 2, 2, 1, 3, 2, 3, 4, 4, 3, 5 };
+    RfModel model;
+    RfModelMesh* m = load_ok( text, sizeof text - 1, &model );
+    assert_int_equal( m->triangle_count, 4 );
+    assert_memory_equal( m->indices, indices, sizeof indices );
+    assert_true( s_warnings == 1 && strstr( s_warning, "1 faces" ) != NULL ); // the lone corner
+    assert_true( fabs( area_of( m ) - 2.0 ) < 1e-6 );
+    rf_destroy_model( &model );
+    assert_fails( HEAD VERTICES STRIPS "end_header\n" SQUARE "4 0 1 2 4\n", "line 14: corner 3 of tristrips 0 is vertex 4 of 4, and not -1" );
+    assert_fails( HEAD VERTICES STRIPS "end_header\n" SQUARE "4 0 1 2 -2\n", "vertex -2 of 4" );
+    assert_fails( HEAD VERTICES STRIPS "end_header\n" SQUARE "4 0 1 2\n", "ends too early" );
+    assert_fails( HEAD VERTICES STRIPS "end_header\n" SQUARE "4 0 1 -1 2\n", "has no faces" );
+    assert_fails( HEAD STRIPS VERTICES "end_header\n3 0 1 2\n" SQUARE, "tristrips come before" );
+    assert_fails( HEAD VERTICES "element tristrips 1\nproperty int material\nend_header\n" SQUARE "7\n", "element tristrips has no list vertex_indices" );
+}
+
+static void test_trailing( void** state )
+{
+    (void)state;
+    assert_fails( HEAD VERTICES FACES( 1 ) "end_header\n" SQUARE "3 0 1 2\n3 1 2 3\n", "line 15: 8 bytes follow the last element" );
+    uint8_t bytes[1024];
+    size_t size = binary_square( false, bytes );
+    bytes[size] = '\n';
+    RfModel model;
+    RfError error;
+    assert_int_equal( load( bytes, size + 1, &model, &error ), RF_ERROR_FORMAT );
+    assert_non_null( strstr( error.text, "1 bytes follow the last element" ) );
+}
+
 static void test_faults( void** state )
 {
     (void)state;
@@ -314,7 +352,7 @@ int main( void )
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( test_ascii ),    cmocka_unit_test( test_binary ), cmocka_unit_test( test_concave ),
         cmocka_unit_test( test_warnings ), cmocka_unit_test( test_faults ), cmocka_unit_test( test_leniences ),
-        cmocka_unit_test( test_tangled ),  cmocka_unit_test( test_mutations ),
+        cmocka_unit_test( test_strips ),   cmocka_unit_test( test_trailing ), cmocka_unit_test( test_tangled ),  cmocka_unit_test( test_mutations ),
     };
     return cmocka_run_group_tests( tests, enter, leave );
 }

@@ -80,18 +80,31 @@ static void test_render_faults( void** state )
     (void)state;
     static const char* const faults[][2] = {
         { "3", "scene.json: render: wants an object, got 3" },
-        { "{\"spp\":0}", "scene.json: render.spp: wants a whole number from 1 to 1048576, got '0'" },
-        { "{\"spp\":2.5}", "scene.json: render.spp: wants a whole number from 1 to 1048576, got '2.5'" },
-        { "{\"spp\":\"many\"}", "scene.json: render.spp: wants a whole number, got \"many\"" },
-        { "{\"group\":\"off\"}", "scene.json: render.group: wants a whole number or \"auto\", got \"off\"" },
-        { "{\"size\":\"960x540\"}", "scene.json: render.size: wants an array of width and height" },
-        { "{\"size\":[0,5]}", "scene.json: render.size: wants WIDTHxHEIGHT" },
-        { "{\"fps\":0}", "scene.json: render.fps: wants frames per second" },
-        { "{\"weights\":\"best\"}", "scene.json: render.weights: wants one of exact" },
+        { "{\"spp\":0}", "scene.json: render.spp: wants a whole number from 1 to 1048576, got 0" },
+        { "{\"spp\":2.5}", "scene.json: render.spp: wants a whole number from 1 to 1048576, got 2.5" },
+        { "{\"spp\":\"many\"}", "scene.json: render.spp: wants a whole number from 1 to 1048576, got \"many\"" },
+        { "{\"group\":\"off\"}", "scene.json: render.group: wants a whole number from 0 to 1048576 or \"auto\", got \"off\"" },
+        { "{\"size\":\"960x540\"}", "scene.json: render.size: wants an array of width and height, such as [960, 540], each a whole number from 1 to 32768, got \"960x540\"" },
+        { "{\"size\":[0,5]}", "each a whole number from 1 to 32768, got [0, 5]" },
+        { "{\"size\":[20,1e9]}", "render.size: wants an array of width and height, such as [960, 540], each a whole number from 1 to 32768, got [20, 1000000000]" },
+        { "{\"size\":[20.5,10]}", "got [20.5, 10]" },
+        { "{\"size\":[20,10,5]}", "from 1 to 32768, got an array of 3" },
+        { "{\"fps\":0}", "scene.json: render.fps: wants a whole number from 1 to 1000000, or a string such as \"24000/1001\", got 0" },
+        { "{\"fps\":\"24/0\"}", "such as \"24000/1001\", got \"24/0\"" },
+        { "{\"weights\":\"best\"}", "scene.json: render.weights: wants one of exact, eq15, unweighted, got \"best\"" },
+        { "{\"frames\":\"\"}", "scene.json: render.frames: wants a string that is not empty, got \"\"" },
         { "{\"max-depth\":3}", "scene.json: render.max-depth: no such key, did you mean max_depth?" },
         { "{\"output\":\"a.exr\"}", "scene.json: render.output: no such key, the keys here are: frames, fps" },
         { "{\"threads\":3}", "scene.json: render.threads: no such key" },
         { "{\"seed\":-1}", "scene.json: render.seed: wants a whole number from 0" },
+        { "{\"tile\":\"9x9\"}", "scene.json: render.tile: wants 1, WxH such as 3x3, or rooksN" },
+        { "{\"aov\":\"depht\"}", "scene.json: render.aov: 'depht': no such layer, did you mean depth?" },
+        { "{\"aov\":\"depth,depth\"}", "scene.json: render.aov: depth is given twice" },
+    };
+    static const char* const frames[][2] = {
+        { "\"9\"", "scene.json: render.frames: there is no frame 9, the camera's path has 7 frames" },
+        { "\"3-2\"", "scene.json: render.frames: 3-2 runs backwards" },
+        { "\"one\"", "scene.json: render.frames: wants frames such as 7" },
     };
     for ( size_t i = 0; i < sizeof faults / sizeof faults[0]; ++i )
     {
@@ -99,8 +112,15 @@ static void test_render_faults( void** state )
         cli_expect( cli_run( "$R render scene.json -o x.####.exr --quiet" ), 1, faults[i][1] );
         cli_expect( cli_run( "$R info scene.json" ), 1, faults[i][1] );
     }
-    write_render( "{\"frames\":\"9\"}" );
-    cli_expect( cli_run( "$R render scene.json -o x.####.exr --quiet" ), 2, "no frame 9" );
+    for ( size_t i = 0; i < sizeof frames / sizeof frames[0]; ++i )
+    {
+        char render[64];
+        snprintf( render, sizeof render, "{\"frames\":%s}", frames[i][0] );
+        write_render( render );
+        cli_expect( cli_run( "$R render scene.json -o x.####.exr --quiet" ), 1, frames[i][1] );
+    }
+    // what the command line says in its place is not the file's fault, and makes its own good
+    cli_expect( cli_run( "$R render scene.json -o x.####.exr --quiet --frames 9" ), 2, "reframe render: --frames: there is no frame 9" );
     assert_false( cli_exists( "x.0001.exr" ) );
 }
 
@@ -163,6 +183,27 @@ static void test_camera_option( void** state )
                 "was rendered from another" );
     write_text( "blind.json", "{\"kind\":\"dolly\",\"from\":[0,9,0],\"to\":[1,9,0],\"target\":[0,0,0],\"frames\":2}" );
     cli_expect( cli_run( "$R render room.gltf -o d.####.exr --camera blind.json" ), 1, "looks along its up" );
+}
+
+// Of more frames than there may be: the file's fault, told with its place in it.
+static void test_too_long( void** state )
+{
+    (void)state;
+#define DOLLY "\"kind\":\"dolly\",\"from\":[0,0,5],\"to\":[0,0,3],\"target\":[0,0,0],\"duration\":1e6"
+    write_text( "long.json", "{" DOLLY "}" );
+    cli_expect( cli_run( "$R render room.gltf -o e.####.exr --camera long.json" ), 1,
+                "reframe render: long.json: duration: 1e+06 s at 24 frames/s are more than 1000000 frames" );
+    write_text( "scene.json", "{\"scene\":\"room.gltf\",\"camera\":{" DOLLY "}}" );
+    cli_expect( cli_run( "$R render scene.json -o e.####.exr" ), 1, "scene.json: camera.duration: 1e+06 s at 24" );
+    cli_expect( cli_run( "$R info scene.json" ), 1, "scene.json: camera.duration: 1e+06 s at 24" );
+    write_text( "keyed.json", "{\"kind\":\"keyed\",\"rotation\":{},\"keys\":[{\"time\":0,\"position\":[0,0,1]},{\"time\":1e6,\"position\":[0,0,2]}]}" );
+    cli_expect( cli_run( "$R render room.gltf -o e.####.exr --camera keyed.json" ), 1, "keyed.json: keys[1].time: 1e+06 s at 24" );
+    write_text( "none.json", "[]" );
+    cli_expect( cli_run( "$R render room.gltf -o e.####.exr --camera none.json" ), 1, "reframe render: none.json: wants an object, got an array of 0" );
+    write_text( "scene.json", "3" );
+    cli_expect( cli_run( "$R info scene.json" ), 1, "reframe info: scene.json: wants an object, got 3" );
+    write_text( "list.gltf", "[]" );
+    cli_expect( cli_run( "$R info list.gltf" ), 1, "reframe info: list.gltf: document: wants an object, got an array of 0" );
 }
 
 static json_t* load_schema( const char* name )
@@ -291,6 +332,7 @@ int main( void )
         cmocka_unit_test( test_mutated_defaults ),
         cmocka_unit_test( test_info ),
         cmocka_unit_test( test_camera_option ),
+        cmocka_unit_test( test_too_long ),
         cmocka_unit_test( test_schemas ),
         cmocka_unit_test( test_examples ),
     };

@@ -179,7 +179,7 @@ static RfEye eye_above( float height, int width )
 static Rendered render_one( RfScene* scene, const RfEye* eye, int spp, int max_depth )
 {
     RfTracer* tracer = make_tracer( scene );
-    RfRenderSettings settings = rf_default_render_settings();
+    RfRenderSettings settings = plain_settings();
     settings.group = 0;
     settings.spp = spp;
     settings.max_depth = max_depth;

@@ -135,7 +135,7 @@ static Square make_square( RfMaterial material, RfTextured* textured, const uint
 
 static Rendered render_square( Square* s, int spp, int max_depth, RfTracer** tracer )
 {
-    RfRenderSettings settings = rf_default_render_settings();
+    RfRenderSettings settings = plain_settings();
     settings.group = 0;
     settings.spp = spp;
     settings.max_depth = max_depth;
@@ -327,7 +327,7 @@ static void check_plain( RfScene scene )
     RfTracer* tracer = make_tracer( &scene );
     RfEye eyes[3];
     orbit_eyes( eyes, 3, 4.0f, 39, 34 );
-    RfRenderSettings settings = rf_default_render_settings();
+    RfRenderSettings settings = plain_settings();
     settings.group = 0;
     settings.spp = 5;
     settings.light_samples = 2;
@@ -393,7 +393,7 @@ static void test_blended_panes( void** state )
         eyes[i] = rf_make_eye( rf_vec3( 0.05f * (float)i, 0, 2 ), rf_vec3( 0, 0, -1 ), rf_vec3( 0, 1, 0 ), 0.4, 24, 24 );
     for ( int group = 0; group <= 1; ++group )
     {
-        RfRenderSettings settings = rf_default_render_settings();
+        RfRenderSettings settings = plain_settings();
         settings.group = group;
         settings.spp = 48;
         settings.memory = (size_t)256 << 20;

@@ -30,7 +30,7 @@ static uint64_t hash_eye( uint64_t hash, const RfEye* e )
 static RfResult make_eyes( const RfScene* scene, const RfCamera* camera, RfFps fps, RfSize size, RfCameraPath* path,
                            RfError* error )
 {
-    RfResult result = rf_camera_frame_count( camera, rf_fps_value( fps ), &path->count, error );
+    RfResult result = rf_scene_frame_count( scene, camera, rf_fps_value( fps ), &path->count, error );
     if ( result != RF_OK )
         return result;
     path->name = strdup( camera->name );

@@ -29,11 +29,12 @@ typedef struct Compare
     json_t* rows;
 } Compare;
 
-// The line of one frame or of all.
+// The line of one frame or of all; NaN and Inf of both images.
 static void print_row( const char* frame, const RfErrorMetrics* metrics )
 {
     printf( "%7s  %11.4e  %11.4e  %11.4e  %+11.4e  %11.4e  %6zu  %6zu\n", frame, metrics->relmse,
-            metrics->relmse_trimmed, metrics->mse, metrics->bias, metrics->max, metrics->nan, metrics->inf );
+            metrics->relmse_trimmed, metrics->mse, metrics->bias, metrics->max, metrics->nan + metrics->reference_nan,
+            metrics->inf + metrics->reference_inf );
 }
 
 static void print_head( void )
@@ -58,6 +59,8 @@ static void set_metrics( json_t* object, const RfErrorMetrics* metrics )
     json_object_set_new( object, "max", rf_json_number( metrics->max ) );
     json_object_set_new( object, "nan", json_integer( (json_int_t)metrics->nan ) );
     json_object_set_new( object, "inf", json_integer( (json_int_t)metrics->inf ) );
+    json_object_set_new( object, "reference_nan", json_integer( (json_int_t)metrics->reference_nan ) );
+    json_object_set_new( object, "reference_inf", json_integer( (json_int_t)metrics->reference_inf ) );
 }
 
 static json_t* frame_json( int frame, const RfErrorMetrics* metrics )
@@ -205,6 +208,18 @@ static RfResult compare_frame( Compare* compare, int frame, RfError* error )
     return result;
 }
 
+static RfResult check_finite( const Compare* compare, const RfErrorMetrics* m, RfError* error )
+{
+    bool image = m->nan > 0 || m->inf > 0, reference = m->reference_nan > 0 || m->reference_inf > 0;
+    if ( image && reference )
+        return rf_fail( error, RF_ERROR_FORMAT, "%.380s: %zu pixels with NaN, %zu with infinity, and %.380s: %zu and %zu: no error can be told",
+                        compare->patterns[0], m->nan, m->inf, compare->patterns[1], m->reference_nan, m->reference_inf );
+    if ( image || reference )
+        return rf_fail( error, RF_ERROR_FORMAT, "%s: %zu pixels with NaN, %zu with infinity: no error can be told",
+                        compare->patterns[reference], image ? m->nan : m->reference_nan, image ? m->inf : m->reference_inf );
+    return RF_OK;
+}
+
 static RfResult finish( Compare* compare, RfError* error )
 {
     RfErrorMetrics metrics = rf_summary_metrics( &compare->all );
@@ -215,10 +230,7 @@ static RfResult finish( Compare* compare, RfError* error )
         result = rf_write_json( compare->json, all_json( compare->rows, &metrics ), error );
     if ( result == RF_OK )
         result = rf_flush_output( error );
-    if ( result == RF_OK && ( metrics.nan > 0 || metrics.inf > 0 ) )
-        result = rf_fail( error, RF_ERROR_FORMAT, "%s: %zu pixels with NaN, %zu with infinity: no error can be told",
-                          compare->patterns[0], metrics.nan, metrics.inf );
-    return result;
+    return result == RF_OK ? check_finite( compare, &metrics, error ) : result;
 }
 
 static RfResult run( Compare* compare, RfError* error )

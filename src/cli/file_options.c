@@ -38,56 +38,94 @@ static bool print_size( const json_t* json, char* text, size_t size )
     return true;
 }
 
-// The value as text, and what it should be where it is of the wrong kind.
-static const char* to_text( const RfOption* option, const json_t* json, char* text, size_t size, const char** want )
+// The value as the command line would have it; NULL where it is of the wrong kind.
+static const char* to_text( const RfOption* option, const json_t* json, char* text, size_t size )
 {
     const char* string = json_string_value( json );
     switch ( option->type )
     {
         case RF_OPTION_INT:
-            *want = option->keyword != NULL ? "a whole number or \"auto\"" : "a whole number";
             if ( string != NULL && option->keyword != NULL && strcmp( string, option->keyword ) == 0 )
                 return string;
             return print_number( json, text, size ) ? text : NULL;
         case RF_OPTION_UINT64:
-            *want = "a whole number";
-            return print_number( json, text, size ) ? text : NULL;
         case RF_OPTION_REAL:
-            *want = "a number";
             return print_number( json, text, size ) ? text : NULL;
         case RF_OPTION_SIZE:
-            *want = "an array of width and height, such as [960, 540]";
             return print_size( json, text, size ) ? text : NULL;
         case RF_OPTION_FPS:
-            *want = "a whole number, or a string such as \"24000/1001\"";
             return string != NULL ? string : print_number( json, text, size ) ? text : NULL;
         case RF_OPTION_MEMORY:
         case RF_OPTION_CHOICE:
         case RF_OPTION_STRING:
-            *want = "a string";
             return string;
         case RF_OPTION_BOOL:
-            *want = "true or false";
             return NULL;
     }
     return NULL;
+}
+
+// As rf_parse_option_value has it, in the words of JSON.
+static void describe_wanted( const RfOption* option, char* words, size_t size )
+{
+    size_t used;
+    switch ( option->type )
+    {
+        case RF_OPTION_INT:
+            snprintf( words, size, "a whole number from %.0f to %.0f%s%s%s", option->min, option->max,
+                      option->keyword != NULL ? " or \"" : "", option->keyword != NULL ? option->keyword : "",
+                      option->keyword != NULL ? "\"" : "" );
+            break;
+        case RF_OPTION_UINT64:
+            snprintf( words, size, "a whole number from 0 to %lld", (long long)INT64_MAX );
+            break;
+        case RF_OPTION_REAL:
+            snprintf( words, size, "a number from %g to %g", option->min, option->max );
+            break;
+        case RF_OPTION_SIZE:
+            snprintf( words, size, "an array of width and height, such as [960, 540], each a whole number from %.0f to %.0f",
+                      option->min, option->max );
+            break;
+        case RF_OPTION_FPS:
+            snprintf( words, size, "a whole number from 1 to 1000000, or a string such as \"24000/1001\"" );
+            break;
+        case RF_OPTION_CHOICE:
+            used = (size_t)snprintf( words, size, "one of" );
+            for ( int i = 0; option->choices[i] != NULL && used < size; ++i )
+                used += (size_t)snprintf( words + used, size - used, "%s %s", i > 0 ? "," : "", option->choices[i] );
+            break;
+        case RF_OPTION_MEMORY:
+            snprintf( words, size, "a string such as \"512M\" or \"4G\", at least %.0f bytes", option->min );
+            break;
+        case RF_OPTION_STRING:
+            snprintf( words, size, "a string that is not empty" );
+            break;
+        case RF_OPTION_BOOL:
+            snprintf( words, size, "true or false" );
+            break;
+    }
 }
 
 static RfResult take( const RfOption* option, const RfField* field )
 {
     if ( option->type == RF_OPTION_BOOL )
         return rf_field_bool( field, option->value );
-    char buffer[80];
-    const char* want = "";
-    const char* text = to_text( option, field->json, buffer, sizeof buffer, &want );
-    if ( text == NULL )
-        return rf_field_wants( field, want );
-    RfError error = { 0 };
-    RfResult result = rf_parse_option_value( option, text, &error );
-    if ( result == RF_OK )
+    char buffer[80], want[256], side[2][32];
+    const char* text = to_text( option, field->json, buffer, sizeof buffer );
+    if ( text != NULL && rf_parse_option_value( option, text, NULL ) == RF_OK )
         return RF_OK;
-    const char* rest = strstr( error.text, ": " ); // behind "--spp"
-    return rf_field_fail( field, "%s", rest != NULL ? rest + 2 : error.text );
+    describe_wanted( option, want, sizeof want );
+    if ( option->type != RF_OPTION_SIZE || text == NULL )
+        return rf_field_wants( field, want );
+    for ( size_t i = 0; i < 2; ++i ) // two numbers
+        print_number( json_array_get( field->json, i ), side[i], sizeof side[i] );
+    return rf_field_fail( field, "wants %s, got [%s, %s]", want, side[0], side[1] );
+}
+
+RfResult rf_fail_file_option( const RfField* field, const RfError* error )
+{
+    const char* rest = strncmp( error->text, "--", 2 ) == 0 ? strstr( error->text, ": " ) : NULL;
+    return rf_field_fail( field, "%s", rest != NULL ? rest + 2 : error->text );
 }
 
 RfResult rf_take_file_options( const RfCommandTable* table, const RfField* object )

@@ -12,4 +12,8 @@
 // the command line; faults name the JSON path. Strings stay those of the JSON.
 RfResult rf_take_file_options( const RfCommandTable* table, const RfField* object );
 
+// The error of an option ("--frames: there is no frame 9") as one of the value
+// that a file gives it ("scene.json: render.frames: there is no frame 9").
+RfResult rf_fail_file_option( const RfField* field, const RfError* error );
+
 #endif

@@ -47,7 +47,7 @@ static RfResult gather( const RfScene* scene, Facts* facts, RfError* error )
         return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for its cameras", scene->path );
     RfResult result = RF_OK;
     for ( int i = 0; i < scene->camera_count && result == RF_OK; ++i )
-        result = rf_camera_frame_count( scene->cameras + i, rf_fps_value( s_fps ), facts->frames + i, error );
+        result = rf_scene_frame_count( scene, scene->cameras + i, rf_fps_value( s_fps ), facts->frames + i, error );
     RfLights lights = { 0 };
     if ( result == RF_OK )
         result = rf_collect_lights( scene, &lights, error );

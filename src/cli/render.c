@@ -1,5 +1,6 @@
 // reframe render: from a scene and a camera path to EXR files.
 #include "cli/commands.h"
+#include "cli/file_options.h"
 #include "cli/frame_list.h"
 #include "cli/interrupt.h"
 #include "cli/progress.h"
@@ -98,6 +99,18 @@ static RfResult load_scene( Job* job, RfError* error )
     return result == RF_OK ? rf_load_scene_file( &job->file, &job->scene, &job->log, error ) : result;
 }
 
+// Of the command line or, where it has none, of the scene file: then a fault is the file's.
+static RfResult choose_frames( Job* job, RfError* error )
+{
+    RfResult result = rf_parse_frames( job->options.frames, job->path.count, &job->frames, &job->frame_count, error );
+    RfField defaults = rf_scene_file_defaults( &job->file, error );
+    RfField field = rf_field_member( &defaults, "frames" );
+    if ( result != RF_ERROR_USAGE || field.json == NULL || json_string_value( field.json ) != job->options.frames )
+        return result;
+    RfError fault = *error;
+    return rf_fail_file_option( &field, &fault );
+}
+
 static RfResult load( Job* job, RfError* error )
 {
     RfResult result = load_scene( job, error );
@@ -105,7 +118,7 @@ static RfResult load( Job* job, RfError* error )
         result = rf_create_camera_path( &job->scene, job->options.camera, job->options.fps, job->options.size,
                                         &job->path, error );
     if ( result == RF_OK )
-        result = rf_parse_frames( job->options.frames, job->path.count, &job->frames, &job->frame_count, error );
+        result = choose_frames( job, error );
     if ( result != RF_OK )
         return result;
     job->asked_count = job->frame_count;

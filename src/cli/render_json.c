@@ -50,11 +50,13 @@ static json_t* rays_json( const RfRayCounts* rays )
 json_t* rf_render_json( const RfRenderOptions* options, const RfScene* scene, const RfRenderStats* stats,
                         double seconds, double seconds_scene, json_t* frames )
 {
+    char tile[24];
+    rf_tile_name( &options->settings.tile, tile );
     return json_pack( "{s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:i, s:s, s:s, s:s, s:i, s:o}", "version",
                       REFRAME_VERSION, "scene", rf_json_text( options->scene ), "frames", frames, "seconds",
                       rf_json_number( seconds ), "seconds_scene", rf_json_number( seconds_scene ), "peak_bytes",
                       count_json( stats->peak_bytes ), "budget_bytes", count_json( stats->budget_bytes ), "rays",
-                      rays_json( &stats->rays ), "group", stats->group, "tile", options->tile, "weights",
+                      rays_json( &stats->rays ), "group", stats->group, "tile", tile, "weights",
                       rf_weights_name( options->settings.weights ), "normalize",
                       rf_normalize_name( options->settings.normalize ), "threads", stats->threads, "effects",
                       rf_effect_names_json( scene ) );

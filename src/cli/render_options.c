@@ -36,7 +36,7 @@ static const RfOption s_options[] = {
     { .name = "group", .in_file = true, .type = RF_OPTION_INT, .value = &s_parsed.settings.group, .min = 0, .max = 1048576,
       .keyword = "auto", .keyword_value = RF_GROUP_AUTO, .meta = "N|auto", .default_text = "auto",
       .help = "paths serve groups of 2N+1 frames; 0: no reuse" },
-    { .name = "tile", .in_file = true, .type = RF_OPTION_STRING, .value = &s_parsed.tile, .meta = "WxH|rooksN|1", .default_text = "1",
+    { .name = "tile", .in_file = true, .type = RF_OPTION_STRING, .value = &s_parsed.tile, .meta = "WxH|rooksN|1", .default_text = "3x3",
       .help = "pixels of a frame that share their paths: blocks, N of an NxN grid, or none" },
     { .name = "weights", .in_file = true, .type = RF_OPTION_CHOICE, .value = &s_weights_index, .choices = s_weights,
       .default_text = "exact", .help = "how reused paths are weighted; the others are biased, for comparison" },
@@ -110,7 +110,7 @@ static void reset( void )
     s_parsed = ( RfRenderOptions ){ .fps = RF_DEFAULT_FPS,
                                     .size = { 960, 540 },
                                     .settings = rf_default_render_settings(),
-                                    .tile = "1",
+                                    .tile = "3x3",
                                     .compression = RF_EXR_ZIP,
                                     .half = true };
     s_parsed.settings.queue = WRITE_QUEUE;
@@ -160,7 +160,13 @@ RfResult rf_parse_render_options( int argc, char** argv, RfRenderOptions* option
 RfResult rf_read_render_defaults( const RfField* defaults, RfRenderOptions* options )
 {
     reset();
+    RfError error = { 0 };
+    RfField tile = rf_field_member( defaults, "tile" ), aov = rf_field_member( defaults, "aov" );
     RfResult result = rf_take_file_options( &s_table, defaults );
+    if ( result == RF_OK && parse_tile( &s_parsed, &error ) != RF_OK )
+        result = rf_fail_file_option( &tile, &error );
+    if ( result == RF_OK && rf_parse_layers( s_parsed.aov, &s_parsed.settings.layers, &error ) != RF_OK )
+        result = rf_fail_file_option( &aov, &error );
     copy_out( options );
     return result;
 }

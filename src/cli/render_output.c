@@ -66,6 +66,8 @@ static RfResult keep_or_refuse( const RfRenderSubject* subject, int frame, const
             return RF_OK;
         return rf_fail( error, RF_ERROR_IO, "%s: cannot be looked at: %s", name, strerror( errno ) );
     }
+    if ( S_ISDIR( status.st_mode ) ) // told before the work, and no matter what may be replaced
+        return rf_fail( error, RF_ERROR_IO, "%s: is a folder: choose another name", name );
     if ( subject->options->overwrite )
         return RF_OK;
     if ( !subject->options->resume )
@@ -84,6 +86,14 @@ static RfResult keep_or_refuse( const RfRenderSubject* subject, int frame, const
     return RF_OK;
 }
 
+static RfResult check_json( const char* name, RfError* error )
+{
+    struct stat status;
+    if ( name != NULL && strcmp( name, "-" ) != 0 && stat( name, &status ) == 0 && S_ISDIR( status.st_mode ) )
+        return rf_fail( error, RF_ERROR_IO, "--json: %s: is a folder: choose another name", name );
+    return RF_OK;
+}
+
 RfResult rf_prepare_output( const RfRenderSubject* subject, int* frames, int* count, RfError* error )
 {
     const char* pattern = subject->options->output;
@@ -98,6 +108,8 @@ RfResult rf_prepare_output( const RfRenderSubject* subject, int* frames, int* co
         result = make_folder( folder, error );
     if ( result == RF_OK )
         result = probe_folder( folder, error );
+    if ( result == RF_OK )
+        result = check_json( subject->options->json, error );
     int left = 0;
     for ( int i = 0; i < *count && result == RF_OK; ++i )
     {
@@ -122,14 +134,15 @@ void rf_frame_fingerprint( const RfRenderSubject* subject, int frame, char text[
     const RfRenderSettings* s = &subject->options->settings;
     // Numbers as text: no padding bytes, no byte order, and a new setting cannot
     // be mistaken for an old one.
-    char settings[512];
+    char settings[512], tile[24];
+    rf_tile_name( &s->tile, tile );
     snprintf( settings, sizeof settings,
               "scene %016llx frame %d of %d fps %d/%d spp %d group %d weights %s normalize %s depth %d lights %d seed %llu "
               "tile %s",
               (unsigned long long)subject->scene->content_hash, frame, subject->path->count,
               subject->options->fps.numerator, subject->options->fps.denominator, s->spp, s->group,
               rf_weights_name( s->weights ), rf_normalize_name( s->normalize ), s->max_depth, s->light_samples,
-              (unsigned long long)s->seed, subject->options->tile );
+              (unsigned long long)s->seed, tile );
     uint64_t hash = hash_text( hash_text( subject->path->hash, REFRAME_VERSION ), settings );
     char layers[128];
     rf_format_layers( s->layers, layers, sizeof layers );
@@ -191,6 +204,8 @@ static void list_attributes( const RfRenderSubject* subject, const RfFrameResult
                              Attributes* attributes )
 {
     const RfRenderSettings* s = &subject->options->settings;
+    char tile[24];
+    rf_tile_name( &s->tile, tile );
     attributes->count = 0;
     add_text( attributes, "reframe/version", REFRAME_VERSION );
     add_text( attributes, "reframe/scene", subject->options->scene );
@@ -198,7 +213,7 @@ static void list_attributes( const RfRenderSubject* subject, const RfFrameResult
     add_number( attributes, "reframe/frame", "%.0f", result->frame + 1 );
     add_number( attributes, "reframe/group", "%.0f", s->group );
     add_number( attributes, "reframe/spp", "%.0f", s->spp );
-    add_text( attributes, "reframe/tile", subject->options->tile );
+    add_text( attributes, "reframe/tile", tile );
     add_text( attributes, "reframe/weights", rf_weights_name( s->weights ) );
     add_text( attributes, "reframe/normalize", rf_normalize_name( s->normalize ) );
     char* seed = attributes->texts[attributes->count]; // a double does not hold every seed

@@ -77,6 +77,9 @@ RfResult rf_ply_check_element( const RfPlyFile* file, const RfPlyElement* elemen
 // Reads past one property.
 RfResult rf_ply_skip( RfPlyFile* file, const RfPlyProperty* property );
 
+// Fails where something follows the last element; blanks may in ascii.
+RfResult rf_ply_check_end( RfPlyFile* file );
+
 // One error line: the file, the line or byte, what is wrong, what to do.
 RfResult rf_ply_fail( const RfPlyFile* file, const char* format, ... ) __attribute__( ( format( printf, 2, 3 ) ) );
 

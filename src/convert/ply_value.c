@@ -181,3 +181,12 @@ RfResult rf_ply_skip( RfPlyFile* file, const RfPlyProperty* property )
         result = rf_ply_read_value( file, property->type, &value );
     return result;
 }
+
+RfResult rf_ply_check_end( RfPlyFile* file )
+{
+    while ( file->format == RF_PLY_ASCII && file->at < file->size && is_space( file->bytes[file->at] ) )
+        file->line += file->bytes[file->at++] == '\n';
+    if ( file->at == file->size )
+        return RF_OK;
+    return rf_ply_fail( file, "%zu bytes follow the last element: the header's counts do not fit the data", file->size - file->at );
+}

@@ -9,8 +9,8 @@
 //   max             largest |v_c − r_c|
 // Sums are in double, in the order of rows and frames.
 //
-// NaN and infinity in the image are counted, never repaired: where there are
-// any, all the measures are NaN. In the reference they are an error.
+// NaN and infinity in the image and in the reference are counted, never
+// repaired: where there are any, all the measures are NaN.
 //
 // The 95 % interval of the bias comes from the means of 16×16-pixel blocks
 // (smaller ones at the borders count by their pixels), of all frames alike: it
@@ -21,6 +21,8 @@
 
 #include "image/image.h"
 
+#include <stdbool.h>
+
 #define RF_RELMSE_EPSILON 0.001
 #define RF_ERROR_BLOCK 16
 
@@ -29,7 +31,14 @@ typedef struct RfErrorMetrics
     double relmse, relmse_trimmed, mse, max;
     double bias, bias_low, bias_high; // low and high are NaN for a single block
     size_t nan, inf;                  // pixels of the image with such a channel
+    size_t reference_nan, reference_inf; // the same of the reference
 } RfErrorMetrics;
+
+// Is there anything that is no number, so that no error can be told?
+static inline bool rf_has_no_error( const RfErrorMetrics* m )
+{
+    return m->nan > 0 || m->inf > 0 || m->reference_nan > 0 || m->reference_inf > 0;
+}
 
 // Running sums over frames of one size.
 typedef struct RfErrorSummary
@@ -40,7 +49,7 @@ typedef struct RfErrorSummary
     double kept_sum;                 // the same without those in `worst`
     double squared_sum, signed_sum;  // over pixels and channels
     double max;
-    size_t nan, inf;
+    size_t nan, inf, reference_nan, reference_inf;
     double* worst;                   // min-heap of the largest relative errors
     size_t worst_count, worst_room;
     size_t blocks;
@@ -53,8 +62,8 @@ typedef struct RfErrorSummary
 RfResult rf_create_summary( int width, int height, int frames, RfErrorSummary* summary, RfError* error );
 void rf_destroy_summary( RfErrorSummary* summary );
 
-// Adds a frame. Fails (RF_ERROR_FORMAT) where sizes differ or the reference
-// holds NaN or infinity; then nothing has been added.
+// Adds a frame. Fails (RF_ERROR_FORMAT) where sizes differ; then nothing has
+// been added.
 RfResult rf_summary_add( RfErrorSummary* summary, const RfImage* image, const RfImage* reference, RfError* error );
 
 // The measures of all that was added.

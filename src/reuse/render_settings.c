@@ -8,7 +8,7 @@ RfRenderSettings rf_default_render_settings( void )
     return ( RfRenderSettings ){
         .spp = 28,
         .group = RF_GROUP_AUTO,
-        .tile = { RF_TILE_NONE, 1, 1 },
+        .tile = { RF_TILE_BLOCK, 3, 3 },
         .weights = RF_WEIGHTS_EXACT,
         .normalize = RF_NORMALIZE_CROSSFIT,
         .max_depth = 12,

@@ -65,6 +65,18 @@ RfResult rf_find_camera( const RfScene* scene, const char* name, int* index, RfE
     return rf_fail( error, RF_ERROR_USAGE, "%s: has no camera '%.60s': choose one of %s", path, name, names );
 }
 
+// The file's fault: most often it is a slip in its times.
+static RfResult fail_too_long( const RfCamera* camera, double fps, RfError* error )
+{
+    double seconds = camera->end - camera->start;
+    if ( camera->track != NULL )
+        return rf_fail( error, RF_ERROR_SCENE, "%s: %g s at %g frames/s are more than %d frames: shorten it or lower the frames per second",
+                        camera->track->clock, seconds, fps, MAX_FRAMES );
+    return rf_fail( error, RF_ERROR_SCENE,
+                    "camera '%.60s': its animation of %g s at %g frames/s is more than %d frames: shorten it or lower the frames per second",
+                    camera->name, seconds, fps, MAX_FRAMES );
+}
+
 RfResult rf_camera_frame_count( const RfCamera* camera, double fps, int* count, RfError* error )
 {
     *count = 0;
@@ -80,12 +92,21 @@ RfResult rf_camera_frame_count( const RfCamera* camera, double fps, int* count, 
     if ( ( frames <= (double)MAX_FRAMES ) == false )
     {
         *count = 0;
-        return rf_fail( error, RF_ERROR_USAGE,
-                        "camera '%.60s': %g s at %g frames/s are more than %d frames: lower the frames per second",
-                        camera->name, camera->end - camera->start, fps, MAX_FRAMES );
+        return fail_too_long( camera, fps, error );
     }
     *count = frames > 1.0 ? (int)frames : 1;
     return RF_OK;
+}
+
+RfResult rf_scene_frame_count( const RfScene* scene, const RfCamera* camera, double fps, int* count, RfError* error )
+{
+    RfError fault = { 0 };
+    RfResult result = rf_camera_frame_count( camera, fps, count, &fault );
+    if ( result == RF_OK )
+        return RF_OK;
+    if ( result == RF_ERROR_SCENE && camera->track == NULL )
+        return rf_fail( error, result, "%s: %s", scene->path, fault.text );
+    return rf_fail( error, result, "%s", fault.text );
 }
 
 void rf_node_world_matrix( const RfScene* scene, int node, double time, RfMat4* matrix )

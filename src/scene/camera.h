@@ -12,8 +12,12 @@ RfResult rf_find_camera( const RfScene* scene, const char* name, int* index, RfE
 // Frames of a camera's animation sampled at `fps`: one at its first key, then
 // one every 1/fps s up to and with the last (to within 1e-3 of a frame); 1 for
 // a camera that stands still. Paths of our own that count frames have as many
-// whatever the fps. Fails (RF_ERROR_USAGE) above 1,000,000 frames.
+// whatever the fps. Fails above 1,000,000 frames (RF_ERROR_SCENE, naming the file
+// and where in it, of a camera of the scene its name only) and for an fps that is
+// not above 0 (RF_ERROR_USAGE).
 RfResult rf_camera_frame_count( const RfCamera* camera, double fps, int* count, RfError* error );
+// The same; the line names the file of any camera.
+RfResult rf_scene_frame_count( const RfScene* scene, const RfCamera* camera, double fps, int* count, RfError* error );
 
 // The eye of `camera` at `time` seconds on a film of width × height pixels.
 // Animated ancestors and mirroring or scaling parents are honoured; the axes

@@ -16,6 +16,7 @@ void rf_destroy_camera_track( RfCameraTrack* track )
     rf_destroy_curve( &track->fov );
     rf_destroy_walk( &track->walk );
     free( track->name );
+    free( track->clock );
     *track = ( RfCameraTrack ){ 0 };
 }
 

@@ -35,6 +35,7 @@ typedef struct RfCameraTrack
     char* name;     // of the file, with the JSON path where it stands inside another
     uint64_t hash;  // of the file's bytes; 0 where it stands inside another
     bool in_frames; // times count frames, whatever the frames per second; else seconds
+    char* clock;    // what says how long it takes: "move.json: duration", "scene.json: camera.keys[7].time"
     double start, end;
     RfCurve position; // none for orbits and walks
     RfCurve target, up; // none where there is a rotation; walks may look ahead without a target

@@ -127,7 +127,8 @@ static RfResult read_keys( const RfField* top, const RfField* list, RfCameraTrac
     track->start = keys.times[0];
     track->end = keys.times[count - 1];
     free( memory );
-    return result;
+    RfField last = rf_field_item( list, (size_t)count - 1 ), field = rf_field_member( &last, track->in_frames ? "frame" : "time" );
+    return result == RF_OK ? rf_name_clock( &field, track ) : result;
 }
 
 RfResult rf_read_keyed( const RfField* top, RfCameraTrack* track )

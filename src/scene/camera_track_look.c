@@ -5,6 +5,7 @@
 
 #include "math/quat.h"
 
+#include <stdio.h>
 #include <string.h>
 
 #define MAX_COORDINATE 1e15
@@ -98,6 +99,14 @@ RfResult rf_read_interpolation( const RfField* top, bool* linear )
     return result;
 }
 
+RfResult rf_name_clock( const RfField* field, RfCameraTrack* track )
+{
+    char text[1024];
+    snprintf( text, sizeof text, "%.800s: %s", field->file, field->path );
+    track->clock = strdup( text );
+    return track->clock != NULL ? RF_OK : rf_fail( field->error, RF_ERROR_MEMORY, "%s: no memory left", field->file );
+}
+
 // The time that a ready-made movement takes: exactly one of `names`.
 RfResult rf_read_span( const RfField* top, const char* const* names, RfCameraTrack* track )
 {
@@ -114,9 +123,12 @@ RfResult rf_read_span( const RfField* top, const char* const* names, RfCameraTra
                               names[2] != NULL ? " or speed (metres per second)" : "" );
     RfField field = rf_field_member( top, given );
     double value = 0.0;
+    RfResult result = rf_name_clock( &field, track );
+    if ( result != RF_OK )
+        return result;
     if ( strcmp( given, "speed" ) == 0 )
     {
-        RfResult result = rf_field_number( &field, rf_above( 0.0, MAX_COORDINATE ), &value );
+        result = rf_field_number( &field, rf_above( 0.0, MAX_COORDINATE ), &value );
         track->end = value > 0.0 ? track->walk.length / value : 0.0;
         if ( result == RF_OK && !( track->end <= RF_MAX_TRACK_SECONDS ) )
             return rf_field_fail( &field, "%g m at %g m/s take longer than %g s", track->walk.length, value, RF_MAX_TRACK_SECONDS );
@@ -125,7 +137,7 @@ RfResult rf_read_span( const RfField* top, const char* const* names, RfCameraTra
     track->in_frames = strcmp( given, "frames" ) == 0;
     if ( !track->in_frames )
         return rf_field_number( &field, rf_above( 0.0, RF_MAX_TRACK_SECONDS ), &track->end );
-    RfResult result = rf_field_number( &field, rf_range( 1.0, RF_MAX_TRACK_FRAMES ), &value );
+    result = rf_field_number( &field, rf_range( 1.0, RF_MAX_TRACK_FRAMES ), &value );
     track->end = value - 1.0;
     return result == RF_OK && floor( value ) != value ? rf_field_wants( &field, "a whole number" ) : result;
 }

@@ -34,6 +34,7 @@ RfResult rf_read_lens( const RfField* top, bool must_change, RfCameraTrack* trac
 RfResult rf_read_look( const RfField* top, const double* fallback, RfCameraTrack* track );
 // The time that a movement takes: exactly one of `names`, which are "duration",
 // "frames" and, for walks, "speed".
+RfResult rf_name_clock( const RfField* field, RfCameraTrack* track ); // the value that says how long it takes
 RfResult rf_read_span( const RfField* top, const char* const* names, RfCameraTrack* track );
 
 // camera_track_keys.c

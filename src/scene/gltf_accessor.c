@@ -76,7 +76,9 @@ static RfResult read_layout( const RfGltf* gltf, const json_t* json, const char*
     int64_t count = 0;
     RfResult result = rf_gltf_require( gltf, json, where, "count" );
     if ( result == RF_OK )
-        result = rf_gltf_get_integer( gltf, json, where, "count", 1, MAX_ELEMENTS, &count );
+        result = rf_gltf_get_integer( gltf, json, where, "count", 1, INT64_MAX, &count );
+    if ( result == RF_OK )
+        result = rf_gltf_check_limit( gltf, where, "count", (double)count, (double)MAX_ELEMENTS );
     out->count = (uint32_t)count;
     if ( result == RF_OK )
         result = read_component_type( gltf, json, where, &out->component_type );

@@ -2,6 +2,7 @@
 
 #include "scene/json_value.h"
 
+#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -38,6 +39,14 @@ RfResult rf_gltf_fail( const RfGltf* gltf, RfResult code, const char* where, con
     va_end( args );
     const char* advice = code == RF_ERROR_FORMAT ? ": not valid glTF 2.0, export the scene again" : "";
     return rf_fail( gltf->error, code, "%s: %s: %s%s", gltf->path, where, text, advice );
+}
+
+RfResult rf_gltf_check_limit( const RfGltf* gltf, const char* where, const char* key, double value, double limit )
+{
+    if ( fabs( value ) <= limit )
+        return RF_OK;
+    return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, where, "%s is %g, beyond what reframe reads: at most %g, change it in the scene",
+                         key, value, limit );
 }
 
 RfResult rf_gltf_no_memory( const RfGltf* gltf, const char* where )

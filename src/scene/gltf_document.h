@@ -120,6 +120,12 @@ RfWhere rf_where( const char* format, ... ) __attribute__( ( format( printf, 1, 
 // by itself, the others in their text.
 RfResult rf_gltf_fail( const RfGltf* gltf, RfResult code, const char* where, const char* format, ... )
     __attribute__( ( format( printf, 4, 5 ) ) );
+// Radiance above this would overflow where floats are squared.
+#define RF_GLTF_MAX_EMISSION 1e15
+
+// Fails (RF_ERROR_UNSUPPORTED) where |value| is above a limit of ours that glTF
+// does not set: such a file is valid, only beyond what we read.
+RfResult rf_gltf_check_limit( const RfGltf* gltf, const char* where, const char* key, double value, double limit );
 RfResult rf_gltf_no_memory( const RfGltf* gltf, const char* where );
 
 // A warning line, said for the first object of a kind only.

@@ -103,7 +103,7 @@ static RfResult take_floats( const RfGltf* gltf, const char* where, RfPixels* pi
     for ( size_t i = 0; i < count; ++i )
     {
         if ( !isfinite( out->floats[i] ) )
-            return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "pixel (%zu, %zu) is not finite: mend the image",
+            return rf_gltf_fail( gltf, RF_ERROR_SCENE, where, "pixel (%zu, %zu) is not finite: mend the image",
                                  i / channels % width, i / channels / width );
         out->floats[i] = fmaxf( out->floats[i], 0.0f );
     }
@@ -182,6 +182,22 @@ static RfResult resolve( RfGltf* gltf, RfMaterial* material, int* numbers )
     return RF_OK;
 }
 
+// Pixels of floats may be of any size: times the factors they must stay radiance
+// that can be squared.
+static RfResult check_emission( const RfGltf* gltf, uint32_t index )
+{
+    const RfMaterial* material = gltf->scene->materials + index;
+    const RfTextured* t = material->textured;
+    bool unlit = t->model == RF_TEXTURED_UNLIT;
+    int texture = t->refs[unlit ? RF_TEXTURE_BASE : RF_TEXTURE_EMISSIVE].texture;
+    if ( texture < 0 )
+        return RF_OK;
+    double factor = unlit ? fmax( t->factors.base[0], fmax( t->factors.base[1], t->factors.base[2] ) ) : (double)rf_max_component( material->emission );
+    double most = factor * (double)gltf->scene->textures[texture].largest;
+    RfWhere where = rf_where( "materials[%u]", index );
+    return rf_gltf_check_limit( gltf, where.text, "emission with its texture", most, RF_GLTF_MAX_EMISSION );
+}
+
 RfResult rf_gltf_load_images( RfGltf* gltf )
 {
     RfScene* scene = gltf->scene;
@@ -202,6 +218,8 @@ RfResult rf_gltf_load_images( RfGltf* gltf )
         if ( used[m] && ( !material->textured->optional || material->textured->vertex_colors ) )
         {
             result = resolve( gltf, material, numbers );
+            if ( result == RF_OK )
+                result = check_emission( gltf, m );
             continue;
         }
         free( material->textured ); // nothing to look up, or the images are not there

@@ -84,8 +84,8 @@ static RfResult read_light( const RfGltf* gltf, const json_t* json, const char* 
         result = rf_gltf_get_number( gltf, json, where, "range", &range );
     if ( result != RF_OK )
         return result;
-    if ( !( intensity >= 0.0 && intensity <= MAX_INTENSITY ) )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "intensity is %g, it wants 0 to %g", intensity, MAX_INTENSITY );
+    if ( !( intensity >= 0.0 ) )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "intensity is %g, it wants 0 or more", intensity );
     if ( !( range > 0.0 ) )
         return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "range is %g, it wants more than 0", range );
     for ( int i = 0; i < 3; ++i )
@@ -95,7 +95,7 @@ static RfResult read_light( const RfGltf* gltf, const json_t* json, const char* 
     }
     out->intensity = rf_vec3( (float)( color[0] * intensity ), (float)( color[1] * intensity ), (float)( color[2] * intensity ) );
     out->range = (float)range;
-    return RF_OK;
+    return rf_gltf_check_limit( gltf, where, "intensity", intensity, MAX_INTENSITY );
 }
 
 // At the node's origin, shining along its −z; its scale has no say.

@@ -7,9 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Radiance above this would overflow where floats are squared.
-#define MAX_EMISSION 1e15
-
 typedef struct Factors
 {
     RfFactors lobes;
@@ -96,10 +93,9 @@ static RfResult read_emission( const RfGltf* gltf, const json_t* material, const
         return result;
     RfWhere where = rf_where( "%s.extensions.KHR_materials_emissive_strength", owner );
     result = rf_gltf_get_number( gltf, json, where.text, "emissiveStrength", &out->strength );
-    if ( result == RF_OK && ( out->strength >= 0.0 && out->strength <= MAX_EMISSION ) == false )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "emissiveStrength is %g, it wants 0 to %g", out->strength,
-                             MAX_EMISSION );
-    return result;
+    if ( result == RF_OK && ( out->strength >= 0.0 ) == false )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "emissiveStrength is %g, it wants 0 or more", out->strength );
+    return result == RF_OK ? rf_gltf_check_limit( gltf, where.text, "emissiveStrength", out->strength, RF_GLTF_MAX_EMISSION ) : result;
 }
 
 static void apply_factors( const Factors* in, RfMaterial* out )

@@ -85,8 +85,9 @@ static RfResult read_transform( const RfGltf* gltf, const json_t* info, const ch
                     -sin( rotation ) * scale[0], cos( rotation ) * scale[1], offset[1] };
     for ( int i = 0; i < 6; ++i )
     {
-        if ( !( fabs( t[i] ) <= MAX_TRANSFORM ) )
-            return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "offset or scale is beyond %g", MAX_TRANSFORM );
+        result = rf_gltf_check_limit( gltf, where.text, i % 3 == 2 ? "offset" : "scale", t[i], MAX_TRANSFORM );
+        if ( result != RF_OK )
+            return result;
         out->transform[i] = (float)t[i];
     }
     return RF_OK;
