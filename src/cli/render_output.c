@@ -200,12 +200,17 @@ static void add_number( Attributes* attributes, const char* name, const char* fo
     add_text( attributes, name, text );
 }
 
+static void add_tile( Attributes* attributes, const RfTile* tile )
+{
+    char* text = attributes->texts[attributes->count];
+    rf_tile_name( tile, text );
+    add_text( attributes, "reframe/tile", text );
+}
+
 static void list_attributes( const RfRenderSubject* subject, const RfFrameResult* result, const char* device,
                              Attributes* attributes )
 {
     const RfRenderSettings* s = &subject->options->settings;
-    char tile[24];
-    rf_tile_name( &s->tile, tile );
     attributes->count = 0;
     add_text( attributes, "reframe/version", REFRAME_VERSION );
     add_text( attributes, "reframe/scene", subject->options->scene );
@@ -213,7 +218,7 @@ static void list_attributes( const RfRenderSubject* subject, const RfFrameResult
     add_number( attributes, "reframe/frame", "%.0f", result->frame + 1 );
     add_number( attributes, "reframe/group", "%.0f", s->group );
     add_number( attributes, "reframe/spp", "%.0f", s->spp );
-    add_text( attributes, "reframe/tile", tile );
+    add_tile( attributes, &s->tile );
     add_text( attributes, "reframe/weights", rf_weights_name( s->weights ) );
     add_text( attributes, "reframe/normalize", rf_normalize_name( s->normalize ) );
     char* seed = attributes->texts[attributes->count]; // a double does not hold every seed
