@@ -138,11 +138,11 @@ void rf_frame_fingerprint( const RfRenderSubject* subject, int frame, char text[
     rf_tile_name( &s->tile, tile );
     snprintf( settings, sizeof settings,
               "scene %016llx frame %d of %d fps %d/%d spp %d group %d weights %s normalize %s depth %d lights %d seed %llu "
-              "tile %s",
+              "tile %s roulette %d",
               (unsigned long long)subject->scene->content_hash, frame, subject->path->count,
               subject->options->fps.numerator, subject->options->fps.denominator, s->spp, s->group,
               rf_weights_name( s->weights ), rf_normalize_name( s->normalize ), s->max_depth, s->light_samples,
-              (unsigned long long)s->seed, tile );
+              (unsigned long long)s->seed, tile, s->tile_roulette );
     uint64_t hash = hash_text( hash_text( subject->path->hash, REFRAME_VERSION ), settings );
     char layers[128];
     rf_format_layers( s->layers, layers, sizeof layers );

@@ -96,6 +96,8 @@ enum
     RF_DIMENSION_ROULETTE = RF_DIMENSION_SCATTER + 3,
     RF_DIMENSION_LIGHTS, // three for each light sample
 };
+// Of the roulette on connections inside a tile, by number of the other path.
+#define RF_DIMENSION_CONNECTIONS 0x40000000u
 // A second word of a dimension, where one has too few bits.
 #define RF_DIMENSION_TWIN 0x80000000u
 

@@ -109,7 +109,10 @@ static void trace_tails( const RfHarvest* harvest, RfHarvestScratch* scratch, Rf
     if ( natives > 0 )
         memcpy( scratch->native_pdf, walk->scratch.pdf + rf_record_count( v ), (size_t)natives * sizeof( float ) );
     if ( scratch->share != NULL )
-        rays->tile += rf_trace_shared_tails( &harvest->walk, harvest->shape.tile_pixels, v, wi, walk, scratch->share );
+    {
+        RfShareSettings settings = { &harvest->walk, harvest->shape.tile_pixels, harvest->tile_roulette };
+        rays->tile += rf_trace_shared_tails( &settings, v, wi, walk, scratch->share );
+    }
     else
         rf_trace_tails( &harvest->walk, walk, 2 );
 }

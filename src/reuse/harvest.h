@@ -15,6 +15,7 @@ typedef struct RfHarvest
     RfWalkSettings walk;
     RfBatchShape shape;
     RfPatchLayout patches;
+    bool tile_roulette;
     RfWeights weights;
     uint64_t seed;
     const RfEye* eyes; // shape.eyes of them

@@ -147,6 +147,7 @@ static RfResult render_window( RfRenderer* r, int number, RfError* error )
         .walk = { r->tracer, useful_depth( r ), r->settings.light_samples },
         .shape = r->sizes.shape,
         .patches = r->sizes.patches,
+        .tile_roulette = r->settings.tile_roulette,
         .weights = r->settings.weights,
         .seed = r->settings.seed,
         .eyes = r->eyes + window.first,

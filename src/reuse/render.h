@@ -32,6 +32,7 @@ typedef struct RfRenderSettings
     int spp;           // native samples per pixel and frame in all
     int group;         // half-width n, cut to the path; RF_GROUP_AUTO: chosen
     RfTile tile;       // pixels of a frame that share their paths
+    bool tile_roulette; // Russian roulette on connections in a tile that are worth little
     RfWeights weights;
     RfNormalize normalize;
     int max_depth;     // path vertices after the eye

@@ -132,13 +132,14 @@ static void go_on( const RfWalkSettings* settings, RfWalk* walk, RfShare* share 
     memcpy( &walk->arrivals, &share->found_light, sizeof walk->arrivals );
 }
 
-uint64_t rf_trace_shared_tails( const RfWalkSettings* settings, int tile_pixels, const RfVertexLanes* hits,
-                                float* const scattered[3], RfWalk* walk, RfShare* share )
+uint64_t rf_trace_shared_tails( const RfShareSettings* settings, const RfVertexLanes* hits, float* const scattered[3],
+                                RfWalk* walk, RfShare* share )
 {
+    int tile_pixels = settings->tile_pixels;
     share->second.count = 0;
     if ( walk->rays.count > 0 )
-        rf_find_lit_vertices( settings, walk, &walk->rays, true, &share->second );
-    if ( settings->max_depth == 2 || share->second.count == 0 )
+        rf_find_lit_vertices( settings->walk, walk, &walk->rays, true, &share->second );
+    if ( settings->walk->max_depth == 2 || share->second.count == 0 )
     {
         for ( int s = 0; s < tile_pixels; ++s )
             memset( share->turns[s].weight, 0, sizeof share->turns[s].weight );
@@ -153,12 +154,12 @@ uint64_t rf_trace_shared_tails( const RfWalkSettings* settings, int tile_pixels,
         return 0;
     }
     note_throughput( &walk->rays, share );
-    go_on( settings, walk, share );
+    go_on( settings->walk, walk, share );
     list_members( hits, share );
     list_owners( hits, share );
     for ( int s = 0; s < tile_pixels; ++s )
         find_mates( share, s, rf_record_count( hits ), share->turns + s );
-    uint64_t tested = rf_weigh_turns( settings, tile_pixels, hits, scattered, &walk->scratch, share );
-    rf_light_turns( settings, tile_pixels, walk, share );
+    uint64_t tested = rf_weigh_turns( settings, hits, scattered, walk, share );
+    rf_light_turns( settings, walk, share );
     return tested;
 }

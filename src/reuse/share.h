@@ -21,7 +21,8 @@ typedef struct RfTurnLanes
 {
     // lanes: hits
     RF_ALIGN float wi[3][RF_LANES]; // unit, to the mate's second vertex
-    float weight[RF_LANES];         // ρ, later the balance weight ρ / Σ_k ρ_k; 0: not seen, or no vertex
+    float weight[RF_LANES];         // ρ, later the balance weight ρ / Σ_k ρ_k; 0: not seen, or no vertex; negative:
+                                    // of that size, but left out of Σ
     int32_t mate[RF_LANES];         // the second vertex looked at; where there is none 0, with weight 0
     // lanes: second vertices with a shiny surface
     float f[3][RF_LANES];
@@ -44,6 +45,7 @@ typedef struct RfShare
     float throughput[3][RF_LANES];       // of the ray that found it
     float own_distance2_cos[RF_LANES];   // 1 / G_own
     float sum[RF_LANES];                 // Σ ρ
+    float late[RF_LANES];                // density that counts, where its own path does not; else 0
     float wi[3][RF_LANES];               // where its path goes on
     float pdf[RF_LANES];
     float wo[3][RF_LANES];               // to the hits of a turn
@@ -55,6 +57,13 @@ typedef struct RfShare
     RfTurnLanes* turns;     // as many as a tile has pixels
 } RfShare;
 
+typedef struct RfShareSettings
+{
+    const RfWalkSettings* walk;
+    int tile_pixels; // of a whole tile
+    bool roulette;   // on connections of little weight
+} RfShareSettings;
+
 size_t rf_share_bytes( int light_samples, int tile_pixels );
 RfShare* rf_lay_out_share( int light_samples, int tile_pixels, void* memory );
 
@@ -62,13 +71,13 @@ RfShare* rf_lay_out_share( int light_samples, int tile_pixels, void* memory );
 // second vertices send shared in the tiles share->tile_of: walk->arrivals as from there,
 // rest being the balanced part of turn 0, and the turns from 1 on in
 // share->turns. Returns the segments tested.
-uint64_t rf_trace_shared_tails( const RfWalkSettings* settings, int tile_pixels, const RfVertexLanes* hits,
-                                float* const scattered[3], RfWalk* walk, RfShare* share );
+uint64_t rf_trace_shared_tails( const RfShareSettings* settings, const RfVertexLanes* hits, float* const scattered[3],
+                                RfWalk* walk, RfShare* share );
 
 // The steps of that which have files of their own.
-uint64_t rf_weigh_turns( const RfWalkSettings* settings, int tile_pixels, const RfVertexLanes* hits, float* const scattered[3],
-                         RfLaneScratch* scratch, RfShare* share );
-void rf_light_turns( const RfWalkSettings* settings, int tile_pixels, RfWalk* walk, RfShare* share );
+uint64_t rf_weigh_turns( const RfShareSettings* settings, const RfVertexLanes* hits, float* const scattered[3], RfWalk* walk,
+                         RfShare* share );
+void rf_light_turns( const RfShareSettings* settings, RfWalk* walk, RfShare* share );
 
 // The hit that looks at shared vertex a in a turn.
 static inline int rf_looker( const RfShare* share, int a, int turn )

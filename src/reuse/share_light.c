@@ -180,23 +180,25 @@ static void keep_own( RfWalk* walk, const RfShare* share )
     }
 }
 
-void rf_light_turns( const RfWalkSettings* settings, int tile_pixels, RfWalk* walk, RfShare* share )
+void rf_light_turns( const RfShareSettings* settings, RfWalk* walk, RfShare* share )
 {
+    const RfWalkSettings* path = settings->walk;
+    int tile_pixels = settings->tile_pixels;
     bool shiny = share->second.first[RF_BSDF_PHONG] < rf_record_count( &share->second );
     for ( int s = 0; s < ( shiny ? tile_pixels : 1 ); ++s )
         memset( share->turns[s].light, 0, sizeof share->turns[s].light );
     bool shared = all_shared( share );
-    int k = settings->light_samples;
+    int k = path->light_samples;
     for ( int d = 0; d <= k; ++d )
     {
         float( *from )[RF_LANES] = d < k ? share->direct[d].wi : share->wi;
         const float* wi[3] = { from[0], from[1], from[2] };
         if ( d < k )
-            gather_light_sample( settings, share, d );
+            gather_light_sample( path, share, d );
         else
-            gather_scattered( settings, share );
+            gather_scattered( path, share );
         if ( !shared )
-            add_unshared( settings, walk, wi, d == k, share );
+            add_unshared( path, walk, wi, d == k, share );
         add_diffuse( wi, share, &walk->scratch );
         add_shiny( wi, tile_pixels, share, &walk->scratch );
     }

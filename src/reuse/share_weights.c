@@ -97,7 +97,7 @@ static inline void queue_segment( Queue* q, const RfShare* share, RfVec3 from, i
     s->d[1][k] = share->lifted[1][hit] - from.y;
     s->d[2][k] = share->lifted[2][hit] - from.z;
     q->weight[k] = weight;
-    q->count += *weight > 0.0f;
+    q->count += *weight != 0.0f;
     if ( q->count == RF_PATCH_PIXELS )
         test_segments( q );
 }
@@ -121,27 +121,119 @@ static void test_own( Queue* q, int hits, RfShare* share )
         weight[i] = rf_maxf( weight[i], least[i] );
 }
 
-// All connections of a tile once, from each second vertex in turn.
-static uint64_t test_connections( const RfTracer* tracer, const RfVertexLanes* x, RfLaneScratch* scratch, RfShare* share )
+// Connections to hits that would hardly have found the vertex are worth little,
+// yet cost a ray as the others do. Where their density is below this part of
+// the largest they are left out of the balance heuristic (Veach's cutoff heuristic,
+// by densities that know of no visibility, so that it can be said before a ray is
+// traced) and take what the others find there by Russian roulette (PR section 3.6).
+#define CUTOFF 0.1f
+
+// The pairs of one vertex: member k of the tile, whose own path found it last.
+typedef struct Pairs
 {
-    Queue q = { .tracer = tracer, .scratch = scratch };
-    lift_hits( x, share );
-    if ( rf_tracer_is_blended( tracer ) )
-        test_own( &q, rf_record_count( x ), share );
+    int count;
+    const int32_t* hit;
+    float* weight[RF_MAX_TILE_PIXELS];
+} Pairs;
+
+static Pairs list_pairs( RfShare* share, int a )
+{
+    int own = share->owner[a];
+    Pairs p = { share->size[own], share->member + share->begin[own], { NULL } };
+    for ( int k = 0, s = share->rank[own]; k < p.count; ++k, s = s > 0 ? s - 1 : p.count - 1 )
+        p.weight[k] = share->turns[s].weight + p.hit[k];
+    return p;
+}
+
+static float largest( const Pairs* p )
+{
+    float most = 0.0f;
+    for ( int k = 0; k < p->count; ++k )
+        most = rf_maxf( most, *p->weight[k] );
+    return most;
+}
+
+static void queue_pair( Queue* q, const RfShare* share, const Pairs* p, RfVec3 from, int k, int own )
+{
+    if ( k != own )
+        queue_segment( q, share, from, p->hit[k], p->weight[k] );
+}
+
+// Weights of pairs that are left out become negative, or 0 where the roulette
+// takes them.
+static void play_roulette( Queue* q, RfRandomKey key, RfShare* share, int a )
+{
+    Pairs p = list_pairs( share, a );
+    float limit = CUTOFF * largest( &p );
+    RfVec3 from = lifted( &share->second, a );
+    int own = share->rank[share->owner[a]];
+    bool own_counts = *p.weight[own] >= limit;
+    share->late[a] = own_counts ? 0.0f : limit;
+    for ( int k = 0; k < p.count; ++k )
+    {
+        float w = *p.weight[k];
+        if ( w < limit && !own_counts )
+            continue; // see look_again
+        if ( w < limit )
+            *p.weight[k] = rf_random( key, RF_DIMENSION_CONNECTIONS + (uint32_t)k ) * limit < w ? -limit : 0.0f;
+        queue_pair( q, share, &p, from, k, own );
+    }
+}
+
+// A vertex whose own path was left out itself: it serves nobody if one that counts
+// sees it, for that one finds such vertices as well; else all count.
+static void look_again( Queue* q, RfShare* share, int a )
+{
+    Pairs p = list_pairs( share, a );
+    RfVec3 from = lifted( &share->second, a );
+    int own = share->rank[share->owner[a]];
+    bool served = false;
+    for ( int k = 0; k < p.count; ++k )
+        served |= *p.weight[k] >= share->late[a];
+    for ( int k = 0; k < p.count; ++k )
+    {
+        if ( served )
+            *p.weight[k] = 0.0f;
+        else
+            queue_pair( q, share, &p, from, k, own );
+    }
+}
+
+static void queue_all( Queue* q, RfShare* share, int a )
+{
+    Pairs p = list_pairs( share, a );
+    RfVec3 from = lifted( &share->second, a );
+    for ( int k = 0; k < p.count; ++k )
+        queue_pair( q, share, &p, from, k, share->rank[share->owner[a]] );
+}
+
+// All connections of a tile once, from each second vertex in turn. Shiny
+// vertices have no roulette: what they send to a hit that is left out would not
+// be bounded by what they send to the others.
+static uint64_t test_connections( const RfShareSettings* settings, const RfVertexLanes* x, RfWalk* walk, RfShare* share )
+{
+    Queue q = { .tracer = settings->walk->tracer, .scratch = &walk->scratch };
     const RfVertexLanes* y = &share->second;
+    bool blended = rf_tracer_is_blended( q.tracer );
+    int gamble = settings->roulette && !blended ? y->first[RF_BSDF_PHONG] : 0;
+    lift_hits( x, share );
+    if ( blended )
+        test_own( &q, rf_record_count( x ), share );
     for ( int a = 0; a < rf_record_count( y ); ++a )
     {
-        int own = share->owner[a];
-        if ( own < 0 )
+        if ( share->owner[a] < 0 )
             continue;
-        RfVec3 from = lifted( y, a );
-        const int32_t* member = share->member + share->begin[own];
-        int size = share->size[own], rank = share->rank[own];
-        for ( int k = 0, s = rank; k < size; ++k, s = s > 0 ? s - 1 : size - 1 )
-        {
-            if ( s > 0 )
-                queue_segment( &q, share, from, member[k], share->turns[s].weight + member[k] );
-        }
+        RfRandomKey key = { walk->key_a[y->slot[a]], walk->key_b[y->slot[a]] };
+        if ( a < gamble )
+            play_roulette( &q, key, share, a );
+        else
+            queue_all( &q, share, a );
+    }
+    test_segments( &q );
+    for ( int a = 0; a < gamble; ++a )
+    {
+        if ( share->owner[a] >= 0 && share->late[a] > 0.0f )
+            look_again( &q, share, a );
     }
     test_segments( &q );
     return q.tested;
@@ -156,30 +248,31 @@ static void normalize( int tile_pixels, int hits, RfShare* share )
     {
         const RfTurnLanes* turn = share->turns + s;
         for ( int i = 0; i < hits; ++i )
-            sum[turn->mate[i]] += turn->weight[i];
+            sum[turn->mate[i]] += rf_maxf( turn->weight[i], 0.0f );
     }
     for ( int s = 0; s < tile_pixels; ++s )
     {
         RfTurnLanes* turn = share->turns + s;
 #pragma omp simd
         for ( int i = 0; i < hits; ++i )
-            turn->weight[i] = turn->weight[i] > 0.0f ? turn->weight[i] / sum[turn->mate[i]] : 0.0f;
+            turn->weight[i] = turn->weight[i] != 0.0f ? fabsf( turn->weight[i] ) / sum[turn->mate[i]] : 0.0f;
     }
 }
 
-uint64_t rf_weigh_turns( const RfWalkSettings* settings, int tile_pixels, const RfVertexLanes* hits, float* const scattered[3],
-                         RfLaneScratch* scratch, RfShare* share )
+uint64_t rf_weigh_turns( const RfShareSettings* settings, const RfVertexLanes* hits, float* const scattered[3], RfWalk* walk,
+                         RfShare* share )
 {
+    int count = rf_record_count( hits );
     // turn 0 is the path as it was drawn
     for ( int c = 0; c < 3; ++c )
-        memcpy( share->turns[0].wi[c], scattered[c], (size_t)rf_record_count( hits ) * sizeof( float ) );
-    for ( int s = 0; s < tile_pixels; ++s )
+        memcpy( share->turns[0].wi[c], scattered[c], (size_t)count * sizeof( float ) );
+    for ( int s = 0; s < settings->tile_pixels; ++s )
     {
         if ( s > 0 )
             look_at_mates( hits, share, share->turns + s );
-        multiply_densities( hits, share->turns + s, scratch->pdf );
+        multiply_densities( hits, share->turns + s, walk->scratch.pdf );
     }
-    uint64_t tested = test_connections( settings->tracer, hits, scratch, share );
-    normalize( tile_pixels, rf_record_count( hits ), share );
+    uint64_t tested = test_connections( settings, hits, walk, share );
+    normalize( settings->tile_pixels, count, share );
     return tested;
 }
