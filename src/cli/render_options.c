@@ -38,7 +38,7 @@ static const RfOption s_options[] = {
       .help = "paths serve groups of 2N+1 frames; 0: no reuse" },
     { .name = "tile", .in_file = true, .type = RF_OPTION_STRING, .value = &s_parsed.tile, .meta = "WxH|rooksN|1", .default_text = "3x3",
       .help = "pixels of a frame that share their paths: blocks, N of an NxN grid, or none" },
-    { .name = "tile-roulette", .in_file = true, .type = RF_OPTION_BOOL, .value = &s_parsed.settings.tile_roulette, .default_text = "yes",
+    { .name = "tile-roulette", .in_file = true, .type = RF_OPTION_BOOL, .value = &s_parsed.settings.tile_roulette, .default_text = "no",
       .help = "Russian roulette on the connections in a tile that are worth little" },
     { .name = "weights", .in_file = true, .type = RF_OPTION_CHOICE, .value = &s_weights_index, .choices = s_weights,
       .default_text = "exact", .help = "how reused paths are weighted; the others are biased, for comparison" },

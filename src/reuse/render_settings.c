@@ -9,7 +9,7 @@ RfRenderSettings rf_default_render_settings( void )
         .spp = 28,
         .group = RF_GROUP_AUTO,
         .tile = { RF_TILE_BLOCK, 3, 3 },
-        .tile_roulette = true,
+        .tile_roulette = false,
         .weights = RF_WEIGHTS_EXACT,
         .normalize = RF_NORMALIZE_CROSSFIT,
         .max_depth = 12,
