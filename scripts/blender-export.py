@@ -13,8 +13,10 @@ as a map, out-sky.exr beside out.glb, which that property names. Custom properti
 are kept. What cannot be carried is named in a warning.
 """
 import argparse
+import json
 import math
 import os
+import struct
 import sys
 import urllib.parse
 
@@ -304,6 +306,25 @@ def export(path):
         convert_lighting_mode="COMPAT")
 
 
+def mend_truth(path):
+    """Custom properties know no true and false, Reframe's `visible` wants them."""
+    with open(path, "rb") as file:
+        data = file.read()
+    end = 20 + struct.unpack("<I", data[12:16])[0]
+    gltf = json.loads(data[20:end])
+    environments = [s.get("extras", {}).get("reframe", {}).get("environment", {}) for s in gltf.get("scenes", [])]
+    numbers = [e for e in environments if isinstance(e.get("visible"), int)]
+    if not numbers:
+        return
+    for environment in numbers:
+        environment["visible"] = bool(environment["visible"])
+    text = json.dumps(gltf, separators=(",", ":")).encode("utf-8")
+    text += b" " * (-len(text) % 4)
+    with open(path, "wb") as file:
+        file.write(struct.pack("<4sIII4s", b"glTF", 2, 20 + len(text) + len(data) - end, len(text), b"JSON"))
+        file.write(text + data[end:])
+
+
 def main():
     args = parse()
     scene = bpy.context.scene
@@ -317,6 +338,7 @@ def main():
     export(os.path.abspath(args.out))
     if not os.path.exists(args.out):
         fail("%s: was not written: see Blender's messages above" % args.out)
+    mend_truth(args.out)
     print("blender-export: %s: frames %d to %d" % (args.out, first, last))
 
 
