@@ -29,7 +29,7 @@ import mathutils  # noqa: E402
 DISC_CORNERS = 64
 LARGEST_MAP = 8192  # pixels across
 SKY_MAP = 2048  # where no picture says how many
-SKY_SAMPLES = 16
+SKY_SAMPLES = 4
 
 
 def warn(text):
@@ -211,16 +211,23 @@ def plain_radiance(world):
     return [c * node.inputs["Strength"].default_value for c in node.inputs["Color"].default_value[:3]]
 
 
-def nodes_of(tree):
-    for node in tree.nodes:
-        yield node
+def nodes_behind(last):
+    """What a node is fed by, itself too; of a group all there is in it."""
+    found, left = [], [last]
+    while left:
+        node = left.pop()
+        if node in found:
+            continue
+        found.append(node)
+        left += [link.from_node for i in node.inputs for link in i.links]
         if node.type == "GROUP" and node.node_tree is not None:
-            yield from nodes_of(node.node_tree)
+            left += list(node.node_tree.nodes)
+    return found
 
 
 def check_world(world):
     """Warns of what a map cannot say; returns how many pixels across it wants, and whether the world has pictures only."""
-    nodes = list(nodes_of(world.node_tree))
+    nodes = nodes_behind(world.node_tree.get_output_node("CYCLES").inputs["Surface"].links[0].from_node)
     images = [n for n in nodes if n.type in ("TEX_ENVIRONMENT", "TEX_IMAGE")]
     for node in images:
         if node.image is None or not node.image.has_data and not node.image.pixels:
