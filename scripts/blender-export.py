@@ -1,18 +1,24 @@
 """Writes a .blend as .glb for Reframe, without a window:
 
-    blender -b scene.blend -P scripts/blender-export.py -- out.glb [--camera NAME] [--frames A-B]
+    blender -b scene.blend -P scripts/blender-export.py -- out.glb [--camera NAME] [--frames A-B] [--overwrite]
 
 Blender's own glTF exporter does the work; this makes ready what it leaves out.
 The camera is baked frame by frame, whatever moves it (parents, constraints,
 drivers). Area lights become quads or discs that glow on one side with the same
 power. Point, spot and sun lamps are written in W/sr and W/m2 (the exporter's
 "unitless" mode), as Reframe takes them. A world of one colour goes into the
-scene's custom property `reframe`, as its environment. Custom properties are kept.
+scene's custom property `reframe`, as its environment; any other world (an
+environment texture however turned, a sky, nodes of any kind) is rendered by Cycles
+as a map, out-sky.exr beside out.glb, which that property names. Custom properties
+are kept. What cannot be carried is named in a warning.
 """
 import argparse
+import json
 import math
 import os
+import struct
 import sys
+import urllib.parse
 
 import numpy
 
@@ -21,6 +27,13 @@ import bpy  # noqa: E402
 import mathutils  # noqa: E402
 
 DISC_CORNERS = 64
+LARGEST_MAP = 8192  # pixels across
+SKY_MAP = 2048  # where no picture says how many
+SKY_SAMPLES = 4
+
+
+def warn(text):
+    print("blender-export: warning: " + text, file=sys.stderr)
 
 
 def fail(text):
@@ -35,6 +48,7 @@ def parse():
     p.add_argument("out", help="the .glb to write")
     p.add_argument("--camera", help="the camera to bake; default: the scene's active one")
     p.add_argument("--frames", help="A-B; default: the scene's own range")
+    p.add_argument("--overwrite", action="store_true", help="replace files that are there already")
     try:
         args = p.parse_args(own)
     except SystemExit as e:
@@ -44,7 +58,13 @@ def parse():
     folder = os.path.dirname(os.path.abspath(args.out))
     if not os.path.isdir(folder):
         fail("%s: cannot be written: there is no folder %s" % (args.out, folder))
+    refuse(args, args.out)
     return args
+
+
+def refuse(args, path):
+    if os.path.lexists(path) and not args.overwrite:
+        fail("%s: is there already: give another name or --overwrite" % path)
 
 
 def frame_range(scene, text):
@@ -69,16 +89,38 @@ def find_camera(scene, name):
     fail("no camera%s in the scene: it has %s" % (" '%s'" % name if name else "", ", ".join(c.name for c in cameras) or "none"))
 
 
+def states(scene):
+    """Where everything that is seen or lights stands, and how lamps shine."""
+    found = {}
+    for o in scene.objects:
+        if o.type in ("LIGHT", "MESH", "CURVE", "SURFACE", "META", "FONT") and not o.hide_render:
+            numbers = [v for row in o.matrix_world for v in row]
+            if o.type == "LIGHT":
+                numbers += [o.data.energy, *o.data.color, getattr(o.data, "size", 0.0), getattr(o.data, "spot_size", 0.0)]
+            found[o.name] = numbers
+    return found
+
+
+def warn_of_moves(moving):
+    if moving:
+        names = sorted(moving)
+        more = " and %d more" % (len(names) - 5) if len(names) > 5 else ""
+        warn("%s%s: moves or changes: taken as in the first frame" % (", ".join("'%s'" % n for n in names[:5]), more))
+
+
 def bake_camera(scene, camera, first, last):
-    """A camera of its own at the root, with a key in every frame."""
+    """A camera of its own at the root, with a key in every frame; warns of what else moves."""
     data = camera.data.copy()
     baked = bpy.data.objects.new(camera.name + " baked", data)
     name = camera.name
     scene.collection.objects.link(baked)
     baked.rotation_mode = "QUATERNION"
-    before = None
+    before, start, moving = None, None, set()
     for frame in range(first, last + 1):
         scene.frame_set(frame)
+        now = states(scene)
+        start = start or now
+        moving.update(n for n in now if n in start and max(abs(a - b) for a, b in zip(now[n], start[n])) > 1e-6)
         place, turn, _ = camera.matrix_world.decompose()
         if before is not None and before.dot(turn) < 0.0:
             turn.negate()  # the short way round between keys
@@ -87,11 +129,12 @@ def bake_camera(scene, camera, first, last):
         baked.rotation_quaternion = turn
         baked.keyframe_insert("location", frame=frame)
         baked.keyframe_insert("rotation_quaternion", frame=frame)
+    warn_of_moves(moving)
     for curve in baked.animation_data.action.fcurves:
         for key in curve.keyframe_points:
             key.interpolation = "LINEAR"
     if data.animation_data is not None:
-        print("blender-export: warning: the lens of '%s' is animated: the field of view of the first frame is taken" % name)
+        warn("the lens of '%s' is animated: the field of view of the first frame is taken" % name)
         data.animation_data_clear()
     scene.frame_set(first)
     places = [(child, child.matrix_world.copy()) for child in camera.children]
@@ -154,28 +197,112 @@ def replace_area_lights(scene):
         bpy.data.objects.remove(lamp)
 
 
-def world_radiance(world):
-    if world is None:
-        return None
+def plain_radiance(world):
+    """The radiance of a world of one colour; None: it takes a map."""
     if not world.use_nodes:
         return list(world.color)
-    for node in world.node_tree.nodes:
-        if node.type != "BACKGROUND" or not node.outputs[0].is_linked:
+    out = world.node_tree.get_output_node("CYCLES")
+    links = out.inputs["Surface"].links if out is not None else []
+    if not links:
+        return [0.0, 0.0, 0.0]
+    node = links[0].from_node
+    if node.type != "BACKGROUND" or node.inputs["Color"].is_linked or node.inputs["Strength"].is_linked:
+        return None
+    return [c * node.inputs["Strength"].default_value for c in node.inputs["Color"].default_value[:3]]
+
+
+def nodes_behind(last):
+    """What a node is fed by, itself too; of a group all there is in it."""
+    found, left = [], [last]
+    while left:
+        node = left.pop()
+        if node in found:
             continue
-        if node.inputs["Color"].is_linked or node.inputs["Strength"].is_linked:
-            print("blender-export: warning: the world is no plain colour: give its map to Reframe by a scene file")
-            return None
-        return [c * node.inputs["Strength"].default_value for c in node.inputs["Color"].default_value[:3]]
-    return None
+        found.append(node)
+        left += [link.from_node for i in node.inputs for link in i.links]
+        if node.type == "GROUP" and node.node_tree is not None:
+            left += list(node.node_tree.nodes)
+    return found
 
 
-def keep_world(scene):
-    radiance = world_radiance(scene.world)
-    if radiance is None or max(radiance) <= 0.0:
-        return
+def check_world(world):
+    """Warns of what a map cannot say; returns how many pixels across it wants, and whether the world has pictures only."""
+    nodes = nodes_behind(world.node_tree.get_output_node("CYCLES").inputs["Surface"].links[0].from_node)
+    images = [n for n in nodes if n.type in ("TEX_ENVIRONMENT", "TEX_IMAGE")]
+    for node in images:
+        if node.image is None or not node.image.has_data and not node.image.pixels:
+            fail("world '%s': the picture of its node '%s' cannot be read: pack it or mend its path" % (world.name, node.name))
+    if any(n.type == "LIGHT_PATH" for n in nodes):
+        warn("world '%s' looks different to the camera than to surfaces: taken as the camera sees it" % world.name)
+    if world.animation_data or world.node_tree.animation_data:
+        warn("world '%s' is animated: taken as in the first frame" % world.name)
+    sides = [n.image.size[0] for n in images if n.type == "TEX_ENVIRONMENT"] or [SKY_MAP]
+    if max(sides) > LARGEST_MAP:
+        warn("world '%s': its picture is %d pixels across: %d are kept" % (world.name, max(sides), LARGEST_MAP))
+    procedural = any(n.type.startswith("TEX_") and n not in images and n.type != "TEX_COORD" for n in nodes)
+    return min(max(sides), LARGEST_MAP), not procedural and bool(images)
+
+
+def render_map(world, across, exact, path):
+    """The whole sky from the origin; Reframe's map has +y of Blender in its middle too."""
+    scene = bpy.data.scenes.new("reframe map")
+    copy = world.copy()
+    copy.cycles_visibility.camera = True
+    copy.cycles.sampling_method = "NONE"
+    camera = bpy.data.objects.new("reframe map", bpy.data.cameras.new("reframe map"))
+    camera.data.type = "PANO"
+    camera.data.cycles.panorama_type = "EQUIRECTANGULAR"
+    camera.rotation_euler = (0.5 * math.pi, 0.0, 0.0)
+    scene.collection.objects.link(camera)
+    scene.camera, scene.world = camera, copy
+    render, cycles = scene.render, scene.cycles
+    render.engine = "CYCLES"
+    render.resolution_x, render.resolution_y, render.resolution_percentage = across, max(across // 2, 1), 100
+    render.image_settings.file_format, render.image_settings.color_depth = "OPEN_EXR", "32"
+    render.image_settings.color_mode, render.image_settings.exr_codec = "RGB", "ZIP"
+    render.use_file_extension = False
+    render.filepath = path
+    cycles.device, cycles.pixel_filter_type = "CPU", "BOX"
+    # a picture is taken at its pixels' middles, else a pixel's mean
+    cycles.samples, cycles.filter_width = (1, 0.01) if exact else (SKY_SAMPLES, 1.0)
+    cycles.use_adaptive_sampling = cycles.use_denoising = False
+    cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0.0
+    bpy.ops.render.render(write_still=True, scene=scene.name)
+    bpy.data.scenes.remove(scene)
+    bpy.data.worlds.remove(copy)
+    if not os.path.exists(path):
+        fail("%s: was not written: see Blender's messages above" % path)
+
+
+def keep_world(scene, args):
+    world = scene.world
     own = scene["reframe"].to_dict() if "reframe" in scene else {}
-    own.setdefault("environment", {"radiance": radiance})
+    if world is None or "environment" in own:
+        return
+    radiance = plain_radiance(world)
+    if radiance is not None and max(radiance) <= 0.0:
+        return
+    own["environment"] = environment = {}
+    if radiance is not None:
+        environment["radiance"] = radiance
+    else:
+        path = os.path.abspath(args.out)[:-len(".glb")] + "-sky.exr"
+        refuse(args, path)
+        render_map(world, *check_world(world), path)
+        environment["map"] = urllib.parse.quote(os.path.basename(path))
+    if scene.render.film_transparent or not world.cycles_visibility.camera:
+        environment["visible"] = False
     scene["reframe"] = own
+
+
+def warn_of_the_rest(scene, camera):
+    if camera.data.dof.use_dof:
+        warn("'%s' has depth of field: Reframe's cameras are sharp everywhere" % camera.name)
+    if scene.render.use_motion_blur or scene.eevee.use_motion_blur:
+        warn("motion blur is on: Reframe's frames are moments")
+    out = scene.world.node_tree.get_output_node("CYCLES") if scene.world is not None and scene.world.use_nodes else None
+    if out is not None and out.inputs["Volume"].is_linked:
+        warn("world '%s' has a volume: left out" % scene.world.name)
 
 
 def export(path):
@@ -186,17 +313,39 @@ def export(path):
         convert_lighting_mode="COMPAT")
 
 
+def mend_truth(path):
+    """Custom properties know no true and false, Reframe's `visible` wants them."""
+    with open(path, "rb") as file:
+        data = file.read()
+    end = 20 + struct.unpack("<I", data[12:16])[0]
+    gltf = json.loads(data[20:end])
+    environments = [s.get("extras", {}).get("reframe", {}).get("environment", {}) for s in gltf.get("scenes", [])]
+    numbers = [e for e in environments if isinstance(e.get("visible"), int)]
+    if not numbers:
+        return
+    for environment in numbers:
+        environment["visible"] = bool(environment["visible"])
+    text = json.dumps(gltf, separators=(",", ":")).encode("utf-8")
+    text += b" " * (-len(text) % 4)
+    with open(path, "wb") as file:
+        file.write(struct.pack("<4sIII4s", b"glTF", 2, 20 + len(text) + len(data) - end, len(text), b"JSON"))
+        file.write(text + data[end:])
+
+
 def main():
     args = parse()
     scene = bpy.context.scene
     first, last = frame_range(scene, args.frames)
     scene.frame_start, scene.frame_end = first, last
-    bake_camera(scene, find_camera(scene, args.camera), first, last)
+    camera = find_camera(scene, args.camera)
+    warn_of_the_rest(scene, camera)
+    bake_camera(scene, camera, first, last)
     replace_area_lights(scene)
-    keep_world(scene)
+    keep_world(scene, args)
     export(os.path.abspath(args.out))
     if not os.path.exists(args.out):
         fail("%s: was not written: see Blender's messages above" % args.out)
+    mend_truth(args.out)
     print("blender-export: %s: frames %d to %d" % (args.out, first, last))
 
 

@@ -9,6 +9,7 @@ job's "result", one list of three channels per picture. Written for Blender 3.4.
 
 import json
 import math
+import os
 import struct
 import sys
 
@@ -91,6 +92,24 @@ def cut_lamps(emitters):
             work.free()
 
 
+def set_world(scene, job, gltf):
+    """Black, or the map of the glTF's environment: the middle of Reframe's lies towards Blender's +y, of Blender's towards +x."""
+    scene.world = bpy.data.worlds.new("world")
+    scene.world.use_nodes = True
+    nodes, links = scene.world.node_tree.nodes, scene.world.node_tree.links
+    color = nodes["Background"].inputs["Color"]
+    color.default_value = (0.0, 0.0, 0.0, 1.0)
+    environment = gltf["scenes"][0].get("extras", {}).get("reframe", {}).get("environment")
+    if environment is None:
+        return
+    at, turn, sky = (nodes.new("ShaderNode" + name) for name in ("TexCoord", "Mapping", "TexEnvironment"))
+    turn.inputs["Rotation"].default_value = (0.0, 0.0, -0.5 * math.pi)
+    sky.image = bpy.data.images.load(os.path.join(os.path.dirname(os.path.abspath(job["scene"])), environment["map"]))
+    links.new(at.outputs["Generated"], turn.inputs["Vector"])
+    links.new(turn.outputs["Vector"], sky.inputs["Vector"])
+    links.new(sky.outputs["Color"], color)
+
+
 def set_up(job, gltf):
     bpy.ops.wm.read_factory_settings(use_empty=True)
     bpy.ops.import_scene.gltf(filepath=job["scene"], convert_lighting_mode="COMPAT")
@@ -104,9 +123,7 @@ def set_up(job, gltf):
     scene.camera.data.sensor_fit = "VERTICAL"
     scene.camera.data.angle_y = gltf["cameras"][0]["perspective"]["yfov"]
     scene.camera.data.clip_start = 1e-3
-    scene.world = bpy.data.worlds.new("black")
-    scene.world.use_nodes = True
-    scene.world.node_tree.nodes["Background"].inputs[0].default_value = (0.0, 0.0, 0.0, 1.0)
+    set_world(scene, job, gltf)
     scene.frame_set(0)
     render, cycles = scene.render, scene.cycles
     render.engine = "CYCLES"

@@ -2,6 +2,7 @@
 // Blender, or the numpy that its exporter needs, is not there.
 #include "cli_run.h"
 
+#include "light/sky.h"
 #include "scene/camera.h"
 #include "scene/gltf.h"
 
@@ -111,17 +112,86 @@ static void check_scene( const RfScene* scene )
     }
 }
 
+// A world of a packed picture, turned and dimmed; and what cannot be carried.
+static const char s_make_world[] =
+    "import bpy, math, numpy, os\n"
+    "s = bpy.context.scene\n"
+    "picture = bpy.data.images.new('sky', 64, 32, float_buffer=True)\n"
+    "picture.colorspace_settings.name = 'Linear'\n"
+    "p = numpy.ones((32, 64, 4), numpy.float32)\n"
+    "p[:, :, 0] = 0.5\n"
+    "p[24:, 8:11, :3] = (60, 50, 40)\n" // rows from below: a bright patch high up
+    "picture.pixels.foreach_set(p.ravel())\n"
+    "picture.pack()\n"
+    "tree = s.world.node_tree\n"
+    "new, link = tree.nodes.new, tree.links.new\n"
+    "sky, turn, at = new('ShaderNodeTexEnvironment'), new('ShaderNodeMapping'), new('ShaderNodeTexCoord')\n"
+    "sky.image = picture\n"
+    "turn.inputs['Rotation'].default_value = (0, 0, math.radians(30))\n"
+    "link(at.outputs['Generated'], turn.inputs[0])\n"
+    "link(turn.outputs[0], sky.inputs[0])\n"
+    "link(sky.outputs[0], tree.nodes['Background'].inputs['Color'])\n"
+    "s.world.cycles_visibility.camera = False\n"
+    "s.camera.data.dof.use_dof = s.render.use_motion_blur = True\n"
+    "lamp = s.objects['POINT']\n"
+    "lamp.data.keyframe_insert('energy', frame=1)\n"
+    "lamp.data.energy = 80\n"
+    "lamp.data.keyframe_insert('energy', frame=5)\n"
+    "bpy.ops.wm.save_as_mainfile(filepath=os.path.abspath('sky.blend'))\n";
+
+// From azimuth and elevation in Blender's axes, degrees.
+static RfVec3 sky_at( const RfScene* scene, double azimuth, double elevation )
+{
+    RfSky sky;
+    RfError error;
+    assert_int_equal( rf_make_sky( &scene->environment, &sky, &error ), RF_OK );
+    double a = azimuth * 3.14159265358979 / 180.0, e = elevation * 3.14159265358979 / 180.0;
+    RfVec3 way = rf_vec3( (float)( cos( a ) * cos( e ) ), (float)sin( e ), (float)( -sin( a ) * cos( e ) ) );
+    RfVec3 radiance = rf_sky_radiance( &sky, way );
+    rf_destroy_sky( &sky );
+    return radiance;
+}
+
+static void check_world( const RfScene* scene )
+{
+    assert_int_equal( scene->environment.width, 64 );
+    assert_int_equal( scene->environment.height, 32 );
+    assert_true( scene->environment.hidden );
+    // the patch's middle is 9.5 / 64 across: 126.6 degrees in the picture, 30 less once turned
+    RfVec3 patch = sky_at( scene, 96.6, 67.5 ), before = sky_at( scene, 126.6, 67.5 ), mirrored = sky_at( scene, -96.6, 67.5 );
+    assert_true( near( patch.x, 30.0 ) && near( patch.y, 25.0 ) && near( patch.z, 20.0 ) );
+    assert_true( near( before.x, 0.25 ) && near( before.y, 0.5 ) );
+    assert_true( near( mirrored.x, 0.25 ) && near( mirrored.y, 0.5 ) );
+    RfVec3 below = sky_at( scene, 96.6, -67.5 );
+    assert_true( near( below.x, 0.25 ) && near( below.z, 0.5 ) );
+}
+
+static bool enter_with_blender( void )
+{
+    cli_enter();
+    // another Python first in the path would hide the numpy of Debian's
+    if ( cli_run( "PATH=/usr/bin:$PATH blender -b --factory-startup --python-exit-code 9 --python-expr 'import numpy' > log 2>&1" )->status == 0 )
+        return true;
+    cli_leave();
+    print_message( "skipped: there is no blender with numpy\n" );
+    return false;
+}
+
+static void load( const char* name, RfScene* scene )
+{
+    char path[512];
+    snprintf( path, sizeof path, "%s/%s", cli_folder(), name );
+    RfError error;
+    RfLog log = { 0 };
+    if ( rf_load_gltf( path, scene, &log, &error ) != RF_OK )
+        fail_msg( "%s", error.text );
+}
+
 static void test_export( void** state )
 {
     (void)state;
-    cli_enter();
-    // another Python first in the path would hide the numpy of Debian's
-    if ( cli_run( "PATH=/usr/bin:$PATH blender -b --factory-startup --python-exit-code 9 --python-expr 'import numpy' > log 2>&1" )->status != 0 )
-    {
-        cli_leave();
-        print_message( "skipped: there is no blender with numpy\n" );
+    if ( !enter_with_blender() )
         skip();
-    }
     cli_write( "make.py", s_make, sizeof s_make - 1 );
     assert_int_equal( cli_run( "PATH=/usr/bin:$PATH blender -b --python-exit-code 9 -P make.py > log 2>&1" )->status, 0 );
 #define EXPORT "PATH=/usr/bin:$PATH blender -b t.blend -P " REFRAME_SOURCE_DIR "/scripts/blender-export.py -- "
@@ -129,20 +199,45 @@ static void test_export( void** state )
     assert_int_equal( refused->status, 1 );
     assert_non_null( strstr( refused->err, "no camera 'Nobody' in the scene: it has Eye" ) );
     assert_int_equal( cli_run( EXPORT "t.glb > log 2>&1" )->status, 0 );
-    char path[512];
-    snprintf( path, sizeof path, "%s/t.glb", cli_folder() );
     RfScene scene;
-    RfError error;
-    RfLog log = { 0 };
-    if ( rf_load_gltf( path, &scene, &log, &error ) != RF_OK )
-        fail_msg( "%s", error.text );
+    load( "t.glb", &scene );
     check_scene( &scene );
+    rf_destroy_scene( &scene );
+    refused = cli_run( EXPORT "t.glb > log" );
+    assert_int_equal( refused->status, 1 );
+    assert_non_null( strstr( refused->err, "blender-export: t.glb: is there already: give another name or --overwrite" ) );
+    assert_int_equal( cli_run( EXPORT "t.glb --overwrite > log 2>&1" )->status, 0 );
+    cli_leave();
+}
+
+static void test_world( void** state )
+{
+    (void)state;
+    if ( !enter_with_blender() )
+        skip();
+    cli_write( "make.py", s_make, sizeof s_make - 1 );
+    cli_write( "world.py", s_make_world, sizeof s_make_world - 1 );
+    assert_int_equal( cli_run( "PATH=/usr/bin:$PATH blender -b --python-exit-code 9 -P make.py -P world.py > log 2>&1" )->status, 0 );
+#define EXPORT_SKY "PATH=/usr/bin:$PATH blender -b sky.blend -P " REFRAME_SOURCE_DIR "/scripts/blender-export.py -- "
+    cli_write( "a b-sky.exr", "", 0 ); // a map in the way
+    const CliResult* done = cli_run( EXPORT_SKY "'a b.glb' > log" );
+    assert_int_equal( done->status, 1 );
+    assert_non_null( strstr( done->err, "a b-sky.exr: is there already" ) );
+    done = cli_run( EXPORT_SKY "'a b.glb' --overwrite > log" );
+    assert_int_equal( done->status, 0 );
+    assert_non_null( strstr( done->err, "warning: 'Eye' has depth of field" ) );
+    assert_non_null( strstr( done->err, "warning: motion blur is on" ) );
+    // the spot hangs on the moving camera, the cube stands still
+    assert_non_null( strstr( done->err, "warning: 'POINT', 'SPOT': moves or changes: taken as in the first frame" ) );
+    RfScene scene;
+    load( "a b.glb", &scene );
+    check_world( &scene );
     rf_destroy_scene( &scene );
     cli_leave();
 }
 
 int main( void )
 {
-    const struct CMUnitTest tests[] = { cmocka_unit_test( test_export ) };
+    const struct CMUnitTest tests[] = { cmocka_unit_test( test_export ), cmocka_unit_test( test_world ) };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }
