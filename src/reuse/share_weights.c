@@ -201,10 +201,14 @@ static void look_again( Queue* q, RfShare* share, int a )
 
 static void queue_all( Queue* q, RfShare* share, int a )
 {
-    Pairs p = list_pairs( share, a );
     RfVec3 from = lifted( &share->second, a );
-    for ( int k = 0; k < p.count; ++k )
-        queue_pair( q, share, &p, from, k, share->rank[share->owner[a]] );
+    int own = share->owner[a], size = share->size[own];
+    const int32_t* member = share->member + share->begin[own];
+    for ( int k = 0, s = share->rank[own]; k < size; ++k, s = s > 0 ? s - 1 : size - 1 )
+    {
+        if ( s > 0 )
+            queue_segment( q, share, from, member[k], share->turns[s].weight + member[k] );
+    }
 }
 
 // All connections of a tile once, from each second vertex in turn. Shiny
