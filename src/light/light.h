@@ -81,6 +81,10 @@ typedef struct RfLightPick
 // they are the same for all eyes that see x. `count` must not be 0.
 RfLightPick rf_pick_light( const RfLights* lights, RfLightPicking picking, RfVec3 x, RfVec3 n, const uint32_t bits[2] );
 
+// The same for arrays of points.
+void rf_pick_lights( const RfLights* lights, RfLightPicking picking, int count, const float* const x[3],
+                     const float* const n[3], const uint32_t* const bits[2], RfLightPick* pick );
+
 // With which chance that picks this light; above 0 unless it can send nothing to x.
 float rf_light_chance( const RfLights* lights, RfLightPicking picking, uint32_t light, RfVec3 x, RfVec3 n );
 

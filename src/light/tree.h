@@ -34,15 +34,16 @@ typedef struct RfTreeLight
 // for rounding. A place that is not taken has intensity 0.
 typedef struct RfLightNode
 {
-    _Alignas( 32 ) float center[3][RF_LIGHT_CHILDREN];
+    _Alignas( 32 ) uint32_t child[RF_LIGHT_CHILDREN];
+    float center[3][RF_LIGHT_CHILDREN];
     float radius[RF_LIGHT_CHILDREN];
+    float inverse_radius[RF_LIGHT_CHILDREN];
     float axis[3][RF_LIGHT_CHILDREN];
     float cos_spread[RF_LIGHT_CHILDREN];
     float sin_spread[RF_LIGHT_CHILDREN];
     float cos_emission[RF_LIGHT_CHILDREN];
     float intensity[RF_LIGHT_CHILDREN];
     float two_sided[RF_LIGHT_CHILDREN]; // 1 or 0
-    uint32_t child[RF_LIGHT_CHILDREN];
 } RfLightNode;
 
 typedef struct RfLightTree

@@ -163,6 +163,7 @@ static void fill_child( RfLightNode* node, int k, const RfLightBounds* b )
         node->axis[i][k] = (float)b->axis[i];
     }
     node->radius[k] = (float)( sqrt( half2 ) * ( 1.0 + ROUNDING ) + ROUNDING * fmax( 1.0, farthest ) );
+    node->inverse_radius[k] = 1.0f / node->radius[k];
     node->cos_spread[k] = (float)b->cos_spread;
     node->sin_spread[k] = (float)sqrt( fmax( 1.0 - b->cos_spread * b->cos_spread, 0.0 ) );
     node->cos_emission[k] = (float)b->cos_emission;

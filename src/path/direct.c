@@ -49,15 +49,21 @@ static inline RfVec3 start_of( const RfVertexLanes* v, int i )
     return rf_madd( rf_vec3( v->p[0][i], v->p[1][i], v->p[2][i] ), rf_vec3( v->ng[0][i], v->ng[1][i], v->ng[2][i] ), v->offset[i] );
 }
 
-static void pick_lights( const RfWalkSettings* settings, const RfVertexLanes* v, const RfLaneScratch* scratch, RfLightPick* pick )
+static void pick_lights( const RfWalkSettings* settings, const RfVertexLanes* restrict v, RfLaneScratch* restrict scratch,
+                         RfLightPick* pick )
 {
-    const RfLights* lights = rf_tracer_lights( settings->tracer );
+#pragma omp simd
     for ( int i = 0; i < v->count; ++i )
     {
-        uint32_t bits[2] = { scratch->bits[0][i], scratch->bits[1][i] };
-        RfVec3 n = rf_vec3( v->n[0][i], v->n[1][i], v->n[2][i] );
-        pick[i] = rf_pick_light( lights, settings->light_picking, start_of( v, i ), n, bits );
+        RfVec3 from = start_of( v, i );
+        scratch->o[0][i] = from.x;
+        scratch->o[1][i] = from.y;
+        scratch->o[2][i] = from.z;
     }
+    const float* x[3] = { scratch->o[0], scratch->o[1], scratch->o[2] };
+    const float* n[3] = { v->n[0], v->n[1], v->n[2] };
+    const uint32_t* bits[2] = { scratch->bits[0], scratch->bits[1] };
+    rf_pick_lights( rf_tracer_lights( settings->tracer ), settings->light_picking, v->count, x, n, bits, pick );
 }
 
 // Uniform by area: u ↦ (1 − √u₁, u₂ √u₁) in barycentrics. Lights that are no
