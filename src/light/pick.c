@@ -1,6 +1,7 @@
 #include "light/light.h"
 
-#define RF_PICK_BLOCK 64 // below 256
+#define PICK_BLOCK 64 // below 256
+#define BELOW_ONE ( 1.0 - 0x1p-52 )
 
 // Where the tree has x: in units of the ball around the scene.
 static RfVec3 in_ball( const RfLights* lights, RfVec3 x )
@@ -13,11 +14,20 @@ static float weigh_sky( const RfLights* lights, RfVec3 n )
     return rf_has_sky( lights ) ? rf_sky_irradiance_estimate( &lights->sky, n ) * lights->sky_scale : 0.0f;
 }
 
-static double sum_of( const float weight[RF_LIGHT_CHILDREN] )
+// Weights of a node's children and, summed in doubles, of those before each:
+// in floats one of a millionth would not be met as often as its weight says.
+typedef struct Weights
 {
-    double sum = 0.0;
+    float of[RF_LIGHT_CHILDREN];
+    double before[RF_LIGHT_CHILDREN + 1]; // the last is the sum
+} Weights;
+
+static inline double weigh( const RfLightNode* node, RfVec3 x, RfVec3 n, Weights* out )
+{
+    rf_weigh_lights( node, x, n, out->of );
+    double sum = out->before[0] = 0.0;
     for ( int k = 0; k < RF_LIGHT_CHILDREN; ++k )
-        sum += (double)weight[k];
+        out->before[k + 1] = sum += (double)out->of[k];
     return sum;
 }
 
@@ -31,22 +41,15 @@ typedef struct Descent
 
 // Goes on to the child in which u lies. Without branches: which child it is, no
 // processor foretells. The sum of the weights is above 0.
-static inline void descend( Descent* d, const RfLightNode* node, const float weight[RF_LIGHT_CHILDREN], double sum )
+static inline void descend( Descent* d, const RfLightNode* node, const Weights* weights )
 {
-    double place = d->u * sum, below = 0.0, to = 0.0;
-    double last = sum * ( 1.0 - 0x1p-52 );
+    double sum = weights->before[RF_LIGHT_CHILDREN], place = d->u * sum, last = sum * BELOW_ONE;
     place = place < last ? place : last;
-    uint32_t k = 0;
-    for ( int i = 0; i < RF_LIGHT_CHILDREN; ++i )
-    {
-        to += (double)weight[i];
-        uint32_t beyond = place >= to; // of those without weight, too
-        k += beyond;
-        below = beyond ? to : below;
-    }
-    double part = (double)weight[k];
-    double u = ( place - below ) / part;
-    d->u = u < 1.0 - 0x1p-52 ? u : 1.0 - 0x1p-52;
+    int k = 0;
+    for ( int i = 1; i < RF_LIGHT_CHILDREN; ++i )
+        k += place >= weights->before[i]; // beyond those without weight, too
+    double part = (double)weights->of[k], u = ( place - weights->before[k] ) / part;
+    d->u = u < BELOW_ONE ? u : BELOW_ONE;
     d->chance *= part / sum;
     d->node = node->child[k];
 }
@@ -69,9 +72,8 @@ static inline void stop( Descent* d )
 // From the root, beside which there is the sky.
 static inline void set_off( const RfLights* lights, RfVec3 x, RfVec3 n, Descent* d )
 {
-    float weight[RF_LIGHT_CHILDREN];
-    rf_weigh_lights( lights->tree.nodes, x, n, weight );
-    double sum = sum_of( weight ), sky = (double)weigh_sky( lights, n ), all = sum + sky;
+    Weights weights;
+    double sum = weigh( lights->tree.nodes, x, n, &weights ), sky = (double)weigh_sky( lights, n ), all = sum + sky;
     if ( !( all > 0.0 ) )
         stop( d );
     else if ( d->u * all < sky || sum == 0.0 )
@@ -83,18 +85,16 @@ static inline void set_off( const RfLights* lights, RfVec3 x, RfVec3 n, Descent*
     {
         d->u = ( d->u * all - sky ) / sum;
         d->chance = sum / all;
-        descend( d, lights->tree.nodes, weight, sum );
+        descend( d, lights->tree.nodes, &weights );
     }
 }
 
 static inline void go_on( const RfLights* lights, RfVec3 x, RfVec3 n, Descent* d )
 {
     const RfLightNode* node = lights->tree.nodes + d->node;
-    float weight[RF_LIGHT_CHILDREN];
-    rf_weigh_lights( node, x, n, weight );
-    double sum = sum_of( weight );
-    if ( sum > 0.0 )
-        descend( d, node, weight, sum );
+    Weights weights;
+    if ( weigh( node, x, n, &weights ) > 0.0 )
+        descend( d, node, &weights );
     else
         stop( d ); // its bounds promised more than there is
 }
@@ -132,9 +132,9 @@ RfLightPick rf_pick_light( const RfLights* lights, RfLightPicking picking, RfVec
 static void pick_block( const RfLights* lights, int count, const float* const x[3], const float* const n[3],
                         const uint32_t* const bits[2], int first, RfLightPick* pick )
 {
-    Descent d[RF_PICK_BLOCK];
-    RfVec3 place[RF_PICK_BLOCK], normal[RF_PICK_BLOCK];
-    uint8_t active[RF_PICK_BLOCK];
+    Descent d[PICK_BLOCK];
+    RfVec3 place[PICK_BLOCK], normal[PICK_BLOCK];
+    uint8_t active[PICK_BLOCK];
     int left = 0;
     for ( int i = 0; i < count; ++i )
     {
@@ -167,8 +167,8 @@ void rf_pick_lights( const RfLights* lights, RfLightPicking picking, int count, 
 {
     if ( has_tree( lights, picking ) )
     {
-        for ( int first = 0; first < count; first += RF_PICK_BLOCK )
-            pick_block( lights, count - first < RF_PICK_BLOCK ? count - first : RF_PICK_BLOCK, x, n, bits, first, pick );
+        for ( int first = 0; first < count; first += PICK_BLOCK )
+            pick_block( lights, count - first < PICK_BLOCK ? count - first : PICK_BLOCK, x, n, bits, first, pick );
         return;
     }
     for ( int i = 0; i < count; ++i )
@@ -180,7 +180,7 @@ float rf_light_chance( const RfLights* lights, RfLightPicking picking, uint32_t 
     const RfLightTree* tree = &lights->tree;
     if ( !has_tree( lights, picking ) )
         return lights->share[light];
-    float weight[RF_LIGHT_CHILDREN];
+    Weights weights;
     double sky = (double)weigh_sky( lights, n );
     bool is_sky = rf_has_sky( lights ) && light == lights->count - 1;
     x = in_ball( lights, x );
@@ -189,9 +189,8 @@ float rf_light_chance( const RfLights* lights, RfLightPicking picking, uint32_t 
     for ( uint32_t place = is_sky ? 0 : tree->place[light];; )
     {
         uint32_t number = place / RF_LIGHT_CHILDREN;
-        rf_weigh_lights( tree->nodes + number, x, n, weight );
-        double sum = sum_of( weight ) + ( number == 0 ? sky : 0.0 );
-        double part = is_sky ? sky : (double)weight[place % RF_LIGHT_CHILDREN];
+        double sum = weigh( tree->nodes + number, x, n, &weights ) + ( number == 0 ? sky : 0.0 );
+        double part = is_sky ? sky : (double)weights.of[place % RF_LIGHT_CHILDREN];
         if ( !( part > 0.0 ) )
             return 0.0f;
         chance *= part / sum;

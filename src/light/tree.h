@@ -39,11 +39,13 @@ typedef struct RfLightNode
     float radius[RF_LIGHT_CHILDREN];
     float inverse_radius[RF_LIGHT_CHILDREN];
     float axis[3][RF_LIGHT_CHILDREN];
-    float cos_spread[RF_LIGHT_CHILDREN];
-    float sin_spread[RF_LIGHT_CHILDREN];
-    float cos_emission[RF_LIGHT_CHILDREN];
-    float intensity[RF_LIGHT_CHILDREN];
-    float two_sided[RF_LIGHT_CHILDREN]; // 1 or 0
+    float flip[RF_LIGHT_CHILDREN]; // −1: two-sided, else 1
+    // Light reaches up to 90° + turn off the axis. Turned towards the axis by that
+    // much, a direction sees the lights as it would a plane one that faces along it.
+    float cos_turn[RF_LIGHT_CHILDREN];
+    float sin_turn[RF_LIGHT_CHILDREN];
+    float full[RF_LIGHT_CHILDREN]; // what is nearer to the axis than that sees one head on
+    float intensity[RF_LIGHT_CHILDREN]; // seen head on
 } RfLightNode;
 
 typedef struct RfLightTree

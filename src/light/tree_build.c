@@ -8,6 +8,7 @@
 
 #define BINS 16
 #define CUT_IN_THE_MIDDLE 12 // from this depth on, so that no scene makes the tree deep
+#define PI 3.14159265358979324
 #define ROUNDING 1e-6        // what floats may be off, of sizes and coordinates
 
 typedef struct Range
@@ -150,7 +151,7 @@ static int costliest( const Range* ranges, int count )
     return best;
 }
 
-// Bits grow by a little: rounding must not leave anything outside.
+// Sizes grow by a little: rounding must not leave anything outside.
 static void fill_child( RfLightNode* node, int k, const RfLightBounds* b )
 {
     double half2 = 0.0, farthest = 0.0;
@@ -164,11 +165,14 @@ static void fill_child( RfLightNode* node, int k, const RfLightBounds* b )
     }
     node->radius[k] = (float)( sqrt( half2 ) * ( 1.0 + ROUNDING ) + ROUNDING * fmax( 1.0, farthest ) );
     node->inverse_radius[k] = 1.0f / node->radius[k];
-    node->cos_spread[k] = (float)b->cos_spread;
-    node->sin_spread[k] = (float)sqrt( fmax( 1.0 - b->cos_spread * b->cos_spread, 0.0 ) );
-    node->cos_emission[k] = (float)b->cos_emission;
-    node->intensity[k] = b->intensity > 0.0 ? (float)fmax( b->intensity, 1e-37 ) : 0.0f;
-    node->two_sided[k] = b->two_sided ? 1.0f : 0.0f;
+    node->flip[k] = b->two_sided ? -1.0f : 1.0f;
+    double turn = acos( b->cos_spread ) + acos( b->cos_emission ) - 0.5 * PI;
+    node->cos_turn[k] = (float)cos( turn );
+    node->sin_turn[k] = (float)sin( turn );
+    node->full[k] = turn > 0.0 ? (float)cos( turn ) : 2.0f;
+    // of a narrow beam the axis itself is not far from its horizon
+    double head_on = turn < 0.0 ? fmax( cos( turn ), 1e-3 ) : 1.0;
+    node->intensity[k] = b->intensity > 0.0 ? (float)fmax( b->intensity / head_on, 1e-37 ) : 0.0f;
 }
 
 static bool add_node( RfLightTree* tree, uint32_t place, uint32_t* number )
