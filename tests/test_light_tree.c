@@ -388,24 +388,45 @@ static void test_shape( void** state )
     }
 }
 
-// Two lamps on either side of a wall of dark: a point picks the one it is next to.
-static void test_near_lamps_are_preferred( void** state )
+// Light of the middle of a lamp, were it small.
+static double middle_light( const RfLight* light, RfVec3 x, RfVec3 n )
+{
+    RfVec3 way = rf_sub( rf_madd( light->p0, rf_add( light->e1, light->e2 ), 1.0f / 3.0f ), x );
+    double d2 = (double)rf_dot( way, way ), cos_x = (double)rf_dot( n, way ), cos_light = -(double)rf_dot( light->normal, way );
+    if ( !( cos_x > 0.0 && cos_light > 0.0 ) )
+        return 0.0;
+    return (double)( light->area * rf_luminance( light->radiance ) ) * cos_x * cos_light / ( d2 * d2 );
+}
+
+// The relative variance of one pick's light / chance, below a ceiling of lamps:
+// by the tree a small part of what it is by power.
+static void test_picks_make_little_noise( void** state )
 {
     (void)state;
     Mix mix = { .quads = 200, .least = 0.2f, .most = 0.2f, .flat = true };
     RfScene scene = make_scene( &mix );
     RfLights lights = collect( &scene );
-    const RfLight* light = lights.light + 17;
-    RfVec3 x = rf_madd( light->p0, light->normal, 0.5f );
-    double near = 0.0, share = 0.0;
-    for ( uint32_t k = 0; k < lights.count; ++k )
+    double variance[2] = { 0.0 };
+    for ( uint32_t i = 0; i < 300; ++i )
     {
-        bool close = rf_length( rf_sub( lights.light[k].p0, x ) ) < 1.5f;
-        near += close ? (double)rf_light_chance( &lights, RF_PICK_BY_TREE, k, x, rf_vec3( 0, 1, 0 ) ) : 0.0;
-        share += close ? (double)lights.share[k] : 0.0;
+        RfVec3 x = in_cube( 12, i, 0, 9.0f ), n = direction( 13, i, 0 );
+        x.y = 2.8f - 4.0f * number( 12, i, 5 );
+        n.y = fabsf( n.y );
+        double sum = 0.0, squares[2] = { 0.0 };
+        for ( uint32_t k = 0; k < lights.count; ++k )
+        {
+            double light = middle_light( lights.light + k, x, n );
+            sum += light;
+            if ( light == 0.0 )
+                continue;
+            squares[0] += light * light / (double)rf_light_chance( &lights, RF_PICK_BY_TREE, k, x, n );
+            squares[1] += light * light / (double)rf_light_chance( &lights, RF_PICK_BY_POWER, k, x, n );
+        }
+        for ( int way = 0; way < 2; ++way )
+            variance[way] += ( squares[way] / ( sum * sum ) - 1.0 ) / 300.0;
     }
-    printf( "lamps within 1.5 m: %.3f of the picks, %.3f of the power\n", near, share );
-    assert_true( near > 0.6 && share < 0.1 );
+    printf( "relative variance of a pick: %.3f by the tree, %.3f by power\n", variance[0], variance[1] );
+    assert_true( variance[0] < 0.6 && variance[0] < 0.15 * variance[1] );
     rf_destroy_lights( &lights );
     rf_destroy_scene( &scene );
 }
@@ -418,7 +439,7 @@ int main( void )
         cmocka_unit_test( test_many_at_once ),
         cmocka_unit_test( test_all_that_can_send_are_picked ),
         cmocka_unit_test( test_shape ),
-        cmocka_unit_test( test_near_lamps_are_preferred ),
+        cmocka_unit_test( test_picks_make_little_noise ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }
