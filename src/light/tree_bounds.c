@@ -52,6 +52,8 @@ static void unite_cones( RfLightBounds* a, const RfLightBounds* b )
     cos_apart = flip ? -cos_apart : cos_apart;
     if ( cos_apart >= 1.0 - 1e-14 && a->cos_spread == b->cos_spread && a->two_sided == b->two_sided )
         return;
+    if ( b->cos_spread == 1.0 && cos_apart >= a->cos_spread && a->two_sided == b->two_sided )
+        return; // a direction of the cone
     double other[3] = { flip ? -b->axis[0] : b->axis[0], flip ? -b->axis[1] : b->axis[1], flip ? -b->axis[2] : b->axis[2] };
     double apart = angle_of( cos_apart ), spread_a = angle_of( a->cos_spread ), spread_b = angle_of( b->cos_spread );
     double spread = 0.5 * ( spread_a + apart + spread_b );

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #define BINS 16
+#define ONE_AXIS_FROM 2000   // lights: more are cut along their longest axis
 #define CUT_IN_THE_MIDDLE 12 // from this depth on, so that no scene makes the tree deep
 #define PI 3.14159265358979324
 #define ROUNDING 1e-6        // what floats may be off, of sizes and coordinates
@@ -73,32 +74,58 @@ static double best_of_axis( const RfLightBounds* bin, int* best )
     return least;
 }
 
+// The extent of the lights' middles.
+static void find_extent( const RfTreeLight* lights, uint32_t count, double low[3], double high[3] )
+{
+    for ( int axis = 0; axis < 3; ++axis )
+    {
+        low[axis] = INFINITY;
+        high[axis] = -INFINITY;
+    }
+    for ( uint32_t i = 0; i < count; ++i )
+    {
+        for ( int axis = 0; axis < 3; ++axis )
+        {
+            double middle = middle_of( lights + i, axis );
+            low[axis] = middle < low[axis] ? middle : low[axis];
+            high[axis] = middle > high[axis] ? middle : high[axis];
+        }
+    }
+}
+
+// The best cut along an axis, and its cost.
+static double cut_along( const RfTreeLight* lights, uint32_t count, int axis, double low, double high, Cut* cut )
+{
+    *cut = ( Cut ){ axis, low, BINS / ( high - low ), 0 };
+    if ( !( high > low ) || !isfinite( cut->scale ) )
+        return INFINITY;
+    RfLightBounds bin[BINS];
+    for ( int k = 0; k < BINS; ++k )
+        bin[k] = rf_no_lights();
+    for ( uint32_t i = 0; i < count; ++i )
+        rf_bound_both( bin + bin_of( lights + i, axis, low, cut->scale ), lights + i );
+    return best_of_axis( bin, &cut->bin );
+}
+
 static Cut find_cut( const Builder* builder, const Range* range )
 {
     const RfTreeLight* lights = builder->lights + range->first;
-    Cut best = { 0 };
-    double least = INFINITY, longest = 0.0;
-    for ( int axis = 0; axis < 3; ++axis )
-        longest = fmax( longest, range->bounds.high[axis] - range->bounds.low[axis] );
+    double low[3], high[3], longest = 0.0, widest = 0.0, least = INFINITY;
+    find_extent( lights, range->count, low, high );
     for ( int axis = 0; axis < 3; ++axis )
     {
-        double low = INFINITY, high = -INFINITY;
-        for ( uint32_t i = 0; i < range->count; ++i )
-        {
-            low = fmin( low, middle_of( lights + i, axis ) );
-            high = fmax( high, middle_of( lights + i, axis ) );
-        }
-        double scale = BINS / ( high - low );
-        if ( !( high > low ) || !isfinite( scale ) )
+        longest = fmax( longest, range->bounds.high[axis] - range->bounds.low[axis] );
+        widest = fmax( widest, high[axis] - low[axis] );
+    }
+    Cut best = { 0 };
+    for ( int axis = 0; axis < 3; ++axis )
+    {
+        if ( range->count > ONE_AXIS_FROM && high[axis] - low[axis] < widest )
             continue;
-        RfLightBounds bin[BINS];
-        for ( int k = 0; k < BINS; ++k )
-            bin[k] = rf_no_lights();
-        for ( uint32_t i = 0; i < range->count; ++i )
-            rf_bound_both( bin + bin_of( lights + i, axis, low, scale ), lights + i );
-        Cut cut = { axis, low, scale, 0 };
+        Cut cut;
         // long boxes are rather cut across
-        double cost = best_of_axis( bin, &cut.bin ) * longest / ( range->bounds.high[axis] - range->bounds.low[axis] );
+        double factor = longest / ( range->bounds.high[axis] - range->bounds.low[axis] );
+        double cost = cut_along( lights, range->count, axis, low[axis], high[axis], &cut ) * factor;
         if ( cut.bin > 0 && cost < least )
         {
             least = cost;
