@@ -1,4 +1,5 @@
 // Light samples at the vertices of a wavefront (estimators.md section 3).
+#include "path/other_light.h"
 #include "path/walk.h"
 
 // The chosen points of the lights, gathered for the vector loop.
@@ -156,66 +157,6 @@ static void connect( const RfVertexLanes* restrict v, const LightPoints* restric
     }
 }
 
-// A light sample from a light that is no triangle: the direction to it, what
-// arrives unless something is in the way, and the segment to test. A punctual
-// light has all its density in one direction.
-typedef struct OtherSample
-{
-    RfVec3 wi, radiance;
-    float pdf_solid_angle;
-    float distance;
-} OtherSample;
-
-static float cone( const RfPunctual* p, RfVec3 wi )
-{
-    if ( p->kind != RF_PUNCTUAL_SPOT )
-        return 1.0f;
-    float cos_axis = -rf_dot( p->direction, wi );
-    float t = ( cos_axis - p->cos_outer ) / rf_maxf( p->cos_inner - p->cos_outer, 1e-4f );
-    t = rf_clampf( t, 0.0f, 1.0f );
-    return t * t;
-}
-
-// The range of KHR_lights_punctual, as its text recommends.
-static float window( float distance2, float range )
-{
-    float ratio2 = distance2 / ( range * range );
-    return rf_clampf( 1.0f - ratio2 * ratio2, 0.0f, 1.0f );
-}
-
-static OtherSample sample_punctual( const RfLights* lights, const RfPunctual* p, float pick, RfVec3 from )
-{
-    OtherSample sample = { .pdf_solid_angle = pick * RF_DELTA_PDF };
-    if ( p->kind == RF_PUNCTUAL_DIRECTIONAL )
-    {
-        sample.wi = rf_scale( p->direction, -1.0f );
-        sample.distance = 2.0f * ( rf_length( rf_sub( from, lights->center ) ) + lights->radius );
-        sample.radiance = rf_scale( p->intensity, RF_DELTA_PDF );
-        return sample;
-    }
-    RfVec3 way = rf_sub( p->position, from );
-    float d2 = rf_maxf( rf_dot( way, way ), 1e-8f ); // on the light itself: no more than at a tenth of a millimetre
-    sample.distance = sqrtf( d2 );
-    sample.wi = rf_scale( way, 1.0f / sample.distance );
-    sample.radiance = rf_scale( p->intensity, cone( p, sample.wi ) * window( d2, p->range ) / d2 * RF_DELTA_PDF );
-    return sample;
-}
-
-static OtherSample sample_sky( const RfLights* lights, const RfWalk* keys, int slot, uint32_t dimension, const float place[2],
-                               float pick, RfVec3 from )
-{
-    RfRandomKey key = { keys->key_a[slot], keys->key_b[slot] };
-    uint32_t bits[2] = { rf_random_bits( key, ( dimension + 1 ) | RF_DIMENSION_TWIN ),
-                         rf_random_bits( key, ( dimension + 2 ) | RF_DIMENSION_TWIN ) };
-    RfSkySample sky = rf_sample_sky( &lights->sky, bits, place );
-    return ( OtherSample ){
-        .wi = sky.wi,
-        .radiance = sky.radiance,
-        .pdf_solid_angle = sky.pdf_solid_angle * pick,
-        .distance = 2.0f * ( rf_length( rf_sub( from, lights->center ) ) + lights->radius ),
-    };
-}
-
 // What connect() does for triangles, for the others.
 static void connect_others( const RfLights* lights, const RfWalk* keys, const RfVertexLanes* v, const LightPoints* points,
                             uint32_t dimension, RfLightLanes* out, RfLaneScratch* scratch )
@@ -223,15 +164,12 @@ static void connect_others( const RfLights* lights, const RfWalk* keys, const Rf
     for ( int k = 0; k < points->other_count; ++k )
     {
         int i = points->other[k];
-        RfLightPick pick = points->pick[i];
-        int number = (int)( pick.light - lights->triangle_count );
+        RfVec3 from = rf_vec3( scratch->o[0][i], scratch->o[1][i], scratch->o[2][i] );
+        RfRandomKey key = { keys->key_a[v->slot[i]], keys->key_b[v->slot[i]] };
+        float place[2] = { scratch->random[0][i], scratch->random[1][i] };
         RfVec3 ng = rf_vec3( v->ng[0][i], v->ng[1][i], v->ng[2][i] );
         RfVec3 n = rf_vec3( v->n[0][i], v->n[1][i], v->n[2][i] );
-        RfVec3 from = rf_vec3( scratch->o[0][i], scratch->o[1][i], scratch->o[2][i] );
-        float place[2] = { scratch->random[0][i], scratch->random[1][i] };
-        OtherSample s = number < lights->punctual_count
-                            ? sample_punctual( lights, lights->punctual + number, pick.chance, from )
-                            : sample_sky( lights, keys, v->slot[i], dimension, place, pick.chance, from );
+        RfOtherSample s = rf_sample_other_light( lights, points->pick[i], key, dimension, place, from );
         float cos_x = rf_dot( n, s.wi );
         if ( !( cos_x > 0.0f && rf_dot( ng, s.wi ) > 0.0f && s.pdf_solid_angle > 0.0f && rf_max_component( s.radiance ) < 1e32f ) )
             continue;
