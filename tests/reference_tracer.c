@@ -17,7 +17,8 @@ typedef struct Point
     float ior;   // relative, for glass
     RfVec3 emission;
     float offset;
-    float light_pdf; // of a light sample at the ray's origin choosing this point
+    uint32_t light;  // its number, or RF_NO_LIGHT
+    float light_pdf; // of a light sample at the ray's origin choosing this point, once the light is picked
 } Point;
 
 static bool find( const RfTracer* tracer, RfVec3 o, RfVec3 d, Point* out )
@@ -55,6 +56,7 @@ static bool find( const RfTracer* tracer, RfVec3 o, RfVec3 d, Point* out )
     out->emission = rf_vec3( 0, 0, 0 );
     out->offset = t->offset;
     out->light_pdf = 0.0f;
+    out->light = t->light;
     if ( t->light != RF_NO_LIGHT )
     {
         const RfLight* light = rf_tracer_lights( tracer )->light + t->light;
@@ -136,14 +138,25 @@ static Onward scatter( const Point* x, RfRandomKey key, uint32_t dimension )
 
 static RfVec3 start_of( const Point* x, const Onward* onward ) { return rf_madd( x->p, x->ng, onward->side * x->offset ); }
 
-static RfVec3 sky_along( const RfTracer* tracer, RfVec3 d, float* light_pdf )
+// A ray, and the normal where it started: what lights were picked by there.
+typedef struct Ray
+{
+    RfVec3 o, d, n;
+} Ray;
+
+static float chance_at_origin( const RfTracer* tracer, const ReferenceSettings* s, const Ray* ray, uint32_t light )
+{
+    return rf_light_chance( rf_tracer_lights( tracer ), s->light_picking, light, ray->o, ray->n );
+}
+
+static RfVec3 sky_along( const RfTracer* tracer, const ReferenceSettings* s, const Ray* ray, float* light_pdf )
 {
     const RfLights* lights = rf_tracer_lights( tracer );
     *light_pdf = 0.0f;
     if ( lights->sky.environment == NULL )
         return rf_vec3( 0, 0, 0 );
-    *light_pdf = rf_sky_pdf_solid_angle( &lights->sky, d ) * lights->pick[lights->punctual_count];
-    return rf_sky_radiance( &lights->sky, d );
+    *light_pdf = rf_sky_pdf_solid_angle( &lights->sky, ray->d ) * chance_at_origin( tracer, s, ray, rf_sky_number( lights ) );
+    return rf_sky_radiance( &lights->sky, ray->d );
 }
 
 static float part_open( const RfTracer* tracer, RfVec3 from, RfVec3 segment )
@@ -156,27 +169,27 @@ static float part_open( const RfTracer* tracer, RfVec3 from, RfVec3 segment )
 }
 
 // A sample of a light without size, or of the sky.
-static RfVec3 sample_other_light( const RfTracer* tracer, const Point* x, uint32_t number, RfRandomKey key, uint32_t dimension,
+static RfVec3 sample_other_light( const RfTracer* tracer, const Point* x, RfLightPick pick, RfRandomKey key, uint32_t dimension,
                                   RfVec3* wi, float* pdf )
 {
     const RfLights* lights = rf_tracer_lights( tracer );
     RfVec3 from = rf_madd( x->p, x->ng, x->offset ), radiance;
     float distance = 2.0f * ( rf_length( rf_sub( from, lights->center ) ) + lights->radius );
-    int k = (int)( number - lights->triangle_count );
+    int k = (int)( pick.light - lights->triangle_count );
     if ( k == lights->punctual_count )
     {
-        uint32_t pick[2] = { rf_random_bits( key, ( dimension + 1 ) | RF_DIMENSION_TWIN ),
+        uint32_t bits[2] = { rf_random_bits( key, ( dimension + 1 ) | RF_DIMENSION_TWIN ),
                              rf_random_bits( key, ( dimension + 2 ) | RF_DIMENSION_TWIN ) };
         float place[2] = { rf_random( key, dimension + 1 ), rf_random( key, dimension + 2 ) };
-        RfSkySample sky = rf_sample_sky( &lights->sky, pick, place );
+        RfSkySample sky = rf_sample_sky( &lights->sky, bits, place );
         *wi = sky.wi;
-        *pdf = sky.pdf_solid_angle * lights->pick[k];
+        *pdf = sky.pdf_solid_angle * pick.chance;
         radiance = sky.radiance;
     }
     else
     {
         const RfPunctual* p = lights->punctual + k;
-        *pdf = lights->pick[k] * RF_DELTA_PDF;
+        *pdf = pick.chance * RF_DELTA_PDF;
         if ( p->kind == RF_PUNCTUAL_DIRECTIONAL )
         {
             *wi = rf_scale( p->direction, -1.0f );
@@ -202,28 +215,31 @@ static RfVec3 sample_other_light( const RfTracer* tracer, const Point* x, uint32
 }
 
 // A light sample at x: direction, density, and what arrives, times the cosine.
-static RfVec3 sample_light( const RfTracer* tracer, const Point* x, RfRandomKey key, uint32_t dimension, RfVec3* wi,
-                            float* pdf )
+static RfVec3 sample_light( const RfTracer* tracer, const ReferenceSettings* s, const Point* x, RfRandomKey key,
+                            uint32_t dimension, RfVec3* wi, float* pdf )
 {
     RfVec3 black = rf_vec3( 0, 0, 0 );
     const RfLights* lights = rf_tracer_lights( tracer );
     if ( lights->count == 0 )
         return black;
-    uint32_t number = rf_pick_light( lights, rf_random_bits( key, dimension ), rf_random_bits( key, dimension | RF_DIMENSION_TWIN ) );
-    if ( number >= lights->triangle_count )
-        return sample_other_light( tracer, x, number, key, dimension, wi, pdf );
-    const RfLight* light = lights->light + number;
+    RfVec3 from = rf_madd( x->p, x->ng, x->offset );
+    uint32_t bits[2] = { rf_random_bits( key, dimension ), rf_random_bits( key, dimension | RF_DIMENSION_TWIN ) };
+    RfLightPick pick = rf_pick_light( lights, s->light_picking, from, x->n, bits );
+    if ( pick.light == RF_NO_LIGHT )
+        return black;
+    if ( pick.light >= lights->triangle_count )
+        return sample_other_light( tracer, x, pick, key, dimension, wi, pdf );
+    const RfLight* light = lights->light + pick.light;
     float root = sqrtf( rf_random( key, dimension + 1 ) );
     float b1 = 1.0f - root, b2 = rf_random( key, dimension + 2 ) * root;
     RfVec3 z = rf_add( light->p0, rf_add( rf_scale( light->e1, b1 ), rf_scale( light->e2, b2 ) ) );
-    RfVec3 from = rf_madd( x->p, x->ng, x->offset );
     RfVec3 way = rf_sub( z, from );
     float d2 = rf_dot( way, way );
     *wi = rf_scale( way, 1.0f / sqrtf( d2 ) );
     float facing = -rf_dot( light->normal, *wi );
     float cos_light = light->two_sided ? fabsf( facing ) : facing;
     float cos_x = rf_dot( x->n, *wi );
-    *pdf = light->pdf_area * d2 / cos_light;
+    *pdf = light->pdf_area * pick.chance * d2 / cos_light;
     if ( !( cos_x > 0.0f && rf_dot( x->ng, *wi ) > 0.0f && cos_light > 0.0f && *pdf < 1e30f ) )
         return black;
     RfVec3 to = rf_madd( z, light->normal, facing < 0.0f ? -light->offset : light->offset );
@@ -234,15 +250,16 @@ static RfVec3 sample_light( const RfTracer* tracer, const Point* x, RfRandomKey 
 }
 
 // Light that leaves x towards wo by the light samples.
-static RfVec3 direct( const RfTracer* tracer, const Point* x, RfRandomKey key, int vertex, int k, RfVec3 throughput,
-                      RfVec3 sum )
+static RfVec3 direct( const RfTracer* tracer, const ReferenceSettings* s, const Point* x, RfRandomKey key, int vertex,
+                      RfVec3 throughput, RfVec3 sum )
 {
+    int k = s->light_samples;
     for ( int j = 0; j < k; ++j )
     {
         uint32_t dimension = rf_vertex_dimension( vertex, k ) + RF_DIMENSION_LIGHTS + 3u * (uint32_t)j;
         RfVec3 wi = { 0 };
         float pdf_light = 1.0f, pdf;
-        RfVec3 arriving = sample_light( tracer, x, key, dimension, &wi, &pdf_light );
+        RfVec3 arriving = sample_light( tracer, s, x, key, dimension, &wi, &pdf_light );
         if ( rf_max_component( arriving ) == 0.0f )
             continue;
         RfVec3 f = evaluate( x, wi, &pdf );
@@ -269,20 +286,21 @@ static RfVec3 part_left( const Point* x, RfVec3 o )
 }
 
 // What a ray meets at its end: a surface, or the sky.
-static bool meet( const RfTracer* tracer, RfVec3 o, RfVec3 d, Point* x, RfVec3* throughput, RfVec3* light, float* light_pdf )
+static bool meet( const RfTracer* tracer, const ReferenceSettings* s, const Ray* ray, Point* x, RfVec3* throughput,
+                  RfVec3* light, float* light_pdf )
 {
-    if ( !find( tracer, o, d, x ) )
+    if ( !find( tracer, ray->o, ray->d, x ) )
     {
-        *light = sky_along( tracer, d, light_pdf );
+        *light = sky_along( tracer, s, ray, light_pdf );
         return false;
     }
     *light = x->emission;
-    *light_pdf = x->light_pdf;
-    *throughput = rf_mul( *throughput, part_left( x, o ) );
+    *light_pdf = x->light_pdf > 0.0f ? x->light_pdf * chance_at_origin( tracer, s, ray, x->light ) : 0.0f;
+    *throughput = rf_mul( *throughput, part_left( x, ray->o ) );
     return true;
 }
 
-static Arriving arriving_light( const RfTracer* tracer, const ReferenceSettings* s, RfRandomKey key, RfVec3 o, RfVec3 d,
+static Arriving arriving_light( const RfTracer* tracer, const ReferenceSettings* s, RfRandomKey key, Ray ray,
                                 RfVec3 throughput, float roulette_scale )
 {
     Arriving result = { { 0, 0, 0 }, { 0, 0, 0 }, 0.0f };
@@ -292,20 +310,20 @@ static Arriving arriving_light( const RfTracer* tracer, const ReferenceSettings*
         Point x;
         RfVec3 light;
         float light_pdf;
-        bool surface = meet( tracer, o, d, &x, &throughput, &light, &light_pdf );
+        bool surface = meet( tracer, s, &ray, &x, &throughput, &light, &light_pdf );
         if ( vertex == 2 )
         {
             result.emitted = rf_mul( throughput, light );
             result.light_pdf = light_pdf;
         }
-        else if ( light_pdf > 0.0f )
+        else
         {
             float weight = pdf_scatter / ( pdf_scatter + (float)s->light_samples * light_pdf );
             result.rest = rf_add( result.rest, rf_scale( rf_mul( throughput, light ), weight ) );
         }
         if ( !surface || vertex == s->max_depth )
             break;
-        result.rest = direct( tracer, &x, key, vertex, s->light_samples, throughput, result.rest );
+        result.rest = direct( tracer, s, &x, key, vertex, throughput, result.rest );
         uint32_t dimension = rf_vertex_dimension( vertex, s->light_samples );
         Onward onward = scatter( &x, key, dimension + RF_DIMENSION_SCATTER );
         pdf_scatter = onward.pdf;
@@ -315,8 +333,7 @@ static Arriving arriving_light( const RfTracer* tracer, const ReferenceSettings*
         if ( !( onward.side != 0.0f && rf_random( key, dimension + RF_DIMENSION_ROULETTE ) < q ) )
             break;
         throughput = rf_vec3( throughput.x / q, throughput.y / q, throughput.z / q );
-        o = start_of( &x, &onward );
-        d = onward.wi;
+        ray = ( Ray ){ start_of( &x, &onward ), onward.wi, x.n };
     }
     return result;
 }
@@ -326,15 +343,15 @@ static RfVec3 scattered_light( const RfTracer* tracer, const ReferenceSettings* 
     Onward onward = scatter( x, key, rf_vertex_dimension( 1, s->light_samples ) + RF_DIMENSION_SCATTER );
     if ( onward.side == 0.0f )
         return rf_vec3( 0, 0, 0 );
-    RfVec3 o = start_of( x, &onward );
+    Ray ray = { start_of( x, &onward ), onward.wi, x->n };
     float k = (float)s->light_samples;
     if ( is_native( x ) )
     {
-        Arriving in = arriving_light( tracer, s, key, o, onward.wi, onward.weight, 1.0f );
+        Arriving in = arriving_light( tracer, s, key, ray, onward.weight, 1.0f );
         return rf_add( rf_scale( in.emitted, onward.pdf / ( onward.pdf + k * in.light_pdf ) ), in.rest );
     }
     float roulette_scale = rf_maxf( rf_max_component( onward.f ) * onward.cos_x / onward.pdf, 0.1f );
-    Arriving in = arriving_light( tracer, s, key, o, onward.wi, rf_vec3( 1, 1, 1 ), roulette_scale );
+    Arriving in = arriving_light( tracer, s, key, ray, rf_vec3( 1, 1, 1 ), roulette_scale );
     RfVec3 emitted = rf_scale( rf_scale( in.emitted, onward.cos_x ), 1.0f / ( k * in.light_pdf + onward.pdf ) );
     return rf_mul( onward.f, rf_add( emitted, rf_scale( rf_scale( in.rest, onward.cos_x ), 1.0f / onward.pdf ) ) );
 }
@@ -356,12 +373,12 @@ RfVec3 reference_sample( const RfTracer* tracer, const RfEye* eye, const Referen
     uint64_t pass_key = rf_pass_key( s->seed, (uint32_t)s->frame, (uint32_t)s->frame, (uint32_t)pass );
     RfRandomKey key = rf_pixel_key( pass_key, (uint32_t)( y * eye->width + x ) );
     Point hit;
-    RfVec3 ray = first_ray( eye, key, x, y );
-    if ( !find( tracer, eye->origin, ray, &hit ) )
+    Ray ray = { eye->origin, first_ray( eye, key, x, y ), rf_vec3( 0, 0, 0 ) };
+    if ( !find( tracer, ray.o, ray.d, &hit ) )
     {
         float pdf;
         bool hidden = rf_tracer_scene( tracer )->environment.hidden;
-        return hidden ? rf_vec3( 0, 0, 0 ) : sky_along( tracer, ray, &pdf );
+        return hidden ? rf_vec3( 0, 0, 0 ) : sky_along( tracer, s, &ray, &pdf );
     }
     RfVec3 sum = seen_light( tracer, s, key, &hit );
     return rf_mul( sum, part_left( &hit, eye->origin ) );
@@ -377,7 +394,7 @@ static RfVec3 seen_light( const RfTracer* tracer, const ReferenceSettings* s, Rf
         uint32_t dimension = rf_vertex_dimension( 1, s->light_samples ) + RF_DIMENSION_LIGHTS + 3u * (uint32_t)j;
         RfVec3 wi = { 0 };
         float pdf_light = 1.0f, pdf;
-        RfVec3 arriving = sample_light( tracer, hit, key, dimension, &wi, &pdf_light );
+        RfVec3 arriving = sample_light( tracer, s, hit, key, dimension, &wi, &pdf_light );
         RfVec3 f = evaluate( hit, wi, &pdf );
         sum = rf_add( sum, rf_mul( f, rf_scale( arriving, 1.0f / ( (float)s->light_samples * pdf_light + pdf ) ) ) );
     }

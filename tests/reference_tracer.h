@@ -16,6 +16,7 @@ typedef struct ReferenceSettings
     int light_samples;
     uint64_t seed;
     int frame; // of the path: it goes into the random numbers
+    RfLightPicking light_picking;
 } ReferenceSettings;
 
 // Mean radiance of one path through a pixel of one pass: frame, pass and pixel

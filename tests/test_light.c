@@ -109,10 +109,11 @@ static void test_shares_and_densities( void** state )
     for ( uint32_t i = 0; i < lights.count; ++i )
     {
         const RfLight* light = lights.light + i;
-        double expected = power_of( &scene, light ) / total, mass = (double)light->pdf_area * (double)light->area;
+        double expected = power_of( &scene, light ) / total;
         assert_true( fabs( share[i] - expected ) < 1e-7 ); // alias_share is a float
-        assert_true( fabs( mass / expected - 1.0 ) < 1e-6 );
-        integral += mass;
+        assert_true( fabs( (double)lights.share[i] / expected - 1.0 ) < 1e-6 );
+        assert_true( fabs( (double)light->pdf_area * (double)light->area - 1.0 ) < 1e-6 );
+        integral += (double)lights.share[i];
     }
     assert_true( fabs( integral - 1.0 ) < 1e-6 );
     rf_destroy_lights( &lights );
@@ -144,7 +145,7 @@ static void test_picks( void** state )
     RfLights lights = collect( &scene );
     double count[MOST_LIGHTS] = { 0 }, total = 0.0, chi_square = 0.0;
     for ( uint32_t k = 0; k < PICKS; ++k )
-        count[rf_pick_light( &lights, rf_random_bits( rf_pixel_key( 99, k ), 0 ), rf_random_bits( rf_pixel_key( 99, k ), 1 ) )] += 1.0;
+        count[rf_pick_light_by_power( &lights, rf_random_bits( rf_pixel_key( 99, k ), 0 ), rf_random_bits( rf_pixel_key( 99, k ), 1 ) )] += 1.0;
     for ( uint32_t i = 0; i < lights.count; ++i )
         total += power_of( &scene, lights.light + i );
     for ( uint32_t i = 0; i < lights.count; ++i )
@@ -155,7 +156,7 @@ static void test_picks( void** state )
     double p = chi_square_p( chi_square, lights.count - 1 );
     printf( "picks of %u lights: chi-square p %.3g\n", lights.count, p );
     assert_true( p > 1e-4 && p < 1.0 - 1e-4 );
-    assert_true( rf_pick_light( &lights, 0, 0 ) < lights.count && rf_pick_light( &lights, UINT32_MAX, UINT32_MAX ) < lights.count );
+    assert_true( rf_pick_light_by_power( &lights, 0, 0 ) < lights.count && rf_pick_light_by_power( &lights, UINT32_MAX, UINT32_MAX ) < lights.count );
     rf_destroy_lights( &lights );
     rf_destroy_scene( &scene );
 }
@@ -180,11 +181,11 @@ static void test_small_among_many( void** state )
     for ( uint32_t k = 0; k < PICKS; ++k )
     {
         RfRandomKey key = rf_pixel_key( rf_pass_key( 7, 0, 0, 0 ), k );
-        uint32_t light = rf_pick_light( &lights, rf_random_bits( key, 0 ), rf_random_bits( key, 1 ) );
+        uint32_t light = rf_pick_light_by_power( &lights, rf_random_bits( key, 0 ), rf_random_bits( key, 1 ) );
         weak_picks += (double)( lights.light[light].radiance.x < 10.0f );
     }
     for ( uint32_t i = 0; i < LIGHTS; ++i )
-        expected += lights.light[i].radiance.x < 10.0f ? PICKS * (double)lights.light[i].pdf_area * (double)lights.light[i].area : 0.0;
+        expected += lights.light[i].radiance.x < 10.0f ? PICKS * (double)lights.share[i] : 0.0;
     printf( "weak lights: %.0f picks, %.0f expected\n", weak_picks, expected );
     assert_true( fabs( weak_picks - expected ) < 4.0 * sqrt( expected ) );
     rf_destroy_lights( &lights );

@@ -16,7 +16,7 @@
 static const char* const s_scenes[] = {
     "vase-room.glb",   "bounced-room.glb",         "bounced-room-spots.glb",
     "still-life.glb",  "still-life-no-glass.glb",  "turntable.json",
-    "textured-room.glb",
+    "textured-room.glb", "office-floor.glb",
 };
 
 static void test_render( void** state )
@@ -66,6 +66,15 @@ static void test_many( void** state )
 #endif
 }
 
+static void test_office( void** state )
+{
+    (void)state;
+    const CliResult* result = cli_run( "$R info '" REFRAME_SCENE_FOLDER "/office-floor.glb'" );
+    cli_expect( result, 0, NULL );
+    assert_non_null( strstr( result->out, "triangles  313632\n" ) );
+    assert_non_null( strstr( result->out, "emitting triangles 4900," ) ); // 2450 panes
+}
+
 static int enter( void** state )
 {
     (void)state;
@@ -86,6 +95,7 @@ int main( void )
         cmocka_unit_test( test_render ),
         cmocka_unit_test( test_bounced_only ),
         cmocka_unit_test( test_many ),
+        cmocka_unit_test( test_office ),
     };
     return cmocka_run_group_tests( tests, enter, leave );
 }

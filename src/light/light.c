@@ -1,7 +1,11 @@
 #include "light/light.h"
+#include "light/plant.h"
 
 #include <stdlib.h>
 #include <string.h>
+
+// So many are picked by their power alone: one lamp of two triangles needs no tree.
+#define FEW_LIGHTS 2
 
 static RfVec3 vertex( const RfTriangles* t, uint32_t triangle, int corner )
 {
@@ -22,6 +26,7 @@ static RfLight make_light( const RfScene* scene, uint32_t triangle )
         light.radiance = rf_mean_emission( scene, material, triangle );
     RfVec3 cross = rf_cross( light.e1, light.e2 );
     light.area = 0.5f * rf_length( cross );
+    light.pdf_area = 1.0f / light.area;
     light.offset = rf_ray_offset( rf_maxf( rf_largest_coordinate( light.p0 ), rf_maxf( rf_largest_coordinate( vertex( t, triangle, 1 ) ),
                                                                                       rf_largest_coordinate( vertex( t, triangle, 2 ) ) ) ) );
     light.normal = rf_normalize( cross );
@@ -108,6 +113,7 @@ static void find_ball( const RfScene* scene, RfLights* lights )
     RfVec3 half = rf_scale( rf_sub( scene->bounds_max, scene->bounds_min ), 0.5f );
     lights->center = rf_add( scene->bounds_min, half );
     lights->radius = rf_maxf( rf_length( half ), 1e-6f * rf_largest_coordinate( lights->center ) );
+    lights->inverse_radius = 1.0f / rf_maxf( lights->radius, 1e-30f );
 }
 
 // Power over π, as that of the triangles is: of what has no place, the light
@@ -151,20 +157,16 @@ static RfResult fill_lights( const RfScene* scene, RfLights* lights, uint32_t ro
     total += weigh_others( lights, weight );
     if ( !( total > 0.0 ) )
         lights->count = 0;
-    uint32_t triangles = lights->triangle_count;
     for ( uint32_t i = 0; i < lights->count; ++i )
-    {
-        if ( i < triangles )
-            lights->light[i].pdf_area = (float)( weight[i] / total / (double)lights->light[i].area );
-        else
-            lights->pick[i - triangles] = (float)( weight[i] / total );
-    }
+        lights->share[i] = (float)( weight[i] / total );
     RfResult result = lights->count > 0 ? build_alias( lights, weight, total, error ) : RF_OK;
     free( weight );
+    if ( result == RF_OK && lights->count > FEW_LIGHTS )
+        result = rf_plant_light_tree( lights, error );
     return result;
 }
 
-static RfResult alloc_lights( const RfScene* scene, RfLights* lights, uint32_t emissive, RfError* error )
+static RfResult alloc_lights( const RfScene* scene, RfLights* lights, uint32_t emissive, uint32_t room, RfError* error )
 {
     bool whole = true;
     if ( emissive > 0 )
@@ -173,9 +175,9 @@ static RfResult alloc_lights( const RfScene* scene, RfLights* lights, uint32_t e
         lights->of_triangle = malloc( scene->triangles.count * sizeof *lights->of_triangle );
         whole = lights->light != NULL && lights->of_triangle != NULL;
     }
-    lights->pick = calloc( (size_t)scene->punctual_count + 1, sizeof *lights->pick );
-    if ( !whole || lights->pick == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "no memory for %u lights", emissive );
+    lights->share = malloc( room * sizeof *lights->share );
+    if ( !whole || lights->share == NULL )
+        return rf_fail( error, RF_ERROR_MEMORY, "no memory for %u lights", room );
     return RF_OK;
 }
 
@@ -190,7 +192,7 @@ RfResult rf_collect_lights( const RfScene* scene, RfLights* lights, RfError* err
     uint32_t room = emissive + (uint32_t)scene->punctual_count + rf_has_sky( lights );
     if ( result != RF_OK || room == 0 )
         return result;
-    result = alloc_lights( scene, lights, emissive, error );
+    result = alloc_lights( scene, lights, emissive, room, error );
     if ( result == RF_OK )
         result = fill_lights( scene, lights, room, error );
     if ( result != RF_OK )
@@ -202,7 +204,8 @@ void rf_destroy_lights( RfLights* lights )
 {
     rf_destroy_sky( &lights->sky );
     free( lights->light );
-    free( lights->pick );
+    rf_destroy_light_tree( &lights->tree );
+    free( lights->share );
     free( lights->alias_share );
     free( lights->alias );
     free( lights->of_triangle );

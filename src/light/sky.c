@@ -74,6 +74,27 @@ static double sum_rows( const RfEnvironment* e, RfSky* sky )
     return total / ( 4.0 * 3.14159265358979324 );
 }
 
+static RfVec3 direction_of( const RfSky* sky, double u, double cos_up );
+
+// Mean over the sphere of luminance times direction.
+static RfVec3 find_lean( const RfSky* sky, const RfEnvironment* e )
+{
+    double sum[3] = { 0 };
+    for ( int y = 0; y < e->height; ++y )
+    {
+        double solid_angle = pixel_solid_angle( e, y ), cos_up = cos( ( y + 0.5 ) / e->height * 3.14159265358979324 );
+        for ( int x = 0; x < e->width; ++x )
+        {
+            RfVec3 d = direction_of( sky, ( x + 0.5 ) / e->width, cos_up );
+            double light = luminance_at( e, x, y ) * solid_angle / ( 4.0 * 3.14159265358979324 );
+            sum[0] += light * (double)d.x;
+            sum[1] += light * (double)d.y;
+            sum[2] += light * (double)d.z;
+        }
+    }
+    return rf_vec3( (float)sum[0], (float)sum[1], (float)sum[2] );
+}
+
 RfResult rf_make_sky( const RfEnvironment* e, RfSky* sky, RfError* error )
 {
     *sky = ( RfSky ){ 0 };
@@ -93,6 +114,7 @@ RfResult rf_make_sky( const RfEnvironment* e, RfSky* sky, RfError* error )
             return rf_fail( error, RF_ERROR_MEMORY, "no memory for the sums of an environment of %d x %d pixels", e->width, e->height );
         }
         sky->mean_luminance = (float)sum_rows( e, sky );
+        sky->lean = find_lean( sky, e );
     }
     if ( !( sky->mean_luminance > 0.0f ) )
     {

@@ -10,6 +10,7 @@ typedef struct RfSky
     const RfEnvironment* environment; // NULL: there is none
     float cos_rotation, sin_rotation;
     float mean_luminance; // over the sphere, W/(m² sr)
+    RfVec3 lean;          // mean of luminance times direction: where most of it comes from
     // of a map: chances of its rows, and of the pixels within each, summed up
     double* row_sum;   // height + 1
     float* row_density; // height: the row's share over the solid angle of one of its pixels
@@ -32,6 +33,16 @@ void rf_destroy_sky( RfSky* sky );
 // Radiance from the unit direction wi; of a map between its pixels' middles,
 // linearly. There must be a sky.
 RfVec3 rf_sky_radiance( const RfSky* sky, RfVec3 wi );
+// About the luminance of the light that falls on a surface with unit normal n,
+// were nothing in the way, W/m²: its first two bands (Ramamoorthi, Hanrahan, An
+// Efficient Representation for Irradiance Environment Maps, 2001), but at least a
+// tenth of the mean. There must be a sky.
+static inline float rf_sky_irradiance_estimate( const RfSky* sky, RfVec3 n )
+{
+    float mean = RF_PI * sky->mean_luminance;
+    return rf_maxf( mean + 2.0f * RF_PI * rf_dot( sky->lean, n ), 0.1f * mean );
+}
+
 // Density with which rf_sample_sky chooses wi, per solid angle: above 0
 // wherever the radiance is.
 float rf_sky_pdf_solid_angle( const RfSky* sky, RfVec3 wi );

@@ -13,6 +13,7 @@ static inline void leave( const RfVertexLanes* v, int i, float* const wi[3], flo
     {
         rays->o[c][at] = v->p[c][i] + v->ng[c][i] * ( side * v->offset[i] );
         rays->d[c][at] = wi[c][i];
+        rays->n[c][at] = v->n[c][i];
     }
     rays->pdf_solid_angle[at] = pdf;
     rays->slot[at] = v->slot[i];

@@ -1,4 +1,5 @@
 // Light samples at the vertices of a wavefront (estimators.md section 3).
+#include "path/other_light.h"
 #include "path/walk.h"
 
 // The chosen points of the lights, gathered for the vector loop.
@@ -10,9 +11,9 @@ typedef struct LightPoints
     float pdf_area[RF_LANES];
     float offset[RF_LANES];
     float two_sided[RF_LANES]; // 1 or 0
-    int32_t other_count;       // lanes whose light is no triangle
+    RfLightPick pick[RF_LANES];
+    int32_t other_count; // lanes whose light is no triangle
     int32_t other[RF_LANES];
-    uint32_t other_light[RF_LANES];
 } LightPoints;
 
 void rf_draw_lanes( const RfWalk* keys, int count, const int32_t* slot, uint32_t dimension, int numbers,
@@ -42,6 +43,30 @@ static void draw_bits( const RfWalk* keys, int count, const int32_t* slot, uint3
     }
 }
 
+// From where scattered rays start as well, so that both techniques of (E3)
+// measure the same directions and distances.
+static inline RfVec3 start_of( const RfVertexLanes* v, int i )
+{
+    return rf_madd( rf_vec3( v->p[0][i], v->p[1][i], v->p[2][i] ), rf_vec3( v->ng[0][i], v->ng[1][i], v->ng[2][i] ), v->offset[i] );
+}
+
+static void pick_lights( const RfWalkSettings* settings, const RfVertexLanes* restrict v, RfLaneScratch* restrict scratch,
+                         RfLightPick* pick )
+{
+#pragma omp simd
+    for ( int i = 0; i < v->count; ++i )
+    {
+        RfVec3 from = start_of( v, i );
+        scratch->o[0][i] = from.x;
+        scratch->o[1][i] = from.y;
+        scratch->o[2][i] = from.z;
+    }
+    const float* x[3] = { scratch->o[0], scratch->o[1], scratch->o[2] };
+    const float* n[3] = { v->n[0], v->n[1], v->n[2] };
+    const uint32_t* bits[2] = { scratch->bits[0], scratch->bits[1] };
+    rf_pick_lights( rf_tracer_lights( settings->tracer ), settings->light_picking, v->count, x, n, bits, pick );
+}
+
 // Uniform by area: u ↦ (1 − √u₁, u₂ √u₁) in barycentrics. Lights that are no
 // triangles are only noted, and leave a point that sends nothing.
 static void choose_points( const RfLights* lights, int count, const RfLaneScratch* scratch, LightPoints* out )
@@ -50,12 +75,11 @@ static void choose_points( const RfLights* lights, int count, const RfLaneScratc
     out->other_count = 0;
     for ( int i = 0; i < count; ++i )
     {
-        uint32_t number = rf_pick_light( lights, scratch->bits[0][i], scratch->bits[1][i] );
+        uint32_t number = out->pick[i].light;
         bool other = number >= lights->triangle_count;
         const RfLight* light = other ? &s_none : lights->light + number;
         out->other[out->other_count] = i;
-        out->other_light[out->other_count] = number;
-        out->other_count += other;
+        out->other_count += other & ( number != RF_NO_LIGHT );
         float root = sqrtf( scratch->random[0][i] );
         float b1 = 1.0f - root, b2 = scratch->random[1][i] * root;
         RfVec3 p = rf_add( light->p0, rf_add( rf_scale( light->e1, b1 ), rf_scale( light->e2, b2 ) ) );
@@ -68,7 +92,7 @@ static void choose_points( const RfLights* lights, int count, const RfLaneScratc
         out->radiance[0][i] = light->radiance.x;
         out->radiance[1][i] = light->radiance.y;
         out->radiance[2][i] = light->radiance.z;
-        out->pdf_area[i] = light->pdf_area;
+        out->pdf_area[i] = light->pdf_area * out->pick[i].chance;
         out->offset[i] = light->offset;
         out->two_sided[i] = light->two_sided ? 1.0f : 0.0f;
     }
@@ -79,7 +103,7 @@ static void look_up_radiance( const RfScene* scene, const RfLights* lights, int 
 {
     for ( int i = 0; i < count; ++i )
     {
-        uint32_t number = rf_pick_light( lights, scratch->bits[0][i], scratch->bits[1][i] );
+        uint32_t number = out->pick[i].light;
         if ( number >= lights->triangle_count || !lights->light[number].textured )
             continue;
         float root = sqrtf( scratch->random[0][i] );
@@ -99,14 +123,11 @@ static void connect( const RfVertexLanes* restrict v, const LightPoints* restric
 #pragma omp simd
     for ( int i = 0; i < count; ++i )
     {
-        RfVec3 x = rf_vec3( v->p[0][i], v->p[1][i], v->p[2][i] );
         RfVec3 ng = rf_vec3( v->ng[0][i], v->ng[1][i], v->ng[2][i] );
         RfVec3 n = rf_vec3( v->n[0][i], v->n[1][i], v->n[2][i] );
         RfVec3 z = rf_vec3( points->p[0][i], points->p[1][i], points->p[2][i] );
         RfVec3 nz = rf_vec3( points->n[0][i], points->n[1][i], points->n[2][i] );
-        // from where scattered rays start as well, so that both techniques of
-        // (E3) measure the same directions and distances
-        RfVec3 from = rf_madd( x, ng, v->offset[i] );
+        RfVec3 from = start_of( v, i );
         RfVec3 way = rf_sub( z, from );
         float d2 = rf_dot( way, way );
         RfVec3 wi = rf_scale( way, 1.0f / sqrtf( d2 ) );
@@ -136,66 +157,6 @@ static void connect( const RfVertexLanes* restrict v, const LightPoints* restric
     }
 }
 
-// A light sample from a light that is no triangle: the direction to it, what
-// arrives unless something is in the way, and the segment to test. A punctual
-// light has all its density in one direction.
-typedef struct OtherSample
-{
-    RfVec3 wi, radiance;
-    float pdf_solid_angle;
-    float distance;
-} OtherSample;
-
-static float cone( const RfPunctual* p, RfVec3 wi )
-{
-    if ( p->kind != RF_PUNCTUAL_SPOT )
-        return 1.0f;
-    float cos_axis = -rf_dot( p->direction, wi );
-    float t = ( cos_axis - p->cos_outer ) / rf_maxf( p->cos_inner - p->cos_outer, 1e-4f );
-    t = rf_clampf( t, 0.0f, 1.0f );
-    return t * t;
-}
-
-// The range of KHR_lights_punctual, as its text recommends.
-static float window( float distance2, float range )
-{
-    float ratio2 = distance2 / ( range * range );
-    return rf_clampf( 1.0f - ratio2 * ratio2, 0.0f, 1.0f );
-}
-
-static OtherSample sample_punctual( const RfLights* lights, const RfPunctual* p, float pick, RfVec3 from )
-{
-    OtherSample sample = { .pdf_solid_angle = pick * RF_DELTA_PDF };
-    if ( p->kind == RF_PUNCTUAL_DIRECTIONAL )
-    {
-        sample.wi = rf_scale( p->direction, -1.0f );
-        sample.distance = 2.0f * ( rf_length( rf_sub( from, lights->center ) ) + lights->radius );
-        sample.radiance = rf_scale( p->intensity, RF_DELTA_PDF );
-        return sample;
-    }
-    RfVec3 way = rf_sub( p->position, from );
-    float d2 = rf_maxf( rf_dot( way, way ), 1e-8f ); // on the light itself: no more than at a tenth of a millimetre
-    sample.distance = sqrtf( d2 );
-    sample.wi = rf_scale( way, 1.0f / sample.distance );
-    sample.radiance = rf_scale( p->intensity, cone( p, sample.wi ) * window( d2, p->range ) / d2 * RF_DELTA_PDF );
-    return sample;
-}
-
-static OtherSample sample_sky( const RfLights* lights, const RfWalk* keys, int slot, uint32_t dimension, const float place[2],
-                               RfVec3 from )
-{
-    RfRandomKey key = { keys->key_a[slot], keys->key_b[slot] };
-    uint32_t pick[2] = { rf_random_bits( key, ( dimension + 1 ) | RF_DIMENSION_TWIN ),
-                         rf_random_bits( key, ( dimension + 2 ) | RF_DIMENSION_TWIN ) };
-    RfSkySample sky = rf_sample_sky( &lights->sky, pick, place );
-    return ( OtherSample ){
-        .wi = sky.wi,
-        .radiance = sky.radiance,
-        .pdf_solid_angle = sky.pdf_solid_angle * rf_sky_pick( lights ),
-        .distance = 2.0f * ( rf_length( rf_sub( from, lights->center ) ) + lights->radius ),
-    };
-}
-
 // What connect() does for triangles, for the others.
 static void connect_others( const RfLights* lights, const RfWalk* keys, const RfVertexLanes* v, const LightPoints* points,
                             uint32_t dimension, RfLightLanes* out, RfLaneScratch* scratch )
@@ -203,14 +164,12 @@ static void connect_others( const RfLights* lights, const RfWalk* keys, const Rf
     for ( int k = 0; k < points->other_count; ++k )
     {
         int i = points->other[k];
-        int number = (int)( points->other_light[k] - lights->triangle_count );
+        RfVec3 from = rf_vec3( scratch->o[0][i], scratch->o[1][i], scratch->o[2][i] );
+        RfRandomKey key = { keys->key_a[v->slot[i]], keys->key_b[v->slot[i]] };
+        float place[2] = { scratch->random[0][i], scratch->random[1][i] };
         RfVec3 ng = rf_vec3( v->ng[0][i], v->ng[1][i], v->ng[2][i] );
         RfVec3 n = rf_vec3( v->n[0][i], v->n[1][i], v->n[2][i] );
-        RfVec3 from = rf_vec3( scratch->o[0][i], scratch->o[1][i], scratch->o[2][i] );
-        float place[2] = { scratch->random[0][i], scratch->random[1][i] };
-        OtherSample s = number < lights->punctual_count
-                            ? sample_punctual( lights, lights->punctual + number, lights->pick[number], from )
-                            : sample_sky( lights, keys, v->slot[i], dimension, place, from );
+        RfOtherSample s = rf_sample_other_light( lights, points->pick[i], key, dimension, place, from );
         float cos_x = rf_dot( n, s.wi );
         if ( !( cos_x > 0.0f && rf_dot( ng, s.wi ) > 0.0f && s.pdf_solid_angle > 0.0f && rf_max_component( s.radiance ) < 1e32f ) )
             continue;
@@ -262,6 +221,7 @@ int rf_sample_lights( const RfWalkSettings* settings, const RfWalk* keys, const 
     LightPoints points;
     draw_bits( keys, count, vertices->slot, dimension, scratch->bits );
     rf_draw_lanes( keys, count, vertices->slot, dimension + 1, 2, scratch->random );
+    pick_lights( settings, vertices, scratch, points.pick );
     choose_points( lights, count, scratch, &points );
     if ( rf_tracer_is_textured( settings->tracer ) )
         look_up_radiance( rf_tracer_scene( settings->tracer ), lights, count, scratch, &points );

@@ -23,6 +23,7 @@ typedef struct RfRayLanes
     float d[3][RF_LANES];          // unit
     float throughput[3][RF_LANES]; // of the path since its first vertex
     float pdf_solid_angle[RF_LANES]; // of d
+    float n[3][RF_LANES];            // unit shading normal where it started, for the lights picked there
     int32_t slot[RF_LANES];
 } RfRayLanes;
 
@@ -49,7 +50,8 @@ typedef struct RfVertexLanes
     float ior[RF_LANES];
     float absorption[3][RF_LANES]; // of what wo goes through, if that is its inside, 1/m
     float emission[3][RF_LANES];            // towards wo
-    float light_pdf_solid_angle[RF_LANES];  // of a light sample at the ray's origin choosing this point; 0: none would
+    float light_pdf_solid_angle[RF_LANES];  // of a light sample at the ray's origin choosing this point, once
+                                            // its light is picked; 0: none would
     int32_t ray[RF_LANES];                  // lane of the ray that found it
     int32_t slot[RF_LANES];
 } RfVertexLanes;

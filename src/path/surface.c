@@ -70,7 +70,7 @@ static void fill_material( RfVertexLanes* v, int i, const RfMaterial* m, float f
 }
 
 // Emission on the side of wo, and the density with which a light sample at
-// the ray's origin would have found this point: (E3)'s p_L.
+// the ray's origin, of this very light, would have found this point.
 static void fill_emission( RfVertexLanes* v, int i, const RfLights* lights, uint32_t index, float facing, RfVec3 way )
 {
     v->light_pdf_solid_angle[i] = 0.0f;

@@ -95,56 +95,6 @@ void rf_scatter_lanes( const RfWalk* keys, const RfVertexLanes* v, uint32_t dime
     sample_native_lanes( v, scratch, wi );
 }
 
-// Light that a ray finds at its end. At the first vertex that is asked for it
-// is kept apart; later the balance heuristic weighs it here.
-static inline void add_arrival( const RfWalkSettings* settings, const RfRayLanes* rays, int r, bool apart, RfVec3 light,
-                                float light_pdf, RfArrivals* arrivals )
-{
-    int slot = rays->slot[r];
-    float l[3] = { light.x, light.y, light.z };
-    if ( apart )
-    {
-        for ( int c = 0; c < 3; ++c )
-            arrivals->emitted[c][slot] = rays->throughput[c][r] * l[c];
-        arrivals->light_pdf_solid_angle[slot] = light_pdf;
-        return;
-    }
-    float pdf = rays->pdf_solid_angle[r];
-    float weight = pdf / ( pdf + (float)settings->light_samples * light_pdf );
-    for ( int c = 0; c < 3; ++c )
-        arrivals->rest[c][slot] += rays->throughput[c][r] * l[c] * weight;
-}
-
-static void add_emission( const RfWalkSettings* settings, const RfRayLanes* rays, const RfVertexLanes* v, bool apart,
-                          RfArrivals* arrivals )
-{
-    for ( int i = 0; i < v->count; ++i )
-    {
-        if ( v->light_pdf_solid_angle[i] == 0.0f )
-            continue;
-        RfVec3 emission = rf_vec3( v->emission[0][i], v->emission[1][i], v->emission[2][i] );
-        add_arrival( settings, rays, v->ray[i], apart, emission, v->light_pdf_solid_angle[i], arrivals );
-    }
-}
-
-// Light of the sky along the rays that found nothing, weighed in the same way.
-static void add_sky( const RfWalkSettings* settings, const RfRayLanes* rays, const uint32_t* triangle, bool apart,
-                     RfArrivals* arrivals )
-{
-    const RfLights* lights = rf_tracer_lights( settings->tracer );
-    if ( !rf_has_sky( lights ) )
-        return;
-    for ( int r = 0; r < rays->count; ++r )
-    {
-        if ( triangle[r] != RF_MISS )
-            continue;
-        RfVec3 d = rf_vec3( rays->d[0][r], rays->d[1][r], rays->d[2][r] );
-        RfVec3 sky = rf_sky_radiance( &lights->sky, d );
-        float light_pdf = rf_sky_pdf_solid_angle( &lights->sky, d ) * rf_sky_pick( lights );
-        add_arrival( settings, rays, r, apart, sky, light_pdf, arrivals );
-    }
-}
-
 static void add_light_samples( const RfWalkSettings* settings, RfWalk* walk, const RfRayLanes* rays, int vertex )
 {
     const RfVertexLanes* v = &walk->vertices;
@@ -184,6 +134,7 @@ static inline void leave( const RfVertexLanes* v, int i, const float wi[3], floa
     {
         next->o[c][at] = v->p[c][i] + v->ng[c][i] * ( side * v->offset[i] );
         next->d[c][at] = wi[c];
+        next->n[c][at] = v->n[c][i];
     }
     next->pdf_solid_angle[at] = pdf;
     next->slot[at] = v->slot[i];
@@ -267,8 +218,7 @@ void rf_find_lit_vertices( const RfWalkSettings* settings, RfWalk* walk, RfRayLa
     walk->path_rays += (uint64_t)rays->count;
     rf_find_vertices( settings, rays, false, vertices, &walk->scratch );
     absorb( vertices, rays );
-    add_emission( settings, rays, vertices, apart, &walk->arrivals );
-    add_sky( settings, rays, walk->scratch.triangle, apart, &walk->arrivals );
+    rf_add_found_light( settings, rays, vertices, walk->scratch.triangle, apart, &walk->arrivals );
 }
 
 void rf_trace_tails( const RfWalkSettings* settings, RfWalk* walk, int first_vertex )

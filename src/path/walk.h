@@ -12,6 +12,7 @@ typedef struct RfWalkSettings
     const RfTracer* tracer;
     int max_depth;     // path vertices after the eye, ≥ 1
     int light_samples; // K ≥ 1 per vertex
+    RfLightPicking light_picking;
 } RfWalkSettings;
 
 // What arrives along the ray of each path slot. The light emitted by what the
@@ -70,6 +71,12 @@ void rf_evaluate_seen_from( const RfVertexLanes* vertices, RfBsdfKind kind, cons
 // into scratch f and density of it; of native lanes the weight f |cos| / density.
 void rf_scatter_lanes( const RfWalk* keys, const RfVertexLanes* vertices, uint32_t dimension, float* const wi[3],
                        RfLaneScratch* scratch );
+
+// Adds the light that rays find at their ends, of surfaces (the vertices, with
+// the triangles in scratch) and of the sky, to the arrivals: `apart` as emitted,
+// or weighed by the balance heuristic.
+void rf_add_found_light( const RfWalkSettings* settings, const RfRayLanes* rays, const RfVertexLanes* vertices,
+                         const uint32_t* triangle, bool apart, RfArrivals* arrivals );
 
 // On which side of the surface wi leaves a native lane: 1 on the eye's, −1
 // beyond, 0 where normal and face disagree about it and nothing leaves.

@@ -144,7 +144,7 @@ static RfResult render_window( RfRenderer* r, int number, RfError* error )
 {
     RfWindow window = rf_window( &r->plan, number );
     RfHarvest harvest = {
-        .walk = { r->tracer, useful_depth( r ), r->settings.light_samples },
+        .walk = { r->tracer, useful_depth( r ), r->settings.light_samples, r->settings.light_picking },
         .shape = r->sizes.shape,
         .patches = r->sizes.patches,
         .tile_roulette = r->settings.tile_roulette,

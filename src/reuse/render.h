@@ -37,6 +37,7 @@ typedef struct RfRenderSettings
     RfNormalize normalize;
     int max_depth;     // path vertices after the eye
     int light_samples; // K per vertex
+    RfLightPicking light_picking; // how their lights are picked
     uint64_t seed;
     int threads;       // 0: all cores
     size_t memory;     // budget in bytes; 0: half of what is free
