@@ -70,7 +70,7 @@ static void check_same_mean( const RfTracer* tracer, int light_samples, int grou
 {
     RfEye eyes[EYES];
     make_eyes( eyes );
-    RfRenderSettings settings = rf_default_render_settings();
+    RfRenderSettings settings = plain_settings();
     settings.spp = 24;
     settings.group = group;
     settings.light_samples = light_samples;
@@ -121,7 +121,7 @@ static void test_same_bits( void** state )
     make_eyes( eyes );
     for ( int k = 0; k < 4; ++k )
     {
-        RfRenderSettings settings = rf_default_render_settings();
+        RfRenderSettings settings = plain_settings();
         settings.spp = 4;
         settings.group = 0;
         settings.light_samples = 1 + k % 2;

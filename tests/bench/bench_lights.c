@@ -74,7 +74,7 @@ typedef struct Subject
 
 static Rendered render( const Subject* subject, RfLightPicking picking, int spp, uint64_t seed, int threads )
 {
-    RfRenderSettings settings = rf_default_render_settings();
+    RfRenderSettings settings = plain_settings();
     settings.group = 0;
     settings.spp = spp;
     settings.seed = seed;
