@@ -1,5 +1,5 @@
 // A closed box of albedo a that emits e holds the radiance e / (1 − a)
-// everywhere: for all groups and normalisations (the bias of the ratio is nil
+// everywhere: for all groups, tiles and normalisations (the bias of the ratio is nil
 // where all light is the same).
 #include "render_support.h"
 #include "scene_builder.h"
@@ -50,10 +50,11 @@ static void end( Furnace* f )
     rf_destroy_scene( &f->scene );
 }
 
-static RfRenderSettings settings_of( int group, RfNormalize normalize, int seed )
+static RfRenderSettings settings_of( int group, const char* tile, RfNormalize normalize, int seed )
 {
     RfRenderSettings settings = plain_settings();
     settings.group = group;
+    assert_true( rf_parse_tile( tile, &settings.tile ) );
     settings.spp = 14 * ( is_long() ? 8 : 1 );
     settings.normalize = normalize;
     settings.threads = 1; // the seeds are shared out
@@ -85,7 +86,7 @@ static void check_pixels( const Rendered* r, int frame, double radiance, RfNorma
     }
 }
 
-static void check( const Furnace* f, float albedo, int group, RfNormalize normalize )
+static void check( const Furnace* f, float albedo, int group, const char* tile, RfNormalize normalize )
 {
     static const int frames[] = { 0, EYES / 2 };
     double means[2][SEED_COUNT];
@@ -93,7 +94,7 @@ static void check( const Furnace* f, float albedo, int group, RfNormalize normal
 #pragma omp parallel for schedule( dynamic, 1 )
     for ( int k = 0; k < SEED_COUNT; ++k )
     {
-        RfRenderSettings settings = settings_of( group, normalize, k );
+        RfRenderSettings settings = settings_of( group, tile, normalize, k );
         r[k] = render_frames( f->tracer, f->eyes, EYES, frames, 2, &settings );
     }
     for ( int k = 0; k < SEED_COUNT; ++k )
@@ -110,7 +111,7 @@ static void check( const Furnace* f, float albedo, int group, RfNormalize normal
         double error, mean = mean_of( means[i], SEED_COUNT, &error );
         error = fmax( error, 1e-6 * f->radiance ); // of rounding, where nothing is random
         double away = ( mean - f->radiance ) / error;
-        printf( "albedo %.1f group %d %-8s frame %d: %.5f of %.5f, %5.2f SE (SE %.1e)\n", (double)albedo, group,
+        printf( "albedo %.1f group %d tile %-6s %-8s frame %d: %.5f of %.5f, %5.2f SE (SE %.1e)\n", (double)albedo, group, tile,
                 names[normalize], frames[i], mean, f->radiance, away, error );
         assert_false( is_far_off( away, SEED_COUNT - 1 ) );
     }
@@ -124,8 +125,12 @@ static void check_albedo( float albedo )
     for ( int g = 0; g < 3; ++g )
     {
         for ( int n = RF_NORMALIZE_CROSSFIT; n <= RF_NORMALIZE_NONE; ++n )
-            check( &f, albedo, groups[g], (RfNormalize)n );
+            check( &f, albedo, groups[g], "1", (RfNormalize)n );
     }
+    check( &f, albedo, 0, "3x3", RF_NORMALIZE_CROSSFIT );
+    check( &f, albedo, 0, "rooks9", RF_NORMALIZE_CROSSFIT );
+    check( &f, albedo, 3, "3x3", RF_NORMALIZE_CROSSFIT );
+    check( &f, albedo, 1, "rooks16", RF_NORMALIZE_NONE );
     end( &f );
 }
 

@@ -2,7 +2,7 @@
 // independent references over 16 seeds: on diffuse, Phong, GGX, textured and
 // blended surfaces, under skies, with glass and mirrors in the tiles, in
 // corners, where a tile sees a lit room through the bars of a fence, with
-// several light samples, with a single shared bounce.
+// several light samples, with a single shared bounce, with roulette.
 #include "scene_builder.h"
 #include "textured_room.h"
 #include "unbiased.h"
@@ -15,8 +15,8 @@
 
 #include <cmocka.h>
 
-#define WIDTH 48
-#define HEIGHT 36
+#define WIDTH 36
+#define HEIGHT 30
 #define BLOCK 6
 #define EYES 7
 
@@ -82,6 +82,55 @@ static void test_rooms( void** state )
     check_scene( "GGX", make_room( ROOM_GGX ), settings_of( 1, 12 ), s_all, 5 );
 }
 
+// Thin bars in front of a lit room: the pixels of a tile see bars and room, and
+// each other's second vertices through the gaps only.
+static RfScene make_fence( void )
+{
+    SceneBuilder b = { 0 };
+    uint32_t wall = add_material( &b, make_lambert( 0.7f, 0.65f, 0.6f ) );
+    uint32_t bar = add_material( &b, make_lambert( 0.3f, 0.4f, 0.2f ) );
+    uint32_t metal = add_material( &b, make_metal( 0.8f, 0.3f ) );
+    uint32_t light = add_material( &b, make_light( 12.0f, false ) );
+    add_box( &b, wall, rf_vec3( -2, 0, -2 ), rf_vec3( 2, 3, 2 ), true );
+    add_sphere( &b, metal, rf_vec3( 0.5f, 0.7f, -1.0f ), 0.6f, 12 );
+    for ( int i = 0; i < 24; ++i )
+    {
+        float x = -1.95f + 3.9f * (float)i / 23.0f;
+        add_box( &b, bar, rf_vec3( x - 0.025f, 0, 0.18f ), rf_vec3( x + 0.025f, 2.6f, 0.22f ), false );
+    }
+    add_quad( &b, light, rf_vec3( -0.8f, 2.98f, -1.4f ), rf_vec3( 0.8f, 2.98f, -1.4f ), rf_vec3( 0.8f, 2.98f, -0.6f ),
+              rf_vec3( -0.8f, 2.98f, -0.6f ) );
+    return finish_scene( &b );
+}
+
+// With and without roulette the mean is the same; the roulette does take some.
+static void test_roulette( void** state )
+{
+    (void)state;
+    RfRenderSettings settings = settings_of( 1, 12 );
+    settings.tile_roulette = true;
+    check_scene( "roulette, diffuse", make_room( ROOM_DIFFUSE ), settings, s_all, 5 );
+    check_scene( "roulette, GGX", make_room( ROOM_GGX ), settings, s_all, 4 );
+    check_scene( "roulette, fence", make_fence(), settings, s_few, 2 );
+    RfScene scene = make_room( ROOM_GGX );
+    RfTracer* tracer = make_tracer( &scene );
+    RfEye eye;
+    orbit_eyes( &eye, 1, 0.0f, WIDTH, HEIGHT );
+    uint64_t tests[2];
+    for ( int k = 0; k < 2; ++k )
+    {
+        settings.tile_roulette = k == 1;
+        assert_true( rf_parse_tile( "rooks16", &settings.tile ) );
+        Rendered r = render_all( tracer, &eye, 1, &settings );
+        tests[k] = r.stats.rays.tile;
+        free_rendered( &r );
+    }
+    printf( "roulette: %.3f of the segments\n", (double)tests[1] / (double)tests[0] );
+    assert_true( tests[1] < tests[0] );
+    rf_destroy_tracer( tracer );
+    rf_destroy_scene( &scene );
+}
+
 static void test_large_tiles( void** state )
 {
     (void)state;
@@ -112,27 +161,6 @@ static void test_skies_lamps_glass( void** state )
     check_scene( "glass", make_glass_room(), settings_of( 1, 8 ), s_few, 2 );
 }
 
-// Thin bars in front of a lit room: the pixels of a tile see bars and room, and
-// each other's second vertices through the gaps only.
-static RfScene make_fence( void )
-{
-    SceneBuilder b = { 0 };
-    uint32_t wall = add_material( &b, make_lambert( 0.7f, 0.65f, 0.6f ) );
-    uint32_t bar = add_material( &b, make_lambert( 0.3f, 0.4f, 0.2f ) );
-    uint32_t metal = add_material( &b, make_metal( 0.8f, 0.3f ) );
-    uint32_t light = add_material( &b, make_light( 12.0f, false ) );
-    add_box( &b, wall, rf_vec3( -2, 0, -2 ), rf_vec3( 2, 3, 2 ), true );
-    add_sphere( &b, metal, rf_vec3( 0.5f, 0.7f, -1.0f ), 0.6f, 12 );
-    for ( int i = 0; i < 24; ++i )
-    {
-        float x = -1.95f + 3.9f * (float)i / 23.0f;
-        add_box( &b, bar, rf_vec3( x - 0.025f, 0, 0.18f ), rf_vec3( x + 0.025f, 2.6f, 0.22f ), false );
-    }
-    add_quad( &b, light, rf_vec3( -0.8f, 2.98f, -1.4f ), rf_vec3( 0.8f, 2.98f, -1.4f ), rf_vec3( 0.8f, 2.98f, -0.6f ),
-              rf_vec3( -0.8f, 2.98f, -0.6f ) );
-    return finish_scene( &b );
-}
-
 static void test_fence( void** state )
 {
     (void)state;
@@ -158,6 +186,7 @@ int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( test_rooms ),
+        cmocka_unit_test( test_roulette ),
         cmocka_unit_test( test_large_tiles ),
         cmocka_unit_test( test_light_samples_and_depth ),
         cmocka_unit_test( test_textures_and_blending ),

@@ -1,6 +1,6 @@
 // E[B] = 1 (estimators.md section 2): the summed weights of the hits that land
 // in a pixel have mean one, at every pixel, for every group and camera path.
-// What misses everything weighs one in its own frame, so this holds for pixels
+// Tiles change nothing of that. What misses everything weighs one in its own frame, so this holds for pixels
 // with rays that miss as well; those are tested with and without.
 #include "render_support.h"
 #include "scene_builder.h"
@@ -163,7 +163,7 @@ static bool is_one_everywhere( const Weights* weights )
     return true;
 }
 
-static void check_weights( const char* what, int group, int frame, const RfTracer* tracer, const RfEye* eye,
+static void check_weights( const char* what, int group, const char* tile, int frame, const RfTracer* tracer, const RfEye* eye,
                            const Weights* weights )
 {
     if ( group == 0 )
@@ -179,19 +179,20 @@ static void check_weights( const char* what, int group, int frame, const RfTrace
     if ( count > 0 )
         away_solid = distance( weights, solid, &error_solid );
     double smallest = smallest_block_p( weights, &uniform );
-    printf( "%-12s group %d frame %2d: %5.2f SE off 1 (SE %.1e); %3d solid pixels: %5.2f SE; blocks: smallest p %.3g, uniform p %.3g\n",
-            what, group, frame, away, error, count, away_solid, smallest, uniform );
+    printf( "%-12s group %d tile %-6s frame %2d: %5.2f SE off 1 (SE %.1e); %3d solid pixels: %5.2f SE; blocks: smallest p %.3g, uniform p %.3g\n",
+            what, group, tile, frame, away, error, count, away_solid, smallest, uniform );
     assert_false( is_far_off( away, SEED_COUNT - 1 ) );
     assert_false( is_far_off( away_solid, SEED_COUNT - 1 ) );
     assert_true( smallest > SIGNIFICANCE );
 }
 
 // The weights do not depend on the light: camera rays alone are enough.
-static RfRenderSettings settings_of( int group, int seed )
+static RfRenderSettings settings_of( int group, const char* tile, int seed )
 {
     static const int spp[] = { 3, 6, 0, 14, 0, 0, 0, 0, 4 };
     RfRenderSettings settings = plain_settings();
     settings.group = group;
+    assert_true( rf_parse_tile( tile, &settings.tile ) );
     settings.spp = spp[group] * ( is_long() ? 8 : 1 );
     settings.threads = 1; // the seeds are shared out
     settings.max_depth = 1;
@@ -200,7 +201,7 @@ static RfRenderSettings settings_of( int group, int seed )
     return settings;
 }
 
-static void check_path( const char* scene_name, const RfTracer* tracer, const CameraPath* path, int group )
+static void check_path( const char* scene_name, const RfTracer* tracer, const CameraPath* path, int group, const char* tile )
 {
     static Weights weights[3];
     static const int frames[3] = { 0, EYES / 2, EYES - 1 };
@@ -209,7 +210,7 @@ static void check_path( const char* scene_name, const RfTracer* tracer, const Ca
 #pragma omp parallel for schedule( dynamic, 1 )
     for ( int k = 0; k < SEED_COUNT; ++k )
     {
-        RfRenderSettings settings = settings_of( group, k );
+        RfRenderSettings settings = settings_of( group, tile, k );
         Rendered r = render_frames( tracer, eyes, EYES, frames, 3, &settings );
         for ( int f = 0; f < 3; ++f )
         {
@@ -221,7 +222,7 @@ static void check_path( const char* scene_name, const RfTracer* tracer, const Ca
     char what[32];
     snprintf( what, sizeof what, "%s %s", scene_name, path->name );
     for ( int f = 0; f < 3; ++f )
-        check_weights( what, group, frames[f], tracer, eyes + frames[f], weights + f );
+        check_weights( what, group, tile, frames[f], tracer, eyes + frames[f], weights + f );
 }
 
 static void check_scene( const char* name, RfScene scene )
@@ -231,7 +232,9 @@ static void check_scene( const char* name, RfScene scene )
     for ( int p = 0; p < 3; ++p )
     {
         for ( int g = 0; g < 4; ++g )
-            check_path( name, tracer, paths + p, groups[g] );
+            check_path( name, tracer, paths + p, groups[g], "1" );
+        check_path( name, tracer, paths + p, 3, "3x3" );
+        check_path( name, tracer, paths + p, 1, "rooks16" );
     }
     rf_destroy_tracer( tracer );
     rf_destroy_scene( &scene );

@@ -1,5 +1,6 @@
 // What must be the same to the bit: `--group 0` and a plain path tracer; any
-// number of threads; a frame alone and in its sequence; two runs; any budget.
+// number of threads; a frame alone and in its sequence; two runs; any budget;
+// with tiles as well.
 #include "reference_tracer.h"
 #include "render_support.h"
 #include "scene_builder.h"
@@ -24,6 +25,13 @@ static RfRenderSettings quick( int group, int spp )
     settings.threads = 1;
     settings.memory = (size_t)256 << 20;
     return settings;
+}
+
+static RfTile tile_of( const char* name )
+{
+    RfTile tile;
+    assert_true( rf_parse_tile( name, &tile ) );
+    return tile;
 }
 
 static void assert_same_frames( const Rendered* a, int first_a, const Rendered* b, int first_b, int count )
@@ -128,6 +136,7 @@ static void test_threads_and_runs( void** state )
         {
             RfRenderSettings settings = quick( group, 6 );
             settings.weights = weights[w];
+            settings.tile = tile_of( w == 0 ? "3x3" : w == 1 ? "1" : "rooks9" );
             Twice t;
             begin( &t, &settings );
             for ( int threads = 1; threads <= 3; threads += group > 0 ? 1 : 2 )
@@ -149,6 +158,7 @@ static void test_alone_and_in_sequence( void** state )
     for ( int g = 0; g < 4; ++g )
     {
         RfRenderSettings settings = quick( groups[g], 7 );
+        settings.tile = tile_of( g % 2 == 0 ? "rooks36" : "2x3" );
         Twice t;
         begin( &t, &settings );
         static const int frames[] = { 0, 4, 7 };
@@ -167,6 +177,7 @@ static void test_any_budget( void** state )
 {
     (void)state;
     RfRenderSettings settings = quick( 2, 5 );
+    settings.tile = tile_of( "3x3" );
     Twice t;
     begin( &t, &settings );
     size_t needed = t.whole.stats.peak_bytes;
