@@ -16,9 +16,9 @@
 #include <string.h>
 #include <time.h>
 
-#define WIDTH 128
-#define HEIGHT 96
-#define REPEATS 5
+#define WIDTH 256
+#define HEIGHT 192
+#define REPEATS 3
 #define REFERENCE_TIMES 128 // as many samples
 
 typedef struct Bench
@@ -170,7 +170,7 @@ int main( int argc, char** argv )
 {
     Bench b = { .settings = plain_settings() };
     b.settings.group = 0;
-    b.settings.spp = 16;
+    b.settings.spp = 8;
     int first = 1;
     for ( ; first + 1 < argc && argv[first][0] == '-'; first += 2 )
     {
