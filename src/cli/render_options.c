@@ -21,7 +21,7 @@ static bool s_float, s_float_given, s_half_given;
 
 static const RfOption s_options[] = {
     { .name = "output", .letter = 'o', .type = RF_OPTION_STRING, .value = &s_parsed.output, .meta = "PATTERN",
-      .help = "where the frames go: out/frame.####.exr, #### is the frame's number" },
+      .help = "where the frames go: out/frame.####.exr, #### is the frame's number; folders are made" },
     { .name = "camera", .type = RF_OPTION_STRING, .value = &s_parsed.camera, .meta = "NAME|FILE",
       .default_text = "the scene file's, else the first animated one, else the first",
       .help = "a camera of the scene, or a camera-path file (.json)" },
