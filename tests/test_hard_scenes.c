@@ -27,15 +27,23 @@ static void move_all( RfScene* scene, RfEye* eyes, float scale, RfVec3 shift )
         p[1] = p[1] * scale + shift.y;
         p[2] = p[2] * scale + shift.z;
     }
+    for ( int i = 0; i < scene->punctual_count; ++i )
+    {
+        RfPunctual* lamp = scene->punctuals + i;
+        if ( lamp->kind == RF_PUNCTUAL_DIRECTIONAL )
+            continue;
+        lamp->position = rf_madd( shift, lamp->position, scale );
+        lamp->intensity = rf_scale( lamp->intensity, scale * scale );
+        lamp->range *= scale;
+    }
     scene->bounds_min = rf_madd( shift, scene->bounds_min, scale );
     scene->bounds_max = rf_madd( shift, scene->bounds_max, scale );
     for ( int i = 0; i < EYES; ++i )
         eyes[i].origin = rf_madd( shift, eyes[i].origin, scale );
 }
 
-static void seed_means( RoomKind kind, int group, float scale, RfVec3 shift, double means[SEED_COUNT] )
+static void seed_means( RfScene scene, int group, float scale, RfVec3 shift, double means[SEED_COUNT] )
 {
-    RfScene scene = make_room( kind );
     RfEye eyes[EYES];
     orbit_eyes( eyes, EYES, 3.0f, WIDTH, HEIGHT );
     move_all( &scene, eyes, scale, shift );
@@ -60,8 +68,8 @@ static void check_scale( float scale, RfVec3 shift )
         double scaled[SEED_COUNT], difference[SEED_COUNT], error, paired;
         double* plain = kept[group];
         if ( plain[0] == 0.0 )
-            seed_means( ROOM_GGX, group, 1.0f, rf_vec3( 0, 0, 0 ), plain );
-        seed_means( ROOM_GGX, group, scale, shift, scaled );
+            seed_means( make_room( ROOM_GGX ), group, 1.0f, rf_vec3( 0, 0, 0 ), plain );
+        seed_means( make_room( ROOM_GGX ), group, scale, shift, scaled );
         for ( int k = 0; k < SEED_COUNT; ++k )
             difference[k] = scaled[k] - plain[k];
         double mean = mean_of( plain, SEED_COUNT, &error ), off = mean_of( difference, SEED_COUNT, &paired );
@@ -78,6 +86,21 @@ static void test_scale_invariance( void** state )
     check_scale( 1e3f, rf_vec3( 0, 0, 0 ) );
     check_scale( 1e5f, rf_vec3( 0, 0, 0 ) );
     check_scale( 1e3f, rf_vec3( 1e4f, -1e4f, 1e4f ) );
+}
+
+// Lamps without size in a scene of some tenths of a millimetre: the same radiance.
+static void test_small_lamps( void** state )
+{
+    (void)state;
+    double plain[SEED_COUNT], small[SEED_COUNT], difference[SEED_COUNT], error, paired;
+    seed_means( make_open_scene( LIT_BY_LAMPS ), 0, 1.0f, rf_vec3( 0, 0, 0 ), plain );
+    seed_means( make_open_scene( LIT_BY_LAMPS ), 0, 1e-4f, rf_vec3( 0, 0, 0 ), small );
+    for ( int k = 0; k < SEED_COUNT; ++k )
+        difference[k] = small[k] - plain[k];
+    double mean = mean_of( plain, SEED_COUNT, &error ), off = mean_of( difference, SEED_COUNT, &paired );
+    printf( "lamps, scale 1e-4: mean off by %.3f%% (noise %.3f%%, of the difference %.3f%%)\n", 100.0 * off / mean, 100.0 * error / mean,
+            100.0 * paired / mean );
+    assert_true( fabs( off ) < 4.0 * error );
 }
 
 static void test_far_from_the_origin( void** state )
@@ -225,7 +248,7 @@ int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( test_scale_invariance ),  cmocka_unit_test( test_far_from_the_origin ),
-        cmocka_unit_test( test_very_small ), cmocka_unit_test( test_a_far_thing_changes_nothing ),
+        cmocka_unit_test( test_very_small ), cmocka_unit_test( test_small_lamps ), cmocka_unit_test( test_a_far_thing_changes_nothing ),
         cmocka_unit_test( test_odd_triangles ),
         cmocka_unit_test( test_extreme_materials ),
     };

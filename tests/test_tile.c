@@ -32,6 +32,8 @@ static void test_names( void** state )
                                        "rook", "rooks3x3", "rooks-3", "rooks 3", "Rooks9", "99999999999999999999x1", "1x99999999999999999999" };
     for ( size_t i = 0; i < sizeof bad / sizeof bad[0]; ++i )
         assert_false( rf_parse_tile( bad[i], &tile ) );
+    // who fills in an RfTile must not get a grid of one pixel for each pixel of a patch
+    assert_false( rf_is_tile( &( RfTile ){ RF_TILE_ROOKS, 1, 1 } ) );
 }
 
 typedef struct Cover
