@@ -24,12 +24,12 @@ static RfLight make_light( const RfScene* scene, uint32_t triangle )
     light.textured = material->textured != NULL;
     if ( light.textured )
         light.radiance = rf_mean_emission( scene, material, triangle );
-    RfVec3 cross = rf_cross( light.e1, light.e2 );
-    light.area = 0.5f * rf_length( cross );
+    double twice;
+    light.normal = rf_unit_cross( light.e1, light.e2, &twice );
+    light.area = (float)( 0.5 * twice );
     light.pdf_area = 1.0f / light.area;
     light.offset = rf_ray_offset( rf_maxf( rf_largest_coordinate( light.p0 ), rf_maxf( rf_largest_coordinate( vertex( t, triangle, 1 ) ),
                                                                                       rf_largest_coordinate( vertex( t, triangle, 2 ) ) ) ) );
-    light.normal = rf_normalize( cross );
     return light;
 }
 

@@ -49,4 +49,16 @@ static inline void rf_basis( RfVec3 n, RfVec3* t, RfVec3* b )
     *b = rf_vec3( c, sign + n.y * n.y * a, -n.y );
 }
 
+// a × b made unit, and its length. In doubles: the edges of tiny and of huge
+// triangles leave the range of floats when they are multiplied. 0 where it has no length.
+static inline RfVec3 rf_unit_cross( RfVec3 a, RfVec3 b, double* length )
+{
+    double x = (double)a.y * (double)b.z - (double)a.z * (double)b.y;
+    double y = (double)a.z * (double)b.x - (double)a.x * (double)b.z;
+    double z = (double)a.x * (double)b.y - (double)a.y * (double)b.x;
+    *length = sqrt( x * x + y * y + z * z );
+    double scale = *length > 0.0 ? 1.0 / *length : 0.0;
+    return rf_vec3( (float)( x * scale ), (float)( y * scale ), (float)( z * scale ) );
+}
+
 #endif

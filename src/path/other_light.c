@@ -28,9 +28,17 @@ static RfOtherSample sample_punctual( const RfLights* lights, const RfPunctual* 
         return sample;
     }
     RfVec3 way = rf_sub( p->position, from );
-    float d2 = rf_maxf( rf_dot( way, way ), 1e-8f ); // on the light itself: no more than at a tenth of a millimetre
+    float d2 = rf_dot( way, way );
     sample.distance = sqrtf( d2 );
+    if ( !( d2 > 0.0f ) )
+    {
+        sample.pdf_solid_angle = 0.0f;
+        return sample;
+    }
     sample.wi = rf_scale( way, 1.0f / sample.distance );
+    // next to the light itself: no more than a hundred-thousandth of the scene away from it
+    float least = 1e-5f * lights->radius;
+    d2 = rf_maxf( d2, least * least );
     sample.radiance = rf_scale( p->intensity, cone( p, sample.wi ) * window( d2, p->range ) / d2 * RF_DELTA_PDF );
     return sample;
 }

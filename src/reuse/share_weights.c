@@ -109,7 +109,7 @@ static void test_own( Queue* q, int hits, RfShare* share )
     float* weight = share->turns[0].weight;
     float least[RF_LANES];
     for ( int i = 0; i < hits; ++i )
-        least[i] = 1e-4f * weight[i];
+        least[i] = 1e-12f * weight[i];
     for ( int a = 0; a < rf_record_count( &share->second ); ++a )
     {
         int i = share->owner[a];

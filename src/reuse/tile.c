@@ -7,7 +7,7 @@
 #include <string.h>
 
 #define PLAIN_SIDE 32 // of a patch without tiles, and about that of the others
-#define SALT 0x7113u  // keeps the tiles' random numbers apart from the pixels'
+#define SALT 0x711300000000u // above all pixels: keeps the tiles' random numbers apart from the pixels'
 
 static bool parse_count( const char** text, int* count )
 {
@@ -27,7 +27,7 @@ bool rf_is_tile( const RfTile* tile )
         return true;
     if ( w < 1 || h < 1 || w > RF_MAX_TILE_PIXELS || h > RF_MAX_TILE_PIXELS )
         return false;
-    return tile->kind == RF_TILE_BLOCK ? w * h <= RF_MAX_TILE_PIXELS : tile->kind == RF_TILE_ROOKS && w == h;
+    return tile->kind == RF_TILE_BLOCK ? w * h <= RF_MAX_TILE_PIXELS : tile->kind == RF_TILE_ROOKS && w == h && w > 1;
 }
 
 bool rf_parse_tile( const char* text, RfTile* tile )
@@ -42,11 +42,11 @@ bool rf_parse_tile( const char* text, RfTile* tile )
     bool one = tile->kind == RF_TILE_BLOCK && *text == '\0';
     if ( tile->kind == RF_TILE_BLOCK && !one && !( *text++ == 'x' && parse_count( &text, &tile->height ) ) )
         return false;
-    if ( *text != '\0' || ( one && tile->width != 1 ) || !rf_is_tile( tile ) )
+    if ( *text != '\0' || ( one && tile->width != 1 ) )
         return false;
     if ( rf_tile_pixels( tile ) == 1 )
         *tile = rf_no_tile();
-    return true;
+    return rf_is_tile( tile );
 }
 
 void rf_tile_name( const RfTile* tile, char* text )

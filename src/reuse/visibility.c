@@ -59,7 +59,7 @@ static void see_from_own( const RfHarvest* harvest, const RfHitBatch* batch, con
     // through what the ray may have come: never nothing, since it did come
     float least[RF_LANES];
     for ( int i = 0; i < batch->count; ++i )
-        least[i] = 1e-4f * density[i];
+        least[i] = 1e-12f * density[i];
     rays->eye += (uint64_t)rf_trace_from_origin( harvest->walk.tracer, eye->origin, batch->count, lifted, density );
     for ( int i = 0; i < batch->count; ++i )
         density[i] = density[i] > least[i] ? density[i] : least[i];

@@ -58,17 +58,6 @@ static RfVec3 load_vec3( const float* values, uint32_t index )
     return rf_vec3( values[3 * (size_t)index], values[3 * (size_t)index + 1], values[3 * (size_t)index + 2] );
 }
 
-// In doubles: needles and tiny triangles keep their normal.
-static RfVec3 unit_cross( RfVec3 a, RfVec3 b )
-{
-    double x = (double)a.y * (double)b.z - (double)a.z * (double)b.y;
-    double y = (double)a.z * (double)b.x - (double)a.x * (double)b.z;
-    double z = (double)a.x * (double)b.y - (double)a.y * (double)b.x;
-    double length = sqrt( x * x + y * y + z * z );
-    double scale = length > 0.0 ? 1.0 / length : 0.0;
-    return rf_vec3( (float)( x * scale ), (float)( y * scale ), (float)( z * scale ) );
-}
-
 static RfTriangleRecord make_record( const RfTriangles* t, uint32_t i, uint32_t light )
 {
     const uint32_t* v = t->indices + 3 * (size_t)i;
@@ -79,7 +68,8 @@ static RfTriangleRecord make_record( const RfTriangles* t, uint32_t i, uint32_t 
     r.n0 = load_vec3( t->normals, v[0] );
     r.d1 = rf_sub( load_vec3( t->normals, v[1] ), r.n0 );
     r.d2 = rf_sub( load_vec3( t->normals, v[2] ), r.n0 );
-    r.ng = unit_cross( r.e1, r.e2 );
+    double twice;
+    r.ng = rf_unit_cross( r.e1, r.e2, &twice );
     float largest = rf_maxf( rf_largest_coordinate( r.p0 ), rf_maxf( rf_largest_coordinate( load_vec3( t->positions, v[1] ) ),
                                                                     rf_largest_coordinate( load_vec3( t->positions, v[2] ) ) ) );
     r.offset = rf_ray_offset( largest );
