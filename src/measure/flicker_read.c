@@ -166,49 +166,59 @@ static void take_camera( const RfExrHeader* header, RfFlickerFrame* frame )
     }
 }
 
-// Takes `wanted` neighbouring channels of the interleaved ones.
-static float* pick( const float* values, size_t pixels, int channels, int first, int wanted )
+// The channels to be read, each once, and where those of a layer are among them.
+typedef struct Wanted
 {
-    float* out = malloc( pixels * (size_t)wanted * sizeof( float ) );
+    const char* names[MAX_LAYERS];
+    int count;
+} Wanted;
+
+static void want( Wanted* wanted, const char* const* names, int count, int* where )
+{
+    for ( int i = 0; i < count; ++i )
+    {
+        int at = 0;
+        while ( at < wanted->count && strcmp( wanted->names[at], names[i] ) != 0 )
+            ++at;
+        wanted->names[at] = names[i];
+        wanted->count += at == wanted->count;
+        where[i] = at;
+    }
+}
+
+static float* pick( const float* values, size_t pixels, int channels, const int* where, int count )
+{
+    float* out = malloc( pixels * (size_t)count * sizeof( float ) );
     for ( size_t i = 0; out != NULL && i < pixels; ++i )
-        memcpy( out + i * (size_t)wanted, values + i * (size_t)channels + first, (size_t)wanted * sizeof( float ) );
+    {
+        for ( int c = 0; c < count; ++c )
+            out[i * (size_t)count + (size_t)c] = values[i * (size_t)channels + (size_t)where[c]];
+    }
     return out;
 }
 
 static RfResult read_layers( const char* path, const RfFlickerLayers* layers, RfFlickerFrame* frame, RfError* error )
 {
-    const char* names[MAX_LAYERS];
-    int count = 0, motion = -1, depth = -1, variance = -1;
-    if ( layers->motion[0] != NULL )
-    {
-        motion = count;
-        names[count++] = layers->motion[0];
-        names[count++] = layers->motion[1];
-    }
-    if ( layers->depth != NULL )
-    {
-        depth = count;
-        names[count++] = layers->depth;
-    }
-    for ( int c = 0; layers->variance[0] != NULL && c < 3; ++c )
-    {
-        variance = c == 0 ? count : variance;
-        names[count++] = layers->variance[c];
-    }
-    if ( count == 0 )
+    bool has_motion = layers->motion[0] != NULL, has_depth = layers->depth != NULL, has_variance = layers->variance[0] != NULL;
+    int motion[2] = { 0 }, depth[1] = { 0 }, variance[3] = { 0 }, width, height;
+    Wanted wanted = { .count = 0 };
+    want( &wanted, layers->motion, has_motion ? 2 : 0, motion );
+    want( &wanted, &layers->depth, has_depth ? 1 : 0, depth );
+    want( &wanted, layers->variance, has_variance ? 3 : 0, variance );
+    if ( wanted.count == 0 )
         return RF_OK;
-    int width, height;
     float* values;
-    RfResult result = rf_read_exr_channels( path, names, count, &width, &height, &values, error );
+    RfResult result = rf_read_exr_channels( path, wanted.names, wanted.count, &width, &height, &values, error );
     if ( result != RF_OK )
         return result;
     size_t pixels = (size_t)width * (size_t)height;
-    frame->motion = motion >= 0 ? pick( values, pixels, count, motion, 2 ) : NULL;
-    frame->depth = depth >= 0 ? pick( values, pixels, count, depth, 1 ) : NULL;
-    frame->variance = ( RfImage ){ width, height, variance >= 0 ? pick( values, pixels, count, variance, 3 ) : NULL };
+    frame->motion = has_motion ? pick( values, pixels, wanted.count, motion, 2 ) : NULL;
+    frame->depth = has_depth ? pick( values, pixels, wanted.count, depth, 1 ) : NULL;
+    if ( has_variance )
+        frame->variance = ( RfImage ){ width, height, pick( values, pixels, wanted.count, variance, 3 ) };
     free( values );
-    if ( ( motion >= 0 && frame->motion == NULL ) || ( depth >= 0 && frame->depth == NULL ) ||
-         ( variance >= 0 && frame->variance.rgb == NULL ) )
+    if ( has_motion != ( frame->motion != NULL ) || has_depth != ( frame->depth != NULL ) ||
+         has_variance != ( frame->variance.rgb != NULL ) )
         return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for its layers", path );
     return RF_OK;
 }

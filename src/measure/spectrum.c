@@ -112,6 +112,8 @@ RfResult rf_add_window( RfSpectrumSums* sums, const RfFlickerFrame* const* frame
         add_sums( sums, rows + y );
     free( rows );
     sums->windows += 1;
+    if ( 1.0 / ( 2.0 * count ) > RF_SPECTRUM_SPLIT ) // no coefficient lies in the slow band
+        sums->drift = NAN;
     if ( !finite )
         sums->frozen = sums->drift = sums->boiling = NAN;
     return RF_OK;

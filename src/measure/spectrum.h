@@ -15,7 +15,7 @@
 // Noise that is independent in each frame is flat: of its mean square frozen has
 // 1/16, drift 4/16, boiling 11/16 with the window of 16 frames, of which one
 // begins every 8 and one ends with the last frame; a shorter sequence is one
-// window. Of less than four frames none tells drift.
+// window. One of less than four frames does not tell drift (NaN).
 #ifndef REFRAME_MEASURE_SPECTRUM_H
 #define REFRAME_MEASURE_SPECTRUM_H
 
