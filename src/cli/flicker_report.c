@@ -71,9 +71,12 @@ static const char* describe_phi( double phi )
 static void print_words( const RfFlickerReport* report )
 {
     RfFlickerMetrics m = rf_flicker_metrics( &report->all );
-    const char* from = report->source == RF_ERROR_FROM_VARIANCE ? ", the error's size from the variance layers" : "";
-    if ( isfinite( m.phi ) && m.mse > 0.0 )
-        printf( "%s: phi %.3f at an RMSE of %.3e%s\n", describe_phi( m.phi ), m.phi, sqrt( m.mse ), from );
+    if ( isfinite( m.phi ) && m.mse > 0.0 && report->source == RF_ERROR_FROM_VARIANCE )
+        printf( "phi %.3f at an RMSE of %.3e, which the variance layers say; edges and highlights that move count as flicker, "
+                "--reference takes them out\n",
+                m.phi, sqrt( m.mse ) );
+    else if ( isfinite( m.phi ) && m.mse > 0.0 )
+        printf( "%s: phi %.3f at an RMSE of %.3e\n", describe_phi( m.phi ), m.phi, sqrt( m.mse ) );
     else if ( isfinite( m.phi ) )
         printf( "there is no error that could flicker\n" );
     else if ( report->source == RF_ERROR_UNKNOWN && isfinite( m.f1 ) )
