@@ -403,13 +403,49 @@ static void test_refused( void** state )
     check_failed( flicker( "v.####.exr", NULL ), 1, "v.0009.exr" );
 }
 
+// Frames of ours, a fast turn about a matt vase: what is left along the motion is
+// little beside what moves, and less than without depth, where walls come out
+// from behind the vase.
+static void test_rendered( void** state )
+{
+    (void)state;
+    char command[2048];
+    RfExrHeader header;
+    for ( int k = 0; k < 2; ++k )
+    {
+        snprintf( command, sizeof command, "'" REFRAME_BINARY "' render '" REFRAME_SCENE_FOLDER "/vase-room-lambert.glb' -o '%s' --camera '"
+                  REFRAME_SOURCE_DIR "/anim/orbit.json' --frames 10-11 --size 64x36 --spp 28 --group 3 --tile 1 --aov %s --float --quiet "
+                  ">/dev/null", temp_path( k == 0 ? "o.##.exr" : "p.##.exr" ), k == 0 ? "depth,motion" : "motion" );
+        assert_int_equal( system( command ), 0 );
+    }
+    double f1[3], coverage[3];
+    const char* const sequences[3] = { "o.##.exr", "p.##.exr", "o.##.exr" };
+    for ( int k = 0; k < 3; ++k )
+    {
+        check_done( flicker( sequences[k], k < 2 ? "--compensate" : "--no-compensate", NULL ) );
+        json_t* json = load_json();
+        f1[k] = number( json, "f1" );
+        coverage[k] = number( json, "coverage" );
+        assert_true( json_is_true( json_object_get( json, "masked" ) ) == ( k == 0 ) );
+        json_t* border = json_object_get( json_object_get( json, "groups" ), "border" );
+        assert_true( number( border, "pairs" ) == 0.0 ); // frames 10 and 11 of 48
+        json_decref( json );
+    }
+    print_message( "F1 %g along the motion, %g without depth, %g without motion; coverage %g\n", f1[0], f1[1], f1[2], coverage[0] );
+    assert_true( f1[0] < 0.5 * f1[1] && f1[0] < 0.5 * f1[2] );
+    assert_true( coverage[0] > 0.65 && coverage[0] < coverage[1] && coverage[1] < 1.0 && coverage[2] == 1.0 );
+    assert_int_equal( rf_read_exr_header( temp_path( "o.10.exr" ), &header, NULL ), RF_OK );
+    assert_true( header.has_world_to_ndc );
+    rf_destroy_exr_header( &header );
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( test_reference ),      cmocka_unit_test( test_alone ),
         cmocka_unit_test( test_layers ),         cmocka_unit_test( test_groups_of_files ),
         cmocka_unit_test( test_other_programs ), cmocka_unit_test( test_camera ),
-        cmocka_unit_test( test_refused ),
+        cmocka_unit_test( test_rendered ),       cmocka_unit_test( test_refused ),
     };
     return cmocka_run_group_tests_name( "flicker files", tests, make_temp_folder, remove_temp_folder );
 }
