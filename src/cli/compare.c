@@ -2,6 +2,7 @@
 // sequences, frame by frame and over all frames.
 #include "cli/commands.h"
 #include "cli/options.h"
+#include "cli/progress.h"
 #include "cli/report.h"
 #include "image/exr.h"
 #include "image/sequence.h"
@@ -83,11 +84,8 @@ static json_t* all_json( json_t* rows, const RfErrorMetrics* metrics )
 
 static void show_progress( const Compare* compare, int i )
 {
-    if ( compare->quiet || compare->frame_count < 2 || isatty( STDERR_FILENO ) == 0 )
-        return;
-    if ( compare->table && isatty( STDOUT_FILENO ) != 0 )
-        return; // the rows are progress enough
-    fprintf( stderr, "\r%d of %d frames%s", i, compare->frame_count, i == compare->frame_count ? "\n" : "" );
+    bool rows_are_seen = compare->table && isatty( STDOUT_FILENO ) != 0; // they are progress enough
+    rf_show_frame_count( compare->quiet || rows_are_seen || compare->frame_count < 2, i, compare->frame_count );
 }
 
 // A frame that only one of the sequences has is an error that names it.

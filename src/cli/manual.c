@@ -81,6 +81,14 @@ void rf_print_manual_tail( FILE* file )
            ".TP\n.B samples.Y\n"
            "light paths that the pixel is made of, its own and those of other frames\n"
            ".PP\nAlbedo and normal are 16-bit floats unless \\fB\\-\\-float\\fR is given, the others always 32-bit.\n"
+           ".SH FLICKER\n"
+           "F1 is the root mean square of how much the error changes from one frame to the next, phi its square over the\n"
+           "sum of the two frames' mean square errors: 1 is noise that is independent in each frame, 0 an error that\n"
+           "stands still, 2 one that alternates. Without a reference it is the picture that changes, along the motion\n"
+           "layers over the pixels that were seen before (their share is the coverage), and the size of the error comes from\n"
+           "the variance layers. The border of Reframe's sliding groups is the pairs with a frame that lies in fewer groups\n"
+           "than those in the middle of the path, or in cut ones: 2N at each end of it for \\fB\\-\\-group N\\fR.\n"
+           "The spectrum is of windows of 16 frames: slow drift has periods of 8 frames and more, boiling shorter ones.\n"
            ".SH \"EXIT STATUS\"\n"
            "0: done. 1: it failed, with one line on standard error that says what, where and what to do.\n"
            "2: the command line is wrong. 130: interrupted, with everything finished so far kept.\n"
@@ -90,6 +98,7 @@ void rf_print_manual_tail( FILE* file )
            "reframe render scene.glb \\-o out/shot.####.exr \\-\\-size 960x540 \\-\\-spp 28\n"
            "reframe render scene.glb \\-o out/shot.####.exr \\-\\-resume \\-\\-aov depth,motion\n"
            "reframe compare out/shot.####.exr reference.####.exr\n"
+           "reframe flicker out/shot.####.exr \\-\\-reference reference.####.exr \\-\\-png slit.png\n"
            "reframe png out/shot.0012.exr shot.png \\-\\-exposure 1\n"
            ".EE\n",
            file );

@@ -72,3 +72,9 @@ void rf_show_frame( RfProgressLine* line, const RfFrameResult* result, int done,
         fprintf( stderr, "  relMSE %.3g", result->relmse_estimate );
     fprintf( stderr, "  %.1f samples/pixel\n", result->effective_spp );
 }
+
+void rf_show_frame_count( bool quiet, int done, int all )
+{
+    if ( !quiet && isatty( STDERR_FILENO ) != 0 )
+        fprintf( stderr, "\r%d of %d frames%s", done, all, done == all ? "\n" : "" );
+}

@@ -28,6 +28,10 @@ void rf_show_frame( RfProgressLine* line, const RfFrameResult* result, int done,
 // Removes the line, so that something else can be said.
 void rf_clear_progress( RfProgressLine* line );
 
+// "3 of 48 frames", rewritten in place, for commands that go through a sequence;
+// nothing where standard error is no terminal, or `quiet`.
+void rf_show_frame_count( bool quiet, int done, int all );
+
 // Writes the line's text (for the tests).
 void rf_format_progress( const RfProgress* progress, char* text, size_t size );
 

@@ -216,6 +216,7 @@ static void list_attributes( const RfRenderSubject* subject, const RfFrameResult
     add_text( attributes, "reframe/scene", subject->options->scene );
     add_text( attributes, "reframe/camera", subject->path->name );
     add_number( attributes, "reframe/frame", "%.0f", result->frame + 1 );
+    add_number( attributes, "reframe/frames", "%.0f", subject->path->count );
     add_number( attributes, "reframe/group", "%.0f", s->group );
     add_number( attributes, "reframe/spp", "%.0f", s->spp );
     add_tile( attributes, &s->tile );

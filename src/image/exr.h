@@ -64,6 +64,22 @@ RfResult rf_read_exr( const char* path, RfImage* image, RfError* error );
 RfResult rf_read_exr_channels( const char* path, const char* const* names, int count, int* width, int* height,
                                float** values, RfError* error );
 
+// What a file says of itself: the windows, the channels, the camera.
+typedef struct RfExrHeader
+{
+    int x, y, width, height;          // data window: its first pixel, its size
+    int display_x, display_y;         // display window
+    int display_width, display_height;
+    bool has_world_to_ndc;
+    float world_to_ndc[16];           // as in RfExrOptions
+    int channel_count;
+    char** channels;                  // full names, as in the file
+} RfExrHeader;
+
+// Reads the header of the first part; rf_destroy_exr_header frees it.
+RfResult rf_read_exr_header( const char* path, RfExrHeader* header, RfError* error );
+void rf_destroy_exr_header( RfExrHeader* header );
+
 // Reads one string attribute into `value` (size bytes, truncated). Fails with
 // RF_ERROR_IO or RF_ERROR_FORMAT where the file cannot be read or has none.
 RfResult rf_read_exr_string( const char* path, const char* name, char* value, size_t size, RfError* error );

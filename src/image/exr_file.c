@@ -11,7 +11,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-static RfResult open_file( const char* path, RfExrStream* stream, RfError* error )
+RfResult rf_open_exr_file( const char* path, RfExrStream* stream, RfError* error )
 {
     // not to wait for ever at a pipe, which is refused below
     *stream = ( RfExrStream ){ .path = path, .fd = open( path, O_RDONLY | O_CLOEXEC | O_NONBLOCK ) };
@@ -64,7 +64,7 @@ RfResult rf_read_exr( const char* path, RfImage* image, RfError* error )
 {
     *image = ( RfImage ){ 0 };
     RfExrStream stream;
-    RfResult result = open_file( path, &stream, error );
+    RfResult result = rf_open_exr_file( path, &stream, error );
     if ( result != RF_OK )
         return result;
     result = rf_read_exr_stream( &stream, image, error );
@@ -120,7 +120,7 @@ RfResult rf_read_exr_channels( const char* path, const char* const* names, int c
         return rf_fail( error, RF_ERROR_USAGE, "%s: %d channels cannot be read: ask for 1 to %d", path, count,
                         RF_EXR_MAX_CHANNELS );
     RfExrStream stream;
-    RfResult result = open_file( path, &stream, error );
+    RfResult result = rf_open_exr_file( path, &stream, error );
     if ( result != RF_OK )
         return result;
     result = read_channels( &stream, names, count, width, height, values, error );
@@ -133,7 +133,7 @@ RfResult rf_read_exr_string( const char* path, const char* name, char* value, si
     if ( size > 0 )
         value[0] = 0;
     RfExrStream stream;
-    RfResult result = open_file( path, &stream, error );
+    RfResult result = rf_open_exr_file( path, &stream, error );
     if ( result != RF_OK )
         return result;
     exr_context_t context = NULL;

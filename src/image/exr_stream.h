@@ -31,6 +31,9 @@ exr_context_initializer_t rf_exr_initializer( RfExrStream* stream );
 // The error line for a library call that returned `code`.
 RfResult rf_fail_exr( const RfExrStream* stream, exr_result_t code, const char* what, RfError* error );
 
+// Opens a file for reading; `fd` is the caller's to close where it succeeded.
+RfResult rf_open_exr_file( const char* path, RfExrStream* stream, RfError* error );
+
 // Reads the image from the beginning of the stream.
 RfResult rf_read_exr_stream( RfExrStream* stream, RfImage* image, RfError* error );
 

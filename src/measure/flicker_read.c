@@ -1,0 +1,244 @@
+#include "measure/flicker_read.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define MAX_LAYERS 6
+
+// Is `name` the tail, or does it end with a dot and it?
+static bool has_tail( const char* name, const char* tail )
+{
+    size_t length = strlen( name ), end = strlen( tail );
+    if ( length < end || strcmp( name + length - end, tail ) != 0 )
+        return false;
+    return length == end || name[length - end - 1] == '.';
+}
+
+// The channel of the first tail that any has; NULL where none has. Two are an error.
+static RfResult find_one( const char* path, const RfExrHeader* header, const char* const* tails, const char* how,
+                          const char** found, RfError* error )
+{
+    *found = NULL;
+    for ( int t = 0; tails[t] != NULL && *found == NULL; ++t )
+    {
+        for ( int c = 0; c < header->channel_count; ++c )
+        {
+            if ( !has_tail( header->channels[c], tails[t] ) )
+                continue;
+            if ( *found != NULL )
+                return rf_fail( error, RF_ERROR_UNSUPPORTED, "%s: has both %s and %s: choose %s", path, *found,
+                                header->channels[c], how );
+            *found = header->channels[c];
+        }
+    }
+    return RF_OK;
+}
+
+static const char* find_name( const RfExrHeader* header, const char* name, size_t length )
+{
+    for ( int c = 0; c < header->channel_count; ++c )
+    {
+        if ( strlen( header->channels[c] ) == length && memcmp( header->channels[c], name, length ) == 0 )
+            return header->channels[c];
+    }
+    return NULL;
+}
+
+static RfResult fail_missing( const char* path, const char* option, const char* name, size_t length, RfError* error )
+{
+    return rf_fail( error, RF_ERROR_FORMAT, "%s: %s: has no channel %.*s", option, path, (int)length, name );
+}
+
+static RfResult name_motion( const char* path, const RfExrHeader* header, const char* text, RfFlickerLayers* layers,
+                             RfError* error )
+{
+    const char* comma = strchr( text, ',' );
+    if ( comma == NULL || comma == text || comma[1] == '\0' || strchr( comma + 1, ',' ) != NULL )
+        return rf_fail( error, RF_ERROR_USAGE, "--motion: wants the names of two channels, X,Y, got '%s'", text );
+    const char* names[2] = { text, comma + 1 };
+    size_t lengths[2] = { (size_t)( comma - text ), strlen( comma + 1 ) };
+    for ( int i = 0; i < 2; ++i )
+    {
+        layers->motion[i] = find_name( header, names[i], lengths[i] );
+        if ( layers->motion[i] == NULL )
+            return fail_missing( path, "--motion", names[i], lengths[i], error );
+    }
+    return RF_OK;
+}
+
+static RfResult find_motion( const char* path, const RfExrHeader* header, RfFlickerLayers* layers, RfError* error )
+{
+    static const char* const x[] = { "motion.X", "Vector.X", NULL };
+    RfResult result = find_one( path, header, x, "by --motion X,Y", layers->motion, error );
+    if ( result != RF_OK || layers->motion[0] == NULL )
+        return result;
+    // Y of the same layer
+    size_t length = strlen( layers->motion[0] );
+    for ( int c = 0; c < header->channel_count; ++c )
+    {
+        const char* name = header->channels[c];
+        if ( strlen( name ) == length && memcmp( name, layers->motion[0], length - 1 ) == 0 && name[length - 1] == 'Y' )
+            layers->motion[1] = name;
+    }
+    if ( layers->motion[1] == NULL )
+        layers->motion[0] = NULL;
+    return RF_OK;
+}
+
+RfResult rf_find_variance_layers( const char* path, const RfExrHeader* header, RfFlickerLayers* layers, RfError* error )
+{
+    static const char* const tails[3][2] = { // NULL at each end
+        { "variance.R" }, { "variance.G" }, { "variance.B" } };
+    for ( int c = 0; c < 3; ++c )
+    {
+        RfResult result = find_one( path, header, tails[c], "a file with one of them", layers->variance + c, error );
+        if ( result != RF_OK )
+            return result;
+    }
+    if ( layers->variance[0] == NULL || layers->variance[1] == NULL || layers->variance[2] == NULL )
+        memset( layers->variance, 0, sizeof layers->variance );
+    return RF_OK;
+}
+
+RfResult rf_find_flicker_layers( const char* path, const RfExrHeader* header, const char* motion, const char* depth,
+                                 RfFlickerLayers* layers, RfError* error )
+{
+    static const char* const depths[] = { "depth.Z", "Depth.Z", "Depth.V", NULL };
+    *layers = ( RfFlickerLayers ){ 0 };
+    RfResult result = motion != NULL ? name_motion( path, header, motion, layers, error )
+                                     : find_motion( path, header, layers, error );
+    if ( result != RF_OK )
+        return result;
+    if ( depth != NULL )
+    {
+        layers->depth = find_name( header, depth, strlen( depth ) );
+        if ( layers->depth == NULL )
+            return fail_missing( path, "--depth", depth, strlen( depth ), error );
+    }
+    else if ( ( result = find_one( path, header, depths, "by --depth NAME", &layers->depth, error ) ) != RF_OK )
+        return result;
+    if ( layers->depth == NULL )
+        layers->depth = find_name( header, "Z", 1 );
+    return RF_OK;
+}
+
+static RfResult check_window( const char* path, const RfExrHeader* header, const char* first_path,
+                              const RfExrHeader* first, RfError* error )
+{
+    if ( header->width != first->width || header->height != first->height )
+        return rf_fail( error, RF_ERROR_FORMAT, "%.400s has %dx%d pixels and %.400s %dx%d: give frames of one size", path,
+                        header->width, header->height, first_path, first->width, first->height );
+    if ( header->x != first->x || header->y != first->y )
+        return rf_fail( error, RF_ERROR_FORMAT,
+                        "%.350s: its data window begins at (%d, %d), that of %.350s at (%d, %d): store frames with one data "
+                        "window",
+                        path, header->x, header->y, first_path, first->x, first->y );
+    return RF_OK;
+}
+
+RfResult rf_read_aligned( const char* path, const RfExrHeader* first, const char* first_path, RfImage* image,
+                          RfError* error )
+{
+    *image = ( RfImage ){ 0 };
+    RfExrHeader header;
+    RfResult result = rf_read_exr_header( path, &header, error );
+    if ( result != RF_OK )
+        return result;
+    result = check_window( path, &header, first_path, first, error );
+    rf_destroy_exr_header( &header );
+    return result == RF_OK ? rf_read_exr( path, image, error ) : result;
+}
+
+// Rows of x·z, y·z and z from those of NDC, where x and y go from −1 to 1 over
+// the display window, +y up, and the last column gives z.
+static void take_camera( const RfExrHeader* header, RfFlickerFrame* frame )
+{
+    frame->has_camera = header->has_world_to_ndc;
+    double width = header->display_width, height = header->display_height;
+    double left = (double)header->display_x - header->x - 0.5, top = (double)header->display_y - header->y - 0.5;
+    for ( int i = 0; i < 4; ++i )
+    {
+        const float* row = header->world_to_ndc + 4 * i;
+        double x = (double)row[0], y = (double)row[1], w = (double)row[3];
+        frame->camera[0][i] = 0.5 * width * ( x + w ) + left * w;
+        frame->camera[1][i] = 0.5 * height * ( w - y ) + top * w;
+        frame->camera[2][i] = w;
+    }
+}
+
+// The channels to be read, each once, and where those of a layer are among them.
+typedef struct Wanted
+{
+    const char* names[MAX_LAYERS];
+    int count;
+} Wanted;
+
+static void want( Wanted* wanted, const char* const* names, int count, int* where )
+{
+    for ( int i = 0; i < count; ++i )
+    {
+        int at = 0;
+        while ( at < wanted->count && strcmp( wanted->names[at], names[i] ) != 0 )
+            ++at;
+        wanted->names[at] = names[i];
+        wanted->count += at == wanted->count;
+        where[i] = at;
+    }
+}
+
+static float* pick( const float* values, size_t pixels, int channels, const int* where, int count )
+{
+    float* out = malloc( pixels * (size_t)count * sizeof( float ) );
+    for ( size_t i = 0; out != NULL && i < pixels; ++i )
+    {
+        for ( int c = 0; c < count; ++c )
+            out[i * (size_t)count + (size_t)c] = values[i * (size_t)channels + (size_t)where[c]];
+    }
+    return out;
+}
+
+static RfResult read_layers( const char* path, const RfFlickerLayers* layers, RfFlickerFrame* frame, RfError* error )
+{
+    bool has_motion = layers->motion[0] != NULL, has_depth = layers->depth != NULL, has_variance = layers->variance[0] != NULL;
+    int motion[2] = { 0 }, depth[1] = { 0 }, variance[3] = { 0 }, width, height;
+    Wanted wanted = { .count = 0 };
+    want( &wanted, layers->motion, has_motion ? 2 : 0, motion );
+    want( &wanted, &layers->depth, has_depth ? 1 : 0, depth );
+    want( &wanted, layers->variance, has_variance ? 3 : 0, variance );
+    if ( wanted.count == 0 )
+        return RF_OK;
+    float* values;
+    RfResult result = rf_read_exr_channels( path, wanted.names, wanted.count, &width, &height, &values, error );
+    if ( result != RF_OK )
+        return result;
+    size_t pixels = (size_t)width * (size_t)height;
+    frame->motion = has_motion ? pick( values, pixels, wanted.count, motion, 2 ) : NULL;
+    frame->depth = has_depth ? pick( values, pixels, wanted.count, depth, 1 ) : NULL;
+    if ( has_variance )
+        frame->variance = ( RfImage ){ width, height, pick( values, pixels, wanted.count, variance, 3 ) };
+    free( values );
+    if ( has_motion != ( frame->motion != NULL ) || has_depth != ( frame->depth != NULL ) ||
+         has_variance != ( frame->variance.rgb != NULL ) )
+        return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for its layers", path );
+    return RF_OK;
+}
+
+RfResult rf_read_flicker_frame( const char* path, const RfFlickerLayers* layers, const RfExrHeader* first,
+                                const char* first_path, RfFlickerFrame* frame, RfError* error )
+{
+    *frame = ( RfFlickerFrame ){ 0 };
+    RfExrHeader header;
+    RfResult result = rf_read_exr_header( path, &header, error );
+    if ( result != RF_OK )
+        return result;
+    result = check_window( path, &header, first_path, first, error );
+    take_camera( &header, frame );
+    rf_destroy_exr_header( &header );
+    if ( result == RF_OK )
+        result = rf_read_exr( path, &frame->signal, error );
+    if ( result == RF_OK )
+        result = read_layers( path, layers, frame, error );
+    if ( result != RF_OK )
+        rf_destroy_flicker_frame( frame );
+    return result;
+}
