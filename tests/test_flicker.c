@@ -252,6 +252,8 @@ static void test_noise_between_pixels( void** state )
     m = measured( &now, &before, true, false );
     check_near( m.mse, 0.25 * 0.75, 1e-7 );
     check_near( m.phi, 1.0, 6.0 * deviation );
+    before.variance.rgb[77] = INFINITY; // no number, no φ
+    assert_true( isnan( measured( &now, &before, true, false ).phi ) );
     rf_destroy_flicker_frame( &before );
     rf_destroy_flicker_frame( &now );
 }
