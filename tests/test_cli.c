@@ -225,7 +225,8 @@ static void test_attributes( void** state )
     cli_expect( cli_run( "$R render $VASE -o a.exr --frames 2 --seed 18446744073709551615 " SMALL ), 0, NULL );
     static const char* const wanted[][2] = {
         { "reframe/version", REFRAME_VERSION }, { "reframe/scene", REFRAME_VASE_ROOM }, { "reframe/camera", "Camera" },
-        { "reframe/frame", "2" },               { "reframe/frames", "48" },             { "reframe/group", "0" },               { "reframe/spp", "1" },
+        { "reframe/frame", "2" },               { "reframe/frames", "48" },           { "reframe/group", "0" },
+        { "reframe/spp", "1" },
         { "reframe/weights", "exact" },         { "reframe/normalize", "crossfit" },
         { "reframe/seed", "18446744073709551615" } };
     char path[512], value[1024];

@@ -6,6 +6,7 @@
 #include "test_image_support.h"
 
 #include <math.h>
+#include <omp.h>
 
 enum { WIDTH = 64, HEIGHT = 48, PIXELS = WIDTH * HEIGHT, VALUES = 3 * PIXELS };
 
@@ -251,6 +252,8 @@ static void test_noise_between_pixels( void** state )
     m = measured( &now, &before, true, false );
     check_near( m.mse, 0.25 * 0.75, 1e-7 );
     check_near( m.phi, 1.0, 6.0 * deviation );
+    before.variance.rgb[77] = INFINITY; // no number, no φ
+    assert_true( isnan( measured( &now, &before, true, false ).phi ) );
     rf_destroy_flicker_frame( &before );
     rf_destroy_flicker_frame( &now );
 }
@@ -405,6 +408,32 @@ static RfSpectrum spectrum_of( const Film* film, int count, bool compensate )
     return rf_spectrum( &sums );
 }
 
+// The same sums to the bit, whatever the number of threads.
+static void test_threads( void** state )
+{
+    (void)state;
+    Film* film = make_film();
+    for ( int t = 0; t < RF_SPECTRUM_FRAMES; ++t )
+    {
+        fill_noise( film->frames + t, 50 + (uint32_t)t, 1.0f );
+        set_motion( film->frames + t, 0.3f, -0.2f );
+    }
+    int threads = omp_get_max_threads();
+    RfFlickerSums sums[2];
+    RfSpectrum spectra[2];
+    for ( int k = 0; k < 2; ++k )
+    {
+        omp_set_num_threads( 1 + 4 * k );
+        sums[k] = measure( film->frames + 1, film->frames, true, true );
+        spectra[k] = spectrum_of( film, 6, true );
+    }
+    omp_set_num_threads( threads );
+    assert_true( sums[0].difference > 0.0 && spectra[0].boiling > 0.0 );
+    assert_true( sums[0].difference == sums[1].difference && sums[0].square == sums[1].square && sums[0].pixels == sums[1].pixels );
+    assert_memory_equal( spectra, spectra + 1, sizeof spectra[0] );
+    destroy_film( film );
+}
+
 static void fill_tone( Film* film, double offset, double amplitude, double cycles )
 {
     for ( int t = 0; t < RF_SPECTRUM_FRAMES; ++t )
@@ -552,6 +581,7 @@ int main( void )
         cmocka_unit_test( test_refused ),          cmocka_unit_test( test_bands ),
         cmocka_unit_test( test_bands_follow ),     cmocka_unit_test( test_windows ),
         cmocka_unit_test( test_seams ),            cmocka_unit_test( test_slit_scan ),
+        cmocka_unit_test( test_threads ),
     };
     return cmocka_run_group_tests_name( "flicker", tests, NULL, NULL );
 }

@@ -377,6 +377,7 @@ static void test_refused( void** state )
     check_failed( flicker( "v.0007.exr", NULL ), 2, "has no ####" );
     check_failed( flicker( "none.####.exr", NULL ), 1, "there is no such file" );
     check_failed( flicker( "v.####.exr", "--frames", "7", NULL ), 1, "two neighbouring" );
+    check_failed( flicker( "v.####.exr", "--frames", "60", NULL ), 2, "--frames: there is no frame 60" );
     check_failed( flicker( "v.####.exr", "--frames", "7-9x2", NULL ), 1, "after frame 7 comes 9" );
     check_failed( flicker( "v.####.exr", "--frames", "6-9", NULL ), 1, "frame 6 is missing" );
     check_failed( flicker( "v.####.exr", "--reference", temp_path( "m.##.exr" ), NULL ), 1, "wants frame 7" );

@@ -81,6 +81,8 @@ static void print_words( const RfFlickerReport* report )
         printf( "there is no error that could flicker\n" );
     else if ( report->source == RF_ERROR_UNKNOWN && isfinite( m.f1 ) )
         printf( "phi is not known without the error: give --reference, or layers by render --aov variance\n" );
+    else if ( report->source == RF_ERROR_FROM_VARIANCE && isfinite( m.f1 ) )
+        printf( "phi is not known: the variance layers are 0, as those of a single pass are: give --reference\n" );
     if ( !report->compensated && report->source != RF_ERROR_FROM_REFERENCE )
         printf( "not motion-compensated: what moves counts as flicker (render --aov motion,depth, or --reference)\n" );
     if ( report->compensated && !report->masked )

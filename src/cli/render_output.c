@@ -178,7 +178,7 @@ void rf_eye_matrices( const RfEye* eye, float world_to_camera[16], float world_t
     }
 }
 
-#define STRING_COUNT 16
+#define STRING_COUNT 24
 #define TEXT_SIZE 64 // all layers fit
 
 typedef struct Attributes
