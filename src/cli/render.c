@@ -1,6 +1,5 @@
 // reframe render: from a scene and a camera path to EXR files.
 #include "cli/commands.h"
-#include "cli/file_options.h"
 #include "cli/frame_list.h"
 #include "cli/interrupt.h"
 #include "cli/progress.h"
@@ -80,7 +79,7 @@ static RfResult resolve( Job* job, RfError* error )
 {
     RfRenderSettings* settings = &job->options.settings;
     RfRenderSettings used;
-    RfResult result = rf_resolve_settings( &job->scene, job->path.eyes, job->path.count, settings, &used, error );
+    RfResult result = rf_resolve_settings( job->tracer, job->path.eyes, job->path.count, settings, &used, error );
     if ( result != RF_OK )
         return result;
     tell_settings( job, settings, &used );
@@ -99,18 +98,6 @@ static RfResult load_scene( Job* job, RfError* error )
     return result == RF_OK ? rf_load_scene_file( &job->file, &job->scene, &job->log, error ) : result;
 }
 
-// Of the command line or, where it has none, of the scene file: then a fault is the file's.
-static RfResult choose_frames( Job* job, RfError* error )
-{
-    RfResult result = rf_parse_frames( job->options.frames, job->path.count, &job->frames, &job->frame_count, error );
-    RfField defaults = rf_scene_file_defaults( &job->file, error );
-    RfField field = rf_field_member( &defaults, "frames" );
-    if ( result != RF_ERROR_USAGE || field.json == NULL || json_string_value( field.json ) != job->options.frames )
-        return result;
-    RfError fault = *error;
-    return rf_fail_file_option( &field, &fault );
-}
-
 static RfResult load( Job* job, RfError* error )
 {
     RfResult result = load_scene( job, error );
@@ -118,11 +105,13 @@ static RfResult load( Job* job, RfError* error )
         result = rf_create_camera_path( &job->scene, job->options.camera, job->options.fps, job->options.size,
                                         &job->path, error );
     if ( result == RF_OK )
-        result = choose_frames( job, error );
+        result = rf_choose_frames( job->options.frames, &job->file, job->path.count, &job->frames, &job->frame_count, error );
     if ( result != RF_OK )
         return result;
     job->asked_count = job->frame_count;
-    result = resolve( job, error );
+    result = rf_create_tracer( &job->scene, &job->tracer, error );
+    if ( result == RF_OK )
+        result = resolve( job, error );
     if ( result != RF_OK )
         return result;
     RfRenderSubject subject = subject_of( job );
@@ -151,20 +140,15 @@ static void warn_of_variance( Job* job )
     }
 }
 
-static RfResult build( Job* job, RfError* error )
+// What to expect of the picture, before it is rendered.
+static void warn_of_scene( Job* job )
 {
-    RfResult result = rf_create_tracer( &job->scene, &job->tracer, error );
-    if ( result != RF_OK )
-        return result;
     if ( job->scene.triangles.count == 0 )
         rf_warn( &job->log, "%s: has no triangles, the picture will be %s", job->options.scene,
                  has_light( job->tracer ) ? "sky alone" : "black" );
     else if ( !has_light( job->tracer ) )
         rf_warn( &job->log, "%s: has no lights (no material emits, no lamp, no environment), the picture will be black", job->options.scene );
     warn_of_variance( job );
-    job->frames_json = json_array();
-    job->seconds_scene = now() - job->start;
-    return RF_OK;
 }
 
 // A scene with lights whose picture is black: most likely a camera that stands
@@ -250,7 +234,9 @@ static RfResult run( Job* job, RfError* error )
 {
     RfResult result = load( job, error );
     if ( result == RF_OK )
-        result = build( job, error );
+        warn_of_scene( job );
+    job->frames_json = json_array();
+    job->seconds_scene = now() - job->start;
     if ( result == RF_OK && job->frame_count > 0 )
         result = render( job, error );
     else if ( result == RF_OK ) // all frames are there already

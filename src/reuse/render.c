@@ -255,7 +255,7 @@ RfResult rf_render( const RfTracer* tracer, const RfEye* eyes, int eye_count, co
                     RfError* error )
 {
     RfRenderer r = { .tracer = tracer, .eyes = eyes, .frames = frames, .frames_all = frame_count };
-    RfResult result = rf_resolve_settings( rf_tracer_scene( tracer ), eyes, eye_count, settings, &r.settings, error );
+    RfResult result = rf_resolve_settings( tracer, eyes, eye_count, settings, &r.settings, error );
     if ( result == RF_OK )
         result = check_frames( frames, frame_count, eye_count, error );
     if ( result != RF_OK )

@@ -56,11 +56,12 @@ typedef struct RfRenderSettings
 
 RfRenderSettings rf_default_render_settings( void );
 
-// The settings as a render of this path will use them: group chosen and cut to
+// The settings as a render of this path will use them: group chosen by the plan
+// (reuse/plan.h: some thousand paths are traced for RF_GROUP_AUTO) and cut to
 // the path, spp rounded up to what its groups need, threads and memory filled
 // in, normalisation that the weights allow. Rendering with the result is the
 // same as with the settings. Fails with RF_ERROR_USAGE for values out of range.
-RfResult rf_resolve_settings( const RfScene* scene, const RfEye* eyes, int eye_count, const RfRenderSettings* settings,
+RfResult rf_resolve_settings( const RfTracer* tracer, const RfEye* eyes, int eye_count, const RfRenderSettings* settings,
                               RfRenderSettings* resolved, RfError* error );
 
 // How a render fits its budget. What is short costs time and changes no pixel:
