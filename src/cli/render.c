@@ -21,6 +21,8 @@ typedef struct Job
     int argc; // the command line: it wins over a scene file, which is read later
     char** argv;
     RfRenderOptions options;
+    RfRenderSettings asked; // as they were before they were resolved
+    RfMemoryFit fit;
     RfLog log;
     RfSceneFile file; // options may point into it
     RfScene scene;
@@ -62,29 +64,36 @@ static RfRenderSubject subject_of( const Job* job )
 }
 
 // What is done otherwise than asked is said, where it is worth a word.
-static void tell_settings( const Job* job, const RfRenderSettings* asked, const RfRenderSettings* used )
+static void tell_settings( const Job* job )
 {
+    const RfRenderSettings *asked = &job->asked, *used = &job->options.settings;
+    const RfMemoryFit* fit = &job->fit;
     if ( job->options.quiet )
         return;
     RfGroupPlan plan = rf_plan_groups( job->path.count, used->group, used->spp );
+    if ( asked->group == RF_GROUP_AUTO )
+        fprintf( stderr, "reframe render: --group auto is %d here, see reframe plan\n", used->group );
     if ( asked->group > used->group )
         fprintf( stderr, "reframe render: --group %d cut to the path: groups of its %d frames\n", asked->group, plan.eyes );
     if ( asked->spp != used->spp ) // full windows only, with the same passes each
         fprintf( stderr, "reframe render: --spp %d rounded up to %d: %d groups of %d frames hold a frame, %d sample%s in each\n",
                  asked->spp, used->spp, plan.eyes, plan.eyes, plan.passes, plan.passes == 1 ? "" : "s" );
+    if ( fit->threads < used->threads )
+        fprintf( stderr, "reframe render: --memory %zuK is enough for %d of %d threads\n", used->memory / 1024, fit->threads,
+                 used->threads );
+    if ( fit->sweeps > 1 )
+        fprintf( stderr, "reframe render: --memory %zuK holds the films of %d frame%s: the path is gone through %d times\n",
+                 used->memory / 1024, fit->films, fit->films == 1 ? "" : "s", fit->sweeps );
 }
 
 // From here on the settings are those that are used.
 static RfResult resolve( Job* job, RfError* error )
 {
-    RfRenderSettings* settings = &job->options.settings;
-    RfRenderSettings used;
-    RfResult result = rf_resolve_settings( job->tracer, job->path.eyes, job->path.count, settings, &used, error );
-    if ( result != RF_OK )
-        return result;
-    tell_settings( job, settings, &used );
-    *settings = used;
-    return RF_OK;
+    job->asked = job->options.settings;
+    RfResult result = rf_resolve_settings( job->tracer, job->path.eyes, job->path.count, &job->asked, &job->options.settings, error );
+    return result == RF_OK ? rf_fit_memory( &job->scene, job->path.eyes, job->path.count, job->frame_count,
+                                            &job->options.settings, &job->fit, error )
+                           : result;
 }
 
 static RfResult load_scene( Job* job, RfError* error )
@@ -115,7 +124,10 @@ static RfResult load( Job* job, RfError* error )
     if ( result != RF_OK )
         return result;
     RfRenderSubject subject = subject_of( job );
-    return rf_prepare_output( &subject, job->frames, &job->frame_count, error );
+    result = rf_prepare_output( &subject, job->frames, &job->frame_count, error );
+    if ( result == RF_OK )
+        tell_settings( job );
+    return result;
 }
 
 static bool has_light( const RfTracer* tracer )
