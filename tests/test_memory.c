@@ -125,9 +125,9 @@ static const struct
 {
     const char *scene, *options;
 } s_cases[] = {
-    { "vase-room", "--group 1 --frames 20 --size 320x240 --spp 3 --threads 2" },
-    { "vase-room-ggx", "--group 2 --frames 1 --size 200x150 --spp 5 --threads 24 --aov albedo,normal,depth,motion,variance,samples" },
-    { "still-life", "--group 1 --frames 1-2 --size 160x120 --spp 3 --threads 4 --tile rooks64 --light-samples 4" },
+    { "vase-room", "--group 1 --frames 20 --size 240x180 --spp 3 --threads 2" },
+    { "vase-room-ggx", "--group 2 --frames 1 --size 160x120 --spp 5 --threads 24 --aov albedo,normal,depth,motion,variance,samples" },
+    { "still-life", "--group 1 --frames 1-2 --size 96x72 --spp 3 --threads 4 --tile rooks64 --light-samples 4" },
     { "turntable", "--group 1 --frames 1-2 --size 160x120 --spp 3 --threads 3 --tile 1 --aov depth" },
     { "vase-room-phong", "--group 1 --frames 1 --size 96x72 --spp 3 --threads 2 --tile 1 --weights eq15" },
 };

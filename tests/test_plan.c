@@ -18,8 +18,8 @@
 #include <cmocka.h>
 
 #define MOST_EYES 70
-#define WIDTH 40
-#define HEIGHT 30
+#define WIDTH 32
+#define HEIGHT 24
 
 typedef struct Setup
 {

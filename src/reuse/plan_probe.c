@@ -76,10 +76,10 @@ static double sum_shares( const PlanProbe* p )
     return sum;
 }
 
-static void count_batch( PlanProbe* p, int frame, int patch, const int* eyes, int rows, PlanCounts* c )
+static void count_batch( PlanProbe* p, int frame, int patch, int pass, const int* eyes, int rows, PlanCounts* c )
 {
     rf_aim_probe( p, frame, 1 );
-    rf_harvest_batch( &p->harvest, ( RfHarvestJob ){ 0, patch, 0 }, &p->batch, p->scratch, &c->rays );
+    rf_harvest_batch( &p->harvest, ( RfHarvestJob ){ 0, patch, pass }, &p->batch, p->scratch, &c->rays );
     int natives = p->scratch->first.count - p->batch.count;
     c->samples += p->batch.count + p->batch.miss_count;
     c->hits += p->batch.count + natives;
@@ -100,7 +100,7 @@ void rf_count_plan( PlanProbe* probe, const int* eyes, int rows, PlanCounts* cou
     rf_set_float_mode();
     for ( int i = 0; i < PLAN_FRAMES; ++i )
     {
-        for ( int k = 0; k < PLAN_PATCHES; ++k )
-            count_batch( probe, rf_probe_frame( probe, i ), rf_probe_patch( probe, i, k ), eyes, rows, counts );
+        for ( int k = 0; k < PLAN_PATCHES; ++k ) // a pass of its own: small films have fewer patches
+            count_batch( probe, rf_probe_frame( probe, i ), rf_probe_patch( probe, i, k ), k, eyes, rows, counts );
     }
 }
