@@ -4,7 +4,8 @@
 //
 //     gain = reach · (c_e + c_l) / (c_e + c_l + (eyes − 1) c_v)
 //
-// times what passes at the ends of a short path and several sweeps leave of it.
+// times what the passes at the ends of a short path and, in the measured one,
+// several sweeps leave of it.
 // FR has the number of frames for `reach`, as if all saw the same; here it is the
 // samples that land in a pixel for each of its own, counted with a few thousand
 // hits along the path.
@@ -27,6 +28,7 @@ typedef struct RfPlanRow
     int spp;   // as rendered
     RfMemoryFit fit;
     double samples;      // native ones of the frames asked for
+    double repeated;     // how often each is traced, on the average over the sweeps
     double rays_primary, rays_path, rays_shadow, rays_tile, rays_eye; // expected
     double reach;        // samples that land in a pixel for each of its own
     double gain;         // with fixed costs: what the choice rests on

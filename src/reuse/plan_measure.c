@@ -60,7 +60,7 @@ static void weigh( int eye_count, const RfRenderSettings* settings, RfPlan* plan
         RfPlanRow* row = plan->rows + i;
         RfGroupPlan groups = rf_plan_groups( eye_count, row->group, settings->spp );
         double samples = rf_plan_work( &groups, 1.0, 0.0 ), work = rf_plan_work( &groups, own, plan->c_v );
-        row->measured_gain = work > 0.0 ? row->reach * (double)groups.frames * groups.spp * own / work : 1.0;
+        row->measured_gain = work > 0.0 ? row->reach * (double)groups.frames * groups.spp * own / ( work * row->repeated ) : 1.0;
         row->seconds = row->samples / samples * work / row->fit.threads;
     }
 }

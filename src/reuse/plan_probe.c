@@ -103,4 +103,6 @@ void rf_count_plan( PlanProbe* probe, const int* eyes, int rows, PlanCounts* cou
         for ( int k = 0; k < PLAN_PATCHES; ++k ) // a pass of its own: small films have fewer patches
             count_batch( probe, rf_probe_frame( probe, i ), rf_probe_patch( probe, i, k ), k, eyes, rows, counts );
     }
+    if ( counts->samples == 0.0 ) // all beside a film that is smaller than a tile
+        counts->samples = 1.0;
 }
