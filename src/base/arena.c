@@ -6,9 +6,9 @@
 
 #define ALIGNMENT 64
 
-static size_t round_up( size_t bytes )
+size_t rf_arena_size( size_t bytes )
 {
-    return ( bytes + ALIGNMENT - 1 ) / ALIGNMENT * ALIGNMENT;
+    return ( ( bytes > 0 ? bytes : 1 ) + ALIGNMENT - 1 ) / ALIGNMENT * ALIGNMENT;
 }
 
 static RfArenaEntry* find_entry( RfArena* arena, const char* name )
@@ -35,7 +35,7 @@ RfResult rf_arena_alloc( RfArena* arena, const char* name, size_t bytes, void** 
     *memory = NULL;
     if ( bytes > SIZE_MAX - ALIGNMENT )
         return rf_fail( error, RF_ERROR_MEMORY, "%s: %zu bytes are more than any machine has", name, bytes );
-    size_t rounded = round_up( bytes > 0 ? bytes : 1 );
+    size_t rounded = rf_arena_size( bytes );
     if ( rounded > rf_arena_room( arena ) )
         return rf_fail( error, RF_ERROR_MEMORY,
                         "%s: %.1f MiB do not fit, %.1f of %.1f MiB are in use: raise --memory, or lower --size or --group",
@@ -60,7 +60,7 @@ void rf_arena_free( RfArena* arena, const char* name, void* memory, size_t bytes
 {
     if ( memory == NULL )
         return;
-    size_t rounded = round_up( bytes > 0 ? bytes : 1 );
+    size_t rounded = rf_arena_size( bytes );
     RfArenaEntry* entry = find_entry( arena, name );
     free( memory );
     arena->bytes -= rounded;

@@ -38,6 +38,9 @@ RfResult rf_arena_alloc( RfArena* arena, const char* name, size_t bytes, void** 
 // Gives an allocation back. NULL is allowed.
 void rf_arena_free( RfArena* arena, const char* name, void* memory, size_t bytes );
 
+// What an allocation of `bytes` takes of the budget.
+size_t rf_arena_size( size_t bytes );
+
 // Bytes that can still be had.
 size_t rf_arena_room( const RfArena* arena );
 

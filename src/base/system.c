@@ -11,6 +11,13 @@ double rf_wall_seconds( void )
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
+double rf_thread_seconds( void )
+{
+    struct timespec now;
+    clock_gettime( CLOCK_THREAD_CPUTIME_ID, &now );
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
 size_t rf_free_memory( void )
 {
     unsigned long long kib = 0;

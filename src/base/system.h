@@ -7,6 +7,9 @@
 // Seconds of a clock that never goes back.
 double rf_wall_seconds( void );
 
+// Seconds that this thread has computed.
+double rf_thread_seconds( void );
+
 // Memory that can be had without swapping, bytes; 1 GiB where it cannot be told.
 size_t rf_free_memory( void );
 

@@ -1,5 +1,7 @@
 #include "cli/frame_list.h"
 
+#include "cli/file_options.h"
+
 #include <ctype.h>
 #include <errno.h>
 #include <stdbool.h>
@@ -120,4 +122,15 @@ RfResult rf_parse_frames( const char* text, int frame_count, int** frames, int* 
     free( wanted );
     free( list );
     return result;
+}
+
+RfResult rf_choose_frames( const char* text, const RfSceneFile* file, int frame_count, int** frames, int* count, RfError* error )
+{
+    RfResult result = rf_parse_frames( text, frame_count, frames, count, error );
+    RfField defaults = rf_scene_file_defaults( file, error );
+    RfField field = rf_field_member( &defaults, "frames" );
+    if ( result != RF_ERROR_USAGE || field.json == NULL || json_string_value( field.json ) != text )
+        return result;
+    RfError fault = *error;
+    return rf_fail_file_option( &field, &fault );
 }

@@ -95,6 +95,7 @@ void rf_print_manual_tail( FILE* file )
            ".SH EXAMPLES\n"
            ".EX\n"
            "reframe info scene.glb\n"
+           "reframe plan scene.glb \\-\\-spp 28 \\-\\-memory 2G\n"
            "reframe render scene.glb \\-o out/shot.####.exr \\-\\-size 960x540 \\-\\-spp 28\n"
            "reframe render scene.glb \\-o out/shot.####.exr \\-\\-resume \\-\\-aov depth,motion\n"
            "reframe compare out/shot.####.exr reference.####.exr\n"

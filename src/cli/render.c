@@ -1,6 +1,5 @@
 // reframe render: from a scene and a camera path to EXR files.
 #include "cli/commands.h"
-#include "cli/file_options.h"
 #include "cli/frame_list.h"
 #include "cli/interrupt.h"
 #include "cli/progress.h"
@@ -22,6 +21,8 @@ typedef struct Job
     int argc; // the command line: it wins over a scene file, which is read later
     char** argv;
     RfRenderOptions options;
+    RfRenderSettings asked; // as they were before they were resolved
+    RfMemoryFit fit;
     RfLog log;
     RfSceneFile file; // options may point into it
     RfScene scene;
@@ -63,29 +64,36 @@ static RfRenderSubject subject_of( const Job* job )
 }
 
 // What is done otherwise than asked is said, where it is worth a word.
-static void tell_settings( const Job* job, const RfRenderSettings* asked, const RfRenderSettings* used )
+static void tell_settings( const Job* job )
 {
+    const RfRenderSettings *asked = &job->asked, *used = &job->options.settings;
+    const RfMemoryFit* fit = &job->fit;
     if ( job->options.quiet )
         return;
     RfGroupPlan plan = rf_plan_groups( job->path.count, used->group, used->spp );
+    if ( asked->group == RF_GROUP_AUTO )
+        fprintf( stderr, "reframe render: --group auto is %d here, see reframe plan\n", used->group );
     if ( asked->group > used->group )
         fprintf( stderr, "reframe render: --group %d cut to the path: groups of its %d frames\n", asked->group, plan.eyes );
     if ( asked->spp != used->spp ) // full windows only, with the same passes each
         fprintf( stderr, "reframe render: --spp %d rounded up to %d: %d groups of %d frames hold a frame, %d sample%s in each\n",
                  asked->spp, used->spp, plan.eyes, plan.eyes, plan.passes, plan.passes == 1 ? "" : "s" );
+    if ( fit->threads < used->threads )
+        fprintf( stderr, "reframe render: --memory %zuK is enough for %d of %d threads\n", used->memory / 1024, fit->threads,
+                 used->threads );
+    if ( fit->sweeps > 1 )
+        fprintf( stderr, "reframe render: --memory %zuK holds the films of %d frame%s: the path is gone through %d times\n",
+                 used->memory / 1024, fit->films, fit->films == 1 ? "" : "s", fit->sweeps );
 }
 
 // From here on the settings are those that are used.
 static RfResult resolve( Job* job, RfError* error )
 {
-    RfRenderSettings* settings = &job->options.settings;
-    RfRenderSettings used;
-    RfResult result = rf_resolve_settings( &job->scene, job->path.eyes, job->path.count, settings, &used, error );
-    if ( result != RF_OK )
-        return result;
-    tell_settings( job, settings, &used );
-    *settings = used;
-    return RF_OK;
+    job->asked = job->options.settings;
+    RfResult result = rf_resolve_settings( job->tracer, job->path.eyes, job->path.count, &job->asked, &job->options.settings, error );
+    return result == RF_OK ? rf_fit_memory( &job->scene, job->path.eyes, job->path.count, job->frame_count,
+                                            &job->options.settings, &job->fit, error )
+                           : result;
 }
 
 static RfResult load_scene( Job* job, RfError* error )
@@ -99,18 +107,6 @@ static RfResult load_scene( Job* job, RfError* error )
     return result == RF_OK ? rf_load_scene_file( &job->file, &job->scene, &job->log, error ) : result;
 }
 
-// Of the command line or, where it has none, of the scene file: then a fault is the file's.
-static RfResult choose_frames( Job* job, RfError* error )
-{
-    RfResult result = rf_parse_frames( job->options.frames, job->path.count, &job->frames, &job->frame_count, error );
-    RfField defaults = rf_scene_file_defaults( &job->file, error );
-    RfField field = rf_field_member( &defaults, "frames" );
-    if ( result != RF_ERROR_USAGE || field.json == NULL || json_string_value( field.json ) != job->options.frames )
-        return result;
-    RfError fault = *error;
-    return rf_fail_file_option( &field, &fault );
-}
-
 static RfResult load( Job* job, RfError* error )
 {
     RfResult result = load_scene( job, error );
@@ -118,15 +114,20 @@ static RfResult load( Job* job, RfError* error )
         result = rf_create_camera_path( &job->scene, job->options.camera, job->options.fps, job->options.size,
                                         &job->path, error );
     if ( result == RF_OK )
-        result = choose_frames( job, error );
+        result = rf_choose_frames( job->options.frames, &job->file, job->path.count, &job->frames, &job->frame_count, error );
     if ( result != RF_OK )
         return result;
     job->asked_count = job->frame_count;
-    result = resolve( job, error );
+    result = rf_create_tracer( &job->scene, &job->tracer, error );
+    if ( result == RF_OK )
+        result = resolve( job, error );
     if ( result != RF_OK )
         return result;
     RfRenderSubject subject = subject_of( job );
-    return rf_prepare_output( &subject, job->frames, &job->frame_count, error );
+    result = rf_prepare_output( &subject, job->frames, &job->frame_count, error );
+    if ( result == RF_OK )
+        tell_settings( job );
+    return result;
 }
 
 static bool has_light( const RfTracer* tracer )
@@ -151,20 +152,15 @@ static void warn_of_variance( Job* job )
     }
 }
 
-static RfResult build( Job* job, RfError* error )
+// What to expect of the picture, before it is rendered.
+static void warn_of_scene( Job* job )
 {
-    RfResult result = rf_create_tracer( &job->scene, &job->tracer, error );
-    if ( result != RF_OK )
-        return result;
     if ( job->scene.triangles.count == 0 )
         rf_warn( &job->log, "%s: has no triangles, the picture will be %s", job->options.scene,
                  has_light( job->tracer ) ? "sky alone" : "black" );
     else if ( !has_light( job->tracer ) )
         rf_warn( &job->log, "%s: has no lights (no material emits, no lamp, no environment), the picture will be black", job->options.scene );
     warn_of_variance( job );
-    job->frames_json = json_array();
-    job->seconds_scene = now() - job->start;
-    return RF_OK;
 }
 
 // A scene with lights whose picture is black: most likely a camera that stands
@@ -250,7 +246,9 @@ static RfResult run( Job* job, RfError* error )
 {
     RfResult result = load( job, error );
     if ( result == RF_OK )
-        result = build( job, error );
+        warn_of_scene( job );
+    job->frames_json = json_array();
+    job->seconds_scene = now() - job->start;
     if ( result == RF_OK && job->frame_count > 0 )
         result = render( job, error );
     else if ( result == RF_OK ) // all frames are there already

@@ -107,15 +107,21 @@ static RfResult check( const RfRenderOptions* options, RfError* error )
     return RF_OK;
 }
 
+RfRenderOptions rf_default_render_options( void )
+{
+    RfRenderOptions options = { .fps = RF_DEFAULT_FPS,
+                                .size = { 960, 540 },
+                                .settings = rf_default_render_settings(),
+                                .tile = "3x3",
+                                .compression = RF_EXR_ZIP,
+                                .half = true };
+    options.settings.queue = WRITE_QUEUE;
+    return options;
+}
+
 static void reset( void )
 {
-    s_parsed = ( RfRenderOptions ){ .fps = RF_DEFAULT_FPS,
-                                    .size = { 960, 540 },
-                                    .settings = rf_default_render_settings(),
-                                    .tile = "3x3",
-                                    .compression = RF_EXR_ZIP,
-                                    .half = true };
-    s_parsed.settings.queue = WRITE_QUEUE;
+    s_parsed = rf_default_render_options();
     s_float = s_float_given = s_half_given = false;
     s_weights_index = s_parsed.settings.weights;
     s_normalize_index = s_parsed.settings.normalize;
@@ -130,7 +136,7 @@ static void copy_out( RfRenderOptions* options )
     *options = s_parsed;
 }
 
-static RfResult parse_tile( RfRenderOptions* options, RfError* error )
+RfResult rf_parse_tile_option( RfRenderOptions* options, RfError* error )
 {
     if ( rf_parse_tile( options->tile, &options->settings.tile ) )
         return RF_OK;
@@ -146,7 +152,7 @@ static RfResult parse( int argc, char** argv, RfRenderOptions* options, bool* he
         return result;
     result = check( &s_parsed, error );
     if ( result == RF_OK )
-        result = parse_tile( &s_parsed, error );
+        result = rf_parse_tile_option( &s_parsed, error );
     if ( result == RF_OK )
         result = rf_parse_layers( s_parsed.aov, &s_parsed.settings.layers, error );
     copy_out( options );
@@ -165,7 +171,7 @@ RfResult rf_read_render_defaults( const RfField* defaults, RfRenderOptions* opti
     RfError error = { 0 };
     RfField tile = rf_field_member( defaults, "tile" ), aov = rf_field_member( defaults, "aov" );
     RfResult result = rf_take_file_options( &s_table, defaults );
-    if ( result == RF_OK && parse_tile( &s_parsed, &error ) != RF_OK )
+    if ( result == RF_OK && rf_parse_tile_option( &s_parsed, &error ) != RF_OK )
         result = rf_fail_file_option( &tile, &error );
     if ( result == RF_OK && rf_parse_layers( s_parsed.aov, &s_parsed.settings.layers, &error ) != RF_OK )
         result = rf_fail_file_option( &aov, &error );

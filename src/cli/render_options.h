@@ -24,6 +24,8 @@ typedef struct RfRenderOptions
     bool quiet;
 } RfRenderOptions;
 
+RfRenderOptions rf_default_render_options( void );
+
 // Parses and checks what can be checked without the scene. With *help set the
 // help was asked for and nothing else is valid.
 RfResult rf_parse_render_options( int argc, char** argv, RfRenderOptions* options, bool* help, RfError* error );
@@ -35,6 +37,9 @@ RfResult rf_read_render_defaults( const struct RfField* defaults, RfRenderOption
 // The same with the command line on top, which has been parsed before.
 RfResult rf_parse_render_options_over( const struct RfField* defaults, int argc, char** argv, RfRenderOptions* options,
                                        RfError* error );
+
+// settings.tile from the word.
+RfResult rf_parse_tile_option( RfRenderOptions* options, RfError* error );
 
 void rf_print_render_help( void );
 

@@ -172,18 +172,18 @@ static uint64_t splat_glossy( const RfHitBatch* batch, const RfComputeScratch* s
 }
 
 // Certain: in their own frame only.
-static uint64_t splat_misses( const RfHitBatch* batch, float weight, PixelRange range )
+static uint64_t splat_misses( const RfHitBatch* batch, bool black, float weight, PixelRange range )
 {
     uint64_t landed = 0;
     for ( int i = 0; i < batch->miss_count; ++i )
     {
-        int32_t pixel = batch->miss_pixel[i];
+        int32_t pixel = rf_miss_pixel( batch )[i];
         if ( pixel >= range.low && pixel < range.end )
         {
-            if ( batch->miss_radiance != NULL )
-                add_to_pixel( range.film + 4 * (size_t)pixel, weight, batch->miss_radiance + 4 * (size_t)i );
-            else
+            if ( black )
                 range.film[4 * (size_t)pixel + 3] += weight;
+            else
+                add_to_pixel( range.film + 4 * (size_t)pixel, weight, rf_miss_radiance( batch ) + 4 * (size_t)i );
             ++landed;
         }
     }
@@ -204,7 +204,7 @@ static void count_misses( const RfHitBatch* batch, PixelRange range, uint32_t* l
 {
     for ( int i = 0; i < batch->miss_count; ++i )
     {
-        int32_t pixel = batch->miss_pixel[i];
+        int32_t pixel = rf_miss_pixel( batch )[i];
         if ( pixel >= range.low && pixel < range.end )
             landed[pixel] += 1;
     }
@@ -255,7 +255,7 @@ uint64_t rf_compute_rows( const RfCompute* compute, RfComputeJob job, uint32_t* 
             landed += splat_glossy( batch, scratch, range );
         }
         if ( job.eye == batch->eye )
-            landed += splat_misses( batch, compute->weight, range );
+            landed += splat_misses( batch, !compute->shape.natives, compute->weight, range );
         if ( job.landed != NULL )
             count_landed( batch, scratch, range, job.landed );
         if ( job.landed != NULL && job.eye == batch->eye )

@@ -64,7 +64,7 @@ static void make_camera_rays( const RfEye* eye, int count, const int32_t* pixel,
 
 // Hits keep the pixel they were drawn in. What found nothing is a miss; native
 // hits are listed behind those.
-static void note_pixels( int count, const RfHarvestScratch* scratch, RfHitBatch* batch )
+static void note_pixels( int count, RfHarvestScratch* scratch, RfHitBatch* batch )
 {
     uint8_t hit[RF_LANES];
     memset( hit, 0, (size_t)count );
@@ -76,16 +76,16 @@ static void note_pixels( int count, const RfHarvestScratch* scratch, RfHitBatch*
     }
     for ( int i = batch->count; i < scratch->first.count; ++i )
         hit[scratch->first.slot[i]] = 1;
+    int32_t* miss_pixel = rf_miss_pixel( batch );
     batch->miss_count = 0;
     for ( int slot = 0; slot < count; ++slot )
     {
-        batch->miss_pixel[batch->miss_count] = scratch->pixel[slot];
-        if ( batch->miss_slot != NULL )
-            batch->miss_slot[batch->miss_count] = slot;
+        miss_pixel[batch->miss_count] = scratch->pixel[slot];
+        scratch->miss_slot[batch->miss_count] = slot;
         batch->miss_count += !hit[slot];
     }
     for ( int i = batch->count; i < scratch->first.count; ++i )
-        batch->miss_pixel[batch->miss_count++] = scratch->pixel[scratch->first.slot[i]];
+        miss_pixel[batch->miss_count++] = scratch->pixel[scratch->first.slot[i]];
 }
 
 static void sample_direct( const RfHarvest* harvest, RfHarvestScratch* scratch, RfRayCounts* rays )

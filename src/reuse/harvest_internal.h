@@ -22,6 +22,7 @@ struct RfHarvestScratch
     RfVertexLanes first; // the hits
     RF_ALIGN int32_t pixel[RF_LANES]; // by slot
     RF_ALIGN int32_t tile_of[RF_LANES];
+    RF_ALIGN int32_t miss_slot[RF_LANES]; // of the rays that found nothing
     RF_ALIGN float scattered[3][RF_LANES]; // direction drawn at each hit
     RF_ALIGN float native_pdf[RF_LANES]; // of the direction drawn at native hits, the first of which is 0
     RF_ALIGN float wo[3][RF_LANES];

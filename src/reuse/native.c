@@ -4,7 +4,7 @@
 // are not black.
 #include "reuse/harvest_internal.h"
 
-static inline float* light_of( const RfHitBatch* batch, int place ) { return batch->miss_radiance + 4 * (size_t)place; }
+static inline float* light_of( const RfHitBatch* batch, int place ) { return rf_miss_radiance( batch ) + 4 * (size_t)place; }
 
 // The sky where camera rays found nothing.
 static void light_misses( const RfHarvest* harvest, const RfHarvestScratch* scratch, const RfHitBatch* batch, int count )
@@ -17,7 +17,7 @@ static void light_misses( const RfHarvest* harvest, const RfHarvestScratch* scra
         RfVec3 sky = rf_vec3( 0, 0, 0 );
         if ( seen )
         {
-            int slot = batch->miss_slot[k];
+            int slot = scratch->miss_slot[k];
             sky = rf_sky_radiance( &lights->sky, rf_vec3( rays->d[0][slot], rays->d[1][slot], rays->d[2][slot] ) );
         }
         float* light = light_of( batch, k );

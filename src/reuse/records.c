@@ -67,12 +67,6 @@ static RfHitBatch lay_out( const RfBatchShape* shape, Layout* layout )
     if ( shape->blended )
         batch.densities = take( layout, (size_t)shape->eyes * RF_LANES * sizeof( float ) );
     batch.pixel = take( layout, RF_LANES * sizeof( int32_t ) );
-    batch.miss_pixel = take( layout, RF_LANES * sizeof( int32_t ) );
-    if ( shape->natives )
-    {
-        batch.miss_slot = take( layout, RF_LANES * sizeof( int32_t ) );
-        batch.miss_radiance = take( layout, 4 * RF_LANES * sizeof( float ) );
-    }
     batch.rows = take( layout, (size_t)shape->eyes * 2 * sizeof( int32_t ) );
     if ( shape->glossy )
         take_glossy( layout, shape, &batch );

@@ -35,9 +35,6 @@ typedef struct RfHitBatch
     uint32_t* seen;     // visibility: word w of hit i is seen[w·RF_LANES + i], bit l%32 of word l/32 for eye l
     float* densities;   // J_l V_l: eye l, hit i at l·RF_LANES + i; NULL where the shape is not blended
     int32_t* pixel;     // y·width + x in its own frame
-    int32_t* miss_pixel;
-    int32_t* miss_slot;   // of the ray, of those that found nothing
-    float* miss_radiance; // 4 each: r g b 1; NULL where the shape has no natives: black
     int32_t* rows;      // 2 per eye: first and last row of its film that a hit lands in; first > last: none
     // glossy hits, lane i − first[RF_BSDF_PHONG]
     float* n[3];
@@ -66,6 +63,11 @@ typedef struct RfBatchShape
     bool blended;      // visibility may be between 0 and 1
     bool natives;      // misses may be other than black: the scene has a sky, mirrors or glass
 } RfBatchShape;
+
+// Misses lie behind the hits in the arrays that both have: every ray is one or the other.
+static inline int32_t* rf_miss_pixel( const RfHitBatch* batch ) { return batch->pixel + batch->count; }
+// 4 each: r g b 1; not set where the shape has no natives: black.
+static inline float* rf_miss_radiance( const RfHitBatch* batch ) { return batch->radiance + 4 * (size_t)batch->count; }
 
 static inline int rf_direction_count( const RfBatchShape* shape ) { return shape->light_samples + shape->tile_pixels; }
 static inline int rf_seen_words( int eyes ) { return ( eyes + 31 ) / 32; }

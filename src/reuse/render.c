@@ -90,7 +90,7 @@ static bool report_progress( RfRenderer* r, int count )
         return true;
     RfProgress progress = {
         .frames_done = r->frames_done,
-        .frames_all = r->frame_count,
+        .frames_all = r->frames_all,
         .share = r->batches_done / r->batches_all,
         .samples = (double)r->rays.primary,
         .seconds = rf_wall_seconds() - r->start,
@@ -121,7 +121,7 @@ static RfResult render_pass( RfRenderer* r, const RfHarvest* harvest, const RfWi
         harvest_chunk( r, harvest, window, pass, first, count );
         compute_chunk( r, harvest, window, half, count );
         if ( !report_progress( r, count ) )
-            return rf_fail( error, RF_ERROR_INTERRUPTED, "interrupted after %d of %d frames", r->frames_done, r->frame_count );
+            return rf_fail( error, RF_ERROR_INTERRUPTED, "interrupted after %d of %d frames", r->frames_done, r->frames_all );
         RfResult delivered = rf_check_delivery( &r->delivery, error );
         if ( delivered != RF_OK )
             return delivered;
@@ -165,14 +165,20 @@ static RfResult render_window( RfRenderer* r, int number, RfError* error )
     return rf_close_films( r, number, error );
 }
 
-static RfResult render_windows( RfRenderer* r, RfError* error )
+static double count_batches( const RfRenderer* r )
 {
-    r->batches_all = 0.0;
+    double batches = 0.0;
     for ( int w = 0; w < r->plan.windows; ++w )
     {
         RfWindow window = rf_window( &r->plan, w );
-        r->batches_all += rf_window_wanted( r, window ) ? (double)window.passes * window.eyes * r->sizes.patches.count : 0.0;
+        batches += rf_window_wanted( r, window ) ? (double)window.passes * window.eyes * r->sizes.patches.count : 0.0;
     }
+    return batches;
+}
+
+// The windows that hold frames of the sweep.
+static RfResult render_windows( RfRenderer* r, RfError* error )
+{
     for ( int w = 0; w < r->plan.windows; ++w )
     {
         RfResult result = rf_window_wanted( r, rf_window( &r->plan, w ) ) ? render_window( r, w, error ) : RF_OK;
@@ -180,6 +186,32 @@ static RfResult render_windows( RfRenderer* r, RfError* error )
             return result;
     }
     return RF_OK;
+}
+
+static void begin_sweep( RfRenderer* r, const int* frames, int first )
+{
+    int most = r->fit.sweeps == 1 ? r->frames_all : r->fit.films;
+    r->frames = frames + first;
+    r->frame_count = r->frames_all - first < most ? r->frames_all - first : most;
+}
+
+// The frames in sweeps; a frame is the same whichever others are asked for.
+static RfResult render_sweeps( RfRenderer* r, RfError* error )
+{
+    const int* frames = r->frames;
+    r->batches_all = 0.0;
+    for ( int first = 0; first < r->frames_all; first += r->frame_count )
+    {
+        begin_sweep( r, frames, first );
+        r->batches_all += count_batches( r );
+    }
+    RfResult result = RF_OK;
+    for ( int first = 0; first < r->frames_all && result == RF_OK; first += r->frame_count )
+    {
+        begin_sweep( r, frames, first );
+        result = render_windows( r, error );
+    }
+    return result;
 }
 
 static RfResult check_frames( const int* frames, int frame_count, int eye_count, RfError* error )
@@ -199,7 +231,7 @@ static RfResult check_frames( const int* frames, int frame_count, int eye_count,
 static RfResult render_and_deliver( RfRenderer* r, RfError* error )
 {
     rf_start_delivery( &r->delivery, &r->callbacks, r->memory.buffers, r->memory.buffer_count, r->settings.queue > 0 );
-    RfResult result = render_windows( r, error );
+    RfResult result = render_sweeps( r, error );
     RfResult delivered = rf_end_delivery( &r->delivery, error );
     return delivered != RF_OK ? delivered : result;
 }
@@ -214,6 +246,7 @@ static void fill_stats( const RfRenderer* r, RfRenderStats* stats )
         .group = r->settings.group,
         .spp = r->settings.spp,
         .threads = r->settings.threads,
+        .fit = r->fit,
     };
 }
 
@@ -221,8 +254,8 @@ RfResult rf_render( const RfTracer* tracer, const RfEye* eyes, int eye_count, co
                     const RfRenderSettings* settings, const RfRenderCallbacks* callbacks, RfRenderStats* stats,
                     RfError* error )
 {
-    RfRenderer r = { .tracer = tracer, .eyes = eyes, .frames = frames, .frame_count = frame_count };
-    RfResult result = rf_resolve_settings( rf_tracer_scene( tracer ), eyes, eye_count, settings, &r.settings, error );
+    RfRenderer r = { .tracer = tracer, .eyes = eyes, .frames = frames, .frames_all = frame_count };
+    RfResult result = rf_resolve_settings( tracer, eyes, eye_count, settings, &r.settings, error );
     if ( result == RF_OK )
         result = check_frames( frames, frame_count, eye_count, error );
     if ( result != RF_OK )
@@ -233,6 +266,14 @@ RfResult rf_render( const RfTracer* tracer, const RfEye* eyes, int eye_count, co
     r.sizes = rf_render_sizes( rf_tracer_scene( tracer ), eyes, &r.plan, frame_count, &r.settings );
     r.memory.arena = rf_create_arena( r.settings.memory );
     r.start = r.last_frame = rf_wall_seconds();
+    result = rf_fit_sizes( r.settings.memory, frame_count, &r.sizes, &r.fit, error );
+    if ( result != RF_OK )
+    {
+        if ( stats != NULL )
+            fill_stats( &r, stats );
+        return result;
+    }
+    r.settings.threads = r.sizes.threads;
     result = rf_alloc_render_memory( &r.sizes, &r.memory, error );
     if ( result == RF_OK )
         result = render_and_deliver( &r, error );

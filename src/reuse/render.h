@@ -56,12 +56,32 @@ typedef struct RfRenderSettings
 
 RfRenderSettings rf_default_render_settings( void );
 
-// The settings as a render of this path will use them: group chosen and cut to
+// The settings as a render of this path will use them: group chosen by the plan
+// (reuse/plan.h: some thousand paths are traced for RF_GROUP_AUTO) and cut to
 // the path, spp rounded up to what its groups need, threads and memory filled
 // in, normalisation that the weights allow. Rendering with the result is the
 // same as with the settings. Fails with RF_ERROR_USAGE for values out of range.
-RfResult rf_resolve_settings( const RfScene* scene, const RfEye* eyes, int eye_count, const RfRenderSettings* settings,
+RfResult rf_resolve_settings( const RfTracer* tracer, const RfEye* eyes, int eye_count, const RfRenderSettings* settings,
                               RfRenderSettings* resolved, RfError* error );
+
+// How a render fits its budget. What is short costs time and changes no pixel:
+// fewer threads, batches of hit records one after the other, and where not even
+// the films of a group fit, several sweeps over the path, each for some frames.
+typedef struct RfMemoryFit
+{
+    int threads;
+    int films;    // held at once
+    int sweeps;   // how often the path is gone through, each time for `films` frames; 1: the films all fit
+    int batches;  // of hit records held at once
+    int chunks;   // that a pass of a full group takes
+    size_t bytes_films, bytes_hits, bytes_lists; // films and images; hit records; workspaces with their index lists
+    size_t least; // the smallest budget that works
+} RfMemoryFit;
+
+// The fit of a render of `frame_count` frames with resolved settings. Fails with
+// RF_ERROR_MEMORY, and a line that names the smallest budget, where there is none.
+RfResult rf_fit_memory( const RfScene* scene, const RfEye* eyes, int eye_count, int frame_count,
+                        const RfRenderSettings* settings, RfMemoryFit* fit, RfError* error );
 
 // A finished frame. The pixels are valid during the callback only.
 typedef struct RfFrameResult
@@ -110,7 +130,8 @@ typedef struct RfRenderStats
     size_t peak_bytes, budget_bytes;
     int group;   // as rendered
     int spp;     // as rendered: rounded up to what the groups need
-    int threads;
+    int threads; // likewise: fewer where memory is short
+    RfMemoryFit fit;
 } RfRenderStats;
 
 // Renders `frames` (ascending indices into the `eye_count` eyes of the whole
@@ -118,7 +139,7 @@ typedef struct RfRenderStats
 // hands each to callbacks->frame as soon as it is finished, in order. All eyes
 // have the same film size. Two runs, and any number of threads, give the same
 // bits. Fails with RF_ERROR_USAGE for settings out of range, RF_ERROR_MEMORY
-// where the smallest chunk does not fit the budget.
+// where the smallest chunk of a single film does not fit the budget.
 RfResult rf_render( const RfTracer* tracer, const RfEye* eyes, int eye_count, const int* frames, int frame_count,
                     const RfRenderSettings* settings, const RfRenderCallbacks* callbacks, RfRenderStats* stats,
                     RfError* error );

@@ -52,11 +52,13 @@ typedef struct RfRenderer
 {
     const RfTracer* tracer;
     const RfEye* eyes;
-    const int* frames; // asked for, ascending
+    const int* frames; // of this sweep, ascending
     int frame_count;
+    int frames_all; // asked for
     RfRenderSettings settings; // resolved
     RfRenderCallbacks callbacks;
     RfGroupPlan plan;
+    RfMemoryFit fit;
     RenderSizes sizes;
     RenderMemory memory;
     RfDelivery delivery;
@@ -80,8 +82,26 @@ RfResult rf_close_films( RfRenderer* renderer, int window, RfError* error );
 void rf_add_layers( const RfRenderer* renderer, const RfHarvest* harvest, const RfWindow* window, int eye,
                     const RfHarvestScratch* scratch );
 
-// Bytes of all but the hit records.
+// Bytes that are allocated, exactly: films; one image on its way to the caller;
+// workspaces; so many batches of hit records; all but the batches, with one
+// image. Of single arrays: which eyes landed where; a film's totals; a layer
+// while it is rendered, and finished. 0: not needed.
+size_t rf_films_bytes( const RenderSizes* sizes );
+size_t rf_image_bytes( const RenderSizes* sizes );
+size_t rf_scratch_bytes( const RenderSizes* sizes );
+size_t rf_records_bytes( const RenderSizes* sizes, int batches );
 size_t rf_fixed_bytes( const RenderSizes* sizes );
+size_t rf_landed_bytes( const RenderSizes* sizes );
+size_t rf_totals_bytes( const RenderSizes* sizes );
+size_t rf_layer_film_bytes( const RenderSizes* sizes, int layer );
+size_t rf_layer_image_bytes( const RenderSizes* sizes, int layer );
+
+// Batches at once that serve all threads.
+int rf_batches_wanted( const RenderSizes* sizes );
+
+// Settles threads and films for the budget, and tells how. Fails with
+// RF_ERROR_MEMORY where not even the smallest render fits, with its size.
+RfResult rf_fit_sizes( size_t budget, int frames, RenderSizes* sizes, RfMemoryFit* fit, RfError* error );
 
 // Allocates films, scratch, and as many batches as serve the threads and fit
 // the budget; frame buffers beyond the first only where these all fit too. On failure what was allocated stays for rf_free_render_memory.

@@ -1,109 +1,9 @@
+// A render's memory from its arena, and back. render_sizes.c knows the sums.
 #include "reuse/render_internal.h"
-
-#include "scene/textured.h"
 
 #include <string.h>
 
-#define BATCHES_PER_THREAD 16 // in a chunk: enough to share out, few enough to stay in the cache
-
 static size_t film_pixels( const RenderSizes* s ) { return (size_t)s->width * (size_t)s->height; }
-
-static size_t landed_bytes( const RenderSizes* s )
-{
-    return film_pixels( s ) * (size_t)rf_seen_words( s->shape.eyes ) * sizeof( uint32_t );
-}
-
-static bool has_kinds( const RfScene* scene, RfBsdfKind first, RfBsdfKind end )
-{
-    for ( uint32_t i = 0; i < scene->triangles.count; ++i )
-    {
-        RfBsdfKind kind = scene->materials[scene->triangles.material[i]].kind;
-        if ( kind >= first && kind < end )
-            return true;
-    }
-    return false;
-}
-
-static bool has_blended( const RfScene* scene )
-{
-    for ( uint32_t i = 0; i < scene->triangles.count; ++i )
-    {
-        if ( rf_is_blended( scene->materials + scene->triangles.material[i] ) )
-            return true;
-    }
-    return false;
-}
-
-static RfBatchShape batch_shape( const RfScene* scene, int eyes, const RfRenderSettings* settings )
-{
-    return ( RfBatchShape ){
-        .eyes = eyes,
-        .light_samples = settings->light_samples,
-        .tile_pixels = rf_tile_pixels( &settings->tile ),
-        .glossy = has_kinds( scene, RF_BSDF_PHONG, RF_BSDF_FIRST_NATIVE ),
-        .coated = has_kinds( scene, RF_BSDF_COATED, RF_BSDF_COATED + 1 ),
-        .eq15 = settings->weights == RF_WEIGHTS_EQ15,
-        .blended = has_blended( scene ),
-        .natives = has_kinds( scene, RF_BSDF_FIRST_NATIVE, RF_BSDF_KIND_COUNT ) ||
-                   rf_max_component( scene->environment.radiance ) > 0.0f,
-    };
-}
-
-RenderSizes rf_render_sizes( const RfScene* scene, const RfEye* eyes, const RfGroupPlan* plan, int films,
-                             const RfRenderSettings* settings )
-{
-    // as many landings in a pixel as eyes, and half of the passes in each half
-    int total_every = rf_film_total_every( plan->eyes );
-    int64_t most = ( rf_most_passes( plan ) + 1 ) / 2;
-    return ( RenderSizes ){
-        .total_every = rf_film_needs_total( most, total_every ) ? total_every : 0,
-        .width = eyes->width,
-        .height = eyes->height,
-        .patches = rf_lay_out_patches( &settings->tile, eyes->width, eyes->height ),
-        .threads = settings->threads,
-        .films = films < plan->eyes ? films : plan->eyes,
-        .layers = settings->layers,
-        .buffers = settings->queue > films ? films : settings->queue > 1 ? settings->queue : 1,
-        .shape = batch_shape( scene, plan->eyes, settings ),
-    };
-}
-
-static size_t total_bytes( const RenderSizes* s )
-{
-    return s->total_every > 0 ? rf_film_total_bytes( s->width, s->height ) : 0;
-}
-
-// Of a layer, while it is rendered and when it is finished; 0 where not asked for.
-static size_t layer_film_bytes( const RenderSizes* s, int layer )
-{
-    bool asked = ( s->layers & RF_LAYER_BIT( layer ) ) != 0;
-    return asked ? film_pixels( s ) * (size_t)rf_layer_film_floats( (RfLayer)layer ) * sizeof( float ) : 0;
-}
-
-static size_t layer_image_bytes( const RenderSizes* s, int layer )
-{
-    bool asked = ( s->layers & RF_LAYER_BIT( layer ) ) != 0;
-    return asked ? film_pixels( s ) * (size_t)rf_layer_channels( (RfLayer)layer ) * sizeof( float ) : 0;
-}
-
-static size_t buffer_bytes( const RenderSizes* s )
-{
-    size_t bytes = film_pixels( s ) * 4 * sizeof( float );
-    for ( int l = 0; l < RF_LAYER_COUNT; ++l )
-        bytes += layer_image_bytes( s, l );
-    return bytes;
-}
-
-size_t rf_fixed_bytes( const RenderSizes* s )
-{
-    size_t half = rf_film_half_bytes( s->width, s->height ) + total_bytes( s );
-    size_t film = 2 * half + ( s->shape.eq15 ? landed_bytes( s ) : 0 );
-    for ( int l = 0; l < RF_LAYER_COUNT; ++l )
-        film += layer_film_bytes( s, l );
-    size_t scratch = rf_harvest_scratch_bytes( &s->shape ) + sizeof( RfComputeScratch );
-    size_t tables = 1 << 16;
-    return (size_t)s->films * film + buffer_bytes( s ) + (size_t)s->threads * scratch + tables;
-}
 
 // One frame on its way to the caller.
 static RfResult alloc_buffer( const RenderSizes* s, RenderMemory* m, RfError* error )
@@ -116,8 +16,8 @@ static RfResult alloc_buffer( const RenderSizes* s, RenderMemory* m, RfError* er
         result = rf_arena_alloc( &m->arena, "image", film_pixels( s ) * sizeof( float ), (void**)&buffer->weight, error );
     for ( int l = 0; l < RF_LAYER_COUNT && result == RF_OK; ++l )
     {
-        if ( layer_image_bytes( s, l ) > 0 )
-            result = rf_arena_alloc( &m->arena, "layer images", layer_image_bytes( s, l ), (void**)&buffer->layers[l], error );
+        if ( rf_layer_image_bytes( s, l ) > 0 )
+            result = rf_arena_alloc( &m->arena, "layer images", rf_layer_image_bytes( s, l ), (void**)&buffer->layers[l], error );
     }
     return result;
 }
@@ -127,7 +27,7 @@ static void free_buffer( const RenderSizes* s, RenderMemory* m, RfFrameBuffer* b
     rf_arena_free( &m->arena, "image", buffer->rgb, film_pixels( s ) * 3 * sizeof( float ) );
     rf_arena_free( &m->arena, "image", buffer->weight, film_pixels( s ) * sizeof( float ) );
     for ( int l = 0; l < RF_LAYER_COUNT; ++l )
-        rf_arena_free( &m->arena, "layer images", buffer->layers[l], layer_image_bytes( s, l ) );
+        rf_arena_free( &m->arena, "layer images", buffer->layers[l], rf_layer_image_bytes( s, l ) );
 }
 
 // The first buffer, without which nothing can be finished.
@@ -144,8 +44,8 @@ static RfResult alloc_layer_film( const RenderSizes* s, RenderMemory* m, RfLayer
     for ( int l = 0; l < RF_LAYER_COUNT && result == RF_OK; ++l )
     {
         void** where = l == RF_LAYER_SAMPLES ? (void**)&layers->landed : (void**)&layers->mean[l];
-        if ( layer_film_bytes( s, l ) > 0 )
-            result = rf_arena_alloc( &m->arena, "layers", layer_film_bytes( s, l ), where, error );
+        if ( rf_layer_film_bytes( s, l ) > 0 )
+            result = rf_arena_alloc( &m->arena, "layers", rf_layer_film_bytes( s, l ), where, error );
     }
     return result;
 }
@@ -153,8 +53,8 @@ static RfResult alloc_layer_film( const RenderSizes* s, RenderMemory* m, RfLayer
 static void free_layer_film( const RenderSizes* s, RenderMemory* m, const RfLayerFilm* layers )
 {
     for ( int l = 0; l < RF_LAYER_COUNT; ++l )
-        rf_arena_free( &m->arena, "layers", layers->mean[l], layer_film_bytes( s, l ) );
-    rf_arena_free( &m->arena, "layers", layers->landed, layer_film_bytes( s, RF_LAYER_SAMPLES ) );
+        rf_arena_free( &m->arena, "layers", layers->mean[l], rf_layer_film_bytes( s, l ) );
+    rf_arena_free( &m->arena, "layers", layers->landed, rf_layer_film_bytes( s, RF_LAYER_SAMPLES ) );
 }
 
 static RfResult alloc_film( const RenderSizes* s, RenderMemory* m, LiveFilm* live, RfError* error )
@@ -167,9 +67,9 @@ static RfResult alloc_film( const RenderSizes* s, RenderMemory* m, LiveFilm* liv
     for ( int h = 0; h < 2 && result == RF_OK; ++h )
         result = rf_arena_alloc( &m->arena, "films", rf_film_half_bytes( s->width, s->height ), (void**)&live->film.half[h], error );
     for ( int h = 0; h < 2 && result == RF_OK && s->total_every > 0; ++h )
-        result = rf_arena_alloc( &m->arena, "films", total_bytes( s ), (void**)&live->film.total[h], error );
+        result = rf_arena_alloc( &m->arena, "films", rf_totals_bytes( s ), (void**)&live->film.total[h], error );
     if ( s->shape.eq15 && result == RF_OK )
-        result = rf_arena_alloc( &m->arena, "landed eyes", landed_bytes( s ), (void**)&live->landed_eyes, error );
+        result = rf_arena_alloc( &m->arena, "landed eyes", rf_landed_bytes( s ), (void**)&live->landed_eyes, error );
     if ( result == RF_OK )
         result = alloc_layer_film( s, m, &live->layers, error );
     return result;
@@ -206,30 +106,26 @@ static RfResult alloc_scratch( const RenderSizes* s, RenderMemory* m, RfError* e
     return rf_arena_alloc( &m->arena, "scratch", threads * sizeof *m->compute_scratch, (void**)&m->compute_scratch, error );
 }
 
-static size_t batch_slot_bytes( const RenderSizes* s ) { return rf_batch_bytes( &s->shape ) + sizeof( RfHitBatch ) + 64; }
-
-// As many batches at once as serve the threads and fit the budget, at least
-// one; the biased eq15 needs all of a pass.
+// As many batches at once as serve the threads and fit the budget, at least one.
 static int batch_slots( const RenderSizes* s, const RenderMemory* m )
 {
-    int jobs = s->shape.eyes * s->patches.count;
-    if ( s->shape.eq15 )
-        return jobs;
-    size_t room = rf_arena_room( &m->arena ) / batch_slot_bytes( s );
-    int slots = s->threads * BATCHES_PER_THREAD;
-    slots = slots < jobs ? slots : jobs;
-    if ( (size_t)slots > room )
-        slots = room > 1 ? (int)room : 1;
-    return slots;
+    int slots = rf_batches_wanted( s );
+    size_t room = rf_arena_room( &m->arena );
+    if ( s->shape.eq15 || rf_records_bytes( s, slots ) <= room )
+        return slots;
+    int fit = (int)( room / ( rf_records_bytes( s, slots ) / (size_t)slots ) ); // no more than that many
+    while ( fit > 1 && rf_records_bytes( s, fit ) > room )
+        fit -= 1;
+    return fit > 1 ? fit : 1;
 }
 
 // Buffers beyond the first, as long as they take no batches away.
 static RfResult alloc_more_buffers( const RenderSizes* s, RenderMemory* m, RfError* error )
 {
-    size_t batches = (size_t)batch_slots( s, m ) * batch_slot_bytes( s );
+    size_t batches = rf_records_bytes( s, batch_slots( s, m ) );
     RfResult result = RF_OK;
     while ( result == RF_OK && m->buffer_count < s->buffers &&
-            rf_arena_room( &m->arena ) > batches && rf_arena_room( &m->arena ) - batches >= buffer_bytes( s ) + 512 )
+            rf_arena_room( &m->arena ) > batches && rf_arena_room( &m->arena ) - batches >= rf_image_bytes( s ) )
         result = alloc_buffer( s, m, error );
     return result;
 }
@@ -272,9 +168,9 @@ static void free_films( const RenderSizes* s, RenderMemory* m )
         for ( int h = 0; h < 2; ++h )
         {
             rf_arena_free( &m->arena, "films", m->films[i].film.half[h], rf_film_half_bytes( s->width, s->height ) );
-            rf_arena_free( &m->arena, "films", m->films[i].film.total[h], total_bytes( s ) );
+            rf_arena_free( &m->arena, "films", m->films[i].film.total[h], rf_totals_bytes( s ) );
         }
-        rf_arena_free( &m->arena, "landed eyes", m->films[i].landed_eyes, landed_bytes( s ) );
+        rf_arena_free( &m->arena, "landed eyes", m->films[i].landed_eyes, rf_landed_bytes( s ) );
         free_layer_film( s, m, &m->films[i].layers );
     }
     rf_arena_free( &m->arena, "film table", m->films, (size_t)s->films * sizeof *m->films );

@@ -1,7 +1,5 @@
 #include "base/system.h"
-#include "reuse/render_internal.h"
-
-#define AUTO_GROUP 3 // what --group auto takes where memory allows
+#include "reuse/plan_internal.h"
 
 RfRenderSettings rf_default_render_settings( void )
 {
@@ -52,24 +50,20 @@ static RfResult check_eyes( const RfEye* eyes, int count, RfError* error )
     return RF_OK;
 }
 
-// The largest group up to the usual one whose films leave room for a chunk;
-// never a matter of which frames are asked for.
-static int choose_group( const RfScene* scene, const RfEye* eyes, int eye_count, const RfRenderSettings* settings )
+// Never a matter of which frames are asked for.
+static RfResult choose_group( const RfTracer* tracer, const RfEye* eyes, int eye_count, RfRenderSettings* settings, RfError* error )
 {
     if ( settings->group != RF_GROUP_AUTO )
-        return settings->group;
-    for ( int n = AUTO_GROUP; n > 0; --n )
-    {
-        RfGroupPlan plan = rf_plan_groups( eye_count, n, settings->spp );
-        RenderSizes sizes = rf_render_sizes( scene, eyes, &plan, eye_count, settings );
-        if ( rf_fixed_bytes( &sizes ) + rf_batch_bytes( &sizes.shape ) <= settings->memory )
-            return n;
-    }
-    return 0;
+        return RF_OK;
+    RfPlan plan;
+    RfResult result = rf_plan_render( tracer, eyes, eye_count, &( int ){ 0 }, 1, settings, &plan, error );
+    if ( result == RF_OK )
+        settings->group = plan.rows[plan.chosen].group;
+    return result;
 }
 
-RfResult rf_resolve_settings( const RfScene* scene, const RfEye* eyes, int eye_count, const RfRenderSettings* settings,
-                              RfRenderSettings* resolved, RfError* error )
+RfResult rf_resolve_common( const RfEye* eyes, int eye_count, const RfRenderSettings* settings, RfRenderSettings* resolved,
+                            RfError* error )
 {
     RfResult result = check_settings( settings, error );
     if ( result == RF_OK )
@@ -81,11 +75,22 @@ RfResult rf_resolve_settings( const RfScene* scene, const RfEye* eyes, int eye_c
         resolved->threads = rf_core_count();
     if ( resolved->memory == 0 )
         resolved->memory = rf_free_memory() / 2;
-    RfGroupPlan plan = rf_plan_groups( eye_count, choose_group( scene, eyes, eye_count, resolved ), settings->spp );
-    resolved->group = plan.eyes / 2;
-    resolved->spp = plan.spp;
     // the biased weightings count hits, whose mean is not known: their quotient only
     if ( resolved->weights != RF_WEIGHTS_EXACT )
         resolved->normalize = RF_NORMALIZE_RATIO;
+    return RF_OK;
+}
+
+RfResult rf_resolve_settings( const RfTracer* tracer, const RfEye* eyes, int eye_count, const RfRenderSettings* settings,
+                              RfRenderSettings* resolved, RfError* error )
+{
+    RfResult result = rf_resolve_common( eyes, eye_count, settings, resolved, error );
+    if ( result == RF_OK )
+        result = choose_group( tracer, eyes, eye_count, resolved, error );
+    if ( result != RF_OK )
+        return result;
+    RfGroupPlan plan = rf_plan_groups( eye_count, resolved->group, settings->spp );
+    resolved->group = plan.eyes / 2;
+    resolved->spp = plan.spp;
     return RF_OK;
 }

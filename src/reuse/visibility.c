@@ -91,7 +91,7 @@ void rf_see_batch( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch
     for ( int i = 0; i < batch->miss_count; ++i )
     {
         int32_t* rows = batch->rows + 2 * batch->eye;
-        int row = batch->miss_pixel[i] / harvest->eyes[batch->eye].width;
+        int row = rf_miss_pixel( batch )[i] / harvest->eyes[batch->eye].width;
         rows[0] = row < rows[0] ? row : rows[0];
         rows[1] = row > rows[1] ? row : rows[1];
     }
