@@ -10,6 +10,7 @@
 #include "reuse/group.h"
 #include "scene/scene_file.h"
 
+#include <math.h>
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
@@ -35,6 +36,9 @@ typedef struct Job
     RfProgressLine line;
     int frames_done;
     bool told_black; // the warning comes once
+    double relmse_sum; // of the finished frames' estimates
+    double worst_relmse;
+    int worst_frame; // from 0
     json_t* frames_json;
     double start, seconds_scene; // monotonic time of the start; seconds until the rays can go
     RfRenderStats stats;
@@ -141,7 +145,7 @@ static void warn_of_variance( Job* job )
 {
     const RfRenderSettings* s = &job->options.settings;
     RfGroupPlan plan = rf_plan_groups( job->path.count, s->group, s->spp );
-    if ( ( s->layers & RF_LAYER_BIT( RF_LAYER_VARIANCE ) ) == 0 )
+    if ( ( s->layers & RF_LAYER_BIT( RF_LAYER_VARIANCE ) ) == 0 || s->noise > 0.0 || s->time > 0.0 ) // never a single pass
         return;
     for ( int i = 0; i < job->frame_count; ++i )
     {
@@ -181,6 +185,28 @@ static void warn_if_black( Job* job, const RfFrameResult* result )
              job->options.scene, result->frame + 1 );
 }
 
+static void note_relmse( Job* job, const RfFrameResult* result )
+{
+    job->relmse_sum += result->relmse_estimate;
+    if ( job->frames_done > 1 && result->relmse_estimate <= job->worst_relmse )
+        return;
+    job->worst_relmse = result->relmse_estimate;
+    job->worst_frame = result->frame;
+}
+
+// What was wanted of noise and time and did not come out.
+static void warn_of_stop( Job* job )
+{
+    const RfRenderSettings* s = &job->options.settings;
+    if ( job->stats.missed > 0 )
+        rf_warn( &job->log, "--noise %g: not reached in %d of %d frames, frame %d has %.3g: allow more %s", s->noise,
+                 job->stats.missed, job->frame_count, job->worst_frame + 1, job->worst_relmse,
+                 s->time > 0.0 ? "--time or --spp" : "--spp" );
+    if ( job->stats.hurried )
+        rf_warn( &job->log, "--time %g: too short for this size and these groups: the least, 2 samples per pixel, took %.3g s a frame",
+                 s->time, job->stats.seconds / job->frame_count );
+}
+
 // In the writing thread.
 static RfResult on_frame( void* user, const RfFrameResult* result, RfError* error )
 {
@@ -191,10 +217,11 @@ static RfResult on_frame( void* user, const RfFrameResult* result, RfError* erro
         return written;
     pthread_mutex_lock( &job->speech );
     ++job->frames_done;
+    note_relmse( job, result );
     warn_if_black( job, result );
     rf_show_frame( &job->line, result, job->frames_done, job->frame_count );
     pthread_mutex_unlock( &job->speech );
-    json_array_append_new( job->frames_json, rf_frame_json( result ) );
+    json_array_append_new( job->frames_json, rf_frame_json( result, job->options.settings.noise ) );
     return RF_OK;
 }
 
@@ -219,6 +246,8 @@ static RfResult render( Job* job, RfError* error )
     if ( result == RF_ERROR_INTERRUPTED )
         return rf_fail( error, result, "interrupted: %d of %d frames are finished and kept, --resume goes on",
                         job->asked_count - job->frame_count + job->frames_done, job->asked_count );
+    if ( result == RF_OK )
+        warn_of_stop( job );
     return result;
 }
 
@@ -231,6 +260,8 @@ static RfResult report( Job* job, RfError* error )
         int kept = job->asked_count - job->frame_count;
         printf( "%d frame%s in %s, %.1f s", job->frame_count, job->frame_count == 1 ? "" : "s", job->options.output,
                 seconds );
+        if ( job->frame_count > 0 && isfinite( job->relmse_sum ) )
+            printf( ", relMSE %.3g by its estimate", job->relmse_sum / job->frame_count );
         if ( kept > 0 )
             printf( "; %d kept from before", kept );
         printf( "\n" );

@@ -3,12 +3,15 @@
 #include "cli/report.h"
 #include "scene/effects.h"
 
-json_t* rf_frame_json( const RfFrameResult* result )
+json_t* rf_frame_json( const RfFrameResult* result, double noise )
 {
-    return json_pack( "{s:i, s:o, s:o, s:o, s:o}", "frame", result->frame + 1, "seconds",
+    json_t* json = json_pack( "{s:i, s:o, s:o, s:o, s:o}", "frame", result->frame + 1, "seconds",
                       rf_json_number( result->seconds ), "relmse_estimate", rf_json_number( result->relmse_estimate ),
                       "native_spp", rf_json_number( result->native_spp ), "effective_spp",
                       rf_json_number( result->effective_spp ) );
+    if ( noise > 0.0 )
+        json_object_set_new( json, "reached", json_boolean( result->reached ) );
+    return json;
 }
 
 json_t* rf_effect_names_json( const RfScene* scene )
@@ -52,7 +55,7 @@ json_t* rf_render_json( const RfRenderOptions* options, const RfScene* scene, co
 {
     char tile[24];
     rf_tile_name( &options->settings.tile, tile );
-    return json_pack( "{s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:i, s:s, s:s, s:s, s:i, s:o}", "version",
+    json_t* json = json_pack( "{s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:i, s:s, s:s, s:s, s:i, s:o}", "version",
                       REFRAME_VERSION, "scene", rf_json_text( options->scene ), "frames", frames, "seconds",
                       rf_json_number( seconds ), "seconds_scene", rf_json_number( seconds_scene ), "peak_bytes",
                       count_json( stats->peak_bytes ), "budget_bytes", count_json( stats->budget_bytes ), "rays",
@@ -60,4 +63,9 @@ json_t* rf_render_json( const RfRenderOptions* options, const RfScene* scene, co
                       rf_weights_name( options->settings.weights ), "normalize",
                       rf_normalize_name( options->settings.normalize ), "threads", stats->threads, "effects",
                       rf_effect_names_json( scene ) );
+    if ( options->settings.noise > 0.0 )
+        json_object_set_new( json, "noise", json_pack( "{s:f, s:i}", "wanted", options->settings.noise, "missed", stats->missed ) );
+    if ( options->settings.time > 0.0 )
+        json_object_set_new( json, "time", json_pack( "{s:f, s:b}", "wanted", options->settings.time, "too_short", stats->hurried ) );
+    return json;
 }

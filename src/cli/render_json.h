@@ -7,8 +7,9 @@
 
 #include <jansson.h>
 
-// One element of "frames". NULL where memory ran out.
-json_t* rf_frame_json( const RfFrameResult* result );
+// One element of "frames"; with `noise`, the relMSE wanted, also whether it was
+// reached. NULL where memory ran out.
+json_t* rf_frame_json( const RfFrameResult* result, double noise );
 
 // The whole; takes over `frames`. NULL where memory ran out.
 json_t* rf_render_json( const RfRenderOptions* options, const RfScene* scene, const RfRenderStats* stats,

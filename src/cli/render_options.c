@@ -13,11 +13,12 @@ static const char* const s_compressions[] = { "none", "zip", "piz", NULL }; // i
 static const char* const s_files[] = { "SCENE" };
 
 #define WRITE_QUEUE 2 // frames: one is written, one waits
+#define MOST_SPP_FOR_NOISE ( 1 << 16 ) // what has not come down by then does not
 
 // The table points here; a parse starts from the defaults and is copied out.
 static RfRenderOptions s_parsed;
 static int s_weights_index, s_normalize_index;
-static bool s_float, s_float_given, s_half_given;
+static bool s_float, s_float_given, s_half_given, s_spp_given;
 
 static const RfOption s_options[] = {
     { .name = "output", .letter = 'o', .type = RF_OPTION_STRING, .value = &s_parsed.output, .meta = "PATTERN",
@@ -32,7 +33,13 @@ static const RfOption s_options[] = {
     { .name = "size", .in_file = true, .type = RF_OPTION_SIZE, .value = &s_parsed.size, .min = 1, .max = RF_MAX_IMAGE_SIDE, .meta = "WxH",
       .default_text = "960x540", .help = "pixels" },
     { .name = "spp", .in_file = true, .type = RF_OPTION_INT, .value = &s_parsed.settings.spp, .min = 1, .max = 1048576, .meta = "S",
-      .default_text = "28", .help = "samples traced per pixel and frame in all, over the groups that hold the frame" },
+      .given = &s_spp_given, .default_text = "28; with --noise or --time none",
+      .help = "samples traced per pixel and frame in all, over the groups that hold the frame; the most that --noise and --time may take" },
+    { .name = "noise", .in_file = true, .type = RF_OPTION_REAL, .value = &s_parsed.settings.noise, .min = 0, .max = RF_MAX_NOISE, .meta = "E",
+      .default_text = "0: does not matter", .help = "every frame is rendered until its estimated relMSE is at most E" },
+    { .name = "time", .in_file = true, .type = RF_OPTION_REAL, .value = &s_parsed.settings.time, .min = 0, .max = RF_MAX_TIME, .meta = "T",
+      .default_text = "0: does not matter",
+      .help = "seconds of rendering for each frame asked for, in the mean; with --noise, whichever comes first" },
     { .name = "group", .in_file = true, .type = RF_OPTION_INT, .value = &s_parsed.settings.group, .min = 0, .max = 1048576,
       .keyword = "auto", .keyword_value = RF_GROUP_AUTO, .meta = "N|auto", .default_text = "auto",
       .help = "paths serve groups of 2N+1 frames; 0: no reuse" },
@@ -122,7 +129,7 @@ RfRenderOptions rf_default_render_options( void )
 static void reset( void )
 {
     s_parsed = rf_default_render_options();
-    s_float = s_float_given = s_half_given = false;
+    s_float = s_float_given = s_half_given = s_spp_given = false;
     s_weights_index = s_parsed.settings.weights;
     s_normalize_index = s_parsed.settings.normalize;
 }
@@ -156,6 +163,8 @@ static RfResult parse( int argc, char** argv, RfRenderOptions* options, bool* he
     if ( result == RF_OK )
         result = rf_parse_layers( s_parsed.aov, &s_parsed.settings.layers, error );
     copy_out( options );
+    if ( ( options->settings.noise > 0.0 || options->settings.time > 0.0 ) && !s_spp_given )
+        options->settings.spp = options->settings.noise > 0.0 ? MOST_SPP_FOR_NOISE : RF_MAX_SPP;
     return result;
 }
 

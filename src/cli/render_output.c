@@ -6,6 +6,7 @@
 #include "image/sequence.h"
 
 #include <errno.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -144,9 +145,12 @@ void rf_frame_fingerprint( const RfRenderSubject* subject, int frame, char text[
               rf_weights_name( s->weights ), rf_normalize_name( s->normalize ), s->max_depth, s->light_samples,
               (unsigned long long)s->seed, tile, s->tile_roulette );
     uint64_t hash = hash_text( hash_text( subject->path->hash, REFRAME_VERSION ), settings );
+    snprintf( settings, sizeof settings, "noise %.17g time %.17g", s->noise, s->time );
+    if ( s->noise > 0.0 || s->time > 0.0 )
+        hash = hash_text( hash, settings );
     char layers[128];
     rf_format_layers( s->layers, layers, sizeof layers );
-    if ( s->layers != 0 ) // a frame without is what it was before there were any
+    if ( s->layers != 0 ) // a frame without all these is what it was before there were any
         hash = hash_text( hash, layers );
     snprintf( text, 17, "%016llx", (unsigned long long)hash );
 }
@@ -227,6 +231,14 @@ static void list_attributes( const RfRenderSubject* subject, const RfFrameResult
     add_text( attributes, "reframe/seed", seed );
     add_number( attributes, "reframe/max-depth", "%.0f", s->max_depth );
     add_number( attributes, "reframe/light-samples", "%.0f", s->light_samples );
+    if ( s->noise > 0.0 )
+        add_number( attributes, "reframe/noise", "%.9g", s->noise );
+    if ( s->time > 0.0 )
+        add_number( attributes, "reframe/time", "%.9g", s->time );
+    if ( isfinite( result->relmse_estimate ) )
+        add_number( attributes, "reframe/relmse-estimate", "%.6g", result->relmse_estimate );
+    add_number( attributes, "reframe/native-spp", "%.9g", result->native_spp );
+    add_number( attributes, "reframe/effective-spp", "%.6g", result->effective_spp );
     if ( s->layers != 0 )
     {
         char* layers = attributes->texts[attributes->count];

@@ -3,6 +3,7 @@
 #include "base/system.h"
 #include "reuse/render_internal.h"
 
+#include <math.h>
 #include <omp.h>
 #include <string.h>
 
@@ -88,12 +89,14 @@ static bool report_progress( RfRenderer* r, int count )
     r->batches_done += count;
     if ( r->callbacks.progress == NULL )
         return true;
+    double seconds = rf_wall_seconds() - r->start;
     RfProgress progress = {
         .frames_done = r->frames_done,
         .frames_all = r->frames_all,
-        .share = r->batches_done / r->batches_all,
+        .share = rf_is_stopping( &r->settings ) ? rf_stop_share( &r->stop, seconds ) : r->batches_done / r->batches_all,
         .samples = (double)r->rays.primary,
-        .seconds = rf_wall_seconds() - r->start,
+        .seconds = seconds,
+        .relmse = r->last_relmse,
     };
     return r->callbacks.progress( r->callbacks.user, &progress );
 }
@@ -109,7 +112,7 @@ static void forget_landed_eyes( RfRenderer* r )
     }
 }
 
-static RfResult render_pass( RfRenderer* r, const RfHarvest* harvest, const RfWindow* window, int pass, RfError* error )
+RfResult rf_render_pass( RfRenderer* r, const RfHarvest* harvest, const RfWindow* window, int pass, RfError* error )
 {
     int half = rf_half_of_pass( window, pass );
     if ( harvest->shape.eq15 )
@@ -156,22 +159,25 @@ static RfResult render_window( RfRenderer* r, int number, RfError* error )
     };
     harvest.shape.eyes = window.eyes;
     rf_open_films( r, number );
-    for ( int pass = 0; pass < window.passes; ++pass )
-    {
-        RfResult result = render_pass( r, &harvest, &window, pass, error );
-        if ( result != RF_OK )
-            return result;
-    }
-    return rf_close_films( r, number, error );
+    RfResult result = RF_OK;
+    if ( rf_is_stopping( &r->settings ) )
+        result = rf_render_until( r, &harvest, error );
+    for ( int pass = 0; pass < window.passes && result == RF_OK && !rf_is_stopping( &r->settings ); ++pass )
+        result = rf_render_pass( r, &harvest, &window, pass, error );
+    return result == RF_OK ? rf_close_films( r, number, error ) : result;
 }
 
-static double count_batches( const RfRenderer* r )
+// And what the windows cost, for r->stop.
+static double count_batches( RfRenderer* r )
 {
     double batches = 0.0;
     for ( int w = 0; w < r->plan.windows; ++w )
     {
         RfWindow window = rf_window( &r->plan, w );
-        batches += rf_window_wanted( r, window ) ? (double)window.passes * window.eyes * r->sizes.patches.count : 0.0;
+        if ( !rf_window_wanted( r, window ) )
+            continue;
+        batches += (double)window.passes * window.eyes * r->sizes.patches.count;
+        r->stop.units_left += rf_is_stopping( &r->settings ) ? rf_window_units( &r->stop, w ) : 0.0;
     }
     return batches;
 }
@@ -247,6 +253,8 @@ static void fill_stats( const RfRenderer* r, RfRenderStats* stats )
         .spp = r->settings.spp,
         .threads = r->settings.threads,
         .fit = r->fit,
+        .missed = r->stop.missed,
+        .hurried = r->stop.hurried,
     };
 }
 
@@ -254,7 +262,7 @@ RfResult rf_render( const RfTracer* tracer, const RfEye* eyes, int eye_count, co
                     const RfRenderSettings* settings, const RfRenderCallbacks* callbacks, RfRenderStats* stats,
                     RfError* error )
 {
-    RfRenderer r = { .tracer = tracer, .eyes = eyes, .frames = frames, .frames_all = frame_count };
+    RfRenderer r = { .tracer = tracer, .eyes = eyes, .frames = frames, .frames_all = frame_count, .last_relmse = (double)NAN };
     RfResult result = rf_resolve_settings( tracer, eyes, eye_count, settings, &r.settings, error );
     if ( result == RF_OK )
         result = check_frames( frames, frame_count, eye_count, error );
@@ -263,6 +271,8 @@ RfResult rf_render( const RfTracer* tracer, const RfEye* eyes, int eye_count, co
     if ( callbacks != NULL )
         r.callbacks = *callbacks;
     r.plan = rf_plan_groups( eye_count, r.settings.group, r.settings.spp );
+    if ( rf_is_stopping( &r.settings ) )
+        r.stop = rf_create_stop( &r.plan, r.settings.spp, r.settings.noise, r.settings.time * frame_count );
     r.sizes = rf_render_sizes( rf_tracer_scene( tracer ), eyes, &r.plan, frame_count, &r.settings );
     r.memory.arena = rf_create_arena( r.settings.memory );
     r.start = r.last_frame = rf_wall_seconds();

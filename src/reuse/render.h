@@ -29,7 +29,9 @@ typedef enum RfNormalize
 
 typedef struct RfRenderSettings
 {
-    int spp;           // native samples per pixel and frame in all
+    int spp;           // native samples per pixel and frame in all; with noise or time about the most
+    double noise;      // each frame stops when its estimated relMSE is below; 0: spp are rendered
+    double time;       // seconds for each frame asked for, in the mean; 0: as many as it takes
     int group;         // half-width n, cut to the path; RF_GROUP_AUTO: chosen
     RfTile tile;       // pixels of a frame that share their paths
     bool tile_roulette; // Russian roulette on connections in a tile that are worth little
@@ -48,6 +50,8 @@ typedef struct RfRenderSettings
 
 #define RF_GROUP_AUTO ( -1 )
 #define RF_MAX_SPP ( 1 << 20 )
+#define RF_MAX_NOISE 1e6
+#define RF_MAX_TIME 1e9
 #define RF_MAX_GROUP ( 1 << 20 )
 #define RF_MAX_DEPTH ( 1 << 20 )
 #define RF_MAX_LIGHT_SAMPLES 64
@@ -95,6 +99,7 @@ typedef struct RfFrameResult
     double relmse_estimate; // from the film halves; NaN with a single pass
     double native_spp;      // native samples traced per pixel
     double effective_spp;   // samples that landed per pixel, native and reused
+    bool reached;           // the estimate is below settings.noise, or nothing was asked
 } RfFrameResult;
 
 typedef struct RfProgress
@@ -103,6 +108,7 @@ typedef struct RfProgress
     double share;       // of the whole work, 0 to 1
     double samples;     // native samples traced so far
     double seconds;     // since the start
+    double relmse;      // estimate of the last finished frame; NaN: not known
 } RfProgress;
 
 // Either callback may be NULL. `frame` failing stops the render with its
@@ -132,13 +138,16 @@ typedef struct RfRenderStats
     int spp;     // as rendered: rounded up to what the groups need
     int threads; // likewise: fewer where memory is short
     RfMemoryFit fit;
+    int missed;   // frames finished with an estimate above settings.noise
+    bool hurried; // settings.time was too short for the least: two passes of a frame
 } RfRenderStats;
 
 // Renders `frames` (ascending indices into the `eye_count` eyes of the whole
-// path; a frame's result does not depend on which others are asked for) and
+// path; a frame's result does not depend on which others are asked for, except
+// with noise or time, which look at what was rendered before) and
 // hands each to callbacks->frame as soon as it is finished, in order. All eyes
 // have the same film size. Two runs, and any number of threads, give the same
-// bits. Fails with RF_ERROR_USAGE for settings out of range, RF_ERROR_MEMORY
+// bits, except with time. Fails with RF_ERROR_USAGE for settings out of range, RF_ERROR_MEMORY
 // where the smallest chunk of a single film does not fit the budget.
 RfResult rf_render( const RfTracer* tracer, const RfEye* eyes, int eye_count, const int* frames, int frame_count,
                     const RfRenderSettings* settings, const RfRenderCallbacks* callbacks, RfRenderStats* stats,

@@ -20,8 +20,7 @@ static bool asked_for( const RfRenderer* r, int frame )
     return false;
 }
 
-// The slot that holds a frame's film, −1 for a free one; NULL where none does.
-static LiveFilm* find_film( const RfRenderer* r, int frame )
+LiveFilm* rf_find_film( const RfRenderer* r, int frame )
 {
     for ( int i = 0; i < r->memory.film_slots; ++i )
     {
@@ -40,14 +39,15 @@ void rf_open_films( RfRenderer* r, int window )
         rf_windows_of_frame( &r->plan, frame, &first, &last );
         if ( first != window || !asked_for( r, frame ) )
             continue;
-        LiveFilm* live = find_film( r, -1 );
+        LiveFilm* live = rf_find_film( r, -1 );
         live->frame = frame;
+        live->noise = live->seen = 0.0;
         rf_clear_film( &live->film );
         rf_clear_layer_film( &live->layers, r->sizes.width, r->sizes.height );
     }
 }
 
-static RfFilmCombine combine_of( RfNormalize normalize )
+RfFilmCombine rf_film_combine( RfNormalize normalize )
 {
     switch ( normalize )
     {
@@ -58,9 +58,19 @@ static RfFilmCombine combine_of( RfNormalize normalize )
     return RF_FILM_CROSSFIT;
 }
 
+static bool note_finished( RfRenderer* r, const LiveFilm* live, double relmse )
+{
+    double weight = live->film.weight[0] + live->film.weight[1];
+    return rf_note_finished( &r->stop, ( RfFrameNoise ){ .frame = live->frame,
+                                                         .passes = live->film.passes[0] + live->film.passes[1],
+                                                         .weight = weight,
+                                                         .noise = relmse * weight,
+                                                         .seen = weight } );
+}
+
 static RfResult finish_film( RfRenderer* r, LiveFilm* live, RfError* error )
 {
-    RfFilmCombine combine = combine_of( r->settings.normalize );
+    RfFilmCombine combine = rf_film_combine( r->settings.normalize );
     RfFrameBuffer* buffer = rf_next_frame_buffer( &r->delivery );
     rf_combine_film( &live->film, combine, buffer->rgb, buffer->weight );
     double now = rf_wall_seconds();
@@ -72,9 +82,11 @@ static RfResult finish_film( RfRenderer* r, LiveFilm* live, RfError* error )
         .weight = buffer->weight,
         .seconds = now - r->last_frame,
         .relmse_estimate = rf_estimate_relmse( &live->film, combine, buffer->rgb ),
-        .native_spp = rf_frame_passes( &r->plan, live->frame ),
+        .native_spp = live->film.passes[0] + live->film.passes[1],
         .effective_spp = (double)live->film.landed / ( (double)r->sizes.width * (double)r->sizes.height ),
     };
+    buffer->result.reached = !rf_is_stopping( &r->settings ) || note_finished( r, live, buffer->result.relmse_estimate );
+    r->last_relmse = buffer->result.relmse_estimate;
     for ( int l = 0; l < RF_LAYER_COUNT; ++l )
     {
         buffer->result.layers[l] = buffer->layers[l];
@@ -97,7 +109,7 @@ RfResult rf_close_films( RfRenderer* r, int window, RfError* error )
         rf_windows_of_frame( &r->plan, frame, &first, &last );
         if ( last != window || !asked_for( r, frame ) )
             continue;
-        RfResult result = finish_film( r, find_film( r, frame ), error );
+        RfResult result = finish_film( r, rf_find_film( r, frame ), error );
         if ( result != RF_OK )
             return result;
     }
@@ -116,7 +128,7 @@ void rf_add_layers( const RfRenderer* r, const RfHarvest* harvest, const RfWindo
                     const RfHarvestScratch* scratch )
 {
     int frame = harvest->first_frame + eye;
-    LiveFilm* live = find_film( r, frame );
+    LiveFilm* live = rf_find_film( r, frame );
     if ( live == NULL )
         return;
     RfLayerJob job = {

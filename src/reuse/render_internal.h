@@ -9,6 +9,7 @@
 #include "reuse/harvest.h"
 #include "reuse/layer_film.h"
 #include "reuse/render.h"
+#include "reuse/stop.h"
 
 // A film in use, of one frame of the path.
 typedef struct LiveFilm
@@ -17,6 +18,7 @@ typedef struct LiveFilm
     RfFilm film;
     RfLayerFilm layers;
     uint32_t* landed_eyes; // eq15 only
+    double noise, seen;    // as in RfFrameNoise
 } LiveFilm;
 
 // All that is allocated, from one arena.
@@ -30,6 +32,7 @@ typedef struct RenderMemory
     int batches_laid_out; // of them, while they are being allocated
     LiveFilm* films;
     int film_slots;
+    RfFrameNoise* looks; // as many; with settings.noise or time only
     RfFrameBuffer* buffers; // finished frames on their way to the caller
     int buffer_count;
 } RenderMemory;
@@ -44,6 +47,7 @@ typedef struct RenderSizes
     int buffers;     // wanted
     unsigned layers; // RF_LAYER_BIT of those asked for
     int total_every; // passes of a half of a film before it is emptied; 0: never
+    bool stopping;   // by noise or time
     RfBatchShape shape;
 } RenderSizes;
 
@@ -58,6 +62,7 @@ typedef struct RfRenderer
     RfRenderSettings settings; // resolved
     RfRenderCallbacks callbacks;
     RfGroupPlan plan;
+    RfStop stop; // with settings.noise or time
     RfMemoryFit fit;
     RenderSizes sizes;
     RenderMemory memory;
@@ -66,7 +71,21 @@ typedef struct RfRenderer
     double start, last_frame; // seconds
     double batches_done, batches_all;
     int frames_done;
+    double last_relmse; // of the last finished frame
 } RfRenderer;
+
+static inline bool rf_is_stopping( const RfRenderSettings* settings ) { return settings->noise > 0.0 || settings->time > 0.0; }
+
+// One pass of a window, into half `half` of the films.
+RfResult rf_render_pass( RfRenderer* renderer, const RfHarvest* harvest, const RfWindow* window, int pass, RfError* error );
+
+// The passes of a window, as many as noise and time want.
+RfResult rf_render_until( RfRenderer* renderer, const RfHarvest* harvest, RfError* error );
+
+// The film of a frame in use, −1 for a free one; NULL where there is none.
+LiveFilm* rf_find_film( const RfRenderer* renderer, int frame );
+
+RfFilmCombine rf_film_combine( RfNormalize normalize );
 
 // Was any frame of the window asked for?
 bool rf_window_wanted( const RfRenderer* renderer, RfWindow window );
@@ -84,7 +103,8 @@ void rf_add_layers( const RfRenderer* renderer, const RfHarvest* harvest, const 
 
 // Bytes that are allocated, exactly: films; one image on its way to the caller;
 // workspaces; so many batches of hit records; all but the batches, with one
-// image. Of single arrays: which eyes landed where; a film's totals; a layer
+// image. Of single arrays: which eyes landed where; a film's totals; what is
+// known of the films' noise; a layer
 // while it is rendered, and finished. 0: not needed.
 size_t rf_films_bytes( const RenderSizes* sizes );
 size_t rf_image_bytes( const RenderSizes* sizes );
@@ -93,6 +113,7 @@ size_t rf_records_bytes( const RenderSizes* sizes, int batches );
 size_t rf_fixed_bytes( const RenderSizes* sizes );
 size_t rf_landed_bytes( const RenderSizes* sizes );
 size_t rf_totals_bytes( const RenderSizes* sizes );
+size_t rf_looks_bytes( const RenderSizes* sizes );
 size_t rf_layer_film_bytes( const RenderSizes* sizes, int layer );
 size_t rf_layer_image_bytes( const RenderSizes* sizes, int layer );
 

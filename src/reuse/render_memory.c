@@ -83,6 +83,8 @@ static RfResult alloc_films( const RenderSizes* s, RenderMemory* m, RfError* err
         return result;
     memset( m->films, 0, bytes );
     m->film_slots = s->films;
+    if ( s->stopping )
+        result = rf_arena_alloc( &m->arena, "film table", rf_looks_bytes( s ), (void**)&m->looks, error );
     for ( int i = 0; i < s->films && result == RF_OK; ++i )
         result = alloc_film( s, m, m->films + i, error );
     return result;
@@ -173,6 +175,7 @@ static void free_films( const RenderSizes* s, RenderMemory* m )
         rf_arena_free( &m->arena, "landed eyes", m->films[i].landed_eyes, rf_landed_bytes( s ) );
         free_layer_film( s, m, &m->films[i].layers );
     }
+    rf_arena_free( &m->arena, "film table", m->looks, rf_looks_bytes( s ) );
     rf_arena_free( &m->arena, "film table", m->films, (size_t)s->films * sizeof *m->films );
     for ( int i = 0; i < m->buffer_count; ++i )
         free_buffer( s, m, m->buffers + i );

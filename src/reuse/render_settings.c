@@ -20,6 +20,10 @@ static RfResult check_settings( const RfRenderSettings* s, RfError* error )
 {
     if ( s->spp < 1 || s->spp > RF_MAX_SPP )
         return rf_fail( error, RF_ERROR_USAGE, "samples per pixel must be 1 to %d, got %d", RF_MAX_SPP, s->spp );
+    if ( !( s->noise >= 0.0 && s->noise <= RF_MAX_NOISE ) )
+        return rf_fail( error, RF_ERROR_USAGE, "the relMSE wanted must be 0 to %g, got %g", RF_MAX_NOISE, s->noise );
+    if ( !( s->time >= 0.0 && s->time <= RF_MAX_TIME ) )
+        return rf_fail( error, RF_ERROR_USAGE, "the seconds for a frame must be 0 to %g, got %g", RF_MAX_TIME, s->time );
     if ( s->group < RF_GROUP_AUTO || s->group > RF_MAX_GROUP )
         return rf_fail( error, RF_ERROR_USAGE, "group must be 0 to %d, got %d", RF_MAX_GROUP, s->group );
     if ( s->max_depth < 1 || s->max_depth > RF_MAX_DEPTH )
@@ -91,6 +95,7 @@ RfResult rf_resolve_settings( const RfTracer* tracer, const RfEye* eyes, int eye
         return result;
     RfGroupPlan plan = rf_plan_groups( eye_count, resolved->group, settings->spp );
     resolved->group = plan.eyes / 2;
-    resolved->spp = plan.spp;
+    if ( !rf_is_stopping( settings ) )
+        resolved->spp = plan.spp;
     return RF_OK;
 }

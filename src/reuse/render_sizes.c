@@ -62,6 +62,7 @@ RenderSizes rf_render_sizes( const RfScene* scene, const RfEye* eyes, const RfGr
         .threads = settings->threads,
         .films = films < plan->eyes ? films : plan->eyes,
         .layers = settings->layers,
+        .stopping = rf_is_stopping( settings ),
         .buffers = settings->queue > films ? films : settings->queue > 1 ? settings->queue : 1,
         .shape = batch_shape( scene, plan->eyes, settings ),
     };
@@ -71,6 +72,8 @@ size_t rf_totals_bytes( const RenderSizes* s )
 {
     return s->total_every > 0 ? rf_film_total_bytes( s->width, s->height ) : 0;
 }
+
+size_t rf_looks_bytes( const RenderSizes* s ) { return s->stopping ? (size_t)s->films * sizeof( RfFrameNoise ) : 0; }
 
 size_t rf_layer_film_bytes( const RenderSizes* s, int layer )
 {
@@ -92,7 +95,7 @@ size_t rf_films_bytes( const RenderSizes* s )
     film += s->shape.eq15 ? rf_arena_size( rf_landed_bytes( s ) ) : 0;
     for ( int l = 0; l < RF_LAYER_COUNT; ++l )
         film += optional( rf_layer_film_bytes( s, l ) );
-    return rf_arena_size( (size_t)s->films * sizeof( LiveFilm ) ) + (size_t)s->films * film;
+    return rf_arena_size( (size_t)s->films * sizeof( LiveFilm ) ) + optional( rf_looks_bytes( s ) ) + (size_t)s->films * film;
 }
 
 size_t rf_image_bytes( const RenderSizes* s )
