@@ -232,7 +232,7 @@ static void test_missing_frames( void** state )
     check_item( a, "f1", 3, 0.5 );
     assert_true( json_is_null( item( b, "f1", 2 ) ) );
     check_item( b, "f1", 4, 0.0 );
-    assert_string_equal( fact( a, "Picture", "Missing" ), "1 frames" );
+    assert_string_equal( fact( a, "Picture", "Missing" ), "1 frame" );
     json_decref( data );
     cli_expect( cli_run( "$R report m/a -o m2.html --frames 2-4" ), 0, NULL );
     data = read_data( "m2.html", 2 );
@@ -325,6 +325,24 @@ static void test_estimates_in_headers( void** state )
     json_decref( data );
 }
 
+// What the reference says of itself is no error of it.
+static void test_reference_with_json( void** state )
+{
+    (void)state;
+    make_folder( "q/a" );
+    make_folder( "q/r" );
+    write_sequence( "q/a/f.####.exr", 1, 2, 1.0f, 0.0f );
+    write_sequence( "q/r/f.####.exr", 1, 2, 1.0f, 0.0f );
+    cli_write( "q/r/r.json", RENDER_JSON, strlen( RENDER_JSON ) );
+    cli_expect( cli_run( "$R report q/a --reference q/r -o q.html" ), 0, NULL );
+    json_t* data = read_data( "q.html", 4 );
+    check_item( sequence_of( data, 0 ), "relmse", 1, 0.0 );
+    assert_true( json_is_null( item( sequence_of( data, 1 ), "relmse", 1 ) ) );
+    check_item( sequence_of( data, 1 ), "seconds", 1, 1.5 );
+    assert_string_equal( fact( sequence_of( data, 1 ), "Time and memory", "In all" ), "2 min 5 s" );
+    json_decref( data );
+}
+
 static void test_width( void** state )
 {
     (void)state;
@@ -397,7 +415,8 @@ int main( void )
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( test_two_and_a_reference ), cmocka_unit_test( test_hostile_names ), cmocka_unit_test( test_missing_frames ),
         cmocka_unit_test( test_other_programs ),      cmocka_unit_test( test_json_of_others ), cmocka_unit_test( test_estimates_in_headers ),
-        cmocka_unit_test( test_width ),               cmocka_unit_test( test_rendered ),      cmocka_unit_test( test_refused ),
+        cmocka_unit_test( test_width ), cmocka_unit_test( test_reference_with_json ),
+                     cmocka_unit_test( test_rendered ),      cmocka_unit_test( test_refused ),
     };
     return cmocka_run_group_tests_name( "report", tests, enter, leave );
 }
