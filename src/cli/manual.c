@@ -89,6 +89,12 @@ void rf_print_manual_tail( FILE* file )
            "the variance layers. The border of Reframe's sliding groups is the pairs with a frame that lies in fewer groups\n"
            "than those in the middle of the path, or in cut ones: 2N at each end of it for \\fB\\-\\-group N\\fR.\n"
            "The spectrum is of windows of 16 frames: slow drift has periods of 8 frames and more, boiling shorter ones.\n"
+           ".SH REPORT\n"
+           "The page is one file that loads nothing else: it opens from a folder, by mail, without a network. Its frames are\n"
+           "the logarithm of light, so that the exposure slider has no bands; they play by the space bar, the arrow keys step\n"
+           "and change the exposure, a click on a curve shows that frame. Frames that one of several sequences lacks are told.\n"
+           "Of a folder with more than one sequence name one, as \\fIDIR/shot.####.exr\\fR. Beside the frames it looks for what\n"
+           "\\fBrender \\-\\-json\\fR and \\fBcost \\-\\-json\\fR wrote.\n"
            ".SH \"EXIT STATUS\"\n"
            "0: done. 1: it failed, with one line on standard error that says what, where and what to do.\n"
            "2: the command line is wrong. 130: interrupted, with everything finished so far kept.\n"
@@ -100,6 +106,7 @@ void rf_print_manual_tail( FILE* file )
            "reframe render scene.glb \\-o out/shot.####.exr \\-\\-resume \\-\\-aov depth,motion\n"
            "reframe compare out/shot.####.exr reference.####.exr\n"
            "reframe flicker out/shot.####.exr \\-\\-reference reference.####.exr \\-\\-png slit.png\n"
+           "reframe report out \\-\\-reference reference \\-o report.html\n"
            "reframe png out/shot.0012.exr shot.png \\-\\-exposure 1\n"
            ".EE\n",
            file );

@@ -67,11 +67,11 @@ static RfResult open_sequences( Report* report, RfError* error )
 {
     RfResult result = RF_OK;
     for ( int i = 0; i < report->place_count && result == RF_OK; ++i )
-        result = rf_open_page_sequence( report->places[i], true, report->sequences + report->sequence_count++, error );
+        result = rf_open_page_sequence( report->places[i], report->sequences + report->sequence_count++, error );
     if ( result == RF_OK && report->reference != NULL )
     {
         RfPageSequence* reference = report->sequences + report->sequence_count++;
-        result = rf_open_page_sequence( report->reference, false, reference, error );
+        result = rf_open_page_sequence( report->reference, reference, error );
         reference->is_reference = true;
     }
     if ( result == RF_OK && report->render_file != NULL )

@@ -50,11 +50,10 @@ static json_t* track_json( const RfPageTrack* track )
 
 static json_t* notes_json( const RfPageData* data )
 {
-    bool compensated = false, masked = false, still = false, variance = false;
+    bool compensated = false, still = false, variance = false;
     for ( int i = 0; i < data->track_count; ++i )
     {
         compensated |= data->tracks[i].compensated;
-        masked |= data->tracks[i].masked;
         still |= !data->tracks[i].compensated;
         variance |= data->tracks[i].has_variance;
     }
@@ -64,7 +63,6 @@ static json_t* notes_json( const RfPageData* data )
                                    : "Change of the picture from the frame before, root mean square: what moves counts too (no motion layers)";
     const char* phi = data->has_reference ? "1: the error is new in each frame, 0: it stands still"
                       : variance ? "The change over the variance layers; moving edges and highlights count too, a reference takes them out" : "";
-    (void)masked;
     return json_pack( "{s:s, s:s, s:s, s:s}", "relmse", data->has_reference ? "Against the reference" : "Estimated by the renderer, without a reference",
                       "phi", phi, "f1", f1, "seconds", "Each frame's, as the renderer told" );
 }
@@ -108,7 +106,10 @@ static json_t* cost_json( const RfPageData* data )
     json_t* list = json_array();
     add_cost( list, "error against time", data->cost );
     for ( int i = 0; i < data->track_count && data->cost == NULL; ++i )
-        add_cost( list, data->tracks[i].sequence->name, data->tracks[i].sequence->cost );
+    {
+        const RfPageSequence* sequence = data->tracks[i].sequence;
+        add_cost( list, sequence->name, sequence->is_reference ? NULL : sequence->cost );
+    }
     return list;
 }
 

@@ -76,7 +76,7 @@ static void add_frames( json_t* facts, const RfPageTrack* track )
     snprintf( text, sizeof text, "%d, from %d to %d", shown, first, last );
     add( facts, "Picture", "Frames", text );
     if ( shown < track->count )
-        add_number( facts, "Picture", "Missing", "%.0f frames", track->count - shown );
+        add_number( facts, "Picture", "Missing", track->count - shown == 1 ? "%.0f frame" : "%.0f frames", track->count - shown );
     if ( bad > 0 )
         add_number( facts, "Picture", "No numbers", "%.0f pixels with NaN or infinity", (double)bad );
 }

@@ -38,7 +38,6 @@ static void find_layers( Work* work )
         work->layers = ( RfFlickerLayers ){ 0 };
     rf_find_variance_layers( sequence->first, &sequence->header, &work->layers, NULL );
     track->compensated = work->layers.motion[0] != NULL;
-    track->masked = work->layers.depth != NULL;
     track->has_variance = work->layers.variance[0] != NULL;
 }
 
@@ -191,7 +190,7 @@ static RfResult add_frame( Work* work, int i, RfError* error )
     frame->is_finite = told->bad == 0;
     bool has_reference = track->reference != NULL && rf_has_page_frame( track->reference, number );
     take_said( track->sequence, number, path, told );
-    if ( track->reference != NULL ) // an estimate would not belong beside it
+    if ( track->reference != NULL || track->sequence->is_reference ) // an estimate would not belong there
         told->relmse = NAN;
     RfImage reference = { 0 };
     if ( has_reference )

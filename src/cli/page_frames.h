@@ -29,7 +29,7 @@ typedef struct RfPageTrack
     RfPageFrame* frames;             // `count` of them
     int picture_width, picture_height;
     uint64_t picture_bytes;
-    bool compensated, masked, has_variance; // of the flicker without reference
+    bool compensated, has_variance; // of the flicker without reference
     RfFlickerSums flicker;
     RfErrorMetrics error;            // of all frames, against the reference
     bool has_error;

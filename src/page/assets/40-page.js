@@ -102,7 +102,8 @@ function connectControls(player, data) {
     0: () => player.setExposure(0),
   };
   addEventListener("keydown", event => {
-    const typing = event.target.matches && event.target.matches("select, input[type=number]");
+    const on = selector => event.target.matches && event.target.matches(selector);
+    const typing = on("select, input[type=number]") || (event.key === " " && on("button")); // a button takes the space itself
     const action = keys[event.key];
     if (!action || typing || event.ctrlKey || event.altKey || event.metaKey)
       return;
