@@ -1,5 +1,7 @@
 // `compare` as a script sees it: exit status, JSON, and what it refuses.
 #include "cli/commands.h"
+#include "cli/compare_report.h"
+#include "foreign_exr.h"
 #include "image/sequence.h"
 #include "test_image_support.h"
 
@@ -19,13 +21,48 @@ static void write_constant( const char* name, int side, float value )
     rf_destroy_image( &image );
 }
 
-// Runs compare; `option` may be NULL.
-static int compare( const char* a, const char* b, const char* option, const char* value )
+#define MAX_ARGUMENTS 16
+
+// Runs compare; further arguments up to NULL. What it says on standard error is kept.
+static char s_said[2048];
+static int compare( const char* a, const char* b, ... )
 {
-    char* arguments[8] = { "compare", (char*)temp_path( a ), (char*)temp_path( b ), "--json",
-                           (char*)temp_path( "out.json" ), (char*)option, (char*)value, NULL };
+    char* arguments[MAX_ARGUMENTS] = { "compare", (char*)temp_path( a ), (char*)temp_path( b ), "--json", (char*)temp_path( "out.json" ) };
+    int count = 5;
+    va_list more;
+    va_start( more, b );
+    for ( char* next = va_arg( more, char* ); next != NULL && count < MAX_ARGUMENTS - 1; next = va_arg( more, char* ) )
+        arguments[count++] = next;
+    va_end( more );
     remove( arguments[4] );
-    return rf_command_compare( option == NULL ? 5 : value == NULL ? 6 : 7, arguments );
+    fflush( stderr );
+    int kept = dup( STDERR_FILENO );
+    FILE* file = fopen( temp_path( "said" ), "w+" );
+    assert_non_null( file );
+    dup2( fileno( file ), STDERR_FILENO );
+    int status = rf_command_compare( count, arguments );
+    fflush( stderr );
+    dup2( kept, STDERR_FILENO );
+    close( kept );
+    rewind( file );
+    size_t length = fread( s_said, 1, sizeof s_said - 1, file );
+    s_said[length] = '\0';
+    fclose( file );
+    return status;
+}
+
+// One line, with this in it.
+static void check_failed( int status, int wanted, const char* part )
+{
+    const char* end = strchr( s_said, '\n' );
+    if ( status != wanted || strstr( s_said, part ) == NULL || end == NULL || end[1] != '\0' )
+        fail_msg( "wanted %d and '%s', got %d: %s", wanted, part, status, s_said );
+}
+
+static void check_done( int status )
+{
+    if ( status != 0 || s_said[0] != '\0' )
+        fail_msg( "%d: %s", status, s_said );
 }
 
 static json_t* load_json( void )
@@ -47,7 +84,7 @@ static void test_files( void** state )
     (void)state;
     write_constant( "a.exr", 40, 0.75f );
     write_constant( "b.exr", 40, 0.5f );
-    assert_int_equal( compare( "a.exr", "b.exr", "--diff", temp_path( "d.exr" ) ), 0 );
+    assert_int_equal( compare( "a.exr", "b.exr", "--diff", temp_path( "d.exr" ), NULL ), 0 );
     json_t* json = load_json();
     assert_true( fabs( number( json, "relmse" ) - 0.1875 / 0.251 ) < 1e-8 );
     assert_true( fabs( number( json, "relmse_trimmed" ) - 0.1875 / 0.251 ) < 1e-8 );
@@ -75,7 +112,7 @@ static void test_sequences( void** state )
         assert_int_equal( rf_sequence_name( "t.####.exr", frame, name, sizeof name, NULL ), RF_OK );
         write_constant( name, 20, 3.0f );
     }
-    assert_int_equal( compare( "s.####.exr", "t.####.exr", "--diff", temp_path( "d.##.exr" ) ), 0 );
+    assert_int_equal( compare( "s.####.exr", "t.####.exr", "--diff", temp_path( "d.##.exr" ), NULL ), 0 );
     json_t* json = load_json();
     const json_t* frames = json_object_get( json, "frames" );
     assert_int_equal( json_array_size( frames ), 3 );
@@ -85,10 +122,10 @@ static void test_sequences( void** state )
     assert_true( fabs( number( json, "mse" ) - 5.0 / 3.0 ) < 1e-8 );
     json_decref( json );
     assert_int_equal( access( temp_path( "d.05.exr" ), F_OK ), 0 );
-    assert_int_equal( compare( "s.####.exr", "t.####.exr", "--diff", temp_path( "one.exr" ) ), 2 );
-    assert_int_equal( compare( "s.####.exr", "b.exr", NULL, NULL ), 2 );
+    assert_int_equal( compare( "s.####.exr", "t.####.exr", "--diff", temp_path( "one.exr" ), NULL ), 2 );
+    assert_int_equal( compare( "s.####.exr", "b.exr", NULL ), 2 );
     assert_int_equal( remove( temp_path( "t.0004.exr" ) ), 0 );
-    assert_int_equal( compare( "s.####.exr", "t.####.exr", NULL, NULL ), 1 );
+    assert_int_equal( compare( "s.####.exr", "t.####.exr", NULL ), 1 );
     assert_int_not_equal( access( temp_path( "out.json" ), F_OK ), 0 );
 }
 
@@ -102,13 +139,13 @@ static void test_not_finite( void** state )
     assert_true( number( json, "nan" ) == 1600.0 );
     json_decref( json );
     // of the reference they are counted too, over all frames
-    assert_int_equal( compare( "b.exr", "nan.exr", NULL, NULL ), 1 );
+    assert_int_equal( compare( "b.exr", "nan.exr", NULL ), 1 );
     json = load_json();
     assert_true( number( json, "nan" ) == 0.0 && number( json, "reference_nan" ) == 1600.0 );
     assert_true( json_is_null( json_object_get( json, "mse" ) ) );
     json_decref( json );
     write_constant( "inf.exr", 40, INFINITY );
-    assert_int_equal( compare( "inf.exr", "inf.exr", NULL, NULL ), 1 );
+    assert_int_equal( compare( "inf.exr", "inf.exr", NULL ), 1 );
     json = load_json();
     assert_true( number( json, "inf" ) == 1600.0 && number( json, "reference_inf" ) == 1600.0 && number( json, "reference_nan" ) == 0.0 );
     json_decref( json );
@@ -118,13 +155,165 @@ static void test_refused( void** state )
 {
     (void)state;
     write_constant( "small.exr", 39, 1.0f );
-    assert_int_equal( compare( "small.exr", "b.exr", NULL, NULL ), 1 );
-    assert_int_equal( compare( "none.exr", "b.exr", NULL, NULL ), 1 );
+    assert_int_equal( compare( "small.exr", "b.exr", NULL ), 1 );
+    assert_int_equal( compare( "none.exr", "b.exr", NULL ), 1 );
     assert_int_equal( compare( "a.exr", "b.exr", "--what", NULL ), 2 );
     char* one[] = { "compare", "a.exr", NULL };
     assert_int_equal( rf_command_compare( 2, one ), 2 );
     char* help[] = { "compare", "--help", NULL };
     assert_int_equal( rf_command_compare( 2, help ), 0 );
+}
+
+static void write_foreign( const char* name, const Foreign* parts, int count )
+{
+    write_foreign_exr( temp_path( name ), parts, count );
+}
+
+static void check_number( const char* key, double wanted )
+{
+    json_t* json = load_json();
+    double value = number( json, key );
+    if ( !( fabs( value - wanted ) <= 1e-8 * fabs( wanted ) ) )
+        fail_msg( "%s: %.12g, not %.12g", key, value, wanted );
+    json_decref( json );
+}
+
+// Layers by name, half and float, several parts.
+static void test_other_programs( void** state )
+{
+    (void)state;
+    Foreign blender = { .names = { "L.Combined.B", "L.Combined.G", "L.Combined.R", "L.Diff.B", "L.Diff.G", "L.Diff.R" },
+                        .values = { 1, 1, 1, 3, 3, 3 }, .width = 20, .height = 10 };
+    Foreign nuke[3] = { { .names = { "Z" }, .values = { 7 }, .width = 20, .height = 10, .part = "depth" },
+                        { .names = { "A", "B", "G", "R" }, .values = { 1, 2, 2, 2 }, .width = 20, .height = 10, .half = true, .part = "rgba" },
+                        { .names = { "N.X", "N.Y", "N.Z", "X" }, .values = { 4, 5, 6, 9 }, .width = 20, .height = 10, .part = "N" } };
+    write_foreign( "bl.exr", &blender, 1 );
+    write_foreign( "nk.exr", nuke, 3 );
+    check_done( compare( "bl.exr", "nk.exr", NULL ) ); // the colour of the second part
+    check_number( "bias", -1.0 );
+    check_done( compare( "bl.exr", "nk.exr", "--layer", "L.Diff", "--reference-layer", "rgba", NULL ) );
+    check_number( "bias", 1.0 );
+    check_done( compare( "bl.exr", "nk.exr", "--layer", "L.Diff.R", "--reference-layer", "Z", NULL ) );
+    check_number( "bias", -4.0 );
+    check_done( compare( "bl.exr", "nk.exr", "--layer", "L.Diff", "--reference-layer", "N", NULL ) );
+    check_number( "mse", ( 1.0 + 4.0 + 9.0 ) / 3.0 );
+    check_done( compare( "nk.exr", "nk.exr", "--layer", "N.Y,N.X,N.X", "--reference-layer", "X", NULL ) );
+    check_number( "mse", ( 16.0 + 25.0 + 25.0 ) / 3.0 );
+    check_done( compare( "bl.exr", "bl.exr", "--layer", "L.Diff", NULL ) ); // of both
+    check_number( "max", 0.0 );
+    check_number( "reference_mean", 3.0 );
+    check_failed( compare( "bl.exr", "nk.exr", "--layer", "L.Diff", NULL ), 1, "nk.exr: has no layer L.Diff; it has Z, A, B, G, R, N.X" );
+    check_failed( compare( "bl.exr", "nk.exr", "--layer", "L.Diff.R,,L.Diff.G", NULL ), 1, "has no layer" );
+    check_failed( compare( "bl.exr", "nk.exr", "--layer", "L.Diff.R,L.Diff.R,L.Diff.R,L.Diff.R", NULL ), 1, "has no layer" );
+    Foreign none = { .names = { "foo" }, .width = 20, .height = 10 };
+    write_foreign( "no.exr", &none, 1 );
+    check_failed( compare( "no.exr", "nk.exr", NULL ), 1, "no.exr: has no channels R, G, B and no Y; it has foo" );
+}
+
+static void test_data_windows( void** state )
+{
+    (void)state;
+    Foreign a = { .names = { "B", "G", "R" }, .values = { 1, 1, 1 }, .x = -5, .y = 3, .width = 20, .height = 10 };
+    Foreign b = { .names = { "B", "G", "R" }, .values = { 3, 3, 3 }, .x = -5, .y = 3, .width = 20, .height = 10 };
+    write_foreign( "wa.exr", &a, 1 );
+    write_foreign( "wb.exr", &b, 1 );
+    check_done( compare( "wa.exr", "wb.exr", NULL ) ); // the same, though not that of the display
+    check_number( "bias", -2.0 );
+    b.x = 0; // of the same size, elsewhere
+    write_foreign( "wb.exr", &b, 1 );
+    check_failed( compare( "wa.exr", "wb.exr", NULL ), 1, "the data windows differ" );
+    check_done( compare( "wa.exr", "wb.exr", "--overlap", "--diff", temp_path( "w.exr" ), NULL ) );
+    check_number( "bias", -2.0 );
+    RfImage diff;
+    assert_int_equal( rf_read_exr( temp_path( "w.exr" ), &diff, NULL ), RF_OK );
+    assert_true( diff.width == 15 && diff.height == 10 && diff.rgb[0] == -2.0f );
+    rf_destroy_image( &diff );
+    b.width = 21;
+    b.x = -5;
+    write_foreign( "wb.exr", &b, 1 );
+    check_failed( compare( "wa.exr", "wb.exr", NULL ), 1, "20x10 pixels" );
+    b.x = 15; // beside it
+    write_foreign( "wb.exr", &b, 1 );
+    check_failed( compare( "wa.exr", "wb.exr", "--overlap", NULL ), 1, "no pixel in common" );
+    // what is cropped is what lies there
+    RfImage image, part;
+    assert_int_equal( rf_create_image( 20, 10, &image, NULL ), RF_OK );
+    assert_int_equal( rf_create_image( 8, 4, &part, NULL ), RF_OK );
+    for ( int i = 0; i < 600; ++i )
+        image.rgb[i] = (float)i;
+    for ( int i = 0; i < 96; ++i )
+        part.rgb[i] = (float)( i / 24 * 60 + i % 24 ); // the corner from (0, 0) on
+    RfExrOptions options = rf_default_exr_options();
+    options.half = false;
+    assert_int_equal( rf_write_exr( temp_path( "wa.exr" ), &image, &options, NULL ), RF_OK );
+    assert_int_equal( rf_write_exr( temp_path( "wb.exr" ), &part, &options, NULL ), RF_OK );
+    check_done( compare( "wa.exr", "wb.exr", "--overlap", NULL ) );
+    check_number( "max", 0.0 );
+    rf_destroy_image( &image );
+    rf_destroy_image( &part );
+}
+
+static void test_chosen_frames( void** state )
+{
+    (void)state;
+    for ( int frame = 1; frame <= 4; ++frame )
+    {
+        char name[64];
+        snprintf( name, sizeof name, "ca.%d.exr", frame );
+        write_constant( name, 20, (float)frame );
+        snprintf( name, sizeof name, "cb.%d.exr", frame );
+        if ( frame != 2 )
+            write_constant( name, 20, 1.0f );
+    }
+    check_failed( compare( "ca.#.exr", "cb.#.exr", NULL ), 1, "frame 2 is in" );
+    check_done( compare( "ca.#.exr", "cb.#.exr", "--frames", "3-4", NULL ) );
+    check_number( "bias", 2.5 );
+    json_t* json = load_json();
+    assert_true( number( json_object_get( json, "worst" ), "frame" ) == 4.0 );
+    assert_non_null( strstr( json_string_value( json_object_get( json, "verdict" ) ), "of frame 4" ) );
+    json_decref( json );
+    check_failed( compare( "ca.#.exr", "cb.#.exr", "--frames", "1-3", NULL ), 1, "frame 2 is missing" );
+    check_failed( compare( "ca.#.exr", "cb.#.exr", "--frames", "9", NULL ), 2, "--frames" );
+    check_failed( compare( "ca.1.exr", "cb.1.exr", "--frames", "1", NULL ), 2, "--frames" );
+    // the images themselves stay
+    check_failed( compare( "ca.1.exr", "cb.1.exr", "--diff", temp_path( "ca.1.exr" ), NULL ), 2, "is one of the images" );
+    check_failed( compare( "ca.#.exr", "cb.#.exr", "--frames", "3-4", "--diff", temp_path( "cb.#.exr" ), NULL ), 2, "is one of the images" );
+    check_done( compare( "ca.1.exr", "cb.1.exr", NULL ) );
+}
+
+static void check_verdict( const RfErrorMetrics* metrics, int frame, const char* wanted )
+{
+    char text[1024];
+    rf_error_verdict( metrics, frame, text, sizeof text );
+    assert_string_equal( text, wanted );
+}
+
+static void test_verdict( void** state )
+{
+    (void)state;
+    RfErrorMetrics m = { .relmse = 0.03, .relmse_trimmed = 0.029, .max = 3.0, .bias = 0.001, .bias_low = -0.002, .bias_high = 0.004,
+                         .reference_mean = 0.5, .worst = { 0, 12, 34, 12.0 } };
+    check_verdict( &m, 7, "no bias seen: mean error +0.2 % (95 %: -0.4 to +0.8 %); relMSE 0.03, about 10 % of noise in each channel "
+                          "of a pixel; worst pixel (12, 34) of frame 7, off by 2e+02 %" );
+    m.bias_low = 0.0005;
+    m.relmse_trimmed = 0.0003;
+    m.worst.relative = 0.75;
+    check_verdict( &m, -1, "bias seen, too bright: mean error +0.2 % (95 %: +0.1 to +0.8 %); relMSE 0.03, about 10 % of noise in each "
+                           "channel of a pixel (1 % without the worst 0.1 % of the pixels: fireflies); worst pixel (12, 34), off by 50 %" );
+    m.bias = m.bias_high = -0.001;
+    m.bias_low = -0.003;
+    m.reference_mean = 0.0; // nothing to be relative to
+    m.relmse_trimmed = 0.03;
+    m.worst.frame = -1;
+    check_verdict( &m, -1, "bias seen, too dark: mean error -0.001 (95 %: -0.003 to -0.001); relMSE 0.03, about 10 % of noise in each "
+                           "channel of a pixel" );
+    m.bias_low = m.bias_high = NAN;
+    check_verdict( &m, -1, "mean error -0.001 (too few pixels to tell bias from noise); relMSE 0.03, about 10 % of noise in each channel "
+                           "of a pixel" );
+    m = ( RfErrorMetrics ){ .worst = { .frame = -1 } };
+    check_verdict( &m, -1, "no difference: every pixel is the same" );
+    m.nan = 1;
+    check_verdict( &m, -1, "no error can be told: there are values that are no numbers" );
 }
 
 int main( void )
@@ -134,6 +323,10 @@ int main( void )
         cmocka_unit_test( test_sequences ),
         cmocka_unit_test( test_not_finite ),
         cmocka_unit_test( test_refused ),
+        cmocka_unit_test( test_other_programs ),
+        cmocka_unit_test( test_data_windows ),
+        cmocka_unit_test( test_chosen_frames ),
+        cmocka_unit_test( test_verdict ),
     };
     return cmocka_run_group_tests_name( "compare", tests, make_temp_folder, remove_temp_folder );
 }

@@ -2,13 +2,13 @@
 // and what it refuses.
 #include "cli/commands.h"
 #include "cli/flicker_seams.h"
+#include "foreign_exr.h"
 #include "image/sequence.h"
 #include "measure/flicker_read.h"
 #include "test_image_support.h"
 
 #include <jansson.h>
 #include <math.h>
-#include <openexr.h>
 #include <unistd.h>
 
 enum { SIDE = 24, PIXELS = SIDE * SIDE };
@@ -240,60 +240,9 @@ static void test_groups_of_files( void** state )
     assert_false( rf_has_seams( &seams ) );
 }
 
-// A file of another program: channels of these names (sorted), all with one value.
-typedef struct Foreign
-{
-    const char* names[6];
-    float values[6];
-    int x, y, width, height; // data window
-    bool half;
-} Foreign;
-
-static void encode_foreign( exr_context_t context, const Foreign* foreign, const exr_chunk_info_t* chunk )
-{
-    exr_encode_pipeline_t pipeline = EXR_ENCODE_PIPELINE_INITIALIZER;
-    assert_int_equal( exr_encoding_initialize( context, 0, chunk, &pipeline ), EXR_ERR_SUCCESS );
-    static float lines[6][1024];
-    for ( int c = 0; c < pipeline.channel_count; ++c )
-    {
-        assert_in_range( pipeline.channels[c].width * pipeline.channels[c].height, 1, 1024 );
-        for ( int i = 0; i < 1024; ++i )
-            lines[c][i] = foreign->values[c];
-        pipeline.channels[c].encode_from_ptr = (const uint8_t*)lines[c];
-        pipeline.channels[c].user_data_type = EXR_PIXEL_FLOAT;
-        pipeline.channels[c].user_bytes_per_element = 4;
-        pipeline.channels[c].user_pixel_stride = 4;
-        pipeline.channels[c].user_line_stride = 4 * pipeline.channels[c].width;
-    }
-    assert_int_equal( exr_encoding_choose_default_routines( context, 0, &pipeline ), EXR_ERR_SUCCESS );
-    assert_int_equal( exr_encoding_run( context, 0, &pipeline ), EXR_ERR_SUCCESS );
-    exr_encoding_destroy( context, &pipeline );
-}
-
 static void write_foreign( const char* name, const Foreign* foreign )
 {
-    exr_context_t context = NULL;
-    int index, lines;
-    const exr_attr_v2f_t center = { .x = 0.0f, .y = 0.0f };
-    const exr_attr_box2i_t display = { .min = { .x = 0, .y = 0 }, .max = { .x = 63, .y = 63 } };
-    const exr_attr_box2i_t data = { .min = { .x = foreign->x, .y = foreign->y },
-                                    .max = { .x = foreign->x + foreign->width - 1, .y = foreign->y + foreign->height - 1 } };
-    assert_int_equal( exr_start_write( &context, temp_path( name ), EXR_WRITE_FILE_DIRECTLY, NULL ), EXR_ERR_SUCCESS );
-    assert_int_equal( exr_add_part( context, "one", EXR_STORAGE_SCANLINE, &index ), EXR_ERR_SUCCESS );
-    assert_int_equal( exr_initialize_required_attr( context, 0, &display, &data, 1.0f, &center, 1.0f, EXR_LINEORDER_INCREASING_Y,
-                                                    EXR_COMPRESSION_ZIP ), EXR_ERR_SUCCESS );
-    for ( int c = 0; c < 6 && foreign->names[c] != NULL; ++c )
-        assert_int_equal( exr_add_channel( context, 0, foreign->names[c], foreign->half ? EXR_PIXEL_HALF : EXR_PIXEL_FLOAT,
-                                           EXR_PERCEPTUALLY_LINEAR, 1, 1 ), EXR_ERR_SUCCESS );
-    assert_int_equal( exr_write_header( context ), EXR_ERR_SUCCESS );
-    assert_int_equal( exr_get_scanlines_per_chunk( context, 0, &lines ), EXR_ERR_SUCCESS );
-    for ( int y = 0; y < foreign->height; y += lines )
-    {
-        exr_chunk_info_t chunk;
-        assert_int_equal( exr_write_scanline_chunk_info( context, 0, foreign->y + y, &chunk ), EXR_ERR_SUCCESS );
-        encode_foreign( context, foreign, &chunk );
-    }
-    assert_int_equal( exr_finish( &context ), EXR_ERR_SUCCESS );
+    write_foreign_exr( temp_path( name ), foreign, 1 );
 }
 
 static void test_other_programs( void** state )

@@ -18,6 +18,13 @@ double rf_thread_seconds( void )
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
+double rf_process_seconds( void )
+{
+    struct timespec now;
+    clock_gettime( CLOCK_PROCESS_CPUTIME_ID, &now );
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
 size_t rf_free_memory( void )
 {
     unsigned long long kib = 0;

@@ -10,6 +10,9 @@ double rf_wall_seconds( void );
 // Seconds that this thread has computed.
 double rf_thread_seconds( void );
 
+// The same of all threads of the process.
+double rf_process_seconds( void );
+
 // Memory that can be had without swapping, bytes; 1 GiB where it cannot be told.
 size_t rf_free_memory( void );
 

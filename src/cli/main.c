@@ -20,8 +20,10 @@ static const Command s_commands[] = {
     { "render", rf_command_render, "a camera's path to a sequence of EXR files" },
     { "info", rf_command_info, "what is in a scene, and which effects it calls for" },
     { "plan", rf_command_plan, "how large a group can be afforded, and which one pays" },
+    { "tune", rf_command_tune, "the group and the tile that pay best, by short renders" },
     { "compare", rf_command_compare, "the error of images against references" },
     { "flicker", rf_command_flicker, "how much the error changes from frame to frame" },
+    { "report", rf_command_report, "rendered sequences as one HTML page, to look at" },
     { "png", rf_command_png, "an EXR file as PNG, to look at" },
     { "convert", rf_command_convert, "OBJ, PLY, FBX or Collada as .glb" },
 };

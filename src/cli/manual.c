@@ -50,7 +50,7 @@ void rf_print_manual_section( const RfCommandTable* table, FILE* file )
 {
     fprintf( file, ".SH \"reframe %s\"\n.B reframe %s\n[\\fIOPTIONS\\fR]", table->command, table->command );
     for ( int i = 0; i < table->file_count; ++i )
-        fprintf( file, " \\fI%s\\fR", table->files[i] );
+        fprintf( file, " \\fI%s\\fR%s", table->files[i], rf_file_dots( table, i ) );
     fputs( "\n.PP\n", file );
     print_text( table->summary, file );
     fputc( '\n', file );

@@ -115,11 +115,14 @@ static RfResult take_argument( Parse* parse, const char* argument, RfError* erro
 
 static RfResult take_file( Parse* parse, const char* argument, RfError* error )
 {
-    if ( parse->file_count == parse->table->file_count )
+    const RfCommandTable* table = parse->table;
+    int last = table->file_count - 1, most = table->file_max > 0 ? table->file_max : table->file_count;
+    if ( parse->file_count == most )
         return rf_fail( error, RF_ERROR_USAGE, "'%s' is one file too many, see reframe %s --help", argument,
-                        parse->table->command );
+                        table->command );
     if ( argument[0] == '\0' )
-        return rf_fail( error, RF_ERROR_USAGE, "%s: the name is empty", parse->table->files[parse->file_count] );
+        return rf_fail( error, RF_ERROR_USAGE, "%s: the name is empty",
+                        table->files[parse->file_count < last ? parse->file_count : last] );
     parse->files[parse->file_count++] = argument;
     return RF_OK;
 }
@@ -153,6 +156,8 @@ RfResult rf_parse_options( const RfCommandTable* table, int argc, char** argv, c
     if ( parse.file_count < table->file_count )
         return rf_fail( error, RF_ERROR_USAGE, "%s is missing, see reframe %s --help", table->files[parse.file_count],
                         table->command );
+    if ( table->file_max > 0 )
+        *table->file_total = parse.file_count;
     return RF_OK;
 }
 
@@ -176,6 +181,11 @@ void rf_format_option( const RfOption* option, char* text, size_t size )
         used += (size_t)snprintf( text + used, size - used, "%s%s", i > 0 ? "|" : "", option->choices[i] );
 }
 
+const char* rf_file_dots( const RfCommandTable* table, int i )
+{
+    return table->file_max > table->file_count && i == table->file_count - 1 ? "..." : "";
+}
+
 static RfHelpPrinter* s_help_printer;
 
 void rf_set_help_printer( RfHelpPrinter* printer )
@@ -192,7 +202,7 @@ void rf_print_help( const RfCommandTable* table, FILE* file )
     }
     fprintf( file, "usage: reframe %s [OPTIONS]", table->command );
     for ( int i = 0; i < table->file_count; ++i )
-        fprintf( file, " %s", table->files[i] );
+        fprintf( file, " %s%s", table->files[i], rf_file_dots( table, i ) );
     fprintf( file, "\n%s\n\n", table->summary );
     for ( int i = 0; i < table->option_count; ++i )
     {

@@ -59,19 +59,22 @@ typedef struct RfOption
     bool in_file;          // a scene file may give it too, see file_options.h
 } RfOption;
 
-// A command as its user sees it. All its files are required.
+// A command as its user sees it. All its files are required; the last may be more
+// than one where file_max says so.
 typedef struct RfCommandTable
 {
     const char* command;           // "render"
     const char* summary;           // one line
     const char* const* files;      // names of the positional arguments: "SCENE"
     int file_count;
+    int file_max;                  // of files in all; 0: as many as have names
+    int* file_total;               // where file_max > 0: how many were given
     const RfOption* options;
     int option_count;
 } RfCommandTable;
 
 // Parses argv[1 …] (argv[0] is the command's name) into the options' values and
-// files[0 … file_count). With `--help` or `-h` anywhere before an error sets
+// files[0 … file_count), or up to file_max. With `--help` or `-h` anywhere before an error sets
 // *help, and nothing else counts.
 RfResult rf_parse_options( const RfCommandTable* table, int argc, char** argv, const char** files, bool* help,
                            RfError* error );
@@ -87,6 +90,9 @@ void rf_set_help_printer( RfHelpPrinter* printer );
 // An option as it is written: "--weights exact|eq15|unweighted",
 // "-o, --output PATTERN", "--[no-]resume".
 void rf_format_option( const RfOption* option, char* text, size_t size );
+
+// "..." for the file that may be more than one, else "".
+const char* rf_file_dots( const RfCommandTable* table, int i );
 
 // Parses one value by the option's type (option_values.c).
 RfResult rf_parse_option_value( const RfOption* option, const char* text, RfError* error );

@@ -58,6 +58,22 @@ RfResult rf_write_exr( const char* path, const RfImage* image, const RfExrOption
 // Blender's "ViewLayer.Combined.R", is read through that prefix.
 RfResult rf_read_exr( const char* path, RfImage* image, RfError* error );
 
+// Where the pixels of a file lie: its data window.
+typedef struct RfExrWindow
+{
+    int x, y, width, height;
+} RfExrWindow;
+
+// Reads three channels, or one as grey, of the first part that has them, and where
+// they lie. `layer` is a layer ("ViewLayer.DiffDir": its R, G, B or X, Y, Z), the
+// name of a part, a channel ("depth.Z") or three with commas between them; NULL:
+// the colour, as rf_read_exr finds it, but in the first part that has any.
+RfResult rf_read_exr_layer( const char* path, const char* layer, RfImage* image, RfExrWindow* window, RfError* error );
+
+// Calls `take` with each string attribute of the first part, in the file's order.
+typedef void RfExrStringFn( void* user, const char* name, const char* value );
+RfResult rf_list_exr_strings( const char* path, RfExrStringFn* take, void* user, RfError* error );
+
 // Reads channels by their full names ("depth.Z"), which must all be there and
 // not be subsampled: `count` floats per pixel, in the order of the names, rows
 // from top to bottom. The caller frees *values.
@@ -70,6 +86,8 @@ typedef struct RfExrHeader
     int x, y, width, height;          // data window: its first pixel, its size
     int display_x, display_y;         // display window
     int display_width, display_height;
+    int fps_numerator;                // framesPerSecond; 0: the file does not say
+    unsigned int fps_denominator;
     bool has_world_to_ndc;
     float world_to_ndc[16];           // as in RfExrOptions
     int channel_count;

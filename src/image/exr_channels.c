@@ -17,9 +17,9 @@ static const exr_attr_chlist_entry_t* find_channel( const exr_attr_chlist_t* lis
 }
 
 // Fills `channels` if the three of a layer are there; `length` counts its dot.
-static bool find_layer( const exr_attr_chlist_t* list, const char* prefix, size_t length, RfExrChannels* channels )
+static bool find_three( const exr_attr_chlist_t* list, const char* prefix, size_t length, const char* const suffixes[3],
+                        RfExrChannels* channels )
 {
-    static const char* const suffixes[3] = { "R", "G", "B" };
     RfExrChannels found = { .count = 3 };
     for ( int c = 0; c < 3; ++c )
     {
@@ -30,6 +30,12 @@ static bool find_layer( const exr_attr_chlist_t* list, const char* prefix, size_
     }
     *channels = found;
     return true;
+}
+
+static bool find_layer( const exr_attr_chlist_t* list, const char* prefix, size_t length, RfExrChannels* channels )
+{
+    static const char* const suffixes[3] = { "R", "G", "B" };
+    return find_three( list, prefix, length, suffixes, channels );
 }
 
 static bool ends_with_combined( const char* name, size_t length )
@@ -66,6 +72,12 @@ static void find_layers( const exr_attr_chlist_t* list, RfExrChannels* channels,
     }
 }
 
+void rf_list_exr_channels( const exr_attr_chlist_t* list, char* text, size_t size )
+{
+    for ( int i = 0; i < list->num_channels; ++i )
+        append_name( text, size, list->entries[i].name.str, strlen( list->entries[i].name.str ) );
+}
+
 static RfResult find_luminance( const RfExrStream* stream, const exr_attr_chlist_t* list, RfExrChannels* channels,
                                 RfError* error )
 {
@@ -79,8 +91,7 @@ static RfResult find_luminance( const RfExrStream* stream, const exr_attr_chlist
         return RF_OK;
     }
     char text[512] = "";
-    for ( int i = 0; i < list->num_channels; ++i )
-        append_name( text, sizeof text, list->entries[i].name.str, strlen( list->entries[i].name.str ) );
+    rf_list_exr_channels( list, text, sizeof text );
     return rf_fail( error, RF_ERROR_UNSUPPORTED, "%s: has no channels R, G, B and no Y; it has %s", stream->path,
                     text[0] != 0 ? text : "none" );
 }
@@ -115,4 +126,44 @@ RfResult rf_find_exr_channels( const RfExrStream* stream, const exr_attr_chlist_
     for ( int c = 0; c < channels->count && result == RF_OK; ++c )
         result = rf_check_exr_channel( stream, list, channels->names[c], error );
     return result;
+}
+
+// "a,b,c": three channels.
+static bool find_named( const exr_attr_chlist_t* list, const char* names, RfExrChannels* channels )
+{
+    RfExrChannels found = { .count = 3 };
+    for ( int c = 0; c < 3; ++c )
+    {
+        size_t length = strcspn( names, "," );
+        const exr_attr_chlist_entry_t* entry = length > 0 ? find_channel( list, names, length, "" ) : NULL;
+        if ( entry == NULL || ( names[length] == ',' ) != ( c < 2 ) )
+            return false;
+        found.names[c] = entry->name.str;
+        names += length + ( c < 2 );
+    }
+    *channels = found;
+    return true;
+}
+
+bool rf_find_exr_layer( const RfExrPart* part, const char* layer, RfExrChannels* channels )
+{
+    static const char* const axes[3] = { "X", "Y", "Z" };
+    const exr_attr_chlist_entry_t* entry = find_channel( part->channels, "", 0, layer );
+    const char* name = NULL;
+    char prefix[256];
+    if ( entry != NULL )
+    {
+        *channels = ( RfExrChannels ){ .names = { entry->name.str }, .count = 1 };
+        return true;
+    }
+    if ( find_named( part->channels, layer, channels ) )
+        return true;
+    int length = snprintf( prefix, sizeof prefix, "%s.", layer );
+    if ( length < 0 || (size_t)length >= sizeof prefix )
+        return false;
+    if ( find_layer( part->channels, prefix, (size_t)length, channels ) ||
+         find_three( part->channels, prefix, (size_t)length, axes, channels ) )
+        return true;
+    return exr_get_name( part->context, part->index, &name ) == EXR_ERR_SUCCESS && name != NULL && strcmp( name, layer ) == 0 &&
+           rf_find_exr_channels( part->stream, part->channels, channels, NULL ) == RF_OK;
 }

@@ -15,6 +15,14 @@ typedef struct RfExrChannels
 RfResult rf_find_exr_channels( const RfExrStream* stream, const exr_attr_chlist_t* list, RfExrChannels* channels,
                                RfError* error );
 
+// The channels that `layer` names in this part: a channel (as grey), the three of a
+// layer (P.R, P.G, P.B or P.X, P.Y, P.Z), three channels with commas between them,
+// or, where it is the part's name, the part's colour. False where it names none.
+bool rf_find_exr_layer( const RfExrPart* part, const char* layer, RfExrChannels* channels );
+
+// Writes the names of all channels, with commas between them.
+void rf_list_exr_channels( const exr_attr_chlist_t* list, char* text, size_t size );
+
 // Fails, naming it, where a channel of this name is missing or subsampled.
 RfResult rf_check_exr_channel( const RfExrStream* stream, const exr_attr_chlist_t* list, const char* name, RfError* error );
 

@@ -43,7 +43,7 @@ RfResult rf_read_exr_stream( RfExrStream* stream, RfImage* image, RfError* error
 {
     *image = ( RfImage ){ 0 };
     RfExrPart part;
-    RfResult result = rf_open_exr_part( stream, &part, error );
+    RfResult result = rf_open_exr_part( stream, 0, &part, error );
     if ( result != RF_OK )
         return result;
     RfExrChannels channels;
@@ -90,7 +90,7 @@ static RfResult read_channels( RfExrStream* stream, const char* const* names, in
                                float** values, RfError* error )
 {
     RfExrPart part;
-    RfResult result = rf_open_exr_part( stream, &part, error );
+    RfResult result = rf_open_exr_part( stream, 0, &part, error );
     if ( result != RF_OK )
         return result;
     Interleaved to = { NULL, part.width, count };

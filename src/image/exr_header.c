@@ -34,6 +34,15 @@ static void read_camera( const RfExrPart* part, RfExrHeader* header )
         memcpy( header->world_to_ndc, matrix.m, sizeof header->world_to_ndc );
 }
 
+static void read_fps( const RfExrPart* part, RfExrHeader* header )
+{
+    exr_attr_rational_t fps;
+    if ( exr_attr_get_rational( part->context, 0, "framesPerSecond", &fps ) != EXR_ERR_SUCCESS || fps.num < 1 || fps.denom < 1 )
+        return;
+    header->fps_numerator = fps.num;
+    header->fps_denominator = fps.denom;
+}
+
 static RfResult copy_channels( const RfExrPart* part, RfExrHeader* header, RfError* error )
 {
     int count = part->channels->num_channels;
@@ -59,11 +68,12 @@ RfResult rf_read_exr_header( const char* path, RfExrHeader* header, RfError* err
     if ( result != RF_OK )
         return result;
     RfExrPart part;
-    result = rf_open_exr_part( &stream, &part, error );
+    result = rf_open_exr_part( &stream, 0, &part, error );
     if ( result == RF_OK )
     {
         result = read_windows( &part, header, error );
         read_camera( &part, header );
+        read_fps( &part, header );
         if ( result == RF_OK )
             result = copy_channels( &part, header, error );
         rf_close_exr_part( &part );
@@ -80,4 +90,28 @@ void rf_destroy_exr_header( RfExrHeader* header )
         free( header->channels[i] );
     free( header->channels );
     *header = ( RfExrHeader ){ 0 };
+}
+
+RfResult rf_list_exr_strings( const char* path, RfExrStringFn* take, void* user, RfError* error )
+{
+    RfExrStream stream;
+    RfResult result = rf_open_exr_file( path, &stream, error );
+    if ( result != RF_OK )
+        return result;
+    RfExrPart part;
+    result = rf_open_exr_part( &stream, 0, &part, error );
+    int32_t count = 0;
+    if ( result == RF_OK )
+        exr_get_attribute_count( part.context, 0, &count );
+    for ( int32_t i = 0; i < count; ++i )
+    {
+        const exr_attribute_t* attribute = NULL;
+        if ( exr_get_attribute_by_index( part.context, 0, EXR_ATTR_LIST_FILE_ORDER, i, &attribute ) == EXR_ERR_SUCCESS &&
+             attribute->type == EXR_ATTR_STRING && attribute->string != NULL && attribute->string->str != NULL )
+            take( user, attribute->name, attribute->string->str );
+    }
+    if ( result == RF_OK )
+        rf_close_exr_part( &part );
+    close( stream.fd );
+    return result;
 }

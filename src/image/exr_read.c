@@ -31,14 +31,14 @@ static RfResult check_part( RfExrPart* part, RfError* error )
 {
     const char* path = part->stream->path;
     exr_storage_t storage;
-    exr_result_t code = exr_get_storage( part->context, 0, &storage );
+    exr_result_t code = exr_get_storage( part->context, part->index, &storage );
     exr_compression_t compression = EXR_COMPRESSION_LAST_TYPE;
     if ( code == EXR_ERR_SUCCESS )
-        code = exr_get_compression( part->context, 0, &compression );
+        code = exr_get_compression( part->context, part->index, &compression );
     if ( code == EXR_ERR_SUCCESS )
-        code = exr_get_data_window( part->context, 0, &part->window );
+        code = exr_get_data_window( part->context, part->index, &part->window );
     if ( code == EXR_ERR_SUCCESS )
-        code = exr_get_channels( part->context, 0, &part->channels );
+        code = exr_get_channels( part->context, part->index, &part->channels );
     if ( code != EXR_ERR_SUCCESS )
         return rf_fail_exr( part->stream, code, "its header cannot be read", error );
     if ( storage != EXR_STORAGE_SCANLINE && storage != EXR_STORAGE_TILED )
@@ -64,13 +64,15 @@ static RfResult check_window( RfExrPart* part, RfError* error )
     return RF_OK;
 }
 
-RfResult rf_open_exr_part( RfExrStream* stream, RfExrPart* part, RfError* error )
+RfResult rf_open_exr_part( RfExrStream* stream, int index, RfExrPart* part, RfError* error )
 {
-    *part = ( RfExrPart ){ .stream = stream };
+    *part = ( RfExrPart ){ .stream = stream, .index = index };
     exr_context_initializer_t initializer = rf_exr_initializer( stream );
     exr_result_t code = exr_start_read( &part->context, stream->path, &initializer );
     if ( code != EXR_ERR_SUCCESS )
         return rf_fail_exr( stream, code, "is no EXR that can be read", error );
+    if ( exr_get_count( part->context, &part->count ) != EXR_ERR_SUCCESS )
+        part->count = 1;
     RfResult result = check_part( part, error );
     if ( result == RF_OK )
         result = check_window( part, error );
@@ -173,17 +175,17 @@ static exr_result_t unpack_channels( exr_decode_pipeline_t* pipeline )
 static RfResult read_chunk( Reader* reader, const exr_chunk_info_t* chunk, int64_t x, int64_t y, RfError* error )
 {
     exr_result_t code = reader->started
-                            ? exr_decoding_update( reader->part->context, 0, chunk, &reader->pipeline )
-                            : exr_decoding_initialize( reader->part->context, 0, chunk, &reader->pipeline );
+                            ? exr_decoding_update( reader->part->context, reader->part->index, chunk, &reader->pipeline )
+                            : exr_decoding_initialize( reader->part->context, reader->part->index, chunk, &reader->pipeline );
     reader->started = true;
     if ( code == EXR_ERR_SUCCESS )
-        code = exr_decoding_choose_default_routines( reader->part->context, 0, &reader->pipeline );
+        code = exr_decoding_choose_default_routines( reader->part->context, reader->part->index, &reader->pipeline );
     reader->x = x;
     reader->y = y;
     reader->pipeline.decoding_user_data = reader;
     reader->pipeline.unpack_and_convert_fn = unpack_channels;
     if ( code == EXR_ERR_SUCCESS )
-        code = exr_decoding_run( reader->part->context, 0, &reader->pipeline );
+        code = exr_decoding_run( reader->part->context, reader->part->index, &reader->pipeline );
     if ( code != EXR_ERR_SUCCESS )
         return rf_fail_exr( reader->part->stream, code, "its pixels cannot be read", error );
     return RF_OK;
@@ -192,13 +194,13 @@ static RfResult read_chunk( Reader* reader, const exr_chunk_info_t* chunk, int64
 static RfResult read_scanlines( Reader* reader, RfError* error )
 {
     int32_t lines = 0;
-    exr_result_t code = exr_get_scanlines_per_chunk( reader->part->context, 0, &lines );
+    exr_result_t code = exr_get_scanlines_per_chunk( reader->part->context, reader->part->index, &lines );
     if ( code != EXR_ERR_SUCCESS || lines < 1 )
         return rf_fail_exr( reader->part->stream, code, "its header cannot be read", error );
     for ( int64_t y = 0; y < reader->part->height; y += lines )
     {
         exr_chunk_info_t chunk = { 0 };
-        code = exr_read_scanline_chunk_info( reader->part->context, 0, (int)( reader->part->window.min.y + y ), &chunk );
+        code = exr_read_scanline_chunk_info( reader->part->context, reader->part->index, (int)( reader->part->window.min.y + y ), &chunk );
         if ( code != EXR_ERR_SUCCESS )
             return rf_fail_exr( reader->part->stream, code, "its pixels cannot be read", error );
         RfResult result = read_chunk( reader, &chunk, 0, y, error );
@@ -211,7 +213,7 @@ static RfResult read_scanlines( Reader* reader, RfError* error )
 static RfResult read_tiles( Reader* reader, RfError* error )
 {
     int32_t width = 0, height = 0;
-    exr_result_t code = exr_get_tile_sizes( reader->part->context, 0, 0, 0, &width, &height );
+    exr_result_t code = exr_get_tile_sizes( reader->part->context, reader->part->index, 0, 0, &width, &height );
     if ( code != EXR_ERR_SUCCESS || width < 1 || height < 1 )
         return rf_fail_exr( reader->part->stream, code, "its tiles cannot be read", error );
     for ( int64_t y = 0; y < reader->part->height; y += height )
@@ -219,7 +221,7 @@ static RfResult read_tiles( Reader* reader, RfError* error )
         for ( int64_t x = 0; x < reader->part->width; x += width )
         {
             exr_chunk_info_t chunk = { 0 };
-            code = exr_read_tile_chunk_info( reader->part->context, 0, (int)( x / width ), (int)( y / height ), 0, 0,
+            code = exr_read_tile_chunk_info( reader->part->context, reader->part->index, (int)( x / width ), (int)( y / height ), 0, 0,
                                              &chunk );
             if ( code != EXR_ERR_SUCCESS )
                 return rf_fail_exr( reader->part->stream, code, "its tiles cannot be read", error );

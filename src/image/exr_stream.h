@@ -37,10 +37,11 @@ RfResult rf_open_exr_file( const char* path, RfExrStream* stream, RfError* error
 // Reads the image from the beginning of the stream.
 RfResult rf_read_exr_stream( RfExrStream* stream, RfImage* image, RfError* error );
 
-// The first part of a file that is being read.
+// A part of a file that is being read.
 typedef struct RfExrPart
 {
     RfExrStream* stream;
+    int index, count;        // which part it is of how many
     exr_context_t context;
     exr_attr_box2i_t window; // of the data
     int width, height;       // of it
@@ -49,8 +50,9 @@ typedef struct RfExrPart
 } RfExrPart;
 
 // Opens the file from its beginning and checks that its pixels can be read.
-// Closing is needed where it succeeded.
-RfResult rf_open_exr_part( RfExrStream* stream, RfExrPart* part, RfError* error );
+// Closing is needed where it succeeded. On failure part->count is how many parts
+// there are, 0 where that is not known.
+RfResult rf_open_exr_part( RfExrStream* stream, int index, RfExrPart* part, RfError* error );
 void rf_close_exr_part( RfExrPart* part );
 
 // Takes `count` values of a channel (an index into the names), from pixel

@@ -41,7 +41,7 @@ RfResult rf_verify_exr( const RfExrStream* written, const RfExrChannel* channels
 {
     RfExrStream stream = { .path = written->path, .fd = written->fd };
     RfExrPart part;
-    RfResult result = rf_open_exr_part( &stream, &part, error );
+    RfResult result = rf_open_exr_part( &stream, 0, &part, error );
     if ( result != RF_OK )
         return result;
     const char* names[RF_EXR_MAX_CHANNELS];

@@ -1,28 +1,36 @@
 #include "measure/error.h"
 
+#include "measure/bias_interval.h"
+
 #include <math.h>
 #include <stdlib.h>
 
 #define TRIMMED_PER_THOUSAND 1
-#define NORMAL_QUANTILE 1.96 // two-sided 95 %
+
+static int blocks_of( int side )
+{
+    return ( side + RF_BLOCK_SIDE - 1 ) / RF_BLOCK_SIDE;
+}
 
 RfResult rf_create_summary( int width, int height, int frames, RfErrorSummary* summary, RfError* error )
 {
-    *summary = ( RfErrorSummary ){ .width = width, .height = height };
+    *summary = ( RfErrorSummary ){ .width = width, .height = height, .worst_pixel = { -1, -1, -1, 0.0 } };
     if ( width < 1 || height < 1 || frames < 1 )
         return rf_fail( error, RF_ERROR_USAGE, "%d frames of %dx%d pixels cannot be measured", frames, width, height );
     size_t pixels = (size_t)width * (size_t)height * (size_t)frames;
     summary->worst_room = pixels / 1000 * TRIMMED_PER_THOUSAND;
     summary->worst = malloc( ( summary->worst_room + 1 ) * sizeof( double ) );
-    if ( summary->worst == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "no memory left to measure %d frames of %dx%d pixels", frames, width,
-                        height );
-    return RF_OK;
+    summary->block_sums = calloc( (size_t)blocks_of( width ) * (size_t)blocks_of( height ), sizeof( double ) );
+    if ( summary->worst != NULL && summary->block_sums != NULL )
+        return RF_OK;
+    rf_destroy_summary( summary );
+    return rf_fail( error, RF_ERROR_MEMORY, "no memory left to measure %d frames of %dx%d pixels", frames, width, height );
 }
 
 void rf_destroy_summary( RfErrorSummary* summary )
 {
     free( summary->worst );
+    free( summary->block_sums );
     *summary = ( RfErrorSummary ){ 0 };
 }
 
@@ -59,9 +67,11 @@ static void sift_down( double* heap, size_t count )
 
 // Sums what is not among the worst. Subtracting the worst from the whole at the
 // end would lose the rest beside one firefly.
-static void add_relative( RfErrorSummary* summary, double value )
+static void add_relative( RfErrorSummary* summary, double value, int x, int y )
 {
     summary->relative_sum += value;
+    if ( value > summary->worst_pixel.relative )
+        summary->worst_pixel = ( RfWorstPixel ){ summary->frames, x, y, value };
     if ( summary->worst_count < summary->worst_room )
     {
         summary->worst[summary->worst_count] = value;
@@ -77,7 +87,7 @@ static void add_relative( RfErrorSummary* summary, double value )
 }
 
 // Adds a pixel; the signed difference of its channels is the result.
-static double add_pixel( RfErrorSummary* summary, const float* image, const float* reference )
+static double add_pixel( RfErrorSummary* summary, const float* image, const float* reference, int x, int y )
 {
     bool is_nan = false, is_inf = false, reference_nan = false, reference_inf = false;
     double squared = 0.0, sum = 0.0;
@@ -101,21 +111,9 @@ static double add_pixel( RfErrorSummary* summary, const float* image, const floa
         return 0.0;
     summary->squared_sum += squared;
     summary->signed_sum += sum;
-    add_relative( summary, squared / ( mean * mean + RF_RELMSE_EPSILON ) );
+    summary->reference_sum += mean;
+    add_relative( summary, squared / ( mean * mean + RF_RELMSE_EPSILON ), x, y );
     return sum;
-}
-
-// Welford's update with weight w². The sampling variance of a mean with weights
-// w is Σ w² (bias − mean)² / (Σ w)²; storing no block, and subtracting no large
-// sums, it is had from the spread about the w²-weighted mean.
-static void add_block( RfErrorSummary* summary, double bias, double pixels )
-{
-    double weight = pixels * pixels;
-    summary->blocks += 1;
-    summary->block_weight2 += weight;
-    double delta = bias - summary->block_mean;
-    summary->block_mean += delta * weight / summary->block_weight2;
-    summary->block_spread += weight * delta * ( bias - summary->block_mean );
 }
 
 static RfResult check_frame( const RfErrorSummary* summary, const RfImage* image, const RfImage* reference,
@@ -130,69 +128,34 @@ static RfResult check_frame( const RfErrorSummary* summary, const RfImage* image
     return RF_OK;
 }
 
-// One row of blocks: `sums` has a running sum for each.
-static void add_rows( RfErrorSummary* summary, const RfImage* image, const RfImage* reference, int first, int end,
-                      double* sums )
-{
-    int width = summary->width;
-    int blocks = ( width + RF_ERROR_BLOCK - 1 ) / RF_ERROR_BLOCK;
-    for ( int b = 0; b < blocks; ++b )
-        sums[b] = 0.0;
-    for ( int y = first; y < end; ++y )
-    {
-        for ( int x = 0; x < width; ++x )
-        {
-            size_t i = 3 * ( (size_t)y * (size_t)width + (size_t)x );
-            sums[x / RF_ERROR_BLOCK] += add_pixel( summary, image->rgb + i, reference->rgb + i );
-        }
-    }
-    for ( int b = 0; b < blocks; ++b )
-    {
-        int columns = width - b * RF_ERROR_BLOCK;
-        double pixels = (double)( end - first ) * ( columns < RF_ERROR_BLOCK ? columns : RF_ERROR_BLOCK );
-        add_block( summary, sums[b] / ( 3.0 * pixels ), pixels );
-    }
-}
-
 RfResult rf_summary_add( RfErrorSummary* summary, const RfImage* image, const RfImage* reference, RfError* error )
 {
     RfResult result = check_frame( summary, image, reference, error );
     if ( result != RF_OK )
         return result;
-    size_t blocks = ( (size_t)summary->width + RF_ERROR_BLOCK - 1 ) / RF_ERROR_BLOCK;
-    double* sums = malloc( blocks * sizeof( double ) );
-    if ( sums == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "no memory left to measure %dx%d pixels", summary->width,
-                        summary->height );
-    for ( int y = 0; y < summary->height; y += RF_ERROR_BLOCK )
+    int width = summary->width, columns = blocks_of( width );
+    for ( int y = 0; y < summary->height; ++y )
     {
-        int end = summary->height - y < RF_ERROR_BLOCK ? summary->height : y + RF_ERROR_BLOCK;
-        add_rows( summary, image, reference, y, end, sums );
+        double* sums = summary->block_sums + y / RF_BLOCK_SIDE * columns;
+        for ( int x = 0; x < width; ++x )
+        {
+            size_t i = 3 * ( (size_t)y * (size_t)width + (size_t)x );
+            sums[x / RF_BLOCK_SIDE] += add_pixel( summary, image->rgb + i, reference->rgb + i, x, y );
+        }
     }
-    free( sums );
-    summary->pixels += (size_t)summary->width * (size_t)summary->height;
+    summary->pixels += (size_t)width * (size_t)summary->height;
+    summary->frames += 1;
     return RF_OK;
-}
-
-// Half the width of the bias' interval.
-static double bias_margin( const RfErrorSummary* summary, double bias )
-{
-    if ( summary->blocks < 2 )
-        return NAN;
-    double blocks = (double)summary->blocks, pixels = (double)summary->pixels;
-    double shift = summary->block_mean - bias;
-    double spread = summary->block_spread + summary->block_weight2 * shift * shift;
-    return NORMAL_QUANTILE * sqrt( blocks / ( blocks - 1.0 ) * spread ) / pixels;
 }
 
 RfErrorMetrics rf_summary_metrics( const RfErrorSummary* summary )
 {
     RfErrorMetrics metrics = { .nan = summary->nan, .inf = summary->inf, .reference_nan = summary->reference_nan,
-                               .reference_inf = summary->reference_inf };
+                               .reference_inf = summary->reference_inf, .worst = summary->worst_pixel };
     if ( summary->pixels == 0 || rf_has_no_error( &metrics ) )
     {
         metrics.relmse = metrics.relmse_trimmed = metrics.mse = metrics.max = NAN;
-        metrics.bias = metrics.bias_low = metrics.bias_high = NAN;
+        metrics.bias = metrics.bias_low = metrics.bias_high = metrics.reference_mean = NAN;
         return metrics;
     }
     double pixels = (double)summary->pixels;
@@ -201,7 +164,9 @@ RfErrorMetrics rf_summary_metrics( const RfErrorSummary* summary )
     metrics.mse = summary->squared_sum / ( 3.0 * pixels );
     metrics.max = summary->max;
     metrics.bias = summary->signed_sum / ( 3.0 * pixels );
-    double margin = bias_margin( summary, metrics.bias );
+    metrics.reference_mean = summary->reference_sum / pixels;
+    double margin;
+    rf_mean_margin( summary->block_sums, summary->width, summary->height, 3.0 * summary->frames, &margin, NULL );
     metrics.bias_low = metrics.bias - margin;
     metrics.bias_high = metrics.bias + margin;
     return metrics;

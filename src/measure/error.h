@@ -12,10 +12,8 @@
 // NaN and infinity in the image and in the reference are counted, never
 // repaired: where there are any, all the measures are NaN.
 //
-// The 95 % interval of the bias comes from the means of 16×16-pixel blocks
-// (smaller ones at the borders count by their pixels), of all frames alike: it
-// holds where errors reach less far than a block and frames err independently.
-// Frames that share samples do not: over a sequence of them it is too narrow.
+// The 95 % interval of the bias comes from blocks of pixels, each pooled over all
+// frames: bias_interval.h.
 #ifndef REFRAME_MEASURE_ERROR_H
 #define REFRAME_MEASURE_ERROR_H
 
@@ -24,12 +22,20 @@
 #include <stdbool.h>
 
 #define RF_RELMSE_EPSILON 0.001
-#define RF_ERROR_BLOCK 16
+
+// Where the relative error, that which relMSE is the mean of, is largest.
+typedef struct RfWorstPixel
+{
+    int frame, x, y; // in the order of adding, from 0; −1 where no pixel is in error
+    double relative;
+} RfWorstPixel;
 
 typedef struct RfErrorMetrics
 {
     double relmse, relmse_trimmed, mse, max;
     double bias, bias_low, bias_high; // low and high are NaN for a single block
+    double reference_mean;            // of the reference, over pixels and channels
+    RfWorstPixel worst;
     size_t nan, inf;                  // pixels of the image with such a channel
     size_t reference_nan, reference_inf; // the same of the reference
 } RfErrorMetrics;
@@ -44,7 +50,8 @@ static inline bool rf_has_no_error( const RfErrorMetrics* m )
 typedef struct RfErrorSummary
 {
     int width, height;
-    size_t pixels;                   // added so far
+    int frames;                      // added so far
+    size_t pixels;                   // of them
     double relative_sum;             // Σ of relative squared errors
     double kept_sum;                 // the same without those in `worst`
     double squared_sum, signed_sum;  // over pixels and channels
@@ -52,10 +59,9 @@ typedef struct RfErrorSummary
     size_t nan, inf, reference_nan, reference_inf;
     double* worst;                   // min-heap of the largest relative errors
     size_t worst_count, worst_room;
-    size_t blocks;
-    double block_weight2;            // Σ w², w the pixels of a block
-    double block_mean;               // mean of block biases, weighted by w²
-    double block_spread;             // Σ w² (bias − block_mean)²
+    double reference_sum;            // Σ r̄
+    double* block_sums;              // Σ v_c − r_c in each block of all frames, row by row
+    RfWorstPixel worst_pixel;
 } RfErrorSummary;
 
 // `frames` is how many will be added: the worst pixels of all are kept aside.

@@ -1,0 +1,84 @@
+"""What the bench scripts share: runs of reframe with their CPU seconds, and the sums made of them."""
+import json
+import os
+import subprocess
+import sys
+
+TOP = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+NAME = os.path.basename(sys.argv[0])
+
+
+def fail(text):
+    sys.exit("%s: %s" % (NAME, text))
+
+
+def numbers(text):
+    return [int(n) for n in text.split(",")]
+
+
+def run(command, output=subprocess.DEVNULL):
+    """Runs a child; its output, CPU seconds of user and system, and the most bytes it held."""
+    child = subprocess.Popen(command, stdout=output)
+    text = child.stdout.read() if output == subprocess.PIPE else None
+    _, status, usage = os.wait4(child.pid, 0)
+    child.returncode = os.waitstatus_to_exitcode(status)
+    if child.returncode != 0:
+        fail("failed: " + " ".join(command))
+    return text, usage.ru_utime + usage.ru_stime, 1024 * usage.ru_maxrss
+
+
+def make_vase_room(folder):
+    scene = os.path.join(folder, "vase-room.glb")
+    run([sys.executable, "-B", os.path.join(TOP, "scenes", "make-vase-room.py"), scene])
+    return scene
+
+
+def render(binary, scene, pattern, size, setting, spp, seed, frames="", threads=1, more=()):
+    """Renders with GROUP:TILE; what `render --json` says, with `cpu` seconds and `resident` bytes of the process."""
+    group, tile = setting.split(":")
+    report = pattern.replace("####.exr", "json")
+    command = [binary, "render", scene, "-o", pattern, "--size", size, "--group", group, "--tile", tile, "--spp", str(spp),
+               "--seed", str(seed), "--float", "--compression", "none", "--overwrite", "--quiet", "--json", report]
+    command += ["--threads", str(threads)] if threads else []
+    command += ["--frames", frames] if frames else []
+    _, cpu, resident = run(command + list(more))
+    with open(report) as file:
+        result = json.load(file)
+    result.update(cpu=cpu, resident=resident)
+    return result
+
+
+def measure(binary, command, image, *arguments):
+    """The JSON of `reframe compare` or `reframe flicker`."""
+    text = run([binary, command, image, *arguments, "--json", "-"], subprocess.PIPE)[0]
+    return json.loads(text)
+
+
+def frame_of(pattern, frame):
+    return pattern.replace("####", "%04d" % frame)
+
+
+def make_reference(folder, made, keep, make):
+    """Calls make() for the reference that `made` describes, unless an earlier run left it in the folder."""
+    note = os.path.join(folder, "reference.txt")
+    if keep and os.path.exists(note) and open(note).read() == made:
+        print("reference: kept: " + made, flush=True)
+        return
+    print("reference: " + made, flush=True)
+    if os.path.exists(note):
+        os.remove(note)
+    make()
+    with open(note, "w") as file:
+        file.write(made)
+
+
+def reference_share(spp, reference_spp):
+    """Of an error measured with `spp` samples against `reference_spp` of the same kind, what is the reference's own:
+    a mean square falls as 1/samples, and those of both add up."""
+    return spp / (spp + reference_spp)
+
+
+def line_through(a, b):
+    """(x, y) twice: the line's height at x = 0 and its slope. CPU seconds against samples are one."""
+    slope = (b[1] - a[1]) / (b[0] - a[0])
+    return a[1] - slope * a[0], slope

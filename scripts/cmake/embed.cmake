@@ -1,0 +1,25 @@
+# cmake -DOUT=page_assets.c -DFOLDER=src/page/assets -P embed.cmake
+# Writes the page's files as C arrays: rf_page_html, rf_page_css, and rf_page_js of
+# all scripts in the order of their names.
+function(add_array name)
+  set(hex "")
+  foreach(file ${ARGN})
+    file(READ ${file} more HEX)
+    string(REGEX REPLACE "([0-9a-f][0-9a-f])" "\\1 " spaced "${more}")
+    if(spaced MATCHES "[89a-f][0-9a-f] ")
+      message(FATAL_ERROR "${file}: has characters that are not ASCII: write them as escapes")
+    endif()
+    string(APPEND hex "${more}")
+  endforeach()
+  string(REGEX REPLACE "(................................................)" "\\1\n" hex "${hex}")
+  string(REGEX REPLACE "([0-9a-f][0-9a-f])" "0x\\1," hex "${hex}")
+  set(text "${text}const char ${name}[] = {\n${hex}0 };\n" PARENT_SCOPE)
+endfunction()
+
+set(text "// Made by scripts/cmake/embed.cmake from src/page/assets.\n#include \"page/page_assets.h\"\n\n")
+file(GLOB scripts ${FOLDER}/*.js)
+list(SORT scripts)
+add_array(rf_page_html ${FOLDER}/page.html)
+add_array(rf_page_css ${FOLDER}/page.css)
+add_array(rf_page_js ${scripts})
+file(WRITE ${OUT} "${text}")

@@ -1,0 +1,326 @@
+// reframe report DIR…: one self-contained HTML page of rendered sequences.
+#include "cli/commands.h"
+#include "cli/frame_list.h"
+#include "cli/interrupt.h"
+#include "cli/options.h"
+#include "cli/page_data.h"
+#include "cli/page_facts.h"
+#include "cli/progress.h"
+#include "cli/report.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#define COMMAND "report"
+#define MOST_SEQUENCES 8      // on one page, without the reference
+#define HEAVY_BYTES 100000000 // pages from here on get a hint
+
+typedef struct Report
+{
+    const char* places[MOST_SEQUENCES];
+    int place_count;
+    const char* output;
+    const char* reference; // this and those that follow: or NULL
+    const char* cost_file;
+    const char* render_file;
+    const char* frame_list;
+    const char* title;
+    RfFps fps;
+    double exposure;
+    int width; // 0: pictures as they are
+    bool overwrite, quiet;
+    const char* json;
+
+    RfPageSequence sequences[MOST_SEQUENCES + 1]; // the reference is the last
+    RfPageTrack tracks[MOST_SEQUENCES + 1];
+    int sequence_count;
+    json_t* cost;
+    int* numbers; // of the page's frames
+    int count;
+    int done, all; // pictures
+    char words[1024]; // a title of our own
+} Report;
+
+static bool ends_with( const char* name, const char* suffix )
+{
+    size_t length = strlen( name ), end = strlen( suffix );
+    return length > end && strcmp( name + length - end, suffix ) == 0;
+}
+
+static RfResult check_options( const Report* report, RfError* error )
+{
+    if ( report->output == NULL )
+        return rf_fail( error, RF_ERROR_USAGE, "--output: is missing: give the page's name, such as -o report.html" );
+    if ( !ends_with( report->output, ".html" ) && !ends_with( report->output, ".htm" ) )
+        return rf_fail( error, RF_ERROR_USAGE, "--output: wants a name that ends with .html, got '%s'", report->output );
+    if ( report->render_file != NULL && report->place_count > 1 )
+        return rf_fail( error, RF_ERROR_USAGE, "--render-json: is of one sequence, and %d are given: put each file into the folder of its frames",
+                        report->place_count );
+    if ( !report->overwrite && access( report->output, F_OK ) == 0 )
+        return rf_fail( error, RF_ERROR_IO, "%s: is there already: --overwrite replaces it", report->output );
+    return RF_OK;
+}
+
+static RfResult open_sequences( Report* report, RfError* error )
+{
+    RfResult result = RF_OK;
+    for ( int i = 0; i < report->place_count && result == RF_OK; ++i )
+        result = rf_open_page_sequence( report->places[i], true, report->sequences + report->sequence_count++, error );
+    if ( result == RF_OK && report->reference != NULL )
+    {
+        RfPageSequence* reference = report->sequences + report->sequence_count++;
+        result = rf_open_page_sequence( report->reference, false, reference, error );
+        reference->is_reference = true;
+    }
+    if ( result == RF_OK && report->render_file != NULL )
+        result = rf_load_render_json( report->render_file, "--render-json", &report->sequences[0].render, error );
+    if ( result == RF_OK && report->cost_file != NULL )
+        result = rf_load_cost_json( report->cost_file, "--cost", &report->cost, error );
+    return result;
+}
+
+// Two folders of one name are told apart by what was given.
+static void tell_names_apart( Report* report )
+{
+    for ( int i = 0; i < report->place_count; ++i )
+    {
+        bool alike = strcmp( report->sequences[i].name, "." ) == 0 || strcmp( report->sequences[i].name, ".." ) == 0;
+        for ( int k = 0; k < report->sequence_count; ++k )
+            alike |= k != i && strcmp( report->sequences[i].name, report->sequences[k].name ) == 0;
+        if ( alike )
+            snprintf( report->sequences[i].name, sizeof report->sequences[i].name, "%.255s", report->places[i] );
+    }
+    if ( report->reference != NULL )
+        snprintf( report->sequences[report->place_count].name, sizeof report->sequences[0].name, "reference" );
+}
+
+static int compare_ints( const void* a, const void* b )
+{
+    int x = *(const int*)a, y = *(const int*)b;
+    return ( x > y ) - ( x < y );
+}
+
+// The frames of all sequences, each once.
+static RfResult join_frames( Report* report, RfError* error )
+{
+    int room = 0;
+    for ( int i = 0; i < report->place_count; ++i )
+        room += report->sequences[i].frame_count;
+    report->numbers = malloc( (size_t)room * sizeof( int ) );
+    if ( report->numbers == NULL )
+        return rf_fail( error, RF_ERROR_MEMORY, "no memory left for the numbers of %d frames", room );
+    int all = 0;
+    for ( int i = 0; i < report->place_count; ++i )
+    {
+        const RfPageSequence* sequence = report->sequences + i;
+        memcpy( report->numbers + all, sequence->frames, (size_t)sequence->frame_count * sizeof( int ) );
+        all += sequence->frame_count;
+    }
+    qsort( report->numbers, (size_t)all, sizeof( int ), compare_ints );
+    for ( int i = 0; i < all; ++i )
+    {
+        if ( report->count == 0 || report->numbers[report->count - 1] != report->numbers[i] )
+            report->numbers[report->count++] = report->numbers[i];
+    }
+    return RF_OK;
+}
+
+static RfResult choose_frames( Report* report, RfError* error )
+{
+    int *wanted, count, left = 0, last = report->numbers[report->count - 1];
+    if ( report->frame_list == NULL )
+        return RF_OK;
+    RfResult result = rf_parse_frames( report->frame_list, last > 0 ? last : 1, &wanted, &count, error );
+    for ( int i = 0, from = 0; i < count && result == RF_OK; ++i )
+    {
+        while ( from < report->count && report->numbers[from] < wanted[i] + 1 )
+            ++from;
+        if ( from < report->count && report->numbers[from] == wanted[i] + 1 )
+            report->numbers[left++] = wanted[i] + 1;
+    }
+    free( wanted );
+    report->count = left;
+    if ( result == RF_OK && left == 0 )
+        return rf_fail( error, RF_ERROR_USAGE, "--frames: '%s': none of these is there", report->frame_list );
+    return result;
+}
+
+static void count_pictures( Report* report )
+{
+    for ( int i = 0; i < report->sequence_count; ++i )
+    {
+        for ( int k = 0; k < report->count; ++k )
+            report->all += rf_has_page_frame( report->sequences + i, report->numbers[k] );
+    }
+}
+
+static bool on_picture( void* user )
+{
+    Report* report = user;
+    rf_show_frame_count( report->quiet, ++report->done, report->all );
+    return !rf_is_interrupted();
+}
+
+static const char* title_of( Report* report )
+{
+    if ( report->title != NULL )
+        return report->title;
+    for ( int i = 0; i < report->place_count; ++i )
+    {
+        size_t used = strlen( report->words );
+        snprintf( report->words + used, sizeof report->words - used, "%s%s", i > 0 ? ", " : "", report->sequences[i].name );
+    }
+    return report->words;
+}
+
+static RfPageData data_of( Report* report, const char* title )
+{
+    const RfExrHeader* header = &report->sequences[0].header;
+    double fps = report->fps.numerator > 0   ? (double)report->fps.numerator / report->fps.denominator
+                 : header->fps_numerator > 0 ? (double)header->fps_numerator / header->fps_denominator
+                                             : 24.0;
+    return ( RfPageData ){ .title = title, .fps = fps, .exposure = report->exposure, .numbers = report->numbers, .count = report->count,
+                           .tracks = report->tracks, .track_count = report->sequence_count, .has_reference = report->reference != NULL,
+                           .cost = report->cost };
+}
+
+static RfResult add_tracks( Report* report, RfPage* page, RfError* error )
+{
+    RfResult result = RF_OK;
+    const RfPageSequence* reference = report->reference != NULL ? report->sequences + report->place_count : NULL;
+    for ( int i = 0; i < report->sequence_count && result == RF_OK; ++i )
+    {
+        const RfPageSequence* sequence = report->sequences + i;
+        report->tracks[i] = ( RfPageTrack ){ .sequence = sequence, .reference = sequence->is_reference ? NULL : reference, .index = i,
+                                             .width = report->width, .numbers = report->numbers, .count = report->count };
+        result = rf_add_page_track( page, report->tracks + i, on_picture, report, error );
+    }
+    return result;
+}
+
+static RfResult end_page( RfPage* page, const RfPageData* data, RfError* error )
+{
+    json_t* json = rf_page_data_json( data );
+    char* text = json != NULL ? json_dumps( json, JSON_COMPACT | JSON_REAL_PRECISION( 9 ) ) : NULL;
+    json_decref( json );
+    if ( text != NULL )
+    {
+        RfResult result = rf_end_page( page, text, error );
+        free( text );
+        return result;
+    }
+    rf_discard_page( page );
+    return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for the page's data", page->file.path );
+}
+
+static RfResult tell( const Report* report, const RfPageData* data, uint64_t bytes, RfError* error )
+{
+    char weight[32];
+    rf_format_bytes( (double)bytes, weight );
+    if ( report->json == NULL || strcmp( report->json, "-" ) != 0 )
+        printf( "%s: %d frame%s, %s\n", report->output, report->count, report->count == 1 ? "" : "s", weight );
+    RfLog log = rf_stderr_log( COMMAND );
+    if ( bytes > HEAVY_BYTES && !report->quiet )
+        rf_warn( &log, "%s: weighs %s, which a browser takes long to open: --width makes pictures smaller, --frames takes some", report->output, weight );
+    if ( report->json != NULL )
+        return rf_write_json( report->json, rf_page_result_json( data, report->output, bytes ), error );
+    return rf_flush_output( error );
+}
+
+static RfResult write_page( Report* report, RfError* error )
+{
+    RfPage page;
+    const char* title = title_of( report );
+    RfResult result = rf_open_page( report->output, title, &page, error );
+    if ( result != RF_OK )
+        return result;
+    result = add_tracks( report, &page, error );
+    if ( result != RF_OK )
+    {
+        rf_discard_page( &page );
+        return result;
+    }
+    RfPageData data = data_of( report, title );
+    result = end_page( &page, &data, error );
+    return result == RF_OK ? tell( report, &data, page.bytes, error ) : result;
+}
+
+static RfResult run( Report* report, RfError* error )
+{
+    RfResult result = check_options( report, error );
+    if ( result == RF_OK )
+        result = open_sequences( report, error );
+    if ( result == RF_OK )
+        result = join_frames( report, error );
+    if ( result == RF_OK )
+        result = choose_frames( report, error );
+    if ( result != RF_OK )
+        return result;
+    tell_names_apart( report );
+    count_pictures( report );
+    return write_page( report, error );
+}
+
+static void destroy( Report* report )
+{
+    for ( int i = 0; i < report->sequence_count; ++i )
+    {
+        rf_close_page_sequence( report->sequences + i );
+        rf_free_page_track( report->tracks + i );
+    }
+    json_decref( report->cost );
+    free( report->numbers );
+}
+
+int rf_command_report( int argc, char** argv )
+{
+    static const char* const files[] = { "DIR" };
+    Report report = { 0 };
+    const RfOption options[] = {
+        { .name = "output", .letter = 'o', .type = RF_OPTION_STRING, .value = &report.output, .meta = "FILE.html", .help = "the page" },
+        { .name = "overwrite", .type = RF_OPTION_BOOL, .value = &report.overwrite, .default_text = "off", .help = "replace a page that is there" },
+        { .name = "reference", .type = RF_OPTION_STRING, .value = &report.reference, .meta = "DIR",
+          .help = "what the frames should be: true error and flicker, and shown beside them" },
+        { .name = "render-json", .type = RF_OPTION_STRING, .value = &report.render_file, .meta = "FILE", .default_text = "one in the folder",
+          .help = "what render --json wrote: time, memory, rays, estimated error" },
+        { .name = "cost", .type = RF_OPTION_STRING, .value = &report.cost_file, .meta = "FILE", .default_text = "one in the folder",
+          .help = "what cost --json wrote, for the curve of error against time" },
+        { .name = "frames", .type = RF_OPTION_STRING, .value = &report.frame_list, .meta = "A-B[xSTEP][,...]", .default_text = "all",
+          .help = "only these, by their numbers" },
+        { .name = "width", .type = RF_OPTION_INT, .value = &report.width, .min = 16, .max = 65500, .meta = "W", .default_text = "as they are",
+          .help = "pictures no wider than this; figures stay those of the files" },
+        { .name = "fps", .type = RF_OPTION_FPS, .value = &report.fps, .meta = "R", .default_text = "the files', else 24", .help = "frames per second to play" },
+        { .name = "exposure", .type = RF_OPTION_REAL, .value = &report.exposure, .min = -8, .max = 8, .meta = "E", .default_text = "0",
+          .help = "that the page begins with, stops" },
+        { .name = "title", .type = RF_OPTION_STRING, .value = &report.title, .meta = "TEXT", .default_text = "the folders' names", .help = "of the page" },
+        { .name = "json", .type = RF_OPTION_STRING, .value = &report.json, .meta = "FILE", .help = "write what was written as JSON, - for standard output" },
+        { .name = "quiet", .type = RF_OPTION_BOOL, .value = &report.quiet, .help = "no progress and no hints on standard error" },
+    };
+    const RfCommandTable table = {
+        .command = COMMAND,
+        .summary = "One HTML page of rendered sequences, side by side: frames that play at any exposure, curves, settings. Each DIR is a folder of "
+                   "EXR files, or a sequence named with ####.",
+        .files = files,
+        .file_count = 1,
+        .file_max = MOST_SEQUENCES,
+        .file_total = &report.place_count,
+        .options = options,
+        .option_count = sizeof options / sizeof options[0],
+    };
+    RfError error = { 0 };
+    bool help = false;
+    RfResult result = rf_parse_options( &table, argc, argv, report.places, &help, &error );
+    if ( result == RF_OK && help )
+    {
+        rf_print_help( &table, stdout );
+        result = rf_flush_output( &error );
+        return result == RF_OK ? 0 : rf_report_error( COMMAND, &error );
+    }
+    rf_catch_interrupts();
+    if ( result == RF_OK )
+        result = run( &report, &error );
+    destroy( &report );
+    return result == RF_OK ? 0 : rf_report_error( COMMAND, &error );
+}

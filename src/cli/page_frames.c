@@ -1,0 +1,259 @@
+#include "cli/page_frames.h"
+
+#include "measure/flicker_read.h"
+#include "page/picture.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct Work
+{
+    RfPage* page;
+    RfPageTrack* track;
+    RfFlickerLayers layers;
+    RfExrWindow window;     // of the first file
+    RfFlickerFrame ring[2]; // this frame and the one before, at their places modulo 2
+    bool has_frame[2];      // and their signals are what flicker wants
+    RfErrorSummary errors;
+    bool has_summary;
+} Work;
+
+void rf_page_block_id( const RfPageTrack* track, int number, char id[32] )
+{
+    snprintf( id, 32, "s%d-%d", track->index, number );
+}
+
+// Motion and depth to follow, and variance, where there is no reference and the files
+// have them; what flicker would refuse is left out.
+static void find_layers( Work* work )
+{
+    RfPageTrack* track = work->track;
+    const RfPageSequence* sequence = track->sequence;
+    work->layers = ( RfFlickerLayers ){ 0 };
+    if ( track->reference != NULL || sequence->is_reference )
+        return;
+    if ( rf_find_flicker_layers( sequence->first, &sequence->header, NULL, NULL, &work->layers, NULL ) != RF_OK || work->layers.motion[0] == NULL )
+        work->layers = ( RfFlickerLayers ){ 0 };
+    rf_find_variance_layers( sequence->first, &sequence->header, &work->layers, NULL );
+    track->compensated = work->layers.motion[0] != NULL;
+    track->masked = work->layers.depth != NULL;
+    track->has_variance = work->layers.variance[0] != NULL;
+}
+
+static RfResult read_image( const Work* work, const char* path, RfImage* image, RfError* error )
+{
+    RfExrWindow window;
+    RfResult result = rf_read_exr_layer( path, NULL, image, &window, error );
+    if ( result != RF_OK || memcmp( &window, &work->window, sizeof window ) == 0 )
+        return result;
+    rf_destroy_image( image );
+    return rf_fail( error, RF_ERROR_FORMAT, "%.400s: has %dx%d pixels from (%d, %d) on, %.400s %dx%d from (%d, %d) on: they cannot be compared",
+                    path, window.width, window.height, window.x, window.y, work->track->sequence->first, work->window.width,
+                    work->window.height, work->window.x, work->window.y );
+}
+
+static RfResult read_frame( Work* work, const char* path, RfFlickerFrame* frame, RfError* error )
+{
+    const RfPageSequence* sequence = work->track->sequence;
+    bool has_layers = work->layers.motion[0] != NULL || work->layers.variance[0] != NULL;
+    if ( has_layers )
+        return rf_read_flicker_frame( path, &work->layers, &sequence->header, sequence->first, frame, error );
+    *frame = ( RfFlickerFrame ){ 0 };
+    return read_image( work, path, &frame->signal, error );
+}
+
+static size_t count_bad( const RfImage* image )
+{
+    size_t bad = 0, pixels = (size_t)image->width * (size_t)image->height;
+    for ( size_t i = 0; i < pixels; ++i )
+        bad += !isfinite( image->rgb[3 * i] ) || !isfinite( image->rgb[3 * i + 1] ) || !isfinite( image->rgb[3 * i + 2] );
+    return bad;
+}
+
+static RfResult add_picture( Work* work, int number, const RfImage* image, const char* path, RfError* error )
+{
+    RfPageTrack* track = work->track;
+    RfImage small = { 0 };
+    int factor = track->width > 0 ? ( image->width + track->width - 1 ) / track->width : 1;
+    unsigned char* bytes = NULL;
+    size_t size = 0;
+    RfResult result = factor > 1 ? rf_shrink_image( image, factor, &small, error ) : RF_OK;
+    const RfImage* picture = factor > 1 ? &small : image;
+    if ( result == RF_OK )
+        result = rf_encode_picture( picture, path, &bytes, &size, error );
+    char id[32];
+    rf_page_block_id( track, number, id );
+    if ( result == RF_OK )
+        result = rf_add_page_block( work->page, id, bytes, size, error );
+    track->picture_width = picture->width;
+    track->picture_height = picture->height;
+    track->picture_bytes += size;
+    free( bytes );
+    rf_destroy_image( &small );
+    return result;
+}
+
+static RfResult measure_error( Work* work, RfPageFrame* told, RfFlickerFrame* frame, RfImage* reference, RfError* error )
+{
+    RfErrorMetrics metrics;
+    RfResult result = rf_measure_error( &frame->signal, reference, &metrics, error );
+    if ( result == RF_OK && !work->has_summary )
+    {
+        result = rf_create_summary( frame->signal.width, frame->signal.height, work->track->count, &work->errors, error );
+        work->has_summary = result == RF_OK;
+    }
+    if ( result == RF_OK )
+        result = rf_summary_add( &work->errors, &frame->signal, reference, error );
+    if ( result != RF_OK )
+        return result;
+    told->relmse = metrics.relmse;
+    size_t count = 3 * (size_t)reference->width * (size_t)reference->height;
+    for ( size_t i = 0; i < count; ++i )
+        frame->signal.rgb[i] -= reference->rgb[i];
+    frame->is_finite = !rf_has_no_error( &metrics );
+    return RF_OK;
+}
+
+// A string attribute that is a number; NaN where there is none.
+static double read_number( const char* path, const char* name )
+{
+    char text[64], *end;
+    if ( rf_read_exr_string( path, name, text, sizeof text, NULL ) != RF_OK )
+        return NAN;
+    double value = strtod( text, &end );
+    return end != text && *end == '\0' && isfinite( value ) ? value : NAN;
+}
+
+static double number_of( const json_t* object, const char* key )
+{
+    const json_t* value = json_object_get( object, key );
+    return json_is_number( value ) ? json_number_value( value ) : NAN;
+}
+
+// What `render` said of the frame, in its JSON or in the file.
+static void take_said( const RfPageSequence* sequence, int number, const char* path, RfPageFrame* told )
+{
+    size_t i;
+    const json_t* row;
+    json_array_foreach( json_object_get( sequence->render, "frames" ), i, row )
+    {
+        if ( number_of( row, "frame" ) != number )
+            continue;
+        told->relmse = number_of( row, "relmse_estimate" );
+        told->seconds = number_of( row, "seconds" );
+    }
+    if ( isnan( told->relmse ) )
+        told->relmse = read_number( path, "reframe/relmse-estimate" );
+    if ( isnan( told->seconds ) )
+        told->seconds = read_number( path, "reframe/seconds" );
+}
+
+static RfResult measure_flicker( Work* work, int i, RfError* error )
+{
+    RfPageTrack* track = work->track;
+    RfFlickerSums sums;
+    bool pair = i > 0 && work->has_frame[0] && work->has_frame[1] && track->numbers[i] == track->numbers[i - 1] + 1;
+    if ( !pair )
+        return RF_OK;
+    RfResult result = rf_measure_flicker( work->ring + i % 2, work->ring + ( i - 1 ) % 2, track->compensated, track->reference != NULL, &sums, error );
+    if ( result != RF_OK )
+        return result;
+    RfFlickerMetrics metrics = rf_flicker_metrics( &sums );
+    track->frames[i].phi = metrics.phi;
+    track->frames[i].f1 = metrics.f1;
+    rf_add_flicker( &track->flicker, &sums );
+    return RF_OK;
+}
+
+static RfResult add_frame( Work* work, int i, RfError* error )
+{
+    RfPageTrack* track = work->track;
+    int number = track->numbers[i];
+    RfPageFrame* told = track->frames + i;
+    RfFlickerFrame* frame = work->ring + i % 2;
+    char path[RF_PAGE_NAME_SIZE];
+    rf_destroy_flicker_frame( frame );
+    work->has_frame[i % 2] = false;
+    if ( !rf_has_page_frame( track->sequence, number ) )
+        return RF_OK;
+    RfResult result = rf_page_frame_path( track->sequence, number, path, error );
+    if ( result == RF_OK )
+        result = read_frame( work, path, frame, error );
+    if ( result == RF_OK )
+        result = add_picture( work, number, &frame->signal, path, error );
+    if ( result != RF_OK )
+        return result;
+    told->shown = true;
+    told->bad = count_bad( &frame->signal );
+    frame->number = number;
+    frame->is_finite = told->bad == 0;
+    bool has_reference = track->reference != NULL && rf_has_page_frame( track->reference, number );
+    take_said( track->sequence, number, path, told );
+    if ( track->reference != NULL ) // an estimate would not belong beside it
+        told->relmse = NAN;
+    RfImage reference = { 0 };
+    if ( has_reference )
+        result = rf_page_frame_path( track->reference, number, path, error );
+    if ( result == RF_OK && has_reference )
+        result = read_image( work, path, &reference, error );
+    if ( result == RF_OK && has_reference )
+        result = measure_error( work, told, frame, &reference, error );
+    rf_destroy_image( &reference );
+    work->has_frame[i % 2] = !track->sequence->is_reference && ( has_reference || track->reference == NULL );
+    return result == RF_OK ? measure_flicker( work, i, error ) : result;
+}
+
+static void sum_up( Work* work )
+{
+    RfPageTrack* track = work->track;
+    double sum = 0.0;
+    int count = 0;
+    for ( int i = 0; i < track->count; ++i )
+    {
+        if ( isnan( track->frames[i].relmse ) )
+            continue;
+        sum += track->frames[i].relmse;
+        ++count;
+    }
+    track->estimate = count > 0 && track->reference == NULL ? sum / count : NAN;
+    track->has_error = work->has_summary;
+    if ( work->has_summary )
+        track->error = rf_summary_metrics( &work->errors );
+}
+
+RfResult rf_add_page_track( RfPage* page, RfPageTrack* track, RfPageProgressFn* progress, void* user, RfError* error )
+{
+    const RfExrHeader* header = &track->sequence->header;
+    Work work = { .page = page, .track = track };
+    track->frames = malloc( (size_t)track->count * sizeof( RfPageFrame ) );
+    if ( track->frames == NULL )
+        return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for %d frames", track->sequence->pattern, track->count );
+    for ( int i = 0; i < track->count; ++i )
+        track->frames[i] = ( RfPageFrame ){ .relmse = NAN, .seconds = NAN, .phi = NAN, .f1 = NAN };
+    work.window = ( RfExrWindow ){ header->x, header->y, header->width, header->height };
+    find_layers( &work );
+    RfImage first = { 0 }; // where its colour lies, in whichever part
+    RfResult result = rf_read_exr_layer( track->sequence->first, NULL, &first, &work.window, error );
+    rf_destroy_image( &first );
+    for ( int i = 0; i < track->count && result == RF_OK; ++i )
+    {
+        result = add_frame( &work, i, error );
+        if ( result == RF_OK && track->frames[i].shown && !progress( user ) )
+            result = rf_fail( error, RF_ERROR_INTERRUPTED, "interrupted: no page is written" );
+    }
+    if ( result == RF_OK )
+        sum_up( &work );
+    rf_destroy_flicker_frame( work.ring );
+    rf_destroy_flicker_frame( work.ring + 1 );
+    if ( work.has_summary )
+        rf_destroy_summary( &work.errors );
+    return result;
+}
+
+void rf_free_page_track( RfPageTrack* track )
+{
+    free( track->frames );
+    track->frames = NULL;
+}

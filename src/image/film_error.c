@@ -1,0 +1,128 @@
+// The estimate of a film's relMSE. Its numerator, the square of the difference
+// of the halves, is right in the mean for every pixel, fireflies and what tiles
+// and groups spread over their neighbours included. The denominator wants the
+// true value: where noise is heavy the pixel's own would hide just the pixels
+// that err most (an estimate of a third of the truth was seen). What one half has
+// and the other has not is a firefly, unless the other has it all around.
+#include "image/film_pixel.h"
+
+#include <math.h>
+
+#define REACH 3 // the surroundings: 7×7 pixels
+#define SIDE ( 2 * REACH + 1 )
+#define STRIP 64 // columns at once
+#define COLUMNS ( STRIP + 2 * REACH )
+
+// Columns [first, end) of the film with the rows around the one that is looked
+// at, row y in slot y mod SIDE.
+typedef struct Strip
+{
+    const RfFilm* film;
+    RfFilmCombine combine;
+    int first, end;
+    double half[SIDE][2][COLUMNS]; // mean of the channels
+    double sum[2][COLUMNS];        // over the rows
+    int rows;                      // in the sum
+} Strip;
+
+static size_t index_of( const RfFilm* film, int x, int y ) { return (size_t)y * (size_t)film->width + (size_t)x; }
+
+static void load_row( Strip* s, int y )
+{
+    for ( int x = s->first; x < s->end; ++x )
+    {
+        RfFilmPixel p = rf_film_pixel( s->film, index_of( s->film, x, y ) );
+        for ( int h = 0; h < 2; ++h )
+        {
+            double sum = 0.0;
+            for ( int c = 0; c < 3; ++c )
+                sum += rf_film_half_value( &p, s->combine, h, c );
+            s->half[y % SIDE][h][x - s->first] = sum / 3.0;
+        }
+    }
+}
+
+// The rows around y; those above have been loaded.
+static void go_to_row( Strip* s, int y )
+{
+    int height = s->film->height, top = y > REACH ? y - REACH : 0, bottom = y + REACH < height ? y + REACH : height - 1;
+    for ( int row = y == 0 ? 0 : y + REACH; row <= bottom; ++row )
+        load_row( s, row );
+    s->rows = bottom - top + 1;
+    for ( int h = 0; h < 2; ++h )
+    {
+        for ( int i = 0; i < s->end - s->first; ++i )
+        {
+            double sum = 0.0;
+            for ( int row = top; row <= bottom; ++row )
+                sum += s->half[row % SIDE][h][i];
+            s->sum[h][i] = sum;
+        }
+    }
+}
+
+// What a half has around pixel x of the row.
+static double surroundings( const Strip* s, int half, int x )
+{
+    int left = x - REACH > s->first ? x - REACH : s->first, right = x + REACH < s->end ? x + REACH : s->end - 1;
+    double sum = 0.0;
+    for ( int i = left; i <= right; ++i )
+        sum += s->sum[half][i - s->first];
+    return sum / ( s->rows * ( right - left + 1 ) );
+}
+
+// The truth of a pixel, as far as its error is measured by it: its own value, but
+// no more than the half has that has less, in the pixel or around it.
+static double likely_value( const Strip* s, int x, int y, const float* rgb )
+{
+    double own = fabs( ( (double)rgb[0] + (double)rgb[1] + (double)rgb[2] ) / 3.0 );
+    double even = s->half[y % SIDE][0][x - s->first], odd = s->half[y % SIDE][1][x - s->first];
+    int less = odd < even;
+    double limit = fmax( less ? odd : even, surroundings( s, less, x ) );
+    return fmin( own, fmax( limit, 0.0 ) );
+}
+
+static double squared_difference( const Strip* s, int x, int y )
+{
+    RfFilmPixel p = rf_film_pixel( s->film, index_of( s->film, x, y ) );
+    double sum = 0.0;
+    for ( int c = 0; c < 3; ++c )
+    {
+        double d = rf_film_half_value( &p, s->combine, 0, c ) - rf_film_half_value( &p, s->combine, 1, c );
+        sum += d * d;
+    }
+    return sum;
+}
+
+// Sum over columns [first, end) of the film.
+static double strip_sum( const RfFilm* film, RfFilmCombine combine, const float* rgb, int first, int end )
+{
+    Strip s = {
+        .film = film,
+        .combine = combine,
+        .first = first > REACH ? first - REACH : 0,
+        .end = end + REACH < film->width ? end + REACH : film->width,
+    };
+    double sum = 0.0;
+    for ( int y = 0; y < film->height; ++y )
+    {
+        go_to_row( &s, y );
+        for ( int x = first; x < end; ++x )
+        {
+            double value = likely_value( &s, x, y, rgb + 3 * index_of( film, x, y ) );
+            sum += squared_difference( &s, x, y ) / ( value * value + 0.001 );
+        }
+    }
+    return sum;
+}
+
+double rf_estimate_relmse( const RfFilm* film, RfFilmCombine combine, const float* rgb )
+{
+    double share = rf_film_half_share( film );
+    if ( share == 0.0 )
+        return (double)NAN;
+    double sum = 0.0;
+    for ( int first = 0; first < film->width; first += STRIP )
+        sum += strip_sum( film, combine, rgb, first, first + STRIP < film->width ? first + STRIP : film->width );
+    return share * sum / ( (double)film->width * (double)film->height );
+}

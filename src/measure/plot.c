@@ -1,0 +1,260 @@
+#include "measure/plot_axis.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+// On paper, in SVG units.
+#define WIDTH 940.0
+#define HEIGHT 560.0
+#define LEFT 92.0
+#define RIGHT 720.0
+#define TOP 76.0
+#define BOTTOM 484.0
+#define LEGEND ( RIGHT + 20.0 )
+#define MARKER 4.5
+
+#define INK "#222"
+#define GRID "#e3e3e3"
+
+// Told apart without colours as well: by their markers.
+static const char* const s_colours[RF_PLOT_STYLES] = { "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#8c6d1f", "#555555" };
+
+typedef struct Paper
+{
+    FILE* file;
+    const RfPlot* plot;
+    PlotScale x, y;
+} Paper;
+
+// Bytes of the UTF-8 character, 0 where it is none.
+static int character_bytes( const unsigned char* c )
+{
+    int more = c[0] < 0x80 ? 0 : c[0] >= 0xc2 && c[0] < 0xe0 ? 1 : c[0] >= 0xe0 && c[0] < 0xf0 ? 2 : c[0] >= 0xf0 && c[0] < 0xf5 ? 3 : -1;
+    for ( int i = 1; i <= more; ++i )
+    {
+        if ( ( c[i] & 0xc0 ) != 0x80 )
+            return 0;
+    }
+    if ( ( c[0] == 0xe0 && c[1] < 0xa0 ) || ( c[0] == 0xed && c[1] > 0x9f ) || ( c[0] == 0xf0 && c[1] < 0x90 ) || ( c[0] == 0xf4 && c[1] > 0x8f ) )
+        return 0; // longer than need be, half of a pair, or beyond the last
+    bool forbidden = ( c[0] < 0x20 && c[0] != '\t' ) || ( c[0] == 0xef && c[1] == 0xbf && c[2] >= 0xbe );
+    return forbidden ? 0 : more + 1;
+}
+
+static void print_text( FILE* file, const char* text )
+{
+    for ( const unsigned char* c = (const unsigned char*)text; *c != '\0'; )
+    {
+        int bytes = character_bytes( c );
+        if ( *c == '<' )
+            fputs( "&lt;", file );
+        else if ( *c == '>' )
+            fputs( "&gt;", file );
+        else if ( *c == '&' )
+            fputs( "&amp;", file );
+        else if ( *c == '"' )
+            fputs( "&quot;", file );
+        else if ( bytes == 0 )
+            fputc( '?', file );
+        else
+            fwrite( c, 1, (size_t)bytes, file );
+        c += bytes > 0 ? bytes : 1;
+    }
+}
+
+static void draw_text( FILE* file, double x, double y, const char* anchor, const char* attributes, const char* text )
+{
+    fprintf( file, "<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"%s\"%s>", x, y, anchor, attributes );
+    print_text( file, text );
+    fputs( "</text>\n", file );
+}
+
+static void draw_line( FILE* file, double x0, double y0, double x1, double y1, const char* colour )
+{
+    fprintf( file, "<path d=\"M%.1f %.1fL%.1f %.1f\" stroke=\"%s\" fill=\"none\"/>\n", x0, y0, x1, y1, colour );
+}
+
+static void draw_ticks( const Paper* p, bool vertical )
+{
+    const PlotScale* scale = vertical ? &p->y : &p->x;
+    double ticks[RF_PLOT_TICKS];
+    int count = rf_plot_ticks( scale->log, scale->min, scale->max, ticks, RF_PLOT_TICKS );
+    for ( int i = 0; i < count; ++i )
+    {
+        double at = rf_plot_place( scale, ticks[i] );
+        char text[32];
+        snprintf( text, sizeof text, "%.6g", ticks[i] );
+        if ( vertical )
+        {
+            draw_line( p->file, LEFT, at, RIGHT, at, GRID );
+            draw_text( p->file, LEFT - 9.0, at + 4.5, "end", "", text );
+        }
+        else
+        {
+            draw_line( p->file, at, TOP, at, BOTTOM, GRID );
+            draw_text( p->file, at, BOTTOM + 20.0, "middle", "", text );
+        }
+    }
+}
+
+static void draw_frame( const Paper* p )
+{
+    const RfPlot* plot = p->plot;
+    draw_text( p->file, LEFT, 32.0, "start", " font-size=\"19\" font-weight=\"bold\"", plot->title );
+    if ( plot->subtitle != NULL )
+        draw_text( p->file, LEFT, 55.0, "start", " fill=\"#555\"", plot->subtitle );
+    draw_ticks( p, false );
+    draw_ticks( p, true );
+    fprintf( p->file, "<path d=\"M%.1f %.1fV%.1fH%.1f\" stroke=\"%s\" fill=\"none\"/>\n", LEFT, TOP, BOTTOM, RIGHT, INK );
+    draw_text( p->file, 0.5 * ( LEFT + RIGHT ), BOTTOM + 50.0, "middle", " font-size=\"15\"", plot->x.label );
+    fprintf( p->file, "<g transform=\"translate(28 %.1f) rotate(-90)\">", 0.5 * ( TOP + BOTTOM ) );
+    draw_text( p->file, 0.0, 0.0, "middle", " font-size=\"15\"", plot->y.label );
+    fputs( "</g>\n", p->file );
+}
+
+// Circle, square, triangle, diamond, triangle upside down, cross.
+static void draw_marker( FILE* file, double x, double y, int style )
+{
+    double r = MARKER;
+    switch ( style )
+    {
+        case 0: fprintf( file, "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"%.1f\"", x, y, r ); break;
+        case 1: fprintf( file, "<rect x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%.1f\"", x - r, y - r, 2 * r, 2 * r ); break;
+        case 2: fprintf( file, "<path d=\"M%.1f %.1fl%.1f %.1fh%.1fz\"", x, y - 1.2 * r, 1.2 * r, 2.1 * r, -2.4 * r ); break;
+        case 3: fprintf( file, "<path d=\"M%.1f %.1fl%.1f %.1fl%.1f %.1fl%.1f %.1fz\"", x, y - 1.3 * r, 1.3 * r, 1.3 * r, -1.3 * r, 1.3 * r, -1.3 * r, -1.3 * r ); break;
+        case 4: fprintf( file, "<path d=\"M%.1f %.1fl%.1f %.1fh%.1fz\"", x, y + 1.2 * r, 1.2 * r, -2.1 * r, -2.4 * r ); break;
+        default: fprintf( file, "<path d=\"M%.1f %.1fl%.1f %.1fm0 %.1fl%.1f %.1f\" stroke-width=\"2.5\"", x - r, y - r, 2 * r, 2 * r, -2 * r, -2 * r, 2 * r ); break;
+    }
+}
+
+static bool is_inside( const Paper* p, double x, double y )
+{
+    return rf_plot_has( &p->plot->x, x ) && rf_plot_has( &p->plot->y, y ) && x >= p->x.min && x <= p->x.max && y >= p->y.min && y <= p->y.max;
+}
+
+static void draw_curve( const Paper* p, const RfPlotSeries* s )
+{
+    const char* colour = s_colours[s->style % RF_PLOT_STYLES];
+    fputs( "<path d=\"", p->file );
+    bool down = false;
+    for ( int i = 0; i < s->count; ++i )
+    {
+        bool drawn = rf_plot_has( &p->plot->x, s->x[i] ) && rf_plot_has( &p->plot->y, s->y[i] );
+        if ( drawn )
+            fprintf( p->file, "%s%.1f %.1f", down ? "L" : "M", rf_plot_place( &p->x, s->x[i] ), rf_plot_place( &p->y, s->y[i] ) );
+        down = drawn;
+    }
+    fprintf( p->file, "\" fill=\"none\" stroke=\"%s\" stroke-width=\"2\" stroke-linejoin=\"round\" clip-path=\"url(#plot)\"%s/>\n", colour,
+             s->dashed ? " stroke-dasharray=\"6 5\"" : "" );
+}
+
+static void draw_points( const Paper* p, const RfPlotSeries* s )
+{
+    const char* colour = s_colours[s->style % RF_PLOT_STYLES];
+    for ( int i = 0; i < s->count; ++i )
+    {
+        if ( !is_inside( p, s->x[i], s->y[i] ) )
+            continue;
+        double x = rf_plot_place( &p->x, s->x[i] ), y = rf_plot_place( &p->y, s->y[i] );
+        draw_marker( p->file, x, y, s->style % RF_PLOT_STYLES );
+        fprintf( p->file, " fill=\"%s\" stroke=\"%s\"", colour, s->style % RF_PLOT_STYLES == RF_PLOT_STYLES - 1 ? colour : "#fff" );
+        if ( s->labels == NULL )
+        {
+            fputs( "/>\n", p->file );
+            continue;
+        }
+        fputs( "><title>", p->file );
+        print_text( p->file, s->labels[i] );
+        fprintf( p->file, "</title></%s>\n", s->style % RF_PLOT_STYLES == 0 ? "circle" : s->style % RF_PLOT_STYLES == 1 ? "rect" : "path" );
+        if ( s->show_labels )
+            draw_text( p->file, x, y - 11.0, "middle", " font-size=\"12\" class=\"halo\"", s->labels[i] );
+    }
+}
+
+// Returns where it ends.
+static double draw_legend( const Paper* p )
+{
+    double x = LEGEND, y = TOP + 14.0;
+    for ( int i = 0; i < p->plot->series_count; ++i )
+    {
+        const RfPlotSeries* s = p->plot->series + i;
+        const char* colour = s_colours[s->style % RF_PLOT_STYLES];
+        if ( s->name == NULL )
+            continue;
+        if ( !s->no_line )
+            fprintf( p->file, "<path d=\"M%.1f %.1fh30\" stroke=\"%s\" stroke-width=\"2\"%s/>\n", x, y, colour,
+                     s->dashed ? " stroke-dasharray=\"6 5\"" : "" );
+        if ( !s->no_markers )
+        {
+            draw_marker( p->file, x + 15.0, y, s->style % RF_PLOT_STYLES );
+            fprintf( p->file, " fill=\"%s\" stroke=\"%s\"/>\n", colour, s->style % RF_PLOT_STYLES == RF_PLOT_STYLES - 1 ? colour : "#fff" );
+        }
+        draw_text( p->file, x + 40.0, y + 4.5, "start", "", s->name );
+        y += 24.0;
+    }
+    return y;
+}
+
+static void draw_ring( const Paper* p, double x, double y )
+{
+    fprintf( p->file, "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"%.1f\" fill=\"none\" stroke=\"%s\" stroke-width=\"2\"/>\n", x, y, 2.2 * MARKER, INK );
+}
+
+// Their words stand below the legend, where nothing is in their way.
+static void draw_notes( const Paper* p, double y )
+{
+    for ( int i = 0; i < p->plot->note_count; ++i )
+    {
+        const RfPlotNote* note = p->plot->notes + i;
+        if ( !is_inside( p, note->x, note->y ) )
+            continue;
+        draw_ring( p, rf_plot_place( &p->x, note->x ), rf_plot_place( &p->y, note->y ) );
+        y += 30.0;
+        draw_ring( p, LEGEND + 15.0, y );
+        draw_text( p->file, LEGEND + 40.0, y + 4.5, "start", " font-weight=\"bold\"", note->text );
+    }
+}
+
+static void draw( FILE* file, const RfPlot* plot )
+{
+    Paper p = { file, plot, rf_plot_scale( plot, false, LEFT, RIGHT ), rf_plot_scale( plot, true, BOTTOM, TOP ) };
+    fprintf( file, "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
+                   "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 %.0f %.0f\" width=\"%.0f\" height=\"%.0f\" "
+                   "font-family=\"DejaVu Sans, Helvetica, Arial, sans-serif\" font-size=\"13\" fill=\"%s\">\n"
+                   "<style>.halo{paint-order:stroke;stroke:#fff;stroke-width:4px;stroke-linejoin:round}</style>\n"
+                   "<clipPath id=\"plot\"><rect x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%.1f\"/></clipPath>\n"
+                   "<rect width=\"100%%\" height=\"100%%\" fill=\"#fff\"/>\n",
+             WIDTH, HEIGHT, WIDTH, HEIGHT, INK, LEFT, TOP, RIGHT - LEFT, BOTTOM - TOP );
+    draw_frame( &p );
+    for ( int i = 0; i < plot->series_count; ++i )
+    {
+        if ( !plot->series[i].no_line )
+            draw_curve( &p, plot->series + i );
+    }
+    for ( int i = 0; i < plot->series_count; ++i )
+    {
+        if ( !plot->series[i].no_markers )
+            draw_points( &p, plot->series + i );
+    }
+    draw_notes( &p, draw_legend( &p ) - 24.0 );
+    fputs( "</svg>\n", file );
+}
+
+RfResult rf_draw_plot( const RfPlot* plot, char** svg, size_t* size, RfError* error )
+{
+    *svg = NULL;
+    FILE* file = open_memstream( svg, size );
+    if ( file == NULL )
+        return rf_fail( error, RF_ERROR_MEMORY, "no memory left for the plot" );
+    draw( file, plot );
+    bool failed = ferror( file ) != 0;
+    if ( fclose( file ) != 0 || failed )
+    {
+        free( *svg );
+        *svg = NULL;
+        return rf_fail( error, RF_ERROR_MEMORY, "no memory left for the plot" );
+    }
+    return RF_OK;
+}

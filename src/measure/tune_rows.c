@@ -1,0 +1,126 @@
+// The rows of a tuning: what there is to try, what it takes, what it came to.
+#include "measure/tune_internal.h"
+#include "reuse/group.h"
+#include "reuse/plan.h"
+
+#include <math.h>
+
+static const int s_groups[RF_TUNE_GROUPS] = { 0, 1, 2, 3, 4, 6, 8, 12, 16 };
+static const char* const s_tiles[RF_TUNE_TILES] = { "1", "2x2", "3x3", "4x4", "rooks16" };
+
+static const char s_no_room[] = "does not fit --memory", s_rounded[] = "--spp rounded up too far";
+
+#define ROUNDING 1.25 // times the samples asked for may be traced
+
+RfRenderSettings rf_tune_settings( const RfTuneRow* row, const RfRenderSettings* common )
+{
+    RfRenderSettings settings = *common;
+    settings.group = row->group;
+    settings.tile = row->tile;
+    return settings;
+}
+
+// Rays by about nanoseconds, as in the plan.
+static double cost_of( const RfPlanRow* row )
+{
+    return ( 100.0 * row->rays_primary + 200.0 * row->rays_path + 100.0 * row->rays_shadow + 40.0 * row->rays_tile +
+             30.0 * row->rays_eye ) / row->rays_primary;
+}
+
+static void take_plan( const RfPlanRow* plan, RfTuneRow* row )
+{
+    row->fit = plan->fit;
+    row->samples = plan->samples;
+    row->predicted_gain = plan->gain;
+    row->cost = cost_of( plan );
+}
+
+// The rows of a tile. None of them fits where not even the smallest does.
+static RfResult list_tile( const RfTuneJob* job, const RfTile* tile, RfTune* tune, RfError* error )
+{
+    RfRenderSettings settings = *job->settings;
+    settings.tile = *tile;
+    settings.group = 0;
+    RfPlan plan;
+    RfResult result = rf_plan_render( job->tracer, job->eyes, job->eye_count, job->frames, job->frame_count, &settings, &plan, error );
+    if ( result != RF_OK && result != RF_ERROR_MEMORY )
+        return result;
+    int planned = result == RF_OK ? plan.count : 0;
+    for ( int i = 0; i < RF_TUNE_GROUPS; ++i )
+    {
+        RfGroupPlan groups = rf_plan_groups( job->eye_count, s_groups[i], settings.spp );
+        RfTuneRow* row = tune->rows + tune->count++;
+        *row = ( RfTuneRow ){ .group = groups.eyes / 2, .eyes = groups.eyes, .tile = *tile, .spp = groups.spp,
+                              .predicted_gain = NAN, .excluded = s_no_room };
+        if ( i < planned )
+        {
+            take_plan( plan.rows + i, row );
+            row->excluded = (double)row->spp > ROUNDING * settings.spp && row->group > 0 ? s_rounded : NULL;
+        }
+        if ( groups.eyes == job->eye_count )
+            break;
+    }
+    return RF_OK;
+}
+
+RfResult rf_list_tune_rows( const RfTuneJob* job, RfTune* tune, RfRenderSettings* common, RfError* error )
+{
+    RfRenderSettings asked = *job->settings;
+    asked.group = 0; // auto would be a plan more
+    RfResult result = rf_resolve_settings( job->tracer, job->eyes, job->eye_count, &asked, common, error );
+    common->spp = asked.spp;
+    int tried = 0;
+    for ( int t = 0; t < RF_TUNE_TILES && result == RF_OK; ++t )
+    {
+        RfTile tile;
+        rf_parse_tile( s_tiles[t], &tile );
+        RfTuneJob resolved = *job;
+        resolved.settings = common;
+        result = list_tile( &resolved, &tile, tune, error );
+    }
+    for ( int i = 0; i < tune->count; ++i )
+        tried += tune->rows[i].excluded == NULL;
+    return result == RF_OK && tried == 0 ? RF_ERROR_MEMORY : result; // with the line of the last tile
+}
+
+static void weigh_row( RfTuneRow* row, double pixels, int frames )
+{
+    const RfTrial* trial = &row->trial;
+    row->cpu_seconds = row->seconds = row->relmse = row->f1 = row->phi = row->efficiency = row->gain = NAN;
+    if ( row->rounds == 0 )
+        return;
+    double finish = trial->finish_pixels > 0.0 ? trial->finish_seconds / trial->finish_pixels : 0.0;
+    row->cpu_seconds = row->samples * rf_trial_sample_seconds( trial ) + frames * pixels * finish;
+    row->seconds = row->cpu_seconds / row->fit.threads;
+    row->relmse = rf_trial_relmse( trial, row->spp );
+    row->f1 = rf_trial_f1( trial, row->spp );
+    row->phi = rf_trial_phi( trial );
+    double cost = row->relmse * row->cpu_seconds;
+    row->efficiency = cost > 0.0 ? frames / cost : NAN; // black pictures have no error to be efficient at
+}
+
+void rf_weigh_tune_rows( RfTune* tune, double pixels, int frames )
+{
+    double plain = NAN;
+    int rounds = 0;
+    tune->chosen = -1;
+    for ( int i = 0; i < tune->count; ++i )
+    {
+        RfTuneRow* row = tune->rows + i;
+        weigh_row( row, pixels, frames );
+        row->chosen = false;
+        rounds = row->rounds > rounds ? row->rounds : rounds;
+        if ( row->group == 0 && row->tile.kind == RF_TILE_NONE )
+            plain = row->efficiency;
+    }
+    for ( int i = 0; i < tune->count; ++i )
+    {
+        RfTuneRow* row = tune->rows + i;
+        row->gain = row->efficiency / plain;
+        if ( row->rounds == rounds && rounds > 0 && isfinite( row->efficiency ) &&
+             ( tune->chosen < 0 || row->efficiency > tune->rows[tune->chosen].efficiency ) )
+            tune->chosen = i;
+    }
+    if ( tune->chosen >= 0 )
+        tune->rows[tune->chosen].chosen = true;
+}

@@ -1,0 +1,171 @@
+"use strict";
+// Frames of light: how they are stored says src/page/picture.h.
+
+const STOP = 256;           // units of a stop
+const FLOOR = 1 / 512;      // log2( light + FLOOR ) is what is stored
+const HALF_TABLE = 16384;   // levels go from -HALF_TABLE to HALF_TABLE - 1
+
+// Units above the base for each byte of the detail.
+const s_stepsOfByte = new Int16Array(256);
+for (let i = 0; i < 256; ++i) {
+  const steps = Math.abs(i - 128);
+  s_stepsOfByte[i] = Math.sign(i - 128) * Math.round(STOP * (Math.exp(steps / 32) - 1) / 2);
+}
+
+function bytesOf(id) {
+  const text = document.getElementById(id).textContent;
+  if (Uint8Array.fromBase64)
+    return Uint8Array.fromBase64(text);
+  const binary = atob(text), bytes = new Uint8Array(binary.length);
+  for (let i = 0; i < binary.length; ++i)
+    bytes[i] = binary.charCodeAt(i);
+  return bytes;
+}
+
+// { cell, columns, rows, base, bitmap }: what a frame is made of; the bitmap is decoded beside the page's own work.
+async function decodeFrame(id) {
+  const bytes = bytesOf(id), view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
+  const cell = view.getUint16(0, true), columns = view.getUint16(2, true), rows = view.getUint16(4, true);
+  const base = new Int16Array(3 * columns * rows);
+  for (let i = 0; i < base.length; ++i)
+    base[i] = view.getInt16(6 + 2 * i, true);
+  const jpeg = new Blob([bytes.subarray(6 + 2 * base.length)], { type: "image/jpeg" });
+  const bitmap = await createImageBitmap(jpeg, { colorSpaceConversion: "none", premultiplyAlpha: "none" });
+  return { cell, columns, rows, base, bitmap };
+}
+
+// Light of display, 0 to 1, for light of the scene.
+const s_curves = {
+  srgb: light => light,
+  // straight up to 0.6, then towards 1 for ever more light
+  soft: light => light <= 0.6 ? light : 1 - 0.4 * Math.exp((0.6 - light) / 0.4),
+};
+
+function encodeSrgb(light) {
+  if (!(light > 0))
+    return 0;
+  return light >= 1 ? 255 : Math.round(255 * (light <= 0.0031308 ? 12.92 * light : 1.055 * Math.pow(light, 1 / 2.4) - 0.055));
+}
+
+// The byte of display for each level, at an exposure in stops.
+function makeToneTable(exposure, curve) {
+  const table = new Uint8Array(2 * HALF_TABLE), gain = Math.pow(2, exposure), shape = s_curves[curve];
+  const low = -10 * STOP, high = 17 * STOP;
+  for (let level = low; level < high; ++level)
+    table[level + HALF_TABLE] = encodeSrgb(shape(gain * (Math.pow(2, level / STOP) - FLOOR)));
+  table.fill(table[high - 1 + HALF_TABLE], high + HALF_TABLE);
+  return table;
+}
+
+// Paints frames into a canvas.
+class Painter {
+  constructor(canvas, width, height) {
+    canvas.width = width;
+    canvas.height = height;
+    this.width = width;
+    this.height = height;
+    this.context = canvas.getContext("2d", { alpha: false });
+    const scratch = document.createElement("canvas");
+    scratch.width = width;
+    scratch.height = height;
+    this.scratch = scratch.getContext("2d", { willReadFrequently: true });
+    this.levels = new Int16Array(3 * width * height);
+    this.image = this.context.createImageData(width, height);
+    this.pixels = new Uint32Array(this.image.data.buffer);
+  }
+
+  // Takes a decoded frame: levels of its pixels, to be toned.
+  take(frame) {
+    const { width, height, levels } = this;
+    this.scratch.drawImage(frame.bitmap, 0, 0);
+    const detail = this.scratch.getImageData(0, 0, width, height).data;
+    const { cell, columns, rows, base } = frame, span = 2 * cell, shift = Math.log2(span) * 2, half = 1 << (shift - 1);
+    const row = new Int32Array(3 * columns);
+    for (let y = 0; y < height; ++y) {
+      const place = 2 * y + 1 - cell, at = Math.floor(place / span), down = place - at * span;
+      const upper = 3 * columns * Math.max(at, 0), lower = 3 * columns * Math.min(at + 1, rows - 1);
+      for (let i = 0; i < row.length; ++i)
+        row[i] = base[upper + i] * (span - down) + base[lower + i] * down;
+      this.takeRow(y, row, columns, cell, shift, half, detail, levels);
+    }
+  }
+
+  // From the centre of a cell to that of the next the base is a straight line.
+  takeRow(y, row, columns, cell, shift, half, detail, levels) {
+    const width = this.width, span = 2 * cell;
+    let to = 3 * y * width, from = 4 * y * width;
+    for (let x = 0; x < width;) {
+      const place = 2 * x + 1 - cell, at = Math.floor(place / span), share = place - at * span;
+      const left = 3 * Math.max(at, 0), right = 3 * Math.min(at + 1, columns - 1);
+      const end = Math.min(width, x + ((span - share + 1) >> 1));
+      const slopeR = row[right] - row[left], slopeG = row[right + 1] - row[left + 1], slopeB = row[right + 2] - row[left + 2];
+      let r = row[left] * span + slopeR * share + half, g = row[left + 1] * span + slopeG * share + half, b = row[left + 2] * span + slopeB * share + half;
+      for (; x < end; ++x, to += 3, from += 4) {
+        levels[to] = (r >> shift) + s_stepsOfByte[detail[from]];
+        levels[to + 1] = (g >> shift) + s_stepsOfByte[detail[from + 1]];
+        levels[to + 2] = (b >> shift) + s_stepsOfByte[detail[from + 2]];
+        r += 2 * slopeR;
+        g += 2 * slopeG;
+        b += 2 * slopeB;
+      }
+    }
+  }
+
+  paint(table) {
+    const { levels, pixels } = this;
+    for (let i = 0, from = 0; i < pixels.length; ++i, from += 3)
+      pixels[i] = 0xff000000 | table[levels[from + 2] + HALF_TABLE] << 16 | table[levels[from + 1] + HALF_TABLE] << 8 | table[levels[from] + HALF_TABLE];
+    this.context.putImageData(this.image, 0, 0);
+  }
+}
+
+// Decoded frames, the last used ones, as many as fit in the memory.
+class FrameCache {
+  constructor(bytes) {
+    this.room = bytes;
+    this.used = 0;
+    this.frames = new Map(); // id to { promise, frame, bytes }
+  }
+
+  has(id) {
+    const entry = this.frames.get(id);
+    return entry !== undefined && entry.frame !== null;
+  }
+
+  // The decoded frame, or undefined.
+  get(id) {
+    const entry = this.frames.get(id);
+    return entry && entry.frame || undefined;
+  }
+
+  load(id) {
+    let entry = this.frames.get(id);
+    if (entry) { // to the end: used last
+      this.frames.delete(id);
+      this.frames.set(id, entry);
+      return entry.promise;
+    }
+    entry = { promise: null, frame: null, bytes: 0 };
+    entry.promise = decodeFrame(id).then(frame => {
+      entry.frame = frame;
+      entry.bytes = 4 * frame.bitmap.width * frame.bitmap.height;
+      this.used += entry.bytes;
+      this.trim(id);
+      return frame;
+    });
+    this.frames.set(id, entry);
+    return entry.promise;
+  }
+
+  trim(keep) {
+    for (const [id, entry] of this.frames) {
+      if (this.used <= this.room)
+        return;
+      if (id === keep || entry.frame === null)
+        continue;
+      this.frames.delete(id);
+      this.used -= entry.bytes;
+      entry.frame.bitmap.close();
+    }
+  }
+}

@@ -1,0 +1,138 @@
+// Which frame is shown, in all panels at once; playing; exposure.
+
+const AHEAD = 10;                  // frames that are decoded before they are wanted
+const CACHE_BYTES = 600 * 2 ** 20; // of decoded frames
+
+class Player {
+  // `panels`: { painter, blocks, onFrame( index, shown ) }; `onChange( player )` after each frame and each setting.
+  constructor(panels, count, fps, onChange) {
+    this.panels = panels;
+    this.count = count;
+    this.fps = fps;
+    this.onChange = onChange;
+    this.index = 0;
+    this.wanted = 0;
+    this.shown = -1;
+    this.playing = false;
+    this.startTime = null; // of startIndex, while it plays; null: from the next tick on
+    this.startIndex = 0;
+    this.exposure = 0;
+    this.curve = "srgb";
+    this.cache = new FrameCache(Math.max(CACHE_BYTES, 3 * AHEAD * this.bytesOfFrame()));
+    this.tick = this.tick.bind(this);
+  }
+
+  bytesOfFrame() {
+    return this.panels.reduce((sum, panel) => sum + 4 * panel.painter.width * panel.painter.height, 0);
+  }
+
+  ids(index) {
+    return this.panels.map(panel => panel.blocks[index]).filter(id => id !== null);
+  }
+
+  isReady(index) {
+    return this.ids(index).every(id => this.cache.has(id));
+  }
+
+  // Shows a frame as soon as it is decoded, unless another is wanted by then.
+  async seek(index) {
+    this.wanted = Math.min(Math.max(index, 0), this.count - 1);
+    const wanted = this.wanted;
+    if (!this.isReady(wanted))
+      await Promise.all(this.ids(wanted).map(id => this.cache.load(id)));
+    if (this.wanted === wanted && this.shown !== wanted) {
+      this.show(wanted);
+      this.restart();
+    }
+    this.prefetch(wanted);
+  }
+
+  show(index) {
+    for (const panel of this.panels) {
+      const frame = panel.blocks[index] !== null ? this.cache.get(panel.blocks[index]) : undefined;
+      if (frame)
+        panel.painter.take(frame);
+      panel.onFrame(index, frame !== undefined);
+    }
+    this.index = this.wanted = this.shown = index;
+    this.paint();
+    this.onChange(this);
+  }
+
+  paint() {
+    const table = makeToneTable(this.exposure, this.curve);
+    for (const panel of this.panels) {
+      if (panel.blocks[this.shown] !== null && this.shown >= 0)
+        panel.painter.paint(table);
+    }
+  }
+
+  prefetch(index) {
+    for (let i = 1; i <= Math.min(AHEAD, this.count - 1); ++i) {
+      for (const id of this.ids((index + i) % this.count))
+        this.cache.load(id).catch(() => {}); // told when it is wanted
+    }
+  }
+
+  setExposure(stops) {
+    this.exposure = Math.min(Math.max(Math.round(10 * stops) / 10, -8), 8);
+    this.paint();
+    this.onChange(this);
+  }
+
+  setCurve(name) {
+    this.curve = name;
+    this.paint();
+    this.onChange(this);
+  }
+
+  setFps(fps) {
+    if (fps > 0 && fps <= 240)
+      this.fps = fps;
+    this.restart();
+    this.onChange(this);
+  }
+
+  toggle() {
+    this.playing = !this.playing && this.count > 1;
+    this.restart();
+    this.onChange(this);
+    if (this.playing)
+      requestAnimationFrame(this.tick);
+  }
+
+  restart() {
+    this.startTime = null;
+    this.startIndex = this.index;
+  }
+
+  // Late frames are left out, and one that is not decoded is waited for.
+  tick(now) {
+    if (!this.playing)
+      return;
+    if (this.startTime === null)
+      this.startTime = now;
+    const due = (this.startIndex + Math.floor((now - this.startTime) * this.fps / 1000)) % this.count;
+    const seeks = this.wanted !== this.shown;
+    if (!seeks && due !== this.shown) {
+      if (!this.isReady(due)) {
+        this.waitFor(due);
+        return;
+      }
+      this.show(due);
+      this.prefetch(due);
+    }
+    requestAnimationFrame(this.tick);
+  }
+
+  waitFor(index) {
+    Promise.all(this.ids(index).map(id => this.cache.load(id))).then(() => {
+      if (!this.playing)
+        return;
+      this.show(index);
+      this.prefetch(index);
+      this.restart();
+      requestAnimationFrame(this.tick);
+    }).catch(showFailure);
+  }
+}

@@ -1,0 +1,135 @@
+#include "page/page.h"
+
+#include "page/page_assets.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static RfResult put( RfPage* page, const char* text, size_t size, RfError* error )
+{
+    page->bytes += size;
+    return rf_append_atomic_file( &page->file, text, size, error );
+}
+
+static RfResult put_text( RfPage* page, const char* text, RfError* error )
+{
+    return put( page, text, strlen( text ), error );
+}
+
+// Text with some characters as something else, which `replace` gives, else NULL.
+static RfResult put_escaped( RfPage* page, const char* text, const char* ( *replace )( char ), RfError* error )
+{
+    RfResult result = RF_OK;
+    while ( *text != '\0' && result == RF_OK )
+    {
+        size_t plain = 0;
+        while ( text[plain] != '\0' && replace( text[plain] ) == NULL )
+            ++plain;
+        result = put( page, text, plain, error );
+        text += plain;
+        if ( result == RF_OK && *text != '\0' )
+            result = put_text( page, replace( *text++ ), error );
+    }
+    return result;
+}
+
+static const char* escape_html( char c )
+{
+    return c == '<' ? "&lt;" : c == '>' ? "&gt;" : c == '&' ? "&amp;" : c == '"' ? "&quot;" : NULL;
+}
+
+// In JSON '<' is only inside of strings; so no text can end the script element.
+static const char* escape_json( char c )
+{
+    return c == '<' ? "\\u003c" : NULL;
+}
+
+// Writes the frame of the page from one mark, "{{name}}", to another; NULL: its ends.
+static RfResult put_frame( RfPage* page, const char* from, const char* to, RfError* error )
+{
+    const char* begin = rf_page_html;
+    if ( from != NULL )
+        begin = strstr( begin, from ) + strlen( from );
+    const char* end = to != NULL ? strstr( begin, to ) : begin + strlen( begin );
+    return put( page, begin, (size_t)( end - begin ), error );
+}
+
+static RfResult put_head( RfPage* page, const char* title, RfError* error )
+{
+    RfResult result = put_frame( page, NULL, "{{title}}", error );
+    if ( result == RF_OK )
+        result = put_escaped( page, title, escape_html, error );
+    if ( result == RF_OK )
+        result = put_frame( page, "{{title}}", "{{style}}", error );
+    if ( result == RF_OK )
+        result = put_text( page, rf_page_css, error );
+    return result == RF_OK ? put_frame( page, "{{style}}", "{{blocks}}", error ) : result;
+}
+
+RfResult rf_open_page( const char* path, const char* title, RfPage* page, RfError* error )
+{
+    *page = ( RfPage ){ 0 };
+    RfResult result = rf_open_atomic_file( path, &page->file, error );
+    if ( result != RF_OK )
+        return result;
+    result = put_head( page, title, error );
+    if ( result != RF_OK )
+        rf_discard_atomic_file( &page->file );
+    return result;
+}
+
+static size_t encode_base64( const unsigned char* in, size_t size, char* out )
+{
+    static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    char* to = out;
+    for ( size_t i = 0; i < size; i += 3 )
+    {
+        size_t left = size - i;
+        uint32_t bits = (uint32_t)in[i] << 16 | ( left > 1 ? (uint32_t)in[i + 1] << 8 : 0u ) | ( left > 2 ? in[i + 2] : 0u );
+        *to++ = digits[bits >> 18];
+        *to++ = digits[bits >> 12 & 63u];
+        *to++ = left > 1 ? digits[bits >> 6 & 63u] : '=';
+        *to++ = left > 2 ? digits[bits & 63u] : '=';
+    }
+    return (size_t)( to - out );
+}
+
+RfResult rf_add_page_block( RfPage* page, const char* id, const void* bytes, size_t size, RfError* error )
+{
+    char head[128];
+    snprintf( head, sizeof head, "<script type=\"text/plain\" id=\"%.64s\">", id );
+    char* text = malloc( ( size + 2 ) / 3 * 4 + 1 );
+    if ( text == NULL )
+        return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for %zu bytes of the page", page->file.path, size );
+    size_t length = encode_base64( bytes, size, text );
+    RfResult result = put_text( page, head, error );
+    if ( result == RF_OK )
+        result = put( page, text, length, error );
+    if ( result == RF_OK )
+        result = put_text( page, "</script>\n", error );
+    free( text );
+    return result;
+}
+
+RfResult rf_end_page( RfPage* page, const char* json, RfError* error )
+{
+    RfResult result = put_frame( page, "{{blocks}}", "{{data}}", error );
+    if ( result == RF_OK )
+        result = put_escaped( page, json, escape_json, error );
+    if ( result == RF_OK )
+        result = put_frame( page, "{{data}}", "{{script}}", error );
+    if ( result == RF_OK )
+        result = put_text( page, rf_page_js, error );
+    if ( result == RF_OK )
+        result = put_frame( page, "{{script}}", NULL, error );
+    if ( result == RF_OK )
+        return rf_commit_atomic_file( &page->file, error );
+    rf_discard_atomic_file( &page->file );
+    return result;
+}
+
+void rf_discard_page( RfPage* page )
+{
+    rf_discard_atomic_file( &page->file );
+}

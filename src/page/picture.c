@@ -1,0 +1,221 @@
+#include "page/picture.h"
+
+#include "image/jpeg.h"
+
+#include <math.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define FLOOR ( 1.0f / 512.0f )
+#define STOP 256       // units of a stop
+#define BRIGHTEST 65504.0f
+#define HEADER_BYTES 6
+
+typedef struct Base
+{
+    int columns, rows;
+    int16_t* values; // 3 per cell
+} Base;
+
+// Light as it is encoded: from 0 to BRIGHTEST; a pixel with NaN is magenta.
+static void take_pixel( const float* from, float out[3] )
+{
+    bool is_nan = isnan( from[0] ) || isnan( from[1] ) || isnan( from[2] );
+    for ( int c = 0; c < 3; ++c )
+    {
+        float value = is_nan ? ( c == 1 ? 0.0f : 16.0f ) : from[c];
+        out[c] = FLOOR + fminf( fmaxf( value, 0.0f ), BRIGHTEST );
+    }
+}
+
+static int16_t to_units( float light )
+{
+    return (int16_t)lrintf( STOP * log2f( light ) );
+}
+
+static void measure_cell( const RfImage* image, int column, int row, int16_t out[3] )
+{
+    int x_end = ( column + 1 ) * RF_PICTURE_CELL, y_end = ( row + 1 ) * RF_PICTURE_CELL;
+    x_end = x_end < image->width ? x_end : image->width;
+    y_end = y_end < image->height ? y_end : image->height;
+    float sums[3] = { 0.0f, 0.0f, 0.0f }, pixel[3];
+    int count = 0;
+    for ( int y = row * RF_PICTURE_CELL; y < y_end; ++y )
+    {
+        for ( int x = column * RF_PICTURE_CELL; x < x_end; ++x, ++count )
+        {
+            take_pixel( image->rgb + 3 * ( (size_t)y * (size_t)image->width + (size_t)x ), pixel );
+            for ( int c = 0; c < 3; ++c )
+                sums[c] += sqrtf( pixel[c] );
+        }
+    }
+    for ( int c = 0; c < 3; ++c )
+    {
+        float mean = sums[c] / (float)count;
+        out[c] = to_units( mean * mean );
+    }
+}
+
+// The two cells that position `x` lies between, and the share of the second, in
+// 1/32: the centres of cells lie between pixels.
+static void place( int x, int count, int cells[2], int* share )
+{
+    int units = 2 * x + 1 - RF_PICTURE_CELL; // half pixels behind the first centre
+    int cell = units < 0 ? -1 : units / ( 2 * RF_PICTURE_CELL );
+    *share = units - cell * 2 * RF_PICTURE_CELL;
+    cells[0] = cell < 0 ? 0 : cell < count ? cell : count - 1;
+    cells[1] = cell + 1 < count ? cell + 1 : count - 1;
+}
+
+static int mix( int a, int b, int share )
+{
+    return a * ( 2 * RF_PICTURE_CELL - share ) + b * share; // in 1/32 units
+}
+
+// The byte of so many units above the base, for −LIMIT to LIMIT.
+#define LIMIT ( 32 * STOP )
+
+static void fill_codes( unsigned char codes[2 * LIMIT + 1] )
+{
+    for ( int units = -LIMIT; units <= LIMIT; ++units )
+    {
+        double steps = rint( 32.0 * log( 1.0 + 2.0 * abs( units ) / STOP ) );
+        steps = steps < 127.0 ? steps : 127.0;
+        codes[units + LIMIT] = (unsigned char)( 128.0 + ( units < 0 ? -steps : steps ) );
+    }
+}
+
+static void encode_row( const RfImage* image, const Base* base, int y, const unsigned char* codes, unsigned char* out )
+{
+    int rows[2], down;
+    place( y, base->rows, rows, &down );
+    const int16_t* upper = base->values + 3 * rows[0] * base->columns;
+    const int16_t* lower = base->values + 3 * rows[1] * base->columns;
+    const float* from = image->rgb + 3 * (size_t)y * (size_t)image->width;
+    for ( int x = 0; x < image->width; ++x )
+    {
+        int cells[2], across;
+        float pixel[3];
+        place( x, base->columns, cells, &across );
+        take_pixel( from + 3 * x, pixel );
+        for ( int c = 0; c < 3; ++c )
+        {
+            int left = mix( upper[3 * cells[0] + c], lower[3 * cells[0] + c], down );
+            int right = mix( upper[3 * cells[1] + c], lower[3 * cells[1] + c], down );
+            int level = mix( left, right, across ); // 1/1024 units
+            int units = to_units( pixel[c] ) - ( level + 512 >= 0 ? ( level + 512 ) / 1024 : -( ( 511 - level ) / 1024 ) );
+            units = units < -LIMIT ? -LIMIT : units > LIMIT ? LIMIT : units;
+            out[3 * x + c] = codes[units + LIMIT];
+        }
+    }
+}
+
+static RfResult measure_base( const RfImage* image, const char* name, Base* base, RfError* error )
+{
+    base->columns = ( image->width + RF_PICTURE_CELL - 1 ) / RF_PICTURE_CELL;
+    base->rows = ( image->height + RF_PICTURE_CELL - 1 ) / RF_PICTURE_CELL;
+    base->values = malloc( 3 * (size_t)base->columns * (size_t)base->rows * sizeof( int16_t ) );
+    if ( base->values == NULL )
+        return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for its picture", name );
+    for ( int row = 0; row < base->rows; ++row )
+    {
+        for ( int column = 0; column < base->columns; ++column )
+            measure_cell( image, column, row, base->values + 3 * ( row * base->columns + column ) );
+    }
+    return RF_OK;
+}
+
+static unsigned char* put16( unsigned char* out, int value )
+{
+    out[0] = (unsigned char)( (unsigned int)value & 255u );
+    out[1] = (unsigned char)( (unsigned int)value >> 8 & 255u );
+    return out + 2;
+}
+
+static RfResult join( const Base* base, const unsigned char* jpeg, size_t jpeg_size, const char* name, unsigned char** bytes,
+                      size_t* size, RfError* error )
+{
+    size_t count = 3 * (size_t)base->columns * (size_t)base->rows;
+    *size = HEADER_BYTES + 2 * count + jpeg_size;
+    *bytes = malloc( *size );
+    if ( *bytes == NULL )
+        return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for its picture", name );
+    unsigned char* out = put16( put16( put16( *bytes, RF_PICTURE_CELL ), base->columns ), base->rows );
+    for ( size_t i = 0; i < count; ++i )
+        out = put16( out, base->values[i] );
+    memcpy( out, jpeg, jpeg_size );
+    return RF_OK;
+}
+
+// Noise costs bits: the quality goes down until there are few enough.
+static RfResult encode_detail( const unsigned char* codes, const RfImage* image, const char* name, unsigned char** jpeg,
+                               size_t* size, RfError* error )
+{
+    static const int qualities[] = { RF_PICTURE_QUALITY, 82, 72, 60, 45, 30 };
+    const int count = (int)( sizeof qualities / sizeof qualities[0] );
+    double most = 1000.0 + (double)image->width * image->height * RF_PICTURE_MAX_BITS / 8.0;
+    RfResult result = RF_OK;
+    *jpeg = NULL;
+    for ( int i = 0; i < count && result == RF_OK; ++i )
+    {
+        free( *jpeg );
+        result = rf_encode_jpeg( codes, image->width, image->height, qualities[i], name, jpeg, size, error );
+        if ( result == RF_OK && (double)*size <= most )
+            break;
+    }
+    return result;
+}
+
+RfResult rf_encode_picture( const RfImage* image, const char* name, unsigned char** bytes, size_t* size, RfError* error )
+{
+    *bytes = NULL;
+    *size = 0;
+    if ( image->width < 1 || image->height < 1 || image->width > RF_JPEG_MAX_SIDE || image->height > RF_JPEG_MAX_SIDE )
+        return rf_fail( error, RF_ERROR_USAGE, "%s: %dx%d pixels are no size for a picture", name, image->width, image->height );
+    Base base = { 0 };
+    size_t jpeg_size, pixels = (size_t)image->width * (size_t)image->height;
+    unsigned char* jpeg = NULL;
+    unsigned char* codes = malloc( 3 * pixels + 2 * LIMIT + 1 ); // the picture, and the table of codes behind it
+    RfResult result = codes != NULL ? measure_base( image, name, &base, error )
+                                    : rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for its picture", name );
+    if ( result == RF_OK )
+    {
+        fill_codes( codes + 3 * pixels );
+        for ( int y = 0; y < image->height; ++y )
+            encode_row( image, &base, y, codes + 3 * pixels, codes + 3 * (size_t)y * (size_t)image->width );
+        result = encode_detail( codes, image, name, &jpeg, &jpeg_size, error );
+    }
+    if ( result == RF_OK )
+        result = join( &base, jpeg, jpeg_size, name, bytes, size, error );
+    free( jpeg );
+    free( codes );
+    free( base.values );
+    return result;
+}
+
+RfResult rf_shrink_image( const RfImage* image, int factor, RfImage* small, RfError* error )
+{
+    RfResult result = rf_create_image( ( image->width + factor - 1 ) / factor, ( image->height + factor - 1 ) / factor, small, error );
+    if ( result != RF_OK )
+        return result;
+    for ( int y = 0; y < small->height; ++y )
+    {
+        for ( int x = 0; x < small->width; ++x )
+        {
+            double sums[3] = { 0.0, 0.0, 0.0 };
+            int count = 0;
+            for ( int v = y * factor; v < ( y + 1 ) * factor && v < image->height; ++v )
+            {
+                for ( int u = x * factor; u < ( x + 1 ) * factor && u < image->width; ++u, ++count )
+                {
+                    for ( int c = 0; c < 3; ++c )
+                        sums[c] += (double)image->rgb[3 * ( (size_t)v * (size_t)image->width + (size_t)u ) + (size_t)c];
+                }
+            }
+            for ( int c = 0; c < 3; ++c )
+                small->rgb[3 * ( (size_t)y * (size_t)small->width + (size_t)x ) + (size_t)c] = (float)( sums[c] / count );
+        }
+    }
+    return RF_OK;
+}
