@@ -10,18 +10,26 @@ typedef struct Held
     size_t count, room;
 } Held;
 
+static RfResult allocate( RfRenderer* r, size_t bytes, void** memory, RfError* error )
+{
+    if ( bytes > rf_arena_room( &r->memory.arena ) )
+        return rf_fail( error, RF_ERROR_MEMORY, "--hold-all: the hit records of a group do not fit into %zu KiB: give more --memory, or leave it off",
+                        r->memory.arena.budget / 1024 );
+    return rf_arena_alloc( &r->memory.arena, ENTRY, bytes, memory, error );
+}
+
 static RfResult hold( RfRenderer* r, const RfBatchShape* shape, int count, Held* held, RfError* error )
 {
-    RfResult result = RF_OK;
-    for ( int i = 0; i < count && result == RF_OK; ++i )
+    for ( int i = 0; i < count; ++i )
     {
         const RfHitBatch* batch = r->memory.batches + i;
         void* memory;
-        result = rf_arena_alloc( &r->memory.arena, ENTRY, rf_packed_batch_bytes( shape, batch ), &memory, error );
-        if ( result == RF_OK )
-            held->batches[held->count++] = rf_pack_batch( shape, batch, memory );
+        RfResult result = allocate( r, rf_packed_batch_bytes( shape, batch ), &memory, error );
+        if ( result != RF_OK )
+            return result;
+        held->batches[held->count++] = rf_pack_batch( shape, batch, memory );
     }
-    return result;
+    return RF_OK;
 }
 
 static RfResult harvest_all( RfRenderer* r, const RfHarvest* harvest, const RfWindow* window, int jobs, Held* held, RfError* error )
@@ -54,7 +62,7 @@ RfResult rf_render_held( RfRenderer* r, const RfHarvest* harvest, const RfWindow
 {
     int jobs = harvest->shape.eyes * r->sizes.patches.count;
     Held held = { .room = (size_t)jobs * (size_t)window->passes };
-    RfResult result = rf_arena_alloc( &r->memory.arena, ENTRY, held.room * sizeof *held.batches, (void**)&held.batches, error );
+    RfResult result = allocate( r, held.room * sizeof *held.batches, (void**)&held.batches, error );
     if ( result == RF_OK )
         result = harvest_all( r, harvest, window, jobs, &held, error );
     for ( int pass = 0; pass < window->passes && result == RF_OK; ++pass )
