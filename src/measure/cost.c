@@ -274,7 +274,10 @@ static void conclude( Study* s )
 static RfResult resolve( Study* s, RfError* error )
 {
     const RfCostJob* job = s->job;
-    RfRenderSettings asked = *job->settings, *plain = s->settings, *reuse = s->settings + 1;
+    RfRenderSettings asked = *job->settings;
+    asked.noise = asked.time = 0.0;
+    asked.hold_all = false;
+    RfRenderSettings *plain = s->settings, *reuse = s->settings + 1;
     RfResult result = rf_resolve_settings( job->tracer, job->eyes, job->eye_count, &asked, reuse, error );
     if ( result != RF_OK )
         return result;
