@@ -100,8 +100,9 @@ void rf_print_manual_tail( FILE* file )
            "difference is the error, with which the efficiency is 1 / (relMSE x CPU seconds of a frame). All settings are\n"
            "tried at the same places of the path, first all of them on small pictures, then the better ones on larger\n"
            "pictures at more places. Tiles do less on small pictures; the output says where they are much smaller than\n"
-           "\\fB\\-\\-size\\fR. The first round is made whatever \\fB\\-\\-budget\\fR is.\n"
-           ".SH COST\n"
+           "\\fB\\-\\-size\\fR. The first round is made whatever \\fB\\-\\-budget\\fR is.\n",
+           file );
+    fputs( ".SH COST\n"
            "Frames from three places of the path are rendered with 2, 4, 8, ... samples, by path tracing and in one group with\n"
            "tiles, twice each with other random numbers: half the squared difference is the error. At equal error the ratio of\n"
            "times is that of relMSE x seconds over all of them, its interval by leaving out one place and count of samples at a\n"
