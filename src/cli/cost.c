@@ -2,13 +2,11 @@
 #include "measure/cost.h"
 
 #include "base/system.h"
-#include "cli/camera_options.h"
 #include "cli/commands.h"
 #include "cli/cost_report.h"
-#include "cli/frame_list.h"
 #include "cli/interrupt.h"
 #include "cli/report.h"
-#include "scene/scene_file.h"
+#include "cli/shot.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -18,44 +16,21 @@ typedef struct Job
     int argc;
     char** argv;
     RfCostOptions options;
-    RfSceneFile file; // options may point into it
-    RfScene scene;
-    RfCameraPath path;
-    int* frames;
-    int frame_count;
-    RfTracer* tracer;
+    RfShot shot; // options may point into it
     RfCost cost;
     double load_seconds;
 } Job;
 
-static void destroy_job( Job* job )
+static RfResult take_defaults( const RfField* defaults, void* user, RfError* error )
 {
-    rf_destroy_tracer( job->tracer );
-    rf_destroy_camera_path( &job->path );
-    rf_destroy_scene( &job->scene );
-    rf_close_scene_file( &job->file );
-    free( job->frames );
+    Job* job = user;
+    return rf_parse_cost_options_over( defaults, job->argc, job->argv, &job->options, error );
 }
 
 static RfResult load( Job* job, RfError* error )
 {
-    RfLog log = rf_stderr_log( "cost" );
     double start = rf_wall_seconds();
-    RfResult result = rf_open_scene_file( job->options.render.scene, &job->file, error );
-    if ( result != RF_OK )
-        return result;
-    RfField defaults = rf_scene_file_defaults( &job->file, error );
-    if ( defaults.json != NULL )
-        result = rf_parse_cost_options_over( &defaults, job->argc, job->argv, &job->options, error );
-    const RfRenderOptions* render = &job->options.render;
-    if ( result == RF_OK )
-        result = rf_load_scene_file( &job->file, &job->scene, &log, error );
-    if ( result == RF_OK )
-        result = rf_create_camera_path( &job->scene, render->camera, render->fps, render->size, &job->path, error );
-    if ( result == RF_OK )
-        result = rf_choose_frames( render->frames, &job->file, job->path.count, &job->frames, &job->frame_count, error );
-    if ( result == RF_OK )
-        result = rf_create_tracer( &job->scene, &job->tracer, error );
+    RfResult result = rf_load_shot( "cost", &job->options.render, take_defaults, job, &job->shot, error );
     job->load_seconds = rf_wall_seconds() - start;
     return result;
 }
@@ -81,11 +56,11 @@ static RfResult count_per_sweep( const Job* job, const RfCostCurve* curve, int* 
     settings.group = curve->group;
     settings.tile = curve->tile;
     RfMemoryFit fit;
-    RfResult result = rf_resolve_settings( job->tracer, job->path.eyes, job->path.count, &settings, &resolved, error );
+    RfResult result = rf_resolve_settings( job->shot.tracer, job->shot.path.eyes, job->shot.path.count, &settings, &resolved, error );
     if ( result == RF_OK )
-        result = rf_fit_memory( &job->scene, job->path.eyes, job->path.count, job->frame_count, &resolved, &fit, error );
+        result = rf_fit_memory( &job->shot.scene, job->shot.path.eyes, job->shot.path.count, job->shot.frame_count, &resolved, &fit, error );
     if ( result == RF_OK )
-        *per_sweep = fit.sweeps > 1 ? fit.films : job->frame_count;
+        *per_sweep = fit.sweeps > 1 ? fit.films : job->shot.frame_count;
     return result;
 }
 
@@ -115,8 +90,8 @@ static RfResult run( Job* job, RfError* error )
     if ( result != RF_OK )
         return result;
     RfTrialWatch watch = { go_on, NULL };
-    RfCostJob cost = { .tracer = job->tracer, .eyes = job->path.eyes, .eye_count = job->path.count, .frames = job->frames,
-                       .frame_count = job->frame_count, .settings = &job->options.render.settings, .budget = job->options.budget,
+    RfCostJob cost = { .tracer = job->shot.tracer, .eyes = job->shot.path.eyes, .eye_count = job->shot.path.count, .frames = job->shot.frames,
+                       .frame_count = job->shot.frame_count, .settings = &job->options.render.settings, .budget = job->options.budget,
                        .watch = &watch, .say = say, .user = job };
     result = rf_measure_cost( &cost, &job->cost, error );
     if ( result == RF_ERROR_INTERRUPTED && job->cost.reuse.count > 0 )
@@ -145,6 +120,6 @@ int rf_command_cost( int argc, char** argv )
         rf_catch_interrupts();
         result = run( &job, &error );
     }
-    destroy_job( &job );
+    rf_destroy_shot( &job.shot );
     return result == RF_OK ? 0 : rf_report_error( "cost", &error );
 }
