@@ -279,8 +279,8 @@ static void test_json_of_others( void** state )
     cli_write( "j/a.json", "{ no json", 9 );
     cli_write( "j/b.json", "[1, 2]", 6 );
     cli_write( "j/r.json", RENDER_JSON, strlen( RENDER_JSON ) );
-    static const char cost[] = "{\"rows\":[{\"reuse\":true,\"spp\":4,\"seconds\":2,\"relmse\":0.5},{\"reuse\":\"x\",\"seconds\":\"bad\",\"relmse\":[]},"
-                               "{\"reuse\":false,\"spp\":4,\"seconds\":1,\"relmse\":2.5}],\"slope\":-0.97,\"speedup_at_equal_error\":4.5}";
+    static const char cost[] = "{\"rows\":[{\"reuse\":true,\"group\":3,\"tile\":\"3x3\",\"spp\":4,\"seconds\":2,\"relmse\":0.5},{\"reuse\":\"x\",\"seconds\":\"bad\",\"relmse\":[]},"
+                               "{\"reuse\":false,\"spp\":4,\"seconds\":1,\"relmse\":2.5}],\"slope\":-0.97,\"speedup_at_equal_error\":4.5,\"speedup_low\":4,\"speedup_high\":5}";
     cli_write( "j/c.json", cost, strlen( cost ) );
     cli_expect( cli_run( "$R report j -o j.html" ), 0, NULL );
     json_t* data = read_data( "j.html", 2 );
@@ -294,7 +294,9 @@ static void test_json_of_others( void** state )
     assert_string_equal( fact( sequence, "Rays", "To other eyes" ), "2.5 M" );
     const json_t* curve = json_array_get( json_object_get( data, "cost" ), 0 );
     assert_int_equal( json_array_size( json_object_get( curve, "rows" ) ), 2 );
-    assert_string_equal( json_string_value( json_object_get( curve, "note" ) ), "slope -0.97; at equal error reuse takes 1/4.5 of the time" );
+    assert_string_equal( json_string_value( json_object_get( curve, "note" ) ), "slope -0.97; at equal error reuse is faster by 4.5 (4 to 5)" );
+    assert_string_equal( json_string_value( json_object_get( json_array_get( json_object_get( curve, "rows" ), 0 ), "reuse" ) ), "group 3, tile 3x3" );
+    assert_string_equal( json_string_value( json_object_get( json_array_get( json_object_get( curve, "rows" ), 1 ), "reuse" ) ), "path tracing" );
     json_decref( data );
     // by name; with a reference the estimate has no place
     cli_expect( cli_run( "mkdir k; mv j/r.json j/c.json k; $R report j --reference j -o k.html --render-json k/r.json --cost k/c.json" ), 0, NULL );

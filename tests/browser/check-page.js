@@ -73,6 +73,18 @@ async function check_exposure(page) {
   check((await look(page)).hash === before.hash, "curves go there and back");
 }
 
+// Where there is a reference: the error of the first panel, and the picture again.
+async function check_error_view(page) {
+  if (!await page.locator("#view").isVisible())
+    return;
+  const before = await look(page);
+  await page.locator("#view").selectOption("error");
+  const error = await look(page);
+  check(error.hash !== before.hash && Math.abs(error.mean - 128) < 40, `the error is about grey: ${error.mean.toFixed(1)}`);
+  await page.locator("#view").selectOption("picture");
+  check((await look(page)).hash === before.hash, "and the picture comes back");
+}
+
 async function check_seeking(page, count) {
   const first = await look(page);
   await page.locator("#scrubber").evaluate((slider, value) => {
@@ -154,6 +166,7 @@ async function run(browser) {
   if (pictures)
     await page.screenshot({ path: path.join(pictures, "page.png"), fullPage: true });
   await check_exposure(page);
+  await check_error_view(page);
   if (count > 1) {
     await check_seeking(page, count);
     await check_playing(page, count);
