@@ -268,7 +268,7 @@ static void test_other_programs( void** state )
 }
 
 #define RENDER_JSON                                                                                                                                  \
-    "{\"version\":\"1\",\"frames\":[{\"frame\":2,\"seconds\":1.5,\"relmse_estimate\":0.25}],\"seconds\":125,\"peak_bytes\":2500000,"         \
+    "{\"version\":\"1\",\"frames\":[{\"frame\":2,\"seconds\":1.5,\"native_spp\":14,\"relmse_estimate\":0.25}],\"seconds\":125,\"peak_bytes\":2500000,"         \
     "\"rays\":{\"primary\":1000,\"eye\":2500000},\"effects\":[\"diffuse\",\"</script>\"]}"
 
 static void test_json_of_others( void** state )
@@ -287,6 +287,7 @@ static void test_json_of_others( void** state )
     const json_t* sequence = sequence_of( data, 0 );
     check_item( sequence, "relmse", 1, 0.25 );
     check_item( sequence, "seconds", 1, 1.5 );
+    check_item( sequence, "samples", 1, 14.0 );
     assert_true( json_is_null( item( sequence, "relmse", 0 ) ) );
     assert_string_equal( fact( sequence, "Scene", "Effects" ), "diffuse, </script>" );
     assert_string_equal( fact( sequence, "Time and memory", "In all" ), "2 min 5 s" );
@@ -316,14 +317,16 @@ static void test_estimates_in_headers( void** state )
 {
     (void)state;
     make_folder( "e" );
-    const RfExrString said[] = { { "reframe/relmse-estimate", "0.125" }, { "reframe/group", "3" } }, none = { "reframe/relmse-estimate", "much" };
-    write_constant( "e/f1.exr", 20, 20, 1.0f, said, 2 );
+    const RfExrString said[] = { { "reframe/relmse-estimate", "0.125" }, { "reframe/group", "3" }, { "reframe/native-spp", "6.5" }, { "reframe/noise", "0.2" } }, none = { "reframe/relmse-estimate", "much" };
+    write_constant( "e/f1.exr", 20, 20, 1.0f, said, 4 );
     write_constant( "e/f2.exr", 20, 20, 1.0f, &none, 1 );
     cli_expect( cli_run( "$R report e -o e.html" ), 0, NULL );
     json_t* data = read_data( "e.html", 2 );
     check_item( sequence_of( data, 0 ), "relmse", 0, 0.125 );
     assert_true( json_is_null( item( sequence_of( data, 0 ), "relmse", 1 ) ) );
+    check_item( sequence_of( data, 0 ), "samples", 0, 6.5 );
     assert_string_equal( fact( sequence_of( data, 0 ), "Settings", "Group" ), "3" );
+    assert_string_equal( fact( sequence_of( data, 0 ), "Settings", "Wanted relMSE" ), "0.2" );
     json_decref( data );
 }
 

@@ -21,7 +21,7 @@ static json_t* blocks_json( const RfPageTrack* track )
 
 static void set_curves( json_t* object, const RfPageTrack* track )
 {
-    json_t *relmse = json_array(), *phi = json_array(), *f1 = json_array(), *seconds = json_array(), *bad = json_array();
+    json_t *relmse = json_array(), *phi = json_array(), *f1 = json_array(), *seconds = json_array(), *samples = json_array(), *bad = json_array();
     for ( int i = 0; i < track->count; ++i )
     {
         const RfPageFrame* frame = track->frames + i;
@@ -29,12 +29,14 @@ static void set_curves( json_t* object, const RfPageTrack* track )
         json_array_append_new( phi, rf_json_number( frame->phi ) );
         json_array_append_new( f1, rf_json_number( frame->f1 ) );
         json_array_append_new( seconds, rf_json_number( frame->seconds ) );
+        json_array_append_new( samples, rf_json_number( frame->samples ) );
         json_array_append_new( bad, json_integer( (json_int_t)frame->bad ) );
     }
     json_object_set_new( object, "relmse", relmse );
     json_object_set_new( object, "phi", phi );
     json_object_set_new( object, "f1", f1 );
     json_object_set_new( object, "seconds", seconds );
+    json_object_set_new( object, "samples", samples );
     json_object_set_new( object, "bad", bad );
 }
 
@@ -63,8 +65,9 @@ static json_t* notes_json( const RfPageData* data )
                                    : "Change of the picture from the frame before, root mean square: what moves counts too (no motion layers)";
     const char* phi = data->has_reference ? "1: the error is new in each frame, 0: it stands still"
                       : variance ? "The change over the variance layers; moving edges and highlights count too, a reference takes them out" : "";
-    return json_pack( "{s:s, s:s, s:s, s:s}", "relmse", data->has_reference ? "Against the reference" : "Estimated by the renderer, without a reference",
-                      "phi", phi, "f1", f1, "seconds", "Each frame's, as the renderer told" );
+    return json_pack( "{s:s, s:s, s:s, s:s, s:s}", "relmse", data->has_reference ? "Against the reference" : "Estimated by the renderer, without a reference",
+                      "phi", phi, "f1", f1, "seconds", "Each frame's, as the renderer told", "samples",
+                      "Traced per pixel of each frame" );
 }
 
 static void append_number( char* text, size_t size, const char* format, const json_t* value )

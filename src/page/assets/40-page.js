@@ -134,6 +134,8 @@ function start() {
   const seek = number => player.seek(data.frames.indexOf(number)).catch(showFailure);
   charts.push(...addFrameChart(data, "relmse", "Error: relMSE", data.notes.relmse, seek), ...addFrameChart(data, "phi", "Flicker: \u03c6", data.notes.phi, seek),
     ...addFrameChart(data, "f1", "Flicker: F1", data.notes.f1, seek), ...addFrameChart(data, "seconds", "Seconds", data.notes.seconds, seek));
+  if (data.sequences.some(sequence => new Set(sequence.samples.filter(value => value !== null)).size > 1))
+    charts.push(...addFrameChart(data, "samples", "Samples", data.notes.samples, seek));
   data.cost.forEach(addCostChart);
   addFacts(data);
   connectControls(player, data);
