@@ -268,7 +268,7 @@ static void test_other_programs( void** state )
 }
 
 #define RENDER_JSON                                                                                                                                  \
-    "{\"version\":\"1\",\"frames\":[{\"frame\":2,\"seconds\":1.5,\"relmse_estimate\":0.25}],\"seconds\":125,\"peak_bytes\":2500000,"         \
+    "{\"version\":\"1\",\"frames\":[{\"frame\":2,\"seconds\":1.5,\"native_spp\":14,\"relmse_estimate\":0.25}],\"seconds\":125,\"peak_bytes\":2500000,"         \
     "\"rays\":{\"primary\":1000,\"eye\":2500000},\"effects\":[\"diffuse\",\"</script>\"]}"
 
 static void test_json_of_others( void** state )
@@ -279,14 +279,15 @@ static void test_json_of_others( void** state )
     cli_write( "j/a.json", "{ no json", 9 );
     cli_write( "j/b.json", "[1, 2]", 6 );
     cli_write( "j/r.json", RENDER_JSON, strlen( RENDER_JSON ) );
-    static const char cost[] = "{\"rows\":[{\"reuse\":true,\"spp\":4,\"seconds\":2,\"relmse\":0.5},{\"reuse\":\"x\",\"seconds\":\"bad\",\"relmse\":[]},"
-                               "{\"reuse\":false,\"spp\":4,\"seconds\":1,\"relmse\":2.5}],\"slope\":-0.97,\"speedup_at_equal_error\":4.5}";
+    static const char cost[] = "{\"rows\":[{\"reuse\":true,\"group\":3,\"tile\":\"3x3\",\"spp\":4,\"seconds\":2,\"relmse\":0.5},{\"reuse\":\"x\",\"seconds\":\"bad\",\"relmse\":[]},"
+                               "{\"reuse\":false,\"spp\":4,\"seconds\":1,\"relmse\":2.5}],\"slope\":-0.97,\"speedup_at_equal_error\":4.5,\"speedup_low\":4,\"speedup_high\":5}";
     cli_write( "j/c.json", cost, strlen( cost ) );
     cli_expect( cli_run( "$R report j -o j.html" ), 0, NULL );
     json_t* data = read_data( "j.html", 2 );
     const json_t* sequence = sequence_of( data, 0 );
     check_item( sequence, "relmse", 1, 0.25 );
     check_item( sequence, "seconds", 1, 1.5 );
+    check_item( sequence, "samples", 1, 14.0 );
     assert_true( json_is_null( item( sequence, "relmse", 0 ) ) );
     assert_string_equal( fact( sequence, "Scene", "Effects" ), "diffuse, </script>" );
     assert_string_equal( fact( sequence, "Time and memory", "In all" ), "2 min 5 s" );
@@ -294,7 +295,9 @@ static void test_json_of_others( void** state )
     assert_string_equal( fact( sequence, "Rays", "To other eyes" ), "2.5 M" );
     const json_t* curve = json_array_get( json_object_get( data, "cost" ), 0 );
     assert_int_equal( json_array_size( json_object_get( curve, "rows" ) ), 2 );
-    assert_string_equal( json_string_value( json_object_get( curve, "note" ) ), "slope -0.97; at equal error reuse takes 1/4.5 of the time" );
+    assert_string_equal( json_string_value( json_object_get( curve, "note" ) ), "slope -0.97; at equal error reuse is faster by 4.5 (4 to 5)" );
+    assert_string_equal( json_string_value( json_object_get( json_array_get( json_object_get( curve, "rows" ), 0 ), "reuse" ) ), "group 3, tile 3x3" );
+    assert_string_equal( json_string_value( json_object_get( json_array_get( json_object_get( curve, "rows" ), 1 ), "reuse" ) ), "path tracing" );
     json_decref( data );
     // by name; with a reference the estimate has no place
     cli_expect( cli_run( "mkdir k; mv j/r.json j/c.json k; $R report j --reference j -o k.html --render-json k/r.json --cost k/c.json" ), 0, NULL );
@@ -314,14 +317,16 @@ static void test_estimates_in_headers( void** state )
 {
     (void)state;
     make_folder( "e" );
-    const RfExrString said[] = { { "reframe/relmse-estimate", "0.125" }, { "reframe/group", "3" } }, none = { "reframe/relmse-estimate", "much" };
-    write_constant( "e/f1.exr", 20, 20, 1.0f, said, 2 );
+    const RfExrString said[] = { { "reframe/relmse-estimate", "0.125" }, { "reframe/group", "3" }, { "reframe/native-spp", "6.5" }, { "reframe/noise", "0.2" } }, none = { "reframe/relmse-estimate", "much" };
+    write_constant( "e/f1.exr", 20, 20, 1.0f, said, 4 );
     write_constant( "e/f2.exr", 20, 20, 1.0f, &none, 1 );
     cli_expect( cli_run( "$R report e -o e.html" ), 0, NULL );
     json_t* data = read_data( "e.html", 2 );
     check_item( sequence_of( data, 0 ), "relmse", 0, 0.125 );
     assert_true( json_is_null( item( sequence_of( data, 0 ), "relmse", 1 ) ) );
+    check_item( sequence_of( data, 0 ), "samples", 0, 6.5 );
     assert_string_equal( fact( sequence_of( data, 0 ), "Settings", "Group" ), "3" );
+    assert_string_equal( fact( sequence_of( data, 0 ), "Settings", "Wanted relMSE" ), "0.2" );
     json_decref( data );
 }
 

@@ -75,15 +75,30 @@ static void write_sequence( const char* folder, int width, int height, int count
     }
 }
 
-// False where there is no browser; fails where a check does.
-static bool check_page( const char* page )
+// Columns, 8 pixels wide, of two brightnesses.
+static void write_columns( const char* name, float a, float b )
+{
+    RfImage image;
+    RfError error = { 0 };
+    char path[512];
+    snprintf( path, sizeof path, "%s/%s", cli_folder(), name );
+    assert_int_equal( rf_create_image( 160, 90, &image, &error ), RF_OK );
+    for ( int i = 0; i < 3 * 160 * 90; ++i )
+        image.rgb[i] = i / 3 % 160 / 8 % 2 == 0 ? a : b;
+    RfExrOptions options = rf_default_exr_options();
+    assert_int_equal( rf_write_exr( path, &image, &options, &error ), RF_OK );
+    rf_destroy_image( &image );
+}
+
+// False where there is no browser; fails where a check does. `more`: options.
+static bool check_page( const char* page, const char* more )
 {
     if ( cli_run( "command -v node > /dev/null" )->status != 0 )
     {
         print_message( "skipped: there is no Node.js: scripts/install-browser gets it\n" );
         return false;
     }
-    const CliResult* result = cli_run( CHECK "%s --seconds " SECONDS, page );
+    const CliResult* result = cli_run( CHECK "%s --seconds " SECONDS " %s", page, more );
     print_message( "%s", result->out );
     if ( result->status != 0 && result->status != 77 )
         fail_msg( "%s: %d\n%s", page, result->status, result->err );
@@ -98,7 +113,7 @@ static void test_of_full_size( void** state )
     size_t size;
     free( cli_read( "big.html", &size ) );
     assert_true( size < 40000000 );
-    if ( !check_page( "big.html" ) )
+    if ( !check_page( "big.html", "" ) )
         skip();
 }
 
@@ -115,12 +130,26 @@ static void test_side_by_side( void** state )
     cli_expect( cli_run( "rm 'a</script>&/f.0004.exr'; $R report 'a</script>&' --reference r --cost cost.json -o with.html --quiet" ), 0, NULL );
     cli_expect( cli_run( "$R report 'a</script>&' b -o two.html --quiet" ), 0, NULL );
     cli_expect( cli_run( "$R report b/f.0001.exr -o one.html --quiet" ), 0, NULL );
-    if ( !check_page( "with.html" ) || !check_page( "two.html" ) || !check_page( "one.html" ) )
+    if ( !check_page( "with.html", "" ) || !check_page( "two.html", "" ) || !check_page( "one.html", "" ) )
+        skip();
+}
+
+// What the browser paints is the sRGB curve of the light: of 0.5 it is 187.5, of
+// columns of 0.1 and 0.8 the mean of 89.0 and 231.1, two stops darker of 43.8 and 123.6.
+static void test_brightness( void** state )
+{
+    (void)state;
+    write_columns( "flat.exr", 0.5f, 0.5f );
+    write_columns( "columns.exr", 0.1f, 0.8f );
+    cli_expect( cli_run( "$R report flat.exr -o flat.html --quiet && $R report columns.exr -o columns.html --quiet && "
+                         "$R report columns.exr -o darker.html --exposure -2 --quiet" ), 0, NULL );
+    if ( !check_page( "flat.html", "--mean 187.5" ) || !check_page( "columns.html", "--mean 160.1" ) || !check_page( "darker.html", "--mean 83.7" ) )
         skip();
 }
 
 int main( void )
 {
-    const struct CMUnitTest tests[] = { cmocka_unit_test( test_of_full_size ), cmocka_unit_test( test_side_by_side ) };
+    const struct CMUnitTest tests[] = { cmocka_unit_test( test_of_full_size ), cmocka_unit_test( test_side_by_side ),
+                                        cmocka_unit_test( test_brightness ) };
     return cmocka_run_group_tests_name( "report in a browser", tests, enter, leave );
 }

@@ -130,6 +130,7 @@ static const struct
     { "reframe/scene", "Scene", "Scene" },           { "reframe/camera", "Scene", "Camera" },
     { "reframe/group", "Settings", "Group" },        { "reframe/tile", "Settings", "Tile" },
     { "reframe/spp", "Settings", "Samples a pixel" }, { "reframe/weights", "Settings", "Weights" },
+    { "reframe/noise", "Settings", "Wanted relMSE" }, { "reframe/time", "Settings", "Wanted seconds" },
     { "reframe/normalize", "Settings", "Normalisation" }, { "reframe/max-depth", "Settings", "Depth" },
     { "reframe/light-samples", "Settings", "Light samples" }, { "reframe/seed", "Settings", "Seed" },
     { "reframe/aov", "Settings", "Layers" },         { "reframe/version", "Settings", "Reframe" },

@@ -13,6 +13,7 @@ typedef struct RfPageFrame
     bool shown;     // its picture is in the page
     double relmse;  // against the reference, or an estimate
     double seconds;
+    double samples; // traced per pixel
     double phi, f1; // of this frame and the one before
     size_t bad;     // pixels with NaN or infinity
 } RfPageFrame;
