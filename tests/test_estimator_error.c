@@ -21,6 +21,7 @@
 #define EYES 7
 #define SPP 14
 #define REFERENCE_SEED 1000003
+#define FIRST_SEED 100 // the estimate was chosen by lower ones
 
 typedef struct Shot
 {
@@ -78,7 +79,7 @@ static void check_honest( const char* what, Shot* shot, int group, const char* t
     double estimate = 0.0, truth = 0.0;
     for ( int seed = 1; seed <= seeds; ++seed )
     {
-        Rendered rendered = render_middle( shot, group, tile, SPP, (uint64_t)seed );
+        Rendered rendered = render_middle( shot, group, tile, SPP, (uint64_t)( FIRST_SEED + seed ) );
         RfImage image = { .width = WIDTH, .height = HEIGHT, .rgb = rendered.rgb };
         RfImage reference = { .width = WIDTH, .height = HEIGHT, .rgb = shot->reference };
         RfErrorMetrics metrics;

@@ -4,10 +4,10 @@
 // true value: where noise is heavy the pixel's own would hide just the pixels
 // that err most (an estimate of a third of the truth was seen). What one half has
 // and the other has not is taken for a firefly, and the truth for the geometric mean
-// of two guesses at what is there else: what the other half has around, and what the
-// pixels around have where both halves agree with this one's (that side of an
-// edge). Alone the first tells too little in pictures full of edges, the second too
-// much where fireflies come in tiles. A glint that one pixel has, and one sample in
+// of two guesses at what is there else: what the other half has around (counted
+// twice), and what the pixels around have where both halves agree with this one's
+// (that side of an edge). Alone the first tells too little in pictures full of
+// edges, the second too much where fireflies come in tiles. A glint that one pixel has, and one sample in
 // ten, cannot be told from a firefly: there it tells too much.
 #include "image/film_pixel.h"
 
@@ -114,7 +114,7 @@ static double likely_value( const Strip* s, int x, int y )
     double own = fabs( mean_of_channels( s->rgb + 3 * index_of( s->film, x, y ) ) ), common = common_part( s, x, y );
     int less = s->half[y % SIDE][1][x - s->first] < s->half[y % SIDE][0][x - s->first];
     double around = fmin( own, fmax( common, surroundings( s, less, x ) ) ), like = fmin( own, fmax( common, likes( s, x, y ) ) );
-    return sqrt( around * like );
+    return cbrt( around * around * like );
 }
 
 static double squared_difference( const Strip* s, int x, int y )
