@@ -140,6 +140,8 @@ RfResult rf_tune( const RfTuneJob* job, RfTune* tune, RfError* error )
     for ( int i = 0; i < tune->count; ++i )
         t.candidate[i] = tune->rows[i].excluded == NULL;
     if ( result == RF_OK )
+        t.common.threads = rf_tune_workers( job, tune, &t.common );
+    if ( result == RF_OK )
         result = calibrate( &t, error );
     bool last = false;
     for ( int number = 0; number < RF_TUNE_ROUNDS && result == RF_OK && !last && count_candidates( &t ) > ( number > 0 ); ++number )

@@ -14,6 +14,10 @@ RfResult rf_list_tune_rows( const RfTuneJob* job, RfTune* tune, RfRenderSettings
 // What the trials say of the render.
 void rf_weigh_tune_rows( RfTune* tune, double pixels, int frames );
 
+// Threads that trials may run on beside each other, so that half of the memory of
+// each is left for films.
+int rf_tune_workers( const RfTuneJob* job, const RfTune* tune, const RfRenderSettings* common );
+
 // Windows beside each other that a site tries with groups of so many frames: small
 // groups would see too little else.
 int rf_tune_windows( int eyes );
