@@ -300,6 +300,22 @@ static void test_first_round( void** state )
     end( &s );
 }
 
+// A camera that stands still, and the shortest path that does not.
+static void test_short_paths( void** state )
+{
+    (void)state;
+    for ( int eyes = 1; eyes <= 2; ++eyes )
+    {
+        Setup s;
+        begin( &s, eyes, 8 );
+        RfTune tune = tune_of( &s );
+        assert_true( tune.count == eyes * RF_TUNE_TILES && tune.chosen >= 0 );
+        for ( int r = 0; r < tune.count; ++r )
+            assert_true( tune.rows[r].efficiency > 0.0 && tune.rows[r].eyes <= eyes );
+        end( &s );
+    }
+}
+
 static void test_more_rounds( void** state )
 {
     (void)state;
@@ -384,6 +400,7 @@ int main( void )
         cmocka_unit_test( test_rounds ),
         cmocka_unit_test( test_round_memory ),
         cmocka_unit_test( test_first_round ),
+        cmocka_unit_test( test_short_paths ),
         cmocka_unit_test( test_more_rounds ),
         cmocka_unit_test( test_interrupt ),
         cmocka_unit_test( test_black ),
