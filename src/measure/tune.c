@@ -122,6 +122,7 @@ static RfResult next_round( Tuner* t, int number, bool* last, RfError* error )
     RfResult result = run_round( t, round, deadline, &complete, error );
     t->tune->round_count += complete > 0;
     round->sites = complete;
+    rf_smooth_tune_rows( t->tune );
     rf_weigh_tune_rows( t->tune, (double)job->eyes->width * job->eyes->height, job->frame_count );
     if ( result == RF_ERROR_INTERRUPTED && !is_stopped( t ) )
     {

@@ -11,6 +11,9 @@ RfRenderSettings rf_tune_settings( const RfTuneRow* row, const RfRenderSettings*
 // resolved but for the group. Fails where none can be tried.
 RfResult rf_list_tune_rows( const RfTuneJob* job, RfTune* tune, RfRenderSettings* common, RfError* error );
 
+// Sets log_error and log_time from what the rows' trials have in common.
+void rf_smooth_tune_rows( RfTune* tune );
+
 // What the trials say of the render.
 void rf_weigh_tune_rows( RfTune* tune, double pixels, int frames );
 

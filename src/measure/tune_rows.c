@@ -110,9 +110,9 @@ static void weigh_row( RfTuneRow* row, double pixels, int frames )
     if ( row->rounds == 0 )
         return;
     double finish = trial->finish_pixels > 0.0 ? trial->finish_seconds / trial->finish_pixels : 0.0;
-    row->cpu_seconds = row->samples * rf_trial_sample_seconds( trial ) + frames * pixels * finish;
+    row->cpu_seconds = row->samples * rf_trial_sample_seconds( trial ) * exp( row->log_time ) + frames * pixels * finish;
     row->seconds = row->cpu_seconds / row->fit.threads;
-    row->relmse = rf_trial_relmse( trial, row->spp );
+    row->relmse = rf_trial_relmse( trial, row->spp ) * exp( row->log_error );
     row->f1 = rf_trial_f1( trial, row->spp );
     row->phi = rf_trial_phi( trial );
     double cost = row->relmse * row->cpu_seconds;
