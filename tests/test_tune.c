@@ -162,6 +162,46 @@ static void test_weighing( void** state )
     assert_true( isnan( tune.rows[3].efficiency ) && isnan( tune.rows[3].seconds ) && isnan( tune.rows[3].gain ) );
 }
 
+// Values that follow the model stay; one that is off moves back, the less the more is known of it.
+static void test_smoothing( void** state )
+{
+    (void)state;
+    static const int eyes[] = { 1, 3, 5, 7, 9, 13, 17, 25, 33 };
+    for ( int evidence = 1; evidence <= 100; evidence *= 10 )
+    {
+        RfTune tune = { .chosen = -1 };
+        for ( int tile = 0; tile < RF_TUNE_TILES; ++tile )
+        {
+            for ( int i = 0; i < 9; ++i )
+            {
+                RfTuneRow* row = tune.rows + tune.count++;
+                double x = log( eyes[i] ), odd = 0.02 * ( ( 7 * i + 3 * tile ) % 5 - 2 );
+                *row = ( RfTuneRow ){ .group = eyes[i] / 2, .eyes = eyes[i], .tile = { RF_TILE_BLOCK, tile + 1, 1 }, .spp = 10, .rounds = 1 };
+                row->trial = made_trial( exp( -x + 0.1 * x * x - 0.3 * tile - 0.02 * tile * x + odd ), 1e-6 * exp( 0.4 * x + 0.2 * tile ) );
+            }
+        }
+        RfTune clean = tune;
+        rf_smooth_tune_rows( &clean );
+        for ( int i = 0; i < clean.count; ++i )
+            assert_true( fabs( clean.rows[i].log_error ) < 0.05 && fabs( clean.rows[i].log_time ) < 1e-4 );
+        RfTuneRow* off = tune.rows + 21; // 3 frames, the third tile
+        off->trial.relmse *= exp( 1.0 );
+        RfTrial once = off->trial;
+        for ( int k = 1; k < evidence; ++k )
+            rf_add_trial( &off->trial, &once );
+        rf_smooth_tune_rows( &tune );
+        if ( evidence == 1 )
+            assert_true( off->log_error < -0.5 && off->log_error > -1.1 );
+        if ( evidence == 100 )
+            assert_true( off->log_error < 0.0 && off->log_error > -0.6 );
+        assert_true( fabs( off->log_time ) < 1e-3 );
+    }
+    // as many values as terms, or fewer, or none that is a number: they stay
+    RfTune tune = made_tune( 3 );
+    rf_smooth_tune_rows( &tune );
+    assert_true( tune.rows[1].log_error == 0.0 && tune.rows[2].log_time == 0.0 );
+}
+
 static int cut( const RfTune* tune, int kept, bool* candidate )
 {
     int count = 0;
@@ -300,6 +340,22 @@ static void test_first_round( void** state )
     end( &s );
 }
 
+// A camera that stands still, and the shortest path that does not.
+static void test_short_paths( void** state )
+{
+    (void)state;
+    for ( int eyes = 1; eyes <= 2; ++eyes )
+    {
+        Setup s;
+        begin( &s, eyes, 8 );
+        RfTune tune = tune_of( &s );
+        assert_true( tune.count == eyes * RF_TUNE_TILES && tune.chosen >= 0 );
+        for ( int r = 0; r < tune.count; ++r )
+            assert_true( tune.rows[r].efficiency > 0.0 && tune.rows[r].eyes <= eyes );
+        end( &s );
+    }
+}
+
 static void test_more_rounds( void** state )
 {
     (void)state;
@@ -379,11 +435,13 @@ int main( void )
         cmocka_unit_test( test_rows ),
         cmocka_unit_test( test_excluded ),
         cmocka_unit_test( test_weighing ),
+        cmocka_unit_test( test_smoothing ),
         cmocka_unit_test( test_cutting ),
         cmocka_unit_test( test_places ),
         cmocka_unit_test( test_rounds ),
         cmocka_unit_test( test_round_memory ),
         cmocka_unit_test( test_first_round ),
+        cmocka_unit_test( test_short_paths ),
         cmocka_unit_test( test_more_rounds ),
         cmocka_unit_test( test_interrupt ),
         cmocka_unit_test( test_black ),

@@ -27,8 +27,11 @@ static void print_row( const RfTuneRow* row )
         printf( "\n" );
         return;
     }
+    char sweeps[32] = "";
+    if ( row->fit.sweeps > 1 )
+        snprintf( sweeps, sizeof sweeps, "  in %d sweeps", row->fit.sweeps );
     printf( " %9.1f %9.3g %9.3g %9.3g %6.2f %10.4g %7.2f %6d%s\n", bytes_of( row ) / 1048576.0, row->seconds, row->relmse, row->f1,
-            row->phi, row->efficiency, row->gain, row->rounds, row->fit.sweeps > 1 ? "  in several sweeps" : "" );
+            row->phi, row->efficiency, row->gain, row->rounds, sweeps );
 }
 
 static void print_rounds( const RfTuneReport* r )

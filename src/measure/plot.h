@@ -56,7 +56,8 @@ RfResult rf_draw_plot( const RfPlot* plot, char** svg, size_t* size, RfError* er
 
 // Positions of ticks between min and max, ascending, at most `room`: 1, 2, 5 times
 // powers of ten on a short logarithmic axis, powers of ten on a long one, and
-// multiples of 1, 2 or 5 times a power of ten on a linear one. Returns how many.
+// multiples of 1, 2 or 5 times a power of ten on a linear one and on a logarithmic
+// one of less than a decade. Returns how many.
 #define RF_PLOT_TICKS 24
 int rf_plot_ticks( bool log, double min, double max, double* ticks, int room );
 

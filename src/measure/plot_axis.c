@@ -87,5 +87,5 @@ int rf_plot_ticks( bool log, double min, double max, double* ticks, int room )
 {
     if ( !( min < max ) || !isfinite( max - min ) || ( log && min <= 0.0 ) )
         return 0;
-    return log ? log_ticks( min, max, ticks, room ) : linear_ticks( min, max, ticks, room );
+    return log && max / min > 10.0 ? log_ticks( min, max, ticks, room ) : linear_ticks( min, max, ticks, room );
 }

@@ -122,6 +122,7 @@ static RfResult next_round( Tuner* t, int number, bool* last, RfError* error )
     RfResult result = run_round( t, round, deadline, &complete, error );
     t->tune->round_count += complete > 0;
     round->sites = complete;
+    rf_smooth_tune_rows( t->tune );
     rf_weigh_tune_rows( t->tune, (double)job->eyes->width * job->eyes->height, job->frame_count );
     if ( result == RF_ERROR_INTERRUPTED && !is_stopped( t ) )
     {
@@ -139,6 +140,8 @@ RfResult rf_tune( const RfTuneJob* job, RfTune* tune, RfError* error )
     RfResult result = rf_list_tune_rows( job, tune, &t.common, error );
     for ( int i = 0; i < tune->count; ++i )
         t.candidate[i] = tune->rows[i].excluded == NULL;
+    if ( result == RF_OK )
+        t.common.threads = rf_tune_workers( job, tune, &t.common );
     if ( result == RF_OK )
         result = calibrate( &t, error );
     bool last = false;

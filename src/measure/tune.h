@@ -6,7 +6,8 @@
 // All settings of a round are tried at the same places, weighed by the same
 // pictures, and with the same seeds; the errors are summed up over all of them
 // before they are compared, for relMSE is carried by few pixels, and a mean of
-// quotients would have a bias that depends on the noise.
+// quotients would have a bias that depends on the noise. What the trials of other
+// rows say of a row is made use of too (tune_smooth.c).
 //
 // Trials run side by side, one thread each: so their times are those of the work
 // alone, however small the pictures are.
@@ -42,6 +43,7 @@ typedef struct RfTuneRow
     const char* excluded;  // why it is not tried; NULL: it is
     int rounds;            // that it was tried in
     RfTrial trial;         // sums of all of them
+    double log_error, log_time; // what other rows say: to be added to the logarithms of the trial's
     // of the render as asked for; NaN where not tried
     double cpu_seconds, seconds; // of all frames
     double relmse, f1, phi;      // of a frame with `spp` samples

@@ -11,8 +11,15 @@ RfRenderSettings rf_tune_settings( const RfTuneRow* row, const RfRenderSettings*
 // resolved but for the group. Fails where none can be tried.
 RfResult rf_list_tune_rows( const RfTuneJob* job, RfTune* tune, RfRenderSettings* common, RfError* error );
 
+// Sets log_error and log_time from what the rows' trials have in common.
+void rf_smooth_tune_rows( RfTune* tune );
+
 // What the trials say of the render.
 void rf_weigh_tune_rows( RfTune* tune, double pixels, int frames );
+
+// Threads that trials may run on beside each other, so that half of the memory of
+// each is left for films.
+int rf_tune_workers( const RfTuneJob* job, const RfTune* tune, const RfRenderSettings* common );
 
 // Windows beside each other that a site tries with groups of so many frames: small
 // groups would see too little else.

@@ -85,6 +85,26 @@ RfResult rf_list_tune_rows( const RfTuneJob* job, RfTune* tune, RfRenderSettings
     return result == RF_OK && tried == 0 ? RF_ERROR_MEMORY : result; // with the line of the last tile
 }
 
+int rf_tune_workers( const RfTuneJob* job, const RfTune* tune, const RfRenderSettings* common )
+{
+    RfEye small = rf_resize_eye( job->eyes, 1, 1 );
+    size_t most = 1;
+    for ( int i = 0; i < tune->count; ++i )
+    {
+        RfRenderSettings settings = rf_tune_settings( tune->rows + i, common );
+        RfMemoryFit fit;
+        settings.threads = 1;
+        settings.layers = 0;
+        // but for its films, which are of a pixel here, it is like a trial of any size
+        RfResult result = rf_fit_memory( rf_tracer_scene( job->tracer ), &small, tune->rows[i].eyes, tune->rows[i].eyes, &settings, &fit, NULL );
+        size_t bytes = fit.bytes_hits + fit.bytes_lists;
+        if ( tune->rows[i].excluded == NULL && result == RF_OK && bytes > most )
+            most = bytes;
+    }
+    size_t room = common->memory / ( 2 * most );
+    return room < 1 ? 1 : room < (size_t)common->threads ? (int)room : common->threads;
+}
+
 static void weigh_row( RfTuneRow* row, double pixels, int frames )
 {
     const RfTrial* trial = &row->trial;
@@ -92,9 +112,9 @@ static void weigh_row( RfTuneRow* row, double pixels, int frames )
     if ( row->rounds == 0 )
         return;
     double finish = trial->finish_pixels > 0.0 ? trial->finish_seconds / trial->finish_pixels : 0.0;
-    row->cpu_seconds = row->samples * rf_trial_sample_seconds( trial ) + frames * pixels * finish;
+    row->cpu_seconds = row->samples * rf_trial_sample_seconds( trial ) * exp( row->log_time ) + frames * pixels * finish;
     row->seconds = row->cpu_seconds / row->fit.threads;
-    row->relmse = rf_trial_relmse( trial, row->spp );
+    row->relmse = rf_trial_relmse( trial, row->spp ) * exp( row->log_error );
     row->f1 = rf_trial_f1( trial, row->spp );
     row->phi = rf_trial_phi( trial );
     double cost = row->relmse * row->cpu_seconds;
