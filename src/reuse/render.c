@@ -1,13 +1,13 @@
 // The driver: windows of the path, their passes in chunks of batches, each
 // harvested and then computed into the films of the frames it serves.
 #include "base/system.h"
-#include "reuse/render_internal.h"
+#include "reuse/adaptive.h"
 
 #include <math.h>
 #include <omp.h>
 #include <string.h>
 
-static void add_rays( RfRayCounts* sum, const RfRayCounts* part )
+void rf_add_rays( RfRayCounts* sum, const RfRayCounts* part )
 {
     sum->primary += part->primary;
     sum->path += part->path;
@@ -34,9 +34,9 @@ static void harvest_chunk( RfRenderer* r, const RfHarvest* harvest, const RfWind
                 rf_add_layers( r, harvest, window, job.eye, scratch );
         }
 #pragma omp critical
-        add_rays( &rays, &mine );
+        rf_add_rays( &rays, &mine );
     }
-    add_rays( &r->rays, &rays );
+    rf_add_rays( &r->rays, &rays );
 }
 
 // The chunk into the films: a job is some rows of one film, so no two jobs
@@ -129,6 +129,8 @@ RfResult rf_render_pass( RfRenderer* r, const RfHarvest* harvest, const RfWindow
         if ( delivered != RF_OK )
             return delivered;
     }
+    if ( r->settings.adaptive )
+        rf_render_extra( r, harvest, window, pass, half );
     for ( int i = 0; i < r->memory.film_slots; ++i )
     {
         if ( r->memory.films[i].frame != -1 )
