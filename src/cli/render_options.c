@@ -33,7 +33,7 @@ static const RfOption s_options[] = {
     { .name = "size", .in_file = true, .type = RF_OPTION_SIZE, .value = &s_parsed.size, .min = 1, .max = RF_MAX_IMAGE_SIDE, .meta = "WxH",
       .default_text = "960x540", .help = "pixels" },
     { .name = "spp", .in_file = true, .type = RF_OPTION_INT, .value = &s_parsed.settings.spp, .min = 1, .max = 1048576, .meta = "S",
-      .given = &s_spp_given, .default_text = "28; with --noise or --time none",
+      .given = &s_spp_given, .default_text = "28; with --noise 65536, with --time 1048576",
       .help = "samples traced per pixel and frame in all, over the groups that hold the frame; the most that --noise and --time may take" },
     { .name = "noise", .in_file = true, .type = RF_OPTION_REAL, .value = &s_parsed.settings.noise, .min = 0, .max = RF_MAX_NOISE, .meta = "E",
       .default_text = "0: does not matter", .help = "every frame is rendered until its estimated relMSE is at most E" },
