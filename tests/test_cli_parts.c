@@ -126,7 +126,10 @@ static void test_progress_text( void** state )
     RfProgress progress = { .frames_done = 11, .frames_all = 48, .share = 0.25, .samples = 26.6e6, .seconds = 14.0 };
     rf_format_progress( &progress, text, sizeof text );
     assert_string_equal( text, "frame 12/48  25 %  1.9 M samples/s  0:42 left" );
-    progress = ( RfProgress ){ .frames_all = 1 };
+    progress.relmse = 0.00314;
+    rf_format_progress( &progress, text, sizeof text );
+    assert_string_equal( text, "frame 12/48  25 %  1.9 M samples/s  0:42 left  relMSE 0.0031" );
+    progress = ( RfProgress ){ .frames_all = 1, .relmse = (double)NAN };
     rf_format_progress( &progress, text, sizeof text );
     assert_string_equal( text, "frame 1/1  0 %  0 k samples/s  -:-- left" );
     progress = ( RfProgress ){ .frames_done = 2, .frames_all = 2, .share = 1.0, .samples = 5e3, .seconds = 10.0 };

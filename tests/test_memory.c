@@ -130,6 +130,7 @@ static const struct
     { "vase-room-ggx", "--group 2 --frames 1 --size 160x120 --spp 5 --threads 24 --aov albedo,normal,depth,motion,variance,samples" },
     { "still-life", "--group 1 --frames 1-2 --size 96x72 --spp 3 --threads 4 --tile rooks64 --light-samples 4" },
     { "turntable", "--group 1 --frames 1-2 --size 160x120 --spp 3 --threads 3 --tile 1 --aov depth" },
+    { "still-life", "--group 2 --frames 3-5 --size 120x90 --spp 5 --threads 3 --adaptive" },
     // these two are not the same in less memory
     { "vase-room-phong", "--group 1 --frames 1 --size 96x72 --spp 3 --threads 2 --tile 1 --weights eq15" },
     { "vase-room", "--group 2 --frames 3-6 --size 120x90 --noise 0.06 --threads 2" },

@@ -42,7 +42,7 @@ void rf_format_progress( const RfProgress* progress, char* text, size_t size )
     int frame = progress->frames_done < progress->frames_all ? progress->frames_done + 1 : progress->frames_all;
     int length = snprintf( text, size, "frame %d/%d  %.0f %%  %s  %s left", frame, progress->frames_all,
                            floor( 100.0 * progress->share ), rate, left );
-    if ( progress->frames_done > 0 && isfinite( progress->relmse ) && length > 0 && (size_t)length < size )
+    if ( progress->relmse > 0.0 && isfinite( progress->relmse ) && length > 0 && (size_t)length < size )
         snprintf( text + length, size - (size_t)length, "  relMSE %.2g", progress->relmse );
 }
 

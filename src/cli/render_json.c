@@ -80,6 +80,8 @@ json_t* rf_render_json( const RfRenderOptions* options, const RfScene* scene, co
                       rf_weights_name( options->settings.weights ), "normalize",
                       rf_normalize_name( options->settings.normalize ), "threads", stats->threads, "effects",
                       rf_effect_names_json( scene ) );
+    if ( options->settings.adaptive )
+        json_object_set_new( json, "adaptive", json_true() );
     if ( options->settings.noise > 0.0 )
         json_object_set_new( json, "noise", json_pack( "{s:f, s:i}", "wanted", options->settings.noise, "missed", stats->missed ) );
     if ( options->settings.time > 0.0 )

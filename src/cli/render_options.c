@@ -33,7 +33,7 @@ static const RfOption s_options[] = {
     { .name = "size", .in_file = true, .type = RF_OPTION_SIZE, .value = &s_parsed.size, .min = 1, .max = RF_MAX_IMAGE_SIDE, .meta = "WxH",
       .default_text = "960x540", .help = "pixels" },
     { .name = "spp", .in_file = true, .type = RF_OPTION_INT, .value = &s_parsed.settings.spp, .min = 1, .max = 1048576, .meta = "S",
-      .given = &s_spp_given, .default_text = "28; with --noise or --time none",
+      .given = &s_spp_given, .default_text = "28; with --noise 65536, with --time 1048576",
       .help = "samples traced per pixel and frame in all, over the groups that hold the frame; the most that --noise and --time may take" },
     { .name = "noise", .in_file = true, .type = RF_OPTION_REAL, .value = &s_parsed.settings.noise, .min = 0, .max = RF_MAX_NOISE, .meta = "E",
       .default_text = "0: does not matter", .help = "every frame is rendered until its estimated relMSE is at most E" },
@@ -45,6 +45,8 @@ static const RfOption s_options[] = {
       .help = "paths serve groups of 2N+1 frames; 0: no reuse" },
     { .name = "tile", .in_file = true, .type = RF_OPTION_STRING, .value = &s_parsed.tile, .meta = "WxH|rooksN|1", .default_text = "3x3",
       .help = "pixels of a frame that share their paths: blocks, N of an NxN grid, or none" },
+    { .name = "adaptive", .in_file = true, .type = RF_OPTION_BOOL, .value = &s_parsed.settings.adaptive, .default_text = "no",
+      .help = "extra samples for pixels that few other frames help: borders, what comes into view, mirrors, glass" },
     { .name = "tile-roulette", .in_file = true, .type = RF_OPTION_BOOL, .value = &s_parsed.settings.tile_roulette, .default_text = "no",
       .help = "Russian roulette on the connections in a tile that are worth little" },
     { .name = "weights", .in_file = true, .type = RF_OPTION_CHOICE, .value = &s_weights_index, .choices = s_weights,
@@ -111,6 +113,8 @@ static RfResult check( const RfRenderOptions* options, RfError* error )
         return rf_fail( error, RF_ERROR_USAGE, "--output: wants a name that ends in .exr, got '%s'", options->output );
     if ( s_half_given && s_float_given && options->half == s_float )
         return rf_fail( error, RF_ERROR_USAGE, "--half and --float: only one of the two" );
+    if ( options->settings.adaptive && s_weights_index != RF_WEIGHTS_EXACT )
+        return rf_fail( error, RF_ERROR_USAGE, "--adaptive: wants --weights exact, not %s", s_weights[s_weights_index] );
     if ( options->resume && options->overwrite )
         return rf_fail( error, RF_ERROR_USAGE, "--resume and --overwrite: only one of the two" );
     return RF_OK;

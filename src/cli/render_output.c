@@ -145,8 +145,8 @@ void rf_frame_fingerprint( const RfRenderSubject* subject, int frame, char text[
               rf_weights_name( s->weights ), rf_normalize_name( s->normalize ), s->max_depth, s->light_samples,
               (unsigned long long)s->seed, tile, s->tile_roulette );
     uint64_t hash = hash_text( hash_text( subject->path->hash, REFRAME_VERSION ), settings );
-    snprintf( settings, sizeof settings, "noise %.17g time %.17g", s->noise, s->time );
-    if ( s->noise > 0.0 || s->time > 0.0 )
+    snprintf( settings, sizeof settings, "noise %.17g time %.17g adaptive %d", s->noise, s->time, s->adaptive );
+    if ( s->noise > 0.0 || s->time > 0.0 || s->adaptive )
         hash = hash_text( hash, settings );
     char layers[128];
     rf_format_layers( s->layers, layers, sizeof layers );
@@ -231,6 +231,8 @@ static void list_attributes( const RfRenderSubject* subject, const RfFrameResult
     add_text( attributes, "reframe/seed", seed );
     add_number( attributes, "reframe/max-depth", "%.0f", s->max_depth );
     add_number( attributes, "reframe/light-samples", "%.0f", s->light_samples );
+    if ( s->adaptive )
+        add_text( attributes, "reframe/adaptive", "yes" );
     if ( s->noise > 0.0 )
         add_number( attributes, "reframe/noise", "%.9g", s->noise );
     if ( s->time > 0.0 )

@@ -11,10 +11,12 @@ void rf_clear_film( RfFilm* film )
         memset( film->half[h], 0, rf_film_half_bytes( film->width, film->height ) );
         if ( film->total[h] != NULL )
             memset( film->total[h], 0, rf_film_total_bytes( film->width, film->height ) );
+        if ( film->extra[h] != NULL )
+            memset( film->extra[h], 0, rf_film_extra_bytes( film->width, film->height ) );
         film->passes[h] = 0;
         film->weight[h] = 0.0;
     }
-    film->landed = 0;
+    film->landed = film->extra_samples = 0;
 }
 
 void rf_end_film_pass( RfFilm* film, int half, double weight )

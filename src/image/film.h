@@ -16,6 +16,8 @@ typedef struct RfFilm
     int passes[2];    // passes summed up in each half
     double weight[2]; // and the sum of their weights, which is the mean of B
     uint64_t landed;  // samples that fell into the film
+    float* extra[2];  // per pixel: weights of samples besides those passes, which count like a pass there; NULL: none
+    uint64_t extra_samples;
 } RfFilm;
 
 // Additions to a pixel after which a sum in floats is moved to one in doubles.
@@ -32,6 +34,8 @@ typedef enum RfFilmCombine
 // Bytes of a half, and of the doubles that it is emptied into.
 static inline size_t rf_film_half_bytes( int width, int height ) { return (size_t)width * (size_t)height * 4 * sizeof( float ); }
 static inline size_t rf_film_total_bytes( int width, int height ) { return (size_t)width * (size_t)height * 4 * sizeof( double ); }
+
+static inline size_t rf_film_extra_bytes( int width, int height ) { return (size_t)width * (size_t)height * sizeof( float ); }
 
 // Passes after which a half must be emptied where a pass adds to a pixel about
 // `samples` times.

@@ -16,6 +16,7 @@ static inline RfFilmPixel rf_film_pixel( const RfFilm* film, size_t i )
     RfFilmPixel p = { .weight = { film->weight[0], film->weight[1] } };
     for ( int h = 0; h < 2; ++h )
     {
+        p.weight[h] += film->extra[h] != NULL ? (double)film->extra[h][i] : 0.0;
         for ( size_t c = 0; c < 4; ++c )
             p.half[h][c] = (double)film->half[h][4 * i + c] + ( film->total[h] != NULL ? film->total[h][4 * i + c] : 0.0 );
     }

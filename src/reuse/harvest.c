@@ -151,6 +151,37 @@ static void copy_hits( const RfVertexLanes* v, RfHitBatch* batch )
         memcpy( batch->clearcoat_n[c], v->clearcoat_n[c] + first, bytes );
 }
 
+// Of the pixels listed those whose tiles are drawn, by what their pixels need in
+// the mean; without tiles each is one.
+static int choose_needy( const RfHarvest* harvest, uint64_t key, int count, int tiles, RfHarvestScratch* scratch )
+{
+    float need[RF_LANES] = { 0 };
+    int32_t size[RF_LANES] = { 0 };
+    bool shared = scratch->share != NULL;
+    for ( int i = 0; i < count; ++i )
+    {
+        int t = shared ? scratch->tile_of[i] : i;
+        need[t] += harvest->need[scratch->pixel[i]];
+        size[t] += 1;
+    }
+    for ( int t = 0; t < ( shared ? tiles : count ); ++t )
+    {
+        RfRandomKey draw = rf_pixel_key( rf_mix64( key ), (uint32_t)t );
+        bool chosen = size[t] > 0 && need[t] / (float)size[t] - (float)harvest->round > rf_random( draw, 0 );
+        size[t] = chosen;
+    }
+    int left = 0;
+    for ( int i = 0; i < count; ++i )
+    {
+        int t = shared ? scratch->tile_of[i] : i;
+        scratch->pixel[left] = scratch->pixel[i];
+        if ( shared )
+            scratch->tile_of[left] = t;
+        left += size[t];
+    }
+    return left;
+}
+
 void rf_harvest_batch( const RfHarvest* harvest, RfHarvestJob job, RfHitBatch* batch, RfHarvestScratch* scratch,
                        RfRayCounts* rays )
 {
@@ -162,6 +193,8 @@ void rf_harvest_batch( const RfHarvest* harvest, RfHarvestJob job, RfHitBatch* b
 
     // first hits
     int tiles, count = rf_list_patch( &harvest->patches, eye, key, job.patch, scratch->pixel, scratch->tile_of, &tiles );
+    if ( harvest->need != NULL )
+        count = choose_needy( harvest, key, count, tiles, scratch );
     if ( scratch->share != NULL )
     {
         memcpy( scratch->share->tile_of, scratch->tile_of, (size_t)count * sizeof *scratch->tile_of );

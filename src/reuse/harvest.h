@@ -21,6 +21,8 @@ typedef struct RfHarvest
     const RfEye* eyes; // shape.eyes of them
     int first_frame;   // path frame of eyes[0]
     int window;        // its number
+    const float* need; // samples wanted by each pixel: only tiles drawn by it are harvested; NULL: all
+    int round;         // of the need, the part from here to one more
 } RfHarvest;
 
 // One batch: whose pixels, which, and the pass.

@@ -69,7 +69,7 @@ RfResult rf_render_held( RfRenderer* r, const RfHarvest* harvest, const RfWindow
     {
         rf_begin_pass( r, harvest );
         rf_compute_chunk( r, harvest, window, pass, held.batches + (size_t)pass * (size_t)jobs, jobs );
-        rf_end_pass( r, window, pass );
+        rf_end_pass( r, harvest, window, pass );
     }
     let_go( r, &harvest->shape, &held );
     return result;

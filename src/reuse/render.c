@@ -1,13 +1,13 @@
 // The driver: windows of the path, their passes in chunks of batches, each
 // harvested and then computed into the films of the frames it serves.
 #include "base/system.h"
-#include "reuse/render_internal.h"
+#include "reuse/adaptive.h"
 
 #include <math.h>
 #include <omp.h>
 #include <string.h>
 
-static void add_rays( RfRayCounts* sum, const RfRayCounts* part )
+void rf_add_rays( RfRayCounts* sum, const RfRayCounts* part )
 {
     sum->primary += part->primary;
     sum->path += part->path;
@@ -33,9 +33,9 @@ void rf_harvest_chunk( RfRenderer* r, const RfHarvest* harvest, const RfWindow* 
                 rf_add_layers( r, harvest, window, job.eye, scratch );
         }
 #pragma omp critical
-        add_rays( &rays, &mine );
+        rf_add_rays( &rays, &mine );
     }
-    add_rays( &r->rays, &rays );
+    rf_add_rays( &r->rays, &rays );
 }
 
 // A job is some rows of one film, so no two jobs touch the same pixel and every
@@ -124,8 +124,10 @@ void rf_begin_pass( RfRenderer* r, const RfHarvest* harvest )
         forget_landed_eyes( r );
 }
 
-void rf_end_pass( RfRenderer* r, const RfWindow* window, int pass )
+void rf_end_pass( RfRenderer* r, const RfHarvest* harvest, const RfWindow* window, int pass )
 {
+    if ( r->settings.adaptive )
+        rf_render_extra( r, harvest, window, pass, rf_half_of_pass( window, pass ) );
     for ( int i = 0; i < r->memory.film_slots; ++i )
     {
         if ( r->memory.films[i].frame != -1 )
@@ -146,7 +148,7 @@ RfResult rf_render_pass( RfRenderer* r, const RfHarvest* harvest, const RfWindow
         if ( result != RF_OK )
             return result;
     }
-    rf_end_pass( r, window, pass );
+    rf_end_pass( r, harvest, window, pass );
     return RF_OK;
 }
 

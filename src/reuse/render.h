@@ -36,6 +36,7 @@ typedef struct RfRenderSettings
     int group;         // half-width n, cut to the path; RF_GROUP_AUTO: chosen
     RfTile tile;       // pixels of a frame that share their paths
     bool tile_roulette; // Russian roulette on connections in a tile that are worth little
+    bool adaptive;     // extra native samples for pixels that few other frames help; RF_WEIGHTS_EXACT only
     RfWeights weights;
     RfNormalize normalize;
     int max_depth;     // path vertices after the eye

@@ -1,7 +1,7 @@
 // Frames of a render: their films from the first window that holds them to the
 // last, and then to the caller.
 #include "base/system.h"
-#include "reuse/render_internal.h"
+#include "reuse/adaptive.h"
 
 // Was the frame asked for? The frames are in ascending order.
 static bool asked_for( const RfRenderer* r, int frame )
@@ -44,6 +44,8 @@ void rf_open_films( RfRenderer* r, int window )
         live->noise = live->seen = 0.0;
         rf_clear_film( &live->film );
         rf_clear_layer_film( &live->layers, r->sizes.width, r->sizes.height );
+        if ( r->settings.adaptive )
+            rf_run_pilot( r, live );
     }
 }
 
@@ -73,7 +75,7 @@ static RfResult finish_film( RfRenderer* r, LiveFilm* live, RfError* error )
     RfFilmCombine combine = rf_film_combine( r->settings.normalize );
     RfFrameBuffer* buffer = rf_next_frame_buffer( &r->delivery );
     rf_combine_film( &live->film, combine, buffer->rgb, buffer->weight );
-    double now = rf_wall_seconds();
+    double now = rf_wall_seconds(), pixels = (double)r->sizes.width * (double)r->sizes.height;
     buffer->result = ( RfFrameResult ){
         .frame = live->frame,
         .width = r->sizes.width,
@@ -82,8 +84,8 @@ static RfResult finish_film( RfRenderer* r, LiveFilm* live, RfError* error )
         .weight = buffer->weight,
         .seconds = now - r->last_frame,
         .relmse_estimate = rf_estimate_relmse( &live->film, combine, buffer->rgb ),
-        .native_spp = live->film.passes[0] + live->film.passes[1],
-        .effective_spp = (double)live->film.landed / ( (double)r->sizes.width * (double)r->sizes.height ),
+        .native_spp = live->film.passes[0] + live->film.passes[1] + (double)live->film.extra_samples / pixels,
+        .effective_spp = (double)live->film.landed / pixels,
     };
     buffer->result.reached = !rf_is_stopping( &r->settings ) || note_finished( r, live, buffer->result.relmse_estimate );
     r->last_relmse = buffer->result.relmse_estimate;

@@ -19,6 +19,8 @@ typedef struct LiveFilm
     RfLayerFilm layers;
     uint32_t* landed_eyes; // eq15 only
     double noise, seen;    // as in RfFrameNoise
+    float* need;           // extra samples wanted by each pixel in a pass; NULL: not adaptive
+    float most_need;
 } LiveFilm;
 
 // All that is allocated, from one arena.
@@ -48,6 +50,7 @@ typedef struct RenderSizes
     unsigned layers; // RF_LAYER_BIT of those asked for
     int total_every; // passes of a half of a film before it is emptied; 0: never
     bool stopping;   // by noise or time
+    bool adaptive;
     RfBatchShape shape;
 } RenderSizes;
 
@@ -76,6 +79,8 @@ typedef struct RfRenderer
 
 static inline bool rf_is_stopping( const RfRenderSettings* settings ) { return settings->noise > 0.0 || settings->time > 0.0; }
 
+void rf_add_rays( RfRayCounts* sum, const RfRayCounts* part );
+
 // One pass of a window, into half `half` of the films.
 RfResult rf_render_pass( RfRenderer* renderer, const RfHarvest* harvest, const RfWindow* window, int pass, RfError* error );
 
@@ -102,7 +107,7 @@ void rf_harvest_chunk( RfRenderer* renderer, const RfHarvest* harvest, const RfW
 void rf_compute_chunk( RfRenderer* renderer, const RfHarvest* harvest, const RfWindow* window, int pass,
                        const RfHitBatch* batches, int count );
 void rf_begin_pass( RfRenderer* renderer, const RfHarvest* harvest );
-void rf_end_pass( RfRenderer* renderer, const RfWindow* window, int pass );
+void rf_end_pass( RfRenderer* renderer, const RfHarvest* harvest, const RfWindow* window, int pass );
 // After so many batches: progress, interruption, and what became of frames handed over.
 RfResult rf_end_chunk( RfRenderer* renderer, int count, RfError* error );
 
@@ -117,7 +122,7 @@ void rf_add_layers( const RfRenderer* renderer, const RfHarvest* harvest, const 
 // Bytes that are allocated, exactly: films; one image on its way to the caller;
 // workspaces; so many batches of hit records; all but the batches, with one
 // image. Of single arrays: which eyes landed where; a film's totals; what is
-// known of the films' noise; a layer
+// known of the films' noise; what an adaptive film has besides; a layer
 // while it is rendered, and finished. 0: not needed.
 size_t rf_films_bytes( const RenderSizes* sizes );
 size_t rf_image_bytes( const RenderSizes* sizes );
@@ -127,6 +132,8 @@ size_t rf_fixed_bytes( const RenderSizes* sizes );
 size_t rf_landed_bytes( const RenderSizes* sizes );
 size_t rf_totals_bytes( const RenderSizes* sizes );
 size_t rf_looks_bytes( const RenderSizes* sizes );
+size_t rf_need_bytes( const RenderSizes* sizes );
+size_t rf_extra_bytes( const RenderSizes* sizes );
 size_t rf_layer_film_bytes( const RenderSizes* sizes, int layer );
 size_t rf_layer_image_bytes( const RenderSizes* sizes, int layer );
 

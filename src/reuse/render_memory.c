@@ -68,6 +68,10 @@ static RfResult alloc_film( const RenderSizes* s, RenderMemory* m, LiveFilm* liv
         result = rf_arena_alloc( &m->arena, "films", rf_film_half_bytes( s->width, s->height ), (void**)&live->film.half[h], error );
     for ( int h = 0; h < 2 && result == RF_OK && s->total_every > 0; ++h )
         result = rf_arena_alloc( &m->arena, "films", rf_totals_bytes( s ), (void**)&live->film.total[h], error );
+    for ( int h = 0; h < 2 && result == RF_OK && s->adaptive; ++h )
+        result = rf_arena_alloc( &m->arena, "adaptive", rf_extra_bytes( s ), (void**)&live->film.extra[h], error );
+    if ( s->adaptive && result == RF_OK )
+        result = rf_arena_alloc( &m->arena, "adaptive", rf_need_bytes( s ), (void**)&live->need, error );
     if ( s->shape.eq15 && result == RF_OK )
         result = rf_arena_alloc( &m->arena, "landed eyes", rf_landed_bytes( s ), (void**)&live->landed_eyes, error );
     if ( result == RF_OK )
@@ -171,7 +175,9 @@ static void free_films( const RenderSizes* s, RenderMemory* m )
         {
             rf_arena_free( &m->arena, "films", m->films[i].film.half[h], rf_film_half_bytes( s->width, s->height ) );
             rf_arena_free( &m->arena, "films", m->films[i].film.total[h], rf_totals_bytes( s ) );
+            rf_arena_free( &m->arena, "adaptive", m->films[i].film.extra[h], rf_extra_bytes( s ) );
         }
+        rf_arena_free( &m->arena, "adaptive", m->films[i].need, rf_need_bytes( s ) );
         rf_arena_free( &m->arena, "landed eyes", m->films[i].landed_eyes, rf_landed_bytes( s ) );
         free_layer_film( s, m, &m->films[i].layers );
     }

@@ -1,6 +1,7 @@
 // What a render will allocate, by the byte: the same sums as render_memory.c makes.
 #include "reuse/render_internal.h"
 
+#include "reuse/adaptive.h"
 #include "scene/textured.h"
 
 #define BATCHES_PER_THREAD 16 // in a chunk: enough to share out, few enough to stay in the cache
@@ -52,7 +53,7 @@ RenderSizes rf_render_sizes( const RfScene* scene, const RfEye* eyes, const RfGr
                              const RfRenderSettings* settings )
 {
     // as many landings in a pixel as eyes, and half of the passes in each half
-    int total_every = rf_film_total_every( plan->eyes );
+    int total_every = rf_film_total_every( plan->eyes + ( settings->adaptive ? RF_MOST_EXTRA : 0 ) );
     int64_t most = ( rf_most_passes( plan ) + 1 ) / 2;
     return ( RenderSizes ){
         .total_every = rf_film_needs_total( most, total_every ) ? total_every : 0,
@@ -63,6 +64,7 @@ RenderSizes rf_render_sizes( const RfScene* scene, const RfEye* eyes, const RfGr
         .films = films < plan->eyes ? films : plan->eyes,
         .layers = settings->layers,
         .stopping = rf_is_stopping( settings ),
+        .adaptive = settings->adaptive,
         .buffers = settings->queue > films ? films : settings->queue > 1 ? settings->queue : 1,
         .shape = batch_shape( scene, plan->eyes, settings ),
     };
@@ -74,6 +76,10 @@ size_t rf_totals_bytes( const RenderSizes* s )
 }
 
 size_t rf_looks_bytes( const RenderSizes* s ) { return s->stopping ? (size_t)s->films * sizeof( RfFrameNoise ) : 0; }
+
+size_t rf_need_bytes( const RenderSizes* s ) { return s->adaptive ? film_pixels( s ) * sizeof( float ) : 0; }
+
+size_t rf_extra_bytes( const RenderSizes* s ) { return s->adaptive ? rf_film_extra_bytes( s->width, s->height ) : 0; }
 
 size_t rf_layer_film_bytes( const RenderSizes* s, int layer )
 {
@@ -92,6 +98,7 @@ static size_t optional( size_t bytes ) { return bytes > 0 ? rf_arena_size( bytes
 size_t rf_films_bytes( const RenderSizes* s )
 {
     size_t film = 2 * rf_arena_size( rf_film_half_bytes( s->width, s->height ) ) + 2 * optional( rf_totals_bytes( s ) );
+    film += optional( rf_need_bytes( s ) ) + 2 * optional( rf_extra_bytes( s ) );
     film += s->shape.eq15 ? rf_arena_size( rf_landed_bytes( s ) ) : 0;
     for ( int l = 0; l < RF_LAYER_COUNT; ++l )
         film += optional( rf_layer_film_bytes( s, l ) );
