@@ -107,11 +107,12 @@ class Flicker(unittest.TestCase):
 class Paper(unittest.TestCase):
     def test_row(self):
         plain = {"fixed": 2.0, "per_sample": 0.5, "error": 4.0, "own": 0.01}
-        frames = [{"effective_spp": 90.0 if 6 <= i < 42 else 150.0} for i in range(48)]
+        frames = [{"effective_spp": 90.0 if 7 <= i < 41 else 150.0} for i in range(48)]
         done = {"frames": frames, "error": 0.05 + 0.01, "cpu": 7.0, "peak_bytes": 1, "resident": 2}
         made = paper.compare(paper.EXPERIMENTS["A"], plain, "3:1", done)
         self.assertEqual((made["possible"], made["landed"]), (98, 90.0))
         self.assertAlmostEqual(made["sooner"], (2.0 + 45.0) / 7.0)
+        self.assertAlmostEqual(made["sooner_with_ends"], (2.0 + 0.5 * (34 * 90.0 + 14 * 150.0) / 48) / 7.0)
         self.assertAlmostEqual(made["equal_spp"], 80.0)
         self.assertAlmostEqual(made["sooner_at_equal_error"], 42.0 / 7.0)
 
