@@ -79,39 +79,39 @@ class Flicker(unittest.TestCase):
         self.assertAlmostEqual(rows[1]["relmse_equal"], last)
 
     def test_seams(self):
-        # a seam before frames 8, 15, ..., of half as much again, in a picture that grows noisier
-        def content(frame):
-            return 1.0 + 0.1 * frame
-
-        first = row("0:1", 1.0, 1.0, 1.0, pairs_of(48, content, lambda frame: 1.0))
-        seamy = row("3:1", 1.0, 1.0, 1.0, pairs_of(48, content, lambda frame: 0.15 if frame % 7 == 1 else 0.1))
-        even = row("3:1", 1.0, 1.0, 1.0, pairs_of(48, content, lambda frame: 0.1))
-        there, least, most = flicker.seams(seamy, first)
+        # before frames 8, 15, ... a change of half as much again; then none
+        seamy = row("3:1", 1.0, 1.0, 1.0, pairs_of(48, lambda frame: 1.0, lambda frame: 0.15 if frame % 7 == 1 else 0.1))
+        there, least, most = flicker.seams(seamy)
         self.assertAlmostEqual(there, 1.5)
         self.assertTrue(least <= most < 1.0)
-        for ratio in flicker.seams(even, first):
+        for ratio in flicker.seams(row("3:1", 1.0, 1.0, 1.0, pairs_of(48, lambda frame: 1.0, lambda frame: 0.1))):
             self.assertAlmostEqual(ratio, 1.0)
-        self.assertIsNone(flicker.seams(first, first))
+        self.assertIsNone(flicker.seams(row("0:1", 1.0, 1.0, 1.0, pairs_of(48, lambda frame: 1.0, lambda frame: 1.0))))
 
     def test_ends(self):
         def at_end(frame):
             return frame < 7 or frame > 42
 
-        first = row("0:1", 1.0, 1.0, 1.0, pairs_of(48, lambda frame: frame, lambda frame: 1.0))
-        mine = row("3:1", 1.0, 1.0, 1.0, pairs_of(48, lambda frame: frame, lambda frame: 0.09 if at_end(frame) else 0.1, at_end))
+        # twice as noisy a picture at the ends
+        def content(frame):
+            return 2.0 if at_end(frame) else 1.0
+
+        first = row("0:1", 1.0, 1.0, 1.0, pairs_of(48, content, lambda frame: 1.0))
+        mine = row("3:1", 1.0, 1.0, 1.0, pairs_of(48, content, lambda frame: 0.09 if at_end(frame) else 0.1, at_end))
         self.assertAlmostEqual(flicker.ends(mine, first), 0.9)
-        inside = row("3:1", 1.0, 1.0, 1.0, pairs_of(48, lambda frame: frame, lambda frame: 0.1))
+        inside = row("3:1", 1.0, 1.0, 1.0, pairs_of(48, content, lambda frame: 0.1))
         self.assertIsNone(flicker.ends(inside, first))
 
 
 class Paper(unittest.TestCase):
     def test_row(self):
         plain = {"fixed": 2.0, "per_sample": 0.5, "error": 4.0, "own": 0.01}
-        frames = [{"effective_spp": 90.0 if 6 <= i < 42 else 150.0} for i in range(48)]
+        frames = [{"effective_spp": 90.0 if 7 <= i < 41 else 150.0} for i in range(48)]
         done = {"frames": frames, "error": 0.05 + 0.01, "cpu": 7.0, "peak_bytes": 1, "resident": 2}
         made = paper.compare(paper.EXPERIMENTS["A"], plain, "3:1", done)
         self.assertEqual((made["possible"], made["landed"]), (98, 90.0))
         self.assertAlmostEqual(made["sooner"], (2.0 + 45.0) / 7.0)
+        self.assertAlmostEqual(made["sooner_with_ends"], (2.0 + 0.5 * (34 * 90.0 + 14 * 150.0) / 48) / 7.0)
         self.assertAlmostEqual(made["equal_spp"], 80.0)
         self.assertAlmostEqual(made["sooner_at_equal_error"], 42.0 / 7.0)
 

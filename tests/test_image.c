@@ -16,6 +16,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#define INCOMPRESSIBLE 400
+
 static void test_round_trip_float( void** state )
 {
     (void)state;
@@ -34,6 +36,26 @@ static void test_round_trip_float( void** state )
         RfImage back = write_and_read( "round.exr", &image, &options );
         assert_int_equal( back.width, image.width );
         assert_int_equal( back.height, image.height );
+        assert_memory_equal( back.rgb, image.rgb, image_bytes( &image ) );
+        rf_destroy_image( &back );
+        rf_destroy_image( &image );
+    }
+}
+
+// Rows that zlib makes no shorter and no longer: some of these come out as long as
+// they were, which OpenEXRCore itself stores so that it reads something else.
+static void test_round_trip_incompressible( void** state )
+{
+    (void)state;
+    for ( int i = 0; i < INCOMPRESSIBLE; ++i )
+    {
+        RfImage image = make_image( 40, 1, 1000 + (uint32_t)i );
+        // the last pixels are alike, so that a few bytes are saved
+        for ( int k = 3 * ( 39 - i % 8 ); k < 3 * 40; ++k )
+            image.rgb[k] = image.rgb[k - 3];
+        RfExrOptions options = rf_default_exr_options();
+        options.half = false;
+        RfImage back = write_and_read( "dense.exr", &image, &options );
         assert_memory_equal( back.rgb, image.rgb, image_bytes( &image ) );
         rf_destroy_image( &back );
         rf_destroy_image( &image );
@@ -353,7 +375,7 @@ int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( test_create_image ),      cmocka_unit_test( test_round_trip_float ),
-        cmocka_unit_test( test_round_trip_half ),   cmocka_unit_test( test_equal_bytes ),
+        cmocka_unit_test( test_round_trip_incompressible ), cmocka_unit_test( test_round_trip_half ),   cmocka_unit_test( test_equal_bytes ),
         cmocka_unit_test( test_attributes ),        cmocka_unit_test( test_read_string ),
         cmocka_unit_test( test_png ),               cmocka_unit_test( test_refused_places ),
         cmocka_unit_test( test_text_and_links ),    cmocka_unit_test( test_full_disk ),

@@ -15,6 +15,7 @@ typedef struct Writer
     int channel_count;
     float* clamped; // the lines of one chunk, one channel after another, of those that are half
     exr_encode_pipeline_t pipeline;
+    exr_result_t ( *compress )( exr_encode_pipeline_t* ); // the library's
     bool started; // the pipeline has been initialised
 } Writer;
 
@@ -168,6 +169,29 @@ static void aim_channels( Writer* writer, int y, int lines )
     }
 }
 
+// What does not get smaller is stored as it is. OpenEXRCore up to 3.4.7 does so
+// only where it gets larger, and takes for stored, when it reads, what came out
+// as long as it was (github.com/AcademySoftwareFoundation/openexr/issues/2306).
+static exr_result_t compress( exr_encode_pipeline_t* pipeline )
+{
+    const Writer* writer = pipeline->encoding_user_data;
+    exr_result_t code = writer->compress( pipeline );
+    if ( code == EXR_ERR_SUCCESS && pipeline->compressed_bytes == pipeline->packed_bytes && pipeline->compressed_buffer != pipeline->packed_buffer )
+        memcpy( pipeline->compressed_buffer, pipeline->packed_buffer, pipeline->packed_bytes );
+    return code;
+}
+
+static exr_result_t choose_routines( Writer* writer )
+{
+    exr_result_t code = exr_encoding_choose_default_routines( writer->context, 0, &writer->pipeline );
+    if ( code != EXR_ERR_SUCCESS || writer->pipeline.compress_fn == NULL || writer->pipeline.compress_fn == compress )
+        return code;
+    writer->compress = writer->pipeline.compress_fn;
+    writer->pipeline.compress_fn = compress;
+    writer->pipeline.encoding_user_data = writer;
+    return code;
+}
+
 static exr_result_t write_chunk( Writer* writer, int y )
 {
     exr_chunk_info_t chunk = { 0 };
@@ -180,7 +204,7 @@ static exr_result_t write_chunk( Writer* writer, int y )
     if ( code == EXR_ERR_SUCCESS )
     {
         aim_channels( writer, y, chunk.height );
-        code = exr_encoding_choose_default_routines( writer->context, 0, &writer->pipeline );
+        code = choose_routines( writer );
     }
     return code == EXR_ERR_SUCCESS ? exr_encoding_run( writer->context, 0, &writer->pipeline ) : code;
 }
