@@ -4,11 +4,13 @@
 // true value: where noise is heavy the pixel's own would hide just the pixels
 // that err most (an estimate of a third of the truth was seen). What one half has
 // and the other has not is taken for a firefly, and the truth for the geometric mean
-// of two guesses at what is there else: what the other half has around (counted
-// twice), and what the pixels around have where both halves agree with this one's
-// (that side of an edge). Alone the first tells too little in pictures full of
-// edges, the second too much where fireflies come in tiles. A glint that one pixel has, and one sample in
-// ten, cannot be told from a firefly: there it tells too much.
+// of three guesses at what is there else: what the other half has around; what the
+// pixels around have where both halves agree with this one's, which is that side of
+// an edge (counted twice); and the most that both halves have in a pixel beside this
+// one, for where few samples hit the bright side of an edge. Alone the first tells
+// too little in pictures full of edges, the second too much where fireflies come in
+// tiles, the third too little beside bright things. A glint that one pixel has, and
+// one sample in ten, cannot be told from a firefly.
 #include "image/film_pixel.h"
 
 #include <math.h>
@@ -107,14 +109,29 @@ static double likes( const Strip* s, int x, int y )
     return sum / count;
 }
 
+// The most that both halves have in a pixel beside x in row y, or in it.
+static double beside( const Strip* s, int x, int y )
+{
+    int left = x > s->first ? x - 1 : x, right = x + 1 < s->end ? x + 1 : x;
+    int top = y > 0 ? y - 1 : y, bottom = y + 1 < s->film->height ? y + 1 : y;
+    double most = 0.0;
+    for ( int row = top; row <= bottom; ++row )
+    {
+        for ( int i = left; i <= right; ++i )
+            most = fmax( most, common_part( s, i, row ) );
+    }
+    return most;
+}
+
 // The truth of a pixel, as far as its error is measured by it: no more than its
 // own value, no less than what both halves have.
 static double likely_value( const Strip* s, int x, int y )
 {
     double own = fabs( mean_of_channels( s->rgb + 3 * index_of( s->film, x, y ) ) ), common = common_part( s, x, y );
     int less = s->half[y % SIDE][1][x - s->first] < s->half[y % SIDE][0][x - s->first];
-    double around = fmin( own, fmax( common, surroundings( s, less, x ) ) ), like = fmin( own, fmax( common, likes( s, x, y ) ) );
-    return cbrt( around * around * like );
+    double around = fmin( own, fmax( common, surroundings( s, less, x ) ) );
+    double like = fmin( own, fmax( common, likes( s, x, y ) ) ), edge = fmin( own, beside( s, x, y ) );
+    return sqrt( like * sqrt( around * edge ) );
 }
 
 static double squared_difference( const Strip* s, int x, int y )
