@@ -246,9 +246,10 @@ static void test_render_json( void** state )
     const CliResult* result = cli_run( "$R render $VASE -o j.####.exr --frames 1-2 --json - --size 24x16 --spp 3 --group 1 --quiet" );
     cli_expect( result, 0, NULL );
     json_t* json = parse_json( result->out );
-    expect_keys( json, "version scene frames seconds seconds_scene peak_bytes budget_bytes rays group tile weights "
+    expect_keys( json, "version scene frames seconds seconds_scene peak_bytes budget_bytes bytes rays group tile weights "
                        "normalize threads effects" );
     expect_keys( json_object_get( json, "rays" ), "primary path shadow tile eye" );
+    expect_keys( json_object_get( json, "bytes" ), "film_table films image scratch hit_records" );
     json_t* frames = json_object_get( json, "frames" );
     assert_int_equal( json_array_size( frames ), 2 );
     expect_keys( json_array_get( frames, 1 ), "frame seconds relmse_estimate native_spp effective_spp" );

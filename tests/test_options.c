@@ -185,6 +185,40 @@ static void test_wrong_shape( void** state )
     expect_error( "--spp 3", "SCENE is missing, see reframe render --help" );
 }
 
+// The last file may be more than one where the table says so.
+static void test_more_files( void** state )
+{
+    (void)state;
+    static const char* const names[] = { "A", "DIR" };
+    int total = 0;
+    const RfCommandTable table = { .command = "many", .summary = "Many.", .files = names, .file_count = 2, .file_max = 4, .file_total = &total };
+    const char* files[4];
+    bool help;
+    RfError error;
+    char* arguments[] = { "many", "a", "b", "c", "d", "e" };
+    for ( int count = 2; count <= 4; ++count )
+    {
+        assert_int_equal( rf_parse_options( &table, 1 + count, arguments, files, &help, &error ), RF_OK );
+        assert_int_equal( total, count );
+        assert_string_equal( files[count - 1], arguments[count] );
+    }
+    assert_int_equal( rf_parse_options( &table, 2, arguments, files, &help, &error ), RF_ERROR_USAGE );
+    assert_string_equal( error.text, "DIR is missing, see reframe many --help" );
+    assert_int_equal( rf_parse_options( &table, 6, arguments, files, &help, &error ), RF_ERROR_USAGE );
+    assert_string_equal( error.text, "'e' is one file too many, see reframe many --help" );
+    arguments[3] = "";
+    assert_int_equal( rf_parse_options( &table, 4, arguments, files, &help, &error ), RF_ERROR_USAGE );
+    assert_string_equal( error.text, "DIR: the name is empty" );
+    char text[1024];
+    FILE* file = tmpfile();
+    assert_non_null( file );
+    rf_print_help( &table, file );
+    rewind( file );
+    text[fread( text, 1, sizeof text - 1, file )] = '\0';
+    fclose( file );
+    assert_non_null( strstr( text, "usage: reframe many [OPTIONS] A DIR...\n" ) );
+}
+
 static void test_help_names_every_option( void** state )
 {
     (void)state;
@@ -208,6 +242,7 @@ int main( void )
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( test_every_type_in_any_order ), cmocka_unit_test( test_defaults_and_keywords ),
         cmocka_unit_test( test_wrong_numbers ),           cmocka_unit_test( test_wrong_words ),
+        cmocka_unit_test( test_more_files ),
         cmocka_unit_test( test_wrong_shape ),             cmocka_unit_test( test_help_names_every_option ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );

@@ -21,6 +21,7 @@ static const Command s_commands[] = {
     { "info", rf_command_info, "what is in a scene, and which effects it calls for" },
     { "plan", rf_command_plan, "how large a group can be afforded, and which one pays" },
     { "tune", rf_command_tune, "the group and the tile that pay best, by short renders" },
+    { "cost", rf_command_cost, "what accuracy costs in time: error against seconds, with and without reuse" },
     { "compare", rf_command_compare, "the error of images against references" },
     { "flicker", rf_command_flicker, "how much the error changes from frame to frame" },
     { "report", rf_command_report, "rendered sequences as one HTML page, to look at" },

@@ -1,47 +1,19 @@
 // reframe report DIR…: one self-contained HTML page of rendered sequences.
 #include "cli/commands.h"
-#include "cli/frame_list.h"
 #include "cli/interrupt.h"
 #include "cli/options.h"
 #include "cli/page_data.h"
 #include "cli/page_facts.h"
+#include "cli/page_run.h"
 #include "cli/progress.h"
 #include "cli/report.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
 #define COMMAND "report"
-#define MOST_SEQUENCES 8      // on one page, without the reference
 #define HEAVY_BYTES 100000000 // pages from here on get a hint
-
-typedef struct Report
-{
-    const char* places[MOST_SEQUENCES];
-    int place_count;
-    const char* output;
-    const char* reference; // this and those that follow: or NULL
-    const char* cost_file;
-    const char* render_file;
-    const char* frame_list;
-    const char* title;
-    RfFps fps;
-    double exposure;
-    int width; // 0: pictures as they are
-    bool overwrite, quiet;
-    const char* json;
-
-    RfPageSequence sequences[MOST_SEQUENCES + 1]; // the reference is the last
-    RfPageTrack tracks[MOST_SEQUENCES + 1];
-    int sequence_count;
-    json_t* cost;
-    int* numbers; // of the page's frames
-    int count;
-    int done, all; // pictures
-    char words[1024]; // a title of our own
-} Report;
 
 static bool ends_with( const char* name, const char* suffix )
 {
@@ -49,7 +21,7 @@ static bool ends_with( const char* name, const char* suffix )
     return length > end && strcmp( name + length - end, suffix ) == 0;
 }
 
-static RfResult check_options( const Report* report, RfError* error )
+static RfResult check_options( const RfPageRun* report, RfError* error )
 {
     if ( report->output == NULL )
         return rf_fail( error, RF_ERROR_USAGE, "--output: is missing: give the page's name, such as -o report.html" );
@@ -63,107 +35,14 @@ static RfResult check_options( const Report* report, RfError* error )
     return RF_OK;
 }
 
-static RfResult open_sequences( Report* report, RfError* error )
-{
-    RfResult result = RF_OK;
-    for ( int i = 0; i < report->place_count && result == RF_OK; ++i )
-        result = rf_open_page_sequence( report->places[i], true, report->sequences + report->sequence_count++, error );
-    if ( result == RF_OK && report->reference != NULL )
-    {
-        RfPageSequence* reference = report->sequences + report->sequence_count++;
-        result = rf_open_page_sequence( report->reference, false, reference, error );
-        reference->is_reference = true;
-    }
-    if ( result == RF_OK && report->render_file != NULL )
-        result = rf_load_render_json( report->render_file, "--render-json", &report->sequences[0].render, error );
-    if ( result == RF_OK && report->cost_file != NULL )
-        result = rf_load_cost_json( report->cost_file, "--cost", &report->cost, error );
-    return result;
-}
-
-// Two folders of one name are told apart by what was given.
-static void tell_names_apart( Report* report )
-{
-    for ( int i = 0; i < report->place_count; ++i )
-    {
-        bool alike = strcmp( report->sequences[i].name, "." ) == 0 || strcmp( report->sequences[i].name, ".." ) == 0;
-        for ( int k = 0; k < report->sequence_count; ++k )
-            alike |= k != i && strcmp( report->sequences[i].name, report->sequences[k].name ) == 0;
-        if ( alike )
-            snprintf( report->sequences[i].name, sizeof report->sequences[i].name, "%.255s", report->places[i] );
-    }
-    if ( report->reference != NULL )
-        snprintf( report->sequences[report->place_count].name, sizeof report->sequences[0].name, "reference" );
-}
-
-static int compare_ints( const void* a, const void* b )
-{
-    int x = *(const int*)a, y = *(const int*)b;
-    return ( x > y ) - ( x < y );
-}
-
-// The frames of all sequences, each once.
-static RfResult join_frames( Report* report, RfError* error )
-{
-    int room = 0;
-    for ( int i = 0; i < report->place_count; ++i )
-        room += report->sequences[i].frame_count;
-    report->numbers = malloc( (size_t)room * sizeof( int ) );
-    if ( report->numbers == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "no memory left for the numbers of %d frames", room );
-    int all = 0;
-    for ( int i = 0; i < report->place_count; ++i )
-    {
-        const RfPageSequence* sequence = report->sequences + i;
-        memcpy( report->numbers + all, sequence->frames, (size_t)sequence->frame_count * sizeof( int ) );
-        all += sequence->frame_count;
-    }
-    qsort( report->numbers, (size_t)all, sizeof( int ), compare_ints );
-    for ( int i = 0; i < all; ++i )
-    {
-        if ( report->count == 0 || report->numbers[report->count - 1] != report->numbers[i] )
-            report->numbers[report->count++] = report->numbers[i];
-    }
-    return RF_OK;
-}
-
-static RfResult choose_frames( Report* report, RfError* error )
-{
-    int *wanted, count, left = 0, last = report->numbers[report->count - 1];
-    if ( report->frame_list == NULL )
-        return RF_OK;
-    RfResult result = rf_parse_frames( report->frame_list, last > 0 ? last : 1, &wanted, &count, error );
-    for ( int i = 0, from = 0; i < count && result == RF_OK; ++i )
-    {
-        while ( from < report->count && report->numbers[from] < wanted[i] + 1 )
-            ++from;
-        if ( from < report->count && report->numbers[from] == wanted[i] + 1 )
-            report->numbers[left++] = wanted[i] + 1;
-    }
-    free( wanted );
-    report->count = left;
-    if ( result == RF_OK && left == 0 )
-        return rf_fail( error, RF_ERROR_USAGE, "--frames: '%s': none of these is there", report->frame_list );
-    return result;
-}
-
-static void count_pictures( Report* report )
-{
-    for ( int i = 0; i < report->sequence_count; ++i )
-    {
-        for ( int k = 0; k < report->count; ++k )
-            report->all += rf_has_page_frame( report->sequences + i, report->numbers[k] );
-    }
-}
-
 static bool on_picture( void* user )
 {
-    Report* report = user;
+    RfPageRun* report = user;
     rf_show_frame_count( report->quiet, ++report->done, report->all );
     return !rf_is_interrupted();
 }
 
-static const char* title_of( Report* report )
+static const char* title_of( RfPageRun* report )
 {
     if ( report->title != NULL )
         return report->title;
@@ -175,7 +54,7 @@ static const char* title_of( Report* report )
     return report->words;
 }
 
-static RfPageData data_of( Report* report, const char* title )
+static RfPageData data_of( RfPageRun* report, const char* title )
 {
     const RfExrHeader* header = &report->sequences[0].header;
     double fps = report->fps.numerator > 0   ? (double)report->fps.numerator / report->fps.denominator
@@ -186,7 +65,7 @@ static RfPageData data_of( Report* report, const char* title )
                            .cost = report->cost };
 }
 
-static RfResult add_tracks( Report* report, RfPage* page, RfError* error )
+static RfResult add_tracks( RfPageRun* report, RfPage* page, RfError* error )
 {
     RfResult result = RF_OK;
     const RfPageSequence* reference = report->reference != NULL ? report->sequences + report->place_count : NULL;
@@ -215,7 +94,7 @@ static RfResult end_page( RfPage* page, const RfPageData* data, RfError* error )
     return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for the page's data", page->file.path );
 }
 
-static RfResult tell( const Report* report, const RfPageData* data, uint64_t bytes, RfError* error )
+static RfResult tell( const RfPageRun* report, const RfPageData* data, uint64_t bytes, RfError* error )
 {
     char weight[32];
     rf_format_bytes( (double)bytes, weight );
@@ -229,7 +108,7 @@ static RfResult tell( const Report* report, const RfPageData* data, uint64_t byt
     return rf_flush_output( error );
 }
 
-static RfResult write_page( Report* report, RfError* error )
+static RfResult write_page( RfPageRun* report, RfError* error )
 {
     RfPage page;
     const char* title = title_of( report );
@@ -247,37 +126,18 @@ static RfResult write_page( Report* report, RfError* error )
     return result == RF_OK ? tell( report, &data, page.bytes, error ) : result;
 }
 
-static RfResult run( Report* report, RfError* error )
+static RfResult run( RfPageRun* report, RfError* error )
 {
     RfResult result = check_options( report, error );
     if ( result == RF_OK )
-        result = open_sequences( report, error );
-    if ( result == RF_OK )
-        result = join_frames( report, error );
-    if ( result == RF_OK )
-        result = choose_frames( report, error );
-    if ( result != RF_OK )
-        return result;
-    tell_names_apart( report );
-    count_pictures( report );
-    return write_page( report, error );
-}
-
-static void destroy( Report* report )
-{
-    for ( int i = 0; i < report->sequence_count; ++i )
-    {
-        rf_close_page_sequence( report->sequences + i );
-        rf_free_page_track( report->tracks + i );
-    }
-    json_decref( report->cost );
-    free( report->numbers );
+        result = rf_prepare_page( report, error );
+    return result == RF_OK ? write_page( report, error ) : result;
 }
 
 int rf_command_report( int argc, char** argv )
 {
     static const char* const files[] = { "DIR" };
-    Report report = { 0 };
+    RfPageRun report = { 0 };
     const RfOption options[] = {
         { .name = "output", .letter = 'o', .type = RF_OPTION_STRING, .value = &report.output, .meta = "FILE.html", .help = "the page" },
         { .name = "overwrite", .type = RF_OPTION_BOOL, .value = &report.overwrite, .default_text = "off", .help = "replace a page that is there" },
@@ -304,7 +164,7 @@ int rf_command_report( int argc, char** argv )
                    "EXR files, or a sequence named with ####.",
         .files = files,
         .file_count = 1,
-        .file_max = MOST_SEQUENCES,
+        .file_max = RF_PAGE_MOST_SEQUENCES,
         .file_total = &report.place_count,
         .options = options,
         .option_count = sizeof options / sizeof options[0],
@@ -321,6 +181,6 @@ int rf_command_report( int argc, char** argv )
     rf_catch_interrupts();
     if ( result == RF_OK )
         result = run( &report, &error );
-    destroy( &report );
+    rf_destroy_page_run( &report );
     return result == RF_OK ? 0 : rf_report_error( COMMAND, &error );
 }

@@ -76,7 +76,7 @@ static void add_frames( json_t* facts, const RfPageTrack* track )
     snprintf( text, sizeof text, "%d, from %d to %d", shown, first, last );
     add( facts, "Picture", "Frames", text );
     if ( shown < track->count )
-        add_number( facts, "Picture", "Missing", "%.0f frames", track->count - shown );
+        add_number( facts, "Picture", "Missing", track->count - shown == 1 ? "%.0f frame" : "%.0f frames", track->count - shown );
     if ( bad > 0 )
         add_number( facts, "Picture", "No numbers", "%.0f pixels with NaN or infinity", (double)bad );
 }
@@ -130,6 +130,7 @@ static const struct
     { "reframe/scene", "Scene", "Scene" },           { "reframe/camera", "Scene", "Camera" },
     { "reframe/group", "Settings", "Group" },        { "reframe/tile", "Settings", "Tile" },
     { "reframe/spp", "Settings", "Samples a pixel" }, { "reframe/weights", "Settings", "Weights" },
+    { "reframe/noise", "Settings", "Wanted relMSE" }, { "reframe/time", "Settings", "Wanted seconds" },
     { "reframe/normalize", "Settings", "Normalisation" }, { "reframe/max-depth", "Settings", "Depth" },
     { "reframe/light-samples", "Settings", "Light samples" }, { "reframe/seed", "Settings", "Seed" },
     { "reframe/aov", "Settings", "Layers" },         { "reframe/version", "Settings", "Reframe" },

@@ -38,7 +38,6 @@ static void find_layers( Work* work )
         work->layers = ( RfFlickerLayers ){ 0 };
     rf_find_variance_layers( sequence->first, &sequence->header, &work->layers, NULL );
     track->compensated = work->layers.motion[0] != NULL;
-    track->masked = work->layers.depth != NULL;
     track->has_variance = work->layers.variance[0] != NULL;
 }
 
@@ -143,11 +142,14 @@ static void take_said( const RfPageSequence* sequence, int number, const char* p
             continue;
         told->relmse = number_of( row, "relmse_estimate" );
         told->seconds = number_of( row, "seconds" );
+        told->samples = number_of( row, "native_spp" );
     }
     if ( isnan( told->relmse ) )
         told->relmse = read_number( path, "reframe/relmse-estimate" );
     if ( isnan( told->seconds ) )
         told->seconds = read_number( path, "reframe/seconds" );
+    if ( isnan( told->samples ) )
+        told->samples = read_number( path, "reframe/native-spp" );
 }
 
 static RfResult measure_flicker( Work* work, int i, RfError* error )
@@ -191,7 +193,7 @@ static RfResult add_frame( Work* work, int i, RfError* error )
     frame->is_finite = told->bad == 0;
     bool has_reference = track->reference != NULL && rf_has_page_frame( track->reference, number );
     take_said( track->sequence, number, path, told );
-    if ( track->reference != NULL ) // an estimate would not belong beside it
+    if ( track->reference != NULL || track->sequence->is_reference ) // an estimate would not belong there
         told->relmse = NAN;
     RfImage reference = { 0 };
     if ( has_reference )
@@ -231,7 +233,7 @@ RfResult rf_add_page_track( RfPage* page, RfPageTrack* track, RfPageProgressFn* 
     if ( track->frames == NULL )
         return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for %d frames", track->sequence->pattern, track->count );
     for ( int i = 0; i < track->count; ++i )
-        track->frames[i] = ( RfPageFrame ){ .relmse = NAN, .seconds = NAN, .phi = NAN, .f1 = NAN };
+        track->frames[i] = ( RfPageFrame ){ .relmse = NAN, .seconds = NAN, .samples = NAN, .phi = NAN, .f1 = NAN };
     work.window = ( RfExrWindow ){ header->x, header->y, header->width, header->height };
     find_layers( &work );
     RfImage first = { 0 }; // where its colour lies, in whichever part

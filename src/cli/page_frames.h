@@ -13,6 +13,7 @@ typedef struct RfPageFrame
     bool shown;     // its picture is in the page
     double relmse;  // against the reference, or an estimate
     double seconds;
+    double samples; // traced per pixel
     double phi, f1; // of this frame and the one before
     size_t bad;     // pixels with NaN or infinity
 } RfPageFrame;
@@ -29,7 +30,7 @@ typedef struct RfPageTrack
     RfPageFrame* frames;             // `count` of them
     int picture_width, picture_height;
     uint64_t picture_bytes;
-    bool compensated, masked, has_variance; // of the flicker without reference
+    bool compensated, has_variance; // of the flicker without reference
     RfFlickerSums flicker;
     RfErrorMetrics error;            // of all frames, against the reference
     bool has_error;

@@ -139,7 +139,7 @@ static RfResult find_frames( const char* place, RfPageSequence* sequence, RfErro
     return take_file( place, sequence, error );
 }
 
-RfResult rf_open_page_sequence( const char* place, bool look, RfPageSequence* sequence, RfError* error )
+RfResult rf_open_page_sequence( const char* place, RfPageSequence* sequence, RfError* error )
 {
     *sequence = ( RfPageSequence ){ 0 };
     name_sequence( place, sequence );
@@ -150,7 +150,7 @@ RfResult rf_open_page_sequence( const char* place, bool look, RfPageSequence* se
         result = rf_read_exr_header( sequence->first, &sequence->header, error );
     char folder[RF_PAGE_NAME_SIZE];
     folder_of( sequence->pattern, folder );
-    return result == RF_OK && look ? look_for_json( sequence, folder, error ) : result;
+    return result == RF_OK ? look_for_json( sequence, folder, error ) : result;
 }
 
 void rf_close_page_sequence( RfPageSequence* sequence )

@@ -24,9 +24,8 @@ typedef struct RfPageSequence
 } RfPageSequence;
 
 // Finds the one sequence of a folder, or that which `place` names by #### or as a
-// single file, and in its folder (`look`) the JSON of render and cost, told by their
-// keys. rf_close_page_sequence in any case.
-RfResult rf_open_page_sequence( const char* place, bool look, RfPageSequence* sequence, RfError* error );
+// single file, and in its folder the JSON of render and cost, told by their keys. rf_close_page_sequence in any case.
+RfResult rf_open_page_sequence( const char* place, RfPageSequence* sequence, RfError* error );
 void rf_close_page_sequence( RfPageSequence* sequence );
 
 // The JSON of `render` or of `cost` in a file that must hold it; takes the place of

@@ -1,12 +1,10 @@
 // reframe plan: group size against memory, before anything is rendered.
 #include "reuse/plan.h"
 
-#include "cli/camera_options.h"
 #include "cli/commands.h"
-#include "cli/frame_list.h"
 #include "cli/plan_options.h"
 #include "cli/report.h"
-#include "scene/scene_file.h"
+#include "cli/shot.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -20,42 +18,18 @@
 
 typedef struct Job
 {
+    int argc; // the command line: it wins over a scene file, which is read later
+    char** argv;
     RfRenderOptions options;
-    RfSceneFile file; // options may point into it
-    RfScene scene;
-    RfCameraPath path;
-    int* frames;
-    int frame_count;
-    RfTracer* tracer;
+    RfShot shot; // options may point into it
     RfPlan plan;
     double paper_bytes; // our records for its example
 } Job;
 
-static void destroy_job( Job* job )
+static RfResult take_defaults( const RfField* defaults, void* user, RfError* error )
 {
-    rf_destroy_tracer( job->tracer );
-    rf_destroy_camera_path( &job->path );
-    rf_destroy_scene( &job->scene );
-    rf_close_scene_file( &job->file );
-    free( job->frames );
-}
-
-static RfResult load( Job* job, int argc, char** argv, RfError* error )
-{
-    RfLog log = rf_stderr_log( "plan" );
-    RfResult result = rf_open_scene_file( job->options.scene, &job->file, error );
-    if ( result != RF_OK )
-        return result;
-    RfField defaults = rf_scene_file_defaults( &job->file, error );
-    if ( defaults.json != NULL )
-        result = rf_parse_plan_options_over( &defaults, argc, argv, &job->options, error );
-    if ( result == RF_OK )
-        result = rf_load_scene_file( &job->file, &job->scene, &log, error );
-    if ( result == RF_OK )
-        result = rf_create_camera_path( &job->scene, job->options.camera, job->options.fps, job->options.size, &job->path, error );
-    if ( result == RF_OK )
-        result = rf_choose_frames( job->options.frames, &job->file, job->path.count, &job->frames, &job->frame_count, error );
-    return result == RF_OK ? rf_create_tracer( &job->scene, &job->tracer, error ) : result;
+    Job* job = user;
+    return rf_parse_plan_options_over( defaults, job->argc, job->argv, &job->options, error );
 }
 
 // Plain records: without tiles, and one light sample, as in the paper.
@@ -65,7 +39,7 @@ static void compare_with_paper( Job* job )
     settings.tile = rf_no_tile();
     settings.light_samples = 1;
     size_t diffuse, glossy;
-    rf_record_bytes( &job->scene, &settings, 7, &diffuse, &glossy );
+    rf_record_bytes( &job->shot.scene, &settings, 7, &diffuse, &glossy );
     double share = job->plan.glossy_share;
     job->paper_bytes = PAPER_PATHS * ( (double)diffuse * ( 1.0 - share ) + (double)glossy * share );
 }
@@ -73,14 +47,14 @@ static void compare_with_paper( Job* job )
 static RfResult make_plan( Job* job, RfError* error )
 {
     const RfRenderSettings* settings = &job->options.settings;
-    RfResult result = rf_plan_render( job->tracer, job->path.eyes, job->path.count, job->frames, job->frame_count, settings,
+    RfResult result = rf_plan_render( job->shot.tracer, job->shot.path.eyes, job->shot.path.count, job->shot.frames, job->shot.frame_count, settings,
                                       &job->plan, error );
     if ( result != RF_OK )
         return result;
     if ( !job->options.quiet )
         fprintf( stderr, "reframe plan: measuring costs for about %.0f s\n", MEASURE_SECONDS );
     compare_with_paper( job );
-    return rf_measure_plan( job->tracer, job->path.eyes, job->path.count, settings, MEASURE_SECONDS, &job->plan, error );
+    return rf_measure_plan( job->shot.tracer, job->shot.path.eyes, job->shot.path.count, settings, MEASURE_SECONDS, &job->plan, error );
 }
 
 static void print_row( const RfPlanRow* row )
@@ -143,9 +117,9 @@ static json_t* plan_json( const Job* job )
                       "bytes_paper_example", paper );
 }
 
-static RfResult run( Job* job, int argc, char** argv, RfError* error )
+static RfResult run( Job* job, RfError* error )
 {
-    RfResult result = load( job, argc, argv, error );
+    RfResult result = rf_load_shot( "plan", &job->options, take_defaults, job, &job->shot, error );
     if ( result == RF_OK )
         result = make_plan( job, error );
     if ( result != RF_OK )
@@ -163,7 +137,7 @@ int rf_command_plan( int argc, char** argv )
 {
     RfError error;
     bool help;
-    Job job = { 0 };
+    Job job = { .argc = argc, .argv = argv };
     RfResult result = rf_parse_plan_options( argc, argv, &job.options, &help, &error );
     if ( result == RF_OK && help )
     {
@@ -171,7 +145,7 @@ int rf_command_plan( int argc, char** argv )
         result = rf_flush_output( &error );
     }
     else if ( result == RF_OK )
-        result = run( &job, argc, argv, &error );
-    destroy_job( &job );
+        result = run( &job, &error );
+    rf_destroy_shot( &job.shot );
     return result == RF_OK ? 0 : rf_report_error( "plan", &error );
 }

@@ -3,6 +3,8 @@
 #include "cli/report.h"
 #include "scene/effects.h"
 
+#include <stdio.h>
+
 json_t* rf_frame_json( const RfFrameResult* result, double noise )
 {
     json_t* json = json_pack( "{s:i, s:o, s:o, s:o, s:o}", "frame", result->frame + 1, "seconds",
@@ -50,15 +52,30 @@ static json_t* rays_json( const RfRayCounts* rays )
                       "eye", count_json( rays->eye ) );
 }
 
+// The most of each, whatever it was for; not all at the same time.
+static json_t* bytes_json( const RfRenderStats* stats )
+{
+    json_t* bytes = json_object();
+    for ( int i = 0; i < stats->entry_count; ++i )
+    {
+        char key[64];
+        snprintf( key, sizeof key, "%s", stats->entries[i].name );
+        for ( char* c = key; *c != '\0'; ++c )
+            *c = *c == ' ' ? '_' : *c;
+        json_object_set_new( bytes, key, json_integer( (json_int_t)stats->entries[i].peak ) );
+    }
+    return bytes;
+}
+
 json_t* rf_render_json( const RfRenderOptions* options, const RfScene* scene, const RfRenderStats* stats,
                         double seconds, double seconds_scene, json_t* frames )
 {
     char tile[24];
     rf_tile_name( &options->settings.tile, tile );
-    json_t* json = json_pack( "{s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:i, s:s, s:s, s:s, s:i, s:o}", "version",
+    json_t* json = json_pack( "{s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:i, s:s, s:s, s:s, s:i, s:o}", "version",
                       REFRAME_VERSION, "scene", rf_json_text( options->scene ), "frames", frames, "seconds",
                       rf_json_number( seconds ), "seconds_scene", rf_json_number( seconds_scene ), "peak_bytes",
-                      count_json( stats->peak_bytes ), "budget_bytes", count_json( stats->budget_bytes ), "rays",
+                      count_json( stats->peak_bytes ), "budget_bytes", count_json( stats->budget_bytes ), "bytes", bytes_json( stats ), "rays",
                       rays_json( &stats->rays ), "group", stats->group, "tile", tile, "weights",
                       rf_weights_name( options->settings.weights ), "normalize",
                       rf_normalize_name( options->settings.normalize ), "threads", stats->threads, "effects",

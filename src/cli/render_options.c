@@ -61,6 +61,8 @@ static const RfOption s_options[] = {
       .help = "of the random numbers" },
     { .name = "memory", .type = RF_OPTION_MEMORY, .value = &s_parsed.settings.memory, .min = 1048576, .meta = "SIZE",
       .default_text = "half of what is free", .help = "budget beyond the scene and its BVH: 512M, 4G" },
+    { .name = "hold-all", .type = RF_OPTION_BOOL, .value = &s_parsed.settings.hold_all, .default_text = "no",
+      .help = "all hit records of a group in memory at once, for comparison; the pictures do not depend on it" },
     { .name = "threads", .type = RF_OPTION_INT, .value = &s_parsed.settings.threads, .min = 1, .max = 1024,
       .meta = "T", .default_text = "all cores", .help = "threads; the pictures do not depend on them" },
     { .name = "aov", .in_file = true, .type = RF_OPTION_STRING, .value = &s_parsed.aov, .meta = "LAYER[,...]", .default_text = "none",

@@ -1,14 +1,12 @@
 // reframe tune: which group and tile pay, by short renders.
 #include "measure/tune.h"
 
-#include "cli/camera_options.h"
 #include "cli/commands.h"
-#include "cli/frame_list.h"
 #include "cli/interrupt.h"
 #include "cli/report.h"
+#include "cli/shot.h"
 #include "cli/tune_options.h"
 #include "cli/tune_report.h"
-#include "scene/scene_file.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -18,41 +16,14 @@ typedef struct Job
     int argc;
     char** argv;
     RfTuneOptions options;
-    RfSceneFile file; // options may point into it
-    RfScene scene;
-    RfCameraPath path;
-    int* frames;
-    int frame_count;
-    RfTracer* tracer;
+    RfShot shot; // options may point into it
     RfTune tune;
 } Job;
 
-static void destroy_job( Job* job )
+static RfResult take_defaults( const RfField* defaults, void* user, RfError* error )
 {
-    rf_destroy_tracer( job->tracer );
-    rf_destroy_camera_path( &job->path );
-    rf_destroy_scene( &job->scene );
-    rf_close_scene_file( &job->file );
-    free( job->frames );
-}
-
-static RfResult load( Job* job, RfError* error )
-{
-    RfLog log = rf_stderr_log( "tune" );
-    RfResult result = rf_open_scene_file( job->options.render.scene, &job->file, error );
-    if ( result != RF_OK )
-        return result;
-    RfField defaults = rf_scene_file_defaults( &job->file, error );
-    if ( defaults.json != NULL )
-        result = rf_parse_tune_options_over( &defaults, job->argc, job->argv, &job->options, error );
-    const RfRenderOptions* render = &job->options.render;
-    if ( result == RF_OK )
-        result = rf_load_scene_file( &job->file, &job->scene, &log, error );
-    if ( result == RF_OK )
-        result = rf_create_camera_path( &job->scene, render->camera, render->fps, render->size, &job->path, error );
-    if ( result == RF_OK )
-        result = rf_choose_frames( render->frames, &job->file, job->path.count, &job->frames, &job->frame_count, error );
-    return result == RF_OK ? rf_create_tracer( &job->scene, &job->tracer, error ) : result;
+    Job* job = user;
+    return rf_parse_tune_options_over( defaults, job->argc, job->argv, &job->options, error );
 }
 
 static bool go_on( void* user )
@@ -76,7 +47,7 @@ static RfResult report( Job* job, RfError* error )
     const RfTuneRow* best = job->tune.chosen >= 0 ? job->tune.rows + job->tune.chosen : NULL;
     char* command = best != NULL ? rf_tuned_command( job->argc, job->argv, best->group, &best->tile ) : NULL;
     RfTuneReport r = { .tune = &job->tune, .scene = options->render.scene, .command = command, .width = options->render.size.width,
-                       .height = options->render.size.height, .frames = job->frame_count, .budget = options->budget };
+                       .height = options->render.size.height, .frames = job->shot.frame_count, .budget = options->budget };
     const char* json = options->render.json;
     RfResult result = RF_OK;
     if ( json == NULL || strcmp( json, "-" ) != 0 )
@@ -94,12 +65,12 @@ static RfResult report( Job* job, RfError* error )
 
 static RfResult run( Job* job, RfError* error )
 {
-    RfResult result = load( job, error );
+    RfResult result = rf_load_shot( "tune", &job->options.render, take_defaults, job, &job->shot, error );
     if ( result != RF_OK )
         return result;
     RfTrialWatch watch = { go_on, NULL };
-    RfTuneJob tune = { .tracer = job->tracer, .eyes = job->path.eyes, .eye_count = job->path.count, .frames = job->frames,
-                       .frame_count = job->frame_count, .settings = &job->options.render.settings, .budget = job->options.budget,
+    RfTuneJob tune = { .tracer = job->shot.tracer, .eyes = job->shot.path.eyes, .eye_count = job->shot.path.count, .frames = job->shot.frames,
+                       .frame_count = job->shot.frame_count, .settings = &job->options.render.settings, .budget = job->options.budget,
                        .watch = &watch, .say = say, .user = job };
     result = rf_tune( &tune, &job->tune, error );
     if ( result == RF_ERROR_INTERRUPTED && job->tune.round_count > 0 )
@@ -130,6 +101,6 @@ int rf_command_tune( int argc, char** argv )
         rf_catch_interrupts();
         result = run( &job, &error );
     }
-    destroy_job( &job );
+    rf_destroy_shot( &job.shot );
     return result == RF_OK ? 0 : rf_report_error( "tune", &error );
 }

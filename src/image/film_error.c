@@ -3,13 +3,20 @@
 // and groups spread over their neighbours included. The denominator wants the
 // true value: where noise is heavy the pixel's own would hide just the pixels
 // that err most (an estimate of a third of the truth was seen). What one half has
-// and the other has not is a firefly, unless the other has it all around.
+// and the other has not is taken for a firefly, and the truth for the geometric mean
+// of two guesses at what is there else: what the other half has around (counted
+// twice), and what the pixels around have where both halves agree with this one's
+// (that side of an edge). Alone the first tells too little in pictures full of
+// edges, the second too much where fireflies come in tiles. A glint that one pixel has, and one sample in
+// ten, cannot be told from a firefly: there it tells too much.
 #include "image/film_pixel.h"
 
 #include <math.h>
 
 #define REACH 3 // the surroundings: 7×7 pixels
 #define SIDE ( 2 * REACH + 1 )
+#define LIKENESS 0.3 // of the larger one, that two may differ by
+#define DARK 0.001   // and besides
 #define STRIP 64 // columns at once
 #define COLUMNS ( STRIP + 2 * REACH )
 
@@ -19,6 +26,7 @@ typedef struct Strip
 {
     const RfFilm* film;
     RfFilmCombine combine;
+    const float* rgb;
     int first, end;
     double half[SIDE][2][COLUMNS]; // mean of the channels
     double sum[2][COLUMNS];        // over the rows
@@ -71,15 +79,42 @@ static double surroundings( const Strip* s, int half, int x )
     return sum / ( s->rows * ( right - left + 1 ) );
 }
 
-// The truth of a pixel, as far as its error is measured by it: its own value, but
-// no more than the half has that has less, in the pixel or around it.
-static double likely_value( const Strip* s, int x, int y, const float* rgb )
+// What both halves have of pixel x in row y.
+static double common_part( const Strip* s, int x, int y )
 {
-    double own = fabs( ( (double)rgb[0] + (double)rgb[1] + (double)rgb[2] ) / 3.0 );
-    double even = s->half[y % SIDE][0][x - s->first], odd = s->half[y % SIDE][1][x - s->first];
-    int less = odd < even;
-    double limit = fmax( less ? odd : even, surroundings( s, less, x ) );
-    return fmin( own, fmax( limit, 0.0 ) );
+    return fmax( fmin( s->half[y % SIDE][0][x - s->first], s->half[y % SIDE][1][x - s->first] ), 0.0 );
+}
+
+static double mean_of_channels( const float* rgb ) { return ( (double)rgb[0] + (double)rgb[1] + (double)rgb[2] ) / 3.0; }
+
+// The mean of the pixels around that have about as much in common as pixel x in row y.
+static double likes( const Strip* s, int x, int y )
+{
+    int left = x - REACH > s->first ? x - REACH : s->first, right = x + REACH < s->end ? x + REACH : s->end - 1;
+    int top = y > REACH ? y - REACH : 0;
+    double common = common_part( s, x, y ), sum = 0.0;
+    int count = 0;
+    for ( int row = top; row < top + s->rows; ++row )
+    {
+        for ( int i = left; i <= right; ++i )
+        {
+            double other = common_part( s, i, row );
+            bool like = fabs( other - common ) <= LIKENESS * fmax( other, common ) + DARK;
+            sum += like ? mean_of_channels( s->rgb + 3 * index_of( s->film, i, row ) ) : 0.0;
+            count += like;
+        }
+    }
+    return sum / count;
+}
+
+// The truth of a pixel, as far as its error is measured by it: no more than its
+// own value, no less than what both halves have.
+static double likely_value( const Strip* s, int x, int y )
+{
+    double own = fabs( mean_of_channels( s->rgb + 3 * index_of( s->film, x, y ) ) ), common = common_part( s, x, y );
+    int less = s->half[y % SIDE][1][x - s->first] < s->half[y % SIDE][0][x - s->first];
+    double around = fmin( own, fmax( common, surroundings( s, less, x ) ) ), like = fmin( own, fmax( common, likes( s, x, y ) ) );
+    return cbrt( around * around * like );
 }
 
 static double squared_difference( const Strip* s, int x, int y )
@@ -100,6 +135,7 @@ static double strip_sum( const RfFilm* film, RfFilmCombine combine, const float*
     Strip s = {
         .film = film,
         .combine = combine,
+        .rgb = rgb,
         .first = first > REACH ? first - REACH : 0,
         .end = end + REACH < film->width ? end + REACH : film->width,
     };
@@ -109,7 +145,7 @@ static double strip_sum( const RfFilm* film, RfFilmCombine combine, const float*
         go_to_row( &s, y );
         for ( int x = first; x < end; ++x )
         {
-            double value = likely_value( &s, x, y, rgb + 3 * index_of( film, x, y ) );
+            double value = likely_value( &s, x, y );
             sum += squared_difference( &s, x, y ) / ( value * value + 0.001 );
         }
     }

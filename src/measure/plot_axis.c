@@ -70,7 +70,7 @@ static int log_ticks( double min, double max, double* ticks, int room )
 
 static int linear_ticks( double min, double max, double* ticks, int room )
 {
-    double rough = ( max - min ) / 6.0, power = pow( 10.0, floor( log10( rough ) ) ), step = power;
+    double rough = ( max - min ) / 8.0, power = pow( 10.0, floor( log10( rough ) ) ), step = power;
     if ( rough > 5.0 * power )
         step = 10.0 * power;
     else if ( rough > 2.0 * power )

@@ -8,9 +8,9 @@
 static const int s_groups[RF_TUNE_GROUPS] = { 0, 1, 2, 3, 4, 6, 8, 12, 16 };
 static const char* const s_tiles[RF_TUNE_TILES] = { "1", "2x2", "3x3", "4x4", "rooks16" };
 
-static const char s_no_room[] = "does not fit --memory", s_rounded[] = "--spp rounded up too far";
+static const char s_no_room[] = "does not fit --memory", s_rounded[] = "--spp would more than double";
 
-#define ROUNDING 1.25 // times the samples asked for may be traced
+#define ROUNDING 2.0 // times the samples asked for may be traced
 
 RfRenderSettings rf_tune_settings( const RfTuneRow* row, const RfRenderSettings* common )
 {
@@ -67,6 +67,8 @@ RfResult rf_list_tune_rows( const RfTuneJob* job, RfTune* tune, RfRenderSettings
 {
     RfRenderSettings asked = *job->settings;
     asked.group = 0; // auto would be a plan more
+    asked.noise = asked.time = 0.0;
+    asked.hold_all = false;
     RfResult result = rf_resolve_settings( job->tracer, job->eyes, job->eye_count, &asked, common, error );
     common->spp = asked.spp;
     int tried = 0;

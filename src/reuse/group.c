@@ -98,3 +98,20 @@ int64_t rf_most_passes( const RfGroupPlan* plan )
         return passes_before( plan, plan->eyes ) + 1;
     return (int64_t)plan->end_passes + (int64_t)( plan->eyes - 1 ) * plan->passes;
 }
+
+void rf_add_window_samples( const RfGroupPlan* plan, const int* frames, int first, int end, double* samples, double* others )
+{
+    int done = 0;
+    for ( int i = first; i < end; ++i )
+    {
+        int window, last;
+        rf_windows_of_frame( plan, frames[i], &window, &last );
+        for ( window = window > done ? window : done; window <= last; ++window )
+        {
+            RfWindow w = rf_window( plan, window );
+            *samples += (double)w.passes * w.eyes;
+            *others += (double)w.passes * w.eyes * ( w.eyes - 1 );
+        }
+        done = last + 1 > done ? last + 1 : done;
+    }
+}

@@ -51,6 +51,10 @@ int rf_frame_passes( const RfGroupPlan* plan, int frame );
 // A bound on that for all frames.
 int64_t rf_most_passes( const RfGroupPlan* plan );
 
+// Adds the native samples per pixel in the windows that hold any of
+// frames[first … end), in ascending order, and those times the other eyes of the window.
+void rf_add_window_samples( const RfGroupPlan* plan, const int* frames, int first, int end, double* samples, double* others );
+
 // Which half of the film a pass goes to (E2): the passes of the whole render
 // alternate, so that the halves of a frame, whose windows follow each other,
 // differ by one pass at most and both see every window of two passes or more.

@@ -52,25 +52,6 @@ static double gain_of( const RfGroupPlan* plan, double reach, double own, double
     return work > 0.0 ? reach * samples * own / work : 1.0;
 }
 
-// Native samples per pixel in windows that hold any of frames [first, end), and
-// those times the other eyes of the window.
-static void add_windows( const RfGroupPlan* plan, const int* frames, int first, int end, double* samples, double* others )
-{
-    int done = 0;
-    for ( int i = first; i < end; ++i )
-    {
-        int window, last;
-        rf_windows_of_frame( plan, frames[i], &window, &last );
-        for ( window = window > done ? window : done; window <= last; ++window )
-        {
-            RfWindow w = rf_window( plan, window );
-            *samples += (double)w.passes * w.eyes;
-            *others += (double)w.passes * w.eyes * ( w.eyes - 1 );
-        }
-        done = last + 1 > done ? last + 1 : done;
-    }
-}
-
 // Samples and rays of the frames asked for, over all sweeps.
 static void count_rays( const RfGroupPlan* plan, const int* frames, int frame_count, double pixels,
                         const PlanCounts* counts, int index, RfPlanRow* row )
@@ -78,8 +59,8 @@ static void count_rays( const RfGroupPlan* plan, const int* frames, int frame_co
     int per_sweep = row->fit.sweeps > 1 ? row->fit.films : frame_count;
     double samples = 0.0, others = 0.0, once = 0.0, unused = 0.0;
     for ( int first = 0; first < frame_count; first += per_sweep )
-        add_windows( plan, frames, first, first + per_sweep < frame_count ? first + per_sweep : frame_count, &samples, &others );
-    add_windows( plan, frames, 0, frame_count, &once, &unused );
+        rf_add_window_samples( plan, frames, first, first + per_sweep < frame_count ? first + per_sweep : frame_count, &samples, &others );
+    rf_add_window_samples( plan, frames, 0, frame_count, &once, &unused );
     double per = pixels / counts->samples;
     row->samples = samples * pixels;
     row->repeated = samples / once;

@@ -16,8 +16,7 @@ void rf_add_rays( RfRayCounts* sum, const RfRayCounts* part )
     sum->eye += part->eye;
 }
 
-// Jobs [first, first + count) of a pass into the batches.
-static void harvest_chunk( RfRenderer* r, const RfHarvest* harvest, const RfWindow* window, int pass, int first, int count )
+void rf_harvest_chunk( RfRenderer* r, const RfHarvest* harvest, const RfWindow* window, int pass, int first, int count )
 {
     RfRayCounts rays = { 0 };
 #pragma omp parallel num_threads( r->settings.threads )
@@ -39,9 +38,9 @@ static void harvest_chunk( RfRenderer* r, const RfHarvest* harvest, const RfWind
     rf_add_rays( &r->rays, &rays );
 }
 
-// The chunk into the films: a job is some rows of one film, so no two jobs
-// touch the same pixel and every pixel is added to in the batches' order.
-static void compute_chunk( RfRenderer* r, const RfHarvest* harvest, const RfWindow* window, int half, int count )
+// A job is some rows of one film, so no two jobs touch the same pixel and every
+// pixel is added to in the batches' order.
+void rf_compute_chunk( RfRenderer* r, const RfHarvest* harvest, const RfWindow* window, int pass, const RfHitBatch* batches, int count )
 {
     int live = 0;
     for ( int i = 0; i < r->memory.film_slots; ++i )
@@ -55,7 +54,7 @@ static void compute_chunk( RfRenderer* r, const RfHarvest* harvest, const RfWind
         .shape = harvest->shape,
         .weights = r->settings.weights,
         .weight = (float)window->weight,
-        .batches = r->memory.batches,
+        .batches = batches,
         .batch_count = count,
     };
 #pragma omp parallel num_threads( r->settings.threads )
@@ -74,7 +73,7 @@ static void compute_chunk( RfRenderer* r, const RfHarvest* harvest, const RfWind
                 .first_row = (int)( (long)r->sizes.height * band / bands ),
                 .end_row = (int)( (long)r->sizes.height * ( band + 1 ) / bands ),
                 .film = &film->film,
-                .half = half,
+                .half = rf_half_of_pass( window, pass ),
                 .landed = film->layers.landed,
             };
             uint64_t landed = rf_compute_rows( &compute, job, film->landed_eyes, scratch );
@@ -112,31 +111,53 @@ static void forget_landed_eyes( RfRenderer* r )
     }
 }
 
-RfResult rf_render_pass( RfRenderer* r, const RfHarvest* harvest, const RfWindow* window, int pass, RfError* error )
+RfResult rf_end_chunk( RfRenderer* r, int count, RfError* error )
 {
-    int half = rf_half_of_pass( window, pass );
+    if ( !report_progress( r, count ) )
+        return rf_fail( error, RF_ERROR_INTERRUPTED, "interrupted after %d of %d frames", r->frames_done, r->frames_all );
+    return rf_check_delivery( &r->delivery, error );
+}
+
+void rf_begin_pass( RfRenderer* r, const RfHarvest* harvest )
+{
     if ( harvest->shape.eq15 )
         forget_landed_eyes( r );
+}
+
+void rf_end_pass( RfRenderer* r, const RfHarvest* harvest, const RfWindow* window, int pass )
+{
+    if ( r->settings.adaptive )
+        rf_render_extra( r, harvest, window, pass, rf_half_of_pass( window, pass ) );
+    for ( int i = 0; i < r->memory.film_slots; ++i )
+    {
+        if ( r->memory.films[i].frame != -1 )
+            rf_end_film_pass( &r->memory.films[i].film, rf_half_of_pass( window, pass ), window->weight );
+    }
+}
+
+RfResult rf_render_pass( RfRenderer* r, const RfHarvest* harvest, const RfWindow* window, int pass, RfError* error )
+{
+    rf_begin_pass( r, harvest );
     int jobs = harvest->shape.eyes * r->sizes.patches.count;
     for ( int first = 0; first < jobs; first += r->memory.batch_slots )
     {
         int count = jobs - first < r->memory.batch_slots ? jobs - first : r->memory.batch_slots;
-        harvest_chunk( r, harvest, window, pass, first, count );
-        compute_chunk( r, harvest, window, half, count );
-        if ( !report_progress( r, count ) )
-            return rf_fail( error, RF_ERROR_INTERRUPTED, "interrupted after %d of %d frames", r->frames_done, r->frames_all );
-        RfResult delivered = rf_check_delivery( &r->delivery, error );
-        if ( delivered != RF_OK )
-            return delivered;
+        rf_harvest_chunk( r, harvest, window, pass, first, count );
+        rf_compute_chunk( r, harvest, window, pass, r->memory.batches, count );
+        RfResult result = rf_end_chunk( r, count, error );
+        if ( result != RF_OK )
+            return result;
     }
-    if ( r->settings.adaptive )
-        rf_render_extra( r, harvest, window, pass, half );
-    for ( int i = 0; i < r->memory.film_slots; ++i )
-    {
-        if ( r->memory.films[i].frame != -1 )
-            rf_end_film_pass( &r->memory.films[i].film, half, window->weight );
-    }
+    rf_end_pass( r, harvest, window, pass );
     return RF_OK;
+}
+
+static RfResult render_passes( RfRenderer* r, const RfHarvest* harvest, const RfWindow* window, RfError* error )
+{
+    RfResult result = RF_OK;
+    for ( int pass = 0; pass < window->passes && result == RF_OK; ++pass )
+        result = rf_render_pass( r, harvest, window, pass, error );
+    return result;
 }
 
 // A scene without lights has nothing to sample, walk or combine.
@@ -161,11 +182,11 @@ static RfResult render_window( RfRenderer* r, int number, RfError* error )
     };
     harvest.shape.eyes = window.eyes;
     rf_open_films( r, number );
-    RfResult result = RF_OK;
+    RfResult result;
     if ( rf_is_stopping( &r->settings ) )
         result = rf_render_until( r, &harvest, error );
-    for ( int pass = 0; pass < window.passes && result == RF_OK && !rf_is_stopping( &r->settings ); ++pass )
-        result = rf_render_pass( r, &harvest, &window, pass, error );
+    else
+        result = r->settings.hold_all ? rf_render_held( r, &harvest, &window, error ) : render_passes( r, &harvest, &window, error );
     return result == RF_OK ? rf_close_films( r, number, error ) : result;
 }
 
@@ -257,7 +278,9 @@ static void fill_stats( const RfRenderer* r, RfRenderStats* stats )
         .fit = r->fit,
         .missed = r->stop.missed,
         .hurried = r->stop.hurried,
+        .entry_count = r->memory.arena.entry_count,
     };
+    memcpy( stats->entries, r->memory.arena.entries, sizeof stats->entries );
 }
 
 RfResult rf_render( const RfTracer* tracer, const RfEye* eyes, int eye_count, const int* frames, int frame_count,

@@ -5,6 +5,7 @@
 #ifndef REFRAME_REUSE_RENDER_H
 #define REFRAME_REUSE_RENDER_H
 
+#include "base/arena.h"
 #include "reuse/layers.h"
 #include "reuse/tile.h"
 #include "scene/eye.h"
@@ -46,6 +47,8 @@ typedef struct RfRenderSettings
     size_t memory;     // budget in bytes; 0: half of what is free
     int queue;         // finished frames, at most, that callbacks->frame is given in a thread of its own
                        // while rendering goes on; fewer where memory is short. 0: it is called in between
+    bool hold_all;     // all hit records of a group at once, as the paper has it, packed: for comparison, the
+                       // pictures are the same; else as few as serve the threads
     unsigned layers;   // RF_LAYER_BIT of those that are wanted besides the colour, which they do not change
 } RfRenderSettings;
 
@@ -141,6 +144,8 @@ typedef struct RfRenderStats
     RfMemoryFit fit;
     int missed;   // frames finished with an estimate above settings.noise
     bool hurried; // settings.time was too short for the least: two passes of a frame
+    int entry_count;
+    RfArenaEntry entries[RF_ARENA_MAX_NAMES]; // what the bytes were for, with the most of each
 } RfRenderStats;
 
 // Renders `frames` (ascending indices into the `eye_count` eyes of the whole

@@ -81,7 +81,7 @@ static inline bool rf_is_stopping( const RfRenderSettings* settings ) { return s
 
 void rf_add_rays( RfRayCounts* sum, const RfRayCounts* part );
 
-// One pass of a window, into half `half` of the films.
+// One pass of a window, into the films.
 RfResult rf_render_pass( RfRenderer* renderer, const RfHarvest* harvest, const RfWindow* window, int pass, RfError* error );
 
 // The passes of a window, as many as noise and time want.
@@ -100,6 +100,19 @@ void rf_open_films( RfRenderer* renderer, int window );
 
 // Hands over the frames whose last window is done, in order.
 RfResult rf_close_films( RfRenderer* renderer, int window, RfError* error );
+
+// Jobs [first, first + count) of a pass into the batches.
+void rf_harvest_chunk( RfRenderer* renderer, const RfHarvest* harvest, const RfWindow* window, int pass, int first, int count );
+// Batches of a pass into the films, between its begin and its end.
+void rf_compute_chunk( RfRenderer* renderer, const RfHarvest* harvest, const RfWindow* window, int pass,
+                       const RfHitBatch* batches, int count );
+void rf_begin_pass( RfRenderer* renderer, const RfHarvest* harvest );
+void rf_end_pass( RfRenderer* renderer, const RfHarvest* harvest, const RfWindow* window, int pass );
+// After so many batches: progress, interruption, and what became of frames handed over.
+RfResult rf_end_chunk( RfRenderer* renderer, int count, RfError* error );
+
+// A window with the hit records of all its passes at once (settings.hold_all).
+RfResult rf_render_held( RfRenderer* renderer, const RfHarvest* harvest, const RfWindow* window, RfError* error );
 
 // Adds the native hits of the batch just harvested to the layers of its own
 // frame, eye `eye` of the window.

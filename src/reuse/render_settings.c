@@ -26,6 +26,8 @@ static RfResult check_settings( const RfRenderSettings* s, RfError* error )
         return rf_fail( error, RF_ERROR_USAGE, "the seconds for a frame must be 0 to %g, got %g", RF_MAX_TIME, s->time );
     if ( s->adaptive && s->weights != RF_WEIGHTS_EXACT )
         return rf_fail( error, RF_ERROR_USAGE, "adaptive samples want exact weights" );
+    if ( s->hold_all && rf_is_stopping( s ) )
+        return rf_fail( error, RF_ERROR_USAGE, "all records of a group can be held only where its passes are known: not with a noise or a time to stop at" );
     if ( s->group < RF_GROUP_AUTO || s->group > RF_MAX_GROUP )
         return rf_fail( error, RF_ERROR_USAGE, "group must be 0 to %d, got %d", RF_MAX_GROUP, s->group );
     if ( s->max_depth < 1 || s->max_depth > RF_MAX_DEPTH )

@@ -1,6 +1,7 @@
-// node check-page.js PAGE.html [--pictures FOLDER] [--seconds S]
+// node check-page.js PAGE.html [--pictures FOLDER] [--seconds S] [--mean M]
 // Opens a page of `reframe report` in headless Chromium, from its file, and uses it
-// as a person would. Needs the npm package playwright-core (where REFRAME_NODE_MODULES
+// as a person would. --seconds: it loads faster; --mean: of the bytes of the first
+// picture; --pictures: leaves screenshots. Needs the npm package playwright-core (where REFRAME_NODE_MODULES
 // says) and Chromium (REFRAME_CHROMIUM, else found). One line for each check; exit
 // status 1 where one failed, 77 where there is no browser.
 "use strict";
@@ -8,7 +9,7 @@ const fs = require("fs"), path = require("path"), { pathToFileURL } = require("u
 
 const page_file = process.argv[2];
 const option = name => process.argv.includes(name) ? process.argv[process.argv.indexOf(name) + 1] : null;
-const pictures = option("--pictures"), most_seconds = Number(option("--seconds") || 0);
+const pictures = option("--pictures"), most_seconds = Number(option("--seconds") || 0), mean = option("--mean");
 
 function load_playwright() {
   for (const folder of [process.env.REFRAME_NODE_MODULES, __dirname].filter(Boolean)) {
@@ -55,6 +56,7 @@ async function shown(page, index) {
 }
 
 async function check_exposure(page) {
+  await page.locator("#exposure-reset").click();
   const before = await look(page);
   await page.locator("#exposure").evaluate(slider => {
     slider.value = 2;
@@ -71,6 +73,18 @@ async function check_exposure(page) {
   await page.locator("#curve").selectOption("soft");
   await page.locator("#curve").selectOption("srgb");
   check((await look(page)).hash === before.hash, "curves go there and back");
+}
+
+// Where there is a reference: the error of the first panel, and the picture again.
+async function check_error_view(page) {
+  if (!await page.locator("#view").isVisible())
+    return;
+  const before = await look(page);
+  await page.locator("#view").selectOption("error");
+  const error = await look(page);
+  check(error.hash !== before.hash && Math.abs(error.mean - 128) < 40, `the error is about grey: ${error.mean.toFixed(1)}`);
+  await page.locator("#view").selectOption("picture");
+  check((await look(page)).hash === before.hash, "and the picture comes back");
 }
 
 async function check_seeking(page, count) {
@@ -110,9 +124,13 @@ async function check_playing(page, count) {
   await shown(page, 0);
   await page.evaluate(() => {
     window.seen = new Set();
+    window.changes = 0;
+    let last = -1;
     const onChange = window.reframePlayer.onChange;
     window.reframePlayer.onChange = player => {
       window.seen.add(player.index);
+      window.changes += player.index !== last ? 1 : 0;
+      last = player.index;
       onChange(player);
     };
   });
@@ -120,10 +138,10 @@ async function check_playing(page, count) {
   check((await state(page)).playing, "the button plays");
   const wanted = Math.min(5, count);
   await page.waitForFunction(wanted => window.seen.size >= wanted, wanted, { timeout: 30000 });
-  const start = Date.now(), before = await page.evaluate(() => window.seen.size);
+  const start = Date.now(), before = await page.evaluate(() => window.changes);
   await page.waitForTimeout(2000);
-  const seconds = (Date.now() - start) / 1000, after = await page.evaluate(() => window.seen.size);
-  console.log(`   plays ${((after - before) / seconds).toFixed(1)} new frames a second`);
+  const seconds = (Date.now() - start) / 1000, after = await page.evaluate(() => window.changes);
+  console.log(`   plays ${((after - before) / seconds).toFixed(1)} frames a second`);
   await page.locator("body").press(" ");
   check(!(await state(page)).playing, "space pauses");
   const still = await look(page);
@@ -147,9 +165,12 @@ async function run(browser) {
   if (most_seconds > 0)
     check(seconds < most_seconds, `it loads in less than ${most_seconds} s`);
   check(first.mean > 0 && first.frame !== "", "a frame is shown");
+  if (mean)
+    check(Math.abs(first.mean - Number(mean)) < 1.5, `it has the brightness that it should: ${first.mean.toFixed(1)}`);
   if (pictures)
     await page.screenshot({ path: path.join(pictures, "page.png"), fullPage: true });
   await check_exposure(page);
+  await check_error_view(page);
   if (count > 1) {
     await check_seeking(page, count);
     await check_playing(page, count);

@@ -57,6 +57,11 @@ function makeToneTable(exposure, curve) {
   return table;
 }
 
+// The light of each level.
+const s_lightOfLevel = new Float32Array(2 * HALF_TABLE);
+for (let level = -HALF_TABLE; level < HALF_TABLE; ++level)
+  s_lightOfLevel[level + HALF_TABLE] = Math.pow(2, Math.min(level / STOP, 17)) - FLOOR;
+
 // Paints frames into a canvas.
 class Painter {
   constructor(canvas, width, height) {
@@ -115,6 +120,20 @@ class Painter {
     const { levels, pixels } = this;
     for (let i = 0, from = 0; i < pixels.length; ++i, from += 3)
       pixels[i] = 0xff000000 | table[levels[from + 2] + HALF_TABLE] << 16 | table[levels[from + 1] + HALF_TABLE] << 8 | table[levels[from] + HALF_TABLE];
+    this.context.putImageData(this.image, 0, 0);
+  }
+
+  // How far it is from another picture of the same size, relative to that: grey where they
+  // are the same, brighter where this is.
+  paintError(reference, exposure) {
+    const { levels, pixels } = this, others = reference.levels, gain = 127 * Math.pow(2, exposure);
+    const shade = i => {
+      const light = s_lightOfLevel[others[i] + HALF_TABLE];
+      const value = 128 + gain * (s_lightOfLevel[levels[i] + HALF_TABLE] - light) / (light + 0.02);
+      return value < 0 ? 0 : value > 255 ? 255 : value | 0;
+    };
+    for (let i = 0, from = 0; i < pixels.length; ++i, from += 3)
+      pixels[i] = 0xff000000 | shade(from + 2) << 16 | shade(from + 1) << 8 | shade(from);
     this.context.putImageData(this.image, 0, 0);
   }
 }

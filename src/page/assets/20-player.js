@@ -1,6 +1,6 @@
 // Which frame is shown, in all panels at once; playing; exposure.
 
-const AHEAD = 10;                  // frames that are decoded before they are wanted
+const AHEAD = 10;                  // frames that are decoded before they are wanted, where they are small enough
 const CACHE_BYTES = 600 * 2 ** 20; // of decoded frames
 
 class Player {
@@ -18,7 +18,9 @@ class Player {
     this.startIndex = 0;
     this.exposure = 0;
     this.curve = "srgb";
-    this.cache = new FrameCache(Math.max(CACHE_BYTES, 3 * AHEAD * this.bytesOfFrame()));
+    this.view = "picture";
+    this.ahead = Math.min(Math.max(Math.floor(CACHE_BYTES / 2 / this.bytesOfFrame()), 2), AHEAD);
+    this.cache = new FrameCache(Math.max(CACHE_BYTES, 5 * this.bytesOfFrame()));
     this.tick = this.tick.bind(this);
   }
 
@@ -60,15 +62,36 @@ class Player {
   }
 
   paint() {
-    const table = makeToneTable(this.exposure, this.curve);
+    const table = makeToneTable(this.exposure, this.curve), reference = this.reference();
+    if (this.shown < 0)
+      return;
     for (const panel of this.panels) {
-      if (panel.blocks[this.shown] !== null && this.shown >= 0)
+      if (panel.blocks[this.shown] === null)
+        continue;
+      if (this.view === "error" && this.canShowError(panel) && reference.blocks[this.shown] !== null)
+        panel.painter.paintError(reference.painter, this.exposure);
+      else
         panel.painter.paint(table);
     }
   }
 
+  reference() {
+    return this.panels.find(panel => panel.isReference);
+  }
+
+  canShowError(panel) {
+    const reference = this.reference();
+    return reference !== undefined && reference !== panel && reference.painter.width === panel.painter.width && reference.painter.height === panel.painter.height;
+  }
+
+  setView(name) {
+    this.view = name;
+    this.paint();
+    this.onChange(this);
+  }
+
   prefetch(index) {
-    for (let i = 1; i <= Math.min(AHEAD, this.count - 1); ++i) {
+    for (let i = 1; i <= Math.min(this.ahead, this.count - 1); ++i) {
       for (const id of this.ids((index + i) % this.count))
         this.cache.load(id).catch(() => {}); // told when it is wanted
     }

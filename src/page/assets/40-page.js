@@ -29,7 +29,7 @@ function makePanel(sequence, index, data) {
     words.textContent = parts.join("   ");
     bad.textContent = sequence.bad[i] > 0 ? `${sequence.bad[i]} pixels are no numbers` : "";
   };
-  return { painter: new Painter(canvas, sequence.width, sequence.height), blocks: sequence.blocks, onFrame };
+  return { painter: new Painter(canvas, sequence.width, sequence.height), blocks: sequence.blocks, isReference: sequence.reference, onFrame };
 }
 
 // A curve over the frames of what the sequences have under `key`; none where none has any.
@@ -44,15 +44,11 @@ function addFrameChart(data, key, title, note, seek) {
   return [new Chart(document.getElementById("charts"), { title, note, series, xLabel: "frame", seek, id: `chart-${key}` })];
 }
 
-function nameOfReuse(reuse) {
-  return reuse === true ? "with reuse" : reuse === false ? "path tracing" : String(reuse);
-}
-
 function addCostChart(cost) {
-  const names = [...new Set(cost.rows.map(row => nameOfReuse(row.reuse)))];
+  const names = [...new Set(cost.rows.map(row => row.reuse))];
   const series = names.map((name, index) => ({
     name, color: colorOf(index),
-    points: cost.rows.filter(row => nameOfReuse(row.reuse) === name && row.seconds > 0 && row.relmse > 0).map(row => [row.seconds, row.relmse]).sort((a, b) => a[0] - b[0]),
+    points: cost.rows.filter(row => row.reuse === name && row.seconds > 0 && row.relmse > 0).map(row => [row.seconds, row.relmse]).sort((a, b) => a[0] - b[0]),
   })).filter(one => one.points.length > 0);
   if (series.length === 0)
     return;
@@ -92,6 +88,8 @@ function connectControls(player, data) {
   get("exposure").addEventListener("input", event => player.setExposure(Number(event.target.value)));
   get("exposure-reset").addEventListener("click", () => player.setExposure(0));
   get("curve").addEventListener("change", event => player.setCurve(event.target.value));
+  get("view").addEventListener("change", event => player.setView(event.target.value));
+  get("view").parentElement.hidden = !player.panels.some(panel => player.canShowError(panel));
   get("fps").addEventListener("change", event => player.setFps(Number(event.target.value)));
   get("size").addEventListener("change", event => get("viewer").classList.toggle("full", event.target.value === "full"));
   const keys = {
@@ -102,7 +100,8 @@ function connectControls(player, data) {
     0: () => player.setExposure(0),
   };
   addEventListener("keydown", event => {
-    const typing = event.target.matches && event.target.matches("select, input[type=number]");
+    const on = selector => event.target.matches && event.target.matches(selector);
+    const typing = on("select, input[type=number]") || (event.key === " " && on("button")); // a button takes the space itself
     const action = keys[event.key];
     if (!action || typing || event.ctrlKey || event.altKey || event.metaKey)
       return;
@@ -135,6 +134,8 @@ function start() {
   const seek = number => player.seek(data.frames.indexOf(number)).catch(showFailure);
   charts.push(...addFrameChart(data, "relmse", "Error: relMSE", data.notes.relmse, seek), ...addFrameChart(data, "phi", "Flicker: \u03c6", data.notes.phi, seek),
     ...addFrameChart(data, "f1", "Flicker: F1", data.notes.f1, seek), ...addFrameChart(data, "seconds", "Seconds", data.notes.seconds, seek));
+  if (data.sequences.some(sequence => new Set(sequence.samples.filter(value => value !== null)).size > 1))
+    charts.push(...addFrameChart(data, "samples", "Samples", data.notes.samples, seek));
   data.cost.forEach(addCostChart);
   addFacts(data);
   connectControls(player, data);

@@ -1,0 +1,110 @@
+#include "cli/cost_options.h"
+
+#include "cli/camera_options.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#define BUDGET 60.0 // seconds
+#define ERRORS "0.1,0.01,0.001"
+
+static const char* const s_files[] = { "SCENE" };
+static RfCostOptions s_parsed; // the table points here
+static const char* s_scene;
+
+static const RfOption s_options[] = {
+    { .name = "budget", .type = RF_OPTION_REAL, .value = &s_parsed.budget, .min = 1.0, .max = 1e6, .meta = "T",
+      .default_text = "60", .help = "seconds that it may take; more make the figures surer" },
+    { .name = "noise", .type = RF_OPTION_STRING, .value = &s_parsed.noise, .meta = "E[,...]", .default_text = ERRORS,
+      .help = "relMSE whose cost is told" },
+    { .name = "svg", .type = RF_OPTION_STRING, .value = &s_parsed.svg, .meta = "FILE",
+      .help = "a plot: seconds across, error up, with and without reuse" },
+    { .name = "camera", .type = RF_OPTION_STRING, .value = &s_parsed.render.camera, .meta = "NAME|FILE",
+      .default_text = "the scene file's, else the first animated one, else the first",
+      .help = "a camera of the scene, or a camera-path file (.json)" },
+    { .name = "frames", .type = RF_OPTION_STRING, .value = &s_parsed.render.frames, .meta = "A-B[xSTEP][,...]", .default_text = "all",
+      .help = "frames that are to be rendered: some of them are tried, and all are counted" },
+    { .name = "fps", .type = RF_OPTION_FPS, .value = &s_parsed.render.fps, .meta = "R", .default_text = "24",
+      .help = "frames per second of the camera's path, 24 or 24000/1001" },
+    { .name = "size", .type = RF_OPTION_SIZE, .value = &s_parsed.render.size, .min = 1, .max = RF_MAX_IMAGE_SIDE, .meta = "WxH",
+      .default_text = "960x540", .help = "pixels" },
+    { .name = "group", .type = RF_OPTION_INT, .value = &s_parsed.render.settings.group, .min = 0, .max = RF_MAX_GROUP, .keyword = "auto",
+      .keyword_value = RF_GROUP_AUTO, .meta = "N|auto", .default_text = "auto",
+      .help = "half-width of the groups with reuse: groups of 2N+1 frames" },
+    { .name = "tile", .type = RF_OPTION_STRING, .value = &s_parsed.render.tile, .meta = "WxH|rooksN|1", .default_text = "3x3",
+      .help = "pixels of a frame that share their paths: blocks, N of an NxN grid, or none" },
+    { .name = "tile-roulette", .type = RF_OPTION_BOOL, .value = &s_parsed.render.settings.tile_roulette, .default_text = "no",
+      .help = "Russian roulette on the connections in a tile that are worth little" },
+    { .name = "max-depth", .type = RF_OPTION_INT, .value = &s_parsed.render.settings.max_depth, .min = 1, .max = 1000, .meta = "D",
+      .default_text = "12", .help = "path vertices after the eye" },
+    { .name = "light-samples", .type = RF_OPTION_INT, .value = &s_parsed.render.settings.light_samples, .min = 1, .max = 64,
+      .meta = "K", .default_text = "1", .help = "light samples per vertex" },
+    { .name = "seed", .type = RF_OPTION_UINT64, .value = &s_parsed.render.settings.seed, .meta = "S", .default_text = "1",
+      .help = "of the random numbers" },
+    { .name = "memory", .type = RF_OPTION_MEMORY, .value = &s_parsed.render.settings.memory, .min = 1048576, .meta = "SIZE",
+      .default_text = "half of what is free", .help = "budget beyond the scene and its BVH: 512M, 4G" },
+    { .name = "threads", .type = RF_OPTION_INT, .value = &s_parsed.render.settings.threads, .min = 1, .max = 1024, .meta = "T",
+      .default_text = "all cores", .help = "threads of the render" },
+    { .name = "json", .type = RF_OPTION_STRING, .value = &s_parsed.render.json, .meta = "FILE",
+      .help = "the result for programs; - is standard output" },
+    { .name = "quiet", .type = RF_OPTION_BOOL, .value = &s_parsed.render.quiet, .help = "no words on what is being tried" },
+};
+
+static const RfCommandTable s_table = { .command = "cost",
+                                        .summary = "Tells what accuracy costs in time: renders a few frames with ever more samples, by path tracing and with reuse, and from these the seconds that a wanted error takes, for a frame and for all. Options and SCENE are those of render.",
+                                        .files = s_files,
+                                        .file_count = 1,
+                                        .options = s_options,
+                                        .option_count = sizeof s_options / sizeof s_options[0] };
+
+static RfResult parse_errors( RfCostOptions* options, RfError* error )
+{
+    const char* text = options->noise;
+    options->error_count = 0;
+    for ( ;; )
+    {
+        char* end;
+        double value = strtod( text, &end );
+        if ( end == text || !( value > 0.0 ) || !isfinite( value ) || ( *end != ',' && *end != '\0' ) )
+            return rf_fail( error, RF_ERROR_USAGE, "--noise: wants numbers above 0 with commas between them, got '%s'", options->noise );
+        if ( options->error_count == RF_COST_ERRORS )
+            return rf_fail( error, RF_ERROR_USAGE, "--noise: more than %d numbers", RF_COST_ERRORS );
+        options->errors[options->error_count++] = value;
+        if ( *end == '\0' )
+            return RF_OK;
+        text = end + 1;
+    }
+}
+
+// On top of the values as they are.
+static RfResult parse( int argc, char** argv, RfCostOptions* options, bool* help, RfError* error )
+{
+    RfResult result = rf_parse_options( &s_table, argc, argv, &s_scene, help, error );
+    if ( result != RF_OK || *help )
+        return result;
+    s_parsed.render.scene = s_scene;
+    result = rf_parse_tile_option( &s_parsed.render, error );
+    if ( result == RF_OK )
+        result = parse_errors( &s_parsed, error );
+    *options = s_parsed;
+    return result;
+}
+
+RfResult rf_parse_cost_options( int argc, char** argv, RfCostOptions* options, bool* help, RfError* error )
+{
+    s_parsed = ( RfCostOptions ){ .render = rf_default_render_options(), .budget = BUDGET, .noise = ERRORS };
+    return parse( argc, argv, options, help, error );
+}
+
+RfResult rf_parse_cost_options_over( const RfField* defaults, int argc, char** argv, RfCostOptions* options, RfError* error )
+{
+    bool help;
+    s_parsed = ( RfCostOptions ){ .budget = BUDGET, .noise = ERRORS };
+    RfResult result = rf_read_render_defaults( defaults, &s_parsed.render );
+    return result == RF_OK ? parse( argc, argv, options, &help, error ) : result;
+}
+
+void rf_print_cost_help( void )
+{
+    rf_print_help( &s_table, stdout );
+}

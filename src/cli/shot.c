@@ -1,0 +1,35 @@
+#include "cli/shot.h"
+
+#include "cli/frame_list.h"
+#include "cli/report.h"
+
+#include <stdlib.h>
+
+RfResult rf_load_shot( const char* command, const RfRenderOptions* options, RfTakeDefaults* take, void* user, RfShot* shot,
+                       RfError* error )
+{
+    *shot = ( RfShot ){ .frame_count = 0 };
+    RfLog log = rf_stderr_log( command );
+    RfResult result = rf_open_scene_file( options->scene, &shot->file, error );
+    if ( result != RF_OK )
+        return result;
+    RfField defaults = rf_scene_file_defaults( &shot->file, error );
+    if ( defaults.json != NULL )
+        result = take( &defaults, user, error );
+    if ( result == RF_OK )
+        result = rf_load_scene_file( &shot->file, &shot->scene, &log, error );
+    if ( result == RF_OK )
+        result = rf_create_camera_path( &shot->scene, options->camera, options->fps, options->size, &shot->path, error );
+    if ( result == RF_OK )
+        result = rf_choose_frames( options->frames, &shot->file, shot->path.count, &shot->frames, &shot->frame_count, error );
+    return result == RF_OK ? rf_create_tracer( &shot->scene, &shot->tracer, error ) : result;
+}
+
+void rf_destroy_shot( RfShot* shot )
+{
+    rf_destroy_tracer( shot->tracer );
+    rf_destroy_camera_path( &shot->path );
+    rf_destroy_scene( &shot->scene );
+    rf_close_scene_file( &shot->file );
+    free( shot->frames );
+}

@@ -1,0 +1,171 @@
+#include "measure/tune_work.h"
+
+#include "base/random.h"
+#include "base/system.h"
+#include "measure/tune_internal.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define MOST_WORKERS 256
+
+static bool go_on( void* user )
+{
+    RfTuneWork* w = user;
+    const RfTrialWatch* outer = w->job->watch;
+    if ( rf_wall_seconds() > w->deadline || ( outer != NULL && outer->go_on != NULL && !outer->go_on( outer->user ) ) )
+        atomic_store( &w->stop, true );
+    return !atomic_load( &w->stop );
+}
+
+static RfResult make_site( RfTuneWork* w, int index, RfError* error )
+{
+    const RfTuneJob* job = w->job;
+    int frame = job->frames[(int)( rf_tune_place( w->first_place + index ) * job->frame_count )];
+    return rf_create_trial_site( job->tracer, job->eyes, job->eye_count, frame, w->site_frames, w->round->width,
+                                 w->round->height, &w->settings, &w->watch, w->sites + index, error );
+}
+
+static RfResult try_row( RfTuneWork* w, int site, int k, RfError* error )
+{
+    const RfTuneRow* row = w->tune->rows + w->rows[k];
+    RfRenderSettings settings = rf_tune_settings( row, &w->settings );
+    settings.seed = rf_mix64( settings.seed ^ rf_mix64( (uint64_t)( w->first_place + site ) ) );
+    int index = site * w->row_count + k;
+    RfResult result = rf_run_trial( w->job->tracer, w->sites + site, rf_tune_windows( row->eyes ), w->round->passes,
+                                    &settings, &w->watch, w->trials + index, error );
+    w->done[index] = result == RF_OK;
+    return result;
+}
+
+static void* work( void* user )
+{
+    RfTuneWork* w = user;
+    RfError error;
+    rf_set_float_mode();
+    int task;
+    while ( ( task = atomic_fetch_add( &w->next, 1 ) ) < w->task_count && !atomic_load( &w->stop ) )
+    {
+        RfResult result = w->trials == NULL ? make_site( w, task, &error ) : try_row( w, task / w->row_count, task % w->row_count, &error );
+        if ( result == RF_OK )
+            continue;
+        atomic_store( &w->stop, true );
+        pthread_mutex_lock( &w->mutex );
+        if ( w->result == RF_OK || w->result == RF_ERROR_INTERRUPTED )
+        {
+            w->result = result;
+            w->error = error;
+        }
+        pthread_mutex_unlock( &w->mutex );
+    }
+    return NULL;
+}
+
+// All tasks, by as many threads as can be had, this one among them.
+static void share_out( RfTuneWork* w, int tasks )
+{
+    pthread_t threads[MOST_WORKERS];
+    int wanted = w->threads < tasks ? w->threads : tasks, count = 0;
+    w->task_count = tasks;
+    atomic_store( &w->next, 0 );
+    while ( count + 1 < wanted && count < MOST_WORKERS && pthread_create( threads + count, NULL, work, w ) == 0 )
+        count += 1;
+    work( w );
+    for ( int i = 0; i < count; ++i )
+        pthread_join( threads[i], NULL );
+}
+
+void rf_end_tune_work( RfTuneWork* w )
+{
+    for ( int i = 0; w->sites != NULL && i < w->round->sites; ++i )
+        rf_destroy_trial_site( w->sites + i );
+    free( w->sites );
+    free( w->trials );
+    free( w->done );
+    pthread_mutex_destroy( &w->mutex );
+}
+
+void rf_begin_tune_work( const RfTuneJob* job, const RfTune* tune, const RfRenderSettings* common, const bool* candidate,
+                         const RfTuneRound* round, int first_place, double deadline, RfTuneWork* w )
+{
+    memset( w, 0, sizeof *w );
+    w->job = job;
+    w->tune = tune;
+    w->round = round;
+    w->deadline = deadline;
+    w->watch = ( RfTrialWatch ){ go_on, w };
+    pthread_mutex_init( &w->mutex, NULL );
+    w->first_place = first_place;
+    w->site_frames = rf_tune_site_frames( tune, candidate );
+    for ( int i = 0; i < tune->count; ++i )
+    {
+        if ( candidate[i] )
+            w->rows[w->row_count++] = i;
+    }
+    w->threads = common->threads;
+    w->settings = *common;
+    w->settings.threads = 1;
+    w->settings.memory = common->memory / (size_t)common->threads;
+}
+
+static RfResult fail_memory( RfError* error )
+{
+    return rf_fail( error, RF_ERROR_MEMORY, "no memory left to try settings: lower --size or --threads" );
+}
+
+RfResult rf_make_tune_sites( RfTuneWork* w, RfError* error )
+{
+    w->sites = calloc( (size_t)w->round->sites, sizeof *w->sites );
+    if ( w->sites == NULL )
+        return fail_memory( error );
+    share_out( w, w->round->sites );
+    if ( w->result != RF_OK )
+        *error = w->error;
+    return w->result;
+}
+
+RfResult rf_run_tune_trials( RfTuneWork* w, RfError* error )
+{
+    size_t count = (size_t)w->round->sites * (size_t)w->row_count;
+    w->done = calloc( count, sizeof *w->done );
+    w->trials = calloc( count, sizeof *w->trials );
+    if ( w->done == NULL || w->trials == NULL )
+        return fail_memory( error );
+    share_out( w, (int)count );
+    if ( w->result != RF_OK )
+        *error = w->error;
+    return w->result;
+}
+
+int rf_take_tune_trials( const RfTuneWork* w, RfTune* tune )
+{
+    int complete = 0;
+    for ( int s = 0; s < w->round->sites; ++s )
+    {
+        int done = 0;
+        for ( int k = 0; k < w->row_count; ++k )
+            done += w->done[s * w->row_count + k];
+        if ( done < w->row_count )
+            continue;
+        for ( int k = 0; k < w->row_count; ++k )
+            rf_add_trial( &tune->rows[w->rows[k]].trial, w->trials + s * w->row_count + k );
+        complete += 1;
+    }
+    for ( int k = 0; k < w->row_count && complete > 0; ++k )
+        tune->rows[w->rows[k]].rounds += 1;
+    return complete;
+}
+
+double rf_tune_work_seconds( const RfTuneWork* w )
+{
+    double cpu = 0.0;
+    for ( int i = 0; w->sites != NULL && i < w->round->sites; ++i )
+        cpu += w->sites[i].seconds;
+    for ( int i = 0; w->trials != NULL && i < w->round->sites * w->row_count; ++i )
+    {
+        const RfTrial* trial = w->trials + i;
+        if ( trial->timed_samples > 0.0 )
+            cpu += rf_trial_sample_seconds( trial ) * trial->samples;
+    }
+    return cpu;
+}

@@ -1,0 +1,120 @@
+#!/usr/bin/env python3
+"""The sums of scripts/bench-*, against figures whose answer is known."""
+import importlib.machinery
+import importlib.util
+import math
+import os
+import sys
+import unittest
+
+SCRIPTS = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "scripts")
+sys.dont_write_bytecode = True
+sys.path.insert(0, SCRIPTS)
+import benchlib  # noqa: E402
+
+
+def load(name):
+    loader = importlib.machinery.SourceFileLoader(name.replace("-", "_"), os.path.join(SCRIPTS, name))
+    module = importlib.util.module_from_spec(importlib.util.spec_from_loader(loader.name, loader))
+    loader.exec_module(module)
+    return module
+
+
+flicker, paper = load("bench-flicker"), load("bench-paper")
+
+
+class FakeJob:
+    """Renders in 3 s and 0.25 s for each sample."""
+
+    def __init__(self):
+        self.asked = []
+
+    def render(self, setting, spp):
+        self.asked.append(spp)
+        return {"cpu": 3.0 + 0.25 * spp}
+
+
+def row(setting, cpu, f1_squared, mse, pairs=()):
+    return {"setting": setting, "spp": 1, "cpu": cpu, "relmse": 2.0 * mse, "f1_squared": f1_squared, "mse": mse,
+            "followed": {"f1_squared": f1_squared, "mse": mse}, "pairs": list(pairs)}
+
+
+def pairs_of(count, content, factor, border=lambda frame: False):
+    return [{"frame": frame, "border": border(frame), "f1_squared": (content(frame) * factor(frame)) ** 2} for frame in range(2, count + 1)]
+
+
+class Sums(unittest.TestCase):
+    def test_reference_share(self):
+        error_of_one = 3.0
+        measured = error_of_one / 16 + error_of_one / 1024
+        self.assertAlmostEqual(measured * benchlib.reference_share(16, 1024), error_of_one / 1024)
+
+    def test_line(self):
+        fixed, slope = benchlib.line_through((2, 5.0), (6, 11.0))
+        self.assertAlmostEqual(fixed, 2.0)
+        self.assertAlmostEqual(slope, 1.5)
+
+
+class Flicker(unittest.TestCase):
+    def test_samples_for_seconds(self):
+        job = FakeJob()
+        self.assertEqual(flicker.samples_for(job, "3:1", 3.0 + 0.25 * 29), 28)
+        self.assertEqual(flicker.samples_for(job, "0:1", 3.0 + 0.25 * 29), 29)
+        self.assertEqual(flicker.samples_for(job, "8:1", 1.0), 17)  # less than a group needs is not to be had
+        self.assertTrue(all(spp % 7 == 0 for spp in job.asked[:2]))
+
+    def test_reference_is_taken_off(self):
+        # noise that is independent (phi 1) and of a group of 7 (1/7), and the reference with 1/16 of the last
+        plain, last = 0.4, 0.1
+        own = last / 16
+        rows = [row("0:1", 10.0, 2 * plain + 2 * own / 7, plain + own), row("3:1", 5.0, 2 * last / 7 + 2 * own / 7, last + own)]
+        flicker.correct(rows, 16)
+        self.assertAlmostEqual(rows[0]["phi"], 1.0)
+        self.assertAlmostEqual(rows[1]["phi"], 1.0 / 7.0)
+        self.assertAlmostEqual(rows[1]["followed"]["phi"], 1.0 / 7.0)
+        self.assertAlmostEqual(rows[1]["reference_share"], 1.0 / 17.0)
+        # half the seconds: at as many, half of the squares
+        self.assertAlmostEqual(rows[1]["f1"] ** 2, last / 7)
+        self.assertAlmostEqual(rows[1]["f1_below"], math.sqrt(2 * plain / (last / 7)))
+        self.assertAlmostEqual(rows[1]["relmse_equal"], last)
+
+    def test_seams(self):
+        # a seam before frames 8, 15, ..., of half as much again, in a picture that grows noisier
+        def content(frame):
+            return 1.0 + 0.1 * frame
+
+        first = row("0:1", 1.0, 1.0, 1.0, pairs_of(48, content, lambda frame: 1.0))
+        seamy = row("3:1", 1.0, 1.0, 1.0, pairs_of(48, content, lambda frame: 0.15 if frame % 7 == 1 else 0.1))
+        even = row("3:1", 1.0, 1.0, 1.0, pairs_of(48, content, lambda frame: 0.1))
+        there, least, most = flicker.seams(seamy, first)
+        self.assertAlmostEqual(there, 1.5)
+        self.assertTrue(least <= most < 1.0)
+        for ratio in flicker.seams(even, first):
+            self.assertAlmostEqual(ratio, 1.0)
+        self.assertIsNone(flicker.seams(first, first))
+
+    def test_ends(self):
+        def at_end(frame):
+            return frame < 7 or frame > 42
+
+        first = row("0:1", 1.0, 1.0, 1.0, pairs_of(48, lambda frame: frame, lambda frame: 1.0))
+        mine = row("3:1", 1.0, 1.0, 1.0, pairs_of(48, lambda frame: frame, lambda frame: 0.09 if at_end(frame) else 0.1, at_end))
+        self.assertAlmostEqual(flicker.ends(mine, first), 0.9)
+        inside = row("3:1", 1.0, 1.0, 1.0, pairs_of(48, lambda frame: frame, lambda frame: 0.1))
+        self.assertIsNone(flicker.ends(inside, first))
+
+
+class Paper(unittest.TestCase):
+    def test_row(self):
+        plain = {"fixed": 2.0, "per_sample": 0.5, "error": 4.0, "own": 0.01}
+        frames = [{"effective_spp": 90.0 if 6 <= i < 42 else 150.0} for i in range(48)]
+        done = {"frames": frames, "error": 0.05 + 0.01, "cpu": 7.0, "peak_bytes": 1, "resident": 2}
+        made = paper.compare(paper.EXPERIMENTS["A"], plain, "3:1", done)
+        self.assertEqual((made["possible"], made["landed"]), (98, 90.0))
+        self.assertAlmostEqual(made["sooner"], (2.0 + 45.0) / 7.0)
+        self.assertAlmostEqual(made["equal_spp"], 80.0)
+        self.assertAlmostEqual(made["sooner_at_equal_error"], 42.0 / 7.0)
+
+
+if __name__ == "__main__":
+    unittest.main()

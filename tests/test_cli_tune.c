@@ -1,0 +1,147 @@
+// reframe tune: table, JSON, plot, the command that it gives, and its errors.
+#include "cli_run.h"
+
+#include <jansson.h>
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include <cmocka.h>
+
+static json_t* read_json( const char* name )
+{
+    size_t size;
+    char* text = cli_read( name, &size );
+    json_t* json = json_loads( text, 0, NULL );
+    free( text );
+    assert_non_null( json );
+    return json;
+}
+
+static void check_rows( const json_t* tune )
+{
+    static const char* const keys[] = { "group", "tile", "bytes_films", "bytes_hits", "chunks", "predicted_gain", "seconds", "relmse",
+                                        "flicker", "phi", "efficiency", "gain", "chosen" };
+    const json_t* rows = json_object_get( tune, "rows" );
+    int chosen = 0, excluded = 0;
+    double best = 0.0;
+    for ( size_t i = 0; i < json_array_size( rows ); ++i )
+    {
+        const json_t* row = json_array_get( rows, i );
+        for ( size_t k = 0; k < sizeof keys / sizeof keys[0]; ++k )
+            assert_non_null( json_object_get( row, keys[k] ) );
+        if ( !json_is_null( json_object_get( row, "excluded" ) ) )
+        {
+            assert_true( json_is_null( json_object_get( row, "efficiency" ) ) );
+            excluded += 1;
+            continue;
+        }
+        double efficiency = json_number_value( json_object_get( row, "efficiency" ) );
+        assert_true( efficiency > 0.0 && json_number_value( json_object_get( row, "flicker" ) ) > 0.0 );
+        chosen += json_is_true( json_object_get( row, "chosen" ) );
+        best = fmax( best, efficiency );
+    }
+    assert_true( chosen == 1 && excluded == 5 * 2 && best > 0.0 ); // groups 6 and 8
+}
+
+// Table, JSON and plot; the command that it gives is taken by render.
+static void test_command( void** state )
+{
+    (void)state;
+    static const char options[] = "--size=16x9 --spp 5 --frames 20-21 --seed 7 --no-tile-roulette --memory 200M --max-depth 4";
+    cli_expect( cli_run( "$R tune $VASE %s --budget 1 --quiet --svg plot.svg --json tune.json > table.txt", options ), 0, NULL );
+    json_t* tune = read_json( "tune.json" );
+    check_rows( tune );
+    cli_expect( cli_run( "python3 -c \"import xml.dom.minidom as m; m.parse('plot.svg')\"" ), 0, NULL );
+    size_t size;
+    char* table = cli_read( "table.txt", &size );
+    const char* command = json_string_value( json_object_get( tune, "command" ) );
+    assert_non_null( strstr( table, command ) );
+    assert_non_null( strstr( table, "not tried: --spp would more than double" ) );
+    assert_non_null( strstr( command, " --size=16x9 --spp 5 --frames 20-21 --seed 7 --no-tile-roulette --memory 200M --max-depth 4" ) );
+    assert_null( strstr( command, "budget" ) );
+    assert_null( strstr( command, "quiet" ) );
+    assert_int_equal( strncmp( command, "reframe ", 8 ), 0 );
+    cli_expect( cli_run( "$R %s --quiet > out.txt", command + 8 ), 0, NULL );
+    assert_int_equal( cli_count_files( ".exr", "out" ), 2 );
+    free( table );
+    json_decref( tune );
+    // words on the way, and JSON alone on standard output
+    const CliResult* said = cli_run( "$R tune $VASE %s --budget 1 --json -", options );
+    assert_int_equal( said->status, 0 );
+    assert_true( said->out[0] == '{' && strncmp( said->err, "reframe tune: round 1: 35 settings at 16x9", 42 ) == 0 );
+}
+
+static void test_quoting( void** state )
+{
+    (void)state;
+    cli_expect( cli_run( "cp $VASE \"a b'c.glb\"" ), 0, NULL );
+    cli_expect( cli_run( "$R tune \"a b'c.glb\" --size 8x6 --spp 1 --frames 3 --camera 'Camera' --budget 1 --quiet --json tune.json > out.txt" ), 0, NULL );
+    json_t* tune = read_json( "tune.json" );
+    const char* command = json_string_value( json_object_get( tune, "command" ) );
+    static const char start[] = "reframe render 'a b'\\''c.glb' -o out/frame.####.exr --group ";
+    assert_int_equal( strncmp( command, start, strlen( start ) ), 0 );
+    cli_expect( cli_run( "$R %s --overwrite --quiet > out.txt", command + 8 ), 0, NULL );
+    json_decref( tune );
+}
+
+static void test_command_errors( void** state )
+{
+    (void)state;
+    char text[256];
+    snprintf( text, sizeof text, "{\"scene\":\"%s\",\"render\":{\"size\":[8,6],\"spp\":3,\"frames\":\"2-3\",\"group\":1,\"tile\":\"2x2\"}}", REFRAME_VASE_ROOM );
+    cli_write( "scene.json", text, strlen( text ) );
+    cli_expect( cli_run( "$R tune scene.json --budget 1 --quiet --json tune.json > out.txt" ), 0, NULL );
+    json_t* tune = read_json( "tune.json" );
+    assert_int_equal( json_integer_value( json_object_get( tune, "width" ) ), 8 );
+    assert_int_equal( json_integer_value( json_object_get( tune, "frames" ) ), 2 );
+    json_decref( tune );
+    cli_expect( cli_run( "$R tune" ), 2, "reframe tune: SCENE is missing" );
+    cli_expect( cli_run( "$R tune scene.json --group 3" ), 2, "reframe tune: --group: no such option" );
+    cli_expect( cli_run( "$R tune scene.json --tile 3x3" ), 2, "reframe tune: --tile" );
+    cli_expect( cli_run( "$R tune scene.json --budget 0" ), 2, "reframe tune: --budget: wants " );
+    cli_expect( cli_run( "$R tune scene.json --budget" ), 2, "reframe tune: --budget: its value is missing" );
+    cli_expect( cli_run( "$R tune scene.json --frames 99" ), 2, "reframe tune: --frames: there is no frame 99" );
+    cli_expect( cli_run( "$R tune scene.json --size 4000x3000 --memory 1M" ), 1, "give --memory " );
+    cli_expect( cli_run( "$R tune nowhere.glb" ), 1, "reframe tune: nowhere.glb: " );
+    cli_expect( cli_run( "$R tune scene.json --budget 1 --quiet --svg nowhere/plot.svg > out.txt" ), 1, "nowhere/plot.svg" );
+    cli_expect( cli_run( "$R tune --help > out.txt" ), 0, NULL );
+}
+
+static void test_signal( void** state )
+{
+    (void)state;
+    cli_start( "exec $R tune $VASE --size 320x200 --budget 1000 --quiet > out.txt" );
+    nanosleep( &( struct timespec ){ .tv_sec = 1 }, NULL );
+    cli_expect( cli_wait( 2 ), 130, "reframe tune: interrupted" );
+}
+
+static int setup( void** state )
+{
+    (void)state;
+    cli_enter();
+    return 0;
+}
+
+static int teardown( void** state )
+{
+    (void)state;
+    cli_leave();
+    return 0;
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( test_command ),
+        cmocka_unit_test( test_quoting ),
+        cmocka_unit_test( test_command_errors ),
+        cmocka_unit_test( test_signal ),
+    };
+    return cmocka_run_group_tests( tests, setup, teardown );
+}

@@ -1,0 +1,148 @@
+// --hold-all: all hit records of a group at once take what they should, and the
+// pictures are those of few at a time.
+#include "cli_run.h"
+
+#include <jansson.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include <cmocka.h>
+
+#define PAPER_BYTES 1787520000.0 // 800x600, 7 frames, 2 samples, by section 4.3 of the frame-reuse paper
+#define PAPER_PATHS ( 800.0 * 600.0 * 7.0 * 2.0 )
+
+typedef struct Bytes
+{
+    double held, peak;
+} Bytes;
+
+static json_t* read_json( const char* name )
+{
+    size_t size;
+    char* text = cli_read( name, &size );
+    json_t* json = json_loads( text, 0, NULL );
+    free( text );
+    assert_non_null( json );
+    return json;
+}
+
+static Bytes read_bytes( void )
+{
+    json_t* json = read_json( "hold.json" );
+    Bytes bytes = { .held = json_number_value( json_object_get( json_object_get( json, "bytes" ), "held_hit_records" ) ),
+                    .peak = json_number_value( json_object_get( json, "peak_bytes" ) ) };
+    json_decref( json );
+    return bytes;
+}
+
+static void render( const char* scene, const char* options )
+{
+    cli_expect( cli_run( "$R render %s/%s.glb %s --float --overwrite --quiet --json hold.json", REFRAME_SCENE_FOLDER, scene, options ),
+                0, NULL );
+}
+
+// Diffuse and glossy hits; misses; mirrors and glass; blended surfaces and coats;
+// cut groups at the end of a path, and more eyes than bits in a word.
+static const struct
+{
+    const char *scene, *options;
+} s_cases[] = {
+    { "vase-room", "--group 2 --frames 20-21 --spp 10 --tile 1" },
+    { "vase-room-ggx", "--group 1 --frames 46-48 --spp 6 --threads 2 --aov variance,samples" },
+    { "still-life", "--group 1 --frames 1-2 --spp 6 --tile rooks16 --light-samples 2" },
+    { "textured-room", "--group 1 --frames 24 --spp 6" },
+    { "vase-room-phong", "--group 1 --frames 24 --spp 6 --tile 1 --weights eq15" },
+    { "vase-room-wide", "--group 16 --frames 24 --spp 33 --size 24x16 --tile 1" },
+};
+
+static void test_pictures_are_the_same( void** state )
+{
+    (void)state;
+    for ( size_t i = 0; i < sizeof s_cases / sizeof s_cases[0]; ++i )
+    {
+        char options[256];
+        const char* size = i == 5 ? "" : "--size 64x48 ";
+        snprintf( options, sizeof options, "%s%s --memory 512M -o few.####.exr", size, s_cases[i].options );
+        render( s_cases[i].scene, options );
+        assert_true( read_bytes().held == 0.0 );
+        snprintf( options, sizeof options, "%s%s --memory 512M --hold-all -o all.####.exr", size, s_cases[i].options );
+        render( s_cases[i].scene, options );
+        assert_true( read_bytes().held > 0.0 );
+        cli_expect( cli_run( "for f in few.*.exr; do cmp $f all.${f#few.} || exit 1; done; rm few.* all.*" ), 0, NULL );
+    }
+}
+
+// The paper's example with sides `scale` times shorter, and what plan says of it.
+static Bytes render_example( int scale, const char* more )
+{
+    char options[256];
+    snprintf( options, sizeof options, "--size %dx%d --frames 24 --group 3 --spp 14 --tile 1 --threads 1 --hold-all --memory 1G -o paper.exr %s",
+              800 / scale, 600 / scale, more );
+    render( "vase-room", options );
+    return read_bytes();
+}
+
+static void expect_small( Bytes bytes, double share )
+{
+    double paths = PAPER_PATHS * share;
+    if ( bytes.held < 52.0 * paths ) // the bytes of a diffuse hit: fewer, and not all were held
+        fail_msg( "%.0f bytes cannot be the records of %.0f paths", bytes.held, paths );
+    if ( bytes.held >= PAPER_BYTES * share / 4.0 )
+        fail_msg( "the records take %.0f bytes, a quarter of the paper's are %.0f", bytes.held, PAPER_BYTES * share / 4.0 );
+}
+
+static void test_paper_example( void** state )
+{
+    (void)state;
+    // the records do not depend on the light
+    Bytes bytes = render_example( 4, "--max-depth 2" );
+    expect_small( bytes, 1.0 / 16.0 );
+    cli_expect( cli_run( "$R plan $VASE --size 200x150 --spp 14 --quiet --json plan.json" ), 0, NULL );
+    json_t* plan = read_json( "plan.json" );
+    double said = json_number_value( json_object_get( json_object_get( plan, "bytes_paper_example" ), "ours" ) );
+    json_decref( plan );
+    if ( said < 0.9 * 16.0 * bytes.held || said > 1.1 * 16.0 * bytes.held )
+        fail_msg( "plan says %.0f bytes, a sixteenth of the work took %.0f", said, bytes.held );
+    if ( getenv( "REFRAME_LONG" ) == NULL )
+        return;
+    bytes = render_example( 1, "" );
+    expect_small( bytes, 1.0 );
+    assert_true( bytes.peak < PAPER_BYTES / 4.0 ); // with a film
+}
+
+static void test_too_little_memory( void** state )
+{
+    (void)state;
+    cli_expect( cli_run( "$R render $VASE -o no.exr --frames 24 --size 320x240 --group 3 --spp 14 --max-depth 1 --memory 40M --hold-all --quiet" ), 1,
+                "reframe render: --hold-all: the hit records of a group do not fit into 40960 KiB: give more --memory, or leave it off" );
+    assert_int_equal( cli_count_files( "no.exr", "." ), 0 );
+}
+
+static int setup( void** state )
+{
+    (void)state;
+    setenv( "OMP_WAIT_POLICY", "passive", 1 );
+    cli_enter();
+    return 0;
+}
+
+static int teardown( void** state )
+{
+    (void)state;
+    cli_leave();
+    return 0;
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( test_pictures_are_the_same ),
+        cmocka_unit_test( test_paper_example ),
+        cmocka_unit_test( test_too_little_memory ),
+    };
+    return cmocka_run_group_tests( tests, setup, teardown );
+}

@@ -1,0 +1,427 @@
+// `report` as its user sees it: what the page holds, that no name breaks it, and
+// what is refused. How it looks and plays is test_report_browser's.
+#include "cli_run.h"
+#include "foreign_exr.h"
+#include "image/exr.h"
+#include "image/sequence.h"
+
+#include <jansson.h>
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static int enter( void** state )
+{
+    (void)state;
+    cli_enter();
+    return 0;
+}
+
+static int leave( void** state )
+{
+    (void)state;
+    cli_leave();
+    return 0;
+}
+
+static const char* in_folder( const char* name )
+{
+    static char path[1024];
+    snprintf( path, sizeof path, "%s/%s", cli_folder(), name );
+    return path;
+}
+
+static void write_constant( const char* name, int width, int height, float value, const RfExrString* strings, int count )
+{
+    RfImage image;
+    RfError error = { 0 };
+    assert_int_equal( rf_create_image( width, height, &image, &error ), RF_OK );
+    for ( int i = 0; i < 3 * width * height; ++i )
+        image.rgb[i] = value;
+    RfExrOptions options = rf_default_exr_options();
+    options.half = false;
+    options.strings = strings;
+    options.string_count = count;
+    if ( rf_write_exr( in_folder( name ), &image, &options, &error ) != RF_OK )
+        fail_msg( "%s", error.text );
+    rf_destroy_image( &image );
+}
+
+// Frames first to last of one value each: `value`, more by `step` from frame to frame.
+static void write_sequence( const char* pattern, int first, int last, float value, float step )
+{
+    char name[256];
+    for ( int frame = first; frame <= last; ++frame )
+    {
+        assert_int_equal( rf_sequence_name( pattern, frame, name, sizeof name, NULL ), RF_OK );
+        write_constant( name, 40, 30, value + step * (float)( frame - first ), NULL, 0 );
+    }
+}
+
+static void make_folder( const char* name )
+{
+    cli_expect( cli_run( "mkdir -p '%s'", name ), 0, NULL );
+}
+
+static int count_of( const char* text, const char* part )
+{
+    int count = 0;
+    for ( const char* at = strstr( text, part ); at != NULL; at = strstr( at + 1, part ) )
+        ++count;
+    return count;
+}
+
+// The data of a page, as a browser finds it: up to the next end of a script.
+static json_t* read_data( const char* page, int blocks )
+{
+    static const char begin[] = "<script type=\"application/json\" id=\"data\">";
+    size_t size;
+    char* text = cli_read( page, &size );
+    assert_int_equal( strlen( text ), size );
+    char* data = strstr( text, begin );
+    assert_non_null( data );
+    data += strlen( begin );
+    assert_int_equal( count_of( text, "<script" ), blocks + 2 ); // the data, the script itself
+    assert_int_equal( count_of( text, "</script" ), blocks + 2 );
+    assert_int_equal( count_of( text, "{{" ), 0 );
+    assert_int_equal( count_of( text, "http://" ), 1 ); // the name of SVG
+    assert_int_equal( count_of( text, "https://" ), 0 );
+    *strstr( data, "</script>" ) = '\0';
+    json_error_t reason;
+    json_t* json = json_loads( data, 0, &reason );
+    if ( json == NULL )
+        fail_msg( "%s: %s", page, reason.text );
+    free( text );
+    return json;
+}
+
+static const json_t* sequence_of( const json_t* data, size_t index )
+{
+    const json_t* sequence = json_array_get( json_object_get( data, "sequences" ), index );
+    assert_non_null( sequence );
+    return sequence;
+}
+
+static const json_t* item( const json_t* sequence, const char* key, size_t i )
+{
+    const json_t* value = json_array_get( json_object_get( sequence, key ), i );
+    assert_non_null( value );
+    return value;
+}
+
+static void check_item( const json_t* sequence, const char* key, size_t i, double wanted )
+{
+    const json_t* value = item( sequence, key, i );
+    if ( !json_is_number( value ) || !( fabs( json_number_value( value ) - wanted ) <= 1e-6 * ( 1e-6 + fabs( wanted ) ) ) )
+        fail_msg( "%s %zu: %g, not %g", key, i, json_number_value( value ), wanted );
+}
+
+// The value of a fact; NULL where the page does not have it.
+static const char* fact( const json_t* sequence, const char* group, const char* label )
+{
+    size_t i;
+    const json_t* row;
+    json_array_foreach( json_object_get( sequence, "facts" ), i, row )
+    {
+        if ( strcmp( json_string_value( json_array_get( row, 0 ) ), group ) == 0 && strcmp( json_string_value( json_array_get( row, 1 ) ), label ) == 0 )
+            return json_string_value( json_array_get( row, 2 ) );
+    }
+    return NULL;
+}
+
+static json_t* parse_json( const char* text )
+{
+    json_t* json = json_loads( text, 0, NULL );
+    assert_non_null( json );
+    return json;
+}
+
+static void test_two_and_a_reference( void** state )
+{
+    (void)state;
+    make_folder( "t/a" );
+    make_folder( "t/b" );
+    make_folder( "t/r" );
+    write_sequence( "t/a/f.####.exr", 1, 4, 0.75f, 0.0f );
+    write_sequence( "t/b/f.####.exr", 1, 4, 0.5f, 0.25f ); // errors 0, 1/4, 1/2, 3/4
+    write_sequence( "t/r/f.####.exr", 1, 4, 0.5f, 0.0f );
+    const CliResult* result = cli_run( "$R report t/a t/b --reference t/r -o t.html --json - --fps 25 --exposure 1.5 --title 'All of it' --quiet" );
+    cli_expect( result, 0, NULL );
+    assert_string_equal( result->err, "" );
+    json_t* json = parse_json( result->out );
+    size_t size;
+    free( cli_read( "t.html", &size ) );
+    assert_int_equal( json_integer_value( json_object_get( json, "bytes" ) ), size );
+    assert_int_equal( json_integer_value( json_object_get( json, "frames" ) ), 4 );
+    assert_int_equal( json_array_size( json_object_get( json, "sequences" ) ), 3 );
+    json_decref( json );
+    json_t* data = read_data( "t.html", 12 );
+    assert_string_equal( json_string_value( json_object_get( data, "title" ) ), "All of it" );
+    assert_true( json_number_value( json_object_get( data, "fps" ) ) == 25.0 && json_number_value( json_object_get( data, "exposure" ) ) == 1.5 );
+    const json_t *a = sequence_of( data, 0 ), *b = sequence_of( data, 1 ), *r = sequence_of( data, 2 );
+    assert_string_equal( json_string_value( json_object_get( a, "name" ) ), "a" );
+    assert_string_equal( json_string_value( json_object_get( r, "name" ) ), "reference" );
+    check_item( a, "relmse", 2, 0.1875 / 0.251 );
+    check_item( a, "f1", 1, 0.0 );
+    check_item( a, "phi", 1, 0.0 );
+    check_item( b, "relmse", 3, 3.0 * 0.5625 / 0.251 );
+    check_item( b, "f1", 3, 0.25 );
+    check_item( b, "phi", 3, 0.0625 / ( 0.5625 + 0.25 ) );
+    assert_true( json_is_null( item( b, "f1", 0 ) ) && json_is_null( item( r, "relmse", 0 ) ) && json_is_null( item( r, "f1", 2 ) ) );
+    assert_string_equal( json_string_value( item( r, "blocks", 3 ) ), "s2-4" );
+    assert_non_null( fact( b, "Error", "Flicker: F1" ) );
+    assert_null( fact( r, "Error", "relMSE" ) );
+    json_decref( data );
+}
+
+// No name ends the script that it stands in, or begins another.
+static void test_hostile_names( void** state )
+{
+    (void)state;
+    static const char hostile[] = "</script><script>alert(1)</script><!--<b>&\"'";
+    const RfExrString strings[] = { { "reframe/scene", hostile }, { "Software", "\xff\xfe no utf-8 </SCRIPT>" }, { "comments", "" } };
+    cli_expect( cli_run( "mkdir -p 'h/x<script>\"&'" ), 0, NULL );
+    write_constant( "h/x<script>\"&/f.1.exr", 20, 20, 1.0f, strings, 3 );
+    const CliResult* result = cli_run( "$R report 'h/x<script>\"&' -o h.html --title '</title><script>alert(2)</script>'" );
+    cli_expect( result, 0, NULL );
+    json_t* data = read_data( "h.html", 1 );
+    assert_string_equal( json_string_value( json_object_get( data, "title" ) ), "</title><script>alert(2)</script>" );
+    const json_t* sequence = sequence_of( data, 0 );
+    assert_string_equal( json_string_value( json_object_get( sequence, "name" ) ), "x<script>\"&" );
+    assert_string_equal( fact( sequence, "Scene", "Scene" ), hostile );
+    assert_non_null( fact( sequence, "Header", "Software" ) );
+    json_decref( data );
+    size_t size;
+    char* text = cli_read( "h.html", &size );
+    assert_int_equal( count_of( text, "<title>" ) + count_of( text, "</title>" ), 2 );
+    free( text );
+    // a value without an end
+    char* longest = malloc( 100001 );
+    assert_non_null( longest );
+    memset( longest, 'x', 100000 );
+    longest[100000] = '\0';
+    const RfExrString one = { "comments", longest };
+    write_constant( "h/long.exr", 20, 20, 1.0f, &one, 1 );
+    free( longest );
+    cli_expect( cli_run( "$R report h/long.exr -o h2.html --quiet" ), 0, NULL );
+    data = read_data( "h2.html", 1 );
+    assert_true( strlen( fact( sequence_of( data, 0 ), "Header", "comments" ) ) < 300 );
+    json_decref( data );
+}
+
+static void test_missing_frames( void** state )
+{
+    (void)state;
+    make_folder( "m/a" );
+    make_folder( "m/b" );
+    write_sequence( "m/a/f.##.exr", 1, 5, 1.0f, 0.5f );
+    cli_expect( cli_run( "rm m/a/f.03.exr" ), 0, NULL );
+    write_sequence( "m/b/f_#.exr", 4, 6, 1.0f, 0.0f );
+    cli_expect( cli_run( "$R report m/a m/b -o m.html" ), 0, NULL );
+    json_t* data = read_data( "m.html", 4 + 3 );
+    assert_int_equal( json_array_size( json_object_get( data, "frames" ) ), 5 ); // 1 2 4 5 6
+    const json_t *a = sequence_of( data, 0 ), *b = sequence_of( data, 1 );
+    assert_true( json_is_null( item( a, "blocks", 4 ) ) && json_is_null( item( b, "blocks", 1 ) ) );
+    check_item( a, "f1", 1, 0.5 );
+    assert_true( json_is_null( item( a, "f1", 2 ) ) ); // 4 has no 3 before it
+    check_item( a, "f1", 3, 0.5 );
+    assert_true( json_is_null( item( b, "f1", 2 ) ) );
+    check_item( b, "f1", 4, 0.0 );
+    assert_string_equal( fact( a, "Picture", "Missing" ), "1 frame" );
+    json_decref( data );
+    cli_expect( cli_run( "$R report m/a -o m2.html --frames 2-4" ), 0, NULL );
+    data = read_data( "m2.html", 2 );
+    assert_int_equal( json_array_size( json_object_get( data, "frames" ) ), 2 );
+    json_decref( data );
+    // where the reference ends, the error does
+    cli_expect( cli_run( "$R report m/b --reference m/a -o m3.html" ), 0, NULL );
+    data = read_data( "m3.html", 3 + 2 );
+    assert_true( json_is_number( item( sequence_of( data, 0 ), "relmse", 1 ) ) && json_is_null( item( sequence_of( data, 0 ), "relmse", 2 ) ) );
+    assert_true( json_is_null( item( sequence_of( data, 0 ), "f1", 2 ) ) );
+    json_decref( data );
+}
+
+static void test_other_programs( void** state )
+{
+    (void)state;
+    make_folder( "o" );
+    Foreign parts[2] = { { .names = { "Z" }, .values = { 7 }, .x = 3, .y = 5, .width = 20, .height = 10, .part = "depth" },
+                         { .names = { "L.Combined.B", "L.Combined.G", "L.Combined.R" }, .values = { 1, NAN, 1 }, .width = 30, .height = 20,
+                           .half = true, .part = "beauty" } };
+    write_foreign_exr( in_folder( "o/x.0007.left.exr" ), parts, 2 );
+    write_foreign_exr( in_folder( "o/x.0008.left.exr" ), parts, 2 );
+    cli_expect( cli_run( "$R report o -o o.html" ), 0, NULL );
+    json_t* data = read_data( "o.html", 2 );
+    const json_t* sequence = sequence_of( data, 0 );
+    assert_int_equal( json_integer_value( json_array_get( json_object_get( data, "frames" ), 1 ) ), 8 );
+    assert_int_equal( json_integer_value( json_object_get( sequence, "width" ) ), 30 );
+    check_item( sequence, "bad", 0, 600.0 );
+    assert_true( json_is_null( item( sequence, "f1", 1 ) ) );
+    assert_null( fact( sequence, "Settings", "Group" ) );
+    assert_non_null( fact( sequence, "Picture", "No numbers" ) );
+    json_decref( data );
+}
+
+#define RENDER_JSON                                                                                                                                  \
+    "{\"version\":\"1\",\"frames\":[{\"frame\":2,\"seconds\":1.5,\"native_spp\":14,\"relmse_estimate\":0.25}],\"seconds\":125,\"peak_bytes\":2500000,"         \
+    "\"rays\":{\"primary\":1000,\"eye\":2500000},\"effects\":[\"diffuse\",\"</script>\"]}"
+
+static void test_json_of_others( void** state )
+{
+    (void)state;
+    make_folder( "j" );
+    write_sequence( "j/f.####.exr", 1, 2, 1.0f, 0.0f );
+    cli_write( "j/a.json", "{ no json", 9 );
+    cli_write( "j/b.json", "[1, 2]", 6 );
+    cli_write( "j/r.json", RENDER_JSON, strlen( RENDER_JSON ) );
+    static const char cost[] = "{\"rows\":[{\"reuse\":true,\"group\":3,\"tile\":\"3x3\",\"spp\":4,\"seconds\":2,\"relmse\":0.5},{\"reuse\":\"x\",\"seconds\":\"bad\",\"relmse\":[]},"
+                               "{\"reuse\":false,\"spp\":4,\"seconds\":1,\"relmse\":2.5}],\"slope\":-0.97,\"speedup_at_equal_error\":4.5,\"speedup_low\":4,\"speedup_high\":5}";
+    cli_write( "j/c.json", cost, strlen( cost ) );
+    cli_expect( cli_run( "$R report j -o j.html" ), 0, NULL );
+    json_t* data = read_data( "j.html", 2 );
+    const json_t* sequence = sequence_of( data, 0 );
+    check_item( sequence, "relmse", 1, 0.25 );
+    check_item( sequence, "seconds", 1, 1.5 );
+    check_item( sequence, "samples", 1, 14.0 );
+    assert_true( json_is_null( item( sequence, "relmse", 0 ) ) );
+    assert_string_equal( fact( sequence, "Scene", "Effects" ), "diffuse, </script>" );
+    assert_string_equal( fact( sequence, "Time and memory", "In all" ), "2 min 5 s" );
+    assert_string_equal( fact( sequence, "Time and memory", "Memory, peak" ), "2.5 MB" );
+    assert_string_equal( fact( sequence, "Rays", "To other eyes" ), "2.5 M" );
+    const json_t* curve = json_array_get( json_object_get( data, "cost" ), 0 );
+    assert_int_equal( json_array_size( json_object_get( curve, "rows" ) ), 2 );
+    assert_string_equal( json_string_value( json_object_get( curve, "note" ) ), "slope -0.97; at equal error reuse is faster by 4.5 (4 to 5)" );
+    assert_string_equal( json_string_value( json_object_get( json_array_get( json_object_get( curve, "rows" ), 0 ), "reuse" ) ), "group 3, tile 3x3" );
+    assert_string_equal( json_string_value( json_object_get( json_array_get( json_object_get( curve, "rows" ), 1 ), "reuse" ) ), "path tracing" );
+    json_decref( data );
+    // by name; with a reference the estimate has no place
+    cli_expect( cli_run( "mkdir k; mv j/r.json j/c.json k; $R report j --reference j -o k.html --render-json k/r.json --cost k/c.json" ), 0, NULL );
+    data = read_data( "k.html", 4 );
+    check_item( sequence_of( data, 0 ), "relmse", 1, 0.0 );
+    check_item( sequence_of( data, 0 ), "seconds", 1, 1.5 );
+    assert_int_equal( json_array_size( json_object_get( data, "cost" ) ), 1 );
+    json_decref( data );
+    cli_expect( cli_run( "$R report j -o k2.html --render-json k/c.json" ), 1, "--render-json: k/c.json: is not what reframe render --json writes" );
+    cli_expect( cli_run( "$R report j -o k2.html --cost j/a.json" ), 1, "--cost: j/a.json: line 1" );
+    cli_expect( cli_run( "$R report j -o k2.html --cost no.json" ), 1, "no.json" );
+    cli_expect( cli_run( "$R report j j -o k2.html --render-json k/r.json" ), 2, "--render-json: is of one sequence" );
+    assert_false( cli_exists( "k2.html" ) );
+}
+
+static void test_estimates_in_headers( void** state )
+{
+    (void)state;
+    make_folder( "e" );
+    const RfExrString said[] = { { "reframe/relmse-estimate", "0.125" }, { "reframe/group", "3" }, { "reframe/native-spp", "6.5" }, { "reframe/noise", "0.2" } }, none = { "reframe/relmse-estimate", "much" };
+    write_constant( "e/f1.exr", 20, 20, 1.0f, said, 4 );
+    write_constant( "e/f2.exr", 20, 20, 1.0f, &none, 1 );
+    cli_expect( cli_run( "$R report e -o e.html" ), 0, NULL );
+    json_t* data = read_data( "e.html", 2 );
+    check_item( sequence_of( data, 0 ), "relmse", 0, 0.125 );
+    assert_true( json_is_null( item( sequence_of( data, 0 ), "relmse", 1 ) ) );
+    check_item( sequence_of( data, 0 ), "samples", 0, 6.5 );
+    assert_string_equal( fact( sequence_of( data, 0 ), "Settings", "Group" ), "3" );
+    assert_string_equal( fact( sequence_of( data, 0 ), "Settings", "Wanted relMSE" ), "0.2" );
+    json_decref( data );
+}
+
+// What the reference says of itself is no error of it.
+static void test_reference_with_json( void** state )
+{
+    (void)state;
+    make_folder( "q/a" );
+    make_folder( "q/r" );
+    write_sequence( "q/a/f.####.exr", 1, 2, 1.0f, 0.0f );
+    write_sequence( "q/r/f.####.exr", 1, 2, 1.0f, 0.0f );
+    cli_write( "q/r/r.json", RENDER_JSON, strlen( RENDER_JSON ) );
+    cli_expect( cli_run( "$R report q/a --reference q/r -o q.html" ), 0, NULL );
+    json_t* data = read_data( "q.html", 4 );
+    check_item( sequence_of( data, 0 ), "relmse", 1, 0.0 );
+    assert_true( json_is_null( item( sequence_of( data, 1 ), "relmse", 1 ) ) );
+    check_item( sequence_of( data, 1 ), "seconds", 1, 1.5 );
+    assert_string_equal( fact( sequence_of( data, 1 ), "Time and memory", "In all" ), "2 min 5 s" );
+    json_decref( data );
+}
+
+static void test_width( void** state )
+{
+    (void)state;
+    write_constant( "w.exr", 100, 50, 1.0f, NULL, 0 );
+    cli_expect( cli_run( "$R report w.exr -o w.html --width 40 --json w.json" ), 0, NULL );
+    json_t* data = read_data( "w.html", 1 );
+    assert_int_equal( json_integer_value( json_object_get( sequence_of( data, 0 ), "width" ) ), 34 );
+    assert_int_equal( json_integer_value( json_object_get( sequence_of( data, 0 ), "height" ) ), 17 );
+    assert_string_equal( fact( sequence_of( data, 0 ), "Picture", "Shown as" ), "34 x 17" );
+    json_decref( data );
+    assert_true( cli_exists( "w.json" ) );
+}
+
+// What render leaves, its JSON too.
+static void test_rendered( void** state )
+{
+    (void)state;
+    cli_expect( cli_run( "$R render $VASE -o v/f.####.exr --frames 1-3 --size 48x32 --spp 3 --group 1 --aov motion,depth,variance "
+                         "--json v/render.json --quiet && $R report v -o v.html" ), 0, NULL );
+    json_t* data = read_data( "v.html", 3 );
+    const json_t* sequence = sequence_of( data, 0 );
+    assert_true( json_is_number( item( sequence, "f1", 2 ) ) && json_is_number( item( sequence, "phi", 2 ) ) && json_is_null( item( sequence, "f1", 0 ) ) );
+    assert_true( json_number_value( json_object_get( data, "fps" ) ) == 24.0 );
+    static const char* const wanted[][2] = { { "Scene", "Camera" },   { "Scene", "Effects" },  { "Settings", "Group" },
+                                             { "Settings", "Layers" }, { "Rays", "From the camera" }, { "Time and memory", "Memory, peak" } };
+    for ( size_t i = 0; i < sizeof wanted / sizeof wanted[0]; ++i )
+        assert_non_null( fact( sequence, wanted[i][0], wanted[i][1] ) );
+    assert_non_null( strstr( fact( sequence, "Error", "Flicker: coverage" ), "%" ) );
+    json_decref( data );
+}
+
+static void test_refused( void** state )
+{
+    (void)state;
+    make_folder( "x/a" );
+    make_folder( "x/empty" );
+    make_folder( "x/two" );
+    write_sequence( "x/a/f.####.exr", 1, 3, 1.0f, 0.0f );
+    write_sequence( "x/two/f.####.exr", 1, 2, 1.0f, 0.0f );
+    write_sequence( "x/two/diff.####.exr", 1, 2, 1.0f, 0.0f );
+    cli_expect( cli_run( "$R report" ), 2, "DIR is missing" );
+    cli_expect( cli_run( "$R report x/a" ), 2, "--output: is missing" );
+    cli_expect( cli_run( "$R report x/a -o x/a/f.0001.exr --overwrite" ), 2, "wants a name that ends with .html" );
+    cli_expect( cli_run( "$R report a b c d e f g h i -o x.html" ), 2, "'i' is one file too many" );
+    cli_expect( cli_run( "$R report x/a '' -o x.html" ), 2, "DIR: the name is empty" );
+    cli_expect( cli_run( "$R report x/none -o x.html" ), 1, "x/none: is not there" );
+    cli_expect( cli_run( "$R report x/none.#.exr -o x.html" ), 1, "x/none.#.exr: there is no such file" );
+    cli_expect( cli_run( "$R report x/empty -o x.html" ), 1, "x/empty: there is no EXR file in this folder" );
+    cli_expect( cli_run( "$R report x/two -o x.html" ), 2, "diff.####.exr and f.####.exr: name one" );
+    cli_expect( cli_run( "$R report x/two/f.####.exr -o x.html" ), 0, NULL );
+    cli_expect( cli_run( "$R report x/a -o x.html" ), 1, "x.html: is there already: --overwrite replaces it" );
+    cli_expect( cli_run( "$R report x/a -o x.html --overwrite" ), 0, NULL );
+    cli_expect( cli_run( "$R report x/a -o no/such/x.html" ), 1, "no/such/x.html" );
+    cli_expect( cli_run( "$R report x/a -o y.html --frames 7-9" ), 2, "--frames" );
+    cli_expect( cli_run( "$R report x/a -o y.html --frames 1-2 --exposure 9" ), 2, "--exposure" );
+    write_constant( "x/a/f.0003.exr", 41, 30, 1.0f, NULL, 0 );
+    cli_expect( cli_run( "$R report x/a -o y.html --quiet" ), 1, "f.0003.exr: has 41x30 pixels" );
+    write_constant( "x/other.exr", 39, 30, 1.0f, NULL, 0 );
+    cli_expect( cli_run( "$R report x/two/f.0001.exr --reference x/other.exr -o y.html --quiet" ), 1, "x/other.exr: has 39x30 pixels" );
+    cli_write( "x/a/f.0003.exr", "EXR", 3 );
+    cli_expect( cli_run( "$R report x/a -o y.html --quiet" ), 1, "f.0003.exr: is no EXR that can be read" );
+    cli_expect( cli_run( "ulimit -f 8; $R report x/two/f.####.exr -o y.html --quiet" ), 1, "y.html" );
+    assert_false( cli_exists( "y.html" ) );
+    assert_int_equal( cli_count_files( ".tmp", "." ), 0 );
+    assert_int_equal( cli_run( "ls -a | grep -c '^\\..*html' > n; test \"$(cat n)\" = 0" )->status, 0 );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( test_two_and_a_reference ), cmocka_unit_test( test_hostile_names ), cmocka_unit_test( test_missing_frames ),
+        cmocka_unit_test( test_other_programs ),      cmocka_unit_test( test_json_of_others ), cmocka_unit_test( test_estimates_in_headers ),
+        cmocka_unit_test( test_width ), cmocka_unit_test( test_reference_with_json ),
+                     cmocka_unit_test( test_rendered ),      cmocka_unit_test( test_refused ),
+    };
+    return cmocka_run_group_tests_name( "report", tests, enter, leave );
+}

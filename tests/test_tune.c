@@ -1,0 +1,392 @@
+// Tuning: what is tried and why, how the time is shared out, what is chosen.
+#include "measure/tune_internal.h"
+#include "render_support.h"
+#include "reuse/group.h"
+#include "scene_builder.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#define MOST_EYES 48
+#define WIDTH 16
+#define HEIGHT 12
+
+typedef struct Setup
+{
+    RfScene scene;
+    RfTracer* tracer;
+    RfEye eyes[MOST_EYES];
+    int frames[MOST_EYES];
+    RfRenderSettings settings;
+    RfTuneJob job;
+} Setup;
+
+static void begin( Setup* s, int eyes, int spp )
+{
+    s->scene = make_room( ROOM_DIFFUSE );
+    s->tracer = make_tracer( &s->scene );
+    orbit_eyes( s->eyes, MOST_EYES, 1.0f, WIDTH, HEIGHT );
+    for ( int i = 0; i < MOST_EYES; ++i )
+        s->frames[i] = i;
+    s->settings = rf_default_render_settings();
+    s->settings.spp = spp;
+    s->settings.memory = (size_t)256 << 20;
+    s->settings.threads = 2;
+    s->job = ( RfTuneJob ){ .tracer = s->tracer, .eyes = s->eyes, .eye_count = eyes, .frames = s->frames, .frame_count = eyes,
+                            .settings = &s->settings };
+}
+
+static void end( Setup* s )
+{
+    rf_destroy_tracer( s->tracer );
+    rf_destroy_scene( &s->scene );
+}
+
+static int tried( const RfTune* tune )
+{
+    int count = 0;
+    for ( int i = 0; i < tune->count; ++i )
+        count += tune->rows[i].excluded == NULL;
+    return count;
+}
+
+static void test_rows( void** state )
+{
+    (void)state;
+    static const int paths[][2] = { { 1, 1 }, { 2, 2 }, { 5, 3 }, { 6, 4 }, { 48, 9 } };
+    Setup s;
+    for ( int i = 0; i < 5; ++i )
+    {
+        begin( &s, paths[i][0], 33 );
+        RfTune tune = { 0 };
+        RfRenderSettings common;
+        RfError error;
+        assert_int_equal( rf_list_tune_rows( &s.job, &tune, &common, &error ), RF_OK );
+        assert_int_equal( tune.count, RF_TUNE_TILES * paths[i][1] );
+        assert_int_equal( tried( &tune ), tune.count );
+        for ( int r = 0; r < tune.count; ++r )
+        {
+            const RfTuneRow* row = tune.rows + r;
+            RfRenderSettings settings = rf_tune_settings( row, &common ), used;
+            assert_int_equal( rf_resolve_settings( s.tracer, s.eyes, paths[i][0], &settings, &used, &error ), RF_OK );
+            assert_true( used.group == row->group && used.spp == row->spp && row->fit.films > 0 );
+            RfGroupPlan plan = rf_plan_groups( paths[i][0], row->group, 33 );
+            assert_true( row->eyes == plan.eyes && row->samples >= 33.0 * WIDTH * HEIGHT * paths[i][0] );
+            assert_true( row->cost > 100.0 && row->predicted_gain > 0.0 );
+        }
+        end( &s );
+    }
+}
+
+// What does not fit, or would take far more samples than were asked for, is said.
+static void test_excluded( void** state )
+{
+    (void)state;
+    Setup s;
+    RfTune tune = { 0 };
+    RfRenderSettings common;
+    RfError error;
+    begin( &s, 48, 5 );
+    assert_int_equal( rf_list_tune_rows( &s.job, &tune, &common, &error ), RF_OK );
+    for ( int r = 0; r < tune.count; ++r )
+    {
+        const char* why = tune.rows[r].excluded;
+        assert_true( ( why != NULL ) == ( tune.rows[r].spp > 10 ) );
+        assert_true( why == NULL || strstr( why, "--spp" ) != NULL );
+    }
+    size_t least = tune.rows[0].fit.least;
+    tune = ( RfTune ){ 0 };
+    s.settings.memory = least;
+    assert_int_equal( rf_list_tune_rows( &s.job, &tune, &common, &error ), RF_OK );
+    assert_int_equal( tried( &tune ), 1 );
+    assert_null( tune.rows[0].excluded );
+    assert_true( strstr( tune.rows[RF_TUNE_GROUPS].excluded, "--memory" ) != NULL );
+    tune = ( RfTune ){ 0 };
+    s.settings.memory = least - 1024;
+    assert_int_equal( rf_list_tune_rows( &s.job, &tune, &common, &error ), RF_ERROR_MEMORY );
+    assert_non_null( strstr( error.text, "give --memory " ) );
+    end( &s );
+}
+
+static RfTrial made_trial( double relmse, double seconds )
+{
+    return ( RfTrial ){ .windows = 1, .weight = 100.0, .samples = 1000.0, .timed_samples = 500.0, .cpu_seconds = 500.0 * seconds,
+                        .wall_seconds = 1.0, .relmse = 100.0 * relmse, .halves = 100.0 * relmse, .mse = 100.0, .change = 50.0 };
+}
+
+// Rows of one tile whose errors and times are made up.
+static RfTune made_tune( int count )
+{
+    RfTune tune = { .count = count, .chosen = -1 };
+    for ( int i = 0; i < count; ++i )
+    {
+        tune.rows[i] = ( RfTuneRow ){ .group = i, .eyes = 2 * i + 1, .spp = 10, .fit = { .threads = 2 }, .samples = 1e6, .cost = 500.0, .rounds = 1 };
+        tune.rows[i].trial = made_trial( 1.0, 1e-6 * ( i + 1 ) );
+    }
+    return tune;
+}
+
+static void test_weighing( void** state )
+{
+    (void)state;
+    RfTune tune = made_tune( 4 );
+    tune.rows[2].trial = tune.rows[1].trial;      // equal trials
+    tune.rows[3].trial = made_trial( 0.1, 5e-6 ); // the best, but
+    rf_weigh_tune_rows( &tune, 1000.0, 10 );
+    assert_int_equal( tune.chosen, 3 );
+    assert_true( tune.rows[3].chosen && !tune.rows[0].chosen );
+    assert_true( tune.rows[1].efficiency == tune.rows[2].efficiency && tune.rows[1].relmse == tune.rows[2].relmse );
+    const RfTuneRow* first = tune.rows;
+    assert_true( fabs( first->cpu_seconds - 1.0 ) < 1e-9 && fabs( first->seconds - 0.5 ) < 1e-9 && fabs( first->relmse - 0.1 ) < 1e-12 );
+    assert_true( fabs( first->efficiency - 100.0 ) < 1e-6 && first->gain == 1.0 ); // 10 frames / ( 0.1 · 1 s )
+    assert_true( fabs( first->phi - 0.5 ) < 1e-12 && fabs( first->f1 - sqrt( 2.0 * 0.5 / 10.0 ) ) < 1e-12 );
+    assert_true( fabs( tune.rows[3].gain - 2.0 ) < 1e-9 );
+    for ( int i = 0; i < 3; ++i ) // it was given up early
+        tune.rows[i].rounds = 2;
+    rf_weigh_tune_rows( &tune, 1000.0, 10 );
+    assert_int_equal( tune.chosen, 0 );
+    assert_false( tune.rows[3].chosen );
+    for ( int i = 0; i < 3; ++i )
+        tune.rows[i].trial.relmse = i == 0 ? (double)NAN : 0.0;
+    rf_weigh_tune_rows( &tune, 1000.0, 10 );
+    assert_int_equal( tune.chosen, -1 );
+    tune.rows[3].rounds = 0;
+    rf_weigh_tune_rows( &tune, 1000.0, 10 );
+    assert_true( isnan( tune.rows[3].efficiency ) && isnan( tune.rows[3].seconds ) && isnan( tune.rows[3].gain ) );
+}
+
+static int cut( const RfTune* tune, int kept, bool* candidate )
+{
+    int count = 0;
+    rf_cut_tune_candidates( tune, kept, candidate );
+    for ( int i = 0; i < tune->count; ++i )
+        count += candidate[i];
+    return count;
+}
+
+static void test_cutting( void** state )
+{
+    (void)state;
+    RfTune tune = made_tune( 8 );
+    for ( int i = 0; i < 8; ++i )
+        tune.rows[i].efficiency = 100.0 - 5.0 * i;
+    tune.rows[0].efficiency = (double)NAN;
+    tune.rows[7].efficiency = 40.0;
+    bool candidate[RF_TUNE_ROWS] = { true, true, true, true, true, true, false, true };
+    assert_int_equal( cut( &tune, 8, candidate ), 5 ); // without number; long given up; below half of the best
+    assert_true( !candidate[0] && candidate[1] && candidate[5] && !candidate[6] && !candidate[7] );
+    assert_int_equal( cut( &tune, 2, candidate ), 2 );
+    assert_true( candidate[1] && candidate[2] );
+    assert_int_equal( cut( &tune, 1, candidate ), 1 );
+    tune.rows[1].efficiency = (double)NAN;
+    assert_int_equal( cut( &tune, 1, candidate ), 0 );
+}
+
+static void test_places( void** state )
+{
+    (void)state;
+    static const double first[] = { 0.5, 0.25, 0.75, 0.125, 0.625 };
+    for ( int i = 0; i < 5; ++i )
+        assert_true( rf_tune_place( i ) == first[i] );
+    int parts[16] = { 0 };
+    for ( int i = 0; i < 15; ++i )
+        parts[(int)( 16.0 * rf_tune_place( i ) )] += 1;
+    for ( int i = 1; i < 16; ++i ) // evenly
+        assert_int_equal( parts[i], 1 );
+    for ( int eyes = 1; eyes < 50; ++eyes )
+        assert_true( rf_tune_windows( eyes ) >= 1 && ( eyes >= 15 || abs( rf_tune_windows( eyes ) * eyes - 15 ) <= eyes / 2 + 1 ) );
+}
+
+static RfTuneOutlook outlook_of( int number, double left )
+{
+    return ( RfTuneOutlook ){ .number = number, .width = 320, .height = 200, .left = left, .rate = 2.0, .cost_second = 2e-9,
+                              .memory = (size_t)1 << 30, .workers = 2 };
+}
+
+// More time never makes smaller pictures or fewer places, and none of it is overdrawn.
+static void test_rounds( void** state )
+{
+    (void)state;
+    bool candidate[RF_TUNE_ROWS];
+    for ( int i = 0; i < RF_TUNE_ROWS; ++i )
+        candidate[i] = true;
+    for ( int number = 0; number < RF_TUNE_ROUNDS; ++number )
+    {
+        RfTune tune = made_tune( 9 );
+        for ( int i = 0; i < 9; ++i )
+            tune.rows[i].rounds = number;
+        double last = 0.0;
+        bool refused = false, full = false, between = false;
+        for ( double left = 1e-3; left < 1e7; left *= 3.0 )
+        {
+            RfTuneOutlook o = outlook_of( number, left );
+            RfTuneRound round;
+            bool planned = rf_plan_tune_round( &tune, candidate, &o, &round );
+            assert_true( planned || number > 0 );
+            refused = refused || !planned;
+            if ( !planned )
+                continue;
+            double pixels = (double)round.width * round.height;
+            assert_true( round.width <= 320 && round.height <= 200 && round.sites >= 1 && round.sites <= 24 && round.passes >= 2 );
+            assert_true( fabs( round.width * 200.0 / ( round.height * 320.0 ) - 1.0 ) < 0.05 );
+            assert_true( round.sites * pixels >= 0.97 * last );
+            assert_true( round.seconds < 1.05 * left || ( number == 0 && round.sites == 1 && pixels < 1300.0 ) );
+            double cost = rf_tune_round_cost( &tune, candidate, &round, o.cost_second );
+            assert_true( fabs( round.seconds - cost / o.rate ) < 1e-9 * round.seconds );
+            between = between || ( round.width < 320 && round.width > 60 && round.seconds > 0.2 * left );
+            full = full || round.width == 320;
+            last = round.sites * pixels;
+        }
+        assert_true( refused == ( number > 0 ) && full && between );
+    }
+}
+
+// Large pictures and little memory: smaller ones.
+static void test_round_memory( void** state )
+{
+    (void)state;
+    RfTune tune = made_tune( 9 );
+    bool candidate[RF_TUNE_ROWS] = { true, true, true, true, true, true, true, true, true };
+    RfTuneOutlook o = outlook_of( 1, 1e6 );
+    RfTuneRound large, small;
+    assert_true( rf_plan_tune_round( &tune, candidate, &o, &large ) );
+    o.memory = (size_t)16 << 20;
+    assert_true( rf_plan_tune_round( &tune, candidate, &o, &small ) );
+    assert_true( large.width == 320 && small.width < 320 );
+    double bytes = 2.0 * ( (double)rf_trial_bytes( 17, 1 ) + 32.0 * 17 ) * small.width * small.height;
+    assert_true( bytes < (double)o.memory );
+    // a film of a single pixel is tried as it is
+    o.width = o.height = 1;
+    assert_true( rf_plan_tune_round( &tune, candidate, &o, &small ) && small.width == 1 && small.height == 1 );
+}
+
+static RfTune tune_of( const Setup* s )
+{
+    RfTune tune;
+    RfError error;
+    if ( rf_tune( &s->job, &tune, &error ) != RF_OK )
+        fail_msg( "%s", error.text );
+    return tune;
+}
+
+// Without time there is the first round, whose errors are the same for any threads.
+static void test_first_round( void** state )
+{
+    (void)state;
+    Setup s;
+    begin( &s, 7, 14 );
+    RfTune one = tune_of( &s );
+    s.settings.threads = 1;
+    RfTune other = tune_of( &s );
+    assert_true( one.round_count == 1 && one.count == 4 * RF_TUNE_TILES && one.chosen >= 0 );
+    assert_true( one.rounds[0].width == WIDTH && one.rounds[0].height == HEIGHT && one.rounds[0].sites == 1 );
+    for ( int r = 0; r < one.count; ++r )
+    {
+        const RfTuneRow *a = one.rows + r, *b = other.rows + r;
+        assert_true( a->rounds == 1 && a->trial.windows >= 1 && a->relmse > 0.0 && a->f1 > 0.0 && a->efficiency > 0.0 && a->gain > 0.0 );
+        assert_true( a->trial.relmse == b->trial.relmse && a->trial.change == b->trial.change && a->trial.samples == b->trial.samples );
+        assert_true( a->chosen == ( r == one.chosen ) && a->efficiency <= one.rows[one.chosen].efficiency );
+        assert_true( a->group > 0 || fabs( a->phi - 1.0 ) < 1e-6 );
+    }
+    // 7 frames that share their paths are better than each alone
+    assert_true( one.rows[3].group == 3 && one.rows[3].relmse < 0.4 * one.rows[0].relmse && one.rows[3].phi < 0.5 );
+    end( &s );
+}
+
+static void test_more_rounds( void** state )
+{
+    (void)state;
+    Setup s;
+    begin( &s, 7, 14 );
+    s.job.budget = 6.0;
+    RfTune tune = tune_of( &s );
+    int most = 0;
+    for ( int r = 0; r < tune.count; ++r )
+        most = tune.rows[r].rounds > most ? tune.rows[r].rounds : most;
+    assert_true( tune.round_count >= 1 && most == tune.round_count );
+    assert_int_equal( tune.rows[tune.chosen].rounds, most );
+    end( &s );
+}
+
+typedef struct Stop
+{
+    int rounds, wanted;
+} Stop;
+
+static bool go_on( void* user )
+{
+    const Stop* stop = user;
+    return stop->rounds < stop->wanted;
+}
+
+static void count_round( void* user, const RfTune* tune, const RfTuneRound* round, int candidates )
+{
+    Stop* stop = user;
+    assert_true( round->width > 0 && candidates > 0 && tune->round_count == stop->rounds );
+    stop->rounds += 1;
+}
+
+static void test_interrupt( void** state )
+{
+    (void)state;
+    Setup s;
+    begin( &s, 7, 14 );
+    for ( int wanted = 0; wanted < 3; ++wanted )
+    {
+        Stop stop = { 0, wanted };
+        RfTrialWatch watch = { go_on, &stop };
+        s.job.watch = &watch;
+        s.job.say = count_round;
+        s.job.user = &stop;
+        s.job.budget = 1000.0; // of which nothing is waited for
+        s.job.eye_count = s.job.frame_count = 3;
+        RfTune tune;
+        RfError error;
+        assert_int_equal( rf_tune( &s.job, &tune, &error ), RF_ERROR_INTERRUPTED );
+        assert_int_equal( tune.round_count, wanted > 0 ? wanted - 1 : 0 );
+        assert_true( ( tune.chosen >= 0 ) == ( tune.round_count > 0 ) );
+        if ( wanted == 2 )
+            break;
+    }
+    end( &s );
+}
+
+// Nothing to see: no error to compare.
+static void test_black( void** state )
+{
+    (void)state;
+    Setup s;
+    begin( &s, 2, 4 );
+    for ( int i = 0; i < 2; ++i )
+        s.eyes[i].origin = rf_vec3( 100.0f, 100.0f, 100.0f );
+    RfTune tune;
+    RfError error;
+    assert_int_equal( rf_tune( &s.job, &tune, &error ), RF_ERROR_SCENE );
+    assert_non_null( strstr( error.text, "black" ) );
+    end( &s );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( test_rows ),
+        cmocka_unit_test( test_excluded ),
+        cmocka_unit_test( test_weighing ),
+        cmocka_unit_test( test_cutting ),
+        cmocka_unit_test( test_places ),
+        cmocka_unit_test( test_rounds ),
+        cmocka_unit_test( test_round_memory ),
+        cmocka_unit_test( test_first_round ),
+        cmocka_unit_test( test_more_rounds ),
+        cmocka_unit_test( test_interrupt ),
+        cmocka_unit_test( test_black ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}
