@@ -81,7 +81,7 @@ static inline bool rf_is_stopping( const RfRenderSettings* settings ) { return s
 
 void rf_add_rays( RfRayCounts* sum, const RfRayCounts* part );
 
-// One pass of a window, into half `half` of the films.
+// One pass of a window, into the films.
 RfResult rf_render_pass( RfRenderer* renderer, const RfHarvest* harvest, const RfWindow* window, int pass, RfError* error );
 
 // The passes of a window, as many as noise and time want.
