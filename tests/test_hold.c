@@ -99,7 +99,7 @@ static void test_paper_example( void** state )
 {
     (void)state;
     // the records do not depend on the light
-    Bytes bytes = render_example( 4, "--max-depth 2" );
+    Bytes bytes = render_example( 4, "--max-depth 1" );
     expect_small( bytes, 1.0 / 16.0 );
     cli_expect( cli_run( "$R plan $VASE --size 200x150 --spp 14 --quiet --json plan.json" ), 0, NULL );
     json_t* plan = read_json( "plan.json" );
