@@ -200,7 +200,7 @@ static void test_command( void** state )
     json_decref( json );
     free( text );
     text = cli_read( "c.svg", &size );
-    assert_true( size > 500 && strstr( text, "<svg" ) != NULL && strstr( text, "groups of 3 and 3x3 tiles" ) != NULL );
+    assert_true( size > 500 && strstr( text, "<svg" ) != NULL && strstr( text, "group 1, tile 3x3" ) != NULL );
     free( text );
     text = cli_read( "c.txt", &size );
     assert_non_null( strstr( text, "relMSE 0.05 at 40x30: " ) );

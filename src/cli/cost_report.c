@@ -176,7 +176,9 @@ RfResult rf_write_cost_plot( const RfCostReport* r, const char* path, RfError* e
     Curve plain, reuse;
     RfPlotSeries series[4];
     snprintf( plain.name, sizeof plain.name, "path tracing" );
-    rf_format_reuse( &cost->reuse, reuse.name, sizeof reuse.name );
+    char tile[24]; // the legend is narrow
+    rf_tile_name( &cost->reuse.tile, tile );
+    snprintf( reuse.name, sizeof reuse.name, "group %d, tile %s", cost->reuse.group, tile );
     draw_curve( &cost->plain, 0, &plain, series );
     draw_curve( &cost->reuse, 1, &reuse, series + 2 );
     char subtitle[512];
