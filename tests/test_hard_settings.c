@@ -78,6 +78,24 @@ static void refuse( const Setup* s, const RfRenderSettings* settings )
     assert_int_equal( rf_render( s->tracer, s->eyes, EYES, &(int){ 0 }, 1, settings, NULL, NULL, NULL ), RF_ERROR_USAGE );
 }
 
+// Rounded to what groups need, but not beyond the most: what is resolved can be resolved again.
+static void test_most_samples( void** state )
+{
+    (void)state;
+    RfScene scene = make_room( ROOM_DIFFUSE );
+    RfTracer* tracer = make_tracer( &scene );
+    RfEye eyes[20];
+    orbit_eyes( eyes, 20, 1.0f, 4, 3 );
+    RfRenderSettings settings = small_settings( 3, RF_MAX_SPP ), once, twice;
+    RfError error;
+    assert_int_equal( rf_resolve_settings( tracer, eyes, 20, &settings, &once, &error ), RF_OK );
+    assert_int_equal( once.spp, RF_MAX_SPP / 7 * 7 );
+    assert_int_equal( rf_resolve_settings( tracer, eyes, 20, &once, &twice, &error ), RF_OK );
+    assert_int_equal( twice.spp, once.spp );
+    rf_destroy_tracer( tracer );
+    rf_destroy_scene( &scene );
+}
+
 static void test_settings_out_of_range( void** state )
 {
     (void)state;
@@ -207,7 +225,7 @@ static void test_callbacks_stop_the_render( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_settings_at_their_limits ),     cmocka_unit_test( test_settings_out_of_range ),
+        cmocka_unit_test( test_settings_at_their_limits ),     cmocka_unit_test( test_most_samples ), cmocka_unit_test( test_settings_out_of_range ),
         cmocka_unit_test( test_eyes_and_frames_out_of_range ), cmocka_unit_test( test_too_little_memory ),
         cmocka_unit_test( test_callbacks_stop_the_render ),
     };

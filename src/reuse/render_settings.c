@@ -98,6 +98,8 @@ RfResult rf_resolve_settings( const RfTracer* tracer, const RfEye* eyes, int eye
     if ( result != RF_OK )
         return result;
     RfGroupPlan plan = rf_plan_groups( eye_count, resolved->group, settings->spp );
+    if ( plan.spp > RF_MAX_SPP ) // the most that can be had
+        plan = rf_plan_groups( eye_count, resolved->group, RF_MAX_SPP / plan.eyes * plan.eyes );
     resolved->group = plan.eyes / 2;
     if ( !rf_is_stopping( settings ) )
         resolved->spp = plan.spp;
