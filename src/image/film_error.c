@@ -3,14 +3,12 @@
 // and groups spread over their neighbours included. The denominator wants the
 // true value: where noise is heavy the pixel's own would hide just the pixels
 // that err most (an estimate of a third of the truth was seen). What one half has
-// and the other has not is taken for a firefly, and the truth for the geometric mean
-// of three guesses at what is there else: what the other half has around; what the
-// pixels around have where both halves agree with this one's, which is that side of
-// an edge (counted twice); and the most that both halves have in a pixel beside this
-// one, for where few samples hit the bright side of an edge. Alone the first tells
-// too little in pictures full of edges, the second too much where fireflies come in
-// tiles, the third too little beside bright things. A glint that one pixel has, and
-// one sample in ten, cannot be told from a firefly.
+// and the other has not is taken for a firefly, and the truth for the mean of the
+// pixels around in which both halves agree on the same as in this one: that is its
+// own side of an edge. Where that leaves less than half of its value, and a pixel
+// beside it is as bright in both halves, it is taken for an edge that few samples
+// hit, and its own value for the truth. A glint that one pixel has, and one sample in
+// ten, cannot be told from a firefly.
 #include "image/film_pixel.h"
 
 #include <math.h>
@@ -19,6 +17,7 @@
 #define SIDE ( 2 * REACH + 1 )
 #define LIKENESS 0.3 // of the larger one, that two may differ by
 #define DARK 0.001   // and besides
+#define EDGE 2.0 // times what it is like, and more, has an edge that few samples hit
 #define STRIP 64 // columns at once
 #define COLUMNS ( STRIP + 2 * REACH )
 
@@ -31,8 +30,7 @@ typedef struct Strip
     const float* rgb;
     int first, end;
     double half[SIDE][2][COLUMNS]; // mean of the channels
-    double sum[2][COLUMNS];        // over the rows
-    int rows;                      // in the sum
+    int rows;                      // of them
 } Strip;
 
 static size_t index_of( const RfFilm* film, int x, int y ) { return (size_t)y * (size_t)film->width + (size_t)x; }
@@ -59,26 +57,6 @@ static void go_to_row( Strip* s, int y )
     for ( int row = y == 0 ? 0 : y + REACH; row <= bottom; ++row )
         load_row( s, row );
     s->rows = bottom - top + 1;
-    for ( int h = 0; h < 2; ++h )
-    {
-        for ( int i = 0; i < s->end - s->first; ++i )
-        {
-            double sum = 0.0;
-            for ( int row = top; row <= bottom; ++row )
-                sum += s->half[row % SIDE][h][i];
-            s->sum[h][i] = sum;
-        }
-    }
-}
-
-// What a half has around pixel x of the row.
-static double surroundings( const Strip* s, int half, int x )
-{
-    int left = x - REACH > s->first ? x - REACH : s->first, right = x + REACH < s->end ? x + REACH : s->end - 1;
-    double sum = 0.0;
-    for ( int i = left; i <= right; ++i )
-        sum += s->sum[half][i - s->first];
-    return sum / ( s->rows * ( right - left + 1 ) );
 }
 
 // What both halves have of pixel x in row y.
@@ -128,10 +106,8 @@ static double beside( const Strip* s, int x, int y )
 static double likely_value( const Strip* s, int x, int y )
 {
     double own = fabs( mean_of_channels( s->rgb + 3 * index_of( s->film, x, y ) ) ), common = common_part( s, x, y );
-    int less = s->half[y % SIDE][1][x - s->first] < s->half[y % SIDE][0][x - s->first];
-    double around = fmin( own, fmax( common, surroundings( s, less, x ) ) );
-    double like = fmin( own, fmax( common, likes( s, x, y ) ) ), edge = fmin( own, beside( s, x, y ) );
-    return sqrt( like * sqrt( around * edge ) );
+    double like = fmin( own, fmax( common, likes( s, x, y ) ) );
+    return own > EDGE * like && beside( s, x, y ) >= own ? own : like;
 }
 
 static double squared_difference( const Strip* s, int x, int y )
