@@ -101,7 +101,7 @@ static void test_sums( void** state )
     assert_true( one.weight == 5.0 * WIDTH * HEIGHT && one.samples == 2 * 3 * one.weight );
     assert_true( one.timed_samples > 0.0 && one.timed_samples <= one.samples );
     assert_true( one.cpu_seconds > 0.0 && one.wall_seconds > 0.0 && one.finish_seconds >= 0.0 );
-    assert_true( one.relmse == again.relmse && one.halves == again.halves && one.change == again.change );
+    assert_true( one.relmse == again.relmse && one.change == again.change );
     // frames without reuse are independent
     expect_near( "phi", rf_trial_phi( &one ), 1.0, 1e-9 );
     expect_near( "F1", rf_trial_f1( &one, 4.0 ), sqrt( 2.0 * one.mse / one.weight / 4.0 ), 1e-9 );
@@ -121,7 +121,7 @@ static void test_sums( void** state )
     end( &s );
 }
 
-// More passes: the error of one is the same. The halves agree where nothing is shared.
+// More passes: the error of one is the same.
 static void test_passes( void** state )
 {
     (void)state;
@@ -138,7 +138,6 @@ static void test_passes( void** state )
     }
     expect_near( "16 passes", rf_trial_relmse( &many, 1.0 ), rf_trial_relmse( &few, 1.0 ), 0.1 );
     expect_near( "squares", many.mse, few.mse, 0.1 );
-    expect_near( "halves", many.halves, many.relmse, 0.15 );
     end( &s );
 }
 
@@ -217,8 +216,8 @@ static void check_long_path( int group, const char* tile )
     }
     settings.spp = 4 * ( 2 * group + 1 );
     Truth truth = render_truth( &s, &settings );
-    printf( "group %d tile %s: relMSE %.5f of %.5f, halves %.5f, F1 %.5f of %.5f, phi %.3f of %.3f\n", group, tile,
-            rf_trial_relmse( &sum, settings.spp ), truth.relmse, sum.halves / sum.weight / settings.spp,
+    printf( "group %d tile %s: relMSE %.5f of %.5f, F1 %.5f of %.5f, phi %.3f of %.3f\n", group, tile,
+            rf_trial_relmse( &sum, settings.spp ), truth.relmse,
             rf_trial_f1( &sum, settings.spp ), truth.f1, rf_trial_phi( &sum ), truth.phi );
     expect_near( "relMSE", rf_trial_relmse( &sum, settings.spp ), truth.relmse, 0.15 );
     expect_near( "F1", rf_trial_f1( &sum, settings.spp ), truth.f1, 0.1 );

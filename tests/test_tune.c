@@ -118,7 +118,7 @@ static void test_excluded( void** state )
 static RfTrial made_trial( double relmse, double seconds )
 {
     return ( RfTrial ){ .windows = 1, .weight = 100.0, .samples = 1000.0, .timed_samples = 500.0, .cpu_seconds = 500.0 * seconds,
-                        .wall_seconds = 1.0, .relmse = 100.0 * relmse, .halves = 100.0 * relmse, .mse = 100.0, .change = 50.0 };
+                        .wall_seconds = 1.0, .relmse = 100.0 * relmse, .mse = 100.0, .change = 50.0 };
 }
 
 // Rows of one tile whose errors and times are made up.

@@ -168,7 +168,6 @@ void rf_add_trial( RfTrial* sum, const RfTrial* trial )
     sum->finish_seconds += trial->finish_seconds;
     sum->finish_pixels += trial->finish_pixels;
     sum->relmse += trial->relmse;
-    sum->halves += trial->halves;
     sum->mse += trial->mse;
     sum->change += trial->change;
 }

@@ -68,7 +68,6 @@ typedef struct RfTrial
     double wall_seconds;
     double finish_seconds, finish_pixels; // CPU seconds of finishing frames, and their pixels
     double relmse;        // from the two renders
-    double halves;        // from the halves of each film: RfFrameResult.relmse_estimate
     double mse;           // mean square of the error, over channels
     double change;        // ½ mean square of its change from frame to frame of a long path
 } RfTrial;

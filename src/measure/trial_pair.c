@@ -73,7 +73,7 @@ RfResult rf_render_metered( const RfTracer* tracer, const RfEye* eyes, int eye_c
 void rf_begin_pair( RfTrialPair* pair, const float* weight )
 {
     pair->weight = weight;
-    pair->relmse = pair->halves = pair->square = pair->ends = pair->steps = 0.0;
+    pair->relmse = pair->square = pair->ends = pair->steps = 0.0;
 }
 
 RfResult rf_keep_first( void* user, const RfFrameResult* frame, RfError* error )
@@ -81,7 +81,6 @@ RfResult rf_keep_first( void* user, const RfFrameResult* frame, RfError* error )
     (void)error;
     RfTrialPair* p = user;
     memcpy( p->rgb + 3 * p->pixels * (size_t)frame->frame, frame->rgb, 3 * p->pixels * sizeof( float ) );
-    p->halves += 0.5 * frame->relmse_estimate;
     return RF_OK;
 }
 
@@ -107,7 +106,6 @@ RfResult rf_compare_second( void* user, const RfFrameResult* frame, RfError* err
         relative += (double)weight[i] * sum;
     }
     p->relmse += 0.5 * relative / (double)p->pixels;
-    p->halves += 0.5 * frame->relmse_estimate;
     p->square += 0.5 * square / (double)floats;
     p->steps += 0.5 * step / (double)floats;
     if ( frame->frame == 0 )
@@ -133,7 +131,6 @@ void rf_end_pair( const RfTrialPair* p, int passes, RfTrial* trial )
     trial->windows += 1;
     trial->weight += weight;
     trial->relmse += each * p->relmse;
-    trial->halves += each * p->halves;
     trial->mse += each * p->square;
     trial->change += each * change_of( p );
 }

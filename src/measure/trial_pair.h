@@ -27,7 +27,6 @@ typedef struct RfTrialPair
     const float* weight; // of each frame's pixels
     float* rgb;          // frames of the first; then what the second differs by
     double relmse;       // sums over the frames: of weighted ½ d², over channels, mean over pixels,
-    double halves;       // of the films' own estimates, in both renders,
     double square;       // of ½ d², mean over pixels and channels,
     double ends;         // half of what the first and the last have of it,
     double steps;        // of ½ (d_t − d_{t−1})²
