@@ -30,6 +30,7 @@ void cli_enter( void )
     assert_non_null( mkdtemp( s_folder ) );
     setenv( "R", REFRAME_BINARY, 1 );
     setenv( "VASE", REFRAME_VASE_ROOM, 1 );
+    setenv( "OMP_WAIT_POLICY", "passive", 1 ); // other tests are at work beside
 }
 
 void cli_leave( void )
@@ -37,6 +38,20 @@ void cli_leave( void )
     char command[128];
     snprintf( command, sizeof command, "rm -rf '%s'", s_folder );
     assert_int_equal( system( command ), 0 );
+}
+
+int cli_enter_group( void** state )
+{
+    (void)state;
+    cli_enter();
+    return 0;
+}
+
+int cli_leave_group( void** state )
+{
+    (void)state;
+    cli_leave();
+    return 0;
 }
 
 static void path_of( const char* name, char* path, size_t size )

@@ -17,6 +17,10 @@ void cli_enter( void );
 void cli_leave( void );
 const char* cli_folder( void );
 
+// The same as set-up and tear-down of a group of tests.
+int cli_enter_group( void** state );
+int cli_leave_group( void** state );
+
 // Runs a shell line in the folder, with $R the program and $VASE the vase room.
 const CliResult* cli_run( const char* format, ... ) __attribute__( ( format( printf, 1, 2 ) ) );
 

@@ -15,20 +15,6 @@
 #define ALL "albedo,normal,depth,motion,variance,samples"
 #define SMALL "--size 48x27 --spp 6 --group 1 --frames 10-11 --quiet"
 
-static int enter( void** state )
-{
-    (void)state;
-    cli_enter();
-    return 0;
-}
-
-static int leave( void** state )
-{
-    (void)state;
-    cli_leave();
-    return 0;
-}
-
 // One channel of a frame, to be freed; NULL where it has none.
 static float* channel_of( const char* name, const char* channel, int width, int height )
 {
@@ -132,5 +118,5 @@ int main( void )
         cmocka_unit_test( test_resume ),
         cmocka_unit_test( test_variance_of_one_pass ),
     };
-    return cmocka_run_group_tests_name( "aov", tests, enter, leave );
+    return cmocka_run_group_tests_name( "aov", tests, cli_enter_group, cli_leave_group );
 }

@@ -364,20 +364,6 @@ static void test_vase_zoom( void** state )
     rf_destroy_scene( &scene );
 }
 
-static int enter( void** state )
-{
-    (void)state;
-    cli_enter();
-    return 0;
-}
-
-static int leave( void** state )
-{
-    (void)state;
-    cli_leave();
-    return 0;
-}
-
 int main( void )
 {
     const struct CMUnitTest tests[] = {
@@ -392,5 +378,5 @@ int main( void )
         cmocka_unit_test( test_mutations ),
         cmocka_unit_test( test_vase_zoom ),
     };
-    return cmocka_run_group_tests_name( "camera path", tests, enter, leave );
+    return cmocka_run_group_tests_name( "camera path", tests, cli_enter_group, cli_leave_group );
 }

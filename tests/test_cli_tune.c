@@ -121,20 +121,6 @@ static void test_signal( void** state )
     cli_expect( cli_wait( 2 ), 130, "reframe tune: interrupted" );
 }
 
-static int setup( void** state )
-{
-    (void)state;
-    cli_enter();
-    return 0;
-}
-
-static int teardown( void** state )
-{
-    (void)state;
-    cli_leave();
-    return 0;
-}
-
 int main( void )
 {
     const struct CMUnitTest tests[] = {
@@ -143,5 +129,5 @@ int main( void )
         cmocka_unit_test( test_command_errors ),
         cmocka_unit_test( test_signal ),
     };
-    return cmocka_run_group_tests( tests, setup, teardown );
+    return cmocka_run_group_tests( tests, cli_enter_group, cli_leave_group );
 }

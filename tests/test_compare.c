@@ -1,6 +1,7 @@
 // `compare` as a script sees it: exit status, JSON, and what it refuses.
 #include "cli/commands.h"
 #include "cli/compare_report.h"
+#include "command_run.h"
 #include "foreign_exr.h"
 #include "image/sequence.h"
 #include "test_image_support.h"
@@ -23,8 +24,7 @@ static void write_constant( const char* name, int side, float value )
 
 #define MAX_ARGUMENTS 16
 
-// Runs compare; further arguments up to NULL. What it says on standard error is kept.
-static char s_said[2048];
+// Runs compare; further arguments up to NULL.
 static int compare( const char* a, const char* b, ... )
 {
     char* arguments[MAX_ARGUMENTS] = { "compare", (char*)temp_path( a ), (char*)temp_path( b ), "--json", (char*)temp_path( "out.json" ) };
@@ -35,34 +35,7 @@ static int compare( const char* a, const char* b, ... )
         arguments[count++] = next;
     va_end( more );
     remove( arguments[4] );
-    fflush( stderr );
-    int kept = dup( STDERR_FILENO );
-    FILE* file = fopen( temp_path( "said" ), "w+" );
-    assert_non_null( file );
-    dup2( fileno( file ), STDERR_FILENO );
-    int status = rf_command_compare( count, arguments );
-    fflush( stderr );
-    dup2( kept, STDERR_FILENO );
-    close( kept );
-    rewind( file );
-    size_t length = fread( s_said, 1, sizeof s_said - 1, file );
-    s_said[length] = '\0';
-    fclose( file );
-    return status;
-}
-
-// One line, with this in it.
-static void check_failed( int status, int wanted, const char* part )
-{
-    const char* end = strchr( s_said, '\n' );
-    if ( status != wanted || strstr( s_said, part ) == NULL || end == NULL || end[1] != '\0' )
-        fail_msg( "wanted %d and '%s', got %d: %s", wanted, part, status, s_said );
-}
-
-static void check_done( int status )
-{
-    if ( status != 0 || s_said[0] != '\0' )
-        fail_msg( "%d: %s", status, s_said );
+    return run_command( rf_command_compare, count, arguments );
 }
 
 static json_t* load_json( void )
@@ -70,13 +43,6 @@ static json_t* load_json( void )
     json_t* json = json_load_file( temp_path( "out.json" ), 0, NULL );
     assert_non_null( json );
     return json;
-}
-
-static double number( const json_t* json, const char* key )
-{
-    const json_t* value = json_object_get( json, key );
-    assert_true( json_is_number( value ) );
-    return json_number_value( value );
 }
 
 static void test_files( void** state )

@@ -2,6 +2,7 @@
 // and what it refuses.
 #include "cli/commands.h"
 #include "cli/flicker_seams.h"
+#include "command_run.h"
 #include "foreign_exr.h"
 #include "image/sequence.h"
 #include "measure/flicker_read.h"
@@ -36,8 +37,7 @@ static void write_frame( const char* name, int side, float value, const RfExrOpt
 
 #define MAX_ARGUMENTS 12
 
-// Runs flicker; further arguments up to NULL. What it says on standard error is kept.
-static char s_said[2048];
+// Runs flicker; further arguments up to NULL.
 static int flicker( const char* sequence, ... )
 {
     char* arguments[MAX_ARGUMENTS] = { "flicker", (char*)temp_path( sequence ), "--json", (char*)temp_path( "out.json" ), "--quiet" };
@@ -48,33 +48,7 @@ static int flicker( const char* sequence, ... )
         arguments[count++] = next;
     va_end( more );
     remove( arguments[3] );
-    fflush( stderr );
-    int kept = dup( STDERR_FILENO );
-    FILE* file = fopen( temp_path( "said" ), "w+" );
-    assert_non_null( file );
-    dup2( fileno( file ), STDERR_FILENO );
-    int status = rf_command_flicker( count, arguments );
-    fflush( stderr );
-    dup2( kept, STDERR_FILENO );
-    close( kept );
-    rewind( file );
-    s_said[fread( s_said, 1, sizeof s_said - 1, file )] = '\0';
-    fclose( file );
-    return status;
-}
-
-// The failure is one line with `part`, and no result is written by usage errors.
-static void check_failed( int status, int wanted, const char* part )
-{
-    const char* end = strchr( s_said, '\n' );
-    if ( status != wanted || strstr( s_said, part ) == NULL || end == NULL || end[1] != '\0' )
-        fail_msg( "wanted %d and '%s', got %d: %s", wanted, part, status, s_said );
-}
-
-static void check_done( int status )
-{
-    if ( status != 0 || s_said[0] != '\0' )
-        fail_msg( "status %d: %s", status, s_said );
+    return run_command( rf_command_flicker, count, arguments );
 }
 
 static json_t* load_json( void )
@@ -82,14 +56,6 @@ static json_t* load_json( void )
     json_t* json = json_load_file( temp_path( "out.json" ), 0, NULL );
     assert_non_null( json );
     return json;
-}
-
-static double number( const json_t* json, const char* key )
-{
-    const json_t* value = json_object_get( json, key );
-    if ( !json_is_number( value ) )
-        fail_msg( "%s is no number", key );
-    return json_number_value( value );
 }
 
 static bool is_near( double a, double b )

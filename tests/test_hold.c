@@ -122,21 +122,6 @@ static void test_too_little_memory( void** state )
     assert_int_equal( cli_count_files( "no.exr", "." ), 0 );
 }
 
-static int setup( void** state )
-{
-    (void)state;
-    setenv( "OMP_WAIT_POLICY", "passive", 1 );
-    cli_enter();
-    return 0;
-}
-
-static int teardown( void** state )
-{
-    (void)state;
-    cli_leave();
-    return 0;
-}
-
 int main( void )
 {
     const struct CMUnitTest tests[] = {
@@ -144,5 +129,5 @@ int main( void )
         cmocka_unit_test( test_paper_example ),
         cmocka_unit_test( test_too_little_memory ),
     };
-    return cmocka_run_group_tests( tests, setup, teardown );
+    return cmocka_run_group_tests( tests, cli_enter_group, cli_leave_group );
 }

@@ -189,21 +189,6 @@ static void test_paper_example( void** state )
     }
 }
 
-static int setup( void** state )
-{
-    (void)state;
-    setenv( "OMP_WAIT_POLICY", "passive", 1 );
-    cli_enter();
-    return 0;
-}
-
-static int teardown( void** state )
-{
-    (void)state;
-    cli_leave();
-    return 0;
-}
-
 int main( void )
 {
     const struct CMUnitTest tests[] = {
@@ -211,5 +196,5 @@ int main( void )
         cmocka_unit_test( test_budgets_change_nothing ),
         cmocka_unit_test( test_paper_example ),
     };
-    return cmocka_run_group_tests( tests, setup, teardown );
+    return cmocka_run_group_tests( tests, cli_enter_group, cli_leave_group );
 }

@@ -299,20 +299,6 @@ static void test_command_defaults_and_errors( void** state )
     cli_expect( cli_run( "$R plan --help > /dev/null" ), 0, NULL );
 }
 
-static int setup( void** state )
-{
-    (void)state;
-    cli_enter();
-    return 0;
-}
-
-static int teardown( void** state )
-{
-    (void)state;
-    cli_leave();
-    return 0;
-}
-
 int main( void )
 {
     const struct CMUnitTest tests[] = {
@@ -324,5 +310,5 @@ int main( void )
         cmocka_unit_test( test_command ),
         cmocka_unit_test( test_command_defaults_and_errors ),
     };
-    return cmocka_run_group_tests( tests, setup, teardown );
+    return cmocka_run_group_tests( tests, cli_enter_group, cli_leave_group );
 }

@@ -154,20 +154,6 @@ static void test_nothing( void** state )
     }
 }
 
-static int setup( void** state )
-{
-    (void)state;
-    cli_enter();
-    return 0;
-}
-
-static int teardown( void** state )
-{
-    (void)state;
-    cli_leave();
-    return 0;
-}
-
 int main( void )
 {
     const struct CMUnitTest tests[] = {
@@ -177,5 +163,5 @@ int main( void )
         cmocka_unit_test( test_any_text ),
         cmocka_unit_test( test_nothing ),
     };
-    return cmocka_run_group_tests( tests, setup, teardown );
+    return cmocka_run_group_tests( tests, cli_enter_group, cli_leave_group );
 }

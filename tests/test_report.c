@@ -15,20 +15,6 @@
 
 #include <cmocka.h>
 
-static int enter( void** state )
-{
-    (void)state;
-    cli_enter();
-    return 0;
-}
-
-static int leave( void** state )
-{
-    (void)state;
-    cli_leave();
-    return 0;
-}
-
 static const char* in_folder( const char* name )
 {
     static char path[1024];
@@ -423,5 +409,5 @@ int main( void )
         cmocka_unit_test( test_width ), cmocka_unit_test( test_reference_with_json ),
                      cmocka_unit_test( test_rendered ),      cmocka_unit_test( test_refused ),
     };
-    return cmocka_run_group_tests_name( "report", tests, enter, leave );
+    return cmocka_run_group_tests_name( "report", tests, cli_enter_group, cli_leave_group );
 }

@@ -26,20 +26,6 @@
 
 #define CHECK "REFRAME_NODE_MODULES='" REFRAME_SOURCE_DIR "/out/browser/node_modules' node '" REFRAME_SOURCE_DIR "/tests/browser/check-page.js' "
 
-static int enter( void** state )
-{
-    (void)state;
-    cli_enter();
-    return 0;
-}
-
-static int leave( void** state )
-{
-    (void)state;
-    cli_leave();
-    return 0;
-}
-
 // A ball of light that moves over a ramp, with noise of its own in each frame.
 static void write_frame( const char* name, int width, int height, int frame, float noise )
 {
@@ -151,5 +137,5 @@ int main( void )
 {
     const struct CMUnitTest tests[] = { cmocka_unit_test( test_of_full_size ), cmocka_unit_test( test_side_by_side ),
                                         cmocka_unit_test( test_brightness ) };
-    return cmocka_run_group_tests_name( "report in a browser", tests, enter, leave );
+    return cmocka_run_group_tests_name( "report in a browser", tests, cli_enter_group, cli_leave_group );
 }

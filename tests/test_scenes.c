@@ -75,20 +75,6 @@ static void test_office( void** state )
     assert_non_null( strstr( result->out, "emitting triangles 4900," ) ); // 2450 panes
 }
 
-static int enter( void** state )
-{
-    (void)state;
-    cli_enter();
-    return 0;
-}
-
-static int leave( void** state )
-{
-    (void)state;
-    cli_leave();
-    return 0;
-}
-
 int main( void )
 {
     const struct CMUnitTest tests[] = {
@@ -97,5 +83,5 @@ int main( void )
         cmocka_unit_test( test_many ),
         cmocka_unit_test( test_office ),
     };
-    return cmocka_run_group_tests( tests, enter, leave );
+    return cmocka_run_group_tests( tests, cli_enter_group, cli_leave_group );
 }

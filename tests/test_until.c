@@ -222,21 +222,6 @@ static void test_all_kinds( void** state )
     }
 }
 
-static int setup( void** state )
-{
-    (void)state;
-    setenv( "OMP_WAIT_POLICY", "passive", 1 );
-    cli_enter();
-    return 0;
-}
-
-static int teardown( void** state )
-{
-    (void)state;
-    cli_leave();
-    return 0;
-}
-
 int main( void )
 {
     const struct CMUnitTest tests[] = {
@@ -253,5 +238,5 @@ int main( void )
         cmocka_unit_test( test_defaults_of_a_scene_file ),
         cmocka_unit_test( test_all_kinds ),
     };
-    return cmocka_run_group_tests( tests, setup, teardown );
+    return cmocka_run_group_tests( tests, cli_enter_group, cli_leave_group );
 }

@@ -1,6 +1,6 @@
 #include "cli/cost_options.h"
 
-#include "cli/camera_options.h"
+#include "cli/shot_options.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -19,35 +19,15 @@ static const RfOption s_options[] = {
       .help = "relMSE whose cost is told" },
     { .name = "svg", .type = RF_OPTION_STRING, .value = &s_parsed.svg, .meta = "FILE",
       .help = "a plot: seconds across, error up, with and without reuse" },
-    { .name = "camera", .type = RF_OPTION_STRING, .value = &s_parsed.render.camera, .meta = "NAME|FILE",
-      .default_text = "the scene file's, else the first animated one, else the first",
-      .help = "a camera of the scene, or a camera-path file (.json)" },
-    { .name = "frames", .type = RF_OPTION_STRING, .value = &s_parsed.render.frames, .meta = "A-B[xSTEP][,...]", .default_text = "all",
-      .help = "frames that are to be rendered: some of them are tried, and all are counted" },
-    { .name = "fps", .type = RF_OPTION_FPS, .value = &s_parsed.render.fps, .meta = "R", .default_text = "24",
-      .help = "frames per second of the camera's path, 24 or 24000/1001" },
-    { .name = "size", .type = RF_OPTION_SIZE, .value = &s_parsed.render.size, .min = 1, .max = RF_MAX_IMAGE_SIDE, .meta = "WxH",
-      .default_text = "960x540", .help = "pixels" },
+    RF_PATH_OPTIONS( s_parsed.render, "frames that are to be rendered: some of them are tried, and all are counted" ),
     { .name = "group", .type = RF_OPTION_INT, .value = &s_parsed.render.settings.group, .min = 0, .max = RF_MAX_GROUP, .keyword = "auto",
       .keyword_value = RF_GROUP_AUTO, .meta = "N|auto", .default_text = "auto",
       .help = "half-width of the groups with reuse: groups of 2N+1 frames" },
-    { .name = "tile", .type = RF_OPTION_STRING, .value = &s_parsed.render.tile, .meta = "WxH|rooksN|1", .default_text = "3x3",
-      .help = "pixels of a frame that share their paths: blocks, N of an NxN grid, or none" },
-    { .name = "tile-roulette", .type = RF_OPTION_BOOL, .value = &s_parsed.render.settings.tile_roulette, .default_text = "no",
-      .help = "Russian roulette on the connections in a tile that are worth little" },
-    { .name = "max-depth", .type = RF_OPTION_INT, .value = &s_parsed.render.settings.max_depth, .min = 1, .max = 1000, .meta = "D",
-      .default_text = "12", .help = "path vertices after the eye" },
-    { .name = "light-samples", .type = RF_OPTION_INT, .value = &s_parsed.render.settings.light_samples, .min = 1, .max = 64,
-      .meta = "K", .default_text = "1", .help = "light samples per vertex" },
-    { .name = "seed", .type = RF_OPTION_UINT64, .value = &s_parsed.render.settings.seed, .meta = "S", .default_text = "1",
-      .help = "of the random numbers" },
-    { .name = "memory", .type = RF_OPTION_MEMORY, .value = &s_parsed.render.settings.memory, .min = 1048576, .meta = "SIZE",
-      .default_text = "half of what is free", .help = "budget beyond the scene and its BVH: 512M, 4G" },
-    { .name = "threads", .type = RF_OPTION_INT, .value = &s_parsed.render.settings.threads, .min = 1, .max = 1024, .meta = "T",
-      .default_text = "all cores", .help = "threads of the render" },
-    { .name = "json", .type = RF_OPTION_STRING, .value = &s_parsed.render.json, .meta = "FILE",
-      .help = "the result for programs; - is standard output" },
-    { .name = "quiet", .type = RF_OPTION_BOOL, .value = &s_parsed.render.quiet, .help = "no words on what is being tried" },
+    RF_TILE_OPTION( s_parsed.render ),
+    RF_LIGHT_OPTIONS( s_parsed.render ),
+    RF_SEED_OPTION( s_parsed.render ),
+    RF_MACHINE_OPTIONS( s_parsed.render, "threads of the render" ),
+    RF_RESULT_OPTIONS( s_parsed.render, "no words on what is being tried" ),
 };
 
 static const RfCommandTable s_table = { .command = "cost",

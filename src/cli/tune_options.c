@@ -1,7 +1,7 @@
 #include "cli/tune_options.h"
 
-#include "cli/camera_options.h"
 #include "cli/layer_list.h"
+#include "cli/shot_options.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -17,34 +17,13 @@ static const RfOption s_options[] = {
       .default_text = "60", .help = "seconds that it may take; more make the choice surer" },
     { .name = "svg", .type = RF_OPTION_STRING, .value = &s_parsed.svg, .meta = "FILE",
       .help = "a plot: memory across, efficiency up, a line for each tile" },
-    { .name = "camera", .type = RF_OPTION_STRING, .value = &s_parsed.render.camera, .meta = "NAME|FILE",
-      .default_text = "the scene file's, else the first animated one, else the first",
-      .help = "a camera of the scene, or a camera-path file (.json)" },
-    { .name = "frames", .type = RF_OPTION_STRING, .value = &s_parsed.render.frames, .meta = "A-B[xSTEP][,...]", .default_text = "all",
-      .help = "frames that are to be rendered: settings are tried there, and their cost is counted" },
-    { .name = "fps", .type = RF_OPTION_FPS, .value = &s_parsed.render.fps, .meta = "R", .default_text = "24",
-      .help = "frames per second of the camera's path, 24 or 24000/1001" },
-    { .name = "size", .type = RF_OPTION_SIZE, .value = &s_parsed.render.size, .min = 1, .max = RF_MAX_IMAGE_SIDE, .meta = "WxH",
-      .default_text = "960x540", .help = "pixels" },
-    { .name = "spp", .type = RF_OPTION_INT, .value = &s_parsed.render.settings.spp, .min = 1, .max = 1048576, .meta = "S",
-      .default_text = "28", .help = "samples traced per pixel and frame in all, over the groups that hold the frame" },
-    { .name = "tile-roulette", .type = RF_OPTION_BOOL, .value = &s_parsed.render.settings.tile_roulette, .default_text = "no",
-      .help = "Russian roulette on the connections in a tile that are worth little" },
-    { .name = "max-depth", .type = RF_OPTION_INT, .value = &s_parsed.render.settings.max_depth, .min = 1, .max = 1000, .meta = "D",
-      .default_text = "12", .help = "path vertices after the eye" },
-    { .name = "light-samples", .type = RF_OPTION_INT, .value = &s_parsed.render.settings.light_samples, .min = 1, .max = 64,
-      .meta = "K", .default_text = "1", .help = "light samples per vertex" },
-    { .name = "seed", .type = RF_OPTION_UINT64, .value = &s_parsed.render.settings.seed, .meta = "S", .default_text = "1",
-      .help = "of the random numbers" },
-    { .name = "memory", .type = RF_OPTION_MEMORY, .value = &s_parsed.render.settings.memory, .min = 1048576, .meta = "SIZE",
-      .default_text = "half of what is free", .help = "budget beyond the scene and its BVH: 512M, 4G" },
-    { .name = "threads", .type = RF_OPTION_INT, .value = &s_parsed.render.settings.threads, .min = 1, .max = 1024, .meta = "T",
-      .default_text = "all cores", .help = "threads, each of which tries a setting" },
-    { .name = "aov", .type = RF_OPTION_STRING, .value = &s_parsed.render.aov, .meta = "LAYER[,...]", .default_text = "none",
-      .help = "further layers, which need memory: albedo, normal, depth, motion, variance, samples" },
-    { .name = "json", .type = RF_OPTION_STRING, .value = &s_parsed.render.json, .meta = "FILE",
-      .help = "the result for programs; - is standard output" },
-    { .name = "quiet", .type = RF_OPTION_BOOL, .value = &s_parsed.render.quiet, .help = "no words on what is being tried" },
+    RF_PATH_OPTIONS( s_parsed.render, "frames that are to be rendered: settings are tried there, and their cost is counted" ),
+    RF_SPP_OPTION( s_parsed.render ),
+    RF_LIGHT_OPTIONS( s_parsed.render ),
+    RF_SEED_OPTION( s_parsed.render ),
+    RF_MACHINE_OPTIONS( s_parsed.render, "threads, each of which tries a setting" ),
+    RF_AOV_OPTION( s_parsed.render ),
+    RF_RESULT_OPTIONS( s_parsed.render, "no words on what is being tried" ),
 };
 
 static const RfCommandTable s_table = { .command = "tune",

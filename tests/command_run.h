@@ -1,0 +1,18 @@
+// Runs a command's function inside of the test, and keeps what it says.
+#ifndef REFRAME_TESTS_COMMAND_RUN_H
+#define REFRAME_TESTS_COMMAND_RUN_H
+
+#include <jansson.h>
+
+// The exit status. What is said on standard error is kept for the checks.
+int run_command( int ( *command )( int argc, char** argv ), int argc, char** argv );
+
+// It failed with this status, and one line that has `part`.
+void check_failed( int status, int wanted, const char* part );
+// It did what it should, in silence.
+void check_done( int status );
+
+// A number of a JSON object.
+double number( const json_t* json, const char* key );
+
+#endif
