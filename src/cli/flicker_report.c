@@ -85,6 +85,8 @@ static void print_words( const RfFlickerReport* report )
         printf( "phi is not known: the variance layers are 0, as those of a single pass are: give --reference\n" );
     if ( !report->compensated && report->source != RF_ERROR_FROM_REFERENCE )
         printf( "not motion-compensated: what moves counts as flicker (render --aov motion,depth, or --reference)\n" );
+    if ( report->compensated && isfinite( m.motion ) )
+        printf( "what is seen moves by %.2f pixels a frame in the mean\n", m.motion );
     if ( report->compensated && !report->masked )
         printf( "motion-compensated without depth: what comes into view counts as flicker\n" );
     if ( !( report->all.pixels > 0.0 ) )
@@ -108,6 +110,7 @@ static void set_metrics( json_t* object, const RfFlickerSums* sums )
     json_object_set_new( object, "phi", rf_json_number( m.phi ) );
     json_object_set_new( object, "mse", rf_json_number( m.mse ) );
     json_object_set_new( object, "coverage", rf_json_number( m.coverage ) );
+    json_object_set_new( object, "motion", rf_json_number( m.motion ) );
 }
 
 json_t* rf_flicker_pair_json( int frame, bool border, const RfFlickerSums* sums )

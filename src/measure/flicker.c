@@ -41,8 +41,10 @@ static void add_row( const Pair* pair, int y, RfFlickerSums* sums )
     {
         double px = x, py = y;
         RfTaps taps;
-        if ( rf_follow_point( &pair->follow, &px, &py, &taps ) )
-            add_pixel( pair, (size_t)y * (size_t)width + (size_t)x, &taps, sums );
+        if ( !rf_follow_point( &pair->follow, &px, &py, &taps ) )
+            continue;
+        add_pixel( pair, (size_t)y * (size_t)width + (size_t)x, &taps, sums );
+        sums->motion += hypot( px - x, py - y );
     }
     sums->all_pixels += width;
 }
@@ -70,6 +72,8 @@ RfResult rf_measure_flicker( const RfFlickerFrame* now, const RfFlickerFrame* be
     sums->pairs = 1;
     if ( !has_error && ( now->variance.rgb == NULL || before->variance.rgb == NULL ) )
         sums->square = NAN;
+    if ( !compensate )
+        sums->motion = NAN;
     if ( !now->is_finite || !before->is_finite )
         sums->difference = sums->square = NAN;
     return RF_OK;
@@ -80,6 +84,7 @@ void rf_add_flicker( RfFlickerSums* sums, const RfFlickerSums* more )
     sums->pairs += more->pairs;
     sums->pixels += more->pixels;
     sums->all_pixels += more->all_pixels;
+    sums->motion += more->motion;
     sums->difference += more->difference;
     sums->square += more->square;
 }
@@ -93,7 +98,7 @@ static double find_phi( const RfFlickerSums* sums )
 
 RfFlickerMetrics rf_flicker_metrics( const RfFlickerSums* sums )
 {
-    RfFlickerMetrics metrics = { NAN, NAN, NAN, 0.0 };
+    RfFlickerMetrics metrics = { NAN, NAN, NAN, 0.0, NAN };
     if ( sums->all_pixels > 0.0 )
         metrics.coverage = sums->pixels / sums->all_pixels;
     if ( !( sums->pixels > 0.0 ) )
@@ -101,5 +106,6 @@ RfFlickerMetrics rf_flicker_metrics( const RfFlickerSums* sums )
     metrics.f1 = sqrt( sums->difference / ( 3.0 * sums->pixels ) );
     metrics.phi = find_phi( sums );
     metrics.mse = sums->square / ( 6.0 * sums->pixels );
+    metrics.motion = sums->motion / sums->pixels;
     return metrics;
 }

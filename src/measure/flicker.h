@@ -33,6 +33,7 @@ typedef struct RfFlickerSums
     int pairs;
     double pixels;     // seen in both frames
     double all_pixels; // of the later frame
+    double motion;     // Σ length of the way from where it was, pixels; NaN: not compensated
     double difference; // Σ (e_t − e_{t−1})², over pixels and channels
     double square;     // Σ e_t² + e_{t−1}²; NaN: not known
 } RfFlickerSums;
@@ -43,6 +44,7 @@ typedef struct RfFlickerMetrics
     double phi;      // NaN where the error is not known; 0 where there is no error at all
     double mse;      // mean of the two mean squares of the error; NaN as φ
     double coverage; // 0 to 1
+    double motion;   // mean length of the way that a pixel's surface made, pixels a frame; NaN: not compensated
 } RfFlickerMetrics;
 
 // The sums of the pair of a frame and the one before, which is of the same size.
