@@ -86,6 +86,9 @@ class Flicker(unittest.TestCase):
         self.assertTrue(least <= most < 1.0)
         for ratio in flicker.seams(row("3:1", 1.0, 1.0, 1.0, pairs_of(48, lambda frame: 1.0, lambda frame: 0.1))):
             self.assertAlmostEqual(ratio, 1.0)
+        # nor in a picture whose flicker grows as it goes
+        for ratio in flicker.seams(row("3:1", 1.0, 1.0, 1.0, pairs_of(48, lambda frame: math.sqrt(frame), lambda frame: 0.1))):
+            self.assertAlmostEqual(ratio, 1.0)
         self.assertIsNone(flicker.seams(row("0:1", 1.0, 1.0, 1.0, pairs_of(48, lambda frame: 1.0, lambda frame: 1.0))))
 
     def test_ends(self):
