@@ -194,6 +194,14 @@ static void test_data_windows( void** state )
     assert_int_equal( rf_read_exr( temp_path( "w.exr" ), &diff, NULL ), RF_OK );
     assert_true( diff.width == 15 && diff.height == 10 && diff.rgb[0] == -2.0f );
     rf_destroy_image( &diff );
+    RfExrHeader header;
+    assert_int_equal( rf_read_exr_header( temp_path( "w.exr" ), &header, NULL ), RF_OK );
+    assert_true( header.x == 0 && header.y == 3 && header.width == 15 && header.height == 10 ); // where the pixels were
+    rf_destroy_exr_header( &header );
+    json_t* json = load_json();
+    const json_t* worst = json_object_get( json, "worst" );
+    assert_true( number( worst, "x" ) == 0.0 && number( worst, "y" ) == 3.0 );
+    json_decref( json );
     b.width = 21;
     b.x = -5;
     write_foreign( "wb.exr", &b, 1 );
@@ -242,8 +250,13 @@ static void test_chosen_frames( void** state )
     check_failed( compare( "ca.#.exr", "cb.#.exr", "--frames", "9", NULL ), 2, "--frames" );
     check_failed( compare( "ca.1.exr", "cb.1.exr", "--frames", "1", NULL ), 2, "--frames" );
     // the images themselves stay
-    check_failed( compare( "ca.1.exr", "cb.1.exr", "--diff", temp_path( "ca.1.exr" ), NULL ), 2, "is one of the images" );
-    check_failed( compare( "ca.#.exr", "cb.#.exr", "--frames", "3-4", "--diff", temp_path( "cb.#.exr" ), NULL ), 2, "is one of the images" );
+    check_failed( compare( "ca.1.exr", "cb.1.exr", "--diff", temp_path( "ca.1.exr" ), NULL ), 2, "would overwrite what is read" );
+    check_failed( compare( "ca.#.exr", "cb.#.exr", "--frames", "3-4", "--diff", temp_path( "cb.#.exr" ), NULL ), 2, "would overwrite what is read" );
+    check_failed( compare( "ca.1.exr", "cb.1.exr", "--diff", temp_path( "ca.#.exr" ), NULL ), 2, "would overwrite what is read" );
+    // the difference of frame 1 is frame 11
+    write_constant( "ca.11.exr", 20, 1.0f );
+    write_constant( "cb.11.exr", 20, 1.0f );
+    check_failed( compare( "ca.#.exr", "cb.#.exr", "--frames", "1,11", "--diff", temp_path( "ca.1#.exr" ), NULL ), 2, "is one of the images" );
     check_done( compare( "ca.1.exr", "cb.1.exr", NULL ) );
 }
 
@@ -257,7 +270,7 @@ static void check_verdict( const RfErrorMetrics* metrics, int frame, const char*
 static void test_verdict( void** state )
 {
     (void)state;
-    RfErrorMetrics m = { .relmse = 0.03, .relmse_trimmed = 0.029, .max = 3.0, .bias = 0.001, .bias_low = -0.002, .bias_high = 0.004,
+    RfErrorMetrics m = { .relmse = 0.03, .relmse_trimmed = 0.029, .mse = 0.01, .max = 3.0, .bias = 0.001, .bias_low = -0.002, .bias_high = 0.004,
                          .reference_mean = 0.5, .worst = { 0, 12, 34, 12.0 } };
     check_verdict( &m, 7, "no bias seen: mean error +0.2 % (95 %: -0.4 to +0.8 %); relMSE 0.03, about 10 % of noise in each channel "
                           "of a pixel; worst pixel (12, 34) of frame 7, off by 2e+02 %" );
@@ -265,7 +278,7 @@ static void test_verdict( void** state )
     m.relmse_trimmed = 0.0003;
     m.worst.relative = 0.75;
     check_verdict( &m, -1, "bias seen, too bright: mean error +0.2 % (95 %: +0.1 to +0.8 %); relMSE 0.03, about 10 % of noise in each "
-                           "channel of a pixel (1 % without the worst 0.1 % of the pixels: fireflies); worst pixel (12, 34), off by 50 %" );
+                           "channel of a pixel (1 % without the worst 0.1 % of the pixels); worst pixel (12, 34), off by 50 %" );
     m.bias = m.bias_high = -0.001;
     m.bias_low = -0.003;
     m.reference_mean = 0.0; // nothing to be relative to
@@ -276,6 +289,8 @@ static void test_verdict( void** state )
     m.bias_low = m.bias_high = NAN;
     check_verdict( &m, -1, "mean error -0.001 (too few pixels to tell bias from noise); relMSE 0.03, about 10 % of noise in each channel "
                            "of a pixel" );
+    m.bias = -0.08; // more than half of it stands still
+    check_verdict( &m, -1, "mean error -0.08 (too few pixels to tell bias from noise); relMSE 0.03, a pixel is off by about 10 % in each channel" );
     m = ( RfErrorMetrics ){ .worst = { .frame = -1 } };
     check_verdict( &m, -1, "no difference: every pixel is the same" );
     m.nan = 1;

@@ -25,6 +25,7 @@ typedef struct Compare
     bool table;       // standard output is free for the table
     RfErrorSummary all;
     bool has_all;     // `all` has been created, for the first frame's size
+    RfWorstPixel worst; // of all frames so far, where the files have it
     json_t* rows;
 } Compare;
 
@@ -39,13 +40,35 @@ static int frame_number( const Compare* compare, int i )
     return compare->in.frames != NULL ? compare->in.frames[i] : 1;
 }
 
-static bool is_same_file( const char* a, const char* b )
+// The differences of all frames against all frames of one of the sequences.
+static RfResult check_diff_names( const Compare* compare, const char* pattern, RfError* error )
 {
-    struct stat x, y;
-    return stat( a, &x ) == 0 && stat( b, &y ) == 0 && x.st_dev == y.st_dev && x.st_ino == y.st_ino;
+    int count = compare->in.count;
+    struct stat* frames = calloc( (size_t)count, sizeof *frames );
+    char name[RF_COMPARE_NAME_SIZE];
+    RfResult result = frames != NULL ? RF_OK : rf_fail( error, RF_ERROR_MEMORY, "no memory left for the names of %d frames", count );
+    for ( int i = 0; i < count && result == RF_OK; ++i )
+    {
+        result = rf_compare_name( &compare->in, pattern, frame_number( compare, i ), name, error );
+        if ( result == RF_OK && stat( name, frames + i ) != 0 )
+            frames[i].st_ino = 0;
+    }
+    for ( int i = 0; i < count && result == RF_OK; ++i )
+    {
+        struct stat diff;
+        result = rf_compare_name( &compare->in, compare->diff, frame_number( compare, i ), name, error );
+        bool is_there = result == RF_OK && stat( name, &diff ) == 0;
+        for ( int k = 0; k < count && is_there && result == RF_OK; ++k )
+        {
+            if ( frames[k].st_ino == diff.st_ino && frames[k].st_dev == diff.st_dev )
+                result = rf_fail( error, RF_ERROR_USAGE, "--diff: %s: is one of the images that are compared: choose another name", name );
+        }
+    }
+    free( frames );
+    return result;
 }
 
-// Before the work: the difference has a name for each frame, and not one of the frames'.
+// Before the work: the difference has a name for each frame, and not one of any frame's.
 static RfResult check_diff( const Compare* compare, RfError* error )
 {
     if ( compare->diff == NULL )
@@ -53,26 +76,15 @@ static RfResult check_diff( const Compare* compare, RfError* error )
     if ( compare->in.count > 1 && !rf_is_sequence( compare->diff ) )
         return rf_fail( error, RF_ERROR_USAGE, "--diff: %d frames want a name with ####, got '%s'", compare->in.count,
                         compare->diff );
-    for ( int i = 0; i < compare->in.count; ++i )
-    {
-        char diff[RF_COMPARE_NAME_SIZE], name[RF_COMPARE_NAME_SIZE];
-        RfResult result = rf_compare_name( &compare->in, compare->diff, frame_number( compare, i ), diff, error );
-        for ( int k = 0; k < 2 && result == RF_OK; ++k )
-        {
-            result = rf_compare_name( &compare->in, compare->in.patterns[k], frame_number( compare, i ), name, error );
-            if ( result == RF_OK && is_same_file( diff, name ) )
-                result = rf_fail( error, RF_ERROR_USAGE, "--diff: %s: is one of the images that are compared: choose another name", diff );
-        }
-        if ( result != RF_OK )
-            return result;
-    }
-    return RF_OK;
+    RfResult result = check_diff_names( compare, compare->in.patterns[0], error );
+    return result == RF_OK ? check_diff_names( compare, compare->in.patterns[1], error ) : result;
 }
 
 // Turns the image into the signed difference, and writes it.
-static RfResult write_diff( const Compare* compare, int frame, RfImage* image, const RfImage* reference,
-                            RfError* error )
+static RfResult write_diff( const Compare* compare, int frame, RfComparePair* pair, RfError* error )
 {
+    RfImage* image = pair->images;
+    const RfImage* reference = pair->images + 1;
     char name[RF_COMPARE_NAME_SIZE];
     RfResult result = rf_compare_name( &compare->in, compare->diff, frame, name, error );
     if ( result != RF_OK )
@@ -82,7 +94,26 @@ static RfResult write_diff( const Compare* compare, int frame, RfImage* image, c
         image->rgb[i] -= reference->rgb[i];
     RfExrOptions options = rf_default_exr_options();
     options.half = false;
+    options.x = pair->window.x;
+    options.y = pair->window.y;
     return rf_write_exr( name, image, &options, error );
+}
+
+// A pixel is where its file has it, not where the rows in memory begin; there is
+// no worst one where values are no numbers.
+static void place_worst( Compare* compare, const RfExrWindow* window, RfErrorMetrics* metrics )
+{
+    RfWorstPixel* worst = &metrics->worst;
+    if ( rf_has_no_error( metrics ) )
+        worst->frame = -1;
+    if ( worst->frame < 0 )
+        return;
+    worst->x += window->x;
+    worst->y += window->y;
+    if ( compare->worst.frame >= 0 && worst->relative <= compare->worst.relative )
+        return;
+    compare->worst = *worst;
+    compare->worst.frame = (int)json_array_size( compare->rows );
 }
 
 static RfResult measure( Compare* compare, int frame, const RfComparePair* pair, RfError* error )
@@ -103,6 +134,7 @@ static RfResult measure( Compare* compare, int frame, const RfComparePair* pair,
         snprintf( reason, sizeof reason, "%.511s", error->text );
         return rf_fail( error, result, "%.200s against %.200s: %s", pair->names[0], pair->names[1], reason );
     }
+    place_worst( compare, &pair->window, &metrics );
     char number[16];
     snprintf( number, sizeof number, "%d", frame );
     if ( compare->table && json_array_size( compare->rows ) == 0 )
@@ -120,7 +152,7 @@ static RfResult compare_frame( Compare* compare, int frame, RfError* error )
     if ( result == RF_OK )
         result = measure( compare, frame, &pair, error );
     if ( result == RF_OK && compare->diff != NULL )
-        result = write_diff( compare, frame, pair.images, pair.images + 1, error );
+        result = write_diff( compare, frame, &pair, error );
     rf_destroy_compare_pair( &pair );
     return result;
 }
@@ -141,6 +173,9 @@ static RfResult check_finite( const Compare* compare, const RfErrorMetrics* m, R
 static RfResult finish( Compare* compare, RfError* error )
 {
     RfErrorMetrics metrics = rf_summary_metrics( &compare->all );
+    metrics.worst = compare->worst;
+    if ( rf_has_no_error( &metrics ) )
+        metrics.worst.frame = -1;
     int worst = metrics.worst.frame >= 0 ? frame_number( compare, metrics.worst.frame ) : -1;
     char verdict[1024];
     rf_error_verdict( &metrics, compare->in.frames != NULL ? worst : -1, verdict, sizeof verdict );
@@ -182,7 +217,7 @@ static RfResult run( Compare* compare, RfError* error )
 int rf_command_compare( int argc, char** argv )
 {
     static const char* const files[] = { "A", "B" };
-    Compare compare = { 0 };
+    Compare compare = { .worst = { .frame = -1 } };
     const RfOption options[] = {
         { .name = "frames", .type = RF_OPTION_STRING, .value = &compare.in.list, .meta = "A-B[xSTEP][,...]", .default_text = "all",
           .help = "only these of the sequences, by their numbers" },
@@ -192,9 +227,9 @@ int rf_command_compare( int argc, char** argv )
           .default_text = "that of --layer", .help = "the same of B, where its name is another" },
         { .name = "overlap", .type = RF_OPTION_BOOL, .value = &compare.in.overlap, .default_text = "off",
           .help = "where the data windows differ, measure the pixels that both have" },
-        { .name = "diff", .type = RF_OPTION_STRING, .value = &compare.diff, .meta = "FILE",
+        { .name = "diff", .writes = ".exr", .type = RF_OPTION_STRING, .value = &compare.diff, .meta = "FILE",
           .help = "write A - B, signed, as EXR; #### is the frame" },
-        { .name = "json", .type = RF_OPTION_STRING, .value = &compare.json, .meta = "FILE",
+        { .name = "json", .writes = ".json", .type = RF_OPTION_STRING, .value = &compare.json, .meta = "FILE",
           .help = "write the results as JSON, - for standard output instead of the table" },
         { .name = "quiet", .type = RF_OPTION_BOOL, .value = &compare.quiet, .help = "no progress on standard error" },
     };

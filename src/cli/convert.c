@@ -40,7 +40,7 @@ static const RfOption s_options[] = {
       .default_text = "120", .help = "time assimp may take before it is stopped" },
     { .name = "overwrite", .type = RF_OPTION_BOOL, .value = &s_overwrite, .default_text = "off",
       .help = "replace OUT.glb where it is there" },
-    { .name = "json", .type = RF_OPTION_STRING, .value = &s_json, .meta = "FILE",
+    { .name = "json", .writes = ".json", .type = RF_OPTION_STRING, .value = &s_json, .meta = "FILE",
       .help = "what was converted as JSON in FILE, or - for standard output" },
     { .name = "quiet", .type = RF_OPTION_BOOL, .value = &s_quiet, .default_text = "off",
       .help = "no line about what was converted, no warnings" },
@@ -48,7 +48,7 @@ static const RfOption s_options[] = {
 static const RfCommandTable s_table = { .command = COMMAND,
                                         .summary = "Writes OBJ, PLY, FBX or Collada as .glb.",
                                         .files = s_files,
-                                        .file_count = 2,
+                                        .file_count = 2, .writes_last = true,
                                         .options = s_options,
                                         .option_count = (int)( sizeof s_options / sizeof s_options[0] ) };
 

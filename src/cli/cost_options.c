@@ -17,7 +17,7 @@ static const RfOption s_options[] = {
       .default_text = "60", .help = "seconds that it may take; more make the figures surer" },
     { .name = "noise", .type = RF_OPTION_STRING, .value = &s_parsed.noise, .meta = "E[,...]", .default_text = ERRORS,
       .help = "relMSE whose cost is told" },
-    { .name = "svg", .type = RF_OPTION_STRING, .value = &s_parsed.svg, .meta = "FILE",
+    { .name = "svg", .writes = ".svg", .type = RF_OPTION_STRING, .value = &s_parsed.svg, .meta = "FILE",
       .help = "a plot: seconds across, error up, with and without reuse" },
     RF_PATH_OPTIONS( s_parsed.render, "frames that are to be rendered: some of them are tried, and all are counted" ),
     { .name = "group", .type = RF_OPTION_INT, .value = &s_parsed.render.settings.group, .min = 0, .max = RF_MAX_GROUP, .keyword = "auto",

@@ -42,11 +42,11 @@ static void print_rows( const RfCostCurve* c, const char* name )
 
 static void print_slope( const RfCostCurve* c, const char* name )
 {
-    if ( !isfinite( c->slope ) )
+    if ( !isfinite( c->slope.value ) )
         return;
-    printf( "%s: error falls as seconds to the power of %.2f", name, c->slope );
-    if ( isfinite( c->slope_low ) )
-        printf( " (95 %%: %.2f to %.2f)", c->slope_low, c->slope_high );
+    printf( "%s: error falls as seconds to the power of %.2f", name, c->slope.value );
+    if ( isfinite( c->slope.low ) )
+        printf( " (95 %%: %.2f to %.2f)", c->slope.low, c->slope.high );
     printf( "\n" );
 }
 
@@ -72,11 +72,11 @@ static void print_error( const RfCostReport* r, double relmse )
     {
         rf_format_span( plain.frame_seconds, plain_frame, sizeof plain_frame );
         rf_format_span( path_seconds( r, plain ), plain_all, sizeof plain_all );
-        printf( ", %s by path tracing (--spp %d); all %d frames: %s, %s by path tracing\n", plain_frame, plain.spp,
-                r->job->frame_count, all, plain_all );
+        printf( ", %s by path tracing (--spp %d); all %d frame%s: %s, %s by path tracing\n", plain_frame, plain.spp,
+                r->job->frame_count, r->job->frame_count == 1 ? "" : "s", all, plain_all );
     }
     else
-        printf( "; all %d frames: %s\n", r->job->frame_count, all );
+        printf( "; all %d frame%s: %s\n", r->job->frame_count, r->job->frame_count == 1 ? "" : "s", all );
 }
 
 void rf_print_cost( const RfCostReport* r )
@@ -94,9 +94,9 @@ void rf_print_cost( const RfCostReport* r )
         printf( "tiles do more on large pictures than on those tried: a longer --budget makes them larger\n" );
     print_slope( &cost->plain, "path tracing" );
     print_slope( &cost->reuse, name );
-    printf( "at equal error %s take 1/%.2f of the time", name, cost->speedup );
-    if ( isfinite( cost->speedup_low ) )
-        printf( " (95 %%: 1/%.2f to 1/%.2f)", cost->speedup_low, cost->speedup_high );
+    printf( "at equal error %s take 1/%.2f of the time", name, cost->speedup.value );
+    if ( isfinite( cost->speedup.low ) )
+        printf( " (95 %%: 1/%.2f to 1/%.2f)", cost->speedup.low, cost->speedup.high );
     printf( "\n" );
     for ( int i = 0; i < r->options->error_count; ++i )
         print_error( r, r->options->errors[i] );
@@ -131,11 +131,12 @@ json_t* rf_cost_json( const RfCostReport* r )
                                                   prediction_json( r, rf_predict_cost( r->job, &cost->plain, e, r->per_sweep[0] ) ), "reuse",
                                                   prediction_json( r, rf_predict_cost( r->job, &cost->reuse, e, r->per_sweep[1] ) ) ) );
     }
-    return json_pack( "{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:i, s:i, s:i, s:i, s:f, s:f}", "rows", rows, "slope",
-                      rf_json_number( cost->reuse.slope ), "slope_low", rf_json_number( cost->reuse.slope_low ), "slope_high",
-                      rf_json_number( cost->reuse.slope_high ), "slope_plain", rf_json_number( cost->plain.slope ),
-                      "speedup_at_equal_error", rf_json_number( cost->speedup ), "speedup_low", rf_json_number( cost->speedup_low ),
-                      "speedup_high", rf_json_number( cost->speedup_high ), "relmse_of_one_sample",
+    return json_pack( "{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:i, s:i, s:i, s:i, s:f, s:f}", "rows", rows, "slope",
+                      rf_json_number( cost->reuse.slope.value ), "slope_low", rf_json_number( cost->reuse.slope.low ), "slope_high",
+                      rf_json_number( cost->reuse.slope.high ), "slope_plain", rf_json_number( cost->plain.slope.value ), "slope_plain_low",
+                      rf_json_number( cost->plain.slope.low ), "slope_plain_high", rf_json_number( cost->plain.slope.high ),
+                      "speedup_at_equal_error", rf_json_number( cost->speedup.value ), "speedup_low", rf_json_number( cost->speedup.low ),
+                      "speedup_high", rf_json_number( cost->speedup.high ), "relmse_of_one_sample",
                       json_pack( "[o, o]", rf_json_number( cost->plain.relmse ), rf_json_number( cost->reuse.relmse ) ), "wanted", wanted,
                       "width", cost->width, "height", cost->height, "places", cost->places, "frames", r->job->frame_count, "seconds",
                       cost->seconds, "budget", r->options->budget );
@@ -163,10 +164,10 @@ static void draw_curve( const RfCostCurve* c, int style, Curve* curve, RfPlotSer
     for ( int k = 0; k < 2; ++k )
     {
         curve->fit_x[k] = k == 0 ? curve->x[0] : curve->x[c->count - 1];
-        curve->fit_y[k] = exp( v + c->slope * ( log( curve->fit_x[k] ) - u ) );
+        curve->fit_y[k] = exp( v + c->slope.value * ( log( curve->fit_x[k] ) - u ) );
     }
-    snprintf( curve->fit_name, sizeof curve->fit_name, "its slope, %.2f", c->slope );
-    series[1] = ( RfPlotSeries ){ .name = curve->fit_name, .x = curve->fit_x, .y = curve->fit_y, .count = isfinite( c->slope ) ? 2 : 0,
+    snprintf( curve->fit_name, sizeof curve->fit_name, "its slope, %.2f", c->slope.value );
+    series[1] = ( RfPlotSeries ){ .name = curve->fit_name, .x = curve->fit_x, .y = curve->fit_y, .count = isfinite( c->slope.value ) ? 2 : 0,
                                   .dashed = true, .no_markers = true, .style = style };
 }
 
@@ -185,9 +186,9 @@ RfResult rf_write_cost_plot( const RfCostReport* r, const char* path, RfError* e
     const char* slash = strrchr( r->options->render.scene, '/' );
     int length = snprintf( subtitle, sizeof subtitle, "%.200s, %dx%d; at equal error 1/%.2f of the time",
                            slash != NULL ? slash + 1 : r->options->render.scene, r->options->render.size.width,
-                           r->options->render.size.height, cost->speedup );
-    if ( isfinite( cost->speedup_low ) && length > 0 && (size_t)length < sizeof subtitle )
-        snprintf( subtitle + length, sizeof subtitle - (size_t)length, " (95 %%: 1/%.2f to 1/%.2f)", cost->speedup_low, cost->speedup_high );
+                           r->options->render.size.height, cost->speedup.value );
+    if ( isfinite( cost->speedup.low ) && length > 0 && (size_t)length < sizeof subtitle )
+        snprintf( subtitle + length, sizeof subtitle - (size_t)length, " (95 %%: 1/%.2f to 1/%.2f)", cost->speedup.low, cost->speedup.high );
     RfPlot plot = { .title = "What accuracy costs", .subtitle = subtitle, .series = series, .series_count = 4,
                     .x = { .label = "seconds of a frame", .log = true }, .y = { .label = "relMSE", .log = true } };
     char* svg;

@@ -196,7 +196,7 @@ int rf_command_flicker( int argc, char** argv )
     static const char* const files[] = { "SEQ" };
     RfFlickerRun flicker = { .spectrum = true };
     const RfOption options[] = {
-        { .name = "reference", .type = RF_OPTION_STRING, .value = &flicker.reference, .meta = "SEQ",
+        { .name = "reference", .reads = true, .type = RF_OPTION_STRING, .value = &flicker.reference, .meta = "SEQ",
           .help = "what the frames should be: flicker of the error, not of the picture" },
         { .name = "frames", .type = RF_OPTION_STRING, .value = &flicker.frame_list, .meta = "A-B", .default_text = "all",
           .help = "only these, by their numbers; neighbouring ones" },
@@ -212,13 +212,13 @@ int rf_command_flicker( int argc, char** argv )
           .default_text = "Reframe's own groups", .help = "groups of N frames begin with the sequence: their borders apart" },
         { .name = "spectrum", .type = RF_OPTION_BOOL, .value = &flicker.spectrum, .default_text = "on",
           .help = "slow drift and boiling; keeps 16 frames in memory" },
-        { .name = "png", .type = RF_OPTION_STRING, .value = &flicker.png, .meta = "FILE",
+        { .name = "png", .writes = ".png", .type = RF_OPTION_STRING, .value = &flicker.png, .meta = "FILE",
           .help = "write a slit-scan: one column over time, the reference's below" },
         { .name = "column", .type = RF_OPTION_INT, .value = &flicker.column, .min = 1, .max = 1 << 20, .meta = "X",
           .default_text = "the middle", .given = &flicker.column_given, .help = "of the slit-scan, 1 is on the left" },
         { .name = "exposure", .type = RF_OPTION_REAL, .value = &flicker.exposure, .min = -32, .max = 32, .meta = "E",
           .default_text = "0", .given = &flicker.exposure_given, .help = "of the slit-scan: brighter by E stops" },
-        { .name = "json", .type = RF_OPTION_STRING, .value = &flicker.json, .meta = "FILE",
+        { .name = "json", .writes = ".json", .type = RF_OPTION_STRING, .value = &flicker.json, .meta = "FILE",
           .help = "write the results as JSON, - for standard output instead of the table" },
         { .name = "quiet", .type = RF_OPTION_BOOL, .value = &flicker.quiet, .help = "no progress on standard error" },
     };

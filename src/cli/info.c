@@ -22,7 +22,7 @@ static const RfOption s_options[] = {
     { .name = "fps", .type = RF_OPTION_FPS, .value = &s_fps, .given = &s_fps_given, .meta = "R",
       .default_text = "the scene file's, else 24",
       .help = "frames per second, to count the cameras' frames" },
-    { .name = "json", .type = RF_OPTION_STRING, .value = &s_json, .meta = "FILE",
+    { .name = "json", .writes = ".json", .type = RF_OPTION_STRING, .value = &s_json, .meta = "FILE",
       .help = "the result for programs; - is standard output" },
     { .name = "quiet", .type = RF_OPTION_BOOL, .value = &s_quiet, .help = "as of all commands; there is no progress to silence" },
 };

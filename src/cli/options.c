@@ -1,5 +1,7 @@
 #include "cli/options.h"
 
+#include "cli/written_files.h"
+
 #include <ctype.h>
 #include <string.h>
 
@@ -158,7 +160,7 @@ RfResult rf_parse_options( const RfCommandTable* table, int argc, char** argv, c
                         table->command );
     if ( table->file_max > 0 )
         *table->file_total = parse.file_count;
-    return RF_OK;
+    return rf_check_written_files( table, files, parse.file_count, error );
 }
 
 void rf_format_option( const RfOption* option, char* text, size_t size )

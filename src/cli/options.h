@@ -57,6 +57,8 @@ typedef struct RfOption
     const char* help;      // one line
     bool* given;           // set where the option was given; or NULL
     bool in_file;          // a scene file may give it too, see file_options.h
+    bool reads;            // STRING: it names a file, or may, that is read
+    const char* writes;    // STRING: it names a file that is written, with this ending (".json"); or NULL
 } RfOption;
 
 // A command as its user sees it. All its files are required; the last may be more
@@ -69,13 +71,14 @@ typedef struct RfCommandTable
     int file_count;
     int file_max;                  // of files in all; 0: as many as have names
     int* file_total;               // where file_max > 0: how many were given
+    bool writes_last;              // the last file is written
     const RfOption* options;
     int option_count;
 } RfCommandTable;
 
 // Parses argv[1 …] (argv[0] is the command's name) into the options' values and
 // files[0 … file_count), or up to file_max. With `--help` or `-h` anywhere before an error sets
-// *help, and nothing else counts.
+// *help, and nothing else counts. What is written may not be what is read, see written_files.h.
 RfResult rf_parse_options( const RfCommandTable* table, int argc, char** argv, const char** files, bool* help,
                            RfError* error );
 

@@ -139,13 +139,13 @@ int rf_command_report( int argc, char** argv )
     static const char* const files[] = { "DIR" };
     RfPageRun report = { 0 };
     const RfOption options[] = {
-        { .name = "output", .letter = 'o', .type = RF_OPTION_STRING, .value = &report.output, .meta = "FILE.html", .help = "the page" },
+        { .name = "output", .writes = ".html", .letter = 'o', .type = RF_OPTION_STRING, .value = &report.output, .meta = "FILE.html", .help = "the page" },
         { .name = "overwrite", .type = RF_OPTION_BOOL, .value = &report.overwrite, .default_text = "off", .help = "replace a page that is there" },
-        { .name = "reference", .type = RF_OPTION_STRING, .value = &report.reference, .meta = "DIR",
+        { .name = "reference", .reads = true, .type = RF_OPTION_STRING, .value = &report.reference, .meta = "DIR",
           .help = "what the frames should be: true error and flicker, and shown beside them" },
-        { .name = "render-json", .type = RF_OPTION_STRING, .value = &report.render_file, .meta = "FILE", .default_text = "one in the folder",
+        { .name = "render-json", .reads = true, .type = RF_OPTION_STRING, .value = &report.render_file, .meta = "FILE", .default_text = "one in the folder",
           .help = "what render --json wrote: time, memory, rays, estimated error" },
-        { .name = "cost", .type = RF_OPTION_STRING, .value = &report.cost_file, .meta = "FILE", .default_text = "one in the folder",
+        { .name = "cost", .reads = true, .type = RF_OPTION_STRING, .value = &report.cost_file, .meta = "FILE", .default_text = "one in the folder",
           .help = "what cost --json wrote, for the curve of error against time" },
         { .name = "frames", .type = RF_OPTION_STRING, .value = &report.frame_list, .meta = "A-B[xSTEP][,...]", .default_text = "all",
           .help = "only these, by their numbers" },
@@ -155,7 +155,7 @@ int rf_command_report( int argc, char** argv )
         { .name = "exposure", .type = RF_OPTION_REAL, .value = &report.exposure, .min = -8, .max = 8, .meta = "E", .default_text = "0",
           .help = "that the page begins with, stops" },
         { .name = "title", .type = RF_OPTION_STRING, .value = &report.title, .meta = "TEXT", .default_text = "the folders' names", .help = "of the page" },
-        { .name = "json", .type = RF_OPTION_STRING, .value = &report.json, .meta = "FILE", .help = "write what was written as JSON, - for standard output" },
+        { .name = "json", .writes = ".json", .type = RF_OPTION_STRING, .value = &report.json, .meta = "FILE", .help = "write what was written as JSON, - for standard output" },
         { .name = "quiet", .type = RF_OPTION_BOOL, .value = &report.quiet, .help = "no progress and no hints on standard error" },
     };
     const RfCommandTable table = {

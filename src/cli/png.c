@@ -15,7 +15,7 @@ static const RfOption s_options[] = {
 static const RfCommandTable s_table = { .command = "png",
                                         .summary = "Writes an EXR file as 8-bit PNG with the sRGB curve.",
                                         .files = s_files,
-                                        .file_count = 2,
+                                        .file_count = 2, .writes_last = true,
                                         .options = s_options,
                                         .option_count = 1 };
 

@@ -21,9 +21,9 @@ static int s_weights_index, s_normalize_index;
 static bool s_float, s_float_given, s_half_given, s_spp_given;
 
 static const RfOption s_options[] = {
-    { .name = "output", .letter = 'o', .type = RF_OPTION_STRING, .value = &s_parsed.output, .meta = "PATTERN",
+    { .name = "output", .writes = ".exr", .letter = 'o', .type = RF_OPTION_STRING, .value = &s_parsed.output, .meta = "PATTERN",
       .help = "where the frames go: out/frame.####.exr, #### is the frame's number; folders are made" },
-    { .name = "camera", .type = RF_OPTION_STRING, .value = &s_parsed.camera, .meta = "NAME|FILE",
+    { .name = "camera", .reads = true, .type = RF_OPTION_STRING, .value = &s_parsed.camera, .meta = "NAME|FILE",
       .default_text = "the scene file's, else the first animated one, else the first",
       .help = "a camera of the scene, or a camera-path file (.json)" },
     { .name = "frames", .in_file = true, .type = RF_OPTION_STRING, .value = &s_parsed.frames, .meta = "A-B[xSTEP][,...]",
@@ -77,7 +77,7 @@ static const RfOption s_options[] = {
       .help = "keep the frames that are there, if they are of this very render" },
     { .name = "overwrite", .type = RF_OPTION_BOOL, .value = &s_parsed.overwrite,
       .help = "replace the frames that are there" },
-    { .name = "json", .type = RF_OPTION_STRING, .value = &s_parsed.json, .meta = "FILE",
+    { .name = "json", .writes = ".json", .type = RF_OPTION_STRING, .value = &s_parsed.json, .meta = "FILE",
       .help = "the result for programs; - is standard output" },
     { .name = "quiet", .type = RF_OPTION_BOOL, .value = &s_parsed.quiet, .help = "no progress" },
 };

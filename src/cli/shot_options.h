@@ -7,7 +7,7 @@
 #include "cli/render_options.h"
 
 #define RF_PATH_OPTIONS( o, frames_help )                                                                                     \
-    { .name = "camera", .type = RF_OPTION_STRING, .value = &( o ).camera, .meta = "NAME|FILE",                                \
+    { .name = "camera", .reads = true, .type = RF_OPTION_STRING, .value = &( o ).camera, .meta = "NAME|FILE",                                \
       .default_text = "the scene file's, else the first animated one, else the first",                                        \
       .help = "a camera of the scene, or a camera-path file (.json)" },                                                       \
     { .name = "frames", .type = RF_OPTION_STRING, .value = &( o ).frames, .meta = "A-B[xSTEP][,...]", .default_text = "all",  \
@@ -48,7 +48,7 @@
       .help = "further layers, which need memory: albedo, normal, depth, motion, variance, samples" }
 
 #define RF_RESULT_OPTIONS( o, quiet_help )                                                                                    \
-    { .name = "json", .type = RF_OPTION_STRING, .value = &( o ).json, .meta = "FILE",                                         \
+    { .name = "json", .writes = ".json", .type = RF_OPTION_STRING, .value = &( o ).json, .meta = "FILE",                                         \
       .help = "the result for programs; - is standard output" },                                                              \
     { .name = "quiet", .type = RF_OPTION_BOOL, .value = &( o ).quiet, .help = quiet_help }
 

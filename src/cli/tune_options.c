@@ -15,7 +15,7 @@ static const char* s_scene;
 static const RfOption s_options[] = {
     { .name = "budget", .type = RF_OPTION_REAL, .value = &s_parsed.budget, .min = 1.0, .max = 1e6, .meta = "T",
       .default_text = "60", .help = "seconds that it may take; more make the choice surer" },
-    { .name = "svg", .type = RF_OPTION_STRING, .value = &s_parsed.svg, .meta = "FILE",
+    { .name = "svg", .writes = ".svg", .type = RF_OPTION_STRING, .value = &s_parsed.svg, .meta = "FILE",
       .help = "a plot: memory across, efficiency up, a line for each tile" },
     RF_PATH_OPTIONS( s_parsed.render, "frames that are to be rendered: settings are tried there, and their cost is counted" ),
     RF_SPP_OPTION( s_parsed.render ),

@@ -34,6 +34,7 @@ typedef struct RfExrOptions
 {
     RfExrCompression compression;
     bool half;                     // R G B as half floats, clamped to ±65504; else 32-bit floats
+    int x, y;                      // where the first pixel lies: data and display window begin there
     int fps_numerator;             // framesPerSecond; numerator 0: not written
     unsigned int fps_denominator;
     bool has_camera;               // write the two matrices, row vectors as OpenEXR has them:

@@ -100,6 +100,15 @@ static exr_result_t set_attributes( Writer* writer )
     return code;
 }
 
+static exr_result_t set_window( Writer* writer, exr_compression_t compression )
+{
+    const RfExrOptions* options = writer->options;
+    exr_attr_box2i_t window = { .min = { .x = options->x, .y = options->y },
+                                .max = { .x = options->x + ( writer->image->width - 1 ), .y = options->y + ( writer->image->height - 1 ) } };
+    const exr_attr_v2f_t center = { .x = 0.0f, .y = 0.0f };
+    return exr_initialize_required_attr( writer->context, 0, &window, &window, 1.0f, &center, 1.0f, EXR_LINEORDER_INCREASING_Y, compression );
+}
+
 static exr_result_t write_header( Writer* writer )
 {
     int index = 0;
@@ -115,8 +124,7 @@ static exr_result_t write_header( Writer* writer )
     if ( code == EXR_ERR_SUCCESS )
         code = exr_add_part( context, NULL, EXR_STORAGE_SCANLINE, &index );
     if ( code == EXR_ERR_SUCCESS )
-        code = exr_initialize_required_attr_simple( context, 0, writer->image->width, writer->image->height,
-                                                    compression );
+        code = set_window( writer, compression );
     if ( code == EXR_ERR_SUCCESS )
         code = add_channels( writer );
     if ( code == EXR_ERR_SUCCESS )
@@ -195,7 +203,7 @@ static exr_result_t choose_routines( Writer* writer )
 static exr_result_t write_chunk( Writer* writer, int y )
 {
     exr_chunk_info_t chunk = { 0 };
-    exr_result_t code = exr_write_scanline_chunk_info( writer->context, 0, y, &chunk );
+    exr_result_t code = exr_write_scanline_chunk_info( writer->context, 0, writer->options->y + y, &chunk );
     if ( code != EXR_ERR_SUCCESS )
         return code;
     code = writer->started ? exr_encoding_update( writer->context, 0, &chunk, &writer->pipeline )

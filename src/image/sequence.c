@@ -8,6 +8,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 // A pattern in its pieces: folder and prefix, run of '#', suffix.
 typedef struct Pattern
@@ -156,4 +157,38 @@ RfResult rf_sequence_frames( const char* pattern, int** frames, int* count, RfEr
         *count = 0;
     }
     return result;
+}
+
+static bool is_same_inode( const char* a, const char* b )
+{
+    struct stat x, y;
+    return stat( a, &x ) == 0 && stat( b, &y ) == 0 && x.st_dev == y.st_dev && x.st_ino == y.st_ino;
+}
+
+static bool is_same_folder( const char* a, const char* b )
+{
+    char folders[2][4096];
+    const char* names[2] = { a, b };
+    for ( int i = 0; i < 2; ++i )
+    {
+        Pattern parts = split( names[i] );
+        if ( parts.base == names[i] )
+            snprintf( folders[i], sizeof folders[i], "." );
+        else
+            snprintf( folders[i], sizeof folders[i], "%.*s", (int)( parts.base - names[i] ), names[i] );
+    }
+    return is_same_inode( folders[0], folders[1] );
+}
+
+bool rf_may_be_same_file( const char* a, const char* b )
+{
+    Pattern x = split( a ), y = split( b );
+    if ( strcmp( a, b ) == 0 || is_same_inode( a, b ) )
+        return true;
+    bool fits = strcmp( x.base, y.base ) == 0;
+    if ( x.run != NULL && y.run == NULL )
+        fits = match_name( &x, y.base ) >= 0;
+    if ( y.run != NULL && x.run == NULL )
+        fits = match_name( &y, x.base ) >= 0;
+    return fits && is_same_folder( a, b );
 }

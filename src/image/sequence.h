@@ -19,4 +19,8 @@ RfResult rf_sequence_name( const char* pattern, int frame, char* name, size_t si
 // freed), *count of them. Fails (RF_ERROR_IO) where there are none.
 RfResult rf_sequence_frames( const char* pattern, int** frames, int* count, RfError* error );
 
+// Whether writing the one may write the other: names of one file, by links and
+// other folders' names too, or a name that the other, a pattern, has for a frame.
+bool rf_may_be_same_file( const char* a, const char* b );
+
 #endif

@@ -2,7 +2,6 @@
 
 #include "base/random.h"
 #include "base/system.h"
-#include "measure/bias_interval.h"
 #include "reuse/group.h"
 
 #include <math.h>
@@ -14,13 +13,6 @@
 #define PROBE_PIXELS 6000
 #define UNITS ( RF_COST_LEVELS * RF_COST_PLACES )
 
-// A place and a level: the same for both curves, with seeds of its own.
-typedef struct Unit
-{
-    int passes;
-    RfTrial trials[2]; // plain, with reuse
-} Unit;
-
 typedef struct Study
 {
     const RfCostJob* job;
@@ -28,7 +20,8 @@ typedef struct Study
     RfRenderSettings settings[2]; // resolved
     RfTrialSite sites[RF_COST_PLACES];
     int site_count;
-    Unit units[UNITS];
+    RfTrial trials[UNITS][2]; // a place and a level: plain and with reuse, with seeds of their own
+    RfCostUnit units[UNITS];  // what is to be known of them
     int unit_count;
     double start;
 } Study;
@@ -102,83 +95,6 @@ static RfResult make_sites( Study* s, RfError* error )
     return result;
 }
 
-static double relmse_of( const RfTrial* trial ) { return trial->relmse / trial->weight; } // of a single sample
-
-// Error of a single sample and seconds of it, over all units but one (−1: all).
-// More samples tell more of the error: units weigh as their passes.
-static void sum_units( const Study* s, int curve, int without, double* relmse, double* seconds, double* cpu )
-{
-    double error = 0.0, weight = 0.0, wall = 0.0, work = 0.0, samples = 0.0;
-    for ( int i = 0; i < s->unit_count; ++i )
-    {
-        if ( i == without )
-            continue;
-        const RfTrial* trial = s->units[i].trials + curve;
-        error += s->units[i].passes * relmse_of( trial );
-        weight += s->units[i].passes;
-        wall += trial->wall_seconds;
-        work += trial->cpu_seconds;
-        samples += trial->timed_samples;
-    }
-    *relmse = error / weight;
-    *seconds = wall / samples;
-    *cpu = work / samples;
-}
-
-static double log_speedup( const Study* s, int without )
-{
-    double relmse[2], seconds[2], cpu;
-    for ( int k = 0; k < 2; ++k )
-        sum_units( s, k, without, relmse + k, seconds + k, &cpu );
-    return log( relmse[0] * seconds[0] / ( relmse[1] * seconds[1] ) );
-}
-
-// By the jackknife over the units.
-static void weigh_speedup( Study* s )
-{
-    int n = s->unit_count;
-    double whole = log_speedup( s, -1 ), mean = 0.0, square = 0.0;
-    for ( int i = 0; i < n && n > 1; ++i )
-    {
-        double d = log_speedup( s, i ) - whole;
-        mean += d / n;
-        square += d * d / n;
-    }
-    double margin = n > 1 ? rf_student_quantile( n - 1 ) * sqrt( ( n - 1 ) * ( square - mean * mean ) ) : (double)NAN;
-    s->cost->speedup = exp( whole );
-    s->cost->speedup_low = exp( whole - margin );
-    s->cost->speedup_high = exp( whole + margin );
-}
-
-// Least squares through the logarithms, all rows alike.
-static void fit_slope( RfCostCurve* c )
-{
-    double n = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0, yy = 0.0;
-    c->slope = c->slope_low = c->slope_high = (double)NAN;
-    for ( int i = 0; i < c->count; ++i )
-    {
-        double u = log( c->rows[i].seconds ), v = log( c->rows[i].relmse );
-        if ( !isfinite( u ) || !isfinite( v ) )
-            continue;
-        n += 1.0;
-        x += u;
-        y += v;
-        xx += u * u;
-        xy += u * v;
-        yy += v * v;
-    }
-    double spread = xx - x * x / n;
-    if ( n < 2.0 || !( spread > 0.0 ) )
-        return;
-    c->slope = ( xy - x * y / n ) / spread;
-    double rest = yy - y * y / n - c->slope * c->slope * spread;
-    if ( n < 3.0 )
-        return;
-    double margin = rf_student_quantile( (int)n - 2 ) * sqrt( fmax( rest, 0.0 ) / ( n - 2.0 ) / spread );
-    c->slope_low = c->slope - margin;
-    c->slope_high = c->slope + margin;
-}
-
 static double frame_pixels( const RfCostJob* job ) { return (double)job->eyes->width * job->eyes->height; }
 
 static double frame_seconds( const RfCostJob* job, const RfCostCurve* c, double spp, double sample_seconds )
@@ -192,11 +108,11 @@ static void add_row( Study* s, int curve, RfCostCurve* c, int passes )
     double relmse = 0.0, wall = 0.0, cpu = 0.0, samples = 0.0;
     for ( int i = s->unit_count - s->cost->places; i < s->unit_count; ++i )
     {
-        const RfTrial* trial = s->units[i].trials + curve;
-        relmse += relmse_of( trial ) / passes / s->cost->places;
-        wall += trial->wall_seconds;
-        cpu += trial->cpu_seconds;
-        samples += trial->timed_samples;
+        const RfCostPart* part = s->units[i].parts + curve;
+        relmse += part->relmse / passes / s->cost->places;
+        wall += part->wall_seconds;
+        cpu += part->cpu_seconds;
+        samples += part->samples;
     }
     c->rows[c->count++] = ( RfCostRow ){ .spp = passes, .seconds = frame_seconds( s->job, c, passes, wall / samples ),
                                          .cpu_seconds = frame_seconds( s->job, c, passes, cpu / samples ), .relmse = relmse };
@@ -208,10 +124,16 @@ static void settle_finish( Study* s, int curve, RfCostCurve* c )
     double seconds = 0.0, pixels = 0.0;
     for ( int i = 0; i < s->unit_count; ++i )
     {
-        seconds += s->units[i].trials[curve].finish_seconds;
-        pixels += s->units[i].trials[curve].finish_pixels;
+        seconds += s->trials[i][curve].finish_seconds;
+        pixels += s->trials[i][curve].finish_pixels;
     }
     c->finish_seconds = pixels > 0.0 ? fmax( seconds, 0.0 ) / pixels * frame_pixels( s->job ) : 0.0;
+}
+
+static RfCostPart part_of( const RfTrial* trial )
+{
+    return ( RfCostPart ){ .relmse = trial->relmse / trial->weight, .wall_seconds = trial->wall_seconds,
+                           .cpu_seconds = trial->cpu_seconds, .samples = trial->timed_samples };
 }
 
 static RfResult run_level( Study* s, int level, RfError* error )
@@ -221,15 +143,14 @@ static RfResult run_level( Study* s, int level, RfError* error )
         s->job->say( s->job->user, s->cost, passes );
     for ( int i = 0; i < s->cost->places; ++i )
     {
-        Unit* unit = s->units + s->unit_count;
-        unit->passes = passes;
-        RfResult result = try_both( s, s->sites + i, passes, (uint64_t)( level * RF_COST_PLACES + i + 1 ), unit->trials, error );
+        RfTrial* trials = s->trials[s->unit_count];
+        RfResult result = try_both( s, s->sites + i, passes, (uint64_t)( level * RF_COST_PLACES + i + 1 ), trials, error );
         if ( result != RF_OK )
         {
             s->unit_count = level * s->cost->places; // whole levels only
             return result;
         }
-        s->unit_count += 1;
+        s->units[s->unit_count++] = ( RfCostUnit ){ passes, { part_of( trials ), part_of( trials + 1 ) } };
     }
     RfCostCurve* curves[2] = { &s->cost->plain, &s->cost->reuse };
     for ( int k = 0; k < 2; ++k )
@@ -258,16 +179,28 @@ static RfResult run_levels( Study* s, RfError* error )
     return RF_OK;
 }
 
+static RfInterval slope_of( const RfCostCurve* c )
+{
+    double seconds[RF_COST_LEVELS], errors[RF_COST_LEVELS];
+    for ( int i = 0; i < c->count; ++i )
+    {
+        seconds[i] = c->rows[i].seconds;
+        errors[i] = c->rows[i].relmse;
+    }
+    return rf_fit_slope( seconds, errors, c->count );
+}
+
 static void conclude( Study* s )
 {
     RfCostCurve* curves[2] = { &s->cost->plain, &s->cost->reuse };
     for ( int k = 0; k < 2; ++k )
     {
-        double cpu;
-        fit_slope( curves[k] );
-        sum_units( s, k, -1, &curves[k]->relmse, &curves[k]->sample_seconds, &cpu );
+        RfCostPart sum = rf_sum_cost_units( s->units, s->unit_count, k, -1 );
+        curves[k]->slope = slope_of( curves[k] );
+        curves[k]->relmse = sum.relmse;
+        curves[k]->sample_seconds = sum.wall_seconds;
     }
-    weigh_speedup( s );
+    s->cost->speedup = rf_cost_speedup( s->units, s->unit_count );
     s->cost->seconds = rf_wall_seconds() - s->start;
 }
 

@@ -6,6 +6,7 @@
 #ifndef REFRAME_MEASURE_COST_H
 #define REFRAME_MEASURE_COST_H
 
+#include "measure/cost_fit.h"
 #include "measure/trial.h"
 
 #define RF_COST_LEVELS 12
@@ -27,7 +28,7 @@ typedef struct RfCostCurve
     RfTile tile;
     RfCostRow rows[RF_COST_LEVELS];
     int count;
-    double slope, slope_low, slope_high; // of log relMSE over log seconds, and its 95 % interval
+    RfInterval slope;      // of log relMSE over log seconds
     double relmse;         // of a single sample
     double sample_seconds; // on the clock, of a native sample
     double finish_seconds; // of what a frame takes besides
@@ -36,7 +37,7 @@ typedef struct RfCostCurve
 typedef struct RfCost
 {
     RfCostCurve plain, reuse;
-    double speedup, speedup_low, speedup_high; // seconds of path tracing over those with reuse at equal error; 95 %
+    RfInterval speedup; // seconds of path tracing over those with reuse at equal error
     int width, height; // of the pictures tried
     int places;
     double seconds;    // that it took
