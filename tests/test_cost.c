@@ -214,7 +214,7 @@ static void test_command( void** state )
     assert_true( count < 6 || strstr( text, "error falls as seconds to the power of -" ) != NULL ); // a busy machine may have fewer rows
     assert_non_null( strstr( text, "at equal error groups of 3 and 3x3 tiles take 1/" ) );
     free( text );
-    cli_expect( cli_run( "$R cost $VASE --size 8x6 --budget 0.1 --group 0 --noise 1e-9 --frames 5 --quiet > c.txt" ), 0, NULL );
+    cli_expect( cli_run( "$R cost $VASE --size 8x6 --budget 1 --group 0 --noise 1e-9 --frames 5 --quiet > c.txt" ), 0, NULL );
     text = cli_read( "c.txt", &size );
     assert_non_null( strstr( text, "relMSE 1e-09 at 8x6: more than 1048576 samples, which is the most" ) );
     free( text );
