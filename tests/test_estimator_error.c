@@ -18,7 +18,7 @@
 
 #define WIDTH 80
 #define HEIGHT 45
-#define EYES 7
+#define EYES 15 // more than two groups of 7: they slide over the frame in the middle
 #define SPP 14
 #define REFERENCE_SEED 1000003
 #define FIRST_SEED 100 // the estimate was chosen by lower ones
@@ -56,7 +56,7 @@ static Shot load_shot( const char* file )
         fail_msg( "%s", error.text );
     for ( int i = 0; i < EYES; ++i )
     {
-        if ( rf_camera_eye( &shot.scene, shot.scene.cameras + camera, 20.0 + i, 24, 1, WIDTH, HEIGHT, shot.eyes + i, &error ) != RF_OK )
+        if ( rf_camera_eye( &shot.scene, shot.scene.cameras + camera, 16.0 + i, 24, 1, WIDTH, HEIGHT, shot.eyes + i, &error ) != RF_OK )
             fail_msg( "%s", error.text );
     }
     shot.tracer = make_tracer( &shot.scene );
