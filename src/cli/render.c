@@ -219,7 +219,7 @@ static RfResult on_frame( void* user, const RfFrameResult* result, RfError* erro
     ++job->frames_done;
     note_relmse( job, result );
     warn_if_black( job, result );
-    rf_show_frame( &job->line, result, job->frames_done, job->frame_count );
+    rf_show_frame( &job->line, result, job->frames_done, job->frame_count, now() - job->start - job->seconds_scene );
     pthread_mutex_unlock( &job->speech );
     json_array_append_new( job->frames_json, rf_frame_json( result, job->options.settings.noise ) );
     return RF_OK;
