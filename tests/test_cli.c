@@ -128,7 +128,6 @@ static void test_usage_errors( void** state )
     cli_expect( cli_run( "$R render one.gltf -o a.exr --smp 3" ), 2, "did you mean --spp?" );
     cli_expect( cli_run( "$R render one.gltf -o a.png" ), 2, "wants a name that ends in .exr" );
     cli_expect( cli_run( "$R render one.gltf -o a.exr --tile 3x" ), 2, "--tile: wants 1, WxH such as 3x3, or rooksN" );
-    cli_expect( cli_run( "$R render one.gltf -o a.exr --resume --overwrite" ), 2, "only one of the two" );
     cli_expect( cli_run( "$R render one.gltf -o a.exr --half --float" ), 2, "only one of the two" );
     cli_expect( cli_run( "$R render one.gltf -o a.exr --frames 2" ), 2, "the camera's path has 1 frame" );
     cli_expect( cli_run( "$R render one.gltf -o a.exr --camera Nobody" ), 2, "Nobody" );
@@ -247,12 +246,12 @@ static void test_render_json( void** state )
     cli_expect( result, 0, NULL );
     json_t* json = parse_json( result->out );
     expect_keys( json, "version scene frames seconds seconds_scene peak_bytes budget_bytes bytes rays group tile weights "
-                       "normalize threads effects" );
+                       "normalize threads effects kept_frames interrupted" );
     expect_keys( json_object_get( json, "rays" ), "primary path shadow tile eye" );
     expect_keys( json_object_get( json, "bytes" ), "film_table films image scratch hit_records" );
     json_t* frames = json_object_get( json, "frames" );
     assert_int_equal( json_array_size( frames ), 2 );
-    expect_keys( json_array_get( frames, 1 ), "frame seconds relmse_estimate native_spp effective_spp" );
+    expect_keys( json_array_get( frames, 1 ), "frame seconds relmse_estimate native_spp effective_spp kept" );
     assert_int_equal( json_integer_value( json_object_get( json_array_get( frames, 1 ), "frame" ) ), 2 );
     assert_int_equal( json_integer_value( json_object_get( json, "group" ) ), 1 );
     assert_string_equal( json_string_value( json_object_get( json, "scene" ) ), REFRAME_VASE_ROOM );

@@ -125,16 +125,20 @@ static void test_progress_text( void** state )
     char text[160];
     RfProgress progress = { .frames_done = 11, .frames_all = 48, .share = 0.25, .samples = 26.6e6, .seconds = 14.0 };
     rf_format_progress( &progress, text, sizeof text );
-    assert_string_equal( text, "frame 12/48  25 %  1.9 M samples/s  0:42 left" );
+    assert_string_equal( text, "frame 12/48  25 %  0:14 spent  0:42 left  1.9 M samples/s" );
     progress.relmse = 0.00314;
     rf_format_progress( &progress, text, sizeof text );
-    assert_string_equal( text, "frame 12/48  25 %  1.9 M samples/s  0:42 left  relMSE 0.0031" );
+    assert_string_equal( text, "frame 12/48  25 %  0:14 spent  0:42 left  relMSE 0.0031  1.9 M samples/s" );
     progress = ( RfProgress ){ .frames_all = 1, .relmse = (double)NAN };
     rf_format_progress( &progress, text, sizeof text );
-    assert_string_equal( text, "frame 1/1  0 %  0 k samples/s  -:-- left" );
+    assert_string_equal( text, "frame 1/1  0 %  0:00 spent  -:-- left  0 k samples/s" );
     progress = ( RfProgress ){ .frames_done = 2, .frames_all = 2, .share = 1.0, .samples = 5e3, .seconds = 10.0 };
     rf_format_progress( &progress, text, sizeof text );
-    assert_string_equal( text, "frame 2/2  100 %  0 k samples/s  0:00 left" );
+    assert_string_equal( text, "frame 2/2  100 %  0:10 spent  0:00 left  0 k samples/s" );
+    // what does not fit on a line of a terminal stays away, the rate first
+    progress = ( RfProgress ){ .frames_done = 99998, .frames_all = 99999, .share = 0.5, .samples = 4e14, .seconds = 359999.0, .relmse = 1.2345e-5 };
+    rf_format_progress( &progress, text, sizeof text );
+    assert_string_equal( text, "frame 99999/99999  50 %  99:59:59 spent  99:59:59 left  relMSE 1.2e-05" );
 }
 
 int main( void )

@@ -2,8 +2,7 @@
 // what is refused. How it looks and plays is test_report_browser's.
 #include "cli_run.h"
 #include "foreign_exr.h"
-#include "image/exr.h"
-#include "image/sequence.h"
+#include "page_checks.h"
 
 #include <jansson.h>
 #include <math.h>
@@ -15,111 +14,6 @@
 
 #include <cmocka.h>
 
-static const char* in_folder( const char* name )
-{
-    static char path[1024];
-    snprintf( path, sizeof path, "%s/%s", cli_folder(), name );
-    return path;
-}
-
-static void write_constant( const char* name, int width, int height, float value, const RfExrString* strings, int count )
-{
-    RfImage image;
-    RfError error = { 0 };
-    assert_int_equal( rf_create_image( width, height, &image, &error ), RF_OK );
-    for ( int i = 0; i < 3 * width * height; ++i )
-        image.rgb[i] = value;
-    RfExrOptions options = rf_default_exr_options();
-    options.half = false;
-    options.strings = strings;
-    options.string_count = count;
-    if ( rf_write_exr( in_folder( name ), &image, &options, &error ) != RF_OK )
-        fail_msg( "%s", error.text );
-    rf_destroy_image( &image );
-}
-
-// Frames first to last of one value each: `value`, more by `step` from frame to frame.
-static void write_sequence( const char* pattern, int first, int last, float value, float step )
-{
-    char name[256];
-    for ( int frame = first; frame <= last; ++frame )
-    {
-        assert_int_equal( rf_sequence_name( pattern, frame, name, sizeof name, NULL ), RF_OK );
-        write_constant( name, 40, 30, value + step * (float)( frame - first ), NULL, 0 );
-    }
-}
-
-static void make_folder( const char* name )
-{
-    cli_expect( cli_run( "mkdir -p '%s'", name ), 0, NULL );
-}
-
-static int count_of( const char* text, const char* part )
-{
-    int count = 0;
-    for ( const char* at = strstr( text, part ); at != NULL; at = strstr( at + 1, part ) )
-        ++count;
-    return count;
-}
-
-// The data of a page, as a browser finds it: up to the next end of a script.
-static json_t* read_data( const char* page, int blocks )
-{
-    static const char begin[] = "<script type=\"application/json\" id=\"data\">";
-    size_t size;
-    char* text = cli_read( page, &size );
-    assert_int_equal( strlen( text ), size );
-    char* data = strstr( text, begin );
-    assert_non_null( data );
-    data += strlen( begin );
-    assert_int_equal( count_of( text, "<script" ), blocks + 2 ); // the data, the script itself
-    assert_int_equal( count_of( text, "</script" ), blocks + 2 );
-    assert_int_equal( count_of( text, "{{" ), 0 );
-    assert_int_equal( count_of( text, "http://" ), 1 ); // the name of SVG
-    assert_int_equal( count_of( text, "https://" ), 0 );
-    *strstr( data, "</script>" ) = '\0';
-    json_error_t reason;
-    json_t* json = json_loads( data, 0, &reason );
-    if ( json == NULL )
-        fail_msg( "%s: %s", page, reason.text );
-    free( text );
-    return json;
-}
-
-static const json_t* sequence_of( const json_t* data, size_t index )
-{
-    const json_t* sequence = json_array_get( json_object_get( data, "sequences" ), index );
-    assert_non_null( sequence );
-    return sequence;
-}
-
-static const json_t* item( const json_t* sequence, const char* key, size_t i )
-{
-    const json_t* value = json_array_get( json_object_get( sequence, key ), i );
-    assert_non_null( value );
-    return value;
-}
-
-static void check_item( const json_t* sequence, const char* key, size_t i, double wanted )
-{
-    const json_t* value = item( sequence, key, i );
-    if ( !json_is_number( value ) || !( fabs( json_number_value( value ) - wanted ) <= 1e-6 * ( 1e-6 + fabs( wanted ) ) ) )
-        fail_msg( "%s %zu: %g, not %g", key, i, json_number_value( value ), wanted );
-}
-
-// The value of a fact; NULL where the page does not have it.
-static const char* fact( const json_t* sequence, const char* group, const char* label )
-{
-    size_t i;
-    const json_t* row;
-    json_array_foreach( json_object_get( sequence, "facts" ), i, row )
-    {
-        if ( strcmp( json_string_value( json_array_get( row, 0 ) ), group ) == 0 && strcmp( json_string_value( json_array_get( row, 1 ) ), label ) == 0 )
-            return json_string_value( json_array_get( row, 2 ) );
-    }
-    return NULL;
-}
-
 static json_t* parse_json( const char* text )
 {
     json_t* json = json_loads( text, 0, NULL );
@@ -130,12 +24,12 @@ static json_t* parse_json( const char* text )
 static void test_two_and_a_reference( void** state )
 {
     (void)state;
-    make_folder( "t/a" );
-    make_folder( "t/b" );
-    make_folder( "t/r" );
-    write_sequence( "t/a/f.####.exr", 1, 4, 0.75f, 0.0f );
-    write_sequence( "t/b/f.####.exr", 1, 4, 0.5f, 0.25f ); // errors 0, 1/4, 1/2, 3/4
-    write_sequence( "t/r/f.####.exr", 1, 4, 0.5f, 0.0f );
+    page_make_folder( "t/a" );
+    page_make_folder( "t/b" );
+    page_make_folder( "t/r" );
+    page_write_frames( "t/a/f.####.exr", 1, 4, 0.75f, 0.0f );
+    page_write_frames( "t/b/f.####.exr", 1, 4, 0.5f, 0.25f ); // errors 0, 1/4, 1/2, 3/4
+    page_write_frames( "t/r/f.####.exr", 1, 4, 0.5f, 0.0f );
     const CliResult* result = cli_run( "$R report t/a t/b --reference t/r -o t.html --json - --fps 25 --exposure 1.5 --title 'All of it' --quiet" );
     cli_expect( result, 0, NULL );
     assert_string_equal( result->err, "" );
@@ -146,22 +40,22 @@ static void test_two_and_a_reference( void** state )
     assert_int_equal( json_integer_value( json_object_get( json, "frames" ) ), 4 );
     assert_int_equal( json_array_size( json_object_get( json, "sequences" ) ), 3 );
     json_decref( json );
-    json_t* data = read_data( "t.html", 12 );
+    json_t* data = page_read_data( "t.html", 12 );
     assert_string_equal( json_string_value( json_object_get( data, "title" ) ), "All of it" );
     assert_true( json_number_value( json_object_get( data, "fps" ) ) == 25.0 && json_number_value( json_object_get( data, "exposure" ) ) == 1.5 );
-    const json_t *a = sequence_of( data, 0 ), *b = sequence_of( data, 1 ), *r = sequence_of( data, 2 );
+    const json_t *a = page_sequence( data, 0 ), *b = page_sequence( data, 1 ), *r = page_sequence( data, 2 );
     assert_string_equal( json_string_value( json_object_get( a, "name" ) ), "a" );
     assert_string_equal( json_string_value( json_object_get( r, "name" ) ), "reference" );
-    check_item( a, "relmse", 2, 0.1875 / 0.251 );
-    check_item( a, "f1", 1, 0.0 );
-    check_item( a, "phi", 1, 0.0 );
-    check_item( b, "relmse", 3, 3.0 * 0.5625 / 0.251 );
-    check_item( b, "f1", 3, 0.25 );
-    check_item( b, "phi", 3, 0.0625 / ( 0.5625 + 0.25 ) );
-    assert_true( json_is_null( item( b, "f1", 0 ) ) && json_is_null( item( r, "relmse", 0 ) ) && json_is_null( item( r, "f1", 2 ) ) );
-    assert_string_equal( json_string_value( item( r, "blocks", 3 ) ), "s2-4" );
-    assert_non_null( fact( b, "Error", "Flicker: F1" ) );
-    assert_null( fact( r, "Error", "relMSE" ) );
+    page_check_item( a, "relmse", 2, 0.1875 / 0.251 );
+    page_check_item( a, "f1", 1, 0.0 );
+    page_check_item( a, "phi", 1, 0.0 );
+    page_check_item( b, "relmse", 3, 3.0 * 0.5625 / 0.251 );
+    page_check_item( b, "f1", 3, 0.25 );
+    page_check_item( b, "phi", 3, 0.0625 / ( 0.5625 + 0.25 ) );
+    assert_true( json_is_null( page_item( b, "f1", 0 ) ) && json_is_null( page_item( r, "relmse", 0 ) ) && json_is_null( page_item( r, "f1", 2 ) ) );
+    assert_string_equal( json_string_value( page_item( r, "blocks", 3 ) ), "s2-4" );
+    assert_non_null( page_fact( b, "Error", "Flicker: F1" ) );
+    assert_null( page_fact( r, "Error", "relMSE" ) );
     json_decref( data );
 }
 
@@ -172,19 +66,19 @@ static void test_hostile_names( void** state )
     static const char hostile[] = "</script><script>alert(1)</script><!--<b>&\"'";
     const RfExrString strings[] = { { "reframe/scene", hostile }, { "Software", "\xff\xfe no utf-8 </SCRIPT>" }, { "comments", "" } };
     cli_expect( cli_run( "mkdir -p 'h/x<script>\"&'" ), 0, NULL );
-    write_constant( "h/x<script>\"&/f.1.exr", 20, 20, 1.0f, strings, 3 );
+    page_write_frame( "h/x<script>\"&/f.1.exr", 20, 20, 1.0f, strings, 3 );
     const CliResult* result = cli_run( "$R report 'h/x<script>\"&' -o h.html --title '</title><script>alert(2)</script>'" );
     cli_expect( result, 0, NULL );
-    json_t* data = read_data( "h.html", 1 );
+    json_t* data = page_read_data( "h.html", 1 );
     assert_string_equal( json_string_value( json_object_get( data, "title" ) ), "</title><script>alert(2)</script>" );
-    const json_t* sequence = sequence_of( data, 0 );
+    const json_t* sequence = page_sequence( data, 0 );
     assert_string_equal( json_string_value( json_object_get( sequence, "name" ) ), "x<script>\"&" );
-    assert_string_equal( fact( sequence, "Scene", "Scene" ), hostile );
-    assert_non_null( fact( sequence, "Header", "Software" ) );
+    assert_string_equal( page_fact( sequence, "Scene", "Scene" ), hostile );
+    assert_non_null( page_fact( sequence, "Header", "Software" ) );
     json_decref( data );
     size_t size;
     char* text = cli_read( "h.html", &size );
-    assert_int_equal( count_of( text, "<title>" ) + count_of( text, "</title>" ), 2 );
+    assert_int_equal( page_count( text, "<title>" ) + page_count( text, "</title>" ), 2 );
     free( text );
     // a value without an end
     char* longest = malloc( 100001 );
@@ -192,64 +86,64 @@ static void test_hostile_names( void** state )
     memset( longest, 'x', 100000 );
     longest[100000] = '\0';
     const RfExrString one = { "comments", longest };
-    write_constant( "h/long.exr", 20, 20, 1.0f, &one, 1 );
+    page_write_frame( "h/long.exr", 20, 20, 1.0f, &one, 1 );
     free( longest );
     cli_expect( cli_run( "$R report h/long.exr -o h2.html --quiet" ), 0, NULL );
-    data = read_data( "h2.html", 1 );
-    assert_true( strlen( fact( sequence_of( data, 0 ), "Header", "comments" ) ) < 300 );
+    data = page_read_data( "h2.html", 1 );
+    assert_true( strlen( page_fact( page_sequence( data, 0 ), "Header", "comments" ) ) < 300 );
     json_decref( data );
 }
 
 static void test_missing_frames( void** state )
 {
     (void)state;
-    make_folder( "m/a" );
-    make_folder( "m/b" );
-    write_sequence( "m/a/f.##.exr", 1, 5, 1.0f, 0.5f );
+    page_make_folder( "m/a" );
+    page_make_folder( "m/b" );
+    page_write_frames( "m/a/f.##.exr", 1, 5, 1.0f, 0.5f );
     cli_expect( cli_run( "rm m/a/f.03.exr" ), 0, NULL );
-    write_sequence( "m/b/f_#.exr", 4, 6, 1.0f, 0.0f );
+    page_write_frames( "m/b/f_#.exr", 4, 6, 1.0f, 0.0f );
     cli_expect( cli_run( "$R report m/a m/b -o m.html" ), 0, NULL );
-    json_t* data = read_data( "m.html", 4 + 3 );
+    json_t* data = page_read_data( "m.html", 4 + 3 );
     assert_int_equal( json_array_size( json_object_get( data, "frames" ) ), 5 ); // 1 2 4 5 6
-    const json_t *a = sequence_of( data, 0 ), *b = sequence_of( data, 1 );
-    assert_true( json_is_null( item( a, "blocks", 4 ) ) && json_is_null( item( b, "blocks", 1 ) ) );
-    check_item( a, "f1", 1, 0.5 );
-    assert_true( json_is_null( item( a, "f1", 2 ) ) ); // 4 has no 3 before it
-    check_item( a, "f1", 3, 0.5 );
-    assert_true( json_is_null( item( b, "f1", 2 ) ) );
-    check_item( b, "f1", 4, 0.0 );
-    assert_string_equal( fact( a, "Picture", "Missing" ), "1 frame" );
+    const json_t *a = page_sequence( data, 0 ), *b = page_sequence( data, 1 );
+    assert_true( json_is_null( page_item( a, "blocks", 4 ) ) && json_is_null( page_item( b, "blocks", 1 ) ) );
+    page_check_item( a, "f1", 1, 0.5 );
+    assert_true( json_is_null( page_item( a, "f1", 2 ) ) ); // 4 has no 3 before it
+    page_check_item( a, "f1", 3, 0.5 );
+    assert_true( json_is_null( page_item( b, "f1", 2 ) ) );
+    page_check_item( b, "f1", 4, 0.0 );
+    assert_string_equal( page_fact( a, "Picture", "Missing" ), "1 frame" );
     json_decref( data );
     cli_expect( cli_run( "$R report m/a -o m2.html --frames 2-4" ), 0, NULL );
-    data = read_data( "m2.html", 2 );
+    data = page_read_data( "m2.html", 2 );
     assert_int_equal( json_array_size( json_object_get( data, "frames" ) ), 2 );
     json_decref( data );
     // where the reference ends, the error does
     cli_expect( cli_run( "$R report m/b --reference m/a -o m3.html" ), 0, NULL );
-    data = read_data( "m3.html", 3 + 2 );
-    assert_true( json_is_number( item( sequence_of( data, 0 ), "relmse", 1 ) ) && json_is_null( item( sequence_of( data, 0 ), "relmse", 2 ) ) );
-    assert_true( json_is_null( item( sequence_of( data, 0 ), "f1", 2 ) ) );
+    data = page_read_data( "m3.html", 3 + 2 );
+    assert_true( json_is_number( page_item( page_sequence( data, 0 ), "relmse", 1 ) ) && json_is_null( page_item( page_sequence( data, 0 ), "relmse", 2 ) ) );
+    assert_true( json_is_null( page_item( page_sequence( data, 0 ), "f1", 2 ) ) );
     json_decref( data );
 }
 
 static void test_other_programs( void** state )
 {
     (void)state;
-    make_folder( "o" );
+    page_make_folder( "o" );
     Foreign parts[2] = { { .names = { "Z" }, .values = { 7 }, .x = 3, .y = 5, .width = 20, .height = 10, .part = "depth" },
                          { .names = { "L.Combined.B", "L.Combined.G", "L.Combined.R" }, .values = { 1, NAN, 1 }, .width = 30, .height = 20,
                            .half = true, .part = "beauty" } };
-    write_foreign_exr( in_folder( "o/x.0007.left.exr" ), parts, 2 );
-    write_foreign_exr( in_folder( "o/x.0008.left.exr" ), parts, 2 );
+    write_foreign_exr( page_path( "o/x.0007.left.exr" ), parts, 2 );
+    write_foreign_exr( page_path( "o/x.0008.left.exr" ), parts, 2 );
     cli_expect( cli_run( "$R report o -o o.html" ), 0, NULL );
-    json_t* data = read_data( "o.html", 2 );
-    const json_t* sequence = sequence_of( data, 0 );
+    json_t* data = page_read_data( "o.html", 2 );
+    const json_t* sequence = page_sequence( data, 0 );
     assert_int_equal( json_integer_value( json_array_get( json_object_get( data, "frames" ), 1 ) ), 8 );
     assert_int_equal( json_integer_value( json_object_get( sequence, "width" ) ), 30 );
-    check_item( sequence, "bad", 0, 600.0 );
-    assert_true( json_is_null( item( sequence, "f1", 1 ) ) );
-    assert_null( fact( sequence, "Settings", "Group" ) );
-    assert_non_null( fact( sequence, "Picture", "No numbers" ) );
+    page_check_item( sequence, "bad", 0, 600.0 );
+    assert_true( json_is_null( page_item( sequence, "f1", 1 ) ) );
+    assert_null( page_fact( sequence, "Settings", "Group" ) );
+    assert_non_null( page_fact( sequence, "Picture", "No numbers" ) );
     json_decref( data );
 }
 
@@ -260,8 +154,8 @@ static void test_other_programs( void** state )
 static void test_json_of_others( void** state )
 {
     (void)state;
-    make_folder( "j" );
-    write_sequence( "j/f.####.exr", 1, 2, 1.0f, 0.0f );
+    page_make_folder( "j" );
+    page_write_frames( "j/f.####.exr", 1, 2, 1.0f, 0.0f );
     cli_write( "j/a.json", "{ no json", 9 );
     cli_write( "j/b.json", "[1, 2]", 6 );
     cli_write( "j/r.json", RENDER_JSON, strlen( RENDER_JSON ) );
@@ -269,16 +163,16 @@ static void test_json_of_others( void** state )
                                "{\"reuse\":false,\"spp\":4,\"seconds\":1,\"relmse\":2.5}],\"slope\":-0.97,\"speedup_at_equal_error\":4.5,\"speedup_low\":4,\"speedup_high\":5}";
     cli_write( "j/c.json", cost, strlen( cost ) );
     cli_expect( cli_run( "$R report j -o j.html" ), 0, NULL );
-    json_t* data = read_data( "j.html", 2 );
-    const json_t* sequence = sequence_of( data, 0 );
-    check_item( sequence, "relmse", 1, 0.25 );
-    check_item( sequence, "seconds", 1, 1.5 );
-    check_item( sequence, "samples", 1, 14.0 );
-    assert_true( json_is_null( item( sequence, "relmse", 0 ) ) );
-    assert_string_equal( fact( sequence, "Scene", "Effects" ), "diffuse, </script>" );
-    assert_string_equal( fact( sequence, "Time and memory", "In all" ), "2 min 5 s" );
-    assert_string_equal( fact( sequence, "Time and memory", "Memory, peak" ), "2.5 MB" );
-    assert_string_equal( fact( sequence, "Rays", "To other eyes" ), "2.5 M" );
+    json_t* data = page_read_data( "j.html", 2 );
+    const json_t* sequence = page_sequence( data, 0 );
+    page_check_item( sequence, "relmse", 1, 0.25 );
+    page_check_item( sequence, "seconds", 1, 1.5 );
+    page_check_item( sequence, "samples", 1, 14.0 );
+    assert_true( json_is_null( page_item( sequence, "relmse", 0 ) ) );
+    assert_string_equal( page_fact( sequence, "Scene", "Effects" ), "diffuse, </script>" );
+    assert_string_equal( page_fact( sequence, "Time and memory", "In all" ), "2 min 5 s" );
+    assert_string_equal( page_fact( sequence, "Time and memory", "Memory, peak" ), "2.5 MB" );
+    assert_string_equal( page_fact( sequence, "Rays", "To other eyes" ), "2.5 M" );
     const json_t* curve = json_array_get( json_object_get( data, "cost" ), 0 );
     assert_int_equal( json_array_size( json_object_get( curve, "rows" ) ), 2 );
     assert_string_equal( json_string_value( json_object_get( curve, "note" ) ), "slope -0.97; at equal error reuse is faster by 4.5 (4 to 5)" );
@@ -287,9 +181,9 @@ static void test_json_of_others( void** state )
     json_decref( data );
     // by name; with a reference the estimate has no place
     cli_expect( cli_run( "mkdir k; mv j/r.json j/c.json k; $R report j --reference j -o k.html --render-json k/r.json --cost k/c.json" ), 0, NULL );
-    data = read_data( "k.html", 4 );
-    check_item( sequence_of( data, 0 ), "relmse", 1, 0.0 );
-    check_item( sequence_of( data, 0 ), "seconds", 1, 1.5 );
+    data = page_read_data( "k.html", 4 );
+    page_check_item( page_sequence( data, 0 ), "relmse", 1, 0.0 );
+    page_check_item( page_sequence( data, 0 ), "seconds", 1, 1.5 );
     assert_int_equal( json_array_size( json_object_get( data, "cost" ) ), 1 );
     json_decref( data );
     cli_expect( cli_run( "$R report j -o k2.html --render-json k/c.json" ), 1, "--render-json: k/c.json: is not what reframe render --json writes" );
@@ -302,17 +196,17 @@ static void test_json_of_others( void** state )
 static void test_estimates_in_headers( void** state )
 {
     (void)state;
-    make_folder( "e" );
+    page_make_folder( "e" );
     const RfExrString said[] = { { "reframe/relmse-estimate", "0.125" }, { "reframe/group", "3" }, { "reframe/native-spp", "6.5" }, { "reframe/noise", "0.2" } }, none = { "reframe/relmse-estimate", "much" };
-    write_constant( "e/f1.exr", 20, 20, 1.0f, said, 4 );
-    write_constant( "e/f2.exr", 20, 20, 1.0f, &none, 1 );
+    page_write_frame( "e/f1.exr", 20, 20, 1.0f, said, 4 );
+    page_write_frame( "e/f2.exr", 20, 20, 1.0f, &none, 1 );
     cli_expect( cli_run( "$R report e -o e.html" ), 0, NULL );
-    json_t* data = read_data( "e.html", 2 );
-    check_item( sequence_of( data, 0 ), "relmse", 0, 0.125 );
-    assert_true( json_is_null( item( sequence_of( data, 0 ), "relmse", 1 ) ) );
-    check_item( sequence_of( data, 0 ), "samples", 0, 6.5 );
-    assert_string_equal( fact( sequence_of( data, 0 ), "Settings", "Group" ), "3" );
-    assert_string_equal( fact( sequence_of( data, 0 ), "Settings", "Wanted relMSE" ), "0.2" );
+    json_t* data = page_read_data( "e.html", 2 );
+    page_check_item( page_sequence( data, 0 ), "relmse", 0, 0.125 );
+    assert_true( json_is_null( page_item( page_sequence( data, 0 ), "relmse", 1 ) ) );
+    page_check_item( page_sequence( data, 0 ), "samples", 0, 6.5 );
+    assert_string_equal( page_fact( page_sequence( data, 0 ), "Settings", "Group" ), "3" );
+    assert_string_equal( page_fact( page_sequence( data, 0 ), "Settings", "Wanted relMSE" ), "0.2" );
     json_decref( data );
 }
 
@@ -320,29 +214,29 @@ static void test_estimates_in_headers( void** state )
 static void test_reference_with_json( void** state )
 {
     (void)state;
-    make_folder( "q/a" );
-    make_folder( "q/r" );
-    write_sequence( "q/a/f.####.exr", 1, 2, 1.0f, 0.0f );
-    write_sequence( "q/r/f.####.exr", 1, 2, 1.0f, 0.0f );
+    page_make_folder( "q/a" );
+    page_make_folder( "q/r" );
+    page_write_frames( "q/a/f.####.exr", 1, 2, 1.0f, 0.0f );
+    page_write_frames( "q/r/f.####.exr", 1, 2, 1.0f, 0.0f );
     cli_write( "q/r/r.json", RENDER_JSON, strlen( RENDER_JSON ) );
     cli_expect( cli_run( "$R report q/a --reference q/r -o q.html" ), 0, NULL );
-    json_t* data = read_data( "q.html", 4 );
-    check_item( sequence_of( data, 0 ), "relmse", 1, 0.0 );
-    assert_true( json_is_null( item( sequence_of( data, 1 ), "relmse", 1 ) ) );
-    check_item( sequence_of( data, 1 ), "seconds", 1, 1.5 );
-    assert_string_equal( fact( sequence_of( data, 1 ), "Time and memory", "In all" ), "2 min 5 s" );
+    json_t* data = page_read_data( "q.html", 4 );
+    page_check_item( page_sequence( data, 0 ), "relmse", 1, 0.0 );
+    assert_true( json_is_null( page_item( page_sequence( data, 1 ), "relmse", 1 ) ) );
+    page_check_item( page_sequence( data, 1 ), "seconds", 1, 1.5 );
+    assert_string_equal( page_fact( page_sequence( data, 1 ), "Time and memory", "In all" ), "2 min 5 s" );
     json_decref( data );
 }
 
 static void test_width( void** state )
 {
     (void)state;
-    write_constant( "w.exr", 100, 50, 1.0f, NULL, 0 );
+    page_write_frame( "w.exr", 100, 50, 1.0f, NULL, 0 );
     cli_expect( cli_run( "$R report w.exr -o w.html --width 40 --json w.json" ), 0, NULL );
-    json_t* data = read_data( "w.html", 1 );
-    assert_int_equal( json_integer_value( json_object_get( sequence_of( data, 0 ), "width" ) ), 34 );
-    assert_int_equal( json_integer_value( json_object_get( sequence_of( data, 0 ), "height" ) ), 17 );
-    assert_string_equal( fact( sequence_of( data, 0 ), "Picture", "Shown as" ), "34 x 17" );
+    json_t* data = page_read_data( "w.html", 1 );
+    assert_int_equal( json_integer_value( json_object_get( page_sequence( data, 0 ), "width" ) ), 34 );
+    assert_int_equal( json_integer_value( json_object_get( page_sequence( data, 0 ), "height" ) ), 17 );
+    assert_string_equal( page_fact( page_sequence( data, 0 ), "Picture", "Shown as" ), "34 x 17" );
     json_decref( data );
     assert_true( cli_exists( "w.json" ) );
 }
@@ -353,27 +247,28 @@ static void test_rendered( void** state )
     (void)state;
     cli_expect( cli_run( "$R render $VASE -o v/f.####.exr --frames 1-3 --size 48x32 --spp 3 --group 1 --aov motion,depth,variance "
                          "--json v/render.json --quiet && $R report v -o v.html" ), 0, NULL );
-    json_t* data = read_data( "v.html", 3 );
-    const json_t* sequence = sequence_of( data, 0 );
-    assert_true( json_is_number( item( sequence, "f1", 2 ) ) && json_is_number( item( sequence, "phi", 2 ) ) && json_is_null( item( sequence, "f1", 0 ) ) );
+    json_t* data = page_read_data( "v.html", 3 );
+    const json_t* sequence = page_sequence( data, 0 );
+    assert_true( json_is_number( page_item( sequence, "f1", 2 ) ) && json_is_number( page_item( sequence, "phi", 2 ) ) && json_is_null( page_item( sequence, "f1", 0 ) ) );
     assert_true( json_number_value( json_object_get( data, "fps" ) ) == 24.0 );
     static const char* const wanted[][2] = { { "Scene", "Camera" },   { "Scene", "Effects" },  { "Settings", "Group" },
                                              { "Settings", "Layers" }, { "Rays", "From the camera" }, { "Time and memory", "Memory, peak" } };
     for ( size_t i = 0; i < sizeof wanted / sizeof wanted[0]; ++i )
-        assert_non_null( fact( sequence, wanted[i][0], wanted[i][1] ) );
-    assert_non_null( strstr( fact( sequence, "Error", "Flicker: coverage" ), "%" ) );
+        assert_non_null( page_fact( sequence, wanted[i][0], wanted[i][1] ) );
+    assert_non_null( strstr( page_fact( sequence, "Error", "Flicker: coverage" ), "%" ) );
+    assert_null( page_fact( sequence, "Time and memory", "Totals" ) );
     json_decref( data );
 }
 
 static void test_refused( void** state )
 {
     (void)state;
-    make_folder( "x/a" );
-    make_folder( "x/empty" );
-    make_folder( "x/two" );
-    write_sequence( "x/a/f.####.exr", 1, 3, 1.0f, 0.0f );
-    write_sequence( "x/two/f.####.exr", 1, 2, 1.0f, 0.0f );
-    write_sequence( "x/two/diff.####.exr", 1, 2, 1.0f, 0.0f );
+    page_make_folder( "x/a" );
+    page_make_folder( "x/empty" );
+    page_make_folder( "x/two" );
+    page_write_frames( "x/a/f.####.exr", 1, 3, 1.0f, 0.0f );
+    page_write_frames( "x/two/f.####.exr", 1, 2, 1.0f, 0.0f );
+    page_write_frames( "x/two/diff.####.exr", 1, 2, 1.0f, 0.0f );
     cli_expect( cli_run( "$R report" ), 2, "DIR is missing" );
     cli_expect( cli_run( "$R report x/a" ), 2, "--output: is missing" );
     cli_expect( cli_run( "$R report x/a -o x/a/f.0001.exr --overwrite" ), 2, "wants a name that ends with .html" );
@@ -389,9 +284,9 @@ static void test_refused( void** state )
     cli_expect( cli_run( "$R report x/a -o no/such/x.html" ), 1, "no/such/x.html" );
     cli_expect( cli_run( "$R report x/a -o y.html --frames 7-9" ), 2, "--frames" );
     cli_expect( cli_run( "$R report x/a -o y.html --frames 1-2 --exposure 9" ), 2, "--exposure" );
-    write_constant( "x/a/f.0003.exr", 41, 30, 1.0f, NULL, 0 );
+    page_write_frame( "x/a/f.0003.exr", 41, 30, 1.0f, NULL, 0 );
     cli_expect( cli_run( "$R report x/a -o y.html --quiet" ), 1, "f.0003.exr: has 41x30 pixels" );
-    write_constant( "x/other.exr", 39, 30, 1.0f, NULL, 0 );
+    page_write_frame( "x/other.exr", 39, 30, 1.0f, NULL, 0 );
     cli_expect( cli_run( "$R report x/two/f.0001.exr --reference x/other.exr -o y.html --quiet" ), 1, "x/other.exr: has 39x30 pixels" );
     cli_write( "x/a/f.0003.exr", "EXR", 3 );
     cli_expect( cli_run( "$R report x/a -o y.html --quiet" ), 1, "f.0003.exr: is no EXR that can be read" );

@@ -143,8 +143,13 @@ static void test_resume( void** state )
     cli_expect( cli_run( "$R render $VASE -o r.####.exr --frames 1-4 --noise 0.05 " SMALL " && cp r.0003.exr kept.exr && rm r.0002.exr" ), 0, NULL );
     cli_expect( cli_run( "$R render $VASE -o r.####.exr --frames 1-4 --noise 0.05 --resume --json r.json " SMALL " && cmp r.0003.exr kept.exr" ), 0, NULL );
     json_t* json = read_json( "r.json" );
-    assert_int_equal( json_array_size( json_object_get( json, "frames" ) ), 1 );
-    assert_true( number( frame_of( json, 0 ), "relmse_estimate" ) <= 0.05 );
+    assert_int_equal( json_array_size( json_object_get( json, "frames" ) ), 4 );
+    for ( size_t i = 0; i < 4; ++i )
+    {
+        assert_true( number( frame_of( json, i ), "relmse_estimate" ) <= 0.05 );
+        assert_true( json_is_true( json_object_get( frame_of( json, i ), "reached" ) ) );
+        assert_int_equal( json_is_true( json_object_get( frame_of( json, i ), "kept" ) ), i != 1 );
+    }
     json_decref( json );
     cli_expect( cli_run( "$R render $VASE -o r.####.exr --frames 1-5 --noise 0.04 --resume " SMALL ), 1, "scene, path, version or settings" );
     cli_expect( cli_run( "$R render $VASE -o r.####.exr --frames 1-5 --noise 0.05 --time 9 --resume " SMALL ), 1, "--resume: " );

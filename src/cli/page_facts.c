@@ -1,5 +1,6 @@
 #include "cli/page_facts.h"
 
+#include "cli/render_options.h"
 #include "cli/report.h"
 
 #include <math.h>
@@ -129,7 +130,7 @@ static const struct
 } s_known[] = {
     { "reframe/scene", "Scene", "Scene" },           { "reframe/camera", "Scene", "Camera" },
     { "reframe/group", "Settings", "Group" },        { "reframe/tile", "Settings", "Tile" },
-    { "reframe/spp", "Settings", "Samples a pixel" }, { "reframe/weights", "Settings", "Weights" },
+    { "reframe/adaptive", "Settings", "Adaptive" },  { "reframe/weights", "Settings", "Weights" },
     { "reframe/noise", "Settings", "Wanted relMSE" }, { "reframe/time", "Settings", "Wanted seconds" },
     { "reframe/normalize", "Settings", "Normalisation" }, { "reframe/max-depth", "Settings", "Depth" },
     { "reframe/light-samples", "Settings", "Light samples" }, { "reframe/seed", "Settings", "Seed" },
@@ -145,6 +146,39 @@ static void add_known( json_t* facts, const char* path, const char* group )
         if ( strcmp( s_known[i].group, group ) == 0 && rf_read_exr_string( path, s_known[i].attribute, value, sizeof value, NULL ) == RF_OK )
             add( facts, group, s_known[i].label, value );
     }
+}
+
+static void format_samples( double samples, char text[32] )
+{
+    snprintf( text, 32, samples < 1000.0 ? "%.4g" : "%.0f", samples );
+}
+
+// Those that were traced, the least and the most of the frames; with --noise and
+// --time what they may have had, where somebody said it.
+static void add_samples( json_t* facts, const RfPageTrack* track )
+{
+    const char* first = track->sequence->first;
+    double least = INFINITY, most = -INFINITY, asked = rf_read_exr_number( first, "reframe/spp" );
+    double noise = rf_read_exr_number( first, "reframe/noise" ), time = rf_read_exr_number( first, "reframe/time" );
+    for ( int i = 0; i < track->count; ++i )
+    {
+        least = fmin( least, track->frames[i].samples );
+        most = fmax( most, track->frames[i].samples );
+    }
+    char parts[3][32], text[128] = "";
+    format_samples( least, parts[0] );
+    format_samples( most, parts[1] );
+    format_samples( asked, parts[2] );
+    bool is_bound = noise > 0.0 || time > 0.0, is_said = asked != rf_default_most_spp( noise );
+    if ( least <= most ) // where the frames tell
+        snprintf( text, sizeof text, strcmp( parts[0], parts[1] ) == 0 ? "%s" : "%s to %s", parts[0], parts[1] );
+    else if ( asked > 0.0 && !is_bound )
+        snprintf( text, sizeof text, "%s", parts[2] );
+    size_t used = strlen( text );
+    if ( asked > 0.0 && is_bound && is_said )
+        snprintf( text + used, sizeof text - used, "%sat most %s", used > 0 ? ", " : "", parts[2] );
+    if ( text[0] != '\0' )
+        add( facts, "Settings", "Samples a pixel", text );
 }
 
 typedef struct Strings
@@ -176,12 +210,6 @@ static void add_effects( json_t* facts, const json_t* render )
         add( facts, "Scene", "Effects", text );
 }
 
-static double number_of( const json_t* object, const char* key )
-{
-    const json_t* value = json_object_get( object, key );
-    return json_is_number( value ) ? json_number_value( value ) : NAN;
-}
-
 typedef void Format( double value, char text[32] );
 
 static void add_formatted( json_t* facts, const char* group, const char* label, double value, Format* format )
@@ -193,22 +221,45 @@ static void add_formatted( json_t* facts, const char* group, const char* label, 
     add( facts, group, label, text );
 }
 
+// How many frames the last run rendered; told in the group, whose totals are of
+// these only, where that is not the plain story.
+static int add_rendered( json_t* facts, const json_t* render, const char* group )
+{
+    size_t i;
+    const json_t* row;
+    int all = (int)json_array_size( json_object_get( render, "frames" ) ), kept = 0;
+    bool interrupted = json_is_true( json_object_get( render, "interrupted" ) );
+    json_array_foreach( json_object_get( render, "frames" ), i, row )
+        kept += json_is_true( json_object_get( row, "kept" ) );
+    char text[128];
+    snprintf( text, sizeof text, "of %d frame%s rendered last%s", all - kept, all - kept == 1 ? "" : "s", interrupted ? ", then interrupted" : "" );
+    size_t used = strlen( text );
+    if ( kept > 0 )
+        snprintf( text + used, sizeof text - used, "; %d kept from before", kept );
+    if ( kept > 0 || interrupted )
+        add( facts, group, "Totals", text );
+    return all - kept;
+}
+
 static void add_costs( json_t* facts, const json_t* render )
 {
     static const char* const rays[][2] = { { "primary", "From the camera" }, { "path", "Paths" }, { "shadow", "To lights" },
                                            { "tile", "Within tiles" }, { "eye", "To other eyes" } };
-    double seconds = number_of( render, "seconds" ), all = 0.0;
-    size_t count = json_array_size( json_object_get( render, "frames" ) );
+    double seconds = rf_json_number_of( render, "seconds" ), all = 0.0;
+    int count = add_rendered( facts, render, "Time and memory" );
     add_formatted( facts, "Time and memory", "In all", seconds, rf_format_seconds );
-    add_formatted( facts, "Time and memory", "Loading the scene", number_of( render, "seconds_scene" ), rf_format_seconds );
-    if ( count > 0 )
-        add_formatted( facts, "Time and memory", "A frame", seconds / (double)count, rf_format_seconds );
-    add_formatted( facts, "Time and memory", "Threads", number_of( render, "threads" ), rf_format_count );
-    add_formatted( facts, "Time and memory", "Memory, peak", number_of( render, "peak_bytes" ), rf_format_bytes );
-    add_formatted( facts, "Time and memory", "Memory, budget", number_of( render, "budget_bytes" ), rf_format_bytes );
+    add_formatted( facts, "Time and memory", "Loading the scene", rf_json_number_of( render, "seconds_scene" ), rf_format_seconds );
+    if ( count == 0 ) // nothing to count
+        return;
+    if ( !json_is_true( json_object_get( render, "interrupted" ) ) ) // else the time of unfinished frames is in it
+        add_formatted( facts, "Time and memory", "A frame", seconds / count, rf_format_seconds );
+    add_formatted( facts, "Time and memory", "Threads", rf_json_number_of( render, "threads" ), rf_format_count );
+    add_formatted( facts, "Time and memory", "Memory, peak", rf_json_number_of( render, "peak_bytes" ), rf_format_bytes );
+    add_formatted( facts, "Time and memory", "Memory, budget", rf_json_number_of( render, "budget_bytes" ), rf_format_bytes );
+    add_rendered( facts, render, "Rays" );
     for ( size_t i = 0; i < sizeof rays / sizeof rays[0]; ++i )
     {
-        double number = number_of( json_object_get( render, "rays" ), rays[i][0] );
+        double number = rf_json_number_of( json_object_get( render, "rays" ), rays[i][0] );
         all += isfinite( number ) ? number : 0.0;
         add_formatted( facts, "Rays", rays[i][1], number, rf_format_count );
     }
@@ -225,6 +276,7 @@ json_t* rf_page_facts_json( const RfPageTrack* track )
     add_error( facts, track );
     add_known( facts, sequence->first, "Scene" );
     add_effects( facts, sequence->render );
+    add_samples( facts, track );
     add_known( facts, sequence->first, "Settings" );
     if ( sequence->render != NULL )
         add_costs( facts, sequence->render );

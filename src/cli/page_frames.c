@@ -1,5 +1,6 @@
 #include "cli/page_frames.h"
 
+#include "cli/report.h"
 #include "measure/flicker_read.h"
 #include "page/picture.h"
 
@@ -115,41 +116,24 @@ static RfResult measure_error( Work* work, RfPageFrame* told, RfFlickerFrame* fr
     return RF_OK;
 }
 
-// A string attribute that is a number; NaN where there is none.
-static double read_number( const char* path, const char* name )
-{
-    char text[64], *end;
-    if ( rf_read_exr_string( path, name, text, sizeof text, NULL ) != RF_OK )
-        return NAN;
-    double value = strtod( text, &end );
-    return end != text && *end == '\0' && isfinite( value ) ? value : NAN;
-}
-
-static double number_of( const json_t* object, const char* key )
-{
-    const json_t* value = json_object_get( object, key );
-    return json_is_number( value ) ? json_number_value( value ) : NAN;
-}
-
-// What `render` said of the frame, in its JSON or in the file.
+// What `render` said of the frame, in its JSON or in the file; times are in no file,
+// so that equal renders are equal files.
 static void take_said( const RfPageSequence* sequence, int number, const char* path, RfPageFrame* told )
 {
     size_t i;
     const json_t* row;
     json_array_foreach( json_object_get( sequence->render, "frames" ), i, row )
     {
-        if ( number_of( row, "frame" ) != number )
+        if ( rf_json_number_of( row, "frame" ) != number )
             continue;
-        told->relmse = number_of( row, "relmse_estimate" );
-        told->seconds = number_of( row, "seconds" );
-        told->samples = number_of( row, "native_spp" );
+        told->relmse = rf_json_number_of( row, "relmse_estimate" );
+        told->seconds = rf_json_number_of( row, "seconds" );
+        told->samples = rf_json_number_of( row, "native_spp" );
     }
     if ( isnan( told->relmse ) )
-        told->relmse = read_number( path, "reframe/relmse-estimate" );
-    if ( isnan( told->seconds ) )
-        told->seconds = read_number( path, "reframe/seconds" );
+        told->relmse = rf_read_exr_number( path, "reframe/relmse-estimate" );
     if ( isnan( told->samples ) )
-        told->samples = read_number( path, "reframe/native-spp" );
+        told->samples = rf_read_exr_number( path, "reframe/native-spp" );
 }
 
 static RfResult measure_flicker( Work* work, int i, RfError* error )

@@ -2,7 +2,10 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 #include <unistd.h>
+
+#define COLUMNS 80 // of a terminal: the line has fewer
 
 RfProgressLine rf_create_progress_line( bool quiet )
 {
@@ -34,16 +37,27 @@ static void format_rate( double rate, char* text, size_t size )
         snprintf( text, size, "%.0f k samples/s", rate * 1e-3 );
 }
 
+// A further part of the line, if that keeps it on one line of the terminal.
+static void append_part( char* text, size_t size, const char* part )
+{
+    size_t length = strlen( text ), most = size < COLUMNS ? size : COLUMNS;
+    if ( length + 2 + strlen( part ) < most )
+        snprintf( text + length, size - length, "  %s", part );
+}
+
 void rf_format_progress( const RfProgress* progress, char* text, size_t size )
 {
-    char rate[48], left[48];
-    format_rate( progress->samples / progress->seconds, rate, sizeof rate );
+    char spent[48], left[48], part[64];
+    format_duration( floor( progress->seconds ), spent, sizeof spent );
     format_duration( progress->seconds * ( 1.0 - progress->share ) / progress->share, left, sizeof left );
     int frame = progress->frames_done < progress->frames_all ? progress->frames_done + 1 : progress->frames_all;
-    int length = snprintf( text, size, "frame %d/%d  %.0f %%  %s  %s left", frame, progress->frames_all,
-                           floor( 100.0 * progress->share ), rate, left );
-    if ( progress->relmse > 0.0 && isfinite( progress->relmse ) && length > 0 && (size_t)length < size )
-        snprintf( text + length, size - (size_t)length, "  relMSE %.2g", progress->relmse );
+    snprintf( text, size, "frame %d/%d  %.0f %%  %s spent  %s left", frame, progress->frames_all, floor( 100.0 * progress->share ),
+              spent, left );
+    snprintf( part, sizeof part, "relMSE %.2g", progress->relmse );
+    if ( progress->relmse > 0.0 && isfinite( progress->relmse ) )
+        append_part( text, size, part );
+    format_rate( progress->samples / progress->seconds, part, sizeof part );
+    append_part( text, size, part );
 }
 
 void rf_clear_progress( RfProgressLine* line )
@@ -65,11 +79,13 @@ void rf_show_progress( RfProgressLine* line, const RfProgress* progress )
     fflush( stderr );
 }
 
-void rf_show_frame( RfProgressLine* line, const RfFrameResult* result, int done, int all )
+void rf_show_frame( RfProgressLine* line, const RfFrameResult* result, int done, int all, double seconds )
 {
+    char spent[48];
     if ( line->quiet || line->terminal )
         return;
-    fprintf( stderr, "frame %d/%d  number %d  %.2f s", done, all, result->frame + 1, result->seconds );
+    format_duration( floor( seconds ), spent, sizeof spent );
+    fprintf( stderr, "frame %d/%d  number %d  %.2f s  %s spent", done, all, result->frame + 1, result->seconds, spent );
     if ( isfinite( result->relmse_estimate ) )
         fprintf( stderr, "  relMSE %.3g", result->relmse_estimate );
     fprintf( stderr, "  %.1f samples/pixel\n", result->effective_spp );

@@ -17,14 +17,15 @@ typedef struct RfProgressLine
 
 RfProgressLine rf_create_progress_line( bool quiet );
 
-// "frame 12/48  25 %  1.9 M samples/s  0:42 left  relMSE 0.0031", the error that of
-// the last finished frame by its estimate; at most ten times a second;
-// nothing where standard error is no terminal.
+// "frame 12/48  25 %  0:14 spent  0:42 left  relMSE 0.0031  1.9 M samples/s", the
+// error that of the last finished frame by its estimate; under 80 columns, the
+// rate is left out where it does not fit; at most ten times a second; nothing
+// where standard error is no terminal.
 void rf_show_progress( RfProgressLine* line, const RfProgress* progress );
 
-// Tells of a finished frame, the `done`-th of `all`: a plain line where
-// standard error is no terminal.
-void rf_show_frame( RfProgressLine* line, const RfFrameResult* result, int done, int all );
+// Tells of a finished frame, the `done`-th of `all`, after so many seconds of
+// rendering: a plain line where standard error is no terminal.
+void rf_show_frame( RfProgressLine* line, const RfFrameResult* result, int done, int all, double seconds );
 
 // Removes the line, so that something else can be said.
 void rf_clear_progress( RfProgressLine* line );

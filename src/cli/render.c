@@ -4,7 +4,9 @@
 #include "cli/interrupt.h"
 #include "cli/progress.h"
 #include "cli/render_json.h"
+#include "cli/render_kept.h"
 #include "cli/render_output.h"
+#include "cli/render_settings.h"
 #include "cli/report.h"
 #include "light/light.h"
 #include "reuse/group.h"
@@ -30,7 +32,8 @@ typedef struct Job
     RfCameraPath path;
     int* frames; // to be rendered, indices from 0
     int frame_count;
-    int asked_count; // with those that --resume keeps
+    int* kept;       // by --resume, likewise
+    int kept_count;
     RfTracer* tracer;
     pthread_mutex_t speech; // what is said: frames are written in a thread of their own
     RfProgressLine line;
@@ -59,35 +62,13 @@ static void destroy_job( Job* job )
     rf_destroy_scene( &job->scene );
     rf_close_scene_file( &job->file );
     free( job->frames );
+    free( job->kept );
     json_decref( job->frames_json );
 }
 
 static RfRenderSubject subject_of( const Job* job )
 {
     return ( RfRenderSubject ){ .options = &job->options, .scene = &job->scene, .path = &job->path };
-}
-
-// What is done otherwise than asked is said, where it is worth a word.
-static void tell_settings( const Job* job )
-{
-    const RfRenderSettings *asked = &job->asked, *used = &job->options.settings;
-    const RfMemoryFit* fit = &job->fit;
-    if ( job->options.quiet )
-        return;
-    RfGroupPlan plan = rf_plan_groups( job->path.count, used->group, used->spp );
-    if ( asked->group == RF_GROUP_AUTO )
-        fprintf( stderr, "reframe render: --group auto is %d here, see reframe plan\n", used->group );
-    if ( asked->group > used->group )
-        fprintf( stderr, "reframe render: --group %d cut to the path: groups of its %d frames\n", asked->group, plan.eyes );
-    if ( asked->spp != used->spp ) // full windows only, with the same passes each
-        fprintf( stderr, "reframe render: --spp %d rounded %s to %d: %d groups of %d frames hold a frame, %d sample%s in each\n",
-                 asked->spp, used->spp > asked->spp ? "up" : "down", used->spp, plan.eyes, plan.eyes, plan.passes, plan.passes == 1 ? "" : "s" );
-    if ( fit->threads < used->threads )
-        fprintf( stderr, "reframe render: --memory %zuK is enough for %d of %d threads\n", used->memory / 1024, fit->threads,
-                 used->threads );
-    if ( fit->sweeps > 1 )
-        fprintf( stderr, "reframe render: --memory %zuK holds the films of %d frame%s: the path is gone through %d times\n",
-                 used->memory / 1024, fit->films, fit->films == 1 ? "" : "s", fit->sweeps );
 }
 
 // From here on the settings are those that are used.
@@ -121,16 +102,20 @@ static RfResult load( Job* job, RfError* error )
         result = rf_choose_frames( job->options.frames, &job->file, job->path.count, &job->frames, &job->frame_count, error );
     if ( result != RF_OK )
         return result;
-    job->asked_count = job->frame_count;
+    int asked_count = job->frame_count;
+    job->kept = malloc( (size_t)asked_count * sizeof( int ) );
+    if ( job->kept == NULL )
+        return rf_fail( error, RF_ERROR_MEMORY, "no memory left for the numbers of %d frames", asked_count );
     result = rf_create_tracer( &job->scene, &job->tracer, error );
     if ( result == RF_OK )
         result = resolve( job, error );
     if ( result != RF_OK )
         return result;
     RfRenderSubject subject = subject_of( job );
-    result = rf_prepare_output( &subject, job->frames, &job->frame_count, error );
-    if ( result == RF_OK )
-        tell_settings( job );
+    result = rf_prepare_output( &subject, job->frames, &job->frame_count, job->kept, error );
+    job->kept_count = asked_count - job->frame_count;
+    if ( result == RF_OK && !job->options.quiet )
+        rf_tell_settings( &job->asked, &job->options.settings, &job->fit, job->path.count );
     return result;
 }
 
@@ -219,9 +204,9 @@ static RfResult on_frame( void* user, const RfFrameResult* result, RfError* erro
     ++job->frames_done;
     note_relmse( job, result );
     warn_if_black( job, result );
-    rf_show_frame( &job->line, result, job->frames_done, job->frame_count );
+    rf_show_frame( &job->line, result, job->frames_done, job->frame_count, now() - job->start - job->seconds_scene );
     pthread_mutex_unlock( &job->speech );
-    json_array_append_new( job->frames_json, rf_frame_json( result, job->options.settings.noise ) );
+    json_array_append_new( job->frames_json, rf_frame_json( result, job->options.settings.noise, false ) );
     return RF_OK;
 }
 
@@ -244,11 +229,23 @@ static RfResult render( Job* job, RfError* error )
                                  &job->options.settings, &callbacks, &job->stats, error );
     rf_clear_progress( &job->line );
     if ( result == RF_ERROR_INTERRUPTED )
-        return rf_fail( error, result, "interrupted: %d of %d frames are finished and kept, --resume goes on",
-                        job->asked_count - job->frame_count + job->frames_done, job->asked_count );
+        return rf_fail( error, result, "interrupted: %d of %d frames are finished and kept, %s goes on", job->kept_count + job->frames_done,
+                        job->kept_count + job->frame_count, job->options.overwrite ? "--resume --overwrite" : "--resume" );
     if ( result == RF_OK )
         warn_of_stop( job );
     return result;
+}
+
+static RfResult write_json( const Job* job, bool interrupted, RfError* error )
+{
+    const RfRenderOptions* options = &job->options;
+    RfRenderRun run = { .stats = &job->stats,
+                        .seconds = now() - job->start,
+                        .seconds_scene = job->seconds_scene,
+                        .frames = rf_join_kept_frames( options, job->kept, job->kept_count, job->frames_json ),
+                        .kept = job->kept_count,
+                        .interrupted = interrupted };
+    return rf_write_json( options->json, rf_render_json( options, &job->scene, &run ), error );
 }
 
 static RfResult report( Job* job, RfError* error )
@@ -257,20 +254,15 @@ static RfResult report( Job* job, RfError* error )
     const char* json_name = job->options.json;
     if ( json_name == NULL || strcmp( json_name, "-" ) != 0 )
     {
-        int kept = job->asked_count - job->frame_count;
         printf( "%d frame%s in %s, %.1f s", job->frame_count, job->frame_count == 1 ? "" : "s", job->options.output,
                 seconds );
         if ( job->frame_count > 0 && isfinite( job->relmse_sum ) )
             printf( ", relMSE %.3g by its estimate", job->relmse_sum / job->frame_count );
-        if ( kept > 0 )
-            printf( "; %d kept from before", kept );
+        if ( job->kept_count > 0 )
+            printf( "; %d kept from before", job->kept_count );
         printf( "\n" );
     }
-    if ( json_name == NULL )
-        return rf_flush_output( error );
-    json_t* json = rf_render_json( &job->options, &job->scene, &job->stats, seconds, job->seconds_scene,
-                                   json_incref( job->frames_json ) );
-    return rf_write_json( json_name, json, error );
+    return json_name == NULL ? rf_flush_output( error ) : write_json( job, false, error );
 }
 
 static RfResult run( Job* job, RfError* error )
@@ -280,10 +272,15 @@ static RfResult run( Job* job, RfError* error )
         warn_of_scene( job );
     job->frames_json = json_array();
     job->seconds_scene = now() - job->start;
+    // if nothing is rendered: all frames are there already, or interrupted before
+    job->stats = ( RfRenderStats ){ .group = job->options.settings.group, .spp = job->options.settings.spp };
     if ( result == RF_OK && job->frame_count > 0 )
         result = render( job, error );
-    else if ( result == RF_OK ) // all frames are there already
-        job->stats = ( RfRenderStats ){ .group = job->options.settings.group, .spp = job->options.settings.spp };
+    if ( result == RF_ERROR_INTERRUPTED && job->options.json != NULL )
+    {
+        RfResult written = write_json( job, true, error ); // what was said of the interruption stays in `error`
+        return written == RF_OK ? result : written;
+    }
     return result == RF_OK ? report( job, error ) : result;
 }
 

@@ -5,12 +5,12 @@
 
 #include <stdio.h>
 
-json_t* rf_frame_json( const RfFrameResult* result, double noise )
+json_t* rf_frame_json( const RfFrameResult* result, double noise, bool kept )
 {
-    json_t* json = json_pack( "{s:i, s:o, s:o, s:o, s:o}", "frame", result->frame + 1, "seconds",
+    json_t* json = json_pack( "{s:i, s:o, s:o, s:o, s:o, s:b}", "frame", result->frame + 1, "seconds",
                       rf_json_number( result->seconds ), "relmse_estimate", rf_json_number( result->relmse_estimate ),
                       "native_spp", rf_json_number( result->native_spp ), "effective_spp",
-                      rf_json_number( result->effective_spp ) );
+                      rf_json_number( result->effective_spp ), "kept", kept );
     if ( noise > 0.0 )
         json_object_set_new( json, "reached", json_boolean( result->reached ) );
     return json;
@@ -67,19 +67,19 @@ static json_t* bytes_json( const RfRenderStats* stats )
     return bytes;
 }
 
-json_t* rf_render_json( const RfRenderOptions* options, const RfScene* scene, const RfRenderStats* stats,
-                        double seconds, double seconds_scene, json_t* frames )
+json_t* rf_render_json( const RfRenderOptions* options, const RfScene* scene, const RfRenderRun* run )
 {
+    const RfRenderStats* stats = run->stats;
     char tile[24];
     rf_tile_name( &options->settings.tile, tile );
-    json_t* json = json_pack( "{s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:i, s:s, s:s, s:s, s:i, s:o}", "version",
-                      REFRAME_VERSION, "scene", rf_json_text( options->scene ), "frames", frames, "seconds",
-                      rf_json_number( seconds ), "seconds_scene", rf_json_number( seconds_scene ), "peak_bytes",
+    json_t* json = json_pack( "{s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:i, s:s, s:s, s:s, s:i, s:o, s:i, s:b}", "version",
+                      REFRAME_VERSION, "scene", rf_json_text( options->scene ), "frames", run->frames, "seconds",
+                      rf_json_number( run->seconds ), "seconds_scene", rf_json_number( run->seconds_scene ), "peak_bytes",
                       count_json( stats->peak_bytes ), "budget_bytes", count_json( stats->budget_bytes ), "bytes", bytes_json( stats ), "rays",
                       rays_json( &stats->rays ), "group", stats->group, "tile", tile, "weights",
                       rf_weights_name( options->settings.weights ), "normalize",
                       rf_normalize_name( options->settings.normalize ), "threads", stats->threads, "effects",
-                      rf_effect_names_json( scene ) );
+                      rf_effect_names_json( scene ), "kept_frames", run->kept, "interrupted", run->interrupted );
     if ( options->settings.adaptive )
         json_object_set_new( json, "adaptive", json_true() );
     if ( options->settings.noise > 0.0 )

@@ -74,11 +74,11 @@ static const RfOption s_options[] = {
     { .name = "float", .type = RF_OPTION_BOOL, .value = &s_float, .given = &s_float_given, .default_text = "no",
       .help = "32-bit floats for all channels" },
     { .name = "resume", .type = RF_OPTION_BOOL, .value = &s_parsed.resume,
-      .help = "keep the frames that are there, if they are of this very render" },
+      .help = "keep the frames that are there and of this very render; others are an error, or replaced with --overwrite" },
     { .name = "overwrite", .type = RF_OPTION_BOOL, .value = &s_parsed.overwrite,
-      .help = "replace the frames that are there" },
+      .help = "replace the frames that are there, with --resume only those of another render" },
     { .name = "json", .writes = ".json", .type = RF_OPTION_STRING, .value = &s_parsed.json, .meta = "FILE",
-      .help = "the result for programs; - is standard output" },
+      .help = "the result for programs, also of an interrupted render; - is standard output" },
     { .name = "quiet", .type = RF_OPTION_BOOL, .value = &s_parsed.quiet, .help = "no progress" },
 };
 
@@ -99,6 +99,11 @@ const char* rf_normalize_name( RfNormalize normalize )
     return s_normalize[normalize];
 }
 
+int rf_default_most_spp( double noise )
+{
+    return noise > 0.0 ? MOST_SPP_FOR_NOISE : RF_MAX_SPP;
+}
+
 static bool ends_with( const char* text, const char* end )
 {
     size_t length = strlen( text ), end_length = strlen( end );
@@ -115,8 +120,6 @@ static RfResult check( const RfRenderOptions* options, RfError* error )
         return rf_fail( error, RF_ERROR_USAGE, "--half and --float: only one of the two" );
     if ( options->settings.adaptive && s_weights_index != RF_WEIGHTS_EXACT )
         return rf_fail( error, RF_ERROR_USAGE, "--adaptive: wants --weights exact, not %s", s_weights[s_weights_index] );
-    if ( options->resume && options->overwrite )
-        return rf_fail( error, RF_ERROR_USAGE, "--resume and --overwrite: only one of the two" );
     return RF_OK;
 }
 
@@ -170,7 +173,7 @@ static RfResult parse( int argc, char** argv, RfRenderOptions* options, bool* he
         result = rf_parse_layers( s_parsed.aov, &s_parsed.settings.layers, error );
     copy_out( options );
     if ( ( options->settings.noise > 0.0 || options->settings.time > 0.0 ) && !s_spp_given )
-        options->settings.spp = options->settings.noise > 0.0 ? MOST_SPP_FOR_NOISE : RF_MAX_SPP;
+        options->settings.spp = rf_default_most_spp( options->settings.noise );
     return result;
 }
 

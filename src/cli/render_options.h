@@ -26,6 +26,9 @@ typedef struct RfRenderOptions
 
 RfRenderOptions rf_default_render_options( void );
 
+// The samples that --noise (0: --time alone) may take where --spp is not given.
+int rf_default_most_spp( double noise );
+
 // Parses and checks what can be checked without the scene. With *help set the
 // help was asked for and nothing else is valid.
 RfResult rf_parse_render_options( int argc, char** argv, RfRenderOptions* options, bool* help, RfError* error );

@@ -57,6 +57,22 @@ static RfResult probe_folder( const char* folder, RfError* error )
     return RF_OK;
 }
 
+// Is the file a frame of this very render?
+static RfResult check_fingerprint( const RfRenderSubject* subject, int frame, const char* name, RfError* error )
+{
+    char found[64], wanted[17];
+    RfError reason;
+    if ( rf_read_exr_string( name, "reframe/fingerprint", found, sizeof found, &reason ) != RF_OK )
+        return rf_fail( error, RF_ERROR_IO, "--resume: not a frame of this render, add --overwrite to replace it: %.900s", reason.text );
+    rf_frame_fingerprint( subject, frame, wanted );
+    if ( strcmp( found, wanted ) == 0 )
+        return RF_OK;
+    return rf_fail( error, RF_ERROR_IO,
+                    "--resume: %s: was rendered from another scene, path, version or settings: give those, or add "
+                    "--overwrite to replace such frames",
+                    name );
+}
+
 static RfResult keep_or_refuse( const RfRenderSubject* subject, int frame, const char* name, bool* keep, RfError* error )
 {
     struct stat status;
@@ -69,22 +85,15 @@ static RfResult keep_or_refuse( const RfRenderSubject* subject, int frame, const
     }
     if ( S_ISDIR( status.st_mode ) ) // told before the work, and no matter what may be replaced
         return rf_fail( error, RF_ERROR_IO, "%s: is a folder: choose another name", name );
+    if ( subject->options->resume )
+    {
+        RfResult result = check_fingerprint( subject, frame, name, error );
+        *keep = result == RF_OK;
+        return subject->options->overwrite ? RF_OK : result;
+    }
     if ( subject->options->overwrite )
         return RF_OK;
-    if ( !subject->options->resume )
-        return rf_fail( error, RF_ERROR_IO, "%s: is there already: --resume goes on, --overwrite replaces", name );
-    char found[64], wanted[17];
-    RfError reason;
-    if ( rf_read_exr_string( name, "reframe/fingerprint", found, sizeof found, &reason ) != RF_OK )
-        return rf_fail( error, RF_ERROR_IO, "--resume: not a frame of this render: %s", reason.text );
-    rf_frame_fingerprint( subject, frame, wanted );
-    if ( strcmp( found, wanted ) != 0 )
-        return rf_fail( error, RF_ERROR_IO,
-                        "--resume: %s: was rendered from another scene, path, version or settings: give those, or "
-                        "--overwrite",
-                        name );
-    *keep = true;
-    return RF_OK;
+    return rf_fail( error, RF_ERROR_IO, "%s: is there already: --resume goes on, --overwrite replaces", name );
 }
 
 static RfResult check_json( const char* name, RfError* error )
@@ -95,7 +104,7 @@ static RfResult check_json( const char* name, RfError* error )
     return RF_OK;
 }
 
-RfResult rf_prepare_output( const RfRenderSubject* subject, int* frames, int* count, RfError* error )
+RfResult rf_prepare_output( const RfRenderSubject* subject, int* frames, int* count, int* kept, RfError* error )
 {
     const char* pattern = subject->options->output;
     char folder[MAX_NAME], name[MAX_NAME];
@@ -118,7 +127,9 @@ RfResult rf_prepare_output( const RfRenderSubject* subject, int* frames, int* co
         result = rf_sequence_name( pattern, frames[i] + 1, name, sizeof name, error );
         if ( result == RF_OK )
             result = keep_or_refuse( subject, frames[i], name, &keep, error );
-        if ( result == RF_OK && !keep )
+        if ( result == RF_OK && keep )
+            kept[i - left] = frames[i];
+        else if ( result == RF_OK )
             frames[left++] = frames[i];
     }
     *count = result == RF_OK ? left : *count;

@@ -18,9 +18,10 @@ typedef struct RfRenderSubject
 // Checks, before anything is rendered, that the pattern fits `count` frames
 // (indices from 0), that the folder is there (its last part is made where it is
 // missing) and can be written, and that no frame is in the way: an error
-// without --resume or --overwrite. With --resume takes the frames that are
-// there out of the list, and fails where one is not of this very render.
-RfResult rf_prepare_output( const RfRenderSubject* subject, int* frames, int* count, RfError* error );
+// without --resume or --overwrite. With --resume moves the frames that are there
+// and of this very render from the list to `kept`, which has room for them all;
+// one that is not of it is an error, or stays in the list with --overwrite.
+RfResult rf_prepare_output( const RfRenderSubject* subject, int* frames, int* count, int* kept, RfError* error );
 
 // What decides the picture and the layers of one frame, as 16 hexadecimal digits: scene,
 // camera path, settings, program version; not threads, memory or file format.

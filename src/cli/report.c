@@ -63,6 +63,12 @@ json_t* rf_json_number( double value )
     return isfinite( value ) ? json_real( value ) : json_null();
 }
 
+double rf_json_number_of( const json_t* object, const char* key )
+{
+    const json_t* value = json_object_get( object, key );
+    return json_is_number( value ) ? json_number_value( value ) : (double)NAN;
+}
+
 #define JSON_FLAGS ( JSON_INDENT( 2 ) | JSON_REAL_PRECISION( 9 ) )
 
 static RfResult dump_to_file( const char* path, const json_t* json, RfError* error )

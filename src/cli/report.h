@@ -23,6 +23,9 @@ json_t* rf_json_text( const char* text );
 // A JSON number, null where it is not finite.
 json_t* rf_json_number( double value );
 
+// The number of an object's key; NaN where there is none, or no object.
+double rf_json_number_of( const json_t* object, const char* key );
+
 // Writes `json` and a newline to `path` ("-": standard output) and releases it.
 // A file is written whole or not at all. NULL json is RF_ERROR_MEMORY.
 RfResult rf_write_json( const char* path, json_t* json, RfError* error );

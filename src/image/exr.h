@@ -103,4 +103,7 @@ void rf_destroy_exr_header( RfExrHeader* header );
 // RF_ERROR_IO or RF_ERROR_FORMAT where the file cannot be read or has none.
 RfResult rf_read_exr_string( const char* path, const char* name, char* value, size_t size, RfError* error );
 
+// A string attribute that is a number; NaN where there is none.
+double rf_read_exr_number( const char* path, const char* name );
+
 #endif

@@ -5,6 +5,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -153,4 +154,13 @@ RfResult rf_read_exr_string( const char* path, const char* name, char* value, si
     }
     close( stream.fd );
     return result;
+}
+
+double rf_read_exr_number( const char* path, const char* name )
+{
+    char text[64], *end;
+    if ( rf_read_exr_string( path, name, text, sizeof text, NULL ) != RF_OK )
+        return NAN;
+    double value = strtod( text, &end );
+    return end != text && *end == '\0' && isfinite( value ) ? value : NAN;
 }
