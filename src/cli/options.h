@@ -58,7 +58,7 @@ typedef struct RfOption
     bool* given;           // set where the option was given; or NULL
     bool in_file;          // a scene file may give it too, see file_options.h
     bool reads;            // STRING: it names a file, or may, that is read
-    const char* writes;    // STRING: it names a file that is written, with this ending (".json"); or NULL
+    const char* writes;    // STRING: it names a file that is written, with this ending (".json"; "": any); or NULL
 } RfOption;
 
 // A command as its user sees it. All its files are required; the last may be more

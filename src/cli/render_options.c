@@ -21,7 +21,7 @@ static int s_weights_index, s_normalize_index;
 static bool s_float, s_float_given, s_half_given, s_spp_given;
 
 static const RfOption s_options[] = {
-    { .name = "output", .writes = ".exr", .letter = 'o', .type = RF_OPTION_STRING, .value = &s_parsed.output, .meta = "PATTERN",
+    { .name = "output", .writes = "", .letter = 'o', .type = RF_OPTION_STRING, .value = &s_parsed.output, .meta = "PATTERN",
       .help = "where the frames go: out/frame.####.exr, #### is the frame's number; folders are made" },
     { .name = "camera", .reads = true, .type = RF_OPTION_STRING, .value = &s_parsed.camera, .meta = "NAME|FILE",
       .default_text = "the scene file's, else the first animated one, else the first",
