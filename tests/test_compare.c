@@ -171,6 +171,12 @@ static void test_other_programs( void** state )
     check_failed( compare( "bl.exr", "nk.exr", "--layer", "L.Diff", NULL ), 1, "nk.exr: has no layer L.Diff; it has Z, A, B, G, R, N.X" );
     check_failed( compare( "bl.exr", "nk.exr", "--layer", "L.Diff.R,,L.Diff.G", NULL ), 1, "has no layer" );
     check_failed( compare( "bl.exr", "nk.exr", "--layer", "L.Diff.R,L.Diff.R,L.Diff.R,L.Diff.R", NULL ), 1, "has no layer" );
+    Foreign several = { .names = { "a.B", "a.G", "a.R", "b.B", "b.G", "b.R" }, .width = 20, .height = 10 };
+    Foreign later[2] = { { .names = { "Z" }, .width = 20, .height = 10, .part = "depth" }, several };
+    write_foreign( "se.exr", &several, 1 );
+    write_foreign( "la.exr", later, 2 );
+    check_failed( compare( "se.exr", "nk.exr", NULL ), 1, "se.exr: has more than one layer of colour: a, b: name one by --layer" );
+    check_failed( compare( "la.exr", "nk.exr", NULL ), 1, "la.exr: has more than one layer of colour: a, b: name one by --layer" );
     Foreign none = { .names = { "foo" }, .width = 20, .height = 10 };
     write_foreign( "no.exr", &none, 1 );
     check_failed( compare( "no.exr", "nk.exr", NULL ), 1, "no.exr: has no channels R, G, B and no Y; it has foo" );
@@ -247,6 +253,43 @@ static void test_chosen_frames( void** state )
     check_done( compare( "ca.1.exr", "cb.1.exr", NULL ) );
 }
 
+// The same holes in both sequences are told; what steps regularly has none.
+static void test_missing_in_both( void** state )
+{
+    (void)state;
+    static const int frames[] = { 1, 2, 5, 6, 10 };
+    for ( int i = 0; i < 5; ++i )
+    {
+        char name[64];
+        snprintf( name, sizeof name, "ma.%d.exr", frames[i] );
+        write_constant( name, 20, 1.0f );
+        snprintf( name, sizeof name, "mb.%d.exr", 2 * frames[i] );
+        write_constant( name, 20, 1.0f );
+    }
+    for ( int k = 0; k < 2; ++k )
+    {
+        const char* sequence = k == 0 ? "ma.#.exr" : "mb.#.exr";
+        check_done( compare( sequence, sequence, NULL ) );
+        json_t* json = load_json();
+        const json_t* missing = json_object_get( json, "missing" );
+        assert_int_equal( json_array_size( missing ), 5 ); // 3 4 7 8 9, and twice as much
+        assert_int_equal( json_integer_value( json_array_get( missing, 4 ) ), k == 0 ? 9 : 18 );
+        json_decref( json );
+        check_done( compare( sequence, sequence, "--frames", "2-10x8", NULL ) ); // as asked
+        json = load_json();
+        assert_int_equal( json_array_size( json_object_get( json, "missing" ) ), 0 );
+        json_decref( json );
+    }
+    int some[] = { 3, 4, 7, 8, 9, 100000, 1000000 };
+    char text[32];
+    rf_format_frames( some, 6, text, sizeof text );
+    assert_string_equal( text, "3, 4, 7-9, 100000" );
+    rf_format_frames( some, 7, text, 22 );
+    assert_string_equal( text, "3, 4, 7-9, ..." );
+    rf_format_frames( NULL, 0, text, sizeof text );
+    assert_string_equal( text, "" );
+}
+
 static void check_verdict( const RfErrorMetrics* metrics, int frame, const char* wanted )
 {
     char text[1024];
@@ -292,6 +335,7 @@ int main( void )
         cmocka_unit_test( test_other_programs ),
         cmocka_unit_test( test_data_windows ),
         cmocka_unit_test( test_chosen_frames ),
+        cmocka_unit_test( test_missing_in_both ),
         cmocka_unit_test( test_verdict ),
     };
     return cmocka_run_group_tests_name( "compare", tests, make_temp_folder, remove_temp_folder );

@@ -1,9 +1,8 @@
 // `report` as its user sees it: what the page holds, that no name breaks it, and
-// what is refused. How it looks and plays is test_report_browser's.
+// what is refused. Which frames and layers it takes is test_report_frames's, how it
+// looks and plays test_report_browser's.
 #include "cli_run.h"
-#include "foreign_exr.h"
-#include "image/exr.h"
-#include "image/sequence.h"
+#include "report_page.h"
 
 #include <jansson.h>
 #include <math.h>
@@ -15,111 +14,6 @@
 
 #include <cmocka.h>
 
-static const char* in_folder( const char* name )
-{
-    static char path[1024];
-    snprintf( path, sizeof path, "%s/%s", cli_folder(), name );
-    return path;
-}
-
-static void write_constant( const char* name, int width, int height, float value, const RfExrString* strings, int count )
-{
-    RfImage image;
-    RfError error = { 0 };
-    assert_int_equal( rf_create_image( width, height, &image, &error ), RF_OK );
-    for ( int i = 0; i < 3 * width * height; ++i )
-        image.rgb[i] = value;
-    RfExrOptions options = rf_default_exr_options();
-    options.half = false;
-    options.strings = strings;
-    options.string_count = count;
-    if ( rf_write_exr( in_folder( name ), &image, &options, &error ) != RF_OK )
-        fail_msg( "%s", error.text );
-    rf_destroy_image( &image );
-}
-
-// Frames first to last of one value each: `value`, more by `step` from frame to frame.
-static void write_sequence( const char* pattern, int first, int last, float value, float step )
-{
-    char name[256];
-    for ( int frame = first; frame <= last; ++frame )
-    {
-        assert_int_equal( rf_sequence_name( pattern, frame, name, sizeof name, NULL ), RF_OK );
-        write_constant( name, 40, 30, value + step * (float)( frame - first ), NULL, 0 );
-    }
-}
-
-static void make_folder( const char* name )
-{
-    cli_expect( cli_run( "mkdir -p '%s'", name ), 0, NULL );
-}
-
-static int count_of( const char* text, const char* part )
-{
-    int count = 0;
-    for ( const char* at = strstr( text, part ); at != NULL; at = strstr( at + 1, part ) )
-        ++count;
-    return count;
-}
-
-// The data of a page, as a browser finds it: up to the next end of a script.
-static json_t* read_data( const char* page, int blocks )
-{
-    static const char begin[] = "<script type=\"application/json\" id=\"data\">";
-    size_t size;
-    char* text = cli_read( page, &size );
-    assert_int_equal( strlen( text ), size );
-    char* data = strstr( text, begin );
-    assert_non_null( data );
-    data += strlen( begin );
-    assert_int_equal( count_of( text, "<script" ), blocks + 2 ); // the data, the script itself
-    assert_int_equal( count_of( text, "</script" ), blocks + 2 );
-    assert_int_equal( count_of( text, "{{" ), 0 );
-    assert_int_equal( count_of( text, "http://" ), 1 ); // the name of SVG
-    assert_int_equal( count_of( text, "https://" ), 0 );
-    *strstr( data, "</script>" ) = '\0';
-    json_error_t reason;
-    json_t* json = json_loads( data, 0, &reason );
-    if ( json == NULL )
-        fail_msg( "%s: %s", page, reason.text );
-    free( text );
-    return json;
-}
-
-static const json_t* sequence_of( const json_t* data, size_t index )
-{
-    const json_t* sequence = json_array_get( json_object_get( data, "sequences" ), index );
-    assert_non_null( sequence );
-    return sequence;
-}
-
-static const json_t* item( const json_t* sequence, const char* key, size_t i )
-{
-    const json_t* value = json_array_get( json_object_get( sequence, key ), i );
-    assert_non_null( value );
-    return value;
-}
-
-static void check_item( const json_t* sequence, const char* key, size_t i, double wanted )
-{
-    const json_t* value = item( sequence, key, i );
-    if ( !json_is_number( value ) || !( fabs( json_number_value( value ) - wanted ) <= 1e-6 * ( 1e-6 + fabs( wanted ) ) ) )
-        fail_msg( "%s %zu: %g, not %g", key, i, json_number_value( value ), wanted );
-}
-
-// The value of a fact; NULL where the page does not have it.
-static const char* fact( const json_t* sequence, const char* group, const char* label )
-{
-    size_t i;
-    const json_t* row;
-    json_array_foreach( json_object_get( sequence, "facts" ), i, row )
-    {
-        if ( strcmp( json_string_value( json_array_get( row, 0 ) ), group ) == 0 && strcmp( json_string_value( json_array_get( row, 1 ) ), label ) == 0 )
-            return json_string_value( json_array_get( row, 2 ) );
-    }
-    return NULL;
-}
-
 static json_t* parse_json( const char* text )
 {
     json_t* json = json_loads( text, 0, NULL );
@@ -130,9 +24,9 @@ static json_t* parse_json( const char* text )
 static void test_two_and_a_reference( void** state )
 {
     (void)state;
-    make_folder( "t/a" );
-    make_folder( "t/b" );
-    make_folder( "t/r" );
+    make_page_folder( "t/a" );
+    make_page_folder( "t/b" );
+    make_page_folder( "t/r" );
     write_sequence( "t/a/f.####.exr", 1, 4, 0.75f, 0.0f );
     write_sequence( "t/b/f.####.exr", 1, 4, 0.5f, 0.25f ); // errors 0, 1/4, 1/2, 3/4
     write_sequence( "t/r/f.####.exr", 1, 4, 0.5f, 0.0f );
@@ -200,59 +94,6 @@ static void test_hostile_names( void** state )
     json_decref( data );
 }
 
-static void test_missing_frames( void** state )
-{
-    (void)state;
-    make_folder( "m/a" );
-    make_folder( "m/b" );
-    write_sequence( "m/a/f.##.exr", 1, 5, 1.0f, 0.5f );
-    cli_expect( cli_run( "rm m/a/f.03.exr" ), 0, NULL );
-    write_sequence( "m/b/f_#.exr", 4, 6, 1.0f, 0.0f );
-    cli_expect( cli_run( "$R report m/a m/b -o m.html" ), 0, NULL );
-    json_t* data = read_data( "m.html", 4 + 3 );
-    assert_int_equal( json_array_size( json_object_get( data, "frames" ) ), 5 ); // 1 2 4 5 6
-    const json_t *a = sequence_of( data, 0 ), *b = sequence_of( data, 1 );
-    assert_true( json_is_null( item( a, "blocks", 4 ) ) && json_is_null( item( b, "blocks", 1 ) ) );
-    check_item( a, "f1", 1, 0.5 );
-    assert_true( json_is_null( item( a, "f1", 2 ) ) ); // 4 has no 3 before it
-    check_item( a, "f1", 3, 0.5 );
-    assert_true( json_is_null( item( b, "f1", 2 ) ) );
-    check_item( b, "f1", 4, 0.0 );
-    assert_string_equal( fact( a, "Picture", "Missing" ), "1 frame" );
-    json_decref( data );
-    cli_expect( cli_run( "$R report m/a -o m2.html --frames 2-4" ), 0, NULL );
-    data = read_data( "m2.html", 2 );
-    assert_int_equal( json_array_size( json_object_get( data, "frames" ) ), 2 );
-    json_decref( data );
-    // where the reference ends, the error does
-    cli_expect( cli_run( "$R report m/b --reference m/a -o m3.html" ), 0, NULL );
-    data = read_data( "m3.html", 3 + 2 );
-    assert_true( json_is_number( item( sequence_of( data, 0 ), "relmse", 1 ) ) && json_is_null( item( sequence_of( data, 0 ), "relmse", 2 ) ) );
-    assert_true( json_is_null( item( sequence_of( data, 0 ), "f1", 2 ) ) );
-    json_decref( data );
-}
-
-static void test_other_programs( void** state )
-{
-    (void)state;
-    make_folder( "o" );
-    Foreign parts[2] = { { .names = { "Z" }, .values = { 7 }, .x = 3, .y = 5, .width = 20, .height = 10, .part = "depth" },
-                         { .names = { "L.Combined.B", "L.Combined.G", "L.Combined.R" }, .values = { 1, NAN, 1 }, .width = 30, .height = 20,
-                           .half = true, .part = "beauty" } };
-    write_foreign_exr( in_folder( "o/x.0007.left.exr" ), parts, 2 );
-    write_foreign_exr( in_folder( "o/x.0008.left.exr" ), parts, 2 );
-    cli_expect( cli_run( "$R report o -o o.html" ), 0, NULL );
-    json_t* data = read_data( "o.html", 2 );
-    const json_t* sequence = sequence_of( data, 0 );
-    assert_int_equal( json_integer_value( json_array_get( json_object_get( data, "frames" ), 1 ) ), 8 );
-    assert_int_equal( json_integer_value( json_object_get( sequence, "width" ) ), 30 );
-    check_item( sequence, "bad", 0, 600.0 );
-    assert_true( json_is_null( item( sequence, "f1", 1 ) ) );
-    assert_null( fact( sequence, "Settings", "Group" ) );
-    assert_non_null( fact( sequence, "Picture", "No numbers" ) );
-    json_decref( data );
-}
-
 #define RENDER_JSON                                                                                                                                  \
     "{\"version\":\"1\",\"frames\":[{\"frame\":2,\"seconds\":1.5,\"native_spp\":14,\"relmse_estimate\":0.25}],\"seconds\":125,\"peak_bytes\":2500000,"         \
     "\"rays\":{\"primary\":1000,\"eye\":2500000},\"effects\":[\"diffuse\",\"</script>\"]}"
@@ -260,7 +101,7 @@ static void test_other_programs( void** state )
 static void test_json_of_others( void** state )
 {
     (void)state;
-    make_folder( "j" );
+    make_page_folder( "j" );
     write_sequence( "j/f.####.exr", 1, 2, 1.0f, 0.0f );
     cli_write( "j/a.json", "{ no json", 9 );
     cli_write( "j/b.json", "[1, 2]", 6 );
@@ -302,7 +143,7 @@ static void test_json_of_others( void** state )
 static void test_estimates_in_headers( void** state )
 {
     (void)state;
-    make_folder( "e" );
+    make_page_folder( "e" );
     const RfExrString said[] = { { "reframe/relmse-estimate", "0.125" }, { "reframe/group", "3" }, { "reframe/native-spp", "6.5" }, { "reframe/noise", "0.2" } }, none = { "reframe/relmse-estimate", "much" };
     write_constant( "e/f1.exr", 20, 20, 1.0f, said, 4 );
     write_constant( "e/f2.exr", 20, 20, 1.0f, &none, 1 );
@@ -320,8 +161,8 @@ static void test_estimates_in_headers( void** state )
 static void test_reference_with_json( void** state )
 {
     (void)state;
-    make_folder( "q/a" );
-    make_folder( "q/r" );
+    make_page_folder( "q/a" );
+    make_page_folder( "q/r" );
     write_sequence( "q/a/f.####.exr", 1, 2, 1.0f, 0.0f );
     write_sequence( "q/r/f.####.exr", 1, 2, 1.0f, 0.0f );
     cli_write( "q/r/r.json", RENDER_JSON, strlen( RENDER_JSON ) );
@@ -368,9 +209,9 @@ static void test_rendered( void** state )
 static void test_refused( void** state )
 {
     (void)state;
-    make_folder( "x/a" );
-    make_folder( "x/empty" );
-    make_folder( "x/two" );
+    make_page_folder( "x/a" );
+    make_page_folder( "x/empty" );
+    make_page_folder( "x/two" );
     write_sequence( "x/a/f.####.exr", 1, 3, 1.0f, 0.0f );
     write_sequence( "x/two/f.####.exr", 1, 2, 1.0f, 0.0f );
     write_sequence( "x/two/diff.####.exr", 1, 2, 1.0f, 0.0f );
@@ -404,8 +245,8 @@ static void test_refused( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_two_and_a_reference ), cmocka_unit_test( test_hostile_names ), cmocka_unit_test( test_missing_frames ),
-        cmocka_unit_test( test_other_programs ),      cmocka_unit_test( test_json_of_others ), cmocka_unit_test( test_estimates_in_headers ),
+        cmocka_unit_test( test_two_and_a_reference ), cmocka_unit_test( test_hostile_names ),
+        cmocka_unit_test( test_json_of_others ), cmocka_unit_test( test_estimates_in_headers ),
         cmocka_unit_test( test_width ), cmocka_unit_test( test_reference_with_json ),
                      cmocka_unit_test( test_rendered ),      cmocka_unit_test( test_refused ),
     };

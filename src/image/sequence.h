@@ -19,4 +19,14 @@ RfResult rf_sequence_name( const char* pattern, int frame, char* name, size_t si
 // freed), *count of them. Fails (RF_ERROR_IO) where there are none.
 RfResult rf_sequence_frames( const char* pattern, int** frames, int* count, RfError* error );
 
+#define RF_MOST_MISSING 100000
+
+// The numbers that ascending ones lack between the first and the last, in *missing (to be
+// freed, NULL where there are none), *missing_count of them, RF_MOST_MISSING at most. The
+// smallest step that occurs is the regular one: 1, 3, 7 lack 5.
+RfResult rf_missing_frames( const int* frames, int count, int** missing, int* missing_count, RfError* error );
+
+// "3, 4, 8-12", cut with "..." where it is too long.
+void rf_format_frames( const int* frames, int count, char* text, size_t size );
+
 #endif
