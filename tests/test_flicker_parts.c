@@ -97,7 +97,7 @@ static void test_both( void** state )
     check_number( json, "f1", 2.0 );
     check_number( json, "coverage", 1.0 );
     assert_true( json_is_false( json_object_get( json, "compensated" ) ) && json_is_null( json_object_get( json, "motion" ) ) );
-    assert_true( json_is_true( json_object_get( json, "masked" ) ) );
+    assert_true( json_is_false( json_object_get( json, "masked" ) ) && json_is_true( json_object_get( followed, "masked" ) ) );
     const json_t *groups = json_object_get( json, "groups" ), *border = json_object_get( json_object_get( groups, "border" ), "followed" );
     const json_t* const all[] = { followed, json_object_get( pair, "followed" ), border };
     for ( int i = 0; i < 3; ++i )

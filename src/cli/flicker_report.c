@@ -208,9 +208,13 @@ json_t* rf_flicker_json( RfFlickerReport* report )
     report->pairs = NULL;
     set_metrics( object, &report->plain.all );
     if ( report->follows )
-        json_object_set_new( object, "followed", part_json( &report->followed.all, NULL ) );
+    {
+        json_t* followed = part_json( &report->followed.all, NULL );
+        json_object_set_new( followed, "masked", json_boolean( report->masked ) );
+        json_object_set_new( object, "followed", followed );
+    }
     json_object_set_new( object, "compensated", json_boolean( report->compensated ) );
-    json_object_set_new( object, "masked", json_boolean( report->masked ) );
+    json_object_set_new( object, "masked", json_boolean( report->compensated && report->masked ) );
     json_object_set_new( object, "error_from", report->source == RF_ERROR_FROM_REFERENCE  ? json_string( "reference" )
                                                : report->source == RF_ERROR_FROM_VARIANCE ? json_string( "variance" )
                                                                                           : json_null() );

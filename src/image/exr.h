@@ -67,7 +67,8 @@ typedef struct RfExrWindow
 // Reads three channels, or one as grey, of the first part that has them, and where
 // they lie. `layer` is a layer ("ViewLayer.DiffDir": its R, G, B or X, Y, Z), the
 // name of a part, a channel ("depth.Z") or three with commas between them; NULL:
-// the colour, as rf_read_exr finds it, but in the first part that has any.
+// the colour, as rf_read_exr finds it, but in the first part that has any, and one with
+// three channels before one with Y.
 RfResult rf_read_exr_layer( const char* path, const char* layer, RfImage* image, RfExrWindow* window, RfError* error );
 
 // Calls `take` with each string attribute of the first part, in the file's order.
