@@ -21,14 +21,14 @@ static float* channel_of( const char* name, const char* channel, int width, int 
     char path[512];
     snprintf( path, sizeof path, "%s/%s", cli_folder(), name );
     float* values;
-    int w, h;
+    RfExrWindow window;
     RfError error;
-    if ( rf_read_exr_channels( path, &channel, 1, &w, &h, &values, &error ) != RF_OK )
+    if ( rf_read_exr_channels( path, &channel, 1, &window, &values, &error ) != RF_OK )
     {
         assert_non_null( strstr( error.text, channel ) );
         return NULL;
     }
-    assert_true( w == width && h == height );
+    assert_true( window.width == width && window.height == height );
     return values;
 }
 

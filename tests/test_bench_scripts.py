@@ -63,6 +63,21 @@ class Flicker(unittest.TestCase):
         self.assertEqual(flicker.samples_for(job, "8:1", 1.0), 17)  # less than a group needs is not to be had
         self.assertTrue(all(spp % 7 == 0 for spp in job.asked[:2]))
 
+    def test_one_call_of_flicker(self):
+        class Job(FakeJob):
+            def render(self, setting, spp, seed=1):
+                return super().render(setting, spp)
+
+            def flicker(self, setting):
+                return {"relmse": 0.5, "f1": 2.0, "mse": 3.0, "phi": 0.7, "motion": None,
+                        "followed": {"f1": 1.0, "mse": 2.0, "phi": 0.25, "motion": 4.5, "coverage": 0.9},
+                        "pairs": [{"frame": 2, "border": False, "f1": 3.0, "followed": None}]}
+
+        done = flicker.measure(Job(), "3:1", 4, 1)
+        self.assertEqual((done["cpu"], done["f1_squared"], done["mse"], done["motion"]), (4.0, 4.0, 3.0, 4.5))
+        self.assertEqual(done["followed"], {"f1_squared": 1.0, "mse": 2.0})
+        self.assertEqual(done["pairs"], [{"frame": 2, "border": False, "f1_squared": 9.0}])
+
     def test_reference_is_taken_off(self):
         # noise that is independent (phi 1) and of a group of 7 (1/7), and the reference with 1/16 of the last
         plain, last = 0.4, 0.1

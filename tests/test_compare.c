@@ -1,6 +1,5 @@
 // `compare` as a script sees it: exit status, JSON, and what it refuses.
 #include "cli/commands.h"
-#include "cli/compare_report.h"
 #include "command_run.h"
 #include "foreign_exr.h"
 #include "image/sequence.h"
@@ -171,6 +170,12 @@ static void test_other_programs( void** state )
     check_failed( compare( "bl.exr", "nk.exr", "--layer", "L.Diff", NULL ), 1, "nk.exr: has no layer L.Diff; it has Z, A, B, G, R, N.X" );
     check_failed( compare( "bl.exr", "nk.exr", "--layer", "L.Diff.R,,L.Diff.G", NULL ), 1, "has no layer" );
     check_failed( compare( "bl.exr", "nk.exr", "--layer", "L.Diff.R,L.Diff.R,L.Diff.R,L.Diff.R", NULL ), 1, "has no layer" );
+    Foreign several = { .names = { "a.B", "a.G", "a.R", "b.B", "b.G", "b.R" }, .width = 20, .height = 10 };
+    Foreign later[2] = { { .names = { "Z" }, .width = 20, .height = 10, .part = "depth" }, several };
+    write_foreign( "se.exr", &several, 1 );
+    write_foreign( "la.exr", later, 2 );
+    check_failed( compare( "se.exr", "nk.exr", NULL ), 1, "se.exr: has more than one layer of colour: a, b: name one by --layer" );
+    check_failed( compare( "la.exr", "nk.exr", NULL ), 1, "la.exr: has more than one layer of colour: a, b: name one by --layer" );
     Foreign none = { .names = { "foo" }, .width = 20, .height = 10 };
     write_foreign( "no.exr", &none, 1 );
     check_failed( compare( "no.exr", "nk.exr", NULL ), 1, "no.exr: has no channels R, G, B and no Y; it has foo" );
@@ -195,7 +200,7 @@ static void test_data_windows( void** state )
     assert_true( diff.width == 15 && diff.height == 10 && diff.rgb[0] == -2.0f );
     rf_destroy_image( &diff );
     RfExrHeader header;
-    assert_int_equal( rf_read_exr_header( temp_path( "w.exr" ), &header, NULL ), RF_OK );
+    assert_int_equal( rf_read_exr_header( temp_path( "w.exr" ), NULL, &header, NULL ), RF_OK );
     assert_true( header.x == 0 && header.y == 3 && header.width == 15 && header.height == 10 ); // where the pixels were
     rf_destroy_exr_header( &header );
     json_t* json = load_json();
@@ -260,41 +265,41 @@ static void test_chosen_frames( void** state )
     check_done( compare( "ca.1.exr", "cb.1.exr", NULL ) );
 }
 
-static void check_verdict( const RfErrorMetrics* metrics, int frame, const char* wanted )
-{
-    char text[1024];
-    rf_error_verdict( metrics, frame, text, sizeof text );
-    assert_string_equal( text, wanted );
-}
-
-static void test_verdict( void** state )
+// The same holes in both sequences are told; what steps regularly has none.
+static void test_missing_in_both( void** state )
 {
     (void)state;
-    RfErrorMetrics m = { .relmse = 0.03, .relmse_trimmed = 0.029, .mse = 0.01, .max = 3.0, .bias = 0.001, .bias_low = -0.002, .bias_high = 0.004,
-                         .reference_mean = 0.5, .worst = { 0, 12, 34, 12.0 } };
-    check_verdict( &m, 7, "no bias seen: mean error +0.2 % (95 %: -0.4 to +0.8 %); relMSE 0.03, about 10 % of noise in each channel "
-                          "of a pixel; worst pixel (12, 34) of frame 7, off by 2e+02 %" );
-    m.bias_low = 0.0005;
-    m.relmse_trimmed = 0.0003;
-    m.worst.relative = 0.75;
-    check_verdict( &m, -1, "bias seen, too bright: mean error +0.2 % (95 %: +0.1 to +0.8 %); relMSE 0.03, about 10 % of noise in each "
-                           "channel of a pixel (1 % without the worst 0.1 % of the pixels); worst pixel (12, 34), off by 50 %" );
-    m.bias = m.bias_high = -0.001;
-    m.bias_low = -0.003;
-    m.reference_mean = 0.0; // nothing to be relative to
-    m.relmse_trimmed = 0.03;
-    m.worst.frame = -1;
-    check_verdict( &m, -1, "bias seen, too dark: mean error -0.001 (95 %: -0.003 to -0.001); relMSE 0.03, about 10 % of noise in each "
-                           "channel of a pixel" );
-    m.bias_low = m.bias_high = NAN;
-    check_verdict( &m, -1, "mean error -0.001 (too few pixels to tell bias from noise); relMSE 0.03, about 10 % of noise in each channel "
-                           "of a pixel" );
-    m.bias = -0.08; // more than half of it stands still
-    check_verdict( &m, -1, "mean error -0.08 (too few pixels to tell bias from noise); relMSE 0.03, a pixel is off by about 10 % in each channel" );
-    m = ( RfErrorMetrics ){ .worst = { .frame = -1 } };
-    check_verdict( &m, -1, "no difference: every pixel is the same" );
-    m.nan = 1;
-    check_verdict( &m, -1, "no error can be told: there are values that are no numbers" );
+    static const int frames[] = { 1, 2, 5, 6, 10 };
+    for ( int i = 0; i < 5; ++i )
+    {
+        char name[64];
+        snprintf( name, sizeof name, "ma.%d.exr", frames[i] );
+        write_constant( name, 20, 1.0f );
+        snprintf( name, sizeof name, "mb.%d.exr", 2 * frames[i] );
+        write_constant( name, 20, 1.0f );
+    }
+    for ( int k = 0; k < 2; ++k )
+    {
+        const char* sequence = k == 0 ? "ma.#.exr" : "mb.#.exr";
+        check_done( compare( sequence, sequence, NULL ) );
+        json_t* json = load_json();
+        const json_t* missing = json_object_get( json, "missing" );
+        assert_int_equal( json_array_size( missing ), 5 ); // 3 4 7 8 9, and twice as much
+        assert_int_equal( json_integer_value( json_array_get( missing, 4 ) ), k == 0 ? 9 : 18 );
+        json_decref( json );
+        check_done( compare( sequence, sequence, "--frames", "2-10x8", NULL ) ); // as asked
+        json = load_json();
+        assert_int_equal( json_array_size( json_object_get( json, "missing" ) ), 0 );
+        json_decref( json );
+    }
+    int some[] = { 3, 4, 7, 8, 9, 100000, 1000000 };
+    char text[32];
+    rf_format_frames( some, 6, text, sizeof text );
+    assert_string_equal( text, "3, 4, 7-9, 100000" );
+    rf_format_frames( some, 7, text, 22 );
+    assert_string_equal( text, "3, 4, 7-9, ..." );
+    rf_format_frames( NULL, 0, text, sizeof text );
+    assert_string_equal( text, "" );
 }
 
 int main( void )
@@ -307,7 +312,7 @@ int main( void )
         cmocka_unit_test( test_other_programs ),
         cmocka_unit_test( test_data_windows ),
         cmocka_unit_test( test_chosen_frames ),
-        cmocka_unit_test( test_verdict ),
+        cmocka_unit_test( test_missing_in_both ),
     };
     return cmocka_run_group_tests_name( "compare", tests, make_temp_folder, remove_temp_folder );
 }

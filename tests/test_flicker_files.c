@@ -244,7 +244,7 @@ static void test_other_programs( void** state )
     check_failed( flicker( "f.#.exr", NULL ), 1, "has no channels R, G, B" );
     RfExrHeader header;
     RfFlickerLayers layers;
-    assert_int_equal( rf_read_exr_header( temp_path( "f.1.exr" ), &header, NULL ), RF_OK );
+    assert_int_equal( rf_read_exr_header( temp_path( "f.1.exr" ), NULL, &header, NULL ), RF_OK );
     assert_true( header.channel_count == 2 && header.width == 20 && header.display_width == 64 && !header.has_world_to_ndc );
     assert_int_equal( rf_find_flicker_layers( "f", &header, NULL, NULL, &layers, NULL ), RF_OK );
     assert_true( layers.depth == NULL && layers.motion[0] == NULL ); // a normal is no depth
@@ -269,7 +269,7 @@ static void test_camera( void** state )
     RfFlickerLayers layers;
     RfFlickerFrame frame;
     const char* path = temp_path( "camera.exr" );
-    assert_int_equal( rf_read_exr_header( path, &header, NULL ), RF_OK );
+    assert_int_equal( rf_read_exr_header( path, NULL, &header, NULL ), RF_OK );
     assert_int_equal( rf_find_flicker_layers( path, &header, NULL, NULL, &layers, NULL ), RF_OK );
     assert_int_equal( rf_read_flicker_frame( path, &layers, &header, path, &frame, NULL ), RF_OK );
     assert_true( frame.has_camera && frame.depth != NULL && frame.motion != NULL && frame.variance.rgb == NULL );
@@ -350,7 +350,7 @@ static void test_rendered( void** state )
     print_message( "F1 %g along the motion, %g without depth, %g without motion; coverage %g\n", f1[0], f1[1], f1[2], coverage[0] );
     assert_true( f1[0] < 0.5 * f1[1] && f1[0] < 0.5 * f1[2] );
     assert_true( coverage[0] > 0.65 && coverage[0] < coverage[1] && coverage[1] < 1.0 && coverage[2] == 1.0 );
-    assert_int_equal( rf_read_exr_header( temp_path( "o.10.exr" ), &header, NULL ), RF_OK );
+    assert_int_equal( rf_read_exr_header( temp_path( "o.10.exr" ), NULL, &header, NULL ), RF_OK );
     assert_true( header.has_world_to_ndc );
     rf_destroy_exr_header( &header );
 }

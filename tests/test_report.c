@@ -1,7 +1,7 @@
 // `report` as its user sees it: what the page holds, that no name breaks it, and
-// what is refused. How it looks and plays is test_report_browser's.
+// what is refused. Which frames and layers it takes is test_report_frames's, how it
+// looks and plays test_report_browser's.
 #include "cli_run.h"
-#include "foreign_exr.h"
 #include "page_checks.h"
 
 #include <jansson.h>
@@ -91,59 +91,6 @@ static void test_hostile_names( void** state )
     cli_expect( cli_run( "$R report h/long.exr -o h2.html --quiet" ), 0, NULL );
     data = page_read_data( "h2.html", 1 );
     assert_true( strlen( page_fact( page_sequence( data, 0 ), "Header", "comments" ) ) < 300 );
-    json_decref( data );
-}
-
-static void test_missing_frames( void** state )
-{
-    (void)state;
-    page_make_folder( "m/a" );
-    page_make_folder( "m/b" );
-    page_write_frames( "m/a/f.##.exr", 1, 5, 1.0f, 0.5f );
-    cli_expect( cli_run( "rm m/a/f.03.exr" ), 0, NULL );
-    page_write_frames( "m/b/f_#.exr", 4, 6, 1.0f, 0.0f );
-    cli_expect( cli_run( "$R report m/a m/b -o m.html" ), 0, NULL );
-    json_t* data = page_read_data( "m.html", 4 + 3 );
-    assert_int_equal( json_array_size( json_object_get( data, "frames" ) ), 5 ); // 1 2 4 5 6
-    const json_t *a = page_sequence( data, 0 ), *b = page_sequence( data, 1 );
-    assert_true( json_is_null( page_item( a, "blocks", 4 ) ) && json_is_null( page_item( b, "blocks", 1 ) ) );
-    page_check_item( a, "f1", 1, 0.5 );
-    assert_true( json_is_null( page_item( a, "f1", 2 ) ) ); // 4 has no 3 before it
-    page_check_item( a, "f1", 3, 0.5 );
-    assert_true( json_is_null( page_item( b, "f1", 2 ) ) );
-    page_check_item( b, "f1", 4, 0.0 );
-    assert_string_equal( page_fact( a, "Picture", "Missing" ), "1 frame" );
-    json_decref( data );
-    cli_expect( cli_run( "$R report m/a -o m2.html --frames 2-4" ), 0, NULL );
-    data = page_read_data( "m2.html", 2 );
-    assert_int_equal( json_array_size( json_object_get( data, "frames" ) ), 2 );
-    json_decref( data );
-    // where the reference ends, the error does
-    cli_expect( cli_run( "$R report m/b --reference m/a -o m3.html" ), 0, NULL );
-    data = page_read_data( "m3.html", 3 + 2 );
-    assert_true( json_is_number( page_item( page_sequence( data, 0 ), "relmse", 1 ) ) && json_is_null( page_item( page_sequence( data, 0 ), "relmse", 2 ) ) );
-    assert_true( json_is_null( page_item( page_sequence( data, 0 ), "f1", 2 ) ) );
-    json_decref( data );
-}
-
-static void test_other_programs( void** state )
-{
-    (void)state;
-    page_make_folder( "o" );
-    Foreign parts[2] = { { .names = { "Z" }, .values = { 7 }, .x = 3, .y = 5, .width = 20, .height = 10, .part = "depth" },
-                         { .names = { "L.Combined.B", "L.Combined.G", "L.Combined.R" }, .values = { 1, NAN, 1 }, .width = 30, .height = 20,
-                           .half = true, .part = "beauty" } };
-    write_foreign_exr( page_path( "o/x.0007.left.exr" ), parts, 2 );
-    write_foreign_exr( page_path( "o/x.0008.left.exr" ), parts, 2 );
-    cli_expect( cli_run( "$R report o -o o.html" ), 0, NULL );
-    json_t* data = page_read_data( "o.html", 2 );
-    const json_t* sequence = page_sequence( data, 0 );
-    assert_int_equal( json_integer_value( json_array_get( json_object_get( data, "frames" ), 1 ) ), 8 );
-    assert_int_equal( json_integer_value( json_object_get( sequence, "width" ) ), 30 );
-    page_check_item( sequence, "bad", 0, 600.0 );
-    assert_true( json_is_null( page_item( sequence, "f1", 1 ) ) );
-    assert_null( page_fact( sequence, "Settings", "Group" ) );
-    assert_non_null( page_fact( sequence, "Picture", "No numbers" ) );
     json_decref( data );
 }
 
@@ -299,10 +246,10 @@ static void test_refused( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_two_and_a_reference ), cmocka_unit_test( test_hostile_names ), cmocka_unit_test( test_missing_frames ),
-        cmocka_unit_test( test_other_programs ),      cmocka_unit_test( test_json_of_others ), cmocka_unit_test( test_estimates_in_headers ),
+        cmocka_unit_test( test_two_and_a_reference ), cmocka_unit_test( test_hostile_names ),
+        cmocka_unit_test( test_json_of_others ), cmocka_unit_test( test_estimates_in_headers ),
         cmocka_unit_test( test_width ), cmocka_unit_test( test_reference_with_json ),
-                     cmocka_unit_test( test_rendered ),      cmocka_unit_test( test_refused ),
+        cmocka_unit_test( test_rendered ), cmocka_unit_test( test_refused ),
     };
     return cmocka_run_group_tests_name( "report", tests, cli_enter_group, cli_leave_group );
 }

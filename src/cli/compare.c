@@ -170,6 +170,15 @@ static RfResult check_finite( const Compare* compare, const RfErrorMetrics* m, R
     return RF_OK;
 }
 
+static void print_missing( const Compare* compare )
+{
+    char text[256];
+    rf_format_frames( compare->in.missing, compare->in.missing_count, text, sizeof text );
+    if ( compare->in.missing_count > 0 )
+        printf( "not measured, for both sequences lack %s: frame%s %s\n", compare->in.missing_count == 1 ? "it" : "them",
+                compare->in.missing_count == 1 ? "" : "s", text );
+}
+
 static RfResult finish( Compare* compare, RfError* error )
 {
     RfErrorMetrics metrics = rf_summary_metrics( &compare->all );
@@ -185,9 +194,15 @@ static RfResult finish( Compare* compare, RfError* error )
         printf( "bias, 95 %% interval: %+.4e to %+.4e\n", metrics.bias_low, metrics.bias_high );
     if ( compare->table && !rf_has_no_error( &metrics ) )
         printf( "%s\n", verdict );
+    if ( compare->table )
+        print_missing( compare );
     RfResult result = RF_OK;
     if ( compare->json != NULL )
-        result = rf_write_json( compare->json, rf_error_json( json_incref( compare->rows ), &metrics, worst, verdict ), error );
+    {
+        json_t* json = rf_error_json( json_incref( compare->rows ), &metrics, worst, verdict );
+        json_object_set_new( json, "missing", rf_json_frames( compare->in.missing, compare->in.missing_count ) );
+        result = rf_write_json( compare->json, json, error );
+    }
     if ( result == RF_OK )
         result = rf_flush_output( error );
     return result == RF_OK ? check_finite( compare, &metrics, error ) : result;

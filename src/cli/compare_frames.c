@@ -76,7 +76,11 @@ RfResult rf_find_compare_frames( RfCompareFrames* frames, RfError* error )
     if ( result == RF_OK && frames->list != NULL )
         result = choose_frames( frames, b, b_count, error );
     else if ( result == RF_OK )
+    {
         result = match_frames( frames, frames->frames, frames->count, b, b_count, error );
+        if ( result == RF_OK )
+            result = rf_missing_frames( frames->frames, frames->count, &frames->missing, &frames->missing_count, error );
+    }
     free( b );
     return result;
 }
@@ -84,7 +88,8 @@ RfResult rf_find_compare_frames( RfCompareFrames* frames, RfError* error )
 void rf_free_compare_frames( RfCompareFrames* frames )
 {
     free( frames->frames );
-    frames->frames = NULL;
+    free( frames->missing );
+    frames->frames = frames->missing = NULL;
 }
 
 RfResult rf_compare_name( const RfCompareFrames* frames, const char* pattern, int frame, char name[RF_COMPARE_NAME_SIZE],

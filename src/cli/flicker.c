@@ -74,12 +74,40 @@ static RfResult read_frame( RfFlickerRun* flicker, int i, RfError* error )
     {
         result = rf_flicker_path( flicker->reference, flicker->frames[i], path, error );
         if ( result == RF_OK )
-            result = rf_read_aligned( path, &flicker->header, flicker->first_path, &reference, error );
+            result = rf_read_aligned( path, flicker->reference_layer, &flicker->header, flicker->first_path, &reference, error );
     }
     if ( result == RF_OK )
         result = take_images( flicker, i, frame, &reference, error );
     rf_destroy_image( &reference );
     return result;
+}
+
+// The same pair along the motion, where its frames have the layers.
+static RfResult follow_pair( RfFlickerRun* flicker, const RfFlickerFrame* now, const RfFlickerFrame* before, bool border, json_t* row,
+                             RfError* error )
+{
+    RfFlickerSums sums;
+    bool has_layers = rf_has_flicker_layers( &flicker->layers, now, before );
+    if ( has_layers )
+    {
+        RfResult result = rf_measure_flicker( now, before, true, true, &sums, error );
+        if ( result != RF_OK )
+            return result;
+        rf_add_flicker_pair( &flicker->report.followed, border, &sums );
+    }
+    json_object_set_new( row, "followed", rf_followed_pair_json( has_layers ? &sums : NULL ) );
+    return RF_OK;
+}
+
+// Frees what is of no use to the spectrum, which keeps the frame.
+static void forget_layers( const RfFlickerReport* report, RfFlickerFrame* frame )
+{
+    rf_destroy_image( &frame->variance );
+    if ( report->compensated )
+        return;
+    free( frame->motion );
+    free( frame->depth );
+    frame->motion = frame->depth = NULL;
 }
 
 static RfResult measure_pair( RfFlickerRun* flicker, int i, RfError* error )
@@ -91,16 +119,18 @@ static RfResult measure_pair( RfFlickerRun* flicker, int i, RfError* error )
     RfResult result = rf_measure_flicker( now, before, report->compensated, flicker->reference != NULL, &sums, error );
     if ( result != RF_OK )
         return result;
-    rf_destroy_image( &before->variance ); // of no use to the spectrum
     bool border = report->has_seams && rf_is_seam( &flicker->seams, now->number );
-    rf_add_flicker( &report->all, &sums );
-    rf_add_flicker( border ? &report->border : &report->inside, &sums );
+    rf_add_flicker_pair( &report->plain, border, &sums );
     if ( flicker->table && i == 1 )
         rf_print_flicker_head();
     if ( flicker->table )
         rf_print_flicker_pair( now->number, border, &sums );
-    json_array_append_new( report->pairs, rf_flicker_pair_json( now->number, border, &sums ) );
-    return RF_OK;
+    json_t* row = rf_flicker_pair_json( now->number, border, &sums );
+    json_array_append_new( report->pairs, row );
+    if ( report->follows )
+        result = follow_pair( flicker, now, before, border, row, error );
+    forget_layers( report, before );
+    return result;
 }
 
 static RfResult measure_window( RfFlickerRun* flicker, int i, RfError* error )
@@ -161,8 +191,8 @@ static RfResult check_options( const RfFlickerRun* flicker, RfError* error )
     const char* alone = flicker->motion != NULL ? "motion" : flicker->depth != NULL ? "depth" : NULL;
     if ( alone != NULL && flicker->compensate_given && !flicker->compensate )
         return rf_fail( error, RF_ERROR_USAGE, "--%s: is of no use with --no-compensate", alone );
-    if ( flicker->depth != NULL && flicker->reference != NULL && flicker->motion == NULL && !flicker->compensate )
-        return rf_fail( error, RF_ERROR_USAGE, "--depth: with --reference it wants --compensate or --motion too" );
+    if ( flicker->reference_layer != NULL && flicker->reference == NULL )
+        return rf_fail( error, RF_ERROR_USAGE, "--reference-layer: is of the sequence that --reference names" );
     if ( flicker->png == NULL && ( flicker->column_given || flicker->exposure_given ) )
         return rf_fail( error, RF_ERROR_USAGE, "--%s: is of the picture that --png names", flicker->column_given ? "column" : "exposure" );
     return RF_OK;
@@ -184,6 +214,7 @@ static RfResult run( RfFlickerRun* flicker, RfError* error )
     for ( int i = 0; i < RF_SPECTRUM_FRAMES; ++i )
         rf_destroy_flicker_frame( flicker->ring + i );
     rf_destroy_exr_header( &flicker->header );
+    rf_destroy_exr_header( &flicker->layered );
     rf_destroy_summary( &flicker->errors );
     rf_destroy_slit_scan( &flicker->slit );
     json_decref( flicker->report.pairs );
@@ -200,9 +231,13 @@ int rf_command_flicker( int argc, char** argv )
           .help = "what the frames should be: flicker of the error, not of the picture" },
         { .name = "frames", .type = RF_OPTION_STRING, .value = &flicker.frame_list, .meta = "A-B", .default_text = "all",
           .help = "only these, by their numbers; neighbouring ones" },
+        { .name = "layer", .type = RF_OPTION_STRING, .value = &flicker.layer, .meta = "NAME", .default_text = "the colour",
+          .help = "a layer, part or channel of the files, or three channels X,Y,Z" },
+        { .name = "reference-layer", .type = RF_OPTION_STRING, .value = &flicker.reference_layer, .meta = "NAME",
+          .default_text = "that of --layer", .help = "the same of the reference, where its name is another" },
         { .name = "compensate", .type = RF_OPTION_BOOL, .value = &flicker.compensate, .given = &flicker.compensate_given,
-          .default_text = "where there are motion layers and no reference",
-          .help = "follow the motion layers, masked by depth" },
+          .default_text = "where there are motion layers; with a reference beside the plain figures",
+          .help = "follow the motion layers, masked by depth, in the main figures; --no-compensate: in none" },
         { .name = "motion", .type = RF_OPTION_STRING, .value = &flicker.motion, .meta = "X,Y",
           .default_text = "of the layer motion or Vector",
           .help = "channels with the way to the frame before, pixels, +x right, +y up; compensates" },

@@ -3,6 +3,7 @@
 #include "cli/frame_list.h"
 #include "image/sequence.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <unistd.h>
 
@@ -91,30 +92,77 @@ RfResult rf_find_flicker_frames( RfFlickerRun* flicker, RfError* error )
     return result;
 }
 
-// Which layers there are, and what of them is wanted.
+static RfResult fail_no_motion( const RfFlickerRun* flicker, RfError* error )
+{
+    return rf_fail( error, RF_ERROR_FORMAT,
+                    "%s: has no motion layer to follow: name its channels by --motion X,Y, or render --aov motion,depth",
+                    flicker->first_path );
+}
+
+// For the main figures: those of the first frame, which all want.
+static RfResult find_main_layers( RfFlickerRun* flicker, bool compensate, RfError* error )
+{
+    RfFlickerLayers* layers = &flicker->layers;
+    RfResult result = rf_read_exr_header( flicker->first_path, flicker->layer, &flicker->layered, error );
+    if ( result == RF_OK && compensate )
+        result = rf_find_flicker_layers( flicker->first_path, &flicker->layered, flicker->motion, flicker->depth, layers, error );
+    // the variance is the colour's, not that of another layer
+    if ( result == RF_OK && flicker->reference == NULL && flicker->layer == NULL )
+        result = rf_find_variance_layers( flicker->first_path, &flicker->layered, layers, error );
+    if ( result == RF_OK && layers->motion[0] == NULL && ( flicker->compensate || flicker->depth != NULL ) )
+        return fail_no_motion( flicker, error );
+    flicker->report.compensated = layers->motion[0] != NULL;
+    return result;
+}
+
+// For figures beside the plain ones: those of the first frame that has any. What cannot
+// be told without further options is no failure, but is told.
+static RfResult find_layers_beside( RfFlickerRun* flicker, RfError* error )
+{
+    char path[RF_FLICKER_NAME_SIZE];
+    RfFlickerLayers* layers = &flicker->layers;
+    RfError unclear = { 0 };
+    RfResult result = RF_OK;
+    for ( int i = 0; i < flicker->frame_count && layers->motion[0] == NULL && unclear.code == RF_OK && result == RF_OK; ++i )
+    {
+        rf_destroy_exr_header( &flicker->layered );
+        result = rf_flicker_path( flicker->pattern, flicker->frames[i], path, error );
+        if ( result == RF_OK )
+            result = rf_read_exr_header( path, flicker->layer, &flicker->layered, error );
+        if ( result == RF_OK && rf_find_flicker_layers( path, &flicker->layered, NULL, flicker->depth, layers, &unclear ) != RF_OK )
+            *layers = ( RfFlickerLayers ){ 0 };
+    }
+    if ( result != RF_OK )
+        return result;
+    if ( flicker->depth != NULL && unclear.code != RF_OK )
+        return rf_fail( error, unclear.code, "%s", unclear.text );
+    if ( flicker->depth != NULL && layers->motion[0] == NULL )
+        return fail_no_motion( flicker, error );
+    snprintf( flicker->report.unfollowed, sizeof flicker->report.unfollowed, "%.511s", unclear.text );
+    flicker->report.follows = layers->motion[0] != NULL;
+    layers->may_lack = true;
+    return RF_OK;
+}
+
 RfResult rf_find_layers_to_read( RfFlickerRun* flicker, RfError* error )
 {
     RfFlickerReport* report = &flicker->report;
     RfFlickerLayers* layers = &flicker->layers;
     RfResult result = rf_flicker_path( flicker->pattern, flicker->frames[0], flicker->first_path, error );
     if ( result == RF_OK )
-        result = rf_read_exr_header( flicker->first_path, &flicker->header, error );
+        result = rf_read_exr_header( flicker->first_path, flicker->layer, &flicker->header, error );
     if ( result != RF_OK )
         return result;
     bool by_default = flicker->reference == NULL || flicker->motion != NULL;
+    bool beside = !by_default && !flicker->compensate_given;
     bool compensate = flicker->compensate_given ? flicker->compensate : by_default;
-    if ( compensate )
-        result = rf_find_flicker_layers( flicker->first_path, &flicker->header, flicker->motion, flicker->depth, layers, error );
-    if ( result == RF_OK && flicker->reference == NULL )
-        result = rf_find_variance_layers( flicker->first_path, &flicker->header, layers, error );
+    result = beside ? find_layers_beside( flicker, error ) : find_main_layers( flicker, compensate, error );
     if ( result != RF_OK )
         return result;
-    if ( layers->motion[0] == NULL && ( flicker->compensate || flicker->depth != NULL ) )
-        return rf_fail( error, RF_ERROR_FORMAT,
-                        "%s: has no motion layer to follow: name its channels by --motion X,Y, or render --aov motion,depth",
-                        flicker->first_path );
-    report->compensated = layers->motion[0] != NULL;
-    layers->depth = report->compensated ? layers->depth : NULL;
+    layers->colour = flicker->layer;
+    if ( flicker->reference_layer == NULL )
+        flicker->reference_layer = flicker->layer;
+    layers->depth = layers->motion[0] != NULL ? layers->depth : NULL;
     report->masked = layers->depth != NULL;
     report->source = flicker->reference != NULL        ? RF_ERROR_FROM_REFERENCE
                      : layers->variance[0] != NULL     ? RF_ERROR_FROM_VARIANCE

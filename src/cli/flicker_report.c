@@ -12,17 +12,23 @@ static const char* format( double value, const char* how, char text[32] )
     return text;
 }
 
+void rf_add_flicker_pair( RfFlickerParts* parts, bool border, const RfFlickerSums* pair )
+{
+    rf_add_flicker( &parts->all, pair );
+    rf_add_flicker( border ? &parts->border : &parts->inside, pair );
+}
+
 static void print_row( const char* name, const RfFlickerSums* sums, const char* note )
 {
     RfFlickerMetrics m = rf_flicker_metrics( sums );
     char f1[32], phi[32], rmse[32];
-    printf( "%7s  %11s  %7s  %11s  %7.2f %%%s%s\n", name, format( m.f1, "%.4e", f1 ), format( m.phi, "%.4f", phi ),
+    printf( "%12s  %11s  %7s  %11s  %7.2f %%%s%s\n", name, format( m.f1, "%.4e", f1 ), format( m.phi, "%.4f", phi ),
             format( sqrt( m.mse ), "%.4e", rmse ), 100.0 * m.coverage, note[0] != '\0' ? "  " : "", note );
 }
 
 void rf_print_flicker_head( void )
 {
-    printf( "%7s  %11s  %7s  %11s  %9s\n", "frame", "F1", "phi", "RMSE", "coverage" );
+    printf( "%12s  %11s  %7s  %11s  %9s\n", "frame", "F1", "phi", "RMSE", "coverage" );
 }
 
 void rf_print_flicker_pair( int frame, bool border, const RfFlickerSums* sums )
@@ -37,10 +43,16 @@ static void print_seams( const RfFlickerReport* report )
     if ( !report->has_seams )
         return;
     char note[32];
-    snprintf( note, sizeof note, "%d pairs", report->inside.pairs );
-    print_row( "inside", &report->inside, note );
-    snprintf( note, sizeof note, "%d pairs", report->border.pairs );
-    print_row( "border", &report->border, note );
+    snprintf( note, sizeof note, "%d pairs", report->plain.inside.pairs );
+    print_row( "inside", &report->plain.inside, note );
+    snprintf( note, sizeof note, "%d pairs", report->plain.border.pairs );
+    print_row( "border", &report->plain.border, note );
+}
+
+static void print_followed( const RfFlickerReport* report )
+{
+    if ( report->follows && report->followed.all.pairs > 0 )
+        print_row( "along motion", &report->followed.all, "" );
 }
 
 static void print_spectrum( const RfFlickerReport* report )
@@ -68,9 +80,33 @@ static const char* describe_phi( double phi )
                        : "the error alternates: it changes more than independent noise";
 }
 
+// The second figures, of the same error along the motion.
+static void print_followed_words( const RfFlickerReport* report )
+{
+    const RfFlickerSums* sums = &report->followed.all;
+    RfFlickerMetrics m = rf_flicker_metrics( sums );
+    if ( report->unfollowed[0] != '\0' )
+        printf( "not along the motion: %s\n", report->unfollowed );
+    if ( report->follows && isfinite( m.phi ) && m.mse > 0.0 )
+        printf( "along the motion %s: phi %.3f at an RMSE of %.3e\n", describe_phi( m.phi ), m.phi, sqrt( m.mse ) );
+    if ( report->follows && sums->pairs < report->plain.all.pairs )
+        printf( "along the motion are %d of %d pairs: the frames of the others lack the layers\n", sums->pairs, report->plain.all.pairs );
+}
+
+static void print_motion_words( const RfFlickerReport* report, const RfFlickerSums* sums )
+{
+    RfFlickerMetrics m = rf_flicker_metrics( sums );
+    if ( isfinite( m.motion ) )
+        printf( "what is seen moves by %.2f pixels a frame in the mean\n", m.motion );
+    if ( !report->masked )
+        printf( "%s without depth: what comes into view counts as flicker\n", report->compensated ? "motion-compensated" : "along the motion" );
+    if ( sums->pairs > 0 && !( sums->pixels > 0.0 ) )
+        printf( "no pixel is seen in two neighbouring frames: are motion and depth what they should be?\n" );
+}
+
 static void print_words( const RfFlickerReport* report )
 {
-    RfFlickerMetrics m = rf_flicker_metrics( &report->all );
+    RfFlickerMetrics m = rf_flicker_metrics( &report->plain.all );
     if ( isfinite( m.phi ) && m.mse > 0.0 && report->source == RF_ERROR_FROM_VARIANCE )
         printf( "phi %.3f at an RMSE of %.3e, which the variance layers say; edges and highlights that move count as flicker, "
                 "--reference takes them out\n",
@@ -85,18 +121,16 @@ static void print_words( const RfFlickerReport* report )
         printf( "phi is not known: the variance layers are 0, as those of a single pass are: give --reference\n" );
     if ( !report->compensated && report->source != RF_ERROR_FROM_REFERENCE )
         printf( "not motion-compensated: what moves counts as flicker (render --aov motion,depth, or --reference)\n" );
-    if ( report->compensated && isfinite( m.motion ) )
-        printf( "what is seen moves by %.2f pixels a frame in the mean\n", m.motion );
-    if ( report->compensated && !report->masked )
-        printf( "motion-compensated without depth: what comes into view counts as flicker\n" );
-    if ( !( report->all.pixels > 0.0 ) )
-        printf( "no pixel is seen in two neighbouring frames: are motion and depth what they should be?\n" );
+    print_followed_words( report );
+    if ( report->compensated || report->follows )
+        print_motion_words( report, report->compensated ? &report->plain.all : &report->followed.all );
 }
 
 void rf_print_flicker_end( const RfFlickerReport* report )
 {
-    print_row( "all", &report->all, "" );
+    print_row( "all", &report->plain.all, "" );
     print_seams( report );
+    print_followed( report );
     print_spectrum( report );
     if ( report->source == RF_ERROR_FROM_REFERENCE && isfinite( report->errors.relmse ) )
         printf( "relMSE of all frames: %.4e\n", report->errors.relmse );
@@ -122,11 +156,23 @@ json_t* rf_flicker_pair_json( int frame, bool border, const RfFlickerSums* sums 
     return row;
 }
 
-static json_t* part_json( const RfFlickerSums* sums )
+json_t* rf_followed_pair_json( const RfFlickerSums* sums )
+{
+    if ( sums == NULL )
+        return json_null();
+    json_t* object = json_object();
+    set_metrics( object, sums );
+    return object;
+}
+
+// `followed` NULL: none.
+static json_t* part_json( const RfFlickerSums* sums, const RfFlickerSums* followed )
 {
     json_t* object = json_object();
     json_object_set_new( object, "pairs", json_integer( sums->pairs ) );
     set_metrics( object, sums );
+    if ( followed != NULL )
+        json_object_set_new( object, "followed", part_json( followed, NULL ) );
     return object;
 }
 
@@ -148,8 +194,9 @@ static json_t* spectrum_json( const RfFlickerReport* report )
 static json_t* seams_json( const RfFlickerReport* report )
 {
     json_t* object = json_object();
-    json_object_set_new( object, "inside", part_json( &report->inside ) );
-    json_object_set_new( object, "border", part_json( &report->border ) );
+    const RfFlickerParts* followed = report->follows ? &report->followed : NULL;
+    json_object_set_new( object, "inside", part_json( &report->plain.inside, followed != NULL ? &followed->inside : NULL ) );
+    json_object_set_new( object, "border", part_json( &report->plain.border, followed != NULL ? &followed->border : NULL ) );
     return object;
 }
 
@@ -159,9 +206,15 @@ json_t* rf_flicker_json( RfFlickerReport* report )
     const RfErrorMetrics* e = &report->errors;
     json_object_set_new( object, "pairs", report->pairs );
     report->pairs = NULL;
-    set_metrics( object, &report->all );
+    set_metrics( object, &report->plain.all );
+    if ( report->follows )
+    {
+        json_t* followed = part_json( &report->followed.all, NULL );
+        json_object_set_new( followed, "masked", json_boolean( report->masked ) );
+        json_object_set_new( object, "followed", followed );
+    }
     json_object_set_new( object, "compensated", json_boolean( report->compensated ) );
-    json_object_set_new( object, "masked", json_boolean( report->masked ) );
+    json_object_set_new( object, "masked", json_boolean( report->compensated && report->masked ) );
     json_object_set_new( object, "error_from", report->source == RF_ERROR_FROM_REFERENCE  ? json_string( "reference" )
                                                : report->source == RF_ERROR_FROM_VARIANCE ? json_string( "variance" )
                                                                                           : json_null() );

@@ -12,7 +12,9 @@
 typedef struct RfFlickerRun
 {
     const char* pattern;
-    const char* reference; // these four: or NULL
+    const char* reference; // these six: or NULL
+    const char* layer;     // NULL: the colour
+    const char* reference_layer;
     const char* frame_list;
     const char* motion;
     const char* depth;
@@ -32,7 +34,8 @@ typedef struct RfFlickerRun
     int frame_count;
     int first_frame; // of the whole sequence
     char first_path[RF_FLICKER_NAME_SIZE];
-    RfExrHeader header;     // of the first frame; the layers' names lie there
+    RfExrHeader header;     // of the first frame
+    RfExrHeader layered;    // of the first that has motion layers, or of the first; the layers' names lie there
     RfFlickerLayers layers; // that are read
     RfSeams seams;
     RfFlickerFrame ring[RF_SPECTRUM_FRAMES]; // frame i at i modulo the number of them
@@ -49,6 +52,7 @@ RfResult rf_flicker_path( const char* pattern, int frame, char path[RF_FLICKER_N
 RfResult rf_find_flicker_frames( RfFlickerRun* flicker, RfError* error );
 
 // Reads the header of the first frame: which layers there are, and what of them is wanted.
+// Against a reference motion is also followed beside the plain figures, where any frame has it.
 RfResult rf_find_layers_to_read( RfFlickerRun* flicker, RfError* error );
 
 #endif

@@ -27,6 +27,8 @@ static RfResult check_options( const RfPageRun* report, RfError* error )
         return rf_fail( error, RF_ERROR_USAGE, "--output: is missing: give the page's name, such as -o report.html" );
     if ( !ends_with( report->output, ".html" ) && !ends_with( report->output, ".htm" ) )
         return rf_fail( error, RF_ERROR_USAGE, "--output: wants a name that ends with .html, got '%s'", report->output );
+    if ( report->reference_layer != NULL && report->reference == NULL )
+        return rf_fail( error, RF_ERROR_USAGE, "--reference-layer: is of the sequence that --reference names" );
     if ( report->render_file != NULL && report->place_count > 1 )
         return rf_fail( error, RF_ERROR_USAGE, "--render-json: is of one sequence, and %d are given: put each file into the folder of its frames",
                         report->place_count );
@@ -73,7 +75,8 @@ static RfResult add_tracks( RfPageRun* report, RfPage* page, RfError* error )
     {
         const RfPageSequence* sequence = report->sequences + i;
         report->tracks[i] = ( RfPageTrack ){ .sequence = sequence, .reference = sequence->is_reference ? NULL : reference, .index = i,
-                                             .width = report->width, .numbers = report->numbers, .count = report->count };
+                                             .width = report->width, .numbers = report->numbers, .count = report->count, .holes = report->holes,
+                                             .hole_count = report->hole_count };
         result = rf_add_page_track( page, report->tracks + i, on_picture, report, error );
     }
     return result;
@@ -139,10 +142,14 @@ int rf_command_report( int argc, char** argv )
     static const char* const files[] = { "DIR" };
     RfPageRun report = { 0 };
     const RfOption options[] = {
-        { .name = "output", .writes = ".html", .letter = 'o', .type = RF_OPTION_STRING, .value = &report.output, .meta = "FILE.html", .help = "the page" },
+        { .name = "output", .writes = "", .letter = 'o', .type = RF_OPTION_STRING, .value = &report.output, .meta = "FILE.html", .help = "the page" },
         { .name = "overwrite", .type = RF_OPTION_BOOL, .value = &report.overwrite, .default_text = "off", .help = "replace a page that is there" },
         { .name = "reference", .reads = true, .type = RF_OPTION_STRING, .value = &report.reference, .meta = "DIR",
           .help = "what the frames should be: true error and flicker, and shown beside them" },
+        { .name = "layer", .type = RF_OPTION_STRING, .value = &report.layer, .meta = "NAME", .default_text = "the colour",
+          .help = "a layer, part or channel of all sequences' files, or three channels X,Y,Z" },
+        { .name = "reference-layer", .type = RF_OPTION_STRING, .value = &report.reference_layer, .meta = "NAME",
+          .default_text = "that of --layer", .help = "the same of the reference, where its name is another" },
         { .name = "render-json", .reads = true, .type = RF_OPTION_STRING, .value = &report.render_file, .meta = "FILE", .default_text = "one in the folder",
           .help = "what render --json wrote: time, memory, rays, estimated error" },
         { .name = "cost", .reads = true, .type = RF_OPTION_STRING, .value = &report.cost_file, .meta = "FILE", .default_text = "one in the folder",

@@ -5,6 +5,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 static json_t* blocks_json( const RfPageTrack* track )
@@ -163,16 +164,19 @@ json_t* rf_page_result_json( const RfPageData* data, const char* output, uint64_
         const RfPageTrack* track = data->tracks + i;
         RfFlickerMetrics flicker = rf_flicker_metrics( &track->flicker );
         bool has_flicker = track->flicker.pairs > 0;
-        int shown = 0;
+        int shown = 0, lacking;
+        int* missing = rf_page_missing_frames( track, &lacking );
         for ( int k = 0; k < track->count; ++k )
             shown += track->frames[k].shown;
-        json_array_append_new( tracks, json_pack( "{s:o, s:o, s:b, s:i, s:i, s:o, s:o, s:o, s:o, s:o}", "name", rf_json_text( track->sequence->name ),
+        json_array_append_new( tracks, json_pack( "{s:o, s:o, s:b, s:i, s:i, s:o, s:o, s:o, s:o, s:o, s:o}", "name", rf_json_text( track->sequence->name ),
                                                   "files", rf_json_text( track->sequence->pattern ), "reference", track->sequence->is_reference,
-                                                  "frames", shown, "missing", track->count - shown, "picture_bytes",
+                                                  "frames", shown, "missing", lacking, "missing_frames",
+                                                  rf_json_frames( missing, lacking ), "picture_bytes",
                                                   json_integer( (json_int_t)track->picture_bytes ), "relmse",
                                                   rf_json_number( track->has_error ? track->error.relmse : NAN ), "relmse_estimate",
                                                   rf_json_number( track->estimate ), "f1", rf_json_number( has_flicker ? flicker.f1 : NAN ), "phi",
                                                   rf_json_number( has_flicker ? flicker.phi : NAN ) ) );
+        free( missing );
     }
     return json_pack( "{s:o, s:o, s:i, s:o}", "output", rf_json_text( output ), "bytes", json_integer( (json_int_t)bytes ), "frames", data->count,
                       "sequences", tracks );

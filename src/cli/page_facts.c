@@ -2,9 +2,11 @@
 
 #include "cli/render_options.h"
 #include "cli/report.h"
+#include "image/sequence.h"
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #define MOST_STRINGS 24 // of other programs
@@ -59,7 +61,19 @@ static void add_number( json_t* facts, const char* group, const char* label, con
         add( facts, group, label, text );
 }
 
-// "1-48", "1-12 of 48"
+// "3, 4, 8-12"
+static void add_missing( json_t* facts, const RfPageTrack* track )
+{
+    char text[LONGEST];
+    int count;
+    int* missing = rf_page_missing_frames( track, &count );
+    rf_format_frames( missing, count, text, sizeof text );
+    if ( count > 0 )
+        add( facts, "Picture", "Missing", text );
+    free( missing );
+}
+
+// "48, from 1 to 48"
 static void add_frames( json_t* facts, const RfPageTrack* track )
 {
     int shown = 0, first = 0, last = 0;
@@ -76,8 +90,7 @@ static void add_frames( json_t* facts, const RfPageTrack* track )
     char text[96];
     snprintf( text, sizeof text, "%d, from %d to %d", shown, first, last );
     add( facts, "Picture", "Frames", text );
-    if ( shown < track->count )
-        add_number( facts, "Picture", "Missing", track->count - shown == 1 ? "%.0f frame" : "%.0f frames", track->count - shown );
+    add_missing( facts, track );
     if ( bad > 0 )
         add_number( facts, "Picture", "No numbers", "%.0f pixels with NaN or infinity", (double)bad );
 }
@@ -121,6 +134,19 @@ static void add_error( json_t* facts, const RfPageTrack* track )
     add_number( facts, "Error", "Flicker: F1", "%.3g", flicker.f1 );
     if ( track->compensated )
         add_number( facts, "Error", "Flicker: coverage", "%.2f %%", 100.0 * flicker.coverage );
+    if ( track->followed.pairs > 0 )
+        add_number( facts, "Error", "Flicker along the motion: phi", "%.3f", rf_flicker_metrics( &track->followed ).phi );
+}
+
+// Of neighbours whose files lack the layers of the first file there is no flicker along the motion.
+static void add_pairs( json_t* facts, const RfPageTrack* track )
+{
+    char text[96];
+    int pairs = track->follows ? track->followed.pairs : track->flicker.pairs;
+    if ( pairs == track->pair_count )
+        return;
+    snprintf( text, sizeof text, "%d of %d pairs, the other frames lack the layers", pairs, track->pair_count );
+    add( facts, "Error", track->follows ? "Flicker along the motion: of" : "Flicker: of", text );
 }
 
 // What Reframe writes into its files, in the order that people want it.
@@ -274,6 +300,7 @@ json_t* rf_page_facts_json( const RfPageTrack* track )
     json_t* facts = json_array();
     add_picture( facts, track );
     add_error( facts, track );
+    add_pairs( facts, track );
     add_known( facts, sequence->first, "Scene" );
     add_effects( facts, sequence->render );
     add_samples( facts, track );

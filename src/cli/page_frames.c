@@ -14,7 +14,6 @@ typedef struct Work
     RfPage* page;
     RfPageTrack* track;
     RfFlickerLayers layers;
-    RfExrWindow window;     // of the first file
     RfFlickerFrame ring[2]; // this frame and the one before, at their places modulo 2
     bool has_frame[2];      // and their signals are what flicker wants
     RfErrorSummary errors;
@@ -26,42 +25,25 @@ void rf_page_block_id( const RfPageTrack* track, int number, char id[32] )
     snprintf( id, 32, "s%d-%d", track->index, number );
 }
 
-// Motion and depth to follow, and variance, where there is no reference and the files
-// have them; what flicker would refuse is left out.
+// Motion and depth to follow, and without a reference the variance of the colour, where
+// the files have them; what flicker would refuse is left out.
 static void find_layers( Work* work )
 {
     RfPageTrack* track = work->track;
     const RfPageSequence* sequence = track->sequence;
-    work->layers = ( RfFlickerLayers ){ 0 };
-    if ( track->reference != NULL || sequence->is_reference )
-        return;
-    if ( rf_find_flicker_layers( sequence->first, &sequence->header, NULL, NULL, &work->layers, NULL ) != RF_OK || work->layers.motion[0] == NULL )
-        work->layers = ( RfFlickerLayers ){ 0 };
-    rf_find_variance_layers( sequence->first, &sequence->header, &work->layers, NULL );
-    track->compensated = work->layers.motion[0] != NULL;
-    track->has_variance = work->layers.variance[0] != NULL;
-}
-
-static RfResult read_image( const Work* work, const char* path, RfImage* image, RfError* error )
-{
-    RfExrWindow window;
-    RfResult result = rf_read_exr_layer( path, NULL, image, &window, error );
-    if ( result != RF_OK || memcmp( &window, &work->window, sizeof window ) == 0 )
-        return result;
-    rf_destroy_image( image );
-    return rf_fail( error, RF_ERROR_FORMAT, "%.400s: has %dx%d pixels from (%d, %d) on, %.400s %dx%d from (%d, %d) on: they cannot be compared",
-                    path, window.width, window.height, window.x, window.y, work->track->sequence->first, work->window.width,
-                    work->window.height, work->window.x, work->window.y );
-}
-
-static RfResult read_frame( Work* work, const char* path, RfFlickerFrame* frame, RfError* error )
-{
-    const RfPageSequence* sequence = work->track->sequence;
-    bool has_layers = work->layers.motion[0] != NULL || work->layers.variance[0] != NULL;
-    if ( has_layers )
-        return rf_read_flicker_frame( path, &work->layers, &sequence->header, sequence->first, frame, error );
-    *frame = ( RfFlickerFrame ){ 0 };
-    return read_image( work, path, &frame->signal, error );
+    RfFlickerLayers* layers = &work->layers;
+    *layers = ( RfFlickerLayers ){ 0 };
+    if ( !sequence->is_reference && ( rf_find_flicker_layers( sequence->first, &sequence->header, NULL, NULL, layers, NULL ) != RF_OK ||
+                                      layers->motion[0] == NULL ) )
+        *layers = ( RfFlickerLayers ){ 0 };
+    bool alone = track->reference == NULL && !sequence->is_reference;
+    if ( alone && sequence->layer == NULL )
+        rf_find_variance_layers( sequence->first, &sequence->header, layers, NULL );
+    layers->colour = sequence->layer;
+    layers->may_lack = true;
+    track->compensated = alone && layers->motion[0] != NULL;
+    track->follows = !alone && layers->motion[0] != NULL;
+    track->has_variance = layers->variance[0] != NULL;
 }
 
 static size_t count_bad( const RfImage* image )
@@ -136,14 +118,26 @@ static void take_said( const RfPageSequence* sequence, int number, const char* p
         told->samples = rf_read_exr_number( path, "reframe/native-spp" );
 }
 
+// The pair of this frame and the one before, if both are there. Along the motion only
+// where both have the layers.
 static RfResult measure_flicker( Work* work, int i, RfError* error )
 {
     RfPageTrack* track = work->track;
-    RfFlickerSums sums;
+    RfFlickerSums sums, followed;
+    const RfFlickerFrame *now = work->ring + i % 2, *before = work->ring + ( i + 1 ) % 2;
     bool pair = i > 0 && work->has_frame[0] && work->has_frame[1] && track->numbers[i] == track->numbers[i - 1] + 1;
     if ( !pair )
         return RF_OK;
-    RfResult result = rf_measure_flicker( work->ring + i % 2, work->ring + ( i - 1 ) % 2, track->compensated, track->reference != NULL, &sums, error );
+    track->pair_count += 1;
+    bool has_layers = rf_has_flicker_layers( &work->layers, now, before );
+    if ( !track->follows && !has_layers )
+        return RF_OK;
+    RfResult result = rf_measure_flicker( now, before, track->compensated, track->reference != NULL, &sums, error );
+    if ( result == RF_OK && track->follows && has_layers )
+    {
+        result = rf_measure_flicker( now, before, true, true, &followed, error );
+        rf_add_flicker( &track->followed, &followed );
+    }
     if ( result != RF_OK )
         return result;
     RfFlickerMetrics metrics = rf_flicker_metrics( &sums );
@@ -166,7 +160,7 @@ static RfResult add_frame( Work* work, int i, RfError* error )
         return RF_OK;
     RfResult result = rf_page_frame_path( track->sequence, number, path, error );
     if ( result == RF_OK )
-        result = read_frame( work, path, frame, error );
+        result = rf_read_flicker_frame( path, &work->layers, &track->sequence->header, track->sequence->first, frame, error );
     if ( result == RF_OK )
         result = add_picture( work, number, &frame->signal, path, error );
     if ( result != RF_OK )
@@ -183,7 +177,7 @@ static RfResult add_frame( Work* work, int i, RfError* error )
     if ( has_reference )
         result = rf_page_frame_path( track->reference, number, path, error );
     if ( result == RF_OK && has_reference )
-        result = read_image( work, path, &reference, error );
+        result = rf_read_aligned( path, track->reference->layer, &track->sequence->header, track->sequence->first, &reference, error );
     if ( result == RF_OK && has_reference )
         result = measure_error( work, told, frame, &reference, error );
     rf_destroy_image( &reference );
@@ -211,18 +205,14 @@ static void sum_up( Work* work )
 
 RfResult rf_add_page_track( RfPage* page, RfPageTrack* track, RfPageProgressFn* progress, void* user, RfError* error )
 {
-    const RfExrHeader* header = &track->sequence->header;
     Work work = { .page = page, .track = track };
     track->frames = malloc( (size_t)track->count * sizeof( RfPageFrame ) );
     if ( track->frames == NULL )
         return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for %d frames", track->sequence->pattern, track->count );
     for ( int i = 0; i < track->count; ++i )
         track->frames[i] = ( RfPageFrame ){ .relmse = NAN, .seconds = NAN, .samples = NAN, .phi = NAN, .f1 = NAN };
-    work.window = ( RfExrWindow ){ header->x, header->y, header->width, header->height };
     find_layers( &work );
-    RfImage first = { 0 }; // where its colour lies, in whichever part
-    RfResult result = rf_read_exr_layer( track->sequence->first, NULL, &first, &work.window, error );
-    rf_destroy_image( &first );
+    RfResult result = RF_OK;
     for ( int i = 0; i < track->count && result == RF_OK; ++i )
     {
         result = add_frame( &work, i, error );
@@ -236,6 +226,20 @@ RfResult rf_add_page_track( RfPage* page, RfPageTrack* track, RfPageProgressFn* 
     if ( work.has_summary )
         rf_destroy_summary( &work.errors );
     return result;
+}
+
+int* rf_page_missing_frames( const RfPageTrack* track, int* count )
+{
+    *count = 0;
+    int* missing = malloc( (size_t)( track->count + track->hole_count + 1 ) * sizeof( int ) );
+    for ( int i = 0, k = 0; missing != NULL && ( i < track->count || k < track->hole_count ); )
+    {
+        bool is_hole = i == track->count || ( k < track->hole_count && track->holes[k] < track->numbers[i] );
+        int number = is_hole ? track->holes[k++] : track->numbers[i++];
+        if ( !rf_has_page_frame( track->sequence, number ) )
+            missing[( *count )++] = number;
+    }
+    return missing;
 }
 
 void rf_free_page_track( RfPageTrack* track )

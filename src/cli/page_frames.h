@@ -26,12 +26,17 @@ typedef struct RfPageTrack
     int width;                       // pictures are no wider; 0: as they are
     const int* numbers;              // of the page's frames
     int count;
+    const int* holes;                // between them, that no sequence has
+    int hole_count;
 
     RfPageFrame* frames;             // `count` of them
     int picture_width, picture_height;
     uint64_t picture_bytes;
-    bool compensated, has_variance; // of the flicker without reference
+    bool compensated, has_variance;  // of the flicker without reference
     RfFlickerSums flicker;
+    RfFlickerSums followed;          // against a reference: the same along the motion, where there are layers
+    bool follows;
+    int pair_count;                  // neighbours that are there, also where they lack the layers
     RfErrorMetrics error;            // of all frames, against the reference
     bool has_error;
     double estimate;                 // mean of the estimates of relMSE; NaN: none
@@ -42,6 +47,10 @@ typedef struct RfPageTrack
 typedef bool RfPageProgressFn( void* user );
 RfResult rf_add_page_track( RfPage* page, RfPageTrack* track, RfPageProgressFn* progress, void* user, RfError* error );
 void rf_free_page_track( RfPageTrack* track );
+
+// The frames of the page, and the holes between them, that the sequence lacks, ascending, *count of
+// them. The caller frees it; NULL: none, or no memory.
+int* rf_page_missing_frames( const RfPageTrack* track, int* count );
 
 // The id of a frame's block.
 void rf_page_block_id( const RfPageTrack* track, int number, char id[32] );

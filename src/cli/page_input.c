@@ -139,15 +139,15 @@ static RfResult find_frames( const char* place, RfPageSequence* sequence, RfErro
     return take_file( place, sequence, error );
 }
 
-RfResult rf_open_page_sequence( const char* place, RfPageSequence* sequence, RfError* error )
+RfResult rf_open_page_sequence( const char* place, const char* layer, RfPageSequence* sequence, RfError* error )
 {
-    *sequence = ( RfPageSequence ){ 0 };
+    *sequence = ( RfPageSequence ){ .layer = layer };
     name_sequence( place, sequence );
     RfResult result = find_frames( place, sequence, error );
     if ( result == RF_OK )
         result = rf_page_frame_path( sequence, sequence->frames[0], sequence->first, error );
     if ( result == RF_OK )
-        result = rf_read_exr_header( sequence->first, &sequence->header, error );
+        result = rf_read_exr_header( sequence->first, layer, &sequence->header, error );
     char folder[RF_PAGE_NAME_SIZE];
     folder_of( sequence->pattern, folder );
     return result == RF_OK ? look_for_json( sequence, folder, error ) : result;

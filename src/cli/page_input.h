@@ -13,6 +13,7 @@
 typedef struct RfPageSequence
 {
     char name[256];                  // for people: the folder's name
+    const char* layer;               // as of rf_read_exr_layer; NULL: the colour
     char pattern[RF_PAGE_NAME_SIZE]; // of its files
     int* frames;                     // that are there, ascending
     int frame_count;
@@ -25,7 +26,7 @@ typedef struct RfPageSequence
 
 // Finds the one sequence of a folder, or that which `place` names by #### or as a
 // single file, and in its folder the JSON of render and cost, told by their keys. rf_close_page_sequence in any case.
-RfResult rf_open_page_sequence( const char* place, RfPageSequence* sequence, RfError* error );
+RfResult rf_open_page_sequence( const char* place, const char* layer, RfPageSequence* sequence, RfError* error );
 void rf_close_page_sequence( RfPageSequence* sequence );
 
 // The JSON of `render` or of `cost` in a file that must hold it; takes the place of

@@ -1,6 +1,7 @@
 #include "cli/page_run.h"
 
 #include "cli/frame_list.h"
+#include "image/sequence.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -10,11 +11,12 @@ static RfResult open_sequences( RfPageRun* report, RfError* error )
 {
     RfResult result = RF_OK;
     for ( int i = 0; i < report->place_count && result == RF_OK; ++i )
-        result = rf_open_page_sequence( report->places[i], report->sequences + report->sequence_count++, error );
+        result = rf_open_page_sequence( report->places[i], report->layer, report->sequences + report->sequence_count++, error );
     if ( result == RF_OK && report->reference != NULL )
     {
         RfPageSequence* reference = report->sequences + report->sequence_count++;
-        result = rf_open_page_sequence( report->reference, reference, error );
+        const char* layer = report->reference_layer != NULL ? report->reference_layer : report->layer;
+        result = rf_open_page_sequence( report->reference, layer, reference, error );
         reference->is_reference = true;
     }
     if ( result == RF_OK && report->render_file != NULL )
@@ -70,22 +72,32 @@ static RfResult join_frames( RfPageRun* report, RfError* error )
     return RF_OK;
 }
 
+// Of ascending numbers keeps those that are wanted, which are counted from 0.
+static int keep_wanted( int* numbers, int count, const int* wanted, int wanted_count )
+{
+    int left = 0;
+    for ( int i = 0, k = 0; i < count; ++i )
+    {
+        while ( k < wanted_count && wanted[k] + 1 < numbers[i] )
+            ++k;
+        if ( k < wanted_count && wanted[k] + 1 == numbers[i] )
+            numbers[left++] = numbers[i];
+    }
+    return left;
+}
+
 static RfResult choose_frames( RfPageRun* report, RfError* error )
 {
-    int *wanted, count, left = 0, last = report->numbers[report->count - 1];
+    int *wanted, count, last = report->numbers[report->count - 1];
     if ( report->frame_list == NULL )
         return RF_OK;
     RfResult result = rf_parse_frames( report->frame_list, last > 0 ? last : 1, &wanted, &count, error );
-    for ( int i = 0, from = 0; i < count && result == RF_OK; ++i )
-    {
-        while ( from < report->count && report->numbers[from] < wanted[i] + 1 )
-            ++from;
-        if ( from < report->count && report->numbers[from] == wanted[i] + 1 )
-            report->numbers[left++] = wanted[i] + 1;
-    }
+    if ( result != RF_OK )
+        return result;
+    report->count = keep_wanted( report->numbers, report->count, wanted, count );
+    report->hole_count = keep_wanted( report->holes, report->hole_count, wanted, count );
     free( wanted );
-    report->count = left;
-    if ( result == RF_OK && left == 0 )
+    if ( report->count == 0 )
         return rf_fail( error, RF_ERROR_USAGE, "--frames: '%s': none of these is there", report->frame_list );
     return result;
 }
@@ -105,6 +117,8 @@ RfResult rf_prepare_page( RfPageRun* report, RfError* error )
     if ( result == RF_OK )
         result = join_frames( report, error );
     if ( result == RF_OK )
+        result = rf_missing_frames( report->numbers, report->count, &report->holes, &report->hole_count, error );
+    if ( result == RF_OK )
         result = choose_frames( report, error );
     if ( result != RF_OK )
         return result;
@@ -122,4 +136,5 @@ void rf_destroy_page_run( RfPageRun* report )
     }
     json_decref( report->cost );
     free( report->numbers );
+    free( report->holes );
 }

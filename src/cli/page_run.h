@@ -13,6 +13,8 @@ typedef struct RfPageRun
     int place_count;
     const char* output;
     const char* reference; // this and those that follow: or NULL
+    const char* layer;     // NULL: the colour
+    const char* reference_layer;
     const char* cost_file;
     const char* render_file;
     const char* frame_list;
@@ -29,6 +31,8 @@ typedef struct RfPageRun
     json_t* cost;
     int* numbers; // of the page's frames
     int count;
+    int* holes;    // between them, that no sequence has
+    int hole_count;
     int done, all; // pictures
     char words[1024]; // a title of our own
 } RfPageRun;

@@ -69,6 +69,14 @@ double rf_json_number_of( const json_t* object, const char* key )
     return json_is_number( value ) ? json_number_value( value ) : (double)NAN;
 }
 
+json_t* rf_json_frames( const int* frames, int count )
+{
+    json_t* list = json_array();
+    for ( int i = 0; i < count; ++i )
+        json_array_append_new( list, json_integer( frames[i] ) );
+    return list;
+}
+
 #define JSON_FLAGS ( JSON_INDENT( 2 ) | JSON_REAL_PRECISION( 9 ) )
 
 static RfResult dump_to_file( const char* path, const json_t* json, RfError* error )

@@ -20,6 +20,9 @@ RfLog rf_stderr_log( const char* command );
 // A JSON string of any bytes: what is no UTF-8 (file names may be) becomes '?'.
 json_t* rf_json_text( const char* text );
 
+// An array of frames' numbers.
+json_t* rf_json_frames( const int* frames, int count );
+
 // A JSON number, null where it is not finite.
 json_t* rf_json_number( double value );
 

@@ -68,23 +68,35 @@ typedef struct RfExrWindow
 // Reads three channels, or one as grey, of the first part that has them, and where
 // they lie. `layer` is a layer ("ViewLayer.DiffDir": its R, G, B or X, Y, Z), the
 // name of a part, a channel ("depth.Z") or three with commas between them; NULL:
-// the colour, as rf_read_exr finds it, but in the first part that has any.
+// the colour, as rf_read_exr finds it, but in the first part that has any, and one with
+// three channels before one with Y.
 RfResult rf_read_exr_layer( const char* path, const char* layer, RfImage* image, RfExrWindow* window, RfError* error );
 
 // Calls `take` with each string attribute of the first part, in the file's order.
 typedef void RfExrStringFn( void* user, const char* name, const char* value );
 RfResult rf_list_exr_strings( const char* path, RfExrStringFn* take, void* user, RfError* error );
 
-// Reads channels by their full names ("depth.Z"), which must all be there and
-// not be subsampled: `count` floats per pixel, in the order of the names, rows
-// from top to bottom. The caller frees *values.
-RfResult rf_read_exr_channels( const char* path, const char* const* names, int count, int* width, int* height,
-                               float** values, RfError* error );
+// Reads channels by their full names ("depth.Z", as rf_find_exr_name has them) of any
+// part, which must all be there, not be subsampled and have one data window: `count`
+// floats per pixel, in the order of the names, which differ, rows from top to bottom.
+// The caller frees *values.
+RfResult rf_read_exr_channels( const char* path, const char* const* names, int count, RfExrWindow* window, float** values,
+                               RfError* error );
+
+// A channel of a file.
+typedef struct RfExrName
+{
+    char* text;         // where the file has several parts behind its part's name: "beauty.depth.Z"
+    const char* own;    // as in its part: "depth.Z"
+    int part;
+    RfExrWindow window; // of the part's data
+} RfExrName;
 
 // What a file says of itself: the windows, the channels, the camera.
 typedef struct RfExrHeader
 {
-    int x, y, width, height;          // data window: its first pixel, its size
+    int part;                         // with the colour; where there is none, the first that can be read
+    int x, y, width, height;          // its data window: the first pixel, the size
     int display_x, display_y;         // display window
     int display_width, display_height;
     int fps_numerator;                // framesPerSecond; 0: the file does not say
@@ -92,12 +104,17 @@ typedef struct RfExrHeader
     bool has_world_to_ndc;
     float world_to_ndc[16];           // as in RfExrOptions
     int channel_count;
-    char** channels;                  // full names, as in the file
+    RfExrName* channels;              // of all parts that can be read
 } RfExrHeader;
 
-// Reads the header of the first part; rf_destroy_exr_header frees it.
-RfResult rf_read_exr_header( const char* path, RfExrHeader* header, RfError* error );
+// Reads what is said of the part with the colour, or with `layer`, which may be missing
+// (as for rf_read_exr_layer), and all channels' names; rf_destroy_exr_header frees it.
+RfResult rf_read_exr_header( const char* path, const char* layer, RfExrHeader* header, RfError* error );
 void rf_destroy_exr_header( RfExrHeader* header );
+
+// The channel whose text or, failing that, whose own name is the first `length`
+// characters of `name`, one of the colour's part before others; NULL: none.
+const RfExrName* rf_find_exr_name( const RfExrHeader* header, const char* name, size_t length );
 
 // Reads one string attribute into `value` (size bytes, truncated). Fails with
 // RF_ERROR_IO or RF_ERROR_FORMAT where the file cannot be read or has none.

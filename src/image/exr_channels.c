@@ -107,17 +107,19 @@ RfResult rf_check_exr_channel( const RfExrStream* stream, const exr_attr_chlist_
     return RF_OK;
 }
 
-RfResult rf_find_exr_channels( const RfExrStream* stream, const exr_attr_chlist_t* list, RfExrChannels* channels,
-                               RfError* error )
+RfResult rf_find_exr_channels( const RfExrStream* stream, const exr_attr_chlist_t* list, const char* advice,
+                               RfExrChannels* channels, RfError* error )
 {
     int layers = 0, combined = 0;
     char text[512] = "";
     if ( !find_layer( list, "", 0, channels ) )
     {
         find_layers( list, channels, &layers, &combined, text, sizeof text );
+        channels->count = layers;
         if ( layers > 1 && combined != 1 )
-            return rf_fail( error, RF_ERROR_UNSUPPORTED, "%s: has more than one layer of colour: %s: keep one",
-                            stream->path, text );
+            return rf_fail( error, RF_ERROR_UNSUPPORTED, "%s: has more than one layer of colour: %s: %s", stream->path,
+                            text, advice );
+        channels->count = layers == 0 ? 0 : 3;
         RfResult result = layers == 0 ? find_luminance( stream, list, channels, error ) : RF_OK;
         if ( result != RF_OK )
             return result;
@@ -165,5 +167,5 @@ bool rf_find_exr_layer( const RfExrPart* part, const char* layer, RfExrChannels*
          find_three( part->channels, prefix, (size_t)length, axes, channels ) )
         return true;
     return exr_get_name( part->context, part->index, &name ) == EXR_ERR_SUCCESS && name != NULL && strcmp( name, layer ) == 0 &&
-           rf_find_exr_channels( part->stream, part->channels, channels, NULL ) == RF_OK;
+           rf_find_exr_channels( part->stream, part->channels, "", channels, NULL ) == RF_OK;
 }

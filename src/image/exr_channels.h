@@ -11,14 +11,19 @@ typedef struct RfExrChannels
 } RfExrChannels;
 
 // R, G, B; else the layer P with P.R, P.G and P.B, where there is but one or but
-// one whose name ends with "Combined"; else Y. Else an error names what is there.
-RfResult rf_find_exr_channels( const RfExrStream* stream, const exr_attr_chlist_t* list, RfExrChannels* channels,
-                               RfError* error );
+// one whose name ends with "Combined"; else Y. Else an error names what is there, and
+// channels->count is how many layers there are. `advice` is what to do about several.
+RfResult rf_find_exr_channels( const RfExrStream* stream, const exr_attr_chlist_t* list, const char* advice,
+                               RfExrChannels* channels, RfError* error );
 
 // The channels that `layer` names in this part: a channel (as grey), the three of a
 // layer (P.R, P.G, P.B or P.X, P.Y, P.Z), three channels with commas between them,
 // or, where it is the part's name, the part's colour. False where it names none.
 bool rf_find_exr_layer( const RfExrPart* part, const char* layer, RfExrChannels* channels );
+
+// Opens the part of a file with the colour, in the first that has any, or with what `layer`
+// names (NULL: the colour), and finds its channels. rf_close_exr_part where it succeeded.
+RfResult rf_open_exr_layer( RfExrStream* stream, const char* layer, RfExrPart* part, RfExrChannels* channels, RfError* error );
 
 // Writes the names of all channels, with commas between them.
 void rf_list_exr_channels( const exr_attr_chlist_t* list, char* text, size_t size );

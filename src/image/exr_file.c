@@ -1,4 +1,4 @@
-// Reading EXR files: images, channels, attributes.
+// Reading EXR files: images, attributes.
 #include "image/atomic_file.h"
 #include "image/exr.h"
 #include "image/exr_channels.h"
@@ -48,7 +48,7 @@ RfResult rf_read_exr_stream( RfExrStream* stream, RfImage* image, RfError* error
     if ( result != RF_OK )
         return result;
     RfExrChannels channels;
-    result = rf_find_exr_channels( stream, part.channels, &channels, error );
+    result = rf_find_exr_channels( stream, part.channels, "keep one", &channels, error );
     if ( result == RF_OK )
         result = rf_create_image( part.width, part.height, image, error );
     if ( result == RF_OK )
@@ -69,62 +69,6 @@ RfResult rf_read_exr( const char* path, RfImage* image, RfError* error )
     if ( result != RF_OK )
         return result;
     result = rf_read_exr_stream( &stream, image, error );
-    close( stream.fd );
-    return result;
-}
-
-typedef struct Interleaved
-{
-    float* values;
-    int width, channels;
-} Interleaved;
-
-static void take_channel( void* user, int channel, int x, int y, const float* values, int count )
-{
-    const Interleaved* to = user;
-    float* out = to->values + (size_t)to->channels * ( (size_t)y * (size_t)to->width + (size_t)x ) + channel;
-    for ( int i = 0; i < count; ++i )
-        out[(size_t)i * (size_t)to->channels] = values[i];
-}
-
-static RfResult read_channels( RfExrStream* stream, const char* const* names, int count, int* width, int* height,
-                               float** values, RfError* error )
-{
-    RfExrPart part;
-    RfResult result = rf_open_exr_part( stream, 0, &part, error );
-    if ( result != RF_OK )
-        return result;
-    Interleaved to = { NULL, part.width, count };
-    to.values = malloc( (size_t)part.width * (size_t)part.height * (size_t)count * sizeof( float ) );
-    if ( to.values == NULL )
-        result = rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for %dx%d pixels", stream->path, part.width, part.height );
-    if ( result == RF_OK )
-        result = rf_read_exr_lines( &part, names, count, take_channel, &to, error );
-    rf_close_exr_part( &part );
-    if ( result != RF_OK )
-    {
-        free( to.values );
-        return result;
-    }
-    *width = part.width;
-    *height = part.height;
-    *values = to.values;
-    return RF_OK;
-}
-
-RfResult rf_read_exr_channels( const char* path, const char* const* names, int count, int* width, int* height,
-                               float** values, RfError* error )
-{
-    *values = NULL;
-    *width = *height = 0;
-    if ( count < 1 || count > RF_EXR_MAX_CHANNELS )
-        return rf_fail( error, RF_ERROR_USAGE, "%s: %d channels cannot be read: ask for 1 to %d", path, count,
-                        RF_EXR_MAX_CHANNELS );
-    RfExrStream stream;
-    RfResult result = rf_open_exr_file( path, &stream, error );
-    if ( result != RF_OK )
-        return result;
-    result = read_channels( &stream, names, count, width, height, values, error );
     close( stream.fd );
     return result;
 }

@@ -7,22 +7,46 @@
 #include <string.h>
 #include <unistd.h>
 
-// The colour of the first part that has any: the error of the first says what is wrong.
+// The colour of a part; what is wrong with it in `error`, and in channels->count how many there are.
+static RfResult open_colour( RfExrStream* stream, int index, RfExrPart* part, RfExrChannels* channels, RfError* error )
+{
+    *channels = ( RfExrChannels ){ 0 };
+    RfResult result = rf_open_exr_part( stream, index, part, error );
+    if ( result != RF_OK )
+        return result;
+    result = rf_find_exr_channels( stream, part->channels, "name one by --layer", channels, error );
+    if ( result != RF_OK )
+        rf_close_exr_part( part );
+    return result;
+}
+
+// The colour of the first part that has any, Y alone where no part has more: it may be that
+// of X and Y. What is wrong says the error of the first part, but for one with several colours.
 static RfResult find_colour( RfExrStream* stream, RfExrPart* part, RfExrChannels* channels, RfError* error )
 {
-    int count = 1;
+    int count = 1, grey = -1;
+    bool has_several = false;
+    RfError first = { 0 };
     for ( int i = 0; i < count; ++i )
     {
-        RfError* first = i == 0 ? error : NULL;
-        RfResult result = rf_open_exr_part( stream, i, part, first );
+        RfError here = { 0 };
+        RfResult result = open_colour( stream, i, part, channels, &here );
         count = part->count;
-        if ( result != RF_OK )
-            continue;
-        if ( rf_find_exr_channels( stream, part->channels, channels, first ) == RF_OK )
+        if ( result == RF_OK && channels->count == 3 )
             return RF_OK;
-        rf_close_exr_part( part );
+        if ( result == RF_OK )
+        {
+            grey = grey < 0 ? i : grey;
+            rf_close_exr_part( part );
+            continue;
+        }
+        if ( first.code == RF_OK || ( channels->count > 1 && !has_several ) )
+            first = here;
+        has_several |= channels->count > 1;
     }
-    return error != NULL ? error->code : RF_ERROR_FORMAT;
+    if ( grey >= 0 && !has_several )
+        return open_colour( stream, grey, part, channels, error );
+    return rf_fail( error, first.code, "%s", first.text );
 }
 
 static RfResult find_layer( RfExrStream* stream, const char* layer, RfExrPart* part, RfExrChannels* channels, RfError* error )
@@ -43,6 +67,11 @@ static RfResult find_layer( RfExrStream* stream, const char* layer, RfExrPart* p
         rf_close_exr_part( part );
     }
     return rf_fail( error, RF_ERROR_FORMAT, "%s: has no layer %s; it has %s", stream->path, layer, text[0] != 0 ? text : "none" );
+}
+
+RfResult rf_open_exr_layer( RfExrStream* stream, const char* layer, RfExrPart* part, RfExrChannels* channels, RfError* error )
+{
+    return layer != NULL ? find_layer( stream, layer, part, channels, error ) : find_colour( stream, part, channels, error );
 }
 
 static void take_value( void* user, int channel, int x, int y, const float* values, int count )
@@ -78,8 +107,6 @@ static RfResult read_part( const RfExrPart* part, const RfExrChannels* channels,
 
 RfResult rf_read_exr_layer( const char* path, const char* layer, RfImage* image, RfExrWindow* window, RfError* error )
 {
-    RfError local; // whose code is looked at
-    error = error != NULL ? error : &local;
     *image = ( RfImage ){ 0 };
     RfExrStream stream;
     RfResult result = rf_open_exr_file( path, &stream, error );
@@ -87,7 +114,7 @@ RfResult rf_read_exr_layer( const char* path, const char* layer, RfImage* image,
         return result;
     RfExrPart part;
     RfExrChannels channels;
-    result = layer != NULL ? find_layer( &stream, layer, &part, &channels, error ) : find_colour( &stream, &part, &channels, error );
+    result = rf_open_exr_layer( &stream, layer, &part, &channels, error );
     if ( result == RF_OK )
     {
         result = read_part( &part, &channels, image, error );

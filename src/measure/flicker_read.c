@@ -14,34 +14,40 @@ static bool has_tail( const char* name, const char* tail )
     return length == end || name[length - end - 1] == '.';
 }
 
-// The channel of the first tail that any has; NULL where none has. Two are an error.
-static RfResult find_one( const char* path, const RfExrHeader* header, const char* const* tails, const char* how,
-                          const char** found, RfError* error )
+// Those of the colour's part, where any has the tail, else those of any part. Two are an error.
+static RfResult find_tail( const char* path, const RfExrHeader* header, const char* tail, const char* how, const char** found,
+                           RfError* error )
 {
-    *found = NULL;
-    for ( int t = 0; tails[t] != NULL && *found == NULL; ++t )
+    for ( int k = 0; k < 2 && *found == NULL; ++k )
     {
         for ( int c = 0; c < header->channel_count; ++c )
         {
-            if ( !has_tail( header->channels[c], tails[t] ) )
+            const RfExrName* channel = header->channels + c;
+            if ( ( k == 0 && channel->part != header->part ) || !has_tail( channel->text, tail ) )
                 continue;
             if ( *found != NULL )
-                return rf_fail( error, RF_ERROR_UNSUPPORTED, "%s: has both %s and %s: choose %s", path, *found,
-                                header->channels[c], how );
-            *found = header->channels[c];
+                return rf_fail( error, RF_ERROR_UNSUPPORTED, "%s: has both %s and %s: choose %s", path, *found, channel->text, how );
+            *found = channel->text;
         }
     }
     return RF_OK;
 }
 
+// The channel of the first tail that any has; NULL where none has.
+static RfResult find_one( const char* path, const RfExrHeader* header, const char* const* tails, const char* how,
+                          const char** found, RfError* error )
+{
+    RfResult result = RF_OK;
+    *found = NULL;
+    for ( int t = 0; tails[t] != NULL && *found == NULL && result == RF_OK; ++t )
+        result = find_tail( path, header, tails[t], how, found, error );
+    return result;
+}
+
 static const char* find_name( const RfExrHeader* header, const char* name, size_t length )
 {
-    for ( int c = 0; c < header->channel_count; ++c )
-    {
-        if ( strlen( header->channels[c] ) == length && memcmp( header->channels[c], name, length ) == 0 )
-            return header->channels[c];
-    }
-    return NULL;
+    const RfExrName* found = rf_find_exr_name( header, name, length );
+    return found != NULL ? found->text : NULL;
 }
 
 static RfResult fail_missing( const char* path, const char* option, const char* name, size_t length, RfError* error )
@@ -76,7 +82,7 @@ static RfResult find_motion( const char* path, const RfExrHeader* header, RfFlic
     size_t length = strlen( layers->motion[0] );
     for ( int c = 0; c < header->channel_count; ++c )
     {
-        const char* name = header->channels[c];
+        const char* name = header->channels[c].text;
         if ( strlen( name ) == length && memcmp( name, layers->motion[0], length - 1 ) == 0 && name[length - 1] == 'Y' )
             layers->motion[1] = name;
     }
@@ -122,31 +128,29 @@ RfResult rf_find_flicker_layers( const char* path, const RfExrHeader* header, co
     return RF_OK;
 }
 
-static RfResult check_window( const char* path, const RfExrHeader* header, const char* first_path,
-                              const RfExrHeader* first, RfError* error )
+// `why` says what wants one data window.
+static RfResult check_window( const char* path, const RfExrWindow* window, const char* first_path, const RfExrHeader* first,
+                              const char* why, RfError* error )
 {
-    if ( header->width != first->width || header->height != first->height )
-        return rf_fail( error, RF_ERROR_FORMAT, "%.400s has %dx%d pixels and %.400s %dx%d: give frames of one size", path,
-                        header->width, header->height, first_path, first->width, first->height );
-    if ( header->x != first->x || header->y != first->y )
-        return rf_fail( error, RF_ERROR_FORMAT,
-                        "%.350s: its data window begins at (%d, %d), that of %.350s at (%d, %d): store frames with one data "
-                        "window",
-                        path, header->x, header->y, first_path, first->x, first->y );
+    if ( window->width != first->width || window->height != first->height )
+        return rf_fail( error, RF_ERROR_FORMAT, "%.400s: has %dx%d pixels and %.400s %dx%d: %s", path, window->width, window->height,
+                        first_path, first->width, first->height, why );
+    if ( window->x != first->x || window->y != first->y )
+        return rf_fail( error, RF_ERROR_FORMAT, "%.350s: its data window begins at (%d, %d), that of %.350s at (%d, %d): %s", path,
+                        window->x, window->y, first_path, first->x, first->y, why );
     return RF_OK;
 }
 
-RfResult rf_read_aligned( const char* path, const RfExrHeader* first, const char* first_path, RfImage* image,
+RfResult rf_read_aligned( const char* path, const char* layer, const RfExrHeader* first, const char* first_path, RfImage* image,
                           RfError* error )
 {
-    *image = ( RfImage ){ 0 };
-    RfExrHeader header;
-    RfResult result = rf_read_exr_header( path, &header, error );
+    RfExrWindow window;
+    RfResult result = rf_read_exr_layer( path, layer, image, &window, error );
+    if ( result == RF_OK )
+        result = check_window( path, &window, first_path, first, "a reference wants the data window of what it is held against", error );
     if ( result != RF_OK )
-        return result;
-    result = check_window( path, &header, first_path, first, error );
-    rf_destroy_exr_header( &header );
-    return result == RF_OK ? rf_read_exr( path, image, error ) : result;
+        rf_destroy_image( image );
+    return result;
 }
 
 // Rows of x·z, y·z and z from those of NDC, where x and y go from −1 to 1 over
@@ -197,10 +201,27 @@ static float* pick( const float* values, size_t pixels, int channels, const int*
     return out;
 }
 
-static RfResult read_layers( const char* path, const RfFlickerLayers* layers, RfFlickerFrame* frame, RfError* error )
+// Are these channels there, where the colour is?
+static bool has_channels( const RfExrHeader* header, const char* const* names, int count )
 {
-    bool has_motion = layers->motion[0] != NULL, has_depth = layers->depth != NULL, has_variance = layers->variance[0] != NULL;
-    int motion[2] = { 0 }, depth[1] = { 0 }, variance[3] = { 0 }, width, height;
+    const RfExrWindow window = { header->x, header->y, header->width, header->height };
+    for ( int i = 0; i < count; ++i )
+    {
+        const RfExrName* channel = names[i] != NULL ? rf_find_exr_name( header, names[i], strlen( names[i] ) ) : NULL;
+        if ( channel == NULL || memcmp( &channel->window, &window, sizeof window ) != 0 )
+            return false;
+    }
+    return true;
+}
+
+static RfResult read_layers( const char* path, const RfFlickerLayers* layers, const RfExrHeader* header, RfFlickerFrame* frame,
+                             RfError* error )
+{
+    bool lack = layers->may_lack;
+    bool has_motion = layers->motion[0] != NULL && ( !lack || has_channels( header, layers->motion, 2 ) );
+    bool has_depth = layers->depth != NULL && ( !lack || has_channels( header, &layers->depth, 1 ) );
+    bool has_variance = layers->variance[0] != NULL && ( !lack || has_channels( header, layers->variance, 3 ) );
+    int motion[2] = { 0 }, depth[1] = { 0 }, variance[3] = { 0 };
     Wanted wanted = { .count = 0 };
     want( &wanted, layers->motion, has_motion ? 2 : 0, motion );
     want( &wanted, &layers->depth, has_depth ? 1 : 0, depth );
@@ -208,14 +229,20 @@ static RfResult read_layers( const char* path, const RfFlickerLayers* layers, Rf
     if ( wanted.count == 0 )
         return RF_OK;
     float* values;
-    RfResult result = rf_read_exr_channels( path, wanted.names, wanted.count, &width, &height, &values, error );
+    RfExrWindow window;
+    RfResult result = rf_read_exr_channels( path, wanted.names, wanted.count, &window, &values, error );
+    if ( result == RF_OK )
+        result = check_window( path, &window, path, header, "its layers and its colour want one data window", error );
     if ( result != RF_OK )
+    {
+        free( values );
         return result;
-    size_t pixels = (size_t)width * (size_t)height;
+    }
+    size_t pixels = (size_t)window.width * (size_t)window.height;
     frame->motion = has_motion ? pick( values, pixels, wanted.count, motion, 2 ) : NULL;
     frame->depth = has_depth ? pick( values, pixels, wanted.count, depth, 1 ) : NULL;
     if ( has_variance )
-        frame->variance = ( RfImage ){ width, height, pick( values, pixels, wanted.count, variance, 3 ) };
+        frame->variance = ( RfImage ){ window.width, window.height, pick( values, pixels, wanted.count, variance, 3 ) };
     free( values );
     if ( has_motion != ( frame->motion != NULL ) || has_depth != ( frame->depth != NULL ) ||
          has_variance != ( frame->variance.rgb != NULL ) )
@@ -223,22 +250,36 @@ static RfResult read_layers( const char* path, const RfFlickerLayers* layers, Rf
     return RF_OK;
 }
 
+static RfResult read_colour( const char* path, const RfFlickerLayers* layers, const RfExrHeader* first, const char* first_path,
+                             RfFlickerFrame* frame, RfError* error )
+{
+    RfExrWindow window;
+    RfResult result = rf_read_exr_layer( path, layers->colour, &frame->signal, &window, error );
+    return result == RF_OK ? check_window( path, &window, first_path, first, "the frames of a sequence want one size and data window", error )
+                           : result;
+}
+
 RfResult rf_read_flicker_frame( const char* path, const RfFlickerLayers* layers, const RfExrHeader* first,
                                 const char* first_path, RfFlickerFrame* frame, RfError* error )
 {
     *frame = ( RfFlickerFrame ){ 0 };
     RfExrHeader header;
-    RfResult result = rf_read_exr_header( path, &header, error );
+    RfResult result = rf_read_exr_header( path, layers->colour, &header, error );
     if ( result != RF_OK )
         return result;
-    result = check_window( path, &header, first_path, first, error );
     take_camera( &header, frame );
+    result = read_colour( path, layers, first, first_path, frame, error );
+    if ( result == RF_OK )
+        result = read_layers( path, layers, &header, frame, error );
     rf_destroy_exr_header( &header );
-    if ( result == RF_OK )
-        result = rf_read_exr( path, &frame->signal, error );
-    if ( result == RF_OK )
-        result = read_layers( path, layers, frame, error );
     if ( result != RF_OK )
         rf_destroy_flicker_frame( frame );
     return result;
+}
+
+bool rf_has_flicker_layers( const RfFlickerLayers* layers, const RfFlickerFrame* now, const RfFlickerFrame* before )
+{
+    return ( layers->motion[0] == NULL || now->motion != NULL ) &&
+           ( layers->depth == NULL || ( now->depth != NULL && before->depth != NULL ) ) &&
+           ( layers->variance[0] == NULL || ( now->variance.rgb != NULL && before->variance.rgb != NULL ) );
 }
