@@ -183,6 +183,16 @@ static void test_command_defaults_and_errors( void** state )
     plan = read_json( "plan.json" );
     assert_int_equal( json_integer_value( json_object_get( json_array_get( json_object_get( plan, "rows" ), 0 ), "spp" ) ), 6 );
     json_decref( plan );
+    // as many as render may take, which is said
+    static const struct { const char* options; int spp; } most[] = { { "--noise 1", 65536 }, { "--time 1", 1048576 }, { "--noise 1 --spp 9", 9 } };
+    for ( int i = 0; i < 3; ++i )
+    {
+        cli_expect( cli_run( "$R plan scene.json --quiet %s --json plan.json", most[i].options ), 0, NULL );
+        plan = read_json( "plan.json" );
+        assert_int_equal( json_integer_value( json_object_get( json_array_get( json_object_get( plan, "rows" ), 0 ), "spp" ) ), most[i].spp );
+        assert_true( json_is_true( json_object_get( plan, "at_most" ) ) );
+        json_decref( plan );
+    }
     cli_expect( cli_run( "$R plan" ), 2, "reframe plan: " );
     cli_expect( cli_run( "$R plan scene.json --group 3" ), 2, "reframe plan: --group" );
     cli_expect( cli_run( "$R plan scene.json --adaptive --weights eq15" ), 2, "reframe plan: --adaptive: wants --weights exact" );
