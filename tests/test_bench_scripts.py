@@ -20,7 +20,7 @@ def load(name):
     return module
 
 
-flicker, paper = load("bench-flicker"), load("bench-paper")
+flicker, paper, tune = load("bench-flicker"), load("bench-paper"), load("check-tune")
 
 
 class FakeJob:
@@ -132,6 +132,47 @@ class Paper(unittest.TestCase):
         self.assertAlmostEqual(made["sooner_with_ends"], (2.0 + 0.5 * (34 * 90.0 + 14 * 150.0) / 48) / 7.0)
         self.assertAlmostEqual(made["equal_spp"], 80.0)
         self.assertAlmostEqual(made["sooner_at_equal_error"], 42.0 / 7.0)
+
+
+class Tune(unittest.TestCase):
+    def test_summary(self):
+        made = tune.summary([(2.0, 0.02), (4.0, 0.04), (3.0, 0.03)])
+        self.assertAlmostEqual(made["cpu"], 3.0)
+        self.assertAlmostEqual(made["relmse"], 0.03)
+        self.assertAlmostEqual(made["efficiency"], 1 / 0.09)
+        logs = [math.log(1 / 0.04), math.log(1 / 0.16), math.log(1 / 0.09)]
+        mean = sum(logs) / 3
+        self.assertAlmostEqual(made["spread"], math.sqrt(sum((x - mean) ** 2 for x in logs) / 2))
+        self.assertIsNone(tune.summary([(2.0, 0.02)])["spread"])
+
+    def test_lost(self):
+        # one run below zero, still an error in the mean; then nothing left, or less
+        self.assertAlmostEqual(tune.summary([(1.0, 0.03), (1.0, -0.01)])["efficiency"], 100.0)
+        self.assertIsNone(tune.summary([(1.0, 0.03), (1.0, -0.01)])["spread"])
+        self.assertIsNone(tune.summary([(1.0, 0.01), (1.0, -0.01)])["efficiency"])
+        self.assertIsNone(tune.summary([(1.0, -0.01)])["efficiency"])
+
+    def swept(self):
+        return {s: tune.summary([(1.0, error)]) for s, error in {"0:1": 0.1, "3:3x3": 0.012, "8:3x3": 0.01, "16:4x4": -0.001}.items()}
+
+    def test_judge(self):
+        top, ratio, lost = tune.judge(self.swept(), "3:3x3")
+        self.assertEqual((top, lost), ("8:3x3", ["16:4x4"]))
+        self.assertAlmostEqual(ratio, 10 / 12)
+        self.assertEqual(tune.judge(self.swept(), "16:4x4"), ("8:3x3", None, ["16:4x4"]))
+        self.assertEqual(tune.judge({"0:1": tune.summary([(1.0, -0.1)])}, "0:1"), (None, None, ["0:1"]))
+
+    def test_verdict(self):
+        good, bad = {"scene": "a", "ratio": 0.85, "lost": []}, {"scene": "b", "ratio": 0.84, "lost": []}
+        self.assertEqual(tune.verdict([good], 0), ("within 15 % of the best in all scenes", 0))
+        self.assertEqual(tune.verdict([good, bad], 0), ("not within 15 % of the best: b", 1))
+        text, status = tune.verdict([good], 0.6)
+        self.assertEqual(status, 0)
+        self.assertTrue(text.startswith("within 15 % of the best in all scenes; NOT an exhaustive sweep") and "0.6" in text)
+        for ratio in (None, 0.9):  # what is lost may be the best
+            text, status = tune.verdict([good, {"scene": "c", "ratio": ratio, "lost": ["8:3x3"]}], 0)
+            self.assertEqual(status, 1)
+            self.assertTrue("c 8:3x3" in text and "lost in the reference's noise" in text and "within 15" not in text)
 
 
 if __name__ == "__main__":

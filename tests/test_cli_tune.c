@@ -29,7 +29,8 @@ static void check_rows( const json_t* tune )
                                         "flicker", "phi", "efficiency", "gain", "chosen" };
     const json_t* rows = json_object_get( tune, "rows" );
     int chosen = 0, excluded = 0;
-    double best = 0.0;
+    int last = (int)json_array_size( json_object_get( tune, "rounds" ) );
+    double best = 0.0, winner = 0.0; // of the last round
     for ( size_t i = 0; i < json_array_size( rows ); ++i )
     {
         const json_t* row = json_array_get( rows, i );
@@ -37,16 +38,66 @@ static void check_rows( const json_t* tune )
             assert_non_null( json_object_get( row, keys[k] ) );
         if ( !json_is_null( json_object_get( row, "excluded" ) ) )
         {
-            assert_true( json_is_null( json_object_get( row, "efficiency" ) ) );
+            assert_true( json_is_null( json_object_get( row, "efficiency" ) ) && json_is_false( json_object_get( row, "chosen" ) ) );
             excluded += 1;
             continue;
         }
         double efficiency = json_number_value( json_object_get( row, "efficiency" ) );
         assert_true( efficiency > 0.0 && json_number_value( json_object_get( row, "flicker" ) ) > 0.0 );
-        chosen += json_is_true( json_object_get( row, "chosen" ) );
-        best = fmax( best, efficiency );
+        int rounds = (int)json_integer_value( json_object_get( row, "rounds" ) );
+        assert_true( rounds >= 1 && rounds <= last );
+        best = rounds == last ? fmax( best, efficiency ) : best;
+        if ( !json_is_true( json_object_get( row, "chosen" ) ) )
+            continue;
+        chosen += 1;
+        winner = efficiency;
+        assert_int_equal( rounds, last );
     }
-    assert_true( chosen == 1 && excluded == 5 * 2 && best > 0.0 ); // groups 6 and 8
+    assert_true( chosen == 1 && excluded == 5 * 2 && best > 0.0 && winner == best ); // groups 6 and 8
+}
+
+static int count_of( const char* text, const char* end, const char* part )
+{
+    int count = 0;
+    for ( const char* at = text; ( at = strstr( at, part ) ) != NULL && at < end; at += strlen( part ) )
+        count += 1;
+    return count;
+}
+
+// A line of seven groups for each tile, axes, and a ring around the winner.
+static void check_plot( const char* svg, const json_t* tune )
+{
+    static const char* const words[] = { ">memory of the render beyond the scene, MiB<", ">efficiency, 1 / (relMSE ", ">tile 1 (none)<",
+                                         ">tile 2x2<", ">tile 3x3<", ">tile 4x4<", ">tile rooks16<" };
+    for ( size_t i = 0; i < sizeof words / sizeof words[0]; ++i )
+        assert_int_equal( count_of( svg, svg + strlen( svg ), words[i] ), 1 );
+    char mark[64] = "", place[64], x[16], y[16];
+    const json_t* rows = json_object_get( tune, "rows" );
+    for ( size_t i = 0; i < json_array_size( rows ); ++i )
+    {
+        const json_t* row = json_array_get( rows, i );
+        if ( json_is_true( json_object_get( row, "chosen" ) ) )
+            snprintf( mark, sizeof mark, ">group %d, tile %s<", (int)json_integer_value( json_object_get( row, "group" ) ),
+                      json_string_value( json_object_get( row, "tile" ) ) );
+    }
+    assert_non_null( strstr( svg, mark ) );
+    const char* ring = svg; // the only circle that is not filled
+    while ( ( ring = strstr( ring, "<circle cx=\"" ) ) != NULL && strstr( ring, " fill=\"none\"" ) > strchr( ring, '>' ) )
+        ring += 1;
+    assert_non_null( ring );
+    assert_int_equal( sscanf( ring, "<circle cx=\"%15[0-9.]\" cy=\"%15[0-9.]\"", x, y ), 2 );
+    snprintf( place, sizeof place, "%s %s", x, y );
+    int lines = 0, through = 0;
+    for ( const char* line = svg; line != NULL; line = strchr( line + 1, '\n' ) )
+    {
+        const char* end = line + 1 + strcspn( line + 1, "\n" );
+        if ( count_of( line, end, "clip-path=\"url(#plot)\"" ) == 0 )
+            continue;
+        lines += 1;
+        assert_int_equal( count_of( line, end, "M" ) + count_of( line, end, "L" ), 7 );
+        through += count_of( line, end, place );
+    }
+    assert_true( lines == 5 && through >= 1 );
 }
 
 // Table, JSON and plot; the command that it gives is taken by render.
@@ -59,6 +110,9 @@ static void test_command( void** state )
     check_rows( tune );
     cli_expect( cli_run( "python3 -c \"import xml.dom.minidom as m; m.parse('plot.svg')\"" ), 0, NULL );
     size_t size;
+    char* svg = cli_read( "plot.svg", &size );
+    check_plot( svg, tune );
+    free( svg );
     char* table = cli_read( "table.txt", &size );
     const char* command = json_string_value( json_object_get( tune, "command" ) );
     assert_non_null( strstr( table, command ) );
@@ -108,9 +162,43 @@ static void test_command_errors( void** state )
     cli_expect( cli_run( "$R tune scene.json --budget" ), 2, "reframe tune: --budget: its value is missing" );
     cli_expect( cli_run( "$R tune scene.json --frames 99" ), 2, "reframe tune: --frames: there is no frame 99" );
     cli_expect( cli_run( "$R tune scene.json --size 4000x3000 --memory 1M" ), 1, "give --memory " );
+    cli_expect( cli_run( "$R tune scene.json --size 400x300 --memory 1500K --budget 1 --quiet" ), 1, "reframe tune: a budget of 1500 KiB is too small for frames of 400x300" );
     cli_expect( cli_run( "$R tune nowhere.glb" ), 1, "reframe tune: nowhere.glb: " );
     cli_expect( cli_run( "$R tune scene.json --budget 1 --quiet --svg nowhere/plot.svg > out.txt" ), 1, "nowhere/plot.svg" );
     cli_expect( cli_run( "$R tune --help > out.txt" ), 0, NULL );
+}
+
+// The budget that the error names works; what does not fit stays in table and JSON.
+static void test_least_budget( void** state )
+{
+    (void)state;
+    static const char command[] = "$R tune $VASE --size 64x36 --spp 9 --max-depth 2 --budget 1 --quiet --json tune.json --memory %ldK > table.txt";
+    const CliResult* said = cli_run( command, 1024L );
+    cli_expect( said, 1, "give --memory " );
+    long least = strtol( strstr( said->err, "give --memory " ) + strlen( "give --memory " ), NULL, 10 );
+    cli_expect( cli_run( command, least - least / 100 ), 1, "give --memory " );
+    cli_expect( cli_run( command, least + least / 5 ), 0, NULL );
+    cli_expect( cli_run( command, least ), 0, NULL );
+    json_t* tune = read_json( "tune.json" );
+    const json_t* rows = json_object_get( tune, "rows" );
+    size_t size;
+    char *table = cli_read( "table.txt", &size ), why[96];
+    int without_room = 0;
+    for ( size_t i = 0; i < json_array_size( rows ); ++i )
+    {
+        const json_t* row = json_array_get( rows, i );
+        long kilobytes = (long)( json_integer_value( json_object_get( row, "bytes_least" ) ) / 1024 );
+        snprintf( why, sizeof why, "does not fit --memory, the least is %ldK", kilobytes );
+        assert_true( kilobytes >= least );
+        if ( kilobytes == least )
+            continue;
+        without_room += 1;
+        assert_string_equal( json_string_value( json_object_get( row, "excluded" ) ), why );
+        assert_non_null( strstr( table, why ) );
+    }
+    assert_true( without_room > 0 && without_room < (int)json_array_size( rows ) );
+    free( table );
+    json_decref( tune );
 }
 
 static void test_signal( void** state )
@@ -127,6 +215,7 @@ int main( void )
         cmocka_unit_test( test_command ),
         cmocka_unit_test( test_quoting ),
         cmocka_unit_test( test_command_errors ),
+        cmocka_unit_test( test_least_budget ),
         cmocka_unit_test( test_signal ),
     };
     return cmocka_run_group_tests( tests, cli_enter_group, cli_leave_group );

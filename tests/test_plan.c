@@ -1,12 +1,10 @@
 // The plan: what it says of a render is what the render does, and --group auto
 // takes the row that it marks.
-#include "cli_run.h"
 #include "render_support.h"
 #include "reuse/group.h"
 #include "reuse/plan.h"
 #include "scene_builder.h"
 
-#include <jansson.h>
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -223,80 +221,72 @@ static void test_choice_by_memory( void** state )
     end( &s );
 }
 
-static json_t* read_json( const char* name )
+// What does not fit stays in the table, with the budget that it wants.
+static void test_no_room( void** state )
 {
-    size_t size;
-    char* text = cli_read( name, &size );
-    json_t* json = json_loads( text, 0, NULL );
-    free( text );
-    assert_non_null( json );
-    return json;
-}
-
-static const json_t* chosen_row( const json_t* plan )
-{
-    const json_t *rows = json_object_get( plan, "rows" ), *chosen = NULL;
-    for ( size_t i = 0; i < json_array_size( rows ); ++i )
+    (void)state;
+    Setup s;
+    RfError error;
+    begin( &s, ROOM_GGX, 0.2f );
+    RfRenderSettings settings = settings_of( 34 );
+    settings.light_samples = 16;
+    settings.max_depth = 2;
+    settings.weights = RF_WEIGHTS_EQ15; // holds a whole pass of a group
+    settings.memory = (size_t)1 << 40;
+    RfPlan roomy = plan_of( &s, MOST_EYES, &settings );
+    settings.memory = roomy.rows[3].fit.least;
+    RfPlan plan = plan_of( &s, MOST_EYES, &settings );
+    assert_int_equal( plan.count, roomy.count );
+    for ( int r = 0; r < plan.count; ++r )
     {
-        const json_t* row = json_array_get( rows, i );
-        if ( json_is_true( json_object_get( row, "chosen" ) ) )
-        {
-            assert_null( chosen );
-            chosen = row;
-        }
+        const RfPlanRow* row = plan.rows + r;
+        assert_true( rf_plan_row_fits( row ) == ( r <= 3 ) && row->fit.least == roomy.rows[r].fit.least );
+        if ( r <= 3 )
+            continue;
+        assert_true( row->fit.least > settings.memory && row->fit.bytes_films == 0 && isnan( row->gain ) && isnan( row->rays_path ) );
+        assert_non_null( strstr( row->excluded, "does not fit --memory" ) );
     }
-    assert_non_null( chosen );
-    return chosen;
+    assert_non_null( strstr( plan.why, "5 rows left out, do not fit --memory" ) );
+    assert_int_equal( rf_measure_plan( s.tracer, s.eyes, MOST_EYES, &settings, 0.01, &plan, &error ), RF_OK );
+    assert_true( plan.rows[3].seconds > 0.0 && isnan( plan.rows[4].seconds ) && isnan( plan.rows[4].measured_gain ) );
+    end( &s );
 }
 
-static void test_command( void** state )
+// Several sweeps trace all of it as often: auto does not take such a row, whatever the threads are.
+static void test_sweeps( void** state )
 {
     (void)state;
-    static const char options[] = "--size 64x36 --spp 9 --memory 40M";
-    cli_expect( cli_run( "$R plan $VASE %s --quiet --json plan.json", options ), 0, NULL );
-    const CliResult* said = cli_run( "$R plan $VASE %s --quiet", options );
-    assert_int_equal( said->status, 0 );
-    assert_true( said->err[0] == 0 && strstr( said->out, "\n* --group auto takes " ) != NULL );
-    cli_expect( cli_run( "$R render $VASE %s -o a.exr --frames 20 --quiet --json render.json", options ), 0, NULL );
-    json_t *plan = read_json( "plan.json" ), *render = read_json( "render.json" );
-    const json_t* row = chosen_row( plan );
-    assert_int_equal( json_integer_value( json_object_get( row, "group" ) ), json_integer_value( json_object_get( render, "group" ) ) );
-    assert_true( json_integer_value( json_object_get( row, "bytes_hits" ) ) > 0 );
-    assert_true( json_number_value( json_object_get( row, "predicted_gain" ) ) > 1.0 );
-    // records: under a quarter of what the paper's example takes
-    const json_t* paper = json_object_get( plan, "bytes_paper_example" );
-    assert_true( json_number_value( json_object_get( paper, "theirs" ) ) == 1787520000.0 );
-    assert_true( 4.0 * json_number_value( json_object_get( paper, "ours" ) ) < 1787520000.0 );
-    assert_true( json_integer_value( json_object_get( json_object_get( plan, "bytes_record" ), "diffuse" ) ) <= 56 );
-    json_decref( plan );
-    json_decref( render );
-}
-
-static void test_command_defaults_and_errors( void** state )
-{
-    (void)state;
-    char text[512];
-    snprintf( text, sizeof text, "{\"scene\":\"%s\",\"render\":{\"size\":[40,30],\"spp\":5,\"tile\":\"1\",\"frames\":\"2-3\",\"group\":1}}",
-              REFRAME_VASE_ROOM );
-    cli_write( "scene.json", text, strlen( text ) );
-    cli_expect( cli_run( "$R plan scene.json --quiet --json plan.json" ), 0, NULL );
-    json_t* plan = read_json( "plan.json" );
-    const json_t* first = json_array_get( json_object_get( plan, "rows" ), 0 );
-    assert_string_equal( json_string_value( json_object_get( first, "tile" ) ), "1" );
-    assert_int_equal( json_integer_value( json_object_get( first, "spp" ) ), 5 );
-    assert_true( json_number_value( json_object_get( json_object_get( first, "rays" ), "primary" ) ) == 2 * 40 * 30 * 5 );
-    json_decref( plan );
-    cli_expect( cli_run( "$R plan scene.json --quiet --spp 6 --json - > plan.json" ), 0, NULL );
-    plan = read_json( "plan.json" );
-    assert_int_equal( json_integer_value( json_object_get( json_array_get( json_object_get( plan, "rows" ), 0 ), "spp" ) ), 6 );
-    json_decref( plan );
-    cli_expect( cli_run( "$R plan" ), 2, "reframe plan: " );
-    cli_expect( cli_run( "$R plan scene.json --group 3" ), 2, "reframe plan: --group" );
-    cli_expect( cli_run( "$R plan scene.json --frames 99" ), 2, "reframe plan: --frames: there is no frame 99" );
-    cli_expect( cli_run( "$R plan scene.json --tile 99x99" ), 2, "reframe plan: --tile: wants" );
-    cli_expect( cli_run( "$R plan scene.json --memory 1M" ), 1, "give --memory " );
-    cli_expect( cli_run( "$R plan nowhere.glb" ), 1, "reframe plan: nowhere.glb: " );
-    cli_expect( cli_run( "$R plan --help > /dev/null" ), 0, NULL );
+    Setup s;
+    begin( &s, ROOM_GGX, 0.2f );
+    RfRenderSettings settings = settings_of( 34 );
+    settings.light_samples = 64;
+    settings.max_depth = 2;
+    settings.memory = (size_t)1 << 40;
+    RfPlan roomy = plan_of( &s, MOST_EYES, &settings );
+    size_t film = (size_t)WIDTH * HEIGHT * 32;
+    settings.memory = roomy.rows[0].fit.least + 6 * film; // hits leave room for few films, which are far from half of it
+    int chosen = -1;
+    for ( int threads = 1; threads <= 16; threads *= 4 )
+    {
+        settings.threads = threads;
+        RfPlan plan = plan_of( &s, MOST_EYES, &settings );
+        const RfPlanRow *row = plan.rows + plan.chosen, *best = row;
+        for ( int r = 0; r < plan.count; ++r )
+            best = plan.rows[r].excluded == NULL && plan.rows[r].gain > best->gain ? plan.rows + r : best;
+        int swept = 0;
+        for ( int r = 0; r < plan.count; ++r )
+            swept += plan.rows[r].excluded != NULL && strstr( plan.rows[r].excluded, "several times" ) != NULL;
+        assert_true( swept > 0 && strstr( plan.why, "the path several times" ) != NULL );
+        // the gain that the reason names is that of the best row that is left
+        char gain[64];
+        snprintf( gain, sizeof gain, "by fixed costs, %.1f with group %d", best->gain, best->group );
+        assert_non_null( strstr( plan.why, gain ) );
+        assert_true( threads > 1 || row->fit.sweeps == 1 );
+        assert_true( chosen < 0 || chosen == row->group );
+        chosen = row->group;
+    }
+    assert_true( chosen > 0 && chosen < roomy.rows[roomy.chosen].group );
+    end( &s );
 }
 
 int main( void )
@@ -307,8 +297,8 @@ int main( void )
         cmocka_unit_test( test_forecast ),
         cmocka_unit_test( test_choice ),
         cmocka_unit_test( test_choice_by_memory ),
-        cmocka_unit_test( test_command ),
-        cmocka_unit_test( test_command_defaults_and_errors ),
+        cmocka_unit_test( test_no_room ),
+        cmocka_unit_test( test_sweeps ),
     };
-    return cmocka_run_group_tests( tests, cli_enter_group, cli_leave_group );
+    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -1,8 +1,6 @@
 // Tuning: what is tried and why, how the time is shared out, what is chosen.
-#include "measure/tune_internal.h"
-#include "render_support.h"
 #include "reuse/group.h"
-#include "scene_builder.h"
+#include "tune_setup.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -14,63 +12,20 @@
 
 #include <cmocka.h>
 
-#define MOST_EYES 48
-#define WIDTH 16
-#define HEIGHT 12
-
-typedef struct Setup
-{
-    RfScene scene;
-    RfTracer* tracer;
-    RfEye eyes[MOST_EYES];
-    int frames[MOST_EYES];
-    RfRenderSettings settings;
-    RfTuneJob job;
-} Setup;
-
-static void begin( Setup* s, int eyes, int spp )
-{
-    s->scene = make_room( ROOM_DIFFUSE );
-    s->tracer = make_tracer( &s->scene );
-    orbit_eyes( s->eyes, MOST_EYES, 1.0f, WIDTH, HEIGHT );
-    for ( int i = 0; i < MOST_EYES; ++i )
-        s->frames[i] = i;
-    s->settings = rf_default_render_settings();
-    s->settings.spp = spp;
-    s->settings.memory = (size_t)256 << 20;
-    s->settings.threads = 2;
-    s->job = ( RfTuneJob ){ .tracer = s->tracer, .eyes = s->eyes, .eye_count = eyes, .frames = s->frames, .frame_count = eyes,
-                            .settings = &s->settings };
-}
-
-static void end( Setup* s )
-{
-    rf_destroy_tracer( s->tracer );
-    rf_destroy_scene( &s->scene );
-}
-
-static int tried( const RfTune* tune )
-{
-    int count = 0;
-    for ( int i = 0; i < tune->count; ++i )
-        count += tune->rows[i].excluded == NULL;
-    return count;
-}
-
 static void test_rows( void** state )
 {
     (void)state;
     static const int paths[][2] = { { 1, 1 }, { 2, 2 }, { 5, 3 }, { 6, 4 }, { 48, 9 } };
-    Setup s;
+    TuneSetup s;
     for ( int i = 0; i < 5; ++i )
     {
-        begin( &s, paths[i][0], 33 );
+        begin_tune_setup( &s, paths[i][0], 33 );
         RfTune tune = { 0 };
         RfRenderSettings common;
         RfError error;
         assert_int_equal( rf_list_tune_rows( &s.job, &tune, &common, &error ), RF_OK );
         assert_int_equal( tune.count, RF_TUNE_TILES * paths[i][1] );
-        assert_int_equal( tried( &tune ), tune.count );
+        assert_int_equal( tune_rows_tried( &tune ), tune.count );
         for ( int r = 0; r < tune.count; ++r )
         {
             const RfTuneRow* row = tune.rows + r;
@@ -78,10 +33,10 @@ static void test_rows( void** state )
             assert_int_equal( rf_resolve_settings( s.tracer, s.eyes, paths[i][0], &settings, &used, &error ), RF_OK );
             assert_true( used.group == row->group && used.spp == row->spp && row->fit.films > 0 );
             RfGroupPlan plan = rf_plan_groups( paths[i][0], row->group, 33 );
-            assert_true( row->eyes == plan.eyes && row->samples >= 33.0 * WIDTH * HEIGHT * paths[i][0] );
+            assert_true( row->eyes == plan.eyes && row->samples >= 33.0 * TUNE_WIDTH * TUNE_HEIGHT * paths[i][0] );
             assert_true( row->cost > 100.0 && row->predicted_gain > 0.0 );
         }
-        end( &s );
+        end_tune_setup( &s );
     }
 }
 
@@ -89,11 +44,11 @@ static void test_rows( void** state )
 static void test_excluded( void** state )
 {
     (void)state;
-    Setup s;
+    TuneSetup s;
     RfTune tune = { 0 };
     RfRenderSettings common;
     RfError error;
-    begin( &s, 48, 5 );
+    begin_tune_setup( &s, 48, 5 );
     assert_int_equal( rf_list_tune_rows( &s.job, &tune, &common, &error ), RF_OK );
     for ( int r = 0; r < tune.count; ++r )
     {
@@ -105,14 +60,15 @@ static void test_excluded( void** state )
     tune = ( RfTune ){ 0 };
     s.settings.memory = least;
     assert_int_equal( rf_list_tune_rows( &s.job, &tune, &common, &error ), RF_OK );
-    assert_int_equal( tried( &tune ), 1 );
+    assert_int_equal( tune_rows_tried( &tune ), 1 );
     assert_null( tune.rows[0].excluded );
     assert_true( strstr( tune.rows[RF_TUNE_GROUPS].excluded, "--memory" ) != NULL );
+    assert_true( tune.rows[RF_TUNE_GROUPS].fit.least > least && tune.rows[RF_TUNE_GROUPS].fit.films == 0 );
     tune = ( RfTune ){ 0 };
     s.settings.memory = least - 1024;
     assert_int_equal( rf_list_tune_rows( &s.job, &tune, &common, &error ), RF_ERROR_MEMORY );
     assert_non_null( strstr( error.text, "give --memory " ) );
-    end( &s );
+    end_tune_setup( &s );
 }
 
 static RfTrial made_trial( double relmse, double seconds )
@@ -307,128 +263,6 @@ static void test_round_memory( void** state )
     assert_true( rf_plan_tune_round( &tune, candidate, &o, &small ) && small.width == 1 && small.height == 1 );
 }
 
-static RfTune tune_of( const Setup* s )
-{
-    RfTune tune;
-    RfError error;
-    if ( rf_tune( &s->job, &tune, &error ) != RF_OK )
-        fail_msg( "%s", error.text );
-    return tune;
-}
-
-// Without time there is the first round, whose errors are the same for any threads.
-static void test_first_round( void** state )
-{
-    (void)state;
-    Setup s;
-    begin( &s, 7, 14 );
-    RfTune one = tune_of( &s );
-    s.settings.threads = 1;
-    RfTune other = tune_of( &s );
-    assert_true( one.round_count == 1 && one.count == 4 * RF_TUNE_TILES && one.chosen >= 0 );
-    assert_true( one.rounds[0].width == WIDTH && one.rounds[0].height == HEIGHT && one.rounds[0].sites == 1 );
-    for ( int r = 0; r < one.count; ++r )
-    {
-        const RfTuneRow *a = one.rows + r, *b = other.rows + r;
-        assert_true( a->rounds == 1 && a->trial.windows >= 1 && a->relmse > 0.0 && a->f1 > 0.0 && a->efficiency > 0.0 && a->gain > 0.0 );
-        assert_true( a->trial.relmse == b->trial.relmse && a->trial.change == b->trial.change && a->trial.samples == b->trial.samples );
-        assert_true( a->chosen == ( r == one.chosen ) && a->efficiency <= one.rows[one.chosen].efficiency );
-        assert_true( a->group > 0 || fabs( a->phi - 1.0 ) < 1e-6 );
-    }
-    // 7 frames that share their paths are better than each alone
-    assert_true( one.rows[3].group == 3 && one.rows[3].relmse < 0.4 * one.rows[0].relmse && one.rows[3].phi < 0.5 );
-    end( &s );
-}
-
-// A camera that stands still, and the shortest path that does not.
-static void test_short_paths( void** state )
-{
-    (void)state;
-    for ( int eyes = 1; eyes <= 2; ++eyes )
-    {
-        Setup s;
-        begin( &s, eyes, 8 );
-        RfTune tune = tune_of( &s );
-        assert_true( tune.count == eyes * RF_TUNE_TILES && tune.chosen >= 0 );
-        for ( int r = 0; r < tune.count; ++r )
-            assert_true( tune.rows[r].efficiency > 0.0 && tune.rows[r].eyes <= eyes );
-        end( &s );
-    }
-}
-
-static void test_more_rounds( void** state )
-{
-    (void)state;
-    Setup s;
-    begin( &s, 7, 14 );
-    s.job.budget = 6.0;
-    RfTune tune = tune_of( &s );
-    int most = 0;
-    for ( int r = 0; r < tune.count; ++r )
-        most = tune.rows[r].rounds > most ? tune.rows[r].rounds : most;
-    assert_true( tune.round_count >= 1 && most == tune.round_count );
-    assert_int_equal( tune.rows[tune.chosen].rounds, most );
-    end( &s );
-}
-
-typedef struct Stop
-{
-    int rounds, wanted;
-} Stop;
-
-static bool go_on( void* user )
-{
-    const Stop* stop = user;
-    return stop->rounds < stop->wanted;
-}
-
-static void count_round( void* user, const RfTune* tune, const RfTuneRound* round, int candidates )
-{
-    Stop* stop = user;
-    assert_true( round->width > 0 && candidates > 0 && tune->round_count == stop->rounds );
-    stop->rounds += 1;
-}
-
-static void test_interrupt( void** state )
-{
-    (void)state;
-    Setup s;
-    begin( &s, 7, 14 );
-    for ( int wanted = 0; wanted < 3; ++wanted )
-    {
-        Stop stop = { 0, wanted };
-        RfTrialWatch watch = { go_on, &stop };
-        s.job.watch = &watch;
-        s.job.say = count_round;
-        s.job.user = &stop;
-        s.job.budget = 1000.0; // of which nothing is waited for
-        s.job.eye_count = s.job.frame_count = 3;
-        RfTune tune;
-        RfError error;
-        assert_int_equal( rf_tune( &s.job, &tune, &error ), RF_ERROR_INTERRUPTED );
-        assert_int_equal( tune.round_count, wanted > 0 ? wanted - 1 : 0 );
-        assert_true( ( tune.chosen >= 0 ) == ( tune.round_count > 0 ) );
-        if ( wanted == 2 )
-            break;
-    }
-    end( &s );
-}
-
-// Nothing to see: no error to compare.
-static void test_black( void** state )
-{
-    (void)state;
-    Setup s;
-    begin( &s, 2, 4 );
-    for ( int i = 0; i < 2; ++i )
-        s.eyes[i].origin = rf_vec3( 100.0f, 100.0f, 100.0f );
-    RfTune tune;
-    RfError error;
-    assert_int_equal( rf_tune( &s.job, &tune, &error ), RF_ERROR_SCENE );
-    assert_non_null( strstr( error.text, "black" ) );
-    end( &s );
-}
-
 int main( void )
 {
     const struct CMUnitTest tests[] = {
@@ -440,11 +274,6 @@ int main( void )
         cmocka_unit_test( test_places ),
         cmocka_unit_test( test_rounds ),
         cmocka_unit_test( test_round_memory ),
-        cmocka_unit_test( test_first_round ),
-        cmocka_unit_test( test_short_paths ),
-        cmocka_unit_test( test_more_rounds ),
-        cmocka_unit_test( test_interrupt ),
-        cmocka_unit_test( test_black ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

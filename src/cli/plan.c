@@ -59,25 +59,35 @@ static RfResult make_plan( Job* job, RfError* error )
 
 static void print_row( const RfPlanRow* row )
 {
-    char sweeps[32] = "";
+    char sweeps[32] = "", text[128];
+    const char* excluded = rf_tell_excluded( row->excluded, &row->fit, text, sizeof text );
+    if ( !rf_plan_row_fits( row ) )
+    {
+        printf( " %4d %4d %5d  %s\n", row->group, row->eyes, row->spp, excluded );
+        return;
+    }
     if ( row->fit.sweeps > 1 )
         snprintf( sweeps, sizeof sweeps, "  in %d sweeps", row->fit.sweeps );
-    printf( "%c%4d %4d %5d %9.1f %8.1f %8.1f %7d %10.4g %10.4g %10.4g %10.4g %10.4g %6.1f %6.1f %8.3g%s%s%s\n", row->chosen ? '*' : ' ',
+    printf( "%c%4d %4d %5d %9.1f %8.1f %8.1f %7d %10.4g %10.4g %10.4g %10.4g %10.4g %6.1f %6.1f %6.1f %8.3g%s%s%s\n", row->chosen ? '*' : ' ',
             row->group, row->eyes, row->spp, (double)row->fit.bytes_films / 1048576.0, (double)row->fit.bytes_hits / 1048576.0,
             (double)row->fit.bytes_lists / 1048576.0, row->fit.chunks, row->rays_primary, row->rays_path, row->rays_shadow,
-            row->rays_tile, row->rays_eye, row->reach, row->measured_gain, row->seconds, sweeps,
-            row->excluded != NULL ? "  not auto: " : "", row->excluded != NULL ? row->excluded : "" );
+            row->rays_tile, row->rays_eye, row->reach, row->gain, row->measured_gain, row->seconds, sweeps,
+            excluded != NULL ? "  not auto: " : "", excluded != NULL ? excluded : "" );
 }
+
+static bool at_most( const Job* job ) { return job->options.settings.noise > 0.0 || job->options.settings.time > 0.0; }
 
 static void print_plan( const Job* job )
 {
     const RfPlan* plan = &job->plan;
-    printf( "%5s %4s %5s %9s %8s %8s %7s %10s %10s %10s %10s %10s %6s %6s %8s\n", "group", "eyes", "spp", "films MiB", "hits MiB",
-            "work MiB", "chunks", "primary", "path", "shadow", "tile", "eye rays", "reach", "gain", "seconds" );
+    printf( "%5s %4s %5s %9s %8s %8s %7s %10s %10s %10s %10s %10s %6s %6s %6s %8s\n", "group", "eyes", "spp", "films MiB", "hits MiB",
+            "work MiB", "chunks", "primary", "path", "shadow", "tile", "eye rays", "reach", "fixed", "gain", "seconds" );
     for ( int i = 0; i < plan->count; ++i )
         print_row( plan->rows + i );
-    printf( "* --group auto takes %d: %s (%.1f by fixed costs)\n", plan->rows[plan->chosen].group, plan->why,
-            plan->rows[plan->chosen].gain );
+    printf( "fixed: the gain by fixed costs of rays, which the choice rests on; gain: by those of this scene here and now, with sweeps\n" );
+    if ( at_most( job ) )
+        printf( "rays and seconds are of %d samples, the most that --noise and --time may take\n", job->options.settings.spp );
+    printf( "* --group auto takes %d: %s\n", plan->rows[plan->chosen].group, plan->why );
     printf( "costs here, ns: camera ray %.0f, light at its hit %.0f, one reuse %.0f\n", 1e9 * plan->c_e, 1e9 * plan->c_l,
             1e9 * plan->c_v );
     printf( "a hit record: diffuse %zu bytes, glossy %zu; %.1f %% of the camera rays find a glossy hit\n", plan->bytes_diffuse,
@@ -89,15 +99,18 @@ static void print_plan( const Job* job )
 
 static json_t* row_json( const RfPlanRow* row, const char* tile )
 {
-    json_t* rays = json_pack( "{s:f, s:f, s:f, s:f, s:f}", "primary", row->rays_primary, "path", row->rays_path, "shadow",
-                              row->rays_shadow, "tile", row->rays_tile, "eye", row->rays_eye );
-    return json_pack( "{s:i, s:i, s:s, s:i, s:I, s:I, s:I, s:i, s:i, s:o, s:f, s:o, s:o, s:o, s:n, s:n, s:n, s:s?, s:b}",
+    char text[128];
+    json_t* rays = json_pack( "{s:o, s:o, s:o, s:o, s:o}", "primary", rf_json_number( row->rays_primary ), "path",
+                              rf_json_number( row->rays_path ), "shadow", rf_json_number( row->rays_shadow ), "tile",
+                              rf_json_number( row->rays_tile ), "eye", rf_json_number( row->rays_eye ) );
+    return json_pack( "{s:i, s:i, s:s, s:i, s:I, s:I, s:I, s:I, s:i, s:i, s:o, s:o, s:o, s:o, s:o, s:n, s:n, s:n, s:s?, s:b}",
                       "group", row->group, "eyes", row->eyes, "tile", tile, "spp", row->spp, "bytes_films",
                       (json_int_t)row->fit.bytes_films, "bytes_hits", (json_int_t)row->fit.bytes_hits, "bytes_lists",
-                      (json_int_t)row->fit.bytes_lists, "chunks", row->fit.chunks, "sweeps", row->fit.sweeps, "rays", rays,
-                      "reach", row->reach, "gain_fixed", rf_json_number( row->gain ), "predicted_gain",
+                      (json_int_t)row->fit.bytes_lists, "bytes_least", (json_int_t)row->fit.least, "chunks", row->fit.chunks, "sweeps", row->fit.sweeps, "rays", rays,
+                      "reach", rf_json_number( row->reach ), "gain_fixed", rf_json_number( row->gain ), "predicted_gain",
                       rf_json_number( row->measured_gain ), "seconds", rf_json_number( row->seconds ), "relmse", "flicker",
-                      "efficiency", "excluded", row->excluded, "chosen", row->chosen );
+                      "efficiency", "excluded", rf_tell_excluded( row->excluded, &row->fit, text, sizeof text ), "chosen",
+                      row->chosen );
 }
 
 static json_t* plan_json( const Job* job )
@@ -113,7 +126,7 @@ static json_t* plan_json( const Job* job )
     json_t* record = json_pack( "{s:I, s:I, s:f}", "diffuse", (json_int_t)plan->bytes_diffuse, "glossy",
                                 (json_int_t)plan->bytes_glossy, "glossy_share", plan->glossy_share );
     json_t* paper = json_pack( "{s:f, s:f}", "theirs", PAPER_BYTES, "ours", job->paper_bytes );
-    return json_pack( "{s:o, s:s, s:o, s:o, s:o}", "rows", rows, "why", plan->why, "costs", costs, "bytes_record", record,
+    return json_pack( "{s:o, s:s, s:b, s:o, s:o, s:o}", "rows", rows, "why", plan->why, "at_most", at_most( job ), "costs", costs, "bytes_record", record,
                       "bytes_paper_example", paper );
 }
 

@@ -7,8 +7,8 @@
 
 #include <string.h>
 
-static const char* const s_weights[] = { "exact", "eq15", "unweighted", NULL };
-static const char* const s_normalize[] = { "crossfit", "ratio", "none", NULL };
+const char* const rf_weights_words[] = { "exact", "eq15", "unweighted", NULL };
+const char* const rf_normalize_words[] = { "crossfit", "ratio", "none", NULL };
 static const char* const s_compressions[] = { "none", "zip", "piz", NULL }; // in the order of RfExrCompression
 static const char* const s_files[] = { "SCENE" };
 
@@ -17,8 +17,7 @@ static const char* const s_files[] = { "SCENE" };
 
 // The table points here; a parse starts from the defaults and is copied out.
 static RfRenderOptions s_parsed;
-static int s_weights_index, s_normalize_index;
-static bool s_float, s_float_given, s_half_given, s_spp_given;
+static bool s_float, s_float_given, s_half_given;
 
 static const RfOption s_options[] = {
     { .name = "output", .writes = "", .letter = 'o', .type = RF_OPTION_STRING, .value = &s_parsed.output, .meta = "PATTERN",
@@ -33,7 +32,7 @@ static const RfOption s_options[] = {
     { .name = "size", .in_file = true, .type = RF_OPTION_SIZE, .value = &s_parsed.size, .min = 1, .max = RF_MAX_IMAGE_SIDE, .meta = "WxH",
       .default_text = "960x540", .help = "pixels" },
     { .name = "spp", .in_file = true, .type = RF_OPTION_INT, .value = &s_parsed.settings.spp, .min = 1, .max = 1048576, .meta = "S",
-      .given = &s_spp_given, .default_text = "28; with --noise 65536, with --time 1048576",
+      .given = &s_parsed.spp_given, .default_text = "28; with --noise 65536, with --time 1048576",
       .help = "samples traced per pixel and frame in all, over the groups that hold the frame; the most that --noise and --time may take" },
     { .name = "noise", .in_file = true, .type = RF_OPTION_REAL, .value = &s_parsed.settings.noise, .min = 0, .max = RF_MAX_NOISE, .meta = "E",
       .default_text = "0: does not matter", .help = "every frame is rendered until its estimated relMSE is at most E" },
@@ -49,9 +48,9 @@ static const RfOption s_options[] = {
       .help = "extra samples for pixels that few other frames help: borders, what comes into view, mirrors, glass" },
     { .name = "tile-roulette", .in_file = true, .type = RF_OPTION_BOOL, .value = &s_parsed.settings.tile_roulette, .default_text = "no",
       .help = "Russian roulette on the connections in a tile that are worth little" },
-    { .name = "weights", .in_file = true, .type = RF_OPTION_CHOICE, .value = &s_weights_index, .choices = s_weights,
+    { .name = "weights", .in_file = true, .type = RF_OPTION_CHOICE, .value = &s_parsed.weights, .choices = rf_weights_words,
       .default_text = "exact", .help = "how reused paths are weighted; the others are biased, for comparison" },
-    { .name = "normalize", .in_file = true, .type = RF_OPTION_CHOICE, .value = &s_normalize_index, .choices = s_normalize,
+    { .name = "normalize", .in_file = true, .type = RF_OPTION_CHOICE, .value = &s_parsed.normalize, .choices = rf_normalize_words,
       .default_text = "crossfit", .help = "how the sum of weights is divided out" },
     { .name = "max-depth", .in_file = true, .type = RF_OPTION_INT, .value = &s_parsed.settings.max_depth, .min = 1, .max = 1000,
       .meta = "D", .default_text = "12", .help = "path vertices after the eye" },
@@ -91,12 +90,12 @@ static const RfCommandTable s_table = { .command = "render",
 
 const char* rf_weights_name( RfWeights weights )
 {
-    return s_weights[weights];
+    return rf_weights_words[weights];
 }
 
 const char* rf_normalize_name( RfNormalize normalize )
 {
-    return s_normalize[normalize];
+    return rf_normalize_words[normalize];
 }
 
 int rf_default_most_spp( double noise )
@@ -118,8 +117,6 @@ static RfResult check( const RfRenderOptions* options, RfError* error )
         return rf_fail( error, RF_ERROR_USAGE, "--output: wants a name that ends in .exr, got '%s'", options->output );
     if ( s_half_given && s_float_given && options->half == s_float )
         return rf_fail( error, RF_ERROR_USAGE, "--half and --float: only one of the two" );
-    if ( options->settings.adaptive && s_weights_index != RF_WEIGHTS_EXACT )
-        return rf_fail( error, RF_ERROR_USAGE, "--adaptive: wants --weights exact, not %s", s_weights[s_weights_index] );
     return RF_OK;
 }
 
@@ -132,24 +129,21 @@ RfRenderOptions rf_default_render_options( void )
                                 .compression = RF_EXR_ZIP,
                                 .half = true };
     options.settings.queue = WRITE_QUEUE;
+    options.weights = options.settings.weights;
+    options.normalize = options.settings.normalize;
     return options;
 }
 
 static void reset( void )
 {
     s_parsed = rf_default_render_options();
-    s_float = s_float_given = s_half_given = s_spp_given = false;
-    s_weights_index = s_parsed.settings.weights;
-    s_normalize_index = s_parsed.settings.normalize;
+    s_float = s_float_given = s_half_given = false;
 }
 
-static void copy_out( RfRenderOptions* options )
+static void take_words( RfRenderOptions* options )
 {
-    s_parsed.settings.weights = (RfWeights)s_weights_index;
-    s_parsed.settings.normalize = (RfNormalize)s_normalize_index;
-    if ( s_float_given )
-        s_parsed.half = !s_float;
-    *options = s_parsed;
+    options->settings.weights = (RfWeights)options->weights;
+    options->settings.normalize = (RfNormalize)options->normalize;
 }
 
 RfResult rf_parse_tile_option( RfRenderOptions* options, RfError* error )
@@ -160,6 +154,20 @@ RfResult rf_parse_tile_option( RfRenderOptions* options, RfError* error )
                     RF_MAX_TILE_PIXELS, options->tile );
 }
 
+RfResult rf_settle_render_options( RfRenderOptions* options, RfError* error )
+{
+    RfRenderSettings* settings = &options->settings;
+    take_words( options );
+    if ( settings->adaptive && settings->weights != RF_WEIGHTS_EXACT )
+        return rf_fail( error, RF_ERROR_USAGE, "--adaptive: wants --weights exact, not %s", rf_weights_name( settings->weights ) );
+    RfResult result = rf_parse_tile_option( options, error );
+    if ( result == RF_OK )
+        result = rf_parse_layers( options->aov, &settings->layers, error );
+    if ( ( settings->noise > 0.0 || settings->time > 0.0 ) && !options->spp_given )
+        settings->spp = rf_default_most_spp( settings->noise );
+    return result;
+}
+
 // On top of the values as they are.
 static RfResult parse( int argc, char** argv, RfRenderOptions* options, bool* help, RfError* error )
 {
@@ -167,14 +175,10 @@ static RfResult parse( int argc, char** argv, RfRenderOptions* options, bool* he
     if ( result != RF_OK || *help )
         return result;
     result = check( &s_parsed, error );
-    if ( result == RF_OK )
-        result = rf_parse_tile_option( &s_parsed, error );
-    if ( result == RF_OK )
-        result = rf_parse_layers( s_parsed.aov, &s_parsed.settings.layers, error );
-    copy_out( options );
-    if ( ( options->settings.noise > 0.0 || options->settings.time > 0.0 ) && !s_spp_given )
-        options->settings.spp = rf_default_most_spp( options->settings.noise );
-    return result;
+    if ( s_float_given )
+        s_parsed.half = !s_float;
+    *options = s_parsed;
+    return result == RF_OK ? rf_settle_render_options( options, error ) : result;
 }
 
 RfResult rf_parse_render_options( int argc, char** argv, RfRenderOptions* options, bool* help, RfError* error )
@@ -193,7 +197,8 @@ RfResult rf_read_render_defaults( const RfField* defaults, RfRenderOptions* opti
         result = rf_fail_file_option( &tile, &error );
     if ( result == RF_OK && rf_parse_layers( s_parsed.aov, &s_parsed.settings.layers, &error ) != RF_OK )
         result = rf_fail_file_option( &aov, &error );
-    copy_out( options );
+    take_words( &s_parsed );
+    *options = s_parsed;
     return result;
 }
 

@@ -3,6 +3,7 @@
 #include "cli/frame_list.h"
 #include "cli/report.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 
 RfResult rf_load_shot( const char* command, const RfRenderOptions* options, RfTakeDefaults* take, void* user, RfShot* shot,
@@ -23,6 +24,15 @@ RfResult rf_load_shot( const char* command, const RfRenderOptions* options, RfTa
     if ( result == RF_OK )
         result = rf_choose_frames( options->frames, &shot->file, shot->path.count, &shot->frames, &shot->frame_count, error );
     return result == RF_OK ? rf_create_tracer( &shot->scene, &shot->tracer, error ) : result;
+}
+
+const char* rf_tell_excluded( const char* excluded, const RfMemoryFit* fit, char* text, size_t size )
+{
+    if ( excluded == NULL )
+        return NULL;
+    bool fits = fit->films > 0;
+    snprintf( text, size, fits ? "%s" : "%s, the least is %zuK", excluded, fit->least / 1024 );
+    return text;
 }
 
 void rf_destroy_shot( RfShot* shot )

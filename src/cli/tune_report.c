@@ -1,10 +1,10 @@
 #include "cli/tune_report.h"
 
 #include "cli/report.h"
+#include "cli/shot.h"
 #include "image/atomic_file.h"
 #include "measure/plot.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -16,15 +16,13 @@ static double bytes_of( const RfTuneRow* row )
 
 static void print_row( const RfTuneRow* row )
 {
-    char tile[24];
+    char tile[24], text[128];
     rf_tile_name( &row->tile, tile );
     printf( "%c%5d %8s %5d", row->chosen ? '*' : ' ', row->group, tile, row->spp );
     if ( row->rounds == 0 )
     {
-        printf( "  not tried%s%s", row->excluded != NULL ? ": " : "", row->excluded != NULL ? row->excluded : "" );
-        if ( row->fit.bytes_films == 0 && row->excluded != NULL && row->fit.least > 0 )
-            printf( ", the least is %.0f MiB", ceil( (double)row->fit.least / 1048576.0 ) );
-        printf( "\n" );
+        const char* excluded = rf_tell_excluded( row->excluded, &row->fit, text, sizeof text );
+        printf( "  not tried%s%s\n", excluded != NULL ? ": " : "", excluded != NULL ? excluded : "" );
         return;
     }
     char sweeps[32] = "";
@@ -64,7 +62,7 @@ void rf_print_tune( const RfTuneReport* r )
 
 static json_t* row_json( const RfTuneRow* row )
 {
-    char tile[24];
+    char tile[24], text[128];
     rf_tile_name( &row->tile, tile );
     return json_pack( "{s:i, s:i, s:s, s:i, s:I, s:I, s:I, s:I, s:i, s:i, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:i, s:s?, s:b}",
                       "group", row->group, "eyes", row->eyes, "tile", tile, "spp", row->spp, "bytes_films",
@@ -74,7 +72,7 @@ static json_t* row_json( const RfTuneRow* row )
                       rf_json_number( row->seconds ), "cpu_seconds", rf_json_number( row->cpu_seconds ), "relmse",
                       rf_json_number( row->relmse ), "flicker", rf_json_number( row->f1 ), "phi", rf_json_number( row->phi ),
                       "efficiency", rf_json_number( row->efficiency ), "gain", rf_json_number( row->gain ), "rounds", row->rounds,
-                      "excluded", row->excluded, "chosen", row->chosen );
+                      "excluded", rf_tell_excluded( row->excluded, &row->fit, text, sizeof text ), "chosen", row->chosen );
 }
 
 json_t* rf_tune_json( const RfTuneReport* r )

@@ -8,6 +8,7 @@
 #include <stdlib.h>
 
 #define GUIDE_PASSES 2
+#define MOST_GUIDE_PASSES 8 // where smaller groups give a frame less
 
 RfEye rf_resize_eye( const RfEye* eye, int width, int height )
 {
@@ -55,19 +56,46 @@ static RfResult keep_weights( void* user, const RfFrameResult* frame, RfError* e
     return RF_OK;
 }
 
-// One window of all frames: every frame has the samples of all of them.
+static bool guide_fits( const RfTracer* tracer, const RfTrialSite* site, const RfRenderSettings* settings )
+{
+    RfRenderSettings s = *settings;
+    RfMemoryFit fit;
+    s.threads = 1;
+    RfResult result = rf_fit_memory( rf_tracer_scene( tracer ), site->eyes, site->frames, site->frames, &s, &fit, NULL );
+    return result == RF_OK && fit.sweeps == 1;
+}
+
+// One window of all frames, so that every frame has the samples of all of them, and
+// tiles; where memory is short no tiles, or smaller groups, for the settings that are
+// tried may take less than that. At worst path tracing, than which nothing takes less.
+static void choose_guide( const RfTracer* tracer, const RfTrialSite* site, RfRenderSettings* s )
+{
+    RfTile tiles[2] = { rf_default_render_settings().tile, rf_no_tile() };
+    for ( s->group = site->frames / 2;; s->group /= 2 )
+    {
+        int eyes = clamp( 2 * s->group + 1, 1, site->frames );
+        s->spp = clamp( GUIDE_PASSES * site->frames / eyes, GUIDE_PASSES, MOST_GUIDE_PASSES );
+        for ( int k = 0; k < 2; ++k )
+        {
+            s->tile = tiles[k];
+            if ( s->memory == 0 || guide_fits( tracer, site, s ) )
+                return;
+        }
+        if ( s->group == 0 )
+            return;
+    }
+}
+
 static RfResult render_guide( const RfTracer* tracer, const RfRenderSettings* settings, const RfTrialWatch* watch,
                               RfTrialSite* site, RfError* error )
 {
     RfRenderSettings s = *settings;
-    s.group = site->frames / 2;
-    s.tile = rf_default_render_settings().tile;
     s.weights = RF_WEIGHTS_EXACT;
     s.normalize = RF_NORMALIZE_CROSSFIT;
-    s.spp = GUIDE_PASSES;
     s.layers = 0;
     s.queue = 0;
     s.seed = rf_mix64( settings->seed ^ rf_mix64( (uint64_t)site->first ) ) ^ 0x5175ull;
+    choose_guide( tracer, site, &s );
     RfTrialMeter meter;
     RfResult result = rf_render_metered( tracer, site->eyes, site->frames, &s, keep_weights, site, watch, &meter, error );
     site->seconds = meter.all_cpu;

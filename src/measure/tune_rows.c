@@ -35,6 +35,14 @@ static void take_plan( const RfPlanRow* plan, RfTuneRow* row )
     row->cost = cost_of( plan );
 }
 
+static RfMemoryFit fit_of( const RfTuneJob* job, const RfTuneRow* row )
+{
+    RfRenderSettings settings = rf_tune_settings( row, job->settings );
+    RfMemoryFit fit;
+    rf_fit_memory( rf_tracer_scene( job->tracer ), job->eyes, job->eye_count, job->frame_count, &settings, &fit, NULL );
+    return fit;
+}
+
 // The rows of a tile. None of them fits where not even the smallest does.
 static RfResult list_tile( const RfTuneJob* job, const RfTile* tile, RfTune* tune, RfError* error )
 {
@@ -52,7 +60,9 @@ static RfResult list_tile( const RfTuneJob* job, const RfTile* tile, RfTune* tun
         RfTuneRow* row = tune->rows + tune->count++;
         *row = ( RfTuneRow ){ .group = groups.eyes / 2, .eyes = groups.eyes, .tile = *tile, .spp = groups.spp,
                               .predicted_gain = NAN, .excluded = s_no_room };
-        if ( i < planned )
+        if ( i >= planned || !rf_plan_row_fits( plan.rows + i ) )
+            row->fit = fit_of( job, row );
+        else
         {
             take_plan( plan.rows + i, row );
             row->excluded = (double)row->spp > ROUNDING * settings.spp && row->group > 0 ? s_rounded : NULL;
@@ -61,6 +71,17 @@ static RfResult list_tile( const RfTuneJob* job, const RfTile* tile, RfTune* tun
             break;
     }
     return RF_OK;
+}
+
+static RfResult fail_memory( const RfTuneJob* job, const RfTune* tune, size_t memory, RfError* error )
+{
+    size_t least = tune->rows[0].fit.least;
+    for ( int i = 1; i < tune->count; ++i )
+        least = tune->rows[i].fit.least < least ? tune->rows[i].fit.least : least;
+    return rf_fail( error, RF_ERROR_MEMORY,
+                    "a budget of %zu KiB is too small for frames of %dx%d, whatever the group and the tile: give --memory %zuK or more, "
+                    "or lower --size",
+                    memory / 1024, job->eyes->width, job->eyes->height, least / 1024 );
 }
 
 RfResult rf_list_tune_rows( const RfTuneJob* job, RfTune* tune, RfRenderSettings* common, RfError* error )
@@ -82,7 +103,7 @@ RfResult rf_list_tune_rows( const RfTuneJob* job, RfTune* tune, RfRenderSettings
     }
     for ( int i = 0; i < tune->count; ++i )
         tried += tune->rows[i].excluded == NULL;
-    return result == RF_OK && tried == 0 ? RF_ERROR_MEMORY : result; // with the line of the last tile
+    return result == RF_OK && tried == 0 ? fail_memory( job, tune, common->memory, error ) : result;
 }
 
 int rf_tune_workers( const RfTuneJob* job, const RfTune* tune, const RfRenderSettings* common )

@@ -15,7 +15,9 @@ static const int s_groups[RF_PLAN_ROWS] = { 0, 1, 2, 3, 4, 6, 8, 12, 16 };
 #define COST_LANDING 4.0   // of a hit in a film, and
 #define COST_LIT 7.0       // for each direction that a glossy one is lit from
 
-static const char s_films[] = "films over half of --memory", s_rounded[] = "--spp rounded up too far";
+// Why auto leaves a row out.
+static const char s_no_room[] = "does not fit --memory", s_films[] = "films over half of --memory",
+                  s_sweeps[] = "goes through the path several times", s_rounded[] = "--spp rounded up too far";
 
 #define FLAT 0.9    // of the best gain is as good: smaller groups need less memory, and less for a single frame
 #define ROUNDING 1.25 // times the samples asked for may be traced
@@ -24,9 +26,11 @@ static void list_rows( int eye_count, int spp, RfPlan* plan )
 {
     for ( int i = 0; i < RF_PLAN_ROWS; ++i )
     {
-        RfGroupPlan groups = rf_plan_groups( eye_count, s_groups[i], spp );
+        RfGroupPlan groups = rf_plan_samples( eye_count, s_groups[i], spp );
         plan->rows[plan->count++] = ( RfPlanRow ){ .group = groups.eyes / 2, .eyes = groups.eyes, .spp = groups.spp,
-                                                   .measured_gain = NAN, .seconds = NAN };
+                                                   .samples = NAN, .repeated = NAN, .rays_primary = NAN, .rays_path = NAN,
+                                                   .rays_shadow = NAN, .rays_tile = NAN, .rays_eye = NAN, .reach = NAN,
+                                                   .gain = NAN, .measured_gain = NAN, .seconds = NAN };
         if ( groups.eyes == eye_count )
             break;
     }
@@ -80,15 +84,25 @@ static void fixed_costs( const PlanCounts* c, const RfBatchShape* shape, int ind
     *reuse = eyes > 1 ? COST_EYE * c->eye_rays[index] / c->samples / ( eyes - 1 ) + landing : 0.0;
 }
 
-// What auto leaves out, by the path, the size and the options alone.
-static void exclude( const RfScene* scene, const RfEye* eyes, int eye_count, const RfRenderSettings* settings, RfPlanRow* row )
+// Why auto leaves a group out, by the path, the size and the options alone: as if
+// all of the path were asked for, and one thread had the memory. Several sweeps
+// trace everything as often again, which the gain does not know of.
+static const char* reason_against( const RfScene* scene, const RfEye* eyes, int eye_count, const RfRenderSettings* settings,
+                                   const RfPlanRow* row )
 {
-    RfGroupPlan plan = rf_plan_groups( eye_count, row->group, settings->spp );
-    RenderSizes sizes = rf_render_sizes( scene, eyes, &plan, eye_count, settings );
-    if ( row->group > 0 && rf_films_bytes( &sizes ) > settings->memory / 2 )
-        row->excluded = s_films;
-    else if ( row->group > 0 && (double)row->spp > ROUNDING * settings->spp )
-        row->excluded = s_rounded;
+    RfRenderSettings s = *settings;
+    s.group = row->group;
+    s.threads = 1;
+    RfGroupPlan plan = rf_plan_samples( eye_count, row->group, settings->spp );
+    RenderSizes sizes = rf_render_sizes( scene, eyes, &plan, eye_count, &s );
+    RfMemoryFit fit;
+    if ( rf_fit_memory( scene, eyes, eye_count, eye_count, &s, &fit, NULL ) != RF_OK )
+        return s_no_room;
+    if ( rf_films_bytes( &sizes ) > settings->memory / 2 )
+        return s_films;
+    if ( fit.sweeps > 1 )
+        return s_sweeps;
+    return (double)row->spp > ROUNDING * settings->spp ? s_rounded : NULL;
 }
 
 // The smallest group whose gain is as good as the best.
@@ -102,26 +116,35 @@ static void choose_row( RfPlan* plan )
     plan->rows[plan->chosen].chosen = true;
 }
 
+static int rows_against( const RfPlan* plan, const char* reason )
+{
+    int count = 0;
+    for ( int i = 0; i < plan->count; ++i )
+        count += plan->rows[i].excluded == reason;
+    return count;
+}
+
 static void explain( RfPlan* plan, const RfRenderSettings* settings )
 {
-    const RfPlanRow* row = plan->rows + plan->chosen;
-    int films = 0, rounded = 0;
-    double best = row->gain;
+    char rounded[96];
+    snprintf( rounded, sizeof rounded, "--spp %d would be rounded up by more than a quarter", settings->spp );
+    const char* const reasons[][3] = { { s_films, s_films, s_films },
+                                       { s_sweeps, s_sweeps, "go through the path several times" },
+                                       { s_rounded, rounded, rounded },
+                                       { s_no_room, s_no_room, "do not fit --memory" } };
+    const RfPlanRow* best = plan->rows + plan->chosen;
     for ( int i = 0; i < plan->count; ++i )
+        best = plan->rows[i].excluded == NULL && plan->rows[i].gain > best->gain ? plan->rows + i : best;
+    size_t size = sizeof plan->why;
+    size_t used = (size_t)snprintf( plan->why, size, "the smallest group within 10 %% of the best gain by fixed costs, %.1f with group %d",
+                                    best->gain, best->group );
+    for ( size_t k = 0; k < sizeof reasons / sizeof reasons[0] && used < size; ++k )
     {
-        const RfPlanRow* other = plan->rows + i;
-        films += other->excluded == s_films;
-        rounded += other->excluded == s_rounded;
-        best = other->excluded == NULL && other->gain > best ? other->gain : best;
+        int rows = rows_against( plan, reasons[k][0] );
+        if ( rows > 0 )
+            used += (size_t)snprintf( plan->why + used, size - used, "; %d row%s left out, %s", rows, rows == 1 ? "" : "s",
+                                      reasons[k][rows == 1 ? 1 : 2] );
     }
-    int used = snprintf( plan->why, sizeof plan->why, "the smallest group within 10 %% of the best gain, %.1f", best );
-    if ( films > 0 )
-        used += snprintf( plan->why + used, sizeof plan->why - (size_t)used, "; %d row%s left out, films over half of --memory", films,
-                          films == 1 ? "" : "s" );
-    if ( rounded > 0 )
-        snprintf( plan->why + used, sizeof plan->why - (size_t)used,
-                  "; %d row%s left out, --spp %d would be rounded up by more than a quarter", rounded, rounded == 1 ? "" : "s",
-                  settings->spp );
 }
 
 // From counts with one batch of hits at a time.
@@ -129,16 +152,21 @@ static RfResult count( const RfTracer* tracer, const RfEye* eyes, int eye_count,
                        const RfPlan* plan, PlanCounts* counts, RfError* error )
 {
     PlanProbe probe;
-    int group_eyes[RF_PLAN_ROWS], rows = plan->count;
-    for ( int i = 0; i < rows; ++i )
-        group_eyes[i] = plan->rows[i].eyes;
-    RfResult result = rf_begin_probe( tracer, eyes, eye_count, settings, group_eyes[rows - 1], &probe, error );
+    int group_eyes[RF_PLAN_ROWS], most = 1;
+    for ( int i = 0; i < plan->count; ++i )
+    {
+        // what does not fit has no room for its hits either
+        group_eyes[i] = rf_plan_row_fits( plan->rows + i ) ? plan->rows[i].eyes : 1;
+        most = group_eyes[i] > most ? group_eyes[i] : most;
+    }
+    RfResult result = rf_begin_probe( tracer, eyes, eye_count, settings, most, &probe, error );
     if ( result == RF_OK )
-        rf_count_plan( &probe, group_eyes, rows, counts );
+        rf_count_plan( &probe, group_eyes, plan->count, counts );
     rf_end_probe( &probe );
     return result;
 }
 
+// Only the smallest has to fit.
 static RfResult fit_rows( const RfScene* scene, const RfEye* eyes, int eye_count, int frame_count,
                           const RfRenderSettings* settings, RfPlan* plan, RfError* error )
 {
@@ -150,11 +178,8 @@ static RfResult fit_rows( const RfScene* scene, const RfEye* eyes, int eye_count
         RfResult result = rf_fit_memory( scene, eyes, eye_count, frame_count, &s, &row->fit, error );
         if ( result != RF_OK && i == 0 )
             return result;
-        if ( result != RF_OK )
-            plan->count = i;
-        if ( result != RF_OK )
-            break;
-        exclude( scene, eyes, eye_count, settings, row );
+        if ( i > 0 )
+            row->excluded = result != RF_OK ? s_no_room : reason_against( scene, eyes, eye_count, settings, row );
     }
     return RF_OK;
 }
@@ -166,7 +191,9 @@ static void weigh_rows( const RfEye* eyes, int eye_count, const int* frames, int
     for ( int i = 0; i < plan->count; ++i )
     {
         RfPlanRow* row = plan->rows + i;
-        RfGroupPlan groups = rf_plan_groups( eye_count, row->group, settings->spp );
+        if ( !rf_plan_row_fits( row ) )
+            continue;
+        RfGroupPlan groups = rf_plan_samples( eye_count, row->group, settings->spp );
         double own, reuse;
         fixed_costs( counts, shape, i, row->eyes, &own, &reuse );
         row->reach = counts->share[i] > 0.0 ? counts->hits / counts->share[i] : 1.0;

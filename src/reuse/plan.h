@@ -19,14 +19,14 @@
 #include "reuse/render.h"
 
 #define RF_PLAN_ROWS 9
-#define RF_PLAN_TEXT 256
+#define RF_PLAN_TEXT 512
 
 typedef struct RfPlanRow
 {
     int group; // half-width n, cut to the path
     int eyes;  // in a full group
     int spp;   // as rendered
-    RfMemoryFit fit;
+    RfMemoryFit fit; // `least` alone where it does not fit: then what follows is NaN
     double samples;      // native ones of the frames asked for
     double repeated;     // how often each is traced, on the average over the sweeps
     double rays_primary, rays_path, rays_shadow, rays_tile, rays_eye; // expected
@@ -41,7 +41,7 @@ typedef struct RfPlanRow
 typedef struct RfPlan
 {
     RfPlanRow rows[RF_PLAN_ROWS];
-    int count; // fewer where the path ends, or where larger groups do not fit --memory at all
+    int count; // fewer where the path ends
     int chosen;             // index of the row that auto takes
     char why[RF_PLAN_TEXT]; // it takes it
     double hit_share, glossy_share; // of the camera rays: hits that make records, and those among them that are glossy
@@ -49,9 +49,11 @@ typedef struct RfPlan
     double c_e, c_l, c_v; // measured, seconds: a camera ray, the light at its hit, one reuse; NaN until rf_measure_plan
 } RfPlan;
 
+static inline bool rf_plan_row_fits( const RfPlanRow* row ) { return row->fit.films > 0; }
+
 // Fills the rows; `settings` as for rf_render, their group is not looked at.
 // `frames` are those asked for: bytes, rays and seconds are of these, the choice
-// is not. Fails as rf_resolve_settings and rf_fit_memory do.
+// is not. Fails as rf_resolve_settings does, and as rf_fit_memory does for a group of one frame.
 RfResult rf_plan_render( const RfTracer* tracer, const RfEye* eyes, int eye_count, const int* frames, int frame_count,
                          const RfRenderSettings* settings, RfPlan* plan, RfError* error );
 

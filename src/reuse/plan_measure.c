@@ -6,6 +6,8 @@
 #include <math.h>
 #include <string.h>
 
+#define USUAL_GROUP 3
+
 typedef struct Meter
 {
     PlanProbe* probe;
@@ -58,7 +60,9 @@ static void weigh( int eye_count, const RfRenderSettings* settings, RfPlan* plan
     for ( int i = 0; i < plan->count; ++i )
     {
         RfPlanRow* row = plan->rows + i;
-        RfGroupPlan groups = rf_plan_groups( eye_count, row->group, settings->spp );
+        if ( !rf_plan_row_fits( row ) )
+            continue;
+        RfGroupPlan groups = rf_plan_samples( eye_count, row->group, settings->spp );
         double samples = rf_plan_work( &groups, 1.0, 0.0 ), work = rf_plan_work( &groups, own, plan->c_v );
         row->measured_gain = work > 0.0 ? row->reach * (double)groups.frames * groups.spp * own / ( work * row->repeated ) : 1.0;
         row->seconds = row->samples / samples * work / row->fit.threads;
@@ -76,7 +80,9 @@ RfResult rf_measure_plan( const RfTracer* tracer, const RfEye* eyes, int eye_cou
     // the costs of the group that is chosen, or of a usual one
     int group_eyes = plan->rows[plan->chosen].eyes;
     for ( int i = 0; i < plan->count && group_eyes == 1; ++i )
-        group_eyes = plan->rows[i].group == 3 || i == plan->count - 1 ? plan->rows[i].eyes : group_eyes;
+        group_eyes = rf_plan_row_fits( plan->rows + i ) && plan->rows[i].group >= USUAL_GROUP ? plan->rows[i].eyes : group_eyes;
+    for ( int i = plan->count - 1; i > 0 && group_eyes == 1; --i )
+        group_eyes = rf_plan_row_fits( plan->rows + i ) ? plan->rows[i].eyes : group_eyes;
     PlanProbe probe;
     Meter m = { .probe = &probe, .film = { .width = eyes->width, .height = eyes->height } };
     result = rf_begin_probe( tracer, eyes, eye_count, &common, group_eyes, &probe, error );

@@ -79,6 +79,9 @@ typedef struct RfRenderer
 
 static inline bool rf_is_stopping( const RfRenderSettings* settings ) { return settings->noise > 0.0 || settings->time > 0.0; }
 
+// The groups of a render with so many samples, of no more than RF_MAX_SPP where that can be had.
+RfGroupPlan rf_plan_samples( int frames, int half_width, int spp );
+
 void rf_add_rays( RfRayCounts* sum, const RfRayCounts* part );
 
 // One pass of a window, into the films.

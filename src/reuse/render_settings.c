@@ -89,6 +89,12 @@ RfResult rf_resolve_common( const RfEye* eyes, int eye_count, const RfRenderSett
     return RF_OK;
 }
 
+RfGroupPlan rf_plan_samples( int frames, int half_width, int spp )
+{
+    RfGroupPlan plan = rf_plan_groups( frames, half_width, spp );
+    return plan.spp > RF_MAX_SPP ? rf_plan_groups( frames, half_width, RF_MAX_SPP / plan.eyes * plan.eyes ) : plan;
+}
+
 RfResult rf_resolve_settings( const RfTracer* tracer, const RfEye* eyes, int eye_count, const RfRenderSettings* settings,
                               RfRenderSettings* resolved, RfError* error )
 {
@@ -97,9 +103,7 @@ RfResult rf_resolve_settings( const RfTracer* tracer, const RfEye* eyes, int eye
         result = choose_group( tracer, eyes, eye_count, resolved, error );
     if ( result != RF_OK )
         return result;
-    RfGroupPlan plan = rf_plan_groups( eye_count, resolved->group, settings->spp );
-    if ( plan.spp > RF_MAX_SPP ) // the most that can be had
-        plan = rf_plan_groups( eye_count, resolved->group, RF_MAX_SPP / plan.eyes * plan.eyes );
+    RfGroupPlan plan = rf_plan_samples( eye_count, resolved->group, settings->spp );
     resolved->group = plan.eyes / 2;
     if ( !rf_is_stopping( settings ) )
         resolved->spp = plan.spp;
