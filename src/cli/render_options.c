@@ -17,7 +17,7 @@ static const char* const s_files[] = { "SCENE" };
 
 // The table points here; a parse starts from the defaults and is copied out.
 static RfRenderOptions s_parsed;
-static int s_weights_index, s_normalize_index;
+static int s_weights_index, s_normalize_index, s_compression_index;
 static bool s_float, s_float_given, s_half_given, s_spp_given;
 
 static const RfOption s_options[] = {
@@ -67,9 +67,9 @@ static const RfOption s_options[] = {
       .meta = "T", .default_text = "all cores", .help = "threads; the pictures do not depend on them" },
     { .name = "aov", .in_file = true, .type = RF_OPTION_STRING, .value = &s_parsed.aov, .meta = "LAYER[,...]", .default_text = "none",
       .help = "further layers: albedo, normal, depth, motion, variance, samples" },
-    { .name = "compression", .type = RF_OPTION_CHOICE, .value = &s_parsed.compression, .choices = s_compressions,
+    { .name = "compression", .type = RF_OPTION_CHOICE, .value = &s_compression_index, .choices = s_compressions,
       .default_text = "zip", .help = "of the EXR files" },
-    { .name = "half", .type = RF_OPTION_BOOL, .value = &s_parsed.half, .given = &s_half_given, .default_text = "yes",
+    { .name = "half", .type = RF_OPTION_BOOL, .value = &s_parsed.settings.files.half, .given = &s_half_given, .default_text = "yes",
       .help = "16-bit floats for colour, albedo and normal" },
     { .name = "float", .type = RF_OPTION_BOOL, .value = &s_float, .given = &s_float_given, .default_text = "no",
       .help = "32-bit floats for all channels" },
@@ -111,7 +111,7 @@ static RfResult check( const RfRenderOptions* options, RfError* error )
         return rf_fail( error, RF_ERROR_USAGE, "-o is missing: say where the frames go, such as -o out/frame.####.exr" );
     if ( !ends_with( options->output, ".exr" ) )
         return rf_fail( error, RF_ERROR_USAGE, "--output: wants a name that ends in .exr, got '%s'", options->output );
-    if ( s_half_given && s_float_given && options->half == s_float )
+    if ( s_half_given && s_float_given && options->settings.files.half == s_float )
         return rf_fail( error, RF_ERROR_USAGE, "--half and --float: only one of the two" );
     if ( options->settings.adaptive && s_weights_index != RF_WEIGHTS_EXACT )
         return rf_fail( error, RF_ERROR_USAGE, "--adaptive: wants --weights exact, not %s", s_weights[s_weights_index] );
@@ -125,9 +125,8 @@ RfRenderOptions rf_default_render_options( void )
     RfRenderOptions options = { .fps = RF_DEFAULT_FPS,
                                 .size = { 960, 540 },
                                 .settings = rf_default_render_settings(),
-                                .tile = "3x3",
-                                .compression = RF_EXR_ZIP,
-                                .half = true };
+                                .tile = "3x3" };
+    options.settings.files = ( RfFrameFiles ){ .written = true, .half = true, .compression = RF_EXR_ZIP };
     options.settings.queue = WRITE_QUEUE;
     return options;
 }
@@ -138,14 +137,16 @@ static void reset( void )
     s_float = s_float_given = s_half_given = s_spp_given = false;
     s_weights_index = s_parsed.settings.weights;
     s_normalize_index = s_parsed.settings.normalize;
+    s_compression_index = s_parsed.settings.files.compression;
 }
 
 static void copy_out( RfRenderOptions* options )
 {
     s_parsed.settings.weights = (RfWeights)s_weights_index;
     s_parsed.settings.normalize = (RfNormalize)s_normalize_index;
+    s_parsed.settings.files.compression = (RfExrCompression)s_compression_index;
     if ( s_float_given )
-        s_parsed.half = !s_float;
+        s_parsed.settings.files.half = !s_float;
     *options = s_parsed;
 }
 

@@ -90,7 +90,7 @@ RfResult rf_fit_sizes( size_t budget, int frames, RenderSizes* sizes, RfMemoryFi
     fit->chunks = up( sizes->shape.eyes * sizes->patches.count, fit->batches );
     fit->bytes_films = rf_films_bytes( sizes ) + rf_image_bytes( sizes );
     fit->bytes_hits = rf_records_bytes( sizes, fit->batches );
-    fit->bytes_lists = rf_scratch_bytes( sizes );
+    fit->bytes_lists = rf_scratch_bytes( sizes ) + rf_writer_bytes( sizes );
     return RF_OK;
 }
 

@@ -3,6 +3,8 @@
 
 #include <string.h>
 
+#define WRITER "writer" // of files: allocated by OpenEXRCore while a frame is handed over
+
 static size_t film_pixels( const RenderSizes* s ) { return (size_t)s->width * (size_t)s->height; }
 
 // One frame on its way to the caller.
@@ -155,7 +157,12 @@ static RfResult alloc_batches( const RenderSizes* s, RenderMemory* m, RfError* e
 
 RfResult rf_alloc_render_memory( const RenderSizes* sizes, RenderMemory* memory, RfError* error )
 {
-    RfResult result = alloc_films( sizes, memory, error );
+    RfResult result = RF_OK;
+    if ( rf_writer_bytes( sizes ) > 0 )
+        result = rf_arena_reserve( &memory->arena, WRITER, rf_writer_bytes( sizes ), error );
+    memory->has_writer = rf_writer_bytes( sizes ) > 0 && result == RF_OK;
+    if ( result == RF_OK )
+        result = alloc_films( sizes, memory, error );
     if ( result == RF_OK )
         result = alloc_first_buffer( sizes, memory, error );
     if ( result == RF_OK )
@@ -190,6 +197,8 @@ static void free_films( const RenderSizes* s, RenderMemory* m )
 
 void rf_free_render_memory( const RenderSizes* s, RenderMemory* m )
 {
+    if ( m->has_writer )
+        rf_arena_release( &m->arena, WRITER, rf_writer_bytes( s ) );
     free_films( s, m );
     size_t threads = (size_t)s->threads;
     for ( size_t t = 0; m->harvest_scratch != NULL && t < threads; ++t )
