@@ -98,6 +98,8 @@ typedef struct RfMemoryFit
 
 // The fit of a render of `frame_count` frames with resolved settings. Fails with
 // RF_ERROR_MEMORY, and a line that names the smallest budget, where there is none.
+// With hold_all the held records are not in it, nor is it an error: only rf_render
+// knows how many there are, and says so before it renders.
 RfResult rf_fit_memory( const RfScene* scene, const RfEye* eyes, int eye_count, int frame_count,
                         const RfRenderSettings* settings, RfMemoryFit* fit, RfError* error );
 

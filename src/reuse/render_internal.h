@@ -53,6 +53,7 @@ typedef struct RenderSizes
     bool stopping;   // by noise or time
     bool adaptive;
     RfFrameFiles files;
+    size_t held; // of records besides the batches, the most of any window; with settings.hold_all only
     RfBatchShape shape;
 } RenderSizes;
 
@@ -112,6 +113,13 @@ void rf_begin_pass( RfRenderer* renderer, const RfHarvest* harvest );
 void rf_end_pass( RfRenderer* renderer, const RfHarvest* harvest, const RfWindow* window, int pass );
 // After so many batches: progress, interruption, and what became of frames handed over.
 RfResult rf_end_chunk( RfRenderer* renderer, int count, RfError* error );
+
+// The harvest of window `number`.
+RfHarvest rf_window_harvest( const RfRenderer* renderer, int number );
+
+// Settles sizes.held for the frames asked for, by tracing the camera rays of each
+// window; fails with RF_ERROR_MEMORY where the system has no room for a batch.
+RfResult rf_count_held( RfRenderer* renderer, RfError* error );
 
 // A window with the hit records of all its passes at once (settings.hold_all).
 RfResult rf_render_held( RfRenderer* renderer, const RfHarvest* harvest, const RfWindow* window, RfError* error );

@@ -114,11 +114,18 @@ static RfResult alloc_scratch( const RenderSizes* s, RenderMemory* m, RfError* e
     return rf_arena_alloc( &m->arena, "scratch", threads * sizeof *m->compute_scratch, (void**)&m->compute_scratch, error );
 }
 
+// Held records come later.
+static size_t room_for_batches( const RenderSizes* s, const RenderMemory* m )
+{
+    size_t room = rf_arena_room( &m->arena );
+    return room > s->held ? room - s->held : 0;
+}
+
 // As many batches at once as serve the threads and fit the budget, at least one.
 static int batch_slots( const RenderSizes* s, const RenderMemory* m )
 {
     int slots = rf_batches_wanted( s );
-    size_t room = rf_arena_room( &m->arena );
+    size_t room = room_for_batches( s, m );
     if ( s->shape.eq15 || rf_records_bytes( s, slots ) <= room )
         return slots;
     int fit = (int)( room / ( rf_records_bytes( s, slots ) / (size_t)slots ) ); // no more than that many
@@ -133,7 +140,7 @@ static RfResult alloc_more_buffers( const RenderSizes* s, RenderMemory* m, RfErr
     size_t batches = rf_records_bytes( s, batch_slots( s, m ) );
     RfResult result = RF_OK;
     while ( result == RF_OK && m->buffer_count < s->buffers &&
-            rf_arena_room( &m->arena ) > batches && rf_arena_room( &m->arena ) - batches >= rf_image_bytes( s ) )
+            room_for_batches( s, m ) > batches && room_for_batches( s, m ) - batches >= rf_image_bytes( s ) )
         result = alloc_buffer( s, m, error );
     return result;
 }

@@ -147,5 +147,5 @@ int rf_batches_wanted( const RenderSizes* s )
 size_t rf_fixed_bytes( const RenderSizes* s )
 {
     size_t ring = rf_arena_size( (size_t)s->buffers * sizeof( RfFrameBuffer ) );
-    return rf_films_bytes( s ) + ring + rf_image_bytes( s ) + rf_scratch_bytes( s ) + optional( rf_writer_bytes( s ) );
+    return rf_films_bytes( s ) + ring + rf_image_bytes( s ) + rf_scratch_bytes( s ) + optional( rf_writer_bytes( s ) ) + s->held;
 }
