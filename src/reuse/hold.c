@@ -1,12 +1,19 @@
 // All hit records of a group at once, as the frame-reuse paper has them: its
 // passes are harvested one after the other and packed, then all are computed.
+#include "reuse/pack.h"
 #include "reuse/render_internal.h"
 
 #define ENTRY "held hit records"
 
+typedef struct HeldBatch
+{
+    void* memory;
+    size_t bytes;
+} HeldBatch;
+
 typedef struct Held
 {
-    RfHitBatch* batches; // by pass
+    HeldBatch* batches; // by pass
     size_t count, room;
 } Held;
 
@@ -15,11 +22,12 @@ static RfResult hold( RfRenderer* r, const RfBatchShape* shape, int count, Held*
     for ( int i = 0; i < count; ++i )
     {
         const RfHitBatch* batch = r->memory.batches + i;
-        void* memory;
-        RfResult result = rf_arena_alloc( &r->memory.arena, ENTRY, rf_packed_batch_bytes( shape, batch ), &memory, error );
+        HeldBatch packed = { .bytes = rf_pack_batch( shape, batch, NULL ) };
+        RfResult result = rf_arena_alloc( &r->memory.arena, ENTRY, packed.bytes, &packed.memory, error );
         if ( result != RF_OK )
             return result;
-        held->batches[held->count++] = rf_pack_batch( shape, batch, memory );
+        rf_pack_batch( shape, batch, packed.memory );
+        held->batches[held->count++] = packed;
     }
     return RF_OK;
 }
@@ -42,11 +50,25 @@ static RfResult harvest_all( RfRenderer* r, const RfHarvest* harvest, const RfWi
     return RF_OK;
 }
 
-static void let_go( RfRenderer* r, const RfBatchShape* shape, Held* held )
+// A pass of those held, as many at a time as there is room to unpack them.
+static void compute_pass( RfRenderer* r, const RfHarvest* harvest, const RfWindow* window, int pass, int jobs, const HeldBatch* held )
 {
-    // a batch's first array is where its memory begins
+    rf_begin_pass( r, harvest );
+    for ( int first = 0; first < jobs; first += r->memory.batch_slots )
+    {
+        int count = jobs - first < r->memory.batch_slots ? jobs - first : r->memory.batch_slots;
+#pragma omp parallel for num_threads( r->settings.threads ) schedule( dynamic, 1 )
+        for ( int i = 0; i < count; ++i )
+            rf_unpack_batch( &harvest->shape, held[first + i].memory, r->memory.batches + i );
+        rf_compute_chunk( r, harvest, window, pass, r->memory.batches, count );
+    }
+    rf_end_pass( r, harvest, window, pass );
+}
+
+static void let_go( RfRenderer* r, Held* held )
+{
     for ( size_t i = 0; i < held->count; ++i )
-        rf_arena_free( &r->memory.arena, ENTRY, held->batches[i].p[0], rf_packed_batch_bytes( shape, held->batches + i ) );
+        rf_arena_free( &r->memory.arena, ENTRY, held->batches[i].memory, held->batches[i].bytes );
     rf_arena_free( &r->memory.arena, ENTRY, held->batches, held->room * sizeof *held->batches );
 }
 
@@ -58,12 +80,8 @@ RfResult rf_render_held( RfRenderer* r, const RfHarvest* harvest, const RfWindow
     if ( result == RF_OK )
         result = harvest_all( r, harvest, window, jobs, &held, error );
     for ( int pass = 0; pass < window->passes && result == RF_OK; ++pass )
-    {
-        rf_begin_pass( r, harvest );
-        rf_compute_chunk( r, harvest, window, pass, held.batches + (size_t)pass * (size_t)jobs, jobs );
-        rf_end_pass( r, harvest, window, pass );
-    }
-    let_go( r, &harvest->shape, &held );
+        compute_pass( r, harvest, window, pass, jobs, held.batches + (size_t)pass * (size_t)jobs );
+    let_go( r, &held );
     return result;
 }
 
@@ -103,14 +121,14 @@ static size_t count_window( const RfRenderer* r, int number, Counter* c )
     RfRayCounts unused = { 0 };
     int patches = r->sizes.patches.count;
     size_t jobs = (size_t)harvest.shape.eyes * (size_t)patches;
-    size_t bytes = rf_arena_size( jobs * (size_t)window.passes * sizeof( RfHitBatch ) );
+    size_t bytes = rf_arena_size( jobs * (size_t)window.passes * sizeof( HeldBatch ) );
     for ( int pass = 0; pass < window.passes; ++pass )
     {
         for ( size_t job = 0; job < jobs; ++job )
         {
             RfHarvestJob of = { (int)( job / (size_t)patches ), (int)( job % (size_t)patches ), pass };
             rf_harvest_first_hits( &harvest, of, &c->batch, c->scratch, &unused );
-            bytes += rf_arena_size( rf_packed_batch_bytes( &harvest.shape, &c->batch ) );
+            bytes += rf_arena_size( rf_pack_batch( &harvest.shape, &c->batch, NULL ) );
         }
     }
     return bytes;
