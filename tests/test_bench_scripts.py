@@ -20,7 +20,7 @@ def load(name):
     return module
 
 
-flicker, paper, tune = load("bench-flicker"), load("bench-paper"), load("check-tune")
+flicker, memory, paper, tune = load("bench-flicker"), load("bench-memory"), load("bench-paper"), load("check-tune")
 
 
 class FakeJob:
@@ -53,6 +53,14 @@ class Sums(unittest.TestCase):
         fixed, slope = benchlib.line_through((2, 5.0), (6, 11.0))
         self.assertAlmostEqual(fixed, 2.0)
         self.assertAlmostEqual(slope, 1.5)
+
+
+class Memory(unittest.TestCase):
+    def test_ratio(self):
+        middle, low, high = memory.ratio([(10.0, 11.0), (8.0, 8.4), (9.0, 12.6)])
+        self.assertAlmostEqual(middle, 11.0 / 9.0)
+        self.assertAlmostEqual(low, 1.05)
+        self.assertAlmostEqual(high, 1.4)
 
 
 class Flicker(unittest.TestCase):

@@ -100,7 +100,7 @@ static void test_fingerprints( void** state )
     assert_int_equal( strlen( first ), 16 );
     options.settings.threads = 7;
     options.settings.memory = 12345678;
-    options.half = true;
+    options.settings.files.half = true;
     options.output = "elsewhere.exr";
     rf_frame_fingerprint( &subject, 0, other );
     assert_string_equal( first, other );

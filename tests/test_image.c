@@ -2,6 +2,7 @@
 // part of a file behind.
 #include "image/atomic_file.h"
 #include "image/exr.h"
+#include "image/half.h"
 #include "image/png.h"
 #include "image/sequence.h"
 #include "test_image_support.h"
@@ -60,6 +61,25 @@ static void test_round_trip_incompressible( void** state )
         rf_destroy_image( &back );
         rf_destroy_image( &image );
     }
+}
+
+// All halfs come back, and what lies between two goes to the nearer, from the middle to the even one.
+static void test_half_rounding( void** state )
+{
+    (void)state;
+    for ( uint32_t h = 0; h < 0x7bff; ++h )
+    {
+        float low = rf_half_to_float( (uint16_t)h ), high = rf_half_to_float( (uint16_t)( h + 1 ) );
+        float middle = 0.5f * ( low + high );
+        assert_int_equal( rf_float_to_half( low ), h );
+        assert_int_equal( rf_float_to_half( -low ), h | 0x8000u );
+        assert_int_equal( rf_float_to_half( middle ), h + ( h & 1u ) );
+        assert_int_equal( rf_float_to_half( nextafterf( middle, low ) ), h );
+        assert_int_equal( rf_float_to_half( -nextafterf( middle, high ) ), ( h + 1 ) | 0x8000u );
+    }
+    assert_int_equal( rf_float_to_half( 65504.0f ), 0x7bff );
+    assert_int_equal( rf_float_to_half( -INFINITY ), 0xfc00 );
+    assert_true( isnan( rf_half_to_float( rf_float_to_half( NAN ) ) ) );
 }
 
 static void test_round_trip_half( void** state )
@@ -375,7 +395,7 @@ int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( test_create_image ),      cmocka_unit_test( test_round_trip_float ),
-        cmocka_unit_test( test_round_trip_incompressible ), cmocka_unit_test( test_round_trip_half ),   cmocka_unit_test( test_equal_bytes ),
+        cmocka_unit_test( test_round_trip_incompressible ), cmocka_unit_test( test_half_rounding ), cmocka_unit_test( test_round_trip_half ),   cmocka_unit_test( test_equal_bytes ),
         cmocka_unit_test( test_attributes ),        cmocka_unit_test( test_read_string ),
         cmocka_unit_test( test_png ),               cmocka_unit_test( test_refused_places ),
         cmocka_unit_test( test_text_and_links ),    cmocka_unit_test( test_full_disk ),

@@ -19,7 +19,7 @@
 #include <cmocka.h>
 
 #define MIB 1048576.0
-#define SLACK ( 32.0 * MIB )
+#define SLACK ( 6.0 * MIB ) // tables of the compression, stacks, what malloc keeps: 0.5 to 3 MiB when measured
 #define ARGUMENTS 48
 
 #if defined( __SANITIZE_ADDRESS__ )
@@ -117,7 +117,8 @@ static void expect_kept( const char* scene, const char* options, long kib, doubl
     Run r = run_with( scene, options, kib );
     double budget = (double)kib * 1024.0;
     assert_int_equal( r.status, 0 );
-    if ( r.arena > budget || ( COUNTS_RESIDENT && r.resident - bare > budget + SLACK ) )
+    // less than the budget and 32 MiB, which nothing can miss that is small: what is allocated is what the arena says
+    if ( r.arena > budget || ( COUNTS_RESIDENT && r.resident - bare > r.arena + SLACK ) )
         fail_msg( "%s %s --memory %ldK: the arena took %.1f MiB, the process %.1f MiB beyond the scene", scene, options, kib,
                   r.arena / MIB, ( r.resident - bare ) / MIB );
 }
@@ -131,8 +132,12 @@ static const struct
     { "still-life", "--group 1 --frames 1-2 --size 96x72 --spp 3 --threads 4 --tile rooks64 --light-samples 4" },
     { "turntable", "--group 1 --frames 1-2 --size 160x120 --spp 3 --threads 3 --tile 1 --aov depth" },
     { "still-life", "--group 2 --frames 3-5 --size 120x90 --spp 5 --threads 3 --adaptive" },
-    // these two are not the same in less memory
     { "vase-room-phong", "--group 1 --frames 1 --size 96x72 --spp 3 --threads 2 --tile 1 --weights eq15" },
+    // films of 108 MiB, and images whose files are written in chunks of 14 MiB
+    { "vase-room", "--group 0 --frames 1 --size 2304x1536 --spp 1 --max-depth 1 --threads 1 --tile 1" },
+    { "vase-room", "--group 0 --frames 1-2 --size 8192x32 --spp 1 --max-depth 1 --threads 2 --tile 1 --compression piz "
+                   "--aov albedo,normal,depth,motion,variance,samples" },
+    // this one looks at the frames rendered before: not the same in several sweeps
     { "vase-room", "--group 2 --frames 3-6 --size 120x90 --noise 0.06 --threads 2" },
 };
 #define CASES ( (int)( sizeof s_cases / sizeof s_cases[0] ) )
@@ -155,7 +160,7 @@ static void test_budgets_are_kept( void** state )
 static void test_budgets_change_nothing( void** state )
 {
     (void)state;
-    for ( int i = 0; i < CASES - 2; ++i )
+    for ( int i = 0; i < CASES - 1; ++i )
     {
         char options[512];
         snprintf( options, sizeof options, "%s --float -o much.####.exr", s_cases[i].options );

@@ -30,9 +30,8 @@ RfArena rf_create_arena( size_t budget )
     return ( RfArena ){ .budget = budget };
 }
 
-RfResult rf_arena_alloc( RfArena* arena, const char* name, size_t bytes, void** memory, RfError* error )
+RfResult rf_arena_reserve( RfArena* arena, const char* name, size_t bytes, RfError* error )
 {
-    *memory = NULL;
     if ( bytes > SIZE_MAX - ALIGNMENT )
         return rf_fail( error, RF_ERROR_MEMORY, "%s: %zu bytes are more than any machine has", name, bytes );
     size_t rounded = rf_arena_size( bytes );
@@ -44,9 +43,6 @@ RfResult rf_arena_alloc( RfArena* arena, const char* name, size_t bytes, void** 
     RfArenaEntry* entry = find_entry( arena, name );
     if ( entry == NULL )
         return rf_fail( error, RF_ERROR_MEMORY, "%s: the arena has no room for another name", name );
-    *memory = aligned_alloc( ALIGNMENT, rounded );
-    if ( *memory == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "%s: the system has no %.1f MiB left", name, (double)rounded / 1048576.0 );
     arena->bytes += rounded;
     entry->bytes += rounded;
     if ( arena->bytes > arena->peak )
@@ -56,16 +52,34 @@ RfResult rf_arena_alloc( RfArena* arena, const char* name, size_t bytes, void** 
     return RF_OK;
 }
 
+void rf_arena_release( RfArena* arena, const char* name, size_t bytes )
+{
+    size_t rounded = rf_arena_size( bytes );
+    RfArenaEntry* entry = find_entry( arena, name );
+    arena->bytes -= rounded;
+    if ( entry != NULL )
+        entry->bytes -= rounded;
+}
+
+RfResult rf_arena_alloc( RfArena* arena, const char* name, size_t bytes, void** memory, RfError* error )
+{
+    *memory = NULL;
+    RfResult result = rf_arena_reserve( arena, name, bytes, error );
+    if ( result != RF_OK )
+        return result;
+    *memory = aligned_alloc( ALIGNMENT, rf_arena_size( bytes ) );
+    if ( *memory != NULL )
+        return RF_OK;
+    rf_arena_release( arena, name, bytes );
+    return rf_fail( error, RF_ERROR_MEMORY, "%s: the system has no %.1f MiB left", name, (double)rf_arena_size( bytes ) / 1048576.0 );
+}
+
 void rf_arena_free( RfArena* arena, const char* name, void* memory, size_t bytes )
 {
     if ( memory == NULL )
         return;
-    size_t rounded = rf_arena_size( bytes );
-    RfArenaEntry* entry = find_entry( arena, name );
     free( memory );
-    arena->bytes -= rounded;
-    if ( entry != NULL )
-        entry->bytes -= rounded;
+    rf_arena_release( arena, name, bytes );
 }
 
 size_t rf_arena_room( const RfArena* arena )

@@ -38,6 +38,11 @@ RfResult rf_arena_alloc( RfArena* arena, const char* name, size_t bytes, void** 
 // Gives an allocation back. NULL is allowed.
 void rf_arena_free( RfArena* arena, const char* name, void* memory, size_t bytes );
 
+// Counts `bytes` that somebody else allocates, who cannot be made to ask here; fails like
+// rf_arena_alloc. And counts them no more.
+RfResult rf_arena_reserve( RfArena* arena, const char* name, size_t bytes, RfError* error );
+void rf_arena_release( RfArena* arena, const char* name, size_t bytes );
+
 // What an allocation of `bytes` takes of the budget.
 size_t rf_arena_size( size_t bytes );
 

@@ -59,11 +59,6 @@ void rf_format_layers( unsigned layers, char* text, size_t size )
     }
 }
 
-static bool is_like_colour( RfLayer layer )
-{
-    return layer == RF_LAYER_ALBEDO || layer == RF_LAYER_NORMAL;
-}
-
 void rf_list_layer_channels( const RfFrameResult* result, bool half, RfLayerChannels* list )
 {
     list->count = 0;
@@ -79,7 +74,7 @@ void rf_list_layer_channels( const RfFrameResult* result, bool half, RfLayerChan
                 .name = name,
                 .values = result->layers[l] + c,
                 .stride = channels,
-                .half = half && is_like_colour( (RfLayer)l ),
+                .half = half && rf_layer_is_half( (RfLayer)l ),
             };
         }
     }

@@ -17,6 +17,7 @@ static const char* const s_files[] = { "SCENE" };
 
 // The table points here; a parse starts from the defaults and is copied out.
 static RfRenderOptions s_parsed;
+static int s_compression_index;
 static bool s_float, s_float_given, s_half_given;
 
 static const RfOption s_options[] = {
@@ -66,9 +67,9 @@ static const RfOption s_options[] = {
       .meta = "T", .default_text = "all cores", .help = "threads; the pictures do not depend on them" },
     { .name = "aov", .in_file = true, .type = RF_OPTION_STRING, .value = &s_parsed.aov, .meta = "LAYER[,...]", .default_text = "none",
       .help = "further layers: albedo, normal, depth, motion, variance, samples" },
-    { .name = "compression", .type = RF_OPTION_CHOICE, .value = &s_parsed.compression, .choices = s_compressions,
+    { .name = "compression", .type = RF_OPTION_CHOICE, .value = &s_compression_index, .choices = s_compressions,
       .default_text = "zip", .help = "of the EXR files" },
-    { .name = "half", .type = RF_OPTION_BOOL, .value = &s_parsed.half, .given = &s_half_given, .default_text = "yes",
+    { .name = "half", .type = RF_OPTION_BOOL, .value = &s_parsed.settings.files.half, .given = &s_half_given, .default_text = "yes",
       .help = "16-bit floats for colour, albedo and normal" },
     { .name = "float", .type = RF_OPTION_BOOL, .value = &s_float, .given = &s_float_given, .default_text = "no",
       .help = "32-bit floats for all channels" },
@@ -115,7 +116,7 @@ static RfResult check( const RfRenderOptions* options, RfError* error )
         return rf_fail( error, RF_ERROR_USAGE, "-o is missing: say where the frames go, such as -o out/frame.####.exr" );
     if ( !ends_with( options->output, ".exr" ) )
         return rf_fail( error, RF_ERROR_USAGE, "--output: wants a name that ends in .exr, got '%s'", options->output );
-    if ( s_half_given && s_float_given && options->half == s_float )
+    if ( s_half_given && s_float_given && options->settings.files.half == s_float )
         return rf_fail( error, RF_ERROR_USAGE, "--half and --float: only one of the two" );
     return RF_OK;
 }
@@ -125,9 +126,8 @@ RfRenderOptions rf_default_render_options( void )
     RfRenderOptions options = { .fps = RF_DEFAULT_FPS,
                                 .size = { 960, 540 },
                                 .settings = rf_default_render_settings(),
-                                .tile = "3x3",
-                                .compression = RF_EXR_ZIP,
-                                .half = true };
+                                .tile = "3x3" };
+    options.settings.files = ( RfFrameFiles ){ .written = true, .half = true, .compression = RF_EXR_ZIP };
     options.settings.queue = WRITE_QUEUE;
     options.weights = options.settings.weights;
     options.normalize = options.settings.normalize;
@@ -138,6 +138,7 @@ static void reset( void )
 {
     s_parsed = rf_default_render_options();
     s_float = s_float_given = s_half_given = false;
+    s_compression_index = s_parsed.settings.files.compression;
 }
 
 static void take_words( RfRenderOptions* options )
@@ -175,8 +176,9 @@ static RfResult parse( int argc, char** argv, RfRenderOptions* options, bool* he
     if ( result != RF_OK || *help )
         return result;
     result = check( &s_parsed, error );
+    s_parsed.settings.files.compression = (RfExrCompression)s_compression_index;
     if ( s_float_given )
-        s_parsed.half = !s_float;
+        s_parsed.settings.files.half = !s_float;
     *options = s_parsed;
     return result == RF_OK ? rf_settle_render_options( options, error ) : result;
 }

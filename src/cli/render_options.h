@@ -18,8 +18,6 @@ typedef struct RfRenderOptions
     const char* tile;
     const char* aov; // NULL: none
     const char* output;
-    int compression; // an RfExrCompression
-    bool half;
     bool resume;
     bool overwrite;
     const char* json; // NULL: none

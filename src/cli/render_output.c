@@ -275,8 +275,8 @@ RfResult rf_write_frame( const RfRenderSubject* subject, const RfFrameResult* re
     Attributes attributes;
     list_attributes( subject, result, device, &attributes );
     RfExrOptions exr = rf_default_exr_options();
-    exr.compression = (RfExrCompression)options->compression;
-    exr.half = options->half;
+    exr.compression = options->settings.files.compression;
+    exr.half = options->settings.files.half;
     exr.fps_numerator = options->fps.numerator;
     exr.fps_denominator = (unsigned int)options->fps.denominator;
     exr.has_camera = true;
@@ -284,7 +284,7 @@ RfResult rf_write_frame( const RfRenderSubject* subject, const RfFrameResult* re
     exr.strings = attributes.strings;
     exr.string_count = attributes.count;
     RfLayerChannels layers;
-    rf_list_layer_channels( result, options->half, &layers );
+    rf_list_layer_channels( result, exr.half, &layers );
     exr.channels = layers.channels;
     exr.channel_count = layers.count;
     // The writer only reads the pixels; RfImage has no const flavour.

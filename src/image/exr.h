@@ -53,6 +53,11 @@ RfExrOptions rf_default_exr_options( void );
 // and no temporary file is left.
 RfResult rf_write_exr( const char* path, const RfImage* image, const RfExrOptions* options, RfError* error );
 
+// Bytes that rf_write_exr holds at most besides the channels and about 2 MiB of
+// tables, for channels of `pixel_bytes` together (2 for each half one, 4 for each
+// other): the lines of one chunk, some times over.
+size_t rf_exr_work_bytes( int width, int height, RfExrCompression compression, int pixel_bytes );
+
 // Reads R, G, B (or Y, spread over the three) of the first part of any
 // scan-line or tiled, half, float or uint EXR, the data window only. Channel
 // names are matched by name; a file with a single layer prefix, such as

@@ -1,5 +1,6 @@
 // The pixels of an EXR, chunk by chunk, line by line.
 #include "image/exr_channels.h"
+#include "image/half.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -86,17 +87,6 @@ void rf_close_exr_part( RfExrPart* part )
     exr_finish( &part->context );
 }
 
-static float half_to_float( uint16_t half )
-{
-    uint32_t exponent = half >> 10 & 31u, mantissa = half & 1023u;
-    if ( exponent == 0 )
-        return ( half & 0x8000u ? -0x1p-24f : 0x1p-24f ) * (float)mantissa;
-    uint32_t bits = ( half & 0x8000u ) << 16 | mantissa << 13 | ( exponent == 31 ? 255u : exponent + 112u ) << 23;
-    float value;
-    memcpy( &value, &bits, sizeof value );
-    return value;
-}
-
 // Little-endian samples, as in the file, to floats.
 static void convert_line( const uint8_t* samples, int count, exr_pixel_type_t type, float* out )
 {
@@ -107,7 +97,7 @@ static void convert_line( const uint8_t* samples, int count, exr_pixel_type_t ty
         if ( type == EXR_PIXEL_HALF )
         {
             memcpy( &half, samples + 2 * i, sizeof half );
-            *out = half_to_float( half );
+            *out = rf_half_to_float( half );
         }
         else if ( type == EXR_PIXEL_UINT )
         {
@@ -178,6 +168,8 @@ static RfResult read_chunk( Reader* reader, const exr_chunk_info_t* chunk, int64
                             ? exr_decoding_update( reader->part->context, reader->part->index, chunk, &reader->pipeline )
                             : exr_decoding_initialize( reader->part->context, reader->part->index, chunk, &reader->pipeline );
     reader->started = true;
+    reader->pipeline.alloc_fn = rf_alloc_exr_buffer;
+    reader->pipeline.free_fn = rf_free_exr_buffer;
     if ( code == EXR_ERR_SUCCESS )
         code = exr_decoding_choose_default_routines( reader->part->context, reader->part->index, &reader->pipeline );
     reader->x = x;

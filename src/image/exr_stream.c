@@ -1,10 +1,13 @@
+#define _DEFAULT_SOURCE // MAP_ANONYMOUS
 #include "image/exr_stream.h"
 
 #include "image/atomic_file.h"
 
 #include <errno.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -104,6 +107,50 @@ exr_context_initializer_t rf_exr_initializer( RfExrStream* stream )
         .flags = EXR_CONTEXT_FLAG_DISABLE_CHUNK_RECONSTRUCTION,
     };
 }
+
+#if defined( __SANITIZE_ADDRESS__ ) // it sees what is written beyond the end of malloc's blocks
+
+void* rf_alloc_exr_buffer( exr_transcoding_pipeline_buffer_id_t id, size_t bytes )
+{
+    (void)id;
+    return malloc( bytes );
+}
+
+void rf_free_exr_buffer( exr_transcoding_pipeline_buffer_id_t id, void* buffer )
+{
+    (void)id;
+    free( buffer );
+}
+
+#else
+
+#define BUFFER_HEAD 64 // before a buffer: its bytes with the head
+
+void* rf_alloc_exr_buffer( exr_transcoding_pipeline_buffer_id_t id, size_t bytes )
+{
+    (void)id;
+    if ( bytes > SIZE_MAX - BUFFER_HEAD )
+        return NULL;
+    size_t all = bytes + BUFFER_HEAD;
+    void* block = mmap( NULL, all, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0 );
+    if ( block == MAP_FAILED )
+        return NULL;
+    memcpy( block, &all, sizeof all );
+    return (char*)block + BUFFER_HEAD;
+}
+
+void rf_free_exr_buffer( exr_transcoding_pipeline_buffer_id_t id, void* buffer )
+{
+    (void)id;
+    if ( buffer == NULL )
+        return;
+    void* block = (char*)buffer - BUFFER_HEAD;
+    size_t all;
+    memcpy( &all, block, sizeof all );
+    munmap( block, all );
+}
+
+#endif
 
 RfResult rf_fail_exr( const RfExrStream* stream, exr_result_t code, const char* what, RfError* error )
 {

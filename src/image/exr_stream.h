@@ -28,6 +28,11 @@ typedef struct RfExrStream
 // The initializer of a context over the stream, which must outlive it.
 exr_context_initializer_t rf_exr_initializer( RfExrStream* stream );
 
+// For the alloc_fn and free_fn of a pipeline: its buffers, which are large, straight from the system
+// and back to it. malloc would keep some of them once they are freed, and a budget counts what is held.
+void* rf_alloc_exr_buffer( exr_transcoding_pipeline_buffer_id_t id, size_t bytes );
+void rf_free_exr_buffer( exr_transcoding_pipeline_buffer_id_t id, void* buffer );
+
 // The error line for a library call that returned `code`.
 RfResult rf_fail_exr( const RfExrStream* stream, exr_result_t code, const char* what, RfError* error );
 

@@ -1,5 +1,7 @@
 #include "image/exr_verify.h"
 
+#include "image/half.h"
+
 #include <string.h>
 
 // Rounding to half errs by half a unit in the last place: 2^-11 of the value,

@@ -5,18 +5,6 @@
 #include "image/exr.h"
 #include "image/exr_stream.h"
 
-#include <math.h>
-
-#define RF_HALF_MAX 65504.0f
-
-// Infinity stays what it is: it is to be counted, not repaired.
-static inline float rf_clamp_half( float value )
-{
-    if ( isinf( value ) )
-        return value;
-    return value > RF_HALF_MAX ? RF_HALF_MAX : value < -RF_HALF_MAX ? -RF_HALF_MAX : value;
-}
-
 // Reads the stream's file back: the last guard against a library or a disk that
 // lost something without saying so. `size` has the size of the channels.
 RfResult rf_verify_exr( const RfExrStream* written, const RfExrChannel* channels, int count, const RfImage* size,

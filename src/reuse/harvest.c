@@ -182,8 +182,8 @@ static int choose_needy( const RfHarvest* harvest, uint64_t key, int count, int 
     return left;
 }
 
-void rf_harvest_batch( const RfHarvest* harvest, RfHarvestJob job, RfHitBatch* batch, RfHarvestScratch* scratch,
-                       RfRayCounts* rays )
+int rf_harvest_first_hits( const RfHarvest* harvest, RfHarvestJob job, RfHitBatch* batch, RfHarvestScratch* scratch,
+                           RfRayCounts* rays )
 {
     const RfEye* eye = harvest->eyes + job.eye;
     RfWalk* walk = &scratch->walk;
@@ -191,7 +191,6 @@ void rf_harvest_batch( const RfHarvest* harvest, RfHarvestJob job, RfHitBatch* b
                                 (uint32_t)harvest->window, (uint32_t)job.pass );
     batch->eye = job.eye;
 
-    // first hits
     int tiles, count = rf_list_patch( &harvest->patches, eye, key, job.patch, scratch->pixel, scratch->tile_of, &tiles );
     if ( harvest->need != NULL )
         count = choose_needy( harvest, key, count, tiles, scratch );
@@ -206,6 +205,14 @@ void rf_harvest_batch( const RfHarvest* harvest, RfHarvestJob job, RfHitBatch* b
     rays->primary += (uint64_t)count;
     copy_hits( &scratch->first, batch );
     note_pixels( count, scratch, batch );
+    return count;
+}
+
+void rf_harvest_batch( const RfHarvest* harvest, RfHarvestJob job, RfHitBatch* batch, RfHarvestScratch* scratch,
+                       RfRayCounts* rays )
+{
+    RfWalk* walk = &scratch->walk;
+    int count = rf_harvest_first_hits( harvest, job, batch, scratch, rays );
 
     // the rest of their paths
     memset( &walk->arrivals, 0, sizeof walk->arrivals );

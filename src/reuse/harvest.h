@@ -43,4 +43,10 @@ RfHarvestScratch* rf_lay_out_harvest_scratch( const RfBatchShape* shape, void* m
 void rf_harvest_batch( const RfHarvest* harvest, RfHarvestJob job, RfHitBatch* batch, RfHarvestScratch* scratch,
                        RfRayCounts* rays );
 
+// The first part of that: camera rays, and what is known of the hits without any
+// light; how many there are of each kind is, and so what a packed copy takes.
+// Returns the number of rays.
+int rf_harvest_first_hits( const RfHarvest* harvest, RfHarvestJob job, RfHitBatch* batch, RfHarvestScratch* scratch,
+                           RfRayCounts* rays );
+
 #endif

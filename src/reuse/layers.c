@@ -28,3 +28,8 @@ int rf_layer_channels( RfLayer layer )
 {
     return (int)strlen( s_layers[layer].letters );
 }
+
+bool rf_layer_is_half( RfLayer layer )
+{
+    return layer == RF_LAYER_ALBEDO || layer == RF_LAYER_NORMAL;
+}

@@ -7,6 +7,8 @@
 
 #include "base/error.h"
 
+#include <stdbool.h>
+
 typedef enum RfLayer
 {
     RF_LAYER_ALBEDO,   // R G B: what the surface reflects of light from straight above; nothing there: 0
@@ -33,5 +35,8 @@ const char* rf_layer_letters( RfLayer layer );
 
 // Floats per pixel: as many as letters.
 int rf_layer_channels( RfLayer layer );
+
+// Is 16 bits enough for its file? Those like colour; all others need the range or the precision of 32.
+bool rf_layer_is_half( RfLayer layer );
 
 #endif

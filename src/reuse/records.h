@@ -78,10 +78,4 @@ size_t rf_batch_bytes( const RfBatchShape* shape );
 // Lays a batch out in `memory`, rf_batch_bytes long and aligned to 64.
 RfHitBatch rf_lay_out_batch( const RfBatchShape* shape, void* memory );
 
-// A copy of a harvested batch with room for the hits that it has and no more, in
-// `memory`, rf_packed_batch_bytes long and aligned to 64; as many as those of the
-// copy. The batch must have any array that the shape has.
-size_t rf_packed_batch_bytes( const RfBatchShape* shape, const RfHitBatch* batch );
-RfHitBatch rf_pack_batch( const RfBatchShape* shape, const RfHitBatch* batch, void* memory );
-
 #endif

@@ -160,27 +160,10 @@ static RfResult render_passes( RfRenderer* r, const RfHarvest* harvest, const Rf
     return result;
 }
 
-// A scene without lights has nothing to sample, walk or combine.
-static int useful_depth( const RfRenderer* r )
-{
-    return rf_tracer_lights( r->tracer )->count > 0 ? r->settings.max_depth : 1;
-}
-
 static RfResult render_window( RfRenderer* r, int number, RfError* error )
 {
     RfWindow window = rf_window( &r->plan, number );
-    RfHarvest harvest = {
-        .walk = { r->tracer, useful_depth( r ), r->settings.light_samples, r->settings.light_picking },
-        .shape = r->sizes.shape,
-        .patches = r->sizes.patches,
-        .tile_roulette = r->settings.tile_roulette,
-        .weights = r->settings.weights,
-        .seed = r->settings.seed,
-        .eyes = r->eyes + window.first,
-        .first_frame = window.first,
-        .window = number,
-    };
-    harvest.shape.eyes = window.eyes;
+    RfHarvest harvest = rf_window_harvest( r, number );
     rf_open_films( r, number );
     RfResult result;
     if ( rf_is_stopping( &r->settings ) )
@@ -301,7 +284,10 @@ RfResult rf_render( const RfTracer* tracer, const RfEye* eyes, int eye_count, co
     r.sizes = rf_render_sizes( rf_tracer_scene( tracer ), eyes, &r.plan, frame_count, &r.settings );
     r.memory.arena = rf_create_arena( r.settings.memory );
     r.start = r.last_frame = rf_wall_seconds();
-    result = rf_fit_sizes( r.settings.memory, frame_count, &r.sizes, &r.fit, error );
+    r.frame_count = frame_count;
+    result = r.settings.hold_all ? rf_count_held( &r, error ) : RF_OK;
+    if ( result == RF_OK )
+        result = rf_fit_sizes( r.settings.memory, frame_count, &r.sizes, &r.fit, error );
     if ( result != RF_OK )
     {
         if ( stats != NULL )

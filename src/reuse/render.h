@@ -6,6 +6,7 @@
 #define REFRAME_REUSE_RENDER_H
 
 #include "base/arena.h"
+#include "image/exr.h"
 #include "reuse/layers.h"
 #include "reuse/tile.h"
 #include "scene/eye.h"
@@ -27,6 +28,14 @@ typedef enum RfNormalize
     RF_NORMALIZE_RATIO,    // A/B: small bias
     RF_NORMALIZE_NONE,     // A: unbiased, noisy
 } RfNormalize;
+
+// The files that callbacks->frame writes, for the memory that it takes to write one.
+typedef struct RfFrameFiles
+{
+    bool written; // else the rest does not matter
+    bool half;    // colour, and the layers that can be
+    RfExrCompression compression;
+} RfFrameFiles;
 
 typedef struct RfRenderSettings
 {
@@ -50,6 +59,7 @@ typedef struct RfRenderSettings
     bool hold_all;     // all hit records of a group at once, as the paper has it, packed: for comparison, the
                        // pictures are the same; else as few as serve the threads
     unsigned layers;   // RF_LAYER_BIT of those that are wanted besides the colour, which they do not change
+    RfFrameFiles files; // part of the budget
 } RfRenderSettings;
 
 #define RF_GROUP_AUTO ( -1 )
@@ -82,12 +92,14 @@ typedef struct RfMemoryFit
     int sweeps;   // how often the path is gone through, each time for `films` frames; 1: the films all fit
     int batches;  // of hit records held at once
     int chunks;   // that a pass of a full group takes
-    size_t bytes_films, bytes_hits, bytes_lists; // films and images; hit records; workspaces with their index lists
+    size_t bytes_films, bytes_hits, bytes_lists; // films and images; hit records; workspaces: index lists, the writing of files
     size_t least; // the smallest budget that works
 } RfMemoryFit;
 
 // The fit of a render of `frame_count` frames with resolved settings. Fails with
 // RF_ERROR_MEMORY, and a line that names the smallest budget, where there is none.
+// With hold_all the held records are not in it, nor is it an error: only rf_render
+// knows how many there are, and says so before it renders.
 RfResult rf_fit_memory( const RfScene* scene, const RfEye* eyes, int eye_count, int frame_count,
                         const RfRenderSettings* settings, RfMemoryFit* fit, RfError* error );
 

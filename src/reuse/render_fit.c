@@ -74,11 +74,20 @@ static int batches_that_fit( size_t budget, const RenderSizes* s )
     return batches;
 }
 
+static RfResult fail_held( size_t budget, size_t least, RfError* error )
+{
+    return rf_fail( error, RF_ERROR_MEMORY,
+                    "--hold-all: a budget of %zu KiB is too small for all hit records of a group: give --memory %zuK or more, or leave it off",
+                    budget / 1024, least / 1024 );
+}
+
 RfResult rf_fit_sizes( size_t budget, int frames, RenderSizes* sizes, RfMemoryFit* fit, RfError* error )
 {
     int wanted = sizes->films;
     *fit = ( RfMemoryFit ){ .least = least_budget( *sizes ) };
     choose( budget, frames, sizes );
+    if ( sizes->films == 0 && sizes->held > 0 )
+        return fail_held( budget, fit->least, error );
     if ( sizes->films == 0 )
         return rf_fail( error, RF_ERROR_MEMORY,
                         "a budget of %zu KiB is too small for frames of %dx%d: give --memory %zuK or more, or lower --size",
@@ -90,7 +99,7 @@ RfResult rf_fit_sizes( size_t budget, int frames, RenderSizes* sizes, RfMemoryFi
     fit->chunks = up( sizes->shape.eyes * sizes->patches.count, fit->batches );
     fit->bytes_films = rf_films_bytes( sizes ) + rf_image_bytes( sizes );
     fit->bytes_hits = rf_records_bytes( sizes, fit->batches );
-    fit->bytes_lists = rf_scratch_bytes( sizes );
+    fit->bytes_lists = rf_scratch_bytes( sizes ) + rf_writer_bytes( sizes );
     return RF_OK;
 }
 
@@ -99,5 +108,10 @@ RfResult rf_fit_memory( const RfScene* scene, const RfEye* eyes, int eye_count, 
 {
     RfGroupPlan plan = rf_plan_groups( eye_count, settings->group, settings->spp );
     RenderSizes sizes = rf_render_sizes( scene, eyes, &plan, frame_count, settings );
-    return rf_fit_sizes( settings->memory, frame_count, &sizes, fit, error );
+    RfResult result = rf_fit_sizes( settings->memory, frame_count, &sizes, fit, error );
+    if ( result != RF_ERROR_MEMORY || !settings->hold_all )
+        return result;
+    // how much is too little rf_render finds out: it depends on what the rays hit
+    *fit = ( RfMemoryFit ){ .threads = settings->threads, .films = frame_count, .sweeps = 1, .least = fit->least };
+    return RF_OK;
 }

@@ -27,6 +27,7 @@ typedef struct LiveFilm
 typedef struct RenderMemory
 {
     RfArena arena;
+    bool has_writer; // its bytes are counted
     RfHarvestScratch** harvest_scratch; // per thread
     RfComputeScratch* compute_scratch;  // per thread
     RfHitBatch* batches;
@@ -51,6 +52,8 @@ typedef struct RenderSizes
     int total_every; // passes of a half of a film before it is emptied; 0: never
     bool stopping;   // by noise or time
     bool adaptive;
+    RfFrameFiles files;
+    size_t held; // of records besides the batches, the most of any window; with settings.hold_all only
     RfBatchShape shape;
 } RenderSizes;
 
@@ -114,6 +117,13 @@ void rf_end_pass( RfRenderer* renderer, const RfHarvest* harvest, const RfWindow
 // After so many batches: progress, interruption, and what became of frames handed over.
 RfResult rf_end_chunk( RfRenderer* renderer, int count, RfError* error );
 
+// The harvest of window `number`.
+RfHarvest rf_window_harvest( const RfRenderer* renderer, int number );
+
+// Settles sizes.held for the frames asked for, by tracing the camera rays of each
+// window; fails with RF_ERROR_MEMORY where the system has no room for a batch.
+RfResult rf_count_held( RfRenderer* renderer, RfError* error );
+
 // A window with the hit records of all its passes at once (settings.hold_all).
 RfResult rf_render_held( RfRenderer* renderer, const RfHarvest* harvest, const RfWindow* window, RfError* error );
 
@@ -123,13 +133,14 @@ void rf_add_layers( const RfRenderer* renderer, const RfHarvest* harvest, const 
                     const RfHarvestScratch* scratch );
 
 // Bytes that are allocated, exactly: films; one image on its way to the caller;
-// workspaces; so many batches of hit records; all but the batches, with one
+// workspaces; what writing a file takes (counted only); so many batches of hit records; all but the batches, with one
 // image. Of single arrays: which eyes landed where; a film's totals; what is
 // known of the films' noise; what an adaptive film has besides; a layer
 // while it is rendered, and finished. 0: not needed.
 size_t rf_films_bytes( const RenderSizes* sizes );
 size_t rf_image_bytes( const RenderSizes* sizes );
 size_t rf_scratch_bytes( const RenderSizes* sizes );
+size_t rf_writer_bytes( const RenderSizes* sizes );
 size_t rf_records_bytes( const RenderSizes* sizes, int batches );
 size_t rf_fixed_bytes( const RenderSizes* sizes );
 size_t rf_landed_bytes( const RenderSizes* sizes );

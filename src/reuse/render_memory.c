@@ -3,6 +3,8 @@
 
 #include <string.h>
 
+#define WRITER "writer" // of files: allocated by OpenEXRCore while a frame is handed over
+
 static size_t film_pixels( const RenderSizes* s ) { return (size_t)s->width * (size_t)s->height; }
 
 // One frame on its way to the caller.
@@ -112,11 +114,18 @@ static RfResult alloc_scratch( const RenderSizes* s, RenderMemory* m, RfError* e
     return rf_arena_alloc( &m->arena, "scratch", threads * sizeof *m->compute_scratch, (void**)&m->compute_scratch, error );
 }
 
+// Held records come later.
+static size_t room_for_batches( const RenderSizes* s, const RenderMemory* m )
+{
+    size_t room = rf_arena_room( &m->arena );
+    return room > s->held ? room - s->held : 0;
+}
+
 // As many batches at once as serve the threads and fit the budget, at least one.
 static int batch_slots( const RenderSizes* s, const RenderMemory* m )
 {
     int slots = rf_batches_wanted( s );
-    size_t room = rf_arena_room( &m->arena );
+    size_t room = room_for_batches( s, m );
     if ( s->shape.eq15 || rf_records_bytes( s, slots ) <= room )
         return slots;
     int fit = (int)( room / ( rf_records_bytes( s, slots ) / (size_t)slots ) ); // no more than that many
@@ -131,7 +140,7 @@ static RfResult alloc_more_buffers( const RenderSizes* s, RenderMemory* m, RfErr
     size_t batches = rf_records_bytes( s, batch_slots( s, m ) );
     RfResult result = RF_OK;
     while ( result == RF_OK && m->buffer_count < s->buffers &&
-            rf_arena_room( &m->arena ) > batches && rf_arena_room( &m->arena ) - batches >= rf_image_bytes( s ) )
+            room_for_batches( s, m ) > batches && room_for_batches( s, m ) - batches >= rf_image_bytes( s ) )
         result = alloc_buffer( s, m, error );
     return result;
 }
@@ -155,7 +164,12 @@ static RfResult alloc_batches( const RenderSizes* s, RenderMemory* m, RfError* e
 
 RfResult rf_alloc_render_memory( const RenderSizes* sizes, RenderMemory* memory, RfError* error )
 {
-    RfResult result = alloc_films( sizes, memory, error );
+    RfResult result = RF_OK;
+    if ( rf_writer_bytes( sizes ) > 0 )
+        result = rf_arena_reserve( &memory->arena, WRITER, rf_writer_bytes( sizes ), error );
+    memory->has_writer = rf_writer_bytes( sizes ) > 0 && result == RF_OK;
+    if ( result == RF_OK )
+        result = alloc_films( sizes, memory, error );
     if ( result == RF_OK )
         result = alloc_first_buffer( sizes, memory, error );
     if ( result == RF_OK )
@@ -190,6 +204,8 @@ static void free_films( const RenderSizes* s, RenderMemory* m )
 
 void rf_free_render_memory( const RenderSizes* s, RenderMemory* m )
 {
+    if ( m->has_writer )
+        rf_arena_release( &m->arena, WRITER, rf_writer_bytes( s ) );
     free_films( s, m );
     size_t threads = (size_t)s->threads;
     for ( size_t t = 0; m->harvest_scratch != NULL && t < threads; ++t )

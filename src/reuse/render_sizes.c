@@ -65,6 +65,7 @@ RenderSizes rf_render_sizes( const RfScene* scene, const RfEye* eyes, const RfGr
         .layers = settings->layers,
         .stopping = rf_is_stopping( settings ),
         .adaptive = settings->adaptive,
+        .files = settings->files,
         .buffers = settings->queue > films ? films : settings->queue > 1 ? settings->queue : 1,
         .shape = batch_shape( scene, plan->eyes, settings ),
     };
@@ -120,6 +121,17 @@ size_t rf_scratch_bytes( const RenderSizes* s )
            threads * rf_arena_size( rf_harvest_scratch_bytes( &s->shape ) );
 }
 
+size_t rf_writer_bytes( const RenderSizes* s )
+{
+    int pixel_bytes = s->files.half ? 3 * 2 : 3 * 4;
+    for ( int l = 0; l < RF_LAYER_COUNT; ++l )
+    {
+        if ( ( s->layers & RF_LAYER_BIT( l ) ) != 0 )
+            pixel_bytes += rf_layer_channels( (RfLayer)l ) * ( s->files.half && rf_layer_is_half( (RfLayer)l ) ? 2 : 4 );
+    }
+    return s->files.written ? rf_exr_work_bytes( s->width, s->height, s->files.compression, pixel_bytes ) : 0;
+}
+
 size_t rf_records_bytes( const RenderSizes* s, int batches )
 {
     return rf_arena_size( (size_t)batches * sizeof( RfHitBatch ) ) + (size_t)batches * rf_arena_size( rf_batch_bytes( &s->shape ) );
@@ -135,5 +147,5 @@ int rf_batches_wanted( const RenderSizes* s )
 size_t rf_fixed_bytes( const RenderSizes* s )
 {
     size_t ring = rf_arena_size( (size_t)s->buffers * sizeof( RfFrameBuffer ) );
-    return rf_films_bytes( s ) + ring + rf_image_bytes( s ) + rf_scratch_bytes( s );
+    return rf_films_bytes( s ) + ring + rf_image_bytes( s ) + rf_scratch_bytes( s ) + optional( rf_writer_bytes( s ) ) + s->held;
 }

@@ -1,0 +1,53 @@
+// 16-bit floats, bit by bit.
+#ifndef REFRAME_IMAGE_HALF_H
+#define REFRAME_IMAGE_HALF_H
+
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+
+#define RF_HALF_MAX 65504.0f
+
+// Infinity stays what it is: it is to be counted, not repaired.
+static inline float rf_clamp_half( float value )
+{
+    if ( isinf( value ) )
+        return value;
+    return value > RF_HALF_MAX ? RF_HALF_MAX : value < -RF_HALF_MAX ? -RF_HALF_MAX : value;
+}
+
+static inline float rf_half_to_float( uint16_t half )
+{
+    uint32_t exponent = half >> 10 & 31u, mantissa = half & 1023u;
+    if ( exponent == 0 )
+        return ( half & 0x8000u ? -0x1p-24f : 0x1p-24f ) * (float)mantissa;
+    uint32_t bits = ( half & 0x8000u ) << 16 | mantissa << 13 | ( exponent == 31 ? 255u : exponent + 112u ) << 23;
+    float value;
+    memcpy( &value, &bits, sizeof value );
+    return value;
+}
+
+// Without the last `shift` bits, rounded to nearest, in the middle to even.
+static inline uint32_t rf_shift_rounded( uint32_t bits, uint32_t shift )
+{
+    uint32_t half = 1u << ( shift - 1 );
+    return ( bits + half - 1 + ( bits >> shift & 1u ) ) >> shift;
+}
+
+// The nearest half of a value that was clamped, or that is infinite or NaN.
+static inline uint16_t rf_float_to_half( float value )
+{
+    uint32_t bits;
+    memcpy( &bits, &value, sizeof bits );
+    uint32_t sign = bits >> 16 & 0x8000u, size = bits & 0x7fffffffu;
+    uint32_t exponent = size >> 23;
+    if ( exponent == 255 )
+        return (uint16_t)( sign | ( size > 0x7f800000u ? 0x7e00u | ( size >> 13 & 0x3ffu ) : 0x7c00u ) );
+    if ( exponent < 102 ) // less than half of the smallest
+        return (uint16_t)sign;
+    if ( exponent < 113 ) // below the normal range: in units of 2^-24
+        return (uint16_t)( sign | rf_shift_rounded( ( size & 0x7fffffu ) | 0x800000u, 126 - exponent ) );
+    return (uint16_t)( sign | rf_shift_rounded( size - ( 112u << 23 ), 13 ) );
+}
+
+#endif
