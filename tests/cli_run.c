@@ -94,6 +94,18 @@ char* cli_read( const char* name, size_t* size )
     return bytes;
 }
 
+json_t* cli_read_json( const char* name )
+{
+    size_t size;
+    char* text = cli_read( name, &size );
+    json_error_t fault;
+    json_t* json = json_loads( text, 0, &fault );
+    free( text );
+    if ( json == NULL )
+        fail_msg( "%s: %s", name, fault.text );
+    return json;
+}
+
 int cli_count_files( const char* suffix, const char* subfolder )
 {
     char path[512];

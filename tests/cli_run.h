@@ -2,6 +2,7 @@
 #ifndef REFRAME_TESTS_CLI_RUN_H
 #define REFRAME_TESTS_CLI_RUN_H
 
+#include <jansson.h>
 #include <stdbool.h>
 #include <stddef.h>
 
@@ -32,6 +33,7 @@ const CliResult* cli_wait( int signal_number ); // sends the signal first unless
 bool cli_exists( const char* name );
 void cli_write( const char* name, const void* bytes, size_t size );
 char* cli_read( const char* name, size_t* size ); // to be freed
+json_t* cli_read_json( const char* name );        // to be released
 int cli_count_files( const char* suffix, const char* subfolder );
 
 // Fails the test with all that was said unless status is as wanted and `part`

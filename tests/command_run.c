@@ -11,6 +11,7 @@
 #include <cmocka.h>
 
 static char s_said[2048];
+static char s_json[512]; // what the last run was to write
 
 int run_command( int ( *command )( int argc, char** argv ), int argc, char** argv )
 {
@@ -27,6 +28,29 @@ int run_command( int ( *command )( int argc, char** argv ), int argc, char** arg
     s_said[fread( s_said, 1, sizeof s_said - 1, file )] = '\0';
     fclose( file );
     return status;
+}
+
+int run_command_to_json( int ( *command )( int argc, char** argv ), int count, char** arguments, va_list more )
+{
+    for ( char* next = va_arg( more, char* ); next != NULL; next = va_arg( more, char* ) )
+    {
+        assert_true( count < COMMAND_ARGUMENTS );
+        arguments[count++] = next;
+    }
+    for ( int i = 0; i + 1 < count; ++i )
+    {
+        if ( strcmp( arguments[i], "--json" ) == 0 )
+            snprintf( s_json, sizeof s_json, "%s", arguments[i + 1] );
+    }
+    remove( s_json );
+    return run_command( command, count, arguments );
+}
+
+json_t* load_json( void )
+{
+    json_t* json = json_load_file( s_json, 0, NULL );
+    assert_non_null( json );
+    return json;
 }
 
 void check_failed( int status, int wanted, const char* part )

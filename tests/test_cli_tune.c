@@ -13,16 +13,6 @@
 
 #include <cmocka.h>
 
-static json_t* read_json( const char* name )
-{
-    size_t size;
-    char* text = cli_read( name, &size );
-    json_t* json = json_loads( text, 0, NULL );
-    free( text );
-    assert_non_null( json );
-    return json;
-}
-
 static void check_rows( const json_t* tune )
 {
     static const char* const keys[] = { "group", "tile", "bytes_films", "bytes_hits", "chunks", "predicted_gain", "seconds", "relmse",
@@ -106,7 +96,7 @@ static void test_command( void** state )
     (void)state;
     static const char options[] = "--size=16x9 --spp 5 --frames 20-21 --seed 7 --no-tile-roulette --memory 200M --max-depth 4";
     cli_expect( cli_run( "$R tune $VASE %s --budget 1 --quiet --svg plot.svg --json tune.json > table.txt", options ), 0, NULL );
-    json_t* tune = read_json( "tune.json" );
+    json_t* tune = cli_read_json( "tune.json" );
     check_rows( tune );
     cli_expect( cli_run( "python3 -c \"import xml.dom.minidom as m; m.parse('plot.svg')\"" ), 0, NULL );
     size_t size;
@@ -136,7 +126,7 @@ static void test_quoting( void** state )
     (void)state;
     cli_expect( cli_run( "cp $VASE \"a b'c.glb\"" ), 0, NULL );
     cli_expect( cli_run( "$R tune \"a b'c.glb\" --size 8x6 --spp 1 --frames 3 --camera 'Camera' --budget 1 --quiet --json tune.json > out.txt" ), 0, NULL );
-    json_t* tune = read_json( "tune.json" );
+    json_t* tune = cli_read_json( "tune.json" );
     const char* command = json_string_value( json_object_get( tune, "command" ) );
     static const char start[] = "reframe render 'a b'\\''c.glb' -o out/frame.####.exr --group ";
     assert_int_equal( strncmp( command, start, strlen( start ) ), 0 );
@@ -151,7 +141,7 @@ static void test_command_errors( void** state )
     snprintf( text, sizeof text, "{\"scene\":\"%s\",\"render\":{\"size\":[8,6],\"spp\":3,\"frames\":\"2-3\",\"group\":1,\"tile\":\"2x2\"}}", REFRAME_VASE_ROOM );
     cli_write( "scene.json", text, strlen( text ) );
     cli_expect( cli_run( "$R tune scene.json --budget 1 --quiet --json tune.json > out.txt" ), 0, NULL );
-    json_t* tune = read_json( "tune.json" );
+    json_t* tune = cli_read_json( "tune.json" );
     assert_int_equal( json_integer_value( json_object_get( tune, "width" ) ), 8 );
     assert_int_equal( json_integer_value( json_object_get( tune, "frames" ) ), 2 );
     json_decref( tune );
@@ -179,7 +169,7 @@ static void test_least_budget( void** state )
     cli_expect( cli_run( command, least - least / 100 ), 1, "give --memory " );
     cli_expect( cli_run( command, least + least / 5 ), 0, NULL );
     cli_expect( cli_run( command, least ), 0, NULL );
-    json_t* tune = read_json( "tune.json" );
+    json_t* tune = cli_read_json( "tune.json" );
     const json_t* rows = json_object_get( tune, "rows" );
     size_t size;
     char *table = cli_read( "table.txt", &size ), why[96];

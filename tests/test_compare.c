@@ -21,27 +21,16 @@ static void write_constant( const char* name, int side, float value )
     rf_destroy_image( &image );
 }
 
-#define MAX_ARGUMENTS 16
-
 // Runs compare; further arguments up to NULL.
 static int compare( const char* a, const char* b, ... )
 {
-    char* arguments[MAX_ARGUMENTS] = { "compare", (char*)temp_path( a ), (char*)temp_path( b ), "--json", (char*)temp_path( "out.json" ) };
-    int count = 5;
+    char* arguments[COMMAND_ARGUMENTS] = { "compare", (char*)temp_path( a ), (char*)temp_path( b ), "--json", (char*)temp_path( "out.json" ) };
+    const int count = 5;
     va_list more;
     va_start( more, b );
-    for ( char* next = va_arg( more, char* ); next != NULL && count < MAX_ARGUMENTS - 1; next = va_arg( more, char* ) )
-        arguments[count++] = next;
+    int status = run_command_to_json( rf_command_compare, count, arguments, more );
     va_end( more );
-    remove( arguments[4] );
-    return run_command( rf_command_compare, count, arguments );
-}
-
-static json_t* load_json( void )
-{
-    json_t* json = json_load_file( temp_path( "out.json" ), 0, NULL );
-    assert_non_null( json );
-    return json;
+    return status;
 }
 
 static void test_files( void** state )

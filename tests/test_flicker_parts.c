@@ -11,27 +11,16 @@
 
 enum { WIDTH = 20, HEIGHT = 10 };
 
-#define MAX_ARGUMENTS 16
-
 // Runs flicker; further arguments up to NULL.
 static int flicker( const char* sequence, ... )
 {
-    char* arguments[MAX_ARGUMENTS] = { "flicker", (char*)temp_path( sequence ), "--json", (char*)temp_path( "out.json" ), "--quiet" };
-    int count = 5;
+    char* arguments[COMMAND_ARGUMENTS] = { "flicker", (char*)temp_path( sequence ), "--json", (char*)temp_path( "out.json" ), "--quiet" };
+    const int count = 5;
     va_list more;
     va_start( more, sequence );
-    for ( char* next = va_arg( more, char* ); next != NULL && count < MAX_ARGUMENTS - 1; next = va_arg( more, char* ) )
-        arguments[count++] = next;
+    int status = run_command_to_json( rf_command_flicker, count, arguments, more );
     va_end( more );
-    remove( arguments[3] );
-    return run_command( rf_command_flicker, count, arguments );
-}
-
-static json_t* load_json( void )
-{
-    json_t* json = json_load_file( temp_path( "out.json" ), 0, NULL );
-    assert_non_null( json );
-    return json;
+    return status;
 }
 
 static void check_number( const json_t* object, const char* key, double wanted )

@@ -21,19 +21,9 @@ typedef struct Bytes
     double held, films, peak;
 } Bytes;
 
-static json_t* read_json( const char* name )
-{
-    size_t size;
-    char* text = cli_read( name, &size );
-    json_t* json = json_loads( text, 0, NULL );
-    free( text );
-    assert_non_null( json );
-    return json;
-}
-
 static Bytes read_bytes( void )
 {
-    json_t* json = read_json( "hold.json" );
+    json_t* json = cli_read_json( "hold.json" );
     const json_t* entries = json_object_get( json, "bytes" );
     Bytes bytes = { .held = json_number_value( json_object_get( entries, "held_hit_records" ) ),
                     .films = json_number_value( json_object_get( entries, "films" ) ),
@@ -108,7 +98,7 @@ static void test_paper_example( void** state )
     Bytes bytes = render_example( 4, "--max-depth 1 --memory 27270K" );
     expect_small( bytes, 1.0 / 16.0 );
     cli_expect( cli_run( "$R plan $VASE --size 200x150 --spp 14 --quiet --json plan.json" ), 0, NULL );
-    json_t* plan = read_json( "plan.json" );
+    json_t* plan = cli_read_json( "plan.json" );
     double said = json_number_value( json_object_get( json_object_get( plan, "bytes_paper_example" ), "ours" ) );
     json_decref( plan );
     if ( said < 16.0 * bytes.held || said > 1.6 * 16.0 * bytes.held ) // of records as they are worked on, not packed

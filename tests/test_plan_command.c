@@ -12,16 +12,6 @@
 
 #include <cmocka.h>
 
-static json_t* read_json( const char* name )
-{
-    size_t size;
-    char* text = cli_read( name, &size );
-    json_t* json = json_loads( text, 0, NULL );
-    free( text );
-    assert_non_null( json );
-    return json;
-}
-
 static const json_t* chosen_row( const json_t* plan )
 {
     const json_t *rows = json_object_get( plan, "rows" ), *chosen = NULL;
@@ -74,7 +64,7 @@ static void test_command( void** state )
     char line[1024];
     snprintf( line, sizeof line, "%s", strstr( said->out, "\n* --group auto takes " ) );
     cli_expect( cli_run( "$R render $VASE %s -o a.exr --frames 20 --quiet --json render.json", options ), 0, NULL );
-    json_t *plan = read_json( "plan.json" ), *render = read_json( "render.json" );
+    json_t *plan = cli_read_json( "plan.json" ), *render = cli_read_json( "render.json" );
     const json_t* row = chosen_row( plan );
     assert_int_equal( json_integer_value( json_object_get( row, "group" ) ), json_integer_value( json_object_get( render, "group" ) ) );
     check_rows( plan );
@@ -96,7 +86,7 @@ static int common_group( const char* options )
 {
     cli_expect( cli_run( "$R plan $VASE %s --quiet --json plan.json", options ), 0, NULL );
     cli_expect( cli_run( "$R render $VASE %s -o a.exr --frames 20 --overwrite --quiet --json render.json", options ), 0, NULL );
-    json_t *plan = read_json( "plan.json" ), *render = read_json( "render.json" );
+    json_t *plan = cli_read_json( "plan.json" ), *render = cli_read_json( "render.json" );
     int marked = (int)json_integer_value( json_object_get( chosen_row( plan ), "group" ) );
     int taken = (int)json_integer_value( json_object_get( render, "group" ) );
     json_decref( plan );
@@ -143,7 +133,7 @@ static void test_rows_without_room( void** state )
     (void)state;
     static const char options[] = "--size 64x36 --spp 9 --memory 12M --weights eq15 --max-depth 2 --quiet";
     cli_expect( cli_run( "$R plan $VASE %s --json plan.json > table.txt", options ), 0, NULL );
-    json_t* plan = read_json( "plan.json" );
+    json_t* plan = cli_read_json( "plan.json" );
     const json_t* rows = json_object_get( plan, "rows" );
     assert_int_equal( json_array_size( rows ), 9 );
     const json_t* last = json_array_get( rows, 8 );
@@ -172,14 +162,14 @@ static void test_command_defaults_and_errors( void** state )
               REFRAME_VASE_ROOM );
     cli_write( "scene.json", text, strlen( text ) );
     cli_expect( cli_run( "$R plan scene.json --quiet --json plan.json" ), 0, NULL );
-    json_t* plan = read_json( "plan.json" );
+    json_t* plan = cli_read_json( "plan.json" );
     const json_t* first = json_array_get( json_object_get( plan, "rows" ), 0 );
     assert_string_equal( json_string_value( json_object_get( first, "tile" ) ), "1" );
     assert_int_equal( json_integer_value( json_object_get( first, "spp" ) ), 5 );
     assert_true( json_number_value( json_object_get( json_object_get( first, "rays" ), "primary" ) ) == 2 * 40 * 30 * 5 );
     json_decref( plan );
     cli_expect( cli_run( "$R plan scene.json --quiet --spp 6 --json - > plan.json" ), 0, NULL );
-    plan = read_json( "plan.json" );
+    plan = cli_read_json( "plan.json" );
     assert_int_equal( json_integer_value( json_object_get( json_array_get( json_object_get( plan, "rows" ), 0 ), "spp" ) ), 6 );
     json_decref( plan );
     // as many as render may take, which is said
@@ -187,7 +177,7 @@ static void test_command_defaults_and_errors( void** state )
     for ( int i = 0; i < 2; ++i )
     {
         cli_expect( cli_run( "$R plan scene.json --quiet %s --json plan.json", most[i].options ), 0, NULL );
-        plan = read_json( "plan.json" );
+        plan = cli_read_json( "plan.json" );
         assert_int_equal( json_integer_value( json_object_get( json_array_get( json_object_get( plan, "rows" ), 0 ), "spp" ) ), most[i].spp );
         assert_true( json_is_true( json_object_get( plan, "at_most" ) ) );
         json_decref( plan );

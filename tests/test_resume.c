@@ -21,16 +21,6 @@
 // One thread: also a fast machine takes a moment for the frames after the first.
 #define SLOW "--frames 1-8 --size 48x27 --spp 48 --group 0 --threads 1 --quiet "
 
-static json_t* read_json( const char* name )
-{
-    size_t size;
-    char* text = cli_read( name, &size );
-    json_t* json = json_loads( text, 0, NULL );
-    free( text );
-    assert_non_null( json );
-    return json;
-}
-
 static double number( const json_t* json, const char* key ) { return json_number_value( json_object_get( json, key ) ); }
 
 static bool is_true( const json_t* json, const char* key )
@@ -73,7 +63,7 @@ static int interrupt( const char* goes_on )
 // The frames of `json`, the first `kept` from the older JSON, which told of no others.
 static void check_kept( const char* name, const char* older_name, int kept )
 {
-    json_t *json = read_json( name ), *older = read_json( older_name );
+    json_t *json = cli_read_json( name ), *older = cli_read_json( older_name );
     assert_int_equal( frame_count( json ), FRAMES );
     assert_int_equal( frame_count( older ), kept );
     assert_int_equal( (int)number( json, "kept_frames" ), kept );
@@ -96,7 +86,7 @@ static void check_kept( const char* name, const char* older_name, int kept )
 
 static void check_interrupted_json( const char* name, int kept )
 {
-    json_t* json = read_json( name );
+    json_t* json = cli_read_json( name );
     assert_true( is_true( json, "interrupted" ) );
     assert_int_equal( frame_count( json ), kept );
     assert_int_equal( (int)number( json, "kept_frames" ), 0 );
@@ -165,7 +155,7 @@ static void test_resume_and_overwrite( void** state )
     assert_non_null( strstr( result->out, "4 kept from before" ) );
     assert_true( inode_of( "m/f.0002.exr" ) == second );
     cli_expect( cli_run( "for f in whole_m/*; do cmp $f m/${f#*/} || exit 1; done" ), 0, NULL );
-    json_t* json = read_json( "m.json" );
+    json_t* json = cli_read_json( "m.json" );
     static const bool kept[FRAMES] = { true, true, false, false, true, false, false, true };
     assert_int_equal( frame_count( json ), FRAMES );
     for ( size_t i = 0; i < FRAMES; ++i )
@@ -180,7 +170,7 @@ static void test_resume_and_overwrite( void** state )
 
 static void expect_seconds( const char* name, bool known )
 {
-    json_t* json = read_json( name );
+    json_t* json = cli_read_json( name );
     assert_int_equal( frame_count( json ), FRAMES );
     for ( size_t i = 0; i < FRAMES; ++i )
     {

@@ -17,16 +17,6 @@
 #define LARGER "--size 64x36 --group 1 --quiet " // estimates of small pictures are as uncertain as their errors
 #define SMALL "--size 40x24 --group 1 --quiet "
 
-static json_t* read_json( const char* name )
-{
-    size_t size;
-    char* text = cli_read( name, &size );
-    json_t* json = json_loads( text, 0, NULL );
-    free( text );
-    assert_non_null( json );
-    return json;
-}
-
 static double number( const json_t* json, const char* key ) { return json_number_value( json_object_get( json, key ) ); }
 
 static const json_t* frame_of( const json_t* json, size_t i ) { return json_array_get( json_object_get( json, "frames" ), i ); }
@@ -44,7 +34,7 @@ static void test_the_error_is_reached( void** state )
         cli_expect( cli_run( "$R render $VASE -o n.####.exr --overwrite --frames 5,30 --noise %g --seed %d --float --json n.json " LARGER,
                              wanted, seed ), 0, NULL );
         cli_expect( cli_run( "$R compare n.####.exr ref.####.exr --json c.json" ), 0, NULL );
-        json_t *json = read_json( "n.json" ), *error = read_json( "c.json" );
+        json_t *json = cli_read_json( "n.json" ), *error = cli_read_json( "c.json" );
         assert_int_equal( number( json_object_get( json, "noise" ), "missed" ), 0 );
         for ( size_t i = 0; i < 2; ++i )
         {
@@ -70,7 +60,7 @@ static void test_less_noise_takes_more( void** state )
     for ( int i = 0; i < 3; ++i )
     {
         cli_expect( cli_run( "$R render $VASE -o l.####.exr --overwrite --frames 3-5 --noise %s --json l.json " SMALL, errors[i] ), 0, NULL );
-        json_t* json = read_json( "l.json" );
+        json_t* json = cli_read_json( "l.json" );
         double native = number( frame_of( json, 1 ), "native_spp" );
         assert_true( native >= 2.0 && native > before );
         before = native;
@@ -90,7 +80,7 @@ static void test_not_reached( void** state )
     (void)state;
     const CliResult* result = cli_run( "$R render $VASE -o m.####.exr --frames 1-4 --noise 1e-6 --spp 9 --json m.json " SMALL );
     cli_expect( result, 0, "--noise 1e-06: not reached in 4 of 4 frames" );
-    json_t* json = read_json( "m.json" );
+    json_t* json = cli_read_json( "m.json" );
     assert_int_equal( number( json_object_get( json, "noise" ), "missed" ), 4 );
     assert_true( json_is_false( json_object_get( frame_of( json, 0 ), "reached" ) ) );
     for ( size_t i = 0; i < 4; ++i )
@@ -103,7 +93,7 @@ static void test_time( void** state )
 {
     (void)state;
     cli_expect( cli_run( "$R render $VASE -o s.####.exr --frames 1-6 --time 0.4 --json s.json " SMALL ), 0, NULL );
-    json_t* json = read_json( "s.json" );
+    json_t* json = cli_read_json( "s.json" );
     double seconds = number( json, "seconds" ) - number( json, "seconds_scene" );
     assert_true( seconds > 1.2 && seconds < 10.0 );
     assert_true( json_is_false( json_object_get( json_object_get( json, "time" ), "too_short" ) ) );
@@ -115,7 +105,7 @@ static void test_too_short( void** state )
 {
     (void)state;
     cli_expect( cli_run( "$R render $VASE -o z.####.exr --frames 1-4 --time 1e-7 --json z.json " SMALL ), 0, "--time 1e-07: too short" );
-    json_t* json = read_json( "z.json" );
+    json_t* json = cli_read_json( "z.json" );
     assert_true( json_is_true( json_object_get( json_object_get( json, "time" ), "too_short" ) ) );
     for ( size_t i = 0; i < 4; ++i )
     {
@@ -130,7 +120,7 @@ static void test_both( void** state )
 {
     (void)state;
     cli_expect( cli_run( "$R render $VASE -o b.####.exr --frames 1-4 --noise 0.1 --time 1000 --json b.json " SMALL ), 0, NULL );
-    json_t* json = read_json( "b.json" );
+    json_t* json = cli_read_json( "b.json" );
     assert_int_equal( number( json_object_get( json, "noise" ), "missed" ), 0 );
     assert_true( number( json, "seconds" ) < 100.0 );
     json_decref( json );
@@ -142,7 +132,7 @@ static void test_resume( void** state )
     (void)state;
     cli_expect( cli_run( "$R render $VASE -o r.####.exr --frames 1-4 --noise 0.05 " SMALL " && cp r.0003.exr kept.exr && rm r.0002.exr" ), 0, NULL );
     cli_expect( cli_run( "$R render $VASE -o r.####.exr --frames 1-4 --noise 0.05 --resume --json r.json " SMALL " && cmp r.0003.exr kept.exr" ), 0, NULL );
-    json_t* json = read_json( "r.json" );
+    json_t* json = cli_read_json( "r.json" );
     assert_int_equal( json_array_size( json_object_get( json, "frames" ) ), 4 );
     for ( size_t i = 0; i < 4; ++i )
     {
@@ -160,7 +150,7 @@ static void test_header( void** state )
 {
     (void)state;
     cli_expect( cli_run( "$R render $VASE -o h.####.exr --frames 2,3 --noise 0.05 --json h.json " SMALL ), 0, NULL );
-    json_t* json = read_json( "h.json" );
+    json_t* json = cli_read_json( "h.json" );
     static const char* const keys[][2] = { { "reframe/relmse-estimate", "relmse_estimate" }, { "reframe/native-spp", "native_spp" },
                                            { "reframe/effective-spp", "effective_spp" } };
     char path[512], value[64];
@@ -197,14 +187,14 @@ static void test_defaults_of_a_scene_file( void** state )
     cli_expect( cli_run( "ln -sf $VASE room.glb" ), 0, NULL );
     cli_write( "scene.json", scene, sizeof scene - 1 );
     cli_expect( cli_run( "$R render scene.json -o d.exr --frames 5 --json d.json " SMALL ), 0, NULL );
-    json_t* json = read_json( "d.json" );
+    json_t* json = cli_read_json( "d.json" );
     assert_true( number( frame_of( json, 0 ), "native_spp" ) > 3.0 );
     assert_true( number( frame_of( json, 0 ), "relmse_estimate" ) <= 0.03 );
     json_decref( json );
     cli_expect( cli_run( "$R render scene.json -o d.exr --overwrite --spp 3 --frames 5 " SMALL ), 0, "not reached in 1 of 1" );
     cli_expect( cli_run( "$R render scene.json -o d.exr --overwrite --noise 0 --frames 5 " SMALL
                          " && $R render $VASE -o e.exr --spp 3 --frames 5 " SMALL " && $R compare d.exr e.exr --json d.json" ), 0, NULL );
-    json = read_json( "d.json" );
+    json = cli_read_json( "d.json" );
     assert_true( number( json, "relmse" ) == 0.0 );
     json_decref( json );
 }
@@ -219,7 +209,7 @@ static void test_all_kinds( void** state )
     {
         cli_expect( cli_run( "$R render $VASE -o k.####.exr --overwrite --frames 10-14x2 --noise 0.1 --size 40x24 --quiet --json k.json %s",
                              kinds[i] ), 0, NULL );
-        json_t* json = read_json( "k.json" );
+        json_t* json = cli_read_json( "k.json" );
         assert_int_equal( number( json_object_get( json, "noise" ), "missed" ), 0 );
         for ( size_t k = 0; k < 3; ++k )
             assert_true( number( frame_of( json, k ), "relmse_estimate" ) <= 0.1 );
