@@ -1,5 +1,7 @@
 #include "base/system.h"
 
+#include "base/cgroup.h"
+
 #include <omp.h>
 #include <stdio.h>
 #include <time.h>
@@ -37,7 +39,8 @@ size_t rf_free_memory( void )
         }
         fclose( file );
     }
-    return kib > 0 ? (size_t)kib * 1024 : (size_t)1 << 30;
+    size_t machine = kib > 0 ? (size_t)kib * 1024 : (size_t)1 << 30, group = rf_own_cgroup_free_memory();
+    return group < machine ? group : machine;
 }
 
 int rf_core_count( void ) { return omp_get_num_procs(); }

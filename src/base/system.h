@@ -13,7 +13,8 @@ double rf_thread_seconds( void );
 // The same of all threads of the process.
 double rf_process_seconds( void );
 
-// Memory that can be had without swapping, bytes; 1 GiB where it cannot be told.
+// Memory that can be had without swapping, bytes, in the limits of a container too; 1 GiB
+// where it cannot be told.
 size_t rf_free_memory( void );
 
 // Cores this process may use, ≥ 1.

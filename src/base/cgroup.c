@@ -1,0 +1,69 @@
+#include "base/cgroup.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+
+#define NAME_SIZE 4608
+
+// The number after `key` ("": the first) in a file; false where there is none, as in "max".
+static bool read_number( const char* folder, const char* name, const char* key, unsigned long long* value )
+{
+    char path[NAME_SIZE + 32], line[256];
+    snprintf( path, sizeof path, "%s/%s", folder, name );
+    FILE* file = fopen( path, "r" );
+    if ( file == NULL )
+        return false;
+    bool found = false;
+    size_t length = strlen( key );
+    while ( !found && fgets( line, sizeof line, file ) != NULL )
+        found = strncmp( line, key, length ) == 0 && sscanf( line + length, "%llu", value ) == 1;
+    fclose( file );
+    return found;
+}
+
+static size_t free_of_folder( const char* folder )
+{
+    unsigned long long most, used, files = 0;
+    if ( !read_number( folder, "memory.max", "", &most ) || !read_number( folder, "memory.current", "", &used ) )
+        return SIZE_MAX;
+    if ( read_number( folder, "memory.stat", "inactive_file ", &files ) && files <= used )
+        used -= files;
+    return used < most ? (size_t)( most - used ) : 0;
+}
+
+size_t rf_cgroup_free_memory( const char* root, const char* path )
+{
+    char folder[NAME_SIZE];
+    size_t base = strlen( root ), least = SIZE_MAX;
+    if ( snprintf( folder, sizeof folder, "%s%s", root, path ) >= (int)sizeof folder )
+        return SIZE_MAX;
+    for ( ;; )
+    {
+        size_t left = free_of_folder( folder );
+        least = left < least ? left : least;
+        char* slash = strrchr( folder, '/' );
+        if ( slash == NULL || slash < folder + base )
+            return least;
+        *slash = '\0';
+    }
+}
+
+size_t rf_own_cgroup_free_memory( void )
+{
+    char line[4096];
+    FILE* file = fopen( "/proc/self/cgroup", "r" );
+    if ( file == NULL )
+        return SIZE_MAX;
+    size_t left = SIZE_MAX;
+    while ( fgets( line, sizeof line, file ) != NULL )
+    {
+        if ( strncmp( line, "0::/", 4 ) != 0 )
+            continue;
+        line[strcspn( line, "\n" )] = '\0';
+        left = rf_cgroup_free_memory( "/sys/fs/cgroup", line + 3 );
+    }
+    fclose( file );
+    return left;
+}
