@@ -55,6 +55,16 @@ def measure(binary, command, image, *arguments):
     return json.loads(text)
 
 
+def combine(how, runs):
+    """`how` (the mean, the median) of numbers, in whatever they are held; what is no float is as in the first run."""
+    first = runs[0]
+    if isinstance(first, dict):
+        return {key: combine(how, [r[key] for r in runs]) for key in first}
+    if isinstance(first, list):
+        return [combine(how, list(items)) for items in zip(*runs)]
+    return how(runs) if isinstance(first, float) else first
+
+
 def frame_of(pattern, frame):
     return pattern.replace("####", "%04d" % frame)
 

@@ -4,6 +4,7 @@ import importlib.machinery
 import importlib.util
 import math
 import os
+import statistics
 import sys
 import unittest
 
@@ -61,6 +62,13 @@ class Memory(unittest.TestCase):
         self.assertAlmostEqual(middle, 11.0 / 9.0)
         self.assertAlmostEqual(low, 1.05)
         self.assertAlmostEqual(high, 1.4)
+
+
+    def test_combine(self):
+        runs = [{"a": 1.0, "b": [2.0, {"c": "x"}], "n": 7}, {"a": 4.0, "b": [3.0, {"c": "x"}], "n": 7}, {"a": 2.0, "b": [9.0, {"c": "x"}], "n": 7}]
+        self.assertEqual(benchlib.combine(statistics.median, runs), {"a": 2.0, "b": [3.0, {"c": "x"}], "n": 7})
+        spans = paper.ranges([{"rows": [{"sooner": s, "sooner_at_equal_error": -s}]} for s in (3.0, 5.0, 4.0)])
+        self.assertEqual(spans, [{"sooner": [3.0, 5.0], "sooner_at_equal_error": [-5.0, -3.0]}])
 
 
 class Flicker(unittest.TestCase):
