@@ -13,14 +13,34 @@
 
 enum
 {
-    N = 0, DIFFUSE = 3, SPECULAR = 6, SHAPE = 9, F90, COAT_F0, COAT_F90, CLEARCOAT, CLEARCOAT_ALPHA, WO, WI = WO + 3, U = WI + 3, F = U + 3,
-    PDF = F + 3, COAT_N, ARRAYS = COAT_N + 3
+    N = 0,
+    DIFFUSE = 3,
+    SPECULAR = 6,
+    SHAPE = 9,
+    F90,
+    COAT_F0,
+    COAT_F90,
+    CLEARCOAT,
+    CLEARCOAT_ALPHA,
+    WO,
+    WI = WO + 3,
+    U = WI + 3,
+    F = U + 3,
+    PDF = F + 3,
+    COAT_N,
+    ARRAYS = COAT_N + 3
 };
 
 static float s_lanes[ARRAYS][BATCH];
 
-#define THREE( a ) { s_lanes[a], s_lanes[( a ) + 1], s_lanes[( a ) + 2] }
-#define THREE_FROM( a, first ) { s_lanes[a] + first, s_lanes[( a ) + 1] + first, s_lanes[( a ) + 2] + first }
+#define THREE( a )                                                                                                               \
+    {                                                                                                                            \
+        s_lanes[a], s_lanes[( a ) + 1], s_lanes[( a ) + 2]                                                                       \
+    }
+#define THREE_FROM( a, first )                                                                                                   \
+    {                                                                                                                            \
+        s_lanes[a] + first, s_lanes[( a ) + 1] + first, s_lanes[( a ) + 2] + first                                               \
+    }
 
 typedef struct Material
 {
@@ -117,10 +137,7 @@ static inline RfVec3 uniform_direction( uint32_t stream, int i, uint32_t dimensi
     return rf_normalize( rf_vec3( r * cosf( phi ), r * sinf( phi ), z ) );
 }
 
-static inline RfVec3 grey( float v )
-{
-    return rf_vec3( v, v, v );
-}
+static inline RfVec3 grey( float v ) { return rf_vec3( v, v, v ); }
 
 // The direction with this cosine to n, towards some azimuth.
 static inline RfVec3 view_direction( RfVec3 n, float cos_o )

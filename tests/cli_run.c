@@ -19,10 +19,7 @@ static char s_folder[64];
 static pid_t s_child;
 static CliResult s_result;
 
-const char* cli_folder( void )
-{
-    return s_folder;
-}
+const char* cli_folder( void ) { return s_folder; }
 
 void cli_enter( void )
 {
@@ -54,10 +51,7 @@ int cli_leave_group( void** state )
     return 0;
 }
 
-static void path_of( const char* name, char* path, size_t size )
-{
-    snprintf( path, size, "%s/%s", s_folder, name );
-}
+static void path_of( const char* name, char* path, size_t size ) { snprintf( path, size, "%s/%s", s_folder, name ); }
 
 bool cli_exists( const char* name )
 {
@@ -182,6 +176,6 @@ void cli_expect( const CliResult* result, int status, const char* part )
     size_t length = strlen( result->err );
     bool one_line = length > 1 && strchr( result->err, '\n' ) == result->err + length - 1;
     if ( result->status != status || ( part != NULL && ( strstr( result->err, part ) == NULL || !one_line ) ) )
-        fail_msg( "wanted status %d and the line '%s', got status %d\nout: %s\nerr: %s", status,
-                  part != NULL ? part : "", result->status, result->out, result->err );
+        fail_msg( "wanted status %d and the line '%s', got status %d\nout: %s\nerr: %s", status, part != NULL ? part : "",
+                  result->status, result->out, result->err );
 }

@@ -8,9 +8,9 @@
 
 typedef struct CliResult
 {
-    int status;        // exit status, or 1000 + signal
-    char out[65536];   // standard output, cut where longer
-    char err[65536];   // standard error
+    int status;      // exit status, or 1000 + signal
+    char out[65536]; // standard output, cut where longer
+    char err[65536]; // standard error
 } CliResult;
 
 // Makes a fresh folder, in which all commands run; cli_leave removes it.

@@ -29,10 +29,7 @@ int convert_leave( void** state )
     return 0;
 }
 
-void convert_write( const char* name, const char* text )
-{
-    cli_write( name, text, strlen( text ) );
-}
+void convert_write( const char* name, const char* text ) { cli_write( name, text, strlen( text ) ); }
 
 bool convert_near( double a, double b ) { return fabs( a - b ) <= 1e-5 * ( 1.0 + fabs( b ) ); }
 

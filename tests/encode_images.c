@@ -19,7 +19,9 @@ static void must( int ok )
 
 static uint8_t* write_png( png_uint_32 format, int width, int height, const void* pixels, size_t* size )
 {
-    png_image image = { .version = PNG_IMAGE_VERSION, .width = (png_uint_32)width, .height = (png_uint_32)height, .format = format };
+    png_image image = {
+        .version = PNG_IMAGE_VERSION, .width = (png_uint_32)width, .height = (png_uint_32)height, .format = format
+    };
     png_alloc_size_t bytes = 0;
     must( png_image_write_to_memory( &image, NULL, &bytes, 0, pixels, 0, NULL ) );
     uint8_t* out = malloc( bytes );

@@ -5,7 +5,13 @@
 #include "measure/flicker.h"
 #include "test_image_support.h"
 
-enum { WIDTH = 64, HEIGHT = 48, PIXELS = WIDTH * HEIGHT, VALUES = 3 * PIXELS };
+enum
+{
+    WIDTH = 64,
+    HEIGHT = 48,
+    PIXELS = WIDTH * HEIGHT,
+    VALUES = 3 * PIXELS
+};
 
 // Black and finite, without layers.
 RfFlickerFrame make_frame( int number );

@@ -38,11 +38,13 @@ static void add_part( exr_context_t context, const Foreign* foreign )
                                     .max = { .x = foreign->x + foreign->width - 1, .y = foreign->y + foreign->height - 1 } };
     const char* name = foreign->part != NULL ? foreign->part : "one";
     assert_int_equal( exr_add_part( context, name, EXR_STORAGE_SCANLINE, &index ), EXR_ERR_SUCCESS );
-    assert_int_equal( exr_initialize_required_attr( context, index, &display, &data, 1.0f, &center, 1.0f, EXR_LINEORDER_INCREASING_Y,
-                                                    EXR_COMPRESSION_ZIP ), EXR_ERR_SUCCESS );
+    assert_int_equal( exr_initialize_required_attr( context, index, &display, &data, 1.0f, &center, 1.0f,
+                                                    EXR_LINEORDER_INCREASING_Y, EXR_COMPRESSION_ZIP ),
+                      EXR_ERR_SUCCESS );
     for ( int c = 0; c < 6 && foreign->names[c] != NULL; ++c )
         assert_int_equal( exr_add_channel( context, index, foreign->names[c], foreign->half ? EXR_PIXEL_HALF : EXR_PIXEL_FLOAT,
-                                           EXR_PERCEPTUALLY_LINEAR, 1, 1 ), EXR_ERR_SUCCESS );
+                                           EXR_PERCEPTUALLY_LINEAR, 1, 1 ),
+                          EXR_ERR_SUCCESS );
 }
 
 void write_foreign_exr( const char* path, const Foreign* parts, int count )

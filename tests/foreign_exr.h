@@ -12,7 +12,7 @@ typedef struct Foreign
     float values[6];
     int x, y, width, height; // data window
     bool half;
-    const char* part;        // its name; NULL: "one"
+    const char* part; // its name; NULL: "one"
 } Foreign;
 
 void write_foreign_exr( const char* path, const Foreign* parts, int count );

@@ -48,23 +48,20 @@ __attribute__( ( format( printf, 3, 4 ) ) ) static void append_text( char* text,
 }
 
 int add_gltf_accessor( GltfBuilder* b, int component_type, const char* type, int count, const void* data, size_t size,
-                         const char* more )
+                       const char* more )
 {
     if ( b->bin_size + size + 4 > sizeof b->bin )
         abort();
     memcpy( b->bin + b->bin_size, data, size );
     const char* comma = b->count > 0 ? "," : "";
-    append_text( b->views, sizeof b->views, "%s{\"buffer\":0,\"byteOffset\":%zu,\"byteLength\":%zu}", comma, b->bin_size,
-                 size );
-    append_text( b->accessors, sizeof b->accessors,
-                 "%s{\"bufferView\":%d,\"componentType\":%d,\"count\":%d,\"type\":\"%s\"%s}", comma, b->count,
-                 component_type, count, type, more );
+    append_text( b->views, sizeof b->views, "%s{\"buffer\":0,\"byteOffset\":%zu,\"byteLength\":%zu}", comma, b->bin_size, size );
+    append_text( b->accessors, sizeof b->accessors, "%s{\"bufferView\":%d,\"componentType\":%d,\"count\":%d,\"type\":\"%s\"%s}",
+                 comma, b->count, component_type, count, type, more );
     b->bin_size += ( size + 3 ) / 4 * 4;
     return b->count++;
 }
 
-int add_gltf_floats( GltfBuilder* b, const char* type, int components, int count,
-                                                   const float* data )
+int add_gltf_floats( GltfBuilder* b, const char* type, int components, int count, const float* data )
 {
     return add_gltf_accessor( b, 5126, type, count, data, (size_t)( components * count ) * sizeof *data, "" );
 }

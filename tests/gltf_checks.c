@@ -36,10 +36,7 @@ RfScene gltf_load( const char* path )
     return scene;
 }
 
-RfScene gltf_load_built( GltfBuilder* b, const char* rest )
-{
-    return gltf_load( write_gltf( b, &gltf_folder, rest ) );
-}
+RfScene gltf_load_built( GltfBuilder* b, const char* rest ) { return gltf_load( write_gltf( b, &gltf_folder, rest ) ); }
 
 void gltf_assert_near( float got, double want )
 {
@@ -54,10 +51,7 @@ void gltf_assert_three( const float* got, double x, double y, double z )
     gltf_assert_near( got[2], z );
 }
 
-void gltf_assert_rgb( RfVec3 got, double r, double g, double b )
-{
-    gltf_assert_three( &got.x, r, g, b );
-}
+void gltf_assert_rgb( RfVec3 got, double r, double g, double b ) { gltf_assert_three( &got.x, r, g, b ); }
 
 void gltf_assert_corner( const RfScene* scene, int corner, double x, double y, double z )
 {

@@ -27,8 +27,8 @@ static bool may_be_negative( const RfRenderSettings* settings )
 
 static void fail_pixel( const char* what, const RfRenderSettings* s, size_t i, double value )
 {
-    print_error( "%s: group %d, weights %d, normalize %d: value %zu is %g\n", what, s->group, (int)s->weights,
-                 (int)s->normalize, i, value );
+    print_error( "%s: group %d, weights %d, normalize %d: value %zu is %g\n", what, s->group, (int)s->weights, (int)s->normalize,
+                 i, value );
     fail();
 }
 

@@ -21,10 +21,7 @@ static const char s_gltf[] =
     "\"buffers\":[{\"byteLength\":36,\"uri\":\"data:application/octet-stream;base64,"
     "AACAvwAAgL8AAADAAACAPwAAgL8AAADAAAAAAAAAgD8AAADA\"}]}";
 
-void write_text( const char* name, const char* text )
-{
-    cli_write( name, text, strlen( text ) );
-}
+void write_text( const char* name, const char* text ) { cli_write( name, text, strlen( text ) ); }
 
 void write_room( const char* extras )
 {

@@ -45,10 +45,7 @@ void page_write_frames( const char* pattern, int first, int last, float value, f
     }
 }
 
-void page_make_folder( const char* name )
-{
-    cli_expect( cli_run( "mkdir -p '%s'", name ), 0, NULL );
-}
+void page_make_folder( const char* name ) { cli_expect( cli_run( "mkdir -p '%s'", name ), 0, NULL ); }
 
 int page_count( const char* text, const char* part )
 {
@@ -108,7 +105,8 @@ const char* page_fact( const json_t* sequence, const char* group, const char* la
     const json_t* row;
     json_array_foreach( json_object_get( sequence, "facts" ), i, row )
     {
-        if ( strcmp( json_string_value( json_array_get( row, 0 ) ), group ) == 0 && strcmp( json_string_value( json_array_get( row, 1 ) ), label ) == 0 )
+        if ( strcmp( json_string_value( json_array_get( row, 0 ) ), group ) == 0 &&
+             strcmp( json_string_value( json_array_get( row, 1 ) ), label ) == 0 )
             return json_string_value( json_array_get( row, 2 ) );
     }
     return NULL;

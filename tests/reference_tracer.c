@@ -13,8 +13,8 @@ typedef struct Point
     RfVec3 p, ng, n, wo;
     RfVec3 coat_n;
     RfMaterial material; // as it is here
-    bool inside; // seen from behind
-    float ior;   // relative, for glass
+    bool inside;         // seen from behind
+    float ior;           // relative, for glass
     RfVec3 emission;
     float offset;
     uint32_t light;  // its number, or RF_NO_LIGHT
@@ -52,7 +52,8 @@ static bool find( const RfTracer* tracer, RfVec3 o, RfVec3 d, Point* out )
         out->coat_n = rf_scale( rf_coat_normal_at( scene, material, triangle, u, v, front, t->ng ), side );
     }
     out->inside = facing < 0.0f;
-    out->ior = out->material.thin ? -out->material.ior : ( out->inside && out->material.ior > 0.0f ? 1.0f / out->material.ior : out->material.ior );
+    out->ior = out->material.thin ? -out->material.ior
+                                  : ( out->inside && out->material.ior > 0.0f ? 1.0f / out->material.ior : out->material.ior );
     out->emission = rf_vec3( 0, 0, 0 );
     out->offset = t->offset;
     out->light_pdf = 0.0f;
@@ -286,8 +287,8 @@ static RfVec3 part_left( const Point* x, RfVec3 o )
 }
 
 // What a ray meets at its end: a surface, or the sky.
-static bool meet( const RfTracer* tracer, const ReferenceSettings* s, const Ray* ray, Point* x, RfVec3* throughput,
-                  RfVec3* light, float* light_pdf )
+static bool meet( const RfTracer* tracer, const ReferenceSettings* s, const Ray* ray, Point* x, RfVec3* throughput, RfVec3* light,
+                  float* light_pdf )
 {
     if ( !find( tracer, ray->o, ray->d, x ) )
     {
@@ -300,8 +301,8 @@ static bool meet( const RfTracer* tracer, const ReferenceSettings* s, const Ray*
     return true;
 }
 
-static Arriving arriving_light( const RfTracer* tracer, const ReferenceSettings* s, RfRandomKey key, Ray ray,
-                                RfVec3 throughput, float roulette_scale )
+static Arriving arriving_light( const RfTracer* tracer, const ReferenceSettings* s, RfRandomKey key, Ray ray, RfVec3 throughput,
+                                float roulette_scale )
 {
     Arriving result = { { 0, 0, 0 }, { 0, 0, 0 }, 0.0f };
     float pdf_scatter = 0.0f;

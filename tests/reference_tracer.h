@@ -21,8 +21,7 @@ typedef struct ReferenceSettings
 
 // Mean radiance of one path through a pixel of one pass: frame, pass and pixel
 // choose the random numbers as the renderer does without groups.
-RfVec3 reference_sample( const RfTracer* tracer, const RfEye* eye, const ReferenceSettings* settings, int pass, int x,
-                         int y );
+RfVec3 reference_sample( const RfTracer* tracer, const RfEye* eye, const ReferenceSettings* settings, int pass, int x, int y );
 
 // The whole image, 3 floats per pixel: passes summed in two halves (even and
 // odd ones), as the film does.

@@ -109,7 +109,8 @@ void add_box( SceneBuilder* b, uint32_t material, RfVec3 l, RfVec3 h, bool insid
     RfVec3 p[8];
     for ( int i = 0; i < 8; ++i )
         p[i] = rf_vec3( i & 1 ? h.x : l.x, i & 2 ? h.y : l.y, i & 4 ? h.z : l.z );
-    static const int faces[6][4] = { { 0, 4, 6, 2 }, { 1, 3, 7, 5 }, { 0, 1, 5, 4 }, { 2, 6, 7, 3 }, { 0, 2, 3, 1 }, { 4, 5, 7, 6 } };
+    static const int faces[6][4] = { { 0, 4, 6, 2 }, { 1, 3, 7, 5 }, { 0, 1, 5, 4 },
+                                     { 2, 6, 7, 3 }, { 0, 2, 3, 1 }, { 4, 5, 7, 6 } };
     for ( int f = 0; f < 6; ++f )
     {
         const int* c = faces[f];
@@ -272,7 +273,8 @@ RfScene make_open_scene( OpenLight light )
     if ( light == LIT_BY_ALL )
     {
         uint32_t lamp = add_material( &b, make_light( 6.0f, true ) );
-        add_quad( &b, lamp, rf_vec3( -1.2f, 1.2f, -1 ), rf_vec3( -0.8f, 1.2f, -1 ), rf_vec3( -0.8f, 1.6f, -1 ), rf_vec3( -1.2f, 1.6f, -1 ) );
+        add_quad( &b, lamp, rf_vec3( -1.2f, 1.2f, -1 ), rf_vec3( -0.8f, 1.2f, -1 ), rf_vec3( -0.8f, 1.6f, -1 ),
+                  rf_vec3( -1.2f, 1.6f, -1 ) );
     }
     RfScene scene = finish_scene( &b );
     if ( light != LIT_BY_LAMPS )
@@ -305,8 +307,10 @@ RfScene make_glass_room( void )
     add_sphere( &b, glass, rf_vec3( 0, 1.0f, 0 ), 0.4f, 12 );
     add_box( &b, plastic, rf_vec3( -0.6f, 0.0f, -0.5f ), rf_vec3( 0.7f, 0.5f, 0.5f ), false );
     add_box( &b, rough, rf_vec3( 0.6f, 0.6f, -0.4f ), rf_vec3( 0.9f, 1.1f, 0.3f ), false );
-    add_quad( &b, thin, rf_vec3( -1.0f, 0.5f, 0.2f ), rf_vec3( -0.5f, 0.5f, 0.2f ), rf_vec3( -0.5f, 1.3f, 0.2f ), rf_vec3( -1.0f, 1.3f, 0.2f ) );
-    add_quad( &b, mirror, rf_vec3( -1.9f, 0.3f, -1.8f ), rf_vec3( 1.9f, 0.3f, -1.8f ), rf_vec3( 1.9f, 2.0f, -1.8f ), rf_vec3( -1.9f, 2.0f, -1.8f ) );
+    add_quad( &b, thin, rf_vec3( -1.0f, 0.5f, 0.2f ), rf_vec3( -0.5f, 0.5f, 0.2f ), rf_vec3( -0.5f, 1.3f, 0.2f ),
+              rf_vec3( -1.0f, 1.3f, 0.2f ) );
+    add_quad( &b, mirror, rf_vec3( -1.9f, 0.3f, -1.8f ), rf_vec3( 1.9f, 0.3f, -1.8f ), rf_vec3( 1.9f, 2.0f, -1.8f ),
+              rf_vec3( -1.9f, 2.0f, -1.8f ) );
     return finish_scene( &b );
 }
 

@@ -49,10 +49,10 @@ RfScene make_room( RoomKind kind );
 // LIT_BY_MAP), without walls.
 typedef enum OpenLight
 {
-    LIT_BY_SKY,      // constant
-    LIT_BY_MAP,      // a sky of 16 × 8 pixels with a bright spot
-    LIT_BY_LAMPS,    // a point light, a spot and a sun
-    LIT_BY_ALL,      // a small area light besides
+    LIT_BY_SKY,   // constant
+    LIT_BY_MAP,   // a sky of 16 × 8 pixels with a bright spot
+    LIT_BY_LAMPS, // a point light, a spot and a sun
+    LIT_BY_ALL,   // a small area light besides
 } OpenLight;
 
 RfScene make_open_scene( OpenLight light );

@@ -86,7 +86,10 @@ static void test_single_frames_are_as_without( void** state )
 static void test_threshold( void** state )
 {
     (void)state;
-    enum { BINS = 64 };
+    enum
+    {
+        BINS = 64
+    };
     double counts[BINS] = { 0 };
     counts[BINS - 1] = 1000.0; // a frame alone: equal samples are best
     assert_true( rf_extra_threshold( counts, BINS, 1000.0, 1 ) == 1.0 );
@@ -115,8 +118,10 @@ static void test_command_line( void** state )
     (void)state;
     cli_enter();
     cli_expect( cli_run( "$R render $VASE -o a.exr --frames 3 --size 24x16 --spp 3 --group 1 --quiet --adaptive --json a.json && "
-                         "grep -q '\"adaptive\": *true' a.json" ), 0, NULL );
-    cli_expect( cli_run( "$R render $VASE -o a.exr --resume --frames 3 --size 24x16 --spp 3 --group 1 --quiet" ), 1, "--resume: " );
+                         "grep -q '\"adaptive\": *true' a.json" ),
+                0, NULL );
+    cli_expect( cli_run( "$R render $VASE -o a.exr --resume --frames 3 --size 24x16 --spp 3 --group 1 --quiet" ), 1,
+                "--resume: " );
     cli_expect( cli_run( "$R render $VASE -o b.exr --adaptive --weights eq15" ), 2, "--adaptive: wants --weights exact" );
     cli_expect( cli_run( "$R render $VASE -o c.exr --frames 3 --size 24x16 --noise 0.1 --group 2 --quiet --adaptive" ), 0, NULL );
     cli_leave();

@@ -35,9 +35,9 @@ static float* channel_of( const char* name, const char* channel, int width, int 
 static void test_channels( void** state )
 {
     (void)state;
-    static const char* const names[] = { "albedo.R",   "albedo.G",   "albedo.B",   "normal.X",  "normal.Y", "normal.Z",
-                                         "depth.Z",    "motion.X",   "motion.Y",   "motion.Z",  "motion.W", "variance.R",
-                                         "variance.G", "variance.B", "samples.Y",  "R",         "G",        "B" };
+    static const char* const names[] = { "albedo.R",   "albedo.G",   "albedo.B",  "normal.X", "normal.Y", "normal.Z",
+                                         "depth.Z",    "motion.X",   "motion.Y",  "motion.Z", "motion.W", "variance.R",
+                                         "variance.G", "variance.B", "samples.Y", "R",        "G",        "B" };
     cli_expect( cli_run( "$R render $VASE -o a/f.####.exr " SMALL " --aov " ALL ), 0, NULL );
     for ( size_t i = 0; i < sizeof names / sizeof names[0]; ++i )
     {
@@ -61,8 +61,9 @@ static void test_channels( void** state )
     assert_non_null( strstr( result->out, "\"max\": 0.0" ) );
     cli_expect( cli_run( "$R png a/f.0010.exr a.png" ), 0, NULL );
     // threads and frames alone make no difference to the bytes
-    cli_expect( cli_run( "$R render $VASE -o c/f.####.exr --threads 3 --size 48x27 --spp 6 --group 1 --frames 11 --quiet --aov " ALL ),
-                0, NULL );
+    cli_expect(
+        cli_run( "$R render $VASE -o c/f.####.exr --threads 3 --size 48x27 --spp 6 --group 1 --frames 11 --quiet --aov " ALL ), 0,
+        NULL );
     cli_expect( cli_run( "cmp a/f.0011.exr c/f.0011.exr" ), 0, NULL );
     // only what was asked for
     cli_expect( cli_run( "$R render $VASE -o d/f.####.exr " SMALL " --aov depth --float" ), 0, NULL );
@@ -98,7 +99,8 @@ static void test_resume( void** state )
 static void test_variance_of_one_pass( void** state )
 {
     (void)state;
-    const CliResult* result = cli_run( "$R render $VASE -o v.exr --size 8x6 --spp 1 --group 0 --frames 3 --quiet --aov variance" );
+    const CliResult* result =
+        cli_run( "$R render $VASE -o v.exr --size 8x6 --spp 1 --group 0 --frames 3 --quiet --aov variance" );
     cli_expect( result, 0, NULL );
     assert_non_null( strstr( result->err, "warning: --aov variance: will be 0 in frame 3" ) );
     float* values = channel_of( "v.exr", "variance.G", 8, 6 );

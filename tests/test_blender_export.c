@@ -170,7 +170,9 @@ static bool enter_with_blender( void )
 {
     cli_enter();
     // another Python first in the path would hide the numpy of Debian's
-    if ( cli_run( "PATH=/usr/bin:$PATH blender -b --factory-startup --python-exit-code 9 --python-expr 'import numpy' > log 2>&1" )->status == 0 )
+    if ( cli_run(
+             "PATH=/usr/bin:$PATH blender -b --factory-startup --python-exit-code 9 --python-expr 'import numpy' > log 2>&1" )
+             ->status == 0 )
         return true;
     cli_leave();
     print_message( "skipped: there is no blender with numpy\n" );
@@ -217,7 +219,8 @@ static void test_world( void** state )
         skip();
     cli_write( "make.py", s_make, sizeof s_make - 1 );
     cli_write( "world.py", s_make_world, sizeof s_make_world - 1 );
-    assert_int_equal( cli_run( "PATH=/usr/bin:$PATH blender -b --python-exit-code 9 -P make.py -P world.py > log 2>&1" )->status, 0 );
+    assert_int_equal( cli_run( "PATH=/usr/bin:$PATH blender -b --python-exit-code 9 -P make.py -P world.py > log 2>&1" )->status,
+                      0 );
 #define EXPORT_SKY "PATH=/usr/bin:$PATH blender -b sky.blend -P " REFRAME_SOURCE_DIR "/scripts/blender-export.py -- "
     cli_write( "a b-sky.exr", "", 0 ); // a map in the way
     const CliResult* done = cli_run( EXPORT_SKY "'a b.glb' > log" );

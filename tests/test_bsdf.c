@@ -223,13 +223,12 @@ static void fill_awkward( RfBsdfKind kind, uint32_t stream, int first )
 static void assert_lane_is_sound( int i )
 {
     float total = s_lanes[F][i] + s_lanes[F + 1][i] + s_lanes[F + 2][i] + s_lanes[PDF][i];
-    bool is_positive = s_lanes[F][i] >= 0.0f && s_lanes[F + 1][i] >= 0.0f && s_lanes[F + 2][i] >= 0.0f &&
-                       s_lanes[PDF][i] >= 0.0f;
+    bool is_positive = s_lanes[F][i] >= 0.0f && s_lanes[F + 1][i] >= 0.0f && s_lanes[F + 2][i] >= 0.0f && s_lanes[PDF][i] >= 0.0f;
     if ( !isfinite( total ) || !is_positive )
         fail_msg( "f %g %g %g pdf %g: shape %g, n %g %g %g, wo %g %g %g, wi %g %g %g", s_lanes[F][i], s_lanes[F + 1][i],
-                  s_lanes[F + 2][i], s_lanes[PDF][i], s_lanes[SHAPE][i], s_lanes[N][i], s_lanes[N + 1][i],
-                  s_lanes[N + 2][i], s_lanes[WO][i], s_lanes[WO + 1][i], s_lanes[WO + 2][i], s_lanes[WI][i],
-                  s_lanes[WI + 1][i], s_lanes[WI + 2][i] );
+                  s_lanes[F + 2][i], s_lanes[PDF][i], s_lanes[SHAPE][i], s_lanes[N][i], s_lanes[N + 1][i], s_lanes[N + 2][i],
+                  s_lanes[WO][i], s_lanes[WO + 1][i], s_lanes[WO + 2][i], s_lanes[WI][i], s_lanes[WI + 1][i],
+                  s_lanes[WI + 2][i] );
 }
 
 static void test_any_input_is_finite( void** state )
@@ -294,12 +293,9 @@ static void test_lanes_stand_alone( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_closed_forms ),
-        cmocka_unit_test( test_horizon ),
-        cmocka_unit_test( test_sharp_lobe_is_accurate ),
-        cmocka_unit_test( test_reciprocity ),
-        cmocka_unit_test( test_any_input_is_finite ),
-        cmocka_unit_test( test_lanes_stand_alone ),
+        cmocka_unit_test( test_closed_forms ),           cmocka_unit_test( test_horizon ),
+        cmocka_unit_test( test_sharp_lobe_is_accurate ), cmocka_unit_test( test_reciprocity ),
+        cmocka_unit_test( test_any_input_is_finite ),    cmocka_unit_test( test_lanes_stand_alone ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -104,7 +104,11 @@ static int find_bin( const Grid* grid, RfVec3 w )
 // Adds one row of the quadrature: all directions of one t.
 static void integrate_row( const Material* m, const Grid* grid, RfVec3 n, int row, Tally* tally )
 {
-    enum { COLUMNS = PHI_BINS * SUB, ROWS = T_BINS * SUB };
+    enum
+    {
+        COLUMNS = PHI_BINS * SUB,
+        ROWS = T_BINS * SUB
+    };
     static double sines[COLUMNS], cosines[COLUMNS], slopes[COLUMNS];
     for ( int c = 0; row == 0 && c < COLUMNS; ++c )
     {
@@ -209,13 +213,12 @@ static bool sampling_agrees( const Material* m, float cos_o, uint32_t stream, do
 
     double chance = chi_squared_chance( &tally );
     double gap = fabs( tally.albedo - tally.quadrature_albedo );
-    bool passed = chance > significance && total < 1.0 + 1e-3 &&
-                  gap <= 4.5 * tally.albedo_error + 1e-3 * tally.quadrature_albedo;
+    bool passed = chance > significance && total < 1.0 + 1e-3 && gap <= 4.5 * tally.albedo_error + 1e-3 * tally.quadrature_albedo;
     if ( !passed )
         print_message( "kind %d shape %g diffuse %g specular %g cos %g: p %.3g, pdf integral %.6f, below %.0f, "
                        "albedo %.6f +- %.6f by sampling, %.6f by quadrature\n",
-                       m->kind, m->shape, m->diffuse.y, m->specular.y, cos_o, chance, total,
-                       tally.observed[BINS - 1], tally.albedo, tally.albedo_error, tally.quadrature_albedo );
+                       m->kind, m->shape, m->diffuse.y, m->specular.y, cos_o, chance, total, tally.observed[BINS - 1],
+                       tally.albedo, tally.albedo_error, tally.quadrature_albedo );
     return passed;
 }
 
@@ -332,8 +335,15 @@ static void test_ggx_furnace( void** state )
         double least = 2.0, most = 0.0;
         for ( int i = 0; i < 8; ++i )
         {
-            Material m = { RF_BSDF_GGX, grey( 1.0f - metallic ), grey( ( 1.0f - metallic ) * coat + metallic ), alphas[i],
-                           1.0f, coat, 1.0f, 0, 0 };
+            Material m = { RF_BSDF_GGX,
+                           grey( 1.0f - metallic ),
+                           grey( ( 1.0f - metallic ) * coat + metallic ),
+                           alphas[i],
+                           1.0f,
+                           coat,
+                           1.0f,
+                           0,
+                           0 };
             check_furnace( &m, &least, &most );
         }
         print_message( "GGX coat %.2f metallic %.1f: albedo %.4f to %.4f\n", coat, metallic, least, most );
@@ -377,11 +387,19 @@ static void test_coated_furnace( void** state )
         double least = 2.0, most = 0.0;
         for ( int i = 0; i < 4; ++i )
         {
-            Material m = { RF_BSDF_COATED, grey( j < 2 ? 1.0f : 0.0f ), grey( j < 2 ? 0.04f : 1.0f ), alphas[i], 1.0f,
-                           0.04f, 1.0f, j % 2 == 0 ? 1.0f : 0.5f, alphas[3 - i] };
+            Material m = { RF_BSDF_COATED,
+                           grey( j < 2 ? 1.0f : 0.0f ),
+                           grey( j < 2 ? 0.04f : 1.0f ),
+                           alphas[i],
+                           1.0f,
+                           0.04f,
+                           1.0f,
+                           j % 2 == 0 ? 1.0f : 0.5f,
+                           alphas[3 - i] };
             check_furnace( &m, &least, &most );
         }
-        print_message( "coated %s, clearcoat %g: albedo %.4f to %.4f\n", j < 2 ? "plastic" : "metal", j % 2 == 0 ? 1.0 : 0.5, least, most );
+        print_message( "coated %s, clearcoat %g: albedo %.4f to %.4f\n", j < 2 ? "plastic" : "metal", j % 2 == 0 ? 1.0 : 0.5,
+                       least, most );
     }
 }
 
@@ -405,14 +423,10 @@ static void test_phong_furnace( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_lambert_sampling ),
-        cmocka_unit_test( test_phong_sampling ),
-        cmocka_unit_test( test_ggx_sampling ),
-        cmocka_unit_test( test_ggx_furnace ),
-        cmocka_unit_test( test_coated_sampling ),
-        cmocka_unit_test( test_coated_furnace ),
-        cmocka_unit_test( test_leaning_coat ),
-        cmocka_unit_test( test_phong_furnace ),
+        cmocka_unit_test( test_lambert_sampling ), cmocka_unit_test( test_phong_sampling ),
+        cmocka_unit_test( test_ggx_sampling ),     cmocka_unit_test( test_ggx_furnace ),
+        cmocka_unit_test( test_coated_sampling ),  cmocka_unit_test( test_coated_furnace ),
+        cmocka_unit_test( test_leaning_coat ),     cmocka_unit_test( test_phong_furnace ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -29,14 +29,15 @@ static void assert_vec( RfVec3 v, double x, double y, double z )
 
 static RfNode make_node( int parent )
 {
-    return ( RfNode ){ .name = "node", .parent = parent, .matrix = rf_mat4_identity(), .rotation = { 0, 0, 0, 1 },
-                       .scale = { 1, 1, 1 } };
+    return ( RfNode ){
+        .name = "node", .parent = parent, .matrix = rf_mat4_identity(), .rotation = { 0, 0, 0, 1 }, .scale = { 1, 1, 1 }
+    };
 }
 
 static RfScene make_scene( RfNode* nodes, int node_count, RfCamera* cameras, int camera_count )
 {
-    return ( RfScene ){ .path = "test", .nodes = nodes, .node_count = node_count, .cameras = cameras,
-                        .camera_count = camera_count };
+    return (
+        RfScene ){ .path = "test", .nodes = nodes, .node_count = node_count, .cameras = cameras, .camera_count = camera_count };
 }
 
 static void test_step( void** state )

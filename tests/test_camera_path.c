@@ -31,7 +31,8 @@ static int frames_of( const RfCamera* camera, double fps )
 static void test_orbit( void** state )
 {
     (void)state;
-    RfCamera camera = load_path( "{\"kind\":\"orbit\",\"center\":[1,2,3],\"radius\":2,\"height\":0.5,\"duration\":4,\"fov\":90}" );
+    RfCamera camera =
+        load_path( "{\"kind\":\"orbit\",\"center\":[1,2,3],\"radius\":2,\"height\":0.5,\"duration\":4,\"fov\":90}" );
     static const double wanted[][2] = { { 1, 5 }, { 3, 3 }, { 1, 1 }, { -1, 3 }, { 1, 5 } };
     for ( int i = 0; i < 5; ++i )
     {
@@ -71,7 +72,8 @@ static void test_dolly_and_zoom( void** state )
     assert_close( view_at( &camera, 4 ).fov, 10.0 * PI / 180.0, 1e-12 );
     rf_destroy_camera( &camera );
     // one frame alone is the beginning
-    camera = load_path( "{\"kind\":\"zoom\",\"position\":[0,0,1],\"target\":[0,0,0],\"fov\":{\"from\":50,\"to\":10},\"frames\":1}" );
+    camera =
+        load_path( "{\"kind\":\"zoom\",\"position\":[0,0,1],\"target\":[0,0,0],\"fov\":{\"from\":50,\"to\":10},\"frames\":1}" );
     assert_int_equal( frames_of( &camera, 24.0 ), 1 );
     assert_close( view_at( &camera, 0 ).fov, 50.0 * PI / 180.0, 1e-12 );
     rf_destroy_camera( &camera );
@@ -94,8 +96,8 @@ static void test_walk( void** state )
     for ( int i = 1; i < 100; ++i )
     {
         RfView a = view_at( &camera, i - 1 ), b = view_at( &camera, i );
-        double step = hypot( hypot( b.position[0] - a.position[0], b.position[1] - a.position[1] ),
-                             b.position[2] - a.position[2] );
+        double step =
+            hypot( hypot( b.position[0] - a.position[0], b.position[1] - a.position[1] ), b.position[2] - a.position[2] );
         first = i == 1 ? step : first;
         last = step;
         assert_close( step / first, 1.0, 1e-3 );
@@ -107,10 +109,9 @@ static void test_walk( void** state )
 static void test_keys( void** state )
 {
     (void)state;
-    RfCamera camera = load_path(
-        "{\"about\":\"x\",\"kind\":\"keyed\",\"target\":[0,0,0],\"fov\":30,\"keys\":["
-        "{\"time\":1,\"position\":[0,0,4]},{\"time\":1.5,\"position\":[3,1,4],\"fov\":50},"
-        "{\"time\":3,\"position\":[5,0,0],\"target\":[0,1,0],\"up\":[0,2,1]}]}" );
+    RfCamera camera = load_path( "{\"about\":\"x\",\"kind\":\"keyed\",\"target\":[0,0,0],\"fov\":30,\"keys\":["
+                                 "{\"time\":1,\"position\":[0,0,4]},{\"time\":1.5,\"position\":[3,1,4],\"fov\":50},"
+                                 "{\"time\":3,\"position\":[5,0,0],\"target\":[0,1,0],\"up\":[0,2,1]}]}" );
     assert_int_equal( frames_of( &camera, 24.0 ), 49 );
     assert_three( view_at( &camera, 1 ).position, 0, 0, 4, 1e-12 );
     assert_three( view_at( &camera, 1 ).forward, 0, 0, -1, 1e-12 );
@@ -166,7 +167,8 @@ static void test_eyes( void** state )
 {
     (void)state;
     RfScene scene = { 0 };
-    RfCamera camera = load_path( "{\"kind\":\"dolly\",\"from\":[0,0,0],\"to\":[10,0,0],\"rotation\":{},\"fov\":90,\"duration\":1}" );
+    RfCamera camera =
+        load_path( "{\"kind\":\"dolly\",\"from\":[0,0,0],\"to\":[10,0,0],\"rotation\":{},\"fov\":90,\"duration\":1}" );
     RfEye eye;
     RfError error = { 0 };
     assert_int_equal( rf_camera_eye( &scene, &camera, 3, 30, 1, 200, 100, &eye, &error ), RF_OK );
@@ -256,11 +258,15 @@ static void test_faults( void** state )
         { TWO( "{\"time\":1,\"position\":[0,2,3],\"target\":[0,2,3]}" ), "keys[1].target: is where the camera stands" },
         { TWO( "{\"time\":1,\"position\":[0,2,3],\"rotation\":{}}" ), "keys[1].rotation: the keys before it have none" },
         { TWO( "{\"time\":1,\"position\":[0,2,3],\"target\":[0,0,0],\"up\":[0,0,0]}" ), "keys[1].up: wants a direction" },
-        { TWO( "{\"time\":1,\"position\":[0,2,3],\"target\":[0,0,0],\"fov\":180}" ), "keys[1].fov: wants a number from 0.1 to 179" },
+        { TWO( "{\"time\":1,\"position\":[0,2,3],\"target\":[0,0,0],\"fov\":180}" ),
+          "keys[1].fov: wants a number from 0.1 to 179" },
         { KEYED( "],\"rotation\":{}}" ), "keys[0].target: not together with rotation" },
-        { "{\"kind\":\"keyed\",\"rotation\":[0,0,0,2],\"keys\":[{\"time\":0,\"position\":[0,0,1]}]}", "rotation: wants a quaternion of length 1, got length 2" },
-        { "{\"kind\":\"keyed\",\"rotation\":3,\"keys\":[{\"time\":0,\"position\":[0,0,1]}]}", "rotation: wants a quaternion [x, y, z, w] or" },
-        { "{\"kind\":\"keyed\",\"rotation\":{\"yow\":3},\"keys\":[{\"time\":0,\"position\":[0,0,1]}]}", "rotation.yow: no such key, did you mean yaw?" },
+        { "{\"kind\":\"keyed\",\"rotation\":[0,0,0,2],\"keys\":[{\"time\":0,\"position\":[0,0,1]}]}",
+          "rotation: wants a quaternion of length 1, got length 2" },
+        { "{\"kind\":\"keyed\",\"rotation\":3,\"keys\":[{\"time\":0,\"position\":[0,0,1]}]}",
+          "rotation: wants a quaternion [x, y, z, w] or" },
+        { "{\"kind\":\"keyed\",\"rotation\":{\"yow\":3},\"keys\":[{\"time\":0,\"position\":[0,0,1]}]}",
+          "rotation.yow: no such key, did you mean yaw?" },
         { ORBIT( "" ), "how long it takes is missing: give duration (seconds) or frames (their number)" },
         { ORBIT( ",\"duration\":1,\"frames\":2" ), "frames: not together with duration" },
         { ORBIT( ",\"duration\":0" ), "duration: wants a number > 0 and <= 1e+06, got 0" },
@@ -273,8 +279,10 @@ static void test_faults( void** state )
         { "{\"kind\":\"orbit\",\"radius\":1,\"frames\":2}", "center: is missing: wants an array of 3 numbers" },
         { "{\"kind\":\"orbit\",\"center\":[0,0,0],\"radius\":0,\"frames\":2}", "radius: wants a number > 0" },
         { "{\"kind\":\"dolly\",\"from\":[0,0,0],\"to\":[1,0,0],\"frames\":2}", "target: is missing" },
-        { "{\"kind\":\"zoom\",\"position\":[0,0,0],\"target\":[1,0,0],\"frames\":2}", "fov: is missing: wants an object of from and to" },
-        { "{\"kind\":\"zoom\",\"position\":[0,0,0],\"target\":[1,0,0],\"fov\":3,\"frames\":2}", "fov: wants an object of from and to" },
+        { "{\"kind\":\"zoom\",\"position\":[0,0,0],\"target\":[1,0,0],\"frames\":2}",
+          "fov: is missing: wants an object of from and to" },
+        { "{\"kind\":\"zoom\",\"position\":[0,0,0],\"target\":[1,0,0],\"fov\":3,\"frames\":2}",
+          "fov: wants an object of from and to" },
         { WALK( "[0,0,0]", ",\"speed\":1" ), "waypoints: wants an array of 2 to 10000 points, got an array of 1" },
         { WALK( "[0,0,0],[1,0,0],[1,0,0]", ",\"speed\":1" ), "waypoints[2]: is the same point as the one before it" },
         { WALK( "[0,0,0],[1e-300,0,0]", ",\"speed\":1" ), "waypoints: lie too close together" },

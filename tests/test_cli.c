@@ -103,9 +103,10 @@ static double mean_of( const char* name, int width, int height )
 static void test_help_and_version( void** state )
 {
     (void)state;
-    static const char* const lines[] = { "$R --help", "$R -h", "$R --version", "$R render --help",
-                                         "$R render --help --nonsense", "$R info -h", "$R compare --help",
-                                         "$R png --help", "$R --man" };
+    static const char* const lines[] = {
+        "$R --help",         "$R -h",         "$R --version", "$R render --help", "$R render --help --nonsense", "$R info -h",
+        "$R compare --help", "$R png --help", "$R --man"
+    };
     for ( size_t i = 0; i < sizeof lines / sizeof lines[0]; ++i )
     {
         const CliResult* result = cli_run( "%s", lines[i] );
@@ -222,12 +223,16 @@ static void test_attributes( void** state )
 {
     (void)state;
     cli_expect( cli_run( "$R render $VASE -o a.exr --frames 2 --seed 18446744073709551615 " SMALL ), 0, NULL );
-    static const char* const wanted[][2] = {
-        { "reframe/version", REFRAME_VERSION }, { "reframe/scene", REFRAME_VASE_ROOM }, { "reframe/camera", "Camera" },
-        { "reframe/frame", "2" },               { "reframe/frames", "48" },           { "reframe/group", "0" },
-        { "reframe/spp", "1" },
-        { "reframe/weights", "exact" },         { "reframe/normalize", "crossfit" },
-        { "reframe/seed", "18446744073709551615" } };
+    static const char* const wanted[][2] = { { "reframe/version", REFRAME_VERSION },
+                                             { "reframe/scene", REFRAME_VASE_ROOM },
+                                             { "reframe/camera", "Camera" },
+                                             { "reframe/frame", "2" },
+                                             { "reframe/frames", "48" },
+                                             { "reframe/group", "0" },
+                                             { "reframe/spp", "1" },
+                                             { "reframe/weights", "exact" },
+                                             { "reframe/normalize", "crossfit" },
+                                             { "reframe/seed", "18446744073709551615" } };
     char path[512], value[1024];
     snprintf( path, sizeof path, "%s/a.exr", cli_folder() );
     for ( size_t i = 0; i < sizeof wanted / sizeof wanted[0]; ++i )
@@ -242,7 +247,8 @@ static void test_attributes( void** state )
 static void test_render_json( void** state )
 {
     (void)state;
-    const CliResult* result = cli_run( "$R render $VASE -o j.####.exr --frames 1-2 --json - --size 24x16 --spp 3 --group 1 --quiet" );
+    const CliResult* result =
+        cli_run( "$R render $VASE -o j.####.exr --frames 1-2 --json - --size 24x16 --spp 3 --group 1 --quiet" );
     cli_expect( result, 0, NULL );
     json_t* json = parse_json( result->out );
     expect_keys( json, "version scene frames seconds seconds_scene peak_bytes budget_bytes bytes rays group tile weights "
@@ -325,8 +331,10 @@ static void test_full_disk( void** state )
 {
     (void)state;
     // a folder in the way is told before anything is rendered, though another frame comes first
-    cli_expect( cli_run( "mkdir -p way/f.0002.exr way/j; $R render $VASE -o way/f.####.exr --frames 1-2 --size 8x6 --spp 1 --group 0 "
-                         "--quiet --overwrite" ), 1, "way/f.0002.exr: is a folder: choose another name" );
+    cli_expect(
+        cli_run( "mkdir -p way/f.0002.exr way/j; $R render $VASE -o way/f.####.exr --frames 1-2 --size 8x6 --spp 1 --group 0 "
+                 "--quiet --overwrite" ),
+        1, "way/f.0002.exr: is a folder: choose another name" );
     cli_expect( cli_run( "$R render $VASE -o way/f.####.exr --frames 1 --size 8x6 --spp 1 --group 0 --quiet --json way/j" ), 1,
                 "--json: way/j: is a folder: choose another name" );
     assert_false( cli_exists( "way/f.0001.exr" ) );

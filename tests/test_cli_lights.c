@@ -11,14 +11,17 @@
 #include <cmocka.h>
 
 // A floor of one triangle under a camera.
-#define GLTF( more, node )                                                                                                  \
-    "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0,1,2]" more "}],"                                 \
-    "\"nodes\":[{\"mesh\":0},{\"camera\":0,\"translation\":[0,2,0],\"rotation\":[-0.70710678,0,0,0.70710678]},{\"translation\":[0,1,0]" node "}]," \
-    "\"cameras\":[{\"type\":\"perspective\",\"perspective\":{\"yfov\":0.5,\"znear\":0.1}}],"                                \
-    "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}],"                                                    \
-    "\"buffers\":[{\"byteLength\":36,\"uri\":\"data:application/octet-stream;base64,AAAgwQAAAAAAACBBAAAgQQAAAAAAACBBAAAAAAAAAAAAACDB\"}]," \
-    "\"bufferViews\":[{\"buffer\":0,\"byteLength\":36}],"                                                                   \
-    "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\",\"min\":[-10,0,-10],\"max\":[10,0,10]}]"
+#define GLTF( more, node )                                                                                                       \
+    "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0,1,2]" more "}],"                                     \
+    "\"nodes\":[{\"mesh\":0},{\"camera\":0,\"translation\":[0,2,0],\"rotation\":[-0.70710678,0,0,0.70710678]},{\"translation\":" \
+    "[0,1,0]" node "}],"                                                                                                         \
+    "\"cameras\":[{\"type\":\"perspective\",\"perspective\":{\"yfov\":0.5,\"znear\":0.1}}],"                                     \
+    "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}],"                                                         \
+    "\"buffers\":[{\"byteLength\":36,\"uri\":\"data:application/"                                                                \
+    "octet-stream;base64,AAAgwQAAAAAAACBBAAAgQQAAAAAAACBBAAAAAAAAAAAAACDB\"}],"                                                  \
+    "\"bufferViews\":[{\"buffer\":0,\"byteLength\":36}],"                                                                        \
+    "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\",\"min\":[-10,0,-10],\"max\":[10,0,"   \
+    "10]}]"
 
 static void check( const char* name, const char* text, const char* lights, const char* warning )
 {
@@ -40,7 +43,8 @@ static void test_lights( void** state )
     (void)state;
     cli_enter();
     check( "lamp.gltf",
-           GLTF( "", ",\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}}" ) ",\"extensions\":{\"KHR_lights_punctual\":{\"lights\":[{\"type\":\"point\"}]}}}",
+           GLTF( "", ",\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}}" ) ",\"extensions\":{\"KHR_lights_punctual\":{"
+                                                                                 "\"lights\":[{\"type\":\"point\"}]}}}",
            "lights     1 (emitting triangles 0, 0 m2; lamps without size 1; sky no)", NULL );
     check( "sky.gltf", GLTF( ",\"extras\":{\"reframe\":{\"environment\":{\"radiance\":[1,1,1]}}}", "" ) "}",
            "lights     1 (emitting triangles 0, 0 m2; lamps without size 0; sky yes)", NULL );

@@ -52,8 +52,9 @@ static void test_frame_lists( void** state )
     expect_refused( "11", "no frame 11" );
     expect_refused( "-11", "no frame -11" );
     expect_refused( "3-2", "runs backwards" );
-    static const char* const wrong[] = { "", "1,", ",1", "a", "1-", "1-3x0", "1-3x-1", "1 - 3", "--1", "1-3x",
-                                         "99999999999999999999" };
+    static const char* const wrong[] = {
+        "", "1,", ",1", "a", "1-", "1-3x0", "1-3x-1", "1 - 3", "--1", "1-3x", "99999999999999999999"
+    };
     for ( size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i )
         expect_refused( wrong[i], "wants frames such as" );
 }
@@ -136,7 +137,9 @@ static void test_progress_text( void** state )
     rf_format_progress( &progress, text, sizeof text );
     assert_string_equal( text, "frame 2/2  100 %  0:10 spent  0:00 left  0 k samples/s" );
     // what does not fit on a line of a terminal stays away, the rate first
-    progress = ( RfProgress ){ .frames_done = 99998, .frames_all = 99999, .share = 0.5, .samples = 4e14, .seconds = 359999.0, .relmse = 1.2345e-5 };
+    progress = ( RfProgress ){
+        .frames_done = 99998, .frames_all = 99999, .share = 0.5, .samples = 4e14, .seconds = 359999.0, .relmse = 1.2345e-5
+    };
     rf_format_progress( &progress, text, sizeof text );
     assert_string_equal( text, "frame 99999/99999  50 %  99:59:59 spent  99:59:59 left  relMSE 1.2e-05" );
 }

@@ -15,8 +15,8 @@
 
 static void check_rows( const json_t* tune )
 {
-    static const char* const keys[] = { "group", "tile", "bytes_films", "bytes_hits", "chunks", "predicted_gain", "seconds", "relmse",
-                                        "flicker", "phi", "efficiency", "gain", "chosen" };
+    static const char* const keys[] = { "group",  "tile",    "bytes_films", "bytes_hits", "chunks", "predicted_gain", "seconds",
+                                        "relmse", "flicker", "phi",         "efficiency", "gain",   "chosen" };
     const json_t* rows = json_object_get( tune, "rows" );
     int chosen = 0, excluded = 0;
     int last = (int)json_array_size( json_object_get( tune, "rounds" ) );
@@ -28,7 +28,8 @@ static void check_rows( const json_t* tune )
             assert_non_null( json_object_get( row, keys[k] ) );
         if ( !json_is_null( json_object_get( row, "excluded" ) ) )
         {
-            assert_true( json_is_null( json_object_get( row, "efficiency" ) ) && json_is_false( json_object_get( row, "chosen" ) ) );
+            assert_true( json_is_null( json_object_get( row, "efficiency" ) ) &&
+                         json_is_false( json_object_get( row, "chosen" ) ) );
             excluded += 1;
             continue;
         }
@@ -57,8 +58,13 @@ static int count_of( const char* text, const char* end, const char* part )
 // A line of seven groups for each tile, axes, and a ring around the winner.
 static void check_plot( const char* svg, const json_t* tune )
 {
-    static const char* const words[] = { ">memory of the render beyond the scene, MiB<", ">efficiency, 1 / (relMSE ", ">tile 1 (none)<",
-                                         ">tile 2x2<", ">tile 3x3<", ">tile 4x4<", ">tile rooks16<" };
+    static const char* const words[] = { ">memory of the render beyond the scene, MiB<",
+                                         ">efficiency, 1 / (relMSE ",
+                                         ">tile 1 (none)<",
+                                         ">tile 2x2<",
+                                         ">tile 3x3<",
+                                         ">tile 4x4<",
+                                         ">tile rooks16<" };
     for ( size_t i = 0; i < sizeof words / sizeof words[0]; ++i )
         assert_int_equal( count_of( svg, svg + strlen( svg ), words[i] ), 1 );
     char mark[64] = "", place[64], x[16], y[16];
@@ -107,7 +113,8 @@ static void test_command( void** state )
     const char* command = json_string_value( json_object_get( tune, "command" ) );
     assert_non_null( strstr( table, command ) );
     assert_non_null( strstr( table, "not tried: --spp would more than double" ) );
-    assert_non_null( strstr( command, " --size=16x9 --spp 5 --frames 20-21 --seed 7 --no-tile-roulette --memory 200M --max-depth 4" ) );
+    assert_non_null(
+        strstr( command, " --size=16x9 --spp 5 --frames 20-21 --seed 7 --no-tile-roulette --memory 200M --max-depth 4" ) );
     assert_null( strstr( command, "budget" ) );
     assert_null( strstr( command, "quiet" ) );
     assert_int_equal( strncmp( command, "reframe ", 8 ), 0 );
@@ -125,7 +132,9 @@ static void test_quoting( void** state )
 {
     (void)state;
     cli_expect( cli_run( "cp $VASE \"a b'c.glb\"" ), 0, NULL );
-    cli_expect( cli_run( "$R tune \"a b'c.glb\" --size 8x6 --spp 1 --frames 3 --camera 'Camera' --budget 1 --quiet --json tune.json > out.txt" ), 0, NULL );
+    cli_expect( cli_run( "$R tune \"a b'c.glb\" --size 8x6 --spp 1 --frames 3 --camera 'Camera' --budget 1 --quiet --json "
+                         "tune.json > out.txt" ),
+                0, NULL );
     json_t* tune = cli_read_json( "tune.json" );
     const char* command = json_string_value( json_object_get( tune, "command" ) );
     static const char start[] = "reframe render 'a b'\\''c.glb' -o out/frame.####.exr --group ";
@@ -138,7 +147,9 @@ static void test_command_errors( void** state )
 {
     (void)state;
     char text[256];
-    snprintf( text, sizeof text, "{\"scene\":\"%s\",\"render\":{\"size\":[8,6],\"spp\":3,\"frames\":\"2-3\",\"group\":1,\"tile\":\"2x2\"}}", REFRAME_VASE_ROOM );
+    snprintf( text, sizeof text,
+              "{\"scene\":\"%s\",\"render\":{\"size\":[8,6],\"spp\":3,\"frames\":\"2-3\",\"group\":1,\"tile\":\"2x2\"}}",
+              REFRAME_VASE_ROOM );
     cli_write( "scene.json", text, strlen( text ) );
     cli_expect( cli_run( "$R tune scene.json --budget 1 --quiet --json tune.json > out.txt" ), 0, NULL );
     json_t* tune = cli_read_json( "tune.json" );
@@ -152,7 +163,8 @@ static void test_command_errors( void** state )
     cli_expect( cli_run( "$R tune scene.json --budget" ), 2, "reframe tune: --budget: its value is missing" );
     cli_expect( cli_run( "$R tune scene.json --frames 99" ), 2, "reframe tune: --frames: there is no frame 99" );
     cli_expect( cli_run( "$R tune scene.json --size 4000x3000 --memory 1M" ), 1, "give --memory " );
-    cli_expect( cli_run( "$R tune scene.json --size 400x300 --memory 1500K --budget 1 --quiet" ), 1, "reframe tune: a budget of 1500 KiB is too small for frames of 400x300" );
+    cli_expect( cli_run( "$R tune scene.json --size 400x300 --memory 1500K --budget 1 --quiet" ), 1,
+                "reframe tune: a budget of 1500 KiB is too small for frames of 400x300" );
     cli_expect( cli_run( "$R tune nowhere.glb" ), 1, "reframe tune: nowhere.glb: " );
     cli_expect( cli_run( "$R tune scene.json --budget 1 --quiet --svg nowhere/plot.svg > out.txt" ), 1, "nowhere/plot.svg" );
     cli_expect( cli_run( "$R tune --help > out.txt" ), 0, NULL );
@@ -162,7 +174,8 @@ static void test_command_errors( void** state )
 static void test_least_budget( void** state )
 {
     (void)state;
-    static const char command[] = "$R tune $VASE --size 64x36 --spp 9 --max-depth 2 --budget 1 --quiet --json tune.json --memory %ldK > table.txt";
+    static const char command[] =
+        "$R tune $VASE --size 64x36 --spp 9 --max-depth 2 --budget 1 --quiet --json tune.json --memory %ldK > table.txt";
     const CliResult* said = cli_run( command, 1024L );
     cli_expect( said, 1, "give --memory " );
     long least = strtol( strstr( said->err, "give --memory " ) + strlen( "give --memory " ), NULL, 10 );
@@ -202,11 +215,8 @@ static void test_signal( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_command ),
-        cmocka_unit_test( test_quoting ),
-        cmocka_unit_test( test_command_errors ),
-        cmocka_unit_test( test_least_budget ),
-        cmocka_unit_test( test_signal ),
+        cmocka_unit_test( test_command ),      cmocka_unit_test( test_quoting ), cmocka_unit_test( test_command_errors ),
+        cmocka_unit_test( test_least_budget ), cmocka_unit_test( test_signal ),
     };
     return cmocka_run_group_tests( tests, cli_enter_group, cli_leave_group );
 }

@@ -24,7 +24,8 @@ static void write_constant( const char* name, int side, float value )
 // Runs compare; further arguments up to NULL.
 static int compare( const char* a, const char* b, ... )
 {
-    char* arguments[COMMAND_ARGUMENTS] = { "compare", (char*)temp_path( a ), (char*)temp_path( b ), "--json", (char*)temp_path( "out.json" ) };
+    char* arguments[COMMAND_ARGUMENTS] = { "compare", (char*)temp_path( a ), (char*)temp_path( b ), "--json",
+                                           (char*)temp_path( "out.json" ) };
     const int count = 5;
     va_list more;
     va_start( more, b );
@@ -101,7 +102,8 @@ static void test_not_finite( void** state )
     write_constant( "inf.exr", 40, INFINITY );
     assert_int_equal( compare( "inf.exr", "inf.exr", NULL ), 1 );
     json = load_json();
-    assert_true( number( json, "inf" ) == 1600.0 && number( json, "reference_inf" ) == 1600.0 && number( json, "reference_nan" ) == 0.0 );
+    assert_true( number( json, "inf" ) == 1600.0 && number( json, "reference_inf" ) == 1600.0 &&
+                 number( json, "reference_nan" ) == 0.0 );
     json_decref( json );
 }
 
@@ -137,10 +139,14 @@ static void test_other_programs( void** state )
 {
     (void)state;
     Foreign blender = { .names = { "L.Combined.B", "L.Combined.G", "L.Combined.R", "L.Diff.B", "L.Diff.G", "L.Diff.R" },
-                        .values = { 1, 1, 1, 3, 3, 3 }, .width = 20, .height = 10 };
-    Foreign nuke[3] = { { .names = { "Z" }, .values = { 7 }, .width = 20, .height = 10, .part = "depth" },
-                        { .names = { "A", "B", "G", "R" }, .values = { 1, 2, 2, 2 }, .width = 20, .height = 10, .half = true, .part = "rgba" },
-                        { .names = { "N.X", "N.Y", "N.Z", "X" }, .values = { 4, 5, 6, 9 }, .width = 20, .height = 10, .part = "N" } };
+                        .values = { 1, 1, 1, 3, 3, 3 },
+                        .width = 20,
+                        .height = 10 };
+    Foreign nuke[3] = {
+        { .names = { "Z" }, .values = { 7 }, .width = 20, .height = 10, .part = "depth" },
+        { .names = { "A", "B", "G", "R" }, .values = { 1, 2, 2, 2 }, .width = 20, .height = 10, .half = true, .part = "rgba" },
+        { .names = { "N.X", "N.Y", "N.Z", "X" }, .values = { 4, 5, 6, 9 }, .width = 20, .height = 10, .part = "N" }
+    };
     write_foreign( "bl.exr", &blender, 1 );
     write_foreign( "nk.exr", nuke, 3 );
     check_done( compare( "bl.exr", "nk.exr", NULL ) ); // the colour of the second part
@@ -156,15 +162,18 @@ static void test_other_programs( void** state )
     check_done( compare( "bl.exr", "bl.exr", "--layer", "L.Diff", NULL ) ); // of both
     check_number( "max", 0.0 );
     check_number( "reference_mean", 3.0 );
-    check_failed( compare( "bl.exr", "nk.exr", "--layer", "L.Diff", NULL ), 1, "nk.exr: has no layer L.Diff; it has Z, A, B, G, R, N.X" );
+    check_failed( compare( "bl.exr", "nk.exr", "--layer", "L.Diff", NULL ), 1,
+                  "nk.exr: has no layer L.Diff; it has Z, A, B, G, R, N.X" );
     check_failed( compare( "bl.exr", "nk.exr", "--layer", "L.Diff.R,,L.Diff.G", NULL ), 1, "has no layer" );
     check_failed( compare( "bl.exr", "nk.exr", "--layer", "L.Diff.R,L.Diff.R,L.Diff.R,L.Diff.R", NULL ), 1, "has no layer" );
     Foreign several = { .names = { "a.B", "a.G", "a.R", "b.B", "b.G", "b.R" }, .width = 20, .height = 10 };
     Foreign later[2] = { { .names = { "Z" }, .width = 20, .height = 10, .part = "depth" }, several };
     write_foreign( "se.exr", &several, 1 );
     write_foreign( "la.exr", later, 2 );
-    check_failed( compare( "se.exr", "nk.exr", NULL ), 1, "se.exr: has more than one layer of colour: a, b: name one by --layer" );
-    check_failed( compare( "la.exr", "nk.exr", NULL ), 1, "la.exr: has more than one layer of colour: a, b: name one by --layer" );
+    check_failed( compare( "se.exr", "nk.exr", NULL ), 1,
+                  "se.exr: has more than one layer of colour: a, b: name one by --layer" );
+    check_failed( compare( "la.exr", "nk.exr", NULL ), 1,
+                  "la.exr: has more than one layer of colour: a, b: name one by --layer" );
     Foreign none = { .names = { "foo" }, .width = 20, .height = 10 };
     write_foreign( "no.exr", &none, 1 );
     check_failed( compare( "no.exr", "nk.exr", NULL ), 1, "no.exr: has no channels R, G, B and no Y; it has foo" );
@@ -245,12 +254,14 @@ static void test_chosen_frames( void** state )
     check_failed( compare( "ca.1.exr", "cb.1.exr", "--frames", "1", NULL ), 2, "--frames" );
     // the images themselves stay
     check_failed( compare( "ca.1.exr", "cb.1.exr", "--diff", temp_path( "ca.1.exr" ), NULL ), 2, "would overwrite what is read" );
-    check_failed( compare( "ca.#.exr", "cb.#.exr", "--frames", "3-4", "--diff", temp_path( "cb.#.exr" ), NULL ), 2, "would overwrite what is read" );
+    check_failed( compare( "ca.#.exr", "cb.#.exr", "--frames", "3-4", "--diff", temp_path( "cb.#.exr" ), NULL ), 2,
+                  "would overwrite what is read" );
     check_failed( compare( "ca.1.exr", "cb.1.exr", "--diff", temp_path( "ca.#.exr" ), NULL ), 2, "would overwrite what is read" );
     // the difference of frame 1 is frame 11
     write_constant( "ca.11.exr", 20, 1.0f );
     write_constant( "cb.11.exr", 20, 1.0f );
-    check_failed( compare( "ca.#.exr", "cb.#.exr", "--frames", "1,11", "--diff", temp_path( "ca.1#.exr" ), NULL ), 2, "is one of the images" );
+    check_failed( compare( "ca.#.exr", "cb.#.exr", "--frames", "1,11", "--diff", temp_path( "ca.1#.exr" ), NULL ), 2,
+                  "is one of the images" );
     check_done( compare( "ca.1.exr", "cb.1.exr", NULL ) );
 }
 
@@ -294,14 +305,9 @@ static void test_missing_in_both( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_files ),
-        cmocka_unit_test( test_sequences ),
-        cmocka_unit_test( test_not_finite ),
-        cmocka_unit_test( test_refused ),
-        cmocka_unit_test( test_other_programs ),
-        cmocka_unit_test( test_data_windows ),
-        cmocka_unit_test( test_chosen_frames ),
-        cmocka_unit_test( test_missing_in_both ),
+        cmocka_unit_test( test_files ),         cmocka_unit_test( test_sequences ),       cmocka_unit_test( test_not_finite ),
+        cmocka_unit_test( test_refused ),       cmocka_unit_test( test_other_programs ),  cmocka_unit_test( test_data_windows ),
+        cmocka_unit_test( test_chosen_frames ), cmocka_unit_test( test_missing_in_both ),
     };
     return cmocka_run_group_tests_name( "compare", tests, make_temp_folder, remove_temp_folder );
 }

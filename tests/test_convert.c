@@ -61,8 +61,8 @@ static void test_refusals( void** state )
 
 static const char s_hangs[] = PLY_HEAD PLY_VERTICES PLY_FACES; // the header does not end
 static const char s_crashes[] = PLY_HEAD PLY_VERTICES PLY_FACES PLY_CORNERS "3 0 1 999999999\n";
-static const char s_eats[] = PLY_HEAD PLY_VERTICES "element face 100000000\nproperty list uchar int vertex_indices\n" PLY_CORNERS
-                                                   "3 0 1 2\n";
+static const char s_eats[] =
+    PLY_HEAD PLY_VERTICES "element face 100000000\nproperty list uchar int vertex_indices\n" PLY_CORNERS "3 0 1 2\n";
 
 #if defined( __SANITIZE_ADDRESS__ )
 #define CRASHED "crashes.ply: the importer failed on it" // the sanitizer takes the signal
@@ -98,7 +98,8 @@ static void test_ply( void** state )
     convert_write( "eats.ply", s_eats );
     convert_write( "good.ply", PLY_HEAD PLY_VERTICES PLY_FACES PLY_CORNERS "3 0 1 2\n" );
     cli_expect( cli_run( "$R convert hangs.ply a.glb --quiet" ), 1, "hangs.ply: line 9: the header has no end_header" );
-    cli_expect( cli_run( "$R convert crashes.ply a.glb --quiet" ), 1, "crashes.ply: line 13: corner 2 of face 0 is vertex 999999999 of 3" );
+    cli_expect( cli_run( "$R convert crashes.ply a.glb --quiet" ), 1,
+                "crashes.ply: line 13: corner 2 of face 0 is vertex 999999999 of 3" );
     cli_expect( cli_run( "$R convert eats.ply a.glb --quiet" ), 1, "100000000 of element face need more than" );
     assert_false( cli_exists( "a.glb" ) );
     cli_expect( cli_run( "$R convert good.ply a.glb --quiet --up z --scale 2" ), 0, NULL );
@@ -135,7 +136,9 @@ static void test_no_process_left( void** state )
     snprintf( source, sizeof source, "%s/a.ply", cli_folder() );
     snprintf( target, sizeof target, "%s/a.glb", cli_folder() );
     snprintf( program, sizeof program, "%s-import", REFRAME_BINARY );
-    RfImporterRun run = { .program = program, .source = source, .target = target, .memory = (size_t)512 << 20, .seconds = 0.3, .scale = 1 };
+    RfImporterRun run = {
+        .program = program, .source = source, .target = target, .memory = (size_t)512 << 20, .seconds = 0.3, .scale = 1
+    };
     for ( size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i )
     {
         RfModelCounts counts;
@@ -169,7 +172,9 @@ static void test_writer_refuses( void** state )
     RfModelMaterial material = rf_default_model_material();
     RfModelMesh mesh = { .vertex_count = 3, .positions = positions, .triangle_count = 1, .indices = indices, .material = 0 };
     RfModelNode node = { .parent = -1, .matrix = rf_mat4_identity(), .mesh_count = 1, .meshes = list };
-    RfModel model = { .mesh_count = 1, .meshes = &mesh, .material_count = 1, .materials = &material, .node_count = 1, .nodes = &node };
+    RfModel model = {
+        .mesh_count = 1, .meshes = &mesh, .material_count = 1, .materials = &material, .node_count = 1, .nodes = &node
+    };
     RfError error;
     assert_int_equal( write_model( &model, &error ), RF_OK );
     RfScene scene = convert_load( "m.glb" );
@@ -202,11 +207,8 @@ static void test_writer_refuses( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        TEST( test_refusals ),
-        TEST( test_bad_importer ), TEST( test_ply ),
-        TEST( test_interrupt ),
-        TEST( test_no_process_left ),
-        TEST( test_writer_refuses ),
+        TEST( test_refusals ),  TEST( test_bad_importer ),    TEST( test_ply ),
+        TEST( test_interrupt ), TEST( test_no_process_left ), TEST( test_writer_refuses ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

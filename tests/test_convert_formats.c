@@ -33,13 +33,15 @@ static void check_obj_materials( const RfScene* scene )
     assert_true( convert_near( wall->alpha, 0.25 ) ); // sqrt( 2 / 32 )
     assert_true( wall->double_sided );
     const RfMaterial* lamp = material_of( scene, "lamp" );
-    assert_true( convert_near( lamp->emission.x, 12 ) && convert_near( lamp->emission.y, 6 ) && convert_near( lamp->emission.z, 3 ) );
+    assert_true( convert_near( lamp->emission.x, 12 ) && convert_near( lamp->emission.y, 6 ) &&
+                 convert_near( lamp->emission.z, 3 ) );
     assert_false( lamp->double_sided );
     const RfMaterial* glass = material_of( scene, "glass" );
     assert_int_equal( glass->kind, RF_BSDF_GLASS );
     assert_true( convert_near( glass->ior, 1.33 ) && convert_near( glass->tint.y, 0.9 ) );
     const RfMaterial* gold = material_of( scene, "gold" );
-    assert_true( convert_near( gold->specular.x, 0.9 ) && convert_near( gold->specular.z, 0.25 ) && convert_near( gold->diffuse.x, 0 ) );
+    assert_true( convert_near( gold->specular.x, 0.9 ) && convert_near( gold->specular.z, 0.25 ) &&
+                 convert_near( gold->diffuse.x, 0 ) );
 }
 
 static void test_obj( void** state )
@@ -86,23 +88,23 @@ static void test_placement( void** state )
     rf_destroy_scene( &scene );
 }
 
-#define COLLADA( optics )                                                                                                \
-    "<?xml version=\"1.0\"?><COLLADA xmlns=\"http://www.collada.org/2005/11/COLLADASchema\" version=\"1.4.1\">"          \
-    "<asset><unit name=\"half\" meter=\"0.5\"/><up_axis>Z_UP</up_axis></asset>"                                          \
-    "<library_cameras><camera id=\"eye\" name=\"eye\"><optics><technique_common><perspective>" optics                    \
-    "<znear>0.1</znear><zfar>100</zfar></perspective></technique_common></optics></camera></library_cameras>"            \
-    "<library_lights><light id=\"spot\" name=\"spot\"><technique_common><spot><color>4 2 2</color>"                      \
-    "<falloff_angle>60</falloff_angle></spot></technique_common></light></library_lights>"                              \
-    "<library_geometries><geometry id=\"g\" name=\"g\"><mesh><source id=\"p\">"                                          \
-    "<float_array id=\"pa\" count=\"9\">0 0 0 1 0 0 0 0 1</float_array><technique_common>"                               \
-    "<accessor source=\"#pa\" count=\"3\" stride=\"3\"><param name=\"X\" type=\"float\"/><param name=\"Y\" type=\"float\"/>" \
-    "<param name=\"Z\" type=\"float\"/></accessor></technique_common></source>"                                          \
-    "<vertices id=\"v\"><input semantic=\"POSITION\" source=\"#p\"/></vertices><triangles count=\"1\">"                  \
-    "<input semantic=\"VERTEX\" source=\"#v\" offset=\"0\"/><p>0 1 2</p></triangles></mesh></geometry></library_geometries>" \
-    "<library_visual_scenes><visual_scene id=\"s\">"                                                                     \
-    "<node id=\"tri\" name=\"tri\"><translate>1 2 3</translate><instance_geometry url=\"#g\"/></node>"                   \
+#define COLLADA( optics )                                                                                                        \
+    "<?xml version=\"1.0\"?><COLLADA xmlns=\"http://www.collada.org/2005/11/COLLADASchema\" version=\"1.4.1\">"                  \
+    "<asset><unit name=\"half\" meter=\"0.5\"/><up_axis>Z_UP</up_axis></asset>"                                                  \
+    "<library_cameras><camera id=\"eye\" name=\"eye\"><optics><technique_common><perspective>" optics                            \
+    "<znear>0.1</znear><zfar>100</zfar></perspective></technique_common></optics></camera></library_cameras>"                    \
+    "<library_lights><light id=\"spot\" name=\"spot\"><technique_common><spot><color>4 2 2</color>"                              \
+    "<falloff_angle>60</falloff_angle></spot></technique_common></light></library_lights>"                                       \
+    "<library_geometries><geometry id=\"g\" name=\"g\"><mesh><source id=\"p\">"                                                  \
+    "<float_array id=\"pa\" count=\"9\">0 0 0 1 0 0 0 0 1</float_array><technique_common>"                                       \
+    "<accessor source=\"#pa\" count=\"3\" stride=\"3\"><param name=\"X\" type=\"float\"/><param name=\"Y\" type=\"float\"/>"     \
+    "<param name=\"Z\" type=\"float\"/></accessor></technique_common></source>"                                                  \
+    "<vertices id=\"v\"><input semantic=\"POSITION\" source=\"#p\"/></vertices><triangles count=\"1\">"                          \
+    "<input semantic=\"VERTEX\" source=\"#v\" offset=\"0\"/><p>0 1 2</p></triangles></mesh></geometry></library_geometries>"     \
+    "<library_visual_scenes><visual_scene id=\"s\">"                                                                             \
+    "<node id=\"tri\" name=\"tri\"><translate>1 2 3</translate><instance_geometry url=\"#g\"/></node>"                           \
     "<node id=\"eye\" name=\"eye\"><translate>0 -5 1</translate><rotate>1 0 0 90</rotate><instance_camera url=\"#eye\"/></node>" \
-    "<node id=\"lamp\" name=\"lamp\"><translate>0 0 4</translate><instance_light url=\"#spot\"/></node>"                 \
+    "<node id=\"lamp\" name=\"lamp\"><translate>0 0 4</translate><instance_light url=\"#spot\"/></node>"                         \
     "</visual_scene></library_visual_scenes><scene><instance_visual_scene url=\"#s\"/></scene></COLLADA>"
 
 // The way of a node up to the root.
@@ -131,7 +133,7 @@ static void test_collada( void** state )
     assert_true( convert_near( scene.cameras->yfov, 2 * atan( tan( 0.5235987755982988 ) / 2 ) ) );
     RfMat4 eye = world_of( &scene, scene.cameras->node );
     assert_true( convert_near( eye.m[12], 0 ) && convert_near( eye.m[13], 0.5 ) && convert_near( eye.m[14], 2.5 ) ); // once
-    assert_true( convert_near( eye.m[10], 0.5 ) && convert_near( eye.m[5], 0.5 ) );                          // along −z, y up
+    assert_true( convert_near( eye.m[10], 0.5 ) && convert_near( eye.m[5], 0.5 ) ); // along −z, y up
     assert_int_equal( scene.punctual_count, 1 );
     const RfPunctual* lamp = scene.punctuals;
     assert_int_equal( lamp->kind, RF_PUNCTUAL_SPOT );
@@ -154,107 +156,106 @@ static void test_collada( void** state )
 
 // As exporters write it, in text: centimetres, z up, a camera whose position
 // stands in its node and in itself.
-static const char s_fbx[] =
-    "; FBX 7.4.0 project file\n"
-    "FBXHeaderExtension:  {\n"
-    "FBXHeaderVersion: 1003\n"
-    "FBXVersion: 7400\n"
-    "}\n"
-    "GlobalSettings:  {\n"
-    "Version: 1000\n"
-    "Properties70:  {\n"
-    "P: \"UpAxis\", \"int\", \"Integer\", \"\",2\n"
-    "P: \"UpAxisSign\", \"int\", \"Integer\", \"\",1\n"
-    "P: \"FrontAxis\", \"int\", \"Integer\", \"\",1\n"
-    "P: \"FrontAxisSign\", \"int\", \"Integer\", \"\",-1\n"
-    "P: \"CoordAxis\", \"int\", \"Integer\", \"\",0\n"
-    "P: \"CoordAxisSign\", \"int\", \"Integer\", \"\",1\n"
-    "P: \"UnitScaleFactor\", \"double\", \"Number\", \"\",1\n"
-    "}\n"
-    "}\n"
-    "Objects:  {\n"
-    "Geometry: 100, \"Geometry::tri\", \"Mesh\" {\n"
-    "Vertices: *9 {\n"
-    "a: 0,0,0,100,0,0,0,100,0\n"
-    "}\n"
-    "PolygonVertexIndex: *3 {\n"
-    "a: 0,1,-3\n"
-    "}\n"
-    "GeometryVersion: 124\n"
-    "LayerElementMaterial: 0 {\n"
-    "Version: 101\n"
-    "Name: \"\"\n"
-    "MappingInformationType: \"AllSame\"\n"
-    "ReferenceInformationType: \"IndexToDirect\"\n"
-    "Materials: *1 {\n"
-    "a: 0\n"
-    "}\n"
-    "}\n"
-    "Layer: 0 {\n"
-    "Version: 100\n"
-    "LayerElement:  {\n"
-    "Type: \"LayerElementMaterial\"\n"
-    "TypedIndex: 0\n"
-    "}\n"
-    "}\n"
-    "}\n"
-    "Model: 200, \"Model::tri\", \"Mesh\" {\n"
-    "Version: 232\n"
-    "Properties70:  {\n"
-    "P: \"Lcl Translation\", \"Lcl Translation\", \"\", \"A\",100,200,300\n"
-    "}\n"
-    "}\n"
-    "NodeAttribute: 300, \"NodeAttribute::cam\", \"Camera\" {\n"
-    "Properties70:  {\n"
-    "P: \"Position\", \"Vector\", \"\", \"A\",0,0,500\n"
-    "P: \"AspectWidth\", \"double\", \"Number\", \"\",200\n"
-    "P: \"AspectHeight\", \"double\", \"Number\", \"\",100\n"
-    "P: \"FieldOfView\", \"FieldOfView\", \"\", \"A\",60\n"
-    "P: \"ApertureMode\", \"enum\", \"\", \"\",1\n"
-    "}\n"
-    "TypeFlags: \"Camera\"\n"
-    "}\n"
-    "Model: 400, \"Model::cam\", \"Camera\" {\n"
-    "Version: 232\n"
-    "Properties70:  {\n"
-    "P: \"Lcl Translation\", \"Lcl Translation\", \"\", \"A\",0,0,500\n"
-    "P: \"Lcl Rotation\", \"Lcl Rotation\", \"\", \"A\",0,90,0\n"
-    "}\n"
-    "}\n"
-    "Material: 500, \"Material::m\", \"\" {\n"
-    "Version: 102\n"
-    "ShadingModel: \"phong\"\n"
-    "Properties70:  {\n"
-    "P: \"DiffuseColor\", \"Color\", \"\", \"A\",0.5,0.25,0.125\n"
-    "P: \"EmissiveColor\", \"Color\", \"\", \"A\",4,2,1\n"
-    "P: \"EmissiveFactor\", \"Number\", \"\", \"A\",1\n"
-    "P: \"SpecularColor\", \"Color\", \"\", \"A\",0.5,0.5,0.5\n"
-    "P: \"ShininessExponent\", \"Number\", \"\", \"A\",30\n"
-    "}\n"
-    "}\n"
-    "NodeAttribute: 600, \"NodeAttribute::lamp\", \"Light\" {\n"
-    "TypeFlags: \"Light\"\n"
-    "Properties70:  {\n"
-    "P: \"LightType\", \"enum\", \"\", \"\",2\n"
-    "P: \"Color\", \"Color\", \"\", \"A\",1,1,1\n"
-    "P: \"Intensity\", \"Number\", \"\", \"A\",200\n"
-    "P: \"InnerAngle\", \"Number\", \"\", \"A\",30\n"
-    "P: \"OuterAngle\", \"Number\", \"\", \"A\",60\n"
-    "}\n"
-    "}\n"
-    "Model: 700, \"Model::lamp\", \"Light\" {\n"
-    "Version: 232\n"
-    "}\n"
-    "}\n"
-    "Connections:  {\n"
-    "C: \"OO\",200,0\n"
-    "C: \"OO\",100,200\n"
-    "C: \"OO\",400,0\n"
-    "C: \"OO\",300,400\n"
-    "C: \"OO\",500,200\n"
-    "C: \"OO\",700,0\n"
-    "C: \"OO\",600,700\n"
-    "}\n";
+static const char s_fbx[] = "; FBX 7.4.0 project file\n"
+                            "FBXHeaderExtension:  {\n"
+                            "FBXHeaderVersion: 1003\n"
+                            "FBXVersion: 7400\n"
+                            "}\n"
+                            "GlobalSettings:  {\n"
+                            "Version: 1000\n"
+                            "Properties70:  {\n"
+                            "P: \"UpAxis\", \"int\", \"Integer\", \"\",2\n"
+                            "P: \"UpAxisSign\", \"int\", \"Integer\", \"\",1\n"
+                            "P: \"FrontAxis\", \"int\", \"Integer\", \"\",1\n"
+                            "P: \"FrontAxisSign\", \"int\", \"Integer\", \"\",-1\n"
+                            "P: \"CoordAxis\", \"int\", \"Integer\", \"\",0\n"
+                            "P: \"CoordAxisSign\", \"int\", \"Integer\", \"\",1\n"
+                            "P: \"UnitScaleFactor\", \"double\", \"Number\", \"\",1\n"
+                            "}\n"
+                            "}\n"
+                            "Objects:  {\n"
+                            "Geometry: 100, \"Geometry::tri\", \"Mesh\" {\n"
+                            "Vertices: *9 {\n"
+                            "a: 0,0,0,100,0,0,0,100,0\n"
+                            "}\n"
+                            "PolygonVertexIndex: *3 {\n"
+                            "a: 0,1,-3\n"
+                            "}\n"
+                            "GeometryVersion: 124\n"
+                            "LayerElementMaterial: 0 {\n"
+                            "Version: 101\n"
+                            "Name: \"\"\n"
+                            "MappingInformationType: \"AllSame\"\n"
+                            "ReferenceInformationType: \"IndexToDirect\"\n"
+                            "Materials: *1 {\n"
+                            "a: 0\n"
+                            "}\n"
+                            "}\n"
+                            "Layer: 0 {\n"
+                            "Version: 100\n"
+                            "LayerElement:  {\n"
+                            "Type: \"LayerElementMaterial\"\n"
+                            "TypedIndex: 0\n"
+                            "}\n"
+                            "}\n"
+                            "}\n"
+                            "Model: 200, \"Model::tri\", \"Mesh\" {\n"
+                            "Version: 232\n"
+                            "Properties70:  {\n"
+                            "P: \"Lcl Translation\", \"Lcl Translation\", \"\", \"A\",100,200,300\n"
+                            "}\n"
+                            "}\n"
+                            "NodeAttribute: 300, \"NodeAttribute::cam\", \"Camera\" {\n"
+                            "Properties70:  {\n"
+                            "P: \"Position\", \"Vector\", \"\", \"A\",0,0,500\n"
+                            "P: \"AspectWidth\", \"double\", \"Number\", \"\",200\n"
+                            "P: \"AspectHeight\", \"double\", \"Number\", \"\",100\n"
+                            "P: \"FieldOfView\", \"FieldOfView\", \"\", \"A\",60\n"
+                            "P: \"ApertureMode\", \"enum\", \"\", \"\",1\n"
+                            "}\n"
+                            "TypeFlags: \"Camera\"\n"
+                            "}\n"
+                            "Model: 400, \"Model::cam\", \"Camera\" {\n"
+                            "Version: 232\n"
+                            "Properties70:  {\n"
+                            "P: \"Lcl Translation\", \"Lcl Translation\", \"\", \"A\",0,0,500\n"
+                            "P: \"Lcl Rotation\", \"Lcl Rotation\", \"\", \"A\",0,90,0\n"
+                            "}\n"
+                            "}\n"
+                            "Material: 500, \"Material::m\", \"\" {\n"
+                            "Version: 102\n"
+                            "ShadingModel: \"phong\"\n"
+                            "Properties70:  {\n"
+                            "P: \"DiffuseColor\", \"Color\", \"\", \"A\",0.5,0.25,0.125\n"
+                            "P: \"EmissiveColor\", \"Color\", \"\", \"A\",4,2,1\n"
+                            "P: \"EmissiveFactor\", \"Number\", \"\", \"A\",1\n"
+                            "P: \"SpecularColor\", \"Color\", \"\", \"A\",0.5,0.5,0.5\n"
+                            "P: \"ShininessExponent\", \"Number\", \"\", \"A\",30\n"
+                            "}\n"
+                            "}\n"
+                            "NodeAttribute: 600, \"NodeAttribute::lamp\", \"Light\" {\n"
+                            "TypeFlags: \"Light\"\n"
+                            "Properties70:  {\n"
+                            "P: \"LightType\", \"enum\", \"\", \"\",2\n"
+                            "P: \"Color\", \"Color\", \"\", \"A\",1,1,1\n"
+                            "P: \"Intensity\", \"Number\", \"\", \"A\",200\n"
+                            "P: \"InnerAngle\", \"Number\", \"\", \"A\",30\n"
+                            "P: \"OuterAngle\", \"Number\", \"\", \"A\",60\n"
+                            "}\n"
+                            "}\n"
+                            "Model: 700, \"Model::lamp\", \"Light\" {\n"
+                            "Version: 232\n"
+                            "}\n"
+                            "}\n"
+                            "Connections:  {\n"
+                            "C: \"OO\",200,0\n"
+                            "C: \"OO\",100,200\n"
+                            "C: \"OO\",400,0\n"
+                            "C: \"OO\",300,400\n"
+                            "C: \"OO\",500,200\n"
+                            "C: \"OO\",700,0\n"
+                            "C: \"OO\",600,700\n"
+                            "}\n";
 
 static void test_fbx( void** state )
 {
@@ -296,7 +297,7 @@ static void test_vertex_colors( void** state )
     cli_expect( cli_run( "$R convert a.obj a.glb --quiet" ), 0, NULL );
     RfScene scene = convert_load( "a.glb" );
     assert_non_null( scene.triangles.colors );
-    convert_assert_point( scene.triangles.colors, 1, 0.214041, 0 ); // linear
+    convert_assert_point( scene.triangles.colors, 1, 0.214041, 0 );               // linear
     assert_true( convert_near( scene.materials->textured->factors.base[0], 1 ) ); // and not darkened by assimp's grey
     rf_destroy_scene( &scene );
 }
@@ -306,12 +307,8 @@ static void test_vertex_colors( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        TEST( test_obj ),
-        TEST( test_placement ),
-        TEST( test_collada ),
-        TEST( test_fbx ),
-        TEST( test_missing_texture ),
-        TEST( test_vertex_colors ),
+        TEST( test_obj ), TEST( test_placement ),       TEST( test_collada ),
+        TEST( test_fbx ), TEST( test_missing_texture ), TEST( test_vertex_colors ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

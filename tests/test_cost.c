@@ -42,8 +42,13 @@ static void begin( Setup* s, int eyes, int group )
     s->settings.group = group;
     s->settings.memory = (size_t)256 << 20;
     s->settings.threads = 2;
-    s->job = ( RfCostJob ){ .tracer = s->tracer, .eyes = s->eyes, .eye_count = eyes, .frames = s->frames, .frame_count = eyes,
-                            .settings = &s->settings, .budget = 1.0 };
+    s->job = ( RfCostJob ){ .tracer = s->tracer,
+                            .eyes = s->eyes,
+                            .eye_count = eyes,
+                            .frames = s->frames,
+                            .frame_count = eyes,
+                            .settings = &s->settings,
+                            .budget = 1.0 };
 }
 
 static void end( Setup* s )
@@ -179,7 +184,9 @@ static void test_command( void** state )
 {
     (void)state;
     cli_enter();
-    cli_expect( cli_run( "$R cost $VASE --size 40x30 --budget 1 --group 1 --noise 0.05,0.5 --frames 5-9 --quiet --json c.json --svg c.svg > c.txt" ), 0, NULL );
+    cli_expect( cli_run( "$R cost $VASE --size 40x30 --budget 1 --group 1 --noise 0.05,0.5 --frames 5-9 --quiet --json c.json "
+                         "--svg c.svg > c.txt" ),
+                0, NULL );
     size_t size;
     char* text = cli_read( "c.json", &size );
     json_error_t fault;
@@ -195,9 +202,11 @@ static void test_command( void** state )
     if ( count >= 6 ) // three rows of each
     {
         assert_true( json_real_value( json_object_get( json, "slope" ) ) < 0.0 );
-        assert_true( json_real_value( json_object_get( json, "slope_plain_low" ) ) < json_real_value( json_object_get( json, "slope_plain_high" ) ) );
+        assert_true( json_real_value( json_object_get( json, "slope_plain_low" ) ) <
+                     json_real_value( json_object_get( json, "slope_plain_high" ) ) );
     }
-    assert_true( json_real_value( json_object_get( json, "speedup_low" ) ) < json_real_value( json_object_get( json, "speedup_high" ) ) );
+    assert_true( json_real_value( json_object_get( json, "speedup_low" ) ) <
+                 json_real_value( json_object_get( json, "speedup_high" ) ) );
     json_t* wanted = json_object_get( json, "wanted" );
     assert_int_equal( json_array_size( wanted ), 2 );
     json_t *dear = json_array_get( wanted, 0 ), *cheap = json_array_get( wanted, 1 );
@@ -211,7 +220,8 @@ static void test_command( void** state )
     text = cli_read( "c.txt", &size );
     assert_non_null( strstr( text, "relMSE 0.05 at 40x30: " ) );
     assert_non_null( strstr( text, "; all 5 frames: " ) );
-    assert_true( count < 6 || strstr( text, "error falls as seconds to the power of -" ) != NULL ); // a busy machine may have fewer rows
+    assert_true( count < 6 ||
+                 strstr( text, "error falls as seconds to the power of -" ) != NULL ); // a busy machine may have fewer rows
     assert_non_null( strstr( text, "at equal error groups of 3 and 3x3 tiles take 1/" ) );
     free( text );
     cli_expect( cli_run( "$R cost $VASE --size 8x6 --budget 1 --group 0 --noise 1e-9 --frames 5 --quiet > c.txt" ), 0, NULL );

@@ -81,7 +81,11 @@ static void test_sums( void** state )
 static void test_coverage( void** state )
 {
     (void)state;
-    enum { TRIES = 4000, UNITS = 12 };
+    enum
+    {
+        TRIES = 4000,
+        UNITS = 12
+    };
     uint64_t seed = 5;
     int held = 0, slopes = 0;
     for ( int k = 0; k < TRIES; ++k )
@@ -94,7 +98,8 @@ static void test_coverage( void** state )
             double spread = 0.6 / sqrt( (double)passes ); // fewer samples scatter more
             units[i].passes = passes;
             units[i].parts[0] = ( RfCostPart ){ lognormal( &seed, spread ), passes * lognormal( &seed, 0.05 ), 1.0, passes };
-            units[i].parts[1] = ( RfCostPart ){ 0.1 * lognormal( &seed, spread ), passes * 2.0 * lognormal( &seed, 0.05 ), 1.0, passes };
+            units[i].parts[1] =
+                ( RfCostPart ){ 0.1 * lognormal( &seed, spread ), passes * 2.0 * lognormal( &seed, 0.05 ), 1.0, passes };
         }
         RfInterval s = rf_cost_speedup( units, UNITS );
         held += s.low <= 5.0 && 5.0 <= s.high;
@@ -106,7 +111,8 @@ static void test_coverage( void** state )
         RfInterval slope = rf_fit_slope( seconds, errors, 4 );
         slopes += slope.low <= -1.0 && -1.0 <= slope.high;
     }
-    print_message( "of %d intervals of 95 %%: %.1f %% hold the ratio, %.1f %% the slope\n", TRIES, 100.0 * held / TRIES, 100.0 * slopes / TRIES );
+    print_message( "of %d intervals of 95 %%: %.1f %% hold the ratio, %.1f %% the slope\n", TRIES, 100.0 * held / TRIES,
+                   100.0 * slopes / TRIES );
     near( (double)slopes / TRIES, 0.95, 0.015 ); // exact in theory; four deviations
     // units that weigh more are few, so that the jackknife holds a little less often
     assert_true( held > 0.90 * TRIES && held < 0.985 * TRIES );

@@ -31,8 +31,7 @@ static RfCurve make( RfCurveKind kind, bool linear, int count, const double* tim
 
 static double distance( const double* a, const double* b )
 {
-    return sqrt( ( a[0] - b[0] ) * ( a[0] - b[0] ) + ( a[1] - b[1] ) * ( a[1] - b[1] ) +
-                 ( a[2] - b[2] ) * ( a[2] - b[2] ) );
+    return sqrt( ( a[0] - b[0] ) * ( a[0] - b[0] ) + ( a[1] - b[1] ) * ( a[1] - b[1] ) + ( a[2] - b[2] ) * ( a[2] - b[2] ) );
 }
 
 static void test_meets_keys( void** state )
@@ -182,10 +181,7 @@ static double yaw_at( const RfCurve* curve, double time )
     return 2.0 * atan2( q[1], q[3] ) * 180.0 / PI;
 }
 
-static double wrapped( double degrees )
-{
-    return degrees - 360.0 * floor( degrees / 360.0 + 0.5 );
-}
+static double wrapped( double degrees ) { return degrees - 360.0 * floor( degrees / 360.0 + 0.5 ); }
 
 static void test_even_turn( void** state )
 {
@@ -217,8 +213,8 @@ static void test_turning_back( void** state )
     for ( double t = 0.0; t <= 5.0; t += 0.001 )
     {
         double yaw = yaw_at( &curve, t ), step = wrapped( yaw - last );
-        assert_true( fabs( step ) < 2.0 );                       // no jump
-        assert_true( t < 0.002 || fabs( step - rate ) < 0.05 );  // nor one of the rate
+        assert_true( fabs( step ) < 2.0 );                      // no jump
+        assert_true( t < 0.002 || fabs( step - rate ) < 0.05 ); // nor one of the rate
         rate = step;
         last = yaw;
     }
@@ -228,7 +224,10 @@ static void test_turning_back( void** state )
 // Steps of equal length of arc along a walk, and its whole length.
 static void expect_constant_speed( const RfWalk* walk )
 {
-    enum { STEPS = 4000 };
+    enum
+    {
+        STEPS = 4000
+    };
     double last[3], at[3], shortest = INFINITY, longest = 0.0, sum = 0.0;
     rf_walk_at( walk, 0.0, last );
     for ( int i = 1; i <= STEPS; ++i )

@@ -170,8 +170,8 @@ static void test_damage( void** state )
         reals[i] = (float)pixels[i] * 0.31f;
     size_t sizes[5];
     uint8_t* files[] = {
-        encode_png( WIDTH, HEIGHT, 4, pixels, sizes ),     encode_jpeg( WIDTH, HEIGHT, 3, pixels, sizes + 1 ),
-        encode_exr( WIDTH, HEIGHT, reals, sizes + 2 ),     encode_hdr( WIDTH, HEIGHT, pixels, sizes + 3 ),
+        encode_png( WIDTH, HEIGHT, 4, pixels, sizes ), encode_jpeg( WIDTH, HEIGHT, 3, pixels, sizes + 1 ),
+        encode_exr( WIDTH, HEIGHT, reals, sizes + 2 ), encode_hdr( WIDTH, HEIGHT, pixels, sizes + 3 ),
         encode_hdr( 5, HEIGHT, pixels, sizes + 4 ),
     };
     for ( int f = 0; f < 5; ++f )
@@ -296,8 +296,9 @@ static void test_environment_map( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_png ),    cmocka_unit_test( test_png16 ),   cmocka_unit_test( test_jpeg ),
-        cmocka_unit_test( test_exr ),    cmocka_unit_test( test_hdr ),     cmocka_unit_test( test_damage ),
+        cmocka_unit_test( test_png ),     cmocka_unit_test( test_png16 ),
+        cmocka_unit_test( test_jpeg ),    cmocka_unit_test( test_exr ),
+        cmocka_unit_test( test_hdr ),     cmocka_unit_test( test_damage ),
         cmocka_unit_test( test_refused ), cmocka_unit_test( test_environment_map ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );

@@ -135,7 +135,10 @@ static int descending( const void* a, const void* b )
 static void test_trimmed_sorted( void** state )
 {
     (void)state;
-    enum { PIXELS = 200 * 150 };
+    enum
+    {
+        PIXELS = 200 * 150
+    };
     RfImage reference = make_image( 200, 150, 8 ), image = make_image( 200, 150, 9 );
     double* values = malloc( PIXELS * sizeof( double ) );
     assert_non_null( values );
@@ -214,7 +217,12 @@ static void test_pooled( void** state )
 static void test_bias_interval( void** state )
 {
     (void)state;
-    enum { TRIALS = 400, WIDTH = 100, HEIGHT = 70 }; // blocks at the borders are smaller
+    enum
+    {
+        TRIALS = 400,
+        WIDTH = 100,
+        HEIGHT = 70
+    }; // blocks at the borders are smaller
     RfImage reference = make_constant( WIDTH, HEIGHT, 1.0f ), image = make_constant( WIDTH, HEIGHT, 0.0f );
     uint32_t seed = 99;
     int held = 0;
@@ -263,8 +271,12 @@ static void test_interval_closed_form( void** state )
 static void test_student( void** state )
 {
     (void)state;
-    static const struct { int freedom; double t; } known[] = { { 1, 12.706 }, { 2, 4.303 }, { 3, 3.182 }, { 4, 2.776 }, { 5, 2.571 },
-                                                               { 8, 2.306 }, { 15, 2.131 }, { 30, 2.042 }, { 120, 1.980 }, { 100000, 1.960 } };
+    static const struct
+    {
+        int freedom;
+        double t;
+    } known[] = { { 1, 12.706 }, { 2, 4.303 },  { 3, 3.182 },  { 4, 2.776 },   { 5, 2.571 },
+                  { 8, 2.306 },  { 15, 2.131 }, { 30, 2.042 }, { 120, 1.980 }, { 100000, 1.960 } };
     for ( size_t i = 0; i < sizeof known / sizeof known[0]; ++i )
     {
         double t = rf_student_quantile( known[i].freedom );
@@ -324,10 +336,7 @@ static RfErrorMetrics measure_order( const RfImage* images, const RfImage* refer
     return metrics;
 }
 
-static bool is_close( double a, double b, double scale )
-{
-    return fabs( a - b ) <= 1e-11 * scale;
-}
+static bool is_close( double a, double b, double scale ) { return fabs( a - b ) <= 1e-11 * scale; }
 
 // The order of the frames is of no matter.
 static void test_permuted_frames( void** state )
@@ -339,7 +348,8 @@ static void test_permuted_frames( void** state )
         images[i] = make_image( 70, 50, (uint32_t)i + 2u );
     RfErrorMetrics a = measure_order( images, &reference, order, 5 ), b = measure_order( images, &reference, other, 5 );
     double margin = a.bias_high - a.bias;
-    assert_true( margin > 0.0 && is_close( a.relmse, b.relmse, a.relmse ) && is_close( a.relmse_trimmed, b.relmse_trimmed, a.relmse_trimmed ) );
+    assert_true( margin > 0.0 && is_close( a.relmse, b.relmse, a.relmse ) &&
+                 is_close( a.relmse_trimmed, b.relmse_trimmed, a.relmse_trimmed ) );
     assert_true( is_close( a.mse, b.mse, a.mse ) && is_close( a.bias, b.bias, margin ) && a.max == b.max );
     assert_true( is_close( a.bias_low, b.bias_low, margin ) && is_close( a.bias_high, b.bias_high, margin ) );
     assert_int_equal( order[a.worst.frame], other[b.worst.frame] );
@@ -353,7 +363,14 @@ static void test_permuted_frames( void** state )
 // sample that 7 frames share looks like. `smooth` blurs it over 24 pixels across.
 static int count_held( int trials, int shift, bool smooth )
 {
-    enum { WIDTH = 320, HEIGHT = 160, FRAMES = 7, REACH = 24, CANVAS = WIDTH + 7 * 24 + 24 };
+    enum
+    {
+        WIDTH = 320,
+        HEIGHT = 160,
+        FRAMES = 7,
+        REACH = 24,
+        CANVAS = WIDTH + 7 * 24 + 24
+    };
     static float canvas[HEIGHT * CANVAS];
     RfImage reference = make_constant( WIDTH, HEIGHT, 1.0f ), image = make_constant( WIDTH, HEIGHT, 0.0f );
     uint32_t seed = 4321u + (uint32_t)shift;
@@ -404,13 +421,13 @@ static void test_shared_samples( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_identical ),  cmocka_unit_test( test_constant_offset ),
-        cmocka_unit_test( test_known_pixel ), cmocka_unit_test( test_scaling ),
-        cmocka_unit_test( test_trimmed ),    cmocka_unit_test( test_trimmed_sorted ),
-        cmocka_unit_test( test_not_finite ), cmocka_unit_test( test_pooled ),
-        cmocka_unit_test( test_bias_interval ), cmocka_unit_test( test_interval_closed_form ),
-        cmocka_unit_test( test_student ),    cmocka_unit_test( test_worst_pixel ),
-        cmocka_unit_test( test_frozen_frames ), cmocka_unit_test( test_permuted_frames ),
+        cmocka_unit_test( test_identical ),      cmocka_unit_test( test_constant_offset ),
+        cmocka_unit_test( test_known_pixel ),    cmocka_unit_test( test_scaling ),
+        cmocka_unit_test( test_trimmed ),        cmocka_unit_test( test_trimmed_sorted ),
+        cmocka_unit_test( test_not_finite ),     cmocka_unit_test( test_pooled ),
+        cmocka_unit_test( test_bias_interval ),  cmocka_unit_test( test_interval_closed_form ),
+        cmocka_unit_test( test_student ),        cmocka_unit_test( test_worst_pixel ),
+        cmocka_unit_test( test_frozen_frames ),  cmocka_unit_test( test_permuted_frames ),
         cmocka_unit_test( test_shared_samples ),
     };
     return cmocka_run_group_tests_name( "error", tests, NULL, NULL );

@@ -84,7 +84,10 @@ static void test_mean_weight( void** state )
     RfTracer* tracer = make_tracer( &scene );
     RfEye eyes[EYES];
     orbit_eyes( eyes, EYES, 5.0f, WIDTH, HEIGHT );
-    enum { RUNS = 64 };
+    enum
+    {
+        RUNS = 64
+    };
     for ( int t = 0; t < 2; ++t )
     {
         double means[RUNS], extra = 0.0, error;

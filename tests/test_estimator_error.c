@@ -56,7 +56,8 @@ static Shot load_shot( const char* file )
         fail_msg( "%s", error.text );
     for ( int i = 0; i < EYES; ++i )
     {
-        if ( rf_camera_eye( &shot.scene, shot.scene.cameras + camera, 16.0 + i, 24, 1, WIDTH, HEIGHT, shot.eyes + i, &error ) != RF_OK )
+        if ( rf_camera_eye( &shot.scene, shot.scene.cameras + camera, 16.0 + i, 24, 1, WIDTH, HEIGHT, shot.eyes + i, &error ) !=
+             RF_OK )
             fail_msg( "%s", error.text );
     }
     shot.tracer = make_tracer( &shot.scene );
@@ -89,7 +90,8 @@ static void check_honest( const char* what, Shot* shot, int group, const char* t
         truth += metrics.relmse / seeds;
         free_rendered( &rendered );
     }
-    printf( "%-14s group %d tile %-4s relMSE %.4f, estimated %.4f: %.3f\n", what, group, tile, truth, estimate, estimate / truth );
+    printf( "%-14s group %d tile %-4s relMSE %.4f, estimated %.4f: %.3f\n", what, group, tile, truth, estimate,
+            estimate / truth );
     // few seeds have few of the fireflies that carry the error
     assert_true( fabs( estimate / truth - 1.0 ) < ( is_long() ? 0.15 : 0.25 ) );
 }
@@ -140,8 +142,8 @@ static void test_ggx_room( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_vase_room ),    cmocka_unit_test( test_bounced_room ), cmocka_unit_test( test_textured_room ),
-        cmocka_unit_test( test_still_life ),   cmocka_unit_test( test_ggx_room ),
+        cmocka_unit_test( test_vase_room ),  cmocka_unit_test( test_bounced_room ), cmocka_unit_test( test_textured_room ),
+        cmocka_unit_test( test_still_life ), cmocka_unit_test( test_ggx_room ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

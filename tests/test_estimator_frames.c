@@ -47,7 +47,10 @@ static void check_group( const char* what, const RfTracer* tracer, const RfEye* 
 
 static void check_scene( const char* what, RfScene scene )
 {
-    enum { EYES = 17 };
+    enum
+    {
+        EYES = 17
+    };
     RfTracer* tracer = make_tracer( &scene );
     RfEye eyes[EYES];
     orbit_eyes( eyes, EYES, 3.0f, WIDTH, HEIGHT );
@@ -112,7 +115,10 @@ static void test_light_samples_and_depth( void** state )
 static void test_biased_weightings_are_seen( void** state )
 {
     (void)state;
-    enum { EYES = 7 };
+    enum
+    {
+        EYES = 7
+    };
     RfScene scene = make_room( ROOM_PHONG );
     scene.materials[ROOM_OBJECT_MATERIAL].diffuse = rf_vec3( 0, 0, 0 ); // each eye draws from its own lobe only
     scene.materials[ROOM_OBJECT_MATERIAL].specular = rf_vec3( 0.9f, 0.9f, 0.9f );
@@ -146,8 +152,11 @@ static void test_biased_weightings_are_seen( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_diffuse ), cmocka_unit_test( test_phong ), cmocka_unit_test( test_ggx ),
-        cmocka_unit_test( test_light_samples_and_depth ), cmocka_unit_test( test_biased_weightings_are_seen ),
+        cmocka_unit_test( test_diffuse ),
+        cmocka_unit_test( test_phong ),
+        cmocka_unit_test( test_ggx ),
+        cmocka_unit_test( test_light_samples_and_depth ),
+        cmocka_unit_test( test_biased_weightings_are_seen ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -85,8 +85,8 @@ static void check_equal_eyes( const char* name, RfScene scene )
     }
     ratio = exp( ratio );
     double uniform = uniform_p( p, BLOCKS ), smallest = 1.0 - pow( 1.0 - p[0], BLOCKS );
-    printf( "%s, five equal eyes: variance %.3f of plain path tracing's; blocks: smallest p %.3g, uniform p %.3g\n", name,
-            ratio, smallest, uniform );
+    printf( "%s, five equal eyes: variance %.3f of plain path tracing's; blocks: smallest p %.3g, uniform p %.3g\n", name, ratio,
+            smallest, uniform );
     assert_true( smallest > 1e-4 && uniform > 1e-4 );
     assert_true( ratio > 0.75 && ratio < 1.25 );
     rf_destroy_tracer( tracer );
@@ -121,7 +121,8 @@ static void check_ends( const char* name, RfScene scene, int path, int group, in
         Rendered r = render_frames( tracer, eyes, path, frames, 3, &settings );
         for ( int f = 0; f < 3; ++f )
         {
-            RfImage image = image_of( r.rgb + 3 * r.pixels * (size_t)f ), reference = image_of( truth.rgb + 3 * r.pixels * (size_t)f );
+            RfImage image = image_of( r.rgb + 3 * r.pixels * (size_t)f ),
+                    reference = image_of( truth.rgb + 3 * r.pixels * (size_t)f );
             RfErrorMetrics metrics;
             RfError error;
             assert_int_equal( rf_measure_error( &image, &reference, &metrics, &error ), RF_OK );
@@ -129,8 +130,9 @@ static void check_ends( const char* name, RfScene scene, int path, int group, in
         }
         free_rendered( &r );
     }
-    printf( "%s, %d frames, group %d, %d samples: relMSE of first, middle, last frame %.5f %.5f %.5f; ends over middle %.3f %.3f\n", name,
-            path, group, spp, relmse[0], relmse[1], relmse[2], relmse[0] / relmse[1], relmse[2] / relmse[1] );
+    printf(
+        "%s, %d frames, group %d, %d samples: relMSE of first, middle, last frame %.5f %.5f %.5f; ends over middle %.3f %.3f\n",
+        name, path, group, spp, relmse[0], relmse[1], relmse[2], relmse[0] / relmse[1], relmse[2] / relmse[1] );
     assert_true( relmse[0] <= 1.3 * relmse[1] );
     assert_true( relmse[2] <= 1.3 * relmse[1] );
     free_rendered( &truth );

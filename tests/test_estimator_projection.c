@@ -191,7 +191,8 @@ static void check_pair( const char* name, const RfTracer* tracer, const RfEye* k
         double pixels = mapped_area( k, t, 0, 0, WIDTH, HEIGHT ); // of film t that eye k sees as well
         error = fmax( error, 1e-6 * pixels );
         printf( "%-10s %s: %d blocks, p %.3g (smallest of %d: %.3g); sum of J_t/J_k %.3f of %.3f, %.2f SE (SE %.2g)\n", name,
-                stratified ? "stratified" : "uniform   ", df, p, SEED_COUNT, smallest, mean, pixels, ( mean - pixels ) / error, error );
+                stratified ? "stratified" : "uniform   ", df, p, SEED_COUNT, smallest, mean, pixels, ( mean - pixels ) / error,
+                error );
         assert_true( df > 12 );
         assert_true( p > 1e-4 && smallest > 1e-4 / SEED_COUNT );
         if ( !stratified )

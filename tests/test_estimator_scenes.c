@@ -34,7 +34,10 @@ static void check_group( const char* what, const RfTracer* tracer, const RfEye* 
 
 static void check_scene( const char* what, RfScene scene, int light_samples )
 {
-    enum { EYES = 7 };
+    enum
+    {
+        EYES = 7
+    };
     RfTracer* tracer = make_tracer( &scene );
     RfEye eyes[EYES];
     orbit_eyes( eyes, EYES, 3.0f, WIDTH, HEIGHT );

@@ -52,8 +52,8 @@ static void check_setting( const char* what, const RfTracer* tracer, const RfEye
     free_images( &rendered );
 }
 
-static void check_eyes( const char* what, RfScene scene, const RfEye* eyes, RfRenderSettings settings,
-                        const Setting* tried, int count )
+static void check_eyes( const char* what, RfScene scene, const RfEye* eyes, RfRenderSettings settings, const Setting* tried,
+                        int count )
 {
     RfTracer* tracer = make_tracer( &scene );
     Images reference = reference_images( tracer, eyes, EYES / 2, 96 * ( is_long() ? 4 : 1 ), &settings );

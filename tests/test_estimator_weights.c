@@ -69,7 +69,8 @@ static RfScene make_plain_scene( void )
     add_quad( &b, grey, rf_vec3( -2, 0, 2 ), rf_vec3( 2, 0, 2 ), rf_vec3( 2, 0, -2 ), rf_vec3( -2, 0, -2 ) );
     add_box( &b, grey, rf_vec3( -0.6f, 0, -0.5f ), rf_vec3( 0.7f, 0.5f, 0.5f ), false );
     add_sphere( &b, shiny, rf_vec3( 0, 1.0f, 0 ), 0.5f, 12 );
-    add_quad( &b, light, rf_vec3( -0.5f, 3, -0.5f ), rf_vec3( 0.5f, 3, -0.5f ), rf_vec3( 0.5f, 3, 0.5f ), rf_vec3( -0.5f, 3, 0.5f ) );
+    add_quad( &b, light, rf_vec3( -0.5f, 3, -0.5f ), rf_vec3( 0.5f, 3, -0.5f ), rf_vec3( 0.5f, 3, 0.5f ),
+              rf_vec3( -0.5f, 3, 0.5f ) );
     return finish_scene( &b );
 }
 
@@ -77,7 +78,10 @@ static RfScene make_plain_scene( void )
 // pixel's width beyond it. Returns how many.
 static int mark_solid( const RfTracer* tracer, const RfEye* eye, bool* solid )
 {
-    enum { GRID = 24 };
+    enum
+    {
+        GRID = 24
+    };
     int count = 0;
     for ( int i = 0; i < PIXELS; ++i )
     {
@@ -179,7 +183,8 @@ static void check_weights( const char* what, int group, const char* tile, int fr
     if ( count > 0 )
         away_solid = distance( weights, solid, &error_solid );
     double smallest = smallest_block_p( weights, &uniform );
-    printf( "%-12s group %d tile %-6s frame %2d: %5.2f SE off 1 (SE %.1e); %3d solid pixels: %5.2f SE; blocks: smallest p %.3g, uniform p %.3g\n",
+    printf( "%-12s group %d tile %-6s frame %2d: %5.2f SE off 1 (SE %.1e); %3d solid pixels: %5.2f SE; blocks: smallest p %.3g, "
+            "uniform p %.3g\n",
             what, group, tile, frame, away, error, count, away_solid, smallest, uniform );
     assert_false( is_far_off( away, SEED_COUNT - 1 ) );
     assert_false( is_far_off( away_solid, SEED_COUNT - 1 ) );

@@ -73,17 +73,16 @@ static void define_part( exr_context_t context, const Layout* layout, int part )
     int index;
     const exr_attr_v2f_t center = { .x = 0.0f, .y = 0.0f };
     assert_int_equal( exr_add_part( context, part == 0 ? "one" : "two", layout->storage, &index ), EXR_ERR_SUCCESS );
-    assert_int_equal( exr_initialize_required_attr( context, part, &layout->window, &layout->window, 1.0f, &center,
-                                                    1.0f, EXR_LINEORDER_INCREASING_Y, layout->compression ),
+    assert_int_equal( exr_initialize_required_attr( context, part, &layout->window, &layout->window, 1.0f, &center, 1.0f,
+                                                    EXR_LINEORDER_INCREASING_Y, layout->compression ),
                       EXR_ERR_SUCCESS );
     if ( layout->storage == EXR_STORAGE_TILED )
-        assert_int_equal( exr_set_tile_descriptor( context, part, (uint32_t)layout->tile_width,
-                                                   (uint32_t)layout->tile_height, EXR_TILE_ONE_LEVEL,
-                                                   EXR_TILE_ROUND_DOWN ),
+        assert_int_equal( exr_set_tile_descriptor( context, part, (uint32_t)layout->tile_width, (uint32_t)layout->tile_height,
+                                                   EXR_TILE_ONE_LEVEL, EXR_TILE_ROUND_DOWN ),
                           EXR_ERR_SUCCESS );
     for ( int c = 0; layout->names[c] != NULL; ++c )
-        assert_int_equal( exr_add_channel( context, part, layout->names[c], layout->type,
-                                           EXR_PERCEPTUALLY_LOGARITHMIC, layout->sampling, layout->sampling ),
+        assert_int_equal( exr_add_channel( context, part, layout->names[c], layout->type, EXR_PERCEPTUALLY_LOGARITHMIC,
+                                           layout->sampling, layout->sampling ),
                           EXR_ERR_SUCCESS );
 }
 
@@ -98,9 +97,9 @@ static void write_part( exr_context_t context, const Layout* layout, int part )
         {
             for ( int x = 0; x < width; x += layout->tile_width )
             {
-                assert_int_equal( exr_write_tile_chunk_info( context, part, x / layout->tile_width,
-                                                             y / layout->tile_height, 0, 0, &chunk ),
-                                  EXR_ERR_SUCCESS );
+                assert_int_equal(
+                    exr_write_tile_chunk_info( context, part, x / layout->tile_width, y / layout->tile_height, 0, 0, &chunk ),
+                    EXR_ERR_SUCCESS );
                 encode_chunk( context, part, &chunk, x, y );
             }
         }
@@ -110,8 +109,7 @@ static void write_part( exr_context_t context, const Layout* layout, int part )
     assert_int_equal( exr_get_scanlines_per_chunk( context, part, &lines ), EXR_ERR_SUCCESS );
     for ( int y = 0; y < height; y += lines )
     {
-        assert_int_equal( exr_write_scanline_chunk_info( context, part, layout->window.min.y + y, &chunk ),
-                          EXR_ERR_SUCCESS );
+        assert_int_equal( exr_write_scanline_chunk_info( context, part, layout->window.min.y + y, &chunk ), EXR_ERR_SUCCESS );
         encode_chunk( context, part, &chunk, 0, y );
     }
 }
@@ -296,8 +294,7 @@ static void test_deep( void** state )
     assert_int_equal( exr_write_header( context ), EXR_ERR_SUCCESS );
     int32_t no_samples[64] = { 0 };
     for ( int y = layout.window.min.y; y <= layout.window.max.y; ++y )
-        assert_int_equal( exr_write_deep_scanline_chunk( context, 0, y, "", 0, 0, no_samples, 37 * 4 ),
-                          EXR_ERR_SUCCESS );
+        assert_int_equal( exr_write_deep_scanline_chunk( context, 0, y, "", 0, 0, no_samples, 37 * 4 ), EXR_ERR_SUCCESS );
     assert_int_equal( exr_finish( &context ), EXR_ERR_SUCCESS );
     RfImage image;
     RfError error = { 0 };
@@ -398,10 +395,14 @@ static void test_mutations( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_layouts ),          cmocka_unit_test( test_multi_part ),
-        cmocka_unit_test( test_channel_names ),    cmocka_unit_test( test_refused_channels ),
-        cmocka_unit_test( test_refused_compression ), cmocka_unit_test( test_deep ),
-        cmocka_unit_test( test_no_image ),         cmocka_unit_test( test_truncated ),
+        cmocka_unit_test( test_layouts ),
+        cmocka_unit_test( test_multi_part ),
+        cmocka_unit_test( test_channel_names ),
+        cmocka_unit_test( test_refused_channels ),
+        cmocka_unit_test( test_refused_compression ),
+        cmocka_unit_test( test_deep ),
+        cmocka_unit_test( test_no_image ),
+        cmocka_unit_test( test_truncated ),
         cmocka_unit_test( test_mutations ),
     };
     return cmocka_run_group_tests_name( "exr_read", tests, make_temp_folder, remove_temp_folder );

@@ -94,7 +94,10 @@ static void test_by_hand( void** state )
 static void test_long_sums_do_not_drift( void** state )
 {
     (void)state;
-    enum { PASSES = 1 << 20 };
+    enum
+    {
+        PASSES = 1 << 20
+    };
     const float value = 0.1f;
     for ( int samples = 1; samples <= 1000; samples = samples * 7 + 3 )
     {
@@ -131,7 +134,10 @@ static void test_long_sums_do_not_drift( void** state )
 static void test_totals_are_part_of_the_sum( void** state )
 {
     (void)state;
-    enum { PASSES = 100 };
+    enum
+    {
+        PASSES = 100
+    };
     Film plain = make_film( 3, 2, 0, 0 ), emptied = make_film( 3, 2, 0, 0 );
     double total[2][4 * 6];
     emptied.film.total[0] = total[0];
@@ -167,7 +173,10 @@ static float uniform( uint32_t pixel, uint32_t dimension ) { return rf_random( r
 static void test_equal_halves_are_equation_2( void** state )
 {
     (void)state;
-    enum { PASSES = 4 };
+    enum
+    {
+        PASSES = 4
+    };
     Film f = make_film( WIDTH, HEIGHT, PASSES, PASSES );
     for ( uint32_t i = 0; i < PIXELS; ++i )
     {
@@ -322,8 +331,8 @@ static void check_unbiased( int even, int odd )
         rf_combine_film( &f.film, (RfFilmCombine)c, f.rgb, NULL );
         away[c] = distance( &f, 0, NOISY_MEAN, spread + c );
     }
-    printf( "%d + %d passes: E2 %.2f SE off (sd %.3f), ratio %.1f SE (sd %.3f), plain %.2f SE (sd %.3f)\n", even, odd,
-            away[0], spread[0], away[1], spread[1], away[2], spread[2] );
+    printf( "%d + %d passes: E2 %.2f SE off (sd %.3f), ratio %.1f SE (sd %.3f), plain %.2f SE (sd %.3f)\n", even, odd, away[0],
+            spread[0], away[1], spread[1], away[2], spread[2] );
     assert_true( fabs( away[RF_FILM_CROSSFIT] ) < 4.0 );
     assert_true( fabs( away[RF_FILM_PLAIN] ) < 4.0 );
     assert_true( fabs( away[RF_FILM_RATIO] ) > 10.0 );
@@ -349,7 +358,10 @@ static void test_without_bias( void** state )
 // Noise of uniform distribution, independent in passes, pixels, channels.
 static void check_relmse( RfFilmCombine combine, int even, int odd )
 {
-    enum { BIG = 512 };
+    enum
+    {
+        BIG = 512
+    };
     const float mean = 2.0f, width = 1.0f; // variance width²/12 per pass and channel
     Film f = make_film( BIG, BIG, even, odd );
     for ( uint32_t i = 0; i < BIG * BIG; ++i )

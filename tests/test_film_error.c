@@ -27,7 +27,7 @@ typedef struct Noise
     int tile;                    // pixels across that have it together
 } Noise;
 
-typedef float (*Truth)( int x, int y );
+typedef float ( *Truth )( int x, int y );
 
 static float flat( int x, int y ) { return (void)x, (void)y, 0.4f; }
 static float dark( int x, int y ) { return (void)x, (void)y, 0.01f; }
@@ -79,8 +79,11 @@ static void check_between( const char* what, Truth truth, Noise noise, double lo
     for ( uint32_t seed = 1; seed <= SEEDS; ++seed )
     {
         memset( half, 0, sizeof half );
-        RfFilm film = { .width = WIDTH, .height = HEIGHT, .half = { half[0], half[1] },
-                        .passes = { PASSES / 2, PASSES / 2 }, .weight = { PASSES / 2, PASSES / 2 } };
+        RfFilm film = { .width = WIDTH,
+                        .height = HEIGHT,
+                        .half = { half[0], half[1] },
+                        .passes = { PASSES / 2, PASSES / 2 },
+                        .weight = { PASSES / 2, PASSES / 2 } };
         fill_half( &film, 0, truth, noise, seed );
         fill_half( &film, 1, truth, noise, seed );
         rf_combine_film( &film, RF_FILM_CROSSFIT, rgb, NULL );
@@ -150,7 +153,9 @@ static void test_small_films( void** state )
     static const int sizes[][2] = { { 1, 1 }, { 6, 1 }, { 1, 6 }, { 3, 2 } };
     for ( size_t k = 0; k < sizeof sizes / sizeof sizes[0]; ++k )
     {
-        RfFilm film = { .width = sizes[k][0], .height = sizes[k][1], .half = { half[0], half[1] }, .passes = { 1, 1 }, .weight = { 1, 1 } };
+        RfFilm film = {
+            .width = sizes[k][0], .height = sizes[k][1], .half = { half[0], half[1] }, .passes = { 1, 1 }, .weight = { 1, 1 }
+        };
         rf_combine_film( &film, RF_FILM_PLAIN, rgb, NULL );
         // red alone: halves 1 and 3, 2/3 in the mean of the channels and of both
         double value = 2.0 / 3.0, expected = 0.25 * 4.0 / ( value * value + RF_RELMSE_EPSILON );
@@ -161,8 +166,10 @@ static void test_small_films( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_noise_without_fireflies ), cmocka_unit_test( test_fireflies ),
-        cmocka_unit_test( test_fireflies_of_tiles ),      cmocka_unit_test( test_noise_beyond_the_picture ),
+        cmocka_unit_test( test_noise_without_fireflies ),
+        cmocka_unit_test( test_fireflies ),
+        cmocka_unit_test( test_fireflies_of_tiles ),
+        cmocka_unit_test( test_noise_beyond_the_picture ),
         cmocka_unit_test( test_small_films ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );

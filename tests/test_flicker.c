@@ -10,7 +10,10 @@ static void test_correlated_noise( void** state )
 {
     (void)state;
     static const double correlations[] = { 0.0, 0.5, 0.9, -0.5 };
-    enum { FRAMES = 17 };
+    enum
+    {
+        FRAMES = 17
+    };
     for ( size_t k = 0; k < sizeof correlations / sizeof correlations[0]; ++k )
     {
         double rho = correlations[k];
@@ -22,7 +25,8 @@ static void test_correlated_noise( void** state )
             RfFlickerFrame *now = frames + t % 2, *before = frames + ( t - 1 ) % 2;
             fill_noise( now, 1000 * (uint32_t)( k + 1 ) + (uint32_t)t, 1.0f );
             for ( int i = 0; i < VALUES; ++i )
-                now->signal.rgb[i] = (float)( rho * (double)before->signal.rgb[i] + sqrt( 1.0 - rho * rho ) * (double)now->signal.rgb[i] );
+                now->signal.rgb[i] =
+                    (float)( rho * (double)before->signal.rgb[i] + sqrt( 1.0 - rho * rho ) * (double)now->signal.rgb[i] );
             RfFlickerSums sums = measure( now, before, false, true );
             rf_add_flicker( &all, &sums );
         }
@@ -108,7 +112,11 @@ static void test_properties( void** state )
 static void test_whole_shift( void** state )
 {
     (void)state;
-    enum { RIGHT = 5, DOWN = 3 };
+    enum
+    {
+        RIGHT = 5,
+        DOWN = 3
+    };
     RfFlickerFrame before = make_frame( 1 ), now = make_frame( 2 );
     fill_noise( &before, 3, 1.0f );
     fill_noise( &now, 4, 1.0f );
@@ -193,7 +201,13 @@ static void test_noise_between_pixels( void** state )
 static void test_depth_masks( void** state )
 {
     (void)state;
-    enum { SIDE = 20, LEFT = 10, TOP = 12, SHIFT = 6 };
+    enum
+    {
+        SIDE = 20,
+        LEFT = 10,
+        TOP = 12,
+        SHIFT = 6
+    };
     RfFlickerFrame before = make_frame( 1 ), now = make_frame( 2 );
     RfFlickerFrame* frames[2] = { &before, &now };
     set_motion( &now, 0.0f, 0.0f );

@@ -12,7 +12,11 @@
 #include <math.h>
 #include <unistd.h>
 
-enum { SIDE = 24, PIXELS = SIDE * SIDE };
+enum
+{
+    SIDE = 24,
+    PIXELS = SIDE * SIDE
+};
 
 static const char* frame_name( const char* pattern, int frame )
 {
@@ -38,7 +42,8 @@ static void write_frame( const char* name, int side, float value, const RfExrOpt
 // Runs flicker; further arguments up to NULL.
 static int flicker( const char* sequence, ... )
 {
-    char* arguments[COMMAND_ARGUMENTS] = { "flicker", (char*)temp_path( sequence ), "--json", (char*)temp_path( "out.json" ), "--quiet" };
+    char* arguments[COMMAND_ARGUMENTS] = { "flicker", (char*)temp_path( sequence ), "--json", (char*)temp_path( "out.json" ),
+                                           "--quiet" };
     const int count = 5;
     va_list more;
     va_start( more, sequence );
@@ -47,10 +52,7 @@ static int flicker( const char* sequence, ... )
     return status;
 }
 
-static bool is_near( double a, double b )
-{
-    return fabs( a - b ) <= 1e-7 * fabs( b ) + 1e-12;
-}
+static bool is_near( double a, double b ) { return fabs( a - b ) <= 1e-7 * fabs( b ) + 1e-12; }
 
 // Errors 1, 1, -1, 3 against a constant: pairs 0, 2, 4; φ 0, 2, 1.6.
 static void test_reference( void** state )
@@ -83,7 +85,8 @@ static void test_reference( void** state )
     assert_true( number( border, "pairs" ) == 1.0 && is_near( number( border, "f1" ), 2.0 ) );
     assert_true( is_near( number( json_object_get( groups, "inside" ), "f1" ), sqrt( 8.0 ) ) );
     const json_t* spectrum = json_object_get( json, "spectrum" );
-    assert_true( number( spectrum, "frames" ) == 4.0 && number( spectrum, "windows" ) == 1.0 && number( spectrum, "split" ) == 0.125 );
+    assert_true( number( spectrum, "frames" ) == 4.0 && number( spectrum, "windows" ) == 1.0 &&
+                 number( spectrum, "split" ) == 0.125 );
     double frozen = number( spectrum, "frozen" ), drift = number( spectrum, "drift" ), boiling = number( spectrum, "boiling" );
     assert_true( is_near( frozen, 1.0 ) && is_near( frozen * frozen + drift * drift + boiling * boiling, 3.0 ) );
     json_decref( json );
@@ -127,16 +130,18 @@ static void test_layers( void** state )
         depth[i] = i % SIDE == 23 ? 1e10f : 2.0f;
         variance[i] = 0.5f;
     }
-    static const char* const names[][6] = {
-        { "motion.X", "motion.Y", "depth.Z", "variance.R", "variance.G", "variance.B" },
-        { "View.Vector.X", "View.Vector.Y", "View.Depth.Z", "View.variance.R", "View.variance.G", "View.variance.B" } };
+    static const char* const names[][6] = { { "motion.X", "motion.Y", "depth.Z", "variance.R", "variance.G", "variance.B" },
+                                            { "View.Vector.X", "View.Vector.Y", "View.Depth.Z", "View.variance.R",
+                                              "View.variance.G", "View.variance.B" } };
     for ( int set = 0; set < 2; ++set )
     {
         for ( int frame = 1; frame <= 3; ++frame )
         {
             char number_text[8];
             snprintf( number_text, sizeof number_text, "%d", frame );
-            const RfExrString strings[] = { { "reframe/group", "1" }, { "reframe/spp", "4" }, { "reframe/frame", number_text }, { "reframe/frames", "9" } };
+            const RfExrString strings[] = {
+                { "reframe/group", "1" }, { "reframe/spp", "4" }, { "reframe/frame", number_text }, { "reframe/frames", "9" }
+            };
             const RfExrChannel channels[] = { { names[set][0], motion[0], 1, false }, { names[set][1], motion[1], 1, set == 1 },
                                               { names[set][2], depth, 1, false },     { names[set][3], variance, 1, true },
                                               { names[set][4], variance, 1, true },   { names[set][5], variance, 1, true } };
@@ -152,8 +157,10 @@ static void test_layers( void** state )
     {
         check_done( flicker( set == 0 ? "m.##.exr" : "n.##.exr", NULL ) );
         json_t* json = load_json();
-        assert_true( json_is_true( json_object_get( json, "compensated" ) ) && json_is_true( json_object_get( json, "masked" ) ) );
-        assert_true( is_near( number( json, "f1" ), 1.0 ) && is_near( number( json, "phi" ), 1.0 ) && is_near( number( json, "mse" ), 0.5 ) );
+        assert_true( json_is_true( json_object_get( json, "compensated" ) ) &&
+                     json_is_true( json_object_get( json, "masked" ) ) );
+        assert_true( is_near( number( json, "f1" ), 1.0 ) && is_near( number( json, "phi" ), 1.0 ) &&
+                     is_near( number( json, "mse" ), 0.5 ) );
         assert_true( is_near( number( json, "coverage" ), 20.0 / 24.0 ) );
         assert_string_equal( json_string_value( json_object_get( json, "error_from" ) ), "variance" );
         const json_t* groups = json_object_get( json, "groups" );
@@ -195,10 +202,7 @@ static void test_groups_of_files( void** state )
     assert_false( rf_has_seams( &seams ) );
 }
 
-static void write_foreign( const char* name, const Foreign* foreign )
-{
-    write_foreign_exr( temp_path( name ), foreign, 1 );
-}
+static void write_foreign( const char* name, const Foreign* foreign ) { write_foreign_exr( temp_path( name ), foreign, 1 ); }
 
 static void test_other_programs( void** state )
 {
@@ -206,13 +210,19 @@ static void test_other_programs( void** state )
     for ( int half = 0; half < 2; ++half )
     {
         Foreign foreign = { .names = { "L.Combined.B", "L.Combined.G", "L.Combined.R", "L.Depth.Z", "L.Vector.X", "L.Vector.Y" },
-                            .values = { 1, 1, 1, 2, 3, 1 }, .x = -4, .y = 6, .width = 20, .height = 10, .half = half == 1 };
+                            .values = { 1, 1, 1, 2, 3, 1 },
+                            .x = -4,
+                            .y = 6,
+                            .width = 20,
+                            .height = 10,
+                            .half = half == 1 };
         write_foreign( "f.1.exr", &foreign );
         foreign.values[1] = 2.0f; // green
         write_foreign( "f.2.exr", &foreign );
         check_done( flicker( "f.#.exr", NULL ) );
         json_t* json = load_json();
-        assert_true( is_near( number( json, "f1" ), sqrt( 1.0 / 3.0 ) ) && is_near( number( json, "coverage" ), 17.0 * 9.0 / 200.0 ) );
+        assert_true( is_near( number( json, "f1" ), sqrt( 1.0 / 3.0 ) ) &&
+                     is_near( number( json, "coverage" ), 17.0 * 9.0 / 200.0 ) );
         json_decref( json );
     }
     Foreign other = { .names = { "B", "G", "R", "Z" }, .values = { 1, 1, 1, 2 }, .x = -4, .y = 6, .width = 20, .height = 10 };
@@ -245,7 +255,9 @@ static void test_camera( void** state )
 {
     (void)state;
     static float depth[PIXELS];
-    const RfExrChannel channels[] = { { "depth.Z", depth, 1, false }, { "motion.X", depth, 1, false }, { "motion.Y", depth, 1, false } };
+    const RfExrChannel channels[] = { { "depth.Z", depth, 1, false },
+                                      { "motion.X", depth, 1, false },
+                                      { "motion.Y", depth, 1, false } };
     RfExrOptions options = rf_default_exr_options();
     options.channels = channels;
     options.channel_count = 3;
@@ -270,7 +282,8 @@ static void test_camera( void** state )
         for ( int j = 0; j < 4; ++j )
             at[i] += frame.camera[i][j] * p[j];
     }
-    assert_true( is_near( at[2], 2.0 ) && is_near( at[0] / at[2], 12.0 * 1.25 - 0.5 ) && is_near( at[1] / at[2], 12.0 * 0.5 - 0.5 ) );
+    assert_true( is_near( at[2], 2.0 ) && is_near( at[0] / at[2], 12.0 * 1.25 - 0.5 ) &&
+                 is_near( at[1] / at[2], 12.0 * 0.5 - 0.5 ) );
     rf_destroy_flicker_frame( &frame );
     rf_destroy_exr_header( &header );
 }
@@ -303,7 +316,8 @@ static void test_refused( void** state )
     json_decref( json );
     write_frame( "v.0009.exr", SIDE, 1.0f, NULL );
     write_frame( "r.0010.exr", SIDE, INFINITY, NULL );
-    check_failed( flicker( "v.####.exr", "--reference", temp_path( "r.####.exr" ), NULL ), 1, "r.####.exr: 0 pixels with NaN, 576" );
+    check_failed( flicker( "v.####.exr", "--reference", temp_path( "r.####.exr" ), NULL ), 1,
+                  "r.####.exr: 0 pixels with NaN, 576" );
     save_file( temp_path( "v.0009.exr" ), "nothing", 7 );
     check_failed( flicker( "v.####.exr", NULL ), 1, "v.0009.exr" );
 }
@@ -318,9 +332,12 @@ static void test_rendered( void** state )
     RfExrHeader header;
     for ( int k = 0; k < 2; ++k )
     {
-        snprintf( command, sizeof command, "'" REFRAME_BINARY "' render '" REFRAME_SCENE_FOLDER "/vase-room-lambert.glb' -o '%s' --camera '"
-                  REFRAME_SOURCE_DIR "/anim/orbit.json' --frames 10-11 --size 64x36 --spp 28 --group 3 --tile 1 --aov %s --float --quiet "
-                  ">/dev/null", temp_path( k == 0 ? "o.##.exr" : "p.##.exr" ), k == 0 ? "depth,motion" : "motion" );
+        snprintf( command, sizeof command,
+                  "'" REFRAME_BINARY "' render '" REFRAME_SCENE_FOLDER
+                  "/vase-room-lambert.glb' -o '%s' --camera '" REFRAME_SOURCE_DIR
+                  "/anim/orbit.json' --frames 10-11 --size 64x36 --spp 28 --group 3 --tile 1 --aov %s --float --quiet "
+                  ">/dev/null",
+                  temp_path( k == 0 ? "o.##.exr" : "p.##.exr" ), k == 0 ? "depth,motion" : "motion" );
         assert_int_equal( system( command ), 0 );
     }
     double f1[3], coverage[3];
@@ -336,7 +353,8 @@ static void test_rendered( void** state )
         assert_true( number( border, "pairs" ) == 0.0 ); // frames 10 and 11 of 48
         json_decref( json );
     }
-    print_message( "F1 %g along the motion, %g without depth, %g without motion; coverage %g\n", f1[0], f1[1], f1[2], coverage[0] );
+    print_message( "F1 %g along the motion, %g without depth, %g without motion; coverage %g\n", f1[0], f1[1], f1[2],
+                   coverage[0] );
     assert_true( f1[0] < 0.5 * f1[1] && f1[0] < 0.5 * f1[2] );
     assert_true( coverage[0] > 0.65 && coverage[0] < coverage[1] && coverage[1] < 1.0 && coverage[2] == 1.0 );
     assert_int_equal( rf_read_exr_header( temp_path( "o.10.exr" ), NULL, &header, NULL ), RF_OK );
@@ -347,10 +365,9 @@ static void test_rendered( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_reference ),      cmocka_unit_test( test_alone ),
-        cmocka_unit_test( test_layers ),         cmocka_unit_test( test_groups_of_files ),
-        cmocka_unit_test( test_other_programs ), cmocka_unit_test( test_camera ),
-        cmocka_unit_test( test_rendered ),       cmocka_unit_test( test_refused ),
+        cmocka_unit_test( test_reference ),       cmocka_unit_test( test_alone ),          cmocka_unit_test( test_layers ),
+        cmocka_unit_test( test_groups_of_files ), cmocka_unit_test( test_other_programs ), cmocka_unit_test( test_camera ),
+        cmocka_unit_test( test_rendered ),        cmocka_unit_test( test_refused ),
     };
     return cmocka_run_group_tests_name( "flicker files", tests, make_temp_folder, remove_temp_folder );
 }

@@ -9,12 +9,17 @@
 #include <jansson.h>
 #include <math.h>
 
-enum { WIDTH = 20, HEIGHT = 10 };
+enum
+{
+    WIDTH = 20,
+    HEIGHT = 10
+};
 
 // Runs flicker; further arguments up to NULL.
 static int flicker( const char* sequence, ... )
 {
-    char* arguments[COMMAND_ARGUMENTS] = { "flicker", (char*)temp_path( sequence ), "--json", (char*)temp_path( "out.json" ), "--quiet" };
+    char* arguments[COMMAND_ARGUMENTS] = { "flicker", (char*)temp_path( sequence ), "--json", (char*)temp_path( "out.json" ),
+                                           "--quiet" };
     const int count = 5;
     va_list more;
     va_start( more, sequence );
@@ -51,8 +56,12 @@ static void write_stripes( const char* pattern, int frame, bool has_motion )
         motion[0][i] = -1.0f;
         depth[i] = 3.0f;
     }
-    const RfExrString strings[] = { { "reframe/group", "1" }, { "reframe/spp", "4" }, { "reframe/frame", "1" }, { "reframe/frames", "9" } };
-    const RfExrChannel channels[] = { { "depth.Z", depth, 1, false }, { "motion.X", motion[0], 1, false }, { "motion.Y", motion[1], 1, false } };
+    const RfExrString strings[] = {
+        { "reframe/group", "1" }, { "reframe/spp", "4" }, { "reframe/frame", "1" }, { "reframe/frames", "9" }
+    };
+    const RfExrChannel channels[] = { { "depth.Z", depth, 1, false },
+                                      { "motion.X", motion[0], 1, false },
+                                      { "motion.Y", motion[1], 1, false } };
     RfExrOptions options = rf_default_exr_options();
     options.half = false;
     options.strings = strings;
@@ -87,7 +96,8 @@ static void test_both( void** state )
     check_number( json, "coverage", 1.0 );
     assert_true( json_is_false( json_object_get( json, "compensated" ) ) && json_is_null( json_object_get( json, "motion" ) ) );
     assert_true( json_is_false( json_object_get( json, "masked" ) ) && json_is_true( json_object_get( followed, "masked" ) ) );
-    const json_t *groups = json_object_get( json, "groups" ), *border = json_object_get( json_object_get( groups, "border" ), "followed" );
+    const json_t *groups = json_object_get( json, "groups" ),
+                 *border = json_object_get( json_object_get( groups, "border" ), "followed" );
     const json_t* const all[] = { followed, json_object_get( pair, "followed" ), border };
     for ( int i = 0; i < 3; ++i )
     {
@@ -104,7 +114,8 @@ static void test_both( void** state )
     // the main figures are the compensated ones then, and there are no others
     for ( int i = 0; i < 2; ++i )
     {
-        check_done( flicker( "a.#.exr", "--reference", temp_path( "r.#.exr" ), i == 0 ? "--compensate" : "--no-compensate", NULL ) );
+        check_done(
+            flicker( "a.#.exr", "--reference", temp_path( "r.#.exr" ), i == 0 ? "--compensate" : "--no-compensate", NULL ) );
         json = load_json();
         check_number( json, "phi", i == 0 ? 0.0 : 2.0 );
         assert_null( json_object_get( json, "followed" ) );
@@ -136,7 +147,8 @@ static void test_some_frames( void** state )
     for ( size_t i = 0; i < 4; ++i ) // depth of both is wanted too
         assert_true( json_is_object( json_object_get( json_array_get( pairs, i ), "followed" ) ) == ( i == 1 ) );
     json_decref( json );
-    check_failed( flicker( "s.#.exr", "--reference", temp_path( "r.#.exr" ), "--compensate", NULL ), 1, "s.1.exr: has no motion layer" );
+    check_failed( flicker( "s.#.exr", "--reference", temp_path( "r.#.exr" ), "--compensate", NULL ), 1,
+                  "s.1.exr: has no motion layer" );
     check_failed( flicker( "s.#.exr", "--frames", "2-5", NULL ), 1, "s.4.exr: has no channel motion.X" );
 }
 
@@ -149,10 +161,19 @@ static void write_parts( const char* name, const Foreign* parts, int count )
 static void test_parts( void** state )
 {
     (void)state;
-    Foreign parts[4] = { { .names = { "Z" }, .values = { 7 }, .x = 3, .y = 5, .width = WIDTH, .height = HEIGHT, .part = "depth" },
-                         { .names = { "X", "Y" }, .values = { 5, 0 }, .x = 3, .y = 5, .width = WIDTH, .height = HEIGHT, .half = true, .part = "motion" },
-                         { .names = { "B", "G", "R" }, .values = { 1, 1, 1 }, .x = 3, .y = 5, .width = WIDTH, .height = HEIGHT, .part = "rgba" },
-                         { .names = { "X", "Y", "Z" }, .values = { 4, 4, 4 }, .x = 3, .y = 5, .width = WIDTH, .height = HEIGHT, .part = "normal" } };
+    Foreign parts[4] = {
+        { .names = { "Z" }, .values = { 7 }, .x = 3, .y = 5, .width = WIDTH, .height = HEIGHT, .part = "depth" },
+        { .names = { "X", "Y" },
+          .values = { 5, 0 },
+          .x = 3,
+          .y = 5,
+          .width = WIDTH,
+          .height = HEIGHT,
+          .half = true,
+          .part = "motion" },
+        { .names = { "B", "G", "R" }, .values = { 1, 1, 1 }, .x = 3, .y = 5, .width = WIDTH, .height = HEIGHT, .part = "rgba" },
+        { .names = { "X", "Y", "Z" }, .values = { 4, 4, 4 }, .x = 3, .y = 5, .width = WIDTH, .height = HEIGHT, .part = "normal" }
+    };
     write_parts( "p.1.exr", parts, 4 );
     parts[2].values[0] = parts[2].values[1] = parts[2].values[2] = 4.0f;
     parts[0].values[0] = 7.1f; // within 2 %
@@ -181,11 +202,13 @@ static void test_parts( void** state )
     check_number( json_object_get( json, "followed" ), "coverage", 15.0 / 20.0 );
     json_decref( json );
     check_failed( flicker( "p.#.exr", "--layer", "none", NULL ), 1, "has no layer none" );
-    check_failed( flicker( "p.#.exr", "--reference", temp_path( "p.#.exr" ), "--reference-layer", "none", NULL ), 1, "has no layer none" );
+    check_failed( flicker( "p.#.exr", "--reference", temp_path( "p.#.exr" ), "--reference-layer", "none", NULL ), 1,
+                  "has no layer none" );
     // a part that lies elsewhere: to be told, or left out beside the plain figures
     parts[1].x = 2;
     write_parts( "p.2.exr", parts, 4 );
-    check_failed( flicker( "p.#.exr", NULL ), 1, "p.2.exr: motion.X has 20x10 pixels from (2, 5) on, depth.Z 20x10 from (3, 5) on" );
+    check_failed( flicker( "p.#.exr", NULL ), 1,
+                  "p.2.exr: motion.X has 20x10 pixels from (2, 5) on, depth.Z 20x10 from (3, 5) on" );
     check_done( flicker( "p.#.exr", "--reference", temp_path( "p.#.exr" ), NULL ) );
     json = load_json();
     check_number( json_object_get( json, "followed" ), "pairs", 0.0 );
@@ -199,10 +222,16 @@ static void test_views( void** state )
     for ( int frame = 1; frame <= 2; ++frame )
     {
         float value = (float)frame;
-        const Foreign views[2] = { { .names = { "B", "G", "R", "motion.X", "motion.Y" }, .values = { value, value, value, 5, 0 },
-                                     .width = WIDTH, .height = HEIGHT, .part = "left" },
-                                   { .names = { "B", "G", "R", "motion.X", "motion.Y" }, .values = { 3 * value, 3 * value, 3 * value, 10, 0 },
-                                     .width = WIDTH, .height = HEIGHT, .part = "right" } };
+        const Foreign views[2] = { { .names = { "B", "G", "R", "motion.X", "motion.Y" },
+                                     .values = { value, value, value, 5, 0 },
+                                     .width = WIDTH,
+                                     .height = HEIGHT,
+                                     .part = "left" },
+                                   { .names = { "B", "G", "R", "motion.X", "motion.Y" },
+                                     .values = { 3 * value, 3 * value, 3 * value, 10, 0 },
+                                     .width = WIDTH,
+                                     .height = HEIGHT,
+                                     .part = "right" } };
         write_parts( frame_name( "v.#.exr", frame ), views, 2 );
     }
     for ( int k = 0; k < 2; ++k )
@@ -213,8 +242,10 @@ static void test_views( void** state )
         check_number( json, "motion", k == 0 ? 5.0 : 10.0 );
         json_decref( json );
     }
-    Foreign both[2] = { { .names = { "B", "G", "R" }, .values = { 1, 1, 1 }, .width = WIDTH, .height = HEIGHT, .part = "rgba" },
-                        { .names = { "a.motion.X", "a.motion.Y", "b.motion.X", "b.motion.Y" }, .width = WIDTH, .height = HEIGHT, .part = "m" } };
+    Foreign both[2] = {
+        { .names = { "B", "G", "R" }, .values = { 1, 1, 1 }, .width = WIDTH, .height = HEIGHT, .part = "rgba" },
+        { .names = { "a.motion.X", "a.motion.Y", "b.motion.X", "b.motion.Y" }, .width = WIDTH, .height = HEIGHT, .part = "m" }
+    };
     write_parts( "v.1.exr", both, 2 );
     write_parts( "v.2.exr", both, 2 );
     check_failed( flicker( "v.#.exr", NULL ), 1, "has both m.a.motion.X and m.b.motion.X: choose by --motion X,Y" );

@@ -125,7 +125,11 @@ static float uniform( int i, uint32_t dimension ) { return rf_random( rf_pixel_k
 // their share is the integral of that density; and no light is made.
 static void check_rough( Glass g, float degrees )
 {
-    enum { COUNT = 60000, GRID = 600 };
+    enum
+    {
+        COUNT = 60000,
+        GRID = 600
+    };
     RfVec3 wo = tilted( degrees );
     double wide = 0.0, albedo = 0.0, wide_albedo = 0.0, wide_albedo2 = 0.0;
     for ( int i = 0; i < COUNT; ++i )
@@ -169,8 +173,10 @@ static void test_rough( void** state )
     {
         check_rough( ( Glass ){ .tint = { 1, 1, 1 }, .alpha = 0.3f, .ior = 1.5f }, degrees[k] );
         check_rough( ( Glass ){ .tint = { 1, 1, 1 }, .alpha = 0.3f, .ior = 1.0f / 1.5f }, degrees[k] );
-        check_rough( ( Glass ){ .base = { 0.6f, 0.5f, 0.4f }, .tint = { 0.4f, 0.4f, 0.4f }, .alpha = 0.2f, .ior = -1.5f }, degrees[k] );
-        check_rough( ( Glass ){ .base = { 0.6f, 0.5f, 0.4f }, .tint = { 0.4f, 0.4f, 0.4f }, .alpha = 0.0f, .ior = 1.4f }, degrees[k] );
+        check_rough( ( Glass ){ .base = { 0.6f, 0.5f, 0.4f }, .tint = { 0.4f, 0.4f, 0.4f }, .alpha = 0.2f, .ior = -1.5f },
+                     degrees[k] );
+        check_rough( ( Glass ){ .base = { 0.6f, 0.5f, 0.4f }, .tint = { 0.4f, 0.4f, 0.4f }, .alpha = 0.0f, .ior = 1.4f },
+                     degrees[k] );
     }
 }
 
@@ -182,7 +188,8 @@ static void test_half_metal( void** state )
     Glass g = { .specular = { 0.4f, 0.2f, 0.1f }, .tint = { 0.5f, 0.5f, 0.5f }, .ior = 1.5f, .metal = 0.5f };
     double f = 0.5 * 0.04 + ( 0.4 + 0.2 + 0.1 ) / 3, pass = ( 1 - f ) * 0.5, chance = f / ( f + pass );
     Drawn d = draw( &g, tilted( 0 ), s_reflect );
-    assert_true( d.wi.z > 0.0f && near( d.weight.x, ( 0.02 + 0.4 ) / chance, 1e-4 ) && near( d.weight.z, ( 0.02 + 0.1 ) / chance, 1e-4 ) );
+    assert_true( d.wi.z > 0.0f && near( d.weight.x, ( 0.02 + 0.4 ) / chance, 1e-4 ) &&
+                 near( d.weight.z, ( 0.02 + 0.1 ) / chance, 1e-4 ) );
     d = draw( &g, tilted( 0 ), s_pass );
     assert_true( d.wi.z < 0.0f && near( d.weight.x, 0.96 * 0.5 / 2.25 / ( 1 - chance ), 1e-4 ) );
     // at grazing all of it is white
@@ -194,7 +201,13 @@ static void test_half_metal( void** state )
         Drawn a = draw( &all, tilted( 11.0f * (float)k ), s_pass ), b = draw( &mirror, tilted( 11.0f * (float)k ), s_pass );
         assert_true( near( a.weight.x, (double)b.weight.x, 1e-5 ) && near( a.wi.x, (double)b.wi.x, 1e-6 ) );
     }
-    check_rough( ( Glass ){ .base = { 0.3f, 0.3f, 0.3f }, .specular = { 0.3f, 0.3f, 0.3f }, .tint = { 0.2f, 0.2f, 0.2f }, .alpha = 0.3f, .ior = 1.5f, .metal = 0.5f }, 35.0f );
+    check_rough( ( Glass ){ .base = { 0.3f, 0.3f, 0.3f },
+                            .specular = { 0.3f, 0.3f, 0.3f },
+                            .tint = { 0.2f, 0.2f, 0.2f },
+                            .alpha = 0.3f,
+                            .ior = 1.5f,
+                            .metal = 0.5f },
+                 35.0f );
 }
 
 static void test_reciprocity( void** state )

@@ -93,8 +93,8 @@ static void test_nonuniform_normals( void** state )
     GltfBuilder b = { 0 };
     add_gltf_floats( &b, "VEC3", 3, 3, s_positions );
     add_gltf_floats( &b, "VEC3", 3, 3, s_normals );
-    RfScene scene = gltf_load_built( &b, "\"nodes\":[{\"mesh\":0,\"scale\":[2,1,-1]}],"
-                                    MESH( "{\"attributes\":{\"POSITION\":0,\"NORMAL\":1}}" ) );
+    RfScene scene = gltf_load_built(
+        &b, "\"nodes\":[{\"mesh\":0,\"scale\":[2,1,-1]}]," MESH( "{\"attributes\":{\"POSITION\":0,\"NORMAL\":1}}" ) );
     gltf_assert_normal( &scene, 0, 1 / sqrt( 5.0 ), 2 / sqrt( 5.0 ), 0 );
     rf_destroy_scene( &scene );
 }
@@ -105,10 +105,10 @@ static void test_strip_and_fan( void** state )
     static const float s_strip[] = { 0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0, 0, 2, 0 };
     GltfBuilder b = make_square();
     add_gltf_floats( &b, "VEC3", 3, 5, s_strip ); // 3
-    RfScene scene = gltf_load_built( &b, "\"nodes\":[{\"mesh\":0}],"
-                                    MESH( "{\"attributes\":{\"POSITION\":3},\"mode\":5},"
-                                          "{\"attributes\":{\"POSITION\":0},\"mode\":6},"
-                                          "{\"attributes\":{\"POSITION\":0},\"mode\":1},{\"attributes\":{}}" ) );
+    RfScene scene = gltf_load_built(
+        &b, "\"nodes\":[{\"mesh\":0}]," MESH( "{\"attributes\":{\"POSITION\":3},\"mode\":5},"
+                                              "{\"attributes\":{\"POSITION\":0},\"mode\":6},"
+                                              "{\"attributes\":{\"POSITION\":0},\"mode\":1},{\"attributes\":{}}" ) );
     assert_int_equal( scene.triangles.count, 5 );
     assert_int_equal( scene.instance_count, 2 );
     for ( int i = 0; i < 15; ++i )
@@ -124,8 +124,8 @@ static void test_degenerate_triangles( void** state )
     static const uint16_t s_indices[] = { 0, 1, 1, 0, 1, 2, 3, 3, 3 };
     GltfBuilder b = make_square();
     add_gltf_u16( &b, 9, s_indices ); // 3
-    RfScene scene = gltf_load_built( &b, "\"nodes\":[{\"mesh\":0},{\"mesh\":0,\"scale\":[1,0,1]}],"
-                                    MESH( "{\"attributes\":{\"POSITION\":0,\"NORMAL\":1},\"indices\":3}" ) );
+    RfScene scene = gltf_load_built( &b, "\"nodes\":[{\"mesh\":0},{\"mesh\":0,\"scale\":[1,0,1]}]," MESH(
+                                             "{\"attributes\":{\"POSITION\":0,\"NORMAL\":1},\"indices\":3}" ) );
     assert_int_equal( scene.triangles.count, 1 );
     assert_int_equal( scene.triangles.vertex_count, 4 );
     for ( uint32_t v = 0; v < 4; ++v )
@@ -154,9 +154,9 @@ static void test_accessor_kinds( void** state )
     char rest[4096];
     snprintf( rest, sizeof rest, ",\"byteStride\":4%s", view + 15 );
     strcpy( view + 15, rest );
-    RfScene scene = gltf_load_built( &b, "\"extensionsRequired\":[\"KHR_mesh_quantization\"],\"nodes\":[{\"mesh\":0}],"
-                                    MESH( "{\"attributes\":{\"POSITION\":0,\"TEXCOORD_0\":1}},"
-                                          "{\"attributes\":{\"POSITION\":4}}" ) );
+    RfScene scene = gltf_load_built( &b, "\"extensionsRequired\":[\"KHR_mesh_quantization\"],\"nodes\":[{\"mesh\":0}]," MESH(
+                                             "{\"attributes\":{\"POSITION\":0,\"TEXCOORD_0\":1}},"
+                                             "{\"attributes\":{\"POSITION\":4}}" ) );
     assert_int_equal( scene.triangles.count, 2 );
     gltf_assert_corner( &scene, 2, 0, -4, 0 );
     gltf_assert_corner( &scene, 4, 1, 0, 0 );
@@ -174,8 +174,8 @@ static void test_shared_vertices( void** state )
     static const uint16_t s_indices[] = { 3, 0, 2 };
     GltfBuilder b = make_square();
     add_gltf_u16( &b, 3, s_indices ); // 3
-    RfScene scene = gltf_load_built( &b, "\"nodes\":[{\"mesh\":0}],"
-                                    MESH( "{\"attributes\":{\"POSITION\":0,\"NORMAL\":1},\"indices\":3}" ) );
+    RfScene scene =
+        gltf_load_built( &b, "\"nodes\":[{\"mesh\":0}]," MESH( "{\"attributes\":{\"POSITION\":0,\"NORMAL\":1},\"indices\":3}" ) );
     assert_int_equal( scene.triangles.vertex_count, 3 );
     gltf_assert_corner( &scene, 0, 0, 1, 0 );
     gltf_assert_corner( &scene, 1, 0, 0, 0 );
@@ -257,16 +257,11 @@ static void test_empty_scene( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_smooth_mesh ),
-        cmocka_unit_test( test_flat_mesh ),
-        cmocka_unit_test( test_mirrored_mesh ),
-        cmocka_unit_test( test_nonuniform_normals ),
-        cmocka_unit_test( test_strip_and_fan ),
-        cmocka_unit_test( test_degenerate_triangles ),
-        cmocka_unit_test( test_accessor_kinds ),
-        cmocka_unit_test( test_shared_vertices ),
-        cmocka_unit_test( test_hierarchy_and_scenes ),
-        cmocka_unit_test( test_containers_agree ),
+        cmocka_unit_test( test_smooth_mesh ),          cmocka_unit_test( test_flat_mesh ),
+        cmocka_unit_test( test_mirrored_mesh ),        cmocka_unit_test( test_nonuniform_normals ),
+        cmocka_unit_test( test_strip_and_fan ),        cmocka_unit_test( test_degenerate_triangles ),
+        cmocka_unit_test( test_accessor_kinds ),       cmocka_unit_test( test_shared_vertices ),
+        cmocka_unit_test( test_hierarchy_and_scenes ), cmocka_unit_test( test_containers_agree ),
         cmocka_unit_test( test_empty_scene ),
     };
     return cmocka_run_group_tests( tests, gltf_enter, gltf_leave );

@@ -18,7 +18,6 @@
 
 #include <cmocka.h>
 
-
 // Broken files per run; the environment's REFRAME_MUTATIONS asks for more.
 #define MUTATIONS 300
 
@@ -37,8 +36,7 @@ static void expect_failure( const char* path, RfResult code, const char* object 
     RfError error = { 0 };
     RfResult result = rf_load_gltf( path, &scene, NULL, &error );
     if ( result != code )
-        fail_msg( "got %s instead of %s for '%s': %s", rf_result_name( result ), rf_result_name( code ), object,
-                  error.text );
+        fail_msg( "got %s instead of %s for '%s': %s", rf_result_name( result ), rf_result_name( code ), object, error.text );
     check_text( &error, object );
     assert_null( scene.path );
     assert_null( scene.triangles.positions );
@@ -125,9 +123,10 @@ static void test_files( void** state )
 static void test_uris( void** state )
 {
     (void)state;
-    static const char* const s_uris[] = { "/etc/passwd", "../a.bin", "x/../../a.bin", "x\\\\a.bin", "file:a.bin",
-                                          "http://host/a.bin", "%2e%2e/a.bin", "%2Fetc/passwd", "a%00.bin", "a%4", "",
-                                          "a%5Cb.bin" };
+    static const char* const s_uris[] = {
+        "/etc/passwd",  "../a.bin",      "x/../../a.bin", "x\\\\a.bin", "file:a.bin", "http://host/a.bin",
+        "%2e%2e/a.bin", "%2Fetc/passwd", "a%00.bin",      "a%4",        "",           "a%5Cb.bin"
+    };
     for ( size_t i = 0; i < sizeof s_uris / sizeof s_uris[0]; ++i )
     {
         GltfBuilder b = make_triangle();
@@ -169,8 +168,7 @@ static void test_extensions( void** state )
     static const Fault s_faults[] = {
         { RF_ERROR_UNSUPPORTED, "npx @gltf-transform/cli", "\"extensionsRequired\":[\"KHR_draco_mesh_compression\"]" },
         { RF_ERROR_UNSUPPORTED, "npx @gltf-transform/cli", "\"extensionsRequired\":[\"EXT_meshopt_compression\"]" },
-        { RF_ERROR_UNSUPPORTED, "EXT_unheard_of",
-          "\"extensionsRequired\":[\"KHR_materials_ior\",\"EXT_unheard_of\"]" },
+        { RF_ERROR_UNSUPPORTED, "EXT_unheard_of", "\"extensionsRequired\":[\"KHR_materials_ior\",\"EXT_unheard_of\"]" },
         { RF_ERROR_UNSUPPORTED, "KHR_texture_basisu", "\"extensionsRequired\":[\"KHR_texture_basisu\"]" },
         { RF_ERROR_FORMAT, "extensionsRequired", "\"extensionsRequired\":[3]" },
         { RF_ERROR_FORMAT, "extensionsUsed", "\"extensionsUsed\":[{}]" },
@@ -193,8 +191,7 @@ static void test_nodes( void** state )
         { RF_ERROR_FORMAT, "nodes[0]: mesh is 0", "\"nodes\":[{\"mesh\":0}]" },
         { RF_ERROR_FORMAT, "translation wants 3", "\"nodes\":[{\"translation\":[1,2]}]" },
         { RF_ERROR_FORMAT, "nodes[0]: rotation", "\"nodes\":[{\"rotation\":[0,0,0,0]}]" },
-        { RF_ERROR_FORMAT, "both a matrix",
-          "\"nodes\":[{\"scale\":[1,1,1],\"matrix\":[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1]}]" },
+        { RF_ERROR_FORMAT, "both a matrix", "\"nodes\":[{\"scale\":[1,1,1],\"matrix\":[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1]}]" },
         { RF_ERROR_FORMAT, "last row", "\"nodes\":[{\"matrix\":[1,0,0,1,0,1,0,0,0,0,1,0,0,0,0,1]}]" },
         { RF_ERROR_FORMAT, "nodes: [0]", "\"nodes\":[7]" },
         { RF_ERROR_FORMAT, "name wants a string", "\"nodes\":[{\"name\":7}]" },
@@ -235,8 +232,9 @@ static void test_meshes( void** state )
         { RF_ERROR_FORMAT, "accessors[2] has elements of 1", PRIMITIVE( "\"attributes\":{\"POSITION\":2}" ) },
         { RF_ERROR_FORMAT, "accessors[0] has elements of 3", PRIMITIVE( "\"attributes\":{\"POSITION\":0},\"indices\":0" ) },
         { RF_ERROR_FORMAT, "material is 0", PRIMITIVE( "\"attributes\":{\"POSITION\":0},\"material\":0" ) },
-        { RF_ERROR_SCENE, "beyond", "\"nodes\":[{\"mesh\":0,\"scale\":[1e300,1e300,1]}],"
-                                    "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]" },
+        { RF_ERROR_SCENE, "beyond",
+          "\"nodes\":[{\"mesh\":0,\"scale\":[1e300,1e300,1]}],"
+          "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]" },
     };
     EXPECT_FAULTS( s_faults );
 }
@@ -254,22 +252,22 @@ static void test_accessors( void** state )
     float values[12] = { 0, 0, 0, 1, 0, 0, 0, NAN, 0, 1, 1, 1 };
     uint16_t indices[] = { 0, 1, 4 };
     GltfBuilder b = make_triangle();
-    add_gltf_floats( &b, "VEC3", 3, 4, values ); // 3
-    add_gltf_u16( &b, 3, indices );              // 4
-    add_gltf_u16( &b, 2, indices );              // 5
-    add_gltf_accessor( &b, 5126, "VEC3", 4, values, 47, "" );                          // 6: a byte short
+    add_gltf_floats( &b, "VEC3", 3, 4, values );                                        // 3
+    add_gltf_u16( &b, 3, indices );                                                     // 4
+    add_gltf_u16( &b, 2, indices );                                                     // 5
+    add_gltf_accessor( &b, 5126, "VEC3", 4, values, 47, "" );                           // 6: a byte short
     add_gltf_accessor( &b, 5126, "VEC3", 3, values, 36, ",\"byteOffset\":9000000000" ); // 7
-    add_gltf_accessor( &b, 5124, "VEC3", 3, values, 36, "" );                          // 8: no such type
-    add_gltf_accessor( &b, 5126, "VEC3", 3, values, 36, ",\"normalized\":true" );      // 9
-    add_gltf_accessor( &b, 5126, "VEC3", 2147483647, values, 36, "" );                 // 10
-    add_gltf_accessor( &b, 5126, "VEC9", 3, values, 36, "" );                          // 11
+    add_gltf_accessor( &b, 5124, "VEC3", 3, values, 36, "" );                           // 8: no such type
+    add_gltf_accessor( &b, 5126, "VEC3", 3, values, 36, ",\"normalized\":true" );       // 9
+    add_gltf_accessor( &b, 5126, "VEC3", 2147483647, values, 36, "" );                  // 10
+    add_gltf_accessor( &b, 5126, "VEC9", 3, values, 36, "" );                           // 11
     add_gltf_accessor( &b, 5126, "VEC3", 3, values, 36,
                        ",\"sparse\":{\"count\":2,\"indices\":{\"bufferView\":4,\"componentType\":5123},"
-                       "\"values\":{\"bufferView\":2}}" );                              // 12: values too short
+                       "\"values\":{\"bufferView\":2}}" ); // 12: values too short
     add_gltf_accessor( &b, 5126, "VEC3", 3, values, 36,
                        ",\"sparse\":{\"count\":3,\"indices\":{\"bufferView\":4,\"componentType\":5123},"
-                       "\"values\":{\"bufferView\":3}}" );                              // 13: index 4 of 3
-    add_gltf_accessor( &b, 5126, "VEC3", 0, values, 36, "" );                          // 14
+                       "\"values\":{\"bufferView\":3}}" );    // 13: index 4 of 3
+    add_gltf_accessor( &b, 5126, "VEC3", 0, values, 36, "" ); // 14
     expect_accessor_fault( &b, "accessors[3]: element 2, number 1", "\"attributes\":{\"POSITION\":3},\"indices\":2" );
     expect_accessor_fault( &b, "index 2 is 4", "\"attributes\":{\"POSITION\":0},\"indices\":4" );
     expect_accessor_fault( &b, "2 corners", "\"attributes\":{\"POSITION\":0},\"indices\":5" );
@@ -308,14 +306,13 @@ static void test_materials( void** state )
         { RF_ERROR_SCENE, "exponent: wants",
           "\"materials\":[{\"extras\":{\"reframe\":{\"bsdf\":\"phong\",\"diffuse\":[0,0,0],\"specular\":[0,0,0],"
           "\"exponent\":1e7}}}]" },
-        { RF_ERROR_SCENE, "reframe.diffuse: is missing",
-          "\"materials\":[{\"extras\":{\"reframe\":{\"bsdf\":\"lambert\"}}}]" },
+        { RF_ERROR_SCENE, "reframe.diffuse: is missing", "\"materials\":[{\"extras\":{\"reframe\":{\"bsdf\":\"lambert\"}}}]" },
     };
     EXPECT_FAULTS( s_faults );
 }
 
-#define CHANNEL( sampler, target )                                                                                    \
-    "\"nodes\":[{},{\"matrix\":[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1]}],\"animations\":[{\"samplers\":[{" sampler          \
+#define CHANNEL( sampler, target )                                                                                               \
+    "\"nodes\":[{},{\"matrix\":[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1]}],\"animations\":[{\"samplers\":[{" sampler                     \
     "}],\"channels\":[{\"sampler\":0,\"target\":{" target "}}]}]"
 
 static void test_animations( void** state )
@@ -435,10 +432,10 @@ static int leave( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_text ),      cmocka_unit_test( test_files ),      cmocka_unit_test( test_uris ),
-        cmocka_unit_test( test_container ), cmocka_unit_test( test_extensions ), cmocka_unit_test( test_nodes ),
-        cmocka_unit_test( test_deep_nodes ), cmocka_unit_test( test_meshes ),    cmocka_unit_test( test_accessors ),
-        cmocka_unit_test( test_materials ), cmocka_unit_test( test_animations ), cmocka_unit_test( test_mutations ),
+        cmocka_unit_test( test_text ),       cmocka_unit_test( test_files ),      cmocka_unit_test( test_uris ),
+        cmocka_unit_test( test_container ),  cmocka_unit_test( test_extensions ), cmocka_unit_test( test_nodes ),
+        cmocka_unit_test( test_deep_nodes ), cmocka_unit_test( test_meshes ),     cmocka_unit_test( test_accessors ),
+        cmocka_unit_test( test_materials ),  cmocka_unit_test( test_animations ), cmocka_unit_test( test_mutations ),
     };
     return cmocka_run_group_tests( tests, enter, leave );
 }

@@ -38,7 +38,14 @@ static void put_component( uint8_t* at, int type, int value )
         memcpy( at, &word, type == 5120 || type == 5121 ? 1 : type == 5125 ? 4 : 2 );
 }
 
-enum { PACKED, STRIDED, SPARSE, SPARSE_ZEROS, LAYOUTS };
+enum
+{
+    PACKED,
+    STRIDED,
+    SPARSE,
+    SPARSE_ZEROS,
+    LAYOUTS
+};
 
 // Three elements, none on a line with the others; signed types have a −7.
 static int value_of( int type, int e, int c )
@@ -47,7 +54,8 @@ static int value_of( int type, int e, int c )
     return e == 2 && c == 0 ? ( is_signed ? -7 : 9 ) : ( c + 1 ) * e + c;
 }
 
-static int add_values( GltfBuilder* b, int kind, int components, const char* shape, const char* normalized, int layout, int index_type )
+static int add_values( GltfBuilder* b, int kind, int components, const char* shape, const char* normalized, int layout,
+                       int index_type )
 {
     uint8_t bytes[128] = { 0 }, index[4] = { 2 }, value[16] = { 0 };
     int type = s_types[kind].type, size = s_types[kind].size, stride = layout == STRIDED ? 20 : components * size;
@@ -71,7 +79,8 @@ static int add_values( GltfBuilder* b, int kind, int components, const char* sha
     int indices = add_gltf_accessor( b, index_type, "SCALAR", 1, index, sizeof index, "" );
     int values = add_gltf_accessor( b, type, shape, 1, value, (size_t)( components * size ), "" );
     char more[256];
-    snprintf( more, sizeof more, "%s,\"sparse\":{\"count\":1,\"indices\":{\"bufferView\":%d,\"componentType\":%d},\"values\":{\"bufferView\":%d}}",
+    snprintf( more, sizeof more,
+              "%s,\"sparse\":{\"count\":1,\"indices\":{\"bufferView\":%d,\"componentType\":%d},\"values\":{\"bufferView\":%d}}",
               normalized, indices, index_type, values );
     if ( layout == SPARSE )
         return add_gltf_accessor( b, type, shape, 3, bytes, (size_t)( 3 * stride ), more );
@@ -89,14 +98,16 @@ static double expected( int kind, bool normalized, int layout, int e, int c )
     return normalized ? fmax( value / s_types[kind].most, -1.0 ) : value;
 }
 
-#define PRIMITIVE "\"nodes\":[{\"mesh\":0}],\"extensionsRequired\":[\"KHR_mesh_quantization\"],\"meshes\":[{\"primitives\":[{\"attributes\":"
+#define PRIMITIVE                                                                                                                \
+    "\"nodes\":[{\"mesh\":0}],\"extensionsRequired\":[\"KHR_mesh_quantization\"],\"meshes\":[{\"primitives\":[{\"attributes\":"
 
 // Positions (shown by the corners of a flat triangle) and coordinates.
 static void check_accessor( int kind, bool normalized, int layout, int index_type )
 {
     GltfBuilder b = { 0 };
     const char* more = normalized ? ",\"normalized\":true" : "";
-    int p = add_values( &b, kind, 3, "VEC3", more, layout, index_type ), uv = add_values( &b, kind, 2, "VEC2", more, layout, index_type );
+    int p = add_values( &b, kind, 3, "VEC3", more, layout, index_type ),
+        uv = add_values( &b, kind, 2, "VEC2", more, layout, index_type );
     char rest[512];
     snprintf( rest, sizeof rest, PRIMITIVE "{\"POSITION\":%d,\"TEXCOORD_0\":%d,\"TEXCOORD_1\":%d}}]}]", p, uv, uv );
     RfScene scene = gltf_load_built( &b, rest );
@@ -109,7 +120,8 @@ static void check_accessor( int kind, bool normalized, int layout, int index_typ
     assert_int_equal( scene.triangles.count, 1 );
     for ( int e = 0; e < 3; ++e )
     {
-        gltf_assert_corner( &scene, e, expected( kind, normalized, layout, e, 0 ), expected( kind, normalized, layout, e, 1 ), expected( kind, normalized, layout, e, 2 ) );
+        gltf_assert_corner( &scene, e, expected( kind, normalized, layout, e, 0 ), expected( kind, normalized, layout, e, 1 ),
+                            expected( kind, normalized, layout, e, 2 ) );
         for ( int c = 0; c < 2; ++c )
         {
             gltf_assert_near( scene.triangles.uvs[2 * e + c], expected( kind, normalized, layout, e, c ) );
@@ -170,7 +182,8 @@ static void test_every_colour( void** state )
                 static const char* const s_shapes[] = { "VEC2", "VEC3", "VEC4" };
                 GltfBuilder b = { 0 };
                 int p = add_gltf_floats( &b, "VEC3", 3, 3, s_positions );
-                int color = add_values( &b, kind, components, s_shapes[components - 2], normalized ? ",\"normalized\":true" : "", STRIDED, 0 );
+                int color = add_values( &b, kind, components, s_shapes[components - 2], normalized ? ",\"normalized\":true" : "",
+                                        STRIDED, 0 );
                 char rest[512];
                 snprintf( rest, sizeof rest, PRIMITIVE "{\"POSITION\":%d,\"COLOR_0\":%d}}]}]", p, color );
                 RfScene scene;
@@ -222,15 +235,18 @@ static void test_quantized_mesh( void** state )
 {
     (void)state;
     static const uint16_t s_positions[] = { 0, 0, 0, 0, 65535, 0, 0, 0, 0, 65535, 0, 0 };
-    static const int8_t s_normals[] = { 0, 0, 127, 0, 0, 0, 127, 0, 0, 0, 127, 0 }, s_tangents[] = { 127, 0, 0, -127, 127, 0, 0, -127, 127, 0, 0, -127 };
+    static const int8_t s_normals[] = { 0, 0, 127, 0, 0, 0, 127, 0, 0, 0, 127, 0 },
+                        s_tangents[] = { 127, 0, 0, -127, 127, 0, 0, -127, 127, 0, 0, -127 };
     GltfBuilder b = { 0 };
     add_gltf_accessor( &b, 5123, "VEC3", 3, s_positions, sizeof s_positions, ",\"normalized\":true" );
     strcpy( strrchr( b.views, '}' ), ",\"byteStride\":8}" );
     add_gltf_accessor( &b, 5120, "VEC3", 3, s_normals, sizeof s_normals, ",\"normalized\":true" );
     strcpy( strrchr( b.views, '}' ), ",\"byteStride\":4}" );
     add_gltf_accessor( &b, 5120, "VEC4", 3, s_tangents, sizeof s_tangents, ",\"normalized\":true" );
-    RfScene scene = gltf_load_built( &b, "\"extensionsUsed\":[\"KHR_mesh_quantization\"],\"extensionsRequired\":[\"KHR_mesh_quantization\"],"
-        "\"nodes\":[{\"mesh\":0,\"scale\":[3,3,3],\"translation\":[1,0,0]}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":1,\"TANGENT\":2}}]}]" );
+    RfScene scene =
+        gltf_load_built( &b, "\"extensionsUsed\":[\"KHR_mesh_quantization\"],\"extensionsRequired\":[\"KHR_mesh_quantization\"],"
+                             "\"nodes\":[{\"mesh\":0,\"scale\":[3,3,3],\"translation\":[1,0,0]}],\"meshes\":[{\"primitives\":[{"
+                             "\"attributes\":{\"POSITION\":0,\"NORMAL\":1,\"TANGENT\":2}}]}]" );
     gltf_assert_corner( &scene, 1, 4, 0, 0 );
     gltf_assert_corner( &scene, 2, 1, 3, 0 );
     gltf_assert_normal( &scene, 2, 0, 0, 1 );
@@ -249,10 +265,15 @@ static void test_two_buffers( void** state )
     char* text = gltf_base64( (const uint8_t*)s_indices, sizeof s_indices );
     write_bytes( &gltf_folder, "b c.bin", s_positions, sizeof s_positions );
     char json[2048];
-    snprintf( json, sizeof json, "{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"byteLength\":8,\"uri\":\"data:application/gltf-buffer;base64,%s\"},"
-        "{\"byteLength\":36,\"uri\":\"b%%20c.bin\"}],\"bufferViews\":[{\"buffer\":1,\"byteLength\":36},{\"buffer\":0,\"byteLength\":6}],\"accessors\":["
-        "{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"},{\"bufferView\":1,\"componentType\":5123,\"count\":3,\"type\":\"SCALAR\"}],"
-        "\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":1}]}]}", text );
+    snprintf(
+        json, sizeof json,
+        "{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"byteLength\":8,\"uri\":\"data:application/gltf-buffer;base64,%s\"},"
+        "{\"byteLength\":36,\"uri\":\"b%%20c.bin\"}],\"bufferViews\":[{\"buffer\":1,\"byteLength\":36},{\"buffer\":0,"
+        "\"byteLength\":6}],\"accessors\":["
+        "{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"},{\"bufferView\":1,\"componentType\":5123,"
+        "\"count\":3,\"type\":\"SCALAR\"}],"
+        "\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":1}]}]}",
+        text );
     free( text );
     RfScene scene = gltf_load( write_bytes( &gltf_folder, "a.gltf", json, strlen( json ) ) );
     gltf_assert_corner( &scene, 0, 0, 1, 5 );
@@ -274,7 +295,8 @@ typedef struct Keys
 static double spline( double t, double length, double v0, double out0, double v1, double in1 )
 {
     double t2 = t * t, t3 = t2 * t;
-    return ( 2 * t3 - 3 * t2 + 1 ) * v0 + length * ( t3 - 2 * t2 + t ) * out0 + ( -2 * t3 + 3 * t2 ) * v1 + length * ( t3 - t2 ) * in1;
+    return ( 2 * t3 - 3 * t2 + 1 ) * v0 + length * ( t3 - 2 * t2 + t ) * out0 + ( -2 * t3 + 3 * t2 ) * v1 +
+           length * ( t3 - t2 ) * in1;
 }
 
 static RfMat4 world_at( const Keys* keys, double time )
@@ -285,8 +307,11 @@ static RfMat4 world_at( const Keys* keys, double time )
     add_gltf_floats( &b, "SCALAR", 1, 3, s_times );
     add_gltf_floats( &b, keys->components == 4 ? "VEC4" : "VEC3", keys->components, cubic ? 9 : 3, keys->values );
     char rest[1024];
-    snprintf( rest, sizeof rest, "\"nodes\":[{\"children\":[1]},{\"camera\":0}],\"cameras\":[{\"type\":\"perspective\",\"perspective\":{\"yfov\":1}}],"
-        "\"animations\":[{\"samplers\":[{\"input\":0,\"output\":1,\"interpolation\":\"%s\"}],\"channels\":[{\"sampler\":0,\"target\":{\"node\":0,\"path\":\"%s\"}}]}]",
+    snprintf(
+        rest, sizeof rest,
+        "\"nodes\":[{\"children\":[1]},{\"camera\":0}],\"cameras\":[{\"type\":\"perspective\",\"perspective\":{\"yfov\":1}}],"
+        "\"animations\":[{\"samplers\":[{\"input\":0,\"output\":1,\"interpolation\":\"%s\"}],\"channels\":[{\"sampler\":0,"
+        "\"target\":{\"node\":0,\"path\":\"%s\"}}]}]",
         keys->interpolation, keys->path );
     RfScene scene = gltf_load_built( &b, rest );
     assert_int_equal( scene.camera_count, 1 );
@@ -303,8 +328,10 @@ static void test_translations_and_scales( void** state )
     static const char* const s_paths[] = { "translation", "scale" };
     for ( int p = 0; p < 2; ++p )
     {
-        Keys step = { "STEP", s_paths[p], 3, { 1, 2, 3, 4, 6, 8, 3, 5, 7 } }, linear = { "LINEAR", s_paths[p], 3, { 1, 2, 3, 4, 6, 8, 3, 5, 7 } };
-        Keys cubic = { "CUBICSPLINE", s_paths[p], 3, { 9, 9, 9, 1, 2, 3, 0, 1, -1, 1, 0, 2, 4, 6, 8, 2, 2, 2, -1, 0, 1, 3, 5, 7, 9, 9, 9 } };
+        Keys step = { "STEP", s_paths[p], 3, { 1, 2, 3, 4, 6, 8, 3, 5, 7 } },
+             linear = { "LINEAR", s_paths[p], 3, { 1, 2, 3, 4, 6, 8, 3, 5, 7 } };
+        Keys cubic = { "CUBICSPLINE", s_paths[p], 3, { 9, 9, 9, 1, 2,  3, 0, 1, -1, 1, 0, 2, 4, 6,
+                                                       8, 2, 2, 2, -1, 0, 1, 3, 5,  7, 9, 9, 9 } };
         static const double s_times[] = { 0, 1, 1.25, 2, 3, 3.5, 4, 9 };
         for ( int k = 0; k < 8; ++k )
         {
@@ -330,7 +357,8 @@ static void test_rotations( void** state )
 {
     (void)state;
     const float h = 0.70710678f;
-    Keys step = { "STEP", "rotation", 4, { 0, 0, 0, 1, 0, 0, h, h, 0, 0, -h, h } }, linear = step, cubic = { "CUBICSPLINE", "rotation", 4, { 0 } };
+    Keys step = { "STEP", "rotation", 4, { 0, 0, 0, 1, 0, 0, h, h, 0, 0, -h, h } }, linear = step,
+         cubic = { "CUBICSPLINE", "rotation", 4, { 0 } };
     linear.interpolation = "LINEAR";
     for ( int key = 0; key < 3; ++key )
         memcpy( cubic.values + 12 * key + 4, step.values + 4 * key, 4 * sizeof( float ) );
@@ -362,7 +390,7 @@ static void test_quantized_rotations( void** state )
     add_gltf_floats( &b, "SCALAR", 1, 2, s_times );
     add_gltf_accessor( &b, 5122, "VEC4", 2, s_turns, sizeof s_turns, ",\"normalized\":true" );
     RfScene scene = gltf_load_built( &b, "\"nodes\":[{}],\"animations\":[{\"samplers\":[{\"input\":0,\"output\":1}],"
-        "\"channels\":[{\"sampler\":0,\"target\":{\"node\":0,\"path\":\"rotation\"}}]}]" );
+                                         "\"channels\":[{\"sampler\":0,\"target\":{\"node\":0,\"path\":\"rotation\"}}]}]" );
     RfMat4 m;
     rf_node_world_matrix( &scene, 0, 1.0, &m );
     gltf_assert_near( (float)m.m[1], 1 );
@@ -375,9 +403,11 @@ static void test_cameras_by_name( void** state )
 {
     (void)state;
     GltfBuilder b = { 0 };
-    RfScene scene = gltf_load_built( &b, "\"scene\":1,\"scenes\":[{\"nodes\":[0]},{\"nodes\":[1,2]}],\"nodes\":[{\"name\":\"elsewhere\",\"camera\":0},"
-        "{\"name\":\"wide\",\"camera\":0},{\"name\":\"tele\",\"camera\":1}],\"cameras\":[{\"type\":\"perspective\",\"perspective\":{\"yfov\":1,\"znear\":0.1}},"
-        "{\"type\":\"perspective\",\"perspective\":{\"yfov\":0.25}}]" );
+    RfScene scene = gltf_load_built(
+        &b, "\"scene\":1,\"scenes\":[{\"nodes\":[0]},{\"nodes\":[1,2]}],\"nodes\":[{\"name\":\"elsewhere\",\"camera\":0},"
+            "{\"name\":\"wide\",\"camera\":0},{\"name\":\"tele\",\"camera\":1}],\"cameras\":[{\"type\":\"perspective\","
+            "\"perspective\":{\"yfov\":1,\"znear\":0.1}},"
+            "{\"type\":\"perspective\",\"perspective\":{\"yfov\":0.25}}]" );
     assert_int_equal( scene.camera_count, 2 );
     int index;
     RfError error;
@@ -397,32 +427,61 @@ typedef struct Notice
 
 #define MESH( members ) "\"nodes\":[{\"name\":\"it\",\"mesh\":0}],\"meshes\":[{\"primitives\":[" members "]}]"
 #define TRIANGLE "{\"attributes\":{\"POSITION\":0}}"
-#define PAINT( extension ) MESH( "{\"attributes\":{\"POSITION\":0},\"material\":0}" ) ",\"materials\":[{\"name\":\"paint\",\"extensions\":{" extension "}},{\"extensions\":{" extension "}}]"
-#define MOVES( target ) "\"nodes\":[{}],\"animations\":[{\"samplers\":[{\"input\":1,\"output\":0}],\"channels\":[{\"sampler\":0,\"target\":{" target "}},{\"sampler\":0,\"target\":{" target "}}]}]"
+#define PAINT( extension )                                                                                                       \
+    MESH( "{\"attributes\":{\"POSITION\":0},\"material\":0}" )                                                                   \
+    ",\"materials\":[{\"name\":\"paint\",\"extensions\":{" extension "}},{\"extensions\":{" extension "}}]"
+#define MOVES( target )                                                                                                          \
+    "\"nodes\":[{}],\"animations\":[{\"samplers\":[{\"input\":1,\"output\":0}],\"channels\":[{\"sampler\":0,\"target\":{" target \
+    "}},{\"sampler\":0,\"target\":{" target "}}]}]"
 
 static void test_what_is_left_out( void** state )
 {
     (void)state;
     static const Notice s_notices[] = {
-        { "points and lines are not drawn: meshes[0].primitives[1]", 1, MESH( TRIANGLE ",{\"attributes\":{\"POSITION\":0},\"mode\":0},{\"attributes\":{\"POSITION\":0},\"mode\":1}" ) },
-        { "points and lines are not drawn: meshes[0].primitives[0]", 1, MESH( "{\"attributes\":{\"POSITION\":0},\"mode\":2},{\"attributes\":{\"POSITION\":0},\"mode\":3}," TRIANGLE ) },
-        { "morph targets are not read: meshes[0].primitives[0] keeps its base shape", 1, MESH( "{\"attributes\":{\"POSITION\":0},\"targets\":[{\"POSITION\":0}]}" ) ",\"animations\":[]" },
-        { "skins are not read: node 'it' keeps its rest pose", 1, "\"nodes\":[{\"name\":\"it\",\"mesh\":0,\"skin\":0}],\"skins\":[{\"joints\":[0]}],\"meshes\":[{\"primitives\":[" TRIANGLE "]}]" },
+        { "points and lines are not drawn: meshes[0].primitives[1]", 1,
+          MESH( TRIANGLE ",{\"attributes\":{\"POSITION\":0},\"mode\":0},{\"attributes\":{\"POSITION\":0},\"mode\":1}" ) },
+        { "points and lines are not drawn: meshes[0].primitives[0]", 1,
+          MESH( "{\"attributes\":{\"POSITION\":0},\"mode\":2},{\"attributes\":{\"POSITION\":0},\"mode\":3}," TRIANGLE ) },
+        { "morph targets are not read: meshes[0].primitives[0] keeps its base shape", 1,
+          MESH( "{\"attributes\":{\"POSITION\":0},\"targets\":[{\"POSITION\":0}]}" ) ",\"animations\":[]" },
+        { "skins are not read: node 'it' keeps its rest pose", 1,
+          "\"nodes\":[{\"name\":\"it\",\"mesh\":0,\"skin\":0}],\"skins\":[{\"joints\":[0]}],\"meshes\":[{\"primitives\":"
+          "[" TRIANGLE "]}]" },
         { "has no POSITION: it is left out", 1, MESH( "{\"attributes\":{}},{\"attributes\":{}}," TRIANGLE ) },
-        { "moving geometry is not supported: node 'it'", 1, MESH( TRIANGLE ) ",\"animations\":[{\"samplers\":[{\"input\":1,\"output\":0}],\"channels\":[{\"sampler\":0,\"target\":{\"node\":0,\"path\":\"translation\"}}]}]" },
-        { "moving lights are not supported: node 'it'", 0, "\"extensions\":{\"KHR_lights_punctual\":{\"lights\":[{\"type\":\"point\"}]}},\"nodes\":[{\"name\":\"it\",\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}}}],"
-          "\"animations\":[{\"samplers\":[{\"input\":1,\"output\":0}],\"channels\":[{\"sampler\":0,\"target\":{\"node\":0,\"path\":\"translation\"}}]}]" },
-        { "KHR_animation_pointer is not read: what animations[0].channels[0] moves stands still", 0, MOVES( "\"path\":\"pointer\",\"extensions\":{\"KHR_animation_pointer\":{\"pointer\":\"/materials/0/emissiveFactor\"}}" ) },
+        { "moving geometry is not supported: node 'it'", 1,
+          MESH( TRIANGLE ) ",\"animations\":[{\"samplers\":[{\"input\":1,\"output\":0}],\"channels\":[{\"sampler\":0,\"target\":{"
+                           "\"node\":0,\"path\":\"translation\"}}]}]" },
+        { "moving lights are not supported: node 'it'", 0,
+          "\"extensions\":{\"KHR_lights_punctual\":{\"lights\":[{\"type\":\"point\"}]}},\"nodes\":[{\"name\":\"it\","
+          "\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}}}],"
+          "\"animations\":[{\"samplers\":[{\"input\":1,\"output\":0}],\"channels\":[{\"sampler\":0,\"target\":{\"node\":0,"
+          "\"path\":\"translation\"}}]}]" },
+        { "KHR_animation_pointer is not read: what animations[0].channels[0] moves stands still", 0,
+          MOVES(
+              "\"path\":\"pointer\",\"extensions\":{\"KHR_animation_pointer\":{\"pointer\":\"/materials/0/emissiveFactor\"}}" ) },
         { "morph targets are not read: what animations[0].channels[0] moves", 0, MOVES( "\"path\":\"weights\",\"node\":0" ) },
-        { "orthographic cameras are not supported: node 'it'", 0, "\"nodes\":[{\"name\":\"it\",\"camera\":0},{\"camera\":0}],\"cameras\":[{\"type\":\"orthographic\",\"orthographic\":{\"xmag\":1,\"ymag\":1,\"zfar\":9,\"znear\":0}}]" },
+        { "orthographic cameras are not supported: node 'it'", 0,
+          "\"nodes\":[{\"name\":\"it\",\"camera\":0},{\"camera\":0}],\"cameras\":[{\"type\":\"orthographic\",\"orthographic\":{"
+          "\"xmag\":1,\"ymag\":1,\"zfar\":9,\"znear\":0}}]" },
         { "KHR_materials_sheen is not read yet: material 'paint'", 1, PAINT( "\"KHR_materials_sheen\":{}" ) },
         { "KHR_materials_anisotropy is not read yet: material 'paint'", 1, PAINT( "\"KHR_materials_anisotropy\":{}" ) },
         { "KHR_materials_iridescence is not read yet: material 'paint'", 1, PAINT( "\"KHR_materials_iridescence\":{}" ) },
         { "KHR_materials_dispersion is not read yet: material 'paint'", 1, PAINT( "\"KHR_materials_dispersion\":{}" ) },
-        { "KHR_materials_pbrSpecularGlossiness is not read yet: material 'paint'", 1, PAINT( "\"KHR_materials_pbrSpecularGlossiness\":{}" ) },
-        { "extension KHR_materials_variants is not known: what it adds is left out", 1, MESH( "{\"attributes\":{\"POSITION\":0},\"extensions\":{\"KHR_materials_variants\":{\"mappings\":[]}}}" ) ",\"extensionsUsed\":[\"KHR_materials_variants\",\"KHR_materials_sheen\"]" },
-        { "extension KHR_draco_mesh_compression is not known", 1, MESH( TRIANGLE ) ",\"extensionsUsed\":[\"KHR_draco_mesh_compression\"]" },
-        { "extension KHR_xmp_json_ld is not known", 1, MESH( TRIANGLE ) ",\"extensionsUsed\":[\"KHR_materials_ior\",\"KHR_xmp_json_ld\"]" },
+        { "KHR_materials_pbrSpecularGlossiness is not read yet: material 'paint'", 1,
+          PAINT( "\"KHR_materials_pbrSpecularGlossiness\":{}" ) },
+        { "extension KHR_materials_variants is not known: what it adds is left out", 1,
+          MESH(
+              "{\"attributes\":{\"POSITION\":0},\"extensions\":{\"KHR_materials_variants\":{\"mappings\":[]}}}" ) ",\"extensionsU"
+                                                                                                                  "sed\":[\"KHR_"
+                                                                                                                  "materials_"
+                                                                                                                  "variants\","
+                                                                                                                  "\"KHR_"
+                                                                                                                  "materials_"
+                                                                                                                  "sheen\"]" },
+        { "extension KHR_draco_mesh_compression is not known", 1,
+          MESH( TRIANGLE ) ",\"extensionsUsed\":[\"KHR_draco_mesh_compression\"]" },
+        { "extension KHR_xmp_json_ld is not known", 1,
+          MESH( TRIANGLE ) ",\"extensionsUsed\":[\"KHR_materials_ior\",\"KHR_xmp_json_ld\"]" },
     };
     static const float s_positions[] = { 0, 0, 0, 1, 0, 0, 0, 1, 0 }, s_times[] = { 0, 1, 2 };
     for ( size_t i = 0; i < sizeof s_notices / sizeof s_notices[0]; ++i )

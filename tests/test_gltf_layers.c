@@ -39,7 +39,9 @@ static GltfBuilder make_square( void )
     return b;
 }
 
-#define MESH( attributes ) "\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0" attributes "},\"indices\":3,\"material\":0}]}]"
+#define MESH( attributes )                                                                                                       \
+    "\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0" attributes                           \
+    "},\"indices\":3,\"material\":0}]}]"
 #define IMAGE ",\"images\":[{\"bufferView\":5}],\"samplers\":[{\"magFilter\":9728}],\"textures\":[{\"source\":0,\"sampler\":0}]"
 #define ALL_UVS ",\"NORMAL\":4,\"TEXCOORD_0\":1,\"TEXCOORD_1\":2"
 #define MATERIAL( json ) MESH( ALL_UVS ) IMAGE ",\"materials\":[{" json "}]"
@@ -63,8 +65,9 @@ static RfScene load_material( const char* json )
 static void test_transmission( void** state )
 {
     (void)state;
-    RfScene scene = load_material( MATERIAL( "\"pbrMetallicRoughness\":{\"metallicFactor\":0,\"roughnessFactor\":0.5},\"extensions\":{"
-        "\"KHR_materials_transmission\":{\"transmissionFactor\":0.5,\"transmissionTexture\":{\"index\":0}}}" ) );
+    RfScene scene = load_material(
+        MATERIAL( "\"pbrMetallicRoughness\":{\"metallicFactor\":0,\"roughnessFactor\":0.5},\"extensions\":{"
+                  "\"KHR_materials_transmission\":{\"transmissionFactor\":0.5,\"transmissionTexture\":{\"index\":0}}}" ) );
     const double lower_right = 0.5 * 200.0 / 255.0;
     RfMaterial m = at( &scene, 1 );
     assert_true( m.kind == RF_BSDF_GLASS && m.thin );
@@ -79,9 +82,11 @@ static void test_transmission( void** state )
     rf_destroy_scene( &scene );
 
     // turned and on the second coordinates; metal by a texture, though the factor says all is
-    scene = load_material( MATERIAL( "\"pbrMetallicRoughness\":{\"metallicRoughnessTexture\":{\"index\":0}},\"extensions\":{\"KHR_materials_ior\":{\"ior\":1.3},"
-        "\"KHR_materials_transmission\":{\"transmissionFactor\":1,\"transmissionTexture\":{\"index\":0,\"texCoord\":1,"
-        "\"extensions\":{\"KHR_texture_transform\":{\"scale\":[0.5,0.5],\"offset\":[0.5,0]}}}}}" ) );
+    scene = load_material(
+        MATERIAL( "\"pbrMetallicRoughness\":{\"metallicRoughnessTexture\":{\"index\":0}},\"extensions\":{\"KHR_materials_ior\":{"
+                  "\"ior\":1.3},"
+                  "\"KHR_materials_transmission\":{\"transmissionFactor\":1,\"transmissionTexture\":{\"index\":0,\"texCoord\":1,"
+                  "\"extensions\":{\"KHR_texture_transform\":{\"scale\":[0.5,0.5],\"offset\":[0.5,0]}}}}}" ) );
     m = at( &scene, 0 ); // there its look-up is that of the lower right, and metal is 64 of 255
     double metal = 64.0 / 255.0, through = 200.0 / 255.0;
     gltf_assert_near( m.ior, 1.3 );
@@ -93,7 +98,8 @@ static void test_transmission( void** state )
     rf_destroy_scene( &scene );
 
     // a factor of 0 leaves nothing to look up
-    scene = load_material( MATERIAL( "\"extensions\":{\"KHR_materials_transmission\":{\"transmissionTexture\":{\"index\":0}}}" ) );
+    scene =
+        load_material( MATERIAL( "\"extensions\":{\"KHR_materials_transmission\":{\"transmissionTexture\":{\"index\":0}}}" ) );
     assert_true( scene.materials[0].kind == RF_BSDF_GGX && scene.texture_count == 0 );
     assert_null( scene.materials[0].textured );
     rf_destroy_scene( &scene );
@@ -103,8 +109,10 @@ static void test_transmission( void** state )
 static void test_thickness( void** state )
 {
     (void)state;
-    RfScene scene = load_material( MATERIAL( "\"pbrMetallicRoughness\":{\"metallicFactor\":0},\"extensions\":{\"KHR_materials_transmission\":{\"transmissionFactor\":1},"
-        "\"KHR_materials_volume\":{\"thicknessFactor\":0.1,\"thicknessTexture\":{\"index\":0},\"attenuationDistance\":2,\"attenuationColor\":[0.5,1,1]}}" ) );
+    RfScene scene = load_material( MATERIAL( "\"pbrMetallicRoughness\":{\"metallicFactor\":0},\"extensions\":{\"KHR_materials_"
+                                             "transmission\":{\"transmissionFactor\":1},"
+                                             "\"KHR_materials_volume\":{\"thicknessFactor\":0.1,\"thicknessTexture\":{\"index\":"
+                                             "0},\"attenuationDistance\":2,\"attenuationColor\":[0.5,1,1]}}" ) );
     assert_true( scene.materials[0].kind == RF_BSDF_GLASS && !scene.materials[0].thin );
     gltf_assert_near( scene.materials[0].absorption.x, log( 2.0 ) / 2.0 );
     assert_null( scene.materials[0].textured );
@@ -116,9 +124,11 @@ static void test_thickness( void** state )
 static void test_clearcoat( void** state )
 {
     (void)state;
-    RfScene scene = load_material( MATERIAL( "\"normalTexture\":{\"index\":0},\"extensions\":{\"KHR_materials_clearcoat\":{\"clearcoatFactor\":0.5,"
+    RfScene scene = load_material( MATERIAL(
+        "\"normalTexture\":{\"index\":0},\"extensions\":{\"KHR_materials_clearcoat\":{\"clearcoatFactor\":0.5,"
         "\"clearcoatRoughnessFactor\":0.8,\"clearcoatTexture\":{\"index\":0},\"clearcoatRoughnessTexture\":{\"index\":0},"
-        "\"clearcoatNormalTexture\":{\"index\":0,\"texCoord\":1,\"scale\":0.5,\"extensions\":{\"KHR_texture_transform\":{\"scale\":[0.5,0.5]}}}}}" ) );
+        "\"clearcoatNormalTexture\":{\"index\":0,\"texCoord\":1,\"scale\":0.5,\"extensions\":{\"KHR_texture_transform\":{"
+        "\"scale\":[0.5,0.5]}}}}}" ) );
     RfMaterial m = at( &scene, 1 );
     assert_int_equal( m.kind, RF_BSDF_COATED );
     gltf_assert_near( m.clearcoat, 0.5 * 200.0 / 255.0 );
@@ -137,7 +147,8 @@ static void test_clearcoat( void** state )
     rf_destroy_scene( &scene );
 
     // bumps below do not bend a coat without a texture of its own
-    scene = load_material( MATERIAL( "\"normalTexture\":{\"index\":0},\"extensions\":{\"KHR_materials_clearcoat\":{\"clearcoatFactor\":1}}" ) );
+    scene = load_material(
+        MATERIAL( "\"normalTexture\":{\"index\":0},\"extensions\":{\"KHR_materials_clearcoat\":{\"clearcoatFactor\":1}}" ) );
     n = rf_coat_normal_at( &scene, scene.materials, 0, 0.8f, 0.1f, up, up );
     gltf_assert_rgb( n, 0, 0, 1 );
     rf_destroy_scene( &scene );
@@ -152,11 +163,14 @@ static void test_faults( void** state )
 {
     (void)state;
     static const char* const s_faults[][2] = {
-        { "KHR_materials_transmission.transmissionTexture: index is missing", "\"KHR_materials_transmission\":{\"transmissionTexture\":{}}" },
+        { "KHR_materials_transmission.transmissionTexture: index is missing",
+          "\"KHR_materials_transmission\":{\"transmissionTexture\":{}}" },
         { "KHR_materials_volume.thicknessTexture: index is 7", "\"KHR_materials_volume\":{\"thicknessTexture\":{\"index\":7}}" },
-        { "KHR_materials_clearcoat.clearcoatTexture: texCoord is 2", "\"KHR_materials_clearcoat\":{\"clearcoatTexture\":{\"index\":0,\"texCoord\":2}}" },
+        { "KHR_materials_clearcoat.clearcoatTexture: texCoord is 2",
+          "\"KHR_materials_clearcoat\":{\"clearcoatTexture\":{\"index\":0,\"texCoord\":2}}" },
         { "clearcoatRoughnessTexture wants an object", "\"KHR_materials_clearcoat\":{\"clearcoatRoughnessTexture\":0}" },
-        { "clearcoatNormalTexture: scale wants", "\"KHR_materials_clearcoat\":{\"clearcoatNormalTexture\":{\"index\":0,\"scale\":\"1\"}}" },
+        { "clearcoatNormalTexture: scale wants",
+          "\"KHR_materials_clearcoat\":{\"clearcoatNormalTexture\":{\"index\":0,\"scale\":\"1\"}}" },
     };
     for ( size_t i = 0; i < sizeof s_faults / sizeof s_faults[0]; ++i )
     {
@@ -186,7 +200,7 @@ static void test_tangents_follow_the_transform( void** state )
     assert_int_equal( scene.triangles.vertex_count, 4 );
     rf_destroy_scene( &scene );
     scene = load_material( MESH( ALL_UVS ) IMAGE ",\"materials\":[{\"normalTexture\":{\"index\":0,\"texCoord\":1,\"extensions\":{"
-        "\"KHR_texture_transform\":{\"rotation\":1.5707963267948966}}}}]" );
+                                                 "\"KHR_texture_transform\":{\"rotation\":1.5707963267948966}}}}]" );
     // u' = v there, which runs down
     gltf_assert_three( scene.triangles.tangents, 0, -1, 0 );
     rf_destroy_scene( &scene );
@@ -214,8 +228,11 @@ static void test_mirrored_coordinates( void** state )
     int p = add_gltf_floats( &b, "VEC3", 3, 6, s_positions ), n = add_gltf_floats( &b, "VEC3", 3, 6, normals );
     int uv = add_gltf_floats( &b, "VEC2", 2, 6, s_uvs ), indices = add_gltf_u16( &b, 12, s_indices );
     char rest[1024];
-    snprintf( rest, sizeof rest, "\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":%d,\"NORMAL\":%d,\"TEXCOORD_0\":%d},"
-        "\"indices\":%d,\"material\":0}]}]" BUMPS, p, n, uv, indices );
+    snprintf(
+        rest, sizeof rest,
+        "\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":%d,\"NORMAL\":%d,\"TEXCOORD_0\":%d},"
+        "\"indices\":%d,\"material\":0}]}]" BUMPS,
+        p, n, uv, indices );
     RfScene scene = gltf_load_built( &b, rest );
     const RfTriangles* t = &scene.triangles;
     assert_int_equal( t->vertex_count, 8 );
@@ -231,13 +248,19 @@ static void test_mirrored_coordinates( void** state )
     }
     // a bump to the right of the picture leans away from the middle on the right, too
     RfVec3 up = rf_vec3( 0, 0, 1 );
-    RfVec3 left = rf_normal_at( &scene, scene.materials, 0, 0.8f, 0.1f, up, up ), right = rf_normal_at( &scene, scene.materials, 2, 0.1f, 0.1f, up, up );
+    RfVec3 left = rf_normal_at( &scene, scene.materials, 0, 0.8f, 0.1f, up, up ),
+           right = rf_normal_at( &scene, scene.materials, 2, 0.1f, 0.1f, up, up );
     gltf_assert_rgb( left, 1 / sqrt( 3.0 ), 1 / sqrt( 3.0 ), 1 / sqrt( 3.0 ) );
     gltf_assert_rgb( right, -1 / sqrt( 3.0 ), 1 / sqrt( 3.0 ), 1 / sqrt( 3.0 ) );
     rf_destroy_scene( &scene );
 }
 
-enum { COLUMNS = 24, ROWS = 8, GRID = ( COLUMNS + 1 ) * ( ROWS + 1 ) };
+enum
+{
+    COLUMNS = 24,
+    ROWS = 8,
+    GRID = ( COLUMNS + 1 ) * ( ROWS + 1 )
+};
 
 typedef struct Ball
 {
@@ -291,8 +314,10 @@ static void test_sphere( void** state )
     int p = add_gltf_floats( &b, "VEC3", 3, GRID, ball.positions ), uv = add_gltf_floats( &b, "VEC2", 2, GRID, ball.uvs );
     int indices = add_gltf_u16( &b, 6 * COLUMNS * ROWS, ball.indices );
     char rest[1024];
-    snprintf( rest, sizeof rest, "\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":%d,\"NORMAL\":%d,"
-        "\"TEXCOORD_0\":%d},\"indices\":%d,\"material\":0}]}]" BUMPS, p, p, uv, indices );
+    snprintf( rest, sizeof rest,
+              "\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":%d,\"NORMAL\":%d,"
+              "\"TEXCOORD_0\":%d},\"indices\":%d,\"material\":0}]}]" BUMPS,
+              p, p, uv, indices );
     RfScene scene = gltf_load_built( &b, rest );
     assert_int_equal( scene.triangles.vertex_count, GRID );
     double worst = 0.0;
@@ -326,8 +351,11 @@ static void test_same_vertices_and_angles( void** state )
     int p = add_gltf_floats( &b, "VEC3", 3, 6, positions ), n = add_gltf_floats( &b, "VEC3", 3, 6, normals );
     int uv = add_gltf_floats( &b, "VEC2", 2, 6, uvs );
     char rest[1024];
-    snprintf( rest, sizeof rest, "\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":%d,\"NORMAL\":%d,\"TEXCOORD_0\":%d},"
-        "\"material\":0}]}]" BUMPS, p, n, uv );
+    snprintf(
+        rest, sizeof rest,
+        "\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":%d,\"NORMAL\":%d,\"TEXCOORD_0\":%d},"
+        "\"material\":0}]}]" BUMPS,
+        p, n, uv );
     RfScene scene = gltf_load_built( &b, rest );
     const RfTriangles* t = &scene.triangles;
     assert_int_equal( t->vertex_count, 6 );
@@ -346,7 +374,8 @@ static void test_same_vertices_and_angles( void** state )
 static void test_mirror_with_a_roughness_texture( void** state )
 {
     (void)state;
-    RfScene scene = load_material( MATERIAL( "\"pbrMetallicRoughness\":{\"roughnessFactor\":0.01,\"metallicRoughnessTexture\":{\"index\":0}}" ) );
+    RfScene scene = load_material(
+        MATERIAL( "\"pbrMetallicRoughness\":{\"roughnessFactor\":0.01,\"metallicRoughnessTexture\":{\"index\":0}}" ) );
     assert_int_equal( scene.materials[0].kind, RF_BSDF_GGX );
     gltf_assert_near( at( &scene, 0 ).alpha, RF_MIN_ALPHA );
     rf_destroy_scene( &scene );
@@ -369,8 +398,11 @@ static void test_coordinates_without_area( void** state )
     int p = add_gltf_floats( &b, "VEC3", 3, 9, s_positions ), n = add_gltf_floats( &b, "VEC3", 3, 9, normals );
     int uv = add_gltf_floats( &b, "VEC2", 2, 9, s_uvs );
     char rest[1024];
-    snprintf( rest, sizeof rest, "\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":%d,\"NORMAL\":%d,\"TEXCOORD_0\":%d},"
-        "\"material\":0}]}]" BUMPS, p, n, uv );
+    snprintf(
+        rest, sizeof rest,
+        "\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":%d,\"NORMAL\":%d,\"TEXCOORD_0\":%d},"
+        "\"material\":0}]}]" BUMPS,
+        p, n, uv );
     RfScene scene = gltf_load_built( &b, rest );
     gltf_assert_three( scene.triangles.tangents + 12, 1, 0, 0 );
     gltf_assert_near( scene.triangles.tangents[15], 1 );
@@ -411,8 +443,12 @@ static void test_float_texture( void** state )
     int view = add_gltf_accessor( &b, 5121, "SCALAR", (int)size, exr, size, "" );
     free( exr );
     char rest[1024];
-    snprintf( rest, sizeof rest, MESH( ALL_UVS ) ",\"images\":[{\"bufferView\":%d},{\"uri\":\"absent.png\"}],\"textures\":[{\"source\":0},{\"source\":1}],\"materials\":["
-        "{\"emissiveFactor\":[1,1,1],\"emissiveTexture\":{\"index\":0}},{\"emissiveTexture\":{\"index\":1}}]", view );
+    snprintf(
+        rest, sizeof rest,
+        MESH( ALL_UVS ) ",\"images\":[{\"bufferView\":%d},{\"uri\":\"absent.png\"}],\"textures\":[{\"source\":0},{\"source\":1}],"
+                        "\"materials\":["
+                        "{\"emissiveFactor\":[1,1,1],\"emissiveTexture\":{\"index\":0}},{\"emissiveTexture\":{\"index\":1}}]",
+        view );
     RfScene scene = gltf_load_built( &b, rest );
     assert_int_equal( scene.texture_count, 1 );
     gltf_assert_near( scene.textures[0].largest, 4 );

@@ -29,10 +29,11 @@ static RfResult load_text( const char* material, const char* nodes, const char* 
     int translation = add_gltf_floats( &b, "VEC3", 3, 2, moves ), scale = add_gltf_floats( &b, "VEC3", 3, 2, scales );
     int rotation = add_gltf_floats( &b, "VEC4", 4, 2, turns );
     assert_true( translation == 1 && scale == 2 && rotation == 3 );
-    snprintf( rest, sizeof rest,
-              "\"materials\":[{\"name\":\"m\"%s}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":%d},\"material\":0}]}],"
-              "\"nodes\":[%s],\"scenes\":[{\"nodes\":[0]}]%s",
-              material, corners, nodes, more );
+    snprintf(
+        rest, sizeof rest,
+        "\"materials\":[{\"name\":\"m\"%s}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":%d},\"material\":0}]}],"
+        "\"nodes\":[%s],\"scenes\":[{\"nodes\":[0]}]%s",
+        material, corners, nodes, more );
     RfLog log = { 0 };
     RfError error = { 0 };
     RfResult result = rf_load_gltf( write_gltf( &b, &folder, rest ), scene, &log, &error );
@@ -67,20 +68,24 @@ static bool near( float a, double b ) { return fabs( (double)a - b ) <= 1e-6 * (
 static void test_glass( void** state )
 {
     (void)state;
-    RfScene s = load_ok( ",\"pbrMetallicRoughness\":{\"metallicFactor\":0,\"roughnessFactor\":0,\"baseColorFactor\":[1,0.5,0.25,1]}"
-                         EXTENSIONS( "\"KHR_materials_transmission\":{\"transmissionFactor\":1},\"KHR_materials_ior\":{\"ior\":1.3},"
-                                     "\"KHR_materials_volume\":{\"thicknessFactor\":0.1,\"attenuationDistance\":2,\"attenuationColor\":[1,0.5,0.25]}" ),
-                         MESH, "" );
+    RfScene s = load_ok(
+        ",\"pbrMetallicRoughness\":{\"metallicFactor\":0,\"roughnessFactor\":0,\"baseColorFactor\":[1,0.5,0.25,1]}" EXTENSIONS(
+            "\"KHR_materials_transmission\":{\"transmissionFactor\":1},\"KHR_materials_ior\":{\"ior\":1.3},"
+            "\"KHR_materials_volume\":{\"thicknessFactor\":0.1,\"attenuationDistance\":2,\"attenuationColor\":[1,0.5,0.25]}" ),
+        MESH, "" );
     const RfMaterial* m = s.materials;
     assert_int_equal( m->kind, RF_BSDF_GLASS );
     assert_true( near( m->ior, 1.3 ) && m->alpha == 0.0f && !m->thin );
     assert_true( near( m->tint.x, 1 ) && near( m->tint.y, 0.5 ) && near( m->tint.z, 0.25 ) && m->diffuse.x == 0.0f );
-    assert_true( near( m->absorption.x, 0 ) && near( m->absorption.y, log( 2.0 ) / 2 ) && near( m->absorption.z, log( 4.0 ) / 2 ) );
+    assert_true( near( m->absorption.x, 0 ) && near( m->absorption.y, log( 2.0 ) / 2 ) &&
+                 near( m->absorption.z, log( 4.0 ) / 2 ) );
     rf_destroy_scene( &s );
-    s = load_ok( ",\"pbrMetallicRoughness\":{\"metallicFactor\":0,\"roughnessFactor\":0.5}"
-                 EXTENSIONS( "\"KHR_materials_transmission\":{\"transmissionFactor\":0.75}" ), MESH, "" );
+    s = load_ok( ",\"pbrMetallicRoughness\":{\"metallicFactor\":0,\"roughnessFactor\":0.5}" EXTENSIONS(
+                     "\"KHR_materials_transmission\":{\"transmissionFactor\":0.75}" ),
+                 MESH, "" );
     m = s.materials;
-    assert_true( m->kind == RF_BSDF_GLASS && m->thin && near( m->alpha, 0.25 ) && near( m->tint.x, 0.75 ) && near( m->diffuse.x, 0.25 ) );
+    assert_true( m->kind == RF_BSDF_GLASS && m->thin && near( m->alpha, 0.25 ) && near( m->tint.x, 0.75 ) &&
+                 near( m->diffuse.x, 0.25 ) );
     rf_destroy_scene( &s );
     s = load_ok( ",\"pbrMetallicRoughness\":{\"roughnessFactor\":0,\"baseColorFactor\":[0.9,0.8,0.7,1]}", MESH, "" );
     m = s.materials;
@@ -95,7 +100,8 @@ static void test_extras( void** state )
     assert_true( s.materials->kind == RF_BSDF_GLASS && s.materials->ior == 0.0f && near( s.materials->specular.z, 0.7 ) );
     rf_destroy_scene( &s );
     s = load_ok( ",\"extras\":{\"reframe\":{\"bsdf\":\"glass\",\"ior\":1.7}}", MESH, "" );
-    assert_true( s.materials->kind == RF_BSDF_GLASS && near( s.materials->ior, 1.7 ) && near( s.materials->tint.x, 1 ) && s.materials->alpha == 0.0f );
+    assert_true( s.materials->kind == RF_BSDF_GLASS && near( s.materials->ior, 1.7 ) && near( s.materials->tint.x, 1 ) &&
+                 s.materials->alpha == 0.0f );
     rf_destroy_scene( &s );
     assert_fails( ",\"extras\":{\"reframe\":{\"bsdf\":\"glass\",\"ior\":0.5}}", MESH, "", "ior: wants a number above 1" );
     assert_fails( ",\"extras\":{\"reframe\":{\"bsdf\":\"glass\",\"tint\":1}}", MESH, "", "tint: is not known here" );
@@ -106,13 +112,16 @@ static void test_extras( void** state )
 static void test_clearcoat_and_unlit( void** state )
 {
     (void)state;
-    RfScene s = load_ok( EXTENSIONS( "\"KHR_materials_clearcoat\":{\"clearcoatFactor\":0.5,\"clearcoatRoughnessFactor\":0.4}" ), MESH, "" );
-    assert_true( s.materials->kind == RF_BSDF_COATED && near( s.materials->clearcoat, 0.5 ) && near( s.materials->clearcoat_alpha, 0.16 ) );
+    RfScene s = load_ok( EXTENSIONS( "\"KHR_materials_clearcoat\":{\"clearcoatFactor\":0.5,\"clearcoatRoughnessFactor\":0.4}" ),
+                         MESH, "" );
+    assert_true( s.materials->kind == RF_BSDF_COATED && near( s.materials->clearcoat, 0.5 ) &&
+                 near( s.materials->clearcoat_alpha, 0.16 ) );
     rf_destroy_scene( &s );
     s = load_ok( EXTENSIONS( "\"KHR_materials_clearcoat\":{}" ), MESH, "" );
     assert_int_equal( s.materials->kind, RF_BSDF_GGX );
     rf_destroy_scene( &s );
-    s = load_ok( ",\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.1,0.2,0.3,1]}" EXTENSIONS( "\"KHR_materials_unlit\":{}" ), MESH, "" );
+    s = load_ok( ",\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.1,0.2,0.3,1]}" EXTENSIONS( "\"KHR_materials_unlit\":{}" ),
+                 MESH, "" );
     assert_true( s.materials->kind == RF_BSDF_LAMBERT && near( s.materials->emission.y, 0.2 ) && s.materials->diffuse.y == 0.0f );
     rf_destroy_scene( &s );
 }
@@ -120,7 +129,8 @@ static void test_clearcoat_and_unlit( void** state )
 static void test_material_faults( void** state )
 {
     (void)state;
-    assert_fails( EXTENSIONS( "\"KHR_materials_transmission\":{\"transmissionFactor\":2}" ), MESH, "", "transmissionFactor is 2" );
+    assert_fails( EXTENSIONS( "\"KHR_materials_transmission\":{\"transmissionFactor\":2}" ), MESH, "",
+                  "transmissionFactor is 2" );
     assert_fails( EXTENSIONS( "\"KHR_materials_volume\":{\"thicknessFactor\":-1}" ), MESH, "", "thicknessFactor is -1" );
     assert_fails( EXTENSIONS( "\"KHR_materials_volume\":{\"attenuationDistance\":0}" ), MESH, "", "attenuationDistance is 0" );
     assert_fails( EXTENSIONS( "\"KHR_materials_volume\":{\"attenuationColor\":[1,1,9]}" ), MESH, "", "attenuationColor is 9" );
@@ -129,14 +139,16 @@ static void test_material_faults( void** state )
 }
 
 #define LIGHTS( text ) ",\"extensions\":{\"KHR_lights_punctual\":{\"lights\":[" text "]}}"
-#define LAMP_NODE "{\"mesh\":0,\"translation\":[1,2,3],\"rotation\":[-0.70710678,0,0,0.70710678],\"scale\":[2,2,2]," \
-                  "\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}}}"
+#define LAMP_NODE                                                                                                                \
+    "{\"mesh\":0,\"translation\":[1,2,3],\"rotation\":[-0.70710678,0,0,0.70710678],\"scale\":[2,2,2],"                           \
+    "\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}}}"
 
 static void test_lamps( void** state )
 {
     (void)state;
-    RfScene s = load_ok( "", LAMP_NODE, LIGHTS( "{\"type\":\"spot\",\"name\":\"desk\",\"color\":[1,0.5,0],\"intensity\":10,\"range\":7,"
-                                                "\"spot\":{\"innerConeAngle\":0.1,\"outerConeAngle\":0.5}}" ) );
+    RfScene s = load_ok( "", LAMP_NODE,
+                         LIGHTS( "{\"type\":\"spot\",\"name\":\"desk\",\"color\":[1,0.5,0],\"intensity\":10,\"range\":7,"
+                                 "\"spot\":{\"innerConeAngle\":0.1,\"outerConeAngle\":0.5}}" ) );
     assert_int_equal( s.punctual_count, 1 );
     const RfPunctual* p = s.punctuals;
     assert_string_equal( p->name, "desk" );
@@ -156,13 +168,15 @@ static void test_lamps( void** state )
     assert_fails( "", LAMP_NODE, LIGHTS( "{\"intensity\":1}" ), "type" );
     assert_fails( "", LAMP_NODE, LIGHTS( "{\"type\":\"laser\"}" ), "wants point, spot or directional" );
     assert_fails( "", LAMP_NODE, LIGHTS( "{\"type\":\"spot\"}" ), "spot" );
-    assert_fails( "", LAMP_NODE, LIGHTS( "{\"type\":\"spot\",\"spot\":{\"innerConeAngle\":1,\"outerConeAngle\":0.5}}" ), "cone angles" );
+    assert_fails( "", LAMP_NODE, LIGHTS( "{\"type\":\"spot\",\"spot\":{\"innerConeAngle\":1,\"outerConeAngle\":0.5}}" ),
+                  "cone angles" );
     assert_fails( "", LAMP_NODE, LIGHTS( "{\"type\":\"point\",\"intensity\":-1}" ), "intensity is -1" );
-    assert_fails( "", LAMP_NODE, LIGHTS( "{\"type\":\"point\",\"intensity\":2e9}" ), "intensity is 2e+09, beyond what reframe reads: at most 1e+09" );
+    assert_fails( "", LAMP_NODE, LIGHTS( "{\"type\":\"point\",\"intensity\":2e9}" ),
+                  "intensity is 2e+09, beyond what reframe reads: at most 1e+09" );
     assert_fails( "", LAMP_NODE, LIGHTS( "{\"type\":\"point\",\"range\":0}" ), "range is 0" );
     assert_fails( "", LAMP_NODE, LIGHTS( "{\"type\":\"point\",\"color\":[1,1,2]}" ), "color is 2" );
-    assert_fails( "", "{\"scale\":[0,0,0],\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}}}", LIGHTS( "{\"type\":\"directional\"}" ),
-                  "no direction" );
+    assert_fails( "", "{\"scale\":[0,0,0],\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}}}",
+                  LIGHTS( "{\"type\":\"directional\"}" ), "no direction" );
     assert_fails( "", "{\"extensions\":{\"KHR_lights_punctual\":{\"light\":5}}}", LIGHTS( "{\"type\":\"point\"}" ), "light" );
 }
 
@@ -189,9 +203,8 @@ static void test_instances( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_glass ),   cmocka_unit_test( test_extras ),
-        cmocka_unit_test( test_clearcoat_and_unlit ), cmocka_unit_test( test_material_faults ),
-        cmocka_unit_test( test_lamps ),   cmocka_unit_test( test_instances ),
+        cmocka_unit_test( test_glass ),           cmocka_unit_test( test_extras ), cmocka_unit_test( test_clearcoat_and_unlit ),
+        cmocka_unit_test( test_material_faults ), cmocka_unit_test( test_lamps ),  cmocka_unit_test( test_instances ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

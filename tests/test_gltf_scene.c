@@ -30,18 +30,18 @@ static void test_materials( void** state )
 {
     (void)state;
     GltfBuilder b = { 0 };
-    RfScene scene = gltf_load_built( &b,
-        "\"materials\":[{\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.5,0.25,1,1],\"metallicFactor\":0.5,"
-        "\"roughnessFactor\":0.5}},"
-        "{\"name\":\"matte\",\"doubleSided\":true,\"pbrMetallicRoughness\":{\"metallicFactor\":0,\"roughnessFactor\":0},"
-        "\"emissiveFactor\":[1,0.5,0],\"extensions\":{\"KHR_materials_specular\":{\"specularFactor\":0},"
-        "\"KHR_materials_emissive_strength\":{\"emissiveStrength\":200}}},"
-        "{\"pbrMetallicRoughness\":{\"metallicFactor\":0},\"extensions\":{\"KHR_materials_ior\":{\"ior\":3},"
-        "\"KHR_materials_specular\":{\"specularFactor\":0.5,\"specularColorFactor\":[1,0.5,9]}}},"
-        "{\"pbrMetallicRoughness\":{\"metallicFactor\":0},\"extensions\":{\"KHR_materials_ior\":{\"ior\":0}}},"
-        "{\"extras\":{\"reframe\":{\"bsdf\":\"phong\",\"diffuse\":[0.1,0.2,0.3],\"specular\":[0.9,0.5,0.5],"
-        "\"exponent\":60}},\"emissiveFactor\":[0,0,1]},"
-        "{\"extras\":{\"reframe\":{\"bsdf\":\"lambert\",\"diffuse\":[0.1,0.2,0.3]}}},{\"extras\":7}]" );
+    RfScene scene = gltf_load_built(
+        &b, "\"materials\":[{\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.5,0.25,1,1],\"metallicFactor\":0.5,"
+            "\"roughnessFactor\":0.5}},"
+            "{\"name\":\"matte\",\"doubleSided\":true,\"pbrMetallicRoughness\":{\"metallicFactor\":0,\"roughnessFactor\":0},"
+            "\"emissiveFactor\":[1,0.5,0],\"extensions\":{\"KHR_materials_specular\":{\"specularFactor\":0},"
+            "\"KHR_materials_emissive_strength\":{\"emissiveStrength\":200}}},"
+            "{\"pbrMetallicRoughness\":{\"metallicFactor\":0},\"extensions\":{\"KHR_materials_ior\":{\"ior\":3},"
+            "\"KHR_materials_specular\":{\"specularFactor\":0.5,\"specularColorFactor\":[1,0.5,9]}}},"
+            "{\"pbrMetallicRoughness\":{\"metallicFactor\":0},\"extensions\":{\"KHR_materials_ior\":{\"ior\":0}}},"
+            "{\"extras\":{\"reframe\":{\"bsdf\":\"phong\",\"diffuse\":[0.1,0.2,0.3],\"specular\":[0.9,0.5,0.5],"
+            "\"exponent\":60}},\"emissiveFactor\":[0,0,1]},"
+            "{\"extras\":{\"reframe\":{\"bsdf\":\"lambert\",\"diffuse\":[0.1,0.2,0.3]}}},{\"extras\":7}]" );
     const RfMaterial* m = scene.materials;
     assert_int_equal( scene.material_count, 7 );
     assert_string_equal( m[0].name, "materials[0]" );
@@ -76,13 +76,15 @@ static void test_warnings_are_said_once( void** state )
     GltfBuilder b = { 0 };
     add_gltf_floats( &b, "VEC3", 3, 4, s_square );
     add_gltf_floats( &b, "VEC3", 3, 4, s_square );
-    RfScene scene = gltf_load_built( &b,
-        "\"extensionsUsed\":[\"KHR_materials_ior\",\"KHR_materials_sheen\",\"EXT_unheard_of\"],"
-        "\"materials\":[{\"name\":\"A\",\"alphaMode\":\"BLEND\","
-        "\"extensions\":{\"KHR_materials_sheen\":{},\"KHR_materials_transmission\":{\"transmissionFactor\":1},\"KHR_materials_clearcoat\":{\"clearcoatFactor\":1}},\"pbrMetallicRoughness\":{\"metallicFactor\":0}},{\"name\":\"B\",\"alphaMode\":\"MASK\","
-        "\"occlusionTexture\":{\"index\":0},\"extensions\":{\"KHR_materials_sheen\":{}}}],"
-        "\"nodes\":[{\"mesh\":0,\"skin\":0},{\"name\":\"lamp\",\"extensions\":{\"KHR_animation_pointer\":{}}}],"
-        MESH( "{\"attributes\":{\"POSITION\":0,\"COLOR_0\":1},\"mode\":6,\"targets\":[]}" ) );
+    RfScene scene = gltf_load_built(
+        &b, "\"extensionsUsed\":[\"KHR_materials_ior\",\"KHR_materials_sheen\",\"EXT_unheard_of\"],"
+            "\"materials\":[{\"name\":\"A\",\"alphaMode\":\"BLEND\","
+            "\"extensions\":{\"KHR_materials_sheen\":{},\"KHR_materials_transmission\":{\"transmissionFactor\":1},\"KHR_"
+            "materials_clearcoat\":{\"clearcoatFactor\":1}},\"pbrMetallicRoughness\":{\"metallicFactor\":0}},{\"name\":\"B\","
+            "\"alphaMode\":\"MASK\","
+            "\"occlusionTexture\":{\"index\":0},\"extensions\":{\"KHR_materials_sheen\":{}}}],"
+            "\"nodes\":[{\"mesh\":0,\"skin\":0},{\"name\":\"lamp\",\"extensions\":{\"KHR_animation_pointer\":{}}}]," MESH(
+                "{\"attributes\":{\"POSITION\":0,\"COLOR_0\":1},\"mode\":6,\"targets\":[]}" ) );
     gltf_assert_warned( "a clear coat over glass or a mirror is not read: material 'A'" );
     gltf_assert_warned( "KHR_materials_sheen is not read yet: material 'A'" );
     gltf_assert_warned( "KHR_animation_pointer is not read yet: node 'lamp'" );
@@ -113,17 +115,17 @@ static void test_cameras( void** state )
 {
     (void)state;
     GltfBuilder b = make_motion();
-    RfScene scene = gltf_load_built( &b,
-        "\"nodes\":[{\"name\":\"Dolly\",\"children\":[1]},{\"name\":\"Shot\",\"camera\":0,\"translation\":[0,1,0]},"
-        "{\"name\":\"Shot\",\"camera\":0},{\"camera\":0},{\"camera\":1,\"name\":\"flat\"},{\"camera\":2},"
-        "{\"name\":\"Shot#2\",\"camera\":0}],"
-        "\"cameras\":[{\"name\":\"Lens\",\"type\":\"perspective\",\"perspective\":{\"yfov\":0.5}},"
-        "{\"type\":\"orthographic\"},{\"type\":\"perspective\",\"perspective\":{\"yfov\":0.75}}],"
-        "\"animations\":[{\"samplers\":[{\"input\":0,\"output\":1},{\"input\":0,\"output\":2}],\"channels\":["
-        "{\"sampler\":1,\"target\":{\"node\":1,\"path\":\"rotation\"}},"
-        "{\"sampler\":0,\"target\":{\"node\":0,\"path\":\"translation\"}},"
-        "{\"sampler\":0,\"target\":{\"node\":0,\"path\":\"translation\"}},"
-        "{\"sampler\":0,\"target\":{\"path\":\"pointer\"}},{\"sampler\":0,\"target\":{\"node\":0,\"path\":\"weights\"}}]}]" );
+    RfScene scene = gltf_load_built(
+        &b, "\"nodes\":[{\"name\":\"Dolly\",\"children\":[1]},{\"name\":\"Shot\",\"camera\":0,\"translation\":[0,1,0]},"
+            "{\"name\":\"Shot\",\"camera\":0},{\"camera\":0},{\"camera\":1,\"name\":\"flat\"},{\"camera\":2},"
+            "{\"name\":\"Shot#2\",\"camera\":0}],"
+            "\"cameras\":[{\"name\":\"Lens\",\"type\":\"perspective\",\"perspective\":{\"yfov\":0.5}},"
+            "{\"type\":\"orthographic\"},{\"type\":\"perspective\",\"perspective\":{\"yfov\":0.75}}],"
+            "\"animations\":[{\"samplers\":[{\"input\":0,\"output\":1},{\"input\":0,\"output\":2}],\"channels\":["
+            "{\"sampler\":1,\"target\":{\"node\":1,\"path\":\"rotation\"}},"
+            "{\"sampler\":0,\"target\":{\"node\":0,\"path\":\"translation\"}},"
+            "{\"sampler\":0,\"target\":{\"node\":0,\"path\":\"translation\"}},"
+            "{\"sampler\":0,\"target\":{\"path\":\"pointer\"}},{\"sampler\":0,\"target\":{\"node\":0,\"path\":\"weights\"}}]}]" );
     assert_int_equal( scene.camera_count, 5 );
     const char* const names[] = { "Shot", "Lens", "camera", "Shot#2", "Shot#3" };
     for ( int i = 0; i < 5; ++i )
@@ -154,11 +156,11 @@ static void test_moving_mesh_is_taken_at_its_first_key( void** state )
     GltfBuilder b = make_motion();
     static const float s_moves[] = { 7, 0, 0, 8, 0, 0 };
     add_gltf_floats( &b, "VEC3", 3, 2, s_moves ); // 4
-    RfScene scene = gltf_load_built( &b,
-        "\"nodes\":[{\"children\":[1],\"translation\":[99,0,0]},{\"name\":\"door\",\"mesh\":0}],"
-        MESH( "{\"attributes\":{\"POSITION\":3},\"mode\":6}" )
-        ",\"animations\":[{\"samplers\":[{\"input\":0,\"output\":4}],\"channels\":[{\"sampler\":0,"
-        "\"target\":{\"node\":0,\"path\":\"translation\"}}]}]" );
+    RfScene scene = gltf_load_built(
+        &b, "\"nodes\":[{\"children\":[1],\"translation\":[99,0,0]},{\"name\":\"door\",\"mesh\":0}]," MESH(
+                "{\"attributes\":{\"POSITION\":3},\"mode\":6}" ) ",\"animations\":[{\"samplers\":[{\"input\":0,\"output\":4}],"
+                                                                 "\"channels\":[{\"sampler\":0,"
+                                                                 "\"target\":{\"node\":0,\"path\":\"translation\"}}]}]" );
     gltf_assert_rgb( scene.bounds_min, 7, 0, 0 );
     gltf_assert_warned( "moving geometry is not supported: node 'door' is taken at its first frame" );
     rf_destroy_scene( &scene );
@@ -206,10 +208,8 @@ static void test_shared_scenes( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_materials ),
-        cmocka_unit_test( test_warnings_are_said_once ),
-        cmocka_unit_test( test_cameras ),
-        cmocka_unit_test( test_moving_mesh_is_taken_at_its_first_key ),
+        cmocka_unit_test( test_materials ),     cmocka_unit_test( test_warnings_are_said_once ),
+        cmocka_unit_test( test_cameras ),       cmocka_unit_test( test_moving_mesh_is_taken_at_its_first_key ),
         cmocka_unit_test( test_shared_scenes ),
     };
     return cmocka_run_group_tests( tests, gltf_enter, gltf_leave );

@@ -41,7 +41,9 @@ static GltfBuilder make_square( void )
     return b;
 }
 
-#define NODES "\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"TEXCOORD_0\":1,\"TEXCOORD_1\":2},\"indices\":3,\"material\":0}]}]"
+#define NODES                                                                                                                    \
+    "\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"TEXCOORD_0\":1,\"TEXCOORD_1\":2},"  \
+    "\"indices\":3,\"material\":0}]}]"
 #define IMAGE ",\"images\":[{\"bufferView\":5,\"mimeType\":\"image/png\"}]"
 #define TEXTURE IMAGE ",\"textures\":[{\"source\":0}]"
 
@@ -59,7 +61,9 @@ static void test_colour_spaces( void** state )
 {
     (void)state;
     GltfBuilder b = make_square();
-    RfScene scene = gltf_load_built( &b, NODES IMAGE ",\"samplers\":[{\"magFilter\":9728,\"wrapS\":33071,\"wrapT\":33648}],"
+    RfScene scene = gltf_load_built(
+        &b, NODES IMAGE
+        ",\"samplers\":[{\"magFilter\":9728,\"wrapS\":33071,\"wrapT\":33648}],"
         "\"textures\":[{\"source\":0,\"sampler\":0}],\"materials\":[{\"pbrMetallicRoughness\":{\"metallicFactor\":0.5,"
         "\"baseColorFactor\":[1,0.5,1,1],\"baseColorTexture\":{\"index\":0},\"metallicRoughnessTexture\":{\"index\":0}},"
         "\"emissiveFactor\":[1,1,1],\"emissiveTexture\":{\"index\":0},"
@@ -104,10 +108,14 @@ static void test_same_as_factors( void** state )
     int view = add_gltf_accessor( &b, 5121, "SCALAR", (int)size, png, size, "" );
     free( png );
     char rest[2048];
-    snprintf( rest, sizeof rest, NODES ",\"images\":[{\"bufferView\":%d}],\"textures\":[{\"source\":0}],\"materials\":[{\"pbrMetallicRoughness\":"
+    snprintf(
+        rest, sizeof rest,
+        NODES
+        ",\"images\":[{\"bufferView\":%d}],\"textures\":[{\"source\":0}],\"materials\":[{\"pbrMetallicRoughness\":"
         "{\"baseColorFactor\":[0.3,0.7,0.9,1],\"metallicFactor\":0.3,\"roughnessFactor\":0.37,\"baseColorTexture\":{\"index\":0},"
         "\"metallicRoughnessTexture\":{\"index\":0}},\"extensions\":{\"KHR_materials_specular\":{\"specularFactor\":0.6,"
-        "\"specularColorFactor\":[1,0.5,0.2],\"specularTexture\":{\"index\":0},\"specularColorTexture\":{\"index\":0}}}}]", view );
+        "\"specularColorFactor\":[1,0.5,0.2],\"specularTexture\":{\"index\":0},\"specularColorTexture\":{\"index\":0}}}}]",
+        view );
     RfScene scene = gltf_load_built( &b, rest );
     RfMaterial m = at( &scene, 0.3f, 0.3f );
     assert_memory_equal( &m, scene.materials, sizeof m );
@@ -118,9 +126,12 @@ static void test_transform_and_sets( void** state )
 {
     (void)state;
     GltfBuilder b = make_square();
-    RfScene scene = gltf_load_built( &b, NODES TEXTURE ",\"extensionsRequired\":[\"KHR_texture_transform\"],\"materials\":["
+    RfScene scene = gltf_load_built(
+        &b, NODES TEXTURE
+        ",\"extensionsRequired\":[\"KHR_texture_transform\"],\"materials\":["
         "{\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0,\"texCoord\":1}},\"emissiveTexture\":{\"index\":0,"
-        "\"extensions\":{\"KHR_texture_transform\":{\"offset\":[0,1],\"rotation\":1.57079632679,\"scale\":[0.5,0.5],\"texCoord\":1}}}}]" );
+        "\"extensions\":{\"KHR_texture_transform\":{\"offset\":[0,1],\"rotation\":1.57079632679,\"scale\":[0.5,0.5],\"texCoord\":"
+        "1}}}}]" );
     const RfTextured* t = scene.materials[0].textured;
     assert_int_equal( t->refs[RF_TEXTURE_BASE].uv_set, 1 );
     assert_int_equal( t->refs[RF_TEXTURE_EMISSIVE].uv_set, 1 );
@@ -147,10 +158,12 @@ static void test_vertex_colours( void** state )
     GltfBuilder b = make_square();
     add_gltf_accessor( &b, 5123, "VEC4", 4, s_shorts, sizeof s_shorts, ",\"normalized\":true" ); // 6
     add_gltf_floats( &b, "VEC4", 4, 4, s_floats );                                               // 7
-    RfScene scene = gltf_load_built( &b, "\"nodes\":[{\"mesh\":0}],\"materials\":[{\"pbrMetallicRoughness\":{\"metallicFactor\":0,"
-        "\"baseColorFactor\":[1,1,0.5,1]}}],\"meshes\":[{\"primitives\":["
-        "{\"attributes\":{\"POSITION\":0,\"COLOR_0\":6},\"indices\":3,\"material\":0},{\"attributes\":{\"POSITION\":0},\"indices\":3,\"material\":0},"
-        "{\"attributes\":{\"POSITION\":0,\"COLOR_0\":7},\"indices\":3},{\"attributes\":{\"POSITION\":0},\"indices\":3}]}]" );
+    RfScene scene = gltf_load_built(
+        &b, "\"nodes\":[{\"mesh\":0}],\"materials\":[{\"pbrMetallicRoughness\":{\"metallicFactor\":0,"
+            "\"baseColorFactor\":[1,1,0.5,1]}}],\"meshes\":[{\"primitives\":["
+            "{\"attributes\":{\"POSITION\":0,\"COLOR_0\":6},\"indices\":3,\"material\":0},{\"attributes\":{\"POSITION\":0},"
+            "\"indices\":3,\"material\":0},"
+            "{\"attributes\":{\"POSITION\":0,\"COLOR_0\":7},\"indices\":3},{\"attributes\":{\"POSITION\":0},\"indices\":3}]}]" );
     const RfTriangles* t = &scene.triangles;
     assert_non_null( t->colors );
     assert_non_null( scene.materials[0].textured );
@@ -169,8 +182,9 @@ static void test_alpha( void** state )
 {
     (void)state;
     GltfBuilder b = make_square();
-    RfScene scene = gltf_load_built( &b, NODES TEXTURE ",\"materials\":[{\"name\":\"leaf\",\"alphaMode\":\"MASK\",\"alphaCutoff\":0.4,"
-        "\"pbrMetallicRoughness\":{\"baseColorFactor\":[1,1,1,0.5],\"baseColorTexture\":{\"index\":0}}}]" );
+    RfScene scene = gltf_load_built(
+        &b, NODES TEXTURE ",\"materials\":[{\"name\":\"leaf\",\"alphaMode\":\"MASK\",\"alphaCutoff\":0.4,"
+                          "\"pbrMetallicRoughness\":{\"baseColorFactor\":[1,1,1,0.5],\"baseColorTexture\":{\"index\":0}}}]" );
     const RfMaterial* m = scene.materials;
     assert_true( rf_is_masked( m ) );
     assert_false( rf_is_cut_out( &scene, m, 0, 0.1f, 0.8f ) ); // (0.9, 0.2)
@@ -179,7 +193,7 @@ static void test_alpha( void** state )
     rf_destroy_scene( &scene );
 
     scene = gltf_load_built( &b, NODES ",\"materials\":[{\"name\":\"ghost\",\"alphaMode\":\"BLEND\",\"pbrMetallicRoughness\":"
-                                 "{\"baseColorFactor\":[1,1,1,0.3]}}]" );
+                                       "{\"baseColorFactor\":[1,1,1,0.3]}}]" );
     assert_string_equal( gltf_warnings, "" );
     assert_true( rf_is_blended( scene.materials ) && !rf_is_masked( scene.materials ) );
     assert_true( fabsf( rf_opacity_at( &scene, scene.materials, 0, 0.2f, 0.5f ) - 0.3f ) < 1e-6f );
@@ -204,8 +218,10 @@ static void test_tangents( void** state )
     for ( int mirrored = 0; mirrored < 2; ++mirrored )
     {
         char rest[1024];
-        snprintf( rest, sizeof rest, "\"nodes\":[{\"mesh\":0,\"rotation\":[0,0,0.7071067811865476,0.7071067811865476],\"scale\":[2,%d,1]}],"
-            "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":4,\"TANGENT\":%d},\"indices\":3}]}]", mirrored ? -1 : 1, tangents );
+        snprintf( rest, sizeof rest,
+                  "\"nodes\":[{\"mesh\":0,\"rotation\":[0,0,0.7071067811865476,0.7071067811865476],\"scale\":[2,%d,1]}],"
+                  "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":4,\"TANGENT\":%d},\"indices\":3}]}]",
+                  mirrored ? -1 : 1, tangents );
         RfScene scene = gltf_load_built( &b, rest );
         gltf_assert_three( scene.triangles.tangents, 0, 1, 0 );
         gltf_assert_near( scene.triangles.tangents[3], mirrored ? -1 : 1 );
@@ -220,8 +236,11 @@ static void test_where_images_come_from( void** state )
     uint8_t* png = encode_png( 2, 2, 4, s_pixels, &size );
     char* base64 = gltf_base64( png, size );
     static char rest[8192];
-    snprintf( rest, sizeof rest, NODES ",\"images\":[{\"uri\":\"data:image/png;base64,%s\"},{\"uri\":\"nowhere.png\"}],\"textures\":[{\"source\":0},{\"source\":1}],"
-        "\"materials\":[{\"emissiveTexture\":{\"index\":0}},{\"emissiveTexture\":{\"index\":1}}]", base64 );
+    snprintf( rest, sizeof rest,
+              NODES ",\"images\":[{\"uri\":\"data:image/"
+                    "png;base64,%s\"},{\"uri\":\"nowhere.png\"}],\"textures\":[{\"source\":0},{\"source\":1}],"
+                    "\"materials\":[{\"emissiveTexture\":{\"index\":0}},{\"emissiveTexture\":{\"index\":1}}]",
+              base64 );
     GltfBuilder b = make_square();
     RfScene scene = gltf_load_built( &b, rest ); // the second material is not used, nor is its image
     assert_int_equal( scene.texture_count, 1 );
@@ -229,7 +248,8 @@ static void test_where_images_come_from( void** state )
     rf_destroy_scene( &scene );
 
     // beside the file; its bytes are part of the scene's
-    const char* external = NODES ",\"images\":[{\"uri\":\"b%20c.bin\"}],\"textures\":[{\"source\":0}],\"materials\":[{\"emissiveTexture\":{\"index\":0}}]";
+    const char* external = NODES
+        ",\"images\":[{\"uri\":\"b%20c.bin\"}],\"textures\":[{\"source\":0}],\"materials\":[{\"emissiveTexture\":{\"index\":0}}]";
     write_bytes( &gltf_folder, "b c.bin", png, size );
     scene = gltf_load_built( &b, external );
     uint64_t hash = scene.content_hash;
@@ -257,11 +277,15 @@ static void test_deep_images( void** state )
     int view = add_gltf_accessor( &b, 5121, "SCALAR", (int)size, png, size, "" );
     free( png );
     char rest[1024];
-    snprintf( rest, sizeof rest, NODES ",\"images\":[{\"bufferView\":%d}],\"textures\":[{\"source\":0}],\"materials\":[{\"emissiveTexture\":{\"index\":0},"
-        "\"normalTexture\":{\"index\":0}}]", view );
+    snprintf( rest, sizeof rest,
+              NODES
+              ",\"images\":[{\"bufferView\":%d}],\"textures\":[{\"source\":0}],\"materials\":[{\"emissiveTexture\":{\"index\":0},"
+              "\"normalTexture\":{\"index\":0}}]",
+              view );
     RfScene scene = gltf_load_built( &b, rest );
     const RfTextured* t = scene.materials[0].textured;
-    gltf_assert_near( scene.textures[t->refs[RF_TEXTURE_EMISSIVE].texture].floats[0], (double)rf_srgb_to_linear( 32768.0f / 65535.0f ) );
+    gltf_assert_near( scene.textures[t->refs[RF_TEXTURE_EMISSIVE].texture].floats[0],
+                      (double)rf_srgb_to_linear( 32768.0f / 65535.0f ) );
     gltf_assert_near( scene.textures[t->refs[RF_TEXTURE_NORMAL].texture].floats[0], 32768.0 / 65535.0 );
     rf_destroy_scene( &scene );
 }
@@ -284,25 +308,40 @@ static void test_faults( void** state )
         { RF_ERROR_FORMAT, "there are 1 textures", TEXTURE ",\"materials\":[{\"emissiveTexture\":{\"index\":1}}]" },
         { RF_ERROR_UNSUPPORTED, "texCoord is 2", TEXTURE ",\"materials\":[{\"emissiveTexture\":{\"index\":0,\"texCoord\":2}}]" },
         { RF_ERROR_FORMAT, "texCoord", TEXTURE ",\"materials\":[{\"emissiveTexture\":{\"index\":0,\"texCoord\":-1}}]" },
-        { RF_ERROR_FORMAT, "KHR_texture_transform: scale", TEXTURE ",\"materials\":[{\"emissiveTexture\":{\"index\":0,\"extensions\":{\"KHR_texture_transform\":{\"scale\":[1]}}}}]" },
-        { RF_ERROR_UNSUPPORTED, "KHR_texture_transform: offset is 1e+30, beyond what reframe reads: at most 1e+06", TEXTURE ",\"materials\":[{\"emissiveTexture\":{\"index\":0,\"extensions\":{\"KHR_texture_transform\":{\"offset\":[1e30,0]}}}}]" },
-        { RF_ERROR_FORMAT, "normalTexture: scale", TEXTURE ",\"materials\":[{\"normalTexture\":{\"index\":0,\"scale\":\"much\"}}]" },
-        { RF_ERROR_FORMAT, "pbrMetallicRoughness.baseColorTexture: index", ",\"materials\":[{\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}}}]" },
-        { RF_ERROR_FORMAT, "KHR_materials_specular.specularTexture: index", ",\"materials\":[{\"extensions\":{\"KHR_materials_specular\":{\"specularTexture\":{\"index\":0}}}}]" },
-        { RF_ERROR_UNSUPPORTED, "textures[0]: has no PNG or JPEG", IMAGE ",\"textures\":[{\"extensions\":{\"EXT_texture_webp\":{\"source\":0}}}]," USE },
+        { RF_ERROR_FORMAT, "KHR_texture_transform: scale",
+          TEXTURE
+          ",\"materials\":[{\"emissiveTexture\":{\"index\":0,\"extensions\":{\"KHR_texture_transform\":{\"scale\":[1]}}}}]" },
+        { RF_ERROR_UNSUPPORTED, "KHR_texture_transform: offset is 1e+30, beyond what reframe reads: at most 1e+06",
+          TEXTURE ",\"materials\":[{\"emissiveTexture\":{\"index\":0,\"extensions\":{\"KHR_texture_transform\":{\"offset\":[1e30,"
+                  "0]}}}}]" },
+        { RF_ERROR_FORMAT, "normalTexture: scale",
+          TEXTURE ",\"materials\":[{\"normalTexture\":{\"index\":0,\"scale\":\"much\"}}]" },
+        { RF_ERROR_FORMAT, "pbrMetallicRoughness.baseColorTexture: index",
+          ",\"materials\":[{\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}}}]" },
+        { RF_ERROR_FORMAT, "KHR_materials_specular.specularTexture: index",
+          ",\"materials\":[{\"extensions\":{\"KHR_materials_specular\":{\"specularTexture\":{\"index\":0}}}}]" },
+        { RF_ERROR_UNSUPPORTED, "textures[0]: has no PNG or JPEG",
+          IMAGE ",\"textures\":[{\"extensions\":{\"EXT_texture_webp\":{\"source\":0}}}]," USE },
         { RF_ERROR_FORMAT, "textures[0]: source is 7", IMAGE ",\"textures\":[{\"source\":7}]," USE },
         { RF_ERROR_FORMAT, "textures[0]: sampler", IMAGE ",\"textures\":[{\"source\":0,\"sampler\":0}]," USE },
-        { RF_ERROR_FORMAT, "samplers[0]: wrapS is 1", IMAGE ",\"samplers\":[{\"wrapS\":1}],\"textures\":[{\"source\":0,\"sampler\":0}]," USE },
-        { RF_ERROR_FORMAT, "samplers[0]: wrapT wants", IMAGE ",\"samplers\":[{\"wrapT\":\"repeat\"}],\"textures\":[{\"source\":0,\"sampler\":0}]," USE },
-        { RF_ERROR_FORMAT, "samplers[0]: magFilter is 9987", IMAGE ",\"samplers\":[{\"magFilter\":9987}],\"textures\":[{\"source\":0,\"sampler\":0}]," USE },
+        { RF_ERROR_FORMAT, "samplers[0]: wrapS is 1",
+          IMAGE ",\"samplers\":[{\"wrapS\":1}],\"textures\":[{\"source\":0,\"sampler\":0}]," USE },
+        { RF_ERROR_FORMAT, "samplers[0]: wrapT wants",
+          IMAGE ",\"samplers\":[{\"wrapT\":\"repeat\"}],\"textures\":[{\"source\":0,\"sampler\":0}]," USE },
+        { RF_ERROR_FORMAT, "samplers[0]: magFilter is 9987",
+          IMAGE ",\"samplers\":[{\"magFilter\":9987}],\"textures\":[{\"source\":0,\"sampler\":0}]," USE },
         { RF_ERROR_FORMAT, "images[0]: wants either", ",\"images\":[{}],\"textures\":[{\"source\":0}]," USE },
-        { RF_ERROR_FORMAT, "images[0]: wants either", ",\"images\":[{\"bufferView\":5,\"uri\":\"a.png\"}],\"textures\":[{\"source\":0}]," USE },
+        { RF_ERROR_FORMAT, "images[0]: wants either",
+          ",\"images\":[{\"bufferView\":5,\"uri\":\"a.png\"}],\"textures\":[{\"source\":0}]," USE },
         { RF_ERROR_FORMAT, "images[0]: bufferView", ",\"images\":[{\"bufferView\":50}],\"textures\":[{\"source\":0}]," USE },
         { RF_ERROR_FORMAT, "images[0]: is no PNG", ",\"images\":[{\"bufferView\":0}],\"textures\":[{\"source\":0}]," USE },
-        { RF_ERROR_UNSUPPORTED, "images[0]: uri '../a.png'", ",\"images\":[{\"uri\":\"../a.png\"}],\"textures\":[{\"source\":0}]," USE },
+        { RF_ERROR_UNSUPPORTED, "images[0]: uri '../a.png'",
+          ",\"images\":[{\"uri\":\"../a.png\"}],\"textures\":[{\"source\":0}]," USE },
         { RF_ERROR_IO, "absent.png", ",\"images\":[{\"uri\":\"absent.png\"}],\"textures\":[{\"source\":0}]," USE },
-        { RF_ERROR_FORMAT, "images[0]: uri has", ",\"images\":[{\"uri\":\"data:image/png;base64,a?\"}],\"textures\":[{\"source\":0}]," USE },
-        { RF_ERROR_UNSUPPORTED, "images[0]: WebP", ",\"images\":[{\"uri\":\"data:image/webp;base64,UklGRgAAAABXRUJQ\"}],\"textures\":[{\"source\":0}]," USE },
+        { RF_ERROR_FORMAT, "images[0]: uri has",
+          ",\"images\":[{\"uri\":\"data:image/png;base64,a?\"}],\"textures\":[{\"source\":0}]," USE },
+        { RF_ERROR_UNSUPPORTED, "images[0]: WebP",
+          ",\"images\":[{\"uri\":\"data:image/webp;base64,UklGRgAAAABXRUJQ\"}],\"textures\":[{\"source\":0}]," USE },
         { RF_ERROR_FORMAT, "alphaMode", ",\"materials\":[{\"alphaMode\":\"GLOW\"}]" },
         { RF_ERROR_FORMAT, "alphaCutoff is -1", ",\"materials\":[{\"alphaMode\":\"MASK\",\"alphaCutoff\":-1}]" },
     };
@@ -314,8 +353,10 @@ static void test_faults( void** state )
         RfScene scene;
         RfError error = { 0 };
         RfResult result = rf_load_gltf( write_gltf( &b, &gltf_folder, rest ), &scene, NULL, &error );
-        if ( result != s_faults[i].code || strstr( error.text, s_faults[i].text ) == NULL || strstr( error.text, "a.gltf" ) == NULL )
-            fail_msg( "got %s '%s', wanted %s '%s'", rf_result_name( result ), error.text, rf_result_name( s_faults[i].code ), s_faults[i].text );
+        if ( result != s_faults[i].code || strstr( error.text, s_faults[i].text ) == NULL ||
+             strstr( error.text, "a.gltf" ) == NULL )
+            fail_msg( "got %s '%s', wanted %s '%s'", rf_result_name( result ), error.text, rf_result_name( s_faults[i].code ),
+                      s_faults[i].text );
         assert_null( scene.textures );
     }
 }
@@ -323,7 +364,8 @@ static void test_faults( void** state )
 static void test_vertex_faults( void** state )
 {
     (void)state;
-    static const char* const s_attributes[] = { "\"COLOR_0\":1", "\"COLOR_0\":6", "\"TEXCOORD_1\":0", "\"NORMAL\":4,\"TANGENT\":0" };
+    static const char* const s_attributes[] = { "\"COLOR_0\":1", "\"COLOR_0\":6", "\"TEXCOORD_1\":0",
+                                                "\"NORMAL\":4,\"TANGENT\":0" };
     static const char* const s_texts[] = { "COLOR_0 wants 3 or 4", "COLOR_0 wants 3 or 4", "2 are wanted", "4 are wanted" };
     static const uint8_t s_bytes[16] = { 0 };
     for ( int i = 0; i < 4; ++i )
@@ -331,7 +373,9 @@ static void test_vertex_faults( void** state )
         GltfBuilder b = make_square();
         add_gltf_accessor( &b, 5121, "VEC4", 4, s_bytes, sizeof s_bytes, "" ); // 6: not normalized
         char rest[512];
-        snprintf( rest, sizeof rest, "\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,%s},\"indices\":3}]}]", s_attributes[i] );
+        snprintf( rest, sizeof rest,
+                  "\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,%s},\"indices\":3}]}]",
+                  s_attributes[i] );
         RfScene scene;
         RfError error = { 0 };
         assert_int_equal( rf_load_gltf( write_gltf( &b, &gltf_folder, rest ), &scene, NULL, &error ), RF_ERROR_FORMAT );
@@ -344,12 +388,25 @@ static void test_vertex_faults( void** state )
 static void test_wild_floats( void** state )
 {
     (void)state;
-    static const struct { float value; RfResult code; const char* material; const char* text; } s_cases[] = {
-        { NAN, RF_ERROR_SCENE, "\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}}", "images[0]: pixel (1, 0) is not finite: mend the image" },
+    static const struct
+    {
+        float value;
+        RfResult code;
+        const char* material;
+        const char* text;
+    } s_cases[] = {
+        { NAN, RF_ERROR_SCENE, "\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}}",
+          "images[0]: pixel (1, 0) is not finite: mend the image" },
         { INFINITY, RF_ERROR_SCENE, "\"normalTexture\":{\"index\":0}", "is not finite" },
-        { 3e38f, RF_ERROR_UNSUPPORTED, "\"emissiveFactor\":[0,1,0],\"emissiveTexture\":{\"index\":0}", "materials[0]: emission with its texture is 3e+38, beyond what reframe reads: at most 1e+15" },
-        { 1e10f, RF_ERROR_UNSUPPORTED, "\"emissiveFactor\":[1,1,1],\"emissiveTexture\":{\"index\":0},\"extensions\":{\"KHR_materials_emissive_strength\":{\"emissiveStrength\":1e6}}", "emission with its texture is 1e+16" },
-        { 3e38f, RF_ERROR_UNSUPPORTED, "\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}},\"extensions\":{\"KHR_materials_unlit\":{}}", "emission with its texture is 3e+38" },
+        { 3e38f, RF_ERROR_UNSUPPORTED, "\"emissiveFactor\":[0,1,0],\"emissiveTexture\":{\"index\":0}",
+          "materials[0]: emission with its texture is 3e+38, beyond what reframe reads: at most 1e+15" },
+        { 1e10f, RF_ERROR_UNSUPPORTED,
+          "\"emissiveFactor\":[1,1,1],\"emissiveTexture\":{\"index\":0},\"extensions\":{\"KHR_materials_emissive_strength\":{"
+          "\"emissiveStrength\":1e6}}",
+          "emission with its texture is 1e+16" },
+        { 3e38f, RF_ERROR_UNSUPPORTED,
+          "\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}},\"extensions\":{\"KHR_materials_unlit\":{}}",
+          "emission with its texture is 3e+38" },
         { 1e14f, RF_OK, "\"emissiveFactor\":[1,1,1],\"emissiveTexture\":{\"index\":0}", "" },
         { 3e38f, RF_OK, "\"emissiveTexture\":{\"index\":0}", "" }, // times the factor's default, black
         { -1.0f, RF_OK, "\"emissiveFactor\":[1,1,1],\"emissiveTexture\":{\"index\":0}", "" },
@@ -363,7 +420,9 @@ static void test_wild_floats( void** state )
         free( exr );
         GltfBuilder b = make_square();
         char rest[1024];
-        snprintf( rest, sizeof rest, NODES ",\"images\":[{\"uri\":\"wild.exr\"}],\"textures\":[{\"source\":0}],\"materials\":[{%s}]", s_cases[i].material );
+        snprintf( rest, sizeof rest,
+                  NODES ",\"images\":[{\"uri\":\"wild.exr\"}],\"textures\":[{\"source\":0}],\"materials\":[{%s}]",
+                  s_cases[i].material );
         RfScene scene;
         RfError error = { 0 };
         assert_int_equal( rf_load_gltf( write_gltf( &b, &gltf_folder, rest ), &scene, NULL, &error ), s_cases[i].code );
@@ -380,9 +439,14 @@ static void test_mutations( void** state )
     (void)state;
     GltfBuilder b = make_square();
     size_t size;
-    uint8_t* glb = build_glb( &b, NODES IMAGE ",\"samplers\":[{\"magFilter\":9728,\"wrapS\":33071}],\"textures\":[{\"source\":0,\"sampler\":0}],"
-        "\"materials\":[{\"alphaMode\":\"MASK\",\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0,\"texCoord\":1},\"metallicRoughnessTexture\":"
-        "{\"index\":0,\"extensions\":{\"KHR_texture_transform\":{\"offset\":[0,1],\"rotation\":1.5,\"scale\":[2,2]}}}},\"normalTexture\":{\"index\":0}}]", &size );
+    uint8_t* glb =
+        build_glb( &b,
+                   NODES IMAGE ",\"samplers\":[{\"magFilter\":9728,\"wrapS\":33071}],\"textures\":[{\"source\":0,\"sampler\":0}],"
+                               "\"materials\":[{\"alphaMode\":\"MASK\",\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":"
+                               "0,\"texCoord\":1},\"metallicRoughnessTexture\":"
+                               "{\"index\":0,\"extensions\":{\"KHR_texture_transform\":{\"offset\":[0,1],\"rotation\":1.5,"
+                               "\"scale\":[2,2]}}}},\"normalTexture\":{\"index\":0}}]",
+                   &size );
     for ( uint64_t n = 0; n < 300; ++n )
     {
         uint8_t* copy = malloc( size );
@@ -411,10 +475,17 @@ static void test_mutations( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_colour_spaces ),  cmocka_unit_test( test_same_as_factors ),       cmocka_unit_test( test_transform_and_sets ),
-        cmocka_unit_test( test_vertex_colours ), cmocka_unit_test( test_alpha ),                 cmocka_unit_test( test_tangents ),
-        cmocka_unit_test( test_deep_images ),    cmocka_unit_test( test_where_images_come_from ), cmocka_unit_test( test_faults ),
-        cmocka_unit_test( test_vertex_faults ),  cmocka_unit_test( test_mutations ),
+        cmocka_unit_test( test_colour_spaces ),
+        cmocka_unit_test( test_same_as_factors ),
+        cmocka_unit_test( test_transform_and_sets ),
+        cmocka_unit_test( test_vertex_colours ),
+        cmocka_unit_test( test_alpha ),
+        cmocka_unit_test( test_tangents ),
+        cmocka_unit_test( test_deep_images ),
+        cmocka_unit_test( test_where_images_come_from ),
+        cmocka_unit_test( test_faults ),
+        cmocka_unit_test( test_vertex_faults ),
+        cmocka_unit_test( test_mutations ),
         cmocka_unit_test( test_wild_floats ),
     };
     return cmocka_run_group_tests( tests, gltf_enter, gltf_leave );

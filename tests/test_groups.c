@@ -261,10 +261,10 @@ static void test_halves_see_all_windows( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_windows_cover_the_path ), cmocka_unit_test( test_long_paths_have_full_windows ),
-        cmocka_unit_test( test_rounding_is_minimal ),
-        cmocka_unit_test( test_native_samples ),         cmocka_unit_test( test_the_ends_get_as_many_samples ),
-        cmocka_unit_test( test_halves_share_alike ),     cmocka_unit_test( test_halves_see_all_windows ),
+        cmocka_unit_test( test_windows_cover_the_path ),       cmocka_unit_test( test_long_paths_have_full_windows ),
+        cmocka_unit_test( test_rounding_is_minimal ),          cmocka_unit_test( test_native_samples ),
+        cmocka_unit_test( test_the_ends_get_as_many_samples ), cmocka_unit_test( test_halves_share_alike ),
+        cmocka_unit_test( test_halves_see_all_windows ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -80,7 +80,8 @@ static void test_eyes_in_a_surfaces_plane( void** state )
     {
         SceneBuilder b = { 0 };
         uint32_t light = add_material( &b, make_light( 10.0f, true ) );
-        add_quad( &b, add_material( &b, materials[m] ), rf_vec3( -1, 0, 1 ), rf_vec3( 1, 0, 1 ), rf_vec3( 1, 0, -1 ), rf_vec3( -1, 0, -1 ) );
+        add_quad( &b, add_material( &b, materials[m] ), rf_vec3( -1, 0, 1 ), rf_vec3( 1, 0, 1 ), rf_vec3( 1, 0, -1 ),
+                  rf_vec3( -1, 0, -1 ) );
         add_quad( &b, light, rf_vec3( -1, 1, -1 ), rf_vec3( 1, 1, -1 ), rf_vec3( 1, 2, -1 ), rf_vec3( -1, 2, -1 ) );
         RfScene scene = finish_scene( &b );
         RfEye eyes[EYES];
@@ -89,7 +90,8 @@ static void test_eyes_in_a_surfaces_plane( void** state )
         for ( int i = 0; i < EYES; ++i )
             eyes[i].origin.y = 0.0f;
         check_sane( "all in the plane", &scene, eyes, EYES );
-        row_of_eyes( eyes, rf_vec3( 0.1f, 1e-20f, 0.3f ), rf_vec3( 0, 0.1f, 0 ), rf_vec3( 0, -1, -1e-3f ), 0.9 ); // as good as on it
+        row_of_eyes( eyes, rf_vec3( 0.1f, 1e-20f, 0.3f ), rf_vec3( 0, 0.1f, 0 ), rf_vec3( 0, -1, -1e-3f ),
+                     0.9 ); // as good as on it
         check_sane( "on the plane", &scene, eyes, EYES );
         rf_destroy_scene( &scene );
     }
@@ -148,9 +150,12 @@ static void test_scenes_without( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_camera_inside_a_closed_box ), cmocka_unit_test( test_eyes_on_surfaces ),
-        cmocka_unit_test( test_eyes_in_a_surfaces_plane ),   cmocka_unit_test( test_odd_images ),
-        cmocka_unit_test( test_fields_of_view ),             cmocka_unit_test( test_scenes_without ),
+        cmocka_unit_test( test_camera_inside_a_closed_box ),
+        cmocka_unit_test( test_eyes_on_surfaces ),
+        cmocka_unit_test( test_eyes_in_a_surfaces_plane ),
+        cmocka_unit_test( test_odd_images ),
+        cmocka_unit_test( test_fields_of_view ),
+        cmocka_unit_test( test_scenes_without ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

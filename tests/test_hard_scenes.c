@@ -73,8 +73,9 @@ static void check_scale( float scale, RfVec3 shift )
         for ( int k = 0; k < SEED_COUNT; ++k )
             difference[k] = scaled[k] - plain[k];
         double mean = mean_of( plain, SEED_COUNT, &error ), off = mean_of( difference, SEED_COUNT, &paired );
-        printf( "scale %g shift (%g %g %g) group %d: mean off by %.3f%% (noise %.3f%%, of the difference %.3f%%)\n", (double)scale,
-                (double)shift.x, (double)shift.y, (double)shift.z, group, 100.0 * off / mean, 100.0 * error / mean, 100.0 * paired / mean );
+        printf( "scale %g shift (%g %g %g) group %d: mean off by %.3f%% (noise %.3f%%, of the difference %.3f%%)\n",
+                (double)scale, (double)shift.x, (double)shift.y, (double)shift.z, group, 100.0 * off / mean, 100.0 * error / mean,
+                100.0 * paired / mean );
         assert_true( fabs( off ) < 4.0 * error );
     }
 }
@@ -98,8 +99,8 @@ static void test_small_lamps( void** state )
     for ( int k = 0; k < SEED_COUNT; ++k )
         difference[k] = small[k] - plain[k];
     double mean = mean_of( plain, SEED_COUNT, &error ), off = mean_of( difference, SEED_COUNT, &paired );
-    printf( "lamps, scale 1e-4: mean off by %.3f%% (noise %.3f%%, of the difference %.3f%%)\n", 100.0 * off / mean, 100.0 * error / mean,
-            100.0 * paired / mean );
+    printf( "lamps, scale 1e-4: mean off by %.3f%% (noise %.3f%%, of the difference %.3f%%)\n", 100.0 * off / mean,
+            100.0 * error / mean, 100.0 * paired / mean );
     assert_true( fabs( off ) < 4.0 * error );
 }
 
@@ -131,9 +132,12 @@ static void test_a_far_thing_changes_nothing( void** state )
         for ( int far = 0; far < 2; ++far )
         {
             RfScene scene = make_room( ROOM_DIFFUSE );
-            SceneBuilder b = { .scene = scene, .vertex_room = scene.triangles.vertex_count, .triangle_room = scene.triangles.count };
+            SceneBuilder b = { .scene = scene,
+                               .vertex_room = scene.triangles.vertex_count,
+                               .triangle_room = scene.triangles.count };
             if ( far )
-                add_quad( &b, 0, rf_vec3( 3000, 0, 0 ), rf_vec3( 3000.1f, 0, 0 ), rf_vec3( 3000.1f, 0.1f, 0 ), rf_vec3( 3000, 0.1f, 0 ) );
+                add_quad( &b, 0, rf_vec3( 3000, 0, 0 ), rf_vec3( 3000.1f, 0, 0 ), rf_vec3( 3000.1f, 0.1f, 0 ),
+                          rf_vec3( 3000, 0.1f, 0 ) );
             free( b.scene.path );
             scene = finish_scene( &b );
             RfTracer* tracer = make_tracer( &scene );
@@ -247,8 +251,11 @@ static void test_extreme_materials( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_scale_invariance ),  cmocka_unit_test( test_far_from_the_origin ),
-        cmocka_unit_test( test_very_small ), cmocka_unit_test( test_small_lamps ), cmocka_unit_test( test_a_far_thing_changes_nothing ),
+        cmocka_unit_test( test_scale_invariance ),
+        cmocka_unit_test( test_far_from_the_origin ),
+        cmocka_unit_test( test_very_small ),
+        cmocka_unit_test( test_small_lamps ),
+        cmocka_unit_test( test_a_far_thing_changes_nothing ),
         cmocka_unit_test( test_odd_triangles ),
         cmocka_unit_test( test_extreme_materials ),
     };

@@ -64,7 +64,8 @@ static void test_settings_at_their_limits( void** state )
     }
 }
 
-static RfResult render_one( const Setup* s, const RfEye* eyes, int eye_count, int frame, const RfRenderSettings* settings, RfError* error )
+static RfResult render_one( const Setup* s, const RfEye* eyes, int eye_count, int frame, const RfRenderSettings* settings,
+                            RfError* error )
 {
     error->text[0] = 0;
     return rf_render( s->tracer, eyes, eye_count, &frame, 1, settings, NULL, NULL, error );
@@ -75,7 +76,7 @@ static void refuse( const Setup* s, const RfRenderSettings* settings )
     RfError error;
     assert_int_equal( render_one( s, s->eyes, EYES, 0, settings, &error ), RF_ERROR_USAGE );
     assert_true( error.code == RF_ERROR_USAGE && error.text[0] != 0 );
-    assert_int_equal( rf_render( s->tracer, s->eyes, EYES, &(int){ 0 }, 1, settings, NULL, NULL, NULL ), RF_ERROR_USAGE );
+    assert_int_equal( rf_render( s->tracer, s->eyes, EYES, &( int ){ 0 }, 1, settings, NULL, NULL, NULL ), RF_ERROR_USAGE );
 }
 
 // Rounded to what groups need, but not beyond the most: what is resolved can be resolved again.
@@ -212,7 +213,8 @@ static void test_callbacks_stop_the_render( void** state )
             assert_int_equal( stopper.seen, at + 1 ); // none after it
             stopper.seen = 0;
             callbacks = ( RfRenderCallbacks ){ &stopper, NULL, stop_at_progress };
-            assert_int_equal( rf_render( s.tracer, s.eyes, EYES, all, EYES, &settings, &callbacks, NULL, &error ), RF_ERROR_INTERRUPTED );
+            assert_int_equal( rf_render( s.tracer, s.eyes, EYES, all, EYES, &settings, &callbacks, NULL, &error ),
+                              RF_ERROR_INTERRUPTED );
             assert_int_equal( stopper.seen, at + 1 );
         }
         Stopper never = { -1, 0 };
@@ -225,9 +227,9 @@ static void test_callbacks_stop_the_render( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_settings_at_their_limits ),     cmocka_unit_test( test_most_samples ), cmocka_unit_test( test_settings_out_of_range ),
-        cmocka_unit_test( test_eyes_and_frames_out_of_range ), cmocka_unit_test( test_too_little_memory ),
-        cmocka_unit_test( test_callbacks_stop_the_render ),
+        cmocka_unit_test( test_settings_at_their_limits ), cmocka_unit_test( test_most_samples ),
+        cmocka_unit_test( test_settings_out_of_range ),    cmocka_unit_test( test_eyes_and_frames_out_of_range ),
+        cmocka_unit_test( test_too_little_memory ),        cmocka_unit_test( test_callbacks_stop_the_render ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -34,8 +34,9 @@ static Bytes read_bytes( void )
 
 static void render( const char* scene, const char* options )
 {
-    cli_expect( cli_run( "$R render %s/%s.glb %s --float --overwrite --quiet --json hold.json", REFRAME_SCENE_FOLDER, scene, options ),
-                0, NULL );
+    cli_expect(
+        cli_run( "$R render %s/%s.glb %s --float --overwrite --quiet --json hold.json", REFRAME_SCENE_FOLDER, scene, options ), 0,
+        NULL );
 }
 
 // Diffuse and glossy hits; misses; mirrors and glass; blended surfaces and coats;
@@ -73,8 +74,9 @@ static void test_pictures_are_the_same( void** state )
 static Bytes render_example( int scale, const char* more )
 {
     char options[256];
-    snprintf( options, sizeof options, "--size %dx%d --frames 21-27 --group 3 --spp 14 --tile 1 --threads 1 --hold-all -o paper.####.exr %s",
-              800 / scale, 600 / scale, more );
+    snprintf( options, sizeof options,
+              "--size %dx%d --frames 21-27 --group 3 --spp 14 --tile 1 --threads 1 --hold-all -o paper.####.exr %s", 800 / scale,
+              600 / scale, more );
     render( "vase-room", options );
     return read_bytes();
 }
@@ -109,13 +111,15 @@ static void test_paper_example( void** state )
 
 static const CliResult* render_held( const char* scene, const char* options, long kib )
 {
-    return cli_run( "$R render %s/%s.glb -o no.####.exr %s --hold-all --quiet --json hold.json --memory %ldK", REFRAME_SCENE_FOLDER, scene, options, kib );
+    return cli_run( "$R render %s/%s.glb -o no.####.exr %s --hold-all --quiet --json hold.json --memory %ldK",
+                    REFRAME_SCENE_FOLDER, scene, options, kib );
 }
 
 // Before anything is rendered the smallest budget is named; it works, and a hundredth less does not.
 static void expect_least( const char* scene, const char* options )
 {
-    static const char named[] = "reframe render: --hold-all: a budget of 1024 KiB is too small for all hit records of a group: give --memory ";
+    static const char named[] =
+        "reframe render: --hold-all: a budget of 1024 KiB is too small for all hit records of a group: give --memory ";
     const CliResult* result = render_held( scene, options, 1024 );
     cli_expect( result, 1, named );
     long kib = strtol( strstr( result->err, named ) + strlen( named ), NULL, 10 );

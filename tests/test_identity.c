@@ -212,8 +212,10 @@ static void test_seeds_differ( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_group_0_is_a_plain_path_tracer ), cmocka_unit_test( test_threads_and_runs ),
-        cmocka_unit_test( test_alone_and_in_sequence ),          cmocka_unit_test( test_any_budget ),
+        cmocka_unit_test( test_group_0_is_a_plain_path_tracer ),
+        cmocka_unit_test( test_threads_and_runs ),
+        cmocka_unit_test( test_alone_and_in_sequence ),
+        cmocka_unit_test( test_any_budget ),
         cmocka_unit_test( test_seeds_differ ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );

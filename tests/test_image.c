@@ -184,8 +184,7 @@ static void test_read_string( void** state )
     assert_string_equal( value, "3" );
     assert_int_equal( rf_read_exr_string( path, "reframe/empty", value, sizeof value, &error ), RF_OK );
     assert_string_equal( value, "" );
-    assert_int_equal( rf_read_exr_string( path, "reframe/a-name-longer-than-thirty-one-bytes", value, 3, &error ),
-                      RF_OK );
+    assert_int_equal( rf_read_exr_string( path, "reframe/a-name-longer-than-thirty-one-bytes", value, 3, &error ), RF_OK );
     assert_string_equal( value, "lo" );
     assert_int_equal( rf_read_exr_string( path, "reframe/none", value, sizeof value, &error ), RF_ERROR_FORMAT );
     assert_non_null( strstr( error.text, "reframe/none" ) );
@@ -197,8 +196,7 @@ static void test_png( void** state )
 {
     (void)state;
     RfImage image = make_image( 5, 2, 1 );
-    const float pixels[] = { 0.0f,  1.0f, 0.5f, NAN, 0.0f, 0.0f,      -1.0f,          INFINITY, 2.0f,
-                             0.25f, 0.0f, 0.0f, 0.0f, 0.0f, 0.001f };
+    const float pixels[] = { 0.0f, 1.0f, 0.5f, NAN, 0.0f, 0.0f, -1.0f, INFINITY, 2.0f, 0.25f, 0.0f, 0.0f, 0.0f, 0.0f, 0.001f };
     memcpy( image.rgb, pixels, sizeof pixels );
     RfError error;
     const char* path = temp_path( "image.png" );
@@ -357,7 +355,7 @@ static void test_sequence_names( void** state )
 static void test_sequence_frames( void** state )
 {
     (void)state;
-    const char* const names[] = { "s.0010.exr", "s.0002.exr",  "s.12345.exr", "s.00012.exr", "s.001.exr",
+    const char* const names[] = { "s.0010.exr", "s.0002.exr",  "s.12345.exr", "s.00012.exr",      "s.001.exr",
                                   "s.0003.ex",  "xs.0004.exr", "s.-001.exr",  "s.99999999999.exr" };
     RfError error;
     for ( int i = 0; i < 9; ++i )
@@ -394,12 +392,20 @@ static void test_create_image( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_create_image ),      cmocka_unit_test( test_round_trip_float ),
-        cmocka_unit_test( test_round_trip_incompressible ), cmocka_unit_test( test_half_rounding ), cmocka_unit_test( test_round_trip_half ),   cmocka_unit_test( test_equal_bytes ),
-        cmocka_unit_test( test_attributes ),        cmocka_unit_test( test_read_string ),
-        cmocka_unit_test( test_png ),               cmocka_unit_test( test_refused_places ),
-        cmocka_unit_test( test_text_and_links ),    cmocka_unit_test( test_full_disk ),
-        cmocka_unit_test( test_full_disk_keeps_old ), cmocka_unit_test( test_sequence_names ),
+        cmocka_unit_test( test_create_image ),
+        cmocka_unit_test( test_round_trip_float ),
+        cmocka_unit_test( test_round_trip_incompressible ),
+        cmocka_unit_test( test_half_rounding ),
+        cmocka_unit_test( test_round_trip_half ),
+        cmocka_unit_test( test_equal_bytes ),
+        cmocka_unit_test( test_attributes ),
+        cmocka_unit_test( test_read_string ),
+        cmocka_unit_test( test_png ),
+        cmocka_unit_test( test_refused_places ),
+        cmocka_unit_test( test_text_and_links ),
+        cmocka_unit_test( test_full_disk ),
+        cmocka_unit_test( test_full_disk_keeps_old ),
+        cmocka_unit_test( test_sequence_names ),
         cmocka_unit_test( test_sequence_frames ),
     };
     return cmocka_run_group_tests_name( "image", tests, make_temp_folder, remove_temp_folder );

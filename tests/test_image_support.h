@@ -55,10 +55,7 @@ static int walk_files( int do_remove )
     return count;
 }
 
-static UNUSED_OK int count_files( void )
-{
-    return walk_files( 0 );
-}
+static UNUSED_OK int count_files( void ) { return walk_files( 0 ); }
 
 static UNUSED_OK int remove_temp_folder( void** state )
 {

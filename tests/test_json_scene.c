@@ -30,8 +30,8 @@ static RfScene load_members( const char* members )
 
 static void expect_line( const char* members, RfResult code, const RfError* error, const char* part )
 {
-    if ( code == RF_OK || code != error->code || strstr( error->text, part ) == NULL ||
-         strchr( error->text, '\n' ) != NULL || strstr( error->text, "/scene.json: " ) == NULL )
+    if ( code == RF_OK || code != error->code || strstr( error->text, part ) == NULL || strchr( error->text, '\n' ) != NULL ||
+         strstr( error->text, "/scene.json: " ) == NULL )
         fail_msg( "'%s' gave %s '%s' instead of '%s'", members, rf_result_name( code ), error->text, part );
 }
 
@@ -113,7 +113,8 @@ static void test_textures_dropped( void** state )
     json_t* root = json_loads( "{\"materials\":[{\"name\":\"a\",\"normalTexture\":{\"index\":0},\"pbrMetallicRoughness\":"
                                "{\"baseColorTexture\":{\"index\":0},\"metallicFactor\":0.5},\"extensions\":{\"KHR_x\":"
                                "{\"xTexture\":{\"index\":0},\"xFactor\":1}},\"extras\":{\"aTexture\":1}},"
-                               "{\"name\":\"b\",\"normalTexture\":{\"index\":0}}]}", 0, NULL );
+                               "{\"name\":\"b\",\"normalTexture\":{\"index\":0}}]}",
+                               0, NULL );
     json_t* edits = json_loads( "{\"a\":{\"textures\":false},\"b\":{\"textures\":true}}", 0, NULL );
     RfError error = { 0 };
     RfField field = rf_make_field( "x.json", "materials", edits, &error );
@@ -136,17 +137,24 @@ static void test_material_faults( void** state )
         { "\"materials\":{\"vasse\":{}}", "materials.vasse: the scene has no such material: did you mean 'vase'? there are "
                                           "'vase', 'wood floor', 'lamp', 'materials[3]', 'lamp'" },
         { "\"materials\":{\"wood\":{}}", "materials.wood: the scene has no such material: did you mean 'wood floor'?" },
-        { "\"materials\":{\"vase\":{\"exponent\":\"high\"}}", "materials.vase.exponent: wants a number from 0 to 1e+06, got \"high\"" },
+        { "\"materials\":{\"vase\":{\"exponent\":\"high\"}}",
+          "materials.vase.exponent: wants a number from 0 to 1e+06, got \"high\"" },
         { "\"materials\":{\"vase\":{\"exponent\":-1}}", "materials.vase.exponent: wants a number from 0 to 1e+06, got -1" },
-        { "\"materials\":{\"vase\":{\"Exponent\":1}}", "materials.vase.Exponent: no such key, did you mean exponent? The keys here are: bsdf, diffuse" },
-        { "\"materials\":{\"wood floor\":{\"exponent\":1}}", "materials[\"wood floor\"].exponent: has no effect on bsdf \"gltf\"" },
-        { "\"materials\":{\"vase\":{\"roughnessFactor\":1}}", "materials.vase.roughnessFactor: has no effect on bsdf \"phong\": add \"bsdf\": \"gltf\"" },
+        { "\"materials\":{\"vase\":{\"Exponent\":1}}",
+          "materials.vase.Exponent: no such key, did you mean exponent? The keys here are: bsdf, diffuse" },
+        { "\"materials\":{\"wood floor\":{\"exponent\":1}}",
+          "materials[\"wood floor\"].exponent: has no effect on bsdf \"gltf\"" },
+        { "\"materials\":{\"vase\":{\"roughnessFactor\":1}}",
+          "materials.vase.roughnessFactor: has no effect on bsdf \"phong\": add \"bsdf\": \"gltf\"" },
         { "\"materials\":{\"vase\":{\"diffuse\":[0.6,0,0]}}", "materials.vase: diffuse + specular reflect 1.1 of what arrives" },
-        { "\"materials\":{\"vase\":{\"diffuse\":[0.6,0]}}", "materials.vase.diffuse: wants an array of 3 numbers, got an array of 2" },
+        { "\"materials\":{\"vase\":{\"diffuse\":[0.6,0]}}",
+          "materials.vase.diffuse: wants an array of 3 numbers, got an array of 2" },
         { "\"materials\":{\"vase\":{\"bsdf\":\"ggx\"}}", "materials.vase.bsdf: wants one of gltf, lambert, phong, got \"ggx\"" },
         { "\"materials\":{\"lamp\":{\"bsdf\":\"phong\",\"diffuse\":[0,0,0]}}", "materials.lamp.specular: is missing" },
-        { "\"materials\":{\"lamp\":{\"bsdf\":\"lambert\",\"diffuse\":[0,0,0],\"exponent\":3}}", "materials.lamp.exponent: has no effect on bsdf \"lambert\"" },
-        { "\"materials\":{\"lamp\":{\"emissiveFactor\":[2,0,0]}}", "materials.lamp.emissiveFactor[0]: wants a number from 0 to 1, got 2" },
+        { "\"materials\":{\"lamp\":{\"bsdf\":\"lambert\",\"diffuse\":[0,0,0],\"exponent\":3}}",
+          "materials.lamp.exponent: has no effect on bsdf \"lambert\"" },
+        { "\"materials\":{\"lamp\":{\"emissiveFactor\":[2,0,0]}}",
+          "materials.lamp.emissiveFactor[0]: wants a number from 0 to 1, got 2" },
         { "\"materials\":{\"lamp\":{\"ior\":0.5}}", "materials.lamp.ior: wants a number from 1 to 100, got 0.5" },
         { "\"materials\":{\"lamp\":{\"doubleSided\":1}}", "materials.lamp.doubleSided: wants true or false, got 1" },
         { "\"materials\":{\"lamp\":{\"alphaMode\":\"CUT\"}}", "materials.lamp.alphaMode: wants one of OPAQUE, MASK, BLEND" },
@@ -170,12 +178,14 @@ static void test_file_faults( void** state )
         { "\"environment\":{}", "environment: gives no light: wants radiance, map or both" },
         { "\"environment\":{\"radiance\":1}", "environment.radiance: wants an array of 3 numbers, got 1" },
         { "\"environment\":{\"radiance\":[1,-1,1]}", "environment.radiance[1]: wants a number from 0 to 1e+15, got -1" },
-        { "\"environment\":{\"radiance\":[1,1,1],\"rotation\":null}", "environment.rotation: wants a number from -1e+06 to 1e+06, got null" },
+        { "\"environment\":{\"radiance\":[1,1,1],\"rotation\":null}",
+          "environment.rotation: wants a number from -1e+06 to 1e+06, got null" },
         { "\"environment\":{\"radiance\":[1,1,1],\"visible\":0}", "environment.visible: wants true or false, got 0" },
         { "\"environment\":{\"map\":\"\"}", "environment.map: wants a string that is not empty, got \"\"" },
         { "\"environment\":{\"map\":\"none.exr\"}", "/none.exr: cannot be opened" },
         { "\"environment\":{\"map\":\"room.gltf\"}", "environment.map: " },
-        { "\"environment\":{\"map\":\"bright.hdr\",\"radiance\":[1e15,1e15,1e15]}", "environment.map: times radiance is brighter than 1e+15 somewhere: lower radiance" },
+        { "\"environment\":{\"map\":\"bright.hdr\",\"radiance\":[1e15,1e15,1e15]}",
+          "environment.map: times radiance is brighter than 1e+15 somewhere: lower radiance" },
         { "\"camera\":3", "camera: wants the name of a camera, a camera-path file (.json) or a camera path, got 3" },
         { "\"camera\":\"Nobody\"", "camera: " },
         { "\"camera\":\"Nobody\"", "choose one of 'Eye', 'Side'" },
@@ -259,7 +269,8 @@ static void test_environment_in_gltf( void** state )
 {
     (void)state;
     write_map( "sky.hdr", 128 );
-    write_room( ",\"extras\":{\"other\":1,\"reframe\":{\"environment\":{\"radiance\":[1,2,3],\"map\":\"sky.hdr\",\"rotation\":-90}}}" );
+    write_room(
+        ",\"extras\":{\"other\":1,\"reframe\":{\"environment\":{\"radiance\":[1,2,3],\"map\":\"sky.hdr\",\"rotation\":-90}}}" );
     RfScene scene = load_members( "" );
     assert_rgb( scene.environment.radiance, 1, 2, 3 );
     assert_int_equal( scene.environment.width, 4 );

@@ -141,7 +141,7 @@ static void test_plane( void** state )
             assert_all( layers[RF_LAYER_NORMAL], f->pixels, 3, 1, 0.0, 1e-6, "normal.Y" );
             assert_all( layers[RF_LAYER_NORMAL], f->pixels, 3, 2, 1.0, 1e-6, "normal.Z" );
             assert_all( layers[RF_LAYER_DEPTH], f->pixels, 1, 0, (double)DISTANCE, 1e-5, "depth.Z" ); // not the distance
-            assert_all( layers[RF_LAYER_VARIANCE], f->pixels, 3, 1, 0.0, 1e-9, "variance.G" ); // nothing varies
+            assert_all( layers[RF_LAYER_VARIANCE], f->pixels, 3, 1, 0.0, 1e-9, "variance.G" );        // nothing varies
         }
         const float* first = f->layers[0][RF_LAYER_MOTION];
         const float* middle = f->layers[1][RF_LAYER_MOTION];
@@ -276,7 +276,13 @@ static void check_variance( RoomKind kind, int group )
 {
     RfScene scene = make_room( kind );
     RfTracer* tracer = make_tracer( &scene );
-    enum { W = 18, H = 12, N = 3 * W * H, FRAMES = 5 };
+    enum
+    {
+        W = 18,
+        H = 12,
+        N = 3 * W * H,
+        FRAMES = 5
+    };
     RfEye eyes[FRAMES];
     orbit_eyes( eyes, FRAMES, 4.0f, W, H );
     static double sum[N], square[N], layer[N];
@@ -376,7 +382,8 @@ static void test_same_bits( void** state )
         assert_same( whole, 4, alone, 0 );
         settings.layers = RF_LAYER_BIT( RF_LAYER_DEPTH );
         Frames* one = render_layers( tracer, eyes, EYES, 4, 1, &settings );
-        assert_memory_equal( whole->layers[4][RF_LAYER_DEPTH], one->layers[0][RF_LAYER_DEPTH], (size_t)whole->pixels * sizeof( float ) );
+        assert_memory_equal( whole->layers[4][RF_LAYER_DEPTH], one->layers[0][RF_LAYER_DEPTH],
+                             (size_t)whole->pixels * sizeof( float ) );
         assert_null( one->layers[0][RF_LAYER_ALBEDO] );
         Frames* all[] = { whole, threads, small, without, alone, one };
         for ( int i = 0; i < 6; ++i )
@@ -408,7 +415,7 @@ static void test_budget( void** state )
     {
         RfRenderStats stats;
         settings.memory = memory; // fails at every allocation once
-        RfResult result = rf_render( tracer, eyes, EYES, &(int){ 0 }, 1, &settings, NULL, &stats, &error );
+        RfResult result = rf_render( tracer, eyes, EYES, &( int ){ 0 }, 1, &settings, NULL, &stats, &error );
         assert_true( result == RF_OK || result == RF_ERROR_MEMORY );
         assert_true( stats.peak_bytes <= memory );
         failures += result != RF_OK;
@@ -416,7 +423,7 @@ static void test_budget( void** state )
     assert_true( failures > 5 );
     settings.memory = 0;
     settings.layers = RF_ALL_LAYERS + 1;
-    assert_int_equal( rf_render( tracer, eyes, EYES, &(int){ 0 }, 1, &settings, NULL, NULL, &error ), RF_ERROR_USAGE );
+    assert_int_equal( rf_render( tracer, eyes, EYES, &( int ){ 0 }, 1, &settings, NULL, NULL, &error ), RF_ERROR_USAGE );
     free_frames( with );
     free_frames( without );
     rf_destroy_tracer( tracer );

@@ -140,12 +140,16 @@ static void test_two_sided_counts_double( void** state )
 static void test_picks( void** state )
 {
     (void)state;
-    enum { PICKS = 2000000 };
+    enum
+    {
+        PICKS = 2000000
+    };
     RfScene scene = make_lights_scene();
     RfLights lights = collect( &scene );
     double count[MOST_LIGHTS] = { 0 }, total = 0.0, chi_square = 0.0;
     for ( uint32_t k = 0; k < PICKS; ++k )
-        count[rf_pick_light_by_power( &lights, rf_random_bits( rf_pixel_key( 99, k ), 0 ), rf_random_bits( rf_pixel_key( 99, k ), 1 ) )] += 1.0;
+        count[rf_pick_light_by_power( &lights, rf_random_bits( rf_pixel_key( 99, k ), 0 ),
+                                      rf_random_bits( rf_pixel_key( 99, k ), 1 ) )] += 1.0;
     for ( uint32_t i = 0; i < lights.count; ++i )
         total += power_of( &scene, lights.light + i );
     for ( uint32_t i = 0; i < lights.count; ++i )
@@ -156,7 +160,8 @@ static void test_picks( void** state )
     double p = chi_square_p( chi_square, lights.count - 1 );
     printf( "picks of %u lights: chi-square p %.3g\n", lights.count, p );
     assert_true( p > 1e-4 && p < 1.0 - 1e-4 );
-    assert_true( rf_pick_light_by_power( &lights, 0, 0 ) < lights.count && rf_pick_light_by_power( &lights, UINT32_MAX, UINT32_MAX ) < lights.count );
+    assert_true( rf_pick_light_by_power( &lights, 0, 0 ) < lights.count &&
+                 rf_pick_light_by_power( &lights, UINT32_MAX, UINT32_MAX ) < lights.count );
     rf_destroy_lights( &lights );
     rf_destroy_scene( &scene );
 }
@@ -166,7 +171,11 @@ static void test_picks( void** state )
 static void test_small_among_many( void** state )
 {
     (void)state;
-    enum { LIGHTS = 20000, PICKS = 40000000 };
+    enum
+    {
+        LIGHTS = 20000,
+        PICKS = 40000000
+    };
     SceneBuilder b = { 0 };
     uint32_t strong = add_material( &b, make_light( 1000.0f, false ) ), weak = add_material( &b, make_light( 1.0f, false ) );
     for ( int i = 0; i < LIGHTS / 2; ++i )
@@ -307,9 +316,13 @@ static void test_square_light( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_who_is_a_light ),          cmocka_unit_test( test_shares_and_densities ),
-        cmocka_unit_test( test_two_sided_counts_double ), cmocka_unit_test( test_picks ), cmocka_unit_test( test_small_among_many ),
-        cmocka_unit_test( test_no_lights ),               cmocka_unit_test( test_square_light ),
+        cmocka_unit_test( test_who_is_a_light ),
+        cmocka_unit_test( test_shares_and_densities ),
+        cmocka_unit_test( test_two_sided_counts_double ),
+        cmocka_unit_test( test_picks ),
+        cmocka_unit_test( test_small_among_many ),
+        cmocka_unit_test( test_no_lights ),
+        cmocka_unit_test( test_square_light ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

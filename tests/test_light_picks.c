@@ -15,7 +15,13 @@
 
 #include <cmocka.h>
 
-enum { SIDE = 16, SEEDS = 16, QUARTERS = 4, EYES = 3 };
+enum
+{
+    SIDE = 16,
+    SEEDS = 16,
+    QUARTERS = 4,
+    EYES = 3
+};
 
 // A closed hall with 36 lamps, every third of them two-sided, a row of boxes, a
 // point light and a spot, under a sky that reaches nothing.
@@ -26,11 +32,13 @@ static RfScene make_lamps( void )
     uint32_t lamp[2] = { add_material( &b, make_light( 8.0f, false ) ), add_material( &b, make_light( 5.0f, true ) ) };
     add_box( &b, grey, rf_vec3( -6, 0, -6 ), rf_vec3( 6, 3, 6 ), true );
     for ( int i = 0; i < 5; ++i )
-        add_box( &b, i % 2 == 0 ? coat : grey, rf_vec3( 2.0f * (float)i - 4.5f, 0, -1 ), rf_vec3( 2.0f * (float)i - 3.5f, 1, 0 ), false );
+        add_box( &b, i % 2 == 0 ? coat : grey, rf_vec3( 2.0f * (float)i - 4.5f, 0, -1 ), rf_vec3( 2.0f * (float)i - 3.5f, 1, 0 ),
+                 false );
     for ( int i = 0; i < 36; ++i )
     {
         float x = 2.0f * (float)( i % 6 ) - 5.2f, z = 2.0f * (float)( i / 6 ) - 5.2f, y = 2.4f + 0.1f * (float)( i % 5 );
-        add_quad( &b, lamp[i % 3 == 0], rf_vec3( x, y, z ), rf_vec3( x + 0.4f, y, z ), rf_vec3( x + 0.4f, y, z + 0.4f ), rf_vec3( x, y, z + 0.4f ) );
+        add_quad( &b, lamp[i % 3 == 0], rf_vec3( x, y, z ), rf_vec3( x + 0.4f, y, z ), rf_vec3( x + 0.4f, y, z + 0.4f ),
+                  rf_vec3( x, y, z + 0.4f ) );
     }
     RfScene scene = finish_scene( &b );
     scene.punctuals = calloc( 2, sizeof *scene.punctuals );
@@ -48,7 +56,8 @@ static RfScene make_lamps( void )
 static void make_eyes( RfEye* eyes )
 {
     for ( int k = 0; k < EYES; ++k )
-        eyes[k] = rf_make_eye( rf_vec3( -1.0f + 0.3f * (float)k, 1.6f, 5.0f ), rf_vec3( 0.1f, -0.6f, -1 ), rf_vec3( 0, 1, 0 ), 0.8, SIDE, SIDE );
+        eyes[k] = rf_make_eye( rf_vec3( -1.0f + 0.3f * (float)k, 1.6f, 5.0f ), rf_vec3( 0.1f, -0.6f, -1 ), rf_vec3( 0, 1, 0 ),
+                               0.8, SIDE, SIDE );
 }
 
 // Means of the quarters of the middle frame.
@@ -95,8 +104,8 @@ static void check_same_mean( const RfTracer* tracer, int light_samples, int grou
         for ( int way = 0; way < 2; ++way )
             m[way] = mean_of( mean[way][q], SEEDS, error + way );
         double p = welch_p( mean[0][q], SEEDS, mean[1][q], SEEDS );
-        printf( "%d light samples, group %d, quarter %d: %.4f (SE %.4f) by the tree, %.4f (SE %.4f) by power, p %.3g\n", light_samples,
-                group, q, m[0], error[0], m[1], error[1], p );
+        printf( "%d light samples, group %d, quarter %d: %.4f (SE %.4f) by the tree, %.4f (SE %.4f) by power, p %.3g\n",
+                light_samples, group, q, m[0], error[0], m[1], error[1], p );
         assert_true( p > 1e-4 && error[0] < 0.02 * m[0] && error[1] < 0.04 * m[1] );
     }
 }
@@ -130,7 +139,8 @@ static void test_same_bits( void** state )
         for ( int frame = 0; frame < EYES; ++frame )
         {
             float plain[3 * SIDE * SIDE];
-            ReferenceSettings s = { settings.spp, settings.max_depth, settings.light_samples, settings.seed, frame, settings.light_picking };
+            ReferenceSettings s = { settings.spp, settings.max_depth,    settings.light_samples, settings.seed,
+                                    frame,        settings.light_picking };
             reference_image( tracer, eyes + frame, &s, plain );
             assert_memory_equal( plain, frame_rgb( &r, frame ), sizeof plain );
         }

@@ -56,10 +56,21 @@ static const Mix s_mixes[] = {
     { .name = "together", .quads = 40, .least = 0.5f, .most = 0.5f, .together = true },
     { .name = "points together", .points = 300, .together = true },
     { .name = "narrow spots", .spots = 300 },
-    { .name = "of all kinds", .quads = 50, .least = 1e-3f, .most = 5.0f, .two_sided = true, .points = 30, .spots = 30, .suns = 3,
-      .sky = true, .map = true },
+    { .name = "of all kinds",
+      .quads = 50,
+      .least = 1e-3f,
+      .most = 5.0f,
+      .two_sided = true,
+      .points = 30,
+      .spots = 30,
+      .suns = 3,
+      .sky = true,
+      .map = true },
 };
-enum { MIXES = sizeof s_mixes / sizeof s_mixes[0] };
+enum
+{
+    MIXES = sizeof s_mixes / sizeof s_mixes[0]
+};
 
 static void add_lamp( SceneBuilder* b, const Mix* mix, uint32_t i, const uint32_t material[2] )
 {
@@ -178,7 +189,8 @@ static void check_sums( const Mix* mix )
         }
         most_lost = lost > most_lost && lost < 1.0 ? lost : most_lost;
         if ( !( fabs( sum + lost - 1.0 ) < 1e-6 ) )
-            fail_msg( "%s: at %g %g %g the chances sum up to %.9f, and %.3g is lost", mix->name, (double)x.x, (double)x.y, (double)x.z, sum, lost );
+            fail_msg( "%s: at %g %g %g the chances sum up to %.9f, and %.3g is lost", mix->name, (double)x.x, (double)x.y,
+                      (double)x.z, sum, lost );
     }
     printf( "%-20s %5u lights, at most %.2g lost\n", mix->name, lights.count, most_lost );
     rf_destroy_lights( &lights );
@@ -196,7 +208,10 @@ static void test_chances_sum_up( void** state )
 // often enough, and each pick's own chance is the one told.
 static double check_picks( const RfLights* lights, RfVec3 x, RfVec3 n, uint32_t stream )
 {
-    enum { PICKS = 100000 };
+    enum
+    {
+        PICKS = 100000
+    };
     double* count = calloc( (size_t)lights->count + 1, sizeof *count );
     assert_non_null( count );
     for ( uint32_t i = 0; i < PICKS; ++i )
@@ -237,7 +252,10 @@ static double check_picks( const RfLights* lights, RfVec3 x, RfVec3 n, uint32_t 
 static void test_picks_keep_to_chances( void** state )
 {
     (void)state;
-    enum { PLACES = 8 };
+    enum
+    {
+        PLACES = 8
+    };
     double p[MIXES * PLACES];
     int count = 0;
     for ( int k = 0; k < MIXES; ++k )
@@ -264,7 +282,10 @@ static void test_picks_keep_to_chances( void** state )
 static void test_many_at_once( void** state )
 {
     (void)state;
-    enum { COUNT = 1000 };
+    enum
+    {
+        COUNT = 1000
+    };
     static float x[3][COUNT], n[3][COUNT];
     static uint32_t bits[2][COUNT];
     static RfLightPick pick[COUNT];
@@ -293,7 +314,8 @@ static void test_many_at_once( void** state )
         for ( int i = 0; i < COUNT; ++i )
         {
             uint32_t own[2] = { bits[0][i], bits[1][i] };
-            RfLightPick one = rf_pick_light( &lights, picking, rf_vec3( x[0][i], x[1][i], x[2][i] ), rf_vec3( n[0][i], n[1][i], n[2][i] ), own );
+            RfLightPick one = rf_pick_light( &lights, picking, rf_vec3( x[0][i], x[1][i], x[2][i] ),
+                                             rf_vec3( n[0][i], n[1][i], n[2][i] ), own );
             assert_true( one.light == pick[i].light && one.chance == pick[i].chance );
         }
     }
@@ -308,7 +330,8 @@ static bool can_send( const RfLights* lights, uint32_t k, RfVec3 x, RfVec3 n, ui
     {
         const RfLight* light = lights->light + k;
         float root = sqrtf( number( 9, i, 0 ) ), b2 = number( 9, i, 1 ) * root;
-        RfVec3 z = rf_add( light->p0, rf_add( rf_scale( light->e1, 1.0f - root ), rf_scale( light->e2, b2 ) ) ), way = rf_sub( z, x );
+        RfVec3 z = rf_add( light->p0, rf_add( rf_scale( light->e1, 1.0f - root ), rf_scale( light->e2, b2 ) ) ),
+               way = rf_sub( z, x );
         float facing = -rf_dot( light->normal, way );
         return rf_dot( n, way ) > 0.0f && ( light->two_sided ? facing != 0.0f : facing > 0.0f );
     }
@@ -334,7 +357,8 @@ static void check_reach( const Mix* mix )
             bool sent = can_send( &lights, k, x, n, i * 331 + k );
             float chance = rf_light_chance( &lights, RF_PICK_BY_TREE, k, x, n );
             if ( sent && !( chance > 0.0f ) )
-                fail_msg( "%s: light %u can send light to %g %g %g and is never picked there", mix->name, k, (double)x.x, (double)x.y, (double)x.z );
+                fail_msg( "%s: light %u can send light to %g %g %g and is never picked there", mix->name, k, (double)x.x,
+                          (double)x.y, (double)x.z );
             sends += sent;
             idle += !sent && chance == 0.0f;
         }
@@ -434,12 +458,9 @@ static void test_picks_make_little_noise( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_chances_sum_up ),
-        cmocka_unit_test( test_picks_keep_to_chances ),
-        cmocka_unit_test( test_many_at_once ),
-        cmocka_unit_test( test_all_that_can_send_are_picked ),
-        cmocka_unit_test( test_shape ),
-        cmocka_unit_test( test_picks_make_little_noise ),
+        cmocka_unit_test( test_chances_sum_up ), cmocka_unit_test( test_picks_keep_to_chances ),
+        cmocka_unit_test( test_many_at_once ),   cmocka_unit_test( test_all_that_can_send_are_picked ),
+        cmocka_unit_test( test_shape ),          cmocka_unit_test( test_picks_make_little_noise ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -139,10 +139,8 @@ static void test_sincos( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_log2 ),
-        cmocka_unit_test( test_exp2 ),
-        cmocka_unit_test( test_pow ),
-        cmocka_unit_test( test_pow_at_the_ends ),
+        cmocka_unit_test( test_log2 ),   cmocka_unit_test( test_exp2 ),
+        cmocka_unit_test( test_pow ),    cmocka_unit_test( test_pow_at_the_ends ),
         cmocka_unit_test( test_sincos ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );

@@ -129,15 +129,18 @@ static const struct
     bool large; // for the bytes alone
 } s_cases[] = {
     { "vase-room", "--group 1 --frames 20 --size 240x180 --spp 3 --threads 2", false },
-    { "vase-room-ggx", "--group 2 --frames 1 --size 160x120 --spp 5 --threads 24 --aov albedo,normal,depth,motion,variance,samples", false },
+    { "vase-room-ggx",
+      "--group 2 --frames 1 --size 160x120 --spp 5 --threads 24 --aov albedo,normal,depth,motion,variance,samples", false },
     { "still-life", "--group 1 --frames 1-2 --size 96x72 --spp 3 --threads 4 --tile rooks64 --light-samples 4", false },
     { "turntable", "--group 1 --frames 1-2 --size 160x120 --spp 3 --threads 3 --tile 1 --aov depth", false },
     { "still-life", "--group 2 --frames 3-5 --size 120x90 --spp 5 --threads 3 --adaptive", false },
     { "vase-room-phong", "--group 1 --frames 1 --size 96x72 --spp 3 --threads 2 --tile 1 --weights eq15", false },
     // films of 108 MiB, and images whose files are written in chunks of 14 MiB
     { "vase-room", "--group 0 --frames 1 --size 2304x1536 --spp 1 --max-depth 1 --threads 1 --tile 1", true },
-    { "vase-room", "--group 0 --frames 1-2 --size 8192x32 --spp 1 --max-depth 1 --threads 2 --tile 1 --compression piz "
-                   "--aov albedo,normal,depth,motion,variance,samples", true },
+    { "vase-room",
+      "--group 0 --frames 1-2 --size 8192x32 --spp 1 --max-depth 1 --threads 2 --tile 1 --compression piz "
+      "--aov albedo,normal,depth,motion,variance,samples",
+      true },
     // this one looks at the frames rendered before: not the same in several sweeps
     { "vase-room", "--group 2 --frames 3-6 --size 120x90 --noise 0.06 --threads 2", false },
 };
@@ -193,7 +196,8 @@ static void test_paper_example( void** state )
         assert_true( least_kib( "vase-room", options ) < 96L * 1024 );
         if ( is_long )
             expect_kept( "vase-room", options, 96L * 1024, bare );
-        snprintf( options, sizeof options, "--frames 22-26 --size 200x150 --spp 7 --max-depth 1 --group 3 --tile %s --threads 1 -o paper.####.exr",
+        snprintf( options, sizeof options,
+                  "--frames 22-26 --size 200x150 --spp 7 --max-depth 1 --group 3 --tile %s --threads 1 -o paper.####.exr",
                   tiles[i] );
         expect_kept( "vase-room", options, 96L * 1024 / 16, bare );
     }

@@ -27,28 +27,45 @@ static const char* s_file;
 static bool s_help;
 
 static const RfOption s_options[] = {
-    { .name = "spp", .type = RF_OPTION_INT, .value = &s_values.spp, .min = 1, .max = 1048576, .meta = "S",
-      .default_text = "28", .help = "samples", .given = &s_values.spp_given },
-    { .name = "group", .type = RF_OPTION_INT, .value = &s_values.group, .max = 64, .keyword = "auto",
-      .keyword_value = -1, .meta = "N|auto", .help = "half-width" },
+    { .name = "spp",
+      .type = RF_OPTION_INT,
+      .value = &s_values.spp,
+      .min = 1,
+      .max = 1048576,
+      .meta = "S",
+      .default_text = "28",
+      .help = "samples",
+      .given = &s_values.spp_given },
+    { .name = "group",
+      .type = RF_OPTION_INT,
+      .value = &s_values.group,
+      .max = 64,
+      .keyword = "auto",
+      .keyword_value = -1,
+      .meta = "N|auto",
+      .help = "half-width" },
     { .name = "seed", .type = RF_OPTION_UINT64, .value = &s_values.seed, .meta = "S", .help = "seed" },
-    { .name = "exposure", .type = RF_OPTION_REAL, .value = &s_values.exposure, .min = -32, .max = 32, .meta = "E",
+    { .name = "exposure",
+      .type = RF_OPTION_REAL,
+      .value = &s_values.exposure,
+      .min = -32,
+      .max = 32,
+      .meta = "E",
       .help = "stops" },
-    { .name = "size", .type = RF_OPTION_SIZE, .value = &s_values.size, .min = 1, .max = 32768, .meta = "WxH",
-      .help = "pixels" },
-    { .name = "memory", .type = RF_OPTION_MEMORY, .value = &s_values.memory, .min = 1048576, .meta = "SIZE",
-      .help = "budget" },
+    { .name = "size", .type = RF_OPTION_SIZE, .value = &s_values.size, .min = 1, .max = 32768, .meta = "WxH", .help = "pixels" },
+    { .name = "memory", .type = RF_OPTION_MEMORY, .value = &s_values.memory, .min = 1048576, .meta = "SIZE", .help = "budget" },
     { .name = "fps", .type = RF_OPTION_FPS, .value = &s_values.fps, .meta = "R", .help = "rate" },
-    { .name = "weights", .type = RF_OPTION_CHOICE, .value = &s_values.weights, .choices = weight_names,
-      .help = "weights" },
-    { .name = "json", .letter = 'j', .type = RF_OPTION_STRING, .value = &s_values.json, .meta = "FILE",
-      .help = "result" },
+    { .name = "weights", .type = RF_OPTION_CHOICE, .value = &s_values.weights, .choices = weight_names, .help = "weights" },
+    { .name = "json", .letter = 'j', .type = RF_OPTION_STRING, .value = &s_values.json, .meta = "FILE", .help = "result" },
     { .name = "resume", .type = RF_OPTION_BOOL, .value = &s_values.resume, .help = "go on" },
     { .name = "half", .type = RF_OPTION_BOOL, .value = &s_values.half, .help = "half floats" },
 };
 
-static const RfCommandTable s_table = { .command = "render", .summary = "Renders.", .files = file_names,
-                                        .file_count = 1, .options = s_options,
+static const RfCommandTable s_table = { .command = "render",
+                                        .summary = "Renders.",
+                                        .files = file_names,
+                                        .file_count = 1,
+                                        .options = s_options,
                                         .option_count = sizeof s_options / sizeof s_options[0] };
 
 // Splits `line` at blanks and parses it; the text lives until the next call.
@@ -149,8 +166,7 @@ static void test_wrong_words( void** state )
     {
         char line[128], text[256];
         snprintf( line, sizeof line, "a.glb --size=%s", sizes[i] );
-        snprintf( text, sizeof text, "--size: wants WIDTHxHEIGHT, such as 960x540, each from 1 to 32768, got '%s'",
-                  sizes[i] );
+        snprintf( text, sizeof text, "--size: wants WIDTHxHEIGHT, such as 960x540, each from 1 to 32768, got '%s'", sizes[i] );
         expect_error( line, text );
     }
     static const char* const memories[] = { "4Q", "G", "1GG", "0", "-4G", "1e99G", "4 G" };
@@ -158,8 +174,8 @@ static void test_wrong_words( void** state )
     {
         char line[128], text[256];
         snprintf( line, sizeof line, "a.glb --memory=%s", memories[i] );
-        snprintf( text, sizeof text,
-                  "--memory: wants a size such as 512M, 4G or 1.5G, at least 1048576 bytes, got '%s'", memories[i] );
+        snprintf( text, sizeof text, "--memory: wants a size such as 512M, 4G or 1.5G, at least 1048576 bytes, got '%s'",
+                  memories[i] );
         expect_error( line, text );
     }
     expect_error( "a --fps 24/0", "--fps: wants frames per second, such as 24 or 24000/1001, got '24/0'" );
@@ -191,7 +207,9 @@ static void test_more_files( void** state )
     (void)state;
     static const char* const names[] = { "A", "DIR" };
     int total = 0;
-    const RfCommandTable table = { .command = "many", .summary = "Many.", .files = names, .file_count = 2, .file_max = 4, .file_total = &total };
+    const RfCommandTable table = {
+        .command = "many", .summary = "Many.", .files = names, .file_count = 2, .file_max = 4, .file_total = &total
+    };
     const char* files[4];
     bool help;
     RfError error;
@@ -240,10 +258,13 @@ static void test_help_names_every_option( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_every_type_in_any_order ), cmocka_unit_test( test_defaults_and_keywords ),
-        cmocka_unit_test( test_wrong_numbers ),           cmocka_unit_test( test_wrong_words ),
+        cmocka_unit_test( test_every_type_in_any_order ),
+        cmocka_unit_test( test_defaults_and_keywords ),
+        cmocka_unit_test( test_wrong_numbers ),
+        cmocka_unit_test( test_wrong_words ),
         cmocka_unit_test( test_more_files ),
-        cmocka_unit_test( test_wrong_shape ),             cmocka_unit_test( test_help_names_every_option ),
+        cmocka_unit_test( test_wrong_shape ),
+        cmocka_unit_test( test_help_names_every_option ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

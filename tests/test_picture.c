@@ -14,10 +14,7 @@ static RfImage new_image( int width, int height )
     return image;
 }
 
-static int get16( const unsigned char* bytes )
-{
-    return bytes[0] | bytes[1] << 8;
-}
+static int get16( const unsigned char* bytes ) { return bytes[0] | bytes[1] << 8; }
 
 static double base_at( const unsigned char* base, int columns, int rows, int cell, int x, int y, int c )
 {
@@ -74,7 +71,8 @@ static int display( double light, int stops )
     double value = ldexp( light, stops );
     if ( !( value > 0.0 ) )
         return 0;
-    return value >= 1.0 ? 255 : (int)lround( 255.0 * ( value <= 0.0031308 ? 12.92 * value : 1.055 * pow( value, 1.0 / 2.4 ) - 0.055 ) );
+    return value >= 1.0 ? 255
+                        : (int)lround( 255.0 * ( value <= 0.0031308 ? 12.92 * value : 1.055 * pow( value, 1.0 / 2.4 ) - 0.055 ) );
 }
 
 // A slow ramp over 12 stops, slanted, in three colours: at −4 to 4 stops no byte of the
@@ -158,7 +156,8 @@ static void test_no_numbers( void** state )
         image.rgb[i] = i / 3 % 48 < 16 ? ( i % 3 == 1 ? NAN : -5.0f ) : i / 3 % 48 < 32 ? INFINITY : -INFINITY;
     size_t size;
     RfImage back = through( &image, &size );
-    const float *nan = back.rgb + 3 * ( 24 * 48 + 4 ), *inf = back.rgb + 3 * ( 24 * 48 + 24 ), *dark = back.rgb + 3 * ( 24 * 48 + 44 );
+    const float *nan = back.rgb + 3 * ( 24 * 48 + 4 ), *inf = back.rgb + 3 * ( 24 * 48 + 24 ),
+                *dark = back.rgb + 3 * ( 24 * 48 + 44 );
     assert_true( nan[0] > 8.0f && nan[1] < 0.1f && nan[2] > 8.0f );
     assert_true( inf[0] > 30000.0f && dark[0] < 0.01f );
     rf_destroy_image( &back );
@@ -211,7 +210,8 @@ static void test_shrink( void** state )
     image.rgb[3 * 14] = NAN;
     assert_int_equal( rf_shrink_image( &image, 2, &small, NULL ), RF_OK );
     assert_true( small.width == 3 && small.height == 2 );
-    assert_true( small.rgb[0] == 3.0f && small.rgb[3 * 2] == 6.5f && small.rgb[3 * 3] == 10.5f && isnan( small.rgb[3 * 5] ) && small.rgb[3 * 5 + 1] == 14.0f );
+    assert_true( small.rgb[0] == 3.0f && small.rgb[3 * 2] == 6.5f && small.rgb[3 * 3] == 10.5f && isnan( small.rgb[3 * 5] ) &&
+                 small.rgb[3 * 5 + 1] == 14.0f );
     rf_destroy_image( &small );
     rf_destroy_image( &image );
 }
@@ -219,8 +219,8 @@ static void test_shrink( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_no_bands ), cmocka_unit_test( test_flat_areas ), cmocka_unit_test( test_firefly ),
-        cmocka_unit_test( test_no_numbers ), cmocka_unit_test( test_weight ), cmocka_unit_test( test_small_and_refused ),
+        cmocka_unit_test( test_no_bands ),   cmocka_unit_test( test_flat_areas ), cmocka_unit_test( test_firefly ),
+        cmocka_unit_test( test_no_numbers ), cmocka_unit_test( test_weight ),     cmocka_unit_test( test_small_and_refused ),
         cmocka_unit_test( test_shrink ),
     };
     return cmocka_run_group_tests_name( "picture", tests, NULL, NULL );

@@ -243,7 +243,8 @@ static void test_no_room( void** state )
         assert_true( rf_plan_row_fits( row ) == ( r <= 3 ) && row->fit.least == roomy.rows[r].fit.least );
         if ( r <= 3 )
             continue;
-        assert_true( row->fit.least > settings.memory && row->fit.bytes_films == 0 && isnan( row->gain ) && isnan( row->rays_path ) );
+        assert_true( row->fit.least > settings.memory && row->fit.bytes_films == 0 && isnan( row->gain ) &&
+                     isnan( row->rays_path ) );
         assert_non_null( strstr( row->excluded, "does not fit --memory" ) );
     }
     assert_non_null( strstr( plan.why, "5 rows left out, do not fit --memory" ) );
@@ -292,12 +293,8 @@ static void test_sweeps( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_rows ),
-        cmocka_unit_test( test_formula ),
-        cmocka_unit_test( test_forecast ),
-        cmocka_unit_test( test_choice ),
-        cmocka_unit_test( test_choice_by_memory ),
-        cmocka_unit_test( test_no_room ),
+        cmocka_unit_test( test_rows ),   cmocka_unit_test( test_formula ),          cmocka_unit_test( test_forecast ),
+        cmocka_unit_test( test_choice ), cmocka_unit_test( test_choice_by_memory ), cmocka_unit_test( test_no_room ),
         cmocka_unit_test( test_sweeps ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );

@@ -39,7 +39,8 @@ static void check_rows( const json_t* plan )
     {
         const json_t* row = json_array_get( rows, i );
         assert_string_equal( json_string_value( json_object_get( row, "tile" ) ), "3x3" );
-        static const char* const whole[] = { "bytes_films", "bytes_hits", "bytes_lists", "bytes_least", "chunks", "sweeps", "eyes", "spp" };
+        static const char* const whole[] = { "bytes_films", "bytes_hits", "bytes_lists", "bytes_least",
+                                             "chunks",      "sweeps",     "eyes",        "spp" };
         for ( size_t k = 0; k < sizeof whole / sizeof whole[0]; ++k )
             assert_true( json_integer_value( json_object_get( row, whole[k] ) ) > 0 );
         assert_true( json_is_integer( json_object_get( row, "group" ) ) );
@@ -66,7 +67,8 @@ static void test_command( void** state )
     cli_expect( cli_run( "$R render $VASE %s -o a.exr --frames 20 --quiet --json render.json", options ), 0, NULL );
     json_t *plan = cli_read_json( "plan.json" ), *render = cli_read_json( "render.json" );
     const json_t* row = chosen_row( plan );
-    assert_int_equal( json_integer_value( json_object_get( row, "group" ) ), json_integer_value( json_object_get( render, "group" ) ) );
+    assert_int_equal( json_integer_value( json_object_get( row, "group" ) ),
+                      json_integer_value( json_object_get( render, "group" ) ) );
     check_rows( plan );
     const char* why = json_string_value( json_object_get( plan, "why" ) );
     assert_non_null( strstr( why, "the smallest group within 10 % of the best gain by fixed costs, " ) );
@@ -110,7 +112,8 @@ static void test_options_of_render( void** state )
         { "--size 64x36 --tile 1 --memory 2500K", "--noise 1000", true }, // the samples that it may take need totals
         { "--size 64x36 --tile 1 --memory 2500K", "--time 0.001", true },
         { "--size 64x36 --spp 9 --memory 12M", "--weights eq15", true },
-        { "--size 64x36 --spp 9 --memory 12M", "--weights unweighted --normalize none --tile rooks16 --no-tile-roulette --light-samples 2", false },
+        { "--size 64x36 --spp 9 --memory 12M",
+          "--weights unweighted --normalize none --tile rooks16 --no-tile-roulette --light-samples 2", false },
     };
     int plain = -1;
     for ( size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i )
@@ -142,14 +145,16 @@ static void test_rows_without_room( void** state )
     json_int_t least = json_integer_value( json_object_get( last, "bytes_least" ) );
     snprintf( expected, sizeof expected, "does not fit --memory, the least is %dK", (int)( least / 1024 ) );
     assert_string_equal( why, expected );
-    assert_true( is_null( last, "predicted_gain" ) && is_null( last, "seconds" ) && is_null( json_object_get( last, "rays" ), "path" ) );
+    assert_true( is_null( last, "predicted_gain" ) && is_null( last, "seconds" ) &&
+                 is_null( json_object_get( last, "rays" ), "path" ) );
     size_t size;
     char* table = cli_read( "table.txt", &size );
     assert_non_null( strstr( table, expected ) );
     free( table );
     json_decref( plan );
     // that is the least indeed
-    static const char big[] = "$R render $VASE --size 64x36 --spp 9 --weights eq15 --max-depth 1 --group 16 --frames 20 -o b.exr --quiet --memory %d";
+    static const char big[] =
+        "$R render $VASE --size 64x36 --spp 9 --weights eq15 --max-depth 1 --group 16 --frames 20 -o b.exr --quiet --memory %d";
     cli_expect( cli_run( big, (int)least - 1024 ), 1, "give --memory " );
     cli_expect( cli_run( big, (int)least ), 0, NULL );
 }
@@ -158,7 +163,8 @@ static void test_command_defaults_and_errors( void** state )
 {
     (void)state;
     char text[512];
-    snprintf( text, sizeof text, "{\"scene\":\"%s\",\"render\":{\"size\":[40,30],\"spp\":5,\"tile\":\"1\",\"frames\":\"2-3\",\"group\":1}}",
+    snprintf( text, sizeof text,
+              "{\"scene\":\"%s\",\"render\":{\"size\":[40,30],\"spp\":5,\"tile\":\"1\",\"frames\":\"2-3\",\"group\":1}}",
               REFRAME_VASE_ROOM );
     cli_write( "scene.json", text, strlen( text ) );
     cli_expect( cli_run( "$R plan scene.json --quiet --json plan.json" ), 0, NULL );
@@ -173,12 +179,17 @@ static void test_command_defaults_and_errors( void** state )
     assert_int_equal( json_integer_value( json_object_get( json_array_get( json_object_get( plan, "rows" ), 0 ), "spp" ) ), 6 );
     json_decref( plan );
     // as many as render may take, which is said
-    static const struct { const char* options; int spp; } most[] = { { "--time 1", 1048576 }, { "--noise 1 --spp 9", 9 } };
+    static const struct
+    {
+        const char* options;
+        int spp;
+    } most[] = { { "--time 1", 1048576 }, { "--noise 1 --spp 9", 9 } };
     for ( int i = 0; i < 2; ++i )
     {
         cli_expect( cli_run( "$R plan scene.json --quiet %s --json plan.json", most[i].options ), 0, NULL );
         plan = cli_read_json( "plan.json" );
-        assert_int_equal( json_integer_value( json_object_get( json_array_get( json_object_get( plan, "rows" ), 0 ), "spp" ) ), most[i].spp );
+        assert_int_equal( json_integer_value( json_object_get( json_array_get( json_object_get( plan, "rows" ), 0 ), "spp" ) ),
+                          most[i].spp );
         assert_true( json_is_true( json_object_get( plan, "at_most" ) ) );
         json_decref( plan );
     }

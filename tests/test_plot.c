@@ -33,7 +33,10 @@ static int count( const char* text, const char* part )
 static void expect_well_formed( const char* svg )
 {
     cli_write( "plot.svg", svg, strlen( svg ) );
-    cli_expect( cli_run( "python3 -c \"import xml.dom.minidom as m; d = m.parse('plot.svg').documentElement; assert d.tagName == 'svg'\"" ), 0, NULL );
+    cli_expect(
+        cli_run(
+            "python3 -c \"import xml.dom.minidom as m; d = m.parse('plot.svg').documentElement; assert d.tagName == 'svg'\"" ),
+        0, NULL );
 }
 
 static void test_ticks( void** state )
@@ -77,7 +80,9 @@ static void test_places( void** state )
     (void)state;
     double x[] = { 1.0, 10.0, 100.0, 1000.0, 10.0 }, y[] = { 0.0, 5.0, 10.0, 5.0, (double)NAN };
     RfPlotSeries series = { .name = "dots", .x = x, .y = y, .count = 5, .no_line = true };
-    RfPlot plot = { .title = "t", .x = { "x", true, 1.0, 100.0 }, .y = { "y", false, 0.0, 10.0 }, .series = &series, .series_count = 1 };
+    RfPlot plot = {
+        .title = "t", .x = { "x", true, 1.0, 100.0 }, .y = { "y", false, 0.0, 10.0 }, .series = &series, .series_count = 1
+    };
     char* svg = draw( &plot );
     assert_int_equal( count( svg, "<circle" ), 3 + 1 ); // outside and without a number: none; one in the legend
     double at[3][2];
@@ -100,13 +105,19 @@ static void test_lines( void** state )
     RfPlotSeries series[] = { { .name = "gap", .x = x, .y = y, .count = 6 },
                               { .name = "fit", .x = x, .y = x, .count = 6, .dashed = true, .no_markers = true, .style = 3 } };
     RfPlotNote note = { 5.0, 4.0, "best" };
-    RfPlot plot = { .title = "t", .x = { "x", false, 0, 0 }, .y = { "y", true, 0, 0 }, .series = series, .series_count = 2, .notes = &note, .note_count = 1 };
+    RfPlot plot = { .title = "t",
+                    .x = { "x", false, 0, 0 },
+                    .y = { "y", true, 0, 0 },
+                    .series = series,
+                    .series_count = 2,
+                    .notes = &note,
+                    .note_count = 1 };
     char* svg = draw( &plot );
     const char* curve = strstr( svg, "clip-path=\"url(#plot)\"" );
     assert_non_null( curve );
     assert_int_equal( count( svg, ">best</text>" ), 1 );
     assert_int_equal( count( svg, "stroke-dasharray" ), 2 ); // and in the legend
-    assert_int_equal( count( svg, "<circle" ), 4 + 1 + 2 );   // points, legend, ring at the point and at its word
+    assert_int_equal( count( svg, "<circle" ), 4 + 1 + 2 );  // points, legend, ring at the point and at its word
     // a point that cannot be drawn interrupts the line
     char line[512] = "";
     const char* start = curve;
@@ -121,14 +132,27 @@ static void test_lines( void** state )
 static void test_any_text( void** state )
 {
     (void)state;
-    static const char* const hostile[] = { "<svg>&amp;\"'", "\xff\xfe half \xe2\x82", "tab\t\x01\x1f\n", "\xe2\x82\xac \xf0\x9f\x98\x80", "\xed\xa0\x80 \xef\xbf\xbf \xc0\xaf \xf4\x90\x80\x80", "" };
+    static const char* const hostile[] = { "<svg>&amp;\"'",
+                                           "\xff\xfe half \xe2\x82",
+                                           "tab\t\x01\x1f\n",
+                                           "\xe2\x82\xac \xf0\x9f\x98\x80",
+                                           "\xed\xa0\x80 \xef\xbf\xbf \xc0\xaf \xf4\x90\x80\x80",
+                                           "" };
     double one = 3.0;
     for ( int i = 0; i < 6; ++i )
     {
-        RfPlotSeries series = { .name = hostile[i], .x = &one, .y = &one, .count = 1, .labels = hostile + i, .show_labels = true, .style = i };
+        RfPlotSeries series = {
+            .name = hostile[i], .x = &one, .y = &one, .count = 1, .labels = hostile + i, .show_labels = true, .style = i
+        };
         RfPlotNote note = { one, one, hostile[i] };
-        RfPlot plot = { .title = hostile[i], .subtitle = hostile[i], .x = { hostile[i], false, 0, 0 }, .y = { hostile[i], true, 0, 0 },
-                        .series = &series, .series_count = 1, .notes = &note, .note_count = 1 };
+        RfPlot plot = { .title = hostile[i],
+                        .subtitle = hostile[i],
+                        .x = { hostile[i], false, 0, 0 },
+                        .y = { hostile[i], true, 0, 0 },
+                        .series = &series,
+                        .series_count = 1,
+                        .notes = &note,
+                        .note_count = 1 };
         char *svg = draw( &plot ), *again = draw( &plot );
         assert_string_equal( svg, again );
         assert_true( i != 3 || strstr( svg, hostile[i] ) != NULL );
@@ -145,7 +169,9 @@ static void test_nothing( void** state )
     RfPlotSeries series = { .name = "none", .x = &bad, .y = &bad, .count = 1 };
     for ( int n = 0; n < 2; ++n )
     {
-        RfPlot plot = { .title = "empty", .x = { "x", true, 0, 0 }, .y = { "y", false, 0, 0 }, .series = &series, .series_count = n };
+        RfPlot plot = {
+            .title = "empty", .x = { "x", true, 0, 0 }, .y = { "y", false, 0, 0 }, .series = &series, .series_count = n
+        };
         char* svg = draw( &plot );
         assert_null( strstr( svg, "nan" ) );
         assert_null( strstr( svg, "inf" ) );
@@ -157,11 +183,8 @@ static void test_nothing( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_ticks ),
-        cmocka_unit_test( test_places ),
-        cmocka_unit_test( test_lines ),
-        cmocka_unit_test( test_any_text ),
-        cmocka_unit_test( test_nothing ),
+        cmocka_unit_test( test_ticks ),    cmocka_unit_test( test_places ),  cmocka_unit_test( test_lines ),
+        cmocka_unit_test( test_any_text ), cmocka_unit_test( test_nothing ),
     };
     return cmocka_run_group_tests( tests, cli_enter_group, cli_leave_group );
 }

@@ -56,11 +56,13 @@ static void assert_fails( const char* text, const char* words )
 static void test_ascii( void** state )
 {
     (void)state;
-    static const char text[] = "ply\r\nformat ascii 1.0\r\ncomment any words at all here, more than six of them\n" VERTICES
-                               "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty float u\nproperty float v\n"
-                               "element stray 2\nproperty list uchar float things\nproperty int other\n" FACES( 2 ) "end_header\n"
-                               "0 0 0 255 0 128 0 0\n1e0 0 -0 255 0 128 1 0\n 1.00 1 0 255 0 128 1 1\n+0 .1e1 0 255 0 128 0 0.25\n"
-                               "2 1.5 2.5 7\n0 8\n4 0 1 2 3\n3 0\t1 2";
+    static const char text[] =
+        "ply\r\nformat ascii 1.0\r\ncomment any words at all here, more than six of them\n" VERTICES
+        "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty float u\nproperty float v\n"
+        "element stray 2\nproperty list uchar float things\nproperty int other\n" FACES(
+            2 ) "end_header\n"
+                "0 0 0 255 0 128 0 0\n1e0 0 -0 255 0 128 1 0\n 1.00 1 0 255 0 128 1 1\n+0 .1e1 0 255 0 128 0 0.25\n"
+                "2 1.5 2.5 7\n0 8\n4 0 1 2 3\n3 0\t1 2";
     RfModel model;
     RfModelMesh* m = load_ok( text, sizeof text - 1, &model );
     assert_true( m->vertex_count == 4 && m->triangle_count == 3 && m->normals == NULL );
@@ -70,7 +72,8 @@ static void test_ascii( void** state )
     for ( int i = 0; i < 12; ++i )
         assert_true( m->positions[i] == positions[i] );
     assert_true( m->uvs[7] == 0.75f && m->uvs[0] == 0.0f && m->uvs[1] == 1.0f ); // v runs down
-    assert_true( m->colors[0] == 1.0f && m->colors[1] == 0.0f && fabsf( m->colors[2] - 0.2158605f ) < 1e-5f && m->colors[3] == 1.0f );
+    assert_true( m->colors[0] == 1.0f && m->colors[1] == 0.0f && fabsf( m->colors[2] - 0.2158605f ) < 1e-5f &&
+                 m->colors[3] == 1.0f );
     assert_int_equal( s_warnings, 0 );
     rf_destroy_model( &model );
 }
@@ -79,18 +82,19 @@ static void test_ascii( void** state )
 static size_t binary_square( bool big, uint8_t* out )
 {
     char head[512];
-    int length = snprintf( head, sizeof head, "ply\nformat binary_%s_endian 1.0\n%sproperty double nx\nproperty short ny\nproperty int8 nz\n"
+    int length = snprintf( head, sizeof head,
+                           "ply\nformat binary_%s_endian 1.0\n%sproperty double nx\nproperty short ny\nproperty int8 nz\n"
                            "element face 1\nproperty uchar skipped\nproperty list ushort uint vertex_index\nend_header\n",
                            big ? "big" : "little", VERTICES );
     memcpy( out, head, (size_t)length );
     size_t at = (size_t)length;
     static const float positions[] = { 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0 };
-#define PUT( value )                                                                                                       \
-    do                                                                                                                     \
-    {                                                                                                                      \
-        const uint8_t* raw = (const uint8_t*)&( value );                                                                   \
-        for ( size_t k = 0; k < sizeof( value ); ++k )                                                                     \
-            out[at++] = raw[big ? sizeof( value ) - 1 - k : k];                                                            \
+#define PUT( value )                                                                                                             \
+    do                                                                                                                           \
+    {                                                                                                                            \
+        const uint8_t* raw = (const uint8_t*)&( value );                                                                         \
+        for ( size_t k = 0; k < sizeof( value ); ++k )                                                                           \
+            out[at++] = raw[big ? sizeof( value ) - 1 - k : k];                                                                  \
     } while ( 0 )
     double zero = 0.0;
     int16_t y = 0;
@@ -140,8 +144,10 @@ static double area_of( const RfModelMesh* m )
     for ( uint32_t i = 0; i < m->triangle_count; ++i )
     {
         const uint32_t* t = m->indices + 3 * (size_t)i;
-        const float *a = m->positions + 3 * (size_t)t[0], *b = m->positions + 3 * (size_t)t[1], *c = m->positions + 3 * (size_t)t[2];
-        double area = 0.5 * ( (double)( b[0] - a[0] ) * (double)( c[1] - a[1] ) - (double)( c[0] - a[0] ) * (double)( b[1] - a[1] ) );
+        const float *a = m->positions + 3 * (size_t)t[0], *b = m->positions + 3 * (size_t)t[1],
+                    *c = m->positions + 3 * (size_t)t[2];
+        double area =
+            0.5 * ( (double)( b[0] - a[0] ) * (double)( c[1] - a[1] ) - (double)( c[0] - a[0] ) * (double)( b[1] - a[1] ) );
         assert_true( area > 0.0 ); // all of the polygon's sense
         sum += area;
     }
@@ -167,8 +173,8 @@ static void test_concave( void** state )
 static void test_warnings( void** state )
 {
     (void)state;
-    static const char text[] = HEAD VERTICES "property float nx\nproperty float ny\nproperty float nz\n" FACES( 2 )
-        "end_header\n0 0 0 0 0 1 1 0 0 0 0 1 1 1 0 0 0 0 0 1 0 0 0 1\n2 0 1 3 0 1 2";
+    static const char text[] = HEAD VERTICES "property float nx\nproperty float ny\nproperty float nz\n" FACES(
+        2 ) "end_header\n0 0 0 0 0 1 1 0 0 0 0 1 1 1 0 0 0 0 0 1 0 0 0 1\n2 0 1 3 0 1 2";
     RfModel model;
     RfModelMesh* m = load_ok( text, sizeof text - 1, &model );
     assert_true( m->normals == NULL && m->triangle_count == 1 && s_warnings == 2 );
@@ -184,7 +190,7 @@ static void test_strips( void** state )
 {
     (void)state;
     static const char text[] = HEAD "element vertex 6\nproperty float x\nproperty float y\nproperty float z\n" STRIPS
-        "end_header\n0 0 0 1 0 0 0 1 0 1 1 0 0 2 0 1 2 0\n13 0 1 2 3 4 -1 3 3 4 5 -1 -1 1\n\n";
+                                    "end_header\n0 0 0 1 0 0 0 1 0 1 1 0 0 2 0 1 2 0\n13 0 1 2 3 4 -1 3 3 4 5 -1 -1 1\n\n";
     static const uint32_t indices[] = { 0, 1, 2, 2, 1, 3, 2, 3, 4, 4, 3, 5 };
     RfModel model;
     RfModelMesh* m = load_ok( text, sizeof text - 1, &model );
@@ -193,18 +199,21 @@ static void test_strips( void** state )
     assert_true( s_warnings == 1 && strstr( s_warning, "1 faces" ) != NULL ); // the lone corner
     assert_true( fabs( area_of( m ) - 2.0 ) < 1e-6 );
     rf_destroy_model( &model );
-    assert_fails( HEAD VERTICES STRIPS "end_header\n" SQUARE "4 0 1 2 4\n", "line 14: corner 3 of tristrips 0 is vertex 4 of 4, and not -1" );
+    assert_fails( HEAD VERTICES STRIPS "end_header\n" SQUARE "4 0 1 2 4\n",
+                  "line 14: corner 3 of tristrips 0 is vertex 4 of 4, and not -1" );
     assert_fails( HEAD VERTICES STRIPS "end_header\n" SQUARE "4 0 1 2 -2\n", "vertex -2 of 4" );
     assert_fails( HEAD VERTICES STRIPS "end_header\n" SQUARE "4 0 1 2\n", "ends too early" );
     assert_fails( HEAD VERTICES STRIPS "end_header\n" SQUARE "4 0 1 -1 2\n", "has no faces" );
     assert_fails( HEAD STRIPS VERTICES "end_header\n3 0 1 2\n" SQUARE, "tristrips come before" );
-    assert_fails( HEAD VERTICES "element tristrips 1\nproperty int material\nend_header\n" SQUARE "7\n", "element tristrips has no list vertex_indices" );
+    assert_fails( HEAD VERTICES "element tristrips 1\nproperty int material\nend_header\n" SQUARE "7\n",
+                  "element tristrips has no list vertex_indices" );
 }
 
 static void test_trailing( void** state )
 {
     (void)state;
-    assert_fails( HEAD VERTICES FACES( 1 ) "end_header\n" SQUARE "3 0 1 2\n3 1 2 3\n", "line 15: 8 bytes follow the last element" );
+    assert_fails( HEAD VERTICES FACES( 1 ) "end_header\n" SQUARE "3 0 1 2\n3 1 2 3\n",
+                  "line 15: 8 bytes follow the last element" );
     uint8_t bytes[1024];
     size_t size = binary_square( false, bytes );
     bytes[size] = '\n';
@@ -230,7 +239,8 @@ static void test_faults( void** state )
     assert_fails( HEAD "element vertex 1\nproperty quad x\n", "type of property x is not known" );
     assert_fails( HEAD "element vertex 1\nproperty list float int x\n", "wants a whole type" );
     assert_fails( HEAD "element vertex 1\nproperty float\n", "property wants" );
-    assert_fails( HEAD "element vertex 2147483648\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 0\n", "need more than" );
+    assert_fails( HEAD "element vertex 2147483648\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 0\n",
+                  "need more than" );
     assert_fails( HEAD "element vertex 999999999999999999\nproperty float x\nend_header\n", "need more than" );
     assert_fails( HEAD "element vertex 1\nproperty float x\nproperty float y\nend_header\n0 0\n", "no x, y and z" );
     assert_fails( HEAD VERTICES FACES( 1 ) "end_header\n" SQUARE, "ends too early" );
@@ -239,8 +249,9 @@ static void test_faults( void** state )
     assert_fails( HEAD VERTICES FACES( 1 ) "end_header\n" SQUARE "3 0 1 4\n", "line 14: corner 2 of face 0 is vertex 4 of 4" );
     assert_fails( HEAD VERTICES FACES( 1 ) "end_header\n" SQUARE "3 0 1 9999999999\n", "'9999999999' does not fit into int" );
     assert_fails( HEAD VERTICES FACES( 1 ) "end_header\n" SQUARE "259 0 1 2\n", "'259' does not fit into uchar" );
-    assert_fails( HEAD VERTICES "property int red\nproperty int green\nproperty int blue\n" FACES( 1 )
-                  "end_header\n0 0 0 9 9 9 1 0 0 9 9 9 1 1 0 9 9 9 0 1 0 9 9 9 3 0 1 2\n", "property red wants uchar, ushort or float" );
+    assert_fails( HEAD VERTICES "property int red\nproperty int green\nproperty int blue\n" FACES(
+                      1 ) "end_header\n0 0 0 9 9 9 1 0 0 9 9 9 1 1 0 9 9 9 0 1 0 9 9 9 3 0 1 2\n",
+                  "property red wants uchar, ushort or float" );
     static const char zero[] = HEAD VERTICES FACES( 1 ) "end_header\n0\0junk 0 0 1 0 0 1 1 0 0 1 0 3 0 1 2\n";
     RfModel none;
     RfError line;
@@ -250,7 +261,8 @@ static void test_faults( void** state )
     assert_fails( HEAD VERTICES FACES( 1 ) "end_header\n" SQUARE "3 0 1 1.5\n", "'1.5' is no whole number" );
     assert_fails( HEAD VERTICES FACES( 1 ) "end_header\n" SQUARE "-3 0 1 2\n", "'-3' does not fit into uchar" );
     assert_fails( HEAD VERTICES FACES( 1 ) "end_header\n0 0 0 1 zero 0 1 1 0 0 1 0 3 0 1 2\n", "'zero' is no number" );
-    assert_fails( HEAD VERTICES FACES( 1 ) "end_header\n0 0 0 1 1e60 0 1 1 0 0 1 0 3 0 1 2\n", "y of vertex 1 is no finite number" );
+    assert_fails( HEAD VERTICES FACES( 1 ) "end_header\n0 0 0 1 1e60 0 1 1 0 0 1 0 3 0 1 2\n",
+                  "y of vertex 1 is no finite number" );
     assert_fails( HEAD VERTICES FACES( 1 ) "end_header\n0 0 0 1 nan 0 1 1 0 0 1 0 3 0 1 2\n", "'nan' is no number" );
     assert_fails( HEAD FACES( 1 ) VERTICES "end_header\n3 0 1 2\n" SQUARE, "faces come before" );
     assert_fails( HEAD VERTICES "element face 1\nproperty int material\nend_header\n" SQUARE "7\n", "no list vertex_indices" );
@@ -269,8 +281,10 @@ static void test_leniences( void** state )
     char text[2048], words[1001];
     memset( words, 'a', 1000 );
     words[1000] = 0;
-    snprintf( text, sizeof text, HEAD "comment %s\n" VERTICES "property float red\nproperty float green\nproperty float blue\n" FACES( 1 )
-              "end_header\n0 0 0 -2 9 .5 1 0 0 1 1 1 1 1 0 1 1 1 0 1 0 1 1 1 3 0 1 2\n", words );
+    snprintf( text, sizeof text,
+              HEAD "comment %s\n" VERTICES "property float red\nproperty float green\nproperty float blue\n" FACES(
+                  1 ) "end_header\n0 0 0 -2 9 .5 1 0 0 1 1 1 1 1 0 1 1 1 0 1 0 1 1 1 3 0 1 2\n",
+              words );
     RfModel model;
     RfModelMesh* m = load_ok( text, strlen( text ), &model );
     assert_true( m->colors[0] == 0.0f && m->colors[1] == 1.0f && m->colors[2] == 0.5f && s_warnings == 1 );
@@ -284,11 +298,18 @@ static void test_leniences( void** state )
 static void test_tangled( void** state )
 {
     (void)state;
-    enum { CORNERS = 40000, FACES_MADE = 20, ROOM = 16 * CORNERS * ( FACES_MADE + 1 ) };
+    enum
+    {
+        CORNERS = 40000,
+        FACES_MADE = 20,
+        ROOM = 16 * CORNERS * ( FACES_MADE + 1 )
+    };
     uint8_t* bytes = malloc( ROOM );
-    size_t at = (size_t)snprintf( (char*)bytes, ROOM, "ply\nformat binary_little_endian 1.0\nelement vertex %d\nproperty float x\n"
-                                  "property float y\nproperty float z\nelement face %d\nproperty list int int vertex_indices\nend_header\n",
-                                  CORNERS, FACES_MADE );
+    size_t at = (size_t)snprintf(
+        (char*)bytes, ROOM,
+        "ply\nformat binary_little_endian 1.0\nelement vertex %d\nproperty float x\n"
+        "property float y\nproperty float z\nelement face %d\nproperty list int int vertex_indices\nend_header\n",
+        CORNERS, FACES_MADE );
     for ( int i = 0; i < CORNERS; ++i )
     {
         double turn = 2.0 * 3.14159265358979 * i / CORNERS, radius = i % 2 == 0 ? 0.5 : 1.0;
@@ -350,9 +371,10 @@ static int leave( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_ascii ),    cmocka_unit_test( test_binary ), cmocka_unit_test( test_concave ),
-        cmocka_unit_test( test_warnings ), cmocka_unit_test( test_faults ), cmocka_unit_test( test_leniences ),
-        cmocka_unit_test( test_strips ),   cmocka_unit_test( test_trailing ), cmocka_unit_test( test_tangled ),  cmocka_unit_test( test_mutations ),
+        cmocka_unit_test( test_ascii ),     cmocka_unit_test( test_binary ),   cmocka_unit_test( test_concave ),
+        cmocka_unit_test( test_warnings ),  cmocka_unit_test( test_faults ),   cmocka_unit_test( test_leniences ),
+        cmocka_unit_test( test_strips ),    cmocka_unit_test( test_trailing ), cmocka_unit_test( test_tangled ),
+        cmocka_unit_test( test_mutations ),
     };
     return cmocka_run_group_tests( tests, enter, leave );
 }

@@ -30,7 +30,8 @@ static void test_two_and_a_reference( void** state )
     page_write_frames( "t/a/f.####.exr", 1, 4, 0.75f, 0.0f );
     page_write_frames( "t/b/f.####.exr", 1, 4, 0.5f, 0.25f ); // errors 0, 1/4, 1/2, 3/4
     page_write_frames( "t/r/f.####.exr", 1, 4, 0.5f, 0.0f );
-    const CliResult* result = cli_run( "$R report t/a t/b --reference t/r -o t.html --json - --fps 25 --exposure 1.5 --title 'All of it' --quiet" );
+    const CliResult* result =
+        cli_run( "$R report t/a t/b --reference t/r -o t.html --json - --fps 25 --exposure 1.5 --title 'All of it' --quiet" );
     cli_expect( result, 0, NULL );
     assert_string_equal( result->err, "" );
     json_t* json = parse_json( result->out );
@@ -42,7 +43,8 @@ static void test_two_and_a_reference( void** state )
     json_decref( json );
     json_t* data = page_read_data( "t.html", 12 );
     assert_string_equal( json_string_value( json_object_get( data, "title" ) ), "All of it" );
-    assert_true( json_number_value( json_object_get( data, "fps" ) ) == 25.0 && json_number_value( json_object_get( data, "exposure" ) ) == 1.5 );
+    assert_true( json_number_value( json_object_get( data, "fps" ) ) == 25.0 &&
+                 json_number_value( json_object_get( data, "exposure" ) ) == 1.5 );
     const json_t *a = page_sequence( data, 0 ), *b = page_sequence( data, 1 ), *r = page_sequence( data, 2 );
     assert_string_equal( json_string_value( json_object_get( a, "name" ) ), "a" );
     assert_string_equal( json_string_value( json_object_get( r, "name" ) ), "reference" );
@@ -52,7 +54,8 @@ static void test_two_and_a_reference( void** state )
     page_check_item( b, "relmse", 3, 3.0 * 0.5625 / 0.251 );
     page_check_item( b, "f1", 3, 0.25 );
     page_check_item( b, "phi", 3, 0.0625 / ( 0.5625 + 0.25 ) );
-    assert_true( json_is_null( page_item( b, "f1", 0 ) ) && json_is_null( page_item( r, "relmse", 0 ) ) && json_is_null( page_item( r, "f1", 2 ) ) );
+    assert_true( json_is_null( page_item( b, "f1", 0 ) ) && json_is_null( page_item( r, "relmse", 0 ) ) &&
+                 json_is_null( page_item( r, "f1", 2 ) ) );
     assert_string_equal( json_string_value( page_item( r, "blocks", 3 ) ), "s2-4" );
     assert_non_null( page_fact( b, "Error", "Flicker: F1" ) );
     assert_null( page_fact( r, "Error", "relMSE" ) );
@@ -64,7 +67,9 @@ static void test_hostile_names( void** state )
 {
     (void)state;
     static const char hostile[] = "</script><script>alert(1)</script><!--<b>&\"'";
-    const RfExrString strings[] = { { "reframe/scene", hostile }, { "Software", "\xff\xfe no utf-8 </SCRIPT>" }, { "comments", "" } };
+    const RfExrString strings[] = { { "reframe/scene", hostile },
+                                    { "Software", "\xff\xfe no utf-8 </SCRIPT>" },
+                                    { "comments", "" } };
     cli_expect( cli_run( "mkdir -p 'h/x<script>\"&'" ), 0, NULL );
     page_write_frame( "h/x<script>\"&/f.1.exr", 20, 20, 1.0f, strings, 3 );
     const CliResult* result = cli_run( "$R report 'h/x<script>\"&' -o h.html --title '</title><script>alert(2)</script>'" );
@@ -94,8 +99,9 @@ static void test_hostile_names( void** state )
     json_decref( data );
 }
 
-#define RENDER_JSON                                                                                                                                  \
-    "{\"version\":\"1\",\"frames\":[{\"frame\":2,\"seconds\":1.5,\"native_spp\":14,\"relmse_estimate\":0.25}],\"seconds\":125,\"peak_bytes\":2500000,"         \
+#define RENDER_JSON                                                                                                              \
+    "{\"version\":\"1\",\"frames\":[{\"frame\":2,\"seconds\":1.5,\"native_spp\":14,\"relmse_estimate\":0.25}],\"seconds\":125,"  \
+    "\"peak_bytes\":2500000,"                                                                                                    \
     "\"rays\":{\"primary\":1000,\"eye\":2500000},\"effects\":[\"diffuse\",\"</script>\"]}"
 
 static void test_json_of_others( void** state )
@@ -106,8 +112,10 @@ static void test_json_of_others( void** state )
     cli_write( "j/a.json", "{ no json", 9 );
     cli_write( "j/b.json", "[1, 2]", 6 );
     cli_write( "j/r.json", RENDER_JSON, strlen( RENDER_JSON ) );
-    static const char cost[] = "{\"rows\":[{\"reuse\":true,\"group\":3,\"tile\":\"3x3\",\"spp\":4,\"seconds\":2,\"relmse\":0.5},{\"reuse\":\"x\",\"seconds\":\"bad\",\"relmse\":[]},"
-                               "{\"reuse\":false,\"spp\":4,\"seconds\":1,\"relmse\":2.5}],\"slope\":-0.97,\"speedup_at_equal_error\":4.5,\"speedup_low\":4,\"speedup_high\":5}";
+    static const char cost[] = "{\"rows\":[{\"reuse\":true,\"group\":3,\"tile\":\"3x3\",\"spp\":4,\"seconds\":2,\"relmse\":0.5},{"
+                               "\"reuse\":\"x\",\"seconds\":\"bad\",\"relmse\":[]},"
+                               "{\"reuse\":false,\"spp\":4,\"seconds\":1,\"relmse\":2.5}],\"slope\":-0.97,\"speedup_at_equal_"
+                               "error\":4.5,\"speedup_low\":4,\"speedup_high\":5}";
     cli_write( "j/c.json", cost, strlen( cost ) );
     cli_expect( cli_run( "$R report j -o j.html" ), 0, NULL );
     json_t* data = page_read_data( "j.html", 2 );
@@ -122,18 +130,24 @@ static void test_json_of_others( void** state )
     assert_string_equal( page_fact( sequence, "Rays", "To other eyes" ), "2.5 M" );
     const json_t* curve = json_array_get( json_object_get( data, "cost" ), 0 );
     assert_int_equal( json_array_size( json_object_get( curve, "rows" ) ), 2 );
-    assert_string_equal( json_string_value( json_object_get( curve, "note" ) ), "slope -0.97; at equal error reuse is faster by 4.5 (4 to 5)" );
-    assert_string_equal( json_string_value( json_object_get( json_array_get( json_object_get( curve, "rows" ), 0 ), "reuse" ) ), "group 3, tile 3x3" );
-    assert_string_equal( json_string_value( json_object_get( json_array_get( json_object_get( curve, "rows" ), 1 ), "reuse" ) ), "path tracing" );
+    assert_string_equal( json_string_value( json_object_get( curve, "note" ) ),
+                         "slope -0.97; at equal error reuse is faster by 4.5 (4 to 5)" );
+    assert_string_equal( json_string_value( json_object_get( json_array_get( json_object_get( curve, "rows" ), 0 ), "reuse" ) ),
+                         "group 3, tile 3x3" );
+    assert_string_equal( json_string_value( json_object_get( json_array_get( json_object_get( curve, "rows" ), 1 ), "reuse" ) ),
+                         "path tracing" );
     json_decref( data );
     // by name; with a reference the estimate has no place
-    cli_expect( cli_run( "mkdir k; mv j/r.json j/c.json k; $R report j --reference j -o k.html --render-json k/r.json --cost k/c.json" ), 0, NULL );
+    cli_expect(
+        cli_run( "mkdir k; mv j/r.json j/c.json k; $R report j --reference j -o k.html --render-json k/r.json --cost k/c.json" ),
+        0, NULL );
     data = page_read_data( "k.html", 4 );
     page_check_item( page_sequence( data, 0 ), "relmse", 1, 0.0 );
     page_check_item( page_sequence( data, 0 ), "seconds", 1, 1.5 );
     assert_int_equal( json_array_size( json_object_get( data, "cost" ) ), 1 );
     json_decref( data );
-    cli_expect( cli_run( "$R report j -o k2.html --render-json k/c.json" ), 1, "--render-json: k/c.json: is not what reframe render --json writes" );
+    cli_expect( cli_run( "$R report j -o k2.html --render-json k/c.json" ), 1,
+                "--render-json: k/c.json: is not what reframe render --json writes" );
     cli_expect( cli_run( "$R report j -o k2.html --cost j/a.json" ), 1, "--cost: j/a.json: line 1" );
     cli_expect( cli_run( "$R report j -o k2.html --cost no.json" ), 1, "no.json" );
     cli_expect( cli_run( "$R report j j -o k2.html --render-json k/r.json" ), 2, "--render-json: is of one sequence" );
@@ -144,7 +158,11 @@ static void test_estimates_in_headers( void** state )
 {
     (void)state;
     page_make_folder( "e" );
-    const RfExrString said[] = { { "reframe/relmse-estimate", "0.125" }, { "reframe/group", "3" }, { "reframe/native-spp", "6.5" }, { "reframe/noise", "0.2" } }, none = { "reframe/relmse-estimate", "much" };
+    const RfExrString said[] = { { "reframe/relmse-estimate", "0.125" },
+                                 { "reframe/group", "3" },
+                                 { "reframe/native-spp", "6.5" },
+                                 { "reframe/noise", "0.2" } },
+                      none = { "reframe/relmse-estimate", "much" };
     page_write_frame( "e/f1.exr", 20, 20, 1.0f, said, 4 );
     page_write_frame( "e/f2.exr", 20, 20, 1.0f, &none, 1 );
     cli_expect( cli_run( "$R report e -o e.html" ), 0, NULL );
@@ -192,14 +210,18 @@ static void test_width( void** state )
 static void test_rendered( void** state )
 {
     (void)state;
-    cli_expect( cli_run( "$R render $VASE -o v/f.####.exr --frames 1-3 --size 48x32 --spp 3 --group 1 --aov motion,depth,variance "
-                         "--json v/render.json --quiet && $R report v -o v.html" ), 0, NULL );
+    cli_expect(
+        cli_run( "$R render $VASE -o v/f.####.exr --frames 1-3 --size 48x32 --spp 3 --group 1 --aov motion,depth,variance "
+                 "--json v/render.json --quiet && $R report v -o v.html" ),
+        0, NULL );
     json_t* data = page_read_data( "v.html", 3 );
     const json_t* sequence = page_sequence( data, 0 );
-    assert_true( json_is_number( page_item( sequence, "f1", 2 ) ) && json_is_number( page_item( sequence, "phi", 2 ) ) && json_is_null( page_item( sequence, "f1", 0 ) ) );
+    assert_true( json_is_number( page_item( sequence, "f1", 2 ) ) && json_is_number( page_item( sequence, "phi", 2 ) ) &&
+                 json_is_null( page_item( sequence, "f1", 0 ) ) );
     assert_true( json_number_value( json_object_get( data, "fps" ) ) == 24.0 );
-    static const char* const wanted[][2] = { { "Scene", "Camera" },   { "Scene", "Effects" },  { "Settings", "Group" },
-                                             { "Settings", "Layers" }, { "Rays", "From the camera" }, { "Time and memory", "Memory, peak" } };
+    static const char* const wanted[][2] = { { "Scene", "Camera" },         { "Scene", "Effects" },
+                                             { "Settings", "Group" },       { "Settings", "Layers" },
+                                             { "Rays", "From the camera" }, { "Time and memory", "Memory, peak" } };
     for ( size_t i = 0; i < sizeof wanted / sizeof wanted[0]; ++i )
         assert_non_null( page_fact( sequence, wanted[i][0], wanted[i][1] ) );
     assert_non_null( strstr( page_fact( sequence, "Error", "Flicker: coverage" ), "%" ) );
@@ -234,7 +256,8 @@ static void test_refused( void** state )
     page_write_frame( "x/a/f.0003.exr", 41, 30, 1.0f, NULL, 0 );
     cli_expect( cli_run( "$R report x/a -o y.html --quiet" ), 1, "f.0003.exr: has 41x30 pixels" );
     page_write_frame( "x/other.exr", 39, 30, 1.0f, NULL, 0 );
-    cli_expect( cli_run( "$R report x/two/f.0001.exr --reference x/other.exr -o y.html --quiet" ), 1, "x/other.exr: has 39x30 pixels" );
+    cli_expect( cli_run( "$R report x/two/f.0001.exr --reference x/other.exr -o y.html --quiet" ), 1,
+                "x/other.exr: has 39x30 pixels" );
     cli_write( "x/a/f.0003.exr", "EXR", 3 );
     cli_expect( cli_run( "$R report x/a -o y.html --quiet" ), 1, "f.0003.exr: is no EXR that can be read" );
     cli_expect( cli_run( "ulimit -f 8; $R report x/two/f.####.exr -o y.html --quiet" ), 1, "y.html" );
@@ -246,10 +269,14 @@ static void test_refused( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_two_and_a_reference ), cmocka_unit_test( test_hostile_names ),
-        cmocka_unit_test( test_json_of_others ), cmocka_unit_test( test_estimates_in_headers ),
-        cmocka_unit_test( test_width ), cmocka_unit_test( test_reference_with_json ),
-        cmocka_unit_test( test_rendered ), cmocka_unit_test( test_refused ),
+        cmocka_unit_test( test_two_and_a_reference ),
+        cmocka_unit_test( test_hostile_names ),
+        cmocka_unit_test( test_json_of_others ),
+        cmocka_unit_test( test_estimates_in_headers ),
+        cmocka_unit_test( test_width ),
+        cmocka_unit_test( test_reference_with_json ),
+        cmocka_unit_test( test_rendered ),
+        cmocka_unit_test( test_refused ),
     };
     return cmocka_run_group_tests_name( "report", tests, cli_enter_group, cli_leave_group );
 }

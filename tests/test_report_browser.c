@@ -24,7 +24,9 @@
 // Enough for a busy machine; what a free one takes is in the README.
 #define SECONDS "30"
 
-#define CHECK "REFRAME_NODE_MODULES='" REFRAME_SOURCE_DIR "/out/browser/node_modules' node '" REFRAME_SOURCE_DIR "/tests/browser/check-page.js' "
+#define CHECK                                                                                                                    \
+    "REFRAME_NODE_MODULES='" REFRAME_SOURCE_DIR "/out/browser/node_modules' node '" REFRAME_SOURCE_DIR                           \
+    "/tests/browser/check-page.js' "
 
 // A ball of light that moves over a ramp, with noise of its own in each frame.
 static void write_frame( const char* name, int width, int height, int frame, float noise )
@@ -110,10 +112,14 @@ static void test_side_by_side( void** state )
     write_sequence( "a</script>&", 96, 54, 6, 0.3f );
     write_sequence( "b", 90, 60, 6, 0.1f );
     write_sequence( "r", 96, 54, 6, 0.0f );
-    static const char cost[] = "{\"rows\":[{\"reuse\":true,\"spp\":4,\"seconds\":2,\"relmse\":0.5},{\"reuse\":true,\"spp\":8,\"seconds\":4,\"relmse\":0.2},"
-                               "{\"reuse\":false,\"spp\":4,\"seconds\":1,\"relmse\":2.5}],\"slope\":-0.97,\"speedup_at_equal_error\":4.5}";
+    static const char cost[] =
+        "{\"rows\":[{\"reuse\":true,\"spp\":4,\"seconds\":2,\"relmse\":0.5},{\"reuse\":true,\"spp\":8,\"seconds\":4,\"relmse\":0."
+        "2},"
+        "{\"reuse\":false,\"spp\":4,\"seconds\":1,\"relmse\":2.5}],\"slope\":-0.97,\"speedup_at_equal_error\":4.5}";
     cli_write( "cost.json", cost, strlen( cost ) );
-    cli_expect( cli_run( "rm 'a</script>&/f.0004.exr'; $R report 'a</script>&' --reference r --cost cost.json -o with.html --quiet" ), 0, NULL );
+    cli_expect(
+        cli_run( "rm 'a</script>&/f.0004.exr'; $R report 'a</script>&' --reference r --cost cost.json -o with.html --quiet" ), 0,
+        NULL );
     cli_expect( cli_run( "$R report 'a</script>&' b -o two.html --quiet" ), 0, NULL );
     cli_expect( cli_run( "$R report b/f.0001.exr -o one.html --quiet" ), 0, NULL );
     if ( !check_page( "with.html", "" ) || !check_page( "two.html", "" ) || !check_page( "one.html", "" ) )
@@ -128,8 +134,10 @@ static void test_brightness( void** state )
     write_columns( "flat.exr", 0.5f, 0.5f );
     write_columns( "columns.exr", 0.1f, 0.8f );
     cli_expect( cli_run( "$R report flat.exr -o flat.html --quiet && $R report columns.exr -o columns.html --quiet && "
-                         "$R report columns.exr -o darker.html --exposure -2 --quiet" ), 0, NULL );
-    if ( !check_page( "flat.html", "--mean 187.5" ) || !check_page( "columns.html", "--mean 160.1" ) || !check_page( "darker.html", "--mean 83.7" ) )
+                         "$R report columns.exr -o darker.html --exposure -2 --quiet" ),
+                0, NULL );
+    if ( !check_page( "flat.html", "--mean 187.5" ) || !check_page( "columns.html", "--mean 160.1" ) ||
+         !check_page( "darker.html", "--mean 83.7" ) )
         skip();
 }
 

@@ -45,7 +45,8 @@ static void test_missing_frames( void** state )
     // where the reference ends, the error does
     cli_expect( cli_run( "$R report m/b --reference m/a -o m3.html" ), 0, NULL );
     data = page_read_data( "m3.html", 3 + 2 );
-    assert_true( json_is_number( page_item( page_sequence( data, 0 ), "relmse", 1 ) ) && json_is_null( page_item( page_sequence( data, 0 ), "relmse", 2 ) ) );
+    assert_true( json_is_number( page_item( page_sequence( data, 0 ), "relmse", 1 ) ) &&
+                 json_is_null( page_item( page_sequence( data, 0 ), "relmse", 2 ) ) );
     assert_true( json_is_null( page_item( page_sequence( data, 0 ), "f1", 2 ) ) );
     json_decref( data );
 }
@@ -55,8 +56,12 @@ static void test_other_programs( void** state )
     (void)state;
     page_make_folder( "o" );
     Foreign parts[2] = { { .names = { "Z" }, .values = { 7 }, .x = 3, .y = 5, .width = 20, .height = 10, .part = "depth" },
-                         { .names = { "L.Combined.B", "L.Combined.G", "L.Combined.R" }, .values = { 1, NAN, 1 }, .width = 30, .height = 20,
-                           .half = true, .part = "beauty" } };
+                         { .names = { "L.Combined.B", "L.Combined.G", "L.Combined.R" },
+                           .values = { 1, NAN, 1 },
+                           .width = 30,
+                           .height = 20,
+                           .half = true,
+                           .part = "beauty" } };
     write_foreign_exr( page_path( "o/x.0007.left.exr" ), parts, 2 );
     write_foreign_exr( page_path( "o/x.0008.left.exr" ), parts, 2 );
     cli_expect( cli_run( "$R report o -o o.html" ), 0, NULL );
@@ -98,7 +103,10 @@ static void write_parts( const char* name, const Foreign* parts, int count )
     write_foreign_exr( page_path( name ), parts, count );
 }
 
-#define COLOUR( value ) { .names = { "B", "G", "R" }, .values = { value, value, value }, .width = 20, .height = 10, .part = "beauty" }
+#define COLOUR( value )                                                                                                          \
+    {                                                                                                                            \
+        .names = { "B", "G", "R" }, .values = { value, value, value }, .width = 20, .height = 10, .part = "beauty"               \
+    }
 
 // Motion in the first part, colour in the second, depth in the third; then a frame without motion.
 static void test_parts( void** state )
@@ -110,7 +118,8 @@ static void test_parts( void** state )
     {
         char name[64];
         float value = frame % 2 == 1 ? 2.0f : 1.0f;
-        Foreign parts[3] = { { .names = { "motion.X", "motion.Y" }, .values = { 5, 0 }, .width = 20, .height = 10, .part = "m" }, COLOUR( value ),
+        Foreign parts[3] = { { .names = { "motion.X", "motion.Y" }, .values = { 5, 0 }, .width = 20, .height = 10, .part = "m" },
+                             COLOUR( value ),
                              { .names = { "Z" }, .values = { 3 }, .width = 20, .height = 10, .part = "depth" } };
         snprintf( name, sizeof name, "p/f.%d.exr", frame );
         write_parts( name, frame != 3 ? parts : parts + 1, frame != 3 ? 3 : 2 );
@@ -130,10 +139,11 @@ static void test_parts( void** state )
     cli_expect( cli_run( "$R report p --reference p/r -o p2.html" ), 0, NULL );
     data = page_read_data( "p2.html", 10 );
     sequence = page_sequence( data, 0 );
-    page_check_item( sequence, "f1", 2, 1.0 ); // plain
+    page_check_item( sequence, "f1", 2, 1.0 );                                      // plain
     assert_string_equal( page_fact( sequence, "Error", "Flicker: phi" ), "0.200" ); // 1 / (4 + 1)
     assert_string_equal( page_fact( sequence, "Error", "Flicker along the motion: phi" ), "0.200" );
-    assert_string_equal( page_fact( sequence, "Error", "Flicker along the motion: of" ), "3 of 4 pairs, the other frames lack the layers" );
+    assert_string_equal( page_fact( sequence, "Error", "Flicker along the motion: of" ),
+                         "3 of 4 pairs, the other frames lack the layers" );
     assert_null( page_fact( page_sequence( data, 1 ), "Error", "Flicker along the motion: phi" ) );
     json_decref( data );
 }
@@ -143,7 +153,9 @@ static void test_layers( void** state )
     (void)state;
     page_make_folder( "l/a" );
     page_make_folder( "l/r" );
-    Foreign a = { .names = { "x.B", "x.G", "x.R", "y.B", "y.G", "y.R" }, .values = { 1, 1, 1, 2, 2, 2 }, .width = 20, .height = 10 };
+    Foreign a = {
+        .names = { "x.B", "x.G", "x.R", "y.B", "y.G", "y.R" }, .values = { 1, 1, 1, 2, 2, 2 }, .width = 20, .height = 10
+    };
     Foreign r = COLOUR( 1.5f );
     write_parts( "l/a/f.1.exr", &a, 1 );
     write_parts( "l/r/f.1.exr", &r, 1 );
@@ -167,8 +179,10 @@ static void test_sizes( void** state )
     page_make_folder( "s" );
     page_write_frames( "s/f.#.exr", 1, 2, 1.0f, 0.0f );
     page_write_frame( "s/f.3.exr", 41, 30, 1.0f, NULL, 0 );
-    cli_expect( cli_run( "$R report s -o s.html --quiet" ), 1, "f.3.exr: has 41x30 pixels and s/f.1.exr 40x30: the frames of a sequence want one size" );
-    cli_expect( cli_run( "$R report s/f.1.exr --reference s/f.3.exr -o s.html --quiet" ), 1, "f.3.exr: has 41x30 pixels and s/f.1.exr 40x30: a reference" );
+    cli_expect( cli_run( "$R report s -o s.html --quiet" ), 1,
+                "f.3.exr: has 41x30 pixels and s/f.1.exr 40x30: the frames of a sequence want one size" );
+    cli_expect( cli_run( "$R report s/f.1.exr --reference s/f.3.exr -o s.html --quiet" ), 1,
+                "f.3.exr: has 41x30 pixels and s/f.1.exr 40x30: a reference" );
     assert_false( cli_exists( "s.html" ) );
 }
 

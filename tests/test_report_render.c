@@ -31,7 +31,9 @@ static const char* samples_of( const char* folder )
 static void test_samples( void** state )
 {
     (void)state;
-    RfExrString said[] = { { "reframe/spp", "28" }, { "reframe/native-spp", "27.5" }, { "reframe/time", "0.05" }, { "reframe/adaptive", "yes" } };
+    RfExrString said[] = {
+        { "reframe/spp", "28" }, { "reframe/native-spp", "27.5" }, { "reframe/time", "0.05" }, { "reframe/adaptive", "yes" }
+    };
     page_make_folder( "n" );
     page_write_frame( "n/f1.exr", 20, 20, 1.0f, said, 1 );
     assert_string_equal( samples_of( "n" ), "28" ); // of a version that did not count
@@ -57,9 +59,10 @@ static void test_samples( void** state )
     assert_string_equal( samples_of( "n/f1.exr" ), "40" );
 }
 
-#define KEPT_JSON                                                                                                                                   \
-    "{\"frames\":[{\"frame\":1,\"seconds\":null,\"native_spp\":2,\"relmse_estimate\":0.5,\"kept\":true},"                                                \
-    "{\"frame\":2,\"seconds\":3,\"native_spp\":4,\"relmse_estimate\":0.25,\"kept\":%s}],\"seconds\":6,\"peak_bytes\":0,\"rays\":{\"eye\":6},"               \
+#define KEPT_JSON                                                                                                                \
+    "{\"frames\":[{\"frame\":1,\"seconds\":null,\"native_spp\":2,\"relmse_estimate\":0.5,\"kept\":true},"                        \
+    "{\"frame\":2,\"seconds\":3,\"native_spp\":4,\"relmse_estimate\":0.25,\"kept\":%s}],\"seconds\":6,\"peak_bytes\":0,"         \
+    "\"rays\":{\"eye\":6},"                                                                                                      \
     "\"kept_frames\":1,\"interrupted\":%s}"
 
 static json_t* report_kept( const char* second_kept, const char* interrupted )
@@ -91,7 +94,8 @@ static void test_kept_frames( void** state )
     json_decref( data );
     data = report_kept( "false", "true" );
     sequence = page_sequence( data, 0 );
-    assert_string_equal( page_fact( sequence, "Time and memory", "Totals" ), "of 1 frame rendered last, then interrupted; 1 kept from before" );
+    assert_string_equal( page_fact( sequence, "Time and memory", "Totals" ),
+                         "of 1 frame rendered last, then interrupted; 1 kept from before" );
     assert_null( page_fact( sequence, "Time and memory", "A frame" ) ); // unfinished ones took of it
     json_decref( data );
     data = report_kept( "true", "false" );
@@ -106,11 +110,15 @@ static void test_rendered( void** state )
 {
     (void)state;
     cli_expect( cli_run( "$R render $VASE -o v/f.####.exr --frames 1-3 --json v/render.json " SMALL "&& "
-                         "$R render $VASE -o v/f.####.exr --frames 1-4 --resume --json v/render.json " SMALL "&& $R report v -o v.html" ), 0, NULL );
+                         "$R render $VASE -o v/f.####.exr --frames 1-4 --resume --json v/render.json " SMALL
+                         "&& $R report v -o v.html" ),
+                0, NULL );
     json_t* data = page_read_data( "v.html", 4 );
-    assert_string_equal( page_fact( page_sequence( data, 0 ), "Time and memory", "Totals" ), "of 1 frame rendered last; 3 kept from before" );
+    assert_string_equal( page_fact( page_sequence( data, 0 ), "Time and memory", "Totals" ),
+                         "of 1 frame rendered last; 3 kept from before" );
     for ( size_t i = 0; i < 4; ++i )
-        assert_true( json_is_number( page_item( page_sequence( data, 0 ), "seconds", i ) ) && json_is_number( page_item( page_sequence( data, 0 ), "relmse", i ) ) );
+        assert_true( json_is_number( page_item( page_sequence( data, 0 ), "seconds", i ) ) &&
+                     json_is_number( page_item( page_sequence( data, 0 ), "relmse", i ) ) );
     json_decref( data );
     // the bound that nobody gave is the header's, but no news
     cli_expect( cli_run( "$R render $VASE -o y/f.exr --frames 1 --size 48x32 --time 0.02 --group 1 --quiet" ), 0, NULL );

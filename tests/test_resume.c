@@ -73,11 +73,13 @@ static void check_kept( const char* name, const char* older_name, int kept )
         const json_t *frame = frame_of( json, i ), *before = frame_of( older, i );
         assert_int_equal( (int)number( frame, "frame" ), i + 1 );
         assert_int_equal( is_true( frame, "kept" ), i < (size_t)kept );
-        assert_true( number( frame, "native_spp" ) > 0.0 && number( frame, "effective_spp" ) > 0.0 && number( frame, "relmse_estimate" ) > 0.0 );
+        assert_true( number( frame, "native_spp" ) > 0.0 && number( frame, "effective_spp" ) > 0.0 &&
+                     number( frame, "relmse_estimate" ) > 0.0 );
         if ( i >= (size_t)kept )
             continue;
         assert_true( number( frame, "seconds" ) > 0.0 && number( frame, "seconds" ) == number( before, "seconds" ) );
-        assert_true( fabs( number( frame, "relmse_estimate" ) - number( before, "relmse_estimate" ) ) <= 1e-5 * number( before, "relmse_estimate" ) );
+        assert_true( fabs( number( frame, "relmse_estimate" ) - number( before, "relmse_estimate" ) ) <=
+                     1e-5 * number( before, "relmse_estimate" ) );
         assert_true( number( frame, "native_spp" ) == number( before, "native_spp" ) );
     }
     json_decref( json );
@@ -106,21 +108,24 @@ static void test_interrupted( void** state )
     check_interrupted_json( "i.json", kept );
     cli_expect( cli_run( "cp i.json older.json; $R render $VASE -o i/f.####.exr --resume --json i.json " SLOW ), 0, NULL );
     check_kept( "i.json", "older.json", kept );
-    cli_expect( cli_run( "$R render $VASE -o whole/f.####.exr " SLOW "&& for f in whole/*; do cmp $f i/${f#*/} || exit 1; done" ), 0, NULL );
+    cli_expect( cli_run( "$R render $VASE -o whole/f.####.exr " SLOW "&& for f in whole/*; do cmp $f i/${f#*/} || exit 1; done" ),
+                0, NULL );
 }
 
 // Frames of another render lie behind those that are finished.
 static void test_interrupted_overwrite( void** state )
 {
     (void)state;
-    cli_expect( cli_run( "$R render $VASE -o o/f.####.exr --seed 2 --size 48x27 --frames 1-8 --spp 1 --group 0 --quiet" ), 0, NULL );
+    cli_expect( cli_run( "$R render $VASE -o o/f.####.exr --seed 2 --size 48x27 --frames 1-8 --spp 1 --group 0 --quiet" ), 0,
+                NULL );
     cli_start( "exec $R render $VASE -o o/f.####.exr --overwrite --json o.json " SLOW );
     wait_for_another( "o/f.0001.exr", inode_of( "o/f.0001.exr" ) );
     int kept = interrupt( "frames are finished and kept, --resume --overwrite goes on" );
     check_interrupted_json( "o.json", kept );
     uintmax_t first = inode_of( "o/f.0001.exr" );
     cli_expect( cli_run( "$R render $VASE -o o/f.####.exr --resume " SLOW ), 1, "add --overwrite to replace such frames" );
-    cli_expect( cli_run( "cp o.json older.json; $R render $VASE -o o/f.####.exr --resume --overwrite --json o.json " SLOW ), 0, NULL );
+    cli_expect( cli_run( "cp o.json older.json; $R render $VASE -o o/f.####.exr --resume --overwrite --json o.json " SLOW ), 0,
+                NULL );
     check_kept( "o.json", "older.json", kept );
     assert_true( inode_of( "o/f.0001.exr" ) == first );
     cli_expect( cli_run( "for f in whole/*; do cmp $f o/${f#*/} || exit 1; done" ), 0, NULL );
@@ -134,8 +139,10 @@ static void test_interrupted_with_time( void** state )
     int kept = interrupt( "--resume goes on" );
     check_interrupted_json( "t.json", kept );
     uintmax_t first = inode_of( "t/f.0001.exr" );
-    cli_expect( cli_run( "cp t.json older.json; $R render $VASE -o t/f.####.exr --frames 1-8 --size 48x27 --time 0.3 --group 1 --resume "
-                         "--json t.json --quiet" ), 0, NULL );
+    cli_expect(
+        cli_run( "cp t.json older.json; $R render $VASE -o t/f.####.exr --frames 1-8 --size 48x27 --time 0.3 --group 1 --resume "
+                 "--json t.json --quiet" ),
+        0, NULL );
     check_kept( "t.json", "older.json", kept );
     assert_true( inode_of( "t/f.0001.exr" ) == first );
 }
@@ -144,9 +151,11 @@ static void test_interrupted_with_time( void** state )
 static void test_resume_and_overwrite( void** state )
 {
     (void)state;
-    cli_expect( cli_run( "$R render $VASE -o m/f.####.exr " TINY "&& cp -r m whole_m && echo text > m/f.0003.exr && rm m/f.0004.exr && "
-                         "cp m/f.0001.exr m/f.0006.exr && $R render $VASE -o m/f.####.exr --frames 7 --overwrite --seed 9 --size 16x9 "
-                         "--spp 2 --group 0 --quiet" ), 0, NULL );
+    cli_expect(
+        cli_run( "$R render $VASE -o m/f.####.exr " TINY "&& cp -r m whole_m && echo text > m/f.0003.exr && rm m/f.0004.exr && "
+                 "cp m/f.0001.exr m/f.0006.exr && $R render $VASE -o m/f.####.exr --frames 7 --overwrite --seed 9 --size 16x9 "
+                 "--spp 2 --group 0 --quiet" ),
+        0, NULL );
     uintmax_t second = inode_of( "m/f.0002.exr" );
     cli_expect( cli_run( "$R render $VASE -o m/f.####.exr --resume " TINY ), 1, "m/f.0003.exr" );
     const CliResult* result = cli_run( "$R render $VASE -o m/f.####.exr --resume --overwrite --json m.json " TINY );
@@ -164,8 +173,8 @@ static void test_resume_and_overwrite( void** state )
         assert_int_equal( is_true( frame_of( json, i ), "kept" ), kept[i] );
     }
     json_decref( json );
-    cli_expect( cli_run( "rm m/f.0005.exr && mkdir m/f.0005.exr && $R render $VASE -o m/f.####.exr --resume --overwrite " TINY ), 1,
-                "m/f.0005.exr: is a folder" );
+    cli_expect( cli_run( "rm m/f.0005.exr && mkdir m/f.0005.exr && $R render $VASE -o m/f.####.exr --resume --overwrite " TINY ),
+                1, "m/f.0005.exr: is a folder" );
 }
 
 static void expect_seconds( const char* name, bool known )
@@ -187,18 +196,22 @@ static void test_nothing_left( void** state )
 {
     (void)state;
     cli_expect( cli_run( "$R render $VASE -o n/f.####.exr --json n.json " TINY "&& cp n.json n2.json && "
-                         "$R render $VASE -o n/f.####.exr --resume --json n.json " TINY ), 0, NULL );
+                         "$R render $VASE -o n/f.####.exr --resume --json n.json " TINY ),
+                0, NULL );
     check_kept( "n.json", "n2.json", FRAMES );
     expect_seconds( "n.json", true );
     cli_expect( cli_run( "$R render $VASE -o n/f.####.exr --resume --json n.json " TINY ), 0, NULL ); // of kept frames too
     expect_seconds( "n.json", true );
     cli_expect( cli_run( "$R render $VASE -o n/f.####.exr --resume --json new.json " TINY ), 0, NULL );
     expect_seconds( "new.json", false );
-    cli_expect( cli_run( "echo '{\"frames\": 3' > bad.json; $R render $VASE -o n/f.####.exr --resume --json bad.json " TINY ), 0, NULL );
+    cli_expect( cli_run( "echo '{\"frames\": 3' > bad.json; $R render $VASE -o n/f.####.exr --resume --json bad.json " TINY ), 0,
+                NULL );
     expect_seconds( "bad.json", false );
     // the times of files that have been replaced since
-    cli_expect( cli_run( "$R render $VASE -o n/f.####.exr --overwrite --seed 5 " TINY "&& $R render $VASE -o n/f.####.exr --resume --seed 5 "
-                         "--json n.json " TINY ), 0, NULL );
+    cli_expect( cli_run( "$R render $VASE -o n/f.####.exr --overwrite --seed 5 " TINY
+                         "&& $R render $VASE -o n/f.####.exr --resume --seed 5 "
+                         "--json n.json " TINY ),
+                0, NULL );
     expect_seconds( "n.json", false );
     const CliResult* result = cli_run( "$R render $VASE -o n/f.####.exr --resume --seed 5 --json - " TINY );
     cli_expect( result, 0, NULL );
@@ -219,8 +232,9 @@ static void test_frame_lines( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_interrupted ),          cmocka_unit_test( test_interrupted_overwrite ), cmocka_unit_test( test_interrupted_with_time ),
-        cmocka_unit_test( test_resume_and_overwrite ), cmocka_unit_test( test_nothing_left ),          cmocka_unit_test( test_frame_lines ),
+        cmocka_unit_test( test_interrupted ),           cmocka_unit_test( test_interrupted_overwrite ),
+        cmocka_unit_test( test_interrupted_with_time ), cmocka_unit_test( test_resume_and_overwrite ),
+        cmocka_unit_test( test_nothing_left ),          cmocka_unit_test( test_frame_lines ),
     };
     return cmocka_run_group_tests_name( "resume", tests, cli_enter_group, cli_leave_group );
 }

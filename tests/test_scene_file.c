@@ -52,8 +52,9 @@ static void test_render_defaults( void** state )
 {
     (void)state;
     char value[64];
-    write_render( "{\"size\":[20,10],\"spp\":3,\"group\":0,\"seed\":9,\"fps\":\"24000/1001\",\"weights\":\"exact\","
-                  "\"normalize\":\"ratio\",\"max_depth\":4,\"light_samples\":2,\"frames\":\"2-3\",\"tile\":\"1\",\"aov\":\"albedo\"}" );
+    write_render(
+        "{\"size\":[20,10],\"spp\":3,\"group\":0,\"seed\":9,\"fps\":\"24000/1001\",\"weights\":\"exact\","
+        "\"normalize\":\"ratio\",\"max_depth\":4,\"light_samples\":2,\"frames\":\"2-3\",\"tile\":\"1\",\"aov\":\"albedo\"}" );
     cli_expect( cli_run( "$R render scene.json -o a.####.exr --quiet" ), 0, NULL );
     assert_true( !cli_exists( "a.0001.exr" ) && cli_exists( "a.0003.exr" ) );
     expect_size( "a.0002.exr", 20, 10 );
@@ -84,12 +85,15 @@ static void test_render_faults( void** state )
         { "{\"spp\":2.5}", "scene.json: render.spp: wants a whole number from 1 to 1048576, got 2.5" },
         { "{\"spp\":\"many\"}", "scene.json: render.spp: wants a whole number from 1 to 1048576, got \"many\"" },
         { "{\"group\":\"off\"}", "scene.json: render.group: wants a whole number from 0 to 1048576 or \"auto\", got \"off\"" },
-        { "{\"size\":\"960x540\"}", "scene.json: render.size: wants an array of width and height, such as [960, 540], each a whole number from 1 to 32768, got \"960x540\"" },
+        { "{\"size\":\"960x540\"}", "scene.json: render.size: wants an array of width and height, such as [960, 540], each a "
+                                    "whole number from 1 to 32768, got \"960x540\"" },
         { "{\"size\":[0,5]}", "each a whole number from 1 to 32768, got [0, 5]" },
-        { "{\"size\":[20,1e9]}", "render.size: wants an array of width and height, such as [960, 540], each a whole number from 1 to 32768, got [20, 1000000000]" },
+        { "{\"size\":[20,1e9]}", "render.size: wants an array of width and height, such as [960, 540], each a whole number from "
+                                 "1 to 32768, got [20, 1000000000]" },
         { "{\"size\":[20.5,10]}", "got [20.5, 10]" },
         { "{\"size\":[20,10,5]}", "from 1 to 32768, got an array of 3" },
-        { "{\"fps\":0}", "scene.json: render.fps: wants a whole number from 1 to 1000000, or a string such as \"24000/1001\", got 0" },
+        { "{\"fps\":0}",
+          "scene.json: render.fps: wants a whole number from 1 to 1000000, or a string such as \"24000/1001\", got 0" },
         { "{\"fps\":\"24/0\"}", "such as \"24000/1001\", got \"24/0\"" },
         { "{\"weights\":\"best\"}", "scene.json: render.weights: wants one of exact, eq15, unweighted, got \"best\"" },
         { "{\"frames\":\"\"}", "scene.json: render.frames: wants a string that is not empty, got \"\"" },
@@ -120,7 +124,8 @@ static void test_render_faults( void** state )
         cli_expect( cli_run( "$R render scene.json -o x.####.exr --quiet" ), 1, frames[i][1] );
     }
     // what the command line says in its place is not the file's fault, and makes its own good
-    cli_expect( cli_run( "$R render scene.json -o x.####.exr --quiet --frames 9" ), 2, "reframe render: --frames: there is no frame 9" );
+    cli_expect( cli_run( "$R render scene.json -o x.####.exr --quiet --frames 9" ), 2,
+                "reframe render: --frames: there is no frame 9" );
     assert_false( cli_exists( "x.0001.exr" ) );
 }
 
@@ -177,10 +182,11 @@ static void test_camera_option( void** state )
     write_text( "broken.json", "{\"kind\":\"orbit\"" );
     cli_expect( cli_run( "$R render room.gltf -o c.####.exr --camera broken.json" ), 1, "broken.json: line 1, column " );
     // --resume knows a changed path, also one whose frames are the same
-    cli_expect( cli_run( "$R render room.gltf -o c.####.exr --camera move.json --size 8x6 --spp 1 --group 0 --quiet --resume" ), 0, NULL );
+    cli_expect( cli_run( "$R render room.gltf -o c.####.exr --camera move.json --size 8x6 --spp 1 --group 0 --quiet --resume" ),
+                0, NULL );
     write_text( "move.json", PATH " " );
-    cli_expect( cli_run( "$R render room.gltf -o c.####.exr --camera move.json --size 8x6 --spp 1 --group 0 --quiet --resume" ), 1,
-                "was rendered from another" );
+    cli_expect( cli_run( "$R render room.gltf -o c.####.exr --camera move.json --size 8x6 --spp 1 --group 0 --quiet --resume" ),
+                1, "was rendered from another" );
     write_text( "blind.json", "{\"kind\":\"dolly\",\"from\":[0,9,0],\"to\":[1,9,0],\"target\":[0,0,0],\"frames\":2}" );
     cli_expect( cli_run( "$R render room.gltf -o d.####.exr --camera blind.json" ), 1, "looks along its up" );
 }
@@ -196,10 +202,14 @@ static void test_too_long( void** state )
     write_text( "scene.json", "{\"scene\":\"room.gltf\",\"camera\":{" DOLLY "}}" );
     cli_expect( cli_run( "$R render scene.json -o e.####.exr" ), 1, "scene.json: camera.duration: 1e+06 s at 24" );
     cli_expect( cli_run( "$R info scene.json" ), 1, "scene.json: camera.duration: 1e+06 s at 24" );
-    write_text( "keyed.json", "{\"kind\":\"keyed\",\"rotation\":{},\"keys\":[{\"time\":0,\"position\":[0,0,1]},{\"time\":1e6,\"position\":[0,0,2]}]}" );
-    cli_expect( cli_run( "$R render room.gltf -o e.####.exr --camera keyed.json" ), 1, "keyed.json: keys[1].time: 1e+06 s at 24" );
+    write_text(
+        "keyed.json",
+        "{\"kind\":\"keyed\",\"rotation\":{},\"keys\":[{\"time\":0,\"position\":[0,0,1]},{\"time\":1e6,\"position\":[0,0,2]}]}" );
+    cli_expect( cli_run( "$R render room.gltf -o e.####.exr --camera keyed.json" ), 1,
+                "keyed.json: keys[1].time: 1e+06 s at 24" );
     write_text( "none.json", "[]" );
-    cli_expect( cli_run( "$R render room.gltf -o e.####.exr --camera none.json" ), 1, "reframe render: none.json: wants an object, got an array of 0" );
+    cli_expect( cli_run( "$R render room.gltf -o e.####.exr --camera none.json" ), 1,
+                "reframe render: none.json: wants an object, got an array of 0" );
     write_text( "scene.json", "3" );
     cli_expect( cli_run( "$R info scene.json" ), 1, "reframe info: scene.json: wants an object, got 3" );
     write_text( "list.gltf", "[]" );
@@ -327,14 +337,10 @@ static int leave( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_render_defaults ),
-        cmocka_unit_test( test_render_faults ),
-        cmocka_unit_test( test_mutated_defaults ),
-        cmocka_unit_test( test_info ),
-        cmocka_unit_test( test_camera_option ),
-        cmocka_unit_test( test_too_long ),
-        cmocka_unit_test( test_schemas ),
-        cmocka_unit_test( test_examples ),
+        cmocka_unit_test( test_render_defaults ),  cmocka_unit_test( test_render_faults ),
+        cmocka_unit_test( test_mutated_defaults ), cmocka_unit_test( test_info ),
+        cmocka_unit_test( test_camera_option ),    cmocka_unit_test( test_too_long ),
+        cmocka_unit_test( test_schemas ),          cmocka_unit_test( test_examples ),
     };
     return cmocka_run_group_tests_name( "scene file", tests, enter, leave );
 }

@@ -14,9 +14,8 @@
 #define LOAD_SECONDS 5.0
 
 static const char* const s_scenes[] = {
-    "vase-room.glb",   "bounced-room.glb",         "bounced-room-spots.glb",
-    "still-life.glb",  "still-life-no-glass.glb",  "turntable.json",
-    "textured-room.glb", "office-floor.glb",
+    "vase-room.glb",           "bounced-room.glb", "bounced-room-spots.glb", "still-life.glb",
+    "still-life-no-glass.glb", "turntable.json",   "textured-room.glb",      "office-floor.glb",
 };
 
 static void test_render( void** state )
@@ -26,8 +25,10 @@ static void test_render( void** state )
     {
         for ( int frame = 1; frame <= 48; frame += 47 )
         {
-            const CliResult* result = cli_run( "$R render '" REFRAME_SCENE_FOLDER "/%s' -o t.exr --frames %d --size 32x18 --spp 4 "
-                                               "--group 0 --overwrite --quiet", s_scenes[i], frame );
+            const CliResult* result =
+                cli_run( "$R render '" REFRAME_SCENE_FOLDER "/%s' -o t.exr --frames %d --size 32x18 --spp 4 "
+                         "--group 0 --overwrite --quiet",
+                         s_scenes[i], frame );
             cli_expect( result, 0, NULL );
             // what the reader leaves out and black frames would be told here
             if ( strstr( result->err, "warning" ) != NULL )
@@ -44,7 +45,8 @@ static void test_bounced_only( void** state )
     for ( int frame = 1; frame <= 48; frame += 47 )
     {
         const CliResult* result = cli_run( "$R render '" REFRAME_SCENE_FOLDER "/bounced-room.glb' -o t.exr --frames %d "
-                                           "--size 64x36 --spp 4 --max-depth 2 --group 0 --overwrite --quiet", frame );
+                                           "--size 64x36 --spp 4 --max-depth 2 --group 0 --overwrite --quiet",
+                                           frame );
         cli_expect( result, 0, "is black" );
     }
 }

@@ -27,7 +27,8 @@ static RfEnvironment make_environment( float rotation )
     for ( int i = 0; i < 3 * WIDTH; ++i )
         s_map[3 * WIDTH * 3 + i] = 0.0f; // a black row, lit by its neighbours alone
     return ( RfEnvironment ){
-        .radiance = rf_vec3( 1.0f, 2.0f, 0.5f ), .width = WIDTH, .height = HEIGHT, .map = s_map, .rotation = rotation };
+        .radiance = rf_vec3( 1.0f, 2.0f, 0.5f ), .width = WIDTH, .height = HEIGHT, .map = s_map, .rotation = rotation
+    };
 }
 
 static RfSky make_sky( const RfEnvironment* e )
@@ -58,12 +59,14 @@ static void test_middle_of_the_map( void** state )
     const float* m = s_map;
     for ( int c = 0; c < 1; ++c )
     {
-        float expected = 0.25f * ( m[3 * ( 2 * WIDTH + 5 )] + m[3 * ( 2 * WIDTH + 6 )] + m[3 * ( 3 * WIDTH + 5 )] + m[3 * ( 3 * WIDTH + 6 )] );
+        float expected =
+            0.25f * ( m[3 * ( 2 * WIDTH + 5 )] + m[3 * ( 2 * WIDTH + 6 )] + m[3 * ( 3 * WIDTH + 5 )] + m[3 * ( 3 * WIDTH + 6 )] );
         assert_true( expected > 0.0f );
         assert_true( fabsf( rf_sky_radiance( &sky, rf_vec3( 0, 0, -1 ) ).x - expected ) < 1e-3f * expected );
     }
     // +x lies a quarter to the right: between columns 8 and 9
-    float right = 0.25f * ( m[3 * ( 2 * WIDTH + 8 )] + m[3 * ( 2 * WIDTH + 9 )] + m[3 * ( 3 * WIDTH + 8 )] + m[3 * ( 3 * WIDTH + 9 )] );
+    float right =
+        0.25f * ( m[3 * ( 2 * WIDTH + 8 )] + m[3 * ( 2 * WIDTH + 9 )] + m[3 * ( 3 * WIDTH + 8 )] + m[3 * ( 3 * WIDTH + 9 )] );
     assert_true( fabsf( rf_sky_radiance( &sky, rf_vec3( 1, 0, 0 ) ).x - right ) < 1e-3f * right );
     rf_destroy_sky( &sky );
     // turned a quarter counter-clockwise, what was in −z lies in −x
@@ -85,13 +88,17 @@ static void test_middle_of_the_map( void** state )
 static void test_density( void** state )
 {
     (void)state;
-    enum { COUNT = 400000 };
+    enum
+    {
+        COUNT = 400000
+    };
     RfEnvironment e = make_environment( 0.4f );
     RfSky sky = make_sky( &e );
     double sum_p = 0.0, light = 0.0, light2 = 0.0;
     for ( uint32_t i = 0; i < COUNT; ++i )
     {
-        RfVec3 d = sphere_direction( ( (float)( i / 1000 ) + 0.5f ) / 400.0f, ( (float)( i % 1000 ) + uniform( i, 2 ) ) / 1000.0f );
+        RfVec3 d =
+            sphere_direction( ( (float)( i / 1000 ) + 0.5f ) / 400.0f, ( (float)( i % 1000 ) + uniform( i, 2 ) ) / 1000.0f );
         float p = rf_sky_pdf_solid_angle( &sky, d ), l = rf_luminance( rf_sky_radiance( &sky, d ) );
         assert_true( p > 0.0f || l == 0.0f );
         sum_p += (double)p;
@@ -125,7 +132,10 @@ static void test_density( void** state )
 static void test_directions_follow_the_density( void** state )
 {
     (void)state;
-    enum { COUNT = 200000 };
+    enum
+    {
+        COUNT = 200000
+    };
     RfEnvironment e = make_environment( 0.0f );
     RfSky sky = make_sky( &e );
     static double seen[WIDTH * HEIGHT], expected[WIDTH * HEIGHT];
@@ -141,11 +151,15 @@ static void test_directions_follow_the_density( void** state )
     int cells = 0;
     for ( int i = 0; i < WIDTH * HEIGHT; ++i )
     {
-        double top = cos( i / WIDTH * 3.14159265358979324 / HEIGHT ), bottom = cos( ( i / WIDTH + 1 ) * 3.14159265358979324 / HEIGHT );
+        double top = cos( i / WIDTH * 3.14159265358979324 / HEIGHT ),
+               bottom = cos( ( i / WIDTH + 1 ) * 3.14159265358979324 / HEIGHT );
         RfVec3 middle = rf_vec3( 0, 0, 0 );
-        double azimuth = ( i % WIDTH + 0.5 ) / WIDTH * 2.0 * 3.14159265358979324 - 3.14159265358979324, z = 0.5 * ( top + bottom );
-        middle = rf_vec3( (float)( sqrt( 1 - z * z ) * sin( azimuth ) ), (float)z, (float)( -sqrt( 1 - z * z ) * cos( azimuth ) ) );
-        expected[i] = (double)rf_sky_pdf_solid_angle( &sky, middle ) * ( top - bottom ) * 2.0 * 3.14159265358979324 / WIDTH * COUNT;
+        double azimuth = ( i % WIDTH + 0.5 ) / WIDTH * 2.0 * 3.14159265358979324 - 3.14159265358979324,
+               z = 0.5 * ( top + bottom );
+        middle =
+            rf_vec3( (float)( sqrt( 1 - z * z ) * sin( azimuth ) ), (float)z, (float)( -sqrt( 1 - z * z ) * cos( azimuth ) ) );
+        expected[i] =
+            (double)rf_sky_pdf_solid_angle( &sky, middle ) * ( top - bottom ) * 2.0 * 3.14159265358979324 / WIDTH * COUNT;
         if ( expected[i] < 5.0 )
             continue;
         chi_square += ( seen[i] - expected[i] ) * ( seen[i] - expected[i] ) / expected[i];
@@ -313,14 +327,10 @@ static void test_eye_inside_of_glass( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_middle_of_the_map ),
-        cmocka_unit_test( test_eye_inside_of_glass ),
-        cmocka_unit_test( test_density ),
-        cmocka_unit_test( test_directions_follow_the_density ),
-        cmocka_unit_test( test_black_is_no_sky ),
-        cmocka_unit_test( test_lamps_by_hand ),
-        cmocka_unit_test( test_floor_under_a_sky ),
-        cmocka_unit_test( test_lossless_things_are_invisible ),
+        cmocka_unit_test( test_middle_of_the_map ), cmocka_unit_test( test_eye_inside_of_glass ),
+        cmocka_unit_test( test_density ),           cmocka_unit_test( test_directions_follow_the_density ),
+        cmocka_unit_test( test_black_is_no_sky ),   cmocka_unit_test( test_lamps_by_hand ),
+        cmocka_unit_test( test_floor_under_a_sky ), cmocka_unit_test( test_lossless_things_are_invisible ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

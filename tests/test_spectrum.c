@@ -61,7 +61,8 @@ static void test_threads( void** state )
     }
     omp_set_num_threads( threads );
     assert_true( sums[0].difference > 0.0 && spectra[0].boiling > 0.0 );
-    assert_true( sums[0].difference == sums[1].difference && sums[0].square == sums[1].square && sums[0].pixels == sums[1].pixels );
+    assert_true( sums[0].difference == sums[1].difference && sums[0].square == sums[1].square &&
+                 sums[0].pixels == sums[1].pixels );
     assert_memory_equal( spectra, spectra + 1, sizeof spectra[0] );
     destroy_film( film );
 }
@@ -71,7 +72,8 @@ static void fill_tone( Film* film, double offset, double amplitude, double cycle
     for ( int t = 0; t < RF_SPECTRUM_FRAMES; ++t )
     {
         for ( int i = 0; i < VALUES; ++i )
-            film->frames[t].signal.rgb[i] = (float)( offset + amplitude * cos( 2.0 * 3.14159265358979323846 * cycles * ( t + 0.5 ) ) );
+            film->frames[t].signal.rgb[i] =
+                (float)( offset + amplitude * cos( 2.0 * 3.14159265358979323846 * cycles * ( t + 0.5 ) ) );
     }
 }
 

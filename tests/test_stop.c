@@ -26,7 +26,7 @@ typedef struct Trial
     uint64_t random;
     // what came of it
     RfStop stop;
-    int passes[MOST_FRAMES];     // of a frame
+    int passes[MOST_FRAMES]; // of a frame
     double weight[MOST_FRAMES];
     int half[MOST_FRAMES][2];
     int window_passes[2 * MOST_FRAMES];
@@ -133,7 +133,8 @@ static Trial make_trial( int frames, int group )
     return t;
 }
 
-static const int s_shapes[][2] = { { 1, 0 }, { 1, 3 }, { 5, 3 }, { 9, 3 }, { 12, 4 }, { 48, 0 }, { 48, 1 }, { 48, 3 }, { 48, 8 }, { 48, 16 }, { 200, 3 } };
+static const int s_shapes[][2] = { { 1, 0 },  { 1, 3 },  { 5, 3 },  { 9, 3 },   { 12, 4 }, { 48, 0 },
+                                   { 48, 1 }, { 48, 3 }, { 48, 8 }, { 48, 16 }, { 200, 3 } };
 #define SHAPES ( sizeof s_shapes / sizeof s_shapes[0] )
 
 static double true_relmse( const Trial* t, int k ) { return noise_of( t, k ) / t->weight[k]; }

@@ -45,11 +45,11 @@ static void test_wrap_modes( void** state )
         float u;
         double nearest, linear;
     } cases[] = {
-        { RF_WRAP_REPEAT, 0.375f, 0.2, 0.2 },  { RF_WRAP_REPEAT, 0.5f, 0.4, 0.3 },    { RF_WRAP_REPEAT, 0.0f, 0.0, 0.5 },
-        { RF_WRAP_REPEAT, 1.375f, 0.2, 0.2 },  { RF_WRAP_REPEAT, -0.625f, 0.2, 0.2 }, { RF_WRAP_REPEAT, 7.875f, 1.0, 1.0 },
-        { RF_WRAP_MIRROR, 1.125f, 1.0, 1.0 },  { RF_WRAP_MIRROR, 1.375f, 0.4, 0.4 },  { RF_WRAP_MIRROR, -0.375f, 0.2, 0.2 },
-        { RF_WRAP_MIRROR, 0.0f, 0.0, 0.0 },    { RF_WRAP_MIRROR, 2.375f, 0.2, 0.2 },  { RF_WRAP_CLAMP, -3.0f, 0.0, 0.0 },
-        { RF_WRAP_CLAMP, 1.0f, 1.0, 1.0 },     { RF_WRAP_CLAMP, 9.0f, 1.0, 1.0 },     { RF_WRAP_CLAMP, 0.75f, 1.0, 0.7 },
+        { RF_WRAP_REPEAT, 0.375f, 0.2, 0.2 }, { RF_WRAP_REPEAT, 0.5f, 0.4, 0.3 },    { RF_WRAP_REPEAT, 0.0f, 0.0, 0.5 },
+        { RF_WRAP_REPEAT, 1.375f, 0.2, 0.2 }, { RF_WRAP_REPEAT, -0.625f, 0.2, 0.2 }, { RF_WRAP_REPEAT, 7.875f, 1.0, 1.0 },
+        { RF_WRAP_MIRROR, 1.125f, 1.0, 1.0 }, { RF_WRAP_MIRROR, 1.375f, 0.4, 0.4 },  { RF_WRAP_MIRROR, -0.375f, 0.2, 0.2 },
+        { RF_WRAP_MIRROR, 0.0f, 0.0, 0.0 },   { RF_WRAP_MIRROR, 2.375f, 0.2, 0.2 },  { RF_WRAP_CLAMP, -3.0f, 0.0, 0.0 },
+        { RF_WRAP_CLAMP, 1.0f, 1.0, 1.0 },    { RF_WRAP_CLAMP, 9.0f, 1.0, 1.0 },     { RF_WRAP_CLAMP, 0.75f, 1.0, 0.7 },
     };
     RfTexture t = make_texture( 4, 1, 1, bytes, false );
     for ( size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i )
@@ -161,7 +161,8 @@ static void test_emission_by_texel( void** state )
     for ( int i = 0; i < 6; ++i )
     {
         for ( int c = 0; c < 3; ++c )
-            assert_close( frame_rgb( &r, 0 )[3 * i + c], ( c == 2 ? 9.0 : 10.0 ) * (double)texture->table[s_picture[4 * i + c]], 1e-4 );
+            assert_close( frame_rgb( &r, 0 )[3 * i + c], ( c == 2 ? 9.0 : 10.0 ) * (double)texture->table[s_picture[4 * i + c]],
+                          1e-4 );
     }
     free_rendered( &r );
     rf_destroy_tracer( tracer );
@@ -183,7 +184,8 @@ static void test_albedo_by_texel( void** state )
     for ( int i = 0; i < 6; ++i )
     {
         for ( int c = 0; c < 3; ++c )
-            assert_close( frame_rgb( &r, 0 )[3 * i + c], ( c == 1 ? 0.5 : 1.0 ) * (double)s.scene.textures->table[s_picture[4 * i + c]], 0.02 );
+            assert_close( frame_rgb( &r, 0 )[3 * i + c],
+                          ( c == 1 ? 0.5 : 1.0 ) * (double)s.scene.textures->table[s_picture[4 * i + c]], 0.02 );
     }
     free_rendered( &r );
     rf_destroy_tracer( tracer );
@@ -257,7 +259,8 @@ static void test_cut_out( void** state )
         for ( int k = 0; k < 2; ++k )
         {
             float z = k == order ? -1.0f : 0.0f; // the wall lies behind
-            add_quad( &b, k == order ? wall : cut, rf_vec3( -1, -1, z ), rf_vec3( 1, -1, z ), rf_vec3( 1, 1, z ), rf_vec3( -1, 1, z ) );
+            add_quad( &b, k == order ? wall : cut, rf_vec3( -1, -1, z ), rf_vec3( 1, -1, z ), rf_vec3( 1, 1, z ),
+                      rf_vec3( -1, 1, z ) );
         }
         RfScene scene = finish_scene( &b );
         static const float uvs[] = { 0, 1, 1, 1, 1, 0, 0, 0, 0, 1, 1, 1, 1, 0, 0, 0 };
@@ -336,7 +339,8 @@ static void check_plain( RfScene scene )
     float* reference = malloc( 3 * r.pixels * sizeof( float ) );
     for ( int k = 0; k < 3; ++k )
     {
-        ReferenceSettings plain = { settings.spp, settings.max_depth, settings.light_samples, settings.seed, k, settings.light_picking };
+        ReferenceSettings plain = { settings.spp,          settings.max_depth, settings.light_samples, settings.seed, k,
+                                    settings.light_picking };
         reference_image( tracer, eyes + k, &plain, reference );
         assert_memory_equal( frame_rgb( &r, k ), reference, 3 * r.pixels * sizeof( float ) );
     }
@@ -361,7 +365,9 @@ static RfScene make_panes( void )
     for ( int k = 0; k < 2; ++k )
     {
         RfMaterial m = make_lambert( 0, 0, 0 );
-        RfFactors factors = { .base = { 0, 0, 0, k == 0 ? 0.5 : 0.25 }, .roughness = 1, .specular_color = { 1, 1, 1 }, .ior = 1.5 };
+        RfFactors factors = {
+            .base = { 0, 0, 0, k == 0 ? 0.5 : 0.25 }, .roughness = 1, .specular_color = { 1, 1, 1 }, .ior = 1.5
+        };
         m.textured = make_textured( &factors );
         m.textured->blended = true;
         uint32_t index = add_material( &b, m );
@@ -415,9 +421,14 @@ static void test_blended_panes( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_wrap_modes ),        cmocka_unit_test( test_channels ),        cmocka_unit_test( test_bound ),
-        cmocka_unit_test( test_emission_by_texel ), cmocka_unit_test( test_albedo_by_texel ), cmocka_unit_test( test_normal_map ),
-        cmocka_unit_test( test_cut_out ),           cmocka_unit_test( test_one_bright_texel ),
+        cmocka_unit_test( test_wrap_modes ),
+        cmocka_unit_test( test_channels ),
+        cmocka_unit_test( test_bound ),
+        cmocka_unit_test( test_emission_by_texel ),
+        cmocka_unit_test( test_albedo_by_texel ),
+        cmocka_unit_test( test_normal_map ),
+        cmocka_unit_test( test_cut_out ),
+        cmocka_unit_test( test_one_bright_texel ),
         cmocka_unit_test( test_group_0_is_a_plain_path_tracer ),
         cmocka_unit_test( test_blended_panes ),
     };

@@ -27,9 +27,29 @@ static void test_names( void** state )
     RfTile tile;
     assert_true( rf_parse_tile( "1x1", &tile ) && tile.kind == RF_TILE_NONE );
     assert_true( rf_parse_tile( "rooks1", &tile ) && tile.kind == RF_TILE_NONE );
-    static const char* const bad[] = { "",     "0",      "2",    "3x",      "x3",       "3x3x3",      "9x8",    "65x1",
-                                       "0x4",  "3X3",    "-3x3", " 3x3",    "3x3 ",     "rooks",      "rooks0", "rooks65",
-                                       "rook", "rooks3x3", "rooks-3", "rooks 3", "Rooks9", "99999999999999999999x1", "1x99999999999999999999" };
+    static const char* const bad[] = { "",
+                                       "0",
+                                       "2",
+                                       "3x",
+                                       "x3",
+                                       "3x3x3",
+                                       "9x8",
+                                       "65x1",
+                                       "0x4",
+                                       "3X3",
+                                       "-3x3",
+                                       " 3x3",
+                                       "3x3 ",
+                                       "rooks",
+                                       "rooks0",
+                                       "rooks65",
+                                       "rook",
+                                       "rooks3x3",
+                                       "rooks-3",
+                                       "rooks 3",
+                                       "Rooks9",
+                                       "99999999999999999999x1",
+                                       "1x99999999999999999999" };
     for ( size_t i = 0; i < sizeof bad / sizeof bad[0]; ++i )
         assert_false( rf_parse_tile( bad[i], &tile ) );
     // who fills in an RfTile must not get a grid of one pixel for each pixel of a patch
@@ -109,7 +129,8 @@ static void check_shapes( const Cover* c )
 static void test_every_pixel_once( void** state )
 {
     (void)state;
-    static const char* const names[] = { "3x3", "2x1", "5x7", "1x13", "8x8", "64x1", "rooks2", "rooks9", "rooks16", "rooks36", "rooks64" };
+    static const char* const names[] = { "3x3",    "2x1",    "5x7",     "1x13",    "8x8",    "64x1",
+                                         "rooks2", "rooks9", "rooks16", "rooks36", "rooks64" };
     static const int sizes[][2] = { { 1, 1 }, { 5, 3 }, { 33, 61 }, { 63, 40 } };
     for ( size_t k = 0; k < sizeof names / sizeof names[0]; ++k )
     {
@@ -135,7 +156,11 @@ static void test_no_seam_stays( void** state )
 {
     (void)state;
     static const char* const names[] = { "3x3", "rooks9" };
-    enum { SIDE = 40, PASSES = 64 };
+    enum
+    {
+        SIDE = 40,
+        PASSES = 64
+    };
     static int32_t tile[SIDE * SIDE];
     static int together[SIDE * SIDE];
     for ( int k = 0; k < 2; ++k )

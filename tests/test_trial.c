@@ -44,8 +44,9 @@ static void begin( Setup* s, float degrees, int centre, int frames )
     s->scene = make_room( ROOM_DIFFUSE );
     s->tracer = make_tracer( &s->scene );
     orbit_eyes( s->eyes, EYES, degrees, 2 * WIDTH, 2 * HEIGHT );
-    assert_int_equal( rf_create_trial_site( s->tracer, s->eyes, EYES, centre, frames, WIDTH, HEIGHT, &settings, NULL, &s->site, &error ),
-                      RF_OK );
+    assert_int_equal(
+        rf_create_trial_site( s->tracer, s->eyes, EYES, centre, frames, WIDTH, HEIGHT, &settings, NULL, &s->site, &error ),
+        RF_OK );
 }
 
 static void end( Setup* s )
@@ -217,8 +218,8 @@ static void check_long_path( int group, const char* tile )
     settings.spp = 4 * ( 2 * group + 1 );
     Truth truth = render_truth( &s, &settings );
     printf( "group %d tile %s: relMSE %.5f of %.5f, F1 %.5f of %.5f, phi %.3f of %.3f\n", group, tile,
-            rf_trial_relmse( &sum, settings.spp ), truth.relmse,
-            rf_trial_f1( &sum, settings.spp ), truth.f1, rf_trial_phi( &sum ), truth.phi );
+            rf_trial_relmse( &sum, settings.spp ), truth.relmse, rf_trial_f1( &sum, settings.spp ), truth.f1,
+            rf_trial_phi( &sum ), truth.phi );
     expect_near( "relMSE", rf_trial_relmse( &sum, settings.spp ), truth.relmse, 0.15 );
     expect_near( "F1", rf_trial_f1( &sum, settings.spp ), truth.f1, 0.1 );
     expect_near( "phi", rf_trial_phi( &sum ), truth.phi, 0.1 );
@@ -269,12 +270,8 @@ static void test_errors( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_site ),
-        cmocka_unit_test( test_sums ),
-        cmocka_unit_test( test_passes ),
-        cmocka_unit_test( test_equal_eyes ),
-        cmocka_unit_test( test_long_path ),
-        cmocka_unit_test( test_errors ),
+        cmocka_unit_test( test_site ),       cmocka_unit_test( test_sums ),      cmocka_unit_test( test_passes ),
+        cmocka_unit_test( test_equal_eyes ), cmocka_unit_test( test_long_path ), cmocka_unit_test( test_errors ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -73,8 +73,15 @@ static void test_excluded( void** state )
 
 static RfTrial made_trial( double relmse, double seconds )
 {
-    return ( RfTrial ){ .windows = 1, .weight = 100.0, .samples = 1000.0, .timed_samples = 500.0, .cpu_seconds = 500.0 * seconds,
-                        .wall_seconds = 1.0, .relmse = 100.0 * relmse, .mse = 100.0, .change = 50.0 };
+    return ( RfTrial ){ .windows = 1,
+                        .weight = 100.0,
+                        .samples = 1000.0,
+                        .timed_samples = 500.0,
+                        .cpu_seconds = 500.0 * seconds,
+                        .wall_seconds = 1.0,
+                        .relmse = 100.0 * relmse,
+                        .mse = 100.0,
+                        .change = 50.0 };
 }
 
 // Rows of one tile whose errors and times are made up.
@@ -83,7 +90,9 @@ static RfTune made_tune( int count )
     RfTune tune = { .count = count, .chosen = -1 };
     for ( int i = 0; i < count; ++i )
     {
-        tune.rows[i] = ( RfTuneRow ){ .group = i, .eyes = 2 * i + 1, .spp = 10, .fit = { .threads = 2 }, .samples = 1e6, .cost = 500.0, .rounds = 1 };
+        tune.rows[i] = ( RfTuneRow ){
+            .group = i, .eyes = 2 * i + 1, .spp = 10, .fit = { .threads = 2 }, .samples = 1e6, .cost = 500.0, .rounds = 1
+        };
         tune.rows[i].trial = made_trial( 1.0, 1e-6 * ( i + 1 ) );
     }
     return tune;
@@ -100,7 +109,8 @@ static void test_weighing( void** state )
     assert_true( tune.rows[3].chosen && !tune.rows[0].chosen );
     assert_true( tune.rows[1].efficiency == tune.rows[2].efficiency && tune.rows[1].relmse == tune.rows[2].relmse );
     const RfTuneRow* first = tune.rows;
-    assert_true( fabs( first->cpu_seconds - 1.0 ) < 1e-9 && fabs( first->seconds - 0.5 ) < 1e-9 && fabs( first->relmse - 0.1 ) < 1e-12 );
+    assert_true( fabs( first->cpu_seconds - 1.0 ) < 1e-9 && fabs( first->seconds - 0.5 ) < 1e-9 &&
+                 fabs( first->relmse - 0.1 ) < 1e-12 );
     assert_true( fabs( first->efficiency - 100.0 ) < 1e-6 && first->gain == 1.0 ); // 10 frames / ( 0.1 · 1 s )
     assert_true( fabs( first->phi - 0.5 ) < 1e-12 && fabs( first->f1 - sqrt( 2.0 * 0.5 / 10.0 ) ) < 1e-12 );
     assert_true( fabs( tune.rows[3].gain - 2.0 ) < 1e-9 );
@@ -132,8 +142,11 @@ static void test_smoothing( void** state )
             {
                 RfTuneRow* row = tune.rows + tune.count++;
                 double x = log( eyes[i] ), odd = 0.02 * ( ( 7 * i + 3 * tile ) % 5 - 2 );
-                *row = ( RfTuneRow ){ .group = eyes[i] / 2, .eyes = eyes[i], .tile = { RF_TILE_BLOCK, tile + 1, 1 }, .spp = 10, .rounds = 1 };
-                row->trial = made_trial( exp( -x + 0.1 * x * x - 0.3 * tile - 0.02 * tile * x + odd ), 1e-6 * exp( 0.4 * x + 0.2 * tile ) );
+                *row = ( RfTuneRow ){
+                    .group = eyes[i] / 2, .eyes = eyes[i], .tile = { RF_TILE_BLOCK, tile + 1, 1 }, .spp = 10, .rounds = 1
+                };
+                row->trial = made_trial( exp( -x + 0.1 * x * x - 0.3 * tile - 0.02 * tile * x + odd ),
+                                         1e-6 * exp( 0.4 * x + 0.2 * tile ) );
             }
         }
         RfTune clean = tune;
@@ -197,13 +210,20 @@ static void test_places( void** state )
     for ( int i = 1; i < 16; ++i ) // evenly
         assert_int_equal( parts[i], 1 );
     for ( int eyes = 1; eyes < 50; ++eyes )
-        assert_true( rf_tune_windows( eyes ) >= 1 && ( eyes >= 15 || abs( rf_tune_windows( eyes ) * eyes - 15 ) <= eyes / 2 + 1 ) );
+        assert_true( rf_tune_windows( eyes ) >= 1 &&
+                     ( eyes >= 15 || abs( rf_tune_windows( eyes ) * eyes - 15 ) <= eyes / 2 + 1 ) );
 }
 
 static RfTuneOutlook outlook_of( int number, double left )
 {
-    return ( RfTuneOutlook ){ .number = number, .width = 320, .height = 200, .left = left, .rate = 2.0, .cost_second = 2e-9,
-                              .memory = (size_t)1 << 30, .workers = 2 };
+    return ( RfTuneOutlook ){ .number = number,
+                              .width = 320,
+                              .height = 200,
+                              .left = left,
+                              .rate = 2.0,
+                              .cost_second = 2e-9,
+                              .memory = (size_t)1 << 30,
+                              .workers = 2 };
 }
 
 // More time never makes smaller pictures or fewer places, and none of it is overdrawn.
@@ -230,7 +250,8 @@ static void test_rounds( void** state )
             if ( !planned )
                 continue;
             double pixels = (double)round.width * round.height;
-            assert_true( round.width <= 320 && round.height <= 200 && round.sites >= 1 && round.sites <= 24 && round.passes >= 2 );
+            assert_true( round.width <= 320 && round.height <= 200 && round.sites >= 1 && round.sites <= 24 &&
+                         round.passes >= 2 );
             assert_true( fabs( round.width * 200.0 / ( round.height * 320.0 ) - 1.0 ) < 0.05 );
             assert_true( round.sites * pixels >= 0.97 * last );
             assert_true( round.seconds < 1.05 * left || ( number == 0 && round.sites == 1 && pixels < 1300.0 ) );
@@ -266,14 +287,9 @@ static void test_round_memory( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_rows ),
-        cmocka_unit_test( test_excluded ),
-        cmocka_unit_test( test_weighing ),
-        cmocka_unit_test( test_smoothing ),
-        cmocka_unit_test( test_cutting ),
-        cmocka_unit_test( test_places ),
-        cmocka_unit_test( test_rounds ),
-        cmocka_unit_test( test_round_memory ),
+        cmocka_unit_test( test_rows ),      cmocka_unit_test( test_excluded ),     cmocka_unit_test( test_weighing ),
+        cmocka_unit_test( test_smoothing ), cmocka_unit_test( test_cutting ),      cmocka_unit_test( test_places ),
+        cmocka_unit_test( test_rounds ),    cmocka_unit_test( test_round_memory ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

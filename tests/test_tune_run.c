@@ -34,8 +34,10 @@ static void test_first_round( void** state )
     for ( int r = 0; r < one.count; ++r )
     {
         const RfTuneRow *a = one.rows + r, *b = other.rows + r;
-        assert_true( a->rounds == 1 && a->trial.windows >= 1 && a->relmse > 0.0 && a->f1 > 0.0 && a->efficiency > 0.0 && a->gain > 0.0 );
-        assert_true( a->trial.relmse == b->trial.relmse && a->trial.change == b->trial.change && a->trial.samples == b->trial.samples );
+        assert_true( a->rounds == 1 && a->trial.windows >= 1 && a->relmse > 0.0 && a->f1 > 0.0 && a->efficiency > 0.0 &&
+                     a->gain > 0.0 );
+        assert_true( a->trial.relmse == b->trial.relmse && a->trial.change == b->trial.change &&
+                     a->trial.samples == b->trial.samples );
         assert_true( a->chosen == ( r == one.chosen ) && a->efficiency <= one.rows[one.chosen].efficiency );
         assert_true( a->group > 0 || fabs( a->phi - 1.0 ) < 1e-6 );
     }
@@ -147,7 +149,8 @@ static void test_least_budget( void** state )
         tune = tune_of( &s );
         assert_true( tune.chosen >= 0 && tune.rows[tune.chosen].fit.least <= s.settings.memory );
         for ( int r = 0; r < tune.count; ++r )
-            assert_true( ( tune.rows[r].excluded == NULL ) == ( tune.rows[r].fit.least <= s.settings.memory ) && ( tune.rows[r].rounds > 0 ) == ( tune.rows[r].excluded == NULL ) );
+            assert_true( ( tune.rows[r].excluded == NULL ) == ( tune.rows[r].fit.least <= s.settings.memory ) &&
+                         ( tune.rows[r].rounds > 0 ) == ( tune.rows[r].excluded == NULL ) );
         assert_true( k < 4 || tune_rows_tried( &tune ) == tune.count );
     }
     end_tune_setup( &s );
@@ -214,12 +217,8 @@ static void test_black( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_first_round ),
-        cmocka_unit_test( test_short_paths ),
-        cmocka_unit_test( test_more_rounds ),
-        cmocka_unit_test( test_least_budget ),
-        cmocka_unit_test( test_interrupt ),
-        cmocka_unit_test( test_black ),
+        cmocka_unit_test( test_first_round ),  cmocka_unit_test( test_short_paths ), cmocka_unit_test( test_more_rounds ),
+        cmocka_unit_test( test_least_budget ), cmocka_unit_test( test_interrupt ),   cmocka_unit_test( test_black ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

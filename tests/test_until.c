@@ -31,8 +31,10 @@ static void test_the_error_is_reached( void** state )
     double native = 0.0;
     for ( int seed = 1; seed <= 8; ++seed )
     {
-        cli_expect( cli_run( "$R render $VASE -o n.####.exr --overwrite --frames 5,30 --noise %g --seed %d --float --json n.json " LARGER,
-                             wanted, seed ), 0, NULL );
+        cli_expect(
+            cli_run( "$R render $VASE -o n.####.exr --overwrite --frames 5,30 --noise %g --seed %d --float --json n.json " LARGER,
+                     wanted, seed ),
+            0, NULL );
         cli_expect( cli_run( "$R compare n.####.exr ref.####.exr --json c.json" ), 0, NULL );
         json_t *json = cli_read_json( "n.json" ), *error = cli_read_json( "c.json" );
         assert_int_equal( number( json_object_get( json, "noise" ), "missed" ), 0 );
@@ -59,7 +61,9 @@ static void test_less_noise_takes_more( void** state )
     double before = 0.0;
     for ( int i = 0; i < 3; ++i )
     {
-        cli_expect( cli_run( "$R render $VASE -o l.####.exr --overwrite --frames 3-5 --noise %s --json l.json " SMALL, errors[i] ), 0, NULL );
+        cli_expect(
+            cli_run( "$R render $VASE -o l.####.exr --overwrite --frames 3-5 --noise %s --json l.json " SMALL, errors[i] ), 0,
+            NULL );
         json_t* json = cli_read_json( "l.json" );
         double native = number( frame_of( json, 1 ), "native_spp" );
         assert_true( native >= 2.0 && native > before );
@@ -72,7 +76,8 @@ static void test_threads_change_nothing( void** state )
 {
     (void)state;
     cli_expect( cli_run( "for t in 1 2 5; do $R render $VASE -o t$t.####.exr --frames 1-4 --noise 0.04 --threads $t " SMALL
-                         " || exit 1; done; for f in t2.* t5.*; do cmp $f t1.${f#t?.} || exit 1; done" ), 0, NULL );
+                         " || exit 1; done; for f in t2.* t5.*; do cmp $f t1.${f#t?.} || exit 1; done" ),
+                0, NULL );
 }
 
 static void test_not_reached( void** state )
@@ -104,7 +109,8 @@ static void test_time( void** state )
 static void test_too_short( void** state )
 {
     (void)state;
-    cli_expect( cli_run( "$R render $VASE -o z.####.exr --frames 1-4 --time 1e-7 --json z.json " SMALL ), 0, "--time 1e-07: too short" );
+    cli_expect( cli_run( "$R render $VASE -o z.####.exr --frames 1-4 --time 1e-7 --json z.json " SMALL ), 0,
+                "--time 1e-07: too short" );
     json_t* json = cli_read_json( "z.json" );
     assert_true( json_is_true( json_object_get( json_object_get( json, "time" ), "too_short" ) ) );
     for ( size_t i = 0; i < 4; ++i )
@@ -124,14 +130,19 @@ static void test_both( void** state )
     assert_int_equal( number( json_object_get( json, "noise" ), "missed" ), 0 );
     assert_true( number( json, "seconds" ) < 100.0 );
     json_decref( json );
-    cli_expect( cli_run( "$R render $VASE -o b.####.exr --overwrite --frames 1-4 --noise 1e-7 --time 0.1 " SMALL ), 0, "not reached in 4" );
+    cli_expect( cli_run( "$R render $VASE -o b.####.exr --overwrite --frames 1-4 --noise 1e-7 --time 0.1 " SMALL ), 0,
+                "not reached in 4" );
 }
 
 static void test_resume( void** state )
 {
     (void)state;
-    cli_expect( cli_run( "$R render $VASE -o r.####.exr --frames 1-4 --noise 0.05 " SMALL " && cp r.0003.exr kept.exr && rm r.0002.exr" ), 0, NULL );
-    cli_expect( cli_run( "$R render $VASE -o r.####.exr --frames 1-4 --noise 0.05 --resume --json r.json " SMALL " && cmp r.0003.exr kept.exr" ), 0, NULL );
+    cli_expect(
+        cli_run( "$R render $VASE -o r.####.exr --frames 1-4 --noise 0.05 " SMALL " && cp r.0003.exr kept.exr && rm r.0002.exr" ),
+        0, NULL );
+    cli_expect( cli_run( "$R render $VASE -o r.####.exr --frames 1-4 --noise 0.05 --resume --json r.json " SMALL
+                         " && cmp r.0003.exr kept.exr" ),
+                0, NULL );
     json_t* json = cli_read_json( "r.json" );
     assert_int_equal( json_array_size( json_object_get( json, "frames" ) ), 4 );
     for ( size_t i = 0; i < 4; ++i )
@@ -141,7 +152,8 @@ static void test_resume( void** state )
         assert_int_equal( json_is_true( json_object_get( frame_of( json, i ), "kept" ) ), i != 1 );
     }
     json_decref( json );
-    cli_expect( cli_run( "$R render $VASE -o r.####.exr --frames 1-5 --noise 0.04 --resume " SMALL ), 1, "scene, path, version or settings" );
+    cli_expect( cli_run( "$R render $VASE -o r.####.exr --frames 1-5 --noise 0.04 --resume " SMALL ), 1,
+                "scene, path, version or settings" );
     cli_expect( cli_run( "$R render $VASE -o r.####.exr --frames 1-5 --noise 0.05 --time 9 --resume " SMALL ), 1, "--resume: " );
     cli_expect( cli_run( "$R render $VASE -o r.####.exr --frames 1-5 --resume " SMALL ), 1, "--resume: " );
 }
@@ -151,7 +163,8 @@ static void test_header( void** state )
     (void)state;
     cli_expect( cli_run( "$R render $VASE -o h.####.exr --frames 2,3 --noise 0.05 --json h.json " SMALL ), 0, NULL );
     json_t* json = cli_read_json( "h.json" );
-    static const char* const keys[][2] = { { "reframe/relmse-estimate", "relmse_estimate" }, { "reframe/native-spp", "native_spp" },
+    static const char* const keys[][2] = { { "reframe/relmse-estimate", "relmse_estimate" },
+                                           { "reframe/native-spp", "native_spp" },
                                            { "reframe/effective-spp", "effective_spp" } };
     char path[512], value[64];
     snprintf( path, sizeof path, "%s/h.0003.exr", cli_folder() );
@@ -171,9 +184,14 @@ static void test_errors( void** state )
 {
     (void)state;
     static const char* const wrong[][2] = {
-        { "--noise -1", "--noise: wants" }, { "--noise low", "--noise: wants" }, { "--noise nan", "--noise: wants" },
-        { "--noise 1e9", "--noise: wants" }, { "--time -2", "--time: wants" },   { "--time inf", "--time: wants" },
-        { "--time", "--time" },             { "--no-time", "--no-time" },
+        { "--noise -1", "--noise: wants" },
+        { "--noise low", "--noise: wants" },
+        { "--noise nan", "--noise: wants" },
+        { "--noise 1e9", "--noise: wants" },
+        { "--time -2", "--time: wants" },
+        { "--time inf", "--time: wants" },
+        { "--time", "--time" },
+        { "--no-time", "--no-time" },
     };
     for ( size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i )
         cli_expect( cli_run( "$R render $VASE -o e.exr %s", wrong[i][0] ), 2, wrong[i][1] );
@@ -193,7 +211,8 @@ static void test_defaults_of_a_scene_file( void** state )
     json_decref( json );
     cli_expect( cli_run( "$R render scene.json -o d.exr --overwrite --spp 3 --frames 5 " SMALL ), 0, "not reached in 1 of 1" );
     cli_expect( cli_run( "$R render scene.json -o d.exr --overwrite --noise 0 --frames 5 " SMALL
-                         " && $R render $VASE -o e.exr --spp 3 --frames 5 " SMALL " && $R compare d.exr e.exr --json d.json" ), 0, NULL );
+                         " && $R render $VASE -o e.exr --spp 3 --frames 5 " SMALL " && $R compare d.exr e.exr --json d.json" ),
+                0, NULL );
     json = cli_read_json( "d.json" );
     assert_true( number( json, "relmse" ) == 0.0 );
     json_decref( json );
@@ -203,12 +222,21 @@ static void test_defaults_of_a_scene_file( void** state )
 static void test_all_kinds( void** state )
 {
     (void)state;
-    static const char* const kinds[] = { "--group 0 --tile 1", "--group 40", "--tile rooks4", "--weights eq15", "--normalize ratio",
-                                         "--normalize none",   "--aov variance,samples,depth,motion", "--memory 2200K --threads 1 --group 4" };
+    static const char* const kinds[] = { "--group 0 --tile 1",
+                                         "--group 40",
+                                         "--tile rooks4",
+                                         "--weights eq15",
+                                         "--normalize ratio",
+                                         "--normalize none",
+                                         "--aov variance,samples,depth,motion",
+                                         "--memory 2200K --threads 1 --group 4" };
     for ( size_t i = 0; i < sizeof kinds / sizeof kinds[0]; ++i )
     {
-        cli_expect( cli_run( "$R render $VASE -o k.####.exr --overwrite --frames 10-14x2 --noise 0.1 --size 40x24 --quiet --json k.json %s",
-                             kinds[i] ), 0, NULL );
+        cli_expect(
+            cli_run(
+                "$R render $VASE -o k.####.exr --overwrite --frames 10-14x2 --noise 0.1 --size 40x24 --quiet --json k.json %s",
+                kinds[i] ),
+            0, NULL );
         json_t* json = cli_read_json( "k.json" );
         assert_int_equal( number( json_object_get( json, "noise" ), "missed" ), 0 );
         for ( size_t k = 0; k < 3; ++k )

@@ -150,7 +150,9 @@ RfScene make_varied_room( void )
     RfScene scene = make_room( ROOM_GGX );
     add_textures( &scene );
     add_attributes( &scene );
-    RfFactors factors = { .base = { 0.8, 0.7, 0.6, 1 }, .metallic = 0.8, .roughness = 0.6, .specular = 1, .specular_color = { 1, 1, 1 }, .ior = 1.5 };
+    RfFactors factors = {
+        .base = { 0.8, 0.7, 0.6, 1 }, .metallic = 0.8, .roughness = 0.6, .specular = 1, .specular_color = { 1, 1, 1 }, .ior = 1.5
+    };
     RfMaterial* ball = scene.materials + ROOM_OBJECT_MATERIAL;
     ball->kind = RF_BSDF_GLASS;
     ball->ior = 1.5f;

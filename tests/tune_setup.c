@@ -13,7 +13,11 @@ void begin_tune_setup( TuneSetup* s, int eyes, int spp )
     s->settings.spp = spp;
     s->settings.memory = (size_t)256 << 20;
     s->settings.threads = 2;
-    s->job = ( RfTuneJob ){ .tracer = s->tracer, .eyes = s->eyes, .eye_count = eyes, .frames = s->frames, .frame_count = eyes,
+    s->job = ( RfTuneJob ){ .tracer = s->tracer,
+                            .eyes = s->eyes,
+                            .eye_count = eyes,
+                            .frames = s->frames,
+                            .frame_count = eyes,
                             .settings = &s->settings };
 }
 

@@ -32,8 +32,8 @@ Images reference_images( const RfTracer* tracer, const RfEye* eyes, int frame, i
 #pragma omp parallel for schedule( dynamic, 1 )
     for ( int k = 0; k < SEEDS; ++k )
     {
-        ReferenceSettings plain = { spp, settings->max_depth, settings->light_samples, (uint64_t)( REFERENCE_SEED + k ), frame,
-                                    settings->light_picking };
+        ReferenceSettings plain = { spp,   settings->max_depth,    settings->light_samples, (uint64_t)( REFERENCE_SEED + k ),
+                                    frame, settings->light_picking };
         reference_image( tracer, eyes + frame, &plain, images.rgb[k] );
     }
     return images;
@@ -115,7 +115,7 @@ Verdict compare_images( const Images* a, const Images* b, int block )
     }
     Verdict v = { .whole_p = block_p( a, b, 0, 0, a->width, a->height ) };
     if ( tested == 0 )
-        abort(); // a test of nothing
+        abort();                          // a test of nothing
     v.uniform_p = uniform_p( p, tested ); // sorts
     v.smallest_p = 1.0 - pow( 1.0 - p[0], tested );
     free( p );

@@ -10,7 +10,7 @@
 typedef struct Images
 {
     int width, height;
-    int count;          // of images
+    int count;         // of images
     float* rgb[SEEDS]; // one per seed
 } Images;
 
@@ -23,9 +23,9 @@ void free_images( Images* images );
 
 typedef struct Verdict
 {
-    double whole_p;   // of the image means
+    double whole_p;    // of the image means
     double smallest_p; // of all blocks, times their number (Šidák)
-    double uniform_p; // that the p-values of the blocks are uniform
+    double uniform_p;  // that the p-values of the blocks are uniform
 } Verdict;
 
 // Compares luminance in blocks of block × block pixels.

@@ -6,10 +6,7 @@
 
 #define ALIGNMENT 64
 
-size_t rf_arena_size( size_t bytes )
-{
-    return ( ( bytes > 0 ? bytes : 1 ) + ALIGNMENT - 1 ) / ALIGNMENT * ALIGNMENT;
-}
+size_t rf_arena_size( size_t bytes ) { return ( ( bytes > 0 ? bytes : 1 ) + ALIGNMENT - 1 ) / ALIGNMENT * ALIGNMENT; }
 
 static RfArenaEntry* find_entry( RfArena* arena, const char* name )
 {
@@ -25,10 +22,7 @@ static RfArenaEntry* find_entry( RfArena* arena, const char* name )
     return entry;
 }
 
-RfArena rf_create_arena( size_t budget )
-{
-    return ( RfArena ){ .budget = budget };
-}
+RfArena rf_create_arena( size_t budget ) { return ( RfArena ){ .budget = budget }; }
 
 RfResult rf_arena_reserve( RfArena* arena, const char* name, size_t bytes, RfError* error )
 {
@@ -37,9 +31,8 @@ RfResult rf_arena_reserve( RfArena* arena, const char* name, size_t bytes, RfErr
     size_t rounded = rf_arena_size( bytes );
     if ( rounded > rf_arena_room( arena ) )
         return rf_fail( error, RF_ERROR_MEMORY,
-                        "%s: %.1f MiB do not fit, %.1f of %.1f MiB are in use: raise --memory, or lower --size or --group",
-                        name, (double)rounded / 1048576.0, (double)arena->bytes / 1048576.0,
-                        (double)arena->budget / 1048576.0 );
+                        "%s: %.1f MiB do not fit, %.1f of %.1f MiB are in use: raise --memory, or lower --size or --group", name,
+                        (double)rounded / 1048576.0, (double)arena->bytes / 1048576.0, (double)arena->budget / 1048576.0 );
     RfArenaEntry* entry = find_entry( arena, name );
     if ( entry == NULL )
         return rf_fail( error, RF_ERROR_MEMORY, "%s: the arena has no room for another name", name );
@@ -71,7 +64,8 @@ RfResult rf_arena_alloc( RfArena* arena, const char* name, size_t bytes, void** 
     if ( *memory != NULL )
         return RF_OK;
     rf_arena_release( arena, name, bytes );
-    return rf_fail( error, RF_ERROR_MEMORY, "%s: the system has no %.1f MiB left", name, (double)rf_arena_size( bytes ) / 1048576.0 );
+    return rf_fail( error, RF_ERROR_MEMORY, "%s: the system has no %.1f MiB left", name,
+                    (double)rf_arena_size( bytes ) / 1048576.0 );
 }
 
 void rf_arena_free( RfArena* arena, const char* name, void* memory, size_t bytes )

@@ -5,7 +5,10 @@
 
 static int edit_distance( const char* a, const char* b )
 {
-    enum { LONGEST = 31 };
+    enum
+    {
+        LONGEST = 31
+    };
     size_t a_length = strlen( a ), b_length = strlen( b );
     if ( a_length > LONGEST || b_length > LONGEST )
         return LONGEST;

@@ -43,20 +43,20 @@ typedef struct RfBsdfLanes
 // chooses wi when seen from wo. Either output may be NULL. wo and wi are
 // arrays of x, y, z. Results of a lane depend on that lane only and are the
 // same bits whatever n and the lane's place are.
-void rf_bsdf_evaluate( RfBsdfKind kind, int count, const RfBsdfLanes* lanes, const float* const wo[3],
-                       const float* const wi[3], float* const f[3], float* pdf_solid_angle );
+void rf_bsdf_evaluate( RfBsdfKind kind, int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const wi[3],
+                       float* const f[3], float* pdf_solid_angle );
 
 // Draws wi from three uniform numbers in [0, 1) per lane (u[2] picks the lobe).
 // Phong lobe directions below the surface come out as they are: their f is 0.
-void rf_bsdf_sample( RfBsdfKind kind, int count, const RfBsdfLanes* lanes, const float* const wo[3],
-                     const float* const u[3], float* const wi[3] );
+void rf_bsdf_sample( RfBsdfKind kind, int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const u[3],
+                     float* const wi[3] );
 
 // The same for RF_BSDF_GLASS, whose lobes may have no width and go through the
 // surface: also weight = f |n·wi| / density (three arrays, 0 where nothing is
 // scattered) and the density, RF_DELTA_PDF for directions that light sampling
 // cannot find. Evaluate has the other lobes only.
-void rf_glass_sample( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const u[3],
-                      float* const wi[3], float* const weight[3], float* pdf_solid_angle );
+void rf_glass_sample( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const u[3], float* const wi[3],
+                      float* const weight[3], float* pdf_solid_angle );
 void rf_glass_evaluate( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const wi[3],
                         float* const f[3], float* pdf_solid_angle );
 
@@ -74,13 +74,12 @@ void rf_phong_evaluate( int count, const RfBsdfLanes* lanes, const float* const 
                         float* const f[3], float* pdf_solid_angle );
 void rf_phong_sample( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const u[3],
                       float* const wi[3] );
-void rf_ggx_evaluate( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const wi[3],
-                      float* const f[3], float* pdf_solid_angle );
+void rf_ggx_evaluate( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const wi[3], float* const f[3],
+                      float* pdf_solid_angle );
 void rf_coated_evaluate( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const wi[3],
                          float* const f[3], float* pdf_solid_angle );
 void rf_coated_sample( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const u[3],
                        float* const wi[3] );
-void rf_ggx_sample( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const u[3],
-                    float* const wi[3] );
+void rf_ggx_sample( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const u[3], float* const wi[3] );
 
 #endif

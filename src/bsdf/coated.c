@@ -64,14 +64,14 @@ RF_KERNEL CoatLobe coat_lobe( RfVec3 n, RfEyeLane eye, RfVec3 wi, float surface_
 RF_KERNEL void coat_block( int first, int count, const RfBsdfLanes* lanes, const RfEyeBlock* eyes, const float* const wi[3],
                            float* const f[3], float* pdf_solid_angle )
 {
-    const float *restrict nx = lanes->n[0] + first, *restrict ny = lanes->n[1] + first, *restrict nz = lanes->n[2] + first;
-    const float *restrict cx = lanes->clearcoat_n[0] + first, *restrict cy = lanes->clearcoat_n[1] + first;
+    const float* restrict nx = lanes->n[0] + first, * restrict ny = lanes->n[1] + first, * restrict nz = lanes->n[2] + first;
+    const float* restrict cx = lanes->clearcoat_n[0] + first, * restrict cy = lanes->clearcoat_n[1] + first;
     const float* restrict cz = lanes->clearcoat_n[2] + first;
-    const float *restrict dx = lanes->diffuse[0] + first, *restrict dy = lanes->diffuse[1] + first;
-    const float *restrict dz = lanes->diffuse[2] + first, *restrict sx = lanes->specular[0] + first;
-    const float *restrict sy = lanes->specular[1] + first, *restrict sz = lanes->specular[2] + first;
-    const float *restrict coat = lanes->clearcoat + first, *restrict alpha = lanes->clearcoat_alpha + first;
-    const float *restrict ix = wi[0] + first, *restrict iy = wi[1] + first, *restrict iz = wi[2] + first;
+    const float* restrict dx = lanes->diffuse[0] + first, * restrict dy = lanes->diffuse[1] + first;
+    const float* restrict dz = lanes->diffuse[2] + first, * restrict sx = lanes->specular[0] + first;
+    const float* restrict sy = lanes->specular[1] + first, * restrict sz = lanes->specular[2] + first;
+    const float* restrict coat = lanes->clearcoat + first, * restrict alpha = lanes->clearcoat_alpha + first;
+    const float* restrict ix = wi[0] + first, * restrict iy = wi[1] + first, * restrict iz = wi[2] + first;
     float* restrict fx = f != NULL ? f[0] + first : NULL;
     float* restrict fy = f != NULL ? f[1] + first : NULL;
     float* restrict fz = f != NULL ? f[2] + first : NULL;

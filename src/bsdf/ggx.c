@@ -21,10 +21,7 @@ RF_KERNEL float fifth_power( float x )
 }
 
 // (1 − cos)^5 of Schlick's Fresnel; a cosine may have rounded to above 1.
-RF_KERNEL float schlick_weight( float cos_theta )
-{
-    return fifth_power( rf_maxf( 1.0f - cos_theta, 0.0f ) );
-}
+RF_KERNEL float schlick_weight( float cos_theta ) { return fifth_power( rf_maxf( 1.0f - cos_theta, 0.0f ) ); }
 
 RF_KERNEL float coat_transmission( const Parameters* p, float weight )
 {
@@ -101,7 +98,7 @@ RF_KERNEL RfVec3 sample_normal( RfVec3 n, RfEyeLane eye, RfVec3 azimuth, float u
     float across2 = alpha * alpha * rf_dot( across, across );
     float inverse = 1.0f / sqrtf( across2 + eye.cos_o * eye.cos_o );
     float one_plus_vz = 1.0f + eye.cos_o * inverse;
-    float height = ( 1.0f - u ) * one_plus_vz;                                         // z + Vz
+    float height = ( 1.0f - u ) * one_plus_vz;                                          // z + Vz
     float radius = sqrtf( u * ( height * one_plus_vz + across2 * inverse * inverse ) ); // √(1 − z²)
     RfVec3 h = rf_madd( rf_scale( azimuth, radius ), across, alpha * inverse );
     return rf_madd( rf_scale( h, alpha ), n, height );
@@ -113,24 +110,23 @@ RF_KERNEL RfVec3 sample( RfVec3 n, RfEyeLane eye, RfVec3 azimuth, float u, float
     RfVec3 mirrored = rf_sub( rf_scale( h, 2.0f * rf_dot( eye.wo, h ) / rf_dot( h, h ) ), eye.wo );
     RfVec3 base = rf_madd( rf_scale( azimuth, sqrtf( u ) ), n, sqrtf( 1.0f - u ) );
     bool is_specular = pick < specular_chance( &p, schlick_weight( eye.cos_o ) );
-    return rf_vec3( is_specular ? mirrored.x : base.x, is_specular ? mirrored.y : base.y,
-                    is_specular ? mirrored.z : base.z );
+    return rf_vec3( is_specular ? mirrored.x : base.x, is_specular ? mirrored.y : base.y, is_specular ? mirrored.z : base.z );
 }
 
-RF_KERNEL void evaluate_block( int first, int count, const RfBsdfLanes* lanes, const RfEyeBlock* eyes,
-                               const float* const wi[3], float* const f[3], float* pdf_solid_angle )
+RF_KERNEL void evaluate_block( int first, int count, const RfBsdfLanes* lanes, const RfEyeBlock* eyes, const float* const wi[3],
+                               float* const f[3], float* pdf_solid_angle )
 {
-    const float *restrict nx = lanes->n[0] + first, *restrict ny = lanes->n[1] + first;
+    const float* restrict nx = lanes->n[0] + first, * restrict ny = lanes->n[1] + first;
     const float* restrict nz = lanes->n[2] + first;
-    const float *restrict dx = lanes->diffuse[0] + first, *restrict dy = lanes->diffuse[1] + first;
+    const float* restrict dx = lanes->diffuse[0] + first, * restrict dy = lanes->diffuse[1] + first;
     const float* restrict dz = lanes->diffuse[2] + first;
-    const float *restrict sx = lanes->specular[0] + first, *restrict sy = lanes->specular[1] + first;
+    const float* restrict sx = lanes->specular[0] + first, * restrict sy = lanes->specular[1] + first;
     const float* restrict sz = lanes->specular[2] + first;
-    const float *restrict alpha = lanes->shape + first, *restrict f90 = lanes->f90 + first;
-    const float *restrict coat_f0 = lanes->coat_f0 + first, *restrict coat_f90 = lanes->coat_f90 + first;
-    const float *restrict ox = eyes->x, *restrict oy = eyes->y, *restrict oz = eyes->z;
+    const float* restrict alpha = lanes->shape + first, * restrict f90 = lanes->f90 + first;
+    const float* restrict coat_f0 = lanes->coat_f0 + first, * restrict coat_f90 = lanes->coat_f90 + first;
+    const float* restrict ox = eyes->x, * restrict oy = eyes->y, * restrict oz = eyes->z;
     const float* restrict cos_o = eyes->cos_o;
-    const float *restrict ix = wi[0] + first, *restrict iy = wi[1] + first, *restrict iz = wi[2] + first;
+    const float* restrict ix = wi[0] + first, * restrict iy = wi[1] + first, * restrict iz = wi[2] + first;
     float* restrict fx = f != NULL ? f[0] + first : NULL;
     float* restrict fy = f != NULL ? f[1] + first : NULL;
     float* restrict fz = f != NULL ? f[2] + first : NULL;
@@ -139,11 +135,11 @@ RF_KERNEL void evaluate_block( int first, int count, const RfBsdfLanes* lanes, c
 #pragma omp simd
     for ( int i = 0; i < count; ++i )
     {
-        Parameters p = { rf_vec3( dx[i], dy[i], dz[i] ), rf_vec3( sx[i], sy[i], sz[i] ), alpha[i], f90[i], coat_f0[i],
-                         coat_f90[i] };
+        Parameters p = {
+            rf_vec3( dx[i], dy[i], dz[i] ), rf_vec3( sx[i], sy[i], sz[i] ), alpha[i], f90[i], coat_f0[i], coat_f90[i]
+        };
         RfEyeLane eye = { rf_vec3( ox[i], oy[i], oz[i] ), cos_o[i] };
-        RfScattering s = scatter( rf_vec3( nx[i], ny[i], nz[i] ), eye,
-                                  rf_vec3( ix[i], iy[i], iz[i] ), p );
+        RfScattering s = scatter( rf_vec3( nx[i], ny[i], nz[i] ), eye, rf_vec3( ix[i], iy[i], iz[i] ), p );
         if ( f != NULL )
         {
             fx[i] = s.f.x;
@@ -155,8 +151,8 @@ RF_KERNEL void evaluate_block( int first, int count, const RfBsdfLanes* lanes, c
     }
 }
 
-void rf_ggx_evaluate( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const wi[3],
-                      float* const f[3], float* pdf_solid_angle )
+void rf_ggx_evaluate( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const wi[3], float* const f[3],
+                      float* pdf_solid_angle )
 {
     for ( int first = 0; first < count; first += RF_BLOCK )
     {
@@ -180,9 +176,9 @@ typedef struct AzimuthBlock
 
 static void azimuth_block( int first, int count, const RfBsdfLanes* lanes, const float* u, AzimuthBlock* block )
 {
-    const float *restrict nx = lanes->n[0] + first, *restrict ny = lanes->n[1] + first;
-    const float *restrict nz = lanes->n[2] + first, *restrict u1 = u + first;
-    float *restrict x = block->x, *restrict y = block->y, *restrict z = block->z;
+    const float* restrict nx = lanes->n[0] + first, * restrict ny = lanes->n[1] + first;
+    const float* restrict nz = lanes->n[2] + first, * restrict u1 = u + first;
+    float* restrict x = block->x, * restrict y = block->y, * restrict z = block->z;
 
 #pragma omp simd
     for ( int i = 0; i < count; ++i )
@@ -194,39 +190,38 @@ static void azimuth_block( int first, int count, const RfBsdfLanes* lanes, const
     }
 }
 
-static void sample_block( int first, int count, const RfBsdfLanes* lanes, const RfEyeBlock* eyes,
-                          const AzimuthBlock* azimuths, const float* const u[3], float* const wi[3] )
+static void sample_block( int first, int count, const RfBsdfLanes* lanes, const RfEyeBlock* eyes, const AzimuthBlock* azimuths,
+                          const float* const u[3], float* const wi[3] )
 {
-    const float *restrict nx = lanes->n[0] + first, *restrict ny = lanes->n[1] + first;
+    const float* restrict nx = lanes->n[0] + first, * restrict ny = lanes->n[1] + first;
     const float* restrict nz = lanes->n[2] + first;
-    const float *restrict dx = lanes->diffuse[0] + first, *restrict dy = lanes->diffuse[1] + first;
+    const float* restrict dx = lanes->diffuse[0] + first, * restrict dy = lanes->diffuse[1] + first;
     const float* restrict dz = lanes->diffuse[2] + first;
-    const float *restrict sx = lanes->specular[0] + first, *restrict sy = lanes->specular[1] + first;
+    const float* restrict sx = lanes->specular[0] + first, * restrict sy = lanes->specular[1] + first;
     const float* restrict sz = lanes->specular[2] + first;
-    const float *restrict alpha = lanes->shape + first, *restrict f90 = lanes->f90 + first;
-    const float *restrict coat_f0 = lanes->coat_f0 + first, *restrict coat_f90 = lanes->coat_f90 + first;
-    const float *restrict ox = eyes->x, *restrict oy = eyes->y, *restrict oz = eyes->z;
+    const float* restrict alpha = lanes->shape + first, * restrict f90 = lanes->f90 + first;
+    const float* restrict coat_f0 = lanes->coat_f0 + first, * restrict coat_f90 = lanes->coat_f90 + first;
+    const float* restrict ox = eyes->x, * restrict oy = eyes->y, * restrict oz = eyes->z;
     const float* restrict cos_o = eyes->cos_o;
-    const float *restrict u0 = u[0] + first, *restrict u2 = u[2] + first;
-    const float *restrict ax = azimuths->x, *restrict ay = azimuths->y, *restrict az = azimuths->z;
-    float *restrict ix = wi[0] + first, *restrict iy = wi[1] + first, *restrict iz = wi[2] + first;
+    const float* restrict u0 = u[0] + first, * restrict u2 = u[2] + first;
+    const float* restrict ax = azimuths->x, * restrict ay = azimuths->y, * restrict az = azimuths->z;
+    float* restrict ix = wi[0] + first, * restrict iy = wi[1] + first, * restrict iz = wi[2] + first;
 
 #pragma omp simd
     for ( int i = 0; i < count; ++i )
     {
-        Parameters p = { rf_vec3( dx[i], dy[i], dz[i] ), rf_vec3( sx[i], sy[i], sz[i] ), alpha[i], f90[i], coat_f0[i],
-                         coat_f90[i] };
+        Parameters p = {
+            rf_vec3( dx[i], dy[i], dz[i] ), rf_vec3( sx[i], sy[i], sz[i] ), alpha[i], f90[i], coat_f0[i], coat_f90[i]
+        };
         RfEyeLane eye = { rf_vec3( ox[i], oy[i], oz[i] ), cos_o[i] };
-        RfVec3 w = sample( rf_vec3( nx[i], ny[i], nz[i] ), eye,
-                           rf_vec3( ax[i], ay[i], az[i] ), u0[i], u2[i], p );
+        RfVec3 w = sample( rf_vec3( nx[i], ny[i], nz[i] ), eye, rf_vec3( ax[i], ay[i], az[i] ), u0[i], u2[i], p );
         ix[i] = w.x;
         iy[i] = w.y;
         iz[i] = w.z;
     }
 }
 
-void rf_ggx_sample( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const u[3],
-                    float* const wi[3] )
+void rf_ggx_sample( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const u[3], float* const wi[3] )
 {
     for ( int first = 0; first < count; first += RF_BLOCK )
     {

@@ -203,8 +203,8 @@ static void put( float* const out[3], int i, RfVec3 v )
     out[2][i] = v.z;
 }
 
-void rf_glass_sample( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const u[3],
-                      float* const wi[3], float* const weight[3], float* pdf_solid_angle )
+void rf_glass_sample( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const u[3], float* const wi[3],
+                      float* const weight[3], float* pdf_solid_angle )
 {
     for ( int i = 0; i < count; ++i )
     {

@@ -4,9 +4,9 @@
 RF_KERNEL void evaluate_lanes( int count, const RfBsdfLanes* lanes, const float* const wi[3], float* const f[3],
                                float* pdf_solid_angle, bool want_f, bool want_pdf )
 {
-    const float *restrict nx = lanes->n[0], *restrict ny = lanes->n[1], *restrict nz = lanes->n[2];
-    const float *restrict dx = lanes->diffuse[0], *restrict dy = lanes->diffuse[1], *restrict dz = lanes->diffuse[2];
-    const float *restrict ix = wi[0], *restrict iy = wi[1], *restrict iz = wi[2];
+    const float* restrict nx = lanes->n[0], * restrict ny = lanes->n[1], * restrict nz = lanes->n[2];
+    const float* restrict dx = lanes->diffuse[0], * restrict dy = lanes->diffuse[1], * restrict dz = lanes->diffuse[2];
+    const float* restrict ix = wi[0], * restrict iy = wi[1], * restrict iz = wi[2];
     float* restrict fx = want_f ? f[0] : NULL;
     float* restrict fy = want_f ? f[1] : NULL;
     float* restrict fz = want_f ? f[2] : NULL;
@@ -44,9 +44,9 @@ void rf_lambert_sample( int count, const RfBsdfLanes* lanes, const float* const 
                         float* const wi[3] )
 {
     (void)wo;
-    const float *restrict nx = lanes->n[0], *restrict ny = lanes->n[1], *restrict nz = lanes->n[2];
-    const float *restrict u0 = u[0], *restrict u1 = u[1];
-    float *restrict ix = wi[0], *restrict iy = wi[1], *restrict iz = wi[2];
+    const float* restrict nx = lanes->n[0], * restrict ny = lanes->n[1], * restrict nz = lanes->n[2];
+    const float* restrict u0 = u[0], * restrict u1 = u[1];
+    float* restrict ix = wi[0], * restrict iy = wi[1], * restrict iz = wi[2];
 
 #pragma omp simd
     for ( int i = 0; i < count; ++i )

@@ -50,13 +50,12 @@ typedef struct RfEyeBlock
     float x[RF_BLOCK], y[RF_BLOCK], z[RF_BLOCK], cos_o[RF_BLOCK];
 } RfEyeBlock;
 
-static inline void rf_lift_block( int first, int count, const RfBsdfLanes* lanes, const float* const wo[3],
-                                  RfEyeBlock* block )
+static inline void rf_lift_block( int first, int count, const RfBsdfLanes* lanes, const float* const wo[3], RfEyeBlock* block )
 {
-    const float *restrict nx = lanes->n[0] + first, *restrict ny = lanes->n[1] + first;
-    const float *restrict nz = lanes->n[2] + first;
-    const float *restrict ox = wo[0] + first, *restrict oy = wo[1] + first, *restrict oz = wo[2] + first;
-    float *restrict x = block->x, *restrict y = block->y, *restrict z = block->z, *restrict cos_o = block->cos_o;
+    const float* restrict nx = lanes->n[0] + first, * restrict ny = lanes->n[1] + first;
+    const float* restrict nz = lanes->n[2] + first;
+    const float* restrict ox = wo[0] + first, * restrict oy = wo[1] + first, * restrict oz = wo[2] + first;
+    float* restrict x = block->x, * restrict y = block->y, * restrict z = block->z, * restrict cos_o = block->cos_o;
 
 #pragma omp simd
     for ( int i = 0; i < count; ++i )
@@ -70,10 +69,7 @@ static inline void rf_lift_block( int first, int count, const RfBsdfLanes* lanes
 }
 
 // Lanes of the block that begins at `first`.
-static inline int rf_block_size( int first, int count )
-{
-    return count - first < RF_BLOCK ? count - first : RF_BLOCK;
-}
+static inline int rf_block_size( int first, int count ) { return count - first < RF_BLOCK ? count - first : RF_BLOCK; }
 
 // The direction of u[1] around n: cos φ · t + sin φ · b.
 RF_KERNEL RfVec3 rf_azimuth_direction( RfVec3 n, float u )
@@ -85,9 +81,6 @@ RF_KERNEL RfVec3 rf_azimuth_direction( RfVec3 n, float u )
     return rf_madd( rf_scale( t, c ), b, s );
 }
 
-RF_KERNEL float rf_mean( RfVec3 c )
-{
-    return ( c.x + c.y + c.z ) * ( 1.0f / 3.0f );
-}
+RF_KERNEL float rf_mean( RfVec3 c ) { return ( c.x + c.y + c.z ) * ( 1.0f / 3.0f ); }
 
 #endif

@@ -59,15 +59,15 @@ typedef struct AngleBlock
     float cos_i[RF_BLOCK], d[RF_BLOCK];
 } AngleBlock;
 
-static void angle_block( int first, int count, const RfBsdfLanes* lanes, const RfEyeBlock* eyes,
-                         const float* const wi[3], AngleBlock* block )
+static void angle_block( int first, int count, const RfBsdfLanes* lanes, const RfEyeBlock* eyes, const float* const wi[3],
+                         AngleBlock* block )
 {
-    const float *restrict nx = lanes->n[0] + first, *restrict ny = lanes->n[1] + first;
+    const float* restrict nx = lanes->n[0] + first, * restrict ny = lanes->n[1] + first;
     const float* restrict nz = lanes->n[2] + first;
-    const float *restrict ox = eyes->x, *restrict oy = eyes->y, *restrict oz = eyes->z;
+    const float* restrict ox = eyes->x, * restrict oy = eyes->y, * restrict oz = eyes->z;
     const float* restrict cos_o = eyes->cos_o;
-    const float *restrict ix = wi[0] + first, *restrict iy = wi[1] + first, *restrict iz = wi[2] + first;
-    float *restrict cos_i = block->cos_i, *restrict d = block->d;
+    const float* restrict ix = wi[0] + first, * restrict iy = wi[1] + first, * restrict iz = wi[2] + first;
+    float* restrict cos_i = block->cos_i, * restrict d = block->d;
 
 #pragma omp simd
     for ( int i = 0; i < count; ++i )
@@ -79,14 +79,14 @@ static void angle_block( int first, int count, const RfBsdfLanes* lanes, const R
     }
 }
 
-RF_KERNEL void evaluate_block( int first, int count, const RfBsdfLanes* lanes, const AngleBlock* angles,
-                               float* const f[3], float* pdf_solid_angle )
+RF_KERNEL void evaluate_block( int first, int count, const RfBsdfLanes* lanes, const AngleBlock* angles, float* const f[3],
+                               float* pdf_solid_angle )
 {
-    const float *restrict dx = lanes->diffuse[0] + first, *restrict dy = lanes->diffuse[1] + first;
+    const float* restrict dx = lanes->diffuse[0] + first, * restrict dy = lanes->diffuse[1] + first;
     const float* restrict dz = lanes->diffuse[2] + first;
-    const float *restrict sx = lanes->specular[0] + first, *restrict sy = lanes->specular[1] + first;
+    const float* restrict sx = lanes->specular[0] + first, * restrict sy = lanes->specular[1] + first;
     const float* restrict sz = lanes->specular[2] + first;
-    const float *restrict cos_i = angles->cos_i, *restrict d = angles->d;
+    const float* restrict cos_i = angles->cos_i, * restrict d = angles->d;
     const float* restrict exponent = lanes->shape + first;
     float* restrict fx = f != NULL ? f[0] + first : NULL;
     float* restrict fy = f != NULL ? f[1] + first : NULL;
@@ -96,8 +96,7 @@ RF_KERNEL void evaluate_block( int first, int count, const RfBsdfLanes* lanes, c
 #pragma omp simd
     for ( int i = 0; i < count; ++i )
     {
-        RfScattering s = scatter( cos_i[i], d[i], rf_vec3( dx[i], dy[i], dz[i] ), rf_vec3( sx[i], sy[i], sz[i] ),
-                                  exponent[i] );
+        RfScattering s = scatter( cos_i[i], d[i], rf_vec3( dx[i], dy[i], dz[i] ), rf_vec3( sx[i], sy[i], sz[i] ), exponent[i] );
         if ( f != NULL )
         {
             fx[i] = s.f.x;
@@ -128,27 +127,26 @@ void rf_phong_evaluate( int count, const RfBsdfLanes* lanes, const float* const 
     }
 }
 
-static void sample_block( int first, int count, const RfBsdfLanes* lanes, const RfEyeBlock* eyes,
-                          const float* const u[3], float* const wi[3] )
+static void sample_block( int first, int count, const RfBsdfLanes* lanes, const RfEyeBlock* eyes, const float* const u[3],
+                          float* const wi[3] )
 {
-    const float *restrict nx = lanes->n[0] + first, *restrict ny = lanes->n[1] + first;
+    const float* restrict nx = lanes->n[0] + first, * restrict ny = lanes->n[1] + first;
     const float* restrict nz = lanes->n[2] + first;
-    const float *restrict dx = lanes->diffuse[0] + first, *restrict dy = lanes->diffuse[1] + first;
+    const float* restrict dx = lanes->diffuse[0] + first, * restrict dy = lanes->diffuse[1] + first;
     const float* restrict dz = lanes->diffuse[2] + first;
-    const float *restrict sx = lanes->specular[0] + first, *restrict sy = lanes->specular[1] + first;
+    const float* restrict sx = lanes->specular[0] + first, * restrict sy = lanes->specular[1] + first;
     const float* restrict sz = lanes->specular[2] + first;
-    const float *restrict ox = eyes->x, *restrict oy = eyes->y, *restrict oz = eyes->z;
+    const float* restrict ox = eyes->x, * restrict oy = eyes->y, * restrict oz = eyes->z;
     const float* restrict cos_o = eyes->cos_o;
-    const float *restrict u0 = u[0] + first, *restrict u1 = u[1] + first, *restrict u2 = u[2] + first;
+    const float* restrict u0 = u[0] + first, * restrict u1 = u[1] + first, * restrict u2 = u[2] + first;
     const float* restrict exponent = lanes->shape + first;
-    float *restrict ix = wi[0] + first, *restrict iy = wi[1] + first, *restrict iz = wi[2] + first;
+    float* restrict ix = wi[0] + first, * restrict iy = wi[1] + first, * restrict iz = wi[2] + first;
 
 #pragma omp simd
     for ( int i = 0; i < count; ++i )
     {
         RfEyeLane eye = { rf_vec3( ox[i], oy[i], oz[i] ), cos_o[i] };
-        RfVec3 w = sample( rf_vec3( nx[i], ny[i], nz[i] ), eye,
-                           rf_vec3( u0[i], u1[i], u2[i] ), rf_vec3( dx[i], dy[i], dz[i] ),
+        RfVec3 w = sample( rf_vec3( nx[i], ny[i], nz[i] ), eye, rf_vec3( u0[i], u1[i], u2[i] ), rf_vec3( dx[i], dy[i], dz[i] ),
                            rf_vec3( sx[i], sy[i], sz[i] ), exponent[i] );
         ix[i] = w.x;
         iy[i] = w.y;
@@ -156,8 +154,7 @@ static void sample_block( int first, int count, const RfBsdfLanes* lanes, const 
     }
 }
 
-void rf_phong_sample( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const u[3],
-                      float* const wi[3] )
+void rf_phong_sample( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const u[3], float* const wi[3] )
 {
     for ( int first = 0; first < count; first += RF_BLOCK )
     {

@@ -7,10 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-double rf_fps_value( RfFps fps )
-{
-    return (double)fps.numerator / (double)fps.denominator;
-}
+double rf_fps_value( RfFps fps ) { return (double)fps.numerator / (double)fps.denominator; }
 
 static bool is_path_file( const char* name )
 {
@@ -42,8 +39,8 @@ static RfResult make_eyes( const RfScene* scene, const RfCamera* camera, RfFps f
         path->hash = rf_hash_bytes( path->hash, &camera->track->hash, sizeof camera->track->hash );
     for ( int i = 0; i < path->count && result == RF_OK; ++i )
     {
-        result = rf_camera_eye( scene, camera, (double)i, fps.numerator, fps.denominator, size.width, size.height,
-                                path->eyes + i, error );
+        result = rf_camera_eye( scene, camera, (double)i, fps.numerator, fps.denominator, size.width, size.height, path->eyes + i,
+                                error );
         if ( result == RF_OK )
             path->hash = hash_eye( path->hash, path->eyes + i );
     }

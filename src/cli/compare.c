@@ -22,9 +22,9 @@ typedef struct Compare
     const char* diff; // or NULL
     const char* json; // or NULL
     bool quiet;
-    bool table;       // standard output is free for the table
+    bool table; // standard output is free for the table
     RfErrorSummary all;
-    bool has_all;     // `all` has been created, for the first frame's size
+    bool has_all;       // `all` has been created, for the first frame's size
     RfWorstPixel worst; // of all frames so far, where the files have it
     json_t* rows;
 } Compare;
@@ -35,10 +35,7 @@ static void show_progress( const Compare* compare, int i )
     rf_show_frame_count( compare->quiet || rows_are_seen || compare->in.count < 2, i, compare->in.count );
 }
 
-static int frame_number( const Compare* compare, int i )
-{
-    return compare->in.frames != NULL ? compare->in.frames[i] : 1;
-}
+static int frame_number( const Compare* compare, int i ) { return compare->in.frames != NULL ? compare->in.frames[i] : 1; }
 
 // The differences of all frames against all frames of one of the sequences.
 static RfResult check_diff_names( const Compare* compare, const char* pattern, RfError* error )
@@ -46,7 +43,8 @@ static RfResult check_diff_names( const Compare* compare, const char* pattern, R
     int count = compare->in.count;
     struct stat* frames = calloc( (size_t)count, sizeof *frames );
     char name[RF_COMPARE_NAME_SIZE];
-    RfResult result = frames != NULL ? RF_OK : rf_fail( error, RF_ERROR_MEMORY, "no memory left for the names of %d frames", count );
+    RfResult result =
+        frames != NULL ? RF_OK : rf_fail( error, RF_ERROR_MEMORY, "no memory left for the names of %d frames", count );
     for ( int i = 0; i < count && result == RF_OK; ++i )
     {
         result = rf_compare_name( &compare->in, pattern, frame_number( compare, i ), name, error );
@@ -61,7 +59,8 @@ static RfResult check_diff_names( const Compare* compare, const char* pattern, R
         for ( int k = 0; k < count && is_there && result == RF_OK; ++k )
         {
             if ( frames[k].st_ino == diff.st_ino && frames[k].st_dev == diff.st_dev )
-                result = rf_fail( error, RF_ERROR_USAGE, "--diff: %s: is one of the images that are compared: choose another name", name );
+                result = rf_fail( error, RF_ERROR_USAGE,
+                                  "--diff: %s: is one of the images that are compared: choose another name", name );
         }
     }
     free( frames );
@@ -162,7 +161,8 @@ static RfResult check_finite( const Compare* compare, const RfErrorMetrics* m, R
     bool image = m->nan > 0 || m->inf > 0, reference = m->reference_nan > 0 || m->reference_inf > 0;
     const char* const* patterns = compare->in.patterns;
     if ( image && reference )
-        return rf_fail( error, RF_ERROR_FORMAT, "%.380s: %zu pixels with NaN, %zu with infinity, and %.380s: %zu and %zu: no error can be told",
+        return rf_fail( error, RF_ERROR_FORMAT,
+                        "%.380s: %zu pixels with NaN, %zu with infinity, and %.380s: %zu and %zu: no error can be told",
                         patterns[0], m->nan, m->inf, patterns[1], m->reference_nan, m->reference_inf );
     if ( image || reference )
         return rf_fail( error, RF_ERROR_FORMAT, "%s: %zu pixels with NaN, %zu with infinity: no error can be told",
@@ -234,17 +234,40 @@ int rf_command_compare( int argc, char** argv )
     static const char* const files[] = { "A", "B" };
     Compare compare = { .worst = { .frame = -1 } };
     const RfOption options[] = {
-        { .name = "frames", .type = RF_OPTION_STRING, .value = &compare.in.list, .meta = "A-B[xSTEP][,...]", .default_text = "all",
+        { .name = "frames",
+          .type = RF_OPTION_STRING,
+          .value = &compare.in.list,
+          .meta = "A-B[xSTEP][,...]",
+          .default_text = "all",
           .help = "only these of the sequences, by their numbers" },
-        { .name = "layer", .type = RF_OPTION_STRING, .value = compare.in.layers, .meta = "NAME", .default_text = "the colour",
+        { .name = "layer",
+          .type = RF_OPTION_STRING,
+          .value = compare.in.layers,
+          .meta = "NAME",
+          .default_text = "the colour",
           .help = "a layer, part or channel of the files, or three channels X,Y,Z" },
-        { .name = "reference-layer", .type = RF_OPTION_STRING, .value = compare.in.layers + 1, .meta = "NAME",
-          .default_text = "that of --layer", .help = "the same of B, where its name is another" },
-        { .name = "overlap", .type = RF_OPTION_BOOL, .value = &compare.in.overlap, .default_text = "off",
+        { .name = "reference-layer",
+          .type = RF_OPTION_STRING,
+          .value = compare.in.layers + 1,
+          .meta = "NAME",
+          .default_text = "that of --layer",
+          .help = "the same of B, where its name is another" },
+        { .name = "overlap",
+          .type = RF_OPTION_BOOL,
+          .value = &compare.in.overlap,
+          .default_text = "off",
           .help = "where the data windows differ, measure the pixels that both have" },
-        { .name = "diff", .writes = ".exr", .type = RF_OPTION_STRING, .value = &compare.diff, .meta = "FILE",
+        { .name = "diff",
+          .writes = ".exr",
+          .type = RF_OPTION_STRING,
+          .value = &compare.diff,
+          .meta = "FILE",
           .help = "write A - B, signed, as EXR; #### is the frame" },
-        { .name = "json", .writes = ".json", .type = RF_OPTION_STRING, .value = &compare.json, .meta = "FILE",
+        { .name = "json",
+          .writes = ".json",
+          .type = RF_OPTION_STRING,
+          .value = &compare.json,
+          .meta = "FILE",
           .help = "write the results as JSON, - for standard output instead of the table" },
         { .name = "quiet", .type = RF_OPTION_BOOL, .value = &compare.quiet, .help = "no progress on standard error" },
     };

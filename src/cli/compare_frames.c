@@ -17,8 +17,7 @@ static RfResult match_frames( const RfCompareFrames* frames, const int* a, int a
         if ( i < a_count && i < b_count && a[i] == b[i] )
             continue;
         bool in_a = i == b_count || ( i < a_count && a[i] < b[i] );
-        return rf_fail( error, RF_ERROR_IO,
-                        "frame %d is in %.300s but not in %.300s: choose those that both have by --frames",
+        return rf_fail( error, RF_ERROR_IO, "frame %d is in %.300s but not in %.300s: choose those that both have by --frames",
                         in_a ? a[i] : b[i], frames->patterns[in_a ? 0 : 1], frames->patterns[in_a ? 1 : 0] );
     }
     return RF_OK;

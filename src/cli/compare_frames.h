@@ -16,7 +16,7 @@ typedef struct RfCompareFrames
     bool overlap;            // measure what both have
     int* frames;             // NULL: two files, which count as frame 1
     int count;
-    int* missing;            // between the first and the last, of both sequences
+    int* missing; // between the first and the last, of both sequences
     int missing_count;
 } RfCompareFrames;
 

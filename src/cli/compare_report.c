@@ -8,14 +8,13 @@
 
 void rf_print_error_head( void )
 {
-    printf( "%7s  %11s  %11s  %11s  %11s  %11s  %6s  %6s\n", "frame", "relMSE", "trimmed", "MSE", "bias", "max", "NaN",
-            "Inf" );
+    printf( "%7s  %11s  %11s  %11s  %11s  %11s  %6s  %6s\n", "frame", "relMSE", "trimmed", "MSE", "bias", "max", "NaN", "Inf" );
 }
 
 void rf_print_error_row( const char* frame, const RfErrorMetrics* metrics )
 {
-    printf( "%7s  %11.4e  %11.4e  %11.4e  %+11.4e  %11.4e  %6zu  %6zu\n", frame, metrics->relmse,
-            metrics->relmse_trimmed, metrics->mse, metrics->bias, metrics->max, metrics->nan + metrics->reference_nan,
+    printf( "%7s  %11.4e  %11.4e  %11.4e  %+11.4e  %11.4e  %6zu  %6zu\n", frame, metrics->relmse, metrics->relmse_trimmed,
+            metrics->mse, metrics->bias, metrics->max, metrics->nan + metrics->reference_nan,
             metrics->inf + metrics->reference_inf );
 }
 
@@ -87,22 +86,21 @@ static void say_bias( const RfErrorMetrics* m, char* text, size_t size )
 
 // relMSE adds up three channels: the error of one is the root of a third. Of a
 // picture that is off everywhere it is not noise.
-static bool is_offset( const RfErrorMetrics* m )
-{
-    return m->bias * m->bias > 0.5 * m->mse;
-}
+static bool is_offset( const RfErrorMetrics* m ) { return m->bias * m->bias > 0.5 * m->mse; }
 
 static void say_noise( const RfErrorMetrics* m, char* text, size_t size )
 {
     char part[256], percent[16];
     snprintf( percent, sizeof percent, "%.2g %%", 100.0 * sqrt( m->relmse / 3.0 ) );
-    snprintf( part, sizeof part, is_offset( m ) ? "; relMSE %.3g, a pixel is off by about %s in each channel"
-                                                : "; relMSE %.3g, about %s of noise in each channel of a pixel",
+    snprintf( part, sizeof part,
+              is_offset( m ) ? "; relMSE %.3g, a pixel is off by about %s in each channel"
+                             : "; relMSE %.3g, about %s of noise in each channel of a pixel",
               m->relmse, percent );
     append( text, size, part );
     if ( m->relmse_trimmed < 0.5 * m->relmse )
     {
-        snprintf( part, sizeof part, " (%.2g %% without the worst 0.1 %% of the pixels)", 100.0 * sqrt( m->relmse_trimmed / 3.0 ) );
+        snprintf( part, sizeof part, " (%.2g %% without the worst 0.1 %% of the pixels)",
+                  100.0 * sqrt( m->relmse_trimmed / 3.0 ) );
         append( text, size, part );
     }
 }

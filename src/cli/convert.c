@@ -15,8 +15,16 @@
 
 #define COMMAND "convert"
 
-enum { IMPORTER_AUTO, IMPORTER_ASSIMP };
-enum { UP_Y, UP_Z };
+enum
+{
+    IMPORTER_AUTO,
+    IMPORTER_ASSIMP
+};
+enum
+{
+    UP_Y,
+    UP_Z
+};
 
 static size_t s_memory;
 static double s_timeout, s_scale;
@@ -28,27 +36,63 @@ static const char* const s_ups[] = { "y", "z", NULL };
 static const char* const s_files[] = { "IN", "OUT.glb" };
 
 static const RfOption s_options[] = {
-    { .name = "up", .type = RF_OPTION_CHOICE, .value = &s_up, .choices = s_ups, .default_text = "y",
+    { .name = "up",
+      .type = RF_OPTION_CHOICE,
+      .value = &s_up,
+      .choices = s_ups,
+      .default_text = "y",
       .help = "the axis of IN that points up; z is turned to glTF's y" },
-    { .name = "scale", .type = RF_OPTION_REAL, .value = &s_scale, .min = 1e-9, .max = 1e9, .meta = "S",
-      .default_text = "1", .help = "metres per unit of IN, after what its own units say" },
-    { .name = "importer", .type = RF_OPTION_CHOICE, .value = &s_importer, .choices = s_importers, .default_text = "auto",
+    { .name = "scale",
+      .type = RF_OPTION_REAL,
+      .value = &s_scale,
+      .min = 1e-9,
+      .max = 1e9,
+      .meta = "S",
+      .default_text = "1",
+      .help = "metres per unit of IN, after what its own units say" },
+    { .name = "importer",
+      .type = RF_OPTION_CHOICE,
+      .value = &s_importer,
+      .choices = s_importers,
+      .default_text = "auto",
       .help = "what reads IN; auto: PLY by a strict reader of ours, all else by assimp" },
-    { .name = "memory", .type = RF_OPTION_MEMORY, .value = &s_memory, .min = 128 << 20, .meta = "SIZE",
-      .default_text = "4G", .help = "address space assimp may take before it is stopped" },
-    { .name = "timeout", .type = RF_OPTION_REAL, .value = &s_timeout, .min = 0.1, .max = 86400, .meta = "SECONDS",
-      .default_text = "120", .help = "time assimp may take before it is stopped" },
-    { .name = "overwrite", .type = RF_OPTION_BOOL, .value = &s_overwrite, .default_text = "off",
+    { .name = "memory",
+      .type = RF_OPTION_MEMORY,
+      .value = &s_memory,
+      .min = 128 << 20,
+      .meta = "SIZE",
+      .default_text = "4G",
+      .help = "address space assimp may take before it is stopped" },
+    { .name = "timeout",
+      .type = RF_OPTION_REAL,
+      .value = &s_timeout,
+      .min = 0.1,
+      .max = 86400,
+      .meta = "SECONDS",
+      .default_text = "120",
+      .help = "time assimp may take before it is stopped" },
+    { .name = "overwrite",
+      .type = RF_OPTION_BOOL,
+      .value = &s_overwrite,
+      .default_text = "off",
       .help = "replace OUT.glb where it is there" },
-    { .name = "json", .writes = ".json", .type = RF_OPTION_STRING, .value = &s_json, .meta = "FILE",
+    { .name = "json",
+      .writes = ".json",
+      .type = RF_OPTION_STRING,
+      .value = &s_json,
+      .meta = "FILE",
       .help = "what was converted as JSON in FILE, or - for standard output" },
-    { .name = "quiet", .type = RF_OPTION_BOOL, .value = &s_quiet, .default_text = "off",
+    { .name = "quiet",
+      .type = RF_OPTION_BOOL,
+      .value = &s_quiet,
+      .default_text = "off",
       .help = "no line about what was converted, no warnings" },
 };
 static const RfCommandTable s_table = { .command = COMMAND,
                                         .summary = "Writes OBJ, PLY, FBX or Collada as .glb.",
                                         .files = s_files,
-                                        .file_count = 2, .writes_last = true,
+                                        .file_count = 2,
+                                        .writes_last = true,
                                         .options = s_options,
                                         .option_count = (int)( sizeof s_options / sizeof s_options[0] ) };
 
@@ -121,14 +165,14 @@ static RfResult tell( const char* from, const char* to, const RfModelCounts* c, 
 {
     bool json_out = s_json != NULL && strcmp( s_json, "-" ) == 0;
     if ( !s_quiet && !json_out )
-        printf( "%s: %llu triangles in %d meshes, %d materials, %d images, %d cameras, %d lights\n", to, c->triangles,
-                c->meshes, c->materials, c->images, c->cameras, c->lights );
+        printf( "%s: %llu triangles in %d meshes, %d materials, %d images, %d cameras, %d lights\n", to, c->triangles, c->meshes,
+                c->materials, c->images, c->cameras, c->lights );
     if ( s_json == NULL )
         return rf_flush_output( error );
-    json_t* json = json_pack( "{s:o, s:o, s:I, s:i, s:i, s:i, s:i, s:i, s:i, s:i}", "source", rf_json_text( from ), "output",
-                              rf_json_text( to ), "triangles", (json_int_t)c->triangles, "meshes", c->meshes, "nodes",
-                              c->nodes, "materials", c->materials, "images", c->images, "cameras", c->cameras, "lights",
-                              c->lights, "warnings", warnings );
+    json_t* json =
+        json_pack( "{s:o, s:o, s:I, s:i, s:i, s:i, s:i, s:i, s:i, s:i}", "source", rf_json_text( from ), "output",
+                   rf_json_text( to ), "triangles", (json_int_t)c->triangles, "meshes", c->meshes, "nodes", c->nodes, "materials",
+                   c->materials, "images", c->images, "cameras", c->cameras, "lights", c->lights, "warnings", warnings );
     return rf_write_json( s_json, json, error );
 }
 
@@ -143,7 +187,8 @@ static RfResult convert( const char* from, const char* to, RfError* error )
     if ( result != RF_OK )
         return result;
     rf_catch_interrupts();
-    if ( s_importer == IMPORTER_AUTO && memcmp( head, "ply", 3 ) == 0 && ( head[3] == '\n' || head[3] == '\r' || head[3] == ' ' ) )
+    if ( s_importer == IMPORTER_AUTO && memcmp( head, "ply", 3 ) == 0 &&
+         ( head[3] == '\n' || head[3] == '\r' || head[3] == ' ' ) )
         result = convert_ply( from, to, &counts, &log, error );
     else
         result = convert_by_assimp( from, to, &counts, &log, error );

@@ -45,8 +45,8 @@ static void say( void* user, const RfCost* cost, int spp )
 {
     const Job* job = user;
     if ( !job->options.render.quiet )
-        fprintf( stderr, "reframe cost: %d samples, %dx%d, %d place%s of the path\n", spp, cost->width, cost->height, cost->places,
-                 cost->places == 1 ? "" : "s" );
+        fprintf( stderr, "reframe cost: %d samples, %dx%d, %d place%s of the path\n", spp, cost->width, cost->height,
+                 cost->places, cost->places == 1 ? "" : "s" );
 }
 
 // Frames that a render goes through the path for at once.
@@ -56,9 +56,11 @@ static RfResult count_per_sweep( const Job* job, const RfCostCurve* curve, int* 
     settings.group = curve->group;
     settings.tile = curve->tile;
     RfMemoryFit fit;
-    RfResult result = rf_resolve_settings( job->shot.tracer, job->shot.path.eyes, job->shot.path.count, &settings, &resolved, error );
+    RfResult result =
+        rf_resolve_settings( job->shot.tracer, job->shot.path.eyes, job->shot.path.count, &settings, &resolved, error );
     if ( result == RF_OK )
-        result = rf_fit_memory( &job->shot.scene, job->shot.path.eyes, job->shot.path.count, job->shot.frame_count, &resolved, &fit, error );
+        result = rf_fit_memory( &job->shot.scene, job->shot.path.eyes, job->shot.path.count, job->shot.frame_count, &resolved,
+                                &fit, error );
     if ( result == RF_OK )
         *per_sweep = fit.sweeps > 1 ? fit.films : job->shot.frame_count;
     return result;
@@ -90,9 +92,16 @@ static RfResult run( Job* job, RfError* error )
     if ( result != RF_OK )
         return result;
     RfTrialWatch watch = { go_on, NULL };
-    RfCostJob cost = { .tracer = job->shot.tracer, .eyes = job->shot.path.eyes, .eye_count = job->shot.path.count, .frames = job->shot.frames,
-                       .frame_count = job->shot.frame_count, .settings = &job->options.render.settings, .budget = job->options.budget,
-                       .watch = &watch, .say = say, .user = job };
+    RfCostJob cost = { .tracer = job->shot.tracer,
+                       .eyes = job->shot.path.eyes,
+                       .eye_count = job->shot.path.count,
+                       .frames = job->shot.frames,
+                       .frame_count = job->shot.frame_count,
+                       .settings = &job->options.render.settings,
+                       .budget = job->options.budget,
+                       .watch = &watch,
+                       .say = say,
+                       .user = job };
     result = rf_measure_cost( &cost, &job->cost, error );
     if ( result == RF_ERROR_INTERRUPTED && job->cost.reuse.count > 0 )
     {

@@ -10,9 +10,9 @@
 
 typedef struct RfCostOptions
 {
-    RfRenderOptions render; // without output
-    double budget;          // seconds
-    const char* noise;      // as the user wrote it
+    RfRenderOptions render;        // without output
+    double budget;                 // seconds
+    const char* noise;             // as the user wrote it
     double errors[RF_COST_ERRORS]; // relMSE, those that are wanted
     int error_count;
     const char* svg; // NULL: none

@@ -37,7 +37,8 @@ void rf_format_reuse( const RfCostCurve* curve, char* text, size_t size )
 static void print_rows( const RfCostCurve* c, const char* name )
 {
     for ( int i = 0; i < c->count; ++i )
-        printf( "%-28s %7d %10.4g %10.4g %10.4g\n", name, c->rows[i].spp, c->rows[i].seconds, c->rows[i].cpu_seconds, c->rows[i].relmse );
+        printf( "%-28s %7d %10.4g %10.4g %10.4g\n", name, c->rows[i].spp, c->rows[i].seconds, c->rows[i].cpu_seconds,
+                c->rows[i].relmse );
 }
 
 static void print_slope( const RfCostCurve* c, const char* name )
@@ -107,9 +108,10 @@ static void add_rows( json_t* rows, const RfCostCurve* c, bool reuse )
     char tile[24];
     rf_tile_name( &c->tile, tile );
     for ( int i = 0; i < c->count; ++i )
-        json_array_append_new( rows, json_pack( "{s:b, s:i, s:s, s:i, s:o, s:o, s:o}", "reuse", reuse, "group", c->group, "tile", tile,
-                                                "spp", c->rows[i].spp, "seconds", rf_json_number( c->rows[i].seconds ), "cpu_seconds",
-                                                rf_json_number( c->rows[i].cpu_seconds ), "relmse", rf_json_number( c->rows[i].relmse ) ) );
+        json_array_append_new( rows, json_pack( "{s:b, s:i, s:s, s:i, s:o, s:o, s:o}", "reuse", reuse, "group", c->group, "tile",
+                                                tile, "spp", c->rows[i].spp, "seconds", rf_json_number( c->rows[i].seconds ),
+                                                "cpu_seconds", rf_json_number( c->rows[i].cpu_seconds ), "relmse",
+                                                rf_json_number( c->rows[i].relmse ) ) );
 }
 
 static json_t* prediction_json( const RfCostReport* r, RfCostPrediction p )
@@ -127,19 +129,21 @@ json_t* rf_cost_json( const RfCostReport* r )
     for ( int i = 0; i < r->options->error_count; ++i )
     {
         double e = r->options->errors[i];
-        json_array_append_new( wanted, json_pack( "{s:f, s:o, s:o}", "relmse", e, "plain",
-                                                  prediction_json( r, rf_predict_cost( r->job, &cost->plain, e, r->per_sweep[0] ) ), "reuse",
-                                                  prediction_json( r, rf_predict_cost( r->job, &cost->reuse, e, r->per_sweep[1] ) ) ) );
+        json_array_append_new(
+            wanted, json_pack( "{s:f, s:o, s:o}", "relmse", e, "plain",
+                               prediction_json( r, rf_predict_cost( r->job, &cost->plain, e, r->per_sweep[0] ) ), "reuse",
+                               prediction_json( r, rf_predict_cost( r->job, &cost->reuse, e, r->per_sweep[1] ) ) ) );
     }
-    return json_pack( "{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:i, s:i, s:i, s:i, s:f, s:f}", "rows", rows, "slope",
-                      rf_json_number( cost->reuse.slope.value ), "slope_low", rf_json_number( cost->reuse.slope.low ), "slope_high",
-                      rf_json_number( cost->reuse.slope.high ), "slope_plain", rf_json_number( cost->plain.slope.value ), "slope_plain_low",
-                      rf_json_number( cost->plain.slope.low ), "slope_plain_high", rf_json_number( cost->plain.slope.high ),
-                      "speedup_at_equal_error", rf_json_number( cost->speedup.value ), "speedup_low", rf_json_number( cost->speedup.low ),
-                      "speedup_high", rf_json_number( cost->speedup.high ), "relmse_of_one_sample",
-                      json_pack( "[o, o]", rf_json_number( cost->plain.relmse ), rf_json_number( cost->reuse.relmse ) ), "wanted", wanted,
-                      "width", cost->width, "height", cost->height, "places", cost->places, "frames", r->job->frame_count, "seconds",
-                      cost->seconds, "budget", r->options->budget );
+    return json_pack( "{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:i, s:i, s:i, s:i, s:f, s:f}", "rows", rows,
+                      "slope", rf_json_number( cost->reuse.slope.value ), "slope_low", rf_json_number( cost->reuse.slope.low ),
+                      "slope_high", rf_json_number( cost->reuse.slope.high ), "slope_plain",
+                      rf_json_number( cost->plain.slope.value ), "slope_plain_low", rf_json_number( cost->plain.slope.low ),
+                      "slope_plain_high", rf_json_number( cost->plain.slope.high ), "speedup_at_equal_error",
+                      rf_json_number( cost->speedup.value ), "speedup_low", rf_json_number( cost->speedup.low ), "speedup_high",
+                      rf_json_number( cost->speedup.high ), "relmse_of_one_sample",
+                      json_pack( "[o, o]", rf_json_number( cost->plain.relmse ), rf_json_number( cost->reuse.relmse ) ), "wanted",
+                      wanted, "width", cost->width, "height", cost->height, "places", cost->places, "frames", r->job->frame_count,
+                      "seconds", cost->seconds, "budget", r->options->budget );
 }
 
 // A curve's points, and the line through them.
@@ -160,15 +164,21 @@ static void draw_curve( const RfCostCurve* c, int style, Curve* curve, RfPlotSer
         u += log( curve->x[i] ) / c->count;
         v += log( curve->y[i] ) / c->count;
     }
-    series[0] = ( RfPlotSeries ){ .name = curve->name, .x = curve->x, .y = curve->y, .count = c->count, .no_line = true, .style = style };
+    series[0] =
+        ( RfPlotSeries ){ .name = curve->name, .x = curve->x, .y = curve->y, .count = c->count, .no_line = true, .style = style };
     for ( int k = 0; k < 2; ++k )
     {
         curve->fit_x[k] = k == 0 ? curve->x[0] : curve->x[c->count - 1];
         curve->fit_y[k] = exp( v + c->slope.value * ( log( curve->fit_x[k] ) - u ) );
     }
     snprintf( curve->fit_name, sizeof curve->fit_name, "its slope, %.2f", c->slope.value );
-    series[1] = ( RfPlotSeries ){ .name = curve->fit_name, .x = curve->fit_x, .y = curve->fit_y, .count = isfinite( c->slope.value ) ? 2 : 0,
-                                  .dashed = true, .no_markers = true, .style = style };
+    series[1] = ( RfPlotSeries ){ .name = curve->fit_name,
+                                  .x = curve->fit_x,
+                                  .y = curve->fit_y,
+                                  .count = isfinite( c->slope.value ) ? 2 : 0,
+                                  .dashed = true,
+                                  .no_markers = true,
+                                  .style = style };
 }
 
 RfResult rf_write_cost_plot( const RfCostReport* r, const char* path, RfError* error )
@@ -188,9 +198,14 @@ RfResult rf_write_cost_plot( const RfCostReport* r, const char* path, RfError* e
                            slash != NULL ? slash + 1 : r->options->render.scene, r->options->render.size.width,
                            r->options->render.size.height, cost->speedup.value );
     if ( isfinite( cost->speedup.low ) && length > 0 && (size_t)length < sizeof subtitle )
-        snprintf( subtitle + length, sizeof subtitle - (size_t)length, " (95 %%: 1/%.2f to 1/%.2f)", cost->speedup.low, cost->speedup.high );
-    RfPlot plot = { .title = "What accuracy costs", .subtitle = subtitle, .series = series, .series_count = 4,
-                    .x = { .label = "seconds of a frame", .log = true }, .y = { .label = "relMSE", .log = true } };
+        snprintf( subtitle + length, sizeof subtitle - (size_t)length, " (95 %%: 1/%.2f to 1/%.2f)", cost->speedup.low,
+                  cost->speedup.high );
+    RfPlot plot = { .title = "What accuracy costs",
+                    .subtitle = subtitle,
+                    .series = series,
+                    .series_count = 4,
+                    .x = { .label = "seconds of a frame", .log = true },
+                    .y = { .label = "relMSE", .log = true } };
     char* svg;
     size_t size;
     RfResult result = rf_draw_plot( &plot, &svg, &size, error );

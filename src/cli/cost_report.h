@@ -12,7 +12,7 @@ typedef struct RfCostReport
     const RfCostOptions* options;
     const RfCostJob* job;
     const RfCost* cost;
-    int per_sweep[2]; // frames of a sweep, by path tracing and with reuse
+    int per_sweep[2];    // frames of a sweep, by path tracing and with reuse
     double load_seconds; // until the rays can go: part of a render of all frames
 } RfCostReport;
 

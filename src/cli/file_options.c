@@ -49,18 +49,13 @@ static const char* to_text( const RfOption* option, const json_t* json, char* te
                 return string;
             return print_number( json, text, size ) ? text : NULL;
         case RF_OPTION_UINT64:
-        case RF_OPTION_REAL:
-            return print_number( json, text, size ) ? text : NULL;
-        case RF_OPTION_SIZE:
-            return print_size( json, text, size ) ? text : NULL;
-        case RF_OPTION_FPS:
-            return string != NULL ? string : print_number( json, text, size ) ? text : NULL;
+        case RF_OPTION_REAL: return print_number( json, text, size ) ? text : NULL;
+        case RF_OPTION_SIZE: return print_size( json, text, size ) ? text : NULL;
+        case RF_OPTION_FPS: return string != NULL ? string : print_number( json, text, size ) ? text : NULL;
         case RF_OPTION_MEMORY:
         case RF_OPTION_CHOICE:
-        case RF_OPTION_STRING:
-            return string;
-        case RF_OPTION_BOOL:
-            return NULL;
+        case RF_OPTION_STRING: return string;
+        case RF_OPTION_BOOL: return NULL;
     }
     return NULL;
 }
@@ -76,12 +71,8 @@ static void describe_wanted( const RfOption* option, char* words, size_t size )
                       option->keyword != NULL ? " or \"" : "", option->keyword != NULL ? option->keyword : "",
                       option->keyword != NULL ? "\"" : "" );
             break;
-        case RF_OPTION_UINT64:
-            snprintf( words, size, "a whole number from 0 to %lld", (long long)INT64_MAX );
-            break;
-        case RF_OPTION_REAL:
-            snprintf( words, size, "a number from %g to %g", option->min, option->max );
-            break;
+        case RF_OPTION_UINT64: snprintf( words, size, "a whole number from 0 to %lld", (long long)INT64_MAX ); break;
+        case RF_OPTION_REAL: snprintf( words, size, "a number from %g to %g", option->min, option->max ); break;
         case RF_OPTION_SIZE:
             snprintf( words, size, "an array of width and height, such as [960, 540], each a whole number from %.0f to %.0f",
                       option->min, option->max );
@@ -97,12 +88,8 @@ static void describe_wanted( const RfOption* option, char* words, size_t size )
         case RF_OPTION_MEMORY:
             snprintf( words, size, "a string such as \"512M\" or \"4G\", at least %.0f bytes", option->min );
             break;
-        case RF_OPTION_STRING:
-            snprintf( words, size, "a string that is not empty" );
-            break;
-        case RF_OPTION_BOOL:
-            snprintf( words, size, "true or false" );
-            break;
+        case RF_OPTION_STRING: snprintf( words, size, "a string that is not empty" ); break;
+        case RF_OPTION_BOOL: snprintf( words, size, "true or false" ); break;
     }
 }
 

@@ -129,7 +129,8 @@ static RfResult find_layers_beside( RfFlickerRun* flicker, RfError* error )
         result = rf_flicker_path( flicker->pattern, flicker->frames[i], path, error );
         if ( result == RF_OK )
             result = rf_read_exr_header( path, flicker->layer, &flicker->layered, error );
-        if ( result == RF_OK && rf_find_flicker_layers( path, &flicker->layered, NULL, flicker->depth, layers, &unclear ) != RF_OK )
+        if ( result == RF_OK &&
+             rf_find_flicker_layers( path, &flicker->layered, NULL, flicker->depth, layers, &unclear ) != RF_OK )
             *layers = ( RfFlickerLayers ){ 0 };
     }
     if ( result != RF_OK )
@@ -164,8 +165,8 @@ RfResult rf_find_layers_to_read( RfFlickerRun* flicker, RfError* error )
         flicker->reference_layer = flicker->layer;
     layers->depth = layers->motion[0] != NULL ? layers->depth : NULL;
     report->masked = layers->depth != NULL;
-    report->source = flicker->reference != NULL        ? RF_ERROR_FROM_REFERENCE
-                     : layers->variance[0] != NULL     ? RF_ERROR_FROM_VARIANCE
-                                                       : RF_ERROR_UNKNOWN;
+    report->source = flicker->reference != NULL    ? RF_ERROR_FROM_REFERENCE
+                     : layers->variance[0] != NULL ? RF_ERROR_FROM_VARIANCE
+                                                   : RF_ERROR_UNKNOWN;
     return RF_OK;
 }

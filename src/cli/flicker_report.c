@@ -26,10 +26,7 @@ static void print_row( const char* name, const RfFlickerSums* sums, const char* 
             format( sqrt( m.mse ), "%.4e", rmse ), 100.0 * m.coverage, note[0] != '\0' ? "  " : "", note );
 }
 
-void rf_print_flicker_head( void )
-{
-    printf( "%12s  %11s  %7s  %11s  %9s\n", "frame", "F1", "phi", "RMSE", "coverage" );
-}
+void rf_print_flicker_head( void ) { printf( "%12s  %11s  %7s  %11s  %9s\n", "frame", "F1", "phi", "RMSE", "coverage" ); }
 
 void rf_print_flicker_pair( int frame, bool border, const RfFlickerSums* sums )
 {
@@ -90,7 +87,8 @@ static void print_followed_words( const RfFlickerReport* report )
     if ( report->follows && isfinite( m.phi ) && m.mse > 0.0 )
         printf( "along the motion %s: phi %.3f at an RMSE of %.3e\n", describe_phi( m.phi ), m.phi, sqrt( m.mse ) );
     if ( report->follows && sums->pairs < report->plain.all.pairs )
-        printf( "along the motion are %d of %d pairs: the frames of the others lack the layers\n", sums->pairs, report->plain.all.pairs );
+        printf( "along the motion are %d of %d pairs: the frames of the others lack the layers\n", sums->pairs,
+                report->plain.all.pairs );
 }
 
 static void print_motion_words( const RfFlickerReport* report, const RfFlickerSums* sums )
@@ -99,7 +97,8 @@ static void print_motion_words( const RfFlickerReport* report, const RfFlickerSu
     if ( isfinite( m.motion ) )
         printf( "what is seen moves by %.2f pixels a frame in the mean\n", m.motion );
     if ( !report->masked )
-        printf( "%s without depth: what comes into view counts as flicker\n", report->compensated ? "motion-compensated" : "along the motion" );
+        printf( "%s without depth: what comes into view counts as flicker\n",
+                report->compensated ? "motion-compensated" : "along the motion" );
     if ( sums->pairs > 0 && !( sums->pixels > 0.0 ) )
         printf( "no pixel is seen in two neighbouring frames: are motion and depth what they should be?\n" );
 }
@@ -215,9 +214,10 @@ json_t* rf_flicker_json( RfFlickerReport* report )
     }
     json_object_set_new( object, "compensated", json_boolean( report->compensated ) );
     json_object_set_new( object, "masked", json_boolean( report->compensated && report->masked ) );
-    json_object_set_new( object, "error_from", report->source == RF_ERROR_FROM_REFERENCE  ? json_string( "reference" )
-                                               : report->source == RF_ERROR_FROM_VARIANCE ? json_string( "variance" )
-                                                                                          : json_null() );
+    json_object_set_new( object, "error_from",
+                         report->source == RF_ERROR_FROM_REFERENCE  ? json_string( "reference" )
+                         : report->source == RF_ERROR_FROM_VARIANCE ? json_string( "variance" )
+                                                                    : json_null() );
     bool is_error = report->source == RF_ERROR_FROM_REFERENCE;
     json_object_set_new( object, "relmse", is_error ? rf_json_number( e->relmse ) : json_null() );
     json_object_set_new( object, "groups", report->has_seams ? seams_json( report ) : json_null() );

@@ -25,18 +25,18 @@ void rf_add_flicker_pair( RfFlickerParts* parts, bool border, const RfFlickerSum
 
 typedef struct RfFlickerReport
 {
-    bool compensated; // along the motion
-    bool follows;     // it is not, but is followed beside that
-    bool masked;      // by depth, the one or the other
+    bool compensated;     // along the motion
+    bool follows;         // it is not, but is followed beside that
+    bool masked;          // by depth, the one or the other
     char unfollowed[512]; // why nothing is followed where layers are there; else empty
     bool has_seams;
     bool has_spectrum;
-    RfErrorSource source;     // of the errors' mean squares
+    RfErrorSource source;           // of the errors' mean squares
     RfFlickerParts plain, followed; // the second: with `follows`
     RfSpectrumSums spectrum;
-    int window;               // frames of each window of the spectrum
-    RfErrorMetrics errors;    // of all frames; without a reference only the counts mean something
-    json_t* pairs;            // an array
+    int window;            // frames of each window of the spectrum
+    RfErrorMetrics errors; // of all frames; without a reference only the counts mean something
+    json_t* pairs;         // an array
 } RfFlickerReport;
 
 void rf_print_flicker_head( void );

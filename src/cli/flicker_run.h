@@ -28,7 +28,7 @@ typedef struct RfFlickerRun
     bool exposure_given;
     const char* json; // or NULL
     bool quiet;
-    bool table;       // standard output is free for the table
+    bool table; // standard output is free for the table
 
     int* frames;
     int frame_count;

@@ -19,8 +19,7 @@ RfSeams rf_read_seams( const char* path, int number, int last )
 {
     RfSeams seams = { 0 };
     int group, spp, frame, frames;
-    if ( !read_whole( path, "reframe/group", 1, MOST_FRAMES, &group ) ||
-         !read_whole( path, "reframe/spp", 1, 1 << 20, &spp ) ||
+    if ( !read_whole( path, "reframe/group", 1, MOST_FRAMES, &group ) || !read_whole( path, "reframe/spp", 1, 1 << 20, &spp ) ||
          !read_whole( path, "reframe/frame", 1, MOST_FRAMES, &frame ) )
         return seams;
     seams.first = number - ( frame - 1 );
@@ -33,7 +32,4 @@ RfSeams rf_read_seams( const char* path, int number, int last )
     return seams;
 }
 
-RfSeams rf_fixed_seams( int period, int first )
-{
-    return ( RfSeams ){ .period = period, .first = first };
-}
+RfSeams rf_fixed_seams( int period, int first ) { return ( RfSeams ){ .period = period, .first = first }; }

@@ -67,8 +67,8 @@ static RfResult mark_range( Range range, int frame_count, bool* wanted, RfError*
     if ( result != RF_OK )
         return result;
     if ( first > last )
-        return rf_fail( error, RF_ERROR_USAGE, "--frames: %ld-%ld runs backwards, frame %ld comes after frame %ld",
-                        range.first, range.last, first + 1, last + 1 );
+        return rf_fail( error, RF_ERROR_USAGE, "--frames: %ld-%ld runs backwards, frame %ld comes after frame %ld", range.first,
+                        range.last, first + 1, last + 1 );
     for ( long i = first; i <= last; i += range.step )
     {
         wanted[i] = true;
@@ -90,8 +90,7 @@ static RfResult mark_all( const char* text, int frame_count, bool* wanted, RfErr
         Range range;
         if ( !take_range( &next, &range ) )
             return rf_fail( error, RF_ERROR_USAGE,
-                            "--frames: wants frames such as 7, 1-48, 1-48x2, -5--1 with commas between them, got '%s'",
-                            text );
+                            "--frames: wants frames such as 7, 1-48, 1-48x2, -5--1 with commas between them, got '%s'", text );
         RfResult result = mark_range( range, frame_count, wanted, error );
         if ( result != RF_OK || *next == '\0' )
             return result;

@@ -19,19 +19,29 @@ static const char* const s_files[] = { "SCENE" };
 static bool s_quiet;
 
 static const RfOption s_options[] = {
-    { .name = "fps", .type = RF_OPTION_FPS, .value = &s_fps, .given = &s_fps_given, .meta = "R",
+    { .name = "fps",
+      .type = RF_OPTION_FPS,
+      .value = &s_fps,
+      .given = &s_fps_given,
+      .meta = "R",
       .default_text = "the scene file's, else 24",
       .help = "frames per second, to count the cameras' frames" },
-    { .name = "json", .writes = ".json", .type = RF_OPTION_STRING, .value = &s_json, .meta = "FILE",
+    { .name = "json",
+      .writes = ".json",
+      .type = RF_OPTION_STRING,
+      .value = &s_json,
+      .meta = "FILE",
       .help = "the result for programs; - is standard output" },
     { .name = "quiet", .type = RF_OPTION_BOOL, .value = &s_quiet, .help = "as of all commands; there is no progress to silence" },
 };
-static const RfCommandTable s_table = { .command = "info",
-                                        .summary = "Tells what is in a scene (.glb, .gltf or scene file, .json) and which effects it calls for.",
-                                        .files = s_files,
-                                        .file_count = 1,
-                                        .options = s_options,
-                                        .option_count = sizeof s_options / sizeof s_options[0] };
+static const RfCommandTable s_table = {
+    .command = "info",
+    .summary = "Tells what is in a scene (.glb, .gltf or scene file, .json) and which effects it calls for.",
+    .files = s_files,
+    .file_count = 1,
+    .options = s_options,
+    .option_count = sizeof s_options / sizeof s_options[0]
+};
 
 // What the scene struct does not say by itself.
 typedef struct Facts
@@ -40,7 +50,7 @@ typedef struct Facts
     uint32_t emitting_triangles;
     double light_area;
     bool sky;
-    int* frames;     // by camera
+    int* frames; // by camera
 } Facts;
 
 static RfResult gather( const RfScene* scene, Facts* facts, RfError* error )
@@ -95,8 +105,8 @@ static void print_info( const RfScene* scene, const Facts* facts )
                 scene->punctual_count, facts->sky ? "yes" : "no" );
     printf( "\n" );
     if ( scene->triangles.count > 0 )
-        printf( "bounds     %.4g %.4g %.4g to %.4g %.4g %.4g\n", scene->bounds_min.x, scene->bounds_min.y,
-                scene->bounds_min.z, scene->bounds_max.x, scene->bounds_max.y, scene->bounds_max.z );
+        printf( "bounds     %.4g %.4g %.4g to %.4g %.4g %.4g\n", scene->bounds_min.x, scene->bounds_min.y, scene->bounds_min.z,
+                scene->bounds_max.x, scene->bounds_max.y, scene->bounds_max.z );
     print_cameras( scene, facts );
     print_effects( scene );
 }
@@ -105,9 +115,8 @@ static json_t* info_json( const RfScene* scene, const Facts* facts )
 {
     json_t* cameras = json_array();
     for ( int i = 0; i < scene->camera_count; ++i )
-        json_array_append_new( cameras,
-                               json_pack( "{s:o, s:i, s:b}", "name", rf_json_text( scene->cameras[i].name ), "frames",
-                                          facts->frames[i], "animated", scene->cameras[i].animated ) );
+        json_array_append_new( cameras, json_pack( "{s:o, s:i, s:b}", "name", rf_json_text( scene->cameras[i].name ), "frames",
+                                                   facts->frames[i], "animated", scene->cameras[i].animated ) );
     return json_pack( "{s:I, s:I, s:I, s:I, s:o, s:o}", "triangles", (json_int_t)scene->triangles.count, "instances",
                       (json_int_t)scene->instance_count, "materials", (json_int_t)scene->material_count, "lights",
                       (json_int_t)facts->lights, "cameras", cameras, "effects", rf_effects_json( scene ) );

@@ -22,7 +22,4 @@ void rf_catch_interrupts( void )
     sigaction( SIGTERM, &action, NULL );
 }
 
-bool rf_is_interrupted( void )
-{
-    return s_interrupted != 0;
-}
+bool rf_is_interrupted( void ) { return s_interrupted != 0; }

@@ -155,30 +155,18 @@ static void describe_wanted( const RfOption* option, char* words, size_t size )
             snprintf( words, size, "a whole number from %.0f to %.0f%s%s", option->min, option->max,
                       option->keyword != NULL ? " or " : "", option->keyword != NULL ? option->keyword : "" );
             break;
-        case RF_OPTION_UINT64:
-            snprintf( words, size, "a whole number from 0 to %llu", (unsigned long long)UINT64_MAX );
-            break;
-        case RF_OPTION_REAL:
-            snprintf( words, size, "a number from %g to %g", option->min, option->max );
-            break;
+        case RF_OPTION_UINT64: snprintf( words, size, "a whole number from 0 to %llu", (unsigned long long)UINT64_MAX ); break;
+        case RF_OPTION_REAL: snprintf( words, size, "a number from %g to %g", option->min, option->max ); break;
         case RF_OPTION_SIZE:
             snprintf( words, size, "WIDTHxHEIGHT, such as 960x540, each from %.0f to %.0f", option->min, option->max );
             break;
         case RF_OPTION_MEMORY:
             snprintf( words, size, "a size such as 512M, 4G or 1.5G, at least %.0f bytes", option->min );
             break;
-        case RF_OPTION_FPS:
-            snprintf( words, size, "frames per second, such as 24 or 24000/1001" );
-            break;
-        case RF_OPTION_CHOICE:
-            describe_choices( option, words, size );
-            break;
-        case RF_OPTION_STRING:
-            snprintf( words, size, "a value that is not empty" );
-            break;
-        case RF_OPTION_BOOL:
-            snprintf( words, size, "no value" );
-            break;
+        case RF_OPTION_FPS: snprintf( words, size, "frames per second, such as 24 or 24000/1001" ); break;
+        case RF_OPTION_CHOICE: describe_choices( option, words, size ); break;
+        case RF_OPTION_STRING: snprintf( words, size, "a value that is not empty" ); break;
+        case RF_OPTION_BOOL: snprintf( words, size, "no value" ); break;
     }
 }
 
@@ -186,29 +174,19 @@ static bool parse_value( const RfOption* option, const char* text )
 {
     switch ( option->type )
     {
-        case RF_OPTION_INT:
-            return parse_int( option, text, option->value );
-        case RF_OPTION_UINT64:
-            return parse_unsigned( text, option->value );
-        case RF_OPTION_REAL:
-            return parse_real( option, text, option->value );
+        case RF_OPTION_INT: return parse_int( option, text, option->value );
+        case RF_OPTION_UINT64: return parse_unsigned( text, option->value );
+        case RF_OPTION_REAL: return parse_real( option, text, option->value );
         case RF_OPTION_SIZE:
         {
             RfSize* size = option->value;
-            return parse_pair( text, 'x', (long long)option->min, (long long)option->max, &size->width,
-                               &size->height );
+            return parse_pair( text, 'x', (long long)option->min, (long long)option->max, &size->width, &size->height );
         }
-        case RF_OPTION_MEMORY:
-            return parse_memory( option, text, option->value );
-        case RF_OPTION_FPS:
-            return parse_fps( text, option->value );
-        case RF_OPTION_CHOICE:
-            return parse_choice( option, text, option->value );
-        case RF_OPTION_STRING:
-            *(const char**)option->value = text;
-            return text[0] != '\0';
-        case RF_OPTION_BOOL:
-            return false;
+        case RF_OPTION_MEMORY: return parse_memory( option, text, option->value );
+        case RF_OPTION_FPS: return parse_fps( text, option->value );
+        case RF_OPTION_CHOICE: return parse_choice( option, text, option->value );
+        case RF_OPTION_STRING: *(const char**)option->value = text; return text[0] != '\0';
+        case RF_OPTION_BOOL: return false;
     }
     return false;
 }

@@ -29,8 +29,7 @@ static RfResult fail_unknown( const RfCommandTable* table, const char* argument,
     int length = (int)strcspn( argument, "=" );
     if ( nearest != NULL )
         return rf_fail( error, RF_ERROR_USAGE, "%.*s: no such option, did you mean --%s?", length, argument, nearest );
-    return rf_fail( error, RF_ERROR_USAGE, "%.*s: no such option, see reframe %s --help", length, argument,
-                    table->command );
+    return rf_fail( error, RF_ERROR_USAGE, "%.*s: no such option, see reframe %s --help", length, argument, table->command );
 }
 
 // The option called by `name` (length characters), or −1. *negated for --no-name.
@@ -43,8 +42,8 @@ static int find_long( const RfCommandTable* table, const char* name, size_t leng
         if ( strlen( known ) == length && strncmp( known, name, length ) == 0 )
             return i;
         *negated = true;
-        if ( table->options[i].type == RF_OPTION_BOOL && length == strlen( known ) + 3 &&
-             strncmp( name, "no-", 3 ) == 0 && strncmp( known, name + 3, length - 3 ) == 0 )
+        if ( table->options[i].type == RF_OPTION_BOOL && length == strlen( known ) + 3 && strncmp( name, "no-", 3 ) == 0 &&
+             strncmp( known, name + 3, length - 3 ) == 0 )
             return i;
     }
     *negated = false;
@@ -80,8 +79,8 @@ static RfResult take_option( Parse* parse, int index, bool negated, const char* 
     if ( option->type == RF_OPTION_BOOL )
     {
         if ( value != NULL )
-            return rf_fail( error, RF_ERROR_USAGE, "--%s%s: takes no value, got '%s'", negated ? "no-" : "",
-                            option->name, value );
+            return rf_fail( error, RF_ERROR_USAGE, "--%s%s: takes no value, got '%s'", negated ? "no-" : "", option->name,
+                            value );
         *(bool*)option->value = !negated;
         return RF_OK;
     }
@@ -120,8 +119,7 @@ static RfResult take_file( Parse* parse, const char* argument, RfError* error )
     const RfCommandTable* table = parse->table;
     int last = table->file_count - 1, most = table->file_max > 0 ? table->file_max : table->file_count;
     if ( parse->file_count == most )
-        return rf_fail( error, RF_ERROR_USAGE, "'%s' is one file too many, see reframe %s --help", argument,
-                        table->command );
+        return rf_fail( error, RF_ERROR_USAGE, "'%s' is one file too many, see reframe %s --help", argument, table->command );
     if ( argument[0] == '\0' )
         return rf_fail( error, RF_ERROR_USAGE, "%s: the name is empty",
                         table->files[parse->file_count < last ? parse->file_count : last] );
@@ -129,8 +127,7 @@ static RfResult take_file( Parse* parse, const char* argument, RfError* error )
     return RF_OK;
 }
 
-RfResult rf_parse_options( const RfCommandTable* table, int argc, char** argv, const char** files, bool* help,
-                           RfError* error )
+RfResult rf_parse_options( const RfCommandTable* table, int argc, char** argv, const char** files, bool* help, RfError* error )
 {
     Parse parse = { .table = table, .argc = argc, .argv = argv, .next = 1, .files = files };
     *help = false;
@@ -190,10 +187,7 @@ const char* rf_file_dots( const RfCommandTable* table, int i )
 
 static RfHelpPrinter* s_help_printer;
 
-void rf_set_help_printer( RfHelpPrinter* printer )
-{
-    s_help_printer = printer;
-}
+void rf_set_help_printer( RfHelpPrinter* printer ) { s_help_printer = printer; }
 
 void rf_print_help( const RfCommandTable* table, FILE* file )
 {

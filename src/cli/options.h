@@ -44,34 +44,34 @@ typedef struct RfFps
 
 typedef struct RfOption
 {
-    const char* name;      // without dashes: "spp"
-    char letter;           // 'o' for -o, or 0
+    const char* name; // without dashes: "spp"
+    char letter;      // 'o' for -o, or 0
     RfOptionType type;
-    void* value;           // where it goes; holds the default before parsing
-    double min, max;       // INT, REAL, SIZE, MEMORY (min only)
-    const char* keyword;   // INT: a word that stands for keyword_value, such as "auto"; or NULL
+    void* value;         // where it goes; holds the default before parsing
+    double min, max;     // INT, REAL, SIZE, MEMORY (min only)
+    const char* keyword; // INT: a word that stands for keyword_value, such as "auto"; or NULL
     int keyword_value;
     const char* const* choices; // CHOICE: NULL-terminated
-    const char* meta;      // the value's name in the help: "N|auto"; CHOICE and BOOL have theirs
-    const char* default_text; // shown in the help; or NULL
-    const char* help;      // one line
-    bool* given;           // set where the option was given; or NULL
-    bool in_file;          // a scene file may give it too, see file_options.h
-    bool reads;            // STRING: it names a file, or may, that is read
-    const char* writes;    // STRING: it names a file that is written, with this ending (".json"; "": any); or NULL
+    const char* meta;           // the value's name in the help: "N|auto"; CHOICE and BOOL have theirs
+    const char* default_text;   // shown in the help; or NULL
+    const char* help;           // one line
+    bool* given;                // set where the option was given; or NULL
+    bool in_file;               // a scene file may give it too, see file_options.h
+    bool reads;                 // STRING: it names a file, or may, that is read
+    const char* writes;         // STRING: it names a file that is written, with this ending (".json"; "": any); or NULL
 } RfOption;
 
 // A command as its user sees it. All its files are required; the last may be more
 // than one where file_max says so.
 typedef struct RfCommandTable
 {
-    const char* command;           // "render"
-    const char* summary;           // one line
-    const char* const* files;      // names of the positional arguments: "SCENE"
+    const char* command;      // "render"
+    const char* summary;      // one line
+    const char* const* files; // names of the positional arguments: "SCENE"
     int file_count;
-    int file_max;                  // of files in all; 0: as many as have names
-    int* file_total;               // where file_max > 0: how many were given
-    bool writes_last;              // the last file is written
+    int file_max;     // of files in all; 0: as many as have names
+    int* file_total;  // where file_max > 0: how many were given
+    bool writes_last; // the last file is written
     const RfOption* options;
     int option_count;
 } RfCommandTable;
@@ -79,8 +79,7 @@ typedef struct RfCommandTable
 // Parses argv[1 …] (argv[0] is the command's name) into the options' values and
 // files[0 … file_count), or up to file_max. With `--help` or `-h` anywhere before an error sets
 // *help, and nothing else counts. What is written may not be what is read, see written_files.h.
-RfResult rf_parse_options( const RfCommandTable* table, int argc, char** argv, const char** files, bool* help,
-                           RfError* error );
+RfResult rf_parse_options( const RfCommandTable* table, int argc, char** argv, const char** files, bool* help, RfError* error );
 
 // Prints the help of a command.
 void rf_print_help( const RfCommandTable* table, FILE* file );

@@ -30,7 +30,8 @@ static RfResult check_options( const RfPageRun* report, RfError* error )
     if ( report->reference_layer != NULL && report->reference == NULL )
         return rf_fail( error, RF_ERROR_USAGE, "--reference-layer: is of the sequence that --reference names" );
     if ( report->render_file != NULL && report->place_count > 1 )
-        return rf_fail( error, RF_ERROR_USAGE, "--render-json: is of one sequence, and %d are given: put each file into the folder of its frames",
+        return rf_fail( error, RF_ERROR_USAGE,
+                        "--render-json: is of one sequence, and %d are given: put each file into the folder of its frames",
                         report->place_count );
     if ( !report->overwrite && access( report->output, F_OK ) == 0 )
         return rf_fail( error, RF_ERROR_IO, "%s: is there already: --overwrite replaces it", report->output );
@@ -62,8 +63,14 @@ static RfPageData data_of( RfPageRun* report, const char* title )
     double fps = report->fps.numerator > 0   ? (double)report->fps.numerator / report->fps.denominator
                  : header->fps_numerator > 0 ? (double)header->fps_numerator / header->fps_denominator
                                              : 24.0;
-    return ( RfPageData ){ .title = title, .fps = fps, .exposure = report->exposure, .numbers = report->numbers, .count = report->count,
-                           .tracks = report->tracks, .track_count = report->sequence_count, .has_reference = report->reference != NULL,
+    return ( RfPageData ){ .title = title,
+                           .fps = fps,
+                           .exposure = report->exposure,
+                           .numbers = report->numbers,
+                           .count = report->count,
+                           .tracks = report->tracks,
+                           .track_count = report->sequence_count,
+                           .has_reference = report->reference != NULL,
                            .cost = report->cost };
 }
 
@@ -74,8 +81,13 @@ static RfResult add_tracks( RfPageRun* report, RfPage* page, RfError* error )
     for ( int i = 0; i < report->sequence_count && result == RF_OK; ++i )
     {
         const RfPageSequence* sequence = report->sequences + i;
-        report->tracks[i] = ( RfPageTrack ){ .sequence = sequence, .reference = sequence->is_reference ? NULL : reference, .index = i,
-                                             .width = report->width, .numbers = report->numbers, .count = report->count, .holes = report->holes,
+        report->tracks[i] = ( RfPageTrack ){ .sequence = sequence,
+                                             .reference = sequence->is_reference ? NULL : reference,
+                                             .index = i,
+                                             .width = report->width,
+                                             .numbers = report->numbers,
+                                             .count = report->count,
+                                             .holes = report->holes,
                                              .hole_count = report->hole_count };
         result = rf_add_page_track( page, report->tracks + i, on_picture, report, error );
     }
@@ -105,7 +117,8 @@ static RfResult tell( const RfPageRun* report, const RfPageData* data, uint64_t 
         printf( "%s: %d frame%s, %s\n", report->output, report->count, report->count == 1 ? "" : "s", weight );
     RfLog log = rf_stderr_log( COMMAND );
     if ( bytes > HEAVY_BYTES && !report->quiet )
-        rf_warn( &log, "%s: weighs %s, which a browser takes long to open: --width makes pictures smaller, --frames takes some", report->output, weight );
+        rf_warn( &log, "%s: weighs %s, which a browser takes long to open: --width makes pictures smaller, --frames takes some",
+                 report->output, weight );
     if ( report->json != NULL )
         return rf_write_json( report->json, rf_page_result_json( data, report->output, bytes ), error );
     return rf_flush_output( error );
@@ -142,32 +155,96 @@ int rf_command_report( int argc, char** argv )
     static const char* const files[] = { "DIR" };
     RfPageRun report = { 0 };
     const RfOption options[] = {
-        { .name = "output", .writes = "", .letter = 'o', .type = RF_OPTION_STRING, .value = &report.output, .meta = "FILE.html", .help = "the page" },
-        { .name = "overwrite", .type = RF_OPTION_BOOL, .value = &report.overwrite, .default_text = "off", .help = "replace a page that is there" },
-        { .name = "reference", .reads = true, .type = RF_OPTION_STRING, .value = &report.reference, .meta = "DIR",
+        { .name = "output",
+          .writes = "",
+          .letter = 'o',
+          .type = RF_OPTION_STRING,
+          .value = &report.output,
+          .meta = "FILE.html",
+          .help = "the page" },
+        { .name = "overwrite",
+          .type = RF_OPTION_BOOL,
+          .value = &report.overwrite,
+          .default_text = "off",
+          .help = "replace a page that is there" },
+        { .name = "reference",
+          .reads = true,
+          .type = RF_OPTION_STRING,
+          .value = &report.reference,
+          .meta = "DIR",
           .help = "what the frames should be: true error and flicker, and shown beside them" },
-        { .name = "layer", .type = RF_OPTION_STRING, .value = &report.layer, .meta = "NAME", .default_text = "the colour",
+        { .name = "layer",
+          .type = RF_OPTION_STRING,
+          .value = &report.layer,
+          .meta = "NAME",
+          .default_text = "the colour",
           .help = "a layer, part or channel of all sequences' files, or three channels X,Y,Z" },
-        { .name = "reference-layer", .type = RF_OPTION_STRING, .value = &report.reference_layer, .meta = "NAME",
-          .default_text = "that of --layer", .help = "the same of the reference, where its name is another" },
-        { .name = "render-json", .reads = true, .type = RF_OPTION_STRING, .value = &report.render_file, .meta = "FILE", .default_text = "one in the folder",
+        { .name = "reference-layer",
+          .type = RF_OPTION_STRING,
+          .value = &report.reference_layer,
+          .meta = "NAME",
+          .default_text = "that of --layer",
+          .help = "the same of the reference, where its name is another" },
+        { .name = "render-json",
+          .reads = true,
+          .type = RF_OPTION_STRING,
+          .value = &report.render_file,
+          .meta = "FILE",
+          .default_text = "one in the folder",
           .help = "what render --json wrote: time, memory, rays, estimated error" },
-        { .name = "cost", .reads = true, .type = RF_OPTION_STRING, .value = &report.cost_file, .meta = "FILE", .default_text = "one in the folder",
+        { .name = "cost",
+          .reads = true,
+          .type = RF_OPTION_STRING,
+          .value = &report.cost_file,
+          .meta = "FILE",
+          .default_text = "one in the folder",
           .help = "what cost --json wrote, for the curve of error against time" },
-        { .name = "frames", .type = RF_OPTION_STRING, .value = &report.frame_list, .meta = "A-B[xSTEP][,...]", .default_text = "all",
+        { .name = "frames",
+          .type = RF_OPTION_STRING,
+          .value = &report.frame_list,
+          .meta = "A-B[xSTEP][,...]",
+          .default_text = "all",
           .help = "only these, by their numbers" },
-        { .name = "width", .type = RF_OPTION_INT, .value = &report.width, .min = 16, .max = 65500, .meta = "W", .default_text = "as they are",
+        { .name = "width",
+          .type = RF_OPTION_INT,
+          .value = &report.width,
+          .min = 16,
+          .max = 65500,
+          .meta = "W",
+          .default_text = "as they are",
           .help = "pictures no wider than this; figures stay those of the files" },
-        { .name = "fps", .type = RF_OPTION_FPS, .value = &report.fps, .meta = "R", .default_text = "the files', else 24", .help = "frames per second to play" },
-        { .name = "exposure", .type = RF_OPTION_REAL, .value = &report.exposure, .min = -8, .max = 8, .meta = "E", .default_text = "0",
+        { .name = "fps",
+          .type = RF_OPTION_FPS,
+          .value = &report.fps,
+          .meta = "R",
+          .default_text = "the files', else 24",
+          .help = "frames per second to play" },
+        { .name = "exposure",
+          .type = RF_OPTION_REAL,
+          .value = &report.exposure,
+          .min = -8,
+          .max = 8,
+          .meta = "E",
+          .default_text = "0",
           .help = "that the page begins with, stops" },
-        { .name = "title", .type = RF_OPTION_STRING, .value = &report.title, .meta = "TEXT", .default_text = "the folders' names", .help = "of the page" },
-        { .name = "json", .writes = ".json", .type = RF_OPTION_STRING, .value = &report.json, .meta = "FILE", .help = "write what was written as JSON, - for standard output" },
+        { .name = "title",
+          .type = RF_OPTION_STRING,
+          .value = &report.title,
+          .meta = "TEXT",
+          .default_text = "the folders' names",
+          .help = "of the page" },
+        { .name = "json",
+          .writes = ".json",
+          .type = RF_OPTION_STRING,
+          .value = &report.json,
+          .meta = "FILE",
+          .help = "write what was written as JSON, - for standard output" },
         { .name = "quiet", .type = RF_OPTION_BOOL, .value = &report.quiet, .help = "no progress and no hints on standard error" },
     };
     const RfCommandTable table = {
         .command = COMMAND,
-        .summary = "One HTML page of rendered sequences, side by side: frames that play at any exposure, curves, settings. Each DIR is a folder of "
+        .summary = "One HTML page of rendered sequences, side by side: frames that play at any exposure, curves, settings. Each "
+                   "DIR is a folder of "
                    "EXR files, or a sequence named with ####.",
         .files = files,
         .file_count = 1,

@@ -22,7 +22,8 @@ static json_t* blocks_json( const RfPageTrack* track )
 
 static void set_curves( json_t* object, const RfPageTrack* track )
 {
-    json_t *relmse = json_array(), *phi = json_array(), *f1 = json_array(), *seconds = json_array(), *samples = json_array(), *bad = json_array();
+    json_t *relmse = json_array(), *phi = json_array(), *f1 = json_array(), *seconds = json_array(), *samples = json_array(),
+           *bad = json_array();
     for ( int i = 0; i < track->count; ++i )
     {
         const RfPageFrame* frame = track->frames + i;
@@ -60,14 +61,18 @@ static json_t* notes_json( const RfPageData* data )
         still |= !data->tracks[i].compensated;
         variance |= data->tracks[i].has_variance;
     }
-    const char* f1 = data->has_reference ? "How much the error changes from the frame before, root mean square"
-                     : compensated && still ? "Change from the frame before, root mean square: along the motion layers where there are any"
-                     : compensated ? "Change from the frame before along the motion layers, root mean square"
-                                   : "Change of the picture from the frame before, root mean square: what moves counts too (no motion layers)";
-    const char* phi = data->has_reference ? "1: the error is new in each frame, 0: it stands still"
-                      : variance ? "The change over the variance layers; moving edges and highlights count too, a reference takes them out" : "";
-    return json_pack( "{s:s, s:s, s:s, s:s, s:s}", "relmse", data->has_reference ? "Against the reference" : "Estimated by the renderer, without a reference",
-                      "phi", phi, "f1", f1, "seconds", "Each frame's, as the renderer told", "samples",
+    const char* f1 =
+        data->has_reference    ? "How much the error changes from the frame before, root mean square"
+        : compensated && still ? "Change from the frame before, root mean square: along the motion layers where there are any"
+        : compensated          ? "Change from the frame before along the motion layers, root mean square"
+                      : "Change of the picture from the frame before, root mean square: what moves counts too (no motion layers)";
+    const char* phi =
+        data->has_reference ? "1: the error is new in each frame, 0: it stands still"
+        : variance ? "The change over the variance layers; moving edges and highlights count too, a reference takes them out"
+                   : "";
+    return json_pack( "{s:s, s:s, s:s, s:s, s:s}", "relmse",
+                      data->has_reference ? "Against the reference" : "Estimated by the renderer, without a reference", "phi",
+                      phi, "f1", f1, "seconds", "Each frame's, as the renderer told", "samples",
                       "Traced per pixel of each frame" );
 }
 
@@ -92,7 +97,8 @@ static json_t* cost_name_json( const json_t* row )
         return json_incref( (json_t*)reuse );
     if ( json_is_true( reuse ) && json_is_integer( group ) )
     {
-        snprintf( text, sizeof text, "group %lld%s%.32s", (long long)json_integer_value( group ), tile != NULL ? ", tile " : "", tile != NULL ? tile : "" );
+        snprintf( text, sizeof text, "group %lld%s%.32s", (long long)json_integer_value( group ), tile != NULL ? ", tile " : "",
+                  tile != NULL ? tile : "" );
         return rf_json_text( text );
     }
     return json_is_boolean( reuse ) ? json_string( json_is_true( reuse ) ? "with reuse" : "path tracing" ) : NULL;
@@ -113,7 +119,8 @@ static void add_cost( json_t* list, const char* name, const json_t* cost )
     char note[160] = "";
     append_number( note, sizeof note, "slope %.2f", json_object_get( cost, "slope" ) );
     append_range( note, sizeof note, json_object_get( cost, "slope_low" ), json_object_get( cost, "slope_high" ) );
-    append_number( note, sizeof note, "at equal error reuse is faster by %.3g", json_object_get( cost, "speedup_at_equal_error" ) );
+    append_number( note, sizeof note, "at equal error reuse is faster by %.3g",
+                   json_object_get( cost, "speedup_at_equal_error" ) );
     append_range( note, sizeof note, json_object_get( cost, "speedup_low" ), json_object_get( cost, "speedup_high" ) );
     json_t* rows = json_array();
     size_t i;
@@ -123,8 +130,9 @@ static void add_cost( json_t* list, const char* name, const json_t* cost )
         const json_t *seconds = json_object_get( row, "seconds" ), *relmse = json_object_get( row, "relmse" );
         json_t* reuse = cost_name_json( row );
         if ( reuse != NULL && json_is_number( seconds ) && json_is_number( relmse ) )
-            json_array_append_new( rows, json_pack( "{s:O, s:o, s:o}", "reuse", reuse, "seconds", rf_json_number( json_number_value( seconds ) ),
-                                                    "relmse", rf_json_number( json_number_value( relmse ) ) ) );
+            json_array_append_new( rows, json_pack( "{s:O, s:o, s:o}", "reuse", reuse, "seconds",
+                                                    rf_json_number( json_number_value( seconds ) ), "relmse",
+                                                    rf_json_number( json_number_value( relmse ) ) ) );
         json_decref( reuse );
     }
     json_array_append_new( list, json_pack( "{s:o, s:s, s:o}", "name", rf_json_text( name ), "note", note, "rows", rows ) );
@@ -151,9 +159,11 @@ json_t* rf_page_data_json( const RfPageData* data )
         json_array_append_new( frames, json_integer( data->numbers[i] ) );
     char subtitle[96];
     const RfExrHeader* header = &data->tracks[0].sequence->header;
-    snprintf( subtitle, sizeof subtitle, "%d frame%s of %dx%d pixels", data->count, data->count == 1 ? "" : "s", header->width, header->height );
-    return json_pack( "{s:o, s:s, s:f, s:f, s:o, s:o, s:o, s:o}", "title", rf_json_text( data->title ), "subtitle", subtitle, "fps", data->fps,
-                      "exposure", data->exposure, "frames", frames, "sequences", tracks, "notes", notes_json( data ), "cost", cost_json( data ) );
+    snprintf( subtitle, sizeof subtitle, "%d frame%s of %dx%d pixels", data->count, data->count == 1 ? "" : "s", header->width,
+              header->height );
+    return json_pack( "{s:o, s:s, s:f, s:f, s:o, s:o, s:o, s:o}", "title", rf_json_text( data->title ), "subtitle", subtitle,
+                      "fps", data->fps, "exposure", data->exposure, "frames", frames, "sequences", tracks, "notes",
+                      notes_json( data ), "cost", cost_json( data ) );
 }
 
 json_t* rf_page_result_json( const RfPageData* data, const char* output, uint64_t bytes )
@@ -168,16 +178,17 @@ json_t* rf_page_result_json( const RfPageData* data, const char* output, uint64_
         int* missing = rf_page_missing_frames( track, &lacking );
         for ( int k = 0; k < track->count; ++k )
             shown += track->frames[k].shown;
-        json_array_append_new( tracks, json_pack( "{s:o, s:o, s:b, s:i, s:i, s:o, s:o, s:o, s:o, s:o, s:o}", "name", rf_json_text( track->sequence->name ),
-                                                  "files", rf_json_text( track->sequence->pattern ), "reference", track->sequence->is_reference,
-                                                  "frames", shown, "missing", lacking, "missing_frames",
-                                                  rf_json_frames( missing, lacking ), "picture_bytes",
-                                                  json_integer( (json_int_t)track->picture_bytes ), "relmse",
-                                                  rf_json_number( track->has_error ? track->error.relmse : NAN ), "relmse_estimate",
-                                                  rf_json_number( track->estimate ), "f1", rf_json_number( has_flicker ? flicker.f1 : NAN ), "phi",
-                                                  rf_json_number( has_flicker ? flicker.phi : NAN ) ) );
+        json_array_append_new(
+            tracks,
+            json_pack( "{s:o, s:o, s:b, s:i, s:i, s:o, s:o, s:o, s:o, s:o, s:o}", "name", rf_json_text( track->sequence->name ),
+                       "files", rf_json_text( track->sequence->pattern ), "reference", track->sequence->is_reference, "frames",
+                       shown, "missing", lacking, "missing_frames", rf_json_frames( missing, lacking ), "picture_bytes",
+                       json_integer( (json_int_t)track->picture_bytes ), "relmse",
+                       rf_json_number( track->has_error ? track->error.relmse : NAN ), "relmse_estimate",
+                       rf_json_number( track->estimate ), "f1", rf_json_number( has_flicker ? flicker.f1 : NAN ), "phi",
+                       rf_json_number( has_flicker ? flicker.phi : NAN ) ) );
         free( missing );
     }
-    return json_pack( "{s:o, s:o, s:i, s:o}", "output", rf_json_text( output ), "bytes", json_integer( (json_int_t)bytes ), "frames", data->count,
-                      "sequences", tracks );
+    return json_pack( "{s:o, s:o, s:i, s:o}", "output", rf_json_text( output ), "bytes", json_integer( (json_int_t)bytes ),
+                      "frames", data->count, "sequences", tracks );
 }

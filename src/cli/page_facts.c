@@ -122,8 +122,8 @@ static void add_error( json_t* facts, const RfPageTrack* track )
         add_number( facts, "Error", "Noise of a channel", "%.2g %%", 100.0 * sqrt( e->relmse / 3.0 ) );
         bool relative = e->reference_mean > 0.0;
         double scale = relative ? 100.0 / e->reference_mean : 1.0;
-        snprintf( text, sizeof text, "%+.2g%s (95 %%: %+.2g to %+.2g%s)", e->bias * scale, relative ? " %" : "", e->bias_low * scale,
-                  e->bias_high * scale, relative ? " %" : "" );
+        snprintf( text, sizeof text, "%+.2g%s (95 %%: %+.2g to %+.2g%s)", e->bias * scale, relative ? " %" : "",
+                  e->bias_low * scale, e->bias_high * scale, relative ? " %" : "" );
         add( facts, "Error", "Mean error", text );
     }
     add_number( facts, "Error", "relMSE, estimated", "%.3g", track->estimate );
@@ -154,13 +154,20 @@ static const struct
 {
     const char *attribute, *group, *label;
 } s_known[] = {
-    { "reframe/scene", "Scene", "Scene" },           { "reframe/camera", "Scene", "Camera" },
-    { "reframe/group", "Settings", "Group" },        { "reframe/tile", "Settings", "Tile" },
-    { "reframe/adaptive", "Settings", "Adaptive" },  { "reframe/weights", "Settings", "Weights" },
-    { "reframe/noise", "Settings", "Wanted relMSE" }, { "reframe/time", "Settings", "Wanted seconds" },
-    { "reframe/normalize", "Settings", "Normalisation" }, { "reframe/max-depth", "Settings", "Depth" },
-    { "reframe/light-samples", "Settings", "Light samples" }, { "reframe/seed", "Settings", "Seed" },
-    { "reframe/aov", "Settings", "Layers" },         { "reframe/version", "Settings", "Reframe" },
+    { "reframe/scene", "Scene", "Scene" },
+    { "reframe/camera", "Scene", "Camera" },
+    { "reframe/group", "Settings", "Group" },
+    { "reframe/tile", "Settings", "Tile" },
+    { "reframe/adaptive", "Settings", "Adaptive" },
+    { "reframe/weights", "Settings", "Weights" },
+    { "reframe/noise", "Settings", "Wanted relMSE" },
+    { "reframe/time", "Settings", "Wanted seconds" },
+    { "reframe/normalize", "Settings", "Normalisation" },
+    { "reframe/max-depth", "Settings", "Depth" },
+    { "reframe/light-samples", "Settings", "Light samples" },
+    { "reframe/seed", "Settings", "Seed" },
+    { "reframe/aov", "Settings", "Layers" },
+    { "reframe/version", "Settings", "Reframe" },
     { "reframe/device", "Settings", "Device" },
 };
 
@@ -169,15 +176,13 @@ static void add_known( json_t* facts, const char* path, const char* group )
     char value[LONGEST + 16];
     for ( size_t i = 0; i < sizeof s_known / sizeof s_known[0]; ++i )
     {
-        if ( strcmp( s_known[i].group, group ) == 0 && rf_read_exr_string( path, s_known[i].attribute, value, sizeof value, NULL ) == RF_OK )
+        if ( strcmp( s_known[i].group, group ) == 0 &&
+             rf_read_exr_string( path, s_known[i].attribute, value, sizeof value, NULL ) == RF_OK )
             add( facts, group, s_known[i].label, value );
     }
 }
 
-static void format_samples( double samples, char text[32] )
-{
-    snprintf( text, 32, samples < 1000.0 ? "%.4g" : "%.0f", samples );
-}
+static void format_samples( double samples, char text[32] ) { snprintf( text, 32, samples < 1000.0 ? "%.4g" : "%.0f", samples ); }
 
 // Those that were traced, the least and the most of the frames; with --noise and
 // --time what they may have had, where somebody said it.
@@ -255,10 +260,10 @@ static int add_rendered( json_t* facts, const json_t* render, const char* group 
     const json_t* row;
     int all = (int)json_array_size( json_object_get( render, "frames" ) ), kept = 0;
     bool interrupted = json_is_true( json_object_get( render, "interrupted" ) );
-    json_array_foreach( json_object_get( render, "frames" ), i, row )
-        kept += json_is_true( json_object_get( row, "kept" ) );
+    json_array_foreach( json_object_get( render, "frames" ), i, row ) kept += json_is_true( json_object_get( row, "kept" ) );
     char text[128];
-    snprintf( text, sizeof text, "of %d frame%s rendered last%s", all - kept, all - kept == 1 ? "" : "s", interrupted ? ", then interrupted" : "" );
+    snprintf( text, sizeof text, "of %d frame%s rendered last%s", all - kept, all - kept == 1 ? "" : "s",
+              interrupted ? ", then interrupted" : "" );
     size_t used = strlen( text );
     if ( kept > 0 )
         snprintf( text + used, sizeof text - used, "; %d kept from before", kept );
@@ -269,12 +274,16 @@ static int add_rendered( json_t* facts, const json_t* render, const char* group 
 
 static void add_costs( json_t* facts, const json_t* render )
 {
-    static const char* const rays[][2] = { { "primary", "From the camera" }, { "path", "Paths" }, { "shadow", "To lights" },
-                                           { "tile", "Within tiles" }, { "eye", "To other eyes" } };
+    static const char* const rays[][2] = { { "primary", "From the camera" },
+                                           { "path", "Paths" },
+                                           { "shadow", "To lights" },
+                                           { "tile", "Within tiles" },
+                                           { "eye", "To other eyes" } };
     double seconds = rf_json_number_of( render, "seconds" ), all = 0.0;
     int count = add_rendered( facts, render, "Time and memory" );
     add_formatted( facts, "Time and memory", "In all", seconds, rf_format_seconds );
-    add_formatted( facts, "Time and memory", "Loading the scene", rf_json_number_of( render, "seconds_scene" ), rf_format_seconds );
+    add_formatted( facts, "Time and memory", "Loading the scene", rf_json_number_of( render, "seconds_scene" ),
+                   rf_format_seconds );
     if ( count == 0 ) // nothing to count
         return;
     if ( !json_is_true( json_object_get( render, "interrupted" ) ) ) // else the time of unfinished frames is in it

@@ -18,10 +18,7 @@ static bool ends_with( const char* name, const char* suffix )
     return length > end && strcmp( name + length - end, suffix ) == 0;
 }
 
-static int compare_names( const void* a, const void* b )
-{
-    return strcmp( *(char* const*)a, *(char* const*)b );
-}
+static int compare_names( const void* a, const void* b ) { return strcmp( *(char* const*)a, *(char* const*)b ); }
 
 static bool append( RfFolderList* list, int* room, const char* name )
 {
@@ -101,7 +98,8 @@ static void make_pattern( const RfFolderList* list, const char* name, char patte
     for ( int i = 0; i < list->count; ++i )
     {
         size_t other_begin, other_length;
-        if ( is_alike( name, list->names[i] ) && find_number( list->names[i], &other_begin, &other_length ) && other_length < shortest )
+        if ( is_alike( name, list->names[i] ) && find_number( list->names[i], &other_begin, &other_length ) &&
+             other_length < shortest )
             shortest = other_length;
     }
     used = (size_t)snprintf( pattern, NAME_SIZE, "%.*s", (int)begin, name );
@@ -123,8 +121,9 @@ RfResult rf_find_folder_sequence( const char* folder, char* pattern, size_t size
             continue;
         make_pattern( &list, list.names[0], first );
         make_pattern( &list, list.names[i], other );
-        result = rf_fail( error, RF_ERROR_USAGE, "%.300s: has more than one sequence, %.200s and %.200s: name one, as %.100s/%.150s", folder, first,
-                          other, folder, first );
+        result =
+            rf_fail( error, RF_ERROR_USAGE, "%.300s: has more than one sequence, %.200s and %.200s: name one, as %.100s/%.150s",
+                     folder, first, other, folder, first );
     }
     if ( result == RF_OK )
     {

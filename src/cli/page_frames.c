@@ -20,10 +20,7 @@ typedef struct Work
     bool has_summary;
 } Work;
 
-void rf_page_block_id( const RfPageTrack* track, int number, char id[32] )
-{
-    snprintf( id, 32, "s%d-%d", track->index, number );
-}
+void rf_page_block_id( const RfPageTrack* track, int number, char id[32] ) { snprintf( id, 32, "s%d-%d", track->index, number ); }
 
 // Motion and depth to follow, and without a reference the variance of the colour, where
 // the files have them; what flicker would refuse is left out.
@@ -33,8 +30,9 @@ static void find_layers( Work* work )
     const RfPageSequence* sequence = track->sequence;
     RfFlickerLayers* layers = &work->layers;
     *layers = ( RfFlickerLayers ){ 0 };
-    if ( !sequence->is_reference && ( rf_find_flicker_layers( sequence->first, &sequence->header, NULL, NULL, layers, NULL ) != RF_OK ||
-                                      layers->motion[0] == NULL ) )
+    if ( !sequence->is_reference &&
+         ( rf_find_flicker_layers( sequence->first, &sequence->header, NULL, NULL, layers, NULL ) != RF_OK ||
+           layers->motion[0] == NULL ) )
         *layers = ( RfFlickerLayers ){ 0 };
     bool alone = track->reference == NULL && !sequence->is_reference;
     if ( alone && sequence->layer == NULL )
@@ -177,7 +175,8 @@ static RfResult add_frame( Work* work, int i, RfError* error )
     if ( has_reference )
         result = rf_page_frame_path( track->reference, number, path, error );
     if ( result == RF_OK && has_reference )
-        result = rf_read_aligned( path, track->reference->layer, &track->sequence->header, track->sequence->first, &reference, error );
+        result =
+            rf_read_aligned( path, track->reference->layer, &track->sequence->header, track->sequence->first, &reference, error );
     if ( result == RF_OK && has_reference )
         result = measure_error( work, told, frame, &reference, error );
     rf_destroy_image( &reference );

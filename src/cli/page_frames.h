@@ -10,8 +10,8 @@
 // What is told of each frame of the page; NaN: not known.
 typedef struct RfPageFrame
 {
-    bool shown;     // its picture is in the page
-    double relmse;  // against the reference, or an estimate
+    bool shown;    // its picture is in the page
+    double relmse; // against the reference, or an estimate
     double seconds;
     double samples; // traced per pixel
     double phi, f1; // of this frame and the one before
@@ -26,20 +26,20 @@ typedef struct RfPageTrack
     int width;                       // pictures are no wider; 0: as they are
     const int* numbers;              // of the page's frames
     int count;
-    const int* holes;                // between them, that no sequence has
+    const int* holes; // between them, that no sequence has
     int hole_count;
 
-    RfPageFrame* frames;             // `count` of them
+    RfPageFrame* frames; // `count` of them
     int picture_width, picture_height;
     uint64_t picture_bytes;
-    bool compensated, has_variance;  // of the flicker without reference
+    bool compensated, has_variance; // of the flicker without reference
     RfFlickerSums flicker;
-    RfFlickerSums followed;          // against a reference: the same along the motion, where there are layers
+    RfFlickerSums followed; // against a reference: the same along the motion, where there are layers
     bool follows;
-    int pair_count;                  // neighbours that are there, also where they lack the layers
-    RfErrorMetrics error;            // of all frames, against the reference
+    int pair_count;       // neighbours that are there, also where they lack the layers
+    RfErrorMetrics error; // of all frames, against the reference
     bool has_error;
-    double estimate;                 // mean of the estimates of relMSE; NaN: none
+    double estimate; // mean of the estimates of relMSE; NaN: none
 } RfPageTrack;
 
 // Adds the frames that the sequence has to the page; `progress` is called after each

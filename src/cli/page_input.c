@@ -94,7 +94,11 @@ static RfResult look_for_json( RfPageSequence* sequence, const char* folder, RfE
 static void folder_of( const char* path, char folder[RF_PAGE_NAME_SIZE] )
 {
     const char* slash = strrchr( path, '/' );
-    snprintf( folder, RF_PAGE_NAME_SIZE, "%.*s", slash == NULL ? 1 : slash == path ? 1 : (int)( slash - path ), slash == NULL ? "." : path );
+    snprintf( folder, RF_PAGE_NAME_SIZE, "%.*s",
+              slash == NULL   ? 1
+              : slash == path ? 1
+                              : (int)( slash - path ),
+              slash == NULL ? "." : path );
 }
 
 // The last component of a folder's name, or of the file's.
@@ -135,7 +139,8 @@ static RfResult find_frames( const char* place, RfPageSequence* sequence, RfErro
     if ( rf_is_sequence( sequence->pattern ) && !( is_there && S_ISREG( status.st_mode ) ) )
         return rf_sequence_frames( sequence->pattern, &sequence->frames, &sequence->frame_count, error );
     if ( !is_there )
-        return rf_fail( error, RF_ERROR_IO, "%s: is not there: give a folder, or the name of a sequence with #### for the number", place );
+        return rf_fail( error, RF_ERROR_IO, "%s: is not there: give a folder, or the name of a sequence with #### for the number",
+                        place );
     return take_file( place, sequence, error );
 }
 

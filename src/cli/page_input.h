@@ -17,11 +17,11 @@ typedef struct RfPageSequence
     char pattern[RF_PAGE_NAME_SIZE]; // of its files
     int* frames;                     // that are there, ascending
     int frame_count;
-    char first[RF_PAGE_NAME_SIZE];   // the file of the first of them
+    char first[RF_PAGE_NAME_SIZE]; // the file of the first of them
     bool is_reference;
-    RfExrHeader header;              // of the first file
-    json_t* render;                  // of `render --json`, or NULL
-    json_t* cost;                    // of `cost --json`, or NULL
+    RfExrHeader header; // of the first file
+    json_t* render;     // of `render --json`, or NULL
+    json_t* cost;       // of `cost --json`, or NULL
 } RfPageSequence;
 
 // Finds the one sequence of a folder, or that which `place` names by #### or as a

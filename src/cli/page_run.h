@@ -31,9 +31,9 @@ typedef struct RfPageRun
     json_t* cost;
     int* numbers; // of the page's frames
     int count;
-    int* holes;    // between them, that no sequence has
+    int* holes; // between them, that no sequence has
     int hole_count;
-    int done, all; // pictures
+    int done, all;    // pictures
     char words[1024]; // a title of our own
 } RfPageRun;
 

@@ -47,14 +47,15 @@ static void compare_with_paper( Job* job )
 static RfResult make_plan( Job* job, RfError* error )
 {
     const RfRenderSettings* settings = &job->options.settings;
-    RfResult result = rf_plan_render( job->shot.tracer, job->shot.path.eyes, job->shot.path.count, job->shot.frames, job->shot.frame_count, settings,
-                                      &job->plan, error );
+    RfResult result = rf_plan_render( job->shot.tracer, job->shot.path.eyes, job->shot.path.count, job->shot.frames,
+                                      job->shot.frame_count, settings, &job->plan, error );
     if ( result != RF_OK )
         return result;
     if ( !job->options.quiet )
         fprintf( stderr, "reframe plan: measuring costs for about %.0f s\n", MEASURE_SECONDS );
     compare_with_paper( job );
-    return rf_measure_plan( job->shot.tracer, job->shot.path.eyes, job->shot.path.count, settings, MEASURE_SECONDS, &job->plan, error );
+    return rf_measure_plan( job->shot.tracer, job->shot.path.eyes, job->shot.path.count, settings, MEASURE_SECONDS, &job->plan,
+                            error );
 }
 
 static void print_row( const RfPlanRow* row )
@@ -68,11 +69,11 @@ static void print_row( const RfPlanRow* row )
     }
     if ( row->fit.sweeps > 1 )
         snprintf( sweeps, sizeof sweeps, "  in %d sweeps", row->fit.sweeps );
-    printf( "%c%4d %4d %5d %9.1f %8.1f %8.1f %7d %10.4g %10.4g %10.4g %10.4g %10.4g %6.1f %6.1f %6.1f %8.3g%s%s%s\n", row->chosen ? '*' : ' ',
-            row->group, row->eyes, row->spp, (double)row->fit.bytes_films / 1048576.0, (double)row->fit.bytes_hits / 1048576.0,
-            (double)row->fit.bytes_lists / 1048576.0, row->fit.chunks, row->rays_primary, row->rays_path, row->rays_shadow,
-            row->rays_tile, row->rays_eye, row->reach, row->gain, row->measured_gain, row->seconds, sweeps,
-            excluded != NULL ? "  not auto: " : "", excluded != NULL ? excluded : "" );
+    printf( "%c%4d %4d %5d %9.1f %8.1f %8.1f %7d %10.4g %10.4g %10.4g %10.4g %10.4g %6.1f %6.1f %6.1f %8.3g%s%s%s\n",
+            row->chosen ? '*' : ' ', row->group, row->eyes, row->spp, (double)row->fit.bytes_films / 1048576.0,
+            (double)row->fit.bytes_hits / 1048576.0, (double)row->fit.bytes_lists / 1048576.0, row->fit.chunks, row->rays_primary,
+            row->rays_path, row->rays_shadow, row->rays_tile, row->rays_eye, row->reach, row->gain, row->measured_gain,
+            row->seconds, sweeps, excluded != NULL ? "  not auto: " : "", excluded != NULL ? excluded : "" );
 }
 
 static bool at_most( const Job* job ) { return job->options.settings.noise > 0.0 || job->options.settings.time > 0.0; }
@@ -80,11 +81,13 @@ static bool at_most( const Job* job ) { return job->options.settings.noise > 0.0
 static void print_plan( const Job* job )
 {
     const RfPlan* plan = &job->plan;
-    printf( "%5s %4s %5s %9s %8s %8s %7s %10s %10s %10s %10s %10s %6s %6s %6s %8s\n", "group", "eyes", "spp", "films MiB", "hits MiB",
-            "work MiB", "chunks", "primary", "path", "shadow", "tile", "eye rays", "reach", "fixed", "gain", "seconds" );
+    printf( "%5s %4s %5s %9s %8s %8s %7s %10s %10s %10s %10s %10s %6s %6s %6s %8s\n", "group", "eyes", "spp", "films MiB",
+            "hits MiB", "work MiB", "chunks", "primary", "path", "shadow", "tile", "eye rays", "reach", "fixed", "gain",
+            "seconds" );
     for ( int i = 0; i < plan->count; ++i )
         print_row( plan->rows + i );
-    printf( "fixed: the gain by fixed costs of rays, which the choice rests on; gain: by those of this scene here and now, with sweeps\n" );
+    printf( "fixed: the gain by fixed costs of rays, which the choice rests on; gain: by those of this scene here and now, with "
+            "sweeps\n" );
     if ( at_most( job ) )
         printf( "rays and seconds are of %d samples, the most that --noise and --time may take\n", job->options.settings.spp );
     printf( "* --group auto takes %d: %s\n", plan->rows[plan->chosen].group, plan->why );
@@ -106,11 +109,11 @@ static json_t* row_json( const RfPlanRow* row, const char* tile )
     return json_pack( "{s:i, s:i, s:s, s:i, s:I, s:I, s:I, s:I, s:i, s:i, s:o, s:o, s:o, s:o, s:o, s:n, s:n, s:n, s:s?, s:b}",
                       "group", row->group, "eyes", row->eyes, "tile", tile, "spp", row->spp, "bytes_films",
                       (json_int_t)row->fit.bytes_films, "bytes_hits", (json_int_t)row->fit.bytes_hits, "bytes_lists",
-                      (json_int_t)row->fit.bytes_lists, "bytes_least", (json_int_t)row->fit.least, "chunks", row->fit.chunks, "sweeps", row->fit.sweeps, "rays", rays,
-                      "reach", rf_json_number( row->reach ), "gain_fixed", rf_json_number( row->gain ), "predicted_gain",
-                      rf_json_number( row->measured_gain ), "seconds", rf_json_number( row->seconds ), "relmse", "flicker",
-                      "efficiency", "excluded", rf_tell_excluded( row->excluded, &row->fit, text, sizeof text ), "chosen",
-                      row->chosen );
+                      (json_int_t)row->fit.bytes_lists, "bytes_least", (json_int_t)row->fit.least, "chunks", row->fit.chunks,
+                      "sweeps", row->fit.sweeps, "rays", rays, "reach", rf_json_number( row->reach ), "gain_fixed",
+                      rf_json_number( row->gain ), "predicted_gain", rf_json_number( row->measured_gain ), "seconds",
+                      rf_json_number( row->seconds ), "relmse", "flicker", "efficiency", "excluded",
+                      rf_tell_excluded( row->excluded, &row->fit, text, sizeof text ), "chosen", row->chosen );
 }
 
 static json_t* plan_json( const Job* job )
@@ -126,8 +129,8 @@ static json_t* plan_json( const Job* job )
     json_t* record = json_pack( "{s:I, s:I, s:f}", "diffuse", (json_int_t)plan->bytes_diffuse, "glossy",
                                 (json_int_t)plan->bytes_glossy, "glossy_share", plan->glossy_share );
     json_t* paper = json_pack( "{s:f, s:f}", "theirs", PAPER_BYTES, "ours", job->paper_bytes );
-    return json_pack( "{s:o, s:s, s:b, s:o, s:o, s:o}", "rows", rows, "why", plan->why, "at_most", at_most( job ), "costs", costs, "bytes_record", record,
-                      "bytes_paper_example", paper );
+    return json_pack( "{s:o, s:s, s:b, s:o, s:o, s:o}", "rows", rows, "why", plan->why, "at_most", at_most( job ), "costs", costs,
+                      "bytes_record", record, "bytes_paper_example", paper );
 }
 
 static RfResult run( Job* job, RfError* error )

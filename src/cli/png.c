@@ -9,13 +9,20 @@
 static double s_exposure;
 static const char* const s_files[] = { "IN.exr", "OUT.png" };
 static const RfOption s_options[] = {
-    { .name = "exposure", .type = RF_OPTION_REAL, .value = &s_exposure, .min = -32, .max = 32, .meta = "E",
-      .default_text = "0", .help = "brighter by E stops: each doubles the light" },
+    { .name = "exposure",
+      .type = RF_OPTION_REAL,
+      .value = &s_exposure,
+      .min = -32,
+      .max = 32,
+      .meta = "E",
+      .default_text = "0",
+      .help = "brighter by E stops: each doubles the light" },
 };
 static const RfCommandTable s_table = { .command = "png",
                                         .summary = "Writes an EXR file as 8-bit PNG with the sRGB curve.",
                                         .files = s_files,
-                                        .file_count = 2, .writes_last = true,
+                                        .file_count = 2,
+                                        .writes_last = true,
                                         .options = s_options,
                                         .option_count = 1 };
 

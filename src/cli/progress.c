@@ -51,8 +51,8 @@ void rf_format_progress( const RfProgress* progress, char* text, size_t size )
     format_duration( floor( progress->seconds ), spent, sizeof spent );
     format_duration( progress->seconds * ( 1.0 - progress->share ) / progress->share, left, sizeof left );
     int frame = progress->frames_done < progress->frames_all ? progress->frames_done + 1 : progress->frames_all;
-    snprintf( text, size, "frame %d/%d  %.0f %%  %s spent  %s left", frame, progress->frames_all, floor( 100.0 * progress->share ),
-              spent, left );
+    snprintf( text, size, "frame %d/%d  %.0f %%  %s spent  %s left", frame, progress->frames_all,
+              floor( 100.0 * progress->share ), spent, left );
     snprintf( part, sizeof part, "relMSE %.2g", progress->relmse );
     if ( progress->relmse > 0.0 && isfinite( progress->relmse ) )
         append_part( text, size, part );

@@ -11,8 +11,8 @@ typedef struct RfProgressLine
 {
     bool quiet;
     bool terminal;
-    double shown;  // seconds at which the line was last written
-    int width;     // characters of it
+    double shown; // seconds at which the line was last written
+    int width;    // characters of it
 } RfProgressLine;
 
 RfProgressLine rf_create_progress_line( bool quiet );

@@ -32,13 +32,13 @@ typedef struct Job
     RfCameraPath path;
     int* frames; // to be rendered, indices from 0
     int frame_count;
-    int* kept;       // by --resume, likewise
+    int* kept; // by --resume, likewise
     int kept_count;
     RfTracer* tracer;
     pthread_mutex_t speech; // what is said: frames are written in a thread of their own
     RfProgressLine line;
     int frames_done;
-    bool told_black; // the warning comes once
+    bool told_black;   // the warning comes once
     double relmse_sum; // of the finished frames' estimates
     double worst_relmse;
     int worst_frame; // from 0
@@ -75,7 +75,8 @@ static RfRenderSubject subject_of( const Job* job )
 static RfResult resolve( Job* job, RfError* error )
 {
     job->asked = job->options.settings;
-    RfResult result = rf_resolve_settings( job->tracer, job->path.eyes, job->path.count, &job->asked, &job->options.settings, error );
+    RfResult result =
+        rf_resolve_settings( job->tracer, job->path.eyes, job->path.count, &job->asked, &job->options.settings, error );
     return result == RF_OK ? rf_fit_memory( &job->scene, job->path.eyes, job->path.count, job->frame_count,
                                             &job->options.settings, &job->fit, error )
                            : result;
@@ -96,8 +97,8 @@ static RfResult load( Job* job, RfError* error )
 {
     RfResult result = load_scene( job, error );
     if ( result == RF_OK )
-        result = rf_create_camera_path( &job->scene, job->options.camera, job->options.fps, job->options.size,
-                                        &job->path, error );
+        result =
+            rf_create_camera_path( &job->scene, job->options.camera, job->options.fps, job->options.size, &job->path, error );
     if ( result == RF_OK )
         result = rf_choose_frames( job->options.frames, &job->file, job->path.count, &job->frames, &job->frame_count, error );
     if ( result != RF_OK )
@@ -148,7 +149,8 @@ static void warn_of_scene( Job* job )
         rf_warn( &job->log, "%s: has no triangles, the picture will be %s", job->options.scene,
                  has_light( job->tracer ) ? "sky alone" : "black" );
     else if ( !has_light( job->tracer ) )
-        rf_warn( &job->log, "%s: has no lights (no material emits, no lamp, no environment), the picture will be black", job->options.scene );
+        rf_warn( &job->log, "%s: has no lights (no material emits, no lamp, no environment), the picture will be black",
+                 job->options.scene );
     warn_of_variance( job );
 }
 
@@ -188,7 +190,8 @@ static void warn_of_stop( Job* job )
                  job->stats.missed, job->frame_count, job->worst_frame + 1, job->worst_relmse,
                  s->time > 0.0 ? "--time or --spp" : "--spp" );
     if ( job->stats.hurried )
-        rf_warn( &job->log, "--time %g: too short for this size and these groups: the least, 2 samples per pixel, took %.3g s a frame",
+        rf_warn( &job->log,
+                 "--time %g: too short for this size and these groups: the least, 2 samples per pixel, took %.3g s a frame",
                  s->time, job->stats.seconds / job->frame_count );
 }
 
@@ -229,8 +232,9 @@ static RfResult render( Job* job, RfError* error )
                                  &job->options.settings, &callbacks, &job->stats, error );
     rf_clear_progress( &job->line );
     if ( result == RF_ERROR_INTERRUPTED )
-        return rf_fail( error, result, "interrupted: %d of %d frames are finished and kept, %s goes on", job->kept_count + job->frames_done,
-                        job->kept_count + job->frame_count, job->options.overwrite ? "--resume --overwrite" : "--resume" );
+        return rf_fail( error, result, "interrupted: %d of %d frames are finished and kept, %s goes on",
+                        job->kept_count + job->frames_done, job->kept_count + job->frame_count,
+                        job->options.overwrite ? "--resume --overwrite" : "--resume" );
     if ( result == RF_OK )
         warn_of_stop( job );
     return result;
@@ -254,8 +258,7 @@ static RfResult report( Job* job, RfError* error )
     const char* json_name = job->options.json;
     if ( json_name == NULL || strcmp( json_name, "-" ) != 0 )
     {
-        printf( "%d frame%s in %s, %.1f s", job->frame_count, job->frame_count == 1 ? "" : "s", job->options.output,
-                seconds );
+        printf( "%d frame%s in %s, %.1f s", job->frame_count, job->frame_count == 1 ? "" : "s", job->options.output, seconds );
         if ( job->frame_count > 0 && isfinite( job->relmse_sum ) )
             printf( ", relMSE %.3g by its estimate", job->relmse_sum / job->frame_count );
         if ( job->kept_count > 0 )
@@ -288,7 +291,9 @@ int rf_command_render( int argc, char** argv )
 {
     RfError error;
     bool help;
-    Job job = { .argc = argc, .argv = argv, .log = rf_stderr_log( "render" ), .speech = PTHREAD_MUTEX_INITIALIZER, .start = now() };
+    Job job = {
+        .argc = argc, .argv = argv, .log = rf_stderr_log( "render" ), .speech = PTHREAD_MUTEX_INITIALIZER, .start = now()
+    };
     RfResult result = rf_parse_render_options( argc, argv, &job.options, &help, &error );
     if ( result == RF_OK && help )
     {

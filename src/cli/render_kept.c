@@ -39,7 +39,9 @@ static double older_seconds( Older* older, const RfFrameResult* said )
 static json_t* kept_frame_json( const RfRenderOptions* options, int frame, Older* older )
 {
     char name[RF_PAGE_NAME_SIZE];
-    RfFrameResult said = { .frame = frame, .relmse_estimate = (double)NAN, .native_spp = (double)NAN, .effective_spp = (double)NAN };
+    RfFrameResult said = {
+        .frame = frame, .relmse_estimate = (double)NAN, .native_spp = (double)NAN, .effective_spp = (double)NAN
+    };
     if ( rf_sequence_name( options->output, frame + 1, name, sizeof name, NULL ) == RF_OK )
     {
         said.relmse_estimate = rf_read_exr_number( name, "reframe/relmse-estimate" );

@@ -63,7 +63,8 @@ static RfResult check_fingerprint( const RfRenderSubject* subject, int frame, co
     char found[64], wanted[17];
     RfError reason;
     if ( rf_read_exr_string( name, "reframe/fingerprint", found, sizeof found, &reason ) != RF_OK )
-        return rf_fail( error, RF_ERROR_IO, "--resume: not a frame of this render, add --overwrite to replace it: %.900s", reason.text );
+        return rf_fail( error, RF_ERROR_IO, "--resume: not a frame of this render, add --overwrite to replace it: %.900s",
+                        reason.text );
     rf_frame_fingerprint( subject, frame, wanted );
     if ( strcmp( found, wanted ) == 0 )
         return RF_OK;
@@ -110,8 +111,8 @@ RfResult rf_prepare_output( const RfRenderSubject* subject, int* frames, int* co
     char folder[MAX_NAME], name[MAX_NAME];
     RfResult result = rf_sequence_name( pattern, 1, name, sizeof name, error );
     if ( result == RF_OK && *count > 1 && !rf_is_sequence( pattern ) )
-        result = rf_fail( error, RF_ERROR_USAGE,
-                          "--output: '%s' has no #### for the number, but %d frames are asked for", pattern, *count );
+        result = rf_fail( error, RF_ERROR_USAGE, "--output: '%s' has no #### for the number, but %d frames are asked for",
+                          pattern, *count );
     if ( result == RF_OK )
         result = folder_of( pattern, folder, sizeof folder, error );
     if ( result == RF_OK )
@@ -136,10 +137,7 @@ RfResult rf_prepare_output( const RfRenderSubject* subject, int* frames, int* co
     return result;
 }
 
-static uint64_t hash_text( uint64_t hash, const char* text )
-{
-    return rf_hash_bytes( hash, text, strlen( text ) + 1 );
-}
+static uint64_t hash_text( uint64_t hash, const char* text ) { return rf_hash_bytes( hash, text, strlen( text ) + 1 ); }
 
 void rf_frame_fingerprint( const RfRenderSubject* subject, int frame, char text[17] )
 {
@@ -151,10 +149,10 @@ void rf_frame_fingerprint( const RfRenderSubject* subject, int frame, char text[
     snprintf( settings, sizeof settings,
               "scene %016llx frame %d of %d fps %d/%d spp %d group %d weights %s normalize %s depth %d lights %d seed %llu "
               "tile %s roulette %d",
-              (unsigned long long)subject->scene->content_hash, frame, subject->path->count,
-              subject->options->fps.numerator, subject->options->fps.denominator, s->spp, s->group,
-              rf_weights_name( s->weights ), rf_normalize_name( s->normalize ), s->max_depth, s->light_samples,
-              (unsigned long long)s->seed, tile, s->tile_roulette );
+              (unsigned long long)subject->scene->content_hash, frame, subject->path->count, subject->options->fps.numerator,
+              subject->options->fps.denominator, s->spp, s->group, rf_weights_name( s->weights ),
+              rf_normalize_name( s->normalize ), s->max_depth, s->light_samples, (unsigned long long)s->seed, tile,
+              s->tile_roulette );
     uint64_t hash = hash_text( hash_text( subject->path->hash, REFRAME_VERSION ), settings );
     snprintf( settings, sizeof settings, "noise %.17g time %.17g adaptive %d", s->noise, s->time, s->adaptive );
     if ( s->noise > 0.0 || s->time > 0.0 || s->adaptive )
@@ -175,8 +173,8 @@ void rf_eye_matrices( const RfEye* eye, float world_to_camera[16], float world_t
         camera[0][j] = axes[j].x;
         camera[1][j] = axes[j].y;
         camera[2][j] = axes[j].z;
-        camera[3][j] = -( (double)eye->origin.x * axes[j].x + (double)eye->origin.y * axes[j].y +
-                          (double)eye->origin.z * axes[j].z );
+        camera[3][j] =
+            -( (double)eye->origin.x * axes[j].x + (double)eye->origin.y * axes[j].y + (double)eye->origin.z * axes[j].z );
     }
     camera[3][3] = 1.0;
     const double near = 0.01;
@@ -264,8 +262,7 @@ static void list_attributes( const RfRenderSubject* subject, const RfFrameResult
     add_text( attributes, "reframe/fingerprint", fingerprint );
 }
 
-RfResult rf_write_frame( const RfRenderSubject* subject, const RfFrameResult* result, const char* device,
-                         RfError* error )
+RfResult rf_write_frame( const RfRenderSubject* subject, const RfFrameResult* result, const char* device, RfError* error )
 {
     const RfRenderOptions* options = subject->options;
     char name[MAX_NAME];

@@ -28,8 +28,7 @@ RfResult rf_prepare_output( const RfRenderSubject* subject, int* frames, int* co
 void rf_frame_fingerprint( const RfRenderSubject* subject, int frame, char text[17] );
 
 // Writes a finished frame. `device` is rf_tracer_device's.
-RfResult rf_write_frame( const RfRenderSubject* subject, const RfFrameResult* result, const char* device,
-                         RfError* error );
+RfResult rf_write_frame( const RfRenderSubject* subject, const RfFrameResult* result, const char* device, RfError* error );
 
 // OpenEXR's matrices of an eye, row vectors (p' = p · M), 16 floats row by row.
 // Camera space: metres, the eye at the origin, +x right, +y up, looking along

@@ -13,7 +13,8 @@ void rf_tell_settings( const RfRenderSettings* asked, const RfRenderSettings* us
         fprintf( stderr, "reframe render: --group %d cut to the path: groups of its %d frames\n", asked->group, plan.eyes );
     if ( asked->spp != used->spp ) // full windows only, with the same passes each
         fprintf( stderr, "reframe render: --spp %d rounded %s to %d: %d groups of %d frames hold a frame, %d sample%s in each\n",
-                 asked->spp, used->spp > asked->spp ? "up" : "down", used->spp, plan.eyes, plan.eyes, plan.passes, plan.passes == 1 ? "" : "s" );
+                 asked->spp, used->spp > asked->spp ? "up" : "down", used->spp, plan.eyes, plan.eyes, plan.passes,
+                 plan.passes == 1 ? "" : "s" );
     if ( fit->threads < used->threads )
         fprintf( stderr, "reframe render: --memory %zuK is enough for %d of %d threads\n", used->memory / 1024, fit->threads,
                  used->threads );

@@ -12,14 +12,10 @@ int rf_exit_status( RfResult result )
 {
     switch ( result )
     {
-        case RF_OK:
-            return 0;
-        case RF_ERROR_USAGE:
-            return 2;
-        case RF_ERROR_INTERRUPTED:
-            return 130;
-        default:
-            return 1;
+        case RF_OK: return 0;
+        case RF_ERROR_USAGE: return 2;
+        case RF_ERROR_INTERRUPTED: return 130;
+        default: return 1;
     }
 }
 
@@ -34,10 +30,7 @@ static void print_warning( void* user, const char* line )
     fprintf( stderr, "reframe %s: warning: %s\n", (const char*)user, line );
 }
 
-RfLog rf_stderr_log( const char* command )
-{
-    return ( RfLog ){ .fn = print_warning, .user = (void*)command };
-}
+RfLog rf_stderr_log( const char* command ) { return ( RfLog ){ .fn = print_warning, .user = (void*)command }; }
 
 json_t* rf_json_text( const char* text )
 {
@@ -58,10 +51,7 @@ json_t* rf_json_text( const char* text )
     return json;
 }
 
-json_t* rf_json_number( double value )
-{
-    return isfinite( value ) ? json_real( value ) : json_null();
-}
+json_t* rf_json_number( double value ) { return isfinite( value ) ? json_real( value ) : json_null(); }
 
 double rf_json_number_of( const json_t* object, const char* key )
 {

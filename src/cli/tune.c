@@ -36,8 +36,9 @@ static void say( void* user, const RfTune* tune, const RfTuneRound* round, int c
 {
     const Job* job = user;
     if ( !job->options.render.quiet )
-        fprintf( stderr, "reframe tune: round %d: %d settings at %dx%d, %d place%s of the path, about %.0f s\n", tune->round_count + 1,
-                 candidates, round->width, round->height, round->sites, round->sites == 1 ? "" : "s", round->seconds );
+        fprintf( stderr, "reframe tune: round %d: %d settings at %dx%d, %d place%s of the path, about %.0f s\n",
+                 tune->round_count + 1, candidates, round->width, round->height, round->sites, round->sites == 1 ? "" : "s",
+                 round->seconds );
 }
 
 // What was found so far, also where it was interrupted.
@@ -46,8 +47,13 @@ static RfResult report( Job* job, RfError* error )
     const RfTuneOptions* options = &job->options;
     const RfTuneRow* best = job->tune.chosen >= 0 ? job->tune.rows + job->tune.chosen : NULL;
     char* command = best != NULL ? rf_tuned_command( job->argc, job->argv, best->group, &best->tile ) : NULL;
-    RfTuneReport r = { .tune = &job->tune, .scene = options->render.scene, .command = command, .width = options->render.size.width,
-                       .height = options->render.size.height, .frames = job->shot.frame_count, .budget = options->budget };
+    RfTuneReport r = { .tune = &job->tune,
+                       .scene = options->render.scene,
+                       .command = command,
+                       .width = options->render.size.width,
+                       .height = options->render.size.height,
+                       .frames = job->shot.frame_count,
+                       .budget = options->budget };
     const char* json = options->render.json;
     RfResult result = RF_OK;
     if ( json == NULL || strcmp( json, "-" ) != 0 )
@@ -69,16 +75,24 @@ static RfResult run( Job* job, RfError* error )
     if ( result != RF_OK )
         return result;
     RfTrialWatch watch = { go_on, NULL };
-    RfTuneJob tune = { .tracer = job->shot.tracer, .eyes = job->shot.path.eyes, .eye_count = job->shot.path.count, .frames = job->shot.frames,
-                       .frame_count = job->shot.frame_count, .settings = &job->options.render.settings, .budget = job->options.budget,
-                       .watch = &watch, .say = say, .user = job };
+    RfTuneJob tune = { .tracer = job->shot.tracer,
+                       .eyes = job->shot.path.eyes,
+                       .eye_count = job->shot.path.count,
+                       .frames = job->shot.frames,
+                       .frame_count = job->shot.frame_count,
+                       .settings = &job->options.render.settings,
+                       .budget = job->options.budget,
+                       .watch = &watch,
+                       .say = say,
+                       .user = job };
     result = rf_tune( &tune, &job->tune, error );
     if ( result == RF_ERROR_INTERRUPTED && job->tune.round_count > 0 )
     {
         RfResult reported = report( job, error );
-        return reported != RF_OK ? reported
-                                 : rf_fail( error, RF_ERROR_INTERRUPTED, "interrupted after %d round%s: what they found stands above",
-                                            job->tune.round_count, job->tune.round_count == 1 ? "" : "s" );
+        return reported != RF_OK
+                   ? reported
+                   : rf_fail( error, RF_ERROR_INTERRUPTED, "interrupted after %d round%s: what they found stands above",
+                              job->tune.round_count, job->tune.round_count == 1 ? "" : "s" );
     }
     if ( result == RF_ERROR_INTERRUPTED )
         return rf_fail( error, result, "interrupted in the first round: nothing is found yet" );

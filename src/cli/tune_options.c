@@ -13,9 +13,19 @@ static RfTuneOptions s_parsed; // the table points here
 static const char* s_scene;
 
 static const RfOption s_options[] = {
-    { .name = "budget", .type = RF_OPTION_REAL, .value = &s_parsed.budget, .min = 1.0, .max = 1e6, .meta = "T",
-      .default_text = "60", .help = "seconds that it may take; more make the choice surer" },
-    { .name = "svg", .writes = ".svg", .type = RF_OPTION_STRING, .value = &s_parsed.svg, .meta = "FILE",
+    { .name = "budget",
+      .type = RF_OPTION_REAL,
+      .value = &s_parsed.budget,
+      .min = 1.0,
+      .max = 1e6,
+      .meta = "T",
+      .default_text = "60",
+      .help = "seconds that it may take; more make the choice surer" },
+    { .name = "svg",
+      .writes = ".svg",
+      .type = RF_OPTION_STRING,
+      .value = &s_parsed.svg,
+      .meta = "FILE",
       .help = "a plot: memory across, efficiency up, a line for each tile" },
     RF_PATH_OPTIONS( s_parsed.render, "frames that are to be rendered: settings are tried there, and their cost is counted" ),
     RF_SPP_OPTION( s_parsed.render ),
@@ -26,12 +36,16 @@ static const RfOption s_options[] = {
     RF_RESULT_OPTIONS( s_parsed.render, "no words on what is being tried" ),
 };
 
-static const RfCommandTable s_table = { .command = "tune",
-                                        .summary = "Finds the group and the tile that pay best on this path and this machine, by short renders: a row for each with memory, time, error, flicker and efficiency, and the command line of the best. Options and SCENE are those of render.",
-                                        .files = s_files,
-                                        .file_count = 1,
-                                        .options = s_options,
-                                        .option_count = sizeof s_options / sizeof s_options[0] };
+static const RfCommandTable s_table = {
+    .command = "tune",
+    .summary =
+        "Finds the group and the tile that pay best on this path and this machine, by short renders: a row for each with memory, "
+        "time, error, flicker and efficiency, and the command line of the best. Options and SCENE are those of render.",
+    .files = s_files,
+    .file_count = 1,
+    .options = s_options,
+    .option_count = sizeof s_options / sizeof s_options[0]
+};
 
 // On top of the values as they are.
 static RfResult parse( int argc, char** argv, RfTuneOptions* options, bool* help, RfError* error )
@@ -59,14 +73,12 @@ RfResult rf_parse_tune_options_over( const RfField* defaults, int argc, char** a
     return result == RF_OK ? parse( argc, argv, options, &help, error ) : result;
 }
 
-void rf_print_tune_help( void )
-{
-    rf_print_help( &s_table, stdout );
-}
+void rf_print_tune_help( void ) { rf_print_help( &s_table, stdout ); }
 
 static bool is_plain( const char* text )
 {
-    return text[0] != '\0' && text[strspn( text, "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_./,:=+-@%" )] == '\0';
+    return text[0] != '\0' &&
+           text[strspn( text, "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_./,:=+-@%" )] == '\0';
 }
 
 static void print_word( FILE* file, const char* text )

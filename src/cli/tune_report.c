@@ -28,8 +28,8 @@ static void print_row( const RfTuneRow* row )
     char sweeps[32] = "";
     if ( row->fit.sweeps > 1 )
         snprintf( sweeps, sizeof sweeps, "  in %d sweeps", row->fit.sweeps );
-    printf( " %9.1f %9.3g %9.3g %9.3g %6.2f %10.4g %7.2f %6d%s\n", bytes_of( row ) / 1048576.0, row->seconds, row->relmse, row->f1,
-            row->phi, row->efficiency, row->gain, row->rounds, sweeps );
+    printf( " %9.1f %9.3g %9.3g %9.3g %6.2f %10.4g %7.2f %6d%s\n", bytes_of( row ) / 1048576.0, row->seconds, row->relmse,
+            row->f1, row->phi, row->efficiency, row->gain, row->rounds, sweeps );
 }
 
 static void print_rounds( const RfTuneReport* r )
@@ -54,7 +54,8 @@ void rf_print_tune( const RfTuneReport* r )
     for ( int i = 0; i < tune->count; ++i )
         print_row( tune->rows + i );
     printf( "seconds: of all %d frames, as of a clock on the wall; efficiency: 1 / (relMSE x CPU seconds of a frame); gain: over "
-            "group 0, tile 1\n", r->frames );
+            "group 0, tile 1\n",
+            r->frames );
     print_rounds( r );
     if ( r->command != NULL )
         printf( "* the best:\n%s\n", r->command );
@@ -64,15 +65,16 @@ static json_t* row_json( const RfTuneRow* row )
 {
     char tile[24], text[128];
     rf_tile_name( &row->tile, tile );
-    return json_pack( "{s:i, s:i, s:s, s:i, s:I, s:I, s:I, s:I, s:i, s:i, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:i, s:s?, s:b}",
-                      "group", row->group, "eyes", row->eyes, "tile", tile, "spp", row->spp, "bytes_films",
-                      (json_int_t)row->fit.bytes_films, "bytes_hits", (json_int_t)row->fit.bytes_hits, "bytes_lists",
-                      (json_int_t)row->fit.bytes_lists, "bytes_least", (json_int_t)row->fit.least, "chunks", row->fit.chunks, "sweeps",
-                      row->fit.sweeps, "predicted_gain", rf_json_number( row->predicted_gain ), "seconds",
-                      rf_json_number( row->seconds ), "cpu_seconds", rf_json_number( row->cpu_seconds ), "relmse",
-                      rf_json_number( row->relmse ), "flicker", rf_json_number( row->f1 ), "phi", rf_json_number( row->phi ),
-                      "efficiency", rf_json_number( row->efficiency ), "gain", rf_json_number( row->gain ), "rounds", row->rounds,
-                      "excluded", rf_tell_excluded( row->excluded, &row->fit, text, sizeof text ), "chosen", row->chosen );
+    return json_pack(
+        "{s:i, s:i, s:s, s:i, s:I, s:I, s:I, s:I, s:i, s:i, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:i, s:s?, s:b}", "group",
+        row->group, "eyes", row->eyes, "tile", tile, "spp", row->spp, "bytes_films", (json_int_t)row->fit.bytes_films,
+        "bytes_hits", (json_int_t)row->fit.bytes_hits, "bytes_lists", (json_int_t)row->fit.bytes_lists, "bytes_least",
+        (json_int_t)row->fit.least, "chunks", row->fit.chunks, "sweeps", row->fit.sweeps, "predicted_gain",
+        rf_json_number( row->predicted_gain ), "seconds", rf_json_number( row->seconds ), "cpu_seconds",
+        rf_json_number( row->cpu_seconds ), "relmse", rf_json_number( row->relmse ), "flicker", rf_json_number( row->f1 ), "phi",
+        rf_json_number( row->phi ), "efficiency", rf_json_number( row->efficiency ), "gain", rf_json_number( row->gain ),
+        "rounds", row->rounds, "excluded", rf_tell_excluded( row->excluded, &row->fit, text, sizeof text ), "chosen",
+        row->chosen );
 }
 
 json_t* rf_tune_json( const RfTuneReport* r )
@@ -83,8 +85,8 @@ json_t* rf_tune_json( const RfTuneReport* r )
     for ( int i = 0; i < r->tune->round_count; ++i )
     {
         const RfTuneRound* round = r->tune->rounds + i;
-        json_array_append_new( rounds, json_pack( "{s:i, s:i, s:i, s:i}", "width", round->width, "height", round->height, "places",
-                                                  round->sites, "passes", round->passes ) );
+        json_array_append_new( rounds, json_pack( "{s:i, s:i, s:i, s:i}", "width", round->width, "height", round->height,
+                                                  "places", round->sites, "passes", round->passes ) );
     }
     return json_pack( "{s:o, s:o, s:f, s:f, s:i, s:i, s:i, s:o}", "rows", rows, "rounds", rounds, "seconds", r->tune->seconds,
                       "budget", r->budget, "frames", r->frames, "width", r->width, "height", r->height, "command",
@@ -114,8 +116,9 @@ static void collect( const RfTune* tune, Curves* c )
             char tile[24];
             rf_tile_name( &row->tile, tile );
             snprintf( c->names[c->count], sizeof c->names[0], "tile %s", row->tile.kind == RF_TILE_NONE ? "1 (none)" : tile );
-            c->series[c->count] = ( RfPlotSeries ){ .name = c->names[c->count], .x = c->x + points, .y = c->y + points,
-                                                    .labels = c->label + points, .style = c->count };
+            c->series[c->count] = ( RfPlotSeries ){
+                .name = c->names[c->count], .x = c->x + points, .y = c->y + points, .labels = c->label + points, .style = c->count
+            };
             c->count += 1;
         }
         if ( row->rounds == 0 )
@@ -138,9 +141,12 @@ RfResult rf_write_tune_plot( const RfTuneReport* r, const char* path, RfError* e
     collect( tune, &curves );
     char subtitle[512], note[64] = "", tile[24];
     const char* slash = strrchr( r->scene, '/' );
-    snprintf( subtitle, sizeof subtitle, "%.200s, %dx%d, %d frames; numbers are the group's half-width N", slash != NULL ? slash + 1 : r->scene,
-              r->width, r->height, r->frames );
-    RfPlot plot = { .title = "Efficiency against memory", .subtitle = subtitle, .series = curves.series, .series_count = curves.count,
+    snprintf( subtitle, sizeof subtitle, "%.200s, %dx%d, %d frames; numbers are the group's half-width N",
+              slash != NULL ? slash + 1 : r->scene, r->width, r->height, r->frames );
+    RfPlot plot = { .title = "Efficiency against memory",
+                    .subtitle = subtitle,
+                    .series = curves.series,
+                    .series_count = curves.count,
                     .x = { .label = "memory of the render beyond the scene, MiB", .log = true },
                     .y = { .label = "efficiency, 1 / (relMSE \xc2\xb7 CPU seconds of a frame)", .log = true } };
     RfPlotNote best;

@@ -7,8 +7,8 @@
 #include <sys/stat.h>
 
 // Endings that say what a file is: --json scene.glb is a slip.
-static const char* const s_kinds[] = { ".json", ".svg", ".png", ".html", ".exr", ".hdr", ".glb", ".gltf", ".bin",
-                                       ".obj",  ".ply", ".fbx", ".dae",  ".jpg", ".jpeg" };
+static const char* const s_kinds[] = { ".json", ".svg", ".png", ".html", ".exr", ".hdr", ".glb", ".gltf",
+                                       ".bin",  ".obj", ".ply", ".fbx",  ".dae", ".jpg", ".jpeg" };
 
 // A file that is named on the command line.
 typedef struct Named
@@ -35,8 +35,8 @@ static RfResult check_kind( const Named* file, RfError* error )
     for ( size_t i = 0; i < sizeof s_kinds / sizeof s_kinds[0] && file->writes[0] != '\0'; ++i )
     {
         if ( ends_with( file->path, s_kinds[i] ) && strcmp( s_kinds[i], file->writes ) != 0 )
-            return rf_fail( error, RF_ERROR_USAGE, "--%s: %s: ends as a file of another kind: name it %s", file->option, file->path,
-                            file->writes );
+            return rf_fail( error, RF_ERROR_USAGE, "--%s: %s: ends as a file of another kind: name it %s", file->option,
+                            file->path, file->writes );
     }
     return RF_OK;
 }
@@ -51,7 +51,8 @@ static RfResult check_pair( const Named* file, const Named* other, RfError* erro
     if ( other->option == NULL || file->option == NULL )
         return rf_fail( error, RF_ERROR_USAGE, "--%s: %s: would overwrite %s: choose another name", name, file->path,
                         other->writes != NULL ? "what else is written" : "what is read" );
-    return rf_fail( error, RF_ERROR_USAGE, "--%s: %s: is the file of --%s too: choose another name", name, file->path, other->option );
+    return rf_fail( error, RF_ERROR_USAGE, "--%s: %s: is the file of --%s too: choose another name", name, file->path,
+                    other->option );
 }
 
 static int collect( const RfCommandTable* table, const char* const* files, int file_count, Named* named, int room )

@@ -24,8 +24,7 @@ static RfResult check_mesh( const RfModel* model, int index, RfError* error )
     if ( !all_finite( mesh->positions, 3 * vertices ) || !all_finite( mesh->normals, 3 * vertices ) ||
          !all_finite( mesh->uvs, 2 * vertices ) || !all_finite( mesh->colors, 4 * vertices ) )
         return rf_fail( error, RF_ERROR_FORMAT,
-                        "mesh %d '%s': has coordinates that are not finite numbers: repair the file it came from", index,
-                        name );
+                        "mesh %d '%s': has coordinates that are not finite numbers: repair the file it came from", index, name );
     for ( uint64_t i = 0; i < corners; ++i )
     {
         if ( mesh->indices[i] >= vertices )
@@ -83,13 +82,13 @@ static RfResult check_lights_and_cameras( const RfModel* model, RfError* error )
     for ( int i = 0; i < model->light_count; ++i )
     {
         const RfModelLight* light = model->lights + i;
-        bool good = light->node >= 0 && light->node < model->node_count && light->intensity >= 0.0f &&
-                    isfinite( light->intensity );
+        bool good =
+            light->node >= 0 && light->node < model->node_count && light->intensity >= 0.0f && isfinite( light->intensity );
         for ( int k = 0; k < 3; ++k )
             good = good && within( light->color[k], 0, 1 );
         if ( light->kind == RF_MODEL_SPOT )
-            good = good && light->inner_angle >= 0.0f && light->inner_angle < light->outer_angle &&
-                   light->outer_angle <= 1.5707964f;
+            good =
+                good && light->inner_angle >= 0.0f && light->inner_angle < light->outer_angle && light->outer_angle <= 1.5707964f;
         if ( !good )
             return rf_fail( error, RF_ERROR_FORMAT, "light %d: has a value that glTF cannot hold", i );
     }

@@ -63,8 +63,7 @@ static int add_part( RfGlbDocument* d, const void* bytes, uint64_t size, int tar
 {
     int index = d->part_count++;
     d->parts[index] = ( RfGlbPart ){ bytes, size };
-    json_t* view = json_pack( "{s:i, s:I, s:I}", "buffer", 0, "byteOffset", (json_int_t)d->size, "byteLength",
-                              (json_int_t)size );
+    json_t* view = json_pack( "{s:i, s:I, s:I}", "buffer", 0, "byteOffset", (json_int_t)d->size, "byteLength", (json_int_t)size );
     if ( target != 0 )
         rf_glb_set( d, view, "target", json_integer( target ) );
     rf_glb_append( d, d->views, view );
@@ -75,8 +74,8 @@ static int add_part( RfGlbDocument* d, const void* bytes, uint64_t size, int tar
 static json_t* add_accessor( RfGlbDocument* d, const void* bytes, uint64_t count, const char* type, int width, bool indices )
 {
     int view = add_part( d, bytes, count * (uint64_t)width * 4, indices ? INDICES : VERTICES );
-    json_t* accessor = json_pack( "{s:i, s:i, s:I, s:s}", "bufferView", view, "componentType",
-                                  indices ? UNSIGNED_INT : FLOAT, "count", (json_int_t)count, "type", type );
+    json_t* accessor = json_pack( "{s:i, s:i, s:I, s:s}", "bufferView", view, "componentType", indices ? UNSIGNED_INT : FLOAT,
+                                  "count", (json_int_t)count, "type", type );
     rf_glb_append( d, d->accessors, accessor );
     return accessor;
 }
@@ -246,8 +245,8 @@ static void add_cameras( RfGlbDocument* d )
     for ( int i = 0; i < model->camera_count && !d->failed; ++i )
     {
         const RfModelCamera* camera = model->cameras + i;
-        json_t* object = json_pack( "{s:s, s:{s:f, s:f}}", "type", "perspective", "perspective", "yfov", camera->yfov,
-                                    "znear", 0.01 );
+        json_t* object =
+            json_pack( "{s:s, s:{s:f, s:f}}", "type", "perspective", "perspective", "yfov", camera->yfov, "znear", 0.01 );
         if ( camera->name != NULL )
             rf_glb_set( d, object, "name", rf_glb_name( camera->name ) );
         rf_glb_append( d, cameras, object );
@@ -269,8 +268,9 @@ static void add_lights( RfGlbDocument* d )
             rf_glb_set( d, object, "name", rf_glb_name( light->name ) );
         rf_glb_set( d, object, "color", rf_glb_reals( light->color, 3 ) );
         if ( light->kind == RF_MODEL_SPOT )
-            rf_glb_set( d, object, "spot", json_pack( "{s:f, s:f}", "innerConeAngle", (double)light->inner_angle,
-                                                      "outerConeAngle", (double)light->outer_angle ) );
+            rf_glb_set( d, object, "spot",
+                        json_pack( "{s:f, s:f}", "innerConeAngle", (double)light->inner_angle, "outerConeAngle",
+                                   (double)light->outer_angle ) );
         rf_glb_append( d, lights, object );
         rf_glb_set( d, json_array_get( nodes, (size_t)light->node ), "extensions",
                     json_pack( "{s:{s:i}}", "KHR_lights_punctual", "light", i ) );

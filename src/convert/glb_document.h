@@ -19,11 +19,11 @@ typedef struct RfGlbDocument
     const RfModel* model;
     json_t* root;
     json_t *accessors, *views, *meshes; // borrowed from root
-    RfGlbPart* parts;  // one per buffer view; each starts at a multiple of 4
+    RfGlbPart* parts;                   // one per buffer view; each starts at a multiple of 4
     int part_count;
-    uint64_t size;     // of the buffer, padded
-    int* lone_meshes;  // per model mesh: the glTF mesh that is it alone, or −1
-    bool failed;       // memory ran out on the way
+    uint64_t size;    // of the buffer, padded
+    int* lone_meshes; // per model mesh: the glTF mesh that is it alone, or −1
+    bool failed;      // memory ran out on the way
 } RfGlbDocument;
 
 // Refuses what glTF cannot say, naming the part.

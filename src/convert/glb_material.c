@@ -11,10 +11,7 @@ static float emission_strength( const RfModelMaterial* m )
     return largest > 1.0f ? largest : 1.0f;
 }
 
-static json_t* one_real( const char* key, float value )
-{
-    return json_pack( "{s:f}", key, (double)value );
-}
+static json_t* one_real( const char* key, float value ) { return json_pack( "{s:f}", key, (double)value ); }
 
 static json_t* material_extensions( RfGlbDocument* d, const RfModelMaterial* m )
 {
@@ -87,8 +84,10 @@ json_t* rf_glb_extensions( RfGlbDocument* d )
         bool used;
         const char* name;
     } all[] = {
-        { strength, "KHR_materials_emissive_strength" }, { specular, "KHR_materials_specular" },
-        { ior, "KHR_materials_ior" },                    { transmission, "KHR_materials_transmission" },
+        { strength, "KHR_materials_emissive_strength" },
+        { specular, "KHR_materials_specular" },
+        { ior, "KHR_materials_ior" },
+        { transmission, "KHR_materials_transmission" },
         { model->light_count > 0, "KHR_lights_punctual" },
     };
     json_t* names = json_array();

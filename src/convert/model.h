@@ -14,15 +14,15 @@
 // Triangles of one material.
 typedef struct RfModelMesh
 {
-    char* name;           // or NULL
+    char* name; // or NULL
     uint32_t vertex_count;
-    float* positions;     // 3 each
-    float* normals;       // 3 each, unit; or NULL
-    float* uvs;           // 2 each, v downwards as in glTF; or NULL
-    float* colors;        // 4 each, linear; or NULL
+    float* positions; // 3 each
+    float* normals;   // 3 each, unit; or NULL
+    float* uvs;       // 2 each, v downwards as in glTF; or NULL
+    float* colors;    // 4 each, linear; or NULL
     uint32_t triangle_count;
-    uint32_t* indices;    // 3 each, front counter-clockwise
-    int material;         // or −1
+    uint32_t* indices; // 3 each, front counter-clockwise
+    int material;      // or −1
 } RfModelMesh;
 
 typedef struct RfModelMaterial
@@ -30,12 +30,17 @@ typedef struct RfModelMaterial
     char* name;
     float base_color[4];
     float metallic, roughness;
-    float emission[3];    // radiance; above 1 it goes into KHR_materials_emissive_strength
-    float specular;       // KHR_materials_specular's factor; 1: not written
-    float ior;            // 1.5: not written
-    float transmission;   // 0: not written
-    float alpha_cutoff;   // of MASK
-    enum { RF_MODEL_OPAQUE, RF_MODEL_MASK, RF_MODEL_BLEND } alpha_mode;
+    float emission[3];  // radiance; above 1 it goes into KHR_materials_emissive_strength
+    float specular;     // KHR_materials_specular's factor; 1: not written
+    float ior;          // 1.5: not written
+    float transmission; // 0: not written
+    float alpha_cutoff; // of MASK
+    enum
+    {
+        RF_MODEL_OPAQUE,
+        RF_MODEL_MASK,
+        RF_MODEL_BLEND
+    } alpha_mode;
     bool double_sided;
     int base_color_image; // index of an image, or −1
     int normal_image;
@@ -62,7 +67,12 @@ typedef struct RfModelCamera
 typedef struct RfModelLight
 {
     char* name;
-    enum { RF_MODEL_POINT, RF_MODEL_SPOT, RF_MODEL_DIRECTIONAL } kind;
+    enum
+    {
+        RF_MODEL_POINT,
+        RF_MODEL_SPOT,
+        RF_MODEL_DIRECTIONAL
+    } kind;
     float color[3], intensity;
     float inner_angle, outer_angle; // radians, of spots
     int node;

@@ -26,7 +26,8 @@ static RfResult append( RfPlyReader* r, uint32_t triangles )
 {
     RfModelMesh* m = r->mesh;
     if ( triangles > MAX_TRIANGLES - m->triangle_count )
-        return rf_fail( r->file.error, RF_ERROR_UNSUPPORTED, "%s: has more than %u triangles: split it", r->file.path, MAX_TRIANGLES );
+        return rf_fail( r->file.error, RF_ERROR_UNSUPPORTED, "%s: has more than %u triangles: split it", r->file.path,
+                        MAX_TRIANGLES );
     if ( m->triangle_count + (size_t)triangles > r->triangle_room )
     {
         size_t room = 2 * r->triangle_room + triangles + 256;
@@ -59,7 +60,8 @@ static RfResult read_polygon( RfPlyReader* r, const RfPlyProperty* property, uin
         double value = 0.0;
         result = rf_ply_read_value( &r->file, property->type, &value );
         if ( result == RF_OK && !is_vertex( r, value ) )
-            return rf_ply_fail( &r->file, "corner %u of face %llu is vertex %.9g of %u", i, (unsigned long long)face, value, r->mesh->vertex_count );
+            return rf_ply_fail( &r->file, "corner %u of face %llu is vertex %.9g of %u", i, (unsigned long long)face, value,
+                                r->mesh->vertex_count );
         r->corners[i] = (uint32_t)value;
     }
     if ( result != RF_OK )
@@ -72,8 +74,9 @@ static RfResult read_polygon( RfPlyReader* r, const RfPlyProperty* property, uin
     r->cut_steps += (uint64_t)count * CUT_STEPS_PER_CORNER;
     RfCut cut = rf_cut_polygon( r->mesh->positions, r->corners, count, r->cut, &r->cut_steps );
     if ( cut == RF_CUT_GIVEN_UP )
-        return rf_fail( r->file.error, RF_ERROR_UNSUPPORTED, "%s: face %llu of %u corners takes too long to cut: cut it into triangles first",
-                        r->file.path, (unsigned long long)face, count );
+        return rf_fail( r->file.error, RF_ERROR_UNSUPPORTED,
+                        "%s: face %llu of %u corners takes too long to cut: cut it into triangles first", r->file.path,
+                        (unsigned long long)face, count );
     r->crossed += cut == RF_CUT_CROSSED;
     return append( r, count - 2 );
 }
@@ -91,7 +94,8 @@ static RfResult find_corners( const RfPlyReader* r, const RfPlyElement* element,
     if ( element->count > 0 && *list < 0 )
         return rf_ply_fail( &r->file, "element %s has no list vertex_indices", element->name );
     if ( element->count > 0 && !r->has_vertices )
-        return rf_ply_fail( &r->file, "its %s come before its vertices", strcmp( element->name, "face" ) == 0 ? "faces" : element->name );
+        return rf_ply_fail( &r->file, "its %s come before its vertices",
+                            strcmp( element->name, "face" ) == 0 ? "faces" : element->name );
     return RF_OK;
 }
 
@@ -132,8 +136,8 @@ static RfResult read_strips( RfPlyReader* r, const RfPlyProperty* property, uint
         result = rf_ply_read_value( &r->file, property->type, &value );
         bool ends = value == -1.0;
         if ( result == RF_OK && !ends && !is_vertex( r, value ) )
-            return rf_ply_fail( &r->file, "corner %u of tristrips %llu is vertex %.9g of %u, and not -1", i, (unsigned long long)element, value,
-                                r->mesh->vertex_count );
+            return rf_ply_fail( &r->file, "corner %u of tristrips %llu is vertex %.9g of %u, and not -1", i,
+                                (unsigned long long)element, value, r->mesh->vertex_count );
         if ( result == RF_OK && !ends )
             result = add_corner( r, (uint32_t)value, at );
         r->dropped += ends && at > 0 && at < 3;

@@ -18,7 +18,8 @@ RfResult rf_ply_fail( const RfPlyFile* file, const char* format, ... )
         snprintf( place, sizeof place, "line %llu", (unsigned long long)file->line );
     else
         snprintf( place, sizeof place, "byte %zu", file->at );
-    return rf_fail( file->error, RF_ERROR_FORMAT, "%s: %s: %s: not a PLY that can be read, write it anew", file->path, place, text );
+    return rf_fail( file->error, RF_ERROR_FORMAT, "%s: %s: %s: not a PLY that can be read, write it anew", file->path, place,
+                    text );
 }
 
 // The next line of the header without its end, in words.
@@ -61,8 +62,8 @@ static RfResult next_line( RfPlyFile* file, Line* line )
 static bool find_type( const char* word, RfPlyType* type )
 {
     static const char* const s_names[RF_PLY_TYPE_COUNT][2] = {
-        { "char", "int8" },   { "uchar", "uint8" }, { "short", "int16" },   { "ushort", "uint16" },
-        { "int", "int32" },   { "uint", "uint32" }, { "float", "float32" }, { "double", "float64" },
+        { "char", "int8" }, { "uchar", "uint8" }, { "short", "int16" },   { "ushort", "uint16" },
+        { "int", "int32" }, { "uint", "uint32" }, { "float", "float32" }, { "double", "float64" },
     };
     for ( int i = 0; i < RF_PLY_TYPE_COUNT; ++i )
     {

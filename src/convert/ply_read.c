@@ -44,7 +44,8 @@ static RfResult read_elements( RfPlyReader* r )
     if ( result == RF_OK )
         result = rf_ply_check_end( &r->file );
     if ( result == RF_OK && r->mesh->triangle_count == 0 )
-        return rf_fail( r->file.error, RF_ERROR_FORMAT, "%s: has no faces: points alone are not rendered, make a mesh of them", r->file.path );
+        return rf_fail( r->file.error, RF_ERROR_FORMAT, "%s: has no faces: points alone are not rendered, make a mesh of them",
+                        r->file.path );
     return result;
 }
 

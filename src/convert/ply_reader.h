@@ -14,9 +14,9 @@ typedef struct RfPlyReader
     size_t triangle_room;
     uint32_t *corners, *cut; // of the polygon at hand
     uint32_t corner_room;
-    uint64_t cut_steps; // left
+    uint64_t cut_steps;        // left
     uint64_t dropped, crossed; // faces and strips of less than three corners; faces that cross themselves
-    uint64_t clamped; // colours
+    uint64_t clamped;          // colours
 } RfPlyReader;
 
 // ply_vertices.c

@@ -7,7 +7,9 @@
 #define MAX_WORD 64
 
 static const uint8_t s_sizes[RF_PLY_TYPE_COUNT] = { 1, 1, 2, 2, 4, 4, 4, 8 };
-static const char* const s_type_names[RF_PLY_TYPE_COUNT] = { "char", "uchar", "short", "ushort", "int", "uint", "float", "double" };
+static const char* const s_type_names[RF_PLY_TYPE_COUNT] = {
+    "char", "uchar", "short", "ushort", "int", "uint", "float", "double"
+};
 
 // The fewest bytes that one value takes: in ascii a digit and what parts it
 // from the next.
@@ -19,8 +21,8 @@ static bool is_space( uint8_t c ) { return c == ' ' || c == '\t' || c == '\r' ||
 // where the word is none.
 static bool parse_decimal( const char* word, double* value )
 {
-    static const double s_tens[] = { 1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16,
-                                     1e17, 1e18, 1e19, 1e20, 1e21, 1e22 };
+    static const double s_tens[] = { 1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,  1e10, 1e11,
+                                     1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22 };
     const char* at = word + ( *word == '-' || *word == '+' );
     uint64_t digits = 0;
     int count = 0, exponent = 0, seen = 0;
@@ -156,7 +158,8 @@ RfResult rf_ply_read_count( RfPlyFile* file, const RfPlyProperty* property, uint
         return result;
     uint64_t room = ( file->size - file->at + 1 ) / least_bytes( file, property->type );
     if ( !( value >= 0.0 && value <= (double)room && value < 4294967295.0 ) )
-        return rf_ply_fail( file, "list %s has a length of %.0f, more than the file holds or less than nothing", property->name, value );
+        return rf_ply_fail( file, "list %s has a length of %.0f, more than the file holds or less than nothing", property->name,
+                            value );
     *count = (uint32_t)value;
     return RF_OK;
 }
@@ -165,10 +168,11 @@ RfResult rf_ply_check_element( const RfPlyFile* file, const RfPlyElement* elemen
 {
     uint64_t bytes = 0, left = file->size - file->at + 1; // the last word of an ascii file needs nothing after it
     for ( int i = 0; i < element->property_count; ++i )
-        bytes += least_bytes( file, element->properties[i].is_list ? element->properties[i].count_type : element->properties[i].type );
+        bytes +=
+            least_bytes( file, element->properties[i].is_list ? element->properties[i].count_type : element->properties[i].type );
     if ( bytes > 0 && element->count > left / bytes )
-        return rf_ply_fail( file, "%llu of element %s need more than the %zu bytes that are left", (unsigned long long)element->count,
-                            element->name, file->size - file->at );
+        return rf_ply_fail( file, "%llu of element %s need more than the %zu bytes that are left",
+                            (unsigned long long)element->count, element->name, file->size - file->at );
     return RF_OK;
 }
 
@@ -188,5 +192,6 @@ RfResult rf_ply_check_end( RfPlyFile* file )
         file->line += file->bytes[file->at++] == '\n';
     if ( file->at == file->size )
         return RF_OK;
-    return rf_ply_fail( file, "%zu bytes follow the last element: the header's counts do not fit the data", file->size - file->at );
+    return rf_ply_fail( file, "%zu bytes follow the last element: the header's counts do not fit the data",
+                        file->size - file->at );
 }

@@ -41,8 +41,8 @@ static int find( const RfPlyElement* element, const char* const* names )
 }
 
 // An array for the properties, which must all be there; NULL where they are not.
-static RfResult bind( RfPlyReader* r, const RfPlyElement* element, const char* const names[][4], int count, int stride, bool colour,
-                      float** values, Slot* slots )
+static RfResult bind( RfPlyReader* r, const RfPlyElement* element, const char* const names[][4], int count, int stride,
+                      bool colour, float** values, Slot* slots )
 {
     int properties[4];
     for ( int k = 0; k < count; ++k )
@@ -58,9 +58,11 @@ static RfResult bind( RfPlyReader* r, const RfPlyElement* element, const char* c
     {
         RfPlyType type = element->properties[properties[k]].type;
         if ( colour && type != RF_PLY_UINT8 && type != RF_PLY_UINT16 && type < RF_PLY_FLOAT32 )
-            return rf_ply_fail( &r->file, "property %s wants uchar, ushort or float: what is white is not known else", names[k][0] );
-        slots[properties[k]] = ( Slot ){ *values, stride, k, colour ? colour_scale( type ) : 1.0f, colour,
-                                        colour && type < RF_PLY_FLOAT32 && k < 3 };
+            return rf_ply_fail( &r->file, "property %s wants uchar, ushort or float: what is white is not known else",
+                                names[k][0] );
+        slots[properties[k]] = ( Slot ){ *values, stride,
+                                         k,       colour ? colour_scale( type ) : 1.0f,
+                                         colour,  colour && type < RF_PLY_FLOAT32 && k < 3 };
     }
     return RF_OK;
 }
@@ -113,7 +115,8 @@ RfResult rf_ply_read_vertices( RfPlyReader* r, const RfPlyElement* element )
         return rf_ply_fail( &r->file, "has two elements of the name vertex" );
     r->has_vertices = true;
     if ( element->count > MAX_VERTICES )
-        return rf_fail( r->file.error, RF_ERROR_UNSUPPORTED, "%s: has more than %u vertices: split it", r->file.path, MAX_VERTICES );
+        return rf_fail( r->file.error, RF_ERROR_UNSUPPORTED, "%s: has more than %u vertices: split it", r->file.path,
+                        MAX_VERTICES );
     if ( element->count == 0 )
         return RF_OK;
     RfResult result = bind_vertices( r, element, slots );
@@ -121,7 +124,8 @@ RfResult rf_ply_read_vertices( RfPlyReader* r, const RfPlyElement* element )
     for ( uint64_t i = 0; result == RF_OK && i < element->count; ++i )
     {
         for ( int k = 0; result == RF_OK && k < element->property_count; ++k )
-            result = slots[k].values != NULL ? store( r, element->properties + k, slots + k, i ) : rf_ply_skip( &r->file, element->properties + k );
+            result = slots[k].values != NULL ? store( r, element->properties + k, slots + k, i )
+                                             : rf_ply_skip( &r->file, element->properties + k );
     }
     return result;
 }
@@ -153,5 +157,6 @@ void rf_ply_finish_vertices( RfPlyReader* r )
         rf_warn( r->log, "%s: %llu values of colours are not between 0 and 1: taken as the nearer of them", r->file.path,
                  (unsigned long long)r->clamped );
     if ( r->crossed > 0 )
-        rf_warn( r->log, "%s: %llu faces cross themselves: they are cut as they come", r->file.path, (unsigned long long)r->crossed );
+        rf_warn( r->log, "%s: %llu faces cross themselves: they are cut as they come", r->file.path,
+                 (unsigned long long)r->crossed );
 }

@@ -35,7 +35,8 @@ static Plane find_plane( const float* positions, const uint32_t* corners, uint32
 // Twice the area of a triangle; below 0 where it turns the wrong way.
 static double area( const Plane* plane, uint32_t a, uint32_t b, uint32_t c )
 {
-    const float *p = plane->positions + 3 * (size_t)a, *q = plane->positions + 3 * (size_t)b, *r = plane->positions + 3 * (size_t)c;
+    const float *p = plane->positions + 3 * (size_t)a, *q = plane->positions + 3 * (size_t)b,
+                *r = plane->positions + 3 * (size_t)c;
     double x1 = (double)q[plane->u] - (double)p[plane->u], y1 = (double)q[plane->v] - (double)p[plane->v];
     double x2 = (double)r[plane->u] - (double)p[plane->u], y2 = (double)r[plane->v] - (double)p[plane->v];
     return plane->sign * ( x1 * y2 - x2 * y1 );

@@ -9,9 +9,9 @@ typedef struct RfImporterRun
 {
     const char* program; // path of reframe-import, see rf_find_importer
     const char* source;
-    const char* target;  // written whole or not at all, replaced where it is there
-    size_t memory;       // bytes of address space it may take
-    double seconds;      // of wall clock, then it is killed
+    const char* target; // written whole or not at all, replaced where it is there
+    size_t memory;      // bytes of address space it may take
+    double seconds;     // of wall clock, then it is killed
     bool z_up;
     double scale;
     bool ( *is_interrupted )( void ); // asked several times a second; or NULL

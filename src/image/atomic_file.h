@@ -10,11 +10,11 @@
 
 typedef struct RfAtomicFile
 {
-    const char* path;    // as the caller named it; must outlive this
-    int fd;              // open for reading and writing
-    int folder;          // descriptor of the folder
-    char base[256];      // the final name inside the folder
-    char temporary[64];  // the present name inside the folder
+    const char* path;   // as the caller named it; must outlive this
+    int fd;             // open for reading and writing
+    int folder;         // descriptor of the folder
+    char base[256];     // the final name inside the folder
+    char temporary[64]; // the present name inside the folder
 } RfAtomicFile;
 
 // Makes the temporary file. A symbolic link as the last component is followed.

@@ -47,8 +47,9 @@ RfResult rf_check_sides( const RfEncoded* in, long long width, long long height,
     if ( width < 1 || height < 1 )
         return rf_fail( error, RF_ERROR_FORMAT, "%s: an image of %lldx%lld pixels cannot be", in->name, width, height );
     if ( width > RF_DECODE_MAX_SIDE || height > RF_DECODE_MAX_SIDE )
-        return rf_fail( error, RF_ERROR_UNSUPPORTED, "%s: an image of %lldx%lld pixels, at most %d a side are read: scale it down",
-                        in->name, width, height, RF_DECODE_MAX_SIDE );
+        return rf_fail( error, RF_ERROR_UNSUPPORTED,
+                        "%s: an image of %lldx%lld pixels, at most %d a side are read: scale it down", in->name, width, height,
+                        RF_DECODE_MAX_SIDE );
     return RF_OK;
 }
 
@@ -60,8 +61,9 @@ RfResult rf_create_pixels( const RfEncoded* in, long long width, long long heigh
     // at most 2^28 pixels of 16 bytes
     uint64_t bytes = (uint64_t)width * (uint64_t)height * (uint64_t)out->channels * sample_size( out );
     if ( bytes > RF_DECODE_MAX_BYTES )
-        return rf_fail( error, RF_ERROR_UNSUPPORTED, "%s: an image of %lldx%lld pixels takes %llu MiB, at most %llu are read: scale it down",
-                        in->name, width, height, (unsigned long long)( bytes >> 20 ), (unsigned long long)( RF_DECODE_MAX_BYTES >> 20 ) );
+        return rf_fail( error, RF_ERROR_UNSUPPORTED,
+                        "%s: an image of %lldx%lld pixels takes %llu MiB, at most %llu are read: scale it down", in->name, width,
+                        height, (unsigned long long)( bytes >> 20 ), (unsigned long long)( RF_DECODE_MAX_BYTES >> 20 ) );
     out->width = (int)width;
     out->height = (int)height;
     out->data = malloc( (size_t)bytes );

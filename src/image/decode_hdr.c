@@ -70,6 +70,7 @@ RfResult rf_decode_hdr( const RfEncoded* in, RfPixels* out, RfError* error )
     if ( source.cut_off )
         return rf_fail( error, RF_ERROR_FORMAT, "%s: damaged HDR: it is cut off", in->name );
     if ( out->data == NULL || width != out->width || height != out->height )
-        return rf_fail( error, RF_ERROR_FORMAT, "%s: damaged HDR: %s", in->name, out->data == NULL ? stbi_failure_reason() : "its size changes" );
+        return rf_fail( error, RF_ERROR_FORMAT, "%s: damaged HDR: %s", in->name,
+                        out->data == NULL ? stbi_failure_reason() : "its size changes" );
     return RF_OK;
 }

@@ -51,10 +51,7 @@ static void on_message( j_common_ptr jpeg, int level )
         stop( jpeg );
 }
 
-static void drop_message( j_common_ptr jpeg )
-{
-    (void)jpeg;
-}
+static void drop_message( j_common_ptr jpeg ) { (void)jpeg; }
 
 static void on_progress( j_common_ptr jpeg )
 {

@@ -51,8 +51,8 @@ static RfResult read_header( Reader* reader )
     // sizes are checked with a better line than libpng's
     png_set_user_limits( png, 0x7fffffff, 0x7fffffff );
     png_read_info( png, reader->info );
-    RfResult result = rf_check_sides( reader->in, png_get_image_width( png, reader->info ), png_get_image_height( png, reader->info ),
-                                      reader->error );
+    RfResult result = rf_check_sides( reader->in, png_get_image_width( png, reader->info ),
+                                      png_get_image_height( png, reader->info ), reader->error );
     if ( result != RF_OK )
         return result;
     png_set_expand( png ); // palettes and tRNS to RGB and alpha, few bits to 8

@@ -18,7 +18,7 @@ static float value_at( const RfPixels* pixels, size_t i )
     if ( pixels->type == RF_PIXELS_FLOAT )
         return ( (const float*)pixels->data )[i];
     return rf_srgb_to_linear( pixels->type == RF_PIXELS_U8 ? (float)( (const uint8_t*)pixels->data )[i] / 255.0f
-                                                          : (float)( (const uint16_t*)pixels->data )[i] / 65535.0f );
+                                                           : (float)( (const uint16_t*)pixels->data )[i] / 65535.0f );
 }
 
 #define MAX_RADIANCE 1e15f
@@ -34,8 +34,9 @@ static RfResult fill( const RfPixels* pixels, const char* path, float* rgb, RfEr
             float value = value_at( pixels, i * channels + ( grey ? 0 : c ) );
             // written so that NaN fails; what is brighter would leave the range of floats on its way
             if ( !( value >= 0.0f && value <= MAX_RADIANCE ) )
-                return rf_fail( error, RF_ERROR_FORMAT, "%s: pixel (%zu, %zu) is %g, light wants a number from 0 to %g: mend the image",
-                                path, i % width, i / width, (double)value, (double)MAX_RADIANCE );
+                return rf_fail( error, RF_ERROR_FORMAT,
+                                "%s: pixel (%zu, %zu) is %g, light wants a number from 0 to %g: mend the image", path, i % width,
+                                i / width, (double)value, (double)MAX_RADIANCE );
             rgb[3 * i + c] = value;
         }
     }

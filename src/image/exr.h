@@ -25,7 +25,7 @@ typedef struct RfExrChannel
     const char* name;
     const float* values; // of pixel (x, y): values[stride (y·width + x)]
     int stride;
-    bool half;           // 16 bits, clamped to ±65504; else 32
+    bool half; // 16 bits, clamped to ±65504; else 32
 } RfExrChannel;
 
 #define RF_EXR_MAX_CHANNELS 64 // R, G and B included
@@ -33,16 +33,16 @@ typedef struct RfExrChannel
 typedef struct RfExrOptions
 {
     RfExrCompression compression;
-    bool half;                     // R G B as half floats, clamped to ±65504; else 32-bit floats
-    int x, y;                      // where the first pixel lies: data and display window begin there
-    int fps_numerator;             // framesPerSecond; numerator 0: not written
+    bool half;         // R G B as half floats, clamped to ±65504; else 32-bit floats
+    int x, y;          // where the first pixel lies: data and display window begin there
+    int fps_numerator; // framesPerSecond; numerator 0: not written
     unsigned int fps_denominator;
-    bool has_camera;               // write the two matrices, row vectors as OpenEXR has them:
-    float world_to_camera[16];     // p_camera = p_world · M, 16 floats row by row
+    bool has_camera;           // write the two matrices, row vectors as OpenEXR has them:
+    float world_to_camera[16]; // p_camera = p_world · M, 16 floats row by row
     float world_to_ndc[16];
     const RfExrString* strings;
     int string_count;
-    const RfExrChannel* channels;  // further ones, in any order; their names differ
+    const RfExrChannel* channels; // further ones, in any order; their names differ
     int channel_count;
 } RfExrOptions;
 
@@ -91,8 +91,8 @@ RfResult rf_read_exr_channels( const char* path, const char* const* names, int c
 // A channel of a file.
 typedef struct RfExrName
 {
-    char* text;         // where the file has several parts behind its part's name: "beauty.depth.Z"
-    const char* own;    // as in its part: "depth.Z"
+    char* text;      // where the file has several parts behind its part's name: "beauty.depth.Z"
+    const char* own; // as in its part: "depth.Z"
     int part;
     RfExrWindow window; // of the part's data
 } RfExrName;
@@ -100,16 +100,16 @@ typedef struct RfExrName
 // What a file says of itself: the windows, the channels, the camera.
 typedef struct RfExrHeader
 {
-    int part;                         // with the colour; where there is none, the first that can be read
-    int x, y, width, height;          // its data window: the first pixel, the size
-    int display_x, display_y;         // display window
+    int part;                 // with the colour; where there is none, the first that can be read
+    int x, y, width, height;  // its data window: the first pixel, the size
+    int display_x, display_y; // display window
     int display_width, display_height;
-    int fps_numerator;                // framesPerSecond; 0: the file does not say
+    int fps_numerator; // framesPerSecond; 0: the file does not say
     unsigned int fps_denominator;
     bool has_world_to_ndc;
-    float world_to_ndc[16];           // as in RfExrOptions
+    float world_to_ndc[16]; // as in RfExrOptions
     int channel_count;
-    RfExrName* channels;              // of all parts that can be read
+    RfExrName* channels; // of all parts that can be read
 } RfExrHeader;
 
 // Reads what is said of the part with the colour, or with `layer`, which may be missing

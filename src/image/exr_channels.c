@@ -53,8 +53,8 @@ static void append_name( char* text, size_t size, const char* name, size_t lengt
 
 // Counts the layers, all and those named "…Combined"; leaves the one to be read,
 // where the counts say there is one, in `channels`.
-static void find_layers( const exr_attr_chlist_t* list, RfExrChannels* channels, int* layers, int* combined,
-                         char* text, size_t size )
+static void find_layers( const exr_attr_chlist_t* list, RfExrChannels* channels, int* layers, int* combined, char* text,
+                         size_t size )
 {
     for ( int i = 0; i < list->num_channels; ++i )
     {
@@ -83,8 +83,8 @@ static RfResult find_luminance( const RfExrStream* stream, const exr_attr_chlist
 {
     const exr_attr_chlist_entry_t* entry = find_channel( list, "", 0, "Y" );
     if ( entry != NULL && ( find_channel( list, "", 0, "RY" ) != NULL || find_channel( list, "", 0, "BY" ) != NULL ) )
-        return rf_fail( error, RF_ERROR_UNSUPPORTED,
-                        "%s: is stored as luminance and chroma (Y, RY, BY): convert it to R, G, B", stream->path );
+        return rf_fail( error, RF_ERROR_UNSUPPORTED, "%s: is stored as luminance and chroma (Y, RY, BY): convert it to R, G, B",
+                        stream->path );
     if ( entry != NULL )
     {
         *channels = ( RfExrChannels ){ .names = { entry->name.str }, .count = 1 };
@@ -102,8 +102,7 @@ RfResult rf_check_exr_channel( const RfExrStream* stream, const exr_attr_chlist_
     if ( entry == NULL )
         return rf_fail( error, RF_ERROR_FORMAT, "%s: has no channel %s", stream->path, name );
     if ( entry->x_sampling != 1 || entry->y_sampling != 1 )
-        return rf_fail( error, RF_ERROR_UNSUPPORTED, "%s: channel %s is subsampled: store it at full size", stream->path,
-                        name );
+        return rf_fail( error, RF_ERROR_UNSUPPORTED, "%s: channel %s is subsampled: store it at full size", stream->path, name );
     return RF_OK;
 }
 
@@ -117,8 +116,8 @@ RfResult rf_find_exr_channels( const RfExrStream* stream, const exr_attr_chlist_
         find_layers( list, channels, &layers, &combined, text, sizeof text );
         channels->count = layers;
         if ( layers > 1 && combined != 1 )
-            return rf_fail( error, RF_ERROR_UNSUPPORTED, "%s: has more than one layer of colour: %s: %s", stream->path,
-                            text, advice );
+            return rf_fail( error, RF_ERROR_UNSUPPORTED, "%s: has more than one layer of colour: %s: %s", stream->path, text,
+                            advice );
         channels->count = layers == 0 ? 0 : 3;
         RfResult result = layers == 0 ? find_luminance( stream, list, channels, error ) : RF_OK;
         if ( result != RF_OK )

@@ -19,8 +19,8 @@ static RfResult read_windows( const RfExrPart* part, RfExrHeader* header, RfErro
     if ( code != EXR_ERR_SUCCESS )
         return rf_fail_exr( part->stream, code, "its header cannot be read", error );
     if ( width < 1 || height < 1 || width > INT32_MAX || height > INT32_MAX )
-        return rf_fail( error, RF_ERROR_FORMAT, "%s: its display window of %lldx%lld pixels is out of bounds",
-                        part->stream->path, (long long)width, (long long)height );
+        return rf_fail( error, RF_ERROR_FORMAT, "%s: its display window of %lldx%lld pixels is out of bounds", part->stream->path,
+                        (long long)width, (long long)height );
     header->part = part->index;
     header->x = part->window.min.x;
     header->y = part->window.min.y;
@@ -38,7 +38,8 @@ static void read_camera( const RfExrPart* part, RfExrHeader* header )
 {
     exr_attr_m44f_t matrix;
     for ( int i = -1; i < part->count && !header->has_world_to_ndc; ++i )
-        header->has_world_to_ndc = exr_attr_get_m44f( part->context, i < 0 ? part->index : i, "worldToNDC", &matrix ) == EXR_ERR_SUCCESS;
+        header->has_world_to_ndc =
+            exr_attr_get_m44f( part->context, i < 0 ? part->index : i, "worldToNDC", &matrix ) == EXR_ERR_SUCCESS;
     if ( header->has_world_to_ndc )
         memcpy( header->world_to_ndc, matrix.m, sizeof header->world_to_ndc );
 }
@@ -48,7 +49,8 @@ static void read_fps( const RfExrPart* part, RfExrHeader* header )
     exr_attr_rational_t fps;
     for ( int i = -1; i < part->count && header->fps_numerator == 0; ++i )
     {
-        if ( exr_attr_get_rational( part->context, i < 0 ? part->index : i, "framesPerSecond", &fps ) != EXR_ERR_SUCCESS || fps.num < 1 || fps.denom < 1 )
+        if ( exr_attr_get_rational( part->context, i < 0 ? part->index : i, "framesPerSecond", &fps ) != EXR_ERR_SUCCESS ||
+             fps.num < 1 || fps.denom < 1 )
             continue;
         header->fps_numerator = fps.num;
         header->fps_denominator = fps.denom;
@@ -159,7 +161,8 @@ const RfExrName* rf_find_exr_name( const RfExrHeader* header, const char* name, 
         const RfExrName* channel = header->channels + i;
         if ( is_name( channel->text, name, length ) )
             return channel;
-        if ( is_name( channel->own, name, length ) && ( found == NULL || ( channel->part == header->part && found->part != header->part ) ) )
+        if ( is_name( channel->own, name, length ) &&
+             ( found == NULL || ( channel->part == header->part && found->part != header->part ) ) )
             found = channel;
     }
     return found;

@@ -58,8 +58,8 @@ static RfResult check_window( RfExrPart* part, RfError* error )
     int64_t height = (int64_t)part->window.max.y - part->window.min.y + 1;
     int64_t most = part->stream->max_bytes > 0 ? (int64_t)( part->stream->max_bytes / ( 3 * sizeof( float ) ) ) : MAX_PIXELS;
     if ( width < 1 || height < 1 || width > most || height > most / width )
-        return rf_fail( error, RF_ERROR_FORMAT, "%s: its data window of %lldx%lld pixels is out of bounds",
-                        part->stream->path, (long long)width, (long long)height );
+        return rf_fail( error, RF_ERROR_FORMAT, "%s: its data window of %lldx%lld pixels is out of bounds", part->stream->path,
+                        (long long)width, (long long)height );
     part->width = (int)width;
     part->height = (int)height;
     return RF_OK;
@@ -82,10 +82,7 @@ RfResult rf_open_exr_part( RfExrStream* stream, int index, RfExrPart* part, RfEr
     return result;
 }
 
-void rf_close_exr_part( RfExrPart* part )
-{
-    exr_finish( &part->context );
-}
+void rf_close_exr_part( RfExrPart* part ) { exr_finish( &part->context ); }
 
 // Little-endian samples, as in the file, to floats.
 static void convert_line( const uint8_t* samples, int count, exr_pixel_type_t type, float* out )
@@ -120,8 +117,8 @@ static int channel_index( const Reader* reader, const char* name )
 }
 
 // One line of channel c; false where it lies outside the image.
-static bool unpack_line( const Reader* reader, const exr_coding_channel_info_t* channel, int c,
-                         const uint8_t* samples, int64_t line )
+static bool unpack_line( const Reader* reader, const exr_coding_channel_info_t* channel, int c, const uint8_t* samples,
+                         int64_t line )
 {
     const RfExrPart* part = reader->part;
     int64_t y = reader->y + line;
@@ -192,7 +189,8 @@ static RfResult read_scanlines( Reader* reader, RfError* error )
     for ( int64_t y = 0; y < reader->part->height; y += lines )
     {
         exr_chunk_info_t chunk = { 0 };
-        code = exr_read_scanline_chunk_info( reader->part->context, reader->part->index, (int)( reader->part->window.min.y + y ), &chunk );
+        code = exr_read_scanline_chunk_info( reader->part->context, reader->part->index, (int)( reader->part->window.min.y + y ),
+                                             &chunk );
         if ( code != EXR_ERR_SUCCESS )
             return rf_fail_exr( reader->part->stream, code, "its pixels cannot be read", error );
         RfResult result = read_chunk( reader, &chunk, 0, y, error );
@@ -213,8 +211,8 @@ static RfResult read_tiles( Reader* reader, RfError* error )
         for ( int64_t x = 0; x < reader->part->width; x += width )
         {
             exr_chunk_info_t chunk = { 0 };
-            code = exr_read_tile_chunk_info( reader->part->context, reader->part->index, (int)( x / width ), (int)( y / height ), 0, 0,
-                                             &chunk );
+            code = exr_read_tile_chunk_info( reader->part->context, reader->part->index, (int)( x / width ), (int)( y / height ),
+                                             0, 0, &chunk );
             if ( code != EXR_ERR_SUCCESS )
                 return rf_fail_exr( reader->part->stream, code, "its tiles cannot be read", error );
             RfResult result = read_chunk( reader, &chunk, x, y, error );

@@ -54,8 +54,8 @@ static int64_t read_bytes( exr_const_context_t context, void* user, void* buffer
     return (int64_t)done;
 }
 
-static int64_t write_bytes( exr_const_context_t context, void* user, const void* buffer, uint64_t size,
-                            uint64_t offset, exr_stream_error_func_ptr_t report )
+static int64_t write_bytes( exr_const_context_t context, void* user, const void* buffer, uint64_t size, uint64_t offset,
+                            exr_stream_error_func_ptr_t report )
 {
     (void)context;
     (void)report;

@@ -15,8 +15,8 @@
 
 typedef struct RfExrStream
 {
-    const char* path;  // for messages
-    int fd;            // stays the caller's
+    const char* path;           // for messages
+    int fd;                     // stays the caller's
     const unsigned char* bytes; // read from these instead, where not NULL
     size_t size;
     int max_side;      // 0: RF_EXR_MAX_SIDE
@@ -46,7 +46,7 @@ RfResult rf_read_exr_stream( RfExrStream* stream, RfImage* image, RfError* error
 typedef struct RfExrPart
 {
     RfExrStream* stream;
-    int index, count;        // which part it is of how many
+    int index, count; // which part it is of how many
     exr_context_t context;
     exr_attr_box2i_t window; // of the data
     int width, height;       // of it

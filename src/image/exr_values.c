@@ -69,9 +69,11 @@ static RfResult find_wanted( const char* path, const RfExrHeader* header, const 
             return rf_fail( error, RF_ERROR_FORMAT, "%s: has no channel %s", path, names[i] );
         const RfExrWindow *first = &wanted[0]->window, *now = &wanted[i]->window;
         if ( memcmp( first, now, sizeof *now ) != 0 )
-            return rf_fail( error, RF_ERROR_FORMAT, "%.400s: %.64s has %dx%d pixels from (%d, %d) on, %.64s %dx%d from (%d, %d) on: "
-                                                    "store its parts with one data window",
-                            path, names[0], first->width, first->height, first->x, first->y, names[i], now->width, now->height, now->x, now->y );
+            return rf_fail( error, RF_ERROR_FORMAT,
+                            "%.400s: %.64s has %dx%d pixels from (%d, %d) on, %.64s %dx%d from (%d, %d) on: "
+                            "store its parts with one data window",
+                            path, names[0], first->width, first->height, first->x, first->y, names[i], now->width, now->height,
+                            now->x, now->y );
     }
     return RF_OK;
 }

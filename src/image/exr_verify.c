@@ -28,8 +28,7 @@ static void compare_line( void* user, int c, int x, int y, const float* values, 
 {
     Check* check = user;
     const RfExrChannel* channel = check->channels + c;
-    const float* source = channel->values +
-                          (size_t)channel->stride * ( (size_t)y * (size_t)check->width + (size_t)x );
+    const float* source = channel->values + (size_t)channel->stride * ( (size_t)y * (size_t)check->width + (size_t)x );
     for ( int i = 0; i < count && check->same; ++i )
     {
         const float* value = source + (size_t)channel->stride * (size_t)i;
@@ -38,8 +37,7 @@ static void compare_line( void* user, int c, int x, int y, const float* values, 
     check->values += (size_t)count;
 }
 
-RfResult rf_verify_exr( const RfExrStream* written, const RfExrChannel* channels, int count, const RfImage* size,
-                        RfError* error )
+RfResult rf_verify_exr( const RfExrStream* written, const RfExrChannel* channels, int count, const RfImage* size, RfError* error )
 {
     RfExrStream stream = { .path = written->path, .fd = written->fd };
     RfExrPart part;

@@ -15,23 +15,19 @@ typedef struct Writer
     int channel_count;
     exr_encode_pipeline_t pipeline;
     exr_result_t ( *compress )( exr_encode_pipeline_t* ); // the library's
-    bool started; // the pipeline has been initialised
+    bool started;                                         // the pipeline has been initialised
 } Writer;
 
-RfExrOptions rf_default_exr_options( void )
-{
-    return ( RfExrOptions ){ .compression = RF_EXR_ZIP, .half = true };
-}
+RfExrOptions rf_default_exr_options( void ) { return ( RfExrOptions ){ .compression = RF_EXR_ZIP, .half = true }; }
 
 static RfResult check_options( const char* path, const RfImage* image, const RfExrOptions* options, RfError* error )
 {
     if ( image->rgb == NULL || image->width < 1 || image->height < 1 )
         return rf_fail( error, RF_ERROR_USAGE, "%s: an image without pixels cannot be written", path );
     if ( image->width > RF_EXR_MAX_SIDE || image->height > RF_EXR_MAX_SIDE )
-        return rf_fail( error, RF_ERROR_USAGE, "%s: %dx%d pixels cannot be written: a side has at most %d", path,
-                        image->width, image->height, RF_EXR_MAX_SIDE );
-    if ( options->compression != RF_EXR_NONE && options->compression != RF_EXR_ZIP &&
-         options->compression != RF_EXR_PIZ )
+        return rf_fail( error, RF_ERROR_USAGE, "%s: %dx%d pixels cannot be written: a side has at most %d", path, image->width,
+                        image->height, RF_EXR_MAX_SIDE );
+    if ( options->compression != RF_EXR_NONE && options->compression != RF_EXR_ZIP && options->compression != RF_EXR_PIZ )
         return rf_fail( error, RF_ERROR_USAGE, "%s: the compression is none of none, zip, piz", path );
     if ( options->channel_count < 0 || options->channel_count > RF_EXR_MAX_CHANNELS - 3 )
         return rf_fail( error, RF_ERROR_USAGE, "%s: %d channels cannot be written: at most %d and R, G, B", path,
@@ -117,9 +113,11 @@ static exr_result_t set_window( Writer* writer, exr_compression_t compression )
 {
     const RfExrOptions* options = writer->options;
     exr_attr_box2i_t window = { .min = { .x = options->x, .y = options->y },
-                                .max = { .x = options->x + ( writer->image->width - 1 ), .y = options->y + ( writer->image->height - 1 ) } };
+                                .max = { .x = options->x + ( writer->image->width - 1 ),
+                                         .y = options->y + ( writer->image->height - 1 ) } };
     const exr_attr_v2f_t center = { .x = 0.0f, .y = 0.0f };
-    return exr_initialize_required_attr( writer->context, 0, &window, &window, 1.0f, &center, 1.0f, EXR_LINEORDER_INCREASING_Y, compression );
+    return exr_initialize_required_attr( writer->context, 0, &window, &window, 1.0f, &center, 1.0f, EXR_LINEORDER_INCREASING_Y,
+                                         compression );
 }
 
 static exr_result_t write_header( Writer* writer )
@@ -206,7 +204,8 @@ static exr_result_t compress( exr_encode_pipeline_t* pipeline )
 {
     const Writer* writer = pipeline->encoding_user_data;
     exr_result_t code = writer->compress( pipeline );
-    if ( code == EXR_ERR_SUCCESS && pipeline->compressed_bytes == pipeline->packed_bytes && pipeline->compressed_buffer != pipeline->packed_buffer )
+    if ( code == EXR_ERR_SUCCESS && pipeline->compressed_bytes == pipeline->packed_bytes &&
+         pipeline->compressed_buffer != pipeline->packed_buffer )
         memcpy( pipeline->compressed_buffer, pipeline->packed_buffer, pipeline->packed_bytes );
     return code;
 }

@@ -33,16 +33,16 @@ typedef enum RfFilmCombine
 
 // Bytes of a half, and of the doubles that it is emptied into.
 static inline size_t rf_film_half_bytes( int width, int height ) { return (size_t)width * (size_t)height * 4 * sizeof( float ); }
-static inline size_t rf_film_total_bytes( int width, int height ) { return (size_t)width * (size_t)height * 4 * sizeof( double ); }
+static inline size_t rf_film_total_bytes( int width, int height )
+{
+    return (size_t)width * (size_t)height * 4 * sizeof( double );
+}
 
 static inline size_t rf_film_extra_bytes( int width, int height ) { return (size_t)width * (size_t)height * sizeof( float ); }
 
 // Passes after which a half must be emptied where a pass adds to a pixel about
 // `samples` times.
-static inline int rf_film_total_every( int samples )
-{
-    return samples < RF_FILM_ADDITIONS ? RF_FILM_ADDITIONS / samples : 1;
-}
+static inline int rf_film_total_every( int samples ) { return samples < RF_FILM_ADDITIONS ? RF_FILM_ADDITIONS / samples : 1; }
 
 // Does a film of so many passes need totals?
 static inline bool rf_film_needs_total( int64_t passes, int total_every ) { return passes > total_every; }

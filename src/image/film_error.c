@@ -17,8 +17,8 @@
 #define SIDE ( 2 * REACH + 1 )
 #define LIKENESS 0.3 // of the larger one, that two may differ by
 #define DARK 0.001   // and besides
-#define EDGE 2.0 // times what it is like, and more, has an edge that few samples hit
-#define STRIP 64 // columns at once
+#define EDGE 2.0     // times what it is like, and more, has an edge that few samples hit
+#define STRIP 64     // columns at once
 #define COLUMNS ( STRIP + 2 * REACH )
 
 // Columns [first, end) of the film with the rows around the one that is looked

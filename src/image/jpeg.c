@@ -27,14 +27,12 @@ static void stop( j_common_ptr jpeg )
     char message[JMSG_LENGTH_MAX] = "";
     jpeg->err->format_message( jpeg, message );
     bool memory = jpeg->err->msg_code == JERR_OUT_OF_MEMORY;
-    writer->result = rf_fail( writer->error, memory ? RF_ERROR_MEMORY : RF_ERROR_IO, "%s: no JPEG can be made: %s", writer->name, message );
+    writer->result =
+        rf_fail( writer->error, memory ? RF_ERROR_MEMORY : RF_ERROR_IO, "%s: no JPEG can be made: %s", writer->name, message );
     longjmp( writer->back, 1 );
 }
 
-static void drop_message( j_common_ptr jpeg )
-{
-    (void)jpeg;
-}
+static void drop_message( j_common_ptr jpeg ) { (void)jpeg; }
 
 // Runs under the setjmp of its caller and keeps nothing in locals that it needs.
 static void write_rows( Writer* writer, const unsigned char* rgb, int width, int height, int quality )
@@ -59,8 +57,8 @@ static void write_rows( Writer* writer, const unsigned char* rgb, int width, int
     jpeg_finish_compress( jpeg );
 }
 
-RfResult rf_encode_jpeg( const unsigned char* rgb, int width, int height, int quality, const char* name,
-                         unsigned char** bytes, size_t* size, RfError* error )
+RfResult rf_encode_jpeg( const unsigned char* rgb, int width, int height, int quality, const char* name, unsigned char** bytes,
+                         size_t* size, RfError* error )
 {
     *bytes = NULL;
     *size = 0;

@@ -12,7 +12,7 @@
 // full size. `quality` goes from 1 to 100. The caller frees *bytes. `name` begins
 // the error line. Fails with RF_ERROR_USAGE where a side is out of bounds,
 // RF_ERROR_MEMORY.
-RfResult rf_encode_jpeg( const unsigned char* rgb, int width, int height, int quality, const char* name,
-                         unsigned char** bytes, size_t* size, RfError* error );
+RfResult rf_encode_jpeg( const unsigned char* rgb, int width, int height, int quality, const char* name, unsigned char** bytes,
+                         size_t* size, RfError* error );
 
 #endif

@@ -24,8 +24,7 @@ static void keep_error( png_structp png, png_const_charp message )
 {
     Writer* writer = png_get_error_ptr( png );
     if ( writer->result == RF_OK ) // else the line is already there
-        writer->result = rf_fail( writer->error, RF_ERROR_IO, "%s: cannot be written: libpng: %s", writer->file.path,
-                                  message );
+        writer->result = rf_fail( writer->error, RF_ERROR_IO, "%s: cannot be written: libpng: %s", writer->file.path, message );
     longjmp( writer->out, 1 );
 }
 
@@ -76,8 +75,8 @@ static void write_rows( Writer* writer, const RfImage* image, float exposure )
     png_set_write_fn( writer->png, writer, write_bytes, flush_bytes );
     // the library's own bound is a million pixels a side
     png_set_user_limits( writer->png, 0x7fffffff, 0x7fffffff );
-    png_set_IHDR( writer->png, writer->info, (png_uint_32)image->width, (png_uint_32)image->height, 8,
-                  PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT );
+    png_set_IHDR( writer->png, writer->info, (png_uint_32)image->width, (png_uint_32)image->height, 8, PNG_COLOR_TYPE_RGB,
+                  PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT );
     png_set_sRGB( writer->png, writer->info, PNG_sRGB_INTENT_PERCEPTUAL );
     png_write_info( writer->png, writer->info );
     for ( int y = 0; y < image->height; ++y )

@@ -27,16 +27,12 @@ static Pattern split( const char* pattern )
     return parts;
 }
 
-bool rf_is_sequence( const char* pattern )
-{
-    return split( pattern ).run != NULL;
-}
+bool rf_is_sequence( const char* pattern ) { return split( pattern ).run != NULL; }
 
 static RfResult check_pattern( const char* pattern, const Pattern* parts, RfError* error )
 {
     if ( memchr( pattern, '#', (size_t)( parts->base - pattern ) ) != NULL )
-        return rf_fail( error, RF_ERROR_USAGE, "%s: a folder's name may not have '#', which stands for the frame",
-                        pattern );
+        return rf_fail( error, RF_ERROR_USAGE, "%s: a folder's name may not have '#', which stands for the frame", pattern );
     if ( parts->run != NULL && strchr( parts->run + parts->digits, '#' ) != NULL )
         return rf_fail( error, RF_ERROR_USAGE, "%s: has more than one run of '#': the frame wants one", pattern );
     return RF_OK;
@@ -105,8 +101,7 @@ static bool append( int** frames, int* count, int* room, int frame )
     return true;
 }
 
-static RfResult list_folder( const char* pattern, const Pattern* parts, DIR* folder, int** frames, int* count,
-                             RfError* error )
+static RfResult list_folder( const char* pattern, const Pattern* parts, DIR* folder, int** frames, int* count, RfError* error )
 {
     int room = 0;
     for ( ;; )

@@ -33,7 +33,8 @@ static bool read_embedded( RfImport* import, const char* name, uint8_t** bytes, 
         snprintf( own, sizeof own, "%s", texture->mFilename.data );
         for ( char* c = own; *c != 0; ++c )
             *c = *c == '\\' ? '/' : *c;
-        if ( texture->mHeight != 0 || texture->mWidth == 0 || ( strcmp( name, star ) != 0 && strcmp( last_part( name ), last_part( own ) ) != 0 ) )
+        if ( texture->mHeight != 0 || texture->mWidth == 0 ||
+             ( strcmp( name, star ) != 0 && strcmp( last_part( name ), last_part( own ) ) != 0 ) )
             continue;
         *size = texture->mWidth;
         *bytes = malloc( *size );
@@ -103,6 +104,7 @@ int rf_import_image( RfImport* import, const char* given )
         return -1;
     }
     snprintf( import->image_names[model->image_count], sizeof name, "%s", name );
-    model->images[model->image_count] = ( RfModelImage ){ .name = strdup( last_part( name ) ), .mime = mime, .bytes = bytes, .size = size };
+    model->images[model->image_count] =
+        ( RfModelImage ){ .name = strdup( last_part( name ) ), .mime = mime, .bytes = bytes, .size = size };
     return model->image_count++;
 }

@@ -18,8 +18,11 @@ static RfSourceFormat format_of( const char* path )
     {
         const char* ending;
         RfSourceFormat format;
-    } all[] = { { ".obj", RF_SOURCE_OBJ }, { ".ply", RF_SOURCE_PLY }, { ".dae", RF_SOURCE_COLLADA },
-                { ".zae", RF_SOURCE_COLLADA }, { ".fbx", RF_SOURCE_FBX } };
+    } all[] = { { ".obj", RF_SOURCE_OBJ },
+                { ".ply", RF_SOURCE_PLY },
+                { ".dae", RF_SOURCE_COLLADA },
+                { ".zae", RF_SOURCE_COLLADA },
+                { ".fbx", RF_SOURCE_FBX } };
     for ( size_t i = 0; i < sizeof all / sizeof all[0]; ++i )
     {
         if ( strcasecmp( dot, all[i].ending ) == 0 )
@@ -28,10 +31,7 @@ static RfSourceFormat format_of( const char* path )
     return RF_SOURCE_OTHER;
 }
 
-char* rf_import_text( const struct aiString* text )
-{
-    return text->length > 0 ? strdup( text->data ) : NULL;
-}
+char* rf_import_text( const struct aiString* text ) { return text->length > 0 ? strdup( text->data ) : NULL; }
 
 // Triangles in metres; points and lines in meshes of their own, to be counted
 // and left out. FBX pivots are folded into one node each.

@@ -22,9 +22,9 @@ typedef struct RfImport
     const char* path;
     RfSourceFormat format; // by the name's ending
     const struct aiScene* scene;
-    RfModel* model;        // filled
+    RfModel* model; // filled
     RfLog* log;
-    int* meshes;           // per mesh of assimp: that of the model, or −1
+    int* meshes;                 // per mesh of assimp: that of the model, or −1
     char ( *image_names )[1024]; // of the images taken so far, as the file names them
     int image_room;
 } RfImport;

@@ -65,10 +65,7 @@ static RfPhong read_phong( const RfImport* import, const struct aiMaterial* from
     return p;
 }
 
-static float largest( const float* color )
-{
-    return fmaxf( color[0], fmaxf( color[1], color[2] ) );
-}
+static float largest( const float* color ) { return fmaxf( color[0], fmaxf( color[1], color[2] ) ); }
 
 // Phong's cosⁿ lobe is about as wide as a GGX one of alpha = √(2 / (n + 2)),
 // and glTF's roughness is √alpha. Without a specular colour nothing shines.

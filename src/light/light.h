@@ -19,7 +19,7 @@ typedef struct RfLight
     RfVec3 radiance; // W/(m² sr); where textured about the mean: rf_light_radiance tells it at a point
     float pdf_area;  // density of its points, once it is picked: one over the area, 1/m²
     float area;
-    float offset;    // what lifts a point off it (rf_ray_offset)
+    float offset; // what lifts a point off it (rf_ray_offset)
     uint32_t triangle;
     bool two_sided;
     bool textured;
@@ -34,12 +34,12 @@ typedef struct RfLights
     int punctual_count;
     const RfPunctual* punctual; // the scene's own
     RfSky sky;
-    RfVec3 center;       // of a ball around the scene: what is beyond `radius` of it is as far as the sky
+    RfVec3 center; // of a ball around the scene: what is beyond `radius` of it is as far as the sky
     float radius;
     float inverse_radius;
-    RfLightTree tree;    // of all but the sky, in units of the ball; none where there are few lights
-    float sky_scale;     // of the sky's irradiance, to compare with the tree's weights
-    float* share;        // of each light in the power of all
+    RfLightTree tree;      // of all but the sky, in units of the ball; none where there are few lights
+    float sky_scale;       // of the sky's irradiance, to compare with the tree's weights
+    float* share;          // of each light in the power of all
     uint32_t* alias_share; // alias table, in units of 2⁻³²: below the share take the column, else its alias
     uint32_t* alias;
     uint32_t* of_triangle; // light of each triangle, or RF_NO_LIGHT; NULL without area lights
@@ -82,8 +82,8 @@ typedef struct RfLightPick
 RfLightPick rf_pick_light( const RfLights* lights, RfLightPicking picking, RfVec3 x, RfVec3 n, const uint32_t bits[2] );
 
 // The same for arrays of points.
-void rf_pick_lights( const RfLights* lights, RfLightPicking picking, int count, const float* const x[3],
-                     const float* const n[3], const uint32_t* const bits[2], RfLightPick* pick );
+void rf_pick_lights( const RfLights* lights, RfLightPicking picking, int count, const float* const x[3], const float* const n[3],
+                     const uint32_t* const bits[2], RfLightPick* pick );
 
 // With which chance that picks this light; above 0 unless it can send nothing to x.
 float rf_light_chance( const RfLights* lights, RfLightPicking picking, uint32_t light, RfVec3 x, RfVec3 n );

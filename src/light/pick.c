@@ -162,8 +162,8 @@ static void pick_block( const RfLights* lights, int count, const float* const x[
         pick[first + i] = end( d + i );
 }
 
-void rf_pick_lights( const RfLights* lights, RfLightPicking picking, int count, const float* const x[3],
-                     const float* const n[3], const uint32_t* const bits[2], RfLightPick* pick )
+void rf_pick_lights( const RfLights* lights, RfLightPicking picking, int count, const float* const x[3], const float* const n[3],
+                     const uint32_t* const bits[2], RfLightPick* pick )
 {
     if ( has_tree( lights, picking ) )
     {

@@ -17,7 +17,8 @@ static void set_axis( RfTreeLight* out, RfVec3 v )
 
 static void stretch( RfTreeLight* out, const RfLights* lights, RfVec3 p )
 {
-    double place[3] = { (double)p.x - (double)lights->center.x, (double)p.y - (double)lights->center.y, (double)p.z - (double)lights->center.z };
+    double place[3] = { (double)p.x - (double)lights->center.x, (double)p.y - (double)lights->center.y,
+                        (double)p.z - (double)lights->center.z };
     for ( int i = 0; i < 3; ++i )
     {
         place[i] *= (double)lights->inverse_radius;
@@ -28,15 +29,15 @@ static void stretch( RfTreeLight* out, const RfLights* lights, RfVec3 p )
 
 static RfTreeLight empty( uint32_t number )
 {
-    return ( RfTreeLight ){ .low = { INFINITY, INFINITY, INFINITY }, .high = { -INFINITY, -INFINITY, -INFINITY },
-                            .axis = { 0, 0, 1 }, .cos_spread = -1.0, .light = number };
+    return ( RfTreeLight ){ .low = { INFINITY, INFINITY, INFINITY },
+                            .high = { -INFINITY, -INFINITY, -INFINITY },
+                            .axis = { 0, 0, 1 },
+                            .cos_spread = -1.0,
+                            .light = number };
 }
 
 // Distances are in radii: intensities become irradiance over the squared radius.
-static double per_ball( const RfLights* lights )
-{
-    return (double)lights->inverse_radius * (double)lights->inverse_radius;
-}
+static double per_ball( const RfLights* lights ) { return (double)lights->inverse_radius * (double)lights->inverse_radius; }
 
 static RfTreeLight from_triangle( const RfLights* lights, uint32_t number )
 {

@@ -111,7 +111,8 @@ RfResult rf_make_sky( const RfEnvironment* e, RfSky* sky, RfError* error )
         if ( sky->row_sum == NULL || sky->column_sum == NULL || sky->row_density == NULL )
         {
             rf_destroy_sky( sky );
-            return rf_fail( error, RF_ERROR_MEMORY, "no memory for the sums of an environment of %d x %d pixels", e->width, e->height );
+            return rf_fail( error, RF_ERROR_MEMORY, "no memory for the sums of an environment of %d x %d pixels", e->width,
+                            e->height );
         }
         sky->mean_luminance = (float)sum_rows( e, sky );
         sky->lean = find_lean( sky, e );

@@ -12,9 +12,9 @@ typedef struct RfSky
     float mean_luminance; // over the sphere, W/(m² sr)
     RfVec3 lean;          // mean of luminance times direction: where most of it comes from
     // of a map: chances of its rows, and of the pixels within each, summed up
-    double* row_sum;   // height + 1
+    double* row_sum;    // height + 1
     float* row_density; // height: the row's share over the solid angle of one of its pixels
-    float* column_sum; // height × ( width + 1 )
+    float* column_sum;  // height × ( width + 1 )
 } RfSky;
 
 // A direction towards the sky and what comes from there.

@@ -44,13 +44,13 @@ typedef struct RfLightNode
     // much, a direction sees the lights as it would a plane one that faces along it.
     float cos_turn[RF_LIGHT_CHILDREN];
     float sin_turn[RF_LIGHT_CHILDREN];
-    float full[RF_LIGHT_CHILDREN]; // what is nearer to the axis than that sees one head on
+    float full[RF_LIGHT_CHILDREN];      // what is nearer to the axis than that sees one head on
     float intensity[RF_LIGHT_CHILDREN]; // seen head on
 } RfLightNode;
 
 typedef struct RfLightTree
 {
-    uint32_t node_count;  // node 0 is the root; 0: there is no tree
+    uint32_t node_count; // node 0 is the root; 0: there is no tree
     uint32_t node_room;
     RfLightNode* nodes;
     uint32_t* node_place; // of each node: its parent's number times RF_LIGHT_CHILDREN plus its place there

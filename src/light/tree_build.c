@@ -10,7 +10,7 @@
 #define ONE_AXIS_FROM 2000   // lights: more are cut along their longest axis
 #define CUT_IN_THE_MIDDLE 12 // from this depth on, so that no scene makes the tree deep
 #define PI 3.14159265358979324
-#define ROUNDING 1e-6        // what floats may be off, of sizes and coordinates
+#define ROUNDING 1e-6 // what floats may be off, of sizes and coordinates
 
 typedef struct Range
 {

@@ -39,8 +39,7 @@ static inline float rf_fused( float a, float b, float c )
 
 // c[0] + c[1] x + c[2] x² + c[3] x³ in two steps: loops over these functions
 // wait for results, not for free units, so short chains win over few operations.
-#define RF_CUBIC( x, x2, c0, c1, c2, c3 ) \
-    rf_fused( rf_fused( c3, x, c2 ), x2, rf_fused( c1, x, c0 ) )
+#define RF_CUBIC( x, x2, c0, c1, c2, c3 ) rf_fused( rf_fused( c3, x, c2 ), x2, rf_fused( c1, x, c0 ) )
 
 // Base-2 logarithm of a normal positive float, relative error < 2e-7, also
 // next to 1. Zero and subnormal numbers give about −127.

@@ -8,10 +8,7 @@ typedef struct RfMat4
     double m[16];
 } RfMat4;
 
-static inline RfMat4 rf_mat4_identity( void )
-{
-    return ( RfMat4 ){ { 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1 } };
-}
+static inline RfMat4 rf_mat4_identity( void ) { return ( RfMat4 ){ { 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1 } }; }
 
 static inline RfMat4 rf_mat4_mul( const RfMat4* a, const RfMat4* b )
 {
@@ -59,8 +56,7 @@ static inline void rf_mat4_apply( const RfMat4* a, const double p[3], double w, 
 static inline double rf_mat4_det3( const RfMat4* a )
 {
     const double* m = a->m;
-    return m[0] * ( m[5] * m[10] - m[9] * m[6] ) - m[4] * ( m[1] * m[10] - m[9] * m[2] ) +
-           m[8] * ( m[1] * m[6] - m[5] * m[2] );
+    return m[0] * ( m[5] * m[10] - m[9] * m[6] ) - m[4] * ( m[1] * m[10] - m[9] * m[2] ) + m[8] * ( m[1] * m[6] - m[5] * m[2] );
 }
 
 // out = cofactor matrix of the upper-left 3×3 · n: transforms normals, up to
@@ -69,12 +65,9 @@ static inline double rf_mat4_det3( const RfMat4* a )
 static inline void rf_mat4_apply_cofactor( const RfMat4* a, const double n[3], double out[3] )
 {
     const double* m = a->m;
-    out[0] = ( m[5] * m[10] - m[9] * m[6] ) * n[0] + ( m[2] * m[9] - m[1] * m[10] ) * n[1] +
-             ( m[1] * m[6] - m[2] * m[5] ) * n[2];
-    out[1] = ( m[8] * m[6] - m[4] * m[10] ) * n[0] + ( m[0] * m[10] - m[2] * m[8] ) * n[1] +
-             ( m[2] * m[4] - m[0] * m[6] ) * n[2];
-    out[2] = ( m[4] * m[9] - m[8] * m[5] ) * n[0] + ( m[1] * m[8] - m[0] * m[9] ) * n[1] +
-             ( m[0] * m[5] - m[1] * m[4] ) * n[2];
+    out[0] = ( m[5] * m[10] - m[9] * m[6] ) * n[0] + ( m[2] * m[9] - m[1] * m[10] ) * n[1] + ( m[1] * m[6] - m[2] * m[5] ) * n[2];
+    out[1] = ( m[8] * m[6] - m[4] * m[10] ) * n[0] + ( m[0] * m[10] - m[2] * m[8] ) * n[1] + ( m[2] * m[4] - m[0] * m[6] ) * n[2];
+    out[2] = ( m[4] * m[9] - m[8] * m[5] ) * n[0] + ( m[1] * m[8] - m[0] * m[9] ) * n[1] + ( m[0] * m[5] - m[1] * m[4] ) * n[2];
 }
 
 #endif

@@ -18,7 +18,7 @@
 
 #include "base/error.h"
 
-#define RF_BLOCK_SIDE 16   // pixels of the smallest blocks; those at the right and the lower border may be cut
+#define RF_BLOCK_SIDE 16    // pixels of the smallest blocks; those at the right and the lower border may be cut
 #define RF_FEWEST_BLOCKS 16 // of larger ones
 #define RF_FEWEST_STRIPS 8
 

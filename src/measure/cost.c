@@ -8,7 +8,7 @@
 #include <string.h>
 
 #define FIRST_PASSES 2
-#define WANTED_LEVELS 4    // as many as the budget is laid out for
+#define WANTED_LEVELS 4     // as many as the budget is laid out for
 #define FEWEST_PIXELS 20000 // of a picture: smaller ones are all set-up, and tiles reach too far in them
 #define PROBE_PIXELS 6000
 #define UNITS ( RF_COST_LEVELS * RF_COST_PLACES )
@@ -56,7 +56,8 @@ static RfResult try_both( Study* s, const RfTrialSite* site, int passes, uint64_
     {
         RfRenderSettings settings = s->settings[k];
         settings.seed = rf_mix64( settings.seed ^ rf_mix64( salt ) );
-        result = rf_run_trial( s->job->tracer, site, k == 0 ? site->frames : 1, passes, &settings, s->job->watch, trials + k, error );
+        result =
+            rf_run_trial( s->job->tracer, site, k == 0 ? site->frames : 1, passes, &settings, s->job->watch, trials + k, error );
     }
     return result;
 }
@@ -114,8 +115,10 @@ static void add_row( Study* s, int curve, RfCostCurve* c, int passes )
         cpu += part->cpu_seconds;
         samples += part->samples;
     }
-    c->rows[c->count++] = ( RfCostRow ){ .spp = passes, .seconds = frame_seconds( s->job, c, passes, wall / samples ),
-                                         .cpu_seconds = frame_seconds( s->job, c, passes, cpu / samples ), .relmse = relmse };
+    c->rows[c->count++] = ( RfCostRow ){ .spp = passes,
+                                         .seconds = frame_seconds( s->job, c, passes, wall / samples ),
+                                         .cpu_seconds = frame_seconds( s->job, c, passes, cpu / samples ),
+                                         .relmse = relmse };
 }
 
 // What finishing a frame takes is told by the first level.
@@ -132,8 +135,10 @@ static void settle_finish( Study* s, int curve, RfCostCurve* c )
 
 static RfCostPart part_of( const RfTrial* trial )
 {
-    return ( RfCostPart ){ .relmse = trial->relmse / trial->weight, .wall_seconds = trial->wall_seconds,
-                           .cpu_seconds = trial->cpu_seconds, .samples = trial->timed_samples };
+    return ( RfCostPart ){ .relmse = trial->relmse / trial->weight,
+                           .wall_seconds = trial->wall_seconds,
+                           .cpu_seconds = trial->cpu_seconds,
+                           .samples = trial->timed_samples };
 }
 
 static RfResult run_level( Study* s, int level, RfError* error )
@@ -220,7 +225,8 @@ static RfResult resolve( Study* s, RfError* error )
     RfGroupPlan groups = rf_plan_groups( job->eye_count, reuse->group, 1 );
     reuse->group = groups.eyes / 2;
     if ( reuse->group == 0 && reuse->tile.kind == RF_TILE_NONE )
-        return rf_fail( error, RF_ERROR_USAGE, "--group 0 --tile 1 is path tracing, which all is compared with: take a larger group or a tile" );
+        return rf_fail( error, RF_ERROR_USAGE,
+                        "--group 0 --tile 1 is path tracing, which all is compared with: take a larger group or a tile" );
     s->cost->plain = ( RfCostCurve ){ .group = 0, .eyes = 1, .tile = plain->tile };
     s->cost->reuse = ( RfCostCurve ){ .group = reuse->group, .eyes = groups.eyes, .tile = reuse->tile };
     return RF_OK;
@@ -240,7 +246,8 @@ RfResult rf_measure_cost( const RfCostJob* job, RfCost* cost, RfError* error )
     if ( s.unit_count > 0 )
         conclude( &s );
     if ( result == RF_OK && !( cost->plain.relmse > 0.0 && cost->reuse.relmse > 0.0 ) )
-        return rf_fail( error, RF_ERROR_SCENE, "the pictures have no error that can be measured: they are black, or hold what is no number" );
+        return rf_fail( error, RF_ERROR_SCENE,
+                        "the pictures have no error that can be measured: they are black, or hold what is no number" );
     return result;
 }
 

@@ -15,8 +15,8 @@
 // One curve's point: the mean over the places of the path.
 typedef struct RfCostRow
 {
-    int spp;            // native samples per pixel
-    double seconds;     // of a frame of the size asked for, on the clock
+    int spp;        // native samples per pixel
+    double seconds; // of a frame of the size asked for, on the clock
     double cpu_seconds;
     double relmse;
 } RfCostRow;
@@ -38,9 +38,9 @@ typedef struct RfCost
 {
     RfCostCurve plain, reuse;
     RfInterval speedup; // seconds of path tracing over those with reuse at equal error
-    int width, height; // of the pictures tried
+    int width, height;  // of the pictures tried
     int places;
-    double seconds;    // that it took
+    double seconds; // that it took
 } RfCost;
 
 typedef struct RfCostJob
@@ -50,9 +50,9 @@ typedef struct RfCostJob
     int eye_count;
     const int* frames; // asked for
     int frame_count;
-    const RfRenderSettings* settings; // those with reuse; spp does not matter
-    double budget;                    // seconds; the first level is always made
-    const RfTrialWatch* watch;        // may be NULL
+    const RfRenderSettings* settings;                         // those with reuse; spp does not matter
+    double budget;                                            // seconds; the first level is always made
+    const RfTrialWatch* watch;                                // may be NULL
     void ( *say )( void* user, const RfCost* cost, int spp ); // before each level; may be NULL
     void* user;
 } RfCostJob;

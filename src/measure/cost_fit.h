@@ -16,9 +16,9 @@ RfInterval rf_fit_slope( const double* x, const double* y, int count );
 // One of the two ways (0: path tracing, 1: with reuse) at a place and a count of samples.
 typedef struct RfCostPart
 {
-    double relmse;       // of a single sample
+    double relmse; // of a single sample
     double wall_seconds, cpu_seconds;
-    double samples;      // that these seconds were for
+    double samples; // that these seconds were for
 } RfCostPart;
 
 typedef struct RfCostUnit

@@ -7,10 +7,7 @@
 
 #define TRIMMED_PER_THOUSAND 1
 
-static int blocks_of( int side )
-{
-    return ( side + RF_BLOCK_SIDE - 1 ) / RF_BLOCK_SIDE;
-}
+static int blocks_of( int side ) { return ( side + RF_BLOCK_SIDE - 1 ) / RF_BLOCK_SIDE; }
 
 RfResult rf_create_summary( int width, int height, int frames, RfErrorSummary* summary, RfError* error )
 {
@@ -116,15 +113,14 @@ static double add_pixel( RfErrorSummary* summary, const float* image, const floa
     return sum;
 }
 
-static RfResult check_frame( const RfErrorSummary* summary, const RfImage* image, const RfImage* reference,
-                             RfError* error )
+static RfResult check_frame( const RfErrorSummary* summary, const RfImage* image, const RfImage* reference, RfError* error )
 {
     if ( image->width != reference->width || image->height != reference->height )
-        return rf_fail( error, RF_ERROR_FORMAT, "the image has %dx%d pixels, the reference %dx%d", image->width,
-                        image->height, reference->width, reference->height );
+        return rf_fail( error, RF_ERROR_FORMAT, "the image has %dx%d pixels, the reference %dx%d", image->width, image->height,
+                        reference->width, reference->height );
     if ( image->width != summary->width || image->height != summary->height )
-        return rf_fail( error, RF_ERROR_FORMAT, "the image has %dx%d pixels, frames before it %dx%d", image->width,
-                        image->height, summary->width, summary->height );
+        return rf_fail( error, RF_ERROR_FORMAT, "the image has %dx%d pixels, frames before it %dx%d", image->width, image->height,
+                        summary->width, summary->height );
     return RF_OK;
 }
 
@@ -150,8 +146,11 @@ RfResult rf_summary_add( RfErrorSummary* summary, const RfImage* image, const Rf
 
 RfErrorMetrics rf_summary_metrics( const RfErrorSummary* summary )
 {
-    RfErrorMetrics metrics = { .nan = summary->nan, .inf = summary->inf, .reference_nan = summary->reference_nan,
-                               .reference_inf = summary->reference_inf, .worst = summary->worst_pixel };
+    RfErrorMetrics metrics = { .nan = summary->nan,
+                               .inf = summary->inf,
+                               .reference_nan = summary->reference_nan,
+                               .reference_inf = summary->reference_inf,
+                               .worst = summary->worst_pixel };
     if ( summary->pixels == 0 || rf_has_no_error( &metrics ) )
     {
         metrics.relmse = metrics.relmse_trimmed = metrics.mse = metrics.max = NAN;

@@ -36,7 +36,7 @@ typedef struct RfErrorMetrics
     double bias, bias_low, bias_high; // low and high are NaN for a single block
     double reference_mean;            // of the reference, over pixels and channels
     RfWorstPixel worst;
-    size_t nan, inf;                  // pixels of the image with such a channel
+    size_t nan, inf;                     // pixels of the image with such a channel
     size_t reference_nan, reference_inf; // the same of the reference
 } RfErrorMetrics;
 
@@ -50,17 +50,17 @@ static inline bool rf_has_no_error( const RfErrorMetrics* m )
 typedef struct RfErrorSummary
 {
     int width, height;
-    int frames;                      // added so far
-    size_t pixels;                   // of them
-    double relative_sum;             // Σ of relative squared errors
-    double kept_sum;                 // the same without those in `worst`
-    double squared_sum, signed_sum;  // over pixels and channels
+    int frames;                     // added so far
+    size_t pixels;                  // of them
+    double relative_sum;            // Σ of relative squared errors
+    double kept_sum;                // the same without those in `worst`
+    double squared_sum, signed_sum; // over pixels and channels
     double max;
     size_t nan, inf, reference_nan, reference_inf;
-    double* worst;                   // min-heap of the largest relative errors
+    double* worst; // min-heap of the largest relative errors
     size_t worst_count, worst_room;
-    double reference_sum;            // Σ r̄
-    double* block_sums;              // Σ v_c − r_c in each block of all frames, row by row
+    double reference_sum; // Σ r̄
+    double* block_sums;   // Σ v_c − r_c in each block of all frames, row by row
     RfWorstPixel worst_pixel;
 } RfErrorSummary;
 

@@ -55,8 +55,8 @@ RfResult rf_measure_flicker( const RfFlickerFrame* now, const RfFlickerFrame* be
     *sums = ( RfFlickerSums ){ 0 };
     int height = now->signal.height;
     if ( now->signal.width != before->signal.width || height != before->signal.height )
-        return rf_fail( error, RF_ERROR_FORMAT, "frame %d has %dx%d pixels, frame %d %dx%d", now->number,
-                        now->signal.width, height, before->number, before->signal.width, before->signal.height );
+        return rf_fail( error, RF_ERROR_FORMAT, "frame %d has %dx%d pixels, frame %d %dx%d", now->number, now->signal.width,
+                        height, before->number, before->signal.width, before->signal.height );
     if ( compensate && now->motion == NULL )
         return rf_fail( error, RF_ERROR_USAGE, "frame %d has no motion to be compensated", now->number );
     RfFlickerSums* rows = calloc( (size_t)height, sizeof *rows );

@@ -26,7 +26,8 @@ static RfResult find_tail( const char* path, const RfExrHeader* header, const ch
             if ( ( k == 0 && channel->part != header->part ) || !has_tail( channel->text, tail ) )
                 continue;
             if ( *found != NULL )
-                return rf_fail( error, RF_ERROR_UNSUPPORTED, "%s: has both %s and %s: choose %s", path, *found, channel->text, how );
+                return rf_fail( error, RF_ERROR_UNSUPPORTED, "%s: has both %s and %s: choose %s", path, *found, channel->text,
+                                how );
             *found = channel->text;
         }
     }
@@ -94,7 +95,10 @@ static RfResult find_motion( const char* path, const RfExrHeader* header, RfFlic
 RfResult rf_find_variance_layers( const char* path, const RfExrHeader* header, RfFlickerLayers* layers, RfError* error )
 {
     static const char* const tails[3][2] = { // NULL at each end
-        { "variance.R" }, { "variance.G" }, { "variance.B" } };
+                                             { "variance.R" },
+                                             { "variance.G" },
+                                             { "variance.B" }
+    };
     for ( int c = 0; c < 3; ++c )
     {
         RfResult result = find_one( path, header, tails[c], "a file with one of them", layers->variance + c, error );
@@ -111,8 +115,8 @@ RfResult rf_find_flicker_layers( const char* path, const RfExrHeader* header, co
 {
     static const char* const depths[] = { "depth.Z", "Depth.Z", "Depth.V", NULL };
     *layers = ( RfFlickerLayers ){ 0 };
-    RfResult result = motion != NULL ? name_motion( path, header, motion, layers, error )
-                                     : find_motion( path, header, layers, error );
+    RfResult result =
+        motion != NULL ? name_motion( path, header, motion, layers, error ) : find_motion( path, header, layers, error );
     if ( result != RF_OK )
         return result;
     if ( depth != NULL )
@@ -133,11 +137,11 @@ static RfResult check_window( const char* path, const RfExrWindow* window, const
                               const char* why, RfError* error )
 {
     if ( window->width != first->width || window->height != first->height )
-        return rf_fail( error, RF_ERROR_FORMAT, "%.400s: has %dx%d pixels and %.400s %dx%d: %s", path, window->width, window->height,
-                        first_path, first->width, first->height, why );
+        return rf_fail( error, RF_ERROR_FORMAT, "%.400s: has %dx%d pixels and %.400s %dx%d: %s", path, window->width,
+                        window->height, first_path, first->width, first->height, why );
     if ( window->x != first->x || window->y != first->y )
-        return rf_fail( error, RF_ERROR_FORMAT, "%.350s: its data window begins at (%d, %d), that of %.350s at (%d, %d): %s", path,
-                        window->x, window->y, first_path, first->x, first->y, why );
+        return rf_fail( error, RF_ERROR_FORMAT, "%.350s: its data window begins at (%d, %d), that of %.350s at (%d, %d): %s",
+                        path, window->x, window->y, first_path, first->x, first->y, why );
     return RF_OK;
 }
 
@@ -147,7 +151,8 @@ RfResult rf_read_aligned( const char* path, const char* layer, const RfExrHeader
     RfExrWindow window;
     RfResult result = rf_read_exr_layer( path, layer, image, &window, error );
     if ( result == RF_OK )
-        result = check_window( path, &window, first_path, first, "a reference wants the data window of what it is held against", error );
+        result = check_window( path, &window, first_path, first, "a reference wants the data window of what it is held against",
+                               error );
     if ( result != RF_OK )
         rf_destroy_image( image );
     return result;
@@ -255,12 +260,13 @@ static RfResult read_colour( const char* path, const RfFlickerLayers* layers, co
 {
     RfExrWindow window;
     RfResult result = rf_read_exr_layer( path, layers->colour, &frame->signal, &window, error );
-    return result == RF_OK ? check_window( path, &window, first_path, first, "the frames of a sequence want one size and data window", error )
-                           : result;
+    return result == RF_OK
+               ? check_window( path, &window, first_path, first, "the frames of a sequence want one size and data window", error )
+               : result;
 }
 
-RfResult rf_read_flicker_frame( const char* path, const RfFlickerLayers* layers, const RfExrHeader* first,
-                                const char* first_path, RfFlickerFrame* frame, RfError* error )
+RfResult rf_read_flicker_frame( const char* path, const RfFlickerLayers* layers, const RfExrHeader* first, const char* first_path,
+                                RfFlickerFrame* frame, RfError* error )
 {
     *frame = ( RfFlickerFrame ){ 0 };
     RfExrHeader header;

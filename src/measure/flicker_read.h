@@ -34,8 +34,8 @@ RfResult rf_find_variance_layers( const char* path, const RfExrHeader* header, R
 // A frame's colour in `signal` (not finite unless told), its layers and camera.
 // The data window, of the layers too, must be that of `first`, a file before it by the
 // name `first_path`; with `may_lack` layers of another one are left out.
-RfResult rf_read_flicker_frame( const char* path, const RfFlickerLayers* layers, const RfExrHeader* first,
-                                const char* first_path, RfFlickerFrame* frame, RfError* error );
+RfResult rf_read_flicker_frame( const char* path, const RfFlickerLayers* layers, const RfExrHeader* first, const char* first_path,
+                                RfFlickerFrame* frame, RfError* error );
 
 // Have these two frames what is among the layers, so that they can be held against each other?
 bool rf_has_flicker_layers( const RfFlickerLayers* layers, const RfFlickerFrame* now, const RfFlickerFrame* before );

@@ -21,10 +21,7 @@ static void cross( const double* a, const double* b, double out[3] )
     out[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-static double dot( const double* a, const double* b )
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
+static double dot( const double* a, const double* b ) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 // With the rows C of the one camera, C·P + c = (x z, y z, z), and w·P + v the
 // depth for the other: q with Cᵀ q = w makes that q·((x z, y z, z) − c) + v.
@@ -94,10 +91,7 @@ typedef enum Seen
     SEEN_BOTH, // an edge between them, or no number
 } Seen;
 
-static bool is_nothing( double z )
-{
-    return z >= RF_FOLLOW_NOTHING || z <= 0.0;
-}
+static bool is_nothing( double z ) { return z >= RF_FOLLOW_NOTHING || z <= 0.0; }
 
 static Seen find_depth( const float* depth, const RfTaps* taps, double* z )
 {

@@ -31,13 +31,18 @@ typedef struct Paper
 // Bytes of the UTF-8 character, 0 where it is none.
 static int character_bytes( const unsigned char* c )
 {
-    int more = c[0] < 0x80 ? 0 : c[0] >= 0xc2 && c[0] < 0xe0 ? 1 : c[0] >= 0xe0 && c[0] < 0xf0 ? 2 : c[0] >= 0xf0 && c[0] < 0xf5 ? 3 : -1;
+    int more = c[0] < 0x80                   ? 0
+               : c[0] >= 0xc2 && c[0] < 0xe0 ? 1
+               : c[0] >= 0xe0 && c[0] < 0xf0 ? 2
+               : c[0] >= 0xf0 && c[0] < 0xf5 ? 3
+                                             : -1;
     for ( int i = 1; i <= more; ++i )
     {
         if ( ( c[i] & 0xc0 ) != 0x80 )
             return 0;
     }
-    if ( ( c[0] == 0xe0 && c[1] < 0xa0 ) || ( c[0] == 0xed && c[1] > 0x9f ) || ( c[0] == 0xf0 && c[1] < 0x90 ) || ( c[0] == 0xf4 && c[1] > 0x8f ) )
+    if ( ( c[0] == 0xe0 && c[1] < 0xa0 ) || ( c[0] == 0xed && c[1] > 0x9f ) || ( c[0] == 0xf0 && c[1] < 0x90 ) ||
+         ( c[0] == 0xf4 && c[1] > 0x8f ) )
         return 0; // longer than need be, half of a pair, or beyond the last
     bool forbidden = ( c[0] < 0x20 && c[0] != '\t' ) || ( c[0] == 0xef && c[1] == 0xbf && c[2] >= 0xbe );
     return forbidden ? 0 : more + 1;
@@ -123,15 +128,22 @@ static void draw_marker( FILE* file, double x, double y, int style )
         case 0: fprintf( file, "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"%.1f\"", x, y, r ); break;
         case 1: fprintf( file, "<rect x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%.1f\"", x - r, y - r, 2 * r, 2 * r ); break;
         case 2: fprintf( file, "<path d=\"M%.1f %.1fl%.1f %.1fh%.1fz\"", x, y - 1.2 * r, 1.2 * r, 2.1 * r, -2.4 * r ); break;
-        case 3: fprintf( file, "<path d=\"M%.1f %.1fl%.1f %.1fl%.1f %.1fl%.1f %.1fz\"", x, y - 1.3 * r, 1.3 * r, 1.3 * r, -1.3 * r, 1.3 * r, -1.3 * r, -1.3 * r ); break;
+        case 3:
+            fprintf( file, "<path d=\"M%.1f %.1fl%.1f %.1fl%.1f %.1fl%.1f %.1fz\"", x, y - 1.3 * r, 1.3 * r, 1.3 * r, -1.3 * r,
+                     1.3 * r, -1.3 * r, -1.3 * r );
+            break;
         case 4: fprintf( file, "<path d=\"M%.1f %.1fl%.1f %.1fh%.1fz\"", x, y + 1.2 * r, 1.2 * r, -2.1 * r, -2.4 * r ); break;
-        default: fprintf( file, "<path d=\"M%.1f %.1fl%.1f %.1fm0 %.1fl%.1f %.1f\" stroke-width=\"2.5\"", x - r, y - r, 2 * r, 2 * r, -2 * r, -2 * r, 2 * r ); break;
+        default:
+            fprintf( file, "<path d=\"M%.1f %.1fl%.1f %.1fm0 %.1fl%.1f %.1f\" stroke-width=\"2.5\"", x - r, y - r, 2 * r, 2 * r,
+                     -2 * r, -2 * r, 2 * r );
+            break;
     }
 }
 
 static bool is_inside( const Paper* p, double x, double y )
 {
-    return rf_plot_has( &p->plot->x, x ) && rf_plot_has( &p->plot->y, y ) && x >= p->x.min && x <= p->x.max && y >= p->y.min && y <= p->y.max;
+    return rf_plot_has( &p->plot->x, x ) && rf_plot_has( &p->plot->y, y ) && x >= p->x.min && x <= p->x.max && y >= p->y.min &&
+           y <= p->y.max;
 }
 
 static void draw_curve( const Paper* p, const RfPlotSeries* s )
@@ -146,7 +158,8 @@ static void draw_curve( const Paper* p, const RfPlotSeries* s )
             fprintf( p->file, "%s%.1f %.1f", down ? "L" : "M", rf_plot_place( &p->x, s->x[i] ), rf_plot_place( &p->y, s->y[i] ) );
         down = drawn;
     }
-    fprintf( p->file, "\" fill=\"none\" stroke=\"%s\" stroke-width=\"2\" stroke-linejoin=\"round\" clip-path=\"url(#plot)\"%s/>\n", colour,
+    fprintf( p->file,
+             "\" fill=\"none\" stroke=\"%s\" stroke-width=\"2\" stroke-linejoin=\"round\" clip-path=\"url(#plot)\"%s/>\n", colour,
              s->dashed ? " stroke-dasharray=\"6 5\"" : "" );
 }
 
@@ -159,7 +172,8 @@ static void draw_points( const Paper* p, const RfPlotSeries* s )
             continue;
         double x = rf_plot_place( &p->x, s->x[i] ), y = rf_plot_place( &p->y, s->y[i] );
         draw_marker( p->file, x, y, s->style % RF_PLOT_STYLES );
-        fprintf( p->file, " fill=\"%s\" stroke=\"%s\"", colour, s->style % RF_PLOT_STYLES == RF_PLOT_STYLES - 1 ? colour : "#fff" );
+        fprintf( p->file, " fill=\"%s\" stroke=\"%s\"", colour,
+                 s->style % RF_PLOT_STYLES == RF_PLOT_STYLES - 1 ? colour : "#fff" );
         if ( s->labels == NULL )
         {
             fputs( "/>\n", p->file );
@@ -167,7 +181,10 @@ static void draw_points( const Paper* p, const RfPlotSeries* s )
         }
         fputs( "><title>", p->file );
         print_text( p->file, s->labels[i] );
-        fprintf( p->file, "</title></%s>\n", s->style % RF_PLOT_STYLES == 0 ? "circle" : s->style % RF_PLOT_STYLES == 1 ? "rect" : "path" );
+        fprintf( p->file, "</title></%s>\n",
+                 s->style % RF_PLOT_STYLES == 0   ? "circle"
+                 : s->style % RF_PLOT_STYLES == 1 ? "rect"
+                                                  : "path" );
         if ( s->show_labels )
             draw_text( p->file, x, y - 11.0, "middle", " font-size=\"12\" class=\"halo\"", s->labels[i] );
     }
@@ -189,7 +206,8 @@ static double draw_legend( const Paper* p )
         if ( !s->no_markers )
         {
             draw_marker( p->file, x + 15.0, y, s->style % RF_PLOT_STYLES );
-            fprintf( p->file, " fill=\"%s\" stroke=\"%s\"/>\n", colour, s->style % RF_PLOT_STYLES == RF_PLOT_STYLES - 1 ? colour : "#fff" );
+            fprintf( p->file, " fill=\"%s\" stroke=\"%s\"/>\n", colour,
+                     s->style % RF_PLOT_STYLES == RF_PLOT_STYLES - 1 ? colour : "#fff" );
         }
         draw_text( p->file, x + 40.0, y + 4.5, "start", "", s->name );
         y += 24.0;
@@ -199,7 +217,8 @@ static double draw_legend( const Paper* p )
 
 static void draw_ring( const Paper* p, double x, double y )
 {
-    fprintf( p->file, "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"%.1f\" fill=\"none\" stroke=\"%s\" stroke-width=\"2\"/>\n", x, y, 2.2 * MARKER, INK );
+    fprintf( p->file, "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"%.1f\" fill=\"none\" stroke=\"%s\" stroke-width=\"2\"/>\n", x, y,
+             2.2 * MARKER, INK );
 }
 
 // Their words stand below the legend, where nothing is in their way.
@@ -220,12 +239,13 @@ static void draw_notes( const Paper* p, double y )
 static void draw( FILE* file, const RfPlot* plot )
 {
     Paper p = { file, plot, rf_plot_scale( plot, false, LEFT, RIGHT ), rf_plot_scale( plot, true, BOTTOM, TOP ) };
-    fprintf( file, "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
-                   "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 %.0f %.0f\" width=\"%.0f\" height=\"%.0f\" "
-                   "font-family=\"DejaVu Sans, Helvetica, Arial, sans-serif\" font-size=\"13\" fill=\"%s\">\n"
-                   "<style>.halo{paint-order:stroke;stroke:#fff;stroke-width:4px;stroke-linejoin:round}</style>\n"
-                   "<clipPath id=\"plot\"><rect x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%.1f\"/></clipPath>\n"
-                   "<rect width=\"100%%\" height=\"100%%\" fill=\"#fff\"/>\n",
+    fprintf( file,
+             "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
+             "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 %.0f %.0f\" width=\"%.0f\" height=\"%.0f\" "
+             "font-family=\"DejaVu Sans, Helvetica, Arial, sans-serif\" font-size=\"13\" fill=\"%s\">\n"
+             "<style>.halo{paint-order:stroke;stroke:#fff;stroke-width:4px;stroke-linejoin:round}</style>\n"
+             "<clipPath id=\"plot\"><rect x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%.1f\"/></clipPath>\n"
+             "<rect width=\"100%%\" height=\"100%%\" fill=\"#fff\"/>\n",
              WIDTH, HEIGHT, WIDTH, HEIGHT, INK, LEFT, TOP, RIGHT - LEFT, BOTTOM - TOP );
     draw_frame( &p );
     for ( int i = 0; i < plot->series_count; ++i )

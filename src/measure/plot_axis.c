@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-#define MARGIN 0.06 // of the range, at either end
+#define MARGIN 0.06   // of the range, at either end
 #define LONG_AXIS 3.2 // decades, from which only powers of ten are marked
 
 bool rf_plot_has( const RfPlotAxis* axis, double value ) { return isfinite( value ) && ( !axis->log || value > 0.0 ); }

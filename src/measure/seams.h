@@ -19,9 +19,9 @@
 
 typedef struct RfSeams
 {
-    int period;       // > 0: groups of so many frames, the first begins with `first`
-    int first;        // number of the frame that is the first of the path
-    bool slides;      // else by the plan
+    int period;  // > 0: groups of so many frames, the first begins with `first`
+    int first;   // number of the frame that is the first of the path
+    bool slides; // else by the plan
     RfGroupPlan plan;
 } RfSeams;
 

@@ -9,7 +9,7 @@ typedef struct Window
 {
     int count;
     const RfFlickerFrame* const* frames;
-    RfFollow follow[RF_SPECTRUM_FRAMES]; // [t]: from frame t to t − 1
+    RfFollow follow[RF_SPECTRUM_FRAMES];                    // [t]: from frame t to t − 1
     double cosines[RF_SPECTRUM_FRAMES][RF_SPECTRUM_FRAMES]; // [k][t], with s_k
 } Window;
 
@@ -88,8 +88,7 @@ static void add_sums( RfSpectrumSums* sums, const RfSpectrumSums* more )
     sums->boiling += more->boiling;
 }
 
-RfResult rf_add_window( RfSpectrumSums* sums, const RfFlickerFrame* const* frames, int count, bool compensate,
-                        RfError* error )
+RfResult rf_add_window( RfSpectrumSums* sums, const RfFlickerFrame* const* frames, int count, bool compensate, RfError* error )
 {
     if ( count < 2 || count > RF_SPECTRUM_FRAMES )
         return rf_fail( error, RF_ERROR_USAGE, "a spectrum of %d frames cannot be: 2 to %d", count, RF_SPECTRUM_FRAMES );

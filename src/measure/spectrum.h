@@ -29,7 +29,7 @@
 typedef struct RfSpectrumSums
 {
     int windows;
-    double pixels;     // seen in all frames of the window
+    double pixels; // seen in all frames of the window
     double all_pixels;
     double frozen, drift, boiling; // of X_k² / T, over pixels and channels
 } RfSpectrumSums;
@@ -46,8 +46,7 @@ typedef struct RfSpectrum
 bool rf_ends_window( int index, int count );
 
 // Adds a window of 2 to RF_SPECTRUM_FRAMES frames of one size, in order.
-RfResult rf_add_window( RfSpectrumSums* sums, const RfFlickerFrame* const* frames, int count, bool compensate,
-                        RfError* error );
+RfResult rf_add_window( RfSpectrumSums* sums, const RfFlickerFrame* const* frames, int count, bool compensate, RfError* error );
 
 RfSpectrum rf_spectrum( const RfSpectrumSums* sums );
 

@@ -114,8 +114,8 @@ RfResult rf_create_trial_site( const RfTracer* tracer, const RfEye* eyes, int ey
     site->eyes = malloc( (size_t)site->frames * sizeof *site->eyes );
     site->weight = malloc( (size_t)site->frames * pixels * sizeof *site->weight );
     if ( site->eyes == NULL || site->weight == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "no memory left to try settings on %d frames of %dx%d: lower --size", site->frames,
-                        width, height );
+        return rf_fail( error, RF_ERROR_MEMORY, "no memory left to try settings on %d frames of %dx%d: lower --size",
+                        site->frames, width, height );
     for ( int i = 0; i < site->frames; ++i )
         site->eyes[i] = rf_resize_eye( eyes + site->first + i, width, height );
     return render_guide( tracer, settings, watch, site, error );
@@ -159,14 +159,15 @@ static RfResult try_window( const RfTracer* tracer, const RfTrialSite* site, int
     return RF_OK;
 }
 
-RfResult rf_run_trial( const RfTracer* tracer, const RfTrialSite* site, int windows, int passes,
-                       const RfRenderSettings* settings, const RfTrialWatch* watch, RfTrial* trial, RfError* error )
+RfResult rf_run_trial( const RfTracer* tracer, const RfTrialSite* site, int windows, int passes, const RfRenderSettings* settings,
+                       const RfTrialWatch* watch, RfTrial* trial, RfError* error )
 {
     *trial = ( RfTrial ){ 0 };
     // a group that would hold more than the site can only be a path's that is all in it
     int eyes = 2 * settings->group + 1 <= site->frames ? 2 * settings->group + 1 : site->frames;
     if ( settings->group < 0 || settings->group > site->frames / 2 )
-        return rf_fail( error, RF_ERROR_USAGE, "a site of %d frames cannot try groups of %d", site->frames, 2 * settings->group + 1 );
+        return rf_fail( error, RF_ERROR_USAGE, "a site of %d frames cannot try groups of %d", site->frames,
+                        2 * settings->group + 1 );
     if ( passes < 2 )
         return rf_fail( error, RF_ERROR_USAGE, "a trial needs 2 passes or more, got %d", passes );
     int count = clamp( windows, 1, site->frames / eyes ), first = ( site->frames - count * eyes ) / 2;
@@ -213,6 +214,9 @@ double rf_trial_efficiency( const RfTrial* trial, double pixels )
     return 1.0 / ( rf_trial_relmse( trial, 1.0 ) * rf_trial_sample_seconds( trial ) * pixels );
 }
 
-size_t rf_trial_site_bytes( int frames, size_t pixels ) { return (size_t)frames * ( pixels * sizeof( float ) + sizeof( RfEye ) ); }
+size_t rf_trial_site_bytes( int frames, size_t pixels )
+{
+    return (size_t)frames * ( pixels * sizeof( float ) + sizeof( RfEye ) );
+}
 
 size_t rf_trial_bytes( int eyes, size_t pixels ) { return (size_t)eyes * pixels * 3 * sizeof( float ); }

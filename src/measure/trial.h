@@ -36,8 +36,8 @@ typedef struct RfTrialWatch
 // A piece of the path where settings are tried, at a size of its own.
 typedef struct RfTrialSite
 {
-    RfEye* eyes;    // `frames` of them
-    int first;      // of the path, from 0
+    RfEye* eyes; // `frames` of them
+    int first;   // of the path, from 0
     int frames;
     bool whole;     // they are the whole path
     float* weight;  // 1 / (r̄² + 0.001) of each pixel, frame after frame
@@ -67,9 +67,9 @@ typedef struct RfTrial
     double cpu_seconds;   // of all threads
     double wall_seconds;
     double finish_seconds, finish_pixels; // CPU seconds of finishing frames, and their pixels
-    double relmse;        // from the two renders
-    double mse;           // mean square of the error, over channels
-    double change;        // ½ mean square of its change from frame to frame of a long path
+    double relmse;                        // from the two renders
+    double mse;                           // mean square of the error, over channels
+    double change;                        // ½ mean square of its change from frame to frame of a long path
 } RfTrial;
 
 // Tries settings (group, tile, passes of a window in `passes`, at least 2) on
@@ -78,8 +78,8 @@ typedef struct RfTrial
 // seconds are those of the calling thread, so that trials may run side by side;
 // else those of the process, in which threads that wait for others may count. The
 // seeds of the windows and their twins are made of settings->seed.
-RfResult rf_run_trial( const RfTracer* tracer, const RfTrialSite* site, int windows, int passes,
-                       const RfRenderSettings* settings, const RfTrialWatch* watch, RfTrial* trial, RfError* error );
+RfResult rf_run_trial( const RfTracer* tracer, const RfTrialSite* site, int windows, int passes, const RfRenderSettings* settings,
+                       const RfTrialWatch* watch, RfTrial* trial, RfError* error );
 
 void rf_add_trial( RfTrial* sum, const RfTrial* trial );
 

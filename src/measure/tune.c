@@ -145,11 +145,13 @@ RfResult rf_tune( const RfTuneJob* job, RfTune* tune, RfError* error )
     if ( result == RF_OK )
         result = calibrate( &t, error );
     bool last = false;
-    for ( int number = 0; number < RF_TUNE_ROUNDS && result == RF_OK && !last && count_candidates( &t ) > ( number > 0 ); ++number )
+    for ( int number = 0; number < RF_TUNE_ROUNDS && result == RF_OK && !last && count_candidates( &t ) > ( number > 0 );
+          ++number )
         result = next_round( &t, number, &last, error );
     rf_weigh_tune_rows( tune, (double)job->eyes->width * job->eyes->height, job->frame_count );
     tune->seconds = rf_wall_seconds() - t.start;
     if ( result == RF_OK && tune->chosen < 0 )
-        return rf_fail( error, RF_ERROR_SCENE, "no setting has an error that can be measured: the pictures are black, or hold what is no number" );
+        return rf_fail( error, RF_ERROR_SCENE,
+                        "no setting has an error that can be measured: the pictures are black, or hold what is no number" );
     return result;
 }

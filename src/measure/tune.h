@@ -35,14 +35,14 @@ typedef struct RfTuneRow
     int group; // half-width n, cut to the path
     int eyes;  // in a full group
     RfTile tile;
-    int spp;         // as rendered
-    RfMemoryFit fit; // of the render as asked for; `least` alone where it does not fit
-    double samples;  // native ones of the frames asked for, all sweeps
-    double predicted_gain; // by fixed costs, as of plan.h, against the same tile without frame reuse
-    double cost;           // of a native sample, by fixed costs
-    const char* excluded;  // why it is not tried; NULL: it is
-    int rounds;            // that it was tried in
-    RfTrial trial;         // sums of all of them
+    int spp;                    // as rendered
+    RfMemoryFit fit;            // of the render as asked for; `least` alone where it does not fit
+    double samples;             // native ones of the frames asked for, all sweeps
+    double predicted_gain;      // by fixed costs, as of plan.h, against the same tile without frame reuse
+    double cost;                // of a native sample, by fixed costs
+    const char* excluded;       // why it is not tried; NULL: it is
+    int rounds;                 // that it was tried in
+    RfTrial trial;              // sums of all of them
     double log_error, log_time; // what other rows say: to be added to the logarithms of the trial's
     // of the render as asked for; NaN where not tried
     double cpu_seconds, seconds; // of all frames
@@ -58,8 +58,8 @@ typedef struct RfTune
     int count;
     int chosen; // −1: none yet
     RfTuneRound rounds[RF_TUNE_ROUNDS];
-    int round_count;  // that are complete
-    double seconds;   // that it took
+    int round_count; // that are complete
+    double seconds;  // that it took
 } RfTune;
 
 typedef struct RfTuneJob

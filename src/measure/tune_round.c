@@ -4,7 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#define SITE_FRAMES 15   // about, that small groups are tried on
+#define SITE_FRAMES 15 // about, that small groups are tried on
 #define LEAST_PIXELS 1200.0
 #define MOST_SITES 24
 
@@ -13,7 +13,7 @@ static const double s_shares[RF_TUNE_ROUNDS] = { 0.3, 0.33, 0.5, 1.0 };
 static const int s_sites[RF_TUNE_ROUNDS] = { 2, 2, 3, 4 };
 static const int s_passes[RF_TUNE_ROUNDS] = { 2, 4, 4, 4 };
 
-#define FEW 4 // settings, for which a round may take all the time that is left
+#define FEW 4    // settings, for which a round may take all the time that is left
 #define HOPE 0.5 // of the best efficiency, below which a row is not tried again
 
 int rf_tune_windows( int eyes ) { return eyes < SITE_FRAMES ? ( SITE_FRAMES + eyes / 2 ) / eyes : 1; }
@@ -29,10 +29,7 @@ int rf_tune_site_frames( const RfTune* tune, const bool* candidate )
     return frames;
 }
 
-double rf_tune_row_samples( const RfTuneRow* row, int passes )
-{
-    return 2.0 * passes * row->eyes * rf_tune_windows( row->eyes );
-}
+double rf_tune_row_samples( const RfTuneRow* row, int passes ) { return 2.0 * passes * row->eyes * rf_tune_windows( row->eyes ); }
 
 double rf_tune_round_cost( const RfTune* tune, const bool* candidate, const RfTuneRound* round, double cost_second )
 {
@@ -60,7 +57,8 @@ static double pixels_that_fit( const RfTune* tune, const bool* candidate, const 
 {
     int eyes = rf_tune_site_frames( tune, candidate );
     double film = 64.0 + 12.0; // both halves with totals, and images
-    double bytes = (double)rf_trial_site_bytes( eyes, 1 ) * sites + o->workers * ( (double)rf_trial_bytes( eyes, 1 ) + film * eyes );
+    double bytes =
+        (double)rf_trial_site_bytes( eyes, 1 ) * sites + o->workers * ( (double)rf_trial_bytes( eyes, 1 ) + film * eyes );
     return 0.5 * (double)o->memory / bytes;
 }
 
@@ -74,7 +72,8 @@ static int candidates( const RfTune* tune, const bool* candidate )
 
 bool rf_plan_tune_round( const RfTune* tune, const bool* candidate, const RfTuneOutlook* o, RfTuneRound* round )
 {
-    double all = (double)o->width * o->height, seconds = ( candidates( tune, candidate ) > FEW ? s_shares[o->number] : 1.0 ) * o->left;
+    double all = (double)o->width * o->height,
+           seconds = ( candidates( tune, candidate ) > FEW ? s_shares[o->number] : 1.0 ) * o->left;
     *round = ( RfTuneRound ){ .sites = s_sites[o->number], .passes = s_passes[o->number], .width = 1, .height = 1 };
     double each = rf_tune_round_cost( tune, candidate, round, o->cost_second ); // for one pixel
     double pixels = seconds * o->rate / each, most = pixels_that_fit( tune, candidate, o, round->sites );

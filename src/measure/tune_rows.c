@@ -24,7 +24,8 @@ RfRenderSettings rf_tune_settings( const RfTuneRow* row, const RfRenderSettings*
 static double cost_of( const RfPlanRow* row )
 {
     return ( 100.0 * row->rays_primary + 200.0 * row->rays_path + 100.0 * row->rays_shadow + 40.0 * row->rays_tile +
-             30.0 * row->rays_eye ) / row->rays_primary;
+             30.0 * row->rays_eye ) /
+           row->rays_primary;
 }
 
 static void take_plan( const RfPlanRow* plan, RfTuneRow* row )
@@ -50,7 +51,8 @@ static RfResult list_tile( const RfTuneJob* job, const RfTile* tile, RfTune* tun
     settings.tile = *tile;
     settings.group = 0;
     RfPlan plan;
-    RfResult result = rf_plan_render( job->tracer, job->eyes, job->eye_count, job->frames, job->frame_count, &settings, &plan, error );
+    RfResult result =
+        rf_plan_render( job->tracer, job->eyes, job->eye_count, job->frames, job->frame_count, &settings, &plan, error );
     if ( result != RF_OK && result != RF_ERROR_MEMORY )
         return result;
     int planned = result == RF_OK ? plan.count : 0;
@@ -58,8 +60,12 @@ static RfResult list_tile( const RfTuneJob* job, const RfTile* tile, RfTune* tun
     {
         RfGroupPlan groups = rf_plan_groups( job->eye_count, s_groups[i], settings.spp );
         RfTuneRow* row = tune->rows + tune->count++;
-        *row = ( RfTuneRow ){ .group = groups.eyes / 2, .eyes = groups.eyes, .tile = *tile, .spp = groups.spp,
-                              .predicted_gain = NAN, .excluded = s_no_room };
+        *row = ( RfTuneRow ){ .group = groups.eyes / 2,
+                              .eyes = groups.eyes,
+                              .tile = *tile,
+                              .spp = groups.spp,
+                              .predicted_gain = NAN,
+                              .excluded = s_no_room };
         if ( i >= planned || !rf_plan_row_fits( plan.rows + i ) )
             row->fit = fit_of( job, row );
         else
@@ -78,10 +84,11 @@ static RfResult fail_memory( const RfTuneJob* job, const RfTune* tune, size_t me
     size_t least = tune->rows[0].fit.least;
     for ( int i = 1; i < tune->count; ++i )
         least = tune->rows[i].fit.least < least ? tune->rows[i].fit.least : least;
-    return rf_fail( error, RF_ERROR_MEMORY,
-                    "a budget of %zu KiB is too small for frames of %dx%d, whatever the group and the tile: give --memory %zuK or more, "
-                    "or lower --size",
-                    memory / 1024, job->eyes->width, job->eyes->height, least / 1024 );
+    return rf_fail(
+        error, RF_ERROR_MEMORY,
+        "a budget of %zu KiB is too small for frames of %dx%d, whatever the group and the tile: give --memory %zuK or more, "
+        "or lower --size",
+        memory / 1024, job->eyes->width, job->eyes->height, least / 1024 );
 }
 
 RfResult rf_list_tune_rows( const RfTuneJob* job, RfTune* tune, RfRenderSettings* common, RfError* error )
@@ -117,7 +124,8 @@ int rf_tune_workers( const RfTuneJob* job, const RfTune* tune, const RfRenderSet
         settings.threads = 1;
         settings.layers = 0;
         // but for its films, which are of a pixel here, it is like a trial of any size
-        RfResult result = rf_fit_memory( rf_tracer_scene( job->tracer ), &small, tune->rows[i].eyes, tune->rows[i].eyes, &settings, &fit, NULL );
+        RfResult result = rf_fit_memory( rf_tracer_scene( job->tracer ), &small, tune->rows[i].eyes, tune->rows[i].eyes,
+                                         &settings, &fit, NULL );
         size_t bytes = fit.bytes_hits + fit.bytes_lists;
         if ( tune->rows[i].excluded == NULL && result == RF_OK && bytes > most )
             most = bytes;

@@ -14,8 +14,8 @@
 #include <string.h>
 
 #define MOST_TERMS ( 4 + 2 * ( RF_TUNE_TILES - 1 ) )
-#define FIT_ERROR 0.06   // standard deviation of true values about the fit, in logarithms
-#define FIRST_NOISE 0.2  // of a first trial, until it is known
+#define FIT_ERROR 0.06  // standard deviation of true values about the fit, in logarithms
+#define FIRST_NOISE 0.2 // of a first trial, until it is known
 
 typedef struct Point
 {
@@ -62,7 +62,8 @@ static void collect( const RfTune* tune, bool time, Fit* fit )
     for ( int i = 0; i < tune->count; ++i )
     {
         const RfTrial* trial = &tune->rows[i].trial;
-        double value = tune->rows[i].rounds > 0 ? log( time ? rf_trial_sample_seconds( trial ) : rf_trial_relmse( trial, 1.0 ) ) : (double)NAN;
+        double value = tune->rows[i].rounds > 0 ? log( time ? rf_trial_sample_seconds( trial ) : rf_trial_relmse( trial, 1.0 ) )
+                                                : (double)NAN;
         if ( !isfinite( value ) )
             continue;
         Point* p = fit->points + fit->count++;

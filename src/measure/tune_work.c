@@ -22,8 +22,8 @@ static RfResult make_site( RfTuneWork* w, int index, RfError* error )
 {
     const RfTuneJob* job = w->job;
     int frame = job->frames[(int)( rf_tune_place( w->first_place + index ) * job->frame_count )];
-    return rf_create_trial_site( job->tracer, job->eyes, job->eye_count, frame, w->site_frames, w->round->width,
-                                 w->round->height, &w->settings, &w->watch, w->sites + index, error );
+    return rf_create_trial_site( job->tracer, job->eyes, job->eye_count, frame, w->site_frames, w->round->width, w->round->height,
+                                 &w->settings, &w->watch, w->sites + index, error );
 }
 
 static RfResult try_row( RfTuneWork* w, int site, int k, RfError* error )
@@ -32,8 +32,8 @@ static RfResult try_row( RfTuneWork* w, int site, int k, RfError* error )
     RfRenderSettings settings = rf_tune_settings( row, &w->settings );
     settings.seed = rf_mix64( settings.seed ^ rf_mix64( (uint64_t)( w->first_place + site ) ) );
     int index = site * w->row_count + k;
-    RfResult result = rf_run_trial( w->job->tracer, w->sites + site, rf_tune_windows( row->eyes ), w->round->passes,
-                                    &settings, &w->watch, w->trials + index, error );
+    RfResult result = rf_run_trial( w->job->tracer, w->sites + site, rf_tune_windows( row->eyes ), w->round->passes, &settings,
+                                    &w->watch, w->trials + index, error );
     w->done[index] = result == RF_OK;
     return result;
 }
@@ -46,7 +46,8 @@ static void* work( void* user )
     int task;
     while ( ( task = atomic_fetch_add( &w->next, 1 ) ) < w->task_count && !atomic_load( &w->stop ) )
     {
-        RfResult result = w->trials == NULL ? make_site( w, task, &error ) : try_row( w, task / w->row_count, task % w->row_count, &error );
+        RfResult result =
+            w->trials == NULL ? make_site( w, task, &error ) : try_row( w, task / w->row_count, task % w->row_count, &error );
         if ( result == RF_OK )
             continue;
         atomic_store( &w->stop, true );

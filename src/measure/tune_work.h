@@ -15,12 +15,12 @@ typedef struct RfTuneWork
     RfTrialSite* sites;
     int rows[RF_TUNE_ROWS], row_count; // candidates
     int site_frames;
-    int first_place;            // number of the first site's place, over all rounds
+    int first_place; // number of the first site's place, over all rounds
     int threads, task_count;
-    RfRenderSettings settings;  // of a trial
-    RfTrial* trials;            // by site, then row
-    bool* done;                 // likewise
-    double deadline;            // +inf: none
+    RfRenderSettings settings; // of a trial
+    RfTrial* trials;           // by site, then row
+    bool* done;                // likewise
+    double deadline;           // +inf: none
     RfTrialWatch watch;
     atomic_int next;
     atomic_bool stop;

@@ -12,13 +12,10 @@ static RfResult put( RfPage* page, const char* text, size_t size, RfError* error
     return rf_append_atomic_file( &page->file, text, size, error );
 }
 
-static RfResult put_text( RfPage* page, const char* text, RfError* error )
-{
-    return put( page, text, strlen( text ), error );
-}
+static RfResult put_text( RfPage* page, const char* text, RfError* error ) { return put( page, text, strlen( text ), error ); }
 
 // Text with some characters as something else, which `replace` gives, else NULL.
-static RfResult put_escaped( RfPage* page, const char* text, const char* ( *replace )( char ), RfError* error )
+static RfResult put_escaped( RfPage* page, const char* text, const char* ( *replace )(char), RfError* error )
 {
     RfResult result = RF_OK;
     while ( *text != '\0' && result == RF_OK )
@@ -40,10 +37,7 @@ static const char* escape_html( char c )
 }
 
 // In JSON '<' is only inside of strings; so no text can end the script element.
-static const char* escape_json( char c )
-{
-    return c == '<' ? "\\u003c" : NULL;
-}
+static const char* escape_json( char c ) { return c == '<' ? "\\u003c" : NULL; }
 
 // Writes the frame of the page from one mark, "{{name}}", to another; NULL: its ends.
 static RfResult put_frame( RfPage* page, const char* from, const char* to, RfError* error )
@@ -129,7 +123,4 @@ RfResult rf_end_page( RfPage* page, const char* json, RfError* error )
     return result;
 }
 
-void rf_discard_page( RfPage* page )
-{
-    rf_discard_atomic_file( &page->file );
-}
+void rf_discard_page( RfPage* page ) { rf_discard_atomic_file( &page->file ); }

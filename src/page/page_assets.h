@@ -4,6 +4,6 @@
 
 extern const char rf_page_html[]; // with the marks {{title}} {{style}} {{blocks}} {{data}} {{script}}, in this order
 extern const char rf_page_css[];
-extern const char rf_page_js[];   // all scripts, in the order of their names
+extern const char rf_page_js[]; // all scripts, in the order of their names
 
 #endif

@@ -8,7 +8,7 @@
 #include <string.h>
 
 #define FLOOR ( 1.0f / 512.0f )
-#define STOP 256       // units of a stop
+#define STOP 256 // units of a stop
 #define BRIGHTEST 65504.0f
 #define HEADER_BYTES 6
 
@@ -29,10 +29,7 @@ static void take_pixel( const float* from, float out[3] )
     }
 }
 
-static int16_t to_units( float light )
-{
-    return (int16_t)lrintf( STOP * log2f( light ) );
-}
+static int16_t to_units( float light ) { return (int16_t)lrintf( STOP * log2f( light ) ); }
 
 static void measure_cell( const RfImage* image, int column, int row, int16_t out[3] )
 {
@@ -196,7 +193,8 @@ RfResult rf_encode_picture( const RfImage* image, const char* name, unsigned cha
 
 RfResult rf_shrink_image( const RfImage* image, int factor, RfImage* small, RfError* error )
 {
-    RfResult result = rf_create_image( ( image->width + factor - 1 ) / factor, ( image->height + factor - 1 ) / factor, small, error );
+    RfResult result =
+        rf_create_image( ( image->width + factor - 1 ) / factor, ( image->height + factor - 1 ) / factor, small, error );
     if ( result != RF_OK )
         return result;
     for ( int y = 0; y < small->height; ++y )

@@ -47,7 +47,8 @@ static void draw_bits( const RfWalk* keys, int count, const int32_t* slot, uint3
 // measure the same directions and distances.
 static inline RfVec3 start_of( const RfVertexLanes* v, int i )
 {
-    return rf_madd( rf_vec3( v->p[0][i], v->p[1][i], v->p[2][i] ), rf_vec3( v->ng[0][i], v->ng[1][i], v->ng[2][i] ), v->offset[i] );
+    return rf_madd( rf_vec3( v->p[0][i], v->p[1][i], v->p[2][i] ), rf_vec3( v->ng[0][i], v->ng[1][i], v->ng[2][i] ),
+                    v->offset[i] );
 }
 
 static void pick_lights( const RfWalkSettings* settings, const RfVertexLanes* restrict v, RfLaneScratch* restrict scratch,
@@ -99,7 +100,8 @@ static void choose_points( const RfLights* lights, int count, const RfLaneScratc
 }
 
 // Radiance at the chosen points of lights with textures.
-static void look_up_radiance( const RfScene* scene, const RfLights* lights, int count, const RfLaneScratch* scratch, LightPoints* out )
+static void look_up_radiance( const RfScene* scene, const RfLights* lights, int count, const RfLaneScratch* scratch,
+                              LightPoints* out )
 {
     for ( int i = 0; i < count; ++i )
     {
@@ -171,7 +173,8 @@ static void connect_others( const RfLights* lights, const RfWalk* keys, const Rf
         RfVec3 n = rf_vec3( v->n[0][i], v->n[1][i], v->n[2][i] );
         RfOtherSample s = rf_sample_other_light( lights, points->pick[i], key, dimension, place, from );
         float cos_x = rf_dot( n, s.wi );
-        if ( !( cos_x > 0.0f && rf_dot( ng, s.wi ) > 0.0f && s.pdf_solid_angle > 0.0f && rf_max_component( s.radiance ) < 1e32f ) )
+        if ( !( cos_x > 0.0f && rf_dot( ng, s.wi ) > 0.0f && s.pdf_solid_angle > 0.0f &&
+                rf_max_component( s.radiance ) < 1e32f ) )
             continue;
         float wi[3] = { s.wi.x, s.wi.y, s.wi.z }, radiance[3] = { s.radiance.x, s.radiance.y, s.radiance.z };
         for ( int c = 0; c < 3; ++c )
@@ -202,8 +205,8 @@ static int compact_segments( const RfLightLanes* lights, int count, RfLaneScratc
     return kept;
 }
 
-int rf_sample_lights( const RfWalkSettings* settings, const RfWalk* keys, const RfVertexLanes* vertices,
-                      uint32_t dimension, RfLightLanes* out, RfLaneScratch* scratch )
+int rf_sample_lights( const RfWalkSettings* settings, const RfWalk* keys, const RfVertexLanes* vertices, uint32_t dimension,
+                      RfLightLanes* out, RfLaneScratch* scratch )
 {
     const RfLights* lights = rf_tracer_lights( settings->tracer );
     int count = vertices->count;

@@ -55,7 +55,8 @@ static void add_sky( const RfWalkSettings* settings, const RfRayLanes* rays, con
             continue;
         RfVec3 d = rf_vec3( rays->d[0][r], rays->d[1][r], rays->d[2][r] );
         RfVec3 sky = rf_sky_radiance( &lights->sky, d );
-        float light_pdf = rf_sky_pdf_solid_angle( &lights->sky, d ) * chance_at_origin( settings, rays, r, rf_sky_number( lights ) );
+        float light_pdf =
+            rf_sky_pdf_solid_angle( &lights->sky, d ) * chance_at_origin( settings, rays, r, rf_sky_number( lights ) );
         add_arrival( settings, rays, r, apart, sky, light_pdf, arrivals );
     }
 }

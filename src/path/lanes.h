@@ -20,8 +20,8 @@ typedef struct RfRayLanes
 {
     int count;
     RF_ALIGN float o[3][RF_LANES];
-    float d[3][RF_LANES];          // unit
-    float throughput[3][RF_LANES]; // of the path since its first vertex
+    float d[3][RF_LANES];            // unit
+    float throughput[3][RF_LANES];   // of the path since its first vertex
     float pdf_solid_angle[RF_LANES]; // of d
     float n[3][RF_LANES];            // unit shading normal where it started, for the lights picked there
     int32_t slot[RF_LANES];
@@ -33,9 +33,9 @@ typedef struct RfVertexLanes
     int count;
     int first[RF_BSDF_KIND_COUNT + 1];
     RF_ALIGN float p[3][RF_LANES];
-    float ng[3][RF_LANES]; // unit geometric normal, on the side of wo
-    float n[3][RF_LANES];  // unit shading normal, on the side of ng
-    float wo[3][RF_LANES]; // unit, back along the ray
+    float ng[3][RF_LANES];  // unit geometric normal, on the side of wo
+    float n[3][RF_LANES];   // unit shading normal, on the side of ng
+    float wo[3][RF_LANES];  // unit, back along the ray
     float offset[RF_LANES]; // along ng: where rays to and from the point end and start
     float diffuse[3][RF_LANES];
     float specular[3][RF_LANES];
@@ -48,11 +48,11 @@ typedef struct RfVertexLanes
     float clearcoat_n[3][RF_LANES];
     float tint[3][RF_LANES]; // these three of RF_BSDF_GLASS only
     float ior[RF_LANES];
-    float absorption[3][RF_LANES]; // of what wo goes through, if that is its inside, 1/m
-    float emission[3][RF_LANES];            // towards wo
-    float light_pdf_solid_angle[RF_LANES];  // of a light sample at the ray's origin choosing this point, once
-                                            // its light is picked; 0: none would
-    int32_t ray[RF_LANES];                  // lane of the ray that found it
+    float absorption[3][RF_LANES];         // of what wo goes through, if that is its inside, 1/m
+    float emission[3][RF_LANES];           // towards wo
+    float light_pdf_solid_angle[RF_LANES]; // of a light sample at the ray's origin choosing this point, once
+                                           // its light is picked; 0: none would
+    int32_t ray[RF_LANES];                 // lane of the ray that found it
     int32_t slot[RF_LANES];
 } RfVertexLanes;
 

@@ -182,7 +182,8 @@ void rf_find_vertices( const RfWalkSettings* settings, const RfRayLanes* rays, b
     const float* d[3] = { rays->d[0], rays->d[1], rays->d[2] };
     rf_trace_nearest( tracer, rays->count, o, d, coherent, scratch->triangle, scratch->u, scratch->v );
     sort_by_kind( tracer, rays->count, scratch, vertices );
-    Source from = { rf_tracer_triangles( tracer ), rf_tracer_scene( tracer )->materials, rf_tracer_lights( tracer ), rays, scratch };
+    Source from = { rf_tracer_triangles( tracer ), rf_tracer_scene( tracer )->materials, rf_tracer_lights( tracer ), rays,
+                    scratch };
     for ( int i = 0; i < vertices->count; ++i )
         fill_lane( &from, vertices, i );
     if ( rf_tracer_is_textured( tracer ) )

@@ -55,17 +55,16 @@ void rf_draw_lanes( const RfWalk* keys, int count, const int32_t* slot, uint32_t
 
 // One light sample for every vertex lane, with its visibility tested. Random
 // numbers: `dimension` and the two after it. Returns the shadow rays traced.
-int rf_sample_lights( const RfWalkSettings* settings, const RfWalk* keys, const RfVertexLanes* vertices,
-                      uint32_t dimension, RfLightLanes* lights, RfLaneScratch* scratch );
+int rf_sample_lights( const RfWalkSettings* settings, const RfWalk* keys, const RfVertexLanes* vertices, uint32_t dimension,
+                      RfLightLanes* lights, RfLaneScratch* scratch );
 
 // f and density for all lanes of the vertices, model by model (see bsdf.h).
-void rf_evaluate_lanes( const RfVertexLanes* vertices, const float* const wi[3], float* const f[3],
-                        float* pdf_solid_angle );
+void rf_evaluate_lanes( const RfVertexLanes* vertices, const float* const wi[3], float* const f[3], float* pdf_solid_angle );
 
 // The same for the lanes of one model, seen from wo; lane i of all arrays is
 // lane i of the vertices. Either output may be NULL.
-void rf_evaluate_seen_from( const RfVertexLanes* vertices, RfBsdfKind kind, const float* const wo[3],
-                            const float* const wi[3], float* const f[3], float* pdf_solid_angle );
+void rf_evaluate_seen_from( const RfVertexLanes* vertices, RfBsdfKind kind, const float* const wo[3], const float* const wi[3],
+                            float* const f[3], float* pdf_solid_angle );
 
 // Scatters all lanes of the vertices: wi from three random numbers each, and
 // into scratch f and density of it; of native lanes the weight f |cos| / density.

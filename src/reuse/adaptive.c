@@ -131,7 +131,8 @@ static RfHarvest extra_harvest( const RfRenderer* r, const RfHarvest* harvest, c
     return extra;
 }
 
-static void harvest_extra( RfRenderer* r, const RfHarvest* harvest, LiveFilm* live, RfHarvestJob job, int count, int half, float weight )
+static void harvest_extra( RfRenderer* r, const RfHarvest* harvest, LiveFilm* live, RfHarvestJob job, int count, int half,
+                           float weight )
 {
     RfRayCounts rays = { 0 };
     uint64_t samples = 0;

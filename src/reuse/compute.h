@@ -23,7 +23,7 @@ typedef struct RfCompute
     const RfEye* eyes;
     RfBatchShape shape;
     RfWeights weights;
-    float weight; // of the pass in the film
+    float weight;              // of the pass in the film
     const RfHitBatch* batches; // in the order in which they add to the film
     int batch_count;
 } RfCompute;

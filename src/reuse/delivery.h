@@ -15,7 +15,7 @@ typedef struct RfFrameBuffer
     float* rgb;
     float* weight;
     float* layers[RF_LAYER_COUNT]; // those asked for
-    RfFrameResult result; // points into them
+    RfFrameResult result;          // points into them
 } RfFrameBuffer;
 
 typedef struct RfDelivery

@@ -14,8 +14,8 @@ void rf_directions_to( const RfEye* eyes, int eye, const RfHitBatch* batch, floa
 
 // BSDF and density per solid angle of all glossy hits, lanes from 0; either
 // output may be NULL.
-void rf_evaluate_glossy( const RfHitBatch* batch, const float* const wo[3], const float* const wi[3],
-                         float* const f[3], float* pdf_solid_angle );
+void rf_evaluate_glossy( const RfHitBatch* batch, const float* const wo[3], const float* const wi[3], float* const f[3],
+                         float* pdf_solid_angle );
 
 // No light from any of the directions.
 void rf_clear_directions( RfHitBatch* batch, int directions, bool eq15 );

@@ -93,9 +93,8 @@ static void sample_direct( const RfHarvest* harvest, RfHarvestScratch* scratch, 
     int k = harvest->walk.light_samples;
     uint32_t dimension = rf_vertex_dimension( 1, k ) + RF_DIMENSION_LIGHTS;
     for ( int j = 0; j < k; ++j )
-        rays->shadow += (uint64_t)rf_sample_lights( &harvest->walk, &scratch->walk, &scratch->first,
-                                                    dimension + 3u * (uint32_t)j, scratch->direct + j,
-                                                    &scratch->walk.scratch );
+        rays->shadow += (uint64_t)rf_sample_lights( &harvest->walk, &scratch->walk, &scratch->first, dimension + 3u * (uint32_t)j,
+                                                    scratch->direct + j, &scratch->walk.scratch );
 }
 
 // Draws the scattered directions and follows them.
@@ -187,8 +186,8 @@ int rf_harvest_first_hits( const RfHarvest* harvest, RfHarvestJob job, RfHitBatc
 {
     const RfEye* eye = harvest->eyes + job.eye;
     RfWalk* walk = &scratch->walk;
-    uint64_t key = rf_pass_key( harvest->seed, (uint32_t)( harvest->first_frame + job.eye ),
-                                (uint32_t)harvest->window, (uint32_t)job.pass );
+    uint64_t key =
+        rf_pass_key( harvest->seed, (uint32_t)( harvest->first_frame + job.eye ), (uint32_t)harvest->window, (uint32_t)job.pass );
     batch->eye = job.eye;
 
     int tiles, count = rf_list_patch( &harvest->patches, eye, key, job.patch, scratch->pixel, scratch->tile_of, &tiles );

@@ -19,20 +19,20 @@ struct RfHarvestScratch
 {
     RfWalk walk;
     RfRayLanes camera_rays;
-    RfVertexLanes first; // the hits
+    RfVertexLanes first;              // the hits
     RF_ALIGN int32_t pixel[RF_LANES]; // by slot
     RF_ALIGN int32_t tile_of[RF_LANES];
-    RF_ALIGN int32_t miss_slot[RF_LANES]; // of the rays that found nothing
+    RF_ALIGN int32_t miss_slot[RF_LANES];  // of the rays that found nothing
     RF_ALIGN float scattered[3][RF_LANES]; // direction drawn at each hit
-    RF_ALIGN float native_pdf[RF_LANES]; // of the direction drawn at native hits, the first of which is 0
+    RF_ALIGN float native_pdf[RF_LANES];   // of the direction drawn at native hits, the first of which is 0
     RF_ALIGN float wo[3][RF_LANES];
     RfArrivalLanes arrival;
     RF_ALIGN int32_t landing[RF_LANES]; // pixel of each hit at an eye
     RF_ALIGN float lifted[3][RF_LANES]; // the hits, off their surface
-    RfLightLanes* direct; // light samples at the hits, K of them
-    float* density;       // J_l V_l: eye l, hit i at l·RF_LANES + i
-    float* mixture;       // P: direction d, glossy hit i at d·RF_LANES + i
-    RfShare* share;       // NULL without tiles
+    RfLightLanes* direct;               // light samples at the hits, K of them
+    float* density;                     // J_l V_l: eye l, hit i at l·RF_LANES + i
+    float* mixture;                     // P: direction d, glossy hit i at d·RF_LANES + i
+    RfShare* share;                     // NULL without tiles
 };
 
 // Visibility and densities from every eye: batch->seen, rows and density_sum,

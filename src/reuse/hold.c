@@ -32,7 +32,8 @@ static RfResult hold( RfRenderer* r, const RfBatchShape* shape, int count, Held*
     return RF_OK;
 }
 
-static RfResult harvest_all( RfRenderer* r, const RfHarvest* harvest, const RfWindow* window, int jobs, Held* held, RfError* error )
+static RfResult harvest_all( RfRenderer* r, const RfHarvest* harvest, const RfWindow* window, int jobs, Held* held,
+                             RfError* error )
 {
     for ( int pass = 0; pass < window->passes; ++pass )
     {
@@ -51,7 +52,8 @@ static RfResult harvest_all( RfRenderer* r, const RfHarvest* harvest, const RfWi
 }
 
 // A pass of those held, as many at a time as there is room to unpack them.
-static void compute_pass( RfRenderer* r, const RfHarvest* harvest, const RfWindow* window, int pass, int jobs, const HeldBatch* held )
+static void compute_pass( RfRenderer* r, const RfHarvest* harvest, const RfWindow* window, int pass, int jobs,
+                          const HeldBatch* held )
 {
     rf_begin_pass( r, harvest );
     for ( int first = 0; first < jobs; first += r->memory.batch_slots )

@@ -31,10 +31,7 @@ void rf_clear_layer_film( RfLayerFilm* film, int width, int height )
 }
 
 // The next value of a mean, whose share of all so far is `share`.
-static inline void add_to_mean( float* mean, float value, float share )
-{
-    *mean += ( value - *mean ) * share;
-}
+static inline void add_to_mean( float* mean, float value, float share ) { *mean += ( value - *mean ) * share; }
 
 static inline void add_vector( float* mean, RfVec3 value, float share )
 {
@@ -60,10 +57,7 @@ typedef struct Seen
     bool infinite;
 } Seen;
 
-static RfVec3 way_to( const RfEye* eye, Seen seen )
-{
-    return seen.infinite ? seen.point : rf_sub( seen.point, eye->origin );
-}
+static RfVec3 way_to( const RfEye* eye, Seen seen ) { return seen.infinite ? seen.point : rf_sub( seen.point, eye->origin ); }
 
 static void add_motion( const RfLayerJob* job, float* mean, Seen seen, float share )
 {
@@ -146,9 +140,7 @@ void rf_finish_layer( const RfLayerFilm* film, RfLayer layer, const RfFilm* colo
     const float* mean = film->mean[layer];
     switch ( layer )
     {
-        case RF_LAYER_VARIANCE:
-            rf_estimate_variance( colour, combine, image );
-            break;
+        case RF_LAYER_VARIANCE: rf_estimate_variance( colour, combine, image ); break;
         case RF_LAYER_SAMPLES:
             for ( size_t i = 0; i < pixels; ++i )
                 image[i] = (float)film->landed[i];
@@ -157,7 +149,6 @@ void rf_finish_layer( const RfLayerFilm* film, RfLayer layer, const RfFilm* colo
             for ( size_t i = 0; i < pixels; ++i )
                 image[i] = mean[2 * i + 1] > 0.0f ? mean[2 * i] : RF_DEPTH_OF_NOTHING;
             break;
-        default:
-            memcpy( image, mean, pixels * (size_t)rf_layer_channels( layer ) * sizeof( float ) );
+        default: memcpy( image, mean, pixels * (size_t)rf_layer_channels( layer ) * sizeof( float ) );
     }
 }

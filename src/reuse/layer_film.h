@@ -15,8 +15,8 @@ typedef struct RfLayerFilm
 } RfLayerFilm;
 
 // Those that rf_add_to_layers fills.
-#define RF_HARVESTED_LAYERS                                                                                            \
-    ( RF_LAYER_BIT( RF_LAYER_ALBEDO ) | RF_LAYER_BIT( RF_LAYER_NORMAL ) | RF_LAYER_BIT( RF_LAYER_DEPTH ) |              \
+#define RF_HARVESTED_LAYERS                                                                                                      \
+    ( RF_LAYER_BIT( RF_LAYER_ALBEDO ) | RF_LAYER_BIT( RF_LAYER_NORMAL ) | RF_LAYER_BIT( RF_LAYER_DEPTH ) |                       \
       RF_LAYER_BIT( RF_LAYER_MOTION ) )
 
 // Floats (or counts) per pixel that a layer needs while it is rendered.

@@ -14,22 +14,10 @@ static const Layer s_layers[RF_LAYER_COUNT] = {
     [RF_LAYER_VARIANCE] = { "variance", "RGB" }, [RF_LAYER_SAMPLES] = { "samples", "Y" },
 };
 
-const char* rf_layer_name( RfLayer layer )
-{
-    return s_layers[layer].name;
-}
+const char* rf_layer_name( RfLayer layer ) { return s_layers[layer].name; }
 
-const char* rf_layer_letters( RfLayer layer )
-{
-    return s_layers[layer].letters;
-}
+const char* rf_layer_letters( RfLayer layer ) { return s_layers[layer].letters; }
 
-int rf_layer_channels( RfLayer layer )
-{
-    return (int)strlen( s_layers[layer].letters );
-}
+int rf_layer_channels( RfLayer layer ) { return (int)strlen( s_layers[layer].letters ); }
 
-bool rf_layer_is_half( RfLayer layer )
-{
-    return layer == RF_LAYER_ALBEDO || layer == RF_LAYER_NORMAL;
-}
+bool rf_layer_is_half( RfLayer layer ) { return layer == RF_LAYER_ALBEDO || layer == RF_LAYER_NORMAL; }

@@ -11,15 +11,15 @@ static const int s_groups[RF_PLAN_ROWS] = { 0, 1, 2, 3, 4, 6, 8, 12, 16 };
 #define COST_PATH 200.0
 #define COST_SHADOW 100.0
 #define COST_TILE 40.0
-#define COST_EYE 30.0      // a test of visibility
-#define COST_LANDING 4.0   // of a hit in a film, and
-#define COST_LIT 7.0       // for each direction that a glossy one is lit from
+#define COST_EYE 30.0    // a test of visibility
+#define COST_LANDING 4.0 // of a hit in a film, and
+#define COST_LIT 7.0     // for each direction that a glossy one is lit from
 
 // Why auto leaves a row out.
 static const char s_no_room[] = "does not fit --memory", s_films[] = "films over half of --memory",
                   s_sweeps[] = "goes through the path several times", s_rounded[] = "--spp rounded up too far";
 
-#define FLAT 0.9    // of the best gain is as good: smaller groups need less memory, and less for a single frame
+#define FLAT 0.9      // of the best gain is as good: smaller groups need less memory, and less for a single frame
 #define ROUNDING 1.25 // times the samples asked for may be traced
 
 static void list_rows( int eye_count, int spp, RfPlan* plan )
@@ -27,10 +27,20 @@ static void list_rows( int eye_count, int spp, RfPlan* plan )
     for ( int i = 0; i < RF_PLAN_ROWS; ++i )
     {
         RfGroupPlan groups = rf_plan_samples( eye_count, s_groups[i], spp );
-        plan->rows[plan->count++] = ( RfPlanRow ){ .group = groups.eyes / 2, .eyes = groups.eyes, .spp = groups.spp,
-                                                   .samples = NAN, .repeated = NAN, .rays_primary = NAN, .rays_path = NAN,
-                                                   .rays_shadow = NAN, .rays_tile = NAN, .rays_eye = NAN, .reach = NAN,
-                                                   .gain = NAN, .measured_gain = NAN, .seconds = NAN };
+        plan->rows[plan->count++] = ( RfPlanRow ){ .group = groups.eyes / 2,
+                                                   .eyes = groups.eyes,
+                                                   .spp = groups.spp,
+                                                   .samples = NAN,
+                                                   .repeated = NAN,
+                                                   .rays_primary = NAN,
+                                                   .rays_path = NAN,
+                                                   .rays_shadow = NAN,
+                                                   .rays_tile = NAN,
+                                                   .rays_eye = NAN,
+                                                   .reach = NAN,
+                                                   .gain = NAN,
+                                                   .measured_gain = NAN,
+                                                   .seconds = NAN };
         if ( groups.eyes == eye_count )
             break;
     }
@@ -57,13 +67,14 @@ static double gain_of( const RfGroupPlan* plan, double reach, double own, double
 }
 
 // Samples and rays of the frames asked for, over all sweeps.
-static void count_rays( const RfGroupPlan* plan, const int* frames, int frame_count, double pixels,
-                        const PlanCounts* counts, int index, RfPlanRow* row )
+static void count_rays( const RfGroupPlan* plan, const int* frames, int frame_count, double pixels, const PlanCounts* counts,
+                        int index, RfPlanRow* row )
 {
     int per_sweep = row->fit.sweeps > 1 ? row->fit.films : frame_count;
     double samples = 0.0, others = 0.0, once = 0.0, unused = 0.0;
     for ( int first = 0; first < frame_count; first += per_sweep )
-        rf_add_window_samples( plan, frames, first, first + per_sweep < frame_count ? first + per_sweep : frame_count, &samples, &others );
+        rf_add_window_samples( plan, frames, first, first + per_sweep < frame_count ? first + per_sweep : frame_count, &samples,
+                               &others );
     rf_add_window_samples( plan, frames, 0, frame_count, &once, &unused );
     double per = pixels / counts->samples;
     row->samples = samples * pixels;
@@ -73,14 +84,17 @@ static void count_rays( const RfGroupPlan* plan, const int* frames, int frame_co
     row->rays_shadow = samples * per * (double)counts->rays.shadow;
     row->rays_tile = samples * per * (double)counts->rays.tile;
     // own eyes are tested in blended scenes only, and are in these counts then
-    row->rays_eye = row->eyes > 1 ? others / ( row->eyes - 1 ) * per * counts->eye_rays[index] : samples * per * counts->eye_rays[index];
+    row->rays_eye =
+        row->eyes > 1 ? others / ( row->eyes - 1 ) * per * counts->eye_rays[index] : samples * per * counts->eye_rays[index];
 }
 
 static void fixed_costs( const PlanCounts* c, const RfBatchShape* shape, int index, int eyes, double* own, double* reuse )
 {
     double landing = ( c->hits * COST_LANDING + c->glossy * COST_LIT * rf_direction_count( shape ) ) / c->samples;
     *own = ( COST_PRIMARY * (double)c->rays.primary + COST_PATH * (double)c->rays.path + COST_SHADOW * (double)c->rays.shadow +
-             COST_TILE * (double)c->rays.tile ) / c->samples + landing;
+             COST_TILE * (double)c->rays.tile ) /
+               c->samples +
+           landing;
     *reuse = eyes > 1 ? COST_EYE * c->eye_rays[index] / c->samples / ( eyes - 1 ) + landing : 0.0;
 }
 
@@ -136,8 +150,9 @@ static void explain( RfPlan* plan, const RfRenderSettings* settings )
     for ( int i = 0; i < plan->count; ++i )
         best = plan->rows[i].excluded == NULL && plan->rows[i].gain > best->gain ? plan->rows + i : best;
     size_t size = sizeof plan->why;
-    size_t used = (size_t)snprintf( plan->why, size, "the smallest group within 10 %% of the best gain by fixed costs, %.1f with group %d",
-                                    best->gain, best->group );
+    size_t used =
+        (size_t)snprintf( plan->why, size, "the smallest group within 10 %% of the best gain by fixed costs, %.1f with group %d",
+                          best->gain, best->group );
     for ( size_t k = 0; k < sizeof reasons / sizeof reasons[0] && used < size; ++k )
     {
         int rows = rows_against( plan, reasons[k][0] );

@@ -23,15 +23,15 @@
 
 typedef struct RfPlanRow
 {
-    int group; // half-width n, cut to the path
-    int eyes;  // in a full group
-    int spp;   // as rendered
+    int group;       // half-width n, cut to the path
+    int eyes;        // in a full group
+    int spp;         // as rendered
     RfMemoryFit fit; // `least` alone where it does not fit: then what follows is NaN
-    double samples;      // native ones of the frames asked for
-    double repeated;     // how often each is traced, on the average over the sweeps
+    double samples;  // native ones of the frames asked for
+    double repeated; // how often each is traced, on the average over the sweeps
     double rays_primary, rays_path, rays_shadow, rays_tile, rays_eye; // expected
-    double reach;        // samples that land in a pixel for each of its own
-    double gain;         // with fixed costs: what the choice rests on
+    double reach;                                                     // samples that land in a pixel for each of its own
+    double gain;                                                      // with fixed costs: what the choice rests on
     double measured_gain; // with those of this scene and machine; NaN until rf_measure_plan
     double seconds;       // of the render, likewise
     const char* excluded; // why auto does not consider it; NULL: it does
@@ -41,10 +41,10 @@ typedef struct RfPlanRow
 typedef struct RfPlan
 {
     RfPlanRow rows[RF_PLAN_ROWS];
-    int count; // fewer where the path ends
-    int chosen;             // index of the row that auto takes
-    char why[RF_PLAN_TEXT]; // it takes it
-    double hit_share, glossy_share; // of the camera rays: hits that make records, and those among them that are glossy
+    int count;                          // fewer where the path ends
+    int chosen;                         // index of the row that auto takes
+    char why[RF_PLAN_TEXT];             // it takes it
+    double hit_share, glossy_share;     // of the camera rays: hits that make records, and those among them that are glossy
     size_t bytes_diffuse, bytes_glossy; // of one record
     double c_e, c_l, c_v; // measured, seconds: a camera ray, the light at its hit, one reuse; NaN until rf_measure_plan
 } RfPlan;

@@ -30,10 +30,15 @@ static double seconds_per_sample( Meter* m, int eyes, int depth, double seconds 
             RfRayCounts rays = { 0 };
             rf_aim_probe( p, rf_probe_frame( p, frame ), eyes );
             rf_harvest_batch( &p->harvest, ( RfHarvestJob ){ p->batch.eye, patch, pass }, &p->batch, p->scratch, &rays );
-            RfCompute compute = { .eyes = p->harvest.eyes, .shape = p->harvest.shape, .weights = RF_WEIGHTS_EXACT,
-                                  .weight = 1.0f, .batches = &p->batch, .batch_count = 1 };
+            RfCompute compute = { .eyes = p->harvest.eyes,
+                                  .shape = p->harvest.shape,
+                                  .weights = RF_WEIGHTS_EXACT,
+                                  .weight = 1.0f,
+                                  .batches = &p->batch,
+                                  .batch_count = 1 };
             for ( int l = 0; l < eyes; ++l )
-                rf_compute_rows( &compute, ( RfComputeJob ){ .eye = l, .end_row = p->eyes->height, .film = &m->film }, NULL, m->compute );
+                rf_compute_rows( &compute, ( RfComputeJob ){ .eye = l, .end_row = p->eyes->height, .film = &m->film }, NULL,
+                                 m->compute );
             samples += p->batch.count + p->batch.miss_count;
             now = rf_thread_seconds();
         }

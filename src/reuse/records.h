@@ -23,10 +23,10 @@ typedef struct RfDirectionLanes
 
 typedef struct RfHitBatch
 {
-    int eye;        // index in the group of the frame whose pixels these are
-    int count;      // hits
-    int miss_count; // samples that their own frame alone has: rays that found nothing, and hits of
-                    // kinds from RF_BSDF_FIRST_NATIVE on
+    int eye;                           // index in the group of the frame whose pixels these are
+    int count;                         // hits
+    int miss_count;                    // samples that their own frame alone has: rays that found nothing, and hits of
+                                       // kinds from RF_BSDF_FIRST_NATIVE on
     int first[RF_BSDF_KIND_COUNT + 1]; // hits [first[k], first[k+1]) scatter by model k
     float* p[3];
     float* ng[3];
@@ -60,8 +60,8 @@ typedef struct RfBatchShape
     bool glossy;       // the scene has any
     bool coated;       // and RF_BSDF_COATED among them
     bool eq15;
-    bool blended;      // visibility may be between 0 and 1
-    bool natives;      // misses may be other than black: the scene has a sky, mirrors or glass
+    bool blended; // visibility may be between 0 and 1
+    bool natives; // misses may be other than black: the scene has a sky, mirrors or glass
 } RfBatchShape;
 
 // Misses lie behind the hits in the arrays that both have: every ray is one or the other.

@@ -40,7 +40,8 @@ void rf_harvest_chunk( RfRenderer* r, const RfHarvest* harvest, const RfWindow* 
 
 // A job is some rows of one film, so no two jobs touch the same pixel and every
 // pixel is added to in the batches' order.
-void rf_compute_chunk( RfRenderer* r, const RfHarvest* harvest, const RfWindow* window, int pass, const RfHitBatch* batches, int count )
+void rf_compute_chunk( RfRenderer* r, const RfHarvest* harvest, const RfWindow* window, int pass, const RfHitBatch* batches,
+                       int count )
 {
     int live = 0;
     for ( int i = 0; i < r->memory.film_slots; ++i )
@@ -169,7 +170,8 @@ static RfResult render_window( RfRenderer* r, int number, RfError* error )
     if ( rf_is_stopping( &r->settings ) )
         result = rf_render_until( r, &harvest, error );
     else
-        result = r->settings.hold_all ? rf_render_held( r, &harvest, &window, error ) : render_passes( r, &harvest, &window, error );
+        result =
+            r->settings.hold_all ? rf_render_held( r, &harvest, &window, error ) : render_passes( r, &harvest, &window, error );
     return result == RF_OK ? rf_close_films( r, number, error ) : result;
 }
 
@@ -267,8 +269,7 @@ static void fill_stats( const RfRenderer* r, RfRenderStats* stats )
 }
 
 RfResult rf_render( const RfTracer* tracer, const RfEye* eyes, int eye_count, const int* frames, int frame_count,
-                    const RfRenderSettings* settings, const RfRenderCallbacks* callbacks, RfRenderStats* stats,
-                    RfError* error )
+                    const RfRenderSettings* settings, const RfRenderCallbacks* callbacks, RfRenderStats* stats, RfError* error )
 {
     RfRenderer r = { .tracer = tracer, .eyes = eyes, .frames = frames, .frames_all = frame_count, .last_relmse = (double)NAN };
     RfResult result = rf_resolve_settings( tracer, eyes, eye_count, settings, &r.settings, error );

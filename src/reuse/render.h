@@ -39,26 +39,26 @@ typedef struct RfFrameFiles
 
 typedef struct RfRenderSettings
 {
-    int spp;           // native samples per pixel and frame in all; with noise or time about the most
-    double noise;      // each frame stops when its estimated relMSE is below; 0: spp are rendered
-    double time;       // seconds for each frame asked for, in the mean; 0: as many as it takes
-    int group;         // half-width n, cut to the path; RF_GROUP_AUTO: chosen
-    RfTile tile;       // pixels of a frame that share their paths
+    int spp;            // native samples per pixel and frame in all; with noise or time about the most
+    double noise;       // each frame stops when its estimated relMSE is below; 0: spp are rendered
+    double time;        // seconds for each frame asked for, in the mean; 0: as many as it takes
+    int group;          // half-width n, cut to the path; RF_GROUP_AUTO: chosen
+    RfTile tile;        // pixels of a frame that share their paths
     bool tile_roulette; // Russian roulette on connections in a tile that are worth little
-    bool adaptive;     // extra native samples for pixels that few other frames help; RF_WEIGHTS_EXACT only
+    bool adaptive;      // extra native samples for pixels that few other frames help; RF_WEIGHTS_EXACT only
     RfWeights weights;
     RfNormalize normalize;
-    int max_depth;     // path vertices after the eye
-    int light_samples; // K per vertex
+    int max_depth;                // path vertices after the eye
+    int light_samples;            // K per vertex
     RfLightPicking light_picking; // how their lights are picked
     uint64_t seed;
-    int threads;       // 0: all cores
-    size_t memory;     // budget in bytes; 0: half of what is free
-    int queue;         // finished frames, at most, that callbacks->frame is given in a thread of its own
-                       // while rendering goes on; fewer where memory is short. 0: it is called in between
-    bool hold_all;     // all hit records of a group at once, as the paper has it, packed: for comparison, the
-                       // pictures are the same; else as few as serve the threads
-    unsigned layers;   // RF_LAYER_BIT of those that are wanted besides the colour, which they do not change
+    int threads;        // 0: all cores
+    size_t memory;      // budget in bytes; 0: half of what is free
+    int queue;          // finished frames, at most, that callbacks->frame is given in a thread of its own
+                        // while rendering goes on; fewer where memory is short. 0: it is called in between
+    bool hold_all;      // all hit records of a group at once, as the paper has it, packed: for comparison, the
+                        // pictures are the same; else as few as serve the threads
+    unsigned layers;    // RF_LAYER_BIT of those that are wanted besides the colour, which they do not change
     RfFrameFiles files; // part of the budget
 } RfRenderSettings;
 
@@ -88,43 +88,43 @@ RfResult rf_resolve_settings( const RfTracer* tracer, const RfEye* eyes, int eye
 typedef struct RfMemoryFit
 {
     int threads;
-    int films;    // held at once
-    int sweeps;   // how often the path is gone through, each time for `films` frames; 1: the films all fit
-    int batches;  // of hit records held at once
-    int chunks;   // that a pass of a full group takes
+    int films;   // held at once
+    int sweeps;  // how often the path is gone through, each time for `films` frames; 1: the films all fit
+    int batches; // of hit records held at once
+    int chunks;  // that a pass of a full group takes
     size_t bytes_films, bytes_hits, bytes_lists; // films and images; hit records; workspaces: index lists, the writing of files
-    size_t least; // the smallest budget that works
+    size_t least;                                // the smallest budget that works
 } RfMemoryFit;
 
 // The fit of a render of `frame_count` frames with resolved settings. Fails with
 // RF_ERROR_MEMORY, and a line that names the smallest budget, where there is none.
 // With hold_all the held records are not in it, nor is it an error: only rf_render
 // knows how many there are, and says so before it renders.
-RfResult rf_fit_memory( const RfScene* scene, const RfEye* eyes, int eye_count, int frame_count,
-                        const RfRenderSettings* settings, RfMemoryFit* fit, RfError* error );
+RfResult rf_fit_memory( const RfScene* scene, const RfEye* eyes, int eye_count, int frame_count, const RfRenderSettings* settings,
+                        RfMemoryFit* fit, RfError* error );
 
 // A finished frame. The pixels are valid during the callback only.
 typedef struct RfFrameResult
 {
-    int frame;              // index into the eyes, from 0
+    int frame; // index into the eyes, from 0
     int width, height;
-    const float* rgb;       // 3 × width × height
-    const float* weight;    // width × height: B, the mean of the summed weights; E[B] = 1 with exact weights, else hits per pass
+    const float* rgb;    // 3 × width × height
+    const float* weight; // width × height: B, the mean of the summed weights; E[B] = 1 with exact weights, else hits per pass
     const float* layers[RF_LAYER_COUNT]; // rf_layer_channels × width × height; NULL: not asked for
-    double seconds;         // wall time since the frame before it
-    double relmse_estimate; // from the film halves; NaN with a single pass
-    double native_spp;      // native samples traced per pixel
-    double effective_spp;   // samples that landed per pixel, native and reused
-    bool reached;           // the estimate is below settings.noise, or nothing was asked
+    double seconds;                      // wall time since the frame before it
+    double relmse_estimate;              // from the film halves; NaN with a single pass
+    double native_spp;                   // native samples traced per pixel
+    double effective_spp;                // samples that landed per pixel, native and reused
+    bool reached;                        // the estimate is below settings.noise, or nothing was asked
 } RfFrameResult;
 
 typedef struct RfProgress
 {
     int frames_done, frames_all;
-    double share;       // of the whole work, 0 to 1
-    double samples;     // native samples traced so far
-    double seconds;     // since the start
-    double relmse;      // estimate of the last finished frame; NaN: not known
+    double share;   // of the whole work, 0 to 1
+    double samples; // native samples traced so far
+    double seconds; // since the start
+    double relmse;  // estimate of the last finished frame; NaN: not known
 } RfProgress;
 
 // Either callback may be NULL. `frame` failing stops the render with its
@@ -168,7 +168,6 @@ typedef struct RfRenderStats
 // bits, except with time. Fails with RF_ERROR_USAGE for settings out of range, RF_ERROR_MEMORY
 // where the smallest chunk of a single film does not fit the budget.
 RfResult rf_render( const RfTracer* tracer, const RfEye* eyes, int eye_count, const int* frames, int frame_count,
-                    const RfRenderSettings* settings, const RfRenderCallbacks* callbacks, RfRenderStats* stats,
-                    RfError* error );
+                    const RfRenderSettings* settings, const RfRenderCallbacks* callbacks, RfRenderStats* stats, RfError* error );
 
 #endif

@@ -9,10 +9,7 @@ static int batches_needed( const RenderSizes* s )
     return s->shape.eq15 || wanted < s->threads ? wanted : s->threads;
 }
 
-static size_t needed_bytes( const RenderSizes* s )
-{
-    return rf_fixed_bytes( s ) + rf_records_bytes( s, batches_needed( s ) );
-}
+static size_t needed_bytes( const RenderSizes* s ) { return rf_fixed_bytes( s ) + rf_records_bytes( s, batches_needed( s ) ); }
 
 // Threads that there is room for, at most those of the sizes; 0: none.
 static int threads_that_fit( size_t budget, RenderSizes sizes )
@@ -77,7 +74,8 @@ static int batches_that_fit( size_t budget, const RenderSizes* s )
 static RfResult fail_held( size_t budget, size_t least, RfError* error )
 {
     return rf_fail( error, RF_ERROR_MEMORY,
-                    "--hold-all: a budget of %zu KiB is too small for all hit records of a group: give --memory %zuK or more, or leave it off",
+                    "--hold-all: a budget of %zu KiB is too small for all hit records of a group: give --memory %zuK or more, or "
+                    "leave it off",
                     budget / 1024, least / 1024 );
 }
 
@@ -103,8 +101,8 @@ RfResult rf_fit_sizes( size_t budget, int frames, RenderSizes* sizes, RfMemoryFi
     return RF_OK;
 }
 
-RfResult rf_fit_memory( const RfScene* scene, const RfEye* eyes, int eye_count, int frame_count,
-                        const RfRenderSettings* settings, RfMemoryFit* fit, RfError* error )
+RfResult rf_fit_memory( const RfScene* scene, const RfEye* eyes, int eye_count, int frame_count, const RfRenderSettings* settings,
+                        RfMemoryFit* fit, RfError* error )
 {
     RfGroupPlan plan = rf_plan_groups( eye_count, settings->group, settings->spp );
     RenderSizes sizes = rf_render_sizes( scene, eyes, &plan, frame_count, settings );

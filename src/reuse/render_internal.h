@@ -27,7 +27,7 @@ typedef struct LiveFilm
 typedef struct RenderMemory
 {
     RfArena arena;
-    bool has_writer; // its bytes are counted
+    bool has_writer;                    // its bytes are counted
     RfHarvestScratch** harvest_scratch; // per thread
     RfComputeScratch* compute_scratch;  // per thread
     RfHitBatch* batches;
@@ -35,7 +35,7 @@ typedef struct RenderMemory
     int batches_laid_out; // of them, while they are being allocated
     LiveFilm* films;
     int film_slots;
-    RfFrameNoise* looks; // as many; with settings.noise or time only
+    RfFrameNoise* looks;    // as many; with settings.noise or time only
     RfFrameBuffer* buffers; // finished frames on their way to the caller
     int buffer_count;
 } RenderMemory;
@@ -64,7 +64,7 @@ typedef struct RfRenderer
     const RfEye* eyes;
     const int* frames; // of this sweep, ascending
     int frame_count;
-    int frames_all; // asked for
+    int frames_all;            // asked for
     RfRenderSettings settings; // resolved
     RfRenderCallbacks callbacks;
     RfGroupPlan plan;

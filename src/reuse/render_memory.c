@@ -67,7 +67,8 @@ static RfResult alloc_film( const RenderSizes* s, RenderMemory* m, LiveFilm* liv
     live->film.height = s->height;
     live->film.total_every = s->total_every;
     for ( int h = 0; h < 2 && result == RF_OK; ++h )
-        result = rf_arena_alloc( &m->arena, "films", rf_film_half_bytes( s->width, s->height ), (void**)&live->film.half[h], error );
+        result =
+            rf_arena_alloc( &m->arena, "films", rf_film_half_bytes( s->width, s->height ), (void**)&live->film.half[h], error );
     for ( int h = 0; h < 2 && result == RF_OK && s->total_every > 0; ++h )
         result = rf_arena_alloc( &m->arena, "films", rf_totals_bytes( s ), (void**)&live->film.total[h], error );
     for ( int h = 0; h < 2 && result == RF_OK && s->adaptive; ++h )
@@ -99,7 +100,8 @@ static RfResult alloc_films( const RenderSizes* s, RenderMemory* m, RfError* err
 static RfResult alloc_scratch( const RenderSizes* s, RenderMemory* m, RfError* error )
 {
     size_t threads = (size_t)s->threads;
-    RfResult result = rf_arena_alloc( &m->arena, "scratch", threads * sizeof *m->harvest_scratch, (void**)&m->harvest_scratch, error );
+    RfResult result =
+        rf_arena_alloc( &m->arena, "scratch", threads * sizeof *m->harvest_scratch, (void**)&m->harvest_scratch, error );
     if ( result != RF_OK )
         return result;
     memset( m->harvest_scratch, 0, threads * sizeof *m->harvest_scratch );
@@ -139,8 +141,8 @@ static RfResult alloc_more_buffers( const RenderSizes* s, RenderMemory* m, RfErr
 {
     size_t batches = rf_records_bytes( s, batch_slots( s, m ) );
     RfResult result = RF_OK;
-    while ( result == RF_OK && m->buffer_count < s->buffers &&
-            room_for_batches( s, m ) > batches && room_for_batches( s, m ) - batches >= rf_image_bytes( s ) )
+    while ( result == RF_OK && m->buffer_count < s->buffers && room_for_batches( s, m ) > batches &&
+            room_for_batches( s, m ) - batches >= rf_image_bytes( s ) )
         result = alloc_buffer( s, m, error );
     return result;
 }
@@ -148,7 +150,8 @@ static RfResult alloc_more_buffers( const RenderSizes* s, RenderMemory* m, RfErr
 static RfResult alloc_batches( const RenderSizes* s, RenderMemory* m, RfError* error )
 {
     m->batch_slots = batch_slots( s, m );
-    RfResult result = rf_arena_alloc( &m->arena, "hit records", (size_t)m->batch_slots * sizeof *m->batches, (void**)&m->batches, error );
+    RfResult result =
+        rf_arena_alloc( &m->arena, "hit records", (size_t)m->batch_slots * sizeof *m->batches, (void**)&m->batches, error );
     for ( int i = 0; i < m->batch_slots && result == RF_OK; ++i )
     {
         void* memory = NULL;

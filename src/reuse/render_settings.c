@@ -25,7 +25,9 @@ static RfResult check_settings( const RfRenderSettings* s, RfError* error )
     if ( !( s->time >= 0.0 && s->time <= RF_MAX_TIME ) )
         return rf_fail( error, RF_ERROR_USAGE, "the seconds for a frame must be 0 to %g, got %g", RF_MAX_TIME, s->time );
     if ( s->hold_all && rf_is_stopping( s ) )
-        return rf_fail( error, RF_ERROR_USAGE, "all records of a group can be held only where its passes are known: not with a noise or a time to stop at" );
+        return rf_fail(
+            error, RF_ERROR_USAGE,
+            "all records of a group can be held only where its passes are known: not with a noise or a time to stop at" );
     if ( s->adaptive && s->weights != RF_WEIGHTS_EXACT )
         return rf_fail( error, RF_ERROR_USAGE, "adaptive samples want exact weights" );
     if ( s->group < RF_GROUP_AUTO || s->group > RF_MAX_GROUP )
@@ -59,7 +61,8 @@ static RfResult check_eyes( const RfEye* eyes, int count, RfError* error )
 }
 
 // Never a matter of which frames are asked for.
-static RfResult choose_group( const RfTracer* tracer, const RfEye* eyes, int eye_count, RfRenderSettings* settings, RfError* error )
+static RfResult choose_group( const RfTracer* tracer, const RfEye* eyes, int eye_count, RfRenderSettings* settings,
+                              RfError* error )
 {
     if ( settings->group != RF_GROUP_AUTO )
         return RF_OK;

@@ -66,15 +66,14 @@ RenderSizes rf_render_sizes( const RfScene* scene, const RfEye* eyes, const RfGr
         .stopping = rf_is_stopping( settings ),
         .adaptive = settings->adaptive,
         .files = settings->files,
-        .buffers = settings->queue > films ? films : settings->queue > 1 ? settings->queue : 1,
+        .buffers = settings->queue > films ? films
+                   : settings->queue > 1   ? settings->queue
+                                           : 1,
         .shape = batch_shape( scene, plan->eyes, settings ),
     };
 }
 
-size_t rf_totals_bytes( const RenderSizes* s )
-{
-    return s->total_every > 0 ? rf_film_total_bytes( s->width, s->height ) : 0;
-}
+size_t rf_totals_bytes( const RenderSizes* s ) { return s->total_every > 0 ? rf_film_total_bytes( s->width, s->height ) : 0; }
 
 size_t rf_looks_bytes( const RenderSizes* s ) { return s->stopping ? (size_t)s->films * sizeof( RfFrameNoise ) : 0; }
 
@@ -134,7 +133,8 @@ size_t rf_writer_bytes( const RenderSizes* s )
 
 size_t rf_records_bytes( const RenderSizes* s, int batches )
 {
-    return rf_arena_size( (size_t)batches * sizeof( RfHitBatch ) ) + (size_t)batches * rf_arena_size( rf_batch_bytes( &s->shape ) );
+    return rf_arena_size( (size_t)batches * sizeof( RfHitBatch ) ) +
+           (size_t)batches * rf_arena_size( rf_batch_bytes( &s->shape ) );
 }
 
 // The biased eq15 needs all of a pass.

@@ -40,15 +40,15 @@ typedef struct RfShare
     int32_t found[RF_LANES];                                 // second vertex of its path; −1: none to share
     // second vertices
     RfVertexLanes second;
-    RF_ALIGN float lifted[3][RF_LANES];  // of the hits: where segments to them end
-    int32_t owner[RF_LANES];             // hit whose path found it; −1: not shared
-    float throughput[3][RF_LANES];       // of the ray that found it
-    float own_distance2_cos[RF_LANES];   // 1 / G_own
-    float sum[RF_LANES];                 // Σ ρ
-    float late[RF_LANES];                // density that counts, where its own path does not; else 0
-    float wi[3][RF_LANES];               // where its path goes on
+    RF_ALIGN float lifted[3][RF_LANES]; // of the hits: where segments to them end
+    int32_t owner[RF_LANES];            // hit whose path found it; −1: not shared
+    float throughput[3][RF_LANES];      // of the ray that found it
+    float own_distance2_cos[RF_LANES];  // 1 / G_own
+    float sum[RF_LANES];                // Σ ρ
+    float late[RF_LANES];               // density that counts, where its own path does not; else 0
+    float wi[3][RF_LANES];              // where its path goes on
     float pdf[RF_LANES];
-    float wo[3][RF_LANES];               // to the hits of a turn
+    float wo[3][RF_LANES]; // to the hits of a turn
     float mixture[RF_LANES];
     float a[3][RF_LANES], b[3][RF_LANES], light_pdf[RF_LANES];
     RfArrivals found_light; // by slot: what the scattered rays of the hits found

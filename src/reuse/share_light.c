@@ -9,7 +9,6 @@
 
 #define MIN_PDF 1e-30f
 
-
 // A direction at the second vertices, and its light in two parts.
 static void gather_light_sample( const RfWalkSettings* settings, RfShare* share, int sample )
 {
@@ -149,7 +148,8 @@ static void add_unshared( const RfWalkSettings* settings, RfWalk* walk, const fl
             if ( native )
             {
                 float k = (float)settings->light_samples * share->beyond.light_pdf_solid_angle[slot];
-                light = share->beyond.rest[c][slot] + ( pdf > 0.0f ? share->beyond.emitted[c][slot] * ( pdf / ( pdf + k ) ) : 0.0f );
+                light =
+                    share->beyond.rest[c][slot] + ( pdf > 0.0f ? share->beyond.emitted[c][slot] * ( pdf / ( pdf + k ) ) : 0.0f );
             }
             walk->arrivals.rest[c][slot] += share->throughput[c][a] * light;
         }
@@ -205,8 +205,7 @@ void rf_light_turns( const RfShareSettings* settings, RfWalk* walk, RfShare* sha
     keep_own( walk, share );
 }
 
-void rf_borrow_light( const RfShare* share, int turn, const RfVertexLanes* hits, int first, int end,
-                      float borrowed[3][RF_LANES] )
+void rf_borrow_light( const RfShare* share, int turn, const RfVertexLanes* hits, int first, int end, float borrowed[3][RF_LANES] )
 {
     int diffuse = share->second.first[RF_BSDF_PHONG];
     const RfTurnLanes *t = share->turns + turn, *own = share->turns;

@@ -140,7 +140,7 @@ static Pairs list_pairs( RfShare* share, int a )
 {
     int own = share->owner[a];
     Pairs p = { share->size[own], share->member + share->begin[own], { NULL } };
-    for ( int k = 0, s = share->rank[own]; k < p.count; ++k, s = s > 0 ? s - 1 : p.count - 1 )
+    for ( int k = 0, s = share->rank[own]; k<p.count; ++k, s = s> 0 ? s - 1 : p.count - 1 )
         p.weight[k] = share->turns[s].weight + p.hit[k];
     return p;
 }
@@ -204,7 +204,7 @@ static void queue_all( Queue* q, RfShare* share, int a )
     RfVec3 from = lifted( &share->second, a );
     int own = share->owner[a], size = share->size[own];
     const int32_t* member = share->member + share->begin[own];
-    for ( int k = 0, s = share->rank[own]; k < size; ++k, s = s > 0 ? s - 1 : size - 1 )
+    for ( int k = 0, s = share->rank[own]; k<size; ++k, s = s> 0 ? s - 1 : size - 1 )
     {
         if ( s > 0 )
             queue_segment( q, share, from, member[k], share->turns[s].weight + member[k] );

@@ -40,18 +40,18 @@ typedef struct RfFrameNoise
 
 typedef struct RfStop
 {
-    double noise;   // relMSE that every frame is to come below; 0: does not matter
-    double seconds; // for all frames; 0: does not matter
-    RfGroupPlan plan;   // of the shares
-    double scale;       // passes of a share in it
-    double most, least; // passes for each share
-    double owed;        // part of a pass, from one window to the next
-    double due;         // passes of this window, as last decided
-    int64_t passes;     // of all windows before this one
-    double units_left;  // shares × eyes of all windows after this one
-    double units_all;   // the same of all windows
-    double window_units; // of this window
-    double window_share; // of it that is done
+    double noise;                          // relMSE that every frame is to come below; 0: does not matter
+    double seconds;                        // for all frames; 0: does not matter
+    RfGroupPlan plan;                      // of the shares
+    double scale;                          // passes of a share in it
+    double most, least;                    // passes for each share
+    double owed;                           // part of a pass, from one window to the next
+    double due;                            // passes of this window, as last decided
+    int64_t passes;                        // of all windows before this one
+    double units_left;                     // shares × eyes of all windows after this one
+    double units_all;                      // the same of all windows
+    double window_units;                   // of this window
+    double window_share;                   // of it that is done
     double seconds_done, units_done, last; // pace: seconds per eye and pass is their quotient
     RfFrameNoise finished[RF_STOP_HISTORY];
     int finished_count; // in all

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define PLAIN_SIDE 32 // of a patch without tiles, and about that of the others
+#define PLAIN_SIDE 32        // of a patch without tiles, and about that of the others
 #define SALT 0x711300000000u // above all pixels: keeps the tiles' random numbers apart from the pixels'
 
 static bool parse_count( const char** text, int* count )

@@ -62,7 +62,7 @@ RfPatchLayout rf_lay_out_patches( const RfTile* tile, int width, int height );
 // patch (not with RF_TILE_NONE). Returns how many; `tile_count` may be larger
 // than the number of tiles that have a pixel. The tiles are drawn by `pass_key`
 // (base/random.h). `pixel` and `tile_of` hold RF_PATCH_PIXELS.
-int rf_list_patch( const RfPatchLayout* layout, const RfEye* eye, uint64_t pass_key, int patch, int32_t* pixel,
-                   int32_t* tile_of, int* tile_count );
+int rf_list_patch( const RfPatchLayout* layout, const RfEye* eye, uint64_t pass_key, int patch, int32_t* pixel, int32_t* tile_of,
+                   int* tile_count );
 
 #endif

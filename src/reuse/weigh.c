@@ -151,8 +151,8 @@ static void mix_densities( const RfHarvest* harvest, const RfHitBatch* batch, Rf
     }
 }
 
-static void store_direction( const RfHarvest* harvest, const RfHitBatch* batch, const Arrival* arrival,
-                             const float* const wi[3], const float* mixture, RfDirectionLanes* out )
+static void store_direction( const RfHarvest* harvest, const RfHitBatch* batch, const Arrival* arrival, const float* const wi[3],
+                             const float* mixture, RfDirectionLanes* out )
 {
     int first = batch->first[RF_BSDF_PHONG], count = batch->count - first;
     for ( int i = 0; i < count; ++i )

@@ -2,10 +2,7 @@
 #include "reuse/render_internal.h"
 
 // A scene without lights has nothing to sample, walk or combine.
-static int useful_depth( const RfRenderer* r )
-{
-    return rf_tracer_lights( r->tracer )->count > 0 ? r->settings.max_depth : 1;
-}
+static int useful_depth( const RfRenderer* r ) { return rf_tracer_lights( r->tracer )->count > 0 ? r->settings.max_depth : 1; }
 
 RfHarvest rf_window_harvest( const RfRenderer* r, int number )
 {

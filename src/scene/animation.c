@@ -4,10 +4,7 @@
 
 #include <string.h>
 
-static int components_of( RfAnimatedPath path )
-{
-    return path == RF_ROTATION ? 4 : 3;
-}
+static int components_of( RfAnimatedPath path ) { return path == RF_ROTATION ? 4 : 3; }
 
 // Last key at or before `time`; the caller has clamped.
 static int find_key( const RfChannel* channel, double time )

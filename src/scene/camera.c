@@ -45,8 +45,7 @@ RfResult rf_find_camera( const RfScene* scene, const char* name, int* index, RfE
     const char* path = scene->path != NULL ? scene->path : "scene";
     *index = -1;
     if ( scene->camera_count == 0 )
-        return rf_fail( error, RF_ERROR_SCENE,
-                        "%s: has no camera: add one in the modelling program and export cameras", path );
+        return rf_fail( error, RF_ERROR_SCENE, "%s: has no camera: add one in the modelling program and export cameras", path );
     if ( name == NULL )
     {
         *index = default_camera( scene );
@@ -70,19 +69,20 @@ static RfResult fail_too_long( const RfCamera* camera, double fps, RfError* erro
 {
     double seconds = camera->end - camera->start;
     if ( camera->track != NULL )
-        return rf_fail( error, RF_ERROR_SCENE, "%s: %g s at %g frames/s are more than %d frames: shorten it or lower the frames per second",
+        return rf_fail( error, RF_ERROR_SCENE,
+                        "%s: %g s at %g frames/s are more than %d frames: shorten it or lower the frames per second",
                         camera->track->clock, seconds, fps, MAX_FRAMES );
-    return rf_fail( error, RF_ERROR_SCENE,
-                    "camera '%.60s': its animation of %g s at %g frames/s is more than %d frames: shorten it or lower the frames per second",
-                    camera->name, seconds, fps, MAX_FRAMES );
+    return rf_fail(
+        error, RF_ERROR_SCENE,
+        "camera '%.60s': its animation of %g s at %g frames/s is more than %d frames: shorten it or lower the frames per second",
+        camera->name, seconds, fps, MAX_FRAMES );
 }
 
 RfResult rf_camera_frame_count( const RfCamera* camera, double fps, int* count, RfError* error )
 {
     *count = 0;
     if ( isfinite( fps ) == 0 || fps <= 0.0 )
-        return rf_fail( error, RF_ERROR_USAGE, "camera '%.60s': frames per second must be above 0, got %g", camera->name,
-                        fps );
+        return rf_fail( error, RF_ERROR_USAGE, "camera '%.60s': frames per second must be above 0, got %g", camera->name, fps );
     *count = 1;
     if ( camera->animated == false )
         return RF_OK;
@@ -137,10 +137,7 @@ static bool unit_axis( const double* column, double sign, double axis[3] )
     return true;
 }
 
-static RfVec3 to_vec3( const double v[3] )
-{
-    return rf_vec3( (float)v[0], (float)v[1], (float)v[2] );
-}
+static RfVec3 to_vec3( const double v[3] ) { return rf_vec3( (float)v[0], (float)v[1], (float)v[2] ); }
 
 static bool in_range( const double* origin )
 {
@@ -190,8 +187,7 @@ static RfResult check_film( const RfCamera* self, int width, int height, RfEye* 
     *eye = ( RfEye ){ 0 };
     if ( width > 0 && height > 0 )
         return RF_OK;
-    return rf_fail( error, RF_ERROR_USAGE, "camera '%.60s': the film must have pixels, got %d × %d", self->name, width,
-                    height );
+    return rf_fail( error, RF_ERROR_USAGE, "camera '%.60s': the film must have pixels, got %d × %d", self->name, width, height );
 }
 
 RfResult rf_scene_eye( const RfScene* scene, int camera, double time, int width, int height, RfEye* eye, RfError* error )
@@ -209,8 +205,8 @@ RfResult rf_scene_eye( const RfScene* scene, int camera, double time, int width,
                                : node_eye( scene, self, time, width, height, eye, error );
 }
 
-RfResult rf_camera_eye( const RfScene* scene, const RfCamera* camera, double frame, int numerator, int denominator,
-                        int width, int height, RfEye* eye, RfError* error )
+RfResult rf_camera_eye( const RfScene* scene, const RfCamera* camera, double frame, int numerator, int denominator, int width,
+                        int height, RfEye* eye, RfError* error )
 {
     RfResult result = check_film( camera, width, height, eye, error );
     if ( result != RF_OK )

@@ -24,8 +24,7 @@ RfResult rf_scene_frame_count( const RfScene* scene, const RfCamera* camera, dou
 // are orthonormalised, the camera looks along −Z of its node with +Y up.
 // Fails (RF_ERROR_SCENE) where the transform collapses or is not finite, and
 // where the camera's path counts frames instead of seconds: rf_camera_eye then.
-RfResult rf_scene_eye( const RfScene* scene, int camera, double time, int width, int height, RfEye* eye,
-                       RfError* error );
+RfResult rf_scene_eye( const RfScene* scene, int camera, double time, int width, int height, RfEye* eye, RfError* error );
 
 // A camera whose path is read from a file (scene/camera_track.h), called by the
 // file's name. Free with rf_destroy_camera.
@@ -37,8 +36,8 @@ RfResult rf_read_camera( const struct RfField* object, const char* name, RfCamer
 
 // The eye of a camera (of the scene, or one from rf_load_camera) at a frame of
 // its path, from 0, at numerator / denominator frames per second.
-RfResult rf_camera_eye( const RfScene* scene, const RfCamera* camera, double frame, int numerator, int denominator,
-                        int width, int height, RfEye* eye, RfError* error );
+RfResult rf_camera_eye( const RfScene* scene, const RfCamera* camera, double frame, int numerator, int denominator, int width,
+                        int height, RfEye* eye, RfError* error );
 
 // World matrix of a node at `time` seconds.
 void rf_node_world_matrix( const RfScene* scene, int node, double time, RfMat4* matrix );

@@ -37,10 +37,10 @@ typedef struct RfCameraTrack
     bool in_frames; // times count frames, whatever the frames per second; else seconds
     char* clock;    // what says how long it takes: "move.json: duration", "scene.json: camera.keys[7].time"
     double start, end;
-    RfCurve position; // none for orbits and walks
+    RfCurve position;   // none for orbits and walks
     RfCurve target, up; // none where there is a rotation; walks may look ahead without a target
     RfCurve rotation;
-    RfCurve fov;      // vertical, degrees
+    RfCurve fov; // vertical, degrees
     RfOrbit orbit;
     RfWalk walk;
     double look_ahead; // m along a walk's curve

@@ -29,8 +29,8 @@ static RfResult read_time( const RfField* key, bool in_frames, int index, double
     RfField field = rf_field_member( key, name );
     RfResult result = rf_field_require( key, name, want );
     if ( result == RF_OK )
-        result = rf_field_number( &field, in_frames ? rf_range( 1.0, RF_MAX_TRACK_FRAMES ) : rf_range( 0.0, RF_MAX_TRACK_SECONDS ),
-                                  times + index );
+        result = rf_field_number(
+            &field, in_frames ? rf_range( 1.0, RF_MAX_TRACK_FRAMES ) : rf_range( 0.0, RF_MAX_TRACK_SECONDS ), times + index );
     if ( result != RF_OK )
         return result;
     if ( index > 0 && !( times[index] - times[index - 1] >= LEAST_STEP ) )
@@ -90,8 +90,13 @@ static RfResult make_curves( const Keys* keys, bool linear, bool rotates, RfCame
 static Keys split_memory( double* memory, int count )
 {
     size_t n = (size_t)count;
-    Keys keys = { .count = count, .times = memory, .position = memory + n, .target = memory + 4 * n,
-                  .up = memory + 7 * n, .rotation = memory + 10 * n, .fov = memory + 14 * n };
+    Keys keys = { .count = count,
+                  .times = memory,
+                  .position = memory + n,
+                  .target = memory + 4 * n,
+                  .up = memory + 7 * n,
+                  .rotation = memory + 10 * n,
+                  .fov = memory + 14 * n };
     for ( size_t i = 0; i < n; ++i )
     {
         keys.up[3 * i + 1] = 1.0;
@@ -127,7 +132,8 @@ static RfResult read_keys( const RfField* top, const RfField* list, RfCameraTrac
     track->start = keys.times[0];
     track->end = keys.times[count - 1];
     free( memory );
-    RfField last = rf_field_item( list, (size_t)count - 1 ), field = rf_field_member( &last, track->in_frames ? "frame" : "time" );
+    RfField last = rf_field_item( list, (size_t)count - 1 ),
+            field = rf_field_member( &last, track->in_frames ? "frame" : "time" );
     return result == RF_OK ? rf_name_clock( &field, track ) : result;
 }
 

@@ -11,10 +11,7 @@
 #define MAX_COORDINATE 1e15
 #define DEGREE ( 3.14159265358979323846 / 180.0 )
 
-RfRange rf_coordinates( void )
-{
-    return rf_range( -MAX_COORDINATE, MAX_COORDINATE );
-}
+RfRange rf_coordinates( void ) { return rf_range( -MAX_COORDINATE, MAX_COORDINATE ); }
 
 RfResult rf_read_point( const RfField* object, const char* key, double point[3] )
 {
@@ -67,10 +64,7 @@ RfResult rf_read_rotation( const RfField* field, double q[4] )
     return result;
 }
 
-RfResult rf_read_fov( const RfField* field, double* fov )
-{
-    return rf_field_number( field, rf_range( 0.1, 179.0 ), fov );
-}
+RfResult rf_read_fov( const RfField* field, double* fov ) { return rf_field_number( field, rf_range( 0.1, 179.0 ), fov ); }
 
 // A path looks at targets, with an up, or is turned by rotations: the two do not
 // mix, neither in one key nor from key to key.
@@ -131,7 +125,8 @@ RfResult rf_read_span( const RfField* top, const char* const* names, RfCameraTra
         result = rf_field_number( &field, rf_above( 0.0, MAX_COORDINATE ), &value );
         track->end = value > 0.0 ? track->walk.length / value : 0.0;
         if ( result == RF_OK && !( track->end <= RF_MAX_TRACK_SECONDS ) )
-            return rf_field_fail( &field, "%g m at %g m/s take longer than %g s", track->walk.length, value, RF_MAX_TRACK_SECONDS );
+            return rf_field_fail( &field, "%g m at %g m/s take longer than %g s", track->walk.length, value,
+                                  RF_MAX_TRACK_SECONDS );
         return result;
     }
     track->in_frames = strcmp( given, "frames" ) == 0;

@@ -5,10 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double* key_of( const RfCurve* curve, int key )
-{
-    return curve->values + (size_t)key * (size_t)curve->kind;
-}
+static const double* key_of( const RfCurve* curve, int key ) { return curve->values + (size_t)key * (size_t)curve->kind; }
 
 // How far two keys are apart: a length, or half the angle between rotations.
 static double distance( RfCurveKind kind, const double* a, const double* b )
@@ -90,8 +87,8 @@ static void make_slopes( RfCurve* curve )
     }
 }
 
-RfResult rf_create_curve( RfCurveKind kind, bool linear, int count, const double* times, const double* values,
-                          RfCurve* curve, RfError* error )
+RfResult rf_create_curve( RfCurveKind kind, bool linear, int count, const double* times, const double* values, RfCurve* curve,
+                          RfError* error )
 {
     size_t n = (size_t)count;
     *curve = ( RfCurve ){ .kind = kind, .linear = linear, .count = count };
@@ -217,8 +214,7 @@ static void sample_segment( const RfCurve* curve, int segment, double time, doub
     double h = curve->times[segment + 1] - curve->times[segment];
     if ( curve->linear )
     {
-        blend( curve->kind, key_of( curve, segment ), key_of( curve, segment + 1 ), ( time - curve->times[segment] ) / h,
-               value );
+        blend( curve->kind, key_of( curve, segment ), key_of( curve, segment + 1 ), ( time - curve->times[segment] ) / h, value );
         return;
     }
     double knot = knot_at( curve, segment, time );

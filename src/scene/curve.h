@@ -35,8 +35,8 @@ typedef struct RfCurve
 // Keys at increasing times. The values are copied; linear curves run straight
 // (rotations by slerp) from key to key. Fails only for want of memory. Free
 // with rf_destroy_curve.
-RfResult rf_create_curve( RfCurveKind kind, bool linear, int count, const double* times, const double* values,
-                          RfCurve* curve, RfError* error );
+RfResult rf_create_curve( RfCurveKind kind, bool linear, int count, const double* times, const double* values, RfCurve* curve,
+                          RfError* error );
 void rf_destroy_curve( RfCurve* curve );
 
 // The value at a time; before the first and after the last key it stands still.

@@ -18,10 +18,7 @@ static bool is_used( const Census* census, uint32_t material )
     return census->triangles == NULL || census->triangles[material] > 0;
 }
 
-static bool is_lit( RfVec3 c )
-{
-    return rf_max_component( c ) > 0.0f;
-}
+static bool is_lit( RfVec3 c ) { return rf_max_component( c ) > 0.0f; }
 
 static RfVec3 load_vec3( const float* array, uint32_t index )
 {
@@ -59,50 +56,23 @@ static Census take_census( const RfScene* scene )
     return census;
 }
 
-static bool has_diffuse( const RfMaterial* m )
-{
-    return is_lit( m->diffuse );
-}
+static bool has_diffuse( const RfMaterial* m ) { return is_lit( m->diffuse ); }
 
-static bool has_phong( const RfMaterial* m )
-{
-    return m->kind == RF_BSDF_PHONG && is_lit( m->specular );
-}
+static bool has_phong( const RfMaterial* m ) { return m->kind == RF_BSDF_PHONG && is_lit( m->specular ); }
 
-static bool has_ggx( const RfMaterial* m )
-{
-    return m->kind == RF_BSDF_GGX || m->kind == RF_BSDF_COATED;
-}
+static bool has_ggx( const RfMaterial* m ) { return m->kind == RF_BSDF_GGX || m->kind == RF_BSDF_COATED; }
 
-static bool has_clearcoat( const RfMaterial* m )
-{
-    return m->kind == RF_BSDF_COATED;
-}
+static bool has_clearcoat( const RfMaterial* m ) { return m->kind == RF_BSDF_COATED; }
 
-static bool has_mirror( const RfMaterial* m )
-{
-    return m->kind == RF_BSDF_GLASS && m->ior == 0.0f;
-}
+static bool has_mirror( const RfMaterial* m ) { return m->kind == RF_BSDF_GLASS && m->ior == 0.0f; }
 
-static bool has_transmission( const RfMaterial* m )
-{
-    return m->kind == RF_BSDF_GLASS && m->ior > 0.0f;
-}
+static bool has_transmission( const RfMaterial* m ) { return m->kind == RF_BSDF_GLASS && m->ior > 0.0f; }
 
-static bool has_absorption( const RfMaterial* m )
-{
-    return has_transmission( m ) && is_lit( m->absorption );
-}
+static bool has_absorption( const RfMaterial* m ) { return has_transmission( m ) && is_lit( m->absorption ); }
 
-static bool has_emission( const RfMaterial* m )
-{
-    return is_lit( m->emission );
-}
+static bool has_emission( const RfMaterial* m ) { return is_lit( m->emission ); }
 
-static bool has_two_sided_emission( const RfMaterial* m )
-{
-    return is_lit( m->emission ) && m->double_sided;
-}
+static bool has_two_sided_emission( const RfMaterial* m ) { return is_lit( m->emission ) && m->double_sided; }
 
 static bool has_texture( const RfMaterial* m )
 {
@@ -114,14 +84,10 @@ static bool has_texture( const RfMaterial* m )
     return false;
 }
 
-static bool has_vertex_colors( const RfMaterial* m )
-{
-    return m->textured != NULL && m->textured->vertex_colors;
-}
+static bool has_vertex_colors( const RfMaterial* m ) { return m->textured != NULL && m->textured->vertex_colors; }
 
 // An effect that some materials call for: names the first, counts the rest.
-static RfEffect material_effect( const Census* census, const char* name, bool ( *calls )( const RfMaterial* ),
-                                 const char* none )
+static RfEffect material_effect( const Census* census, const char* name, bool ( *calls )( const RfMaterial* ), const char* none )
 {
     RfEffect effect = { .name = name };
     const RfMaterial* first = NULL;
@@ -188,7 +154,8 @@ static RfEffect punctual_effect( const RfScene* scene )
     else if ( scene->punctual_count == 1 )
         snprintf( effect.why, sizeof effect.why, "light '%.80s'", scene->punctuals[0].name );
     else
-        snprintf( effect.why, sizeof effect.why, "light '%.80s' and %d more", scene->punctuals[0].name, scene->punctual_count - 1 );
+        snprintf( effect.why, sizeof effect.why, "light '%.80s' and %d more", scene->punctuals[0].name,
+                  scene->punctual_count - 1 );
     return effect;
 }
 
@@ -199,7 +166,8 @@ static RfEffect environment_effect( const RfScene* scene )
     if ( !effect.on )
         snprintf( effect.why, sizeof effect.why, "no light from around the scene" );
     else if ( e->map != NULL )
-        snprintf( effect.why, sizeof effect.why, "a map of %d x %d pixels%s", e->width, e->height, e->hidden ? ", hidden from the camera" : "" );
+        snprintf( effect.why, sizeof effect.why, "a map of %d x %d pixels%s", e->width, e->height,
+                  e->hidden ? ", hidden from the camera" : "" );
     else
         snprintf( effect.why, sizeof effect.why, "radiance %g %g %g all around%s", (double)e->radiance.x, (double)e->radiance.y,
                   (double)e->radiance.z, e->hidden ? ", hidden from the camera" : "" );
@@ -227,7 +195,8 @@ int rf_list_effects( const RfScene* scene, RfEffect effects[RF_MAX_EFFECTS] )
     effects[count++] = environment_effect( scene );
     effects[count++] = material_effect( &census, "textures", has_texture, "no material has a texture" );
     effects[count++] = material_effect( &census, "vertex-colors", has_vertex_colors, "no mesh has colours at its vertices" );
-    effects[count++] = material_effect( &census, "alpha-blend", rf_is_blended, "no material lets part of the light straight through" );
+    effects[count++] =
+        material_effect( &census, "alpha-blend", rf_is_blended, "no material lets part of the light straight through" );
     effects[count++] = material_effect( &census, "alpha-mask", rf_is_masked, "no material is cut out by its alpha" );
     free( census.triangles );
     return count;

@@ -11,7 +11,7 @@ typedef struct RfEffect
 {
     const char* name; // a stable word, such as "phong"
     bool on;
-    char why[160];    // which material, which camera; or why not
+    char why[160]; // which material, which camera; or why not
 } RfEffect;
 
 // Fills `effects` in a fixed order and returns how many there are.

@@ -17,10 +17,9 @@ static RfResult parse( RfGltf* gltf, const char* text, size_t size )
 {
     if ( size > MAX_JSON_BYTES )
         return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, "document",
-                             "%zu bytes of JSON, at most %zu are read: put buffers into a .glb or .bin", size,
-                             MAX_JSON_BYTES );
-    return rf_parse_json( gltf->path, text, size, "not JSON as glTF wants it, export the scene as .glb or .gltf", "document: ",
-                          &gltf->root, gltf->error );
+                             "%zu bytes of JSON, at most %zu are read: put buffers into a .glb or .bin", size, MAX_JSON_BYTES );
+    return rf_parse_json( gltf->path, text, size, "not JSON as glTF wants it, export the scene as .glb or .gltf",
+                          "document: ", &gltf->root, gltf->error );
 }
 
 static RfResult open_document( RfGltf* gltf )

@@ -106,8 +106,10 @@ static RfResult read_view( const RfGltf* gltf, const json_t* json, const char* w
     if ( result != RF_OK )
         return result;
     if ( view < 0 && out->count > MAX_ZEROS )
-        return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, where, "%u elements without a bufferView, at most %lld are read: "
-                             "export the scene with its data", out->count, (long long)MAX_ZEROS );
+        return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, where,
+                             "%u elements without a bufferView, at most %lld are read: "
+                             "export the scene with its data",
+                             out->count, (long long)MAX_ZEROS );
     if ( view < 0 )
         return RF_OK;
     uint64_t size = element_size( out );
@@ -119,8 +121,8 @@ static RfResult read_view( const RfGltf* gltf, const json_t* json, const char* w
     return rf_gltf_view_bytes( gltf, where, view, (uint64_t)offset, need, &out->data );
 }
 
-static RfResult read_sparse_part( const RfGltf* gltf, const json_t* sparse, const char* where, const char* key,
-                                  uint64_t bytes, const uint8_t** data )
+static RfResult read_sparse_part( const RfGltf* gltf, const json_t* sparse, const char* where, const char* key, uint64_t bytes,
+                                  const uint8_t** data )
 {
     const json_t* part = NULL;
     int view = -1;
@@ -149,8 +151,8 @@ static RfResult check_sparse_indices( const RfGltf* gltf, const char* where, con
     {
         int64_t index = rf_gltf_read_u32( out->sparse_indices + i * size, out->sparse_type );
         if ( index <= last || index >= (int64_t)out->count )
-            return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "indices[%u] is %lld: they must increase and stay below %u",
-                                 i, (long long)index, out->count );
+            return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "indices[%u] is %lld: they must increase and stay below %u", i,
+                                 (long long)index, out->count );
         last = index;
     }
     return RF_OK;
@@ -179,8 +181,8 @@ static RfResult read_sparse( const RfGltf* gltf, const json_t* json, const char*
     uint64_t index_bytes = (uint64_t)count * (uint64_t)rf_gltf_component_size( out->sparse_type );
     result = read_sparse_part( gltf, sparse, where.text, "indices", index_bytes, &out->sparse_indices );
     if ( result == RF_OK )
-        result = read_sparse_part( gltf, sparse, where.text, "values", (uint64_t)count * element_size( out ),
-                                   &out->sparse_values );
+        result =
+            read_sparse_part( gltf, sparse, where.text, "values", (uint64_t)count * element_size( out ), &out->sparse_values );
     if ( result != RF_OK )
         return result;
     out->sparse_count = (uint32_t)count;

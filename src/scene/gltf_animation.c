@@ -34,8 +34,10 @@ static RfResult read_times( RfGltf* gltf, int index, const char* where, RfChanne
         if ( result != RF_OK )
             return result;
         if ( time < 0.0f || (double)time <= last )
-            return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "input accessors[%d], key %d is at %g s: times must be at "
-                                 "least 0 and increase", index, i, (double)time );
+            return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where,
+                                 "input accessors[%d], key %d is at %g s: times must be at "
+                                 "least 0 and increase",
+                                 index, i, (double)time );
         last = channel->times[i] = (double)time;
     }
     return RF_OK;
@@ -152,8 +154,7 @@ static RfResult read_target( RfGltf* gltf, const json_t* json, const char* where
         return result;
 
     if ( strcmp( path, "pointer" ) == 0 )
-        rf_gltf_notice( gltf, RF_GLTF_POINTER_CHANNELS,
-                        "KHR_animation_pointer is not read: what %s moves stands still", where );
+        rf_gltf_notice( gltf, RF_GLTF_POINTER_CHANNELS, "KHR_animation_pointer is not read: what %s moves stands still", where );
     else if ( strcmp( path, "weights" ) == 0 )
         rf_gltf_notice( gltf, RF_GLTF_WEIGHT_CHANNELS, "morph targets are not read: what %s moves stands still", where );
     else
@@ -179,8 +180,8 @@ static RfResult check_target( RfGltf* gltf, Loader* loader, const char* where, c
     uint8_t bit = (uint8_t)( 1u << channel->path );
     if ( ( loader->taken[channel->node] & bit ) != 0 )
     {
-        rf_gltf_notice( gltf, RF_GLTF_DOUBLE_CHANNELS,
-                        "%s moves node '%.80s', which an earlier channel moves: the first is used", where, node->name );
+        rf_gltf_notice( gltf, RF_GLTF_DOUBLE_CHANNELS, "%s moves node '%.80s', which an earlier channel moves: the first is used",
+                        where, node->name );
         *wanted = false;
     }
     loader->taken[channel->node] |= bit;
@@ -220,8 +221,7 @@ static RfResult load_channel( RfGltf* gltf, Loader* loader, const json_t* json, 
     int64_t sampler = -1;
     result = rf_gltf_require( gltf, json, where.text, "sampler" );
     if ( result == RF_OK )
-        result = rf_gltf_get_integer( gltf, json, where.text, "sampler", 0, (int64_t)json_array_size( samplers ) - 1,
-                                      &sampler );
+        result = rf_gltf_get_integer( gltf, json, where.text, "sampler", 0, (int64_t)json_array_size( samplers ) - 1, &sampler );
     if ( result != RF_OK )
         return result;
     RfWhere self = rf_where( "animations[%d].samplers[%lld]", animation, (long long)sampler );

@@ -46,13 +46,11 @@ static RfResult reserve_vertices( const RfGltf* gltf, RfGltfBaker* baker, uint32
 {
     RfTriangles* t = &gltf->scene->triangles;
     if ( more > MAX_VERTICES - t->vertex_count )
-        return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, where, "more than %u vertices in all: split the scene",
-                             MAX_VERTICES );
+        return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, where, "more than %u vertices in all: split the scene", MAX_VERTICES );
     if ( t->vertex_count + more <= baker->vertex_capacity )
         return RF_OK;
     size_t capacity = next_capacity( baker->vertex_capacity, t->vertex_count + more, MAX_VERTICES );
-    if ( grow_floats( &t->positions, capacity * 3 ) == false ||
-         grow_floats( &t->normals, capacity * 3 ) == false ||
+    if ( grow_floats( &t->positions, capacity * 3 ) == false || grow_floats( &t->normals, capacity * 3 ) == false ||
          ( t->uvs != NULL && grow_floats( &t->uvs, capacity * 2 ) == false ) ||
          ( t->uvs1 != NULL && grow_floats( &t->uvs1, capacity * 2 ) == false ) ||
          ( t->colors != NULL && grow_floats( &t->colors, capacity * 4 ) == false ) ||
@@ -67,14 +65,12 @@ static RfResult reserve_triangles( const RfGltf* gltf, RfGltfBaker* baker, uint3
     RfTriangles* t = &gltf->scene->triangles;
     // what is dropped counts too, else a small file could ask for any amount
     if ( more > MAX_TRIANGLES - baker->placed )
-        return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, where, "more than %u triangles in all: split the scene",
-                             MAX_TRIANGLES );
+        return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, where, "more than %u triangles in all: split the scene", MAX_TRIANGLES );
     baker->placed += more;
     if ( t->count + more <= baker->triangle_capacity )
         return RF_OK;
     size_t capacity = next_capacity( baker->triangle_capacity, t->count + more, MAX_TRIANGLES );
-    if ( grow_numbers( &t->indices, capacity * 3 ) == false ||
-         grow_numbers( &t->material, capacity ) == false )
+    if ( grow_numbers( &t->indices, capacity * 3 ) == false || grow_numbers( &t->material, capacity ) == false )
         return rf_gltf_no_memory( gltf, where );
     baker->triangle_capacity = (uint32_t)capacity;
     return RF_OK;
@@ -96,8 +92,8 @@ static RfResult reserve( const RfGltf* gltf, RfGltfBaker* baker, const RfGltfPri
     return RF_OK;
 }
 
-static RfResult transform_positions( const RfGltf* gltf, float* world, const RfGltfPrimitive* primitive,
-                                     const RfMat4* matrix, const char* where )
+static RfResult transform_positions( const RfGltf* gltf, float* world, const RfGltfPrimitive* primitive, const RfMat4* matrix,
+                                     const char* where )
 {
     for ( size_t v = 0; v < primitive->vertex_count; ++v )
     {
@@ -140,8 +136,7 @@ static void transform_normal( const RfMat4* matrix, double sign, const float* no
 
 static bool face_normal( const float* world, const uint32_t* corners, float normal[3] )
 {
-    const float *a = world + 3 * (size_t)corners[0], *b = world + 3 * (size_t)corners[1],
-                *c = world + 3 * (size_t)corners[2];
+    const float *a = world + 3 * (size_t)corners[0], *b = world + 3 * (size_t)corners[1], *c = world + 3 * (size_t)corners[2];
     double u[3], v[3];
     for ( int i = 0; i < 3; ++i )
     {
@@ -167,8 +162,7 @@ static void grow_bounds( RfScene* scene, bool first, const float* p )
                                  rf_maxf( scene->bounds_max.z, at.z ) );
 }
 
-static void append_smooth_vertices( RfTriangles* t, const RfGltfPrimitive* primitive, const RfMat4* matrix,
-                                    const float* world )
+static void append_smooth_vertices( RfTriangles* t, const RfGltfPrimitive* primitive, const RfMat4* matrix, const float* world )
 {
     double sign = rf_mat4_det3( matrix ) < 0.0 ? -1.0 : 1.0;
     size_t base = t->vertex_count;
@@ -191,10 +185,7 @@ static void append_flat_vertex( RfTriangles* t, const RfGltfPrimitive* primitive
     rf_gltf_copy_attributes( t, (uint32_t)at, primitive, from );
 }
 
-static bool is_zero( const float* v )
-{
-    return v[0] == 0.0f && v[1] == 0.0f && v[2] == 0.0f;
-}
+static bool is_zero( const float* v ) { return v[0] == 0.0f && v[1] == 0.0f && v[2] == 0.0f; }
 
 static void append_triangle( RfScene* scene, const RfGltfPrimitive* primitive, const float* world, uint32_t base,
                              const uint32_t corners[3], const float normal[3] )

@@ -11,8 +11,7 @@
 // one of them again and again.
 #define MAX_BUFFER_BYTES ( (uint64_t)16 << 30 )
 
-static RfResult load_uri( RfGltf* gltf, const char* where, const char* uri, uint64_t limit, RfGltfBuffer* buffer,
-                          size_t* size )
+static RfResult load_uri( RfGltf* gltf, const char* where, const char* uri, uint64_t limit, RfGltfBuffer* buffer, size_t* size )
 {
     if ( rf_is_data_uri( uri ) )
         return rf_gltf_decode_data_uri( gltf, where, uri, &buffer->owned, size );
@@ -62,8 +61,8 @@ static RfResult load_buffer( RfGltf* gltf, int index, uint64_t* room )
     else
         return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "has no uri, and the file no bytes for it" );
     if ( (uint64_t)length > size )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "byteLength is %lld, but there are %zu bytes",
-                             (long long)length, size );
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "byteLength is %lld, but there are %zu bytes", (long long)length,
+                             size );
     buffer->size = (uint64_t)length;
     return RF_OK;
 }

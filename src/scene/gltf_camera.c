@@ -19,8 +19,7 @@ static RfResult read_yfov( const RfGltf* gltf, const json_t* json, const char* w
     if ( result == RF_OK )
         result = rf_gltf_get_number( gltf, perspective, where, "yfov", yfov );
     if ( result == RF_OK && ( *yfov > 0.0 && *yfov < PI ) == false )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "yfov is %g, it wants more than 0 and less than pi radians",
-                             *yfov );
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "yfov is %g, it wants more than 0 and less than pi radians", *yfov );
     return result;
 }
 
@@ -55,8 +54,7 @@ static RfResult base_name( const RfGltf* gltf, int node, int camera, const char*
     const char *node_name = "", *camera_name = "";
     RfResult result = rf_gltf_get_string( gltf, rf_gltf_item( gltf, RF_GLTF_NODES, node ), "nodes", "name", &node_name );
     if ( result == RF_OK )
-        result = rf_gltf_get_string( gltf, rf_gltf_item( gltf, RF_GLTF_CAMERAS, camera ), where.text, "name",
-                                     &camera_name );
+        result = rf_gltf_get_string( gltf, rf_gltf_item( gltf, RF_GLTF_CAMERAS, camera ), where.text, "name", &camera_name );
     *name = node_name[0] != 0 ? node_name : camera_name[0] != 0 ? camera_name : "camera";
     return result;
 }

@@ -22,8 +22,8 @@ RfResult rf_gltf_read_clearcoat( RfGltf* gltf, const json_t* material, const cha
         return RF_OK;
     if ( out->kind == RF_BSDF_GLASS )
     {
-        rf_gltf_notice( gltf, RF_GLTF_COATED_GLASS, "a clear coat over glass or a mirror is not read: material '%.80s' is without it",
-                        out->name );
+        rf_gltf_notice( gltf, RF_GLTF_COATED_GLASS,
+                        "a clear coat over glass or a mirror is not read: material '%.80s' is without it", out->name );
         return RF_OK;
     }
     out->kind = RF_BSDF_COATED;

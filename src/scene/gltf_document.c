@@ -45,8 +45,8 @@ RfResult rf_gltf_check_limit( const RfGltf* gltf, const char* where, const char*
 {
     if ( fabs( value ) <= limit )
         return RF_OK;
-    return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, where, "%s is %g, beyond what reframe reads: at most %g, change it in the scene",
-                         key, value, limit );
+    return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, where,
+                         "%s is %g, beyond what reframe reads: at most %g, change it in the scene", key, value, limit );
 }
 
 RfResult rf_gltf_no_memory( const RfGltf* gltf, const char* where )
@@ -138,8 +138,7 @@ RfResult rf_gltf_get_bool( const RfGltf* gltf, const json_t* object, const char*
     return RF_OK;
 }
 
-RfResult rf_gltf_get_string( const RfGltf* gltf, const json_t* object, const char* where, const char* key,
-                             const char** value )
+RfResult rf_gltf_get_string( const RfGltf* gltf, const json_t* object, const char* where, const char* key, const char** value )
 {
     const json_t* member = json_object_get( object, key );
     if ( member == NULL )
@@ -150,8 +149,7 @@ RfResult rf_gltf_get_string( const RfGltf* gltf, const json_t* object, const cha
     return RF_OK;
 }
 
-RfResult rf_gltf_get_object( const RfGltf* gltf, const json_t* object, const char* where, const char* key,
-                             const json_t** value )
+RfResult rf_gltf_get_object( const RfGltf* gltf, const json_t* object, const char* where, const char* key, const json_t** value )
 {
     const json_t* member = json_object_get( object, key );
     if ( member == NULL )
@@ -162,8 +160,7 @@ RfResult rf_gltf_get_object( const RfGltf* gltf, const json_t* object, const cha
     return RF_OK;
 }
 
-RfResult rf_gltf_get_array( const RfGltf* gltf, const json_t* object, const char* where, const char* key,
-                            const json_t** value )
+RfResult rf_gltf_get_array( const RfGltf* gltf, const json_t* object, const char* where, const char* key, const json_t** value )
 {
     const json_t* member = json_object_get( object, key );
     if ( member == NULL )
@@ -201,8 +198,7 @@ RfResult rf_gltf_get_extension( const RfGltf* gltf, const json_t* object, const 
     return rf_gltf_get_object( gltf, extensions, where, name, extension );
 }
 
-RfResult rf_gltf_copy_name( const RfGltf* gltf, const json_t* object, const char* where, const char* fallback,
-                            char** name )
+RfResult rf_gltf_copy_name( const RfGltf* gltf, const json_t* object, const char* where, const char* fallback, char** name )
 {
     const char* text = fallback;
     RfResult result = rf_gltf_get_string( gltf, object, where, "name", &text );
@@ -227,8 +223,8 @@ RfResult rf_gltf_open_lists( RfGltf* gltf )
             return result;
         size_t count = json_array_size( gltf->lists[list] );
         if ( count > MAX_ITEMS )
-            return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, name, "%zu objects, at most %d are read: split the scene",
-                                 count, MAX_ITEMS );
+            return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, name, "%zu objects, at most %d are read: split the scene", count,
+                                 MAX_ITEMS );
         gltf->counts[list] = (int)count;
         for ( int i = 0; i < gltf->counts[list]; ++i )
         {

@@ -50,15 +50,15 @@ typedef enum RfGltfNotice
 // A checked accessor: every element lies inside its buffer.
 typedef struct RfGltfAccessor
 {
-    bool open;            // the rest is filled in
+    bool open; // the rest is filled in
     bool normalized;
     uint32_t count;
-    int components;       // 1 to 16
-    int component_type;   // glTF's number, 5120 (byte) to 5126 (float)
-    const uint8_t* data;  // NULL: zeros
+    int components;      // 1 to 16
+    int component_type;  // glTF's number, 5120 (byte) to 5126 (float)
+    const uint8_t* data; // NULL: zeros
     uint64_t stride;
     uint32_t sparse_count;
-    int sparse_type;      // component type of the sparse indices
+    int sparse_type;               // component type of the sparse indices
     const uint8_t* sparse_indices; // strictly increasing
     const uint8_t* sparse_values;
 } RfGltfAccessor;
@@ -93,8 +93,8 @@ typedef struct RfGltf
 
     RfGltfBuffer* buffers;
     RfGltfAccessor* accessors;
-    RfGltfSpan* spans;  // by node; own channels and those of ancestors
-    int* order;         // nodes of the default scene, parents first
+    RfGltfSpan* spans; // by node; own channels and those of ancestors
+    int* order;        // nodes of the default scene, parents first
     int order_count;
     int default_material; // index of the one for primitives without, or −1
 
@@ -129,8 +129,7 @@ RfResult rf_gltf_check_limit( const RfGltf* gltf, const char* where, const char*
 RfResult rf_gltf_no_memory( const RfGltf* gltf, const char* where );
 
 // A warning line, said for the first object of a kind only.
-void rf_gltf_notice( RfGltf* gltf, RfGltfNotice notice, const char* format, ... )
-    __attribute__( ( format( printf, 3, 4 ) ) );
+void rf_gltf_notice( RfGltf* gltf, RfGltfNotice notice, const char* format, ... ) __attribute__( ( format( printf, 3, 4 ) ) );
 
 // gltf_document.c: members of JSON objects by type. An absent member leaves
 // the value as the caller set it; a member of another type is an error.
@@ -143,12 +142,9 @@ RfResult rf_gltf_get_numbers( const RfGltf* gltf, const json_t* object, const ch
 RfResult rf_gltf_get_integer( const RfGltf* gltf, const json_t* object, const char* where, const char* key, int64_t low,
                               int64_t high, int64_t* value );
 RfResult rf_gltf_get_bool( const RfGltf* gltf, const json_t* object, const char* where, const char* key, bool* value );
-RfResult rf_gltf_get_string( const RfGltf* gltf, const json_t* object, const char* where, const char* key,
-                             const char** value );
-RfResult rf_gltf_get_object( const RfGltf* gltf, const json_t* object, const char* where, const char* key,
-                             const json_t** value );
-RfResult rf_gltf_get_array( const RfGltf* gltf, const json_t* object, const char* where, const char* key,
-                            const json_t** value );
+RfResult rf_gltf_get_string( const RfGltf* gltf, const json_t* object, const char* where, const char* key, const char** value );
+RfResult rf_gltf_get_object( const RfGltf* gltf, const json_t* object, const char* where, const char* key, const json_t** value );
+RfResult rf_gltf_get_array( const RfGltf* gltf, const json_t* object, const char* where, const char* key, const json_t** value );
 // An index into one of the lists; an absent one gives −1.
 RfResult rf_gltf_get_index( const RfGltf* gltf, const json_t* object, const char* where, const char* key, RfGltfList list,
                             int* index );
@@ -156,8 +152,7 @@ RfResult rf_gltf_get_index( const RfGltf* gltf, const json_t* object, const char
 RfResult rf_gltf_get_extension( const RfGltf* gltf, const json_t* object, const char* where, const char* name,
                                 const json_t** extension );
 // A copy of the object's name, or of `fallback` where it has none.
-RfResult rf_gltf_copy_name( const RfGltf* gltf, const json_t* object, const char* where, const char* fallback,
-                            char** name );
+RfResult rf_gltf_copy_name( const RfGltf* gltf, const json_t* object, const char* where, const char* fallback, char** name );
 
 // gltf_extension.c
 RfResult rf_gltf_check_required( const RfGltf* gltf );
@@ -211,8 +206,7 @@ RfResult rf_gltf_read_texture_info( RfGltf* gltf, const json_t* parent, const ch
 
 // gltf_textured.c: gives the material its `textured`, after everything else of
 // it has been read. rf_gltf_load_images removes it again where it is not needed.
-RfResult rf_gltf_read_textured( RfGltf* gltf, const json_t* json, const char* where, const RfFactors* factors,
-                                RfMaterial* out );
+RfResult rf_gltf_read_textured( RfGltf* gltf, const json_t* json, const char* where, const RfFactors* factors, RfMaterial* out );
 // One without textures, or NULL where there is no memory.
 RfTextured* rf_gltf_textured( const RfFactors* factors );
 
@@ -234,10 +228,7 @@ RfResult rf_gltf_read_glass( const RfGltf* gltf, const json_t* material, const c
 // gltf_clearcoat.c; last of the extensions
 RfResult rf_gltf_read_clearcoat( RfGltf* gltf, const json_t* material, const char* where, RfMaterial* out );
 bool rf_gltf_is_unlit( const json_t* material );
-static inline bool rf_gltf_moves( const RfGltf* gltf, int node )
-{
-    return gltf->spans[node].start <= gltf->spans[node].end;
-}
+static inline bool rf_gltf_moves( const RfGltf* gltf, int node ) { return gltf->spans[node].start <= gltf->spans[node].end; }
 
 // gltf_primitive.c, gltf_triangles.c: triangles of one primitive in the space of its mesh, only
 // the vertices that they use.
@@ -258,8 +249,8 @@ typedef struct RfGltfPrimitive
 RfResult rf_gltf_read_primitive( RfGltf* gltf, const json_t* primitive, const char* where, RfGltfPrimitive* out );
 void rf_gltf_free_primitive( RfGltfPrimitive* primitive );
 // Rows of three vertex numbers from indices or none, by mode.
-RfResult rf_gltf_read_triangles( RfGltf* gltf, const json_t* primitive, const char* where, int mode,
-                                 uint32_t vertex_count, uint32_t** indices, uint32_t* triangle_count );
+RfResult rf_gltf_read_triangles( RfGltf* gltf, const json_t* primitive, const char* where, int mode, uint32_t vertex_count,
+                                 uint32_t** indices, uint32_t* triangle_count );
 
 // gltf_flat.c: a primitive's normals become those of its faces.
 RfResult rf_gltf_make_flat( const RfGltf* gltf, const char* where, RfGltfPrimitive* primitive );

@@ -28,9 +28,7 @@ static float read_component( const uint8_t* at, int component_type, bool normali
     {
         case 5120: real = (float)(int8_t)at[0]; return normalized ? fmaxf( real / 127.0f, -1.0f ) : real;
         case 5121: real = (float)at[0]; return normalized ? real / 255.0f : real;
-        case 5122:
-            memcpy( &s16, at, 2 );
-            return normalized ? fmaxf( (float)s16 / 32767.0f, -1.0f ) : (float)s16;
+        case 5122: memcpy( &s16, at, 2 ); return normalized ? fmaxf( (float)s16 / 32767.0f, -1.0f ) : (float)s16;
         case 5123: memcpy( &u16, at, 2 ); return normalized ? (float)u16 / 65535.0f : (float)u16;
         case 5125: memcpy( &u32, at, 4 ); return (float)u32;
         default: memcpy( &real, at, 4 ); return real;

@@ -9,17 +9,10 @@
 
 // Read in full: a file may require these.
 static const char* const s_read[] = {
-    "KHR_materials_emissive_strength",
-    "KHR_materials_specular",
-    "KHR_materials_ior",
-    "KHR_materials_transmission",
-    "KHR_materials_volume",
-    "KHR_materials_unlit",
-    "KHR_materials_clearcoat",
-    "KHR_lights_punctual",
-    "KHR_texture_transform",
-    "KHR_mesh_quantization",
-    "EXT_mesh_gpu_instancing",
+    "KHR_materials_emissive_strength", "KHR_materials_specular",  "KHR_materials_ior",
+    "KHR_materials_transmission",      "KHR_materials_volume",    "KHR_materials_unlit",
+    "KHR_materials_clearcoat",         "KHR_lights_punctual",     "KHR_texture_transform",
+    "KHR_mesh_quantization",           "EXT_mesh_gpu_instancing",
 };
 
 // Not read: what the user sees instead. Objects that carry one are named.
@@ -59,8 +52,8 @@ static RfResult refuse( const RfGltf* gltf, const char* name )
     if ( is_compression( name ) )
         return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, "extensionsRequired",
                              "%.80s is not read: unpack the file by `npx @gltf-transform/cli copy in.glb out.glb`", name );
-    return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, "extensionsRequired",
-                         "%.80s is not read: export the scene without it", name );
+    return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, "extensionsRequired", "%.80s is not read: export the scene without it",
+                         name );
 }
 
 RfResult rf_gltf_check_required( const RfGltf* gltf )

@@ -43,7 +43,8 @@ static RfResult read_volume( const RfGltf* gltf, const json_t* material, const c
     if ( !( out->thickness >= 0.0 ) )
         return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "thicknessFactor is %g, it wants 0 or more", out->thickness );
     if ( !( out->distance > 0.0 ) )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "attenuationDistance is %g, it wants more than 0", out->distance );
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "attenuationDistance is %g, it wants more than 0",
+                             out->distance );
     for ( int i = 0; i < 3; ++i )
     {
         if ( !( out->color[i] >= 0.0 && out->color[i] <= 1.0 ) )

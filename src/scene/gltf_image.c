@@ -68,10 +68,7 @@ static RfResult read_encoded( RfGltf* gltf, int index, const char* where, Encode
     return result;
 }
 
-static size_t value_count( const RfTexture* t )
-{
-    return (size_t)t->width * (size_t)t->height * (size_t)t->channels;
-}
+static size_t value_count( const RfTexture* t ) { return (size_t)t->width * (size_t)t->height * (size_t)t->channels; }
 
 static bool is_alpha( const RfTexture* t, size_t i )
 {
@@ -134,7 +131,8 @@ static RfResult make_texture( const RfGltf* gltf, const char* where, RfPixels* p
         pixels->data = NULL;
     }
     else
-        result = pixels->type == RF_PIXELS_U16 ? widen( gltf, where, pixels, srgb, out ) : take_floats( gltf, where, pixels, out );
+        result =
+            pixels->type == RF_PIXELS_U16 ? widen( gltf, where, pixels, srgb, out ) : take_floats( gltf, where, pixels, out );
     if ( result == RF_OK )
         find_largest( out );
     return result;
@@ -192,7 +190,8 @@ static RfResult check_emission( const RfGltf* gltf, uint32_t index )
     int texture = t->refs[unlit ? RF_TEXTURE_BASE : RF_TEXTURE_EMISSIVE].texture;
     if ( texture < 0 )
         return RF_OK;
-    double factor = unlit ? fmax( t->factors.base[0], fmax( t->factors.base[1], t->factors.base[2] ) ) : (double)rf_max_component( material->emission );
+    double factor = unlit ? fmax( t->factors.base[0], fmax( t->factors.base[1], t->factors.base[2] ) )
+                          : (double)rf_max_component( material->emission );
     double most = factor * (double)gltf->scene->textures[texture].largest;
     RfWhere where = rf_where( "materials[%u]", index );
     return rf_gltf_check_limit( gltf, where.text, "emission with its texture", most, RF_GLTF_MAX_EMISSION );

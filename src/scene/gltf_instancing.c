@@ -20,7 +20,8 @@ static RfResult open_attribute( RfGltf* gltf, const json_t* attributes, const ch
     if ( result != RF_OK )
         return result;
     if ( *count != 0 && *count != accessor->count )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "%s has %u elements, the attribute before it %u", key, accessor->count, *count );
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "%s has %u elements, the attribute before it %u", key, accessor->count,
+                             *count );
     *count = accessor->count;
     return RF_OK;
 }

@@ -42,7 +42,8 @@ static RfResult read_cone( const RfGltf* gltf, const json_t* json, const char* w
         return result;
     // exporters round both to the same float: an edge without width is one
     if ( !( inner >= 0.0 && inner <= outer && outer > 0.0 && outer <= HALF_PI + 1e-6 ) )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "cone angles %g and %g want 0 <= inner <= outer, and outer above 0, at most pi/2", inner, outer );
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where,
+                             "cone angles %g and %g want 0 <= inner <= outer, and outer above 0, at most pi/2", inner, outer );
     out->cos_inner = (float)cos( inner );
     out->cos_outer = (float)fmax( cos( outer ), 0.0 );
     return RF_OK;
@@ -158,7 +159,8 @@ RfResult rf_gltf_load_lights( RfGltf* gltf )
     {
         RfWhere where = rf_where( "nodes[%d]", gltf->order[i] );
         const json_t* extension;
-        result = rf_gltf_get_extension( gltf, rf_gltf_item( gltf, RF_GLTF_NODES, gltf->order[i] ), where.text, EXTENSION, &extension );
+        result =
+            rf_gltf_get_extension( gltf, rf_gltf_item( gltf, RF_GLTF_NODES, gltf->order[i] ), where.text, EXTENSION, &extension );
         if ( result == RF_OK && extension != NULL )
             result = load_node_light( gltf, lights, gltf->order[i], extension );
     }

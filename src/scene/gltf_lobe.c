@@ -30,8 +30,9 @@ static RfResult check_keys( const RfGltf* gltf, const json_t* json, const char* 
         if ( known == false )
         {
             RfWhere self = rf_where( "%s.%.60s", where, key );
-            return fault( gltf, self.text, "is not known here: bsdf \"phong\" has diffuse, specular and exponent, "
-                                           "\"lambert\" has diffuse, \"mirror\" specular, \"glass\" ior" );
+            return fault( gltf, self.text,
+                          "is not known here: bsdf \"phong\" has diffuse, specular and exponent, "
+                          "\"lambert\" has diffuse, \"mirror\" specular, \"glass\" ior" );
         }
     }
     return RF_OK;

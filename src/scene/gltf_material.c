@@ -17,7 +17,12 @@ typedef struct Factors
 static Factors default_factors( void )
 {
     return ( Factors ){
-        .lobes = { .base = { 1, 1, 1, 1 }, .metallic = 1, .roughness = 1, .specular = 1, .specular_color = { 1, 1, 1 }, .ior = 1.5 },
+        .lobes = { .base = { 1, 1, 1, 1 },
+                   .metallic = 1,
+                   .roughness = 1,
+                   .specular = 1,
+                   .specular_color = { 1, 1, 1 },
+                   .ior = 1.5 },
         .strength = 1,
     };
 }
@@ -95,7 +100,8 @@ static RfResult read_emission( const RfGltf* gltf, const json_t* material, const
     result = rf_gltf_get_number( gltf, json, where.text, "emissiveStrength", &out->strength );
     if ( result == RF_OK && ( out->strength >= 0.0 ) == false )
         return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "emissiveStrength is %g, it wants 0 or more", out->strength );
-    return result == RF_OK ? rf_gltf_check_limit( gltf, where.text, "emissiveStrength", out->strength, RF_GLTF_MAX_EMISSION ) : result;
+    return result == RF_OK ? rf_gltf_check_limit( gltf, where.text, "emissiveStrength", out->strength, RF_GLTF_MAX_EMISSION )
+                           : result;
 }
 
 static void apply_factors( const Factors* in, RfMaterial* out )

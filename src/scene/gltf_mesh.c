@@ -51,8 +51,8 @@ static RfResult read_mesh_of( RfGltf* gltf, int node, int* mesh )
     if ( json_object_get( json, "skin" ) != NULL )
         rf_gltf_notice( gltf, RF_GLTF_SKINS, "skins are not read: node '%.80s' keeps its rest pose", name );
     if ( rf_gltf_moves( gltf, node ) )
-        rf_gltf_notice( gltf, RF_GLTF_MOVING_MESH,
-                        "moving geometry is not supported: node '%.80s' is taken at its first frame", name );
+        rf_gltf_notice( gltf, RF_GLTF_MOVING_MESH, "moving geometry is not supported: node '%.80s' is taken at its first frame",
+                        name );
     return RF_OK;
 }
 
@@ -97,8 +97,8 @@ static void find_worlds( const RfGltf* gltf, const Instances* out )
     }
 }
 
-static RfResult place_at_node( RfGltf* gltf, RfGltfBaker* baker, const RfGltfPrimitive* primitive, int node,
-                               const RfMat4* world, const char* where )
+static RfResult place_at_node( RfGltf* gltf, RfGltfBaker* baker, const RfGltfPrimitive* primitive, int node, const RfMat4* world,
+                               const char* where )
 {
     RfGltfInstances instances;
     RfWhere self = rf_where( "%s of nodes[%d]", where, node );
@@ -114,8 +114,8 @@ static RfResult place_at_node( RfGltf* gltf, RfGltfBaker* baker, const RfGltfPri
     return result;
 }
 
-static RfResult place_primitive( RfGltf* gltf, RfGltfBaker* baker, const Instances* instances, int mesh,
-                                 const json_t* json, const char* where )
+static RfResult place_primitive( RfGltf* gltf, RfGltfBaker* baker, const Instances* instances, int mesh, const json_t* json,
+                                 const char* where )
 {
     RfGltfPrimitive primitive;
     RfResult result = rf_gltf_read_primitive( gltf, json, where, &primitive );

@@ -91,8 +91,10 @@ static RfResult link_children( RfGltf* gltf, int parent )
             break;
         RfNode* node = gltf->scene->nodes + child;
         if ( node->parent >= 0 )
-            return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "children[%zu] is nodes[%d], which is a child of "
-                                 "nodes[%d] already", i, child, node->parent );
+            return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text,
+                                 "children[%zu] is nodes[%d], which is a child of "
+                                 "nodes[%d] already",
+                                 i, child, node->parent );
         node->parent = parent;
     }
     return result;
@@ -105,8 +107,10 @@ static RfResult append_descendants( const RfGltf* gltf, int first, int* order, i
     {
         int parent = order[at];
         if ( depth[parent] > MAX_DEPTH )
-            return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, "nodes", "nodes[%d] is more than %d levels deep: "
-                                 "flatten the hierarchy in the modelling program", parent, MAX_DEPTH );
+            return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, "nodes",
+                                 "nodes[%d] is more than %d levels deep: "
+                                 "flatten the hierarchy in the modelling program",
+                                 parent, MAX_DEPTH );
         const json_t* children = json_object_get( rf_gltf_item( gltf, RF_GLTF_NODES, parent ), "children" );
         for ( size_t i = 0; i < json_array_size( children ); ++i )
         {
@@ -150,8 +154,10 @@ static RfResult order_scene( RfGltf* gltf, int index, int* depth )
         if ( result != RF_OK )
             break;
         if ( gltf->scene->nodes[root].parent >= 0 || depth[root] == 0 )
-            return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "nodes[%zu] is node %d, which is no root or listed "
-                                 "twice", i, root );
+            return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text,
+                                 "nodes[%zu] is node %d, which is no root or listed "
+                                 "twice",
+                                 i, root );
         depth[root] = 0;
         gltf->order[gltf->order_count++] = root;
     }

@@ -25,8 +25,8 @@ void rf_gltf_free_primitive( RfGltfPrimitive* primitive )
 }
 
 // `components` 0: the caller checks their number.
-static RfResult open_attribute( RfGltf* gltf, const json_t* json, const char* where, const char* name, int components,
-                                int* index, uint32_t* count )
+static RfResult open_attribute( RfGltf* gltf, const json_t* json, const char* where, const char* name, int components, int* index,
+                                uint32_t* count )
 {
     RfResult result = rf_gltf_get_index( gltf, json, where, name, RF_GLTF_ACCESSORS, index );
     if ( result != RF_OK || *index < 0 )
@@ -38,8 +38,7 @@ static RfResult open_attribute( RfGltf* gltf, const json_t* json, const char* wh
     if ( result != RF_OK )
         return result;
     if ( *count != 0 && *count != accessor->count )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "%s has %u elements, POSITION has %u", name, accessor->count,
-                             *count );
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "%s has %u elements, POSITION has %u", name, accessor->count, *count );
     *count = accessor->count;
     return RF_OK;
 }
@@ -56,8 +55,7 @@ static RfResult check_colors( const RfGltf* gltf, const char* where, int index )
     return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "COLOR_0 wants 3 or 4 floats or normalized unsigned bytes or shorts" );
 }
 
-static RfResult open_attributes( RfGltf* gltf, const json_t* primitive, const char* owner, Attributes* out,
-                                 uint32_t* count )
+static RfResult open_attributes( RfGltf* gltf, const json_t* primitive, const char* owner, Attributes* out, uint32_t* count )
 {
     RfWhere where = rf_where( "%s.attributes", owner );
     const json_t* json = NULL;
@@ -129,8 +127,8 @@ static RfResult compact( RfGltf* gltf, const char* where, uint32_t vertex_count,
     return RF_OK;
 }
 
-static RfResult read_attribute( const RfGltf* gltf, const char* where, int accessor, const uint32_t* sources,
-                                uint32_t count, float** values )
+static RfResult read_attribute( const RfGltf* gltf, const char* where, int accessor, const uint32_t* sources, uint32_t count,
+                                float** values )
 {
     if ( accessor < 0 )
         return RF_OK;
@@ -241,8 +239,7 @@ RfResult rf_gltf_read_primitive( RfGltf* gltf, const json_t* primitive, const ch
 
     result = find_material( gltf, primitive, where, &out->material );
     if ( result == RF_OK )
-        result = rf_gltf_read_triangles( gltf, primitive, where, (int)mode, vertex_count, &out->indices,
-                                         &out->triangle_count );
+        result = rf_gltf_read_triangles( gltf, primitive, where, (int)mode, vertex_count, &out->indices, &out->triangle_count );
     if ( result == RF_OK && out->triangle_count > 0 )
         result = read_vertices( gltf, where, &attributes, vertex_count, out );
     if ( result == RF_OK && out->triangle_count > 0 )

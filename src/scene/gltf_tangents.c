@@ -18,10 +18,10 @@ typedef struct Spaces
 {
     RfGltfPrimitive* primitive;
     const RfTextureRef* ref;
-    uint32_t* first;  // by vertex: the first that is the same
+    uint32_t* first; // by vertex: the first that is the same
     double ( *sums )[2][3];
-    uint32_t* twin;   // by vertex: its copy for the triangles of the other side, or NONE
-    int8_t* side;     // by vertex, of the triangle that came first: 1 as seen, −1 mirrored, 0 none yet
+    uint32_t* twin; // by vertex: its copy for the triangles of the other side, or NONE
+    int8_t* side;   // by vertex, of the triangle that came first: 1 as seen, −1 mirrored, 0 none yet
 } Spaces;
 
 // As the texture takes them, before its transform.

@@ -57,8 +57,9 @@ static RfResult read_texture( const RfGltf* gltf, int index, bool srgb, RfTextur
     if ( result != RF_OK )
         return result;
     if ( image < 0 )
-        return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, where.text,
-                             "has no PNG or JPEG as its source: convert the images, as by `npx @gltf-transform/cli png in.glb out.glb`" );
+        return rf_gltf_fail(
+            gltf, RF_ERROR_UNSUPPORTED, where.text,
+            "has no PNG or JPEG as its source: convert the images, as by `npx @gltf-transform/cli png in.glb out.glb`" );
     out->texture = 2 * image + srgb; // until rf_gltf_load_images
     return sampler >= 0 ? read_sampler( gltf, sampler, out ) : RF_OK;
 }
@@ -113,8 +114,8 @@ RfResult rf_gltf_read_texture_info( RfGltf* gltf, const json_t* parent, const ch
     if ( result == RF_OK )
         result = read_transform( gltf, *info, where.text, &set, out );
     if ( result == RF_OK && set > 1 )
-        return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, where.text, "texCoord is %lld, only 0 and 1 are read: bake it to one of these",
-                             (long long)set );
+        return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, where.text,
+                             "texCoord is %lld, only 0 and 1 are read: bake it to one of these", (long long)set );
     out->uv_set = (int)set;
     return result;
 }

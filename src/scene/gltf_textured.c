@@ -64,9 +64,9 @@ static RfResult read_slots( RfGltf* gltf, const json_t* material, const char* wh
             continue;
         RfResult result = rf_gltf_read_texture_info( gltf, parent, owner.text, s_slots[i].key, s_slots[i].srgb,
                                                      out->refs + s_slots[i].slot, &info );
-        float* scale = s_slots[i].slot == RF_TEXTURE_NORMAL            ? &out->normal_scale
+        float* scale = s_slots[i].slot == RF_TEXTURE_NORMAL             ? &out->normal_scale
                        : s_slots[i].slot == RF_TEXTURE_CLEARCOAT_NORMAL ? &out->clearcoat_normal_scale
-                                                                         : NULL;
+                                                                        : NULL;
         if ( result == RF_OK && info != NULL && scale != NULL )
             result = read_scale( gltf, info, rf_where( "%s.%s", owner.text, s_slots[i].key ).text, scale );
         if ( result != RF_OK )

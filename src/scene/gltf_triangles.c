@@ -39,8 +39,8 @@ static RfResult count_triangles( const RfGltf* gltf, const char* where, int mode
         return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "%u corners do not make whole triangles", corners );
     *count = mode == LIST ? corners / 3 : corners >= 3 ? corners - 2 : 0;
     if ( *count > MAX_TRIANGLES )
-        return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, where, "%u triangles, at most %u are read: split the scene",
-                             *count, MAX_TRIANGLES );
+        return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, where, "%u triangles, at most %u are read: split the scene", *count,
+                             MAX_TRIANGLES );
     return RF_OK;
 }
 
@@ -57,8 +57,8 @@ static void find_corners( int mode, uint32_t t, uint32_t corners[3] )
     }
 }
 
-RfResult rf_gltf_read_triangles( RfGltf* gltf, const json_t* primitive, const char* where, int mode,
-                                 uint32_t vertex_count, uint32_t** indices, uint32_t* triangle_count )
+RfResult rf_gltf_read_triangles( RfGltf* gltf, const json_t* primitive, const char* where, int mode, uint32_t vertex_count,
+                                 uint32_t** indices, uint32_t* triangle_count )
 {
     const RfGltfAccessor* accessor;
     RfResult result = open_indices( gltf, primitive, where, &accessor );

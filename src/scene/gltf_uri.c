@@ -5,10 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-bool rf_is_data_uri( const char* uri )
-{
-    return strncmp( uri, "data:", 5 ) == 0;
-}
+bool rf_is_data_uri( const char* uri ) { return strncmp( uri, "data:", 5 ) == 0; }
 
 static int base64_value( unsigned char c )
 {

@@ -107,8 +107,7 @@ RfResult rf_field_fail( const RfField* field, const char* format, ... )
     va_start( args, format );
     vsnprintf( text, sizeof text, format, args );
     va_end( args );
-    return rf_fail( field->error, RF_ERROR_SCENE, "%s: %s%s%s", field->file, field->path, field->path[0] != 0 ? ": " : "",
-                    text );
+    return rf_fail( field->error, RF_ERROR_SCENE, "%s: %s%s%s", field->file, field->path, field->path[0] != 0 ? ": " : "", text );
 }
 
 RfResult rf_field_wants( const RfField* field, const char* want )

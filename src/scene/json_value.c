@@ -3,14 +3,14 @@
 #include <math.h>
 #include <stdio.h>
 
-RfResult rf_parse_json( const char* path, const void* text, size_t size, const char* advice, const char* where,
-                        json_t** root, RfError* error )
+RfResult rf_parse_json( const char* path, const void* text, size_t size, const char* advice, const char* where, json_t** root,
+                        RfError* error )
 {
     json_error_t fault;
     *root = json_loadb( text, size, JSON_REJECT_DUPLICATES | JSON_DECODE_ANY, &fault );
     if ( *root == NULL )
-        return rf_fail( error, RF_ERROR_FORMAT, "%s: line %d, column %d: %s: %s", path, fault.line, fault.column,
-                        fault.text, advice );
+        return rf_fail( error, RF_ERROR_FORMAT, "%s: line %d, column %d: %s: %s", path, fault.line, fault.column, fault.text,
+                        advice );
     if ( json_is_object( *root ) )
         return RF_OK;
     char got[80];

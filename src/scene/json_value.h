@@ -15,8 +15,8 @@
 // `path`: where it cannot be parsed with line and column, and what to do by
 // `advice`; where it can and is no object with what it is, and
 // `where` ("document: " or nothing) before it.
-RfResult rf_parse_json( const char* path, const void* text, size_t size, const char* advice, const char* where,
-                        json_t** root, RfError* error );
+RfResult rf_parse_json( const char* path, const void* text, size_t size, const char* advice, const char* where, json_t** root,
+                        RfError* error );
 
 // "an object", "a string", "an integer" and so on.
 const char* rf_json_kind( const json_t* value );

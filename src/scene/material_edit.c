@@ -22,11 +22,11 @@ typedef struct Entry
 {
     const char* key;
     Type type;
-    int count;            // of numbers
+    int count; // of numbers
     double low, high;
-    const char* parent;   // object of the material, or NULL: the material itself
+    const char* parent;    // object of the material, or NULL: the material itself
     const char* extension; // or this one of its extensions
-    bool gltf_only;       // without an effect where extras.reframe gives another bsdf
+    bool gltf_only;        // without an effect where extras.reframe gives another bsdf
 } Entry;
 
 #define PBR "pbrMetallicRoughness"
@@ -69,8 +69,7 @@ static RfResult check_value( const RfField* field, const Entry* entry )
         return rf_field_bool( field, &flag );
     if ( entry->type == ALPHA_MODE )
         return rf_field_choice( field, s_modes, &mode );
-    return entry->count == 1 ? rf_field_number( field, range, numbers )
-                             : rf_field_numbers( field, range, entry->count, numbers );
+    return entry->count == 1 ? rf_field_number( field, range, numbers ) : rf_field_numbers( field, range, entry->count, numbers );
 }
 
 static RfResult copy_value( const RfField* field, const Entry* entry, json_t* material )

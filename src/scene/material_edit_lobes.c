@@ -69,8 +69,10 @@ static RfResult edit_lobe( const RfField* override, const char* key, json_t* mat
         return RF_OK;
     const char* bsdf = rf_edited_bsdf( material );
     if ( !has_lobe_key( bsdf, key ) )
-        return rf_field_fail( &field, "has no effect on bsdf \"%.20s\": add \"bsdf\": \"phong\" with diffuse, specular and "
-                              "exponent", bsdf );
+        return rf_field_fail( &field,
+                              "has no effect on bsdf \"%.20s\": add \"bsdf\": \"phong\" with diffuse, specular and "
+                              "exponent",
+                              bsdf );
     RfResult result = strcmp( key, "exponent" ) == 0 ? rf_field_number( &field, rf_range( 0.0, 1e6 ), numbers )
                                                      : rf_field_numbers( &field, rf_range( 0.0, 1.0 ), 3, numbers );
     if ( result == RF_OK && json_object_set( find_lobes( material ), key, (json_t*)field.json ) != 0 )

@@ -34,21 +34,21 @@ typedef struct RfMaterial
 {
     char* name;
     RfBsdfKind kind;
-    RfVec3 diffuse;   // Lambert reflectance (GGX: of the base, times 1 − metallic)
-    RfVec3 specular;  // Phong: lobe reflectance; GGX: reflectance at normal incidence F0;
-                      // GLASS: the same, of the part of it that is metal
-    float f90;        // GGX: reflectance at grazing incidence; GLASS: how much of it is metal
-    float coat_f0;    // GGX: dielectric Fresnel that takes light from the base
-    float coat_f90;   //      (scalars: the largest channel), at normal and at grazing
-    float exponent;   // Phong: n of cosⁿ, ≥ 0
-    float alpha;      // GGX, COATED: roughness², in [RF_MIN_ALPHA, 1]; GLASS: 0 is smooth
+    RfVec3 diffuse;        // Lambert reflectance (GGX: of the base, times 1 − metallic)
+    RfVec3 specular;       // Phong: lobe reflectance; GGX: reflectance at normal incidence F0;
+                           // GLASS: the same, of the part of it that is metal
+    float f90;             // GGX: reflectance at grazing incidence; GLASS: how much of it is metal
+    float coat_f0;         // GGX: dielectric Fresnel that takes light from the base
+    float coat_f90;        //      (scalars: the largest channel), at normal and at grazing
+    float exponent;        // Phong: n of cosⁿ, ≥ 0
+    float alpha;           // GGX, COATED: roughness², in [RF_MIN_ALPHA, 1]; GLASS: 0 is smooth
     float clearcoat;       // COATED: how much of it there is, 0 to 1
     float clearcoat_alpha; // COATED: its roughness², in [RF_MIN_ALPHA, 1]
-    RfVec3 tint;      // GLASS: what of the light that is not reflected passes through; 0 for mirrors
-    float ior;        // GLASS: of the inside, outside 1; 0: a mirror, its Fresnel Schlick's from `specular` on
-    bool thin;        // GLASS: a wall without an inside: nothing is bent or absorbed
-    RfVec3 absorption; // GLASS: of the inside, 1/m
-    RfVec3 emission;  // radiance, W/(m² sr), on the front (on both sides if double_sided)
+    RfVec3 tint;           // GLASS: what of the light that is not reflected passes through; 0 for mirrors
+    float ior;             // GLASS: of the inside, outside 1; 0: a mirror, its Fresnel Schlick's from `specular` on
+    bool thin;             // GLASS: a wall without an inside: nothing is bent or absorbed
+    RfVec3 absorption;     // GLASS: of the inside, 1/m
+    RfVec3 emission;       // radiance, W/(m² sr), on the front (on both sides if double_sided)
     bool double_sided;
     RfTextured* textured; // what varies over the surface: a hit asks rf_material_at; NULL: nothing
 } RfMaterial;
@@ -77,8 +77,8 @@ typedef struct RfTriangles
 typedef struct RfNode
 {
     char* name;
-    int parent;         // −1: a root
-    bool has_matrix;    // else translation, rotation, scale
+    int parent;      // −1: a root
+    bool has_matrix; // else translation, rotation, scale
     RfMat4 matrix;
     double translation[3];
     double rotation[4]; // x y z w, unit
@@ -115,13 +115,13 @@ struct RfCameraTrack;
 
 typedef struct RfCamera
 {
-    char* name;    // unique, never empty
+    char* name;                  // unique, never empty
     struct RfCameraTrack* track; // a path of our own (scene/camera_track.h), owned, or NULL:
-                   // then the rest says how it moves with its node
-    int node;      // −1: the default camera made for a scene that has none
-    double yfov;   // radians, of the image's height
-    bool animated; // a channel moves its node or an ancestor
-    double start;  // seconds: first and last key of those channels
+                                 // then the rest says how it moves with its node
+    int node;                    // −1: the default camera made for a scene that has none
+    double yfov;                 // radians, of the image's height
+    bool animated;               // a channel moves its node or an ancestor
+    double start;                // seconds: first and last key of those channels
     double end;
 } RfCamera;
 
@@ -149,15 +149,15 @@ typedef struct RfPunctual
     char* name;
     RfPunctualKind kind;
     RfVec3 position;
-    RfVec3 direction;  // unit, of travel: the spot's axis
-    RfVec3 intensity;  // W/sr; of directional lights irradiance, W/m²
+    RfVec3 direction;           // unit, of travel: the spot's axis
+    RfVec3 intensity;           // W/sr; of directional lights irradiance, W/m²
     float cos_inner, cos_outer; // of the spot's cone: full inside, none outside
-    float range;       // nothing arrives from farther away, m; infinity: no limit
+    float range;                // nothing arrives from farther away, m; infinity: no limit
 } RfPunctual;
 
 typedef struct RfScene
 {
-    char* path; // the file it came from
+    char* path;            // the file it came from
     uint64_t content_hash; // of the file's bytes (and its buffers'), for --resume
     RfTriangles triangles;
     RfVec3 bounds_min, bounds_max; // of the triangles; both 0 where there are none
@@ -189,9 +189,6 @@ void rf_destroy_camera( RfCamera* camera );
 // past thin things, and eyes see around edges.
 static inline float rf_ray_offset( float largest ) { return rf_maxf( 1e-6f * largest, 1e-30f ); }
 
-static inline float rf_largest_coordinate( RfVec3 v )
-{
-    return rf_maxf( fabsf( v.x ), rf_maxf( fabsf( v.y ), fabsf( v.z ) ) );
-}
+static inline float rf_largest_coordinate( RfVec3 v ) { return rf_maxf( fabsf( v.x ), rf_maxf( fabsf( v.y ), fabsf( v.z ) ) ); }
 
 #endif

@@ -53,7 +53,8 @@ void rf_look_up( const RfTexture* t, const RfTextureRef* ref, const float at[2],
     float x = to_pixels( at[0], t->width ), y = to_pixels( at[1], t->height );
     if ( ref->nearest )
     {
-        fetch( t, wrap_index( ref->wrap[0], (int)floorf( x ), t->width ), wrap_index( ref->wrap[1], (int)floorf( y ), t->height ), rgba );
+        fetch( t, wrap_index( ref->wrap[0], (int)floorf( x ), t->width ), wrap_index( ref->wrap[1], (int)floorf( y ), t->height ),
+               rgba );
         return;
     }
     float fx = floorf( x - 0.5f ), fy = floorf( y - 0.5f );

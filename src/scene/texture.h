@@ -25,10 +25,10 @@ typedef enum RfWrap
 // One use of a texture.
 typedef struct RfTextureRef
 {
-    int texture;  // index into RfScene.textures; −1: none
-    int uv_set;   // 0 or 1
-    RfWrap wrap[2]; // along u and v
-    bool nearest; // else bilinear
+    int texture;        // index into RfScene.textures; −1: none
+    int uv_set;         // 0 or 1
+    RfWrap wrap[2];     // along u and v
+    bool nearest;       // else bilinear
     float transform[6]; // u' = t0 u + t1 v + t2, v' = t3 u + t4 v + t5
 } RfTextureRef;
 

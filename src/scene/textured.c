@@ -19,10 +19,7 @@ void rf_interpolate_corners( const float* values, int components, const uint32_t
     }
 }
 
-static const float* uv_array( const RfScene* scene, int set )
-{
-    return set == 0 ? scene->triangles.uvs : scene->triangles.uvs1;
-}
+static const float* uv_array( const RfScene* scene, int set ) { return set == 0 ? scene->triangles.uvs : scene->triangles.uvs1; }
 
 void rf_place_texture( const RfScene* scene, const RfTextureRef* ref, uint32_t triangle, float u, float v, float at[2] )
 {
@@ -33,7 +30,8 @@ void rf_place_texture( const RfScene* scene, const RfTextureRef* ref, uint32_t t
     rf_transform_uv( ref, uv, at );
 }
 
-bool rf_look_up_slot( const RfScene* scene, const RfMaterial* m, RfTextureSlot slot, uint32_t triangle, float u, float v, float rgba[4] )
+bool rf_look_up_slot( const RfScene* scene, const RfMaterial* m, RfTextureSlot slot, uint32_t triangle, float u, float v,
+                      float rgba[4] )
 {
     const RfTextureRef* ref = m->textured->refs + slot;
     if ( ref->texture < 0 )

@@ -22,9 +22,9 @@ typedef enum RfTextureSlot
     RF_TEXTURE_BASE,               // sRGB
     RF_TEXTURE_METALLIC_ROUGHNESS, // roughness in G, metallic in B
     RF_TEXTURE_NORMAL,
-    RF_TEXTURE_EMISSIVE,       // sRGB
-    RF_TEXTURE_SPECULAR,       // in A
-    RF_TEXTURE_SPECULAR_COLOR, // sRGB
+    RF_TEXTURE_EMISSIVE,            // sRGB
+    RF_TEXTURE_SPECULAR,            // in A
+    RF_TEXTURE_SPECULAR_COLOR,      // sRGB
     RF_TEXTURE_TRANSMISSION,        // in R, of glass
     RF_TEXTURE_CLEARCOAT,           // in R; these three of RF_BSDF_COATED
     RF_TEXTURE_CLEARCOAT_ROUGHNESS, // in G
@@ -45,15 +45,15 @@ struct RfTextured
 {
     RfTexturedModel model;
     RfFactors factors;
-    double transmission; // of glass
+    double transmission;                   // of glass
     double clearcoat, clearcoat_roughness; // of RF_BSDF_COATED
     RfTextureRef refs[RF_TEXTURE_SLOT_COUNT];
     float normal_scale, clearcoat_normal_scale;
-    bool optional;       // nothing varies but what vertex colours may bring: gone after loading without them
-    bool vertex_colors;  // some primitive with the material has them
-    bool masked;         // where alpha is below the cutoff there is no surface
+    bool optional;      // nothing varies but what vertex colours may bring: gone after loading without them
+    bool vertex_colors; // some primitive with the material has them
+    bool masked;        // where alpha is below the cutoff there is no surface
     float alpha_cutoff;
-    bool blended;        // alpha is the part of the light that the surface takes part in
+    bool blended; // alpha is the part of the light that the surface takes part in
 };
 
 // Below this a surface counts as smooth: its lobe is narrower than RF_MIN_ALPHA's.

@@ -57,8 +57,8 @@ static bool find_tangents( const RfScene* scene, const RfTextured* textured, con
     return true;
 }
 
-static RfVec3 mapped_normal( const RfScene* scene, const RfMaterial* m, RfTextureSlot slot, float scale, uint32_t triangle, float u,
-                             float v, RfVec3 n, RfVec3 ng )
+static RfVec3 mapped_normal( const RfScene* scene, const RfMaterial* m, RfTextureSlot slot, float scale, uint32_t triangle,
+                             float u, float v, RfVec3 n, RfVec3 ng )
 {
     float rgba[4];
     RfVec3 tangent, bitangent;

@@ -18,10 +18,9 @@ static double speed_at( const RfWalk* walk, int segment, double knot )
 // Length of arc between two knots of a segment, by Gauss and Legendre.
 static double arc_length( const RfWalk* walk, int segment, double from, double to )
 {
-    static const double s_at[5] = { 0.0, 0.5384693101056831, -0.5384693101056831, 0.9061798459386640,
-                                    -0.9061798459386640 };
-    static const double s_weight[5] = { 0.5688888888888889, 0.4786286704993665, 0.4786286704993665,
-                                        0.2369268850561891, 0.2369268850561891 };
+    static const double s_at[5] = { 0.0, 0.5384693101056831, -0.5384693101056831, 0.9061798459386640, -0.9061798459386640 };
+    static const double s_weight[5] = { 0.5688888888888889, 0.4786286704993665, 0.4786286704993665, 0.2369268850561891,
+                                        0.2369268850561891 };
     double middle = 0.5 * ( from + to ), half = 0.5 * ( to - from ), sum = 0.0;
     for ( int i = 0; i < 5; ++i )
         sum += s_weight[i] * speed_at( walk, segment, middle + half * s_at[i] );
@@ -136,8 +135,8 @@ void rf_walk_at( const RfWalk* walk, double length, double point[3] )
     }
     int piece = find_piece( walk, length ), segment = piece / PIECES;
     double from = piece_knot( walk, segment, piece % PIECES ), to = piece_knot( walk, segment, piece % PIECES + 1 );
-    double knot = find_knot( walk, segment, from, to, length - walk->lengths[piece],
-                             walk->lengths[piece + 1] - walk->lengths[piece] );
+    double knot =
+        find_knot( walk, segment, from, to, length - walk->lengths[piece], walk->lengths[piece + 1] - walk->lengths[piece] );
     double derivative[3];
     rf_curve_at_knot( &walk->curve, segment, knot, point, derivative );
 }

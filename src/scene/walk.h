@@ -6,10 +6,10 @@
 
 typedef struct RfWalk
 {
-    RfCurve curve;    // of points; its times mean nothing
-    int piece_count;  // every segment is cut into as many pieces
-    double* lengths;  // of arc at the start of each piece, and at the end of all
-    double length;    // of all, m
+    RfCurve curve;   // of points; its times mean nothing
+    int piece_count; // every segment is cut into as many pieces
+    double* lengths; // of arc at the start of each piece, and at the end of all
+    double length;   // of all, m
 } RfWalk;
 
 // `points` are 3 × count, count at least 2, neighbours apart. Fails for want of

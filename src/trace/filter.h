@@ -11,8 +11,8 @@
 typedef struct RfQuery
 {
     struct RTCIntersectContext context; // first: Embree hands it on
-    bool segments;                  // asks for transmittance, not for the nearest hit
-    float transmittance[RF_PACKET]; // of each ray, 1 to begin with
+    bool segments;                      // asks for transmittance, not for the nearest hit
+    float transmittance[RF_PACKET];     // of each ray, 1 to begin with
 } RfQuery;
 
 // Lets rays through where the surface is cut out; where it is blended, rays

@@ -71,7 +71,7 @@ static RfTriangleRecord make_record( const RfTriangles* t, uint32_t i, uint32_t 
     double twice;
     r.ng = rf_unit_cross( r.e1, r.e2, &twice );
     float largest = rf_maxf( rf_largest_coordinate( r.p0 ), rf_maxf( rf_largest_coordinate( load_vec3( t->positions, v[1] ) ),
-                                                                    rf_largest_coordinate( load_vec3( t->positions, v[2] ) ) ) );
+                                                                     rf_largest_coordinate( load_vec3( t->positions, v[2] ) ) ) );
     r.offset = rf_ray_offset( largest );
     r.flat = rf_dot( r.d1, r.d1 ) == 0.0f && rf_dot( r.d2, r.d2 ) == 0.0f && rf_dot( r.n0, r.ng ) > 0.999999f;
     return r;
@@ -84,7 +84,8 @@ static RfResult fill_records( RfTracer* tracer, RfError* error )
     if ( tracer->triangles == NULL )
         return rf_fail( error, RF_ERROR_MEMORY, "no memory for the surfaces of %u triangles", t->count );
     for ( uint32_t i = 0; i < t->count; ++i )
-        tracer->triangles[i] = make_record( t, i, tracer->lights.of_triangle != NULL ? tracer->lights.of_triangle[i] : RF_NO_LIGHT );
+        tracer->triangles[i] =
+            make_record( t, i, tracer->lights.of_triangle != NULL ? tracer->lights.of_triangle[i] : RF_NO_LIGHT );
     return RF_OK;
 }
 
@@ -95,8 +96,8 @@ static void describe_device( RfTracer* tracer )
                               __builtin_cpu_supports( "avx512vl" ) && __builtin_cpu_supports( "avx512bw" )
                           ? "avx512"
                           : ( __builtin_cpu_supports( "avx2" ) ? "avx2" : "sse" );
-    snprintf( tracer->text, sizeof tracer->text, "embree %ld.%ld.%ld %s", version / 10000, version / 100 % 100,
-              version % 100, isa );
+    snprintf( tracer->text, sizeof tracer->text, "embree %ld.%ld.%ld %s", version / 10000, version / 100 % 100, version % 100,
+              isa );
 }
 
 RfResult rf_create_tracer( const RfScene* scene, RfTracer** out, RfError* error )
@@ -208,8 +209,8 @@ static void set_origins( struct RTCRay16* ray, int lanes, const float* const o[3
     }
 }
 
-void rf_trace_nearest( const RfTracer* tracer, int count, const float* const o[3], const float* const d[3],
-                       bool coherent, uint32_t* triangle, float* u, float* v )
+void rf_trace_nearest( const RfTracer* tracer, int count, const float* const o[3], const float* const d[3], bool coherent,
+                       uint32_t* triangle, float* u, float* v )
 {
     RfQuery query = begin_query( false, coherent );
     _Alignas( 64 ) int valid[RF_PACKET];
@@ -234,8 +235,7 @@ void rf_trace_nearest( const RfTracer* tracer, int count, const float* const o[3
     }
 }
 
-void rf_trace_segments( const RfTracer* tracer, int count, const float* const o[3], const float* const d[3],
-                        float* visible )
+void rf_trace_segments( const RfTracer* tracer, int count, const float* const o[3], const float* const d[3], float* visible )
 {
     RfQuery query = begin_query( true, false );
     _Alignas( 64 ) int valid[RF_PACKET];

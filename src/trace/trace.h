@@ -40,9 +40,9 @@ typedef struct RfTriangleRecord
     RfVec3 n0, d1, d2; // shading normal = n0 + u d1 + v d2, not unit
     RfVec3 ng;         // unit geometric normal of the front
     uint32_t material;
-    uint32_t light;    // index into RfLights, or RF_NO_LIGHT
-    uint32_t flat;     // 1: the shading normal is the geometric one
-    float offset;      // what lifts a point off this triangle (rf_ray_offset)
+    uint32_t light; // index into RfLights, or RF_NO_LIGHT
+    uint32_t flat;  // 1: the shading normal is the geometric one
+    float offset;   // what lifts a point off this triangle (rf_ray_offset)
 } RfTriangleRecord;
 
 const RfTriangleRecord* rf_tracer_triangles( const RfTracer* tracer );
@@ -51,13 +51,12 @@ const RfTriangleRecord* rf_tracer_triangles( const RfTracer* tracer );
 // there is none) and barycentrics. `coherent` is a hint for the traversal.
 // A blended surface is met with the chance of its alpha, which the bits of the
 // ray decide.
-void rf_trace_nearest( const RfTracer* tracer, int count, const float* const o[3], const float* const d[3],
-                       bool coherent, uint32_t* triangle, float* u, float* v );
+void rf_trace_nearest( const RfTracer* tracer, int count, const float* const o[3], const float* const d[3], bool coherent,
+                       uint32_t* triangle, float* u, float* v );
 
 // The part of the light that gets through on the segments from o to o + d: 1
 // or 0, or between where blended surfaces are in the way.
-void rf_trace_segments( const RfTracer* tracer, int count, const float* const o[3], const float* const d[3],
-                        float* visible );
+void rf_trace_segments( const RfTracer* tracer, int count, const float* const o[3], const float* const d[3], float* visible );
 
 // Segments from one common origin to points, in packets (estimators.md 8):
 // tested where weight > 0, which is multiplied by the part that gets through.

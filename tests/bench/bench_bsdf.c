@@ -12,8 +12,20 @@
 
 enum
 {
-    N = 0, DIFFUSE = 3, SPECULAR = 6, SHAPE = 9, F90, COAT_F0, COAT_F90, WO, WI = WO + 3, U = WI + 3, F = U + 3,
-    PDF = F + 3, OUT, ARRAYS = OUT + 3
+    N = 0,
+    DIFFUSE = 3,
+    SPECULAR = 6,
+    SHAPE = 9,
+    F90,
+    COAT_F0,
+    COAT_F90,
+    WO,
+    WI = WO + 3,
+    U = WI + 3,
+    F = U + 3,
+    PDF = F + 3,
+    OUT,
+    ARRAYS = OUT + 3
 };
 
 // The odd cache lines keep the arrays apart: a power of two between them would
@@ -75,7 +87,10 @@ static double cpu_seconds( void )
 
 static void run( RfBsdfKind kind, int what, int count )
 {
-#define THREE( a ) { s_values[a], s_values[( a ) + 1], s_values[( a ) + 2] }
+#define THREE( a )                                                                                                               \
+    {                                                                                                                            \
+        s_values[a], s_values[( a ) + 1], s_values[( a ) + 2]                                                                    \
+    }
     const RfBsdfLanes lanes = {
         .n = THREE( N ),
         .diffuse = THREE( DIFFUSE ),

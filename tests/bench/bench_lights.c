@@ -44,7 +44,8 @@ static double median( double* values, int count )
 static RfScene make_hall( int lamps )
 {
     SceneBuilder b = { 0 };
-    uint32_t grey = add_material( &b, make_lambert( 0.6f, 0.6f, 0.55f ) ), plastic = add_material( &b, make_plastic( 0.5f, 0.3f ) );
+    uint32_t grey = add_material( &b, make_lambert( 0.6f, 0.6f, 0.55f ) ),
+             plastic = add_material( &b, make_plastic( 0.5f, 0.3f ) );
     int columns = (int)ceil( sqrt( lamps * 4.0 / 3.0 ) ), rows = ( lamps + columns - 1 ) / columns;
     float side = 0.35f * rf_minf( 40.0f / (float)columns, 30.0f / (float)rows );
     uint32_t lamp = add_material( &b, make_light( 3000.0f / ( (float)lamps * side * side ), false ) );
@@ -60,7 +61,8 @@ static RfScene make_hall( int lamps )
         float x = -20.0f + 40.0f * ( (float)( i % columns ) + 0.5f ) / (float)columns;
         float z = -15.0f + 30.0f * ( (float)( i / columns ) + 0.5f ) / (float)rows;
         float y = 3.2f - 0.3f * (float)( i % 2 ), h = 0.5f * side;
-        add_quad( &b, lamp, rf_vec3( x - h, y, z - h ), rf_vec3( x + h, y, z - h ), rf_vec3( x + h, y, z + h ), rf_vec3( x - h, y, z + h ) );
+        add_quad( &b, lamp, rf_vec3( x - h, y, z - h ), rf_vec3( x + h, y, z - h ), rf_vec3( x + h, y, z + h ),
+                  rf_vec3( x - h, y, z + h ) );
     }
     return finish_scene( &b );
 }
@@ -86,7 +88,8 @@ static Rendered render( const Subject* subject, RfLightPicking picking, int spp,
 
 static double error_of( const Rendered* image, const Rendered* reference )
 {
-    RfImage a = { .width = WIDTH, .height = HEIGHT, .rgb = image->rgb }, r = { .width = WIDTH, .height = HEIGHT, .rgb = reference->rgb };
+    RfImage a = { .width = WIDTH, .height = HEIGHT, .rgb = image->rgb },
+            r = { .width = WIDTH, .height = HEIGHT, .rgb = reference->rgb };
     RfErrorMetrics metrics;
     RfError error;
     return rf_measure_error( &a, &r, &metrics, &error ) == RF_OK ? metrics.relmse : NAN;
@@ -122,8 +125,9 @@ static void time_picks( const Subject* subject, double* pick, double* chance )
         rf_pick_lights( lights, RF_PICK_BY_TREE, BLOCK, x, n, bits, s_pick );
         double middle = cpu_seconds();
         for ( int i = 0; i < BLOCK; ++i )
-            sum += (double)rf_light_chance( lights, RF_PICK_BY_TREE, s_pick[i].light == RF_NO_LIGHT ? 0 : s_pick[i].light, rf_vec3( s_x[0][i], s_x[1][i], s_x[2][i] ),
-                                            rf_vec3( s_n[0][i], s_n[1][i], s_n[2][i] ) );
+            sum +=
+                (double)rf_light_chance( lights, RF_PICK_BY_TREE, s_pick[i].light == RF_NO_LIGHT ? 0 : s_pick[i].light,
+                                         rf_vec3( s_x[0][i], s_x[1][i], s_x[2][i] ), rf_vec3( s_n[0][i], s_n[1][i], s_n[2][i] ) );
         seconds[0] += middle - start;
         seconds[1] += cpu_seconds() - middle;
     }
@@ -136,7 +140,10 @@ static void time_picks( const Subject* subject, double* pick, double* chance )
 static void measure( const char* name, const Subject* subject, int reference_spp )
 {
     static const RfLightPicking s_ways[] = { RF_PICK_BY_TREE, RF_PICK_BY_POWER };
-    enum { SPP = 16 };
+    enum
+    {
+        SPP = 16
+    };
     double seconds[2][REPEATS], errors[2] = { 0 }, time[2], pick = 0.0, chance = 0.0;
     Rendered reference = render( subject, RF_PICK_BY_TREE, reference_spp, 1000, 2 );
     for ( int k = 0; k < REPEATS; ++k )
@@ -153,8 +160,8 @@ static void measure( const char* name, const Subject* subject, int reference_spp
     for ( int way = 0; way < 2; ++way )
         time[way] = median( seconds[way], REPEATS ) * 1e6 / ( SPP * WIDTH * HEIGHT );
     time_picks( subject, &pick, &chance );
-    printf( "%-12s %7u %8.0f %8.0f %9.2f %9.2f %10.4g %10.4g %12.2f\n", name, rf_tracer_lights( subject->tracer )->count, pick, chance,
-            time[0], time[1], errors[0], errors[1], errors[1] * time[1] / ( errors[0] * time[0] ) );
+    printf( "%-12s %7u %8.0f %8.0f %9.2f %9.2f %10.4g %10.4g %12.2f\n", name, rf_tracer_lights( subject->tracer )->count, pick,
+            chance, time[0], time[1], errors[0], errors[1], errors[1] * time[1] / ( errors[0] * time[0] ) );
     fflush( stdout );
     free_rendered( &reference );
 }
@@ -169,7 +176,8 @@ static int measure_file( const char* path, int reference_spp )
     if ( result == RF_OK )
         result = rf_find_camera( &subject.scene, NULL, &camera, &error );
     if ( result == RF_OK )
-        result = rf_camera_eye( &subject.scene, subject.scene.cameras + camera, 24.0, 24, 1, WIDTH, HEIGHT, &subject.eye, &error );
+        result =
+            rf_camera_eye( &subject.scene, subject.scene.cameras + camera, 24.0, 24, 1, WIDTH, HEIGHT, &subject.eye, &error );
     if ( result != RF_OK )
     {
         fprintf( stderr, "bench_lights: %s\n", error.text );
@@ -187,15 +195,16 @@ int main( int argc, char** argv )
     bool quick = argc > 1 && strcmp( argv[1], "--quick" ) == 0;
     int first = quick ? 2 : 1, reference_spp = quick ? 128 : 1024;
     rf_set_float_mode();
-    printf( "%-12s %7s %8s %8s %9s %9s %10s %10s %12s\n", "", "lights", "pick ns", "chance", "tree µs", "power µs", "tree err", "power err",
-            "tree/power" );
+    printf( "%-12s %7s %8s %8s %9s %9s %10s %10s %12s\n", "", "lights", "pick ns", "chance", "tree µs", "power µs", "tree err",
+            "power err", "tree/power" );
     if ( argc > first )
         return measure_file( argv[first], reference_spp );
     for ( int lamps = 10; lamps <= 10000; lamps *= 10 )
     {
         Subject subject = { .scene = make_hall( lamps ) };
         subject.tracer = make_tracer( &subject.scene );
-        subject.eye = rf_make_eye( rf_vec3( -14.0f, 1.7f, 9.0f ), rf_vec3( 1.0f, -0.55f, -0.5f ), rf_vec3( 0, 1, 0 ), 0.7, WIDTH, HEIGHT );
+        subject.eye =
+            rf_make_eye( rf_vec3( -14.0f, 1.7f, 9.0f ), rf_vec3( 1.0f, -0.55f, -0.5f ), rf_vec3( 0, 1, 0 ), 0.7, WIDTH, HEIGHT );
         char name[32];
         snprintf( name, sizeof name, "%d lamps", lamps );
         measure( name, &subject, reference_spp );

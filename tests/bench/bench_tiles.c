@@ -145,7 +145,10 @@ static void print_row( const char* tile, int n, int k, const Figures* plain, con
 static void run( const Bench* b )
 {
     static const char* const tiles[] = { "1", "rooks4", "rooks9", "rooks16", "rooks36" };
-    enum { TILES = sizeof tiles / sizeof tiles[0] };
+    enum
+    {
+        TILES = sizeof tiles / sizeof tiles[0]
+    };
     Figures runs[REPEATS][TILES];
     for ( int k = 0; k < REPEATS; ++k )
     {

@@ -24,7 +24,7 @@ int main( int argc, char** argv )
     int failed = argc < 3 || rf_load_gltf( argv[1], &scene, NULL, &error ) != RF_OK ||
                  rf_scene_eye( &scene, 0, 0.0, 32, 18, &eye, &error ) != RF_OK ||
                  rf_create_tracer( &scene, &tracer, &error ) != RF_OK ||
-                 rf_render( tracer, &eye, 1, &(int){ 0 }, 1, &settings, &callbacks, NULL, &error ) != RF_OK;
+                 rf_render( tracer, &eye, 1, &( int ){ 0 }, 1, &settings, &callbacks, NULL, &error ) != RF_OK;
     if ( failed )
         fprintf( stderr, "%s\n", error.text );
     rf_destroy_tracer( tracer );
