@@ -1,8 +1,8 @@
 // reframe convert: other formats as .glb.
 #include "cli/commands.h"
-#include "cli/interrupt.h"
-#include "cli/options.h"
-#include "cli/report.h"
+#include "cli/render/interrupt.h"
+#include "cli/options/options.h"
+#include "cli/messages.h"
 #include "convert/glb_write.h"
 #include "convert/ply_read.h"
 #include "convert/run_importer.h"
@@ -152,7 +152,7 @@ static RfResult convert_ply( const char* from, const char* to, RfModelCounts* co
     RfModel model;
     RfResult result = rf_read_ply( from, &model, log, error );
     if ( result == RF_OK )
-        result = rf_place_model( &model, s_up == UP_Z, s_scale, error );
+        result = rf_apply_root_transform( &model, s_up == UP_Z, s_scale, error );
     if ( result == RF_OK )
         result = rf_write_glb( to, &model, s_overwrite, error );
     if ( result == RF_OK )

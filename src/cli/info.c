@@ -1,13 +1,13 @@
 // reframe info: what is in a scene, and which effects it calls for.
-#include "cli/camera_options.h"
+#include "cli/options/camera_options.h"
 #include "cli/commands.h"
-#include "cli/render_json.h"
-#include "cli/render_options.h"
-#include "cli/report.h"
+#include "cli/render/render_json.h"
+#include "cli/options/render_options.h"
+#include "cli/messages.h"
 #include "light/light.h"
 #include "scene/camera.h"
 #include "scene/effects.h"
-#include "scene/scene_file.h"
+#include "scene/json/scene_file.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,8 +1,8 @@
 // The program: picks the sub-command and hands over.
 #include "cli/commands.h"
 #include "cli/manual.h"
-#include "cli/options.h"
-#include "cli/report.h"
+#include "cli/options/options.h"
+#include "cli/messages.h"
 #include "trace/trace.h"
 
 #include <signal.h>

@@ -2,7 +2,7 @@
 #ifndef REFRAME_CLI_MANUAL_H
 #define REFRAME_CLI_MANUAL_H
 
-#include "cli/options.h"
+#include "cli/options/options.h"
 
 // Up to the commands: name, synopsis, description.
 void rf_print_manual_head( FILE* file );

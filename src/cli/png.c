@@ -2,8 +2,8 @@
 #include "image/png.h"
 
 #include "cli/commands.h"
-#include "cli/options.h"
-#include "cli/report.h"
+#include "cli/options/options.h"
+#include "cli/messages.h"
 #include "image/exr.h"
 
 static double s_exposure;

@@ -4,7 +4,7 @@
 #define _DEFAULT_SOURCE // setrlimit, prctl
 
 #include "convert/glb_write.h"
-#include "convert/place.h"
+#include "convert/root_transform.h"
 #include "import/assimp_import.h"
 
 #include <fcntl.h>
@@ -67,7 +67,7 @@ static RfResult import_to( RfAtomicFile* out, char** argv, RfError* error )
     memcpy( &scale, &bits, sizeof scale );
     RfResult result = rf_import_by_assimp( argv[1], &model, &log, error );
     if ( result == RF_OK )
-        result = rf_place_model( &model, argv[4][0] == 'z', scale, error );
+        result = rf_apply_root_transform( &model, argv[4][0] == 'z', scale, error );
     if ( result == RF_OK )
         result = rf_append_glb( out, &model, error );
     if ( result == RF_OK )

@@ -1,5 +1,5 @@
 #include "light/light.h"
-#include "light/plant.h"
+#include "light/tree_create.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -163,7 +163,7 @@ static RfResult fill_lights( const RfScene* scene, RfLights* lights, uint32_t ro
     RfResult result = lights->count > 0 ? build_alias( lights, weight, total, error ) : RF_OK;
     free( weight );
     if ( result == RF_OK && lights->count > FEW_LIGHTS )
-        result = rf_plant_light_tree( lights, error );
+        result = rf_create_light_tree( lights, error );
     return result;
 }
 

@@ -64,36 +64,36 @@ static inline RfVec3 rf_light_radiance( const RfScene* scene, const RfLight* lig
 }
 
 // How a light is picked.
-typedef enum RfLightPicking
+typedef enum RfLightSampling
 {
-    RF_PICK_BY_TREE,  // in proportion to what it may send to the point; by power where there are few lights
-    RF_PICK_BY_POWER, // wherever the point is: for comparison
-} RfLightPicking;
+    RF_LIGHTS_BY_TREE,  // in proportion to what it may send to the point; by power where there are few lights
+    RF_LIGHTS_BY_POWER, // wherever the point is: for comparison
+} RfLightSampling;
 
-typedef struct RfLightPick
+typedef struct RfLightSelection
 {
     uint32_t light; // RF_NO_LIGHT: none of them can send anything
     float chance;
-} RfLightPick;
+} RfLightSelection;
 
 // A light for 64 random bits at the point x with unit normal n, which light
 // arrives at from the side of n only. The chances depend on nothing else, so
 // they are the same for all eyes that see x. `count` must not be 0.
-RfLightPick rf_pick_light( const RfLights* lights, RfLightPicking picking, RfVec3 x, RfVec3 n, const uint32_t bits[2] );
+RfLightSelection rf_select_light( const RfLights* lights, RfLightSampling picking, RfVec3 x, RfVec3 n, const uint32_t bits[2] );
 
 // The same for arrays of points.
-void rf_pick_lights( const RfLights* lights, RfLightPicking picking, int count, const float* const x[3], const float* const n[3],
-                     const uint32_t* const bits[2], RfLightPick* pick );
+void rf_select_lights( const RfLights* lights, RfLightSampling picking, int count, const float* const x[3],
+                       const float* const n[3], const uint32_t* const bits[2], RfLightSelection* pick );
 
 // With which chance that picks this light; above 0 unless it can send nothing to x.
-float rf_light_chance( const RfLights* lights, RfLightPicking picking, uint32_t light, RfVec3 x, RfVec3 n );
+float rf_light_probability( const RfLights* lights, RfLightSampling picking, uint32_t light, RfVec3 x, RfVec3 n );
 
 // The sky's number; there must be one.
 static inline uint32_t rf_sky_number( const RfLights* lights ) { return lights->count - 1; }
 
 // One word picks the column, the other decides between it and its alias, so that
 // shares of the table are met to 2⁻³² however many lights there are.
-static inline uint32_t rf_pick_light_by_power( const RfLights* lights, uint32_t column_bits, uint32_t share_bits )
+static inline uint32_t rf_select_light_by_power( const RfLights* lights, uint32_t column_bits, uint32_t share_bits )
 {
     uint32_t column = (uint32_t)( (uint64_t)column_bits * lights->count >> 32 );
     return share_bits < lights->alias_share[column] ? column : lights->alias[column];

@@ -64,6 +64,6 @@ void rf_destroy_light_tree( RfLightTree* tree );
 
 // What each child of a node may send to the point x with normal n, in the
 // tree's unit: an estimate of the irradiance, above 0 unless nothing can arrive.
-void rf_weigh_lights( const RfLightNode* node, RfVec3 x, RfVec3 n, float weight[RF_LIGHT_CHILDREN] );
+void rf_light_importance( const RfLightNode* node, RfVec3 x, RfVec3 n, float weight[RF_LIGHT_CHILDREN] );
 
 #endif

@@ -2,7 +2,7 @@
 
 #include "base/random.h"
 #include "base/system.h"
-#include "reuse/group.h"
+#include "render/groups.h"
 
 #include <math.h>
 #include <string.h>
@@ -18,7 +18,7 @@ typedef struct Study
     const RfCostJob* job;
     RfCost* cost;
     RfRenderSettings settings[2]; // resolved
-    RfTrialSite sites[RF_COST_PLACES];
+    RfTestRegion sites[RF_COST_PLACES];
     int site_count;
     RfTrial trials[UNITS][2]; // a place and a level: plain and with reuse, with seeds of their own
     RfCostUnit units[UNITS];  // what is to be known of them
@@ -40,16 +40,16 @@ static void choose_size( const RfEye* eye, double pixels, int* width, int* heigh
     *height = scale < 1.0 ? scaled( eye->height, scale ) : eye->height;
 }
 
-static RfResult make_site( Study* s, double place, int width, int height, RfTrialSite* site, RfError* error )
+static RfResult make_site( Study* s, double place, int width, int height, RfTestRegion* site, RfError* error )
 {
     const RfCostJob* job = s->job;
     int frame = job->frames[(int)( place * job->frame_count )];
-    return rf_create_trial_site( job->tracer, job->eyes, job->eye_count, frame, 2 * s->settings[1].group + 1, width, height,
-                                 s->settings + 1, job->watch, site, error );
+    return rf_create_test_region( job->tracer, job->eyes, job->eye_count, frame, 2 * s->settings[1].group + 1, width, height,
+                                  s->settings + 1, job->watch, site, error );
 }
 
 // All frames of the site, by path tracing and in one group.
-static RfResult try_both( Study* s, const RfTrialSite* site, int passes, uint64_t salt, RfTrial trials[2], RfError* error )
+static RfResult try_both( Study* s, const RfTestRegion* site, int passes, uint64_t salt, RfTrial trials[2], RfError* error )
 {
     RfResult result = RF_OK;
     for ( int k = 0; k < 2 && result == RF_OK; ++k )
@@ -68,12 +68,12 @@ static RfResult probe( Study* s, double* pixel_seconds, RfError* error )
     int width, height;
     choose_size( s->job->eyes, PROBE_PIXELS, &width, &height );
     double start = rf_wall_seconds();
-    RfTrialSite site;
+    RfTestRegion site;
     RfTrial trials[2];
     RfResult result = make_site( s, 0.5, width, height, &site, error );
     if ( result == RF_OK )
         result = try_both( s, &site, FIRST_PASSES, 0x9b0be, trials, error );
-    rf_destroy_trial_site( &site );
+    rf_destroy_test_region( &site );
     *pixel_seconds = ( rf_wall_seconds() - start ) / ( (double)width * height );
     return result;
 }
@@ -242,7 +242,7 @@ RfResult rf_measure_cost( const RfCostJob* job, RfCost* cost, RfError* error )
     if ( result == RF_OK )
         result = run_levels( &s, error );
     for ( int i = 0; i < s.site_count; ++i )
-        rf_destroy_trial_site( s.sites + i );
+        rf_destroy_test_region( s.sites + i );
     if ( s.unit_count > 0 )
         conclude( &s );
     if ( result == RF_OK && !( cost->plain.relmse > 0.0 && cost->reuse.relmse > 0.0 ) )
@@ -262,7 +262,7 @@ RfCostPrediction rf_predict_cost( const RfCostJob* job, const RfCostCurve* curve
     for ( int first = 0; first < job->frame_count; first += per_sweep )
     {
         int end = job->frame_count - first < per_sweep ? job->frame_count : first + per_sweep;
-        rf_add_window_samples( &plan, job->frames, first, end, &samples, &unused );
+        rf_add_group_samples( &plan, job->frames, first, end, &samples, &unused );
     }
     p.spp = plan.spp;
     p.frame_seconds = frame_seconds( job, curve, plan.spp, curve->sample_seconds );

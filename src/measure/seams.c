@@ -8,9 +8,9 @@ static bool is_inside( const RfGroupPlan* plan, int frame )
     if ( frame < 0 || frame >= plan->frames )
         return false;
     int first, last;
-    rf_windows_of_frame( plan, frame, &first, &last );
-    return last - first + 1 == plan->eyes && rf_window( plan, first ).eyes == plan->eyes &&
-           rf_window( plan, last ).eyes == plan->eyes;
+    rf_groups_of_frame( plan, frame, &first, &last );
+    return last - first + 1 == plan->eyes && rf_group( plan, first ).eyes == plan->eyes &&
+           rf_group( plan, last ).eyes == plan->eyes;
 }
 
 bool rf_is_seam( const RfSeams* seams, int frame )

@@ -13,7 +13,7 @@
 #ifndef REFRAME_MEASURE_SEAMS_H
 #define REFRAME_MEASURE_SEAMS_H
 
-#include "reuse/group.h"
+#include "render/groups.h"
 
 #include <stdbool.h>
 

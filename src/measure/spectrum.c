@@ -13,7 +13,7 @@ typedef struct Window
     double cosines[RF_SPECTRUM_FRAMES][RF_SPECTRUM_FRAMES]; // [k][t], with s_k
 } Window;
 
-bool rf_ends_window( int index, int count )
+bool rf_ends_group( int index, int count )
 {
     int end = index + 1;
     return end == count || ( end >= RF_SPECTRUM_FRAMES && ( end - RF_SPECTRUM_FRAMES ) % RF_SPECTRUM_STEP == 0 );

@@ -43,7 +43,7 @@ typedef struct RfSpectrum
 } RfSpectrum;
 
 // Does a window end with the frame of this index (from 0), of `count`?
-bool rf_ends_window( int index, int count );
+bool rf_ends_group( int index, int count );
 
 // Adds a window of 2 to RF_SPECTRUM_FRAMES frames of one size, in order.
 RfResult rf_add_window( RfSpectrumSums* sums, const RfFlickerFrame* const* frames, int count, bool compensate, RfError* error );

@@ -50,13 +50,13 @@ static void weigh_pixels( const float* rgb, int width, int height, float* weight
 static RfResult keep_weights( void* user, const RfFrameResult* frame, RfError* error )
 {
     (void)error;
-    RfTrialSite* site = user;
+    RfTestRegion* site = user;
     size_t pixels = (size_t)frame->width * (size_t)frame->height;
     weigh_pixels( frame->rgb, frame->width, frame->height, site->weight + pixels * (size_t)frame->frame );
     return RF_OK;
 }
 
-static bool guide_fits( const RfTracer* tracer, const RfTrialSite* site, const RfRenderSettings* settings )
+static bool guide_fits( const RfTracer* tracer, const RfTestRegion* site, const RfRenderSettings* settings )
 {
     RfRenderSettings s = *settings;
     RfMemoryFit fit;
@@ -68,7 +68,7 @@ static bool guide_fits( const RfTracer* tracer, const RfTrialSite* site, const R
 // One window of all frames, so that every frame has the samples of all of them, and
 // tiles; where memory is short no tiles, or smaller groups, for the settings that are
 // tried may take less than that. At worst path tracing, than which nothing takes less.
-static void choose_guide( const RfTracer* tracer, const RfTrialSite* site, RfRenderSettings* s )
+static void choose_guide( const RfTracer* tracer, const RfTestRegion* site, RfRenderSettings* s )
 {
     RfTile tiles[2] = { rf_default_render_settings().tile, rf_no_tile() };
     for ( s->group = site->frames / 2;; s->group /= 2 )
@@ -87,7 +87,7 @@ static void choose_guide( const RfTracer* tracer, const RfTrialSite* site, RfRen
 }
 
 static RfResult render_guide( const RfTracer* tracer, const RfRenderSettings* settings, const RfTrialWatch* watch,
-                              RfTrialSite* site, RfError* error )
+                              RfTestRegion* site, RfError* error )
 {
     RfRenderSettings s = *settings;
     s.weights = RF_WEIGHTS_EXACT;
@@ -103,11 +103,11 @@ static RfResult render_guide( const RfTracer* tracer, const RfRenderSettings* se
     return result;
 }
 
-RfResult rf_create_trial_site( const RfTracer* tracer, const RfEye* eyes, int eye_count, int centre, int frames, int width,
-                               int height, const RfRenderSettings* settings, const RfTrialWatch* watch, RfTrialSite* site,
-                               RfError* error )
+RfResult rf_create_test_region( const RfTracer* tracer, const RfEye* eyes, int eye_count, int centre, int frames, int width,
+                                int height, const RfRenderSettings* settings, const RfTrialWatch* watch, RfTestRegion* site,
+                                RfError* error )
 {
-    *site = ( RfTrialSite ){ .frames = clamp( frames, 1, eye_count ) };
+    *site = ( RfTestRegion ){ .frames = clamp( frames, 1, eye_count ) };
     site->whole = site->frames == eye_count;
     site->first = clamp( centre - site->frames / 2, 0, eye_count - site->frames );
     size_t pixels = (size_t)width * (size_t)height;
@@ -121,11 +121,11 @@ RfResult rf_create_trial_site( const RfTracer* tracer, const RfEye* eyes, int ey
     return render_guide( tracer, settings, watch, site, error );
 }
 
-void rf_destroy_trial_site( RfTrialSite* site )
+void rf_destroy_test_region( RfTestRegion* site )
 {
     free( site->eyes );
     free( site->weight );
-    *site = ( RfTrialSite ){ 0 };
+    *site = ( RfTestRegion ){ 0 };
 }
 
 // Both seeds of a window: other random numbers than its neighbours' and its twin's.
@@ -134,7 +134,7 @@ static uint64_t window_seed( uint64_t seed, int window, int twin )
     return rf_mix64( rf_mix64( seed ) ^ ( (uint64_t)window << 1 | (uint64_t)twin ) );
 }
 
-static RfResult try_window( const RfTracer* tracer, const RfTrialSite* site, int first, const RfRenderSettings* settings,
+static RfResult try_window( const RfTracer* tracer, const RfTestRegion* site, int first, const RfRenderSettings* settings,
                             const RfTrialWatch* watch, RfTrialPair* pair, RfTrial* trial, RfError* error )
 {
     size_t pixels = eye_pixels( site->eyes );
@@ -159,8 +159,8 @@ static RfResult try_window( const RfTracer* tracer, const RfTrialSite* site, int
     return RF_OK;
 }
 
-RfResult rf_run_trial( const RfTracer* tracer, const RfTrialSite* site, int windows, int passes, const RfRenderSettings* settings,
-                       const RfTrialWatch* watch, RfTrial* trial, RfError* error )
+RfResult rf_run_trial( const RfTracer* tracer, const RfTestRegion* site, int windows, int passes,
+                       const RfRenderSettings* settings, const RfTrialWatch* watch, RfTrial* trial, RfError* error )
 {
     *trial = ( RfTrial ){ 0 };
     // a group that would hold more than the site can only be a path's that is all in it
@@ -214,7 +214,7 @@ double rf_trial_efficiency( const RfTrial* trial, double pixels )
     return 1.0 / ( rf_trial_relmse( trial, 1.0 ) * rf_trial_sample_seconds( trial ) * pixels );
 }
 
-size_t rf_trial_site_bytes( int frames, size_t pixels )
+size_t rf_test_region_bytes( int frames, size_t pixels )
 {
     return (size_t)frames * ( pixels * sizeof( float ) + sizeof( RfEye ) );
 }

@@ -22,7 +22,7 @@
 #ifndef REFRAME_MEASURE_TRIAL_H
 #define REFRAME_MEASURE_TRIAL_H
 
-#include "reuse/render.h"
+#include "render/render.h"
 
 // Return false to stop: RF_ERROR_INTERRUPTED.
 typedef bool RfTrialGoOn( void* user );
@@ -34,7 +34,7 @@ typedef struct RfTrialWatch
 } RfTrialWatch;
 
 // A piece of the path where settings are tried, at a size of its own.
-typedef struct RfTrialSite
+typedef struct RfTestRegion
 {
     RfEye* eyes; // `frames` of them
     int first;   // of the path, from 0
@@ -43,18 +43,18 @@ typedef struct RfTrialSite
     float* weight;  // 1 / (r̄² + 0.001) of each pixel, frame after frame
     double seconds; // that making it took, of the CPU
     double samples; // and traced
-} RfTrialSite;
+} RfTestRegion;
 
 // An eye with a film of another size, for the same view.
 RfEye rf_resize_eye( const RfEye* eye, int width, int height );
 
 // A site of up to `frames` frames around `centre`, with films of width × height,
 // its picture by settings' threads, memory, seed, depth and light samples. Free
-// with rf_destroy_trial_site, on failure too.
-RfResult rf_create_trial_site( const RfTracer* tracer, const RfEye* eyes, int eye_count, int centre, int frames, int width,
-                               int height, const RfRenderSettings* settings, const RfTrialWatch* watch, RfTrialSite* site,
-                               RfError* error );
-void rf_destroy_trial_site( RfTrialSite* site );
+// with rf_destroy_test_region, on failure too.
+RfResult rf_create_test_region( const RfTracer* tracer, const RfEye* eyes, int eye_count, int centre, int frames, int width,
+                                int height, const RfRenderSettings* settings, const RfTrialWatch* watch, RfTestRegion* site,
+                                RfError* error );
+void rf_destroy_test_region( RfTestRegion* site );
 
 // What trials found, as sums that add up (rf_add_trial). The errors are of a
 // single pass, P times those of P passes, times `weight`.
@@ -78,8 +78,8 @@ typedef struct RfTrial
 // seconds are those of the calling thread, so that trials may run side by side;
 // else those of the process, in which threads that wait for others may count. The
 // seeds of the windows and their twins are made of settings->seed.
-RfResult rf_run_trial( const RfTracer* tracer, const RfTrialSite* site, int windows, int passes, const RfRenderSettings* settings,
-                       const RfTrialWatch* watch, RfTrial* trial, RfError* error );
+RfResult rf_run_trial( const RfTracer* tracer, const RfTestRegion* site, int windows, int passes,
+                       const RfRenderSettings* settings, const RfTrialWatch* watch, RfTrial* trial, RfError* error );
 
 void rf_add_trial( RfTrial* sum, const RfTrial* trial );
 
@@ -96,7 +96,7 @@ double rf_trial_efficiency( const RfTrial* trial, double pixels );
 
 // Bytes that a site of `frames` frames of so many pixels holds, and a trial of
 // groups of `eyes` frames besides what rf_render takes.
-size_t rf_trial_site_bytes( int frames, size_t pixels );
+size_t rf_test_region_bytes( int frames, size_t pixels );
 size_t rf_trial_bytes( int eyes, size_t pixels );
 
 #endif

@@ -27,7 +27,7 @@ static RfResult run_round( Tuner* t, const RfTuneRound* round, double deadline, 
     rf_begin_tune_work( t->job, t->tune, &t->common, t->candidate, round, t->places, deadline, &w );
     *complete = 0;
     double start = rf_wall_seconds();
-    RfResult result = rf_make_tune_sites( &w, error );
+    RfResult result = rf_make_tune_regions( &w, error );
     if ( result == RF_OK )
         result = rf_run_tune_trials( &w, error );
     if ( w.done != NULL && ( result == RF_OK || result == RF_ERROR_INTERRUPTED ) )
@@ -53,7 +53,7 @@ static RfResult calibrate( Tuner* t, RfError* error )
     RfTuneWork w;
     rf_begin_tune_work( job, t->tune, &t->common, t->candidate, &round, 0, (double)INFINITY, &w );
     double start = rf_wall_seconds(), cost = 0.0;
-    RfResult result = rf_make_tune_sites( &w, error );
+    RfResult result = rf_make_tune_regions( &w, error );
     double samples = result == RF_OK ? w.sites->samples * round.sites : 1.0, cpu = rf_tune_work_seconds( &w );
     t->cpu += cpu;
     t->wall += rf_wall_seconds() - start;
@@ -123,7 +123,7 @@ static RfResult next_round( Tuner* t, int number, bool* last, RfError* error )
     t->tune->round_count += complete > 0;
     round->sites = complete;
     rf_smooth_tune_rows( t->tune );
-    rf_weigh_tune_rows( t->tune, (double)job->eyes->width * job->eyes->height, job->frame_count );
+    rf_weight_tune_rows( t->tune, (double)job->eyes->width * job->eyes->height, job->frame_count );
     if ( result == RF_ERROR_INTERRUPTED && !is_stopped( t ) )
     {
         *last = true;
@@ -148,7 +148,7 @@ RfResult rf_tune( const RfTuneJob* job, RfTune* tune, RfError* error )
     for ( int number = 0; number < RF_TUNE_ROUNDS && result == RF_OK && !last && count_candidates( &t ) > ( number > 0 );
           ++number )
         result = next_round( &t, number, &last, error );
-    rf_weigh_tune_rows( tune, (double)job->eyes->width * job->eyes->height, job->frame_count );
+    rf_weight_tune_rows( tune, (double)job->eyes->width * job->eyes->height, job->frame_count );
     tune->seconds = rf_wall_seconds() - t.start;
     if ( result == RF_OK && tune->chosen < 0 )
         return rf_fail( error, RF_ERROR_SCENE,

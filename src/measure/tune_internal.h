@@ -15,7 +15,7 @@ RfResult rf_list_tune_rows( const RfTuneJob* job, RfTune* tune, RfRenderSettings
 void rf_smooth_tune_rows( RfTune* tune );
 
 // What the trials say of the render.
-void rf_weigh_tune_rows( RfTune* tune, double pixels, int frames );
+void rf_weight_tune_rows( RfTune* tune, double pixels, int frames );
 
 // Threads that trials may run on beside each other, so that half of the memory of
 // each is left for films.
@@ -23,10 +23,10 @@ int rf_tune_workers( const RfTuneJob* job, const RfTune* tune, const RfRenderSet
 
 // Windows beside each other that a site tries with groups of so many frames: small
 // groups would see too little else.
-int rf_tune_windows( int eyes );
+int rf_tune_groups( int eyes );
 
 // Frames of a site that has room for all of the rows.
-int rf_tune_site_frames( const RfTune* tune, const bool* candidate );
+int rf_tune_region_frames( const RfTune* tune, const bool* candidate );
 
 // Native samples that trying a row takes for each pixel of the film.
 double rf_tune_row_samples( const RfTuneRow* row, int passes );

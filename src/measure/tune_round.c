@@ -16,20 +16,20 @@ static const int s_passes[RF_TUNE_ROUNDS] = { 2, 4, 4, 4 };
 #define FEW 4    // settings, for which a round may take all the time that is left
 #define HOPE 0.5 // of the best efficiency, below which a row is not tried again
 
-int rf_tune_windows( int eyes ) { return eyes < SITE_FRAMES ? ( SITE_FRAMES + eyes / 2 ) / eyes : 1; }
+int rf_tune_groups( int eyes ) { return eyes < SITE_FRAMES ? ( SITE_FRAMES + eyes / 2 ) / eyes : 1; }
 
-int rf_tune_site_frames( const RfTune* tune, const bool* candidate )
+int rf_tune_region_frames( const RfTune* tune, const bool* candidate )
 {
     int frames = 1;
     for ( int i = 0; i < tune->count; ++i )
     {
-        int wanted = tune->rows[i].eyes * rf_tune_windows( tune->rows[i].eyes );
+        int wanted = tune->rows[i].eyes * rf_tune_groups( tune->rows[i].eyes );
         frames = candidate[i] && wanted > frames ? wanted : frames;
     }
     return frames;
 }
 
-double rf_tune_row_samples( const RfTuneRow* row, int passes ) { return 2.0 * passes * row->eyes * rf_tune_windows( row->eyes ); }
+double rf_tune_row_samples( const RfTuneRow* row, int passes ) { return 2.0 * passes * row->eyes * rf_tune_groups( row->eyes ); }
 
 double rf_tune_round_cost( const RfTune* tune, const bool* candidate, const RfTuneRound* round, double cost_second )
 {
@@ -55,10 +55,10 @@ static void size_round( const RfTuneOutlook* o, double pixels, RfTuneRound* roun
 // the memory: half of it, for records and work besides.
 static double pixels_that_fit( const RfTune* tune, const bool* candidate, const RfTuneOutlook* o, int sites )
 {
-    int eyes = rf_tune_site_frames( tune, candidate );
+    int eyes = rf_tune_region_frames( tune, candidate );
     double film = 64.0 + 12.0; // both halves with totals, and images
     double bytes =
-        (double)rf_trial_site_bytes( eyes, 1 ) * sites + o->workers * ( (double)rf_trial_bytes( eyes, 1 ) + film * eyes );
+        (double)rf_test_region_bytes( eyes, 1 ) * sites + o->workers * ( (double)rf_trial_bytes( eyes, 1 ) + film * eyes );
     return 0.5 * (double)o->memory / bytes;
 }
 

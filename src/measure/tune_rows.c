@@ -1,7 +1,7 @@
 // The rows of a tuning: what there is to try, what it takes, what it came to.
 #include "measure/tune_internal.h"
-#include "reuse/group.h"
-#include "reuse/plan.h"
+#include "render/groups.h"
+#include "render/plan.h"
 
 #include <math.h>
 
@@ -150,7 +150,7 @@ static void weigh_row( RfTuneRow* row, double pixels, int frames )
     row->efficiency = cost > 0.0 ? frames / cost : NAN; // black pictures have no error to be efficient at
 }
 
-void rf_weigh_tune_rows( RfTune* tune, double pixels, int frames )
+void rf_weight_tune_rows( RfTune* tune, double pixels, int frames )
 {
     double plain = NAN;
     int rounds = 0;

@@ -22,8 +22,8 @@ static RfResult make_site( RfTuneWork* w, int index, RfError* error )
 {
     const RfTuneJob* job = w->job;
     int frame = job->frames[(int)( rf_tune_place( w->first_place + index ) * job->frame_count )];
-    return rf_create_trial_site( job->tracer, job->eyes, job->eye_count, frame, w->site_frames, w->round->width, w->round->height,
-                                 &w->settings, &w->watch, w->sites + index, error );
+    return rf_create_test_region( job->tracer, job->eyes, job->eye_count, frame, w->site_frames, w->round->width,
+                                  w->round->height, &w->settings, &w->watch, w->sites + index, error );
 }
 
 static RfResult try_row( RfTuneWork* w, int site, int k, RfError* error )
@@ -32,7 +32,7 @@ static RfResult try_row( RfTuneWork* w, int site, int k, RfError* error )
     RfRenderSettings settings = rf_tune_settings( row, &w->settings );
     settings.seed = rf_mix64( settings.seed ^ rf_mix64( (uint64_t)( w->first_place + site ) ) );
     int index = site * w->row_count + k;
-    RfResult result = rf_run_trial( w->job->tracer, w->sites + site, rf_tune_windows( row->eyes ), w->round->passes, &settings,
+    RfResult result = rf_run_trial( w->job->tracer, w->sites + site, rf_tune_groups( row->eyes ), w->round->passes, &settings,
                                     &w->watch, w->trials + index, error );
     w->done[index] = result == RF_OK;
     return result;
@@ -79,7 +79,7 @@ static void share_out( RfTuneWork* w, int tasks )
 void rf_end_tune_work( RfTuneWork* w )
 {
     for ( int i = 0; w->sites != NULL && i < w->round->sites; ++i )
-        rf_destroy_trial_site( w->sites + i );
+        rf_destroy_test_region( w->sites + i );
     free( w->sites );
     free( w->trials );
     free( w->done );
@@ -97,7 +97,7 @@ void rf_begin_tune_work( const RfTuneJob* job, const RfTune* tune, const RfRende
     w->watch = ( RfTrialWatch ){ go_on, w };
     pthread_mutex_init( &w->mutex, NULL );
     w->first_place = first_place;
-    w->site_frames = rf_tune_site_frames( tune, candidate );
+    w->site_frames = rf_tune_region_frames( tune, candidate );
     for ( int i = 0; i < tune->count; ++i )
     {
         if ( candidate[i] )
@@ -114,7 +114,7 @@ static RfResult fail_memory( RfError* error )
     return rf_fail( error, RF_ERROR_MEMORY, "no memory left to try settings: lower --size or --threads" );
 }
 
-RfResult rf_make_tune_sites( RfTuneWork* w, RfError* error )
+RfResult rf_make_tune_regions( RfTuneWork* w, RfError* error )
 {
     w->sites = calloc( (size_t)w->round->sites, sizeof *w->sites );
     if ( w->sites == NULL )

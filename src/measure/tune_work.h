@@ -12,7 +12,7 @@ typedef struct RfTuneWork
     const RfTuneJob* job;
     const RfTune* tune;
     const RfTuneRound* round;
-    RfTrialSite* sites;
+    RfTestRegion* sites;
     int rows[RF_TUNE_ROWS], row_count; // candidates
     int site_frames;
     int first_place; // number of the first site's place, over all rounds
@@ -35,7 +35,7 @@ void rf_begin_tune_work( const RfTuneJob* job, const RfTune* tune, const RfRende
 void rf_end_tune_work( RfTuneWork* work );
 
 // One after the other. Both fail with RF_ERROR_INTERRUPTED at the deadline as well.
-RfResult rf_make_tune_sites( RfTuneWork* work, RfError* error );
+RfResult rf_make_tune_regions( RfTuneWork* work, RfError* error );
 RfResult rf_run_tune_trials( RfTuneWork* work, RfError* error );
 
 // Adds the trials of the sites at which all rows were tried; returns how many.

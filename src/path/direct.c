@@ -1,6 +1,6 @@
 // Light samples at the vertices of a wavefront (estimators.md section 3).
-#include "path/other_light.h"
-#include "path/walk.h"
+#include "path/punctual_environment.h"
+#include "path/wavefront.h"
 
 // The chosen points of the lights, gathered for the vector loop.
 typedef struct LightPoints
@@ -11,12 +11,12 @@ typedef struct LightPoints
     float pdf_area[RF_LANES];
     float offset[RF_LANES];
     float two_sided[RF_LANES]; // 1 or 0
-    RfLightPick pick[RF_LANES];
+    RfLightSelection pick[RF_LANES];
     int32_t other_count; // lanes whose light is no triangle
     int32_t other[RF_LANES];
 } LightPoints;
 
-void rf_draw_lanes( const RfWalk* keys, int count, const int32_t* slot, uint32_t dimension, int numbers,
+void rf_draw_lanes( const RfWavefront* keys, int count, const int32_t* slot, uint32_t dimension, int numbers,
                     float random[][RF_LANES] )
 {
     for ( int k = 0; k < numbers; ++k )
@@ -32,7 +32,7 @@ void rf_draw_lanes( const RfWalk* keys, int count, const int32_t* slot, uint32_t
 }
 
 // Two words for the pick of a light: of the dimension, and of its twin.
-static void draw_bits( const RfWalk* keys, int count, const int32_t* slot, uint32_t dimension, uint32_t bits[2][RF_LANES] )
+static void draw_bits( const RfWavefront* keys, int count, const int32_t* slot, uint32_t dimension, uint32_t bits[2][RF_LANES] )
 {
 #pragma omp simd
     for ( int i = 0; i < count; ++i )
@@ -51,8 +51,8 @@ static inline RfVec3 start_of( const RfVertexLanes* v, int i )
                     v->offset[i] );
 }
 
-static void pick_lights( const RfWalkSettings* settings, const RfVertexLanes* restrict v, RfLaneScratch* restrict scratch,
-                         RfLightPick* pick )
+static void pick_lights( const RfPathSettings* settings, const RfVertexLanes* restrict v, RfLaneScratch* restrict scratch,
+                         RfLightSelection* pick )
 {
 #pragma omp simd
     for ( int i = 0; i < v->count; ++i )
@@ -65,7 +65,7 @@ static void pick_lights( const RfWalkSettings* settings, const RfVertexLanes* re
     const float* x[3] = { scratch->o[0], scratch->o[1], scratch->o[2] };
     const float* n[3] = { v->n[0], v->n[1], v->n[2] };
     const uint32_t* bits[2] = { scratch->bits[0], scratch->bits[1] };
-    rf_pick_lights( rf_tracer_lights( settings->tracer ), settings->light_picking, v->count, x, n, bits, pick );
+    rf_select_lights( rf_tracer_lights( settings->tracer ), settings->light_sampling, v->count, x, n, bits, pick );
 }
 
 // Uniform by area: u ↦ (1 − √u₁, u₂ √u₁) in barycentrics. Lights that are no
@@ -160,7 +160,7 @@ static void connect( const RfVertexLanes* restrict v, const LightPoints* restric
 }
 
 // What connect() does for triangles, for the others.
-static void connect_others( const RfLights* lights, const RfWalk* keys, const RfVertexLanes* v, const LightPoints* points,
+static void connect_others( const RfLights* lights, const RfWavefront* keys, const RfVertexLanes* v, const LightPoints* points,
                             uint32_t dimension, RfLightLanes* out, RfLaneScratch* scratch )
 {
     for ( int k = 0; k < points->other_count; ++k )
@@ -171,7 +171,7 @@ static void connect_others( const RfLights* lights, const RfWalk* keys, const Rf
         float place[2] = { scratch->random[0][i], scratch->random[1][i] };
         RfVec3 ng = rf_vec3( v->ng[0][i], v->ng[1][i], v->ng[2][i] );
         RfVec3 n = rf_vec3( v->n[0][i], v->n[1][i], v->n[2][i] );
-        RfOtherSample s = rf_sample_other_light( lights, points->pick[i], key, dimension, place, from );
+        RfPunctualEnvironmentSample s = rf_sample_punctual_environment( lights, points->pick[i], key, dimension, place, from );
         float cos_x = rf_dot( n, s.wi );
         if ( !( cos_x > 0.0f && rf_dot( ng, s.wi ) > 0.0f && s.pdf_solid_angle > 0.0f &&
                 rf_max_component( s.radiance ) < 1e32f ) )
@@ -205,7 +205,7 @@ static int compact_segments( const RfLightLanes* lights, int count, RfLaneScratc
     return kept;
 }
 
-int rf_sample_lights( const RfWalkSettings* settings, const RfWalk* keys, const RfVertexLanes* vertices, uint32_t dimension,
+int rf_sample_lights( const RfPathSettings* settings, const RfWavefront* keys, const RfVertexLanes* vertices, uint32_t dimension,
                       RfLightLanes* out, RfLaneScratch* scratch )
 {
     const RfLights* lights = rf_tracer_lights( settings->tracer );

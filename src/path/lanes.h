@@ -57,7 +57,7 @@ typedef struct RfVertexLanes
 } RfVertexLanes;
 
 // Lanes of kinds that records are made of, and of the others, which come last.
-static inline int rf_record_count( const RfVertexLanes* v ) { return v->first[RF_BSDF_FIRST_NATIVE]; }
+static inline int rf_record_count( const RfVertexLanes* v ) { return v->first[RF_BSDF_FIRST_UNEVALUABLE]; }
 
 // One light sample per vertex lane.
 typedef struct RfLightLanes
@@ -80,7 +80,7 @@ typedef struct RfLaneScratch
     float d[3][RF_LANES];
     float random[3][RF_LANES];
     float wi[3][RF_LANES];
-    float f[3][RF_LANES]; // of lanes from RF_BSDF_FIRST_NATIVE on, where they scatter: weight f |cos| / density
+    float f[3][RF_LANES]; // of lanes from RF_BSDF_FIRST_UNEVALUABLE on, where they scatter: weight f |cos| / density
     float pdf[RF_LANES];
 } RfLaneScratch;
 

@@ -1,5 +1,5 @@
 // From rays to vertices: hits, their surfaces, sorted by scattering model.
-#include "path/walk.h"
+#include "path/wavefront.h"
 
 #include <string.h>
 
@@ -174,7 +174,7 @@ static void look_up_textures( const RfTracer* tracer, const Source* from, RfVert
     }
 }
 
-void rf_find_vertices( const RfWalkSettings* settings, const RfRayLanes* rays, bool coherent, RfVertexLanes* vertices,
+void rf_find_vertices( const RfPathSettings* settings, const RfRayLanes* rays, bool coherent, RfVertexLanes* vertices,
                        RfLaneScratch* scratch )
 {
     const RfTracer* tracer = settings->tracer;

@@ -1,5 +1,5 @@
 // The tails of paths: from the second vertex on.
-#include "path/walk.h"
+#include "path/wavefront.h"
 
 #include <string.h>
 
@@ -58,7 +58,7 @@ void rf_evaluate_lanes( const RfVertexLanes* v, const float* const wi[3], float*
 // Directions of the kinds whose density can be asked for.
 static void sample_lanes( const RfVertexLanes* v, const RfLaneScratch* scratch, float* const wi[3] )
 {
-    for ( int kind = 0; kind < RF_BSDF_FIRST_NATIVE; ++kind )
+    for ( int kind = 0; kind < RF_BSDF_FIRST_UNEVALUABLE; ++kind )
     {
         int first = v->first[kind], count = v->first[kind + 1] - first;
         if ( count == 0 )
@@ -84,18 +84,18 @@ static void sample_native_lanes( const RfVertexLanes* v, RfLaneScratch* s, float
     rf_glass_sample( v->count - first, &lanes, wo, u, out, weight, s->pdf + first );
 }
 
-void rf_scatter_lanes( const RfWalk* keys, const RfVertexLanes* v, uint32_t dimension, float* const wi[3],
+void rf_scatter_lanes( const RfWavefront* keys, const RfVertexLanes* v, uint32_t dimension, float* const wi[3],
                        RfLaneScratch* scratch )
 {
     const float* wi_in[3] = { wi[0], wi[1], wi[2] };
     float* f[3] = { scratch->f[0], scratch->f[1], scratch->f[2] };
     rf_draw_lanes( keys, v->count, v->slot, dimension, 3, scratch->random );
     sample_lanes( v, scratch, wi );
-    evaluate_kinds( v, RF_BSDF_FIRST_NATIVE, wi_in, f, scratch->pdf );
+    evaluate_kinds( v, RF_BSDF_FIRST_UNEVALUABLE, wi_in, f, scratch->pdf );
     sample_native_lanes( v, scratch, wi );
 }
 
-static void add_light_samples( const RfWalkSettings* settings, RfWalk* walk, const RfRayLanes* rays, int vertex )
+static void add_light_samples( const RfPathSettings* settings, RfWavefront* walk, const RfRayLanes* rays, int vertex )
 {
     const RfVertexLanes* v = &walk->vertices;
     RfLightLanes* lights = &walk->lights;
@@ -119,7 +119,7 @@ static void add_light_samples( const RfWalkSettings* settings, RfWalk* walk, con
 }
 
 // Survival probability of the roulette: what the path still carries.
-static float survival( const RfWalk* walk, int vertex, int slot, const float throughput[3] )
+static float survival( const RfWavefront* walk, int vertex, int slot, const float throughput[3] )
 {
     if ( vertex < ROULETTE_AFTER )
         return 1.0f;
@@ -141,7 +141,7 @@ static inline void leave( const RfVertexLanes* v, int i, const float wi[3], floa
 }
 
 // Lanes that scatter with a density.
-static int scatter_lanes( RfWalk* walk, const RfRayLanes* rays, int vertex, RfRayLanes* next )
+static int scatter_lanes( RfWavefront* walk, const RfRayLanes* rays, int vertex, RfRayLanes* next )
 {
     const RfVertexLanes* v = &walk->vertices;
     const RfLaneScratch* s = &walk->scratch;
@@ -167,7 +167,7 @@ static int scatter_lanes( RfWalk* walk, const RfRayLanes* rays, int vertex, RfRa
 }
 
 // Lanes that come with their weight, and leave on either side.
-static int scatter_native_lanes( RfWalk* walk, const RfRayLanes* rays, int vertex, RfRayLanes* next, int kept )
+static int scatter_native_lanes( RfWavefront* walk, const RfRayLanes* rays, int vertex, RfRayLanes* next, int kept )
 {
     const RfVertexLanes* v = &walk->vertices;
     const RfLaneScratch* s = &walk->scratch;
@@ -188,7 +188,7 @@ static int scatter_native_lanes( RfWalk* walk, const RfRayLanes* rays, int verte
     return kept;
 }
 
-static void scatter( const RfWalkSettings* settings, RfWalk* walk, const RfRayLanes* rays, int vertex, RfRayLanes* next )
+static void scatter( const RfPathSettings* settings, RfWavefront* walk, const RfRayLanes* rays, int vertex, RfRayLanes* next )
 {
     const RfVertexLanes* v = &walk->vertices;
     RfLaneScratch* s = &walk->scratch;
@@ -213,15 +213,16 @@ static void absorb( const RfVertexLanes* v, RfRayLanes* rays )
     }
 }
 
-void rf_find_lit_vertices( const RfWalkSettings* settings, RfWalk* walk, RfRayLanes* rays, bool apart, RfVertexLanes* vertices )
+void rf_find_lit_vertices( const RfPathSettings* settings, RfWavefront* walk, RfRayLanes* rays, bool apart,
+                           RfVertexLanes* vertices )
 {
     walk->path_rays += (uint64_t)rays->count;
     rf_find_vertices( settings, rays, false, vertices, &walk->scratch );
     absorb( vertices, rays );
-    rf_add_found_light( settings, rays, vertices, walk->scratch.triangle, apart, &walk->arrivals );
+    rf_add_emission_hits( settings, rays, vertices, walk->scratch.triangle, apart, &walk->arrivals );
 }
 
-void rf_trace_tails( const RfWalkSettings* settings, RfWalk* walk, int first_vertex )
+void rf_trace_tails( const RfPathSettings* settings, RfWavefront* walk, int first_vertex )
 {
     RfRayLanes* rays = &walk->rays;
     RfRayLanes* next = &walk->next;

@@ -8,7 +8,7 @@ size_t rf_harvest_scratch_bytes( const RfBatchShape* shape )
 {
     size_t lanes = RF_LANES * sizeof( float );
     return scratch_struct_bytes() + (size_t)shape->light_samples * sizeof( RfLightLanes ) + (size_t)shape->eyes * lanes +
-           (size_t)rf_direction_count( shape ) * lanes + rf_share_bytes( shape->light_samples, shape->tile_pixels );
+           (size_t)rf_direction_count( shape ) * lanes + rf_tile_reuse_bytes( shape->light_samples, shape->tile_pixels );
 }
 
 RfHarvestScratch* rf_lay_out_harvest_scratch( const RfBatchShape* shape, void* memory )
@@ -17,12 +17,12 @@ RfHarvestScratch* rf_lay_out_harvest_scratch( const RfBatchShape* shape, void* m
     scratch->direct = (RfLightLanes*)( (char*)memory + scratch_struct_bytes() );
     scratch->density = (float*)( scratch->direct + shape->light_samples );
     scratch->mixture = scratch->density + (size_t)shape->eyes * RF_LANES;
-    scratch->share = rf_lay_out_share( shape->light_samples, shape->tile_pixels,
-                                       scratch->mixture + (size_t)rf_direction_count( shape ) * RF_LANES );
+    scratch->share = rf_lay_out_tile_reuse( shape->light_samples, shape->tile_pixels,
+                                            scratch->mixture + (size_t)rf_direction_count( shape ) * RF_LANES );
     return scratch;
 }
 
-static void make_keys( uint64_t pass_key, int count, const int32_t* pixel, RfWalk* walk )
+static void make_keys( uint64_t pass_key, int count, const int32_t* pixel, RfWavefront* walk )
 {
 #pragma omp simd
     for ( int i = 0; i < count; ++i )
@@ -34,7 +34,7 @@ static void make_keys( uint64_t pass_key, int count, const int32_t* pixel, RfWal
 }
 
 // One ray through a uniform point of each pixel.
-static void make_camera_rays( const RfEye* eye, int count, const int32_t* pixel, RfWalk* walk, RfRayLanes* rays )
+static void make_camera_rays( const RfEye* eye, int count, const int32_t* pixel, RfWavefront* walk, RfRayLanes* rays )
 {
     int32_t* slot = rays->slot;
     for ( int i = 0; i < count; ++i )
@@ -101,16 +101,16 @@ static void sample_direct( const RfHarvest* harvest, RfHarvestScratch* scratch, 
 static void trace_tails( const RfHarvest* harvest, RfHarvestScratch* scratch, RfRayCounts* rays )
 {
     const RfVertexLanes* v = &scratch->first;
-    RfWalk* walk = &scratch->walk;
+    RfWavefront* walk = &scratch->walk;
     float* wi[3] = { scratch->scattered[0], scratch->scattered[1], scratch->scattered[2] };
-    rf_scatter_apart( &harvest->walk, walk, v, 1, wi );
+    rf_scatter_deferred( &harvest->walk, walk, v, 1, wi );
     int natives = v->count - rf_record_count( v );
     if ( natives > 0 )
         memcpy( scratch->native_pdf, walk->scratch.pdf + rf_record_count( v ), (size_t)natives * sizeof( float ) );
     if ( scratch->share != NULL )
     {
-        RfShareSettings settings = { &harvest->walk, harvest->shape.tile_pixels, harvest->tile_roulette };
-        rays->tile += rf_trace_shared_tails( &settings, v, wi, walk, scratch->share );
+        RfTileReuseSettings settings = { &harvest->walk, harvest->shape.tile_pixels, harvest->tile_roulette };
+        rays->tile += rf_trace_tile_tails( &settings, v, wi, walk, scratch->share );
     }
     else
         rf_trace_tails( &harvest->walk, walk, 2 );
@@ -185,7 +185,7 @@ int rf_harvest_first_hits( const RfHarvest* harvest, RfHarvestJob job, RfHitBatc
                            RfRayCounts* rays )
 {
     const RfEye* eye = harvest->eyes + job.eye;
-    RfWalk* walk = &scratch->walk;
+    RfWavefront* walk = &scratch->walk;
     uint64_t key =
         rf_pass_key( harvest->seed, (uint32_t)( harvest->first_frame + job.eye ), (uint32_t)harvest->window, (uint32_t)job.pass );
     batch->eye = job.eye;
@@ -210,7 +210,7 @@ int rf_harvest_first_hits( const RfHarvest* harvest, RfHarvestJob job, RfHitBatc
 void rf_harvest_batch( const RfHarvest* harvest, RfHarvestJob job, RfHitBatch* batch, RfHarvestScratch* scratch,
                        RfRayCounts* rays )
 {
-    RfWalk* walk = &scratch->walk;
+    RfWavefront* walk = &scratch->walk;
     int count = rf_harvest_first_hits( harvest, job, batch, scratch, rays );
 
     // the rest of their paths
@@ -228,8 +228,8 @@ void rf_harvest_batch( const RfHarvest* harvest, RfHarvestJob job, RfHitBatch* b
     rays->shadow += walk->shadow_rays;
 
     // who sees them, and what they are worth
-    rf_see_batch( harvest, batch, scratch, rays );
-    rf_weigh_batch( harvest, batch, scratch );
+    rf_test_batch_visibility( harvest, batch, scratch, rays );
+    rf_weight_batch( harvest, batch, scratch );
     if ( harvest->shape.natives )
-        rf_light_natives( harvest, batch, scratch );
+        rf_light_own_frame( harvest, batch, scratch );
 }

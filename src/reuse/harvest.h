@@ -4,15 +4,15 @@
 #ifndef REFRAME_REUSE_HARVEST_H
 #define REFRAME_REUSE_HARVEST_H
 
-#include "path/walk.h"
+#include "path/wavefront.h"
 #include "reuse/records.h"
-#include "reuse/render.h"
+#include "render/render.h"
 #include "reuse/tile.h"
 
 // What all batches of a window share.
 typedef struct RfHarvest
 {
-    RfWalkSettings walk;
+    RfPathSettings walk;
     RfBatchShape shape;
     RfPatchLayout patches;
     bool tile_roulette;

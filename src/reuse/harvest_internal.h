@@ -4,8 +4,8 @@
 
 #include "reuse/glossy.h"
 #include "reuse/harvest.h"
-#include "reuse/landing.h"
-#include "reuse/share.h"
+#include "reuse/reprojection.h"
+#include "reuse/tile_reuse.h"
 
 // One direction of all hits: where from, and the light in its two parts.
 typedef struct RfArrivalLanes
@@ -17,7 +17,7 @@ typedef struct RfArrivalLanes
 
 struct RfHarvestScratch
 {
-    RfWalk walk;
+    RfWavefront walk;
     RfRayLanes camera_rays;
     RfVertexLanes first;              // the hits
     RF_ALIGN int32_t pixel[RF_LANES]; // by slot
@@ -32,17 +32,17 @@ struct RfHarvestScratch
     RfLightLanes* direct;               // light samples at the hits, K of them
     float* density;                     // J_l V_l: eye l, hit i at l·RF_LANES + i
     float* mixture;                     // P: direction d, glossy hit i at d·RF_LANES + i
-    RfShare* share;                     // NULL without tiles
+    RfTileReuse* share;                 // NULL without tiles
 };
 
 // Visibility and densities from every eye: batch->seen, rows and density_sum,
 // and scratch->density.
-void rf_see_batch( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch, RfRayCounts* rays );
+void rf_test_batch_visibility( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch, RfRayCounts* rays );
 
 // The light of the misses: the sky, and what native hits send.
-void rf_light_natives( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch );
+void rf_light_own_frame( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch );
 
 // The light of the records: batch->radiance, and the glossy hits' directions.
-void rf_weigh_batch( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch );
+void rf_weight_batch( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch );
 
 #endif

@@ -26,7 +26,7 @@ typedef struct RfHitBatch
     int eye;                           // index in the group of the frame whose pixels these are
     int count;                         // hits
     int miss_count;                    // samples that their own frame alone has: rays that found nothing, and hits of
-                                       // kinds from RF_BSDF_FIRST_NATIVE on
+                                       // kinds from RF_BSDF_FIRST_UNEVALUABLE on
     int first[RF_BSDF_KIND_COUNT + 1]; // hits [first[k], first[k+1]) scatter by model k
     float* p[3];
     float* ng[3];

@@ -65,7 +65,7 @@ static void see_from_own( const RfHarvest* harvest, const RfHitBatch* batch, con
         density[i] = density[i] > least[i] ? density[i] : least[i];
 }
 
-void rf_see_batch( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch, RfRayCounts* rays )
+void rf_test_batch_visibility( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch, RfRayCounts* rays )
 {
     int eyes = harvest->shape.eyes;
     memset( batch->seen, 0, (size_t)rf_seen_words( eyes ) * RF_LANES * sizeof *batch->seen );

@@ -1,8 +1,8 @@
 #include "scene/camera.h"
 
 #include "scene/animation.h"
-#include "scene/camera_track.h"
-#include "scene/json_document.h"
+#include "scene/camera_path/camera_track.h"
+#include "scene/json/json_document.h"
 
 #include <math.h>
 #include <stdio.h>

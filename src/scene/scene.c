@@ -1,6 +1,6 @@
 #include "scene/scene.h"
 
-#include "scene/camera_track.h"
+#include "scene/camera_path/camera_track.h"
 
 #include <stdlib.h>
 #include <string.h>

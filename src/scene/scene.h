@@ -24,7 +24,7 @@ typedef enum RfBsdfKind
 
 // Kinds from this one on are seen by the frame that found them only: what they
 // scatter into one direction no density of another eye covers.
-#define RF_BSDF_FIRST_NATIVE RF_BSDF_GLASS
+#define RF_BSDF_FIRST_UNEVALUABLE RF_BSDF_GLASS
 
 // Textures and the like of a material (scene/textured.h).
 typedef struct RfTextured RfTextured;

@@ -4,10 +4,10 @@
 // 10,000 lamps of the same power in all.
 #include "base/random.h"
 #include "measure/error.h"
-#include "render_support.h"
+#include "support/render_support.h"
 #include "scene/camera.h"
-#include "scene/scene_file.h"
-#include "scene_builder.h"
+#include "scene/json/scene_file.h"
+#include "support/scene_builder.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -74,7 +74,7 @@ typedef struct Subject
     RfEye eye;
 } Subject;
 
-static Rendered render( const Subject* subject, RfLightPicking picking, int spp, uint64_t seed, int threads )
+static Rendered render( const Subject* subject, RfLightSampling picking, int spp, uint64_t seed, int threads )
 {
     RfRenderSettings settings = plain_settings();
     settings.group = 0;
@@ -82,7 +82,7 @@ static Rendered render( const Subject* subject, RfLightPicking picking, int spp,
     settings.seed = seed;
     settings.threads = threads;
     settings.max_depth = 6;
-    settings.light_picking = picking;
+    settings.light_sampling = picking;
     return render_all( subject->tracer, &subject->eye, 1, &settings );
 }
 
@@ -103,7 +103,7 @@ static void time_picks( const Subject* subject, double* pick, double* chance )
     const RfTriangles* t = &subject->scene.triangles;
     static float s_x[3][BLOCK], s_n[3][BLOCK];
     static uint32_t s_bits[2][BLOCK];
-    static RfLightPick s_pick[BLOCK];
+    static RfLightSelection s_pick[BLOCK];
     const float *x[3] = { s_x[0], s_x[1], s_x[2] }, *n[3] = { s_n[0], s_n[1], s_n[2] };
     const uint32_t* bits[2] = { s_bits[0], s_bits[1] };
     double sum = 0.0, seconds[2] = { 0 };
@@ -122,12 +122,12 @@ static void time_picks( const Subject* subject, double* pick, double* chance )
             s_bits[1][i] = rf_random_bits( key, 4001 + 2 * i );
         }
         double start = cpu_seconds();
-        rf_pick_lights( lights, RF_PICK_BY_TREE, BLOCK, x, n, bits, s_pick );
+        rf_select_lights( lights, RF_LIGHTS_BY_TREE, BLOCK, x, n, bits, s_pick );
         double middle = cpu_seconds();
         for ( int i = 0; i < BLOCK; ++i )
-            sum +=
-                (double)rf_light_chance( lights, RF_PICK_BY_TREE, s_pick[i].light == RF_NO_LIGHT ? 0 : s_pick[i].light,
-                                         rf_vec3( s_x[0][i], s_x[1][i], s_x[2][i] ), rf_vec3( s_n[0][i], s_n[1][i], s_n[2][i] ) );
+            sum += (double)rf_light_probability( lights, RF_LIGHTS_BY_TREE, s_pick[i].light == RF_NO_LIGHT ? 0 : s_pick[i].light,
+                                                 rf_vec3( s_x[0][i], s_x[1][i], s_x[2][i] ),
+                                                 rf_vec3( s_n[0][i], s_n[1][i], s_n[2][i] ) );
         seconds[0] += middle - start;
         seconds[1] += cpu_seconds() - middle;
     }
@@ -139,13 +139,13 @@ static void time_picks( const Subject* subject, double* pick, double* chance )
 
 static void measure( const char* name, const Subject* subject, int reference_spp )
 {
-    static const RfLightPicking s_ways[] = { RF_PICK_BY_TREE, RF_PICK_BY_POWER };
+    static const RfLightSampling s_ways[] = { RF_LIGHTS_BY_TREE, RF_LIGHTS_BY_POWER };
     enum
     {
         SPP = 16
     };
     double seconds[2][REPEATS], errors[2] = { 0 }, time[2], pick = 0.0, chance = 0.0;
-    Rendered reference = render( subject, RF_PICK_BY_TREE, reference_spp, 1000, 2 );
+    Rendered reference = render( subject, RF_LIGHTS_BY_TREE, reference_spp, 1000, 2 );
     for ( int k = 0; k < REPEATS; ++k )
     {
         for ( int way = 0; way < 2; ++way )

@@ -7,9 +7,9 @@
 // vertex: with the same seed both draw the same paths, so their difference is
 // free of the noise of direct light. Plain path tracing of many samples and
 // another seed is the reference. CPU time of one thread, interleaved repeats.
-#include "render_support.h"
+#include "support/render_support.h"
 #include "scene/camera.h"
-#include "scene/scene_file.h"
+#include "scene/json/scene_file.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,8 +1,8 @@
 // Renders the first frame of a scene's first camera: consumer SCENE.glb OUT.exr
 #include "image/exr.h"
-#include "reuse/render.h"
+#include "render/render.h"
 #include "scene/camera.h"
-#include "scene/gltf.h"
+#include "scene/gltf/gltf.h"
 
 #include <stdio.h>
 

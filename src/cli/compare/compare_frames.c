@@ -1,0 +1,166 @@
+#include "cli/compare/compare_frames.h"
+
+#include "cli/options/frame_list.h"
+#include "image/sequence.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+// A frame that only one of the sequences has is an error that names it.
+static RfResult match_frames( const RfCompareFrames* frames, const int* a, int a_count, const int* b, int b_count,
+                              RfError* error )
+{
+    int count = a_count > b_count ? a_count : b_count;
+    for ( int i = 0; i < count; ++i )
+    {
+        if ( i < a_count && i < b_count && a[i] == b[i] )
+            continue;
+        bool in_a = i == b_count || ( i < a_count && a[i] < b[i] );
+        return rf_fail( error, RF_ERROR_IO, "frame %d is in %.300s but not in %.300s: choose those that both have by --frames",
+                        in_a ? a[i] : b[i], frames->patterns[in_a ? 0 : 1], frames->patterns[in_a ? 1 : 0] );
+    }
+    return RF_OK;
+}
+
+static bool has_frame( const int* frames, int count, int frame )
+{
+    for ( int i = 0; i < count; ++i )
+    {
+        if ( frames[i] == frame )
+            return true;
+    }
+    return false;
+}
+
+// Takes the place of the frames that are there by those that --frames names.
+static RfResult choose_frames( RfCompareFrames* frames, const int* b, int b_count, RfError* error )
+{
+    int *wanted, count, last = frames->frames[frames->count - 1];
+    RfResult result = rf_parse_frames( frames->list, last > 0 ? last : 1, &wanted, &count, error );
+    for ( int i = 0; i < count && result == RF_OK; ++i )
+    {
+        wanted[i] += 1;
+        bool in_a = has_frame( frames->frames, frames->count, wanted[i] );
+        if ( !in_a || !has_frame( b, b_count, wanted[i] ) )
+            result = rf_fail( error, RF_ERROR_IO, "%s: frame %d is missing", frames->patterns[in_a ? 1 : 0], wanted[i] );
+    }
+    if ( result != RF_OK )
+    {
+        free( wanted );
+        return result;
+    }
+    free( frames->frames );
+    frames->frames = wanted;
+    frames->count = count;
+    return RF_OK;
+}
+
+RfResult rf_find_compare_frames( RfCompareFrames* frames, RfError* error )
+{
+    bool sequences[2] = { rf_is_sequence( frames->patterns[0] ), rf_is_sequence( frames->patterns[1] ) };
+    frames->count = 1;
+    if ( sequences[0] != sequences[1] )
+        return rf_fail( error, RF_ERROR_USAGE, "%s is a sequence and %s a single file: give two of a kind",
+                        frames->patterns[sequences[0] ? 0 : 1], frames->patterns[sequences[0] ? 1 : 0] );
+    if ( !sequences[0] && frames->list != NULL )
+        return rf_fail( error, RF_ERROR_USAGE, "--frames: is of sequences, and these are two files" );
+    if ( !sequences[0] )
+        return RF_OK;
+    int* b = NULL;
+    int b_count = 0;
+    RfResult result = rf_sequence_frames( frames->patterns[0], &frames->frames, &frames->count, error );
+    if ( result == RF_OK )
+        result = rf_sequence_frames( frames->patterns[1], &b, &b_count, error );
+    if ( result == RF_OK && frames->list != NULL )
+        result = choose_frames( frames, b, b_count, error );
+    else if ( result == RF_OK )
+    {
+        result = match_frames( frames, frames->frames, frames->count, b, b_count, error );
+        if ( result == RF_OK )
+            result = rf_missing_frames( frames->frames, frames->count, &frames->missing, &frames->missing_count, error );
+    }
+    free( b );
+    return result;
+}
+
+void rf_free_compare_frames( RfCompareFrames* frames )
+{
+    free( frames->frames );
+    free( frames->missing );
+    frames->frames = frames->missing = NULL;
+}
+
+RfResult rf_compare_name( const RfCompareFrames* frames, const char* pattern, int frame, char name[RF_COMPARE_NAME_SIZE],
+                          RfError* error )
+{
+    if ( frames->frames != NULL || rf_is_sequence( pattern ) )
+        return rf_sequence_name( pattern, frame, name, RF_COMPARE_NAME_SIZE, error );
+    if ( snprintf( name, RF_COMPARE_NAME_SIZE, "%s", pattern ) >= RF_COMPARE_NAME_SIZE )
+        return rf_fail( error, RF_ERROR_USAGE, "%s: the name is too long", pattern );
+    return RF_OK;
+}
+
+static int at_least( int a, int b ) { return a > b ? a : b; }
+static int at_most( int a, int b ) { return a < b ? a : b; }
+
+// Keeps the part of an image, in place.
+static void crop( RfImage* image, const RfExrWindow* from, const RfExrWindow* to )
+{
+    for ( int y = 0; y < to->height; ++y )
+    {
+        size_t row = (size_t)( to->y - from->y + y ) * (size_t)from->width + (size_t)( to->x - from->x );
+        memmove( image->rgb + 3 * (size_t)y * (size_t)to->width, image->rgb + 3 * row, 3 * (size_t)to->width * sizeof( float ) );
+    }
+    image->width = to->width;
+    image->height = to->height;
+}
+
+// Pixels are where the data windows say, in a file that is cropped too.
+static RfResult align( bool overlap, RfComparePair* pair, const RfExrWindow windows[2], RfError* error )
+{
+    const RfExrWindow *a = windows, *b = windows + 1;
+    pair->window = *a;
+    if ( memcmp( a, b, sizeof *a ) == 0 )
+        return RF_OK;
+    if ( !overlap && a->x == b->x && a->y == b->y )
+        return rf_fail( error, RF_ERROR_FORMAT, "%.300s has %dx%d pixels, %.300s %dx%d: --overlap measures what both have",
+                        pair->names[0], a->width, a->height, pair->names[1], b->width, b->height );
+    if ( !overlap )
+        return rf_fail( error, RF_ERROR_FORMAT,
+                        "the data windows differ: %.300s has %dx%d pixels from (%d, %d) on, %.300s %dx%d from (%d, %d) on: "
+                        "--overlap measures what both have",
+                        pair->names[0], a->width, a->height, a->x, a->y, pair->names[1], b->width, b->height, b->x, b->y );
+    RfExrWindow both = { .x = at_least( a->x, b->x ), .y = at_least( a->y, b->y ) };
+    int64_t right = at_most( a->x + ( a->width - 1 ), b->x + ( b->width - 1 ) );
+    int64_t bottom = at_most( a->y + ( a->height - 1 ), b->y + ( b->height - 1 ) );
+    if ( right < both.x || bottom < both.y )
+        return rf_fail( error, RF_ERROR_FORMAT, "%.400s and %.400s have no pixel in common: their data windows lie apart",
+                        pair->names[0], pair->names[1] );
+    both.width = (int)( right - both.x + 1 );
+    both.height = (int)( bottom - both.y + 1 );
+    for ( int i = 0; i < 2; ++i )
+        crop( pair->images + i, windows + i, &both );
+    pair->window = both;
+    return RF_OK;
+}
+
+RfResult rf_read_compare_pair( const RfCompareFrames* frames, int frame, RfComparePair* pair, RfError* error )
+{
+    RfExrWindow windows[2] = { { 0 }, { 0 } };
+    RfResult result = RF_OK;
+    pair->images[0] = pair->images[1] = ( RfImage ){ 0 };
+    for ( int i = 0; i < 2 && result == RF_OK; ++i )
+    {
+        result = rf_compare_name( frames, frames->patterns[i], frame, pair->names[i], error );
+        if ( result == RF_OK )
+            result = rf_read_exr_layer( pair->names[i], frames->layers[i], pair->images + i, windows + i, error );
+    }
+    return result == RF_OK ? align( frames->overlap, pair, windows, error ) : result;
+}
+
+void rf_destroy_compare_pair( RfComparePair* pair )
+{
+    rf_destroy_image( pair->images );
+    rf_destroy_image( pair->images + 1 );
+}

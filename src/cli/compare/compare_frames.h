@@ -1,0 +1,43 @@
+// The frames of `compare`: which there are, and pairs of images that fit.
+#ifndef REFRAME_CLI_COMPARE_COMPARE_FRAMES_H
+#define REFRAME_CLI_COMPARE_COMPARE_FRAMES_H
+
+#include "image/exr.h"
+
+#include <stdbool.h>
+
+#define RF_COMPARE_NAME_SIZE 4096
+
+typedef struct RfCompareFrames
+{
+    const char* patterns[2]; // A, B
+    const char* layers[2];   // NULL: the colour
+    const char* list;        // of --frames; NULL: all
+    bool overlap;            // measure what both have
+    int* frames;             // NULL: two files, which count as frame 1
+    int count;
+    int* missing; // between the first and the last, of both sequences
+    int missing_count;
+} RfCompareFrames;
+
+// Finds the frames of two sequences, which must be the same, or the two files.
+// rf_free_compare_frames in any case.
+RfResult rf_find_compare_frames( RfCompareFrames* frames, RfError* error );
+void rf_free_compare_frames( RfCompareFrames* frames );
+
+// The file of a frame: only where there are sequences is '#' looked at.
+RfResult rf_compare_name( const RfCompareFrames* frames, const char* pattern, int frame, char name[RF_COMPARE_NAME_SIZE],
+                          RfError* error );
+
+// Two images of the same pixels, and where they begin.
+typedef struct RfComparePair
+{
+    char names[2][RF_COMPARE_NAME_SIZE];
+    RfImage images[2];
+    RfExrWindow window;
+} RfComparePair;
+
+RfResult rf_read_compare_pair( const RfCompareFrames* frames, int frame, RfComparePair* pair, RfError* error );
+void rf_destroy_compare_pair( RfComparePair* pair );
+
+#endif

@@ -1,0 +1,230 @@
+#include "cli/compare/flicker_report.h"
+
+#include "cli/messages.h"
+
+#include <math.h>
+#include <stdio.h>
+
+// A number, or a dash where it is not known.
+static const char* format( double value, const char* how, char text[32] )
+{
+    snprintf( text, 32, isfinite( value ) ? how : "-", value );
+    return text;
+}
+
+void rf_add_flicker_pair( RfFlickerParts* parts, bool border, const RfFlickerSums* pair )
+{
+    rf_add_flicker( &parts->all, pair );
+    rf_add_flicker( border ? &parts->border : &parts->inside, pair );
+}
+
+static void print_row( const char* name, const RfFlickerSums* sums, const char* note )
+{
+    RfFlickerMetrics m = rf_flicker_metrics( sums );
+    char f1[32], phi[32], rmse[32];
+    printf( "%12s  %11s  %7s  %11s  %7.2f %%%s%s\n", name, format( m.f1, "%.4e", f1 ), format( m.phi, "%.4f", phi ),
+            format( sqrt( m.mse ), "%.4e", rmse ), 100.0 * m.coverage, note[0] != '\0' ? "  " : "", note );
+}
+
+void rf_print_flicker_head( void ) { printf( "%12s  %11s  %7s  %11s  %9s\n", "frame", "F1", "phi", "RMSE", "coverage" ); }
+
+void rf_print_flicker_pair( int frame, bool border, const RfFlickerSums* sums )
+{
+    char number[16];
+    snprintf( number, sizeof number, "%d", frame );
+    print_row( number, sums, border ? "border" : "" );
+}
+
+static void print_seams( const RfFlickerReport* report )
+{
+    if ( !report->has_seams )
+        return;
+    char note[32];
+    snprintf( note, sizeof note, "%d pairs", report->plain.inside.pairs );
+    print_row( "inside", &report->plain.inside, note );
+    snprintf( note, sizeof note, "%d pairs", report->plain.border.pairs );
+    print_row( "border", &report->plain.border, note );
+}
+
+static void print_followed( const RfFlickerReport* report )
+{
+    if ( report->follows && report->followed.all.pairs > 0 )
+        print_row( "along motion", &report->followed.all, "" );
+}
+
+static void print_spectrum( const RfFlickerReport* report )
+{
+    if ( !report->has_spectrum )
+        return;
+    RfSpectrum s = rf_spectrum( &report->spectrum );
+    char frozen[32], drift[32], boiling[32];
+    printf( "spectrum of %d frames, RMS: ", report->window );
+    if ( report->source == RF_ERROR_FROM_REFERENCE )
+        printf( "frozen %s, ", format( s.frozen, "%.4e", frozen ) );
+    printf( "slow drift (periods from %.0f frames on) %s, boiling (shorter) %s; coverage %.2f %%\n", 1.0 / RF_SPECTRUM_SPLIT,
+            format( s.drift, "%.4e", drift ), format( s.boiling, "%.4e", boiling ), 100.0 * s.coverage );
+}
+
+static const char* describe_phi( double phi )
+{
+    if ( phi < 0.1 )
+        return "the error all but stands still";
+    if ( phi < 0.5 )
+        return "the error changes slowly from frame to frame";
+    if ( phi < 0.85 )
+        return "the error changes from frame to frame, less than independent noise";
+    return phi <= 1.15 ? "the error changes from frame to frame like independent noise"
+                       : "the error alternates: it changes more than independent noise";
+}
+
+// The second figures, of the same error along the motion.
+static void print_followed_words( const RfFlickerReport* report )
+{
+    const RfFlickerSums* sums = &report->followed.all;
+    RfFlickerMetrics m = rf_flicker_metrics( sums );
+    if ( report->unfollowed[0] != '\0' )
+        printf( "not along the motion: %s\n", report->unfollowed );
+    if ( report->follows && isfinite( m.phi ) && m.mse > 0.0 )
+        printf( "along the motion %s: phi %.3f at an RMSE of %.3e\n", describe_phi( m.phi ), m.phi, sqrt( m.mse ) );
+    if ( report->follows && sums->pairs < report->plain.all.pairs )
+        printf( "along the motion are %d of %d pairs: the frames of the others lack the layers\n", sums->pairs,
+                report->plain.all.pairs );
+}
+
+static void print_motion_words( const RfFlickerReport* report, const RfFlickerSums* sums )
+{
+    RfFlickerMetrics m = rf_flicker_metrics( sums );
+    if ( isfinite( m.motion ) )
+        printf( "what is seen moves by %.2f pixels a frame in the mean\n", m.motion );
+    if ( !report->masked )
+        printf( "%s without depth: what comes into view counts as flicker\n",
+                report->compensated ? "motion-compensated" : "along the motion" );
+    if ( sums->pairs > 0 && !( sums->pixels > 0.0 ) )
+        printf( "no pixel is seen in two neighbouring frames: are motion and depth what they should be?\n" );
+}
+
+static void print_words( const RfFlickerReport* report )
+{
+    RfFlickerMetrics m = rf_flicker_metrics( &report->plain.all );
+    if ( isfinite( m.phi ) && m.mse > 0.0 && report->source == RF_ERROR_FROM_VARIANCE )
+        printf( "phi %.3f at an RMSE of %.3e, which the variance layers say; edges and highlights that move count as flicker, "
+                "--reference takes them out\n",
+                m.phi, sqrt( m.mse ) );
+    else if ( isfinite( m.phi ) && m.mse > 0.0 )
+        printf( "%s: phi %.3f at an RMSE of %.3e\n", describe_phi( m.phi ), m.phi, sqrt( m.mse ) );
+    else if ( isfinite( m.phi ) )
+        printf( "there is no error that could flicker\n" );
+    else if ( report->source == RF_ERROR_UNKNOWN && isfinite( m.f1 ) )
+        printf( "phi is not known without the error: give --reference, or layers by render --aov variance\n" );
+    else if ( report->source == RF_ERROR_FROM_VARIANCE && isfinite( m.f1 ) )
+        printf( "phi is not known: the variance layers are 0, as those of a single pass are: give --reference\n" );
+    if ( !report->compensated && report->source != RF_ERROR_FROM_REFERENCE )
+        printf( "not motion-compensated: what moves counts as flicker (render --aov motion,depth, or --reference)\n" );
+    print_followed_words( report );
+    if ( report->compensated || report->follows )
+        print_motion_words( report, report->compensated ? &report->plain.all : &report->followed.all );
+}
+
+void rf_print_flicker_end( const RfFlickerReport* report )
+{
+    print_row( "all", &report->plain.all, "" );
+    print_seams( report );
+    print_followed( report );
+    print_spectrum( report );
+    if ( report->source == RF_ERROR_FROM_REFERENCE && isfinite( report->errors.relmse ) )
+        printf( "relMSE of all frames: %.4e\n", report->errors.relmse );
+    print_words( report );
+}
+
+static void set_metrics( json_t* object, const RfFlickerSums* sums )
+{
+    RfFlickerMetrics m = rf_flicker_metrics( sums );
+    json_object_set_new( object, "f1", rf_json_number( m.f1 ) );
+    json_object_set_new( object, "phi", rf_json_number( m.phi ) );
+    json_object_set_new( object, "mse", rf_json_number( m.mse ) );
+    json_object_set_new( object, "coverage", rf_json_number( m.coverage ) );
+    json_object_set_new( object, "motion", rf_json_number( m.motion ) );
+}
+
+json_t* rf_flicker_pair_json( int frame, bool border, const RfFlickerSums* sums )
+{
+    json_t* row = json_object();
+    json_object_set_new( row, "frame", json_integer( frame ) );
+    set_metrics( row, sums );
+    json_object_set_new( row, "border", json_boolean( border ) );
+    return row;
+}
+
+json_t* rf_followed_pair_json( const RfFlickerSums* sums )
+{
+    if ( sums == NULL )
+        return json_null();
+    json_t* object = json_object();
+    set_metrics( object, sums );
+    return object;
+}
+
+// `followed` NULL: none.
+static json_t* part_json( const RfFlickerSums* sums, const RfFlickerSums* followed )
+{
+    json_t* object = json_object();
+    json_object_set_new( object, "pairs", json_integer( sums->pairs ) );
+    set_metrics( object, sums );
+    if ( followed != NULL )
+        json_object_set_new( object, "followed", part_json( followed, NULL ) );
+    return object;
+}
+
+static json_t* spectrum_json( const RfFlickerReport* report )
+{
+    RfSpectrum s = rf_spectrum( &report->spectrum );
+    json_t* object = json_object();
+    json_object_set_new( object, "frames", json_integer( report->window ) );
+    json_object_set_new( object, "windows", json_integer( report->spectrum.windows ) );
+    json_object_set_new( object, "split", json_real( RF_SPECTRUM_SPLIT ) );
+    bool is_error = report->source == RF_ERROR_FROM_REFERENCE;
+    json_object_set_new( object, "frozen", is_error ? rf_json_number( s.frozen ) : json_null() );
+    json_object_set_new( object, "drift", rf_json_number( s.drift ) );
+    json_object_set_new( object, "boiling", rf_json_number( s.boiling ) );
+    json_object_set_new( object, "coverage", rf_json_number( s.coverage ) );
+    return object;
+}
+
+static json_t* seams_json( const RfFlickerReport* report )
+{
+    json_t* object = json_object();
+    const RfFlickerParts* followed = report->follows ? &report->followed : NULL;
+    json_object_set_new( object, "inside", part_json( &report->plain.inside, followed != NULL ? &followed->inside : NULL ) );
+    json_object_set_new( object, "border", part_json( &report->plain.border, followed != NULL ? &followed->border : NULL ) );
+    return object;
+}
+
+json_t* rf_flicker_json( RfFlickerReport* report )
+{
+    json_t* object = json_object();
+    const RfErrorMetrics* e = &report->errors;
+    json_object_set_new( object, "pairs", report->pairs );
+    report->pairs = NULL;
+    set_metrics( object, &report->plain.all );
+    if ( report->follows )
+    {
+        json_t* followed = part_json( &report->followed.all, NULL );
+        json_object_set_new( followed, "masked", json_boolean( report->masked ) );
+        json_object_set_new( object, "followed", followed );
+    }
+    json_object_set_new( object, "compensated", json_boolean( report->compensated ) );
+    json_object_set_new( object, "masked", json_boolean( report->compensated && report->masked ) );
+    json_object_set_new( object, "error_from",
+                         report->source == RF_ERROR_FROM_REFERENCE  ? json_string( "reference" )
+                         : report->source == RF_ERROR_FROM_VARIANCE ? json_string( "variance" )
+                                                                    : json_null() );
+    bool is_error = report->source == RF_ERROR_FROM_REFERENCE;
+    json_object_set_new( object, "relmse", is_error ? rf_json_number( e->relmse ) : json_null() );
+    json_object_set_new( object, "groups", report->has_seams ? seams_json( report ) : json_null() );
+    json_object_set_new( object, "spectrum", report->has_spectrum ? spectrum_json( report ) : json_null() );
+    json_object_set_new( object, "nan", json_integer( (json_int_t)e->nan ) );
+    json_object_set_new( object, "inf", json_integer( (json_int_t)e->inf ) );
+    json_object_set_new( object, "reference_nan", json_integer( is_error ? (json_int_t)e->reference_nan : 0 ) );
+    json_object_set_new( object, "reference_inf", json_integer( is_error ? (json_int_t)e->reference_inf : 0 ) );
+    return object;
+}

@@ -1,0 +1,58 @@
+// What `flicker` says: a table, a line in words, JSON.
+#ifndef REFRAME_CLI_COMPARE_FLICKER_REPORT_H
+#define REFRAME_CLI_COMPARE_FLICKER_REPORT_H
+
+#include "measure/error.h"
+#include "measure/flicker.h"
+#include "measure/spectrum.h"
+
+#include <jansson.h>
+
+typedef enum RfErrorSource
+{
+    RF_ERROR_UNKNOWN,
+    RF_ERROR_FROM_REFERENCE,
+    RF_ERROR_FROM_VARIANCE,
+} RfErrorSource;
+
+// Sums over the pairs, of all and of those inside and at the border of groups.
+typedef struct RfFlickerParts
+{
+    RfFlickerSums all, inside, border;
+} RfFlickerParts;
+
+void rf_add_flicker_pair( RfFlickerParts* parts, bool border, const RfFlickerSums* pair );
+
+typedef struct RfFlickerReport
+{
+    bool compensated;     // along the motion
+    bool follows;         // it is not, but is followed beside that
+    bool masked;          // by depth, the one or the other
+    char unfollowed[512]; // why nothing is followed where layers are there; else empty
+    bool has_seams;
+    bool has_spectrum;
+    RfErrorSource source;           // of the errors' mean squares
+    RfFlickerParts plain, followed; // the second: with `follows`
+    RfSpectrumSums spectrum;
+    int window;            // frames of each window of the spectrum
+    RfErrorMetrics errors; // of all frames; without a reference only the counts mean something
+    json_t* pairs;         // an array
+} RfFlickerReport;
+
+void rf_print_flicker_head( void );
+
+// The pair of `frame` and the one before.
+void rf_print_flicker_pair( int frame, bool border, const RfFlickerSums* sums );
+
+// What comes after the pairs.
+void rf_print_flicker_end( const RfFlickerReport* report );
+
+json_t* rf_flicker_pair_json( int frame, bool border, const RfFlickerSums* sums );
+
+// The same pair along the motion; NULL: left out, for its frames lack the layers.
+json_t* rf_followed_pair_json( const RfFlickerSums* sums );
+
+// Takes `pairs` over.
+json_t* rf_flicker_json( RfFlickerReport* report );
+
+#endif

@@ -1,0 +1,106 @@
+#include "cli/messages.h"
+
+#include "image/atomic_file.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+int rf_exit_status( RfResult result )
+{
+    switch ( result )
+    {
+        case RF_OK: return 0;
+        case RF_ERROR_USAGE: return 2;
+        case RF_ERROR_INTERRUPTED: return 130;
+        default: return 1;
+    }
+}
+
+int rf_report_error( const char* command, const RfError* error )
+{
+    fprintf( stderr, "reframe %s: %s\n", command, error->text );
+    return rf_exit_status( error->code );
+}
+
+static void print_warning( void* user, const char* line )
+{
+    fprintf( stderr, "reframe %s: warning: %s\n", (const char*)user, line );
+}
+
+RfLog rf_stderr_log( const char* command ) { return ( RfLog ){ .fn = print_warning, .user = (void*)command }; }
+
+json_t* rf_json_text( const char* text )
+{
+    json_t* json = json_string( text );
+    if ( json != NULL )
+        return json;
+    char* copy = malloc( strlen( text ) + 1 );
+    if ( copy == NULL )
+        return NULL;
+    strcpy( copy, text );
+    for ( char* c = copy; *c != '\0'; ++c )
+    {
+        if ( (unsigned char)*c >= 0x80 )
+            *c = '?';
+    }
+    json = json_string( copy );
+    free( copy );
+    return json;
+}
+
+json_t* rf_json_number( double value ) { return isfinite( value ) ? json_real( value ) : json_null(); }
+
+double rf_json_number_of( const json_t* object, const char* key )
+{
+    const json_t* value = json_object_get( object, key );
+    return json_is_number( value ) ? json_number_value( value ) : (double)NAN;
+}
+
+json_t* rf_json_frames( const int* frames, int count )
+{
+    json_t* list = json_array();
+    for ( int i = 0; i < count; ++i )
+        json_array_append_new( list, json_integer( frames[i] ) );
+    return list;
+}
+
+#define JSON_FLAGS ( JSON_INDENT( 2 ) | JSON_REAL_PRECISION( 9 ) )
+
+static RfResult dump_to_file( const char* path, const json_t* json, RfError* error )
+{
+    char* text = json_dumps( json, JSON_FLAGS );
+    if ( text == NULL )
+        return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for the result", path );
+    size_t length = strlen( text );
+    text[length] = '\n'; // in the place of the terminator
+    RfResult result = rf_write_file_atomic( path, text, length + 1, error );
+    free( text );
+    return result;
+}
+
+RfResult rf_flush_output( RfError* error )
+{
+    if ( fflush( stdout ) != 0 || ferror( stdout ) )
+        return rf_fail( error, RF_ERROR_IO, "standard output cannot be written: %s", strerror( errno ) );
+    return RF_OK;
+}
+
+RfResult rf_write_json( const char* path, json_t* json, RfError* error )
+{
+    if ( json == NULL )
+        return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for the result", path );
+    RfResult result;
+    if ( strcmp( path, "-" ) == 0 )
+    {
+        json_dumpf( json, stdout, JSON_FLAGS );
+        fputc( '\n', stdout );
+        result = rf_flush_output( error );
+    }
+    else
+        result = dump_to_file( path, json, error );
+    json_decref( json );
+    return result;
+}

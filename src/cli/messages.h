@@ -1,0 +1,39 @@
+// How every command talks: errors and warnings as one line on standard error,
+// results as JSON in a file or on standard output.
+#ifndef REFRAME_CLI_MESSAGES_H
+#define REFRAME_CLI_MESSAGES_H
+
+#include "base/error.h"
+
+#include <jansson.h>
+
+// The exit status that a result stands for: 0, 1, 2 (usage) or 130 (interrupted).
+int rf_exit_status( RfResult result );
+
+// Prints "reframe COMMAND: LINE" on standard error; returns the exit status.
+int rf_report_error( const char* command, const RfError* error );
+
+// A log that prints "reframe COMMAND: warning: LINE" on standard error.
+// `command` must be a string that outlives the log.
+RfLog rf_stderr_log( const char* command );
+
+// A JSON string of any bytes: what is no UTF-8 (file names may be) becomes '?'.
+json_t* rf_json_text( const char* text );
+
+// An array of frames' numbers.
+json_t* rf_json_frames( const int* frames, int count );
+
+// A JSON number, null where it is not finite.
+json_t* rf_json_number( double value );
+
+// The number of an object's key; NaN where there is none, or no object.
+double rf_json_number_of( const json_t* object, const char* key );
+
+// Writes `json` and a newline to `path` ("-": standard output) and releases it.
+// A file is written whole or not at all. NULL json is RF_ERROR_MEMORY.
+RfResult rf_write_json( const char* path, json_t* json, RfError* error );
+
+// Flushes standard output and says so where that fails (a full disk, a closed pipe).
+RfResult rf_flush_output( RfError* error );
+
+#endif

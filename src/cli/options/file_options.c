@@ -1,0 +1,141 @@
+#include "cli/options/file_options.h"
+
+#include "scene/json/json_value.h"
+
+#include <string.h>
+
+#define MAX_KEYS 64
+
+// The key of an option in a file: names have no more than 30 characters.
+static const char* key_of( const RfOption* option, char key[32] )
+{
+    snprintf( key, 32, "%s", option->name );
+    for ( char* c = key; *c != 0; ++c )
+        *c = *c == '-' ? '_' : *c;
+    return key;
+}
+
+// Numbers as the command line would have them.
+static bool print_number( const json_t* json, char* text, size_t size )
+{
+    int64_t whole;
+    if ( rf_json_whole( json, &whole ) )
+        snprintf( text, size, "%lld", (long long)whole );
+    else if ( json_is_real( json ) )
+        snprintf( text, size, "%.9g", json_real_value( json ) );
+    else
+        return false;
+    return true;
+}
+
+static bool print_size( const json_t* json, char* text, size_t size )
+{
+    char side[2][32];
+    if ( json_array_size( json ) != 2 || !print_number( json_array_get( json, 0 ), side[0], sizeof side[0] ) ||
+         !print_number( json_array_get( json, 1 ), side[1], sizeof side[1] ) )
+        return false;
+    snprintf( text, size, "%sx%s", side[0], side[1] );
+    return true;
+}
+
+// The value as the command line would have it; NULL where it is of the wrong kind.
+static const char* to_text( const RfOption* option, const json_t* json, char* text, size_t size )
+{
+    const char* string = json_string_value( json );
+    switch ( option->type )
+    {
+        case RF_OPTION_INT:
+            if ( string != NULL && option->keyword != NULL && strcmp( string, option->keyword ) == 0 )
+                return string;
+            return print_number( json, text, size ) ? text : NULL;
+        case RF_OPTION_UINT64:
+        case RF_OPTION_REAL: return print_number( json, text, size ) ? text : NULL;
+        case RF_OPTION_SIZE: return print_size( json, text, size ) ? text : NULL;
+        case RF_OPTION_FPS: return string != NULL ? string : print_number( json, text, size ) ? text : NULL;
+        case RF_OPTION_MEMORY:
+        case RF_OPTION_CHOICE:
+        case RF_OPTION_STRING: return string;
+        case RF_OPTION_BOOL: return NULL;
+    }
+    return NULL;
+}
+
+// As rf_parse_option_value has it, in the words of JSON.
+static void describe_wanted( const RfOption* option, char* words, size_t size )
+{
+    size_t used;
+    switch ( option->type )
+    {
+        case RF_OPTION_INT:
+            snprintf( words, size, "a whole number from %.0f to %.0f%s%s%s", option->min, option->max,
+                      option->keyword != NULL ? " or \"" : "", option->keyword != NULL ? option->keyword : "",
+                      option->keyword != NULL ? "\"" : "" );
+            break;
+        case RF_OPTION_UINT64: snprintf( words, size, "a whole number from 0 to %lld", (long long)INT64_MAX ); break;
+        case RF_OPTION_REAL: snprintf( words, size, "a number from %g to %g", option->min, option->max ); break;
+        case RF_OPTION_SIZE:
+            snprintf( words, size, "an array of width and height, such as [960, 540], each a whole number from %.0f to %.0f",
+                      option->min, option->max );
+            break;
+        case RF_OPTION_FPS:
+            snprintf( words, size, "a whole number from 1 to 1000000, or a string such as \"24000/1001\"" );
+            break;
+        case RF_OPTION_CHOICE:
+            used = (size_t)snprintf( words, size, "one of" );
+            for ( int i = 0; option->choices[i] != NULL && used < size; ++i )
+                used += (size_t)snprintf( words + used, size - used, "%s %s", i > 0 ? "," : "", option->choices[i] );
+            break;
+        case RF_OPTION_MEMORY:
+            snprintf( words, size, "a string such as \"512M\" or \"4G\", at least %.0f bytes", option->min );
+            break;
+        case RF_OPTION_STRING: snprintf( words, size, "a string that is not empty" ); break;
+        case RF_OPTION_BOOL: snprintf( words, size, "true or false" ); break;
+    }
+}
+
+static RfResult take( const RfOption* option, const RfField* field )
+{
+    if ( option->type == RF_OPTION_BOOL )
+        return rf_field_bool( field, option->value );
+    char buffer[80], want[256], side[2][32];
+    const char* text = to_text( option, field->json, buffer, sizeof buffer );
+    if ( text != NULL && rf_parse_option_value( option, text, NULL ) == RF_OK )
+        return RF_OK;
+    describe_wanted( option, want, sizeof want );
+    if ( option->type != RF_OPTION_SIZE || text == NULL )
+        return rf_field_wants( field, want );
+    for ( size_t i = 0; i < 2; ++i ) // two numbers
+        print_number( json_array_get( field->json, i ), side[i], sizeof side[i] );
+    return rf_field_fail( field, "wants %s, got [%s, %s]", want, side[0], side[1] );
+}
+
+RfResult rf_fail_file_option( const RfField* field, const RfError* error )
+{
+    const char* rest = strncmp( error->text, "--", 2 ) == 0 ? strstr( error->text, ": " ) : NULL;
+    return rf_field_fail( field, "%s", rest != NULL ? rest + 2 : error->text );
+}
+
+RfResult rf_take_file_options( const RfCommandTable* table, const RfField* object )
+{
+    char names[MAX_KEYS][32];
+    const char* keys[MAX_KEYS + 1] = { NULL };
+    const RfOption* options[MAX_KEYS];
+    int count = 0;
+    for ( int i = 0; i < table->option_count && count < MAX_KEYS; ++i )
+    {
+        if ( !table->options[i].in_file )
+            continue;
+        keys[count] = key_of( table->options + i, names[count] );
+        options[count++] = table->options + i;
+    }
+    if ( object->json == NULL )
+        return RF_OK;
+    RfResult result = rf_field_keys( object, keys );
+    for ( int i = 0; i < count && result == RF_OK; ++i )
+    {
+        RfField field = rf_field_member( object, keys[i] );
+        if ( field.json != NULL )
+            result = take( options[i], &field );
+    }
+    return result;
+}

@@ -1,0 +1,105 @@
+// A declarative table of a command's options, from which arguments are parsed
+// and the help is printed, so that the two cannot disagree.
+//
+// `--name value` and `--name=value` in any order, mixed with files; booleans
+// are `--name` and `--no-name`; `--` ends the options. Nothing is guessed or
+// clamped: what is unknown, of the wrong type, out of range, missing, given
+// twice or too much is one error line, RF_ERROR_USAGE, that starts with the
+// option ("--spp: wants a whole number from 1 to 1048576, got '0'"); the
+// command puts "reframe render: " in front.
+#ifndef REFRAME_CLI_OPTIONS_OPTIONS_H
+#define REFRAME_CLI_OPTIONS_OPTIONS_H
+
+#include "base/error.h"
+#include "base/words.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+
+typedef enum RfOptionType
+{
+    RF_OPTION_INT,    // int, from min to max
+    RF_OPTION_UINT64, // uint64_t, any
+    RF_OPTION_REAL,   // double, from min to max, finite
+    RF_OPTION_SIZE,   // RfSize, "960x540", each from min to max
+    RF_OPTION_MEMORY, // size_t, bytes, "512M", "4G", "1.5G", from min on (a plain number is bytes)
+    RF_OPTION_FPS,    // RfFps, "24" or "24000/1001"
+    RF_OPTION_CHOICE, // int, index into choices
+    RF_OPTION_STRING, // const char*, points into argv; may not be empty
+    RF_OPTION_BOOL,   // bool
+} RfOptionType;
+
+typedef struct RfSize
+{
+    int width, height;
+} RfSize;
+
+typedef struct RfFps
+{
+    int numerator; // 0: not given
+    int denominator;
+} RfFps;
+
+typedef struct RfOption
+{
+    const char* name; // without dashes: "spp"
+    char letter;      // 'o' for -o, or 0
+    RfOptionType type;
+    void* value;         // where it goes; holds the default before parsing
+    double min, max;     // INT, REAL, SIZE, MEMORY (min only)
+    const char* keyword; // INT: a word that stands for keyword_value, such as "auto"; or NULL
+    int keyword_value;
+    const char* const* choices; // CHOICE: NULL-terminated
+    const char* meta;           // the value's name in the help: "N|auto"; CHOICE and BOOL have theirs
+    const char* default_text;   // shown in the help; or NULL
+    const char* help;           // one line
+    bool* given;                // set where the option was given; or NULL
+    bool in_file;               // a scene file may give it too, see file_options.h
+    bool reads;                 // STRING: it names a file, or may, that is read
+    const char* writes;         // STRING: it names a file that is written, with this ending (".json"; "": any); or NULL
+} RfOption;
+
+// A command as its user sees it. All its files are required; the last may be more
+// than one where file_max says so.
+typedef struct RfCommandTable
+{
+    const char* command;      // "render"
+    const char* summary;      // one line
+    const char* const* files; // names of the positional arguments: "SCENE"
+    int file_count;
+    int file_max;     // of files in all; 0: as many as have names
+    int* file_total;  // where file_max > 0: how many were given
+    bool writes_last; // the last file is written
+    const RfOption* options;
+    int option_count;
+} RfCommandTable;
+
+// Parses argv[1 …] (argv[0] is the command's name) into the options' values and
+// files[0 … file_count), or up to file_max. With `--help` or `-h` anywhere before an error sets
+// *help, and nothing else counts. What is written may not be what is read, see written_files.h.
+RfResult rf_parse_options( const RfCommandTable* table, int argc, char** argv, const char** files, bool* help, RfError* error );
+
+// Prints the help of a command.
+void rf_print_help( const RfCommandTable* table, FILE* file );
+
+// From here on rf_print_help leaves it to this: another kind of text from the
+// same tables, such as the manual page.
+typedef void RfHelpPrinter( const RfCommandTable* table, FILE* file );
+void rf_set_help_printer( RfHelpPrinter* printer );
+
+// An option as it is written: "--weights exact|eq15|unweighted",
+// "-o, --output PATTERN", "--[no-]resume".
+void rf_format_option( const RfOption* option, char* text, size_t size );
+
+// "..." for the file that may be more than one, else "".
+const char* rf_file_dots( const RfCommandTable* table, int i );
+
+// Parses one value by the option's type (option_values.c).
+RfResult rf_parse_option_value( const RfOption* option, const char* text, RfError* error );
+
+// A whole number with nothing before or after it, from min to max; false otherwise.
+bool rf_parse_whole( const char* text, long long min, long long max, long long* value );
+
+#endif

@@ -1,0 +1,94 @@
+#include "cli/options/plan_options.h"
+
+#include "cli/options/shot_options.h"
+
+static const char* const s_files[] = { "SCENE" };
+static RfRenderOptions s_parsed; // the table points here
+
+static const RfOption s_options[] = {
+    RF_PATH_OPTIONS( s_parsed, "frames that rays and seconds are of; the group does not depend on them" ),
+    { .name = "spp",
+      .type = RF_OPTION_INT,
+      .value = &s_parsed.settings.spp,
+      .min = 1,
+      .max = RF_MAX_SPP,
+      .meta = "S",
+      .given = &s_parsed.spp_given,
+      .default_text = "28; with --noise 65536, with --time 1048576",
+      .help = "samples traced per pixel and frame in all, over the groups that hold the frame; the most that --noise and --time "
+              "may take" },
+    { .name = "noise",
+      .type = RF_OPTION_REAL,
+      .value = &s_parsed.settings.noise,
+      .min = 0,
+      .max = RF_MAX_NOISE,
+      .meta = "E",
+      .default_text = "0: does not matter",
+      .help = "a render that stops at this relMSE: what its films take; rays and seconds are of the most samples" },
+    { .name = "time",
+      .type = RF_OPTION_REAL,
+      .value = &s_parsed.settings.time,
+      .min = 0,
+      .max = RF_MAX_TIME,
+      .meta = "T",
+      .default_text = "0: does not matter",
+      .help = "the same for one that stops after so many seconds a frame" },
+    RF_TILE_OPTION( s_parsed ),
+    { .name = "adaptive",
+      .type = RF_OPTION_BOOL,
+      .value = &s_parsed.settings.adaptive,
+      .default_text = "no",
+      .help = "what extra samples for some pixels take of memory; their rays are not foretold" },
+    { .name = "weights",
+      .type = RF_OPTION_CHOICE,
+      .value = &s_parsed.weights,
+      .choices = rf_weights_words,
+      .default_text = "exact",
+      .help = "how reused paths are weighted; eq15 takes more memory" },
+    { .name = "normalize",
+      .type = RF_OPTION_CHOICE,
+      .value = &s_parsed.normalize,
+      .choices = rf_normalize_words,
+      .default_text = "crossfit",
+      .help = "how the sum of weights is divided out; here it makes no difference" },
+    RF_LIGHT_OPTIONS( s_parsed ),
+    RF_MACHINE_OPTIONS( s_parsed, "threads of the render; the group does not depend on them" ),
+    RF_AOV_OPTION( s_parsed ),
+    RF_RESULT_OPTIONS( s_parsed, "no words on the costs being measured" ),
+};
+
+static const RfCommandTable s_table = {
+    .command = "plan",
+    .summary = "Tells how large a group can be afforded and which one pays: a row for each half-width N with memory, chunks, "
+               "rays and the gain that is to be expected; * marks what render --group auto takes. SCENE is that of render, and "
+               "so are the options, as far as memory and the choice depend on them.",
+    .files = s_files,
+    .file_count = 1,
+    .options = s_options,
+    .option_count = sizeof s_options / sizeof s_options[0]
+};
+
+// On top of the values as they are.
+static RfResult parse( int argc, char** argv, RfRenderOptions* options, bool* help, RfError* error )
+{
+    RfResult result = rf_parse_options( &s_table, argc, argv, &s_parsed.scene, help, error );
+    if ( result != RF_OK || *help )
+        return result;
+    *options = s_parsed;
+    return rf_settle_render_options( options, error );
+}
+
+RfResult rf_parse_plan_options( int argc, char** argv, RfRenderOptions* options, bool* help, RfError* error )
+{
+    s_parsed = rf_default_render_options();
+    return parse( argc, argv, options, help, error );
+}
+
+RfResult rf_parse_plan_options_over( const RfField* defaults, int argc, char** argv, RfRenderOptions* options, RfError* error )
+{
+    bool help;
+    RfResult result = rf_read_render_defaults( defaults, &s_parsed );
+    return result == RF_OK ? parse( argc, argv, options, &help, error ) : result;
+}
+
+void rf_print_plan_help( void ) { rf_print_help( &s_table, stdout ); }

@@ -1,0 +1,101 @@
+// Rows of option tables that commands share which look at a render before it is
+// made (cli/shot.h). `o` is the RfRenderOptions that they fill; what differs is the
+// help of those that mean something else to each.
+#ifndef REFRAME_CLI_OPTIONS_SHOT_OPTIONS_H
+#define REFRAME_CLI_OPTIONS_SHOT_OPTIONS_H
+
+#include "cli/options/render_options.h"
+
+#define RF_PATH_OPTIONS( o, frames_help )                                                                                        \
+    { .name = "camera",                                                                                                          \
+      .reads = true,                                                                                                             \
+      .type = RF_OPTION_STRING,                                                                                                  \
+      .value = &( o ).camera,                                                                                                    \
+      .meta = "NAME|FILE",                                                                                                       \
+      .default_text = "the scene file's, else the first animated one, else the first",                                           \
+      .help = "a camera of the scene, or a camera-path file (.json)" },                                                          \
+        { .name = "frames",                                                                                                      \
+          .type = RF_OPTION_STRING,                                                                                              \
+          .value = &( o ).frames,                                                                                                \
+          .meta = "A-B[xSTEP][,...]",                                                                                            \
+          .default_text = "all",                                                                                                 \
+          .help = frames_help },                                                                                                 \
+        { .name = "fps",                                                                                                         \
+          .type = RF_OPTION_FPS,                                                                                                 \
+          .value = &( o ).fps,                                                                                                   \
+          .meta = "R",                                                                                                           \
+          .default_text = "24",                                                                                                  \
+          .help = "frames per second of the camera's path, 24 or 24000/1001" },                                                  \
+    {                                                                                                                            \
+        .name = "size", .type = RF_OPTION_SIZE, .value = &( o ).size, .min = 1, .max = RF_MAX_IMAGE_SIDE, .meta = "WxH",         \
+        .default_text = "960x540", .help = "pixels"                                                                              \
+    }
+
+#define RF_SPP_OPTION( o )                                                                                                       \
+    {                                                                                                                            \
+        .name = "spp", .type = RF_OPTION_INT, .value = &( o ).settings.spp, .min = 1, .max = RF_MAX_SPP, .meta = "S",            \
+        .default_text = "28", .help = "samples traced per pixel and frame in all, over the groups that hold the frame"           \
+    }
+
+#define RF_TILE_OPTION( o )                                                                                                      \
+    {                                                                                                                            \
+        .name = "tile", .type = RF_OPTION_STRING, .value = &( o ).tile, .meta = "WxH|rooksN|1", .default_text = "3x3",           \
+        .help = "pixels of a frame that share their paths: blocks, N of an NxN grid, or none"                                    \
+    }
+
+#define RF_LIGHT_OPTIONS( o )                                                                                                    \
+    { .name = "tile-roulette",                                                                                                   \
+      .type = RF_OPTION_BOOL,                                                                                                    \
+      .value = &( o ).settings.tile_roulette,                                                                                    \
+      .default_text = "no",                                                                                                      \
+      .help = "Russian roulette on the connections in a tile that are worth little" },                                           \
+        { .name = "max-depth",                                                                                                   \
+          .type = RF_OPTION_INT,                                                                                                 \
+          .value = &( o ).settings.max_depth,                                                                                    \
+          .min = 1,                                                                                                              \
+          .max = 1000,                                                                                                           \
+          .meta = "D",                                                                                                           \
+          .default_text = "12",                                                                                                  \
+          .help = "path vertices after the eye" },                                                                               \
+    {                                                                                                                            \
+        .name = "light-samples", .type = RF_OPTION_INT, .value = &( o ).settings.light_samples, .min = 1,                        \
+        .max = RF_MAX_LIGHT_SAMPLES, .meta = "K", .default_text = "1", .help = "light samples per vertex"                        \
+    }
+
+#define RF_SEED_OPTION( o )                                                                                                      \
+    {                                                                                                                            \
+        .name = "seed", .type = RF_OPTION_UINT64, .value = &( o ).settings.seed, .meta = "S", .default_text = "1",               \
+        .help = "of the random numbers"                                                                                          \
+    }
+
+#define RF_MACHINE_OPTIONS( o, threads_help )                                                                                    \
+    { .name = "memory",                                                                                                          \
+      .type = RF_OPTION_MEMORY,                                                                                                  \
+      .value = &( o ).settings.memory,                                                                                           \
+      .min = 1048576,                                                                                                            \
+      .meta = "SIZE",                                                                                                            \
+      .default_text = "half of what is free",                                                                                    \
+      .help = "budget beyond the scene and its BVH: 512M, 4G" },                                                                 \
+    {                                                                                                                            \
+        .name = "threads", .type = RF_OPTION_INT, .value = &( o ).settings.threads, .min = 1, .max = 1024, .meta = "T",          \
+        .default_text = "all cores", .help = threads_help                                                                        \
+    }
+
+#define RF_AOV_OPTION( o )                                                                                                       \
+    {                                                                                                                            \
+        .name = "aov", .type = RF_OPTION_STRING, .value = &( o ).aov, .meta = "LAYER[,...]", .default_text = "none",             \
+        .help = "further layers, which need memory: albedo, normal, depth, motion, variance, samples"                            \
+    }
+
+#define RF_RESULT_OPTIONS( o, quiet_help )                                                                                       \
+    { .name = "json",                                                                                                            \
+      .writes = ".json",                                                                                                         \
+      .type = RF_OPTION_STRING,                                                                                                  \
+      .value = &( o ).json,                                                                                                      \
+      .meta = "FILE",                                                                                                            \
+      .help = "the result for programs; - is standard output" },                                                                 \
+    {                                                                                                                            \
+        .name = "quiet", .type = RF_OPTION_BOOL, .value = &( o ).quiet, .help = quiet_help                                       \
+    }
+
+#endif

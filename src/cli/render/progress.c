@@ -1,0 +1,98 @@
+#include "cli/render/progress.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+#define COLUMNS 80 // of a terminal: the line has fewer
+
+RfProgressLine rf_create_progress_line( bool quiet )
+{
+    return ( RfProgressLine ){ .quiet = quiet, .terminal = isatty( STDERR_FILENO ) == 1, .shown = -1.0 };
+}
+
+static void format_duration( double seconds, char* text, size_t size )
+{
+    // A share of nearly nothing makes the estimate absurd: say nothing then.
+    if ( !isfinite( seconds ) || seconds > 1e6 )
+    {
+        snprintf( text, size, "-:--" );
+        return;
+    }
+    long whole = (long)ceil( seconds );
+    if ( whole < 3600 )
+        snprintf( text, size, "%ld:%02ld", whole / 60, whole % 60 );
+    else
+        snprintf( text, size, "%ld:%02ld:%02ld", whole / 3600, whole / 60 % 60, whole % 60 );
+}
+
+static void format_rate( double rate, char* text, size_t size )
+{
+    if ( !isfinite( rate ) || rate < 0.0 )
+        rate = 0.0;
+    if ( rate >= 1e6 )
+        snprintf( text, size, "%.1f M samples/s", rate * 1e-6 );
+    else
+        snprintf( text, size, "%.0f k samples/s", rate * 1e-3 );
+}
+
+// A further part of the line, if that keeps it on one line of the terminal.
+static void append_part( char* text, size_t size, const char* part )
+{
+    size_t length = strlen( text ), most = size < COLUMNS ? size : COLUMNS;
+    if ( length + 2 + strlen( part ) < most )
+        snprintf( text + length, size - length, "  %s", part );
+}
+
+void rf_format_progress( const RfProgress* progress, char* text, size_t size )
+{
+    char spent[48], left[48], part[64];
+    format_duration( floor( progress->seconds ), spent, sizeof spent );
+    format_duration( progress->seconds * ( 1.0 - progress->share ) / progress->share, left, sizeof left );
+    int frame = progress->frames_done < progress->frames_all ? progress->frames_done + 1 : progress->frames_all;
+    snprintf( text, size, "frame %d/%d  %.0f %%  %s spent  %s left", frame, progress->frames_all,
+              floor( 100.0 * progress->share ), spent, left );
+    snprintf( part, sizeof part, "relMSE %.2g", progress->relmse );
+    if ( progress->relmse > 0.0 && isfinite( progress->relmse ) )
+        append_part( text, size, part );
+    format_rate( progress->samples / progress->seconds, part, sizeof part );
+    append_part( text, size, part );
+}
+
+void rf_clear_progress( RfProgressLine* line )
+{
+    if ( line->width > 0 )
+        fprintf( stderr, "\r%*s\r", line->width, "" );
+    line->width = 0;
+}
+
+void rf_show_progress( RfProgressLine* line, const RfProgress* progress )
+{
+    if ( line->quiet || !line->terminal || ( line->shown >= 0.0 && progress->seconds < line->shown + 0.1 ) )
+        return;
+    char text[160];
+    rf_format_progress( progress, text, sizeof text );
+    line->shown = progress->seconds;
+    // Padded to the line before, so that nothing of it stays.
+    line->width = fprintf( stderr, "\r%-*s", line->width > 1 ? line->width - 1 : 0, text );
+    fflush( stderr );
+}
+
+void rf_show_frame( RfProgressLine* line, const RfFrameResult* result, int done, int all, double seconds )
+{
+    char spent[48];
+    if ( line->quiet || line->terminal )
+        return;
+    format_duration( floor( seconds ), spent, sizeof spent );
+    fprintf( stderr, "frame %d/%d  number %d  %.2f s  %s spent", done, all, result->frame + 1, result->seconds, spent );
+    if ( isfinite( result->relmse_estimate ) )
+        fprintf( stderr, "  relMSE %.3g", result->relmse_estimate );
+    fprintf( stderr, "  %.1f samples/pixel\n", result->effective_spp );
+}
+
+void rf_show_frame_count( bool quiet, int done, int all )
+{
+    if ( !quiet && isatty( STDERR_FILENO ) != 0 )
+        fprintf( stderr, "\r%d of %d frames%s", done, all, done == all ? "\n" : "" );
+}

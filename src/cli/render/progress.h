@@ -1,0 +1,40 @@
+// Progress on standard error: one line rewritten in place on a terminal, plain
+// lines otherwise.
+#ifndef REFRAME_CLI_RENDER_PROGRESS_H
+#define REFRAME_CLI_RENDER_PROGRESS_H
+
+#include "render/render.h"
+
+#include <stdbool.h>
+
+typedef struct RfProgressLine
+{
+    bool quiet;
+    bool terminal;
+    double shown; // seconds at which the line was last written
+    int width;    // characters of it
+} RfProgressLine;
+
+RfProgressLine rf_create_progress_line( bool quiet );
+
+// "frame 12/48  25 %  0:14 spent  0:42 left  relMSE 0.0031  1.9 M samples/s", the
+// error that of the last finished frame by its estimate; under 80 columns, the
+// rate is left out where it does not fit; at most ten times a second; nothing
+// where standard error is no terminal.
+void rf_show_progress( RfProgressLine* line, const RfProgress* progress );
+
+// Tells of a finished frame, the `done`-th of `all`, after so many seconds of
+// rendering: a plain line where standard error is no terminal.
+void rf_show_frame( RfProgressLine* line, const RfFrameResult* result, int done, int all, double seconds );
+
+// Removes the line, so that something else can be said.
+void rf_clear_progress( RfProgressLine* line );
+
+// "3 of 48 frames", rewritten in place, for commands that go through a sequence;
+// nothing where standard error is no terminal, or `quiet`.
+void rf_show_frame_count( bool quiet, int done, int all );
+
+// Writes the line's text (for the tests).
+void rf_format_progress( const RfProgress* progress, char* text, size_t size );
+
+#endif

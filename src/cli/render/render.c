@@ -1,0 +1,311 @@
+// reframe render: from a scene and a camera path to EXR files.
+#include "cli/commands.h"
+#include "cli/options/frame_list.h"
+#include "cli/render/interrupt.h"
+#include "cli/render/progress.h"
+#include "cli/render/render_json.h"
+#include "cli/render/render_kept.h"
+#include "cli/render/render_output.h"
+#include "cli/render/render_settings.h"
+#include "cli/messages.h"
+#include "light/light.h"
+#include "render/groups.h"
+#include "scene/json/scene_file.h"
+
+#include <math.h>
+#include <pthread.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+// All that one render holds; made in order, freed by destroy_job.
+typedef struct Job
+{
+    int argc; // the command line: it wins over a scene file, which is read later
+    char** argv;
+    RfRenderOptions options;
+    RfRenderSettings asked; // as they were before they were resolved
+    RfMemoryFit fit;
+    RfLog log;
+    RfSceneFile file; // options may point into it
+    RfScene scene;
+    RfCameraPath path;
+    int* frames; // to be rendered, indices from 0
+    int frame_count;
+    int* kept; // by --resume, likewise
+    int kept_count;
+    RfTracer* tracer;
+    pthread_mutex_t speech; // what is said: frames are written in a thread of their own
+    RfProgressLine line;
+    int frames_done;
+    bool told_black;   // the warning comes once
+    double relmse_sum; // of the finished frames' estimates
+    double worst_relmse;
+    int worst_frame; // from 0
+    json_t* frames_json;
+    double start, seconds_scene; // monotonic time of the start; seconds until the rays can go
+    RfRenderStats stats;
+} Job;
+
+static double now( void )
+{
+    struct timespec time;
+    clock_gettime( CLOCK_MONOTONIC, &time );
+    return (double)time.tv_sec + 1e-9 * (double)time.tv_nsec;
+}
+
+static void destroy_job( Job* job )
+{
+    pthread_mutex_destroy( &job->speech );
+    rf_destroy_tracer( job->tracer );
+    rf_destroy_camera_path( &job->path );
+    rf_destroy_scene( &job->scene );
+    rf_close_scene_file( &job->file );
+    free( job->frames );
+    free( job->kept );
+    json_decref( job->frames_json );
+}
+
+static RfRenderSubject subject_of( const Job* job )
+{
+    return ( RfRenderSubject ){ .options = &job->options, .scene = &job->scene, .path = &job->path };
+}
+
+// From here on the settings are those that are used.
+static RfResult resolve( Job* job, RfError* error )
+{
+    job->asked = job->options.settings;
+    RfResult result =
+        rf_resolve_settings( job->tracer, job->path.eyes, job->path.count, &job->asked, &job->options.settings, error );
+    return result == RF_OK ? rf_fit_memory( &job->scene, job->path.eyes, job->path.count, job->frame_count,
+                                            &job->options.settings, &job->fit, error )
+                           : result;
+}
+
+static RfResult load_scene( Job* job, RfError* error )
+{
+    RfResult result = rf_open_scene_file( job->options.scene, &job->file, error );
+    if ( result != RF_OK )
+        return result;
+    RfField defaults = rf_scene_file_defaults( &job->file, error );
+    if ( defaults.json != NULL )
+        result = rf_parse_render_options_over( &defaults, job->argc, job->argv, &job->options, error );
+    return result == RF_OK ? rf_load_scene_file( &job->file, &job->scene, &job->log, error ) : result;
+}
+
+static RfResult load( Job* job, RfError* error )
+{
+    RfResult result = load_scene( job, error );
+    if ( result == RF_OK )
+        result =
+            rf_create_camera_path( &job->scene, job->options.camera, job->options.fps, job->options.size, &job->path, error );
+    if ( result == RF_OK )
+        result = rf_choose_frames( job->options.frames, &job->file, job->path.count, &job->frames, &job->frame_count, error );
+    if ( result != RF_OK )
+        return result;
+    int asked_count = job->frame_count;
+    job->kept = malloc( (size_t)asked_count * sizeof( int ) );
+    if ( job->kept == NULL )
+        return rf_fail( error, RF_ERROR_MEMORY, "no memory left for the numbers of %d frames", asked_count );
+    result = rf_create_tracer( &job->scene, &job->tracer, error );
+    if ( result == RF_OK )
+        result = resolve( job, error );
+    if ( result != RF_OK )
+        return result;
+    RfRenderSubject subject = subject_of( job );
+    result = rf_prepare_output( &subject, job->frames, &job->frame_count, job->kept, error );
+    job->kept_count = asked_count - job->frame_count;
+    if ( result == RF_OK && !job->options.quiet )
+        rf_tell_settings( &job->asked, &job->options.settings, &job->fit, job->path.count );
+    return result;
+}
+
+static bool has_light( const RfTracer* tracer )
+{
+    const RfLights* lights = rf_tracer_lights( tracer );
+    return lights->count > 0 || rf_has_sky( lights );
+}
+
+// A single pass cannot say how far off it is.
+static void warn_of_variance( Job* job )
+{
+    const RfRenderSettings* s = &job->options.settings;
+    RfGroupPlan plan = rf_plan_groups( job->path.count, s->group, s->spp );
+    if ( ( s->layers & RF_AOV_BIT( RF_AOV_VARIANCE ) ) == 0 || s->noise > 0.0 || s->time > 0.0 ) // never a single pass
+        return;
+    for ( int i = 0; i < job->frame_count; ++i )
+    {
+        if ( rf_frame_passes( &plan, job->frames[i] ) > 1 )
+            continue;
+        rf_warn( &job->log, "--aov variance: will be 0 in frame %d, which has one pass only: raise --spp", job->frames[i] + 1 );
+        return;
+    }
+}
+
+// What to expect of the picture, before it is rendered.
+static void warn_of_scene( Job* job )
+{
+    if ( job->scene.triangles.count == 0 )
+        rf_warn( &job->log, "%s: has no triangles, the picture will be %s", job->options.scene,
+                 has_light( job->tracer ) ? "sky alone" : "black" );
+    else if ( !has_light( job->tracer ) )
+        rf_warn( &job->log, "%s: has no lights (no material emits, no lamp, no environment), the picture will be black",
+                 job->options.scene );
+    warn_of_variance( job );
+}
+
+// A scene with lights whose picture is black: most likely a camera that stands
+// where it should not.
+static void warn_if_black( Job* job, const RfFrameResult* result )
+{
+    size_t count = 3 * (size_t)result->width * (size_t)result->height;
+    if ( job->told_black || !has_light( job->tracer ) )
+        return;
+    for ( size_t i = 0; i < count; ++i )
+    {
+        if ( result->rgb[i] != 0.0f )
+            return;
+    }
+    job->told_black = true;
+    rf_clear_progress( &job->line );
+    rf_warn( &job->log, "%s: frame %d is black, no light reaches the camera: is it inside a wall, or looking away?",
+             job->options.scene, result->frame + 1 );
+}
+
+static void note_relmse( Job* job, const RfFrameResult* result )
+{
+    job->relmse_sum += result->relmse_estimate;
+    if ( job->frames_done > 1 && result->relmse_estimate <= job->worst_relmse )
+        return;
+    job->worst_relmse = result->relmse_estimate;
+    job->worst_frame = result->frame;
+}
+
+// What was wanted of noise and time and did not come out.
+static void warn_of_stop( Job* job )
+{
+    const RfRenderSettings* s = &job->options.settings;
+    if ( job->stats.missed > 0 )
+        rf_warn( &job->log, "--noise %g: not reached in %d of %d frames, frame %d has %.3g: allow more %s", s->noise,
+                 job->stats.missed, job->frame_count, job->worst_frame + 1, job->worst_relmse,
+                 s->time > 0.0 ? "--time or --spp" : "--spp" );
+    if ( job->stats.hurried )
+        rf_warn( &job->log,
+                 "--time %g: too short for this size and these groups: the least, 2 samples per pixel, took %.3g s a frame",
+                 s->time, job->stats.seconds / job->frame_count );
+}
+
+// In the writing thread.
+static RfResult on_frame( void* user, const RfFrameResult* result, RfError* error )
+{
+    Job* job = user;
+    RfRenderSubject subject = subject_of( job );
+    RfResult written = rf_write_frame( &subject, result, rf_tracer_device( job->tracer ), error );
+    if ( written != RF_OK )
+        return written;
+    pthread_mutex_lock( &job->speech );
+    ++job->frames_done;
+    note_relmse( job, result );
+    warn_if_black( job, result );
+    rf_show_frame( &job->line, result, job->frames_done, job->frame_count, now() - job->start - job->seconds_scene );
+    pthread_mutex_unlock( &job->speech );
+    json_array_append_new( job->frames_json, rf_frame_json( result, job->options.settings.noise, false ) );
+    return RF_OK;
+}
+
+static bool on_progress( void* user, const RfProgress* progress )
+{
+    Job* job = user;
+    pthread_mutex_lock( &job->speech );
+    rf_show_progress( &job->line, progress );
+    pthread_mutex_unlock( &job->speech );
+    return !rf_is_interrupted();
+}
+
+static RfResult render( Job* job, RfError* error )
+{
+    if ( rf_is_interrupted() )
+        return rf_fail( error, RF_ERROR_INTERRUPTED, "interrupted before the first frame" );
+    job->line = rf_create_progress_line( job->options.quiet );
+    RfRenderCallbacks callbacks = { .user = job, .frame = on_frame, .progress = on_progress };
+    RfResult result = rf_render( job->tracer, job->path.eyes, job->path.count, job->frames, job->frame_count,
+                                 &job->options.settings, &callbacks, &job->stats, error );
+    rf_clear_progress( &job->line );
+    if ( result == RF_ERROR_INTERRUPTED )
+        return rf_fail( error, result, "interrupted: %d of %d frames are finished and kept, %s goes on",
+                        job->kept_count + job->frames_done, job->kept_count + job->frame_count,
+                        job->options.overwrite ? "--resume --overwrite" : "--resume" );
+    if ( result == RF_OK )
+        warn_of_stop( job );
+    return result;
+}
+
+static RfResult write_json( const Job* job, bool interrupted, RfError* error )
+{
+    const RfRenderOptions* options = &job->options;
+    RfRenderRun run = { .stats = &job->stats,
+                        .seconds = now() - job->start,
+                        .seconds_scene = job->seconds_scene,
+                        .frames = rf_join_kept_frames( options, job->kept, job->kept_count, job->frames_json ),
+                        .kept = job->kept_count,
+                        .interrupted = interrupted };
+    return rf_write_json( options->json, rf_render_json( options, &job->scene, &run ), error );
+}
+
+static RfResult report( Job* job, RfError* error )
+{
+    double seconds = now() - job->start;
+    const char* json_name = job->options.json;
+    if ( json_name == NULL || strcmp( json_name, "-" ) != 0 )
+    {
+        printf( "%d frame%s in %s, %.1f s", job->frame_count, job->frame_count == 1 ? "" : "s", job->options.output, seconds );
+        if ( job->frame_count > 0 && isfinite( job->relmse_sum ) )
+            printf( ", relMSE %.3g by its estimate", job->relmse_sum / job->frame_count );
+        if ( job->kept_count > 0 )
+            printf( "; %d kept from before", job->kept_count );
+        printf( "\n" );
+    }
+    return json_name == NULL ? rf_flush_output( error ) : write_json( job, false, error );
+}
+
+static RfResult run( Job* job, RfError* error )
+{
+    RfResult result = load( job, error );
+    if ( result == RF_OK )
+        warn_of_scene( job );
+    job->frames_json = json_array();
+    job->seconds_scene = now() - job->start;
+    // if nothing is rendered: all frames are there already, or interrupted before
+    job->stats = ( RfRenderStats ){ .group = job->options.settings.group, .spp = job->options.settings.spp };
+    if ( result == RF_OK && job->frame_count > 0 )
+        result = render( job, error );
+    if ( result == RF_ERROR_INTERRUPTED && job->options.json != NULL )
+    {
+        RfResult written = write_json( job, true, error ); // what was said of the interruption stays in `error`
+        return written == RF_OK ? result : written;
+    }
+    return result == RF_OK ? report( job, error ) : result;
+}
+
+int rf_command_render( int argc, char** argv )
+{
+    RfError error;
+    bool help;
+    Job job = {
+        .argc = argc, .argv = argv, .log = rf_stderr_log( "render" ), .speech = PTHREAD_MUTEX_INITIALIZER, .start = now()
+    };
+    RfResult result = rf_parse_render_options( argc, argv, &job.options, &help, &error );
+    if ( result == RF_OK && help )
+    {
+        rf_print_render_help();
+        result = rf_flush_output( &error );
+        return result == RF_OK ? 0 : rf_report_error( "render", &error );
+    }
+    if ( result == RF_OK )
+    {
+        rf_catch_interrupts();
+        result = run( &job, &error );
+    }
+    destroy_job( &job );
+    return result == RF_OK ? 0 : rf_report_error( "render", &error );
+}

@@ -1,0 +1,88 @@
+#include "cli/render/render_json.h"
+
+#include "cli/messages.h"
+#include "scene/effects.h"
+
+#include <stdio.h>
+
+json_t* rf_frame_json( const RfFrameResult* result, double noise, bool kept )
+{
+    json_t* json =
+        json_pack( "{s:i, s:o, s:o, s:o, s:o, s:b}", "frame", result->frame + 1, "seconds", rf_json_number( result->seconds ),
+                   "relmse_estimate", rf_json_number( result->relmse_estimate ), "native_spp",
+                   rf_json_number( result->native_spp ), "effective_spp", rf_json_number( result->effective_spp ), "kept", kept );
+    if ( noise > 0.0 )
+        json_object_set_new( json, "reached", json_boolean( result->reached ) );
+    return json;
+}
+
+json_t* rf_effect_names_json( const RfScene* scene )
+{
+    RfEffect effects[RF_MAX_EFFECTS];
+    int count = rf_list_effects( scene, effects );
+    json_t* names = json_array();
+    for ( int i = 0; i < count; ++i )
+    {
+        if ( effects[i].on )
+            json_array_append_new( names, json_string( effects[i].name ) );
+    }
+    return names;
+}
+
+json_t* rf_effects_json( const RfScene* scene )
+{
+    RfEffect effects[RF_MAX_EFFECTS];
+    int count = rf_list_effects( scene, effects );
+    json_t* list = json_array();
+    for ( int i = 0; i < count; ++i )
+        json_array_append_new( list, json_pack( "{s:s, s:b, s:o}", "name", effects[i].name, "on", effects[i].on, "why",
+                                                rf_json_text( effects[i].why ) ) );
+    return list;
+}
+
+static json_t* count_json( uint64_t count ) { return json_integer( (json_int_t)count ); }
+
+static json_t* rays_json( const RfRayCounts* rays )
+{
+    return json_pack( "{s:o, s:o, s:o, s:o, s:o}", "primary", count_json( rays->primary ), "path", count_json( rays->path ),
+                      "shadow", count_json( rays->shadow ), "tile", count_json( rays->tile ), "eye", count_json( rays->eye ) );
+}
+
+// The most of each, whatever it was for; not all at the same time.
+static json_t* bytes_json( const RfRenderStats* stats )
+{
+    json_t* bytes = json_object();
+    for ( int i = 0; i < stats->entry_count; ++i )
+    {
+        char key[64];
+        snprintf( key, sizeof key, "%s", stats->entries[i].name );
+        for ( char* c = key; *c != '\0'; ++c )
+            *c = *c == ' ' ? '_' : *c;
+        json_object_set_new( bytes, key, json_integer( (json_int_t)stats->entries[i].peak ) );
+    }
+    return bytes;
+}
+
+json_t* rf_render_json( const RfRenderOptions* options, const RfScene* scene, const RfRenderRun* run )
+{
+    const RfRenderStats* stats = run->stats;
+    char tile[24];
+    rf_tile_name( &options->settings.tile, tile );
+    json_t* json = json_pack( "{s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:i, s:s, s:s, s:s, s:i, s:o, s:i, s:b}", "version",
+                              REFRAME_VERSION, "scene", rf_json_text( options->scene ), "frames", run->frames, "seconds",
+                              rf_json_number( run->seconds ), "seconds_scene", rf_json_number( run->seconds_scene ), "peak_bytes",
+                              count_json( stats->peak_bytes ), "budget_bytes", count_json( stats->budget_bytes ), "bytes",
+                              bytes_json( stats ), "rays", rays_json( &stats->rays ), "group", stats->group, "tile", tile,
+                              "weights", rf_weights_name( options->settings.weights ), "normalize",
+                              rf_normalize_name( options->settings.normalize ), "threads", stats->threads, "effects",
+                              rf_effect_names_json( scene ), "kept_frames", run->kept, "interrupted", run->interrupted );
+    if ( options->settings.adaptive )
+        json_object_set_new( json, "adaptive", json_true() );
+    if ( options->settings.noise > 0.0 )
+        json_object_set_new( json, "noise",
+                             json_pack( "{s:f, s:i}", "wanted", options->settings.noise, "missed", stats->missed ) );
+    if ( options->settings.time > 0.0 )
+        json_object_set_new( json, "time",
+                             json_pack( "{s:f, s:b}", "wanted", options->settings.time, "too_short", stats->hurried ) );
+    return json;
+}

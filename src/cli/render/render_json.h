@@ -1,0 +1,31 @@
+// The machine-readable result of a render, keys as in the documentation.
+#ifndef REFRAME_CLI_RENDER_RENDER_JSON_H
+#define REFRAME_CLI_RENDER_RENDER_JSON_H
+
+#include "cli/options/render_options.h"
+#include "scene/scene.h"
+
+#include <jansson.h>
+
+// One element of "frames", rendered by this run or kept from before; with `noise`,
+// the relMSE wanted, also whether it was reached. NULL where memory ran out.
+json_t* rf_frame_json( const RfFrameResult* result, double noise, bool kept );
+
+// What one run of `render` did.
+typedef struct RfRenderRun
+{
+    const RfRenderStats* stats;
+    double seconds, seconds_scene; // in all; until the scene was loaded
+    json_t* frames;                // taken over by rf_render_json
+    int kept;                      // of them, from before
+    bool interrupted;
+} RfRenderRun;
+
+// The whole. NULL where memory ran out.
+json_t* rf_render_json( const RfRenderOptions* options, const RfScene* scene, const RfRenderRun* run );
+
+// The effects of a scene that are on, by name; or all with name, on and why.
+json_t* rf_effect_names_json( const RfScene* scene );
+json_t* rf_effects_json( const RfScene* scene );
+
+#endif

@@ -1,0 +1,73 @@
+#include "cli/render/render_kept.h"
+
+#include "cli/report/report_input.h"
+#include "cli/render/render_json.h"
+#include "cli/messages.h"
+#include "image/sequence.h"
+
+#include <math.h>
+
+// The frames of an older JSON; gone through once, as its frames ascend too.
+typedef struct Older
+{
+    json_t* json; // or NULL
+    const json_t* frames;
+    size_t next;
+} Older;
+
+// Texts of six digits may differ in the last one. Not known to both is the same too.
+static bool is_same( double a, double b )
+{
+    return isnan( a ) || isnan( b ) ? isnan( a ) && isnan( b ) : fabs( a - b ) <= 1e-5 * fabs( b );
+}
+
+// What the older JSON says, if it speaks of this file and not of one that the file
+// has replaced since: then not even the samples or the estimate would be the same.
+static double older_seconds( Older* older, const RfFrameResult* said )
+{
+    size_t all = json_array_size( older->frames );
+    int number = said->frame + 1;
+    while ( older->next < all && rf_json_number_of( json_array_get( older->frames, older->next ), "frame" ) < number )
+        ++older->next;
+    const json_t* row = json_array_get( older->frames, older->next );
+    bool is_it = rf_json_number_of( row, "frame" ) == number &&
+                 is_same( rf_json_number_of( row, "relmse_estimate" ), said->relmse_estimate ) &&
+                 is_same( rf_json_number_of( row, "native_spp" ), said->native_spp );
+    return is_it ? rf_json_number_of( row, "seconds" ) : (double)NAN;
+}
+
+static json_t* kept_frame_json( const RfRenderOptions* options, int frame, Older* older )
+{
+    char name[RF_PAGE_NAME_SIZE];
+    RfFrameResult said = {
+        .frame = frame, .relmse_estimate = (double)NAN, .native_spp = (double)NAN, .effective_spp = (double)NAN
+    };
+    if ( rf_sequence_name( options->output, frame + 1, name, sizeof name, NULL ) == RF_OK )
+    {
+        said.relmse_estimate = rf_read_exr_number( name, "reframe/relmse-estimate" );
+        said.native_spp = rf_read_exr_number( name, "reframe/native-spp" );
+        said.effective_spp = rf_read_exr_number( name, "reframe/effective-spp" );
+    }
+    said.reached = said.relmse_estimate <= options->settings.noise;
+    said.seconds = older_seconds( older, &said );
+    return rf_frame_json( &said, options->settings.noise, true );
+}
+
+json_t* rf_join_kept_frames( const RfRenderOptions* options, const int* kept, int count, json_t* rendered )
+{
+    json_t* frames = json_array();
+    Older older = { 0 };
+    size_t next = 0, all = json_array_size( rendered );
+    if ( count > 0 && rf_load_render_json( options->json, "--json", &older.json, NULL ) == RF_OK )
+        older.frames = json_object_get( older.json, "frames" );
+    for ( int i = 0; i < count; ++i )
+    {
+        while ( next < all && rf_json_number_of( json_array_get( rendered, next ), "frame" ) < kept[i] + 1 )
+            json_array_append( frames, json_array_get( rendered, next++ ) );
+        json_array_append_new( frames, kept_frame_json( options, kept[i], &older ) );
+    }
+    while ( next < all )
+        json_array_append( frames, json_array_get( rendered, next++ ) );
+    json_decref( older.json );
+    return frames;
+}

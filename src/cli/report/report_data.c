@@ -1,0 +1,194 @@
+#include "cli/report/report_data.h"
+
+#include "cli/report/report_facts.h"
+#include "cli/messages.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static json_t* blocks_json( const RfPageTrack* track )
+{
+    json_t* blocks = json_array();
+    char id[32];
+    for ( int i = 0; i < track->count; ++i )
+    {
+        rf_page_block_id( track, track->numbers[i], id );
+        json_array_append_new( blocks, track->frames[i].shown ? json_string( id ) : json_null() );
+    }
+    return blocks;
+}
+
+static void set_curves( json_t* object, const RfPageTrack* track )
+{
+    json_t *relmse = json_array(), *phi = json_array(), *f1 = json_array(), *seconds = json_array(), *samples = json_array(),
+           *bad = json_array();
+    for ( int i = 0; i < track->count; ++i )
+    {
+        const RfPageFrame* frame = track->frames + i;
+        json_array_append_new( relmse, rf_json_number( frame->relmse ) );
+        json_array_append_new( phi, rf_json_number( frame->phi ) );
+        json_array_append_new( f1, rf_json_number( frame->f1 ) );
+        json_array_append_new( seconds, rf_json_number( frame->seconds ) );
+        json_array_append_new( samples, rf_json_number( frame->samples ) );
+        json_array_append_new( bad, json_integer( (json_int_t)frame->bad ) );
+    }
+    json_object_set_new( object, "relmse", relmse );
+    json_object_set_new( object, "phi", phi );
+    json_object_set_new( object, "f1", f1 );
+    json_object_set_new( object, "seconds", seconds );
+    json_object_set_new( object, "samples", samples );
+    json_object_set_new( object, "bad", bad );
+}
+
+static json_t* track_json( const RfPageTrack* track )
+{
+    json_t* object = json_pack( "{s:o, s:o, s:b, s:i, s:i, s:o, s:o}", "name", rf_json_text( track->sequence->name ), "path",
+                                rf_json_text( track->sequence->pattern ), "reference", track->sequence->is_reference, "width",
+                                track->picture_width, "height", track->picture_height, "blocks", blocks_json( track ), "facts",
+                                rf_page_facts_json( track ) );
+    set_curves( object, track );
+    return object;
+}
+
+static json_t* notes_json( const RfPageData* data )
+{
+    bool compensated = false, still = false, variance = false;
+    for ( int i = 0; i < data->track_count; ++i )
+    {
+        compensated |= data->tracks[i].compensated;
+        still |= !data->tracks[i].compensated;
+        variance |= data->tracks[i].has_variance;
+    }
+    const char* f1 =
+        data->has_reference    ? "How much the error changes from the frame before, root mean square"
+        : compensated && still ? "Change from the frame before, root mean square: along the motion layers where there are any"
+        : compensated          ? "Change from the frame before along the motion layers, root mean square"
+                      : "Change of the picture from the frame before, root mean square: what moves counts too (no motion layers)";
+    const char* phi =
+        data->has_reference ? "1: the error is new in each frame, 0: it stands still"
+        : variance ? "The change over the variance layers; moving edges and highlights count too, a reference takes them out"
+                   : "";
+    return json_pack( "{s:s, s:s, s:s, s:s, s:s}", "relmse",
+                      data->has_reference ? "Against the reference" : "Estimated by the renderer, without a reference", "phi",
+                      phi, "f1", f1, "seconds", "Each frame's, as the renderer told", "samples",
+                      "Traced per pixel of each frame" );
+}
+
+static void append_number( char* text, size_t size, const char* format, const json_t* value )
+{
+    size_t used = strlen( text );
+    if ( json_is_number( value ) && isfinite( json_number_value( value ) ) )
+    {
+        snprintf( text + used, size - used, "%s", used > 0 ? "; " : "" );
+        used = strlen( text );
+        snprintf( text + used, size - used, format, json_number_value( value ) );
+    }
+}
+
+// What a row of cost is of: "path tracing", "group 3, tile 3x3".
+static json_t* cost_name_json( const json_t* row )
+{
+    const json_t *reuse = json_object_get( row, "reuse" ), *group = json_object_get( row, "group" );
+    const char* tile = json_string_value( json_object_get( row, "tile" ) );
+    char text[96];
+    if ( json_is_string( reuse ) )
+        return json_incref( (json_t*)reuse );
+    if ( json_is_true( reuse ) && json_is_integer( group ) )
+    {
+        snprintf( text, sizeof text, "group %lld%s%.32s", (long long)json_integer_value( group ), tile != NULL ? ", tile " : "",
+                  tile != NULL ? tile : "" );
+        return rf_json_text( text );
+    }
+    return json_is_boolean( reuse ) ? json_string( json_is_true( reuse ) ? "with reuse" : "path tracing" ) : NULL;
+}
+
+static void append_range( char* text, size_t size, const json_t* low, const json_t* high )
+{
+    size_t used = strlen( text );
+    if ( used > 0 && json_is_number( low ) && json_is_number( high ) )
+        snprintf( text + used, size - used, " (%.3g to %.3g)", json_number_value( low ), json_number_value( high ) );
+}
+
+// Takes only what the script needs, so that a file of any content does no harm.
+static void add_cost( json_t* list, const char* name, const json_t* cost )
+{
+    if ( cost == NULL )
+        return;
+    char note[160] = "";
+    append_number( note, sizeof note, "slope %.2f", json_object_get( cost, "slope" ) );
+    append_range( note, sizeof note, json_object_get( cost, "slope_low" ), json_object_get( cost, "slope_high" ) );
+    append_number( note, sizeof note, "at equal error reuse is faster by %.3g",
+                   json_object_get( cost, "speedup_at_equal_error" ) );
+    append_range( note, sizeof note, json_object_get( cost, "speedup_low" ), json_object_get( cost, "speedup_high" ) );
+    json_t* rows = json_array();
+    size_t i;
+    json_t* row;
+    json_array_foreach( json_object_get( cost, "rows" ), i, row )
+    {
+        const json_t *seconds = json_object_get( row, "seconds" ), *relmse = json_object_get( row, "relmse" );
+        json_t* reuse = cost_name_json( row );
+        if ( reuse != NULL && json_is_number( seconds ) && json_is_number( relmse ) )
+            json_array_append_new( rows, json_pack( "{s:O, s:o, s:o}", "reuse", reuse, "seconds",
+                                                    rf_json_number( json_number_value( seconds ) ), "relmse",
+                                                    rf_json_number( json_number_value( relmse ) ) ) );
+        json_decref( reuse );
+    }
+    json_array_append_new( list, json_pack( "{s:o, s:s, s:o}", "name", rf_json_text( name ), "note", note, "rows", rows ) );
+}
+
+static json_t* cost_json( const RfPageData* data )
+{
+    json_t* list = json_array();
+    add_cost( list, "error against time", data->cost );
+    for ( int i = 0; i < data->track_count && data->cost == NULL; ++i )
+    {
+        const RfPageSequence* sequence = data->tracks[i].sequence;
+        add_cost( list, sequence->name, sequence->is_reference ? NULL : sequence->cost );
+    }
+    return list;
+}
+
+json_t* rf_page_data_json( const RfPageData* data )
+{
+    json_t *tracks = json_array(), *frames = json_array();
+    for ( int i = 0; i < data->track_count; ++i )
+        json_array_append_new( tracks, track_json( data->tracks + i ) );
+    for ( int i = 0; i < data->count; ++i )
+        json_array_append_new( frames, json_integer( data->numbers[i] ) );
+    char subtitle[96];
+    const RfExrHeader* header = &data->tracks[0].sequence->header;
+    snprintf( subtitle, sizeof subtitle, "%d frame%s of %dx%d pixels", data->count, data->count == 1 ? "" : "s", header->width,
+              header->height );
+    return json_pack( "{s:o, s:s, s:f, s:f, s:o, s:o, s:o, s:o}", "title", rf_json_text( data->title ), "subtitle", subtitle,
+                      "fps", data->fps, "exposure", data->exposure, "frames", frames, "sequences", tracks, "notes",
+                      notes_json( data ), "cost", cost_json( data ) );
+}
+
+json_t* rf_page_result_json( const RfPageData* data, const char* output, uint64_t bytes )
+{
+    json_t* tracks = json_array();
+    for ( int i = 0; i < data->track_count; ++i )
+    {
+        const RfPageTrack* track = data->tracks + i;
+        RfFlickerMetrics flicker = rf_flicker_metrics( &track->flicker );
+        bool has_flicker = track->flicker.pairs > 0;
+        int shown = 0, lacking;
+        int* missing = rf_page_missing_frames( track, &lacking );
+        for ( int k = 0; k < track->count; ++k )
+            shown += track->frames[k].shown;
+        json_array_append_new(
+            tracks,
+            json_pack( "{s:o, s:o, s:b, s:i, s:i, s:o, s:o, s:o, s:o, s:o, s:o}", "name", rf_json_text( track->sequence->name ),
+                       "files", rf_json_text( track->sequence->pattern ), "reference", track->sequence->is_reference, "frames",
+                       shown, "missing", lacking, "missing_frames", rf_json_frames( missing, lacking ), "picture_bytes",
+                       json_integer( (json_int_t)track->picture_bytes ), "relmse",
+                       rf_json_number( track->has_error ? track->error.relmse : NAN ), "relmse_estimate",
+                       rf_json_number( track->estimate ), "f1", rf_json_number( has_flicker ? flicker.f1 : NAN ), "phi",
+                       rf_json_number( has_flicker ? flicker.phi : NAN ) ) );
+        free( missing );
+    }
+    return json_pack( "{s:o, s:o, s:i, s:o}", "output", rf_json_text( output ), "bytes", json_integer( (json_int_t)bytes ),
+                      "frames", data->count, "sequences", tracks );
+}

@@ -1,0 +1,58 @@
+// The frames of a sequence on their way into the page: pictures, error, flicker.
+#ifndef REFRAME_CLI_REPORT_REPORT_FRAMES_H
+#define REFRAME_CLI_REPORT_REPORT_FRAMES_H
+
+#include "cli/report/report_input.h"
+#include "measure/error.h"
+#include "measure/flicker.h"
+#include "page/page.h"
+
+// What is told of each frame of the page; NaN: not known.
+typedef struct RfPageFrame
+{
+    bool shown;    // its picture is in the page
+    double relmse; // against the reference, or an estimate
+    double seconds;
+    double samples; // traced per pixel
+    double phi, f1; // of this frame and the one before
+    size_t bad;     // pixels with NaN or infinity
+} RfPageFrame;
+
+typedef struct RfPageTrack
+{
+    const RfPageSequence* sequence;
+    const RfPageSequence* reference; // or NULL: none, or this is the reference
+    int index;                       // of the sequence on the page
+    int width;                       // pictures are no wider; 0: as they are
+    const int* numbers;              // of the page's frames
+    int count;
+    const int* holes; // between them, that no sequence has
+    int hole_count;
+
+    RfPageFrame* frames; // `count` of them
+    int picture_width, picture_height;
+    uint64_t picture_bytes;
+    bool compensated, has_variance; // of the flicker without reference
+    RfFlickerSums flicker;
+    RfFlickerSums followed; // against a reference: the same along the motion, where there are layers
+    bool follows;
+    int pair_count;       // neighbours that are there, also where they lack the layers
+    RfErrorMetrics error; // of all frames, against the reference
+    bool has_error;
+    double estimate; // mean of the estimates of relMSE; NaN: none
+} RfPageTrack;
+
+// Adds the frames that the sequence has to the page; `progress` is called after each
+// and stops the work by false (RF_ERROR_INTERRUPTED). rf_free_page_track in any case.
+typedef bool RfPageProgressFn( void* user );
+RfResult rf_add_page_track( RfPage* page, RfPageTrack* track, RfPageProgressFn* progress, void* user, RfError* error );
+void rf_free_page_track( RfPageTrack* track );
+
+// The frames of the page, and the holes between them, that the sequence lacks, ascending, *count of
+// them. The caller frees it; NULL: none, or no memory.
+int* rf_page_missing_frames( const RfPageTrack* track, int* count );
+
+// The id of a frame's block.
+void rf_page_block_id( const RfPageTrack* track, int number, char id[32] );
+
+#endif

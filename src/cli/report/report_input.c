@@ -1,0 +1,188 @@
+#include "cli/report/report_input.h"
+
+#include "base/file.h"
+#include "cli/report/report_folder.h"
+#include "image/sequence.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#define MOST_JSON_BYTES ( (uint64_t)64 << 20 )
+
+static bool is_render_json( const json_t* json )
+{
+    return json_is_array( json_object_get( json, "frames" ) ) && json_is_object( json_object_get( json, "rays" ) ) &&
+           json_is_number( json_object_get( json, "seconds" ) );
+}
+
+static bool is_cost_json( const json_t* json )
+{
+    const json_t* row = json_array_get( json_object_get( json, "rows" ), 0 );
+    return json_object_get( row, "reuse" ) != NULL && json_is_number( json_object_get( row, "seconds" ) ) &&
+           json_object_get( row, "relmse" ) != NULL;
+}
+
+static json_t* parse_json( const char* path, RfError* error )
+{
+    uint8_t* bytes;
+    size_t size;
+    if ( rf_read_file( path, MOST_JSON_BYTES, &bytes, &size, error ) != RF_OK )
+        return NULL;
+    json_error_t reason;
+    json_t* json = json_loadb( (const char*)bytes, size, 0, &reason );
+    free( bytes );
+    if ( json == NULL )
+        rf_fail( error, RF_ERROR_FORMAT, "%s: line %d: %s", path, reason.line, reason.text );
+    return json;
+}
+
+static RfResult load_json( const char* path, const char* option, bool ( *is_kind )( const json_t* ), const char* command,
+                           json_t** json, RfError* error )
+{
+    RfError reason = { 0 };
+    json_t* loaded = parse_json( path, &reason );
+    if ( loaded == NULL )
+        return rf_fail( error, reason.code, "%s: %.900s", option, reason.text );
+    if ( !is_kind( loaded ) )
+    {
+        json_decref( loaded );
+        return rf_fail( error, RF_ERROR_FORMAT, "%s: %s: is not what reframe %s --json writes", option, path, command );
+    }
+    json_decref( *json );
+    *json = loaded;
+    return RF_OK;
+}
+
+RfResult rf_load_render_json( const char* path, const char* option, json_t** json, RfError* error )
+{
+    return load_json( path, option, is_render_json, "render", json, error );
+}
+
+RfResult rf_load_cost_json( const char* path, const char* option, json_t** json, RfError* error )
+{
+    return load_json( path, option, is_cost_json, "cost", json, error );
+}
+
+// What lies about and is neither is none of our business. The first by name counts.
+static void take_json( RfPageSequence* sequence, const char* path )
+{
+    json_t* json = parse_json( path, NULL );
+    if ( json != NULL && sequence->render == NULL && is_render_json( json ) )
+        sequence->render = json_incref( json );
+    else if ( json != NULL && sequence->cost == NULL && is_cost_json( json ) )
+        sequence->cost = json_incref( json );
+    json_decref( json );
+}
+
+static RfResult look_for_json( RfPageSequence* sequence, const char* folder, RfError* error )
+{
+    RfFolderList list;
+    RfResult result = rf_list_folder( folder, ".json", &list, error );
+    for ( int i = 0; i < list.count && result == RF_OK; ++i )
+    {
+        char path[RF_PAGE_NAME_SIZE];
+        if ( snprintf( path, sizeof path, "%s/%s", folder, list.names[i] ) < (int)sizeof path )
+            take_json( sequence, path );
+    }
+    rf_free_folder_list( &list );
+    return result;
+}
+
+// Everything before the last component; "." where there is nothing.
+static void folder_of( const char* path, char folder[RF_PAGE_NAME_SIZE] )
+{
+    const char* slash = strrchr( path, '/' );
+    snprintf( folder, RF_PAGE_NAME_SIZE, "%.*s",
+              slash == NULL   ? 1
+              : slash == path ? 1
+                              : (int)( slash - path ),
+              slash == NULL ? "." : path );
+}
+
+// The last component of a folder's name, or of the file's.
+static void name_sequence( const char* place, RfPageSequence* sequence )
+{
+    size_t length = strlen( place );
+    while ( length > 1 && place[length - 1] == '/' )
+        --length;
+    size_t begin = length;
+    while ( begin > 0 && place[begin - 1] != '/' )
+        --begin;
+    snprintf( sequence->name, sizeof sequence->name, "%.*s", (int)( length - begin ), place + begin );
+}
+
+static RfResult take_file( const char* place, RfPageSequence* sequence, RfError* error )
+{
+    sequence->frames = malloc( sizeof( int ) );
+    if ( sequence->frames == NULL )
+        return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left", place );
+    sequence->frames[0] = 1;
+    sequence->frame_count = 1;
+    return RF_OK;
+}
+
+static RfResult find_frames( const char* place, RfPageSequence* sequence, RfError* error )
+{
+    struct stat status;
+    bool is_there = stat( place, &status ) == 0;
+    if ( strlen( place ) >= RF_PAGE_NAME_SIZE )
+        return rf_fail( error, RF_ERROR_USAGE, "%s: the name is too long", place );
+    snprintf( sequence->pattern, sizeof sequence->pattern, "%s", place );
+    if ( is_there && S_ISDIR( status.st_mode ) )
+    {
+        RfResult result = rf_find_folder_sequence( place, sequence->pattern, sizeof sequence->pattern, error );
+        if ( result != RF_OK )
+            return result;
+    }
+    if ( rf_is_sequence( sequence->pattern ) && !( is_there && S_ISREG( status.st_mode ) ) )
+        return rf_sequence_frames( sequence->pattern, &sequence->frames, &sequence->frame_count, error );
+    if ( !is_there )
+        return rf_fail( error, RF_ERROR_IO, "%s: is not there: give a folder, or the name of a sequence with #### for the number",
+                        place );
+    return take_file( place, sequence, error );
+}
+
+RfResult rf_open_page_sequence( const char* place, const char* layer, RfPageSequence* sequence, RfError* error )
+{
+    *sequence = ( RfPageSequence ){ .layer = layer };
+    name_sequence( place, sequence );
+    RfResult result = find_frames( place, sequence, error );
+    if ( result == RF_OK )
+        result = rf_page_frame_path( sequence, sequence->frames[0], sequence->first, error );
+    if ( result == RF_OK )
+        result = rf_read_exr_header( sequence->first, layer, &sequence->header, error );
+    char folder[RF_PAGE_NAME_SIZE];
+    folder_of( sequence->pattern, folder );
+    return result == RF_OK ? look_for_json( sequence, folder, error ) : result;
+}
+
+void rf_close_page_sequence( RfPageSequence* sequence )
+{
+    free( sequence->frames );
+    rf_destroy_exr_header( &sequence->header );
+    json_decref( sequence->render );
+    json_decref( sequence->cost );
+    *sequence = ( RfPageSequence ){ 0 };
+}
+
+bool rf_has_page_frame( const RfPageSequence* sequence, int frame )
+{
+    for ( int i = 0; i < sequence->frame_count; ++i )
+    {
+        if ( sequence->frames[i] == frame )
+            return true;
+    }
+    return false;
+}
+
+RfResult rf_page_frame_path( const RfPageSequence* sequence, int frame, char path[RF_PAGE_NAME_SIZE], RfError* error )
+{
+    if ( sequence->frame_count == 1 && !rf_is_sequence( sequence->pattern ) )
+    {
+        snprintf( path, RF_PAGE_NAME_SIZE, "%s", sequence->pattern );
+        return RF_OK;
+    }
+    return rf_sequence_name( sequence->pattern, frame, path, RF_PAGE_NAME_SIZE, error );
+}

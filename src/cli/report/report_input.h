@@ -1,0 +1,43 @@
+// What `reframe report` is given: folders or names of sequences, and the JSON of
+// other commands that lies beside the frames.
+#ifndef REFRAME_CLI_REPORT_REPORT_INPUT_H
+#define REFRAME_CLI_REPORT_REPORT_INPUT_H
+
+#include "image/exr.h"
+
+#include <jansson.h>
+#include <stdbool.h>
+
+#define RF_PAGE_NAME_SIZE 4096
+
+typedef struct RfPageSequence
+{
+    char name[256];                  // for people: the folder's name
+    const char* layer;               // as of rf_read_exr_layer; NULL: the colour
+    char pattern[RF_PAGE_NAME_SIZE]; // of its files
+    int* frames;                     // that are there, ascending
+    int frame_count;
+    char first[RF_PAGE_NAME_SIZE]; // the file of the first of them
+    bool is_reference;
+    RfExrHeader header; // of the first file
+    json_t* render;     // of `render --json`, or NULL
+    json_t* cost;       // of `cost --json`, or NULL
+} RfPageSequence;
+
+// Finds the one sequence of a folder, or that which `place` names by #### or as a
+// single file, and in its folder the JSON of render and cost, told by their keys. rf_close_page_sequence in any case.
+RfResult rf_open_page_sequence( const char* place, const char* layer, RfPageSequence* sequence, RfError* error );
+void rf_close_page_sequence( RfPageSequence* sequence );
+
+// The JSON of `render` or of `cost` in a file that must hold it; takes the place of
+// *json. `option` begins the error line.
+RfResult rf_load_render_json( const char* path, const char* option, json_t** json, RfError* error );
+RfResult rf_load_cost_json( const char* path, const char* option, json_t** json, RfError* error );
+
+// Is the frame there?
+bool rf_has_page_frame( const RfPageSequence* sequence, int frame );
+
+// The file of a frame.
+RfResult rf_page_frame_path( const RfPageSequence* sequence, int frame, char path[RF_PAGE_NAME_SIZE], RfError* error );
+
+#endif

@@ -1,0 +1,44 @@
+// One run of `report`: its options, and what it holds meanwhile.
+#ifndef REFRAME_CLI_REPORT_REPORT_RUN_H
+#define REFRAME_CLI_REPORT_REPORT_RUN_H
+
+#include "cli/options/options.h"
+#include "cli/report/report_frames.h"
+
+#define RF_PAGE_MOST_SEQUENCES 8 // on one page, without the reference
+
+typedef struct RfPageRun
+{
+    const char* places[RF_PAGE_MOST_SEQUENCES];
+    int place_count;
+    const char* output;
+    const char* reference; // this and those that follow: or NULL
+    const char* layer;     // NULL: the colour
+    const char* reference_layer;
+    const char* cost_file;
+    const char* render_file;
+    const char* frame_list;
+    const char* title;
+    RfFps fps;
+    double exposure;
+    int width; // 0: pictures as they are
+    bool overwrite, quiet;
+    const char* json;
+
+    RfPageSequence sequences[RF_PAGE_MOST_SEQUENCES + 1]; // the reference is the last
+    RfPageTrack tracks[RF_PAGE_MOST_SEQUENCES + 1];
+    int sequence_count;
+    json_t* cost;
+    int* numbers; // of the page's frames
+    int count;
+    int* holes; // between them, that no sequence has
+    int hole_count;
+    int done, all;    // pictures
+    char words[1024]; // a title of our own
+} RfPageRun;
+
+// Opens the sequences and finds the frames of the page. rf_destroy_page_run in any case.
+RfResult rf_prepare_page( RfPageRun* report, RfError* error );
+void rf_destroy_page_run( RfPageRun* report );
+
+#endif

@@ -1,0 +1,29 @@
+// What `reframe cost` tells: the table and its words, the JSON, the plot.
+#ifndef REFRAME_CLI_TUNE_COST_REPORT_H
+#define REFRAME_CLI_TUNE_COST_REPORT_H
+
+#include "cli/options/cost_options.h"
+#include "measure/cost.h"
+
+#include <jansson.h>
+
+typedef struct RfCostReport
+{
+    const RfCostOptions* options;
+    const RfCostJob* job;
+    const RfCost* cost;
+    int per_sweep[2];    // frames of a sweep, by path tracing and with reuse
+    double load_seconds; // until the rays can go: part of a render of all frames
+} RfCostReport;
+
+void rf_print_cost( const RfCostReport* report );
+json_t* rf_cost_json( const RfCostReport* report );
+RfResult rf_write_cost_plot( const RfCostReport* report, const char* path, RfError* error );
+
+// "4.1 s", "16 min", "2.6 h", "3 days".
+void rf_format_span( double seconds, char* text, size_t size );
+
+// "groups of 7 and 3x3 tiles", "groups of 7", "3x3 tiles".
+void rf_format_reuse( const RfCostCurve* curve, char* text, size_t size );
+
+#endif

@@ -1,0 +1,167 @@
+// reframe plan: group size against memory, before anything is rendered.
+#include "render/plan.h"
+
+#include "cli/commands.h"
+#include "cli/options/plan_options.h"
+#include "cli/messages.h"
+#include "cli/options/shot.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define MEASURE_SECONDS 1.0
+
+// The example of Reusing Frames in Camera Animation, section 4.3: 800x600, 7
+// frames, 2 samples per pixel.
+#define PAPER_PATHS ( 800.0 * 600.0 * 7.0 * 2.0 )
+#define PAPER_BYTES 1787520000.0
+
+typedef struct Job
+{
+    int argc; // the command line: it wins over a scene file, which is read later
+    char** argv;
+    RfRenderOptions options;
+    RfShot shot; // options may point into it
+    RfPlan plan;
+    double paper_bytes; // our records for its example
+} Job;
+
+static RfResult take_defaults( const RfField* defaults, void* user, RfError* error )
+{
+    Job* job = user;
+    return rf_parse_plan_options_over( defaults, job->argc, job->argv, &job->options, error );
+}
+
+// Plain records: without tiles, and one light sample, as in the paper.
+static void compare_with_paper( Job* job )
+{
+    RfRenderSettings settings = job->options.settings;
+    settings.tile = rf_no_tile();
+    settings.light_samples = 1;
+    size_t diffuse, glossy;
+    rf_record_bytes( &job->shot.scene, &settings, 7, &diffuse, &glossy );
+    double share = job->plan.glossy_share;
+    job->paper_bytes = PAPER_PATHS * ( (double)diffuse * ( 1.0 - share ) + (double)glossy * share );
+}
+
+static RfResult make_plan( Job* job, RfError* error )
+{
+    const RfRenderSettings* settings = &job->options.settings;
+    RfResult result = rf_plan_render( job->shot.tracer, job->shot.path.eyes, job->shot.path.count, job->shot.frames,
+                                      job->shot.frame_count, settings, &job->plan, error );
+    if ( result != RF_OK )
+        return result;
+    if ( !job->options.quiet )
+        fprintf( stderr, "reframe plan: measuring costs for about %.0f s\n", MEASURE_SECONDS );
+    compare_with_paper( job );
+    return rf_measure_plan( job->shot.tracer, job->shot.path.eyes, job->shot.path.count, settings, MEASURE_SECONDS, &job->plan,
+                            error );
+}
+
+static void print_row( const RfPlanRow* row )
+{
+    char sweeps[32] = "", text[128];
+    const char* excluded = rf_tell_excluded( row->excluded, &row->fit, text, sizeof text );
+    if ( !rf_plan_row_fits( row ) )
+    {
+        printf( " %4d %4d %5d  %s\n", row->group, row->eyes, row->spp, excluded );
+        return;
+    }
+    if ( row->fit.sweeps > 1 )
+        snprintf( sweeps, sizeof sweeps, "  in %d sweeps", row->fit.sweeps );
+    printf( "%c%4d %4d %5d %9.1f %8.1f %8.1f %7d %10.4g %10.4g %10.4g %10.4g %10.4g %6.1f %6.1f %6.1f %8.3g%s%s%s\n",
+            row->chosen ? '*' : ' ', row->group, row->eyes, row->spp, (double)row->fit.bytes_films / 1048576.0,
+            (double)row->fit.bytes_hits / 1048576.0, (double)row->fit.bytes_lists / 1048576.0, row->fit.chunks, row->rays_primary,
+            row->rays_path, row->rays_shadow, row->rays_tile, row->rays_eye, row->reach, row->gain, row->measured_gain,
+            row->seconds, sweeps, excluded != NULL ? "  not auto: " : "", excluded != NULL ? excluded : "" );
+}
+
+static bool at_most( const Job* job ) { return job->options.settings.noise > 0.0 || job->options.settings.time > 0.0; }
+
+static void print_plan( const Job* job )
+{
+    const RfPlan* plan = &job->plan;
+    printf( "%5s %4s %5s %9s %8s %8s %7s %10s %10s %10s %10s %10s %6s %6s %6s %8s\n", "group", "eyes", "spp", "films MiB",
+            "hits MiB", "work MiB", "chunks", "primary", "path", "shadow", "tile", "eye rays", "reach", "fixed", "gain",
+            "seconds" );
+    for ( int i = 0; i < plan->count; ++i )
+        print_row( plan->rows + i );
+    printf( "fixed: the gain by fixed costs of rays, which the choice rests on; gain: by those of this scene here and now, with "
+            "sweeps\n" );
+    if ( at_most( job ) )
+        printf( "rays and seconds are of %d samples, the most that --noise and --time may take\n", job->options.settings.spp );
+    printf( "* --group auto takes %d: %s\n", plan->rows[plan->chosen].group, plan->why );
+    printf( "costs here, ns: camera ray %.0f, light at its hit %.0f, one reuse %.0f\n", 1e9 * plan->c_e, 1e9 * plan->c_l,
+            1e9 * plan->c_v );
+    printf( "a hit record: diffuse %zu bytes, glossy %zu; %.1f %% of the camera rays find a glossy hit\n", plan->bytes_diffuse,
+            plan->bytes_glossy, 100.0 * plan->glossy_share );
+    printf( "the paper's example (800x600, 7 frames, 2 samples, no tiles), records all at once: %.0f bytes in the paper, %.0f "
+            "here (1/%.1f)\n",
+            PAPER_BYTES, job->paper_bytes, PAPER_BYTES / job->paper_bytes );
+}
+
+static json_t* row_json( const RfPlanRow* row, const char* tile )
+{
+    char text[128];
+    json_t* rays = json_pack( "{s:o, s:o, s:o, s:o, s:o}", "primary", rf_json_number( row->rays_primary ), "path",
+                              rf_json_number( row->rays_path ), "shadow", rf_json_number( row->rays_shadow ), "tile",
+                              rf_json_number( row->rays_tile ), "eye", rf_json_number( row->rays_eye ) );
+    return json_pack( "{s:i, s:i, s:s, s:i, s:I, s:I, s:I, s:I, s:i, s:i, s:o, s:o, s:o, s:o, s:o, s:n, s:n, s:n, s:s?, s:b}",
+                      "group", row->group, "eyes", row->eyes, "tile", tile, "spp", row->spp, "bytes_films",
+                      (json_int_t)row->fit.bytes_films, "bytes_hits", (json_int_t)row->fit.bytes_hits, "bytes_lists",
+                      (json_int_t)row->fit.bytes_lists, "bytes_least", (json_int_t)row->fit.least, "chunks", row->fit.chunks,
+                      "sweeps", row->fit.sweeps, "rays", rays, "reach", rf_json_number( row->reach ), "gain_fixed",
+                      rf_json_number( row->gain ), "predicted_gain", rf_json_number( row->measured_gain ), "seconds",
+                      rf_json_number( row->seconds ), "relmse", "flicker", "efficiency", "excluded",
+                      rf_tell_excluded( row->excluded, &row->fit, text, sizeof text ), "chosen", row->chosen );
+}
+
+static json_t* plan_json( const Job* job )
+{
+    const RfPlan* plan = &job->plan;
+    char tile[24];
+    rf_tile_name( &job->options.settings.tile, tile );
+    json_t* rows = json_array();
+    for ( int i = 0; i < plan->count; ++i )
+        json_array_append_new( rows, row_json( plan->rows + i, tile ) );
+    json_t* costs = json_pack( "{s:o, s:o, s:o}", "c_e", rf_json_number( plan->c_e ), "c_l", rf_json_number( plan->c_l ), "c_v",
+                               rf_json_number( plan->c_v ) );
+    json_t* record = json_pack( "{s:I, s:I, s:f}", "diffuse", (json_int_t)plan->bytes_diffuse, "glossy",
+                                (json_int_t)plan->bytes_glossy, "glossy_share", plan->glossy_share );
+    json_t* paper = json_pack( "{s:f, s:f}", "theirs", PAPER_BYTES, "ours", job->paper_bytes );
+    return json_pack( "{s:o, s:s, s:b, s:o, s:o, s:o}", "rows", rows, "why", plan->why, "at_most", at_most( job ), "costs", costs,
+                      "bytes_record", record, "bytes_paper_example", paper );
+}
+
+static RfResult run( Job* job, RfError* error )
+{
+    RfResult result = rf_load_shot( "plan", &job->options, take_defaults, job, &job->shot, error );
+    if ( result == RF_OK )
+        result = make_plan( job, error );
+    if ( result != RF_OK )
+        return result;
+    const char* json = job->options.json;
+    if ( json == NULL || strcmp( json, "-" ) != 0 )
+    {
+        print_plan( job );
+        result = rf_flush_output( error );
+    }
+    return result == RF_OK && json != NULL ? rf_write_json( json, plan_json( job ), error ) : result;
+}
+
+int rf_command_plan( int argc, char** argv )
+{
+    RfError error;
+    bool help;
+    Job job = { .argc = argc, .argv = argv };
+    RfResult result = rf_parse_plan_options( argc, argv, &job.options, &help, &error );
+    if ( result == RF_OK && help )
+    {
+        rf_print_plan_help();
+        result = rf_flush_output( &error );
+    }
+    else if ( result == RF_OK )
+        result = run( &job, &error );
+    rf_destroy_shot( &job.shot );
+    return result == RF_OK ? 0 : rf_report_error( "plan", &error );
+}

@@ -1,0 +1,154 @@
+#include "film/aov_film.h"
+
+#include "reuse/harvest_internal.h"
+
+#include <math.h>
+#include <string.h>
+
+// A point farther outside the film of another eye is as good as behind it, pixels.
+#define FARTHEST_MOTION 1e6f
+
+int rf_aov_film_floats( RfAov layer )
+{
+    switch ( layer )
+    {
+        case RF_AOV_VARIANCE: return 0; // the colour's film has it
+        case RF_AOV_DEPTH: return 2;
+        default: return rf_aov_channels( layer );
+    }
+}
+
+void rf_clear_aov_film( RfAovFilm* film, int width, int height )
+{
+    size_t pixels = (size_t)width * (size_t)height;
+    for ( int l = 0; l < RF_AOV_COUNT; ++l )
+    {
+        if ( film->mean[l] != NULL )
+            memset( film->mean[l], 0, pixels * (size_t)rf_aov_film_floats( (RfAov)l ) * sizeof( float ) );
+    }
+    if ( film->landed != NULL )
+        memset( film->landed, 0, pixels * sizeof *film->landed );
+}
+
+// The next value of a mean, whose share of all so far is `share`.
+static inline void add_to_mean( float* mean, float value, float share ) { *mean += ( value - *mean ) * share; }
+
+static inline void add_vector( float* mean, RfVec3 value, float share )
+{
+    add_to_mean( mean + 0, value.x, share );
+    add_to_mean( mean + 1, value.y, share );
+    add_to_mean( mean + 2, value.z, share );
+}
+
+// Where a way from the eye meets the film, pixels from its middle, +y up; false
+// where it goes backwards or next to nowhere.
+static bool film_position( const RfEye* eye, RfVec3 way, float at[2] )
+{
+    float depth = rf_dot( way, eye->forward ), scale = eye->focal / depth;
+    at[0] = rf_dot( way, eye->right ) * scale;
+    at[1] = rf_dot( way, eye->up ) * scale;
+    return depth > 0.0f && fabsf( at[0] ) < FARTHEST_MOTION && fabsf( at[1] ) < FARTHEST_MOTION;
+}
+
+// A point seen by the job's eye, or with `infinite` a direction.
+typedef struct Seen
+{
+    RfVec3 point;
+    bool infinite;
+} Seen;
+
+static RfVec3 way_to( const RfEye* eye, Seen seen ) { return seen.infinite ? seen.point : rf_sub( seen.point, eye->origin ); }
+
+static void add_motion( const RfAovJob* job, float* mean, Seen seen, float share )
+{
+    const RfEye* others[2] = { job->previous, job->next };
+    float own[2], there[2];
+    bool known = film_position( job->eye, way_to( job->eye, seen ), own );
+    for ( int k = 0; k < 2; ++k )
+    {
+        bool moved = known && others[k] != NULL && film_position( others[k], way_to( others[k], seen ), there );
+        for ( int c = 0; c < 2; ++c )
+            add_to_mean( mean + 2 * k + c, moved ? there[c] - own[c] : 0.0f, share );
+    }
+}
+
+// What is reflected of light along the normal: a dielectric's coat takes its part first.
+static RfVec3 albedo_of( const RfVertexLanes* v, int i )
+{
+    RfVec3 diffuse = rf_vec3( v->diffuse[0][i], v->diffuse[1][i], v->diffuse[2][i] );
+    if ( i < v->first[RF_BSDF_PHONG] )
+        return diffuse;
+    RfVec3 specular = rf_vec3( v->specular[0][i], v->specular[1][i], v->specular[2][i] );
+    if ( i >= v->first[RF_BSDF_GLASS] ) // what passes through counts as well: glass is as bright as what is behind it
+        return rf_add( rf_add( specular, diffuse ), rf_vec3( v->tint[0][i], v->tint[1][i], v->tint[2][i] ) );
+    bool coated = i >= v->first[RF_BSDF_GGX];
+    return rf_madd( specular, diffuse, coated ? 1.0f - v->coat_f0[i] : 1.0f );
+}
+
+static void add_hit( const RfAovJob* job, const RfVertexLanes* v, int i, size_t pixel, float share )
+{
+    float* const* mean = job->film->mean;
+    RfVec3 p = rf_vec3( v->p[0][i], v->p[1][i], v->p[2][i] );
+    if ( mean[RF_AOV_ALBEDO] != NULL )
+        add_vector( mean[RF_AOV_ALBEDO] + 3 * pixel, albedo_of( v, i ), share );
+    if ( mean[RF_AOV_NORMAL] != NULL )
+        add_vector( mean[RF_AOV_NORMAL] + 3 * pixel, rf_vec3( v->n[0][i], v->n[1][i], v->n[2][i] ), share );
+    if ( mean[RF_AOV_DEPTH] != NULL )
+    {
+        float* depth = mean[RF_AOV_DEPTH] + 2 * pixel;
+        depth[1] += job->weight;
+        add_to_mean( depth, rf_dot( rf_sub( p, job->eye->origin ), job->eye->forward ), job->weight / depth[1] );
+    }
+    if ( mean[RF_AOV_MOTION] != NULL )
+        add_motion( job, mean[RF_AOV_MOTION] + 4 * pixel, ( Seen ){ p, false }, share );
+}
+
+// Nothing there: no albedo, normal and depth; it moves as what is infinitely far.
+static void add_miss( const RfAovJob* job, const RfRayLanes* rays, int slot, size_t pixel, float share )
+{
+    float* const* mean = job->film->mean;
+    RfVec3 d = rf_vec3( rays->d[0][slot], rays->d[1][slot], rays->d[2][slot] );
+    if ( mean[RF_AOV_ALBEDO] != NULL )
+        add_vector( mean[RF_AOV_ALBEDO] + 3 * pixel, rf_vec3( 0, 0, 0 ), share );
+    if ( mean[RF_AOV_NORMAL] != NULL )
+        add_vector( mean[RF_AOV_NORMAL] + 3 * pixel, rf_vec3( 0, 0, 0 ), share );
+    if ( mean[RF_AOV_MOTION] != NULL )
+        add_motion( job, mean[RF_AOV_MOTION] + 4 * pixel, ( Seen ){ d, true }, share );
+}
+
+void rf_add_to_aovs( const RfAovJob* job, const RfHarvestScratch* scratch )
+{
+    const RfVertexLanes* v = &scratch->first;
+    float share = job->weight / ( job->weight_before + job->weight );
+    uint8_t hit[RF_LANES] = { 0 };
+    for ( int i = 0; i < v->count; ++i )
+    {
+        int slot = v->slot[i];
+        hit[slot] = 1;
+        add_hit( job, v, i, (size_t)scratch->pixel[slot], share );
+    }
+    for ( int slot = 0; slot < scratch->camera_rays.count; ++slot )
+    {
+        if ( !hit[slot] )
+            add_miss( job, &scratch->camera_rays, slot, (size_t)scratch->pixel[slot], share );
+    }
+}
+
+void rf_finish_aov( const RfAovFilm* film, RfAov layer, const RfFilm* colour, RfFilmCombine combine, float* image )
+{
+    size_t pixels = (size_t)colour->width * (size_t)colour->height;
+    const float* mean = film->mean[layer];
+    switch ( layer )
+    {
+        case RF_AOV_VARIANCE: rf_estimate_variance( colour, combine, image ); break;
+        case RF_AOV_SAMPLES:
+            for ( size_t i = 0; i < pixels; ++i )
+                image[i] = (float)film->landed[i];
+            break;
+        case RF_AOV_DEPTH:
+            for ( size_t i = 0; i < pixels; ++i )
+                image[i] = mean[2 * i + 1] > 0.0f ? mean[2 * i] : RF_DEPTH_OF_NOTHING;
+            break;
+        default: memcpy( image, mean, pixels * (size_t)rf_aov_channels( layer ) * sizeof( float ) );
+    }
+}

@@ -1,0 +1,81 @@
+#include "film/film.h"
+
+#include "film/film_pixel.h"
+
+#include <string.h>
+
+void rf_clear_film( RfFilm* film )
+{
+    for ( int h = 0; h < 2; ++h )
+    {
+        memset( film->half[h], 0, rf_film_half_bytes( film->width, film->height ) );
+        if ( film->total[h] != NULL )
+            memset( film->total[h], 0, rf_film_total_bytes( film->width, film->height ) );
+        if ( film->extra[h] != NULL )
+            memset( film->extra[h], 0, rf_film_extra_bytes( film->width, film->height ) );
+        film->passes[h] = 0;
+        film->weight[h] = 0.0;
+    }
+    film->landed = film->extra_samples = 0;
+}
+
+void rf_end_film_pass( RfFilm* film, int half, double weight )
+{
+    film->passes[half] += 1;
+    film->weight[half] += weight;
+    if ( film->total[half] == NULL || film->passes[half] % film->total_every != 0 )
+        return;
+    size_t count = 4 * (size_t)film->width * (size_t)film->height;
+    for ( size_t i = 0; i < count; ++i )
+        film->total[half][i] += (double)film->half[half][i];
+    memset( film->half[half], 0, rf_film_half_bytes( film->width, film->height ) );
+}
+
+// (E2) in sums, n the weights of a half's passes: [ A_e + c_o (n_e − B_e) + A_o + c_e (n_o − B_o) ] / (n_e + n_o).
+// Where B is exactly n, as without reuse, this is the plain mean, bit for bit.
+static double crossfit( const RfFilmPixel* p, int c )
+{
+    double e = p->half[0][c] + rf_film_quotient( p->half[1], c ) * ( p->weight[0] - p->half[0][3] );
+    double o = p->half[1][c] + rf_film_quotient( p->half[0], c ) * ( p->weight[1] - p->half[1][3] );
+    return ( e + o ) / ( p->weight[0] + p->weight[1] );
+}
+
+static double combine_channel( const RfFilmPixel* p, RfFilmCombine combine, int c )
+{
+    double a = p->half[0][c] + p->half[1][c], b = p->half[0][3] + p->half[1][3];
+    switch ( combine )
+    {
+        case RF_FILM_CROSSFIT: return crossfit( p, c );
+        case RF_FILM_RATIO: return b > 0.0 ? a / b : 0.0;
+        case RF_FILM_PLAIN: return a / ( p->weight[0] + p->weight[1] );
+    }
+    return 0.0;
+}
+
+void rf_combine_film( const RfFilm* film, RfFilmCombine combine, float* rgb, float* weight )
+{
+    size_t count = (size_t)film->width * (size_t)film->height;
+    for ( size_t i = 0; i < count; ++i )
+    {
+        RfFilmPixel p = rf_film_pixel( film, i );
+        for ( int c = 0; c < 3; ++c )
+            rgb[3 * i + (size_t)c] = (float)combine_channel( &p, combine, c );
+        if ( weight != NULL )
+            weight[i] = (float)( ( p.half[0][3] + p.half[1][3] ) / ( p.weight[0] + p.weight[1] ) );
+    }
+}
+
+void rf_estimate_variance( const RfFilm* film, RfFilmCombine combine, float* variance )
+{
+    size_t count = (size_t)film->width * (size_t)film->height;
+    double share = rf_film_half_share( film );
+    for ( size_t i = 0; i < count; ++i )
+    {
+        RfFilmPixel p = rf_film_pixel( film, i );
+        for ( int c = 0; c < 3; ++c )
+        {
+            double d = share > 0.0 ? rf_film_half_value( &p, combine, 0, c ) - rf_film_half_value( &p, combine, 1, c ) : 0.0;
+            variance[3 * i + (size_t)c] = (float)( share * d * d );
+        }
+    }
+}

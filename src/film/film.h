@@ -1,0 +1,71 @@
+// The film of one frame: two independent halves (estimators.md section 2),
+// each with the sums of A (contributions, RGB) and B (weights) per pixel.
+#ifndef REFRAME_FILM_FILM_H
+#define REFRAME_FILM_FILM_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+typedef struct RfFilm
+{
+    int width, height;
+    float* half[2];   // 4 per pixel: A red, green, blue, B
+    double* total[2]; // what the halves held before they were emptied; NULL in renders too short for that
+    int total_every;  // passes of a half after which it is emptied
+    int passes[2];    // passes summed up in each half
+    double weight[2]; // and the sum of their weights, which is the mean of B
+    uint64_t landed;  // samples that fell into the film
+    float* extra[2];  // per pixel: weights of samples besides those passes, which count like a pass there; NULL: none
+    uint64_t extra_samples;
+} RfFilm;
+
+// Additions to a pixel after which a sum in floats is moved to one in doubles.
+// n equal values lose n·2^−25 of their sum at most: 3e-5.
+#define RF_FILM_ADDITIONS ( 1 << 10 )
+
+typedef enum RfFilmCombine
+{
+    RF_FILM_CROSSFIT, // (E2)
+    RF_FILM_RATIO,    // A / B
+    RF_FILM_PLAIN,    // A
+} RfFilmCombine;
+
+// Bytes of a half, and of the doubles that it is emptied into.
+static inline size_t rf_film_half_bytes( int width, int height ) { return (size_t)width * (size_t)height * 4 * sizeof( float ); }
+static inline size_t rf_film_total_bytes( int width, int height )
+{
+    return (size_t)width * (size_t)height * 4 * sizeof( double );
+}
+
+static inline size_t rf_film_extra_bytes( int width, int height ) { return (size_t)width * (size_t)height * sizeof( float ); }
+
+// Passes after which a half must be emptied where a pass adds to a pixel about
+// `samples` times.
+static inline int rf_film_total_every( int samples ) { return samples < RF_FILM_ADDITIONS ? RF_FILM_ADDITIONS / samples : 1; }
+
+// Does a film of so many passes need totals?
+static inline bool rf_film_needs_total( int64_t passes, int total_every ) { return passes > total_every; }
+
+// Empties the film.
+void rf_clear_film( RfFilm* film );
+
+// A pass into a half is complete, whose samples were all taken `weight` times.
+void rf_end_film_pass( RfFilm* film, int half, double weight );
+
+// The image of the film: rgb (3 per pixel), and the mean of B over the passes
+// in `weight` (1 per pixel; may be NULL). A pixel without weight is black.
+void rf_combine_film( const RfFilm* film, RfFilmCombine combine, float* rgb, float* weight );
+
+// Variance of the combined film's pixels, each of the three channels, estimated
+// from the difference of the halves: right in the mean, but noisy, for each
+// pixel has one such difference. 0 where one of the halves is empty.
+void rf_estimate_variance( const RfFilm* film, RfFilmCombine combine, float* variance );
+
+// relMSE of `rgb`, the combined film, against the truth, estimated from the
+// difference of the halves; NaN where one of them is empty. In the mean over many
+// renders within 15 % of the truth (tests/render/test_estimator_error.c); that of a
+// single one is as uncertain as what its fireflies add to it.
+double rf_estimate_relmse( const RfFilm* film, RfFilmCombine combine, const float* rgb );
+
+#endif

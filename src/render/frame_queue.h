@@ -1,0 +1,54 @@
+// Hands finished frames to the caller, in order, from a thread of its own: the
+// next frames are rendered while the caller encodes and writes the last ones.
+// The images wait in a few buffers that are made once; when all are in use the
+// rendering waits. Where there is no thread the caller is called in between.
+#ifndef REFRAME_RENDER_FRAME_QUEUE_H
+#define REFRAME_RENDER_FRAME_QUEUE_H
+
+#include "render/render.h"
+
+#include <pthread.h>
+
+// The images of one finished frame, allocated by the render.
+typedef struct RfFrameBuffer
+{
+    float* rgb;
+    float* weight;
+    float* layers[RF_AOV_COUNT]; // those asked for
+    RfFrameResult result;        // points into them
+} RfFrameBuffer;
+
+typedef struct RfFrameQueue
+{
+    const RfRenderCallbacks* callbacks;
+    RfFrameBuffer* buffers; // a ring: frames go round in it
+    int buffer_count;
+    bool threaded;
+    pthread_t thread;
+    pthread_mutex_t mutex; // of all below
+    pthread_cond_t changed;
+    int first, waiting; // buffers [first, first + waiting) of the ring are handed over or being so
+    bool ended;         // no more will come
+    RfResult result;    // the first failure of the caller's; no frame is handed over after it
+    RfError error;
+} RfFrameQueue;
+
+// Starts with `count` ≥ 1 buffers; with `threaded` a thread is started, where
+// the system has one.
+void rf_start_frame_queue( RfFrameQueue* delivery, const RfRenderCallbacks* callbacks, RfFrameBuffer* buffers, int count,
+                           bool threaded );
+
+// A buffer that is free; waits until there is one.
+RfFrameBuffer* rf_next_frame_buffer( RfFrameQueue* delivery );
+
+// Hands that buffer over, which is filled; it is no longer the render's.
+void rf_queue_frame( RfFrameQueue* delivery );
+
+// The caller's failure so far, or RF_OK. Calls from the render's thread.
+RfResult rf_check_frame_queue( RfFrameQueue* delivery, RfError* error );
+
+// Waits until all frames are handed over, ends the thread, and returns the
+// caller's failure or RF_OK.
+RfResult rf_end_frame_queue( RfFrameQueue* delivery, RfError* error );
+
+#endif

@@ -1,0 +1,115 @@
+// How a render fits its budget: first with fewer batches at once, then with
+// fewer threads or with the films of fewer frames, whichever costs less time.
+#include "render/render_internal.h"
+
+// Batches without which the threads could not all work.
+static int batches_needed( const RenderSizes* s )
+{
+    int wanted = rf_batches_wanted( s );
+    return s->shape.eq15 || wanted < s->threads ? wanted : s->threads;
+}
+
+static size_t needed_bytes( const RenderSizes* s ) { return rf_fixed_bytes( s ) + rf_records_bytes( s, batches_needed( s ) ); }
+
+// Threads that there is room for, at most those of the sizes; 0: none.
+static int threads_that_fit( size_t budget, RenderSizes sizes )
+{
+    int low = 0, high = sizes.threads;
+    while ( low < high )
+    {
+        sizes.threads = ( low + high + 1 ) / 2;
+        if ( needed_bytes( &sizes ) <= budget )
+            low = sizes.threads;
+        else
+            high = sizes.threads - 1;
+    }
+    return low;
+}
+
+// A sweep for k frames harvests the 2n before and behind them as well.
+static double time_of( int films, int threads, int frames, int eyes )
+{
+    double sweeps = films == frames || films == eyes ? 1.0 : (double)( films + eyes - 1 ) / (double)films;
+    return sweeps / (double)threads;
+}
+
+static void choose( size_t budget, int frames, RenderSizes* sizes )
+{
+    RenderSizes best = *sizes, tried = *sizes;
+    best.films = best.threads = 0;
+    double least = 0.0;
+    for ( tried.films = sizes->films; tried.films > 0; --tried.films )
+    {
+        int threads = threads_that_fit( budget, tried );
+        double time = threads > 0 ? time_of( tried.films, threads, frames, sizes->shape.eyes ) : 0.0;
+        if ( threads == 0 || ( best.threads > 0 && time >= least ) )
+            continue;
+        best.films = tried.films;
+        best.threads = threads;
+        least = time;
+        if ( tried.films == sizes->films && threads == sizes->threads )
+            break;
+    }
+    *sizes = best;
+}
+
+// Rounded up to KiB, so that it can be typed.
+static size_t least_budget( RenderSizes sizes )
+{
+    sizes.threads = sizes.films = 1;
+    return ( needed_bytes( &sizes ) + 1023 ) / 1024 * 1024;
+}
+
+static int up( int a, int b ) { return ( a + b - 1 ) / b; }
+
+static int batches_that_fit( size_t budget, const RenderSizes* s )
+{
+    int batches = rf_batches_wanted( s );
+    size_t room = budget - rf_fixed_bytes( s );
+    while ( batches > batches_needed( s ) && rf_records_bytes( s, batches ) > room )
+        batches -= 1;
+    return batches;
+}
+
+static RfResult fail_held( size_t budget, size_t least, RfError* error )
+{
+    return rf_fail( error, RF_ERROR_MEMORY,
+                    "--hold-all: a budget of %zu KiB is too small for all hit records of a group: give --memory %zuK or more, or "
+                    "leave it off",
+                    budget / 1024, least / 1024 );
+}
+
+RfResult rf_fit_sizes( size_t budget, int frames, RenderSizes* sizes, RfMemoryFit* fit, RfError* error )
+{
+    int wanted = sizes->films;
+    *fit = ( RfMemoryFit ){ .least = least_budget( *sizes ) };
+    choose( budget, frames, sizes );
+    if ( sizes->films == 0 && sizes->held > 0 )
+        return fail_held( budget, fit->least, error );
+    if ( sizes->films == 0 )
+        return rf_fail( error, RF_ERROR_MEMORY,
+                        "a budget of %zu KiB is too small for frames of %dx%d: give --memory %zuK or more, or lower --size",
+                        budget / 1024, sizes->width, sizes->height, fit->least / 1024 );
+    fit->threads = sizes->threads;
+    fit->films = sizes->films;
+    fit->sweeps = sizes->films == wanted ? 1 : up( frames, sizes->films );
+    fit->batches = batches_that_fit( budget, sizes );
+    fit->chunks = up( sizes->shape.eyes * sizes->patches.count, fit->batches );
+    fit->bytes_films = rf_films_bytes( sizes ) + rf_image_bytes( sizes );
+    fit->bytes_hits = rf_records_bytes( sizes, fit->batches );
+    fit->bytes_lists = rf_scratch_bytes( sizes ) + rf_writer_bytes( sizes );
+    return RF_OK;
+}
+
+RfResult rf_fit_memory( const RfScene* scene, const RfEye* eyes, int eye_count, int frame_count, const RfRenderSettings* settings,
+                        RfMemoryFit* fit, RfError* error )
+{
+    RfGroupPlan plan = rf_plan_groups( eye_count, settings->group, settings->spp );
+    RenderSizes sizes = rf_render_sizes( scene, eyes, &plan, frame_count, settings );
+    RfResult result = rf_fit_sizes( settings->memory, frame_count, &sizes, fit, error );
+    if ( result != RF_ERROR_MEMORY || !settings->hold_all )
+        return result;
+    // how much is too little rf_render finds out: it depends on what the rays hit
+    *fit = ( RfMemoryFit ){ .threads = settings->threads, .films = frame_count, .sweeps = 1, .least = fit->least };
+    return RF_OK;
+}

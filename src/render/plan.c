@@ -1,0 +1,256 @@
+#include "render/plan_internal.h"
+
+#include <math.h>
+#include <stdio.h>
+
+static const int s_groups[RF_PLAN_ROWS] = { 0, 1, 2, 3, 4, 6, 8, 12, 16 };
+
+// Costs of rays relative to each other, that the choice rests on: about
+// nanoseconds on one core of a 2.5 GHz Xeon with AVX2.
+#define COST_PRIMARY 100.0 // with its records and films
+#define COST_PATH 200.0
+#define COST_SHADOW 100.0
+#define COST_TILE 40.0
+#define COST_EYE 30.0    // a test of visibility
+#define COST_LANDING 4.0 // of a hit in a film, and
+#define COST_LIT 7.0     // for each direction that a glossy one is lit from
+
+// Why auto leaves a row out.
+static const char s_no_room[] = "does not fit --memory", s_films[] = "films over half of --memory",
+                  s_sweeps[] = "goes through the path several times", s_rounded[] = "--spp rounded up too far";
+
+#define FLAT 0.9      // of the best gain is as good: smaller groups need less memory, and less for a single frame
+#define ROUNDING 1.25 // times the samples asked for may be traced
+
+static void list_rows( int eye_count, int spp, RfPlan* plan )
+{
+    for ( int i = 0; i < RF_PLAN_ROWS; ++i )
+    {
+        RfGroupPlan groups = rf_plan_samples( eye_count, s_groups[i], spp );
+        plan->rows[plan->count++] = ( RfPlanRow ){ .group = groups.eyes / 2,
+                                                   .eyes = groups.eyes,
+                                                   .spp = groups.spp,
+                                                   .samples = NAN,
+                                                   .repeated = NAN,
+                                                   .rays_primary = NAN,
+                                                   .rays_path = NAN,
+                                                   .rays_shadow = NAN,
+                                                   .rays_tile = NAN,
+                                                   .rays_eye = NAN,
+                                                   .reach = NAN,
+                                                   .gain = NAN,
+                                                   .measured_gain = NAN,
+                                                   .seconds = NAN };
+        if ( groups.eyes == eye_count )
+            break;
+    }
+}
+
+double rf_plan_work( const RfGroupPlan* plan, double own, double reuse )
+{
+    double work = 0.0;
+    for ( int w = 0; w < plan->windows; ++w )
+    {
+        RfGroup window = rf_group( plan, w );
+        work += (double)window.passes * window.eyes * ( own + ( window.eyes - 1 ) * reuse );
+    }
+    return work;
+}
+
+// The samples that a frame gets, and what a sample costs on the whole: the gain
+// is their quotient, relative to no reuse.
+static double gain_of( const RfGroupPlan* plan, double reach, double own, double reuse )
+{
+    double samples = (double)plan->frames * plan->spp;
+    double work = rf_plan_work( plan, own, reuse );
+    return work > 0.0 ? reach * samples * own / work : 1.0;
+}
+
+// Samples and rays of the frames asked for, over all sweeps.
+static void count_rays( const RfGroupPlan* plan, const int* frames, int frame_count, double pixels, const PlanCounts* counts,
+                        int index, RfPlanRow* row )
+{
+    int per_sweep = row->fit.sweeps > 1 ? row->fit.films : frame_count;
+    double samples = 0.0, others = 0.0, once = 0.0, unused = 0.0;
+    for ( int first = 0; first < frame_count; first += per_sweep )
+        rf_add_group_samples( plan, frames, first, first + per_sweep < frame_count ? first + per_sweep : frame_count, &samples,
+                              &others );
+    rf_add_group_samples( plan, frames, 0, frame_count, &once, &unused );
+    double per = pixels / counts->samples;
+    row->samples = samples * pixels;
+    row->repeated = samples / once;
+    row->rays_primary = samples * pixels;
+    row->rays_path = samples * per * (double)counts->rays.path;
+    row->rays_shadow = samples * per * (double)counts->rays.shadow;
+    row->rays_tile = samples * per * (double)counts->rays.tile;
+    // own eyes are tested in blended scenes only, and are in these counts then
+    row->rays_eye =
+        row->eyes > 1 ? others / ( row->eyes - 1 ) * per * counts->eye_rays[index] : samples * per * counts->eye_rays[index];
+}
+
+static void fixed_costs( const PlanCounts* c, const RfBatchShape* shape, int index, int eyes, double* own, double* reuse )
+{
+    double landing = ( c->hits * COST_LANDING + c->glossy * COST_LIT * rf_direction_count( shape ) ) / c->samples;
+    *own = ( COST_PRIMARY * (double)c->rays.primary + COST_PATH * (double)c->rays.path + COST_SHADOW * (double)c->rays.shadow +
+             COST_TILE * (double)c->rays.tile ) /
+               c->samples +
+           landing;
+    *reuse = eyes > 1 ? COST_EYE * c->eye_rays[index] / c->samples / ( eyes - 1 ) + landing : 0.0;
+}
+
+// Why auto leaves a group out, by the path, the size and the options alone: as if
+// all of the path were asked for, and one thread had the memory. Several sweeps
+// trace everything as often again, which the gain does not know of.
+static const char* reason_against( const RfScene* scene, const RfEye* eyes, int eye_count, const RfRenderSettings* settings,
+                                   const RfPlanRow* row )
+{
+    RfRenderSettings s = *settings;
+    s.group = row->group;
+    s.threads = 1;
+    RfGroupPlan plan = rf_plan_samples( eye_count, row->group, settings->spp );
+    RenderSizes sizes = rf_render_sizes( scene, eyes, &plan, eye_count, &s );
+    RfMemoryFit fit;
+    if ( rf_fit_memory( scene, eyes, eye_count, eye_count, &s, &fit, NULL ) != RF_OK )
+        return s_no_room;
+    if ( rf_films_bytes( &sizes ) > settings->memory / 2 )
+        return s_films;
+    if ( fit.sweeps > 1 )
+        return s_sweeps;
+    return (double)row->spp > ROUNDING * settings->spp ? s_rounded : NULL;
+}
+
+// The smallest group whose gain is as good as the best.
+static void choose_row( RfPlan* plan )
+{
+    double best = 1.0;
+    for ( int i = 0; i < plan->count; ++i )
+        best = plan->rows[i].excluded == NULL && plan->rows[i].gain > best ? plan->rows[i].gain : best;
+    while ( plan->rows[plan->chosen].excluded != NULL || plan->rows[plan->chosen].gain < FLAT * best )
+        plan->chosen += 1;
+    plan->rows[plan->chosen].chosen = true;
+}
+
+static int rows_against( const RfPlan* plan, const char* reason )
+{
+    int count = 0;
+    for ( int i = 0; i < plan->count; ++i )
+        count += plan->rows[i].excluded == reason;
+    return count;
+}
+
+static void explain( RfPlan* plan, const RfRenderSettings* settings )
+{
+    char rounded[96];
+    snprintf( rounded, sizeof rounded, "--spp %d would be rounded up by more than a quarter", settings->spp );
+    const char* const reasons[][3] = { { s_films, s_films, s_films },
+                                       { s_sweeps, s_sweeps, "go through the path several times" },
+                                       { s_rounded, rounded, rounded },
+                                       { s_no_room, s_no_room, "do not fit --memory" } };
+    const RfPlanRow* best = plan->rows + plan->chosen;
+    for ( int i = 0; i < plan->count; ++i )
+        best = plan->rows[i].excluded == NULL && plan->rows[i].gain > best->gain ? plan->rows + i : best;
+    size_t size = sizeof plan->why;
+    size_t used =
+        (size_t)snprintf( plan->why, size, "the smallest group within 10 %% of the best gain by fixed costs, %.1f with group %d",
+                          best->gain, best->group );
+    for ( size_t k = 0; k < sizeof reasons / sizeof reasons[0] && used < size; ++k )
+    {
+        int rows = rows_against( plan, reasons[k][0] );
+        if ( rows > 0 )
+            used += (size_t)snprintf( plan->why + used, size - used, "; %d row%s left out, %s", rows, rows == 1 ? "" : "s",
+                                      reasons[k][rows == 1 ? 1 : 2] );
+    }
+}
+
+// From counts with one batch of hits at a time.
+static RfResult count( const RfTracer* tracer, const RfEye* eyes, int eye_count, const RfRenderSettings* settings,
+                       const RfPlan* plan, PlanCounts* counts, RfError* error )
+{
+    PlanProbe probe;
+    int group_eyes[RF_PLAN_ROWS], most = 1;
+    for ( int i = 0; i < plan->count; ++i )
+    {
+        // what does not fit has no room for its hits either
+        group_eyes[i] = rf_plan_row_fits( plan->rows + i ) ? plan->rows[i].eyes : 1;
+        most = group_eyes[i] > most ? group_eyes[i] : most;
+    }
+    RfResult result = rf_begin_probe( tracer, eyes, eye_count, settings, most, &probe, error );
+    if ( result == RF_OK )
+        rf_count_plan( &probe, group_eyes, plan->count, counts );
+    rf_end_probe( &probe );
+    return result;
+}
+
+// Only the smallest has to fit.
+static RfResult fit_rows( const RfScene* scene, const RfEye* eyes, int eye_count, int frame_count,
+                          const RfRenderSettings* settings, RfPlan* plan, RfError* error )
+{
+    for ( int i = 0; i < plan->count; ++i )
+    {
+        RfPlanRow* row = plan->rows + i;
+        RfRenderSettings s = *settings;
+        s.group = row->group;
+        RfResult result = rf_fit_memory( scene, eyes, eye_count, frame_count, &s, &row->fit, error );
+        if ( result != RF_OK && i == 0 )
+            return result;
+        if ( i > 0 )
+            row->excluded = result != RF_OK ? s_no_room : reason_against( scene, eyes, eye_count, settings, row );
+    }
+    return RF_OK;
+}
+
+static void weigh_rows( const RfEye* eyes, int eye_count, const int* frames, int frame_count, const RfRenderSettings* settings,
+                        const RfBatchShape* shape, const PlanCounts* counts, RfPlan* plan )
+{
+    double pixels = (double)eyes->width * eyes->height;
+    for ( int i = 0; i < plan->count; ++i )
+    {
+        RfPlanRow* row = plan->rows + i;
+        if ( !rf_plan_row_fits( row ) )
+            continue;
+        RfGroupPlan groups = rf_plan_samples( eye_count, row->group, settings->spp );
+        double own, reuse;
+        fixed_costs( counts, shape, i, row->eyes, &own, &reuse );
+        row->reach = counts->share[i] > 0.0 ? counts->hits / counts->share[i] : 1.0;
+        row->gain = gain_of( &groups, row->reach, own, reuse );
+        count_rays( &groups, frames, frame_count, pixels, counts, i, row );
+    }
+}
+
+RfResult rf_plan_render( const RfTracer* tracer, const RfEye* eyes, int eye_count, const int* frames, int frame_count,
+                         const RfRenderSettings* settings, RfPlan* plan, RfError* error )
+{
+    RfRenderSettings common;
+    *plan = ( RfPlan ){ .c_e = NAN, .c_l = NAN, .c_v = NAN };
+    RfResult result = rf_resolve_common( eyes, eye_count, settings, &common, error );
+    if ( result != RF_OK )
+        return result;
+    list_rows( eye_count, common.spp, plan );
+    const RfScene* scene = rf_tracer_scene( tracer );
+    result = fit_rows( scene, eyes, eye_count, frame_count, &common, plan, error );
+    PlanCounts counts;
+    if ( result == RF_OK )
+        result = count( tracer, eyes, eye_count, &common, plan, &counts, error );
+    if ( result != RF_OK )
+        return result;
+    RfGroupPlan groups = rf_plan_groups( eye_count, 0, common.spp );
+    RenderSizes sizes = rf_render_sizes( scene, eyes, &groups, 1, &common );
+    weigh_rows( eyes, eye_count, frames, frame_count, &common, &sizes.shape, &counts, plan );
+    plan->hit_share = counts.hits / counts.samples;
+    plan->glossy_share = counts.glossy / counts.samples;
+    choose_row( plan );
+    explain( plan, &common );
+    rf_record_bytes( scene, &common, plan->rows[plan->chosen].eyes, &plan->bytes_diffuse, &plan->bytes_glossy );
+    return RF_OK;
+}
+
+void rf_record_bytes( const RfScene* scene, const RfRenderSettings* settings, int eyes, size_t* diffuse, size_t* glossy )
+{
+    RfGroupPlan plan = rf_plan_groups( eyes, eyes / 2, 1 );
+    RfEye eye = { .width = 1, .height = 1 };
+    RfBatchShape shape = rf_render_sizes( scene, &eye, &plan, 1, settings ).shape;
+    size_t whole = rf_batch_bytes( &shape );
+    shape.glossy = false;
+    *diffuse = ( rf_batch_bytes( &shape ) + RF_LANES - 1 ) / RF_LANES;
+    *glossy = ( whole + RF_LANES - 1 ) / RF_LANES;
+}

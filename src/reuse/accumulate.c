@@ -1,0 +1,266 @@
+#include "reuse/accumulate.h"
+
+#include "reuse/glossy.h"
+#include "reuse/reprojection.h"
+
+#include <string.h>
+
+// Pixels of the hits at an eye, and their ratios r_t = J_t V_t / Σ J_l V_l,
+// taken `weight` times.
+static void weigh_landing( const RfEye* eye, int eye_index, const RfHitBatch* batch, float weight, int32_t* pixel,
+                           float* restrict ratio )
+{
+    bool own = eye_index == batch->eye;
+    if ( own )
+    {
+        memcpy( pixel, batch->pixel, (size_t)batch->count * sizeof *pixel );
+        rf_own_densities( eye, batch, ratio );
+    }
+    else
+        rf_project_batch( eye, batch, pixel, ratio );
+    if ( batch->densities != NULL )
+        memcpy( ratio, batch->densities + (size_t)eye_index * RF_LANES, (size_t)batch->count * sizeof *ratio );
+    const float* restrict sum = batch->density_sum;
+    const uint32_t* restrict seen = batch->seen + ( eye_index / 32 ) * RF_LANES;
+    uint32_t bit = 1u << ( eye_index % 32 );
+#pragma omp simd
+    for ( int i = 0; i < batch->count; ++i )
+        ratio[i] = ( seen[i] & bit ) != 0 ? weight * ( ratio[i] / sum[i] ) : 0.0f;
+}
+
+static void land( const RfAccumulate* compute, int eye, const RfHitBatch* batch, RfAccumulateScratch* scratch )
+{
+    weigh_landing( compute->eyes + eye, eye, batch, compute->weight, scratch->pixel, scratch->ratio );
+    if ( compute->weights == RF_WEIGHTS_EXACT )
+        return;
+    // the biased weightings count hits
+    for ( int i = 0; i < batch->count; ++i )
+        scratch->ratio[i] = scratch->ratio[i] > 0.0f ? compute->weight : 0.0f;
+}
+
+// Σ over the eyes whose hits landed in the pixel, in the mean: FR (15).
+static void mix_landed( const RfAccumulate* compute, const RfHitBatch* batch, const uint32_t* landed_eyes, int direction,
+                        RfAccumulateScratch* s )
+{
+    int first = batch->first[RF_BSDF_PHONG], count = rf_glossy_count( batch );
+    int words = rf_seen_words( compute->shape.eyes );
+    const RfDirectionLanes* lanes = batch->directions + direction;
+    const float* wi[3] = { lanes->wi[0], lanes->wi[1], lanes->wi[2] };
+    float* wo[3] = { s->wo[0], s->wo[1], s->wo[2] };
+    const float* wo_in[3] = { wo[0], wo[1], wo[2] };
+    int32_t landed[RF_LANES] = { 0 };
+    memset( s->mixture, 0, sizeof s->mixture );
+    for ( int l = 0; l < compute->shape.eyes; ++l )
+    {
+        rf_directions_to( compute->eyes, l, batch, wo );
+        rf_evaluate_glossy( batch, wo_in, wi, NULL, s->pdf );
+        for ( int i = 0; i < count; ++i )
+        {
+            uint32_t word = landed_eyes[(size_t)s->pixel[first + i] * (size_t)words + (size_t)( l / 32 )];
+            int there = word >> ( l % 32 ) & 1u;
+            s->mixture[i] += there ? s->pdf[i] : 0.0f;
+            landed[i] += there;
+        }
+    }
+    for ( int i = 0; i < count; ++i )
+        s->mixture[i] /= (float)( landed[i] > 0 ? landed[i] : 1 );
+}
+
+// sum += f Q of one direction, with Q for this pixel's mixture where eq15 asks.
+static void add_direction( const RfDirectionLanes* lanes, int count, bool eq15, RfAccumulateScratch* s )
+{
+    for ( int c = 0; c < 3; ++c )
+    {
+        float* restrict sum = s->sum[c];
+        const float* restrict f = s->f[c];
+        const float* restrict q = lanes->q[c];
+        if ( !eq15 )
+        {
+#pragma omp simd
+            for ( int i = 0; i < count; ++i )
+                sum[i] += f[i] * q[i];
+            continue;
+        }
+        for ( int i = 0; i < count; ++i )
+        {
+            float p = s->mixture[i], both = lanes->light_pdf[i] + p;
+            sum[i] += f[i] * ( ( both > 0.0f ? lanes->a[c][i] / both : 0.0f ) + ( p > 0.0f ? lanes->b[c][i] / p : 0.0f ) );
+        }
+    }
+}
+
+// Light of the glossy hits towards the eye, into sum.
+static void light_glossy( const RfAccumulate* compute, int eye, const RfHitBatch* batch, const uint32_t* landed_eyes,
+                          RfAccumulateScratch* s )
+{
+    int first = batch->first[RF_BSDF_PHONG], count = rf_glossy_count( batch );
+    float* wo[3] = { s->wo[0], s->wo[1], s->wo[2] };
+    const float* wo_in[3] = { wo[0], wo[1], wo[2] };
+    float* f[3] = { s->f[0], s->f[1], s->f[2] };
+    for ( int i = 0; i < count; ++i )
+    {
+        for ( int c = 0; c < 3; ++c )
+            s->sum[c][i] = batch->radiance[4 * ( first + i ) + c];
+    }
+    if ( !compute->shape.eq15 )
+        rf_directions_to( compute->eyes, eye, batch, wo );
+    for ( int d = 0; d < rf_direction_count( &compute->shape ); ++d )
+    {
+        const RfDirectionLanes* lanes = batch->directions + d;
+        const float* wi[3] = { lanes->wi[0], lanes->wi[1], lanes->wi[2] };
+        if ( compute->shape.eq15 )
+        {
+            mix_landed( compute, batch, landed_eyes, d, s );
+            rf_directions_to( compute->eyes, eye, batch, wo );
+        }
+        rf_evaluate_glossy( batch, wo_in, wi, f, NULL );
+        add_direction( lanes, count, compute->shape.eq15, s );
+    }
+}
+
+// Pixels [low, end) are this job's.
+typedef struct PixelRange
+{
+    float* film; // 4 per pixel
+    int32_t low, end;
+} PixelRange;
+
+typedef float Float4 __attribute__( ( vector_size( 16 ) ) );
+
+// film += r · (value, 1), four lanes at once. Spelled out: left to itself the
+// compiler goes through the stack, and waits for it.
+static inline void add_to_pixel( float* film, float ratio, const float* value )
+{
+    Float4 v, sum;
+    memcpy( &v, value, sizeof v );
+    memcpy( &sum, film, sizeof sum );
+    sum += v * ratio;
+    memcpy( film, &sum, sizeof sum );
+}
+
+static uint64_t splat_diffuse( const RfHitBatch* batch, const RfAccumulateScratch* s, PixelRange range )
+{
+    uint64_t landed = 0;
+    int count = batch->first[RF_BSDF_PHONG];
+    for ( int i = 0; i < count; ++i )
+    {
+        int32_t pixel = s->pixel[i];
+        if ( s->ratio[i] > 0.0f && pixel >= range.low && pixel < range.end )
+        {
+            add_to_pixel( range.film + 4 * (size_t)pixel, s->ratio[i], batch->radiance + 4 * i );
+            ++landed;
+        }
+    }
+    return landed;
+}
+
+static uint64_t splat_glossy( const RfHitBatch* batch, const RfAccumulateScratch* s, PixelRange range )
+{
+    uint64_t landed = 0;
+    int first = batch->first[RF_BSDF_PHONG];
+    for ( int i = first; i < batch->count; ++i )
+    {
+        int32_t pixel = s->pixel[i];
+        if ( s->ratio[i] > 0.0f && pixel >= range.low && pixel < range.end )
+        {
+            float value[4] = { s->sum[0][i - first], s->sum[1][i - first], s->sum[2][i - first], 1.0f };
+            add_to_pixel( range.film + 4 * (size_t)pixel, s->ratio[i], value );
+            ++landed;
+        }
+    }
+    return landed;
+}
+
+// Certain: in their own frame only.
+static uint64_t splat_misses( const RfHitBatch* batch, bool black, float weight, PixelRange range )
+{
+    uint64_t landed = 0;
+    for ( int i = 0; i < batch->miss_count; ++i )
+    {
+        int32_t pixel = rf_miss_pixel( batch )[i];
+        if ( pixel >= range.low && pixel < range.end )
+        {
+            if ( black )
+                range.film[4 * (size_t)pixel + 3] += weight;
+            else
+                add_to_pixel( range.film + 4 * (size_t)pixel, weight, rf_miss_radiance( batch ) + 4 * (size_t)i );
+            ++landed;
+        }
+    }
+    return landed;
+}
+
+static void count_landed( const RfHitBatch* batch, const RfAccumulateScratch* s, PixelRange range, uint32_t* landed )
+{
+    for ( int i = 0; i < batch->count; ++i )
+    {
+        int32_t pixel = s->pixel[i];
+        if ( s->ratio[i] > 0.0f && pixel >= range.low && pixel < range.end )
+            landed[pixel] += 1;
+    }
+}
+
+static void count_misses( const RfHitBatch* batch, PixelRange range, uint32_t* landed )
+{
+    for ( int i = 0; i < batch->miss_count; ++i )
+    {
+        int32_t pixel = rf_miss_pixel( batch )[i];
+        if ( pixel >= range.low && pixel < range.end )
+            landed[pixel] += 1;
+    }
+}
+
+static bool lands_in( const RfHitBatch* batch, RfAccumulateJob job )
+{
+    return batch->rows[2 * job.eye] < job.end_row && batch->rows[2 * job.eye + 1] >= job.first_row;
+}
+
+// Which eyes' hits landed in each pixel of the job's rows: FR (15) asks.
+static void note_landed( const RfAccumulate* compute, RfAccumulateJob job, PixelRange range, uint32_t* landed_eyes,
+                         RfAccumulateScratch* s )
+{
+    size_t words = (size_t)rf_seen_words( compute->shape.eyes );
+    for ( int k = 0; k < compute->batch_count; ++k )
+    {
+        const RfHitBatch* batch = compute->batches + k;
+        if ( !lands_in( batch, job ) )
+            continue;
+        land( compute, job.eye, batch, s );
+        for ( int i = 0; i < batch->count; ++i )
+        {
+            int32_t pixel = s->pixel[i];
+            if ( s->ratio[i] > 0.0f && pixel >= range.low && pixel < range.end )
+                landed_eyes[(size_t)pixel * words + (size_t)( batch->eye / 32 )] |= 1u << ( batch->eye % 32 );
+        }
+    }
+}
+
+uint64_t rf_accumulate_rows( const RfAccumulate* compute, RfAccumulateJob job, uint32_t* landed_eyes,
+                             RfAccumulateScratch* scratch )
+{
+    int width = compute->eyes[job.eye].width;
+    PixelRange range = { job.film->half[job.half], job.first_row * width, job.end_row * width };
+    if ( compute->shape.eq15 )
+        note_landed( compute, job, range, landed_eyes, scratch );
+    uint64_t landed = 0;
+    for ( int k = 0; k < compute->batch_count; ++k )
+    {
+        const RfHitBatch* batch = compute->batches + k;
+        if ( !lands_in( batch, job ) )
+            continue;
+        land( compute, job.eye, batch, scratch );
+        landed += splat_diffuse( batch, scratch, range );
+        if ( rf_glossy_count( batch ) > 0 )
+        {
+            light_glossy( compute, job.eye, batch, landed_eyes, scratch );
+            landed += splat_glossy( batch, scratch, range );
+        }
+        if ( job.eye == batch->eye )
+            landed += splat_misses( batch, !compute->shape.natives, compute->weight, range );
+        if ( job.landed != NULL )
+            count_landed( batch, scratch, range, job.landed );
+        if ( job.landed != NULL && job.eye == batch->eye )
+            count_misses( batch, range, job.landed );
+    }
+    return landed;
+}

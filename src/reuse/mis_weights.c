@@ -1,0 +1,219 @@
+// The light of hit records, weighted over the eyes that could have drawn each
+// direction (estimators.md E1, E3).
+#include "reuse/harvest_internal.h"
+
+#include <string.h>
+
+// A mixture density below this is no density: nothing was drawn there.
+#define MIN_PDF 1e-30f
+
+typedef RfArrivalLanes Arrival;
+
+// Directions are numbered: the light samples, the scattered one, and those of
+// the tile's other paths.
+static void direction_lanes( const RfHarvest* harvest, RfHarvestScratch* scratch, int direction, const float* wi[3] )
+{
+    int turn = direction - harvest->walk.light_samples;
+    float( *lanes )[RF_LANES] = turn < 0    ? scratch->direct[direction].wi
+                                : turn == 0 ? scratch->scattered
+                                            : scratch->share->turns[turn].wi;
+    for ( int c = 0; c < 3; ++c )
+        wi[c] = lanes[c];
+}
+
+static void gather_light_sample( const RfHarvest* harvest, const RfHarvestScratch* scratch, int sample, Arrival* out )
+{
+    const RfLightLanes* direct = scratch->direct + sample;
+    size_t bytes = (size_t)scratch->first.count * sizeof( float );
+    float k = (float)harvest->walk.light_samples;
+    for ( int c = 0; c < 3; ++c )
+    {
+        memcpy( out->a[c], direct->radiance_cos[c], bytes );
+        memset( out->b[c], 0, bytes );
+    }
+    for ( int i = 0; i < scratch->first.count; ++i )
+        out->light_pdf[i] = k * direct->pdf_solid_angle[i];
+}
+
+static void gather_scattered( const RfHarvest* harvest, const RfHarvestScratch* scratch, Arrival* out )
+{
+    const RfVertexLanes* v = &scratch->first;
+    const RfArrivals* arrivals = &scratch->walk.arrivals;
+    const float( *wi )[RF_LANES] = scratch->scattered;
+    float k = (float)harvest->walk.light_samples;
+    int count = rf_record_count( v );
+    for ( int i = 0; i < count; ++i )
+    {
+        int slot = v->slot[i];
+        float cos_x = v->n[0][i] * wi[0][i] + v->n[1][i] * wi[1][i] + v->n[2][i] * wi[2][i];
+        for ( int c = 0; c < 3; ++c )
+        {
+            out->a[c][i] = cos_x * arrivals->emitted[c][slot];
+            out->b[c][i] = cos_x * arrivals->rest[c][slot];
+        }
+        out->light_pdf[i] = k * arrivals->light_pdf_solid_angle[slot];
+    }
+}
+
+// Of the glossy hits.
+static void gather_borrowed( const RfHarvestScratch* scratch, int turn, Arrival* out )
+{
+    int first = scratch->first.first[RF_BSDF_PHONG], end = rf_record_count( &scratch->first );
+    size_t bytes = (size_t)( end - first ) * sizeof( float );
+    rf_gather_tile_light( scratch->share, turn, &scratch->first, first, end, out->b );
+    for ( int c = 0; c < 3; ++c )
+        memset( out->a[c] + first, 0, bytes );
+    memset( out->light_pdf + first, 0, bytes );
+}
+
+// Q = A / (K p_L + P) + B / P, at lane i.
+static void light_of( const Arrival* arrival, int i, float mixture, float q[3] )
+{
+    float both = arrival->light_pdf[i] + mixture;
+    float scale_a = both > MIN_PDF ? 1.0f / both : 0.0f;
+    float scale_b = mixture > MIN_PDF ? 1.0f / mixture : 0.0f;
+    for ( int c = 0; c < 3; ++c )
+        q[c] = arrival->a[c][i] * scale_a + arrival->b[c][i] * scale_b;
+}
+
+// Diffuse hits: the density is the same for all eyes, so the light to any of
+// them is known here.
+static void add_diffuse( const RfHarvestScratch* scratch, const Arrival* arrival, const float* const wi[3], RfHitBatch* batch,
+                         RfLaneScratch* s )
+{
+    int count = batch->first[RF_BSDF_PHONG];
+    const RfVertexLanes* v = &scratch->first;
+    const float* wo[3] = { v->wo[0], v->wo[1], v->wo[2] };
+    float* f[3] = { s->f[0], s->f[1], s->f[2] };
+    rf_evaluate_seen_from( v, RF_BSDF_LAMBERT, wo, wi, f, s->pdf );
+    for ( int i = 0; i < count; ++i )
+    {
+        float q[3];
+        light_of( arrival, i, s->pdf[i], q );
+        for ( int c = 0; c < 3; ++c )
+            batch->radiance[4 * i + c] += f[c][i] * q[c];
+    }
+}
+
+// All the light of other paths at once: it comes without directions.
+static void add_borrowed_diffuse( const RfHarvest* harvest, RfHarvestScratch* scratch, RfHitBatch* batch )
+{
+    int count = batch->first[RF_BSDF_PHONG];
+    const RfVertexLanes* v = &scratch->first;
+    float( *sum )[RF_LANES] = scratch->arrival.b;
+    rf_gather_diffuse_tile_light( scratch->share, harvest->shape.tile_pixels, count, sum );
+    for ( int i = 0; i < count; ++i )
+    {
+        for ( int c = 0; c < 3; ++c )
+            batch->radiance[4 * i + c] += v->diffuse[c][i] * sum[c][i];
+    }
+}
+
+// P += r_l p_l(wi; x) of the glossy hits for one eye and direction, r_l = J_l V_l / Σ J V.
+static void add_density( const RfHarvest* harvest, const RfHitBatch* batch, RfHarvestScratch* scratch, int eye, int direction )
+{
+    int first = batch->first[RF_BSDF_PHONG], count = batch->count - first;
+    const float *wo[3] = { scratch->wo[0], scratch->wo[1], scratch->wo[2] }, *wi[3];
+    direction_lanes( harvest, scratch, direction, wi );
+    for ( int c = 0; c < 3; ++c )
+        wi[c] += first;
+    float* restrict pdf = scratch->walk.scratch.pdf;
+    float* restrict mixture = scratch->mixture + (size_t)direction * RF_LANES;
+    rf_evaluate_glossy( batch, wo, wi, NULL, scratch->walk.scratch.pdf );
+    if ( harvest->weights != RF_WEIGHTS_EXACT )
+    {
+        memcpy( mixture, pdf, (size_t)count * sizeof( float ) );
+        return;
+    }
+    const float* restrict sum = batch->density_sum + first;
+    const float* restrict density = scratch->density + (size_t)eye * RF_LANES + first;
+#pragma omp simd
+    for ( int i = 0; i < count; ++i )
+        mixture[i] += density[i] / sum[i] * pdf[i];
+}
+
+// P of all directions. With eyes that are not weighted, the density is that of
+// the hit's own eye.
+static void mix_densities( const RfHarvest* harvest, const RfHitBatch* batch, RfHarvestScratch* scratch )
+{
+    int directions = rf_direction_count( &harvest->shape );
+    float* wo[3] = { scratch->wo[0], scratch->wo[1], scratch->wo[2] };
+    memset( scratch->mixture, 0, (size_t)directions * RF_LANES * sizeof( float ) );
+    for ( int l = 0; l < harvest->shape.eyes; ++l )
+    {
+        if ( harvest->weights != RF_WEIGHTS_EXACT && l != batch->eye )
+            continue;
+        if ( batch->rows[2 * l] > batch->rows[2 * l + 1] )
+            continue; // sees nothing of the batch
+        rf_directions_to( harvest->eyes, l, batch, wo );
+        for ( int d = 0; d < directions; ++d )
+            add_density( harvest, batch, scratch, l, d );
+    }
+}
+
+static void store_direction( const RfHarvest* harvest, const RfHitBatch* batch, const Arrival* arrival, const float* const wi[3],
+                             const float* mixture, RfDirectionLanes* out )
+{
+    int first = batch->first[RF_BSDF_PHONG], count = batch->count - first;
+    for ( int i = 0; i < count; ++i )
+    {
+        float q[3];
+        light_of( arrival, first + i, mixture[i], q );
+        for ( int c = 0; c < 3; ++c )
+        {
+            out->wi[c][i] = wi[c][first + i];
+            out->q[c][i] = q[c];
+        }
+    }
+    if ( !harvest->shape.eq15 )
+        return;
+    for ( int c = 0; c < 3; ++c )
+    {
+        memcpy( out->a[c], arrival->a[c] + first, (size_t)count * sizeof( float ) );
+        memcpy( out->b[c], arrival->b[c] + first, (size_t)count * sizeof( float ) );
+    }
+    memcpy( out->light_pdf, arrival->light_pdf + first, (size_t)count * sizeof( float ) );
+}
+
+static void weigh_direction( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch, int direction )
+{
+    Arrival* arrival = &scratch->arrival;
+    int turn = direction - harvest->walk.light_samples;
+    if ( turn < 0 )
+        gather_light_sample( harvest, scratch, direction, arrival );
+    else if ( turn == 0 )
+        gather_scattered( harvest, scratch, arrival );
+    else
+        gather_borrowed( scratch, turn, arrival );
+    const float* wi[3];
+    direction_lanes( harvest, scratch, direction, wi );
+    if ( turn <= 0 )
+        add_diffuse( scratch, arrival, wi, batch, &scratch->walk.scratch );
+    if ( batch->first[RF_BSDF_PHONG] < batch->count )
+        store_direction( harvest, batch, arrival, wi, scratch->mixture + (size_t)direction * RF_LANES,
+                         batch->directions + direction );
+}
+
+void rf_weight_batch( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch )
+{
+    const RfVertexLanes* v = &scratch->first;
+    for ( int i = 0; i < batch->count; ++i )
+    {
+        for ( int c = 0; c < 3; ++c )
+            batch->radiance[4 * i + c] = v->emission[c][i];
+        batch->radiance[4 * i + 3] = 1.0f;
+    }
+    if ( harvest->walk.max_depth == 1 )
+    {
+        rf_clear_directions( batch, rf_direction_count( &harvest->shape ), harvest->shape.eq15 );
+        return;
+    }
+    bool glossy = batch->first[RF_BSDF_PHONG] < batch->count;
+    if ( glossy )
+        mix_densities( harvest, batch, scratch );
+    if ( scratch->share != NULL )
+        add_borrowed_diffuse( harvest, scratch, batch );
+    int directions = glossy ? rf_direction_count( &harvest->shape ) : harvest->walk.light_samples + 1;
+    for ( int d = 0; d < directions; ++d )
+        weigh_direction( harvest, batch, scratch, d );
+}

@@ -1,0 +1,103 @@
+// What only its own frame sees: hits that scatter like mirrors and glass do,
+// and the sky behind everything. They are kept with the misses, which have
+// weight 1 in their own frame and 0 elsewhere (estimators.md section 2), but
+// are not black.
+#include "reuse/harvest_internal.h"
+
+static inline float* light_of( const RfHitBatch* batch, int place ) { return rf_miss_radiance( batch ) + 4 * (size_t)place; }
+
+// The sky where camera rays found nothing.
+static void light_misses( const RfHarvest* harvest, const RfHarvestScratch* scratch, const RfHitBatch* batch, int count )
+{
+    const RfLights* lights = rf_tracer_lights( harvest->walk.tracer );
+    bool seen = rf_has_sky( lights ) && !lights->sky.environment->hidden;
+    const RfRayLanes* rays = &scratch->camera_rays;
+    for ( int k = 0; k < count; ++k )
+    {
+        RfVec3 sky = rf_vec3( 0, 0, 0 );
+        if ( seen )
+        {
+            int slot = scratch->miss_slot[k];
+            sky = rf_sky_radiance( &lights->sky, rf_vec3( rays->d[0][slot], rays->d[1][slot], rays->d[2][slot] ) );
+        }
+        float* light = light_of( batch, k );
+        light[0] = sky.x;
+        light[1] = sky.y;
+        light[2] = sky.z;
+        light[3] = 1.0f;
+    }
+}
+
+// Light samples at the native hits; their lobes without width have no part in it.
+static void add_light_samples( const RfHarvest* harvest, RfHarvestScratch* scratch, const RfHitBatch* batch, int base )
+{
+    const RfVertexLanes* v = &scratch->first;
+    RfLaneScratch* s = &scratch->walk.scratch;
+    float* f[3] = { s->f[0], s->f[1], s->f[2] };
+    float k = (float)harvest->walk.light_samples;
+    for ( int j = 0; j < harvest->walk.light_samples; ++j )
+    {
+        const RfLightLanes* direct = scratch->direct + j;
+        const float* wi[3] = { direct->wi[0], direct->wi[1], direct->wi[2] };
+        rf_evaluate_lanes( v, wi, f, s->pdf );
+        for ( int i = rf_record_count( v ); i < v->count; ++i )
+        {
+            float* light = light_of( batch, base + i - rf_record_count( v ) );
+            float scale = 1.0f / ( k * direct->pdf_solid_angle[i] + s->pdf[i] );
+            for ( int c = 0; c < 3; ++c )
+                light[c] += s->f[c][i] * ( direct->radiance_cos[c][i] * scale );
+        }
+    }
+}
+
+static void add_scattered( const RfHarvest* harvest, const RfHarvestScratch* scratch, const RfHitBatch* batch, int base )
+{
+    const RfVertexLanes* v = &scratch->first;
+    const RfArrivals* arrivals = &scratch->walk.arrivals;
+    float k = (float)harvest->walk.light_samples;
+    for ( int i = rf_record_count( v ); i < v->count; ++i )
+    {
+        int slot = v->slot[i], n = i - rf_record_count( v );
+        float* light = light_of( batch, base + n );
+        float pdf = scratch->native_pdf[n];
+        float weight = pdf > 0.0f ? pdf / ( pdf + k * arrivals->light_pdf_solid_angle[slot] ) : 0.0f;
+        for ( int c = 0; c < 3; ++c )
+            light[c] += arrivals->emitted[c][slot] * weight + arrivals->rest[c][slot];
+    }
+}
+
+// For an eye inside of a body: what is left of the light on its way through.
+static void absorb( const RfHarvestScratch* scratch, const RfHitBatch* batch, int base )
+{
+    const RfVertexLanes* v = &scratch->first;
+    const RfRayLanes* rays = &scratch->camera_rays;
+    for ( int i = rf_record_count( v ); i < v->count; ++i )
+    {
+        int slot = v->slot[i];
+        float* light = light_of( batch, base + i - rf_record_count( v ) );
+        RfVec3 left = rf_left_of_way( v, i, rf_vec3( rays->o[0][slot], rays->o[1][slot], rays->o[2][slot] ) );
+        light[0] *= left.x;
+        light[1] *= left.y;
+        light[2] *= left.z;
+    }
+}
+
+void rf_light_own_frame( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch )
+{
+    const RfVertexLanes* v = &scratch->first;
+    int natives = v->count - rf_record_count( v ), base = batch->miss_count - natives;
+    light_misses( harvest, scratch, batch, base );
+    for ( int n = 0; n < natives; ++n )
+    {
+        float* light = light_of( batch, base + n );
+        for ( int c = 0; c < 3; ++c )
+            light[c] = v->emission[c][rf_record_count( v ) + n];
+        light[3] = 1.0f;
+    }
+    if ( natives > 0 && harvest->walk.max_depth > 1 )
+    {
+        add_light_samples( harvest, scratch, batch, base );
+        add_scattered( harvest, scratch, batch, base );
+    }
+    absorb( scratch, batch, base );
+}

@@ -1,0 +1,192 @@
+#include "reuse/serialise.h"
+
+#include <string.h>
+
+// One description of the bytes serves three ends: to count, write and read them.
+typedef struct Stream
+{
+    uint8_t* out;      // written to, unless NULL
+    const uint8_t* in; // read from, unless NULL
+    size_t used;
+} Stream;
+
+static void pass( Stream* s, void* data, size_t bytes )
+{
+    if ( s->out != NULL && bytes > 0 )
+        memcpy( s->out + s->used, data, bytes );
+    if ( s->in != NULL && bytes > 0 )
+        memcpy( data, s->in + s->used, bytes );
+    s->used += bytes;
+}
+
+static void pass_lanes( Stream* s, int count, float* lanes ) { pass( s, lanes, (size_t)count * sizeof *lanes ); }
+
+static void pass_lanes3( Stream* s, int count, float* const lanes[3] )
+{
+    for ( int c = 0; c < 3; ++c )
+        pass_lanes( s, count, lanes[c] );
+}
+
+// Normals that differ in any bit: a patch sees few triangles.
+typedef struct Normals
+{
+    uint16_t count;
+    uint16_t of[RF_LANES]; // hits
+    float list[RF_LANES][3];
+} Normals;
+
+#define SLOTS 4096 // of a hash table, a power of two
+
+static void list_normals( int count, float* const ng[3], Normals* normals )
+{
+    int16_t slots[SLOTS];
+    memset( slots, -1, sizeof slots );
+    normals->count = 0;
+    for ( int i = 0; i < count; ++i )
+    {
+        float normal[3] = { ng[0][i], ng[1][i], ng[2][i] };
+        uint32_t bits[3];
+        memcpy( bits, normal, sizeof bits );
+        uint32_t slot = ( ( bits[0] * 0x9e3779b1u ^ bits[1] ) * 0x85ebca6bu ^ bits[2] ) * 0xc2b2ae35u >> 20;
+        while ( slots[slot] >= 0 && memcmp( normals->list[slots[slot]], normal, sizeof normal ) != 0 )
+            slot = ( slot + 1 ) % SLOTS;
+        if ( slots[slot] < 0 )
+        {
+            slots[slot] = (int16_t)normals->count;
+            memcpy( normals->list[normals->count++], normal, sizeof normal );
+        }
+        normals->of[i] = (uint16_t)slots[slot];
+    }
+}
+
+static void pass_normals( Stream* s, int count, float* const ng[3] )
+{
+    Normals normals;
+    if ( s->in == NULL )
+        list_normals( count, ng, &normals );
+    pass( s, &normals.count, sizeof normals.count );
+    pass( s, normals.list, normals.count * sizeof normals.list[0] );
+    size_t bytes = normals.count <= 256 ? 1 : 2;
+    for ( int i = 0; i < count; ++i )
+    {
+        uint16_t of = s->in == NULL ? normals.of[i] : 0;
+        pass( s, &of, bytes ); // the low byte comes first
+        for ( int c = 0; c < 3 && s->in != NULL; ++c )
+            ng[c][i] = normals.list[of][c];
+    }
+}
+
+// r g b 1
+static void pass_colours( Stream* s, int count, float* colours )
+{
+    for ( int i = 0; i < count; ++i, colours += 4 )
+    {
+        pass( s, colours, 3 * sizeof *colours );
+        if ( s->in != NULL )
+            colours[3] = 1.0f;
+    }
+}
+
+static void pass_seen( Stream* s, int eyes, int count, uint32_t* seen )
+{
+    for ( int first = 0; first < eyes; first += 32, seen += RF_LANES )
+    {
+        size_t bytes = (size_t)( eyes - first < 32 ? ( eyes - first + 7 ) / 8 : 4 );
+        for ( int i = 0; i < count; ++i )
+        {
+            uint32_t word = s->in == NULL ? seen[i] : 0;
+            pass( s, &word, bytes );
+            if ( s->in != NULL )
+                seen[i] = word;
+        }
+    }
+}
+
+// A patch's lie close to each other.
+static void pass_pixels( Stream* s, int count, int32_t* pixel )
+{
+    int32_t least = INT32_MAX, most = 0;
+    for ( int i = 0; i < count && s->in == NULL; ++i )
+    {
+        least = pixel[i] < least ? pixel[i] : least;
+        most = pixel[i] > most ? pixel[i] : most;
+    }
+    uint8_t bytes = most - least < 65536 ? 2 : 4;
+    pass( s, &least, sizeof least );
+    pass( s, &bytes, sizeof bytes );
+    for ( int i = 0; i < count; ++i )
+    {
+        uint32_t beyond = s->in == NULL ? (uint32_t)( pixel[i] - least ) : 0;
+        pass( s, &beyond, bytes );
+        if ( s->in != NULL )
+            pixel[i] = least + (int32_t)beyond;
+    }
+}
+
+static void pass_directions( Stream* s, const RfBatchShape* shape, int count, const RfDirectionLanes* directions )
+{
+    for ( int d = 0; d < rf_direction_count( shape ); ++d )
+    {
+        pass_lanes3( s, count, directions[d].wi );
+        pass_lanes3( s, count, directions[d].q );
+        if ( !shape->eq15 )
+            continue;
+        pass_lanes3( s, count, directions[d].a );
+        pass_lanes3( s, count, directions[d].b );
+        pass_lanes( s, count, directions[d].light_pdf );
+    }
+}
+
+static void pass_glossy( Stream* s, const RfBatchShape* shape, RfHitBatch* batch )
+{
+    int count = batch->count - batch->first[RF_BSDF_PHONG];
+    pass_lanes3( s, count, batch->n );
+    pass_lanes3( s, count, batch->wo );
+    pass_lanes3( s, count, batch->diffuse );
+    pass_lanes3( s, count, batch->specular );
+    pass_lanes( s, count, batch->shape );
+    pass_lanes( s, count, batch->f90 );
+    pass_lanes( s, count, batch->coat_f0 );
+    pass_lanes( s, count, batch->coat_f90 );
+    if ( shape->coated )
+    {
+        pass_lanes( s, count, batch->clearcoat );
+        pass_lanes( s, count, batch->clearcoat_alpha );
+        pass_lanes3( s, count, batch->clearcoat_n );
+    }
+    pass_directions( s, shape, count, batch->directions );
+}
+
+static void pass_batch( Stream* s, const RfBatchShape* shape, RfHitBatch* batch )
+{
+    pass( s, &batch->eye, sizeof batch->eye );
+    pass( s, &batch->count, sizeof batch->count );
+    pass( s, &batch->miss_count, sizeof batch->miss_count );
+    pass( s, batch->first, sizeof batch->first );
+    int count = batch->count;
+    pass_lanes3( s, count, batch->p );
+    pass_normals( s, count, batch->ng );
+    pass_lanes( s, count, batch->density_sum );
+    pass_colours( s, count + ( shape->natives ? batch->miss_count : 0 ), batch->radiance );
+    pass_seen( s, shape->eyes, count, batch->seen );
+    for ( int l = 0; l < shape->eyes && shape->blended; ++l )
+        pass_lanes( s, count, batch->densities + (size_t)l * RF_LANES );
+    pass_pixels( s, count + batch->miss_count, batch->pixel );
+    pass( s, batch->rows, (size_t)shape->eyes * 2 * sizeof *batch->rows );
+    if ( shape->glossy )
+        pass_glossy( s, shape, batch );
+}
+
+size_t rf_serialise_batch( const RfBatchShape* shape, const RfHitBatch* batch, void* memory )
+{
+    Stream stream = { .out = memory };
+    RfHitBatch copy = *batch; // the arrays are only read
+    pass_batch( &stream, shape, &copy );
+    return stream.used;
+}
+
+void rf_deserialise_batch( const RfBatchShape* shape, const void* memory, RfHitBatch* batch )
+{
+    Stream stream = { .in = memory };
+    pass_batch( &stream, shape, batch );
+}

@@ -1,0 +1,104 @@
+#include "scene/camera_path/camera_track.h"
+
+#include "math/quat.h"
+#include "scene/eye.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+void rf_destroy_camera_track( RfCameraTrack* track )
+{
+    rf_destroy_curve( &track->position );
+    rf_destroy_curve( &track->target );
+    rf_destroy_curve( &track->up );
+    rf_destroy_curve( &track->rotation );
+    rf_destroy_curve( &track->fov );
+    rf_destroy_waypoints( &track->walk );
+    free( track->name );
+    free( track->clock );
+    *track = ( RfCameraTrack ){ 0 };
+}
+
+static void orbit_at( const RfOrbit* orbit, double progress, double position[3] )
+{
+    double angle = orbit->start + progress * orbit->turn;
+    position[0] = orbit->center[0] + orbit->radius * sin( angle );
+    position[1] = orbit->center[1] + orbit->height;
+    position[2] = orbit->center[2] + orbit->radius * cos( angle );
+}
+
+// Where the camera is, and what it looks at where it looks ahead.
+static void place( const RfCameraTrack* track, double at, RfView* view, double target[3] )
+{
+    double length = at * track->walk.length;
+    if ( track->kind == RF_TRACK_ORBIT )
+        orbit_at( &track->orbit, at, view->position );
+    else if ( track->kind == RF_TRACK_WALK )
+        rf_waypoint_position( &track->walk, length, view->position );
+    else
+        rf_sample_curve( &track->position, at, view->position );
+    if ( track->target.count > 0 )
+        rf_sample_curve( &track->target, at, target );
+    else if ( track->kind == RF_TRACK_WALK )
+        rf_waypoint_position( &track->walk, length + track->look_ahead, target );
+}
+
+static RfResult fail_at( const RfCameraTrack* track, double time, const char* what, RfError* error )
+{
+    if ( track->in_frames )
+        return rf_fail( error, RF_ERROR_SCENE, "%s: at frame %g %s", track->name, time - track->start + 1.0, what );
+    return rf_fail( error, RF_ERROR_SCENE, "%s: at %g s %s", track->name, time, what );
+}
+
+// Both to unit length; false where they have no direction.
+static bool look( const double position[3], const double target[3], RfView* view )
+{
+    double largest = 0.0, length = 0.0;
+    for ( int i = 0; i < 3; ++i )
+    {
+        largest = fmax( largest, fmax( fabs( position[i] ), fabs( target[i] ) ) );
+        view->forward[i] = target[i] - position[i];
+        length += view->forward[i] * view->forward[i];
+    }
+    length = sqrt( length );
+    rf_unit3( view->forward );
+    return length > 1e-9 * largest && length > 1e-30;
+}
+
+RfResult rf_sample_camera_track( const RfCameraTrack* track, double time, RfView* view, RfError* error )
+{
+    // keys stand at their times, ready-made movements at shares of the whole
+    double at = time;
+    if ( track->kind != RF_TRACK_KEYED )
+        at = track->end > 0.0 ? fmin( fmax( time / track->end, 0.0 ), 1.0 ) : 0.0;
+    double target[3] = { 0 }, rotation[4], axes[9];
+    place( track, at, view, target );
+    rf_sample_curve( &track->fov, at, &view->fov );
+    view->fov *= 3.14159265358979323846 / 180.0;
+    if ( track->rotation.count > 0 )
+    {
+        rf_sample_curve( &track->rotation, at, rotation );
+        rf_quat_axes( rotation, axes );
+        for ( int i = 0; i < 3; ++i )
+        {
+            view->up[i] = axes[3 + i];
+            view->forward[i] = -axes[6 + i];
+        }
+        return RF_OK;
+    }
+    if ( !look( view->position, target, view ) )
+        return fail_at( track, time, "the camera stands on its target: move one of them", error );
+    rf_sample_curve( &track->up, at, view->up );
+    rf_unit3( view->up );
+    double cosine = 0.0, length = 0.0;
+    for ( int i = 0; i < 3; ++i )
+    {
+        cosine += view->forward[i] * view->up[i];
+        length += view->up[i] * view->up[i]; // 0 where it has turned over
+    }
+    // written so that NaN fails
+    if ( !( fabs( cosine ) < 1.0 - 1e-9 ) || !( length > 0.5 ) )
+        return fail_at( track, time, "the camera looks along its up, or has none: give it another \"up\"", error );
+    return RF_OK;
+}

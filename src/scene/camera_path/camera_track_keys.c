@@ -1,0 +1,148 @@
+// Camera paths by keys.
+
+#include "scene/camera_path/camera_track_read.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define MAX_KEYS 1000000
+// Keys closer than this in time are a slip, and their speed no number.
+#define LEAST_STEP 1e-6
+
+// The key's own value, else that of the whole path.
+static RfField inherited( const RfField* key, const RfField* top, const char* name )
+{
+    return rf_field_member( rf_has_member( key, name ) ? key : top, name );
+}
+
+// The numbers of all keys, property by property.
+typedef struct Keys
+{
+    int count;
+    double *times, *position, *target, *up, *rotation, *fov;
+} Keys;
+
+static RfResult read_time( const RfField* key, bool in_frames, int index, double* times )
+{
+    const char* name = in_frames ? "frame" : "time";
+    const char* want = in_frames ? "a number of a frame, the first is 1" : "a number of seconds";
+    RfField field = rf_field_member( key, name );
+    RfResult result = rf_field_require( key, name, want );
+    if ( result == RF_OK )
+        result = rf_field_number(
+            &field, in_frames ? rf_range( 1.0, RF_MAX_TRACK_FRAMES ) : rf_range( 0.0, RF_MAX_TRACK_SECONDS ), times + index );
+    if ( result != RF_OK )
+        return result;
+    if ( index > 0 && !( times[index] - times[index - 1] >= LEAST_STEP ) )
+        return rf_field_fail( &field, "%g is not later than the key before it, at %g", times[index], times[index - 1] );
+    return RF_OK;
+}
+
+static RfResult read_key( const RfField* top, const RfField* key, Keys* keys, int i, bool rotates, bool in_frames )
+{
+    static const char* const s_seconds[] = { "time", "position", "target", "rotation", "up", "fov", NULL };
+    static const char* const s_frames[] = { "frame", "position", "target", "rotation", "up", "fov", NULL };
+    RfResult result = rf_field_keys( key, in_frames ? s_frames : s_seconds );
+    if ( result == RF_OK )
+        result = read_time( key, in_frames, i, keys->times );
+    if ( result == RF_OK )
+        result = rf_read_point( key, "position", keys->position + 3 * i );
+    if ( result == RF_OK )
+        result = rf_check_look( key, rotates );
+    RfField fov = inherited( key, top, "fov" ), up = inherited( key, top, "up" );
+    if ( result == RF_OK )
+        result = rf_read_fov( &fov, keys->fov + i );
+    if ( result == RF_OK )
+        result = rf_read_up( &up, keys->up + 3 * i );
+    if ( result != RF_OK )
+        return result;
+    if ( rotates )
+    {
+        RfField rotation = inherited( key, top, "rotation" );
+        if ( rotation.json == NULL )
+            rotation = rf_field_member( key, "rotation" );
+        return rf_read_rotation( &rotation, keys->rotation + 4 * i );
+    }
+    RfField target = inherited( key, top, "target" );
+    if ( target.json == NULL )
+        return rf_field_fail( key, "has neither target nor rotation, and the path has none for all keys" );
+    result = rf_field_numbers( &target, rf_coordinates(), 3, keys->target + 3 * i );
+    if ( result == RF_OK && memcmp( keys->target + 3 * i, keys->position + 3 * i, 3 * sizeof( double ) ) == 0 )
+        return rf_field_fail( &target, "is where the camera stands: move one of them" );
+    return result;
+}
+
+static RfResult make_curves( const Keys* keys, bool linear, bool rotates, RfCameraTrack* track, RfError* error )
+{
+    int n = keys->count;
+    const double* t = keys->times;
+    RfResult result = rf_create_curve( RF_CURVE_POINT, linear, n, t, keys->position, &track->position, error );
+    if ( result == RF_OK )
+        result = rf_create_curve( RF_CURVE_NUMBER, linear, n, t, keys->fov, &track->fov, error );
+    if ( result == RF_OK && rotates )
+        return rf_create_curve( RF_CURVE_ROTATION, linear, n, t, keys->rotation, &track->rotation, error );
+    if ( result == RF_OK )
+        result = rf_create_curve( RF_CURVE_POINT, linear, n, t, keys->target, &track->target, error );
+    return result == RF_OK ? rf_create_curve( RF_CURVE_POINT, linear, n, t, keys->up, &track->up, error ) : result;
+}
+
+// The memory holds 15 numbers for each key.
+static Keys split_memory( double* memory, int count )
+{
+    size_t n = (size_t)count;
+    Keys keys = { .count = count,
+                  .times = memory,
+                  .position = memory + n,
+                  .target = memory + 4 * n,
+                  .up = memory + 7 * n,
+                  .rotation = memory + 10 * n,
+                  .fov = memory + 14 * n };
+    for ( size_t i = 0; i < n; ++i )
+    {
+        keys.up[3 * i + 1] = 1.0;
+        keys.fov[i] = RF_DEFAULT_FOV;
+    }
+    return keys;
+}
+
+static RfResult read_keys( const RfField* top, const RfField* list, RfCameraTrack* track )
+{
+    int count = (int)json_array_size( list->json );
+    RfField first = rf_field_item( list, 0 );
+    bool rotates = rf_has_member( top, "rotation" ) || rf_has_member( &first, "rotation" ), linear;
+    track->in_frames = rf_has_member( &first, "frame" );
+    RfResult result = rf_read_interpolation( top, &linear );
+    if ( result == RF_OK )
+        result = rf_check_look( top, rotates );
+    if ( result != RF_OK )
+        return result;
+    double* memory = calloc( (size_t)count * 15, sizeof *memory );
+    if ( memory == NULL )
+        return rf_fail( top->error, RF_ERROR_MEMORY, "%s: no memory left for %d keys", top->file, count );
+    Keys keys = split_memory( memory, count );
+    for ( int i = 0; i < count && result == RF_OK; ++i )
+    {
+        RfField key = rf_field_item( list, (size_t)i );
+        result = read_key( top, &key, &keys, i, rotates, track->in_frames );
+    }
+    for ( int i = 0; i < count && track->in_frames; ++i )
+        keys.times[i] -= 1.0; // the first frame is at 0
+    if ( result == RF_OK )
+        result = make_curves( &keys, linear, rotates, track, top->error );
+    track->start = keys.times[0];
+    track->end = keys.times[count - 1];
+    free( memory );
+    RfField last = rf_field_item( list, (size_t)count - 1 ),
+            field = rf_field_member( &last, track->in_frames ? "frame" : "time" );
+    return result == RF_OK ? rf_name_clock( &field, track ) : result;
+}
+
+RfResult rf_read_keyed( const RfField* top, RfCameraTrack* track )
+{
+    static const char* const s_keys[] = { "kind", "interpolation", "keys", "target", "rotation", "up", "fov", NULL };
+    RfField list = rf_field_member( top, "keys" );
+    RfResult result = rf_field_keys( top, s_keys );
+    if ( result == RF_OK )
+        result = rf_field_array( &list, "keys", 1, MAX_KEYS );
+    return result == RF_OK ? read_keys( top, &list, track ) : result;
+}

@@ -1,0 +1,148 @@
+// Cameras: one for each node of the default scene that carries a perspective.
+
+#include "scene/gltf/gltf_document.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define PI 3.14159265358979323846
+
+static RfResult read_yfov( const RfGltf* gltf, const json_t* json, const char* where, double* yfov )
+{
+    const json_t* perspective = NULL;
+    RfResult result = rf_gltf_require( gltf, json, where, "perspective" );
+    if ( result == RF_OK )
+        result = rf_gltf_get_object( gltf, json, where, "perspective", &perspective );
+    if ( result == RF_OK )
+        result = rf_gltf_require( gltf, perspective, where, "yfov" );
+    if ( result == RF_OK )
+        result = rf_gltf_get_number( gltf, perspective, where, "yfov", yfov );
+    if ( result == RF_OK && ( *yfov > 0.0 && *yfov < PI ) == false )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "yfov is %g, it wants more than 0 and less than pi radians", *yfov );
+    return result;
+}
+
+// `wanted` is false for a camera that is left out with a warning.
+static RfResult read_camera( RfGltf* gltf, int index, const char* node_name, double* yfov, bool* wanted )
+{
+    RfWhere where = rf_where( "cameras[%d]", index );
+    const json_t* json = rf_gltf_item( gltf, RF_GLTF_CAMERAS, index );
+    const char* type = "";
+    *wanted = false;
+    RfResult result = rf_gltf_require( gltf, json, where.text, "type" );
+    if ( result == RF_OK )
+        result = rf_gltf_get_string( gltf, json, where.text, "type", &type );
+    if ( result != RF_OK )
+        return result;
+    if ( strcmp( type, "orthographic" ) == 0 )
+    {
+        rf_gltf_notice( gltf, RF_GLTF_ORTHOGRAPHIC, "orthographic cameras are not supported: node '%.80s' is left out",
+                        node_name );
+        return RF_OK;
+    }
+    if ( strcmp( type, "perspective" ) != 0 )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "type '%.20s' wants perspective or orthographic", type );
+    *wanted = true;
+    return read_yfov( gltf, json, where.text, yfov );
+}
+
+// The node's name, else the camera's, else "camera".
+static RfResult base_name( const RfGltf* gltf, int node, int camera, const char** name )
+{
+    RfWhere where = rf_where( "cameras[%d]", camera );
+    const char *node_name = "", *camera_name = "";
+    RfResult result = rf_gltf_get_string( gltf, rf_gltf_item( gltf, RF_GLTF_NODES, node ), "nodes", "name", &node_name );
+    if ( result == RF_OK )
+        result = rf_gltf_get_string( gltf, rf_gltf_item( gltf, RF_GLTF_CAMERAS, camera ), where.text, "name", &camera_name );
+    *name = node_name[0] != 0 ? node_name : camera_name[0] != 0 ? camera_name : "camera";
+    return result;
+}
+
+// The first of a name keeps it, later ones get "#2", "#3" and so on. `names`
+// maps each name to the number to try next, so that many equal names cost one
+// look each.
+static char* make_unique( json_t* names, const char* base )
+{
+    size_t size = strlen( base ) + 24;
+    char* name = malloc( size );
+    if ( name == NULL )
+        return NULL;
+    json_int_t next = json_integer_value( json_object_get( names, base ) );
+    snprintf( name, size, "%s", base );
+    if ( next > 0 )
+    {
+        do
+            snprintf( name, size, "%s#%lld", base, (long long)next++ );
+        while ( json_object_get( names, name ) != NULL );
+        json_object_set_new( names, base, json_integer( next ) );
+    }
+    if ( json_object_set_new( names, name, json_integer( 2 ) ) == 0 )
+        return name;
+    free( name );
+    return NULL;
+}
+
+static RfResult load_camera( RfGltf* gltf, json_t* names, int node, int index )
+{
+    bool wanted;
+    double yfov = 0.0;
+    const char* base;
+    RfResult result = read_camera( gltf, index, gltf->scene->nodes[node].name, &yfov, &wanted );
+    if ( result == RF_OK && wanted )
+        result = base_name( gltf, node, index, &base );
+    if ( result != RF_OK || wanted == false )
+        return result;
+
+    RfCamera* camera = gltf->scene->cameras + gltf->scene->camera_count;
+    camera->name = make_unique( names, base );
+    if ( camera->name == NULL )
+        return rf_gltf_no_memory( gltf, "cameras" );
+    gltf->scene->camera_count += 1;
+    camera->node = node;
+    camera->yfov = yfov;
+    camera->animated = rf_gltf_moves( gltf, node );
+    if ( camera->animated )
+    {
+        camera->start = gltf->spans[node].start;
+        camera->end = gltf->spans[node].end;
+    }
+    return RF_OK;
+}
+
+// Room for all nodes that have one; those left out leave it unused.
+static RfResult find_cameras( RfGltf* gltf, int* indices )
+{
+    size_t count = 0;
+    RfResult result = RF_OK;
+    for ( int i = 0; result == RF_OK && i < gltf->order_count; ++i )
+    {
+        RfWhere where = rf_where( "nodes[%d]", gltf->order[i] );
+        const json_t* json = rf_gltf_item( gltf, RF_GLTF_NODES, gltf->order[i] );
+        result = rf_gltf_get_index( gltf, json, where.text, "camera", RF_GLTF_CAMERAS, indices + i );
+        count += indices[i] >= 0;
+    }
+    if ( result != RF_OK )
+        return result;
+    gltf->scene->cameras = calloc( count + 1, sizeof *gltf->scene->cameras );
+    return gltf->scene->cameras != NULL ? RF_OK : rf_gltf_no_memory( gltf, "cameras" );
+}
+
+RfResult rf_gltf_load_cameras( RfGltf* gltf )
+{
+    int* indices = malloc( ( (size_t)gltf->order_count + 1 ) * sizeof *indices );
+    json_t* names = json_object();
+    RfResult result = RF_OK;
+    if ( indices == NULL || names == NULL )
+        result = rf_gltf_no_memory( gltf, "cameras" );
+    if ( result == RF_OK )
+        result = find_cameras( gltf, indices );
+    for ( int i = 0; result == RF_OK && i < gltf->order_count; ++i )
+    {
+        if ( indices[i] >= 0 )
+            result = load_camera( gltf, names, gltf->order[i], indices[i] );
+    }
+    json_decref( names );
+    free( indices );
+    return result;
+}

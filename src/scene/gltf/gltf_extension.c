@@ -1,0 +1,119 @@
+// Extensions: those that change what is drawn are read, refused or named.
+
+#include "scene/gltf/gltf_document.h"
+
+#include <string.h>
+
+// Names of unknown extensions that one file may fill the log with.
+#define MAX_NAMED 32
+
+// Read in full: a file may require these.
+static const char* const s_read[] = {
+    "KHR_materials_emissive_strength", "KHR_materials_specular",  "KHR_materials_ior",
+    "KHR_materials_transmission",      "KHR_materials_volume",    "KHR_materials_unlit",
+    "KHR_materials_clearcoat",         "KHR_lights_punctual",     "KHR_texture_transform",
+    "KHR_mesh_quantization",           "EXT_mesh_gpu_instancing",
+};
+
+// Not read: what the user sees instead. Objects that carry one are named.
+static const struct
+{
+    const char* name;
+    const char* instead;
+} s_unread[] = {
+    { "KHR_materials_sheen", "it is rendered without its sheen" },
+    { "KHR_materials_anisotropy", "it is rendered isotropic" },
+    { "KHR_materials_iridescence", "it is rendered without its film" },
+    { "KHR_materials_dispersion", "it is rendered without its colours of refraction" },
+    { "KHR_materials_pbrSpecularGlossiness", "it is rendered by its metallic-roughness factors" },
+    { "KHR_animation_pointer", "what it moves stands still" },
+};
+
+#define COUNT_OF( array ) ( sizeof( array ) / sizeof( array )[0] )
+
+static bool is_read( const char* name )
+{
+    for ( size_t i = 0; i < COUNT_OF( s_read ); ++i )
+    {
+        if ( strcmp( name, s_read[i] ) == 0 )
+            return true;
+    }
+    return false;
+}
+
+static bool is_compression( const char* name )
+{
+    return strcmp( name, "KHR_draco_mesh_compression" ) == 0 || strcmp( name, "EXT_meshopt_compression" ) == 0 ||
+           strcmp( name, "KHR_meshopt_compression" ) == 0;
+}
+
+static RfResult refuse( const RfGltf* gltf, const char* name )
+{
+    if ( is_compression( name ) )
+        return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, "extensionsRequired",
+                             "%.80s is not read: unpack the file by `npx @gltf-transform/cli copy in.glb out.glb`", name );
+    return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, "extensionsRequired", "%.80s is not read: export the scene without it",
+                         name );
+}
+
+RfResult rf_gltf_check_required( const RfGltf* gltf )
+{
+    const json_t* list = NULL;
+    RfResult result = rf_gltf_get_array( gltf, gltf->root, "document", "extensionsRequired", &list );
+    for ( size_t i = 0; result == RF_OK && i < json_array_size( list ); ++i )
+    {
+        const char* name = json_string_value( json_array_get( list, i ) );
+        if ( name == NULL )
+            return rf_gltf_fail( gltf, RF_ERROR_FORMAT, "extensionsRequired", "[%zu] wants a string", i );
+        if ( is_read( name ) == false )
+            result = refuse( gltf, name );
+    }
+    return result;
+}
+
+void rf_gltf_notice_extensions( RfGltf* gltf, const json_t* object, const char* kind, const char* name )
+{
+    const json_t* extensions = json_object_get( object, "extensions" );
+    if ( json_object_size( extensions ) == 0 )
+        return;
+    for ( size_t i = 0; i < COUNT_OF( s_unread ); ++i )
+    {
+        uint32_t bit = 1u << i;
+        if ( ( gltf->noticed_extensions & bit ) != 0 || json_object_get( extensions, s_unread[i].name ) == NULL )
+            continue;
+        gltf->noticed_extensions |= bit;
+        rf_warn( gltf->log, "%s: %s is not read yet: %s '%.80s': %s", gltf->path, s_unread[i].name, kind, name,
+                 s_unread[i].instead );
+    }
+}
+
+// Whether an object that carried it was already named, or its kind of object
+// was looked at and none in the default scene carried it.
+static bool is_noticed( const char* name )
+{
+    for ( size_t i = 0; i < COUNT_OF( s_unread ); ++i )
+    {
+        if ( strcmp( name, s_unread[i].name ) == 0 )
+            return true;
+    }
+    return false;
+}
+
+RfResult rf_gltf_notice_unread( RfGltf* gltf )
+{
+    const json_t* list = NULL;
+    RfResult result = rf_gltf_get_array( gltf, gltf->root, "document", "extensionsUsed", &list );
+    int named = 0;
+    for ( size_t i = 0; result == RF_OK && i < json_array_size( list ); ++i )
+    {
+        const char* name = json_string_value( json_array_get( list, i ) );
+        if ( name == NULL )
+            return rf_gltf_fail( gltf, RF_ERROR_FORMAT, "extensionsUsed", "[%zu] wants a string", i );
+        if ( is_read( name ) || is_noticed( name ) )
+            continue;
+        if ( ++named > MAX_NAMED )
+            break;
+        rf_warn( gltf->log, "%s: extension %.80s is not known: what it adds is left out", gltf->path, name );
+    }
+    return result;
+}

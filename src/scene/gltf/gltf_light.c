@@ -1,0 +1,168 @@
+// KHR_lights_punctual: lights without size, placed by the nodes of the default
+// scene. Candela and lux are taken as W/sr and W/m², as emission is taken as
+// W/(m² sr): one scale for all, so that lamps and glowing surfaces keep their
+// proportion.
+
+#include "scene/gltf/gltf_document.h"
+
+#include "scene/camera.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define EXTENSION "KHR_lights_punctual"
+#define HALF_PI 1.57079632679489662
+
+// Intensity above this would overflow next to the light.
+#define MAX_INTENSITY 1e9
+
+static RfResult find_lights( const RfGltf* gltf, const json_t** lights )
+{
+    const json_t* json;
+    *lights = NULL;
+    RfResult result = rf_gltf_get_extension( gltf, gltf->root, "document", EXTENSION, &json );
+    if ( result == RF_OK && json != NULL )
+        result = rf_gltf_get_array( gltf, json, "extensions." EXTENSION, "lights", lights );
+    return result;
+}
+
+static RfResult read_cone( const RfGltf* gltf, const json_t* json, const char* where, RfPunctual* out )
+{
+    double inner = 0.0, outer = 0.5 * HALF_PI;
+    const json_t* spot = NULL;
+    RfResult result = rf_gltf_require( gltf, json, where, "spot" );
+    if ( result == RF_OK )
+        result = rf_gltf_get_object( gltf, json, where, "spot", &spot );
+    if ( result == RF_OK )
+        result = rf_gltf_get_number( gltf, spot, where, "innerConeAngle", &inner );
+    if ( result == RF_OK )
+        result = rf_gltf_get_number( gltf, spot, where, "outerConeAngle", &outer );
+    if ( result != RF_OK )
+        return result;
+    // exporters round both to the same float: an edge without width is one
+    if ( !( inner >= 0.0 && inner <= outer && outer > 0.0 && outer <= HALF_PI + 1e-6 ) )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where,
+                             "cone angles %g and %g want 0 <= inner <= outer, and outer above 0, at most pi/2", inner, outer );
+    out->cos_inner = (float)cos( inner );
+    out->cos_outer = (float)fmax( cos( outer ), 0.0 );
+    return RF_OK;
+}
+
+static RfResult read_kind( const RfGltf* gltf, const json_t* json, const char* where, RfPunctual* out )
+{
+    const char* type = "";
+    RfResult result = rf_gltf_require( gltf, json, where, "type" );
+    if ( result == RF_OK )
+        result = rf_gltf_get_string( gltf, json, where, "type", &type );
+    if ( result != RF_OK )
+        return result;
+    out->cos_inner = 1.0f;
+    out->cos_outer = -1.0f;
+    if ( strcmp( type, "point" ) == 0 )
+        out->kind = RF_PUNCTUAL_POINT;
+    else if ( strcmp( type, "directional" ) == 0 )
+        out->kind = RF_PUNCTUAL_DIRECTIONAL;
+    else if ( strcmp( type, "spot" ) == 0 )
+    {
+        out->kind = RF_PUNCTUAL_SPOT;
+        return read_cone( gltf, json, where, out );
+    }
+    else
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "type '%.20s' wants point, spot or directional", type );
+    return RF_OK;
+}
+
+static RfResult read_light( const RfGltf* gltf, const json_t* json, const char* where, RfPunctual* out )
+{
+    double color[3] = { 1, 1, 1 }, intensity = 1.0, range = (double)INFINITY;
+    RfResult result = read_kind( gltf, json, where, out );
+    if ( result == RF_OK )
+        result = rf_gltf_get_numbers( gltf, json, where, "color", 3, color );
+    if ( result == RF_OK )
+        result = rf_gltf_get_number( gltf, json, where, "intensity", &intensity );
+    if ( result == RF_OK )
+        result = rf_gltf_get_number( gltf, json, where, "range", &range );
+    if ( result != RF_OK )
+        return result;
+    if ( !( intensity >= 0.0 ) )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "intensity is %g, it wants 0 or more", intensity );
+    if ( !( range > 0.0 ) )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "range is %g, it wants more than 0", range );
+    for ( int i = 0; i < 3; ++i )
+    {
+        if ( !( color[i] >= 0.0 && color[i] <= 1.0 ) )
+            return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "color is %g, it wants 0 to 1", color[i] );
+    }
+    out->intensity = rf_vec3( (float)( color[0] * intensity ), (float)( color[1] * intensity ), (float)( color[2] * intensity ) );
+    out->range = (float)range;
+    return rf_gltf_check_limit( gltf, where, "intensity", intensity, MAX_INTENSITY );
+}
+
+// At the node's origin, shining along its −z; its scale has no say.
+static RfResult place( const RfGltf* gltf, int node, const char* where, RfPunctual* out )
+{
+    RfMat4 world;
+    double time = rf_gltf_moves( gltf, node ) ? gltf->spans[node].start : 0.0;
+    rf_node_world_matrix( gltf->scene, node, time, &world );
+    const double* m = world.m;
+    double length = sqrt( m[8] * m[8] + m[9] * m[9] + m[10] * m[10] );
+    bool finite = isfinite( length ) && isfinite( m[12] ) && isfinite( m[13] ) && isfinite( m[14] );
+    if ( !finite || ( length == 0.0 && out->kind != RF_PUNCTUAL_POINT ) )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "its light has no direction: the node's transform is not invertible" );
+    double scale = length > 0.0 ? -1.0 / length : 0.0;
+    out->position = rf_vec3( (float)m[12], (float)m[13], (float)m[14] );
+    out->direction = rf_vec3( (float)( m[8] * scale ), (float)( m[9] * scale ), (float)( m[10] * scale ) );
+    return RF_OK;
+}
+
+static RfResult load_node_light( RfGltf* gltf, const json_t* lights, int node, const json_t* extension )
+{
+    RfWhere where = rf_where( "nodes[%d].extensions." EXTENSION, node );
+    int64_t index = -1, count = (int64_t)json_array_size( lights );
+    if ( count == 0 )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "the document's " EXTENSION " has no lights" );
+    RfResult result = rf_gltf_require( gltf, extension, where.text, "light" );
+    if ( result == RF_OK )
+        result = rf_gltf_get_integer( gltf, extension, where.text, "light", 0, count - 1, &index );
+    if ( result != RF_OK )
+        return result;
+    RfWhere self = rf_where( "extensions." EXTENSION ".lights[%lld]", (long long)index );
+    const json_t* json = json_array_get( lights, (size_t)index );
+    if ( !json_is_object( json ) )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, self.text, "wants an object" );
+    RfPunctual* out = gltf->scene->punctuals + gltf->scene->punctual_count;
+    result = read_light( gltf, json, self.text, out );
+    if ( result == RF_OK )
+        result = place( gltf, node, where.text, out );
+    if ( result == RF_OK )
+        result = rf_gltf_copy_name( gltf, json, self.text, gltf->scene->nodes[node].name, &out->name );
+    if ( result != RF_OK )
+        return result;
+    gltf->scene->punctual_count += 1;
+    if ( rf_gltf_moves( gltf, node ) )
+        rf_gltf_notice( gltf, RF_GLTF_MOVING_LIGHT, "moving lights are not supported: node '%.80s' is taken at its first frame",
+                        gltf->scene->nodes[node].name );
+    return RF_OK;
+}
+
+RfResult rf_gltf_load_lights( RfGltf* gltf )
+{
+    const json_t* lights;
+    RfResult result = find_lights( gltf, &lights );
+    if ( result != RF_OK )
+        return result;
+    gltf->scene->punctuals = calloc( (size_t)gltf->order_count + 1, sizeof *gltf->scene->punctuals );
+    if ( gltf->scene->punctuals == NULL )
+        return rf_gltf_no_memory( gltf, "lights" );
+    for ( int i = 0; result == RF_OK && i < gltf->order_count; ++i )
+    {
+        RfWhere where = rf_where( "nodes[%d]", gltf->order[i] );
+        const json_t* extension;
+        result =
+            rf_gltf_get_extension( gltf, rf_gltf_item( gltf, RF_GLTF_NODES, gltf->order[i] ), where.text, EXTENSION, &extension );
+        if ( result == RF_OK && extension != NULL )
+            result = load_node_light( gltf, lights, gltf->order[i], extension );
+    }
+    return result;
+}

@@ -1,0 +1,204 @@
+// Nodes: transforms, the hierarchy, and which of them the default scene shows.
+// All walks are loops over arrays: a deep file cannot exhaust the stack.
+
+#include "scene/gltf/gltf_document.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+// Ancestors of a node. Rigs have some hundred; more is a broken or hostile file.
+#define MAX_DEPTH 1000
+
+// Exporters write the last row of a matrix with rounding errors.
+#define AFFINE_TOLERANCE 1e-5
+
+static RfResult read_matrix( const RfGltf* gltf, const json_t* json, const char* where, RfNode* node )
+{
+    if ( json_object_get( json, "translation" ) != NULL || json_object_get( json, "rotation" ) != NULL ||
+         json_object_get( json, "scale" ) != NULL )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "has both a matrix and translation, rotation or scale" );
+    double* m = node->matrix.m;
+    RfResult result = rf_gltf_get_numbers( gltf, json, where, "matrix", 16, m );
+    if ( result != RF_OK )
+        return result;
+    if ( fabs( m[3] ) > AFFINE_TOLERANCE || fabs( m[7] ) > AFFINE_TOLERANCE || fabs( m[11] ) > AFFINE_TOLERANCE ||
+         fabs( m[15] - 1.0 ) > AFFINE_TOLERANCE )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "matrix has a last row other than 0 0 0 1" );
+    m[3] = m[7] = m[11] = 0.0;
+    m[15] = 1.0;
+    node->has_matrix = true;
+    return RF_OK;
+}
+
+static RfResult read_trs( const RfGltf* gltf, const json_t* json, const char* where, RfNode* node )
+{
+    RfResult result = rf_gltf_get_numbers( gltf, json, where, "translation", 3, node->translation );
+    if ( result == RF_OK )
+        result = rf_gltf_get_numbers( gltf, json, where, "rotation", 4, node->rotation );
+    if ( result == RF_OK )
+        result = rf_gltf_get_numbers( gltf, json, where, "scale", 3, node->scale );
+    if ( result != RF_OK )
+        return result;
+    double* q = node->rotation;
+    double length = sqrt( q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3] );
+    if ( ( length > 1e-6 && length < 1e6 ) == false )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "rotation is no unit quaternion" );
+    for ( int i = 0; i < 4; ++i )
+        q[i] /= length;
+    return RF_OK;
+}
+
+static RfResult load_node( RfGltf* gltf, int index )
+{
+    RfWhere where = rf_where( "nodes[%d]", index );
+    const json_t* json = rf_gltf_item( gltf, RF_GLTF_NODES, index );
+    RfNode* node = gltf->scene->nodes + index;
+    node->matrix = rf_mat4_identity();
+    node->rotation[3] = 1.0;
+    node->scale[0] = node->scale[1] = node->scale[2] = 1.0;
+    RfResult result = rf_gltf_copy_name( gltf, json, where.text, where.text, &node->name );
+    if ( result != RF_OK )
+        return result;
+    if ( json_object_get( json, "matrix" ) != NULL )
+        return read_matrix( gltf, json, where.text, node );
+    return read_trs( gltf, json, where.text, node );
+}
+
+// One index out of an array of them, such as children[2].
+static RfResult read_node_index( const RfGltf* gltf, const json_t* list, size_t at, const char* where, const char* key,
+                                 int* node )
+{
+    const json_t* value = json_array_get( list, at );
+    if ( json_is_integer( value ) == 0 || json_integer_value( value ) < 0 ||
+         json_integer_value( value ) >= gltf->counts[RF_GLTF_NODES] )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "%s[%zu] wants an index below %d", key, at,
+                             gltf->counts[RF_GLTF_NODES] );
+    *node = (int)json_integer_value( value );
+    return RF_OK;
+}
+
+static RfResult link_children( RfGltf* gltf, int parent )
+{
+    RfWhere where = rf_where( "nodes[%d]", parent );
+    const json_t* children = NULL;
+    const json_t* json = rf_gltf_item( gltf, RF_GLTF_NODES, parent );
+    RfResult result = rf_gltf_get_array( gltf, json, where.text, "children", &children );
+    for ( size_t i = 0; result == RF_OK && i < json_array_size( children ); ++i )
+    {
+        int child = 0;
+        result = read_node_index( gltf, children, i, where.text, "children", &child );
+        if ( result != RF_OK )
+            break;
+        RfNode* node = gltf->scene->nodes + child;
+        if ( node->parent >= 0 )
+            return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text,
+                                 "children[%zu] is nodes[%d], which is a child of "
+                                 "nodes[%d] already",
+                                 i, child, node->parent );
+        node->parent = parent;
+    }
+    return result;
+}
+
+// Appends everything below the nodes that `order` holds from `first` on.
+static RfResult append_descendants( const RfGltf* gltf, int first, int* order, int* count, int* depth )
+{
+    for ( int at = first; at < *count; ++at )
+    {
+        int parent = order[at];
+        if ( depth[parent] > MAX_DEPTH )
+            return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, "nodes",
+                                 "nodes[%d] is more than %d levels deep: "
+                                 "flatten the hierarchy in the modelling program",
+                                 parent, MAX_DEPTH );
+        const json_t* children = json_object_get( rf_gltf_item( gltf, RF_GLTF_NODES, parent ), "children" );
+        for ( size_t i = 0; i < json_array_size( children ); ++i )
+        {
+            int child = (int)json_integer_value( json_array_get( children, i ) );
+            depth[child] = depth[parent] + 1;
+            order[( *count )++] = child;
+        }
+    }
+    return RF_OK;
+}
+
+// Every node has one parent at most by now; what no root leads to is a ring.
+static RfResult order_all( const RfGltf* gltf, int* order, int* count, int* depth )
+{
+    *count = 0;
+    for ( int i = 0; i < gltf->scene->node_count; ++i )
+    {
+        if ( gltf->scene->nodes[i].parent < 0 )
+            order[( *count )++] = i;
+    }
+    RfResult result = append_descendants( gltf, 0, order, count, depth );
+    if ( result == RF_OK && *count < gltf->scene->node_count )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, "nodes", "%d of them are their own ancestors",
+                             gltf->scene->node_count - *count );
+    return result;
+}
+
+static RfResult order_scene( RfGltf* gltf, int index, int* depth )
+{
+    RfWhere where = rf_where( "scenes[%d]", index );
+    const json_t* roots = NULL;
+    const json_t* json = rf_gltf_item( gltf, RF_GLTF_SCENES, index );
+    RfResult result = rf_gltf_get_array( gltf, json, where.text, "nodes", &roots );
+    gltf->order_count = 0;
+    for ( int i = 0; i < gltf->scene->node_count; ++i )
+        depth[i] = -1;
+    for ( size_t i = 0; result == RF_OK && i < json_array_size( roots ); ++i )
+    {
+        int root = 0;
+        result = read_node_index( gltf, roots, i, where.text, "nodes", &root );
+        if ( result != RF_OK )
+            break;
+        if ( gltf->scene->nodes[root].parent >= 0 || depth[root] == 0 )
+            return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text,
+                                 "nodes[%zu] is node %d, which is no root or listed "
+                                 "twice",
+                                 i, root );
+        depth[root] = 0;
+        gltf->order[gltf->order_count++] = root;
+    }
+    return result == RF_OK ? append_descendants( gltf, 0, gltf->order, &gltf->order_count, depth ) : result;
+}
+
+static RfResult order_nodes( RfGltf* gltf, int* depth )
+{
+    RfResult result = order_all( gltf, gltf->order, &gltf->order_count, depth );
+    if ( result != RF_OK )
+        return result;
+    int scene;
+    result = rf_gltf_get_index( gltf, gltf->root, "document", "scene", RF_GLTF_SCENES, &scene );
+    if ( result != RF_OK )
+        return result;
+    // without scenes a file shows all that it has
+    if ( gltf->counts[RF_GLTF_SCENES] == 0 )
+        return RF_OK;
+    return order_scene( gltf, scene >= 0 ? scene : 0, depth );
+}
+
+RfResult rf_gltf_load_nodes( RfGltf* gltf )
+{
+    int count = gltf->counts[RF_GLTF_NODES];
+    RfNode* nodes = calloc( (size_t)count + 1, sizeof *nodes );
+    int* depth = calloc( (size_t)count + 1, sizeof *depth );
+    gltf->order = calloc( (size_t)count + 1, sizeof *gltf->order );
+    gltf->scene->nodes = nodes;
+    gltf->scene->node_count = nodes != NULL ? count : 0;
+    RfResult result = RF_OK;
+    if ( nodes == NULL || depth == NULL || gltf->order == NULL )
+        result = rf_gltf_no_memory( gltf, "nodes" );
+    for ( int i = 0; result == RF_OK && i < count; ++i )
+    {
+        nodes[i].parent = -1;
+        result = load_node( gltf, i );
+    }
+    for ( int i = 0; result == RF_OK && i < count; ++i )
+        result = link_children( gltf, i );
+    if ( result == RF_OK )
+        result = order_nodes( gltf, depth );
+    free( depth );
+    return result;
+}

@@ -1,0 +1,250 @@
+// One primitive of a mesh. Only the vertices that its triangles use are read:
+// exporters let many primitives share one large set of vertices.
+
+#include "scene/gltf/gltf_document.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+// Accessors of the attributes that are read; −1 where absent.
+typedef struct Attributes
+{
+    int position, normal, uv, uv1, color, tangent;
+} Attributes;
+
+void rf_gltf_free_primitive( RfGltfPrimitive* primitive )
+{
+    free( primitive->positions );
+    free( primitive->normals );
+    free( primitive->uvs );
+    free( primitive->uvs1 );
+    free( primitive->colors );
+    free( primitive->tangents );
+    free( primitive->indices );
+    memset( primitive, 0, sizeof *primitive );
+}
+
+// `components` 0: the caller checks their number.
+static RfResult open_attribute( RfGltf* gltf, const json_t* json, const char* where, const char* name, int components, int* index,
+                                uint32_t* count )
+{
+    RfResult result = rf_gltf_get_index( gltf, json, where, name, RF_GLTF_ACCESSORS, index );
+    if ( result != RF_OK || *index < 0 )
+        return result;
+    const RfGltfAccessor* accessor;
+    result = rf_gltf_open_accessor( gltf, *index, &accessor );
+    if ( result == RF_OK && components > 0 )
+        result = rf_gltf_expect( gltf, *index, accessor, where, components );
+    if ( result != RF_OK )
+        return result;
+    if ( *count != 0 && *count != accessor->count )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "%s has %u elements, POSITION has %u", name, accessor->count, *count );
+    *count = accessor->count;
+    return RF_OK;
+}
+
+static RfResult check_colors( const RfGltf* gltf, const char* where, int index )
+{
+    if ( index < 0 )
+        return RF_OK;
+    const RfGltfAccessor* a = gltf->accessors + index;
+    bool is_float = a->component_type == 5126;
+    bool is_part = ( a->component_type == 5121 || a->component_type == 5123 ) && a->normalized;
+    if ( ( a->components == 3 || a->components == 4 ) && ( is_float || is_part ) )
+        return RF_OK;
+    return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "COLOR_0 wants 3 or 4 floats or normalized unsigned bytes or shorts" );
+}
+
+static RfResult open_attributes( RfGltf* gltf, const json_t* primitive, const char* owner, Attributes* out, uint32_t* count )
+{
+    RfWhere where = rf_where( "%s.attributes", owner );
+    const json_t* json = NULL;
+    *out = ( Attributes ){ -1, -1, -1, -1, -1, -1 };
+    *count = 0;
+    RfResult result = rf_gltf_require( gltf, primitive, owner, "attributes" );
+    if ( result == RF_OK )
+        result = rf_gltf_get_object( gltf, primitive, owner, "attributes", &json );
+    if ( result == RF_OK )
+        result = open_attribute( gltf, json, where.text, "POSITION", 3, &out->position, count );
+    if ( result != RF_OK || out->position < 0 )
+        return result;
+    result = open_attribute( gltf, json, where.text, "NORMAL", 3, &out->normal, count );
+    if ( result == RF_OK )
+        result = open_attribute( gltf, json, where.text, "TEXCOORD_0", 2, &out->uv, count );
+    if ( result == RF_OK )
+        result = open_attribute( gltf, json, where.text, "TEXCOORD_1", 2, &out->uv1, count );
+    if ( result == RF_OK )
+        result = open_attribute( gltf, json, where.text, "COLOR_0", 0, &out->color, count );
+    if ( result == RF_OK )
+        result = check_colors( gltf, where.text, out->color );
+    if ( result == RF_OK )
+        result = open_attribute( gltf, json, where.text, "TANGENT", 4, &out->tangent, count );
+    return result;
+}
+
+static RfResult reserve_remap( RfGltf* gltf, const char* where, uint32_t count )
+{
+    if ( count <= gltf->remap_size )
+        return RF_OK;
+    // doubling: a file may have its meshes in order of size
+    uint32_t size = count > gltf->remap_size * 2u ? count : gltf->remap_size * 2u;
+    free( gltf->remap );
+    free( gltf->remap_stamp );
+    gltf->remap_size = 0;
+    gltf->stamp = 0;
+    gltf->remap = malloc( (size_t)size * sizeof *gltf->remap );
+    gltf->remap_stamp = calloc( size, sizeof *gltf->remap_stamp );
+    if ( gltf->remap == NULL || gltf->remap_stamp == NULL )
+        return rf_gltf_no_memory( gltf, where );
+    gltf->remap_size = size;
+    return RF_OK;
+}
+
+// Renumbers the indices by first use; `sources` tells where each vertex is in
+// the accessors. Stamps spare the clearing of the table for each primitive.
+static RfResult compact( RfGltf* gltf, const char* where, uint32_t vertex_count, RfGltfPrimitive* out, uint32_t** sources )
+{
+    RfResult result = reserve_remap( gltf, where, vertex_count );
+    if ( result != RF_OK )
+        return result;
+    size_t corners = (size_t)out->triangle_count * 3;
+    size_t most = corners < vertex_count ? corners : vertex_count;
+    *sources = malloc( ( most + 1 ) * sizeof **sources );
+    if ( *sources == NULL )
+        return rf_gltf_no_memory( gltf, where );
+    uint32_t stamp = ++gltf->stamp;
+    for ( size_t i = 0; i < corners; ++i )
+    {
+        uint32_t vertex = out->indices[i];
+        if ( gltf->remap_stamp[vertex] != stamp )
+        {
+            gltf->remap_stamp[vertex] = stamp;
+            gltf->remap[vertex] = out->vertex_count;
+            ( *sources )[out->vertex_count++] = vertex;
+        }
+        out->indices[i] = gltf->remap[vertex];
+    }
+    return RF_OK;
+}
+
+static RfResult read_attribute( const RfGltf* gltf, const char* where, int accessor, const uint32_t* sources, uint32_t count,
+                                float** values )
+{
+    if ( accessor < 0 )
+        return RF_OK;
+    size_t components = (size_t)gltf->accessors[accessor].components;
+    *values = malloc( ( (size_t)count * components + 1 ) * sizeof **values );
+    if ( *values == NULL )
+        return rf_gltf_no_memory( gltf, where );
+    RfResult result = RF_OK;
+    for ( uint32_t i = 0; result == RF_OK && i < count; ++i )
+        result = rf_gltf_read_floats( gltf, accessor, sources[i], *values + i * components );
+    return result;
+}
+
+// RGB or RGBA to RGBA in [0, 1].
+static RfResult read_colors( const RfGltf* gltf, const char* where, int accessor, const uint32_t* sources, uint32_t count,
+                             float** values )
+{
+    if ( accessor < 0 )
+        return RF_OK;
+    *values = malloc( ( (size_t)count * 4 + 1 ) * sizeof **values );
+    if ( *values == NULL )
+        return rf_gltf_no_memory( gltf, where );
+    for ( uint32_t i = 0; i < count; ++i )
+    {
+        float* rgba = *values + 4 * (size_t)i;
+        rgba[3] = 1.0f;
+        RfResult result = rf_gltf_read_floats( gltf, accessor, sources[i], rgba );
+        if ( result != RF_OK )
+            return result;
+        for ( int c = 0; c < 4; ++c )
+            rgba[c] = rf_clampf( rgba[c], 0.0f, 1.0f );
+    }
+    return RF_OK;
+}
+
+static RfResult read_vertices( RfGltf* gltf, const char* where, const Attributes* attributes, uint32_t vertex_count,
+                               RfGltfPrimitive* out )
+{
+    uint32_t* sources = NULL;
+    RfResult result = compact( gltf, where, vertex_count, out, &sources );
+    if ( result == RF_OK )
+        result = read_attribute( gltf, where, attributes->position, sources, out->vertex_count, &out->positions );
+    if ( result == RF_OK )
+        result = read_attribute( gltf, where, attributes->normal, sources, out->vertex_count, &out->normals );
+    if ( result == RF_OK )
+        result = read_attribute( gltf, where, attributes->uv, sources, out->vertex_count, &out->uvs );
+    if ( result == RF_OK )
+        result = read_attribute( gltf, where, attributes->uv1, sources, out->vertex_count, &out->uvs1 );
+    if ( result == RF_OK )
+        result = read_colors( gltf, where, attributes->color, sources, out->vertex_count, &out->colors );
+    // glTF: without normals the tangents are to be ignored
+    if ( result == RF_OK && attributes->normal >= 0 )
+        result = read_attribute( gltf, where, attributes->tangent, sources, out->vertex_count, &out->tangents );
+    free( sources );
+    return result;
+}
+
+static RfResult find_material( RfGltf* gltf, const json_t* primitive, const char* where, uint32_t* material )
+{
+    int index;
+    RfResult result = rf_gltf_get_index( gltf, primitive, where, "material", RF_GLTF_MATERIALS, &index );
+    if ( result != RF_OK )
+        return result;
+    *material = (uint32_t)index;
+    return index >= 0 ? RF_OK : rf_gltf_use_default_material( gltf, material );
+}
+
+// By the texture of normals, else by the coat's. Files that have tangents are
+// taken at their word.
+static RfResult add_tangents( const RfGltf* gltf, const char* where, RfGltfPrimitive* out )
+{
+    const RfTextured* textured = gltf->scene->materials[out->material].textured;
+    if ( out->tangents != NULL || textured == NULL )
+        return RF_OK;
+    RfTextureSlot slot = textured->refs[RF_TEXTURE_NORMAL].texture >= 0 ? RF_TEXTURE_NORMAL : RF_TEXTURE_CLEARCOAT_NORMAL;
+    const RfTextureRef* ref = textured->refs + slot;
+    const float* uvs = ref->uv_set == 0 ? out->uvs : out->uvs1;
+    if ( ref->texture < 0 || uvs == NULL )
+        return RF_OK;
+    RfResult result = out->normals == NULL ? rf_gltf_make_flat( gltf, where, out ) : RF_OK;
+    return result == RF_OK ? rf_gltf_make_tangents( gltf, where, ref, out ) : result;
+}
+
+RfResult rf_gltf_read_primitive( RfGltf* gltf, const json_t* primitive, const char* where, RfGltfPrimitive* out )
+{
+    *out = ( RfGltfPrimitive ){ 0 };
+    int64_t mode = 4;
+    RfResult result = rf_gltf_get_integer( gltf, primitive, where, "mode", 0, 6, &mode );
+    if ( result != RF_OK )
+        return result;
+    if ( mode < 4 )
+    {
+        rf_gltf_notice( gltf, RF_GLTF_POINTS_LINES, "points and lines are not drawn: %s is left out", where );
+        return RF_OK;
+    }
+    Attributes attributes;
+    uint32_t vertex_count;
+    result = open_attributes( gltf, primitive, where, &attributes, &vertex_count );
+    if ( result != RF_OK )
+        return result;
+    if ( attributes.position < 0 )
+    {
+        rf_gltf_notice( gltf, RF_GLTF_NO_POSITIONS, "%s has no POSITION: it is left out", where );
+        return RF_OK;
+    }
+    if ( json_object_get( primitive, "targets" ) != NULL )
+        rf_gltf_notice( gltf, RF_GLTF_MORPH_TARGETS, "morph targets are not read: %s keeps its base shape", where );
+
+    result = find_material( gltf, primitive, where, &out->material );
+    if ( result == RF_OK )
+        result = rf_gltf_read_triangles( gltf, primitive, where, (int)mode, vertex_count, &out->indices, &out->triangle_count );
+    if ( result == RF_OK && out->triangle_count > 0 )
+        result = read_vertices( gltf, where, &attributes, vertex_count, out );
+    if ( result == RF_OK && out->triangle_count > 0 )
+        result = add_tangents( gltf, where, out );
+    if ( result != RF_OK )
+        rf_gltf_free_primitive( out );
+    return result;
+}

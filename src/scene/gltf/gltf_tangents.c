@@ -1,0 +1,303 @@
+// Tangents for primitives whose file has none, where a texture of normals needs
+// them: as the specification asks, MikkTSpace's (Mikkelsen 2008, Simulation of
+// Wrinkled Surfaces Revisited). Corners with the same position, normal and
+// coordinates, on triangles that lie on the image the same way around, share one
+// tangent: the directions of u along their triangles, laid into the plane across
+// the normal and weighted by the corner's angle there. In double, rounded once.
+
+#include "scene/gltf/gltf_document.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define NONE 0xffffffffu
+
+// Work on one primitive. Sums are by first vertex of its kind and side.
+typedef struct Spaces
+{
+    RfGltfPrimitive* primitive;
+    const RfTextureRef* ref;
+    uint32_t* first; // by vertex: the first that is the same
+    double ( *sums )[2][3];
+    uint32_t* twin; // by vertex: its copy for the triangles of the other side, or NONE
+    int8_t* side;   // by vertex, of the triangle that came first: 1 as seen, −1 mirrored, 0 none yet
+} Spaces;
+
+// As the texture takes them, before its transform.
+static const float* uvs_of( const RfGltfPrimitive* primitive, const RfTextureRef* ref )
+{
+    return ref->uv_set == 0 ? primitive->uvs : primitive->uvs1;
+}
+
+static void free_spaces( Spaces* s )
+{
+    free( s->first );
+    free( s->sums );
+    free( s->twin );
+    free( s->side );
+}
+
+static bool create_spaces( Spaces* s )
+{
+    size_t count = (size_t)s->primitive->vertex_count + 1;
+    s->first = malloc( count * sizeof *s->first );
+    s->sums = calloc( count, sizeof *s->sums );
+    s->twin = malloc( count * sizeof *s->twin );
+    s->side = calloc( count, sizeof *s->side );
+    if ( s->first == NULL || s->sums == NULL || s->twin == NULL || s->side == NULL )
+        return false;
+    memset( s->twin, 0xff, count * sizeof *s->twin );
+    return true;
+}
+
+// What has to be the same; −0 and 0 are.
+typedef struct Key
+{
+    float values[8];
+} Key;
+
+static Key key_of( const Spaces* s, uint32_t vertex )
+{
+    const RfGltfPrimitive* p = s->primitive;
+    Key key;
+    for ( size_t i = 0; i < 3; ++i )
+    {
+        key.values[i] = p->positions[3 * (size_t)vertex + i] + 0.0f;
+        key.values[3 + i] = p->normals[3 * (size_t)vertex + i] + 0.0f;
+    }
+    for ( size_t i = 0; i < 2; ++i )
+        key.values[6 + i] = uvs_of( p, s->ref )[2 * (size_t)vertex + i] + 0.0f;
+    return key;
+}
+
+static size_t hash( const Key* key )
+{
+    uint64_t h = 0x9e3779b97f4a7c15u;
+    for ( int i = 0; i < 8; ++i )
+    {
+        uint32_t bits;
+        memcpy( &bits, key->values + i, sizeof bits );
+        h = ( h ^ bits ) * 0xff51afd7ed558ccdu;
+        h ^= h >> 32;
+    }
+    return (size_t)h;
+}
+
+// Fills `first`, by a table of twice as many places as there are vertices.
+static bool find_same( Spaces* s )
+{
+    uint32_t count = s->primitive->vertex_count;
+    size_t size = 16;
+    while ( size < 2 * (size_t)count )
+        size *= 2;
+    uint32_t* table = malloc( size * sizeof *table );
+    if ( table == NULL )
+        return false;
+    memset( table, 0xff, size * sizeof *table );
+    for ( uint32_t v = 0; v < count; ++v )
+    {
+        Key key = key_of( s, v );
+        size_t at = hash( &key ) & ( size - 1 );
+        for ( ; table[at] != NONE; at = ( at + 1 ) & ( size - 1 ) )
+        {
+            Key other = key_of( s, table[at] );
+            if ( memcmp( &key, &other, sizeof key ) == 0 )
+                break;
+        }
+        if ( table[at] == NONE )
+            table[at] = v;
+        s->first[v] = table[at];
+    }
+    free( table );
+    return true;
+}
+
+static void get3( const float* values, uint32_t vertex, double out[3] )
+{
+    for ( size_t i = 0; i < 3; ++i )
+        out[i] = (double)values[3 * (size_t)vertex + i];
+}
+
+static double dot( const double a[3], const double b[3] ) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+static bool normalize( double v[3] )
+{
+    double length = sqrt( dot( v, v ) );
+    if ( !( length > 0.0 && isfinite( length ) ) )
+        return false;
+    for ( int i = 0; i < 3; ++i )
+        v[i] /= length;
+    return true;
+}
+
+// Into the plane across n, unit.
+static bool flatten( const double n[3], double v[3] )
+{
+    double along = dot( n, v );
+    for ( int i = 0; i < 3; ++i )
+        v[i] -= n[i] * along;
+    return normalize( v );
+}
+
+static void edge_of( const float* positions, uint32_t from, uint32_t to, double out[3] )
+{
+    double a[3], b[3];
+    get3( positions, from, a );
+    get3( positions, to, b );
+    for ( int i = 0; i < 3; ++i )
+        out[i] = b[i] - a[i];
+}
+
+// Direction of u' along a triangle, and the side it lies on: 0 where its
+// coordinates span no area. v' runs down the image, the bitangent up.
+static int find_direction( const Spaces* s, const uint32_t corners[3], double along[3] )
+{
+    double at[3][2], e1[3], e2[3];
+    for ( int i = 0; i < 3; ++i )
+    {
+        const float* uv = uvs_of( s->primitive, s->ref ) + 2 * (size_t)corners[i];
+        const float* t = s->ref->transform;
+        for ( int k = 0; k < 2; ++k )
+            at[i][k] = (double)t[3 * k] * (double)uv[0] + (double)t[3 * k + 1] * (double)uv[1];
+    }
+    double du1 = at[1][0] - at[0][0], dv1 = at[1][1] - at[0][1], du2 = at[2][0] - at[0][0], dv2 = at[2][1] - at[0][1];
+    double det = du1 * dv2 - du2 * dv1;
+    if ( !( fabs( det ) > 0.0 ) )
+        return 0;
+    edge_of( s->primitive->positions, corners[0], corners[1], e1 );
+    edge_of( s->primitive->positions, corners[0], corners[2], e2 );
+    for ( int i = 0; i < 3; ++i )
+        along[i] = ( e1[i] * dv2 - e2[i] * dv1 ) * ( det < 0.0 ? -1.0 : 1.0 );
+    return !normalize( along ) ? 0 : det < 0.0 ? 1 : -1;
+}
+
+static void add_corner( Spaces* s, const uint32_t corners[3], int corner, int side, const double along[3] )
+{
+    uint32_t at = corners[corner];
+    const float* positions = s->primitive->positions;
+    double n[3], t[3] = { along[0], along[1], along[2] }, a[3], b[3];
+    get3( s->primitive->normals, at, n );
+    edge_of( positions, at, corners[( corner + 1 ) % 3], a );
+    edge_of( positions, at, corners[( corner + 2 ) % 3], b );
+    if ( !normalize( n ) || !flatten( n, t ) || !flatten( n, a ) || !flatten( n, b ) )
+        return;
+    double angle = acos( fmax( -1.0, fmin( 1.0, dot( a, b ) ) ) );
+    double* sum = s->sums[s->first[at]][side > 0];
+    for ( int i = 0; i < 3; ++i )
+        sum[i] += t[i] * angle;
+}
+
+// Sums over all corners; and which vertices both sides want.
+static uint32_t add_triangles( Spaces* s )
+{
+    RfGltfPrimitive* p = s->primitive;
+    uint32_t count = p->vertex_count;
+    for ( size_t t = 0; t < p->triangle_count; ++t )
+    {
+        uint32_t* corners = p->indices + 3 * t;
+        double along[3];
+        int side = find_direction( s, corners, along );
+        for ( int i = 0; side != 0 && i < 3; ++i )
+            add_corner( s, corners, i, side, along );
+        for ( int i = 0; side != 0 && i < 3; ++i )
+        {
+            uint32_t v = corners[i];
+            s->side[v] = s->side[v] == 0 ? (int8_t)side : s->side[v];
+            if ( s->side[v] != side && s->twin[v] == NONE )
+                s->twin[v] = count++;
+        }
+    }
+    return count;
+}
+
+static bool grow( float** values, size_t count, size_t components )
+{
+    if ( *values == NULL )
+        return true;
+    float* grown = realloc( *values, ( count * components + 1 ) * sizeof *grown );
+    *values = grown != NULL ? grown : *values;
+    return grown != NULL;
+}
+
+static void copy( float* values, size_t to, size_t from, size_t components )
+{
+    if ( values != NULL )
+        memcpy( values + to * components, values + from * components, components * sizeof *values );
+}
+
+// Triangles of the second side get their twins.
+static bool split( const Spaces* s, uint32_t count )
+{
+    RfGltfPrimitive* p = s->primitive;
+    if ( !grow( &p->positions, count, 3 ) || !grow( &p->normals, count, 3 ) || !grow( &p->uvs, count, 2 ) ||
+         !grow( &p->uvs1, count, 2 ) || !grow( &p->colors, count, 4 ) )
+        return false;
+    for ( uint32_t v = 0; v < p->vertex_count; ++v )
+    {
+        if ( s->twin[v] == NONE )
+            continue;
+        copy( p->positions, s->twin[v], v, 3 );
+        copy( p->normals, s->twin[v], v, 3 );
+        copy( p->uvs, s->twin[v], v, 2 );
+        copy( p->uvs1, s->twin[v], v, 2 );
+        copy( p->colors, s->twin[v], v, 4 );
+    }
+    return true;
+}
+
+static void renumber( Spaces* s )
+{
+    RfGltfPrimitive* p = s->primitive;
+    for ( size_t t = 0; t < p->triangle_count; ++t )
+    {
+        uint32_t* corners = p->indices + 3 * t;
+        double along[3];
+        int side = find_direction( s, corners, along );
+        for ( int i = 0; side != 0 && i < 3; ++i )
+            corners[i] = s->side[corners[i]] != side ? s->twin[corners[i]] : corners[i];
+    }
+}
+
+// 0 and no side where the sum cancels, or no triangle tells a direction. Where
+// those of the vertex itself do not, it goes along with others that are the same.
+static void store( const Spaces* s, uint32_t vertex, int side, float out[4] )
+{
+    double( *sums )[3] = s->sums[s->first[vertex]], t[3];
+    if ( side == 0 )
+        side = dot( sums[1], sums[1] ) > 0.0 ? 1 : -1;
+    memcpy( t, sums[side > 0], sizeof t );
+    bool usable = normalize( t );
+    for ( int i = 0; i < 3; ++i )
+        out[i] = usable ? (float)t[i] : 0.0f;
+    out[3] = usable ? (float)side : 0.0f;
+}
+
+static RfResult make( Spaces* s, const RfGltf* gltf, const char* where )
+{
+    RfGltfPrimitive* p = s->primitive;
+    if ( !create_spaces( s ) || !find_same( s ) )
+        return rf_gltf_no_memory( gltf, where );
+    uint32_t before = p->vertex_count, after = add_triangles( s );
+    p->tangents = malloc( ( (size_t)after * 4 + 1 ) * sizeof *p->tangents );
+    if ( p->tangents == NULL || !split( s, after ) )
+        return rf_gltf_no_memory( gltf, where );
+    if ( after != before )
+        renumber( s );
+    for ( uint32_t v = 0; v < before; ++v )
+    {
+        store( s, v, s->side[v], p->tangents + 4 * (size_t)v );
+        if ( s->twin[v] != NONE )
+            store( s, v, -s->side[v], p->tangents + 4 * (size_t)s->twin[v] );
+    }
+    p->vertex_count = after;
+    return RF_OK;
+}
+
+RfResult rf_gltf_make_tangents( const RfGltf* gltf, const char* where, const RfTextureRef* ref, RfGltfPrimitive* primitive )
+{
+    Spaces spaces = { .primitive = primitive, .ref = ref };
+    RfResult result = make( &spaces, gltf, where );
+    free_spaces( &spaces );
+    return result;
+}

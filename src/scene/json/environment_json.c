@@ -1,0 +1,78 @@
+#include "scene/json/environment_json.h"
+
+#include "base/file.h"
+#include "image/decode.h"
+
+#include <stdlib.h>
+
+// Radiance above this would overflow where floats are squared.
+#define MAX_RADIANCE 1e15
+
+RfResult rf_read_environment( const RfField* object, RfEnvironment* environment, const char** map )
+{
+    static const char* const s_keys[] = { "radiance", "map", "rotation", "visible", NULL };
+    double radiance[3] = { 1.0, 1.0, 1.0 }, rotation = 0.0;
+    bool visible = true;
+    *map = NULL;
+    RfField radiance_field = rf_field_member( object, "radiance" ), map_field = rf_field_member( object, "map" ),
+            rotation_field = rf_field_member( object, "rotation" ), visible_field = rf_field_member( object, "visible" );
+    RfResult result = rf_field_keys( object, s_keys );
+    if ( result == RF_OK && radiance_field.json == NULL && map_field.json == NULL )
+        return rf_field_fail( object, "gives no light: wants radiance, map or both" );
+    if ( result == RF_OK )
+        result = rf_field_numbers( &radiance_field, rf_range( 0.0, MAX_RADIANCE ), 3, radiance );
+    if ( result == RF_OK )
+        result = rf_field_text( &map_field, map );
+    if ( result == RF_OK )
+        result = rf_field_number( &rotation_field, rf_range( -1e6, 1e6 ), &rotation );
+    if ( result == RF_OK )
+        result = rf_field_bool( &visible_field, &visible );
+    if ( result != RF_OK )
+        return result;
+    *environment = ( RfEnvironment ){
+        .radiance = rf_vec3( (float)radiance[0], (float)radiance[1], (float)radiance[2] ),
+        .rotation = (float)( fmod( rotation, 360.0 ) * ( 3.14159265358979323846 / 180.0 ) ),
+        .hidden = !visible,
+    };
+    return RF_OK;
+}
+
+static bool is_too_bright( const RfEnvironment* e )
+{
+    double most = (double)rf_max_component( e->radiance );
+    size_t count = 3 * (size_t)e->width * (size_t)e->height;
+    for ( size_t i = 0; i < count; ++i )
+    {
+        if ( most * (double)e->map[i] > MAX_RADIANCE )
+            return true;
+    }
+    return false;
+}
+
+RfResult rf_load_environment( const RfField* object, const char* path, RfEnvironment* environment )
+{
+    RfField field = rf_field_member( object, "map" );
+    RfError error = { 0 };
+    RfResult result = rf_load_environment_map( path, &environment->width, &environment->height, &environment->map, &error );
+    if ( result == RF_OK && !is_too_bright( environment ) )
+        return RF_OK;
+    free( environment->map );
+    environment->map = NULL;
+    if ( result == RF_OK )
+        return rf_field_fail( &field, "times radiance is brighter than %g somewhere: lower radiance", MAX_RADIANCE );
+    // the decoder's own line names the file; its code stays
+    rf_field_fail( &field, "%.560s", error.text );
+    if ( field.error != NULL )
+        field.error->code = result;
+    return result;
+}
+
+uint64_t rf_hash_environment( uint64_t hash, const RfEnvironment* environment )
+{
+    if ( environment->map == NULL )
+        return hash;
+    int size[2] = { environment->width, environment->height };
+    size_t count = 3 * (size_t)environment->width * (size_t)environment->height;
+    hash = rf_hash_bytes( hash, size, sizeof size );
+    return rf_hash_bytes( hash, environment->map, count * sizeof *environment->map );
+}

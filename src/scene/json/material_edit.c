@@ -1,0 +1,208 @@
+#include "scene/json/material_edit.h"
+
+#include "base/words.h"
+#include "scene/json/material_edit_lobes.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define NAMES_LISTED 12
+
+typedef enum Type
+{
+    NUMBERS,
+    FLAG,
+    ALPHA_MODE,
+    NOT_COPIED, // handled by name
+} Type;
+
+// Where a key of an override goes.
+typedef struct Entry
+{
+    const char* key;
+    Type type;
+    int count; // of numbers
+    double low, high;
+    const char* parent;    // object of the material, or NULL: the material itself
+    const char* extension; // or this one of its extensions
+    bool gltf_only;        // without an effect where extras.reframe gives another bsdf
+} Entry;
+
+#define PBR "pbrMetallicRoughness"
+
+static const Entry s_entries[] = {
+    { "bsdf", NOT_COPIED, 0, 0, 0, NULL, NULL, false },
+    { "diffuse", NOT_COPIED, 0, 0, 0, NULL, NULL, false },
+    { "specular", NOT_COPIED, 0, 0, 0, NULL, NULL, false },
+    { "exponent", NOT_COPIED, 0, 0, 0, NULL, NULL, false },
+    { "baseColorFactor", NUMBERS, 4, 0, 1, PBR, NULL, true },
+    { "metallicFactor", NUMBERS, 1, 0, 1, PBR, NULL, true },
+    { "roughnessFactor", NUMBERS, 1, 0, 1, PBR, NULL, true },
+    { "specularFactor", NUMBERS, 1, 0, 1, NULL, "KHR_materials_specular", true },
+    { "specularColorFactor", NUMBERS, 3, 0, 1e6, NULL, "KHR_materials_specular", true },
+    { "ior", NUMBERS, 1, 1, 100, NULL, "KHR_materials_ior", true },
+    { "transmissionFactor", NUMBERS, 1, 0, 1, NULL, "KHR_materials_transmission", true },
+    { "thicknessFactor", NUMBERS, 1, 0, 1e15, NULL, "KHR_materials_volume", true },
+    { "attenuationDistance", NUMBERS, 1, 1e-15, 1e15, NULL, "KHR_materials_volume", true },
+    { "attenuationColor", NUMBERS, 3, 0, 1, NULL, "KHR_materials_volume", true },
+    { "clearcoatFactor", NUMBERS, 1, 0, 1, NULL, "KHR_materials_clearcoat", true },
+    { "clearcoatRoughnessFactor", NUMBERS, 1, 0, 1, NULL, "KHR_materials_clearcoat", true },
+    { "emissiveFactor", NUMBERS, 3, 0, 1, NULL, NULL, false },
+    { "emissiveStrength", NUMBERS, 1, 0, 1e15, NULL, "KHR_materials_emissive_strength", false },
+    { "doubleSided", FLAG, 0, 0, 0, NULL, NULL, false },
+    { "alphaMode", ALPHA_MODE, 0, 0, 0, NULL, NULL, false },
+    { "alphaCutoff", NUMBERS, 1, 0, 1e6, NULL, NULL, false },
+    { "textures", NOT_COPIED, 0, 0, 0, NULL, NULL, false },
+};
+
+#define ENTRY_COUNT ( sizeof s_entries / sizeof s_entries[0] )
+
+static RfResult check_value( const RfField* field, const Entry* entry )
+{
+    static const char* const s_modes[] = { "OPAQUE", "MASK", "BLEND", NULL };
+    double numbers[4];
+    bool flag;
+    int mode;
+    RfRange range = rf_range( entry->low, entry->high );
+    if ( entry->type == FLAG )
+        return rf_field_bool( field, &flag );
+    if ( entry->type == ALPHA_MODE )
+        return rf_field_choice( field, s_modes, &mode );
+    return entry->count == 1 ? rf_field_number( field, range, numbers ) : rf_field_numbers( field, range, entry->count, numbers );
+}
+
+static RfResult copy_value( const RfField* field, const Entry* entry, json_t* material )
+{
+    RfResult result = check_value( field, entry );
+    if ( result != RF_OK )
+        return result;
+    json_t* home = material;
+    if ( entry->parent != NULL )
+        home = rf_edit_dig( material, entry->parent );
+    else if ( entry->extension != NULL )
+    {
+        home = rf_edit_dig( material, "extensions" );
+        home = home != NULL ? rf_edit_dig( home, entry->extension ) : NULL;
+    }
+    if ( home == NULL || json_object_set( home, entry->key, (json_t*)field->json ) != 0 )
+        return rf_edit_no_memory( field );
+    return RF_OK;
+}
+
+static bool ends_with_texture( const char* key )
+{
+    size_t length = strlen( key );
+    return length > 7 && strcmp( key + length - 7, "Texture" ) == 0;
+}
+
+// Takes textures out of an object and of those of its members that are
+// objects, to the depth at which glTF has them.
+static void drop_textures( json_t* object, int depth )
+{
+    const char* key;
+    void* next;
+    json_t* value;
+    json_object_foreach_safe( object, next, key, value )
+    {
+        if ( ends_with_texture( key ) )
+            json_object_del( object, key );
+        else if ( json_is_object( value ) && depth > 0 && strcmp( key, "extras" ) != 0 )
+            drop_textures( value, depth - 1 );
+    }
+}
+
+static RfResult edit_textures( const RfField* override, json_t* material )
+{
+    bool keep = true;
+    RfField field = rf_field_member( override, "textures" );
+    RfResult result = rf_field_bool( &field, &keep );
+    if ( result == RF_OK && !keep )
+        drop_textures( material, 2 );
+    return result;
+}
+
+static RfResult edit_material( const RfField* override, json_t* material )
+{
+    RfResult result = rf_edit_lobes( override, material );
+    if ( result == RF_OK )
+        result = edit_textures( override, material );
+    bool is_gltf = strcmp( rf_edited_bsdf( material ), "gltf" ) == 0;
+    for ( size_t i = 0; i < ENTRY_COUNT && result == RF_OK; ++i )
+    {
+        const Entry* entry = s_entries + i;
+        RfField field = rf_field_member( override, entry->key );
+        if ( entry->type == NOT_COPIED || field.json == NULL )
+            continue;
+        if ( entry->gltf_only && !is_gltf )
+            return rf_field_fail( &field, "has no effect on bsdf \"%.20s\": add \"bsdf\": \"gltf\"", rf_edited_bsdf( material ) );
+        result = copy_value( &field, entry, material );
+    }
+    return result;
+}
+
+// Materials without a name go by "materials[3]", as the reader calls them.
+static const char* name_of( const json_t* list, size_t index, char fallback[32] )
+{
+    const char* name = json_string_value( json_object_get( json_array_get( list, index ), "name" ) );
+    snprintf( fallback, 32, "materials[%zu]", index );
+    return name != NULL && name[0] != 0 ? name : fallback;
+}
+
+static RfResult fail_unknown( const RfField* override, const char* name, const json_t* list )
+{
+    char text[400], fallback[32], nearest[128] = "";
+    size_t used = 0, count = json_array_size( list );
+    text[0] = 0;
+    for ( size_t i = 0; i < count; ++i )
+    {
+        const char* one = name_of( list, i, fallback );
+        if ( nearest[0] == 0 && rf_nearest_word( name, &one, 1 ) != NULL )
+            snprintf( nearest, sizeof nearest, "did you mean '%.60s'? ", one );
+        if ( i < NAMES_LISTED && used < sizeof text )
+            used += (size_t)snprintf( text + used, sizeof text - used, "%s'%.24s'", i > 0 ? ", " : "", one );
+    }
+    if ( count > NAMES_LISTED )
+        return rf_field_fail( override, "the scene has no such material: %sthere are %s and %zu more", nearest, text,
+                              count - NAMES_LISTED );
+    return rf_field_fail( override, "the scene has no such material: %sthere are %s", nearest, count > 0 ? text : "none" );
+}
+
+static RfResult edit_by_name( const RfField* override, const char* name, json_t* list )
+{
+    const char* keys[ENTRY_COUNT + 1] = { NULL };
+    for ( size_t i = 0; i < ENTRY_COUNT; ++i )
+        keys[i] = s_entries[i].key;
+    RfResult result = rf_field_keys( override, keys );
+    bool found = false;
+    for ( size_t i = 0; i < json_array_size( list ) && result == RF_OK; ++i )
+    {
+        char fallback[32];
+        json_t* material = json_array_get( list, i );
+        if ( !json_is_object( material ) || strcmp( name_of( list, i, fallback ), name ) != 0 )
+            continue;
+        found = true;
+        result = edit_material( override, material );
+    }
+    return result == RF_OK && !found ? fail_unknown( override, name, list ) : result;
+}
+
+RfResult rf_edit_materials( const RfField* materials, json_t* root )
+{
+    if ( materials->json == NULL )
+        return RF_OK;
+    if ( !json_is_object( materials->json ) )
+        return rf_field_wants( materials, "an object of materials by name" );
+    json_t* list = json_object_get( root, "materials" );
+    RfResult result = RF_OK;
+    const char* name;
+    json_t* value;
+    json_object_foreach( (json_t*)materials->json, name, value )
+    {
+        RfField override = rf_field_member( materials, name );
+        result = edit_by_name( &override, name, list );
+        if ( result != RF_OK )
+            break;
+    }
+    return result;
+}

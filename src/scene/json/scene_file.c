@@ -1,0 +1,227 @@
+#include "scene/json/scene_file.h"
+
+#include "base/file.h"
+#include "scene/camera.h"
+#include "scene/camera_path/camera_track.h"
+#include "scene/json/environment_json.h"
+#include "scene/gltf/gltf.h"
+#include "scene/gltf/gltf_document.h"
+#include "scene/json/material_edit.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char* const s_keys[] = { "scene", "environment", "materials", "camera", "render", NULL };
+
+static bool ends_with( const char* text, const char* end )
+{
+    size_t length = strlen( text ), end_length = strlen( end );
+    return length > end_length && strcmp( text + length - end_length, end ) == 0;
+}
+
+static RfResult check_document( const RfJsonDocument* document, RfError* error )
+{
+    RfField root = rf_root_field( document, error );
+    if ( rf_has_member( &root, "asset" ) )
+        return rf_field_fail( &root, "is a glTF: give it a name that ends in .gltf" );
+    RfResult result = rf_field_keys( &root, s_keys );
+    return result == RF_OK ? rf_field_require( &root, "scene", "the name of a .glb or .gltf file" ) : result;
+}
+
+RfResult rf_open_scene_file( const char* path, RfSceneFile* file, RfError* error )
+{
+    *file = ( RfSceneFile ){ .path = strdup( path ) };
+    RfResult result = file->path != NULL ? RF_OK : rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left", path );
+    if ( result == RF_OK && ends_with( path, ".json" ) )
+    {
+        result = rf_open_json( path, &file->document, error );
+        if ( result == RF_OK )
+            result = check_document( &file->document, error );
+    }
+    if ( result != RF_OK )
+        rf_close_scene_file( file );
+    return result;
+}
+
+void rf_close_scene_file( RfSceneFile* file )
+{
+    rf_close_json( &file->document );
+    free( file->path );
+    *file = ( RfSceneFile ){ 0 };
+}
+
+RfField rf_scene_file_defaults( const RfSceneFile* file, RfError* error )
+{
+    RfField root = rf_make_field( file->path, "", file->document.root, error );
+    return rf_field_member( &root, "render" );
+}
+
+// A failure of another file that this one names: both are told.
+static RfResult pass_on( const RfField* field, RfResult result, const RfError* error )
+{
+    rf_field_fail( field, "%.700s", error->text );
+    if ( field->error != NULL )
+        field->error->code = result;
+    return result;
+}
+
+static RfResult edit( void* user, json_t* root, RfError* error )
+{
+    RfField materials = *(const RfField*)user;
+    materials.error = error;
+    return rf_edit_materials( &materials, root );
+}
+
+static RfResult load_gltf( const RfField* root, RfScene* scene, RfLog* log )
+{
+    const char* name = NULL;
+    RfField field = rf_field_member( root, "scene" ), materials = rf_field_member( root, "materials" );
+    RfResult result = rf_field_text( &field, &name );
+    if ( result != RF_OK )
+        return result;
+    if ( ends_with( name, ".json" ) )
+        return rf_field_wants( &field, "a .glb or .gltf file" );
+    char* path = rf_path_beside( root->file, name );
+    if ( path == NULL )
+        return rf_fail( root->error, RF_ERROR_MEMORY, "%s: no memory left", root->file );
+    RfGltfEdit change = { edit, &materials };
+    result = rf_load_edited_gltf( path, &change, scene, log, root->error );
+    free( path );
+    return result;
+}
+
+static RfResult load_environment( const RfField* root, RfScene* scene )
+{
+    RfField field = rf_field_member( root, "environment" );
+    if ( field.json == NULL )
+        return RF_OK;
+    const char* map;
+    RfEnvironment environment = { 0 };
+    RfResult result = rf_read_environment( &field, &environment, &map );
+    char* path = result == RF_OK && map != NULL ? rf_path_beside( root->file, map ) : NULL;
+    if ( result == RF_OK && map != NULL && path == NULL )
+        result = rf_fail( root->error, RF_ERROR_MEMORY, "%s: no memory left", root->file );
+    if ( result == RF_OK && map != NULL )
+        result = rf_load_environment( &field, path, &environment );
+    free( path );
+    if ( result != RF_OK )
+        return result;
+    free( scene->environment.map ); // that of the glTF
+    scene->environment = environment;
+    scene->content_hash = rf_hash_environment( scene->content_hash, &environment );
+    return RF_OK;
+}
+
+static bool is_taken( const RfScene* scene, const char* name )
+{
+    for ( int i = 0; i < scene->camera_count; ++i )
+    {
+        if ( strcmp( scene->cameras[i].name, name ) == 0 )
+            return true;
+    }
+    return false;
+}
+
+// Becomes the last and chosen one. Takes the camera over, or destroys it.
+static RfResult add_camera( const RfField* field, RfScene* scene, RfCamera* camera )
+{
+    RfCamera* grown = realloc( scene->cameras, ( (size_t)scene->camera_count + 1 ) * sizeof *grown );
+    if ( grown == NULL )
+    {
+        rf_destroy_camera( camera );
+        return rf_fail( field->error, RF_ERROR_MEMORY, "%s: no memory left", field->file );
+    }
+    scene->cameras = grown;
+    scene->cameras[scene->camera_count++] = *camera;
+    scene->chosen_camera = scene->camera_count;
+    scene->content_hash = rf_hash_bytes( scene->content_hash, &camera->track->hash, sizeof camera->track->hash );
+    return RF_OK;
+}
+
+static RfResult choose_camera( const RfField* field, const char* name, RfScene* scene )
+{
+    int index;
+    RfError error = { 0 };
+    RfResult result = rf_find_camera( scene, name, &index, &error );
+    if ( result != RF_OK ) // of the file, not of the command line
+        return pass_on( field, RF_ERROR_SCENE, &error );
+    scene->chosen_camera = index + 1;
+    return RF_OK;
+}
+
+static RfResult load_path_file( const RfField* field, const char* name, RfScene* scene )
+{
+    RfCamera camera;
+    RfError error = { 0 };
+    char* path = rf_path_beside( field->file, name );
+    if ( path == NULL )
+        return rf_fail( field->error, RF_ERROR_MEMORY, "%s: no memory left", field->file );
+    RfResult result = rf_load_camera( path, &camera, &error );
+    free( path );
+    return result == RF_OK ? add_camera( field, scene, &camera ) : pass_on( field, result, &error );
+}
+
+static RfResult load_camera( const RfField* root, RfScene* scene )
+{
+    RfField field = rf_field_member( root, "camera" );
+    if ( field.json == NULL )
+        return RF_OK;
+    if ( json_is_object( field.json ) )
+    {
+        RfCamera camera;
+        char name[32] = "path";
+        for ( int i = 2; is_taken( scene, name ); ++i )
+            snprintf( name, sizeof name, "path#%d", i );
+        RfResult result = rf_read_camera( &field, name, &camera, field.error );
+        return result == RF_OK ? add_camera( &field, scene, &camera ) : result;
+    }
+    const char* name = NULL;
+    if ( !json_is_string( field.json ) )
+        return rf_field_wants( &field, "the name of a camera, a camera-path file (.json) or a camera path" );
+    RfResult result = rf_field_text( &field, &name );
+    if ( result != RF_OK )
+        return result;
+    return ends_with( name, ".json" ) ? load_path_file( &field, name, scene ) : choose_camera( &field, name, scene );
+}
+
+static RfResult rename_scene( const RfSceneFile* file, RfScene* scene, RfError* error )
+{
+    char* path = strdup( file->path );
+    if ( path == NULL )
+        return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left", file->path );
+    free( scene->path );
+    scene->path = path;
+    scene->content_hash = rf_hash_bytes( scene->content_hash, &file->document.hash, sizeof file->document.hash );
+    return RF_OK;
+}
+
+RfResult rf_load_scene_file( const RfSceneFile* file, RfScene* scene, RfLog* log, RfError* error )
+{
+    if ( file->document.root == NULL )
+        return rf_load_gltf( file->path, scene, log, error );
+    memset( scene, 0, sizeof *scene );
+    RfField root = rf_root_field( &file->document, error );
+    RfResult result = load_gltf( &root, scene, log );
+    if ( result == RF_OK )
+        result = load_environment( &root, scene );
+    if ( result == RF_OK )
+        result = load_camera( &root, scene );
+    if ( result == RF_OK )
+        result = rename_scene( file, scene, error );
+    if ( result != RF_OK )
+        rf_destroy_scene( scene );
+    return result;
+}
+
+RfResult rf_load_scene( const char* path, RfScene* scene, RfLog* log, RfError* error )
+{
+    RfSceneFile file;
+    memset( scene, 0, sizeof *scene );
+    RfResult result = rf_open_scene_file( path, &file, error );
+    if ( result != RF_OK )
+        return result;
+    result = rf_load_scene_file( &file, scene, log, error );
+    rf_close_scene_file( &file );
+    return result;
+}

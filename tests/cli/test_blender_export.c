@@ -1,0 +1,246 @@
+// scripts/blender-export.py on a scene made by Blender itself; skipped where
+// Blender, or the numpy that its exporter needs, is not there.
+#include "support/cli_run.h"
+
+#include "light/sky.h"
+#include "scene/camera.h"
+#include "scene/gltf/gltf.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+// A camera that a moving parent and a constraint move, an area light, a point
+// lamp, a world of one colour, a custom property.
+static const char s_make[] =
+    "import bpy, math, os\n"
+    "bpy.ops.wm.read_factory_settings(use_empty=True)\n"
+    "s = bpy.context.scene\n"
+    "s.frame_start, s.frame_end = 1, 5\n"
+    "bpy.ops.mesh.primitive_cube_add(size=1)\n"
+    "cube = bpy.context.object\n"
+    "m = bpy.data.materials.new('vase')\n"
+    "m['reframe'] = {'bsdf': 'phong', 'diffuse': [0.2, 0.1, 0.05], 'specular': [0.5, 0.5, 0.5], 'exponent': 60}\n"
+    "cube.data.materials.append(m)\n"
+    "def lamp(kind, place, energy):\n"
+    "    o = bpy.data.objects.new(kind, bpy.data.lights.new(kind, kind))\n"
+    "    o.location = place\n"
+    "    o.data.energy = energy\n"
+    "    s.collection.objects.link(o)\n"
+    "    return o\n"
+    "area = lamp('AREA', (0, 0, 3), 100)\n"
+    "area.data.shape, area.data.size, area.data.size_y = 'RECTANGLE', 2.0, 0.5\n"
+    "lamp('POINT', (-2, -1, 2), 40)\n"
+    "w = bpy.data.worlds.new('w')\n"
+    "s.world = w\n"
+    "w.use_nodes = True\n"
+    "b = w.node_tree.nodes['Background']\n"
+    "b.inputs['Color'].default_value = (0.2, 0.4, 0.6, 1)\n"
+    "b.inputs['Strength'].default_value = 0.5\n"
+    "c = bpy.data.objects.new('Eye', bpy.data.cameras.new('Eye'))\n"
+    "s.collection.objects.link(c)\n"
+    "s.camera = c\n"
+    "p = bpy.data.objects.new('pivot', None)\n"
+    "p.hide_render = True\n" // what moves the camera need not be seen itself
+    "s.collection.objects.link(p)\n"
+    "c.parent, c.location = p, (0, -5, 0)\n"
+    "t = c.constraints.new('TRACK_TO')\n"
+    "at = bpy.data.objects.new('target', None)\n"
+    "at.hide_render = True\n"
+    "s.collection.objects.link(at)\n"
+    "t.target, t.track_axis, t.up_axis = at, 'TRACK_NEGATIVE_Z', 'UP_Y'\n"
+    "p.keyframe_insert('rotation_euler', frame=1)\n"
+    "p.rotation_euler = (0, 0, math.pi / 2)\n"
+    "p.keyframe_insert('rotation_euler', frame=5)\n"
+    // a hidden cutter still cuts
+    "bpy.ops.mesh.primitive_cylinder_add(radius=0.25, depth=3)\n"
+    "cutter = bpy.context.object\n"
+    "cutter.hide_render = True\n"
+    "hole = cube.modifiers.new('hole', 'BOOLEAN')\n"
+    "hole.object, hole.operation = cutter, 'DIFFERENCE'\n"
+    "head = lamp('SPOT', (1, 0, 0), 4)\n"
+    "head.parent = c\n"
+    "bpy.ops.wm.save_as_mainfile(filepath=os.path.abspath('t.blend'))\n";
+
+static bool near( float a, double b ) { return fabs( (double)a - b ) <= 1e-4 * ( 1.0 + fabs( b ) ); }
+
+static void check_scene( const RfScene* scene )
+{
+    assert_int_equal( scene->camera_count, 1 );
+    assert_string_equal( scene->cameras[0].name, "Eye" );
+    int frames;
+    RfError error;
+    assert_int_equal( rf_camera_frame_count( scene->cameras, 24.0, &frames, &error ), RF_OK );
+    assert_int_equal( frames, 5 );
+    RfEye eye;
+    assert_int_equal( rf_scene_eye( scene, 0, scene->cameras[0].end, 64, 36, &eye, &error ), RF_OK );
+    assert_true( near( eye.origin.x, 5 ) && near( eye.origin.y, 0 ) && near( eye.origin.z, 0 ) ); // a quarter turn on
+    assert_true( near( eye.forward.x, -1 ) );
+    assert_int_equal( scene->punctual_count, 2 );
+    int points = 0, heads = 0;
+    for ( int i = 0; i < scene->punctual_count; ++i )
+    {
+        const RfPunctual* p = scene->punctuals + i;
+        points += near( p->intensity.x, 40.0 / ( 4.0 * 3.14159265358979 ) );
+        // at the camera's right hand in the first frame
+        heads += near( p->intensity.x, 4.0 / ( 4.0 * 3.14159265358979 ) ) && near( p->position.x, 1 ) && near( p->position.z, 5 );
+    }
+    assert_true( points == 1 && heads == 1 );
+    assert_true( scene->triangles.count > 60 ); // a cube, a hole of 32 sides in it, an area light
+    assert_true( near( scene->environment.radiance.x, 0.1 ) && near( scene->environment.radiance.z, 0.3 ) );
+    int glowing = 0, phong = 0;
+    for ( uint32_t i = 0; i < scene->material_count; ++i )
+    {
+        const RfMaterial* m = scene->materials + i;
+        phong += m->kind == RF_BSDF_PHONG && m->exponent == 60.0f;
+        if ( m->emission.x == 0.0f )
+            continue;
+        ++glowing;
+        assert_true( near( m->emission.x, 100.0 / ( 3.14159265358979 * 1.0 ) ) && !m->double_sided );
+    }
+    assert_true( glowing == 1 && phong == 1 );
+    const RfTriangles* t = &scene->triangles;
+    for ( uint32_t i = 0; i < t->count; ++i ) // the light looks down
+    {
+        if ( scene->materials[t->material[i]].emission.x > 0.0f )
+            assert_true( t->normals[3 * (size_t)t->indices[3 * (size_t)i] + 1] < -0.99f );
+    }
+}
+
+// A world of a packed picture, turned and dimmed; and what cannot be carried.
+static const char s_make_world[] =
+    "import bpy, math, numpy, os\n"
+    "s = bpy.context.scene\n"
+    "picture = bpy.data.images.new('sky', 64, 32, float_buffer=True)\n"
+    "picture.colorspace_settings.name = 'Linear'\n"
+    "p = numpy.ones((32, 64, 4), numpy.float32)\n"
+    "p[:, :, 0] = 0.5\n"
+    "p[24:, 8:11, :3] = (60, 50, 40)\n" // rows from below: a bright patch high up
+    "picture.pixels.foreach_set(p.ravel())\n"
+    "picture.pack()\n"
+    "tree = s.world.node_tree\n"
+    "new, link = tree.nodes.new, tree.links.new\n"
+    "sky, turn, at = new('ShaderNodeTexEnvironment'), new('ShaderNodeMapping'), new('ShaderNodeTexCoord')\n"
+    "sky.image = picture\n"
+    "turn.inputs['Rotation'].default_value = (0, 0, math.radians(30))\n"
+    "link(at.outputs['Generated'], turn.inputs[0])\n"
+    "link(turn.outputs[0], sky.inputs[0])\n"
+    "link(sky.outputs[0], tree.nodes['Background'].inputs['Color'])\n"
+    "s.world.cycles_visibility.camera = False\n"
+    "s.camera.data.dof.use_dof = s.render.use_motion_blur = True\n"
+    "lamp = s.objects['POINT']\n"
+    "lamp.data.keyframe_insert('energy', frame=1)\n"
+    "lamp.data.energy = 80\n"
+    "lamp.data.keyframe_insert('energy', frame=5)\n"
+    "bpy.ops.wm.save_as_mainfile(filepath=os.path.abspath('sky.blend'))\n";
+
+// From azimuth and elevation in Blender's axes, degrees.
+static RfVec3 sky_at( const RfScene* scene, double azimuth, double elevation )
+{
+    RfSky sky;
+    RfError error;
+    assert_int_equal( rf_make_sky( &scene->environment, &sky, &error ), RF_OK );
+    double a = azimuth * 3.14159265358979 / 180.0, e = elevation * 3.14159265358979 / 180.0;
+    RfVec3 way = rf_vec3( (float)( cos( a ) * cos( e ) ), (float)sin( e ), (float)( -sin( a ) * cos( e ) ) );
+    RfVec3 radiance = rf_sky_radiance( &sky, way );
+    rf_destroy_sky( &sky );
+    return radiance;
+}
+
+static void check_world( const RfScene* scene )
+{
+    assert_int_equal( scene->environment.width, 64 );
+    assert_int_equal( scene->environment.height, 32 );
+    assert_true( scene->environment.hidden );
+    // the patch's middle is 9.5 / 64 across: 126.6 degrees in the picture, 30 less once turned
+    RfVec3 patch = sky_at( scene, 96.6, 67.5 ), before = sky_at( scene, 126.6, 67.5 ), mirrored = sky_at( scene, -96.6, 67.5 );
+    assert_true( near( patch.x, 30.0 ) && near( patch.y, 25.0 ) && near( patch.z, 20.0 ) );
+    assert_true( near( before.x, 0.25 ) && near( before.y, 0.5 ) );
+    assert_true( near( mirrored.x, 0.25 ) && near( mirrored.y, 0.5 ) );
+    RfVec3 below = sky_at( scene, 96.6, -67.5 );
+    assert_true( near( below.x, 0.25 ) && near( below.z, 0.5 ) );
+}
+
+static bool enter_with_blender( void )
+{
+    cli_enter();
+    // another Python first in the path would hide the numpy of Debian's
+    if ( cli_run(
+             "PATH=/usr/bin:$PATH blender -b --factory-startup --python-exit-code 9 --python-expr 'import numpy' > log 2>&1" )
+             ->status == 0 )
+        return true;
+    cli_leave();
+    print_message( "skipped: there is no blender with numpy\n" );
+    return false;
+}
+
+static void load( const char* name, RfScene* scene )
+{
+    char path[512];
+    snprintf( path, sizeof path, "%s/%s", cli_folder(), name );
+    RfError error;
+    RfLog log = { 0 };
+    if ( rf_load_gltf( path, scene, &log, &error ) != RF_OK )
+        fail_msg( "%s", error.text );
+}
+
+static void test_export( void** state )
+{
+    (void)state;
+    if ( !enter_with_blender() )
+        skip();
+    cli_write( "make.py", s_make, sizeof s_make - 1 );
+    assert_int_equal( cli_run( "PATH=/usr/bin:$PATH blender -b --python-exit-code 9 -P make.py > log 2>&1" )->status, 0 );
+#define EXPORT "PATH=/usr/bin:$PATH blender -b t.blend -P " REFRAME_SOURCE_DIR "/scripts/blender-export.py -- "
+    const CliResult* refused = cli_run( EXPORT "t.glb --camera Nobody > log" );
+    assert_int_equal( refused->status, 1 );
+    assert_non_null( strstr( refused->err, "no camera 'Nobody' in the scene: it has Eye" ) );
+    assert_int_equal( cli_run( EXPORT "t.glb > log 2>&1" )->status, 0 );
+    RfScene scene;
+    load( "t.glb", &scene );
+    check_scene( &scene );
+    rf_destroy_scene( &scene );
+    refused = cli_run( EXPORT "t.glb > log" );
+    assert_int_equal( refused->status, 1 );
+    assert_non_null( strstr( refused->err, "blender-export: t.glb: is there already: give another name or --overwrite" ) );
+    assert_int_equal( cli_run( EXPORT "t.glb --overwrite > log 2>&1" )->status, 0 );
+    cli_leave();
+}
+
+static void test_world( void** state )
+{
+    (void)state;
+    if ( !enter_with_blender() )
+        skip();
+    cli_write( "make.py", s_make, sizeof s_make - 1 );
+    cli_write( "world.py", s_make_world, sizeof s_make_world - 1 );
+    assert_int_equal( cli_run( "PATH=/usr/bin:$PATH blender -b --python-exit-code 9 -P make.py -P world.py > log 2>&1" )->status,
+                      0 );
+#define EXPORT_SKY "PATH=/usr/bin:$PATH blender -b sky.blend -P " REFRAME_SOURCE_DIR "/scripts/blender-export.py -- "
+    cli_write( "a b-sky.exr", "", 0 ); // a map in the way
+    const CliResult* done = cli_run( EXPORT_SKY "'a b.glb' > log" );
+    assert_int_equal( done->status, 1 );
+    assert_non_null( strstr( done->err, "a b-sky.exr: is there already" ) );
+    done = cli_run( EXPORT_SKY "'a b.glb' --overwrite > log" );
+    assert_int_equal( done->status, 0 );
+    assert_non_null( strstr( done->err, "warning: 'Eye' has depth of field" ) );
+    assert_non_null( strstr( done->err, "warning: motion blur is on" ) );
+    // the spot hangs on the moving camera, the cube stands still
+    assert_non_null( strstr( done->err, "warning: 'POINT', 'SPOT': moves or changes: taken as in the first frame" ) );
+    RfScene scene;
+    load( "a b.glb", &scene );
+    check_world( &scene );
+    rf_destroy_scene( &scene );
+    cli_leave();
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = { cmocka_unit_test( test_export ), cmocka_unit_test( test_world ) };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}

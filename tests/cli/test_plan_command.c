@@ -1,0 +1,216 @@
+// reframe plan: table, JSON, errors, and that render --group auto takes the row that it marks.
+#include "support/cli_run.h"
+
+#include <jansson.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static const json_t* chosen_row( const json_t* plan )
+{
+    const json_t *rows = json_object_get( plan, "rows" ), *chosen = NULL;
+    for ( size_t i = 0; i < json_array_size( rows ); ++i )
+    {
+        const json_t* row = json_array_get( rows, i );
+        if ( json_is_true( json_object_get( row, "chosen" ) ) )
+        {
+            assert_null( chosen );
+            chosen = row;
+        }
+    }
+    assert_non_null( chosen );
+    return chosen;
+}
+
+static bool is_null( const json_t* row, const char* key ) { return json_is_null( json_object_get( row, key ) ); }
+
+// The keys of the contract: numbers, but null where nothing is rendered to have them from.
+static void check_rows( const json_t* plan )
+{
+    const json_t* rows = json_object_get( plan, "rows" );
+    assert_int_equal( json_array_size( rows ), 9 );
+    for ( size_t i = 0; i < 9; ++i )
+    {
+        const json_t* row = json_array_get( rows, i );
+        assert_string_equal( json_string_value( json_object_get( row, "tile" ) ), "3x3" );
+        static const char* const whole[] = { "bytes_films", "bytes_hits", "bytes_lists", "bytes_least",
+                                             "chunks",      "sweeps",     "eyes",        "spp" };
+        for ( size_t k = 0; k < sizeof whole / sizeof whole[0]; ++k )
+            assert_true( json_integer_value( json_object_get( row, whole[k] ) ) > 0 );
+        assert_true( json_is_integer( json_object_get( row, "group" ) ) );
+        static const char* const real[] = { "predicted_gain", "gain_fixed", "reach", "seconds" };
+        for ( size_t k = 0; k < sizeof real / sizeof real[0]; ++k )
+            assert_true( json_number_value( json_object_get( row, real[k] ) ) > 0.0 );
+        assert_true( is_null( row, "relmse" ) && is_null( row, "flicker" ) && is_null( row, "efficiency" ) );
+        assert_true( json_is_boolean( json_object_get( row, "chosen" ) ) );
+    }
+    assert_true( json_number_value( json_object_get( chosen_row( plan ), "predicted_gain" ) ) > 1.0 );
+    assert_true( is_null( chosen_row( plan ), "excluded" ) );
+}
+
+static void test_command( void** state )
+{
+    (void)state;
+    static const char options[] = "--size 64x36 --spp 9 --memory 40M";
+    cli_expect( cli_run( "$R plan $VASE %s --quiet --json plan.json", options ), 0, NULL );
+    const CliResult* said = cli_run( "$R plan $VASE %s --quiet", options );
+    assert_int_equal( said->status, 0 );
+    assert_true( said->err[0] == 0 && strstr( said->out, "\n* --group auto takes " ) != NULL );
+    char line[1024];
+    snprintf( line, sizeof line, "%s", strstr( said->out, "\n* --group auto takes " ) );
+    cli_expect( cli_run( "$R render $VASE %s -o a.exr --frames 20 --quiet --json render.json", options ), 0, NULL );
+    json_t *plan = cli_read_json( "plan.json" ), *render = cli_read_json( "render.json" );
+    const json_t* row = chosen_row( plan );
+    assert_int_equal( json_integer_value( json_object_get( row, "group" ) ),
+                      json_integer_value( json_object_get( render, "group" ) ) );
+    check_rows( plan );
+    const char* why = json_string_value( json_object_get( plan, "why" ) );
+    assert_non_null( strstr( why, "the smallest group within 10 % of the best gain by fixed costs, " ) );
+    assert_non_null( strstr( line, why ) );
+    assert_true( json_is_false( json_object_get( plan, "at_most" ) ) );
+    // records: under a quarter of what the paper's example takes
+    const json_t* paper = json_object_get( plan, "bytes_paper_example" );
+    assert_true( json_number_value( json_object_get( paper, "theirs" ) ) == 1787520000.0 );
+    assert_true( 4.0 * json_number_value( json_object_get( paper, "ours" ) ) < 1787520000.0 );
+    assert_true( json_integer_value( json_object_get( json_object_get( plan, "bytes_record" ), "diffuse" ) ) <= 56 );
+    json_decref( plan );
+    json_decref( render );
+}
+
+// The group that plan marks and render takes with these options.
+static int common_group( const char* options )
+{
+    cli_expect( cli_run( "$R plan $VASE %s --quiet --json plan.json", options ), 0, NULL );
+    cli_expect( cli_run( "$R render $VASE %s -o a.exr --frames 20 --overwrite --quiet --json render.json", options ), 0, NULL );
+    json_t *plan = cli_read_json( "plan.json" ), *render = cli_read_json( "render.json" );
+    int marked = (int)json_integer_value( json_object_get( chosen_row( plan ), "group" ) );
+    int taken = (int)json_integer_value( json_object_get( render, "group" ) );
+    json_decref( plan );
+    json_decref( render );
+    if ( marked != taken )
+        fail_msg( "%s: plan marks group %d, render takes %d", options, marked, taken );
+    return taken;
+}
+
+// Whatever a render takes of memory, plan knows of it: options that change the choice, and some that do not.
+static void test_options_of_render( void** state )
+{
+    (void)state;
+    static const struct
+    {
+        const char *plain, *options;
+        bool felt;
+    } cases[] = {
+        { "--size 64x36 --tile 1 --memory 2500K", "--adaptive", true },
+        { "--size 64x36 --tile 1 --memory 2500K", "--aov albedo,normal,depth,motion,variance,samples", true },
+        { "--size 64x36 --tile 1 --memory 2500K", "--noise 1000", true }, // the samples that it may take need totals
+        { "--size 64x36 --tile 1 --memory 2500K", "--time 0.001", true },
+        { "--size 64x36 --spp 9 --memory 12M", "--weights eq15", true },
+        { "--size 64x36 --spp 9 --memory 12M",
+          "--weights unweighted --normalize none --tile rooks16 --no-tile-roulette --light-samples 2", false },
+    };
+    int plain = -1;
+    for ( size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i )
+    {
+        char options[256];
+        if ( i == 0 || strcmp( cases[i].plain, cases[i - 1].plain ) != 0 )
+        {
+            snprintf( options, sizeof options, "%s --max-depth 3", cases[i].plain );
+            plain = common_group( options );
+        }
+        snprintf( options, sizeof options, "%s --max-depth 3 %s", cases[i].plain, cases[i].options );
+        int group = common_group( options );
+        assert_true( group != plain || !cases[i].felt );
+    }
+}
+
+// Rows that do not fit say so, and what they would take.
+static void test_rows_without_room( void** state )
+{
+    (void)state;
+    static const char options[] = "--size 64x36 --spp 9 --memory 12M --weights eq15 --max-depth 2 --quiet";
+    cli_expect( cli_run( "$R plan $VASE %s --json plan.json > table.txt", options ), 0, NULL );
+    json_t* plan = cli_read_json( "plan.json" );
+    const json_t* rows = json_object_get( plan, "rows" );
+    assert_int_equal( json_array_size( rows ), 9 );
+    const json_t* last = json_array_get( rows, 8 );
+    const char* why = json_string_value( json_object_get( last, "excluded" ) );
+    char expected[96];
+    json_int_t least = json_integer_value( json_object_get( last, "bytes_least" ) );
+    snprintf( expected, sizeof expected, "does not fit --memory, the least is %dK", (int)( least / 1024 ) );
+    assert_string_equal( why, expected );
+    assert_true( is_null( last, "predicted_gain" ) && is_null( last, "seconds" ) &&
+                 is_null( json_object_get( last, "rays" ), "path" ) );
+    size_t size;
+    char* table = cli_read( "table.txt", &size );
+    assert_non_null( strstr( table, expected ) );
+    free( table );
+    json_decref( plan );
+    // that is the least indeed
+    static const char big[] =
+        "$R render $VASE --size 64x36 --spp 9 --weights eq15 --max-depth 1 --group 16 --frames 20 -o b.exr --quiet --memory %d";
+    cli_expect( cli_run( big, (int)least - 1024 ), 1, "give --memory " );
+    cli_expect( cli_run( big, (int)least ), 0, NULL );
+}
+
+static void test_command_defaults_and_errors( void** state )
+{
+    (void)state;
+    char text[512];
+    snprintf( text, sizeof text,
+              "{\"scene\":\"%s\",\"render\":{\"size\":[40,30],\"spp\":5,\"tile\":\"1\",\"frames\":\"2-3\",\"group\":1}}",
+              REFRAME_VASE_ROOM );
+    cli_write( "scene.json", text, strlen( text ) );
+    cli_expect( cli_run( "$R plan scene.json --quiet --json plan.json" ), 0, NULL );
+    json_t* plan = cli_read_json( "plan.json" );
+    const json_t* first = json_array_get( json_object_get( plan, "rows" ), 0 );
+    assert_string_equal( json_string_value( json_object_get( first, "tile" ) ), "1" );
+    assert_int_equal( json_integer_value( json_object_get( first, "spp" ) ), 5 );
+    assert_true( json_number_value( json_object_get( json_object_get( first, "rays" ), "primary" ) ) == 2 * 40 * 30 * 5 );
+    json_decref( plan );
+    cli_expect( cli_run( "$R plan scene.json --quiet --spp 6 --json - > plan.json" ), 0, NULL );
+    plan = cli_read_json( "plan.json" );
+    assert_int_equal( json_integer_value( json_object_get( json_array_get( json_object_get( plan, "rows" ), 0 ), "spp" ) ), 6 );
+    json_decref( plan );
+    // as many as render may take, which is said
+    static const struct
+    {
+        const char* options;
+        int spp;
+    } most[] = { { "--time 1", 1048576 }, { "--noise 1 --spp 9", 9 } };
+    for ( int i = 0; i < 2; ++i )
+    {
+        cli_expect( cli_run( "$R plan scene.json --quiet %s --json plan.json", most[i].options ), 0, NULL );
+        plan = cli_read_json( "plan.json" );
+        assert_int_equal( json_integer_value( json_object_get( json_array_get( json_object_get( plan, "rows" ), 0 ), "spp" ) ),
+                          most[i].spp );
+        assert_true( json_is_true( json_object_get( plan, "at_most" ) ) );
+        json_decref( plan );
+    }
+    cli_expect( cli_run( "$R plan" ), 2, "reframe plan: " );
+    cli_expect( cli_run( "$R plan scene.json --group 3" ), 2, "reframe plan: --group" );
+    cli_expect( cli_run( "$R plan scene.json --adaptive --weights eq15" ), 2, "reframe plan: --adaptive: wants --weights exact" );
+    cli_expect( cli_run( "$R plan scene.json --weights eq16" ), 2, "reframe plan: --weights: wants" );
+    cli_expect( cli_run( "$R plan scene.json --frames 99" ), 2, "reframe plan: --frames: there is no frame 99" );
+    cli_expect( cli_run( "$R plan scene.json --tile 99x99" ), 2, "reframe plan: --tile: wants" );
+    cli_expect( cli_run( "$R plan scene.json --memory 1M" ), 1, "give --memory " );
+    cli_expect( cli_run( "$R plan nowhere.glb" ), 1, "reframe plan: nowhere.glb: " );
+    cli_expect( cli_run( "$R plan --help > /dev/null" ), 0, NULL );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( test_command ),
+        cmocka_unit_test( test_options_of_render ),
+        cmocka_unit_test( test_rows_without_room ),
+        cmocka_unit_test( test_command_defaults_and_errors ),
+    };
+    return cmocka_run_group_tests( tests, cli_enter_group, cli_leave_group );
+}

@@ -1,0 +1,149 @@
+// The page of `report` in headless Chromium, by tests/browser/check-page.js: it loads,
+// plays, seeks, and says nothing in the console. Skipped where there is no Chromium,
+// Node.js or playwright-core, which scripts/install-browser gets.
+#include "support/cli_run.h"
+#include "image/exr.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#ifdef __SANITIZE_ADDRESS__
+#define FRAMES 12
+#else
+#define FRAMES 48
+#endif
+
+// Enough for a busy machine; what a free one takes is in the README.
+#define SECONDS "30"
+
+#define CHECK                                                                                                                    \
+    "REFRAME_NODE_MODULES='" REFRAME_SOURCE_DIR "/out/browser/node_modules' node '" REFRAME_SOURCE_DIR                           \
+    "/tests/browser/check-page.js' "
+
+// A ball of light that moves over a ramp, with noise of its own in each frame.
+static void write_frame( const char* name, int width, int height, int frame, float noise )
+{
+    RfImage image;
+    RfError error = { 0 };
+    char path[512];
+    snprintf( path, sizeof path, "%s/%s", cli_folder(), name );
+    assert_int_equal( rf_create_image( width, height, &image, &error ), RF_OK );
+    uint32_t seed = 12345u + (uint32_t)frame;
+    for ( int i = 0; i < 3 * width * height; ++i )
+    {
+        seed = seed * 1664525u + 1013904223u;
+        float x = (float)( i / 3 % width ) / (float)width, y = (float)( i / 3 / width ) / (float)width;
+        float dx = x - 0.1f - 0.016f * (float)frame, dy = y - 0.3f;
+        float light = 0.02f + 0.6f * x * x + ( dx * dx + dy * dy < 0.004f ? 20.0f : 0.0f );
+        image.rgb[i] = light * ( 1.0f + noise * ( (float)( seed >> 8 ) * 0x1p-24f - 0.5f ) );
+    }
+    RfExrOptions options = rf_default_exr_options();
+    options.compression = RF_EXR_NONE;
+    if ( rf_write_exr( path, &image, &options, &error ) != RF_OK )
+        fail_msg( "%s", error.text );
+    rf_destroy_image( &image );
+}
+
+static void write_sequence( const char* folder, int width, int height, int count, float noise )
+{
+    char name[128];
+    cli_expect( cli_run( "mkdir -p '%s'", folder ), 0, NULL );
+    for ( int frame = 1; frame <= count; ++frame )
+    {
+        snprintf( name, sizeof name, "%s/f.%04d.exr", folder, frame );
+        write_frame( name, width, height, frame, noise );
+    }
+}
+
+// Columns, 8 pixels wide, of two brightnesses.
+static void write_columns( const char* name, float a, float b )
+{
+    RfImage image;
+    RfError error = { 0 };
+    char path[512];
+    snprintf( path, sizeof path, "%s/%s", cli_folder(), name );
+    assert_int_equal( rf_create_image( 160, 90, &image, &error ), RF_OK );
+    for ( int i = 0; i < 3 * 160 * 90; ++i )
+        image.rgb[i] = i / 3 % 160 / 8 % 2 == 0 ? a : b;
+    RfExrOptions options = rf_default_exr_options();
+    assert_int_equal( rf_write_exr( path, &image, &options, &error ), RF_OK );
+    rf_destroy_image( &image );
+}
+
+// False where there is no browser; fails where a check does. `more`: options.
+static bool check_page( const char* page, const char* more )
+{
+    if ( cli_run( "command -v node > /dev/null" )->status != 0 )
+    {
+        print_message( "skipped: there is no Node.js: scripts/install-browser gets it\n" );
+        return false;
+    }
+    const CliResult* result = cli_run( CHECK "%s --seconds " SECONDS " %s", page, more );
+    print_message( "%s", result->out );
+    if ( result->status != 0 && result->status != 77 )
+        fail_msg( "%s: %d\n%s", page, result->status, result->err );
+    return result->status == 0;
+}
+
+static void test_of_full_size( void** state )
+{
+    (void)state;
+    write_sequence( "big", 960, 540, FRAMES, 0.2f );
+    cli_expect( cli_run( "$R report big -o big.html --quiet" ), 0, NULL );
+    size_t size;
+    free( cli_read( "big.html", &size ) );
+    assert_true( size < 40000000 );
+    if ( !check_page( "big.html", "" ) )
+        skip();
+}
+
+// Side by side, with a reference, a frame that is missing, curves of cost, names of any kind.
+static void test_side_by_side( void** state )
+{
+    (void)state;
+    write_sequence( "a</script>&", 96, 54, 6, 0.3f );
+    write_sequence( "b", 90, 60, 6, 0.1f );
+    write_sequence( "r", 96, 54, 6, 0.0f );
+    static const char cost[] =
+        "{\"rows\":[{\"reuse\":true,\"spp\":4,\"seconds\":2,\"relmse\":0.5},{\"reuse\":true,\"spp\":8,\"seconds\":4,\"relmse\":0."
+        "2},"
+        "{\"reuse\":false,\"spp\":4,\"seconds\":1,\"relmse\":2.5}],\"slope\":-0.97,\"speedup_at_equal_error\":4.5}";
+    cli_write( "cost.json", cost, strlen( cost ) );
+    cli_expect(
+        cli_run( "rm 'a</script>&/f.0004.exr'; $R report 'a</script>&' --reference r --cost cost.json -o with.html --quiet" ), 0,
+        NULL );
+    cli_expect( cli_run( "$R report 'a</script>&' b -o two.html --quiet" ), 0, NULL );
+    cli_expect( cli_run( "$R report b/f.0001.exr -o one.html --quiet" ), 0, NULL );
+    if ( !check_page( "with.html", "" ) || !check_page( "two.html", "" ) || !check_page( "one.html", "" ) )
+        skip();
+}
+
+// What the browser paints is the sRGB curve of the light: of 0.5 it is 187.5, of
+// columns of 0.1 and 0.8 the mean of 89.0 and 231.1, two stops darker of 43.8 and 123.6.
+static void test_brightness( void** state )
+{
+    (void)state;
+    write_columns( "flat.exr", 0.5f, 0.5f );
+    write_columns( "columns.exr", 0.1f, 0.8f );
+    cli_expect( cli_run( "$R report flat.exr -o flat.html --quiet && $R report columns.exr -o columns.html --quiet && "
+                         "$R report columns.exr -o darker.html --exposure -2 --quiet" ),
+                0, NULL );
+    if ( !check_page( "flat.html", "--mean 187.5" ) || !check_page( "columns.html", "--mean 160.1" ) ||
+         !check_page( "darker.html", "--mean 83.7" ) )
+        skip();
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = { cmocka_unit_test( test_of_full_size ), cmocka_unit_test( test_side_by_side ),
+                                        cmocka_unit_test( test_brightness ) };
+    return cmocka_run_group_tests_name( "report in a browser", tests, cli_enter_group, cli_leave_group );
+}

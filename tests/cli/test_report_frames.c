@@ -1,0 +1,196 @@
+// Which frames, layers and parts of files `report` takes, and what it tells of those
+// that are not there.
+#include "support/cli_run.h"
+#include "support/foreign_exr.h"
+#include "support/page_checks.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static void test_missing_frames( void** state )
+{
+    (void)state;
+    page_make_folder( "m/a" );
+    page_make_folder( "m/b" );
+    page_write_frames( "m/a/f.##.exr", 1, 5, 1.0f, 0.5f );
+    cli_expect( cli_run( "rm m/a/f.03.exr" ), 0, NULL );
+    page_write_frames( "m/b/f_#.exr", 4, 6, 1.0f, 0.0f );
+    cli_expect( cli_run( "$R report m/a m/b -o m.html" ), 0, NULL );
+    json_t* data = page_read_data( "m.html", 4 + 3 );
+    assert_int_equal( json_array_size( json_object_get( data, "frames" ) ), 5 ); // 1 2 4 5 6
+    const json_t *a = page_sequence( data, 0 ), *b = page_sequence( data, 1 );
+    assert_true( json_is_null( page_item( a, "blocks", 4 ) ) && json_is_null( page_item( b, "blocks", 1 ) ) );
+    page_check_item( a, "f1", 1, 0.5 );
+    assert_true( json_is_null( page_item( a, "f1", 2 ) ) ); // 4 has no 3 before it
+    page_check_item( a, "f1", 3, 0.5 );
+    assert_true( json_is_null( page_item( b, "f1", 2 ) ) );
+    page_check_item( b, "f1", 4, 0.0 );
+    assert_string_equal( page_fact( a, "Picture", "Missing" ), "3, 6" );
+    assert_string_equal( page_fact( b, "Picture", "Missing" ), "1-3" );
+    json_decref( data );
+    cli_expect( cli_run( "$R report m/a -o m2.html --frames 2-4" ), 0, NULL );
+    data = page_read_data( "m2.html", 2 );
+    assert_int_equal( json_array_size( json_object_get( data, "frames" ) ), 2 );
+    assert_string_equal( page_fact( page_sequence( data, 0 ), "Picture", "Missing" ), "3" );
+    json_decref( data );
+    cli_expect( cli_run( "$R report m/a -o m4.html --frames 1-2,4-5" ), 0, NULL );
+    data = page_read_data( "m4.html", 4 );
+    assert_null( page_fact( page_sequence( data, 0 ), "Picture", "Missing" ) ); // 3 is not asked for
+    json_decref( data );
+    // where the reference ends, the error does
+    cli_expect( cli_run( "$R report m/b --reference m/a -o m3.html" ), 0, NULL );
+    data = page_read_data( "m3.html", 3 + 2 );
+    assert_true( json_is_number( page_item( page_sequence( data, 0 ), "relmse", 1 ) ) &&
+                 json_is_null( page_item( page_sequence( data, 0 ), "relmse", 2 ) ) );
+    assert_true( json_is_null( page_item( page_sequence( data, 0 ), "f1", 2 ) ) );
+    json_decref( data );
+}
+
+static void test_other_programs( void** state )
+{
+    (void)state;
+    page_make_folder( "o" );
+    Foreign parts[2] = { { .names = { "Z" }, .values = { 7 }, .x = 3, .y = 5, .width = 20, .height = 10, .part = "depth" },
+                         { .names = { "L.Combined.B", "L.Combined.G", "L.Combined.R" },
+                           .values = { 1, NAN, 1 },
+                           .width = 30,
+                           .height = 20,
+                           .half = true,
+                           .part = "beauty" } };
+    write_foreign_exr( page_path( "o/x.0007.left.exr" ), parts, 2 );
+    write_foreign_exr( page_path( "o/x.0008.left.exr" ), parts, 2 );
+    cli_expect( cli_run( "$R report o -o o.html" ), 0, NULL );
+    json_t* data = page_read_data( "o.html", 2 );
+    const json_t* sequence = page_sequence( data, 0 );
+    assert_int_equal( json_integer_value( json_array_get( json_object_get( data, "frames" ), 1 ) ), 8 );
+    assert_int_equal( json_integer_value( json_object_get( sequence, "width" ) ), 30 );
+    page_check_item( sequence, "bad", 0, 600.0 );
+    assert_true( json_is_null( page_item( sequence, "f1", 1 ) ) );
+    assert_null( page_fact( sequence, "Settings", "Group" ) );
+    assert_non_null( page_fact( sequence, "Picture", "No numbers" ) );
+    json_decref( data );
+}
+
+// The regular step is the smallest that occurs.
+static void test_holes( void** state )
+{
+    (void)state;
+    page_make_folder( "g" );
+    page_write_frames( "g/f.##.exr", 1, 2, 1.0f, 0.0f );
+    page_write_frames( "g/f.##.exr", 5, 5, 1.0f, 0.0f );
+    const CliResult* result = cli_run( "$R report g -o g.html --json -" );
+    assert_int_equal( result->status, 0 );
+    assert_non_null( strstr( result->out, "\"missing\": 2" ) );
+    json_t* data = page_read_data( "g.html", 3 );
+    assert_string_equal( page_fact( page_sequence( data, 0 ), "Picture", "Missing" ), "3, 4" );
+    json_decref( data );
+    page_make_folder( "h" );
+    for ( int frame = 1; frame <= 9; frame += 2 )
+        page_write_frames( "h/f.##.exr", frame, frame, 1.0f, 0.0f );
+    cli_expect( cli_run( "$R report h -o h.html" ), 0, NULL );
+    data = page_read_data( "h.html", 5 );
+    assert_null( page_fact( page_sequence( data, 0 ), "Picture", "Missing" ) );
+    json_decref( data );
+}
+
+static void write_parts( const char* name, const Foreign* parts, int count )
+{
+    write_foreign_exr( page_path( name ), parts, count );
+}
+
+#define COLOUR( value )                                                                                                          \
+    {                                                                                                                            \
+        .names = { "B", "G", "R" }, .values = { value, value, value }, .width = 20, .height = 10, .part = "beauty"               \
+    }
+
+// Motion in the first part, colour in the second, depth in the third; then a frame without motion.
+static void test_parts( void** state )
+{
+    (void)state;
+    page_make_folder( "p" );
+    page_make_folder( "p/r" );
+    for ( int frame = 1; frame <= 5; ++frame )
+    {
+        char name[64];
+        float value = frame % 2 == 1 ? 2.0f : 1.0f;
+        Foreign parts[3] = { { .names = { "motion.X", "motion.Y" }, .values = { 5, 0 }, .width = 20, .height = 10, .part = "m" },
+                             COLOUR( value ),
+                             { .names = { "Z" }, .values = { 3 }, .width = 20, .height = 10, .part = "depth" } };
+        snprintf( name, sizeof name, "p/f.%d.exr", frame );
+        write_parts( name, frame != 3 ? parts : parts + 1, frame != 3 ? 3 : 2 );
+        Foreign reference = COLOUR( 0.0f );
+        snprintf( name, sizeof name, "p/r/f.%d.exr", frame );
+        write_parts( name, &reference, 1 );
+    }
+    cli_expect( cli_run( "$R report p -o p.html" ), 0, NULL );
+    json_t* data = page_read_data( "p.html", 5 );
+    const json_t* sequence = page_sequence( data, 0 );
+    page_check_item( sequence, "f1", 1, 1.0 );
+    assert_true( json_is_null( page_item( sequence, "f1", 2 ) ) ); // 3 has no motion; where the others lie is known
+    page_check_item( sequence, "f1", 3, 1.0 );
+    assert_string_equal( page_fact( sequence, "Error", "Flicker: coverage" ), "75.00 %" );
+    assert_string_equal( page_fact( sequence, "Error", "Flicker: of" ), "3 of 4 pairs, the other frames lack the layers" );
+    json_decref( data );
+    cli_expect( cli_run( "$R report p --reference p/r -o p2.html" ), 0, NULL );
+    data = page_read_data( "p2.html", 10 );
+    sequence = page_sequence( data, 0 );
+    page_check_item( sequence, "f1", 2, 1.0 );                                      // plain
+    assert_string_equal( page_fact( sequence, "Error", "Flicker: phi" ), "0.200" ); // 1 / (4 + 1)
+    assert_string_equal( page_fact( sequence, "Error", "Flicker along the motion: phi" ), "0.200" );
+    assert_string_equal( page_fact( sequence, "Error", "Flicker along the motion: of" ),
+                         "3 of 4 pairs, the other frames lack the layers" );
+    assert_null( page_fact( page_sequence( data, 1 ), "Error", "Flicker along the motion: phi" ) );
+    json_decref( data );
+}
+
+static void test_layers( void** state )
+{
+    (void)state;
+    page_make_folder( "l/a" );
+    page_make_folder( "l/r" );
+    Foreign a = {
+        .names = { "x.B", "x.G", "x.R", "y.B", "y.G", "y.R" }, .values = { 1, 1, 1, 2, 2, 2 }, .width = 20, .height = 10
+    };
+    Foreign r = COLOUR( 1.5f );
+    write_parts( "l/a/f.1.exr", &a, 1 );
+    write_parts( "l/r/f.1.exr", &r, 1 );
+    cli_expect( cli_run( "$R report l/a -o l.html --quiet" ), 1, "has more than one layer of colour: x, y: name one by --layer" );
+    cli_expect( cli_run( "$R report l/a -o l.html --layer x --reference-layer y" ), 2, "--reference-layer: is of the sequence" );
+    cli_expect( cli_run( "$R report l/a -o l.html --layer z --quiet" ), 1, "f.1.exr: has no layer z" );
+    cli_expect( cli_run( "$R report l/a --reference l/a -o l.html --layer x --reference-layer y --quiet" ), 0, NULL );
+    json_t* data = page_read_data( "l.html", 2 );
+    page_check_item( page_sequence( data, 0 ), "relmse", 0, 3.0 / 4.001 );
+    json_decref( data );
+    cli_expect( cli_run( "$R report l/a --reference l/r -o l2.html --layer y --quiet" ), 1, "r/f.1.exr: has no layer y" );
+    cli_expect( cli_run( "$R report l/a --reference l/r -o l2.html --layer y --reference-layer R --quiet" ), 0, NULL );
+    data = page_read_data( "l2.html", 2 );
+    page_check_item( page_sequence( data, 0 ), "relmse", 0, 3.0 * 0.25 / 2.251 );
+    json_decref( data );
+}
+
+static void test_sizes( void** state )
+{
+    (void)state;
+    page_make_folder( "s" );
+    page_write_frames( "s/f.#.exr", 1, 2, 1.0f, 0.0f );
+    page_write_frame( "s/f.3.exr", 41, 30, 1.0f, NULL, 0 );
+    cli_expect( cli_run( "$R report s -o s.html --quiet" ), 1,
+                "f.3.exr: has 41x30 pixels and s/f.1.exr 40x30: the frames of a sequence want one size" );
+    cli_expect( cli_run( "$R report s/f.1.exr --reference s/f.3.exr -o s.html --quiet" ), 1,
+                "f.3.exr: has 41x30 pixels and s/f.1.exr 40x30: a reference" );
+    assert_false( cli_exists( "s.html" ) );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( test_missing_frames ), cmocka_unit_test( test_holes ),  cmocka_unit_test( test_other_programs ),
+        cmocka_unit_test( test_parts ),          cmocka_unit_test( test_layers ), cmocka_unit_test( test_sizes ),
+    };
+    return cmocka_run_group_tests_name( "report frames", tests, cli_enter_group, cli_leave_group );
+}

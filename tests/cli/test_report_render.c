@@ -1,0 +1,138 @@
+// What `report` tells of a render: the samples that were traced, and totals where
+// frames were kept from before.
+#include "support/cli_run.h"
+#include "support/page_checks.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#define SMALL "--size 48x32 --spp 3 --group 1 --quiet "
+
+static const char* samples_of( const char* folder )
+{
+    static char text[128];
+    cli_expect( cli_run( "$R report %s -o n.html --overwrite", folder ), 0, NULL );
+    size_t size;
+    char* page = cli_read( "n.html", &size ); // as many blocks as frames
+    json_t* data = page_read_data( "n.html", page_count( page, "<script" ) - 2 );
+    const char* said = page_fact( page_sequence( data, 0 ), "Settings", "Samples a pixel" );
+    snprintf( text, sizeof text, "%s", said != NULL ? said : "" );
+    json_decref( data );
+    free( page );
+    return text;
+}
+
+// Those traced, from the frames; the bound only where somebody gave it.
+static void test_samples( void** state )
+{
+    (void)state;
+    RfExrString said[] = {
+        { "reframe/spp", "28" }, { "reframe/native-spp", "27.5" }, { "reframe/time", "0.05" }, { "reframe/adaptive", "yes" }
+    };
+    page_make_folder( "n" );
+    page_write_frame( "n/f1.exr", 20, 20, 1.0f, said, 1 );
+    assert_string_equal( samples_of( "n" ), "28" ); // of a version that did not count
+    page_write_frame( "n/f1.exr", 20, 20, 1.0f, said, 2 );
+    assert_string_equal( samples_of( "n" ), "27.5" );
+    said[1].value = "40";
+    page_write_frame( "n/f2.exr", 20, 20, 1.0f, said, 2 );
+    page_write_frame( "n/f3.exr", 20, 20, 1.0f, NULL, 0 );
+    assert_string_equal( samples_of( "n" ), "27.5 to 40" );
+    page_write_frame( "n/f1.exr", 20, 20, 1.0f, said, 4 );
+    assert_string_equal( samples_of( "n/f1.exr" ), "40, at most 28" );
+    said[0].value = "1048576";
+    page_write_frame( "n/f1.exr", 20, 20, 1.0f, said, 4 );
+    assert_string_equal( samples_of( "n/f1.exr" ), "40" );
+    json_t* data = page_read_data( "n.html", 1 );
+    assert_string_equal( page_fact( page_sequence( data, 0 ), "Settings", "Adaptive" ), "yes" );
+    json_decref( data );
+    said[2].name = "reframe/noise";
+    page_write_frame( "n/f1.exr", 20, 20, 1.0f, said, 3 );
+    assert_string_equal( samples_of( "n/f1.exr" ), "40, at most 1048576" );
+    said[0].value = "65536";
+    page_write_frame( "n/f1.exr", 20, 20, 1.0f, said, 3 );
+    assert_string_equal( samples_of( "n/f1.exr" ), "40" );
+}
+
+#define KEPT_JSON                                                                                                                \
+    "{\"frames\":[{\"frame\":1,\"seconds\":null,\"native_spp\":2,\"relmse_estimate\":0.5,\"kept\":true},"                        \
+    "{\"frame\":2,\"seconds\":3,\"native_spp\":4,\"relmse_estimate\":0.25,\"kept\":%s}],\"seconds\":6,\"peak_bytes\":0,"         \
+    "\"rays\":{\"eye\":6},"                                                                                                      \
+    "\"kept_frames\":1,\"interrupted\":%s}"
+
+static json_t* report_kept( const char* second_kept, const char* interrupted )
+{
+    char text[1024];
+    snprintf( text, sizeof text, KEPT_JSON, second_kept, interrupted );
+    cli_write( "t/r.json", text, strlen( text ) );
+    cli_expect( cli_run( "$R report t -o t.html --overwrite" ), 0, NULL );
+    return page_read_data( "t.html", 2 );
+}
+
+// Totals are of the last run alone.
+static void test_kept_frames( void** state )
+{
+    (void)state;
+    page_make_folder( "t" );
+    page_write_frames( "t/f.####.exr", 1, 2, 1.0f, 0.0f );
+    const RfExrString old = { "reframe/seconds", "77" };
+    page_write_frame( "t/f.0001.exr", 40, 30, 1.0f, &old, 1 );
+    json_t* data = report_kept( "false", "false" );
+    const json_t* sequence = page_sequence( data, 0 );
+    assert_string_equal( page_fact( sequence, "Time and memory", "Totals" ), "of 1 frame rendered last; 1 kept from before" );
+    assert_string_equal( page_fact( sequence, "Rays", "Totals" ), "of 1 frame rendered last; 1 kept from before" );
+    assert_string_equal( page_fact( sequence, "Time and memory", "A frame" ), "6 s" );
+    assert_string_equal( page_fact( sequence, "Settings", "Samples a pixel" ), "2 to 4" );
+    page_check_item( sequence, "relmse", 0, 0.5 );
+    assert_true( json_is_null( page_item( sequence, "seconds", 0 ) ) ); // no times in headers
+    page_check_item( sequence, "seconds", 1, 3.0 );
+    json_decref( data );
+    data = report_kept( "false", "true" );
+    sequence = page_sequence( data, 0 );
+    assert_string_equal( page_fact( sequence, "Time and memory", "Totals" ),
+                         "of 1 frame rendered last, then interrupted; 1 kept from before" );
+    assert_null( page_fact( sequence, "Time and memory", "A frame" ) ); // unfinished ones took of it
+    json_decref( data );
+    data = report_kept( "true", "false" );
+    sequence = page_sequence( data, 0 );
+    assert_string_equal( page_fact( sequence, "Time and memory", "Totals" ), "of 0 frames rendered last; 2 kept from before" );
+    assert_null( page_fact( sequence, "Time and memory", "Memory, peak" ) );
+    json_decref( data );
+}
+
+// What render leaves.
+static void test_rendered( void** state )
+{
+    (void)state;
+    cli_expect( cli_run( "$R render $VASE -o v/f.####.exr --frames 1-3 --json v/render.json " SMALL "&& "
+                         "$R render $VASE -o v/f.####.exr --frames 1-4 --resume --json v/render.json " SMALL
+                         "&& $R report v -o v.html" ),
+                0, NULL );
+    json_t* data = page_read_data( "v.html", 4 );
+    assert_string_equal( page_fact( page_sequence( data, 0 ), "Time and memory", "Totals" ),
+                         "of 1 frame rendered last; 3 kept from before" );
+    for ( size_t i = 0; i < 4; ++i )
+        assert_true( json_is_number( page_item( page_sequence( data, 0 ), "seconds", i ) ) &&
+                     json_is_number( page_item( page_sequence( data, 0 ), "relmse", i ) ) );
+    json_decref( data );
+    // the bound that nobody gave is the header's, but no news
+    cli_expect( cli_run( "$R render $VASE -o y/f.exr --frames 1 --size 48x32 --time 0.02 --group 1 --quiet" ), 0, NULL );
+    const char* said = samples_of( "y" );
+    assert_null( strstr( said, "most" ) );
+    assert_true( atof( said ) >= 2.0 && atof( said ) < 1e5 );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( test_samples ),
+        cmocka_unit_test( test_kept_frames ),
+        cmocka_unit_test( test_rendered ),
+    };
+    return cmocka_run_group_tests_name( "report of a render", tests, cli_enter_group, cli_leave_group );
+}

@@ -1,0 +1,441 @@
+// Layers of a render: closed forms, the variance against the true one, and that
+// they are the same bits however the frames come about and change no colour.
+#include "support/hard_cases.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#define MOST 64
+
+// Frames as they come, with all layers that were asked for.
+typedef struct Frames
+{
+    int count, pixels;
+    float* rgb[MOST];
+    float* layers[MOST][RF_AOV_COUNT];
+    double effective_spp[MOST];
+    RfRenderStats stats;
+} Frames;
+
+static float* copy_floats( const float* from, size_t count )
+{
+    float* to = malloc( count * sizeof *to );
+    assert_non_null( to );
+    memcpy( to, from, count * sizeof *to );
+    return to;
+}
+
+static RfResult keep( void* user, const RfFrameResult* result, RfError* error )
+{
+    (void)error;
+    Frames* f = user;
+    size_t pixels = (size_t)result->width * (size_t)result->height;
+    f->pixels = (int)pixels;
+    f->rgb[f->count] = copy_floats( result->rgb, 3 * pixels );
+    for ( int l = 0; l < RF_AOV_COUNT; ++l )
+    {
+        if ( result->layers[l] != NULL )
+            f->layers[f->count][l] = copy_floats( result->layers[l], pixels * (size_t)rf_aov_channels( (RfAov)l ) );
+    }
+    f->effective_spp[f->count++] = result->effective_spp;
+    return RF_OK;
+}
+
+static Frames* render_layers( const RfTracer* tracer, const RfEye* eyes, int eye_count, int first, int count,
+                              const RfRenderSettings* settings )
+{
+    Frames* f = calloc( 1, sizeof *f );
+    assert_non_null( f );
+    int frames[MOST];
+    for ( int i = 0; i < count; ++i )
+        frames[i] = first + i;
+    RfRenderCallbacks callbacks = { .user = f, .frame = keep };
+    RfError error;
+    if ( rf_render( tracer, eyes, eye_count, frames, count, settings, &callbacks, &f->stats, &error ) != RF_OK )
+        fail_msg( "%s", error.text );
+    assert_int_equal( f->count, count );
+    return f;
+}
+
+static void free_frames( Frames* f )
+{
+    for ( int i = 0; i < f->count; ++i )
+    {
+        free( f->rgb[i] );
+        for ( int l = 0; l < RF_AOV_COUNT; ++l )
+            free( f->layers[i][l] );
+    }
+    free( f );
+}
+
+static RfRenderSettings layered( int group, int spp )
+{
+    RfRenderSettings settings = small_settings( group, spp );
+    settings.layers = RF_ALL_AOVS;
+    return settings;
+}
+
+#define WIDTH 37
+#define HEIGHT 34
+#define DISTANCE 3.0f
+
+// A wall at z = −DISTANCE from x = left on, and nothing else; it shines, so that
+// there is something to vary.
+static RfScene make_wall( float left, RfMaterial material )
+{
+    SceneBuilder b = { 0 };
+    material.emission = rf_vec3( 0.3f, 0.2f, 0.1f );
+    uint32_t m = add_material( &b, material );
+    add_quad( &b, m, rf_vec3( left, -50, -DISTANCE ), rf_vec3( 50, -50, -DISTANCE ), rf_vec3( 50, 50, -DISTANCE ),
+              rf_vec3( left, 50, -DISTANCE ) );
+    return finish_scene( &b );
+}
+
+static RfEye look( RfVec3 origin, RfVec3 forward )
+{
+    return rf_make_eye( origin, forward, rf_vec3( 0, 1, 0 ), 0.8, WIDTH, HEIGHT );
+}
+
+static void assert_near( double value, double wanted, double tolerance, const char* what )
+{
+    if ( !( fabs( value - wanted ) <= tolerance ) )
+        fail_msg( "%s: %.9g instead of %.9g", what, value, wanted );
+}
+
+static void assert_all( const float* values, int pixels, int channels, int channel, double wanted, double tolerance,
+                        const char* what )
+{
+    for ( int i = 0; i < pixels; ++i )
+        assert_near( (double)values[i * channels + channel], wanted, tolerance, what );
+}
+
+// A camera before a wall that moves right and up and steps back.
+static void test_plane( void** state )
+{
+    (void)state;
+    RfScene scene = make_wall( -50, make_lambert( 0.2f, 0.4f, 0.6f ) );
+    RfTracer* tracer = make_tracer( &scene );
+    RfEye eyes[3];
+    RfVec3 ahead = rf_vec3( 0, 0, -1 );
+    eyes[0] = look( rf_vec3( -0.1f, 0, 0 ), ahead );
+    eyes[1] = look( rf_vec3( 0, 0, 0 ), ahead );
+    eyes[2] = look( rf_vec3( 0.2f, 0.05f, 0 ), ahead );
+    double pixels_per_m = (double)eyes[0].focal / (double)DISTANCE;
+    for ( int group = 0; group <= 1; ++group ) // 1: windows that are cut
+    {
+        RfRenderSettings settings = layered( group, 5 );
+        Frames* f = render_layers( tracer, eyes, 3, 0, 3, &settings );
+        for ( int k = 0; k < 3; ++k )
+        {
+            float** layers = f->layers[k];
+            assert_all( layers[RF_AOV_ALBEDO], f->pixels, 3, 0, 0.2, 1e-6, "albedo.R" );
+            assert_all( layers[RF_AOV_ALBEDO], f->pixels, 3, 1, 0.4, 1e-6, "albedo.G" );
+            assert_all( layers[RF_AOV_ALBEDO], f->pixels, 3, 2, 0.6, 1e-6, "albedo.B" );
+            assert_all( layers[RF_AOV_NORMAL], f->pixels, 3, 0, 0.0, 1e-6, "normal.X" );
+            assert_all( layers[RF_AOV_NORMAL], f->pixels, 3, 1, 0.0, 1e-6, "normal.Y" );
+            assert_all( layers[RF_AOV_NORMAL], f->pixels, 3, 2, 1.0, 1e-6, "normal.Z" );
+            assert_all( layers[RF_AOV_DEPTH], f->pixels, 1, 0, (double)DISTANCE, 1e-5, "depth.Z" ); // not the distance
+            assert_all( layers[RF_AOV_VARIANCE], f->pixels, 3, 1, 0.0, 1e-9, "variance.G" );        // nothing varies
+        }
+        const float* first = f->layers[0][RF_AOV_MOTION];
+        const float* middle = f->layers[1][RF_AOV_MOTION];
+        const float* last = f->layers[2][RF_AOV_MOTION];
+        assert_all( first, f->pixels, 4, 0, 0.0, 0.0, "no frame before" );
+        assert_all( first, f->pixels, 4, 2, -0.1 * pixels_per_m, 1e-4, "first motion.Z" );
+        assert_all( middle, f->pixels, 4, 0, 0.1 * pixels_per_m, 1e-4, "motion.X" );
+        assert_all( middle, f->pixels, 4, 1, 0.0, 1e-5, "motion.Y" );
+        assert_all( middle, f->pixels, 4, 2, -0.2 * pixels_per_m, 1e-4, "motion.Z" );
+        assert_all( middle, f->pixels, 4, 3, -0.05 * pixels_per_m, 1e-4, "motion.W" ); // the eye rises, the wall sinks
+        assert_all( last, f->pixels, 4, 1, 0.05 * pixels_per_m, 1e-4, "last motion.Y" );
+        assert_all( last, f->pixels, 4, 3, 0.0, 0.0, "no frame after" );
+        free_frames( f );
+    }
+    rf_destroy_tracer( tracer );
+    rf_destroy_scene( &scene );
+}
+
+// Pixels that the wall covers in part, and pixels where nothing is.
+static void test_edge_and_nothing( void** state )
+{
+    (void)state;
+    RfScene scene = make_wall( 0.013f, make_lambert( 0.5f, 0.5f, 0.5f ) );
+    RfTracer* tracer = make_tracer( &scene );
+    RfEye eyes[2];
+    float angle = 0.02f;
+    eyes[0] = look( rf_vec3( 0, 0, 0 ), rf_vec3( 0, 0, -1 ) );
+    eyes[1] = look( rf_vec3( 0, 0, 0 ), rf_vec3( sinf( angle ), 0, -cosf( angle ) ) ); // turned right
+    RfRenderSettings settings = layered( 0, 64 );
+    Frames* f = render_layers( tracer, eyes, 2, 0, 1, &settings );
+    double focal = (double)eyes[0].focal;
+    int partial = 0;
+    for ( int y = 0; y < HEIGHT; ++y )
+    {
+        for ( int x = 0; x < WIDTH; ++x )
+        {
+            int i = y * WIDTH + x;
+            double edge = 0.5 * WIDTH + 0.013 / (double)DISTANCE * focal, covered = x + 1 - edge;
+            covered = covered < 0.0 ? 0.0 : covered > 1.0 ? 1.0 : covered;
+            double error = covered > 0.0 && covered < 1.0 ? 5.0 * sqrt( 0.25 / 64.0 ) : 1e-6;
+            partial += covered > 0.0 && covered < 1.0;
+            double found = (double)f->layers[0][RF_AOV_NORMAL][3 * i + 2];
+            assert_near( found, covered, error, "covered part" );
+            assert_near( (double)f->layers[0][RF_AOV_ALBEDO][3 * i], 0.5 * found, 1e-6, "albedo" );
+            double depth = (double)f->layers[0][RF_AOV_DEPTH][i];
+            assert_near( depth, found > 0.0 ? (double)DISTANCE : 1e10, found > 0.0 ? 1e-5 : 0.0, "depth" );
+            // a turn is a matter of the direction alone: the pixel's middle will do, to within its size
+            double a = atan( ( x + 0.5 - 0.5 * WIDTH ) / focal ), moved = ( tan( a - (double)angle ) - tan( a ) ) * focal;
+            assert_near( (double)f->layers[0][RF_AOV_MOTION][4 * i + 2], moved, 0.03, "motion by turning" );
+            assert_near( (double)f->layers[0][RF_AOV_SAMPLES][i], 64.0, 0.0, "samples" );
+        }
+    }
+    assert_int_equal( partial, HEIGHT );
+    free_frames( f );
+
+    // turned around: the wall is behind the other eye, as is what is infinitely far
+    eyes[1] = look( rf_vec3( 0, 0, 0 ), rf_vec3( 0, 0, 1 ) );
+    f = render_layers( tracer, eyes, 2, 0, 2, &settings );
+    for ( int c = 0; c < 4; ++c )
+    {
+        assert_all( f->layers[0][RF_AOV_MOTION], f->pixels, 4, c, 0.0, 0.0, "behind the other eye" );
+        assert_all( f->layers[1][RF_AOV_MOTION], f->pixels, 4, c, 0.0, 0.0, "behind the other eye" );
+    }
+    free_frames( f );
+
+    // in the plane of the wall: next to nowhere on the other film, but a number
+    eyes[1] = look( rf_vec3( 1, 0, -DISTANCE ), rf_vec3( 0, 0, -1 ) );
+    f = render_layers( tracer, eyes, 2, 0, 1, &settings );
+    for ( int i = 0; i < 4 * f->pixels; ++i )
+        assert_true( isfinite( f->layers[0][RF_AOV_MOTION][i] ) );
+    free_frames( f );
+    rf_destroy_tracer( tracer );
+    rf_destroy_scene( &scene );
+}
+
+static void test_albedo_of_materials( void** state )
+{
+    (void)state;
+    RfMaterial materials[] = { make_metal( 0.9f, 0.3f ), make_plastic( 0.6f, 0.25f ), make_phong( 0.2f, 0.6f, 40.0f ) };
+    double wanted[] = { 0.9, 0.04 + 0.96 * 0.3, 0.8 };
+    for ( int k = 0; k < 3; ++k )
+    {
+        RfScene scene = make_wall( -50, materials[k] );
+        RfTracer* tracer = make_tracer( &scene );
+        RfEye eye = look( rf_vec3( 0, 0, 0 ), rf_vec3( 0, 0, -1 ) );
+        RfRenderSettings settings = layered( 0, 2 );
+        Frames* f = render_layers( tracer, &eye, 1, 0, 1, &settings );
+        assert_all( f->layers[0][RF_AOV_ALBEDO], f->pixels, 3, 0, wanted[k], 1e-6, "albedo" );
+        free_frames( f );
+        rf_destroy_tracer( tracer );
+        rf_destroy_scene( &scene );
+    }
+}
+
+#define EYES 7
+
+static void test_samples( void** state )
+{
+    (void)state;
+    RfScene scene = make_room( ROOM_GGX );
+    RfTracer* tracer = make_tracer( &scene );
+    RfEye eyes[EYES];
+    orbit_eyes( eyes, EYES, 4.0f, WIDTH, HEIGHT );
+    for ( int group = 0; group <= 2; ++group )
+    {
+        RfRenderSettings settings = layered( group, 6 );
+        Frames* f = render_layers( tracer, eyes, EYES, 0, EYES, &settings );
+        for ( int k = 0; k < EYES; ++k )
+        {
+            double sum = 0.0;
+            for ( int i = 0; i < f->pixels; ++i )
+            {
+                double samples = (double)f->layers[k][RF_AOV_SAMPLES][i];
+                assert_true( group == 0 ? samples == 6.0 : samples >= 6.0 ); // its own always
+                sum += samples;
+            }
+            assert_near( sum / f->pixels, f->effective_spp[k], 1e-9, "mean of the samples" );
+            assert_true( group == 0 || sum / f->pixels > 9.0 );
+        }
+        free_frames( f );
+    }
+    rf_destroy_tracer( tracer );
+    rf_destroy_scene( &scene );
+}
+
+#define SEEDS 32
+#define BLOCK 3 // pixels, wide and high
+
+// The mean of the layer against the variance of the pixels over seeds: blocks
+// of pixels give a t-test.
+static void check_variance( RoomKind kind, int group )
+{
+    RfScene scene = make_room( kind );
+    RfTracer* tracer = make_tracer( &scene );
+    enum
+    {
+        W = 18,
+        H = 12,
+        N = 3 * W * H,
+        FRAMES = 5
+    };
+    RfEye eyes[FRAMES];
+    orbit_eyes( eyes, FRAMES, 4.0f, W, H );
+    static double sum[N], square[N], layer[N];
+    memset( sum, 0, sizeof sum );
+    memset( square, 0, sizeof square );
+    memset( layer, 0, sizeof layer );
+    for ( int seed = 1; seed <= SEEDS; ++seed )
+    {
+        RfRenderSettings settings = layered( group, 12 );
+        settings.seed = (uint64_t)seed;
+        settings.max_depth = 3;
+        Frames* f = render_layers( tracer, eyes, FRAMES, 2, 1, &settings );
+        for ( int i = 0; i < N; ++i )
+        {
+            double v = (double)f->rgb[0][i];
+            sum[i] += v;
+            square[i] += v * v;
+            layer[i] += (double)f->layers[0][RF_AOV_VARIANCE][i] / SEEDS;
+        }
+        free_frames( f );
+    }
+    double difference[( W / BLOCK ) * ( H / BLOCK )] = { 0 }, all = 0.0, all_layer = 0.0;
+    for ( int i = 0; i < N; ++i )
+    {
+        double variance = ( square[i] - sum[i] * sum[i] / SEEDS ) / ( SEEDS - 1 );
+        int x = i / 3 % W, y = i / 3 / W;
+        // relative to the brightness, so that no block decides alone
+        double mean = sum[i] / SEEDS, scale = 1.0 / ( mean * mean + 1e-3 );
+        difference[y / BLOCK * ( W / BLOCK ) + x / BLOCK] += ( layer[i] - variance ) * scale;
+        all += variance * scale;
+        all_layer += layer[i] * scale;
+    }
+    int blocks = ( W / BLOCK ) * ( H / BLOCK );
+    double mean = 0.0, spread = 0.0;
+    for ( int b = 0; b < blocks; ++b )
+        mean += difference[b] / blocks;
+    for ( int b = 0; b < blocks; ++b )
+        spread += ( difference[b] - mean ) * ( difference[b] - mean ) / ( blocks - 1 );
+    double t = mean / sqrt( spread / blocks );
+    print_message( "kind %d, group %d: layer / true variance %.3f, t %.2f\n", kind, group, all_layer / all, t );
+    assert_true( fabs( t ) < 5.0 );
+    assert_true( all_layer / all > 0.8 && all_layer / all < 1.25 ); // some 5 % are chance
+    rf_destroy_tracer( tracer );
+    rf_destroy_scene( &scene );
+}
+
+static void test_variance( void** state )
+{
+    (void)state;
+    check_variance( ROOM_DIFFUSE, 0 );
+    check_variance( ROOM_DIFFUSE, 1 );
+    check_variance( ROOM_PHONG, 2 );
+}
+
+static void assert_same( const Frames* a, int i, const Frames* b, int j )
+{
+    assert_memory_equal( a->rgb[i], b->rgb[j], (size_t)a->pixels * 3 * sizeof( float ) );
+    for ( int l = 0; l < RF_AOV_COUNT; ++l )
+    {
+        size_t bytes = (size_t)a->pixels * (size_t)rf_aov_channels( (RfAov)l ) * sizeof( float );
+        assert_memory_equal( a->layers[i][l], b->layers[j][l], bytes );
+    }
+}
+
+static void test_same_bits( void** state )
+{
+    (void)state;
+    static const int groups[] = { 0, 1, 20 };
+    RfScene scene = make_room( ROOM_GGX );
+    RfTracer* tracer = make_tracer( &scene );
+    RfEye eyes[EYES];
+    orbit_eyes( eyes, EYES, 4.0f, WIDTH, HEIGHT );
+    for ( int g = 0; g < 3; ++g )
+    {
+        RfRenderSettings settings = layered( groups[g], 5 );
+        Frames* whole = render_layers( tracer, eyes, EYES, 0, EYES, &settings );
+        settings.threads = 3;
+        settings.queue = 2;
+        Frames* threads = render_layers( tracer, eyes, EYES, 0, EYES, &settings );
+        settings.threads = 1;
+        settings.memory = whole->stats.peak_bytes - whole->stats.peak_bytes / 16;
+        Frames* small = render_layers( tracer, eyes, EYES, 0, EYES, &settings );
+        assert_true( small->stats.peak_bytes <= settings.memory );
+        settings.memory = 0;
+        settings.layers = 0;
+        Frames* without = render_layers( tracer, eyes, EYES, 0, EYES, &settings );
+        for ( int k = 0; k < EYES; ++k )
+        {
+            assert_same( whole, k, threads, k );
+            assert_same( whole, k, small, k );
+            assert_memory_equal( whole->rgb[k], without->rgb[k], (size_t)whole->pixels * 3 * sizeof( float ) );
+            for ( int l = 0; l < RF_AOV_COUNT; ++l )
+                assert_null( without->layers[k][l] );
+        }
+        settings.layers = RF_ALL_AOVS;
+        Frames* alone = render_layers( tracer, eyes, EYES, 4, 1, &settings );
+        assert_same( whole, 4, alone, 0 );
+        settings.layers = RF_AOV_BIT( RF_AOV_DEPTH );
+        Frames* one = render_layers( tracer, eyes, EYES, 4, 1, &settings );
+        assert_memory_equal( whole->layers[4][RF_AOV_DEPTH], one->layers[0][RF_AOV_DEPTH],
+                             (size_t)whole->pixels * sizeof( float ) );
+        assert_null( one->layers[0][RF_AOV_ALBEDO] );
+        Frames* all[] = { whole, threads, small, without, alone, one };
+        for ( int i = 0; i < 6; ++i )
+            free_frames( all[i] );
+    }
+    rf_destroy_tracer( tracer );
+    rf_destroy_scene( &scene );
+}
+
+static void test_budget( void** state )
+{
+    (void)state;
+    RfScene scene = make_room( ROOM_DIFFUSE );
+    RfTracer* tracer = make_tracer( &scene );
+    RfEye eyes[EYES];
+    RfError error;
+    orbit_eyes( eyes, EYES, 4.0f, WIDTH, HEIGHT );
+    RfRenderSettings settings = layered( 1, 5 );
+    Frames* with = render_layers( tracer, eyes, EYES, 0, EYES, &settings );
+    settings.layers = 0;
+    Frames* without = render_layers( tracer, eyes, EYES, 0, EYES, &settings );
+    // three films of 13 floats, one image of 15
+    size_t more = WIDTH * HEIGHT * ( 3 * 13 + 15 ) * sizeof( float );
+    size_t difference = with->stats.peak_bytes - without->stats.peak_bytes;
+    assert_true( difference >= more && difference < more + 4096 );
+    settings.layers = RF_ALL_AOVS;
+    int failures = 0;
+    for ( size_t memory = 1000; memory < with->stats.peak_bytes; memory = memory * 5 / 4 )
+    {
+        RfRenderStats stats;
+        settings.memory = memory; // fails at every allocation once
+        RfResult result = rf_render( tracer, eyes, EYES, &( int ){ 0 }, 1, &settings, NULL, &stats, &error );
+        assert_true( result == RF_OK || result == RF_ERROR_MEMORY );
+        assert_true( stats.peak_bytes <= memory );
+        failures += result != RF_OK;
+    }
+    assert_true( failures > 5 );
+    settings.memory = 0;
+    settings.layers = RF_ALL_AOVS + 1;
+    assert_int_equal( rf_render( tracer, eyes, EYES, &( int ){ 0 }, 1, &settings, NULL, NULL, &error ), RF_ERROR_USAGE );
+    free_frames( with );
+    free_frames( without );
+    rf_destroy_tracer( tracer );
+    rf_destroy_scene( &scene );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( test_plane ),   cmocka_unit_test( test_edge_and_nothing ), cmocka_unit_test( test_albedo_of_materials ),
+        cmocka_unit_test( test_samples ), cmocka_unit_test( test_variance ),         cmocka_unit_test( test_same_bits ),
+        cmocka_unit_test( test_budget ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}

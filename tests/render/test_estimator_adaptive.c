@@ -1,0 +1,122 @@
+// Extra native samples where few other frames help leave the estimator unbiased,
+// and E[B] = 1: in rooms with mirrors, glass and eyes far apart, plain and in tiles.
+#include "support/scene_builder.h"
+#include "support/statistics.h"
+#include "support/unbiased.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include <cmocka.h>
+
+#define WIDTH 36
+#define HEIGHT 27
+#define BLOCK 6
+#define EYES 7
+
+static bool is_long( void ) { return getenv( "REFRAME_LONG" ) != NULL; }
+
+static RfRenderSettings settings_of( int group, int spp, const char* tile )
+{
+    RfRenderSettings settings = plain_settings();
+    settings.group = group;
+    settings.spp = spp;
+    settings.max_depth = 5;
+    settings.adaptive = true;
+    settings.memory = (size_t)512 << 20;
+    assert_true( rf_parse_tile( tile, &settings.tile ) );
+    return settings;
+}
+
+// Eyes `degrees` apart, but the middle one, whose picture it is, 3 `aside` degrees off the middle.
+static void check( const char* what, RfScene scene, float degrees, float aside )
+{
+    RfTracer* tracer = make_tracer( &scene );
+    RfEye eyes[EYES];
+    RfEye away[EYES];
+    orbit_eyes( eyes, EYES, degrees, WIDTH, HEIGHT );
+    orbit_eyes( away, EYES, aside, WIDTH, HEIGHT );
+    eyes[EYES / 2] = away[EYES - 1];
+    int more = is_long() ? 4 : 1, frame = 3;
+    RfRenderSettings plain = settings_of( 0, 1, "1" );
+    Images reference = reference_images( tracer, eyes, frame, 96 * more, &plain );
+    static const char* const tiles[] = { "1", "3x3", "rooks4" };
+    for ( int t = 0; t < 3; ++t )
+    {
+        char name[64];
+        snprintf( name, sizeof name, "%s group 3 tile %s:", what, tiles[t] );
+        RfRenderSettings settings = settings_of( 3, 10 * more, tiles[t] );
+        Images rendered = rendered_images( tracer, eyes, EYES, frame, settings );
+        assert_unbiased( name, &rendered, &reference, BLOCK );
+        free_images( &rendered );
+        Rendered one = render_frames( tracer, eyes, EYES, &frame, 1, &settings );
+        printf( "%.2f extra samples\n", one.native_spp[0] - one.stats.spp );
+        assert_true( one.native_spp[0] > one.stats.spp + 0.1 ); // else nothing was tested
+        free_rendered( &one );
+    }
+    free_images( &reference );
+    rf_destroy_tracer( tracer );
+    rf_destroy_scene( &scene );
+}
+
+static void test_glass_room( void** state )
+{
+    (void)state;
+    check( "glass", make_glass_room(), 12.0f, 2.0f );
+}
+
+// Walls that no other frame sees.
+static void test_another_view( void** state )
+{
+    (void)state;
+    check( "aside, Phong", make_room( ROOM_PHONG ), 2.0f, 15.0f );
+}
+
+// Over seeds.
+static void test_mean_weight( void** state )
+{
+    (void)state;
+    RfScene scene = make_glass_room();
+    RfTracer* tracer = make_tracer( &scene );
+    RfEye eyes[EYES];
+    orbit_eyes( eyes, EYES, 5.0f, WIDTH, HEIGHT );
+    enum
+    {
+        RUNS = 64
+    };
+    for ( int t = 0; t < 2; ++t )
+    {
+        double means[RUNS], extra = 0.0, error;
+        for ( int k = 0; k < RUNS; ++k )
+        {
+            RfRenderSettings settings = settings_of( 3, 7, t == 0 ? "1" : "3x3" );
+            settings.seed = (uint64_t)k + 1;
+            Rendered r = render_frames( tracer, eyes, EYES, &( int ){ 3 }, 1, &settings );
+            means[k] = 0.0;
+            for ( size_t i = 0; i < r.pixels; ++i )
+                means[k] += frame_weight( &r, 0 )[i] / (double)r.pixels;
+            extra += ( r.native_spp[0] - 7.0 ) / RUNS;
+            free_rendered( &r );
+        }
+        double mean = mean_of( means, RUNS, &error );
+        printf( "mean of B %.6f ± %.6f, %.3f extra samples\n", mean, error, extra );
+        assert_true( fabs( mean - 1.0 ) < 4.0 * error + 1e-6 );
+        assert_true( extra > 0.02 );
+    }
+    rf_destroy_tracer( tracer );
+    rf_destroy_scene( &scene );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( test_glass_room ),
+        cmocka_unit_test( test_another_view ),
+        cmocka_unit_test( test_mean_weight ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}

@@ -1,0 +1,198 @@
+// Sharing paths inside tiles is unbiased, alone and under frame reuse, against
+// independent references over 16 seeds: on diffuse, Phong, GGX, textured and
+// blended surfaces, under skies, with glass and mirrors in the tiles, in
+// corners, where a tile sees a lit room through the bars of a fence, with
+// several light samples, with a single shared bounce, with roulette.
+#include "support/scene_builder.h"
+#include "support/textured_room.h"
+#include "support/unbiased.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include <cmocka.h>
+
+#define WIDTH 36
+#define HEIGHT 30
+#define BLOCK 6
+#define EYES 7
+
+static bool is_long( void ) { return getenv( "REFRAME_LONG" ) != NULL; }
+
+typedef struct Setting
+{
+    int group;
+    const char* tile;
+    int spp;
+} Setting;
+
+static RfRenderSettings settings_of( int light_samples, int max_depth )
+{
+    RfRenderSettings settings = plain_settings();
+    settings.light_samples = light_samples;
+    settings.max_depth = max_depth;
+    settings.memory = (size_t)512 << 20;
+    return settings;
+}
+
+static void check_setting( const char* what, const RfTracer* tracer, const RfEye* eyes, Setting setting,
+                           const RfRenderSettings* like, const Images* reference )
+{
+    RfRenderSettings settings = *like;
+    settings.group = setting.group;
+    settings.spp = setting.spp * ( is_long() ? 4 : 1 );
+    assert_true( rf_parse_tile( setting.tile, &settings.tile ) );
+    Images rendered = rendered_images( tracer, eyes, EYES, EYES / 2, settings );
+    char name[64];
+    snprintf( name, sizeof name, "%s group %d tile %s:", what, setting.group, setting.tile );
+    assert_unbiased( name, &rendered, reference, BLOCK );
+    free_images( &rendered );
+}
+
+static void check_eyes( const char* what, RfScene scene, const RfEye* eyes, RfRenderSettings settings, const Setting* tried,
+                        int count )
+{
+    RfTracer* tracer = make_tracer( &scene );
+    Images reference = reference_images( tracer, eyes, EYES / 2, 96 * ( is_long() ? 4 : 1 ), &settings );
+    for ( int k = 0; k < count; ++k )
+        check_setting( what, tracer, eyes, tried[k], &settings, &reference );
+    free_images( &reference );
+    rf_destroy_tracer( tracer );
+    rf_destroy_scene( &scene );
+}
+
+static const Setting s_all[] = { { 0, "3x3", 16 }, { 0, "rooks16", 16 }, { 0, "5x2", 8 }, { 3, "3x3", 7 }, { 1, "rooks9", 6 } };
+static const Setting s_few[] = { { 0, "4x4", 16 }, { 3, "3x3", 7 } };
+
+static void check_scene( const char* what, RfScene scene, RfRenderSettings settings, const Setting* tried, int count )
+{
+    RfEye eyes[EYES];
+    orbit_eyes( eyes, EYES, 3.0f, WIDTH, HEIGHT );
+    check_eyes( what, scene, eyes, settings, tried, count );
+}
+
+static void test_rooms( void** state )
+{
+    (void)state;
+    check_scene( "diffuse", make_room( ROOM_DIFFUSE ), settings_of( 1, 12 ), s_all, 5 );
+    check_scene( "Phong", make_room( ROOM_PHONG ), settings_of( 1, 12 ), s_all, 5 );
+    check_scene( "GGX", make_room( ROOM_GGX ), settings_of( 1, 12 ), s_all, 5 );
+}
+
+// Thin bars in front of a lit room: the pixels of a tile see bars and room, and
+// each other's second vertices through the gaps only.
+static RfScene make_fence( void )
+{
+    SceneBuilder b = { 0 };
+    uint32_t wall = add_material( &b, make_lambert( 0.7f, 0.65f, 0.6f ) );
+    uint32_t bar = add_material( &b, make_lambert( 0.3f, 0.4f, 0.2f ) );
+    uint32_t metal = add_material( &b, make_metal( 0.8f, 0.3f ) );
+    uint32_t light = add_material( &b, make_light( 12.0f, false ) );
+    add_box( &b, wall, rf_vec3( -2, 0, -2 ), rf_vec3( 2, 3, 2 ), true );
+    add_sphere( &b, metal, rf_vec3( 0.5f, 0.7f, -1.0f ), 0.6f, 12 );
+    for ( int i = 0; i < 24; ++i )
+    {
+        float x = -1.95f + 3.9f * (float)i / 23.0f;
+        add_box( &b, bar, rf_vec3( x - 0.025f, 0, 0.18f ), rf_vec3( x + 0.025f, 2.6f, 0.22f ), false );
+    }
+    add_quad( &b, light, rf_vec3( -0.8f, 2.98f, -1.4f ), rf_vec3( 0.8f, 2.98f, -1.4f ), rf_vec3( 0.8f, 2.98f, -0.6f ),
+              rf_vec3( -0.8f, 2.98f, -0.6f ) );
+    return finish_scene( &b );
+}
+
+// With and without roulette the mean is the same; the roulette does take some.
+static void test_roulette( void** state )
+{
+    (void)state;
+    RfRenderSettings settings = settings_of( 1, 12 );
+    settings.tile_roulette = true;
+    check_scene( "roulette, diffuse", make_room( ROOM_DIFFUSE ), settings, s_all, 5 );
+    check_scene( "roulette, GGX", make_room( ROOM_GGX ), settings, s_all, 4 );
+    check_scene( "roulette, fence", make_fence(), settings, s_few, 2 );
+    RfScene scene = make_room( ROOM_GGX );
+    RfTracer* tracer = make_tracer( &scene );
+    RfEye eye;
+    orbit_eyes( &eye, 1, 0.0f, WIDTH, HEIGHT );
+    uint64_t tests[2];
+    for ( int k = 0; k < 2; ++k )
+    {
+        settings.tile_roulette = k == 1;
+        assert_true( rf_parse_tile( "rooks16", &settings.tile ) );
+        Rendered r = render_all( tracer, &eye, 1, &settings );
+        tests[k] = r.stats.rays.tile;
+        free_rendered( &r );
+    }
+    printf( "roulette: %.3f of the segments\n", (double)tests[1] / (double)tests[0] );
+    assert_true( tests[1] < tests[0] );
+    rf_destroy_tracer( tracer );
+    rf_destroy_scene( &scene );
+}
+
+static void test_large_tiles( void** state )
+{
+    (void)state;
+    static const Setting large[] = { { 0, "rooks36", 8 }, { 1, "8x8", 6 } };
+    check_scene( "GGX", make_room( ROOM_GGX ), settings_of( 1, 5 ), large, 2 );
+}
+
+static void test_light_samples_and_depth( void** state )
+{
+    (void)state;
+    check_scene( "GGX, 4 light samples", make_room( ROOM_GGX ), settings_of( 4, 4 ), s_few, 2 );
+    check_scene( "Phong, depth 3", make_room( ROOM_PHONG ), settings_of( 2, 3 ), s_few, 2 );
+    check_scene( "GGX, depth 2", make_room( ROOM_GGX ), settings_of( 1, 2 ), s_few, 2 );
+}
+
+static void test_textures_and_blending( void** state )
+{
+    (void)state;
+    check_scene( "textures", make_textured_room(), settings_of( 1, 8 ), s_few, 2 );
+    check_scene( "blended", make_blended_room(), settings_of( 1, 8 ), s_few, 2 );
+}
+
+static void test_skies_lamps_glass( void** state )
+{
+    (void)state;
+    check_scene( "map", make_open_scene( LIT_BY_MAP ), settings_of( 1, 8 ), s_few, 2 );
+    check_scene( "all lights", make_open_scene( LIT_BY_ALL ), settings_of( 2, 8 ), s_few, 2 );
+    check_scene( "glass", make_glass_room(), settings_of( 1, 8 ), s_few, 2 );
+}
+
+static void test_fence( void** state )
+{
+    (void)state;
+    check_scene( "fence", make_fence(), settings_of( 1, 8 ), s_all, 4 );
+}
+
+// Into a corner of the room from near by: second vertices as close as can be.
+static void test_corner( void** state )
+{
+    (void)state;
+    static const RoomKind kinds[] = { ROOM_DIFFUSE, ROOM_GGX };
+    RfEye eyes[EYES];
+    for ( int i = 0; i < EYES; ++i )
+    {
+        RfVec3 o = rf_vec3( -1.7f + 0.01f * (float)i, 0.35f, -1.65f );
+        eyes[i] = rf_make_eye( o, rf_vec3( -1, -1, -1 ), rf_vec3( 0, 1, 0 ), 1.2, WIDTH, HEIGHT );
+    }
+    for ( int k = 0; k < 2; ++k )
+        check_eyes( "corner", make_room( kinds[k] ), eyes, settings_of( 1, 8 ), s_few, 2 );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( test_rooms ),
+        cmocka_unit_test( test_roulette ),
+        cmocka_unit_test( test_large_tiles ),
+        cmocka_unit_test( test_light_samples_and_depth ),
+        cmocka_unit_test( test_textures_and_blending ),
+        cmocka_unit_test( test_skies_lamps_glass ),
+        cmocka_unit_test( test_fence ),
+        cmocka_unit_test( test_corner ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}

@@ -1,0 +1,390 @@
+// Camera-path files: every kind against its closed form, frames, and every way
+// to get a file wrong.
+#include "support/camera_path_checks.h"
+#include "support/cli_run.h"
+#include "support/gltf_builder.h"
+
+#include "scene/gltf/gltf.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#define PI 3.14159265358979323846
+#define MUTATIONS 3000
+
+static int frames_of( const RfCamera* camera, double fps )
+{
+    int count;
+    RfError error = { 0 };
+    if ( rf_camera_frame_count( camera, fps, &count, &error ) != RF_OK )
+        fail_msg( "%s", error.text );
+    return count;
+}
+
+static void test_orbit( void** state )
+{
+    (void)state;
+    RfCamera camera =
+        load_path( "{\"kind\":\"orbit\",\"center\":[1,2,3],\"radius\":2,\"height\":0.5,\"duration\":4,\"fov\":90}" );
+    static const double wanted[][2] = { { 1, 5 }, { 3, 3 }, { 1, 1 }, { -1, 3 }, { 1, 5 } };
+    for ( int i = 0; i < 5; ++i )
+    {
+        RfView view = view_at( &camera, i );
+        assert_three( view.position, wanted[i][0], 2.5, wanted[i][1], 1e-12 );
+        double s = 1.0 / sqrt( 4.25 );
+        assert_three( view.forward, ( 1 - wanted[i][0] ) * s, -0.5 * s, ( 3 - wanted[i][1] ) * s, 1e-12 );
+        assert_close( view.fov, 0.5 * PI, 1e-12 );
+    }
+    assert_int_equal( frames_of( &camera, 24.0 ), 97 );
+    rf_destroy_camera( &camera );
+    camera = load_path( "{\"kind\":\"orbit\",\"center\":[0,0,0],\"radius\":1,\"start\":90,\"turn\":-90,\"frames\":11,"
+                        "\"target\":[0,5,0],\"up\":[0,0,-1]}" );
+    assert_int_equal( frames_of( &camera, 24.0 ), 11 );
+    assert_int_equal( frames_of( &camera, 7.0 ), 11 );
+    assert_three( view_at( &camera, 0 ).position, 1, 0, 0, 1e-12 );
+    assert_three( view_at( &camera, 5 ).position, sqrt( 0.5 ), 0, sqrt( 0.5 ), 1e-12 );
+    assert_three( view_at( &camera, 10 ).position, 0, 0, 1, 1e-12 );
+    assert_three( view_at( &camera, 10 ).up, 0, 0, -1, 1e-12 );
+    rf_destroy_camera( &camera );
+}
+
+static void test_dolly_and_zoom( void** state )
+{
+    (void)state;
+    RfCamera camera = load_path( "{\"kind\":\"dolly\",\"from\":[0,1,10],\"to\":[4,1,2],\"target\":[0,1,0],"
+                                 "\"fov\":{\"from\":20,\"to\":60},\"duration\":2}" );
+    assert_three( view_at( &camera, 0.5 ).position, 1, 1, 8, 1e-12 );
+    assert_close( view_at( &camera, 0.5 ).fov, 30.0 * PI / 180.0, 1e-12 );
+    assert_three( view_at( &camera, 2 ).forward, -4 / sqrt( 20 ), 0, -2 / sqrt( 20 ), 1e-12 );
+    rf_destroy_camera( &camera );
+    camera = load_path( "{\"kind\":\"zoom\",\"position\":[1,2,3],\"rotation\":{\"yaw\":90},\"fov\":{\"from\":50,\"to\":10},"
+                        "\"frames\":5}" );
+    assert_three( view_at( &camera, 1 ).position, 1, 2, 3, 0 );
+    assert_three( view_at( &camera, 1 ).forward, -1, 0, 0, 1e-12 );
+    assert_close( view_at( &camera, 1 ).fov, 40.0 * PI / 180.0, 1e-12 );
+    assert_close( view_at( &camera, 4 ).fov, 10.0 * PI / 180.0, 1e-12 );
+    rf_destroy_camera( &camera );
+    // one frame alone is the beginning
+    camera =
+        load_path( "{\"kind\":\"zoom\",\"position\":[0,0,1],\"target\":[0,0,0],\"fov\":{\"from\":50,\"to\":10},\"frames\":1}" );
+    assert_int_equal( frames_of( &camera, 24.0 ), 1 );
+    assert_close( view_at( &camera, 0 ).fov, 50.0 * PI / 180.0, 1e-12 );
+    rf_destroy_camera( &camera );
+}
+
+static void test_walk( void** state )
+{
+    (void)state;
+    RfCamera camera = load_path( "{\"kind\":\"walk\",\"interpolation\":\"linear\",\"waypoints\":[[0,1,0],[4,1,0],[4,1,-4]],"
+                                 "\"look_ahead\":2,\"speed\":2}" );
+    assert_int_equal( frames_of( &camera, 10.0 ), 41 );
+    assert_three( view_at( &camera, 1 ).position, 2, 1, 0, 1e-9 );
+    assert_three( view_at( &camera, 1 ).forward, 1, 0, 0, 1e-9 );
+    assert_three( view_at( &camera, 1.5 ).forward, sqrt( 0.5 ), 0, -sqrt( 0.5 ), 1e-9 ); // around the corner
+    assert_three( view_at( &camera, 4 ).position, 4, 1, -4, 1e-9 );
+    assert_three( view_at( &camera, 4 ).forward, 0, 0, -1, 1e-9 ); // past the end
+    rf_destroy_camera( &camera );
+    camera = load_path( "{\"kind\":\"walk\",\"waypoints\":[[0,0,0],[1,0,0],[2,1,0]],\"target\":[0,0,-9],\"frames\":100}" );
+    double last = 0.0, first = 0.0;
+    for ( int i = 1; i < 100; ++i )
+    {
+        RfView a = view_at( &camera, i - 1 ), b = view_at( &camera, i );
+        double step =
+            hypot( hypot( b.position[0] - a.position[0], b.position[1] - a.position[1] ), b.position[2] - a.position[2] );
+        first = i == 1 ? step : first;
+        last = step;
+        assert_close( step / first, 1.0, 1e-3 );
+    }
+    assert_true( last > 0.01 );
+    rf_destroy_camera( &camera );
+}
+
+static void test_keys( void** state )
+{
+    (void)state;
+    RfCamera camera = load_path( "{\"about\":\"x\",\"kind\":\"keyed\",\"target\":[0,0,0],\"fov\":30,\"keys\":["
+                                 "{\"time\":1,\"position\":[0,0,4]},{\"time\":1.5,\"position\":[3,1,4],\"fov\":50},"
+                                 "{\"time\":3,\"position\":[5,0,0],\"target\":[0,1,0],\"up\":[0,2,1]}]}" );
+    assert_int_equal( frames_of( &camera, 24.0 ), 49 );
+    assert_three( view_at( &camera, 1 ).position, 0, 0, 4, 1e-12 );
+    assert_three( view_at( &camera, 1 ).forward, 0, 0, -1, 1e-12 );
+    assert_three( view_at( &camera, 1.5 ).position, 3, 1, 4, 1e-12 );
+    assert_close( view_at( &camera, 1.5 ).fov, 50.0 * PI / 180.0, 1e-12 );
+    assert_close( view_at( &camera, 3 ).fov, 30.0 * PI / 180.0, 1e-12 );
+    assert_three( view_at( &camera, 3 ).forward, -5 / sqrt( 26 ), 1 / sqrt( 26 ), 0, 1e-12 );
+    assert_three( view_at( &camera, 3 ).up, 0, 2 / sqrt( 5 ), 1 / sqrt( 5 ), 1e-12 );
+    rf_destroy_camera( &camera );
+
+    camera = load_path( "{\"kind\":\"keyed\",\"interpolation\":\"linear\",\"keys\":["
+                        "{\"frame\":1,\"position\":[0,0,0],\"rotation\":{\"yaw\":0}},"
+                        "{\"frame\":11,\"position\":[1,0,0],\"rotation\":{\"yaw\":90,\"roll\":0}},"
+                        "{\"frame\":21.5,\"position\":[1,0,0],\"rotation\":[0,0,0,1]}]}" );
+    assert_int_equal( frames_of( &camera, 24.0 ), 21 );
+    assert_three( view_at( &camera, 5 ).position, 0.5, 0, 0, 1e-12 );
+    assert_three( view_at( &camera, 5 ).forward, -sqrt( 0.5 ), 0, -sqrt( 0.5 ), 1e-12 );
+    assert_close( view_at( &camera, 5 ).fov, 40.0 * PI / 180.0, 1e-12 );
+    rf_destroy_camera( &camera );
+
+    camera = load_path( "{\"kind\":\"keyed\",\"keys\":[{\"time\":2,\"position\":[0,0,1],\"target\":[0,0,0]}]}" );
+    assert_int_equal( frames_of( &camera, 24.0 ), 1 );
+    assert_three( view_at( &camera, 2 ).position, 0, 0, 1, 0 );
+    rf_destroy_camera( &camera );
+}
+
+static RfView turned( const char* rotation )
+{
+    char text[256];
+    snprintf( text, sizeof text, "{\"kind\":\"keyed\",\"rotation\":%s,\"keys\":[{\"time\":0,\"position\":[0,0,0]}]}", rotation );
+    RfCamera camera = load_path( text );
+    RfView view = view_at( &camera, 0 );
+    rf_destroy_camera( &camera );
+    return view;
+}
+
+static void test_angles( void** state )
+{
+    (void)state;
+    assert_three( turned( "{}" ).forward, 0, 0, -1, 0 );
+    assert_three( turned( "{\"yaw\":90}" ).forward, -1, 0, 0, 1e-12 );
+    assert_three( turned( "{\"pitch\":30}" ).forward, 0, 0.5, -sqrt( 0.75 ), 1e-12 );
+    assert_three( turned( "{\"roll\":90}" ).up, -1, 0, 0, 1e-12 ); // leans to its left
+    RfView view = turned( "{\"yaw\":90,\"pitch\":30}" );
+    assert_three( view.forward, -sqrt( 0.75 ), 0.5, 0, 1e-12 );
+    assert_three( view.up, 0.5, sqrt( 0.75 ), 0, 1e-12 );
+    // as glTF turns a camera: by 90 degrees about x it looks up
+    assert_three( turned( "[0.7071,0,0,0.7071]" ).forward, 0, 1, 0, 1e-12 );
+}
+
+// Frames of a path, as eyes: their times are whole multiples, whatever the unit.
+static void test_eyes( void** state )
+{
+    (void)state;
+    RfScene scene = { 0 };
+    RfCamera camera =
+        load_path( "{\"kind\":\"dolly\",\"from\":[0,0,0],\"to\":[10,0,0],\"rotation\":{},\"fov\":90,\"duration\":1}" );
+    RfEye eye;
+    RfError error = { 0 };
+    assert_int_equal( rf_camera_eye( &scene, &camera, 3, 30, 1, 200, 100, &eye, &error ), RF_OK );
+    assert_close( (double)eye.origin.x, 1.0, 1e-6 );
+    assert_close( (double)eye.focal, 50.0, 1e-4 );
+    assert_int_equal( eye.width, 200 );
+    assert_int_equal( rf_camera_eye( &scene, &camera, 3, 30, 1, 0, 100, &eye, &error ), RF_ERROR_USAGE );
+    rf_destroy_camera( &camera );
+
+    camera = load_path( "{\"kind\":\"dolly\",\"from\":[0,0,0],\"to\":[10,0,0],\"rotation\":{},\"frames\":11}" );
+    assert_int_equal( rf_camera_eye( &scene, &camera, 3, 30, 1, 8, 8, &eye, &error ), RF_OK );
+    assert_close( (double)eye.origin.x, 3.0, 1e-6 );
+    scene = ( RfScene ){ .camera_count = 1, .cameras = &camera };
+    assert_int_equal( rf_scene_eye( &scene, 0, 1.0, 8, 8, &eye, &error ), RF_ERROR_USAGE );
+    assert_non_null( strstr( error.text, "counts frames" ) );
+    rf_destroy_camera( &camera );
+    camera = load_path( "{\"kind\":\"dolly\",\"from\":[0,0,0],\"to\":[10,0,0],\"rotation\":{},\"duration\":1e6}" );
+    int count;
+    assert_int_equal( rf_camera_frame_count( &camera, 24.0, &count, &error ), RF_ERROR_SCENE );
+    assert_non_null( strstr( error.text, ": duration: 1e+06 s at 24 frames/s are more than 1000000 frames" ) );
+    rf_destroy_camera( &camera );
+}
+
+static void expect_no_view( const char* text, double time, const char* part )
+{
+    RfCamera camera = load_path( text );
+    RfView view;
+    RfError error = { 0 };
+    assert_int_equal( rf_sample_camera_track( camera.track, time, &view, &error ), RF_ERROR_SCENE );
+    if ( strstr( error.text, part ) == NULL || strstr( error.text, "path.json: " ) == NULL )
+        fail_msg( "%s", error.text );
+    rf_destroy_camera( &camera );
+}
+
+static void test_views_without_direction( void** state )
+{
+    (void)state;
+    expect_no_view( "{\"kind\":\"dolly\",\"from\":[-1,0,0],\"to\":[1,0,0],\"target\":[0,0,0],\"duration\":1}", 0.5,
+                    "at 0.5 s the camera stands on its target" );
+    expect_no_view( "{\"kind\":\"dolly\",\"from\":[-1,0,0],\"to\":[1,0,0],\"target\":[0,0,0],\"frames\":3}", 1.0,
+                    "at frame 2 the camera stands on its target" );
+    expect_no_view( "{\"kind\":\"dolly\",\"from\":[0,9,0],\"to\":[1,9,0],\"target\":[0,0,0],\"duration\":1}", 0.0,
+                    "looks along its up" );
+    expect_no_view( "{\"kind\":\"keyed\",\"interpolation\":\"linear\",\"target\":[0,0,0],\"keys\":["
+                    "{\"time\":0,\"position\":[0,0,1]},{\"time\":2,\"position\":[0,0,2],\"up\":[0,-1,0]}]}",
+                    1.0, "looks along its up" );
+}
+
+#define KEYED( rest ) "{\"kind\":\"keyed\",\"keys\":[{\"time\":0,\"position\":[0,0,1],\"target\":[0,0,0]}" rest
+#define TWO( second ) KEYED( "," second "]}" )
+#define ORBIT( rest ) "{\"kind\":\"orbit\",\"center\":[0,0,0],\"radius\":1" rest "}"
+#define WALK( points, rest ) "{\"kind\":\"walk\",\"waypoints\":[" points "]" rest "}"
+
+static void test_faults( void** state )
+{
+    (void)state;
+    static const char* const faults[][2] = {
+        { "", "line 1, column 0" },
+        { "{\n  \"kind\": \"orbit\",\n}", "line 3, column 1: " },
+        { "{\"kind\":\"orbit\",\"kind\":\"orbit\"}", "duplicate" },
+        { "{\"kind\":NaN}", "line 1" },
+        { ORBIT( ",\"fov\":1e999" ), "overflow" },
+        { "[]", ": wants an object, got an array of 0" },
+        { "3", ": wants an object, got 3" },
+        { "\"orbit\"", ": wants an object, got \"orbit\"" },
+        { "{\"kind\":\"orb\"}", ": kind: wants one of keyed, orbit, dolly, zoom, walk, got \"orb\"" },
+        { "{}", "kind: is missing: wants one of keyed, orbit, dolly, zoom, walk" },
+        { "{\"kind\":\"fly\"}", "kind: wants one of keyed, orbit, dolly, zoom, walk, got \"fly\"" },
+        { "{\"kind\":3}", "kind: wants one of keyed, orbit, dolly, zoom, walk, got 3" },
+        { KEYED( "],\"about\":3}" ), "about: wants a string, got 3" },
+        { KEYED( "],\"speed\":3}" ), "speed: no such key, the keys here are: kind, interpolation, keys" },
+        { KEYED( "],\"intrepolation\":3}" ), "did you mean interpolation?" },
+        { KEYED( "],\"interpolation\":\"cubic\"}" ), "interpolation: wants one of catmull-rom, linear, got \"cubic\"" },
+        { "{\"kind\":\"keyed\"}", "keys: is missing: wants an array of 1 to 1000000 keys" },
+        { "{\"kind\":\"keyed\",\"keys\":[]}", "keys: wants an array of 1 to 1000000 keys, got an array of 0" },
+        { TWO( "3" ), "keys[1]: wants an object, got 3" },
+        { TWO( "{\"position\":[0,0,1]}" ), "keys[1].time: is missing: wants a number of seconds" },
+        { TWO( "{\"time\":\"2\",\"position\":[0,0,1]}" ), "keys[1].time: wants a number from 0 to 1e+06, got \"2\"" },
+        { TWO( "{\"time\":-2,\"position\":[0,0,1]}" ), "keys[1].time: wants a number from 0 to 1e+06, got -2" },
+        { TWO( "{\"time\":0,\"position\":[0,0,2],\"target\":[0,0,0]}" ), "keys[1].time: 0 is not later than the key before" },
+        { TWO( "{\"frame\":2,\"position\":[0,0,2]}" ), "keys[1].frame: no such key" },
+        { TWO( "{\"time\":1,\"target\":[0,0,2]}" ), "keys[1].position: is missing" },
+        { TWO( "{\"time\":1,\"position\":[0,2]}" ), "keys[1].position: wants an array of 3 numbers, got an array of 2" },
+        { TWO( "{\"time\":1,\"position\":[0,2,\"x\"]}" ), "keys[1].position[2]: wants a number from -1e+15 to 1e+15, got \"x\"" },
+        { TWO( "{\"time\":1,\"position\":[0,2,1e16]}" ), "keys[1].position[2]: wants a number" },
+        { TWO( "{\"time\":1,\"position\":[0,2,3]}" ), "keys[1]: has neither target nor rotation" },
+        { TWO( "{\"time\":1,\"position\":[0,2,3],\"target\":[0,2,3]}" ), "keys[1].target: is where the camera stands" },
+        { TWO( "{\"time\":1,\"position\":[0,2,3],\"rotation\":{}}" ), "keys[1].rotation: the keys before it have none" },
+        { TWO( "{\"time\":1,\"position\":[0,2,3],\"target\":[0,0,0],\"up\":[0,0,0]}" ), "keys[1].up: wants a direction" },
+        { TWO( "{\"time\":1,\"position\":[0,2,3],\"target\":[0,0,0],\"fov\":180}" ),
+          "keys[1].fov: wants a number from 0.1 to 179" },
+        { KEYED( "],\"rotation\":{}}" ), "keys[0].target: not together with rotation" },
+        { "{\"kind\":\"keyed\",\"rotation\":[0,0,0,2],\"keys\":[{\"time\":0,\"position\":[0,0,1]}]}",
+          "rotation: wants a quaternion of length 1, got length 2" },
+        { "{\"kind\":\"keyed\",\"rotation\":3,\"keys\":[{\"time\":0,\"position\":[0,0,1]}]}",
+          "rotation: wants a quaternion [x, y, z, w] or" },
+        { "{\"kind\":\"keyed\",\"rotation\":{\"yow\":3},\"keys\":[{\"time\":0,\"position\":[0,0,1]}]}",
+          "rotation.yow: no such key, did you mean yaw?" },
+        { ORBIT( "" ), "how long it takes is missing: give duration (seconds) or frames (their number)" },
+        { ORBIT( ",\"duration\":1,\"frames\":2" ), "frames: not together with duration" },
+        { ORBIT( ",\"duration\":0" ), "duration: wants a number > 0 and <= 1e+06, got 0" },
+        { ORBIT( ",\"frames\":1.5" ), "frames: wants a whole number, got 1.5" },
+        { ORBIT( ",\"frames\":0" ), "frames: wants a number from 1 to 1e+06, got 0" },
+        { ORBIT( ",\"frames\":2,\"rotation\":{},\"target\":[0,0,0]" ), "target: not together with rotation" },
+        { ORBIT( ",\"frames\":2,\"fov\":\"wide\"" ), "fov: wants a number from 0.1 to 179, got \"wide\"" },
+        { ORBIT( ",\"frames\":2,\"fov\":{\"from\":20}" ), "fov.to: is missing" },
+        { ORBIT( ",\"frames\":2,\"center\":[0,0,0]" ), "duplicate" },
+        { "{\"kind\":\"orbit\",\"radius\":1,\"frames\":2}", "center: is missing: wants an array of 3 numbers" },
+        { "{\"kind\":\"orbit\",\"center\":[0,0,0],\"radius\":0,\"frames\":2}", "radius: wants a number > 0" },
+        { "{\"kind\":\"dolly\",\"from\":[0,0,0],\"to\":[1,0,0],\"frames\":2}", "target: is missing" },
+        { "{\"kind\":\"zoom\",\"position\":[0,0,0],\"target\":[1,0,0],\"frames\":2}",
+          "fov: is missing: wants an object of from and to" },
+        { "{\"kind\":\"zoom\",\"position\":[0,0,0],\"target\":[1,0,0],\"fov\":3,\"frames\":2}",
+          "fov: wants an object of from and to" },
+        { WALK( "[0,0,0]", ",\"speed\":1" ), "waypoints: wants an array of 2 to 10000 points, got an array of 1" },
+        { WALK( "[0,0,0],[1,0,0],[1,0,0]", ",\"speed\":1" ), "waypoints[2]: is the same point as the one before it" },
+        { WALK( "[0,0,0],[1e-300,0,0]", ",\"speed\":1" ), "waypoints: lie too close together" },
+        { WALK( "[0,0,0],[1,0,0]", "" ), "or speed (metres per second)" },
+        { WALK( "[0,0,0],[1,0,0]", ",\"speed\":1e-9" ), "speed: 1 m at 1e-09 m/s take longer than" },
+        { WALK( "[0,0,0],[1,0,0]", ",\"speed\":1,\"look_ahead\":0" ), "look_ahead: wants a number > 0" },
+        { WALK( "[0,0,0],[1,0,0]", ",\"speed\":1,\"look_ahead\":1,\"target\":[0,0,0]" ), "look_ahead: not together with target" },
+    };
+    for ( size_t i = 0; i < sizeof faults / sizeof faults[0]; ++i )
+        expect_path_fault( faults[i][0], faults[i][1] );
+    RfCamera camera;
+    RfError error;
+    assert_int_equal( rf_load_camera( "/no/such/path.json", &camera, &error ), RF_ERROR_IO );
+    assert_int_equal( rf_load_camera( cli_folder(), &camera, &error ), RF_ERROR_IO );
+}
+
+// Broken copies of a text: an error line, or a path whose frames are numbers or errors.
+static int load_mutations( const char* text, uint64_t count )
+{
+    size_t size = strlen( text );
+    char *bytes = malloc( size ), path[256];
+    int loaded = 0;
+    snprintf( path, sizeof path, "%s/broken.json", cli_folder() );
+    for ( uint64_t i = 0; i < count; ++i )
+    {
+        memcpy( bytes, text, size );
+        cli_write( "broken.json", bytes, mutate_bytes( (uint8_t*)bytes, size, 5 * ( i + 1 ) ) );
+        RfCamera camera;
+        RfError error = { 0 };
+        RfScene scene = { 0 };
+        RfResult result = rf_load_camera( path, &camera, &error );
+        assert_true( result == RF_OK ? camera.track != NULL : error.text[0] != 0 );
+        for ( int frame = 0; frame < 5 && result == RF_OK; ++frame )
+        {
+            RfEye eye;
+            RfResult seen = rf_camera_eye( &scene, &camera, 7.0 * frame, 24, 1, 16, 9, &eye, &error );
+            assert_true( seen != RF_OK || ( isfinite( eye.origin.x ) && isfinite( eye.forward.x ) && eye.focal > 0.0f ) );
+        }
+        loaded += result == RF_OK;
+        rf_destroy_camera( &camera );
+    }
+    free( bytes );
+    return loaded;
+}
+
+static void test_mutations( void** state )
+{
+    (void)state;
+    static const char* const texts[] = {
+        "{\"kind\":\"keyed\",\"interpolation\":\"catmull-rom\",\"up\":[0,1,0],\"keys\":["
+        "{\"time\":0.0,\"position\":[0.5,1.5,2.25],\"target\":[0,1,0],\"fov\":30},"
+        "{\"time\":0.5,\"position\":[1.5,1.5,2.25],\"target\":[0,1,0],\"fov\":40},"
+        "{\"time\":1.25,\"position\":[1.5,2.5,1.25],\"target\":[0,1,0],\"fov\":30}]}",
+        "{\"kind\":\"keyed\",\"keys\":[{\"frame\":1,\"position\":[0.5,1.5,2.25],\"rotation\":[0,0.6,0,0.8]},"
+        "{\"frame\":20,\"position\":[0.5,2.5,1.25],\"rotation\":{\"yaw\":90,\"pitch\":10}}]}",
+        "{\"kind\":\"walk\",\"waypoints\":[[0,1,0],[4,1,0],[4,1,-4],[3,2,1]],\"look_ahead\":2,\"speed\":2}",
+    };
+    const char* many = getenv( "REFRAME_MUTATIONS" );
+    for ( size_t i = 0; i < 3; ++i )
+        assert_true( load_mutations( texts[i], ( many != NULL ? (uint64_t)atoll( many ) : MUTATIONS ) / 3 ) > 0 );
+}
+
+// The path from which the vase room's camera is made is that camera.
+static void test_vase_zoom( void** state )
+{
+    (void)state;
+    RfScene scene;
+    RfCamera camera;
+    RfError error = { 0 };
+    int count, wanted;
+    assert_int_equal( rf_load_gltf( REFRAME_VASE_ROOM, &scene, NULL, &error ), RF_OK );
+    assert_int_equal( rf_load_camera( REFRAME_SOURCE_DIR "/anim/vase-zoom.json", &camera, &error ), RF_OK );
+    assert_int_equal( rf_camera_frame_count( &camera, 24.0, &count, &error ), RF_OK );
+    assert_int_equal( rf_camera_frame_count( scene.cameras, 24.0, &wanted, &error ), RF_OK );
+    assert_int_equal( count, wanted );
+    for ( int i = 0; i < count; ++i )
+    {
+        RfEye a, b;
+        assert_int_equal( rf_camera_eye( &scene, &camera, i, 24, 1, 160, 90, &a, &error ), RF_OK );
+        assert_int_equal( rf_camera_eye( &scene, scene.cameras, i, 24, 1, 160, 90, &b, &error ), RF_OK );
+        assert_close( (double)rf_length( rf_sub( a.origin, b.origin ) ), 0.0, 1e-5 );
+        assert_close( (double)rf_length( rf_sub( a.forward, b.forward ) ), 0.0, 1e-5 );
+        assert_close( (double)rf_length( rf_sub( a.up, b.up ) ), 0.0, 1e-5 );
+        assert_close( (double)( a.focal - b.focal ), 0.0, 1e-4 );
+    }
+    rf_destroy_camera( &camera );
+    rf_destroy_scene( &scene );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( test_orbit ),
+        cmocka_unit_test( test_dolly_and_zoom ),
+        cmocka_unit_test( test_walk ),
+        cmocka_unit_test( test_keys ),
+        cmocka_unit_test( test_angles ),
+        cmocka_unit_test( test_eyes ),
+        cmocka_unit_test( test_views_without_direction ),
+        cmocka_unit_test( test_faults ),
+        cmocka_unit_test( test_mutations ),
+        cmocka_unit_test( test_vase_zoom ),
+    };
+    return cmocka_run_group_tests_name( "camera path", tests, cli_enter_group, cli_leave_group );
+}

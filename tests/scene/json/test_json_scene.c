@@ -1,0 +1,395 @@
+// Scene files: what they change of a glTF, and every way to get one wrong.
+#include "support/camera_path_checks.h"
+#include "support/cli_run.h"
+#include "support/encode_images.h"
+#include "support/gltf_builder.h"
+#include "support/json_room.h"
+
+#include "scene/json/material_edit.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#define MUTATIONS 600
+
+static RfScene load_members( const char* members )
+{
+    RfScene scene;
+    RfError error = { 0 };
+    if ( try_members( members, &scene, &error ) != RF_OK )
+        fail_msg( "%s", error.text );
+    return scene;
+}
+
+static void expect_line( const char* members, RfResult code, const RfError* error, const char* part )
+{
+    if ( code == RF_OK || code != error->code || strstr( error->text, part ) == NULL || strchr( error->text, '\n' ) != NULL ||
+         strstr( error->text, "/scene.json: " ) == NULL )
+        fail_msg( "'%s' gave %s '%s' instead of '%s'", members, rf_result_name( code ), error->text, part );
+}
+
+static void expect_fault( const char* members, const char* part )
+{
+    RfScene scene;
+    RfError error = { 0 };
+    RfResult code = try_members( members, &scene, &error );
+    expect_line( members, code, &error, part );
+    assert_null( scene.path );
+    assert_null( scene.cameras );
+    assert_int_equal( try_members( members, &scene, NULL ), code ); // the report may be NULL
+}
+
+static void assert_rgb( RfVec3 got, double r, double g, double b )
+{
+    const double three[3] = { (double)got.x, (double)got.y, (double)got.z };
+    assert_three( three, r, g, b, 1e-6 );
+}
+
+static void test_plain( void** state )
+{
+    (void)state;
+    RfScene scene = load_members( "\"about\":\"nothing added\"" ), gltf;
+    RfError error;
+    assert_int_equal( load_named( "room.gltf", &gltf, &error ), RF_OK );
+    assert_int_equal( scene.material_count, 5 );
+    assert_int_equal( scene.triangles.count, 1 );
+    assert_int_equal( scene.camera_count, 2 );
+    assert_int_equal( scene.chosen_camera, 0 );
+    assert_non_null( strstr( scene.path, "/scene.json" ) );
+    assert_true( scene.content_hash != gltf.content_hash );
+    assert_rgb( scene.environment.radiance, 0, 0, 0 );
+    rf_destroy_scene( &scene );
+    rf_destroy_scene( &gltf );
+}
+
+static void test_materials( void** state )
+{
+    (void)state;
+    RfScene scene = load_members(
+        "\"materials\":{\"vase\":{\"exponent\":200,\"doubleSided\":true},"
+        "\"wood floor\":{\"baseColorFactor\":[0.1,0.2,0.3,1],\"specularFactor\":1,\"roughnessFactor\":0.5,\"ior\":1.5},"
+        "\"lamp\":{\"emissiveStrength\":8},"
+        "\"materials[3]\":{\"bsdf\":\"lambert\",\"diffuse\":[0.7,0.6,0.5],\"emissiveFactor\":[0,0,1]}}" );
+    const RfMaterial* m = scene.materials;
+    assert_int_equal( m[0].kind, RF_BSDF_PHONG );
+    assert_rgb( m[0].diffuse, 0.2, 0.1, 0.1 ); // as it was
+    assert_close( (double)m[0].exponent, 200.0, 0 );
+    assert_true( m[0].double_sided );
+    assert_int_equal( m[1].kind, RF_BSDF_GGX );
+    assert_rgb( m[1].diffuse, 0.1, 0.2, 0.3 );
+    assert_rgb( m[1].specular, 0.04, 0.04, 0.04 );
+    assert_close( (double)m[1].alpha, 0.25, 1e-6 );
+    assert_rgb( m[2].emission, 8, 8, 8 );
+    assert_rgb( m[4].emission, 0, 8, 0 ); // all of a name
+    assert_int_equal( m[3].kind, RF_BSDF_LAMBERT );
+    assert_rgb( m[3].diffuse, 0.7, 0.6, 0.5 );
+    assert_rgb( m[3].emission, 0, 0, 1 );
+    rf_destroy_scene( &scene );
+
+    scene = load_members( "\"materials\":{\"vase\":{\"bsdf\":\"gltf\",\"metallicFactor\":1,\"baseColorFactor\":[0.9,0.8,0.7,1],"
+                          "\"roughnessFactor\":0.4},\"wood floor\":{\"bsdf\":\"phong\",\"diffuse\":[0,0,0],"
+                          "\"specular\":[1,1,1],\"exponent\":3},\"lamp\":{\"transmissionFactor\":1,\"metallicFactor\":0,"
+                          "\"thicknessFactor\":1,\"ior\":1.3}}" );
+    assert_int_equal( scene.materials[0].kind, RF_BSDF_GGX );
+    assert_rgb( scene.materials[0].specular, 0.9, 0.8, 0.7 );
+    assert_int_equal( scene.materials[1].kind, RF_BSDF_PHONG );
+    assert_close( (double)scene.materials[1].exponent, 3.0, 0 );
+    assert_int_equal( scene.materials[2].kind, RF_BSDF_GLASS );
+    assert_close( (double)scene.materials[2].ior, 1.3, 1e-6 );
+    rf_destroy_scene( &scene );
+}
+
+// "textures": false on a parsed glTF, at all depths where one has textures.
+static void test_textures_dropped( void** state )
+{
+    (void)state;
+    json_t* root = json_loads( "{\"materials\":[{\"name\":\"a\",\"normalTexture\":{\"index\":0},\"pbrMetallicRoughness\":"
+                               "{\"baseColorTexture\":{\"index\":0},\"metallicFactor\":0.5},\"extensions\":{\"KHR_x\":"
+                               "{\"xTexture\":{\"index\":0},\"xFactor\":1}},\"extras\":{\"aTexture\":1}},"
+                               "{\"name\":\"b\",\"normalTexture\":{\"index\":0}}]}",
+                               0, NULL );
+    json_t* edits = json_loads( "{\"a\":{\"textures\":false},\"b\":{\"textures\":true}}", 0, NULL );
+    RfError error = { 0 };
+    RfField field = rf_make_field( "x.json", "materials", edits, &error );
+    assert_int_equal( rf_edit_materials( &field, root ), RF_OK );
+    char* text = json_dumps( root, JSON_COMPACT | JSON_SORT_KEYS );
+    assert_string_equal( text, "{\"materials\":[{\"extensions\":{\"KHR_x\":{\"xFactor\":1}},\"extras\":{\"aTexture\":1},"
+                               "\"name\":\"a\",\"pbrMetallicRoughness\":{\"metallicFactor\":0.5}},"
+                               "{\"name\":\"b\",\"normalTexture\":{\"index\":0}}]}" );
+    free( text );
+    json_decref( edits );
+    json_decref( root );
+}
+
+static void test_material_faults( void** state )
+{
+    (void)state;
+    static const char* const faults[][2] = {
+        { "\"materials\":[]", "materials: wants an object of materials by name, got an array of 0" },
+        { "\"materials\":{\"vase\":3}", "materials.vase: wants an object, got 3" },
+        { "\"materials\":{\"vasse\":{}}", "materials.vasse: the scene has no such material: did you mean 'vase'? there are "
+                                          "'vase', 'wood floor', 'lamp', 'materials[3]', 'lamp'" },
+        { "\"materials\":{\"wood\":{}}", "materials.wood: the scene has no such material: did you mean 'wood floor'?" },
+        { "\"materials\":{\"vase\":{\"exponent\":\"high\"}}",
+          "materials.vase.exponent: wants a number from 0 to 1e+06, got \"high\"" },
+        { "\"materials\":{\"vase\":{\"exponent\":-1}}", "materials.vase.exponent: wants a number from 0 to 1e+06, got -1" },
+        { "\"materials\":{\"vase\":{\"Exponent\":1}}",
+          "materials.vase.Exponent: no such key, did you mean exponent? The keys here are: bsdf, diffuse" },
+        { "\"materials\":{\"wood floor\":{\"exponent\":1}}",
+          "materials[\"wood floor\"].exponent: has no effect on bsdf \"gltf\"" },
+        { "\"materials\":{\"vase\":{\"roughnessFactor\":1}}",
+          "materials.vase.roughnessFactor: has no effect on bsdf \"phong\": add \"bsdf\": \"gltf\"" },
+        { "\"materials\":{\"vase\":{\"diffuse\":[0.6,0,0]}}", "materials.vase: diffuse + specular reflect 1.1 of what arrives" },
+        { "\"materials\":{\"vase\":{\"diffuse\":[0.6,0]}}",
+          "materials.vase.diffuse: wants an array of 3 numbers, got an array of 2" },
+        { "\"materials\":{\"vase\":{\"bsdf\":\"ggx\"}}", "materials.vase.bsdf: wants one of gltf, lambert, phong, got \"ggx\"" },
+        { "\"materials\":{\"lamp\":{\"bsdf\":\"phong\",\"diffuse\":[0,0,0]}}", "materials.lamp.specular: is missing" },
+        { "\"materials\":{\"lamp\":{\"bsdf\":\"lambert\",\"diffuse\":[0,0,0],\"exponent\":3}}",
+          "materials.lamp.exponent: has no effect on bsdf \"lambert\"" },
+        { "\"materials\":{\"lamp\":{\"emissiveFactor\":[2,0,0]}}",
+          "materials.lamp.emissiveFactor[0]: wants a number from 0 to 1, got 2" },
+        { "\"materials\":{\"lamp\":{\"ior\":0.5}}", "materials.lamp.ior: wants a number from 1 to 100, got 0.5" },
+        { "\"materials\":{\"lamp\":{\"doubleSided\":1}}", "materials.lamp.doubleSided: wants true or false, got 1" },
+        { "\"materials\":{\"lamp\":{\"alphaMode\":\"CUT\"}}", "materials.lamp.alphaMode: wants one of OPAQUE, MASK, BLEND" },
+        { "\"materials\":{\"lamp\":{\"textures\":\"no\"}}", "materials.lamp.textures: wants true or false" },
+    };
+    for ( size_t i = 0; i < sizeof faults / sizeof faults[0]; ++i )
+        expect_fault( faults[i][0], faults[i][1] );
+}
+
+static void write_map( const char* name, unsigned char mantissa );
+
+static void test_file_faults( void** state )
+{
+    (void)state;
+    write_map( "bright.hdr", 255 );
+    static const char* const faults[][2] = {
+        { "\"scene\":\"room.gltf\"", "duplicate" },
+        { "\"sky\":3", "sky: no such key, the keys here are: scene, environment, materials, camera, render" },
+        { "\"enviroment\":3", "enviroment: no such key, did you mean environment?" },
+        { "\"environment\":3", "environment: wants an object, got 3" },
+        { "\"environment\":{}", "environment: gives no light: wants radiance, map or both" },
+        { "\"environment\":{\"radiance\":1}", "environment.radiance: wants an array of 3 numbers, got 1" },
+        { "\"environment\":{\"radiance\":[1,-1,1]}", "environment.radiance[1]: wants a number from 0 to 1e+15, got -1" },
+        { "\"environment\":{\"radiance\":[1,1,1],\"rotation\":null}",
+          "environment.rotation: wants a number from -1e+06 to 1e+06, got null" },
+        { "\"environment\":{\"radiance\":[1,1,1],\"visible\":0}", "environment.visible: wants true or false, got 0" },
+        { "\"environment\":{\"map\":\"\"}", "environment.map: wants a string that is not empty, got \"\"" },
+        { "\"environment\":{\"map\":\"none.exr\"}", "/none.exr: cannot be opened" },
+        { "\"environment\":{\"map\":\"room.gltf\"}", "environment.map: " },
+        { "\"environment\":{\"map\":\"bright.hdr\",\"radiance\":[1e15,1e15,1e15]}",
+          "environment.map: times radiance is brighter than 1e+15 somewhere: lower radiance" },
+        { "\"camera\":3", "camera: wants the name of a camera, a camera-path file (.json) or a camera path, got 3" },
+        { "\"camera\":\"Nobody\"", "camera: " },
+        { "\"camera\":\"Nobody\"", "choose one of 'Eye', 'Side'" },
+        { "\"camera\":\"none.json\"", "/none.json: cannot be opened" },
+        { "\"camera\":\"scene.json\"", "camera: " },
+        { "\"camera\":{}", "camera.kind: is missing" },
+        { "\"camera\":{\"kind\":\"keyed\",\"keys\":[{\"time\":0}]}", "camera.keys[0].position: is missing" },
+    };
+    for ( size_t i = 0; i < sizeof faults / sizeof faults[0]; ++i )
+        expect_fault( faults[i][0], faults[i][1] );
+    static const char* const files[][2] = {
+        { "", "line 1, column 0" },
+        { "{\"scene\": \"room.gltf\",\n \"camera\" \"Eye\"}", "line 2, column " },
+        { "{}", "scene: is missing: wants the name of a .glb or .gltf file" },
+        { "{\"scene\":3}", "scene: wants a string" },
+        { "{\"scene\":\"scene.json\"}", "scene: wants a .glb or .gltf file, got \"scene.json\"" },
+        { "{\"asset\":{\"version\":\"2.0\"}}", "is a glTF: give it a name that ends in .gltf" },
+    };
+    for ( size_t i = 0; i < sizeof files / sizeof files[0]; ++i )
+    {
+        RfScene scene;
+        RfError error = { 0 };
+        write_text( "scene.json", files[i][0] );
+        RfResult code = load_named( "scene.json", &scene, &error );
+        expect_line( files[i][0], code, &error, files[i][1] );
+    }
+    RfScene scene;
+    RfError error = { 0 };
+    write_text( "scene.json", "{\"scene\":\"none.glb\"}" );
+    assert_int_equal( load_named( "scene.json", &scene, &error ), RF_ERROR_IO );
+    assert_non_null( strstr( error.text, "/none.glb: cannot be opened" ) );
+}
+
+static void write_map( const char* name, unsigned char mantissa )
+{
+    uint8_t pixels[4 * 8];
+    for ( int i = 0; i < 8; ++i )
+        memcpy( pixels + 4 * i, ( const uint8_t[4] ){ mantissa, 64, 0, 129 }, 4 );
+    size_t size;
+    uint8_t* bytes = encode_hdr( 4, 2, pixels, &size );
+    cli_write( name, bytes, size );
+    free( bytes );
+}
+
+static void test_environment( void** state )
+{
+    (void)state;
+    RfScene scene = load_members( "\"environment\":{\"radiance\":[0.5,1,2],\"visible\":false}" );
+    assert_rgb( scene.environment.radiance, 0.5, 1, 2 );
+    assert_true( scene.environment.hidden );
+    assert_null( scene.environment.map );
+    rf_destroy_scene( &scene );
+
+    write_map( "sky.hdr", 128 );
+    scene = load_members( "\"environment\":{\"map\":\"sky.hdr\",\"rotation\":450}" );
+    assert_rgb( scene.environment.radiance, 1, 1, 1 );
+    assert_false( scene.environment.hidden );
+    assert_close( (double)scene.environment.rotation, 1.5707963267948966, 1e-6 );
+    assert_int_equal( scene.environment.width, 4 );
+    assert_int_equal( scene.environment.height, 2 );
+    assert_close( (double)scene.environment.map[0], 1.0, 0.01 );
+    uint64_t hash = scene.content_hash;
+    rf_destroy_scene( &scene );
+    write_map( "sky.hdr", 130 ); // another map, another scene
+    scene = load_members( "\"environment\":{\"map\":\"sky.hdr\",\"rotation\":450}" );
+    assert_true( scene.content_hash != hash );
+    rf_destroy_scene( &scene );
+}
+
+static void expect_extras_fault( const char* extras, const char* part )
+{
+    RfScene scene;
+    RfError error = { 0 };
+    write_room( extras );
+    assert_int_not_equal( load_named( "room.gltf", &scene, &error ), RF_OK );
+    if ( strstr( error.text, part ) == NULL || strstr( error.text, "/room.gltf: " ) == NULL )
+        fail_msg( "'%s' gave '%s'", extras, error.text );
+}
+
+static void test_environment_in_gltf( void** state )
+{
+    (void)state;
+    write_map( "sky.hdr", 128 );
+    write_room(
+        ",\"extras\":{\"other\":1,\"reframe\":{\"environment\":{\"radiance\":[1,2,3],\"map\":\"sky.hdr\",\"rotation\":-90}}}" );
+    RfScene scene = load_members( "" );
+    assert_rgb( scene.environment.radiance, 1, 2, 3 );
+    assert_int_equal( scene.environment.width, 4 );
+    assert_close( (double)scene.environment.rotation, -1.5707963267948966, 1e-6 );
+    rf_destroy_scene( &scene );
+    scene = load_members( "\"environment\":{\"radiance\":[4,4,4]}" ); // instead of it
+    assert_rgb( scene.environment.radiance, 4, 4, 4 );
+    assert_null( scene.environment.map );
+    rf_destroy_scene( &scene );
+    write_room( ",\"extras\":\"text of another program\"" );
+    scene = load_members( "" );
+    rf_destroy_scene( &scene );
+
+    expect_extras_fault( ",\"extras\":{\"reframe\":3}", "scenes[0].extras.reframe: wants an object, got 3" );
+    expect_extras_fault( ",\"extras\":{\"reframe\":{\"sky\":3}}", "scenes[0].extras.reframe.sky: no such key" );
+    expect_extras_fault( ",\"extras\":{\"reframe\":{\"environment\":{\"radiance\":[1,1]}}}",
+                         "scenes[0].extras.reframe.environment.radiance: wants an array of 3 numbers" );
+    expect_extras_fault( ",\"extras\":{\"reframe\":{\"environment\":{\"map\":\"../sky.hdr\"}}}", "leaves the folder" );
+    expect_extras_fault( ",\"extras\":{\"reframe\":{\"environment\":{\"map\":\"/sky.hdr\"}}}", "begins with '/'" );
+    expect_extras_fault( ",\"extras\":{\"reframe\":{\"environment\":{\"map\":\"file:sky.hdr\"}}}", "has a scheme" );
+    expect_extras_fault( ",\"extras\":{\"reframe\":{\"environment\":{\"map\":\"gone.hdr\"}}}", "gone.hdr: cannot be opened" );
+    write_room( "" );
+}
+
+#define PATH "{\"kind\":\"dolly\",\"from\":[0,0,5],\"to\":[0,0,3],\"target\":[0,0,0],\"frames\":7}"
+
+static uint64_t hash_of( const char* members )
+{
+    RfScene scene = load_members( members );
+    uint64_t hash = scene.content_hash;
+    rf_destroy_scene( &scene );
+    return hash;
+}
+
+static void test_cameras( void** state )
+{
+    (void)state;
+    RfError error;
+    int index;
+    RfScene scene = load_members( "\"camera\":\"Side\"" );
+    assert_int_equal( rf_find_camera( &scene, NULL, &index, &error ), RF_OK );
+    assert_string_equal( scene.cameras[index].name, "Side" );
+    assert_int_equal( rf_find_camera( &scene, "Eye", &index, &error ), RF_OK );
+    assert_int_equal( index, 0 );
+    rf_destroy_scene( &scene );
+
+    scene = load_members( "\"camera\":" PATH );
+    assert_int_equal( rf_find_camera( &scene, NULL, &index, &error ), RF_OK );
+    assert_int_equal( index, 2 );
+    assert_string_equal( scene.cameras[index].name, "path" );
+    RfEye eye;
+    assert_int_equal( rf_camera_eye( &scene, scene.cameras + index, 3, 24, 1, 16, 9, &eye, &error ), RF_OK );
+    assert_close( (double)eye.origin.z, 4.0, 1e-6 );
+    rf_destroy_scene( &scene );
+
+    write_text( "walk.json", PATH );
+    scene = load_members( "\"camera\":\"walk.json\"" );
+    assert_int_equal( scene.chosen_camera, 3 );
+    assert_non_null( strstr( scene.cameras[2].name, "/walk.json" ) );
+    rf_destroy_scene( &scene );
+    uint64_t hash = hash_of( "\"camera\":\"walk.json\"" );
+    assert_true( hash == hash_of( "\"camera\":\"walk.json\"" ) );
+    assert_true( hash != hash_of( "\"camera\":  \"walk.json\"" ) );
+    write_text( "walk.json", PATH " " );
+    assert_true( hash != hash_of( "\"camera\":\"walk.json\"" ) );
+}
+
+static void test_mutations( void** state )
+{
+    (void)state;
+    static const char text[] =
+        "{\"scene\":\"room.gltf\",\"environment\":{\"radiance\":[1,2,3],\"rotation\":45,\"visible\":true},\"materials\":{"
+        "\"vase\":{\"exponent\":20,\"diffuse\":[0.1,0.1,0.1]},\"lamp\":{\"emissiveStrength\":3,\"textures\":false}},"
+        "\"camera\":" PATH ",\"render\":{\"spp\":3}}";
+    const char* many = getenv( "REFRAME_MUTATIONS" );
+    uint64_t count = many != NULL ? (uint64_t)atoll( many ) : MUTATIONS;
+    int loaded = 0;
+    for ( uint64_t i = 0; i < count; ++i )
+    {
+        char bytes[sizeof text];
+        memcpy( bytes, text, sizeof text );
+        cli_write( "scene.json", bytes, mutate_bytes( (uint8_t*)bytes, sizeof text - 1, 5 * ( i + 1 ) ) );
+        RfScene scene;
+        RfError error = { 0 };
+        RfResult result = load_named( "scene.json", &scene, &error );
+        assert_true( result == RF_OK || ( error.text[0] != 0 && scene.path == NULL ) );
+        loaded += result == RF_OK;
+        rf_destroy_scene( &scene );
+    }
+    assert_true( loaded > 0 );
+}
+
+static int enter( void** state )
+{
+    (void)state;
+    cli_enter();
+    write_room( "" );
+    return 0;
+}
+
+static int leave( void** state )
+{
+    (void)state;
+    cli_leave();
+    return 0;
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( test_plain ),
+        cmocka_unit_test( test_materials ),
+        cmocka_unit_test( test_textures_dropped ),
+        cmocka_unit_test( test_material_faults ),
+        cmocka_unit_test( test_file_faults ),
+        cmocka_unit_test( test_environment ),
+        cmocka_unit_test( test_environment_in_gltf ),
+        cmocka_unit_test( test_cameras ),
+        cmocka_unit_test( test_mutations ),
+    };
+    return cmocka_run_group_tests_name( "json scene", tests, enter, leave );
+}

@@ -1,0 +1,195 @@
+#!/usr/bin/env python3
+"""The sums of scripts/bench-*, against figures whose answer is known."""
+import importlib.machinery
+import importlib.util
+import math
+import os
+import statistics
+import sys
+import unittest
+
+SCRIPTS = os.path.join(os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)))), "scripts")
+sys.dont_write_bytecode = True
+sys.path.insert(0, SCRIPTS)
+import benchlib  # noqa: E402
+
+
+def load(name):
+    loader = importlib.machinery.SourceFileLoader(name.replace("-", "_"), os.path.join(SCRIPTS, name))
+    module = importlib.util.module_from_spec(importlib.util.spec_from_loader(loader.name, loader))
+    loader.exec_module(module)
+    return module
+
+
+flicker, memory, paper, tune = load("bench-flicker"), load("bench-memory"), load("bench-paper"), load("check-tune")
+
+
+class FakeJob:
+    """Renders in 3 s and 0.25 s for each sample."""
+
+    def __init__(self):
+        self.asked = []
+
+    def render(self, setting, spp):
+        self.asked.append(spp)
+        return {"cpu": 3.0 + 0.25 * spp}
+
+
+def row(setting, cpu, f1_squared, mse, pairs=()):
+    return {"setting": setting, "spp": 1, "cpu": cpu, "relmse": 2.0 * mse, "f1_squared": f1_squared, "mse": mse,
+            "followed": {"f1_squared": f1_squared, "mse": mse}, "pairs": list(pairs)}
+
+
+def pairs_of(count, content, factor, border=lambda frame: False):
+    return [{"frame": frame, "border": border(frame), "f1_squared": (content(frame) * factor(frame)) ** 2} for frame in range(2, count + 1)]
+
+
+class Sums(unittest.TestCase):
+    def test_reference_share(self):
+        error_of_one = 3.0
+        measured = error_of_one / 16 + error_of_one / 1024
+        self.assertAlmostEqual(measured * benchlib.reference_share(16, 1024), error_of_one / 1024)
+
+    def test_line(self):
+        fixed, slope = benchlib.line_through((2, 5.0), (6, 11.0))
+        self.assertAlmostEqual(fixed, 2.0)
+        self.assertAlmostEqual(slope, 1.5)
+
+
+class Memory(unittest.TestCase):
+    def test_ratio(self):
+        middle, low, high = memory.ratio([(10.0, 11.0), (8.0, 8.4), (9.0, 12.6)])
+        self.assertAlmostEqual(middle, 11.0 / 9.0)
+        self.assertAlmostEqual(low, 1.05)
+        self.assertAlmostEqual(high, 1.4)
+
+
+    def test_combine(self):
+        runs = [{"a": 1.0, "b": [2.0, {"c": "x"}], "n": 7}, {"a": 4.0, "b": [3.0, {"c": "x"}], "n": 7}, {"a": 2.0, "b": [9.0, {"c": "x"}], "n": 7}]
+        self.assertEqual(benchlib.combine(statistics.median, runs), {"a": 2.0, "b": [3.0, {"c": "x"}], "n": 7})
+        spans = paper.ranges([{"rows": [{"sooner": s, "sooner_at_equal_error": -s}]} for s in (3.0, 5.0, 4.0)])
+        self.assertEqual(spans, [{"sooner": [3.0, 5.0], "sooner_at_equal_error": [-5.0, -3.0]}])
+
+
+class Flicker(unittest.TestCase):
+    def test_samples_for_seconds(self):
+        job = FakeJob()
+        self.assertEqual(flicker.samples_for(job, "3:1", 3.0 + 0.25 * 29), 28)
+        self.assertEqual(flicker.samples_for(job, "0:1", 3.0 + 0.25 * 29), 29)
+        self.assertEqual(flicker.samples_for(job, "8:1", 1.0), 17)  # less than a group needs is not to be had
+        self.assertTrue(all(spp % 7 == 0 for spp in job.asked[:2]))
+
+    def test_one_call_of_flicker(self):
+        class Job(FakeJob):
+            def render(self, setting, spp, seed=1):
+                return super().render(setting, spp)
+
+            def flicker(self, setting):
+                return {"relmse": 0.5, "f1": 2.0, "mse": 3.0, "phi": 0.7, "motion": None,
+                        "followed": {"f1": 1.0, "mse": 2.0, "phi": 0.25, "motion": 4.5, "coverage": 0.9},
+                        "pairs": [{"frame": 2, "border": False, "f1": 3.0, "followed": None}]}
+
+        done = flicker.measure(Job(), "3:1", 4, 1)
+        self.assertEqual((done["cpu"], done["f1_squared"], done["mse"], done["motion"]), (4.0, 4.0, 3.0, 4.5))
+        self.assertEqual(done["followed"], {"f1_squared": 1.0, "mse": 2.0})
+        self.assertEqual(done["pairs"], [{"frame": 2, "border": False, "f1_squared": 9.0}])
+
+    def test_reference_is_taken_off(self):
+        # noise that is independent (phi 1) and of a group of 7 (1/7), and the reference with 1/16 of the last
+        plain, last = 0.4, 0.1
+        own = last / 16
+        rows = [row("0:1", 10.0, 2 * plain + 2 * own / 7, plain + own), row("3:1", 5.0, 2 * last / 7 + 2 * own / 7, last + own)]
+        flicker.correct(rows, 16)
+        self.assertAlmostEqual(rows[0]["phi"], 1.0)
+        self.assertAlmostEqual(rows[1]["phi"], 1.0 / 7.0)
+        self.assertAlmostEqual(rows[1]["followed"]["phi"], 1.0 / 7.0)
+        self.assertAlmostEqual(rows[1]["reference_share"], 1.0 / 17.0)
+        # half the seconds: at as many, half of the squares
+        self.assertAlmostEqual(rows[1]["f1"] ** 2, last / 7)
+        self.assertAlmostEqual(rows[1]["f1_below"], math.sqrt(2 * plain / (last / 7)))
+        self.assertAlmostEqual(rows[1]["relmse_equal"], last)
+
+    def test_seams(self):
+        # before frames 8, 15, ... a change of half as much again; then none
+        seamy = row("3:1", 1.0, 1.0, 1.0, pairs_of(48, lambda frame: 1.0, lambda frame: 0.15 if frame % 7 == 1 else 0.1))
+        there, least, most = flicker.seams(seamy)
+        self.assertAlmostEqual(there, 1.5)
+        self.assertTrue(least <= most < 1.0)
+        for ratio in flicker.seams(row("3:1", 1.0, 1.0, 1.0, pairs_of(48, lambda frame: 1.0, lambda frame: 0.1))):
+            self.assertAlmostEqual(ratio, 1.0)
+        # nor in a picture whose flicker grows as it goes
+        for ratio in flicker.seams(row("3:1", 1.0, 1.0, 1.0, pairs_of(48, lambda frame: math.sqrt(frame), lambda frame: 0.1))):
+            self.assertAlmostEqual(ratio, 1.0)
+        self.assertIsNone(flicker.seams(row("0:1", 1.0, 1.0, 1.0, pairs_of(48, lambda frame: 1.0, lambda frame: 1.0))))
+
+    def test_ends(self):
+        def at_end(frame):
+            return frame < 7 or frame > 42
+
+        # twice as noisy a picture at the ends
+        def content(frame):
+            return 2.0 if at_end(frame) else 1.0
+
+        first = row("0:1", 1.0, 1.0, 1.0, pairs_of(48, content, lambda frame: 1.0))
+        mine = row("3:1", 1.0, 1.0, 1.0, pairs_of(48, content, lambda frame: 0.09 if at_end(frame) else 0.1, at_end))
+        self.assertAlmostEqual(flicker.ends(mine, first), 0.9)
+        inside = row("3:1", 1.0, 1.0, 1.0, pairs_of(48, content, lambda frame: 0.1))
+        self.assertIsNone(flicker.ends(inside, first))
+
+
+class Paper(unittest.TestCase):
+    def test_row(self):
+        plain = {"fixed": 2.0, "per_sample": 0.5, "error": 4.0, "own": 0.01}
+        frames = [{"effective_spp": 90.0 if 7 <= i < 41 else 150.0} for i in range(48)]
+        done = {"frames": frames, "error": 0.05 + 0.01, "cpu": 7.0, "peak_bytes": 1, "resident": 2}
+        made = paper.compare(paper.EXPERIMENTS["A"], plain, "3:1", done)
+        self.assertEqual((made["possible"], made["landed"]), (98, 90.0))
+        self.assertAlmostEqual(made["sooner"], (2.0 + 45.0) / 7.0)
+        self.assertAlmostEqual(made["sooner_with_ends"], (2.0 + 0.5 * (34 * 90.0 + 14 * 150.0) / 48) / 7.0)
+        self.assertAlmostEqual(made["equal_spp"], 80.0)
+        self.assertAlmostEqual(made["sooner_at_equal_error"], 42.0 / 7.0)
+
+
+class Tune(unittest.TestCase):
+    def test_summary(self):
+        made = tune.summary([(2.0, 0.02), (4.0, 0.04), (3.0, 0.03)])
+        self.assertAlmostEqual(made["cpu"], 3.0)
+        self.assertAlmostEqual(made["relmse"], 0.03)
+        self.assertAlmostEqual(made["efficiency"], 1 / 0.09)
+        logs = [math.log(1 / 0.04), math.log(1 / 0.16), math.log(1 / 0.09)]
+        mean = sum(logs) / 3
+        self.assertAlmostEqual(made["spread"], math.sqrt(sum((x - mean) ** 2 for x in logs) / 2))
+        self.assertIsNone(tune.summary([(2.0, 0.02)])["spread"])
+
+    def test_lost(self):
+        # one run below zero, still an error in the mean; then nothing left, or less
+        self.assertAlmostEqual(tune.summary([(1.0, 0.03), (1.0, -0.01)])["efficiency"], 100.0)
+        self.assertIsNone(tune.summary([(1.0, 0.03), (1.0, -0.01)])["spread"])
+        self.assertIsNone(tune.summary([(1.0, 0.01), (1.0, -0.01)])["efficiency"])
+        self.assertIsNone(tune.summary([(1.0, -0.01)])["efficiency"])
+
+    def swept(self):
+        return {s: tune.summary([(1.0, error)]) for s, error in {"0:1": 0.1, "3:3x3": 0.012, "8:3x3": 0.01, "16:4x4": -0.001}.items()}
+
+    def test_judge(self):
+        top, ratio, lost = tune.judge(self.swept(), "3:3x3")
+        self.assertEqual((top, lost), ("8:3x3", ["16:4x4"]))
+        self.assertAlmostEqual(ratio, 10 / 12)
+        self.assertEqual(tune.judge(self.swept(), "16:4x4"), ("8:3x3", None, ["16:4x4"]))
+        self.assertEqual(tune.judge({"0:1": tune.summary([(1.0, -0.1)])}, "0:1"), (None, None, ["0:1"]))
+
+    def test_verdict(self):
+        good, bad = {"scene": "a", "ratio": 0.85, "lost": []}, {"scene": "b", "ratio": 0.84, "lost": []}
+        self.assertEqual(tune.verdict([good], 0), ("within 15 % of the best in all scenes", 0))
+        self.assertEqual(tune.verdict([good, bad], 0), ("not within 15 % of the best: b", 1))
+        text, status = tune.verdict([good], 0.6)
+        self.assertEqual(status, 0)
+        self.assertTrue(text.startswith("within 15 % of the best in all scenes; NOT an exhaustive sweep") and "0.6" in text)
+        for ratio in (None, 0.9):  # what is lost may be the best
+            text, status = tune.verdict([good, {"scene": "c", "ratio": ratio, "lost": ["8:3x3"]}], 0)
+            self.assertEqual(status, 1)
+            self.assertTrue("c 8:3x3" in text and "lost in the reference's noise" in text and "within 15" not in text)
+
+
+if __name__ == "__main__":
+    unittest.main()

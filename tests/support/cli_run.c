@@ -1,0 +1,181 @@
+#include "support/cli_run.h"
+
+#include <dirent.h>
+#include <fcntl.h>
+#include <setjmp.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+static char s_folder[64];
+static pid_t s_child;
+static CliResult s_result;
+
+const char* cli_folder( void ) { return s_folder; }
+
+void cli_enter( void )
+{
+    strcpy( s_folder, "/tmp/reframe-cli-XXXXXX" );
+    assert_non_null( mkdtemp( s_folder ) );
+    setenv( "R", REFRAME_BINARY, 1 );
+    setenv( "VASE", REFRAME_VASE_ROOM, 1 );
+    setenv( "OMP_WAIT_POLICY", "passive", 1 ); // other tests are at work beside
+}
+
+void cli_leave( void )
+{
+    char command[128];
+    snprintf( command, sizeof command, "rm -rf '%s'", s_folder );
+    assert_int_equal( system( command ), 0 );
+}
+
+int cli_enter_group( void** state )
+{
+    (void)state;
+    cli_enter();
+    return 0;
+}
+
+int cli_leave_group( void** state )
+{
+    (void)state;
+    cli_leave();
+    return 0;
+}
+
+static void path_of( const char* name, char* path, size_t size ) { snprintf( path, size, "%s/%s", s_folder, name ); }
+
+bool cli_exists( const char* name )
+{
+    char path[512];
+    path_of( name, path, sizeof path );
+    return access( path, F_OK ) == 0;
+}
+
+void cli_write( const char* name, const void* bytes, size_t size )
+{
+    char path[512];
+    path_of( name, path, sizeof path );
+    FILE* file = fopen( path, "wb" );
+    assert_non_null( file );
+    assert_int_equal( fwrite( bytes, 1, size, file ), size );
+    assert_int_equal( fclose( file ), 0 );
+}
+
+char* cli_read( const char* name, size_t* size )
+{
+    char path[512];
+    path_of( name, path, sizeof path );
+    FILE* file = fopen( path, "rb" );
+    if ( file == NULL )
+        fail_msg( "%s is not there", path );
+    fseek( file, 0, SEEK_END );
+    long length = ftell( file );
+    rewind( file );
+    char* bytes = malloc( (size_t)length + 1 );
+    assert_non_null( bytes );
+    *size = fread( bytes, 1, (size_t)length, file );
+    bytes[*size] = '\0';
+    fclose( file );
+    return bytes;
+}
+
+json_t* cli_read_json( const char* name )
+{
+    size_t size;
+    char* text = cli_read( name, &size );
+    json_error_t fault;
+    json_t* json = json_loads( text, 0, &fault );
+    free( text );
+    if ( json == NULL )
+        fail_msg( "%s: %s", name, fault.text );
+    return json;
+}
+
+int cli_count_files( const char* suffix, const char* subfolder )
+{
+    char path[512];
+    path_of( subfolder, path, sizeof path );
+    DIR* folder = opendir( path );
+    if ( folder == NULL )
+        return 0;
+    int count = 0;
+    for ( struct dirent* entry = readdir( folder ); entry != NULL; entry = readdir( folder ) )
+    {
+        size_t length = strlen( entry->d_name ), end = strlen( suffix );
+        bool self = strcmp( entry->d_name, "." ) == 0 || strcmp( entry->d_name, ".." ) == 0;
+        count += !self && length >= end && strcmp( entry->d_name + length - end, suffix ) == 0;
+    }
+    closedir( folder );
+    return count;
+}
+
+static void start( const char* format, va_list arguments )
+{
+    char line[2048];
+    vsnprintf( line, sizeof line, format, arguments );
+    s_child = fork();
+    assert_true( s_child >= 0 );
+    if ( s_child > 0 )
+        return;
+    if ( chdir( s_folder ) != 0 || freopen( ".out", "w", stdout ) == NULL || freopen( ".err", "w", stderr ) == NULL )
+        _exit( 99 );
+    execl( "/bin/sh", "sh", "-c", line, (char*)NULL );
+    _exit( 99 );
+}
+
+static void slurp( const char* name, char* text, size_t size )
+{
+    size_t length;
+    char* bytes = cli_read( name, &length );
+    length = length < size - 1 ? length : size - 1;
+    memcpy( text, bytes, length );
+    text[length] = '\0';
+    free( bytes );
+}
+
+const CliResult* cli_wait( int signal_number )
+{
+    if ( signal_number != 0 )
+        kill( s_child, signal_number );
+    int status;
+    assert_int_equal( waitpid( s_child, &status, 0 ), s_child );
+    s_result.status = WIFEXITED( status ) ? WEXITSTATUS( status ) : 1000 + WTERMSIG( status );
+    slurp( ".out", s_result.out, sizeof s_result.out );
+    slurp( ".err", s_result.err, sizeof s_result.err );
+    return &s_result;
+}
+
+void cli_start( const char* format, ... )
+{
+    va_list arguments;
+    va_start( arguments, format );
+    start( format, arguments );
+    va_end( arguments );
+}
+
+const CliResult* cli_run( const char* format, ... )
+{
+    va_list arguments;
+    va_start( arguments, format );
+    start( format, arguments );
+    va_end( arguments );
+    return cli_wait( 0 );
+}
+
+void cli_expect( const CliResult* result, int status, const char* part )
+{
+    size_t length = strlen( result->err );
+    bool one_line = length > 1 && strchr( result->err, '\n' ) == result->err + length - 1;
+    if ( result->status != status || ( part != NULL && ( strstr( result->err, part ) == NULL || !one_line ) ) )
+        fail_msg( "wanted status %d and the line '%s', got status %d\nout: %s\nerr: %s", status, part != NULL ? part : "",
+                  result->status, result->out, result->err );
+}

@@ -1,0 +1,113 @@
+#include "support/page_checks.h"
+
+#include "support/cli_run.h"
+#include "image/sequence.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+const char* page_path( const char* name )
+{
+    static char path[1024];
+    snprintf( path, sizeof path, "%s/%s", cli_folder(), name );
+    return path;
+}
+
+void page_write_frame( const char* name, int width, int height, float value, const RfExrString* strings, int count )
+{
+    RfImage image;
+    RfError error = { 0 };
+    assert_int_equal( rf_create_image( width, height, &image, &error ), RF_OK );
+    for ( int i = 0; i < 3 * width * height; ++i )
+        image.rgb[i] = value;
+    RfExrOptions options = rf_default_exr_options();
+    options.half = false;
+    options.strings = strings;
+    options.string_count = count;
+    if ( rf_write_exr( page_path( name ), &image, &options, &error ) != RF_OK )
+        fail_msg( "%s", error.text );
+    rf_destroy_image( &image );
+}
+
+void page_write_frames( const char* pattern, int first, int last, float value, float step )
+{
+    char name[256];
+    for ( int frame = first; frame <= last; ++frame )
+    {
+        assert_int_equal( rf_sequence_name( pattern, frame, name, sizeof name, NULL ), RF_OK );
+        page_write_frame( name, 40, 30, value + step * (float)( frame - first ), NULL, 0 );
+    }
+}
+
+void page_make_folder( const char* name ) { cli_expect( cli_run( "mkdir -p '%s'", name ), 0, NULL ); }
+
+int page_count( const char* text, const char* part )
+{
+    int count = 0;
+    for ( const char* at = strstr( text, part ); at != NULL; at = strstr( at + 1, part ) )
+        ++count;
+    return count;
+}
+
+json_t* page_read_data( const char* page, int blocks )
+{
+    static const char begin[] = "<script type=\"application/json\" id=\"data\">";
+    size_t size;
+    char* text = cli_read( page, &size );
+    assert_int_equal( strlen( text ), size );
+    char* data = strstr( text, begin );
+    assert_non_null( data );
+    data += strlen( begin );
+    assert_int_equal( page_count( text, "<script" ), blocks + 2 ); // the data, the script itself
+    assert_int_equal( page_count( text, "</script" ), blocks + 2 );
+    assert_int_equal( page_count( text, "{{" ), 0 );
+    assert_int_equal( page_count( text, "http://" ), 1 ); // the name of SVG
+    assert_int_equal( page_count( text, "https://" ), 0 );
+    *strstr( data, "</script>" ) = '\0';
+    json_error_t reason;
+    json_t* json = json_loads( data, 0, &reason );
+    if ( json == NULL )
+        fail_msg( "%s: %s", page, reason.text );
+    free( text );
+    return json;
+}
+
+const json_t* page_sequence( const json_t* data, size_t index )
+{
+    const json_t* sequence = json_array_get( json_object_get( data, "sequences" ), index );
+    assert_non_null( sequence );
+    return sequence;
+}
+
+const json_t* page_item( const json_t* sequence, const char* key, size_t i )
+{
+    const json_t* value = json_array_get( json_object_get( sequence, key ), i );
+    assert_non_null( value );
+    return value;
+}
+
+void page_check_item( const json_t* sequence, const char* key, size_t i, double wanted )
+{
+    const json_t* value = page_item( sequence, key, i );
+    if ( !json_is_number( value ) || !( fabs( json_number_value( value ) - wanted ) <= 1e-6 * ( 1e-6 + fabs( wanted ) ) ) )
+        fail_msg( "%s %zu: %g, not %g", key, i, json_number_value( value ), wanted );
+}
+
+const char* page_fact( const json_t* sequence, const char* group, const char* label )
+{
+    size_t i;
+    const json_t* row;
+    json_array_foreach( json_object_get( sequence, "facts" ), i, row )
+    {
+        if ( strcmp( json_string_value( json_array_get( row, 0 ) ), group ) == 0 &&
+             strcmp( json_string_value( json_array_get( row, 1 ) ), label ) == 0 )
+            return json_string_value( json_array_get( row, 2 ) );
+    }
+    return NULL;
+}

@@ -1,0 +1,425 @@
+#include "support/reference_tracer.h"
+
+#include "base/random.h"
+#include "bsdf/bsdf.h"
+#include "light/light.h"
+#include "path/wavefront.h"
+
+#include <stdlib.h>
+
+// A surface point, seen along −wo.
+typedef struct Point
+{
+    RfVec3 p, ng, n, wo;
+    RfVec3 coat_n;
+    RfMaterial material; // as it is here
+    bool inside;         // seen from behind
+    float ior;           // relative, for glass
+    RfVec3 emission;
+    float offset;
+    uint32_t light;  // its number, or RF_NO_LIGHT
+    float light_pdf; // of a light sample at the ray's origin choosing this point, once the light is picked
+} Point;
+
+static bool find( const RfTracer* tracer, RfVec3 o, RfVec3 d, Point* out )
+{
+    const float* ro[3] = { &o.x, &o.y, &o.z };
+    const float* rd[3] = { &d.x, &d.y, &d.z };
+    uint32_t triangle;
+    float u, v;
+    rf_trace_nearest( tracer, 1, ro, rd, false, &triangle, &u, &v );
+    if ( triangle == RF_MISS )
+        return false;
+    const RfTriangleRecord* t = rf_tracer_triangles( tracer ) + triangle;
+    out->p = rf_add( t->p0, rf_add( rf_scale( t->e1, u ), rf_scale( t->e2, v ) ) );
+    out->wo = rf_scale( d, -1.0f );
+    float facing = rf_dot( t->ng, out->wo );
+    float side = facing < 0.0f ? -1.0f : 1.0f;
+    out->ng = rf_scale( t->ng, side );
+    RfVec3 n = rf_add( t->n0, rf_add( rf_scale( t->d1, u ), rf_scale( t->d2, v ) ) );
+    float length2 = rf_dot( n, n );
+    n = rf_scale( n, side / sqrtf( length2 ) );
+    out->n = !t->flat && rf_dot( n, out->ng ) > 0.0f && length2 > 1e-12f ? n : out->ng;
+    out->coat_n = out->n;
+    const RfScene* scene = rf_tracer_scene( tracer );
+    const RfMaterial* material = scene->materials + t->material;
+    out->material = *material;
+    if ( material->textured != NULL )
+    {
+        rf_material_at( scene, material, triangle, u, v, &out->material );
+        RfVec3 front = rf_scale( out->n, side );
+        out->n = rf_scale( rf_normal_at( scene, material, triangle, u, v, front, t->ng ), side );
+        out->coat_n = rf_scale( rf_coat_normal_at( scene, material, triangle, u, v, front, t->ng ), side );
+    }
+    out->inside = facing < 0.0f;
+    out->ior = out->material.thin ? -out->material.ior
+                                  : ( out->inside && out->material.ior > 0.0f ? 1.0f / out->material.ior : out->material.ior );
+    out->emission = rf_vec3( 0, 0, 0 );
+    out->offset = t->offset;
+    out->light_pdf = 0.0f;
+    out->light = t->light;
+    if ( t->light != RF_NO_LIGHT )
+    {
+        const RfLight* light = rf_tracer_lights( tracer )->light + t->light;
+        if ( facing > 0.0f || light->two_sided )
+        {
+            RfVec3 way = rf_sub( out->p, o );
+            out->emission = light->textured ? rf_emission_at( scene, material, triangle, u, v ) : light->radiance;
+            out->light_pdf = light->pdf_area * rf_dot( way, way ) / fabsf( facing );
+        }
+    }
+    return true;
+}
+
+static RfBsdfLanes lane_of( const Point* x )
+{
+    const RfMaterial* m = &x->material;
+    return ( RfBsdfLanes ){
+        .n = { &x->n.x, &x->n.y, &x->n.z },
+        .diffuse = { &m->diffuse.x, &m->diffuse.y, &m->diffuse.z },
+        .specular = { &m->specular.x, &m->specular.y, &m->specular.z },
+        .shape = m->kind == RF_BSDF_PHONG ? &m->exponent : &m->alpha,
+        .f90 = &m->f90,
+        .coat_f0 = &m->coat_f0,
+        .coat_f90 = &m->coat_f90,
+        .clearcoat = &m->clearcoat,
+        .clearcoat_alpha = &m->clearcoat_alpha,
+        .clearcoat_n = { &x->coat_n.x, &x->coat_n.y, &x->coat_n.z },
+        .tint = { &m->tint.x, &m->tint.y, &m->tint.z },
+        .ior = &x->ior,
+    };
+}
+
+static bool is_native( const Point* x ) { return x->material.kind == RF_BSDF_GLASS; }
+
+static RfVec3 evaluate( const Point* x, RfVec3 wi, float* pdf )
+{
+    RfBsdfLanes lane = lane_of( x );
+    const float* wo[3] = { &x->wo.x, &x->wo.y, &x->wo.z };
+    const float* in[3] = { &wi.x, &wi.y, &wi.z };
+    RfVec3 f;
+    float* out[3] = { &f.x, &f.y, &f.z };
+    rf_bsdf_evaluate( x->material.kind, 1, &lane, wo, in, out, pdf );
+    return f;
+}
+
+// Where a path goes on from a point: direction, f |cos| / density, density,
+// and where the ray starts; side 0 where it ends.
+typedef struct Onward
+{
+    RfVec3 wi, weight, f;
+    float pdf, cos_x, side;
+} Onward;
+
+static Onward scatter( const Point* x, RfRandomKey key, uint32_t dimension )
+{
+    RfBsdfLanes lane = lane_of( x );
+    float random[3];
+    for ( uint32_t k = 0; k < 3; ++k )
+        random[k] = rf_random( key, dimension + k );
+    const float* wo[3] = { &x->wo.x, &x->wo.y, &x->wo.z };
+    const float* u[3] = { random, random + 1, random + 2 };
+    Onward out = { 0 };
+    float* wi[3] = { &out.wi.x, &out.wi.y, &out.wi.z };
+    float* weight[3] = { &out.weight.x, &out.weight.y, &out.weight.z };
+    if ( is_native( x ) )
+    {
+        rf_glass_sample( 1, &lane, wo, u, wi, weight, &out.pdf );
+        float cos_g = rf_dot( x->ng, out.wi );
+        out.cos_x = rf_dot( x->n, out.wi );
+        out.side = out.cos_x * cos_g <= 0.0f || rf_max_component( out.weight ) == 0.0f ? 0.0f : ( cos_g > 0.0f ? 1.0f : -1.0f );
+        return out;
+    }
+    rf_bsdf_sample( x->material.kind, 1, &lane, wo, u, wi );
+    out.f = evaluate( x, out.wi, &out.pdf );
+    out.cos_x = rf_dot( x->n, out.wi );
+    out.side = out.cos_x > 0.0f && rf_dot( x->ng, out.wi ) > 0.0f && out.pdf > 0.0f ? 1.0f : 0.0f;
+    return out;
+}
+
+static RfVec3 start_of( const Point* x, const Onward* onward ) { return rf_madd( x->p, x->ng, onward->side * x->offset ); }
+
+// A ray, and the normal where it started: what lights were picked by there.
+typedef struct Ray
+{
+    RfVec3 o, d, n;
+} Ray;
+
+static float chance_at_origin( const RfTracer* tracer, const ReferenceSettings* s, const Ray* ray, uint32_t light )
+{
+    return rf_light_probability( rf_tracer_lights( tracer ), s->light_sampling, light, ray->o, ray->n );
+}
+
+static RfVec3 sky_along( const RfTracer* tracer, const ReferenceSettings* s, const Ray* ray, float* light_pdf )
+{
+    const RfLights* lights = rf_tracer_lights( tracer );
+    *light_pdf = 0.0f;
+    if ( lights->sky.environment == NULL )
+        return rf_vec3( 0, 0, 0 );
+    *light_pdf = rf_sky_pdf_solid_angle( &lights->sky, ray->d ) * chance_at_origin( tracer, s, ray, rf_sky_number( lights ) );
+    return rf_sky_radiance( &lights->sky, ray->d );
+}
+
+static float part_open( const RfTracer* tracer, RfVec3 from, RfVec3 segment )
+{
+    const float* o[3] = { &from.x, &from.y, &from.z };
+    const float* d[3] = { &segment.x, &segment.y, &segment.z };
+    float visible;
+    rf_trace_segments( tracer, 1, o, d, &visible );
+    return visible;
+}
+
+// A sample of a light without size, or of the sky.
+static RfVec3 sample_other_light( const RfTracer* tracer, const Point* x, RfLightSelection pick, RfRandomKey key,
+                                  uint32_t dimension, RfVec3* wi, float* pdf )
+{
+    const RfLights* lights = rf_tracer_lights( tracer );
+    RfVec3 from = rf_madd( x->p, x->ng, x->offset ), radiance;
+    float distance = 2.0f * ( rf_length( rf_sub( from, lights->center ) ) + lights->radius );
+    int k = (int)( pick.light - lights->triangle_count );
+    if ( k == lights->punctual_count )
+    {
+        uint32_t bits[2] = { rf_random_bits( key, ( dimension + 1 ) | RF_DIMENSION_TWIN ),
+                             rf_random_bits( key, ( dimension + 2 ) | RF_DIMENSION_TWIN ) };
+        float place[2] = { rf_random( key, dimension + 1 ), rf_random( key, dimension + 2 ) };
+        RfSkySample sky = rf_sample_sky( &lights->sky, bits, place );
+        *wi = sky.wi;
+        *pdf = sky.pdf_solid_angle * pick.chance;
+        radiance = sky.radiance;
+    }
+    else
+    {
+        const RfPunctual* p = lights->punctual + k;
+        *pdf = pick.chance * RF_DELTA_PDF;
+        if ( p->kind == RF_PUNCTUAL_DIRECTIONAL )
+        {
+            *wi = rf_scale( p->direction, -1.0f );
+            radiance = rf_scale( p->intensity, RF_DELTA_PDF );
+        }
+        else
+        {
+            RfVec3 way = rf_sub( p->position, from );
+            float d2 = rf_dot( way, way );
+            distance = sqrtf( d2 );
+            *wi = rf_scale( way, 1.0f / distance );
+            float t = ( -rf_dot( p->direction, *wi ) - p->cos_outer ) / ( p->cos_inner - p->cos_outer );
+            t = t < 0.0f ? 0.0f : ( t > 1.0f ? 1.0f : t );
+            float cone = p->kind == RF_PUNCTUAL_SPOT ? t * t : 1.0f;
+            float r2 = d2 / ( p->range * p->range ), window = 1.0f - r2 * r2 > 0.0f ? 1.0f - r2 * r2 : 0.0f;
+            radiance = rf_scale( p->intensity, cone * window / d2 * RF_DELTA_PDF );
+        }
+    }
+    float cos_x = rf_dot( x->n, *wi );
+    if ( !( cos_x > 0.0f && rf_dot( x->ng, *wi ) > 0.0f && *pdf > 0.0f ) || rf_max_component( radiance ) == 0.0f )
+        return rf_vec3( 0, 0, 0 );
+    return rf_scale( rf_scale( radiance, cos_x ), part_open( tracer, from, rf_scale( *wi, distance ) ) );
+}
+
+// A light sample at x: direction, density, and what arrives, times the cosine.
+static RfVec3 sample_light( const RfTracer* tracer, const ReferenceSettings* s, const Point* x, RfRandomKey key,
+                            uint32_t dimension, RfVec3* wi, float* pdf )
+{
+    RfVec3 black = rf_vec3( 0, 0, 0 );
+    const RfLights* lights = rf_tracer_lights( tracer );
+    if ( lights->count == 0 )
+        return black;
+    RfVec3 from = rf_madd( x->p, x->ng, x->offset );
+    uint32_t bits[2] = { rf_random_bits( key, dimension ), rf_random_bits( key, dimension | RF_DIMENSION_TWIN ) };
+    RfLightSelection pick = rf_select_light( lights, s->light_sampling, from, x->n, bits );
+    if ( pick.light == RF_NO_LIGHT )
+        return black;
+    if ( pick.light >= lights->triangle_count )
+        return sample_other_light( tracer, x, pick, key, dimension, wi, pdf );
+    const RfLight* light = lights->light + pick.light;
+    float root = sqrtf( rf_random( key, dimension + 1 ) );
+    float b1 = 1.0f - root, b2 = rf_random( key, dimension + 2 ) * root;
+    RfVec3 z = rf_add( light->p0, rf_add( rf_scale( light->e1, b1 ), rf_scale( light->e2, b2 ) ) );
+    RfVec3 way = rf_sub( z, from );
+    float d2 = rf_dot( way, way );
+    *wi = rf_scale( way, 1.0f / sqrtf( d2 ) );
+    float facing = -rf_dot( light->normal, *wi );
+    float cos_light = light->two_sided ? fabsf( facing ) : facing;
+    float cos_x = rf_dot( x->n, *wi );
+    *pdf = light->pdf_area * pick.chance * d2 / cos_light;
+    if ( !( cos_x > 0.0f && rf_dot( x->ng, *wi ) > 0.0f && cos_light > 0.0f && *pdf < 1e30f ) )
+        return black;
+    RfVec3 to = rf_madd( z, light->normal, facing < 0.0f ? -light->offset : light->offset );
+    RfVec3 radiance = rf_light_radiance( rf_tracer_scene( tracer ), light, b1, b2 );
+    if ( rf_max_component( radiance ) == 0.0f )
+        return black;
+    return rf_scale( rf_scale( radiance, cos_x ), part_open( tracer, from, rf_sub( to, from ) ) );
+}
+
+// Light that leaves x towards wo by the light samples.
+static RfVec3 direct( const RfTracer* tracer, const ReferenceSettings* s, const Point* x, RfRandomKey key, int vertex,
+                      RfVec3 throughput, RfVec3 sum )
+{
+    int k = s->light_samples;
+    for ( int j = 0; j < k; ++j )
+    {
+        uint32_t dimension = rf_vertex_dimension( vertex, k ) + RF_DIMENSION_LIGHTS + 3u * (uint32_t)j;
+        RfVec3 wi = { 0 };
+        float pdf_light = 1.0f, pdf;
+        RfVec3 arriving = sample_light( tracer, s, x, key, dimension, &wi, &pdf_light );
+        if ( rf_max_component( arriving ) == 0.0f )
+            continue;
+        RfVec3 f = evaluate( x, wi, &pdf );
+        float scale = 1.0f / ( (float)k * pdf_light + pdf );
+        sum = rf_add( sum, rf_scale( rf_mul( rf_mul( throughput, f ), arriving ), scale ) );
+    }
+    return sum;
+}
+
+// Light that arrives along a ray: emitted by the first point it finds, and the
+// rest.
+typedef struct Arriving
+{
+    RfVec3 emitted, rest;
+    float light_pdf;
+} Arriving;
+
+// Of the light from x to o, which is inside of the body if x is seen from there.
+static RfVec3 part_left( const Point* x, RfVec3 o )
+{
+    if ( is_native( x ) && x->inside && !x->material.thin && rf_max_component( x->material.absorption ) > 0.0f )
+        return rf_transmittance( x->material.absorption, rf_length( rf_sub( x->p, o ) ) );
+    return rf_vec3( 1, 1, 1 );
+}
+
+// What a ray meets at its end: a surface, or the sky.
+static bool meet( const RfTracer* tracer, const ReferenceSettings* s, const Ray* ray, Point* x, RfVec3* throughput, RfVec3* light,
+                  float* light_pdf )
+{
+    if ( !find( tracer, ray->o, ray->d, x ) )
+    {
+        *light = sky_along( tracer, s, ray, light_pdf );
+        return false;
+    }
+    *light = x->emission;
+    *light_pdf = x->light_pdf > 0.0f ? x->light_pdf * chance_at_origin( tracer, s, ray, x->light ) : 0.0f;
+    *throughput = rf_mul( *throughput, part_left( x, ray->o ) );
+    return true;
+}
+
+static Arriving arriving_light( const RfTracer* tracer, const ReferenceSettings* s, RfRandomKey key, Ray ray, RfVec3 throughput,
+                                float roulette_scale )
+{
+    Arriving result = { { 0, 0, 0 }, { 0, 0, 0 }, 0.0f };
+    float pdf_scatter = 0.0f;
+    for ( int vertex = 2; vertex <= s->max_depth; ++vertex )
+    {
+        Point x;
+        RfVec3 light;
+        float light_pdf;
+        bool surface = meet( tracer, s, &ray, &x, &throughput, &light, &light_pdf );
+        if ( vertex == 2 )
+        {
+            result.emitted = rf_mul( throughput, light );
+            result.light_pdf = light_pdf;
+        }
+        else
+        {
+            float weight = pdf_scatter / ( pdf_scatter + (float)s->light_samples * light_pdf );
+            result.rest = rf_add( result.rest, rf_scale( rf_mul( throughput, light ), weight ) );
+        }
+        if ( !surface || vertex == s->max_depth )
+            break;
+        result.rest = direct( tracer, s, &x, key, vertex, throughput, result.rest );
+        uint32_t dimension = rf_vertex_dimension( vertex, s->light_samples );
+        Onward onward = scatter( &x, key, dimension + RF_DIMENSION_SCATTER );
+        pdf_scatter = onward.pdf;
+        throughput = is_native( &x ) ? rf_mul( throughput, onward.weight )
+                                     : rf_scale( rf_mul( throughput, onward.f ), onward.cos_x / onward.pdf );
+        float q = vertex < 3 ? 1.0f : rf_minf( rf_max_component( throughput ) * roulette_scale, 1.0f );
+        if ( !( onward.side != 0.0f && rf_random( key, dimension + RF_DIMENSION_ROULETTE ) < q ) )
+            break;
+        throughput = rf_vec3( throughput.x / q, throughput.y / q, throughput.z / q );
+        ray = ( Ray ){ start_of( &x, &onward ), onward.wi, x.n };
+    }
+    return result;
+}
+
+static RfVec3 scattered_light( const RfTracer* tracer, const ReferenceSettings* s, RfRandomKey key, const Point* x )
+{
+    Onward onward = scatter( x, key, rf_vertex_dimension( 1, s->light_samples ) + RF_DIMENSION_SCATTER );
+    if ( onward.side == 0.0f )
+        return rf_vec3( 0, 0, 0 );
+    Ray ray = { start_of( x, &onward ), onward.wi, x->n };
+    float k = (float)s->light_samples;
+    if ( is_native( x ) )
+    {
+        Arriving in = arriving_light( tracer, s, key, ray, onward.weight, 1.0f );
+        return rf_add( rf_scale( in.emitted, onward.pdf / ( onward.pdf + k * in.light_pdf ) ), in.rest );
+    }
+    float roulette_scale = rf_maxf( rf_max_component( onward.f ) * onward.cos_x / onward.pdf, 0.1f );
+    Arriving in = arriving_light( tracer, s, key, ray, rf_vec3( 1, 1, 1 ), roulette_scale );
+    RfVec3 emitted = rf_scale( rf_scale( in.emitted, onward.cos_x ), 1.0f / ( k * in.light_pdf + onward.pdf ) );
+    return rf_mul( onward.f, rf_add( emitted, rf_scale( rf_scale( in.rest, onward.cos_x ), 1.0f / onward.pdf ) ) );
+}
+
+static RfVec3 first_ray( const RfEye* eye, RfRandomKey key, int x, int y )
+{
+    float inverse_focal = 1.0f / eye->focal;
+    float fx = ( (float)x + rf_random( key, RF_DIMENSION_FILM_X ) - 0.5f * (float)eye->width ) * inverse_focal;
+    float fy = ( 0.5f * (float)eye->height - (float)y - rf_random( key, RF_DIMENSION_FILM_Y ) ) * inverse_focal;
+    RfVec3 d = rf_madd( rf_madd( eye->forward, eye->right, fx ), eye->up, fy );
+    return rf_scale( d, 1.0f / sqrtf( rf_dot( d, d ) ) );
+}
+
+// Light that leaves a point that the camera sees.
+static RfVec3 seen_light( const RfTracer* tracer, const ReferenceSettings* s, RfRandomKey key, const Point* hit );
+
+RfVec3 reference_sample( const RfTracer* tracer, const RfEye* eye, const ReferenceSettings* s, int pass, int x, int y )
+{
+    uint64_t pass_key = rf_pass_key( s->seed, (uint32_t)s->frame, (uint32_t)s->frame, (uint32_t)pass );
+    RfRandomKey key = rf_pixel_key( pass_key, (uint32_t)( y * eye->width + x ) );
+    Point hit;
+    Ray ray = { eye->origin, first_ray( eye, key, x, y ), rf_vec3( 0, 0, 0 ) };
+    if ( !find( tracer, ray.o, ray.d, &hit ) )
+    {
+        float pdf;
+        bool hidden = rf_tracer_scene( tracer )->environment.hidden;
+        return hidden ? rf_vec3( 0, 0, 0 ) : sky_along( tracer, s, &ray, &pdf );
+    }
+    RfVec3 sum = seen_light( tracer, s, key, &hit );
+    return rf_mul( sum, part_left( &hit, eye->origin ) );
+}
+
+static RfVec3 seen_light( const RfTracer* tracer, const ReferenceSettings* s, RfRandomKey key, const Point* hit )
+{
+    RfVec3 sum = hit->emission;
+    if ( s->max_depth == 1 )
+        return sum;
+    for ( int j = 0; j < s->light_samples; ++j )
+    {
+        uint32_t dimension = rf_vertex_dimension( 1, s->light_samples ) + RF_DIMENSION_LIGHTS + 3u * (uint32_t)j;
+        RfVec3 wi = { 0 };
+        float pdf_light = 1.0f, pdf;
+        RfVec3 arriving = sample_light( tracer, s, hit, key, dimension, &wi, &pdf_light );
+        RfVec3 f = evaluate( hit, wi, &pdf );
+        sum = rf_add( sum, rf_mul( f, rf_scale( arriving, 1.0f / ( (float)s->light_samples * pdf_light + pdf ) ) ) );
+    }
+    return rf_add( sum, scattered_light( tracer, s, key, hit ) );
+}
+
+void reference_image( const RfTracer* tracer, const RfEye* eye, const ReferenceSettings* s, float* rgb )
+{
+    for ( int y = 0; y < eye->height; ++y )
+    {
+        for ( int x = 0; x < eye->width; ++x )
+        {
+            float half[2][3] = { { 0 } };
+            for ( int pass = 0; pass < s->spp; ++pass )
+            {
+                RfVec3 value = reference_sample( tracer, eye, s, pass, x, y );
+                float* sum = half[( s->frame * s->spp + pass ) & 1];
+                sum[0] += value.x;
+                sum[1] += value.y;
+                sum[2] += value.z;
+            }
+            float* out = rgb + 3 * ( (size_t)y * (size_t)eye->width + (size_t)x );
+            for ( int c = 0; c < 3; ++c )
+                out[c] = (float)( ( (double)half[0][c] + (double)half[1][c] ) / s->spp );
+        }
+    }
+}

@@ -1,0 +1,120 @@
+#include "support/statistics.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+// Regularised incomplete beta function by Lentz' continued fraction
+// (Abramowitz & Stegun 26.5.8); x below the mean (a+1)/(a+b+2).
+static double beta_fraction( double a, double b, double x )
+{
+    double c = 1.0, d = 1.0 - ( a + b ) * x / ( a + 1.0 );
+    d = 1.0 / ( fabs( d ) > 1e-300 ? d : 1e-300 );
+    double h = d;
+    for ( int m = 1; m < 500; ++m )
+    {
+        double even = m * ( b - m ) * x / ( ( a + 2 * m - 1 ) * ( a + 2 * m ) );
+        double odd = -( a + m ) * ( a + b + m ) * x / ( ( a + 2 * m ) * ( a + 2 * m + 1 ) );
+        for ( int k = 0; k < 2; ++k )
+        {
+            double term = k == 0 ? even : odd;
+            d = 1.0 + term * d;
+            c = 1.0 + term / c;
+            d = 1.0 / ( fabs( d ) > 1e-300 ? d : 1e-300 );
+            c = fabs( c ) > 1e-300 ? c : 1e-300;
+            h *= c * d;
+        }
+        if ( fabs( c * d - 1.0 ) < 1e-14 )
+            break;
+    }
+    return h;
+}
+
+static double incomplete_beta( double a, double b, double x )
+{
+    if ( x <= 0.0 || x >= 1.0 )
+        return x <= 0.0 ? 0.0 : 1.0;
+    double front = exp( lgamma( a + b ) - lgamma( a ) - lgamma( b ) + a * log( x ) + b * log1p( -x ) );
+    if ( x < ( a + 1.0 ) / ( a + b + 2.0 ) )
+        return front * beta_fraction( a, b, x ) / a;
+    return 1.0 - front * beta_fraction( b, a, 1.0 - x ) / b;
+}
+
+double student_p( double t, double df ) { return incomplete_beta( 0.5 * df, 0.5, df / ( df + t * t ) ); }
+
+bool is_far_off( double t, double df ) { return !( student_p( t, df ) > 6.3e-5 ); }
+
+double mean_of( const double* values, int count, double* standard_error )
+{
+    double mean = 0.0, square = 0.0;
+    for ( int i = 0; i < count; ++i )
+        mean += values[i] / count;
+    for ( int i = 0; i < count; ++i )
+        square += ( values[i] - mean ) * ( values[i] - mean );
+    if ( standard_error != NULL )
+        *standard_error = count > 1 ? sqrt( square / ( count - 1 ) / count ) : INFINITY;
+    return mean;
+}
+
+double welch_p( const double* a, int count_a, const double* b, int count_b )
+{
+    double ea, eb, ma = mean_of( a, count_a, &ea ), mb = mean_of( b, count_b, &eb );
+    double va = ea * ea, vb = eb * eb;
+    if ( va + vb == 0.0 )
+        return ma == mb ? 1.0 : 0.0;
+    double df = ( va + vb ) * ( va + vb ) / ( va * va / ( count_a - 1 ) + vb * vb / ( count_b - 1 ) );
+    return student_p( ( ma - mb ) / sqrt( va + vb ), df );
+}
+
+static int compare_doubles( const void* a, const void* b )
+{
+    double x = *(const double*)a, y = *(const double*)b;
+    return ( x > y ) - ( x < y );
+}
+
+double uniform_p( double* values, int count )
+{
+    qsort( values, (size_t)count, sizeof *values, compare_doubles );
+    double distance = 0.0;
+    for ( int i = 0; i < count; ++i )
+    {
+        distance = fmax( distance, fmax( values[i] - (double)i / count, (double)( i + 1 ) / count - values[i] ) );
+    }
+    // Kolmogorov's series, with Stephens' correction for small counts
+    double root = sqrt( (double)count ), lambda = ( root + 0.12 + 0.11 / root ) * distance, sum = 0.0;
+    if ( lambda < 0.2 )
+        return 1.0;
+    for ( int k = 1; k <= 100; ++k )
+        sum += ( k % 2 == 1 ? 2.0 : -2.0 ) * exp( -2.0 * k * k * lambda * lambda );
+    return fmin( fmax( sum, 0.0 ), 1.0 );
+}
+
+double chi_square_p( double chi_square, double df )
+{
+    // upper incomplete gamma Q(a, x): series below a + 1, continued fraction above
+    double a = 0.5 * df, x = 0.5 * chi_square;
+    if ( x <= 0.0 )
+        return 1.0;
+    double front = exp( a * log( x ) - x - lgamma( a ) );
+    if ( x < a + 1.0 )
+    {
+        double term = 1.0 / a, sum = term;
+        for ( int n = 1; n < 10000 && term > 1e-15 * sum; ++n )
+        {
+            term *= x / ( a + n );
+            sum += term;
+        }
+        return 1.0 - front * sum;
+    }
+    double b = x + 1.0 - a, c = 1e300, d = 1.0 / b, h = d;
+    for ( int n = 1; n < 10000; ++n )
+    {
+        double an = -n * ( n - a );
+        b += 2.0;
+        d = 1.0 / ( an * d + b );
+        c = b + an / c;
+        h *= c * d;
+        if ( fabs( c * d - 1.0 ) < 1e-14 )
+            break;
+    }
+    return front * h;
+}

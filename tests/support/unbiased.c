@@ -1,0 +1,136 @@
+#include "support/unbiased.h"
+
+#include "support/reference_tracer.h"
+#include "support/statistics.h"
+
+#include <math.h>
+#include <omp.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#define REFERENCE_SEED 1000003 // far from the seeds of the renders
+
+static float* alloc_image( const RfEye* eye )
+{
+    float* rgb = malloc( 3 * (size_t)eye->width * (size_t)eye->height * sizeof( float ) );
+    if ( rgb == NULL )
+        abort();
+    return rgb;
+}
+
+Images reference_images( const RfTracer* tracer, const RfEye* eyes, int frame, int spp, const RfRenderSettings* settings )
+{
+    Images images = { .width = eyes->width, .height = eyes->height, .count = SEEDS };
+    for ( int k = 0; k < SEEDS; ++k )
+        images.rgb[k] = alloc_image( eyes );
+#pragma omp parallel for schedule( dynamic, 1 )
+    for ( int k = 0; k < SEEDS; ++k )
+    {
+        ReferenceSettings plain = { spp,   settings->max_depth,     settings->light_samples, (uint64_t)( REFERENCE_SEED + k ),
+                                    frame, settings->light_sampling };
+        reference_image( tracer, eyes + frame, &plain, images.rgb[k] );
+    }
+    return images;
+}
+
+Images rendered_images( const RfTracer* tracer, const RfEye* eyes, int eye_count, int frame, RfRenderSettings settings )
+{
+    Images images = { .width = eyes->width, .height = eyes->height, .count = SEEDS };
+    for ( int k = 0; k < SEEDS; ++k )
+    {
+        settings.seed = (uint64_t)( k + 1 );
+        Rendered rendered = render_frames( tracer, eyes, eye_count, &frame, 1, &settings );
+        images.rgb[k] = alloc_image( eyes );
+        memcpy( images.rgb[k], rendered.rgb, 3 * rendered.pixels * sizeof( float ) );
+        free_rendered( &rendered );
+    }
+    return images;
+}
+
+void free_images( Images* images )
+{
+    for ( int k = 0; k < images->count; ++k )
+        free( images->rgb[k] );
+    *images = ( Images ){ 0 };
+}
+
+static double block_mean( const Images* images, int k, int x0, int y0, int x1, int y1 )
+{
+    double sum = 0.0;
+    for ( int y = y0; y < y1; ++y )
+    {
+        for ( int x = x0; x < x1; ++x )
+        {
+            const float* p = images->rgb[k] + 3 * ( (size_t)y * (size_t)images->width + (size_t)x );
+            sum += 0.2126 * (double)p[0] + 0.7152 * (double)p[1] + 0.0722 * (double)p[2];
+        }
+    }
+    return sum / ( ( x1 - x0 ) * ( y1 - y0 ) );
+}
+
+// Both samples are one number but for the rounding of film sums (n·2⁻²⁵ after n
+// passes): sky, black. Nothing is left to a test, and its p would be no draw.
+static bool are_constant( const double* a, int count_a, const double* b, int count_b )
+{
+    double low = a[0], high = a[0];
+    for ( int k = 0; k < count_a + count_b; ++k )
+    {
+        double v = k < count_a ? a[k] : b[k - count_a];
+        low = v < low ? v : low;
+        high = v > high ? v : high;
+    }
+    return high - low <= 3e-5 * fabs( high );
+}
+
+// −1 where there is nothing to test.
+static double block_p( const Images* a, const Images* b, int x0, int y0, int x1, int y1 )
+{
+    double va[SEEDS] = { 0 }, vb[SEEDS] = { 0 };
+    for ( int k = 0; k < a->count; ++k )
+        va[k] = block_mean( a, k, x0, y0, x1, y1 );
+    for ( int k = 0; k < b->count; ++k )
+        vb[k] = block_mean( b, k, x0, y0, x1, y1 );
+    return are_constant( va, a->count, vb, b->count ) ? -1.0 : welch_p( va, a->count, vb, b->count );
+}
+
+Verdict compare_images( const Images* a, const Images* b, int block )
+{
+    int across = ( a->width + block - 1 ) / block, down = ( a->height + block - 1 ) / block, count = across * down;
+    int tested = 0;
+    double* p = malloc( (size_t)count * sizeof *p );
+    if ( p == NULL )
+        abort();
+    for ( int i = 0; i < count; ++i )
+    {
+        int x0 = i % across * block, y0 = i / across * block;
+        int x1 = x0 + block < a->width ? x0 + block : a->width, y1 = y0 + block < a->height ? y0 + block : a->height;
+        p[tested] = block_p( a, b, x0, y0, x1, y1 );
+        tested += p[tested] >= 0.0;
+    }
+    Verdict v = { .whole_p = block_p( a, b, 0, 0, a->width, a->height ) };
+    if ( tested == 0 )
+        abort();                          // a test of nothing
+    v.uniform_p = uniform_p( p, tested ); // sorts
+    v.smallest_p = 1.0 - pow( 1.0 - p[0], tested );
+    free( p );
+    return v;
+}
+
+#define SIGNIFICANCE 1e-4
+
+void assert_unbiased( const char* what, const Images* rendered, const Images* reference, int block )
+{
+    Verdict b = compare_images( rendered, reference, block ), p = compare_images( rendered, reference, 1 );
+    printf( "%-34s whole p %.3g, per block smallest p %.3g, uniform p %.3g; per pixel smallest p %.3g\n", what, b.whole_p,
+            b.smallest_p, b.uniform_p, p.smallest_p );
+    assert_true( b.whole_p > SIGNIFICANCE );
+    assert_true( b.smallest_p > SIGNIFICANCE );
+    assert_true( b.uniform_p > SIGNIFICANCE );
+    assert_true( p.smallest_p > SIGNIFICANCE );
+}

@@ -1,0 +1,40 @@
+// Is an estimator unbiased? Welch tests per block and per pixel between
+// independent renders and independent references (estimators.md section 9).
+#ifndef REFRAME_TESTS_UNBIASED_H
+#define REFRAME_TESTS_UNBIASED_H
+
+#include "support/render_support.h"
+
+#define SEEDS 16
+
+typedef struct Images
+{
+    int width, height;
+    int count;         // of images
+    float* rgb[SEEDS]; // one per seed
+} Images;
+
+// `frame` of the path by the plain path tracer of the tests, one image per
+// seed, from seeds that no render uses.
+Images reference_images( const RfTracer* tracer, const RfEye* eyes, int frame, int spp, const RfRenderSettings* settings );
+// `frame` by the renderer, seeds 1 to SEEDS.
+Images rendered_images( const RfTracer* tracer, const RfEye* eyes, int eye_count, int frame, RfRenderSettings settings );
+void free_images( Images* images );
+
+typedef struct Verdict
+{
+    double whole_p;    // of the image means
+    double smallest_p; // of all blocks, times their number (Šidák)
+    double uniform_p;  // that the p-values of the blocks are uniform
+} Verdict;
+
+// Compares luminance in blocks of block × block pixels.
+Verdict compare_images( const Images* a, const Images* b, int block );
+
+// Fails unless the means agree: of the images, of blocks of block × block
+// pixels and of pixels; prints the p-values under a name. A run of a program
+// makes some 30 of these with 4 p-values each; at the level of 1e-4 one in a
+// hundred runs with fresh seeds would fail by chance.
+void assert_unbiased( const char* what, const Images* rendered, const Images* reference, int block );
+
+#endif
