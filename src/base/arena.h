@@ -5,7 +5,7 @@
 #ifndef REFRAME_BASE_ARENA_H
 #define REFRAME_BASE_ARENA_H
 
-#include "base/error.h"
+#include "reframe/error.h"
 
 #include <stddef.h>
 

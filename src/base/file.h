@@ -2,7 +2,7 @@
 #ifndef REFRAME_BASE_FILE_H
 #define REFRAME_BASE_FILE_H
 
-#include "base/error.h"
+#include "reframe/error.h"
 
 #include <stddef.h>
 #include <stdint.h>

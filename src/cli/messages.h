@@ -3,7 +3,7 @@
 #ifndef REFRAME_CLI_MESSAGES_H
 #define REFRAME_CLI_MESSAGES_H
 
-#include "base/error.h"
+#include "reframe/error.h"
 
 #include <jansson.h>
 

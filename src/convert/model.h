@@ -4,7 +4,7 @@
 #ifndef REFRAME_CONVERT_MODEL_H
 #define REFRAME_CONVERT_MODEL_H
 
-#include "base/error.h"
+#include "reframe/error.h"
 #include "math/mat4.h"
 
 #include <stdbool.h>

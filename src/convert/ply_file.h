@@ -2,7 +2,7 @@
 #ifndef REFRAME_CONVERT_PLY_FILE_H
 #define REFRAME_CONVERT_PLY_FILE_H
 
-#include "base/error.h"
+#include "reframe/error.h"
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -5,7 +5,7 @@
 #ifndef REFRAME_FILM_AOV_H
 #define REFRAME_FILM_AOV_H
 
-#include "base/error.h"
+#include "reframe/error.h"
 
 #include <stdbool.h>
 

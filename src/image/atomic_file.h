@@ -4,7 +4,7 @@
 #ifndef REFRAME_IMAGE_ATOMIC_FILE_H
 #define REFRAME_IMAGE_ATOMIC_FILE_H
 
-#include "base/error.h"
+#include "reframe/error.h"
 
 #include <stddef.h>
 

@@ -4,7 +4,7 @@
 #ifndef REFRAME_IMAGE_DECODE_H
 #define REFRAME_IMAGE_DECODE_H
 
-#include "base/error.h"
+#include "reframe/error.h"
 
 #include <stdbool.h>
 #include <stddef.h>

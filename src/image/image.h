@@ -3,7 +3,7 @@
 #ifndef REFRAME_IMAGE_IMAGE_H
 #define REFRAME_IMAGE_IMAGE_H
 
-#include "base/error.h"
+#include "reframe/error.h"
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -2,7 +2,7 @@
 #ifndef REFRAME_IMAGE_JPEG_H
 #define REFRAME_IMAGE_JPEG_H
 
-#include "base/error.h"
+#include "reframe/error.h"
 
 #include <stddef.h>
 

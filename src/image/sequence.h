@@ -3,7 +3,7 @@
 #ifndef REFRAME_IMAGE_SEQUENCE_H
 #define REFRAME_IMAGE_SEQUENCE_H
 
-#include "base/error.h"
+#include "reframe/error.h"
 
 #include <stdbool.h>
 #include <stddef.h>

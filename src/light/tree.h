@@ -8,7 +8,7 @@
 #ifndef REFRAME_LIGHT_TREE_H
 #define REFRAME_LIGHT_TREE_H
 
-#include "base/error.h"
+#include "reframe/error.h"
 #include "math/vec3.h"
 
 #include <stdbool.h>

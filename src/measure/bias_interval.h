@@ -16,7 +16,7 @@
 #ifndef REFRAME_MEASURE_BIAS_INTERVAL_H
 #define REFRAME_MEASURE_BIAS_INTERVAL_H
 
-#include "base/error.h"
+#include "reframe/error.h"
 
 #define RF_BLOCK_SIDE 16    // pixels of the smallest blocks; those at the right and the lower border may be cut
 #define RF_FEWEST_BLOCKS 16 // of larger ones

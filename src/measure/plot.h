@@ -4,7 +4,7 @@
 #ifndef REFRAME_MEASURE_PLOT_H
 #define REFRAME_MEASURE_PLOT_H
 
-#include "base/error.h"
+#include "reframe/error.h"
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -22,7 +22,7 @@
 #ifndef REFRAME_MEASURE_TRIAL_H
 #define REFRAME_MEASURE_TRIAL_H
 
-#include "render/render.h"
+#include "reframe/render.h"
 
 // Return false to stop: RF_ERROR_INTERRUPTED.
 typedef bool RfTrialGoOn( void* user );

@@ -1,7 +1,7 @@
 // The rows of a tuning: what there is to try, what it takes, what it came to.
 #include "measure/tune_internal.h"
 #include "render/groups.h"
-#include "render/plan.h"
+#include "reframe/plan.h"
 
 #include <math.h>
 

@@ -5,7 +5,7 @@
 #ifndef REFRAME_RENDER_FRAME_QUEUE_H
 #define REFRAME_RENDER_FRAME_QUEUE_H
 
-#include "render/render.h"
+#include "reframe/render.h"
 
 #include <pthread.h>
 

@@ -2,7 +2,7 @@
 #ifndef REFRAME_RENDER_PLAN_INTERNAL_H
 #define REFRAME_RENDER_PLAN_INTERNAL_H
 
-#include "render/plan.h"
+#include "reframe/plan.h"
 #include "render/render_internal.h"
 
 // Some hits of the path, harvested by the render's own phase, one batch at a time.

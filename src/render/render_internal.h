@@ -8,7 +8,7 @@
 #include "render/groups.h"
 #include "reuse/harvest.h"
 #include "film/aov_film.h"
-#include "render/render.h"
+#include "reframe/render.h"
 #include "render/stop_rule.h"
 
 // A film in use, of one frame of the path.

@@ -5,7 +5,7 @@
 
 #include "film/film.h"
 #include "reuse/records.h"
-#include "render/render.h"
+#include "reframe/render.h"
 
 // Rows [first_row, end_row) of the film of one eye of the window.
 typedef struct RfAccumulateJob

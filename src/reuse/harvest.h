@@ -6,7 +6,7 @@
 
 #include "path/wavefront.h"
 #include "reuse/records.h"
-#include "render/render.h"
+#include "reframe/render.h"
 #include "reuse/tile.h"
 
 // What all batches of a window share.

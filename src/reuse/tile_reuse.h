@@ -14,7 +14,7 @@
 #define REFRAME_REUSE_TILE_REUSE_H
 
 #include "path/wavefront.h"
-#include "render/render.h"
+#include "reframe/render.h"
 
 // One turn.
 typedef struct RfPairingLanes

@@ -4,7 +4,7 @@
 #ifndef REFRAME_SCENE_SCENE_H
 #define REFRAME_SCENE_SCENE_H
 
-#include "base/error.h"
+#include "reframe/error.h"
 #include "math/mat4.h"
 #include "math/vec3.h"
 #include "scene/texture.h"

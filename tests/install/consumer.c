@@ -1,6 +1,6 @@
 // Renders the first frame of a scene's first camera: consumer SCENE.glb OUT.exr
 #include "image/exr.h"
-#include "render/render.h"
+#include "reframe/render.h"
 #include "scene/camera.h"
 #include "scene/gltf/gltf.h"
 

@@ -1,7 +1,7 @@
 // Sliding groups: which windows hold which frames, how many native and
 // effective samples each frame gets, and how they split into the halves of (E2).
 #include "render/groups.h"
-#include "render/render.h"
+#include "reframe/render.h"
 
 #include <limits.h>
 #include <setjmp.h>

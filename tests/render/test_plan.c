@@ -2,7 +2,7 @@
 // takes the row that it marks.
 #include "support/render_support.h"
 #include "render/groups.h"
-#include "render/plan.h"
+#include "reframe/plan.h"
 #include "support/scene_builder.h"
 
 #include <math.h>

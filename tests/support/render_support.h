@@ -2,7 +2,7 @@
 #ifndef REFRAME_TESTS_RENDER_SUPPORT_H
 #define REFRAME_TESTS_RENDER_SUPPORT_H
 
-#include "render/render.h"
+#include "reframe/render.h"
 
 // Frames as they come, one after another: 3 floats (and 1 weight) per pixel.
 typedef struct Rendered

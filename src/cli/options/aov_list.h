@@ -3,7 +3,7 @@
 #define REFRAME_CLI_OPTIONS_AOV_LIST_H
 
 #include "image/exr.h"
-#include "render/render.h"
+#include "reframe/render.h"
 
 #include <stddef.h>
 

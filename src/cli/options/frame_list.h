@@ -2,7 +2,7 @@
 #ifndef REFRAME_CLI_OPTIONS_FRAME_LIST_H
 #define REFRAME_CLI_OPTIONS_FRAME_LIST_H
 
-#include "base/error.h"
+#include "reframe/error.h"
 #include "scene/json/scene_file.h"
 
 // The frames that `text` names on a path of `frame_count` frames, as indices

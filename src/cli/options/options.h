@@ -10,7 +10,7 @@
 #ifndef REFRAME_CLI_OPTIONS_OPTIONS_H
 #define REFRAME_CLI_OPTIONS_OPTIONS_H
 
-#include "base/error.h"
+#include "reframe/error.h"
 #include "base/words.h"
 
 #include <stdbool.h>

@@ -3,7 +3,7 @@
 #define REFRAME_CLI_OPTIONS_RENDER_OPTIONS_H
 
 #include "cli/options/options.h"
-#include "render/render.h"
+#include "reframe/render.h"
 
 typedef struct RfRenderOptions
 {

@@ -3,7 +3,7 @@
 #ifndef REFRAME_CLI_RENDER_PROGRESS_H
 #define REFRAME_CLI_RENDER_PROGRESS_H
 
-#include "render/render.h"
+#include "reframe/render.h"
 
 #include <stdbool.h>
 

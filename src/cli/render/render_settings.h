@@ -2,7 +2,7 @@
 #ifndef REFRAME_CLI_RENDER_RENDER_SETTINGS_H
 #define REFRAME_CLI_RENDER_RENDER_SETTINGS_H
 
-#include "render/render.h"
+#include "reframe/render.h"
 
 // Says on standard error what was resolved otherwise than asked, where it is worth
 // a word. The path has so many frames.

@@ -2,7 +2,7 @@
 #ifndef REFRAME_CLI_REPORT_REPORT_FOLDER_H
 #define REFRAME_CLI_REPORT_REPORT_FOLDER_H
 
-#include "base/error.h"
+#include "reframe/error.h"
 
 #include <stddef.h>
 

@@ -1,5 +1,5 @@
 // reframe plan: group size against memory, before anything is rendered.
-#include "render/plan.h"
+#include "reframe/plan.h"
 
 #include "cli/commands.h"
 #include "cli/options/plan_options.h"

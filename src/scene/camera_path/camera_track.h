@@ -3,7 +3,7 @@
 #ifndef REFRAME_SCENE_CAMERA_PATH_CAMERA_TRACK_H
 #define REFRAME_SCENE_CAMERA_PATH_CAMERA_TRACK_H
 
-#include "base/error.h"
+#include "reframe/error.h"
 #include "scene/camera_path/curve.h"
 #include "scene/camera_path/waypoints.h"
 

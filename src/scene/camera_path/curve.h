@@ -10,7 +10,7 @@
 #ifndef REFRAME_SCENE_CAMERA_PATH_CURVE_H
 #define REFRAME_SCENE_CAMERA_PATH_CURVE_H
 
-#include "base/error.h"
+#include "reframe/error.h"
 
 #include <stdbool.h>
 

@@ -2,7 +2,7 @@
 #ifndef REFRAME_SCENE_GLTF_GLB_H
 #define REFRAME_SCENE_GLTF_GLB_H
 
-#include "base/error.h"
+#include "reframe/error.h"
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -4,7 +4,7 @@
 #ifndef REFRAME_SCENE_JSON_JSON_DOCUMENT_H
 #define REFRAME_SCENE_JSON_JSON_DOCUMENT_H
 
-#include "base/error.h"
+#include "reframe/error.h"
 
 #include <jansson.h>
 #include <math.h>

@@ -3,7 +3,7 @@
 #ifndef REFRAME_SCENE_JSON_JSON_VALUE_H
 #define REFRAME_SCENE_JSON_JSON_VALUE_H
 
-#include "base/error.h"
+#include "reframe/error.h"
 
 #include <jansson.h>
 #include <stdbool.h>

@@ -13,10 +13,10 @@
 // What `--group auto` takes rests on counts alone, with costs of rays that are
 // fixed: the same on any run, thread count and choice of frames. Only what is
 // told besides, c_e, c_l, c_v and seconds, is measured.
-#ifndef REFRAME_RENDER_PLAN_H
-#define REFRAME_RENDER_PLAN_H
+#ifndef REFRAME_PLAN_H
+#define REFRAME_PLAN_H
 
-#include "render/render.h"
+#include "reframe/render.h"
 
 #define RF_PLAN_ROWS 9
 #define RF_PLAN_TEXT 512

@@ -2,8 +2,8 @@
 // Sbert, Szirmay-Kalos, Reusing Frames in Camera Animation, WSCG 2006;
 // estimators.md sections 1 to 3 and 7): harvest and compute over sliding
 // groups of 2n+1 frames.
-#ifndef REFRAME_RENDER_RENDER_H
-#define REFRAME_RENDER_RENDER_H
+#ifndef REFRAME_RENDER_H
+#define REFRAME_RENDER_H
 
 #include "base/arena.h"
 #include "image/exr.h"

@@ -1,8 +1,8 @@
 // Errors: every call that can fail returns an RfResult and, on failure, leaves
 // one line in an RfError that says what, where (file, line, object) and what
 // to do. Nothing in the library prints or exits.
-#ifndef REFRAME_BASE_ERROR_H
-#define REFRAME_BASE_ERROR_H
+#ifndef REFRAME_ERROR_H
+#define REFRAME_ERROR_H
 
 typedef enum RfResult
 {
