@@ -1,5 +1,7 @@
 #include "base/arena.h"
 
+#include "base/remedy.h"
+
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
@@ -30,9 +32,10 @@ RfResult rf_arena_reserve( RfArena* arena, const char* name, size_t bytes, RfErr
         return rf_fail( error, RF_ERROR_MEMORY, "%s: %zu bytes are more than any machine has", name, bytes );
     size_t rounded = rf_arena_size( bytes );
     if ( rounded > rf_arena_room( arena ) )
-        return rf_fail( error, RF_ERROR_MEMORY,
-                        "%s: %.1f MiB do not fit, %.1f of %.1f MiB are in use: raise --memory, or lower --size or --group", name,
-                        (double)rounded / 1048576.0, (double)arena->bytes / 1048576.0, (double)arena->budget / 1048576.0 );
+        return rf_advise( rf_fail( error, RF_ERROR_MEMORY, "%s: %.1f MiB do not fit, %.1f of %.1f MiB are in use", name,
+                                   (double)rounded / 1048576.0, (double)arena->bytes / 1048576.0,
+                                   (double)arena->budget / 1048576.0 ),
+                          RF_REMEDY_MEMORY, 0, error );
     RfArenaEntry* entry = find_entry( arena, name );
     if ( entry == NULL )
         return rf_fail( error, RF_ERROR_MEMORY, "%s: the arena has no room for another name", name );

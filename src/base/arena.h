@@ -5,18 +5,9 @@
 #ifndef REFRAME_BASE_ARENA_H
 #define REFRAME_BASE_ARENA_H
 
-#include "reframe/error.h"
+#include "reframe/render.h"
 
 #include <stddef.h>
-
-#define RF_ARENA_MAX_NAMES 32
-
-typedef struct RfArenaEntry
-{
-    const char* name; // a string literal
-    size_t bytes;     // in use now under this name
-    size_t peak;      // the most that was ever in use under this name
-} RfArenaEntry;
 
 typedef struct RfArena
 {

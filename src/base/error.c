@@ -1,4 +1,4 @@
-#include "reframe/error.h"
+#include "base/remedy.h"
 
 #include <stdarg.h>
 #include <stdio.h>
@@ -24,7 +24,19 @@ RfResult rf_fail( RfError* error, RfResult code, const char* format, ... )
         format_line( text, sizeof text, format, args );
         va_end( args );
         error->code = code;
+        error->remedy = RF_REMEDY_NONE;
+        error->least_memory = 0;
         snprintf( error->text, sizeof error->text, "%s", text );
+    }
+    return code;
+}
+
+RfResult rf_advise( RfResult code, RfRemedy remedy, size_t least_memory, RfError* error )
+{
+    if ( error != NULL )
+    {
+        error->remedy = remedy;
+        error->least_memory = least_memory;
     }
     return code;
 }

@@ -3,15 +3,10 @@
 #include "cli/render/interrupt.h"
 #include "cli/options/options.h"
 #include "cli/messages.h"
-#include "convert/glb_write.h"
-#include "convert/ply_read.h"
-#include "convert/run_importer.h"
+#include "reframe/convert.h"
 
-#include <errno.h>
 #include <stdio.h>
 #include <string.h>
-#include <strings.h>
-#include <sys/stat.h>
 
 #define COMMAND "convert"
 
@@ -26,10 +21,9 @@ enum
     UP_Z
 };
 
-static size_t s_memory;
-static double s_timeout, s_scale;
+static RfConvertOptions s_convert; // the table points here
 static int s_importer, s_up;
-static bool s_overwrite, s_quiet;
+static bool s_quiet;
 static const char* s_json;
 static const char* const s_importers[] = { "auto", "assimp", NULL };
 static const char* const s_ups[] = { "y", "z", NULL };
@@ -44,7 +38,7 @@ static const RfOption s_options[] = {
       .help = "the axis of IN that points up; z is turned to glTF's y" },
     { .name = "scale",
       .type = RF_OPTION_REAL,
-      .value = &s_scale,
+      .value = &s_convert.scale,
       .min = 1e-9,
       .max = 1e9,
       .meta = "S",
@@ -58,14 +52,14 @@ static const RfOption s_options[] = {
       .help = "what reads IN; auto: PLY by a strict reader of ours, all else by assimp" },
     { .name = "memory",
       .type = RF_OPTION_MEMORY,
-      .value = &s_memory,
+      .value = &s_convert.memory,
       .min = 128 << 20,
       .meta = "SIZE",
       .default_text = "4G",
       .help = "address space assimp may take before it is stopped" },
     { .name = "timeout",
       .type = RF_OPTION_REAL,
-      .value = &s_timeout,
+      .value = &s_convert.seconds,
       .min = 0.1,
       .max = 86400,
       .meta = "SECONDS",
@@ -73,7 +67,7 @@ static const RfOption s_options[] = {
       .help = "time assimp may take before it is stopped" },
     { .name = "overwrite",
       .type = RF_OPTION_BOOL,
-      .value = &s_overwrite,
+      .value = &s_convert.overwrite,
       .default_text = "off",
       .help = "replace OUT.glb where it is there" },
     { .name = "json",
@@ -96,69 +90,10 @@ static const RfCommandTable s_table = { .command = COMMAND,
                                         .options = s_options,
                                         .option_count = (int)( sizeof s_options / sizeof s_options[0] ) };
 
-static bool ends_with( const char* name, const char* ending )
+static bool is_interrupted( void* user )
 {
-    size_t length = strlen( name ), end = strlen( ending );
-    return length > end && strcasecmp( name + length - end, ending ) == 0;
-}
-
-// The first bytes; what cannot be read is an error of the system's words.
-static RfResult read_head( const char* path, char head[4], RfError* error )
-{
-    struct stat status;
-    memset( head, 0, 4 );
-    if ( stat( path, &status ) == 0 && !S_ISREG( status.st_mode ) )
-        return rf_fail( error, RF_ERROR_IO, "%s: is no regular file: name a file", path );
-    FILE* file = fopen( path, "rb" );
-    if ( file == NULL )
-        return rf_fail_io( path, "cannot be read", errno, error );
-    size_t count = fread( head, 1, 4, file );
-    fclose( file );
-    return count > 0 ? RF_OK : rf_fail( error, RF_ERROR_FORMAT, "%s: is empty: write it anew", path );
-}
-
-static RfResult check_files( const char* from, const char* to, char head[4], RfError* error )
-{
-    if ( !ends_with( to, ".glb" ) )
-        return rf_fail( error, RF_ERROR_USAGE, "%s: only .glb is written: name it .glb", to );
-    RfResult result = read_head( from, head, error );
-    if ( result != RF_OK )
-        return result;
-    if ( ends_with( from, ".glb" ) || ends_with( from, ".gltf" ) || memcmp( head, "glTF", 4 ) == 0 )
-        return rf_fail( error, RF_ERROR_USAGE, "%s: is glTF already and needs no conversion: give it to reframe render", from );
-    struct stat status;
-    if ( !s_overwrite && lstat( to, &status ) == 0 )
-        return rf_fail( error, RF_ERROR_IO, "%s: is there already: give another name or --overwrite", to );
-    return RF_OK;
-}
-
-static RfResult convert_by_assimp( const char* from, const char* to, RfModelCounts* counts, RfLog* log, RfError* error )
-{
-    char program[8192];
-    RfResult result = rf_find_importer( program, sizeof program, error );
-    RfImporterRun run = { .program = program,
-                          .source = from,
-                          .target = to,
-                          .memory = s_memory,
-                          .seconds = s_timeout,
-                          .z_up = s_up == UP_Z,
-                          .scale = s_scale,
-                          .is_interrupted = rf_is_interrupted };
-    return result == RF_OK ? rf_run_importer( &run, counts, log, error ) : result;
-}
-
-static RfResult convert_ply( const char* from, const char* to, RfModelCounts* counts, RfLog* log, RfError* error )
-{
-    RfModel model;
-    RfResult result = rf_read_ply( from, &model, log, error );
-    if ( result == RF_OK )
-        result = rf_apply_root_transform( &model, s_up == UP_Z, s_scale, error );
-    if ( result == RF_OK )
-        result = rf_write_glb( to, &model, s_overwrite, error );
-    if ( result == RF_OK )
-        *counts = rf_count_model( &model );
-    rf_destroy_model( &model );
-    return result;
+    (void)user;
+    return rf_is_interrupted();
 }
 
 static RfResult tell( const char* from, const char* to, const RfModelCounts* c, int warnings, RfError* error )
@@ -178,20 +113,15 @@ static RfResult tell( const char* from, const char* to, const RfModelCounts* c, 
 
 static RfResult convert( const char* from, const char* to, RfError* error )
 {
-    char head[4];
     RfModelCounts counts;
     RfLog log = rf_stderr_log( COMMAND );
     if ( s_quiet )
         log.fn = NULL;
-    RfResult result = check_files( from, to, head, error );
-    if ( result != RF_OK )
-        return result;
     rf_catch_interrupts();
-    if ( s_importer == IMPORTER_AUTO && memcmp( head, "ply", 3 ) == 0 &&
-         ( head[3] == '\n' || head[3] == '\r' || head[3] == ' ' ) )
-        result = convert_ply( from, to, &counts, &log, error );
-    else
-        result = convert_by_assimp( from, to, &counts, &log, error );
+    s_convert.z_up = s_up == UP_Z;
+    s_convert.assimp = s_importer == IMPORTER_ASSIMP;
+    s_convert.is_interrupted = is_interrupted;
+    RfResult result = rf_convert_model( from, to, &s_convert, &counts, &log, error );
     return result == RF_OK ? tell( from, to, &counts, log.count, error ) : result;
 }
 
@@ -200,9 +130,7 @@ int rf_command_convert( int argc, char** argv )
     const char* files[2];
     bool help;
     RfError error;
-    s_memory = (size_t)4 << 30;
-    s_timeout = 120;
-    s_scale = 1;
+    s_convert = rf_default_convert_options();
     RfResult result = rf_parse_options( &s_table, argc, argv, files, &help, &error );
     if ( result == RF_OK && help )
     {

@@ -1,12 +1,9 @@
 // reframe info: what is in a scene, and which effects it calls for.
-#include "cli/options/camera_options.h"
 #include "cli/commands.h"
 #include "cli/render/render_json.h"
 #include "cli/options/render_options.h"
 #include "cli/messages.h"
-#include "light/light.h"
-#include "scene/camera.h"
-#include "scene/effects.h"
+#include "reframe/scene.h"
 #include "scene/json/scene_file.h"
 
 #include <stdlib.h>
@@ -43,45 +40,35 @@ static const RfCommandTable s_table = {
     .option_count = sizeof s_options / sizeof s_options[0]
 };
 
-// What the scene struct does not say by itself.
+// What there is to tell.
 typedef struct Facts
 {
-    uint32_t lights; // of all kinds: a sky is one
-    uint32_t emitting_triangles;
-    double light_area;
-    bool sky;
-    int* frames; // by camera
+    RfSceneInfo scene;
+    RfCameraInfo* cameras;
 } Facts;
 
 static RfResult gather( const RfScene* scene, Facts* facts, RfError* error )
 {
-    *facts = ( Facts ){ .frames = calloc( (size_t)scene->camera_count + 1, sizeof *facts->frames ) };
-    if ( facts->frames == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for its cameras", scene->path );
-    RfResult result = RF_OK;
-    for ( int i = 0; i < scene->camera_count && result == RF_OK; ++i )
-        result = rf_scene_frame_count( scene, scene->cameras + i, rf_fps_value( s_fps ), facts->frames + i, error );
-    RfLights lights = { 0 };
-    if ( result == RF_OK )
-        result = rf_collect_lights( scene, &lights, error );
+    RfResult result = rf_scene_info( scene, &facts->scene, error );
     if ( result != RF_OK )
         return result;
-    facts->lights = lights.count;
-    facts->emitting_triangles = lights.triangle_count;
-    facts->sky = rf_has_sky( &lights );
-    for ( uint32_t i = 0; i < lights.triangle_count; ++i )
-        facts->light_area += lights.light[i].area;
-    rf_destroy_lights( &lights );
-    return RF_OK;
+    facts->cameras = calloc( (size_t)facts->scene.cameras + 1, sizeof *facts->cameras );
+    if ( facts->cameras == NULL )
+        return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for its cameras", facts->scene.path );
+    for ( int i = 0; i < facts->scene.cameras && result == RF_OK; ++i )
+        result = rf_scene_camera( scene, i, s_fps, facts->cameras + i, error );
+    return result;
 }
 
-static void print_cameras( const RfScene* scene, const Facts* facts )
+static void print_cameras( const Facts* facts )
 {
-    printf( "cameras    %d\n", scene->camera_count );
-    for ( int i = 0; i < scene->camera_count; ++i )
-        printf( "  %s: %d frame%s at %g frames/s, %s\n", scene->cameras[i].name, facts->frames[i],
-                facts->frames[i] == 1 ? "" : "s", rf_fps_value( s_fps ),
-                scene->cameras[i].animated ? "animated" : "stands still" );
+    printf( "cameras    %d\n", facts->scene.cameras );
+    for ( int i = 0; i < facts->scene.cameras; ++i )
+    {
+        const RfCameraInfo* c = facts->cameras + i;
+        printf( "  %s: %d frame%s at %g frames/s, %s\n", c->name, c->frames, c->frames == 1 ? "" : "s",
+                (double)s_fps.numerator / (double)s_fps.denominator, c->animated ? "animated" : "stands still" );
+    }
 }
 
 static void print_effects( const RfScene* scene )
@@ -95,31 +82,36 @@ static void print_effects( const RfScene* scene )
 
 static void print_info( const RfScene* scene, const Facts* facts )
 {
-    printf( "%s\n", scene->path );
-    printf( "triangles  %u\n", scene->triangles.count );
-    printf( "instances  %u\n", scene->instance_count );
-    printf( "materials  %u\n", scene->material_count );
-    printf( "lights     %u", facts->lights );
-    if ( facts->lights > 0 )
-        printf( " (emitting triangles %u, %.4g m2; lamps without size %d; sky %s)", facts->emitting_triangles, facts->light_area,
-                scene->punctual_count, facts->sky ? "yes" : "no" );
+    const RfSceneInfo* s = &facts->scene;
+    printf( "%s\n", s->path );
+    printf( "triangles  %u\n", s->triangles );
+    printf( "instances  %u\n", s->instances );
+    printf( "materials  %u\n", s->materials );
+    printf( "lights     %u", s->lights );
+    if ( s->lights > 0 )
+        printf( " (emitting triangles %u, %.4g m2; lamps without size %d; sky %s)", s->emitting_triangles, s->emitting_area,
+                s->punctual_lights, s->has_sky ? "yes" : "no" );
     printf( "\n" );
-    if ( scene->triangles.count > 0 )
-        printf( "bounds     %.4g %.4g %.4g to %.4g %.4g %.4g\n", scene->bounds_min.x, scene->bounds_min.y, scene->bounds_min.z,
-                scene->bounds_max.x, scene->bounds_max.y, scene->bounds_max.z );
-    print_cameras( scene, facts );
+    if ( s->triangles > 0 )
+        printf( "bounds     %.4g %.4g %.4g to %.4g %.4g %.4g\n", s->bounds_min.x, s->bounds_min.y, s->bounds_min.z,
+                s->bounds_max.x, s->bounds_max.y, s->bounds_max.z );
+    print_cameras( facts );
     print_effects( scene );
 }
 
 static json_t* info_json( const RfScene* scene, const Facts* facts )
 {
+    const RfSceneInfo* s = &facts->scene;
     json_t* cameras = json_array();
-    for ( int i = 0; i < scene->camera_count; ++i )
-        json_array_append_new( cameras, json_pack( "{s:o, s:i, s:b}", "name", rf_json_text( scene->cameras[i].name ), "frames",
-                                                   facts->frames[i], "animated", scene->cameras[i].animated ) );
-    return json_pack( "{s:I, s:I, s:I, s:I, s:o, s:o}", "triangles", (json_int_t)scene->triangles.count, "instances",
-                      (json_int_t)scene->instance_count, "materials", (json_int_t)scene->material_count, "lights",
-                      (json_int_t)facts->lights, "cameras", cameras, "effects", rf_effects_json( scene ) );
+    for ( int i = 0; i < s->cameras; ++i )
+    {
+        const RfCameraInfo* c = facts->cameras + i;
+        json_array_append_new( cameras, json_pack( "{s:o, s:i, s:b}", "name", rf_json_text( c->name ), "frames", c->frames,
+                                                   "animated", c->animated ) );
+    }
+    return json_pack( "{s:I, s:I, s:I, s:I, s:o, s:o}", "triangles", (json_int_t)s->triangles, "instances",
+                      (json_int_t)s->instances, "materials", (json_int_t)s->materials, "lights", (json_int_t)s->lights, "cameras",
+                      cameras, "effects", rf_effects_json( scene ) );
 }
 
 static RfResult load( const char* name, RfScene* scene, RfError* error )
@@ -154,7 +146,7 @@ static RfResult tell( const char* name, RfError* error )
     }
     if ( result == RF_OK && s_json != NULL )
         result = rf_write_json( s_json, info_json( &scene, &facts ), error );
-    free( facts.frames );
+    free( facts.cameras );
     rf_destroy_scene( &scene );
     return result;
 }
@@ -164,7 +156,7 @@ int rf_command_info( int argc, char** argv )
     const char* files[1];
     bool help;
     RfError error;
-    s_fps = RF_DEFAULT_FPS;
+    s_fps = ( RfFps ){ 24, 1 };
     s_fps_given = false;
     RfResult result = rf_parse_options( &s_table, argc, argv, files, &help, &error );
     if ( result == RF_OK && help )

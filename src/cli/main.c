@@ -121,7 +121,7 @@ int main( int argc, char** argv )
         return print_manual();
     if ( strcmp( argv[1], "--version" ) == 0 )
     {
-        printf( "reframe %s\n", REFRAME_VERSION );
+        printf( "reframe %s\n", rf_version() );
         return finish_output();
     }
     for ( int i = 0; i < COMMAND_COUNT; ++i )

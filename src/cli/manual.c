@@ -19,7 +19,7 @@ static void print_text( const char* text, FILE* file )
 void rf_print_manual_head( FILE* file )
 {
     // without a date: equal sources make equal pages
-    fprintf( file, ".TH REFRAME 1 \"\" \"reframe %s\" \"User Commands\"\n", REFRAME_VERSION );
+    fprintf( file, ".TH REFRAME 1 \"\" \"reframe %s\" \"User Commands\"\n", rf_version() );
     fputs( ".SH NAME\nreframe \\- renders camera animations with frame reuse\n"
            ".SH SYNOPSIS\n.B reframe\n.I COMMAND\n[\\fIOPTIONS\\fR] \\fIFILES\\fR\n"
            ".SH DESCRIPTION\n"

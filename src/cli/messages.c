@@ -19,9 +19,46 @@ int rf_exit_status( RfResult result )
     }
 }
 
+#define EXPORT_INSTEAD "export it as glTF (.glb) from the program it came from"
+
+// What to type, in the options that the commands share. With %zu: the memory that is needed, KiB.
+static const char* hint_of( const RfError* error )
+{
+    switch ( error->remedy )
+    {
+        case RF_REMEDY_NONE: return "";
+        case RF_REMEDY_MEMORY:
+            return error->least_memory > 0 ? ": give --memory %zuK or more, or lower --size"
+                                           : ": raise --memory, or lower --size or --group";
+        case RF_REMEDY_HOLD_LESS: return ": give --memory %zuK or more, or leave --hold-all off";
+        case RF_REMEDY_LAYER: return ": name one by --layer";
+        case RF_REMEDY_MOTION: return ": choose by --motion X,Y";
+        case RF_REMEDY_DEPTH: return ": choose by --depth NAME";
+        case RF_REMEDY_FRAMES: return ": choose those that both have by --frames";
+        case RF_REMEDY_OVERWRITE: return ": give another name or --overwrite";
+        case RF_REMEDY_CONVERT_MEMORY: return ": give it more by --memory, or " EXPORT_INSTEAD;
+        case RF_REMEDY_CONVERT_SECONDS: return ": give it more by --timeout, or " EXPORT_INSTEAD;
+    }
+    return "";
+}
+
+void rf_format_error( const RfError* error, char* text, size_t size )
+{
+    char hint[160];
+    const char* format = hint_of( error );
+    const char* number = strstr( format, "%zu" );
+    if ( number == NULL )
+        snprintf( hint, sizeof hint, "%s", format );
+    else
+        snprintf( hint, sizeof hint, "%.*s%zu%s", (int)( number - format ), format, error->least_memory / 1024, number + 3 );
+    snprintf( text, size, "%s%s", error->text, hint );
+}
+
 int rf_report_error( const char* command, const RfError* error )
 {
-    fprintf( stderr, "reframe %s: %s\n", command, error->text );
+    char text[sizeof error->text + 160];
+    rf_format_error( error, text, sizeof text );
+    fprintf( stderr, "reframe %s: %s\n", command, text );
     return rf_exit_status( error->code );
 }
 

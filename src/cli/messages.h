@@ -10,7 +10,11 @@
 // The exit status that a result stands for: 0, 1, 2 (usage) or 130 (interrupted).
 int rf_exit_status( RfResult result );
 
-// Prints "reframe COMMAND: LINE" on standard error; returns the exit status.
+// The line of an error with what to type to get past it, where the library knows of a remedy:
+// "a budget of 1024 KiB is too small for frames of 64x36: give --memory 2644K or more, or lower --size". Cut where it does not fit.
+void rf_format_error( const RfError* error, char* text, size_t size );
+
+// Prints "reframe COMMAND: LINE" on standard error, with the remedy; returns the exit status.
 int rf_report_error( const char* command, const RfError* error );
 
 // A log that prints "reframe COMMAND: warning: LINE" on standard error.

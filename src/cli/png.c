@@ -1,5 +1,5 @@
 // reframe png: an EXR file as PNG, to look at.
-#include "image/png.h"
+#include "reframe/image.h"
 
 #include "cli/commands.h"
 #include "cli/options/options.h"

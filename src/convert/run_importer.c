@@ -1,5 +1,6 @@
 #include "convert/run_importer.h"
 
+#include "base/remedy.h"
 #include "base/system.h"
 #include "image/atomic_file.h"
 
@@ -121,7 +122,7 @@ static End wait_for( const RfImporterRun* run, pid_t child, int fd, Talk* talk, 
             break;
         if ( end != END_EXIT )
             continue; // killed already
-        if ( run->is_interrupted != NULL && run->is_interrupted() )
+        if ( run->is_interrupted != NULL && run->is_interrupted( run->user ) )
             end = END_INTERRUPT;
         else if ( rf_wall_seconds() > deadline )
             end = END_TIMEOUT;
@@ -161,13 +162,15 @@ static RfResult judge( const RfImporterRun* run, End end, int status, bool no_me
         return rf_fail( error, RF_ERROR_INTERRUPTED, "%s: interrupted", source );
     bool signalled = WIFSIGNALED( status );
     if ( end == END_TIMEOUT || ( signalled && WTERMSIG( status ) == SIGXCPU ) )
-        return rf_fail( error, RF_ERROR_FORMAT,
-                        "%s: the importer had not finished after %g s: give it more by --timeout, or " EXPORT_INSTEAD, source,
-                        run->seconds );
+        return rf_advise( rf_fail( error, RF_ERROR_FORMAT,
+                                   "%s: the importer had not finished after %g s", source,
+                                   run->seconds ),
+                          RF_REMEDY_CONVERT_SECONDS, 0, error );
     if ( no_memory )
-        return rf_fail( error, RF_ERROR_MEMORY,
-                        "%s: the importer needs more than %zu MiB of memory: give it more by --memory, or " EXPORT_INSTEAD,
-                        source, run->memory >> 20 );
+        return rf_advise( rf_fail( error, RF_ERROR_MEMORY,
+                                   "%s: the importer needs more than %zu MiB of memory", source,
+                                   run->memory >> 20 ),
+                          RF_REMEDY_CONVERT_MEMORY, 0, error );
     if ( signalled )
         return rf_fail( error, RF_ERROR_FORMAT, "%s: the importer crashed on it (%s): " EXPORT_INSTEAD, source,
                         strsignal( WTERMSIG( status ) ) );

@@ -14,7 +14,8 @@ typedef struct RfImporterRun
     double seconds;     // of wall clock, then it is killed
     bool z_up;
     double scale;
-    bool ( *is_interrupted )( void ); // asked several times a second; or NULL
+    bool ( *is_interrupted )( void* user ); // asked several times a second; or NULL
+    void* user;
 } RfImporterRun;
 
 // Runs it and waits; no process is left whatever happens. Its warnings go to

@@ -1,22 +1,83 @@
 #include "film/aov.h"
 
+#include "base/words.h"
+
+#include <stdio.h>
 #include <string.h>
 
-typedef struct Layer
+typedef struct Aov
 {
     const char* name;
     const char* letters;
-} Layer;
+    bool half;
+} Aov;
 
-static const Layer s_layers[RF_AOV_COUNT] = {
-    [RF_AOV_ALBEDO] = { "albedo", "RGB" },  [RF_AOV_NORMAL] = { "normal", "XYZ" },     [RF_AOV_DEPTH] = { "depth", "Z" },
-    [RF_AOV_MOTION] = { "motion", "XYZW" }, [RF_AOV_VARIANCE] = { "variance", "RGB" }, [RF_AOV_SAMPLES] = { "samples", "Y" },
-};
+#define ROW( constant, name, letters, half ) { name, letters, half },
+static const Aov s_aovs[RF_AOV_COUNT] = { RF_AOV_LIST( ROW ) };
+#undef ROW
 
-const char* rf_aov_name( RfAov layer ) { return s_layers[layer].name; }
+#define NAME_BYTES( constant, name, letters, half ) +sizeof( name ) // with a comma or the end
+_Static_assert( 0 RF_AOV_LIST( NAME_BYTES ) <= RF_AOVS_TEXT_SIZE, "all names fit" );
+#undef NAME_BYTES
 
-const char* rf_aov_letters( RfAov layer ) { return s_layers[layer].letters; }
+const char* rf_aov_name( RfAov aov ) { return s_aovs[aov].name; }
 
-int rf_aov_channels( RfAov layer ) { return (int)strlen( s_layers[layer].letters ); }
+const char* rf_aov_letters( RfAov aov ) { return s_aovs[aov].letters; }
 
-bool rf_aov_is_half( RfAov layer ) { return layer == RF_AOV_ALBEDO || layer == RF_AOV_NORMAL; }
+int rf_aov_channels( RfAov aov ) { return (int)strlen( s_aovs[aov].letters ); }
+
+bool rf_aov_is_half( RfAov aov ) { return s_aovs[aov].half; }
+
+// The AOV called by `length` characters, or −1.
+static int find_aov( const char* word, size_t length )
+{
+    for ( int i = 0; i < RF_AOV_COUNT; ++i )
+    {
+        const char* name = rf_aov_name( (RfAov)i );
+        if ( strlen( name ) == length && strncmp( name, word, length ) == 0 )
+            return i;
+    }
+    return -1;
+}
+
+static RfResult fail_unknown( const char* word, size_t length, RfError* error )
+{
+    const char* names[RF_AOV_COUNT];
+    for ( int i = 0; i < RF_AOV_COUNT; ++i )
+        names[i] = rf_aov_name( (RfAov)i );
+    char copy[32], all[RF_AOVS_TEXT_SIZE];
+    snprintf( copy, sizeof copy, "%.*s", (int)( length < 31 ? length : 31 ), word );
+    const char* nearest = length > 0 ? rf_nearest_word( copy, names, RF_AOV_COUNT ) : NULL;
+    if ( nearest != NULL )
+        return rf_fail( error, RF_ERROR_USAGE, "'%s' is no AOV, did you mean %s?", copy, nearest );
+    rf_format_aovs( RF_ALL_AOVS, all, sizeof all );
+    return rf_fail( error, RF_ERROR_USAGE, "'%s' is no AOV, there are %s", copy, all );
+}
+
+RfResult rf_parse_aovs( const char* text, unsigned* aovs, RfError* error )
+{
+    *aovs = 0;
+    while ( text != NULL )
+    {
+        size_t length = strcspn( text, "," );
+        int aov = find_aov( text, length );
+        if ( aov < 0 )
+            return fail_unknown( text, length, error );
+        if ( ( *aovs & RF_AOV_BIT( aov ) ) != 0 )
+            return rf_fail( error, RF_ERROR_USAGE, "AOV %s is given twice", rf_aov_name( (RfAov)aov ) );
+        *aovs |= RF_AOV_BIT( aov );
+        text = text[length] == ',' ? text + length + 1 : NULL;
+    }
+    return RF_OK;
+}
+
+void rf_format_aovs( unsigned aovs, char* text, size_t size )
+{
+    size_t used = 0;
+    text[0] = '\0';
+    for ( int i = 0; i < RF_AOV_COUNT && used < size; ++i )
+    {
+        if ( ( aovs & RF_AOV_BIT( i ) ) != 0 )
+            used += (size_t)snprintf( text + used, size - used, "%s%s", used > 0 ? "," : "", rf_aov_name( (RfAov)i ) );
+    }
+}

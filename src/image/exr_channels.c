@@ -1,5 +1,7 @@
 #include "image/exr_channels.h"
 
+#include "base/remedy.h"
+
 #include <stdio.h>
 #include <string.h>
 
@@ -106,7 +108,7 @@ RfResult rf_check_exr_channel( const RfExrStream* stream, const exr_attr_chlist_
     return RF_OK;
 }
 
-RfResult rf_find_exr_channels( const RfExrStream* stream, const exr_attr_chlist_t* list, const char* advice,
+RfResult rf_find_exr_channels( const RfExrStream* stream, const exr_attr_chlist_t* list, RfRemedy remedy,
                                RfExrChannels* channels, RfError* error )
 {
     int layers = 0, combined = 0;
@@ -116,8 +118,9 @@ RfResult rf_find_exr_channels( const RfExrStream* stream, const exr_attr_chlist_
         find_layers( list, channels, &layers, &combined, text, sizeof text );
         channels->count = layers;
         if ( layers > 1 && combined != 1 )
-            return rf_fail( error, RF_ERROR_UNSUPPORTED, "%s: has more than one layer of colour: %s: %s", stream->path, text,
-                            advice );
+            return rf_advise( rf_fail( error, RF_ERROR_UNSUPPORTED, "%s: has more than one layer of colour: %s%s", stream->path,
+                                       text, remedy == RF_REMEDY_NONE ? ": keep one" : "" ),
+                              remedy, 0, error );
         channels->count = layers == 0 ? 0 : 3;
         RfResult result = layers == 0 ? find_luminance( stream, list, channels, error ) : RF_OK;
         if ( result != RF_OK )
@@ -166,5 +169,5 @@ bool rf_find_exr_layer( const RfExrPart* part, const char* layer, RfExrChannels*
          find_three( part->channels, prefix, (size_t)length, axes, channels ) )
         return true;
     return exr_get_name( part->context, part->index, &name ) == EXR_ERR_SUCCESS && name != NULL && strcmp( name, layer ) == 0 &&
-           rf_find_exr_channels( part->stream, part->channels, "", channels, NULL ) == RF_OK;
+           rf_find_exr_channels( part->stream, part->channels, RF_REMEDY_NONE, channels, NULL ) == RF_OK;
 }

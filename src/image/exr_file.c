@@ -48,7 +48,7 @@ RfResult rf_read_exr_stream( RfExrStream* stream, RfImage* image, RfError* error
     if ( result != RF_OK )
         return result;
     RfExrChannels channels;
-    result = rf_find_exr_channels( stream, part.channels, "keep one", &channels, error );
+    result = rf_find_exr_channels( stream, part.channels, RF_REMEDY_NONE, &channels, error );
     if ( result == RF_OK )
         result = rf_create_image( part.width, part.height, image, error );
     if ( result == RF_OK )

@@ -1,5 +1,6 @@
 // Colour, or any other layer, of files of any program: also of those with several
 // parts, and with where it lies.
+#include "base/remedy.h"
 #include "image/exr.h"
 #include "image/exr_channels.h"
 
@@ -14,7 +15,7 @@ static RfResult open_colour( RfExrStream* stream, int index, RfExrPart* part, Rf
     RfResult result = rf_open_exr_part( stream, index, part, error );
     if ( result != RF_OK )
         return result;
-    result = rf_find_exr_channels( stream, part->channels, "name one by --layer", channels, error );
+    result = rf_find_exr_channels( stream, part->channels, RF_REMEDY_LAYER, channels, error );
     if ( result != RF_OK )
         rf_close_exr_part( part );
     return result;
@@ -46,7 +47,7 @@ static RfResult find_colour( RfExrStream* stream, RfExrPart* part, RfExrChannels
     }
     if ( grey >= 0 && !has_several )
         return open_colour( stream, grey, part, channels, error );
-    return rf_fail( error, first.code, "%s", first.text );
+    return rf_advise( rf_fail( error, first.code, "%s", first.text ), first.remedy, 0, error );
 }
 
 static RfResult find_layer( RfExrStream* stream, const char* layer, RfExrPart* part, RfExrChannels* channels, RfError* error )

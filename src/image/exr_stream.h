@@ -6,7 +6,7 @@
 #ifndef REFRAME_IMAGE_EXR_STREAM_H
 #define REFRAME_IMAGE_EXR_STREAM_H
 
-#include "image/image.h"
+#include "reframe/image.h"
 
 #include <openexr.h>
 

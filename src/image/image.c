@@ -1,4 +1,4 @@
-#include "image/image.h"
+#include "reframe/image.h"
 
 #include <stdint.h>
 #include <stdlib.h>

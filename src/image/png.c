@@ -1,4 +1,4 @@
-#include "image/png.h"
+#include "reframe/image.h"
 
 #include "image/atomic_file.h"
 

@@ -1,23 +1,8 @@
-// Names of sequences: a run of '#' stands for the frame number, padded with
-// zeros to as many digits (more where the number needs them).
+// What the library does with names of sequences besides reframe/image.h.
 #ifndef REFRAME_IMAGE_SEQUENCE_H
 #define REFRAME_IMAGE_SEQUENCE_H
 
-#include "reframe/error.h"
-
-#include <stdbool.h>
-#include <stddef.h>
-
-// Has a run of '#' in its last path component. More than one run, or one in a
-// folder's name, is an error that rf_sequence_name reports.
-bool rf_is_sequence( const char* pattern );
-
-// The file name of `frame` (1-based). A pattern without '#' is copied as it is.
-RfResult rf_sequence_name( const char* pattern, int frame, char* name, size_t size, RfError* error );
-
-// The frame numbers for which a file exists, ascending, in *frames (to be
-// freed), *count of them. Fails (RF_ERROR_IO) where there are none.
-RfResult rf_sequence_frames( const char* pattern, int** frames, int* count, RfError* error );
+#include "reframe/image.h"
 
 // Whether writing the one may write the other: names of one file, by links and
 // other folders' names too, or a name that the other, a pattern, has for a frame.

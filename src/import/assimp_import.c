@@ -67,7 +67,7 @@ static void warn_of_up_axis( RfImport* import )
         if ( strcmp( data->mKeys[i].data, "UpAxis" ) == 0 && entry->mType == AI_INT32 && entry->mData != NULL )
             memcpy( &axis, entry->mData, sizeof axis );
         if ( axis == 2 )
-            rf_warn( import->log, "its z points up: unless given already, give --up z" );
+            rf_warn( import->log, "its z points up: unless that is given already, convert it with z up" );
     }
 }
 

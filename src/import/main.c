@@ -80,7 +80,7 @@ int main( int argc, char** argv )
 {
     if ( argc != 6 )
     {
-        fprintf( stderr, "error: reframe-import is started by reframe convert, see reframe convert --help\n" );
+        fprintf( stderr, "error: reframe-import is started by reframe convert, not by hand\n" );
         return 2;
     }
     set_limits( strtoull( argv[2], NULL, 10 ), strtoull( argv[3], NULL, 10 ) );

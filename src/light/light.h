@@ -7,6 +7,7 @@
 
 #include "light/sky.h"
 #include "light/tree.h"
+#include "reframe/render.h"
 #include "scene/textured.h"
 
 #include <stddef.h>
@@ -62,13 +63,6 @@ static inline RfVec3 rf_light_radiance( const RfScene* scene, const RfLight* lig
     RfVec3 radiance = rf_emission_at( scene, m, light->triangle, b1, b2 );
     return rf_is_blended( m ) ? rf_scale( radiance, rf_opacity_at( scene, m, light->triangle, b1, b2 ) ) : radiance;
 }
-
-// How a light is picked.
-typedef enum RfLightSampling
-{
-    RF_LIGHTS_BY_TREE,  // in proportion to what it may send to the point; by power where there are few lights
-    RF_LIGHTS_BY_POWER, // wherever the point is: for comparison
-} RfLightSampling;
 
 typedef struct RfLightSelection
 {

@@ -3,15 +3,12 @@
 #ifndef REFRAME_MATH_VEC3_H
 #define REFRAME_MATH_VEC3_H
 
+#include "reframe/types.h"
+
 #include <math.h>
 
 #define RF_PI 3.14159265358979f
 #define RF_INV_PI 0.318309886183791f
-
-typedef struct RfVec3
-{
-    float x, y, z;
-} RfVec3;
 
 static inline RfVec3 rf_vec3( float x, float y, float z ) { return ( RfVec3 ){ x, y, z }; }
 static inline RfVec3 rf_add( RfVec3 a, RfVec3 b ) { return rf_vec3( a.x + b.x, a.y + b.y, a.z + b.z ); }

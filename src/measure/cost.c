@@ -3,6 +3,7 @@
 #include "base/random.h"
 #include "base/system.h"
 #include "render/groups.h"
+#include "reuse/tile.h"
 
 #include <math.h>
 #include <string.h>
@@ -226,7 +227,7 @@ static RfResult resolve( Study* s, RfError* error )
     reuse->group = groups.eyes / 2;
     if ( reuse->group == 0 && reuse->tile.kind == RF_TILE_NONE )
         return rf_fail( error, RF_ERROR_USAGE,
-                        "--group 0 --tile 1 is path tracing, which all is compared with: take a larger group or a tile" );
+                        "group 0 with tile 1 is path tracing, which all is compared with: take a larger group or a tile" );
     s->cost->plain = ( RfCostCurve ){ .group = 0, .eyes = 1, .tile = plain->tile };
     s->cost->reuse = ( RfCostCurve ){ .group = reuse->group, .eyes = groups.eyes, .tile = reuse->tile };
     return RF_OK;

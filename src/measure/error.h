@@ -1,44 +1,14 @@
 // The error of an image against a reference: relMSE, MSE, bias, maximum; for
 // one frame, and pooled over the frames of a sequence by the same code.
-//
-// With v the image and r the reference, linear RGB, over all pixels:
-//   relmse          mean over pixels of Σ_c (v_c − r_c)² / (r̄² + 0.001), where
-//                   r̄ is the mean of the reference's channels
-//   relmse_trimmed  the same without the worst 0.1 % of the pixels
-//   mse, bias       mean over pixels and channels of (v_c − r_c)² and v_c − r_c
-//   max             largest |v_c − r_c|
-// Sums are in double, in the order of rows and frames.
-//
-// NaN and infinity in the image and in the reference are counted, never
-// repaired: where there are any, all the measures are NaN.
+// What they are, and that of one image: reframe/measure.h. Sums are in double, in the order of rows
+// and frames.
 //
 // The 95 % interval of the bias comes from blocks of pixels, each pooled over all
 // frames: bias_interval.h.
 #ifndef REFRAME_MEASURE_ERROR_H
 #define REFRAME_MEASURE_ERROR_H
 
-#include "image/image.h"
-
-#include <stdbool.h>
-
-#define RF_RELMSE_EPSILON 0.001
-
-// Where the relative error, that which relMSE is the mean of, is largest.
-typedef struct RfWorstPixel
-{
-    int frame, x, y; // in the order of adding, from 0; −1 where no pixel is in error
-    double relative;
-} RfWorstPixel;
-
-typedef struct RfErrorMetrics
-{
-    double relmse, relmse_trimmed, mse, max;
-    double bias, bias_low, bias_high; // low and high are NaN for a single block
-    double reference_mean;            // of the reference, over pixels and channels
-    RfWorstPixel worst;
-    size_t nan, inf;                     // pixels of the image with such a channel
-    size_t reference_nan, reference_inf; // the same of the reference
-} RfErrorMetrics;
+#include "reframe/measure.h"
 
 // Is there anything that is no number, so that no error can be told?
 static inline bool rf_has_no_error( const RfErrorMetrics* m )
@@ -74,8 +44,5 @@ RfResult rf_summary_add( RfErrorSummary* summary, const RfImage* image, const Rf
 
 // The measures of all that was added.
 RfErrorMetrics rf_summary_metrics( const RfErrorSummary* summary );
-
-// Of one image.
-RfResult rf_measure_error( const RfImage* image, const RfImage* reference, RfErrorMetrics* out, RfError* error );
 
 #endif

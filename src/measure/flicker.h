@@ -26,6 +26,7 @@
 #define REFRAME_MEASURE_FLICKER_H
 
 #include "measure/follow.h"
+#include "reframe/measure.h"
 
 // Sums over pairs of frames.
 typedef struct RfFlickerSums
@@ -37,15 +38,6 @@ typedef struct RfFlickerSums
     double difference; // Σ (e_t − e_{t−1})², over pixels and channels
     double square;     // Σ e_t² + e_{t−1}²; NaN: not known
 } RfFlickerSums;
-
-typedef struct RfFlickerMetrics
-{
-    double f1;       // NaN where no pixel was seen in both frames, or one is no number
-    double phi;      // NaN where the error is not known; 0 where there is no error at all
-    double mse;      // mean of the two mean squares of the error; NaN as φ
-    double coverage; // 0 to 1
-    double motion;   // mean length of the way that a pixel's surface made, pixels a frame; NaN: not compensated
-} RfFlickerMetrics;
 
 // The sums of the pair of a frame and the one before, which is of the same size.
 // `has_error`: the signals are errors; else the picture, whose error's mean

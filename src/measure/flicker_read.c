@@ -1,5 +1,7 @@
 #include "measure/flicker_read.h"
 
+#include "base/remedy.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -15,7 +17,7 @@ static bool has_tail( const char* name, const char* tail )
 }
 
 // Those of the colour's part, where any has the tail, else those of any part. Two are an error.
-static RfResult find_tail( const char* path, const RfExrHeader* header, const char* tail, const char* how, const char** found,
+static RfResult find_tail( const char* path, const RfExrHeader* header, const char* tail, RfRemedy remedy, const char** found,
                            RfError* error )
 {
     for ( int k = 0; k < 2 && *found == NULL; ++k )
@@ -26,8 +28,9 @@ static RfResult find_tail( const char* path, const RfExrHeader* header, const ch
             if ( ( k == 0 && channel->part != header->part ) || !has_tail( channel->text, tail ) )
                 continue;
             if ( *found != NULL )
-                return rf_fail( error, RF_ERROR_UNSUPPORTED, "%s: has both %s and %s: choose %s", path, *found, channel->text,
-                                how );
+                return rf_advise( rf_fail( error, RF_ERROR_UNSUPPORTED, "%s: has both %s and %s%s", path, *found,
+                                           channel->text, remedy == RF_REMEDY_NONE ? ": choose a file with one of them" : "" ),
+                                  remedy, 0, error );
             *found = channel->text;
         }
     }
@@ -35,13 +38,13 @@ static RfResult find_tail( const char* path, const RfExrHeader* header, const ch
 }
 
 // The channel of the first tail that any has; NULL where none has.
-static RfResult find_one( const char* path, const RfExrHeader* header, const char* const* tails, const char* how,
+static RfResult find_one( const char* path, const RfExrHeader* header, const char* const* tails, RfRemedy remedy,
                           const char** found, RfError* error )
 {
     RfResult result = RF_OK;
     *found = NULL;
     for ( int t = 0; tails[t] != NULL && *found == NULL && result == RF_OK; ++t )
-        result = find_tail( path, header, tails[t], how, found, error );
+        result = find_tail( path, header, tails[t], remedy, found, error );
     return result;
 }
 
@@ -51,9 +54,9 @@ static const char* find_name( const RfExrHeader* header, const char* name, size_
     return found != NULL ? found->text : NULL;
 }
 
-static RfResult fail_missing( const char* path, const char* option, const char* name, size_t length, RfError* error )
+static RfResult fail_missing( const char* path, const char* what, const char* name, size_t length, RfError* error )
 {
-    return rf_fail( error, RF_ERROR_FORMAT, "%s: %s: has no channel %.*s", option, path, (int)length, name );
+    return rf_fail( error, RF_ERROR_FORMAT, "%s: %s: has no channel %.*s", what, path, (int)length, name );
 }
 
 static RfResult name_motion( const char* path, const RfExrHeader* header, const char* text, RfFlickerLayers* layers,
@@ -61,14 +64,14 @@ static RfResult name_motion( const char* path, const RfExrHeader* header, const 
 {
     const char* comma = strchr( text, ',' );
     if ( comma == NULL || comma == text || comma[1] == '\0' || strchr( comma + 1, ',' ) != NULL )
-        return rf_fail( error, RF_ERROR_USAGE, "--motion: wants the names of two channels, X,Y, got '%s'", text );
+        return rf_fail( error, RF_ERROR_USAGE, "motion: wants the names of two channels, X,Y, got '%s'", text );
     const char* names[2] = { text, comma + 1 };
     size_t lengths[2] = { (size_t)( comma - text ), strlen( comma + 1 ) };
     for ( int i = 0; i < 2; ++i )
     {
         layers->motion[i] = find_name( header, names[i], lengths[i] );
         if ( layers->motion[i] == NULL )
-            return fail_missing( path, "--motion", names[i], lengths[i], error );
+            return fail_missing( path, "motion", names[i], lengths[i], error );
     }
     return RF_OK;
 }
@@ -76,7 +79,7 @@ static RfResult name_motion( const char* path, const RfExrHeader* header, const 
 static RfResult find_motion( const char* path, const RfExrHeader* header, RfFlickerLayers* layers, RfError* error )
 {
     static const char* const x[] = { "motion.X", "Vector.X", NULL };
-    RfResult result = find_one( path, header, x, "by --motion X,Y", layers->motion, error );
+    RfResult result = find_one( path, header, x, RF_REMEDY_MOTION, layers->motion, error );
     if ( result != RF_OK || layers->motion[0] == NULL )
         return result;
     // Y of the same layer
@@ -101,7 +104,7 @@ RfResult rf_find_variance_layers( const char* path, const RfExrHeader* header, R
     };
     for ( int c = 0; c < 3; ++c )
     {
-        RfResult result = find_one( path, header, tails[c], "a file with one of them", layers->variance + c, error );
+        RfResult result = find_one( path, header, tails[c], RF_REMEDY_NONE, layers->variance + c, error );
         if ( result != RF_OK )
             return result;
     }
@@ -123,9 +126,9 @@ RfResult rf_find_flicker_layers( const char* path, const RfExrHeader* header, co
     {
         layers->depth = find_name( header, depth, strlen( depth ) );
         if ( layers->depth == NULL )
-            return fail_missing( path, "--depth", depth, strlen( depth ), error );
+            return fail_missing( path, "depth", depth, strlen( depth ), error );
     }
-    else if ( ( result = find_one( path, header, depths, "by --depth NAME", &layers->depth, error ) ) != RF_OK )
+    else if ( ( result = find_one( path, header, depths, RF_REMEDY_DEPTH, &layers->depth, error ) ) != RF_OK )
         return result;
     if ( layers->depth == NULL )
         layers->depth = find_name( header, "Z", 1 );

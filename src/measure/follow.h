@@ -16,7 +16,7 @@
 #ifndef REFRAME_MEASURE_FOLLOW_H
 #define REFRAME_MEASURE_FOLLOW_H
 
-#include "image/image.h"
+#include "reframe/image.h"
 
 #define RF_FOLLOW_DEPTH_TOLERANCE 0.02
 #define RF_FOLLOW_NOTHING 1e9 // depths from here on, infinite ones and those not above 0 are of nothing

@@ -3,7 +3,7 @@
 #ifndef REFRAME_MEASURE_SLIT_SCAN_H
 #define REFRAME_MEASURE_SLIT_SCAN_H
 
-#include "image/image.h"
+#include "reframe/image.h"
 
 #define RF_SLIT_WIDTH 480 // frames are repeated to fill at least about this, each alike
 

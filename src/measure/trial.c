@@ -1,8 +1,11 @@
 #include "measure/trial.h"
 
+#include "base/remedy.h"
+
 #include "base/random.h"
 #include "measure/error.h"
 #include "measure/trial_pair.h"
+#include "reuse/tile.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -114,8 +117,9 @@ RfResult rf_create_test_region( const RfTracer* tracer, const RfEye* eyes, int e
     site->eyes = malloc( (size_t)site->frames * sizeof *site->eyes );
     site->weight = malloc( (size_t)site->frames * pixels * sizeof *site->weight );
     if ( site->eyes == NULL || site->weight == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "no memory left to try settings on %d frames of %dx%d: lower --size",
-                        site->frames, width, height );
+        return rf_advise( rf_fail( error, RF_ERROR_MEMORY, "no memory left to try settings on %d frames of %dx%d", site->frames,
+                                   width, height ),
+                          RF_REMEDY_MEMORY, 0, error );
     for ( int i = 0; i < site->frames; ++i )
         site->eyes[i] = rf_resize_eye( eyes + site->first + i, width, height );
     return render_guide( tracer, settings, watch, site, error );
@@ -178,7 +182,8 @@ RfResult rf_run_trial( const RfTracer* tracer, const RfTestRegion* site, int win
     RfTrialPair pair = { .eyes = eyes, .whole = site->whole && eyes == site->frames, .pixels = eye_pixels( site->eyes ) };
     pair.rgb = malloc( rf_trial_bytes( eyes, pair.pixels ) );
     if ( pair.rgb == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "no memory left to try groups of %d frames: lower --size or --memory", eyes );
+        return rf_advise( rf_fail( error, RF_ERROR_MEMORY, "no memory left to try groups of %d frames", eyes ), RF_REMEDY_MEMORY, 0,
+                          error );
     RfResult result = RF_OK;
     for ( int w = 0; w < count && result == RF_OK; ++w )
         result = try_window( tracer, site, first + w * eyes, &s, watch, &pair, trial, error );

@@ -1,5 +1,7 @@
 // The rows of a tuning: what there is to try, what it takes, what it came to.
 #include "measure/tune_internal.h"
+
+#include "base/remedy.h"
 #include "render/groups.h"
 #include "reframe/plan.h"
 
@@ -8,7 +10,7 @@
 static const int s_groups[RF_TUNE_GROUPS] = { 0, 1, 2, 3, 4, 6, 8, 12, 16 };
 static const char* const s_tiles[RF_TUNE_TILES] = { "1", "2x2", "3x3", "4x4", "rooks16" };
 
-static const char s_no_room[] = "does not fit --memory", s_rounded[] = "--spp would more than double";
+static const char s_no_room[] = "does not fit the memory", s_rounded[] = "the samples would more than double";
 
 #define ROUNDING 2.0 // times the samples asked for may be traced
 
@@ -84,11 +86,10 @@ static RfResult fail_memory( const RfTuneJob* job, const RfTune* tune, size_t me
     size_t least = tune->rows[0].fit.least;
     for ( int i = 1; i < tune->count; ++i )
         least = tune->rows[i].fit.least < least ? tune->rows[i].fit.least : least;
-    return rf_fail(
-        error, RF_ERROR_MEMORY,
-        "a budget of %zu KiB is too small for frames of %dx%d, whatever the group and the tile: give --memory %zuK or more, "
-        "or lower --size",
-        memory / 1024, job->eyes->width, job->eyes->height, least / 1024 );
+    return rf_advise( rf_fail( error, RF_ERROR_MEMORY,
+                               "a budget of %zu KiB is too small for frames of %dx%d, whatever the group and the tile",
+                               memory / 1024, job->eyes->width, job->eyes->height ),
+                      RF_REMEDY_MEMORY, least, error );
 }
 
 RfResult rf_list_tune_rows( const RfTuneJob* job, RfTune* tune, RfRenderSettings* common, RfError* error )

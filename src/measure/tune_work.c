@@ -1,8 +1,10 @@
 #include "measure/tune_work.h"
 
 #include "base/random.h"
+#include "base/remedy.h"
 #include "base/system.h"
 #include "measure/tune_internal.h"
+#include "trace/trace.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -111,7 +113,7 @@ void rf_begin_tune_work( const RfTuneJob* job, const RfTune* tune, const RfRende
 
 static RfResult fail_memory( RfError* error )
 {
-    return rf_fail( error, RF_ERROR_MEMORY, "no memory left to try settings: lower --size or --threads" );
+    return rf_advise( rf_fail( error, RF_ERROR_MEMORY, "no memory left to try settings" ), RF_REMEDY_MEMORY, 0, error );
 }
 
 RfResult rf_make_tune_regions( RfTuneWork* w, RfError* error )

@@ -20,7 +20,7 @@
 #ifndef REFRAME_PAGE_PICTURE_H
 #define REFRAME_PAGE_PICTURE_H
 
-#include "image/image.h"
+#include "reframe/image.h"
 
 #define RF_PICTURE_CELL 16
 #define RF_PICTURE_QUALITY 90

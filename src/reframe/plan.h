@@ -1,22 +1,31 @@
 // How large a group pays: for some half-widths n, what a render of this path
-// would hold, trace and gain, by the cost model of Reusing Frames in Camera
-// Animation (FR 16; estimators.md section 8):
+// would hold, trace and gain.
+//
+//     RfPlan plan;
+//     if ( rf_plan_render( tracer, path.eyes, path.count, frames, frame_count, &settings, &plan, &error ) == RF_OK )
+//         for ( int i = 0; i < plan.count; ++i )
+//             printf( "group %d: gain %.1f\n", plan.rows[i].group, plan.rows[i].gain );
+//
+// The cost model is (16) of Reusing Frames in Camera Animation:
 //
 //     gain = reach · (c_e + c_l) / (c_e + c_l + (eyes − 1) c_v)
 //
 // times what the passes at the ends of a short path and, in the measured one,
-// several sweeps leave of it.
-// FR has the number of frames for `reach`, as if all saw the same; here it is the
-// samples that land in a pixel for each of its own, counted with a few thousand
-// hits along the path.
+// several sweeps leave of it. The paper has the number of frames for `reach`, as if all
+// saw the same; here it is the samples that land in a pixel for each of its own, counted with
+// a few thousand hits along the path.
 //
-// What `--group auto` takes rests on counts alone, with costs of rays that are
-// fixed: the same on any run, thread count and choice of frames. Only what is
-// told besides, c_e, c_l, c_v and seconds, is measured.
+// What RF_GROUP_AUTO takes rests on counts alone, with fixed costs of rays: it is the same for
+// any run, thread count and choice of frames. Only c_e, c_l, c_v and seconds are measured.
 #ifndef REFRAME_PLAN_H
 #define REFRAME_PLAN_H
 
+#include "reframe/error.h"
 #include "reframe/render.h"
+#include "reframe/scene.h"
+#include "reframe/types.h"
+
+RF_API_BEGIN
 
 #define RF_PLAN_ROWS 9
 #define RF_PLAN_TEXT 512
@@ -27,14 +36,14 @@ typedef struct RfPlanRow
     int eyes;        // in a full group
     int spp;         // as rendered
     RfMemoryFit fit; // `least` alone where it does not fit: then what follows is NaN
-    double samples;  // native ones of the frames asked for
+    double samples;  // that the frames asked for trace themselves
     double repeated; // how often each is traced, on the average over the sweeps
     double rays_primary, rays_path, rays_shadow, rays_tile, rays_eye; // expected
     double reach;                                                     // samples that land in a pixel for each of its own
     double gain;                                                      // with fixed costs: what the choice rests on
     double measured_gain; // with those of this scene and machine; NaN until rf_measure_plan
     double seconds;       // of the render, likewise
-    const char* excluded; // why auto does not consider it; NULL: it does
+    const char* excluded; // why RF_GROUP_AUTO does not consider it, a string literal; NULL: it does
     bool chosen;
 } RfPlanRow;
 
@@ -42,13 +51,14 @@ typedef struct RfPlan
 {
     RfPlanRow rows[RF_PLAN_ROWS];
     int count;                          // fewer where the path ends
-    int chosen;                         // index of the row that auto takes
-    char why[RF_PLAN_TEXT];             // it takes it
+    int chosen;                         // index of the row that RF_GROUP_AUTO takes
+    char why[RF_PLAN_TEXT];             // the reason of the choice, in words
     double hit_share, glossy_share;     // of the camera rays: hits that make records, and those among them that are glossy
     size_t bytes_diffuse, bytes_glossy; // of one record
     double c_e, c_l, c_v; // measured, seconds: a camera ray, the light at its hit, one reuse; NaN until rf_measure_plan
 } RfPlan;
 
+// Does the row fit the memory budget at all?
 static inline bool rf_plan_row_fits( const RfPlanRow* row ) { return row->fit.films > 0; }
 
 // Fills the rows; `settings` as for rf_render, their group is not looked at.
@@ -62,7 +72,9 @@ RfResult rf_plan_render( const RfTracer* tracer, const RfEye* eyes, int eye_coun
 RfResult rf_measure_plan( const RfTracer* tracer, const RfEye* eyes, int eye_count, const RfRenderSettings* settings,
                           double seconds, RfPlan* plan, RfError* error );
 
-// Bytes of a hit record of a diffuse and of a glossy hit.
+// Bytes of a hit record of a diffuse and of a glossy hit, in groups of `eyes` frames.
 void rf_record_bytes( const RfScene* scene, const RfRenderSettings* settings, int eyes, size_t* diffuse, size_t* glossy );
+
+RF_API_END
 
 #endif

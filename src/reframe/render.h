@@ -1,64 +1,115 @@
-// Renders frames of a camera path with unbiased frame reuse (Méndez Feliu,
-// Sbert, Szirmay-Kalos, Reusing Frames in Camera Animation, WSCG 2006;
-// estimators.md sections 1 to 3 and 7): harvest and compute over sliding
-// groups of 2n+1 frames.
+// Renders frames of a camera path, with paths reused by neighbouring frames (Méndez
+// Feliu, Sbert, Szirmay-Kalos, Reusing Frames in Camera Animation, WSCG 2006) and by neighbouring
+// pixels (Bekaert, Sbert, Halton, Accelerating Path Tracing by Re-Using Paths, EGWR 2002).
+//
+//     RfRenderSettings asked = rf_default_render_settings(), settings;
+//     asked.spp = 16;
+//     RfRenderCallbacks callbacks = { user, take_frame, NULL };
+//     if ( rf_resolve_settings( tracer, path.eyes, path.count, &asked, &settings, &error ) == RF_OK )
+//         result = rf_render( tracer, path.eyes, path.count, frames, frame_count, &settings, &callbacks, &stats, &error );
+//
+// Every sample that a frame traces also serves the frames of its group, n before and n after it.
+// A group of n = 0 and tiles of one pixel are path tracing.
 #ifndef REFRAME_RENDER_H
 #define REFRAME_RENDER_H
 
-#include "base/arena.h"
-#include "image/exr.h"
-#include "film/aov.h"
-#include "reuse/tile.h"
-#include "scene/eye.h"
-#include "trace/trace.h"
+#include "reframe/aov.h"
+#include "reframe/camera.h"
+#include "reframe/error.h"
+#include "reframe/image.h"
+#include "reframe/scene.h"
+#include "reframe/types.h"
 
-#include <stdbool.h>
-#include <stdint.h>
+RF_API_BEGIN
 
+// How reused samples are weighted.
 typedef enum RfWeights
 {
-    RF_WEIGHTS_EXACT,      // (E1), (E3): the balance heuristic over all eyes
-    RF_WEIGHTS_EQ15,       // FR (15): biased, for comparison
+    RF_WEIGHTS_EXACT,      // the balance heuristic over all eyes: unbiased
+    RF_WEIGHTS_EQ15,       // (15) of Reusing Frames in Camera Animation: biased, for comparison
     RF_WEIGHTS_UNWEIGHTED, // all hits of a pixel averaged: biased, for comparison
 } RfWeights;
 
+// How the sum A of weighted samples is divided by the sum B of weights.
 typedef enum RfNormalize
 {
-    RF_NORMALIZE_CROSSFIT, // (E2): unbiased
+    RF_NORMALIZE_CROSSFIT, // by a B that does not depend on the samples: unbiased
     RF_NORMALIZE_RATIO,    // A/B: small bias
     RF_NORMALIZE_NONE,     // A: unbiased, noisy
 } RfNormalize;
 
-// The files that callbacks->frame writes, for the memory that it takes to write one.
+// "exact", "eq15", "unweighted".
+const char* rf_weights_name( RfWeights weights );
+
+// "crossfit", "ratio", "none".
+const char* rf_normalize_name( RfNormalize normalize );
+
+// How the lights of a vertex are sampled.
+typedef enum RfLightSampling
+{
+    RF_LIGHTS_BY_TREE,  // in proportion to what they may send to the vertex; by power where there are few
+    RF_LIGHTS_BY_POWER, // wherever the vertex is: for comparison
+} RfLightSampling;
+
+typedef enum RfTileKind
+{
+    RF_TILE_NONE,  // no reuse between pixels
+    RF_TILE_BLOCK, // width × height neighbours
+    RF_TILE_ROOKS, // N pixels of an N × N grid, each row and column used once; N tiles make up the grid
+} RfTileKind;
+
+// A set of pixels of one frame that reuse each other's paths.
+typedef struct RfTile
+{
+    RfTileKind kind;
+    int width, height; // of a block, pixels; both N with rooks
+} RfTile;
+
+#define RF_MAX_TILE_PIXELS 64
+#define RF_TILE_NAME_SIZE 24
+
+// "1", "WxH" or "rooksN" with at most RF_MAX_TILE_PIXELS pixels to a tile; false where it is none of
+// them. Tiles of one pixel are RF_TILE_NONE.
+bool rf_parse_tile( const char* text, RfTile* tile );
+
+// The name that parses to it.
+void rf_tile_name( const RfTile* tile, char text[RF_TILE_NAME_SIZE] );
+
+// The files that callbacks->frame writes: their format, and what it takes to write one, which is
+// part of the memory budget.
 typedef struct RfFrameFiles
 {
     bool written; // else the rest does not matter
-    bool half;    // colour, and the layers that can be
+    bool half;    // 16-bit floats for colour, albedo and normal; else 32 bits for all
     RfExrCompression compression;
 } RfFrameFiles;
 
+// Files of 16-bit floats, ZIP, as rf_write_frame writes them for the settings' `files`.
+RfFrameFiles rf_default_frame_files( void );
+
+// What is to be rendered, and how. From rf_default_render_settings.
 typedef struct RfRenderSettings
 {
-    int spp;            // native samples per pixel and frame in all; with noise or time about the most
-    double noise;       // each frame stops when its estimated relMSE is below; 0: spp are rendered
-    double time;        // seconds for each frame asked for, in the mean; 0: as many as it takes
-    int group;          // half-width n, cut to the path; RF_GROUP_AUTO: chosen
-    RfTile tile;        // pixels of a frame that share their paths
-    bool tile_roulette; // Russian roulette on connections in a tile that are worth little
-    bool adaptive;      // extra native samples for pixels that few other frames help; RF_WEIGHTS_EXACT only
+    int spp;            // samples that a frame traces per pixel; with noise or time the most
+    double noise;       // each frame stops when its estimated relMSE is at most this; 0: spp are rendered
+    double time;        // seconds for each frame asked for, on average; 0: as long as it takes
+    int group;          // half-width n, cut to the path; RF_GROUP_AUTO: chosen by the plan
+    RfTile tile;        // pixels of a frame that reuse each other's paths
+    bool tile_roulette; // Russian roulette on connections in a tile that contribute little
+    bool adaptive;      // extra samples for pixels that few other frames help; RF_WEIGHTS_EXACT only
     RfWeights weights;
     RfNormalize normalize;
-    int max_depth;                  // path vertices after the eye
-    int light_samples;              // K per vertex
-    RfLightSampling light_sampling; // how their lights are picked
+    int max_depth;     // path vertices after the eye
+    int light_samples; // per vertex
+    RfLightSampling light_sampling;
     uint64_t seed;
     int threads;        // 0: all cores
-    size_t memory;      // budget in bytes; 0: half of what is free
+    size_t memory;      // budget in bytes, beyond scene and BVH; 0: half of what is free
     int queue;          // finished frames, at most, that callbacks->frame is given in a thread of its own
                         // while rendering goes on; fewer where memory is short. 0: it is called in between
-    bool hold_all;      // all hit records of a group at once, as the paper has it, packed: for comparison, the
-                        // pictures are the same; else as few as serve the threads
-    unsigned layers;    // RF_AOV_BIT of those that are wanted besides the colour, which they do not change
+    bool hold_all;      // all hit records of a group at once, as in the paper: for comparison, the pictures are
+                        // the same; else as few as serve the threads
+    unsigned layers;    // RF_AOV_BIT of the AOVs that are wanted besides the colour, which they do not change
     RfFrameFiles files; // part of the budget
 } RfRenderSettings;
 
@@ -72,10 +123,12 @@ typedef struct RfRenderSettings
 #define RF_MAX_QUEUE 64
 #define RF_MAX_IMAGE_SIDE ( 1 << 15 ) // pixels
 
+// 28 samples, the group that the plan chooses, tiles of 3×3, exact weights, depth 12, seed 1, all cores,
+// half of the free memory, no AOVs, no files.
 RfRenderSettings rf_default_render_settings( void );
 
-// The settings as a render of this path will use them: group chosen by the plan
-// (reuse/plan.h: some thousand paths are traced for RF_GROUP_AUTO) and cut to
+// The settings as a render of this path will use them: the group chosen by the plan
+// (reframe/plan.h: some thousand paths are traced for RF_GROUP_AUTO) and cut to
 // the path, spp rounded up to what its groups need, threads and memory filled
 // in, normalisation that the weights allow. Rendering with the result is the
 // same as with the settings. Fails with RF_ERROR_USAGE for values out of range.
@@ -88,16 +141,18 @@ RfResult rf_resolve_settings( const RfTracer* tracer, const RfEye* eyes, int eye
 typedef struct RfMemoryFit
 {
     int threads;
-    int films;   // held at once
-    int sweeps;  // how often the path is gone through, each time for `films` frames; 1: the films all fit
-    int batches; // of hit records held at once
-    int chunks;  // that a pass of a full group takes
-    size_t bytes_films, bytes_hits, bytes_lists; // films and images; hit records; workspaces: index lists, the writing of files
-    size_t least;                                // the smallest budget that works
+    int films;          // held at once; 0: it does not fit, and only `least` is valid
+    int sweeps;         // over the path, each for `films` frames; 1: the films all fit
+    int batches;        // of hit records held at once
+    int chunks;         // that a pass of a full group takes
+    size_t bytes_films; // films and images
+    size_t bytes_hits;  // hit records
+    size_t bytes_lists; // workspaces: index lists, the writing of files
+    size_t least;       // the smallest budget that works
 } RfMemoryFit;
 
-// The fit of a render of `frame_count` frames with resolved settings. Fails with
-// RF_ERROR_MEMORY, and a line that names the smallest budget, where there is none.
+// The fit of a render of `frame_count` frames with resolved settings. Fails with RF_ERROR_MEMORY
+// where the budget is too small: fit->least and error->least_memory are what is needed.
 // With hold_all the held records are not in it, nor is it an error: only rf_render
 // knows how many there are, and says so before it renders.
 RfResult rf_fit_memory( const RfScene* scene, const RfEye* eyes, int eye_count, int frame_count, const RfRenderSettings* settings,
@@ -108,21 +163,22 @@ typedef struct RfFrameResult
 {
     int frame; // index into the eyes, from 0
     int width, height;
-    const float* rgb;    // 3 × width × height
-    const float* weight; // width × height: B, the mean of the summed weights; E[B] = 1 with exact weights, else hits per pass
+    const float* rgb;                  // 3 × width × height
+    const float* weight;               // width × height: the mean of the summed weights B; E[B] = 1 with exact
+                                       // weights, else hits per pass
     const float* layers[RF_AOV_COUNT]; // rf_aov_channels × width × height; NULL: not asked for
     double seconds;                    // wall time since the frame before it
-    double relmse_estimate;            // from the film halves; NaN with a single pass
-    double native_spp;                 // native samples traced per pixel
-    double effective_spp;              // samples that landed per pixel, native and reused
-    bool reached;                      // the estimate is below settings.noise, or nothing was asked
+    double relmse_estimate;            // from two halves of the samples; NaN with a single pass
+    double native_spp;                 // samples that the frame traced itself, per pixel
+    double effective_spp;              // samples that landed in a pixel, its own and reused ones
+    bool reached;                      // the estimate is at most settings.noise, or nothing was asked
 } RfFrameResult;
 
 typedef struct RfProgress
 {
     int frames_done, frames_all;
     double share;   // of the whole work, 0 to 1
-    double samples; // native samples traced so far
+    double samples; // traced so far
     double seconds; // since the start
     double relmse;  // estimate of the last finished frame; NaN: not known
 } RfProgress;
@@ -142,8 +198,22 @@ typedef struct RfRenderCallbacks
 
 typedef struct RfRayCounts
 {
-    uint64_t primary, path, shadow, tile, eye;
+    uint64_t primary; // from eyes
+    uint64_t path;    // of paths beyond the first hit
+    uint64_t shadow;  // to lights
+    uint64_t tile;    // that connect paths of a tile
+    uint64_t eye;     // from hits to the eyes of other frames
 } RfRayCounts;
+
+// Memory of a render by what it is for.
+typedef struct RfArenaEntry
+{
+    const char* name; // a string literal
+    size_t bytes;     // in use now
+    size_t peak;      // the most that was ever in use
+} RfArenaEntry;
+
+#define RF_ARENA_MAX_NAMES 32
 
 typedef struct RfRenderStats
 {
@@ -152,22 +222,23 @@ typedef struct RfRenderStats
     size_t peak_bytes, budget_bytes;
     int group;   // as rendered
     int spp;     // as rendered: rounded up to what the groups need
-    int threads; // likewise: fewer where memory is short
+    int threads; // as rendered: fewer where memory is short
     RfMemoryFit fit;
-    int missed;   // frames finished with an estimate above settings.noise
-    bool hurried; // settings.time was too short for the least: two passes of a frame
-    int entry_count;
-    RfArenaEntry entries[RF_ARENA_MAX_NAMES]; // what the bytes were for, with the most of each
+    int missed;      // frames finished with an estimate above settings.noise
+    bool hurried;    // settings.time was too short for the least: two passes of a frame
+    int entry_count; // of the entries
+    RfArenaEntry entries[RF_ARENA_MAX_NAMES];
 } RfRenderStats;
 
-// Renders `frames` (ascending indices into the `eye_count` eyes of the whole
-// path; a frame's result does not depend on which others are asked for, except
-// with noise or time, which look at what was rendered before) and
-// hands each to callbacks->frame as soon as it is finished, in order. All eyes
-// have the same film size. Two runs, and any number of threads, give the same
-// bits, except with time. Fails with RF_ERROR_USAGE for settings out of range, RF_ERROR_MEMORY
-// where the smallest chunk of a single film does not fit the budget.
+// Renders `frames` (ascending indices into the `eye_count` eyes of the whole path, which have one
+// film size) and hands each to callbacks->frame as soon as it is finished, in order. A frame does
+// not depend on which others are asked for, except with noise or time, which look at what was
+// rendered before. Two runs, and any number of threads, give the same bits, except with time.
+// `stats` may be NULL. Fails with RF_ERROR_USAGE for settings out of range, RF_ERROR_MEMORY where the
+// smallest chunk of a single film does not fit the budget, RF_ERROR_INTERRUPTED, or as a callback does.
 RfResult rf_render( const RfTracer* tracer, const RfEye* eyes, int eye_count, const int* frames, int frame_count,
                     const RfRenderSettings* settings, const RfRenderCallbacks* callbacks, RfRenderStats* stats, RfError* error );
+
+RF_API_END
 
 #endif

@@ -1,11 +1,13 @@
 #include "render/frame_queue.h"
 
+#include "trace/trace.h"
+
 // Calls the caller with the oldest buffer, unless a frame before it failed.
 static void hand_over( RfFrameQueue* d, const RfFrameBuffer* buffer )
 {
     if ( d->callbacks->frame == NULL || d->result != RF_OK )
         return;
-    RfError error = { RF_OK, "" };
+    RfError error = { .code = RF_OK };
     RfResult result = d->callbacks->frame( d->callbacks->user, &buffer->result, &error );
     if ( result == RF_OK )
         return;

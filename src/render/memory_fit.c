@@ -2,6 +2,8 @@
 // fewer threads or with the films of fewer frames, whichever costs less time.
 #include "render/render_internal.h"
 
+#include "base/remedy.h"
+
 // Batches without which the threads could not all work.
 static int batches_needed( const RenderSizes* s )
 {
@@ -73,10 +75,8 @@ static int batches_that_fit( size_t budget, const RenderSizes* s )
 
 static RfResult fail_held( size_t budget, size_t least, RfError* error )
 {
-    return rf_fail( error, RF_ERROR_MEMORY,
-                    "--hold-all: a budget of %zu KiB is too small for all hit records of a group: give --memory %zuK or more, or "
-                    "leave it off",
-                    budget / 1024, least / 1024 );
+    return rf_advise( rf_fail( error, RF_ERROR_MEMORY, "a budget of %zu KiB is too small for all hit records of a group", budget / 1024 ),
+                      RF_REMEDY_HOLD_LESS, least, error );
 }
 
 RfResult rf_fit_sizes( size_t budget, int frames, RenderSizes* sizes, RfMemoryFit* fit, RfError* error )
@@ -87,9 +87,10 @@ RfResult rf_fit_sizes( size_t budget, int frames, RenderSizes* sizes, RfMemoryFi
     if ( sizes->films == 0 && sizes->held > 0 )
         return fail_held( budget, fit->least, error );
     if ( sizes->films == 0 )
-        return rf_fail( error, RF_ERROR_MEMORY,
-                        "a budget of %zu KiB is too small for frames of %dx%d: give --memory %zuK or more, or lower --size",
-                        budget / 1024, sizes->width, sizes->height, fit->least / 1024 );
+        return rf_advise( rf_fail( error, RF_ERROR_MEMORY,
+                                   "a budget of %zu KiB is too small for frames of %dx%d", budget / 1024, sizes->width,
+                                   sizes->height ),
+                          RF_REMEDY_MEMORY, fit->least, error );
     fit->threads = sizes->threads;
     fit->films = sizes->films;
     fit->sweeps = sizes->films == wanted ? 1 : up( frames, sizes->films );

@@ -3,6 +3,7 @@
 
 #include "render/adaptive.h"
 #include "scene/textured.h"
+#include "image/exr.h"
 
 #define BATCHES_PER_THREAD 16 // in a chunk: enough to share out, few enough to stay in the cache
 

@@ -16,8 +16,8 @@ static const int s_groups[RF_PLAN_ROWS] = { 0, 1, 2, 3, 4, 6, 8, 12, 16 };
 #define COST_LIT 7.0     // for each direction that a glossy one is lit from
 
 // Why auto leaves a row out.
-static const char s_no_room[] = "does not fit --memory", s_films[] = "films over half of --memory",
-                  s_sweeps[] = "goes through the path several times", s_rounded[] = "--spp rounded up too far";
+static const char s_no_room[] = "does not fit the memory", s_films[] = "films over half of the memory",
+                  s_sweeps[] = "goes through the path several times", s_rounded[] = "samples rounded up too far";
 
 #define FLAT 0.9      // of the best gain is as good: smaller groups need less memory, and less for a single frame
 #define ROUNDING 1.25 // times the samples asked for may be traced
@@ -141,11 +141,11 @@ static int rows_against( const RfPlan* plan, const char* reason )
 static void explain( RfPlan* plan, const RfRenderSettings* settings )
 {
     char rounded[96];
-    snprintf( rounded, sizeof rounded, "--spp %d would be rounded up by more than a quarter", settings->spp );
+    snprintf( rounded, sizeof rounded, "%d sample%s would be rounded up by more than a quarter", settings->spp, settings->spp == 1 ? "" : "s" );
     const char* const reasons[][3] = { { s_films, s_films, s_films },
                                        { s_sweeps, s_sweeps, "go through the path several times" },
                                        { s_rounded, rounded, rounded },
-                                       { s_no_room, s_no_room, "do not fit --memory" } };
+                                       { s_no_room, s_no_room, "do not fit the memory" } };
     const RfPlanRow* best = plan->rows + plan->chosen;
     for ( int i = 0; i < plan->count; ++i )
         best = plan->rows[i].excluded == NULL && plan->rows[i].gain > best->gain ? plan->rows + i : best;

@@ -49,7 +49,7 @@ bool rf_parse_tile( const char* text, RfTile* tile )
     return rf_is_tile( tile );
 }
 
-void rf_tile_name( const RfTile* tile, char* text )
+void rf_tile_name( const RfTile* tile, char text[RF_TILE_NAME_SIZE] )
 {
     if ( tile->kind == RF_TILE_NONE )
         strcpy( text, "1" );

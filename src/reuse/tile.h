@@ -5,34 +5,10 @@
 #ifndef REFRAME_REUSE_TILE_H
 #define REFRAME_REUSE_TILE_H
 
+#include "reframe/render.h"
 #include "scene/eye.h"
 
-#include <stdbool.h>
-#include <stdint.h>
-
-typedef enum RfTileKind
-{
-    RF_TILE_NONE,  // nothing is shared
-    RF_TILE_BLOCK, // width × height neighbours
-    RF_TILE_ROOKS, // N pixels of an N × N grid, each row and column used once; N tiles make up the grid
-} RfTileKind;
-
-typedef struct RfTile
-{
-    RfTileKind kind;
-    int width, height; // of a block, pixels; both N with rooks
-} RfTile;
-
-#define RF_MAX_TILE_PIXELS 64
-
 static inline RfTile rf_no_tile( void ) { return ( RfTile ){ RF_TILE_NONE, 1, 1 }; }
-
-// "1", "WxH" or "rooksN" with at most RF_MAX_TILE_PIXELS pixels; false where it
-// is none of them. Tiles of one pixel are RF_TILE_NONE.
-bool rf_parse_tile( const char* text, RfTile* tile );
-
-// The name that parses to it. `text` holds 24 characters.
-void rf_tile_name( const RfTile* tile, char* text );
 
 bool rf_is_tile( const RfTile* tile );
 

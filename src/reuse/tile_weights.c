@@ -2,6 +2,8 @@
 // vertices, and with what density they would have found them.
 #include "reuse/tile_reuse.h"
 
+#include "reuse/tile.h"
+
 #include <string.h>
 
 // Directions of a turn, and ρ but for the density and the visibility; 0 where

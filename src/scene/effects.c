@@ -1,4 +1,4 @@
-#include "scene/effects.h"
+#include "scene/scene.h"
 
 #include "scene/textured.h"
 

@@ -1,18 +1,9 @@
-// An eye: a pinhole camera of one frame, in world space, with its film in
-// pixels. Film coordinates: x to the right, y down, pixel (i, j) is the unit
-// square [i, i+1) × [j, j+1).
+// Eyes (reframe/camera.h) and the arithmetic in doubles that makes them.
 #ifndef REFRAME_SCENE_EYE_H
 #define REFRAME_SCENE_EYE_H
 
 #include "math/vec3.h"
-
-typedef struct RfEye
-{
-    RfVec3 origin;
-    RfVec3 right, up, forward; // orthonormal
-    float focal;               // f_k: focal length in pixels
-    int width, height;         // film size in pixels
-} RfEye;
+#include "reframe/camera.h"
 
 static inline void rf_cross3( const double a[3], const double b[3], double out[3] )
 {
@@ -26,28 +17,6 @@ static inline void rf_unit3( double v[3] )
     double length = sqrt( v[0] * v[0] + v[1] * v[1] + v[2] * v[2] );
     for ( int i = 0; i < 3; ++i )
         v[i] = length > 0.0 ? v[i] / length : v[i];
-}
-
-// A right-handed eye that looks from `origin` along `forward`, with `up` made
-// orthogonal to it; yfov in radians over the film's height. forward and up
-// need not be unit but must not be parallel or zero.
-static inline RfEye rf_make_eye( RfVec3 origin, RfVec3 forward, RfVec3 up, double yfov, int width, int height )
-{
-    RfEye eye;
-    eye.origin = origin;
-    double f[3] = { (double)forward.x, (double)forward.y, (double)forward.z };
-    double u[3] = { (double)up.x, (double)up.y, (double)up.z }, r[3];
-    rf_unit3( f );
-    rf_cross3( f, u, r ); // in doubles: up may lean far towards forward
-    rf_unit3( r );
-    rf_cross3( r, f, u );
-    eye.forward = rf_vec3( (float)f[0], (float)f[1], (float)f[2] );
-    eye.right = rf_vec3( (float)r[0], (float)r[1], (float)r[2] );
-    eye.up = rf_vec3( (float)u[0], (float)u[1], (float)u[2] );
-    eye.focal = (float)( 0.5 * (double)height / tan( 0.5 * yfov ) );
-    eye.width = width;
-    eye.height = height;
-    return eye;
 }
 
 #endif

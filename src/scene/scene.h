@@ -4,7 +4,7 @@
 #ifndef REFRAME_SCENE_SCENE_H
 #define REFRAME_SCENE_SCENE_H
 
-#include "reframe/error.h"
+#include "reframe/scene.h"
 #include "math/mat4.h"
 #include "math/vec3.h"
 #include "scene/texture.h"
@@ -155,7 +155,7 @@ typedef struct RfPunctual
     float range;                // nothing arrives from farther away, m; infinity: no limit
 } RfPunctual;
 
-typedef struct RfScene
+struct RfScene
 {
     char* path;            // the file it came from
     uint64_t content_hash; // of the file's bytes (and its buffers'), for --resume
@@ -176,7 +176,7 @@ typedef struct RfScene
     int camera_count;
     RfCamera* cameras;
     int chosen_camera; // 1 + the one that a scene file asks for; 0: none
-} RfScene;
+};
 
 // Frees all that a loader filled in, and clears the struct. NULL-safe inside.
 void rf_destroy_scene( RfScene* scene );

@@ -147,6 +147,12 @@ const RfScene* rf_tracer_scene( const RfTracer* tracer ) { return tracer->scene;
 bool rf_tracer_is_textured( const RfTracer* tracer ) { return tracer->textured; }
 bool rf_tracer_is_blended( const RfTracer* tracer ) { return tracer->bvh.blended; }
 const RfLights* rf_tracer_lights( const RfTracer* tracer ) { return &tracer->lights; }
+
+bool rf_tracer_has_light( const RfTracer* tracer )
+{
+    const RfLights* lights = rf_tracer_lights( tracer );
+    return lights->count > 0 || rf_has_sky( lights );
+}
 const RfTriangleRecord* rf_tracer_triangles( const RfTracer* tracer ) { return tracer->triangles; }
 const char* rf_tracer_device( const RfTracer* tracer ) { return tracer->text; }
 size_t rf_tracer_bytes( const RfTracer* tracer )

@@ -1,6 +1,7 @@
 // Embree behind a small door: nearest hits and occlusion, always for arrays of
 // rays, as structures of arrays. Rays are traced in packets of 16 in the order
 // given; what lies next to each other in the arrays should be close in space.
+// Creating a tracer, and what it is of: reframe/scene.h.
 #ifndef REFRAME_TRACE_TRACE_H
 #define REFRAME_TRACE_TRACE_H
 
@@ -10,14 +11,6 @@
 #include <stddef.h>
 #include <stdint.h>
 
-typedef struct RfTracer RfTracer;
-
-// Builds the BVH of a scene, which must outlive the tracer. An empty scene is
-// allowed: every ray misses.
-RfResult rf_create_tracer( const RfScene* scene, RfTracer** tracer, RfError* error );
-void rf_destroy_tracer( RfTracer* tracer );
-
-const RfScene* rf_tracer_scene( const RfTracer* tracer );
 // Does some surface let part of the light through (alpha blending)? Then
 // visibility is any number from 0 to 1.
 bool rf_tracer_is_blended( const RfTracer* tracer );
@@ -25,11 +18,6 @@ bool rf_tracer_is_blended( const RfTracer* tracer );
 bool rf_tracer_is_textured( const RfTracer* tracer );
 // The lights of the scene, collected at creation (light/light.h).
 const RfLights* rf_tracer_lights( const RfTracer* tracer );
-// What the image depends on besides the scene: Embree's version and instruction set.
-const char* rf_tracer_device( const RfTracer* tracer );
-// Memory that Embree holds, bytes.
-size_t rf_tracer_bytes( const RfTracer* tracer );
-
 #define RF_MISS 0xffffffffu
 
 // What a surface is at a triangle, in one place: a hit reads one of these.

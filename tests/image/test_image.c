@@ -3,7 +3,7 @@
 #include "image/atomic_file.h"
 #include "image/exr.h"
 #include "image/half.h"
-#include "image/png.h"
+#include "reframe/image.h"
 #include "image/sequence.h"
 #include "support/image_support.h"
 

@@ -2,26 +2,11 @@
 
 #include "cli/options/frame_list.h"
 #include "image/sequence.h"
+#include "measure/sequences.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-// A frame that only one of the sequences has is an error that names it.
-static RfResult match_frames( const RfCompareFrames* frames, const int* a, int a_count, const int* b, int b_count,
-                              RfError* error )
-{
-    int count = a_count > b_count ? a_count : b_count;
-    for ( int i = 0; i < count; ++i )
-    {
-        if ( i < a_count && i < b_count && a[i] == b[i] )
-            continue;
-        bool in_a = i == b_count || ( i < a_count && a[i] < b[i] );
-        return rf_fail( error, RF_ERROR_IO, "frame %d is in %.300s but not in %.300s: choose those that both have by --frames",
-                        in_a ? a[i] : b[i], frames->patterns[in_a ? 0 : 1], frames->patterns[in_a ? 1 : 0] );
-    }
-    return RF_OK;
-}
 
 static bool has_frame( const int* frames, int count, int frame )
 {
@@ -56,32 +41,39 @@ static RfResult choose_frames( RfCompareFrames* frames, const int* b, int b_coun
     return RF_OK;
 }
 
-RfResult rf_find_compare_frames( RfCompareFrames* frames, RfError* error )
+static RfResult find_chosen( RfCompareFrames* frames, RfError* error )
 {
-    bool sequences[2] = { rf_is_sequence( frames->patterns[0] ), rf_is_sequence( frames->patterns[1] ) };
-    frames->count = 1;
-    if ( sequences[0] != sequences[1] )
-        return rf_fail( error, RF_ERROR_USAGE, "%s is a sequence and %s a single file: give two of a kind",
-                        frames->patterns[sequences[0] ? 0 : 1], frames->patterns[sequences[0] ? 1 : 0] );
-    if ( !sequences[0] && frames->list != NULL )
-        return rf_fail( error, RF_ERROR_USAGE, "--frames: is of sequences, and these are two files" );
-    if ( !sequences[0] )
-        return RF_OK;
     int* b = NULL;
     int b_count = 0;
     RfResult result = rf_sequence_frames( frames->patterns[0], &frames->frames, &frames->count, error );
     if ( result == RF_OK )
         result = rf_sequence_frames( frames->patterns[1], &b, &b_count, error );
-    if ( result == RF_OK && frames->list != NULL )
+    if ( result == RF_OK )
         result = choose_frames( frames, b, b_count, error );
-    else if ( result == RF_OK )
-    {
-        result = match_frames( frames, frames->frames, frames->count, b, b_count, error );
-        if ( result == RF_OK )
-            result = rf_missing_frames( frames->frames, frames->count, &frames->missing, &frames->missing_count, error );
-    }
     free( b );
     return result;
+}
+
+static RfResult find_all( RfCompareFrames* frames, RfError* error )
+{
+    RfResult result = rf_match_sequences( frames->patterns[0], frames->patterns[1], &frames->frames, &frames->count, error );
+    if ( result != RF_OK )
+        return result;
+    return rf_missing_frames( frames->frames, frames->count, &frames->missing, &frames->missing_count, error );
+}
+
+RfResult rf_find_compare_frames( RfCompareFrames* frames, RfError* error )
+{
+    bool are_sequences;
+    frames->count = 1;
+    RfResult result = rf_check_patterns( frames->patterns[0], frames->patterns[1], &are_sequences, error );
+    if ( result != RF_OK )
+        return result;
+    if ( !are_sequences && frames->list != NULL )
+        return rf_fail( error, RF_ERROR_USAGE, "--frames: is of sequences, and these are two files" );
+    if ( !are_sequences )
+        return RF_OK;
+    return frames->list != NULL ? find_chosen( frames, error ) : find_all( frames, error );
 }
 
 void rf_free_compare_frames( RfCompareFrames* frames )

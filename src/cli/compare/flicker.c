@@ -5,7 +5,7 @@
 #include "cli/options/options.h"
 #include "cli/render/progress.h"
 #include "cli/messages.h"
-#include "image/png.h"
+#include "reframe/image.h"
 
 #include <stdlib.h>
 #include <string.h>

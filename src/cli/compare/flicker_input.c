@@ -1,5 +1,6 @@
 #include "cli/compare/flicker_run.h"
 
+#include "cli/messages.h"
 #include "cli/options/frame_list.h"
 #include "image/sequence.h"
 
@@ -99,13 +100,25 @@ static RfResult fail_no_motion( const RfFlickerRun* flicker, RfError* error )
                     flicker->first_path );
 }
 
+// Faults of the names that were given, "motion: ...", are those of the options.
+static void name_option( const RfFlickerRun* flicker, RfError* error )
+{
+    bool given = flicker->motion != NULL || flicker->depth != NULL;
+    if ( error->remedy == RF_REMEDY_NONE && given )
+        rf_fail( error, error->code, "--%s", error->text );
+}
+
 // For the main figures: those of the first frame, which all want.
 static RfResult find_main_layers( RfFlickerRun* flicker, bool compensate, RfError* error )
 {
     RfFlickerLayers* layers = &flicker->layers;
     RfResult result = rf_read_exr_header( flicker->first_path, flicker->layer, &flicker->layered, error );
     if ( result == RF_OK && compensate )
+    {
         result = rf_find_flicker_layers( flicker->first_path, &flicker->layered, flicker->motion, flicker->depth, layers, error );
+        if ( result != RF_OK )
+            name_option( flicker, error );
+    }
     // the variance is the colour's, not that of another layer
     if ( result == RF_OK && flicker->reference == NULL && flicker->layer == NULL )
         result = rf_find_variance_layers( flicker->first_path, &flicker->layered, layers, error );
@@ -136,10 +149,15 @@ static RfResult find_layers_beside( RfFlickerRun* flicker, RfError* error )
     if ( result != RF_OK )
         return result;
     if ( flicker->depth != NULL && unclear.code != RF_OK )
-        return rf_fail( error, unclear.code, "%s", unclear.text );
+    {
+        name_option( flicker, &unclear );
+        *error = unclear;
+        return unclear.code;
+    }
     if ( flicker->depth != NULL && layers->motion[0] == NULL )
         return fail_no_motion( flicker, error );
-    snprintf( flicker->report.unfollowed, sizeof flicker->report.unfollowed, "%.511s", unclear.text );
+    if ( unclear.code != RF_OK )
+        rf_format_error( &unclear, flicker->report.unfollowed, sizeof flicker->report.unfollowed );
     flicker->report.follows = layers->motion[0] != NULL;
     layers->may_lack = true;
     return RF_OK;

@@ -11,6 +11,7 @@
 #define REFRAME_CLI_OPTIONS_OPTIONS_H
 
 #include "reframe/error.h"
+#include "reframe/types.h"
 #include "base/words.h"
 
 #include <stdbool.h>
@@ -35,12 +36,6 @@ typedef struct RfSize
 {
     int width, height;
 } RfSize;
-
-typedef struct RfFps
-{
-    int numerator; // 0: not given
-    int denominator;
-} RfFps;
 
 typedef struct RfOption
 {

@@ -1,6 +1,7 @@
 #include "cli/options/plan_options.h"
 
 #include "cli/options/shot_options.h"
+#include "output/names.h"
 
 static const char* const s_files[] = { "SCENE" };
 static RfRenderOptions s_parsed; // the table points here
@@ -53,7 +54,7 @@ static const RfOption s_options[] = {
       .help = "how the sum of weights is divided out; here it makes no difference" },
     RF_LIGHT_OPTIONS( s_parsed ),
     RF_MACHINE_OPTIONS( s_parsed, "threads of the render; the group does not depend on them" ),
-    RF_AOV_OPTION( s_parsed ),
+    RF_AOV_OPTION( s_parsed, "further channels, which need memory:" ),
     RF_RESULT_OPTIONS( s_parsed, "no words on the costs being measured" ),
 };
 

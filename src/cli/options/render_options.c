@@ -1,14 +1,11 @@
 #include "cli/options/render_options.h"
 
-#include "cli/options/camera_options.h"
 #include "cli/options/file_options.h"
-#include "cli/options/aov_list.h"
-#include "image/exr.h"
+#include "cli/options/shot_options.h"
+#include "output/names.h"
 
 #include <string.h>
 
-const char* const rf_weights_words[] = { "exact", "eq15", "unweighted", NULL };
-const char* const rf_normalize_words[] = { "crossfit", "ratio", "none", NULL };
 static const char* const s_compressions[] = { "none", "zip", "piz", NULL }; // in the order of RfExrCompression
 static const char* const s_files[] = { "SCENE" };
 
@@ -176,13 +173,7 @@ static const RfOption s_options[] = {
       .meta = "T",
       .default_text = "all cores",
       .help = "threads; the pictures do not depend on them" },
-    { .name = "aov",
-      .in_file = true,
-      .type = RF_OPTION_STRING,
-      .value = &s_parsed.aov,
-      .meta = "LAYER[,...]",
-      .default_text = "none",
-      .help = "further layers: albedo, normal, depth, motion, variance, samples" },
+    RF_AOV_OPTION( s_parsed, "further channels of each frame:" ),
     { .name = "compression",
       .type = RF_OPTION_CHOICE,
       .value = &s_compression_index,
@@ -226,10 +217,6 @@ static const RfCommandTable s_table = { .command = "render",
                                         .options = s_options,
                                         .option_count = sizeof s_options / sizeof s_options[0] };
 
-const char* rf_weights_name( RfWeights weights ) { return rf_weights_words[weights]; }
-
-const char* rf_normalize_name( RfNormalize normalize ) { return rf_normalize_words[normalize]; }
-
 int rf_default_most_spp( double noise ) { return noise > 0.0 ? MOST_SPP_FOR_NOISE : RF_MAX_SPP; }
 
 static bool ends_with( const char* text, const char* end )
@@ -252,9 +239,9 @@ static RfResult check( const RfRenderOptions* options, RfError* error )
 RfRenderOptions rf_default_render_options( void )
 {
     RfRenderOptions options = {
-        .fps = RF_DEFAULT_FPS, .size = { 960, 540 }, .settings = rf_default_render_settings(), .tile = "3x3"
+        .fps = { 24, 1 }, .size = { 960, 540 }, .settings = rf_default_render_settings(), .tile = "3x3"
     };
-    options.settings.files = ( RfFrameFiles ){ .written = true, .half = true, .compression = RF_EXR_ZIP };
+    options.settings.files = rf_default_frame_files();
     options.settings.queue = WRITE_QUEUE;
     options.weights = options.settings.weights;
     options.normalize = options.settings.normalize;
@@ -283,6 +270,13 @@ RfResult rf_parse_tile_option( RfRenderOptions* options, RfError* error )
                     RF_MAX_TILE_PIXELS, options->tile );
 }
 
+RfResult rf_parse_aov_option( RfRenderOptions* options, RfError* error )
+{
+    RfError reason = { 0 };
+    RfResult result = rf_parse_aovs( options->aov, &options->settings.layers, &reason );
+    return result == RF_OK ? result : rf_fail( error, result, "--aov: %.1000s", reason.text );
+}
+
 RfResult rf_settle_render_options( RfRenderOptions* options, RfError* error )
 {
     RfRenderSettings* settings = &options->settings;
@@ -292,7 +286,7 @@ RfResult rf_settle_render_options( RfRenderOptions* options, RfError* error )
                         rf_weights_name( settings->weights ) );
     RfResult result = rf_parse_tile_option( options, error );
     if ( result == RF_OK )
-        result = rf_parse_aovs( options->aov, &settings->layers, error );
+        result = rf_parse_aov_option( options, error );
     if ( ( settings->noise > 0.0 || settings->time > 0.0 ) && !options->spp_given )
         settings->spp = rf_default_most_spp( settings->noise );
     return result;
@@ -326,7 +320,7 @@ RfResult rf_read_render_defaults( const RfField* defaults, RfRenderOptions* opti
     RfResult result = rf_take_file_options( &s_table, defaults );
     if ( result == RF_OK && rf_parse_tile_option( &s_parsed, &error ) != RF_OK )
         result = rf_fail_file_option( &tile, &error );
-    if ( result == RF_OK && rf_parse_aovs( s_parsed.aov, &s_parsed.settings.layers, &error ) != RF_OK )
+    if ( result == RF_OK && rf_parse_aov_option( &s_parsed, &error ) != RF_OK )
         result = rf_fail_file_option( &aov, &error );
     take_words( &s_parsed );
     *options = s_parsed;

@@ -44,17 +44,14 @@ RfResult rf_parse_render_options_over( const struct RfField* defaults, int argc,
 // settings.tile from the word.
 RfResult rf_parse_tile_option( RfRenderOptions* options, RfError* error );
 
+// settings.layers from the words of --aov.
+RfResult rf_parse_aov_option( RfRenderOptions* options, RfError* error );
+
 // The settings from the words, once all options are known, and the samples that
 // --noise and --time may take where none were given: by the same rule for all
 // that speak of a render. Fails with RF_ERROR_USAGE for what does not go together.
 RfResult rf_settle_render_options( RfRenderOptions* options, RfError* error );
 
 void rf_print_render_help( void );
-
-// Words of the options, as the user writes them; NULL-terminated.
-extern const char* const rf_weights_words[];
-extern const char* const rf_normalize_words[];
-const char* rf_weights_name( RfWeights weights );
-const char* rf_normalize_name( RfNormalize normalize );
 
 #endif

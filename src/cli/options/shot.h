@@ -3,8 +3,8 @@
 #ifndef REFRAME_CLI_OPTIONS_SHOT_H
 #define REFRAME_CLI_OPTIONS_SHOT_H
 
-#include "cli/options/camera_options.h"
 #include "cli/options/render_options.h"
+#include "reframe/camera.h"
 #include "scene/json/scene_file.h"
 
 typedef struct RfShot

@@ -81,10 +81,11 @@
         .default_text = "all cores", .help = threads_help                                                                        \
     }
 
-#define RF_AOV_OPTION( o )                                                                                                       \
+#define RF_AOV_NAME( constant, name, letters, half ) " " name
+#define RF_AOV_OPTION( o, intro )                                                                                                \
     {                                                                                                                            \
-        .name = "aov", .type = RF_OPTION_STRING, .value = &( o ).aov, .meta = "LAYER[,...]", .default_text = "none",             \
-        .help = "further layers, which need memory: albedo, normal, depth, motion, variance, samples"                            \
+        .name = "aov", .in_file = true, .type = RF_OPTION_STRING, .value = &( o ).aov, .meta = "AOV[,...]",                      \
+        .default_text = "none", .help = intro RF_AOV_LIST( RF_AOV_NAME )                                                         \
     }
 
 #define RF_RESULT_OPTIONS( o, quiet_help )                                                                                       \

@@ -1,6 +1,5 @@
 #include "cli/options/tune_options.h"
 
-#include "cli/options/aov_list.h"
 #include "cli/options/shot_options.h"
 
 #include <stdlib.h>
@@ -32,7 +31,7 @@ static const RfOption s_options[] = {
     RF_LIGHT_OPTIONS( s_parsed.render ),
     RF_SEED_OPTION( s_parsed.render ),
     RF_MACHINE_OPTIONS( s_parsed.render, "threads, each of which tries a setting" ),
-    RF_AOV_OPTION( s_parsed.render ),
+    RF_AOV_OPTION( s_parsed.render, "further channels, which need memory:" ),
     RF_RESULT_OPTIONS( s_parsed.render, "no words on what is being tried" ),
 };
 
@@ -54,7 +53,7 @@ static RfResult parse( int argc, char** argv, RfTuneOptions* options, bool* help
     if ( result != RF_OK || *help )
         return result;
     s_parsed.render.scene = s_scene;
-    result = rf_parse_aovs( s_parsed.render.aov, &s_parsed.render.settings.layers, error );
+    result = rf_parse_aov_option( &s_parsed.render, error );
     *options = s_parsed;
     return result;
 }

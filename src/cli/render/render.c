@@ -8,7 +8,6 @@
 #include "cli/render/render_output.h"
 #include "cli/render/render_settings.h"
 #include "cli/messages.h"
-#include "light/light.h"
 #include "render/groups.h"
 #include "scene/json/scene_file.h"
 
@@ -35,6 +34,7 @@ typedef struct Job
     int* kept; // by --resume, likewise
     int kept_count;
     RfTracer* tracer;
+    RfOutput output;
     pthread_mutex_t speech; // what is said: frames are written in a thread of their own
     RfProgressLine line;
     int frames_done;
@@ -66,9 +66,11 @@ static void destroy_job( Job* job )
     json_decref( job->frames_json );
 }
 
-static RfRenderSubject subject_of( const Job* job )
+static RfOutput output_of( const Job* job )
 {
-    return ( RfRenderSubject ){ .options = &job->options, .scene = &job->scene, .path = &job->path };
+    return ( RfOutput ){
+        .pattern = job->options.output, .tracer = job->tracer, .path = &job->path, .settings = job->options.settings
+    };
 }
 
 // From here on the settings are those that are used.
@@ -97,8 +99,8 @@ static RfResult load( Job* job, RfError* error )
 {
     RfResult result = load_scene( job, error );
     if ( result == RF_OK )
-        result =
-            rf_create_camera_path( &job->scene, job->options.camera, job->options.fps, job->options.size, &job->path, error );
+        result = rf_create_camera_path( &job->scene, job->options.camera, job->options.fps, job->options.size.width,
+                                        job->options.size.height, &job->path, error );
     if ( result == RF_OK )
         result = rf_choose_frames( job->options.frames, &job->file, job->path.count, &job->frames, &job->frame_count, error );
     if ( result != RF_OK )
@@ -112,18 +114,12 @@ static RfResult load( Job* job, RfError* error )
         result = resolve( job, error );
     if ( result != RF_OK )
         return result;
-    RfRenderSubject subject = subject_of( job );
-    result = rf_prepare_output( &subject, job->frames, &job->frame_count, job->kept, error );
+    job->output = output_of( job );
+    result = rf_prepare_output( &job->output, &job->options, job->frames, &job->frame_count, job->kept, error );
     job->kept_count = asked_count - job->frame_count;
     if ( result == RF_OK && !job->options.quiet )
         rf_tell_settings( &job->asked, &job->options.settings, &job->fit, job->path.count );
     return result;
-}
-
-static bool has_light( const RfTracer* tracer )
-{
-    const RfLights* lights = rf_tracer_lights( tracer );
-    return lights->count > 0 || rf_has_sky( lights );
 }
 
 // A single pass cannot say how far off it is.
@@ -147,8 +143,8 @@ static void warn_of_scene( Job* job )
 {
     if ( job->scene.triangles.count == 0 )
         rf_warn( &job->log, "%s: has no triangles, the picture will be %s", job->options.scene,
-                 has_light( job->tracer ) ? "sky alone" : "black" );
-    else if ( !has_light( job->tracer ) )
+                 rf_tracer_has_light( job->tracer ) ? "sky alone" : "black" );
+    else if ( !rf_tracer_has_light( job->tracer ) )
         rf_warn( &job->log, "%s: has no lights (no material emits, no lamp, no environment), the picture will be black",
                  job->options.scene );
     warn_of_variance( job );
@@ -159,7 +155,7 @@ static void warn_of_scene( Job* job )
 static void warn_if_black( Job* job, const RfFrameResult* result )
 {
     size_t count = 3 * (size_t)result->width * (size_t)result->height;
-    if ( job->told_black || !has_light( job->tracer ) )
+    if ( job->told_black || !rf_tracer_has_light( job->tracer ) )
         return;
     for ( size_t i = 0; i < count; ++i )
     {
@@ -199,8 +195,7 @@ static void warn_of_stop( Job* job )
 static RfResult on_frame( void* user, const RfFrameResult* result, RfError* error )
 {
     Job* job = user;
-    RfRenderSubject subject = subject_of( job );
-    RfResult written = rf_write_frame( &subject, result, rf_tracer_device( job->tracer ), error );
+    RfResult written = rf_write_frame( &job->output, result, error );
     if ( written != RF_OK )
         return written;
     pthread_mutex_lock( &job->speech );

@@ -1,7 +1,7 @@
 #include "cli/render/render_json.h"
 
 #include "cli/messages.h"
-#include "scene/effects.h"
+#include "reframe/scene.h"
 
 #include <stdio.h>
 
@@ -69,7 +69,7 @@ json_t* rf_render_json( const RfRenderOptions* options, const RfScene* scene, co
     char tile[24];
     rf_tile_name( &options->settings.tile, tile );
     json_t* json = json_pack( "{s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:i, s:s, s:s, s:s, s:i, s:o, s:i, s:b}", "version",
-                              REFRAME_VERSION, "scene", rf_json_text( options->scene ), "frames", run->frames, "seconds",
+                              rf_version(), "scene", rf_json_text( options->scene ), "frames", run->frames, "seconds",
                               rf_json_number( run->seconds ), "seconds_scene", rf_json_number( run->seconds_scene ), "peak_bytes",
                               count_json( stats->peak_bytes ), "budget_bytes", count_json( stats->budget_bytes ), "bytes",
                               bytes_json( stats ), "rays", rays_json( &stats->rays ), "group", stats->group, "tile", tile,

@@ -36,7 +36,7 @@ static RfResult take_defaults( const RfField* defaults, void* user, RfError* err
 static void compare_with_paper( Job* job )
 {
     RfRenderSettings settings = job->options.settings;
-    settings.tile = rf_no_tile();
+    settings.tile = ( RfTile ){ RF_TILE_NONE, 1, 1 };
     settings.light_samples = 1;
     size_t diffuse, glossy;
     rf_record_bytes( &job->shot.scene, &settings, 7, &diffuse, &glossy );

@@ -1,13 +1,13 @@
-#include "cli/options/camera_options.h"
-
+// The eyes of a whole path.
 #include "base/file.h"
+#include "reframe/render.h"
 #include "scene/camera.h"
 #include "scene/camera_path/camera_track.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-double rf_fps_value( RfFps fps ) { return (double)fps.numerator / (double)fps.denominator; }
+RfCameraPath rf_empty_camera_path( void ) { return ( RfCameraPath ){ .name = NULL }; }
 
 static bool is_path_file( const char* name )
 {
@@ -24,22 +24,23 @@ static uint64_t hash_eye( uint64_t hash, const RfEye* e )
 }
 
 // The eyes of all frames; the hash starts with what a path file has.
-static RfResult make_eyes( const RfScene* scene, const RfCamera* camera, RfFps fps, RfSize size, RfCameraPath* path,
-                           RfError* error )
+static RfResult make_eyes( const RfScene* scene, const RfCamera* camera, RfFps fps, int width, int height,
+                           RfCameraPath* path, RfError* error )
 {
-    RfResult result = rf_scene_frame_count( scene, camera, rf_fps_value( fps ), &path->count, error );
+    RfResult result = rf_scene_frame_count( scene, camera, (double)fps.numerator / (double)fps.denominator, &path->count, error );
     if ( result != RF_OK )
         return result;
     path->name = strdup( camera->name );
     path->eyes = malloc( (size_t)path->count * sizeof *path->eyes );
     if ( path->eyes == NULL || path->name == NULL )
         return rf_fail( error, RF_ERROR_MEMORY, "camera '%s': no memory left for %d frames", camera->name, path->count );
+    path->fps = fps;
     path->hash = RF_HASH_START;
     if ( camera->track != NULL )
         path->hash = rf_hash_bytes( path->hash, &camera->track->hash, sizeof camera->track->hash );
     for ( int i = 0; i < path->count && result == RF_OK; ++i )
     {
-        result = rf_camera_eye( scene, camera, (double)i, fps.numerator, fps.denominator, size.width, size.height, path->eyes + i,
+        result = rf_camera_eye( scene, camera, (double)i, fps.numerator, fps.denominator, width, height, path->eyes + i,
                                 error );
         if ( result == RF_OK )
             path->hash = hash_eye( path->hash, path->eyes + i );
@@ -47,10 +48,15 @@ static RfResult make_eyes( const RfScene* scene, const RfCamera* camera, RfFps f
     return result;
 }
 
-RfResult rf_create_camera_path( const RfScene* scene, const char* name, RfFps fps, RfSize size, RfCameraPath* path,
+RfResult rf_create_camera_path( const RfScene* scene, const char* name, RfFps fps, int width, int height, RfCameraPath* path,
                                 RfError* error )
 {
-    *path = ( RfCameraPath ){ 0 };
+    *path = rf_empty_camera_path();
+    if ( fps.numerator < 1 || fps.denominator < 1 )
+        return rf_fail( error, RF_ERROR_USAGE, "frames per second must be above 0, got %d/%d", fps.numerator, fps.denominator );
+    if ( width < 1 || height < 1 || width > RF_MAX_IMAGE_SIDE || height > RF_MAX_IMAGE_SIDE )
+        return rf_fail( error, RF_ERROR_USAGE, "the image must be 1x1 to %dx%d pixels, got %dx%d", RF_MAX_IMAGE_SIDE,
+                        RF_MAX_IMAGE_SIDE, width, height );
     RfCamera loaded = { 0 };
     const RfCamera* camera = &loaded;
     RfResult result;
@@ -63,7 +69,7 @@ RfResult rf_create_camera_path( const RfScene* scene, const char* name, RfFps fp
         camera = result == RF_OK ? scene->cameras + index : NULL;
     }
     if ( result == RF_OK )
-        result = make_eyes( scene, camera, fps, size, path, error );
+        result = make_eyes( scene, camera, fps, width, height, path, error );
     rf_destroy_camera( &loaded );
     if ( result != RF_OK )
         rf_destroy_camera_path( path );
@@ -74,5 +80,5 @@ void rf_destroy_camera_path( RfCameraPath* path )
 {
     free( path->name );
     free( path->eyes );
-    *path = ( RfCameraPath ){ 0 };
+    *path = rf_empty_camera_path();
 }

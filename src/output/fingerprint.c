@@ -1,0 +1,60 @@
+// Which render a frame is of.
+#include "reframe/output.h"
+
+#include "base/file.h"
+#include "scene/scene.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#define MAX_NAME 4096
+
+static uint64_t hash_text( uint64_t hash, const char* text ) { return rf_hash_bytes( hash, text, strlen( text ) + 1 ); }
+
+void rf_frame_fingerprint( const RfOutput* output, int frame, char text[RF_FINGERPRINT_SIZE] )
+{
+    const RfRenderSettings* s = &output->settings;
+    const RfCameraPath* path = output->path;
+    // Numbers as text: no padding bytes, no byte order, and a new setting cannot
+    // be mistaken for an old one.
+    char settings[512], tile[RF_TILE_NAME_SIZE];
+    rf_tile_name( &s->tile, tile );
+    snprintf( settings, sizeof settings,
+              "scene %016llx frame %d of %d fps %d/%d spp %d group %d weights %s normalize %s depth %d lights %d seed %llu "
+              "tile %s roulette %d",
+              (unsigned long long)rf_tracer_scene( output->tracer )->content_hash, frame, path->count, path->fps.numerator,
+              path->fps.denominator, s->spp, s->group, rf_weights_name( s->weights ), rf_normalize_name( s->normalize ),
+              s->max_depth, s->light_samples, (unsigned long long)s->seed, tile, s->tile_roulette );
+    uint64_t hash = hash_text( hash_text( path->hash, rf_version() ), settings );
+    snprintf( settings, sizeof settings, "noise %.17g time %.17g adaptive %d", s->noise, s->time, s->adaptive );
+    if ( s->noise > 0.0 || s->time > 0.0 || s->adaptive )
+        hash = hash_text( hash, settings );
+    char aovs[RF_AOVS_TEXT_SIZE];
+    rf_format_aovs( s->layers, aovs, sizeof aovs );
+    if ( s->layers != 0 ) // a frame without any is what it was before there were any
+        hash = hash_text( hash, aovs );
+    snprintf( text, RF_FINGERPRINT_SIZE, "%016llx", (unsigned long long)hash );
+}
+
+RfResult rf_check_frame_file( const RfOutput* output, int frame, RfFrameFileState* state, RfError* error )
+{
+    char name[MAX_NAME], found[64], wanted[RF_FINGERPRINT_SIZE];
+    struct stat status;
+    *state = RF_FRAME_FILE_MISSING;
+    RfResult result = rf_sequence_name( output->pattern, frame + 1, name, sizeof name, error );
+    if ( result != RF_OK )
+        return result;
+    if ( stat( name, &status ) != 0 )
+        return errno == ENOENT ? RF_OK
+                               : rf_fail( error, RF_ERROR_IO, "%s: cannot be looked at: %s", name, strerror( errno ) );
+    if ( S_ISDIR( status.st_mode ) ) // told before the work, and no matter what may be replaced
+        return rf_fail( error, RF_ERROR_IO, "%s: is a folder: choose another name", name );
+    *state = RF_FRAME_FILE_UNREADABLE;
+    if ( rf_read_exr_string( name, "reframe/fingerprint", found, sizeof found, error ) != RF_OK )
+        return RF_OK;
+    rf_frame_fingerprint( output, frame, wanted );
+    *state = strcmp( found, wanted ) == 0 ? RF_FRAME_FILE_SAME : RF_FRAME_FILE_OTHER;
+    return RF_OK;
+}

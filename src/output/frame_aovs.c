@@ -1,0 +1,31 @@
+#include "output/frame_aovs.h"
+
+#include "film/aov.h"
+
+#include <stdio.h>
+
+#define NAME_FITS( constant, name, letters, half ) \
+    _Static_assert( sizeof( name ) + 2 <= RF_AOV_CHANNEL_NAME_SIZE, "the names of its channels fit" );
+RF_AOV_LIST( NAME_FITS )
+#undef NAME_FITS
+
+void rf_list_aov_channels( const RfFrameResult* frame, bool half, RfAovChannels* list )
+{
+    list->count = 0;
+    for ( int i = 0; i < RF_AOV_COUNT; ++i )
+    {
+        const char* letters = rf_aov_letters( (RfAov)i );
+        int channels = frame->layers[i] != NULL ? rf_aov_channels( (RfAov)i ) : 0;
+        for ( int c = 0; c < channels; ++c )
+        {
+            char* name = list->names[list->count];
+            snprintf( name, sizeof list->names[0], "%s.%c", rf_aov_name( (RfAov)i ), letters[c] );
+            list->channels[list->count++] = ( RfExrChannel ){
+                .name = name,
+                .values = frame->layers[i] + c,
+                .stride = channels,
+                .half = half && rf_aov_is_half( (RfAov)i ),
+            };
+        }
+    }
+}

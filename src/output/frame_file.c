@@ -1,0 +1,171 @@
+// A finished frame as an EXR file.
+#include "reframe/output.h"
+
+#include "output/frame_aovs.h"
+#include "scene/scene.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+
+#define MAX_NAME 4096
+#define TEXT_SIZE RF_AOVS_TEXT_SIZE // the longest text that is made here
+
+RfFrameFiles rf_default_frame_files( void )
+{
+    return ( RfFrameFiles ){ .written = true, .half = true, .compression = RF_EXR_ZIP };
+}
+
+RfOutput rf_default_output( void ) { return ( RfOutput ){ .settings = rf_default_render_settings() }; }
+
+// In the order of the file. Each is there at most once.
+typedef enum Key
+{
+    VERSION,
+    SCENE,
+    CAMERA,
+    FRAME,
+    FRAMES,
+    GROUP,
+    SPP,
+    TILE,
+    WEIGHTS,
+    NORMALIZE,
+    SEED,
+    MAX_DEPTH,
+    LIGHT_SAMPLES,
+    ADAPTIVE,
+    NOISE,
+    TIME,
+    RELMSE_ESTIMATE,
+    NATIVE_SPP,
+    EFFECTIVE_SPP,
+    AOV,
+    DEVICE,
+    FINGERPRINT,
+    KEY_COUNT
+} Key;
+
+static const char* const s_names[KEY_COUNT] = {
+    [VERSION] = "reframe/version",
+    [SCENE] = "reframe/scene",
+    [CAMERA] = "reframe/camera",
+    [FRAME] = "reframe/frame",
+    [FRAMES] = "reframe/frames",
+    [GROUP] = "reframe/group",
+    [SPP] = "reframe/spp",
+    [TILE] = "reframe/tile",
+    [WEIGHTS] = "reframe/weights",
+    [NORMALIZE] = "reframe/normalize",
+    [SEED] = "reframe/seed",
+    [MAX_DEPTH] = "reframe/max-depth",
+    [LIGHT_SAMPLES] = "reframe/light-samples",
+    [ADAPTIVE] = "reframe/adaptive",
+    [NOISE] = "reframe/noise",
+    [TIME] = "reframe/time",
+    [RELMSE_ESTIMATE] = "reframe/relmse-estimate",
+    [NATIVE_SPP] = "reframe/native-spp",
+    [EFFECTIVE_SPP] = "reframe/effective-spp",
+    [AOV] = "reframe/aov",
+    [DEVICE] = "reframe/device",
+    [FINGERPRINT] = "reframe/fingerprint",
+};
+
+typedef struct Attributes
+{
+    const char* values[KEY_COUNT]; // NULL: not there
+    char texts[KEY_COUNT][TEXT_SIZE];
+    RfExrString strings[KEY_COUNT]; // those that are there
+    int count;
+} Attributes;
+
+static void put_text( Attributes* a, Key key, const char* value ) { a->values[key] = value; }
+
+__attribute__( ( format( printf, 3, 4 ) ) ) static void put( Attributes* a, Key key, const char* format, ... )
+{
+    va_list args;
+    va_start( args, format );
+    vsnprintf( a->texts[key], TEXT_SIZE, format, args );
+    va_end( args );
+    a->values[key] = a->texts[key];
+}
+
+static void put_settings( Attributes* a, const RfRenderSettings* s )
+{
+    char tile[RF_TILE_NAME_SIZE], aovs[RF_AOVS_TEXT_SIZE];
+    rf_tile_name( &s->tile, tile );
+    rf_format_aovs( s->layers, aovs, sizeof aovs );
+    put( a, GROUP, "%d", s->group );
+    put( a, SPP, "%d", s->spp );
+    put( a, TILE, "%s", tile );
+    put_text( a, WEIGHTS, rf_weights_name( s->weights ) );
+    put_text( a, NORMALIZE, rf_normalize_name( s->normalize ) );
+    put( a, SEED, "%llu", (unsigned long long)s->seed );
+    put( a, MAX_DEPTH, "%d", s->max_depth );
+    put( a, LIGHT_SAMPLES, "%d", s->light_samples );
+    if ( s->adaptive )
+        put_text( a, ADAPTIVE, "yes" );
+    if ( s->noise > 0.0 )
+        put( a, NOISE, "%.9g", s->noise );
+    if ( s->time > 0.0 )
+        put( a, TIME, "%.9g", s->time );
+    if ( s->layers != 0 )
+        put( a, AOV, "%s", aovs );
+}
+
+static void put_frame( Attributes* a, const RfOutput* output, const RfFrameResult* frame )
+{
+    char fingerprint[RF_FINGERPRINT_SIZE];
+    rf_frame_fingerprint( output, frame->frame, fingerprint );
+    put_text( a, VERSION, rf_version() );
+    put_text( a, SCENE, rf_tracer_scene( output->tracer )->path );
+    put_text( a, CAMERA, output->path->name );
+    put( a, FRAME, "%d", frame->frame + 1 );
+    put( a, FRAMES, "%d", output->path->count );
+    if ( isfinite( frame->relmse_estimate ) )
+        put( a, RELMSE_ESTIMATE, "%.6g", frame->relmse_estimate );
+    put( a, NATIVE_SPP, "%.9g", frame->native_spp );
+    put( a, EFFECTIVE_SPP, "%.6g", frame->effective_spp );
+    put_text( a, DEVICE, rf_tracer_device( output->tracer ) );
+    put( a, FINGERPRINT, "%s", fingerprint );
+}
+
+static void list_attributes( const RfOutput* output, const RfFrameResult* frame, Attributes* a )
+{
+    for ( int i = 0; i < KEY_COUNT; ++i )
+        a->values[i] = NULL;
+    a->count = 0;
+    put_settings( a, &output->settings );
+    put_frame( a, output, frame );
+    for ( int i = 0; i < KEY_COUNT; ++i )
+    {
+        if ( a->values[i] != NULL )
+            a->strings[a->count++] = ( RfExrString ){ s_names[i], a->values[i] };
+    }
+}
+
+RfResult rf_write_frame( const RfOutput* output, const RfFrameResult* frame, RfError* error )
+{
+    char name[MAX_NAME];
+    RfResult result = rf_sequence_name( output->pattern, frame->frame + 1, name, sizeof name, error );
+    if ( result != RF_OK )
+        return result;
+    Attributes attributes;
+    RfAovChannels aovs;
+    list_attributes( output, frame, &attributes );
+    rf_list_aov_channels( frame, output->settings.files.half, &aovs );
+    RfExrOptions exr = rf_default_exr_options();
+    exr.compression = output->settings.files.compression;
+    exr.half = output->settings.files.half;
+    exr.fps_numerator = output->path->fps.numerator;
+    exr.fps_denominator = (unsigned int)output->path->fps.denominator;
+    exr.has_camera = true;
+    rf_eye_matrices( output->path->eyes + frame->frame, exr.world_to_camera, exr.world_to_ndc );
+    exr.strings = attributes.strings;
+    exr.string_count = attributes.count;
+    exr.channels = aovs.channels;
+    exr.channel_count = aovs.count;
+    // The writer only reads the pixels; RfImage has no const flavour.
+    RfImage image = { .width = frame->width, .height = frame->height, .rgb = (float*)frame->rgb };
+    return rf_write_exr( name, &image, &exr, error );
+}

@@ -1,0 +1,12 @@
+#include "output/names.h"
+
+const char* const rf_weights_words[] = {
+    [RF_WEIGHTS_EXACT] = "exact", [RF_WEIGHTS_EQ15] = "eq15", [RF_WEIGHTS_UNWEIGHTED] = "unweighted", NULL
+};
+const char* const rf_normalize_words[] = {
+    [RF_NORMALIZE_CROSSFIT] = "crossfit", [RF_NORMALIZE_RATIO] = "ratio", [RF_NORMALIZE_NONE] = "none", NULL
+};
+
+const char* rf_weights_name( RfWeights weights ) { return rf_weights_words[weights]; }
+
+const char* rf_normalize_name( RfNormalize normalize ) { return rf_normalize_words[normalize]; }

@@ -1,0 +1,11 @@
+// Words for settings, as users write them and files have them.
+#ifndef REFRAME_OUTPUT_NAMES_H
+#define REFRAME_OUTPUT_NAMES_H
+
+#include "reframe/render.h"
+
+// In the order of their enums, with NULL at the end.
+extern const char* const rf_weights_words[];
+extern const char* const rf_normalize_words[];
+
+#endif

@@ -1,0 +1,3 @@
+#include "reframe/types.h"
+
+const char* rf_version( void ) { return REFRAME_VERSION; }

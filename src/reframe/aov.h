@@ -1,0 +1,72 @@
+// AOVs: what a frame can hold besides its colour. RfRenderSettings.layers asks for them,
+// RfFrameResult.layers has them, and rf_write_frame writes them as the channels "albedo.R" and so on.
+//
+//     unsigned aovs;
+//     RfResult result = rf_parse_aovs( "albedo,normal,depth", &aovs, &error );
+//
+// Albedo, normal, depth and motion are means over the samples that a frame traced itself,
+// uniform in the pixel. They hardly have noise, so no other frame's samples are needed.
+#ifndef REFRAME_AOV_H
+#define REFRAME_AOV_H
+
+#include "reframe/error.h"
+#include "reframe/types.h"
+
+RF_API_BEGIN
+
+// The list of AOVs, from which all others are made: X( constant, name, letters of the channels,
+// whether 16 bits are enough in a file ).
+//
+//   albedo    what the surface reflects of light from straight above; nothing there: 0
+//   normal    shading normal in world space, on the side that is seen; nothing there: 0
+//   depth     metres along the viewing direction (not to the eye), the mean over what is there;
+//             RF_DEPTH_OF_NOTHING where the whole pixel is empty
+//   motion    X Y: where the point is on the film of the path's previous frame minus where it is
+//             on this, pixels, +x right, +y up; Z W: the same to the next frame (Blender 3.4 has X
+//             and Y like this, Z and W with the opposite sign). 0 at the ends of the path, and
+//             where the point is behind the other eye
+//   variance  estimated variance of the colour; 0 where a frame has a single pass
+//   samples   samples that landed in the pixel, its own and reused ones, each counted once
+#define RF_AOV_LIST( X )                                                                                                         \
+    X( ALBEDO, "albedo", "RGB", true )                                                                                           \
+    X( NORMAL, "normal", "XYZ", true )                                                                                           \
+    X( DEPTH, "depth", "Z", false )                                                                                              \
+    X( MOTION, "motion", "XYZW", false )                                                                                         \
+    X( VARIANCE, "variance", "RGB", false )                                                                                      \
+    X( SAMPLES, "samples", "Y", false )
+
+// RF_AOV_ALBEDO, RF_AOV_NORMAL and so on, in the order of the list.
+typedef enum RfAov
+{
+#define RF_AOV_CONSTANT( constant, name, letters, half ) RF_AOV_##constant,
+    RF_AOV_LIST( RF_AOV_CONSTANT )
+#undef RF_AOV_CONSTANT
+        RF_AOV_COUNT
+} RfAov;
+
+#define RF_AOV_BIT( aov ) ( 1u << ( aov ) )
+#define RF_ALL_AOVS ( RF_AOV_BIT( RF_AOV_COUNT ) - 1u )
+
+#define RF_DEPTH_OF_NOTHING 1e10f // as Blender has it
+
+// The name of an AOV, such as "albedo".
+const char* rf_aov_name( RfAov aov );
+
+// The letters of its channels, such as "RGB": in a file they are albedo.R, albedo.G, albedo.B.
+const char* rf_aov_letters( RfAov aov );
+
+// Its floats per pixel: as many as letters.
+int rf_aov_channels( RfAov aov );
+
+// "albedo,depth" to a set of RF_AOV_BITs; NULL is none. Fails with RF_ERROR_USAGE for a word that
+// is no AOV (naming the nearest, or all) or comes twice.
+RfResult rf_parse_aovs( const char* text, unsigned* aovs, RfError* error );
+
+// A set of RF_AOV_BITs to "albedo,depth", in the order of the list. RF_AOVS_TEXT_SIZE bytes are always enough.
+void rf_format_aovs( unsigned aovs, char* text, size_t size );
+
+#define RF_AOVS_TEXT_SIZE 128
+
+RF_API_END
+
+#endif

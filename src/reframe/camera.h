@@ -1,0 +1,67 @@
+// Cameras: an eye is a pinhole camera of one frame; a camera path holds the eyes
+// of all frames of an animation, from a scene or from a camera-path file.
+//
+//     RfCameraPath path;
+//     RfFps fps = { 24, 1 };
+//     if ( rf_create_camera_path( scene, NULL, fps, 960, 540, &path, &error ) == RF_OK )
+//         printf( "%s has %d frames\n", path.name, path.count );
+//     rf_destroy_camera_path( &path );
+//
+// Any array of eyes can be rendered, one of the caller's own too: rf_make_eye.
+#ifndef REFRAME_CAMERA_H
+#define REFRAME_CAMERA_H
+
+#include "reframe/error.h"
+#include "reframe/scene.h"
+#include "reframe/types.h"
+
+RF_API_BEGIN
+
+// A pinhole camera in world space, with its film in pixels. Film coordinates: x to the right,
+// y down, pixel (i, j) is the unit square [i, i+1) × [j, j+1).
+typedef struct RfEye
+{
+    RfVec3 origin;
+    RfVec3 right, up, forward; // orthonormal
+    float focal;               // focal length in pixels
+    int width, height;         // film size in pixels
+} RfEye;
+
+// A right-handed eye that looks from `origin` along `forward`, with `up` made orthogonal to
+// it; `yfov` is the field of view over the film's height, radians. `forward` and `up` need
+// not be unit vectors but must not be parallel or zero.
+RfEye rf_make_eye( RfVec3 origin, RfVec3 forward, RfVec3 up, double yfov, int width, int height );
+
+// The eyes of a camera's animation, one per frame.
+typedef struct RfCameraPath
+{
+    char* name;    // of the camera, or of the file
+    int count;     // frames
+    RfEye* eyes;   // count of them
+    RfFps fps;     // that it was sampled at
+    uint64_t hash; // of all eyes: a frame is made of its neighbours' samples too
+} RfCameraPath;
+
+// A path without frames, which rf_destroy_camera_path accepts.
+RfCameraPath rf_empty_camera_path( void );
+
+// Samples the path of a camera at `fps` frames per second on a film of width × height pixels.
+// `name` is a camera of the scene; NULL is the one that a scene file asks for, else the first
+// animated one, else the first; a name that ends in ".json" is a camera-path file. On failure the
+// path is empty: RF_ERROR_USAGE where there is no such camera (the line names those there are),
+// RF_ERROR_SCENE for a path that cannot be followed, RF_ERROR_MEMORY, or as reading the file fails.
+RfResult rf_create_camera_path( const RfScene* scene, const char* name, RfFps fps, int width, int height, RfCameraPath* path,
+                                RfError* error );
+
+// Frees what a path holds and empties it.
+void rf_destroy_camera_path( RfCameraPath* path );
+
+// The matrices of an eye as OpenEXR's worldToCamera and worldToNDC have them: row vectors
+// (p' = p · M), 16 floats row by row. Camera space: metres, the eye at the origin, +x right, +y up,
+// looking along −z. NDC: after the division by w the film is x and y in [−1, 1], +y up; z is −1 at
+// 1 cm before the eye and 1 infinitely far away.
+void rf_eye_matrices( const RfEye* eye, float world_to_camera[16], float world_to_ndc[16] );
+
+RF_API_END
+
+#endif

@@ -1,0 +1,47 @@
+// Converts models of other formats (OBJ, PLY, FBX, Collada) to .glb, which rf_open_scene reads.
+//
+//     RfConvertOptions options = rf_default_convert_options();
+//     options.z_up = true;
+//     RfResult result = rf_convert_model( "bunny.ply", "bunny.glb", &options, NULL, &log, &error );
+#ifndef REFRAME_CONVERT_H
+#define REFRAME_CONVERT_H
+
+#include "reframe/error.h"
+#include "reframe/types.h"
+
+RF_API_BEGIN
+
+typedef struct RfConvertOptions
+{
+    bool z_up;            // the model's z points up: it is turned to glTF's y
+    double scale;         // metres per unit of the model, after what its own units say
+    bool overwrite;       // a target that is there is replaced; else it is an error
+    bool assimp;          // PLY too is read by assimp, not by the strict reader of ours
+    const char* importer; // path of reframe-import, the process that assimp runs in; NULL: looked for beside
+                          // the running program, then in ../libexec/reframe and ../lib/reframe from there
+    size_t memory;        // bytes of address space that assimp may take before it is stopped
+    double seconds;       // that assimp may take before it is stopped
+    bool ( *is_interrupted )( void* user ); // asked several times a second while assimp runs; or NULL
+    void* user;
+} RfConvertOptions;
+
+// Y up, scale 1, 4 GiB, 120 s.
+RfConvertOptions rf_default_convert_options( void );
+
+// What is in a model, instances counted once.
+typedef struct RfModelCounts
+{
+    unsigned long long triangles;
+    int meshes, nodes, materials, images, cameras, lights;
+} RfModelCounts;
+
+// Reads `source`, whose format its content tells, and writes `target`, which must end in ".glb", whole
+// or not at all. `counts` and `log` may be NULL. Fails with RF_ERROR_USAGE (a target of another
+// name, a source that is glTF already), RF_ERROR_IO, RF_ERROR_FORMAT (also where assimp crashes on
+// it or takes too long), RF_ERROR_UNSUPPORTED, RF_ERROR_MEMORY, RF_ERROR_INTERRUPTED.
+RfResult rf_convert_model( const char* source, const char* target, const RfConvertOptions* options, RfModelCounts* counts,
+                           RfLog* log, RfError* error );
+
+RF_API_END
+
+#endif

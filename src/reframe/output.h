@@ -1,0 +1,68 @@
+// A finished frame as an EXR file: R, G, B, the AOVs, the camera's matrices, and
+// attributes that say how it was made ("reframe/spp", "reframe/seed" and so on). One of them is
+// the fingerprint of the frame, by which an interrupted render is resumed.
+//
+//     static RfResult write( void* output, const RfFrameResult* frame, RfError* error )
+//     {
+//         return rf_write_frame( (const RfOutput*)output, frame, error );
+//     }
+//
+//     RfOutput output = rf_default_output();
+//     output.pattern = "out/frame.####.exr";
+//     output.tracer = tracer;
+//     output.path = &path;
+//     output.settings = settings; // as rf_resolve_settings made them
+//     RfRenderCallbacks callbacks = { &output, write, NULL };
+#ifndef REFRAME_OUTPUT_H
+#define REFRAME_OUTPUT_H
+
+#include "reframe/camera.h"
+#include "reframe/error.h"
+#include "reframe/render.h"
+#include "reframe/scene.h"
+#include "reframe/types.h"
+
+RF_API_BEGIN
+
+// What the frames are of; everything that it points to stays the caller's.
+typedef struct RfOutput
+{
+    const char* pattern; // file names: "out/frame.####.exr", or one file
+    const RfTracer* tracer;
+    const RfCameraPath* path;
+    RfRenderSettings settings; // resolved; `files` has the format of the files
+} RfOutput;
+
+// No names, the settings of rf_default_render_settings.
+RfOutput rf_default_output( void );
+
+// Makes the folder of the pattern's files where it is missing (its last part only: a mistyped
+// path should not leave a tree behind) and checks that files can be made in it. Fails with
+// RF_ERROR_IO, or RF_ERROR_USAGE for a pattern that is none.
+RfResult rf_prepare_output_folder( const char* pattern, RfError* error );
+
+// Writes a finished frame, for RfRenderCallbacks.frame: it may be called from the thread of the queue.
+// Fails as rf_write_exr does.
+RfResult rf_write_frame( const RfOutput* output, const RfFrameResult* frame, RfError* error );
+
+#define RF_FINGERPRINT_SIZE 17
+
+// What decides the colour and the AOVs of frame `frame` (from 0), as 16 hexadecimal digits: scene,
+// camera path, settings, version of the library; not threads, memory or file format.
+void rf_frame_fingerprint( const RfOutput* output, int frame, char text[RF_FINGERPRINT_SIZE] );
+
+typedef enum RfFrameFileState
+{
+    RF_FRAME_FILE_MISSING,
+    RF_FRAME_FILE_SAME,       // the very frame: it need not be rendered again
+    RF_FRAME_FILE_OTHER,      // a frame of another scene, path, version or settings
+    RF_FRAME_FILE_UNREADABLE, // no frame of a render; `error` says what is wrong with it
+} RfFrameFileState;
+
+// Looks at the file that frame `frame` (from 0) is written to. Fails with RF_ERROR_USAGE for a
+// pattern that is none, with RF_ERROR_IO for a name that cannot be looked at or is a folder.
+RfResult rf_check_frame_file( const RfOutput* output, int frame, RfFrameFileState* state, RfError* error );
+
+RF_API_END
+
+#endif

@@ -1,0 +1,59 @@
+// Reframe: renders camera animations and reuses paths between frames and pixels.
+// This header includes all others; each can also be included by itself.
+//
+//     #include <reframe/reframe.h>
+//
+//     static RfResult write( void* output, const RfFrameResult* frame, RfError* error )
+//     {
+//         return rf_write_frame( (const RfOutput*)output, frame, error );
+//     }
+//
+//     RfError error;
+//     RfScene* scene = NULL;
+//     RfTracer* tracer = NULL;
+//     RfCameraPath path = rf_empty_camera_path();
+//     RfFps fps = { 24, 1 };
+//     RfOutput output = rf_default_output();
+//     RfRenderSettings settings = rf_default_render_settings();
+//     RfRenderCallbacks callbacks = { &output, write, NULL };
+//     int frames[3] = { 0, 1, 2 };
+//
+//     if ( rf_open_scene( "room.glb", &scene, NULL, &error ) != RF_OK ||
+//          rf_create_camera_path( scene, NULL, fps, 960, 540, &path, &error ) != RF_OK ||
+//          rf_create_tracer( scene, &tracer, &error ) != RF_OK ||
+//          rf_resolve_settings( tracer, path.eyes, path.count, &settings, &output.settings, &error ) != RF_OK )
+//         return fail( &error );
+//     output.pattern = "out/frame.####.exr";
+//     output.tracer = tracer;
+//     output.path = &path;
+//     if ( rf_prepare_output_folder( output.pattern, &error ) != RF_OK ||
+//          rf_render( tracer, path.eyes, path.count, frames, 3, &output.settings, &callbacks, NULL, &error ) != RF_OK )
+//         return fail( &error );
+//     rf_destroy_tracer( tracer );
+//     rf_destroy_camera_path( &path );
+//     rf_close_scene( scene );
+//
+// Rules that hold everywhere:
+//   - A call that can fail returns RfResult and says what is wrong in an RfError, which may be NULL.
+//   - Structs that hold settings come from rf_default_...(): set what differs.
+//   - What rf_create_... and rf_open_... make is freed by rf_destroy_... and rf_close_..., which take
+//     NULL and emptied structs. Other pointers that the caller must free() are said to be.
+//   - Frames are counted from 0 in the API and from 1 in file names and messages.
+//   - Nothing is printed and nothing exits. Different scenes may be used from different threads;
+//     one scene may be rendered by one thread at a time (which uses all cores by itself).
+#ifndef REFRAME_REFRAME_H
+#define REFRAME_REFRAME_H
+
+#include "reframe/aov.h"
+#include "reframe/camera.h"
+#include "reframe/convert.h"
+#include "reframe/error.h"
+#include "reframe/image.h"
+#include "reframe/measure.h"
+#include "reframe/output.h"
+#include "reframe/plan.h"
+#include "reframe/render.h"
+#include "reframe/scene.h"
+#include "reframe/types.h"
+
+#endif

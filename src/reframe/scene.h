@@ -1,0 +1,98 @@
+// Scenes: loading them, what is in them, and the tracer that a render shoots its
+// rays with.
+//
+//     RfScene* scene = NULL;
+//     RfTracer* tracer = NULL;
+//     if ( rf_open_scene( "room.glb", &scene, &log, &error ) == RF_OK )
+//         result = rf_create_tracer( scene, &tracer, &error );
+//     ...
+//     rf_destroy_tracer( tracer ); // before its scene
+//     rf_close_scene( scene );
+#ifndef REFRAME_SCENE_H
+#define REFRAME_SCENE_H
+
+#include "reframe/error.h"
+#include "reframe/types.h"
+
+RF_API_BEGIN
+
+// Triangles, materials, lights and cameras; does not change once it is loaded.
+typedef struct RfScene RfScene;
+
+// Loads a scene: a .glb or .gltf (glTF 2.0), or a scene file (.json) that names one of these
+// and adds a camera path, an environment or changes of materials. What is ignored or looks
+// wrong goes to `log` (may be NULL). On failure *scene is NULL. Free with rf_close_scene.
+RfResult rf_open_scene( const char* path, RfScene** scene, RfLog* log, RfError* error );
+
+// Frees a scene; NULL is allowed. No tracer may be using it.
+void rf_close_scene( RfScene* scene );
+
+typedef struct RfSceneInfo
+{
+    const char* path; // as it was opened; the scene's
+    uint32_t triangles;
+    uint32_t instances; // meshes as placed by nodes
+    uint32_t materials;
+    uint32_t lights; // emitting triangles, punctual lights, and the sky as one
+    uint32_t emitting_triangles;
+    double emitting_area; // m²
+    int punctual_lights;  // point, spot and directional
+    bool has_sky;         // an environment that shines
+    int cameras;          // at least 1: a scene without any gets one that sees it all
+    RfVec3 bounds_min;    // of the triangles, metres; both 0 where there are none
+    RfVec3 bounds_max;
+} RfSceneInfo;
+
+// Counts what is in a scene. Fails with RF_ERROR_MEMORY only.
+RfResult rf_scene_info( const RfScene* scene, RfSceneInfo* info, RfError* error );
+
+typedef struct RfCameraInfo
+{
+    const char* name; // unique, never empty; the scene's
+    int frames;       // of its path at the frame rate asked for; 1 where it stands still
+    bool animated;
+} RfCameraInfo;
+
+// Describes camera `index`, 0 to RfSceneInfo.cameras - 1. Fails with RF_ERROR_USAGE for an index
+// or a rate out of range, with RF_ERROR_SCENE for a path of more than 1,000,000 frames.
+RfResult rf_scene_camera( const RfScene* scene, int index, RfFps fps, RfCameraInfo* info, RfError* error );
+
+#define RF_MAX_EFFECTS 32
+
+// An effect of light or camera, and whether a scene calls for it.
+typedef struct RfEffect
+{
+    const char* name; // a stable word, such as "phong"
+    bool on;
+    char why[160]; // which material, which camera; or why not
+} RfEffect;
+
+// Fills `effects` in a fixed order and returns how many there are, whichever are on.
+int rf_list_effects( const RfScene* scene, RfEffect effects[RF_MAX_EFFECTS] );
+
+// A scene with its acceleration structure and light distribution. Rays may be traced
+// from many threads at a time.
+typedef struct RfTracer RfTracer;
+
+// Builds the BVH of a scene, which must outlive the tracer. An empty scene is allowed: every
+// ray misses. Fails with RF_ERROR_DEVICE or RF_ERROR_MEMORY.
+RfResult rf_create_tracer( const RfScene* scene, RfTracer** tracer, RfError* error );
+
+// Frees a tracer; NULL is allowed.
+void rf_destroy_tracer( RfTracer* tracer );
+
+// The scene that it was created for.
+const RfScene* rf_tracer_scene( const RfTracer* tracer );
+
+// What the picture depends on besides the scene: Embree's version and instruction set.
+const char* rf_tracer_device( const RfTracer* tracer );
+
+// Does anything shine: a material, a lamp, the sky? Else every picture is black.
+bool rf_tracer_has_light( const RfTracer* tracer );
+
+// Bytes that Embree holds. They are not part of a render's memory budget.
+size_t rf_tracer_bytes( const RfTracer* tracer );
+
+RF_API_END
+
+#endif

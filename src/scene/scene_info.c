@@ -1,0 +1,39 @@
+// What the library tells of a scene (reframe/scene.h).
+#include "scene/camera.h"
+#include "scene/json/scene_file.h"
+#include "scene/scene.h"
+
+#include <stdlib.h>
+
+RfResult rf_open_scene( const char* path, RfScene** scene, RfLog* log, RfError* error )
+{
+    *scene = calloc( 1, sizeof **scene );
+    if ( *scene == NULL )
+        return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left", path );
+    RfResult result = rf_load_scene( path, *scene, log, error );
+    if ( result != RF_OK )
+    {
+        rf_close_scene( *scene );
+        *scene = NULL;
+    }
+    return result;
+}
+
+void rf_close_scene( RfScene* scene )
+{
+    if ( scene != NULL )
+        rf_destroy_scene( scene );
+    free( scene );
+}
+
+RfResult rf_scene_camera( const RfScene* scene, int index, RfFps fps, RfCameraInfo* info, RfError* error )
+{
+    if ( index < 0 || index >= scene->camera_count )
+        return rf_fail( error, RF_ERROR_USAGE, "%s: has %d camera%s, there is none of index %d", scene->path,
+                        scene->camera_count, scene->camera_count == 1 ? "" : "s", index );
+    if ( fps.numerator < 1 || fps.denominator < 1 )
+        return rf_fail( error, RF_ERROR_USAGE, "frames per second must be above 0, got %d/%d", fps.numerator, fps.denominator );
+    const RfCamera* camera = scene->cameras + index;
+    *info = ( RfCameraInfo ){ .name = camera->name, .animated = camera->animated };
+    return rf_scene_frame_count( scene, camera, (double)fps.numerator / (double)fps.denominator, &info->frames, error );
+}
