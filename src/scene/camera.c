@@ -2,6 +2,7 @@
 
 #include "scene/animation.h"
 #include "scene/camera_path/camera_track.h"
+#include "scene/eye.h"
 #include "scene/json/json_document.h"
 
 #include <math.h>
@@ -167,7 +168,7 @@ static RfResult node_eye( const RfScene* scene, const RfCamera* self, double tim
                         "%s: camera '%.60s' at %g s: its transform collapses or is not finite: "
                         "remove zero scales from it and from its parents",
                         scene->path != NULL ? scene->path : "scene", self->name, time );
-    *eye = rf_make_eye( to_vec3( world.m + 12 ), to_vec3( forward ), to_vec3( up ), self->yfov, width, height );
+    *eye = rf_make_eye_inline( to_vec3( world.m + 12 ), to_vec3( forward ), to_vec3( up ), self->yfov, width, height );
     return RF_OK;
 }
 
@@ -178,7 +179,8 @@ static RfResult track_eye( const RfCamera* self, double time, int width, int hei
     if ( result == RF_OK && !in_range( view.position ) )
         return rf_fail( error, RF_ERROR_SCENE, "%s: leads beyond %g: scale it down", self->track->name, MAX_COORDINATE );
     if ( result == RF_OK )
-        *eye = rf_make_eye( to_vec3( view.position ), to_vec3( view.forward ), to_vec3( view.up ), view.fov, width, height );
+        *eye =
+            rf_make_eye_inline( to_vec3( view.position ), to_vec3( view.forward ), to_vec3( view.up ), view.fov, width, height );
     return result;
 }
 

@@ -19,4 +19,25 @@ static inline void rf_unit3( double v[3] )
         v[i] = length > 0.0 ? v[i] / length : v[i];
 }
 
+// rf_make_eye, where the compiler can see it: camera.c keeps the doubles that come in, where a
+// call would round them to floats first, and the last bits of its eyes, so all pictures, rest on that.
+static inline RfEye rf_make_eye_inline( RfVec3 origin, RfVec3 forward, RfVec3 up, double yfov, int width, int height )
+{
+    RfEye eye;
+    eye.origin = origin;
+    double f[3] = { (double)forward.x, (double)forward.y, (double)forward.z };
+    double u[3] = { (double)up.x, (double)up.y, (double)up.z }, r[3];
+    rf_unit3( f );
+    rf_cross3( f, u, r ); // in doubles: up may lean far towards forward
+    rf_unit3( r );
+    rf_cross3( r, f, u );
+    eye.forward = rf_vec3( (float)f[0], (float)f[1], (float)f[2] );
+    eye.right = rf_vec3( (float)r[0], (float)r[1], (float)r[2] );
+    eye.up = rf_vec3( (float)u[0], (float)u[1], (float)u[2] );
+    eye.focal = (float)( 0.5 * (double)height / tan( 0.5 * yfov ) );
+    eye.width = width;
+    eye.height = height;
+    return eye;
+}
+
 #endif

@@ -8,6 +8,8 @@
 #include "scene/camera.h"
 #include "scene/json/scene_file.h"
 #include "support/scene_builder.h"
+#include "light/light.h"
+#include "trace/trace.h"
 
 #include <stdio.h>
 #include <stdlib.h>

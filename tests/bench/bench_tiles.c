@@ -10,6 +10,8 @@
 #include "support/render_support.h"
 #include "scene/camera.h"
 #include "scene/json/scene_file.h"
+#include "reuse/tile.h"
+#include "trace/trace.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -77,12 +77,12 @@ static void test_refused( void** state )
 {
     (void)state;
     cli_expect( cli_run( "$R render $VASE -o r.exr --aov colour" ), 2,
-                "reframe render: --aov: wants layers of albedo,normal,depth,motion,variance,samples, got 'colour'" );
+                "reframe render: --aov: 'colour' is no AOV, there are albedo,normal,depth,motion,variance,samples" );
     cli_expect( cli_run( "$R render $VASE -o r.exr --aov depth,normals" ), 2, "did you mean normal?" );
-    cli_expect( cli_run( "$R render $VASE -o r.exr --aov depth,,normal" ), 2, "got ''" );
-    cli_expect( cli_run( "$R render $VASE -o r.exr --aov depth," ), 2, "got ''" );
+    cli_expect( cli_run( "$R render $VASE -o r.exr --aov depth,,normal" ), 2, "'' is no AOV" );
+    cli_expect( cli_run( "$R render $VASE -o r.exr --aov depth," ), 2, "'' is no AOV" );
     cli_expect( cli_run( "$R render $VASE -o r.exr --aov ''" ), 2, "--aov" );
-    cli_expect( cli_run( "$R render $VASE -o r.exr --aov depth,normal,depth" ), 2, "--aov: depth is given twice" );
+    cli_expect( cli_run( "$R render $VASE -o r.exr --aov depth,normal,depth" ), 2, "--aov: AOV depth is given twice" );
     assert_false( cli_exists( "r.exr" ) );
 }
 

@@ -88,7 +88,7 @@ static double mean_of( const char* name, int width, int height )
     char path[512];
     snprintf( path, sizeof path, "%s/%s", cli_folder(), name );
     RfImage image;
-    RfError error = { RF_OK, "" };
+    RfError error = { .code = RF_OK };
     if ( rf_read_exr( path, &image, &error ) != RF_OK )
         fail_msg( "%s", error.text );
     assert_int_equal( image.width, width );
@@ -237,7 +237,7 @@ static void test_attributes( void** state )
     snprintf( path, sizeof path, "%s/a.exr", cli_folder() );
     for ( size_t i = 0; i < sizeof wanted / sizeof wanted[0]; ++i )
     {
-        RfError error = { RF_OK, "" };
+        RfError error = { .code = RF_OK };
         if ( rf_read_exr_string( path, wanted[i][0], value, sizeof value, &error ) != RF_OK )
             fail_msg( "%s", error.text );
         assert_string_equal( value, wanted[i][1] );

@@ -17,7 +17,7 @@ static void expect_frames( const char* text, const char* wanted )
     int* frames;
     int count;
     char list[256] = "";
-    RfError error = { RF_OK, "" };
+    RfError error = { .code = RF_OK };
     if ( rf_parse_frames( text, 10, &frames, &count, &error ) != RF_OK )
         fail_msg( "%s: %s", text, error.text );
     for ( int i = 0, used = 0; i < count; ++i )
@@ -30,7 +30,7 @@ static void expect_refused( const char* text, const char* part )
 {
     int* frames;
     int count;
-    RfError error = { RF_OK, "" };
+    RfError error = { .code = RF_OK };
     assert_int_equal( rf_parse_frames( text, 10, &frames, &count, &error ), RF_ERROR_USAGE );
     assert_null( frames );
     if ( strstr( error.text, part ) == NULL )
@@ -95,22 +95,24 @@ static void test_fingerprints( void** state )
     RfRenderOptions options = { .fps = { 24, 1 }, .tile = "1", .settings = rf_default_render_settings() };
     RfScene scene = { .content_hash = 17 };
     RfCameraPath path = { .count = 3, .hash = 5 };
-    RfRenderSubject subject = { &options, &scene, &path };
+    RfTracer* tracer;
+    assert_int_equal( rf_create_tracer( &scene, &tracer, NULL ), RF_OK );
+    RfOutput subject = { .pattern = "f.####.exr", .tracer = tracer, .path = &path, .settings = options.settings };
     char first[17], other[17];
     rf_frame_fingerprint( &subject, 0, first );
     assert_int_equal( strlen( first ), 16 );
-    options.settings.threads = 7;
-    options.settings.memory = 12345678;
-    options.settings.files.half = true;
-    options.output = "elsewhere.exr";
+    subject.settings.threads = 7;
+    subject.settings.memory = 12345678;
+    subject.settings.files.half = true;
+    subject.pattern = "elsewhere.exr";
     rf_frame_fingerprint( &subject, 0, other );
     assert_string_equal( first, other );
     rf_frame_fingerprint( &subject, 1, other );
     assert_string_not_equal( first, other );
-    options.settings.seed = 2;
+    subject.settings.seed = 2;
     rf_frame_fingerprint( &subject, 0, other );
     assert_string_not_equal( first, other );
-    options.settings.seed = 1;
+    subject.settings.seed = 1;
     path.hash = 6;
     rf_frame_fingerprint( &subject, 0, other );
     assert_string_not_equal( first, other );
@@ -118,6 +120,7 @@ static void test_fingerprints( void** state )
     scene.content_hash = 18;
     rf_frame_fingerprint( &subject, 0, other );
     assert_string_not_equal( first, other );
+    rf_destroy_tracer( tracer );
 }
 
 static void test_progress_text( void** state )

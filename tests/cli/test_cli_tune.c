@@ -112,7 +112,7 @@ static void test_command( void** state )
     char* table = cli_read( "table.txt", &size );
     const char* command = json_string_value( json_object_get( tune, "command" ) );
     assert_non_null( strstr( table, command ) );
-    assert_non_null( strstr( table, "not tried: --spp would more than double" ) );
+    assert_non_null( strstr( table, "not tried: the samples would more than double" ) );
     assert_non_null(
         strstr( command, " --size=16x9 --spp 5 --frames 20-21 --seed 7 --no-tile-roulette --memory 200M --max-depth 4" ) );
     assert_null( strstr( command, "budget" ) );
@@ -191,7 +191,7 @@ static void test_least_budget( void** state )
     {
         const json_t* row = json_array_get( rows, i );
         long kilobytes = (long)( json_integer_value( json_object_get( row, "bytes_least" ) ) / 1024 );
-        snprintf( why, sizeof why, "does not fit --memory, the least is %ldK", kilobytes );
+        snprintf( why, sizeof why, "does not fit the memory, the least is %ldK", kilobytes );
         assert_true( kilobytes >= least );
         if ( kilobytes == least )
             continue;

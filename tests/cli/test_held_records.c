@@ -119,7 +119,7 @@ static const CliResult* render_held( const char* scene, const char* options, lon
 static void expect_least( const char* scene, const char* options )
 {
     static const char named[] =
-        "reframe render: --hold-all: a budget of 1024 KiB is too small for all hit records of a group: give --memory ";
+        "reframe render: a budget of 1024 KiB is too small for all hit records of a group: give --memory ";
     const CliResult* result = render_held( scene, options, 1024 );
     cli_expect( result, 1, named );
     long kib = strtol( strstr( result->err, named ) + strlen( named ), NULL, 10 );

@@ -84,14 +84,14 @@ static RfResult parse( const char* line, RfError* error )
 
 static void expect_ok( const char* line )
 {
-    RfError error = { RF_OK, "" };
+    RfError error = { .code = RF_OK };
     if ( parse( line, &error ) != RF_OK )
         fail_msg( "'%s': %s", line, error.text );
 }
 
 static void expect_error( const char* line, const char* text )
 {
-    RfError error = { RF_OK, "" };
+    RfError error = { .code = RF_OK };
     if ( parse( line, &error ) != RF_ERROR_USAGE )
         fail_msg( "'%s' was taken", line );
     assert_string_equal( error.text, text );

@@ -131,9 +131,8 @@ static void test_least_budget( void** state )
     s.settings.max_depth = 2;
     s.settings.memory = 1000;
     assert_int_equal( rf_tune( &s.job, &tune, &error ), RF_ERROR_MEMORY );
-    const char* give = strstr( error.text, "give --memory " );
-    assert_non_null( give );
-    size_t named = 1024 * strtoul( give + strlen( "give --memory " ), NULL, 10 ), most = 0;
+    assert_true( error.remedy == RF_REMEDY_MEMORY );
+    size_t named = error.least_memory, most = 0;
     for ( int r = 0; r < tune.count; ++r )
     {
         assert_true( tune.rows[r].fit.least >= named && tune.rows[r].excluded != NULL && tune.rows[r].fit.bytes_films == 0 );

@@ -6,6 +6,7 @@
 #include "reuse/project.h"
 #include "support/scene_builder.h"
 #include "support/statistics.h"
+#include "trace/trace.h"
 
 #include <math.h>
 #include <setjmp.h>

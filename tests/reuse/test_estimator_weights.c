@@ -5,6 +5,7 @@
 #include "support/render_support.h"
 #include "support/scene_builder.h"
 #include "support/statistics.h"
+#include "trace/trace.h"
 
 #include <math.h>
 #include <setjmp.h>

@@ -1,4 +1,5 @@
 #include "support/render_support.h"
+#include "reuse/tile.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -28,7 +28,7 @@ RfResult rf_load_shot( const char* command, const RfRenderOptions* options, RfTa
 void rf_destroy_shot( RfShot* shot );
 
 // Why a setting is left out, with the least budget where it does not fit: "does
-// not fit --memory, the least is 2644K". NULL where it is not left out.
+// not fit the memory, the least is 2644K". NULL where it is not left out.
 const char* rf_tell_excluded( const char* excluded, const RfMemoryFit* fit, char* text, size_t size );
 
 #endif
