@@ -1,12 +1,15 @@
 #!/usr/bin/env bash
 # Installs the tree that is built into a folder of its own, and builds and runs
-# the project of tests/install against it, by find_package and by pkg-config.
-#   test_install.sh BUILD-FOLDER SCENE.glb C-COMPILER [FLAGS]
+# the project of tests/install against it, in C and C++, by find_package and by
+# pkg-config, with the static library and with a shared one.
+#   test_install.sh BUILD-FOLDER SCENE.glb C-COMPILER C++-COMPILER [FLAGS]
 set -euo pipefail
-build=$1 scene=$2 compiler=$3 flags=${4:-}
+build=$1 scene=$2 compiler=$3 cpp=$4 flags=${5:-}
 source=$(cd "$(dirname "$0")" && pwd)
+root=$(cd "$source/../.." && pwd)
 folder=$(mktemp -d)
 trap 'status=$?; rm -rf "$folder"; [ $status -eq 0 ] || echo "test_install: FAILED while $step" >&2' EXIT
+warnings="-Wall -Wextra -Wpedantic -Werror"
 
 step="installing"
 cmake --install "$build" --prefix "$folder/first" >/dev/null
@@ -32,26 +35,92 @@ step="converting by the installed importer"
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' >"$folder/a.obj"
 "$prefix/bin/reframe" convert "$folder/a.obj" "$folder/a.glb" | grep -q '1 triangles'
 
-step="compiling every header by itself"
-export PKG_CONFIG_PATH=$(dirname "$(find "$prefix" -name reframe.pc)")
-for header in $(cd "$prefix/include/reframe" && find . -name '*.h'); do
-    # shellcheck disable=SC2046
-    echo "#include \"$header\"" | "$compiler" -std=c11 -fsyntax-only $(pkg-config --cflags reframe) -xc -
+step="looking for headers that are not public"
+[ "$(cd "$prefix/include" && find . -type f | sort)" = "$(cd "$root/src" && find ./reframe -name '*.h' | sort)" ]
+
+# The files that the installed program writes for what consumer.c renders.
+step="rendering by the program"
+for seed in 1 2; do
+    name=$([ $seed = 1 ] && echo one || echo two)
+    "$prefix/bin/reframe" render "$scene" -o "$folder/program/$name.####.exr" --frames 4-6 --size 48x27 --spp 6 --group 1 \
+        --tile 2x2 --aov albedo,depth,motion --seed $seed --quiet >/dev/null
 done
 
-step="building with find_package"
-CFLAGS=$flags cmake -S "$source" -B "$folder/cmake" -DCMAKE_C_COMPILER="$compiler" -DCMAKE_PREFIX_PATH="$prefix" >"$folder/log" 2>&1 &&
-    cmake --build "$folder/cmake" >>"$folder/log" 2>&1 || { cat "$folder/log" >&2; exit 1; }
-step="running what find_package built"
-"$folder/cmake/consumer" "$scene" "$folder/a.exr"
-"$prefix/bin/reframe" png "$folder/a.exr" "$folder/a.png"
+# compare_files FOLDER: the consumer wrote what the program writes.
+compare_files()
+{
+    [ "$(ls "$1")" = "$(ls "$folder/program")" ]
+    for file in "$folder/program/"*; do
+        cmp "$file" "$1/$(basename "$file")"
+    done
+}
 
-step="building with pkg-config"
-# shellcheck disable=SC2046,SC2086
-"$compiler" $flags -std=c11 -Wall -Wextra -Wpedantic -Werror "$source/consumer.c" -o "$folder/consumer" \
-    $(pkg-config --cflags --libs reframe) -Wl,-rpath,"$(dirname "$PKG_CONFIG_PATH")"
-step="running what pkg-config built"
-"$folder/consumer" "$scene" "$folder/b.exr"
-cmp "$folder/a.exr" "$folder/b.exr"
-[ "$(pkg-config --modversion reframe)" = "$("$prefix/bin/reframe" --version | cut -d' ' -f2)" ]
-echo "test_install: passed, $count options"
+# use_library PREFIX NAME: builds and runs the consumers against what is installed there.
+use_library()
+{
+    local prefix=$1 name=$2 header language
+    PKG_CONFIG_PATH=$(dirname "$(find "$prefix" -name reframe.pc)")
+    export PKG_CONFIG_PATH
+    local libraries
+    libraries=$(dirname "$PKG_CONFIG_PATH")
+
+    step="compiling every header by itself ($name)"
+    for header in "$prefix/include/reframe/"*.h; do
+        for language in "$compiler -xc -std=c11" "$cpp -xc++ -std=c++17"; do
+            # shellcheck disable=SC2046,SC2086
+            echo "#include <reframe/$(basename "$header")>" | $language $warnings -fsyntax-only $(pkg-config --cflags reframe) -
+        done
+    done
+
+    step="building with find_package ($name)"
+    CFLAGS=$flags CXXFLAGS=$flags cmake -S "$source" -B "$folder/cmake-$name" -DCMAKE_C_COMPILER="$compiler" \
+        -DCMAKE_CXX_COMPILER="$cpp" -DCMAKE_PREFIX_PATH="$prefix" >"$folder/log" 2>&1 &&
+        cmake --build "$folder/cmake-$name" >>"$folder/log" 2>&1 || { cat "$folder/log" >&2; exit 1; }
+    step="running what find_package built ($name)"
+    "$folder/cmake-$name/consumer" "$scene" "$folder/$name-c" >"$folder/told"
+    compare_files "$folder/$name-c"
+    grep -q '^\*plan: group' "$folder/told"
+    grep -q '^relMSE ' "$folder/told"
+    grep -q '^RF_ERROR_MEMORY: ' "$folder/told"
+    "$folder/cmake-$name/consumer_cpp" "$scene" "$folder/$name-cpp" >"$folder/told"
+    compare_files "$folder/$name-cpp"
+    if "$folder/cmake-$name/consumer" "$folder/a.obj" "$folder/none" 2>"$folder/told"; then exit 1; fi
+    grep -q 'a.obj' "$folder/told"
+
+    step="building with pkg-config ($name)"
+    # shellcheck disable=SC2046,SC2086
+    "$compiler" $flags -std=c11 $warnings "$source/consumer.c" -o "$folder/consumer" \
+        $(pkg-config --cflags --libs reframe) -Wl,-rpath,"$libraries"
+    # shellcheck disable=SC2046,SC2086
+    "$cpp" $flags -std=c++17 $warnings "$source/consumer.cpp" -o "$folder/consumer_cpp" \
+        $(pkg-config --cflags --libs reframe) -Wl,-rpath,"$libraries"
+    step="running what pkg-config built ($name)"
+    "$folder/consumer" "$scene" "$folder/$name-pc" >/dev/null
+    compare_files "$folder/$name-pc"
+    "$folder/consumer_cpp" "$scene" "$folder/$name-pc" >/dev/null
+    compare_files "$folder/$name-pc"
+    [ "$(pkg-config --modversion reframe)" = "$("$folder/prefix/bin/reframe" --version | cut -d' ' -f2)" ]
+}
+
+other=shared
+if [ "$(find "$prefix" -name 'libreframe.so')" ]; then other=static; fi
+use_library "$prefix" "$([ $other = shared ] && echo static || echo shared)"
+
+step="building the $other library"
+cached() { sed -n "s/^$1:[A-Z]*=//p" "$build/CMakeCache.txt"; }
+{
+    cmake -G "$(cached CMAKE_GENERATOR)" -S "$root" -B "$folder/build" -DBUILD_SHARED_LIBS="$([ $other = shared ] && echo ON || echo OFF)" \
+        -DREFRAME_TESTS=OFF -DCMAKE_C_COMPILER="$compiler" -DREFRAME_MARCH="$(cached REFRAME_MARCH)" \
+        -DREFRAME_SANITIZE="$(cached REFRAME_SANITIZE)" -DCMAKE_C_COMPILER_LAUNCHER="$(cached CMAKE_C_COMPILER_LAUNCHER)" &&
+        cmake --build "$folder/build" --target libreframe --parallel &&
+        cmake --install "$folder/build" --prefix "$folder/$other" --component development
+} >"$folder/log" 2>&1 || { tail -30 "$folder/log" >&2; exit 1; }
+use_library "$folder/$other" "$other"
+
+step="looking at what the shared library shows"
+library=$(find "$folder/shared" "$prefix" -name 'libreframe.so' 2>/dev/null | head -1)
+python3 -B "$source/declared.py" "$root/src/reframe" >"$folder/declared"
+nm -D --defined-only "$library" | cut -d' ' -f3 | sort >"$folder/shown"
+diff "$folder/declared" "$folder/shown"
+[ "$(wc -l <"$folder/shown")" -gt 40 ]
+echo "test_install: passed, $count options, $(wc -l <"$folder/shown") public functions"
