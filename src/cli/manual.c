@@ -1,5 +1,8 @@
 #include "cli/manual.h"
 
+#include "reframe/aov.h"
+#include "reframe/types.h"
+
 // Text as it is, whatever roff thinks of it.
 static void print_text( const char* text, FILE* file )
 {
@@ -62,26 +65,33 @@ void rf_print_manual_section( const RfCommandTable* table, FILE* file )
     }
 }
 
+// Each with its channels, albedo.R albedo.G albedo.B, and what it is.
+static void print_aovs( FILE* file )
+{
+    static const struct
+    {
+        const char* what;
+        bool half;
+    } rows[RF_AOV_COUNT] = {
+#define ROW( constant, name, letters, half, what ) { what, half },
+        RF_AOV_LIST( ROW )
+#undef ROW
+    };
+    fputs( ".SH LAYERS\nWhat \\fB\\-\\-aov\\fR adds to the files, as means over the pixel's own samples:\n", file );
+    for ( int i = 0; i < RF_AOV_COUNT; ++i )
+    {
+        fputs( ".TP\n.B", file );
+        for ( const char* c = rf_aov_letters( (RfAov)i ); *c != '\0'; ++c )
+            fprintf( file, " %s.%c", rf_aov_name( (RfAov)i ), *c );
+        fprintf( file, "\n%s%s\n", rows[i].what, rows[i].half ? "; 16-bit floats unless \\fB\\-\\-float\\fR is given" : "" );
+    }
+}
+
 void rf_print_manual_tail( FILE* file )
 {
+    print_aovs( file );
     fputs(
-        ".SH LAYERS\n"
-        "What \\fB\\-\\-aov\\fR adds to the files, as means over the pixel's own samples:\n"
-        ".TP\n.B albedo.R albedo.G albedo.B\n"
-        "what the surface reflects of light from straight above; 0 where nothing is\n"
-        ".TP\n.B normal.X normal.Y normal.Z\n"
-        "shading normal in world space, towards the camera; 0 where nothing is\n"
-        ".TP\n.B depth.Z\n"
-        "metres along the viewing direction, over the part of the pixel where something is; 1e10 where nothing is\n"
-        ".TP\n.B motion.X motion.Y motion.Z motion.W\n"
-        "pixels, +x right, +y up: X and Y from here to where the point is in the frame before, Z and W to where it\n"
-        "is in the next; 0 at the ends of the path and for what is behind the other camera. Blender's own passes have\n"
-        "X and Y alike, Z and W with the opposite sign\n"
-        ".TP\n.B variance.R variance.G variance.B\n"
-        "of the colour, estimated from the two halves of the samples: right in the mean, noisy in the pixel\n"
-        ".TP\n.B samples.Y\n"
-        "light paths that the pixel is made of, its own and those of other frames\n"
-        ".PP\nAlbedo and normal are 16-bit floats unless \\fB\\-\\-float\\fR is given, the others always 32-bit.\n"
+        ".PP\nWhere nothing else is said they are 32-bit floats.\n"
         ".SH FLICKER\n"
         "F1 is the root mean square of how much the error changes from one frame to the next, phi its square over the\n"
         "sum of the two frames' mean square errors: 1 is noise that is independent in each frame, 0 an error that\n"

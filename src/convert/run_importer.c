@@ -162,15 +162,12 @@ static RfResult judge( const RfImporterRun* run, End end, int status, bool no_me
         return rf_fail( error, RF_ERROR_INTERRUPTED, "%s: interrupted", source );
     bool signalled = WIFSIGNALED( status );
     if ( end == END_TIMEOUT || ( signalled && WTERMSIG( status ) == SIGXCPU ) )
-        return rf_advise( rf_fail( error, RF_ERROR_FORMAT,
-                                   "%s: the importer had not finished after %g s", source,
-                                   run->seconds ),
+        return rf_advise( rf_fail( error, RF_ERROR_FORMAT, "%s: the importer had not finished after %g s", source, run->seconds ),
                           RF_REMEDY_CONVERT_SECONDS, 0, error );
     if ( no_memory )
-        return rf_advise( rf_fail( error, RF_ERROR_MEMORY,
-                                   "%s: the importer needs more than %zu MiB of memory", source,
-                                   run->memory >> 20 ),
-                          RF_REMEDY_CONVERT_MEMORY, 0, error );
+        return rf_advise(
+            rf_fail( error, RF_ERROR_MEMORY, "%s: the importer needs more than %zu MiB of memory", source, run->memory >> 20 ),
+            RF_REMEDY_CONVERT_MEMORY, 0, error );
     if ( signalled )
         return rf_fail( error, RF_ERROR_FORMAT, "%s: the importer crashed on it (%s): " EXPORT_INSTEAD, source,
                         strsignal( WTERMSIG( status ) ) );

@@ -108,8 +108,8 @@ RfResult rf_check_exr_channel( const RfExrStream* stream, const exr_attr_chlist_
     return RF_OK;
 }
 
-RfResult rf_find_exr_channels( const RfExrStream* stream, const exr_attr_chlist_t* list, RfRemedy remedy,
-                               RfExrChannels* channels, RfError* error )
+RfResult rf_find_exr_channels( const RfExrStream* stream, const exr_attr_chlist_t* list, RfRemedy remedy, RfExrChannels* channels,
+                               RfError* error )
 {
     int layers = 0, combined = 0;
     char text[512] = "";

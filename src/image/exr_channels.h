@@ -13,8 +13,8 @@ typedef struct RfExrChannels
 // R, G, B; else the layer P with P.R, P.G and P.B, where there is but one or but
 // one whose name ends with "Combined"; else Y. Else an error names what is there, and
 // channels->count is how many layers there are. `remedy` is that of several: RF_REMEDY_LAYER or none.
-RfResult rf_find_exr_channels( const RfExrStream* stream, const exr_attr_chlist_t* list, RfRemedy remedy,
-                               RfExrChannels* channels, RfError* error );
+RfResult rf_find_exr_channels( const RfExrStream* stream, const exr_attr_chlist_t* list, RfRemedy remedy, RfExrChannels* channels,
+                               RfError* error );
 
 // The channels that `layer` names in this part: a channel (as grey), the three of a
 // layer (P.R, P.G, P.B or P.X, P.Y, P.Z), three channels with commas between them,

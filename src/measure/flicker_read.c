@@ -28,8 +28,8 @@ static RfResult find_tail( const char* path, const RfExrHeader* header, const ch
             if ( ( k == 0 && channel->part != header->part ) || !has_tail( channel->text, tail ) )
                 continue;
             if ( *found != NULL )
-                return rf_advise( rf_fail( error, RF_ERROR_UNSUPPORTED, "%s: has both %s and %s%s", path, *found,
-                                           channel->text, remedy == RF_REMEDY_NONE ? ": choose a file with one of them" : "" ),
+                return rf_advise( rf_fail( error, RF_ERROR_UNSUPPORTED, "%s: has both %s and %s%s", path, *found, channel->text,
+                                           remedy == RF_REMEDY_NONE ? ": choose a file with one of them" : "" ),
                                   remedy, 0, error );
             *found = channel->text;
         }

@@ -182,8 +182,8 @@ RfResult rf_run_trial( const RfTracer* tracer, const RfTestRegion* site, int win
     RfTrialPair pair = { .eyes = eyes, .whole = site->whole && eyes == site->frames, .pixels = eye_pixels( site->eyes ) };
     pair.rgb = malloc( rf_trial_bytes( eyes, pair.pixels ) );
     if ( pair.rgb == NULL )
-        return rf_advise( rf_fail( error, RF_ERROR_MEMORY, "no memory left to try groups of %d frames", eyes ), RF_REMEDY_MEMORY, 0,
-                          error );
+        return rf_advise( rf_fail( error, RF_ERROR_MEMORY, "no memory left to try groups of %d frames", eyes ), RF_REMEDY_MEMORY,
+                          0, error );
     RfResult result = RF_OK;
     for ( int w = 0; w < count && result == RF_OK; ++w )
         result = try_window( tracer, site, first + w * eyes, &s, watch, &pair, trial, error );

@@ -47,8 +47,7 @@ RfResult rf_check_frame_file( const RfOutput* output, int frame, RfFrameFileStat
     if ( result != RF_OK )
         return result;
     if ( stat( name, &status ) != 0 )
-        return errno == ENOENT ? RF_OK
-                               : rf_fail( error, RF_ERROR_IO, "%s: cannot be looked at: %s", name, strerror( errno ) );
+        return errno == ENOENT ? RF_OK : rf_fail( error, RF_ERROR_IO, "%s: cannot be looked at: %s", name, strerror( errno ) );
     if ( S_ISDIR( status.st_mode ) ) // told before the work, and no matter what may be replaced
         return rf_fail( error, RF_ERROR_IO, "%s: is a folder: choose another name", name );
     *state = RF_FRAME_FILE_UNREADABLE;

@@ -15,30 +15,25 @@
 RF_API_BEGIN
 
 // The list of AOVs, from which all others are made: X( constant, name, letters of the channels,
-// whether 16 bits are enough in a file ).
-//
-//   albedo    what the surface reflects of light from straight above; nothing there: 0
-//   normal    shading normal in world space, on the side that is seen; nothing there: 0
-//   depth     metres along the viewing direction (not to the eye), the mean over what is there;
-//             RF_DEPTH_OF_NOTHING where the whole pixel is empty
-//   motion    X Y: where the point is on the film of the path's previous frame minus where it is
-//             on this, pixels, +x right, +y up; Z W: the same to the next frame (Blender 3.4 has X
-//             and Y like this, Z and W with the opposite sign). 0 at the ends of the path, and
-//             where the point is behind the other eye
-//   variance  estimated variance of the colour; 0 where a frame has a single pass
-//   samples   samples that landed in the pixel, its own and reused ones, each counted once
+// whether 16 bits are enough in a file, what it is ).
 #define RF_AOV_LIST( X )                                                                                                         \
-    X( ALBEDO, "albedo", "RGB", true )                                                                                           \
-    X( NORMAL, "normal", "XYZ", true )                                                                                           \
-    X( DEPTH, "depth", "Z", false )                                                                                              \
-    X( MOTION, "motion", "XYZW", false )                                                                                         \
-    X( VARIANCE, "variance", "RGB", false )                                                                                      \
-    X( SAMPLES, "samples", "Y", false )
+    X( ALBEDO, "albedo", "RGB", true, "what the surface reflects of light from straight above; 0 where nothing is" )             \
+    X( NORMAL, "normal", "XYZ", true, "shading normal in world space, towards the camera; 0 where nothing is" )                  \
+    X( DEPTH, "depth", "Z", false,                                                                                               \
+       "metres along the viewing direction (not to the eye), over the part of the pixel where something "                        \
+       "is; 1e10 where nothing is" )                                                                                             \
+    X( MOTION, "motion", "XYZW", false,                                                                                          \
+       "pixels, +x right, +y up: X and Y from here to where the point is in the frame before, Z and W to "                       \
+       "where it is in the next; 0 at the ends of the path and for what is behind the other camera. "                            \
+       "Blender's own passes have X and Y alike, Z and W with the opposite sign" )                                               \
+    X( VARIANCE, "variance", "RGB", false,                                                                                       \
+       "of the colour, estimated from the two halves of the samples: right on average, noisy in the pixel" )                     \
+    X( SAMPLES, "samples", "Y", false, "light paths that the pixel is made of, its own and those of other frames" )
 
 // RF_AOV_ALBEDO, RF_AOV_NORMAL and so on, in the order of the list.
 typedef enum RfAov
 {
-#define RF_AOV_CONSTANT( constant, name, letters, half ) RF_AOV_##constant,
+#define RF_AOV_CONSTANT( constant, name, letters, half, what ) RF_AOV_##constant,
     RF_AOV_LIST( RF_AOV_CONSTANT )
 #undef RF_AOV_CONSTANT
         RF_AOV_COUNT
@@ -47,7 +42,7 @@ typedef enum RfAov
 #define RF_AOV_BIT( aov ) ( 1u << ( aov ) )
 #define RF_ALL_AOVS ( RF_AOV_BIT( RF_AOV_COUNT ) - 1u )
 
-#define RF_DEPTH_OF_NOTHING 1e10f // as Blender has it
+#define RF_DEPTH_OF_NOTHING 1e10f // depth where the whole pixel is empty, as Blender has it
 
 // The name of an AOV, such as "albedo".
 const char* rf_aov_name( RfAov aov );

@@ -13,14 +13,14 @@ RF_API_BEGIN
 
 typedef struct RfConvertOptions
 {
-    bool z_up;            // the model's z points up: it is turned to glTF's y
-    double scale;         // metres per unit of the model, after what its own units say
-    bool overwrite;       // a target that is there is replaced; else it is an error
-    bool assimp;          // PLY too is read by assimp, not by the strict reader of ours
-    const char* importer; // path of reframe-import, the process that assimp runs in; NULL: looked for beside
-                          // the running program, then in ../libexec/reframe and ../lib/reframe from there
-    size_t memory;        // bytes of address space that assimp may take before it is stopped
-    double seconds;       // that assimp may take before it is stopped
+    bool z_up;                              // the model's z points up: it is turned to glTF's y
+    double scale;                           // metres per unit of the model, after what its own units say
+    bool overwrite;                         // a target that is there is replaced; else it is an error
+    bool assimp;                            // PLY too is read by assimp, not by the strict reader of ours
+    const char* importer;                   // path of reframe-import, the process that assimp runs in; NULL: looked for beside
+                                            // the running program, then in ../libexec/reframe and ../lib/reframe from there
+    size_t memory;                          // bytes of address space that assimp may take before it is stopped
+    double seconds;                         // that assimp may take before it is stopped
     bool ( *is_interrupted )( void* user ); // asked several times a second while assimp runs; or NULL
     void* user;
 } RfConvertOptions;

@@ -75,8 +75,9 @@ static int batches_that_fit( size_t budget, const RenderSizes* s )
 
 static RfResult fail_held( size_t budget, size_t least, RfError* error )
 {
-    return rf_advise( rf_fail( error, RF_ERROR_MEMORY, "a budget of %zu KiB is too small for all hit records of a group", budget / 1024 ),
-                      RF_REMEDY_HOLD_LESS, least, error );
+    return rf_advise(
+        rf_fail( error, RF_ERROR_MEMORY, "a budget of %zu KiB is too small for all hit records of a group", budget / 1024 ),
+        RF_REMEDY_HOLD_LESS, least, error );
 }
 
 RfResult rf_fit_sizes( size_t budget, int frames, RenderSizes* sizes, RfMemoryFit* fit, RfError* error )
@@ -87,9 +88,8 @@ RfResult rf_fit_sizes( size_t budget, int frames, RenderSizes* sizes, RfMemoryFi
     if ( sizes->films == 0 && sizes->held > 0 )
         return fail_held( budget, fit->least, error );
     if ( sizes->films == 0 )
-        return rf_advise( rf_fail( error, RF_ERROR_MEMORY,
-                                   "a budget of %zu KiB is too small for frames of %dx%d", budget / 1024, sizes->width,
-                                   sizes->height ),
+        return rf_advise( rf_fail( error, RF_ERROR_MEMORY, "a budget of %zu KiB is too small for frames of %dx%d", budget / 1024,
+                                   sizes->width, sizes->height ),
                           RF_REMEDY_MEMORY, fit->least, error );
     fit->threads = sizes->threads;
     fit->films = sizes->films;

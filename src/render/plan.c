@@ -141,7 +141,8 @@ static int rows_against( const RfPlan* plan, const char* reason )
 static void explain( RfPlan* plan, const RfRenderSettings* settings )
 {
     char rounded[96];
-    snprintf( rounded, sizeof rounded, "%d sample%s would be rounded up by more than a quarter", settings->spp, settings->spp == 1 ? "" : "s" );
+    snprintf( rounded, sizeof rounded, "%d sample%s would be rounded up by more than a quarter", settings->spp,
+              settings->spp == 1 ? "" : "s" );
     const char* const reasons[][3] = { { s_films, s_films, s_films },
                                        { s_sweeps, s_sweeps, "go through the path several times" },
                                        { s_rounded, rounded, rounded },

@@ -29,8 +29,8 @@ void rf_close_scene( RfScene* scene )
 RfResult rf_scene_camera( const RfScene* scene, int index, RfFps fps, RfCameraInfo* info, RfError* error )
 {
     if ( index < 0 || index >= scene->camera_count )
-        return rf_fail( error, RF_ERROR_USAGE, "%s: has %d camera%s, there is none of index %d", scene->path,
-                        scene->camera_count, scene->camera_count == 1 ? "" : "s", index );
+        return rf_fail( error, RF_ERROR_USAGE, "%s: has %d camera%s, there is none of index %d", scene->path, scene->camera_count,
+                        scene->camera_count == 1 ? "" : "s", index );
     if ( fps.numerator < 1 || fps.denominator < 1 )
         return rf_fail( error, RF_ERROR_USAGE, "frames per second must be above 0, got %d/%d", fps.numerator, fps.denominator );
     const RfCamera* camera = scene->cameras + index;

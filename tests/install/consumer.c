@@ -55,8 +55,8 @@ static RfResult print_plan( const RfTracer* tracer, const RfCameraPath* path, co
     RfPlan plan;
     RfResult result = rf_plan_render( tracer, path->eyes, path->count, frames, FRAMES, settings, &plan, error );
     for ( int i = 0; result == RF_OK && i < plan.count; ++i )
-        printf( "%cplan: group %d, gain %.2f, %zu bytes\n", plan.rows[i].chosen ? '*' : ' ', plan.rows[i].group, plan.rows[i].gain,
-                plan.rows[i].fit.bytes_films + plan.rows[i].fit.bytes_hits + plan.rows[i].fit.bytes_lists );
+        printf( "%cplan: group %d, gain %.2f, %zu bytes\n", plan.rows[i].chosen ? '*' : ' ', plan.rows[i].group,
+                plan.rows[i].gain, plan.rows[i].fit.bytes_films + plan.rows[i].fit.bytes_hits + plan.rows[i].fit.bytes_lists );
     return result;
 }
 

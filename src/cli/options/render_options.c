@@ -185,7 +185,7 @@ static const RfOption s_options[] = {
       .value = &s_parsed.settings.files.half,
       .given = &s_half_given,
       .default_text = "yes",
-      .help = "16-bit floats for colour, albedo and normal" },
+      .help = "16-bit floats for the colour and the AOVs that need no more" },
     { .name = "float",
       .type = RF_OPTION_BOOL,
       .value = &s_float,
@@ -238,9 +238,7 @@ static RfResult check( const RfRenderOptions* options, RfError* error )
 
 RfRenderOptions rf_default_render_options( void )
 {
-    RfRenderOptions options = {
-        .fps = { 24, 1 }, .size = { 960, 540 }, .settings = rf_default_render_settings(), .tile = "3x3"
-    };
+    RfRenderOptions options = { .fps = { 24, 1 }, .size = { 960, 540 }, .settings = rf_default_render_settings(), .tile = "3x3" };
     options.settings.files = rf_default_frame_files();
     options.settings.queue = WRITE_QUEUE;
     options.weights = options.settings.weights;

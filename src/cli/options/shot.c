@@ -21,7 +21,7 @@ RfResult rf_load_shot( const char* command, const RfRenderOptions* options, RfTa
         result = rf_load_scene_file( &shot->file, &shot->scene, &log, error );
     if ( result == RF_OK )
         result = rf_create_camera_path( &shot->scene, options->camera, options->fps, options->size.width, options->size.height,
-                                         &shot->path, error );
+                                        &shot->path, error );
     if ( result == RF_OK )
         result = rf_choose_frames( options->frames, &shot->file, shot->path.count, &shot->frames, &shot->frame_count, error );
     return result == RF_OK ? rf_create_tracer( &shot->scene, &shot->tracer, error ) : result;
