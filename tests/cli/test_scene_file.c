@@ -102,7 +102,7 @@ static void test_render_faults( void** state )
         { "{\"threads\":3}", "scene.json: render.threads: no such key" },
         { "{\"seed\":-1}", "scene.json: render.seed: wants a whole number from 0" },
         { "{\"tile\":\"9x9\"}", "scene.json: render.tile: wants 1, WxH such as 3x3, or rooksN" },
-        { "{\"aov\":\"depht\"}", "scene.json: render.aov: 'depht': no such layer, did you mean depth?" },
+        { "{\"aov\":\"depht\"}", "scene.json: render.aov: 'depht' is no AOV, did you mean depth?" },
         { "{\"aov\":\"depth,depth\"}", "scene.json: render.aov: depth is given twice" },
     };
     static const char* const frames[][2] = {

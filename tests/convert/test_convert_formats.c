@@ -264,7 +264,7 @@ static void test_fbx( void** state )
     const CliResult* run = cli_run( "$R convert f.fbx f.glb" );
     assert_int_equal( run->status, 0 );
     assert_non_null( strstr( run->err, "camera 'cam': its field of view is taken as 60 degrees across" ) );
-    assert_non_null( strstr( run->err, "its z points up: unless given already, give --up z" ) );
+    assert_non_null( strstr( run->err, "its z points up: unless that is given already, convert it with z up" ) );
     RfScene scene = convert_load( "f.glb" );
     convert_assert_point( &scene.bounds_min.x, 1, 2, 3 ); // metres
     convert_assert_point( &scene.bounds_max.x, 2, 3, 3 );
