@@ -11,7 +11,7 @@
 // the order given.
 //
 // To add an estimator: a folder with its functions, one row in
-// estimators/estimators.c. A minimal one is in tests/render/test_estimator_socket.c.
+// estimators/estimators.c. A minimal one is in tests/render/test_second_estimator.c.
 #ifndef REFRAME_RENDER_ESTIMATOR_H
 #define REFRAME_RENDER_ESTIMATOR_H
 
@@ -108,7 +108,7 @@ struct RfEstimator
     // Called by several threads, each with its own batch and scratch.
     int ( *trace )( const RfEstimatorGroup* group, RfTraceJob job, void* batch, void* scratch, RfRayCounts* rays );
 
-    // The camera rays of the batch just traced and their hits, for AOVs.
+    // The camera rays of the batch just traced and their hits, for AOVs; NULL where there are none of these.
     RfFirstHits ( *first_hits )( const void* scratch );
 
     // Adds batches to some rows of a frame's films, in the order given; returns how many samples

@@ -35,6 +35,8 @@ static RfResult check_estimator( const RfRenderSettings* s, RfError* error )
         return rf_fail( error, RF_ERROR_USAGE, "settings without an estimator: start from rf_default_render_settings" );
     if ( s->adaptive && ( estimator->add_own_shares == NULL || estimator->count_samples == NULL ) )
         return rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' has no adaptive sampling", estimator->name );
+    if ( ( s->layers & RF_FIRST_HIT_AOVS ) != 0 && estimator->first_hits == NULL )
+        return rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' has no AOVs of first hits", estimator->name );
     if ( s->hold_all &&
          ( estimator->trace_first_hits == NULL || estimator->serialise == NULL || estimator->deserialise == NULL ) )
         return rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' cannot hold all records of a group", estimator->name );
