@@ -87,9 +87,19 @@ typedef struct RfFrameFiles
 // Files of 16-bit floats, ZIP, as rf_write_frame writes them for the settings' `files`.
 RfFrameFiles rf_default_frame_files( void );
 
+// How the pixels of a frame are estimated.
+typedef struct RfEstimator RfEstimator;
+
+// The estimator called `name`; NULL where there is none. "reuse" is the one of frames and tiles.
+const RfEstimator* rf_find_estimator( const char* name );
+
+// The name that finds it.
+const char* rf_estimator_name( const RfEstimator* estimator );
+
 // What is to be rendered, and how. From rf_default_render_settings.
 typedef struct RfRenderSettings
 {
+    const RfEstimator* estimator; // by default "reuse"
     int spp;            // samples that a frame traces per pixel; with noise or time the most
     double noise;       // each frame stops when its estimated relMSE is at most this; 0: spp are rendered
     double time;        // seconds for each frame asked for, on average; 0: as long as it takes
