@@ -1,5 +1,5 @@
-// The sub-commands, one file each. argv[0] is the command's name; the result
-// is the exit status: 0, 1 failed, 2 usage, 130 interrupted.
+// The commands. argv[0] is the name of the command. They return the exit status: 0, 1 failed,
+// 2 usage, 130 interrupted.
 #ifndef REFRAME_CLI_COMMANDS_H
 #define REFRAME_CLI_COMMANDS_H
 

@@ -1,4 +1,4 @@
-// reframe info: what is in a scene, and which effects it calls for.
+// reframe info: the content of a scene and the effects it calls for.
 #include "cli/commands.h"
 #include "cli/render/render_json.h"
 #include "cli/options/render_options.h"
@@ -40,7 +40,7 @@ static const RfCommandTable s_table = {
     .option_count = sizeof s_options / sizeof s_options[0]
 };
 
-// What there is to tell.
+// What is printed.
 typedef struct Facts
 {
     RfSceneInfo scene;

@@ -1,4 +1,4 @@
-// The program: picks the sub-command and hands over.
+// The program: finds the command and runs it.
 #include "cli/commands.h"
 #include "cli/manual.h"
 #include "cli/options/options.h"
@@ -86,7 +86,7 @@ static int fail_unknown( const char* name )
     return 2;
 }
 
-// Compiled for AVX2 the program would die of an illegal instruction elsewhere.
+// Compiled for AVX2, it would die of an illegal instruction on other processors.
 static bool check_cpu( void )
 {
 #if defined( __AVX2__ ) && defined( __GNUC__ )
@@ -107,7 +107,7 @@ int main( int argc, char** argv )
         return 1;
     rf_set_float_mode();
 #ifdef SIGXFSZ
-    // A file size limit is to be an error of write, as a full disk is, not the end.
+    // Exceeding a file size limit becomes an error of write, like a full disk.
     signal( SIGXFSZ, SIG_IGN );
 #endif
     if ( argc < 2 )

@@ -3,7 +3,7 @@
 #include "reframe/aov.h"
 #include "reframe/types.h"
 
-// Text as it is, whatever roff thinks of it.
+// Escapes what roff would interpret.
 static void print_text( const char* text, FILE* file )
 {
     if ( *text == '.' || *text == '\'' )
@@ -65,7 +65,7 @@ void rf_print_manual_section( const RfCommandTable* table, FILE* file )
     }
 }
 
-// Each with its channels, albedo.R albedo.G albedo.B, and what it is.
+// A paragraph for each AOV: its channels and what it is.
 static void print_aovs( FILE* file )
 {
     static const struct

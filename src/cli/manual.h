@@ -4,13 +4,13 @@
 
 #include "cli/options/options.h"
 
-// Up to the commands: name, synopsis, description.
+// Prints what comes before the commands: name, synopsis, description.
 void rf_print_manual_head( FILE* file );
 
-// One command: an RfHelpPrinter.
+// Prints the section of a command: an RfHelpPrinter.
 void rf_print_manual_section( const RfCommandTable* table, FILE* file );
 
-// What comes after the commands.
+// Prints what comes after the commands.
 void rf_print_manual_tail( FILE* file );
 
 #endif

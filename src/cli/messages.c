@@ -21,7 +21,7 @@ int rf_exit_status( RfResult result )
 
 #define EXPORT_INSTEAD "export it as glTF (.glb) from the program it came from"
 
-// What to type, in the options that the commands share. With %zu: the memory that is needed, KiB.
+// What to type. %zu stands for the memory that is needed, KiB.
 static const char* hint_of( const RfError* error )
 {
     switch ( error->remedy )
@@ -112,7 +112,7 @@ static RfResult dump_to_file( const char* path, const json_t* json, RfError* err
     if ( text == NULL )
         return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for the result", path );
     size_t length = strlen( text );
-    text[length] = '\n'; // in the place of the terminator
+    text[length] = '\n'; // replaces the terminator
     RfResult result = rf_write_file_atomic( path, text, length + 1, error );
     free( text );
     return result;

@@ -1,5 +1,5 @@
-// How every command talks: errors and warnings as one line on standard error,
-// results as JSON in a file or on standard output.
+// Messages of all commands: errors and warnings as one line on standard error, results
+// as JSON in a file or on standard output.
 #ifndef REFRAME_CLI_MESSAGES_H
 #define REFRAME_CLI_MESSAGES_H
 
@@ -10,8 +10,9 @@
 // The exit status that a result stands for: 0, 1, 2 (usage) or 130 (interrupted).
 int rf_exit_status( RfResult result );
 
-// The line of an error with what to type to get past it, where the library knows of a remedy:
-// "a budget of 1024 KiB is too small for frames of 64x36: give --memory 2644K or more, or lower --size". Cut where it does not fit.
+// Formats an error with what to type to get past it, where the library knows a remedy: "a budget
+// of 1024 KiB is too small for frames of 64x36: give --memory 2644K or more, or lower --size".
+// Truncated to `size`.
 void rf_format_error( const RfError* error, char* text, size_t size );
 
 // Prints "reframe COMMAND: LINE" on standard error, with the remedy; returns the exit status.
@@ -21,10 +22,10 @@ int rf_report_error( const char* command, const RfError* error );
 // `command` must be a string that outlives the log.
 RfLog rf_stderr_log( const char* command );
 
-// A JSON string of any bytes: what is no UTF-8 (file names may be) becomes '?'.
+// A JSON string of any bytes: text that is not UTF-8 (file names may be anything) has '?' for what is not ASCII.
 json_t* rf_json_text( const char* text );
 
-// An array of frames' numbers.
+// An array of frame numbers.
 json_t* rf_json_frames( const int* frames, int count );
 
 // A JSON number, null where it is not finite.

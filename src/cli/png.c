@@ -1,10 +1,9 @@
 // reframe png: an EXR file as PNG, to look at.
-#include "reframe/image.h"
 
 #include "cli/commands.h"
 #include "cli/options/options.h"
 #include "cli/messages.h"
-#include "image/exr.h"
+#include "reframe/image.h"
 
 static double s_exposure;
 static const char* const s_files[] = { "IN.exr", "OUT.png" };

@@ -22,7 +22,7 @@ typedef struct Compare
     const char* diff; // or NULL
     const char* json; // or NULL
     bool quiet;
-    bool table; // standard output is free for the table
+    bool table; // the table goes to standard output
     RfErrorSummary all;
     bool has_all;       // `all` has been created, for the first frame's size
     RfWorstPixel worst; // of all frames so far, where the files have it
@@ -31,13 +31,13 @@ typedef struct Compare
 
 static void show_progress( const Compare* compare, int i )
 {
-    bool rows_are_seen = compare->table && isatty( STDOUT_FILENO ) != 0; // they are progress enough
+    bool rows_are_seen = compare->table && isatty( STDOUT_FILENO ) != 0; // they show the progress
     rf_show_frame_count( compare->quiet || rows_are_seen || compare->in.count < 2, i, compare->in.count );
 }
 
 static int frame_number( const Compare* compare, int i ) { return compare->in.frames != NULL ? compare->in.frames[i] : 1; }
 
-// The differences of all frames against all frames of one of the sequences.
+// No difference image may overwrite a frame of this sequence.
 static RfResult check_diff_names( const Compare* compare, const char* pattern, RfError* error )
 {
     int count = compare->in.count;
@@ -67,7 +67,7 @@ static RfResult check_diff_names( const Compare* compare, const char* pattern, R
     return result;
 }
 
-// Before the work: the difference has a name for each frame, and not one of any frame's.
+// Checks before the work that every difference image has a name of its own.
 static RfResult check_diff( const Compare* compare, RfError* error )
 {
     if ( compare->diff == NULL )
@@ -98,8 +98,8 @@ static RfResult write_diff( const Compare* compare, int frame, RfComparePair* pa
     return rf_write_exr( name, image, &options, error );
 }
 
-// A pixel is where its file has it, not where the rows in memory begin; there is
-// no worst one where values are no numbers.
+// Converts the worst pixel to the coordinates of the file. Where values are not finite there
+// is none.
 static void place_worst( Compare* compare, const RfExrWindow* window, RfErrorMetrics* metrics )
 {
     RfWorstPixel* worst = &metrics->worst;

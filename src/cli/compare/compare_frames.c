@@ -18,7 +18,7 @@ static bool has_frame( const int* frames, int count, int frame )
     return false;
 }
 
-// Takes the place of the frames that are there by those that --frames names.
+// Replaces the list by the frames that --frames names, all of which must exist.
 static RfResult choose_frames( RfCompareFrames* frames, const int* b, int b_count, RfError* error )
 {
     int *wanted, count, last = frames->frames[frames->count - 1];
@@ -96,7 +96,7 @@ RfResult rf_compare_name( const RfCompareFrames* frames, const char* pattern, in
 static int at_least( int a, int b ) { return a > b ? a : b; }
 static int at_most( int a, int b ) { return a < b ? a : b; }
 
-// Keeps the part of an image, in place.
+// Crops an image in place.
 static void crop( RfImage* image, const RfExrWindow* from, const RfExrWindow* to )
 {
     for ( int y = 0; y < to->height; ++y )
@@ -108,7 +108,7 @@ static void crop( RfImage* image, const RfExrWindow* from, const RfExrWindow* to
     image->height = to->height;
 }
 
-// Pixels are where the data windows say, in a file that is cropped too.
+// Aligns two images by their data windows.
 static RfResult align( bool overlap, RfComparePair* pair, const RfExrWindow windows[2], RfError* error )
 {
     const RfExrWindow *a = windows, *b = windows + 1;

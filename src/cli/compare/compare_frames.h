@@ -1,8 +1,8 @@
-// The frames of `compare`: which there are, and pairs of images that fit.
+// The frames of `compare`: their list, and pairs of images aligned by their data windows.
 #ifndef REFRAME_CLI_COMPARE_COMPARE_FRAMES_H
 #define REFRAME_CLI_COMPARE_COMPARE_FRAMES_H
 
-#include "image/exr.h"
+#include "reframe/image.h"
 
 #include <stdbool.h>
 
@@ -25,11 +25,11 @@ typedef struct RfCompareFrames
 RfResult rf_find_compare_frames( RfCompareFrames* frames, RfError* error );
 void rf_free_compare_frames( RfCompareFrames* frames );
 
-// The file of a frame: only where there are sequences is '#' looked at.
+// The file of a frame. '#' is special only in sequences.
 RfResult rf_compare_name( const RfCompareFrames* frames, const char* pattern, int frame, char name[RF_COMPARE_NAME_SIZE],
                           RfError* error );
 
-// Two images of the same pixels, and where they begin.
+// Two images of the same pixels, and their window.
 typedef struct RfComparePair
 {
     char names[2][RF_COMPARE_NAME_SIZE];

@@ -1,6 +1,7 @@
 #include "cli/compare/compare_report.h"
 
 #include "cli/messages.h"
+#include "measure/error.h"
 
 #include <math.h>
 #include <stdio.h>

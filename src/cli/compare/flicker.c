@@ -38,7 +38,7 @@ static void subtract( RfImage* image, const RfImage* reference )
         image->rgb[i] -= reference->rgb[i];
 }
 
-// Counts what is no number, takes the slit, and makes the signal.
+// Counts values that are not finite, adds the slit, and computes the signal.
 static RfResult take_images( RfFlickerRun* flicker, int i, RfFlickerFrame* frame, const RfImage* reference, RfError* error )
 {
     bool has_reference = reference->rgb != NULL;
@@ -99,7 +99,7 @@ static RfResult follow_pair( RfFlickerRun* flicker, const RfFlickerFrame* now, c
     return RF_OK;
 }
 
-// Frees what is of no use to the spectrum, which keeps the frame.
+// Frees what the spectrum, which keeps the frame, does not need.
 static void forget_layers( const RfFlickerReport* report, RfFlickerFrame* frame )
 {
     rf_destroy_image( &frame->variance );

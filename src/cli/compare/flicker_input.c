@@ -2,7 +2,7 @@
 
 #include "cli/messages.h"
 #include "cli/options/frame_list.h"
-#include "image/sequence.h"
+#include "reframe/image.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -13,7 +13,7 @@ RfResult rf_flicker_path( const char* pattern, int frame, char path[RF_FLICKER_N
     return rf_sequence_name( pattern, frame, path, RF_FLICKER_NAME_SIZE, error );
 }
 
-// Keeps those that --frames names, each of which must be there.
+// Keeps the frames that --frames names, all of which must exist.
 static RfResult choose_frames( RfFlickerRun* flicker, RfError* error )
 {
     int *wanted, count, last = flicker->frames[flicker->frame_count - 1];
@@ -55,7 +55,7 @@ static RfResult check_frames( const RfFlickerRun* flicker, RfError* error )
     return RF_OK;
 }
 
-// Before the work: the reference has all that is wanted.
+// Checks before the work that the reference has all frames.
 static RfResult check_reference( const RfFlickerRun* flicker, RfError* error )
 {
     char path[RF_FLICKER_NAME_SIZE];
@@ -100,7 +100,7 @@ static RfResult fail_no_motion( const RfFlickerRun* flicker, RfError* error )
                     flicker->first_path );
 }
 
-// Faults of the names that were given, "motion: ...", are those of the options.
+// Errors about names that were given, "motion: ...", are errors of the options.
 static void name_option( const RfFlickerRun* flicker, RfError* error )
 {
     bool given = flicker->motion != NULL || flicker->depth != NULL;
@@ -108,7 +108,7 @@ static void name_option( const RfFlickerRun* flicker, RfError* error )
         rf_fail( error, error->code, "--%s", error->text );
 }
 
-// For the main figures: those of the first frame, which all want.
+// Layers of the main figures: those of the first frame, which all frames must have.
 static RfResult find_main_layers( RfFlickerRun* flicker, bool compensate, RfError* error )
 {
     RfFlickerLayers* layers = &flicker->layers;
@@ -128,8 +128,8 @@ static RfResult find_main_layers( RfFlickerRun* flicker, bool compensate, RfErro
     return result;
 }
 
-// For figures beside the plain ones: those of the first frame that has any. What cannot
-// be told without further options is no failure, but is told.
+// Layers of the additional figures along the motion: those of the first frame that has any. If
+// they are ambiguous the figures are left out, with a note.
 static RfResult find_layers_beside( RfFlickerRun* flicker, RfError* error )
 {
     char path[RF_FLICKER_NAME_SIZE];

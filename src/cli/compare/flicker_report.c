@@ -77,7 +77,7 @@ static const char* describe_phi( double phi )
                        : "the error alternates: it changes more than independent noise";
 }
 
-// The second figures, of the same error along the motion.
+// The same error measured along the motion.
 static void print_followed_words( const RfFlickerReport* report )
 {
     const RfFlickerSums* sums = &report->followed.all;

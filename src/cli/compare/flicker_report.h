@@ -1,4 +1,4 @@
-// What `flicker` says: a table, a line in words, JSON.
+// The results of `flicker`: table, verdict in words, JSON.
 #ifndef REFRAME_CLI_COMPARE_FLICKER_REPORT_H
 #define REFRAME_CLI_COMPARE_FLICKER_REPORT_H
 
@@ -41,10 +41,10 @@ typedef struct RfFlickerReport
 
 void rf_print_flicker_head( void );
 
-// The pair of `frame` and the one before.
+// A row: `frame` and the one before.
 void rf_print_flicker_pair( int frame, bool border, const RfFlickerSums* sums );
 
-// What comes after the pairs.
+// Prints what comes after the pairs.
 void rf_print_flicker_end( const RfFlickerReport* report );
 
 json_t* rf_flicker_pair_json( int frame, bool border, const RfFlickerSums* sums );
@@ -52,7 +52,7 @@ json_t* rf_flicker_pair_json( int frame, bool border, const RfFlickerSums* sums 
 // The same pair along the motion; NULL: left out, for its frames lack the layers.
 json_t* rf_followed_pair_json( const RfFlickerSums* sums );
 
-// Takes `pairs` over.
+// Takes ownership of `pairs`.
 json_t* rf_flicker_json( RfFlickerReport* report );
 
 #endif

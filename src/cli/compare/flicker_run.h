@@ -1,4 +1,4 @@
-// One run of `flicker`: its options, and what it holds meanwhile.
+// State of a run of `flicker`.
 #ifndef REFRAME_CLI_COMPARE_FLICKER_RUN_H
 #define REFRAME_CLI_COMPARE_FLICKER_RUN_H
 
@@ -12,7 +12,7 @@
 typedef struct RfFlickerRun
 {
     const char* pattern;
-    const char* reference; // these six: or NULL
+    const char* reference; // this and the next five may be NULL
     const char* layer;     // NULL: the colour
     const char* reference_layer;
     const char* frame_list;
@@ -48,11 +48,11 @@ typedef struct RfFlickerRun
 // The file of a frame.
 RfResult rf_flicker_path( const char* pattern, int frame, char path[RF_FLICKER_NAME_SIZE], RfError* error );
 
-// Which frames there are: two at least, neighbours, all in the reference too.
+// Lists the frames: at least two, consecutive, all in the reference too.
 RfResult rf_find_flicker_frames( RfFlickerRun* flicker, RfError* error );
 
-// Reads the header of the first frame: which layers there are, and what of them is wanted.
-// Against a reference motion is also followed beside the plain figures, where any frame has it.
+// Chooses layers from the header of the first frame. Against a reference, motion is also followed
+// in additional figures, where any frame has it.
 RfResult rf_find_layers_to_read( RfFlickerRun* flicker, RfError* error );
 
 #endif

@@ -1,7 +1,7 @@
 #include "cli/compare/flicker_seams.h"
 
 #include "cli/options/options.h"
-#include "image/exr.h"
+#include "reframe/image.h"
 
 #define MOST_FRAMES 10000000
 

@@ -82,7 +82,7 @@ static RfResult parse_errors( RfCostOptions* options, RfError* error )
     }
 }
 
-// On top of the values as they are.
+// Parses on top of the current values.
 static RfResult parse( int argc, char** argv, RfCostOptions* options, bool* help, RfError* error )
 {
     RfResult result = rf_parse_options( &s_table, argc, argv, &s_scene, help, error );

@@ -1,5 +1,5 @@
-// What `reframe cost` is asked for: options of a render, how long it may look, and
-// which errors are wanted.
+// Options of `reframe cost`: those of a render, the time it may take, and the errors
+// whose cost is wanted.
 #ifndef REFRAME_CLI_OPTIONS_COST_OPTIONS_H
 #define REFRAME_CLI_OPTIONS_COST_OPTIONS_H
 
@@ -13,7 +13,7 @@ typedef struct RfCostOptions
     RfRenderOptions render;        // without output
     double budget;                 // seconds
     const char* noise;             // as the user wrote it
-    double errors[RF_COST_ERRORS]; // relMSE, those that are wanted
+    double errors[RF_COST_ERRORS]; // relMSE, as parsed from `noise`
     int error_count;
     const char* svg; // NULL: none
 } RfCostOptions;

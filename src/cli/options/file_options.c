@@ -6,7 +6,7 @@
 
 #define MAX_KEYS 64
 
-// The key of an option in a file: names have no more than 30 characters.
+// The key of an option in a file. Names have at most 30 characters.
 static const char* key_of( const RfOption* option, char key[32] )
 {
     snprintf( key, 32, "%s", option->name );
@@ -15,7 +15,7 @@ static const char* key_of( const RfOption* option, char key[32] )
     return key;
 }
 
-// Numbers as the command line would have them.
+// A number as it would be written on the command line.
 static bool print_number( const json_t* json, char* text, size_t size )
 {
     int64_t whole;
@@ -38,7 +38,7 @@ static bool print_size( const json_t* json, char* text, size_t size )
     return true;
 }
 
-// The value as the command line would have it; NULL where it is of the wrong kind.
+// The value as it would be written on the command line; NULL where its JSON type is wrong.
 static const char* to_text( const RfOption* option, const json_t* json, char* text, size_t size )
 {
     const char* string = json_string_value( json );
@@ -60,7 +60,7 @@ static const char* to_text( const RfOption* option, const json_t* json, char* te
     return NULL;
 }
 
-// As rf_parse_option_value has it, in the words of JSON.
+// Describes the JSON values that an option accepts.
 static void describe_wanted( const RfOption* option, char* words, size_t size )
 {
     size_t used;

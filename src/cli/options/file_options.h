@@ -5,15 +5,15 @@
 #include "cli/options/options.h"
 #include "scene/json/json_document.h"
 
-// Stores what the object gives into the values of the table's options. A key is
-// an option's name with '_' for '-', of those that a file may give (`in_file`).
-// Whole numbers, numbers and true or false are those of JSON; a size is an array
-// of two, fps a number or "24000/1001", all else a string. Ranges are those of
-// the command line; faults name the JSON path. Strings stay those of the JSON.
+// Stores the members of the object in the values of the table's options. A key is
+// the name of an option that a file may give (`in_file`), with '_' for '-'. Numbers
+// and booleans are those of JSON; a size is an array of two numbers, fps a number or
+// "24000/1001", all else a string. Ranges are those of the command line; errors name
+// the JSON path. Strings point into the JSON.
 RfResult rf_take_file_options( const RfCommandTable* table, const RfField* object );
 
-// The error of an option ("--frames: there is no frame 9") as one of the value
-// that a file gives it ("scene.json: render.frames: there is no frame 9").
+// Rewrites the error of an option ("--frames: there is no frame 9") as one of the
+// scene file ("scene.json: render.frames: there is no frame 9").
 RfResult rf_fail_file_option( const RfField* field, const RfError* error );
 
 #endif

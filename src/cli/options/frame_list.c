@@ -13,7 +13,7 @@ typedef struct Range
     long first, last, step; // 1-based, negative from the end, as written
 } Range;
 
-// Takes a whole number, with a minus sign at most, off the front of *text.
+// Parses a whole number with an optional minus sign and advances *text past it.
 static bool take_number( const char** text, long* number )
 {
     const char* start = *text;
@@ -26,7 +26,7 @@ static bool take_number( const char** text, long* number )
     return errno == 0;
 }
 
-// "A", "A-B" or either with "xSTEP", up to the comma or the end.
+// Parses "A", "A-B" or either with "xSTEP", up to a comma or the end.
 static bool take_range( const char** text, Range* range )
 {
     if ( !take_number( text, &range->first ) )
@@ -48,7 +48,7 @@ static bool take_range( const char** text, Range* range )
     return **text == ',' || **text == '\0';
 }
 
-// From a number as written to an index; fails where there is no such frame.
+// Converts a number as written to an index; fails where there is no such frame.
 static RfResult resolve( long number, int frame_count, long* index, RfError* error )
 {
     *index = number < 0 ? number + frame_count : number - 1;

@@ -136,7 +136,7 @@ static bool parse_choice( const RfOption* option, const char* text, int* value )
     return false;
 }
 
-// What an option wants, in words.
+// Describes the values that an option accepts.
 static void describe_choices( const RfOption* option, char* words, size_t size )
 {
     size_t used = (size_t)snprintf( words, size, "one of" );

@@ -32,7 +32,7 @@ static RfResult fail_unknown( const RfCommandTable* table, const char* argument,
     return rf_fail( error, RF_ERROR_USAGE, "%.*s: no such option, see reframe %s --help", length, argument, table->command );
 }
 
-// The option called by `name` (length characters), or −1. *negated for --no-name.
+// Index of the option with this name (length characters), or −1. Sets *negated for --no-name.
 static int find_long( const RfCommandTable* table, const char* name, size_t length, bool* negated )
 {
     for ( int i = 0; i < table->option_count; ++i )

@@ -56,8 +56,8 @@ typedef struct RfOption
     const char* writes;         // STRING: it names a file that is written, with this ending (".json"; "": any); or NULL
 } RfOption;
 
-// A command as its user sees it. All its files are required; the last may be more
-// than one where file_max says so.
+// The command line of a command. All its files are required; the last may be repeated
+// where file_max allows it.
 typedef struct RfCommandTable
 {
     const char* command;      // "render"
@@ -79,22 +79,22 @@ RfResult rf_parse_options( const RfCommandTable* table, int argc, char** argv, c
 // Prints the help of a command.
 void rf_print_help( const RfCommandTable* table, FILE* file );
 
-// From here on rf_print_help leaves it to this: another kind of text from the
-// same tables, such as the manual page.
+// Replaces what rf_print_help prints, for other texts from the same tables such as
+// the manual page.
 typedef void RfHelpPrinter( const RfCommandTable* table, FILE* file );
 void rf_set_help_printer( RfHelpPrinter* printer );
 
-// An option as it is written: "--weights exact|eq15|unweighted",
+// Formats an option as it is written: "--weights exact|eq15|unweighted",
 // "-o, --output PATTERN", "--[no-]resume".
 void rf_format_option( const RfOption* option, char* text, size_t size );
 
-// "..." for the file that may be more than one, else "".
+// "..." for a positional argument that may be repeated, else "".
 const char* rf_file_dots( const RfCommandTable* table, int i );
 
 // Parses one value by the option's type (option_values.c).
 RfResult rf_parse_option_value( const RfOption* option, const char* text, RfError* error );
 
-// A whole number with nothing before or after it, from min to max; false otherwise.
+// Parses a whole number from min to max, with nothing before or after it; false otherwise.
 bool rf_parse_whole( const char* text, long long min, long long max, long long* value );
 
 #endif

@@ -69,7 +69,7 @@ static const RfCommandTable s_table = {
     .option_count = sizeof s_options / sizeof s_options[0]
 };
 
-// On top of the values as they are.
+// Parses on top of the current values.
 static RfResult parse( int argc, char** argv, RfRenderOptions* options, bool* help, RfError* error )
 {
     RfResult result = rf_parse_options( &s_table, argc, argv, &s_parsed.scene, help, error );

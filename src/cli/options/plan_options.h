@@ -1,4 +1,4 @@
-// What `reframe plan` is asked for: options of a render, and what it plans.
+// Options of `reframe plan`: those of a render.
 #ifndef REFRAME_CLI_OPTIONS_PLAN_OPTIONS_H
 #define REFRAME_CLI_OPTIONS_PLAN_OPTIONS_H
 
@@ -6,7 +6,7 @@
 #include "scene/json/json_document.h"
 
 // Parses and checks what can be checked without the scene. With *help set the
-// help was asked for and nothing else is valid. `output` is not there.
+// help was asked for and nothing else is valid. There is no `output`.
 RfResult rf_parse_plan_options( int argc, char** argv, RfRenderOptions* options, bool* help, RfError* error );
 
 // The same over the defaults of a scene file.

@@ -9,10 +9,10 @@
 static const char* const s_compressions[] = { "none", "zip", "piz", NULL }; // in the order of RfExrCompression
 static const char* const s_files[] = { "SCENE" };
 
-#define WRITE_QUEUE 2                  // frames: one is written, one waits
-#define MOST_SPP_FOR_NOISE ( 1 << 16 ) // what has not come down by then does not
+#define WRITE_QUEUE 2                  // frames: one being written, one waiting
+#define MOST_SPP_FOR_NOISE ( 1 << 16 ) // noise that has not come down by then will not
 
-// The table points here; a parse starts from the defaults and is copied out.
+// The option table writes here. Every parse starts from the defaults; the result is copied out.
 static RfRenderOptions s_parsed;
 static int s_compression_index;
 static bool s_float, s_float_given, s_half_given;
@@ -290,7 +290,7 @@ RfResult rf_settle_render_options( RfRenderOptions* options, RfError* error )
     return result;
 }
 
-// On top of the values as they are.
+// Parses on top of the current values.
 static RfResult parse( int argc, char** argv, RfRenderOptions* options, bool* help, RfError* error )
 {
     RfResult result = rf_parse_options( &s_table, argc, argv, &s_parsed.scene, help, error );

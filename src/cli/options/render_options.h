@@ -1,4 +1,4 @@
-// What `reframe render` is asked for.
+// Options of `reframe render`.
 #ifndef REFRAME_CLI_OPTIONS_RENDER_OPTIONS_H
 #define REFRAME_CLI_OPTIONS_RENDER_OPTIONS_H
 
@@ -26,30 +26,30 @@ typedef struct RfRenderOptions
 
 RfRenderOptions rf_default_render_options( void );
 
-// The samples that --noise (0: --time alone) may take where --spp is not given.
+// The limit of samples per pixel for --noise (0: for --time alone) where --spp is not given.
 int rf_default_most_spp( double noise );
 
 // Parses and checks what can be checked without the scene. With *help set the
 // help was asked for and nothing else is valid.
 RfResult rf_parse_render_options( int argc, char** argv, RfRenderOptions* options, bool* help, RfError* error );
 
-// The defaults with what the `render` object of a scene file says; a fault of it
-// names its JSON path. Strings belong to the JSON.
+// The defaults, overridden by the `render` object of a scene file; errors name the
+// JSON path. Strings point into the JSON.
 struct RfField;
 RfResult rf_read_render_defaults( const struct RfField* defaults, RfRenderOptions* options );
-// The same with the command line on top, which has been parsed before.
+// The same, overridden by the command line, which has been parsed before.
 RfResult rf_parse_render_options_over( const struct RfField* defaults, int argc, char** argv, RfRenderOptions* options,
                                        RfError* error );
 
-// settings.tile from the word.
+// Sets settings.tile from --tile.
 RfResult rf_parse_tile_option( RfRenderOptions* options, RfError* error );
 
-// settings.layers from the words of --aov.
+// Sets settings.layers from --aov.
 RfResult rf_parse_aov_option( RfRenderOptions* options, RfError* error );
 
-// The settings from the words, once all options are known, and the samples that
-// --noise and --time may take where none were given: by the same rule for all
-// that speak of a render. Fails with RF_ERROR_USAGE for what does not go together.
+// Completes the settings once all options are known: enums from their words, and the limit
+// of samples for --noise and --time where none was given, by one rule for all commands.
+// Fails with RF_ERROR_USAGE for options that exclude each other.
 RfResult rf_settle_render_options( RfRenderOptions* options, RfError* error );
 
 void rf_print_render_help( void );

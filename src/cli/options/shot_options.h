@@ -1,6 +1,5 @@
-// Rows of option tables that commands share which look at a render before it is
-// made (cli/shot.h). `o` is the RfRenderOptions that they fill; what differs is the
-// help of those that mean something else to each.
+// Rows that the option tables of render, plan, tune and cost share. `o` is the
+// RfRenderOptions that they fill; help texts that differ are arguments.
 #ifndef REFRAME_CLI_OPTIONS_SHOT_OPTIONS_H
 #define REFRAME_CLI_OPTIONS_SHOT_OPTIONS_H
 

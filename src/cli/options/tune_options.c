@@ -46,7 +46,7 @@ static const RfCommandTable s_table = {
     .option_count = sizeof s_options / sizeof s_options[0]
 };
 
-// On top of the values as they are.
+// Parses on top of the current values.
 static RfResult parse( int argc, char** argv, RfTuneOptions* options, bool* help, RfError* error )
 {
     RfResult result = rf_parse_options( &s_table, argc, argv, &s_scene, help, error );
@@ -98,7 +98,7 @@ static void print_word( FILE* file, const char* text )
     fputc( '\'', file );
 }
 
-// Is the argument, which begins with two dashes, of the tuning alone?
+// Is this option (with its two dashes) one of `tune` that `render` does not take?
 static bool is_own( const char* argument )
 {
     static const char* const names[] = { "--budget", "--svg", "--json", "--quiet", "--no-quiet" };
@@ -123,7 +123,7 @@ static bool takes_value( const char* argument )
     return false;
 }
 
-// The arguments have been parsed before: all that begins with dashes is an option, up to "--".
+// The arguments have been parsed before: whatever begins with dashes is an option, up to "--".
 static void print_options( FILE* file, int argc, char** argv )
 {
     for ( int i = 1; i < argc && strcmp( argv[i], "--" ) != 0; ++i )

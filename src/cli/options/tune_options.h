@@ -1,4 +1,4 @@
-// What `reframe tune` is asked for: options of a render, and how long it may look.
+// Options of `reframe tune`: those of a render, and the time it may take.
 #ifndef REFRAME_CLI_OPTIONS_TUNE_OPTIONS_H
 #define REFRAME_CLI_OPTIONS_TUNE_OPTIONS_H
 
@@ -21,9 +21,9 @@ RfResult rf_parse_tune_options_over( const RfField* defaults, int argc, char** a
 
 void rf_print_tune_help( void );
 
-// "reframe render SCENE -o frame.####.exr --group N --tile T" with those of the
-// options that the user gave which a render takes, quoted for a shell. To be
-// freed; NULL where there is no memory.
+// The command line of the best settings: "reframe render SCENE -o frame.####.exr --group N
+// --tile T" and those of the user's options that `render` takes, quoted for a shell. The
+// caller frees it; NULL where memory ran out.
 char* rf_tuned_command( int argc, char** argv, int group, const RfTile* tile );
 
 #endif

@@ -6,16 +6,16 @@
 #include <strings.h>
 #include <sys/stat.h>
 
-// Endings that say what a file is: --json scene.glb is a slip.
+// Endings that belong to one kind of file: --json scene.glb is a mistake.
 static const char* const s_kinds[] = { ".json", ".svg", ".png", ".html", ".exr", ".hdr", ".glb", ".gltf",
                                        ".bin",  ".obj", ".ply", ".fbx",  ".dae", ".jpg", ".jpeg" };
 
-// A file that is named on the command line.
+// A file named on the command line.
 typedef struct Named
 {
     const char* path;
     const char* option; // NULL: positional
-    const char* writes; // its ending where it is written, "" where any is right; NULL: it is read
+    const char* writes; // the ending required where it is written, "" for any; NULL: it is read
 } Named;
 
 static bool is_file( const char* path )

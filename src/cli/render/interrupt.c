@@ -15,8 +15,8 @@ void rf_catch_interrupts( void )
 {
     struct sigaction action = { .sa_handler = on_signal };
     sigemptyset( &action.sa_mask );
-    // Reset: the second signal does what signals do. Restart: no write of ours
-    // is cut short by the first.
+    // Reset: the second signal has its default action. Restart: the first does not
+    // interrupt a write.
     action.sa_flags = (int)SA_RESETHAND | SA_RESTART;
     sigaction( SIGINT, &action, NULL );
     sigaction( SIGTERM, &action, NULL );

@@ -1,5 +1,5 @@
-// SIGINT and SIGTERM as a flag: the work stops at the next progress call with
-// everything finished so far kept. A second signal ends the program at once.
+// SIGINT and SIGTERM set a flag: the work stops at the next progress call and keeps what is
+// finished. A second signal ends the program at once.
 #ifndef REFRAME_CLI_RENDER_INTERRUPT_H
 #define REFRAME_CLI_RENDER_INTERRUPT_H
 

@@ -14,7 +14,7 @@ RfProgressLine rf_create_progress_line( bool quiet )
 
 static void format_duration( double seconds, char* text, size_t size )
 {
-    // A share of nearly nothing makes the estimate absurd: say nothing then.
+    // A tiny share makes the estimate meaningless: leave it out.
     if ( !isfinite( seconds ) || seconds > 1e6 )
     {
         snprintf( text, size, "-:--" );
@@ -37,7 +37,7 @@ static void format_rate( double rate, char* text, size_t size )
         snprintf( text, size, "%.0f k samples/s", rate * 1e-3 );
 }
 
-// A further part of the line, if that keeps it on one line of the terminal.
+// Appends a part if the line still fits the terminal.
 static void append_part( char* text, size_t size, const char* part )
 {
     size_t length = strlen( text ), most = size < COLUMNS ? size : COLUMNS;
@@ -74,7 +74,7 @@ void rf_show_progress( RfProgressLine* line, const RfProgress* progress )
     char text[160];
     rf_format_progress( progress, text, sizeof text );
     line->shown = progress->seconds;
-    // Padded to the line before, so that nothing of it stays.
+    // Padded to overwrite the previous line.
     line->width = fprintf( stderr, "\r%-*s", line->width > 1 ? line->width - 1 : 0, text );
     fflush( stderr );
 }

@@ -17,17 +17,16 @@ typedef struct RfProgressLine
 
 RfProgressLine rf_create_progress_line( bool quiet );
 
-// "frame 12/48  25 %  0:14 spent  0:42 left  relMSE 0.0031  1.9 M samples/s", the
-// error that of the last finished frame by its estimate; under 80 columns, the
-// rate is left out where it does not fit; at most ten times a second; nothing
-// where standard error is no terminal.
+// Shows "frame 12/48  25 %  0:14 spent  0:42 left  relMSE 0.0031  1.9 M samples/s", with the
+// estimated error of the last finished frame, at most ten times a second. The rate is left out
+// where the line would exceed 80 columns. Does nothing where standard error is no terminal.
 void rf_show_progress( RfProgressLine* line, const RfProgress* progress );
 
-// Tells of a finished frame, the `done`-th of `all`, after so many seconds of
-// rendering: a plain line where standard error is no terminal.
+// Prints a plain line for a finished frame, the `done`-th of `all`, after so many seconds of
+// rendering, where standard error is no terminal.
 void rf_show_frame( RfProgressLine* line, const RfFrameResult* result, int done, int all, double seconds );
 
-// Removes the line, so that something else can be said.
+// Clears the line before another message.
 void rf_clear_progress( RfProgressLine* line );
 
 // "3 of 48 frames", rewritten in place, for commands that go through a sequence;

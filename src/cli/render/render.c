@@ -17,13 +17,13 @@
 #include <string.h>
 #include <time.h>
 
-// All that one render holds; made in order, freed by destroy_job.
+// State of a render, created in this order and freed by destroy_job.
 typedef struct Job
 {
-    int argc; // the command line: it wins over a scene file, which is read later
+    int argc; // the command line, which overrides the scene file that is read later
     char** argv;
     RfRenderOptions options;
-    RfRenderSettings asked; // as they were before they were resolved
+    RfRenderSettings asked; // before they were resolved
     RfMemoryFit fit;
     RfLog log;
     RfSceneFile file; // options may point into it
@@ -35,7 +35,7 @@ typedef struct Job
     int kept_count;
     RfTracer* tracer;
     RfOutput output;
-    pthread_mutex_t speech; // what is said: frames are written in a thread of their own
+    pthread_mutex_t speech; // guards messages: frames are written by another thread
     RfProgressLine line;
     int frames_done;
     bool told_black;   // the warning comes once
@@ -43,7 +43,7 @@ typedef struct Job
     double worst_relmse;
     int worst_frame; // from 0
     json_t* frames_json;
-    double start, seconds_scene; // monotonic time of the start; seconds until the rays can go
+    double start, seconds_scene; // monotonic time of the start; seconds until rays can be traced
     RfRenderStats stats;
 } Job;
 
@@ -73,7 +73,7 @@ static RfOutput output_of( const Job* job )
     };
 }
 
-// From here on the settings are those that are used.
+// Replaces the settings by those that are used.
 static RfResult resolve( Job* job, RfError* error )
 {
     job->asked = job->options.settings;
@@ -122,7 +122,7 @@ static RfResult load( Job* job, RfError* error )
     return result;
 }
 
-// A single pass cannot say how far off it is.
+// A single pass gives no estimate of its variance.
 static void warn_of_variance( Job* job )
 {
     const RfRenderSettings* s = &job->options.settings;
@@ -138,7 +138,7 @@ static void warn_of_variance( Job* job )
     }
 }
 
-// What to expect of the picture, before it is rendered.
+// Warns before rendering of a picture that will be black or empty.
 static void warn_of_scene( Job* job )
 {
     if ( job->scene.triangles.count == 0 )
@@ -150,8 +150,7 @@ static void warn_of_scene( Job* job )
     warn_of_variance( job );
 }
 
-// A scene with lights whose picture is black: most likely a camera that stands
-// where it should not.
+// A black picture of a scene with lights: most likely the camera is inside something.
 static void warn_if_black( Job* job, const RfFrameResult* result )
 {
     size_t count = 3 * (size_t)result->width * (size_t)result->height;
@@ -177,7 +176,7 @@ static void note_relmse( Job* job, const RfFrameResult* result )
     job->worst_frame = result->frame;
 }
 
-// What was wanted of noise and time and did not come out.
+// Warns where --noise or --time was not met.
 static void warn_of_stop( Job* job )
 {
     const RfRenderSettings* s = &job->options.settings;
@@ -191,7 +190,7 @@ static void warn_of_stop( Job* job )
                  s->time, job->stats.seconds / job->frame_count );
 }
 
-// In the writing thread.
+// Called in the thread that writes.
 static RfResult on_frame( void* user, const RfFrameResult* result, RfError* error )
 {
     Job* job = user;
@@ -270,13 +269,13 @@ static RfResult run( Job* job, RfError* error )
         warn_of_scene( job );
     job->frames_json = json_array();
     job->seconds_scene = now() - job->start;
-    // if nothing is rendered: all frames are there already, or interrupted before
+    // where nothing is rendered: all frames exist already, or an interruption came first
     job->stats = ( RfRenderStats ){ .group = job->options.settings.group, .spp = job->options.settings.spp };
     if ( result == RF_OK && job->frame_count > 0 )
         result = render( job, error );
     if ( result == RF_ERROR_INTERRUPTED && job->options.json != NULL )
     {
-        RfResult written = write_json( job, true, error ); // what was said of the interruption stays in `error`
+        RfResult written = write_json( job, true, error ); // `error` keeps the line about the interruption
         return written == RF_OK ? result : written;
     }
     return result == RF_OK ? report( job, error ) : result;

@@ -48,7 +48,7 @@ static json_t* rays_json( const RfRayCounts* rays )
                       "shadow", count_json( rays->shadow ), "tile", count_json( rays->tile ), "eye", count_json( rays->eye ) );
 }
 
-// The most of each, whatever it was for; not all at the same time.
+// The peak of each entry; they need not coincide.
 static json_t* bytes_json( const RfRenderStats* stats )
 {
     json_t* bytes = json_object();

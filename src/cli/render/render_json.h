@@ -1,9 +1,9 @@
-// The machine-readable result of a render, keys as in the documentation.
+// The result of a render as JSON.
 #ifndef REFRAME_CLI_RENDER_RENDER_JSON_H
 #define REFRAME_CLI_RENDER_RENDER_JSON_H
 
 #include "cli/options/render_options.h"
-#include "scene/scene.h"
+#include "reframe/scene.h"
 
 #include <jansson.h>
 
@@ -21,10 +21,10 @@ typedef struct RfRenderRun
     bool interrupted;
 } RfRenderRun;
 
-// The whole. NULL where memory ran out.
+// The complete JSON. NULL where memory ran out.
 json_t* rf_render_json( const RfRenderOptions* options, const RfScene* scene, const RfRenderRun* run );
 
-// The effects of a scene that are on, by name; or all with name, on and why.
+// The names of the effects that a scene calls for; and all effects with name, on and why.
 json_t* rf_effect_names_json( const RfScene* scene );
 json_t* rf_effects_json( const RfScene* scene );
 

@@ -3,11 +3,11 @@
 #include "cli/report/report_input.h"
 #include "cli/render/render_json.h"
 #include "cli/messages.h"
-#include "image/sequence.h"
+#include "reframe/image.h"
 
 #include <math.h>
 
-// The frames of an older JSON; gone through once, as its frames ascend too.
+// The frames of an older JSON, read in one pass: they are in ascending order.
 typedef struct Older
 {
     json_t* json; // or NULL
@@ -15,14 +15,14 @@ typedef struct Older
     size_t next;
 } Older;
 
-// Texts of six digits may differ in the last one. Not known to both is the same too.
+// Equal up to the last of six digits; two unknown values are equal too.
 static bool is_same( double a, double b )
 {
     return isnan( a ) || isnan( b ) ? isnan( a ) && isnan( b ) : fabs( a - b ) <= 1e-5 * fabs( b );
 }
 
-// What the older JSON says, if it speaks of this file and not of one that the file
-// has replaced since: then not even the samples or the estimate would be the same.
+// Seconds from the older JSON if it describes this very file. If the file was replaced since,
+// samples or estimate differ.
 static double older_seconds( Older* older, const RfFrameResult* said )
 {
     size_t all = json_array_size( older->frames );

@@ -6,11 +6,10 @@
 
 #include <jansson.h>
 
-// "frames" with both: the elements of `rendered` and one for each of the `count`
-// frames kept (indices from 0), each of the two in ascending order, together
-// too. What is told of a kept frame is from its file's header, its seconds from
-// the older JSON at options->json where that tells of the same frame, else null.
-// A new array; NULL where memory ran out.
+// The array "frames" in ascending order: the elements of `rendered` and one for each of the
+// `count` kept frames (indices from 0). Figures of a kept frame come from its header, its seconds
+// from the older JSON at options->json where that describes the same file, else null. The caller
+// owns the new array; NULL where memory ran out.
 json_t* rf_join_kept_frames( const RfRenderOptions* options, const int* kept, int count, json_t* rendered );
 
 #endif

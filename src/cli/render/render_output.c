@@ -1,6 +1,6 @@
 #include "cli/render/render_output.h"
 
-#include "image/sequence.h"
+#include "reframe/image.h"
 
 #include <string.h>
 #include <sys/stat.h>

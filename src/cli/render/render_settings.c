@@ -11,7 +11,7 @@ void rf_tell_settings( const RfRenderSettings* asked, const RfRenderSettings* us
         fprintf( stderr, "reframe render: --group auto is %d here, see reframe plan\n", used->group );
     if ( asked->group > used->group )
         fprintf( stderr, "reframe render: --group %d cut to the path: groups of its %d frames\n", asked->group, plan.eyes );
-    if ( asked->spp != used->spp ) // full windows only, with the same passes each
+    if ( asked->spp != used->spp ) // full groups only, with the same passes each
         fprintf( stderr, "reframe render: --spp %d rounded %s to %d: %d groups of %d frames hold a frame, %d sample%s in each\n",
                  asked->spp, used->spp > asked->spp ? "up" : "down", used->spp, plan.eyes, plan.eyes, plan.passes,
                  plan.passes == 1 ? "" : "s" );

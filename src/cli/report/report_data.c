@@ -87,7 +87,7 @@ static void append_number( char* text, size_t size, const char* format, const js
     }
 }
 
-// What a row of cost is of: "path tracing", "group 3, tile 3x3".
+// The label of a row of cost: "path tracing", "group 3, tile 3x3".
 static json_t* cost_name_json( const json_t* row )
 {
     const json_t *reuse = json_object_get( row, "reuse" ), *group = json_object_get( row, "group" );
@@ -111,7 +111,7 @@ static void append_range( char* text, size_t size, const json_t* low, const json
         snprintf( text + used, size - used, " (%.3g to %.3g)", json_number_value( low ), json_number_value( high ) );
 }
 
-// Takes only what the script needs, so that a file of any content does no harm.
+// Copies only what the script needs, so that other content of the file can do no harm.
 static void add_cost( json_t* list, const char* name, const json_t* cost )
 {
     if ( cost == NULL )

@@ -1,4 +1,4 @@
-// The data of the page, as its script (src/page/assets) takes it.
+// The data of the page, in the form that its script (src/page/assets) reads.
 #ifndef REFRAME_CLI_REPORT_REPORT_DATA_H
 #define REFRAME_CLI_REPORT_REPORT_DATA_H
 

@@ -138,7 +138,7 @@ static void add_error( json_t* facts, const RfPageTrack* track )
         add_number( facts, "Error", "Flicker along the motion: phi", "%.3f", rf_flicker_metrics( &track->followed ).phi );
 }
 
-// Of neighbours whose files lack the layers of the first file there is no flicker along the motion.
+// Pairs whose files lack the layers of the first file have no flicker along the motion.
 static void add_pairs( json_t* facts, const RfPageTrack* track )
 {
     char text[96];
@@ -149,7 +149,7 @@ static void add_pairs( json_t* facts, const RfPageTrack* track )
     add( facts, "Error", track->follows ? "Flicker along the motion: of" : "Flicker: of", text );
 }
 
-// What Reframe writes into its files, in the order that people want it.
+// Attributes that Reframe writes into its files, in the order of the table.
 static const struct
 {
     const char *attribute, *group, *label;
@@ -184,8 +184,8 @@ static void add_known( json_t* facts, const char* path, const char* group )
 
 static void format_samples( double samples, char text[32] ) { snprintf( text, 32, samples < 1000.0 ? "%.4g" : "%.0f", samples ); }
 
-// Those that were traced, the least and the most of the frames; with --noise and
-// --time what they may have had, where somebody said it.
+// Samples traced, least and most of all frames; with --noise and --time also their limit,
+// where it is known.
 static void add_samples( json_t* facts, const RfPageTrack* track )
 {
     const char* first = track->sequence->first;
@@ -252,8 +252,8 @@ static void add_formatted( json_t* facts, const char* group, const char* label, 
     add( facts, group, label, text );
 }
 
-// How many frames the last run rendered; told in the group, whose totals are of
-// these only, where that is not the plain story.
+// How many frames the last run rendered, where that is not all: the totals of the group
+// are of these only.
 static int add_rendered( json_t* facts, const json_t* render, const char* group )
 {
     size_t i;

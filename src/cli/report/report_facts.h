@@ -1,5 +1,5 @@
-// What the page tells in words and tables about a sequence: rows of [group, label,
-// value], from what was measured, from the files' headers and from the JSON of render.
+// Tables of the page about a sequence: rows of [group, label, value] from measurements, the
+// headers of the files and the JSON of render.
 #ifndef REFRAME_CLI_REPORT_REPORT_FACTS_H
 #define REFRAME_CLI_REPORT_REPORT_FACTS_H
 

@@ -1,4 +1,4 @@
-// Which sequence of EXR files lies in a folder.
+// Finds the sequence of EXR files in a folder.
 #ifndef REFRAME_CLI_REPORT_REPORT_FOLDER_H
 #define REFRAME_CLI_REPORT_REPORT_FOLDER_H
 
@@ -12,7 +12,7 @@ typedef struct RfFolderList
     int count;
 } RfFolderList;
 
-// The files of a folder whose names end so, hidden ones not. Free it in any case.
+// Lists the files of a folder that have this ending, without hidden ones. Free it in any case.
 RfResult rf_list_folder( const char* folder, const char* suffix, RfFolderList* list, RfError* error );
 void rf_free_folder_list( RfFolderList* list );
 

@@ -22,8 +22,8 @@ typedef struct Work
 
 void rf_page_block_id( const RfPageTrack* track, int number, char id[32] ) { snprintf( id, 32, "s%d-%d", track->index, number ); }
 
-// Motion and depth to follow, and without a reference the variance of the colour, where
-// the files have them; what flicker would refuse is left out.
+// Chooses motion and depth and, without a reference, the variance of the colour, where the
+// files have them; what `flicker` would refuse is left out.
 static void find_layers( Work* work )
 {
     RfPageTrack* track = work->track;
@@ -96,8 +96,8 @@ static RfResult measure_error( Work* work, RfPageFrame* told, RfFlickerFrame* fr
     return RF_OK;
 }
 
-// What `render` said of the frame, in its JSON or in the file; times are in no file,
-// so that equal renders are equal files.
+// Takes what `render` recorded of the frame, in its JSON or in the file. Times are in no
+// image file, so that equal renders give equal files.
 static void take_said( const RfPageSequence* sequence, int number, const char* path, RfPageFrame* told )
 {
     size_t i;

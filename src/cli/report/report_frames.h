@@ -1,4 +1,4 @@
-// The frames of a sequence on their way into the page: pictures, error, flicker.
+// Adds the frames of a sequence to the page: pictures, error, flicker.
 #ifndef REFRAME_CLI_REPORT_REPORT_FRAMES_H
 #define REFRAME_CLI_REPORT_REPORT_FRAMES_H
 
@@ -7,7 +7,7 @@
 #include "measure/flicker.h"
 #include "page/page.h"
 
-// What is told of each frame of the page; NaN: not known.
+// Figures of a frame of the page; NaN: not known.
 typedef struct RfPageFrame
 {
     bool shown;    // its picture is in the page

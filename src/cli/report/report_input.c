@@ -65,7 +65,7 @@ RfResult rf_load_cost_json( const char* path, const char* option, json_t** json,
     return load_json( path, option, is_cost_json, "cost", json, error );
 }
 
-// What lies about and is neither is none of our business. The first by name counts.
+// Other files are ignored. The first by name is taken.
 static void take_json( RfPageSequence* sequence, const char* path )
 {
     json_t* json = parse_json( path, NULL );

@@ -1,5 +1,5 @@
-// What `reframe report` is given: folders or names of sequences, and the JSON of
-// other commands that lies beside the frames.
+// Input of `reframe report`: folders or patterns of sequences, and JSON of other commands
+// found beside the frames.
 #ifndef REFRAME_CLI_REPORT_REPORT_INPUT_H
 #define REFRAME_CLI_REPORT_REPORT_INPUT_H
 
@@ -24,13 +24,14 @@ typedef struct RfPageSequence
     json_t* cost;       // of `cost --json`, or NULL
 } RfPageSequence;
 
-// Finds the one sequence of a folder, or that which `place` names by #### or as a
-// single file, and in its folder the JSON of render and cost, told by their keys. rf_close_page_sequence in any case.
+// Finds the only sequence of a folder, or the one that `place` names by #### or as a single file,
+// and in its folder the JSON of render and cost, recognised by their keys. rf_close_page_sequence
+// in any case.
 RfResult rf_open_page_sequence( const char* place, const char* layer, RfPageSequence* sequence, RfError* error );
 void rf_close_page_sequence( RfPageSequence* sequence );
 
-// The JSON of `render` or of `cost` in a file that must hold it; takes the place of
-// *json. `option` begins the error line.
+// Loads the JSON of `render` or `cost` from a file that must hold it and replaces *json.
+// `option` begins the error line.
 RfResult rf_load_render_json( const char* path, const char* option, json_t** json, RfError* error );
 RfResult rf_load_cost_json( const char* path, const char* option, json_t** json, RfError* error );
 

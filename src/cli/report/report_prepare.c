@@ -26,7 +26,7 @@ static RfResult open_sequences( RfPageRun* report, RfError* error )
     return result;
 }
 
-// Two folders of one name are told apart by what was given.
+// Folders of the same name are labelled by the paths that were given.
 static void tell_names_apart( RfPageRun* report )
 {
     for ( int i = 0; i < report->place_count; ++i )
@@ -72,7 +72,7 @@ static RfResult join_frames( RfPageRun* report, RfError* error )
     return RF_OK;
 }
 
-// Of ascending numbers keeps those that are wanted, which are counted from 0.
+// Keeps those of the ascending numbers that are wanted (indices from 0).
 static int keep_wanted( int* numbers, int count, const int* wanted, int wanted_count )
 {
     int left = 0;

@@ -1,4 +1,4 @@
-// One run of `report`: its options, and what it holds meanwhile.
+// State of a run of `report`.
 #ifndef REFRAME_CLI_REPORT_REPORT_RUN_H
 #define REFRAME_CLI_REPORT_REPORT_RUN_H
 
@@ -12,7 +12,7 @@ typedef struct RfPageRun
     const char* places[RF_PAGE_MOST_SEQUENCES];
     int place_count;
     const char* output;
-    const char* reference; // this and those that follow: or NULL
+    const char* reference; // this and the next may be NULL
     const char* layer;     // NULL: the colour
     const char* reference_layer;
     const char* cost_file;
@@ -37,7 +37,7 @@ typedef struct RfPageRun
     char words[1024]; // a title of our own
 } RfPageRun;
 
-// Opens the sequences and finds the frames of the page. rf_destroy_page_run in any case.
+// Opens the sequences and lists the frames of the page. rf_destroy_page_run in any case.
 RfResult rf_prepare_page( RfPageRun* report, RfError* error );
 void rf_destroy_page_run( RfPageRun* report );
 

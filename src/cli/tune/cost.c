@@ -49,7 +49,7 @@ static void say( void* user, const RfCost* cost, int spp )
                  cost->places, cost->places == 1 ? "" : "s" );
 }
 
-// Frames that a render goes through the path for at once.
+// Frames that one sweep of a render finishes.
 static RfResult count_per_sweep( const Job* job, const RfCostCurve* curve, int* per_sweep, RfError* error )
 {
     RfRenderSettings settings = job->options.render.settings, resolved;
@@ -66,7 +66,7 @@ static RfResult count_per_sweep( const Job* job, const RfCostCurve* curve, int* 
     return result;
 }
 
-// What was found so far, also where it was interrupted.
+// Reports what was found so far, also after an interruption.
 static RfResult report( const Job* job, const RfCostJob* cost_job, RfError* error )
 {
     RfCostReport r = { .options = &job->options, .job = cost_job, .cost = &job->cost, .load_seconds = job->load_seconds };

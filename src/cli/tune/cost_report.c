@@ -51,7 +51,7 @@ static void print_slope( const RfCostCurve* c, const char* name )
     printf( "\n" );
 }
 
-// All of a render: with the scene's loading.
+// The whole render, including the loading of the scene.
 static double path_seconds( const RfCostReport* r, RfCostPrediction p ) { return p.seconds + r->load_seconds; }
 
 static void print_error( const RfCostReport* r, double relmse )
@@ -146,7 +146,7 @@ json_t* rf_cost_json( const RfCostReport* r )
                       "seconds", cost->seconds, "budget", r->options->budget );
 }
 
-// A curve's points, and the line through them.
+// The points of a curve and the line fitted to them.
 typedef struct Curve
 {
     double x[RF_COST_LEVELS], y[RF_COST_LEVELS];

@@ -1,4 +1,4 @@
-// What `reframe cost` tells: the table and its words, the JSON, the plot.
+// The results of `reframe cost`: table, text, JSON, plot.
 #ifndef REFRAME_CLI_TUNE_COST_REPORT_H
 #define REFRAME_CLI_TUNE_COST_REPORT_H
 
@@ -13,7 +13,7 @@ typedef struct RfCostReport
     const RfCostJob* job;
     const RfCost* cost;
     int per_sweep[2];    // frames of a sweep, by path tracing and with reuse
-    double load_seconds; // until the rays can go: part of a render of all frames
+    double load_seconds; // until rays can be traced: part of a render of all frames
 } RfCostReport;
 
 void rf_print_cost( const RfCostReport* report );

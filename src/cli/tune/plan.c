@@ -23,7 +23,7 @@ typedef struct Job
     RfRenderOptions options;
     RfShot shot; // options may point into it
     RfPlan plan;
-    double paper_bytes; // our records for its example
+    double paper_bytes; // what our records take for its example
 } Job;
 
 static RfResult take_defaults( const RfField* defaults, void* user, RfError* error )

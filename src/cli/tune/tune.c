@@ -1,4 +1,4 @@
-// reframe tune: which group and tile pay, by short renders.
+// reframe tune: finds the best group and tile by short renders.
 #include "measure/tune.h"
 
 #include "cli/commands.h"
@@ -41,7 +41,7 @@ static void say( void* user, const RfTune* tune, const RfTuneRound* round, int c
                  round->seconds );
 }
 
-// What was found so far, also where it was interrupted.
+// Reports what was found so far, also after an interruption.
 static RfResult report( Job* job, RfError* error )
 {
     const RfTuneOptions* options = &job->options;

@@ -102,7 +102,7 @@ typedef struct Curves
     const char* label[RF_TUNE_ROWS];
 } Curves;
 
-// The rows are in order of their tiles; those that were not tried are left out.
+// Rows are ordered by tile; those that were not tried are left out.
 static void collect( const RfTune* tune, Curves* c )
 {
     int points = 0;

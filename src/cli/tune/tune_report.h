@@ -1,4 +1,4 @@
-// What `reframe tune` tells: the table, the JSON, the plot.
+// The results of `reframe tune`: table, JSON, plot.
 #ifndef REFRAME_CLI_TUNE_TUNE_REPORT_H
 #define REFRAME_CLI_TUNE_TUNE_REPORT_H
 
