@@ -35,6 +35,8 @@ void rf_frame_fingerprint( const RfOutput* output, int frame, char text[RF_FINGE
     rf_format_aovs( s->layers, aovs, sizeof aovs );
     if ( s->layers != 0 ) // a frame without any is what it was before there were any
         hash = hash_text( hash, aovs );
+    if ( s->estimator != rf_default_render_settings().estimator ) // likewise
+        hash = hash_text( hash, rf_estimator_name( s->estimator ) );
     snprintf( text, RF_FINGERPRINT_SIZE, "%016llx", (unsigned long long)hash );
 }
 

@@ -41,6 +41,7 @@ typedef enum Key
     NATIVE_SPP,
     EFFECTIVE_SPP,
     AOV,
+    ESTIMATOR,
     DEVICE,
     FINGERPRINT,
     KEY_COUNT
@@ -67,6 +68,7 @@ static const char* const s_names[KEY_COUNT] = {
     [NATIVE_SPP] = "reframe/native-spp",
     [EFFECTIVE_SPP] = "reframe/effective-spp",
     [AOV] = "reframe/aov",
+    [ESTIMATOR] = "reframe/estimator",
     [DEVICE] = "reframe/device",
     [FINGERPRINT] = "reframe/fingerprint",
 };
@@ -111,6 +113,8 @@ static void put_settings( Attributes* a, const RfRenderSettings* s )
         put( a, TIME, "%.9g", s->time );
     if ( s->layers != 0 )
         put( a, AOV, "%s", aovs );
+    if ( s->estimator != rf_default_render_settings().estimator )
+        put_text( a, ESTIMATOR, rf_estimator_name( s->estimator ) );
 }
 
 static void put_frame( Attributes* a, const RfOutput* output, const RfFrameResult* frame )

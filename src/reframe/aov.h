@@ -17,18 +17,17 @@ RF_API_BEGIN
 // The list of AOVs, from which all others are made: X( constant, name, letters of the channels,
 // whether 16 bits are enough in a file, what it is ).
 #define RF_AOV_LIST( X )                                                                                                         \
-    X( ALBEDO, "albedo", "RGB", true, "what the surface reflects of light from straight above; 0 where nothing is" )             \
-    X( NORMAL, "normal", "XYZ", true, "shading normal in world space, towards the camera; 0 where nothing is" )                  \
+    X( ALBEDO, "albedo", "RGB", true, "reflectance for light along the normal; 0 where nothing is hit" )                         \
+    X( NORMAL, "normal", "XYZ", true, "shading normal in world space, on the side that is seen; 0 where nothing is hit" )        \
     X( DEPTH, "depth", "Z", false,                                                                                               \
-       "metres along the viewing direction (not to the eye), over the part of the pixel where something "                        \
-       "is; 1e10 where nothing is" )                                                                                             \
+       "metres along the viewing direction (not distance to the eye), mean over the hits; 1e10 where no "                        \
+       "sample hits anything" )                                                                                                  \
     X( MOTION, "motion", "XYZW", false,                                                                                          \
-       "pixels, +x right, +y up: X and Y from here to where the point is in the frame before, Z and W to "                       \
-       "where it is in the next; 0 at the ends of the path and for what is behind the other camera. "                            \
-       "Blender's own passes have X and Y alike, Z and W with the opposite sign" )                                               \
-    X( VARIANCE, "variance", "RGB", false,                                                                                       \
-       "of the colour, estimated from the two halves of the samples: right on average, noisy in the pixel" )                     \
-    X( SAMPLES, "samples", "Y", false, "light paths that the pixel is made of, its own and those of other frames" )
+       "X and Y: film position in the path's previous frame minus that in this frame, pixels, +x right, +y "                     \
+       "up; Z and W: the same for the next frame (Blender 3.4 has X and Y like this, Z and W with the "                          \
+       "opposite sign); 0 at the ends of the path and for points behind the other camera" )                                      \
+    X( VARIANCE, "variance", "RGB", false, "estimated variance of the colour; 0 where a frame has a single pass" )               \
+    X( SAMPLES, "samples", "Y", false, "samples that landed in the pixel, own-frame and reused, each counted once" )
 
 // RF_AOV_ALBEDO, RF_AOV_NORMAL and so on, in the order of the list.
 typedef enum RfAov
