@@ -10,17 +10,17 @@
 
 size_t rf_arena_size( size_t bytes ) { return ( ( bytes > 0 ? bytes : 1 ) + ALIGNMENT - 1 ) / ALIGNMENT * ALIGNMENT; }
 
-static RfArenaEntry* find_entry( RfArena* arena, const char* name )
+static RfMemoryEntry* find_entry( RfArena* arena, const char* name )
 {
     for ( int i = 0; i < arena->entry_count; ++i )
     {
         if ( strcmp( arena->entries[i].name, name ) == 0 )
             return arena->entries + i;
     }
-    if ( arena->entry_count == RF_ARENA_MAX_NAMES )
+    if ( arena->entry_count == RF_MAX_MEMORY_ENTRIES )
         return NULL;
-    RfArenaEntry* entry = arena->entries + arena->entry_count++;
-    *entry = ( RfArenaEntry ){ .name = name };
+    RfMemoryEntry* entry = arena->entries + arena->entry_count++;
+    *entry = ( RfMemoryEntry ){ .name = name };
     return entry;
 }
 
@@ -36,7 +36,7 @@ RfResult rf_arena_reserve( RfArena* arena, const char* name, size_t bytes, RfErr
                                    (double)rounded / 1048576.0, (double)arena->bytes / 1048576.0,
                                    (double)arena->budget / 1048576.0 ),
                           RF_REMEDY_MEMORY, 0, error );
-    RfArenaEntry* entry = find_entry( arena, name );
+    RfMemoryEntry* entry = find_entry( arena, name );
     if ( entry == NULL )
         return rf_fail( error, RF_ERROR_MEMORY, "%s: the arena has no room for another name", name );
     arena->bytes += rounded;
@@ -51,7 +51,7 @@ RfResult rf_arena_reserve( RfArena* arena, const char* name, size_t bytes, RfErr
 void rf_arena_release( RfArena* arena, const char* name, size_t bytes )
 {
     size_t rounded = rf_arena_size( bytes );
-    RfArenaEntry* entry = find_entry( arena, name );
+    RfMemoryEntry* entry = find_entry( arena, name );
     arena->bytes -= rounded;
     if ( entry != NULL )
         entry->bytes -= rounded;

@@ -15,7 +15,7 @@ typedef struct RfArena
     size_t bytes;  // in use now
     size_t peak;   // high-water mark
     int entry_count;
-    RfArenaEntry entries[RF_ARENA_MAX_NAMES];
+    RfMemoryEntry entries[RF_MAX_MEMORY_ENTRIES];
 } RfArena;
 
 // An empty arena with a budget in bytes (0: no limit).

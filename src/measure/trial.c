@@ -95,7 +95,7 @@ static RfResult render_guide( const RfTracer* tracer, const RfRenderSettings* se
     RfRenderSettings s = *settings;
     s.weights = RF_WEIGHTS_EXACT;
     s.normalize = RF_NORMALIZE_CROSSFIT;
-    s.layers = 0;
+    s.aovs = 0;
     s.queue = 0;
     s.seed = rf_mix64( settings->seed ^ rf_mix64( (uint64_t)site->first ) ) ^ 0x5175ull;
     choose_guide( tracer, site, &s );
@@ -177,7 +177,7 @@ RfResult rf_run_trial( const RfTracer* tracer, const RfTestRegion* site, int win
     int count = clamp( windows, 1, site->frames / eyes ), first = ( site->frames - count * eyes ) / 2;
     RfRenderSettings s = *settings;
     s.spp = passes; // of a single window
-    s.layers = 0;
+    s.aovs = 0;
     s.queue = 0;
     RfTrialPair pair = { .eyes = eyes, .whole = site->whole && eyes == site->frames, .pixels = eye_pixels( site->eyes ) };
     pair.rgb = malloc( rf_trial_bytes( eyes, pair.pixels ) );

@@ -123,7 +123,7 @@ int rf_tune_workers( const RfTuneJob* job, const RfTune* tune, const RfRenderSet
         RfRenderSettings settings = rf_tune_settings( tune->rows + i, common );
         RfMemoryFit fit;
         settings.threads = 1;
-        settings.layers = 0;
+        settings.aovs = 0;
         // but for its films, which are of a pixel here, it is like a trial of any size
         RfResult result = rf_fit_memory( rf_tracer_scene( job->tracer ), &small, tune->rows[i].eyes, tune->rows[i].eyes,
                                          &settings, &fit, NULL );

@@ -32,8 +32,8 @@ void rf_frame_fingerprint( const RfOutput* output, int frame, char text[RF_FINGE
     if ( s->noise > 0.0 || s->time > 0.0 || s->adaptive )
         hash = hash_text( hash, settings );
     char aovs[RF_AOVS_TEXT_SIZE];
-    rf_format_aovs( s->layers, aovs, sizeof aovs );
-    if ( s->layers != 0 ) // a frame without any is what it was before there were any
+    rf_format_aovs( s->aovs, aovs, sizeof aovs );
+    if ( s->aovs != 0 ) // a frame without any is what it was before there were any
         hash = hash_text( hash, aovs );
     if ( s->estimator != rf_default_render_settings().estimator ) // likewise
         hash = hash_text( hash, rf_estimator_name( s->estimator ) );

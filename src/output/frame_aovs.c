@@ -15,14 +15,14 @@ void rf_list_aov_channels( const RfFrameResult* frame, bool half, RfAovChannels*
     for ( int i = 0; i < RF_AOV_COUNT; ++i )
     {
         const char* letters = rf_aov_letters( (RfAov)i );
-        int channels = frame->layers[i] != NULL ? rf_aov_channels( (RfAov)i ) : 0;
+        int channels = frame->aovs[i] != NULL ? rf_aov_channels( (RfAov)i ) : 0;
         for ( int c = 0; c < channels; ++c )
         {
             char* name = list->names[list->count];
             snprintf( name, sizeof list->names[0], "%s.%c", rf_aov_name( (RfAov)i ), letters[c] );
             list->channels[list->count++] = ( RfExrChannel ){
                 .name = name,
-                .values = frame->layers[i] + c,
+                .values = frame->aovs[i] + c,
                 .stride = channels,
                 .half = half && rf_aov_is_half( (RfAov)i ),
             };

@@ -96,7 +96,7 @@ static void put_settings( Attributes* a, const RfRenderSettings* s )
 {
     char tile[RF_TILE_NAME_SIZE], aovs[RF_AOVS_TEXT_SIZE];
     rf_tile_name( &s->tile, tile );
-    rf_format_aovs( s->layers, aovs, sizeof aovs );
+    rf_format_aovs( s->aovs, aovs, sizeof aovs );
     put( a, GROUP, "%d", s->group );
     put( a, SPP, "%d", s->spp );
     put( a, TILE, "%s", tile );
@@ -111,7 +111,7 @@ static void put_settings( Attributes* a, const RfRenderSettings* s )
         put( a, NOISE, "%.9g", s->noise );
     if ( s->time > 0.0 )
         put( a, TIME, "%.9g", s->time );
-    if ( s->layers != 0 )
+    if ( s->aovs != 0 )
         put( a, AOV, "%s", aovs );
     if ( s->estimator != rf_default_render_settings().estimator )
         put_text( a, ESTIMATOR, rf_estimator_name( s->estimator ) );

@@ -1,5 +1,5 @@
-// AOVs: what a frame can hold besides its colour. RfRenderSettings.layers asks for them,
-// RfFrameResult.layers has them, and rf_write_frame writes them as the channels "albedo.R" and so on.
+// AOVs: what a frame can hold besides its colour. RfRenderSettings.aovs asks for them,
+// RfFrameResult.aovs has them, and rf_write_frame writes them as the channels "albedo.R" and so on.
 //
 //     unsigned aovs;
 //     RfResult result = rf_parse_aovs( "albedo,normal,depth", &aovs, &error );

@@ -100,13 +100,13 @@ const char* rf_estimator_name( const RfEstimator* estimator );
 typedef struct RfRenderSettings
 {
     const RfEstimator* estimator; // by default "reuse"
-    int spp;            // samples that a frame traces per pixel; with noise or time the most
-    double noise;       // each frame stops when its estimated relMSE is at most this; 0: spp are rendered
-    double time;        // seconds for each frame asked for, on average; 0: as long as it takes
-    int group;          // half-width n, cut to the path; RF_GROUP_AUTO: chosen by the plan
-    RfTile tile;        // pixels of a frame that reuse each other's paths
-    bool tile_roulette; // Russian roulette on connections in a tile that contribute little
-    bool adaptive;      // extra samples for pixels that few other frames help; RF_WEIGHTS_EXACT only
+    int spp;                      // samples that a frame traces per pixel; with noise or time the most
+    double noise;                 // each frame stops when its estimated relMSE is at most this; 0: spp are rendered
+    double time;                  // seconds for each frame asked for, on average; 0: as long as it takes
+    int group;                    // half-width n, cut to the path; RF_GROUP_AUTO: chosen by the plan
+    RfTile tile;                  // pixels of a frame that reuse each other's paths
+    bool tile_roulette;           // Russian roulette on connections in a tile that contribute little
+    bool adaptive;                // extra samples for pixels that few other frames help; RF_WEIGHTS_EXACT only
     RfWeights weights;
     RfNormalize normalize;
     int max_depth;     // path vertices after the eye
@@ -119,7 +119,7 @@ typedef struct RfRenderSettings
                         // while rendering goes on; fewer where memory is short. 0: it is called in between
     bool hold_all;      // all hit records of a group at once, as in the paper: for comparison, the pictures are
                         // the same; else as few as serve the threads
-    unsigned layers;    // RF_AOV_BIT of the AOVs that are wanted besides the colour, which they do not change
+    unsigned aovs;      // RF_AOV_BIT of the AOVs that are wanted besides the colour, which they do not change
     RfFrameFiles files; // part of the budget
 } RfRenderSettings;
 
@@ -173,15 +173,15 @@ typedef struct RfFrameResult
 {
     int frame; // index into the eyes, from 0
     int width, height;
-    const float* rgb;                  // 3 × width × height
-    const float* weight;               // width × height: the mean of the summed weights B; E[B] = 1 with exact
-                                       // weights, else hits per pass
-    const float* layers[RF_AOV_COUNT]; // rf_aov_channels × width × height; NULL: not asked for
-    double seconds;                    // wall time since the frame before it
-    double relmse_estimate;            // from two halves of the samples; NaN with a single pass
-    double native_spp;                 // samples that the frame traced itself, per pixel
-    double effective_spp;              // samples that landed in a pixel, its own and reused ones
-    bool reached;                      // the estimate is at most settings.noise, or nothing was asked
+    const float* rgb;                // 3 × width × height
+    const float* weight;             // width × height: the mean of the summed weights B; E[B] = 1 with exact
+                                     // weights, else hits per pass
+    const float* aovs[RF_AOV_COUNT]; // rf_aov_channels × width × height; NULL: not asked for
+    double seconds;                  // wall time since the frame before it
+    double relmse_estimate;          // from two halves of the samples; NaN with a single pass
+    double native_spp;               // samples that the frame traced itself, per pixel
+    double effective_spp;            // samples that landed in a pixel, its own and reused ones
+    bool reached;                    // the estimate is at most settings.noise, or nothing was asked
 } RfFrameResult;
 
 typedef struct RfProgress
@@ -216,14 +216,14 @@ typedef struct RfRayCounts
 } RfRayCounts;
 
 // Memory of a render by what it is for.
-typedef struct RfArenaEntry
+typedef struct RfMemoryEntry
 {
     const char* name; // a string literal
     size_t bytes;     // in use now
     size_t peak;      // the most that was ever in use
-} RfArenaEntry;
+} RfMemoryEntry;
 
-#define RF_ARENA_MAX_NAMES 32
+#define RF_MAX_MEMORY_ENTRIES 32
 
 typedef struct RfRenderStats
 {
@@ -237,7 +237,7 @@ typedef struct RfRenderStats
     int missed;      // frames finished with an estimate above settings.noise
     bool hurried;    // settings.time was too short for the least: two passes of a frame
     int entry_count; // of the entries
-    RfArenaEntry entries[RF_ARENA_MAX_NAMES];
+    RfMemoryEntry entries[RF_MAX_MEMORY_ENTRIES];
 } RfRenderStats;
 
 // Renders `frames` (ascending indices into the `eye_count` eyes of the whole path, which have one

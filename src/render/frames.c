@@ -55,7 +55,7 @@ static void finish_aovs( const RfRenderer* r, const RfLiveFilm* live, RfFrameBuf
     RfFilmCombine combine = rf_film_combine( r->settings.normalize );
     for ( int a = 0; a < RF_AOV_COUNT; ++a )
     {
-        buffer->result.layers[a] = buffer->layers[a];
+        buffer->result.aovs[a] = buffer->layers[a];
         if ( buffer->layers[a] != NULL )
             rf_finish_aov( &live->aovs, (RfAov)a, live->films, combine, buffer->layers[a] );
     }

@@ -39,7 +39,7 @@ void rf_trace_chunk( RfRenderer* r, const RfPass* pass, int first, int count )
         {
             RfTraceJob job = { ( first + i ) / jobs, ( first + i ) % jobs, pass->number };
             estimator->trace( pass->group, job, r->memory.batches[i], scratch, &mine );
-            if ( ( r->settings.layers & RF_FIRST_HIT_AOVS ) != 0 )
+            if ( ( r->settings.aovs & RF_FIRST_HIT_AOVS ) != 0 )
                 add_aovs( r, pass, job.eye, scratch );
         }
 #pragma omp critical

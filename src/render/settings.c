@@ -21,8 +21,8 @@ static RfResult check_settings( const RfRenderSettings* s, RfError* error )
         return rf_fail( error, RF_ERROR_USAGE, "depth must be 1 to %d, got %d", RF_MAX_DEPTH, s->max_depth );
     if ( s->light_samples < 1 || s->light_samples > RF_MAX_LIGHT_SAMPLES )
         return rf_fail( error, RF_ERROR_USAGE, "light samples must be 1 to %d, got %d", RF_MAX_LIGHT_SAMPLES, s->light_samples );
-    if ( ( s->layers & ~RF_ALL_AOVS ) != 0 )
-        return rf_fail( error, RF_ERROR_USAGE, "there are no such layers: %#x", s->layers );
+    if ( ( s->aovs & ~RF_ALL_AOVS ) != 0 )
+        return rf_fail( error, RF_ERROR_USAGE, "there are no such AOVs: %#x", s->aovs );
     if ( s->queue < 0 || s->queue > RF_MAX_QUEUE )
         return rf_fail( error, RF_ERROR_USAGE, "the queue must be 0 to %d frames, got %d", RF_MAX_QUEUE, s->queue );
     return RF_OK;
@@ -35,7 +35,7 @@ static RfResult check_estimator( const RfRenderSettings* s, RfError* error )
         return rf_fail( error, RF_ERROR_USAGE, "settings without an estimator: start from rf_default_render_settings" );
     if ( s->adaptive && ( estimator->add_own_shares == NULL || estimator->count_samples == NULL ) )
         return rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' has no adaptive sampling", estimator->name );
-    if ( ( s->layers & RF_FIRST_HIT_AOVS ) != 0 && estimator->first_hits == NULL )
+    if ( ( s->aovs & RF_FIRST_HIT_AOVS ) != 0 && estimator->first_hits == NULL )
         return rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' has no AOVs of first hits", estimator->name );
     if ( s->hold_all &&
          ( estimator->trace_first_hits == NULL || estimator->serialise == NULL || estimator->deserialise == NULL ) )

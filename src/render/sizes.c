@@ -53,7 +53,7 @@ RfRenderSizes rf_render_sizes( const RfScene* scene, const RfEye* eyes, const Rf
         .buffers = settings->queue > films ? films
                    : settings->queue > 1   ? settings->queue
                                            : 1,
-        .layers = settings->layers,
+        .layers = settings->aovs,
         .total_every = rf_film_needs_total( most, total_every ) ? total_every : 0,
         .stopping = rf_is_stopping( settings ),
         .adaptive = settings->adaptive,

@@ -40,8 +40,8 @@ static RfResult keep( void* user, const RfFrameResult* result, RfError* error )
     f->rgb[f->count] = copy_floats( result->rgb, 3 * pixels );
     for ( int l = 0; l < RF_AOV_COUNT; ++l )
     {
-        if ( result->layers[l] != NULL )
-            f->layers[f->count][l] = copy_floats( result->layers[l], pixels * (size_t)rf_aov_channels( (RfAov)l ) );
+        if ( result->aovs[l] != NULL )
+            f->layers[f->count][l] = copy_floats( result->aovs[l], pixels * (size_t)rf_aov_channels( (RfAov)l ) );
     }
     f->effective_spp[f->count++] = result->effective_spp;
     return RF_OK;
@@ -77,7 +77,7 @@ static void free_frames( Frames* f )
 static RfRenderSettings layered( int group, int spp )
 {
     RfRenderSettings settings = small_settings( group, spp );
-    settings.layers = RF_ALL_AOVS;
+    settings.aovs = RF_ALL_AOVS;
     return settings;
 }
 
@@ -367,7 +367,7 @@ static void test_same_bits( void** state )
         Frames* small = render_layers( tracer, eyes, EYES, 0, EYES, &settings );
         assert_true( small->stats.peak_bytes <= settings.memory );
         settings.memory = 0;
-        settings.layers = 0;
+        settings.aovs = 0;
         Frames* without = render_layers( tracer, eyes, EYES, 0, EYES, &settings );
         for ( int k = 0; k < EYES; ++k )
         {
@@ -377,10 +377,10 @@ static void test_same_bits( void** state )
             for ( int l = 0; l < RF_AOV_COUNT; ++l )
                 assert_null( without->layers[k][l] );
         }
-        settings.layers = RF_ALL_AOVS;
+        settings.aovs = RF_ALL_AOVS;
         Frames* alone = render_layers( tracer, eyes, EYES, 4, 1, &settings );
         assert_same( whole, 4, alone, 0 );
-        settings.layers = RF_AOV_BIT( RF_AOV_DEPTH );
+        settings.aovs = RF_AOV_BIT( RF_AOV_DEPTH );
         Frames* one = render_layers( tracer, eyes, EYES, 4, 1, &settings );
         assert_memory_equal( whole->layers[4][RF_AOV_DEPTH], one->layers[0][RF_AOV_DEPTH],
                              (size_t)whole->pixels * sizeof( float ) );
@@ -403,13 +403,13 @@ static void test_budget( void** state )
     orbit_eyes( eyes, EYES, 4.0f, WIDTH, HEIGHT );
     RfRenderSettings settings = layered( 1, 5 );
     Frames* with = render_layers( tracer, eyes, EYES, 0, EYES, &settings );
-    settings.layers = 0;
+    settings.aovs = 0;
     Frames* without = render_layers( tracer, eyes, EYES, 0, EYES, &settings );
     // three films of 13 floats, one image of 15
     size_t more = WIDTH * HEIGHT * ( 3 * 13 + 15 ) * sizeof( float );
     size_t difference = with->stats.peak_bytes - without->stats.peak_bytes;
     assert_true( difference >= more && difference < more + 4096 );
-    settings.layers = RF_ALL_AOVS;
+    settings.aovs = RF_ALL_AOVS;
     int failures = 0;
     for ( size_t memory = 1000; memory < with->stats.peak_bytes; memory = memory * 5 / 4 )
     {
@@ -422,7 +422,7 @@ static void test_budget( void** state )
     }
     assert_true( failures > 5 );
     settings.memory = 0;
-    settings.layers = RF_ALL_AOVS + 1;
+    settings.aovs = RF_ALL_AOVS + 1;
     assert_int_equal( rf_render( tracer, eyes, EYES, &( int ){ 0 }, 1, &settings, NULL, NULL, &error ), RF_ERROR_USAGE );
     free_frames( with );
     free_frames( without );

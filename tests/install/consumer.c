@@ -112,7 +112,7 @@ static RfResult run( const RfScene* scene, RfTracer** tracer, RfCameraPath* path
     settings.group = 1;
     settings.files = rf_default_frame_files();
     settings.queue = 1;
-    RfResult result = rf_parse_aovs( "albedo,depth,motion", &settings.layers, error );
+    RfResult result = rf_parse_aovs( "albedo,depth,motion", &settings.aovs, error );
     if ( result == RF_OK && !rf_parse_tile( "2x2", &settings.tile ) )
         result = rf_fail( error, RF_ERROR_USAGE, "2x2 should be a tile" );
     rf_tile_name( &settings.tile, tile );

@@ -105,7 +105,7 @@ void run( const char* name, const std::string& folder )
     settings.tile = RfTile{ RF_TILE_BLOCK, 2, 2 };
     settings.files = rf_default_frame_files();
     settings.queue = 1;
-    check( rf_parse_aovs( "albedo,depth,motion", &settings.layers, &error ), error );
+    check( rf_parse_aovs( "albedo,depth,motion", &settings.aovs, &error ), error );
 
     RfPlan plan{};
     check( rf_plan_render( tracer.get(), ( *path ).eyes, ( *path ).count, frames.data(), 3, &settings, &plan, &error ), error );

@@ -232,7 +232,7 @@ static void test_what_it_lacks_is_said( void** state )
     held.hold_all = true;
     assert_int_equal( rf_resolve_settings( tracer, eyes, EYES, &held, &resolved, &error ), RF_ERROR_USAGE );
     assert_non_null( strstr( error.text, "'plain' cannot hold" ) );
-    aovs.layers = RF_AOV_BIT( RF_AOV_NORMAL );
+    aovs.aovs = RF_AOV_BIT( RF_AOV_NORMAL );
     assert_int_equal( rf_resolve_settings( tracer, eyes, EYES, &aovs, &resolved, &error ), RF_ERROR_USAGE );
     assert_non_null( strstr( error.text, "'plain' has no" ) );
     none.estimator = NULL;

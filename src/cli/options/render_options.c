@@ -271,7 +271,7 @@ RfResult rf_parse_tile_option( RfRenderOptions* options, RfError* error )
 RfResult rf_parse_aov_option( RfRenderOptions* options, RfError* error )
 {
     RfError reason = { 0 };
-    RfResult result = rf_parse_aovs( options->aov, &options->settings.layers, &reason );
+    RfResult result = rf_parse_aovs( options->aov, &options->settings.aovs, &reason );
     return result == RF_OK ? result : rf_fail( error, result, "--aov: %.1000s", reason.text );
 }
 

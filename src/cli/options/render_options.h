@@ -44,7 +44,7 @@ RfResult rf_parse_render_options_over( const struct RfField* defaults, int argc,
 // Sets settings.tile from --tile.
 RfResult rf_parse_tile_option( RfRenderOptions* options, RfError* error );
 
-// Sets settings.layers from --aov.
+// Sets settings.aovs from --aov.
 RfResult rf_parse_aov_option( RfRenderOptions* options, RfError* error );
 
 // Completes the settings once all options are known: enums from their words, and the limit

@@ -127,7 +127,7 @@ static void warn_of_variance( Job* job )
 {
     const RfRenderSettings* s = &job->options.settings;
     RfGroupPlan plan = rf_plan_groups( job->path.count, s->group, s->spp );
-    if ( ( s->layers & RF_AOV_BIT( RF_AOV_VARIANCE ) ) == 0 || s->noise > 0.0 || s->time > 0.0 ) // never a single pass
+    if ( ( s->aovs & RF_AOV_BIT( RF_AOV_VARIANCE ) ) == 0 || s->noise > 0.0 || s->time > 0.0 ) // never a single pass
         return;
     for ( int i = 0; i < job->frame_count; ++i )
     {

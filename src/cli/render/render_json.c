@@ -66,7 +66,7 @@ static json_t* bytes_json( const RfRenderStats* stats )
 json_t* rf_render_json( const RfRenderOptions* options, const RfScene* scene, const RfRenderRun* run )
 {
     const RfRenderStats* stats = run->stats;
-    char tile[24];
+    char tile[RF_TILE_NAME_SIZE];
     rf_tile_name( &options->settings.tile, tile );
     json_t* json = json_pack( "{s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:i, s:s, s:s, s:s, s:i, s:o, s:i, s:b}", "version",
                               rf_version(), "scene", rf_json_text( options->scene ), "frames", run->frames, "seconds",

@@ -25,7 +25,7 @@ void rf_format_span( double seconds, char* text, size_t size )
 
 void rf_format_reuse( const RfCostCurve* curve, char* text, size_t size )
 {
-    char tile[24];
+    char tile[RF_TILE_NAME_SIZE];
     rf_tile_name( &curve->tile, tile );
     bool tiles = curve->tile.kind != RF_TILE_NONE;
     if ( curve->eyes > 1 )
@@ -105,7 +105,7 @@ void rf_print_cost( const RfCostReport* r )
 
 static void add_rows( json_t* rows, const RfCostCurve* c, bool reuse )
 {
-    char tile[24];
+    char tile[RF_TILE_NAME_SIZE];
     rf_tile_name( &c->tile, tile );
     for ( int i = 0; i < c->count; ++i )
         json_array_append_new( rows, json_pack( "{s:b, s:i, s:s, s:i, s:o, s:o, s:o}", "reuse", reuse, "group", c->group, "tile",
@@ -187,7 +187,7 @@ RfResult rf_write_cost_plot( const RfCostReport* r, const char* path, RfError* e
     Curve plain, reuse;
     RfPlotSeries series[4];
     snprintf( plain.name, sizeof plain.name, "path tracing" );
-    char tile[24]; // the legend is narrow
+    char tile[RF_TILE_NAME_SIZE]; // the legend is narrow
     rf_tile_name( &cost->reuse.tile, tile );
     snprintf( reuse.name, sizeof reuse.name, "group %d, tile %s", cost->reuse.group, tile );
     draw_curve( &cost->plain, 0, &plain, series );

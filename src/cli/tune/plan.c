@@ -119,7 +119,7 @@ static json_t* row_json( const RfPlanRow* row, const char* tile )
 static json_t* plan_json( const Job* job )
 {
     const RfPlan* plan = &job->plan;
-    char tile[24];
+    char tile[RF_TILE_NAME_SIZE];
     rf_tile_name( &job->options.settings.tile, tile );
     json_t* rows = json_array();
     for ( int i = 0; i < plan->count; ++i )

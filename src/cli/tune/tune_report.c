@@ -16,7 +16,7 @@ static double bytes_of( const RfTuneRow* row )
 
 static void print_row( const RfTuneRow* row )
 {
-    char tile[24], text[128];
+    char tile[RF_TILE_NAME_SIZE], text[128];
     rf_tile_name( &row->tile, tile );
     printf( "%c%5d %8s %5d", row->chosen ? '*' : ' ', row->group, tile, row->spp );
     if ( row->rounds == 0 )
@@ -63,7 +63,7 @@ void rf_print_tune( const RfTuneReport* r )
 
 static json_t* row_json( const RfTuneRow* row )
 {
-    char tile[24], text[128];
+    char tile[RF_TILE_NAME_SIZE], text[128];
     rf_tile_name( &row->tile, tile );
     return json_pack(
         "{s:i, s:i, s:s, s:i, s:I, s:I, s:I, s:I, s:i, s:i, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:i, s:s?, s:b}", "group",
@@ -113,7 +113,7 @@ static void collect( const RfTune* tune, Curves* c )
         bool first = i == 0 || memcmp( &row->tile, &tune->rows[i - 1].tile, sizeof row->tile ) != 0;
         if ( first )
         {
-            char tile[24];
+            char tile[RF_TILE_NAME_SIZE];
             rf_tile_name( &row->tile, tile );
             snprintf( c->names[c->count], sizeof c->names[0], "tile %s", row->tile.kind == RF_TILE_NONE ? "1 (none)" : tile );
             c->series[c->count] = ( RfPlotSeries ){
@@ -139,7 +139,7 @@ RfResult rf_write_tune_plot( const RfTuneReport* r, const char* path, RfError* e
     const RfTune* tune = r->tune;
     Curves curves = { 0 };
     collect( tune, &curves );
-    char subtitle[512], note[64] = "", tile[24];
+    char subtitle[512], note[64] = "", tile[RF_TILE_NAME_SIZE];
     const char* slash = strrchr( r->scene, '/' );
     snprintf( subtitle, sizeof subtitle, "%.200s, %dx%d, %d frames; numbers are the group's half-width N",
               slash != NULL ? slash + 1 : r->scene, r->width, r->height, r->frames );
