@@ -65,12 +65,16 @@ RF_KERNEL void coat_block( int first, int count, const RfBsdfLanes* lanes, const
                            float* const f[3], float* pdf_solid_angle )
 {
     const float* restrict nx = lanes->n[0] + first, * restrict ny = lanes->n[1] + first, * restrict nz = lanes->n[2] + first;
-    const float* restrict cx = lanes->clearcoat_n[0] + first, * restrict cy = lanes->clearcoat_n[1] + first;
-    const float* restrict cz = lanes->clearcoat_n[2] + first;
-    const float* restrict dx = lanes->diffuse[0] + first, * restrict dy = lanes->diffuse[1] + first;
-    const float* restrict dz = lanes->diffuse[2] + first, * restrict sx = lanes->specular[0] + first;
-    const float* restrict sy = lanes->specular[1] + first, * restrict sz = lanes->specular[2] + first;
-    const float* restrict coat = lanes->clearcoat + first, * restrict alpha = lanes->clearcoat_alpha + first;
+    const float* restrict cx = lanes->param[RF_PARAM_CLEARCOAT_N] + first, * restrict cy =
+                                                                               lanes->param[RF_PARAM_CLEARCOAT_N + 1] + first;
+    const float* restrict cz = lanes->param[RF_PARAM_CLEARCOAT_N + 2] + first;
+    const float* restrict dx = lanes->param[RF_PARAM_DIFFUSE] + first, * restrict dy = lanes->param[RF_PARAM_DIFFUSE + 1] + first;
+    const float* restrict dz = lanes->param[RF_PARAM_DIFFUSE + 2] + first, * restrict sx =
+                                                                               lanes->param[RF_PARAM_SPECULAR] + first;
+    const float* restrict sy = lanes->param[RF_PARAM_SPECULAR + 1] + first, * restrict sz =
+                                                                                lanes->param[RF_PARAM_SPECULAR + 2] + first;
+    const float* restrict coat = lanes->param[RF_PARAM_CLEARCOAT] + first, * restrict alpha =
+                                                                               lanes->param[RF_PARAM_CLEARCOAT_ALPHA] + first;
     const float* restrict ix = wi[0] + first, * restrict iy = wi[1] + first, * restrict iz = wi[2] + first;
     float* restrict fx = f != NULL ? f[0] + first : NULL;
     float* restrict fy = f != NULL ? f[1] + first : NULL;
@@ -100,7 +104,8 @@ RF_KERNEL void coat_block( int first, int count, const RfBsdfLanes* lanes, const
 // The eye as the coat sees it.
 static void lift_to_coat( int first, int count, const RfBsdfLanes* lanes, const float* const wo[3], RfEyeBlock* eyes )
 {
-    RfBsdfLanes coat = { .n = { lanes->clearcoat_n[0], lanes->clearcoat_n[1], lanes->clearcoat_n[2] } };
+    RfBsdfLanes coat = { .n = { lanes->param[RF_PARAM_CLEARCOAT_N], lanes->param[RF_PARAM_CLEARCOAT_N + 1],
+                                lanes->param[RF_PARAM_CLEARCOAT_N + 2] } };
     rf_lift_block( first, count, &coat, wo, eyes );
 }
 
@@ -134,25 +139,14 @@ static void pick_lobes( int first, int count, const RfBsdfLanes* lanes, const Rf
     for ( int i = 0; i < count; ++i )
     {
         int k = first + i;
-        RfVec3 diffuse = rf_vec3( lanes->diffuse[0][k], lanes->diffuse[1][k], lanes->diffuse[2][k] );
-        RfVec3 specular = rf_vec3( lanes->specular[0][k], lanes->specular[1][k], lanes->specular[2][k] );
-        float chance = coat_chance( lanes->clearcoat[k], eyes->cos_o[i], diffuse, specular );
+        RfVec3 diffuse = rf_vec3( lanes->param[RF_PARAM_DIFFUSE][k], lanes->param[RF_PARAM_DIFFUSE + 1][k],
+                                  lanes->param[RF_PARAM_DIFFUSE + 2][k] );
+        RfVec3 specular = rf_vec3( lanes->param[RF_PARAM_SPECULAR][k], lanes->param[RF_PARAM_SPECULAR + 1][k],
+                                   lanes->param[RF_PARAM_SPECULAR + 2][k] );
+        float chance = coat_chance( lanes->param[RF_PARAM_CLEARCOAT][k], eyes->cos_o[i], diffuse, specular );
         picks->is_coat[i] = u[k] < chance;
         picks->rest[i] = picks->is_coat[i] ? 0.0f : rf_minf( ( u[k] - chance ) / ( 1.0f - chance ), 0x1.fffffep-1f );
     }
-}
-
-static RfBsdfLanes lanes_from( const RfBsdfLanes* lanes, int first )
-{
-    return ( RfBsdfLanes ){
-        .n = { lanes->n[0] + first, lanes->n[1] + first, lanes->n[2] + first },
-        .diffuse = { lanes->diffuse[0] + first, lanes->diffuse[1] + first, lanes->diffuse[2] + first },
-        .specular = { lanes->specular[0] + first, lanes->specular[1] + first, lanes->specular[2] + first },
-        .shape = lanes->shape + first,
-        .f90 = lanes->f90 + first,
-        .coat_f0 = lanes->coat_f0 + first,
-        .coat_f90 = lanes->coat_f90 + first,
-    };
 }
 
 // Both directions are drawn, of what is below and of the coat, and one taken.
@@ -162,13 +156,13 @@ static void sample_block( int first, int count, const RfBsdfLanes* lanes, const 
     float black[RF_BLOCK] = { 0 }, one[RF_BLOCK], x[RF_BLOCK], y[RF_BLOCK], z[RF_BLOCK];
     for ( int i = 0; i < RF_BLOCK; ++i )
         one[i] = 1.0f;
-    RfBsdfLanes below = lanes_from( lanes, first ), coat = below;
-    coat.shape = lanes->clearcoat_alpha + first;
+    RfBsdfLanes below = rf_bsdf_lanes( RF_BSDF_GGX, lanes->n, lanes->param, first ), coat = below;
+    coat.param[RF_PARAM_SHAPE] = lanes->param[RF_PARAM_CLEARCOAT_ALPHA] + first;
     for ( int c = 0; c < 3; ++c ) // a white metal: the specular lobe alone
     {
-        coat.n[c] = lanes->clearcoat_n[c] + first;
-        coat.diffuse[c] = black;
-        coat.specular[c] = one;
+        coat.n[c] = lanes->param[RF_PARAM_CLEARCOAT_N + c] + first;
+        coat.param[RF_PARAM_DIFFUSE + c] = black;
+        coat.param[RF_PARAM_SPECULAR + c] = one;
     }
     const float* o[3] = { wo[0] + first, wo[1] + first, wo[2] + first };
     const float* random[3] = { u[0] + first, u[1] + first, picks->rest };

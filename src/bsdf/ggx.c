@@ -118,12 +118,14 @@ RF_KERNEL void evaluate_block( int first, int count, const RfBsdfLanes* lanes, c
 {
     const float* restrict nx = lanes->n[0] + first, * restrict ny = lanes->n[1] + first;
     const float* restrict nz = lanes->n[2] + first;
-    const float* restrict dx = lanes->diffuse[0] + first, * restrict dy = lanes->diffuse[1] + first;
-    const float* restrict dz = lanes->diffuse[2] + first;
-    const float* restrict sx = lanes->specular[0] + first, * restrict sy = lanes->specular[1] + first;
-    const float* restrict sz = lanes->specular[2] + first;
-    const float* restrict alpha = lanes->shape + first, * restrict f90 = lanes->f90 + first;
-    const float* restrict coat_f0 = lanes->coat_f0 + first, * restrict coat_f90 = lanes->coat_f90 + first;
+    const float* restrict dx = lanes->param[RF_PARAM_DIFFUSE] + first, * restrict dy = lanes->param[RF_PARAM_DIFFUSE + 1] + first;
+    const float* restrict dz = lanes->param[RF_PARAM_DIFFUSE + 2] + first;
+    const float* restrict sx = lanes->param[RF_PARAM_SPECULAR] + first, * restrict sy =
+                                                                            lanes->param[RF_PARAM_SPECULAR + 1] + first;
+    const float* restrict sz = lanes->param[RF_PARAM_SPECULAR + 2] + first;
+    const float* restrict alpha = lanes->param[RF_PARAM_SHAPE] + first, * restrict f90 = lanes->param[RF_PARAM_F90] + first;
+    const float* restrict coat_f0 = lanes->param[RF_PARAM_COAT_F0] + first, * restrict coat_f90 =
+                                                                                lanes->param[RF_PARAM_COAT_F90] + first;
     const float* restrict ox = eyes->x, * restrict oy = eyes->y, * restrict oz = eyes->z;
     const float* restrict cos_o = eyes->cos_o;
     const float* restrict ix = wi[0] + first, * restrict iy = wi[1] + first, * restrict iz = wi[2] + first;
@@ -195,12 +197,14 @@ static void sample_block( int first, int count, const RfBsdfLanes* lanes, const 
 {
     const float* restrict nx = lanes->n[0] + first, * restrict ny = lanes->n[1] + first;
     const float* restrict nz = lanes->n[2] + first;
-    const float* restrict dx = lanes->diffuse[0] + first, * restrict dy = lanes->diffuse[1] + first;
-    const float* restrict dz = lanes->diffuse[2] + first;
-    const float* restrict sx = lanes->specular[0] + first, * restrict sy = lanes->specular[1] + first;
-    const float* restrict sz = lanes->specular[2] + first;
-    const float* restrict alpha = lanes->shape + first, * restrict f90 = lanes->f90 + first;
-    const float* restrict coat_f0 = lanes->coat_f0 + first, * restrict coat_f90 = lanes->coat_f90 + first;
+    const float* restrict dx = lanes->param[RF_PARAM_DIFFUSE] + first, * restrict dy = lanes->param[RF_PARAM_DIFFUSE + 1] + first;
+    const float* restrict dz = lanes->param[RF_PARAM_DIFFUSE + 2] + first;
+    const float* restrict sx = lanes->param[RF_PARAM_SPECULAR] + first, * restrict sy =
+                                                                            lanes->param[RF_PARAM_SPECULAR + 1] + first;
+    const float* restrict sz = lanes->param[RF_PARAM_SPECULAR + 2] + first;
+    const float* restrict alpha = lanes->param[RF_PARAM_SHAPE] + first, * restrict f90 = lanes->param[RF_PARAM_F90] + first;
+    const float* restrict coat_f0 = lanes->param[RF_PARAM_COAT_F0] + first, * restrict coat_f90 =
+                                                                                lanes->param[RF_PARAM_COAT_F90] + first;
     const float* restrict ox = eyes->x, * restrict oy = eyes->y, * restrict oz = eyes->z;
     const float* restrict cos_o = eyes->cos_o;
     const float* restrict u0 = u[0] + first, * restrict u2 = u[2] + first;

@@ -22,13 +22,15 @@ static Glass glass_of( const RfBsdfLanes* lanes, int i )
 {
     return ( Glass ){
         .n = rf_vec3( lanes->n[0][i], lanes->n[1][i], lanes->n[2][i] ),
-        .base = rf_vec3( lanes->diffuse[0][i], lanes->diffuse[1][i], lanes->diffuse[2][i] ),
-        .specular = rf_vec3( lanes->specular[0][i], lanes->specular[1][i], lanes->specular[2][i] ),
-        .tint = rf_vec3( lanes->tint[0][i], lanes->tint[1][i], lanes->tint[2][i] ),
-        .alpha = lanes->shape[i],
-        .ior = fabsf( lanes->ior[i] ),
-        .metal = lanes->f90[i],
-        .thin = lanes->ior[i] < 0.0f,
+        .base = rf_vec3( lanes->param[RF_PARAM_DIFFUSE][i], lanes->param[RF_PARAM_DIFFUSE + 1][i],
+                         lanes->param[RF_PARAM_DIFFUSE + 2][i] ),
+        .specular = rf_vec3( lanes->param[RF_PARAM_SPECULAR][i], lanes->param[RF_PARAM_SPECULAR + 1][i],
+                             lanes->param[RF_PARAM_SPECULAR + 2][i] ),
+        .tint = rf_vec3( lanes->param[RF_PARAM_TINT][i], lanes->param[RF_PARAM_TINT + 1][i], lanes->param[RF_PARAM_TINT + 2][i] ),
+        .alpha = lanes->param[RF_PARAM_SHAPE][i],
+        .ior = fabsf( lanes->param[RF_PARAM_IOR][i] ),
+        .metal = lanes->param[RF_PARAM_F90][i],
+        .thin = lanes->param[RF_PARAM_IOR][i] < 0.0f,
     };
 }
 

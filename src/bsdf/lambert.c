@@ -5,7 +5,7 @@ RF_KERNEL void evaluate_lanes( int count, const RfBsdfLanes* lanes, const float*
                                float* pdf_solid_angle, bool want_f, bool want_pdf )
 {
     const float* restrict nx = lanes->n[0], * restrict ny = lanes->n[1], * restrict nz = lanes->n[2];
-    const float* restrict dx = lanes->diffuse[0], * restrict dy = lanes->diffuse[1], * restrict dz = lanes->diffuse[2];
+    const float* restrict dx = lanes->param[RF_PARAM_DIFFUSE], * restrict dy = lanes->param[RF_PARAM_DIFFUSE + 1], * restrict dz = lanes->param[RF_PARAM_DIFFUSE + 2];
     const float* restrict ix = wi[0], * restrict iy = wi[1], * restrict iz = wi[2];
     float* restrict fx = want_f ? f[0] : NULL;
     float* restrict fy = want_f ? f[1] : NULL;

@@ -82,12 +82,13 @@ static void angle_block( int first, int count, const RfBsdfLanes* lanes, const R
 RF_KERNEL void evaluate_block( int first, int count, const RfBsdfLanes* lanes, const AngleBlock* angles, float* const f[3],
                                float* pdf_solid_angle )
 {
-    const float* restrict dx = lanes->diffuse[0] + first, * restrict dy = lanes->diffuse[1] + first;
-    const float* restrict dz = lanes->diffuse[2] + first;
-    const float* restrict sx = lanes->specular[0] + first, * restrict sy = lanes->specular[1] + first;
-    const float* restrict sz = lanes->specular[2] + first;
+    const float* restrict dx = lanes->param[RF_PARAM_DIFFUSE] + first, * restrict dy = lanes->param[RF_PARAM_DIFFUSE + 1] + first;
+    const float* restrict dz = lanes->param[RF_PARAM_DIFFUSE + 2] + first;
+    const float* restrict sx = lanes->param[RF_PARAM_SPECULAR] + first, * restrict sy =
+                                                                            lanes->param[RF_PARAM_SPECULAR + 1] + first;
+    const float* restrict sz = lanes->param[RF_PARAM_SPECULAR + 2] + first;
     const float* restrict cos_i = angles->cos_i, * restrict d = angles->d;
-    const float* restrict exponent = lanes->shape + first;
+    const float* restrict exponent = lanes->param[RF_PARAM_SHAPE] + first;
     float* restrict fx = f != NULL ? f[0] + first : NULL;
     float* restrict fy = f != NULL ? f[1] + first : NULL;
     float* restrict fz = f != NULL ? f[2] + first : NULL;
@@ -132,14 +133,15 @@ static void sample_block( int first, int count, const RfBsdfLanes* lanes, const 
 {
     const float* restrict nx = lanes->n[0] + first, * restrict ny = lanes->n[1] + first;
     const float* restrict nz = lanes->n[2] + first;
-    const float* restrict dx = lanes->diffuse[0] + first, * restrict dy = lanes->diffuse[1] + first;
-    const float* restrict dz = lanes->diffuse[2] + first;
-    const float* restrict sx = lanes->specular[0] + first, * restrict sy = lanes->specular[1] + first;
-    const float* restrict sz = lanes->specular[2] + first;
+    const float* restrict dx = lanes->param[RF_PARAM_DIFFUSE] + first, * restrict dy = lanes->param[RF_PARAM_DIFFUSE + 1] + first;
+    const float* restrict dz = lanes->param[RF_PARAM_DIFFUSE + 2] + first;
+    const float* restrict sx = lanes->param[RF_PARAM_SPECULAR] + first, * restrict sy =
+                                                                            lanes->param[RF_PARAM_SPECULAR + 1] + first;
+    const float* restrict sz = lanes->param[RF_PARAM_SPECULAR + 2] + first;
     const float* restrict ox = eyes->x, * restrict oy = eyes->y, * restrict oz = eyes->z;
     const float* restrict cos_o = eyes->cos_o;
     const float* restrict u0 = u[0] + first, * restrict u1 = u[1] + first, * restrict u2 = u[2] + first;
-    const float* restrict exponent = lanes->shape + first;
+    const float* restrict exponent = lanes->param[RF_PARAM_SHAPE] + first;
     float* restrict ix = wi[0] + first, * restrict iy = wi[1] + first, * restrict iz = wi[2] + first;
 
 #pragma omp simd

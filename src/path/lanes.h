@@ -33,22 +33,12 @@ typedef struct RfVertexLanes
     int count;
     int first[RF_BSDF_KIND_COUNT + 1];
     RF_ALIGN float p[3][RF_LANES];
-    float ng[3][RF_LANES];  // unit geometric normal, on the side of wo
-    float n[3][RF_LANES];   // unit shading normal, on the side of ng
-    float wo[3][RF_LANES];  // unit, back along the ray
-    float offset[RF_LANES]; // along ng: where rays to and from the point end and start
-    float diffuse[3][RF_LANES];
-    float specular[3][RF_LANES];
-    float shape[RF_LANES];
-    float f90[RF_LANES];
-    float coat_f0[RF_LANES];
-    float coat_f90[RF_LANES];
-    float clearcoat[RF_LANES]; // these three of RF_BSDF_COATED only
-    float clearcoat_alpha[RF_LANES];
-    float clearcoat_n[3][RF_LANES];
-    float tint[3][RF_LANES]; // these three of RF_BSDF_GLASS only
-    float ior[RF_LANES];
-    float absorption[3][RF_LANES];         // of what wo goes through, if that is its inside, 1/m
+    float ng[3][RF_LANES];                 // unit geometric normal, on the side of wo
+    float n[3][RF_LANES];                  // unit shading normal, on the side of ng
+    float wo[3][RF_LANES];                 // unit, back along the ray
+    float offset[RF_LANES];                // along ng: where rays to and from the point end and start
+    float param[RF_PARAM_COUNT][RF_LANES]; // those in the mask of the lane's model; the others are not set
+    float absorption[3][RF_LANES];         // GLASS only: of the medium that wo runs through, 1/m
     float emission[3][RF_LANES];           // towards wo
     float light_pdf_solid_angle[RF_LANES]; // of a light sample at the ray's origin choosing this point, once
                                            // its light is picked; 0: none would

@@ -35,7 +35,7 @@ static void put( float ( *array )[RF_LANES], int i, RfVec3 v )
     array[2][i] = v.z;
 }
 
-// The far side's index of refraction over the near one's (see bsdf.h).
+// The far side's index of refraction over the near one's (RF_PARAM_IOR).
 static float relative_ior( const RfMaterial* m, float facing )
 {
     if ( m->thin )
@@ -43,30 +43,28 @@ static float relative_ior( const RfMaterial* m, float facing )
     return facing >= 0.0f || m->ior == 0.0f ? m->ior : 1.0f / m->ior;
 }
 
-// v->n is the interpolated normal still, which a coat keeps.
+// Parameters that are the material's alone.
+static inline void fill_params( RfVertexLanes* v, int i, const RfMaterial* m, uint32_t params )
+{
+    for ( uint32_t left = params & ~RF_PARAMS_OF_HIT; left != 0; left &= left - 1 )
+    {
+        int p = __builtin_ctz( left );
+        v->param[p][i] = rf_material_param( m, (RfBsdfParam)p );
+    }
+}
+
+// v->n is still the interpolated normal, which a coat keeps.
 static void fill_material( RfVertexLanes* v, int i, const RfMaterial* m, float facing )
 {
-    put( v->diffuse, i, m->diffuse );
-    if ( m->kind == RF_BSDF_LAMBERT )
-        return;
-    put( v->specular, i, m->specular );
-    v->shape[i] = m->kind == RF_BSDF_PHONG ? m->exponent : m->alpha;
-    v->f90[i] = m->f90;
-    if ( m->kind == RF_BSDF_GLASS )
+    uint32_t params = rf_bsdf_model( m->kind )->params;
+    fill_params( v, i, m, params );
+    if ( rf_has_param( params, RF_PARAM_CLEARCOAT_N ) )
+        put( v->param + RF_PARAM_CLEARCOAT_N, i, rf_vec3( v->n[0][i], v->n[1][i], v->n[2][i] ) );
+    if ( rf_has_param( params, RF_PARAM_IOR ) )
     {
-        put( v->tint, i, m->tint );
-        v->ior[i] = relative_ior( m, facing );
+        v->param[RF_PARAM_IOR][i] = relative_ior( m, facing );
         put( v->absorption, i, facing < 0.0f && !m->thin ? m->absorption : rf_vec3( 0, 0, 0 ) );
-        return;
     }
-    if ( m->kind == RF_BSDF_COATED )
-    {
-        v->clearcoat[i] = m->clearcoat;
-        v->clearcoat_alpha[i] = m->clearcoat_alpha;
-        put( v->clearcoat_n, i, rf_vec3( v->n[0][i], v->n[1][i], v->n[2][i] ) );
-    }
-    v->coat_f0[i] = m->coat_f0;
-    v->coat_f90[i] = m->coat_f90;
 }
 
 // Emission on the side of wo, and the density with which a light sample at
@@ -143,7 +141,8 @@ static void look_up_normals( const RfScene* scene, const RfMaterial* m, const Hi
     if ( m->textured->refs[RF_TEXTURE_NORMAL].texture >= 0 )
         put( v->n, i, rf_scale( rf_normal_at( scene, m, hit->triangle, hit->u, hit->v, n, ng ), hit->side ) );
     if ( m->textured->refs[RF_TEXTURE_CLEARCOAT_NORMAL].texture >= 0 )
-        put( v->clearcoat_n, i, rf_scale( rf_coat_normal_at( scene, m, hit->triangle, hit->u, hit->v, n, ng ), hit->side ) );
+        put( v->param + RF_PARAM_CLEARCOAT_N, i,
+             rf_scale( rf_coat_normal_at( scene, m, hit->triangle, hit->u, hit->v, n, ng ), hit->side ) );
 }
 
 // Material, normals and emission of a lane anew, looked up where the hit is.

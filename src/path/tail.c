@@ -7,20 +7,10 @@
 
 static RfBsdfLanes bsdf_lanes( const RfVertexLanes* v, int first )
 {
-    return ( RfBsdfLanes ){
-        .n = { v->n[0] + first, v->n[1] + first, v->n[2] + first },
-        .diffuse = { v->diffuse[0] + first, v->diffuse[1] + first, v->diffuse[2] + first },
-        .specular = { v->specular[0] + first, v->specular[1] + first, v->specular[2] + first },
-        .shape = v->shape + first,
-        .f90 = v->f90 + first,
-        .coat_f0 = v->coat_f0 + first,
-        .coat_f90 = v->coat_f90 + first,
-        .clearcoat = v->clearcoat + first,
-        .clearcoat_alpha = v->clearcoat_alpha + first,
-        .clearcoat_n = { v->clearcoat_n[0] + first, v->clearcoat_n[1] + first, v->clearcoat_n[2] + first },
-        .tint = { v->tint[0] + first, v->tint[1] + first, v->tint[2] + first },
-        .ior = v->ior + first,
-    };
+    RfBsdfLanes lanes = { .n = { v->n[0] + first, v->n[1] + first, v->n[2] + first } };
+    for ( int p = 0; p < RF_PARAM_COUNT; ++p )
+        lanes.param[p] = v->param[p] + first;
+    return lanes;
 }
 
 void rf_evaluate_seen_from( const RfVertexLanes* v, RfBsdfKind kind, const float* const wo[3], const float* const wi[3],
@@ -73,15 +63,18 @@ static void sample_lanes( const RfVertexLanes* v, const RfLaneScratch* scratch, 
 
 static void sample_native_lanes( const RfVertexLanes* v, RfLaneScratch* s, float* const wi[3] )
 {
-    int first = rf_record_count( v );
-    if ( first == v->count )
-        return;
-    RfBsdfLanes lanes = bsdf_lanes( v, first );
-    const float* wo[3] = { v->wo[0] + first, v->wo[1] + first, v->wo[2] + first };
-    const float* u[3] = { s->random[0] + first, s->random[1] + first, s->random[2] + first };
-    float* out[3] = { wi[0] + first, wi[1] + first, wi[2] + first };
-    float* weight[3] = { s->f[0] + first, s->f[1] + first, s->f[2] + first };
-    rf_glass_sample( v->count - first, &lanes, wo, u, out, weight, s->pdf + first );
+    for ( int kind = RF_BSDF_FIRST_UNEVALUABLE; kind < RF_BSDF_KIND_COUNT; ++kind )
+    {
+        int first = v->first[kind], count = v->first[kind + 1] - first;
+        if ( count == 0 )
+            continue;
+        RfBsdfLanes lanes = bsdf_lanes( v, first );
+        const float* wo[3] = { v->wo[0] + first, v->wo[1] + first, v->wo[2] + first };
+        const float* u[3] = { s->random[0] + first, s->random[1] + first, s->random[2] + first };
+        float* out[3] = { wi[0] + first, wi[1] + first, wi[2] + first };
+        float* weight[3] = { s->f[0] + first, s->f[1] + first, s->f[2] + first };
+        rf_bsdf_sample_weighted( (RfBsdfKind)kind, count, &lanes, wo, u, out, weight, s->pdf + first );
+    }
 }
 
 void rf_scatter_lanes( const RfWavefront* keys, const RfVertexLanes* v, uint32_t dimension, float* const wi[3],

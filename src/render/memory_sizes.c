@@ -40,8 +40,7 @@ static RfBatchShape batch_shape( const RfScene* scene, int eyes, const RfRenderS
         .eyes = eyes,
         .light_samples = settings->light_samples,
         .tile_pixels = rf_tile_pixels( &settings->tile ),
-        .glossy = has_kinds( scene, RF_BSDF_PHONG, RF_BSDF_FIRST_UNEVALUABLE ),
-        .coated = has_kinds( scene, RF_BSDF_COATED, RF_BSDF_COATED + 1 ),
+        .params = rf_glossy_params( scene ),
         .eq15 = settings->weights == RF_WEIGHTS_EQ15,
         .blended = has_blended( scene ),
         .natives = has_kinds( scene, RF_BSDF_FIRST_UNEVALUABLE, RF_BSDF_KIND_COUNT ) ||

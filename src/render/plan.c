@@ -250,7 +250,7 @@ void rf_record_bytes( const RfScene* scene, const RfRenderSettings* settings, in
     RfEye eye = { .width = 1, .height = 1 };
     RfBatchShape shape = rf_render_sizes( scene, &eye, &plan, 1, settings ).shape;
     size_t whole = rf_batch_bytes( &shape );
-    shape.glossy = false;
+    shape.params = 0;
     *diffuse = ( rf_batch_bytes( &shape ) + RF_LANES - 1 ) / RF_LANES;
     *glossy = ( whole + RF_LANES - 1 ) / RF_LANES;
 }

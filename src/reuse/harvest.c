@@ -135,19 +135,12 @@ static void copy_hits( const RfVertexLanes* v, RfHitBatch* batch )
     {
         memcpy( batch->n[c], v->n[c] + first, bytes );
         memcpy( batch->wo[c], v->wo[c] + first, bytes );
-        memcpy( batch->diffuse[c], v->diffuse[c] + first, bytes );
-        memcpy( batch->specular[c], v->specular[c] + first, bytes );
     }
-    memcpy( batch->shape, v->shape + first, bytes );
-    memcpy( batch->f90, v->f90 + first, bytes );
-    memcpy( batch->coat_f0, v->coat_f0 + first, bytes );
-    memcpy( batch->coat_f90, v->coat_f90 + first, bytes );
-    if ( batch->clearcoat == NULL )
-        return;
-    memcpy( batch->clearcoat, v->clearcoat + first, bytes );
-    memcpy( batch->clearcoat_alpha, v->clearcoat_alpha + first, bytes );
-    for ( int c = 0; c < 3; ++c )
-        memcpy( batch->clearcoat_n[c], v->clearcoat_n[c] + first, bytes );
+    for ( int p = 0; p < RF_PARAM_COUNT; ++p )
+    {
+        if ( batch->param[p] != NULL )
+            memcpy( batch->param[p], v->param[p] + first, bytes );
+    }
 }
 
 // Of the pixels listed those whose tiles are drawn, by what their pixels need in

@@ -105,7 +105,7 @@ static void add_borrowed_diffuse( const RfHarvest* harvest, RfHarvestScratch* sc
     for ( int i = 0; i < count; ++i )
     {
         for ( int c = 0; c < 3; ++c )
-            batch->radiance[4 * i + c] += v->diffuse[c][i] * sum[c][i];
+            batch->radiance[4 * i + c] += v->param[RF_PARAM_DIFFUSE + c][i] * sum[c][i];
     }
 }
 

@@ -38,16 +38,8 @@ typedef struct RfHitBatch
     int32_t* rows;      // 2 per eye: first and last row of its film that a hit lands in; first > last: none
     // glossy hits, lane i − first[RF_BSDF_PHONG]
     float* n[3];
-    float* wo[3]; // to its own eye, as the camera ray came
-    float* diffuse[3];
-    float* specular[3];
-    float* shape;
-    float* f90;
-    float* coat_f0;
-    float* coat_f90;
-    float* clearcoat;       // NULL where the scene has no such coat
-    float* clearcoat_alpha; // likewise
-    float* clearcoat_n[3];
+    float* wo[3];                 // to its own eye, as the camera ray came
+    float* param[RF_PARAM_COUNT]; // NULL where no glossy model of the scene has it
     RfDirectionLanes* directions; // K light samples, the scattered direction, and N − 1 borrowed ones
 } RfHitBatch;
 
@@ -57,8 +49,7 @@ typedef struct RfBatchShape
     int eyes;          // in a group
     int light_samples; // K
     int tile_pixels;   // N, 1 without tiles
-    bool glossy;       // the scene has any
-    bool coated;       // and RF_BSDF_COATED among them
+    uint32_t params;   // of the glossy models in the scene (rf_glossy_params); 0: it has none
     bool eq15;
     bool blended; // visibility may be between 0 and 1
     bool natives; // misses may be other than black: the scene has a sky, mirrors or glass
@@ -71,6 +62,9 @@ static inline float* rf_miss_radiance( const RfHitBatch* batch ) { return batch-
 
 static inline int rf_direction_count( const RfBatchShape* shape ) { return shape->light_samples + shape->tile_pixels; }
 static inline int rf_seen_words( int eyes ) { return ( eyes + 31 ) / 32; }
+
+// The parameters that some glossy model of the scene's triangles has.
+uint32_t rf_glossy_params( const RfScene* scene );
 
 // Bytes of one batch.
 size_t rf_batch_bytes( const RfBatchShape* shape );

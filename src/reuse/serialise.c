@@ -142,17 +142,10 @@ static void pass_glossy( Stream* s, const RfBatchShape* shape, RfHitBatch* batch
     int count = batch->count - batch->first[RF_BSDF_PHONG];
     pass_lanes3( s, count, batch->n );
     pass_lanes3( s, count, batch->wo );
-    pass_lanes3( s, count, batch->diffuse );
-    pass_lanes3( s, count, batch->specular );
-    pass_lanes( s, count, batch->shape );
-    pass_lanes( s, count, batch->f90 );
-    pass_lanes( s, count, batch->coat_f0 );
-    pass_lanes( s, count, batch->coat_f90 );
-    if ( shape->coated )
+    for ( int p = 0; p < RF_PARAM_COUNT; ++p )
     {
-        pass_lanes( s, count, batch->clearcoat );
-        pass_lanes( s, count, batch->clearcoat_alpha );
-        pass_lanes3( s, count, batch->clearcoat_n );
+        if ( rf_has_param( shape->params, (RfBsdfParam)p ) )
+            pass_lanes( s, count, batch->param[p] );
     }
     pass_directions( s, shape, count, batch->directions );
 }
@@ -173,7 +166,7 @@ static void pass_batch( Stream* s, const RfBatchShape* shape, RfHitBatch* batch 
         pass_lanes( s, count, batch->densities + (size_t)l * RF_LANES );
     pass_pixels( s, count + batch->miss_count, batch->pixel );
     pass( s, batch->rows, (size_t)shape->eyes * 2 * sizeof *batch->rows );
-    if ( shape->glossy )
+    if ( shape->params != 0 )
         pass_glossy( s, shape, batch );
 }
 
