@@ -35,7 +35,7 @@ static void put( float ( *array )[RF_LANES], int i, RfVec3 v )
     array[2][i] = v.z;
 }
 
-// The far side's index of refraction over the near one's (RF_PARAM_IOR).
+// Index of refraction of the far side over the near side (RF_PARAM_IOR).
 static float relative_ior( const RfMaterial* m, float facing )
 {
     if ( m->thin )
@@ -43,7 +43,7 @@ static float relative_ior( const RfMaterial* m, float facing )
     return facing >= 0.0f || m->ior == 0.0f ? m->ior : 1.0f / m->ior;
 }
 
-// Parameters that are the material's alone.
+// Copies the parameters that come from the material alone.
 static inline void fill_params( RfVertexLanes* v, int i, const RfMaterial* m, uint32_t params )
 {
     for ( uint32_t left = params & ~RF_PARAMS_OF_HIT; left != 0; left &= left - 1 )
@@ -67,9 +67,9 @@ static void fill_material( RfVertexLanes* v, int i, const RfMaterial* m, float f
     }
 }
 
-// Emission on the side of wo, and the density with which a light sample at
-// the ray's origin, of this very light, would have found this point.
-static void fill_emission( RfVertexLanes* v, int i, const RfLights* lights, uint32_t index, float facing, RfVec3 way )
+// Emission towards wo, and the density of this point for a light sample at the
+// ray's origin, given the light.
+static void fill_emission( RfVertexLanes* v, int i, const RfLights* lights, uint32_t index, float facing, RfVec3 to_hit )
 {
     v->light_pdf_solid_angle[i] = 0.0f;
     put( v->emission, i, rf_vec3( 0, 0, 0 ) );
@@ -81,7 +81,7 @@ static void fill_emission( RfVertexLanes* v, int i, const RfLights* lights, uint
     put( v->emission, i, light->radiance );
     float cos_light = fabsf( facing );
     if ( cos_light > 0.0f )
-        v->light_pdf_solid_angle[i] = light->pdf_area * rf_dot( way, way ) / cos_light;
+        v->light_pdf_solid_angle[i] = light->pdf_area * rf_dot( to_hit, to_hit ) / cos_light;
 }
 
 static inline RfVec3 shading_normal( const RfTriangleRecord* t, float u, float v, float side, RfVec3 ng )
@@ -89,11 +89,11 @@ static inline RfVec3 shading_normal( const RfTriangleRecord* t, float u, float v
     RfVec3 n = rf_add( t->n0, rf_add( rf_scale( t->d1, u ), rf_scale( t->d2, v ) ) );
     float length2 = rf_dot( n, n );
     n = rf_scale( n, side / sqrtf( length2 ) );
-    // normals that contradict their face, or cancel, are no use
+    // normals that face the wrong to_hit or cancel are replaced
     return rf_dot( n, ng ) > 0.0f && length2 > 1e-12f ? n : ng;
 }
 
-// What filling a lane reads.
+// What fill_lane reads.
 typedef struct Source
 {
     const RfTriangleRecord* triangles;
@@ -123,18 +123,18 @@ static inline void fill_lane( const Source* from, RfVertexLanes* restrict v, int
     v->ray[i] = r;
     v->slot[i] = rays->slot[r];
     fill_material( v, i, from->materials + t->material, facing );
-    RfVec3 way = rf_sub( p, rf_vec3( rays->o[0][r], rays->o[1][r], rays->o[2][r] ) );
-    fill_emission( v, i, from->lights, t->light, facing, way );
+    RfVec3 to_hit = rf_sub( p, rf_vec3( rays->o[0][r], rays->o[1][r], rays->o[2][r] ) );
+    fill_emission( v, i, from->lights, t->light, facing, to_hit );
 }
 
-// Where on a triangle, and −1 where it is seen from behind.
+// A point on a triangle; side is −1 where the triangle is seen from behind.
 typedef struct Hit
 {
     uint32_t triangle;
     float u, v, side;
 } Hit;
 
-// Normals by the textures of them, of the surface and of its coat.
+// Applies the normal textures of the surface and of its coat.
 static void look_up_normals( const RfScene* scene, const RfMaterial* m, const Hit* hit, RfVec3 ng, RfVertexLanes* v, int i )
 {
     RfVec3 n = rf_scale( rf_vec3( v->n[0][i], v->n[1][i], v->n[2][i] ), hit->side );
@@ -145,7 +145,7 @@ static void look_up_normals( const RfScene* scene, const RfMaterial* m, const Hi
              rf_scale( rf_coat_normal_at( scene, m, hit->triangle, hit->u, hit->v, n, ng ), hit->side ) );
 }
 
-// Material, normals and emission of a lane anew, looked up where the hit is.
+// Replaces material, normals and emission of a lane by their textured values.
 static void look_up_lane( const RfScene* scene, const Source* from, const RfMaterial* m, RfVertexLanes* v, int i )
 {
     int r = from->scratch->index[i];

@@ -75,7 +75,7 @@ static void absorb( const RfHarvestScratch* scratch, const RfHitBatch* batch, in
     {
         int slot = v->slot[i];
         float* light = light_of( batch, base + i - rf_record_count( v ) );
-        RfVec3 left = rf_left_of_way( v, i, rf_vec3( rays->o[0][slot], rays->o[1][slot], rays->o[2][slot] ) );
+        RfVec3 left = rf_transmittance_from( v, i, rf_vec3( rays->o[0][slot], rays->o[1][slot], rays->o[2][slot] ) );
         light[0] *= left.x;
         light[1] *= left.y;
         light[2] *= left.z;

@@ -189,13 +189,13 @@ static RfVec3 sample_other_light( const RfTracer* tracer, const Point* x, RfLigh
         float place[2] = { rf_random( key, dimension + 1 ), rf_random( key, dimension + 2 ) };
         RfSkySample sky = rf_sample_sky( &lights->sky, bits, place );
         *wi = sky.wi;
-        *pdf = sky.pdf_solid_angle * pick.chance;
+        *pdf = sky.pdf_solid_angle * pick.probability;
         radiance = sky.radiance;
     }
     else
     {
         const RfPunctual* p = lights->punctual + k;
-        *pdf = pick.chance * RF_DELTA_PDF;
+        *pdf = pick.probability * RF_DELTA_PDF;
         if ( p->kind == RF_PUNCTUAL_DIRECTIONAL )
         {
             *wi = rf_scale( p->direction, -1.0f );
@@ -245,7 +245,7 @@ static RfVec3 sample_light( const RfTracer* tracer, const ReferenceSettings* s, 
     float facing = -rf_dot( light->normal, *wi );
     float cos_light = light->two_sided ? fabsf( facing ) : facing;
     float cos_x = rf_dot( x->n, *wi );
-    *pdf = light->pdf_area * pick.chance * d2 / cos_light;
+    *pdf = light->pdf_area * pick.probability * d2 / cos_light;
     if ( !( cos_x > 0.0f && rf_dot( x->ng, *wi ) > 0.0f && cos_light > 0.0f && *pdf < 1e30f ) )
         return black;
     RfVec3 to = rf_madd( z, light->normal, facing < 0.0f ? -light->offset : light->offset );
