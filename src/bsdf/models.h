@@ -82,7 +82,7 @@ typedef enum RfBsdfParam
 #define RF_PARAMS_OF_HIT ( RF_THREE( RF_PARAM_CLEARCOAT_N ) | RF_ONE( RF_PARAM_IOR ) )
 
 // A parameter as the material has it; not of those above.
-static inline float rf_material_param( const RfMaterial* material, RfBsdfParam param )
+static inline const float* rf_material_param( const RfMaterial* material, RfBsdfParam param )
 {
 #define FLOAT( param, member ) [param] = offsetof( RfMaterial, member )
 #define COLOUR( param, member ) FLOAT( param, member.x ), FLOAT( ( param ) + 1, member.y ), FLOAT( ( param ) + 2, member.z )
@@ -95,7 +95,7 @@ static inline float rf_material_param( const RfMaterial* material, RfBsdfParam p
     };
 #undef FLOAT
 #undef COLOUR
-    return *(const float*)( (const char*)material + s_offset[param] );
+    return (const float*)( (const char*)material + s_offset[param] );
 }
 
 // The shading normals and parameters of some hits: an array per parameter, of

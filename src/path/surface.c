@@ -43,21 +43,29 @@ static float relative_ior( const RfMaterial* m, float facing )
     return facing >= 0.0f || m->ior == 0.0f ? m->ior : 1.0f / m->ior;
 }
 
-// Copies the parameters that come from the material alone.
-static inline void fill_params( RfVertexLanes* v, int i, const RfMaterial* m, uint32_t params )
+// Gathers the parameters that come from the material alone into the lanes of one
+// model: lane i has material number[i].
+static void gather_params( const RfMaterial* materials, const int32_t* restrict number, RfBsdfKind kind, RfVertexLanes* v )
 {
-    for ( uint32_t left = params & ~RF_PARAMS_OF_HIT; left != 0; left &= left - 1 )
+    const int32_t stride = sizeof *materials / sizeof( float );
+    for ( uint32_t left = rf_bsdf_model( kind )->params & ~RF_PARAMS_OF_HIT; left != 0; left &= left - 1 )
     {
-        int p = __builtin_ctz( left );
-        v->param[p][i] = rf_material_param( m, (RfBsdfParam)p );
+        RfBsdfParam p = (RfBsdfParam)__builtin_ctz( left );
+        const float* restrict from = rf_material_param( materials, p );
+        float* restrict to = v->param[p];
+#pragma omp simd
+        for ( int i = v->first[kind]; i < v->first[kind + 1]; ++i )
+            to[i] = from[number[i] * stride];
     }
 }
 
-// v->n is still the interpolated normal, which a coat keeps.
-static void fill_material( RfVertexLanes* v, int i, const RfMaterial* m, float facing )
+// Sets the parameters of a lane that depend on the hit. v->n is still the
+// interpolated normal, which a coat keeps.
+static inline void fill_params_of_hit( RfVertexLanes* v, int i, const RfMaterial* m, float facing )
 {
-    uint32_t params = rf_bsdf_model( m->kind )->params;
-    fill_params( v, i, m, params );
+    uint32_t params = rf_bsdf_model( m->kind )->params & RF_PARAMS_OF_HIT;
+    if ( params == 0 )
+        return;
     if ( rf_has_param( params, RF_PARAM_CLEARCOAT_N ) )
         put( v->param + RF_PARAM_CLEARCOAT_N, i, rf_vec3( v->n[0][i], v->n[1][i], v->n[2][i] ) );
     if ( rf_has_param( params, RF_PARAM_IOR ) )
@@ -65,6 +73,17 @@ static void fill_material( RfVertexLanes* v, int i, const RfMaterial* m, float f
         v->param[RF_PARAM_IOR][i] = relative_ior( m, facing );
         put( v->absorption, i, facing < 0.0f && !m->thin ? m->absorption : rf_vec3( 0, 0, 0 ) );
     }
+}
+
+// All parameters of one lane.
+static void fill_params( RfVertexLanes* v, int i, const RfMaterial* m, float facing )
+{
+    for ( uint32_t left = rf_bsdf_model( m->kind )->params & ~RF_PARAMS_OF_HIT; left != 0; left &= left - 1 )
+    {
+        RfBsdfParam p = (RfBsdfParam)__builtin_ctz( left );
+        v->param[p][i] = *rf_material_param( m, p );
+    }
+    fill_params_of_hit( v, i, m, facing );
 }
 
 // Emission towards wo, and the density of this point for a light sample at the
@@ -101,6 +120,7 @@ typedef struct Source
     const RfLights* lights;
     const RfRayLanes* rays;
     const RfLaneScratch* scratch;
+    int32_t* number; // of the material of each lane, written
 } Source;
 
 static inline void fill_lane( const Source* from, RfVertexLanes* restrict v, int i )
@@ -122,7 +142,8 @@ static inline void fill_lane( const Source* from, RfVertexLanes* restrict v, int
     v->offset[i] = t->offset;
     v->ray[i] = r;
     v->slot[i] = rays->slot[r];
-    fill_material( v, i, from->materials + t->material, facing );
+    from->number[i] = (int32_t)t->material;
+    fill_params_of_hit( v, i, from->materials + t->material, facing );
     RfVec3 to_hit = rf_sub( p, rf_vec3( rays->o[0][r], rays->o[1][r], rays->o[2][r] ) );
     fill_emission( v, i, from->lights, t->light, facing, to_hit );
 }
@@ -155,7 +176,7 @@ static void look_up_lane( const RfScene* scene, const Source* from, const RfMate
     float facing = rf_dot( t->ng, rf_vec3( v->wo[0][i], v->wo[1][i], v->wo[2][i] ) );
     RfMaterial here;
     rf_material_at( scene, m, triangle, bu, bv, &here );
-    fill_material( v, i, &here, facing );
+    fill_params( v, i, &here, facing );
     Hit hit = { triangle, bu, bv, facing < 0.0f ? -1.0f : 1.0f };
     look_up_normals( scene, m, &hit, t->ng, v, i );
     if ( v->emission[0][i] + v->emission[1][i] + v->emission[2][i] > 0.0f )
@@ -181,10 +202,13 @@ void rf_find_vertices( const RfPathSettings* settings, const RfRayLanes* rays, b
     const float* d[3] = { rays->d[0], rays->d[1], rays->d[2] };
     rf_trace_nearest( tracer, rays->count, o, d, coherent, scratch->triangle, scratch->u, scratch->v );
     sort_by_kind( tracer, rays->count, scratch, vertices );
-    Source from = { rf_tracer_triangles( tracer ), rf_tracer_scene( tracer )->materials, rf_tracer_lights( tracer ), rays,
-                    scratch };
+    const RfMaterial* materials = rf_tracer_scene( tracer )->materials;
+    RF_ALIGN int32_t number[RF_LANES];
+    Source from = { rf_tracer_triangles( tracer ), materials, rf_tracer_lights( tracer ), rays, scratch, number };
     for ( int i = 0; i < vertices->count; ++i )
         fill_lane( &from, vertices, i );
+    for ( int kind = 0; kind < RF_BSDF_KIND_COUNT; ++kind )
+        gather_params( materials, number, (RfBsdfKind)kind, vertices );
     if ( rf_tracer_is_textured( tracer ) )
         look_up_textures( tracer, &from, vertices );
 }

@@ -16,7 +16,7 @@ static void direction_lanes( const RfHarvest* harvest, RfHarvestScratch* scratch
     int turn = direction - harvest->walk.light_samples;
     float( *lanes )[RF_LANES] = turn < 0    ? scratch->direct[direction].wi
                                 : turn == 0 ? scratch->scattered
-                                            : scratch->share->turns[turn].wi;
+                                            : scratch->share->pairings[turn].wi;
     for ( int c = 0; c < 3; ++c )
         wi[c] = lanes[c];
 }

@@ -325,7 +325,7 @@ static void test_parameters_of_material( void** state )
     for ( int p = 0; p < RF_PARAM_COUNT; ++p )
     {
         if ( !rf_has_param( RF_PARAMS_OF_HIT, (RfBsdfParam)p ) )
-            assert_true( rf_material_param( &m, (RfBsdfParam)p ) == expected++ );
+            assert_true( *rf_material_param( &m, (RfBsdfParam)p ) == expected++ );
     }
     assert_true( expected == 16.0f );
 }

@@ -84,7 +84,7 @@ static void fill_lane( const Point* x, Lane* lane )
     for ( int p = 0; p < RF_PARAM_COUNT; ++p )
     {
         lane->param[p] =
-            rf_has_param( RF_PARAMS_OF_HIT, (RfBsdfParam)p ) ? 0.0f : rf_material_param( &x->material, (RfBsdfParam)p );
+            rf_has_param( RF_PARAMS_OF_HIT, (RfBsdfParam)p ) ? 0.0f : *rf_material_param( &x->material, (RfBsdfParam)p );
         lane->lanes.param[p] = lane->param + p;
     }
     lane->param[RF_PARAM_CLEARCOAT_N] = x->coat_n.x;
