@@ -43,8 +43,8 @@ static RfBatchShape batch_shape( const RfScene* scene, int eyes, const RfRenderS
         .params = rf_glossy_params( scene ),
         .eq15 = settings->weights == RF_WEIGHTS_EQ15,
         .blended = has_blended( scene ),
-        .natives = has_kinds( scene, RF_BSDF_FIRST_UNEVALUABLE, RF_BSDF_KIND_COUNT ) ||
-                   rf_max_component( scene->environment.radiance ) > 0.0f,
+        .own_frame_light = has_kinds( scene, RF_BSDF_FIRST_UNEVALUABLE, RF_BSDF_KIND_COUNT ) ||
+                           rf_max_component( scene->environment.radiance ) > 0.0f,
     };
 }
 

@@ -256,7 +256,7 @@ uint64_t rf_accumulate_rows( const RfAccumulate* compute, RfAccumulateJob job, u
             landed += splat_glossy( batch, scratch, range );
         }
         if ( job.eye == batch->eye )
-            landed += splat_misses( batch, !compute->shape.natives, compute->weight, range );
+            landed += splat_misses( batch, !compute->shape.own_frame_light, compute->weight, range );
         if ( job.landed != NULL )
             count_landed( batch, scratch, range, job.landed );
         if ( job.landed != NULL && job.eye == batch->eye )

@@ -223,6 +223,6 @@ void rf_harvest_batch( const RfHarvest* harvest, RfHarvestJob job, RfHitBatch* b
     // who sees them, and what they are worth
     rf_test_batch_visibility( harvest, batch, scratch, rays );
     rf_weight_batch( harvest, batch, scratch );
-    if ( harvest->shape.natives )
+    if ( harvest->shape.own_frame_light )
         rf_light_own_frame( harvest, batch, scratch );
 }

@@ -1,6 +1,6 @@
 #include "reuse/records.h"
 
-// Hands out pieces of a block; with base NULL it only counts.
+// Hands out pieces of a block of memory; with base NULL only counts bytes.
 typedef struct Layout
 {
     char* base;

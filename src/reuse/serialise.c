@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-// One description of the bytes serves three ends: to count, write and read them.
+// One traversal of the data serves three purposes: counting bytes, writing and reading.
 typedef struct Stream
 {
     uint8_t* out;      // written to, unless NULL
@@ -27,11 +27,11 @@ static void pass_lanes3( Stream* s, int count, float* const lanes[3] )
         pass_lanes( s, count, lanes[c] );
 }
 
-// Normals that differ in any bit: a patch sees few triangles.
+// The distinct normals of a batch: a patch sees few triangles.
 typedef struct Normals
 {
     uint16_t count;
-    uint16_t of[RF_LANES]; // hits
+    uint16_t of[RF_LANES]; // by hit: index in list
     float list[RF_LANES][3];
 } Normals;
 
@@ -102,7 +102,7 @@ static void pass_seen( Stream* s, int eyes, int count, uint32_t* seen )
     }
 }
 
-// A patch's lie close to each other.
+// Pixels of a patch are close to each other: stored as offsets from the smallest.
 static void pass_pixels( Stream* s, int count, int32_t* pixel )
 {
     int32_t least = INT32_MAX, most = 0;
@@ -160,7 +160,7 @@ static void pass_batch( Stream* s, const RfBatchShape* shape, RfHitBatch* batch 
     pass_lanes3( s, count, batch->p );
     pass_normals( s, count, batch->ng );
     pass_lanes( s, count, batch->density_sum );
-    pass_colours( s, count + ( shape->natives ? batch->miss_count : 0 ), batch->radiance );
+    pass_colours( s, count + ( shape->own_frame_light ? batch->miss_count : 0 ), batch->radiance );
     pass_seen( s, shape->eyes, count, batch->seen );
     for ( int l = 0; l < shape->eyes && shape->blended; ++l )
         pass_lanes( s, count, batch->densities + (size_t)l * RF_LANES );
@@ -173,7 +173,7 @@ static void pass_batch( Stream* s, const RfBatchShape* shape, RfHitBatch* batch 
 size_t rf_serialise_batch( const RfBatchShape* shape, const RfHitBatch* batch, void* memory )
 {
     Stream stream = { .out = memory };
-    RfHitBatch copy = *batch; // the arrays are only read
+    RfHitBatch copy = *batch; // its arrays are only read
     pass_batch( &stream, shape, &copy );
     return stream.used;
 }
