@@ -43,19 +43,20 @@ static float relative_ior( const RfMaterial* m, float facing )
     return facing >= 0.0f || m->ior == 0.0f ? m->ior : 1.0f / m->ior;
 }
 
-// Gathers the parameters that come from the material alone into the lanes of one
-// model: lane i has material number[i].
-static void gather_params( const RfMaterial* materials, const int32_t* restrict number, RfBsdfKind kind, RfVertexLanes* v )
+// Gathers the parameters that come from the material alone into lanes [first, end)
+// of one model. Lane first + k has material number[k].
+static void gather_params( const RfMaterial* materials, const int32_t* restrict number, RfBsdfKind kind, int first, int end,
+                           RfVertexLanes* v )
 {
     const int32_t stride = sizeof *materials / sizeof( float );
     for ( uint32_t left = rf_bsdf_model( kind )->params & ~RF_PARAMS_OF_HIT; left != 0; left &= left - 1 )
     {
         RfBsdfParam p = (RfBsdfParam)__builtin_ctz( left );
         const float* restrict from = rf_material_param( materials, p );
-        float* restrict to = v->param[p];
+        float* restrict to = v->param[p] + first;
 #pragma omp simd
-        for ( int i = v->first[kind]; i < v->first[kind + 1]; ++i )
-            to[i] = from[number[i] * stride];
+        for ( int k = 0; k < end - first; ++k )
+            to[k] = from[number[k] * stride];
     }
 }
 
@@ -73,17 +74,6 @@ static inline void fill_params_of_hit( RfVertexLanes* v, int i, const RfMaterial
         v->param[RF_PARAM_IOR][i] = relative_ior( m, facing );
         put( v->absorption, i, facing < 0.0f && !m->thin ? m->absorption : rf_vec3( 0, 0, 0 ) );
     }
-}
-
-// All parameters of one lane.
-static void fill_params( RfVertexLanes* v, int i, const RfMaterial* m, float facing )
-{
-    for ( uint32_t left = rf_bsdf_model( m->kind )->params & ~RF_PARAMS_OF_HIT; left != 0; left &= left - 1 )
-    {
-        RfBsdfParam p = (RfBsdfParam)__builtin_ctz( left );
-        v->param[p][i] = *rf_material_param( m, p );
-    }
-    fill_params_of_hit( v, i, m, facing );
 }
 
 // Emission towards wo, and the density of this point for a light sample at the
@@ -166,32 +156,47 @@ static void look_up_normals( const RfScene* scene, const RfMaterial* m, const Hi
              rf_scale( rf_coat_normal_at( scene, m, hit->triangle, hit->u, hit->v, n, ng ), hit->side ) );
 }
 
-// Replaces material, normals and emission of a lane by their textured values.
-static void look_up_lane( const RfScene* scene, const Source* from, const RfMaterial* m, RfVertexLanes* v, int i )
+// Looks up the material of a textured lane into `here`, and replaces the normals and
+// emission of the lane.
+static void look_up_lane( const RfScene* scene, const Source* from, const RfMaterial* m, RfVertexLanes* v, int i,
+                          RfMaterial* here )
 {
     int r = from->scratch->index[i];
     uint32_t triangle = from->scratch->triangle[r];
     float bu = from->scratch->u[r], bv = from->scratch->v[r];
     const RfTriangleRecord* t = from->triangles + triangle;
     float facing = rf_dot( t->ng, rf_vec3( v->wo[0][i], v->wo[1][i], v->wo[2][i] ) );
-    RfMaterial here;
-    rf_material_at( scene, m, triangle, bu, bv, &here );
-    fill_params( v, i, &here, facing );
+    rf_material_at( scene, m, triangle, bu, bv, here );
+    fill_params_of_hit( v, i, here, facing );
     Hit hit = { triangle, bu, bv, facing < 0.0f ? -1.0f : 1.0f };
     look_up_normals( scene, m, &hit, t->ng, v, i );
     if ( v->emission[0][i] + v->emission[1][i] + v->emission[2][i] > 0.0f )
         put( v->emission, i, rf_emission_at( scene, m, triangle, bu, bv ) );
 }
 
-static void look_up_textures( const RfTracer* tracer, const Source* from, RfVertexLanes* v )
+#define BLOCK 32 // lanes whose materials are looked up before their parameters are gathered
+
+static void look_up_block( const RfScene* scene, const Source* from, RfVertexLanes* v, RfBsdfKind kind, int first, int end )
 {
-    for ( int i = 0; i < v->count; ++i )
+    RfMaterial here[BLOCK];
+    int32_t number[BLOCK];
+    for ( int i = first; i < end; ++i )
     {
-        const RfTriangleRecord* t = from->triangles + from->scratch->triangle[from->scratch->index[i]];
-        const RfMaterial* m = from->materials + t->material;
+        const RfMaterial* m = from->materials + from->number[i];
+        number[i - first] = i - first;
         if ( m->textured != NULL )
-            look_up_lane( rf_tracer_scene( tracer ), from, m, v, i );
+            look_up_lane( scene, from, m, v, i, here + ( i - first ) );
+        else
+            here[i - first] = *m;
     }
+    gather_params( here, number, kind, first, end, v );
+}
+
+static void look_up_textures( const RfScene* scene, const Source* from, RfBsdfKind kind, RfVertexLanes* v )
+{
+    int end = v->first[kind + 1];
+    for ( int first = v->first[kind]; first < end; first += BLOCK )
+        look_up_block( scene, from, v, kind, first, end - first < BLOCK ? end : first + BLOCK );
 }
 
 void rf_find_vertices( const RfPathSettings* settings, const RfRayLanes* rays, bool coherent, RfVertexLanes* vertices,
@@ -208,7 +213,11 @@ void rf_find_vertices( const RfPathSettings* settings, const RfRayLanes* rays, b
     for ( int i = 0; i < vertices->count; ++i )
         fill_lane( &from, vertices, i );
     for ( int kind = 0; kind < RF_BSDF_KIND_COUNT; ++kind )
-        gather_params( materials, number, (RfBsdfKind)kind, vertices );
-    if ( rf_tracer_is_textured( tracer ) )
-        look_up_textures( tracer, &from, vertices );
+    {
+        int first = vertices->first[kind], end = vertices->first[kind + 1];
+        if ( rf_tracer_is_textured( tracer ) )
+            look_up_textures( rf_tracer_scene( tracer ), &from, (RfBsdfKind)kind, vertices );
+        else
+            gather_params( materials, number + first, (RfBsdfKind)kind, first, end, vertices );
+    }
 }
