@@ -66,14 +66,13 @@ static RfHitBatch lay_out( const RfBatchShape* shape, Layout* layout )
     return batch;
 }
 
-uint32_t rf_glossy_params( const RfScene* scene )
+uint32_t rf_glossy_params( unsigned kinds )
 {
     uint32_t params = 0;
-    for ( uint32_t i = 0; i < scene->triangles.count; ++i )
+    for ( int kind = RF_BSDF_FIRST_GLOSSY; kind < RF_BSDF_FIRST_UNEVALUABLE; ++kind )
     {
-        RfBsdfKind kind = scene->materials[scene->triangles.material[i]].kind;
-        if ( kind >= RF_BSDF_FIRST_GLOSSY && kind < RF_BSDF_FIRST_UNEVALUABLE )
-            params |= rf_bsdf_model( kind )->params;
+        if ( ( kinds >> kind & 1u ) != 0 )
+            params |= rf_bsdf_model( (RfBsdfKind)kind )->params;
     }
     return params;
 }

@@ -62,8 +62,8 @@ static inline float* rf_miss_radiance( const RfHitBatch* batch ) { return batch-
 static inline int rf_direction_count( const RfBatchShape* shape ) { return shape->light_samples + shape->tile_pixels; }
 static inline int rf_seen_words( int eyes ) { return ( eyes + 31 ) / 32; }
 
-// The parameters that some glossy model of the scene's triangles has.
-uint32_t rf_glossy_params( const RfScene* scene );
+// The parameters that the glossy ones of some models have; `kinds`: a bit per RfBsdfKind.
+uint32_t rf_glossy_params( unsigned kinds );
 
 // The size of one batch, bytes.
 size_t rf_batch_bytes( const RfBatchShape* shape );
