@@ -87,10 +87,14 @@ static inline const float* rf_material_param( const RfMaterial* material, RfBsdf
 #define FLOAT( param, member ) [param] = offsetof( RfMaterial, member )
 #define COLOUR( param, member ) FLOAT( param, member.x ), FLOAT( ( param ) + 1, member.y ), FLOAT( ( param ) + 2, member.z )
     static const size_t s_offset[RF_PARAM_COUNT] = {
-        COLOUR( RF_PARAM_DIFFUSE, diffuse ),    COLOUR( RF_PARAM_SPECULAR, specular ),
-        FLOAT( RF_PARAM_SHAPE, alpha ),         FLOAT( RF_PARAM_F90, f90 ),
-        FLOAT( RF_PARAM_COAT_F0, coat_f0 ),     FLOAT( RF_PARAM_COAT_F90, coat_f90 ),
-        FLOAT( RF_PARAM_CLEARCOAT, clearcoat ), FLOAT( RF_PARAM_CLEARCOAT_ALPHA, clearcoat_alpha ),
+        COLOUR( RF_PARAM_DIFFUSE, diffuse ),
+        COLOUR( RF_PARAM_SPECULAR, specular ),
+        FLOAT( RF_PARAM_SHAPE, alpha ), // or exponent, in the same place
+        FLOAT( RF_PARAM_F90, f90 ),
+        FLOAT( RF_PARAM_COAT_F0, coat_f0 ),
+        FLOAT( RF_PARAM_COAT_F90, coat_f90 ),
+        FLOAT( RF_PARAM_CLEARCOAT, clearcoat ),
+        FLOAT( RF_PARAM_CLEARCOAT_ALPHA, clearcoat_alpha ),
         COLOUR( RF_PARAM_TINT, tint ),
     };
 #undef FLOAT
