@@ -34,7 +34,7 @@ typedef struct RfLights
     int punctual_count;
     const RfPunctual* punctual; // the scene's own
     RfSky sky;
-    RfVec3 center; // of the bounding ball of the scene; nothing but the sky lies outside
+    RfVec3 center; // of the bounding ball of the scene's triangles
     float radius;
     float inverse_radius;
     RfLightTree tree;          // over all but the sky, in radii of the ball; empty where there are few lights

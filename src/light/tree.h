@@ -22,8 +22,8 @@ typedef struct RfTreeLight
 {
     double low[3], high[3]; // bounding box
     double axis[3];         // unit; of two-sided lights its sign does not matter
-    double cos_spread;      // largest angle of an orientation to the axis; −1: all directions
-    double cos_emission;    // largest angle of emission to an orientation, at most 90°
+    double cos_spread;      // of the largest angle of an orientation to the axis; −1: all directions
+    double cos_emission;    // of the largest angle of emission to an orientation, at most 90°
     double intensity;       // at least 0; 0: never selected
     uint32_t light;         // its number
     bool two_sided;

@@ -1,9 +1,11 @@
 #include "light/tree.h"
 
-#define SLACK 1e-3f // tolerance of cosines: only below −SLACK is a light certain to be below a horizon
-#define WIDTH                                                                                                                    \
-    0.2f // how much the size of a ball adds to the cosines of its centre; measured: least noise in halls of 10 to 1000 lamps
-#define LEAST 1e-37f // importance of a child that can contribute
+#define SLACK 1e-3f  // tolerance of cosines: only a light below −SLACK is certain to be under a horizon
+#define LEAST 1e-37f // smallest importance of a child that can contribute
+
+// How much the radius of a ball adds to the cosines of its centre; the least noise
+// measured in halls of 10 to 1000 lamps.
+#define WIDTH 0.2f
 
 void rf_light_importance( const RfLightNode* node, RfVec3 x, RfVec3 n, float importance[RF_LIGHT_CHILDREN] )
 {
@@ -18,7 +20,7 @@ void rf_light_importance( const RfLightNode* node, RfVec3 x, RfVec3 n, float imp
         float dx = cx[k] - x.x, dy = cy[k] - x.y, dz = cz[k] - x.z;
         float d2 = dx * dx + dy * dy + dz * dz;
         float inverse = 1.0f / sqrtf( rf_maxf( d2, 1e-30f ) );
-        // half angle of the ball as seen from x; inside, it covers everything
+        // sine of the half angle of the ball as seen from x; inside, it covers everything
         float sin_ball = rf_minf( radius[k] * inverse, 1.0f );
         // cosines at the centre of the ball: of emission, and at x
         float along = -( ax[k] * dx + ay[k] * dy + az[k] * dz ) * inverse;

@@ -98,11 +98,11 @@ static inline RfVec3 shading_normal( const RfTriangleRecord* t, float u, float v
     RfVec3 n = rf_add( t->n0, rf_add( rf_scale( t->d1, u ), rf_scale( t->d2, v ) ) );
     float length2 = rf_dot( n, n );
     n = rf_scale( n, side / sqrtf( length2 ) );
-    // normals that face the wrong to_hit or cancel are replaced
+    // normals that face the wrong way or cancel are replaced
     return rf_dot( n, ng ) > 0.0f && length2 > 1e-12f ? n : ng;
 }
 
-// What fill_lane reads.
+// What the lanes of the vertices are filled from.
 typedef struct Source
 {
     const RfTriangleRecord* triangles;
@@ -110,7 +110,7 @@ typedef struct Source
     const RfLights* lights;
     const RfRayLanes* rays;
     const RfLaneScratch* scratch;
-    int32_t* number; // of the material of each lane, written
+    int32_t* number; // filled: the material of each lane
 } Source;
 
 static inline void fill_lane( const Source* from, RfVertexLanes* restrict v, int i )

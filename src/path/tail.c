@@ -45,7 +45,7 @@ void rf_evaluate_lanes( const RfVertexLanes* v, const float* const wi[3], float*
     evaluate_kinds( v, RF_BSDF_KIND_COUNT, wi, f, pdf_solid_angle );
 }
 
-// Directions of the kinds whose density can be asked for.
+// Samples directions for the lanes of evaluable models.
 static void sample_evaluable_lanes( const RfVertexLanes* v, const RfLaneScratch* scratch, float* const wi[3] )
 {
     for ( int kind = 0; kind < RF_BSDF_FIRST_UNEVALUABLE; ++kind )

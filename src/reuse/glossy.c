@@ -4,7 +4,7 @@
 
 void rf_directions_to( const RfEye* eyes, int eye, const RfHitBatch* batch, float* const wo[3] )
 {
-    int first = batch->first[RF_BSDF_PHONG], count = rf_glossy_count( batch );
+    int first = batch->first[RF_BSDF_FIRST_GLOSSY], count = rf_glossy_count( batch );
     if ( eye == batch->eye )
     {
         for ( int c = 0; c < 3; ++c )
@@ -33,8 +33,8 @@ void rf_directions_to( const RfEye* eyes, int eye, const RfHitBatch* batch, floa
 void rf_evaluate_glossy( const RfHitBatch* b, const float* const wo[3], const float* const wi[3], float* const f[3],
                          float* pdf_solid_angle )
 {
-    int base = b->first[RF_BSDF_PHONG];
-    for ( int kind = RF_BSDF_PHONG; kind < RF_BSDF_KIND_COUNT; ++kind )
+    int base = b->first[RF_BSDF_FIRST_GLOSSY];
+    for ( int kind = RF_BSDF_FIRST_GLOSSY; kind < RF_BSDF_KIND_COUNT; ++kind )
     {
         int k = b->first[kind] - base, count = b->first[kind + 1] - b->first[kind];
         if ( count == 0 )

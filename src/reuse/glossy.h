@@ -6,7 +6,7 @@
 #include "reuse/records.h"
 #include "scene/eye.h"
 
-static inline int rf_glossy_count( const RfHitBatch* batch ) { return batch->count - batch->first[RF_BSDF_PHONG]; }
+static inline int rf_glossy_count( const RfHitBatch* batch ) { return batch->count - batch->first[RF_BSDF_FIRST_GLOSSY]; }
 
 // Unit directions from the glossy hits to eyes[eye]; to their own eye exactly back
 // along the camera ray.

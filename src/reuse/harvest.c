@@ -159,7 +159,7 @@ static void copy_hits( const RfVertexLanes* v, RfHitBatch* batch )
         memcpy( batch->p[c], v->p[c], bytes );
         memcpy( batch->ng[c], v->ng[c], bytes );
     }
-    int first = v->first[RF_BSDF_PHONG];
+    int first = v->first[RF_BSDF_FIRST_GLOSSY];
     bytes = (size_t)( batch->count - first ) * sizeof( float );
     if ( bytes == 0 )
         return;

@@ -139,7 +139,7 @@ static void pass_directions( Stream* s, const RfBatchShape* shape, int count, co
 
 static void pass_glossy( Stream* s, const RfBatchShape* shape, RfHitBatch* batch )
 {
-    int count = batch->count - batch->first[RF_BSDF_PHONG];
+    int count = batch->count - batch->first[RF_BSDF_FIRST_GLOSSY];
     pass_lanes3( s, count, batch->n );
     pass_lanes3( s, count, batch->wo );
     for ( int p = 0; p < RF_PARAM_COUNT; ++p )

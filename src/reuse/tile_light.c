@@ -56,7 +56,7 @@ static void add_diffuse( const float* const wi[3], RfTileReuse* reuse, RfLaneScr
     const float* wo[3] = { y->wo[0], y->wo[1], y->wo[2] };
     float* f[3] = { s->f[0], s->f[1], s->f[2] };
     rf_evaluate_seen_from( y, RF_BSDF_LAMBERT, wo, wi, f, s->pdf );
-    for ( int a = 0; a < y->first[RF_BSDF_PHONG]; ++a )
+    for ( int a = 0; a < y->first[RF_BSDF_FIRST_GLOSSY]; ++a )
     {
         float q[3];
         light_of( reuse, a, s->pdf[a], q );
@@ -71,7 +71,7 @@ static void find_receivers( const RfTileReuse* reuse, int pairing, float wo[3][R
 {
     const RfVertexLanes* y = &reuse->second;
     const RfPairingLanes* t = reuse->pairings + pairing;
-    for ( int a = y->first[RF_BSDF_PHONG]; a < rf_record_count( y ); ++a )
+    for ( int a = y->first[RF_BSDF_FIRST_GLOSSY]; a < rf_record_count( y ); ++a )
     {
         int i = reuse->owner[a];
         weight[a] = 0.0f;
@@ -90,7 +90,7 @@ static void find_receivers( const RfTileReuse* reuse, int pairing, float wo[3][R
 static void add_glossy( const float* const wi[3], int tile_pixels, RfTileReuse* reuse, RfLaneScratch* s )
 {
     const RfVertexLanes* y = &reuse->second;
-    int first = y->first[RF_BSDF_PHONG], end = rf_record_count( y );
+    int first = y->first[RF_BSDF_FIRST_GLOSSY], end = rf_record_count( y );
     if ( first == end )
         return;
     const float* wo[3] = { reuse->wo[0], reuse->wo[1], reuse->wo[2] };
@@ -101,7 +101,7 @@ static void add_glossy( const float* const wi[3], int tile_pixels, RfTileReuse* 
         float* f[3] = { t->f[0], t->f[1], t->f[2] };
         float* weight = s->visible;
         find_receivers( reuse, pairing, reuse->wo, weight );
-        for ( int kind = RF_BSDF_PHONG; kind < RF_BSDF_FIRST_UNEVALUABLE; ++kind )
+        for ( int kind = RF_BSDF_FIRST_GLOSSY; kind < RF_BSDF_FIRST_UNEVALUABLE; ++kind )
             rf_evaluate_seen_from( y, (RfBsdfKind)kind, wo, wi, f, s->pdf );
 #pragma omp simd
         for ( int a = first; a < end; ++a )
@@ -185,7 +185,7 @@ void rf_light_pairings( const RfTileReuseSettings* settings, RfWavefront* wavefr
 {
     const RfPathSettings* path = settings->path;
     int tile_pixels = settings->tile_pixels;
-    bool glossy = reuse->second.first[RF_BSDF_PHONG] < rf_record_count( &reuse->second );
+    bool glossy = reuse->second.first[RF_BSDF_FIRST_GLOSSY] < rf_record_count( &reuse->second );
     for ( int s = 0; s < ( glossy ? tile_pixels : 1 ); ++s )
         memset( reuse->pairings[s].light, 0, sizeof reuse->pairings[s].light );
     bool reused = all_reused( reuse );
@@ -209,7 +209,7 @@ void rf_light_pairings( const RfTileReuseSettings* settings, RfWavefront* wavefr
 void rf_gather_tile_light( const RfTileReuse* reuse, int pairing, const RfVertexLanes* hits, int first, int end,
                            float light[3][RF_LANES] )
 {
-    int diffuse = reuse->second.first[RF_BSDF_PHONG];
+    int diffuse = reuse->second.first[RF_BSDF_FIRST_GLOSSY];
     const RfPairingLanes *t = reuse->pairings + pairing, *own = reuse->pairings;
     for ( int i = first; i < end; ++i )
     {
@@ -224,7 +224,7 @@ void rf_gather_tile_light( const RfTileReuse* reuse, int pairing, const RfVertex
 
 void rf_gather_diffuse_tile_light( const RfTileReuse* reuse, int pairings, int count, float sum[3][RF_LANES] )
 {
-    int diffuse = reuse->second.first[RF_BSDF_PHONG];
+    int diffuse = reuse->second.first[RF_BSDF_FIRST_GLOSSY];
     const RfPairingLanes* own = reuse->pairings;
     for ( int c = 0; c < 3; ++c )
         memset( sum[c], 0, (size_t)count * sizeof( float ) );

@@ -148,7 +148,7 @@ uint64_t rf_trace_tile_tails( const RfTileReuseSettings* settings, const RfVerte
             for ( int c = 0; c < 3; ++c )
                 memcpy( reuse->pairings[s].wi[c], hits->n[c], (size_t)hits->count * sizeof( float ) );
         }
-        reuse->second.first[RF_BSDF_PHONG] = 0;
+        reuse->second.first[RF_BSDF_FIRST_GLOSSY] = 0;
         for ( int s = 1; s < tile_pixels; ++s )
             memset( reuse->pairings[s].vertex, 0, sizeof reuse->pairings[s].vertex );
         return 0;

@@ -220,7 +220,7 @@ static uint64_t test_connections( const RfTileReuseSettings* settings, const RfV
     Queue q = { .tracer = settings->path->tracer, .scratch = &wavefront->scratch };
     const RfVertexLanes* y = &reuse->second;
     bool blended = rf_tracer_is_blended( q.tracer );
-    int cut_off_count = settings->roulette && !blended ? y->first[RF_BSDF_PHONG] : 0;
+    int cut_off_count = settings->roulette && !blended ? y->first[RF_BSDF_FIRST_GLOSSY] : 0;
     lift_hits( x, reuse );
     if ( blended )
         test_own_paths( &q, rf_record_count( x ), reuse );
