@@ -4,6 +4,7 @@
 #ifndef REFRAME_SCENE_SCENE_H
 #define REFRAME_SCENE_SCENE_H
 
+#include "bsdf/models.h"
 #include "reframe/error.h"
 #include "math/mat4.h"
 #include "math/vec3.h"
@@ -12,48 +13,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-typedef enum RfBsdfKind
-{
-    RF_BSDF_LAMBERT, // diffuse only: the same for every eye
-    RF_BSDF_PHONG,   // Lambert + modified Phong lobe (Lafortune, Willems 1994)
-    RF_BSDF_GGX,     // Lambert base under a Fresnel-weighted GGX coat, or metal
-    RF_BSDF_COATED,  // the same under one more clear coat (KHR_materials_clearcoat)
-    RF_BSDF_GLASS,   // perfect mirrors; glass, smooth or rough
-    RF_BSDF_KIND_COUNT
-} RfBsdfKind;
-
-// Kinds from this one on are seen by the frame that found them only: what they
-// scatter into one direction no density of another eye covers.
-#define RF_BSDF_FIRST_UNEVALUABLE RF_BSDF_GLASS
-
 // Textures and the like of a material (scene/textured.h).
 typedef struct RfTextured RfTextured;
-
-// Reflectances are linear RGB in [0, 1].
-typedef struct RfMaterial
-{
-    char* name;
-    RfBsdfKind kind;
-    RfVec3 diffuse;        // Lambert reflectance (GGX: of the base, times 1 − metallic)
-    RfVec3 specular;       // Phong: lobe reflectance; GGX: reflectance at normal incidence F0;
-                           // GLASS: the same, of the part of it that is metal
-    float f90;             // GGX: reflectance at grazing incidence; GLASS: how much of it is metal
-    float coat_f0;         // GGX: dielectric Fresnel that takes light from the base
-    float coat_f90;        //      (scalars: the largest channel), at normal and at grazing
-    float exponent;        // Phong: n of cosⁿ, ≥ 0
-    float alpha;           // GGX, COATED: roughness², in [RF_MIN_ALPHA, 1]; GLASS: 0 is smooth
-    float clearcoat;       // COATED: how much of it there is, 0 to 1
-    float clearcoat_alpha; // COATED: its roughness², in [RF_MIN_ALPHA, 1]
-    RfVec3 tint;           // GLASS: what of the light that is not reflected passes through; 0 for mirrors
-    float ior;             // GLASS: of the inside, outside 1; 0: a mirror, its Fresnel Schlick's from `specular` on
-    bool thin;             // GLASS: a wall without an inside: nothing is bent or absorbed
-    RfVec3 absorption;     // GLASS: of the inside, 1/m
-    RfVec3 emission;       // radiance, W/(m² sr), on the front (on both sides if double_sided)
-    bool double_sided;
-    RfTextured* textured; // what varies over the surface: a hit asks rf_material_at; NULL: nothing
-} RfMaterial;
-
-#define RF_MIN_ALPHA 1e-3f
 
 #define RF_NO_LIGHT 0xffffffffu
 
