@@ -15,11 +15,11 @@ double rf_student_quantile( int freedom )
            ( 3.0 * z7 + 19.0 * z5 + 17.0 * z3 - 15.0 * z ) / ( 384.0 * n * n * n );
 }
 
-// Blocks of side_x x side_y pixels.
+// Blocks of side_x × side_y pixels.
 typedef struct Blocks
 {
-    const double* smallest; // the sums of the smallest
-    double* sums;           // room for as many
+    const double* smallest; // the sums of the smallest blocks
+    double* sums;           // as many elements
     int width, height;      // of the image
     double values;
 } Blocks;
@@ -32,7 +32,7 @@ static double cut_side( int index, int side, int size )
     return left < side ? left : side;
 }
 
-// Joins the smallest blocks, across x down of them at a time.
+// Merges the smallest blocks into blocks of `across` × `down` of them.
 static void join_blocks( const Blocks* blocks, int across, int down )
 {
     int columns = divide_up( blocks->width, RF_BLOCK_SIDE ), rows = divide_up( blocks->height, RF_BLOCK_SIDE );
@@ -45,8 +45,9 @@ static void join_blocks( const Blocks* blocks, int across, int down )
     }
 }
 
-// Of a mean with weights w, the pixels of a block, the sampling variance is
-// Σ w² (block's mean − mean)² / (Σ w)². NaN where there are fewer than `fewest`.
+// The half-width of the interval from one block size. With w the number of pixels of a block,
+// the sampling variance of the weighted mean is Σ w² (block mean − mean)² / (Σ w)². NaN if
+// there are fewer than `fewest` blocks.
 static double margin_of( const Blocks* blocks, int across, int down, int fewest )
 {
     int side_x = across * RF_BLOCK_SIDE, side_y = down * RF_BLOCK_SIDE;
@@ -75,7 +76,7 @@ RfResult rf_mean_margin( const double* sums, int width, int height, double value
     blocks.sums = malloc( (size_t)columns * (size_t)rows * sizeof( double ) );
     if ( blocks.sums == NULL )
         return rf_fail( error, RF_ERROR_MEMORY, "no memory left for the blocks of %dx%d pixels", width, height );
-    *margin = margin_of( &blocks, 1, 1, 2 ); // fmax passes over NaN
+    *margin = margin_of( &blocks, 1, 1, 2 ); // fmax ignores NaN
     for ( int side = 2; side < columns || side < rows; side *= 2 )
         *margin = fmax( *margin, margin_of( &blocks, side, side, RF_FEWEST_BLOCKS ) );
     *margin = fmax( *margin, margin_of( &blocks, columns, 1, RF_FEWEST_STRIPS ) );

@@ -16,9 +16,7 @@
 
 #include "reframe/error.h"
 
-#define RF_BLOCK_SIDE                                                                                                            \
-    16                      // pixels of the smallest blocks; those at the right and lower border may                            \
-                            // be cropped
+#define RF_BLOCK_SIDE 16    // pixels; blocks at the right and lower border may be cropped
 #define RF_FEWEST_BLOCKS 16 // larger blocks need at least this many
 #define RF_FEWEST_STRIPS 8
 

@@ -10,7 +10,7 @@
 #include "measure/trial.h"
 
 #define RF_COST_LEVELS 12
-#define RF_COST_PLACES 3
+#define RF_COST_POSITIONS 3
 
 // A point of a curve: the mean over the positions on the path.
 typedef struct RfCostRow
@@ -39,7 +39,7 @@ typedef struct RfCost
     RfCostCurve plain, reuse;
     RfInterval speedup; // seconds of path tracing over seconds with reuse, at equal error
     int width, height;  // of the test images
-    int places;
+    int positions;
     double seconds; // spent measuring
 } RfCost;
 

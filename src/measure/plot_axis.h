@@ -20,6 +20,6 @@ bool rf_plot_has( const RfPlotAxis* axis, double value );
 PlotScale rf_plot_scale( const RfPlot* plot, bool vertical, double from, double to );
 
 // The coordinate of a value.
-double rf_plot_place( const PlotScale* scale, double value );
+double rf_plot_position( const PlotScale* scale, double value );
 
 #endif

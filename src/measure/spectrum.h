@@ -28,7 +28,7 @@
 // Sums over groups.
 typedef struct RfSpectrumSums
 {
-    int windows;
+    int groups;
     double pixels; // visible in all frames of the group
     double all_pixels;
     double frozen, drift, boiling; // of X_k² / T, over pixels and channels
@@ -46,7 +46,8 @@ typedef struct RfSpectrum
 bool rf_ends_group( int index, int count );
 
 // Adds a group of 2 to RF_SPECTRUM_FRAMES frames of equal size, in order.
-RfResult rf_add_window( RfSpectrumSums* sums, const RfFlickerFrame* const* frames, int count, bool compensate, RfError* error );
+RfResult rf_add_spectrum_group( RfSpectrumSums* sums, const RfFlickerFrame* const* frames, int count, bool compensate,
+                                RfError* error );
 
 RfSpectrum rf_spectrum( const RfSpectrumSums* sums );
 

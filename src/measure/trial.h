@@ -51,17 +51,17 @@ RfEye rf_resize_eye( const RfEye* eye, int width, int height );
 // height, and renders its pilot image with the threads, memory, seed, depth and light samples
 // of `settings`. Free with rf_destroy_test_region, also after a failure.
 RfResult rf_create_test_region( const RfTracer* tracer, const RfEye* eyes, int eye_count, int centre, int frames, int width,
-                                int height, const RfRenderSettings* settings, const RfTrialWatch* watch, RfTestRegion* site,
+                                int height, const RfRenderSettings* settings, const RfTrialWatch* watch, RfTestRegion* region,
                                 RfError* error );
 
 // Frees a test region and clears it.
-void rf_destroy_test_region( RfTestRegion* site );
+void rf_destroy_test_region( RfTestRegion* region );
 
 // The result of trials, as sums that rf_add_trial can combine. Errors are those of a single
 // pass (P times the error of P passes), multiplied by `weight`.
 typedef struct RfTrial
 {
-    int windows;          // rendered, each twice
+    int groups;           // rendered, each twice
     double weight;        // number of pixels of their frames
     double samples;       // own-frame samples traced
     double timed_samples; // those within the next two times, which exclude set-up
@@ -73,12 +73,12 @@ typedef struct RfTrial
     double change;                        // ½ mean squared change of the error between consecutive frames of a long path
 } RfTrial;
 
-// Tries `settings` (group, tile) with `passes` ≥ 2 passes per group on up to `windows`
+// Tries `settings` (group, tile) with `passes` ≥ 2 passes per group on up to `groups`
 // adjacent groups in the middle of the region; fails with RF_ERROR_USAGE if not even one fits.
 // With settings->threads 1, CPU seconds are those of the calling thread, so trials may run in
 // parallel; otherwise those of the process, which may include threads that wait for others.
 // The seeds of both renders of a group derive from settings->seed.
-RfResult rf_run_trial( const RfTracer* tracer, const RfTestRegion* site, int windows, int passes,
+RfResult rf_run_trial( const RfTracer* tracer, const RfTestRegion* region, int groups, int passes,
                        const RfRenderSettings* settings, const RfTrialWatch* watch, RfTrial* trial, RfError* error );
 
 // Adds the sums of another trial.

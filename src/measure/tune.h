@@ -24,7 +24,7 @@
 typedef struct RfTuneRound
 {
     int width, height; // of the test images
-    int sites;         // test regions
+    int regions;       // test regions
     int passes;        // per group
     double seconds;    // expected, wall-clock
 } RfTuneRound;

@@ -15,7 +15,7 @@ RfResult rf_list_tune_rows( const RfTuneJob* job, RfTune* tune, RfRenderSettings
 void rf_smooth_tune_rows( RfTune* tune );
 
 // Extrapolates the trials to the requested render.
-void rf_weight_tune_rows( RfTune* tune, double pixels, int frames );
+void rf_predict_tune_rows( RfTune* tune, double pixels, int frames );
 
 // How many trials may run in parallel so that half of the memory of each is left for films.
 int rf_tune_workers( const RfTuneJob* job, const RfTune* tune, const RfRenderSettings* common );
@@ -55,6 +55,6 @@ double rf_tune_round_cost( const RfTune* tune, const bool* candidate, const RfTu
 void rf_cut_tune_candidates( const RfTune* tune, int kept, bool* candidate );
 
 // The `index`-th position on the path, 0 to 1, of an evenly spread sequence.
-double rf_tune_place( int index );
+double rf_tune_position( int index );
 
 #endif

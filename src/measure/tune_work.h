@@ -13,10 +13,10 @@ typedef struct RfTuneWork
     const RfTuneJob* job;
     const RfTune* tune;
     const RfTuneRound* round;
-    RfTestRegion* sites;
+    RfTestRegion* regions;
     int rows[RF_TUNE_ROWS], row_count; // candidates
-    int site_frames;
-    int first_place; // index of the first region's position, over all rounds
+    int region_frames;
+    int first_position; // index of the first region's position, over all rounds
     int threads, task_count;
     RfRenderSettings settings; // for a trial
     RfTrial* trials;           // by region, then row
@@ -32,7 +32,7 @@ typedef struct RfTuneWork
 
 // Starts a round. `common` is the job's settings, resolved. Call rf_end_tune_work afterwards.
 void rf_begin_tune_work( const RfTuneJob* job, const RfTune* tune, const RfRenderSettings* common, const bool* candidate,
-                         const RfTuneRound* round, int first_place, double deadline, RfTuneWork* work );
+                         const RfTuneRound* round, int first_position, double deadline, RfTuneWork* work );
 
 // Frees what the round holds.
 void rf_end_tune_work( RfTuneWork* work );
