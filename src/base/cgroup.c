@@ -7,7 +7,7 @@
 
 #define NAME_SIZE 4608
 
-// The number after `key` ("": the first) in a file; false where there is none, as in "max".
+// Reads the number after `key` ("": the first) in a file; false if there is none, as in "max".
 static bool read_number( const char* folder, const char* name, const char* key, unsigned long long* value )
 {
     char path[NAME_SIZE + 32], line[256];

@@ -15,8 +15,8 @@
 
 #define EXPORT_INSTEAD "export it as glTF (.glb) from the program it came from"
 
-// What the importer says, on its standard error, a line each: "warning: …",
-// "error: …" and at the end "counts: …". More than this is read and forgotten.
+// The importer's standard error, line by line: "warning: …", "error: …" and finally "counts:
+// …". Output beyond this size is discarded.
 typedef struct Talk
 {
     char text[32768];
@@ -36,7 +36,7 @@ RfResult rf_find_importer( char* path, size_t size, RfError* error )
     char self[4096];
     ssize_t length = readlink( "/proc/self/exe", self, sizeof self - 1 );
     if ( length <= 0 )
-        return rf_fail( error, RF_ERROR_IO, "reframe-import: cannot be looked for: /proc is not there: mount it" );
+        return rf_fail( error, RF_ERROR_IO, "reframe-import: cannot be found: /proc is missing: mount it" );
     self[length] = 0;
     char* slash = strrchr( self, '/' );
     if ( slash != NULL )
@@ -54,8 +54,8 @@ RfResult rf_find_importer( char* path, size_t size, RfError* error )
                     self );
 }
 
-// In the child. The result goes into the open file by standard output, so that
-// the importer needs no name to write to. Only calls that are safe after fork.
+// Runs in the child. The result is written to standard output, which is the open file, so that
+// the importer needs no file name. Only async-signal-safe calls.
 static void become_importer( const RfImporterRun* run, int out, int talk, char* const* arguments )
 {
     int nothing = open( "/dev/null", O_RDONLY );
@@ -70,7 +70,7 @@ static RfResult start( const RfImporterRun* run, int out, pid_t* child, int* tal
     char memory[32], seconds[32], scale[32];
     snprintf( memory, sizeof memory, "%zu", run->memory );
     snprintf( seconds, sizeof seconds, "%.0f", run->seconds < 1.0 ? 1.0 : run->seconds );
-    // the bits of the number: no locale and no rounding in between
+    // the bit pattern of the number avoids locales and rounding
     unsigned long long bits;
     memcpy( &bits, &run->scale, sizeof bits );
     snprintf( scale, sizeof scale, "%llx", bits );
@@ -92,7 +92,7 @@ static RfResult start( const RfImporterRun* run, int out, pid_t* child, int* tal
     return rf_fail( error, RF_ERROR_IO, "%s: the importer cannot be started: %s", run->source, strerror( failure ) );
 }
 
-// Reads what is there; false at the end.
+// Reads the available output; false at its end.
 static bool listen_once( int fd, Talk* talk )
 {
     char bytes[4096];
@@ -105,7 +105,7 @@ static bool listen_once( int fd, Talk* talk )
     return count > 0;
 }
 
-// Waits for the end and brings it about where it does not come.
+// Waits for the child to exit, and kills it at a limit or an interrupt.
 static End wait_for( const RfImporterRun* run, pid_t child, int fd, Talk* talk, int* status )
 {
     double deadline = rf_wall_seconds() + run->seconds;
@@ -120,7 +120,7 @@ static End wait_for( const RfImporterRun* run, pid_t child, int fd, Talk* talk, 
         if ( ended == child || ( ended < 0 && errno != EINTR ) )
             break;
         if ( end != END_EXIT )
-            continue; // killed already
+            continue; // already killed
         if ( run->is_interrupted != NULL && run->is_interrupted() )
             end = END_INTERRUPT;
         else if ( rf_wall_seconds() > deadline )
@@ -135,7 +135,7 @@ static End wait_for( const RfImporterRun* run, pid_t child, int fd, Talk* talk, 
     return end;
 }
 
-// Sends the warnings to the log; returns the error line, or NULL.
+// Sends the warnings to the log; returns the error message, or NULL.
 static const char* read_talk( Talk* talk, RfModelCounts* counts, RfLog* log )
 {
     const char* failure = NULL;

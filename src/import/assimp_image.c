@@ -21,7 +21,7 @@ static const char* last_part( const char* name )
     return slash != NULL ? slash + 1 : name;
 }
 
-// One inside the file: "*3", or by the name it had outside.
+// Reads an embedded image: "*3", or by its original name.
 static bool read_embedded( RfImport* import, const char* name, uint8_t** bytes, size_t* size )
 {
     const struct aiScene* scene = import->scene;
@@ -45,8 +45,8 @@ static bool read_embedded( RfImport* import, const char* name, uint8_t** bytes, 
     return false;
 }
 
-// As the file names it, seen from the file's folder; else, as paths of the
-// machine it was made on say little here, by its last part beside the file.
+// Reads an image by its name, relative to the folder of the file; else, as paths often belong
+// to the machine on which the file was made, by its last component beside the file.
 static bool read_beside( RfImport* import, const char* name, uint8_t** bytes, size_t* size )
 {
     char path[8192];
@@ -99,7 +99,7 @@ int rf_import_image( RfImport* import, const char* given )
     if ( mime == NULL || !make_room( import ) )
     {
         if ( mime == NULL )
-            rf_warn( import->log, "texture '%s': is neither PNG nor JPEG: it is left out: convert it and name it anew", name );
+            rf_warn( import->log, "texture '%s': is neither PNG nor JPEG: it is left out: convert it and rename it", name );
         free( bytes );
         return -1;
     }

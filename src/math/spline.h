@@ -1,5 +1,4 @@
-// One segment of a Catmull-Rom spline with any knots: between keys 1 and 2 of
-// four, whose knots increase.
+// One segment of a Catmull-Rom spline with arbitrary knots: between keys 1 and 2 of four.
 #ifndef REFRAME_MATH_SPLINE_H
 #define REFRAME_MATH_SPLINE_H
 
@@ -7,12 +6,12 @@
 
 typedef struct RfSplineSpan
 {
-    double key[4][4]; // points, or rotations
+    double key[4][4]; // points or rotations; knots increase
     double knot[4];
 } RfSplineSpan;
 
-// A point and its derivative at knot `at`, k[1] to k[2]: the pyramid of Barry
-// and Goldman (1988), lines through neighbouring keys that are blended twice.
+// A point and its derivative at knot `at` in [k[1], k[2]], by the recursive evaluation of
+// Barry and Goldman (1988).
 static inline void rf_point_spline( const RfSplineSpan* span, double at, double value[3], double derivative[3] )
 {
     const double* k = span->knot;
@@ -37,7 +36,7 @@ static inline void rf_point_spline( const RfSplineSpan* span, double at, double 
     }
 }
 
-// The rotation vector from a to b, divided by the step of the knot.
+// Angular velocity: the rotation vector from a to b, divided by the knot step.
 static inline void rf_turn_rate( const double a[4], const double b[4], double step, double rate[3] )
 {
     double q[4];
@@ -55,9 +54,9 @@ static inline void rf_turn( const double q[4], const double v[3], double scale, 
     rf_quat_mul( q, e, out );
 }
 
-// A rotation at knot `at`: a Bézier curve of rotations in cumulative form (Kim,
-// Kim, Shin 1995) whose rates of turn at the keys are those of Catmull-Rom. A
-// pyramid of slerps would jump where two of its rotations lie half a turn apart.
+// A rotation at knot `at`: a cumulative Bézier curve of quaternions (Kim, Kim, Shin 1995)
+// whose angular velocities at the keys are those of Catmull-Rom. A pyramid of slerps would be
+// discontinuous where two of its rotations are half a turn apart.
 static inline void rf_rotation_spline( const RfSplineSpan* span, double at, double value[4] )
 {
     const double* k = span->knot;

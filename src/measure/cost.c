@@ -225,9 +225,8 @@ static RfResult resolve( Study* s, RfError* error )
     RfGroupPlan groups = rf_plan_groups( job->eye_count, reuse->group, 1 );
     reuse->group = groups.eyes / 2;
     if ( reuse->group == 0 && reuse->tile.kind == RF_TILE_NONE )
-        return rf_fail(
-            error, RF_ERROR_USAGE,
-            "--group 0 --tile 1 is path tracing itself, the baseline of the comparison: choose a larger group or a tile" );
+        return rf_fail( error, RF_ERROR_USAGE,
+                        "--group 0 --tile 1 is path tracing, which all is compared with: take a larger group or a tile" );
     s->cost->plain = ( RfCostCurve ){ .group = 0, .eyes = 1, .tile = plain->tile };
     s->cost->reuse = ( RfCostCurve ){ .group = reuse->group, .eyes = groups.eyes, .tile = reuse->tile };
     return RF_OK;

@@ -27,7 +27,7 @@ RfResult rf_scene_frame_count( const RfScene* scene, const RfCamera* camera, dou
 // camera path is keyed by frame numbers: use rf_camera_eye for those.
 RfResult rf_scene_eye( const RfScene* scene, int camera, double time, int width, int height, RfEye* eye, RfError* error );
 
-// Reads a camera path from a file (scene/camera_track.h); the camera is named after
+// Reads a camera path from a file (scene/camera_path/camera_track.h); the camera is named after
 // the file. Free with rf_destroy_camera.
 RfResult rf_load_camera( const char* path, RfCamera* camera, RfError* error );
 

@@ -116,7 +116,7 @@ struct RfCameraTrack;
 typedef struct RfCamera
 {
     char* name;                  // unique, never empty
-    struct RfCameraTrack* track; // owned: a camera path (scene/camera_track.h); NULL: the
+    struct RfCameraTrack* track; // owned: a camera path (scene/camera_path/camera_track.h); NULL: the
                                  // camera moves with its node, as the fields below describe
     int node;                    // −1: the default camera of a scene without cameras
     double yfov;                 // vertical field of view, radians

@@ -2,11 +2,11 @@
 
 #include <math.h>
 
-// The mean over a triangle is taken at the middles of GRID² parts of it.
+// The mean over a triangle is sampled at the centres of GRID² sub-triangles.
 #define GRID 8
 
-// A light that was black at all of these points is picked as if this part of
-// its brightest texel were its mean.
+// Lower bound on the mean emission of a light, as a fraction of its brightest texel: all
+// sample points may be black while the light is not.
 #define LEAST_MEAN 0.02f
 
 void rf_interpolate_corners( const float* values, int components, const uint32_t* corners, float u, float v, float* out )
@@ -51,7 +51,7 @@ void rf_derive_lobes( const RfFactors* in, RfMaterial* out )
     double diffuse[3], f0[3], coat = 0.0;
     for ( int i = 0; i < 3; ++i )
     {
-        // the dielectric's Fresnel reflectance takes its light from the diffuse base
+        // the Fresnel reflectance of the dielectric reduces the diffuse base
         double dielectric = fmin( root * root * in->specular_color[i], 1.0 ) * in->specular;
         coat = fmax( coat, dielectric );
         diffuse[i] = ( 1.0 - m ) * in->base[i];
@@ -130,7 +130,7 @@ void rf_derive_clearcoat( double clearcoat, double roughness, RfMaterial* out )
 static void glass_at( const RfScene* scene, const RfMaterial* m, const RfFactors* f, uint32_t triangle, float u, float v,
                       RfMaterial* out )
 {
-    if ( out->ior == 0.0f ) // a mirror, whose roughness has no texture
+    if ( out->ior == 0.0f ) // a mirror: textures do not affect its roughness
     {
         out->specular = scaled( f->base, 1.0 );
         return;
@@ -202,7 +202,7 @@ RfVec3 rf_emission_at( const RfScene* scene, const RfMaterial* m, uint32_t trian
     return rf_mul( m->emission, rf_vec3( rgba[0], rgba[1], rgba[2] ) );
 }
 
-// The largest factor that textures may give to the emission of a triangle.
+// An upper bound of the factor that textures apply to the emission of a triangle.
 static float bound_emission( const RfScene* scene, const RfMaterial* m, uint32_t triangle )
 {
     RfTextureSlot slot = m->textured->model == RF_TEXTURED_UNLIT ? RF_TEXTURE_BASE : RF_TEXTURE_EMISSIVE;
@@ -231,7 +231,7 @@ RfVec3 rf_mean_emission( const RfScene* scene, const RfMaterial* m, uint32_t tri
         return sum;
     for ( int i = 0; i < GRID; ++i )
     {
-        for ( int k = 0; k < 2 * i + 1; ++k ) // row i has i + 1 upright parts and i upside down
+        for ( int k = 0; k < 2 * i + 1; ++k ) // row i has i + 1 upright and i inverted sub-triangles
         {
             float across = ( (float)( k / 2 ) + ( k & 1 ? 2.0f : 1.0f ) / 3.0f ) / (float)GRID;
             float along = ( (float)i + ( k & 1 ? 1.0f : 2.0f ) / 3.0f ) / (float)GRID;

@@ -3,7 +3,7 @@
 #include "base/random.h"
 #include "scene/textured.h"
 
-// Rows of N in Embree's packets (the accessors of its header are for C++).
+// Offsets of the fields in Embree's packets (the accessors of its header are C++ only).
 enum
 {
     RAY_ORIGIN = 0,
@@ -19,7 +19,7 @@ static uint32_t ray_bits( const struct RTCFilterFunctionNArguments* args, unsign
     return ( (const uint32_t*)(const void*)args->ray )[row * args->N + lane];
 }
 
-// Uniform in [0, 1): a function of the ray and the triangle.
+// Uniform in [0, 1), a hash of the ray and the triangle.
 static float ray_number( const struct RTCFilterFunctionNArguments* args, unsigned int lane, uint32_t triangle )
 {
     uint32_t hash = rf_mix32( triangle + 0x9e3779b9u );
@@ -31,7 +31,7 @@ static float ray_number( const struct RTCFilterFunctionNArguments* args, unsigne
     return (float)( hash >> 8 ) * 0x1p-24f;
 }
 
-// Does the ray end at a blended surface?
+// Decides stochastically whether the ray hits a blended surface.
 static bool meets( const struct RTCFilterFunctionNArguments* args, unsigned int lane, uint32_t triangle, float opacity )
 {
     RfQuery* query = (RfQuery*)args->context;

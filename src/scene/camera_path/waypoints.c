@@ -3,8 +3,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-// Pieces of a segment, and steps to find a length within one: the speed of a
-// cubic does not change enough within a 32nd for more.
+// Pieces per segment, and the number of iterations to find a length within a piece: within
+// 1/32 of a segment the speed of a cubic changes too little to need more.
 #define PIECES 32
 #define STEPS 40
 
@@ -15,7 +15,7 @@ static double speed_at( const RfWaypoints* walk, int segment, double knot )
     return sqrt( d[0] * d[0] + d[1] * d[1] + d[2] * d[2] );
 }
 
-// Length of arc between two knots of a segment, by Gauss and Legendre.
+// Arc length between two knots of a segment, by Gauss-Legendre quadrature.
 static double arc_length( const RfWaypoints* walk, int segment, double from, double to )
 {
     static const double s_at[5] = { 0.0, 0.5384693101056831, -0.5384693101056831, 0.9061798459386640, -0.9061798459386640 };
@@ -89,8 +89,8 @@ static int find_piece( const RfWaypoints* walk, double length )
     return low;
 }
 
-// The knot within a piece that is `length` behind its start: Newton's steps,
-// halving where they would leave the bracket.
+// The knot at arc length `length` from the start of a piece: Newton's method, with bisection
+// when it leaves the bracket.
 static double find_knot( const RfWaypoints* walk, int segment, double from, double to, double length, double whole )
 {
     double low = from, high = to;

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// More objects of a kind than this is a broken or hostile file.
+// Limit of objects of a kind: more means a broken or malicious file.
 #define MAX_ITEMS 16777216
 
 static const char* const s_list_names[RF_GLTF_LIST_COUNT] = {
@@ -176,7 +176,7 @@ RfResult rf_gltf_get_index( const RfGltf* gltf, const json_t* object, const char
 {
     *index = -1;
     int64_t value = -1;
-    // the range is checked below, to say which list is too short
+    // the range is checked below, for a message with the length of the list
     RfResult result = rf_gltf_get_integer( gltf, object, where, key, INT64_MIN, INT64_MAX, &value );
     if ( result != RF_OK || json_object_get( object, key ) == NULL )
         return result;
@@ -223,8 +223,8 @@ RfResult rf_gltf_open_lists( RfGltf* gltf )
             return result;
         size_t count = json_array_size( gltf->lists[list] );
         if ( count > MAX_ITEMS )
-            return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, name, "%zu objects, at most %d are read: split the scene", count,
-                                 MAX_ITEMS );
+            return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, name, "%zu objects are too many, the limit is %d: split the scene",
+                                 count, MAX_ITEMS );
         gltf->counts[list] = (int)count;
         for ( int i = 0; i < gltf->counts[list]; ++i )
         {

@@ -36,7 +36,7 @@ static bool has_lobe_key( const char* bsdf, const char* key )
     return strcmp( bsdf, "phong" ) == 0 || ( strcmp( bsdf, "lambert" ) == 0 && strcmp( key, "diffuse" ) == 0 );
 }
 
-// From now on the material is of the bsdf that the override gives.
+// Changes the material to the bsdf that the override selects.
 static RfResult change_bsdf( const RfField* override, json_t* material )
 {
     int index = 0;
@@ -87,9 +87,9 @@ static RfResult check_energy( const RfField* override, const json_t* material )
     {
         double diffuse = json_number_value( json_array_get( json_object_get( lobes, "diffuse" ), i ) );
         double specular = json_number_value( json_array_get( json_object_get( lobes, "specular" ), i ) );
-        // rounding of decimal fractions that add to one is no gain of energy
+        // the rounding of decimal fractions that sum to one does not violate energy conservation
         if ( diffuse + specular > 1.0 + 1e-6 )
-            return rf_field_fail( override, "diffuse + specular reflect %g of what arrives: lower them to 1 or less in sum",
+            return rf_field_fail( override, "diffuse + specular reflect %g of the incident light: lower their sum to 1 or less",
                                   diffuse + specular );
     }
     return RF_OK;

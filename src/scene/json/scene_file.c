@@ -57,7 +57,7 @@ RfField rf_scene_file_defaults( const RfSceneFile* file, RfError* error )
     return rf_field_member( &root, "render" );
 }
 
-// A failure of another file that this one names: both are told.
+// Reports the failure of a file that this one refers to, naming both.
 static RfResult pass_on( const RfField* field, RfResult result, const RfError* error )
 {
     rf_field_fail( field, "%.700s", error->text );
@@ -107,7 +107,7 @@ static RfResult load_environment( const RfField* root, RfScene* scene )
     free( path );
     if ( result != RF_OK )
         return result;
-    free( scene->environment.map ); // that of the glTF
+    free( scene->environment.map ); // the glTF's environment is replaced
     scene->environment = environment;
     scene->content_hash = rf_hash_environment( scene->content_hash, &environment );
     return RF_OK;
@@ -123,7 +123,7 @@ static bool is_taken( const RfScene* scene, const char* name )
     return false;
 }
 
-// Becomes the last and chosen one. Takes the camera over, or destroys it.
+// Appends the camera and selects it. Takes ownership of the camera, or destroys it on failure.
 static RfResult add_camera( const RfField* field, RfScene* scene, RfCamera* camera )
 {
     RfCamera* grown = realloc( scene->cameras, ( (size_t)scene->camera_count + 1 ) * sizeof *grown );
@@ -144,7 +144,7 @@ static RfResult choose_camera( const RfField* field, const char* name, RfScene* 
     int index;
     RfError error = { 0 };
     RfResult result = rf_find_camera( scene, name, &index, &error );
-    if ( result != RF_OK ) // of the file, not of the command line
+    if ( result != RF_OK ) // the scene file's fault, not the command line's
         return pass_on( field, RF_ERROR_SCENE, &error );
     scene->chosen_camera = index + 1;
     return RF_OK;
