@@ -69,7 +69,7 @@ static bool is_ear( const Plane* plane, const uint32_t* corners, uint32_t count,
     return true;
 }
 
-static uint32_t* put( uint32_t* triangles, uint32_t a, uint32_t b, uint32_t c )
+static uint32_t* put_triangle( uint32_t* triangles, uint32_t a, uint32_t b, uint32_t c )
 {
     triangles[0] = a;
     triangles[1] = b;
@@ -80,7 +80,7 @@ static uint32_t* put( uint32_t* triangles, uint32_t a, uint32_t b, uint32_t c )
 static void fan( const uint32_t* corners, uint32_t count, uint32_t* triangles )
 {
     for ( uint32_t i = 1; i + 1 < count; ++i )
-        triangles = put( triangles, corners[0], corners[i], corners[i + 1] );
+        triangles = put_triangle( triangles, corners[0], corners[i], corners[i + 1] );
 }
 
 // Finds the first ear; returns `count` if there is none or the steps ran out.
@@ -118,10 +118,10 @@ RfCut rf_cut_polygon( const float* positions, uint32_t* corners, uint32_t count,
             fan( corners, count, triangles );
             return RF_CUT_CROSSED;
         }
-        triangles = put( triangles, corners[( i + count - 1 ) % count], corners[i], corners[( i + 1 ) % count] );
+        triangles = put_triangle( triangles, corners[( i + count - 1 ) % count], corners[i], corners[( i + 1 ) % count] );
         for ( --count; i < count; ++i )
             corners[i] = corners[i + 1];
     }
-    put( triangles, corners[0], corners[1], corners[2] );
+    put_triangle( triangles, corners[0], corners[1], corners[2] );
     return RF_CUT_WHOLE;
 }

@@ -153,7 +153,7 @@ static int find_channel( const Writer* writer, const char* name )
 }
 
 // Points the pipeline, whose channels are sorted by name, at the values of line y.
-static void aim_channels( Writer* writer, int y )
+static void set_channel_sources( Writer* writer, int y )
 {
     for ( int i = 0; i < writer->pipeline.channel_count; ++i )
     {
@@ -237,7 +237,7 @@ static exr_result_t write_chunk( Writer* writer, int y )
     writer->pipeline.free_fn = rf_free_exr_buffer;
     if ( code == EXR_ERR_SUCCESS )
     {
-        aim_channels( writer, y );
+        set_channel_sources( writer, y );
         code = choose_routines( writer );
     }
     return code == EXR_ERR_SUCCESS ? exr_encoding_run( writer->context, 0, &writer->pipeline ) : code;

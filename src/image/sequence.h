@@ -23,9 +23,9 @@ RfResult rf_sequence_frames( const char* pattern, int** frames, int* count, RfEr
 // links, or one is a pattern that matches the other.
 bool rf_may_be_same_file( const char* a, const char* b );
 
-#define RF_MOST_MISSING 100000
+#define RF_MAX_MISSING 100000
 
-// Lists the numbers missing between the first and the last frame, at most RF_MOST_MISSING, in
+// Lists the numbers missing between the first and the last frame, at most RF_MAX_MISSING, in
 // *missing, which the caller frees (NULL if none). The smallest step between frames is taken
 // as the regular one: 1, 3, 7 lack 5.
 RfResult rf_missing_frames( const int* frames, int count, int** missing, int* missing_count, RfError* error );

@@ -17,7 +17,7 @@ static int smallest_step( const int* frames, int count )
 // Adds the numbers between two neighbours; with `missing` NULL only counts them.
 static int add_between( int before, int now, int step, int* missing, int done )
 {
-    for ( int64_t frame = (int64_t)before + step; frame < now && done < RF_MOST_MISSING; frame += step )
+    for ( int64_t frame = (int64_t)before + step; frame < now && done < RF_MAX_MISSING; frame += step )
     {
         if ( missing != NULL )
             missing[done] = (int)frame;

@@ -70,7 +70,7 @@ static int count_words( const char* text, const char* word )
 
 // Collada has any two of xfov, yfov and aspect_ratio. assimp computes the angle correctly only
 // if the ratio is given, and does not report whether it is.
-static bool has_aspects( const RfImport* import )
+static bool has_aspect_ratios( const RfImport* import )
 {
     uint8_t* bytes;
     size_t size;
@@ -123,7 +123,7 @@ void rf_import_cameras( RfImport* import )
     if ( scene->mNumCameras == 0 )
         return;
     import->model->cameras = calloc( scene->mNumCameras, sizeof *import->model->cameras );
-    bool aspects = import->format == RF_SOURCE_COLLADA && has_aspects( import );
+    bool aspects = import->format == RF_SOURCE_COLLADA && has_aspect_ratios( import );
     for ( unsigned i = 0; import->model->cameras != NULL && i < scene->mNumCameras; ++i )
         take_camera( import, scene->mCameras[i], aspects );
 }

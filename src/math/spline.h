@@ -37,7 +37,7 @@ static inline void rf_point_spline( const RfSplineSpan* span, double at, double 
 }
 
 // Angular velocity: the rotation vector from a to b, divided by the knot step.
-static inline void rf_turn_rate( const double a[4], const double b[4], double step, double rate[3] )
+static inline void rf_angular_velocity( const double a[4], const double b[4], double step, double rate[3] )
 {
     double q[4];
     rf_quat_between( a, b, q );
@@ -47,7 +47,7 @@ static inline void rf_turn_rate( const double a[4], const double b[4], double st
 }
 
 // out = q · exp( scale · v )
-static inline void rf_turn( const double q[4], const double v[3], double scale, double out[4] )
+static inline void rf_rotate_by( const double q[4], const double v[3], double scale, double out[4] )
 {
     double scaled[3] = { scale * v[0], scale * v[1], scale * v[2] }, e[4];
     rf_quat_exp( scaled, e );
@@ -62,7 +62,7 @@ static inline void rf_rotation_spline( const RfSplineSpan* span, double at, doub
     const double* k = span->knot;
     double h[3] = { k[1] - k[0], k[2] - k[1], k[3] - k[2] }, d[3][3], first[3], middle[3], last[3];
     for ( int i = 0; i < 3; ++i )
-        rf_turn_rate( span->key[i], span->key[i + 1], h[i], d[i] );
+        rf_angular_velocity( span->key[i], span->key[i + 1], h[i], d[i] );
     for ( int i = 0; i < 3; ++i )
     {
         first[i] = ( h[1] * d[0][i] + h[0] * d[1][i] ) / ( h[0] + h[1] ) * h[1] / 3.0;
@@ -72,13 +72,13 @@ static inline void rf_rotation_spline( const RfSplineSpan* span, double at, doub
     rf_quat_between( span->key[1], span->key[2], r );
     rf_quat_exp( back, e );
     rf_quat_mul( e, r, rest );
-    rf_turn( rest, last, -1.0, r );
+    rf_rotate_by( rest, last, -1.0, r );
     rf_quat_log( r, middle );
 
     double t = ( at - k[1] ) / h[1], u = 1.0 - t;
-    rf_turn( span->key[1], first, 1.0 - u * u * u, value );
-    rf_turn( value, middle, t * t * ( 3.0 - 2.0 * t ), rest );
-    rf_turn( rest, last, t * t * t, value );
+    rf_rotate_by( span->key[1], first, 1.0 - u * u * u, value );
+    rf_rotate_by( value, middle, t * t * ( 3.0 - 2.0 * t ), rest );
+    rf_rotate_by( rest, last, t * t * t, value );
     rf_quat_normalize( value );
 }
 

@@ -16,9 +16,9 @@
 
 #include "reframe/error.h"
 
-#define RF_BLOCK_SIDE 16    // pixels; blocks at the right and lower border may be cropped
-#define RF_FEWEST_BLOCKS 16 // larger blocks need at least this many
-#define RF_FEWEST_STRIPS 8
+#define RF_BLOCK_SIDE 16 // pixels; blocks at the right and lower border may be cropped
+#define RF_MIN_BLOCKS 16 // larger blocks need at least this many
+#define RF_MIN_STRIPS 8
 
 // Half the width of the interval of the mean. `sums` holds the sum of the values in each block
 // of an image of width × height pixels, row by row; `values` is the number of values per pixel

@@ -8,8 +8,8 @@
 #include <string.h>
 
 #define FIRST_PASSES 2
-#define WANTED_LEVELS 4     // levels that the budget is planned for
-#define FEWEST_PIXELS 20000 // of a test image: in smaller ones set-up dominates and tiles are too large
+#define WANTED_LEVELS 4  // levels that the budget is planned for
+#define MIN_PIXELS 20000 // of a test image: in smaller ones set-up dominates and tiles are too large
 #define PROBE_PIXELS 6000
 #define UNITS ( RF_COST_LEVELS * RF_COST_POSITIONS )
 
@@ -87,7 +87,7 @@ static RfResult make_regions( Study* s, RfError* error )
     s->cost->positions = s->job->frame_count < RF_COST_POSITIONS ? s->job->frame_count : RF_COST_POSITIONS;
     double left = s->job->budget - ( rf_wall_seconds() - s->start );
     double pixels = left / ( ( 1 << WANTED_LEVELS ) * pixel_seconds * s->cost->positions );
-    choose_size( s->job->eyes, pixels > FEWEST_PIXELS ? pixels : FEWEST_PIXELS, &s->cost->width, &s->cost->height );
+    choose_size( s->job->eyes, pixels > MIN_PIXELS ? pixels : MIN_PIXELS, &s->cost->width, &s->cost->height );
     for ( int i = 0; i < s->cost->positions && result == RF_OK; ++i )
     {
         s->region_count = i + 1;
@@ -122,7 +122,7 @@ static void add_row( Study* s, int curve, RfCostCurve* c, int passes )
 }
 
 // Takes the time for finishing a frame from the first level.
-static void settle_finish( Study* s, int curve, RfCostCurve* c )
+static void fit_finish_time( Study* s, int curve, RfCostCurve* c )
 {
     double seconds = 0.0, pixels = 0.0;
     for ( int i = 0; i < s->unit_count; ++i )
@@ -144,8 +144,8 @@ static RfCostPart part_of( const RfTrial* trial )
 static RfResult run_level( Study* s, int level, RfError* error )
 {
     int passes = FIRST_PASSES << level;
-    if ( s->job->say != NULL )
-        s->job->say( s->job->user, s->cost, passes );
+    if ( s->job->report != NULL )
+        s->job->report( s->job->user, s->cost, passes );
     for ( int i = 0; i < s->cost->positions; ++i )
     {
         RfTrial* trials = s->trials[s->unit_count];
@@ -161,7 +161,7 @@ static RfResult run_level( Study* s, int level, RfError* error )
     for ( int k = 0; k < 2; ++k )
     {
         if ( level == 0 )
-            settle_finish( s, k, curves[k] );
+            fit_finish_time( s, k, curves[k] );
         add_row( s, k, curves[k], passes );
     }
     return RF_OK;
@@ -195,7 +195,7 @@ static RfInterval slope_of( const RfCostCurve* c )
     return rf_fit_slope( seconds, errors, c->count );
 }
 
-static void conclude( Study* s )
+static void fit_curves( Study* s )
 {
     RfCostCurve* curves[2] = { &s->cost->plain, &s->cost->reuse };
     for ( int k = 0; k < 2; ++k )
@@ -209,7 +209,7 @@ static void conclude( Study* s )
     s->cost->seconds = rf_wall_seconds() - s->start;
 }
 
-static RfResult resolve( Study* s, RfError* error )
+static RfResult resolve_settings( Study* s, RfError* error )
 {
     const RfCostJob* job = s->job;
     RfRenderSettings asked = *job->settings;
@@ -236,7 +236,7 @@ RfResult rf_measure_cost( const RfCostJob* job, RfCost* cost, RfError* error )
 {
     Study s = { .job = job, .cost = cost, .start = rf_wall_seconds() };
     *cost = ( RfCost ){ .positions = 0 };
-    RfResult result = resolve( &s, error );
+    RfResult result = resolve_settings( &s, error );
     if ( result == RF_OK )
         result = make_regions( &s, error );
     if ( result == RF_OK )
@@ -244,7 +244,7 @@ RfResult rf_measure_cost( const RfCostJob* job, RfCost* cost, RfError* error )
     for ( int i = 0; i < s.region_count; ++i )
         rf_destroy_test_region( s.regions + i );
     if ( s.unit_count > 0 )
-        conclude( &s );
+        fit_curves( &s );
     if ( result == RF_OK && !( cost->plain.relmse > 0.0 && cost->reuse.relmse > 0.0 ) )
         return rf_fail( error, RF_ERROR_SCENE,
                         "the error of the test images cannot be measured: they are black, or have NaN or infinite pixels" );

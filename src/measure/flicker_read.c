@@ -184,7 +184,7 @@ typedef struct Wanted
     int count;
 } Wanted;
 
-static void want( Wanted* wanted, const char* const* names, int count, int* where )
+static void add_wanted( Wanted* wanted, const char* const* names, int count, int* where )
 {
     for ( int i = 0; i < count; ++i )
     {
@@ -230,9 +230,9 @@ static RfResult read_layers( const char* path, const RfFlickerLayers* layers, co
     bool has_variance = layers->variance[0] != NULL && ( !lack || has_channels( header, layers->variance, 3 ) );
     int motion[2] = { 0 }, depth[1] = { 0 }, variance[3] = { 0 };
     Wanted wanted = { .count = 0 };
-    want( &wanted, layers->motion, has_motion ? 2 : 0, motion );
-    want( &wanted, &layers->depth, has_depth ? 1 : 0, depth );
-    want( &wanted, layers->variance, has_variance ? 3 : 0, variance );
+    add_wanted( &wanted, layers->motion, has_motion ? 2 : 0, motion );
+    add_wanted( &wanted, &layers->depth, has_depth ? 1 : 0, depth );
+    add_wanted( &wanted, layers->variance, has_variance ? 3 : 0, variance );
     if ( wanted.count == 0 )
         return RF_OK;
     float* values;

@@ -92,7 +92,7 @@ typedef enum Seen
     SEEN_BOTH, // a depth edge between them, or undefined depth
 } Seen;
 
-static bool is_nothing( double z ) { return z >= RF_FOLLOW_NOTHING || z <= 0.0; }
+static bool is_background( double z ) { return z >= RF_FOLLOW_NO_SURFACE || z <= 0.0; }
 
 static Seen find_depth( const float* depth, const RfTaps* taps, double* z )
 {
@@ -103,13 +103,13 @@ static Seen find_depth( const float* depth, const RfTaps* taps, double* z )
         double value = (double)depth[taps->pixel[k]];
         if ( isnan( value ) )
             return SEEN_BOTH;
-        nothing += is_nothing( value );
+        nothing += is_background( value );
         *z += taps->weight[k] * value;
     }
     return nothing == 0 ? SEEN_SOMETHING : nothing == taps->count ? SEEN_NOTHING : SEEN_BOTH;
 }
 
-static bool agree( const RfFollow* follow, double x, double y, const RfTaps* here, const RfTaps* there )
+static bool is_same_surface( const RfFollow* follow, double x, double y, const RfTaps* here, const RfTaps* there )
 {
     if ( follow->now->depth == NULL || follow->before->depth == NULL )
         return true;
@@ -142,7 +142,7 @@ bool rf_follow_point( const RfFollow* follow, double* x, double* y, RfTaps* taps
     double x_before = *x + motion[0], y_before = *y - motion[1];
     if ( !rf_find_taps( before->width, before->height, x_before, y_before, taps ) )
         return false;
-    if ( !agree( follow, *x, *y, &here, taps ) )
+    if ( !is_same_surface( follow, *x, *y, &here, taps ) )
         return false;
     *x = x_before;
     *y = y_before;

@@ -17,7 +17,7 @@
 #include "image/image.h"
 
 #define RF_FOLLOW_DEPTH_TOLERANCE 0.02
-#define RF_FOLLOW_NOTHING 1e9 // depths from here on, infinite, or not above 0 mean: no surface
+#define RF_FOLLOW_NO_SURFACE 1e9 // depths from here on, infinite, or not above 0 mean: no surface
 
 // A frame as input to the flicker measures.
 typedef struct RfFlickerFrame

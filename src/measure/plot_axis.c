@@ -7,7 +7,7 @@
 
 bool rf_plot_has( const RfPlotAxis* axis, double value ) { return isfinite( value ) && ( !axis->log || value > 0.0 ); }
 
-static void take( const RfPlot* plot, bool vertical, double x, double y, double* low, double* high )
+static void extend_range( const RfPlot* plot, bool vertical, double x, double y, double* low, double* high )
 {
     if ( !rf_plot_has( &plot->x, x ) || !rf_plot_has( &plot->y, y ) )
         return;
@@ -23,7 +23,7 @@ static void find_range( const RfPlot* plot, bool vertical, bool log, double* min
     for ( int s = 0; s < plot->series_count; ++s )
     {
         for ( int i = 0; i < plot->series[s].count; ++i )
-            take( plot, vertical, plot->series[s].x[i], plot->series[s].y[i], &low, &high );
+            extend_range( plot, vertical, plot->series[s].x[i], plot->series[s].y[i], &low, &high );
     }
     if ( low > high )
         low = high = 1.0;

@@ -23,11 +23,11 @@
 #include "reframe/render.h"
 
 // Return false to stop with RF_ERROR_INTERRUPTED.
-typedef bool RfTrialGoOn( void* user );
+typedef bool RfTrialContinueFn( void* user );
 
 typedef struct RfTrialWatch
 {
-    RfTrialGoOn* go_on; // may be NULL; called often, from the thread that runs the trial
+    RfTrialContinueFn* should_continue; // may be NULL; called often, from the thread that runs the trial
     void* user;
 } RfTrialWatch;
 

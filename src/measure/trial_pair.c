@@ -30,7 +30,7 @@ static bool on_progress( void* user, const RfProgress* progress )
     if ( !m->begun )
         m->first = m->last;
     m->begun = true;
-    return m->watch == NULL || m->watch->go_on == NULL || m->watch->go_on( m->watch->user );
+    return m->watch == NULL || m->watch->should_continue == NULL || m->watch->should_continue( m->watch->user );
 }
 
 static RfResult on_frame( void* user, const RfFrameResult* frame, RfError* error )

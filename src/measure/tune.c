@@ -64,7 +64,7 @@ static RfResult calibrate( Tuner* t, RfError* error )
     return result;
 }
 
-static RfTuneOutlook look_out( const Tuner* t, int number )
+static RfTuneOutlook make_outlook( const Tuner* t, int number )
 {
     double left = t->job->budget - ( rf_wall_seconds() - t->start );
     return ( RfTuneOutlook ){
@@ -90,14 +90,14 @@ static int count_candidates( const Tuner* t )
 static bool is_stopped( const Tuner* t )
 {
     const RfTrialWatch* watch = t->job->watch;
-    return watch != NULL && watch->go_on != NULL && !watch->go_on( watch->user );
+    return watch != NULL && watch->should_continue != NULL && !watch->should_continue( watch->user );
 }
 
 // Plans a round for the candidates, or for the better half of them if time is too short; false
 // if it is too short even for two.
 static bool plan_round( Tuner* t, int number, RfTuneRound* round )
 {
-    RfTuneOutlook outlook = look_out( t, number );
+    RfTuneOutlook outlook = make_outlook( t, number );
     while ( !rf_plan_tune_round( t->tune, t->candidate, &outlook, round ) )
     {
         rf_cut_tune_candidates( t->tune, ( count_candidates( t ) + 1 ) / 2, t->candidate );
@@ -115,8 +115,8 @@ static RfResult next_round( Tuner* t, int number, bool* last, RfError* error )
     *last = !plan_round( t, number, round );
     if ( *last )
         return RF_OK;
-    if ( job->say != NULL )
-        job->say( job->user, t->tune, round, count_candidates( t ) );
+    if ( job->report != NULL )
+        job->report( job->user, t->tune, round, count_candidates( t ) );
     double deadline = number == 0 ? (double)INFINITY : t->start + OVERTIME * job->budget;
     int complete;
     RfResult result = run_round( t, round, deadline, &complete, error );

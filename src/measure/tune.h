@@ -74,8 +74,8 @@ typedef struct RfTuneJob
     const RfRenderSettings* settings; // group and tile are ignored
     double budget;                    // seconds; the first round is always completed
     const RfTrialWatch* watch;        // may be NULL; called from several threads
-    void ( *say )( void* user, const RfTune* tune, const RfTuneRound* round,
-                   int candidates ); // called before each round; may be NULL
+    void ( *report )( void* user, const RfTune* tune, const RfTuneRound* round,
+                      int candidates ); // called before each round; may be NULL
     void* user;
 } RfTuneJob;
 

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 
 #define REGION_FRAMES 15 // approximately, for trying small groups
-#define LEAST_PIXELS 1200.0
+#define MIN_PIXELS 1200.0
 #define MAX_REGIONS 24
 
 // Fraction of the remaining time for each round.
@@ -62,7 +62,7 @@ static double pixels_that_fit( const RfTune* tune, const bool* candidate, const 
     return 0.5 * (double)o->memory / bytes;
 }
 
-static int candidates( const RfTune* tune, const bool* candidate )
+static int count_candidates_in( const RfTune* tune, const bool* candidate )
 {
     int count = 0;
     for ( int i = 0; i < tune->count; ++i )
@@ -73,12 +73,12 @@ static int candidates( const RfTune* tune, const bool* candidate )
 bool rf_plan_tune_round( const RfTune* tune, const bool* candidate, const RfTuneOutlook* o, RfTuneRound* round )
 {
     double all = (double)o->width * o->height,
-           seconds = ( candidates( tune, candidate ) > FEW ? s_shares[o->number] : 1.0 ) * o->left;
+           seconds = ( count_candidates_in( tune, candidate ) > FEW ? s_shares[o->number] : 1.0 ) * o->left;
     *round = ( RfTuneRound ){ .regions = s_regions[o->number], .passes = s_passes[o->number], .width = 1, .height = 1 };
     double each = rf_tune_round_cost( tune, candidate, round, o->cost_second ); // per pixel
     double pixels = seconds * o->rate / each, most = pixels_that_fit( tune, candidate, o, round->regions );
     most = most < all ? most : all;
-    double least = LEAST_PIXELS < most ? LEAST_PIXELS : most;
+    double least = MIN_PIXELS < most ? MIN_PIXELS : most;
     for ( ; pixels < least && round->regions > 1; --round->regions ) // fewer positions rather than too small images
         pixels *= round->regions / ( round->regions - 1.0 );
     if ( pixels > most ) // more positions from the time left

@@ -12,13 +12,13 @@
 #include <math.h>
 #include <string.h>
 
-#define MOST_TERMS ( 4 + 2 * ( RF_TUNE_TILES - 1 ) )
+#define MAX_TERMS ( 4 + 2 * ( RF_TUNE_TILES - 1 ) )
 #define FIT_ERROR 0.06  // model error: standard deviation of true values about the fit, in logarithms
 #define FIRST_NOISE 0.2 // initial guess for a first trial
 
 typedef struct Point
 {
-    double terms[MOST_TERMS];
+    double terms[MAX_TERMS];
     double value;    // logarithm of the measured value
     double evidence; // relative weight of its trials; the smallest is 1
     int row;
@@ -83,7 +83,7 @@ static void collect( const RfTune* tune, bool time, Fit* fit )
 }
 
 // Solves the symmetric, positive definite system m c = v by elimination; v receives c.
-static void solve( double m[MOST_TERMS][MOST_TERMS], double v[MOST_TERMS], int n )
+static void solve( double m[MAX_TERMS][MAX_TERMS], double v[MAX_TERMS], int n )
 {
     for ( int i = 0; i < n; ++i )
     {
@@ -106,10 +106,10 @@ static void solve( double m[MOST_TERMS][MOST_TERMS], double v[MOST_TERMS], int n
 static double noise_of( const Point* p, double first ) { return first * first / p->evidence; }
 
 // Weighted least squares; terms without data come out as 0.
-static void fit_terms( const Fit* fit, double noise, double terms[MOST_TERMS] )
+static void fit_terms( const Fit* fit, double noise, double terms[MAX_TERMS] )
 {
-    double m[MOST_TERMS][MOST_TERMS] = { { 0.0 } };
-    memset( terms, 0, MOST_TERMS * sizeof *terms );
+    double m[MAX_TERMS][MAX_TERMS] = { { 0.0 } };
+    memset( terms, 0, MAX_TERMS * sizeof *terms );
     for ( int k = 0; k < fit->terms; ++k )
         m[k][k] = 1e-6;
     for ( int i = 0; i < fit->count; ++i )
@@ -126,7 +126,7 @@ static void fit_terms( const Fit* fit, double noise, double terms[MOST_TERMS] )
     solve( m, terms, fit->terms );
 }
 
-static double fitted( const Fit* fit, const double terms[MOST_TERMS], const Point* p )
+static double fitted( const Fit* fit, const double terms[MAX_TERMS], const Point* p )
 {
     double sum = 0.0;
     for ( int k = 0; k < fit->terms; ++k )
@@ -134,14 +134,14 @@ static double fitted( const Fit* fit, const double terms[MOST_TERMS], const Poin
     return sum;
 }
 
-static void smooth( RfTune* tune, bool time )
+static void smooth_rows( RfTune* tune, bool time )
 {
     Fit fit;
     collect( tune, time, &fit );
     int free_terms = fit.count - fit.terms;
     if ( free_terms <= 0 ) // the fit would interpolate all of them
         return;
-    double terms[MOST_TERMS], sum = 0.0;
+    double terms[MAX_TERMS], sum = 0.0;
     fit_terms( &fit, FIRST_NOISE, terms );
     for ( int i = 0; i < fit.count; ++i )
     {
@@ -163,6 +163,6 @@ void rf_smooth_tune_rows( RfTune* tune )
 {
     for ( int i = 0; i < tune->count; ++i )
         tune->rows[i].log_time = tune->rows[i].log_error = 0.0;
-    smooth( tune, false );
-    smooth( tune, true );
+    smooth_rows( tune, false );
+    smooth_rows( tune, true );
 }

@@ -7,13 +7,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define MOST_WORKERS 256
+#define MAX_WORKERS 256
 
-static bool go_on( void* user )
+static bool should_continue( void* user )
 {
     RfTuneWork* w = user;
     const RfTrialWatch* outer = w->job->watch;
-    if ( rf_wall_seconds() > w->deadline || ( outer != NULL && outer->go_on != NULL && !outer->go_on( outer->user ) ) )
+    if ( rf_wall_seconds() > w->deadline ||
+         ( outer != NULL && outer->should_continue != NULL && !outer->should_continue( outer->user ) ) )
         atomic_store( &w->stop, true );
     return !atomic_load( &w->stop );
 }
@@ -38,7 +39,7 @@ static RfResult try_row( RfTuneWork* w, int region, int k, RfError* error )
     return result;
 }
 
-static void* work( void* user )
+static void* run_worker( void* user )
 {
     RfTuneWork* w = user;
     RfError error;
@@ -65,13 +66,13 @@ static void* work( void* user )
 // Runs all tasks on as many threads as can be started, including this one.
 static void run_tasks( RfTuneWork* w, int tasks )
 {
-    pthread_t threads[MOST_WORKERS];
+    pthread_t threads[MAX_WORKERS];
     int wanted = w->threads < tasks ? w->threads : tasks, count = 0;
     w->task_count = tasks;
     atomic_store( &w->next, 0 );
-    while ( count + 1 < wanted && count < MOST_WORKERS && pthread_create( threads + count, NULL, work, w ) == 0 )
+    while ( count + 1 < wanted && count < MAX_WORKERS && pthread_create( threads + count, NULL, run_worker, w ) == 0 )
         count += 1;
-    work( w );
+    run_worker( w );
     for ( int i = 0; i < count; ++i )
         pthread_join( threads[i], NULL );
 }
@@ -94,7 +95,7 @@ void rf_begin_tune_work( const RfTuneJob* job, const RfTune* tune, const RfRende
     w->tune = tune;
     w->round = round;
     w->deadline = deadline;
-    w->watch = ( RfTrialWatch ){ go_on, w };
+    w->watch = ( RfTrialWatch ){ should_continue, w };
     pthread_mutex_init( &w->mutex, NULL );
     w->first_position = first_position;
     w->region_frames = rf_tune_region_frames( tune, candidate );

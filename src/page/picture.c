@@ -130,8 +130,8 @@ static unsigned char* put16( unsigned char* out, int value )
     return out + 2;
 }
 
-static RfResult join( const Base* base, const unsigned char* jpeg, size_t jpeg_size, const char* name, unsigned char** bytes,
-                      size_t* size, RfError* error )
+static RfResult concatenate( const Base* base, const unsigned char* jpeg, size_t jpeg_size, const char* name,
+                             unsigned char** bytes, size_t* size, RfError* error )
 {
     size_t count = 3 * (size_t)base->columns * (size_t)base->rows;
     *size = HEADER_BYTES + 2 * count + jpeg_size;
@@ -185,7 +185,7 @@ RfResult rf_encode_picture( const RfImage* image, const char* name, unsigned cha
         result = encode_detail( codes, image, name, &jpeg, &jpeg_size, error );
     }
     if ( result == RF_OK )
-        result = join( &base, jpeg, jpeg_size, name, bytes, size, error );
+        result = concatenate( &base, jpeg, jpeg_size, name, bytes, size, error );
     free( jpeg );
     free( codes );
     free( base.values );

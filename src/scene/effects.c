@@ -18,7 +18,7 @@ static bool is_used( const Census* census, uint32_t material )
     return census->triangles == NULL || census->triangles[material] > 0;
 }
 
-static bool is_lit( RfVec3 c ) { return rf_max_component( c ) > 0.0f; }
+static bool is_nonzero( RfVec3 c ) { return rf_max_component( c ) > 0.0f; }
 
 static RfVec3 load_vec3( const float* array, uint32_t index )
 {
@@ -42,7 +42,7 @@ static bool is_smooth( const RfTriangles* triangles, uint32_t triangle )
     return false;
 }
 
-static Census take_census( const RfScene* scene )
+static Census count_uses( const RfScene* scene )
 {
     Census census = { .scene = scene };
     if ( scene->material_count > 0 )
@@ -56,9 +56,9 @@ static Census take_census( const RfScene* scene )
     return census;
 }
 
-static bool has_diffuse( const RfMaterial* m ) { return is_lit( m->diffuse ); }
+static bool has_diffuse( const RfMaterial* m ) { return is_nonzero( m->diffuse ); }
 
-static bool has_phong( const RfMaterial* m ) { return m->kind == RF_BSDF_PHONG && is_lit( m->specular ); }
+static bool has_phong( const RfMaterial* m ) { return m->kind == RF_BSDF_PHONG && is_nonzero( m->specular ); }
 
 static bool has_ggx( const RfMaterial* m ) { return m->kind == RF_BSDF_GGX || m->kind == RF_BSDF_COATED; }
 
@@ -68,11 +68,11 @@ static bool has_mirror( const RfMaterial* m ) { return m->kind == RF_BSDF_GLASS 
 
 static bool has_transmission( const RfMaterial* m ) { return m->kind == RF_BSDF_GLASS && m->ior > 0.0f; }
 
-static bool has_absorption( const RfMaterial* m ) { return has_transmission( m ) && is_lit( m->absorption ); }
+static bool has_absorption( const RfMaterial* m ) { return has_transmission( m ) && is_nonzero( m->absorption ); }
 
-static bool has_emission( const RfMaterial* m ) { return is_lit( m->emission ); }
+static bool has_emission( const RfMaterial* m ) { return is_nonzero( m->emission ); }
 
-static bool has_two_sided_emission( const RfMaterial* m ) { return is_lit( m->emission ) && m->double_sided; }
+static bool has_two_sided_emission( const RfMaterial* m ) { return is_nonzero( m->emission ) && m->double_sided; }
 
 static bool has_texture( const RfMaterial* m )
 {
@@ -162,7 +162,7 @@ static RfEffect punctual_effect( const RfScene* scene )
 static RfEffect environment_effect( const RfScene* scene )
 {
     const RfEnvironment* e = &scene->environment;
-    RfEffect effect = { .name = "environment", .on = is_lit( e->radiance ) };
+    RfEffect effect = { .name = "environment", .on = is_nonzero( e->radiance ) };
     if ( !effect.on )
         snprintf( effect.why, sizeof effect.why, "no environment light" );
     else if ( e->map != NULL )
@@ -176,7 +176,7 @@ static RfEffect environment_effect( const RfScene* scene )
 
 int rf_list_effects( const RfScene* scene, RfEffect effects[RF_MAX_EFFECTS] )
 {
-    Census census = take_census( scene );
+    Census census = count_uses( scene );
     int count = 0;
     effects[count++] = material_effect( &census, "diffuse", has_diffuse, "no material reflects diffusely" );
     effects[count++] = material_effect( &census, "phong", has_phong, "no material has a Phong lobe" );

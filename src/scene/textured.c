@@ -7,7 +7,7 @@
 
 // Lower bound on the mean emission of a light, as a fraction of its brightest texel: all
 // sample points may be black while the light is not.
-#define LEAST_MEAN 0.02f
+#define MIN_MEAN 0.02f
 
 void rf_interpolate_corners( const float* values, int components, const uint32_t* corners, float u, float v, float* out )
 {
@@ -21,7 +21,7 @@ void rf_interpolate_corners( const float* values, int components, const uint32_t
 
 static const float* uv_array( const RfScene* scene, int set ) { return set == 0 ? scene->triangles.uvs : scene->triangles.uvs1; }
 
-void rf_place_texture( const RfScene* scene, const RfTextureRef* ref, uint32_t triangle, float u, float v, float at[2] )
+void rf_texture_coordinates( const RfScene* scene, const RfTextureRef* ref, uint32_t triangle, float u, float v, float at[2] )
 {
     float uv[2] = { 0.0f, 0.0f };
     const float* values = uv_array( scene, ref->uv_set );
@@ -37,7 +37,7 @@ bool rf_look_up_slot( const RfScene* scene, const RfMaterial* m, RfTextureSlot s
     if ( ref->texture < 0 )
         return false;
     float at[2];
-    rf_place_texture( scene, ref, triangle, u, v, at );
+    rf_texture_coordinates( scene, ref, triangle, u, v, at );
     rf_look_up( scene->textures + ref->texture, ref, at, rgba );
     return true;
 }
@@ -213,7 +213,7 @@ static float bound_emission( const RfScene* scene, const RfMaterial* m, uint32_t
     for ( int corner = 0; corner < 3; ++corner )
     {
         float at[2];
-        rf_place_texture( scene, ref, triangle, corner == 1 ? 1.0f : 0.0f, corner == 2 ? 1.0f : 0.0f, at );
+        rf_texture_coordinates( scene, ref, triangle, corner == 1 ? 1.0f : 0.0f, corner == 2 ? 1.0f : 0.0f, at );
         for ( int k = 0; k < 2; ++k )
         {
             low[k] = corner == 0 || at[k] < low[k] ? at[k] : low[k];
@@ -239,6 +239,6 @@ RfVec3 rf_mean_emission( const RfScene* scene, const RfMaterial* m, uint32_t tri
         }
     }
     RfVec3 mean = rf_scale( sum, 1.0f / (float)( GRID * GRID ) );
-    RfVec3 least = rf_scale( m->emission, LEAST_MEAN * bound );
+    RfVec3 least = rf_scale( m->emission, MIN_MEAN * bound );
     return rf_luminance( mean ) > rf_luminance( least ) ? mean : least;
 }

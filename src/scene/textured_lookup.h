@@ -8,7 +8,7 @@
 void rf_interpolate_corners( const float* values, int components, const uint32_t* corners, float u, float v, float* out );
 
 // The texture coordinates u', v' of the point.
-void rf_place_texture( const RfScene* scene, const RfTextureRef* ref, uint32_t triangle, float u, float v, float at[2] );
+void rf_texture_coordinates( const RfScene* scene, const RfTextureRef* ref, uint32_t triangle, float u, float v, float at[2] );
 
 // Looks up a texture slot; false if it has no texture.
 bool rf_look_up_slot( const RfScene* scene, const RfMaterial* material, RfTextureSlot slot, uint32_t triangle, float u, float v,

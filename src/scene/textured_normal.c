@@ -33,9 +33,9 @@ static bool find_tangents( const RfScene* scene, const RfTextured* textured, con
     if ( sign == 0.0f )
     {
         float a[2], b[2], c[2], p[3][3];
-        rf_place_texture( scene, ref, triangle, 0.0f, 0.0f, a );
-        rf_place_texture( scene, ref, triangle, 1.0f, 0.0f, b );
-        rf_place_texture( scene, ref, triangle, 0.0f, 1.0f, c );
+        rf_texture_coordinates( scene, ref, triangle, 0.0f, 0.0f, a );
+        rf_texture_coordinates( scene, ref, triangle, 1.0f, 0.0f, b );
+        rf_texture_coordinates( scene, ref, triangle, 0.0f, 1.0f, c );
         for ( int i = 0; i < 3; ++i )
             rf_interpolate_corners( t->positions, 3, corners, i == 1 ? 1.0f : 0.0f, i == 2 ? 1.0f : 0.0f, p[i] );
         RfVec3 e1 = rf_vec3( p[1][0] - p[0][0], p[1][1] - p[0][1], p[1][2] - p[0][2] );

@@ -94,7 +94,7 @@ static void test_more_rounds( void** state )
     Halving halving = { 0 };
     RfTrialWatch watch = { is_in_second, &halving };
     s.job.watch = &watch;
-    s.job.say = note_round;
+    s.job.report = note_round;
     s.job.user = &halving;
     s.job.budget = 60.0;
     RfTune tune;
@@ -184,7 +184,7 @@ static void test_interrupt( void** state )
         Stop stop = { 0, wanted };
         RfTrialWatch watch = { go_on, &stop };
         s.job.watch = &watch;
-        s.job.say = count_round;
+        s.job.report = count_round;
         s.job.user = &stop;
         s.job.budget = 1000.0; // of which nothing is waited for
         s.job.eye_count = s.job.frame_count = 3;

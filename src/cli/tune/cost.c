@@ -100,7 +100,7 @@ static RfResult run( Job* job, RfError* error )
                        .settings = &job->options.render.settings,
                        .budget = job->options.budget,
                        .watch = &watch,
-                       .say = say,
+                       .report = say,
                        .user = job };
     result = rf_measure_cost( &cost, &job->cost, error );
     if ( result == RF_ERROR_INTERRUPTED && job->cost.reuse.count > 0 )

@@ -83,7 +83,7 @@ static RfResult run( Job* job, RfError* error )
                        .settings = &job->options.render.settings,
                        .budget = job->options.budget,
                        .watch = &watch,
-                       .say = say,
+                       .report = say,
                        .user = job };
     result = rf_tune( &tune, &job->tune, error );
     if ( result == RF_ERROR_INTERRUPTED && job->tune.round_count > 0 )

@@ -29,7 +29,7 @@ static void orbit_at( const RfOrbit* orbit, double progress, double position[3] 
 }
 
 // The position of the camera, and its target if it looks ahead along the path.
-static void place( const RfCameraTrack* track, double at, RfView* view, double target[3] )
+static void sample_position( const RfCameraTrack* track, double at, RfView* view, double target[3] )
 {
     double length = at * track->walk.length;
     if ( track->kind == RF_TRACK_ORBIT )
@@ -52,7 +52,7 @@ static RfResult fail_at( const RfCameraTrack* track, double time, const char* wh
 }
 
 // Direction and distance to the target; false if they have no direction.
-static bool look( const double position[3], const double target[3], RfView* view )
+static bool look_at( const double position[3], const double target[3], RfView* view )
 {
     double largest = 0.0, length = 0.0;
     for ( int i = 0; i < 3; ++i )
@@ -73,7 +73,7 @@ RfResult rf_sample_camera_track( const RfCameraTrack* track, double time, RfView
     if ( track->kind != RF_TRACK_KEYED )
         at = track->end > 0.0 ? fmin( fmax( time / track->end, 0.0 ), 1.0 ) : 0.0;
     double target[3] = { 0 }, rotation[4], axes[9];
-    place( track, at, view, target );
+    sample_position( track, at, view, target );
     rf_sample_curve( &track->fov, at, &view->fov );
     view->fov *= 3.14159265358979323846 / 180.0;
     if ( track->rotation.count > 0 )
@@ -87,7 +87,7 @@ RfResult rf_sample_camera_track( const RfCameraTrack* track, double time, RfView
         }
         return RF_OK;
     }
-    if ( !look( view->position, target, view ) )
+    if ( !look_at( view->position, target, view ) )
         return fail_at( track, time, "the camera stands on its target: move one of them", error );
     rf_sample_curve( &track->up, at, view->up );
     rf_unit3( view->up );

@@ -7,7 +7,7 @@
 
 #define MAX_KEYS 1000000
 // Keys closer than this in time are an error: their speed would be infinite.
-#define LEAST_STEP 1e-6
+#define MIN_STEP 1e-6
 
 // The value of the key, else the default of the whole path.
 static RfField inherited( const RfField* key, const RfField* top, const char* name )
@@ -33,7 +33,7 @@ static RfResult read_time( const RfField* key, bool in_frames, int index, double
             &field, in_frames ? rf_range( 1.0, RF_MAX_TRACK_FRAMES ) : rf_range( 0.0, RF_MAX_TRACK_SECONDS ), times + index );
     if ( result != RF_OK )
         return result;
-    if ( index > 0 && !( times[index] - times[index - 1] >= LEAST_STEP ) )
+    if ( index > 0 && !( times[index] - times[index - 1] >= MIN_STEP ) )
         return rf_field_fail( &field, "%g is not later than the key before it, at %g", times[index], times[index - 1] );
     return RF_OK;
 }

@@ -14,11 +14,11 @@ typedef struct RfWaypoints
 
 // `points` holds 3 × count numbers, count ≥ 2, neighbours distinct. Fails only with
 // RF_ERROR_MEMORY. Free with rf_destroy_waypoints.
-RfResult rf_create_waypoints( bool linear, int count, const double* points, RfWaypoints* walk, RfError* error );
-void rf_destroy_waypoints( RfWaypoints* walk );
+RfResult rf_create_waypoints( bool linear, int count, const double* points, RfWaypoints* waypoints, RfError* error );
+void rf_destroy_waypoints( RfWaypoints* waypoints );
 
 // The point at arc length `length`, in metres; beyond the ends the curve is extended by
 // straight lines.
-void rf_waypoint_position( const RfWaypoints* walk, double length, double point[3] );
+void rf_waypoint_position( const RfWaypoints* waypoints, double length, double point[3] );
 
 #endif

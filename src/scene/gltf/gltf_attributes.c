@@ -53,8 +53,8 @@ void rf_gltf_copy_attributes( RfTriangles* t, uint32_t to, const RfGltfPrimitive
 
 // Transforms a tangent to world space and normalises it. If the matrix collapses it, its sign
 // is 0 (no tangent). A mirroring matrix flips the bitangent.
-void rf_gltf_place_tangent( RfTriangles* t, uint32_t to, const RfGltfPrimitive* primitive, uint32_t from, const RfMat4* matrix,
-                            double sign )
+void rf_gltf_transform_tangent( RfTriangles* t, uint32_t to, const RfGltfPrimitive* primitive, uint32_t from,
+                                const RfMat4* matrix, double sign )
 {
     if ( primitive->tangents == NULL )
         return;

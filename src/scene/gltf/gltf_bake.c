@@ -171,7 +171,7 @@ static void append_smooth_vertices( RfTriangles* t, const RfGltfPrimitive* primi
     {
         transform_normal( matrix, sign, primitive->normals + 3 * (size_t)v, t->normals + 3 * ( base + v ) );
         rf_gltf_copy_attributes( t, (uint32_t)base + v, primitive, v );
-        rf_gltf_place_tangent( t, (uint32_t)base + v, primitive, v, matrix, sign );
+        rf_gltf_transform_tangent( t, (uint32_t)base + v, primitive, v, matrix, sign );
     }
     t->vertex_count += primitive->vertex_count;
 }

@@ -280,8 +280,8 @@ RfResult rf_gltf_reserve_attributes( const RfGltf* gltf, const RfGltfBaker* bake
                                      const char* where );
 void rf_gltf_copy_attributes( RfTriangles* t, uint32_t to, const RfGltfPrimitive* primitive, uint32_t from );
 // `sign` is −1 for a mirroring matrix.
-void rf_gltf_place_tangent( RfTriangles* t, uint32_t to, const RfGltfPrimitive* primitive, uint32_t from, const RfMat4* matrix,
-                            double sign );
+void rf_gltf_transform_tangent( RfTriangles* t, uint32_t to, const RfGltfPrimitive* primitive, uint32_t from,
+                                const RfMat4* matrix, double sign );
 
 // The instances of a node's mesh and their transforms within the node; a single one without
 // the extension (gltf_instancing.c).

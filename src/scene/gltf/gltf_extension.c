@@ -47,7 +47,7 @@ static bool is_compression( const char* name )
            strcmp( name, "KHR_meshopt_compression" ) == 0;
 }
 
-static RfResult refuse( const RfGltf* gltf, const char* name )
+static RfResult fail_unsupported( const RfGltf* gltf, const char* name )
 {
     if ( is_compression( name ) )
         return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, "extensionsRequired",
@@ -66,7 +66,7 @@ RfResult rf_gltf_check_required( const RfGltf* gltf )
         if ( name == NULL )
             return rf_gltf_fail( gltf, RF_ERROR_FORMAT, "extensionsRequired", "[%zu] wants a string", i );
         if ( is_read( name ) == false )
-            result = refuse( gltf, name );
+            result = fail_unsupported( gltf, name );
     }
     return result;
 }

@@ -160,7 +160,7 @@ static RfResult load_image( RfGltf* gltf, int index, bool srgb, RfTexture* out )
 }
 
 // `numbers` maps each image and colour space to a texture index, −1 before its first use.
-static RfResult resolve( RfGltf* gltf, RfMaterial* material, int* numbers )
+static RfResult resolve_textures( RfGltf* gltf, RfMaterial* material, int* numbers )
 {
     RfScene* scene = gltf->scene;
     for ( int slot = 0; slot < RF_TEXTURE_SLOT_COUNT; ++slot )
@@ -216,7 +216,7 @@ RfResult rf_gltf_load_images( RfGltf* gltf )
             continue;
         if ( used[m] && ( !material->textured->optional || material->textured->vertex_colors ) )
         {
-            result = resolve( gltf, material, numbers );
+            result = resolve_textures( gltf, material, numbers );
             if ( result == RF_OK )
                 result = check_emission( gltf, m );
             continue;

@@ -99,7 +99,7 @@ static RfResult read_light( const RfGltf* gltf, const json_t* json, const char* 
 }
 
 // At the origin of the node, pointing along −z; scale is ignored.
-static RfResult place( const RfGltf* gltf, int node, const char* where, RfPunctual* out )
+static RfResult place_light( const RfGltf* gltf, int node, const char* where, RfPunctual* out )
 {
     RfMat4 world;
     double time = rf_gltf_moves( gltf, node ) ? gltf->spans[node].start : 0.0;
@@ -133,7 +133,7 @@ static RfResult load_node_light( RfGltf* gltf, const json_t* lights, int node, c
     RfPunctual* out = gltf->scene->punctuals + gltf->scene->punctual_count;
     result = read_light( gltf, json, self.text, out );
     if ( result == RF_OK )
-        result = place( gltf, node, where.text, out );
+        result = place_light( gltf, node, where.text, out );
     if ( result == RF_OK )
         result = rf_gltf_copy_name( gltf, json, self.text, gltf->scene->nodes[node].name, &out->name );
     if ( result != RF_OK )

@@ -140,7 +140,7 @@ static bool flatten( const double n[3], double v[3] )
     return normalize( v );
 }
 
-static void edge_of( const float* positions, uint32_t from, uint32_t to, double out[3] )
+static void make_edge( const float* positions, uint32_t from, uint32_t to, double out[3] )
 {
     double a[3], b[3];
     get3( positions, from, a );
@@ -165,8 +165,8 @@ static int find_direction( const Spaces* s, const uint32_t corners[3], double al
     double det = du1 * dv2 - du2 * dv1;
     if ( !( fabs( det ) > 0.0 ) )
         return 0;
-    edge_of( s->primitive->positions, corners[0], corners[1], e1 );
-    edge_of( s->primitive->positions, corners[0], corners[2], e2 );
+    make_edge( s->primitive->positions, corners[0], corners[1], e1 );
+    make_edge( s->primitive->positions, corners[0], corners[2], e2 );
     for ( int i = 0; i < 3; ++i )
         along[i] = ( e1[i] * dv2 - e2[i] * dv1 ) * ( det < 0.0 ? -1.0 : 1.0 );
     return !normalize( along ) ? 0 : det < 0.0 ? 1 : -1;
@@ -178,8 +178,8 @@ static void add_corner( Spaces* s, const uint32_t corners[3], int corner, int si
     const float* positions = s->primitive->positions;
     double n[3], t[3] = { along[0], along[1], along[2] }, a[3], b[3];
     get3( s->primitive->normals, at, n );
-    edge_of( positions, at, corners[( corner + 1 ) % 3], a );
-    edge_of( positions, at, corners[( corner + 2 ) % 3], b );
+    make_edge( positions, at, corners[( corner + 1 ) % 3], a );
+    make_edge( positions, at, corners[( corner + 2 ) % 3], b );
     if ( !normalize( n ) || !flatten( n, t ) || !flatten( n, a ) || !flatten( n, b ) )
         return;
     double angle = acos( fmax( -1.0, fmin( 1.0, dot( a, b ) ) ) );

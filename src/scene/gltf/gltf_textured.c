@@ -133,7 +133,7 @@ static double factor_of( const json_t* json, const char* extension, const char* 
 }
 
 // A metal that is a perfect mirror by its factors is not one if a texture sets its roughness.
-static void unmake_mirror( const RfTextured* textured, RfMaterial* out )
+static void undo_mirror( const RfTextured* textured, RfMaterial* out )
 {
     if ( out->kind == RF_BSDF_GLASS && out->ior == 0.0f && textured->refs[RF_TEXTURE_METALLIC_ROUGHNESS].texture >= 0 )
     {
@@ -167,7 +167,7 @@ RfResult rf_gltf_read_textured( RfGltf* gltf, const json_t* json, const char* wh
         result = read_alpha( gltf, json, where, textured );
     if ( result != RF_OK )
         return result;
-    unmake_mirror( textured, out );
+    undo_mirror( textured, out );
     textured->model = find_model( out, json );
     // our own models vary their own diffuse reflectance
     if ( textured->model == RF_TEXTURED_DIFFUSE )

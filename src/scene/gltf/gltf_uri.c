@@ -92,7 +92,7 @@ static bool decode_percent( char* text )
     return true;
 }
 
-static bool climbs( const char* path )
+static bool leaves_folder( const char* path )
 {
     for ( const char* part = path; part != NULL; )
     {
@@ -115,7 +115,7 @@ static const char* find_fault( const char* path )
         return "begins with '/'";
     if ( strchr( path, '\\' ) != NULL )
         return "has a backslash";
-    if ( climbs( path ) )
+    if ( leaves_folder( path ) )
         return "leaves the folder by '..'";
     const char* colon = strchr( path, ':' );
     const char* slash = strchr( path, '/' );

@@ -25,6 +25,6 @@ void rf_describe_json( const json_t* json, char* text, size_t size );
 
 // An integer in either notation: 3 and 3.0 are the same in JSON, though the parser
 // distinguishes them. False if the value is not an integer or too large to be exact.
-bool rf_json_whole( const json_t* value, int64_t* whole );
+bool rf_json_integer( const json_t* value, int64_t* whole );
 
 #endif

@@ -79,11 +79,11 @@ static RfResult copy_value( const RfField* field, const Entry* entry, json_t* ma
         return result;
     json_t* home = material;
     if ( entry->parent != NULL )
-        home = rf_edit_dig( material, entry->parent );
+        home = rf_edit_member( material, entry->parent );
     else if ( entry->extension != NULL )
     {
-        home = rf_edit_dig( material, "extensions" );
-        home = home != NULL ? rf_edit_dig( home, entry->extension ) : NULL;
+        home = rf_edit_member( material, "extensions" );
+        home = home != NULL ? rf_edit_member( home, entry->extension ) : NULL;
     }
     if ( home == NULL || json_object_set( home, entry->key, (json_t*)field->json ) != 0 )
         return rf_edit_no_memory( field );

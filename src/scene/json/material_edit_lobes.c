@@ -10,7 +10,7 @@ RfResult rf_edit_no_memory( const RfField* field )
     return rf_fail( field->error, RF_ERROR_MEMORY, "%s: %s: no memory left", field->file, field->path );
 }
 
-json_t* rf_edit_dig( json_t* object, const char* key )
+json_t* rf_edit_member( json_t* object, const char* key )
 {
     json_t* member = json_object_get( object, key );
     if ( json_is_object( member ) )
@@ -56,7 +56,7 @@ static RfResult change_bsdf( const RfField* override, json_t* material )
     }
     if ( result != RF_OK )
         return result;
-    json_t* extras = rf_edit_dig( material, "extras" );
+    json_t* extras = rf_edit_member( material, "extras" );
     json_t* lobes = json_pack( "{s:s}", "bsdf", s_bsdfs[index] );
     return extras != NULL && json_object_set_new( extras, "reframe", lobes ) == 0 ? RF_OK : rf_edit_no_memory( &field );
 }

@@ -11,7 +11,7 @@ RfResult rf_edit_lobes( const RfField* override, json_t* material );
 const char* rf_edited_bsdf( const json_t* material );
 
 // The member object of that name, created if missing; NULL if out of memory.
-json_t* rf_edit_dig( json_t* object, const char* key );
+json_t* rf_edit_member( json_t* object, const char* key );
 
 RfResult rf_edit_no_memory( const RfField* field );
 
