@@ -152,6 +152,6 @@ RfResult rf_tune( const RfTuneJob* job, RfTune* tune, RfError* error )
     tune->seconds = rf_wall_seconds() - t.start;
     if ( result == RF_OK && tune->chosen < 0 )
         return rf_fail( error, RF_ERROR_SCENE,
-                        "the error of no setting can be measured: the test images are black, or have NaN or infinite pixels" );
+                        "no error can be measured: the test images are black, or have NaN or infinite pixels" );
     return result;
 }
