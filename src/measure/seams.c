@@ -3,7 +3,7 @@
 // True if the frame is in full groups only, and in as many as any frame can be.
 static bool is_inside( const RfGroupPlan* plan, int frame )
 {
-    if ( plan->windows == 1 )
+    if ( plan->groups == 1 )
         return true;
     if ( frame < 0 || frame >= plan->frames )
         return false;
