@@ -4,42 +4,44 @@
 
 #include "reframe/image.h"
 
-// Bytes that rf_write_exr holds at most besides the channels and about 2 MiB of
-// tables, for channels of `pixel_bytes` together (2 for each half one, 4 for each
-// other): the lines of one chunk, some times over.
+// Peak working memory of rf_write_exr in bytes, without the channels themselves and
+// about 2 MiB of tables: several buffers of one chunk of scan lines. `pixel_bytes` is
+// the size of a pixel over all channels: 2 for each half channel, 4 for each float.
 size_t rf_exr_work_bytes( int width, int height, RfExrCompression compression, int pixel_bytes );
 
 // A channel of a file.
 typedef struct RfExrName
 {
-    char* text;      // where the file has several parts behind its part's name: "beauty.depth.Z"
-    const char* own; // as in its part: "depth.Z"
+    char* text;      // full name; in a multi-part file prefixed with the part: "beauty.depth.Z"
+    const char* own; // name within its part: "depth.Z"
     int part;
-    RfExrWindow window; // of the part's data
+    RfExrWindow window; // data window of the part
 } RfExrName;
 
-// What a file says of itself: the windows, the channels, the camera.
+// The header of a file: windows, channels, camera.
 typedef struct RfExrHeader
 {
-    int part;                 // with the colour; where there is none, the first that can be read
-    int x, y, width, height;  // its data window: the first pixel, the size
+    int part;                 // the part with the colour; if none has any, the first readable part
+    int x, y, width, height;  // its data window: origin and size
     int display_x, display_y; // display window
     int display_width, display_height;
-    int fps_numerator; // framesPerSecond; 0: the file does not say
+    int fps_numerator; // framesPerSecond; 0: not in the file
     unsigned int fps_denominator;
     bool has_world_to_ndc;
     float world_to_ndc[16]; // as in RfExrOptions
     int channel_count;
-    RfExrName* channels; // of all parts that can be read
+    RfExrName* channels; // of all readable parts
 } RfExrHeader;
 
-// Reads what is said of the part with the colour, or with `layer`, which may be missing
-// (as for rf_read_exr_layer), and all channels' names; rf_destroy_exr_header frees it.
+// Reads the header of the part with `layer` (as in rf_read_exr_layer), or with the
+// colour if `layer` is NULL or missing, and the channel names of all parts.
 RfResult rf_read_exr_header( const char* path, const char* layer, RfExrHeader* header, RfError* error );
+
+// Frees the channel names and clears the header.
 void rf_destroy_exr_header( RfExrHeader* header );
 
-// The channel whose text or, failing that, whose own name is the first `length`
-// characters of `name`, one of the colour's part before others; NULL: none.
+// Finds the channel whose full name or, failing that, whose own name equals the first
+// `length` characters of `name`; the part with the colour comes first. NULL: none.
 const RfExrName* rf_find_exr_name( const RfExrHeader* header, const char* name, size_t length );
 
 #endif

@@ -1,48 +1,48 @@
-// The error of an image against a reference: relMSE, MSE, bias, maximum; for
-// one frame, and pooled over the frames of a sequence by the same code.
-// What they are, and that of one image: reframe/measure.h. Sums are in double, in the order of rows
-// and frames.
+// The error of an image against a reference: relMSE, MSE, bias and maximum, for
+// a single frame or pooled over the frames of a sequence (reframe/measure.h).
+// Sums are accumulated in double, in row and frame order.
 //
-// The 95 % interval of the bias comes from blocks of pixels, each pooled over all
-// frames: bias_interval.h.
+// The 95 % confidence interval of the bias is estimated from blocks of pixels,
+// each pooled over all frames: bias_interval.h.
 #ifndef REFRAME_MEASURE_ERROR_H
 #define REFRAME_MEASURE_ERROR_H
 
 #include "reframe/measure.h"
 
-// Is there anything that is no number, so that no error can be told?
+// True if any pixel is NaN or infinite, so that the measures are undefined.
 static inline bool rf_has_no_error( const RfErrorMetrics* m )
 {
     return m->nan > 0 || m->inf > 0 || m->reference_nan > 0 || m->reference_inf > 0;
 }
 
-// Running sums over frames of one size.
+// Running sums over frames of equal size.
 typedef struct RfErrorSummary
 {
     int width, height;
     int frames;                     // added so far
-    size_t pixels;                  // of them
-    double relative_sum;            // Σ of relative squared errors
-    double kept_sum;                // the same without those in `worst`
+    size_t pixels;                  // in those frames
+    double relative_sum;            // Σ relative squared errors
+    double kept_sum;                // Σ relative squared errors that are not in `worst`
     double squared_sum, signed_sum; // over pixels and channels
     double max;
     size_t nan, inf, reference_nan, reference_inf;
     double* worst; // min-heap of the largest relative errors
     size_t worst_count, worst_room;
     double reference_sum; // Σ r̄
-    double* block_sums;   // Σ v_c − r_c in each block of all frames, row by row
+    double* block_sums;   // Σ v_c − r_c per block over all frames, row by row
     RfWorstPixel worst_pixel;
 } RfErrorSummary;
 
-// `frames` is how many will be added: the worst pixels of all are kept aside.
+// Allocates a summary for `frames` frames; their number sizes the heap of worst pixels.
 RfResult rf_create_summary( int width, int height, int frames, RfErrorSummary* summary, RfError* error );
+
+// Frees the arrays of a summary and clears it.
 void rf_destroy_summary( RfErrorSummary* summary );
 
-// Adds a frame. Fails (RF_ERROR_FORMAT) where sizes differ; then nothing has
-// been added.
+// Adds a frame. If the sizes differ it fails (RF_ERROR_FORMAT) and adds nothing.
 RfResult rf_summary_add( RfErrorSummary* summary, const RfImage* image, const RfImage* reference, RfError* error );
 
-// The measures of all that was added.
+// The measures over all frames added so far.
 RfErrorMetrics rf_summary_metrics( const RfErrorSummary* summary );
 
 #endif

@@ -28,7 +28,7 @@ static inline RfEye rf_make_eye_inline( RfVec3 origin, RfVec3 forward, RfVec3 up
     double f[3] = { (double)forward.x, (double)forward.y, (double)forward.z };
     double u[3] = { (double)up.x, (double)up.y, (double)up.z }, r[3];
     rf_unit3( f );
-    rf_cross3( f, u, r ); // in doubles: up may lean far towards forward
+    rf_cross3( f, u, r ); // in doubles: up may be nearly parallel to forward
     rf_unit3( r );
     rf_cross3( r, f, u );
     eye.forward = rf_vec3( (float)f[0], (float)f[1], (float)f[2] );

@@ -7,6 +7,7 @@
 #include "cli/render/progress.h"
 #include "cli/messages.h"
 #include "image/sequence.h"
+#include "measure/error.h"
 
 #include <math.h>
 #include <stdlib.h>
