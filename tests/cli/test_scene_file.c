@@ -103,7 +103,7 @@ static void test_render_faults( void** state )
         { "{\"seed\":-1}", "scene.json: render.seed: wants a whole number from 0" },
         { "{\"tile\":\"9x9\"}", "scene.json: render.tile: wants 1, WxH such as 3x3, or rooksN" },
         { "{\"aov\":\"depht\"}", "scene.json: render.aov: 'depht' is no AOV, did you mean depth?" },
-        { "{\"aov\":\"depth,depth\"}", "scene.json: render.aov: depth is given twice" },
+        { "{\"aov\":\"depth,depth\"}", "scene.json: render.aov: AOV depth is given twice" },
     };
     static const char* const frames[][2] = {
         { "\"9\"", "scene.json: render.frames: there is no frame 9, the camera's path has 7 frames" },
