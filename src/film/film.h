@@ -64,7 +64,7 @@ void rf_estimate_variance( const RfFilm* film, RfFilmCombine combine, float* var
 
 // relMSE of `rgb`, the combined film, against the truth, estimated from the
 // difference of the halves; NaN where one of them is empty. In the mean over many
-// renders within 15 % of the truth (tests/render/test_estimator_error.c); that of a
+// renders within 15 % of the truth (tests/render/test_estimator_noise_estimate.c); that of a
 // single one is as uncertain as what its fireflies add to it.
 double rf_estimate_relmse( const RfFilm* film, RfFilmCombine combine, const float* rgb );
 

@@ -108,7 +108,7 @@ exr_context_initializer_t rf_exr_initializer( RfExrStream* stream )
     };
 }
 
-#if defined( __SANITIZE_ADDRESS__ ) // it sees what is written beyond the end of malloc's blocks
+#ifdef REFRAME_SANITIZED // it sees what is written beyond the end of malloc's blocks
 
 void* rf_alloc_exr_buffer( exr_transcoding_pipeline_buffer_id_t id, size_t bytes )
 {

@@ -2,7 +2,7 @@
 // call, so a loop over them runs eight lanes at a time, and every lane gets the
 // same bits wherever it stands. The polynomials are our own minimax fits of
 // relative error (Remez exchange at 40 digits); the errors given are measured
-// ones of the whole function in float (tests/math/test_math.c holds them).
+// ones of the whole function in float (tests/math/test_fastmath_accuracy.c holds them).
 #ifndef REFRAME_MATH_FASTMATH_H
 #define REFRAME_MATH_FASTMATH_H
 

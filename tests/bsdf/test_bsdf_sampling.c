@@ -10,7 +10,7 @@
 
 #include <cmocka.h>
 
-#if defined( __SANITIZE_ADDRESS__ )
+#ifdef REFRAME_SANITIZED
 #define SAMPLES 20000
 #define SUB 12
 #define FURNACE_SIDE 48

@@ -15,7 +15,7 @@
 
 #include <cmocka.h>
 
-#ifdef __SANITIZE_ADDRESS__
+#ifdef REFRAME_SANITIZED
 #define FRAMES 12
 #else
 #define FRAMES 48

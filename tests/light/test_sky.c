@@ -94,7 +94,7 @@ static void test_density( void** state )
     };
     RfEnvironment e = make_environment( 0.4f );
     RfSky sky = make_sky( &e );
-    double sum_p = 0.0, light = 0.0, light2 = 0.0;
+    double sum_p = 0.0, light = 0.0;
     for ( uint32_t i = 0; i < COUNT; ++i )
     {
         RfVec3 d =
@@ -103,7 +103,6 @@ static void test_density( void** state )
         assert_true( p > 0.0f || l == 0.0f );
         sum_p += (double)p;
         light += (double)l;
-        light2 += (double)( l * l );
     }
     double sphere = 4.0 * 3.14159265358979324;
     assert_true( fabs( sum_p * sphere / COUNT - 1.0 ) < 5e-3 );

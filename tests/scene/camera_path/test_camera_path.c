@@ -332,12 +332,12 @@ static void test_mutations( void** state )
 {
     (void)state;
     static const char* const texts[] = {
-        "{\"kind\":\"keyed\",\"interpolation\":\"catmull-rom\",\"up\":[0,1,0],\"keys\":["
-        "{\"time\":0.0,\"position\":[0.5,1.5,2.25],\"target\":[0,1,0],\"fov\":30},"
-        "{\"time\":0.5,\"position\":[1.5,1.5,2.25],\"target\":[0,1,0],\"fov\":40},"
-        "{\"time\":1.25,\"position\":[1.5,2.5,1.25],\"target\":[0,1,0],\"fov\":30}]}",
-        "{\"kind\":\"keyed\",\"keys\":[{\"frame\":1,\"position\":[0.5,1.5,2.25],\"rotation\":[0,0.6,0,0.8]},"
-        "{\"frame\":20,\"position\":[0.5,2.5,1.25],\"rotation\":{\"yaw\":90,\"pitch\":10}}]}",
+        ( "{\"kind\":\"keyed\",\"interpolation\":\"catmull-rom\",\"up\":[0,1,0],\"keys\":["
+          "{\"time\":0.0,\"position\":[0.5,1.5,2.25],\"target\":[0,1,0],\"fov\":30},"
+          "{\"time\":0.5,\"position\":[1.5,1.5,2.25],\"target\":[0,1,0],\"fov\":40},"
+          "{\"time\":1.25,\"position\":[1.5,2.5,1.25],\"target\":[0,1,0],\"fov\":30}]}" ),
+        ( "{\"kind\":\"keyed\",\"keys\":[{\"frame\":1,\"position\":[0.5,1.5,2.25],\"rotation\":[0,0.6,0,0.8]},"
+          "{\"frame\":20,\"position\":[0.5,2.5,1.25],\"rotation\":{\"yaw\":90,\"pitch\":10}}]}" ),
         "{\"kind\":\"walk\",\"waypoints\":[[0,1,0],[4,1,0],[4,1,-4],[3,2,1]],\"look_ahead\":2,\"speed\":2}",
     };
     const char* many = getenv( "REFRAME_MUTATIONS" );

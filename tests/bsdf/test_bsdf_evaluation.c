@@ -11,7 +11,7 @@
 
 #include <cmocka.h>
 
-#if defined( __SANITIZE_ADDRESS__ )
+#ifdef REFRAME_SANITIZED
 #define FUZZ 40000
 #else
 #define FUZZ 1000000

@@ -64,7 +64,7 @@ static const char s_crashes[] = PLY_HEAD PLY_VERTICES PLY_FACES PLY_CORNERS "3 0
 static const char s_eats[] =
     PLY_HEAD PLY_VERTICES "element face 100000000\nproperty list uchar int vertex_indices\n" PLY_CORNERS "3 0 1 2\n";
 
-#if defined( __SANITIZE_ADDRESS__ )
+#ifdef REFRAME_SANITIZED
 #define CRASHED "crashes.ply: the importer failed on it" // the sanitizer takes the signal
 #else
 #define CRASHED "crashes.ply: the importer crashed on it (Segmentation fault): export it as glTF"
@@ -79,7 +79,7 @@ static void test_bad_importer( void** state )
     cli_expect( cli_run( "$R convert hangs.ply a.glb --importer assimp --timeout 0.5 --memory 512M" ), 1,
                 "hangs.ply: the importer had not finished after 0.5 s: give it more by --timeout, or export it as glTF" );
     cli_expect( cli_run( "$R convert crashes.ply a.glb --importer assimp --memory 512M" ), 1, CRASHED );
-#if !defined( __SANITIZE_ADDRESS__ ) // under which there is no limit
+#ifndef REFRAME_SANITIZED // under which there is no limit
     cli_expect( cli_run( "$R convert eats.ply a.glb --importer assimp --memory 512M" ), 1,
                 "eats.ply: the importer needs more than 512 MiB of memory: give it more by --memory, or export it as glTF" );
 #endif

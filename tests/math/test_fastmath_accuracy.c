@@ -9,7 +9,7 @@
 
 #include <cmocka.h>
 
-#if defined( __SANITIZE_ADDRESS__ )
+#ifdef REFRAME_SANITIZED
 #define COUNT 200000
 #else
 #define COUNT 4000000

@@ -61,7 +61,7 @@ static void test_many( void** state )
     cli_expect( result, 0, NULL );
     assert_non_null( strstr( result->out, "triangles  1000004\n" ) );
     assert_non_null( strstr( result->out, "instances  50002\n" ) );
-#ifndef __SANITIZE_ADDRESS__
+#ifndef REFRAME_SANITIZED
     double seconds = (double)( end.tv_sec - start.tv_sec ) + 1e-9 * (double)( end.tv_nsec - start.tv_nsec );
     if ( !( seconds < LOAD_SECONDS ) )
         fail_msg( "a million triangles at 50,000 nodes took %.1f s to load, it may take %.0f", seconds, LOAD_SECONDS );

@@ -22,7 +22,7 @@
 #define SLACK ( 6.0 * MIB ) // tables of the compression, stacks, what malloc keeps: 0.5 to 3 MiB when measured
 #define ARGUMENTS 48
 
-#if defined( __SANITIZE_ADDRESS__ )
+#ifdef REFRAME_SANITIZED
 #define COUNTS_RESIDENT 0 // shadow memory and quarantine are not the renderer's
 #else
 #define COUNTS_RESIDENT 1
