@@ -10,7 +10,7 @@
 
 #include <cmocka.h>
 
-static void test_limits( void** state )
+static void test_the_tightest_group_above_counts( void** state )
 {
     (void)state;
     const char* root = cli_folder();
@@ -31,6 +31,6 @@ static void test_limits( void** state )
 
 int main( void )
 {
-    const struct CMUnitTest tests[] = { cmocka_unit_test( test_limits ) };
+    const struct CMUnitTest tests[] = { cmocka_unit_test( test_the_tightest_group_above_counts ) };
     return cmocka_run_group_tests_name( "cgroup", tests, cli_enter_group, cli_leave_group );
 }

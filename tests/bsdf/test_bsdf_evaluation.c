@@ -58,7 +58,7 @@ static void test_closed_forms( void** state )
 }
 
 // f and pdf vanish below the surface; an eye below is lifted to the horizon.
-static void test_horizon( void** state )
+static void test_nothing_below_the_horizon( void** state )
 {
     (void)state;
     Material materials[3] = { { RF_BSDF_LAMBERT, { 1, 1, 1 }, { 0, 0, 0 }, 0, 0, 0, 0, 0, 0 },
@@ -129,7 +129,7 @@ static Material random_material( RfBsdfKind kind, uint32_t stream, int i )
     return m;
 }
 
-static void test_reciprocity( void** state )
+static void test_models_are_reciprocal( void** state )
 {
     (void)state;
     for ( int kind = 0; kind < RF_BSDF_FIRST_UNEVALUABLE; ++kind )
@@ -293,8 +293,8 @@ static void test_lanes_stand_alone( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_closed_forms ),           cmocka_unit_test( test_horizon ),
-        cmocka_unit_test( test_sharp_lobe_is_accurate ), cmocka_unit_test( test_reciprocity ),
+        cmocka_unit_test( test_closed_forms ),           cmocka_unit_test( test_nothing_below_the_horizon ),
+        cmocka_unit_test( test_sharp_lobe_is_accurate ), cmocka_unit_test( test_models_are_reciprocal ),
         cmocka_unit_test( test_any_input_is_finite ),    cmocka_unit_test( test_lanes_stand_alone ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );

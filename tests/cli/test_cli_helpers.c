@@ -37,7 +37,7 @@ static void expect_refused( const char* text, const char* part )
         fail_msg( "'%s' gave '%s'", text, error.text );
 }
 
-static void test_frame_lists( void** state )
+static void test_frame_lists_as_users_write_them( void** state )
 {
     (void)state;
     expect_frames( NULL, "1 2 3 4 5 6 7 8 9 10" );
@@ -69,7 +69,7 @@ static void apply( const float m[16], const double p[3], double out[3] )
         out[j] = r[j] / r[3];
 }
 
-static void test_matrices( void** state )
+static void test_matrices_project_as_the_eye_does( void** state )
 {
     (void)state;
     RfEye eye = rf_make_eye( rf_vec3( 1, 2, 3 ), rf_vec3( 1, -0.5f, 0.25f ), rf_vec3( 0, 1, 0 ), 0.8, 160, 90 );
@@ -89,7 +89,7 @@ static void test_matrices( void** state )
     assert_true( fabs( out[2] - 0.99 ) < 1e-5 ); // 1 − 2 · 1 cm / 2 m
 }
 
-static void test_fingerprints( void** state )
+static void test_fingerprints_change_with_every_setting( void** state )
 {
     (void)state;
     RfRenderOptions options = { .fps = { 24, 1 }, .tile = "1", .settings = rf_default_render_settings() };
@@ -120,7 +120,7 @@ static void test_fingerprints( void** state )
     assert_string_not_equal( first, other );
 }
 
-static void test_progress_text( void** state )
+static void test_progress_line_is_short_and_right( void** state )
 {
     (void)state;
     char text[160];
@@ -147,10 +147,10 @@ static void test_progress_text( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_frame_lists ),
-        cmocka_unit_test( test_matrices ),
-        cmocka_unit_test( test_fingerprints ),
-        cmocka_unit_test( test_progress_text ),
+        cmocka_unit_test( test_frame_lists_as_users_write_them ),
+        cmocka_unit_test( test_matrices_project_as_the_eye_does ),
+        cmocka_unit_test( test_fingerprints_change_with_every_setting ),
+        cmocka_unit_test( test_progress_line_is_short_and_right ),
     };
     return cmocka_run_group_tests_name( "cli parts", tests, NULL, NULL );
 }

@@ -34,7 +34,7 @@ static int compare( const char* a, const char* b, ... )
     return status;
 }
 
-static void test_files( void** state )
+static void test_two_files_give_exact_figures( void** state )
 {
     (void)state;
     write_constant( "a.exr", 40, 0.75f );
@@ -56,7 +56,7 @@ static void test_files( void** state )
     rf_destroy_image( &diff );
 }
 
-static void test_sequences( void** state )
+static void test_sequences_are_pooled( void** state )
 {
     (void)state;
     for ( int frame = 3; frame <= 5; ++frame )
@@ -84,7 +84,7 @@ static void test_sequences( void** state )
     assert_int_not_equal( access( temp_path( "out.json" ), F_OK ), 0 );
 }
 
-static void test_not_finite( void** state )
+static void test_pixels_not_finite_are_counted( void** state )
 {
     (void)state;
     write_constant( "nan.exr", 40, NAN );
@@ -107,7 +107,7 @@ static void test_not_finite( void** state )
     json_decref( json );
 }
 
-static void test_refused( void** state )
+static void test_what_differs_in_kind_is_refused( void** state )
 {
     (void)state;
     write_constant( "small.exr", 39, 1.0f );
@@ -135,7 +135,7 @@ static void check_number( const char* key, double wanted )
 }
 
 // Layers by name, half and float, several parts.
-static void test_other_programs( void** state )
+static void test_files_of_other_programs( void** state )
 {
     (void)state;
     Foreign blender = { .names = { "L.Combined.B", "L.Combined.G", "L.Combined.R", "L.Diff.B", "L.Diff.G", "L.Diff.R" },
@@ -179,7 +179,7 @@ static void test_other_programs( void** state )
     check_failed( compare( "no.exr", "nk.exr", NULL ), 1, "no.exr: has no channels R, G, B and no Y; it has foo" );
 }
 
-static void test_data_windows( void** state )
+static void test_data_windows_must_agree_or_overlap( void** state )
 {
     (void)state;
     Foreign a = { .names = { "B", "G", "R" }, .values = { 1, 1, 1 }, .x = -5, .y = 3, .width = 20, .height = 10 };
@@ -230,7 +230,7 @@ static void test_data_windows( void** state )
     rf_destroy_image( &part );
 }
 
-static void test_chosen_frames( void** state )
+static void test_only_chosen_frames_are_wanted( void** state )
 {
     (void)state;
     for ( int frame = 1; frame <= 4; ++frame )
@@ -305,9 +305,10 @@ static void test_missing_in_both( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_files ),         cmocka_unit_test( test_sequences ),       cmocka_unit_test( test_not_finite ),
-        cmocka_unit_test( test_refused ),       cmocka_unit_test( test_other_programs ),  cmocka_unit_test( test_data_windows ),
-        cmocka_unit_test( test_chosen_frames ), cmocka_unit_test( test_missing_in_both ),
+        cmocka_unit_test( test_two_files_give_exact_figures ),  cmocka_unit_test( test_sequences_are_pooled ),
+        cmocka_unit_test( test_pixels_not_finite_are_counted ), cmocka_unit_test( test_what_differs_in_kind_is_refused ),
+        cmocka_unit_test( test_files_of_other_programs ),       cmocka_unit_test( test_data_windows_must_agree_or_overlap ),
+        cmocka_unit_test( test_only_chosen_frames_are_wanted ), cmocka_unit_test( test_missing_in_both ),
     };
     return cmocka_run_group_tests_name( "compare", tests, make_temp_folder, remove_temp_folder );
 }

@@ -117,7 +117,7 @@ static void test_help_and_version( void** state )
     cli_expect( cli_run( "$R --help > /dev/full" ), 1, "standard output cannot be written" );
 }
 
-static void test_usage_errors( void** state )
+static void test_usage_errors_exit_2( void** state )
 {
     (void)state;
     cli_expect( cli_run( "$R" ), 2, "no command given" );
@@ -138,7 +138,7 @@ static void test_usage_errors( void** state )
     assert_int_equal( cli_count_files( ".exr", "." ), 0 );
 }
 
-static void test_bad_scenes( void** state )
+static void test_bad_scenes_exit_1( void** state )
 {
     (void)state;
     cli_expect( cli_run( "$R render none.glb -o a.exr" ), 1, "none.glb" );
@@ -180,7 +180,7 @@ static void test_small_paths_and_images( void** state )
     assert_true( cli_exists( "one.png" ) );
 }
 
-static void test_folders( void** state )
+static void test_folders_that_cannot_be_written( void** state )
 {
     (void)state;
     cli_expect( cli_run( "$R render one.gltf -o no/such/a.exr " SMALL ), 1, "no/such: " );
@@ -219,7 +219,7 @@ static void test_existing_frames( void** state )
     assert_non_null( strstr( result->out, "0 frames" ) );
 }
 
-static void test_attributes( void** state )
+static void test_header_tells_the_settings( void** state )
 {
     (void)state;
     cli_expect( cli_run( "$R render $VASE -o a.exr --frames 2 --seed 18446744073709551615 " SMALL ), 0, NULL );
@@ -244,7 +244,7 @@ static void test_attributes( void** state )
     }
 }
 
-static void test_render_json( void** state )
+static void test_json_has_every_key( void** state )
 {
     (void)state;
     const CliResult* result =
@@ -271,7 +271,7 @@ static void test_render_json( void** state )
     assert_int_equal( cli_count_files( ".tmp", "." ), 0 );
 }
 
-static void test_info( void** state )
+static void test_info_tells_cameras_and_materials( void** state )
 {
     (void)state;
     const CliResult* result = cli_run( "$R info $VASE" );
@@ -290,7 +290,7 @@ static void test_info( void** state )
     json_decref( json );
 }
 
-static void test_scene_script( void** state )
+static void test_scene_script_repeats_its_bytes( void** state )
 {
     (void)state;
     static const char script[] = REFRAME_SOURCE_DIR "/scenes/make-vase-room.py";
@@ -327,7 +327,7 @@ static void test_interrupt_keeps_finished_frames( void** state )
     }
 }
 
-static void test_full_disk( void** state )
+static void test_full_disk_leaves_no_part_of_a_file( void** state )
 {
     (void)state;
     // a folder in the way is told before anything is rendered, though another frame comes first
@@ -352,18 +352,18 @@ int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( test_help_and_version ),
-        cmocka_unit_test( test_usage_errors ),
-        cmocka_unit_test( test_bad_scenes ),
+        cmocka_unit_test( test_usage_errors_exit_2 ),
+        cmocka_unit_test( test_bad_scenes_exit_1 ),
         cmocka_unit_test( test_black_pictures_warn ),
         cmocka_unit_test( test_small_paths_and_images ),
-        cmocka_unit_test( test_folders ),
+        cmocka_unit_test( test_folders_that_cannot_be_written ),
         cmocka_unit_test( test_existing_frames ),
-        cmocka_unit_test( test_attributes ),
-        cmocka_unit_test( test_render_json ),
-        cmocka_unit_test( test_info ),
-        cmocka_unit_test( test_scene_script ),
+        cmocka_unit_test( test_header_tells_the_settings ),
+        cmocka_unit_test( test_json_has_every_key ),
+        cmocka_unit_test( test_info_tells_cameras_and_materials ),
+        cmocka_unit_test( test_scene_script_repeats_its_bytes ),
         cmocka_unit_test( test_interrupt_keeps_finished_frames ),
-        cmocka_unit_test( test_full_disk ),
+        cmocka_unit_test( test_full_disk_leaves_no_part_of_a_file ),
     };
     return cmocka_run_group_tests_name( "cli", tests, enter, leave );
 }

@@ -55,7 +55,7 @@ static int flicker( const char* sequence, ... )
 static bool is_near( double a, double b ) { return fabs( a - b ) <= 1e-7 * fabs( b ) + 1e-12; }
 
 // Errors 1, 1, -1, 3 against a constant: pairs 0, 2, 4; φ 0, 2, 1.6.
-static void test_reference( void** state )
+static void test_phi_against_a_constant_by_hand( void** state )
 {
     (void)state;
     static const float errors[] = { 1, 1, -1, 3 };
@@ -100,7 +100,7 @@ static void test_reference( void** state )
 }
 
 // Without a reference and layers: plain differences, φ unknown.
-static void test_alone( void** state )
+static void test_without_reference_phi_is_unknown( void** state )
 {
     (void)state;
     check_done( flicker( "v.####.exr", "--png", temp_path( "slit.png" ), "--column", "24", "--exposure", "-3", NULL ) );
@@ -119,7 +119,7 @@ static void test_alone( void** state )
 }
 
 // Ours: motion, depth and variance by their names, the group from the header.
-static void test_layers( void** state )
+static void test_own_layers_are_found_by_name( void** state )
 {
     (void)state;
     static float motion[2][PIXELS], depth[PIXELS], variance[PIXELS];
@@ -204,7 +204,7 @@ static void test_groups_of_files( void** state )
 
 static void write_foreign( const char* name, const Foreign* foreign ) { write_foreign_exr( temp_path( name ), foreign, 1 ); }
 
-static void test_other_programs( void** state )
+static void test_files_of_other_programs( void** state )
 {
     (void)state;
     for ( int half = 0; half < 2; ++half )
@@ -251,7 +251,7 @@ static void test_other_programs( void** state )
 }
 
 // The matrix that Reframe writes: 90 degrees, looking along −z from z = 3.
-static void test_camera( void** state )
+static void test_motion_from_camera_matrices( void** state )
 {
     (void)state;
     static float depth[PIXELS];
@@ -288,7 +288,7 @@ static void test_camera( void** state )
     rf_destroy_exr_header( &header );
 }
 
-static void test_refused( void** state )
+static void test_wrong_input_is_refused( void** state )
 {
     (void)state;
     check_failed( flicker( "v.0007.exr", NULL ), 2, "has no ####" );
@@ -325,7 +325,7 @@ static void test_refused( void** state )
 // Frames of ours, a fast turn about a matt vase: what is left along the motion is
 // little beside what moves, and less than without depth, where walls come out
 // from behind the vase.
-static void test_rendered( void** state )
+static void test_compensation_beats_plain_on_a_render( void** state )
 {
     (void)state;
     char command[2048];
@@ -365,9 +365,14 @@ static void test_rendered( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_reference ),       cmocka_unit_test( test_alone ),          cmocka_unit_test( test_layers ),
-        cmocka_unit_test( test_groups_of_files ), cmocka_unit_test( test_other_programs ), cmocka_unit_test( test_camera ),
-        cmocka_unit_test( test_rendered ),        cmocka_unit_test( test_refused ),
+        cmocka_unit_test( test_phi_against_a_constant_by_hand ),
+        cmocka_unit_test( test_without_reference_phi_is_unknown ),
+        cmocka_unit_test( test_own_layers_are_found_by_name ),
+        cmocka_unit_test( test_groups_of_files ),
+        cmocka_unit_test( test_files_of_other_programs ),
+        cmocka_unit_test( test_motion_from_camera_matrices ),
+        cmocka_unit_test( test_compensation_beats_plain_on_a_render ),
+        cmocka_unit_test( test_wrong_input_is_refused ),
     };
     return cmocka_run_group_tests_name( "flicker files", tests, make_temp_folder, remove_temp_folder );
 }

@@ -80,7 +80,7 @@ static void write_reference( const char* pattern, int frame )
 }
 
 // The error alternates where it is and stands still along the motion.
-static void test_both( void** state )
+static void test_plain_and_followed_figures_side_by_side( void** state )
 {
     (void)state;
     for ( int frame = 1; frame <= 4; ++frame )
@@ -131,7 +131,7 @@ static void test_both( void** state )
 }
 
 // Pairs whose frames lack the layers are left out of the second figures alone.
-static void test_some_frames( void** state )
+static void test_pairs_without_motion_are_left_out( void** state )
 {
     (void)state;
     for ( int frame = 1; frame <= 5; ++frame )
@@ -158,7 +158,7 @@ static void write_parts( const char* name, const Foreign* parts, int count )
 }
 
 // Depth in the first part, motion in the second, colour in the third, and a normal to be left alone.
-static void test_parts( void** state )
+static void test_layers_found_across_parts( void** state )
 {
     (void)state;
     Foreign parts[4] = {
@@ -216,7 +216,7 @@ static void test_parts( void** state )
 }
 
 // Two eyes in one file: the layers of the part whose colour is measured.
-static void test_views( void** state )
+static void test_layers_of_the_measured_view( void** state )
 {
     (void)state;
     for ( int frame = 1; frame <= 2; ++frame )
@@ -261,10 +261,10 @@ static void test_views( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_both ),
-        cmocka_unit_test( test_some_frames ),
-        cmocka_unit_test( test_parts ),
-        cmocka_unit_test( test_views ),
+        cmocka_unit_test( test_plain_and_followed_figures_side_by_side ),
+        cmocka_unit_test( test_pairs_without_motion_are_left_out ),
+        cmocka_unit_test( test_layers_found_across_parts ),
+        cmocka_unit_test( test_layers_of_the_measured_view ),
     };
     return cmocka_run_group_tests_name( "flicker parts", tests, make_temp_folder, remove_temp_folder );
 }

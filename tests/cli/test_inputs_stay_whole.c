@@ -23,7 +23,7 @@ static void check_kept( const char* name, const char* part, const char* line )
     free( is );
 }
 
-static void test_scene( void** state )
+static void test_scene_is_never_overwritten( void** state )
 {
     (void)state;
     cli_expect(
@@ -45,7 +45,7 @@ static void test_scene( void** state )
     assert_false( cli_exists( "a" ) || cli_exists( "b.svg" ) || cli_exists( "f.json" ) );
 }
 
-static void test_frames( void** state )
+static void test_frames_are_never_overwritten( void** state )
 {
     (void)state;
     cli_expect( cli_run( "$R render $VASE -o s.####.exr --frames 1-2 --size 16x9 --spp 2 --group 0 --quiet" ), 0, NULL );
@@ -59,7 +59,7 @@ static void test_frames( void** state )
     assert_true( cli_exists( "t.3" ) );
 }
 
-static void test_same_file( void** state )
+static void test_names_of_the_same_file_are_known( void** state )
 {
     (void)state;
     assert_true( rf_may_be_same_file( "a.exr", "a.exr" ) && rf_may_be_same_file( "./a.exr", "a.exr" ) );
@@ -72,9 +72,9 @@ static void test_same_file( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_scene ),
-        cmocka_unit_test( test_frames ),
-        cmocka_unit_test( test_same_file ),
+        cmocka_unit_test( test_scene_is_never_overwritten ),
+        cmocka_unit_test( test_frames_are_never_overwritten ),
+        cmocka_unit_test( test_names_of_the_same_file_are_known ),
     };
     return cmocka_run_group_tests_name( "written_files", tests, cli_enter_group, cli_leave_group );
 }

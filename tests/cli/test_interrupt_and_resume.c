@@ -98,7 +98,7 @@ static void check_interrupted_json( const char* name, int kept )
     json_decref( json );
 }
 
-static void test_interrupted( void** state )
+static void test_interrupted_frames_stay_and_resume( void** state )
 {
     (void)state;
     cli_start( "exec $R render $VASE -o i/f.####.exr --json i.json " SLOW );
@@ -113,7 +113,7 @@ static void test_interrupted( void** state )
 }
 
 // Frames of another render lie behind those that are finished.
-static void test_interrupted_overwrite( void** state )
+static void test_interrupted_overwrite_resumes( void** state )
 {
     (void)state;
     cli_expect( cli_run( "$R render $VASE -o o/f.####.exr --seed 2 --size 48x27 --frames 1-8 --spp 1 --group 0 --quiet" ), 0,
@@ -131,7 +131,7 @@ static void test_interrupted_overwrite( void** state )
     cli_expect( cli_run( "for f in whole/*; do cmp $f o/${f#*/} || exit 1; done" ), 0, NULL );
 }
 
-static void test_interrupted_with_time( void** state )
+static void test_interrupted_with_time_resumes( void** state )
 {
     (void)state;
     cli_start( "exec $R render $VASE -o t/f.####.exr --frames 1-8 --size 48x27 --time 0.3 --group 1 --json t.json --quiet" );
@@ -192,7 +192,7 @@ static void expect_seconds( const char* name, bool known )
 }
 
 // The same command again, with all frames there, loses nothing.
-static void test_nothing_left( void** state )
+static void test_resume_of_a_whole_sequence( void** state )
 {
     (void)state;
     cli_expect( cli_run( "$R render $VASE -o n/f.####.exr --json n.json " TINY "&& cp n.json n2.json && "
@@ -219,7 +219,7 @@ static void test_nothing_left( void** state )
 }
 
 // Off a terminal: a line for each frame, with the time spent and the estimate.
-static void test_frame_lines( void** state )
+static void test_a_line_for_each_frame( void** state )
 {
     (void)state;
     const CliResult* result = cli_run( "$R render $VASE -o l.exr --frames 3 --size 16x9 --spp 2 --group 0" );
@@ -232,9 +232,9 @@ static void test_frame_lines( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_interrupted ),           cmocka_unit_test( test_interrupted_overwrite ),
-        cmocka_unit_test( test_interrupted_with_time ), cmocka_unit_test( test_resume_and_overwrite ),
-        cmocka_unit_test( test_nothing_left ),          cmocka_unit_test( test_frame_lines ),
+        cmocka_unit_test( test_interrupted_frames_stay_and_resume ), cmocka_unit_test( test_interrupted_overwrite_resumes ),
+        cmocka_unit_test( test_interrupted_with_time_resumes ),      cmocka_unit_test( test_resume_and_overwrite ),
+        cmocka_unit_test( test_resume_of_a_whole_sequence ),         cmocka_unit_test( test_a_line_for_each_frame ),
     };
     return cmocka_run_group_tests_name( "resume", tests, cli_enter_group, cli_leave_group );
 }

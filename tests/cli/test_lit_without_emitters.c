@@ -38,7 +38,7 @@ static void check( const char* name, const char* text, const char* lights, const
         assert_non_null( strstr( render->err, warning ) );
 }
 
-static void test_lights( void** state )
+static void test_lamps_sky_and_darkness_are_told( void** state )
 {
     (void)state;
     cli_enter();
@@ -54,6 +54,6 @@ static void test_lights( void** state )
 
 int main( void )
 {
-    const struct CMUnitTest tests[] = { cmocka_unit_test( test_lights ) };
+    const struct CMUnitTest tests[] = { cmocka_unit_test( test_lamps_sky_and_darkness_are_told ) };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

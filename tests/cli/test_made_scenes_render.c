@@ -18,7 +18,7 @@ static const char* const s_scenes[] = {
     "still-life-no-glass.glb", "turntable.json",   "textured-room.glb",      "office-floor.glb",
 };
 
-static void test_render( void** state )
+static void test_every_scene_renders_without_a_warning( void** state )
 {
     (void)state;
     for ( size_t i = 0; i < sizeof s_scenes / sizeof s_scenes[0]; ++i )
@@ -39,7 +39,7 @@ static void test_render( void** state )
 }
 
 // Without a bounce nothing is lit of what the camera sees.
-static void test_bounced_only( void** state )
+static void test_bounced_room_is_dark_without_a_bounce( void** state )
 {
     (void)state;
     for ( int frame = 1; frame <= 48; frame += 47 )
@@ -51,7 +51,7 @@ static void test_bounced_only( void** state )
     }
 }
 
-static void test_many( void** state )
+static void test_a_million_triangles_load_in_time( void** state )
 {
     (void)state;
     struct timespec start, end;
@@ -68,7 +68,7 @@ static void test_many( void** state )
 #endif
 }
 
-static void test_office( void** state )
+static void test_office_floor_renders( void** state )
 {
     (void)state;
     const CliResult* result = cli_run( "$R info '" REFRAME_SCENE_FOLDER "/office-floor.glb'" );
@@ -80,10 +80,10 @@ static void test_office( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_render ),
-        cmocka_unit_test( test_bounced_only ),
-        cmocka_unit_test( test_many ),
-        cmocka_unit_test( test_office ),
+        cmocka_unit_test( test_every_scene_renders_without_a_warning ),
+        cmocka_unit_test( test_bounced_room_is_dark_without_a_bounce ),
+        cmocka_unit_test( test_a_million_triangles_load_in_time ),
+        cmocka_unit_test( test_office_floor_renders ),
     };
     return cmocka_run_group_tests( tests, cli_enter_group, cli_leave_group );
 }

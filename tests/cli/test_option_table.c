@@ -137,7 +137,7 @@ static void test_defaults_and_keywords( void** state )
     assert_true( s_help );
 }
 
-static void test_wrong_numbers( void** state )
+static void test_wrong_numbers_are_refused( void** state )
 {
     (void)state;
     static const char* const wrong[] = { "0", "-1", "1048577", "7x", "0x7", "7.0", "+7", "1e3", "99999999999999999999" };
@@ -158,7 +158,7 @@ static void test_wrong_numbers( void** state )
     expect_error( "a --exposure 1.5.5", "--exposure: wants a number from -32 to 32, got '1.5.5'" );
 }
 
-static void test_wrong_words( void** state )
+static void test_wrong_words_are_refused( void** state )
 {
     (void)state;
     static const char* const sizes[] = { "960", "960x", "x540", "0x5", "960x540x3", "32769x1", "1X1" };
@@ -183,7 +183,7 @@ static void test_wrong_words( void** state )
     expect_error( "a --weights Exact", "--weights: wants one of exact, eq15 or unweighted, got 'Exact'" );
 }
 
-static void test_wrong_shape( void** state )
+static void test_wrong_shape_is_refused( void** state )
 {
     (void)state;
     expect_error( "a --sppp 3", "--sppp: no such option, did you mean --spp?" );
@@ -202,7 +202,7 @@ static void test_wrong_shape( void** state )
 }
 
 // The last file may be more than one where the table says so.
-static void test_more_files( void** state )
+static void test_last_file_may_be_many( void** state )
 {
     (void)state;
     static const char* const names[] = { "A", "DIR" };
@@ -258,12 +258,9 @@ static void test_help_names_every_option( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_every_type_in_any_order ),
-        cmocka_unit_test( test_defaults_and_keywords ),
-        cmocka_unit_test( test_wrong_numbers ),
-        cmocka_unit_test( test_wrong_words ),
-        cmocka_unit_test( test_more_files ),
-        cmocka_unit_test( test_wrong_shape ),
+        cmocka_unit_test( test_every_type_in_any_order ),   cmocka_unit_test( test_defaults_and_keywords ),
+        cmocka_unit_test( test_wrong_numbers_are_refused ), cmocka_unit_test( test_wrong_words_are_refused ),
+        cmocka_unit_test( test_last_file_may_be_many ),     cmocka_unit_test( test_wrong_shape_is_refused ),
         cmocka_unit_test( test_help_names_every_option ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );

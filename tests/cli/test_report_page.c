@@ -21,7 +21,7 @@ static json_t* parse_json( const char* text )
     return json;
 }
 
-static void test_two_and_a_reference( void** state )
+static void test_two_sequences_against_a_reference( void** state )
 {
     (void)state;
     page_make_folder( "t/a" );
@@ -63,7 +63,7 @@ static void test_two_and_a_reference( void** state )
 }
 
 // No name ends the script that it stands in, or begins another.
-static void test_hostile_names( void** state )
+static void test_hostile_names_stay_text( void** state )
 {
     (void)state;
     static const char hostile[] = "</script><script>alert(1)</script><!--<b>&\"'";
@@ -104,7 +104,7 @@ static void test_hostile_names( void** state )
     "\"peak_bytes\":2500000,"                                                                                                    \
     "\"rays\":{\"primary\":1000,\"eye\":2500000},\"effects\":[\"diffuse\",\"</script>\"]}"
 
-static void test_json_of_others( void** state )
+static void test_json_of_render_and_cost_is_read( void** state )
 {
     (void)state;
     page_make_folder( "j" );
@@ -176,7 +176,7 @@ static void test_estimates_in_headers( void** state )
 }
 
 // What the reference says of itself is no error of it.
-static void test_reference_with_json( void** state )
+static void test_reference_json_is_no_error( void** state )
 {
     (void)state;
     page_make_folder( "q/a" );
@@ -193,7 +193,7 @@ static void test_reference_with_json( void** state )
     json_decref( data );
 }
 
-static void test_width( void** state )
+static void test_width_shrinks_pictures( void** state )
 {
     (void)state;
     page_write_frame( "w.exr", 100, 50, 1.0f, NULL, 0 );
@@ -207,7 +207,7 @@ static void test_width( void** state )
 }
 
 // What render leaves, its JSON too.
-static void test_rendered( void** state )
+static void test_render_output_as_it_is( void** state )
 {
     (void)state;
     cli_expect(
@@ -229,7 +229,7 @@ static void test_rendered( void** state )
     json_decref( data );
 }
 
-static void test_refused( void** state )
+static void test_wrong_input_is_refused( void** state )
 {
     (void)state;
     page_make_folder( "x/a" );
@@ -269,14 +269,14 @@ static void test_refused( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_two_and_a_reference ),
-        cmocka_unit_test( test_hostile_names ),
-        cmocka_unit_test( test_json_of_others ),
+        cmocka_unit_test( test_two_sequences_against_a_reference ),
+        cmocka_unit_test( test_hostile_names_stay_text ),
+        cmocka_unit_test( test_json_of_render_and_cost_is_read ),
         cmocka_unit_test( test_estimates_in_headers ),
-        cmocka_unit_test( test_width ),
-        cmocka_unit_test( test_reference_with_json ),
-        cmocka_unit_test( test_rendered ),
-        cmocka_unit_test( test_refused ),
+        cmocka_unit_test( test_width_shrinks_pictures ),
+        cmocka_unit_test( test_reference_json_is_no_error ),
+        cmocka_unit_test( test_render_output_as_it_is ),
+        cmocka_unit_test( test_wrong_input_is_refused ),
     };
     return cmocka_run_group_tests_name( "report", tests, cli_enter_group, cli_leave_group );
 }

@@ -159,7 +159,7 @@ static void test_mutated_defaults( void** state )
     assert_true( read > 0 );
 }
 
-static void test_info( void** state )
+static void test_info_reads_scene_files( void** state )
 {
     (void)state;
     write_text( "scene.json", "{\"scene\":\"room.gltf\",\"camera\":{\"kind\":\"orbit\",\"center\":[0,0,-2],\"radius\":3,"
@@ -172,7 +172,7 @@ static void test_info( void** state )
     assert_non_null( strstr( result->out, "path: 21 frames at 10 frames/s" ) );
 }
 
-static void test_camera_option( void** state )
+static void test_camera_option_takes_a_path_file( void** state )
 {
     (void)state;
     write_text( "move.json", PATH );
@@ -192,7 +192,7 @@ static void test_camera_option( void** state )
 }
 
 // Of more frames than there may be: the file's fault, told with its place in it.
-static void test_too_long( void** state )
+static void test_too_many_frames_is_the_files_fault( void** state )
 {
     (void)state;
 #define DOLLY "\"kind\":\"dolly\",\"from\":[0,0,5],\"to\":[0,0,3],\"target\":[0,0,0],\"duration\":1e6"
@@ -247,7 +247,7 @@ static void expect_same_keys( const json_t* properties, const char* line )
     assert_int_equal( json_object_size( properties ), known + notes );
 }
 
-static void test_schemas( void** state )
+static void test_schemas_match_the_readers( void** state )
 {
     (void)state;
     static const char* const objects[][2] = {
@@ -309,7 +309,7 @@ static int count_examples( const char* folder, const char* command )
 }
 
 // Every file of anim/ and scenes/ renders, beginning, middle and end.
-static void test_examples( void** state )
+static void test_every_example_renders( void** state )
 {
     (void)state;
     cli_run( "mkdir tree tree/out; cp -r %s/anim %s/scenes tree/; cp $VASE tree/scenes/vase-room.glb", REFRAME_SOURCE_DIR,
@@ -337,10 +337,14 @@ static int leave( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_render_defaults ),  cmocka_unit_test( test_render_faults ),
-        cmocka_unit_test( test_mutated_defaults ), cmocka_unit_test( test_info ),
-        cmocka_unit_test( test_camera_option ),    cmocka_unit_test( test_too_long ),
-        cmocka_unit_test( test_schemas ),          cmocka_unit_test( test_examples ),
+        cmocka_unit_test( test_render_defaults ),
+        cmocka_unit_test( test_render_faults ),
+        cmocka_unit_test( test_mutated_defaults ),
+        cmocka_unit_test( test_info_reads_scene_files ),
+        cmocka_unit_test( test_camera_option_takes_a_path_file ),
+        cmocka_unit_test( test_too_many_frames_is_the_files_fault ),
+        cmocka_unit_test( test_schemas_match_the_readers ),
+        cmocka_unit_test( test_every_example_renders ),
     };
     return cmocka_run_group_tests_name( "scene file", tests, enter, leave );
 }

@@ -97,7 +97,7 @@ static void check_plot( const char* svg, const json_t* tune )
 }
 
 // Table, JSON and plot; the command that it gives is taken by render.
-static void test_command( void** state )
+static void test_command_it_gives_is_taken_by_render( void** state )
 {
     (void)state;
     static const char options[] = "--size=16x9 --spp 5 --frames 20-21 --seed 7 --no-tile-roulette --memory 200M --max-depth 4";
@@ -128,7 +128,7 @@ static void test_command( void** state )
     assert_true( said->out[0] == '{' && strncmp( said->err, "reframe tune: round 1: 35 settings at 16x9", 42 ) == 0 );
 }
 
-static void test_quoting( void** state )
+static void test_names_are_quoted_for_the_shell( void** state )
 {
     (void)state;
     cli_expect( cli_run( "cp $VASE \"a b'c.glb\"" ), 0, NULL );
@@ -143,7 +143,7 @@ static void test_quoting( void** state )
     json_decref( tune );
 }
 
-static void test_command_errors( void** state )
+static void test_wrong_commands_are_refused( void** state )
 {
     (void)state;
     char text[256];
@@ -171,7 +171,7 @@ static void test_command_errors( void** state )
 }
 
 // The budget that the error names works; what does not fit stays in table and JSON.
-static void test_least_budget( void** state )
+static void test_named_least_budget_works( void** state )
 {
     (void)state;
     static const char command[] =
@@ -204,7 +204,7 @@ static void test_least_budget( void** state )
     json_decref( tune );
 }
 
-static void test_signal( void** state )
+static void test_interrupt_exits_130( void** state )
 {
     (void)state;
     cli_start( "exec $R tune $VASE --size 320x200 --budget 1000 --quiet > out.txt" );
@@ -215,8 +215,11 @@ static void test_signal( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_command ),      cmocka_unit_test( test_quoting ), cmocka_unit_test( test_command_errors ),
-        cmocka_unit_test( test_least_budget ), cmocka_unit_test( test_signal ),
+        cmocka_unit_test( test_command_it_gives_is_taken_by_render ),
+        cmocka_unit_test( test_names_are_quoted_for_the_shell ),
+        cmocka_unit_test( test_wrong_commands_are_refused ),
+        cmocka_unit_test( test_named_least_budget_works ),
+        cmocka_unit_test( test_interrupt_exits_130 ),
     };
     return cmocka_run_group_tests( tests, cli_enter_group, cli_leave_group );
 }

@@ -20,7 +20,7 @@
 
 #include <cmocka.h>
 
-static void test_refusals( void** state )
+static void test_wrong_files_and_options_are_refused( void** state )
 {
     (void)state;
     convert_write_obj();
@@ -70,7 +70,7 @@ static const char s_eats[] =
 #define CRASHED "crashes.ply: the importer crashed on it (Segmentation fault): export it as glTF"
 #endif
 
-static void test_bad_importer( void** state )
+static void test_bad_importer_is_one_line( void** state )
 {
     (void)state;
     convert_write( "hangs.ply", s_hangs );
@@ -90,7 +90,7 @@ static void test_bad_importer( void** state )
 }
 
 // Our own reader says of the same files, at once, where they are wrong.
-static void test_ply( void** state )
+static void test_own_ply_reader_says_where( void** state )
 {
     (void)state;
     convert_write( "hangs.ply", s_hangs );
@@ -110,7 +110,7 @@ static void test_ply( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_interrupt( void** state )
+static void test_interrupt_leaves_no_file( void** state )
 {
     (void)state;
     convert_write( "hangs.ply", s_hangs );
@@ -207,8 +207,12 @@ static void test_writer_refuses( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        TEST( test_refusals ),  TEST( test_bad_importer ),    TEST( test_ply ),
-        TEST( test_interrupt ), TEST( test_no_process_left ), TEST( test_writer_refuses ),
+        TEST( test_wrong_files_and_options_are_refused ),
+        TEST( test_bad_importer_is_one_line ),
+        TEST( test_own_ply_reader_says_where ),
+        TEST( test_interrupt_leaves_no_file ),
+        TEST( test_no_process_left ),
+        TEST( test_writer_refuses ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

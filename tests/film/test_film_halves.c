@@ -64,7 +64,7 @@ static double equation_2( double ae, double be, double ao, double bo )
     return 0.5 * ( ae + co * ( 1.0 - be ) ) + 0.5 * ( ao + ce * ( 1.0 - bo ) );
 }
 
-static void test_by_hand( void** state )
+static void test_combined_halves_by_hand( void** state )
 {
     (void)state;
     Film f = make_film( 2, 1, 2, 3 );
@@ -260,7 +260,7 @@ static void test_whole_weights_give_the_plain_mean( void** state )
     check_plain_mean( 700, 701 );
 }
 
-static void test_empty_halves( void** state )
+static void test_empty_halves_leave_the_other( void** state )
 {
     (void)state;
     static const RfFilmCombine combines[] = { RF_FILM_CROSSFIT, RF_FILM_RATIO, RF_FILM_PLAIN };
@@ -346,7 +346,7 @@ static void check_unbiased( int even, int odd )
     free_film( &f );
 }
 
-static void test_without_bias( void** state )
+static void test_combination_has_no_bias( void** state )
 {
     (void)state;
     check_unbiased( 1, 1 );
@@ -383,7 +383,7 @@ static void check_relmse( RfFilmCombine combine, int even, int odd )
     free_film( &f );
 }
 
-static void test_relmse_estimate( void** state )
+static void test_difference_estimates_relmse( void** state )
 {
     (void)state;
     for ( int c = RF_FILM_CROSSFIT; c <= RF_FILM_PLAIN; ++c )
@@ -397,15 +397,15 @@ static void test_relmse_estimate( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_by_hand ),
+        cmocka_unit_test( test_combined_halves_by_hand ),
         cmocka_unit_test( test_long_sums_do_not_drift ),
         cmocka_unit_test( test_totals_are_part_of_the_sum ),
         cmocka_unit_test( test_equal_halves_are_equation_2 ),
         cmocka_unit_test( test_whole_weights_give_the_plain_mean ),
-        cmocka_unit_test( test_empty_halves ),
+        cmocka_unit_test( test_empty_halves_leave_the_other ),
         cmocka_unit_test( test_a_pass_of_weight_3_counts_three_times ),
-        cmocka_unit_test( test_without_bias ),
-        cmocka_unit_test( test_relmse_estimate ),
+        cmocka_unit_test( test_combination_has_no_bias ),
+        cmocka_unit_test( test_difference_estimates_relmse ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -48,7 +48,7 @@ static void fill( uint8_t* pixels, size_t count )
     }
 }
 
-static void test_png( void** state )
+static void test_png_comes_out_as_it_went_in( void** state )
 {
     (void)state;
     uint8_t pixels[WIDTH * HEIGHT * 4];
@@ -69,7 +69,7 @@ static void test_png( void** state )
 }
 
 // The numbers of the file, although it names a gamma.
-static void test_png16( void** state )
+static void test_png16_ignores_gamma( void** state )
 {
     (void)state;
     uint16_t pixels[WIDTH * HEIGHT * 3];
@@ -87,7 +87,7 @@ static void test_png16( void** state )
     }
 }
 
-static void test_jpeg( void** state )
+static void test_jpeg_comes_out_nearly( void** state )
 {
     (void)state;
     uint8_t pixels[WIDTH * HEIGHT * 4];
@@ -113,7 +113,7 @@ static void test_jpeg( void** state )
     free( bytes );
 }
 
-static void test_exr( void** state )
+static void test_exr_comes_out_as_it_went_in( void** state )
 {
     (void)state;
     float pixels[WIDTH * HEIGHT * 3];
@@ -130,7 +130,7 @@ static void test_exr( void** state )
     free( bytes );
 }
 
-static void test_hdr( void** state )
+static void test_hdr_comes_out_as_it_went_in( void** state )
 {
     (void)state;
     uint8_t pixels[300 * 4 * 4];
@@ -160,7 +160,7 @@ static void test_hdr( void** state )
 
 // Every format, cut off everywhere and with bytes changed anywhere: an error
 // or an image, never a crash, a hang or half an image.
-static void test_damage( void** state )
+static void test_damage_never_crashes( void** state )
 {
     (void)state;
     uint8_t pixels[WIDTH * HEIGHT * 4];
@@ -209,7 +209,7 @@ static void test_damage( void** state )
     }
 }
 
-static void test_refused( void** state )
+static void test_wrong_images_are_refused( void** state )
 {
     (void)state;
     uint8_t bytes[64] = { 0 };
@@ -296,10 +296,10 @@ static void test_environment_map( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_png ),     cmocka_unit_test( test_png16 ),
-        cmocka_unit_test( test_jpeg ),    cmocka_unit_test( test_exr ),
-        cmocka_unit_test( test_hdr ),     cmocka_unit_test( test_damage ),
-        cmocka_unit_test( test_refused ), cmocka_unit_test( test_environment_map ),
+        cmocka_unit_test( test_png_comes_out_as_it_went_in ), cmocka_unit_test( test_png16_ignores_gamma ),
+        cmocka_unit_test( test_jpeg_comes_out_nearly ),       cmocka_unit_test( test_exr_comes_out_as_it_went_in ),
+        cmocka_unit_test( test_hdr_comes_out_as_it_went_in ), cmocka_unit_test( test_damage_never_crashes ),
+        cmocka_unit_test( test_wrong_images_are_refused ),    cmocka_unit_test( test_environment_map ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

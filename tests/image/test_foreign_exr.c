@@ -160,7 +160,7 @@ static void check_refused( const Layout* layout, RfResult wanted, const char* wo
     assert_null( image.rgb );
 }
 
-static void test_layouts( void** state )
+static void test_every_layout_is_read( void** state )
 {
     (void)state;
     const exr_compression_t compressions[] = { EXR_COMPRESSION_NONE, EXR_COMPRESSION_RLE, EXR_COMPRESSION_ZIPS,
@@ -176,7 +176,7 @@ static void test_layouts( void** state )
     }
 }
 
-static void test_multi_part( void** state )
+static void test_parts_are_found( void** state )
 {
     (void)state;
     Layout layout = default_layout();
@@ -186,7 +186,7 @@ static void test_multi_part( void** state )
     check_layout( &layout, 2, 1, 0 );
 }
 
-static void test_channel_names( void** state )
+static void test_channel_names_of_others( void** state )
 {
     (void)state;
     const struct
@@ -281,7 +281,7 @@ static void test_refused_compression( void** state )
     free( bytes );
 }
 
-static void test_deep( void** state )
+static void test_deep_images_are_refused( void** state )
 {
     (void)state;
     Layout layout = default_layout();
@@ -302,7 +302,7 @@ static void test_deep( void** state )
     assert_non_null( strstr( error.text, "deep" ) );
 }
 
-static void test_no_image( void** state )
+static void test_no_image_is_one_line( void** state )
 {
     (void)state;
     RfImage image;
@@ -322,7 +322,7 @@ static void test_no_image( void** state )
     }
 }
 
-static void test_truncated( void** state )
+static void test_truncated_files_fail( void** state )
 {
     (void)state;
     for ( int c = 0; c < 5; ++c )
@@ -360,7 +360,7 @@ static void mutate( char* bytes, size_t size, uint32_t* seed )
 }
 
 // Any result will do; the sanitizers and the clock are the judges.
-static void test_mutations( void** state )
+static void test_mutations_never_crash( void** state )
 {
     (void)state;
     const char* rounds_text = getenv( "REFRAME_FUZZ_ROUNDS" );
@@ -395,15 +395,11 @@ static void test_mutations( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_layouts ),
-        cmocka_unit_test( test_multi_part ),
-        cmocka_unit_test( test_channel_names ),
-        cmocka_unit_test( test_refused_channels ),
-        cmocka_unit_test( test_refused_compression ),
-        cmocka_unit_test( test_deep ),
-        cmocka_unit_test( test_no_image ),
-        cmocka_unit_test( test_truncated ),
-        cmocka_unit_test( test_mutations ),
+        cmocka_unit_test( test_every_layout_is_read ),    cmocka_unit_test( test_parts_are_found ),
+        cmocka_unit_test( test_channel_names_of_others ), cmocka_unit_test( test_refused_channels ),
+        cmocka_unit_test( test_refused_compression ),     cmocka_unit_test( test_deep_images_are_refused ),
+        cmocka_unit_test( test_no_image_is_one_line ),    cmocka_unit_test( test_truncated_files_fail ),
+        cmocka_unit_test( test_mutations_never_crash ),
     };
     return cmocka_run_group_tests_name( "exr_read", tests, make_temp_folder, remove_temp_folder );
 }

@@ -103,7 +103,7 @@ static void test_round_trip_half( void** state )
     rf_destroy_image( &image );
 }
 
-static void test_equal_bytes( void** state )
+static void test_same_image_same_bytes( void** state )
 {
     (void)state;
     RfImage image = make_image( 64, 40, 9 );
@@ -124,7 +124,7 @@ static void test_equal_bytes( void** state )
     rf_destroy_image( &image );
 }
 
-static void test_attributes( void** state )
+static void test_attributes_round_trip( void** state )
 {
     (void)state;
     RfImage image = make_image( 20, 10, 1 );
@@ -174,9 +174,9 @@ static void test_attributes( void** state )
     exr_finish( &context );
 }
 
-static void test_read_string( void** state )
+static void test_strings_are_found_in_headers( void** state )
 {
-    (void)state; // the file of test_attributes
+    (void)state; // the file of test_attributes_round_trip
     const char* path = temp_path( "attributes.exr" );
     char value[16];
     RfError error;
@@ -192,7 +192,7 @@ static void test_read_string( void** state )
     assert_int_equal( rf_read_exr_string( temp_path( "none.exr" ), "x", value, sizeof value, &error ), RF_ERROR_IO );
 }
 
-static void test_png( void** state )
+static void test_png_is_srgb_of_the_light( void** state )
 {
     (void)state;
     RfImage image = make_image( 5, 2, 1 );
@@ -229,7 +229,7 @@ static void check_refused( const char* path, RfResult wanted )
     rf_destroy_image( &image );
 }
 
-static void test_refused_places( void** state )
+static void test_unwritable_places_are_told( void** state )
 {
     (void)state;
     RfError error;
@@ -249,7 +249,7 @@ static void test_refused_places( void** state )
     assert_int_equal( rmdir( temp_path( "folder" ) ), 0 );
 }
 
-static void test_text_and_links( void** state )
+static void test_links_are_followed( void** state )
 {
     (void)state;
     RfError error;
@@ -282,7 +282,7 @@ static void set_file_limit( rlim_t limit )
     assert_int_equal( setrlimit( RLIMIT_FSIZE, &value ), 0 );
 }
 
-static void test_full_disk( void** state )
+static void test_full_disk_leaves_no_part( void** state )
 {
     (void)state;
     RfError error;
@@ -333,7 +333,7 @@ static void test_full_disk_keeps_old( void** state )
     rf_destroy_image( &image );
 }
 
-static void test_sequence_names( void** state )
+static void test_sequence_names_are_read_and_made( void** state )
 {
     (void)state;
     char name[64];
@@ -373,7 +373,7 @@ static void test_sequence_frames( void** state )
     assert_int_equal( rf_sequence_frames( temp_path( "s.exr" ), &frames, &count, &error ), RF_ERROR_USAGE );
 }
 
-static void test_create_image( void** state )
+static void test_image_sizes_are_checked( void** state )
 {
     (void)state;
     RfImage image;
@@ -392,20 +392,13 @@ static void test_create_image( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_create_image ),
-        cmocka_unit_test( test_round_trip_float ),
-        cmocka_unit_test( test_round_trip_incompressible ),
-        cmocka_unit_test( test_half_rounding ),
-        cmocka_unit_test( test_round_trip_half ),
-        cmocka_unit_test( test_equal_bytes ),
-        cmocka_unit_test( test_attributes ),
-        cmocka_unit_test( test_read_string ),
-        cmocka_unit_test( test_png ),
-        cmocka_unit_test( test_refused_places ),
-        cmocka_unit_test( test_text_and_links ),
-        cmocka_unit_test( test_full_disk ),
-        cmocka_unit_test( test_full_disk_keeps_old ),
-        cmocka_unit_test( test_sequence_names ),
+        cmocka_unit_test( test_image_sizes_are_checked ),   cmocka_unit_test( test_round_trip_float ),
+        cmocka_unit_test( test_round_trip_incompressible ), cmocka_unit_test( test_half_rounding ),
+        cmocka_unit_test( test_round_trip_half ),           cmocka_unit_test( test_same_image_same_bytes ),
+        cmocka_unit_test( test_attributes_round_trip ),     cmocka_unit_test( test_strings_are_found_in_headers ),
+        cmocka_unit_test( test_png_is_srgb_of_the_light ),  cmocka_unit_test( test_unwritable_places_are_told ),
+        cmocka_unit_test( test_links_are_followed ),        cmocka_unit_test( test_full_disk_leaves_no_part ),
+        cmocka_unit_test( test_full_disk_keeps_old ),       cmocka_unit_test( test_sequence_names_are_read_and_made ),
         cmocka_unit_test( test_sequence_frames ),
     };
     return cmocka_run_group_tests_name( "image", tests, make_temp_folder, remove_temp_folder );

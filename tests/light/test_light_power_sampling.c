@@ -137,7 +137,7 @@ static void test_two_sided_counts_double( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_picks( void** state )
+static void test_picks_follow_power( void** state )
 {
     (void)state;
     enum
@@ -201,7 +201,7 @@ static void test_small_among_many( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_no_lights( void** state )
+static void test_no_lights_no_picks( void** state )
 {
     (void)state;
     RfScene empty = { 0 };
@@ -299,7 +299,7 @@ static void check_square( const Receiver* receiver, bool facing, bool two_sided,
     rf_destroy_scene( &scene );
 }
 
-static void test_square_light( void** state )
+static void test_square_light_is_lambert_s_formula( void** state )
 {
     (void)state;
     for ( int k = 0; k < 2; ++k )
@@ -319,10 +319,10 @@ int main( void )
         cmocka_unit_test( test_who_is_a_light ),
         cmocka_unit_test( test_shares_and_densities ),
         cmocka_unit_test( test_two_sided_counts_double ),
-        cmocka_unit_test( test_picks ),
+        cmocka_unit_test( test_picks_follow_power ),
         cmocka_unit_test( test_small_among_many ),
-        cmocka_unit_test( test_no_lights ),
-        cmocka_unit_test( test_square_light ),
+        cmocka_unit_test( test_no_lights_no_picks ),
+        cmocka_unit_test( test_square_light_is_lambert_s_formula ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

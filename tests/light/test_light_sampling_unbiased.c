@@ -110,7 +110,7 @@ static void check_same_mean( const RfTracer* tracer, int light_samples, int grou
     }
 }
 
-static void test_same_mean( void** state )
+static void test_tree_and_power_have_the_same_mean( void** state )
 {
     (void)state;
     RfScene scene = make_lamps();
@@ -121,7 +121,7 @@ static void test_same_mean( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_same_bits( void** state )
+static void test_tree_is_the_plain_tracer_to_the_bit( void** state )
 {
     (void)state;
     RfScene scene = make_lamps();
@@ -153,6 +153,7 @@ static void test_same_bits( void** state )
 int main( void )
 {
     rf_set_float_mode();
-    const struct CMUnitTest tests[] = { cmocka_unit_test( test_same_mean ), cmocka_unit_test( test_same_bits ) };
+    const struct CMUnitTest tests[] = { cmocka_unit_test( test_tree_and_power_have_the_same_mean ),
+                                        cmocka_unit_test( test_tree_is_the_plain_tracer_to_the_bit ) };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -85,7 +85,7 @@ static void test_middle_of_the_map( void** state )
 }
 
 // ∫ p = 1, p > 0 wherever there is light, and E[L / p] = ∫ L by uniform directions.
-static void test_density( void** state )
+static void test_density_integrates_to_one( void** state )
 {
     (void)state;
     enum
@@ -234,7 +234,7 @@ static void check_lamp( RfPunctual lamp, double irradiance )
     free_rendered( &r );
 }
 
-static void test_lamps_by_hand( void** state )
+static void test_lamps_by_closed_form( void** state )
 {
     (void)state;
     RfPunctual lamp = make_point_light( rf_vec3( 0, 2, 0 ), 8.0f );
@@ -326,10 +326,10 @@ static void test_eye_inside_of_glass( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_middle_of_the_map ), cmocka_unit_test( test_eye_inside_of_glass ),
-        cmocka_unit_test( test_density ),           cmocka_unit_test( test_directions_follow_the_density ),
-        cmocka_unit_test( test_black_is_no_sky ),   cmocka_unit_test( test_lamps_by_hand ),
-        cmocka_unit_test( test_floor_under_a_sky ), cmocka_unit_test( test_lossless_things_are_invisible ),
+        cmocka_unit_test( test_middle_of_the_map ),         cmocka_unit_test( test_eye_inside_of_glass ),
+        cmocka_unit_test( test_density_integrates_to_one ), cmocka_unit_test( test_directions_follow_the_density ),
+        cmocka_unit_test( test_black_is_no_sky ),           cmocka_unit_test( test_lamps_by_closed_form ),
+        cmocka_unit_test( test_floor_under_a_sky ),         cmocka_unit_test( test_lossless_things_are_invisible ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -35,7 +35,7 @@ static void assert_error_below( const char* name, double error, double limit )
     assert_true( error < limit );
 }
 
-static void test_log2( void** state )
+static void test_log2_is_accurate( void** state )
 {
     (void)state;
     double near_one = 0.0, anywhere = 0.0;
@@ -54,7 +54,7 @@ static void test_log2( void** state )
     assert_true( rf_log2( 0.0f ) < -126.0f );
 }
 
-static void test_exp2( void** state )
+static void test_exp2_is_accurate( void** state )
 {
     (void)state;
     double value = 0.0, difference = 0.0;
@@ -82,7 +82,7 @@ static double power_error( double value, double log2_reference )
     return relative_error( value, exp2( log2_reference ) ) / ( 1.0 + 0.5 * fabs( log2_reference ) );
 }
 
-static void test_pow( void** state )
+static void test_pow_is_accurate( void** state )
 {
     (void)state;
     double plain = 0.0, one_minus = 0.0;
@@ -115,7 +115,7 @@ static void test_pow_at_the_ends( void** state )
     assert_true( rf_pow( FLT_MIN, 1e6f ) == 0.0f );
 }
 
-static void test_sincos( void** state )
+static void test_sincos_is_accurate( void** state )
 {
     (void)state;
     double worst = 0.0;
@@ -139,9 +139,9 @@ static void test_sincos( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_log2 ),   cmocka_unit_test( test_exp2 ),
-        cmocka_unit_test( test_pow ),    cmocka_unit_test( test_pow_at_the_ends ),
-        cmocka_unit_test( test_sincos ),
+        cmocka_unit_test( test_log2_is_accurate ),   cmocka_unit_test( test_exp2_is_accurate ),
+        cmocka_unit_test( test_pow_is_accurate ),    cmocka_unit_test( test_pow_at_the_ends ),
+        cmocka_unit_test( test_sincos_is_accurate ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

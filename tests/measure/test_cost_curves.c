@@ -71,7 +71,7 @@ static void check_curve( const RfCostCurve* c )
     assert_true( c->relmse > 0.0 && c->sample_seconds > 0.0 && c->finish_seconds >= 0.0 );
 }
 
-static void test_curves( void** state )
+static void test_both_curves_are_rendered( void** state )
 {
     (void)state;
     Setup s;
@@ -93,7 +93,7 @@ static void test_curves( void** state )
 }
 
 // A path of one frame, and of two, which is one group.
-static void test_short_paths( void** state )
+static void test_short_paths_have_curves( void** state )
 {
     (void)state;
     for ( int eyes = 1; eyes <= 2; ++eyes )
@@ -128,7 +128,7 @@ static bool no_more( void* user )
     return false;
 }
 
-static void test_interruption( void** state )
+static void test_interruption_returns_no_rows( void** state )
 {
     (void)state;
     Setup s;
@@ -146,7 +146,7 @@ static void near( double value, double expected ) { assert_true( fabs( value / e
 
 // By hand: error 0.7 of one sample, 0.07 wanted, 10 samples; a second for each
 // sample of a pixel, 5 for finishing.
-static void test_prediction( void** state )
+static void test_predictions_by_hand( void** state )
 {
     (void)state;
     Setup s;
@@ -180,7 +180,7 @@ static void test_prediction( void** state )
     end( &s );
 }
 
-static void test_command( void** state )
+static void test_command_says_what_json_says( void** state )
 {
     (void)state;
     cli_enter();
@@ -231,7 +231,7 @@ static void test_command( void** state )
     cli_leave();
 }
 
-static void test_errors( void** state )
+static void test_wrong_commands_are_refused( void** state )
 {
     (void)state;
     cli_enter();
@@ -249,9 +249,10 @@ static void test_errors( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_curves ),       cmocka_unit_test( test_short_paths ), cmocka_unit_test( test_nothing_to_compare ),
-        cmocka_unit_test( test_interruption ), cmocka_unit_test( test_prediction ),  cmocka_unit_test( test_command ),
-        cmocka_unit_test( test_errors ),
+        cmocka_unit_test( test_both_curves_are_rendered ),   cmocka_unit_test( test_short_paths_have_curves ),
+        cmocka_unit_test( test_nothing_to_compare ),         cmocka_unit_test( test_interruption_returns_no_rows ),
+        cmocka_unit_test( test_predictions_by_hand ),        cmocka_unit_test( test_command_says_what_json_says ),
+        cmocka_unit_test( test_wrong_commands_are_refused ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

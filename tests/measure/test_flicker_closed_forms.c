@@ -66,7 +66,7 @@ static void test_frozen_and_alternating( void** state )
 }
 
 // The definition summed naively; scaling; the order of the two frames.
-static void test_properties( void** state )
+static void test_definition_scaling_and_symmetry( void** state )
 {
     (void)state;
     RfFlickerFrame a = make_frame( 1 ), b = make_frame( 2 ), c = make_frame( 3 );
@@ -109,7 +109,7 @@ static void test_properties( void** state )
 
 // A texture that moved by whole pixels: nothing is left along the motion, and what
 // came in from outside does not count.
-static void test_whole_shift( void** state )
+static void test_whole_shifts_leave_nothing( void** state )
 {
     (void)state;
     enum
@@ -142,7 +142,7 @@ static void test_whole_shift( void** state )
 
 // x² + y² moved by (u, v) of a pixel: linear interpolation is too large by
 // u (1 − u) + v (1 − v), everywhere.
-static void test_part_of_a_pixel( void** state )
+static void test_shifts_of_parts_of_a_pixel( void** state )
 {
     (void)state;
     static const float shifts[][2] = { { 0.5f, 0.0f }, { 0.25f, 0.0f }, { 0.0f, 0.75f }, { 0.25f, 0.5f } };
@@ -198,7 +198,7 @@ static void test_noise_between_pixels( void** state )
 
 // A square in front of a wall, 1 m before 4 m, moves 6 pixels to the right over it.
 // Six of its columns uncover the wall; depth takes just those out.
-static void test_depth_masks( void** state )
+static void test_depth_takes_out_what_is_uncovered( void** state )
 {
     (void)state;
     enum
@@ -271,7 +271,7 @@ static void set_camera( RfFlickerFrame* frame, uint32_t seed, double forward )
 }
 
 // The expected depth against the points themselves, and a dolly of 10 % a frame.
-static void test_expected_depth( void** state )
+static void test_expected_depth_of_a_dolly( void** state )
 {
     (void)state;
     RfFlickerFrame before = make_frame( 1 ), now = make_frame( 2 );
@@ -304,7 +304,7 @@ static void test_expected_depth( void** state )
     rf_destroy_flicker_frame( &now );
 }
 
-static void test_refused( void** state )
+static void test_wrong_input_is_refused( void** state )
 {
     (void)state;
     RfFlickerFrame a = make_frame( 1 ), b = make_frame( 2 );
@@ -322,11 +322,15 @@ static void test_refused( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_correlated_noise ), cmocka_unit_test( test_frozen_and_alternating ),
-        cmocka_unit_test( test_properties ),       cmocka_unit_test( test_whole_shift ),
-        cmocka_unit_test( test_part_of_a_pixel ),  cmocka_unit_test( test_noise_between_pixels ),
-        cmocka_unit_test( test_depth_masks ),      cmocka_unit_test( test_expected_depth ),
-        cmocka_unit_test( test_refused ),
+        cmocka_unit_test( test_correlated_noise ),
+        cmocka_unit_test( test_frozen_and_alternating ),
+        cmocka_unit_test( test_definition_scaling_and_symmetry ),
+        cmocka_unit_test( test_whole_shifts_leave_nothing ),
+        cmocka_unit_test( test_shifts_of_parts_of_a_pixel ),
+        cmocka_unit_test( test_noise_between_pixels ),
+        cmocka_unit_test( test_depth_takes_out_what_is_uncovered ),
+        cmocka_unit_test( test_expected_depth_of_a_dolly ),
+        cmocka_unit_test( test_wrong_input_is_refused ),
     };
     return cmocka_run_group_tests_name( "flicker", tests, NULL, NULL );
 }

@@ -41,7 +41,7 @@ static RfSpectrum spectrum_of( const Film* film, int count, bool compensate )
 }
 
 // The same sums to the bit, whatever the number of threads.
-static void test_threads( void** state )
+static void test_threads_change_no_sum( void** state )
 {
     (void)state;
     Film* film = make_film();
@@ -79,7 +79,7 @@ static void fill_tone( Film* film, double offset, double amplitude, double cycle
 
 // Tones of the transform lie in one band each, whole; a ramp hardly leaves the
 // slow one; independent noise has 1/16, 4/16, 11/16 of its mean square.
-static void test_bands( void** state )
+static void test_tones_lie_in_one_band( void** state )
 {
     (void)state;
     Film* film = make_film();
@@ -119,7 +119,7 @@ static void test_bands( void** state )
 }
 
 // A texture that moves a pixel to the right each frame stands still along its motion.
-static void test_bands_follow( void** state )
+static void test_bands_follow_motion( void** state )
 {
     (void)state;
     Film* film = make_film();
@@ -138,7 +138,7 @@ static void test_bands_follow( void** state )
     destroy_film( film );
 }
 
-static void test_windows( void** state )
+static void test_windows_by_length_of_the_sequence( void** state )
 {
     (void)state;
     static const int counts[][2] = { { 2, 1 }, { 15, 1 }, { 16, 1 }, { 17, 2 }, { 24, 2 }, { 48, 5 }, { 50, 6 } };
@@ -160,7 +160,7 @@ static int count_seams( const RfSeams* seams, int frames )
     return count;
 }
 
-static void test_seams( void** state )
+static void test_seams_are_found( void** state )
 {
     (void)state;
     RfSeams seams = { .first = 1, .slides = true, .plan = rf_plan_groups( 48, 3, 28 ) };
@@ -182,7 +182,7 @@ static void test_seams( void** state )
     assert_false( rf_has_seams( &seams ) || rf_is_seam( &seams, 3 ) );
 }
 
-static void test_slit_scan( void** state )
+static void test_slit_scan_is_a_column_over_time( void** state )
 {
     (void)state;
     RfSlitScan scan;
@@ -208,8 +208,9 @@ static void test_slit_scan( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_threads ), cmocka_unit_test( test_bands ), cmocka_unit_test( test_bands_follow ),
-        cmocka_unit_test( test_windows ), cmocka_unit_test( test_seams ), cmocka_unit_test( test_slit_scan ),
+        cmocka_unit_test( test_threads_change_no_sum ), cmocka_unit_test( test_tones_lie_in_one_band ),
+        cmocka_unit_test( test_bands_follow_motion ),   cmocka_unit_test( test_windows_by_length_of_the_sequence ),
+        cmocka_unit_test( test_seams_are_found ),       cmocka_unit_test( test_slit_scan_is_a_column_over_time ),
     };
     return cmocka_run_group_tests_name( "spectrum", tests, NULL, NULL );
 }

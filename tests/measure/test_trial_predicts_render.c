@@ -71,7 +71,7 @@ static void expect_near( const char* what, double found, double expected, double
         fail_msg( "%s: %g, not %g", what, found, expected );
 }
 
-static void test_site( void** state )
+static void test_region_is_cut_at_the_ends_of_the_path( void** state )
 {
     (void)state;
     static const int cases[][4] = { { 7, 5, 5, 5 }, { 0, 5, 0, 5 }, { 16, 5, 12, 5 }, { 3, 99, 0, EYES }, { 9, 1, 9, 1 } };
@@ -91,7 +91,7 @@ static void test_site( void** state )
 }
 
 // Counts and properties that hold whatever the samples are.
-static void test_sums( void** state )
+static void test_sums_hold_for_any_samples( void** state )
 {
     (void)state;
     Setup s;
@@ -123,7 +123,7 @@ static void test_sums( void** state )
 }
 
 // More passes: the error of one is the same.
-static void test_passes( void** state )
+static void test_more_passes_same_error( void** state )
 {
     (void)state;
     Setup s;
@@ -143,7 +143,7 @@ static void test_passes( void** state )
 }
 
 // Eyes that are all the same see the same: two neighbours share all windows but one each.
-static void test_equal_eyes( void** state )
+static void test_equal_eyes_average_their_samples( void** state )
 {
     (void)state;
     Setup s;
@@ -226,7 +226,7 @@ static void check_long_path( int group, const char* tile )
     end( &s );
 }
 
-static void test_long_path( void** state )
+static void test_long_path_has_the_predicted_error( void** state )
 {
     (void)state;
     check_long_path( 1, "1" );
@@ -240,7 +240,7 @@ static bool refuse( void* user )
     return false;
 }
 
-static void test_errors( void** state )
+static void test_wrong_settings_are_refused( void** state )
 {
     (void)state;
     Setup s;
@@ -270,8 +270,12 @@ static void test_errors( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_site ),       cmocka_unit_test( test_sums ),      cmocka_unit_test( test_passes ),
-        cmocka_unit_test( test_equal_eyes ), cmocka_unit_test( test_long_path ), cmocka_unit_test( test_errors ),
+        cmocka_unit_test( test_region_is_cut_at_the_ends_of_the_path ),
+        cmocka_unit_test( test_sums_hold_for_any_samples ),
+        cmocka_unit_test( test_more_passes_same_error ),
+        cmocka_unit_test( test_equal_eyes_average_their_samples ),
+        cmocka_unit_test( test_long_path_has_the_predicted_error ),
+        cmocka_unit_test( test_wrong_settings_are_refused ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -12,7 +12,7 @@
 
 #include <cmocka.h>
 
-static void test_rows( void** state )
+static void test_every_setting_is_a_row( void** state )
 {
     (void)state;
     static const int paths[][2] = { { 1, 1 }, { 2, 2 }, { 5, 3 }, { 6, 4 }, { 48, 9 } };
@@ -41,7 +41,7 @@ static void test_rows( void** state )
 }
 
 // What does not fit, or would take far more samples than were asked for, is said.
-static void test_excluded( void** state )
+static void test_excluded_rows_say_why( void** state )
 {
     (void)state;
     TuneSetup s;
@@ -98,7 +98,7 @@ static RfTune made_tune( int count )
     return tune;
 }
 
-static void test_weighing( void** state )
+static void test_most_efficient_row_is_chosen( void** state )
 {
     (void)state;
     RfTune tune = made_tune( 4 );
@@ -129,7 +129,7 @@ static void test_weighing( void** state )
 }
 
 // Values that follow the model stay; one that is off moves back, the less the more is known of it.
-static void test_smoothing( void** state )
+static void test_smoothing_follows_the_model( void** state )
 {
     (void)state;
     static const int eyes[] = { 1, 3, 5, 7, 9, 13, 17, 25, 33 };
@@ -180,7 +180,7 @@ static int cut( const RfTune* tune, int kept, bool* candidate )
     return count;
 }
 
-static void test_cutting( void** state )
+static void test_cutting_keeps_the_most_efficient( void** state )
 {
     (void)state;
     RfTune tune = made_tune( 8 );
@@ -198,7 +198,7 @@ static void test_cutting( void** state )
     assert_int_equal( cut( &tune, 1, candidate ), 0 );
 }
 
-static void test_places( void** state )
+static void test_places_are_spread_evenly( void** state )
 {
     (void)state;
     static const double first[] = { 0.5, 0.25, 0.75, 0.125, 0.625 };
@@ -226,7 +226,7 @@ static RfTuneOutlook outlook_of( int number, double left )
 }
 
 // More time never makes smaller pictures or fewer places, and none of it is overdrawn.
-static void test_rounds( void** state )
+static void test_time_is_never_overdrawn( void** state )
 {
     (void)state;
     bool candidate[RF_TUNE_ROWS];
@@ -265,7 +265,7 @@ static void test_rounds( void** state )
 }
 
 // Large pictures and little memory: smaller ones.
-static void test_round_memory( void** state )
+static void test_little_memory_smaller_pictures( void** state )
 {
     (void)state;
     RfTune tune = made_tune( 9 );
@@ -286,9 +286,10 @@ static void test_round_memory( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_rows ),      cmocka_unit_test( test_excluded ),     cmocka_unit_test( test_weighing ),
-        cmocka_unit_test( test_smoothing ), cmocka_unit_test( test_cutting ),      cmocka_unit_test( test_places ),
-        cmocka_unit_test( test_rounds ),    cmocka_unit_test( test_round_memory ),
+        cmocka_unit_test( test_every_setting_is_a_row ),           cmocka_unit_test( test_excluded_rows_say_why ),
+        cmocka_unit_test( test_most_efficient_row_is_chosen ),     cmocka_unit_test( test_smoothing_follows_the_model ),
+        cmocka_unit_test( test_cutting_keeps_the_most_efficient ), cmocka_unit_test( test_places_are_spread_evenly ),
+        cmocka_unit_test( test_time_is_never_overdrawn ),          cmocka_unit_test( test_little_memory_smaller_pictures ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

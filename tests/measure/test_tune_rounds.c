@@ -21,7 +21,7 @@ static RfTune tune_of( const TuneSetup* s )
 }
 
 // Without time there is the first round, whose errors are the same for any threads.
-static void test_first_round( void** state )
+static void test_first_round_is_repeatable( void** state )
 {
     (void)state;
     TuneSetup s;
@@ -47,7 +47,7 @@ static void test_first_round( void** state )
 }
 
 // A camera that stands still, and the shortest path that does not.
-static void test_short_paths( void** state )
+static void test_short_paths_are_tuned( void** state )
 {
     (void)state;
     for ( int eyes = 1; eyes <= 2; ++eyes )
@@ -84,7 +84,7 @@ static bool is_in_second( void* user )
 // Halving from the first round to the last: fewer settings each time, all of which
 // were in every round before, and the best of the last is chosen. The pictures are so
 // small that the most places are tried long before the budget is gone.
-static void test_more_rounds( void** state )
+static void test_rounds_halve_the_settings( void** state )
 {
     (void)state;
     TuneSetup s;
@@ -119,7 +119,7 @@ static void test_more_rounds( void** state )
 
 // Where nothing fits, the least of all rows is named; with that, and with any budget
 // above, the tuning runs, though its guide would take more. With less it does not.
-static void test_least_budget( void** state )
+static void test_named_least_budget_works( void** state )
 {
     (void)state;
     TuneSetup s;
@@ -174,7 +174,7 @@ static void count_round( void* user, const RfTune* tune, const RfTuneRound* roun
     stop->rounds += 1;
 }
 
-static void test_interrupt( void** state )
+static void test_interruption_after_any_round( void** state )
 {
     (void)state;
     TuneSetup s;
@@ -200,7 +200,7 @@ static void test_interrupt( void** state )
 }
 
 // Nothing to see: no error to compare.
-static void test_black( void** state )
+static void test_black_pictures_cannot_be_compared( void** state )
 {
     (void)state;
     TuneSetup s;
@@ -217,8 +217,9 @@ static void test_black( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_first_round ),  cmocka_unit_test( test_short_paths ), cmocka_unit_test( test_more_rounds ),
-        cmocka_unit_test( test_least_budget ), cmocka_unit_test( test_interrupt ),   cmocka_unit_test( test_black ),
+        cmocka_unit_test( test_first_round_is_repeatable ),    cmocka_unit_test( test_short_paths_are_tuned ),
+        cmocka_unit_test( test_rounds_halve_the_settings ),    cmocka_unit_test( test_named_least_budget_works ),
+        cmocka_unit_test( test_interruption_after_any_round ), cmocka_unit_test( test_black_pictures_cannot_be_compared ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -78,7 +78,7 @@ static int display( double light, int stops )
 // A slow ramp over 12 stops, slanted, in three colours: at −4 to 4 stops no byte of the
 // display is off by more than 3, nor do two neighbours differ by more than 3, which is what
 // a band would be: the steps of a plain 8-bit logarithm of 26 stops are 8 in the lights.
-static void test_no_bands( void** state )
+static void test_ramps_show_no_bands( void** state )
 {
     (void)state;
     RfImage image = new_image( 600, 200 );
@@ -105,7 +105,7 @@ static void test_no_bands( void** state )
 }
 
 // Flat areas of any brightness come back to 1 %, whatever their neighbours are.
-static void test_flat_areas( void** state )
+static void test_flat_areas_come_back( void** state )
 {
     (void)state;
     static const float levels[6] = { 0.0f, 0.01f, 0.18f, 1.0f, 40.0f, 60000.0f };
@@ -125,7 +125,7 @@ static void test_flat_areas( void** state )
 }
 
 // A firefly does not spoil what is about it, and stays bright.
-static void test_firefly( void** state )
+static void test_fireflies_spoil_no_neighbour( void** state )
 {
     (void)state;
     RfImage image = new_image( 100, 70 );
@@ -148,7 +148,7 @@ static void test_firefly( void** state )
 }
 
 // What is no number shows: magenta, brighter than white; infinity is the brightest.
-static void test_no_numbers( void** state )
+static void test_nan_and_infinity_show( void** state )
 {
     (void)state;
     RfImage image = new_image( 48, 48 );
@@ -165,7 +165,7 @@ static void test_no_numbers( void** state )
 }
 
 // The worst of noise: 48 frames of 960x540 stay below 40 MB as base64.
-static void test_weight( void** state )
+static void test_noise_stays_below_40_mb( void** state )
 {
     (void)state;
     RfImage image = make_image( 960, 540, 77 );
@@ -201,7 +201,7 @@ static void test_small_and_refused( void** state )
     assert_non_null( strstr( error.text, "wide: 65501x1" ) );
 }
 
-static void test_shrink( void** state )
+static void test_shrinking_takes_means( void** state )
 {
     (void)state;
     RfImage image = new_image( 5, 3 ), small;
@@ -219,9 +219,10 @@ static void test_shrink( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_no_bands ),   cmocka_unit_test( test_flat_areas ), cmocka_unit_test( test_firefly ),
-        cmocka_unit_test( test_no_numbers ), cmocka_unit_test( test_weight ),     cmocka_unit_test( test_small_and_refused ),
-        cmocka_unit_test( test_shrink ),
+        cmocka_unit_test( test_ramps_show_no_bands ),          cmocka_unit_test( test_flat_areas_come_back ),
+        cmocka_unit_test( test_fireflies_spoil_no_neighbour ), cmocka_unit_test( test_nan_and_infinity_show ),
+        cmocka_unit_test( test_noise_stays_below_40_mb ),      cmocka_unit_test( test_small_and_refused ),
+        cmocka_unit_test( test_shrinking_takes_means ),
     };
     return cmocka_run_group_tests_name( "picture", tests, NULL, NULL );
 }

@@ -83,7 +83,7 @@ static void test_single_frames_are_as_without( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_threshold( void** state )
+static void test_threshold_follows_the_weights( void** state )
 {
     (void)state;
     enum
@@ -113,7 +113,7 @@ static void test_threshold( void** state )
     assert_true( rf_extra_threshold( counts, BINS, 1000.0, 7 ) == 1.0 );
 }
 
-static void test_command_line( void** state )
+static void test_command_line_takes_it( void** state )
 {
     (void)state;
     cli_enter();
@@ -132,8 +132,8 @@ int main( void )
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( test_nothing_else_decides ),
         cmocka_unit_test( test_single_frames_are_as_without ),
-        cmocka_unit_test( test_threshold ),
-        cmocka_unit_test( test_command_line ),
+        cmocka_unit_test( test_threshold_follows_the_weights ),
+        cmocka_unit_test( test_command_line_takes_it ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -138,7 +138,7 @@ static void check_native( const RfGroupPlan* plan, int half_width, int spp )
     }
 }
 
-static void test_native_samples( void** state )
+static void test_own_frame_samples_are_as_planned( void** state )
 {
     (void)state;
     for_all_plans( check_native );
@@ -262,7 +262,7 @@ int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( test_windows_cover_the_path ),       cmocka_unit_test( test_long_paths_have_full_windows ),
-        cmocka_unit_test( test_rounding_is_minimal ),          cmocka_unit_test( test_native_samples ),
+        cmocka_unit_test( test_rounding_is_minimal ),          cmocka_unit_test( test_own_frame_samples_are_as_planned ),
         cmocka_unit_test( test_the_ends_get_as_many_samples ), cmocka_unit_test( test_halves_share_alike ),
         cmocka_unit_test( test_halves_see_all_windows ),
     };

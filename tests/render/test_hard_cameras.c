@@ -97,7 +97,7 @@ static void test_eyes_in_a_surfaces_plane( void** state )
     }
 }
 
-static void test_odd_images( void** state )
+static void test_odd_image_sizes( void** state )
 {
     (void)state;
     static const int sizes[][2] = { { 1, 1 }, { 1, 200 }, { 65, 1 }, { 33, 3 } };
@@ -111,7 +111,7 @@ static void test_odd_images( void** state )
     }
 }
 
-static void test_fields_of_view( void** state )
+static void test_extreme_fields_of_view( void** state )
 {
     (void)state;
     const double degree = (double)RF_PI / 180.0;
@@ -128,7 +128,7 @@ static void test_fields_of_view( void** state )
     check_room( "all the same", eyes, EYES );
 }
 
-static void test_scenes_without( void** state )
+static void test_nothing_to_see_is_black( void** state )
 {
     (void)state;
     RfEye eyes[EYES];
@@ -150,12 +150,9 @@ static void test_scenes_without( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_camera_inside_a_closed_box ),
-        cmocka_unit_test( test_eyes_on_surfaces ),
-        cmocka_unit_test( test_eyes_in_a_surfaces_plane ),
-        cmocka_unit_test( test_odd_images ),
-        cmocka_unit_test( test_fields_of_view ),
-        cmocka_unit_test( test_scenes_without ),
+        cmocka_unit_test( test_camera_inside_a_closed_box ), cmocka_unit_test( test_eyes_on_surfaces ),
+        cmocka_unit_test( test_eyes_in_a_surfaces_plane ),   cmocka_unit_test( test_odd_image_sizes ),
+        cmocka_unit_test( test_extreme_fields_of_view ),     cmocka_unit_test( test_nothing_to_see_is_black ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -90,7 +90,7 @@ static void test_scale_invariance( void** state )
 }
 
 // Lamps without size in a scene of some tenths of a millimetre: the same radiance.
-static void test_small_lamps( void** state )
+static void test_lamps_in_tiny_scenes( void** state )
 {
     (void)state;
     double plain[SEED_COUNT], small[SEED_COUNT], difference[SEED_COUNT], error, paired;
@@ -111,7 +111,7 @@ static void test_far_from_the_origin( void** state )
     check_scale( 1.0f, rf_vec3( 1e4f, 0, 0 ) );
 }
 
-static void test_very_small( void** state )
+static void test_very_small_scenes( void** state )
 {
     (void)state;
     check_scale( 1e-5f, rf_vec3( 0, 0, 0 ) );
@@ -204,7 +204,7 @@ static void add_touching_light( SceneBuilder* b, uint32_t grey, uint32_t light )
     add_quad( b, light, rf_vec3( -1, 1, -1 ), rf_vec3( 1, 1, -1 ), rf_vec3( 1, 2, 0 ), rf_vec3( -1, 2, 0 ) );
 }
 
-static void test_odd_triangles( void** state )
+static void test_odd_triangles_stay_finite( void** state )
 {
     (void)state;
     check_thing( "duplicates", add_duplicates );
@@ -253,10 +253,10 @@ int main( void )
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( test_scale_invariance ),
         cmocka_unit_test( test_far_from_the_origin ),
-        cmocka_unit_test( test_very_small ),
-        cmocka_unit_test( test_small_lamps ),
+        cmocka_unit_test( test_very_small_scenes ),
+        cmocka_unit_test( test_lamps_in_tiny_scenes ),
         cmocka_unit_test( test_a_far_thing_changes_nothing ),
-        cmocka_unit_test( test_odd_triangles ),
+        cmocka_unit_test( test_odd_triangles_stay_finite ),
         cmocka_unit_test( test_extreme_materials ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );

@@ -80,7 +80,7 @@ static void refuse( const Setup* s, const RfRenderSettings* settings )
 }
 
 // Rounded to what groups need, but not beyond the most: what is resolved can be resolved again.
-static void test_most_samples( void** state )
+static void test_most_samples_resolve_to_themselves( void** state )
 {
     (void)state;
     RfScene scene = make_room( ROOM_DIFFUSE );
@@ -227,7 +227,7 @@ static void test_callbacks_stop_the_render( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_settings_at_their_limits ), cmocka_unit_test( test_most_samples ),
+        cmocka_unit_test( test_settings_at_their_limits ), cmocka_unit_test( test_most_samples_resolve_to_themselves ),
         cmocka_unit_test( test_settings_out_of_range ),    cmocka_unit_test( test_eyes_and_frames_out_of_range ),
         cmocka_unit_test( test_too_little_memory ),        cmocka_unit_test( test_callbacks_stop_the_render ),
     };

@@ -93,7 +93,7 @@ static void expect_small( Bytes bytes, double share )
         fail_msg( "all takes %.0f bytes, a quarter of the paper's are %.0f", bytes.peak, PAPER_BYTES * share / 4.0 );
 }
 
-static void test_paper_example( void** state )
+static void test_paper_example_fits_in_its_memory( void** state )
 {
     (void)state;
     // the records do not depend on the light; the budget leaves room for one batch that is not held
@@ -131,7 +131,7 @@ static void expect_least( const char* scene, const char* options )
     cli_expect( cli_run( "rm no.*.exr" ), 0, NULL );
 }
 
-static void test_too_little_memory( void** state )
+static void test_too_little_memory_is_refused( void** state )
 {
     (void)state;
     expect_least( "vase-room", "--frames 24 --size 160x120 --group 3 --spp 14 --tile 1 --max-depth 1" );
@@ -142,8 +142,8 @@ int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( test_pictures_are_the_same ),
-        cmocka_unit_test( test_paper_example ),
-        cmocka_unit_test( test_too_little_memory ),
+        cmocka_unit_test( test_paper_example_fits_in_its_memory ),
+        cmocka_unit_test( test_too_little_memory_is_refused ),
     };
     return cmocka_run_group_tests( tests, cli_enter_group, cli_leave_group );
 }

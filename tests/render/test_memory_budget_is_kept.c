@@ -183,7 +183,7 @@ static void test_budgets_change_nothing( void** state )
 // The paper's own example (800x600, groups of 7, its memory by section 4.3
 // 1,787,520,000 bytes): any budget from 96 MiB on does. In little, its sides a
 // quarter as long, in proportion; as it is, where there is time.
-static void test_paper_example( void** state )
+static void test_paper_example_fits_in_96_mib( void** state )
 {
     (void)state;
     static const char* const tiles[] = { "1", "3x3" };
@@ -208,7 +208,7 @@ int main( void )
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( test_budgets_are_kept ),
         cmocka_unit_test( test_budgets_change_nothing ),
-        cmocka_unit_test( test_paper_example ),
+        cmocka_unit_test( test_paper_example_fits_in_96_mib ),
     };
     return cmocka_run_group_tests( tests, cli_enter_group, cli_leave_group );
 }

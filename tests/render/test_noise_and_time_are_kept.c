@@ -80,7 +80,7 @@ static void test_threads_change_nothing( void** state )
                 0, NULL );
 }
 
-static void test_not_reached( void** state )
+static void test_what_is_not_reached_is_told( void** state )
 {
     (void)state;
     const CliResult* result = cli_run( "$R render $VASE -o m.####.exr --frames 1-4 --noise 1e-6 --spp 9 --json m.json " SMALL );
@@ -94,7 +94,7 @@ static void test_not_reached( void** state )
 }
 
 // Loosely: machines have other things to do.
-static void test_time( void** state )
+static void test_time_is_kept_loosely( void** state )
 {
     (void)state;
     cli_expect( cli_run( "$R render $VASE -o s.####.exr --frames 1-6 --time 0.4 --json s.json " SMALL ), 0, NULL );
@@ -106,7 +106,7 @@ static void test_time( void** state )
     json_decref( json );
 }
 
-static void test_too_short( void** state )
+static void test_too_short_a_time_is_told( void** state )
 {
     (void)state;
     cli_expect( cli_run( "$R render $VASE -o z.####.exr --frames 1-4 --time 1e-7 --json z.json " SMALL ), 0,
@@ -122,7 +122,7 @@ static void test_too_short( void** state )
 }
 
 // Whichever comes first.
-static void test_both( void** state )
+static void test_whichever_comes_first_stops( void** state )
 {
     (void)state;
     cli_expect( cli_run( "$R render $VASE -o b.####.exr --frames 1-4 --noise 0.1 --time 1000 --json b.json " SMALL ), 0, NULL );
@@ -134,7 +134,7 @@ static void test_both( void** state )
                 "not reached in 4" );
 }
 
-static void test_resume( void** state )
+static void test_resume_keeps_frames_that_reached_it( void** state )
 {
     (void)state;
     cli_expect(
@@ -158,7 +158,7 @@ static void test_resume( void** state )
     cli_expect( cli_run( "$R render $VASE -o r.####.exr --frames 1-5 --resume " SMALL ), 1, "--resume: " );
 }
 
-static void test_header( void** state )
+static void test_header_and_json_agree( void** state )
 {
     (void)state;
     cli_expect( cli_run( "$R render $VASE -o h.####.exr --frames 2,3 --noise 0.05 --json h.json " SMALL ), 0, NULL );
@@ -180,7 +180,7 @@ static void test_header( void** state )
     json_decref( json );
 }
 
-static void test_errors( void** state )
+static void test_wrong_values_are_refused( void** state )
 {
     (void)state;
     static const char* const wrong[][2] = {
@@ -219,7 +219,7 @@ static void test_defaults_of_a_scene_file( void** state )
 }
 
 // Ways of rendering that have their own films, passes or sums.
-static void test_all_kinds( void** state )
+static void test_every_way_of_rendering_reaches_it( void** state )
 {
     (void)state;
     static const char* const kinds[] = { "--group 0 --tile 1",
@@ -248,18 +248,12 @@ static void test_all_kinds( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_the_error_is_reached ),
-        cmocka_unit_test( test_less_noise_takes_more ),
-        cmocka_unit_test( test_threads_change_nothing ),
-        cmocka_unit_test( test_not_reached ),
-        cmocka_unit_test( test_time ),
-        cmocka_unit_test( test_too_short ),
-        cmocka_unit_test( test_both ),
-        cmocka_unit_test( test_resume ),
-        cmocka_unit_test( test_header ),
-        cmocka_unit_test( test_errors ),
-        cmocka_unit_test( test_defaults_of_a_scene_file ),
-        cmocka_unit_test( test_all_kinds ),
+        cmocka_unit_test( test_the_error_is_reached ),        cmocka_unit_test( test_less_noise_takes_more ),
+        cmocka_unit_test( test_threads_change_nothing ),      cmocka_unit_test( test_what_is_not_reached_is_told ),
+        cmocka_unit_test( test_time_is_kept_loosely ),        cmocka_unit_test( test_too_short_a_time_is_told ),
+        cmocka_unit_test( test_whichever_comes_first_stops ), cmocka_unit_test( test_resume_keeps_frames_that_reached_it ),
+        cmocka_unit_test( test_header_and_json_agree ),       cmocka_unit_test( test_wrong_values_are_refused ),
+        cmocka_unit_test( test_defaults_of_a_scene_file ),    cmocka_unit_test( test_every_way_of_rendering_reaches_it ),
     };
     return cmocka_run_group_tests( tests, cli_enter_group, cli_leave_group );
 }

@@ -61,7 +61,7 @@ static RfPlan plan_of( const Setup* s, int eyes, const RfRenderSettings* setting
 }
 
 // A path ends the table with the group that holds all of it.
-static void test_rows( void** state )
+static void test_table_ends_with_the_whole_path( void** state )
 {
     (void)state;
     static const int paths[][3] = { { 1, 1, 1 }, { 2, 2, 2 }, { 3, 2, 3 }, { 5, 3, 5 }, { 6, 4, 6 }, { 9, 5, 9 }, { 48, 9, 33 } };
@@ -91,7 +91,7 @@ static void test_rows( void** state )
 }
 
 // Eyes that are all the same see all of each other's hits: then it is (FR 16).
-static void test_formula( void** state )
+static void test_equal_eyes_give_the_closed_form( void** state )
 {
     (void)state;
     Setup s;
@@ -121,7 +121,7 @@ static void expect_near( const char* what, int group, double planned, uint64_t c
 }
 
 // Rays, bytes, threads and chunks of every row are those of a render of it.
-static void test_forecast( void** state )
+static void test_forecast_is_what_render_does( void** state )
 {
     (void)state;
     Setup s;
@@ -149,7 +149,7 @@ static void test_forecast( void** state )
 }
 
 // Only films and the samples asked for keep auto from the best row.
-static void test_choice( void** state )
+static void test_choice_is_the_best_row( void** state )
 {
     (void)state;
     Setup s;
@@ -222,7 +222,7 @@ static void test_choice_by_memory( void** state )
 }
 
 // What does not fit stays in the table, with the budget that it wants.
-static void test_no_room( void** state )
+static void test_rows_without_room_stay( void** state )
 {
     (void)state;
     Setup s;
@@ -254,7 +254,7 @@ static void test_no_room( void** state )
 }
 
 // Several sweeps trace all of it as often: auto does not take such a row, whatever the threads are.
-static void test_sweeps( void** state )
+static void test_rows_of_several_sweeps_are_not_chosen( void** state )
 {
     (void)state;
     Setup s;
@@ -293,9 +293,13 @@ static void test_sweeps( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_rows ),   cmocka_unit_test( test_formula ),          cmocka_unit_test( test_forecast ),
-        cmocka_unit_test( test_choice ), cmocka_unit_test( test_choice_by_memory ), cmocka_unit_test( test_no_room ),
-        cmocka_unit_test( test_sweeps ),
+        cmocka_unit_test( test_table_ends_with_the_whole_path ),
+        cmocka_unit_test( test_equal_eyes_give_the_closed_form ),
+        cmocka_unit_test( test_forecast_is_what_render_does ),
+        cmocka_unit_test( test_choice_is_the_best_row ),
+        cmocka_unit_test( test_choice_by_memory ),
+        cmocka_unit_test( test_rows_without_room_stay ),
+        cmocka_unit_test( test_rows_of_several_sweeps_are_not_chosen ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

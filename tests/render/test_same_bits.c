@@ -173,7 +173,7 @@ static void test_alone_and_in_sequence( void** state )
     }
 }
 
-static void test_any_budget( void** state )
+static void test_any_budget_same_bits( void** state )
 {
     (void)state;
     RfRenderSettings settings = quick( 2, 5 );
@@ -215,7 +215,7 @@ int main( void )
         cmocka_unit_test( test_group_0_is_a_plain_path_tracer ),
         cmocka_unit_test( test_threads_and_runs ),
         cmocka_unit_test( test_alone_and_in_sequence ),
-        cmocka_unit_test( test_any_budget ),
+        cmocka_unit_test( test_any_budget_same_bits ),
         cmocka_unit_test( test_seeds_differ ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );

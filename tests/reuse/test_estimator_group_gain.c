@@ -93,7 +93,7 @@ static void check_equal_eyes( const char* name, RfScene scene )
     rf_destroy_scene( &scene );
 }
 
-static void test_equal_eyes( void** state )
+static void test_equal_eyes_add_up_their_samples( void** state )
 {
     (void)state;
     check_equal_eyes( "diffuse", make_room( ROOM_DIFFUSE ) );
@@ -156,7 +156,7 @@ static void test_the_ends_are_as_good( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_equal_eyes ),
+        cmocka_unit_test( test_equal_eyes_add_up_their_samples ),
         cmocka_unit_test( test_the_ends_are_as_good ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );

@@ -55,39 +55,39 @@ static void check_scene( const char* what, RfScene scene, int light_samples )
     rf_destroy_scene( &scene );
 }
 
-static void test_skies( void** state )
+static void test_skies_are_unbiased( void** state )
 {
     (void)state;
     check_scene( "constant sky", make_open_scene( LIT_BY_SKY ), 1 );
     check_scene( "map", make_open_scene( LIT_BY_MAP ), 1 );
 }
 
-static void test_lamps( void** state )
+static void test_lamps_are_unbiased( void** state )
 {
     (void)state;
     check_scene( "lamps", make_open_scene( LIT_BY_LAMPS ), 1 );
     check_scene( "all lights", make_open_scene( LIT_BY_ALL ), 3 );
 }
 
-static void test_glass( void** state )
+static void test_glass_is_unbiased( void** state )
 {
     (void)state;
     check_scene( "glass, mirror", make_glass_room(), 1 );
 }
 
-static void test_textures( void** state )
+static void test_textures_are_unbiased( void** state )
 {
     (void)state;
     check_scene( "textures", make_textured_room(), 1 );
 }
 
-static void test_varied_glass_and_coats( void** state )
+static void test_varied_glass_and_coats_are_unbiased( void** state )
 {
     (void)state;
     check_scene( "textured glass and coats", make_varied_room(), 1 );
 }
 
-static void test_blending( void** state )
+static void test_blending_is_unbiased( void** state )
 {
     (void)state;
     check_scene( "blended", make_blended_room(), 1 );
@@ -96,12 +96,12 @@ static void test_blending( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_skies ),
-        cmocka_unit_test( test_lamps ),
-        cmocka_unit_test( test_glass ),
-        cmocka_unit_test( test_textures ),
-        cmocka_unit_test( test_varied_glass_and_coats ),
-        cmocka_unit_test( test_blending ),
+        cmocka_unit_test( test_skies_are_unbiased ),
+        cmocka_unit_test( test_lamps_are_unbiased ),
+        cmocka_unit_test( test_glass_is_unbiased ),
+        cmocka_unit_test( test_textures_are_unbiased ),
+        cmocka_unit_test( test_varied_glass_and_coats_are_unbiased ),
+        cmocka_unit_test( test_blending_is_unbiased ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

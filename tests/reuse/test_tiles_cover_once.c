@@ -11,7 +11,7 @@
 
 #include <cmocka.h>
 
-static void test_names( void** state )
+static void test_names_of_tiles( void** state )
 {
     (void)state;
     static const char* const good[] = { "1", "3x3", "2x1", "1x64", "8x8", "rooks2", "rooks16", "rooks64" };
@@ -197,7 +197,7 @@ static void test_no_seam_stays( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_names ),
+        cmocka_unit_test( test_names_of_tiles ),
         cmocka_unit_test( test_every_pixel_once ),
         cmocka_unit_test( test_no_seam_stays ),
     };

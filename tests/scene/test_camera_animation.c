@@ -40,7 +40,7 @@ static RfScene make_scene( RfNode* nodes, int node_count, RfCamera* cameras, int
         RfScene ){ .path = "test", .nodes = nodes, .node_count = node_count, .cameras = cameras, .camera_count = camera_count };
 }
 
-static void test_step( void** state )
+static void test_step_holds_the_last_key( void** state )
 {
     (void)state;
     double times[] = { 1, 2, 4 }, values[] = { 1, 2, 3, 4, 5, 6, 7, 8, 9 }, v[4];
@@ -54,7 +54,7 @@ static void test_step( void** state )
     }
 }
 
-static void test_linear( void** state )
+static void test_linear_is_straight( void** state )
 {
     (void)state;
     double times[] = { 1, 2, 4 }, values[] = { 0, 0, 0, 2, 4, 8, 0, 0, 0 }, v[4];
@@ -130,7 +130,7 @@ static void test_cubicspline_rotation_is_unit( void** state )
     assert_true( q[1] > 0.1 );
 }
 
-static void test_find_camera( void** state )
+static void test_cameras_are_found_by_name( void** state )
 {
     (void)state;
     RfCamera cameras[] = { { .name = "still" }, { .name = "moving", .animated = true } };
@@ -151,7 +151,7 @@ static void test_find_camera( void** state )
     assert_non_null( strstr( error.text, "has no camera" ) );
 }
 
-static void test_frame_count( void** state )
+static void test_frame_count_covers_the_animation( void** state )
 {
     (void)state;
     RfCamera camera = { .name = "c", .animated = true, .start = 0.0, .end = (double)( 47.0f / 24.0f ) };
@@ -193,7 +193,7 @@ static void test_eye_looks_down_minus_z( void** state )
 }
 
 // A parent that turns 90° around y within a second, above a camera at (0,0,5).
-static void test_animated_parent( void** state )
+static void test_parents_move_cameras( void** state )
 {
     (void)state;
     RfNode nodes[] = { make_node( -1 ), make_node( 0 ) };
@@ -215,7 +215,7 @@ static void test_animated_parent( void** state )
 }
 
 // Mirroring keeps what the camera sees upright and to the front.
-static void test_scale_and_mirror( void** state )
+static void test_scale_and_mirror_keep_the_view( void** state )
 {
     (void)state;
     RfNode nodes[] = { make_node( -1 ), make_node( 0 ) };
@@ -263,7 +263,7 @@ static void test_parallel_axes_fail( void** state )
     assert_int_equal( rf_scene_eye( &scene, 0, 0.0, 4, 4, &eye, &error ), RF_ERROR_SCENE );
 }
 
-static void test_destroy_nothing( void** state )
+static void test_destroying_nothing_is_allowed( void** state )
 {
     (void)state;
     RfScene scene = { 0 };
@@ -274,20 +274,20 @@ static void test_destroy_nothing( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_step ),
-        cmocka_unit_test( test_linear ),
+        cmocka_unit_test( test_step_holds_the_last_key ),
+        cmocka_unit_test( test_linear_is_straight ),
         cmocka_unit_test( test_slerp_takes_the_short_way ),
         cmocka_unit_test( test_slerp_of_equal_keys ),
         cmocka_unit_test( test_cubicspline_scales_tangents ),
         cmocka_unit_test( test_cubicspline_rotation_is_unit ),
-        cmocka_unit_test( test_find_camera ),
-        cmocka_unit_test( test_frame_count ),
+        cmocka_unit_test( test_cameras_are_found_by_name ),
+        cmocka_unit_test( test_frame_count_covers_the_animation ),
         cmocka_unit_test( test_eye_looks_down_minus_z ),
-        cmocka_unit_test( test_animated_parent ),
-        cmocka_unit_test( test_scale_and_mirror ),
+        cmocka_unit_test( test_parents_move_cameras ),
+        cmocka_unit_test( test_scale_and_mirror_keep_the_view ),
         cmocka_unit_test( test_collapsed_camera_fails ),
         cmocka_unit_test( test_parallel_axes_fail ),
-        cmocka_unit_test( test_destroy_nothing ),
+        cmocka_unit_test( test_destroying_nothing_is_allowed ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

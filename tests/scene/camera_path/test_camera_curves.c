@@ -34,7 +34,7 @@ static double distance( const double* a, const double* b )
     return sqrt( ( a[0] - b[0] ) * ( a[0] - b[0] ) + ( a[1] - b[1] ) * ( a[1] - b[1] ) + ( a[2] - b[2] ) * ( a[2] - b[2] ) );
 }
 
-static void test_meets_keys( void** state )
+static void test_curves_meet_their_keys( void** state )
 {
     (void)state;
     for ( int linear = 0; linear < 2; ++linear )
@@ -60,7 +60,7 @@ static void test_meets_keys( void** state )
 }
 
 // Equal steps in time and space: the plain Catmull-Rom spline.
-static void test_even_keys( void** state )
+static void test_even_keys_give_catmull_rom( void** state )
 {
     (void)state;
     static const double times[] = { 0, 1, 2, 3 }, points[] = { 0, 0, 0, 1, 1, 0, 2, 0, 0, 3, 1, 0 };
@@ -183,7 +183,7 @@ static double yaw_at( const RfCurve* curve, double time )
 
 static double wrapped( double degrees ) { return degrees - 360.0 * floor( degrees / 360.0 + 0.5 ); }
 
-static void test_even_turn( void** state )
+static void test_even_turns_are_even( void** state )
 {
     (void)state;
     static const double times[] = { 0, 1, 2, 3 }, degrees[] = { 0, 90, 180, 270 };
@@ -201,7 +201,7 @@ static void test_even_turn( void** state )
 }
 
 // Wide turns there and back, uneven in time: slerps of slerps would jump.
-static void test_turning_back( void** state )
+static void test_turning_back_does_not_jump( void** state )
 {
     (void)state;
     static const double times[] = { 0, 1, 1.3, 4, 5 }, degrees[] = { 0, 170, 0, -160, 15 };
@@ -244,7 +244,7 @@ static void expect_constant_speed( const RfWaypoints* walk )
     assert_true( shortest / ( walk->length / STEPS ) > 1.0 - 1e-3 );
 }
 
-static void test_walk_speed( void** state )
+static void test_walks_keep_their_speed( void** state )
 {
     (void)state;
     // neighbours from 0.3 to 10 apart, none with a hairpin, whose chords tell nothing
@@ -265,7 +265,7 @@ static void test_walk_speed( void** state )
     rf_destroy_waypoints( &walk );
 }
 
-static void test_straight_walk( void** state )
+static void test_straight_walks_stay_straight( void** state )
 {
     (void)state;
     static const double points[] = { 0, 0, 0, 3, 0, 0, 3, 4, 0 };
@@ -286,7 +286,7 @@ static void test_straight_walk( void** state )
 }
 
 // Points far beyond any scene, or all but equal, give numbers.
-static void test_extreme_points( void** state )
+static void test_extreme_points_give_numbers( void** state )
 {
     (void)state;
     static const double sets[][12] = {
@@ -317,16 +317,16 @@ static void test_extreme_points( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_meets_keys ),
-        cmocka_unit_test( test_even_keys ),
+        cmocka_unit_test( test_curves_meet_their_keys ),
+        cmocka_unit_test( test_even_keys_give_catmull_rom ),
         cmocka_unit_test( test_centripetal_shape ),
         cmocka_unit_test( test_no_jump_of_speed ),
         cmocka_unit_test( test_numbers_stay_between_keys ),
-        cmocka_unit_test( test_even_turn ),
-        cmocka_unit_test( test_turning_back ),
-        cmocka_unit_test( test_walk_speed ),
-        cmocka_unit_test( test_straight_walk ),
-        cmocka_unit_test( test_extreme_points ),
+        cmocka_unit_test( test_even_turns_are_even ),
+        cmocka_unit_test( test_turning_back_does_not_jump ),
+        cmocka_unit_test( test_walks_keep_their_speed ),
+        cmocka_unit_test( test_straight_walks_stay_straight ),
+        cmocka_unit_test( test_extreme_points_give_numbers ),
     };
     return cmocka_run_group_tests_name( "curve", tests, NULL, NULL );
 }

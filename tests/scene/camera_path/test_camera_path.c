@@ -28,7 +28,7 @@ static int frames_of( const RfCamera* camera, double fps )
     return count;
 }
 
-static void test_orbit( void** state )
+static void test_orbit_by_closed_form( void** state )
 {
     (void)state;
     RfCamera camera =
@@ -55,7 +55,7 @@ static void test_orbit( void** state )
     rf_destroy_camera( &camera );
 }
 
-static void test_dolly_and_zoom( void** state )
+static void test_dolly_and_zoom_by_closed_form( void** state )
 {
     (void)state;
     RfCamera camera = load_path( "{\"kind\":\"dolly\",\"from\":[0,1,10],\"to\":[4,1,2],\"target\":[0,1,0],"
@@ -79,7 +79,7 @@ static void test_dolly_and_zoom( void** state )
     rf_destroy_camera( &camera );
 }
 
-static void test_walk( void** state )
+static void test_walk_by_closed_form( void** state )
 {
     (void)state;
     RfCamera camera = load_path( "{\"kind\":\"walk\",\"interpolation\":\"linear\",\"waypoints\":[[0,1,0],[4,1,0],[4,1,-4]],"
@@ -106,7 +106,7 @@ static void test_walk( void** state )
     rf_destroy_camera( &camera );
 }
 
-static void test_keys( void** state )
+static void test_keys_are_met( void** state )
 {
     (void)state;
     RfCamera camera = load_path( "{\"about\":\"x\",\"kind\":\"keyed\",\"target\":[0,0,0],\"fov\":30,\"keys\":["
@@ -148,7 +148,7 @@ static RfView turned( const char* rotation )
     return view;
 }
 
-static void test_angles( void** state )
+static void test_angles_turn_as_documented( void** state )
 {
     (void)state;
     assert_three( turned( "{}" ).forward, 0, 0, -1, 0 );
@@ -163,7 +163,7 @@ static void test_angles( void** state )
 }
 
 // Frames of a path, as eyes: their times are whole multiples, whatever the unit.
-static void test_eyes( void** state )
+static void test_frame_times_are_exact_multiples( void** state )
 {
     (void)state;
     RfScene scene = { 0 };
@@ -222,7 +222,7 @@ static void test_views_without_direction( void** state )
 #define ORBIT( rest ) "{\"kind\":\"orbit\",\"center\":[0,0,0],\"radius\":1" rest "}"
 #define WALK( points, rest ) "{\"kind\":\"walk\",\"waypoints\":[" points "]" rest "}"
 
-static void test_faults( void** state )
+static void test_faults_are_one_line( void** state )
 {
     (void)state;
     static const char* const faults[][2] = {
@@ -328,7 +328,7 @@ static int load_mutations( const char* text, uint64_t count )
     return loaded;
 }
 
-static void test_mutations( void** state )
+static void test_mutations_never_crash( void** state )
 {
     (void)state;
     static const char* const texts[] = {
@@ -346,7 +346,7 @@ static void test_mutations( void** state )
 }
 
 // The path from which the vase room's camera is made is that camera.
-static void test_vase_zoom( void** state )
+static void test_vase_zoom_is_the_scenes_camera( void** state )
 {
     (void)state;
     RfScene scene;
@@ -375,16 +375,11 @@ static void test_vase_zoom( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_orbit ),
-        cmocka_unit_test( test_dolly_and_zoom ),
-        cmocka_unit_test( test_walk ),
-        cmocka_unit_test( test_keys ),
-        cmocka_unit_test( test_angles ),
-        cmocka_unit_test( test_eyes ),
-        cmocka_unit_test( test_views_without_direction ),
-        cmocka_unit_test( test_faults ),
-        cmocka_unit_test( test_mutations ),
-        cmocka_unit_test( test_vase_zoom ),
+        cmocka_unit_test( test_orbit_by_closed_form ),      cmocka_unit_test( test_dolly_and_zoom_by_closed_form ),
+        cmocka_unit_test( test_walk_by_closed_form ),       cmocka_unit_test( test_keys_are_met ),
+        cmocka_unit_test( test_angles_turn_as_documented ), cmocka_unit_test( test_frame_times_are_exact_multiples ),
+        cmocka_unit_test( test_views_without_direction ),   cmocka_unit_test( test_faults_are_one_line ),
+        cmocka_unit_test( test_mutations_never_crash ),     cmocka_unit_test( test_vase_zoom_is_the_scenes_camera ),
     };
     return cmocka_run_group_tests_name( "camera path", tests, cli_enter_group, cli_leave_group );
 }

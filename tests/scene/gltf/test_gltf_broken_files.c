@@ -84,7 +84,7 @@ static void expect_faults( const Fault* faults, size_t count )
 #define POSITION( accessor ) PRIMITIVE( "\"attributes\":{\"POSITION\":" #accessor "}" )
 #define BAD RF_ERROR_FORMAT
 
-static void test_accessors( void** state )
+static void test_broken_accessors( void** state )
 {
     (void)state;
     static const Fault s_faults[] = {
@@ -131,7 +131,7 @@ static void test_accessors( void** state )
 
 #define SPARSE( members ) ",{\"bufferView\":0,\"componentType\":5126,\"type\":\"VEC3\",\"count\":3,\"sparse\":{" members "}}"
 
-static void test_sparse( void** state )
+static void test_broken_sparse_accessors( void** state )
 {
     (void)state;
     static const Fault s_faults[] = {
@@ -156,7 +156,7 @@ static void test_sparse( void** state )
     EXPECT_FAULTS( s_faults );
 }
 
-static void test_primitives( void** state )
+static void test_broken_primitives( void** state )
 {
     (void)state;
     static const Fault s_faults[] = {
@@ -184,7 +184,7 @@ static void test_primitives( void** state )
 #define CHANNEL( sampler, path )                                                                                                 \
     ANIMATION( "\"samplers\":[{" sampler "}],\"channels\":[{\"sampler\":0,\"target\":{\"node\":0,\"path\":\"" path "\"}}]" )
 
-static void test_animations( void** state )
+static void test_broken_animations( void** state )
 {
     (void)state;
     static const Fault s_faults[] = {
@@ -223,7 +223,7 @@ static void test_animations( void** state )
     "\"extensions\":{\"KHR_lights_punctual\":" lights "},\"nodes\":[{" node                                                      \
     "\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}}}]"
 
-static void test_nodes( void** state )
+static void test_broken_nodes( void** state )
 {
     (void)state;
     static const Fault s_faults[] = {
@@ -260,7 +260,7 @@ static void test_nodes( void** state )
 
 #define EXTENSION( json ) "\"materials\":[{\"extensions\":{" json "}}]"
 
-static void test_materials( void** state )
+static void test_broken_materials( void** state )
 {
     (void)state;
     static const Fault s_faults[] = {
@@ -311,7 +311,7 @@ static void test_materials( void** state )
 }
 
 // A pixel of an image that is no number.
-static void test_pixels( void** state )
+static void test_broken_pixels( void** state )
 {
     (void)state;
     float rgb[12] = { 0.5f, 0.5f, 0.5f, 0.5f, INFINITY, 0.5f, 0.5f, 0.5f, 0.5f, 0.5f, 0.5f, 0.5f };
@@ -332,7 +332,7 @@ static void test_pixels( void** state )
         &fault );
 }
 
-static void test_containers( void** state )
+static void test_broken_containers( void** state )
 {
     (void)state;
     // a header alone; a chunk whose own header is cut off
@@ -365,9 +365,10 @@ static int leave( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_accessors ),  cmocka_unit_test( test_sparse ),     cmocka_unit_test( test_primitives ),
-        cmocka_unit_test( test_animations ), cmocka_unit_test( test_nodes ),      cmocka_unit_test( test_materials ),
-        cmocka_unit_test( test_pixels ),     cmocka_unit_test( test_containers ),
+        cmocka_unit_test( test_broken_accessors ),  cmocka_unit_test( test_broken_sparse_accessors ),
+        cmocka_unit_test( test_broken_primitives ), cmocka_unit_test( test_broken_animations ),
+        cmocka_unit_test( test_broken_nodes ),      cmocka_unit_test( test_broken_materials ),
+        cmocka_unit_test( test_broken_pixels ),     cmocka_unit_test( test_broken_containers ),
     };
     return cmocka_run_group_tests( tests, enter, leave );
 }

@@ -32,7 +32,7 @@ static GltfBuilder make_square( void )
 #define SMOOTH "{\"attributes\":{\"POSITION\":0,\"NORMAL\":1},\"indices\":2}"
 #define MESH( primitives ) "\"meshes\":[{\"primitives\":[" primitives "]}]"
 
-static void test_smooth_mesh( void** state )
+static void test_smooth_normals_are_read( void** state )
 {
     (void)state;
     GltfBuilder b = make_square();
@@ -52,7 +52,7 @@ static void test_smooth_mesh( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_flat_mesh( void** state )
+static void test_flat_meshes_get_face_normals( void** state )
 {
     (void)state;
     GltfBuilder b = make_square();
@@ -65,7 +65,7 @@ static void test_flat_mesh( void** state )
 
 // A mirrored square still faces +z, with its corners counter-clockwise seen
 // from there; so does one with flat normals.
-static void test_mirrored_mesh( void** state )
+static void test_mirrored_meshes_face_as_before( void** state )
 {
     (void)state;
     static const char* const s_primitives[] = { MESH( SMOOTH ), MESH( "{\"attributes\":{\"POSITION\":0},\"indices\":2}" ) };
@@ -99,7 +99,7 @@ static void test_nonuniform_normals( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_strip_and_fan( void** state )
+static void test_strips_and_fans_keep_their_side( void** state )
 {
     (void)state;
     static const float s_strip[] = { 0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0, 0, 2, 0 };
@@ -135,7 +135,7 @@ static void test_degenerate_triangles( void** state )
 }
 
 // Quantised positions, normalised UVs with a stride, sparse over zeros.
-static void test_accessor_kinds( void** state )
+static void test_every_accessor_kind_is_read( void** state )
 {
     (void)state;
     static const int16_t s_positions[] = { 0, 0, 0, 4, 0, 0, 0, -4, 0 };
@@ -168,7 +168,7 @@ static void test_accessor_kinds( void** state )
 }
 
 // Primitives that share accessors take only the vertices they use.
-static void test_shared_vertices( void** state )
+static void test_shared_vertices_are_taken_once( void** state )
 {
     (void)state;
     static const uint16_t s_indices[] = { 3, 0, 2 };
@@ -243,7 +243,7 @@ static void test_containers_agree( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_empty_scene( void** state )
+static void test_empty_scenes_are_scenes( void** state )
 {
     (void)state;
     GltfBuilder b = { 0 };
@@ -257,12 +257,17 @@ static void test_empty_scene( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_smooth_mesh ),          cmocka_unit_test( test_flat_mesh ),
-        cmocka_unit_test( test_mirrored_mesh ),        cmocka_unit_test( test_nonuniform_normals ),
-        cmocka_unit_test( test_strip_and_fan ),        cmocka_unit_test( test_degenerate_triangles ),
-        cmocka_unit_test( test_accessor_kinds ),       cmocka_unit_test( test_shared_vertices ),
-        cmocka_unit_test( test_hierarchy_and_scenes ), cmocka_unit_test( test_containers_agree ),
-        cmocka_unit_test( test_empty_scene ),
+        cmocka_unit_test( test_smooth_normals_are_read ),
+        cmocka_unit_test( test_flat_meshes_get_face_normals ),
+        cmocka_unit_test( test_mirrored_meshes_face_as_before ),
+        cmocka_unit_test( test_nonuniform_normals ),
+        cmocka_unit_test( test_strips_and_fans_keep_their_side ),
+        cmocka_unit_test( test_degenerate_triangles ),
+        cmocka_unit_test( test_every_accessor_kind_is_read ),
+        cmocka_unit_test( test_shared_vertices_are_taken_once ),
+        cmocka_unit_test( test_hierarchy_and_scenes ),
+        cmocka_unit_test( test_containers_agree ),
+        cmocka_unit_test( test_empty_scenes_are_scenes ),
     };
     return cmocka_run_group_tests( tests, gltf_enter, gltf_leave );
 }

@@ -62,7 +62,7 @@ static RfScene load_material( const char* json )
     return gltf_load_built( &b, json );
 }
 
-static void test_transmission( void** state )
+static void test_transmission_textures( void** state )
 {
     (void)state;
     RfScene scene = load_material(
@@ -106,7 +106,7 @@ static void test_transmission( void** state )
 }
 
 // A body's thickness is that of its mesh: the texture changes nothing.
-static void test_thickness( void** state )
+static void test_thickness_textures_change_nothing( void** state )
 {
     (void)state;
     RfScene scene = load_material( MATERIAL( "\"pbrMetallicRoughness\":{\"metallicFactor\":0},\"extensions\":{\"KHR_materials_"
@@ -121,7 +121,7 @@ static void test_thickness( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_clearcoat( void** state )
+static void test_clearcoat_textures( void** state )
 {
     (void)state;
     RfScene scene = load_material( MATERIAL(
@@ -159,7 +159,7 @@ static void test_clearcoat( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_faults( void** state )
+static void test_faults_are_one_line( void** state )
 {
     (void)state;
     static const char* const s_faults[][2] = {
@@ -215,7 +215,7 @@ static void test_tangents_follow_the_transform( void** state )
 
 // The picture on the right half mirrors that on the left: the vertices of the
 // middle become two, one for each side.
-static void test_mirrored_coordinates( void** state )
+static void test_mirrored_coordinates_split_vertices( void** state )
 {
     (void)state;
     static const float s_positions[] = { -1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 1, 0, 0, 1, 0, 1, 1, 0 };
@@ -305,7 +305,7 @@ static double tangent_error( const RfTriangles* t, size_t v )
 }
 
 // On a sphere they run along its circles.
-static void test_sphere( void** state )
+static void test_sphere_tangents_run_along_circles( void** state )
 {
     (void)state;
     static Ball ball;
@@ -414,7 +414,7 @@ static void test_coordinates_without_area( void** state )
 }
 
 // Without normals: those of the faces, and tangents along their pictures.
-static void test_flat_faces( void** state )
+static void test_tangents_of_flat_faces( void** state )
 {
     (void)state;
     RfScene scene = load_material( MESH( ",\"TEXCOORD_0\":1,\"TEXCOORD_1\":2" ) BUMPS );
@@ -433,7 +433,7 @@ static void test_flat_faces( void** state )
 }
 
 // Floats of an EXR are taken as they are; a material that nothing has needs no image.
-static void test_float_texture( void** state )
+static void test_float_textures_are_taken_as_they_are( void** state )
 {
     (void)state;
     float rgb[12] = { 0.5f, 0.25f, 4.0f, 0, 0, 0, 0, 0, 0, 0, 0, -1.0f };
@@ -460,18 +460,18 @@ static void test_float_texture( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_transmission ),
-        cmocka_unit_test( test_thickness ),
-        cmocka_unit_test( test_clearcoat ),
-        cmocka_unit_test( test_faults ),
+        cmocka_unit_test( test_transmission_textures ),
+        cmocka_unit_test( test_thickness_textures_change_nothing ),
+        cmocka_unit_test( test_clearcoat_textures ),
+        cmocka_unit_test( test_faults_are_one_line ),
         cmocka_unit_test( test_tangents_follow_the_transform ),
-        cmocka_unit_test( test_mirrored_coordinates ),
-        cmocka_unit_test( test_sphere ),
+        cmocka_unit_test( test_mirrored_coordinates_split_vertices ),
+        cmocka_unit_test( test_sphere_tangents_run_along_circles ),
         cmocka_unit_test( test_same_vertices_and_angles ),
         cmocka_unit_test( test_mirror_with_a_roughness_texture ),
         cmocka_unit_test( test_coordinates_without_area ),
-        cmocka_unit_test( test_flat_faces ),
-        cmocka_unit_test( test_float_texture ),
+        cmocka_unit_test( test_tangents_of_flat_faces ),
+        cmocka_unit_test( test_float_textures_are_taken_as_they_are ),
     };
     return cmocka_run_group_tests( tests, gltf_enter, gltf_leave );
 }

@@ -26,7 +26,7 @@ static const float s_square[] = { 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0 };
 
 #define MESH( primitives ) "\"meshes\":[{\"primitives\":[" primitives "]}]"
 
-static void test_materials( void** state )
+static void test_materials_are_read( void** state )
 {
     (void)state;
     GltfBuilder b = { 0 };
@@ -111,7 +111,7 @@ static GltfBuilder make_motion( void )
     return b;
 }
 
-static void test_cameras( void** state )
+static void test_cameras_are_read( void** state )
 {
     (void)state;
     GltfBuilder b = make_motion();
@@ -166,7 +166,7 @@ static void test_moving_mesh_is_taken_at_its_first_key( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_shared_scenes( void** state )
+static void test_made_scenes_are_read( void** state )
 {
     (void)state;
     static const struct
@@ -208,9 +208,9 @@ static void test_shared_scenes( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_materials ),     cmocka_unit_test( test_warnings_are_said_once ),
-        cmocka_unit_test( test_cameras ),       cmocka_unit_test( test_moving_mesh_is_taken_at_its_first_key ),
-        cmocka_unit_test( test_shared_scenes ),
+        cmocka_unit_test( test_materials_are_read ),   cmocka_unit_test( test_warnings_are_said_once ),
+        cmocka_unit_test( test_cameras_are_read ),     cmocka_unit_test( test_moving_mesh_is_taken_at_its_first_key ),
+        cmocka_unit_test( test_made_scenes_are_read ),
     };
     return cmocka_run_group_tests( tests, gltf_enter, gltf_leave );
 }
