@@ -14,6 +14,7 @@
 // left as they are where they are not given.
 RfRange rf_coordinates( void );
 RfResult rf_read_point( const RfField* object, const char* key, double point[3] );
+bool rf_is_same_point( const double a[3], const double b[3] );
 RfResult rf_read_up( const RfField* field, double up[3] );
 RfResult rf_read_rotation( const RfField* field, double q[4] ); // required
 RfResult rf_read_fov( const RfField* field, double* fov );
