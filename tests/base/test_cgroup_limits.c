@@ -1,4 +1,5 @@
-// Free memory of control groups, in folders made to look like them.
+// The free memory of nested control groups is that of the tightest one, shown on a made-up
+// cgroup folder.
 #include "base/cgroup.h"
 #include "base/system.h"
 #include "support/cli_run.h"

@@ -1,6 +1,6 @@
-// Scattering models: closed forms, the horizon, reciprocity, sharp lobes; do
-// lanes stand alone, does any input make a NaN? (Sampling and energy:
-// test_bsdf_sampling.c)
+// Evaluation of the scattering models: closed forms, nothing below the horizon,
+// reciprocity, accuracy of sharp lobes, finite results for any input, and the same bits
+// for any batch size. Sampling and energy: test_bsdf_sampling.c.
 #include "support/bsdf_lanes.h"
 
 #include <setjmp.h>

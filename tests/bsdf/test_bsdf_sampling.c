@@ -1,5 +1,5 @@
-// Scattering models: do evaluate, density and sample agree (χ² over the sphere,
-// albedo by sampling against albedo by quadrature), do the models keep energy?
+// Scattering models agree with themselves: samples follow the density (χ² over the
+// sphere), sampled albedo equals albedo by quadrature, and no model gains energy.
 #include "support/bsdf_lanes.h"
 
 #include <setjmp.h>

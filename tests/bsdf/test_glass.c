@@ -1,5 +1,5 @@
-// Mirrors and glass: Fresnel and Snell by hand, energy, and that sampling,
-// density and evaluation of the lobes with a width agree.
+// Mirrors and glass: Fresnel's and Snell's laws by hand, energy, and agreement of
+// sampling, density and evaluation for rough lobes.
 #include "bsdf/bsdf.h"
 
 #include "base/random.h"

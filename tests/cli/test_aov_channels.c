@@ -1,4 +1,4 @@
-// reframe render --aov from outside: what the files hold, what is refused.
+// reframe render --aov as a user sees it: the channels in the files, and what is refused.
 #include "support/cli_run.h"
 
 #include <math.h>

@@ -1,5 +1,5 @@
-// scripts/blender-export.py on a scene made by Blender itself; skipped where
-// Blender, or the numpy that its exporter needs, is not there.
+// scripts/blender-export.py on a scene made in Blender; skipped where Blender or the numpy
+// that its exporter needs is missing.
 #include "support/cli_run.h"
 
 #include "light/sky.h"

@@ -1,5 +1,5 @@
-// Parts of the program that need no scene: lists of frames, OpenEXR's matrices,
-// fingerprints, the progress line.
+// Parts of the program that need no scene: frame lists, OpenEXR matrices, fingerprints,
+// the progress line.
 #include "cli/options/frame_list.h"
 #include "cli/render/progress.h"
 #include "cli/render/render_output.h"

@@ -1,4 +1,4 @@
-// `compare` as a script sees it: exit status, JSON, and what it refuses.
+// reframe compare as a script sees it: exit status, JSON, and what it refuses.
 #include "cli/commands.h"
 #include "support/command_run.h"
 #include "support/foreign_exr.h"

@@ -1,4 +1,4 @@
-// What `compare` says in words.
+// The verdict of reframe compare in words.
 #include "cli/compare/compare_report.h"
 
 #include <math.h>

@@ -1,5 +1,5 @@
-// The program from outside: what goes wrong is one line and the right exit
-// status, what goes right leaves whole files, interrupts and full disks included.
+// The program from outside: a failure is one line and the right exit status, a success
+// leaves complete files, and neither interrupts nor full disks leave partial ones.
 #include "support/cli_run.h"
 
 #include <jansson.h>

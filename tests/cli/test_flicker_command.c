@@ -1,5 +1,5 @@
-// `flicker` as a script sees it: JSON, files of Reframe and of other programs,
-// and what it refuses.
+// reframe flicker as a script sees it: JSON, files of Reframe and of other programs, and
+// what it refuses.
 #include "cli/commands.h"
 #include "cli/compare/flicker_seams.h"
 #include "support/command_run.h"

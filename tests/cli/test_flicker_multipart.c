@@ -1,5 +1,5 @@
-// `flicker` against a reference with the plain figures and those along the motion,
-// and files whose colour and layers are in several parts.
+// reframe flicker reports plain and motion-compensated figures side by side, and finds
+// colour and layers spread over the parts of a file.
 #include "cli/commands.h"
 #include "support/command_run.h"
 #include "support/foreign_exr.h"

@@ -1,4 +1,4 @@
-// What a command writes is never what it reads, nor twice the same file.
+// No command writes over what it reads, nor writes one file twice.
 #include "support/cli_run.h"
 #include "image/sequence.h"
 

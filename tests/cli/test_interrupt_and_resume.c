@@ -1,4 +1,4 @@
-// Interruptions of `render` as a user has them, and what goes on after them.
+// Interrupting render and resuming it as a user does.
 #include "support/cli_run.h"
 
 #include <jansson.h>

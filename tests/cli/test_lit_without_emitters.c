@@ -1,5 +1,5 @@
-// info and render of scenes without emitting triangles: lamps alone, a sky
-// alone, nothing at all.
+// info and render of scenes without emissive triangles: punctual lights only, an
+// environment only, no light at all.
 #include "support/cli_run.h"
 
 #include <setjmp.h>

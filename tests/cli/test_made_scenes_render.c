@@ -1,5 +1,5 @@
-// The scenes that the scripts in scenes/ make: each loads without a warning and
-// renders, in its first and its last frame, neither NaN nor black.
+// The scenes made by the scripts in scenes/ load without a warning, and their first and
+// last frames are neither NaN nor black.
 #include "support/cli_run.h"
 
 #include <setjmp.h>

@@ -1,4 +1,4 @@
-// The option table: every type, every way to get it wrong, and the help.
+// The option table: every type, every way to get one wrong, and the help text.
 #include "cli/options/options.h"
 
 #include <setjmp.h>

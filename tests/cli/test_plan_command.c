@@ -1,4 +1,4 @@
-// reframe plan: table, JSON, errors, and that render --group auto takes the row that it marks.
+// reframe plan: table, JSON and errors; render --group auto takes the row it marks.
 #include "support/cli_run.h"
 
 #include <jansson.h>

@@ -1,6 +1,6 @@
-// The page of `report` in headless Chromium, by tests/browser/check-page.js: it loads,
-// plays, seeks, and says nothing in the console. Skipped where there is no Chromium,
-// Node.js or playwright-core, which scripts/install-browser gets.
+// The report page in headless Chromium, by tests/browser/check-page.js: it loads, plays,
+// seeks and logs nothing to the console. Skipped without Chromium, Node.js or playwright-
+// core, which scripts/install-browser installs.
 #include "support/cli_run.h"
 #include "image/exr.h"
 

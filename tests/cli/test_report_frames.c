@@ -1,5 +1,5 @@
-// Which frames, layers and parts of files `report` takes, and what it tells of those
-// that are not there.
+// Which frames, layers and parts of files reframe report takes, and what it says about
+// missing ones.
 #include "support/cli_run.h"
 #include "support/foreign_exr.h"
 #include "support/page_checks.h"

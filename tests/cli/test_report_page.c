@@ -1,6 +1,6 @@
-// `report` as its user sees it: what the page holds, that no name breaks it, and
-// what is refused. Which frames and layers it takes is test_report_frames's, how it
-// looks and plays test_report_browser's.
+// reframe report as its user sees it: what the page holds, that no name breaks it, and
+// what is refused. Choice of frames and layers: test_report_frames.c; looks and playback:
+// test_report_browser.c.
 #include "support/cli_run.h"
 #include "support/page_checks.h"
 

@@ -1,5 +1,5 @@
-// What `report` tells of a render: the samples that were traced, and totals where
-// frames were kept from before.
+// What reframe report shows of a render: samples traced, and totals where earlier frames
+// were kept.
 #include "support/cli_run.h"
 #include "support/page_checks.h"
 

@@ -1,5 +1,4 @@
-// The program with scene files and camera-path files: defaults, errors, the
-// schemas and the examples.
+// The program with scene files and camera-path files: defaults, errors, schemas, examples.
 #include "support/cli_run.h"
 #include "support/gltf_builder.h"
 #include "support/json_room.h"

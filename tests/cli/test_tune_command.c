@@ -1,4 +1,4 @@
-// reframe tune: table, JSON, plot, the command that it gives, and its errors.
+// reframe tune: table, JSON, plot, the render command it prints, and its errors.
 #include "support/cli_run.h"
 
 #include <jansson.h>

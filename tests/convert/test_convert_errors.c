@@ -1,5 +1,5 @@
-// reframe convert: every error line, and that no file takes the program down
-// with its importer.
+// reframe convert: every error line; a file that crashes the importer does not take the
+// program down.
 #include "support/cli_run.h"
 #include "support/convert_support.h"
 

@@ -1,5 +1,5 @@
-// The PLY reader: three formats, polygons, colours, what is read past, and
-// every error line.
+// The PLY reader: the three encodings, polygons, colours, what is ignored, and every error
+// line.
 #include "convert/ply_read.h"
 #include "support/gltf_builder.h"
 

@@ -1,5 +1,5 @@
-// Layers of a render: closed forms, the variance against the true one, and that
-// they are the same bits however the frames come about and change no colour.
+// AOVs of a render: closed forms, the variance against the true one, the same bits however
+// the frames come about, and no influence on colour.
 #include "support/hard_cases.h"
 
 #include <math.h>

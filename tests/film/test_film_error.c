@@ -1,6 +1,6 @@
-// The estimate of relMSE from the halves of a film is honest where noise is
-// heavy: fireflies that one pixel or a whole tile has, edges, dark places, noise
-// larger than the picture. Against the error to the known truth, in the mean.
+// The relMSE estimate from the halves of a film is honest under heavy noise: fireflies in
+// single pixels and whole tiles, edges, dark regions, noise larger than the picture. On
+// average, against the error relative to the known truth.
 #include "base/random.h"
 #include "film/film.h"
 #include "measure/error.h"

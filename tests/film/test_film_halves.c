@@ -1,5 +1,5 @@
-// Combining the halves of a film (estimators.md E2): by hand, without bias in
-// the mean of many pixels, and what the difference of the halves tells.
+// Combining the two halves of a film (estimators.md E2): by hand, without bias in the mean
+// over many pixels, and relMSE from the difference of the halves.
 #include "base/random.h"
 #include "film/film.h"
 #include "measure/error.h"

@@ -1,5 +1,5 @@
-// Images of others: each format comes out as it went in; what is damaged, cut
-// off or out of bounds is one line of error.
+// Decoding images made by others: each format returns what was stored; damaged, truncated
+// or oversized files fail with one line.
 #include "support/encode_images.h"
 
 #include "image/decode.h"

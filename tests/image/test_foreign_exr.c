@@ -1,5 +1,5 @@
-// Reading EXRs that are not ours: other layouts and channel names, refusals,
-// and damaged files, which may fail but not crash, hang or allocate wildly.
+// EXR files of other programs: layouts and channel names, refusals, and damaged files,
+// which may fail but must not crash, hang or allocate wildly.
 #include "support/image_support.h"
 
 #include <math.h>

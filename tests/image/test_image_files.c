@@ -1,5 +1,4 @@
-// Images and their files: EXR, PNG, sequences, and that no failure leaves a
-// part of a file behind.
+// Images and their files: EXR, PNG, sequences; no failure leaves a partial file.
 #include "image/atomic_file.h"
 #include "image/exr.h"
 #include "image/half.h"

@@ -1,6 +1,5 @@
-// Lights: collected, picked in proportion to their power, with densities that
-// integrate to one; and the light of a square on a small receiver against
-// Lambert's closed form.
+// Lights are collected and sampled in proportion to their power, with densities that
+// integrate to one; a square light on a small receiver matches Lambert's closed form.
 #include "base/random.h"
 #include "support/render_support.h"
 #include "support/scene_builder.h"

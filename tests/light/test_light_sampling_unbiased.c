@@ -1,6 +1,6 @@
-// Pictures lit by many lamps: picked by the tree and by power they have the
-// same mean, with one light sample and with more, alone and in groups of frames;
-// and the tree's equal the plain tracer's bits.
+// Pictures lit by many lamps have the same mean whether lights are sampled by the tree or
+// by power, with one light sample or several, alone and in groups of frames; with the tree
+// they equal the plain path tracer bit for bit.
 #include "support/reference_tracer.h"
 #include "support/render_support.h"
 #include "support/scene_builder.h"

@@ -1,5 +1,5 @@
-// The light tree: chances that add up, that picks keep to, and that are above
-// 0 wherever light could arrive.
+// The light tree: probabilities that sum to one, samples that follow them, and
+// probabilities above 0 wherever light could arrive.
 #include "base/random.h"
 #include "light/light.h"
 #include "support/scene_builder.h"

@@ -1,5 +1,5 @@
-// The environment as a light: densities, directions, look-ups; and pictures
-// under skies and lamps whose radiance is known in closed form.
+// The environment as a light: densities, directions, look-ups; and pictures under
+// environments and punctual lights whose radiance has a closed form.
 #include "light/sky.h"
 #include "support/render_support.h"
 #include "support/scene_builder.h"

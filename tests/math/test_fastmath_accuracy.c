@@ -1,4 +1,4 @@
-// Accuracy of math/fastmath.h against libm in double.
+// Accuracy of math/fastmath.h against libm in double precision.
 #include "math/fastmath.h"
 
 #include "base/random.h"

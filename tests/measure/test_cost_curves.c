@@ -1,5 +1,5 @@
-// What accuracy costs: rows of both curves, predictions by hand and by a render,
-// and what the command says.
+// reframe cost: points of both curves, predictions by hand and by a render, and what the
+// command prints.
 #include "support/cli_run.h"
 #include "measure/cost.h"
 #include "support/render_support.h"

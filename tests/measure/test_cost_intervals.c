@@ -1,5 +1,5 @@
-// Slopes and the ratio of times against values made by hand, and how often their
-// intervals hold the truth.
+// Slopes and ratios of times against values worked out by hand, and the coverage of their
+// confidence intervals.
 #include "measure/cost_fit.h"
 
 #include "base/random.h"

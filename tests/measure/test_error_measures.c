@@ -1,4 +1,4 @@
-// The measures of error against closed forms.
+// Error measures against closed forms.
 #include "measure/error.h"
 #include "measure/bias_interval.h"
 #include "support/image_support.h"

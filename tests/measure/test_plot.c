@@ -1,4 +1,4 @@
-// Plots: ticks, places on paper, and text that any reader of XML takes.
+// Plots: ticks, positions on paper, and valid XML for any text.
 #include "support/cli_run.h"
 #include "measure/plot.h"
 

@@ -1,4 +1,4 @@
-// Spectrum, seams and slit-scan against closed forms.
+// Temporal spectrum, seams and slit-scan against closed forms.
 #include "support/flicker_frames.h"
 #include "measure/seams.h"
 #include "measure/slit_scan.h"

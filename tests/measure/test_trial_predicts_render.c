@@ -1,5 +1,5 @@
-// Trials: what one window says of a frame in the middle of a long path is what
-// renders of the path have.
+// Trials: what one window of frames says about the middle of a long path is what a render
+// of the whole path shows.
 #include "measure/trial.h"
 #include "support/render_support.h"
 #include "render/groups.h"

@@ -1,4 +1,5 @@
-// Tuning: what is tried and why, how the time is shared out, what is chosen.
+// Tuning decides: which settings are tried and why, how the time is divided, which is
+// chosen.
 #include "render/groups.h"
 #include "support/tune_setup.h"
 

@@ -1,4 +1,4 @@
-// Tunings as a whole: rounds, halving, the least budget, interruption.
+// Whole tuning runs: rounds, halving, the least budget, interruption.
 #include "support/tune_setup.h"
 
 #include <math.h>

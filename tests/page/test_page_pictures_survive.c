@@ -1,6 +1,6 @@
-// The pictures of the page: what comes back is what went in, at any exposure, and
-// they weigh what they may. Read back as src/page/picture.h says, by the decoder of
-// textures, so that script and encoder have a third to agree with.
+// Pictures of the report page survive their encoding at any exposure and stay within their
+// size. They are read back as src/page/picture.h says, with the texture decoder, as a
+// third opinion beside the script and the encoder.
 #include "image/decode.h"
 #include "page/picture.h"
 #include "support/image_support.h"

@@ -1,5 +1,5 @@
-// Extra samples for pixels that few other frames help: who gets them, and that
-// nothing else decides.
+// Extra samples for pixels that few other frames help: which pixels get them, and that
+// nothing else changes the result.
 #include "support/cli_run.h"
 #include "render/adaptive.h"
 #include "support/render_support.h"

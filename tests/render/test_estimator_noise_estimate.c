@@ -1,7 +1,7 @@
-// What a render says of its own error, relMSE from the halves of its films, is
-// true: over 32 seeds (with REFRAME_LONG) and scenes, plain, in frames, in tiles and in both, the mean
-// estimate lies within 15 % of the mean relMSE against a reference of many samples
-// with another seed.
+// The error that a render reports, relMSE from the halves of its films, is true: over
+// seeds (32 with REFRAME_LONG) and scenes, without reuse, over frames, in tiles and in
+// both, the mean estimate lies within 15 % of the mean relMSE against a converged
+// reference with another seed.
 #include "measure/error.h"
 #include "support/render_support.h"
 #include "scene/camera.h"

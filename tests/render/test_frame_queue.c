@@ -1,5 +1,5 @@
-// Finished frames handed over from a thread of their own (settings.queue):
-// in order, while rendering goes on, whatever stops it, within the budget.
+// Finished frames are handed over on a thread of their own (settings.queue): in order,
+// while rendering continues, whatever stops it, and within the budget.
 #include "support/hard_cases.h"
 
 #include <pthread.h>

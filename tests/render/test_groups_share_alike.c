@@ -1,5 +1,5 @@
-// Sliding groups: which windows hold which frames, how many native and
-// effective samples each frame gets, and how they split into the halves of (E2).
+// Sliding groups: which groups hold which frames, how many own-frame and effective samples
+// each frame gets, and how they split into the halves of (E2).
 #include "render/groups.h"
 #include "reframe/render.h"
 

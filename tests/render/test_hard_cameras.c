@@ -1,5 +1,4 @@
-// Hard cases of eyes and geometry: whatever the camera path does, pictures
-// hold finite light and the program does not fall over.
+// Hard cases of cameras: whatever the path does, pictures are finite and nothing crashes.
 #include "support/hard_cases.h"
 
 #include <math.h>

@@ -1,5 +1,5 @@
-// Hard cases of scenes: very small, very large and far away ones hold the same
-// radiance; odd triangles and extreme materials give finite pictures.
+// Hard cases of scenes: very small, very large and distant ones have the same radiance;
+// odd triangles and extreme materials give finite pictures.
 #include "support/hard_cases.h"
 #include "support/statistics.h"
 

@@ -1,4 +1,4 @@
-// Settings at their limits and beyond them, and renders that somebody stops.
+// Settings at and beyond their limits, and renders stopped by their callbacks.
 #include "support/hard_cases.h"
 
 #include <limits.h>

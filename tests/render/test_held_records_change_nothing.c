@@ -1,5 +1,5 @@
-// --hold-all: all hit records of a group at once take what they should, and the
-// pictures are those of few at a time.
+// --hold-all: holding all records of a group changes no picture and takes the memory that
+// was announced.
 #include "support/cli_run.h"
 
 #include <jansson.h>

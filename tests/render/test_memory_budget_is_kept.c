@@ -1,5 +1,5 @@
-// --memory is kept, by the process's own accounting; a budget that is too small
-// is refused with the smallest that works; and no budget changes a picture.
+// --memory is kept, by the process's own accounting; a budget too small is refused with
+// the smallest that works; and no budget changes a picture.
 #define _DEFAULT_SOURCE // wait4
 #include "support/cli_run.h"
 

@@ -1,4 +1,4 @@
-// render --noise and --time as a user has them.
+// render --noise reaches the error and --time keeps the time, in every mode of rendering.
 #include "support/cli_run.h"
 #include "image/exr.h"
 

@@ -1,5 +1,5 @@
-// The plan: what it says of a render is what the render does, and --group auto
-// takes the row that it marks.
+// What the plan says about a render is what the render does, and --group auto takes the
+// row it marks.
 #include "support/render_support.h"
 #include "render/groups.h"
 #include "reframe/plan.h"

@@ -1,6 +1,6 @@
-// What must be the same to the bit: `--group 0` and a plain path tracer; any
-// number of threads; a frame alone and in its sequence; two runs; any budget;
-// with tiles as well.
+// What must be the same to the bit: `--group 0` and a plain path tracer; any number of
+// threads; a frame alone and in its sequence; two runs; any budget; with and without
+// tiles.
 #include "support/reference_tracer.h"
 #include "support/render_support.h"
 #include "support/scene_builder.h"

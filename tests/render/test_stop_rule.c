@@ -1,5 +1,5 @@
-// How many passes windows get for an error or a time: the decisions alone, with
-// films, estimates and a clock that are made up.
+// How many passes each group gets for a target error or time: the decisions alone, with
+// made-up films, estimates and clock.
 #include "render/stop_rule.h"
 
 #include <math.h>

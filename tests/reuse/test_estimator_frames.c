@@ -1,6 +1,6 @@
-// Frame reuse is unbiased: against independent references, over 16 seeds, per
-// block and per pixel, for diffuse, Phong and GGX, groups of 1, 3, 7, 13 and 17
-// frames. And the test can see bias: the biased weightings fail it.
+// Frame reuse is unbiased: against independent references, over 16 seeds, per block and
+// per pixel, for diffuse, Phong and GGX, groups of 1, 3, 7, 13 and 17 frames. The test can
+// see bias: the biased weightings fail it.
 #include "support/scene_builder.h"
 #include "support/statistics.h"
 #include "support/unbiased.h"

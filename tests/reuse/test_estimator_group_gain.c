@@ -1,5 +1,5 @@
-// What a group is worth: eyes that are all the same make as many samples as
-// they are; the ends of a path are as good as its middle.
+// What a group gains: identical cameras are worth as many samples as there are, and the
+// ends of a path are as good as its middle.
 #include "measure/error.h"
 #include "support/render_support.h"
 #include "support/scene_builder.h"

@@ -1,6 +1,6 @@
-// Frame reuse is unbiased under skies and lamps without size, where glass and
-// mirrors are seen, and where colours, roughness, normals, alpha and light come
-// from textures or are blended: against independent references, over 16 seeds.
+// Frame reuse is unbiased under environments and punctual lights, with glass and mirrors,
+// and where colour, roughness, normals, alpha and emission are textured or blended:
+// against independent references, over 16 seeds.
 #include "support/scene_builder.h"
 #include "support/textured_room.h"
 #include "support/unbiased.h"

@@ -1,7 +1,7 @@
-// E[B] = 1 (estimators.md section 2): the summed weights of the hits that land
-// in a pixel have mean one, at every pixel, for every group and camera path.
-// Tiles change nothing of that. What misses everything weighs one in its own frame, so this holds for pixels
-// with rays that miss as well; those are tested with and without.
+// E[B] = 1 (estimators.md section 2): the summed weights of the hits that land in a pixel
+// have mean one, at every pixel, for every group and camera path, with and without tiles.
+// A ray that misses everything weighs one in its own frame, so this holds where rays miss
+// as well; tested with a closed and an open scene.
 #include "support/render_support.h"
 #include "support/scene_builder.h"
 #include "support/statistics.h"

@@ -1,6 +1,6 @@
-// Re-projected hits against the film density J (estimators.md, notation): two
-// eyes see one plane, whose images on their films a homography relates, so how
-// many hits of one must land in a block of the other is an area.
+// Reprojected hits follow the film density J (estimators.md, notation): two cameras see
+// one plane, their films are related by a homography, so the expected number of hits of
+// one in a block of the other is an area.
 #include "base/random.h"
 #include "support/render_support.h"
 #include "reuse/project.h"

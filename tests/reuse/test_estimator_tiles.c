@@ -1,8 +1,8 @@
-// Sharing paths inside tiles is unbiased, alone and under frame reuse, against
-// independent references over 16 seeds: on diffuse, Phong, GGX, textured and
-// blended surfaces, under skies, with glass and mirrors in the tiles, in
-// corners, where a tile sees a lit room through the bars of a fence, with
-// several light samples, with a single shared bounce, with roulette.
+// Tile reuse is unbiased, alone and with frame reuse, against independent references over
+// 16 seeds: on diffuse, Phong, GGX, textured and blended surfaces, under environments,
+// with glass and mirrors in the tiles, in corners, where a tile sees a lit room through
+// the bars of a fence, with several light samples, with a single shared bounce, with
+// Russian roulette.
 #include "support/scene_builder.h"
 #include "support/textured_room.h"
 #include "support/unbiased.h"

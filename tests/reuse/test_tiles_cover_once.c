@@ -1,5 +1,5 @@
-// Tiles: their names, and that the patches of a pass cover every pixel of the
-// film once with tiles of the right shape, wherever the shift puts them.
+// Tiles: their names; the patches of a pass cover every pixel of the film once with tiles
+// of the right shape, for any shift.
 #include "base/random.h"
 #include "reuse/tile.h"
 

@@ -1,4 +1,4 @@
-// Channels, camera placement and frame counts, on scenes made by hand.
+// Animation channels, camera placement and frame counts, on scenes made by hand.
 
 #include "scene/animation.h"
 #include "scene/camera.h"

@@ -1,6 +1,6 @@
-// Textures at rest and in pictures: look-ups against numbers worked out by
-// hand, rendered values against closed forms, what is cut out for every kind of
-// ray, and `--group 0` against the plain path tracer to the bit.
+// Textures alone and in pictures: look-ups against numbers worked out by hand, rendered
+// values against closed forms, cut-outs for every kind of ray, and `--group 0` against the
+// plain path tracer to the bit.
 #include "support/reference_tracer.h"
 #include "support/render_support.h"
 #include "support/textured_room.h"

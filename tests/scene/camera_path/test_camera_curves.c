@@ -1,5 +1,5 @@
-// The curves of camera paths: through every key, of the shape that closed forms
-// give, without jumps of speed; and walks by arc length.
+// Curves of camera paths: they meet every key, have the shape of closed forms, and their
+// speed does not jump; walks by arc length.
 #include "support/camera_path_checks.h"
 
 #include "math/quat.h"

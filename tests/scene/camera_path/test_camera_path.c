@@ -1,5 +1,5 @@
-// Camera-path files: every kind against its closed form, frames, and every way
-// to get a file wrong.
+// Camera-path files: every kind against its closed form, frame times, and every way to get
+// a file wrong.
 #include "support/camera_path_checks.h"
 #include "support/cli_run.h"
 #include "support/gltf_builder.h"

@@ -1,7 +1,7 @@
-// A corpus of small broken glTF files, one for each thing that the reader can
-// refuse and that test_gltf_faults, _materials and _textures do not have already:
-// each is an error line that names the file, the object and the fault. What is
-// not here are limits that take gigabytes to reach, and failures of memory.
+// A corpus of small broken glTF files, one for each fault that the reader can report and
+// that test_gltf_faults, test_gltf_materials and test_gltf_textures do not cover: each
+// gives an error line that names the file, the object and the fault. Not here: limits that
+// take gigabytes to reach, and failed allocations.
 #include "support/encode_images.h"
 #include "support/gltf_builder.h"
 

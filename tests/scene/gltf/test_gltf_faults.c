@@ -1,5 +1,5 @@
-// What the glTF reader refuses: every fault is one line that names the file
-// and the object, and no input makes it crash, hang or leak.
+// What the glTF reader refuses: every fault is one line that names the file and the
+// object, and no input makes it crash, hang or leak.
 
 #include "support/gltf_builder.h"
 

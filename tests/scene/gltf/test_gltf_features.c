@@ -1,8 +1,7 @@
-// A corpus of small glTF files, one for each feature of the format that they can
-// have: accessors in every component type, packed, with a stride and sparse;
-// animations by every sampler on every target; what is read without being drawn,
-// and what is left out with one warning. Materials, textures and geometry have
-// tests of their own.
+// A corpus of small glTF files, one for each feature of the format that they can use:
+// accessors of every component type, packed, strided and sparse; animations with every
+// sampler and target; what is read without being drawn, and what is ignored with one
+// warning. Materials, textures and geometry have their own tests.
 #include "support/gltf_checks.h"
 
 #include "scene/animation.h"

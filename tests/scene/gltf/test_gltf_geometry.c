@@ -1,5 +1,4 @@
-// What the glTF reader makes of geometry: accessors, meshes, transforms, and
-// the containers they come in.
+// Geometry as the glTF reader takes it: accessors, meshes, transforms, containers.
 
 #include "support/gltf_checks.h"
 

@@ -1,6 +1,6 @@
-// Textures of glTF's layers (transmission, volume, clear coat), and the tangents
-// that the reader makes where a file has none: against a sphere's own, and where
-// coordinates are mirrored.
+// Textures of glTF's material extensions (transmission, volume, clear coat), and the
+// tangents that the reader makes where a file has none: against those of a sphere, and
+// where texture coordinates are mirrored.
 #include "support/encode_images.h"
 #include "support/gltf_checks.h"
 

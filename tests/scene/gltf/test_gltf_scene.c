@@ -1,5 +1,5 @@
-// What the glTF reader makes of the rest of a scene: materials, cameras,
-// animations and warnings; and the shared scenes where they are.
+// The rest of a glTF scene as the reader takes it: materials, cameras, animations,
+// warnings; and the scenes of scenes/.
 
 #include "support/gltf_checks.h"
 

@@ -1,6 +1,6 @@
-// Textures of glTF: where images come from, how infos, samplers and transforms
-// are read, colour spaces, second coordinates, vertex colours, alpha; and the
-// error line of everything that may be wrong with them.
+// Textures of glTF: where images come from, how texture infos, samplers and transforms are
+// read, colour spaces, second coordinates, vertex colours, alpha; and the error line of
+// everything that can be wrong with them.
 #include "support/encode_images.h"
 #include "support/gltf_checks.h"
 
