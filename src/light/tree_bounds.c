@@ -57,8 +57,8 @@ static void unite_cones( RfLightBounds* a, const RfLightBounds* b )
     double other[3] = { flip ? -b->axis[0] : b->axis[0], flip ? -b->axis[1] : b->axis[1], flip ? -b->axis[2] : b->axis[2] };
     double apart = angle_of( cos_apart ), spread_a = angle_of( a->cos_spread ), spread_b = angle_of( b->cos_spread );
     double spread = 0.5 * ( spread_a + apart + spread_b );
-    if ( a->two_sided != b->two_sided ) // NOLINT(bugprone-branch-clone): the order of the cases matters
-        face_everywhere( a );
+    if ( a->two_sided != b->two_sided )
+        face_everywhere( a ); // NOLINT(bugprone-branch-clone): as further down, but the order matters
     else if ( apart + spread_b <= spread_a )
         return;
     else if ( apart + spread_a <= spread_b )

@@ -4,6 +4,7 @@
 #include "base/system.h"
 #include "measure/tune_internal.h"
 
+#include <omp.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -69,6 +70,9 @@ static void share_out( RfTuneWork* w, int tasks )
     int wanted = w->threads < tasks ? w->threads : tasks, count = 0;
     w->task_count = tasks;
     atomic_store( &w->next, 0 );
+    // Makes this thread OpenMP's first one, since it outlives the others: libomp 14 looks
+    // at its first thread whenever a tool (ThreadSanitizer's archer) watches a critical section.
+    (void)omp_get_max_threads();
     while ( count + 1 < wanted && count < MOST_WORKERS && pthread_create( threads + count, NULL, work, w ) == 0 )
         count += 1;
     work( w );
