@@ -1,20 +1,20 @@
 #include "film/aov_film.h"
 
-#include "reuse/harvest_internal.h"
+#include "scene/pinhole.h"
 
 #include <math.h>
 #include <string.h>
 
-// A point farther outside the film of another eye is as good as behind it, pixels.
+// Points farther off the film centre of another eye count as behind it, pixels.
 #define FARTHEST_MOTION 1e6f
 
-int rf_aov_film_floats( RfAov layer )
+int rf_aov_film_floats( RfAov aov )
 {
-    switch ( layer )
+    switch ( aov )
     {
-        case RF_AOV_VARIANCE: return 0; // the colour's film has it
+        case RF_AOV_VARIANCE: return 0; // made from the film of the colour
         case RF_AOV_DEPTH: return 2;
-        default: return rf_aov_channels( layer );
+        default: return rf_aov_channels( aov );
     }
 }
 
@@ -30,7 +30,7 @@ void rf_clear_aov_film( RfAovFilm* film, int width, int height )
         memset( film->landed, 0, pixels * sizeof *film->landed );
 }
 
-// The next value of a mean, whose share of all so far is `share`.
+// Updates a running mean with a value whose share of the total weight is `share`.
 static inline void add_to_mean( float* mean, float value, float share ) { *mean += ( value - *mean ) * share; }
 
 static inline void add_vector( float* mean, RfVec3 value, float share )
@@ -40,46 +40,47 @@ static inline void add_vector( float* mean, RfVec3 value, float share )
     add_to_mean( mean + 2, value.z, share );
 }
 
-// Where a way from the eye meets the film, pixels from its middle, +y up; false
-// where it goes backwards or next to nowhere.
-static bool film_position( const RfEye* eye, RfVec3 way, float at[2] )
+// Where a direction from the eye meets the film, pixels from its centre, +y up; false where it
+// points backwards or far outside.
+static bool film_position( const RfEye* eye, RfVec3 direction, float at[2] )
 {
-    float depth = rf_dot( way, eye->forward ), scale = eye->focal / depth;
-    at[0] = rf_dot( way, eye->right ) * scale;
-    at[1] = rf_dot( way, eye->up ) * scale;
+    float depth = rf_pinhole_position( eye, direction, at );
     return depth > 0.0f && fabsf( at[0] ) < FARTHEST_MOTION && fabsf( at[1] ) < FARTHEST_MOTION;
 }
 
-// A point seen by the job's eye, or with `infinite` a direction.
+// A point, or with `infinite` a direction.
 typedef struct Seen
 {
     RfVec3 point;
     bool infinite;
 } Seen;
 
-static RfVec3 way_to( const RfEye* eye, Seen seen ) { return seen.infinite ? seen.point : rf_sub( seen.point, eye->origin ); }
+static RfVec3 direction_to( const RfEye* eye, Seen seen )
+{
+    return seen.infinite ? seen.point : rf_sub( seen.point, rf_pinhole_origin( eye ) );
+}
 
 static void add_motion( const RfAovJob* job, float* mean, Seen seen, float share )
 {
     const RfEye* others[2] = { job->previous, job->next };
     float own[2], there[2];
-    bool known = film_position( job->eye, way_to( job->eye, seen ), own );
+    bool known = film_position( job->eye, direction_to( job->eye, seen ), own );
     for ( int k = 0; k < 2; ++k )
     {
-        bool moved = known && others[k] != NULL && film_position( others[k], way_to( others[k], seen ), there );
+        bool moved = known && others[k] != NULL && film_position( others[k], direction_to( others[k], seen ), there );
         for ( int c = 0; c < 2; ++c )
             add_to_mean( mean + 2 * k + c, moved ? there[c] - own[c] : 0.0f, share );
     }
 }
 
-// What is reflected of light along the normal: a dielectric's coat takes its part first.
+// Reflectance at normal incidence: a dielectric coat takes its part first.
 static RfVec3 albedo_of( const RfVertexLanes* v, int i )
 {
     RfVec3 diffuse = rf_vec3( v->diffuse[0][i], v->diffuse[1][i], v->diffuse[2][i] );
     if ( i < v->first[RF_BSDF_PHONG] )
         return diffuse;
     RfVec3 specular = rf_vec3( v->specular[0][i], v->specular[1][i], v->specular[2][i] );
-    if ( i >= v->first[RF_BSDF_GLASS] ) // what passes through counts as well: glass is as bright as what is behind it
+    if ( i >= v->first[RF_BSDF_GLASS] ) // transmitted light counts, too: glass is as bright as what is behind it
         return rf_add( rf_add( specular, diffuse ), rf_vec3( v->tint[0][i], v->tint[1][i], v->tint[2][i] ) );
     bool coated = i >= v->first[RF_BSDF_GGX];
     return rf_madd( specular, diffuse, coated ? 1.0f - v->coat_f0[i] : 1.0f );
@@ -97,13 +98,13 @@ static void add_hit( const RfAovJob* job, const RfVertexLanes* v, int i, size_t 
     {
         float* depth = mean[RF_AOV_DEPTH] + 2 * pixel;
         depth[1] += job->weight;
-        add_to_mean( depth, rf_dot( rf_sub( p, job->eye->origin ), job->eye->forward ), job->weight / depth[1] );
+        add_to_mean( depth, rf_pinhole_depth( job->eye, p ), job->weight / depth[1] );
     }
     if ( mean[RF_AOV_MOTION] != NULL )
         add_motion( job, mean[RF_AOV_MOTION] + 4 * pixel, ( Seen ){ p, false }, share );
 }
 
-// Nothing there: no albedo, normal and depth; it moves as what is infinitely far.
+// A miss has no albedo, normal or depth; its motion is that of a point at infinity.
 static void add_miss( const RfAovJob* job, const RfRayLanes* rays, int slot, size_t pixel, float share )
 {
     float* const* mean = job->film->mean;
@@ -116,29 +117,29 @@ static void add_miss( const RfAovJob* job, const RfRayLanes* rays, int slot, siz
         add_motion( job, mean[RF_AOV_MOTION] + 4 * pixel, ( Seen ){ d, true }, share );
 }
 
-void rf_add_to_aovs( const RfAovJob* job, const RfHarvestScratch* scratch )
+void rf_add_to_aovs( const RfAovJob* job, RfFirstHits first )
 {
-    const RfVertexLanes* v = &scratch->first;
+    const RfVertexLanes* v = first.hits;
     float share = job->weight / ( job->weight_before + job->weight );
     uint8_t hit[RF_LANES] = { 0 };
     for ( int i = 0; i < v->count; ++i )
     {
         int slot = v->slot[i];
         hit[slot] = 1;
-        add_hit( job, v, i, (size_t)scratch->pixel[slot], share );
+        add_hit( job, v, i, (size_t)first.pixel[slot], share );
     }
-    for ( int slot = 0; slot < scratch->camera_rays.count; ++slot )
+    for ( int slot = 0; slot < first.rays->count; ++slot )
     {
         if ( !hit[slot] )
-            add_miss( job, &scratch->camera_rays, slot, (size_t)scratch->pixel[slot], share );
+            add_miss( job, first.rays, slot, (size_t)first.pixel[slot], share );
     }
 }
 
-void rf_finish_aov( const RfAovFilm* film, RfAov layer, const RfFilm* colour, RfFilmCombine combine, float* image )
+void rf_finish_aov( const RfAovFilm* film, RfAov aov, const RfFilm* colour, RfFilmCombine combine, float* image )
 {
     size_t pixels = (size_t)colour->width * (size_t)colour->height;
-    const float* mean = film->mean[layer];
-    switch ( layer )
+    const float* mean = film->mean[aov];
+    switch ( aov )
     {
         case RF_AOV_VARIANCE: rf_estimate_variance( colour, combine, image ); break;
         case RF_AOV_SAMPLES:
@@ -149,6 +150,6 @@ void rf_finish_aov( const RfAovFilm* film, RfAov layer, const RfFilm* colour, Rf
             for ( size_t i = 0; i < pixels; ++i )
                 image[i] = mean[2 * i + 1] > 0.0f ? mean[2 * i] : RF_DEPTH_OF_NOTHING;
             break;
-        default: memcpy( image, mean, pixels * (size_t)rf_aov_channels( layer ) * sizeof( float ) );
+        default: memcpy( image, mean, pixels * (size_t)rf_aov_channels( aov ) * sizeof( float ) );
     }
 }

@@ -1,26 +1,27 @@
 #include "render/plan_internal.h"
+#include "render/settings.h"
 
 #include <math.h>
 #include <stdio.h>
 
 static const int s_groups[RF_PLAN_ROWS] = { 0, 1, 2, 3, 4, 6, 8, 12, 16 };
 
-// Costs of rays relative to each other, that the choice rests on: about
-// nanoseconds on one core of a 2.5 GHz Xeon with AVX2.
-#define COST_PRIMARY 100.0 // with its records and films
+// Relative costs of rays, which the choice of the group rests on: about nanoseconds on one core of
+// a 2.5 GHz Xeon with AVX2.
+#define COST_PRIMARY 100.0 // including records and films
 #define COST_PATH 200.0
 #define COST_SHADOW 100.0
 #define COST_TILE 40.0
-#define COST_EYE 30.0    // a test of visibility
-#define COST_LANDING 4.0 // of a hit in a film, and
-#define COST_LIT 7.0     // for each direction that a glossy one is lit from
+#define COST_EYE 30.0    // a visibility test
+#define COST_LANDING 4.0 // adding a hit to a film, plus
+#define COST_LIT 7.0     // this for each direction of a glossy hit
 
-// Why auto leaves a row out.
+// Why the automatic choice leaves a row out.
 static const char s_no_room[] = "does not fit --memory", s_films[] = "films over half of --memory",
                   s_sweeps[] = "goes through the path several times", s_rounded[] = "--spp rounded up too far";
 
-#define FLAT 0.9      // of the best gain is as good: smaller groups need less memory, and less for a single frame
-#define ROUNDING 1.25 // times the samples asked for may be traced
+#define FLAT 0.9      // of the best gain is good enough: smaller groups need less memory, and less time for a single frame
+#define ROUNDING 1.25 // rounding up may trace so many times the samples asked for
 
 static void list_rows( int eye_count, int spp, RfPlan* plan )
 {
@@ -49,16 +50,15 @@ static void list_rows( int eye_count, int spp, RfPlan* plan )
 double rf_plan_work( const RfGroupPlan* plan, double own, double reuse )
 {
     double work = 0.0;
-    for ( int w = 0; w < plan->windows; ++w )
+    for ( int g = 0; g < plan->groups; ++g )
     {
-        RfGroup window = rf_group( plan, w );
-        work += (double)window.passes * window.eyes * ( own + ( window.eyes - 1 ) * reuse );
+        RfGroup group = rf_group( plan, g );
+        work += (double)group.passes * group.eyes * ( own + ( group.eyes - 1 ) * reuse );
     }
     return work;
 }
 
-// The samples that a frame gets, and what a sample costs on the whole: the gain
-// is their quotient, relative to no reuse.
+// Gain: samples that land in a frame over the cost of a sample, relative to no reuse.
 static double gain_of( const RfGroupPlan* plan, double reach, double own, double reuse )
 {
     double samples = (double)plan->frames * plan->spp;
@@ -83,14 +83,14 @@ static void count_rays( const RfGroupPlan* plan, const int* frames, int frame_co
     row->rays_path = samples * per * (double)counts->rays.path;
     row->rays_shadow = samples * per * (double)counts->rays.shadow;
     row->rays_tile = samples * per * (double)counts->rays.tile;
-    // own eyes are tested in blended scenes only, and are in these counts then
+    // visibility from the own eye is tested in blended scenes only, and counted there
     row->rays_eye =
         row->eyes > 1 ? others / ( row->eyes - 1 ) * per * counts->eye_rays[index] : samples * per * counts->eye_rays[index];
 }
 
-static void fixed_costs( const PlanCounts* c, const RfBatchShape* shape, int index, int eyes, double* own, double* reuse )
+static void fixed_costs( const PlanCounts* c, const RfEstimatorSizes* sizes, int index, int eyes, double* own, double* reuse )
 {
-    double landing = ( c->hits * COST_LANDING + c->glossy * COST_LIT * rf_direction_count( shape ) ) / c->samples;
+    double landing = ( c->hits * COST_LANDING + c->glossy * COST_LIT * sizes->directions ) / c->samples;
     *own = ( COST_PRIMARY * (double)c->rays.primary + COST_PATH * (double)c->rays.path + COST_SHADOW * (double)c->rays.shadow +
              COST_TILE * (double)c->rays.tile ) /
                c->samples +
@@ -98,9 +98,9 @@ static void fixed_costs( const PlanCounts* c, const RfBatchShape* shape, int ind
     *reuse = eyes > 1 ? COST_EYE * c->eye_rays[index] / c->samples / ( eyes - 1 ) + landing : 0.0;
 }
 
-// Why auto leaves a group out, by the path, the size and the options alone: as if
-// all of the path were asked for, and one thread had the memory. Several sweeps
-// trace everything as often again, which the gain does not know of.
+// Why the automatic choice leaves a group out; NULL: it does not. It depends on path, size and settings
+// alone, as if the whole path were asked for and one thread had all the memory. Several sweeps
+// repeat the tracing, which the gain does not account for.
 static const char* reason_against( const RfScene* scene, const RfEye* eyes, int eye_count, const RfRenderSettings* settings,
                                    const RfPlanRow* row )
 {
@@ -108,7 +108,7 @@ static const char* reason_against( const RfScene* scene, const RfEye* eyes, int 
     s.group = row->group;
     s.threads = 1;
     RfGroupPlan plan = rf_plan_samples( eye_count, row->group, settings->spp );
-    RenderSizes sizes = rf_render_sizes( scene, eyes, &plan, eye_count, &s );
+    RfRenderSizes sizes = rf_render_sizes( scene, eyes, &plan, eye_count, &s );
     RfMemoryFit fit;
     if ( rf_fit_memory( scene, eyes, eye_count, eye_count, &s, &fit, NULL ) != RF_OK )
         return s_no_room;
@@ -162,7 +162,7 @@ static void explain( RfPlan* plan, const RfRenderSettings* settings )
     }
 }
 
-// From counts with one batch of hits at a time.
+// Counts a few batches of the path.
 static RfResult count( const RfTracer* tracer, const RfEye* eyes, int eye_count, const RfRenderSettings* settings,
                        const RfPlan* plan, PlanCounts* counts, RfError* error )
 {
@@ -170,7 +170,7 @@ static RfResult count( const RfTracer* tracer, const RfEye* eyes, int eye_count,
     int group_eyes[RF_PLAN_ROWS], most = 1;
     for ( int i = 0; i < plan->count; ++i )
     {
-        // what does not fit has no room for its hits either
+        // rows that do not fit have no room for their records here
         group_eyes[i] = rf_plan_row_fits( plan->rows + i ) ? plan->rows[i].eyes : 1;
         most = group_eyes[i] > most ? group_eyes[i] : most;
     }
@@ -181,7 +181,7 @@ static RfResult count( const RfTracer* tracer, const RfEye* eyes, int eye_count,
     return result;
 }
 
-// Only the smallest has to fit.
+// Only the smallest group has to fit.
 static RfResult fit_rows( const RfScene* scene, const RfEye* eyes, int eye_count, int frame_count,
                           const RfRenderSettings* settings, RfPlan* plan, RfError* error )
 {
@@ -200,7 +200,7 @@ static RfResult fit_rows( const RfScene* scene, const RfEye* eyes, int eye_count
 }
 
 static void weigh_rows( const RfEye* eyes, int eye_count, const int* frames, int frame_count, const RfRenderSettings* settings,
-                        const RfBatchShape* shape, const PlanCounts* counts, RfPlan* plan )
+                        const RfEstimatorSizes* sizes, const PlanCounts* counts, RfPlan* plan )
 {
     double pixels = (double)eyes->width * eyes->height;
     for ( int i = 0; i < plan->count; ++i )
@@ -210,7 +210,7 @@ static void weigh_rows( const RfEye* eyes, int eye_count, const int* frames, int
             continue;
         RfGroupPlan groups = rf_plan_samples( eye_count, row->group, settings->spp );
         double own, reuse;
-        fixed_costs( counts, shape, i, row->eyes, &own, &reuse );
+        fixed_costs( counts, sizes, i, row->eyes, &own, &reuse );
         row->reach = counts->share[i] > 0.0 ? counts->hits / counts->share[i] : 1.0;
         row->gain = gain_of( &groups, row->reach, own, reuse );
         count_rays( &groups, frames, frame_count, pixels, counts, i, row );
@@ -234,8 +234,8 @@ RfResult rf_plan_render( const RfTracer* tracer, const RfEye* eyes, int eye_coun
     if ( result != RF_OK )
         return result;
     RfGroupPlan groups = rf_plan_groups( eye_count, 0, common.spp );
-    RenderSizes sizes = rf_render_sizes( scene, eyes, &groups, 1, &common );
-    weigh_rows( eyes, eye_count, frames, frame_count, &common, &sizes.shape, &counts, plan );
+    RfRenderSizes sizes = rf_render_sizes( scene, eyes, &groups, 1, &common );
+    weigh_rows( eyes, eye_count, frames, frame_count, &common, &sizes.of_estimator, &counts, plan );
     plan->hit_share = counts.hits / counts.samples;
     plan->glossy_share = counts.glossy / counts.samples;
     choose_row( plan );
@@ -246,11 +246,9 @@ RfResult rf_plan_render( const RfTracer* tracer, const RfEye* eyes, int eye_coun
 
 void rf_record_bytes( const RfScene* scene, const RfRenderSettings* settings, int eyes, size_t* diffuse, size_t* glossy )
 {
-    RfGroupPlan plan = rf_plan_groups( eyes, eyes / 2, 1 );
     RfEye eye = { .width = 1, .height = 1 };
-    RfBatchShape shape = rf_render_sizes( scene, &eye, &plan, 1, settings ).shape;
-    size_t whole = rf_batch_bytes( &shape );
-    shape.glossy = false;
-    *diffuse = ( rf_batch_bytes( &shape ) + RF_LANES - 1 ) / RF_LANES;
-    *glossy = ( whole + RF_LANES - 1 ) / RF_LANES;
+    RfEstimatorGroup group = rf_size_group( scene, &eye, eyes, settings );
+    RfEstimatorSizes sizes = settings->estimator->sizes( &group );
+    *diffuse = sizes.diffuse_record;
+    *glossy = sizes.shiny_record;
 }

@@ -1,14 +1,25 @@
 #include "reuse/accumulate.h"
 
 #include "reuse/glossy.h"
+#include "reuse/harvest.h"
 #include "reuse/reprojection.h"
 
 #include <string.h>
 
-// Pixels of the hits at an eye, and their ratios r_t = J_t V_t / Σ J_l V_l,
-// taken `weight` times.
-static void weigh_landing( const RfEye* eye, int eye_index, const RfHitBatch* batch, float weight, int32_t* pixel,
-                           float* restrict ratio )
+// What all batches of a call share.
+typedef struct Accumulation
+{
+    const RfEye* eyes;
+    RfBatchShape shape;
+    RfWeights weights;
+    float weight;         // of the pass in the film
+    void* const* batches; // RfHitBatch, in the order in which they add to the film
+    int batch_count;
+} Accumulation;
+
+// Pixels of the hits at an eye, and their weights r_t = J_t V_t / Σ J_l V_l times `weight` (E1).
+static void reprojection_weights( const RfEye* eye, int eye_index, const RfHitBatch* batch, float weight, int32_t* pixel,
+                                  float* restrict ratio )
 {
     bool own = eye_index == batch->eye;
     if ( own )
@@ -28,31 +39,31 @@ static void weigh_landing( const RfEye* eye, int eye_index, const RfHitBatch* ba
         ratio[i] = ( seen[i] & bit ) != 0 ? weight * ( ratio[i] / sum[i] ) : 0.0f;
 }
 
-static void land( const RfAccumulate* compute, int eye, const RfHitBatch* batch, RfAccumulateScratch* scratch )
+static void reproject( const Accumulation* a, int eye, const RfHitBatch* batch, RfAccumulateScratch* scratch )
 {
-    weigh_landing( compute->eyes + eye, eye, batch, compute->weight, scratch->pixel, scratch->ratio );
-    if ( compute->weights == RF_WEIGHTS_EXACT )
+    reprojection_weights( a->eyes + eye, eye, batch, a->weight, scratch->pixel, scratch->ratio );
+    if ( a->weights == RF_WEIGHTS_EXACT )
         return;
-    // the biased weightings count hits
+    // the biased weightings count each hit once
     for ( int i = 0; i < batch->count; ++i )
-        scratch->ratio[i] = scratch->ratio[i] > 0.0f ? compute->weight : 0.0f;
+        scratch->ratio[i] = scratch->ratio[i] > 0.0f ? a->weight : 0.0f;
 }
 
-// Σ over the eyes whose hits landed in the pixel, in the mean: FR (15).
-static void mix_landed( const RfAccumulate* compute, const RfHitBatch* batch, const uint32_t* landed_eyes, int direction,
-                        RfAccumulateScratch* s )
+// Mean density over the eyes whose hits landed in the pixel: FR (15).
+static void mix_landed_eyes( const Accumulation* a, const RfHitBatch* batch, const uint32_t* landed_eyes, int direction,
+                             RfAccumulateScratch* s )
 {
     int first = batch->first[RF_BSDF_PHONG], count = rf_glossy_count( batch );
-    int words = rf_seen_words( compute->shape.eyes );
+    int words = rf_seen_words( a->shape.eyes );
     const RfDirectionLanes* lanes = batch->directions + direction;
     const float* wi[3] = { lanes->wi[0], lanes->wi[1], lanes->wi[2] };
     float* wo[3] = { s->wo[0], s->wo[1], s->wo[2] };
     const float* wo_in[3] = { wo[0], wo[1], wo[2] };
     int32_t landed[RF_LANES] = { 0 };
     memset( s->mixture, 0, sizeof s->mixture );
-    for ( int l = 0; l < compute->shape.eyes; ++l )
+    for ( int l = 0; l < a->shape.eyes; ++l )
     {
-        rf_directions_to( compute->eyes, l, batch, wo );
+        rf_directions_to( a->eyes, l, batch, wo );
         rf_evaluate_glossy( batch, wo_in, wi, NULL, s->pdf );
         for ( int i = 0; i < count; ++i )
         {
@@ -66,7 +77,7 @@ static void mix_landed( const RfAccumulate* compute, const RfHitBatch* batch, co
         s->mixture[i] /= (float)( landed[i] > 0 ? landed[i] : 1 );
 }
 
-// sum += f Q of one direction, with Q for this pixel's mixture where eq15 asks.
+// sum += f Q of one direction; for eq15, Q depends on the mixture density of the pixel.
 static void add_direction( const RfDirectionLanes* lanes, int count, bool eq15, RfAccumulateScratch* s )
 {
     for ( int c = 0; c < 3; ++c )
@@ -89,8 +100,8 @@ static void add_direction( const RfDirectionLanes* lanes, int count, bool eq15, 
     }
 }
 
-// Light of the glossy hits towards the eye, into sum.
-static void light_glossy( const RfAccumulate* compute, int eye, const RfHitBatch* batch, const uint32_t* landed_eyes,
+// Radiance of the glossy hits towards the eye, into sum.
+static void light_glossy( const Accumulation* a, int eye, const RfHitBatch* batch, const uint32_t* landed_eyes,
                           RfAccumulateScratch* s )
 {
     int first = batch->first[RF_BSDF_PHONG], count = rf_glossy_count( batch );
@@ -102,23 +113,23 @@ static void light_glossy( const RfAccumulate* compute, int eye, const RfHitBatch
         for ( int c = 0; c < 3; ++c )
             s->sum[c][i] = batch->radiance[4 * ( first + i ) + c];
     }
-    if ( !compute->shape.eq15 )
-        rf_directions_to( compute->eyes, eye, batch, wo );
-    for ( int d = 0; d < rf_direction_count( &compute->shape ); ++d )
+    if ( !a->shape.eq15 )
+        rf_directions_to( a->eyes, eye, batch, wo );
+    for ( int d = 0; d < rf_direction_count( &a->shape ); ++d )
     {
         const RfDirectionLanes* lanes = batch->directions + d;
         const float* wi[3] = { lanes->wi[0], lanes->wi[1], lanes->wi[2] };
-        if ( compute->shape.eq15 )
+        if ( a->shape.eq15 )
         {
-            mix_landed( compute, batch, landed_eyes, d, s );
-            rf_directions_to( compute->eyes, eye, batch, wo );
+            mix_landed_eyes( a, batch, landed_eyes, d, s );
+            rf_directions_to( a->eyes, eye, batch, wo );
         }
         rf_evaluate_glossy( batch, wo_in, wi, f, NULL );
-        add_direction( lanes, count, compute->shape.eq15, s );
+        add_direction( lanes, count, a->shape.eq15, s );
     }
 }
 
-// Pixels [low, end) are this job's.
+// Only pixels [low, end) belong to this job.
 typedef struct PixelRange
 {
     float* film; // 4 per pixel
@@ -127,8 +138,8 @@ typedef struct PixelRange
 
 typedef float Float4 __attribute__( ( vector_size( 16 ) ) );
 
-// film += r · (value, 1), four lanes at once. Spelled out: left to itself the
-// compiler goes through the stack, and waits for it.
+// film += r · (value, 1), four lanes at once. Spelled out, since the compiler would go through
+// the stack and stall on it.
 static inline void add_to_pixel( float* film, float ratio, const float* value )
 {
     Float4 v, sum;
@@ -171,7 +182,7 @@ static uint64_t splat_glossy( const RfHitBatch* batch, const RfAccumulateScratch
     return landed;
 }
 
-// Certain: in their own frame only.
+// Misses and unevaluable hits: weight 1 in their own frame, 0 elsewhere.
 static uint64_t splat_misses( const RfHitBatch* batch, bool black, float weight, PixelRange range )
 {
     uint64_t landed = 0;
@@ -210,22 +221,22 @@ static void count_misses( const RfHitBatch* batch, PixelRange range, uint32_t* l
     }
 }
 
-static bool lands_in( const RfHitBatch* batch, RfAccumulateJob job )
+static bool reaches_rows( const RfHitBatch* batch, RfAccumulateJob job )
 {
     return batch->rows[2 * job.eye] < job.end_row && batch->rows[2 * job.eye + 1] >= job.first_row;
 }
 
-// Which eyes' hits landed in each pixel of the job's rows: FR (15) asks.
-static void note_landed( const RfAccumulate* compute, RfAccumulateJob job, PixelRange range, uint32_t* landed_eyes,
-                         RfAccumulateScratch* s )
+// Records which eyes' hits landed in each pixel of the job's rows, for FR (15).
+static void note_landed_eyes( const Accumulation* a, RfAccumulateJob job, PixelRange range, uint32_t* landed_eyes,
+                              RfAccumulateScratch* s )
 {
-    size_t words = (size_t)rf_seen_words( compute->shape.eyes );
-    for ( int k = 0; k < compute->batch_count; ++k )
+    size_t words = (size_t)rf_seen_words( a->shape.eyes );
+    for ( int k = 0; k < a->batch_count; ++k )
     {
-        const RfHitBatch* batch = compute->batches + k;
-        if ( !lands_in( batch, job ) )
+        const RfHitBatch* batch = a->batches[k];
+        if ( !reaches_rows( batch, job ) )
             continue;
-        land( compute, job.eye, batch, s );
+        reproject( a, job.eye, batch, s );
         for ( int i = 0; i < batch->count; ++i )
         {
             int32_t pixel = s->pixel[i];
@@ -235,32 +246,40 @@ static void note_landed( const RfAccumulate* compute, RfAccumulateJob job, Pixel
     }
 }
 
-uint64_t rf_accumulate_rows( const RfAccumulate* compute, RfAccumulateJob job, uint32_t* landed_eyes,
+static uint64_t add_batch( const Accumulation* a, RfAccumulateJob job, const RfHitBatch* batch, PixelRange range,
+                           RfAccumulateScratch* scratch )
+{
+    bool own = job.eye == batch->eye;
+    reproject( a, job.eye, batch, scratch );
+    uint64_t landed = splat_diffuse( batch, scratch, range );
+    if ( rf_glossy_count( batch ) > 0 )
+    {
+        light_glossy( a, job.eye, batch, job.pass_state, scratch );
+        landed += splat_glossy( batch, scratch, range );
+    }
+    if ( own )
+        landed += splat_misses( batch, !a->shape.natives, a->weight, range );
+    if ( job.landed != NULL )
+        count_landed( batch, scratch, range, job.landed );
+    if ( job.landed != NULL && own )
+        count_misses( batch, range, job.landed );
+    return landed;
+}
+
+uint64_t rf_accumulate_rows( const RfEstimatorGroup* group, RfAccumulateJob job, void* const* batches, int batch_count,
                              RfAccumulateScratch* scratch )
 {
-    int width = compute->eyes[job.eye].width;
-    PixelRange range = { job.film->half[job.half], job.first_row * width, job.end_row * width };
-    if ( compute->shape.eq15 )
-        note_landed( compute, job, range, landed_eyes, scratch );
+    Accumulation a = { group->eyes, rf_batch_shape( group ), group->settings->weights, job.weight, batches, batch_count };
+    int width = group->width;
+    PixelRange range = { job.films->half[job.half], job.first_row * width, job.end_row * width };
+    if ( a.shape.eq15 )
+        note_landed_eyes( &a, job, range, job.pass_state, scratch );
     uint64_t landed = 0;
-    for ( int k = 0; k < compute->batch_count; ++k )
+    for ( int k = 0; k < batch_count; ++k )
     {
-        const RfHitBatch* batch = compute->batches + k;
-        if ( !lands_in( batch, job ) )
-            continue;
-        land( compute, job.eye, batch, scratch );
-        landed += splat_diffuse( batch, scratch, range );
-        if ( rf_glossy_count( batch ) > 0 )
-        {
-            light_glossy( compute, job.eye, batch, landed_eyes, scratch );
-            landed += splat_glossy( batch, scratch, range );
-        }
-        if ( job.eye == batch->eye )
-            landed += splat_misses( batch, !compute->shape.natives, compute->weight, range );
-        if ( job.landed != NULL )
-            count_landed( batch, scratch, range, job.landed );
-        if ( job.landed != NULL && job.eye == batch->eye )
-            count_misses( batch, range, job.landed );
+        const RfHitBatch* batch = batches[k];
+        if ( reaches_rows( batch, job ) )
+            landed += add_batch( &a, job, batch, range, scratch );
     }
     return landed;
 }

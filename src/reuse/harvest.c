@@ -1,6 +1,42 @@
 #include "reuse/harvest_internal.h"
 
+#include "scene/pinhole.h"
+
 #include <string.h>
+
+RfBatchShape rf_batch_shape( const RfEstimatorGroup* group )
+{
+    const RfRenderSettings* settings = group->settings;
+    unsigned unevaluable = ~0u << RF_BSDF_FIRST_UNEVALUABLE, glossy = ~0u << RF_BSDF_PHONG & ~unevaluable;
+    return ( RfBatchShape ){
+        .eyes = group->eye_count,
+        .light_samples = settings->light_samples,
+        .tile_pixels = rf_tile_pixels( &settings->tile ),
+        .glossy = ( group->traits.kinds & glossy ) != 0,
+        .coated = ( group->traits.kinds & 1u << RF_BSDF_COATED ) != 0,
+        .eq15 = settings->weights == RF_WEIGHTS_EQ15,
+        .blended = group->traits.blended,
+        .natives = ( group->traits.kinds & unevaluable ) != 0 || group->traits.sky,
+    };
+}
+
+RfHarvest rf_make_harvest( const RfEstimatorGroup* group )
+{
+    const RfRenderSettings* settings = group->settings;
+    return ( RfHarvest ){
+        .walk = { group->tracer, group->max_depth, settings->light_samples, settings->light_sampling },
+        .shape = rf_batch_shape( group ),
+        .patches = rf_lay_out_patches( &settings->tile, group->width, group->height ),
+        .tile_roulette = settings->tile_roulette,
+        .weights = settings->weights,
+        .seed = settings->seed,
+        .eyes = group->eyes,
+        .first_frame = group->first_frame,
+        .group = group->number,
+        .need = group->need,
+        .round = group->round,
+    };
+}
 
 static size_t scratch_struct_bytes( void ) { return ( sizeof( RfHarvestScratch ) + 63 ) / 64 * 64; }
 
@@ -17,7 +53,7 @@ RfHarvestScratch* rf_lay_out_harvest_scratch( const RfBatchShape* shape, void* m
     scratch->direct = (RfLightLanes*)( (char*)memory + scratch_struct_bytes() );
     scratch->density = (float*)( scratch->direct + shape->light_samples );
     scratch->mixture = scratch->density + (size_t)shape->eyes * RF_LANES;
-    scratch->share = rf_lay_out_tile_reuse( shape->light_samples, shape->tile_pixels,
+    scratch->tiles = rf_lay_out_tile_reuse( shape->light_samples, shape->tile_pixels,
                                             scratch->mixture + (size_t)rf_direction_count( shape ) * RF_LANES );
     return scratch;
 }
@@ -41,20 +77,17 @@ static void make_camera_rays( const RfEye* eye, int count, const int32_t* pixel,
         slot[i] = i;
     float( *random )[RF_LANES] = walk->scratch.random;
     rf_draw_lanes( walk, count, slot, RF_DIMENSION_FILM_X, 2, random );
-    float inverse_focal = 1.0f / eye->focal;
-    int width = eye->width;
     RfEye e = *eye;
+    float inverse_focal = 1.0f / e.focal;
+    RfVec3 origin = rf_pinhole_origin( &e );
 #pragma omp simd
     for ( int i = 0; i < count; ++i )
     {
-        int y = pixel[i] / width, x = pixel[i] - y * width;
-        float fx = ( (float)x + random[0][i] - 0.5f * (float)width ) * inverse_focal;
-        float fy = ( 0.5f * (float)e.height - (float)y - random[1][i] ) * inverse_focal;
-        RfVec3 d = rf_madd( rf_madd( e.forward, e.right, fx ), e.up, fy );
-        d = rf_scale( d, 1.0f / sqrtf( rf_dot( d, d ) ) );
-        rays->o[0][i] = e.origin.x;
-        rays->o[1][i] = e.origin.y;
-        rays->o[2][i] = e.origin.z;
+        int y = pixel[i] / e.width, x = pixel[i] - y * e.width;
+        RfVec3 d = rf_pinhole_ray( &e, inverse_focal, x, y, random[0][i], random[1][i] );
+        rays->o[0][i] = origin.x;
+        rays->o[1][i] = origin.y;
+        rays->o[2][i] = origin.z;
         rays->d[0][i] = d.x;
         rays->d[1][i] = d.y;
         rays->d[2][i] = d.z;
@@ -62,8 +95,8 @@ static void make_camera_rays( const RfEye* eye, int count, const int32_t* pixel,
     rays->count = count;
 }
 
-// Hits keep the pixel they were drawn in. What found nothing is a miss; native
-// hits are listed behind those.
+// Hits keep the pixel they were drawn in. Rays that hit nothing are misses; unevaluable hits are
+// listed behind these.
 static void note_pixels( int count, RfHarvestScratch* scratch, RfHitBatch* batch )
 {
     uint8_t hit[RF_LANES];
@@ -97,20 +130,20 @@ static void sample_direct( const RfHarvest* harvest, RfHarvestScratch* scratch, 
                                                     scratch->direct + j, &scratch->walk.scratch );
 }
 
-// Draws the scattered directions and follows them.
+// Samples scattered directions and traces the rest of the paths.
 static void trace_tails( const RfHarvest* harvest, RfHarvestScratch* scratch, RfRayCounts* rays )
 {
     const RfVertexLanes* v = &scratch->first;
     RfWavefront* walk = &scratch->walk;
     float* wi[3] = { scratch->scattered[0], scratch->scattered[1], scratch->scattered[2] };
     rf_scatter_deferred( &harvest->walk, walk, v, 1, wi );
-    int natives = v->count - rf_record_count( v );
-    if ( natives > 0 )
-        memcpy( scratch->native_pdf, walk->scratch.pdf + rf_record_count( v ), (size_t)natives * sizeof( float ) );
-    if ( scratch->share != NULL )
+    int unevaluable = v->count - rf_record_count( v );
+    if ( unevaluable > 0 )
+        memcpy( scratch->unevaluable_pdf, walk->scratch.pdf + rf_record_count( v ), (size_t)unevaluable * sizeof( float ) );
+    if ( scratch->tiles != NULL )
     {
         RfTileReuseSettings settings = { &harvest->walk, harvest->shape.tile_pixels, harvest->tile_roulette };
-        rays->tile += rf_trace_tile_tails( &settings, v, wi, walk, scratch->share );
+        rays->tile += rf_trace_tile_tails( &settings, v, wi, walk, scratch->tiles );
     }
     else
         rf_trace_tails( &harvest->walk, walk, 2 );
@@ -150,20 +183,20 @@ static void copy_hits( const RfVertexLanes* v, RfHitBatch* batch )
         memcpy( batch->clearcoat_n[c], v->clearcoat_n[c] + first, bytes );
 }
 
-// Of the pixels listed those whose tiles are drawn, by what their pixels need in
-// the mean; without tiles each is one.
+// Keeps the listed pixels whose tiles are drawn: with the mean of what their pixels need as
+// probability. Without tile reuse each pixel is a tile.
 static int choose_needy( const RfHarvest* harvest, uint64_t key, int count, int tiles, RfHarvestScratch* scratch )
 {
     float need[RF_LANES] = { 0 };
     int32_t size[RF_LANES] = { 0 };
-    bool shared = scratch->share != NULL;
+    bool in_tiles = scratch->tiles != NULL;
     for ( int i = 0; i < count; ++i )
     {
-        int t = shared ? scratch->tile_of[i] : i;
+        int t = in_tiles ? scratch->tile_of[i] : i;
         need[t] += harvest->need[scratch->pixel[i]];
         size[t] += 1;
     }
-    for ( int t = 0; t < ( shared ? tiles : count ); ++t )
+    for ( int t = 0; t < ( in_tiles ? tiles : count ); ++t )
     {
         RfRandomKey draw = rf_pixel_key( rf_mix64( key ), (uint32_t)t );
         bool chosen = size[t] > 0 && need[t] / (float)size[t] - (float)harvest->round > rf_random( draw, 0 );
@@ -172,31 +205,31 @@ static int choose_needy( const RfHarvest* harvest, uint64_t key, int count, int 
     int left = 0;
     for ( int i = 0; i < count; ++i )
     {
-        int t = shared ? scratch->tile_of[i] : i;
+        int t = in_tiles ? scratch->tile_of[i] : i;
         scratch->pixel[left] = scratch->pixel[i];
-        if ( shared )
+        if ( in_tiles )
             scratch->tile_of[left] = t;
         left += size[t];
     }
     return left;
 }
 
-int rf_harvest_first_hits( const RfHarvest* harvest, RfHarvestJob job, RfHitBatch* batch, RfHarvestScratch* scratch,
+int rf_harvest_first_hits( const RfHarvest* harvest, RfTraceJob job, RfHitBatch* batch, RfHarvestScratch* scratch,
                            RfRayCounts* rays )
 {
     const RfEye* eye = harvest->eyes + job.eye;
     RfWavefront* walk = &scratch->walk;
     uint64_t key =
-        rf_pass_key( harvest->seed, (uint32_t)( harvest->first_frame + job.eye ), (uint32_t)harvest->window, (uint32_t)job.pass );
+        rf_pass_key( harvest->seed, (uint32_t)( harvest->first_frame + job.eye ), (uint32_t)harvest->group, (uint32_t)job.pass );
     batch->eye = job.eye;
 
-    int tiles, count = rf_list_patch( &harvest->patches, eye, key, job.patch, scratch->pixel, scratch->tile_of, &tiles );
+    int tiles, count = rf_list_patch( &harvest->patches, eye, key, job.job, scratch->pixel, scratch->tile_of, &tiles );
     if ( harvest->need != NULL )
         count = choose_needy( harvest, key, count, tiles, scratch );
-    if ( scratch->share != NULL )
+    if ( scratch->tiles != NULL )
     {
-        memcpy( scratch->share->tile_of, scratch->tile_of, (size_t)count * sizeof *scratch->tile_of );
-        scratch->share->tile_count = tiles;
+        memcpy( scratch->tiles->tile_of, scratch->tile_of, (size_t)count * sizeof *scratch->tile_of );
+        scratch->tiles->tile_count = tiles;
     }
     make_keys( key, count, scratch->pixel, walk );
     make_camera_rays( eye, count, scratch->pixel, walk, &scratch->camera_rays );
@@ -207,8 +240,7 @@ int rf_harvest_first_hits( const RfHarvest* harvest, RfHarvestJob job, RfHitBatc
     return count;
 }
 
-void rf_harvest_batch( const RfHarvest* harvest, RfHarvestJob job, RfHitBatch* batch, RfHarvestScratch* scratch,
-                       RfRayCounts* rays )
+int rf_harvest_batch( const RfHarvest* harvest, RfTraceJob job, RfHitBatch* batch, RfHarvestScratch* scratch, RfRayCounts* rays )
 {
     RfWavefront* walk = &scratch->walk;
     int count = rf_harvest_first_hits( harvest, job, batch, scratch, rays );
@@ -227,9 +259,10 @@ void rf_harvest_batch( const RfHarvest* harvest, RfHarvestJob job, RfHitBatch* b
     rays->path += walk->path_rays;
     rays->shadow += walk->shadow_rays;
 
-    // who sees them, and what they are worth
+    // visibility from all eyes of the group, then MIS weights
     rf_test_batch_visibility( harvest, batch, scratch, rays );
     rf_weight_batch( harvest, batch, scratch );
     if ( harvest->shape.natives )
         rf_light_own_frame( harvest, batch, scratch );
+    return count;
 }

@@ -2,6 +2,8 @@
 // what film density. The tests are packets from the eye (estimators.md 8).
 #include "reuse/harvest_internal.h"
 
+#include "scene/pinhole.h"
+
 #include <stdint.h>
 #include <string.h>
 
@@ -12,7 +14,7 @@ static void lift_hits( const RfHarvest* harvest, const RfHitBatch* batch, const 
 {
     float least = 0.0f;
     for ( int l = 0; l < harvest->shape.eyes; ++l )
-        least = rf_maxf( least, rf_ray_offset( rf_largest_coordinate( harvest->eyes[l].origin ) ) );
+        least = rf_maxf( least, rf_ray_offset( rf_largest_coordinate( rf_pinhole_origin( harvest->eyes + l ) ) ) );
     for ( int c = 0; c < 3; ++c )
     {
         const float* restrict p = batch->p[c];
@@ -46,21 +48,21 @@ static void note_seen( const float* restrict density, const int32_t* restrict pi
     batch->rows[2 * eye + 1] = high < 0 ? -1 : high / width;
 }
 
-// Its own eye sees a hit in the pixel it was drawn in, whatever rounding makes
-// of its projection.
-static void see_from_own( const RfHarvest* harvest, const RfHitBatch* batch, const float* const lifted[3], int32_t* pixel,
-                          float* density, RfRayCounts* rays )
+// A hit's own eye sees it in the pixel it was drawn in, whatever rounding does to its
+// projection.
+static void see_from_own_eye( const RfHarvest* harvest, const RfHitBatch* batch, const float* const lifted[3], int32_t* pixel,
+                              float* density, RfRayCounts* rays )
 {
     const RfEye* eye = harvest->eyes + batch->eye;
     rf_own_densities( eye, batch, density );
     memcpy( pixel, batch->pixel, (size_t)batch->count * sizeof *pixel );
     if ( batch->densities == NULL )
         return;
-    // through what the ray may have come: never nothing, since it did come
+    // transmittance is never 0: the camera ray did get through
     float least[RF_LANES];
     for ( int i = 0; i < batch->count; ++i )
         least[i] = 1e-12f * density[i];
-    rays->eye += (uint64_t)rf_trace_from_origin( harvest->walk.tracer, eye->origin, batch->count, lifted, density );
+    rays->eye += (uint64_t)rf_trace_from_origin( harvest->walk.tracer, rf_pinhole_origin( eye ), batch->count, lifted, density );
     for ( int i = 0; i < batch->count; ++i )
         density[i] = density[i] > least[i] ? density[i] : least[i];
 }
@@ -77,17 +79,18 @@ void rf_test_batch_visibility( const RfHarvest* harvest, RfHitBatch* batch, RfHa
         const RfEye* eye = harvest->eyes + l;
         float* density = scratch->density + (size_t)l * RF_LANES;
         if ( l == batch->eye )
-            see_from_own( harvest, batch, lifted, scratch->landing, density, rays );
+            see_from_own_eye( harvest, batch, lifted, scratch->landing, density, rays );
         else
         {
             rf_project_batch( eye, batch, scratch->landing, density );
-            rays->eye += (uint64_t)rf_trace_from_origin( harvest->walk.tracer, eye->origin, batch->count, lifted, density );
+            rays->eye +=
+                (uint64_t)rf_trace_from_origin( harvest->walk.tracer, rf_pinhole_origin( eye ), batch->count, lifted, density );
         }
         if ( batch->densities != NULL )
             memcpy( batch->densities + (size_t)l * RF_LANES, density, (size_t)batch->count * sizeof *density );
         note_seen( density, scratch->landing, l, eye->width, batch );
     }
-    // the rows of misses belong to the batch as well
+    // rows of misses count, too
     for ( int i = 0; i < batch->miss_count; ++i )
     {
         int32_t* rows = batch->rows + 2 * batch->eye;
