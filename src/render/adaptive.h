@@ -11,8 +11,8 @@
 //
 // An extra sample is of the group of one frame: f |cos| L / p, plain or shared in
 // its tile, taken as often as a pass. It adds 1 to B and 1 to the pixel's
-// number of passes, so that E[B] stays what it should be (estimators.md section
-// 2). Which tiles get one is drawn by the pilot's ρ and random numbers that no path uses:
+// number of passes, so that E[B] stays what it should be (src/reuse/estimators.md,
+// section 2). Which tiles get one is drawn by the pilot's ρ and random numbers that no path uses:
 // the choice knows nothing of the samples, and there is no bias.
 #ifndef REFRAME_RENDER_ADAPTIVE_H
 #define REFRAME_RENDER_ADAPTIVE_H

@@ -1,4 +1,4 @@
-// Sliding groups (estimators.md section 7): windows of consecutive frames that
+// Sliding groups (src/reuse/estimators.md, section 7): windows of consecutive frames that
 // move by one frame, and how many passes each is given.
 //
 // A path of more than two groups has full windows only: a sample then always

@@ -1,4 +1,4 @@
-// A render's memory from its arena, and back. render_sizes.c knows the sums.
+// A render's memory from its arena, and back. memory_sizes.c knows the sums.
 #include "render/render_internal.h"
 
 #include <string.h>

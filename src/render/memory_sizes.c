@@ -1,4 +1,4 @@
-// What a render will allocate, by the byte: the same sums as render_memory.c makes.
+// What a render will allocate, by the byte: the same sums as memory_alloc.c makes.
 #include "render/render_internal.h"
 
 #include "render/adaptive.h"

@@ -1,7 +1,7 @@
 // When a render stops that is to reach an error (--noise) or to take a time
 // (--time): how many passes each window gets, decided while it is rendered.
 //
-// The plan of reuse/group.h gives the windows their shares, so that the passes
+// The plan of render/groups.h gives the windows their shares, so that the passes
 // of a frame stay spread over all windows that hold it and no seams come up:
 // a full window has share 1, an end window as many as it has eyes. With r passes
 // for each share a frame gets r · eyes native samples per pixel, as by --spp.

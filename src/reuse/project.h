@@ -1,5 +1,5 @@
 // Re-projection of a hit to an eye: where on the film, and the film density
-// J_k(x) there (estimators.md, notation). Branch-free, for loops over lanes.
+// J_k(x) there (src/reuse/estimators.md, notation). Branch-free, for loops over lanes.
 #ifndef REFRAME_REUSE_PROJECT_H
 #define REFRAME_REUSE_PROJECT_H
 

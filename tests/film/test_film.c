@@ -1,4 +1,4 @@
-// Combining the halves of a film (estimators.md E2): by hand, without bias in
+// Combining the halves of a film (src/reuse/estimators.md, E2): by hand, without bias in
 // the mean of many pixels, and what the difference of the halves tells.
 #include "base/random.h"
 #include "film/film.h"

@@ -90,7 +90,7 @@ static void test_rows( void** state )
     end( &s );
 }
 
-// Eyes that are all the same see all of each other's hits: then it is (FR 16).
+// Eyes that are all the same see all of each other's hits: then it is (FR (16)).
 static void test_formula( void** state )
 {
     (void)state;

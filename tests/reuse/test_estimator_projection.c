@@ -1,4 +1,4 @@
-// Re-projected hits against the film density J (estimators.md, notation): two
+// Re-projected hits against the film density J (src/reuse/estimators.md, notation): two
 // eyes see one plane, whose images on their films a homography relates, so how
 // many hits of one must land in a block of the other is an area.
 #include "base/random.h"

@@ -1,4 +1,4 @@
-// E[B] = 1 (estimators.md section 2): the summed weights of the hits that land
+// E[B] = 1 (src/reuse/estimators.md, section 2): the summed weights of the hits that land
 // in a pixel have mean one, at every pixel, for every group and camera path.
 // Tiles change nothing of that. What misses everything weighs one in its own frame, so this holds for pixels
 // with rays that miss as well; those are tested with and without.
