@@ -1,4 +1,4 @@
-"""What the bench scripts share: runs of reframe with their CPU seconds, and the sums made of them."""
+"""What the bench scripts have in common: running reframe with its CPU seconds, and arithmetic on the results."""
 import json
 import os
 import subprocess
