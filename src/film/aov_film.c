@@ -1,6 +1,6 @@
 #include "film/aov_film.h"
 
-#include "reuse/harvest_internal.h"
+#include "scene/pinhole.h"
 
 #include <math.h>
 #include <string.h>
@@ -40,13 +40,11 @@ static inline void add_vector( float* mean, RfVec3 value, float share )
     add_to_mean( mean + 2, value.z, share );
 }
 
-// Where a way from the eye meets the film, pixels from its middle, +y up; false
-// where it goes backwards or next to nowhere.
-static bool film_position( const RfEye* eye, RfVec3 way, float at[2] )
+// Where a direction from the eye meets the film, pixels from its centre, +y up; false where it
+// points backwards or far outside.
+static bool film_position( const RfEye* eye, RfVec3 direction, float at[2] )
 {
-    float depth = rf_dot( way, eye->forward ), scale = eye->focal / depth;
-    at[0] = rf_dot( way, eye->right ) * scale;
-    at[1] = rf_dot( way, eye->up ) * scale;
+    float depth = rf_pinhole_position( eye, direction, at );
     return depth > 0.0f && fabsf( at[0] ) < FARTHEST_MOTION && fabsf( at[1] ) < FARTHEST_MOTION;
 }
 
@@ -57,16 +55,19 @@ typedef struct Seen
     bool infinite;
 } Seen;
 
-static RfVec3 way_to( const RfEye* eye, Seen seen ) { return seen.infinite ? seen.point : rf_sub( seen.point, eye->origin ); }
+static RfVec3 direction_to( const RfEye* eye, Seen seen )
+{
+    return seen.infinite ? seen.point : rf_sub( seen.point, rf_pinhole_origin( eye ) );
+}
 
 static void add_motion( const RfAovJob* job, float* mean, Seen seen, float share )
 {
     const RfEye* others[2] = { job->previous, job->next };
     float own[2], there[2];
-    bool known = film_position( job->eye, way_to( job->eye, seen ), own );
+    bool known = film_position( job->eye, direction_to( job->eye, seen ), own );
     for ( int k = 0; k < 2; ++k )
     {
-        bool moved = known && others[k] != NULL && film_position( others[k], way_to( others[k], seen ), there );
+        bool moved = known && others[k] != NULL && film_position( others[k], direction_to( others[k], seen ), there );
         for ( int c = 0; c < 2; ++c )
             add_to_mean( mean + 2 * k + c, moved ? there[c] - own[c] : 0.0f, share );
     }
@@ -97,7 +98,7 @@ static void add_hit( const RfAovJob* job, const RfVertexLanes* v, int i, size_t 
     {
         float* depth = mean[RF_AOV_DEPTH] + 2 * pixel;
         depth[1] += job->weight;
-        add_to_mean( depth, rf_dot( rf_sub( p, job->eye->origin ), job->eye->forward ), job->weight / depth[1] );
+        add_to_mean( depth, rf_pinhole_depth( job->eye, p ), job->weight / depth[1] );
     }
     if ( mean[RF_AOV_MOTION] != NULL )
         add_motion( job, mean[RF_AOV_MOTION] + 4 * pixel, ( Seen ){ p, false }, share );
@@ -116,21 +117,21 @@ static void add_miss( const RfAovJob* job, const RfRayLanes* rays, int slot, siz
         add_motion( job, mean[RF_AOV_MOTION] + 4 * pixel, ( Seen ){ d, true }, share );
 }
 
-void rf_add_to_aovs( const RfAovJob* job, const RfHarvestScratch* scratch )
+void rf_add_to_aovs( const RfAovJob* job, RfFirstHits first )
 {
-    const RfVertexLanes* v = &scratch->first;
+    const RfVertexLanes* v = first.hits;
     float share = job->weight / ( job->weight_before + job->weight );
     uint8_t hit[RF_LANES] = { 0 };
     for ( int i = 0; i < v->count; ++i )
     {
         int slot = v->slot[i];
         hit[slot] = 1;
-        add_hit( job, v, i, (size_t)scratch->pixel[slot], share );
+        add_hit( job, v, i, (size_t)first.pixel[slot], share );
     }
-    for ( int slot = 0; slot < scratch->camera_rays.count; ++slot )
+    for ( int slot = 0; slot < first.rays->count; ++slot )
     {
         if ( !hit[slot] )
-            add_miss( job, &scratch->camera_rays, slot, (size_t)scratch->pixel[slot], share );
+            add_miss( job, first.rays, slot, (size_t)first.pixel[slot], share );
     }
 }
 

@@ -1,11 +1,12 @@
-// The layers of a frame while it is rendered: means over its native samples
-// so far, as they come out of the harvest, and counts of what landed.
+// The AOVs of a frame while it is rendered: means over the own-frame samples so far,
+// and counts of the samples that landed.
 #ifndef REFRAME_FILM_AOV_FILM_H
 #define REFRAME_FILM_AOV_FILM_H
 
-#include "film/film.h"
-#include "reuse/harvest.h"
 #include "film/aov.h"
+#include "film/film.h"
+#include "path/lanes.h"
+#include "scene/eye.h"
 
 typedef struct RfAovFilm
 {
@@ -14,14 +15,23 @@ typedef struct RfAovFilm
     uint32_t* landed;          // RF_AOV_SAMPLES
 } RfAovFilm;
 
-// Those that rf_add_to_aovs fills.
+// Those that rf_add_to_aovs fills, from first hits.
 #define RF_FIRST_HIT_AOVS                                                                                                        \
     ( RF_AOV_BIT( RF_AOV_ALBEDO ) | RF_AOV_BIT( RF_AOV_NORMAL ) | RF_AOV_BIT( RF_AOV_DEPTH ) | RF_AOV_BIT( RF_AOV_MOTION ) )
 
-// Floats (or counts) per pixel that a layer needs while it is rendered.
-int rf_aov_film_floats( RfAov layer );
+// Floats (or counts) per pixel that an AOV needs while it is rendered.
+int rf_aov_film_floats( RfAov aov );
 
+// Sets all sums and counts to 0.
 void rf_clear_aov_film( RfAovFilm* film, int width, int height );
+
+// The camera rays of a batch and their hits.
+typedef struct RfFirstHits
+{
+    const RfVertexLanes* hits;
+    const RfRayLanes* rays;
+    const int32_t* pixel; // of each ray, by slot: y·width + x
+} RfFirstHits;
 
 // What a batch adds to: the film of its own frame.
 typedef struct RfAovJob
@@ -34,12 +44,12 @@ typedef struct RfAovJob
     float weight_before; // of all passes of the film before it
 } RfAovJob;
 
-// Adds the native hits that rf_harvest_batch left in the workspace; every pixel
-// of a patch once. Batches of one pass may be added at the same time.
-void rf_add_to_aovs( const RfAovJob* job, const RfHarvestScratch* scratch );
+// Adds the first hits of a batch, at most one in each pixel. Batches without common pixels
+// may be added at the same time.
+void rf_add_to_aovs( const RfAovJob* job, RfFirstHits first );
 
-// The layer's image: rf_aov_channels floats per pixel. `colour` is the film of
-// the frame, which variance is of.
-void rf_finish_aov( const RfAovFilm* film, RfAov layer, const RfFilm* colour, RfFilmCombine combine, float* image );
+// The image of an AOV: rf_aov_channels floats per pixel. `colour` is the film of the frame,
+// which RF_AOV_VARIANCE is taken from.
+void rf_finish_aov( const RfAovFilm* film, RfAov aov, const RfFilm* colour, RfFilmCombine combine, float* image );
 
 #endif

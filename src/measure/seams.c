@@ -3,7 +3,7 @@
 // In full groups only, and in as many as any frame is.
 static bool is_inside( const RfGroupPlan* plan, int frame )
 {
-    if ( plan->windows == 1 )
+    if ( plan->groups == 1 )
         return true;
     if ( frame < 0 || frame >= plan->frames )
         return false;

@@ -37,8 +37,16 @@ typedef struct RfFrameFiles
     RfExrCompression compression;
 } RfFrameFiles;
 
+// How the pixels of a frame are estimated.
+typedef struct RfEstimator RfEstimator;
+
+// The estimator called `name`; NULL where there is none. "reuse" is the one of frames and tiles.
+const RfEstimator* rf_find_estimator( const char* name );
+const char* rf_estimator_name( const RfEstimator* estimator );
+
 typedef struct RfRenderSettings
 {
+    const RfEstimator* estimator;
     int spp;            // native samples per pixel and frame in all; with noise or time about the most
     double noise;       // each frame stops when its estimated relMSE is below; 0: spp are rendered
     double time;        // seconds for each frame asked for, in the mean; 0: as many as it takes

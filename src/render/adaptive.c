@@ -1,16 +1,14 @@
 #include "render/adaptive.h"
 
-#include "base/random.h"
-#include "base/system.h"
-#include "reuse/harvest_internal.h"
+#include "render/pass.h"
 
 #include <math.h>
 #include <omp.h>
 #include <string.h>
 
 #define PILOT_PASSES 2
-#define PILOT_WINDOW 0x40000000u // no window has these numbers
-#define EXTRA_WINDOW 0x80000000u
+#define PILOT_GROUP 0x40000000u // no group of the path has these numbers
+#define EXTRA_GROUP 0x80000000u
 #define BINS 64
 // Cost of a sample beside that of a path: for each further eye of a group, and
 // of an extra one, which comes in broken wavefronts.
@@ -41,22 +39,11 @@ double rf_extra_threshold( const double* counts, int bins, double all, int eyes 
     return best;
 }
 
-// ρ of the batch's samples into the pixels; what sees nothing has none.
-static void note_shares( const RfHitBatch* batch, const RfHarvestScratch* scratch, float* sum )
-{
-    const float* own = scratch->density + (size_t)batch->eye * RF_LANES;
-    for ( int i = 0; i < batch->count; ++i )
-        sum[batch->pixel[i]] += own[i] / batch->density_sum[i];
-    int natives = scratch->first.count - batch->count, base = batch->miss_count - natives;
-    for ( int i = 0; i < natives; ++i )
-        sum[rf_miss_pixel( batch )[base + i]] += 1.0f;
-}
-
 // From sums of ρ to extra samples for each pass.
-static void set_need( LiveFilm* live, int eyes )
+static void set_need( RfLiveFilm* live, int eyes )
 {
     double counts[BINS] = { 0 };
-    size_t pixels = (size_t)live->film.width * (size_t)live->film.height;
+    size_t pixels = (size_t)live->films[0].width * (size_t)live->films[0].height;
     for ( size_t i = 0; i < pixels; ++i )
     {
         live->need[i] = fminf( live->need[i] / PILOT_PASSES, 1.0f );
@@ -73,131 +60,115 @@ static void set_need( LiveFilm* live, int eyes )
     }
 }
 
-void rf_run_pilot( RfRenderer* r, LiveFilm* live )
+// The frames around one, as far as the path goes.
+static RfEstimatorGroup pilot_group( const RfRenderer* r, int frame )
+{
+    int eyes = r->plan.eyes, first = frame - eyes / 2, last_first = r->plan.frames - eyes;
+    first = first < last_first ? first : last_first;
+    first = first > 0 ? first : 0;
+    RfEstimatorGroup group = rf_frames_as_group( r, first, eyes, (int)PILOT_GROUP );
+    group.max_depth = 1; // first hits alone
+    return group;
+}
+
+// One pass over the batches of the frame: as many at once as there is memory for. They share no pixel.
+static void run_pilot_pass( RfRenderer* r, const RfEstimatorGroup* group, int pass, RfLiveFilm* live )
+{
+    const RfEstimator* estimator = r->settings.estimator;
+#pragma omp parallel num_threads( r->settings.threads )
+    {
+        rf_set_float_mode();
+        RfRayCounts mine = { 0 };
+        void* scratch = r->memory.trace_scratch[omp_get_thread_num()];
+#pragma omp for schedule( dynamic, 1 )
+        for ( int slot = 0; slot < r->memory.batch_slots; ++slot )
+        {
+            void* batch = r->memory.batches[slot];
+            for ( int job = slot; job < r->sizes.of_estimator.jobs; job += r->memory.batch_slots )
+            {
+                estimator->trace( group, ( RfTraceJob ){ live->frame - group->first_frame, job, pass }, batch, scratch, &mine );
+                estimator->add_own_shares( batch, scratch, live->need );
+            }
+        }
+#pragma omp critical
+        rf_add_rays( &r->rays, &mine );
+    }
+}
+
+void rf_run_pilot( RfRenderer* r, RfLiveFilm* live )
 {
     memset( live->need, 0, rf_need_bytes( &r->sizes ) );
     live->most_need = 0.0f;
-    int eyes = r->plan.eyes, first = live->frame - eyes / 2, last_first = r->plan.frames - eyes;
-    if ( eyes == 1 )
+    if ( r->plan.eyes == 1 )
         return;
-    first = first < last_first ? first : last_first;
-    first = first > 0 ? first : 0;
-    RfHarvest harvest = {
-        .walk = { r->tracer, 1, r->settings.light_samples, r->settings.light_sampling },
-        .shape = r->sizes.shape,
-        .patches = r->sizes.patches,
-        .weights = r->settings.weights,
-        .seed = r->settings.seed,
-        .eyes = r->eyes + first,
-        .first_frame = first,
-        .window = (int)PILOT_WINDOW,
-    };
+    RfEstimatorGroup group = pilot_group( r, live->frame );
     for ( int pass = 0; pass < PILOT_PASSES; ++pass )
-    {
-#pragma omp parallel num_threads( r->settings.threads )
-        {
-            rf_set_float_mode();
-            RfRayCounts mine = { 0 };
-            int thread = omp_get_thread_num();
-            RfHarvestScratch* scratch = r->memory.harvest_scratch[thread];
-#pragma omp for schedule( dynamic, 1 )
-            for ( int slot = 0; slot < r->memory.batch_slots; ++slot )
-            {
-                // as many at once as there are batches; the patches of a pass share no pixel
-                for ( int patch = slot; patch < r->sizes.patches.count; patch += r->memory.batch_slots )
-                {
-                    RfHarvestJob job = { live->frame - first, patch, pass };
-                    rf_harvest_batch( &harvest, job, r->memory.batches + slot, scratch, &mine );
-                    note_shares( r->memory.batches + slot, scratch, live->need );
-                }
-            }
-#pragma omp critical
-            rf_add_rays( &r->rays, &mine );
-        }
-    }
-    set_need( live, eyes );
+        run_pilot_pass( r, &group, pass, live );
+    set_need( live, group.eye_count );
 }
 
-// The pass of one frame alone.
-static RfHarvest extra_harvest( const RfRenderer* r, const RfHarvest* harvest, const LiveFilm* live, int round )
+// Batches [first, first + count) of a frame alone.
+static void trace_extra( RfRenderer* r, const RfPass* pass, RfLiveFilm* live, int first, int count )
 {
-    RfHarvest extra = *harvest;
-    extra.shape.eyes = 1;
-    extra.eyes = r->eyes + live->frame;
-    extra.first_frame = live->frame;
-    extra.window = (int)( EXTRA_WINDOW | (uint32_t)harvest->window );
-    extra.need = live->need;
-    extra.round = round;
-    return extra;
-}
-
-static void harvest_extra( RfRenderer* r, const RfHarvest* harvest, LiveFilm* live, RfHarvestJob job, int count, int half,
-                           float weight )
-{
+    const RfEstimator* estimator = r->settings.estimator;
     RfRayCounts rays = { 0 };
     uint64_t samples = 0;
 #pragma omp parallel num_threads( r->settings.threads ) reduction( + : samples )
     {
         rf_set_float_mode();
         RfRayCounts mine = { 0 };
-        RfHarvestScratch* scratch = r->memory.harvest_scratch[omp_get_thread_num()];
+        void* scratch = r->memory.trace_scratch[omp_get_thread_num()];
 #pragma omp for schedule( dynamic, 1 )
         for ( int i = 0; i < count; ++i )
         {
-            RfHitBatch* batch = r->memory.batches + i;
-            rf_harvest_batch( harvest, ( RfHarvestJob ){ 0, job.patch + i, job.pass }, batch, scratch, &mine );
-            int all = batch->count + batch->miss_count;
-            for ( int k = 0; k < all; ++k )
-                live->film.extra[half][batch->pixel[k]] += weight;
-            samples += (uint64_t)all;
+            void* batch = r->memory.batches[i];
+            estimator->trace( pass->group, ( RfTraceJob ){ 0, first + i, pass->number }, batch, scratch, &mine );
+            samples += estimator->count_samples( batch, (float)pass->weight, live->films[0].extra[pass->half] );
         }
 #pragma omp critical
         rf_add_rays( &rays, &mine );
     }
     rf_add_rays( &r->rays, &rays );
-    live->film.extra_samples += samples;
+    live->films[0].extra_samples += samples;
 }
 
-static void compute_extra( RfRenderer* r, const RfHarvest* harvest, LiveFilm* live, int count, int half, float weight )
+static void accumulate_extra( RfRenderer* r, const RfPass* pass, RfLiveFilm* live, int count )
 {
     int bands = 2 * r->settings.threads < r->sizes.height ? 2 * r->settings.threads : r->sizes.height;
-    RfAccumulate compute = { .eyes = harvest->eyes,
-                             .shape = harvest->shape,
-                             .weights = r->settings.weights,
-                             .weight = weight,
-                             .batches = r->memory.batches,
-                             .batch_count = count };
 #pragma omp parallel for num_threads( r->settings.threads ) schedule( dynamic, 1 )
     for ( int band = 0; band < bands; ++band )
     {
         rf_set_float_mode();
-        RfAccumulateJob job = { .eye = 0,
-                                .first_row = (int)( (long)r->sizes.height * band / bands ),
-                                .end_row = (int)( (long)r->sizes.height * ( band + 1 ) / bands ),
-                                .film = &live->film,
-                                .half = half,
-                                .landed = live->layers.landed };
-        uint64_t landed = rf_accumulate_rows( &compute, job, NULL, r->memory.compute_scratch + omp_get_thread_num() );
+        RfAccumulateJob job = rf_accumulate_job( r, live, pass, band, bands );
+        void* scratch = r->memory.accumulate_scratch[omp_get_thread_num()];
+        uint64_t landed = r->settings.estimator->accumulate( pass->group, job, r->memory.batches, count, scratch );
 #pragma omp atomic
-        live->film.landed += landed;
+        live->films[0].landed += landed;
     }
 }
 
-void rf_render_extra( RfRenderer* r, const RfHarvest* harvest, const RfGroup* window, int pass, int half )
+// One more sample for the tiles of a frame that are drawn.
+static void render_round( RfRenderer* r, const RfPass* pass, RfLiveFilm* live, int round )
+{
+    RfEstimatorGroup group = rf_frames_as_group( r, live->frame, 1, (int)( EXTRA_GROUP | (uint32_t)pass->group->number ) );
+    group.need = live->need;
+    group.round = round;
+    RfPass extra = { &group, RF_MOST_EXTRA * pass->number + round, pass->half, pass->weight };
+    int jobs = r->sizes.of_estimator.jobs;
+    for ( int first = 0; first < jobs; first += r->memory.batch_slots )
+    {
+        int count = jobs - first < r->memory.batch_slots ? jobs - first : r->memory.batch_slots;
+        trace_extra( r, &extra, live, first, count );
+        accumulate_extra( r, &extra, live, count );
+    }
+}
+
+void rf_render_extra( RfRenderer* r, const RfPass* pass )
 {
     for ( int i = 0; i < r->memory.film_slots; ++i )
     {
-        LiveFilm* live = r->memory.films + i;
+        RfLiveFilm* live = r->memory.films + i;
         for ( int round = 0; live->frame != -1 && (float)round < live->most_need; ++round )
-        {
-            RfHarvest extra = extra_harvest( r, harvest, live, round );
-            for ( int first = 0; first < r->sizes.patches.count; first += r->memory.batch_slots )
-            {
-                int left = r->sizes.patches.count - first, count = left < r->memory.batch_slots ? left : r->memory.batch_slots;
-                RfHarvestJob job = { 0, first, RF_MOST_EXTRA * pass + round };
-                harvest_extra( r, &extra, live, job, count, half, (float)window->weight );
-                compute_extra( r, &extra, live, count, half, (float)window->weight );
-            }
-        }
+            render_round( r, pass, live, round );
     }
 }

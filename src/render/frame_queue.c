@@ -1,123 +1,123 @@
 #include "render/frame_queue.h"
 
 // Calls the caller with the oldest buffer, unless a frame before it failed.
-static void hand_over( RfFrameQueue* d, const RfFrameBuffer* buffer )
+static void hand_over( RfFrameQueue* q, const RfFrameBuffer* buffer )
 {
-    if ( d->callbacks->frame == NULL || d->result != RF_OK )
+    if ( q->callbacks->frame == NULL || q->result != RF_OK )
         return;
     RfError error = { RF_OK, "" };
-    RfResult result = d->callbacks->frame( d->callbacks->user, &buffer->result, &error );
+    RfResult result = q->callbacks->frame( q->callbacks->user, &buffer->result, &error );
     if ( result == RF_OK )
         return;
-    if ( d->threaded )
-        pthread_mutex_lock( &d->mutex );
-    d->result = result;
-    d->error = error;
-    if ( d->threaded )
-        pthread_mutex_unlock( &d->mutex );
+    if ( q->threaded )
+        pthread_mutex_lock( &q->mutex );
+    q->result = result;
+    q->error = error;
+    if ( q->threaded )
+        pthread_mutex_unlock( &q->mutex );
 }
 
 static void* run( void* user )
 {
-    RfFrameQueue* d = user;
+    RfFrameQueue* q = user;
     rf_set_float_mode(); // what the caller computes is not to depend on the thread
-    pthread_mutex_lock( &d->mutex );
+    pthread_mutex_lock( &q->mutex );
     for ( ;; )
     {
-        while ( d->waiting == 0 && !d->ended )
-            pthread_cond_wait( &d->changed, &d->mutex );
-        if ( d->waiting == 0 )
+        while ( q->waiting == 0 && !q->ended )
+            pthread_cond_wait( &q->changed, &q->mutex );
+        if ( q->waiting == 0 )
             break;
-        RfFrameBuffer* buffer = d->buffers + d->first;
-        pthread_mutex_unlock( &d->mutex );
-        hand_over( d, buffer );
-        pthread_mutex_lock( &d->mutex );
-        d->first = ( d->first + 1 ) % d->buffer_count;
-        d->waiting -= 1;
-        pthread_cond_broadcast( &d->changed );
+        RfFrameBuffer* buffer = q->buffers + q->first;
+        pthread_mutex_unlock( &q->mutex );
+        hand_over( q, buffer );
+        pthread_mutex_lock( &q->mutex );
+        q->first = ( q->first + 1 ) % q->buffer_count;
+        q->waiting -= 1;
+        pthread_cond_broadcast( &q->changed );
     }
-    pthread_mutex_unlock( &d->mutex );
+    pthread_mutex_unlock( &q->mutex );
     return NULL;
 }
 
-static bool start_thread( RfFrameQueue* d )
+static bool start_thread( RfFrameQueue* q )
 {
-    if ( pthread_mutex_init( &d->mutex, NULL ) != 0 )
+    if ( pthread_mutex_init( &q->mutex, NULL ) != 0 )
         return false;
-    if ( pthread_cond_init( &d->changed, NULL ) == 0 )
+    if ( pthread_cond_init( &q->changed, NULL ) == 0 )
     {
-        d->threaded = true; // before the thread looks at it
-        if ( pthread_create( &d->thread, NULL, run, d ) == 0 )
+        q->threaded = true; // before the thread looks at it
+        if ( pthread_create( &q->thread, NULL, run, q ) == 0 )
             return true;
-        d->threaded = false;
-        pthread_cond_destroy( &d->changed );
+        q->threaded = false;
+        pthread_cond_destroy( &q->changed );
     }
-    pthread_mutex_destroy( &d->mutex );
+    pthread_mutex_destroy( &q->mutex );
     return false;
 }
 
-void rf_start_frame_queue( RfFrameQueue* delivery, const RfRenderCallbacks* callbacks, RfFrameBuffer* buffers, int count,
+void rf_start_frame_queue( RfFrameQueue* queue, const RfRenderCallbacks* callbacks, RfFrameBuffer* buffers, int count,
                            bool threaded )
 {
-    *delivery = ( RfFrameQueue ){ .callbacks = callbacks, .buffers = buffers, .buffer_count = count };
+    *queue = ( RfFrameQueue ){ .callbacks = callbacks, .buffers = buffers, .buffer_count = count };
     if ( threaded )
-        start_thread( delivery );
+        start_thread( queue );
 }
 
-RfFrameBuffer* rf_next_frame_buffer( RfFrameQueue* d )
+RfFrameBuffer* rf_next_frame_buffer( RfFrameQueue* q )
 {
-    if ( !d->threaded )
-        return d->buffers;
-    pthread_mutex_lock( &d->mutex );
-    while ( d->waiting == d->buffer_count )
-        pthread_cond_wait( &d->changed, &d->mutex );
-    RfFrameBuffer* buffer = d->buffers + ( d->first + d->waiting ) % d->buffer_count;
-    pthread_mutex_unlock( &d->mutex );
+    if ( !q->threaded )
+        return q->buffers;
+    pthread_mutex_lock( &q->mutex );
+    while ( q->waiting == q->buffer_count )
+        pthread_cond_wait( &q->changed, &q->mutex );
+    RfFrameBuffer* buffer = q->buffers + ( q->first + q->waiting ) % q->buffer_count;
+    pthread_mutex_unlock( &q->mutex );
     return buffer;
 }
 
-void rf_queue_frame( RfFrameQueue* d )
+void rf_queue_frame( RfFrameQueue* q )
 {
-    if ( !d->threaded )
+    if ( !q->threaded )
     {
-        hand_over( d, d->buffers );
+        hand_over( q, q->buffers );
         return;
     }
-    pthread_mutex_lock( &d->mutex );
-    d->waiting += 1;
-    pthread_cond_broadcast( &d->changed );
-    pthread_mutex_unlock( &d->mutex );
+    pthread_mutex_lock( &q->mutex );
+    q->waiting += 1;
+    pthread_cond_broadcast( &q->changed );
+    pthread_mutex_unlock( &q->mutex );
 }
 
-static RfResult failure( const RfFrameQueue* d, RfError* error )
+static RfResult failure( const RfFrameQueue* q, RfError* error )
 {
-    if ( d->result != RF_OK && error != NULL )
-        *error = d->error;
-    return d->result;
+    if ( q->result != RF_OK && error != NULL )
+        *error = q->error;
+    return q->result;
 }
 
-RfResult rf_check_frame_queue( RfFrameQueue* d, RfError* error )
+RfResult rf_check_frame_queue( RfFrameQueue* q, RfError* error )
 {
-    if ( !d->threaded )
-        return failure( d, error );
-    pthread_mutex_lock( &d->mutex );
-    RfResult result = failure( d, error );
-    pthread_mutex_unlock( &d->mutex );
+    if ( !q->threaded )
+        return failure( q, error );
+    pthread_mutex_lock( &q->mutex );
+    RfResult result = failure( q, error );
+    pthread_mutex_unlock( &q->mutex );
     return result;
 }
 
-RfResult rf_end_frame_queue( RfFrameQueue* d, RfError* error )
+RfResult rf_end_frame_queue( RfFrameQueue* q, RfError* error )
 {
-    if ( d->threaded )
+    if ( q->threaded )
     {
-        pthread_mutex_lock( &d->mutex );
-        d->ended = true;
-        pthread_cond_broadcast( &d->changed );
-        pthread_mutex_unlock( &d->mutex );
-        pthread_join( d->thread, NULL );
-        pthread_cond_destroy( &d->changed );
-        pthread_mutex_destroy( &d->mutex );
-        d->threaded = false;
+        pthread_mutex_lock( &q->mutex );
+        q->ended = true;
+        pthread_cond_broadcast( &q->changed );
+        pthread_mutex_unlock( &q->mutex );
+        pthread_join( q->thread, NULL );
+        pthread_cond_destroy( &q->changed );
+        pthread_mutex_destroy( &q->mutex );
+        q->threaded = false;
     }
-    return failure( d, error );
+    return failure( q, error );
 }

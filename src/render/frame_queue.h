@@ -35,20 +35,20 @@ typedef struct RfFrameQueue
 
 // Starts with `count` ≥ 1 buffers; with `threaded` a thread is started, where
 // the system has one.
-void rf_start_frame_queue( RfFrameQueue* delivery, const RfRenderCallbacks* callbacks, RfFrameBuffer* buffers, int count,
+void rf_start_frame_queue( RfFrameQueue* queue, const RfRenderCallbacks* callbacks, RfFrameBuffer* buffers, int count,
                            bool threaded );
 
 // A buffer that is free; waits until there is one.
-RfFrameBuffer* rf_next_frame_buffer( RfFrameQueue* delivery );
+RfFrameBuffer* rf_next_frame_buffer( RfFrameQueue* queue );
 
 // Hands that buffer over, which is filled; it is no longer the render's.
-void rf_queue_frame( RfFrameQueue* delivery );
+void rf_queue_frame( RfFrameQueue* queue );
 
 // The caller's failure so far, or RF_OK. Calls from the render's thread.
-RfResult rf_check_frame_queue( RfFrameQueue* delivery, RfError* error );
+RfResult rf_check_frame_queue( RfFrameQueue* queue, RfError* error );
 
 // Waits until all frames are handed over, ends the thread, and returns the
 // caller's failure or RF_OK.
-RfResult rf_end_frame_queue( RfFrameQueue* delivery, RfError* error );
+RfResult rf_end_frame_queue( RfFrameQueue* queue, RfError* error );
 
 #endif

@@ -1,5 +1,5 @@
-// Frames of a render: their films from the first window that holds them to the
-// last, and then to the caller.
+#include "render/frames.h"
+
 #include "base/system.h"
 #include "render/adaptive.h"
 
@@ -20,61 +20,52 @@ static bool asked_for( const RfRenderer* r, int frame )
     return false;
 }
 
-LiveFilm* rf_find_film( const RfRenderer* r, int frame )
+void rf_open_films( RfRenderer* r, int number )
 {
-    for ( int i = 0; i < r->memory.film_slots; ++i )
-    {
-        if ( r->memory.films[i].frame == frame )
-            return r->memory.films + i;
-    }
-    return NULL;
-}
-
-void rf_open_films( RfRenderer* r, int window )
-{
-    RfGroup group = rf_group( &r->plan, window );
+    RfGroup group = rf_group( &r->plan, number );
     for ( int frame = group.first; frame < group.first + group.eyes; ++frame )
     {
         int first, last;
         rf_groups_of_frame( &r->plan, frame, &first, &last );
-        if ( first != window || !asked_for( r, frame ) )
+        if ( first != number || !asked_for( r, frame ) )
             continue;
-        LiveFilm* live = rf_find_film( r, -1 );
+        RfLiveFilm* live = rf_find_film( r, -1 );
         live->frame = frame;
-        live->noise = live->seen = 0.0;
-        rf_clear_film( &live->film );
-        rf_clear_aov_film( &live->layers, r->sizes.width, r->sizes.height );
+        live->noise = live->noise_seen = 0.0;
+        for ( int f = 0; f < r->settings.estimator->films; ++f )
+            rf_clear_film( live->films + f );
+        rf_clear_aov_film( &live->aovs, r->sizes.width, r->sizes.height );
         if ( r->settings.adaptive )
             rf_run_pilot( r, live );
     }
 }
 
-RfFilmCombine rf_film_combine( RfNormalize normalize )
+static bool note_finished( RfRenderer* r, int frame, const RfFilm* film, double relmse )
 {
-    switch ( normalize )
-    {
-        case RF_NORMALIZE_CROSSFIT: return RF_FILM_CROSSFIT;
-        case RF_NORMALIZE_RATIO: return RF_FILM_RATIO;
-        case RF_NORMALIZE_NONE: return RF_FILM_PLAIN;
-    }
-    return RF_FILM_CROSSFIT;
-}
-
-static bool note_finished( RfRenderer* r, const LiveFilm* live, double relmse )
-{
-    double weight = live->film.weight[0] + live->film.weight[1];
-    return rf_note_finished( &r->stop, ( RfFrameNoise ){ .frame = live->frame,
-                                                         .passes = live->film.passes[0] + live->film.passes[1],
+    double weight = film->weight[0] + film->weight[1];
+    return rf_note_finished( &r->stop, ( RfFrameNoise ){ .frame = frame,
+                                                         .passes = film->passes[0] + film->passes[1],
                                                          .weight = weight,
                                                          .noise = relmse * weight,
                                                          .seen = weight } );
 }
 
-static RfResult finish_film( RfRenderer* r, LiveFilm* live, RfError* error )
+static void finish_aovs( const RfRenderer* r, const RfLiveFilm* live, RfFrameBuffer* buffer )
 {
     RfFilmCombine combine = rf_film_combine( r->settings.normalize );
-    RfFrameBuffer* buffer = rf_next_frame_buffer( &r->delivery );
-    rf_combine_film( &live->film, combine, buffer->rgb, buffer->weight );
+    for ( int a = 0; a < RF_AOV_COUNT; ++a )
+    {
+        buffer->result.layers[a] = buffer->layers[a];
+        if ( buffer->layers[a] != NULL )
+            rf_finish_aov( &live->aovs, (RfAov)a, live->films, combine, buffer->layers[a] );
+    }
+}
+
+static RfResult finish_film( RfRenderer* r, RfLiveFilm* live, RfError* error )
+{
+    const RfFilm* film = live->films;
+    RfFrameBuffer* buffer = rf_next_frame_buffer( &r->queue );
+    double relmse = rf_finish_picture( r, live, buffer->rgb, buffer->weight );
     double now = rf_wall_seconds(), pixels = (double)r->sizes.width * (double)r->sizes.height;
     buffer->result = ( RfFrameResult ){
         .frame = live->frame,
@@ -83,33 +74,28 @@ static RfResult finish_film( RfRenderer* r, LiveFilm* live, RfError* error )
         .rgb = buffer->rgb,
         .weight = buffer->weight,
         .seconds = now - r->last_frame,
-        .relmse_estimate = rf_estimate_relmse( &live->film, combine, buffer->rgb ),
-        .native_spp = live->film.passes[0] + live->film.passes[1] + (double)live->film.extra_samples / pixels,
-        .effective_spp = (double)live->film.landed / pixels,
+        .relmse_estimate = relmse,
+        .native_spp = film->passes[0] + film->passes[1] + (double)film->extra_samples / pixels,
+        .effective_spp = (double)film->landed / pixels,
     };
-    buffer->result.reached = !rf_is_stopping( &r->settings ) || note_finished( r, live, buffer->result.relmse_estimate );
-    r->last_relmse = buffer->result.relmse_estimate;
-    for ( int l = 0; l < RF_AOV_COUNT; ++l )
-    {
-        buffer->result.layers[l] = buffer->layers[l];
-        if ( buffer->layers[l] != NULL )
-            rf_finish_aov( &live->layers, (RfAov)l, &live->film, combine, buffer->layers[l] );
-    }
+    buffer->result.reached = !r->sizes.stopping || note_finished( r, live->frame, film, relmse );
+    r->last_relmse = relmse;
+    finish_aovs( r, live, buffer );
     r->last_frame = now;
     live->frame = -1;
     r->frames_done += 1;
-    rf_queue_frame( &r->delivery );
-    return rf_check_frame_queue( &r->delivery, error );
+    rf_queue_frame( &r->queue );
+    return rf_check_frame_queue( &r->queue, error );
 }
 
-RfResult rf_close_films( RfRenderer* r, int window, RfError* error )
+RfResult rf_close_films( RfRenderer* r, int number, RfError* error )
 {
-    RfGroup group = rf_group( &r->plan, window );
+    RfGroup group = rf_group( &r->plan, number );
     for ( int frame = group.first; frame < group.first + group.eyes; ++frame )
     {
         int first, last;
         rf_groups_of_frame( &r->plan, frame, &first, &last );
-        if ( last != window || !asked_for( r, frame ) )
+        if ( last != number || !asked_for( r, frame ) )
             continue;
         RfResult result = finish_film( r, rf_find_film( r, frame ), error );
         if ( result != RF_OK )
@@ -118,27 +104,10 @@ RfResult rf_close_films( RfRenderer* r, int window, RfError* error )
     return RF_OK;
 }
 
-bool rf_group_wanted( const RfRenderer* r, RfGroup window )
+bool rf_group_wanted( const RfRenderer* r, RfGroup group )
 {
     bool wanted = false;
-    for ( int frame = window.first; frame < window.first + window.eyes && !wanted; ++frame )
+    for ( int frame = group.first; frame < group.first + group.eyes && !wanted; ++frame )
         wanted = asked_for( r, frame );
     return wanted;
-}
-
-void rf_add_aovs( const RfRenderer* r, const RfHarvest* harvest, const RfGroup* window, int eye, const RfHarvestScratch* scratch )
-{
-    int frame = harvest->first_frame + eye;
-    LiveFilm* live = rf_find_film( r, frame );
-    if ( live == NULL )
-        return;
-    RfAovJob job = {
-        .film = &live->layers,
-        .eye = r->eyes + frame,
-        .previous = frame > 0 ? r->eyes + frame - 1 : NULL,
-        .next = frame + 1 < r->plan.frames ? r->eyes + frame + 1 : NULL,
-        .weight = (float)window->weight,
-        .weight_before = (float)( live->film.weight[0] + live->film.weight[1] ),
-    };
-    rf_add_to_aovs( &job, scratch );
 }

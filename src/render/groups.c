@@ -9,23 +9,23 @@ RfGroupPlan rf_plan_groups( int frames, int half_width, int spp )
     plan.eyes = half_width <= ( frames - 1 ) / 2 ? 2 * half_width + 1 : frames;
     if ( plan.eyes == frames )
     {
-        plan.windows = 1;
+        plan.groups = 1;
         plan.passes = plan.end_passes = spp;
         return plan;
     }
     if ( plan.eyes > 1 && plan.eyes > ( frames - 1 ) / 2 )
     {
         plan.cut = plan.eyes - 1;
-        plan.windows = frames + plan.cut;
+        plan.groups = frames + plan.cut;
         return plan;
     }
-    plan.windows = frames - plan.eyes + 1;
+    plan.groups = frames - plan.eyes + 1;
     plan.passes = ( spp - 1 ) / plan.eyes + 1;
     plan.spp = plan.end_passes = plan.passes * plan.eyes;
     return plan;
 }
 
-// Passes of the cut windows of 1 … m frames, where a full one of N gets one:
+// Passes of the cut groups of 1 … m frames, where a full one of N gets one:
 // Σ (N/m)^0.9, as the integral over m from ½ to m + ½. With (N/m)^1 the ends
 // would get as many samples as the middle, native and reused ones, and cost 10 %
 // more; with (N/m)^¾ their error was up to 1.38 times the middle's.
@@ -35,8 +35,8 @@ static double cut_passes( const RfGroupPlan* plan, int m )
     return 10.0 * pow( n, 0.9 ) * ( pow( m + 0.5, 0.1 ) - pow( 0.5, 0.1 ) );
 }
 
-// Passes of the windows with a lower number, where windows are cut: shares of
-// whole passes go to the window in which they are full.
+// Passes of the groups with a lower number, where groups are cut: shares of
+// whole passes go to the group in which they are full.
 static int64_t passes_before( const RfGroupPlan* plan, int number )
 {
     int full_end = plan->frames, left = number < plan->cut ? number : plan->cut;
@@ -64,7 +64,7 @@ RfGroup rf_group( const RfGroupPlan* plan, int number )
             .passes_before = before,
         };
     }
-    bool at_end = number == 0 || number == plan->windows - 1;
+    bool at_end = number == 0 || number == plan->groups - 1;
     int64_t before = number == 0 ? 0 : plan->end_passes + ( number - 1 ) * (int64_t)plan->passes;
     return ( RfGroup ){
         .first = number,
@@ -77,7 +77,7 @@ RfGroup rf_group( const RfGroupPlan* plan, int number )
 
 void rf_groups_of_frame( const RfGroupPlan* plan, int frame, int* first, int* last )
 {
-    int start = frame + plan->cut, end = plan->windows - 1;
+    int start = frame + plan->cut, end = plan->groups - 1;
     *first = start >= plan->eyes ? start - plan->eyes + 1 : 0;
     *last = start < end ? start : end;
 }
@@ -92,9 +92,9 @@ int rf_frame_passes( const RfGroupPlan* plan, int frame )
 
 int64_t rf_most_passes( const RfGroupPlan* plan )
 {
-    if ( plan->windows == 1 )
+    if ( plan->groups == 1 )
         return plan->passes;
-    if ( plan->cut > 0 ) // the frames at the ends lie in the shortest windows
+    if ( plan->cut > 0 ) // the frames at the ends lie in the shortest groups
         return passes_before( plan, plan->eyes ) + 1;
     return (int64_t)plan->end_passes + (int64_t)( plan->eyes - 1 ) * plan->passes;
 }
@@ -104,11 +104,11 @@ void rf_add_group_samples( const RfGroupPlan* plan, const int* frames, int first
     int done = 0;
     for ( int i = first; i < end; ++i )
     {
-        int window, last;
-        rf_groups_of_frame( plan, frames[i], &window, &last );
-        for ( window = window > done ? window : done; window <= last; ++window )
+        int group, last;
+        rf_groups_of_frame( plan, frames[i], &group, &last );
+        for ( group = group > done ? group : done; group <= last; ++group )
         {
-            RfGroup w = rf_group( plan, window );
+            RfGroup w = rf_group( plan, group );
             *samples += (double)w.passes * w.eyes;
             *others += (double)w.passes * w.eyes * ( w.eyes - 1 );
         }

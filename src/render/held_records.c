@@ -1,7 +1,7 @@
-// All hit records of a group at once, as the frame-reuse paper has them: its
-// passes are harvested one after the other and packed, then all are computed.
-#include "reuse/serialise.h"
-#include "render/render_internal.h"
+#include "render/held_records.h"
+
+#include "render/frames.h"
+#include "render/pass.h"
 
 #define ENTRY "held hit records"
 
@@ -17,73 +17,74 @@ typedef struct Held
     size_t count, room;
 } Held;
 
-static RfResult hold( RfRenderer* r, const RfBatchShape* shape, int count, Held* held, RfError* error )
+static RfResult hold( RfRenderer* r, const RfEstimatorGroup* group, int count, Held* held, RfError* error )
 {
+    const RfEstimator* estimator = r->settings.estimator;
     for ( int i = 0; i < count; ++i )
     {
-        const RfHitBatch* batch = r->memory.batches + i;
-        HeldBatch packed = { .bytes = rf_serialise_batch( shape, batch, NULL ) };
-        RfResult result = rf_arena_alloc( &r->memory.arena, ENTRY, packed.bytes, &packed.memory, error );
+        const void* batch = r->memory.batches[i];
+        HeldBatch copy = { .bytes = estimator->serialise( group, batch, NULL ) };
+        RfResult result = rf_arena_alloc( &r->memory.arena, ENTRY, copy.bytes, &copy.memory, error );
         if ( result != RF_OK )
             return result;
-        rf_serialise_batch( shape, batch, packed.memory );
-        held->batches[held->count++] = packed;
+        estimator->serialise( group, batch, copy.memory );
+        held->batches[held->count++] = copy;
     }
     return RF_OK;
 }
 
-static RfResult harvest_all( RfRenderer* r, const RfHarvest* harvest, const RfGroup* window, int jobs, Held* held,
-                             RfError* error )
+static RfResult trace_pass( RfRenderer* r, const RfPass* pass, int jobs, Held* held, RfError* error )
 {
-    for ( int pass = 0; pass < window->passes; ++pass )
+    RfResult result = RF_OK;
+    for ( int first = 0; first < jobs && result == RF_OK; first += r->memory.batch_slots )
     {
-        for ( int first = 0; first < jobs; first += r->memory.batch_slots )
-        {
-            int count = jobs - first < r->memory.batch_slots ? jobs - first : r->memory.batch_slots;
-            rf_harvest_chunk( r, harvest, window, pass, first, count );
-            RfResult result = hold( r, &harvest->shape, count, held, error );
-            if ( result == RF_OK )
-                result = rf_end_chunk( r, count, error );
-            if ( result != RF_OK )
-                return result;
-        }
+        int count = jobs - first < r->memory.batch_slots ? jobs - first : r->memory.batch_slots;
+        rf_trace_chunk( r, pass, first, count );
+        result = hold( r, pass->group, count, held, error );
+        if ( result == RF_OK )
+            result = rf_end_chunk( r, count, error );
     }
-    return RF_OK;
+    return result;
 }
 
-// A pass of those held, as many at a time as there is room to unpack them.
-static void compute_pass( RfRenderer* r, const RfHarvest* harvest, const RfGroup* window, int pass, int jobs,
-                          const HeldBatch* held )
+// Of the held records as many at a time as there are batches to deserialise them into.
+static void accumulate_pass( RfRenderer* r, const RfPass* pass, int jobs, const HeldBatch* held )
 {
-    rf_begin_pass( r, harvest );
+    rf_begin_pass( r );
     for ( int first = 0; first < jobs; first += r->memory.batch_slots )
     {
         int count = jobs - first < r->memory.batch_slots ? jobs - first : r->memory.batch_slots;
 #pragma omp parallel for num_threads( r->settings.threads ) schedule( dynamic, 1 )
         for ( int i = 0; i < count; ++i )
-            rf_deserialise_batch( &harvest->shape, held[first + i].memory, r->memory.batches + i );
-        rf_accumulate_chunk( r, harvest, window, pass, r->memory.batches, count );
+            r->settings.estimator->deserialise( pass->group, held[first + i].memory, r->memory.batches[i] );
+        rf_accumulate_chunk( r, pass, count );
     }
-    rf_end_pass( r, harvest, window, pass );
+    rf_end_pass( r, pass );
 }
 
-static void let_go( RfRenderer* r, Held* held )
+static void free_held( RfRenderer* r, Held* held )
 {
     for ( size_t i = 0; i < held->count; ++i )
         rf_arena_free( &r->memory.arena, ENTRY, held->batches[i].memory, held->batches[i].bytes );
     rf_arena_free( &r->memory.arena, ENTRY, held->batches, held->room * sizeof *held->batches );
 }
 
-RfResult rf_render_held( RfRenderer* r, const RfHarvest* harvest, const RfGroup* window, RfError* error )
+RfResult rf_render_held( RfRenderer* r, const RfEstimatorGroup* estimator_group, const RfGroup* group, RfError* error )
 {
-    int jobs = harvest->shape.eyes * r->sizes.patches.count;
-    Held held = { .room = (size_t)jobs * (size_t)window->passes };
+    int jobs = group->eyes * r->sizes.of_estimator.jobs;
+    Held held = { .room = (size_t)jobs * (size_t)group->passes };
     RfResult result = rf_arena_alloc( &r->memory.arena, ENTRY, held.room * sizeof *held.batches, (void**)&held.batches, error );
-    if ( result == RF_OK )
-        result = harvest_all( r, harvest, window, jobs, &held, error );
-    for ( int pass = 0; pass < window->passes && result == RF_OK; ++pass )
-        compute_pass( r, harvest, window, pass, jobs, held.batches + (size_t)pass * (size_t)jobs );
-    let_go( r, &held );
+    for ( int k = 0; k < group->passes && result == RF_OK; ++k )
+    {
+        RfPass pass = rf_make_pass( estimator_group, group, k );
+        result = trace_pass( r, &pass, jobs, &held, error );
+    }
+    for ( int k = 0; k < group->passes && result == RF_OK; ++k )
+    {
+        RfPass pass = rf_make_pass( estimator_group, group, k );
+        accumulate_pass( r, &pass, jobs, held.batches + (size_t)k * (size_t)jobs );
+    }
+    free_held( r, &held );
     return result;
 }
 
@@ -91,46 +92,45 @@ RfResult rf_render_held( RfRenderer* r, const RfHarvest* harvest, const RfGroup*
 typedef struct Counter
 {
     RfArena arena;
-    void *scratch_memory, *batch_memory;
-    RfHarvestScratch* scratch;
-    RfHitBatch batch;
+    void *scratch, *batch;
 } Counter;
 
-static RfResult alloc_counter( const RfBatchShape* shape, Counter* c, RfError* error )
+static RfResult alloc_counter( const RfRenderer* r, Counter* c, RfError* error )
 {
+    const RfEstimator* estimator = r->settings.estimator;
+    RfEstimatorGroup group = rf_frames_as_group( r, 0, r->plan.eyes, 0 );
     *c = ( Counter ){ .arena = rf_create_arena( 0 ) };
-    RfResult result = rf_arena_alloc( &c->arena, "scratch", rf_harvest_scratch_bytes( shape ), &c->scratch_memory, error );
+    RfResult result = rf_arena_alloc( &c->arena, "scratch", r->sizes.of_estimator.trace_scratch, &c->scratch, error );
     if ( result == RF_OK )
-        result = rf_arena_alloc( &c->arena, "hit records", rf_batch_bytes( shape ), &c->batch_memory, error );
+        result = rf_arena_alloc( &c->arena, "hit records", r->sizes.of_estimator.batch, &c->batch, error );
     if ( result != RF_OK )
         return result;
-    c->scratch = rf_lay_out_harvest_scratch( shape, c->scratch_memory );
-    c->batch = rf_lay_out_batch( shape, c->batch_memory );
+    estimator->lay_out_scratch( &group, c->scratch );
+    estimator->lay_out_batch( &group, c->batch );
     return RF_OK;
 }
 
-static void free_counter( const RfBatchShape* shape, Counter* c )
+static void free_counter( const RfRenderer* r, Counter* c )
 {
-    rf_arena_free( &c->arena, "scratch", c->scratch_memory, rf_harvest_scratch_bytes( shape ) );
-    rf_arena_free( &c->arena, "hit records", c->batch_memory, rf_batch_bytes( shape ) );
+    rf_arena_free( &c->arena, "scratch", c->scratch, r->sizes.of_estimator.trace_scratch );
+    rf_arena_free( &c->arena, "hit records", c->batch, r->sizes.of_estimator.batch );
 }
 
-// Of a window, as rf_render_held allocates them.
-static size_t count_window( const RfRenderer* r, int number, Counter* c )
+// Bytes that rf_render_held allocates for a group.
+static size_t count_group( const RfRenderer* r, int number, Counter* c )
 {
-    RfHarvest harvest = rf_group_harvest( r, number );
-    RfGroup window = rf_group( &r->plan, number );
-    RfRayCounts unused = { 0 };
-    int patches = r->sizes.patches.count;
-    size_t jobs = (size_t)harvest.shape.eyes * (size_t)patches;
-    size_t bytes = rf_arena_size( jobs * (size_t)window.passes * sizeof( HeldBatch ) );
-    for ( int pass = 0; pass < window.passes; ++pass )
+    const RfEstimator* estimator = r->settings.estimator;
+    RfEstimatorGroup estimator_group = rf_estimator_group( r, number );
+    RfGroup group = rf_group( &r->plan, number );
+    size_t per_frame = (size_t)r->sizes.of_estimator.jobs, jobs = (size_t)group.eyes * per_frame;
+    size_t bytes = rf_arena_size( jobs * (size_t)group.passes * sizeof( HeldBatch ) );
+    for ( int pass = 0; pass < group.passes; ++pass )
     {
         for ( size_t job = 0; job < jobs; ++job )
         {
-            RfHarvestJob of = { (int)( job / (size_t)patches ), (int)( job % (size_t)patches ), pass };
-            rf_harvest_first_hits( &harvest, of, &c->batch, c->scratch, &unused );
-            bytes += rf_arena_size( rf_serialise_batch( &harvest.shape, &c->batch, NULL ) );
+            RfTraceJob one = { (int)( job / per_frame ), (int)( job % per_frame ), pass };
+            estimator->trace_first_hits( &estimator_group, one, c->batch, c->scratch );
+            bytes += rf_arena_size( estimator->serialise( &estimator_group, c->batch, NULL ) );
         }
     }
     return bytes;
@@ -139,15 +139,15 @@ static size_t count_window( const RfRenderer* r, int number, Counter* c )
 RfResult rf_count_held( RfRenderer* r, RfError* error )
 {
     Counter counter;
-    RfResult result = alloc_counter( &r->sizes.shape, &counter, error );
+    RfResult result = alloc_counter( r, &counter, error );
     rf_set_float_mode();
-    for ( int w = 0; w < r->plan.windows && result == RF_OK; ++w )
+    for ( int g = 0; g < r->plan.groups && result == RF_OK; ++g )
     {
-        if ( !rf_group_wanted( r, rf_group( &r->plan, w ) ) )
+        if ( !rf_group_wanted( r, rf_group( &r->plan, g ) ) )
             continue;
-        size_t bytes = count_window( r, w, &counter );
+        size_t bytes = count_group( r, g, &counter );
         r->sizes.held = bytes > r->sizes.held ? bytes : r->sizes.held;
     }
-    free_counter( &r->sizes.shape, &counter );
+    free_counter( r, &counter );
     return result;
 }

@@ -1,18 +1,18 @@
 // How a render fits its budget: first with fewer batches at once, then with
 // fewer threads or with the films of fewer frames, whichever costs less time.
-#include "render/render_internal.h"
+#include "render/memory.h"
 
 // Batches without which the threads could not all work.
-static int batches_needed( const RenderSizes* s )
+static int batches_needed( const RfRenderSizes* s )
 {
     int wanted = rf_batches_wanted( s );
-    return s->shape.eq15 || wanted < s->threads ? wanted : s->threads;
+    return s->of_estimator.whole_pass || wanted < s->threads ? wanted : s->threads;
 }
 
-static size_t needed_bytes( const RenderSizes* s ) { return rf_fixed_bytes( s ) + rf_records_bytes( s, batches_needed( s ) ); }
+static size_t needed_bytes( const RfRenderSizes* s ) { return rf_fixed_bytes( s ) + rf_records_bytes( s, batches_needed( s ) ); }
 
 // Threads that there is room for, at most those of the sizes; 0: none.
-static int threads_that_fit( size_t budget, RenderSizes sizes )
+static int threads_that_fit( size_t budget, RfRenderSizes sizes )
 {
     int low = 0, high = sizes.threads;
     while ( low < high )
@@ -33,15 +33,15 @@ static double time_of( int films, int threads, int frames, int eyes )
     return sweeps / (double)threads;
 }
 
-static void choose( size_t budget, int frames, RenderSizes* sizes )
+static void choose( size_t budget, int frames, RfRenderSizes* sizes )
 {
-    RenderSizes best = *sizes, tried = *sizes;
+    RfRenderSizes best = *sizes, tried = *sizes;
     best.films = best.threads = 0;
     double least = 0.0;
     for ( tried.films = sizes->films; tried.films > 0; --tried.films )
     {
         int threads = threads_that_fit( budget, tried );
-        double time = threads > 0 ? time_of( tried.films, threads, frames, sizes->shape.eyes ) : 0.0;
+        double time = threads > 0 ? time_of( tried.films, threads, frames, sizes->eyes ) : 0.0;
         if ( threads == 0 || ( best.threads > 0 && time >= least ) )
             continue;
         best.films = tried.films;
@@ -54,7 +54,7 @@ static void choose( size_t budget, int frames, RenderSizes* sizes )
 }
 
 // Rounded up to KiB, so that it can be typed.
-static size_t least_budget( RenderSizes sizes )
+static size_t least_budget( RfRenderSizes sizes )
 {
     sizes.threads = sizes.films = 1;
     return ( needed_bytes( &sizes ) + 1023 ) / 1024 * 1024;
@@ -62,7 +62,7 @@ static size_t least_budget( RenderSizes sizes )
 
 static int up( int a, int b ) { return ( a + b - 1 ) / b; }
 
-static int batches_that_fit( size_t budget, const RenderSizes* s )
+static int batches_that_fit( size_t budget, const RfRenderSizes* s )
 {
     int batches = rf_batches_wanted( s );
     size_t room = budget - rf_fixed_bytes( s );
@@ -79,7 +79,7 @@ static RfResult fail_held( size_t budget, size_t least, RfError* error )
                     budget / 1024, least / 1024 );
 }
 
-RfResult rf_fit_sizes( size_t budget, int frames, RenderSizes* sizes, RfMemoryFit* fit, RfError* error )
+RfResult rf_fit_sizes( size_t budget, int frames, RfRenderSizes* sizes, RfMemoryFit* fit, RfError* error )
 {
     int wanted = sizes->films;
     *fit = ( RfMemoryFit ){ .least = least_budget( *sizes ) };
@@ -94,7 +94,7 @@ RfResult rf_fit_sizes( size_t budget, int frames, RenderSizes* sizes, RfMemoryFi
     fit->films = sizes->films;
     fit->sweeps = sizes->films == wanted ? 1 : up( frames, sizes->films );
     fit->batches = batches_that_fit( budget, sizes );
-    fit->chunks = up( sizes->shape.eyes * sizes->patches.count, fit->batches );
+    fit->chunks = up( rf_batches_of_pass( sizes ), fit->batches );
     fit->bytes_films = rf_films_bytes( sizes ) + rf_image_bytes( sizes );
     fit->bytes_hits = rf_records_bytes( sizes, fit->batches );
     fit->bytes_lists = rf_scratch_bytes( sizes ) + rf_writer_bytes( sizes );
@@ -105,7 +105,7 @@ RfResult rf_fit_memory( const RfScene* scene, const RfEye* eyes, int eye_count, 
                         RfMemoryFit* fit, RfError* error )
 {
     RfGroupPlan plan = rf_plan_groups( eye_count, settings->group, settings->spp );
-    RenderSizes sizes = rf_render_sizes( scene, eyes, &plan, frame_count, settings );
+    RfRenderSizes sizes = rf_render_sizes( scene, eyes, &plan, frame_count, settings );
     RfResult result = rf_fit_sizes( settings->memory, frame_count, &sizes, fit, error );
     if ( result != RF_ERROR_MEMORY || !settings->hold_all )
         return result;

@@ -1,4 +1,5 @@
 #include "render/plan_internal.h"
+#include "render/settings.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -49,10 +50,10 @@ static void list_rows( int eye_count, int spp, RfPlan* plan )
 double rf_plan_work( const RfGroupPlan* plan, double own, double reuse )
 {
     double work = 0.0;
-    for ( int w = 0; w < plan->windows; ++w )
+    for ( int g = 0; g < plan->groups; ++g )
     {
-        RfGroup window = rf_group( plan, w );
-        work += (double)window.passes * window.eyes * ( own + ( window.eyes - 1 ) * reuse );
+        RfGroup group = rf_group( plan, g );
+        work += (double)group.passes * group.eyes * ( own + ( group.eyes - 1 ) * reuse );
     }
     return work;
 }
@@ -88,9 +89,9 @@ static void count_rays( const RfGroupPlan* plan, const int* frames, int frame_co
         row->eyes > 1 ? others / ( row->eyes - 1 ) * per * counts->eye_rays[index] : samples * per * counts->eye_rays[index];
 }
 
-static void fixed_costs( const PlanCounts* c, const RfBatchShape* shape, int index, int eyes, double* own, double* reuse )
+static void fixed_costs( const PlanCounts* c, const RfEstimatorSizes* sizes, int index, int eyes, double* own, double* reuse )
 {
-    double landing = ( c->hits * COST_LANDING + c->glossy * COST_LIT * rf_direction_count( shape ) ) / c->samples;
+    double landing = ( c->hits * COST_LANDING + c->glossy * COST_LIT * sizes->directions ) / c->samples;
     *own = ( COST_PRIMARY * (double)c->rays.primary + COST_PATH * (double)c->rays.path + COST_SHADOW * (double)c->rays.shadow +
              COST_TILE * (double)c->rays.tile ) /
                c->samples +
@@ -108,7 +109,7 @@ static const char* reason_against( const RfScene* scene, const RfEye* eyes, int 
     s.group = row->group;
     s.threads = 1;
     RfGroupPlan plan = rf_plan_samples( eye_count, row->group, settings->spp );
-    RenderSizes sizes = rf_render_sizes( scene, eyes, &plan, eye_count, &s );
+    RfRenderSizes sizes = rf_render_sizes( scene, eyes, &plan, eye_count, &s );
     RfMemoryFit fit;
     if ( rf_fit_memory( scene, eyes, eye_count, eye_count, &s, &fit, NULL ) != RF_OK )
         return s_no_room;
@@ -200,7 +201,7 @@ static RfResult fit_rows( const RfScene* scene, const RfEye* eyes, int eye_count
 }
 
 static void weigh_rows( const RfEye* eyes, int eye_count, const int* frames, int frame_count, const RfRenderSettings* settings,
-                        const RfBatchShape* shape, const PlanCounts* counts, RfPlan* plan )
+                        const RfEstimatorSizes* sizes, const PlanCounts* counts, RfPlan* plan )
 {
     double pixels = (double)eyes->width * eyes->height;
     for ( int i = 0; i < plan->count; ++i )
@@ -210,7 +211,7 @@ static void weigh_rows( const RfEye* eyes, int eye_count, const int* frames, int
             continue;
         RfGroupPlan groups = rf_plan_samples( eye_count, row->group, settings->spp );
         double own, reuse;
-        fixed_costs( counts, shape, i, row->eyes, &own, &reuse );
+        fixed_costs( counts, sizes, i, row->eyes, &own, &reuse );
         row->reach = counts->share[i] > 0.0 ? counts->hits / counts->share[i] : 1.0;
         row->gain = gain_of( &groups, row->reach, own, reuse );
         count_rays( &groups, frames, frame_count, pixels, counts, i, row );
@@ -234,8 +235,8 @@ RfResult rf_plan_render( const RfTracer* tracer, const RfEye* eyes, int eye_coun
     if ( result != RF_OK )
         return result;
     RfGroupPlan groups = rf_plan_groups( eye_count, 0, common.spp );
-    RenderSizes sizes = rf_render_sizes( scene, eyes, &groups, 1, &common );
-    weigh_rows( eyes, eye_count, frames, frame_count, &common, &sizes.shape, &counts, plan );
+    RfRenderSizes sizes = rf_render_sizes( scene, eyes, &groups, 1, &common );
+    weigh_rows( eyes, eye_count, frames, frame_count, &common, &sizes.of_estimator, &counts, plan );
     plan->hit_share = counts.hits / counts.samples;
     plan->glossy_share = counts.glossy / counts.samples;
     choose_row( plan );
@@ -246,11 +247,9 @@ RfResult rf_plan_render( const RfTracer* tracer, const RfEye* eyes, int eye_coun
 
 void rf_record_bytes( const RfScene* scene, const RfRenderSettings* settings, int eyes, size_t* diffuse, size_t* glossy )
 {
-    RfGroupPlan plan = rf_plan_groups( eyes, eyes / 2, 1 );
     RfEye eye = { .width = 1, .height = 1 };
-    RfBatchShape shape = rf_render_sizes( scene, &eye, &plan, 1, settings ).shape;
-    size_t whole = rf_batch_bytes( &shape );
-    shape.glossy = false;
-    *diffuse = ( rf_batch_bytes( &shape ) + RF_LANES - 1 ) / RF_LANES;
-    *glossy = ( whole + RF_LANES - 1 ) / RF_LANES;
+    RfEstimatorGroup group = rf_size_group( scene, &eye, eyes, settings );
+    RfEstimatorSizes sizes = settings->estimator->sizes( &group );
+    *diffuse = sizes.diffuse_record;
+    *glossy = sizes.shiny_record;
 }

@@ -3,26 +3,25 @@
 #define REFRAME_RENDER_PLAN_INTERNAL_H
 
 #include "reframe/plan.h"
-#include "render/render_internal.h"
+#include "base/arena.h"
+#include "render/sizes.h"
 
 // Some hits of the path, harvested by the render's own phase, one batch at a time.
 typedef struct PlanProbe
 {
-    const RfTracer* tracer;
     const RfEye* eyes;
     int eye_count;
-    const RfRenderSettings* settings;
+    RfRenderSettings settings; // with a seed of its own
     RfArena arena;
-    RenderSizes sizes; // for the largest group looked at
-    RfHarvestScratch* scratch;
-    RfHitBatch batch;
-    void* batch_memory;
-    RfHarvest harvest;
+    RfRenderSizes sizes; // for the largest group looked at
+    void *scratch, *batch;
+    RfEstimatorGroup group;
+    int eye; // index in it of the frame that is traced
 } PlanProbe;
 
-// Where the probe looks: so many frames, and patches of each.
+// The probe looks at so many frames, and batches of each.
 #define PLAN_FRAMES 4
-#define PLAN_PATCHES 8
+#define PLAN_JOBS 8
 
 // What it counted: sums over the native samples.
 typedef struct PlanCounts
@@ -42,19 +41,15 @@ void rf_end_probe( PlanProbe* probe );
 // Sets the probe's group to `eyes` frames around `frame`, as far as the path goes.
 void rf_aim_probe( PlanProbe* probe, int frame, int eyes );
 
-// The i-th of the frames looked at, and the patch of the k-th place there.
+// The i-th of the frames looked at, and the batch of the k-th position there.
 int rf_probe_frame( const PlanProbe* probe, int i );
-int rf_probe_patch( const PlanProbe* probe, int i, int k );
+int rf_probe_job( const PlanProbe* probe, int i, int k );
 
 // Counts for groups of eyes[0 … rows), the first of which is 1.
 void rf_count_plan( PlanProbe* probe, const int* eyes, int rows, PlanCounts* counts );
 
-// Settings that are resolved but for the group.
-RfResult rf_resolve_common( const RfEye* eyes, int eye_count, const RfRenderSettings* settings, RfRenderSettings* resolved,
-                            RfError* error );
-
-// What a pixel of all windows takes where a sample takes `own`, and every other
-// eye of its window `reuse`: Σ passes · eyes · (own + (eyes − 1) · reuse).
+// What a pixel of all groups takes where a sample takes `own`, and every other
+// eye of its group `reuse`: Σ passes · eyes · (own + (eyes − 1) · reuse).
 double rf_plan_work( const RfGroupPlan* plan, double own, double reuse );
 
 #endif

@@ -1,20 +1,7 @@
-#include "base/system.h"
-#include "render/plan_internal.h"
+#include "render/settings.h"
 
-RfRenderSettings rf_default_render_settings( void )
-{
-    return ( RfRenderSettings ){
-        .spp = 28,
-        .group = RF_GROUP_AUTO,
-        .tile = { RF_TILE_BLOCK, 3, 3 },
-        .tile_roulette = false,
-        .weights = RF_WEIGHTS_EXACT,
-        .normalize = RF_NORMALIZE_CROSSFIT,
-        .max_depth = 12,
-        .light_samples = 1,
-        .seed = 1,
-    };
-}
+#include "base/system.h"
+#include "render/estimator.h"
 
 static RfResult check_settings( const RfRenderSettings* s, RfError* error )
 {
@@ -28,21 +15,32 @@ static RfResult check_settings( const RfRenderSettings* s, RfError* error )
         return rf_fail(
             error, RF_ERROR_USAGE,
             "all records of a group can be held only where its passes are known: not with a noise or a time to stop at" );
-    if ( s->adaptive && s->weights != RF_WEIGHTS_EXACT )
-        return rf_fail( error, RF_ERROR_USAGE, "adaptive samples want exact weights" );
     if ( s->group < RF_GROUP_AUTO || s->group > RF_MAX_GROUP )
         return rf_fail( error, RF_ERROR_USAGE, "group must be 0 to %d, got %d", RF_MAX_GROUP, s->group );
     if ( s->max_depth < 1 || s->max_depth > RF_MAX_DEPTH )
         return rf_fail( error, RF_ERROR_USAGE, "depth must be 1 to %d, got %d", RF_MAX_DEPTH, s->max_depth );
     if ( s->light_samples < 1 || s->light_samples > RF_MAX_LIGHT_SAMPLES )
         return rf_fail( error, RF_ERROR_USAGE, "light samples must be 1 to %d, got %d", RF_MAX_LIGHT_SAMPLES, s->light_samples );
-    if ( !rf_is_tile( &s->tile ) )
-        return rf_fail( error, RF_ERROR_USAGE, "tiles must have 1 to %d pixels, and rooks a square grid", RF_MAX_TILE_PIXELS );
     if ( ( s->layers & ~RF_ALL_AOVS ) != 0 )
         return rf_fail( error, RF_ERROR_USAGE, "there are no such layers: %#x", s->layers );
     if ( s->queue < 0 || s->queue > RF_MAX_QUEUE )
         return rf_fail( error, RF_ERROR_USAGE, "the queue must be 0 to %d frames, got %d", RF_MAX_QUEUE, s->queue );
     return RF_OK;
+}
+
+static RfResult check_estimator( const RfRenderSettings* s, RfError* error )
+{
+    const RfEstimator* estimator = s->estimator;
+    if ( estimator == NULL )
+        return rf_fail( error, RF_ERROR_USAGE, "settings without an estimator: start from rf_default_render_settings" );
+    if ( s->adaptive && ( estimator->add_own_shares == NULL || estimator->count_samples == NULL ) )
+        return rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' has no adaptive sampling", estimator->name );
+    if ( ( s->layers & RF_FIRST_HIT_AOVS ) != 0 && estimator->first_hits == NULL )
+        return rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' has no AOVs of first hits", estimator->name );
+    if ( s->hold_all &&
+         ( estimator->trace_first_hits == NULL || estimator->serialise == NULL || estimator->deserialise == NULL ) )
+        return rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' cannot hold all records of a group", estimator->name );
+    return estimator->check != NULL ? estimator->check( s, error ) : RF_OK;
 }
 
 static RfResult check_eyes( const RfEye* eyes, int count, RfError* error )
@@ -60,23 +58,12 @@ static RfResult check_eyes( const RfEye* eyes, int count, RfError* error )
     return RF_OK;
 }
 
-// Never a matter of which frames are asked for.
-static RfResult choose_group( const RfTracer* tracer, const RfEye* eyes, int eye_count, RfRenderSettings* settings,
-                              RfError* error )
-{
-    if ( settings->group != RF_GROUP_AUTO )
-        return RF_OK;
-    RfPlan plan;
-    RfResult result = rf_plan_render( tracer, eyes, eye_count, &( int ){ 0 }, 1, settings, &plan, error );
-    if ( result == RF_OK )
-        settings->group = plan.rows[plan.chosen].group;
-    return result;
-}
-
 RfResult rf_resolve_common( const RfEye* eyes, int eye_count, const RfRenderSettings* settings, RfRenderSettings* resolved,
                             RfError* error )
 {
     RfResult result = check_settings( settings, error );
+    if ( result == RF_OK )
+        result = check_estimator( settings, error );
     if ( result == RF_OK )
         result = check_eyes( eyes, eye_count, error );
     if ( result != RF_OK )
@@ -96,19 +83,4 @@ RfGroupPlan rf_plan_samples( int frames, int half_width, int spp )
 {
     RfGroupPlan plan = rf_plan_groups( frames, half_width, spp );
     return plan.spp > RF_MAX_SPP ? rf_plan_groups( frames, half_width, RF_MAX_SPP / plan.eyes * plan.eyes ) : plan;
-}
-
-RfResult rf_resolve_settings( const RfTracer* tracer, const RfEye* eyes, int eye_count, const RfRenderSettings* settings,
-                              RfRenderSettings* resolved, RfError* error )
-{
-    RfResult result = rf_resolve_common( eyes, eye_count, settings, resolved, error );
-    if ( result == RF_OK )
-        result = choose_group( tracer, eyes, eye_count, resolved, error );
-    if ( result != RF_OK )
-        return result;
-    RfGroupPlan plan = rf_plan_samples( eye_count, resolved->group, settings->spp );
-    resolved->group = plan.eyes / 2;
-    if ( !rf_is_stopping( settings ) )
-        resolved->spp = plan.spp;
-    return RF_OK;
 }

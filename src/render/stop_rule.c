@@ -19,28 +19,25 @@ RfStop rf_create_stop( const RfGroupPlan* plan, int most_spp, double noise, doub
     };
 }
 
-static double share_of( const RfStop* stop, int window ) { return rf_group( &stop->plan, window ).passes / stop->scale; }
+static double share_of( const RfStop* stop, int group ) { return rf_group( &stop->plan, group ).passes / stop->scale; }
 
-double rf_group_units( const RfStop* stop, int window )
-{
-    return share_of( stop, window ) * rf_group( &stop->plan, window ).eyes;
-}
+double rf_group_units( const RfStop* stop, int group ) { return share_of( stop, group ) * rf_group( &stop->plan, group ).eyes; }
 
 RfGroup rf_begin_group( RfStop* stop, int number )
 {
-    RfGroup window = rf_group( &stop->plan, number );
-    window.passes = 0;
-    window.passes_before = stop->passes;
-    stop->window_units = rf_group_units( stop, number );
-    stop->window_share = 0.0;
+    RfGroup group = rf_group( &stop->plan, number );
+    group.passes = 0;
+    group.passes_before = stop->passes;
+    stop->group_units = rf_group_units( stop, number );
+    stop->group_share = 0.0;
     if ( stop->units_all <= 0.0 )
         stop->units_all = stop->units_left;
-    stop->units_left -= stop->window_units;
+    stop->units_left -= stop->group_units;
     stop->due = 0.0;
-    return window;
+    return group;
 }
 
-// Weight of a frame's windows from `from` on for one pass a share.
+// Weight of a frame's groups from `from` on for one pass a share.
 static double planned_weight( const RfStop* stop, int frame, int from )
 {
     int first, last;
@@ -75,7 +72,7 @@ double rf_pooled_noise( const RfStop* stop, const RfNoiseEstimates* look, int fr
     return weights > 0.0 ? sum / weights : (double)NAN;
 }
 
-// What a frame is given in its last window, on top of what it has.
+// What a frame is given in its last group, on top of what it has.
 static double missing_at_last( const RfStop* stop, const RfFrameNoise* f, double pooled, double weight_of_pass, double most )
 {
     double noise = fmax( f->noise, pooled );
@@ -85,24 +82,24 @@ static double missing_at_last( const RfStop* stop, const RfFrameNoise* f, double
     return fmin( missing, fmax( 0.0, most - f->weight ) );
 }
 
-// Passes of this window, `done` ones included, that are a frame's due: the same
-// for each share in all its windows to come.
+// Passes of this group, `done` ones included, that are a frame's due: the same
+// for each share in all its groups to come.
 static double due_to_frame( const RfStop* stop, const RfNoiseEstimates* look, const RfFrameNoise* f )
 {
     int first, last;
     rf_groups_of_frame( &stop->plan, f->frame, &first, &last );
-    RfGroup window = rf_group( &stop->plan, look->window );
-    double share = share_of( stop, look->window ), whole = planned_weight( stop, f->frame, first );
+    RfGroup group = rf_group( &stop->plan, look->group );
+    double share = share_of( stop, look->group ), whole = planned_weight( stop, f->frame, first );
     double pooled = rf_pooled_noise( stop, look, f->frame );
-    if ( last == look->window && is_known( f ) )
+    if ( last == look->group && is_known( f ) )
     {
-        double missing = missing_at_last( stop, f, pooled, window.weight, stop->most * whole );
-        return missing > 0.0 ? look->done + missing / window.weight : 0.0;
+        double missing = missing_at_last( stop, f, pooled, group.weight, stop->most * whole );
+        return missing > 0.0 ? look->done + missing / group.weight : 0.0;
     }
     double wanted = isfinite( pooled ) ? pooled / ( AIM * stop->noise ) : stop->least * whole;
     wanted = fmax( stop->least * whole, fmin( wanted, stop->most * whole ) );
-    double after = share > 0.0 ? planned_weight( stop, f->frame, look->window + 1 ) / share : 0.0;
-    return ( wanted - f->weight + look->done * (double)window.weight ) / ( window.weight + after );
+    double after = share > 0.0 ? planned_weight( stop, f->frame, look->group + 1 ) / share : 0.0;
+    return ( wanted - f->weight + look->done * (double)group.weight ) / ( group.weight + after );
 }
 
 // Not more than twice what the estimates are of: they get better with it.
@@ -129,7 +126,7 @@ static double due_by_time( RfStop* stop, const RfNoiseEstimates* look, int done,
 {
     if ( stop->units_done <= 0.0 )
         return done + 1.0; // to learn the pace
-    double share = share_of( stop, look->window ), eyes = rf_group( &stop->plan, look->window ).eyes;
+    double share = share_of( stop, look->group ), eyes = rf_group( &stop->plan, look->group ).eyes;
     double left = fmax( 0.0, stop->seconds - now ) * stop->units_done / stop->seconds_done;
     return share > 0.0 ? ( left + done * eyes ) / ( eyes + stop->units_left / share ) : 0.0;
 }
@@ -141,7 +138,7 @@ static bool is_too_few( const RfStop* stop, const RfNoiseEstimates* look, int do
     {
         int first, last;
         rf_groups_of_frame( &stop->plan, look->frames[i].frame, &first, &last );
-        if ( last == look->window && look->frames[i].passes + done - look->done < LEAST_PASSES )
+        if ( last == look->group && look->frames[i].passes + done - look->done < LEAST_PASSES )
             return true;
     }
     return false;
@@ -149,7 +146,7 @@ static bool is_too_few( const RfStop* stop, const RfNoiseEstimates* look, int do
 
 int rf_passes_due( RfStop* stop, const RfNoiseEstimates* look, int done, double now )
 {
-    double share = share_of( stop, look->window ), least = share * stop->least, due = share * stop->most;
+    double share = share_of( stop, look->group ), least = share * stop->least, due = share * stop->most;
     if ( stop->noise > 0.0 )
         due = due_by_noise( stop, look );
     if ( stop->seconds > 0.0 )
@@ -159,7 +156,7 @@ int rf_passes_due( RfStop* stop, const RfNoiseEstimates* look, int done, double 
         due = fmin( due, by_time );
     }
     stop->due = fmax( due, least );
-    stop->window_share = stop->due > 0.0 ? fmin( done / stop->due, 1.0 ) : 1.0;
+    stop->group_share = stop->due > 0.0 ? fmin( done / stop->due, 1.0 ) : 1.0;
     int whole = (int)fmin( floor( stop->due + stop->owed + 1e-9 ), INT_MAX );
     return whole <= done && is_too_few( stop, look, done ) ? done + 1 : whole;
 }
@@ -174,7 +171,7 @@ void rf_note_pass( RfStop* stop, int eyes, double now )
 
 double rf_stop_share( const RfStop* stop, double now )
 {
-    double done = stop->units_all - stop->units_left - stop->window_units * ( 1.0 - stop->window_share );
+    double done = stop->units_all - stop->units_left - stop->group_units * ( 1.0 - stop->group_share );
     double by_work = stop->units_all > 0.0 ? done / stop->units_all : 0.0;
     double by_time = stop->seconds > 0.0 ? fmin( now / stop->seconds, 1.0 ) : 0.0;
     return fmax( by_work, by_time );

@@ -1,79 +1,80 @@
-// Windows that are rendered until noise or time says so: what rf_stop decides
-// by, taken from the films and the clock.
+// What the stop rule decides by, taken from the films and the clock.
+#include "render/until.h"
+
 #include "base/system.h"
-#include "render/render_internal.h"
+#include "render/pass.h"
 
 #include <math.h>
 
-// The image of a film is made for it in a buffer that waits for the next frame.
-static void estimate_noise( RfRenderer* r, LiveFilm* live )
+// The picture is made in a buffer that waits for the next frame.
+static void estimate_noise( RfRenderer* r, RfLiveFilm* live )
 {
-    RfFilmCombine combine = rf_film_combine( r->settings.normalize );
-    RfFrameBuffer* buffer = rf_next_frame_buffer( &r->delivery );
-    rf_combine_film( &live->film, combine, buffer->rgb, NULL );
-    live->seen = live->film.weight[0] + live->film.weight[1];
-    live->noise = live->seen * rf_estimate_relmse( &live->film, combine, buffer->rgb );
+    const RfFilm* film = live->films;
+    RfFrameBuffer* buffer = rf_next_frame_buffer( &r->queue );
+    live->noise_seen = film->weight[0] + film->weight[1];
+    live->noise = live->noise_seen * rf_finish_picture( r, live, buffer->rgb, NULL );
 }
 
-// Estimates take time: they are made where they decide, and of enough others to
-// tell what the frames to come are like.
-static bool is_looked_at( const RfRenderer* r, const RfNoiseEstimates* look, int i )
+// Estimates take time: they are made where they decide, and for enough others to
+// predict the frames to come.
+static bool wants_estimate( const RfRenderer* r, const RfNoiseEstimates* estimates, int i )
 {
     int first, last;
-    rf_groups_of_frame( &r->plan, look->frames[i].frame, &first, &last );
-    bool as_good = look->frames[i].passes >= look->frames[0].passes;
-    return last == look->window || i == look->count / 2 || ( i == look->count - 1 && as_good );
+    rf_groups_of_frame( &r->plan, estimates->frames[i].frame, &first, &last );
+    bool as_good = estimates->frames[i].passes >= estimates->frames[0].passes;
+    return last == estimates->group || i == estimates->count / 2 || ( i == estimates->count - 1 && as_good );
 }
 
-// The films of a window after `done` passes of it.
-static RfNoiseEstimates look_at_films( RfRenderer* r, int number, int done )
+// The films of a group after `done` passes of it.
+static RfNoiseEstimates estimate_films( RfRenderer* r, int number, int done )
 {
-    RfNoiseEstimates look = { .window = number, .done = done, .frames = r->memory.looks };
-    RfGroup window = rf_group( &r->plan, number );
-    for ( int frame = window.first; frame < window.first + window.eyes; ++frame )
+    RfFrameNoise* frames = r->memory.noise_estimates;
+    RfNoiseEstimates estimates = { .group = number, .done = done, .frames = frames };
+    RfGroup group = rf_group( &r->plan, number );
+    for ( int frame = group.first; frame < group.first + group.eyes; ++frame )
     {
-        const LiveFilm* live = rf_find_film( r, frame );
+        const RfLiveFilm* live = rf_find_film( r, frame );
         if ( live == NULL )
             continue;
-        const RfFilm* film = &live->film;
-        r->memory.looks[look.count++] = ( RfFrameNoise ){ .frame = frame,
-                                                          .passes = film->passes[0] + film->passes[1],
-                                                          .weight = film->weight[0] + film->weight[1],
-                                                          .noise = live->noise,
-                                                          .seen = live->seen };
+        const RfFilm* film = live->films;
+        frames[estimates.count++] = ( RfFrameNoise ){ .frame = frame,
+                                                      .passes = film->passes[0] + film->passes[1],
+                                                      .weight = film->weight[0] + film->weight[1],
+                                                      .noise = live->noise,
+                                                      .seen = live->noise_seen };
     }
-    for ( int i = 0; i < look.count && r->settings.noise > 0.0; ++i )
+    for ( int i = 0; i < estimates.count && r->settings.noise > 0.0; ++i )
     {
-        RfFrameNoise* frame = r->memory.looks + i;
-        if ( frame->passes < 2 || !is_looked_at( r, &look, i ) )
+        if ( frames[i].passes < 2 || !wants_estimate( r, &estimates, i ) )
             continue;
-        LiveFilm* live = rf_find_film( r, frame->frame );
-        if ( live->seen != frame->weight ) // not since the last window
+        RfLiveFilm* live = rf_find_film( r, frames[i].frame );
+        if ( live->noise_seen != frames[i].weight ) // new samples since the last estimate
             estimate_noise( r, live );
-        frame->noise = live->noise;
-        frame->seen = live->seen;
+        frames[i].noise = live->noise;
+        frames[i].seen = live->noise_seen;
     }
-    return look;
+    return estimates;
 }
 
-RfResult rf_render_until( RfRenderer* r, const RfHarvest* harvest, RfError* error )
+RfResult rf_render_until( RfRenderer* r, const RfEstimatorGroup* estimator_group, RfError* error )
 {
     RfStop* stop = &r->stop;
-    RfGroup window = rf_begin_group( stop, harvest->window );
-    RfNoiseEstimates look = look_at_films( r, harvest->window, 0 );
+    RfGroup group = rf_begin_group( stop, estimator_group->number );
+    RfNoiseEstimates estimates = estimate_films( r, estimator_group->number, 0 );
     int due, done = 0;
-    while ( ( due = rf_passes_due( stop, &look, done, rf_wall_seconds() - r->start ) ) > done )
+    while ( ( due = rf_passes_due( stop, &estimates, done, rf_wall_seconds() - r->start ) ) > done )
     {
         int next = stop->seconds > 0.0 ? done + 1 : due;
         for ( ; done < next; ++done )
         {
-            RfResult result = rf_render_pass( r, harvest, &window, done, error );
+            RfPass pass = rf_make_pass( estimator_group, &group, done );
+            RfResult result = rf_render_pass( r, &pass, error );
             if ( result != RF_OK )
                 return result;
-            rf_note_pass( stop, window.eyes, rf_wall_seconds() - r->start );
+            rf_note_pass( stop, group.eyes, rf_wall_seconds() - r->start );
         }
         if ( next == due )
-            look = look_at_films( r, harvest->window, done );
+            estimates = estimate_films( r, estimator_group->number, done );
     }
     rf_end_group( stop, done );
     return RF_OK;

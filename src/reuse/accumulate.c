@@ -1,9 +1,21 @@
 #include "reuse/accumulate.h"
 
 #include "reuse/glossy.h"
+#include "reuse/harvest.h"
 #include "reuse/reprojection.h"
 
 #include <string.h>
+
+// What all batches share.
+typedef struct Accumulation
+{
+    const RfEye* eyes;
+    RfBatchShape shape;
+    RfWeights weights;
+    float weight;         // of the pass in the film
+    void* const* batches; // RfHitBatch, in the order in which they add to the film
+    int batch_count;
+} Accumulation;
 
 // Pixels of the hits at an eye, and their ratios r_t = J_t V_t / Σ J_l V_l,
 // taken `weight` times.
@@ -28,31 +40,31 @@ static void weigh_landing( const RfEye* eye, int eye_index, const RfHitBatch* ba
         ratio[i] = ( seen[i] & bit ) != 0 ? weight * ( ratio[i] / sum[i] ) : 0.0f;
 }
 
-static void land( const RfAccumulate* compute, int eye, const RfHitBatch* batch, RfAccumulateScratch* scratch )
+static void land( const Accumulation* a, int eye, const RfHitBatch* batch, RfAccumulateScratch* scratch )
 {
-    weigh_landing( compute->eyes + eye, eye, batch, compute->weight, scratch->pixel, scratch->ratio );
-    if ( compute->weights == RF_WEIGHTS_EXACT )
+    weigh_landing( a->eyes + eye, eye, batch, a->weight, scratch->pixel, scratch->ratio );
+    if ( a->weights == RF_WEIGHTS_EXACT )
         return;
     // the biased weightings count hits
     for ( int i = 0; i < batch->count; ++i )
-        scratch->ratio[i] = scratch->ratio[i] > 0.0f ? compute->weight : 0.0f;
+        scratch->ratio[i] = scratch->ratio[i] > 0.0f ? a->weight : 0.0f;
 }
 
 // Σ over the eyes whose hits landed in the pixel, in the mean: FR (15).
-static void mix_landed( const RfAccumulate* compute, const RfHitBatch* batch, const uint32_t* landed_eyes, int direction,
+static void mix_landed( const Accumulation* a, const RfHitBatch* batch, const uint32_t* landed_eyes, int direction,
                         RfAccumulateScratch* s )
 {
     int first = batch->first[RF_BSDF_PHONG], count = rf_glossy_count( batch );
-    int words = rf_seen_words( compute->shape.eyes );
+    int words = rf_seen_words( a->shape.eyes );
     const RfDirectionLanes* lanes = batch->directions + direction;
     const float* wi[3] = { lanes->wi[0], lanes->wi[1], lanes->wi[2] };
     float* wo[3] = { s->wo[0], s->wo[1], s->wo[2] };
     const float* wo_in[3] = { wo[0], wo[1], wo[2] };
     int32_t landed[RF_LANES] = { 0 };
     memset( s->mixture, 0, sizeof s->mixture );
-    for ( int l = 0; l < compute->shape.eyes; ++l )
+    for ( int l = 0; l < a->shape.eyes; ++l )
     {
-        rf_directions_to( compute->eyes, l, batch, wo );
+        rf_directions_to( a->eyes, l, batch, wo );
         rf_evaluate_glossy( batch, wo_in, wi, NULL, s->pdf );
         for ( int i = 0; i < count; ++i )
         {
@@ -90,7 +102,7 @@ static void add_direction( const RfDirectionLanes* lanes, int count, bool eq15, 
 }
 
 // Light of the glossy hits towards the eye, into sum.
-static void light_glossy( const RfAccumulate* compute, int eye, const RfHitBatch* batch, const uint32_t* landed_eyes,
+static void light_glossy( const Accumulation* a, int eye, const RfHitBatch* batch, const uint32_t* landed_eyes,
                           RfAccumulateScratch* s )
 {
     int first = batch->first[RF_BSDF_PHONG], count = rf_glossy_count( batch );
@@ -102,19 +114,19 @@ static void light_glossy( const RfAccumulate* compute, int eye, const RfHitBatch
         for ( int c = 0; c < 3; ++c )
             s->sum[c][i] = batch->radiance[4 * ( first + i ) + c];
     }
-    if ( !compute->shape.eq15 )
-        rf_directions_to( compute->eyes, eye, batch, wo );
-    for ( int d = 0; d < rf_direction_count( &compute->shape ); ++d )
+    if ( !a->shape.eq15 )
+        rf_directions_to( a->eyes, eye, batch, wo );
+    for ( int d = 0; d < rf_direction_count( &a->shape ); ++d )
     {
         const RfDirectionLanes* lanes = batch->directions + d;
         const float* wi[3] = { lanes->wi[0], lanes->wi[1], lanes->wi[2] };
-        if ( compute->shape.eq15 )
+        if ( a->shape.eq15 )
         {
-            mix_landed( compute, batch, landed_eyes, d, s );
-            rf_directions_to( compute->eyes, eye, batch, wo );
+            mix_landed( a, batch, landed_eyes, d, s );
+            rf_directions_to( a->eyes, eye, batch, wo );
         }
         rf_evaluate_glossy( batch, wo_in, wi, f, NULL );
-        add_direction( lanes, count, compute->shape.eq15, s );
+        add_direction( lanes, count, a->shape.eq15, s );
     }
 }
 
@@ -216,16 +228,16 @@ static bool lands_in( const RfHitBatch* batch, RfAccumulateJob job )
 }
 
 // Which eyes' hits landed in each pixel of the job's rows: FR (15) asks.
-static void note_landed( const RfAccumulate* compute, RfAccumulateJob job, PixelRange range, uint32_t* landed_eyes,
+static void note_landed( const Accumulation* a, RfAccumulateJob job, PixelRange range, uint32_t* landed_eyes,
                          RfAccumulateScratch* s )
 {
-    size_t words = (size_t)rf_seen_words( compute->shape.eyes );
-    for ( int k = 0; k < compute->batch_count; ++k )
+    size_t words = (size_t)rf_seen_words( a->shape.eyes );
+    for ( int k = 0; k < a->batch_count; ++k )
     {
-        const RfHitBatch* batch = compute->batches + k;
+        const RfHitBatch* batch = a->batches[k];
         if ( !lands_in( batch, job ) )
             continue;
-        land( compute, job.eye, batch, s );
+        land( a, job.eye, batch, s );
         for ( int i = 0; i < batch->count; ++i )
         {
             int32_t pixel = s->pixel[i];
@@ -235,32 +247,40 @@ static void note_landed( const RfAccumulate* compute, RfAccumulateJob job, Pixel
     }
 }
 
-uint64_t rf_accumulate_rows( const RfAccumulate* compute, RfAccumulateJob job, uint32_t* landed_eyes,
+static uint64_t add_batch( const Accumulation* a, RfAccumulateJob job, const RfHitBatch* batch, PixelRange range,
+                           RfAccumulateScratch* scratch )
+{
+    bool own = job.eye == batch->eye;
+    land( a, job.eye, batch, scratch );
+    uint64_t landed = splat_diffuse( batch, scratch, range );
+    if ( rf_glossy_count( batch ) > 0 )
+    {
+        light_glossy( a, job.eye, batch, job.pass_state, scratch );
+        landed += splat_glossy( batch, scratch, range );
+    }
+    if ( own )
+        landed += splat_misses( batch, !a->shape.natives, a->weight, range );
+    if ( job.landed != NULL )
+        count_landed( batch, scratch, range, job.landed );
+    if ( job.landed != NULL && own )
+        count_misses( batch, range, job.landed );
+    return landed;
+}
+
+uint64_t rf_accumulate_rows( const RfEstimatorGroup* group, RfAccumulateJob job, void* const* batches, int batch_count,
                              RfAccumulateScratch* scratch )
 {
-    int width = compute->eyes[job.eye].width;
-    PixelRange range = { job.film->half[job.half], job.first_row * width, job.end_row * width };
-    if ( compute->shape.eq15 )
-        note_landed( compute, job, range, landed_eyes, scratch );
+    Accumulation a = { group->eyes, rf_batch_shape( group ), group->settings->weights, job.weight, batches, batch_count };
+    int width = group->width;
+    PixelRange range = { job.films->half[job.half], job.first_row * width, job.end_row * width };
+    if ( a.shape.eq15 )
+        note_landed( &a, job, range, job.pass_state, scratch );
     uint64_t landed = 0;
-    for ( int k = 0; k < compute->batch_count; ++k )
+    for ( int k = 0; k < batch_count; ++k )
     {
-        const RfHitBatch* batch = compute->batches + k;
-        if ( !lands_in( batch, job ) )
-            continue;
-        land( compute, job.eye, batch, scratch );
-        landed += splat_diffuse( batch, scratch, range );
-        if ( rf_glossy_count( batch ) > 0 )
-        {
-            light_glossy( compute, job.eye, batch, landed_eyes, scratch );
-            landed += splat_glossy( batch, scratch, range );
-        }
-        if ( job.eye == batch->eye )
-            landed += splat_misses( batch, !compute->shape.natives, compute->weight, range );
-        if ( job.landed != NULL )
-            count_landed( batch, scratch, range, job.landed );
-        if ( job.landed != NULL && job.eye == batch->eye )
-            count_misses( batch, range, job.landed );
+        const RfHitBatch* batch = batches[k];
+        if ( lands_in( batch, job ) )
+            landed += add_batch( &a, job, batch, range, scratch );
     }
     return landed;
 }

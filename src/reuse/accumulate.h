@@ -3,30 +3,8 @@
 #ifndef REFRAME_REUSE_ACCUMULATE_H
 #define REFRAME_REUSE_ACCUMULATE_H
 
-#include "film/film.h"
+#include "render/estimator.h"
 #include "reuse/records.h"
-#include "reframe/render.h"
-
-// Rows [first_row, end_row) of the film of one eye of the window.
-typedef struct RfAccumulateJob
-{
-    int eye;
-    int first_row, end_row;
-    RfFilm* film;
-    int half;
-    uint32_t* landed; // samples per pixel of the film, counted up; or NULL
-} RfAccumulateJob;
-
-// What all jobs of a chunk share.
-typedef struct RfAccumulate
-{
-    const RfEye* eyes;
-    RfBatchShape shape;
-    RfWeights weights;
-    float weight;              // of the pass in the film
-    const RfHitBatch* batches; // in the order in which they add to the film
-    int batch_count;
-} RfAccumulate;
 
 typedef struct RfAccumulateScratch
 {
@@ -39,11 +17,10 @@ typedef struct RfAccumulateScratch
     RF_ALIGN float mixture[RF_LANES];
 } RfAccumulateScratch;
 
-// Adds a chunk to some rows of a film; returns how many samples landed there.
-// Jobs on different rows or films may run at the same time. For
-// RF_WEIGHTS_EQ15 `landed_eyes` has rf_seen_words per pixel of the film, all
-// zero at first, and the chunk must be the whole pass; else NULL.
-uint64_t rf_accumulate_rows( const RfAccumulate* compute, RfAccumulateJob job, uint32_t* landed_eyes,
+// Adds batches to some rows of a film; returns how many samples landed there. Jobs on
+// different rows or films may run at the same time. RF_WEIGHTS_EQ15 wants job.pass_state:
+// rf_seen_words per pixel of the film, all zero at first, and batches of the whole pass.
+uint64_t rf_accumulate_rows( const RfEstimatorGroup* group, RfAccumulateJob job, void* const* batches, int batch_count,
                              RfAccumulateScratch* scratch );
 
 #endif

@@ -1,6 +1,42 @@
 #include "reuse/harvest_internal.h"
 
+#include "scene/pinhole.h"
+
 #include <string.h>
+
+RfBatchShape rf_batch_shape( const RfEstimatorGroup* group )
+{
+    const RfRenderSettings* settings = group->settings;
+    unsigned unevaluable = ~0u << RF_BSDF_FIRST_UNEVALUABLE, glossy = ~0u << RF_BSDF_PHONG & ~unevaluable;
+    return ( RfBatchShape ){
+        .eyes = group->eye_count,
+        .light_samples = settings->light_samples,
+        .tile_pixels = rf_tile_pixels( &settings->tile ),
+        .glossy = ( group->traits.kinds & glossy ) != 0,
+        .coated = ( group->traits.kinds & 1u << RF_BSDF_COATED ) != 0,
+        .eq15 = settings->weights == RF_WEIGHTS_EQ15,
+        .blended = group->traits.blended,
+        .natives = ( group->traits.kinds & unevaluable ) != 0 || group->traits.sky,
+    };
+}
+
+RfHarvest rf_make_harvest( const RfEstimatorGroup* group )
+{
+    const RfRenderSettings* settings = group->settings;
+    return ( RfHarvest ){
+        .walk = { group->tracer, group->max_depth, settings->light_samples, settings->light_sampling },
+        .shape = rf_batch_shape( group ),
+        .patches = rf_lay_out_patches( &settings->tile, group->width, group->height ),
+        .tile_roulette = settings->tile_roulette,
+        .weights = settings->weights,
+        .seed = settings->seed,
+        .eyes = group->eyes,
+        .first_frame = group->first_frame,
+        .group = group->number,
+        .need = group->need,
+        .round = group->round,
+    };
+}
 
 static size_t scratch_struct_bytes( void ) { return ( sizeof( RfHarvestScratch ) + 63 ) / 64 * 64; }
 
@@ -41,20 +77,17 @@ static void make_camera_rays( const RfEye* eye, int count, const int32_t* pixel,
         slot[i] = i;
     float( *random )[RF_LANES] = walk->scratch.random;
     rf_draw_lanes( walk, count, slot, RF_DIMENSION_FILM_X, 2, random );
-    float inverse_focal = 1.0f / eye->focal;
-    int width = eye->width;
     RfEye e = *eye;
+    float inverse_focal = 1.0f / e.focal;
+    RfVec3 origin = rf_pinhole_origin( &e );
 #pragma omp simd
     for ( int i = 0; i < count; ++i )
     {
-        int y = pixel[i] / width, x = pixel[i] - y * width;
-        float fx = ( (float)x + random[0][i] - 0.5f * (float)width ) * inverse_focal;
-        float fy = ( 0.5f * (float)e.height - (float)y - random[1][i] ) * inverse_focal;
-        RfVec3 d = rf_madd( rf_madd( e.forward, e.right, fx ), e.up, fy );
-        d = rf_scale( d, 1.0f / sqrtf( rf_dot( d, d ) ) );
-        rays->o[0][i] = e.origin.x;
-        rays->o[1][i] = e.origin.y;
-        rays->o[2][i] = e.origin.z;
+        int y = pixel[i] / e.width, x = pixel[i] - y * e.width;
+        RfVec3 d = rf_pinhole_ray( &e, inverse_focal, x, y, random[0][i], random[1][i] );
+        rays->o[0][i] = origin.x;
+        rays->o[1][i] = origin.y;
+        rays->o[2][i] = origin.z;
         rays->d[0][i] = d.x;
         rays->d[1][i] = d.y;
         rays->d[2][i] = d.z;
@@ -181,16 +214,16 @@ static int choose_needy( const RfHarvest* harvest, uint64_t key, int count, int 
     return left;
 }
 
-int rf_harvest_first_hits( const RfHarvest* harvest, RfHarvestJob job, RfHitBatch* batch, RfHarvestScratch* scratch,
+int rf_harvest_first_hits( const RfHarvest* harvest, RfTraceJob job, RfHitBatch* batch, RfHarvestScratch* scratch,
                            RfRayCounts* rays )
 {
     const RfEye* eye = harvest->eyes + job.eye;
     RfWavefront* walk = &scratch->walk;
     uint64_t key =
-        rf_pass_key( harvest->seed, (uint32_t)( harvest->first_frame + job.eye ), (uint32_t)harvest->window, (uint32_t)job.pass );
+        rf_pass_key( harvest->seed, (uint32_t)( harvest->first_frame + job.eye ), (uint32_t)harvest->group, (uint32_t)job.pass );
     batch->eye = job.eye;
 
-    int tiles, count = rf_list_patch( &harvest->patches, eye, key, job.patch, scratch->pixel, scratch->tile_of, &tiles );
+    int tiles, count = rf_list_patch( &harvest->patches, eye, key, job.job, scratch->pixel, scratch->tile_of, &tiles );
     if ( harvest->need != NULL )
         count = choose_needy( harvest, key, count, tiles, scratch );
     if ( scratch->share != NULL )
@@ -207,8 +240,7 @@ int rf_harvest_first_hits( const RfHarvest* harvest, RfHarvestJob job, RfHitBatc
     return count;
 }
 
-void rf_harvest_batch( const RfHarvest* harvest, RfHarvestJob job, RfHitBatch* batch, RfHarvestScratch* scratch,
-                       RfRayCounts* rays )
+int rf_harvest_batch( const RfHarvest* harvest, RfTraceJob job, RfHitBatch* batch, RfHarvestScratch* scratch, RfRayCounts* rays )
 {
     RfWavefront* walk = &scratch->walk;
     int count = rf_harvest_first_hits( harvest, job, batch, scratch, rays );
@@ -232,4 +264,5 @@ void rf_harvest_batch( const RfHarvest* harvest, RfHarvestJob job, RfHitBatch* b
     rf_weight_batch( harvest, batch, scratch );
     if ( harvest->shape.natives )
         rf_light_own_frame( harvest, batch, scratch );
+    return count;
 }

@@ -6,10 +6,10 @@
 
 #include "path/wavefront.h"
 #include "reuse/records.h"
-#include "reframe/render.h"
+#include "render/estimator.h"
 #include "reuse/tile.h"
 
-// What all batches of a window share.
+// What all batches of a group share.
 typedef struct RfHarvest
 {
     RfPathSettings walk;
@@ -20,18 +20,15 @@ typedef struct RfHarvest
     uint64_t seed;
     const RfEye* eyes; // shape.eyes of them
     int first_frame;   // path frame of eyes[0]
-    int window;        // its number
-    const float* need; // samples wanted by each pixel: only tiles drawn by it are harvested; NULL: all
-    int round;         // of the need, the part from here to one more
+    int group;         // its number
+    const float* need; // adaptive sampling, as in RfEstimatorGroup
+    int round;
 } RfHarvest;
 
-// One batch: whose pixels, which, and the pass.
-typedef struct RfHarvestJob
-{
-    int eye; // index in the window
-    int patch;
-    int pass;
-} RfHarvestJob;
+RfHarvest rf_make_harvest( const RfEstimatorGroup* group );
+
+// The shape of the group's batches.
+RfBatchShape rf_batch_shape( const RfEstimatorGroup* group );
 
 // A thread's workspace.
 typedef struct RfHarvestScratch RfHarvestScratch;
@@ -39,14 +36,13 @@ size_t rf_harvest_scratch_bytes( const RfBatchShape* shape );
 // Lays a workspace out in memory of that size, aligned to 64.
 RfHarvestScratch* rf_lay_out_harvest_scratch( const RfBatchShape* shape, void* memory );
 
-// Fills `batch`; adds the rays traced to `rays`.
-void rf_harvest_batch( const RfHarvest* harvest, RfHarvestJob job, RfHitBatch* batch, RfHarvestScratch* scratch,
-                       RfRayCounts* rays );
+// Fills `batch` with the hits of patch job.job; adds the rays traced to `rays`. Returns the camera rays.
+int rf_harvest_batch( const RfHarvest* harvest, RfTraceJob job, RfHitBatch* batch, RfHarvestScratch* scratch, RfRayCounts* rays );
 
 // The first part of that: camera rays, and what is known of the hits without any
 // light; how many there are of each kind is, and so what a packed copy takes.
 // Returns the number of rays.
-int rf_harvest_first_hits( const RfHarvest* harvest, RfHarvestJob job, RfHitBatch* batch, RfHarvestScratch* scratch,
+int rf_harvest_first_hits( const RfHarvest* harvest, RfTraceJob job, RfHitBatch* batch, RfHarvestScratch* scratch,
                            RfRayCounts* rays );
 
 #endif

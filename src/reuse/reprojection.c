@@ -1,6 +1,6 @@
 #include "reuse/reprojection.h"
 
-#include "reuse/project.h"
+#include "scene/pinhole.h"
 
 void rf_project_batch( const RfEye* eye_in, const RfHitBatch* batch, int32_t* restrict pixel, float* restrict density )
 {

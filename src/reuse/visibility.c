@@ -2,6 +2,8 @@
 // what film density. The tests are packets from the eye (src/reuse/estimators.md, section 8).
 #include "reuse/harvest_internal.h"
 
+#include "scene/pinhole.h"
+
 #include <stdint.h>
 #include <string.h>
 
@@ -12,7 +14,7 @@ static void lift_hits( const RfHarvest* harvest, const RfHitBatch* batch, const 
 {
     float least = 0.0f;
     for ( int l = 0; l < harvest->shape.eyes; ++l )
-        least = rf_maxf( least, rf_ray_offset( rf_largest_coordinate( harvest->eyes[l].origin ) ) );
+        least = rf_maxf( least, rf_ray_offset( rf_largest_coordinate( rf_pinhole_origin( harvest->eyes + l ) ) ) );
     for ( int c = 0; c < 3; ++c )
     {
         const float* restrict p = batch->p[c];
@@ -60,7 +62,7 @@ static void see_from_own( const RfHarvest* harvest, const RfHitBatch* batch, con
     float least[RF_LANES];
     for ( int i = 0; i < batch->count; ++i )
         least[i] = 1e-12f * density[i];
-    rays->eye += (uint64_t)rf_trace_from_origin( harvest->walk.tracer, eye->origin, batch->count, lifted, density );
+    rays->eye += (uint64_t)rf_trace_from_origin( harvest->walk.tracer, rf_pinhole_origin( eye ), batch->count, lifted, density );
     for ( int i = 0; i < batch->count; ++i )
         density[i] = density[i] > least[i] ? density[i] : least[i];
 }
@@ -81,7 +83,8 @@ void rf_test_batch_visibility( const RfHarvest* harvest, RfHitBatch* batch, RfHa
         else
         {
             rf_project_batch( eye, batch, scratch->landing, density );
-            rays->eye += (uint64_t)rf_trace_from_origin( harvest->walk.tracer, eye->origin, batch->count, lifted, density );
+            rays->eye +=
+                (uint64_t)rf_trace_from_origin( harvest->walk.tracer, rf_pinhole_origin( eye ), batch->count, lifted, density );
         }
         if ( batch->densities != NULL )
             memcpy( batch->densities + (size_t)l * RF_LANES, density, (size_t)batch->count * sizeof *density );

@@ -134,7 +134,8 @@ static void test_options_of_render( void** state )
 static void test_rows_without_room( void** state )
 {
     (void)state;
-    static const char options[] = "--size 64x36 --spp 9 --memory 12M --weights eq15 --max-depth 2 --quiet";
+    // of one frame, as it is rendered below: more frames wait in more buffers
+    static const char options[] = "--size 64x36 --spp 9 --memory 12M --weights eq15 --max-depth 2 --frames 20 --quiet";
     cli_expect( cli_run( "$R plan $VASE %s --json plan.json > table.txt", options ), 0, NULL );
     json_t* plan = cli_read_json( "plan.json" );
     const json_t* rows = json_object_get( plan, "rows" );

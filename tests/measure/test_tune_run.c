@@ -145,7 +145,7 @@ static void test_least_budget( void** state )
     assert_int_equal( rf_tune( &s.job, &tune, &error ), RF_ERROR_MEMORY );
     for ( int k = 0; k <= 4; ++k )
     {
-        s.settings.memory = named + (size_t)k * ( most - named ) / 4;
+        s.settings.memory = ( named + (size_t)k * ( most - named ) / 4 ) / 1024 * 1024; // `least` is rounded up to KiB
         tune = tune_of( &s );
         assert_true( tune.chosen >= 0 && tune.rows[tune.chosen].fit.least <= s.settings.memory );
         for ( int r = 0; r < tune.count; ++r )

@@ -45,7 +45,7 @@ static void check_windows( const RfGroupPlan* plan, int half_width, int spp )
     long whole = 2 * (long)half_width + 1;
     assert_int_equal( plan->eyes, whole < plan->frames ? whole : plan->frames );
     int64_t before = 0;
-    for ( int w = 0; w < plan->windows; ++w )
+    for ( int w = 0; w < plan->groups; ++w )
     {
         RfGroup window = rf_group( plan, w );
         assert_true( window.first >= 0 && window.eyes >= 1 && window.eyes <= plan->eyes );
@@ -64,9 +64,9 @@ static void check_windows( const RfGroupPlan* plan, int half_width, int spp )
     {
         int first, last;
         rf_groups_of_frame( plan, frame, &first, &last );
-        assert_true( first >= 0 && first <= last && last < plan->windows );
+        assert_true( first >= 0 && first <= last && last < plan->groups );
         assert_true( last - first < plan->eyes );
-        for ( int w = 0; w < plan->windows; ++w )
+        for ( int w = 0; w < plan->groups; ++w )
             assert_int_equal( holds( rf_group( plan, w ), frame ), w >= first && w <= last );
     }
 }
@@ -84,8 +84,8 @@ static void check_full( const RfGroupPlan* plan, int half_width, int spp )
     (void)spp;
     bool between = plan->eyes > 1 && plan->frames > plan->eyes && plan->frames <= 2 * plan->eyes;
     assert_int_equal( plan->cut, between ? plan->eyes - 1 : 0 );
-    assert_int_equal( plan->windows, plan->frames - plan->eyes + 1 + 2 * plan->cut );
-    for ( int w = plan->cut; w < plan->windows - plan->cut; ++w )
+    assert_int_equal( plan->groups, plan->frames - plan->eyes + 1 + 2 * plan->cut );
+    for ( int w = plan->cut; w < plan->groups - plan->cut; ++w )
         assert_int_equal( rf_group( plan, w ).eyes, plan->eyes );
 }
 
@@ -100,7 +100,7 @@ static void check_rounding( const RfGroupPlan* plan, int half_width, int spp )
 {
     (void)half_width;
     assert_true( plan->spp >= spp );
-    if ( plan->windows == 1 || plan->cut > 0 )
+    if ( plan->groups == 1 || plan->cut > 0 )
         assert_int_equal( plan->spp, spp );
     else
     {
@@ -125,14 +125,14 @@ static void check_native( const RfGroupPlan* plan, int half_width, int spp )
     for ( int frame = 0; frame < plan->frames; ++frame )
     {
         long sum = 0;
-        for ( int w = 0; w < plan->windows; ++w )
+        for ( int w = 0; w < plan->groups; ++w )
         {
             RfGroup window = rf_group( plan, w );
             sum += holds( window, frame ) ? window.passes : 0;
         }
         assert_int_equal( rf_frame_passes( plan, frame ), sum );
         assert_true( sum >= plan->spp && sum <= rf_most_passes( plan ) );
-        bool inner = frame >= plan->eyes && frame < plan->windows - 1; // in no end window
+        bool inner = frame >= plan->eyes && frame < plan->groups - 1; // in no end window
         if ( plan->cut == 0 && ( inner || frame == 0 || frame == plan->frames - 1 ) )
             assert_int_equal( sum, plan->spp );
     }
@@ -168,7 +168,7 @@ static void check_full_ends( const RfGroupPlan* plan )
     {
         long here = effective_samples( plan, frame );
         assert_true( here >= enough ); // frames close to an end share its window, and get more
-        if ( frame >= plan->eyes && frame < plan->windows - 1 )
+        if ( frame >= plan->eyes && frame < plan->groups - 1 )
             assert_int_equal( here, enough );
     }
 }
@@ -240,12 +240,12 @@ static void check_halves_of_windows( const RfGroupPlan* plan, int half_width, in
 {
     (void)half_width;
     (void)spp;
-    for ( int w = 0; w < plan->windows; ++w )
+    for ( int w = 0; w < plan->groups; ++w )
     {
         RfGroup window = rf_group( plan, w );
         if ( window.passes > 1 )
             assert_int_not_equal( rf_half_of_pass( &window, 0 ), rf_half_of_pass( &window, 1 ) );
-        if ( w + 1 == plan->windows || window.passes == 0 )
+        if ( w + 1 == plan->groups || window.passes == 0 )
             continue;
         RfGroup next = rf_group( plan, w + 1 );
         assert_int_not_equal( rf_half_of_pass( &window, window.passes - 1 ), rf_half_of_pass( &next, 0 ) );

@@ -112,10 +112,10 @@ static void run( Trial* t )
     RfGroupPlan plan = rf_plan_groups( t->frames, t->group, t->most_spp );
     t->stop = rf_create_stop( &plan, t->most_spp, t->error, t->seconds );
     t->random = t->random * 2 + 1;
-    for ( int w = 0; w < plan.windows; ++w )
+    for ( int w = 0; w < plan.groups; ++w )
         t->stop.units_left += rf_group_units( &t->stop, w );
     double share = 0.0;
-    for ( int w = 0; w < plan.windows; ++w )
+    for ( int w = 0; w < plan.groups; ++w )
     {
         run_window( t, w );
         double now = rf_stop_share( &t->stop, t->now );
@@ -145,7 +145,7 @@ static double least_work( const Trial* t, double weight )
     int spp = (int)ceil( weight ) > 2 ? (int)ceil( weight ) : 2;
     RfGroupPlan plan = rf_plan_groups( t->frames, t->group, spp );
     double work = 0.0;
-    for ( int w = 0; w < plan.windows; ++w )
+    for ( int w = 0; w < plan.groups; ++w )
         work += (double)rf_group( &plan, w ).passes * rf_group( &plan, w ).eyes;
     return work;
 }
@@ -209,7 +209,7 @@ static void test_passes_are_spread( void** state )
         t.spread = 0.02;
         run( &t );
         double mean = 0.1 / t.error / ( 2 * group + 1 );
-        for ( int w = 2 * group + 1; w < t.stop.plan.windows - 1; ++w )
+        for ( int w = 2 * group + 1; w < t.stop.plan.groups - 1; ++w )
             assert_true( t.window_passes[w] > 0.6 * mean - 1.0 && t.window_passes[w] < 1.6 * mean + 1.0 );
     }
 }
@@ -332,11 +332,11 @@ static void test_time_with_a_changing_pace( void** state )
     t.seconds = 400.0;
     RfGroupPlan plan = rf_plan_groups( t.frames, t.group, t.most_spp );
     t.stop = rf_create_stop( &plan, t.most_spp, 0.0, t.seconds );
-    for ( int w = 0; w < plan.windows; ++w )
+    for ( int w = 0; w < plan.groups; ++w )
         t.stop.units_left += rf_group_units( &t.stop, w );
-    for ( int w = 0; w < plan.windows; ++w )
+    for ( int w = 0; w < plan.groups; ++w )
     {
-        t.pace = w == plan.windows / 2 ? 0.03 : t.pace;
+        t.pace = w == plan.groups / 2 ? 0.03 : t.pace;
         run_window( &t, w );
     }
     assert_true( fabs( t.now - t.seconds ) <= 0.1 * t.seconds );

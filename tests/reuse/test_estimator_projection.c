@@ -3,7 +3,7 @@
 // many hits of one must land in a block of the other is an area.
 #include "base/random.h"
 #include "support/render_support.h"
-#include "reuse/project.h"
+#include "scene/pinhole.h"
 #include "support/scene_builder.h"
 #include "support/statistics.h"
 

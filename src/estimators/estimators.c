@@ -1,0 +1,42 @@
+#include "estimators/estimators.h"
+
+#include "reuse/reuse.h"
+
+#include <string.h>
+
+// The first is the default.
+static const RfEstimator* const s_estimators[] = {
+    &rf_reuse_estimator,
+};
+
+#define ESTIMATOR_COUNT ( (int)( sizeof s_estimators / sizeof s_estimators[0] ) )
+
+const char* rf_estimator_name_at( int index ) { return index >= 0 && index < ESTIMATOR_COUNT ? s_estimators[index]->name : NULL; }
+
+const RfEstimator* rf_find_estimator( const char* name )
+{
+    for ( int i = 0; i < ESTIMATOR_COUNT; ++i )
+    {
+        if ( strcmp( s_estimators[i]->name, name ) == 0 )
+            return s_estimators[i];
+    }
+    return NULL;
+}
+
+const char* rf_estimator_name( const RfEstimator* estimator ) { return estimator->name; }
+
+RfRenderSettings rf_default_render_settings( void )
+{
+    return ( RfRenderSettings ){
+        .estimator = s_estimators[0],
+        .spp = 28,
+        .group = RF_GROUP_AUTO,
+        .tile = { RF_TILE_BLOCK, 3, 3 },
+        .tile_roulette = false,
+        .weights = RF_WEIGHTS_EXACT,
+        .normalize = RF_NORMALIZE_CROSSFIT,
+        .max_depth = 12,
+        .light_samples = 1,
+        .seed = 1,
+    };
+}

@@ -1,0 +1,143 @@
+// The socket for estimators: a table of functions, one row for each way of
+// estimating pixels. The driver (render.h) knows frames, groups, passes, films,
+// memory and threads; the estimator knows what a batch of samples is. The table's
+// functions are called per batch, per band of rows or per frame, never per sample.
+//
+// A pass of a frame consists of `jobs` batches. The driver traces some batches in
+// parallel, each into records of its own, and then adds them to the films of all
+// frames of the group in a fixed order, band by band in parallel. So a picture does
+// not depend on the number of threads, on memory, or on which frames are asked for,
+// as long as `trace` depends on (group, job) alone and `accumulate` adds batches in
+// the order given.
+//
+// To add an estimator: a folder with its functions, one row in
+// estimators/estimators.c. A minimal one is in tests/render/test_second_estimator.c.
+#ifndef REFRAME_RENDER_ESTIMATOR_H
+#define REFRAME_RENDER_ESTIMATOR_H
+
+#include "film/aov_film.h"
+#include "film/film.h"
+#include "reframe/render.h"
+
+// What a scene calls for, found once per render. Memory is laid out by it.
+typedef struct RfSceneTraits
+{
+    unsigned kinds; // bit k: a triangle scatters by RfBsdfKind k
+    bool blended;   // some surface lets part of the light straight through (alpha blending)
+    bool sky;       // an environment that is not black
+} RfSceneTraits;
+
+// A group of frames, as every batch of it sees it.
+typedef struct RfEstimatorGroup
+{
+    const RfTracer* tracer;           // NULL where only sizes are asked for
+    const RfRenderSettings* settings; // resolved
+    RfSceneTraits traits;
+    int width, height; // of all films, pixels
+    int max_depth;     // path vertices after the eye: that of the settings, or less
+    const RfEye* eyes; // of the group's frames
+    int eye_count;
+    int first_frame; // of the path, from 0: the frame of eyes[0]
+    int number;      // of the group; with the seed it selects the random numbers
+    // adaptive sampling: own-frame samples wanted per pixel, NULL where every pixel is sampled once.
+    // Of them this is the part between `round` and `round` + 1.
+    const float* need;
+    int round;
+} RfEstimatorGroup;
+
+// Sizes in bytes and counts for groups of up to group->eye_count frames.
+typedef struct RfEstimatorSizes
+{
+    int jobs;                  // batches of a pass of one frame
+    size_t batch;              // a batch's records
+    size_t trace_scratch;      // workspace of `trace`, per thread
+    size_t accumulate_scratch; // workspace of `accumulate`, per thread
+    size_t pass_state;         // per frame, all zero at the start of each pass; 0: none
+    bool whole_pass;           // `accumulate` needs all batches of a pass at once, and whole films
+    // for the report of the plan
+    size_t diffuse_record, shiny_record; // bytes of one hit
+    int directions;                      // that a shiny hit's record holds
+} RfEstimatorSizes;
+
+// One batch of a pass.
+typedef struct RfTraceJob
+{
+    int eye; // index in the group of the frame whose samples these are
+    int job; // from 0 to sizes.jobs − 1
+    int pass;
+} RfTraceJob;
+
+// Rows [first_row, end_row) of one frame of the group.
+typedef struct RfAccumulateJob
+{
+    int eye; // index in the group
+    int first_row, end_row;
+    RfFilm* films;    // as many as the estimator asks for
+    int half;         // of the films, which the pass goes to
+    float weight;     // of the pass in the film
+    uint32_t* landed; // samples that landed, per pixel, counted up (RF_AOV_SAMPLES); or NULL
+    void* pass_state; // of the frame, sizes.pass_state bytes; or NULL
+} RfAccumulateJob;
+
+// How well other frames of a group see the hits of a batch, for the plan.
+typedef struct RfReuseCount
+{
+    double hits;      // of camera rays
+    double shiny;     // among them those whose light depends on the eye
+    double own_share; // sum over the hits of the share of their weight that their own frame keeps, 0 to 1
+    double eye_rays;  // visibility tests traced
+} RfReuseCount;
+
+struct RfEstimator
+{
+    const char* name; // as users type it
+    int films;        // per frame, 1 to RF_MAX_FILMS. Film 0 is the picture, unless `finish` makes it of all
+
+    // May be NULL. Refuses settings that this estimator cannot follow, with RF_ERROR_USAGE.
+    RfResult ( *check )( const RfRenderSettings* settings, RfError* error );
+
+    // Sizes for such groups. Only traits, settings, film size and eye_count count.
+    RfEstimatorSizes ( *sizes )( const RfEstimatorGroup* group );
+
+    // Prepare sizes.batch and sizes.trace_scratch bytes, aligned to 64, before their first use.
+    // A batch laid out for a group serves groups of fewer eyes, too.
+    void ( *lay_out_batch )( const RfEstimatorGroup* group, void* batch );
+    void ( *lay_out_scratch )( const RfEstimatorGroup* group, void* scratch );
+
+    // Traces one batch into records and adds to the counts of rays. Returns its own-frame samples.
+    // Called by several threads, each with its own batch and scratch.
+    int ( *trace )( const RfEstimatorGroup* group, RfTraceJob job, void* batch, void* scratch, RfRayCounts* rays );
+
+    // The camera rays of the batch just traced and their hits, for AOVs; NULL where there are none of these.
+    RfFirstHits ( *first_hits )( const void* scratch );
+
+    // Adds batches to some rows of a frame's films, in the order given; returns how many samples
+    // landed there. Called by several threads, for different rows or frames.
+    uint64_t ( *accumulate )( const RfEstimatorGroup* group, RfAccumulateJob job, void* const* batches, int batch_count,
+                              void* scratch );
+
+    // May be NULL: film 0 is the picture. Makes rgb (3 per pixel) and the mean of B (weight, 1 per
+    // pixel; may be NULL) of a frame's films and returns the estimate of its relMSE (NaN: unknown).
+    double ( *finish )( const RfFilm* films, RfFilmCombine combine, float* rgb, float* weight );
+
+    // Adaptive sampling; both NULL where the estimator has none. `add_own_shares` adds, per pixel,
+    // the share of each sample's weight that its own frame keeps (1 where no other frame sees it)
+    // for a batch just traced. `count_samples` adds `weight` per own-frame sample, returns their number.
+    void ( *add_own_shares )( const void* batch, const void* scratch, float* sum );
+    uint64_t ( *count_samples )( const void* batch, float weight, float* sum );
+
+    // Held records (settings.hold_all); all NULL where the estimator has none. `trace_first_hits` is the
+    // part of `trace` that settles how many bytes `serialise` needs. `serialise` returns these
+    // bytes, and writes them unless `memory` is NULL.
+    void ( *trace_first_hits )( const RfEstimatorGroup* group, RfTraceJob job, void* batch, void* scratch );
+    size_t ( *serialise )( const RfEstimatorGroup* group, const void* batch, void* memory );
+    void ( *deserialise )( const RfEstimatorGroup* group, const void* memory, void* batch );
+
+    // Counts for the plan; NULL where frames share nothing. Adds what a batch that was traced for its own
+    // frame alone would find in `group`, where that frame has index `eye`.
+    void ( *count_reuse )( const RfEstimatorGroup* group, int eye, void* batch, void* scratch, RfReuseCount* count );
+};
+
+#define RF_MAX_FILMS 8
+
+#endif

@@ -1,0 +1,17 @@
+// Frames of a render: their films from the first group that holds them to the last,
+// and then to the caller.
+#ifndef REFRAME_RENDER_FRAMES_H
+#define REFRAME_RENDER_FRAMES_H
+
+#include "render/renderer.h"
+
+// Was any frame of the group asked for?
+bool rf_group_wanted( const RfRenderer* renderer, RfGroup group );
+
+// Clears films for the asked frames that group `number` is the first to hold.
+void rf_open_films( RfRenderer* renderer, int number );
+
+// Hands over the frames whose last group is `number`, in order.
+RfResult rf_close_films( RfRenderer* renderer, int number, RfError* error );
+
+#endif

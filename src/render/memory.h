@@ -1,0 +1,48 @@
+// A render's memory: how it fits its budget, and all that is allocated, from one arena.
+#ifndef REFRAME_RENDER_MEMORY_H
+#define REFRAME_RENDER_MEMORY_H
+
+#include "base/arena.h"
+#include "render/frame_queue.h"
+#include "render/sizes.h"
+#include "render/stop_rule.h"
+
+// The films of one frame of the path while it is rendered.
+typedef struct RfLiveFilm
+{
+    int frame;                  // −1: free
+    RfFilm films[RF_MAX_FILMS]; // as many as the estimator asks for; the first counts passes and samples
+    RfAovFilm aovs;
+    void* pass_state;         // the estimator's, see RfEstimatorSizes; NULL: none
+    double noise, noise_seen; // as `noise` and `seen` in RfFrameNoise
+    float* need;              // adaptive sampling: extra samples wanted by each pixel in a pass; NULL: not adaptive
+    float most_need;
+} RfLiveFilm;
+
+typedef struct RfRenderMemory
+{
+    RfArena arena;
+    bool has_writer;           // its bytes are counted
+    void** trace_scratch;      // per thread
+    void** accumulate_scratch; // per thread
+    void** batches;
+    int batch_slots;
+    RfLiveFilm* films;
+    int film_slots;
+    RfFrameNoise* noise_estimates; // as many as films; with settings.noise or time only
+    RfFrameBuffer* buffers;        // finished frames on their way to the caller
+    int buffer_count;
+} RfRenderMemory;
+
+// Settles threads and films for the budget. Fails with RF_ERROR_MEMORY where not even the smallest
+// render fits; fit->least tells its size then, too.
+RfResult rf_fit_sizes( size_t budget, int frames, RfRenderSizes* sizes, RfMemoryFit* fit, RfError* error );
+
+// Allocates films, workspaces, and as many batches as serve the threads and fit the budget; buffers
+// beyond the first only where these all fit too. On failure what was allocated stays for
+// rf_free_render_memory.
+RfResult rf_alloc_render_memory( const RfEstimatorGroup* group, const RfRenderSizes* sizes, RfRenderMemory* memory,
+                                 RfError* error );
+void rf_free_render_memory( const RfRenderSizes* sizes, RfRenderMemory* memory );
+
+#endif

@@ -1,0 +1,155 @@
+#include "render/pass.h"
+
+#include "base/system.h"
+#include "render/adaptive.h"
+
+#include <omp.h>
+#include <string.h>
+
+// The first hits of the batch just traced, into the AOVs of its own frame.
+static void add_aovs( const RfRenderer* r, const RfPass* pass, int eye, const void* scratch )
+{
+    int frame = pass->group->first_frame + eye;
+    RfLiveFilm* live = rf_find_film( r, frame );
+    if ( live == NULL )
+        return;
+    RfAovJob job = {
+        .film = &live->aovs,
+        .eye = r->eyes + frame,
+        .previous = frame > 0 ? r->eyes + frame - 1 : NULL,
+        .next = frame + 1 < r->plan.frames ? r->eyes + frame + 1 : NULL,
+        .weight = (float)pass->weight,
+        .weight_before = (float)( live->films[0].weight[0] + live->films[0].weight[1] ),
+    };
+    rf_add_to_aovs( &job, r->settings.estimator->first_hits( scratch ) );
+}
+
+void rf_trace_chunk( RfRenderer* r, const RfPass* pass, int first, int count )
+{
+    const RfEstimator* estimator = r->settings.estimator;
+    int jobs = r->sizes.of_estimator.jobs;
+    RfRayCounts rays = { 0 };
+#pragma omp parallel num_threads( r->settings.threads )
+    {
+        rf_set_float_mode();
+        RfRayCounts mine = { 0 };
+        void* scratch = r->memory.trace_scratch[omp_get_thread_num()];
+#pragma omp for schedule( dynamic, 1 )
+        for ( int i = 0; i < count; ++i )
+        {
+            RfTraceJob job = { ( first + i ) / jobs, ( first + i ) % jobs, pass->number };
+            estimator->trace( pass->group, job, r->memory.batches[i], scratch, &mine );
+            if ( ( r->settings.layers & RF_FIRST_HIT_AOVS ) != 0 )
+                add_aovs( r, pass, job.eye, scratch );
+        }
+#pragma omp critical
+        rf_add_rays( &rays, &mine );
+    }
+    rf_add_rays( &r->rays, &rays );
+}
+
+RfAccumulateJob rf_accumulate_job( const RfRenderer* r, RfLiveFilm* live, const RfPass* pass, int band, int bands )
+{
+    return ( RfAccumulateJob ){
+        .eye = live->frame - pass->group->first_frame,
+        .first_row = (int)( (long)r->sizes.height * band / bands ),
+        .end_row = (int)( (long)r->sizes.height * ( band + 1 ) / bands ),
+        .films = live->films,
+        .half = pass->half,
+        .weight = (float)pass->weight,
+        .landed = live->aovs.landed,
+        .pass_state = live->pass_state,
+    };
+}
+
+// A job is some rows of one frame, so no two jobs touch the same pixel and every
+// pixel is added to in the batches' order.
+void rf_accumulate_chunk( RfRenderer* r, const RfPass* pass, int count )
+{
+    int live = 0;
+    for ( int i = 0; i < r->memory.film_slots; ++i )
+        live += r->memory.films[i].frame != -1;
+    if ( live == 0 )
+        return;
+    int bands = r->sizes.of_estimator.whole_pass ? 1 : ( 2 * r->settings.threads + live - 1 ) / live;
+    bands = bands < r->sizes.height ? bands : r->sizes.height;
+#pragma omp parallel num_threads( r->settings.threads )
+    {
+        rf_set_float_mode();
+        void* scratch = r->memory.accumulate_scratch[omp_get_thread_num()];
+#pragma omp for schedule( dynamic, 1 )
+        for ( int i = 0; i < r->memory.film_slots * bands; ++i )
+        {
+            RfLiveFilm* film = r->memory.films + i / bands;
+            if ( film->frame == -1 )
+                continue;
+            RfAccumulateJob job = rf_accumulate_job( r, film, pass, i % bands, bands );
+            uint64_t landed = r->settings.estimator->accumulate( pass->group, job, r->memory.batches, count, scratch );
+#pragma omp atomic
+            film->films[0].landed += landed;
+        }
+    }
+}
+
+static bool report_progress( RfRenderer* r, int count )
+{
+    r->batches_done += count;
+    if ( r->callbacks.progress == NULL )
+        return true;
+    double seconds = rf_wall_seconds() - r->start;
+    RfProgress progress = {
+        .frames_done = r->frames_done,
+        .frames_all = r->frames_all,
+        .share = r->sizes.stopping ? rf_stop_share( &r->stop, seconds ) : r->batches_done / r->batches_all,
+        .samples = (double)r->rays.primary,
+        .seconds = seconds,
+        .relmse = r->last_relmse,
+    };
+    return r->callbacks.progress( r->callbacks.user, &progress );
+}
+
+RfResult rf_end_chunk( RfRenderer* r, int count, RfError* error )
+{
+    if ( !report_progress( r, count ) )
+        return rf_fail( error, RF_ERROR_INTERRUPTED, "interrupted after %d of %d frames", r->frames_done, r->frames_all );
+    return rf_check_frame_queue( &r->queue, error );
+}
+
+void rf_begin_pass( RfRenderer* r )
+{
+    for ( int i = 0; i < r->memory.film_slots; ++i )
+    {
+        RfLiveFilm* live = r->memory.films + i;
+        if ( live->frame != -1 && live->pass_state != NULL )
+            memset( live->pass_state, 0, r->sizes.of_estimator.pass_state );
+    }
+}
+
+void rf_end_pass( RfRenderer* r, const RfPass* pass )
+{
+    if ( r->settings.adaptive )
+        rf_render_extra( r, pass );
+    for ( int i = 0; i < r->memory.film_slots; ++i )
+    {
+        RfLiveFilm* live = r->memory.films + i;
+        for ( int f = 0; f < r->settings.estimator->films && live->frame != -1; ++f )
+            rf_end_film_pass( live->films + f, pass->half, pass->weight );
+    }
+}
+
+RfResult rf_render_pass( RfRenderer* r, const RfPass* pass, RfError* error )
+{
+    rf_begin_pass( r );
+    int jobs = pass->group->eye_count * r->sizes.of_estimator.jobs;
+    for ( int first = 0; first < jobs; first += r->memory.batch_slots )
+    {
+        int count = jobs - first < r->memory.batch_slots ? jobs - first : r->memory.batch_slots;
+        rf_trace_chunk( r, pass, first, count );
+        rf_accumulate_chunk( r, pass, count );
+        RfResult result = rf_end_chunk( r, count, error );
+        if ( result != RF_OK )
+            return result;
+    }
+    rf_end_pass( r, pass );
+    return RF_OK;
+}

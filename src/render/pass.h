@@ -1,0 +1,27 @@
+// Passes of a group: batches traced in parallel, then accumulated into the films in order.
+#ifndef REFRAME_RENDER_PASS_H
+#define REFRAME_RENDER_PASS_H
+
+#include "render/renderer.h"
+
+// Traces batches [first, first + count) of a pass into memory.batches[0 … count), and their AOVs.
+void rf_trace_chunk( RfRenderer* renderer, const RfPass* pass, int first, int count );
+
+// Adds memory.batches[0 … count) to the films of all frames of the group.
+void rf_accumulate_chunk( RfRenderer* renderer, const RfPass* pass, int count );
+
+// Rows of one frame shared out to `bands` jobs: those of job `band`.
+RfAccumulateJob rf_accumulate_job( const RfRenderer* renderer, RfLiveFilm* live, const RfPass* pass, int band, int bands );
+
+// Around the chunks of a pass: clears what the estimator keeps per pass; traces extra samples and
+// counts the pass.
+void rf_begin_pass( RfRenderer* renderer );
+void rf_end_pass( RfRenderer* renderer, const RfPass* pass );
+
+// After `count` batches: reports progress. Fails where the caller interrupts, or failed to take a frame.
+RfResult rf_end_chunk( RfRenderer* renderer, int count, RfError* error );
+
+// One pass from begin to end.
+RfResult rf_render_pass( RfRenderer* renderer, const RfPass* pass, RfError* error );
+
+#endif

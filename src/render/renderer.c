@@ -1,0 +1,70 @@
+#include "render/renderer.h"
+
+RfPass rf_make_pass( const RfEstimatorGroup* estimator_group, const RfGroup* group, int number )
+{
+    return ( RfPass ){ estimator_group, number, rf_half_of_pass( group, number ), group->weight };
+}
+
+// A scene without lights has nothing to sample beyond the first hit.
+static int useful_depth( const RfRenderer* r ) { return rf_tracer_lights( r->tracer )->count > 0 ? r->settings.max_depth : 1; }
+
+RfEstimatorGroup rf_frames_as_group( const RfRenderer* r, int first_frame, int eye_count, int number )
+{
+    return ( RfEstimatorGroup ){
+        .tracer = r->tracer,
+        .settings = &r->settings,
+        .traits = r->traits,
+        .width = r->sizes.width,
+        .height = r->sizes.height,
+        .max_depth = useful_depth( r ),
+        .eyes = r->eyes + first_frame,
+        .eye_count = eye_count,
+        .first_frame = first_frame,
+        .number = number,
+    };
+}
+
+RfEstimatorGroup rf_estimator_group( const RfRenderer* r, int number )
+{
+    RfGroup group = rf_group( &r->plan, number );
+    return rf_frames_as_group( r, group.first, group.eyes, number );
+}
+
+void rf_add_rays( RfRayCounts* sum, const RfRayCounts* part )
+{
+    sum->primary += part->primary;
+    sum->path += part->path;
+    sum->shadow += part->shadow;
+    sum->tile += part->tile;
+    sum->eye += part->eye;
+}
+
+RfFilmCombine rf_film_combine( RfNormalize normalize )
+{
+    switch ( normalize )
+    {
+        case RF_NORMALIZE_CROSSFIT: return RF_FILM_CROSSFIT;
+        case RF_NORMALIZE_RATIO: return RF_FILM_RATIO;
+        case RF_NORMALIZE_NONE: return RF_FILM_PLAIN;
+    }
+    return RF_FILM_CROSSFIT;
+}
+
+double rf_finish_picture( const RfRenderer* r, const RfLiveFilm* live, float* rgb, float* weight )
+{
+    RfFilmCombine combine = rf_film_combine( r->settings.normalize );
+    if ( r->settings.estimator->finish != NULL )
+        return r->settings.estimator->finish( live->films, combine, rgb, weight );
+    rf_combine_film( live->films, combine, rgb, weight );
+    return rf_estimate_relmse( live->films, combine, rgb );
+}
+
+RfLiveFilm* rf_find_film( const RfRenderer* r, int frame )
+{
+    for ( int i = 0; i < r->memory.film_slots; ++i )
+    {
+        if ( r->memory.films[i].frame == frame )
+            return r->memory.films + i;
+    }
+    return NULL;
+}

@@ -1,0 +1,59 @@
+// The state of a render, shared by the files of the driver.
+#ifndef REFRAME_RENDER_RENDERER_H
+#define REFRAME_RENDER_RENDERER_H
+
+#include "render/memory.h"
+
+typedef struct RfRenderer
+{
+    const RfTracer* tracer;
+    const RfEye* eyes; // of the whole path
+    const int* frames; // of this sweep, ascending
+    int frame_count;
+    int frames_all;            // asked for
+    RfRenderSettings settings; // resolved
+    RfRenderCallbacks callbacks;
+    RfGroupPlan plan;
+    RfStop stop; // with settings.noise or time
+    RfMemoryFit fit;
+    RfRenderSizes sizes;
+    RfSceneTraits traits;
+    RfRenderMemory memory;
+    RfFrameQueue queue;
+    RfRayCounts rays;
+    double start, last_frame; // seconds
+    double batches_done, batches_all;
+    int frames_done;
+    double last_relmse; // of the last finished frame
+} RfRenderer;
+
+// A pass of a group.
+typedef struct RfPass
+{
+    const RfEstimatorGroup* group;
+    int number;
+    int half;   // of the films that it goes to
+    int weight; // in the mean of a frame
+} RfPass;
+
+RfPass rf_make_pass( const RfEstimatorGroup* estimator_group, const RfGroup* group, int number );
+
+// Group `number` of the path as the estimator sees it.
+RfEstimatorGroup rf_estimator_group( const RfRenderer* renderer, int number );
+
+// Any `eye_count` frames of the path from `first_frame` on, as a group with the random numbers of `number`.
+RfEstimatorGroup rf_frames_as_group( const RfRenderer* renderer, int first_frame, int eye_count, int number );
+
+// sum += part
+void rf_add_rays( RfRayCounts* sum, const RfRayCounts* part );
+
+// The film image that a normalisation asks for.
+RfFilmCombine rf_film_combine( RfNormalize normalize );
+
+// Makes the picture of a frame's films; returns the estimate of its relMSE. `weight` may be NULL.
+double rf_finish_picture( const RfRenderer* renderer, const RfLiveFilm* live, float* rgb, float* weight );
+
+// The film of a frame in use, −1 for a free one; NULL where there is none.
+RfLiveFilm* rf_find_film( const RfRenderer* renderer, int frame );
+
+#endif

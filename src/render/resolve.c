@@ -1,0 +1,31 @@
+// Settings as a render of a path will use them, with the group that the plan chooses.
+#include "reframe/plan.h"
+#include "render/settings.h"
+
+// Never a matter of which frames are asked for.
+static RfResult choose_group( const RfTracer* tracer, const RfEye* eyes, int eye_count, RfRenderSettings* settings,
+                              RfError* error )
+{
+    if ( settings->group != RF_GROUP_AUTO )
+        return RF_OK;
+    RfPlan plan;
+    RfResult result = rf_plan_render( tracer, eyes, eye_count, &( int ){ 0 }, 1, settings, &plan, error );
+    if ( result == RF_OK )
+        settings->group = plan.rows[plan.chosen].group;
+    return result;
+}
+
+RfResult rf_resolve_settings( const RfTracer* tracer, const RfEye* eyes, int eye_count, const RfRenderSettings* settings,
+                              RfRenderSettings* resolved, RfError* error )
+{
+    RfResult result = rf_resolve_common( eyes, eye_count, settings, resolved, error );
+    if ( result == RF_OK )
+        result = choose_group( tracer, eyes, eye_count, resolved, error );
+    if ( result != RF_OK )
+        return result;
+    RfGroupPlan plan = rf_plan_samples( eye_count, resolved->group, settings->spp );
+    resolved->group = plan.eyes / 2;
+    if ( !rf_is_stopping( settings ) )
+        resolved->spp = plan.spp;
+    return RF_OK;
+}

@@ -1,0 +1,19 @@
+// Render settings: their limits, and what follows from them without tracing a ray.
+#ifndef REFRAME_RENDER_SETTINGS_H
+#define REFRAME_RENDER_SETTINGS_H
+
+#include "reframe/render.h"
+#include "render/groups.h"
+
+// Is the number of passes decided while rendering?
+static inline bool rf_is_stopping( const RfRenderSettings* settings ) { return settings->noise > 0.0 || settings->time > 0.0; }
+
+// Checks settings and eyes and fills in all but the group: threads, memory, normalisation.
+// Fails with RF_ERROR_USAGE for values out of range.
+RfResult rf_resolve_common( const RfEye* eyes, int eye_count, const RfRenderSettings* settings, RfRenderSettings* resolved,
+                            RfError* error );
+
+// The groups of a render with so many samples, of no more than RF_MAX_SPP where that is possible.
+RfGroupPlan rf_plan_samples( int frames, int half_width, int spp );
+
+#endif

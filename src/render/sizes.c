@@ -1,0 +1,137 @@
+#include "render/sizes.h"
+
+#include "render/adaptive.h"
+#include "render/memory.h"
+#include "render/settings.h"
+#include "scene/textured.h"
+
+#define BATCHES_PER_THREAD 16 // in a chunk: enough to share out, few enough to stay in the cache
+
+static size_t film_pixels( const RfRenderSizes* s ) { return (size_t)s->width * (size_t)s->height; }
+
+RfSceneTraits rf_scene_traits( const RfScene* scene )
+{
+    RfSceneTraits traits = { .sky = rf_max_component( scene->environment.radiance ) > 0.0f };
+    for ( uint32_t i = 0; i < scene->triangles.count; ++i )
+    {
+        const RfMaterial* material = scene->materials + scene->triangles.material[i];
+        traits.kinds |= 1u << material->kind;
+        traits.blended = traits.blended || rf_is_blended( material );
+    }
+    return traits;
+}
+
+RfEstimatorGroup rf_size_group( const RfScene* scene, const RfEye* eyes, int eye_count, const RfRenderSettings* settings )
+{
+    return ( RfEstimatorGroup ){
+        .settings = settings,
+        .traits = rf_scene_traits( scene ),
+        .width = eyes->width,
+        .height = eyes->height,
+        .max_depth = settings->max_depth,
+        .eyes = eyes,
+        .eye_count = eye_count,
+    };
+}
+
+RfRenderSizes rf_render_sizes( const RfScene* scene, const RfEye* eyes, const RfGroupPlan* plan, int films,
+                               const RfRenderSettings* settings )
+{
+    RfEstimatorGroup group = rf_size_group( scene, eyes, plan->eyes, settings );
+    // as many additions to a pixel as eyes, and half of the passes in each half
+    int total_every = rf_film_total_every( plan->eyes + ( settings->adaptive ? RF_MOST_EXTRA : 0 ) );
+    int64_t most = ( rf_most_passes( plan ) + 1 ) / 2;
+    return ( RfRenderSizes ){
+        .estimator = settings->estimator,
+        .of_estimator = settings->estimator->sizes( &group ),
+        .width = eyes->width,
+        .height = eyes->height,
+        .eyes = plan->eyes,
+        .threads = settings->threads,
+        .films = films < plan->eyes ? films : plan->eyes,
+        .buffers = settings->queue > films ? films
+                   : settings->queue > 1   ? settings->queue
+                                           : 1,
+        .layers = settings->layers,
+        .total_every = rf_film_needs_total( most, total_every ) ? total_every : 0,
+        .stopping = rf_is_stopping( settings ),
+        .adaptive = settings->adaptive,
+        .files = settings->files,
+    };
+}
+
+size_t rf_totals_bytes( const RfRenderSizes* s ) { return s->total_every > 0 ? rf_film_total_bytes( s->width, s->height ) : 0; }
+
+size_t rf_noise_estimates_bytes( const RfRenderSizes* s ) { return s->stopping ? (size_t)s->films * sizeof( RfFrameNoise ) : 0; }
+
+size_t rf_need_bytes( const RfRenderSizes* s ) { return s->adaptive ? film_pixels( s ) * sizeof( float ) : 0; }
+
+size_t rf_extra_bytes( const RfRenderSizes* s ) { return s->adaptive ? rf_film_extra_bytes( s->width, s->height ) : 0; }
+
+size_t rf_aov_film_bytes( const RfRenderSizes* s, int aov )
+{
+    bool asked = ( s->layers & RF_AOV_BIT( aov ) ) != 0;
+    return asked ? film_pixels( s ) * (size_t)rf_aov_film_floats( (RfAov)aov ) * sizeof( float ) : 0;
+}
+
+size_t rf_aov_image_bytes( const RfRenderSizes* s, int aov )
+{
+    bool asked = ( s->layers & RF_AOV_BIT( aov ) ) != 0;
+    return asked ? film_pixels( s ) * (size_t)rf_aov_channels( (RfAov)aov ) * sizeof( float ) : 0;
+}
+
+static size_t optional( size_t bytes ) { return bytes > 0 ? rf_arena_size( bytes ) : 0; }
+
+size_t rf_films_bytes( const RfRenderSizes* s )
+{
+    size_t film = 2 * rf_arena_size( rf_film_half_bytes( s->width, s->height ) ) + 2 * optional( rf_totals_bytes( s ) );
+    size_t frame = (size_t)s->estimator->films * film + optional( rf_need_bytes( s ) ) + 2 * optional( rf_extra_bytes( s ) );
+    frame += optional( s->of_estimator.pass_state );
+    for ( int a = 0; a < RF_AOV_COUNT; ++a )
+        frame += optional( rf_aov_film_bytes( s, a ) );
+    return rf_arena_size( (size_t)s->films * sizeof( RfLiveFilm ) ) + optional( rf_noise_estimates_bytes( s ) ) +
+           (size_t)s->films * frame;
+}
+
+size_t rf_image_bytes( const RfRenderSizes* s )
+{
+    size_t bytes = rf_arena_size( film_pixels( s ) * 3 * sizeof( float ) ) + rf_arena_size( film_pixels( s ) * sizeof( float ) );
+    for ( int a = 0; a < RF_AOV_COUNT; ++a )
+        bytes += optional( rf_aov_image_bytes( s, a ) );
+    return bytes;
+}
+
+size_t rf_scratch_bytes( const RfRenderSizes* s )
+{
+    size_t threads = (size_t)s->threads;
+    return 2 * rf_arena_size( threads * sizeof( void* ) ) +
+           threads * ( rf_arena_size( s->of_estimator.trace_scratch ) + rf_arena_size( s->of_estimator.accumulate_scratch ) );
+}
+
+size_t rf_writer_bytes( const RfRenderSizes* s )
+{
+    int pixel_bytes = s->files.half ? 3 * 2 : 3 * 4;
+    for ( int a = 0; a < RF_AOV_COUNT; ++a )
+    {
+        if ( ( s->layers & RF_AOV_BIT( a ) ) != 0 )
+            pixel_bytes += rf_aov_channels( (RfAov)a ) * ( s->files.half && rf_aov_is_half( (RfAov)a ) ? 2 : 4 );
+    }
+    return s->files.written ? rf_exr_work_bytes( s->width, s->height, s->files.compression, pixel_bytes ) : 0;
+}
+
+size_t rf_records_bytes( const RfRenderSizes* s, int batches )
+{
+    return rf_arena_size( (size_t)batches * sizeof( void* ) ) + (size_t)batches * rf_arena_size( s->of_estimator.batch );
+}
+
+int rf_batches_wanted( const RfRenderSizes* s )
+{
+    int jobs = rf_batches_of_pass( s ), wanted = s->threads * BATCHES_PER_THREAD;
+    return s->of_estimator.whole_pass || jobs < wanted ? jobs : wanted;
+}
+
+size_t rf_fixed_bytes( const RfRenderSizes* s )
+{
+    size_t ring = rf_arena_size( (size_t)s->buffers * sizeof( RfFrameBuffer ) );
+    return rf_films_bytes( s ) + ring + rf_image_bytes( s ) + rf_scratch_bytes( s ) + optional( rf_writer_bytes( s ) ) + s->held;
+}

@@ -1,0 +1,65 @@
+// What a render will allocate, by the byte: memory.h allocates the same sums.
+#ifndef REFRAME_RENDER_SIZES_H
+#define REFRAME_RENDER_SIZES_H
+
+#include "render/estimator.h"
+#include "render/groups.h"
+
+// What the sizes depend on.
+typedef struct RfRenderSizes
+{
+    const RfEstimator* estimator;
+    RfEstimatorSizes of_estimator; // for a full group
+    int width, height;
+    int eyes; // of a full group
+    int threads;
+    int films;       // frames whose films are held at once
+    int buffers;     // finished frames held at once, if there is room
+    unsigned layers; // RF_AOV_BIT of the AOVs asked for
+    int total_every; // passes of a half of a film before it is emptied; 0: never
+    bool stopping;   // by noise or time
+    bool adaptive;
+    RfFrameFiles files;
+    size_t held; // bytes of held records besides the batches, the most of any group; with settings.hold_all only
+} RfRenderSizes;
+
+// Scans the triangles and the environment of a scene.
+RfSceneTraits rf_scene_traits( const RfScene* scene );
+
+// A group of `eye_count` eyes for asking an estimator for its sizes.
+RfEstimatorGroup rf_size_group( const RfScene* scene, const RfEye* eyes, int eye_count, const RfRenderSettings* settings );
+
+// Sizes with the films of `films` frames held at once. The settings must be resolved.
+RfRenderSizes rf_render_sizes( const RfScene* scene, const RfEye* eyes, const RfGroupPlan* plan, int films,
+                               const RfRenderSettings* settings );
+
+// Batches at once that keep all threads busy.
+int rf_batches_wanted( const RfRenderSizes* sizes );
+
+// Batches of a pass of a full group.
+static inline int rf_batches_of_pass( const RfRenderSizes* sizes ) { return sizes->eyes * sizes->of_estimator.jobs; }
+
+// Bytes of the films of all frames held at once, with their AOVs.
+size_t rf_films_bytes( const RfRenderSizes* sizes );
+// Bytes of one finished frame on its way to the caller.
+size_t rf_image_bytes( const RfRenderSizes* sizes );
+// Bytes of the workspaces of all threads.
+size_t rf_scratch_bytes( const RfRenderSizes* sizes );
+// Bytes that writing a frame takes. They are counted, not allocated here.
+size_t rf_writer_bytes( const RfRenderSizes* sizes );
+// Bytes of so many batches of records.
+size_t rf_records_bytes( const RfRenderSizes* sizes, int batches );
+// Bytes of everything but the batches, with one finished frame.
+size_t rf_fixed_bytes( const RfRenderSizes* sizes );
+
+// Bytes of single arrays, 0 where they are not needed: a film's totals in doubles; what is known of the
+// frames' noise; wanted samples and weights of extra samples of an adaptive film; an AOV while it is
+// rendered and when it is finished.
+size_t rf_totals_bytes( const RfRenderSizes* sizes );
+size_t rf_noise_estimates_bytes( const RfRenderSizes* sizes );
+size_t rf_need_bytes( const RfRenderSizes* sizes );
+size_t rf_extra_bytes( const RfRenderSizes* sizes );
+size_t rf_aov_film_bytes( const RfRenderSizes* sizes, int aov );
+size_t rf_aov_image_bytes( const RfRenderSizes* sizes, int aov );
+
+#endif

@@ -1,0 +1,151 @@
+// The row of frame and tile reuse in the table of estimators.
+#include "reuse/reuse.h"
+
+#include "reuse/accumulate.h"
+#include "reuse/glossy.h"
+#include "reuse/harvest_internal.h"
+#include "reuse/serialise.h"
+
+static size_t header_bytes( void ) { return ( sizeof( RfHitBatch ) + 63 ) / 64 * 64; }
+
+static RfResult check( const RfRenderSettings* s, RfError* error )
+{
+    if ( !rf_is_tile( &s->tile ) )
+        return rf_fail( error, RF_ERROR_USAGE, "tiles must have 1 to %d pixels, and rooks a square grid", RF_MAX_TILE_PIXELS );
+    if ( s->adaptive && s->weights != RF_WEIGHTS_EXACT )
+        return rf_fail( error, RF_ERROR_USAGE, "adaptive samples want exact weights" );
+    return RF_OK;
+}
+
+static size_t per_lane( size_t bytes ) { return ( bytes + RF_LANES - 1 ) / RF_LANES; }
+
+static RfEstimatorSizes sizes( const RfEstimatorGroup* group )
+{
+    RfBatchShape shape = rf_batch_shape( group ), diffuse = shape;
+    diffuse.glossy = false;
+    size_t pixels = (size_t)group->width * (size_t)group->height;
+    return ( RfEstimatorSizes ){
+        .jobs = rf_lay_out_patches( &group->settings->tile, group->width, group->height ).count,
+        .batch = header_bytes() + rf_batch_bytes( &shape ),
+        .trace_scratch = rf_harvest_scratch_bytes( &shape ),
+        .accumulate_scratch = sizeof( RfAccumulateScratch ),
+        .pass_state = shape.eq15 ? pixels * (size_t)rf_seen_words( shape.eyes ) * sizeof( uint32_t ) : 0,
+        .whole_pass = shape.eq15,
+        .diffuse_record = per_lane( rf_batch_bytes( &diffuse ) ),
+        .shiny_record = per_lane( rf_batch_bytes( &shape ) ),
+        .directions = rf_direction_count( &shape ),
+    };
+}
+
+static void lay_out_batch( const RfEstimatorGroup* group, void* memory )
+{
+    RfBatchShape shape = rf_batch_shape( group );
+    RfHitBatch* batch = memory;
+    *batch = rf_lay_out_batch( &shape, (char*)memory + header_bytes() );
+}
+
+static void lay_out_scratch( const RfEstimatorGroup* group, void* memory )
+{
+    RfBatchShape shape = rf_batch_shape( group );
+    rf_lay_out_harvest_scratch( &shape, memory );
+}
+
+static int trace( const RfEstimatorGroup* group, RfTraceJob job, void* batch, void* scratch, RfRayCounts* rays )
+{
+    RfHarvest harvest = rf_make_harvest( group );
+    return rf_harvest_batch( &harvest, job, batch, scratch, rays );
+}
+
+static RfFirstHits first_hits( const void* memory )
+{
+    const RfHarvestScratch* scratch = memory;
+    return ( RfFirstHits ){ &scratch->first, &scratch->camera_rays, scratch->pixel };
+}
+
+static uint64_t accumulate( const RfEstimatorGroup* group, RfAccumulateJob job, void* const* batches, int batch_count,
+                            void* scratch )
+{
+    return rf_accumulate_rows( group, job, batches, batch_count, scratch );
+}
+
+// Hits that only their own frame sees: they are kept behind the misses of the batch.
+static int own_frame_hits( const RfHitBatch* batch, const RfHarvestScratch* scratch )
+{
+    return scratch->first.count - batch->count;
+}
+
+static void add_own_shares( const void* batch_memory, const void* scratch_memory, float* sum )
+{
+    const RfHitBatch* batch = batch_memory;
+    const RfHarvestScratch* scratch = scratch_memory;
+    const float* own = scratch->density + (size_t)batch->eye * RF_LANES;
+    for ( int i = 0; i < batch->count; ++i )
+        sum[batch->pixel[i]] += own[i] / batch->density_sum[i];
+    int hits = own_frame_hits( batch, scratch ), base = batch->miss_count - hits;
+    for ( int i = 0; i < hits; ++i )
+        sum[rf_miss_pixel( batch )[base + i]] += 1.0f;
+}
+
+static uint64_t count_samples( const void* memory, float weight, float* sum )
+{
+    const RfHitBatch* batch = memory;
+    int all = batch->count + batch->miss_count;
+    for ( int k = 0; k < all; ++k )
+        sum[batch->pixel[k]] += weight;
+    return (uint64_t)all;
+}
+
+static void trace_first_hits( const RfEstimatorGroup* group, RfTraceJob job, void* batch, void* scratch )
+{
+    RfHarvest harvest = rf_make_harvest( group );
+    RfRayCounts unused = { 0 };
+    rf_harvest_first_hits( &harvest, job, batch, scratch, &unused );
+}
+
+static size_t serialise( const RfEstimatorGroup* group, const void* batch, void* memory )
+{
+    RfBatchShape shape = rf_batch_shape( group );
+    return rf_serialise_batch( &shape, batch, memory );
+}
+
+static void deserialise( const RfEstimatorGroup* group, const void* memory, void* batch )
+{
+    RfBatchShape shape = rf_batch_shape( group );
+    rf_deserialise_batch( &shape, memory, batch );
+}
+
+static void count_reuse( const RfEstimatorGroup* group, int eye, void* batch_memory, void* scratch_memory, RfReuseCount* count )
+{
+    RfHitBatch* batch = batch_memory;
+    RfHarvestScratch* scratch = scratch_memory;
+    RfHarvest harvest = rf_make_harvest( group );
+    RfRayCounts rays = { 0 };
+    batch->eye = eye;
+    rf_test_batch_visibility( &harvest, batch, scratch, &rays );
+    const float* own = scratch->density + (size_t)eye * RF_LANES;
+    double share = 0.0;
+    for ( int i = 0; i < batch->count; ++i )
+        share += (double)own[i] / (double)batch->density_sum[i];
+    count->hits += scratch->first.count;
+    count->shiny += rf_glossy_count( batch );
+    count->own_share += share + own_frame_hits( batch, scratch );
+    count->eye_rays += (double)rays.eye;
+}
+
+const RfEstimator rf_reuse_estimator = {
+    .name = "reuse",
+    .films = 1,
+    .check = check,
+    .sizes = sizes,
+    .lay_out_batch = lay_out_batch,
+    .lay_out_scratch = lay_out_scratch,
+    .trace = trace,
+    .first_hits = first_hits,
+    .accumulate = accumulate,
+    .add_own_shares = add_own_shares,
+    .count_samples = count_samples,
+    .trace_first_hits = trace_first_hits,
+    .serialise = serialise,
+    .deserialise = deserialise,
+    .count_reuse = count_reuse,
+};

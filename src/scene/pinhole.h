@@ -1,0 +1,72 @@
+// The pinhole camera model: rays through the film, projection onto it, and the film
+// density J of a surface point (src/reuse/estimators.md, notation). Everything that
+// knows how an eye maps points to pixels is here. Branch-free, for loops over lanes.
+#ifndef REFRAME_SCENE_PINHOLE_H
+#define REFRAME_SCENE_PINHOLE_H
+
+#include "scene/eye.h"
+
+#include <stdint.h>
+
+// Where all rays of an eye start.
+static inline RfVec3 rf_pinhole_origin( const RfEye* eye ) { return eye->origin; }
+
+// Distance of x from the eye along the viewing direction, metres; negative behind it.
+static inline float rf_pinhole_depth( const RfEye* eye, RfVec3 x )
+{
+    return rf_dot( rf_sub( x, rf_pinhole_origin( eye ) ), eye->forward );
+}
+
+// Unit direction of the camera ray through film position (column + u, row + v), with u to the
+// right and v down in [0, 1). inverse_focal is 1 / eye->focal.
+static inline RfVec3 rf_pinhole_ray( const RfEye* eye, float inverse_focal, int column, int row, float u, float v )
+{
+    float fx = ( (float)column + u - 0.5f * (float)eye->width ) * inverse_focal;
+    float fy = ( 0.5f * (float)eye->height - (float)row - v ) * inverse_focal;
+    RfVec3 d = rf_madd( rf_madd( eye->forward, eye->right, fx ), eye->up, fy );
+    return rf_scale( d, 1.0f / sqrtf( rf_dot( d, d ) ) );
+}
+
+// Where a direction from the eye (any length) meets the film: pixels from its centre, +x right, +y up.
+// Returns its part along the viewing direction; the position means nothing unless that is above 0.
+static inline float rf_pinhole_position( const RfEye* eye, RfVec3 direction, float at[2] )
+{
+    float depth = rf_dot( direction, eye->forward ), scale = eye->focal / depth;
+    at[0] = rf_dot( direction, eye->right ) * scale;
+    at[1] = rf_dot( direction, eye->up ) * scale;
+    return depth;
+}
+
+typedef struct RfProjection
+{
+    int32_t x, y;  // pixel; meaningless unless inside
+    float density; // J_k(x) in px²/m², clamped to [RF_MIN_DENSITY, RF_MAX_DENSITY]
+    int seen;      // in front of the eye, inside its film, on the side of the surface that faces it
+} RfProjection;
+
+// Ratios of densities must stay finite where a surface is seen edge-on or
+// touches the eye.
+#define RF_MIN_DENSITY 1e-18f
+#define RF_MAX_DENSITY 1e18f
+
+// Projects the hit x with unit geometric normal ng, on the side it was hit from.
+// J = f² cosθx / (d² cos³θk); with v = x − o, cosθx = −v·ng/d and
+// cosθk = v·forward/d that is f² (−v·ng) / (v·forward)³: no root needed.
+static inline RfProjection rf_project( const RfEye* eye, RfVec3 x, RfVec3 ng )
+{
+    RfVec3 v = rf_sub( x, rf_pinhole_origin( eye ) );
+    float depth = rf_dot( v, eye->forward );
+    float facing = -rf_dot( v, ng );
+    float scale = eye->focal / depth;
+    float fx = 0.5f * (float)eye->width + rf_dot( v, eye->right ) * scale;
+    float fy = 0.5f * (float)eye->height - rf_dot( v, eye->up ) * scale;
+    float density = eye->focal * eye->focal * facing / ( depth * depth * depth );
+    density = density > RF_MIN_DENSITY ? density : RF_MIN_DENSITY; // also where it is NaN
+    density = density < RF_MAX_DENSITY ? density : RF_MAX_DENSITY;
+    int seen = ( depth > 0.0f ) & ( facing > 0.0f ) & ( fx >= 0.0f ) & ( fx < (float)eye->width ) & ( fy >= 0.0f ) &
+               ( fy < (float)eye->height );
+    // converted inside the film only: outside, the value may not fit an integer
+    return ( RfProjection ){ (int32_t)( seen ? fx : 0.0f ), (int32_t)( seen ? fy : 0.0f ), density, seen };
+}
+
+#endif

@@ -1,0 +1,265 @@
+// A further estimator needs no line of the driver: a plain path tracer, one path at a time, behind
+// the socket of render/estimator.h. Its picture is that of frame and tile reuse with groups of one
+// frame and no tiles, bit for bit; and an estimator may ask for several films.
+#include "render/estimator.h"
+#include "support/reference_tracer.h"
+#include "support/render_support.h"
+#include "support/scene_builder.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#define WIDTH 39
+#define HEIGHT 34
+#define EYES 5
+
+// One row of pixels.
+typedef struct Row
+{
+    int eye, row, count;
+    float rgb[WIDTH][3];
+} Row;
+
+static RfEstimatorSizes plain_sizes( const RfEstimatorGroup* group )
+{
+    return ( RfEstimatorSizes ){
+        .jobs = group->height, .batch = sizeof( Row ), .trace_scratch = 64, .accumulate_scratch = 64, .directions = 1
+    };
+}
+
+static void nothing_to_lay_out( const RfEstimatorGroup* group, void* memory )
+{
+    (void)group;
+    (void)memory;
+}
+
+static int plain_trace( const RfEstimatorGroup* group, RfTraceJob job, void* batch, void* scratch, RfRayCounts* rays )
+{
+    (void)scratch;
+    Row* row = batch;
+    const RfRenderSettings* s = group->settings;
+    ReferenceSettings settings = { s->spp,           group->max_depth, s->light_samples, s->seed, group->first_frame + job.eye,
+                                   s->light_sampling };
+    row->eye = job.eye;
+    row->row = job.job;
+    row->count = group->width;
+    for ( int x = 0; x < row->count; ++x )
+    {
+        RfVec3 c = reference_sample( group->tracer, group->eyes + job.eye, &settings, job.pass, x, row->row );
+        row->rgb[x][0] = c.x;
+        row->rgb[x][1] = c.y;
+        row->rgb[x][2] = c.z;
+    }
+    rays->primary += (uint64_t)row->count;
+    return row->count;
+}
+
+// Adds channels [first, end) of a row to a film, with its weight.
+static void add_row( const Row* row, RfAccumulateJob job, int film, int first, int end )
+{
+    float* pixel = job.films[film].half[job.half] + 4 * (size_t)row->row * (size_t)row->count;
+    for ( int x = 0; x < row->count; ++x, pixel += 4 )
+    {
+        for ( int c = first; c < end; ++c )
+            pixel[c] += job.weight * row->rgb[x][c];
+        pixel[3] += job.weight;
+    }
+}
+
+static bool is_in( const Row* row, RfAccumulateJob job )
+{
+    return row->eye == job.eye && row->row >= job.first_row && row->row < job.end_row;
+}
+
+static uint64_t plain_accumulate( const RfEstimatorGroup* group, RfAccumulateJob job, void* const* batches, int batch_count,
+                                  void* scratch )
+{
+    (void)group;
+    (void)scratch;
+    uint64_t landed = 0;
+    for ( int k = 0; k < batch_count; ++k )
+    {
+        const Row* row = batches[k];
+        if ( !is_in( row, job ) )
+            continue;
+        add_row( row, job, 0, 0, 3 );
+        landed += (uint64_t)row->count;
+    }
+    return landed;
+}
+
+static const RfEstimator s_plain = {
+    .name = "plain",
+    .films = 1,
+    .sizes = plain_sizes,
+    .lay_out_batch = nothing_to_lay_out,
+    .lay_out_scratch = nothing_to_lay_out,
+    .trace = plain_trace,
+    .accumulate = plain_accumulate,
+};
+
+// The same with red in a film of its own, which `finish` puts together again.
+static uint64_t split_accumulate( const RfEstimatorGroup* group, RfAccumulateJob job, void* const* batches, int batch_count,
+                                  void* scratch )
+{
+    (void)group;
+    (void)scratch;
+    uint64_t landed = 0;
+    for ( int k = 0; k < batch_count; ++k )
+    {
+        const Row* row = batches[k];
+        if ( !is_in( row, job ) )
+            continue;
+        add_row( row, job, 0, 1, 3 );
+        add_row( row, job, 1, 0, 1 );
+        landed += (uint64_t)row->count;
+    }
+    return landed;
+}
+
+static double split_finish( const RfFilm* films, RfFilmCombine combine, float* rgb, float* weight )
+{
+    float red[3 * WIDTH * HEIGHT];
+    rf_combine_film( films + 1, combine, red, NULL );
+    rf_combine_film( films, combine, rgb, weight );
+    for ( int i = 0; i < WIDTH * HEIGHT; ++i )
+        rgb[3 * i] = red[3 * i];
+    return (double)NAN;
+}
+
+static RfRenderSettings settings_of( const RfEstimator* estimator )
+{
+    RfRenderSettings settings = plain_settings();
+    settings.group = 0;
+    settings.tile = rf_no_tile();
+    settings.spp = 5;
+    settings.max_depth = 5;
+    settings.light_samples = 2;
+    settings.seed = 7;
+    settings.threads = 2;
+    settings.memory = (size_t)256 << 20;
+    if ( estimator != NULL )
+        settings.estimator = estimator;
+    return settings;
+}
+
+static Rendered render_all_of( const RfTracer* tracer, const RfEye* eyes, const RfEstimator* estimator )
+{
+    RfRenderSettings settings = settings_of( estimator );
+    return render_all( tracer, eyes, EYES, &settings );
+}
+
+static void assert_same( const Rendered* a, const Rendered* b )
+{
+    assert_memory_equal( a->rgb, b->rgb, 3 * a->pixels * EYES * sizeof( float ) );
+    assert_memory_equal( a->weight, b->weight, a->pixels * EYES * sizeof( float ) );
+}
+
+static void test_equals_reuse_without_reuse( void** state )
+{
+    (void)state;
+    RfScene scene = make_glass_room();
+    RfTracer* tracer = make_tracer( &scene );
+    RfEye eyes[EYES];
+    orbit_eyes( eyes, EYES, 4.0f, WIDTH, HEIGHT );
+    Rendered reuse = render_all_of( tracer, eyes, NULL ), plain = render_all_of( tracer, eyes, &s_plain );
+    assert_same( &reuse, &plain );
+    assert_true( plain.relmse_estimate[2] == reuse.relmse_estimate[2] && plain.relmse_estimate[2] > 0.0 );
+    assert_true( plain.effective_spp[2] == 5.0 && plain.stats.rays.primary == reuse.stats.rays.primary );
+
+    RfEstimator split = s_plain;
+    split.films = 2;
+    split.accumulate = split_accumulate;
+    split.finish = split_finish;
+    Rendered two = render_all_of( tracer, eyes, &split );
+    assert_same( &reuse, &two );
+    assert_true( isnan( two.relmse_estimate[2] ) );
+    free_rendered( &two );
+    free_rendered( &plain );
+    free_rendered( &reuse );
+    rf_destroy_tracer( tracer );
+    rf_destroy_scene( &scene );
+}
+
+// Threads, memory and the frames asked for are the driver's: no estimator need think of them.
+static void test_driver_does_the_rest( void** state )
+{
+    (void)state;
+    RfScene scene = make_glass_room();
+    RfTracer* tracer = make_tracer( &scene );
+    RfEye eyes[EYES];
+    orbit_eyes( eyes, EYES, 4.0f, WIDTH, HEIGHT );
+    RfRenderSettings settings = settings_of( &s_plain );
+    settings.group = 1;
+    Rendered all = render_all( tracer, eyes, EYES, &settings );
+    settings.threads = 3;
+    settings.memory = all.stats.fit.least;
+    Rendered tight = render_frames( tracer, eyes, EYES, ( int[] ){ 1, 3 }, 2, &settings );
+    assert_memory_equal( frame_rgb( &all, 1 ), frame_rgb( &tight, 0 ), 3 * all.pixels * sizeof( float ) );
+    assert_memory_equal( frame_rgb( &all, 3 ), frame_rgb( &tight, 1 ), 3 * all.pixels * sizeof( float ) );
+    assert_true( tight.stats.peak_bytes <= tight.stats.budget_bytes );
+    assert_true( all.native_spp[2] >= 5.0 && all.effective_spp[2] == all.native_spp[2] ); // nothing is shared
+    free_rendered( &tight );
+    free_rendered( &all );
+    rf_destroy_tracer( tracer );
+    rf_destroy_scene( &scene );
+}
+
+static RfResult refuse( const RfRenderSettings* settings, RfError* error )
+{
+    return settings->light_samples > 1 ? rf_fail( error, RF_ERROR_USAGE, "one light sample only" ) : RF_OK;
+}
+
+// What an estimator lacks is an error with its name, before any work.
+static void test_what_it_lacks_is_said( void** state )
+{
+    (void)state;
+    RfScene scene = make_glass_room();
+    RfTracer* tracer = make_tracer( &scene );
+    RfEye eyes[EYES];
+    orbit_eyes( eyes, EYES, 4.0f, WIDTH, HEIGHT );
+    RfError error;
+    RfRenderSettings resolved, adaptive = settings_of( &s_plain ), held = adaptive, aovs = adaptive, none = adaptive;
+    adaptive.adaptive = true;
+    assert_int_equal( rf_resolve_settings( tracer, eyes, EYES, &adaptive, &resolved, &error ), RF_ERROR_USAGE );
+    assert_non_null( strstr( error.text, "'plain' has no adaptive sampling" ) );
+    held.hold_all = true;
+    assert_int_equal( rf_resolve_settings( tracer, eyes, EYES, &held, &resolved, &error ), RF_ERROR_USAGE );
+    assert_non_null( strstr( error.text, "'plain' cannot hold" ) );
+    aovs.layers = RF_AOV_BIT( RF_AOV_NORMAL );
+    assert_int_equal( rf_resolve_settings( tracer, eyes, EYES, &aovs, &resolved, &error ), RF_ERROR_USAGE );
+    assert_non_null( strstr( error.text, "'plain' has no" ) );
+    none.estimator = NULL;
+    assert_int_equal( rf_resolve_settings( tracer, eyes, EYES, &none, &resolved, &error ), RF_ERROR_USAGE );
+    RfEstimator strict = s_plain;
+    strict.check = refuse;
+    none.estimator = &strict;
+    assert_int_equal( rf_resolve_settings( tracer, eyes, EYES, &none, &resolved, &error ), RF_ERROR_USAGE );
+    assert_string_equal( error.text, "one light sample only" );
+    rf_destroy_tracer( tracer );
+    rf_destroy_scene( &scene );
+}
+
+static void test_estimators_have_names( void** state )
+{
+    (void)state;
+    assert_ptr_equal( rf_find_estimator( "reuse" ), rf_default_render_settings().estimator );
+    assert_string_equal( rf_estimator_name( rf_find_estimator( "reuse" ) ), "reuse" );
+    assert_null( rf_find_estimator( "plain" ) );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( test_equals_reuse_without_reuse ),
+        cmocka_unit_test( test_driver_does_the_rest ),
+        cmocka_unit_test( test_what_it_lacks_is_said ),
+        cmocka_unit_test( test_estimators_have_names ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}
