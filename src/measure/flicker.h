@@ -3,7 +3,7 @@
 // With e_t = v_t − r_t the error of frame t, over pixels and channels:
 //   F1 = sqrt( mean (e_t − e_{t−1})² )
 //   φ  = F1² / ( mean e_t² + mean e_{t−1}² )
-// Since (a − b)² = a² + b² − 2ab, φ is 1 less the
+// (../shared/design/cli.md). Since (a − b)² = a² + b² − 2ab, φ is 1 less the
 // correlation of the two errors where they are equally large: 1 is noise that is
 // independent in each frame, 0 an error that stands still, 2 one that changes
 // its sign from frame to frame. Scaling the error scales F1 and leaves φ.
