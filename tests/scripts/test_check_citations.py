@@ -73,6 +73,12 @@ class Citations(unittest.TestCase):
     def test_path_outside(self):
         self.expect("is outside of the repository", src__a_DOT_h="// (../../design/cli.md)\n")
 
+    def test_path_above(self):
+        self.expect("src/reuse/b.h:1: ../gone.h is not there", src__reuse__b_DOT_h="// (../gone.h)\n")
+
+    def test_built_program(self):
+        self.expect("build/tests/test_gone has no source", README_DOT_md="Run build/tests/test_gone.\n")
+
     def test_path_of_a_machine(self):
         self.expect("is a path of one machine", src__a_DOT_h="// see /home/me/notes\n")
 
