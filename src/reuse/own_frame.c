@@ -1,6 +1,6 @@
 // What only its own frame sees: hits that scatter like mirrors and glass do,
 // and the sky behind everything. They are kept with the misses, which have
-// weight 1 in their own frame and 0 elsewhere (estimators.md section 2), but
+// weight 1 in their own frame and 0 elsewhere (src/reuse/estimators.md, section 2), but
 // are not black.
 #include "reuse/harvest_internal.h"
 
@@ -59,7 +59,7 @@ static void add_scattered( const RfHarvest* harvest, const RfHarvestScratch* scr
     {
         int slot = v->slot[i], n = i - rf_record_count( v );
         float* light = light_of( batch, base + n );
-        float pdf = scratch->native_pdf[n];
+        float pdf = scratch->unevaluable_pdf[n];
         float weight = pdf > 0.0f ? pdf / ( pdf + k * arrivals->light_pdf_solid_angle[slot] ) : 0.0f;
         for ( int c = 0; c < 3; ++c )
             light[c] += arrivals->emitted[c][slot] * weight + arrivals->rest[c][slot];
