@@ -1,6 +1,6 @@
 // Which pairs of frames lie at the borders of groups, where a seam would be.
 //
-// Reframe's groups slide by one frame (render/groups.h): each frame leaves one
+// Reframe's groups slide by one frame (reuse/group.h): each frame leaves one
 // group behind and enters another, so that no border lies in the middle of a
 // path, where every frame is the mean over the same number of full groups. What
 // differs are the frames at both ends of it, within 2n of them for the half-width

@@ -1,7 +1,7 @@
 // A trial: what a group and a tile cost and yield, from a few passes of a few
 // frames, without a reference.
 //
-// A path of 2n+1 frames is rendered as one window (render/groups.h): handed to
+// A path of 2n+1 frames is rendered as one window (reuse/group.h): handed to
 // rf_render with group n, such a piece of the path is what a long path consists
 // of. A frame of the long path is the mean over the 2n+1 windows that hold it, in
 // each of which it has another place. So the mean of the error over the places

@@ -1,5 +1,5 @@
 // Light at the ends of scattered rays, which light samples at their origins
-// could have found as well (src/reuse/estimators.md, E3).
+// could have found as well (estimators.md E3).
 #include "path/wavefront.h"
 
 static inline void add_arrival( const RfPathSettings* settings, const RfRayLanes* rays, int r, bool apart, RfVec3 light,

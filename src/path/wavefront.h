@@ -17,7 +17,7 @@ typedef struct RfPathSettings
 
 // What arrives along the ray of each path slot. The light emitted by what the
 // ray finds is apart, since light sampling at the ray's origin could have found
-// it too (src/reuse/estimators.md, E3).
+// it too (estimators.md E3).
 typedef struct RfArrivals
 {
     RF_ALIGN float emitted[3][RF_LANES];

@@ -1,6 +1,6 @@
 // How large a group pays: for some half-widths n, what a render of this path
 // would hold, trace and gain, by the cost model of Reusing Frames in Camera
-// Animation (FR (16); src/reuse/estimators.md, section 8):
+// Animation (FR 16; estimators.md section 8):
 //
 //     gain = reach · (c_e + c_l) / (c_e + c_l + (eyes − 1) c_v)
 //

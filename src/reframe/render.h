@@ -1,6 +1,6 @@
 // Renders frames of a camera path with unbiased frame reuse (Méndez Feliu,
 // Sbert, Szirmay-Kalos, Reusing Frames in Camera Animation, WSCG 2006;
-// src/reuse/estimators.md, sections 1 to 3 and 7): harvest and compute over sliding
+// estimators.md sections 1 to 3 and 7): harvest and compute over sliding
 // groups of 2n+1 frames.
 #ifndef REFRAME_RENDER_H
 #define REFRAME_RENDER_H
@@ -83,7 +83,7 @@ typedef struct RfRenderSettings
 RfRenderSettings rf_default_render_settings( void );
 
 // The settings as a render of this path will use them: group chosen by the plan
-// (reframe/plan.h: some thousand paths are traced for RF_GROUP_AUTO) and cut to
+// (reuse/plan.h: some thousand paths are traced for RF_GROUP_AUTO) and cut to
 // the path, spp rounded up to what its groups need, threads and memory filled
 // in, normalisation that the weights allow. Rendering with the result is the
 // same as with the settings. Fails with RF_ERROR_USAGE for values out of range.

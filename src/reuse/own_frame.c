@@ -1,6 +1,6 @@
 // What only its own frame sees: hits that scatter like mirrors and glass do,
 // and the sky behind everything. They are kept with the misses, which have
-// weight 1 in their own frame and 0 elsewhere (src/reuse/estimators.md, section 2), but
+// weight 1 in their own frame and 0 elsewhere (estimators.md section 2), but
 // are not black.
 #include "reuse/harvest_internal.h"
 

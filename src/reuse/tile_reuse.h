@@ -1,5 +1,5 @@
-// Path reuse inside tiles (Bekaert, Sbert, Halton, EGWR 2002; src/reuse/estimators.md,
-// E4 and E5). The paths of a tile, one per pixel, with first hits x^i and second
+// Path reuse inside tiles (Bekaert, Sbert, Halton, EGWR 2002; estimators.md
+// E4, E5). The paths of a tile, one per pixel, with first hits x^i and second
 // vertices y^j: what y^j sends on is made use of at every x^i that sees it.
 //
 // Pairs are kept by turn s: in turn s hit i looks at the vertex that its s-th

@@ -26,7 +26,7 @@ RfResult rf_scene_frame_count( const RfScene* scene, const RfCamera* camera, dou
 // where the camera's path counts frames instead of seconds: rf_camera_eye then.
 RfResult rf_scene_eye( const RfScene* scene, int camera, double time, int width, int height, RfEye* eye, RfError* error );
 
-// A camera whose path is read from a file (scene/camera_path/camera_track.h), called by the
+// A camera whose path is read from a file (scene/camera_track.h), called by the
 // file's name. Free with rf_destroy_camera.
 RfResult rf_load_camera( const char* path, RfCamera* camera, RfError* error );
 

@@ -116,7 +116,7 @@ struct RfCameraTrack;
 typedef struct RfCamera
 {
     char* name;                  // unique, never empty
-    struct RfCameraTrack* track; // a path of our own (scene/camera_path/camera_track.h), owned, or NULL:
+    struct RfCameraTrack* track; // a path of our own (scene/camera_track.h), owned, or NULL:
                                  // then the rest says how it moves with its node
     int node;                    // −1: the default camera made for a scene that has none
     double yfov;                 // radians, of the image's height

@@ -58,7 +58,7 @@ void rf_trace_nearest( const RfTracer* tracer, int count, const float* const o[3
 // or 0, or between where blended surfaces are in the way.
 void rf_trace_segments( const RfTracer* tracer, int count, const float* const o[3], const float* const d[3], float* visible );
 
-// Segments from one common origin to points, in packets (src/reuse/estimators.md, section 8):
+// Segments from one common origin to points, in packets (estimators.md 8):
 // tested where weight > 0, which is multiplied by the part that gets through.
 // Returns how many were tested.
 int rf_trace_from_origin( const RfTracer* tracer, RfVec3 origin, int count, const float* const point[3], float* weight );

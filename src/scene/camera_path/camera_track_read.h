@@ -1,5 +1,5 @@
 // Inside of the reader of camera paths: what its parts share. Users have
-// scene/camera_path/camera_track.h.
+// scene/camera_track.h.
 #ifndef REFRAME_SCENE_CAMERA_PATH_CAMERA_TRACK_READ_H
 #define REFRAME_SCENE_CAMERA_PATH_CAMERA_TRACK_READ_H
 

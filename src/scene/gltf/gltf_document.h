@@ -1,5 +1,5 @@
 // Inside of the glTF reader: the parsed document, and the calls its parts
-// share. Not for users of the library: they have scene/gltf/gltf.h.
+// share. Not for users of the library: they have scene/gltf.h.
 //
 // Every part checks what it reads at the moment it reads it. `where` names the
 // object in error lines, such as "accessors[3]".
