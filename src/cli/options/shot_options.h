@@ -1,5 +1,5 @@
 // Rows of option tables that commands share which look at a render before it is
-// made (cli/options/shot.h). `o` is the RfRenderOptions that they fill; what differs is the
+// made (cli/shot.h). `o` is the RfRenderOptions that they fill; what differs is the
 // help of those that mean something else to each.
 #ifndef REFRAME_CLI_OPTIONS_SHOT_OPTIONS_H
 #define REFRAME_CLI_OPTIONS_SHOT_OPTIONS_H
