@@ -1,13 +1,13 @@
-// A clear coat (GGX, Fresnel of an index of 1.5) over everything that the
-// metallic-roughness model has below it, which gets and gives what the coat
-// lets through: reciprocal, and keeps energy.
+// A clear coat (GGX, Fresnel of an index of 1.5) over the metallic-roughness model,
+// which is attenuated both ways by the transmission of the coat. Reciprocal and
+// energy-conserving.
 //
 //   f = f_ggx (1 − c F(μo)) (1 − c F(μi)) + c D G2 F(wo·h) / (4 μo μi) · μi / (n·wi)
 //
-// The coat has a shading normal of its own, nc, by which its μ are: it may be
-// smooth over bumps, or the other way round (then it is not quite reciprocal).
-// The last factor, 1 where the two normals are one, takes out the cosine that
-// everybody multiplies f by, which is the surface's.
+// The coat has its own shading normal, nc, which defines its μ: it may be smooth
+// over bumps, or the other way round (then it is not quite reciprocal). The last
+// factor, 1 where the two normals agree, cancels the cosine of the surface that
+// callers multiply f by.
 #include "bsdf/lane.h"
 
 #define COAT_F0 0.04f
@@ -18,33 +18,33 @@ RF_KERNEL float coat_fresnel( float cos_theta )
     return COAT_F0 + ( 1.0f - COAT_F0 ) * ( m2 * m2 * m );
 }
 
-// Chance to draw from the coat, from the eye's cosine alone.
-RF_KERNEL float coat_chance( float clearcoat, float cos_o, RfVec3 diffuse, RfVec3 specular )
+// The probability of sampling the coat, from the eye's cosine alone.
+RF_KERNEL float coat_probability( float clearcoat, float cos_o, RfVec3 diffuse, RfVec3 specular )
 {
     float coat = clearcoat * coat_fresnel( cos_o );
     float below = ( 1.0f - coat ) * rf_maxf( rf_mean( diffuse ) + rf_mean( specular ), 0.05f );
     return coat / ( coat + below );
 }
 
-// The coat's share of f, what it leaves of the rest; its density.
+// The coat: its f, its transmission to what is below, its density.
 typedef struct CoatLobe
 {
     float f, below;
     float pdf_solid_angle;
 } CoatLobe;
 
-// n: of the coat; surface_i: n·wi of what is below.
+// n: of the coat; surface_i: n·wi of the surface below.
 RF_KERNEL CoatLobe coat_lobe( RfVec3 n, RfEyeLane eye, RfVec3 wi, float surface_i, float clearcoat, float alpha )
 {
     float cos_o = eye.cos_o, dot_i = rf_dot( n, wi );
     float cos_i = rf_maxf( dot_i, 0.0f );
-    // facets send some of what is drawn below the coat's horizon, which is not
-    // always below the surface's: it has a density then, though no f
+    // some directions are sampled below the coat's horizon, which need not be below
+    // the surface's: they have a density, though f is 0
     float drawn = surface_i > 0.0f ? 1.0f : 0.0f;
     float lit = dot_i > 0.0f ? drawn : 0.0f;
     drawn = cos_o + dot_i > 0.0f ? drawn : 0.0f;
     float turned = cos_i / rf_maxf( surface_i, 1e-12f );
-    // along and across n apart, for sharp lobes (see ggx.c)
+    // along and across n separately, for sharp lobes (see ggx.c)
     float along = rf_maxf( cos_o + dot_i, 1e-12f );
     RfVec3 cross = rf_cross( n, rf_add( eye.wo, wi ) );
     float across2 = rf_dot( cross, cross ), length2 = along * along + across2;
@@ -65,12 +65,16 @@ RF_KERNEL void coat_block( int first, int count, const RfBsdfLanes* lanes, const
                            float* const f[3], float* pdf_solid_angle )
 {
     const float* restrict nx = lanes->n[0] + first, * restrict ny = lanes->n[1] + first, * restrict nz = lanes->n[2] + first;
-    const float* restrict cx = lanes->clearcoat_n[0] + first, * restrict cy = lanes->clearcoat_n[1] + first;
-    const float* restrict cz = lanes->clearcoat_n[2] + first;
-    const float* restrict dx = lanes->diffuse[0] + first, * restrict dy = lanes->diffuse[1] + first;
-    const float* restrict dz = lanes->diffuse[2] + first, * restrict sx = lanes->specular[0] + first;
-    const float* restrict sy = lanes->specular[1] + first, * restrict sz = lanes->specular[2] + first;
-    const float* restrict coat = lanes->clearcoat + first, * restrict alpha = lanes->clearcoat_alpha + first;
+    const float* restrict cx = lanes->param[RF_PARAM_CLEARCOAT_N] + first, * restrict cy =
+                                                                               lanes->param[RF_PARAM_CLEARCOAT_N + 1] + first;
+    const float* restrict cz = lanes->param[RF_PARAM_CLEARCOAT_N + 2] + first;
+    const float* restrict dx = lanes->param[RF_PARAM_DIFFUSE] + first, * restrict dy = lanes->param[RF_PARAM_DIFFUSE + 1] + first;
+    const float* restrict dz = lanes->param[RF_PARAM_DIFFUSE + 2] + first, * restrict sx =
+                                                                               lanes->param[RF_PARAM_SPECULAR] + first;
+    const float* restrict sy = lanes->param[RF_PARAM_SPECULAR + 1] + first, * restrict sz =
+                                                                                lanes->param[RF_PARAM_SPECULAR + 2] + first;
+    const float* restrict coat = lanes->param[RF_PARAM_CLEARCOAT] + first, * restrict alpha =
+                                                                               lanes->param[RF_PARAM_CLEARCOAT_ALPHA] + first;
     const float* restrict ix = wi[0] + first, * restrict iy = wi[1] + first, * restrict iz = wi[2] + first;
     float* restrict fx = f != NULL ? f[0] + first : NULL;
     float* restrict fy = f != NULL ? f[1] + first : NULL;
@@ -91,16 +95,18 @@ RF_KERNEL void coat_block( int first, int count, const RfBsdfLanes* lanes, const
         }
         if ( pdf != NULL )
         {
-            float chance = coat_chance( coat[i], eye.cos_o, rf_vec3( dx[i], dy[i], dz[i] ), rf_vec3( sx[i], sy[i], sz[i] ) );
-            pdf[i] = ( 1.0f - chance ) * pdf[i] + chance * c.pdf_solid_angle;
+            float probability =
+                coat_probability( coat[i], eye.cos_o, rf_vec3( dx[i], dy[i], dz[i] ), rf_vec3( sx[i], sy[i], sz[i] ) );
+            pdf[i] = ( 1.0f - probability ) * pdf[i] + probability * c.pdf_solid_angle;
         }
     }
 }
 
-// The eye as the coat sees it.
+// The eye lifted to the horizon of the coat.
 static void lift_to_coat( int first, int count, const RfBsdfLanes* lanes, const float* const wo[3], RfEyeBlock* eyes )
 {
-    RfBsdfLanes coat = { .n = { lanes->clearcoat_n[0], lanes->clearcoat_n[1], lanes->clearcoat_n[2] } };
+    RfBsdfLanes coat = { .n = { lanes->param[RF_PARAM_CLEARCOAT_N], lanes->param[RF_PARAM_CLEARCOAT_N + 1],
+                                lanes->param[RF_PARAM_CLEARCOAT_N + 2] } };
     rf_lift_block( first, count, &coat, wo, eyes );
 }
 
@@ -122,56 +128,46 @@ void rf_coated_evaluate( int count, const RfBsdfLanes* lanes, const float* const
     }
 }
 
-// Which lobe each lane takes, and the rest of the number that decided it.
-typedef struct Picks
+// The lobe of each lane, and the random number rescaled for the lobes below.
+typedef struct LobeChoice
 {
     bool is_coat[RF_BLOCK];
-    float rest[RF_BLOCK];
-} Picks;
+    float u[RF_BLOCK];
+} LobeChoice;
 
-static void pick_lobes( int first, int count, const RfBsdfLanes* lanes, const RfEyeBlock* eyes, const float* u, Picks* picks )
+static void choose_lobes( int first, int count, const RfBsdfLanes* lanes, const RfEyeBlock* eyes, const float* u,
+                          LobeChoice* choice )
 {
     for ( int i = 0; i < count; ++i )
     {
         int k = first + i;
-        RfVec3 diffuse = rf_vec3( lanes->diffuse[0][k], lanes->diffuse[1][k], lanes->diffuse[2][k] );
-        RfVec3 specular = rf_vec3( lanes->specular[0][k], lanes->specular[1][k], lanes->specular[2][k] );
-        float chance = coat_chance( lanes->clearcoat[k], eyes->cos_o[i], diffuse, specular );
-        picks->is_coat[i] = u[k] < chance;
-        picks->rest[i] = picks->is_coat[i] ? 0.0f : rf_minf( ( u[k] - chance ) / ( 1.0f - chance ), 0x1.fffffep-1f );
+        RfVec3 diffuse = rf_vec3( lanes->param[RF_PARAM_DIFFUSE][k], lanes->param[RF_PARAM_DIFFUSE + 1][k],
+                                  lanes->param[RF_PARAM_DIFFUSE + 2][k] );
+        RfVec3 specular = rf_vec3( lanes->param[RF_PARAM_SPECULAR][k], lanes->param[RF_PARAM_SPECULAR + 1][k],
+                                   lanes->param[RF_PARAM_SPECULAR + 2][k] );
+        float probability = coat_probability( lanes->param[RF_PARAM_CLEARCOAT][k], eyes->cos_o[i], diffuse, specular );
+        choice->is_coat[i] = u[k] < probability;
+        choice->u[i] = choice->is_coat[i] ? 0.0f : rf_minf( ( u[k] - probability ) / ( 1.0f - probability ), 0x1.fffffep-1f );
     }
 }
 
-static RfBsdfLanes lanes_from( const RfBsdfLanes* lanes, int first )
-{
-    return ( RfBsdfLanes ){
-        .n = { lanes->n[0] + first, lanes->n[1] + first, lanes->n[2] + first },
-        .diffuse = { lanes->diffuse[0] + first, lanes->diffuse[1] + first, lanes->diffuse[2] + first },
-        .specular = { lanes->specular[0] + first, lanes->specular[1] + first, lanes->specular[2] + first },
-        .shape = lanes->shape + first,
-        .f90 = lanes->f90 + first,
-        .coat_f0 = lanes->coat_f0 + first,
-        .coat_f90 = lanes->coat_f90 + first,
-    };
-}
-
-// Both directions are drawn, of what is below and of the coat, and one taken.
+// Samples both the lobes below and the coat, and keeps one of them.
 static void sample_block( int first, int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const u[3],
-                          const Picks* picks, float* const wi[3] )
+                          const LobeChoice* choice, float* const wi[3] )
 {
     float black[RF_BLOCK] = { 0 }, one[RF_BLOCK], x[RF_BLOCK], y[RF_BLOCK], z[RF_BLOCK];
     for ( int i = 0; i < RF_BLOCK; ++i )
         one[i] = 1.0f;
-    RfBsdfLanes below = lanes_from( lanes, first ), coat = below;
-    coat.shape = lanes->clearcoat_alpha + first;
+    RfBsdfLanes below = rf_bsdf_lanes( RF_BSDF_GGX, lanes->n, lanes->param, first ), coat = below;
+    coat.param[RF_PARAM_SHAPE] = lanes->param[RF_PARAM_CLEARCOAT_ALPHA] + first;
     for ( int c = 0; c < 3; ++c ) // a white metal: the specular lobe alone
     {
-        coat.n[c] = lanes->clearcoat_n[c] + first;
-        coat.diffuse[c] = black;
-        coat.specular[c] = one;
+        coat.n[c] = lanes->param[RF_PARAM_CLEARCOAT_N + c] + first;
+        coat.param[RF_PARAM_DIFFUSE + c] = black;
+        coat.param[RF_PARAM_SPECULAR + c] = one;
     }
     const float* o[3] = { wo[0] + first, wo[1] + first, wo[2] + first };
-    const float* random[3] = { u[0] + first, u[1] + first, picks->rest };
+    const float* random[3] = { u[0] + first, u[1] + first, choice->u };
     float* out[3] = { wi[0] + first, wi[1] + first, wi[2] + first };
     float* coat_out[3] = { x, y, z };
     rf_ggx_sample( count, &below, o, random, out );
@@ -179,7 +175,7 @@ static void sample_block( int first, int count, const RfBsdfLanes* lanes, const 
     for ( int c = 0; c < 3; ++c )
     {
         for ( int i = 0; i < count; ++i )
-            out[c][i] = picks->is_coat[i] ? coat_out[c][i] : out[c][i];
+            out[c][i] = choice->is_coat[i] ? coat_out[c][i] : out[c][i];
     }
 }
 
@@ -189,10 +185,10 @@ void rf_coated_sample( int count, const RfBsdfLanes* lanes, const float* const w
     for ( int first = 0; first < count; first += RF_BLOCK )
     {
         RfEyeBlock eyes;
-        Picks picks;
+        LobeChoice choice;
         int size = rf_block_size( first, count );
         lift_to_coat( first, size, lanes, wo, &eyes );
-        pick_lobes( first, size, lanes, &eyes, u[2], &picks );
-        sample_block( first, size, lanes, wo, u, &picks, wi );
+        choose_lobes( first, size, lanes, &eyes, u[2], &choice );
+        sample_block( first, size, lanes, wo, u, &choice, wi );
     }
 }

@@ -1,11 +1,11 @@
 // Metallic-roughness: an isotropic GGX lobe (Walter et al. 2007) with
 // height-correlated Smith shadowing (Heitz 2014) and Schlick's Fresnel, over a
-// Lambert base that gets and gives what a smooth coat lets through:
+// Lambert base attenuated both ways by the transmission of a smooth coat:
 //
 //   f = D G2 F / (4 μo μi) + ρ/π (1 − Fc(μo)) (1 − Fc(μi))
 //
-// Reciprocal, and keeps energy. One of the two lobes is sampled; the specular
-// one by the normals that wo sees.
+// Reciprocal and energy-conserving. One of the two lobes is sampled; the specular
+// one by visible normals.
 #include "bsdf/lane.h"
 
 typedef struct Parameters
@@ -20,7 +20,7 @@ RF_KERNEL float fifth_power( float x )
     return x2 * x2 * x;
 }
 
-// (1 − cos)^5 of Schlick's Fresnel; a cosine may have rounded to above 1.
+// (1 − cos)⁵ of Schlick's Fresnel; rounding may have made the cosine exceed 1.
 RF_KERNEL float schlick_weight( float cos_theta ) { return fifth_power( rf_maxf( 1.0f - cos_theta, 0.0f ) ); }
 
 RF_KERNEL float coat_transmission( const Parameters* p, float weight )
@@ -28,8 +28,8 @@ RF_KERNEL float coat_transmission( const Parameters* p, float weight )
     return 1.0f - ( p->coat_f0 + ( p->coat_f90 - p->coat_f0 ) * weight );
 }
 
-// The chance of the specular lobe, from Schlick's weight of μo.
-RF_KERNEL float specular_chance( const Parameters* p, float weight )
+// The probability of sampling the specular lobe, from Schlick's weight of μo.
+RF_KERNEL float specular_probability( const Parameters* p, float weight )
 {
     float f0 = rf_mean( p->f0 );
     float specular = f0 + ( p->f90 - f0 ) * weight;
@@ -45,9 +45,9 @@ RF_KERNEL RfScattering scatter( RfVec3 n, RfEyeLane eye, RfVec3 wi, Parameters p
     float dot_i = rf_dot( n, wi );
     float cos_i = rf_maxf( dot_i, 0.0f );
 
-    // The half vector h stays unnormalised; its parts along and across n are
-    // computed apart. For α = 10⁻³ all of the lobe has 1 − cos²θ < 10⁻⁵, which
-    // as a difference would keep no more than two digits; |n × h|² keeps all.
+    // The half vector h stays unnormalised; its components along and across n are
+    // computed separately. For α = 10⁻³ the whole lobe has 1 − cos²θ < 10⁻⁵: the
+    // difference would keep two digits only, |n × h|² keeps them all.
     float along = cos_o + cos_i;
     RfVec3 cross = rf_cross( n, rf_add( eye.wo, wi ) );
     float across2 = rf_dot( cross, cross );
@@ -79,18 +79,17 @@ RF_KERNEL RfScattering scatter( RfVec3 n, RfEyeLane eye, RfVec3 wi, Parameters p
     result.f.y = p.f0.y * constant + grazing + p.diffuse.y * base;
     result.f.z = p.f0.z * constant + grazing + p.diffuse.z * base;
 
-    float chance = specular_chance( &p, weight_o );
+    float probability = specular_probability( &p, weight_o );
     float visible = lit * 0.5f * d / ( cos_o + so ); // D G1(μo) / (4 μo)
-    result.pdf_solid_angle = chance * visible + ( 1.0f - chance ) * ( cos_i * RF_INV_PI );
+    result.pdf_solid_angle = probability * visible + ( 1.0f - probability ) * ( cos_i * RF_INV_PI );
     return result;
 }
 
-// A normal that wo sees, not normalised, by the mirror image of the unit
-// hemisphere that wo stretches to (Dupuy, Benyoub, Sampling Visible GGX Normals
-// with Spherical Caps, 2023: the distribution of Heitz, JCGT 2018, without a
-// second frame). Everything is split along n and across it: the cap's height z,
-// measured from −Vz, and 1 − z² are sums and products of positive terms, so
-// neither a sharp lobe nor a grazing eye cancels, and no normal lies below the
+// Samples a visible normal, not normalised (Dupuy, Benyoub, Sampling Visible GGX
+// Normals with Spherical Caps, 2023: the distribution of Heitz, JCGT 2018, without
+// a second frame). Everything is split along n and across it: the height z of the
+// cap, measured from −Vz, and 1 − z² are sums and products of positive terms, so
+// nothing cancels for sharp lobes or grazing eyes, and no normal lies below the
 // surface.
 RF_KERNEL RfVec3 sample_normal( RfVec3 n, RfEyeLane eye, RfVec3 azimuth, float u, float alpha )
 {
@@ -104,12 +103,12 @@ RF_KERNEL RfVec3 sample_normal( RfVec3 n, RfEyeLane eye, RfVec3 azimuth, float u
     return rf_madd( rf_scale( h, alpha ), n, height );
 }
 
-RF_KERNEL RfVec3 sample( RfVec3 n, RfEyeLane eye, RfVec3 azimuth, float u, float pick, Parameters p )
+RF_KERNEL RfVec3 sample( RfVec3 n, RfEyeLane eye, RfVec3 azimuth, float u, float u_lobe, Parameters p )
 {
     RfVec3 h = sample_normal( n, eye, azimuth, u, p.alpha );
     RfVec3 mirrored = rf_sub( rf_scale( h, 2.0f * rf_dot( eye.wo, h ) / rf_dot( h, h ) ), eye.wo );
     RfVec3 base = rf_madd( rf_scale( azimuth, sqrtf( u ) ), n, sqrtf( 1.0f - u ) );
-    bool is_specular = pick < specular_chance( &p, schlick_weight( eye.cos_o ) );
+    bool is_specular = u_lobe < specular_probability( &p, schlick_weight( eye.cos_o ) );
     return rf_vec3( is_specular ? mirrored.x : base.x, is_specular ? mirrored.y : base.y, is_specular ? mirrored.z : base.z );
 }
 
@@ -118,12 +117,14 @@ RF_KERNEL void evaluate_block( int first, int count, const RfBsdfLanes* lanes, c
 {
     const float* restrict nx = lanes->n[0] + first, * restrict ny = lanes->n[1] + first;
     const float* restrict nz = lanes->n[2] + first;
-    const float* restrict dx = lanes->diffuse[0] + first, * restrict dy = lanes->diffuse[1] + first;
-    const float* restrict dz = lanes->diffuse[2] + first;
-    const float* restrict sx = lanes->specular[0] + first, * restrict sy = lanes->specular[1] + first;
-    const float* restrict sz = lanes->specular[2] + first;
-    const float* restrict alpha = lanes->shape + first, * restrict f90 = lanes->f90 + first;
-    const float* restrict coat_f0 = lanes->coat_f0 + first, * restrict coat_f90 = lanes->coat_f90 + first;
+    const float* restrict dx = lanes->param[RF_PARAM_DIFFUSE] + first, * restrict dy = lanes->param[RF_PARAM_DIFFUSE + 1] + first;
+    const float* restrict dz = lanes->param[RF_PARAM_DIFFUSE + 2] + first;
+    const float* restrict sx = lanes->param[RF_PARAM_SPECULAR] + first, * restrict sy =
+                                                                            lanes->param[RF_PARAM_SPECULAR + 1] + first;
+    const float* restrict sz = lanes->param[RF_PARAM_SPECULAR + 2] + first;
+    const float* restrict alpha = lanes->param[RF_PARAM_SHAPE] + first, * restrict f90 = lanes->param[RF_PARAM_F90] + first;
+    const float* restrict coat_f0 = lanes->param[RF_PARAM_COAT_F0] + first, * restrict coat_f90 =
+                                                                                lanes->param[RF_PARAM_COAT_F90] + first;
     const float* restrict ox = eyes->x, * restrict oy = eyes->y, * restrict oz = eyes->z;
     const float* restrict cos_o = eyes->cos_o;
     const float* restrict ix = wi[0] + first, * restrict iy = wi[1] + first, * restrict iz = wi[2] + first;
@@ -168,7 +169,7 @@ void rf_ggx_evaluate( int count, const RfBsdfLanes* lanes, const float* const wo
     }
 }
 
-// A loop of its own for the same reason as rf_lift_block.
+// A separate loop for the same reason as rf_lift_block.
 typedef struct AzimuthBlock
 {
     float x[RF_BLOCK], y[RF_BLOCK], z[RF_BLOCK];
@@ -195,12 +196,14 @@ static void sample_block( int first, int count, const RfBsdfLanes* lanes, const 
 {
     const float* restrict nx = lanes->n[0] + first, * restrict ny = lanes->n[1] + first;
     const float* restrict nz = lanes->n[2] + first;
-    const float* restrict dx = lanes->diffuse[0] + first, * restrict dy = lanes->diffuse[1] + first;
-    const float* restrict dz = lanes->diffuse[2] + first;
-    const float* restrict sx = lanes->specular[0] + first, * restrict sy = lanes->specular[1] + first;
-    const float* restrict sz = lanes->specular[2] + first;
-    const float* restrict alpha = lanes->shape + first, * restrict f90 = lanes->f90 + first;
-    const float* restrict coat_f0 = lanes->coat_f0 + first, * restrict coat_f90 = lanes->coat_f90 + first;
+    const float* restrict dx = lanes->param[RF_PARAM_DIFFUSE] + first, * restrict dy = lanes->param[RF_PARAM_DIFFUSE + 1] + first;
+    const float* restrict dz = lanes->param[RF_PARAM_DIFFUSE + 2] + first;
+    const float* restrict sx = lanes->param[RF_PARAM_SPECULAR] + first, * restrict sy =
+                                                                            lanes->param[RF_PARAM_SPECULAR + 1] + first;
+    const float* restrict sz = lanes->param[RF_PARAM_SPECULAR + 2] + first;
+    const float* restrict alpha = lanes->param[RF_PARAM_SHAPE] + first, * restrict f90 = lanes->param[RF_PARAM_F90] + first;
+    const float* restrict coat_f0 = lanes->param[RF_PARAM_COAT_F0] + first, * restrict coat_f90 =
+                                                                                lanes->param[RF_PARAM_COAT_F90] + first;
     const float* restrict ox = eyes->x, * restrict oy = eyes->y, * restrict oz = eyes->z;
     const float* restrict cos_o = eyes->cos_o;
     const float* restrict u0 = u[0] + first, * restrict u2 = u[2] + first;

@@ -1,12 +1,12 @@
-// Mirrors and glass. A microfacet surface (GGX, alpha 0: smooth) that reflects
-// with Fresnel's reflectance and lets the rest through, tinted (Walter et al.
-// 2007), over a Lambert base where the material is not fully transmissive, mixed
-// with a metal of the same roughness where textures make parts of it one. Not
-// vectorised: there are few such lanes, and each goes one of many ways.
+// Mirrors and glass. A microfacet surface (GGX; alpha 0: smooth) that reflects
+// by Fresnel's equations and transmits the rest, tinted (Walter et al. 2007), over
+// a Lambert base where the material is not fully transmissive, mixed with a metal
+// of the same roughness where textures say so. Not vectorised: such lanes are few
+// and diverge.
 //
-// Light sampling can find what the base scatters and what a rough surface
-// reflects. Everything else has RF_DELTA_PDF: smooth lobes, and what comes
-// through, which is found by scattering alone.
+// Light sampling can find the directions of the base and of rough reflection. All
+// other lobes have RF_DELTA_PDF: smooth ones, and transmission, which only BSDF
+// sampling finds.
 #include "bsdf/lane.h"
 
 typedef struct Glass
@@ -14,7 +14,7 @@ typedef struct Glass
     RfVec3 n, base, specular, tint;
     float alpha;
     float ior;   // of the far side over the near one; 0: mirror
-    float metal; // part of it that is, whose F0 is `specular`; base and tint have the rest
+    float metal; // fraction that is metal with F0 `specular`; base and tint are scaled by the rest
     bool thin;
 } Glass;
 
@@ -22,17 +22,19 @@ static Glass glass_of( const RfBsdfLanes* lanes, int i )
 {
     return ( Glass ){
         .n = rf_vec3( lanes->n[0][i], lanes->n[1][i], lanes->n[2][i] ),
-        .base = rf_vec3( lanes->diffuse[0][i], lanes->diffuse[1][i], lanes->diffuse[2][i] ),
-        .specular = rf_vec3( lanes->specular[0][i], lanes->specular[1][i], lanes->specular[2][i] ),
-        .tint = rf_vec3( lanes->tint[0][i], lanes->tint[1][i], lanes->tint[2][i] ),
-        .alpha = lanes->shape[i],
-        .ior = fabsf( lanes->ior[i] ),
-        .metal = lanes->f90[i],
-        .thin = lanes->ior[i] < 0.0f,
+        .base = rf_vec3( lanes->param[RF_PARAM_DIFFUSE][i], lanes->param[RF_PARAM_DIFFUSE + 1][i],
+                         lanes->param[RF_PARAM_DIFFUSE + 2][i] ),
+        .specular = rf_vec3( lanes->param[RF_PARAM_SPECULAR][i], lanes->param[RF_PARAM_SPECULAR + 1][i],
+                             lanes->param[RF_PARAM_SPECULAR + 2][i] ),
+        .tint = rf_vec3( lanes->param[RF_PARAM_TINT][i], lanes->param[RF_PARAM_TINT + 1][i], lanes->param[RF_PARAM_TINT + 2][i] ),
+        .alpha = lanes->param[RF_PARAM_SHAPE][i],
+        .ior = fabsf( lanes->param[RF_PARAM_IOR][i] ),
+        .metal = lanes->param[RF_PARAM_F90][i],
+        .thin = lanes->param[RF_PARAM_IOR][i] < 0.0f,
     };
 }
 
-// Fresnel's equations for unpolarised light that meets a dielectric.
+// Fresnel reflectance of a dielectric for unpolarised light.
 static float dielectric( float cos_o, float ior )
 {
     float sin2 = ( 1.0f - cos_o * cos_o ) / ( ior * ior );
@@ -50,7 +52,7 @@ static float schlick_weight( float cos_o )
     return m2 * m2 * m;
 }
 
-// Part that is reflected: of mirrors and metal by Schlick, coloured.
+// Reflectance: of mirrors and metals by Schlick, coloured.
 static RfVec3 reflectance( const Glass* g, float cos_o )
 {
     float w = schlick_weight( cos_o );
@@ -60,26 +62,26 @@ static RfVec3 reflectance( const Glass* g, float cos_o )
     return rf_add( rf_vec3( f, f, f ), rf_scale( g->specular, 1.0f - w ) );
 }
 
-// What the coat lets through to the base, one way.
-static float to_base( const Glass* g, float cos_theta )
+// Transmission of the surface to the base, one way.
+static float base_transmission( const Glass* g, float cos_theta )
 {
     return g->ior > 0.0f ? 1.0f - dielectric( cos_theta, g->ior > 1.0f ? g->ior : 1.0f / g->ior ) : 0.0f;
 }
 
-// Chance of the base, from the eye's cosine alone.
-static float base_chance( const Glass* g, float cos_o )
+// The probability of sampling the base, from the eye's cosine alone.
+static float base_probability( const Glass* g, float cos_o )
 {
-    float base = rf_mean( g->base ) * to_base( g, cos_o );
+    float base = rf_mean( g->base ) * base_transmission( g, cos_o );
     float f = rf_mean( reflectance( g, cos_o ) );
     float specular = f + ( 1.0f - f ) * rf_mean( g->tint );
     return base > 0.0f ? base / ( base + specular ) : 0.0f;
 }
 
-// Chance to reflect rather than to let through, once a facet is chosen.
-static float reflect_chance( const Glass* g, RfVec3 f )
+// The probability of reflection rather than transmission, given the facet.
+static float reflection_probability( const Glass* g, RfVec3 f )
 {
-    float reflected = rf_mean( f ), passed = ( 1.0f - reflected ) * rf_mean( g->tint );
-    return reflected + passed > 0.0f ? reflected / ( reflected + passed ) : 1.0f;
+    float reflected = rf_mean( f ), transmitted = ( 1.0f - reflected ) * rf_mean( g->tint );
+    return reflected + transmitted > 0.0f ? reflected / ( reflected + transmitted ) : 1.0f;
 }
 
 static float smith( float alpha, float cos_theta ) // 1 + 2 Λ
@@ -88,18 +90,18 @@ static float smith( float alpha, float cos_theta ) // 1 + 2 Λ
     return sqrtf( a2 / c2 + 1.0f - a2 );
 }
 
-// The lobes of width: base, and the reflection of a rough surface.
+// The lobes that are no deltas: the base, and rough reflection.
 static RfScattering evaluate( const Glass* g, RfEyeLane eye, RfVec3 wi )
 {
     RfScattering s = { { 0, 0, 0 }, 0.0f };
     float cos_i = rf_dot( g->n, wi ), cos_o = eye.cos_o;
     if ( cos_i <= 0.0f )
         return s;
-    float chance = base_chance( g, cos_o );
-    if ( chance > 0.0f )
+    float probability = base_probability( g, cos_o );
+    if ( probability > 0.0f )
     {
-        s.f = rf_scale( g->base, RF_INV_PI * to_base( g, cos_o ) * to_base( g, cos_i ) );
-        s.pdf_solid_angle = chance * cos_i * RF_INV_PI;
+        s.f = rf_scale( g->base, RF_INV_PI * base_transmission( g, cos_o ) * base_transmission( g, cos_i ) );
+        s.pdf_solid_angle = probability * cos_i * RF_INV_PI;
     }
     if ( g->alpha == 0.0f )
         return s;
@@ -111,11 +113,11 @@ static RfScattering evaluate( const Glass* g, RfEyeLane eye, RfVec3 wi )
     float so = smith( g->alpha, cos_o ), si = smith( g->alpha, cos_i );
     RfVec3 f = reflectance( g, rf_dot( eye.wo, h ) );
     s.f = rf_add( s.f, rf_scale( f, d * 2.0f / ( so + si ) / ( 4.0f * cos_o * cos_i ) ) );
-    s.pdf_solid_angle += ( 1.0f - chance ) * reflect_chance( g, f ) * d * 2.0f / ( 1.0f + so ) / ( 4.0f * cos_o );
+    s.pdf_solid_angle += ( 1.0f - probability ) * reflection_probability( g, f ) * d * 2.0f / ( 1.0f + so ) / ( 4.0f * cos_o );
     return s;
 }
 
-// A facet's unit normal that wo sees (Heitz, JCGT 2018).
+// Samples a visible unit normal (Heitz, JCGT 2018).
 static RfVec3 sample_facet( const Glass* g, RfEyeLane eye, float u, float v )
 {
     if ( g->alpha == 0.0f )
@@ -131,9 +133,9 @@ static RfVec3 sample_facet( const Glass* g, RfEyeLane eye, float u, float v )
 
 static RfVec3 mirrored( RfVec3 wo, RfVec3 h ) { return rf_sub( rf_scale( h, 2.0f * rf_dot( wo, h ) ), wo ); }
 
-// Through the facet: bent, or in a thin wall straight on, spread as the
-// reflection would be.
-static RfVec3 passed( const Glass* g, RfVec3 wo, RfVec3 h )
+// The transmitted direction: refracted by the facet, or in a thin wall straight on,
+// spread like the reflection.
+static RfVec3 transmitted( const Glass* g, RfVec3 wo, RfVec3 h )
 {
     if ( g->thin )
     {
@@ -152,8 +154,8 @@ typedef struct GlassSample
     float pdf_solid_angle;
 } GlassSample;
 
-// A lobe of width was taken: weight and density are those of all such lobes.
-static GlassSample finish_wide( const Glass* g, RfEyeLane eye, RfVec3 wi )
+// A non-delta lobe was sampled: weight and density are those of all such lobes.
+static GlassSample finish_non_delta( const Glass* g, RfEyeLane eye, RfVec3 wi )
 {
     RfScattering s = evaluate( g, eye, wi );
     GlassSample out = { wi, { 0, 0, 0 }, s.pdf_solid_angle };
@@ -162,37 +164,37 @@ static GlassSample finish_wide( const Glass* g, RfEyeLane eye, RfVec3 wi )
     return out;
 }
 
-static GlassSample sample_passed( const Glass* g, RfEyeLane eye, RfVec3 h, float chance )
+static GlassSample sample_transmission( const Glass* g, RfEyeLane eye, RfVec3 h, float probability )
 {
-    GlassSample out = { passed( g, eye.wo, h ), { 0, 0, 0 }, RF_DELTA_PDF };
+    GlassSample out = { transmitted( g, eye.wo, h ), { 0, 0, 0 }, RF_DELTA_PDF };
     float cos_i = -rf_dot( g->n, out.wi );
     if ( cos_i <= 0.0f )
         return out;
-    // radiance is squeezed together where it enters the denser medium
-    float squeeze = g->thin ? 1.0f : 1.0f / ( g->ior * g->ior );
+    // radiance scales with the squared index
+    float radiance_scale = g->thin ? 1.0f : 1.0f / ( g->ior * g->ior );
     float shadow = g->alpha > 0.0f ? 2.0f / ( 1.0f + smith( g->alpha, cos_i ) ) : 1.0f;
-    float rest = 1.0f - dielectric( rf_dot( eye.wo, h ), g->ior ); // what is metal is not in the tint
-    out.weight = rf_scale( rf_scale( g->tint, rest ), squeeze * shadow / chance );
+    float rest = 1.0f - dielectric( rf_dot( eye.wo, h ), g->ior ); // the metallic fraction is not in the tint
+    out.weight = rf_scale( rf_scale( g->tint, rest ), radiance_scale * shadow / probability );
     return out;
 }
 
 static GlassSample sample( const Glass* g, RfEyeLane eye, const float u[3] )
 {
-    float base = base_chance( g, eye.cos_o );
+    float base = base_probability( g, eye.cos_o );
     if ( u[2] < base )
     {
         RfVec3 azimuth = rf_azimuth_direction( g->n, u[1] );
-        return finish_wide( g, eye, rf_madd( rf_scale( azimuth, sqrtf( u[0] ) ), g->n, sqrtf( 1.0f - u[0] ) ) );
+        return finish_non_delta( g, eye, rf_madd( rf_scale( azimuth, sqrtf( u[0] ) ), g->n, sqrtf( 1.0f - u[0] ) ) );
     }
-    float pick = ( u[2] - base ) / ( 1.0f - base );
+    float u_facet = ( u[2] - base ) / ( 1.0f - base );
     RfVec3 h = sample_facet( g, eye, u[0], u[1] );
     RfVec3 f = reflectance( g, rf_dot( eye.wo, h ) );
-    float reflect = reflect_chance( g, f );
-    if ( pick >= reflect )
-        return sample_passed( g, eye, h, ( 1.0f - base ) * ( 1.0f - reflect ) );
+    float reflect = reflection_probability( g, f );
+    if ( u_facet >= reflect )
+        return sample_transmission( g, eye, h, ( 1.0f - base ) * ( 1.0f - reflect ) );
     RfVec3 wi = mirrored( eye.wo, h );
     if ( g->alpha > 0.0f )
-        return finish_wide( g, eye, wi );
+        return finish_non_delta( g, eye, wi );
     return ( GlassSample ){ wi, rf_scale( f, 1.0f / ( ( 1.0f - base ) * reflect ) ), RF_DELTA_PDF };
 }
 

@@ -1,11 +1,11 @@
-// Lambert: f = ρ/π, sampled by the cosine. The eye does not matter.
+// Lambert: f = ρ/π, sampled by the cosine, independent of wo.
 #include "bsdf/lane.h"
 
 RF_KERNEL void evaluate_lanes( int count, const RfBsdfLanes* lanes, const float* const wi[3], float* const f[3],
                                float* pdf_solid_angle, bool want_f, bool want_pdf )
 {
     const float* restrict nx = lanes->n[0], * restrict ny = lanes->n[1], * restrict nz = lanes->n[2];
-    const float* restrict dx = lanes->diffuse[0], * restrict dy = lanes->diffuse[1], * restrict dz = lanes->diffuse[2];
+    const float* restrict dx = lanes->param[RF_PARAM_DIFFUSE], * restrict dy = lanes->param[RF_PARAM_DIFFUSE + 1], * restrict dz = lanes->param[RF_PARAM_DIFFUSE + 2];
     const float* restrict ix = wi[0], * restrict iy = wi[1], * restrict iz = wi[2];
     float* restrict fx = want_f ? f[0] : NULL;
     float* restrict fy = want_f ? f[1] : NULL;
@@ -52,7 +52,7 @@ void rf_lambert_sample( int count, const RfBsdfLanes* lanes, const float* const 
     for ( int i = 0; i < count; ++i )
     {
         RfVec3 n = rf_vec3( nx[i], ny[i], nz[i] );
-        // 1 − u is at least 2⁻²⁴: the direction never lies in the surface.
+        // 1 − u is at least 2⁻²⁴: the direction is never tangential.
         RfVec3 w = rf_scale( rf_azimuth_direction( n, u1[i] ), sqrtf( u0[i] ) );
         w = rf_madd( w, n, sqrtf( 1.0f - u0[i] ) );
         ix[i] = w.x;

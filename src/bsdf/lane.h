@@ -1,4 +1,4 @@
-// What the scattering models share inside their loops, for one lane.
+// Shared by the models: what their loops need for one lane.
 #ifndef REFRAME_BSDF_LANE_H
 #define REFRAME_BSDF_LANE_H
 
@@ -8,8 +8,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-// A call left in a loop keeps it from being vectorised, so the kernels must be
-// inlined, however large they are and however often they are used.
+// A function call keeps a loop from being vectorised, so kernels must always be
+// inlined.
 #if defined( __GNUC__ )
 #define RF_KERNEL static inline __attribute__( ( always_inline ) )
 #else
@@ -22,7 +22,7 @@ typedef struct RfScattering
     float pdf_solid_angle;
 } RfScattering;
 
-// wo and its cosine, lifted to the shading horizon along n if it lies below.
+// wo and its cosine; if below the shading horizon, lifted to it along n.
 // The lifted length is never near 0: its part along n is RF_MIN_COS.
 typedef struct RfEyeLane
 {
@@ -39,10 +39,10 @@ RF_KERNEL RfEyeLane rf_lift_to_horizon( RfVec3 n, RfVec3 wo )
     return ( RfEyeLane ){ rf_scale( raised, scale ), rf_dot( n, raised ) * scale };
 }
 
-// The kernels are long chains of results that wait for each other, longer than
-// the processor looks ahead. So they run in a few short loops over a block of
-// lanes instead of a long one: first all eyes are lifted, then the rest. (Takes
-// a quarter off the time of GGX and Phong.)
+// The kernels are long dependency chains, longer than the processor can reorder.
+// So they run as a few short loops over a block of lanes instead of a long one:
+// first all eyes are lifted, then the rest follows. (A quarter faster for GGX and
+// Phong.)
 #define RF_BLOCK 256
 
 typedef struct RfEyeBlock
@@ -68,10 +68,10 @@ static inline void rf_lift_block( int first, int count, const RfBsdfLanes* lanes
     }
 }
 
-// Lanes of the block that begins at `first`.
+// Number of lanes in the block that begins at `first`.
 static inline int rf_block_size( int first, int count ) { return count - first < RF_BLOCK ? count - first : RF_BLOCK; }
 
-// The direction of u[1] around n: cos φ · t + sin φ · b.
+// The tangent at azimuth φ = 2πu around n: cos φ · t + sin φ · b.
 RF_KERNEL RfVec3 rf_azimuth_direction( RfVec3 n, float u )
 {
     RfVec3 t, b;

@@ -1,11 +1,11 @@
 // Modified Phong (Lafortune, Willems, Using the modified Phong reflectance model
 // for physically based rendering, 1994): f = kd/π + ks (n+2)/(2π) cosⁿα, α from
-// the mirror direction of wo to wi. One of the two lobes is sampled, chosen by
-// the means of kd and ks.
+// the mirror direction of wo to wi. One of the two lobes is sampled, with
+// probabilities proportional to the means of kd and ks.
 #include "bsdf/lane.h"
 
-// The chance of the diffuse lobe.
-RF_KERNEL float diffuse_chance( RfVec3 diffuse, RfVec3 specular )
+// The probability of sampling the diffuse lobe.
+RF_KERNEL float diffuse_probability( RfVec3 diffuse, RfVec3 specular )
 {
     float d = rf_mean( diffuse );
     float sum = d + rf_mean( specular );
@@ -14,9 +14,9 @@ RF_KERNEL float diffuse_chance( RfVec3 diffuse, RfVec3 specular )
 }
 
 // 1 − cos α = |wi − r|²/2, r the mirror direction. With h = wo + wi that
-// difference is h's part across n plus (cos_i − cos_o) n. A dot product of wi
-// and r would be off by 1e-7, a tenth of 1/n at n = 10⁶; this is accurate
-// relative to itself, and the same bits for wo and wi exchanged.
+// difference is the part of h perpendicular to n plus (cos_i − cos_o) n. A dot
+// product of wi and r would be off by 1e-7, a tenth of 1/n at n = 10⁶; this has a
+// small relative error, and the same bits for wo and wi exchanged.
 RF_KERNEL float one_minus_cos_alpha( RfVec3 n, RfEyeLane eye, RfVec3 wi, float cos_i )
 {
     RfVec3 across = rf_cross( n, rf_add( eye.wo, wi ) );
@@ -27,33 +27,32 @@ RF_KERNEL float one_minus_cos_alpha( RfVec3 n, RfEyeLane eye, RfVec3 wi, float c
 RF_KERNEL RfScattering scatter( float cos_i, float d, RfVec3 diffuse, RfVec3 specular, float exponent )
 {
     float power = rf_pow_one_minus( rf_minf( d, 1.0f ), exponent );
-    power = d < 1.0f ? power * ( 0.5f * RF_INV_PI ) : 0.0f; // the lobe is half a sphere, also for n = 0
+    power = d < 1.0f ? power * ( 0.5f * RF_INV_PI ) : 0.0f; // the lobe is limited to a hemisphere, also for n = 0
     power = cos_i > 0.0f ? power : 0.0f;
     float lit = cos_i > 0.0f ? RF_INV_PI : 0.0f;
-    float chance = diffuse_chance( diffuse, specular );
+    float probability = diffuse_probability( diffuse, specular );
 
     RfScattering result;
     result.f = rf_madd( rf_scale( diffuse, lit ), specular, ( exponent + 2.0f ) * power );
-    result.pdf_solid_angle = chance * lit * cos_i + ( 1.0f - chance ) * ( exponent + 1.0f ) * power;
+    result.pdf_solid_angle = probability * lit * cos_i + ( 1.0f - probability ) * ( exponent + 1.0f ) * power;
     return result;
 }
 
 RF_KERNEL RfVec3 sample( RfVec3 n, RfEyeLane eye, RfVec3 u, RfVec3 diffuse, RfVec3 specular, float exponent )
 {
     RfVec3 mirror = rf_sub( rf_scale( n, 2.0f * eye.cos_o ), eye.wo );
-    // The cosine lobe is a Phong lobe about n with exponent 1: one way for both.
-    bool is_diffuse = u.z < diffuse_chance( diffuse, specular );
+    // The cosine lobe is a Phong lobe about n with exponent 1: the same code samples both.
+    bool is_diffuse = u.z < diffuse_probability( diffuse, specular );
     RfVec3 axis = rf_vec3( is_diffuse ? n.x : mirror.x, is_diffuse ? n.y : mirror.y, is_diffuse ? n.z : mirror.z );
     float power = is_diffuse ? 1.0f : exponent;
-    // cos α = (1 − u)^(1/(n+1)), by way of 1 − cos α, which a sharp lobe needs.
+    // cos α = (1 − u)^(1/(n+1)), computed as 1 − cos α, whose digits a sharp lobe needs.
     float d = rf_one_minus_exp2( rf_log2( 1.0f - u.x ) / ( power + 1.0f ) );
     d = rf_maxf( d, 0.0f );
     RfVec3 w = rf_scale( rf_azimuth_direction( axis, u.y ), sqrtf( d * ( 2.0f - d ) ) );
     return rf_madd( w, axis, 1.0f - d );
 }
 
-// What the lobes need of the directions; a loop of its own for the same reason
-// as rf_lift_block.
+// Cosines of the directions; a separate loop for the same reason as rf_lift_block.
 typedef struct AngleBlock
 {
     float cos_i[RF_BLOCK], d[RF_BLOCK];
@@ -82,12 +81,13 @@ static void angle_block( int first, int count, const RfBsdfLanes* lanes, const R
 RF_KERNEL void evaluate_block( int first, int count, const RfBsdfLanes* lanes, const AngleBlock* angles, float* const f[3],
                                float* pdf_solid_angle )
 {
-    const float* restrict dx = lanes->diffuse[0] + first, * restrict dy = lanes->diffuse[1] + first;
-    const float* restrict dz = lanes->diffuse[2] + first;
-    const float* restrict sx = lanes->specular[0] + first, * restrict sy = lanes->specular[1] + first;
-    const float* restrict sz = lanes->specular[2] + first;
+    const float* restrict dx = lanes->param[RF_PARAM_DIFFUSE] + first, * restrict dy = lanes->param[RF_PARAM_DIFFUSE + 1] + first;
+    const float* restrict dz = lanes->param[RF_PARAM_DIFFUSE + 2] + first;
+    const float* restrict sx = lanes->param[RF_PARAM_SPECULAR] + first, * restrict sy =
+                                                                            lanes->param[RF_PARAM_SPECULAR + 1] + first;
+    const float* restrict sz = lanes->param[RF_PARAM_SPECULAR + 2] + first;
     const float* restrict cos_i = angles->cos_i, * restrict d = angles->d;
-    const float* restrict exponent = lanes->shape + first;
+    const float* restrict exponent = lanes->param[RF_PARAM_SHAPE] + first;
     float* restrict fx = f != NULL ? f[0] + first : NULL;
     float* restrict fy = f != NULL ? f[1] + first : NULL;
     float* restrict fz = f != NULL ? f[2] + first : NULL;
@@ -132,14 +132,15 @@ static void sample_block( int first, int count, const RfBsdfLanes* lanes, const 
 {
     const float* restrict nx = lanes->n[0] + first, * restrict ny = lanes->n[1] + first;
     const float* restrict nz = lanes->n[2] + first;
-    const float* restrict dx = lanes->diffuse[0] + first, * restrict dy = lanes->diffuse[1] + first;
-    const float* restrict dz = lanes->diffuse[2] + first;
-    const float* restrict sx = lanes->specular[0] + first, * restrict sy = lanes->specular[1] + first;
-    const float* restrict sz = lanes->specular[2] + first;
+    const float* restrict dx = lanes->param[RF_PARAM_DIFFUSE] + first, * restrict dy = lanes->param[RF_PARAM_DIFFUSE + 1] + first;
+    const float* restrict dz = lanes->param[RF_PARAM_DIFFUSE + 2] + first;
+    const float* restrict sx = lanes->param[RF_PARAM_SPECULAR] + first, * restrict sy =
+                                                                            lanes->param[RF_PARAM_SPECULAR + 1] + first;
+    const float* restrict sz = lanes->param[RF_PARAM_SPECULAR + 2] + first;
     const float* restrict ox = eyes->x, * restrict oy = eyes->y, * restrict oz = eyes->z;
     const float* restrict cos_o = eyes->cos_o;
     const float* restrict u0 = u[0] + first, * restrict u1 = u[1] + first, * restrict u2 = u[2] + first;
-    const float* restrict exponent = lanes->shape + first;
+    const float* restrict exponent = lanes->param[RF_PARAM_SHAPE] + first;
     float* restrict ix = wi[0] + first, * restrict iy = wi[1] + first, * restrict iz = wi[2] + first;
 
 #pragma omp simd

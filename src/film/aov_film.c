@@ -73,17 +73,25 @@ static void add_motion( const RfAovJob* job, float* mean, Seen seen, float share
     }
 }
 
-// Reflectance at normal incidence: a dielectric coat takes its part first.
+static RfVec3 colour_param( const RfVertexLanes* v, uint32_t params, RfBsdfParam param, int i )
+{
+    return rf_has_param( params, param ) ? rf_vec3( v->param[param][i], v->param[param + 1][i], v->param[param + 2][i] )
+                                         : rf_vec3( 0, 0, 0 );
+}
+
+// Reflectance at normal incidence: the coat of a dielectric reflects before its
+// base does. Transmission counts as well: glass is as bright as what is behind it.
 static RfVec3 albedo_of( const RfVertexLanes* v, int i )
 {
-    RfVec3 diffuse = rf_vec3( v->diffuse[0][i], v->diffuse[1][i], v->diffuse[2][i] );
-    if ( i < v->first[RF_BSDF_PHONG] )
-        return diffuse;
-    RfVec3 specular = rf_vec3( v->specular[0][i], v->specular[1][i], v->specular[2][i] );
-    if ( i >= v->first[RF_BSDF_GLASS] ) // transmitted light counts, too: glass is as bright as what is behind it
-        return rf_add( rf_add( specular, diffuse ), rf_vec3( v->tint[0][i], v->tint[1][i], v->tint[2][i] ) );
-    bool coated = i >= v->first[RF_BSDF_GGX];
-    return rf_madd( specular, diffuse, coated ? 1.0f - v->coat_f0[i] : 1.0f );
+    int kind = 0;
+    while ( i >= v->first[kind + 1] )
+        ++kind;
+    uint32_t params = rf_bsdf_model( (RfBsdfKind)kind )->params;
+    RfVec3 diffuse = colour_param( v, params, RF_PARAM_DIFFUSE, i );
+    RfVec3 specular = colour_param( v, params, RF_PARAM_SPECULAR, i );
+    RfVec3 tint = colour_param( v, params, RF_PARAM_TINT, i );
+    float to_base = rf_has_param( params, RF_PARAM_COAT_F0 ) ? 1.0f - v->param[RF_PARAM_COAT_F0][i] : 1.0f;
+    return rf_add( rf_madd( specular, diffuse, to_base ), tint );
 }
 
 static void add_hit( const RfAovJob* job, const RfVertexLanes* v, int i, size_t pixel, float share )

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// So many are picked by their power alone: one lamp of two triangles needs no tree.
+// Up to so many lights are selected by power: a lamp of two triangles needs no tree.
 #define FEW_LIGHTS 2
 
 static RfVec3 vertex( const RfTriangles* t, uint32_t triangle, int corner )
@@ -44,26 +44,26 @@ static bool emits( const RfScene* scene, uint32_t triangle )
     return rf_max_component( scene->materials[scene->triangles.material[triangle]].emission ) > 0.0f;
 }
 
-// Vose's alias table over `count` weights that sum to `total`.
-static RfResult build_alias( RfLights* lights, const double* weight, double total, RfError* error )
+// Vose's alias table of `powers`, which sum to `total`.
+static RfResult build_alias( RfLights* lights, const double* powers, double total, RfError* error )
 {
     uint32_t n = lights->count;
     double* scaled = malloc( n * sizeof *scaled );
     uint32_t* work = malloc( n * sizeof *work );
-    lights->alias_share = malloc( n * sizeof *lights->alias_share );
+    lights->alias_threshold = malloc( n * sizeof *lights->alias_threshold );
     lights->alias = malloc( n * sizeof *lights->alias );
-    if ( scaled == NULL || work == NULL || lights->alias_share == NULL || lights->alias == NULL )
+    if ( scaled == NULL || work == NULL || lights->alias_threshold == NULL || lights->alias == NULL )
     {
         free( scaled );
         free( work );
-        return rf_fail( error, RF_ERROR_MEMORY, "no memory for the pick table of %u lights", n );
+        return rf_fail( error, RF_ERROR_MEMORY, "no memory for the alias table of %u lights", n );
     }
-    // small columns from the left of `work`, large ones from the right
+    // small columns from the front of `work`, large ones from the back
     uint32_t small = 0, large = n;
     for ( uint32_t i = 0; i < n; ++i )
     {
-        scaled[i] = weight[i] / total * n;
-        lights->alias_share[i] = UINT32_MAX; // its alias is itself
+        scaled[i] = powers[i] / total * n;
+        lights->alias_threshold[i] = UINT32_MAX; // its alias is itself
         lights->alias[i] = i;
         if ( scaled[i] < 1.0 )
             work[small++] = i;
@@ -73,7 +73,7 @@ static RfResult build_alias( RfLights* lights, const double* weight, double tota
     while ( small > 0 && large < n )
     {
         uint32_t s = work[--small], l = work[large];
-        lights->alias_share[s] = (uint32_t)( scaled[s] * 0x1p32 ); // below 1: fits
+        lights->alias_threshold[s] = (uint32_t)( scaled[s] * 0x1p32 ); // below 1: fits
         lights->alias[s] = l;
         scaled[l] -= 1.0 - scaled[s];
         if ( scaled[l] < 1.0 )
@@ -87,8 +87,8 @@ static RfResult build_alias( RfLights* lights, const double* weight, double tota
     return RF_OK;
 }
 
-// Emissive triangles, their powers into `weight`; returns the sum.
-static double fill_triangles( const RfScene* scene, RfLights* lights, double* weight )
+// The emissive triangles and their powers; returns the sum.
+static double fill_triangles( const RfScene* scene, RfLights* lights, double* powers )
 {
     double total = 0.0;
     uint32_t k = 0;
@@ -98,10 +98,10 @@ static double fill_triangles( const RfScene* scene, RfLights* lights, double* we
         if ( !emits( scene, i ) )
             continue;
         RfLight light = make_light( scene, i );
-        weight[k] = power( &light );
-        if ( !( weight[k] > 0.0 ) )
-            continue; // no area, nothing can hit it either; or its texture is black all over it
-        total += weight[k];
+        powers[k] = power( &light );
+        if ( !( powers[k] > 0.0 ) )
+            continue; // no area, so nothing hits it; or its texture is black all over
+        total += powers[k];
         lights->light[k] = light;
         lights->of_triangle[i] = k++;
     }
@@ -109,7 +109,7 @@ static double fill_triangles( const RfScene* scene, RfLights* lights, double* we
     return total;
 }
 
-static void find_ball( const RfScene* scene, RfLights* lights )
+static void find_bounding_ball( const RfScene* scene, RfLights* lights )
 {
     RfVec3 half = rf_scale( rf_sub( scene->bounds_max, scene->bounds_min ), 0.5f );
     lights->center = rf_add( scene->bounds_min, half );
@@ -117,8 +117,8 @@ static void find_ball( const RfScene* scene, RfLights* lights )
     lights->inverse_radius = 1.0f / rf_maxf( lights->radius, 1e-30f );
 }
 
-// Power over π, as that of the triangles is: of what has no place, the light
-// that falls on the ball around the scene.
+// Power over π, like that of the triangles. For lights at infinity: the flux
+// through the bounding ball of the scene.
 static double punctual_power( const RfPunctual* p, double radius )
 {
     double luminance = (double)rf_luminance( p->intensity );
@@ -136,66 +136,66 @@ static double sky_power( const RfSky* sky, double radius )
     return 4.0 * 3.14159265358979324 * radius * radius * (double)sky->mean_luminance;
 }
 
-// Appends the lights that are not triangles: a weight each, also of those that are black.
-static double weigh_others( RfLights* lights, double* weight )
+// Appends the powers of the punctual lights and the sky, black ones included; returns their sum.
+static double append_non_area_lights( RfLights* lights, double* powers )
 {
     double total = 0.0, radius = (double)lights->radius;
     uint32_t k = lights->triangle_count;
     for ( int i = 0; i < lights->punctual_count; ++i )
-        total += weight[k++] = punctual_power( lights->punctual + i, radius );
+        total += powers[k++] = punctual_power( lights->punctual + i, radius );
     if ( rf_has_sky( lights ) )
-        total += weight[k++] = sky_power( &lights->sky, radius );
+        total += powers[k++] = sky_power( &lights->sky, radius );
     lights->count = k;
     return total;
 }
 
-static RfResult fill_lights( const RfScene* scene, RfLights* lights, uint32_t room, RfError* error )
+static RfResult fill_lights( const RfScene* scene, RfLights* lights, uint32_t capacity, RfError* error )
 {
-    double* weight = malloc( room * sizeof *weight );
-    if ( weight == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "no memory for %u lights", room );
-    double total = lights->of_triangle != NULL ? fill_triangles( scene, lights, weight ) : 0.0;
-    total += weigh_others( lights, weight );
+    double* powers = malloc( capacity * sizeof *powers );
+    if ( powers == NULL )
+        return rf_fail( error, RF_ERROR_MEMORY, "no memory for %u lights", capacity );
+    double total = lights->of_triangle != NULL ? fill_triangles( scene, lights, powers ) : 0.0;
+    total += append_non_area_lights( lights, powers );
     if ( !( total > 0.0 ) )
         lights->count = 0;
     for ( uint32_t i = 0; i < lights->count; ++i )
-        lights->share[i] = (float)( weight[i] / total );
-    RfResult result = lights->count > 0 ? build_alias( lights, weight, total, error ) : RF_OK;
-    free( weight );
+        lights->power_fraction[i] = (float)( powers[i] / total );
+    RfResult result = lights->count > 0 ? build_alias( lights, powers, total, error ) : RF_OK;
+    free( powers );
     if ( result == RF_OK && lights->count > FEW_LIGHTS )
         result = rf_create_light_tree( lights, error );
     return result;
 }
 
-static RfResult alloc_lights( const RfScene* scene, RfLights* lights, uint32_t emissive, uint32_t room, RfError* error )
+static RfResult alloc_lights( const RfScene* scene, RfLights* lights, uint32_t emissive, uint32_t capacity, RfError* error )
 {
-    bool whole = true;
+    bool complete = true;
     if ( emissive > 0 )
     {
         lights->light = malloc( emissive * sizeof *lights->light );
         lights->of_triangle = malloc( scene->triangles.count * sizeof *lights->of_triangle );
-        whole = lights->light != NULL && lights->of_triangle != NULL;
+        complete = lights->light != NULL && lights->of_triangle != NULL;
     }
-    lights->share = malloc( room * sizeof *lights->share );
-    if ( !whole || lights->share == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "no memory for %u lights", room );
+    lights->power_fraction = malloc( capacity * sizeof *lights->power_fraction );
+    if ( !complete || lights->power_fraction == NULL )
+        return rf_fail( error, RF_ERROR_MEMORY, "no memory for %u lights", capacity );
     return RF_OK;
 }
 
 RfResult rf_collect_lights( const RfScene* scene, RfLights* lights, RfError* error )
 {
     *lights = ( RfLights ){ .punctual_count = scene->punctual_count, .punctual = scene->punctuals };
-    find_ball( scene, lights );
+    find_bounding_ball( scene, lights );
     uint32_t emissive = 0;
     for ( uint32_t i = 0; i < scene->triangles.count; ++i )
         emissive += emits( scene, i );
     RfResult result = rf_make_sky( &scene->environment, &lights->sky, error );
-    uint32_t room = emissive + (uint32_t)scene->punctual_count + rf_has_sky( lights );
-    if ( result != RF_OK || room == 0 )
+    uint32_t capacity = emissive + (uint32_t)scene->punctual_count + rf_has_sky( lights );
+    if ( result != RF_OK || capacity == 0 )
         return result;
-    result = alloc_lights( scene, lights, emissive, room, error );
+    result = alloc_lights( scene, lights, emissive, capacity, error );
     if ( result == RF_OK )
-        result = fill_lights( scene, lights, room, error );
+        result = fill_lights( scene, lights, capacity, error );
     if ( result != RF_OK )
         rf_destroy_lights( lights );
     return result;
@@ -206,8 +206,8 @@ void rf_destroy_lights( RfLights* lights )
     rf_destroy_sky( &lights->sky );
     free( lights->light );
     rf_destroy_light_tree( &lights->tree );
-    free( lights->share );
-    free( lights->alias_share );
+    free( lights->power_fraction );
+    free( lights->alias_threshold );
     free( lights->alias );
     free( lights->of_triangle );
     *lights = ( RfLights ){ 0 };

@@ -1,7 +1,7 @@
-// The lights of a scene: emissive triangles, lights without size, the sky.
-// Collected once; picked in proportion to what they may send to the point that is
-// lit (light/tree.h), or to their power (alias table); triangles are sampled
-// uniformly by area, the sky by direction.
+// The lights of a scene: emissive triangles, punctual lights, the environment.
+// Collected once. One is selected in proportion to its estimated contribution at
+// the shading point (light/tree.h), or to its power (alias table); triangles are
+// then sampled uniformly by area, the environment by direction.
 #ifndef REFRAME_LIGHT_LIGHT_H
 #define REFRAME_LIGHT_LIGHT_H
 
@@ -16,16 +16,16 @@ typedef struct RfLight
 {
     RfVec3 p0, e1, e2;
     RfVec3 normal;   // unit, of the front
-    RfVec3 radiance; // W/(m² sr); where textured about the mean: rf_light_radiance tells it at a point
-    float pdf_area;  // density of its points, once it is picked: one over the area, 1/m²
+    RfVec3 radiance; // W/(m² sr); if textured, an estimate of the mean: see rf_light_radiance
+    float pdf_area;  // density of its points, given the light: one over the area, 1/m²
     float area;
-    float offset; // what lifts a point off it (rf_ray_offset)
+    float offset; // lifts points off the surface (rf_ray_offset)
     uint32_t triangle;
     bool two_sided;
     bool textured;
 } RfLight;
 
-// Picked by number: first the triangles, then the punctual lights, then the sky.
+// Lights are numbered: first the triangles, then the punctual lights, then the sky.
 typedef struct RfLights
 {
     uint32_t count; // of all
@@ -34,13 +34,13 @@ typedef struct RfLights
     int punctual_count;
     const RfPunctual* punctual; // the scene's own
     RfSky sky;
-    RfVec3 center; // of a ball around the scene: what is beyond `radius` of it is as far as the sky
+    RfVec3 center; // of the bounding ball of the scene's triangles
     float radius;
     float inverse_radius;
-    RfLightTree tree;      // of all but the sky, in units of the ball; none where there are few lights
-    float sky_scale;       // of the sky's irradiance, to compare with the tree's weights
-    float* share;          // of each light in the power of all
-    uint32_t* alias_share; // alias table, in units of 2⁻³²: below the share take the column, else its alias
+    RfLightTree tree;          // over all but the sky, in radii of the ball; empty where there are few lights
+    float sky_scale;           // times the sky's irradiance: its importance in the unit of the tree's
+    float* power_fraction;     // of each light: its power over that of all
+    uint32_t* alias_threshold; // alias table, in units of 2⁻³²: below it the column is selected, else its alias
     uint32_t* alias;
     uint32_t* of_triangle; // light of each triangle, or RF_NO_LIGHT; NULL without area lights
 } RfLights;
@@ -51,9 +51,9 @@ void rf_destroy_lights( RfLights* lights );
 
 static inline bool rf_has_sky( const RfLights* lights ) { return lights->sky.environment != NULL; }
 
-// Radiance at the barycentrics (b1, b2) of an area light, as a light sample
-// gets it: a blended light is met by other rays with the chance of its alpha,
-// by light samples always.
+// Radiance at the barycentrics (b1, b2) of an area light, as seen by a light
+// sample: other rays hit a blended light with the probability of its alpha,
+// light samples always do.
 static inline RfVec3 rf_light_radiance( const RfScene* scene, const RfLight* light, float b1, float b2 )
 {
     if ( !light->textured )
@@ -63,40 +63,40 @@ static inline RfVec3 rf_light_radiance( const RfScene* scene, const RfLight* lig
     return rf_is_blended( m ) ? rf_scale( radiance, rf_opacity_at( scene, m, light->triangle, b1, b2 ) ) : radiance;
 }
 
-// How a light is picked.
+// How a light is selected.
 typedef enum RfLightSampling
 {
-    RF_LIGHTS_BY_TREE,  // in proportion to what it may send to the point; by power where there are few lights
-    RF_LIGHTS_BY_POWER, // wherever the point is: for comparison
+    RF_LIGHTS_BY_TREE,  // by importance at the shading point; by power where there are few lights
+    RF_LIGHTS_BY_POWER, // the same everywhere: for comparison
 } RfLightSampling;
 
 typedef struct RfLightSelection
 {
-    uint32_t light; // RF_NO_LIGHT: none of them can send anything
-    float chance;
+    uint32_t light; // RF_NO_LIGHT: none can contribute
+    float probability;
 } RfLightSelection;
 
-// A light for 64 random bits at the point x with unit normal n, which light
-// arrives at from the side of n only. The chances depend on nothing else, so
-// they are the same for all eyes that see x. `count` must not be 0.
-RfLightSelection rf_select_light( const RfLights* lights, RfLightSampling picking, RfVec3 x, RfVec3 n, const uint32_t bits[2] );
+// Selects a light by 64 random bits for the point x with unit normal n, which is
+// lit from the side of n only. The probabilities depend on nothing else, so they
+// are the same for all cameras that see x. `count` must not be 0.
+RfLightSelection rf_select_light( const RfLights* lights, RfLightSampling sampling, RfVec3 x, RfVec3 n, const uint32_t bits[2] );
 
 // The same for arrays of points.
-void rf_select_lights( const RfLights* lights, RfLightSampling picking, int count, const float* const x[3],
-                       const float* const n[3], const uint32_t* const bits[2], RfLightSelection* pick );
+void rf_select_lights( const RfLights* lights, RfLightSampling sampling, int count, const float* const x[3],
+                       const float* const n[3], const uint32_t* const bits[2], RfLightSelection* selection );
 
-// With which chance that picks this light; above 0 unless it can send nothing to x.
-float rf_light_probability( const RfLights* lights, RfLightSampling picking, uint32_t light, RfVec3 x, RfVec3 n );
+// The probability of selecting this light; above 0 unless it cannot contribute at x.
+float rf_light_probability( const RfLights* lights, RfLightSampling sampling, uint32_t light, RfVec3 x, RfVec3 n );
 
 // The sky's number; there must be one.
 static inline uint32_t rf_sky_number( const RfLights* lights ) { return lights->count - 1; }
 
-// One word picks the column, the other decides between it and its alias, so that
-// shares of the table are met to 2⁻³² however many lights there are.
-static inline uint32_t rf_select_light_by_power( const RfLights* lights, uint32_t column_bits, uint32_t share_bits )
+// One word selects the column, the other decides between it and its alias, so the
+// table is accurate to 2⁻³² however many lights there are.
+static inline uint32_t rf_select_light_by_power( const RfLights* lights, uint32_t column_bits, uint32_t threshold_bits )
 {
     uint32_t column = (uint32_t)( (uint64_t)column_bits * lights->count >> 32 );
-    return share_bits < lights->alias_share[column] ? column : lights->alias[column];
+    return threshold_bits < lights->alias_threshold[column] ? column : lights->alias[column];
 }
 
 #endif

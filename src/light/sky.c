@@ -1,7 +1,7 @@
-// Directions of a map are drawn by its pixels: a row by its share, a pixel of
-// the row by its share, a direction inside the pixel uniformly by solid angle.
-// A pixel's share is the mean over it of what rf_sky_radiance makes of it and
-// its neighbours, so no direction that sends light has density 0.
+// A map is sampled by its pixels: first a row, then a pixel of the row, then a
+// direction inside the pixel, uniformly by solid angle. A pixel's probability is
+// proportional to the mean over it of the interpolated luminance (rf_sky_radiance),
+// so no direction that emits has density 0.
 #include "light/sky.h"
 
 #include <stdlib.h>
@@ -20,7 +20,7 @@ static double luminance_at( const RfEnvironment* e, int x, int y )
     return (double)rf_luminance( rf_mul( e->radiance, rf_vec3( p[0], p[1], p[2] ) ) );
 }
 
-// The mean over a pixel of the linear interpolation: ⅛ ¾ ⅛ each way.
+// Mean over a pixel of the interpolated luminance: weights ⅛ ¾ ⅛ along each axis.
 static double mean_luminance( const RfEnvironment* e, int x, int y )
 {
     double sum = 0.0;
@@ -40,7 +40,7 @@ static double pixel_solid_angle( const RfEnvironment* e, int y )
     return ( top - bottom ) * 2.0 * 3.14159265358979324 / e->width;
 }
 
-// Sums of a row's shares, 0 to 1; returns its light.
+// The cumulative distribution of a row, 0 to 1; returns the power of the row.
 static double sum_row( const RfEnvironment* e, int y, float* sum )
 {
     double total = 0.0;
@@ -51,8 +51,8 @@ static double sum_row( const RfEnvironment* e, int y, float* sum )
     for ( int x = 0; x < e->width; ++x )
     {
         run += mean_luminance( e, x, y );
-        float share = total > 0.0 ? (float)( run / total ) : (float)( x + 1 ) / (float)e->width;
-        sum[x + 1] = share < 1.0f ? share : 1.0f;
+        float cumulative = total > 0.0 ? (float)( run / total ) : (float)( x + 1 ) / (float)e->width;
+        sum[x + 1] = cumulative < 1.0f ? cumulative : 1.0f;
     }
     sum[e->width] = 1.0f;
     return total * pixel_solid_angle( e, y );
@@ -60,24 +60,24 @@ static double sum_row( const RfEnvironment* e, int y, float* sum )
 
 static double sum_rows( const RfEnvironment* e, RfSky* sky )
 {
-    sky->row_sum[0] = 0.0;
+    sky->row_cdf[0] = 0.0;
     for ( int y = 0; y < e->height; ++y )
     {
-        float* columns = sky->column_sum + (size_t)y * ( (size_t)e->width + 1 );
-        sky->row_sum[y + 1] = sky->row_sum[y] + sum_row( e, y, columns );
+        float* columns = sky->column_cdf + (size_t)y * ( (size_t)e->width + 1 );
+        sky->row_cdf[y + 1] = sky->row_cdf[y] + sum_row( e, y, columns );
     }
-    double total = sky->row_sum[e->height];
+    double total = sky->row_cdf[e->height];
     for ( int y = 1; y <= e->height && total > 0.0; ++y )
-        sky->row_sum[y] /= total;
+        sky->row_cdf[y] /= total;
     for ( int y = 0; y < e->height; ++y )
-        sky->row_density[y] = (float)( ( sky->row_sum[y + 1] - sky->row_sum[y] ) / pixel_solid_angle( e, y ) );
+        sky->row_density[y] = (float)( ( sky->row_cdf[y + 1] - sky->row_cdf[y] ) / pixel_solid_angle( e, y ) );
     return total / ( 4.0 * 3.14159265358979324 );
 }
 
 static RfVec3 direction_of( const RfSky* sky, double u, double cos_up );
 
-// Mean over the sphere of luminance times direction.
-static RfVec3 find_lean( const RfSky* sky, const RfEnvironment* e )
+// Mean of luminance times direction over the sphere.
+static RfVec3 luminance_moment( const RfSky* sky, const RfEnvironment* e )
 {
     double sum[3] = { 0 };
     for ( int y = 0; y < e->height; ++y )
@@ -105,17 +105,17 @@ RfResult rf_make_sky( const RfEnvironment* e, RfSky* sky, RfError* error )
     sky->sin_rotation = sinf( e->rotation );
     if ( e->map != NULL )
     {
-        sky->row_sum = malloc( ( (size_t)e->height + 1 ) * sizeof *sky->row_sum );
-        sky->column_sum = malloc( (size_t)e->height * ( (size_t)e->width + 1 ) * sizeof *sky->column_sum );
+        sky->row_cdf = malloc( ( (size_t)e->height + 1 ) * sizeof *sky->row_cdf );
+        sky->column_cdf = malloc( (size_t)e->height * ( (size_t)e->width + 1 ) * sizeof *sky->column_cdf );
         sky->row_density = malloc( (size_t)e->height * sizeof *sky->row_density );
-        if ( sky->row_sum == NULL || sky->column_sum == NULL || sky->row_density == NULL )
+        if ( sky->row_cdf == NULL || sky->column_cdf == NULL || sky->row_density == NULL )
         {
             rf_destroy_sky( sky );
-            return rf_fail( error, RF_ERROR_MEMORY, "no memory for the sums of an environment of %d x %d pixels", e->width,
-                            e->height );
+            return rf_fail( error, RF_ERROR_MEMORY, "no memory for the distribution of an environment of %d x %d pixels",
+                            e->width, e->height );
         }
         sky->mean_luminance = (float)sum_rows( e, sky );
-        sky->lean = find_lean( sky, e );
+        sky->luminance_moment = luminance_moment( sky, e );
     }
     if ( !( sky->mean_luminance > 0.0f ) )
     {
@@ -128,29 +128,29 @@ RfResult rf_make_sky( const RfEnvironment* e, RfSky* sky, RfError* error )
 
 void rf_destroy_sky( RfSky* sky )
 {
-    free( sky->row_sum );
+    free( sky->row_cdf );
     free( sky->row_density );
-    free( sky->column_sum );
+    free( sky->column_cdf );
     *sky = ( RfSky ){ 0 };
 }
 
-// Where a direction falls on the map, in pixels.
-typedef struct MapPlace
+// The position of a direction on the map, in pixels.
+typedef struct MapPosition
 {
     float x, y;
-} MapPlace;
+} MapPosition;
 
-static MapPlace place_of( const RfSky* sky, RfVec3 d )
+static MapPosition position_of( const RfSky* sky, RfVec3 d )
 {
     const RfEnvironment* e = sky->environment;
-    float x = d.x * sky->cos_rotation - d.z * sky->sin_rotation; // turned back
+    float x = d.x * sky->cos_rotation - d.z * sky->sin_rotation; // undoes the rotation
     float z = d.x * sky->sin_rotation + d.z * sky->cos_rotation;
     float u = atan2f( x, -z ) * ( 0.5f * RF_INV_PI ) + 0.5f;
-    float v = atan2f( sqrtf( x * x + z * z ), d.y ) * RF_INV_PI; // keeps its digits at the poles
-    return ( MapPlace ){ u * (float)e->width, v * (float)e->height };
+    float v = atan2f( sqrtf( x * x + z * z ), d.y ) * RF_INV_PI; // stays accurate at the poles
+    return ( MapPosition ){ u * (float)e->width, v * (float)e->height };
 }
 
-static int whole( float value, int count )
+static int clamp_index( float value, int count )
 {
     int i = (int)value;
     return i < 0 ? 0 : ( i >= count ? count - 1 : i );
@@ -161,7 +161,7 @@ RfVec3 rf_sky_radiance( const RfSky* sky, RfVec3 wi )
     const RfEnvironment* e = sky->environment;
     if ( e->map == NULL )
         return e->radiance;
-    MapPlace at = place_of( sky, wi );
+    MapPosition at = position_of( sky, wi );
     float left = floorf( at.x - 0.5f ), top = floorf( at.y - 0.5f );
     float fx = at.x - 0.5f - left, fy = at.y - 0.5f - top;
     const float* p[4];
@@ -179,7 +179,7 @@ RfVec3 rf_sky_radiance( const RfSky* sky, RfVec3 wi )
 static float pixel_pdf( const RfSky* sky, int x, int y )
 {
     const RfEnvironment* e = sky->environment;
-    const float* columns = sky->column_sum + (size_t)y * ( (size_t)e->width + 1 );
+    const float* columns = sky->column_cdf + (size_t)y * ( (size_t)e->width + 1 );
     return sky->row_density[y] * ( columns[x + 1] - columns[x] );
 }
 
@@ -188,18 +188,18 @@ float rf_sky_pdf_solid_angle( const RfSky* sky, RfVec3 wi )
     const RfEnvironment* e = sky->environment;
     if ( e->map == NULL )
         return 0.25f * RF_INV_PI;
-    MapPlace at = place_of( sky, wi );
-    return pixel_pdf( sky, whole( at.x, e->width ), whole( at.y, e->height ) );
+    MapPosition at = position_of( sky, wi );
+    return pixel_pdf( sky, clamp_index( at.x, e->width ), clamp_index( at.y, e->height ) );
 }
 
-// The last entry that is not above `share`, of those that are followed by a larger one.
-static int find_row( const double* sum, int count, double share )
+// The last entry that is not above u, of those that are followed by a larger one.
+static int find_row( const double* sum, int count, double u )
 {
     int low = 0, high = count;
     while ( high - low > 1 )
     {
         int middle = ( low + high ) / 2;
-        if ( sum[middle] <= share )
+        if ( sum[middle] <= u )
             low = middle;
         else
             high = middle;
@@ -207,13 +207,13 @@ static int find_row( const double* sum, int count, double share )
     return low;
 }
 
-static int find_column( const float* sum, int count, double share )
+static int find_column( const float* sum, int count, double u )
 {
     int low = 0, high = count;
     while ( high - low > 1 )
     {
         int middle = ( low + high ) / 2;
-        if ( (double)sum[middle] <= share )
+        if ( (double)sum[middle] <= u )
             low = middle;
         else
             high = middle;
@@ -221,7 +221,7 @@ static int find_column( const float* sum, int count, double share )
     return low;
 }
 
-// Unit vector at azimuth 2π (u − ½) from the map's middle, and height z.
+// Unit vector at azimuth 2π (u − ½) from the centre of the map, and the given height.
 static RfVec3 direction_of( const RfSky* sky, double u, double cos_up )
 {
     double azimuth = 2.0 * 3.14159265358979324 * ( u - 0.5 );
@@ -231,23 +231,23 @@ static RfVec3 direction_of( const RfSky* sky, double u, double cos_up )
     return rf_vec3( (float)( x * c + z * s ), (float)cos_up, (float)( z * c - x * s ) );
 }
 
-RfSkySample rf_sample_sky( const RfSky* sky, const uint32_t pick[2], const float place[2] )
+RfSkySample rf_sample_sky( const RfSky* sky, const uint32_t bits[2], const float u[2] )
 {
     const RfEnvironment* e = sky->environment;
     RfSkySample sample;
     if ( e->map == NULL )
     {
-        sample.wi = direction_of( sky, (double)place[0], 1.0 - 2.0 * (double)place[1] );
+        sample.wi = direction_of( sky, (double)u[0], 1.0 - 2.0 * (double)u[1] );
         sample.radiance = e->radiance;
         sample.pdf_solid_angle = 0.25f * RF_INV_PI;
         return sample;
     }
-    int y = find_row( sky->row_sum, e->height, (double)pick[0] * 0x1p-32 );
-    int x = find_column( sky->column_sum + (size_t)y * ( (size_t)e->width + 1 ), e->width, (double)pick[1] * 0x1p-32 );
+    int y = find_row( sky->row_cdf, e->height, (double)bits[0] * 0x1p-32 );
+    int x = find_column( sky->column_cdf + (size_t)y * ( (size_t)e->width + 1 ), e->width, (double)bits[1] * 0x1p-32 );
     double top = cos( (double)y / e->height * 3.14159265358979324 );
     double bottom = cos( (double)( y + 1 ) / e->height * 3.14159265358979324 );
-    double cos_up = top + ( (double)place[1] + 0x1p-25 ) * ( bottom - top );
-    sample.wi = direction_of( sky, ( x + (double)place[0] + 0x1p-25 ) / e->width, cos_up );
+    double cos_up = top + ( (double)u[1] + 0x1p-25 ) * ( bottom - top );
+    sample.wi = direction_of( sky, ( x + (double)u[0] + 0x1p-25 ) / e->width, cos_up );
     sample.radiance = rf_sky_radiance( sky, sample.wi );
     sample.pdf_solid_angle = pixel_pdf( sky, x, y );
     return sample;

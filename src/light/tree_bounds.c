@@ -29,12 +29,12 @@ static void take_cone( RfLightBounds* a, const RfLightBounds* b )
     a->two_sided = b->two_sided;
 }
 
-// Turns a's axis towards the unit vector b by `turn`, where their angle is `apart`.
-static void turn_axis( double axis[3], const double b[3], double apart, double turn )
+// Rotates the axis by `turn` towards the unit vector b; `angle` is between them.
+static void turn_axis( double axis[3], const double b[3], double angle, double turn )
 {
-    if ( !( sin( apart ) > 0.0 ) )
+    if ( !( sin( angle ) > 0.0 ) )
         return;
-    double sum = 0.0, from = sin( apart - turn ) / sin( apart ), to = sin( turn ) / sin( apart );
+    double sum = 0.0, from = sin( angle - turn ) / sin( angle ), to = sin( turn ) / sin( angle );
     for ( int i = 0; i < 3; ++i )
     {
         axis[i] = from * axis[i] + to * b[i];
@@ -44,30 +44,30 @@ static void turn_axis( double axis[3], const double b[3], double apart, double t
         axis[i] /= sqrt( sum );
 }
 
-// Of two cones, where those of two-sided lights are double ones.
+// The union of two cones; those of two-sided lights are double cones.
 static void unite_cones( RfLightBounds* a, const RfLightBounds* b )
 {
-    double cos_apart = dot( a->axis, b->axis );
-    bool flip = a->two_sided && b->two_sided && cos_apart < 0.0;
-    cos_apart = flip ? -cos_apart : cos_apart;
-    if ( cos_apart >= 1.0 - 1e-14 && a->cos_spread == b->cos_spread && a->two_sided == b->two_sided )
+    double cos_angle = dot( a->axis, b->axis );
+    bool flip = a->two_sided && b->two_sided && cos_angle < 0.0;
+    cos_angle = flip ? -cos_angle : cos_angle;
+    if ( cos_angle >= 1.0 - 1e-14 && a->cos_spread == b->cos_spread && a->two_sided == b->two_sided )
         return;
-    if ( b->cos_spread == 1.0 && cos_apart >= a->cos_spread && a->two_sided == b->two_sided )
-        return; // a direction of the cone
+    if ( b->cos_spread == 1.0 && cos_angle >= a->cos_spread && a->two_sided == b->two_sided )
+        return; // a single direction inside the cone
     double other[3] = { flip ? -b->axis[0] : b->axis[0], flip ? -b->axis[1] : b->axis[1], flip ? -b->axis[2] : b->axis[2] };
-    double apart = angle_of( cos_apart ), spread_a = angle_of( a->cos_spread ), spread_b = angle_of( b->cos_spread );
-    double spread = 0.5 * ( spread_a + apart + spread_b );
+    double angle = angle_of( cos_angle ), spread_a = angle_of( a->cos_spread ), spread_b = angle_of( b->cos_spread );
+    double spread = 0.5 * ( spread_a + angle + spread_b );
     if ( a->two_sided != b->two_sided )
         face_everywhere( a );
-    else if ( apart + spread_b <= spread_a )
+    else if ( angle + spread_b <= spread_a )
         return;
-    else if ( apart + spread_a <= spread_b )
+    else if ( angle + spread_a <= spread_b )
         take_cone( a, b );
-    else if ( spread >= PI || cos_apart < -1.0 + 1e-9 )
+    else if ( spread >= PI || cos_angle < -1.0 + 1e-9 )
         face_everywhere( a );
     else
     {
-        turn_axis( a->axis, other, apart, spread - spread_a );
+        turn_axis( a->axis, other, angle, spread - spread_a );
         a->cos_spread = cos( spread );
     }
 }
@@ -91,7 +91,7 @@ void rf_bound_both( RfLightBounds* a, const RfLightBounds* b )
     unite_cones( a, b );
 }
 
-// Solid angle that the cones light, weighed by the cosine beyond the spread.
+// The solid angle that the cone lights, weighted by the cosine beyond the spread.
 static double measure_of_directions( const RfLightBounds* b )
 {
     double spread = angle_of( b->cos_spread ), reach = fmin( spread + angle_of( b->cos_emission ), PI );

@@ -1,19 +1,23 @@
-// What bounds a set of lights: a box, a cone of orientations, the sum of their
-// intensities (Conty Estevez, Kulla 2018, section 4). Shared by the light tree's files.
+// The bounds of a set of lights: a box, an orientation cone, and the sum of their
+// intensities (Conty Estevez, Kulla 2018, section 4). Internal to the light tree.
 #ifndef REFRAME_LIGHT_TREE_BOUNDS_H
 #define REFRAME_LIGHT_TREE_BOUNDS_H
 
 #include "light/tree.h"
 
-// An RfTreeLight is one as well, of a single light; of a set the box may be
-// empty, low > high.
+// An RfTreeLight is the bounds of a single light. The box of an empty set has
+// low > high.
 typedef RfTreeLight RfLightBounds;
 
+// The bounds of no lights.
 RfLightBounds rf_no_lights( void );
+
+// Extends the bounds to include `more`.
 void rf_bound_both( RfLightBounds* bounds, const RfLightBounds* more );
-// Their orientation heuristic without the surface area: intensity times the
-// measure of the directions lit times the squared diagonal of the box, which
-// unlike its area is above 0 for lights along a line.
+
+// The surface area orientation heuristic: intensity times the measure of the lit
+// directions times the squared diagonal of the box, which takes the place of the
+// area since it is above 0 for lights along a line.
 double rf_bounds_cost( const RfLightBounds* bounds );
 
 #endif

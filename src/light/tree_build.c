@@ -1,5 +1,5 @@
-// From the top down: a set of lights is cut in two where that costs least, its
-// parts again, the costliest first, until a node is full; then each of them.
+// Top-down construction: a set of lights is split in two where that costs least,
+// then its most expensive part, until the node is full; each part becomes a child.
 #include "light/tree_bounds.h"
 
 #include <math.h>
@@ -7,10 +7,10 @@
 #include <string.h>
 
 #define BINS 16
-#define ONE_AXIS_FROM 2000   // lights: more are cut along their longest axis
-#define CUT_IN_THE_MIDDLE 12 // from this depth on, so that no scene makes the tree deep
+#define ONE_AXIS_FROM 2000     // lights: larger sets are split along their longest axis only
+#define SPLIT_BY_COUNT_FROM 12 // depth from which sets are halved by count, which bounds the depth of the tree
 #define PI 3.14159265358979324
-#define ROUNDING 1e-6 // what floats may be off, of sizes and coordinates
+#define ROUNDING 1e-6 // relative rounding error of floats, with margin
 
 typedef struct Range
 {
@@ -25,7 +25,7 @@ typedef struct Builder
     RfLightTree* tree;
 } Builder;
 
-static double middle_of( const RfTreeLight* light, int axis ) { return 0.5 * ( light->low[axis] + light->high[axis] ); }
+static double centre_of( const RfTreeLight* light, int axis ) { return 0.5 * ( light->low[axis] + light->high[axis] ); }
 
 static Range make_range( const Builder* builder, uint32_t first, uint32_t count )
 {
@@ -36,22 +36,22 @@ static Range make_range( const Builder* builder, uint32_t first, uint32_t count 
     return range;
 }
 
-// Where a range is cut: what lies below along an axis comes first.
-typedef struct Cut
+// How a range is split: lights below the plane come first.
+typedef struct Split
 {
     int axis;
-    double low, scale; // bin = ( middle − low ) scale
-    int bin;           // the first of the second part; 0: no cut
-} Cut;
+    double low, scale; // bin = ( centre − low ) scale
+    int bin;           // the first bin of the second part; 0: no split
+} Split;
 
 static int bin_of( const RfTreeLight* light, int axis, double low, double scale )
 {
-    int bin = (int)( ( middle_of( light, axis ) - low ) * scale );
+    int bin = (int)( ( centre_of( light, axis ) - low ) * scale );
     return bin < 0 ? 0 : ( bin >= BINS ? BINS - 1 : bin );
 }
 
-// The least cost of a cut between bins.
-static double best_of_axis( const RfLightBounds* bin, int* best )
+// The lowest cost of a split between bins.
+static double best_split_of_axis( const RfLightBounds* bin, int* best )
 {
     double below[BINS], least = INFINITY;
     RfLightBounds sum = rf_no_lights();
@@ -74,7 +74,7 @@ static double best_of_axis( const RfLightBounds* bin, int* best )
     return least;
 }
 
-// The extent of the lights' middles.
+// The extent of the lights' centres.
 static void find_extent( const RfTreeLight* lights, uint32_t count, double low[3], double high[3] )
 {
     for ( int axis = 0; axis < 3; ++axis )
@@ -86,28 +86,28 @@ static void find_extent( const RfTreeLight* lights, uint32_t count, double low[3
     {
         for ( int axis = 0; axis < 3; ++axis )
         {
-            double middle = middle_of( lights + i, axis );
-            low[axis] = middle < low[axis] ? middle : low[axis];
-            high[axis] = middle > high[axis] ? middle : high[axis];
+            double centre = centre_of( lights + i, axis );
+            low[axis] = centre < low[axis] ? centre : low[axis];
+            high[axis] = centre > high[axis] ? centre : high[axis];
         }
     }
 }
 
-// The best cut along an axis, and its cost.
-static double cut_along( const RfTreeLight* lights, uint32_t count, int axis, double low, double high, Cut* cut )
+// The best split along an axis; returns its cost.
+static double split_along( const RfTreeLight* lights, uint32_t count, int axis, double low, double high, Split* split )
 {
-    *cut = ( Cut ){ axis, low, BINS / ( high - low ), 0 };
-    if ( !( high > low ) || !isfinite( cut->scale ) )
+    *split = ( Split ){ axis, low, BINS / ( high - low ), 0 };
+    if ( !( high > low ) || !isfinite( split->scale ) )
         return INFINITY;
     RfLightBounds bin[BINS];
     for ( int k = 0; k < BINS; ++k )
         bin[k] = rf_no_lights();
     for ( uint32_t i = 0; i < count; ++i )
-        rf_bound_both( bin + bin_of( lights + i, axis, low, cut->scale ), lights + i );
-    return best_of_axis( bin, &cut->bin );
+        rf_bound_both( bin + bin_of( lights + i, axis, low, split->scale ), lights + i );
+    return best_split_of_axis( bin, &split->bin );
 }
 
-static Cut find_cut( const Builder* builder, const Range* range )
+static Split find_split( const Builder* builder, const Range* range )
 {
     const RfTreeLight* lights = builder->lights + range->first;
     double low[3], high[3], longest = 0.0, widest = 0.0, least = INFINITY;
@@ -117,32 +117,32 @@ static Cut find_cut( const Builder* builder, const Range* range )
         longest = fmax( longest, range->bounds.high[axis] - range->bounds.low[axis] );
         widest = fmax( widest, high[axis] - low[axis] );
     }
-    Cut best = { 0 };
+    Split best = { 0 };
     for ( int axis = 0; axis < 3; ++axis )
     {
         if ( range->count > ONE_AXIS_FROM && high[axis] - low[axis] < widest )
             continue;
-        Cut cut;
-        // long boxes are rather cut across
+        Split split;
+        // prefers to split long boxes across
         double factor = longest / ( range->bounds.high[axis] - range->bounds.low[axis] );
-        double cost = cut_along( lights, range->count, axis, low[axis], high[axis], &cut ) * factor;
-        if ( cut.bin > 0 && cost < least )
+        double cost = split_along( lights, range->count, axis, low[axis], high[axis], &split ) * factor;
+        if ( split.bin > 0 && cost < least )
         {
             least = cost;
-            best = cut;
+            best = split;
         }
     }
     return best;
 }
 
-// Brings the lights of the first part to the front; returns how many there are.
-static uint32_t part( const Builder* builder, const Range* range, Cut cut )
+// Moves the lights of the first part to the front; returns how many there are.
+static uint32_t partition( const Builder* builder, const Range* range, Split split )
 {
     RfTreeLight* lights = builder->lights + range->first;
     uint32_t first = 0;
     for ( uint32_t i = 0; i < range->count; ++i )
     {
-        if ( bin_of( lights + i, cut.axis, cut.low, cut.scale ) >= cut.bin )
+        if ( bin_of( lights + i, split.axis, split.low, split.scale ) >= split.bin )
             continue;
         RfTreeLight swap = lights[i];
         lights[i] = lights[first];
@@ -151,20 +151,20 @@ static uint32_t part( const Builder* builder, const Range* range, Cut cut )
     return first;
 }
 
-// Cuts a range of two lights or more; the second part goes to `second`.
-static void cut_range( const Builder* builder, int depth, Range* range, Range* second )
+// Splits a range of at least two lights; the second part goes to `second`.
+static void split_range( const Builder* builder, int depth, Range* range, Range* second )
 {
-    Cut cut = depth < CUT_IN_THE_MIDDLE ? find_cut( builder, range ) : ( Cut ){ 0 };
-    uint32_t count = cut.bin > 0 ? part( builder, range, cut ) : 0;
+    Split split = depth < SPLIT_BY_COUNT_FROM ? find_split( builder, range ) : ( Split ){ 0 };
+    uint32_t count = split.bin > 0 ? partition( builder, range, split ) : 0;
     if ( count == 0 || count == range->count )
-        count = range->count / 2; // all in one place, or deep down
+        count = range->count / 2; // all at one point, or too deep
     uint32_t first = range->first, all = range->count;
     *range = make_range( builder, first, count );
     *second = make_range( builder, first + count, all - count );
 }
 
-// The costliest range that can be cut, or −1; without cost that of the most lights.
-static int costliest( const Range* ranges, int count )
+// The most expensive range that can be split, or −1; ties go to the one with more lights.
+static int most_expensive( const Range* ranges, int count )
 {
     int best = -1;
     for ( int k = 0; k < count; ++k )
@@ -178,71 +178,71 @@ static int costliest( const Range* ranges, int count )
     return best;
 }
 
-// Sizes grow by a little: rounding must not leave anything outside.
+// Sizes grow a little, so that rounding leaves nothing outside.
 static void fill_child( RfLightNode* node, int k, const RfLightBounds* b )
 {
-    double half2 = 0.0, farthest = 0.0;
+    double half2 = 0.0, largest = 0.0;
     for ( int i = 0; i < 3; ++i )
     {
-        double middle = 0.5 * ( b->low[i] + b->high[i] ), half = 0.5 * ( b->high[i] - b->low[i] );
+        double centre = 0.5 * ( b->low[i] + b->high[i] ), half = 0.5 * ( b->high[i] - b->low[i] );
         half2 += half * half;
-        farthest = fmax( farthest, fmax( fabs( b->low[i] ), fabs( b->high[i] ) ) );
-        node->center[i][k] = (float)middle;
+        largest = fmax( largest, fmax( fabs( b->low[i] ), fabs( b->high[i] ) ) );
+        node->center[i][k] = (float)centre;
         node->axis[i][k] = (float)b->axis[i];
     }
-    node->radius[k] = (float)( sqrt( half2 ) * ( 1.0 + ROUNDING ) + ROUNDING * fmax( 1.0, farthest ) );
+    node->radius[k] = (float)( sqrt( half2 ) * ( 1.0 + ROUNDING ) + ROUNDING * fmax( 1.0, largest ) );
     node->inverse_radius[k] = 1.0f / node->radius[k];
     node->flip[k] = b->two_sided ? -1.0f : 1.0f;
     double turn = acos( b->cos_spread ) + acos( b->cos_emission ) - 0.5 * PI;
     node->cos_turn[k] = (float)cos( turn );
     node->sin_turn[k] = (float)sin( turn );
     node->full[k] = turn > 0.0 ? (float)cos( turn ) : 2.0f;
-    // of a narrow beam the axis itself is not far from its horizon
+    // in a narrow beam even the axis is close to the horizon
     double head_on = turn < 0.0 ? fmax( cos( turn ), 1e-3 ) : 1.0;
     node->intensity[k] = b->intensity > 0.0 ? (float)fmax( b->intensity / head_on, 1e-37 ) : 0.0f;
 }
 
-static bool add_node( RfLightTree* tree, uint32_t place, uint32_t* number )
+static bool add_node( RfLightTree* tree, uint32_t slot, uint32_t* number )
 {
-    if ( tree->node_count == tree->node_room )
+    if ( tree->node_count == tree->node_capacity )
     {
-        uint32_t room = tree->node_room > 0 ? 2 * tree->node_room : 8;
-        RfLightNode* nodes = aligned_alloc( _Alignof( RfLightNode ), room * sizeof *nodes );
-        uint32_t* places = malloc( room * sizeof *places );
-        if ( nodes == NULL || places == NULL )
+        uint32_t capacity = tree->node_capacity > 0 ? 2 * tree->node_capacity : 8;
+        RfLightNode* nodes = aligned_alloc( _Alignof( RfLightNode ), capacity * sizeof *nodes );
+        uint32_t* slots = malloc( capacity * sizeof *slots );
+        if ( nodes == NULL || slots == NULL )
         {
             free( nodes );
-            free( places );
+            free( slots );
             return false;
         }
         if ( tree->node_count > 0 )
         {
             memcpy( nodes, tree->nodes, tree->node_count * sizeof *nodes );
-            memcpy( places, tree->node_place, tree->node_count * sizeof *places );
+            memcpy( slots, tree->parent_slot, tree->node_count * sizeof *slots );
         }
         free( tree->nodes );
-        free( tree->node_place );
+        free( tree->parent_slot );
         tree->nodes = nodes;
-        tree->node_place = places;
-        tree->node_room = room;
+        tree->parent_slot = slots;
+        tree->node_capacity = capacity;
     }
     *number = tree->node_count++;
     memset( tree->nodes + *number, 0, sizeof *tree->nodes );
-    tree->node_place[*number] = place;
+    tree->parent_slot[*number] = slot;
     return true;
 }
 
-static bool build_node( const Builder* builder, const Range* whole, int depth, uint32_t place, uint32_t* number )
+static bool build_node( const Builder* builder, const Range* all, int depth, uint32_t slot, uint32_t* number )
 {
     RfLightTree* tree = builder->tree;
-    Range ranges[RF_LIGHT_CHILDREN] = { *whole };
+    Range ranges[RF_LIGHT_CHILDREN] = { *all };
     int count = 1, next;
-    while ( count < RF_LIGHT_CHILDREN && ( next = costliest( ranges, count ) ) >= 0 )
+    while ( count < RF_LIGHT_CHILDREN && ( next = most_expensive( ranges, count ) ) >= 0 )
     {
-        cut_range( builder, depth, ranges + next, ranges + count );
+        split_range( builder, depth, ranges + next, ranges + count );
         ++count;
     }
-    if ( !add_node( tree, place, number ) )
+    if ( !add_node( tree, slot, number ) )
         return false;
     for ( int k = 0; k < count; ++k )
     {
@@ -252,11 +252,11 @@ static bool build_node( const Builder* builder, const Range* whole, int depth, u
         {
             uint32_t light = builder->lights[ranges[k].first].light;
             child = RF_LIGHT_LEAF | light;
-            tree->place[light] = here;
+            tree->leaf_slot[light] = here;
         }
         else if ( !build_node( builder, ranges + k, depth + 1, here, &child ) )
             return false;
-        tree->nodes[*number].child[k] = child; // the nodes may have moved
+        tree->nodes[*number].child[k] = child; // the nodes may have been reallocated
     }
     return true;
 }
@@ -265,10 +265,10 @@ RfResult rf_build_light_tree( RfTreeLight* lights, uint32_t count, uint32_t numb
 {
     *tree = ( RfLightTree ){ 0 };
     Builder builder = { lights, tree };
-    tree->place = malloc( numbers * sizeof *tree->place );
-    Range whole = make_range( &builder, 0, count );
+    tree->leaf_slot = malloc( numbers * sizeof *tree->leaf_slot );
+    Range all = make_range( &builder, 0, count );
     uint32_t root;
-    if ( tree->place == NULL || !build_node( &builder, &whole, 0, 0, &root ) )
+    if ( tree->leaf_slot == NULL || !build_node( &builder, &all, 0, 0, &root ) )
     {
         rf_destroy_light_tree( tree );
         return rf_fail( error, RF_ERROR_MEMORY, "no memory for a tree of %u lights", count );
@@ -279,7 +279,7 @@ RfResult rf_build_light_tree( RfTreeLight* lights, uint32_t count, uint32_t numb
 void rf_destroy_light_tree( RfLightTree* tree )
 {
     free( tree->nodes );
-    free( tree->node_place );
-    free( tree->place );
+    free( tree->parent_slot );
+    free( tree->leaf_slot );
     *tree = ( RfLightTree ){ 0 };
 }

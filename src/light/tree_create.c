@@ -3,9 +3,9 @@
 #include <math.h>
 #include <stdlib.h>
 
-// Suns stand here, in radii of the scene: off their direction by the inverse
-// of it at most, which the slack of rf_light_importance covers.
-#define FAR_AWAY 1e4
+// Distance of directional lights, in radii of the scene. Their direction is off by
+// at most its inverse, which the slack of rf_light_importance covers.
+#define DISTANT 1e4
 
 static void set_axis( RfTreeLight* out, RfVec3 v )
 {
@@ -15,15 +15,15 @@ static void set_axis( RfTreeLight* out, RfVec3 v )
     out->axis[2] = z / length;
 }
 
-static void stretch( RfTreeLight* out, const RfLights* lights, RfVec3 p )
+static void extend_box( RfTreeLight* out, const RfLights* lights, RfVec3 p )
 {
-    double place[3] = { (double)p.x - (double)lights->center.x, (double)p.y - (double)lights->center.y,
-                        (double)p.z - (double)lights->center.z };
+    double p_ball[3] = { (double)p.x - (double)lights->center.x, (double)p.y - (double)lights->center.y,
+                         (double)p.z - (double)lights->center.z };
     for ( int i = 0; i < 3; ++i )
     {
-        place[i] *= (double)lights->inverse_radius;
-        out->low[i] = fmin( out->low[i], place[i] );
-        out->high[i] = fmax( out->high[i], place[i] );
+        p_ball[i] *= (double)lights->inverse_radius;
+        out->low[i] = fmin( out->low[i], p_ball[i] );
+        out->high[i] = fmax( out->high[i], p_ball[i] );
     }
 }
 
@@ -36,16 +36,16 @@ static RfTreeLight empty( uint32_t number )
                             .light = number };
 }
 
-// Distances are in radii: intensities become irradiance over the squared radius.
+// Scales intensities: the tree measures distances in radii of the scene.
 static double per_ball( const RfLights* lights ) { return (double)lights->inverse_radius * (double)lights->inverse_radius; }
 
 static RfTreeLight from_triangle( const RfLights* lights, uint32_t number )
 {
     const RfLight* light = lights->light + number;
     RfTreeLight out = empty( number );
-    stretch( &out, lights, light->p0 );
-    stretch( &out, lights, rf_add( light->p0, light->e1 ) );
-    stretch( &out, lights, rf_add( light->p0, light->e2 ) );
+    extend_box( &out, lights, light->p0 );
+    extend_box( &out, lights, rf_add( light->p0, light->e1 ) );
+    extend_box( &out, lights, rf_add( light->p0, light->e2 ) );
     set_axis( &out, light->normal );
     out.cos_spread = 1.0;
     out.two_sided = light->two_sided;
@@ -62,11 +62,11 @@ static RfTreeLight from_punctual( const RfLights* lights, uint32_t number )
     {
         set_axis( &out, p->direction );
         for ( int i = 0; i < 3; ++i )
-            out.low[i] = out.high[i] = -FAR_AWAY * out.axis[i];
-        out.intensity = (double)rf_luminance( p->intensity ) * FAR_AWAY * FAR_AWAY;
+            out.low[i] = out.high[i] = -DISTANT * out.axis[i];
+        out.intensity = (double)rf_luminance( p->intensity ) * DISTANT * DISTANT;
         return out;
     }
-    stretch( &out, lights, p->position );
+    extend_box( &out, lights, p->position );
     if ( p->kind == RF_PUNCTUAL_SPOT )
     {
         set_axis( &out, p->direction );

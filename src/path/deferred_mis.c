@@ -1,13 +1,13 @@
-// Scattering whose weights are left to the caller: other eyes, or other paths,
-// will share the rays.
+// Scattering with deferred MIS: the caller weights the rays, since other cameras or
+// other paths will reuse them.
 #include "path/wavefront.h"
 
-// What the roulette takes a path for whose own eye sees next to nothing of it:
-// other eyes may see more.
+// Floor for the roulette weight: other cameras may see a path that is nearly
+// invisible to its own.
 #define MIN_ROULETTE_SCALE 0.1f
 
-// The ray that leaves lane i of the vertices, at place `at` of the rays.
-static inline void leave( const RfVertexLanes* v, int i, float* const wi[3], float side, float pdf, RfRayLanes* rays, int at )
+// Writes the ray that leaves vertex lane i to lane `at` of the rays.
+static inline void write_ray( const RfVertexLanes* v, int i, float* const wi[3], float side, float pdf, RfRayLanes* rays, int at )
 {
     for ( int c = 0; c < 3; ++c )
     {
@@ -19,11 +19,11 @@ static inline void leave( const RfVertexLanes* v, int i, float* const wi[3], flo
     rays->slot[at] = v->slot[i];
 }
 
-// Lanes that records are made of.
-static int scatter_records( const RfVertexLanes* v, float* const wi[3], RfWavefront* walk )
+// Lanes that become records: the caller applies f and the weight.
+static int scatter_evaluable( const RfVertexLanes* v, float* const wi[3], RfWavefront* wavefront )
 {
-    RfRayLanes* rays = &walk->rays;
-    const RfLaneScratch* s = &walk->scratch;
+    RfRayLanes* rays = &wavefront->rays;
+    const RfLaneScratch* s = &wavefront->scratch;
     int kept = 0, count = rf_record_count( v );
     for ( int i = 0; i < count; ++i )
     {
@@ -32,35 +32,35 @@ static int scatter_records( const RfVertexLanes* v, float* const wi[3], RfWavefr
         float pdf = s->pdf[i];
         for ( int c = 0; c < 3; ++c )
             rays->throughput[c][kept] = 1.0f;
-        leave( v, i, wi, 1.0f, pdf, rays, kept );
+        write_ray( v, i, wi, 1.0f, pdf, rays, kept );
         float weight = rf_maxf( s->f[0][i], rf_maxf( s->f[1][i], s->f[2][i] ) ) * cos_x / pdf;
-        walk->roulette_scale[v->slot[i]] *= rf_maxf( weight, MIN_ROULETTE_SCALE );
+        wavefront->roulette_scale[v->slot[i]] *= rf_maxf( weight, MIN_ROULETTE_SCALE );
         kept += ( cos_x > 0.0f ) & ( cos_g > 0.0f ) & ( pdf > 0.0f );
     }
     return kept;
 }
 
-// Native lanes: the weight goes along.
-static int scatter_natives( const RfVertexLanes* v, float* const wi[3], RfWavefront* walk, int kept )
+// Unevaluable lanes: the ray carries the weight.
+static int scatter_unevaluable( const RfVertexLanes* v, float* const wi[3], RfWavefront* wavefront, int kept )
 {
-    RfRayLanes* rays = &walk->rays;
-    const RfLaneScratch* s = &walk->scratch;
+    RfRayLanes* rays = &wavefront->rays;
+    const RfLaneScratch* s = &wavefront->scratch;
     for ( int i = rf_record_count( v ); i < v->count; ++i )
     {
         float direction[3] = { wi[0][i], wi[1][i], wi[2][i] };
         float side = rf_leaving_side( v, i, direction );
         for ( int c = 0; c < 3; ++c )
             rays->throughput[c][kept] = s->f[c][i];
-        leave( v, i, wi, side, s->pdf[i], rays, kept );
+        write_ray( v, i, wi, side, s->pdf[i], rays, kept );
         kept += ( side != 0.0f ) & ( rf_maxf( s->f[0][i], rf_maxf( s->f[1][i], s->f[2][i] ) ) > 0.0f );
     }
     return kept;
 }
 
-void rf_scatter_deferred( const RfPathSettings* settings, RfWavefront* walk, const RfVertexLanes* v, int vertex,
+void rf_scatter_deferred( const RfPathSettings* settings, RfWavefront* wavefront, const RfVertexLanes* v, int vertex,
                           float* const wi[3] )
 {
     uint32_t dimension = rf_vertex_dimension( vertex, settings->light_samples ) + RF_DIMENSION_SCATTER;
-    rf_scatter_lanes( walk, v, dimension, wi, &walk->scratch );
-    walk->rays.count = scatter_natives( v, wi, walk, scatter_records( v, wi, walk ) );
+    rf_scatter_lanes( wavefront, v, dimension, wi, &wavefront->scratch );
+    wavefront->rays.count = scatter_unevaluable( v, wi, wavefront, scatter_evaluable( v, wi, wavefront ) );
 }

@@ -2,7 +2,7 @@
 #include "path/punctual_environment.h"
 #include "path/wavefront.h"
 
-// The chosen points of the lights, gathered for the vector loop.
+// The sampled points on the lights, gathered for the vector loop.
 typedef struct LightPoints
 {
     RF_ALIGN float p[3][RF_LANES];
@@ -11,9 +11,9 @@ typedef struct LightPoints
     float pdf_area[RF_LANES];
     float offset[RF_LANES];
     float two_sided[RF_LANES]; // 1 or 0
-    RfLightSelection pick[RF_LANES];
-    int32_t other_count; // lanes whose light is no triangle
-    int32_t other[RF_LANES];
+    RfLightSelection selection[RF_LANES];
+    int32_t non_area_count; // lanes whose light is punctual or the environment
+    int32_t non_area[RF_LANES];
 } LightPoints;
 
 void rf_draw_lanes( const RfWavefront* keys, int count, const int32_t* slot, uint32_t dimension, int numbers,
@@ -31,7 +31,7 @@ void rf_draw_lanes( const RfWavefront* keys, int count, const int32_t* slot, uin
     }
 }
 
-// Two words for the pick of a light: of the dimension, and of its twin.
+// Two words to select a light: of the dimension and of its twin.
 static void draw_bits( const RfWavefront* keys, int count, const int32_t* slot, uint32_t dimension, uint32_t bits[2][RF_LANES] )
 {
 #pragma omp simd
@@ -43,16 +43,16 @@ static void draw_bits( const RfWavefront* keys, int count, const int32_t* slot, 
     }
 }
 
-// From where scattered rays start as well, so that both techniques of (E3)
-// measure the same directions and distances.
+// Where scattered rays start as well, so that both techniques of (E3) measure the
+// same directions and distances.
 static inline RfVec3 start_of( const RfVertexLanes* v, int i )
 {
     return rf_madd( rf_vec3( v->p[0][i], v->p[1][i], v->p[2][i] ), rf_vec3( v->ng[0][i], v->ng[1][i], v->ng[2][i] ),
                     v->offset[i] );
 }
 
-static void pick_lights( const RfPathSettings* settings, const RfVertexLanes* restrict v, RfLaneScratch* restrict scratch,
-                         RfLightSelection* pick )
+static void select_lights( const RfPathSettings* settings, const RfVertexLanes* restrict v, RfLaneScratch* restrict scratch,
+                           RfLightSelection* selection )
 {
 #pragma omp simd
     for ( int i = 0; i < v->count; ++i )
@@ -65,22 +65,22 @@ static void pick_lights( const RfPathSettings* settings, const RfVertexLanes* re
     const float* x[3] = { scratch->o[0], scratch->o[1], scratch->o[2] };
     const float* n[3] = { v->n[0], v->n[1], v->n[2] };
     const uint32_t* bits[2] = { scratch->bits[0], scratch->bits[1] };
-    rf_select_lights( rf_tracer_lights( settings->tracer ), settings->light_sampling, v->count, x, n, bits, pick );
+    rf_select_lights( rf_tracer_lights( settings->tracer ), settings->light_sampling, v->count, x, n, bits, selection );
 }
 
-// Uniform by area: u ↦ (1 − √u₁, u₂ √u₁) in barycentrics. Lights that are no
-// triangles are only noted, and leave a point that sends nothing.
-static void choose_points( const RfLights* lights, int count, const RfLaneScratch* scratch, LightPoints* out )
+// Uniform by area: u ↦ (1 − √u₁, u₂ √u₁) in barycentrics. Punctual lights and the
+// environment are only listed; their point is a dummy that emits nothing.
+static void sample_points( const RfLights* lights, int count, const RfLaneScratch* scratch, LightPoints* out )
 {
     static const RfLight s_none = { .pdf_area = 1.0f };
-    out->other_count = 0;
+    out->non_area_count = 0;
     for ( int i = 0; i < count; ++i )
     {
-        uint32_t number = out->pick[i].light;
-        bool other = number >= lights->triangle_count;
-        const RfLight* light = other ? &s_none : lights->light + number;
-        out->other[out->other_count] = i;
-        out->other_count += other & ( number != RF_NO_LIGHT );
+        uint32_t number = out->selection[i].light;
+        bool non_area = number >= lights->triangle_count;
+        const RfLight* light = non_area ? &s_none : lights->light + number;
+        out->non_area[out->non_area_count] = i;
+        out->non_area_count += non_area & ( number != RF_NO_LIGHT );
         float root = sqrtf( scratch->random[0][i] );
         float b1 = 1.0f - root, b2 = scratch->random[1][i] * root;
         RfVec3 p = rf_add( light->p0, rf_add( rf_scale( light->e1, b1 ), rf_scale( light->e2, b2 ) ) );
@@ -93,19 +93,19 @@ static void choose_points( const RfLights* lights, int count, const RfLaneScratc
         out->radiance[0][i] = light->radiance.x;
         out->radiance[1][i] = light->radiance.y;
         out->radiance[2][i] = light->radiance.z;
-        out->pdf_area[i] = light->pdf_area * out->pick[i].chance;
+        out->pdf_area[i] = light->pdf_area * out->selection[i].probability;
         out->offset[i] = light->offset;
         out->two_sided[i] = light->two_sided ? 1.0f : 0.0f;
     }
 }
 
-// Radiance at the chosen points of lights with textures.
+// Radiance at the sampled points of textured lights.
 static void look_up_radiance( const RfScene* scene, const RfLights* lights, int count, const RfLaneScratch* scratch,
                               LightPoints* out )
 {
     for ( int i = 0; i < count; ++i )
     {
-        uint32_t number = out->pick[i].light;
+        uint32_t number = out->selection[i].light;
         if ( number >= lights->triangle_count || !lights->light[number].textured )
             continue;
         float root = sqrtf( scratch->random[0][i] );
@@ -116,8 +116,8 @@ static void look_up_radiance( const RfScene* scene, const RfLights* lights, int 
     }
 }
 
-// Directions, densities and segments; radiance_cos stays 0 where the light is
-// behind the surface or turned away.
+// Directions, densities and shadow segments; radiance_cos is 0 where the light is
+// below the horizon or faces away.
 static void connect( const RfVertexLanes* restrict v, const LightPoints* restrict points, RfLightLanes* restrict out,
                      RfLaneScratch* restrict scratch )
 {
@@ -130,9 +130,9 @@ static void connect( const RfVertexLanes* restrict v, const LightPoints* restric
         RfVec3 z = rf_vec3( points->p[0][i], points->p[1][i], points->p[2][i] );
         RfVec3 nz = rf_vec3( points->n[0][i], points->n[1][i], points->n[2][i] );
         RfVec3 from = start_of( v, i );
-        RfVec3 way = rf_sub( z, from );
-        float d2 = rf_dot( way, way );
-        RfVec3 wi = rf_scale( way, 1.0f / sqrtf( d2 ) );
+        RfVec3 to_light = rf_sub( z, from );
+        float d2 = rf_dot( to_light, to_light );
+        RfVec3 wi = rf_scale( to_light, 1.0f / sqrtf( d2 ) );
         float facing = -rf_dot( nz, wi );
         float side = facing < 0.0f ? -1.0f : 1.0f;
         float cos_light = points->two_sided[i] > 0.0f ? fabsf( facing ) : facing;
@@ -140,7 +140,7 @@ static void connect( const RfVertexLanes* restrict v, const LightPoints* restric
         float pdf = points->pdf_area[i] * d2 / cos_light;
         int arrives = ( cos_x > 0.0f ) & ( rf_dot( ng, wi ) > 0.0f ) & ( cos_light > 0.0f ) & ( pdf < 1e30f ) & ( d2 > 0.0f );
         float scale = arrives ? cos_x : 0.0f;
-        // a direction always, be it to no avail: the BSDFs want one
+        // the BSDFs need a valid direction in every lane
         out->wi[0][i] = arrives ? wi.x : n.x;
         out->wi[1][i] = arrives ? wi.y : n.y;
         out->wi[2][i] = arrives ? wi.z : n.z;
@@ -148,7 +148,7 @@ static void connect( const RfVertexLanes* restrict v, const LightPoints* restric
         out->radiance_cos[0][i] = points->radiance[0][i] * scale;
         out->radiance_cos[1][i] = points->radiance[1][i] * scale;
         out->radiance_cos[2][i] = points->radiance[2][i] * scale;
-        // the far end is lifted off the light, on the side that is seen
+        // the far end is lifted off the light, on the side facing the vertex
         RfVec3 to = rf_madd( z, nz, points->offset[i] * side );
         scratch->o[0][i] = from.x;
         scratch->o[1][i] = from.y;
@@ -159,19 +159,19 @@ static void connect( const RfVertexLanes* restrict v, const LightPoints* restric
     }
 }
 
-// What connect() does for triangles, for the others.
-static void connect_others( const RfLights* lights, const RfWavefront* keys, const RfVertexLanes* v, const LightPoints* points,
-                            uint32_t dimension, RfLightLanes* out, RfLaneScratch* scratch )
+// connect() for punctual lights and the environment.
+static void connect_non_area( const RfLights* lights, const RfWavefront* keys, const RfVertexLanes* v, const LightPoints* points,
+                              uint32_t dimension, RfLightLanes* out, RfLaneScratch* scratch )
 {
-    for ( int k = 0; k < points->other_count; ++k )
+    for ( int k = 0; k < points->non_area_count; ++k )
     {
-        int i = points->other[k];
+        int i = points->non_area[k];
         RfVec3 from = rf_vec3( scratch->o[0][i], scratch->o[1][i], scratch->o[2][i] );
         RfRandomKey key = { keys->key_a[v->slot[i]], keys->key_b[v->slot[i]] };
-        float place[2] = { scratch->random[0][i], scratch->random[1][i] };
+        float u[2] = { scratch->random[0][i], scratch->random[1][i] };
         RfVec3 ng = rf_vec3( v->ng[0][i], v->ng[1][i], v->ng[2][i] );
         RfVec3 n = rf_vec3( v->n[0][i], v->n[1][i], v->n[2][i] );
-        RfPunctualEnvironmentSample s = rf_sample_punctual_environment( lights, points->pick[i], key, dimension, place, from );
+        RfPunctualEnvironmentSample s = rf_sample_punctual_environment( lights, points->selection[i], key, dimension, u, from );
         float cos_x = rf_dot( n, s.wi );
         if ( !( cos_x > 0.0f && rf_dot( ng, s.wi ) > 0.0f && s.pdf_solid_angle > 0.0f &&
                 rf_max_component( s.radiance ) < 1e32f ) )
@@ -187,7 +187,7 @@ static void connect_others( const RfLights* lights, const RfWavefront* keys, con
     }
 }
 
-// Segments of the lanes that something arrives at, moved to the front.
+// Moves the segments of lanes that may be lit to the front; returns how many there are.
 static int compact_segments( const RfLightLanes* lights, int count, RfLaneScratch* scratch )
 {
     int kept = 0;
@@ -224,13 +224,13 @@ int rf_sample_lights( const RfPathSettings* settings, const RfWavefront* keys, c
     LightPoints points;
     draw_bits( keys, count, vertices->slot, dimension, scratch->bits );
     rf_draw_lanes( keys, count, vertices->slot, dimension + 1, 2, scratch->random );
-    pick_lights( settings, vertices, scratch, points.pick );
-    choose_points( lights, count, scratch, &points );
+    select_lights( settings, vertices, scratch, points.selection );
+    sample_points( lights, count, scratch, &points );
     if ( rf_tracer_is_textured( settings->tracer ) )
         look_up_radiance( rf_tracer_scene( settings->tracer ), lights, count, scratch, &points );
     connect( vertices, &points, out, scratch );
-    if ( points.other_count > 0 )
-        connect_others( lights, keys, vertices, &points, dimension, out, scratch );
+    if ( points.non_area_count > 0 )
+        connect_non_area( lights, keys, vertices, &points, dimension, out, scratch );
     int kept = compact_segments( out, count, scratch );
     const float* o[3] = { scratch->o[0], scratch->o[1], scratch->o[2] };
     const float* d[3] = { scratch->d[0], scratch->d[1], scratch->d[2] };
@@ -238,9 +238,9 @@ int rf_sample_lights( const RfPathSettings* settings, const RfWavefront* keys, c
     for ( int k = 0; k < kept; ++k )
     {
         int i = scratch->index[k];
-        float open = scratch->visible[k];
+        float visible = scratch->visible[k];
         for ( int c = 0; c < 3; ++c )
-            out->radiance_cos[c][i] *= open;
+            out->radiance_cos[c][i] *= visible;
     }
     return kept;
 }

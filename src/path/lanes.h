@@ -1,7 +1,7 @@
 // A wavefront: up to RF_LANES paths that advance together, one vertex at a
 // time, as structures of arrays. Lane i of a vertex array belongs to path
-// slot[i]; lanes are compacted and sorted by scattering model at every vertex,
-// slots stay.
+// slot[i]. At every vertex, lanes are compacted and sorted by scattering model;
+// slots do not change.
 #ifndef REFRAME_PATH_LANES_H
 #define REFRAME_PATH_LANES_H
 
@@ -10,12 +10,12 @@
 #include "light/light.h"
 #include "trace/trace.h"
 
-// A patch of 32 × 32 paths, and a cache line: arrays whose distance is a power of
-// two would all fall into the same sets of the cache.
+// A patch of 32 × 32 paths, plus a cache line: arrays at a distance of a power of
+// two would compete for the same cache sets.
 #define RF_LANES ( 1024 + 16 )
 #define RF_ALIGN _Alignas( 64 )
 
-// Rays that look for their next vertex.
+// Rays to the next vertices.
 typedef struct RfRayLanes
 {
     int count;
@@ -23,7 +23,7 @@ typedef struct RfRayLanes
     float d[3][RF_LANES];            // unit
     float throughput[3][RF_LANES];   // of the path since its first vertex
     float pdf_solid_angle[RF_LANES]; // of d
-    float n[3][RF_LANES];            // unit shading normal where it started, for the lights picked there
+    float n[3][RF_LANES];            // unit shading normal at the origin, which light selection depends on
     int32_t slot[RF_LANES];
 } RfRayLanes;
 
@@ -33,41 +33,31 @@ typedef struct RfVertexLanes
     int count;
     int first[RF_BSDF_KIND_COUNT + 1];
     RF_ALIGN float p[3][RF_LANES];
-    float ng[3][RF_LANES];  // unit geometric normal, on the side of wo
-    float n[3][RF_LANES];   // unit shading normal, on the side of ng
-    float wo[3][RF_LANES];  // unit, back along the ray
-    float offset[RF_LANES]; // along ng: where rays to and from the point end and start
-    float diffuse[3][RF_LANES];
-    float specular[3][RF_LANES];
-    float shape[RF_LANES];
-    float f90[RF_LANES];
-    float coat_f0[RF_LANES];
-    float coat_f90[RF_LANES];
-    float clearcoat[RF_LANES]; // these three of RF_BSDF_COATED only
-    float clearcoat_alpha[RF_LANES];
-    float clearcoat_n[3][RF_LANES];
-    float tint[3][RF_LANES]; // these three of RF_BSDF_GLASS only
-    float ior[RF_LANES];
-    float absorption[3][RF_LANES];         // of what wo goes through, if that is its inside, 1/m
+    float ng[3][RF_LANES];                 // unit geometric normal, on the side of wo
+    float n[3][RF_LANES];                  // unit shading normal, on the side of ng
+    float wo[3][RF_LANES];                 // unit, back along the ray
+    float offset[RF_LANES];                // along ng: rays start and end off the surface
+    float param[RF_PARAM_COUNT][RF_LANES]; // those in the mask of the lane's model; the others are not set
+    float absorption[3][RF_LANES];         // GLASS only: of the medium that wo runs through, 1/m
     float emission[3][RF_LANES];           // towards wo
-    float light_pdf_solid_angle[RF_LANES]; // of a light sample at the ray's origin choosing this point, once
-                                           // its light is picked; 0: none would
+    float light_pdf_solid_angle[RF_LANES]; // of a light sample at the ray's origin for this point, given its
+                                           // light; 0: light sampling cannot find it
     int32_t ray[RF_LANES];                 // lane of the ray that found it
     int32_t slot[RF_LANES];
 } RfVertexLanes;
 
-// Lanes of kinds that records are made of, and of the others, which come last.
+// Number of lanes that become records; the unevaluable ones follow them.
 static inline int rf_record_count( const RfVertexLanes* v ) { return v->first[RF_BSDF_FIRST_UNEVALUABLE]; }
 
 // One light sample per vertex lane.
 typedef struct RfLightLanes
 {
     RF_ALIGN float wi[3][RF_LANES];  // unit
-    float radiance_cos[3][RF_LANES]; // arriving radiance times n·wi; 0: nothing arrives
+    float radiance_cos[3][RF_LANES]; // incident radiance times n·wi; 0: unlit
     float pdf_solid_angle[RF_LANES];
 } RfLightLanes;
 
-// Workspace of the steps below; nothing in it outlives a call.
+// Workspace; its contents are not kept between calls.
 typedef struct RfLaneScratch
 {
     RF_ALIGN uint32_t bits[2][RF_LANES];
@@ -80,12 +70,12 @@ typedef struct RfLaneScratch
     float d[3][RF_LANES];
     float random[3][RF_LANES];
     float wi[3][RF_LANES];
-    float f[3][RF_LANES]; // of lanes from RF_BSDF_FIRST_UNEVALUABLE on, where they scatter: weight f |cos| / density
+    float f[3][RF_LANES]; // after scattering, for unevaluable lanes: the weight f |cos| / density
     float pdf[RF_LANES];
 } RfLaneScratch;
 
-// The dimensions of a path's random numbers (base/random.h), enumerated: the
-// film first, then a block per vertex (numbered from 1).
+// The dimensions of a path's random numbers (base/random.h): the film first, then
+// a block per vertex (numbered from 1).
 enum
 {
     RF_DIMENSION_FILM_X,
@@ -98,9 +88,9 @@ enum
     RF_DIMENSION_ROULETTE = RF_DIMENSION_SCATTER + 3,
     RF_DIMENSION_LIGHTS, // three for each light sample
 };
-// Of the roulette on connections inside a tile, by number of the other path.
+// Roulette on connections inside a tile, plus the index of the connected path.
 #define RF_DIMENSION_CONNECTIONS 0x40000000u
-// A second word of a dimension, where one has too few bits.
+// A second word of a dimension, where 32 bits are not enough.
 #define RF_DIMENSION_TWIN 0x80000000u
 
 static inline uint32_t rf_vertex_dimension( int vertex, int light_samples )

@@ -1,12 +1,11 @@
-// Light samples from lights that are no triangles: without size, and the sky.
+// Light samples of punctual lights and of the environment.
 #ifndef REFRAME_PATH_PUNCTUAL_ENVIRONMENT_H
 #define REFRAME_PATH_PUNCTUAL_ENVIRONMENT_H
 
 #include "path/lanes.h"
 
-// A light sample from a light that is no triangle: the direction to it, what
-// arrives unless something is in the way, and the segment to test. A punctual
-// light has all its density in one direction.
+// The direction to the light, the unoccluded radiance, and the length of the shadow
+// segment. A punctual light is a delta: its density is RF_DELTA_PDF.
 typedef struct RfPunctualEnvironmentSample
 {
     RfVec3 wi, radiance;
@@ -14,9 +13,9 @@ typedef struct RfPunctualEnvironmentSample
     float distance;
 } RfPunctualEnvironmentSample;
 
-// From the light picked at `from`; it must be no triangle. `place`: the numbers
-// of the two dimensions after `dimension`, whose twins the sky draws besides.
-RfPunctualEnvironmentSample rf_sample_punctual_environment( const RfLights* lights, RfLightSelection pick, RfRandomKey key,
-                                                            uint32_t dimension, const float place[2], RfVec3 from );
+// Samples the light selected at `from`, which must not be a triangle. `u`: the
+// numbers of the two dimensions after `dimension`; the sky uses their twins too.
+RfPunctualEnvironmentSample rf_sample_punctual_environment( const RfLights* lights, RfLightSelection selection, RfRandomKey key,
+                                                            uint32_t dimension, const float u[2], RfVec3 from );
 
 #endif

@@ -35,7 +35,7 @@ static void put( float ( *array )[RF_LANES], int i, RfVec3 v )
     array[2][i] = v.z;
 }
 
-// The far side's index of refraction over the near one's (see bsdf.h).
+// Index of refraction of the far side over the near side (RF_PARAM_IOR).
 static float relative_ior( const RfMaterial* m, float facing )
 {
     if ( m->thin )
@@ -43,35 +43,42 @@ static float relative_ior( const RfMaterial* m, float facing )
     return facing >= 0.0f || m->ior == 0.0f ? m->ior : 1.0f / m->ior;
 }
 
-// v->n is the interpolated normal still, which a coat keeps.
-static void fill_material( RfVertexLanes* v, int i, const RfMaterial* m, float facing )
+// Gathers the parameters that come from the material alone into lanes [first, end)
+// of one model. Lane first + k has material number[k].
+static void gather_params( const RfMaterial* materials, const int32_t* restrict number, RfBsdfKind kind, int first, int end,
+                           RfVertexLanes* v )
 {
-    put( v->diffuse, i, m->diffuse );
-    if ( m->kind == RF_BSDF_LAMBERT )
-        return;
-    put( v->specular, i, m->specular );
-    v->shape[i] = m->kind == RF_BSDF_PHONG ? m->exponent : m->alpha;
-    v->f90[i] = m->f90;
-    if ( m->kind == RF_BSDF_GLASS )
+    const int32_t stride = sizeof *materials / sizeof( float );
+    for ( uint32_t left = rf_bsdf_model( kind )->params & ~RF_PARAMS_OF_HIT; left != 0; left &= left - 1 )
     {
-        put( v->tint, i, m->tint );
-        v->ior[i] = relative_ior( m, facing );
-        put( v->absorption, i, facing < 0.0f && !m->thin ? m->absorption : rf_vec3( 0, 0, 0 ) );
-        return;
+        RfBsdfParam p = (RfBsdfParam)__builtin_ctz( left );
+        const float* restrict from = rf_material_param( materials, p );
+        float* restrict to = v->param[p] + first;
+#pragma omp simd
+        for ( int k = 0; k < end - first; ++k )
+            to[k] = from[number[k] * stride];
     }
-    if ( m->kind == RF_BSDF_COATED )
-    {
-        v->clearcoat[i] = m->clearcoat;
-        v->clearcoat_alpha[i] = m->clearcoat_alpha;
-        put( v->clearcoat_n, i, rf_vec3( v->n[0][i], v->n[1][i], v->n[2][i] ) );
-    }
-    v->coat_f0[i] = m->coat_f0;
-    v->coat_f90[i] = m->coat_f90;
 }
 
-// Emission on the side of wo, and the density with which a light sample at
-// the ray's origin, of this very light, would have found this point.
-static void fill_emission( RfVertexLanes* v, int i, const RfLights* lights, uint32_t index, float facing, RfVec3 way )
+// Sets the parameters of a lane that depend on the hit. v->n is still the
+// interpolated normal, which a coat keeps.
+static inline void fill_params_of_hit( RfVertexLanes* v, int i, const RfMaterial* m, float facing )
+{
+    uint32_t params = rf_bsdf_model( m->kind )->params & RF_PARAMS_OF_HIT;
+    if ( params == 0 )
+        return;
+    if ( rf_has_param( params, RF_PARAM_CLEARCOAT_N ) )
+        put( v->param + RF_PARAM_CLEARCOAT_N, i, rf_vec3( v->n[0][i], v->n[1][i], v->n[2][i] ) );
+    if ( rf_has_param( params, RF_PARAM_IOR ) )
+    {
+        v->param[RF_PARAM_IOR][i] = relative_ior( m, facing );
+        put( v->absorption, i, facing < 0.0f && !m->thin ? m->absorption : rf_vec3( 0, 0, 0 ) );
+    }
+}
+
+// Emission towards wo, and the density of this point for a light sample at the
+// ray's origin, given the light.
+static void fill_emission( RfVertexLanes* v, int i, const RfLights* lights, uint32_t index, float facing, RfVec3 to_hit )
 {
     v->light_pdf_solid_angle[i] = 0.0f;
     put( v->emission, i, rf_vec3( 0, 0, 0 ) );
@@ -83,7 +90,7 @@ static void fill_emission( RfVertexLanes* v, int i, const RfLights* lights, uint
     put( v->emission, i, light->radiance );
     float cos_light = fabsf( facing );
     if ( cos_light > 0.0f )
-        v->light_pdf_solid_angle[i] = light->pdf_area * rf_dot( way, way ) / cos_light;
+        v->light_pdf_solid_angle[i] = light->pdf_area * rf_dot( to_hit, to_hit ) / cos_light;
 }
 
 static inline RfVec3 shading_normal( const RfTriangleRecord* t, float u, float v, float side, RfVec3 ng )
@@ -91,11 +98,11 @@ static inline RfVec3 shading_normal( const RfTriangleRecord* t, float u, float v
     RfVec3 n = rf_add( t->n0, rf_add( rf_scale( t->d1, u ), rf_scale( t->d2, v ) ) );
     float length2 = rf_dot( n, n );
     n = rf_scale( n, side / sqrtf( length2 ) );
-    // normals that contradict their face, or cancel, are no use
+    // normals that face the wrong way or cancel are replaced
     return rf_dot( n, ng ) > 0.0f && length2 > 1e-12f ? n : ng;
 }
 
-// What filling a lane reads.
+// What the lanes of the vertices are filled from.
 typedef struct Source
 {
     const RfTriangleRecord* triangles;
@@ -103,6 +110,7 @@ typedef struct Source
     const RfLights* lights;
     const RfRayLanes* rays;
     const RfLaneScratch* scratch;
+    int32_t* number; // filled: the material of each lane
 } Source;
 
 static inline void fill_lane( const Source* from, RfVertexLanes* restrict v, int i )
@@ -124,54 +132,71 @@ static inline void fill_lane( const Source* from, RfVertexLanes* restrict v, int
     v->offset[i] = t->offset;
     v->ray[i] = r;
     v->slot[i] = rays->slot[r];
-    fill_material( v, i, from->materials + t->material, facing );
-    RfVec3 way = rf_sub( p, rf_vec3( rays->o[0][r], rays->o[1][r], rays->o[2][r] ) );
-    fill_emission( v, i, from->lights, t->light, facing, way );
+    from->number[i] = (int32_t)t->material;
+    fill_params_of_hit( v, i, from->materials + t->material, facing );
+    RfVec3 to_hit = rf_sub( p, rf_vec3( rays->o[0][r], rays->o[1][r], rays->o[2][r] ) );
+    fill_emission( v, i, from->lights, t->light, facing, to_hit );
 }
 
-// Where on a triangle, and −1 where it is seen from behind.
+// A point on a triangle; side is −1 where the triangle is seen from behind.
 typedef struct Hit
 {
     uint32_t triangle;
     float u, v, side;
 } Hit;
 
-// Normals by the textures of them, of the surface and of its coat.
+// Applies the normal textures of the surface and of its coat.
 static void look_up_normals( const RfScene* scene, const RfMaterial* m, const Hit* hit, RfVec3 ng, RfVertexLanes* v, int i )
 {
     RfVec3 n = rf_scale( rf_vec3( v->n[0][i], v->n[1][i], v->n[2][i] ), hit->side );
     if ( m->textured->refs[RF_TEXTURE_NORMAL].texture >= 0 )
         put( v->n, i, rf_scale( rf_normal_at( scene, m, hit->triangle, hit->u, hit->v, n, ng ), hit->side ) );
     if ( m->textured->refs[RF_TEXTURE_CLEARCOAT_NORMAL].texture >= 0 )
-        put( v->clearcoat_n, i, rf_scale( rf_coat_normal_at( scene, m, hit->triangle, hit->u, hit->v, n, ng ), hit->side ) );
+        put( v->param + RF_PARAM_CLEARCOAT_N, i,
+             rf_scale( rf_coat_normal_at( scene, m, hit->triangle, hit->u, hit->v, n, ng ), hit->side ) );
 }
 
-// Material, normals and emission of a lane anew, looked up where the hit is.
-static void look_up_lane( const RfScene* scene, const Source* from, const RfMaterial* m, RfVertexLanes* v, int i )
+// Looks up the material of a textured lane into `here`, and replaces the normals and
+// emission of the lane.
+static void look_up_lane( const RfScene* scene, const Source* from, const RfMaterial* m, RfVertexLanes* v, int i,
+                          RfMaterial* here )
 {
     int r = from->scratch->index[i];
     uint32_t triangle = from->scratch->triangle[r];
     float bu = from->scratch->u[r], bv = from->scratch->v[r];
     const RfTriangleRecord* t = from->triangles + triangle;
     float facing = rf_dot( t->ng, rf_vec3( v->wo[0][i], v->wo[1][i], v->wo[2][i] ) );
-    RfMaterial here;
-    rf_material_at( scene, m, triangle, bu, bv, &here );
-    fill_material( v, i, &here, facing );
+    rf_material_at( scene, m, triangle, bu, bv, here );
+    fill_params_of_hit( v, i, here, facing );
     Hit hit = { triangle, bu, bv, facing < 0.0f ? -1.0f : 1.0f };
     look_up_normals( scene, m, &hit, t->ng, v, i );
     if ( v->emission[0][i] + v->emission[1][i] + v->emission[2][i] > 0.0f )
         put( v->emission, i, rf_emission_at( scene, m, triangle, bu, bv ) );
 }
 
-static void look_up_textures( const RfTracer* tracer, const Source* from, RfVertexLanes* v )
+#define BLOCK 32 // lanes whose materials are looked up before their parameters are gathered
+
+static void look_up_block( const RfScene* scene, const Source* from, RfVertexLanes* v, RfBsdfKind kind, int first, int end )
 {
-    for ( int i = 0; i < v->count; ++i )
+    RfMaterial here[BLOCK];
+    int32_t number[BLOCK];
+    for ( int i = first; i < end; ++i )
     {
-        const RfTriangleRecord* t = from->triangles + from->scratch->triangle[from->scratch->index[i]];
-        const RfMaterial* m = from->materials + t->material;
+        const RfMaterial* m = from->materials + from->number[i];
+        number[i - first] = i - first;
         if ( m->textured != NULL )
-            look_up_lane( rf_tracer_scene( tracer ), from, m, v, i );
+            look_up_lane( scene, from, m, v, i, here + ( i - first ) );
+        else
+            here[i - first] = *m;
     }
+    gather_params( here, number, kind, first, end, v );
+}
+
+static void look_up_textures( const RfScene* scene, const Source* from, RfBsdfKind kind, RfVertexLanes* v )
+{
+    int end = v->first[kind + 1];
+    for ( int first = v->first[kind]; first < end; first += BLOCK )
+        look_up_block( scene, from, v, kind, first, end - first < BLOCK ? end : first + BLOCK );
 }
 
 void rf_find_vertices( const RfPathSettings* settings, const RfRayLanes* rays, bool coherent, RfVertexLanes* vertices,
@@ -182,10 +207,17 @@ void rf_find_vertices( const RfPathSettings* settings, const RfRayLanes* rays, b
     const float* d[3] = { rays->d[0], rays->d[1], rays->d[2] };
     rf_trace_nearest( tracer, rays->count, o, d, coherent, scratch->triangle, scratch->u, scratch->v );
     sort_by_kind( tracer, rays->count, scratch, vertices );
-    Source from = { rf_tracer_triangles( tracer ), rf_tracer_scene( tracer )->materials, rf_tracer_lights( tracer ), rays,
-                    scratch };
+    const RfMaterial* materials = rf_tracer_scene( tracer )->materials;
+    RF_ALIGN int32_t number[RF_LANES];
+    Source from = { rf_tracer_triangles( tracer ), materials, rf_tracer_lights( tracer ), rays, scratch, number };
     for ( int i = 0; i < vertices->count; ++i )
         fill_lane( &from, vertices, i );
-    if ( rf_tracer_is_textured( tracer ) )
-        look_up_textures( tracer, &from, vertices );
+    for ( int kind = 0; kind < RF_BSDF_KIND_COUNT; ++kind )
+    {
+        int first = vertices->first[kind], end = vertices->first[kind + 1];
+        if ( rf_tracer_is_textured( tracer ) )
+            look_up_textures( rf_tracer_scene( tracer ), &from, (RfBsdfKind)kind, vertices );
+        else
+            gather_params( materials, number + first, (RfBsdfKind)kind, first, end, vertices );
+    }
 }

@@ -1,4 +1,4 @@
-// The tails of paths: from the second vertex on.
+// The path tracer proper: path tails from the second vertex on.
 #include "path/wavefront.h"
 
 #include <string.h>
@@ -7,20 +7,10 @@
 
 static RfBsdfLanes bsdf_lanes( const RfVertexLanes* v, int first )
 {
-    return ( RfBsdfLanes ){
-        .n = { v->n[0] + first, v->n[1] + first, v->n[2] + first },
-        .diffuse = { v->diffuse[0] + first, v->diffuse[1] + first, v->diffuse[2] + first },
-        .specular = { v->specular[0] + first, v->specular[1] + first, v->specular[2] + first },
-        .shape = v->shape + first,
-        .f90 = v->f90 + first,
-        .coat_f0 = v->coat_f0 + first,
-        .coat_f90 = v->coat_f90 + first,
-        .clearcoat = v->clearcoat + first,
-        .clearcoat_alpha = v->clearcoat_alpha + first,
-        .clearcoat_n = { v->clearcoat_n[0] + first, v->clearcoat_n[1] + first, v->clearcoat_n[2] + first },
-        .tint = { v->tint[0] + first, v->tint[1] + first, v->tint[2] + first },
-        .ior = v->ior + first,
-    };
+    RfBsdfLanes lanes = { .n = { v->n[0] + first, v->n[1] + first, v->n[2] + first } };
+    for ( int p = 0; p < RF_PARAM_COUNT; ++p )
+        lanes.param[p] = v->param[p] + first;
+    return lanes;
 }
 
 void rf_evaluate_seen_from( const RfVertexLanes* v, RfBsdfKind kind, const float* const wo[3], const float* const wi[3],
@@ -55,8 +45,8 @@ void rf_evaluate_lanes( const RfVertexLanes* v, const float* const wi[3], float*
     evaluate_kinds( v, RF_BSDF_KIND_COUNT, wi, f, pdf_solid_angle );
 }
 
-// Directions of the kinds whose density can be asked for.
-static void sample_lanes( const RfVertexLanes* v, const RfLaneScratch* scratch, float* const wi[3] )
+// Samples directions for the lanes of evaluable models.
+static void sample_evaluable_lanes( const RfVertexLanes* v, const RfLaneScratch* scratch, float* const wi[3] )
 {
     for ( int kind = 0; kind < RF_BSDF_FIRST_UNEVALUABLE; ++kind )
     {
@@ -71,17 +61,20 @@ static void sample_lanes( const RfVertexLanes* v, const RfLaneScratch* scratch, 
     }
 }
 
-static void sample_native_lanes( const RfVertexLanes* v, RfLaneScratch* s, float* const wi[3] )
+static void sample_unevaluable_lanes( const RfVertexLanes* v, RfLaneScratch* s, float* const wi[3] )
 {
-    int first = rf_record_count( v );
-    if ( first == v->count )
-        return;
-    RfBsdfLanes lanes = bsdf_lanes( v, first );
-    const float* wo[3] = { v->wo[0] + first, v->wo[1] + first, v->wo[2] + first };
-    const float* u[3] = { s->random[0] + first, s->random[1] + first, s->random[2] + first };
-    float* out[3] = { wi[0] + first, wi[1] + first, wi[2] + first };
-    float* weight[3] = { s->f[0] + first, s->f[1] + first, s->f[2] + first };
-    rf_glass_sample( v->count - first, &lanes, wo, u, out, weight, s->pdf + first );
+    for ( int kind = RF_BSDF_FIRST_UNEVALUABLE; kind < RF_BSDF_KIND_COUNT; ++kind )
+    {
+        int first = v->first[kind], count = v->first[kind + 1] - first;
+        if ( count == 0 )
+            continue;
+        RfBsdfLanes lanes = bsdf_lanes( v, first );
+        const float* wo[3] = { v->wo[0] + first, v->wo[1] + first, v->wo[2] + first };
+        const float* u[3] = { s->random[0] + first, s->random[1] + first, s->random[2] + first };
+        float* out[3] = { wi[0] + first, wi[1] + first, wi[2] + first };
+        float* weight[3] = { s->f[0] + first, s->f[1] + first, s->f[2] + first };
+        rf_bsdf_sample_weighted( (RfBsdfKind)kind, count, &lanes, wo, u, out, weight, s->pdf + first );
+    }
 }
 
 void rf_scatter_lanes( const RfWavefront* keys, const RfVertexLanes* v, uint32_t dimension, float* const wi[3],
@@ -90,21 +83,21 @@ void rf_scatter_lanes( const RfWavefront* keys, const RfVertexLanes* v, uint32_t
     const float* wi_in[3] = { wi[0], wi[1], wi[2] };
     float* f[3] = { scratch->f[0], scratch->f[1], scratch->f[2] };
     rf_draw_lanes( keys, v->count, v->slot, dimension, 3, scratch->random );
-    sample_lanes( v, scratch, wi );
+    sample_evaluable_lanes( v, scratch, wi );
     evaluate_kinds( v, RF_BSDF_FIRST_UNEVALUABLE, wi_in, f, scratch->pdf );
-    sample_native_lanes( v, scratch, wi );
+    sample_unevaluable_lanes( v, scratch, wi );
 }
 
-static void add_light_samples( const RfPathSettings* settings, RfWavefront* walk, const RfRayLanes* rays, int vertex )
+static void add_light_samples( const RfPathSettings* settings, RfWavefront* wavefront, const RfRayLanes* rays, int vertex )
 {
-    const RfVertexLanes* v = &walk->vertices;
-    RfLightLanes* lights = &walk->lights;
-    RfLaneScratch* s = &walk->scratch;
+    const RfVertexLanes* v = &wavefront->vertices;
+    RfLightLanes* lights = &wavefront->lights;
+    RfLaneScratch* s = &wavefront->scratch;
     float k = (float)settings->light_samples;
     for ( int j = 0; j < settings->light_samples; ++j )
     {
         uint32_t dimension = rf_vertex_dimension( vertex, settings->light_samples ) + RF_DIMENSION_LIGHTS + 3u * (uint32_t)j;
-        walk->shadow_rays += (uint64_t)rf_sample_lights( settings, walk, v, dimension, lights, s );
+        wavefront->shadow_rays += (uint64_t)rf_sample_lights( settings, wavefront, v, dimension, lights, s );
         const float* wi[3] = { lights->wi[0], lights->wi[1], lights->wi[2] };
         float* f[3] = { s->f[0], s->f[1], s->f[2] };
         rf_evaluate_lanes( v, wi, f, s->pdf );
@@ -113,22 +106,22 @@ static void add_light_samples( const RfPathSettings* settings, RfWavefront* walk
             int slot = v->slot[i], r = v->ray[i];
             float scale = 1.0f / ( k * lights->pdf_solid_angle[i] + s->pdf[i] );
             for ( int c = 0; c < 3; ++c )
-                walk->arrivals.rest[c][slot] += rays->throughput[c][r] * s->f[c][i] * lights->radiance_cos[c][i] * scale;
+                wavefront->arrivals.rest[c][slot] += rays->throughput[c][r] * s->f[c][i] * lights->radiance_cos[c][i] * scale;
         }
     }
 }
 
-// Survival probability of the roulette: what the path still carries.
-static float survival( const RfWavefront* walk, int vertex, int slot, const float throughput[3] )
+// Survival probability of the roulette, from the throughput of the path.
+static float survival( const RfWavefront* wavefront, int vertex, int slot, const float throughput[3] )
 {
     if ( vertex < ROULETTE_AFTER )
         return 1.0f;
-    float carried = rf_maxf( throughput[0], rf_maxf( throughput[1], throughput[2] ) ) * walk->roulette_scale[slot];
+    float carried = rf_maxf( throughput[0], rf_maxf( throughput[1], throughput[2] ) ) * wavefront->roulette_scale[slot];
     return rf_minf( carried, 1.0f );
 }
 
-// The ray that leaves lane i of the vertices, into place `at` of next.
-static inline void leave( const RfVertexLanes* v, int i, const float wi[3], float side, float pdf, RfRayLanes* next, int at )
+// Writes the ray that leaves vertex lane i to lane `at` of next.
+static inline void write_ray( const RfVertexLanes* v, int i, const float wi[3], float side, float pdf, RfRayLanes* next, int at )
 {
     for ( int c = 0; c < 3; ++c )
     {
@@ -140,11 +133,11 @@ static inline void leave( const RfVertexLanes* v, int i, const float wi[3], floa
     next->slot[at] = v->slot[i];
 }
 
-// Lanes that scatter with a density.
-static int scatter_lanes( RfWavefront* walk, const RfRayLanes* rays, int vertex, RfRayLanes* next )
+// Lanes with an evaluable BSDF.
+static int scatter_evaluable_lanes( RfWavefront* wavefront, const RfRayLanes* rays, int vertex, RfRayLanes* next )
 {
-    const RfVertexLanes* v = &walk->vertices;
-    const RfLaneScratch* s = &walk->scratch;
+    const RfVertexLanes* v = &wavefront->vertices;
+    const RfLaneScratch* s = &wavefront->scratch;
     int kept = 0, count = rf_record_count( v );
     for ( int i = 0; i < count; ++i )
     {
@@ -157,20 +150,20 @@ static int scatter_lanes( RfWavefront* walk, const RfRayLanes* rays, int vertex,
         float t[3];
         for ( int c = 0; c < 3; ++c )
             t[c] = rays->throughput[c][r] * s->f[c][i] * scale;
-        float q = survival( walk, vertex, v->slot[i], t );
+        float q = survival( wavefront, vertex, v->slot[i], t );
         for ( int c = 0; c < 3; ++c )
             next->throughput[c][kept] = t[c] / q;
-        leave( v, i, wi, 1.0f, pdf, next, kept );
+        write_ray( v, i, wi, 1.0f, pdf, next, kept );
         kept += ( cos_x > 0.0f ) & ( cos_g > 0.0f ) & ( pdf > 0.0f ) & ( s->random[0][i] < q );
     }
     return kept;
 }
 
-// Lanes that come with their weight, and leave on either side.
-static int scatter_native_lanes( RfWavefront* walk, const RfRayLanes* rays, int vertex, RfRayLanes* next, int kept )
+// Unevaluable lanes: sampling returned their weight, and they may leave on either side.
+static int scatter_unevaluable_lanes( RfWavefront* wavefront, const RfRayLanes* rays, int vertex, RfRayLanes* next, int kept )
 {
-    const RfVertexLanes* v = &walk->vertices;
-    const RfLaneScratch* s = &walk->scratch;
+    const RfVertexLanes* v = &wavefront->vertices;
+    const RfLaneScratch* s = &wavefront->scratch;
     for ( int i = rf_record_count( v ); i < v->count; ++i )
     {
         float wi[3] = { s->wi[0][i], s->wi[1][i], s->wi[2][i] };
@@ -179,60 +172,61 @@ static int scatter_native_lanes( RfWavefront* walk, const RfRayLanes* rays, int 
         float t[3];
         for ( int c = 0; c < 3; ++c )
             t[c] = rays->throughput[c][r] * s->f[c][i];
-        float q = survival( walk, vertex, v->slot[i], t );
+        float q = survival( wavefront, vertex, v->slot[i], t );
         for ( int c = 0; c < 3; ++c )
             next->throughput[c][kept] = t[c] / q;
-        leave( v, i, wi, side, s->pdf[i], next, kept );
+        write_ray( v, i, wi, side, s->pdf[i], next, kept );
         kept += ( side != 0.0f ) & ( rf_maxf( t[0], rf_maxf( t[1], t[2] ) ) > 0.0f ) & ( s->random[0][i] < q );
     }
     return kept;
 }
 
-static void scatter( const RfPathSettings* settings, RfWavefront* walk, const RfRayLanes* rays, int vertex, RfRayLanes* next )
+static void scatter( const RfPathSettings* settings, RfWavefront* wavefront, const RfRayLanes* rays, int vertex,
+                     RfRayLanes* next )
 {
-    const RfVertexLanes* v = &walk->vertices;
-    RfLaneScratch* s = &walk->scratch;
+    const RfVertexLanes* v = &wavefront->vertices;
+    RfLaneScratch* s = &wavefront->scratch;
     uint32_t dimension = rf_vertex_dimension( vertex, settings->light_samples );
     float* wi[3] = { s->wi[0], s->wi[1], s->wi[2] };
-    rf_scatter_lanes( walk, v, dimension + RF_DIMENSION_SCATTER, wi, s );
-    rf_draw_lanes( walk, v->count, v->slot, dimension + RF_DIMENSION_ROULETTE, 1, s->random );
-    next->count = scatter_native_lanes( walk, rays, vertex, next, scatter_lanes( walk, rays, vertex, next ) );
+    rf_scatter_lanes( wavefront, v, dimension + RF_DIMENSION_SCATTER, wi, s );
+    rf_draw_lanes( wavefront, v->count, v->slot, dimension + RF_DIMENSION_ROULETTE, 1, s->random );
+    next->count =
+        scatter_unevaluable_lanes( wavefront, rays, vertex, next, scatter_evaluable_lanes( wavefront, rays, vertex, next ) );
 }
 
-// What the inside of a body takes from the light of rays that reach its
-// surface from within.
+// Absorption along rays that reach the surface of a body from inside.
 static void absorb( const RfVertexLanes* v, RfRayLanes* rays )
 {
     for ( int i = v->first[RF_BSDF_GLASS]; i < v->first[RF_BSDF_GLASS + 1]; ++i )
     {
         int r = v->ray[i];
-        RfVec3 left = rf_left_of_way( v, i, rf_vec3( rays->o[0][r], rays->o[1][r], rays->o[2][r] ) );
-        rays->throughput[0][r] *= left.x;
-        rays->throughput[1][r] *= left.y;
-        rays->throughput[2][r] *= left.z;
+        RfVec3 transmittance = rf_transmittance_from( v, i, rf_vec3( rays->o[0][r], rays->o[1][r], rays->o[2][r] ) );
+        rays->throughput[0][r] *= transmittance.x;
+        rays->throughput[1][r] *= transmittance.y;
+        rays->throughput[2][r] *= transmittance.z;
     }
 }
 
-void rf_find_lit_vertices( const RfPathSettings* settings, RfWavefront* walk, RfRayLanes* rays, bool apart,
+void rf_find_lit_vertices( const RfPathSettings* settings, RfWavefront* wavefront, RfRayLanes* rays, bool defer_mis,
                            RfVertexLanes* vertices )
 {
-    walk->path_rays += (uint64_t)rays->count;
-    rf_find_vertices( settings, rays, false, vertices, &walk->scratch );
+    wavefront->path_rays += (uint64_t)rays->count;
+    rf_find_vertices( settings, rays, false, vertices, &wavefront->scratch );
     absorb( vertices, rays );
-    rf_add_emission_hits( settings, rays, vertices, walk->scratch.triangle, apart, &walk->arrivals );
+    rf_add_emission_hits( settings, rays, vertices, wavefront->scratch.triangle, defer_mis, &wavefront->arrivals );
 }
 
-void rf_trace_tails( const RfPathSettings* settings, RfWavefront* walk, int first_vertex )
+void rf_trace_tails( const RfPathSettings* settings, RfWavefront* wavefront, int first_vertex )
 {
-    RfRayLanes* rays = &walk->rays;
-    RfRayLanes* next = &walk->next;
+    RfRayLanes* rays = &wavefront->rays;
+    RfRayLanes* next = &wavefront->next;
     for ( int vertex = first_vertex; vertex <= settings->max_depth && rays->count > 0; ++vertex )
     {
-        rf_find_lit_vertices( settings, walk, rays, vertex == first_vertex, &walk->vertices );
+        rf_find_lit_vertices( settings, wavefront, rays, vertex == first_vertex, &wavefront->vertices );
         if ( vertex == settings->max_depth )
             break;
-        add_light_samples( settings, walk, rays, vertex );
-        scatter( settings, walk, rays, vertex, next );
+        add_light_samples( settings, wavefront, rays, vertex );
+        scatter( settings, wavefront, rays, vertex, next );
         RfRayLanes* swap = rays;
         rays = next;
         next = swap;

@@ -1,6 +1,6 @@
-// The path tracer: one walk, by wavefronts. A caller finds first vertices,
-// samples lights and scatters there as it likes, and hands the scattered rays
-// to rf_trace_tails, which brings back the radiance that arrives along them.
+// The path tracer, by wavefronts. The caller finds first vertices, samples lights
+// and scatters there itself, and hands the scattered rays to rf_trace_tails, which
+// returns the radiance that arrives along them.
 #ifndef REFRAME_PATH_WAVEFRONT_H
 #define REFRAME_PATH_WAVEFRONT_H
 
@@ -15,13 +15,13 @@ typedef struct RfPathSettings
     RfLightSampling light_sampling;
 } RfPathSettings;
 
-// What arrives along the ray of each path slot. The light emitted by what the
-// ray finds is apart, since light sampling at the ray's origin could have found
-// it too (estimators.md E3).
+// Radiance that arrives along the ray of each path slot. Emission hit by the ray is
+// kept separate, since light sampling at the ray's origin could have found it too
+// (src/reuse/estimators.md, E3).
 typedef struct RfArrivals
 {
     RF_ALIGN float emitted[3][RF_LANES];
-    float light_pdf_solid_angle[RF_LANES]; // of that vertex, by light sampling at the origin
+    float light_pdf_solid_angle[RF_LANES]; // of the emitter, by light sampling at the origin
     float rest[3][RF_LANES];               // all longer paths
 } RfArrivals;
 
@@ -31,8 +31,8 @@ typedef struct RfWavefront
     // in, by slot
     RF_ALIGN uint32_t key_a[RF_LANES];
     uint32_t key_b[RF_LANES];
-    float roulette_scale[RF_LANES]; // largest channel of the path's weight before its throughput begins
-    RfRayLanes rays;                // in: the scattered rays; used up
+    float roulette_scale[RF_LANES]; // largest channel of the path's weight up to where throughput starts
+    RfRayLanes rays;                // in: the scattered rays; overwritten
     // out, by slot
     RfArrivals arrivals;
     uint64_t path_rays, shadow_rays; // counted up
@@ -43,9 +43,9 @@ typedef struct RfWavefront
     RfLaneScratch scratch;
 } RfWavefront;
 
-// Traces the rays and fills the vertices they find, sorted by scattering
-// model, in the rays' order within a model. Rays that miss leave no vertex.
-// `coherent` is a hint for the traversal.
+// Traces the rays and fills the vertices they hit, sorted by scattering model and
+// by ray within a model. Rays that miss leave no vertex. `coherent` is a hint for
+// the traversal.
 void rf_find_vertices( const RfPathSettings* settings, const RfRayLanes* rays, bool coherent, RfVertexLanes* vertices,
                        RfLaneScratch* scratch );
 
@@ -53,32 +53,33 @@ void rf_find_vertices( const RfPathSettings* settings, const RfRayLanes* rays, b
 void rf_draw_lanes( const RfWavefront* keys, int count, const int32_t* slot, uint32_t dimension, int numbers,
                     float random[][RF_LANES] );
 
-// One light sample for every vertex lane, with its visibility tested. Random
-// numbers: `dimension` and the two after it. Returns the shadow rays traced.
+// Takes one light sample per vertex lane and tests its visibility. Random numbers:
+// `dimension` and the two after it. Returns the number of shadow rays.
 int rf_sample_lights( const RfPathSettings* settings, const RfWavefront* keys, const RfVertexLanes* vertices, uint32_t dimension,
                       RfLightLanes* lights, RfLaneScratch* scratch );
 
 // f and density for all lanes of the vertices, model by model (see bsdf.h).
 void rf_evaluate_lanes( const RfVertexLanes* vertices, const float* const wi[3], float* const f[3], float* pdf_solid_angle );
 
-// The same for the lanes of one model, seen from wo; lane i of all arrays is
-// lane i of the vertices. Either output may be NULL.
+// The same for the lanes of one model, seen from wo. Lane i of all arrays is lane i
+// of the vertices. Either output may be NULL.
 void rf_evaluate_seen_from( const RfVertexLanes* vertices, RfBsdfKind kind, const float* const wo[3], const float* const wi[3],
                             float* const f[3], float* pdf_solid_angle );
 
-// Scatters all lanes of the vertices: wi from three random numbers each, and
-// into scratch f and density of it; of native lanes the weight f |cos| / density.
+// Samples wi for all lanes of the vertices from three random numbers each. Its f
+// and density go to scratch; for unevaluable lanes the weight f |cos| / density
+// takes the place of f.
 void rf_scatter_lanes( const RfWavefront* keys, const RfVertexLanes* vertices, uint32_t dimension, float* const wi[3],
                        RfLaneScratch* scratch );
 
-// Adds the light that rays find at their ends, of surfaces (the vertices, with
-// the triangles in scratch) and of the sky, to the arrivals: `apart` as emitted,
-// or weighed by the balance heuristic.
+// Adds emission hit by the rays, of surfaces (the vertices) and of the sky, to the
+// arrivals. With `defer_mis` it goes to `emitted`, unweighted; otherwise to `rest`,
+// weighted by the balance heuristic.
 void rf_add_emission_hits( const RfPathSettings* settings, const RfRayLanes* rays, const RfVertexLanes* vertices,
-                           const uint32_t* triangle, bool apart, RfArrivals* arrivals );
+                           const uint32_t* triangle, bool defer_mis, RfArrivals* arrivals );
 
-// On which side of the surface wi leaves a native lane: 1 on the eye's, −1
-// beyond, 0 where normal and face disagree about it and nothing leaves.
+// The side on which wi leaves an unevaluable lane: 1 that of wo, −1 the other; 0
+// where shading and geometric normal disagree and the path ends.
 static inline float rf_leaving_side( const RfVertexLanes* v, int i, const float wi[3] )
 {
     float cos_x = v->n[0][i] * wi[0] + v->n[1][i] * wi[1] + v->n[2][i] * wi[2];
@@ -88,15 +89,15 @@ static inline float rf_leaving_side( const RfVertexLanes* v, int i, const float 
     return cos_g > 0.0f ? 1.0f : -1.0f;
 }
 
-// Part of the light that is left after a way through an absorbing inside.
+// Transmittance of an absorbing medium (Beer, Lambert).
 static inline RfVec3 rf_transmittance( RfVec3 absorption, float distance )
 {
     return rf_vec3( expf( -absorption.x * distance ), expf( -absorption.y * distance ), expf( -absorption.z * distance ) );
 }
 
-// The part of the light that the inside of its body leaves of what goes from a
-// glass lane to `o`, where its ray began (Beer, Lambert); 1 from the outside.
-static inline RfVec3 rf_left_of_way( const RfVertexLanes* v, int i, RfVec3 o )
+// Transmittance between a glass lane and `o`, the origin of the ray that hit it: 1
+// unless the ray ran inside the body.
+static inline RfVec3 rf_transmittance_from( const RfVertexLanes* v, int i, RfVec3 o )
 {
     RfVec3 absorption = rf_vec3( v->absorption[0][i], v->absorption[1][i], v->absorption[2][i] );
     if ( rf_max_component( absorption ) == 0.0f )
@@ -104,23 +105,23 @@ static inline RfVec3 rf_left_of_way( const RfVertexLanes* v, int i, RfVec3 o )
     return rf_transmittance( absorption, rf_length( rf_sub( rf_vec3( v->p[0][i], v->p[1][i], v->p[2][i] ), o ) ) );
 }
 
-// Scatters all lanes of the vertices, the path's `vertex`-th, with the weights
-// left to the caller: rays of the directions that can carry light into
-// walk->rays, whose throughput is 1 where records are made and the weight
-// f |cos| / density from native lanes; walk->roulette_scale takes what is left
-// out. Directions into wi, their densities into walk->scratch.pdf.
-void rf_scatter_deferred( const RfPathSettings* settings, RfWavefront* walk, const RfVertexLanes* vertices, int vertex,
+// Scatters all lanes of the vertices, the path's `vertex`-th, with deferred MIS.
+// wavefront->rays gets the rays that can carry light. Their throughput is 1 for
+// lanes that become records, whose weight only scales wavefront->roulette_scale,
+// and the weight f |cos| / density for unevaluable lanes. Directions go to wi,
+// densities to wavefront->scratch.pdf.
+void rf_scatter_deferred( const RfPathSettings* settings, RfWavefront* wavefront, const RfVertexLanes* vertices, int vertex,
                           float* const wi[3] );
 
-// The vertices at the ends of rays, and into walk->arrivals the light found
-// there: `apart` as emitted, or weighed by the balance heuristic.
-void rf_find_lit_vertices( const RfPathSettings* settings, RfWavefront* walk, RfRayLanes* rays, bool apart,
+// Finds the vertices that the rays hit, applies absorption, and adds their emission
+// to wavefront->arrivals (see rf_add_emission_hits).
+void rf_find_lit_vertices( const RfPathSettings* settings, RfWavefront* wavefront, RfRayLanes* rays, bool defer_mis,
                            RfVertexLanes* vertices );
 
-// Radiance that arrives along walk->rays, which left vertex first_vertex − 1 of
-// their paths: all further vertices, lights sampled and scattered directions
-// combined by the balance heuristic, roulette after the third vertex.
-// walk->arrivals must be zero for the slots of the rays.
-void rf_trace_tails( const RfPathSettings* settings, RfWavefront* walk, int first_vertex );
+// Computes the radiance that arrives along wavefront->rays, which left vertex
+// first_vertex − 1 of their paths: light and BSDF sampling at all further vertices,
+// combined by the balance heuristic, with Russian roulette after the third vertex.
+// wavefront->arrivals must be zero for the slots of the rays.
+void rf_trace_tails( const RfPathSettings* settings, RfWavefront* wavefront, int first_vertex );
 
 #endif

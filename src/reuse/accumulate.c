@@ -258,7 +258,7 @@ static uint64_t add_batch( const Accumulation* a, RfAccumulateJob job, const RfH
         landed += splat_glossy( batch, scratch, range );
     }
     if ( own )
-        landed += splat_misses( batch, !a->shape.natives, a->weight, range );
+        landed += splat_misses( batch, !a->shape.own_frame_light, a->weight, range );
     if ( job.landed != NULL )
         count_landed( batch, scratch, range, job.landed );
     if ( job.landed != NULL && own )

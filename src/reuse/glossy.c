@@ -4,7 +4,7 @@
 
 void rf_directions_to( const RfEye* eyes, int eye, const RfHitBatch* batch, float* const wo[3] )
 {
-    int first = batch->first[RF_BSDF_PHONG], count = rf_glossy_count( batch );
+    int first = batch->first[RF_BSDF_FIRST_GLOSSY], count = rf_glossy_count( batch );
     if ( eye == batch->eye )
     {
         for ( int c = 0; c < 3; ++c )
@@ -33,28 +33,17 @@ void rf_directions_to( const RfEye* eyes, int eye, const RfHitBatch* batch, floa
 void rf_evaluate_glossy( const RfHitBatch* b, const float* const wo[3], const float* const wi[3], float* const f[3],
                          float* pdf_solid_angle )
 {
-    int base = b->first[RF_BSDF_PHONG];
-    for ( int kind = RF_BSDF_PHONG; kind < RF_BSDF_KIND_COUNT; ++kind )
+    int base = b->first[RF_BSDF_FIRST_GLOSSY];
+    for ( int kind = RF_BSDF_FIRST_GLOSSY; kind < RF_BSDF_KIND_COUNT; ++kind )
     {
         int k = b->first[kind] - base, count = b->first[kind + 1] - b->first[kind];
         if ( count == 0 )
             continue;
-        RfBsdfLanes lanes = {
-            .n = { b->n[0] + k, b->n[1] + k, b->n[2] + k },
-            .diffuse = { b->diffuse[0] + k, b->diffuse[1] + k, b->diffuse[2] + k },
-            .specular = { b->specular[0] + k, b->specular[1] + k, b->specular[2] + k },
-            .shape = b->shape + k,
-            .f90 = b->f90 + k,
-            .coat_f0 = b->coat_f0 + k,
-            .coat_f90 = b->coat_f90 + k,
-        };
-        if ( b->clearcoat != NULL )
-        {
-            lanes.clearcoat = b->clearcoat + k;
-            lanes.clearcoat_alpha = b->clearcoat_alpha + k;
-            for ( int c = 0; c < 3; ++c )
-                lanes.clearcoat_n[c] = b->clearcoat_n[c] + k;
-        }
+        const float* n[3] = { b->n[0], b->n[1], b->n[2] };
+        const float* param[RF_PARAM_COUNT];
+        for ( int p = 0; p < RF_PARAM_COUNT; ++p )
+            param[p] = b->param[p];
+        RfBsdfLanes lanes = rf_bsdf_lanes( (RfBsdfKind)kind, n, param, k );
         const float* out_dir[3] = { wo[0] + k, wo[1] + k, wo[2] + k };
         const float* in_dir[3] = { wi[0] + k, wi[1] + k, wi[2] + k };
         if ( f != NULL )

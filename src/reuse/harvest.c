@@ -7,16 +7,15 @@
 RfBatchShape rf_batch_shape( const RfEstimatorGroup* group )
 {
     const RfRenderSettings* settings = group->settings;
-    unsigned unevaluable = ~0u << RF_BSDF_FIRST_UNEVALUABLE, glossy = ~0u << RF_BSDF_PHONG & ~unevaluable;
+    unsigned unevaluable = ~0u << RF_BSDF_FIRST_UNEVALUABLE;
     return ( RfBatchShape ){
         .eyes = group->eye_count,
         .light_samples = settings->light_samples,
         .tile_pixels = rf_tile_pixels( &settings->tile ),
-        .glossy = ( group->traits.kinds & glossy ) != 0,
-        .coated = ( group->traits.kinds & 1u << RF_BSDF_COATED ) != 0,
+        .params = rf_glossy_params( group->traits.kinds ),
         .eq15 = settings->weights == RF_WEIGHTS_EQ15,
         .blended = group->traits.blended,
-        .natives = ( group->traits.kinds & unevaluable ) != 0 || group->traits.sky,
+        .own_frame_light = ( group->traits.kinds & unevaluable ) != 0 || group->traits.sky,
     };
 }
 
@@ -160,7 +159,7 @@ static void copy_hits( const RfVertexLanes* v, RfHitBatch* batch )
         memcpy( batch->p[c], v->p[c], bytes );
         memcpy( batch->ng[c], v->ng[c], bytes );
     }
-    int first = v->first[RF_BSDF_PHONG];
+    int first = v->first[RF_BSDF_FIRST_GLOSSY];
     bytes = (size_t)( batch->count - first ) * sizeof( float );
     if ( bytes == 0 )
         return;
@@ -168,19 +167,12 @@ static void copy_hits( const RfVertexLanes* v, RfHitBatch* batch )
     {
         memcpy( batch->n[c], v->n[c] + first, bytes );
         memcpy( batch->wo[c], v->wo[c] + first, bytes );
-        memcpy( batch->diffuse[c], v->diffuse[c] + first, bytes );
-        memcpy( batch->specular[c], v->specular[c] + first, bytes );
     }
-    memcpy( batch->shape, v->shape + first, bytes );
-    memcpy( batch->f90, v->f90 + first, bytes );
-    memcpy( batch->coat_f0, v->coat_f0 + first, bytes );
-    memcpy( batch->coat_f90, v->coat_f90 + first, bytes );
-    if ( batch->clearcoat == NULL )
-        return;
-    memcpy( batch->clearcoat, v->clearcoat + first, bytes );
-    memcpy( batch->clearcoat_alpha, v->clearcoat_alpha + first, bytes );
-    for ( int c = 0; c < 3; ++c )
-        memcpy( batch->clearcoat_n[c], v->clearcoat_n[c] + first, bytes );
+    for ( int p = 0; p < RF_PARAM_COUNT; ++p )
+    {
+        if ( batch->param[p] != NULL )
+            memcpy( batch->param[p], v->param[p] + first, bytes );
+    }
 }
 
 // Keeps the listed pixels whose tiles are drawn: with the mean of what their pixels need as
@@ -262,7 +254,7 @@ int rf_harvest_batch( const RfHarvest* harvest, RfTraceJob job, RfHitBatch* batc
     // visibility from all eyes of the group, then MIS weights
     rf_test_batch_visibility( harvest, batch, scratch, rays );
     rf_weight_batch( harvest, batch, scratch );
-    if ( harvest->shape.natives )
+    if ( harvest->shape.own_frame_light )
         rf_light_own_frame( harvest, batch, scratch );
     return count;
 }

@@ -1,5 +1,5 @@
 // The light of hit records, weighted over the eyes that could have drawn each
-// direction (estimators.md E1, E3).
+// direction (src/reuse/estimators.md, E1 and E3).
 #include "reuse/harvest_internal.h"
 
 #include <string.h>
@@ -16,7 +16,7 @@ static void direction_lanes( const RfHarvest* harvest, RfHarvestScratch* scratch
     int pairing = direction - harvest->walk.light_samples;
     float( *lanes )[RF_LANES] = pairing < 0    ? scratch->direct[direction].wi
                                 : pairing == 0 ? scratch->scattered
-                                               : scratch->tiles->turns[pairing].wi;
+                                               : scratch->tiles->pairings[pairing].wi;
     for ( int c = 0; c < 3; ++c )
         wi[c] = lanes[c];
 }
@@ -105,7 +105,7 @@ static void add_diffuse_tile_light( const RfHarvest* harvest, RfHarvestScratch* 
     for ( int i = 0; i < count; ++i )
     {
         for ( int c = 0; c < 3; ++c )
-            batch->radiance[4 * i + c] += v->diffuse[c][i] * sum[c][i];
+            batch->radiance[4 * i + c] += v->param[RF_PARAM_DIFFUSE + c][i] * sum[c][i];
     }
 }
 

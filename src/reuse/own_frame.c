@@ -1,12 +1,11 @@
-// What only its own frame sees: hits that scatter like mirrors and glass do,
-// and the sky behind everything. They are kept with the misses, which have
-// weight 1 in their own frame and 0 elsewhere (estimators.md section 2), but
-// are not black.
+// Own-frame samples: hits of unevaluable materials, and the sky in the background.
+// They are stored with the misses, which have weight 1 in their own frame and 0
+// elsewhere (src/reuse/estimators.md, section 2), but are not black.
 #include "reuse/harvest_internal.h"
 
-static inline float* light_of( const RfHitBatch* batch, int place ) { return rf_miss_radiance( batch ) + 4 * (size_t)place; }
+static inline float* light_of( const RfHitBatch* batch, int miss ) { return rf_miss_radiance( batch ) + 4 * (size_t)miss; }
 
-// The sky where camera rays found nothing.
+// The sky where camera rays missed.
 static void light_misses( const RfHarvest* harvest, const RfHarvestScratch* scratch, const RfHitBatch* batch, int count )
 {
     const RfLights* lights = rf_tracer_lights( harvest->walk.tracer );
@@ -28,8 +27,8 @@ static void light_misses( const RfHarvest* harvest, const RfHarvestScratch* scra
     }
 }
 
-// Light samples at the native hits; their lobes without width have no part in it.
-static void add_light_samples( const RfHarvest* harvest, RfHarvestScratch* scratch, const RfHitBatch* batch, int base )
+// Adds light sampling at the unevaluable hits; their delta lobes do not contribute.
+static void add_light_samples( const RfHarvest* harvest, RfHarvestScratch* scratch, const RfHitBatch* batch, int first_miss )
 {
     const RfVertexLanes* v = &scratch->first;
     RfLaneScratch* s = &scratch->walk.scratch;
@@ -42,7 +41,7 @@ static void add_light_samples( const RfHarvest* harvest, RfHarvestScratch* scrat
         rf_evaluate_lanes( v, wi, f, s->pdf );
         for ( int i = rf_record_count( v ); i < v->count; ++i )
         {
-            float* light = light_of( batch, base + i - rf_record_count( v ) );
+            float* light = light_of( batch, first_miss + i - rf_record_count( v ) );
             float scale = 1.0f / ( k * direct->pdf_solid_angle[i] + s->pdf[i] );
             for ( int c = 0; c < 3; ++c )
                 light[c] += s->f[c][i] * ( direct->radiance_cos[c][i] * scale );
@@ -50,7 +49,7 @@ static void add_light_samples( const RfHarvest* harvest, RfHarvestScratch* scrat
     }
 }
 
-static void add_scattered( const RfHarvest* harvest, const RfHarvestScratch* scratch, const RfHitBatch* batch, int base )
+static void add_scattered( const RfHarvest* harvest, const RfHarvestScratch* scratch, const RfHitBatch* batch, int first_miss )
 {
     const RfVertexLanes* v = &scratch->first;
     const RfArrivals* arrivals = &scratch->walk.arrivals;
@@ -58,7 +57,7 @@ static void add_scattered( const RfHarvest* harvest, const RfHarvestScratch* scr
     for ( int i = rf_record_count( v ); i < v->count; ++i )
     {
         int slot = v->slot[i], n = i - rf_record_count( v );
-        float* light = light_of( batch, base + n );
+        float* light = light_of( batch, first_miss + n );
         float pdf = scratch->unevaluable_pdf[n];
         float weight = pdf > 0.0f ? pdf / ( pdf + k * arrivals->light_pdf_solid_angle[slot] ) : 0.0f;
         for ( int c = 0; c < 3; ++c )
@@ -66,38 +65,38 @@ static void add_scattered( const RfHarvest* harvest, const RfHarvestScratch* scr
     }
 }
 
-// For an eye inside of a body: what is left of the light on its way through.
-static void absorb( const RfHarvestScratch* scratch, const RfHitBatch* batch, int base )
+// Absorption along the camera rays, for an eye inside a body.
+static void absorb( const RfHarvestScratch* scratch, const RfHitBatch* batch, int first_miss )
 {
     const RfVertexLanes* v = &scratch->first;
     const RfRayLanes* rays = &scratch->camera_rays;
     for ( int i = rf_record_count( v ); i < v->count; ++i )
     {
         int slot = v->slot[i];
-        float* light = light_of( batch, base + i - rf_record_count( v ) );
-        RfVec3 left = rf_left_of_way( v, i, rf_vec3( rays->o[0][slot], rays->o[1][slot], rays->o[2][slot] ) );
-        light[0] *= left.x;
-        light[1] *= left.y;
-        light[2] *= left.z;
+        float* light = light_of( batch, first_miss + i - rf_record_count( v ) );
+        RfVec3 transmittance = rf_transmittance_from( v, i, rf_vec3( rays->o[0][slot], rays->o[1][slot], rays->o[2][slot] ) );
+        light[0] *= transmittance.x;
+        light[1] *= transmittance.y;
+        light[2] *= transmittance.z;
     }
 }
 
 void rf_light_own_frame( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch )
 {
     const RfVertexLanes* v = &scratch->first;
-    int natives = v->count - rf_record_count( v ), base = batch->miss_count - natives;
-    light_misses( harvest, scratch, batch, base );
-    for ( int n = 0; n < natives; ++n )
+    int unevaluable = v->count - rf_record_count( v ), first_miss = batch->miss_count - unevaluable;
+    light_misses( harvest, scratch, batch, first_miss );
+    for ( int n = 0; n < unevaluable; ++n )
     {
-        float* light = light_of( batch, base + n );
+        float* light = light_of( batch, first_miss + n );
         for ( int c = 0; c < 3; ++c )
             light[c] = v->emission[c][rf_record_count( v ) + n];
         light[3] = 1.0f;
     }
-    if ( natives > 0 && harvest->walk.max_depth > 1 )
+    if ( unevaluable > 0 && harvest->walk.max_depth > 1 )
     {
-        add_light_samples( harvest, scratch, batch, base );
-        add_scattered( harvest, scratch, batch, base );
+        add_light_samples( harvest, scratch, batch, first_miss );
+        add_scattered( harvest, scratch, batch, first_miss );
     }
-    absorb( scratch, batch, base );
+    absorb( scratch, batch, first_miss );
 }

@@ -1,6 +1,6 @@
 #include "reuse/records.h"
 
-// Hands out pieces of a block; with base NULL it only counts.
+// Hands out pieces of a block of memory; with base NULL only counts bytes.
 typedef struct Layout
 {
     char* base;
@@ -26,17 +26,10 @@ static void take_glossy( Layout* layout, const RfBatchShape* shape, RfHitBatch* 
 {
     take_lanes3( layout, batch->n );
     take_lanes3( layout, batch->wo );
-    take_lanes3( layout, batch->diffuse );
-    take_lanes3( layout, batch->specular );
-    batch->shape = take_lanes( layout );
-    batch->f90 = take_lanes( layout );
-    batch->coat_f0 = take_lanes( layout );
-    batch->coat_f90 = take_lanes( layout );
-    if ( shape->coated )
+    for ( int p = 0; p < RF_PARAM_COUNT; ++p )
     {
-        batch->clearcoat = take_lanes( layout );
-        batch->clearcoat_alpha = take_lanes( layout );
-        take_lanes3( layout, batch->clearcoat_n );
+        if ( rf_has_param( shape->params, (RfBsdfParam)p ) )
+            batch->param[p] = take_lanes( layout );
     }
     int directions = rf_direction_count( shape );
     batch->directions = take( layout, (size_t)directions * sizeof *batch->directions );
@@ -68,9 +61,20 @@ static RfHitBatch lay_out( const RfBatchShape* shape, Layout* layout )
         batch.densities = take( layout, (size_t)shape->eyes * RF_LANES * sizeof( float ) );
     batch.pixel = take( layout, RF_LANES * sizeof( int32_t ) );
     batch.rows = take( layout, (size_t)shape->eyes * 2 * sizeof( int32_t ) );
-    if ( shape->glossy )
+    if ( shape->params != 0 )
         take_glossy( layout, shape, &batch );
     return batch;
+}
+
+uint32_t rf_glossy_params( unsigned kinds )
+{
+    uint32_t params = 0;
+    for ( int kind = RF_BSDF_FIRST_GLOSSY; kind < RF_BSDF_FIRST_UNEVALUABLE; ++kind )
+    {
+        if ( ( kinds >> kind & 1u ) != 0 )
+            params |= rf_bsdf_model( (RfBsdfKind)kind )->params;
+    }
+    return params;
 }
 
 size_t rf_batch_bytes( const RfBatchShape* shape )

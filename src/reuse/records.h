@@ -1,21 +1,21 @@
-// Hit records: what the harvest leaves for the compute phase. A batch holds
-// the hits of one patch of one frame in one pass, as structures of arrays; the
-// diffuse ones first, which cost no storage per eye and none per direction.
+// Hit records: what the harvest passes on to accumulation. A batch holds the hits
+// of one patch of one frame in one pass, as structures of arrays. Diffuse hits come
+// first; they need no storage per direction.
 #ifndef REFRAME_REUSE_RECORDS_H
 #define REFRAME_REUSE_RECORDS_H
 
 #include "base/arena.h"
 #include "path/lanes.h"
 
-// A direction that a glossy hit was lit from, with the light that the weights
-// over the eyes leave of it: C_t = r_t f_t(x, wi) Q, with r_t = J_t V_t / Σ J_l V_l
-// and Q = |cos| (A / (K p_L + P) + B / P), P = Σ r_l p_l the mixture density of
-// the eyes (E1, E3). A: radiance that light sampling could have found too, B: the rest.
+// A direction that lights glossy hits, weighted over the eyes. Its contribution to
+// eye t is C_t = r_t f_t(x, wi) Q, with r_t = J_t V_t / Σ J_l V_l and
+// Q = |cos| (A / (K p_L + P) + B / P), where P = Σ r_l p_l is the mixture density of
+// the eyes (E1, E3), A radiance that light sampling could have found too, B the rest.
 typedef struct RfDirectionLanes
 {
     float* wi[3];
     float* q[3];
-    // for RF_WEIGHTS_EQ15 only, whose P differs from pixel to pixel; else NULL
+    // NULL except for RF_WEIGHTS_EQ15, whose P differs from pixel to pixel
     float* a[3];
     float* b[3];
     float* light_pdf; // K p_L
@@ -25,57 +25,50 @@ typedef struct RfHitBatch
 {
     int eye;                           // index in the group of the frame whose pixels these are
     int count;                         // hits
-    int miss_count;                    // samples that their own frame alone has: rays that found nothing, and hits of
-                                       // kinds from RF_BSDF_FIRST_UNEVALUABLE on
+    int miss_count;                    // own-frame samples: rays that missed, and hits of unevaluable models
     int first[RF_BSDF_KIND_COUNT + 1]; // hits [first[k], first[k+1]) scatter by model k
     float* p[3];
     float* ng[3];
     float* density_sum; // Σ_l J_l V_l over the eyes of the group
-    float* radiance;    // 4 per hit: r g b 1. Diffuse: all light to any eye; glossy: emission only
+    float* radiance;    // 4 per hit: r g b 1. Diffuse: towards any eye; glossy: emission only
     uint32_t* seen;     // visibility: word w of hit i is seen[w·RF_LANES + i], bit l%32 of word l/32 for eye l
-    float* densities;   // J_l V_l: eye l, hit i at l·RF_LANES + i; NULL where the shape is not blended
+    float* densities;   // J_l V_l of eye l and hit i at l·RF_LANES + i; NULL unless the shape is blended
     int32_t* pixel;     // y·width + x in its own frame
-    int32_t* rows;      // 2 per eye: first and last row of its film that a hit lands in; first > last: none
-    // glossy hits, lane i − first[RF_BSDF_PHONG]
+    int32_t* rows;      // 2 per eye: first and last row of its film that hits land in; first > last: none
+    // glossy hits only, at lane i − first[RF_BSDF_FIRST_GLOSSY]
     float* n[3];
-    float* wo[3]; // to its own eye, as the camera ray came
-    float* diffuse[3];
-    float* specular[3];
-    float* shape;
-    float* f90;
-    float* coat_f0;
-    float* coat_f90;
-    float* clearcoat;       // NULL where the scene has no such coat
-    float* clearcoat_alpha; // likewise
-    float* clearcoat_n[3];
-    RfDirectionLanes* directions; // K light samples, the scattered direction, and N − 1 borrowed ones
+    float* wo[3];                 // back along the camera ray
+    float* param[RF_PARAM_COUNT]; // NULL where the glossy models of the scene lack it
+    RfDirectionLanes* directions; // K light samples, the scattered direction, N − 1 connections of the tile
 } RfHitBatch;
 
-// What the size of a batch depends on.
+// What the layout of a batch depends on.
 typedef struct RfBatchShape
 {
     int eyes;          // in a group
     int light_samples; // K
     int tile_pixels;   // N, 1 without tiles
-    bool glossy;       // the scene has any
-    bool coated;       // and RF_BSDF_COATED among them
+    uint32_t params;   // of the glossy models in the scene (rf_glossy_params); 0: it has none
     bool eq15;
-    bool blended; // visibility may be between 0 and 1
-    bool natives; // misses may be other than black: the scene has a sky, mirrors or glass
+    bool blended;         // visibility may be between 0 and 1
+    bool own_frame_light; // misses may be lit: the scene has a sky or unevaluable materials
 } RfBatchShape;
 
-// Misses lie behind the hits in the arrays that both have: every ray is one or the other.
+// Misses follow the hits in the arrays that both have: every ray is one or the other.
 static inline int32_t* rf_miss_pixel( const RfHitBatch* batch ) { return batch->pixel + batch->count; }
-// 4 each: r g b 1; not set where the shape has no natives: black.
+// 4 each: r g b 1. Not set without own_frame_light: black.
 static inline float* rf_miss_radiance( const RfHitBatch* batch ) { return batch->radiance + 4 * (size_t)batch->count; }
 
 static inline int rf_direction_count( const RfBatchShape* shape ) { return shape->light_samples + shape->tile_pixels; }
 static inline int rf_seen_words( int eyes ) { return ( eyes + 31 ) / 32; }
 
-// Bytes of one batch.
+// The parameters that the glossy ones of some models have; `kinds`: a bit per RfBsdfKind.
+uint32_t rf_glossy_params( unsigned kinds );
+
+// The size of one batch, bytes.
 size_t rf_batch_bytes( const RfBatchShape* shape );
 
-// Lays a batch out in `memory`, rf_batch_bytes long and aligned to 64.
+// Lays out a batch in `memory`, which has rf_batch_bytes bytes and is aligned to 64.
 RfHitBatch rf_lay_out_batch( const RfBatchShape* shape, void* memory );
 
 #endif

@@ -22,7 +22,7 @@ static size_t per_lane( size_t bytes ) { return ( bytes + RF_LANES - 1 ) / RF_LA
 static RfEstimatorSizes sizes( const RfEstimatorGroup* group )
 {
     RfBatchShape shape = rf_batch_shape( group ), diffuse = shape;
-    diffuse.glossy = false;
+    diffuse.params = 0;
     size_t pixels = (size_t)group->width * (size_t)group->height;
     return ( RfEstimatorSizes ){
         .jobs = rf_lay_out_patches( &group->settings->tile, group->width, group->height ).count,

@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-// One description of the bytes serves three ends: to count, write and read them.
+// One traversal of the data serves three purposes: counting bytes, writing and reading.
 typedef struct Stream
 {
     uint8_t* out;      // written to, unless NULL
@@ -27,11 +27,11 @@ static void pass_lanes3( Stream* s, int count, float* const lanes[3] )
         pass_lanes( s, count, lanes[c] );
 }
 
-// Normals that differ in any bit: a patch sees few triangles.
+// The distinct normals of a batch: a patch sees few triangles.
 typedef struct Normals
 {
     uint16_t count;
-    uint16_t of[RF_LANES]; // hits
+    uint16_t of[RF_LANES]; // by hit: index in list
     float list[RF_LANES][3];
 } Normals;
 
@@ -102,7 +102,7 @@ static void pass_seen( Stream* s, int eyes, int count, uint32_t* seen )
     }
 }
 
-// A patch's lie close to each other.
+// Pixels of a patch are close to each other: stored as offsets from the smallest.
 static void pass_pixels( Stream* s, int count, int32_t* pixel )
 {
     int32_t least = INT32_MAX, most = 0;
@@ -139,20 +139,13 @@ static void pass_directions( Stream* s, const RfBatchShape* shape, int count, co
 
 static void pass_glossy( Stream* s, const RfBatchShape* shape, RfHitBatch* batch )
 {
-    int count = batch->count - batch->first[RF_BSDF_PHONG];
+    int count = batch->count - batch->first[RF_BSDF_FIRST_GLOSSY];
     pass_lanes3( s, count, batch->n );
     pass_lanes3( s, count, batch->wo );
-    pass_lanes3( s, count, batch->diffuse );
-    pass_lanes3( s, count, batch->specular );
-    pass_lanes( s, count, batch->shape );
-    pass_lanes( s, count, batch->f90 );
-    pass_lanes( s, count, batch->coat_f0 );
-    pass_lanes( s, count, batch->coat_f90 );
-    if ( shape->coated )
+    for ( int p = 0; p < RF_PARAM_COUNT; ++p )
     {
-        pass_lanes( s, count, batch->clearcoat );
-        pass_lanes( s, count, batch->clearcoat_alpha );
-        pass_lanes3( s, count, batch->clearcoat_n );
+        if ( rf_has_param( shape->params, (RfBsdfParam)p ) )
+            pass_lanes( s, count, batch->param[p] );
     }
     pass_directions( s, shape, count, batch->directions );
 }
@@ -167,20 +160,20 @@ static void pass_batch( Stream* s, const RfBatchShape* shape, RfHitBatch* batch 
     pass_lanes3( s, count, batch->p );
     pass_normals( s, count, batch->ng );
     pass_lanes( s, count, batch->density_sum );
-    pass_colours( s, count + ( shape->natives ? batch->miss_count : 0 ), batch->radiance );
+    pass_colours( s, count + ( shape->own_frame_light ? batch->miss_count : 0 ), batch->radiance );
     pass_seen( s, shape->eyes, count, batch->seen );
     for ( int l = 0; l < shape->eyes && shape->blended; ++l )
         pass_lanes( s, count, batch->densities + (size_t)l * RF_LANES );
     pass_pixels( s, count + batch->miss_count, batch->pixel );
     pass( s, batch->rows, (size_t)shape->eyes * 2 * sizeof *batch->rows );
-    if ( shape->glossy )
+    if ( shape->params != 0 )
         pass_glossy( s, shape, batch );
 }
 
 size_t rf_serialise_batch( const RfBatchShape* shape, const RfHitBatch* batch, void* memory )
 {
     Stream stream = { .out = memory };
-    RfHitBatch copy = *batch; // the arrays are only read
+    RfHitBatch copy = *batch; // its arrays are only read
     pass_batch( &stream, shape, &copy );
     return stream.used;
 }

@@ -1,4 +1,4 @@
-// The order of a shared walk, and who shares with whom.
+// The steps of tile reuse, and the pairing of hits with second vertices.
 #include "reuse/tile_reuse.h"
 
 #include <string.h>
@@ -16,23 +16,23 @@ RfTileReuse* rf_lay_out_tile_reuse( int light_samples, int tile_pixels, void* me
 {
     if ( tile_pixels == 1 )
         return NULL;
-    RfTileReuse* share = memory;
-    share->direct = (RfLightLanes*)( (char*)memory + struct_bytes() );
-    share->turns = (RfPairingLanes*)( share->direct + light_samples );
-    return share;
+    RfTileReuse* reuse = memory;
+    reuse->direct = (RfLightLanes*)( (char*)memory + struct_bytes() );
+    reuse->pairings = (RfPairingLanes*)( reuse->direct + light_samples );
+    return reuse;
 }
 
-// Hits that records are made of, tile after tile.
-static void list_members( const RfVertexLanes* hits, RfTileReuse* share )
+// Sorts the hits that become records by tile.
+static void list_members( const RfVertexLanes* hits, RfTileReuse* reuse )
 {
     int32_t end[RF_LANES] = { 0 };
     int count = rf_record_count( hits );
     for ( int i = 0; i < count; ++i )
-        end[share->tile_of[hits->slot[i]]] += 1;
+        end[reuse->tile_of[hits->slot[i]]] += 1;
     for ( int i = 0; i < count; ++i )
-        share->size[i] = end[share->tile_of[hits->slot[i]]];
+        reuse->size[i] = end[reuse->tile_of[hits->slot[i]]];
     int sum = 0;
-    for ( int t = 0; t < share->tile_count; ++t )
+    for ( int t = 0; t < reuse->tile_count; ++t )
     {
         int size = end[t];
         end[t] = sum;
@@ -40,36 +40,36 @@ static void list_members( const RfVertexLanes* hits, RfTileReuse* share )
     }
     for ( int i = 0; i < count; ++i )
     {
-        int place = end[share->tile_of[hits->slot[i]]]++;
-        share->member[place] = i;
+        int place = end[reuse->tile_of[hits->slot[i]]]++;
+        reuse->member[place] = i;
     }
     for ( int place = 0; place < count; )
     {
-        int begin = place, size = share->size[share->member[begin]];
+        int begin = place, size = reuse->size[reuse->member[begin]];
         for ( ; place < begin + size; ++place )
         {
-            share->begin[share->member[place]] = begin;
-            share->rank[share->member[place]] = place - begin;
+            reuse->begin[reuse->member[place]] = begin;
+            reuse->rank[reuse->member[place]] = place - begin;
         }
     }
 }
 
-// Which second vertices are shared: those of hits and surfaces whose densities
-// can be asked for. All hits of the tile could have found them, also those
-// whose own path found nothing.
-static void list_owners( const RfVertexLanes* hits, RfTileReuse* share )
+// Finds the second vertices that are reused: both the hit and the vertex must be
+// evaluable. All hits of the tile could have sampled them, including those whose
+// own path has no second vertex.
+static void list_owners( const RfVertexLanes* hits, RfTileReuse* reuse )
 {
     int32_t hit_of_slot[RF_LANES];
     int count = rf_record_count( hits );
     for ( int i = 0; i < hits->count; ++i )
         hit_of_slot[hits->slot[i]] = i < count ? i : -1;
     for ( int i = 0; i < count; ++i )
-        share->found[i] = -1;
-    const RfVertexLanes* y = &share->second;
+        reuse->second_of[i] = -1;
+    const RfVertexLanes* y = &reuse->second;
     for ( int a = 0; a < y->count; ++a )
     {
         int i = hit_of_slot[y->slot[a]];
-        share->owner[a] = -1;
+        reuse->owner[a] = -1;
         if ( i < 0 || a >= rf_record_count( y ) )
             continue;
         float way2 = 0.0f, cos_y = 0.0f;
@@ -80,86 +80,86 @@ static void list_owners( const RfVertexLanes* hits, RfTileReuse* share )
             cos_y += y->ng[c][a] * y->wo[c][a];
         }
         float distance2_cos = way2 / cos_y;
-        if ( !( distance2_cos > 0.0f && distance2_cos < 1e30f ) ) // too close or edge-on to be compared
+        if ( !( distance2_cos > 0.0f && distance2_cos < 1e30f ) ) // too close or edge-on
             continue;
-        share->own_distance2_cos[a] = distance2_cos;
-        share->owner[a] = i;
-        share->found[i] = a;
+        reuse->own_distance2_cos[a] = distance2_cos;
+        reuse->owner[a] = i;
+        reuse->second_of[i] = a;
     }
 }
 
-// Who looks at whom in a turn; `weight` 1 where there is a vertex to look at.
-static void find_mates( const RfTileReuse* share, int turn, int count, RfPairingLanes* out )
+// The second vertex for each hit in a pairing; `weight` is 1 where there is one, else 0.
+static void find_neighbours( const RfTileReuse* reuse, int pairing, int count, RfPairingLanes* out )
 {
     for ( int i = 0; i < count; ++i )
     {
-        int size = share->size[i], at = share->rank[i] + turn;
+        int size = reuse->size[i], at = reuse->rank[i] + pairing;
         at -= at >= size ? size : 0;
-        at = turn < size ? at : 0;
-        int mate = share->found[share->member[share->begin[i] + at]];
-        bool there = ( turn < size ) & ( mate >= 0 );
-        out->mate[i] = there ? mate : 0;
+        at = pairing < size ? at : 0;
+        int vertex = reuse->second_of[reuse->member[reuse->begin[i] + at]];
+        bool there = ( pairing < size ) & ( vertex >= 0 );
+        out->vertex[i] = there ? vertex : 0;
         out->weight[i] = there ? 1.0f : 0.0f;
     }
 }
 
-static void note_throughput( const RfRayLanes* rays, RfTileReuse* share )
+static void copy_throughput( const RfRayLanes* rays, RfTileReuse* reuse )
 {
-    const RfVertexLanes* y = &share->second;
+    const RfVertexLanes* y = &reuse->second;
     for ( int c = 0; c < 3; ++c )
     {
         for ( int a = 0; a < y->count; ++a )
-            share->throughput[c][a] = rays->throughput[c][y->ray[a]];
+            reuse->throughput[c][a] = rays->throughput[c][y->ray[a]];
     }
 }
 
-// The walk beyond the second vertices: light samples there, and what arrives
-// along the directions scattered there.
-static void go_on( const RfPathSettings* settings, RfWavefront* walk, RfTileReuse* share )
+// Continues the paths beyond the second vertices: light samples there, and the
+// radiance along the directions scattered there.
+static void trace_beyond( const RfPathSettings* settings, RfWavefront* wavefront, RfTileReuse* reuse )
 {
     int k = settings->light_samples;
     uint32_t dimension = rf_vertex_dimension( 2, k ) + RF_DIMENSION_LIGHTS;
     for ( int j = 0; j < k; ++j )
-        walk->shadow_rays += (uint64_t)rf_sample_lights( settings, walk, &share->second, dimension + 3u * (uint32_t)j,
-                                                         share->direct + j, &walk->scratch );
-    memcpy( &share->found_light, &walk->arrivals, sizeof walk->arrivals );
-    memset( &walk->arrivals, 0, sizeof walk->arrivals );
-    float* wi[3] = { share->wi[0], share->wi[1], share->wi[2] };
-    rf_scatter_deferred( settings, walk, &share->second, 2, wi );
-    memcpy( share->pdf, walk->scratch.pdf, (size_t)share->second.count * sizeof( float ) );
-    rf_trace_tails( settings, walk, 3 );
-    memcpy( &share->beyond, &walk->arrivals, sizeof walk->arrivals );
-    memcpy( &walk->arrivals, &share->found_light, sizeof walk->arrivals );
+        wavefront->shadow_rays += (uint64_t)rf_sample_lights( settings, wavefront, &reuse->second, dimension + 3u * (uint32_t)j,
+                                                              reuse->direct + j, &wavefront->scratch );
+    memcpy( &reuse->arrivals_at_hits, &wavefront->arrivals, sizeof wavefront->arrivals );
+    memset( &wavefront->arrivals, 0, sizeof wavefront->arrivals );
+    float* wi[3] = { reuse->wi[0], reuse->wi[1], reuse->wi[2] };
+    rf_scatter_deferred( settings, wavefront, &reuse->second, 2, wi );
+    memcpy( reuse->pdf, wavefront->scratch.pdf, (size_t)reuse->second.count * sizeof( float ) );
+    rf_trace_tails( settings, wavefront, 3 );
+    memcpy( &reuse->arrivals_at_second, &wavefront->arrivals, sizeof wavefront->arrivals );
+    memcpy( &wavefront->arrivals, &reuse->arrivals_at_hits, sizeof wavefront->arrivals );
 }
 
 uint64_t rf_trace_tile_tails( const RfTileReuseSettings* settings, const RfVertexLanes* hits, float* const scattered[3],
-                              RfWavefront* walk, RfTileReuse* share )
+                              RfWavefront* wavefront, RfTileReuse* reuse )
 {
     int tile_pixels = settings->tile_pixels;
-    share->second.count = 0;
-    if ( walk->rays.count > 0 )
-        rf_find_lit_vertices( settings->walk, walk, &walk->rays, true, &share->second );
-    if ( settings->walk->max_depth == 2 || share->second.count == 0 )
+    reuse->second.count = 0;
+    if ( wavefront->rays.count > 0 )
+        rf_find_lit_vertices( settings->path, wavefront, &wavefront->rays, true, &reuse->second );
+    if ( settings->path->max_depth == 2 || reuse->second.count == 0 )
     {
         for ( int s = 0; s < tile_pixels; ++s )
-            memset( share->turns[s].weight, 0, sizeof share->turns[s].weight );
+            memset( reuse->pairings[s].weight, 0, sizeof reuse->pairings[s].weight );
         for ( int s = 1; s < tile_pixels; ++s )
         {
             for ( int c = 0; c < 3; ++c )
-                memcpy( share->turns[s].wi[c], hits->n[c], (size_t)hits->count * sizeof( float ) );
+                memcpy( reuse->pairings[s].wi[c], hits->n[c], (size_t)hits->count * sizeof( float ) );
         }
-        share->second.first[RF_BSDF_PHONG] = 0;
+        reuse->second.first[RF_BSDF_FIRST_GLOSSY] = 0;
         for ( int s = 1; s < tile_pixels; ++s )
-            memset( share->turns[s].mate, 0, sizeof share->turns[s].mate );
+            memset( reuse->pairings[s].vertex, 0, sizeof reuse->pairings[s].vertex );
         return 0;
     }
-    note_throughput( &walk->rays, share );
-    go_on( settings->walk, walk, share );
-    list_members( hits, share );
-    list_owners( hits, share );
+    copy_throughput( &wavefront->rays, reuse );
+    trace_beyond( settings->path, wavefront, reuse );
+    list_members( hits, reuse );
+    list_owners( hits, reuse );
     for ( int s = 0; s < tile_pixels; ++s )
-        find_mates( share, s, rf_record_count( hits ), share->turns + s );
-    uint64_t tested = rf_weight_pairings( settings, hits, scattered, walk, share );
-    rf_light_pairings( settings, walk, share );
+        find_neighbours( reuse, s, rf_record_count( hits ), reuse->pairings + s );
+    uint64_t tested = rf_weight_pairings( settings, hits, scattered, wavefront, reuse );
+    rf_light_pairings( settings, wavefront, reuse );
     return tested;
 }

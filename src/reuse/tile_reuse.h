@@ -1,98 +1,101 @@
-// Path reuse inside tiles (Bekaert, Sbert, Halton, EGWR 2002; estimators.md
-// E4, E5). The paths of a tile, one per pixel, with first hits x^i and second
-// vertices y^j: what y^j sends on is made use of at every x^i that sees it.
+// Path reuse inside tiles (Bekaert, Sbert, Halton, EGWR 2002; src/reuse/estimators.md,
+// E4 and E5). The paths of a tile, one per pixel, have first hits x^i and second
+// vertices y^j. The light that y^j scatters is used at every x^i that sees it.
 //
-// Pairs are kept by turn s: in turn s hit i looks at the vertex that its s-th
-// mate found, counted round the tile; turn 0 is its own path. So every array of
-// a turn has a lane per hit, or a lane per second vertex, and no pair is alone
-// in a loop.
+// Hits and vertices are combined in pairings: pairing s connects every hit to the
+// second vertex of its s-th neighbour path, counted cyclically through the tile;
+// pairing 0 is the hit's own path. So the arrays of a pairing have a lane per hit
+// or a lane per second vertex, and all loops run over many lanes.
 //
-// The density per area with which path k would have found y is R^k(y) = p G V,
-// with G = cos_y / r². It only comes in quotients, ρ_k = R^k(y) / G_own: free of
-// units, and 1/p·ρ = 1 for a path that is alone.
+// The density per area with which path k would have sampled y is R^k(y) = p G V,
+// with G = cos_y / r². Only quotients matter: ρ_k = R^k(y) / G_own has no unit,
+// and the weight of a path on its own is 1.
 #ifndef REFRAME_REUSE_TILE_REUSE_H
 #define REFRAME_REUSE_TILE_REUSE_H
 
 #include "path/wavefront.h"
 #include "reframe/render.h"
 
-// One turn.
+// One pairing: hits connected to second vertices of neighbour paths.
 typedef struct RfPairingLanes
 {
     // lanes: hits
-    RF_ALIGN float wi[3][RF_LANES]; // unit, to the mate's second vertex
-    float weight[RF_LANES];         // ρ, later the balance weight ρ / Σ_k ρ_k; 0: not seen, or no vertex; negative:
-                                    // of that size, but left out of Σ
-    int32_t mate[RF_LANES];         // the second vertex looked at; where there is none 0, with weight 0
-    // lanes: second vertices with a shiny surface
+    RF_ALIGN float wi[3][RF_LANES]; // unit, to the second vertex
+    float weight[RF_LANES];         // ρ, later the balance weight ρ / Σ_k ρ_k. 0: occluded, or no vertex. Negative:
+                                    // of that magnitude, but excluded from Σ
+    int32_t vertex[RF_LANES];       // second vertex of the neighbour path; if it has none 0, with weight 0
+    // lanes: glossy second vertices
     float f[3][RF_LANES];
-    float light[3][RF_LANES]; // sent to the hit; of turn 0 also what diffuse vertices send to all
+    float light[3][RF_LANES]; // scattered to the receiver; in pairing 0 diffuse vertices too, the same to all
 } RfPairingLanes;
 
 typedef struct RfTileReuse
 {
     RF_ALIGN int32_t tile_of[RF_LANES]; // by slot
     int tile_count;
-    // hits, tile after tile
+    // hits, sorted by tile
     int32_t member[RF_LANES];
     // by hit
-    int32_t begin[RF_LANES], size[RF_LANES], rank[RF_LANES]; // of its tile in member[], and its own place there
-    int32_t found[RF_LANES];                                 // second vertex of its path; −1: none to share
+    int32_t begin[RF_LANES], size[RF_LANES], rank[RF_LANES]; // of its tile in member[], and its own index there
+    int32_t second_of[RF_LANES];                             // second vertex of its path; −1: none, or not reused
     // second vertices
     RfVertexLanes second;
-    RF_ALIGN float lifted[3][RF_LANES]; // of the hits: where segments to them end
-    int32_t owner[RF_LANES];            // hit whose path found it; −1: not shared
-    float throughput[3][RF_LANES];      // of the ray that found it
+    RF_ALIGN float lifted[3][RF_LANES]; // hits lifted off their surface, the ends of connections
+    int32_t owner[RF_LANES];            // the hit whose path it belongs to; −1: not reused
+    float throughput[3][RF_LANES];      // of the ray that hit it
     float own_distance2_cos[RF_LANES];  // 1 / G_own
     float sum[RF_LANES];                // Σ ρ
-    float late[RF_LANES];               // density that counts, where its own path does not; else 0
-    float wi[3][RF_LANES];              // where its path goes on
+    float cutoff[RF_LANES];             // cutoff of ρ if it excludes the vertex's own path; else 0
+    float wi[3][RF_LANES];              // scattered direction of its path
     float pdf[RF_LANES];
-    float wo[3][RF_LANES]; // to the hits of a turn
+    float wo[3][RF_LANES]; // to the receivers of a pairing
     float mixture[RF_LANES];
     float a[3][RF_LANES], b[3][RF_LANES], light_pdf[RF_LANES];
-    RfArrivals found_light; // by slot: what the scattered rays of the hits found
-    RfArrivals beyond;      // by slot: what arrives at the second vertices along wi
-    RfLightLanes* direct;   // light samples at the second vertices, K of them
-    RfPairingLanes* turns;  // as many as a tile has pixels
+    RfArrivals arrivals_at_hits;   // by slot: along the rays scattered at the hits
+    RfArrivals arrivals_at_second; // by slot: along wi at the second vertices
+    RfLightLanes* direct;          // light samples at the second vertices, K of them
+    RfPairingLanes* pairings;      // one per pixel of a tile
 } RfTileReuse;
 
 typedef struct RfTileReuseSettings
 {
-    const RfPathSettings* walk;
+    const RfPathSettings* path;
     int tile_pixels; // of a whole tile
-    bool roulette;   // on connections of little weight
+    bool roulette;   // on connections of low weight
 } RfTileReuseSettings;
 
 size_t rf_tile_reuse_bytes( int light_samples, int tile_pixels );
 RfTileReuse* rf_lay_out_tile_reuse( int light_samples, int tile_pixels, void* memory );
 
-// What rf_trace_tails does for the rays that left the hits, with what their
-// second vertices send shared in the tiles share->tile_of: walk->arrivals as from there,
-// rest being the balanced part of turn 0, and the turns from 1 on in
-// share->turns. Returns the segments tested.
+// Like rf_trace_tails for the rays scattered at the hits, but second vertices are
+// reused inside the tiles reuse->tile_of. wavefront->arrivals is as returned there,
+// with the weighted light of pairing 0 in `rest`; the pairings from 1 on are in
+// reuse->pairings. Returns the number of connections tested.
 uint64_t rf_trace_tile_tails( const RfTileReuseSettings* settings, const RfVertexLanes* hits, float* const scattered[3],
-                              RfWavefront* walk, RfTileReuse* share );
+                              RfWavefront* wavefront, RfTileReuse* reuse );
 
-// The steps of that which have files of their own.
+// The balance weights of all pairings; tests visibility and returns the number of
+// connections tested. A step of rf_trace_tile_tails, like the next.
 uint64_t rf_weight_pairings( const RfTileReuseSettings* settings, const RfVertexLanes* hits, float* const scattered[3],
-                             RfWavefront* walk, RfTileReuse* share );
-void rf_light_pairings( const RfTileReuseSettings* settings, RfWavefront* walk, RfTileReuse* share );
+                             RfWavefront* wavefront, RfTileReuse* reuse );
 
-// The hit that looks at shared vertex a in a turn.
-static inline int rf_receiver( const RfTileReuse* share, int a, int turn )
+// The light that second vertices scatter to the receivers of all pairings.
+void rf_light_pairings( const RfTileReuseSettings* settings, RfWavefront* wavefront, RfTileReuse* reuse );
+
+// The hit that receives the light of second vertex a in a pairing.
+static inline int rf_receiver( const RfTileReuse* reuse, int a, int pairing )
 {
-    int i = share->owner[a], at = share->rank[i] - turn;
-    return share->member[share->begin[i] + at + ( at < 0 ? share->size[i] : 0 )];
+    int i = reuse->owner[a], at = reuse->rank[i] - pairing;
+    return reuse->member[reuse->begin[i] + at + ( at < 0 ? reuse->size[i] : 0 )];
 }
 
-// Light that a turn from 1 on brings to hits [first, end) times its cosine
-// there: (E5) without the weight over the eyes.
-void rf_gather_tile_light( const RfTileReuse* share, int turn, const RfVertexLanes* hits, int first, int end,
-                           float borrowed[3][RF_LANES] );
+// The light that a pairing from 1 on brings to hits [first, end), times the cosine
+// there: (E5) before weighting over the eyes.
+void rf_gather_tile_light( const RfTileReuse* reuse, int pairing, const RfVertexLanes* hits, int first, int end,
+                           float light[3][RF_LANES] );
 
-// Sum over these turns for diffuse hits [0, count), divided by the density of
-// its direction; f cos / density is the albedo.
-void rf_gather_diffuse_tile_light( const RfTileReuse* share, int turns, int count, float sum[3][RF_LANES] );
+// Its sum over all pairings from 1 on for diffuse hits [0, count), divided by the
+// density of the directions: multiply by the albedo, which is f cos / density.
+void rf_gather_diffuse_tile_light( const RfTileReuse* reuse, int pairings, int count, float sum[3][RF_LANES] );
 
 #endif

@@ -91,18 +91,25 @@ static void run( RfBsdfKind kind, int what, int count )
     {                                                                                                                            \
         s_values[a], s_values[( a ) + 1], s_values[( a ) + 2]                                                                    \
     }
-    const RfBsdfLanes lanes = {
-        .n = THREE( N ),
-        .diffuse = THREE( DIFFUSE ),
-        .specular = THREE( SPECULAR ),
-        .shape = s_values[SHAPE],
-        .f90 = s_values[F90],
-        .coat_f0 = s_values[COAT_F0],
-        .coat_f90 = s_values[COAT_F90],
-        .clearcoat = s_values[F90],
-        .clearcoat_alpha = s_values[COAT_F0],
-        .clearcoat_n = THREE( N ),
+    const float* const n[3] = THREE( N );
+    const float* const param[RF_PARAM_COUNT] = {
+        [RF_PARAM_DIFFUSE] = s_values[DIFFUSE],
+        s_values[DIFFUSE + 1],
+        s_values[DIFFUSE + 2],
+        [RF_PARAM_SPECULAR] = s_values[SPECULAR],
+        s_values[SPECULAR + 1],
+        s_values[SPECULAR + 2],
+        [RF_PARAM_SHAPE] = s_values[SHAPE],
+        [RF_PARAM_F90] = s_values[F90],
+        [RF_PARAM_COAT_F0] = s_values[COAT_F0],
+        [RF_PARAM_COAT_F90] = s_values[COAT_F90],
+        [RF_PARAM_CLEARCOAT] = s_values[F90],
+        [RF_PARAM_CLEARCOAT_ALPHA] = s_values[COAT_F0],
+        [RF_PARAM_CLEARCOAT_N] = s_values[N],
+        s_values[N + 1],
+        s_values[N + 2],
     };
+    const RfBsdfLanes lanes = rf_bsdf_lanes( kind, n, param, 0 );
     const float* const wo[3] = THREE( WO );
     const float* const wi[3] = THREE( WI );
     const float* const u[3] = THREE( U );

@@ -272,7 +272,7 @@ static void test_lanes_stand_alone( void** state )
                 evaluate_range( (RfBsdfKind)kind, first, BATCH - first < size ? BATCH - first : size );
             assert_memory_equal( s_lanes[F], whole[F], sizeof( s_lanes[F] ) * 4 );
         }
-        const RfBsdfLanes lanes = parameters_from( 0 );
+        const RfBsdfLanes lanes = parameters_from( (RfBsdfKind)kind, 0 );
         const float* const wo[3] = THREE( WO );
         const float* const wi[3] = THREE( WI );
         float* const f[3] = THREE( F );
@@ -290,12 +290,57 @@ static void test_lanes_stand_alone( void** state )
     }
 }
 
+// ---- The table of models ------------------------------------------------------
+
+// Hits are sorted by the order of the kinds, which must agree with what the models can do.
+static void test_table( void** state )
+{
+    (void)state;
+    assert_int_equal( RF_BSDF_LAMBERT, 0 );
+    assert_int_equal( RF_BSDF_FIRST_GLOSSY, 1 );
+    for ( int kind = 0; kind < RF_BSDF_KIND_COUNT; ++kind )
+    {
+        const RfBsdfModel* model = rf_bsdf_model( (RfBsdfKind)kind );
+        assert_true( model->name != NULL && model->evaluate != NULL );
+        assert_true( rf_has_param( model->params, RF_PARAM_DIFFUSE ) && model->params >> RF_PARAM_COUNT == 0 );
+        assert_true( ( model->sample != NULL ) == ( kind < RF_BSDF_FIRST_UNEVALUABLE ) );
+        assert_true( ( model->sample_weighted != NULL ) == ( kind >= RF_BSDF_FIRST_UNEVALUABLE ) );
+    }
+}
+
+// Every parameter of a material goes to a place of its own.
+static void test_parameters_of_material( void** state )
+{
+    (void)state;
+    RfMaterial m = { .diffuse = { 1, 2, 3 },
+                     .specular = { 4, 5, 6 },
+                     .alpha = 7,
+                     .f90 = 8,
+                     .coat_f0 = 9,
+                     .coat_f90 = 10,
+                     .clearcoat = 11,
+                     .clearcoat_alpha = 12,
+                     .tint = { 13, 14, 15 } };
+    float expected = 1.0f;
+    for ( int p = 0; p < RF_PARAM_COUNT; ++p )
+    {
+        if ( !rf_has_param( RF_PARAMS_OF_HIT, (RfBsdfParam)p ) )
+            assert_true( *rf_material_param( &m, (RfBsdfParam)p ) == expected++ );
+    }
+    assert_true( expected == 16.0f );
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_closed_forms ),           cmocka_unit_test( test_horizon ),
-        cmocka_unit_test( test_sharp_lobe_is_accurate ), cmocka_unit_test( test_reciprocity ),
-        cmocka_unit_test( test_any_input_is_finite ),    cmocka_unit_test( test_lanes_stand_alone ),
+        cmocka_unit_test( test_closed_forms ),
+        cmocka_unit_test( test_horizon ),
+        cmocka_unit_test( test_sharp_lobe_is_accurate ),
+        cmocka_unit_test( test_reciprocity ),
+        cmocka_unit_test( test_any_input_is_finite ),
+        cmocka_unit_test( test_lanes_stand_alone ),
+        cmocka_unit_test( test_table ),
+        cmocka_unit_test( test_parameters_of_material ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -28,15 +28,22 @@ static const RfVec3 s_n = { 0, 0, 1 };
 
 static RfBsdfLanes lanes_of( const Glass* g )
 {
-    return ( RfBsdfLanes ){
-        .n = { &s_n.x, &s_n.y, &s_n.z },
-        .diffuse = { &g->base.x, &g->base.y, &g->base.z },
-        .specular = { &g->specular.x, &g->specular.y, &g->specular.z },
-        .shape = &g->alpha,
-        .f90 = &g->metal,
-        .tint = { &g->tint.x, &g->tint.y, &g->tint.z },
-        .ior = &g->ior,
+    const float* param[RF_PARAM_COUNT] = {
+        [RF_PARAM_DIFFUSE] = &g->base.x,
+        &g->base.y,
+        &g->base.z,
+        [RF_PARAM_SPECULAR] = &g->specular.x,
+        &g->specular.y,
+        &g->specular.z,
+        [RF_PARAM_SHAPE] = &g->alpha,
+        [RF_PARAM_F90] = &g->metal,
+        [RF_PARAM_TINT] = &g->tint.x,
+        &g->tint.y,
+        &g->tint.z,
+        [RF_PARAM_IOR] = &g->ior,
     };
+    const float* n[3] = { &s_n.x, &s_n.y, &s_n.z };
+    return rf_bsdf_lanes( RF_BSDF_GLASS, n, param, 0 );
 }
 
 static Drawn draw( const Glass* g, RfVec3 wo, const float u[3] )
@@ -47,7 +54,7 @@ static Drawn draw( const Glass* g, RfVec3 wo, const float u[3] )
     const float* random[3] = { u, u + 1, u + 2 };
     float* wi[3] = { &d.wi.x, &d.wi.y, &d.wi.z };
     float* weight[3] = { &d.weight.x, &d.weight.y, &d.weight.z };
-    rf_glass_sample( 1, &lanes, o, random, wi, weight, &d.pdf );
+    rf_bsdf_sample_weighted( RF_BSDF_GLASS, 1, &lanes, o, random, wi, weight, &d.pdf );
     return d;
 }
 
@@ -58,7 +65,7 @@ static RfVec3 evaluate( const Glass* g, RfVec3 wo, RfVec3 wi, float* pdf )
     const float* in[3] = { &wi.x, &wi.y, &wi.z };
     RfVec3 f;
     float* out[3] = { &f.x, &f.y, &f.z };
-    rf_glass_evaluate( 1, &lanes, o, in, out, pdf );
+    rf_bsdf_evaluate( RF_BSDF_GLASS, 1, &lanes, o, in, out, pdf );
     return f;
 }
 

@@ -57,7 +57,7 @@ static void table_shares( const RfLights* lights, double* share )
         share[i] = 0.0;
     for ( uint32_t i = 0; i < lights->count; ++i )
     {
-        double own = lights->alias[i] == i ? 1.0 : (double)lights->alias_share[i] * 0x1p-32;
+        double own = lights->alias[i] == i ? 1.0 : (double)lights->alias_threshold[i] * 0x1p-32;
         assert_true( own >= 0.0 && own <= 1.0 && lights->alias[i] < lights->count );
         share[i] += own / lights->count;
         share[lights->alias[i]] += ( 1.0 - own ) / lights->count;
@@ -110,10 +110,10 @@ static void test_shares_and_densities( void** state )
     {
         const RfLight* light = lights.light + i;
         double expected = power_of( &scene, light ) / total;
-        assert_true( fabs( share[i] - expected ) < 1e-7 ); // alias_share is a float
-        assert_true( fabs( (double)lights.share[i] / expected - 1.0 ) < 1e-6 );
+        assert_true( fabs( share[i] - expected ) < 1e-7 ); // alias_threshold is a float
+        assert_true( fabs( (double)lights.power_fraction[i] / expected - 1.0 ) < 1e-6 );
         assert_true( fabs( (double)light->pdf_area * (double)light->area - 1.0 ) < 1e-6 );
-        integral += (double)lights.share[i];
+        integral += (double)lights.power_fraction[i];
     }
     assert_true( fabs( integral - 1.0 ) < 1e-6 );
     rf_destroy_lights( &lights );
@@ -194,7 +194,7 @@ static void test_small_among_many( void** state )
         weak_picks += (double)( lights.light[light].radiance.x < 10.0f );
     }
     for ( uint32_t i = 0; i < LIGHTS; ++i )
-        expected += lights.light[i].radiance.x < 10.0f ? PICKS * (double)lights.share[i] : 0.0;
+        expected += lights.light[i].radiance.x < 10.0f ? PICKS * (double)lights.power_fraction[i] : 0.0;
     printf( "weak lights: %.0f picks, %.0f expected\n", weak_picks, expected );
     assert_true( fabs( weak_picks - expected ) < 4.0 * sqrt( expected ) );
     rf_destroy_lights( &lights );

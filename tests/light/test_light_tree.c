@@ -224,7 +224,7 @@ static double check_picks( const RfLights* lights, RfVec3 x, RfVec3 n, uint32_t 
         if ( i < 100 && pick.light != RF_NO_LIGHT )
         {
             double chance = (double)rf_light_probability( lights, RF_LIGHTS_BY_TREE, pick.light, x, n );
-            assert_true( chance > 0.0 && fabs( chance / (double)pick.chance - 1.0 ) < 1e-6 );
+            assert_true( chance > 0.0 && fabs( chance / (double)pick.probability - 1.0 ) < 1e-6 );
         }
     }
     double chi_square = 0.0, rest = PICKS, rest_count = PICKS, terms = 0.0;
@@ -316,7 +316,7 @@ static void test_many_at_once( void** state )
             uint32_t own[2] = { bits[0][i], bits[1][i] };
             RfLightSelection one = rf_select_light( &lights, picking, rf_vec3( x[0][i], x[1][i], x[2][i] ),
                                                     rf_vec3( n[0][i], n[1][i], n[2][i] ), own );
-            assert_true( one.light == pick[i].light && one.chance == pick[i].chance );
+            assert_true( one.light == pick[i].light && one.probability == pick[i].probability );
         }
     }
     rf_destroy_lights( &lights );
@@ -390,7 +390,7 @@ static void test_shape( void** state )
         double depth = 0.0, most = 0.0;
         for ( uint32_t i = 0; i < lights.count; ++i )
         {
-            uint32_t place = tree->place[i], child = RF_LIGHT_LEAF | i;
+            uint32_t place = tree->leaf_slot[i], child = RF_LIGHT_LEAF | i;
             double levels = 1.0;
             for ( ;; levels += 1.0 )
             {
@@ -400,7 +400,7 @@ static void test_shape( void** state )
                 if ( node == 0 )
                     break;
                 child = node;
-                place = tree->node_place[node];
+                place = tree->parent_slot[node];
             }
             depth += levels / lights.count;
             most = fmax( most, levels );

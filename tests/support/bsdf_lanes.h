@@ -14,21 +14,22 @@
 enum
 {
     N = 0,
-    DIFFUSE = 3,
-    SPECULAR = 6,
-    SHAPE = 9,
-    F90,
-    COAT_F0,
-    COAT_F90,
-    CLEARCOAT,
-    CLEARCOAT_ALPHA,
-    WO,
+    PARAM = 3,
+    DIFFUSE = PARAM + RF_PARAM_DIFFUSE,
+    SPECULAR = PARAM + RF_PARAM_SPECULAR,
+    SHAPE = PARAM + RF_PARAM_SHAPE,
+    F90 = PARAM + RF_PARAM_F90,
+    COAT_F0 = PARAM + RF_PARAM_COAT_F0,
+    COAT_F90 = PARAM + RF_PARAM_COAT_F90,
+    CLEARCOAT = PARAM + RF_PARAM_CLEARCOAT,
+    CLEARCOAT_ALPHA = PARAM + RF_PARAM_CLEARCOAT_ALPHA,
+    COAT_N = PARAM + RF_PARAM_CLEARCOAT_N,
+    WO = PARAM + RF_PARAM_COUNT,
     WI = WO + 3,
     U = WI + 3,
     F = U + 3,
     PDF = F + 3,
-    COAT_N,
-    ARRAYS = COAT_N + 3
+    ARRAYS
 };
 
 static float s_lanes[ARRAYS][BATCH];
@@ -90,25 +91,19 @@ static inline void put_surface( const Material* m, RfVec3 n, RfVec3 wo )
     }
 }
 
-static inline RfBsdfLanes parameters_from( int first )
+// Parameters outside the model's mask are NULL.
+static inline RfBsdfLanes parameters_from( RfBsdfKind kind, int first )
 {
-    return ( RfBsdfLanes ){
-        .n = THREE_FROM( N, first ),
-        .diffuse = THREE_FROM( DIFFUSE, first ),
-        .specular = THREE_FROM( SPECULAR, first ),
-        .shape = s_lanes[SHAPE] + first,
-        .f90 = s_lanes[F90] + first,
-        .coat_f0 = s_lanes[COAT_F0] + first,
-        .coat_f90 = s_lanes[COAT_F90] + first,
-        .clearcoat = s_lanes[CLEARCOAT] + first,
-        .clearcoat_alpha = s_lanes[CLEARCOAT_ALPHA] + first,
-        .clearcoat_n = THREE_FROM( COAT_N, first ),
-    };
+    const float* const n[3] = THREE( N );
+    const float* param[RF_PARAM_COUNT];
+    for ( int p = 0; p < RF_PARAM_COUNT; ++p )
+        param[p] = s_lanes[PARAM + p];
+    return rf_bsdf_lanes( kind, n, param, first );
 }
 
 static inline void evaluate_range( RfBsdfKind kind, int first, int count )
 {
-    const RfBsdfLanes lanes = parameters_from( first );
+    const RfBsdfLanes lanes = parameters_from( kind, first );
     const float* const wo[3] = THREE_FROM( WO, first );
     const float* const wi[3] = THREE_FROM( WI, first );
     float* const f[3] = THREE_FROM( F, first );
@@ -117,7 +112,7 @@ static inline void evaluate_range( RfBsdfKind kind, int first, int count )
 
 static inline void sample_range( RfBsdfKind kind, int first, int count )
 {
-    const RfBsdfLanes lanes = parameters_from( first );
+    const RfBsdfLanes lanes = parameters_from( kind, first );
     const float* const wo[3] = THREE_FROM( WO, first );
     const float* const u[3] = THREE_FROM( U, first );
     float* const wi[3] = THREE_FROM( WI, first );

@@ -71,35 +71,39 @@ static bool find( const RfTracer* tracer, RfVec3 o, RfVec3 d, Point* out )
     return true;
 }
 
-static RfBsdfLanes lane_of( const Point* x )
+// Parameters of a point as one lane.
+typedef struct Lane
 {
-    const RfMaterial* m = &x->material;
-    return ( RfBsdfLanes ){
-        .n = { &x->n.x, &x->n.y, &x->n.z },
-        .diffuse = { &m->diffuse.x, &m->diffuse.y, &m->diffuse.z },
-        .specular = { &m->specular.x, &m->specular.y, &m->specular.z },
-        .shape = m->kind == RF_BSDF_PHONG ? &m->exponent : &m->alpha,
-        .f90 = &m->f90,
-        .coat_f0 = &m->coat_f0,
-        .coat_f90 = &m->coat_f90,
-        .clearcoat = &m->clearcoat,
-        .clearcoat_alpha = &m->clearcoat_alpha,
-        .clearcoat_n = { &x->coat_n.x, &x->coat_n.y, &x->coat_n.z },
-        .tint = { &m->tint.x, &m->tint.y, &m->tint.z },
-        .ior = &x->ior,
-    };
+    float param[RF_PARAM_COUNT];
+    RfBsdfLanes lanes;
+} Lane;
+
+static void fill_lane( const Point* x, Lane* lane )
+{
+    lane->lanes = ( RfBsdfLanes ){ .n = { &x->n.x, &x->n.y, &x->n.z } };
+    for ( int p = 0; p < RF_PARAM_COUNT; ++p )
+    {
+        lane->param[p] =
+            rf_has_param( RF_PARAMS_OF_HIT, (RfBsdfParam)p ) ? 0.0f : *rf_material_param( &x->material, (RfBsdfParam)p );
+        lane->lanes.param[p] = lane->param + p;
+    }
+    lane->param[RF_PARAM_CLEARCOAT_N] = x->coat_n.x;
+    lane->param[RF_PARAM_CLEARCOAT_N + 1] = x->coat_n.y;
+    lane->param[RF_PARAM_CLEARCOAT_N + 2] = x->coat_n.z;
+    lane->param[RF_PARAM_IOR] = x->ior;
 }
 
 static bool is_native( const Point* x ) { return x->material.kind == RF_BSDF_GLASS; }
 
 static RfVec3 evaluate( const Point* x, RfVec3 wi, float* pdf )
 {
-    RfBsdfLanes lane = lane_of( x );
+    Lane lane;
+    fill_lane( x, &lane );
     const float* wo[3] = { &x->wo.x, &x->wo.y, &x->wo.z };
     const float* in[3] = { &wi.x, &wi.y, &wi.z };
     RfVec3 f;
     float* out[3] = { &f.x, &f.y, &f.z };
-    rf_bsdf_evaluate( x->material.kind, 1, &lane, wo, in, out, pdf );
+    rf_bsdf_evaluate( x->material.kind, 1, &lane.lanes, wo, in, out, pdf );
     return f;
 }
 
@@ -113,7 +117,8 @@ typedef struct Onward
 
 static Onward scatter( const Point* x, RfRandomKey key, uint32_t dimension )
 {
-    RfBsdfLanes lane = lane_of( x );
+    Lane lane;
+    fill_lane( x, &lane );
     float random[3];
     for ( uint32_t k = 0; k < 3; ++k )
         random[k] = rf_random( key, dimension + k );
@@ -124,13 +129,13 @@ static Onward scatter( const Point* x, RfRandomKey key, uint32_t dimension )
     float* weight[3] = { &out.weight.x, &out.weight.y, &out.weight.z };
     if ( is_native( x ) )
     {
-        rf_glass_sample( 1, &lane, wo, u, wi, weight, &out.pdf );
+        rf_bsdf_sample_weighted( x->material.kind, 1, &lane.lanes, wo, u, wi, weight, &out.pdf );
         float cos_g = rf_dot( x->ng, out.wi );
         out.cos_x = rf_dot( x->n, out.wi );
         out.side = out.cos_x * cos_g <= 0.0f || rf_max_component( out.weight ) == 0.0f ? 0.0f : ( cos_g > 0.0f ? 1.0f : -1.0f );
         return out;
     }
-    rf_bsdf_sample( x->material.kind, 1, &lane, wo, u, wi );
+    rf_bsdf_sample( x->material.kind, 1, &lane.lanes, wo, u, wi );
     out.f = evaluate( x, out.wi, &out.pdf );
     out.cos_x = rf_dot( x->n, out.wi );
     out.side = out.cos_x > 0.0f && rf_dot( x->ng, out.wi ) > 0.0f && out.pdf > 0.0f ? 1.0f : 0.0f;
@@ -184,13 +189,13 @@ static RfVec3 sample_other_light( const RfTracer* tracer, const Point* x, RfLigh
         float place[2] = { rf_random( key, dimension + 1 ), rf_random( key, dimension + 2 ) };
         RfSkySample sky = rf_sample_sky( &lights->sky, bits, place );
         *wi = sky.wi;
-        *pdf = sky.pdf_solid_angle * pick.chance;
+        *pdf = sky.pdf_solid_angle * pick.probability;
         radiance = sky.radiance;
     }
     else
     {
         const RfPunctual* p = lights->punctual + k;
-        *pdf = pick.chance * RF_DELTA_PDF;
+        *pdf = pick.probability * RF_DELTA_PDF;
         if ( p->kind == RF_PUNCTUAL_DIRECTIONAL )
         {
             *wi = rf_scale( p->direction, -1.0f );
@@ -240,7 +245,7 @@ static RfVec3 sample_light( const RfTracer* tracer, const ReferenceSettings* s, 
     float facing = -rf_dot( light->normal, *wi );
     float cos_light = light->two_sided ? fabsf( facing ) : facing;
     float cos_x = rf_dot( x->n, *wi );
-    *pdf = light->pdf_area * pick.chance * d2 / cos_light;
+    *pdf = light->pdf_area * pick.probability * d2 / cos_light;
     if ( !( cos_x > 0.0f && rf_dot( x->ng, *wi ) > 0.0f && cos_light > 0.0f && *pdf < 1e30f ) )
         return black;
     RfVec3 to = rf_madd( z, light->normal, facing < 0.0f ? -light->offset : light->offset );

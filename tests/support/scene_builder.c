@@ -5,7 +5,7 @@
 
 static RfMaterial blank( RfBsdfKind kind )
 {
-    return ( RfMaterial ){ .name = NULL, .kind = kind, .alpha = 1.0f, .exponent = 0.0f, .double_sided = true };
+    return ( RfMaterial ){ .name = NULL, .kind = kind, .alpha = 1.0f, .double_sided = true };
 }
 
 RfMaterial make_lambert( float r, float g, float b )
