@@ -27,9 +27,9 @@ typedef struct RfEye
     int width, height;         // film size in pixels
 } RfEye;
 
-// A right-handed eye that looks from `origin` along `forward`, with `up` made orthogonal to
-// it; `yfov` is the field of view over the film's height, radians. `forward` and `up` need
-// not be unit vectors but must not be parallel or zero.
+// A right-handed eye at `origin` that looks along `forward`, with `up` orthogonalised against it;
+// `yfov` is the vertical field of view in radians. `forward` and `up` need not be unit vectors but
+// must not be zero or parallel.
 RfEye rf_make_eye( RfVec3 origin, RfVec3 forward, RfVec3 up, double yfov, int width, int height );
 
 // The eyes of a camera's animation, one per frame.

@@ -6,7 +6,7 @@
 //     rf_destroy_image( &image );
 //
 // Writing is atomic: bytes go to a temporary name in the same folder, which is renamed once all
-// of them are on the disk. A file with its final name is whole.
+// of them are on the disk. A file under its final name is complete.
 #ifndef REFRAME_IMAGE_H
 #define REFRAME_IMAGE_H
 
@@ -43,13 +43,13 @@ typedef struct RfExrString
     const char* value;
 } RfExrString;
 
-// A channel besides R, G and B, such as { "depth.Z", values, 1, false }.
+// A channel in addition to R, G and B, such as { "depth.Z", values, 1, false }.
 typedef struct RfExrChannel
 {
     const char* name;
-    const float* values; // of pixel (x, y): values[stride (y·width + x)]
+    const float* values; // pixel (x, y) is values[stride (y·width + x)]
     int stride;
-    bool half; // 16 bits, clamped to ±65504; else 32
+    bool half; // 16-bit half float, clamped to ±65504; else 32-bit float
 } RfExrChannel;
 
 #define RF_EXR_MAX_CHANNELS 64 // R, G and B included
@@ -57,77 +57,81 @@ typedef struct RfExrChannel
 typedef struct RfExrOptions
 {
     RfExrCompression compression;
-    bool half;         // R, G, B as 16-bit floats, clamped to ±65504; else 32-bit floats
-    int x, y;          // where the first pixel lies: data and display window begin there
+    bool half;         // R, G, B as half floats, clamped to ±65504; else 32-bit floats
+    int x, y;          // origin of the data window and the display window
     int fps_numerator; // framesPerSecond; numerator 0: not written
     unsigned int fps_denominator;
     bool has_camera;           // write the two matrices (rf_eye_matrices)
-    float world_to_camera[16]; // row vectors: p_camera = p_world · M, row by row
+    float world_to_camera[16]; // for row vectors: p_camera = p_world · M, row-major
     float world_to_ndc[16];
     const RfExrString* strings; // string_count of them
     int string_count;
-    const RfExrChannel* channels; // further ones, in any order; their names differ
+    const RfExrChannel* channels; // additional channels in any order, with distinct names
     int channel_count;
 } RfExrOptions;
 
-// ZIP, 16-bit floats, nothing else.
+// ZIP compression, half floats, no attributes and no additional channels.
 RfExrOptions rf_default_exr_options( void );
 
-// Writes channels R, G, B and the options' own. On failure no file of that name is made or
-// changed, and no temporary file is left: RF_ERROR_IO, RF_ERROR_MEMORY, RF_ERROR_USAGE.
+// Writes R, G, B and the additional channels of `options`. A failure (RF_ERROR_IO, RF_ERROR_MEMORY,
+// RF_ERROR_USAGE) neither creates nor changes a file of that name and leaves no temporary file.
 RfResult rf_write_exr( const char* path, const RfImage* image, const RfExrOptions* options, RfError* error );
 
-// Where the pixels of a file lie: its data window.
+// A data window: where the pixels of a file lie.
 typedef struct RfExrWindow
 {
     int x, y, width, height;
 } RfExrWindow;
 
-// Reads R, G, B (or Y, spread over the three) of the first part of any scan-line or tiled EXR,
-// the data window only. A file with a single layer prefix, such as Blender's "ViewLayer.Combined.R",
-// is read through that prefix. On failure the image is empty. Free with rf_destroy_image.
+// Reads the data window of the first part: R, G, B, or Y copied to all three. The file may be
+// scan-line or tiled, of half, float or uint channels. If all channels share one layer prefix, such as
+// Blender's "ViewLayer.Combined.R", it is skipped. On failure the image is empty. Free with
+// rf_destroy_image.
 RfResult rf_read_exr( const char* path, RfImage* image, RfError* error );
 
-// Reads three channels, or one as grey, of the first part that has them, and where they lie.
+// Reads three channels, or one as grey, from the first part that has them, and its data window.
 // `layer` is a layer ("ViewLayer.DiffDir": its R, G, B or X, Y, Z), the name of a part, a channel
-// ("depth.Z") or three with commas between them; NULL: the colour, as rf_read_exr finds it, but in
-// the first part that has any, and one with three channels before one with Y.
+// ("depth.Z") or three channels separated by commas. NULL selects the colour, matched as in
+// rf_read_exr, in the first part that has colour; parts with three colour channels take precedence
+// over parts with Y.
 RfResult rf_read_exr_layer( const char* path, const char* layer, RfImage* image, RfExrWindow* window, RfError* error );
 
-// Reads channels by their full names ("depth.Z") of any part, which must all be there, not be
-// subsampled and have one data window: `count` floats per pixel, in the order of the names, which
-// differ; rows from top to bottom. The caller frees *values.
+// Reads channels by their full names ("depth.Z") from any part: `count` floats per pixel in the order
+// of the names, rows from top to bottom. The names must be distinct; the channels must all exist,
+// share one data window and not be subsampled. The caller frees *values.
 RfResult rf_read_exr_channels( const char* path, const char* const* names, int count, RfExrWindow* window, float** values,
                                RfError* error );
 
-// Reads a string attribute into `value` (size bytes, truncated). Fails with RF_ERROR_IO or
-// RF_ERROR_FORMAT where the file cannot be read or has none of that name.
+// Reads a string attribute into `value`, truncated to `size` bytes. Fails with RF_ERROR_IO if the
+// file cannot be read, RF_ERROR_FORMAT if it lacks the attribute.
 RfResult rf_read_exr_string( const char* path, const char* name, char* value, size_t size, RfError* error );
 
-// A string attribute that is a number; NaN where there is none.
+// The value of a string attribute that holds a number; NaN if there is none.
 double rf_read_exr_number( const char* path, const char* name );
 
-// Calls `take` with each string attribute of the first part, in the file's order.
+// Receives one string attribute.
 typedef void RfExrStringFn( void* user, const char* name, const char* value );
+
+// Calls `take` with each string attribute of the first part, in file order.
 RfResult rf_list_exr_strings( const char* path, RfExrStringFn* take, void* user, RfError* error );
 
-// Writes an 8-bit PNG: multiplies by 2^exposure_stops, clips at 1, applies the sRGB curve. NaN is
-// written magenta, so that it shows.
+// Writes an 8-bit PNG for viewing: multiplies by 2^exposure_stops, clips at 1 and applies the sRGB
+// curve. NaN becomes magenta, so that it is noticed.
 RfResult rf_write_png( const char* path, const RfImage* image, float exposure_stops, RfError* error );
 
-// Sequences: in a pattern such as "out/frame.####.exr" the run of '#' stands for the frame's
-// number, from 1, padded with zeros to as many digits (more where the number needs them).
+// Sequences: in a pattern such as "out/frame.####.exr" the run of '#' stands for the frame number,
+// which counts from 1, zero-padded to the length of the run (longer numbers take more digits).
 
-// Has a run of '#' in its last path component. More than one run, or one in a folder's name, is an
-// error that rf_sequence_name reports.
+// True if the last path component has a run of '#'. Several runs, or one in the name of a folder,
+// are errors that rf_sequence_name reports.
 bool rf_is_sequence( const char* pattern );
 
-// The file name of frame `number` (from 1) in `name` (size bytes). A pattern without '#' is copied
-// as it is. Fails with RF_ERROR_USAGE.
+// Writes the file name of frame `number` into `name` (size bytes). A pattern without '#' is copied.
+// Fails with RF_ERROR_USAGE.
 RfResult rf_sequence_name( const char* pattern, int number, char* name, size_t size, RfError* error );
 
-// The numbers for which a file exists, ascending, in *numbers (the caller frees them), *count of
-// them. Fails with RF_ERROR_IO where there are none.
+// Lists the numbers of all existing frames in ascending order in *numbers, which the caller frees.
+// Fails with RF_ERROR_IO if there are none.
 RfResult rf_sequence_frames( const char* pattern, int** numbers, int* count, RfError* error );
 
 RF_API_END

@@ -14,28 +14,28 @@ RF_API_BEGIN
 
 #define RF_RELMSE_EPSILON 0.001
 
-// Where the relative error, that which relMSE is the mean of, is largest.
+// The pixel with the largest relative squared error, the quantity that relMSE averages.
 typedef struct RfWorstPixel
 {
-    int frame, x, y; // in the order of the frames, from 0; −1 where no pixel is in error
+    int frame, x, y; // frames count from 0 in their order; −1: no pixel differs
     double relative;
 } RfWorstPixel;
 
 // With v the image and r the reference, linear RGB, over all pixels of all frames:
 //   relmse          mean over pixels of Σ_c (v_c − r_c)² / (r̄² + RF_RELMSE_EPSILON), where
-//                   r̄ is the mean of the reference's channels
-//   relmse_trimmed  the same without the worst 0.1 % of the pixels
+//                   r̄ is the mean over the channels of the reference
+//   relmse_trimmed  relmse without the worst 0.1 % of the pixels
 //   mse, bias       mean over pixels and channels of (v_c − r_c)² and v_c − r_c
 //   max             largest |v_c − r_c|
-// NaN and infinity are counted, never repaired: where there are any, all measures are NaN.
+// NaN and infinite pixels are counted, never repaired: if there are any, all measures are NaN.
 typedef struct RfErrorMetrics
 {
     double relmse, relmse_trimmed, mse, max;
-    double bias, bias_low, bias_high; // low and high: 95 % interval, from blocks of pixels; NaN for a single block
-    double reference_mean;            // of the reference, over pixels and channels
+    double bias, bias_low, bias_high; // mean and its 95 % interval from blocks of pixels; NaN for a single block
+    double reference_mean;            // over pixels and channels
     RfWorstPixel worst;
-    size_t nan, inf;                     // pixels of the image with such a channel
-    size_t reference_nan, reference_inf; // the same of the reference
+    size_t nan, inf;                     // pixels of the image with a NaN or infinite channel
+    size_t reference_nan, reference_inf; // pixels of the reference
 } RfErrorMetrics;
 
 // The error of one image. Fails with RF_ERROR_FORMAT where the sizes differ, RF_ERROR_MEMORY.
@@ -52,11 +52,11 @@ RfResult rf_measure_sequences( const char* pattern, const char* reference, RfErr
 //        error that stands still, 2 one that changes its sign from frame to frame
 typedef struct RfFlickerMetrics
 {
-    double f1;       // NaN where no pixel was seen in both frames, or one is not finite
-    double phi;      // NaN where the error is not known; 0 where there is no error at all
-    double mse;      // mean of the two mean squares of the error; NaN as phi
-    double coverage; // share of the pixels that were seen in both frames, 0 to 1
-    double motion;   // mean motion of a pixel's surface, pixels a frame; NaN: motion is not followed
+    double f1;       // NaN if no pixel is visible in both frames, or if any is NaN or infinite
+    double phi;      // NaN if the error is unknown; 0 if there is no error at all
+    double mse;      // mean of the two mean squared errors; NaN like phi
+    double coverage; // share of the pixels visible in both frames, 0 to 1
+    double motion;   // mean length of the motion vectors, pixels per frame; NaN: motion is not followed
 } RfFlickerMetrics;
 
 // The flicker of a sequence of EXR files. With `reference` (a pattern too) that of the error, pixel

@@ -59,23 +59,23 @@ RfResult rf_scene_camera( const RfScene* scene, int index, RfFps fps, RfCameraIn
 
 #define RF_MAX_EFFECTS 32
 
-// An effect of light or camera, and whether a scene calls for it.
+// An effect of light, material or camera, and whether a scene requires it.
 typedef struct RfEffect
 {
     const char* name; // a stable word, such as "phong"
     bool on;
-    char why[160]; // which material, which camera; or why not
+    char why[160]; // the material or camera that requires it, or why it is not required
 } RfEffect;
 
-// Fills `effects` in a fixed order and returns how many there are, whichever are on.
+// Fills `effects` in a fixed order and returns their number, on or off.
 int rf_list_effects( const RfScene* scene, RfEffect effects[RF_MAX_EFFECTS] );
 
 // A scene with its acceleration structure and light distribution. Rays may be traced
 // from many threads at a time.
 typedef struct RfTracer RfTracer;
 
-// Builds the BVH of a scene, which must outlive the tracer. An empty scene is allowed: every
-// ray misses. Fails with RF_ERROR_DEVICE or RF_ERROR_MEMORY.
+// Builds the BVH of a scene, which must outlive the tracer. In an empty scene every ray misses.
+// Fails with RF_ERROR_DEVICE or RF_ERROR_MEMORY.
 RfResult rf_create_tracer( const RfScene* scene, RfTracer** tracer, RfError* error );
 
 // Frees a tracer; NULL is allowed.
@@ -84,13 +84,13 @@ void rf_destroy_tracer( RfTracer* tracer );
 // The scene that it was created for.
 const RfScene* rf_tracer_scene( const RfTracer* tracer );
 
-// What the picture depends on besides the scene: Embree's version and instruction set.
+// Embree's version and instruction set, on which images depend besides the scene.
 const char* rf_tracer_device( const RfTracer* tracer );
 
 // Does anything shine: a material, a lamp, the sky? Else every picture is black.
 bool rf_tracer_has_light( const RfTracer* tracer );
 
-// Bytes that Embree holds. They are not part of a render's memory budget.
+// Memory of Embree and of the triangle records, bytes. It is not part of a render's budget.
 size_t rf_tracer_bytes( const RfTracer* tracer );
 
 RF_API_END
