@@ -15,6 +15,9 @@ RfRange rf_coordinates( void );
 // Reads a member that is a point, which is required.
 RfResult rf_read_point( const RfField* object, const char* key, double point[3] );
 
+// Compares values, not bits: zero has two signs.
+bool rf_is_same_point( const double a[3], const double b[3] );
+
 // Reads an up direction; without one `up` is unchanged.
 RfResult rf_read_up( const RfField* field, double up[3] );
 
