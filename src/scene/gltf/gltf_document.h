@@ -220,6 +220,8 @@ void rf_gltf_free_buffers( RfGltf* gltf );
 // The bytes of a view from `offset` on, of which `need` must exist.
 RfResult rf_gltf_view_bytes( const RfGltf* gltf, const char* where, int view, uint64_t offset, uint64_t need,
                              const uint8_t** bytes );
+
+// The stride of a view for elements of `element` bytes.
 RfResult rf_gltf_view_stride( const RfGltf* gltf, int view, uint64_t element, uint64_t* stride );
 
 // Finds a validated accessor (gltf_accessor.c, gltf_element.c).
