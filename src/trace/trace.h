@@ -13,10 +13,13 @@
 
 // True if some surface is alpha-blended. Visibility is then a number between 0 and 1.
 bool rf_tracer_is_blended( const RfTracer* tracer );
+
 // True if some material is textured, so that hits must look up RfMaterial.textured.
 bool rf_tracer_is_textured( const RfTracer* tracer );
+
 // The lights of the scene, collected at creation (light/light.h).
 const RfLights* rf_tracer_lights( const RfTracer* tracer );
+
 #define RF_MISS 0xffffffffu
 
 // The geometry of a triangle in one record, so that a hit reads only one place. Edges and
