@@ -2,21 +2,21 @@
 
 #include <string.h>
 
-typedef struct Layer
+typedef struct AovRow
 {
     const char* name;
     const char* letters;
-} Layer;
+} AovRow;
 
-static const Layer s_layers[RF_AOV_COUNT] = {
+static const AovRow s_aovs[RF_AOV_COUNT] = {
     [RF_AOV_ALBEDO] = { "albedo", "RGB" },  [RF_AOV_NORMAL] = { "normal", "XYZ" },     [RF_AOV_DEPTH] = { "depth", "Z" },
     [RF_AOV_MOTION] = { "motion", "XYZW" }, [RF_AOV_VARIANCE] = { "variance", "RGB" }, [RF_AOV_SAMPLES] = { "samples", "Y" },
 };
 
-const char* rf_aov_name( RfAov layer ) { return s_layers[layer].name; }
+const char* rf_aov_name( RfAov aov ) { return s_aovs[aov].name; }
 
-const char* rf_aov_letters( RfAov layer ) { return s_layers[layer].letters; }
+const char* rf_aov_letters( RfAov aov ) { return s_aovs[aov].letters; }
 
-int rf_aov_channels( RfAov layer ) { return (int)strlen( s_layers[layer].letters ); }
+int rf_aov_channels( RfAov aov ) { return (int)strlen( s_aovs[aov].letters ); }
 
-bool rf_aov_is_half( RfAov layer ) { return layer == RF_AOV_ALBEDO || layer == RF_AOV_NORMAL; }
+bool rf_aov_is_half( RfAov aov ) { return aov == RF_AOV_ALBEDO || aov == RF_AOV_NORMAL; }

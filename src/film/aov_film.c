@@ -5,16 +5,16 @@
 #include <math.h>
 #include <string.h>
 
-// A point farther outside the film of another eye is as good as behind it, pixels.
+// Points farther off the film centre of another eye count as behind it, pixels.
 #define FARTHEST_MOTION 1e6f
 
-int rf_aov_film_floats( RfAov layer )
+int rf_aov_film_floats( RfAov aov )
 {
-    switch ( layer )
+    switch ( aov )
     {
-        case RF_AOV_VARIANCE: return 0; // the colour's film has it
+        case RF_AOV_VARIANCE: return 0; // made from the film of the colour
         case RF_AOV_DEPTH: return 2;
-        default: return rf_aov_channels( layer );
+        default: return rf_aov_channels( aov );
     }
 }
 
@@ -30,7 +30,7 @@ void rf_clear_aov_film( RfAovFilm* film, int width, int height )
         memset( film->landed, 0, pixels * sizeof *film->landed );
 }
 
-// The next value of a mean, whose share of all so far is `share`.
+// Updates a running mean with a value whose share of the total weight is `share`.
 static inline void add_to_mean( float* mean, float value, float share ) { *mean += ( value - *mean ) * share; }
 
 static inline void add_vector( float* mean, RfVec3 value, float share )
@@ -48,7 +48,7 @@ static bool film_position( const RfEye* eye, RfVec3 direction, float at[2] )
     return depth > 0.0f && fabsf( at[0] ) < FARTHEST_MOTION && fabsf( at[1] ) < FARTHEST_MOTION;
 }
 
-// A point seen by the job's eye, or with `infinite` a direction.
+// A point, or with `infinite` a direction.
 typedef struct Seen
 {
     RfVec3 point;
@@ -112,7 +112,7 @@ static void add_hit( const RfAovJob* job, const RfVertexLanes* v, int i, size_t 
         add_motion( job, mean[RF_AOV_MOTION] + 4 * pixel, ( Seen ){ p, false }, share );
 }
 
-// Nothing there: no albedo, normal and depth; it moves as what is infinitely far.
+// A miss has no albedo, normal or depth; its motion is that of a point at infinity.
 static void add_miss( const RfAovJob* job, const RfRayLanes* rays, int slot, size_t pixel, float share )
 {
     float* const* mean = job->film->mean;
@@ -143,11 +143,11 @@ void rf_add_to_aovs( const RfAovJob* job, RfFirstHits first )
     }
 }
 
-void rf_finish_aov( const RfAovFilm* film, RfAov layer, const RfFilm* colour, RfFilmCombine combine, float* image )
+void rf_finish_aov( const RfAovFilm* film, RfAov aov, const RfFilm* colour, RfFilmCombine combine, float* image )
 {
     size_t pixels = (size_t)colour->width * (size_t)colour->height;
-    const float* mean = film->mean[layer];
-    switch ( layer )
+    const float* mean = film->mean[aov];
+    switch ( aov )
     {
         case RF_AOV_VARIANCE: rf_estimate_variance( colour, combine, image ); break;
         case RF_AOV_SAMPLES:
@@ -158,6 +158,6 @@ void rf_finish_aov( const RfAovFilm* film, RfAov layer, const RfFilm* colour, Rf
             for ( size_t i = 0; i < pixels; ++i )
                 image[i] = mean[2 * i + 1] > 0.0f ? mean[2 * i] : RF_DEPTH_OF_NOTHING;
             break;
-        default: memcpy( image, mean, pixels * (size_t)rf_aov_channels( layer ) * sizeof( float ) );
+        default: memcpy( image, mean, pixels * (size_t)rf_aov_channels( aov ) * sizeof( float ) );
     }
 }

@@ -11,12 +11,12 @@ typedef struct RfFilm
 {
     int width, height;
     float* half[2];   // 4 per pixel: A red, green, blue, B
-    double* total[2]; // what the halves held before they were emptied; NULL in renders too short for that
+    double* total[2]; // sums moved out of the halves in doubles; NULL in renders too short to need them
     int total_every;  // passes of a half after which it is emptied
-    int passes[2];    // passes summed up in each half
-    double weight[2]; // and the sum of their weights, which is the mean of B
-    uint64_t landed;  // samples that fell into the film
-    float* extra[2];  // per pixel: weights of samples besides those passes, which count like a pass there; NULL: none
+    int passes[2];    // passes in each half
+    double weight[2]; // sum of their weights; its expectation is that of B in a pixel
+    uint64_t landed;  // samples that landed in the film
+    float* extra[2];  // adaptive sampling: weight of extra samples per pixel, which count like passes there; NULL: none
     uint64_t extra_samples;
 } RfFilm;
 
@@ -47,25 +47,24 @@ static inline int rf_film_total_every( int samples ) { return samples < RF_FILM_
 // Does a film of so many passes need totals?
 static inline bool rf_film_needs_total( int64_t passes, int total_every ) { return passes > total_every; }
 
-// Empties the film.
+// Sets all sums and counts to 0.
 void rf_clear_film( RfFilm* film );
 
-// A pass into a half is complete, whose samples were all taken `weight` times.
+// Ends a pass into a half; its samples were added with this weight.
 void rf_end_film_pass( RfFilm* film, int half, double weight );
 
 // The image of the film: rgb (3 per pixel), and the mean of B over the passes
 // in `weight` (1 per pixel; may be NULL). A pixel without weight is black.
 void rf_combine_film( const RfFilm* film, RfFilmCombine combine, float* rgb, float* weight );
 
-// Variance of the combined film's pixels, each of the three channels, estimated
-// from the difference of the halves: right in the mean, but noisy, for each
-// pixel has one such difference. 0 where one of the halves is empty.
+// Variance of the pixels of the combined film, 3 channels each, estimated from the difference of
+// the halves: unbiased, but noisy, since each pixel has one such difference. 0 where a half
+// is empty.
 void rf_estimate_variance( const RfFilm* film, RfFilmCombine combine, float* variance );
 
-// relMSE of `rgb`, the combined film, against the truth, estimated from the
-// difference of the halves; NaN where one of them is empty. In the mean over many
-// renders within 15 % of the truth (tests/render/test_estimator_error.c); that of a
-// single one is as uncertain as what its fireflies add to it.
+// Estimated relMSE of `rgb`, the combined film, from the difference of the halves; NaN where one
+// of them is empty. Its mean over many renders is within 15 % of the true error (tests/render/test_estimator_error.c); for a
+// single render it is as uncertain as its fireflies are.
 double rf_estimate_relmse( const RfFilm* film, RfFilmCombine combine, const float* rgb );
 
 #endif

@@ -1,24 +1,22 @@
-// The estimate of a film's relMSE. Its numerator, the square of the difference
-// of the halves, is right in the mean for every pixel, fireflies and what tiles
-// and groups spread over their neighbours included. The denominator wants the
-// true value: where noise is heavy the pixel's own would hide just the pixels
-// that err most (an estimate of a third of the truth was seen). What one half has
-// and the other has not is taken for a firefly, and the truth for the mean of the
-// pixels around in which both halves agree on the same as in this one: that is its
-// own side of an edge. Where that leaves less than half of its value, and a pixel
-// beside it is as bright in both halves, it is taken for an edge that few samples
-// hit, and its own value for the truth. A glint that one pixel has, and one sample in
-// ten, cannot be told from a firefly.
+// The estimate of a film's relMSE. Its numerator, the squared difference of the halves, is
+// unbiased in every pixel, with fireflies and with errors that tiles and groups correlate between
+// neighbours. The denominator needs the true value: where noise is heavy, the pixel's own value
+// would hide exactly the pixels with the largest errors (estimates of a third of the true error
+// were seen). Energy that only one half has is taken for a firefly. The true value is then taken
+// as the mean of those neighbours whose common energy is about that of this pixel, which keeps
+// to its side of an edge. Where that is less than half of the pixel's value and a neighbour is
+// as bright in both halves, it is taken for an edge that few samples hit, and its own value
+// is used. A glint in one pixel that one sample in ten hits cannot be told from a firefly.
 #include "film/film_pixel.h"
 
 #include <math.h>
 
 #define REACH 3 // the surroundings: 7×7 pixels
 #define SIDE ( 2 * REACH + 1 )
-#define LIKENESS 0.3 // of the larger one, that two may differ by
-#define DARK 0.001   // and besides
-#define EDGE 2.0     // times what it is like, and more, has an edge that few samples hit
-#define STRIP 64     // columns at once
+#define LIKENESS 0.3 // relative difference of two similar values
+#define DARK 0.001   // plus this absolute difference
+#define EDGE 2.0     // times its neighbourhood: above that, an edge that few samples hit
+#define STRIP 64     // columns processed together
 #define COLUMNS ( STRIP + 2 * REACH )
 
 // Columns [first, end) of the film with the rows around the one that is looked
@@ -59,7 +57,7 @@ static void go_to_row( Strip* s, int y )
     s->rows = bottom - top + 1;
 }
 
-// What both halves have of pixel x in row y.
+// Common energy of the two halves in pixel x of row y.
 static double common_part( const Strip* s, int x, int y )
 {
     return fmax( fmin( s->half[y % SIDE][0][x - s->first], s->half[y % SIDE][1][x - s->first] ), 0.0 );
@@ -67,7 +65,7 @@ static double common_part( const Strip* s, int x, int y )
 
 static double mean_of_channels( const float* rgb ) { return ( (double)rgb[0] + (double)rgb[1] + (double)rgb[2] ) / 3.0; }
 
-// The mean of the pixels around that have about as much in common as pixel x in row y.
+// Mean over the neighbours whose common energy is about that of pixel x in row y.
 static double likes( const Strip* s, int x, int y )
 {
     int left = x - REACH > s->first ? x - REACH : s->first, right = x + REACH < s->end ? x + REACH : s->end - 1;
@@ -87,7 +85,7 @@ static double likes( const Strip* s, int x, int y )
     return sum / count;
 }
 
-// The most that both halves have in a pixel beside x in row y, or in it.
+// Largest common energy of pixel x in row y and its direct neighbours.
 static double beside( const Strip* s, int x, int y )
 {
     int left = x > s->first ? x - 1 : x, right = x + 1 < s->end ? x + 1 : x;
@@ -101,8 +99,8 @@ static double beside( const Strip* s, int x, int y )
     return most;
 }
 
-// The truth of a pixel, as far as its error is measured by it: no more than its
-// own value, no less than what both halves have.
+// Estimate of a pixel's true value for the denominator: at most its own value, at least the
+// common energy of the halves.
 static double likely_value( const Strip* s, int x, int y )
 {
     double own = fabs( mean_of_channels( s->rgb + 3 * index_of( s->film, x, y ) ) ), common = common_part( s, x, y );

@@ -1,4 +1,4 @@
-// A pixel of a film as its estimators see it; inside of src/image.
+// A pixel of a film in the two halves. For src/film only.
 #ifndef REFRAME_FILM_FILM_PIXEL_H
 #define REFRAME_FILM_FILM_PIXEL_H
 
@@ -23,10 +23,10 @@ static inline RfFilmPixel rf_film_pixel( const RfFilm* film, size_t i )
     return p;
 }
 
-// c_h = A_h / B_h, 0 where nothing landed.
+// c_h = A_h / B_h; 0 where no sample landed.
 static inline double rf_film_quotient( const double* half, int c ) { return half[3] > 0.0 ? half[c] / half[3] : 0.0; }
 
-// What a half alone makes of a pixel.
+// The value of a pixel from one half alone.
 static inline double rf_film_half_value( const RfFilmPixel* p, RfFilmCombine combine, int h, int c )
 {
     const double* own = p->half[h];

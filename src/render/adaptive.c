@@ -1,6 +1,6 @@
 #include "render/adaptive.h"
 
-#include "render/pass.h"
+#include "base/system.h"
 
 #include <math.h>
 #include <omp.h>

@@ -20,7 +20,7 @@ static void hand_over( RfFrameQueue* q, const RfFrameBuffer* buffer )
 static void* run( void* user )
 {
     RfFrameQueue* q = user;
-    rf_set_float_mode(); // what the caller computes is not to depend on the thread
+    rf_set_float_mode(); // the caller's arithmetic must not depend on the thread
     pthread_mutex_lock( &q->mutex );
     for ( ;; )
     {
@@ -46,7 +46,7 @@ static bool start_thread( RfFrameQueue* q )
         return false;
     if ( pthread_cond_init( &q->changed, NULL ) == 0 )
     {
-        q->threaded = true; // before the thread looks at it
+        q->threaded = true; // set before the thread reads it
         if ( pthread_create( &q->thread, NULL, run, q ) == 0 )
             return true;
         q->threaded = false;

@@ -1,7 +1,7 @@
-// Hands finished frames to the caller, in order, from a thread of its own: the
-// next frames are rendered while the caller encodes and writes the last ones.
-// The images wait in a few buffers that are made once; when all are in use the
-// rendering waits. Where there is no thread the caller is called in between.
+// Queue of finished frames. A thread of its own hands them to the caller in order, so that
+// rendering goes on while the caller encodes and writes them. The images wait in a
+// ring of buffers that is allocated once; when all are full, rendering waits. Without a thread the
+// caller is called by the render itself.
 #ifndef REFRAME_RENDER_FRAME_QUEUE_H
 #define REFRAME_RENDER_FRAME_QUEUE_H
 
@@ -29,7 +29,7 @@ typedef struct RfFrameQueue
     pthread_cond_t changed;
     int first, waiting; // buffers [first, first + waiting) of the ring are handed over or being so
     bool ended;         // no more will come
-    RfResult result;    // the first failure of the caller's; no frame is handed over after it
+    RfResult result;    // first failure of the caller; no frame is handed over after it
     RfError error;
 } RfFrameQueue;
 
@@ -41,7 +41,7 @@ void rf_start_frame_queue( RfFrameQueue* queue, const RfRenderCallbacks* callbac
 // A buffer that is free; waits until there is one.
 RfFrameBuffer* rf_next_frame_buffer( RfFrameQueue* queue );
 
-// Hands that buffer over, which is filled; it is no longer the render's.
+// Queues the buffer of rf_next_frame_buffer, now filled. The render must not touch it any more.
 void rf_queue_frame( RfFrameQueue* queue );
 
 // The caller's failure so far, or RF_OK. Calls from the render's thread.

@@ -27,7 +27,7 @@ RfGroupPlan rf_plan_groups( int frames, int half_width, int spp )
 
 // Passes of the cut groups of 1 … m frames, where a full one of N gets one:
 // Σ (N/m)^0.9, as the integral over m from ½ to m + ½. With (N/m)^1 the ends
-// would get as many samples as the middle, native and reused ones, and cost 10 %
+// would get as many samples as the middle, own-frame and reused, and cost 10 %
 // more; with (N/m)^¾ their error was up to 1.38 times the middle's.
 static double cut_passes( const RfGroupPlan* plan, int m )
 {
@@ -60,7 +60,7 @@ RfGroup rf_group( const RfGroupPlan* plan, int number )
             .first = first,
             .eyes = end - first,
             .passes = (int)( passes_before( plan, number + 1 ) - before ),
-            .weight = end - first, // the samples that a pixel gets of a pass
+            .weight = end - first, // samples that land in a pixel per pass
             .passes_before = before,
         };
     }
@@ -94,7 +94,7 @@ int64_t rf_most_passes( const RfGroupPlan* plan )
 {
     if ( plan->groups == 1 )
         return plan->passes;
-    if ( plan->cut > 0 ) // the frames at the ends lie in the shortest groups
+    if ( plan->cut > 0 ) // the end frames lie in the shortest groups
         return passes_before( plan, plan->eyes ) + 1;
     return (int64_t)plan->end_passes + (int64_t)( plan->eyes - 1 ) * plan->passes;
 }

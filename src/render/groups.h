@@ -1,15 +1,14 @@
-// Sliding groups (estimators.md section 7): groups of consecutive frames that
-// move by one frame, and how many passes each is given.
+// Sliding groups (src/reuse/estimators.md, section 7): groups of consecutive frames, each one frame
+// further along the path, and the number of passes of each.
 //
-// A path of more than two groups has full groups only: a sample then always
-// serves as many frames as it can. The first and the last frame lie in one
-// group only; its passes are raised so that they get as many samples as a
-// frame in the middle.
+// A path longer than two groups has full groups only, so that each sample serves as many frames
+// as possible. The first and the last frame lie in one group only; its number of
+// passes is raised so that they get as many samples as a frame in the middle.
 //
-// In a path of one to two groups nearly all full groups hold the middle, which
-// would outdo the ends by far. There the groups go on over both ends of the
-// path, cut to what is left of them, and the shorter they are the more passes
-// they get. A path of one group or less is one group.
+// In a path of one to two groups nearly all full groups hold the middle frames, which would get far
+// more samples than the ends. There groups also extend over both ends of the path and are cut
+// to it; the shorter a group, the more passes it gets. A path of one group or less is
+// one group.
 #ifndef REFRAME_RENDER_GROUPS_H
 #define REFRAME_RENDER_GROUPS_H
 
@@ -21,12 +20,12 @@ typedef struct RfGroupPlan
     int eyes;       // in a full group: 2n+1, or all frames of a shorter path
     int groups;     // numbered in the order in which they are rendered
     int cut;        // groups at each end that are not full
-    int passes;     // of a full group in the middle, one native sample per pixel each; 0: unequal
+    int passes;     // of a full group in the middle, one own-frame sample per pixel each; 0: unequal
     int end_passes; // of the first and the last group, where all groups are full
-    int spp;        // native samples per pixel that every frame gets at least
+    int spp;        // own-frame samples per pixel that every frame gets at least
 } RfGroupPlan;
 
-// A group of frames [first, first + eyes) that is harvested and computed as a whole.
+// A group of frames [first, first + eyes) that is rendered as a whole.
 typedef struct RfGroup
 {
     int first, eyes;
@@ -35,23 +34,23 @@ typedef struct RfGroup
     int64_t passes_before; // of all groups with a lower number
 } RfGroup;
 
-// For a path of `frames` frames, half-width n and at least `spp` native
-// samples per pixel and frame.
+// For a path of `frames` frames, half-width n and at least `spp` own-frame
+// samples per pixel.
 RfGroupPlan rf_plan_groups( int frames, int half_width, int spp );
 
-// Window number 0 … groups−1.
+// Group number 0 … plan->groups − 1.
 RfGroup rf_group( const RfGroupPlan* plan, int number );
 
 // Numbers of the first and last group that hold a frame; it is in all between.
 void rf_groups_of_frame( const RfGroupPlan* plan, int frame, int* first, int* last );
 
-// Native samples per pixel of a frame, over all groups that hold it.
+// Own-frame samples per pixel of a frame, over all groups that hold it.
 int rf_frame_passes( const RfGroupPlan* plan, int frame );
 
-// A bound on that for all frames.
+// Upper bound of rf_frame_passes over all frames.
 int64_t rf_most_passes( const RfGroupPlan* plan );
 
-// Adds the native samples per pixel in the groups that hold any of
+// Adds the own-frame samples per pixel in the groups that hold any of
 // frames[first … end), in ascending order, and those times the other eyes of the group.
 void rf_add_group_samples( const RfGroupPlan* plan, const int* frames, int first, int end, double* samples, double* others );
 

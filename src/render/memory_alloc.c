@@ -32,7 +32,7 @@ static void free_buffer( const RfRenderSizes* s, RfRenderMemory* m, RfFrameBuffe
         rf_arena_free( &m->arena, "layer images", buffer->layers[a], rf_aov_image_bytes( s, a ) );
 }
 
-// The first buffer, without which nothing can be finished.
+// The first buffer: at least one is needed.
 static RfResult alloc_first_buffer( const RfRenderSizes* s, RfRenderMemory* m, RfError* error )
 {
     size_t bytes = (size_t)s->buffers * sizeof *m->buffers;
@@ -132,7 +132,7 @@ static RfResult alloc_scratch( const RfEstimatorGroup* group, const RfRenderSize
     return result;
 }
 
-// Held records come later.
+// Held records are allocated later.
 static size_t room_for_batches( const RfRenderSizes* s, const RfRenderMemory* m )
 {
     size_t room = rf_arena_room( &m->arena );
@@ -146,13 +146,13 @@ static int batch_slots( const RfRenderSizes* s, const RfRenderMemory* m )
     size_t room = room_for_batches( s, m );
     if ( s->of_estimator.whole_pass || rf_records_bytes( s, slots ) <= room )
         return slots;
-    int fit = (int)( room / ( rf_records_bytes( s, slots ) / (size_t)slots ) ); // no more than that many
+    int fit = (int)( room / ( rf_records_bytes( s, slots ) / (size_t)slots ) ); // upper bound
     while ( fit > 1 && rf_records_bytes( s, fit ) > room )
         fit -= 1;
     return fit > 1 ? fit : 1;
 }
 
-// Buffers beyond the first, as long as they take no batches away.
+// More buffers, as long as they leave room for all batches.
 static RfResult alloc_more_buffers( const RfRenderSizes* s, RfRenderMemory* m, RfError* error )
 {
     size_t batches = rf_records_bytes( s, batch_slots( s, m ) );

@@ -2,7 +2,7 @@
 // fewer threads or with the films of fewer frames, whichever costs less time.
 #include "render/memory.h"
 
-// Batches without which the threads could not all work.
+// Fewest batches that keep all threads busy.
 static int batches_needed( const RfRenderSizes* s )
 {
     int wanted = rf_batches_wanted( s );
@@ -11,7 +11,7 @@ static int batches_needed( const RfRenderSizes* s )
 
 static size_t needed_bytes( const RfRenderSizes* s ) { return rf_fixed_bytes( s ) + rf_records_bytes( s, batches_needed( s ) ); }
 
-// Threads that there is room for, at most those of the sizes; 0: none.
+// Most threads that fit the budget, up to sizes.threads; 0: none.
 static int threads_that_fit( size_t budget, RfRenderSizes sizes )
 {
     int low = 0, high = sizes.threads;
@@ -26,7 +26,7 @@ static int threads_that_fit( size_t budget, RfRenderSizes sizes )
     return low;
 }
 
-// A sweep for k frames harvests the 2n before and behind them as well.
+// A sweep for k frames renders groups of the 2n frames around them, too.
 static double time_of( int films, int threads, int frames, int eyes )
 {
     double sweeps = films == frames || films == eyes ? 1.0 : (double)( films + eyes - 1 ) / (double)films;
@@ -109,7 +109,7 @@ RfResult rf_fit_memory( const RfScene* scene, const RfEye* eyes, int eye_count, 
     RfResult result = rf_fit_sizes( settings->memory, frame_count, &sizes, fit, error );
     if ( result != RF_ERROR_MEMORY || !settings->hold_all )
         return result;
-    // how much is too little rf_render finds out: it depends on what the rays hit
+    // only rf_render knows the size of held records: it depends on what the rays hit
     *fit = ( RfMemoryFit ){ .threads = settings->threads, .films = frame_count, .sweeps = 1, .least = fit->least };
     return RF_OK;
 }

@@ -48,20 +48,6 @@ void rf_trace_chunk( RfRenderer* r, const RfPass* pass, int first, int count )
     rf_add_rays( &r->rays, &rays );
 }
 
-RfAccumulateJob rf_accumulate_job( const RfRenderer* r, RfLiveFilm* live, const RfPass* pass, int band, int bands )
-{
-    return ( RfAccumulateJob ){
-        .eye = live->frame - pass->group->first_frame,
-        .first_row = (int)( (long)r->sizes.height * band / bands ),
-        .end_row = (int)( (long)r->sizes.height * ( band + 1 ) / bands ),
-        .films = live->films,
-        .half = pass->half,
-        .weight = (float)pass->weight,
-        .landed = live->aovs.landed,
-        .pass_state = live->pass_state,
-    };
-}
-
 // A job is some rows of one frame, so no two jobs touch the same pixel and every
 // pixel is added to in the batches' order.
 void rf_accumulate_chunk( RfRenderer* r, const RfPass* pass, int count )

@@ -10,9 +10,6 @@ void rf_trace_chunk( RfRenderer* renderer, const RfPass* pass, int first, int co
 // Adds memory.batches[0 … count) to the films of all frames of the group.
 void rf_accumulate_chunk( RfRenderer* renderer, const RfPass* pass, int count );
 
-// Rows of one frame shared out to `bands` jobs: those of job `band`.
-RfAccumulateJob rf_accumulate_job( const RfRenderer* renderer, RfLiveFilm* live, const RfPass* pass, int band, int bands );
-
 // Around the chunks of a pass: clears what the estimator keeps per pass; traces extra samples and
 // counts the pass.
 void rf_begin_pass( RfRenderer* renderer );

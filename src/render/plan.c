@@ -6,22 +6,22 @@
 
 static const int s_groups[RF_PLAN_ROWS] = { 0, 1, 2, 3, 4, 6, 8, 12, 16 };
 
-// Costs of rays relative to each other, that the choice rests on: about
-// nanoseconds on one core of a 2.5 GHz Xeon with AVX2.
-#define COST_PRIMARY 100.0 // with its records and films
+// Relative costs of rays, which the choice of the group rests on: about nanoseconds on one core of
+// a 2.5 GHz Xeon with AVX2.
+#define COST_PRIMARY 100.0 // including records and films
 #define COST_PATH 200.0
 #define COST_SHADOW 100.0
 #define COST_TILE 40.0
-#define COST_EYE 30.0    // a test of visibility
-#define COST_LANDING 4.0 // of a hit in a film, and
-#define COST_LIT 7.0     // for each direction that a glossy one is lit from
+#define COST_EYE 30.0    // a visibility test
+#define COST_LANDING 4.0 // adding a hit to a film, plus
+#define COST_LIT 7.0     // this for each direction of a glossy hit
 
-// Why auto leaves a row out.
+// Why the automatic choice leaves a row out.
 static const char s_no_room[] = "does not fit --memory", s_films[] = "films over half of --memory",
                   s_sweeps[] = "goes through the path several times", s_rounded[] = "--spp rounded up too far";
 
-#define FLAT 0.9      // of the best gain is as good: smaller groups need less memory, and less for a single frame
-#define ROUNDING 1.25 // times the samples asked for may be traced
+#define FLAT 0.9      // of the best gain is good enough: smaller groups need less memory, and less time for a single frame
+#define ROUNDING 1.25 // rounding up may trace so many times the samples asked for
 
 static void list_rows( int eye_count, int spp, RfPlan* plan )
 {
@@ -58,8 +58,7 @@ double rf_plan_work( const RfGroupPlan* plan, double own, double reuse )
     return work;
 }
 
-// The samples that a frame gets, and what a sample costs on the whole: the gain
-// is their quotient, relative to no reuse.
+// Gain: samples that land in a frame over the cost of a sample, relative to no reuse.
 static double gain_of( const RfGroupPlan* plan, double reach, double own, double reuse )
 {
     double samples = (double)plan->frames * plan->spp;
@@ -84,7 +83,7 @@ static void count_rays( const RfGroupPlan* plan, const int* frames, int frame_co
     row->rays_path = samples * per * (double)counts->rays.path;
     row->rays_shadow = samples * per * (double)counts->rays.shadow;
     row->rays_tile = samples * per * (double)counts->rays.tile;
-    // own eyes are tested in blended scenes only, and are in these counts then
+    // visibility from the own eye is tested in blended scenes only, and counted there
     row->rays_eye =
         row->eyes > 1 ? others / ( row->eyes - 1 ) * per * counts->eye_rays[index] : samples * per * counts->eye_rays[index];
 }
@@ -99,9 +98,9 @@ static void fixed_costs( const PlanCounts* c, const RfEstimatorSizes* sizes, int
     *reuse = eyes > 1 ? COST_EYE * c->eye_rays[index] / c->samples / ( eyes - 1 ) + landing : 0.0;
 }
 
-// Why auto leaves a group out, by the path, the size and the options alone: as if
-// all of the path were asked for, and one thread had the memory. Several sweeps
-// trace everything as often again, which the gain does not know of.
+// Why the automatic choice leaves a group out; NULL: it does not. It depends on path, size and settings
+// alone, as if the whole path were asked for and one thread had all the memory. Several sweeps
+// repeat the tracing, which the gain does not account for.
 static const char* reason_against( const RfScene* scene, const RfEye* eyes, int eye_count, const RfRenderSettings* settings,
                                    const RfPlanRow* row )
 {
@@ -163,7 +162,7 @@ static void explain( RfPlan* plan, const RfRenderSettings* settings )
     }
 }
 
-// From counts with one batch of hits at a time.
+// Counts a few batches of the path.
 static RfResult count( const RfTracer* tracer, const RfEye* eyes, int eye_count, const RfRenderSettings* settings,
                        const RfPlan* plan, PlanCounts* counts, RfError* error )
 {
@@ -171,7 +170,7 @@ static RfResult count( const RfTracer* tracer, const RfEye* eyes, int eye_count,
     int group_eyes[RF_PLAN_ROWS], most = 1;
     for ( int i = 0; i < plan->count; ++i )
     {
-        // what does not fit has no room for its hits either
+        // rows that do not fit have no room for their records here
         group_eyes[i] = rf_plan_row_fits( plan->rows + i ) ? plan->rows[i].eyes : 1;
         most = group_eyes[i] > most ? group_eyes[i] : most;
     }
@@ -182,7 +181,7 @@ static RfResult count( const RfTracer* tracer, const RfEye* eyes, int eye_count,
     return result;
 }
 
-// Only the smallest has to fit.
+// Only the smallest group has to fit.
 static RfResult fit_rows( const RfScene* scene, const RfEye* eyes, int eye_count, int frame_count,
                           const RfRenderSettings* settings, RfPlan* plan, RfError* error )
 {

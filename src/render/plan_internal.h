@@ -6,7 +6,7 @@
 #include "base/arena.h"
 #include "render/sizes.h"
 
-// Some hits of the path, harvested by the render's own phase, one batch at a time.
+// Traces some batches of the path by the estimator, one at a time.
 typedef struct PlanProbe
 {
     const RfEye* eyes;
@@ -23,13 +23,13 @@ typedef struct PlanProbe
 #define PLAN_FRAMES 4
 #define PLAN_JOBS 8
 
-// What it counted: sums over the native samples.
+// What it counted: sums over own-frame samples.
 typedef struct PlanCounts
 {
     double samples, hits, glossy;
     RfRayCounts rays; // without reuse
     // by row
-    double share[RF_PLAN_ROWS]; // Σ w: of each hit, the part that is left of it in its own frame
+    double share[RF_PLAN_ROWS]; // Σ w: share of each hit's weight that its own frame keeps
     double eye_rays[RF_PLAN_ROWS];
 } PlanCounts;
 
@@ -48,8 +48,8 @@ int rf_probe_job( const PlanProbe* probe, int i, int k );
 // Counts for groups of eyes[0 … rows), the first of which is 1.
 void rf_count_plan( PlanProbe* probe, const int* eyes, int rows, PlanCounts* counts );
 
-// What a pixel of all groups takes where a sample takes `own`, and every other
-// eye of its group `reuse`: Σ passes · eyes · (own + (eyes − 1) · reuse).
+// Cost of a pixel over all groups where a sample costs `own`, and `reuse` for every other eye of
+// its group: Σ passes · eyes · (own + (eyes − 1) · reuse).
 double rf_plan_work( const RfGroupPlan* plan, double own, double reuse );
 
 #endif

@@ -1,5 +1,5 @@
-// What rays and reuse cost in this scene on this machine, by the render's own
-// phases: harvest of a few patches, and compute into a film.
+// Measures what samples and their reuse cost in this scene on this machine: traces a few batches
+// and accumulates them into a film.
 #include "base/system.h"
 #include "render/plan_internal.h"
 #include "render/settings.h"
@@ -12,7 +12,7 @@
 typedef struct Meter
 {
     PlanProbe* probe;
-    RfFilm films[RF_MAX_FILMS]; // one half is enough
+    RfFilm films[RF_MAX_FILMS]; // one half of each is enough
     void *pass_state, *accumulate_scratch;
 } Meter;
 

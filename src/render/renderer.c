@@ -5,6 +5,20 @@ RfPass rf_make_pass( const RfEstimatorGroup* estimator_group, const RfGroup* gro
     return ( RfPass ){ estimator_group, number, rf_half_of_pass( group, number ), group->weight };
 }
 
+RfAccumulateJob rf_accumulate_job( const RfRenderer* r, RfLiveFilm* live, const RfPass* pass, int band, int bands )
+{
+    return ( RfAccumulateJob ){
+        .eye = live->frame - pass->group->first_frame,
+        .first_row = (int)( (long)r->sizes.height * band / bands ),
+        .end_row = (int)( (long)r->sizes.height * ( band + 1 ) / bands ),
+        .films = live->films,
+        .half = pass->half,
+        .weight = (float)pass->weight,
+        .landed = live->aovs.landed,
+        .pass_state = live->pass_state,
+    };
+}
+
 // A scene without lights has nothing to sample beyond the first hit.
 static int useful_depth( const RfRenderer* r ) { return rf_tracer_lights( r->tracer )->count > 0 ? r->settings.max_depth : 1; }
 

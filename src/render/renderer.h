@@ -38,6 +38,9 @@ typedef struct RfPass
 
 RfPass rf_make_pass( const RfEstimatorGroup* estimator_group, const RfGroup* group, int number );
 
+// Rows of a frame of the group as one of `bands` jobs.
+RfAccumulateJob rf_accumulate_job( const RfRenderer* renderer, RfLiveFilm* live, const RfPass* pass, int band, int bands );
+
 // Group `number` of the path as the estimator sees it.
 RfEstimatorGroup rf_estimator_group( const RfRenderer* renderer, int number );
 

@@ -73,7 +73,7 @@ RfResult rf_resolve_common( const RfEye* eyes, int eye_count, const RfRenderSett
         resolved->threads = rf_core_count();
     if ( resolved->memory == 0 )
         resolved->memory = rf_free_memory() / 2;
-    // the biased weightings count hits, whose mean is not known: their quotient only
+    // the biased weightings count hits, whose expectation is unknown: only the ratio makes sense
     if ( resolved->weights != RF_WEIGHTS_EXACT )
         resolved->normalize = RF_NORMALIZE_RATIO;
     return RF_OK;

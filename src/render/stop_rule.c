@@ -4,7 +4,7 @@
 #include <math.h>
 
 #define LEAST_PASSES 2 // one in each half: without both there is no estimate
-#define AIM 0.95       // of the wanted error: most frames are then below it at the first look
+#define AIM 0.95       // of the wanted error: most frames are then below it at the first estimate
 
 RfStop rf_create_stop( const RfGroupPlan* plan, int most_spp, double noise, double seconds )
 {
@@ -50,8 +50,8 @@ static double planned_weight( const RfStop* stop, int frame, int from )
 
 static bool is_known( const RfFrameNoise* f ) { return f->seen > 0.0 && isfinite( f->noise ); }
 
-// The closer its frame, the more an estimate counts, and the more passes it is
-// of: one of few is noisy, and too high, for the cross-fitted quotients are noisy too.
+// An estimate counts more the closer its frame and the more passes it is made from: with few
+// passes it is noisy, and too high, since the cross-fitted quotients are noisy, too.
 static void pool( const RfStop* stop, const RfFrameNoise* f, int frame, double* sum, double* weights )
 {
     if ( !is_known( f ) )
@@ -72,7 +72,7 @@ double rf_pooled_noise( const RfStop* stop, const RfNoiseEstimates* look, int fr
     return weights > 0.0 ? sum / weights : (double)NAN;
 }
 
-// What a frame is given in its last group, on top of what it has.
+// Weight that a frame still needs in its last group.
 static double missing_at_last( const RfStop* stop, const RfFrameNoise* f, double pooled, double weight_of_pass, double most )
 {
     double noise = fmax( f->noise, pooled );
@@ -82,8 +82,8 @@ static double missing_at_last( const RfStop* stop, const RfFrameNoise* f, double
     return fmin( missing, fmax( 0.0, most - f->weight ) );
 }
 
-// Passes of this group, `done` ones included, that are a frame's due: the same
-// for each share in all its groups to come.
+// Passes of this group, including those done, that one of its frames needs: as many
+// per share as in its groups to come.
 static double due_to_frame( const RfStop* stop, const RfNoiseEstimates* look, const RfFrameNoise* f )
 {
     int first, last;
@@ -102,7 +102,7 @@ static double due_to_frame( const RfStop* stop, const RfNoiseEstimates* look, co
     return ( wanted - f->weight + look->done * (double)group.weight ) / ( group.weight + after );
 }
 
-// Not more than twice what the estimates are of: they get better with it.
+// At most twice the passes that the estimates are made from: later ones are better.
 static double trusted_passes( const RfStop* stop, const RfNoiseEstimates* look )
 {
     int most = 0;
@@ -125,7 +125,7 @@ static double due_by_noise( const RfStop* stop, const RfNoiseEstimates* look )
 static double due_by_time( RfStop* stop, const RfNoiseEstimates* look, int done, double now )
 {
     if ( stop->units_done <= 0.0 )
-        return done + 1.0; // to learn the pace
+        return done + 1.0; // one pass, to measure the pace
     double share = share_of( stop, look->group ), eyes = rf_group( &stop->plan, look->group ).eyes;
     double left = fmax( 0.0, stop->seconds - now ) * stop->units_done / stop->seconds_done;
     return share > 0.0 ? ( left + done * eyes ) / ( eyes + stop->units_left / share ) : 0.0;
@@ -163,7 +163,7 @@ int rf_passes_due( RfStop* stop, const RfNoiseEstimates* look, int done, double 
 
 void rf_note_pass( RfStop* stop, int eyes, double now )
 {
-    // the pace of about the last twenty passes: the path's parts differ
+    // pace of about the last twenty passes: it differs along the path
     stop->seconds_done = 0.95 * stop->seconds_done + ( now - stop->last );
     stop->units_done = 0.95 * stop->units_done + eyes;
     stop->last = now;

@@ -1,24 +1,22 @@
-// When a render stops that is to reach an error (--noise) or to take a time
-// (--time): how many passes each group gets, decided while it is rendered.
+// The stop rule of a render that is to reach an error (settings.noise) or to take a time
+// (settings.time): how many passes each group gets, decided while it is rendered.
 //
-// The plan of reuse/group.h gives the groups their shares, so that the passes
-// of a frame stay spread over all groups that hold it and no seams come up:
-// a full group has share 1, an end group as many as it has eyes. With r passes
-// for each share a frame gets r · eyes native samples per pixel, as by --spp.
+// The plan of groups.h gives each group a number of shares, so that the passes of a frame stay
+// spread over all groups that hold it and no seams appear: a full group has one share,
+// an end group as many as it has eyes. With r passes per share a frame gets r · eyes own-frame samples
+// per pixel, as with settings.spp.
 //
-// For an error: a frame's relMSE goes with 1 over the weight W of its passes, so
-// v = relMSE · W says what it lacks, W' = v/E − W. A group gets what brings each
-// of its frames its part of that: r = max over frames of W' over their shares to
-// come. v is pooled over the frames around, which have much the same noise and
-// each an estimate of its own; a newer frame has few passes yet. The last group
-// of a frame is then topped up until the frame's own estimate and the pooled one
-// are both below E: two looks at least seldom agree on a lucky draw, and each
-// look is at more passes than the one before, by a thirtieth or more.
+// For an error E: a frame's relMSE is inversely proportional to the weight W of its passes, so
+// with v = relMSE · W it needs W' = v/E − W more. A group gets r = max over its frames of W' over
+// their remaining shares. v is pooled over neighbouring frames, which have about the same noise
+// and an independent estimate each; a newer frame has few passes yet. The last group of a
+// frame is then topped up until the frame's own estimate and the pooled one are both below E. A
+// lucky draw seldom deceives both, and each check comes after more passes than the one
+// before, by a thirtieth or more.
 //
-// For a time: r is the time that is left over what the shares to come cost at
-// the pace so far.
+// For a time: r is the time left over the cost of the remaining shares at the pace so far.
 //
-// No rays, films or clocks in here: what is seen of them comes as numbers.
+// There are no rays, films or clocks in here: what is known of them comes as numbers.
 #ifndef REFRAME_RENDER_STOP_RULE_H
 #define REFRAME_RENDER_STOP_RULE_H
 
@@ -26,7 +24,7 @@
 
 #include <stdbool.h>
 
-#define RF_STOP_HISTORY 16 // finished frames that are remembered
+#define RF_STOP_HISTORY 16 // finished frames that are kept for pooling
 
 // What is known of a frame's noise.
 typedef struct RfFrameNoise
@@ -79,9 +77,9 @@ double rf_group_units( const RfStop* stop, int group );
 // the passes that there really were before it.
 RfGroup rf_begin_group( RfStop* stop, int group );
 
-// Passes that the group should have in all, by the last look and the time now
+// Total passes that the group should have, by the latest estimates and the time now
 // (seconds since the start), after `done` passes. With a time it may change
-// after every pass, without only with a look.
+// after every pass, without it only with new estimates.
 int rf_passes_due( RfStop* stop, const RfNoiseEstimates* look, int done, double now );
 
 // A pass of the group is done.
@@ -90,13 +88,13 @@ void rf_note_pass( RfStop* stop, int eyes, double now );
 // The group is done, with so many passes.
 void rf_end_group( RfStop* stop, int done );
 
-// Of the whole render, 0 to 1, as far as can be told.
+// Estimated part of the whole render that is done, 0 to 1.
 double rf_stop_share( const RfStop* stop, double now );
 
-// A frame is finished. True where it is what was wanted.
+// Notes a finished frame. Returns true where it has reached the wanted error.
 bool rf_note_finished( RfStop* stop, RfFrameNoise frame );
 
-// v of a frame, pooled over the looked-at and the finished frames around it; NaN where nothing is known.
+// v of a frame, pooled over the estimated and the finished frames around it; NaN where nothing is known.
 double rf_pooled_noise( const RfStop* stop, const RfNoiseEstimates* look, int frame );
 
 #endif

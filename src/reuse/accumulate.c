@@ -6,7 +6,7 @@
 
 #include <string.h>
 
-// What all batches share.
+// What all batches of a call share.
 typedef struct Accumulation
 {
     const RfEye* eyes;
@@ -17,10 +17,9 @@ typedef struct Accumulation
     int batch_count;
 } Accumulation;
 
-// Pixels of the hits at an eye, and their ratios r_t = J_t V_t / Σ J_l V_l,
-// taken `weight` times.
-static void weigh_landing( const RfEye* eye, int eye_index, const RfHitBatch* batch, float weight, int32_t* pixel,
-                           float* restrict ratio )
+// Pixels of the hits at an eye, and their weights r_t = J_t V_t / Σ J_l V_l times `weight` (E1).
+static void reprojection_weights( const RfEye* eye, int eye_index, const RfHitBatch* batch, float weight, int32_t* pixel,
+                                  float* restrict ratio )
 {
     bool own = eye_index == batch->eye;
     if ( own )
@@ -40,19 +39,19 @@ static void weigh_landing( const RfEye* eye, int eye_index, const RfHitBatch* ba
         ratio[i] = ( seen[i] & bit ) != 0 ? weight * ( ratio[i] / sum[i] ) : 0.0f;
 }
 
-static void land( const Accumulation* a, int eye, const RfHitBatch* batch, RfAccumulateScratch* scratch )
+static void reproject( const Accumulation* a, int eye, const RfHitBatch* batch, RfAccumulateScratch* scratch )
 {
-    weigh_landing( a->eyes + eye, eye, batch, a->weight, scratch->pixel, scratch->ratio );
+    reprojection_weights( a->eyes + eye, eye, batch, a->weight, scratch->pixel, scratch->ratio );
     if ( a->weights == RF_WEIGHTS_EXACT )
         return;
-    // the biased weightings count hits
+    // the biased weightings count each hit once
     for ( int i = 0; i < batch->count; ++i )
         scratch->ratio[i] = scratch->ratio[i] > 0.0f ? a->weight : 0.0f;
 }
 
-// Σ over the eyes whose hits landed in the pixel, in the mean: FR (15).
-static void mix_landed( const Accumulation* a, const RfHitBatch* batch, const uint32_t* landed_eyes, int direction,
-                        RfAccumulateScratch* s )
+// Mean density over the eyes whose hits landed in the pixel: FR (15).
+static void mix_landed_eyes( const Accumulation* a, const RfHitBatch* batch, const uint32_t* landed_eyes, int direction,
+                             RfAccumulateScratch* s )
 {
     int first = batch->first[RF_BSDF_PHONG], count = rf_glossy_count( batch );
     int words = rf_seen_words( a->shape.eyes );
@@ -78,7 +77,7 @@ static void mix_landed( const Accumulation* a, const RfHitBatch* batch, const ui
         s->mixture[i] /= (float)( landed[i] > 0 ? landed[i] : 1 );
 }
 
-// sum += f Q of one direction, with Q for this pixel's mixture where eq15 asks.
+// sum += f Q of one direction; for eq15, Q depends on the mixture density of the pixel.
 static void add_direction( const RfDirectionLanes* lanes, int count, bool eq15, RfAccumulateScratch* s )
 {
     for ( int c = 0; c < 3; ++c )
@@ -101,7 +100,7 @@ static void add_direction( const RfDirectionLanes* lanes, int count, bool eq15, 
     }
 }
 
-// Light of the glossy hits towards the eye, into sum.
+// Radiance of the glossy hits towards the eye, into sum.
 static void light_glossy( const Accumulation* a, int eye, const RfHitBatch* batch, const uint32_t* landed_eyes,
                           RfAccumulateScratch* s )
 {
@@ -122,7 +121,7 @@ static void light_glossy( const Accumulation* a, int eye, const RfHitBatch* batc
         const float* wi[3] = { lanes->wi[0], lanes->wi[1], lanes->wi[2] };
         if ( a->shape.eq15 )
         {
-            mix_landed( a, batch, landed_eyes, d, s );
+            mix_landed_eyes( a, batch, landed_eyes, d, s );
             rf_directions_to( a->eyes, eye, batch, wo );
         }
         rf_evaluate_glossy( batch, wo_in, wi, f, NULL );
@@ -130,7 +129,7 @@ static void light_glossy( const Accumulation* a, int eye, const RfHitBatch* batc
     }
 }
 
-// Pixels [low, end) are this job's.
+// Only pixels [low, end) belong to this job.
 typedef struct PixelRange
 {
     float* film; // 4 per pixel
@@ -139,8 +138,8 @@ typedef struct PixelRange
 
 typedef float Float4 __attribute__( ( vector_size( 16 ) ) );
 
-// film += r · (value, 1), four lanes at once. Spelled out: left to itself the
-// compiler goes through the stack, and waits for it.
+// film += r · (value, 1), four lanes at once. Spelled out, since the compiler would go through
+// the stack and stall on it.
 static inline void add_to_pixel( float* film, float ratio, const float* value )
 {
     Float4 v, sum;
@@ -183,7 +182,7 @@ static uint64_t splat_glossy( const RfHitBatch* batch, const RfAccumulateScratch
     return landed;
 }
 
-// Certain: in their own frame only.
+// Misses and unevaluable hits: weight 1 in their own frame, 0 elsewhere.
 static uint64_t splat_misses( const RfHitBatch* batch, bool black, float weight, PixelRange range )
 {
     uint64_t landed = 0;
@@ -222,22 +221,22 @@ static void count_misses( const RfHitBatch* batch, PixelRange range, uint32_t* l
     }
 }
 
-static bool lands_in( const RfHitBatch* batch, RfAccumulateJob job )
+static bool reaches_rows( const RfHitBatch* batch, RfAccumulateJob job )
 {
     return batch->rows[2 * job.eye] < job.end_row && batch->rows[2 * job.eye + 1] >= job.first_row;
 }
 
-// Which eyes' hits landed in each pixel of the job's rows: FR (15) asks.
-static void note_landed( const Accumulation* a, RfAccumulateJob job, PixelRange range, uint32_t* landed_eyes,
-                         RfAccumulateScratch* s )
+// Records which eyes' hits landed in each pixel of the job's rows, for FR (15).
+static void note_landed_eyes( const Accumulation* a, RfAccumulateJob job, PixelRange range, uint32_t* landed_eyes,
+                              RfAccumulateScratch* s )
 {
     size_t words = (size_t)rf_seen_words( a->shape.eyes );
     for ( int k = 0; k < a->batch_count; ++k )
     {
         const RfHitBatch* batch = a->batches[k];
-        if ( !lands_in( batch, job ) )
+        if ( !reaches_rows( batch, job ) )
             continue;
-        land( a, job.eye, batch, s );
+        reproject( a, job.eye, batch, s );
         for ( int i = 0; i < batch->count; ++i )
         {
             int32_t pixel = s->pixel[i];
@@ -251,7 +250,7 @@ static uint64_t add_batch( const Accumulation* a, RfAccumulateJob job, const RfH
                            RfAccumulateScratch* scratch )
 {
     bool own = job.eye == batch->eye;
-    land( a, job.eye, batch, scratch );
+    reproject( a, job.eye, batch, scratch );
     uint64_t landed = splat_diffuse( batch, scratch, range );
     if ( rf_glossy_count( batch ) > 0 )
     {
@@ -274,12 +273,12 @@ uint64_t rf_accumulate_rows( const RfEstimatorGroup* group, RfAccumulateJob job,
     int width = group->width;
     PixelRange range = { job.films->half[job.half], job.first_row * width, job.end_row * width };
     if ( a.shape.eq15 )
-        note_landed( &a, job, range, job.pass_state, scratch );
+        note_landed_eyes( &a, job, range, job.pass_state, scratch );
     uint64_t landed = 0;
     for ( int k = 0; k < batch_count; ++k )
     {
         const RfHitBatch* batch = batches[k];
-        if ( lands_in( batch, job ) )
+        if ( reaches_rows( batch, job ) )
             landed += add_batch( &a, job, batch, range, scratch );
     }
     return landed;

@@ -1,5 +1,5 @@
-// Phase 2, COMPUTE: the hit records that land in a frame, weighted (E1, E3),
-// into the halves of its film.
+// Second phase, accumulate: hit records that land in a frame are weighted (E1, E3) and added to
+// the halves of its film.
 #ifndef REFRAME_REUSE_ACCUMULATE_H
 #define REFRAME_REUSE_ACCUMULATE_H
 

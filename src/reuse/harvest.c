@@ -52,7 +52,7 @@ RfHarvestScratch* rf_lay_out_harvest_scratch( const RfBatchShape* shape, void* m
     scratch->direct = (RfLightLanes*)( (char*)memory + scratch_struct_bytes() );
     scratch->density = (float*)( scratch->direct + shape->light_samples );
     scratch->mixture = scratch->density + (size_t)shape->eyes * RF_LANES;
-    scratch->share = rf_lay_out_tile_reuse( shape->light_samples, shape->tile_pixels,
+    scratch->tiles = rf_lay_out_tile_reuse( shape->light_samples, shape->tile_pixels,
                                             scratch->mixture + (size_t)rf_direction_count( shape ) * RF_LANES );
     return scratch;
 }
@@ -94,8 +94,8 @@ static void make_camera_rays( const RfEye* eye, int count, const int32_t* pixel,
     rays->count = count;
 }
 
-// Hits keep the pixel they were drawn in. What found nothing is a miss; native
-// hits are listed behind those.
+// Hits keep the pixel they were drawn in. Rays that hit nothing are misses; unevaluable hits are
+// listed behind these.
 static void note_pixels( int count, RfHarvestScratch* scratch, RfHitBatch* batch )
 {
     uint8_t hit[RF_LANES];
@@ -129,20 +129,20 @@ static void sample_direct( const RfHarvest* harvest, RfHarvestScratch* scratch, 
                                                     scratch->direct + j, &scratch->walk.scratch );
 }
 
-// Draws the scattered directions and follows them.
+// Samples scattered directions and traces the rest of the paths.
 static void trace_tails( const RfHarvest* harvest, RfHarvestScratch* scratch, RfRayCounts* rays )
 {
     const RfVertexLanes* v = &scratch->first;
     RfWavefront* walk = &scratch->walk;
     float* wi[3] = { scratch->scattered[0], scratch->scattered[1], scratch->scattered[2] };
     rf_scatter_deferred( &harvest->walk, walk, v, 1, wi );
-    int natives = v->count - rf_record_count( v );
-    if ( natives > 0 )
-        memcpy( scratch->native_pdf, walk->scratch.pdf + rf_record_count( v ), (size_t)natives * sizeof( float ) );
-    if ( scratch->share != NULL )
+    int unevaluable = v->count - rf_record_count( v );
+    if ( unevaluable > 0 )
+        memcpy( scratch->unevaluable_pdf, walk->scratch.pdf + rf_record_count( v ), (size_t)unevaluable * sizeof( float ) );
+    if ( scratch->tiles != NULL )
     {
         RfTileReuseSettings settings = { &harvest->walk, harvest->shape.tile_pixels, harvest->tile_roulette };
-        rays->tile += rf_trace_tile_tails( &settings, v, wi, walk, scratch->share );
+        rays->tile += rf_trace_tile_tails( &settings, v, wi, walk, scratch->tiles );
     }
     else
         rf_trace_tails( &harvest->walk, walk, 2 );
@@ -175,20 +175,20 @@ static void copy_hits( const RfVertexLanes* v, RfHitBatch* batch )
     }
 }
 
-// Of the pixels listed those whose tiles are drawn, by what their pixels need in
-// the mean; without tiles each is one.
+// Keeps the listed pixels whose tiles are drawn: with the mean of what their pixels need as
+// probability. Without tile reuse each pixel is a tile.
 static int choose_needy( const RfHarvest* harvest, uint64_t key, int count, int tiles, RfHarvestScratch* scratch )
 {
     float need[RF_LANES] = { 0 };
     int32_t size[RF_LANES] = { 0 };
-    bool shared = scratch->share != NULL;
+    bool in_tiles = scratch->tiles != NULL;
     for ( int i = 0; i < count; ++i )
     {
-        int t = shared ? scratch->tile_of[i] : i;
+        int t = in_tiles ? scratch->tile_of[i] : i;
         need[t] += harvest->need[scratch->pixel[i]];
         size[t] += 1;
     }
-    for ( int t = 0; t < ( shared ? tiles : count ); ++t )
+    for ( int t = 0; t < ( in_tiles ? tiles : count ); ++t )
     {
         RfRandomKey draw = rf_pixel_key( rf_mix64( key ), (uint32_t)t );
         bool chosen = size[t] > 0 && need[t] / (float)size[t] - (float)harvest->round > rf_random( draw, 0 );
@@ -197,9 +197,9 @@ static int choose_needy( const RfHarvest* harvest, uint64_t key, int count, int 
     int left = 0;
     for ( int i = 0; i < count; ++i )
     {
-        int t = shared ? scratch->tile_of[i] : i;
+        int t = in_tiles ? scratch->tile_of[i] : i;
         scratch->pixel[left] = scratch->pixel[i];
-        if ( shared )
+        if ( in_tiles )
             scratch->tile_of[left] = t;
         left += size[t];
     }
@@ -218,10 +218,10 @@ int rf_harvest_first_hits( const RfHarvest* harvest, RfTraceJob job, RfHitBatch*
     int tiles, count = rf_list_patch( &harvest->patches, eye, key, job.job, scratch->pixel, scratch->tile_of, &tiles );
     if ( harvest->need != NULL )
         count = choose_needy( harvest, key, count, tiles, scratch );
-    if ( scratch->share != NULL )
+    if ( scratch->tiles != NULL )
     {
-        memcpy( scratch->share->tile_of, scratch->tile_of, (size_t)count * sizeof *scratch->tile_of );
-        scratch->share->tile_count = tiles;
+        memcpy( scratch->tiles->tile_of, scratch->tile_of, (size_t)count * sizeof *scratch->tile_of );
+        scratch->tiles->tile_count = tiles;
     }
     make_keys( key, count, scratch->pixel, walk );
     make_camera_rays( eye, count, scratch->pixel, walk, &scratch->camera_rays );
@@ -251,7 +251,7 @@ int rf_harvest_batch( const RfHarvest* harvest, RfTraceJob job, RfHitBatch* batc
     rays->path += walk->path_rays;
     rays->shadow += walk->shadow_rays;
 
-    // who sees them, and what they are worth
+    // visibility from all eyes of the group, then MIS weights
     rf_test_batch_visibility( harvest, batch, scratch, rays );
     rf_weight_batch( harvest, batch, scratch );
     if ( harvest->shape.own_frame_light )

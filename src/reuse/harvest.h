@@ -1,6 +1,6 @@
-// Phase 1, HARVEST: the native hits of one patch of one frame in one pass, with
-// the light that arrives at them, their visibility from every eye of the
-// group, and the densities that the weights need, into a batch of hit records.
+// First phase, harvest: the first hits of one patch of one frame in one pass, with the light that
+// arrives at them, their visibility from every eye of the group, and the densities
+// that the MIS weights need, into a batch of hit records.
 #ifndef REFRAME_REUSE_HARVEST_H
 #define REFRAME_REUSE_HARVEST_H
 
@@ -25,6 +25,7 @@ typedef struct RfHarvest
     int round;
 } RfHarvest;
 
+// The group in the terms of the harvest.
 RfHarvest rf_make_harvest( const RfEstimatorGroup* group );
 
 // The shape of the group's batches.
@@ -39,9 +40,8 @@ RfHarvestScratch* rf_lay_out_harvest_scratch( const RfBatchShape* shape, void* m
 // Fills `batch` with the hits of patch job.job; adds the rays traced to `rays`. Returns the camera rays.
 int rf_harvest_batch( const RfHarvest* harvest, RfTraceJob job, RfHitBatch* batch, RfHarvestScratch* scratch, RfRayCounts* rays );
 
-// The first part of that: camera rays, and what is known of the hits without any
-// light; how many there are of each kind is, and so what a packed copy takes.
-// Returns the number of rays.
+// The first part of rf_harvest_batch: camera rays and their hits without any light. That settles
+// the number of hits of each kind, and so the bytes of a serialised copy. Returns the camera rays.
 int rf_harvest_first_hits( const RfHarvest* harvest, RfTraceJob job, RfHitBatch* batch, RfHarvestScratch* scratch,
                            RfRayCounts* rays );
 

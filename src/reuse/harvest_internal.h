@@ -22,24 +22,24 @@ struct RfHarvestScratch
     RfVertexLanes first;              // the hits
     RF_ALIGN int32_t pixel[RF_LANES]; // by slot
     RF_ALIGN int32_t tile_of[RF_LANES];
-    RF_ALIGN int32_t miss_slot[RF_LANES];  // of the rays that found nothing
-    RF_ALIGN float scattered[3][RF_LANES]; // direction drawn at each hit
-    RF_ALIGN float native_pdf[RF_LANES];   // of the direction drawn at native hits, the first of which is 0
+    RF_ALIGN int32_t miss_slot[RF_LANES];     // of the rays that found nothing
+    RF_ALIGN float scattered[3][RF_LANES];    // direction drawn at each hit
+    RF_ALIGN float unevaluable_pdf[RF_LANES]; // of the direction drawn at unevaluable hits, from 0
     RF_ALIGN float wo[3][RF_LANES];
     RfArrivalLanes arrival;
-    RF_ALIGN int32_t landing[RF_LANES]; // pixel of each hit at an eye
+    RF_ALIGN int32_t landing[RF_LANES]; // pixel of each hit on the film of an eye
     RF_ALIGN float lifted[3][RF_LANES]; // the hits, off their surface
     RfLightLanes* direct;               // light samples at the hits, K of them
     float* density;                     // J_l V_l: eye l, hit i at l·RF_LANES + i
     float* mixture;                     // P: direction d, glossy hit i at d·RF_LANES + i
-    RfTileReuse* share;                 // NULL without tiles
+    RfTileReuse* tiles;                 // NULL without tile reuse
 };
 
 // Visibility and densities from every eye: batch->seen, rows and density_sum,
 // and scratch->density.
 void rf_test_batch_visibility( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch, RfRayCounts* rays );
 
-// The light of the misses: the sky, and what native hits send.
+// Radiance of the misses: the sky, and that of unevaluable hits, which are listed behind them.
 void rf_light_own_frame( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch );
 
 // The light of the records: batch->radiance, and the glossy hits' directions.

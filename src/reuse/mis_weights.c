@@ -10,13 +10,13 @@
 typedef RfArrivalLanes Arrival;
 
 // Directions are numbered: the light samples, the scattered one, and those of
-// the tile's other paths.
+// the neighbour paths of the tile.
 static void direction_lanes( const RfHarvest* harvest, RfHarvestScratch* scratch, int direction, const float* wi[3] )
 {
-    int turn = direction - harvest->walk.light_samples;
-    float( *lanes )[RF_LANES] = turn < 0    ? scratch->direct[direction].wi
-                                : turn == 0 ? scratch->scattered
-                                            : scratch->share->pairings[turn].wi;
+    int pairing = direction - harvest->walk.light_samples;
+    float( *lanes )[RF_LANES] = pairing < 0    ? scratch->direct[direction].wi
+                                : pairing == 0 ? scratch->scattered
+                                               : scratch->tiles->pairings[pairing].wi;
     for ( int c = 0; c < 3; ++c )
         wi[c] = lanes[c];
 }
@@ -56,11 +56,11 @@ static void gather_scattered( const RfHarvest* harvest, const RfHarvestScratch* 
 }
 
 // Of the glossy hits.
-static void gather_borrowed( const RfHarvestScratch* scratch, int turn, Arrival* out )
+static void gather_tile_light( const RfHarvestScratch* scratch, int pairing, Arrival* out )
 {
     int first = scratch->first.first[RF_BSDF_PHONG], end = rf_record_count( &scratch->first );
     size_t bytes = (size_t)( end - first ) * sizeof( float );
-    rf_gather_tile_light( scratch->share, turn, &scratch->first, first, end, out->b );
+    rf_gather_tile_light( scratch->tiles, pairing, &scratch->first, first, end, out->b );
     for ( int c = 0; c < 3; ++c )
         memset( out->a[c] + first, 0, bytes );
     memset( out->light_pdf + first, 0, bytes );
@@ -95,13 +95,13 @@ static void add_diffuse( const RfHarvestScratch* scratch, const Arrival* arrival
     }
 }
 
-// All the light of other paths at once: it comes without directions.
-static void add_borrowed_diffuse( const RfHarvest* harvest, RfHarvestScratch* scratch, RfHitBatch* batch )
+// The light of all neighbour paths at once: for diffuse hits their directions do not matter.
+static void add_diffuse_tile_light( const RfHarvest* harvest, RfHarvestScratch* scratch, RfHitBatch* batch )
 {
     int count = batch->first[RF_BSDF_PHONG];
     const RfVertexLanes* v = &scratch->first;
     float( *sum )[RF_LANES] = scratch->arrival.b;
-    rf_gather_diffuse_tile_light( scratch->share, harvest->shape.tile_pixels, count, sum );
+    rf_gather_diffuse_tile_light( scratch->tiles, harvest->shape.tile_pixels, count, sum );
     for ( int i = 0; i < count; ++i )
     {
         for ( int c = 0; c < 3; ++c )
@@ -175,19 +175,19 @@ static void store_direction( const RfHarvest* harvest, const RfHitBatch* batch, 
     memcpy( out->light_pdf, arrival->light_pdf + first, (size_t)count * sizeof( float ) );
 }
 
-static void weigh_direction( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch, int direction )
+static void weight_direction( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch, int direction )
 {
     Arrival* arrival = &scratch->arrival;
-    int turn = direction - harvest->walk.light_samples;
-    if ( turn < 0 )
+    int pairing = direction - harvest->walk.light_samples;
+    if ( pairing < 0 )
         gather_light_sample( harvest, scratch, direction, arrival );
-    else if ( turn == 0 )
+    else if ( pairing == 0 )
         gather_scattered( harvest, scratch, arrival );
     else
-        gather_borrowed( scratch, turn, arrival );
+        gather_tile_light( scratch, pairing, arrival );
     const float* wi[3];
     direction_lanes( harvest, scratch, direction, wi );
-    if ( turn <= 0 )
+    if ( pairing <= 0 )
         add_diffuse( scratch, arrival, wi, batch, &scratch->walk.scratch );
     if ( batch->first[RF_BSDF_PHONG] < batch->count )
         store_direction( harvest, batch, arrival, wi, scratch->mixture + (size_t)direction * RF_LANES,
@@ -211,9 +211,9 @@ void rf_weight_batch( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScra
     bool glossy = batch->first[RF_BSDF_PHONG] < batch->count;
     if ( glossy )
         mix_densities( harvest, batch, scratch );
-    if ( scratch->share != NULL )
-        add_borrowed_diffuse( harvest, scratch, batch );
+    if ( scratch->tiles != NULL )
+        add_diffuse_tile_light( harvest, scratch, batch );
     int directions = glossy ? rf_direction_count( &harvest->shape ) : harvest->walk.light_samples + 1;
     for ( int d = 0; d < directions; ++d )
-        weigh_direction( harvest, batch, scratch, d );
+        weight_direction( harvest, batch, scratch, d );
 }

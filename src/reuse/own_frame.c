@@ -58,7 +58,7 @@ static void add_scattered( const RfHarvest* harvest, const RfHarvestScratch* scr
     {
         int slot = v->slot[i], n = i - rf_record_count( v );
         float* light = light_of( batch, first_miss + n );
-        float pdf = scratch->native_pdf[n];
+        float pdf = scratch->unevaluable_pdf[n];
         float weight = pdf > 0.0f ? pdf / ( pdf + k * arrivals->light_pdf_solid_angle[slot] ) : 0.0f;
         for ( int c = 0; c < 3; ++c )
             light[c] += arrivals->emitted[c][slot] * weight + arrivals->rest[c][slot];

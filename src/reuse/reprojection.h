@@ -1,5 +1,5 @@
-// Where the hits of a batch land on the film of an eye: what harvest (to test
-// visibility) and compute (to add) both work out, with the same bits.
+// Re-projection of a batch's hits to the film of an eye. Both phases do it, with the same bits: harvest
+// to test visibility, accumulate to add.
 #ifndef REFRAME_REUSE_REPROJECTION_H
 #define REFRAME_REUSE_REPROJECTION_H
 

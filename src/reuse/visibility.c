@@ -48,17 +48,17 @@ static void note_seen( const float* restrict density, const int32_t* restrict pi
     batch->rows[2 * eye + 1] = high < 0 ? -1 : high / width;
 }
 
-// Its own eye sees a hit in the pixel it was drawn in, whatever rounding makes
-// of its projection.
-static void see_from_own( const RfHarvest* harvest, const RfHitBatch* batch, const float* const lifted[3], int32_t* pixel,
-                          float* density, RfRayCounts* rays )
+// A hit's own eye sees it in the pixel it was drawn in, whatever rounding does to its
+// projection.
+static void see_from_own_eye( const RfHarvest* harvest, const RfHitBatch* batch, const float* const lifted[3], int32_t* pixel,
+                              float* density, RfRayCounts* rays )
 {
     const RfEye* eye = harvest->eyes + batch->eye;
     rf_own_densities( eye, batch, density );
     memcpy( pixel, batch->pixel, (size_t)batch->count * sizeof *pixel );
     if ( batch->densities == NULL )
         return;
-    // through what the ray may have come: never nothing, since it did come
+    // transmittance is never 0: the camera ray did get through
     float least[RF_LANES];
     for ( int i = 0; i < batch->count; ++i )
         least[i] = 1e-12f * density[i];
@@ -79,7 +79,7 @@ void rf_test_batch_visibility( const RfHarvest* harvest, RfHitBatch* batch, RfHa
         const RfEye* eye = harvest->eyes + l;
         float* density = scratch->density + (size_t)l * RF_LANES;
         if ( l == batch->eye )
-            see_from_own( harvest, batch, lifted, scratch->landing, density, rays );
+            see_from_own_eye( harvest, batch, lifted, scratch->landing, density, rays );
         else
         {
             rf_project_batch( eye, batch, scratch->landing, density );
@@ -90,7 +90,7 @@ void rf_test_batch_visibility( const RfHarvest* harvest, RfHitBatch* batch, RfHa
             memcpy( batch->densities + (size_t)l * RF_LANES, density, (size_t)batch->count * sizeof *density );
         note_seen( density, scratch->landing, l, eye->width, batch );
     }
-    // the rows of misses belong to the batch as well
+    // rows of misses count, too
     for ( int i = 0; i < batch->miss_count; ++i )
     {
         int32_t* rows = batch->rows + 2 * batch->eye;
