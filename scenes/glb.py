@@ -1,4 +1,4 @@
-"""Writes .glb files: what the scene scripts of this folder share.
+"""Writes .glb files; shared by the scene scripts of this folder.
 
 Only Python's standard library; the same calls give the same bytes.
 """
@@ -44,7 +44,7 @@ def look_rotation(eye, target):
     right = normalize(cross((0.0, 1.0, 0.0), back))
     up = cross(back, right)
     m = [[right[i], up[i], back[i]] for i in range(3)]
-    # Shepperd: from the largest of the four squares, so nothing cancels.
+    # Shepperd's method: starts from the largest of the four squares, so nothing cancels.
     squares = (m[0][0] - m[1][1] - m[2][2], m[1][1] - m[0][0] - m[2][2], m[2][2] - m[0][0] - m[1][1],
                m[0][0] + m[1][1] + m[2][2])
     big = squares.index(max(squares))
@@ -63,12 +63,12 @@ def look_rotation(eye, target):
 
 
 class Gltf:
-    """Collects the parts of a file and writes them as GLB."""
+    """Builds a glTF document and writes it as .glb."""
 
     def __init__(self, script, scene):
         self.binary = bytearray()
         self.materials, self.textures = {}, {}
-        self.extensions = []  # used somewhere else than in materials and lights
+        self.extensions = []  # used elsewhere than in materials and lights
         self.json = {"asset": {"version": "2.0", "generator": "reframe scenes/" + script}, "scene": 0,
                      "scenes": [{"name": scene, "nodes": []}], "nodes": [], "cameras": [], "animations": [],
                      "materials": [], "meshes": [], "accessors": [], "bufferViews": [], "buffers": []}
@@ -83,7 +83,7 @@ class Gltf:
         return len(self.json["bufferViews"]) - 1
 
     def accessor(self, values, kind, component=5126, target=None, bounds=False):
-        """values: tuples of floats (5126), or plain indices (5125)."""
+        """Adds an accessor. values: tuples of floats (5126), or indices (5125)."""
         floats = component == 5126
         flat = [x for value in values for x in value] if floats else values
         data = struct.pack("<%d%s" % (len(flat), "f" if floats else "I"), *flat)
@@ -105,7 +105,7 @@ class Gltf:
         return self.materials[name]
 
     def texture(self, name, png, repeat=True):
-        """A picture (the bytes of a PNG) as a texture that is asked for by its index."""
+        """Adds a texture from the bytes of a PNG; returns its index."""
         if name not in self.textures:
             for key in ("images", "samplers", "textures"):
                 self.json.setdefault(key, [])
@@ -129,7 +129,7 @@ class Gltf:
         return number
 
     def light(self, name, description, place, towards):
-        """A light of KHR_lights_punctual at a place; spots and suns shine towards a point."""
+        """Adds a light of KHR_lights_punctual at a position; spots and suns point at a target."""
         lights = self.json.setdefault("extensions", {}).setdefault("KHR_lights_punctual", {}).setdefault("lights", [])
         lights.append(dict(description, name=name))
         self.node({"name": name, "translation": list(place), "rotation": look_rotation(place, towards),
@@ -147,7 +147,7 @@ class Gltf:
         return len(self.json["meshes"]) - 1
 
     def mesh(self, name, mesh, description, places=((0.0, 0.0, 0.0),)):
-        """A mesh with its material, and a node for each of its places."""
+        """Adds a mesh with its material, and a node for each of its instances."""
         number = self.add_mesh(name, mesh, description)
         for i, place in enumerate(places):
             node = {"name": name if len(places) == 1 else "%s %d" % (name, i + 1), "mesh": number}
@@ -159,7 +159,7 @@ class Gltf:
         rotations = []
         for eye, target in views:
             q = look_rotation(eye, target)
-            # Of the two signs, the one next to the frame before: interpolation takes the short way.
+            # Choose the sign nearer to the previous frame, so that interpolation takes the shorter arc.
             if rotations and sum(a * b for a, b in zip(q, rotations[-1])) < 0.0:
                 q = [-x for x in q]
             rotations.append(q)
@@ -190,7 +190,7 @@ class Gltf:
 
 
 def frame_count(text):
-    """For argparse: a number of frames."""
+    """Type for argparse: a number of frames."""
     count = int(text) if text.isdecimal() else 0
     if not 1 <= count <= 100000:
         raise argparse.ArgumentTypeError("wants a whole number from 1 to 100000, got '%s'" % text)
@@ -198,7 +198,7 @@ def frame_count(text):
 
 
 def make_parser(description):
-    """The arguments that every scene script has."""
+    """The arguments common to all scene scripts."""
     parser = argparse.ArgumentParser(description=description)
     parser.add_argument("out", metavar="OUT.glb")
     parser.add_argument("--frames", type=frame_count, metavar="N", default=48,
@@ -208,7 +208,7 @@ def make_parser(description):
 
 def glide(frames, eyes, targets):
     """Eye and target of each frame on the way from the first to the second of each
-    pair, setting off and arriving gently."""
+    pair, with ease-in and ease-out."""
     views = []
     for frame in range(frames):
         t = frame / (frames - 1) if frames > 1 else 0.0
@@ -218,7 +218,7 @@ def glide(frames, eyes, targets):
 
 
 def save(script, gltf, file_name):
-    """Writes the file; one line and exit status 1 where that fails."""
+    """Writes the file; on failure prints one line and exits with 1."""
     try:
         gltf.write(file_name)
     except OSError as error:

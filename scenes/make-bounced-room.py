@@ -1,15 +1,15 @@
 #!/usr/bin/env python3
-"""A room lit by bounced light alone, as a .glb.
+"""Writes a room with only indirect light as a .glb.
 
-A closed room of 6 x 3.2 x 5 m. Two troughs high up on the side walls shine at the
-ceiling; the camera sees nothing above their rims, so that no surface in view
-sees a lamp: all its light comes by way of the ceiling and the tops of the walls.
+A closed room of 6 x 3.2 x 5 m. Lamps in two troughs high on the side walls light the
+ceiling. No surface below the rims, and so none in view, sees a lamp: all its light
+comes by way of the ceiling and the tops of the walls.
 Only Python's standard library; the same arguments give the same bytes.
 
   make-bounced-room.py OUT.glb [--frames N] [--spots]
 
---spots: instead of the troughs two spot lights stand there and a small point
-light behind the screen (KHR_lights_punctual), as a test of lights without size.
+--spots: two spot lights instead of the lamps in the troughs, and a small point light
+behind the screen (KHR_lights_punctual), to test punctual lights.
 """
 
 import math
@@ -18,7 +18,7 @@ import glb
 from glb import lambert, material
 from shapes import make_box, make_lathe, make_quad, make_room, make_sphere
 
-RIM = 2.3  # height of the troughs' rims: what shines upwards lights nothing below
+RIM = 2.3  # height of the troughs' rims: the lamps do not light anything below
 LOW, HIGH = (-3.0, 0.0, -2.5), (3.0, 3.2, 2.5)
 LAMP = (-0.55, 0.9, -1.9)  # of --spots: behind the screen
 
@@ -37,7 +37,7 @@ def add_room(gltf):
 
 
 def add_troughs(gltf, lit):
-    """Along the left and the right wall: a floor and a front, white inside."""
+    """The troughs along the left and right walls: a floor and a front, white inside."""
     white = lambert("trough", [0.8, 0.8, 0.8])
     lamp = material("light", [0.0, 0.0, 0.0], specular=0.0, emissive=[1.0, 0.9, 0.76], strength=24.0,
                     double_sided=False)

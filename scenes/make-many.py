@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
-"""Very many nodes and triangles, as a .glb: to see how long loading takes.
+"""Writes a scene of very many nodes and triangles as a .glb, to time loading.
 
-A field of pebbles, a node each, in rows that are nodes too, under one lamp. Only
+A field of pebbles under one lamp: a node for each pebble and for each row. Uses only
 Python's standard library; the same arguments give the same bytes.
 
   make-many.py OUT.glb [--triangles T] [--nodes N] [--meshes M] [--frames F]
 
-There are N pebbles (50,000) of T / N triangles each (T: 1,000,000), rounded to
-what a ball of rows and columns can have, of M different shapes (1,000); with M
-as many as N every node has a mesh of its own.
+There are N pebbles (50,000) of T / N triangles each (T: 1,000,000), rounded to a
+possible number for a ball of rows and columns, in M different shapes (1,000). With
+M = N every node has its own mesh.
 """
 
 import argparse
@@ -28,7 +28,7 @@ def whole(text):
 
 
 def ball_size(triangles):
-    """Columns and rows of the ball with about so many triangles: 2 columns (rows - 1)."""
+    """Columns and rows of a ball with about the given number of triangles, which is 2 columns (rows - 1)."""
     rows = max(2, round(0.5 + math.sqrt(0.25 * triangles)))
     return max(3, round(triangles / (2.0 * (rows - 1)))), rows
 

@@ -1,13 +1,12 @@
 #!/usr/bin/env python3
-"""An open-plan office floor with very many lamps, as a .glb.
+"""Writes an open-plan office floor with very many lights as a .glb.
 
-In the manner of the office scene of Bekaert, Sbert and Halton, Accelerating Path
-Tracing by Re-Using Paths (2002): about 315,000 triangles, of which 2,450 polygons
-are lamps, and glossy desks. A closed floor of 42 x 3 x 37 m: lamps of seven
-panes each in rows on the ceiling, groups of desks between partitions, on each a
-screen, a keyboard, a cup and papers, a chair before it; round columns, plants, and
-a gangway along which the camera walks. Only Python's standard library; the same
-arguments give the same bytes.
+Modelled after the office scene of Bekaert, Sbert and Halton, Accelerating Path
+Tracing by Re-Using Paths (2002): about 315,000 triangles, 2,450 emissive polygons,
+glossy desks. A closed floor of 42 x 3 x 37 m: rows of ceiling lamps of seven panes
+each; groups of desks between partitions, with screen, keyboard, cup, papers and a
+chair; round columns, plants, and a gangway along which the camera moves. Uses only
+Python's standard library; the same arguments give the same bytes.
 
   make-office-floor.py OUT.glb [--frames N]
 """
@@ -21,10 +20,10 @@ from shapes import Mesh, add, make_box, make_lathe, make_quad, make_room, make_s
 
 LOW, HIGH = (-21.0, 0.0, -18.5), (21.0, 3.0, 18.5)
 LAMPS = (25, 14)          # along x and along z
-PANES = 7                 # of each lamp: 25 x 14 x 7 = 2450 polygons
+PANES = 7                 # per lamp: 25 x 14 x 7 = 2450 polygons
 GROUPS = (9, 10)          # of four desks each, along x and along z
 SPACING = (4.5, 3.55)
-GANGWAY = 0.0             # x of the groups' column that is left out
+GANGWAY = 0.0             # x of the omitted column of groups
 
 CUP_PROFILE = ((0.0, 0.0), (0.03, 0.0), (0.036, 0.008), (0.04, 0.05), (0.042, 0.09), (0.038, 0.09), (0.035, 0.05),
                (0.03, 0.012), (0.0, 0.01))
@@ -68,7 +67,7 @@ def add_room(gltf):
 
 
 def add_lamps(gltf):
-    """Housings below the ceiling, in each a row of panes that shine downwards."""
+    """Housings below the ceiling, each with a row of panes that emit downwards."""
     cold, warm, housing = Mesh(), Mesh(), make_box((1.3, 0.06, 0.24))
     places = []
     for row in range(LAMPS[1]):
@@ -86,7 +85,7 @@ def add_lamps(gltf):
 
 
 def make_chair():
-    """On five feet: seat, back, two arms, with the wheels."""
+    """A chair: seat, back and two arms on five feet with wheels."""
     parts = [(make_lathe(((0.0, 0.0), (0.23, 0.0), (0.25, 0.03), (0.24, 0.07), (0.0, 0.08)), 16, 6), (0.0, 0.44, 0.0), 0.0),
              (make_tube(0.03, 0.38, 10), (0.0, 0.07, 0.0), 0.0),
              box((0.42, 0.5, 0.05), (0.0, 0.62, 0.24)), box((0.06, 0.2, 0.03), (0.0, 0.44, 0.25))]
@@ -101,7 +100,7 @@ def make_chair():
 
 
 def make_keyboard():
-    """A slab with its keys."""
+    """A keyboard: a slab with keys."""
     parts = [box((0.44, 0.012, 0.15), (0.0, 0.0, 0.0))]
     for row in range(3):
         for column in range(4):
@@ -116,7 +115,7 @@ def make_monitor():
 
 
 def make_plant(chance):
-    """Leaves of two triangles a side, on stems that lean outwards."""
+    """A plant: leaves of two triangles per side, on stems that lean outwards."""
     mesh = Mesh()
     for _ in range(90):
         turn, lean, height = chance.uniform(0.0, 2.0 * math.pi), chance.uniform(0.05, 0.45), chance.uniform(0.4, 1.3)
@@ -127,7 +126,7 @@ def make_plant(chance):
 
 
 def add_desks(gltf, chance):
-    """Groups of four desks around a cross of partitions; one node a thing."""
+    """Groups of four desks around a cross of partitions; one node per object."""
     top = material("desk top", [0.42, 0.3, 0.2], roughness=0.22)
     dark, cloth = material("dark plastic", [0.03, 0.03, 0.035], roughness=0.3), lambert("partition", [0.25, 0.33, 0.42])
     things = {
@@ -179,7 +178,7 @@ def add_rest(gltf, chance):
 
 
 def walk(frames):
-    """Down the gangway, looking from one side to the other."""
+    """The camera moves down the gangway, looking from one side to the other."""
     views = []
     for frame in range(frames):
         t = frame / (frames - 1) if frames > 1 else 0.0

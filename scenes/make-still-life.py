@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""A still life of glass, a mirror and rough metal, as a .glb.
+"""Writes a still life of glass, a mirror and rough metal as a .glb.
 
 On a table in a closed room under one large lamp: a solid glass ball, a drinking
 glass with a thick bottom, a block of amber that absorbs blue (its colour deepens
-with its thickness), a framed mirror and a brushed copper ball. Only Python's
+with its thickness), a framed mirror and a brushed copper ball. Uses only Python's
 standard library; the same arguments give the same bytes.
 
   make-still-life.py OUT.glb [--frames N] [--no-glass]
@@ -29,7 +29,7 @@ GLASS_PROFILE = (
 
 
 def glass(name, ior, color=None, distance=None):
-    """A solid body; with a color, what is left of white light after that distance in it."""
+    """A solid glass material; `color` is the transmittance of white light over the given distance."""
     result = material(name, [1.0, 1.0, 1.0], roughness=0.0, double_sided=False)
     volume = {"thicknessFactor": 1.0}
     if color is not None:
@@ -77,7 +77,7 @@ def main():
     gltf.mesh("cup", make_sphere(0.03, 64, 32), material("lacquer", [0.4, 0.03, 0.03], roughness=0.2),
               [(0.13, TABLE + 0.03, -0.14)])
     if not arguments.no_glass:
-        # a hair above the table, so that no two surfaces share a place
+        # slightly above the table, so that no two surfaces coincide
         stand = TABLE + 0.0005
         gltf.mesh("glass ball", make_sphere(0.065, 128, 64), glass("crystal", 1.5), [(-0.2, stand + 0.065, -0.22)])
         gltf.mesh("drinking glass", make_lathe(GLASS_PROFILE, 96, 120), glass("glass", 1.5), [(0.0, stand, -0.22)])

@@ -1,11 +1,10 @@
 #!/usr/bin/env python3
-"""A room with textures of every kind, as a .glb.
+"""Writes a room with textures of every kind as a .glb.
 
 A checkered floor whose squares differ in roughness, a wall of boards and one of
-bricks with a normal map, a fence cut out by alpha (MASK) and a screen that glows
-by its texture. The pictures are made here and lie in the file as PNG. Only
-Python's standard library; the same arguments give the same bytes (with the same
-zlib).
+bricks with a normal map, an alpha-masked fence and a screen with an emissive texture.
+The images are generated and embedded as PNG. Uses only Python's standard library;
+the same arguments give the same bytes (with the same zlib).
 
   make-textured-room.py OUT.glb [--frames N]
 """
@@ -22,20 +21,20 @@ SIZE = 256
 
 
 def scaled(mesh, across, up):
-    """The texture so many times over the mesh's quad."""
+    """Repeats the texture over the quad of the mesh."""
     mesh.uvs = [(u * across, v * up) for u, v in mesh.uvs]
     return mesh
 
 
 def with_tangents(mesh):
-    """For a single quad: along its lower edge; the bitangent is up."""
+    """Tangents of a single quad: along its lower edge; the bitangent points up."""
     tangent = normalize(sub(mesh.positions[1], mesh.positions[0]))
     mesh.tangents = [tangent + (1.0,)] * len(mesh.positions)
     return mesh
 
 
 def textured(name, textures, metallic=0.0, roughness=1.0, **more):
-    """textures: of pbrMetallicRoughness, by index."""
+    """A material; textures: members of pbrMetallicRoughness, by index."""
     result = dict(material(name, [1.0, 1.0, 1.0], metallic, roughness), **more)
     for key, index in textures.items():
         result["pbrMetallicRoughness"][key] = {"index": index}
@@ -51,7 +50,7 @@ def checker_roughness(x, y):  # green: roughness, blue: metallic
 
 
 def boards(x, y):
-    """Four upright boards with rings that are drawn out along them."""
+    """Four upright boards with elongated growth rings."""
     board, across = divmod(x, SIZE // 4)
     ring = math.sin(0.45 * across + 2.5 * math.sin(2.0 * math.pi * y / SIZE + 1.7 * board) + 1.3 * board)
     tone = (0.75 + 0.06 * board + 0.12 * ring) * (0.35 if across in (0, 1) else 1.0)
@@ -59,7 +58,7 @@ def boards(x, y):
 
 
 def brick(x, y):
-    """Height in [0, 1] and number of the brick: rows of 32 pixels, each set off by half a brick."""
+    """Height in [0, 1] and number of the brick: rows of 32 pixels, alternately offset by half a brick."""
     row = y // 32
     column, along = divmod((x + 32 * (row % 2)) % SIZE, 64)
     edge = min(along, 63 - along, y % 32, 31 - y % 32)
@@ -73,7 +72,7 @@ def brick_color(x, y):
 
 
 def fence(x, y):
-    """Diamonds of a wire fence; alpha 0 between the wires."""
+    """A chain-link fence; alpha is 0 between the wires."""
     a, b = (x + y) % 64, (x - y) % 64
     wire = min(a, 64 - a, b, 64 - b)
     alpha = min(max(1.0 - (wire - 5.0) / 4.0, 0.0), 1.0)
@@ -81,7 +80,7 @@ def fence(x, y):
 
 
 def screen(x, y):
-    """An arrow up and to the right of centre, so that a flip shows, over bars of colour."""
+    """An arrow off centre to the upper right, to reveal flips, over colour bars."""
     if y > 208:
         bar = x * 6 // SIZE
         return tuple(float((bar + 1) >> k & 1) for k in range(3))

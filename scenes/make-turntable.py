@@ -1,15 +1,15 @@
 #!/usr/bin/env python3
-"""Objects on a turntable under a sky, as a .glb, its sky and a scene file.
+"""Writes objects on a turntable under a sky: a .glb, an environment map and a scene file.
 
-A red car-paint ball under a clear coat, a brass vase and a glossy blue block on a
-round stand; the camera goes around them once in 48 frames. The light is a map
-that the script makes: a clear sky with a low sun over bare ground. Only Python's
+A ball of red car paint with a clear coat, a brass vase and a glossy blue block on a
+round stand; the camera orbits them once in 48 frames. The light is a generated
+environment map: a clear sky with a low sun over bare ground. Uses only Python's
 standard library; the same arguments give the same bytes.
 
   make-turntable.py OUT.glb [--frames N]
 
-writes OUT.glb, OUT-sky.hdr (latitude, longitude) and OUT.json, which names both
-and is what to render.
+writes OUT.glb, OUT-sky.hdr (equirectangular) and OUT.json, which refers to both and
+is the file to render.
 """
 
 import json
@@ -23,7 +23,7 @@ from pictures import write_hdr
 from shapes import Mesh, make_box, make_lathe, make_quad, make_sphere, normalize
 
 SUN = normalize((-0.55, 0.5, 0.45))
-SUN_ANGLE = math.radians(2.5)  # radius, soft towards the rim: larger than the real one, so that the map can hold it
+SUN_ANGLE = math.radians(2.5)  # radius, with a soft edge; larger than the real sun, so that the map can resolve it
 MAP = (512, 256)
 
 VASE_PROFILE = (
@@ -34,7 +34,7 @@ VASE_PROFILE = (
 
 
 def sky(x, y):
-    """Radiance of the map's pixel: its top is straight up, its middle lies towards -z."""
+    """Radiance of a pixel of the map, whose top is +y and whose centre is -z."""
     theta = math.pi * (y + 0.5) / MAP[1]
     phi = 2.0 * math.pi * ((x + 0.5) / MAP[0] - 0.5)
     way = (math.sin(theta) * math.sin(phi), math.cos(theta), -math.sin(theta) * math.cos(phi))
@@ -53,7 +53,7 @@ def sky(x, y):
 
 
 def make_stand(radius, height, columns):
-    """A round plate with flat faces: top and side have normals of their own."""
+    """A round plate with a hard edge: top and side have separate normals."""
     mesh = Mesh()
     ring = [(radius * math.sin(2.0 * math.pi * i / columns), radius * math.cos(2.0 * math.pi * i / columns))
             for i in range(columns)]
@@ -70,7 +70,7 @@ def make_stand(radius, height, columns):
 
 
 def orbit(frames):
-    """Once around; the last frame is a step short of the first, so that it plays in a loop."""
+    """One orbit; the last frame is one step before the first, so that it loops."""
     views = []
     for frame in range(frames):
         angle = 2.0 * math.pi * frame / frames

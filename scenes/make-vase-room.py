@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""The room with a glossy vase and a zooming camera, as a .glb.
+"""Writes the room with a glossy vase and a zooming camera as a .glb.
 
-After the test scene of Mendez Feliu, Sbert and Szirmay-Kalos, Reusing Frames
+Modelled after the test scene of Mendez Feliu, Sbert and Szirmay-Kalos, Reusing Frames
 in Camera Animation (WSCG 2006). A closed room of 6 x 3 x 5 m (x, y, z; y up,
 the camera looks along -z) with one panel light, a table, a Phong vase, a brushed
-metal ball and a coated blue box. Only Python's standard library; the same
+metal ball and a coated blue box. Uses only Python's standard library; the same
 arguments give the same bytes.
 
   make-vase-room.py OUT.glb [--frames N] [--variant lambert|phong|ggx] [--wide]
@@ -23,7 +23,7 @@ import glb
 from glb import lambert, material
 from shapes import add, make_box, make_lathe, make_quad, make_sphere, mix
 
-VASE = (0.0, 0.75, -1.3)  # where it stands: on the table
+VASE = (0.0, 0.75, -1.3)  # its position on the table
 WIDE_STEP = math.radians(25.0)
 WIDE_RADIUS = 1.05
 
@@ -38,13 +38,13 @@ VASE_PROFILE = (
 
 
 def phong(name, diffuse, lobe, exponent):
-    # For other programs: the roughness whose GGX lobe is about as wide.
+    # For other renderers: the roughness whose GGX lobe is about as wide.
     roughness = round(math.sqrt(math.sqrt(2.0 / (exponent + 2.0))), 3)
     return material(name, diffuse, roughness=roughness, phong=(diffuse, lobe, exponent))
 
 
 def object_materials(variant):
-    """Vase, ball and box: as they are, or all of one kind."""
+    """Materials of vase, ball and box: their own, or all of one kind."""
     kinds = {
         "lambert": (lambert("vase", [0.5, 0.16, 0.12]), lambert("ball", [0.75, 0.45, 0.3]),
                     lambert("box", [0.08, 0.16, 0.5])),
@@ -61,7 +61,7 @@ def object_materials(variant):
 
 
 def make_room():
-    """(name, mesh, material): quads whose fronts look into the room."""
+    """(name, mesh, material) of quads that face into the room."""
     x, y, z = (6.0, 0.0, 0.0), (0.0, 3.0, 0.0), (0.0, 0.0, 5.0)
     minus_x, minus_z = (-6.0, 0.0, 0.0), (0.0, 0.0, -5.0)
     return [
@@ -78,7 +78,7 @@ def make_room():
 
 
 def make_objects(variant):
-    """(name, mesh, material, places): a place for each instance."""
+    """(name, mesh, material, positions), one position per instance."""
     vase, ball, box = object_materials(variant)
     wood = lambert("table", [0.36, 0.22, 0.12])
     legs = [(sx * 0.65, 0.0, VASE[2] + sz * 0.36) for sx in (-1, 1) for sz in (-1, 1)]
@@ -92,8 +92,8 @@ def make_objects(variant):
 
 
 def read_path(file_name, frames):
-    """Eye and target of each frame, evenly over the keys' time, and yfov; of
-    paths with linear keys and one target only, as vase-zoom.json is."""
+    """Eye and target of each frame, evenly spaced in time, and yfov. Only for paths
+    with linear keys and a single target, like vase-zoom.json."""
     with open(file_name, encoding="utf-8") as file:
         path = json.load(file)
     keys = path["keys"]
@@ -120,8 +120,8 @@ def wide_path(frames):
 
 def main():
     parser = glb.make_parser("Writes the room with a glossy vase and a zooming camera.")
-    parser.add_argument("--variant", choices=("lambert", "phong", "ggx"), help="vase, ball and box all of this kind")
-    parser.add_argument("--wide", action="store_true", help="eyes 25 degrees apart, around the vase")
+    parser.add_argument("--variant", choices=("lambert", "phong", "ggx"), help="material of vase, ball and box")
+    parser.add_argument("--wide", action="store_true", help="move the eye around the vase in steps of 25 degrees")
     arguments = parser.parse_args()
     here = os.path.dirname(os.path.abspath(__file__))
     views, yfov = read_path(os.path.join(here, os.pardir, "anim", "vase-zoom.json"), arguments.frames)

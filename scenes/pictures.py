@@ -1,4 +1,4 @@
-"""Pictures for the scene scripts of this folder: PNG and Radiance HDR."""
+"""Writes PNG and Radiance HDR images for the scene scripts of this folder."""
 
 import math
 import struct
@@ -10,7 +10,7 @@ def chunk(kind, data):
 
 
 def png(width, height, pixel):
-    """The bytes of an 8-bit PNG; pixel(x, y) gives 3 or 4 values in [0, 1], as stored."""
+    """The bytes of an 8-bit PNG; pixel(x, y) returns 3 or 4 encoded values in [0, 1]."""
     channels = len(pixel(0, 0))
     rows = bytearray()
     for y in range(height):
@@ -23,7 +23,7 @@ def png(width, height, pixel):
 
 
 def normal_map(width, height, bump):
-    """The bytes of a normal map from heights bump(x, y) in pixels; it tiles. Green is up."""
+    """The bytes of a tileable normal map from heights bump(x, y) in pixels. Green is up."""
     def pixel(x, y):
         dx = 0.5 * (bump((x + 1) % width, y) - bump((x - 1) % width, y))
         dy = 0.5 * (bump(x, (y + 1) % height) - bump(x, (y - 1) % height))
@@ -43,7 +43,7 @@ def rgbe(color):
 
 
 def write_hdr(file_name, width, height, pixel):
-    """A Radiance picture with flat scanlines; pixel(x, y) is linear RGB."""
+    """Writes a Radiance HDR image with uncompressed scanlines; pixel(x, y) returns linear RGB."""
     with open(file_name, "wb") as file:
         file.write(b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y %d +X %d\n" % (height, width))
         for y in range(height):

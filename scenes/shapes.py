@@ -30,7 +30,7 @@ class Mesh:
 
     def __init__(self):
         self.positions, self.normals, self.uvs, self.indices = [], [], [], []
-        self.tangents = []  # none, or one for each vertex: x y z and the side of the bitangent
+        self.tangents = []  # empty, or one per vertex: x y z and the sign of the bitangent
 
     def vertex(self, position, normal, uv):
         self.positions.append(position)
@@ -39,7 +39,7 @@ class Mesh:
         return len(self.positions) - 1
 
     def quad(self, corner, u, v):
-        """A parallelogram; its front is where u x v points to."""
+        """A parallelogram; its front faces u x v."""
         normal = normalize(cross(u, v))
         first = self.vertex(corner, normal, (0.0, 1.0))
         self.vertex(add(corner, u), normal, (1.0, 1.0))
@@ -49,8 +49,8 @@ class Mesh:
             self.indices.append(first + i)
 
     def grid(self, points, rows, columns):
-        """(rows + 1) x (columns + 1) vertices from points(row, column); the
-        triangles that a pole makes collapse are left out."""
+        """Adds a grid of (rows + 1) x (columns + 1) vertices from points(row, column), without
+        the degenerate triangles at poles."""
         first = len(self.positions)
         for row in range(rows + 1):
             for column in range(columns + 1):
@@ -72,7 +72,7 @@ def make_quad(corner, u, v):
 
 
 def make_box(size, turn=0.0):
-    """A box around the origin, standing at y = 0, turned about y."""
+    """A box around the origin, standing on y = 0, rotated about y."""
     w, h, d = size
     c, s = math.cos(turn), math.sin(turn)
     x, y, z = (w * c, 0.0, -w * s), (0.0, h, 0.0), (d * s, 0.0, d * c)
@@ -104,7 +104,7 @@ def make_sphere(radius, columns, rows):
 
 def profile_point(profile, t):
     """Point and derivative of the Catmull-Rom curve through the profile, t in
-    [0, 1]. Beyond the axis the curve is mirrored, so it meets it at right angles."""
+    [0, 1]. The curve is mirrored at the axis, so it meets the axis at right angles."""
     n = len(profile) - 1
     x = t * n
     i = min(int(x), n - 1)
@@ -121,8 +121,8 @@ def profile_point(profile, t):
 
 
 def make_lathe(profile, columns, rows):
-    """A body turned about the y axis. The profile is (radius, height) along its
-    wall, from the axis at the bottom over the outside; it ends on the axis."""
+    """A surface of revolution about the y axis. The profile is (radius, height) along
+    the wall, from the axis at the bottom over the outside; it ends on the axis."""
     def point(row, column):
         (radius, height), (dr, dh) = profile_point(profile, row / rows)
         pole = row in (0, rows)
@@ -141,8 +141,8 @@ def make_lathe(profile, columns, rows):
 
 
 def make_room(low, high):
-    """The six sides of a closed room, by name; their fronts look into it. On the
-    walls the texture's left is the viewer's left."""
+    """The six sides of a closed room, by name, facing inwards. On the walls the
+    texture's left is the viewer's left."""
     (x0, y0, z0), (x1, y1, z1) = low, high
     x, y, z = (x1 - x0, 0.0, 0.0), (0.0, y1 - y0, 0.0), (0.0, 0.0, z1 - z0)
     minus_x, minus_z = (x0 - x1, 0.0, 0.0), (0.0, 0.0, z0 - z1)

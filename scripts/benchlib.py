@@ -1,4 +1,4 @@
-"""What the bench scripts share: runs of reframe with their CPU seconds, and the sums made of them."""
+"""Shared by the benchmark scripts: timed runs of reframe, and statistics over them."""
 import json
 import os
 import subprocess
@@ -17,8 +17,8 @@ def numbers(text):
 
 
 def run(command, output=subprocess.DEVNULL):
-    """Runs a child; its output, CPU seconds of user and system, and the most bytes it held."""
-    # threads that wait do so asleep: they would count as CPU seconds, and be in the way of others
+    """Runs a child process; returns its output, CPU seconds (user + system) and peak resident bytes."""
+    # waiting threads sleep instead of spinning, which would count as CPU time and disturb others
     child = subprocess.Popen(command, stdout=output, env=dict(os.environ, OMP_WAIT_POLICY="passive"))
     text = child.stdout.read() if output == subprocess.PIPE else None
     _, status, usage = os.wait4(child.pid, 0)
@@ -35,7 +35,7 @@ def make_vase_room(folder):
 
 
 def render(binary, scene, pattern, size, setting, spp, seed, frames="", threads=1, more=()):
-    """Renders with GROUP:TILE; what `render --json` says, with `cpu` seconds and `resident` bytes of the process."""
+    """Renders with GROUP:TILE; returns the output of `render --json` plus `cpu` seconds and `resident` bytes."""
     group, tile = setting.split(":")
     report = pattern.replace("####.exr", "json")
     command = [binary, "render", scene, "-o", pattern, "--size", size, "--group", group, "--tile", tile, "--spp", str(spp),
@@ -56,7 +56,7 @@ def measure(binary, command, image, *arguments):
 
 
 def combine(how, runs):
-    """`how` (the mean, the median) of numbers, in whatever they are held; what is no float is as in the first run."""
+    """Applies `how` (mean, median) to the floats of nested results; other values are taken from the first run."""
     first = runs[0]
     if isinstance(first, dict):
         return {key: combine(how, [r[key] for r in runs]) for key in first}
@@ -70,7 +70,7 @@ def frame_of(pattern, frame):
 
 
 def make_reference(folder, made, keep, make):
-    """Calls make() for the reference that `made` describes, unless an earlier run left it in the folder."""
+    """Calls make() to render the reference that `made` describes, unless an earlier run left it in the folder."""
     note = os.path.join(folder, "reference.txt")
     if keep and os.path.exists(note) and open(note).read() == made:
         print("reference: kept: " + made, flush=True)
@@ -84,12 +84,12 @@ def make_reference(folder, made, keep, make):
 
 
 def reference_share(spp, reference_spp):
-    """Of an error measured with `spp` samples against `reference_spp` of the same kind, what is the reference's own:
-    a mean square falls as 1/samples, and those of both add up."""
+    """The fraction of a squared error that is the reference's own, for `spp` samples measured against
+    `reference_spp` of the same kind: mean squares are proportional to 1/samples, and those of both add up."""
     return spp / (spp + reference_spp)
 
 
 def line_through(a, b):
-    """(x, y) twice: the line's height at x = 0 and its slope. CPU seconds against samples are one."""
+    """Intercept and slope of the line through two points, such as CPU seconds against samples."""
     slope = (b[1] - a[1]) / (b[0] - a[0])
     return a[1] - slope * a[0], slope

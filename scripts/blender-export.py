@@ -1,16 +1,15 @@
-"""Writes a .blend as .glb for Reframe, without a window:
+"""Exports a .blend as .glb for Reframe, in background mode:
 
     blender -b scene.blend -P scripts/blender-export.py -- out.glb [--camera NAME] [--frames A-B] [--overwrite]
 
-Blender's own glTF exporter does the work; this makes ready what it leaves out.
-The camera is baked frame by frame, whatever moves it (parents, constraints,
-drivers). Area lights become quads or discs that glow on one side with the same
-power. Point, spot and sun lamps are written in W/sr and W/m2 (the exporter's
-"unitless" mode), as Reframe takes them. A world of one colour goes into the
-scene's custom property `reframe`, as its environment; any other world (an
-environment texture however turned, a sky, nodes of any kind) is rendered by Cycles
-as a map, out-sky.exr beside out.glb, which that property names. Custom properties
-are kept. What cannot be carried is named in a warning.
+Uses Blender's own glTF exporter and adds what it leaves out. The camera is baked
+frame by frame, whatever animates it (parents, constraints, drivers). Area lights
+become one-sided emissive quads or discs of the same power. Point, spot and sun lamps
+are written in W/sr and W/m2 (the exporter's "unitless" mode), as Reframe expects
+them. A world of constant colour becomes the environment in the scene's custom
+property `reframe`; any other world (a rotated environment texture, a sky, any nodes)
+is rendered by Cycles to a map, out-sky.exr beside out.glb, to which that property
+refers. Custom properties are kept. Anything that cannot be exported gives a warning.
 """
 import argparse
 import json
@@ -22,13 +21,13 @@ import urllib.parse
 
 import numpy
 
-numpy.bool = bool  # the exporter of Blender 3.4 with a newer numpy
+numpy.bool = bool  # the exporter of Blender 3.4 uses a name that numpy has removed
 import bpy  # noqa: E402
 import mathutils  # noqa: E402
 
 DISC_CORNERS = 64
 LARGEST_MAP = 8192  # pixels across
-SKY_MAP = 2048  # where no picture says how many
+SKY_MAP = 2048  # if no image determines the size
 SKY_SAMPLES = 4
 
 
@@ -39,7 +38,7 @@ def warn(text):
 def fail(text):
     print("blender-export: " + text, file=sys.stderr)
     sys.stderr.flush()
-    os._exit(1)  # Blender makes 0 of an exception
+    os._exit(1)  # after an exception Blender would exit with status 0
 
 
 def parse():
@@ -90,7 +89,7 @@ def find_camera(scene, name):
 
 
 def states(scene):
-    """Where everything that is seen or lights stands, and how lamps shine."""
+    """The transforms of everything visible or emitting, and the settings of lamps."""
     found = {}
     for o in scene.objects:
         if o.type in ("LIGHT", "MESH", "CURVE", "SURFACE", "META", "FONT") and not o.hide_render:
@@ -109,7 +108,7 @@ def warn_of_moves(moving):
 
 
 def bake_camera(scene, camera, first, last):
-    """A camera of its own at the root, with a key in every frame; warns of what else moves."""
+    """Bakes the camera into a new root camera with a key in every frame; warns of other animation."""
     data = camera.data.copy()
     baked = bpy.data.objects.new(camera.name + " baked", data)
     name = camera.name
@@ -123,7 +122,7 @@ def bake_camera(scene, camera, first, last):
         moving.update(n for n in now if n in start and max(abs(a - b) for a, b in zip(now[n], start[n])) > 1e-6)
         place, turn, _ = camera.matrix_world.decompose()
         if before is not None and before.dot(turn) < 0.0:
-            turn.negate()  # the short way round between keys
+            turn.negate()  # interpolate along the shorter arc
         before = turn.copy()
         baked.location = place
         baked.rotation_quaternion = turn
@@ -138,7 +137,7 @@ def bake_camera(scene, camera, first, last):
         data.animation_data_clear()
     scene.frame_set(first)
     places = [(child, child.matrix_world.copy()) for child in camera.children]
-    for child, matrix in places:  # lamps at the camera, which goes
+    for child, matrix in places:  # lamps attached to the original camera, which is removed
         child.parent = None
         child.matrix_world = matrix
     bpy.data.objects.remove(camera)
@@ -147,7 +146,7 @@ def bake_camera(scene, camera, first, last):
 
 
 def corners_of(light):
-    """A flat shape in x and y, counter-clockwise seen from -z, and its area."""
+    """The outline of a flat shape in x and y, counter-clockwise seen from -z, and its area."""
     x = 0.5 * light.size
     y = 0.5 * (light.size_y if light.shape in ("RECTANGLE", "ELLIPSE") else light.size)
     if light.shape in ("SQUARE", "RECTANGLE"):
@@ -171,7 +170,7 @@ def glow(name, color, strength):
 
 
 def replace_area_light(scene, lamp):
-    """The world's scale stretches shape and area: power stays what it is."""
+    """Applies the world scale to shape and area; the power is unchanged."""
     light = lamp.data
     scale = lamp.matrix_world.to_scale()
     corners, area = corners_of(light)
@@ -180,7 +179,7 @@ def replace_area_light(scene, lamp):
         return
     mesh = bpy.data.meshes.new(lamp.name)
     mesh.from_pydata(corners, [], [list(range(len(corners)))])
-    # a surface of radiance L and area A sends pi A L to its one side
+    # a one-sided surface of radiance L and area A emits the power pi A L
     largest = max(light.color) or 1.0
     color = [c / largest for c in light.color]
     mesh.materials.append(glow(lamp.name, color, light.energy * largest / (math.pi * area)))
@@ -198,7 +197,7 @@ def replace_area_lights(scene):
 
 
 def plain_radiance(world):
-    """The radiance of a world of one colour; None: it takes a map."""
+    """The radiance of a world of constant colour; None if it needs a map."""
     if not world.use_nodes:
         return list(world.color)
     out = world.node_tree.get_output_node("CYCLES")
@@ -212,7 +211,7 @@ def plain_radiance(world):
 
 
 def nodes_behind(last):
-    """What a node is fed by, itself too; of a group all there is in it."""
+    """All nodes upstream of a node, including itself and the contents of groups."""
     found, left = [], [last]
     while left:
         node = left.pop()
@@ -226,25 +225,25 @@ def nodes_behind(last):
 
 
 def check_world(world):
-    """Warns of what a map cannot say; returns how many pixels across it wants, and whether the world has pictures only."""
+    """Warns of what a map cannot represent; returns the width of the map, and whether the world uses images only."""
     nodes = nodes_behind(world.node_tree.get_output_node("CYCLES").inputs["Surface"].links[0].from_node)
     images = [n for n in nodes if n.type in ("TEX_ENVIRONMENT", "TEX_IMAGE")]
     for node in images:
         if node.image is None or not node.image.has_data and not node.image.pixels:
-            fail("world '%s': the picture of its node '%s' cannot be read: pack it or mend its path" % (world.name, node.name))
+            fail("world '%s': the image of its node '%s' cannot be read: pack it or correct its path" % (world.name, node.name))
     if any(n.type == "LIGHT_PATH" for n in nodes):
         warn("world '%s' looks different to the camera than to surfaces: taken as the camera sees it" % world.name)
     if world.animation_data or world.node_tree.animation_data:
         warn("world '%s' is animated: taken as in the first frame" % world.name)
     sides = [n.image.size[0] for n in images if n.type == "TEX_ENVIRONMENT"] or [SKY_MAP]
     if max(sides) > LARGEST_MAP:
-        warn("world '%s': its picture is %d pixels across: %d are kept" % (world.name, max(sides), LARGEST_MAP))
+        warn("world '%s': its image is %d pixels wide: reduced to %d" % (world.name, max(sides), LARGEST_MAP))
     procedural = any(n.type.startswith("TEX_") and n not in images and n.type != "TEX_COORD" for n in nodes)
     return min(max(sides), LARGEST_MAP), not procedural and bool(images)
 
 
 def render_map(world, across, exact, path):
-    """The whole sky from the origin; Reframe's map has +y of Blender in its middle too."""
+    """Renders the whole sky from the origin; the centre of Reframe's map is at Blender's +y as well."""
     scene = bpy.data.scenes.new("reframe map")
     copy = world.copy()
     copy.cycles_visibility.camera = True
@@ -263,7 +262,7 @@ def render_map(world, across, exact, path):
     render.use_file_extension = False
     render.filepath = path
     cycles.device, cycles.pixel_filter_type = "CPU", "BOX"
-    # a picture is taken at its pixels' middles, else a pixel's mean
+    # an image is sampled at pixel centres, anything else averaged over the pixel
     cycles.samples, cycles.filter_width = (1, 0.01) if exact else (SKY_SAMPLES, 1.0)
     cycles.use_adaptive_sampling = cycles.use_denoising = False
     cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0.0
@@ -299,7 +298,7 @@ def warn_of_the_rest(scene, camera):
     if camera.data.dof.use_dof:
         warn("'%s' has depth of field: Reframe's cameras are sharp everywhere" % camera.name)
     if scene.render.use_motion_blur or scene.eevee.use_motion_blur:
-        warn("motion blur is on: Reframe's frames are moments")
+        warn("motion blur is on: Reframe renders without it")
     out = scene.world.node_tree.get_output_node("CYCLES") if scene.world is not None and scene.world.use_nodes else None
     if out is not None and out.inputs["Volume"].is_linked:
         warn("world '%s' has a volume: left out" % scene.world.name)
@@ -308,13 +307,13 @@ def warn_of_the_rest(scene, camera):
 def export(path):
     bpy.ops.export_scene.gltf(
         filepath=path, export_format="GLB", export_cameras=True, export_lights=True, export_extras=True, export_apply=True,
-        use_renderable=True,  # what is hidden stays in the scene: cutters, targets and parents are
+        use_renderable=True,  # skips objects hidden from render: cutters, targets, parents
         export_yup=True, export_animations=True, export_frame_range=True, export_force_sampling=False,
         convert_lighting_mode="COMPAT")
 
 
-def mend_truth(path):
-    """Custom properties know no true and false, Reframe's `visible` wants them."""
+def restore_booleans(path):
+    """Custom properties have no booleans, which Reframe's `visible` needs."""
     with open(path, "rb") as file:
         data = file.read()
     end = 20 + struct.unpack("<I", data[12:16])[0]
@@ -345,12 +344,12 @@ def main():
     export(os.path.abspath(args.out))
     if not os.path.exists(args.out):
         fail("%s: was not written: see Blender's messages above" % args.out)
-    mend_truth(args.out)
+    restore_booleans(args.out)
     print("blender-export: %s: frames %d to %d" % (args.out, first, last))
 
 
 try:
     main()
-except Exception as e:  # whatever Blender raises is one line and a status
+except Exception as e:  # report any exception of Blender as one line and an exit status
     lines = [line.strip() for line in str(e).splitlines() if line.strip() and not line.startswith("Location:")]
-    fail("%s: %s" % (type(e).__name__, lines[-1] if lines else "no more is known"))
+    fail("%s: %s" % (type(e).__name__, lines[-1] if lines else "no details"))

@@ -1,4 +1,4 @@
-"""The Blender side of compare-cycles: renders a .glb with Cycles as Reframe would.
+"""The Blender side of compare-cycles: renders a .glb with Cycles, matching Reframe's conventions.
 
   blender -b --factory-startup --python-exit-code 1 -P cycles-render.py -- JOB.json
 
@@ -17,7 +17,7 @@ import bmesh
 import bpy
 import numpy
 
-numpy.bool = bool  # the importer of 3.4 asks for a name that numpy has dropped
+numpy.bool = bool  # the importer of Blender 3.4 uses a name that numpy has removed
 
 
 def read_gltf(file_name):
@@ -31,7 +31,7 @@ def extension(description, name):
 
 
 def scattering(nodes, description):
-    """Principled is no match: its diffuse part is brighter than Lambert by 10 per cent and more."""
+    """A matching shader. Principled does not match: its diffuse part is at least 10 per cent brighter than Lambert."""
     pbr = description.get("pbrMetallicRoughness", {})
     color = pbr.get("baseColorFactor", [1.0] * 4)[:3] + [1.0]
     if extension(description, "transmission").get("transmissionFactor", 0.0) > 0.0:
@@ -40,7 +40,7 @@ def scattering(nodes, description):
         node.inputs["Roughness"].default_value = 0.0
         node.distribution = "SHARP"
     elif pbr.get("metallicFactor", 1.0) > 0.0 and pbr.get("roughnessFactor", 1.0) > 0.03:
-        # with metallic 1 there is only the lobe, and only here it has Fresnel's rise to white
+        # with metallic 1 there is only the specular lobe, and only then its Fresnel reflectance rises to white
         node = nodes.new("ShaderNodeBsdfPrincipled")
         node.distribution = "GGX"
         node.inputs["Metallic"].default_value = 1.0
@@ -69,7 +69,7 @@ def set_material(material, description):
         lamp.inputs["Color"].default_value = emission + [1.0]
         lamp.inputs["Strength"].default_value = extension(description, "emissive_strength").get("emissiveStrength", 1.0)
         mix, geometry = nodes.new("ShaderNodeMixShader"), nodes.new("ShaderNodeNewGeometry")
-        if not description.get("doubleSided", False):  # the front only
+        if not description.get("doubleSided", False):  # front side only
             links.new(geometry.outputs["Backfacing"], mix.inputs[0])
         else:
             mix.inputs[0].default_value = 0.0
@@ -80,7 +80,7 @@ def set_material(material, description):
 
 
 def cut_lamps(emitters):
-    """Near an emitter of two triangles Cycles is 1 to 2 per cent too dark: 512 are better."""
+    """Subdivides emitters: near one of two triangles Cycles is 1 to 2 per cent too dark; 512 are better."""
     for mesh in bpy.data.meshes:
         if any(m is not None and m.name in emitters for m in mesh.materials) and len(mesh.polygons) <= 4:
             work = bmesh.new()
@@ -93,7 +93,7 @@ def cut_lamps(emitters):
 
 
 def set_world(scene, job, gltf):
-    """Black, or the map of the glTF's environment: the middle of Reframe's lies towards Blender's +y, of Blender's towards +x."""
+    """Black, or the environment map of the glTF. The centre of Reframe's map is at Blender's +y, of Blender's at +x."""
     scene.world = bpy.data.worlds.new("world")
     scene.world.use_nodes = True
     nodes, links = scene.world.node_tree.nodes, scene.world.node_tree.links

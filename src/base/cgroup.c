@@ -7,7 +7,7 @@
 
 #define NAME_SIZE 4608
 
-// The number after `key` ("": the first) in a file; false where there is none, as in "max".
+// Reads the number after `key` ("": the first) in a file; false if there is none, as in "max".
 static bool read_number( const char* folder, const char* name, const char* key, unsigned long long* value )
 {
     char path[NAME_SIZE + 32], line[256];
@@ -23,7 +23,7 @@ static bool read_number( const char* folder, const char* name, const char* key, 
     return found;
 }
 
-static size_t free_of_folder( const char* folder )
+static size_t available_in( const char* folder )
 {
     unsigned long long most, used, files = 0;
     if ( !read_number( folder, "memory.max", "", &most ) || !read_number( folder, "memory.current", "", &used ) )
@@ -41,7 +41,7 @@ size_t rf_cgroup_free_memory( const char* root, const char* path )
         return SIZE_MAX;
     for ( ;; )
     {
-        size_t left = free_of_folder( folder );
+        size_t left = available_in( folder );
         least = left < least ? left : least;
         char* slash = strrchr( folder, '/' );
         if ( slash == NULL || slash < folder + base )

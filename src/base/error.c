@@ -17,7 +17,7 @@ RfResult rf_fail( RfError* error, RfResult code, const char* format, ... )
 {
     if ( error != NULL )
     {
-        // formatted aside first: an argument may be the text that is replaced
+        // formatted into a copy first: an argument may be error->text itself
         char text[sizeof error->text];
         va_list args;
         va_start( args, format );

@@ -9,7 +9,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-// Largest single read: read() itself stops short of 2 GiB.
+// Largest single read: read() itself is limited to just under 2 GiB.
 #define CHUNK ( (size_t)1 << 30 )
 
 static RfResult check_kind( const char* path, const struct stat* info, uint64_t limit, RfError* error )
@@ -17,12 +17,12 @@ static RfResult check_kind( const char* path, const struct stat* info, uint64_t 
     if ( S_ISDIR( info->st_mode ) )
         return rf_fail( error, RF_ERROR_IO, "%s: is a folder: name a file in it", path );
     if ( S_ISREG( info->st_mode ) == 0 )
-        return rf_fail( error, RF_ERROR_IO, "%s: is not a regular file: copy what it gives into one", path );
+        return rf_fail( error, RF_ERROR_IO, "%s: is not a regular file: copy its content into one", path );
     if ( (uint64_t)info->st_size > limit )
-        return rf_fail( error, RF_ERROR_UNSUPPORTED, "%s: has %llu bytes, more than the %llu that are read: make it smaller",
-                        path, (unsigned long long)info->st_size, (unsigned long long)limit );
+        return rf_fail( error, RF_ERROR_UNSUPPORTED, "%s: has %llu bytes, more than the limit of %llu: make it smaller", path,
+                        (unsigned long long)info->st_size, (unsigned long long)limit );
     if ( (uint64_t)info->st_size >= SIZE_MAX )
-        return rf_fail( error, RF_ERROR_MEMORY, "%s: is larger than this machine's memory can be", path );
+        return rf_fail( error, RF_ERROR_MEMORY, "%s: is larger than the address space of this machine", path );
     return RF_OK;
 }
 
@@ -71,7 +71,7 @@ RfResult rf_read_file( const char* path, uint64_t limit, uint8_t** bytes, size_t
 {
     *bytes = NULL;
     *size = 0;
-    // without O_NONBLOCK the opening of a pipe would wait for its writer
+    // without O_NONBLOCK, opening a pipe would block until it has a writer
     int file = open( path, O_RDONLY | O_NONBLOCK | O_CLOEXEC );
     if ( file < 0 )
         return rf_fail( error, RF_ERROR_IO, "%s: cannot be opened: %s", path, strerror( errno ) );
@@ -93,7 +93,7 @@ uint64_t rf_hash_bytes( uint64_t hash, const void* bytes, size_t size )
     uint64_t tail = 0;
     for ( size_t i = 0; i < left; ++i )
         tail |= (uint64_t)at[i] << ( 8 * i );
-    // the size tells trailing zeros from none
+    // the size distinguishes trailing zeros
     hash = rf_mix64( hash ^ tail );
     return rf_mix64( hash ^ (uint64_t)size );
 }

@@ -1,10 +1,9 @@
-// Random numbers as a function of where they are used, never of call order or
-// thread: (seed, frame, group, pass, pixel) make a key, and a key and an
-// enumerated dimension make a number. So any thread count, any split of the
-// frames and any resume give the same bits.
+// Counter-based random numbers: a key made of (seed, frame, group, pass, pixel) and a
+// dimension give a number, independent of call order and thread. So results are the same bit
+// for bit with any number of threads, any split of the frames and after any resume.
 //
-// The mixer is the two-round multiply-xorshift of C. Wellons' hash prospector
-// ("lowbias32"); two words of key keep streams apart that share one of them.
+// The mixing function is the two-round multiply-xorshift of C. Wellons' hash prospector
+// ("lowbias32"); a key of two words decorrelates streams that share one of them.
 #ifndef REFRAME_BASE_RANDOM_H
 #define REFRAME_BASE_RANDOM_H
 
@@ -34,7 +33,7 @@ static inline uint64_t rf_mix64( uint64_t x )
     return x ^ ( x >> 31 );
 }
 
-// The part of the key that all pixels of a pass share.
+// The part of the key common to all pixels of a pass.
 static inline uint64_t rf_pass_key( uint64_t seed, uint32_t frame, uint32_t group, uint32_t pass )
 {
     uint64_t key = rf_mix64( seed );
@@ -42,14 +41,14 @@ static inline uint64_t rf_pass_key( uint64_t seed, uint32_t frame, uint32_t grou
     return rf_mix64( key ^ pass );
 }
 
-// The key of one pixel's path in one pass.
+// The key of the path of one pixel in one pass.
 static inline RfRandomKey rf_pixel_key( uint64_t pass_key, uint32_t pixel )
 {
     uint64_t key = rf_mix64( pass_key ^ pixel );
     return ( RfRandomKey ){ (uint32_t)key, (uint32_t)( key >> 32 ) };
 }
 
-// 32 random bits of one dimension.
+// 32 random bits for one dimension.
 static inline uint32_t rf_random_bits( RfRandomKey key, uint32_t dimension )
 {
     return rf_mix32( rf_mix32( key.a + dimension * 0x9e3779b9u ) ^ key.b );

@@ -1,20 +1,20 @@
-// What the machine has: time, memory, cores.
+// Resources of the machine: time, memory, cores.
 #ifndef REFRAME_BASE_SYSTEM_H
 #define REFRAME_BASE_SYSTEM_H
 
 #include <stddef.h>
 
-// Seconds of a clock that never goes back.
+// Wall-clock seconds, monotonic.
 double rf_wall_seconds( void );
 
-// Seconds that this thread has computed.
+// CPU seconds of this thread.
 double rf_thread_seconds( void );
 
-// The same of all threads of the process.
+// CPU seconds of all threads of the process.
 double rf_process_seconds( void );
 
-// Memory that can be had without swapping, bytes, in the limits of a container too; 1 GiB
-// where it cannot be told.
+// Available memory in bytes, without swapping and within the limits of a container; 1 GiB if
+// unknown.
 size_t rf_free_memory( void );
 
 // Cores this process may use, ≥ 1.

@@ -33,10 +33,10 @@ static int edit_distance( const char* a, const char* b )
 const char* rf_nearest_word( const char* word, const char* const* words, int count )
 {
     const char* nearest = NULL;
-    int best = (int)strlen( word ) / 3 + 2; // farther is another word, not a misspelling
+    int best = (int)strlen( word ) / 3 + 2; // anything farther away is not a misspelling
     for ( int i = 0; i < count; ++i )
     {
-        // A beginning of a word is most likely meant to be that word.
+        // a prefix is most likely an abbreviation of that word
         bool beginning = strlen( word ) >= 2 && strncmp( word, words[i], strlen( word ) ) == 0;
         int distance = beginning ? 0 : edit_distance( word, words[i] );
         if ( distance < best )

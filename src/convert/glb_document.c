@@ -50,7 +50,7 @@ json_t* rf_glb_name( const char* name )
     return text;
 }
 
-// A new array under `key` of the root, which owns it; NULL where memory ran out.
+// A new array under `key` of the root, which owns it; NULL if out of memory.
 static json_t* root_array( RfGlbDocument* d, const char* key )
 {
     json_t* array = json_array();
@@ -58,7 +58,7 @@ static json_t* root_array( RfGlbDocument* d, const char* key )
     return d->failed ? NULL : array;
 }
 
-// Adds a byte range and its buffer view; returns the view's index.
+// Adds a byte range and its buffer view; returns the index of the view.
 static int add_part( RfGlbDocument* d, const void* bytes, uint64_t size, int target )
 {
     int index = d->part_count++;
@@ -96,7 +96,7 @@ static void set_bounds( RfGlbDocument* d, json_t* accessor, const RfModelMesh* m
     rf_glb_set( d, accessor, "max", rf_glb_reals( high, 3 ) );
 }
 
-// The primitive's JSON for a mesh of the model: its accessors come with it.
+// The primitive of a model mesh, as JSON, with its accessors.
 static json_t* make_primitive( RfGlbDocument* d, const RfModelMesh* mesh )
 {
     json_t* attributes = json_object();
@@ -125,8 +125,8 @@ static json_t* make_primitive( RfGlbDocument* d, const RfModelMesh* mesh )
     return primitive;
 }
 
-// A mesh of glTF is a list of primitives: the one that a node's meshes make.
-// Nodes with the same single mesh share it.
+// Creates the glTF mesh of a node: a list of primitives, one for each mesh of the node. Nodes
+// with the same single mesh share it.
 static int mesh_of_node( RfGlbDocument* d, json_t* primitives, const RfModelNode* node )
 {
     int lone = node->mesh_count == 1 ? node->meshes[0] : -1;
@@ -206,7 +206,7 @@ static void add_nodes( RfGlbDocument* d )
     for ( int i = 0; i < model->node_count && !d->failed; ++i )
         add_node( d, nodes, roots, primitives, model->nodes + i );
     if ( json_array_size( d->meshes ) == 0 )
-        json_object_del( d->root, "meshes" ); // arrays of glTF may not be empty
+        json_object_del( d->root, "meshes" ); // glTF forbids empty arrays
     json_t* scene = json_object();
     if ( json_array_size( roots ) > 0 )
         rf_glb_set( d, scene, "nodes", roots );

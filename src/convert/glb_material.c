@@ -28,7 +28,7 @@ static json_t* material_extensions( RfGlbDocument* d, const RfModelMaterial* m )
     return extensions;
 }
 
-// Texture i of the file is image i of the model.
+// Texture i of the file uses image i of the model.
 static void set_texture( RfGlbDocument* d, json_t* object, const char* key, int image )
 {
     if ( image >= 0 )

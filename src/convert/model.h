@@ -1,6 +1,6 @@
-// A model on its way from another format to glTF, as plain data: importers
-// fill it, rf_write_glb writes it. All arrays are owned by the model; indices
-// out of range are the importer's fault and refused by the writer.
+// A model being converted from another format to glTF, as plain data: importers
+// fill it, rf_write_glb writes it. The model owns all arrays. The writer rejects
+// indices out of range.
 #ifndef REFRAME_CONVERT_MODEL_H
 #define REFRAME_CONVERT_MODEL_H
 
@@ -16,13 +16,13 @@ typedef struct RfModelMesh
 {
     char* name; // or NULL
     uint32_t vertex_count;
-    float* positions; // 3 each
-    float* normals;   // 3 each, unit; or NULL
-    float* uvs;       // 2 each, v downwards as in glTF; or NULL
-    float* colors;    // 4 each, linear; or NULL
+    float* positions; // 3 per vertex
+    float* normals;   // 3 per vertex, unit length; or NULL
+    float* uvs;       // 2 per vertex, v downwards as in glTF; or NULL
+    float* colors;    // 4 per vertex, linear; or NULL
     uint32_t triangle_count;
-    uint32_t* indices; // 3 each, front counter-clockwise
-    int material;      // or −1
+    uint32_t* indices; // 3 per triangle, front face counter-clockwise
+    int material;      // index of a material, or −1
 } RfModelMesh;
 
 typedef struct RfModelMaterial
@@ -30,11 +30,11 @@ typedef struct RfModelMaterial
     char* name;
     float base_color[4];
     float metallic, roughness;
-    float emission[3];  // radiance; above 1 it goes into KHR_materials_emissive_strength
-    float specular;     // KHR_materials_specular's factor; 1: not written
+    float emission[3];  // radiance; above 1 written with KHR_materials_emissive_strength
+    float specular;     // specularFactor of KHR_materials_specular; 1: not written
     float ior;          // 1.5: not written
     float transmission; // 0: not written
-    float alpha_cutoff; // of MASK
+    float alpha_cutoff; // for RF_MODEL_MASK
     enum
     {
         RF_MODEL_OPAQUE,
@@ -47,7 +47,7 @@ typedef struct RfModelMaterial
     int emissive_image;
 } RfModelMaterial;
 
-// The bytes of a PNG or JPEG as they are.
+// An encoded PNG or JPEG file.
 typedef struct RfModelImage
 {
     char* name;
@@ -63,7 +63,7 @@ typedef struct RfModelCamera
     int node;
 } RfModelCamera;
 
-// KHR_lights_punctual, at its node's origin along −z.
+// A light of KHR_lights_punctual, at the origin of its node and pointing along −z.
 typedef struct RfModelLight
 {
     char* name;
@@ -74,15 +74,15 @@ typedef struct RfModelLight
         RF_MODEL_DIRECTIONAL
     } kind;
     float color[3], intensity;
-    float inner_angle, outer_angle; // radians, of spots
+    float inner_angle, outer_angle; // of a spot's cone, radians
     int node;
 } RfModelLight;
 
-// A place in the hierarchy with any number of meshes.
+// A node of the hierarchy with any number of meshes.
 typedef struct RfModelNode
 {
     char* name;
-    int parent; // lower than its own index, or −1
+    int parent; // a lower index than its own, or −1
     RfMat4 matrix;
     int mesh_count;
     int* meshes;
@@ -99,10 +99,10 @@ typedef struct RfModel
     RfModelNode* nodes;
 } RfModel;
 
-// White, rough, no metal, no images.
+// A white, rough dielectric without images.
 RfModelMaterial rf_default_model_material( void );
 
-// Frees all of it and clears the struct.
+// Frees all arrays and clears the struct.
 void rf_destroy_model( RfModel* model );
 
 #endif

@@ -1,4 +1,4 @@
-// Faces and strips of PLY as triangles.
+// Triangulates the faces and strips of PLY.
 #include "convert/ply_reader.h"
 #include "convert/polygon.h"
 
@@ -7,7 +7,7 @@
 #include <string.h>
 
 #define MAX_TRIANGLES ( 1u << 28 )
-#define MAX_CORNERS 65536 // of a polygon
+#define MAX_CORNERS 65536 // per polygon
 #define CUT_STEPS_PER_CORNER 64
 
 static bool reserve_corners( RfPlyReader* r, uint32_t count )
@@ -75,13 +75,13 @@ static RfResult read_polygon( RfPlyReader* r, const RfPlyProperty* property, uin
     RfCut cut = rf_cut_polygon( r->mesh->positions, r->corners, count, r->cut, &r->cut_steps );
     if ( cut == RF_CUT_GIVEN_UP )
         return rf_fail( r->file.error, RF_ERROR_UNSUPPORTED,
-                        "%s: face %llu of %u corners takes too long to cut: cut it into triangles first", r->file.path,
+                        "%s: face %llu of %u corners takes too long to triangulate: triangulate it first", r->file.path,
                         (unsigned long long)face, count );
     r->crossed += cut == RF_CUT_CROSSED;
     return append( r, count - 2 );
 }
 
-// The list of vertices that an element has.
+// Finds the list of vertex indices of an element.
 static RfResult find_corners( const RfPlyReader* r, const RfPlyElement* element, int* list )
 {
     *list = -1;
@@ -111,14 +111,14 @@ RfResult rf_ply_read_faces( RfPlyReader* r, const RfPlyElement* element )
     return result;
 }
 
-// A corner of a strip: `at` of them came before it since the last -1, of which
-// the last two are in r->corners.
+// Adds a corner to a strip: `at` corners came before it since the last -1, the last two of
+// which are in r->corners.
 static RfResult add_corner( RfPlyReader* r, uint32_t corner, uint32_t at )
 {
     uint32_t a = r->corners[0], b = r->corners[1];
     r->corners[0] = at > 0 ? b : corner;
     r->corners[1] = corner;
-    if ( at < 2 || a == b || b == corner || a == corner ) // strips turn corners by triangles without area
+    if ( at < 2 || a == b || b == corner || a == corner ) // strips contain degenerate triangles to change direction
         return RF_OK;
     r->cut[0] = at % 2 == 0 ? a : b;
     r->cut[1] = at % 2 == 0 ? b : a;

@@ -1,4 +1,4 @@
-// Inside of the PLY reader: the header, and values of the body one by one.
+// Internal to the PLY reader: the header, and single values of the body.
 #ifndef REFRAME_CONVERT_PLY_FILE_H
 #define REFRAME_CONVERT_PLY_FILE_H
 
@@ -53,34 +53,33 @@ typedef struct RfPlyFile
     const char* path;
     const uint8_t* bytes;
     size_t size;
-    size_t at;     // next byte
-    uint64_t line; // of it, in the header and in ascii bodies
+    size_t at;     // offset of the next byte
+    uint64_t line; // its line number, in the header and in ASCII bodies
     RfPlyFormat format;
     int element_count;
     RfPlyElement elements[RF_PLY_MAX_ELEMENTS];
     RfError* error;
 } RfPlyFile;
 
-// Reads the header; `at` is the body's first byte then.
+// Reads the header and leaves `at` at the first byte of the body.
 RfResult rf_ply_read_header( RfPlyFile* file );
 
-// One value. In ascii bodies the next word.
+// Reads one value; in ASCII bodies the next word.
 RfResult rf_ply_read_value( RfPlyFile* file, RfPlyType type, double* value );
 
-// The length of a list, of which `type` says what follows: as many values can
-// still be in the file.
+// Reads the length of a list and checks it against the bytes left in the file.
 RfResult rf_ply_read_count( RfPlyFile* file, const RfPlyProperty* property, uint32_t* count );
 
-// Are there bytes enough left for all of an element? (For its lists: if empty.)
+// Fails if too few bytes are left for all items of an element, taking lists as empty.
 RfResult rf_ply_check_element( const RfPlyFile* file, const RfPlyElement* element );
 
-// Reads past one property.
+// Skips one property.
 RfResult rf_ply_skip( RfPlyFile* file, const RfPlyProperty* property );
 
-// Fails where something follows the last element; blanks may in ascii.
+// Fails if anything but ASCII whitespace follows the last element.
 RfResult rf_ply_check_end( RfPlyFile* file );
 
-// One error line: the file, the line or byte, what is wrong, what to do.
+// Fails with RF_ERROR_FORMAT; prefixes the message with the file and the line or byte.
 RfResult rf_ply_fail( const RfPlyFile* file, const char* format, ... ) __attribute__( ( format( printf, 2, 3 ) ) );
 
 #endif

@@ -18,11 +18,11 @@ RfResult rf_ply_fail( const RfPlyFile* file, const char* format, ... )
         snprintf( place, sizeof place, "line %llu", (unsigned long long)file->line );
     else
         snprintf( place, sizeof place, "byte %zu", file->at );
-    return rf_fail( file->error, RF_ERROR_FORMAT, "%s: %s: %s: not a PLY that can be read, write it anew", file->path, place,
+    return rf_fail( file->error, RF_ERROR_FORMAT, "%s: %s: %s: not a readable PLY file, write it again", file->path, place,
                     text );
 }
 
-// The next line of the header without its end, in words.
+// The next line of the header, split into words.
 typedef struct Line
 {
     char text[MAX_LINE];
@@ -42,7 +42,7 @@ static RfResult next_line( RfPlyFile* file, Line* line )
     file->at += length + 1;
     if ( length >= MAX_LINE && memcmp( from, "comment ", 8 ) != 0 && memcmp( from, "obj_info ", 9 ) != 0 )
         return rf_ply_fail( file, "the line is too long" );
-    length = length < MAX_LINE ? length : MAX_LINE - 1; // of a comment the first word counts
+    length = length < MAX_LINE ? length : MAX_LINE - 1; // only the first word of a comment matters
     memcpy( line->text, from, length );
     line->text[length] = 0;
     line->count = 0;
@@ -106,7 +106,7 @@ static RfResult read_element( RfPlyFile* file, const Line* line )
     *element = ( RfPlyElement ){ 0 };
     const char* digits = line->words[2];
     if ( strspn( digits, "0123456789" ) != strlen( digits ) || strlen( digits ) > 18 )
-        return rf_ply_fail( file, "element %.40s: the count '%.20s' is no whole number", line->words[1], digits );
+        return rf_ply_fail( file, "element %.40s: the count '%.20s' is not an integer", line->words[1], digits );
     for ( ; *digits != 0; ++digits )
         element->count = 10 * element->count + (uint64_t)( *digits - '0' );
     file->element_count += 1;
@@ -127,9 +127,9 @@ static RfResult read_property( RfPlyFile* file, const Line* line )
         return rf_ply_fail( file, "property wants a type and a name, or list, two types and a name" );
     const char* type = line->words[line->count - 2];
     if ( !find_type( type, &p->type ) || ( p->is_list && !find_type( line->words[2], &p->count_type ) ) )
-        return rf_ply_fail( file, "the type of property %.40s is not known", line->words[line->count - 1] );
+        return rf_ply_fail( file, "the type of property %.40s is unknown", line->words[line->count - 1] );
     if ( p->is_list && p->count_type >= RF_PLY_FLOAT32 )
-        return rf_ply_fail( file, "the length of list %.40s wants a whole type", line->words[4] );
+        return rf_ply_fail( file, "the length of list %.40s wants an integer type", line->words[4] );
     element->property_count += 1;
     return copy_name( file, line->words[line->count - 1], p->name );
 }
@@ -150,7 +150,7 @@ static RfResult read_line( RfPlyFile* file, const Line* line, bool* has_format )
         return read_element( file, line );
     if ( strcmp( word, "property" ) == 0 )
         return read_property( file, line );
-    return rf_ply_fail( file, "'%.40s' is no word of a header", word );
+    return rf_ply_fail( file, "'%.40s' is not a keyword of a header", word );
 }
 
 RfResult rf_ply_read_header( RfPlyFile* file )

@@ -7,8 +7,8 @@
 #include <string.h>
 
 #define MAX_FILE_BYTES ( (uint64_t)64 << 30 )
-// For cutting polygons: about a second for all of a file, and so many more for
-// each corner (ply_faces.c), that no number of ordinary faces uses them up.
+// Steps for triangulating polygons: enough for about a second per file. Every corner read adds
+// more (ply_faces.c), so that no number of ordinary faces exhausts them.
 #define CUT_STEPS ( (uint64_t)1 << 28 )
 
 static RfResult skip_element( RfPlyReader* r, const RfPlyElement* element )
@@ -44,7 +44,7 @@ static RfResult read_elements( RfPlyReader* r )
     if ( result == RF_OK )
         result = rf_ply_check_end( &r->file );
     if ( result == RF_OK && r->mesh->triangle_count == 0 )
-        return rf_fail( r->file.error, RF_ERROR_FORMAT, "%s: has no faces: points alone are not rendered, make a mesh of them",
+        return rf_fail( r->file.error, RF_ERROR_FORMAT, "%s: has no faces: points alone cannot be rendered, make a mesh of them",
                         r->file.path );
     return result;
 }
@@ -61,7 +61,7 @@ static RfResult make_model( RfModel* model )
         return RF_ERROR_MEMORY;
     }
     model->mesh_count = model->node_count = model->material_count = 1;
-    *model->materials = rf_default_model_material(); // without one glTF has a white metal
+    *model->materials = rf_default_model_material(); // glTF's own default material is a white metal
     *model->nodes = ( RfModelNode ){ .parent = -1, .matrix = rf_mat4_identity(), .mesh_count = 1, .meshes = meshes };
     return RF_OK;
 }
@@ -69,7 +69,7 @@ static RfResult make_model( RfModel* model )
 RfResult rf_read_ply( const char* path, RfModel* model, RfLog* log, RfError* error )
 {
     *model = ( RfModel ){ 0 };
-    RfPlyReader* r = calloc( 1, sizeof *r ); // its tables are large for a stack
+    RfPlyReader* r = calloc( 1, sizeof *r ); // on the heap, since its tables are large
     uint8_t* bytes = NULL;
     if ( r == NULL || make_model( model ) != RF_OK )
     {

@@ -1,4 +1,4 @@
-// Inside of the PLY reader: what its elements are read into.
+// Internal to the PLY reader: its state while reading elements into a mesh.
 #ifndef REFRAME_CONVERT_PLY_READER_H
 #define REFRAME_CONVERT_PLY_READER_H
 
@@ -12,22 +12,23 @@ typedef struct RfPlyReader
     RfModelMesh* mesh;
     bool has_vertices;
     size_t triangle_room;
-    uint32_t *corners, *cut; // of the polygon at hand
+    uint32_t *corners, *cut; // the current polygon and its triangles
     uint32_t corner_room;
-    uint64_t cut_steps;        // left
-    uint64_t dropped, crossed; // faces and strips of less than three corners; faces that cross themselves
-    uint64_t clamped;          // colours
+    uint64_t cut_steps;        // left, see rf_cut_polygon
+    uint64_t dropped, crossed; // faces and strips of fewer than three corners; self-intersecting faces
+    uint64_t clamped;          // colours outside [0, 1]
 } RfPlyReader;
 
-// ply_vertices.c
+// Reads the "vertex" element (ply_vertices.c).
 RfResult rf_ply_read_vertices( RfPlyReader* r, const RfPlyElement* element );
-// After the last element: what of the vertices needs all of them, and warnings.
+
+// Post-processes the vertices after the last element, and warns.
 void rf_ply_finish_vertices( RfPlyReader* r );
 
-// ply_faces.c
+// Reads the "face" element (ply_faces.c).
 RfResult rf_ply_read_faces( RfPlyReader* r, const RfPlyElement* element );
-// Strips of triangles, -1 between them: every corner from the third on makes a
-// triangle with the two before it, every second one turned round.
+
+// Reads triangle strips separated by -1; every second triangle of a strip is flipped.
 RfResult rf_ply_read_strips( RfPlyReader* r, const RfPlyElement* element );
 
 static inline RfResult rf_ply_no_memory( const RfPlyReader* r )

@@ -11,14 +11,13 @@ static const char* const s_type_names[RF_PLY_TYPE_COUNT] = {
     "char", "uchar", "short", "ushort", "int", "uint", "float", "double"
 };
 
-// The fewest bytes that one value takes: in ascii a digit and what parts it
-// from the next.
+// The minimum size of a value: in ASCII a digit and a separator.
 static uint64_t least_bytes( const RfPlyFile* file, RfPlyType type ) { return file->format == RF_PLY_ASCII ? 2 : s_sizes[type]; }
 
 static bool is_space( uint8_t c ) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
 
-// The digits after and before a point as one number, and a power of ten. False
-// where the word is none.
+// Parses the digits before and after the point as one number, times a power of ten. False if
+// the word is not a number.
 static bool parse_decimal( const char* word, double* value )
 {
     static const double s_tens[] = { 1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,  1e10, 1e11,
@@ -66,7 +65,7 @@ static bool parse_decimal( const char* word, double* value )
     else if ( exponent < 0 && exponent >= -22 )
         v /= s_tens[-exponent];
     else if ( v != 0.0 )
-        v = exp( log( v ) + exponent * 2.302585092994045684 ); // beyond any model's range: some digits less
+        v = exp( log( v ) + exponent * 2.302585092994045684 ); // beyond the range of any model: precision does not matter
     *value = *word == '-' ? -v : v;
     return *at == 0;
 }
@@ -117,10 +116,10 @@ static double decode( RfPlyType type, const uint8_t* bytes )
     return 0.0;
 }
 
-// Of whole types.
+// True if an integer type can hold the value.
 static bool fits( RfPlyType type, double value )
 {
-    double half = ldexp( 1.0, 8 * s_sizes[type] - 1 ); // of all values
+    double half = ldexp( 1.0, 8 * s_sizes[type] - 1 ); // half the number of values
     bool is_signed = type == RF_PLY_INT8 || type == RF_PLY_INT16 || type == RF_PLY_INT32;
     return is_signed ? value >= -half && value < half : value >= 0.0 && value < 2.0 * half;
 }
@@ -132,9 +131,9 @@ RfResult rf_ply_read_value( RfPlyFile* file, RfPlyType type, double* value )
         char word[MAX_WORD];
         RfResult result = read_word( file, word );
         if ( result == RF_OK && !parse_decimal( word, value ) )
-            return rf_ply_fail( file, "'%.40s' is no number", word );
+            return rf_ply_fail( file, "'%.40s' is not a number", word );
         if ( result == RF_OK && type < RF_PLY_FLOAT32 && *value != floor( *value ) )
-            return rf_ply_fail( file, "'%.40s' is no whole number", word );
+            return rf_ply_fail( file, "'%.40s' is not an integer", word );
         if ( result == RF_OK && type < RF_PLY_FLOAT32 && !fits( type, *value ) )
             return rf_ply_fail( file, "'%.40s' does not fit into %s", word, s_type_names[type] );
         return result;
@@ -158,7 +157,7 @@ RfResult rf_ply_read_count( RfPlyFile* file, const RfPlyProperty* property, uint
         return result;
     uint64_t room = ( file->size - file->at + 1 ) / least_bytes( file, property->type );
     if ( !( value >= 0.0 && value <= (double)room && value < 4294967295.0 ) )
-        return rf_ply_fail( file, "list %s has a length of %.0f, more than the file holds or less than nothing", property->name,
+        return rf_ply_fail( file, "list %s has a length of %.0f, which is negative or more than the file holds", property->name,
                             value );
     *count = (uint32_t)value;
     return RF_OK;
@@ -166,7 +165,7 @@ RfResult rf_ply_read_count( RfPlyFile* file, const RfPlyProperty* property, uint
 
 RfResult rf_ply_check_element( const RfPlyFile* file, const RfPlyElement* element )
 {
-    uint64_t bytes = 0, left = file->size - file->at + 1; // the last word of an ascii file needs nothing after it
+    uint64_t bytes = 0, left = file->size - file->at + 1; // the last word of an ASCII file needs no separator
     for ( int i = 0; i < element->property_count; ++i )
         bytes +=
             least_bytes( file, element->properties[i].is_list ? element->properties[i].count_type : element->properties[i].type );

@@ -1,4 +1,4 @@
-// Vertices of PLY: places, normals, texture coordinates, colours.
+// Vertices of PLY: positions, normals, texture coordinates, colours.
 #include "convert/ply_reader.h"
 #include "image/decode.h"
 
@@ -8,7 +8,7 @@
 
 #define MAX_VERTICES ( 1u << 30 )
 
-// Where the values of a vertex go.
+// The destination of a vertex property.
 typedef struct Slot
 {
     float* values;
@@ -40,7 +40,7 @@ static int find( const RfPlyElement* element, const char* const* names )
     return -1;
 }
 
-// An array for the properties, which must all be there; NULL where they are not.
+// Allocates an array for a group of properties if all of them exist, else NULL.
 static RfResult bind( RfPlyReader* r, const RfPlyElement* element, const char* const names[][4], int count, int stride,
                       bool colour, float** values, Slot* slots )
 {
@@ -58,7 +58,7 @@ static RfResult bind( RfPlyReader* r, const RfPlyElement* element, const char* c
     {
         RfPlyType type = element->properties[properties[k]].type;
         if ( colour && type != RF_PLY_UINT8 && type != RF_PLY_UINT16 && type < RF_PLY_FLOAT32 )
-            return rf_ply_fail( &r->file, "property %s wants uchar, ushort or float: what is white is not known else",
+            return rf_ply_fail( &r->file, "property %s wants uchar, ushort or float: the white value of other types is undefined",
                                 names[k][0] );
         slots[properties[k]] = ( Slot ){ *values, stride,
                                          k,       colour ? colour_scale( type ) : 1.0f,
@@ -97,9 +97,9 @@ static RfResult store( RfPlyReader* r, const RfPlyProperty* property, const Slot
     if ( result != RF_OK )
         return result;
     if ( !( fabs( value ) <= 3e38 ) )
-        return rf_ply_fail( &r->file, "%s of vertex %llu is no finite number", property->name, (unsigned long long)i );
+        return rf_ply_fail( &r->file, "%s of vertex %llu is not a finite number", property->name, (unsigned long long)i );
     float f = (float)value * slot->scale;
-    if ( slot->colour && !( f >= 0.0f && f <= 1.0f ) ) // glTF has none such
+    if ( slot->colour && !( f >= 0.0f && f <= 1.0f ) ) // glTF colours are limited to 0 to 1
     {
         f = f > 1.0f ? 1.0f : 0.0f;
         r->clamped += 1;
@@ -112,7 +112,7 @@ RfResult rf_ply_read_vertices( RfPlyReader* r, const RfPlyElement* element )
 {
     Slot slots[RF_PLY_MAX_PROPERTIES] = { { 0 } };
     if ( r->has_vertices )
-        return rf_ply_fail( &r->file, "has two elements of the name vertex" );
+        return rf_ply_fail( &r->file, "has two elements named vertex" );
     r->has_vertices = true;
     if ( element->count > MAX_VERTICES )
         return rf_fail( r->file.error, RF_ERROR_UNSUPPORTED, "%s: has more than %u vertices: split it", r->file.path,
@@ -130,7 +130,7 @@ RfResult rf_ply_read_vertices( RfPlyReader* r, const RfPlyElement* element )
     return result;
 }
 
-// To unit length, or all are left out: the mesh is flat then. And v runs down.
+// Normalises the normals, or drops them all so that the mesh is flat-shaded; flips v.
 void rf_ply_finish_vertices( RfPlyReader* r )
 {
     RfModelMesh* m = r->mesh;
@@ -145,7 +145,7 @@ void rf_ply_finish_vertices( RfPlyReader* r )
     }
     if ( m->normals != NULL && !whole )
     {
-        rf_warn( r->log, "%s: a normal has no direction: all normals are left out", r->file.path );
+        rf_warn( r->log, "%s: a normal has length 0: all normals are left out", r->file.path );
         free( m->normals );
         m->normals = NULL;
     }
@@ -154,9 +154,9 @@ void rf_ply_finish_vertices( RfPlyReader* r )
     if ( r->dropped > 0 )
         rf_warn( r->log, "%s: %llu faces of less than three corners are left out", r->file.path, (unsigned long long)r->dropped );
     if ( r->clamped > 0 )
-        rf_warn( r->log, "%s: %llu values of colours are not between 0 and 1: taken as the nearer of them", r->file.path,
+        rf_warn( r->log, "%s: %llu colour values are not between 0 and 1: they are clamped", r->file.path,
                  (unsigned long long)r->clamped );
     if ( r->crossed > 0 )
-        rf_warn( r->log, "%s: %llu faces cross themselves: they are cut as they come", r->file.path,
+        rf_warn( r->log, "%s: %llu faces intersect themselves: their triangulation may be wrong", r->file.path,
                  (unsigned long long)r->crossed );
 }

@@ -4,8 +4,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-// Two coordinates of a corner, the third being the one along which the mean
-// normal is longest; `sign` makes counter-clockwise positive.
+// Projection along the axis in which the mean normal is longest, onto two coordinates; `sign`
+// makes counter-clockwise positive.
 typedef struct Plane
 {
     const float* positions;
@@ -13,7 +13,7 @@ typedef struct Plane
     double sign;
 } Plane;
 
-// Newell's normal: twice the area on each coordinate plane.
+// Newell's method: the normal's components are twice the projected areas.
 static Plane find_plane( const float* positions, const uint32_t* corners, uint32_t count )
 {
     double n[3] = { 0 };
@@ -32,7 +32,7 @@ static Plane find_plane( const float* positions, const uint32_t* corners, uint32
     return ( Plane ){ positions, ( axis + 1 ) % 3, ( axis + 2 ) % 3, n[axis] < 0.0 ? -1.0 : 1.0 };
 }
 
-// Twice the area of a triangle; below 0 where it turns the wrong way.
+// Twice the signed area of a triangle; negative if it has the opposite winding.
 static double area( const Plane* plane, uint32_t a, uint32_t b, uint32_t c )
 {
     const float *p = plane->positions + 3 * (size_t)a, *q = plane->positions + 3 * (size_t)b,
@@ -52,7 +52,7 @@ static bool is_convex( const Plane* plane, const uint32_t* corners, uint32_t cou
     return true;
 }
 
-// Does corner i stick out, with no other corner inside?
+// True if corner i is convex and no other corner is inside its triangle.
 static bool is_ear( const Plane* plane, const uint32_t* corners, uint32_t count, uint32_t i )
 {
     uint32_t a = corners[( i + count - 1 ) % count], b = corners[i], c = corners[( i + 1 ) % count];
@@ -69,7 +69,7 @@ static bool is_ear( const Plane* plane, const uint32_t* corners, uint32_t count,
     return true;
 }
 
-static uint32_t* put( uint32_t* triangles, uint32_t a, uint32_t b, uint32_t c )
+static uint32_t* put_triangle( uint32_t* triangles, uint32_t a, uint32_t b, uint32_t c )
 {
     triangles[0] = a;
     triangles[1] = b;
@@ -80,10 +80,10 @@ static uint32_t* put( uint32_t* triangles, uint32_t a, uint32_t b, uint32_t c )
 static void fan( const uint32_t* corners, uint32_t count, uint32_t* triangles )
 {
     for ( uint32_t i = 1; i + 1 < count; ++i )
-        triangles = put( triangles, corners[0], corners[i], corners[i + 1] );
+        triangles = put_triangle( triangles, corners[0], corners[i], corners[i + 1] );
 }
 
-// The first ear; `count` where there is none or the steps are used up.
+// Finds the first ear; returns `count` if there is none or the steps ran out.
 static uint32_t find_ear( const Plane* plane, const uint32_t* corners, uint32_t count, uint64_t* steps )
 {
     for ( uint32_t i = 0; i < count; ++i )
@@ -118,10 +118,10 @@ RfCut rf_cut_polygon( const float* positions, uint32_t* corners, uint32_t count,
             fan( corners, count, triangles );
             return RF_CUT_CROSSED;
         }
-        triangles = put( triangles, corners[( i + count - 1 ) % count], corners[i], corners[( i + 1 ) % count] );
+        triangles = put_triangle( triangles, corners[( i + count - 1 ) % count], corners[i], corners[( i + 1 ) % count] );
         for ( --count; i < count; ++i )
             corners[i] = corners[i + 1];
     }
-    put( triangles, corners[0], corners[1], corners[2] );
+    put_triangle( triangles, corners[0], corners[1], corners[2] );
     return RF_CUT_WHOLE;
 }

@@ -1,4 +1,4 @@
-// Polygons in space as triangles.
+// Triangulates polygons in space.
 #ifndef REFRAME_CONVERT_POLYGON_H
 #define REFRAME_CONVERT_POLYGON_H
 
@@ -7,15 +7,15 @@
 typedef enum RfCut
 {
     RF_CUT_WHOLE,
-    RF_CUT_CROSSED, // no ear was left, as it crosses itself: the rest is a fan
-    RF_CUT_GIVEN_UP // no steps are left
+    RF_CUT_CROSSED, // self-intersecting, no ear left: the rest became a fan
+    RF_CUT_GIVEN_UP // ran out of steps
 } RfCut;
 
-// Cuts the polygon of `count` ≥ 3 corners (numbers of positions, 3 floats each)
-// into count − 2 triangles, 3 corners each, of the same sense: a fan where it
-// is convex, else ear by ear, seen along its mean normal. `corners` is used up.
-// Ears are found by trying, up to count³ steps: they are taken from `*steps`,
-// and without any left the triangles are not to be used.
+// Triangulates a polygon of `count` ≥ 3 corners (indices into positions, 3 floats
+// each) into count − 2 triangles of the same winding: as a fan if it is convex, else by
+// ear clipping in the plane of its mean normal. Overwrites `corners`. Ear clipping takes
+// up to count³ steps, which are subtracted from `*steps`; when these run out the
+// triangles are invalid.
 RfCut rf_cut_polygon( const float* positions, uint32_t* corners, uint32_t count, uint32_t* triangles, uint64_t* steps );
 
 #endif

@@ -17,7 +17,7 @@ RfResult rf_apply_root_transform( RfModel* model, bool z_up, double scale, RfErr
     for ( int i = 0; i < model->node_count; ++i )
     {
         nodes[i + 1] = model->nodes[i];
-        nodes[i + 1].parent += 1; // the roots' −1 is the new node
+        nodes[i + 1].parent += 1; // the −1 of former roots becomes 0, the new node
     }
     free( model->nodes );
     model->nodes = nodes;

@@ -1,21 +1,22 @@
-// A model turned and scaled as a whole, and its counts.
+// Rotates and scales a whole model; counts its parts.
 #ifndef REFRAME_CONVERT_ROOT_TRANSFORM_H
 #define REFRAME_CONVERT_ROOT_TRANSFORM_H
 
 #include "convert/model.h"
 
-// Puts one more node above all roots: scales by `scale` and, with `z_up`, turns
-// a model whose z is up so that its y is. Nothing where there is nothing to do.
-// RF_ERROR_MEMORY leaves the model as it was.
+// Adds a root node above all others that scales by `scale` and, with `z_up`, rotates a
+// Z-up model to Y-up. Adds none for the identity. RF_ERROR_MEMORY leaves the model
+// unchanged.
 RfResult rf_apply_root_transform( RfModel* model, bool z_up, double scale, RfError* error );
 
-// What is in a model, instances counted once.
+// The contents of a model; instances count once.
 typedef struct RfModelCounts
 {
     unsigned long long triangles;
     int meshes, nodes, materials, images, cameras, lights;
 } RfModelCounts;
 
+// Counts the parts of a model.
 RfModelCounts rf_count_model( const RfModel* model );
 
 #endif

@@ -15,13 +15,13 @@
 
 #define EXPORT_INSTEAD "export it as glTF (.glb) from the program it came from"
 
-// What the importer says, on its standard error, a line each: "warning: …",
-// "error: …" and at the end "counts: …". More than this is read and forgotten.
-typedef struct Talk
+// The importer's standard error, line by line: "warning: …", "error: …" and finally "counts:
+// …". Output beyond this size is discarded.
+typedef struct Messages
 {
     char text[32768];
     size_t size;
-} Talk;
+} Messages;
 
 typedef enum End
 {
@@ -36,7 +36,7 @@ RfResult rf_find_importer( char* path, size_t size, RfError* error )
     char self[4096];
     ssize_t length = readlink( "/proc/self/exe", self, sizeof self - 1 );
     if ( length <= 0 )
-        return rf_fail( error, RF_ERROR_IO, "reframe-import: cannot be looked for: /proc is not there: mount it" );
+        return rf_fail( error, RF_ERROR_IO, "reframe-import: cannot be found: /proc is missing: mount it" );
     self[length] = 0;
     char* slash = strrchr( self, '/' );
     if ( slash != NULL )
@@ -54,23 +54,23 @@ RfResult rf_find_importer( char* path, size_t size, RfError* error )
                     self );
 }
 
-// In the child. The result goes into the open file by standard output, so that
-// the importer needs no name to write to. Only calls that are safe after fork.
-static void become_importer( const RfImporterRun* run, int out, int talk, char* const* arguments )
+// Runs in the child. The result is written to standard output, which is the open file, so that
+// the importer needs no file name. Only async-signal-safe calls.
+static void become_importer( const RfImporterRun* run, int out, int messages, char* const* arguments )
 {
     int nothing = open( "/dev/null", O_RDONLY );
     signal( SIGXFSZ, SIG_IGN );
-    if ( nothing >= 0 && dup2( nothing, 0 ) >= 0 && dup2( out, 1 ) >= 0 && dup2( talk, 2 ) >= 0 )
+    if ( nothing >= 0 && dup2( nothing, 0 ) >= 0 && dup2( out, 1 ) >= 0 && dup2( messages, 2 ) >= 0 )
         execv( run->program, arguments );
     _exit( 127 );
 }
 
-static RfResult start( const RfImporterRun* run, int out, pid_t* child, int* talk, RfError* error )
+static RfResult start( const RfImporterRun* run, int out, pid_t* child, int* messages, RfError* error )
 {
     char memory[32], seconds[32], scale[32];
     snprintf( memory, sizeof memory, "%zu", run->memory );
     snprintf( seconds, sizeof seconds, "%.0f", run->seconds < 1.0 ? 1.0 : run->seconds );
-    // the bits of the number: no locale and no rounding in between
+    // the bit pattern of the number avoids locales and rounding
     unsigned long long bits;
     memcpy( &bits, &run->scale, sizeof bits );
     snprintf( scale, sizeof scale, "%llx", bits );
@@ -85,28 +85,28 @@ static RfResult start( const RfImporterRun* run, int out, pid_t* child, int* tal
         become_importer( run, out, ends[1], arguments );
     int failure = errno;
     close( ends[1] );
-    *talk = ends[0];
+    *messages = ends[0];
     if ( *child > 0 )
         return RF_OK;
     close( ends[0] );
     return rf_fail( error, RF_ERROR_IO, "%s: the importer cannot be started: %s", run->source, strerror( failure ) );
 }
 
-// Reads what is there; false at the end.
-static bool listen_once( int fd, Talk* talk )
+// Reads the available output; false at its end.
+static bool read_available( int fd, Messages* messages )
 {
     char bytes[4096];
     ssize_t count = read( fd, bytes, sizeof bytes );
     if ( count < 0 )
         return errno == EINTR || errno == EAGAIN;
-    size_t room = sizeof talk->text - 1 - talk->size, taken = (size_t)count < room ? (size_t)count : room;
-    memcpy( talk->text + talk->size, bytes, taken );
-    talk->size += taken;
+    size_t room = sizeof messages->text - 1 - messages->size, taken = (size_t)count < room ? (size_t)count : room;
+    memcpy( messages->text + messages->size, bytes, taken );
+    messages->size += taken;
     return count > 0;
 }
 
-// Waits for the end and brings it about where it does not come.
-static End wait_for( const RfImporterRun* run, pid_t child, int fd, Talk* talk, int* status )
+// Waits for the child to exit, and kills it at a limit or an interrupt.
+static End wait_for( const RfImporterRun* run, pid_t child, int fd, Messages* messages, int* status )
 {
     double deadline = rf_wall_seconds() + run->seconds;
     End end = END_EXIT;
@@ -115,12 +115,12 @@ static End wait_for( const RfImporterRun* run, pid_t child, int fd, Talk* talk, 
     {
         struct pollfd poll_fd = { .fd = open ? fd : -1, .events = POLLIN };
         if ( poll( &poll_fd, 1, 20 ) > 0 )
-            open = listen_once( fd, talk );
+            open = read_available( fd, messages );
         pid_t ended = waitpid( child, status, WNOHANG );
         if ( ended == child || ( ended < 0 && errno != EINTR ) )
             break;
         if ( end != END_EXIT )
-            continue; // killed already
+            continue; // already killed
         if ( run->is_interrupted != NULL && run->is_interrupted() )
             end = END_INTERRUPT;
         else if ( rf_wall_seconds() > deadline )
@@ -131,16 +131,16 @@ static End wait_for( const RfImporterRun* run, pid_t child, int fd, Talk* talk, 
     fcntl( fd, F_SETFL, O_NONBLOCK );
     struct pollfd rest = { .fd = fd, .events = POLLIN };
     while ( open && poll( &rest, 1, 0 ) > 0 )
-        open = listen_once( fd, talk );
+        open = read_available( fd, messages );
     return end;
 }
 
-// Sends the warnings to the log; returns the error line, or NULL.
-static const char* read_talk( Talk* talk, RfModelCounts* counts, RfLog* log )
+// Sends the warnings to the log; returns the error message, or NULL.
+static const char* read_messages( Messages* messages, RfModelCounts* counts, RfLog* log )
 {
     const char* failure = NULL;
-    talk->text[talk->size] = 0;
-    char* rest = talk->text;
+    messages->text[messages->size] = 0;
+    char* rest = messages->text;
     for ( char* line = strtok_r( rest, "\n", &rest ); line != NULL; line = strtok_r( NULL, "\n", &rest ) )
     {
         if ( strncmp( line, "warning: ", 9 ) == 0 )
@@ -154,7 +154,7 @@ static const char* read_talk( Talk* talk, RfModelCounts* counts, RfLog* log )
     return failure;
 }
 
-static RfResult judge( const RfImporterRun* run, End end, int status, bool no_memory, const char* failure, RfError* error )
+static RfResult report_end( const RfImporterRun* run, End end, int status, bool no_memory, const char* failure, RfError* error )
 {
     const char* source = run->source;
     if ( end == END_INTERRUPT )
@@ -191,13 +191,13 @@ RfResult rf_run_importer( const RfImporterRun* run, RfModelCounts* counts, RfLog
     result = start( run, file.fd, &child, &fd, error );
     if ( result == RF_OK )
     {
-        Talk talk = { .size = 0 };
-        End end = wait_for( run, child, fd, &talk, &status );
+        Messages messages = { .size = 0 };
+        End end = wait_for( run, child, fd, &messages, &status );
         close( fd );
-        talk.text[talk.size] = 0;
-        bool no_memory = strstr( talk.text, "bad_alloc" ) != NULL || strstr( talk.text, "out of memory" ) != NULL;
-        const char* failure = read_talk( &talk, counts, log );
-        result = judge( run, end, status, no_memory, failure, error );
+        messages.text[messages.size] = 0;
+        bool no_memory = strstr( messages.text, "bad_alloc" ) != NULL || strstr( messages.text, "out of memory" ) != NULL;
+        const char* failure = read_messages( &messages, counts, log );
+        result = report_end( run, end, status, no_memory, failure, error );
     }
     if ( result == RF_OK )
         return rf_commit_atomic_file( &file, error );

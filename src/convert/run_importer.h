@@ -1,5 +1,5 @@
-// The importer of other formats, a program of its own (src/import): whatever a
-// file does to it (crash, hang, all memory taken) is an error here and no more.
+// Runs the importer of other formats in a process of its own (src/import), so that
+// a malformed file that makes it crash, hang or run out of memory is only an error.
 #ifndef REFRAME_CONVERT_RUN_IMPORTER_H
 #define REFRAME_CONVERT_RUN_IMPORTER_H
 
@@ -9,21 +9,21 @@ typedef struct RfImporterRun
 {
     const char* program; // path of reframe-import, see rf_find_importer
     const char* source;
-    const char* target; // written whole or not at all, replaced where it is there
-    size_t memory;      // bytes of address space it may take
-    double seconds;     // of wall clock, then it is killed
+    const char* target; // written atomically, replaced if it exists
+    size_t memory;      // limit of its address space, bytes
+    double seconds;     // limit of wall-clock time, after which it is killed
     bool z_up;
     double scale;
-    bool ( *is_interrupted )( void ); // asked several times a second; or NULL
+    bool ( *is_interrupted )( void ); // polled several times a second; or NULL
 } RfImporterRun;
 
-// Runs it and waits; no process is left whatever happens. Its warnings go to
-// the log. RF_ERROR_FORMAT where the importer refuses the file or dies of it,
-// RF_ERROR_MEMORY, RF_ERROR_INTERRUPTED; nothing is written then.
+// Runs the importer and waits for it to end; never leaves a process behind. Its
+// warnings go to the log. Fails with RF_ERROR_FORMAT if the importer rejects the file or
+// crashes, RF_ERROR_MEMORY or RF_ERROR_INTERRUPTED, and then writes nothing.
 RfResult rf_run_importer( const RfImporterRun* run, RfModelCounts* counts, RfLog* log, RfError* error );
 
-// Looks for reframe-import beside the running program, then in ../libexec/reframe
-// and ../lib/reframe from there.
+// Finds reframe-import beside the running program, or relative to it in
+// ../libexec/reframe or ../lib/reframe.
 RfResult rf_find_importer( char* path, size_t size, RfError* error );
 
 #endif

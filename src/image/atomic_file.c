@@ -75,8 +75,8 @@ static RfResult open_folder( RfAtomicFile* file, char* path, RfError* error )
     return RF_OK;
 }
 
-// The name tells whose file it is, has a leading dot so that no sequence
-// pattern meets it, and is short, so that it fits wherever the final name does.
+// The name contains the process id. Its leading dot keeps it out of sequence patterns, and it
+// is short so that it fits wherever the final name does.
 static RfResult create_temporary( RfAtomicFile* file, mode_t mode, RfError* error )
 {
     static atomic_uint counter;
@@ -89,7 +89,7 @@ static RfResult create_temporary( RfAtomicFile* file, mode_t mode, RfError* erro
     if ( file->fd < 0 )
         return rf_fail_io( file->path, "cannot be written", errno, error );
     if ( mode != 0 )
-        (void)fchmod( file->fd, mode ); // a courtesy: an overwritten file keeps its permissions
+        (void)fchmod( file->fd, mode ); // an overwritten file keeps its permissions; failure does not matter
     return RF_OK;
 }
 
@@ -100,7 +100,7 @@ RfResult rf_open_atomic_file( const char* path, RfAtomicFile* file, RfError* err
     bool exists = stat( path, &status ) == 0;
     if ( exists && S_ISREG( status.st_mode ) == 0 )
         return rf_fail( error, RF_ERROR_IO, "%s: is %s: choose another name", path,
-                        S_ISDIR( status.st_mode ) ? "a folder" : "no regular file" );
+                        S_ISDIR( status.st_mode ) ? "a folder" : "not a regular file" );
     char* resolved = exists ? realpath( path, NULL ) : strdup( path );
     if ( resolved == NULL )
         return rf_fail_io( path, "cannot be written", errno, error );
@@ -138,7 +138,7 @@ void rf_discard_atomic_file( RfAtomicFile* file )
 RfResult rf_commit_atomic_file( RfAtomicFile* file, RfError* error )
 {
     int failure = sync_all( file->fd );
-    // close reports what a network file system could not keep
+    // network file systems may report lost data only on close
     if ( close( file->fd ) != 0 && failure == 0 && errno != EINTR )
         failure = errno;
     file->fd = -1;
@@ -152,9 +152,9 @@ RfResult rf_commit_atomic_file( RfAtomicFile* file, RfError* error )
     failure = sync_all( file->folder );
     close( file->folder );
     file->folder = -1;
-    // some file systems have no fsync for folders and say so by EINVAL
+    // some file systems do not support fsync for folders and return EINVAL
     if ( failure != 0 && failure != EINVAL )
-        return rf_fail_io( file->path, "is written, but its folder could not be saved", failure, error );
+        return rf_fail_io( file->path, "is written, but its folder could not be synced", failure, error );
     return RF_OK;
 }
 

@@ -10,7 +10,7 @@ typedef struct Kind
 {
     const char* magic;
     size_t length, offset;
-    RfResult ( *decode )( const RfEncoded* in, RfPixels* out, RfError* error ); // NULL: refused
+    RfResult ( *decode )( const RfEncoded* in, RfPixels* out, RfError* error ); // NULL: not supported
     const char* name;
 } Kind;
 
@@ -45,11 +45,11 @@ static size_t sample_size( const RfPixels* pixels )
 RfResult rf_check_sides( const RfEncoded* in, long long width, long long height, RfError* error )
 {
     if ( width < 1 || height < 1 )
-        return rf_fail( error, RF_ERROR_FORMAT, "%s: an image of %lldx%lld pixels cannot be", in->name, width, height );
+        return rf_fail( error, RF_ERROR_FORMAT, "%s: an image of %lldx%lld pixels is not possible", in->name, width, height );
     if ( width > RF_DECODE_MAX_SIDE || height > RF_DECODE_MAX_SIDE )
         return rf_fail( error, RF_ERROR_UNSUPPORTED,
-                        "%s: an image of %lldx%lld pixels, at most %d a side are read: scale it down", in->name, width, height,
-                        RF_DECODE_MAX_SIDE );
+                        "%s: an image of %lldx%lld pixels is too large, the limit is %d per side: scale it down", in->name, width,
+                        height, RF_DECODE_MAX_SIDE );
     return RF_OK;
 }
 
@@ -62,7 +62,7 @@ RfResult rf_create_pixels( const RfEncoded* in, long long width, long long heigh
     uint64_t bytes = (uint64_t)width * (uint64_t)height * (uint64_t)out->channels * sample_size( out );
     if ( bytes > RF_DECODE_MAX_BYTES )
         return rf_fail( error, RF_ERROR_UNSUPPORTED,
-                        "%s: an image of %lldx%lld pixels takes %llu MiB, at most %llu are read: scale it down", in->name, width,
+                        "%s: an image of %lldx%lld pixels takes %llu MiB, the limit is %llu: scale it down", in->name, width,
                         height, (unsigned long long)( bytes >> 20 ), (unsigned long long)( RF_DECODE_MAX_BYTES >> 20 ) );
     out->width = (int)width;
     out->height = (int)height;
@@ -83,12 +83,12 @@ RfResult rf_decode_image( const void* bytes, size_t size, const char* name, RfPi
         if ( size < kind->offset + kind->length || memcmp( in.bytes + kind->offset, kind->magic, kind->length ) != 0 )
             continue;
         if ( kind->decode == NULL )
-            return rf_fail( error, RF_ERROR_UNSUPPORTED, "%s: %s images are not read: store it as PNG, JPEG or EXR", name,
+            return rf_fail( error, RF_ERROR_UNSUPPORTED, "%s: %s images are not supported: store it as PNG, JPEG or EXR", name,
                             kind->name );
         RfResult result = kind->decode( &in, out, error );
         if ( result != RF_OK )
             rf_destroy_pixels( out );
         return result;
     }
-    return rf_fail( error, RF_ERROR_FORMAT, "%s: is no PNG, JPEG, EXR or Radiance HDR image", name );
+    return rf_fail( error, RF_ERROR_FORMAT, "%s: not a PNG, JPEG, EXR or Radiance HDR image", name );
 }

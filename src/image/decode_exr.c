@@ -1,4 +1,4 @@
-// EXR from memory, by the reader that reads files (exr_read.c).
+// EXR from memory, by the reader for files (exr_read.c).
 #include "image/decode_formats.h"
 #include "image/exr_stream.h"
 

@@ -1,5 +1,5 @@
-// Inside of image/decode.c: one decoder per format, each in its own file. They
-// are called with the format's first bytes already seen.
+// Internal to image/decode.c: one decoder per format, each in its own file. They are called
+// after the format has been recognised.
 #ifndef REFRAME_IMAGE_DECODE_FORMATS_H
 #define REFRAME_IMAGE_DECODE_FORMATS_H
 
@@ -9,14 +9,14 @@ typedef struct RfEncoded
 {
     const unsigned char* bytes;
     size_t size;
-    const char* name; // for the error line
+    const char* name; // for messages
 } RfEncoded;
 
-// Fails where the sides of an image are out of bounds.
+// Fails if the size of an image is out of bounds.
 RfResult rf_check_sides( const RfEncoded* in, long long width, long long height, RfError* error );
 
-// Checks the sizes and allocates the data of `out`, whose other members are
-// set; width and height as the file has them.
+// Checks the size (width and height as in the file) and allocates the data of `out`, whose
+// other members are set.
 RfResult rf_create_pixels( const RfEncoded* in, long long width, long long height, RfPixels* out, RfError* error );
 
 RfResult rf_decode_png( const RfEncoded* in, RfPixels* out, RfError* error );

@@ -1,4 +1,4 @@
-// Radiance HDR by stb_image, of which nothing else is compiled in.
+// Radiance HDR by stb_image; its other formats are compiled out.
 #include "image/decode_formats.h"
 
 #include <stdlib.h>
@@ -9,7 +9,7 @@
 #define STBI_MAX_DIMENSIONS RF_DECODE_MAX_SIDE
 #define STB_IMAGE_STATIC
 #define STB_IMAGE_IMPLEMENTATION
-// declared for the formats that are left out, and found unused at the end of the file
+// stb_image declares static functions for formats that are compiled out
 #pragma GCC diagnostic ignored "-Wunused-function"
 #include <stb/stb_image.h>
 
@@ -17,12 +17,12 @@ typedef struct Source
 {
     const RfEncoded* in;
     size_t at;
-    bool cut_off; // more was asked for than there is
+    bool cut_off; // the decoder read past the end
 } Source;
 
-// stb_image does not look for the end of its input, and goes round for ever on
-// the zeros that it takes for what is missing. Past the end it gets 255s here,
-// which move it on in every state, and what it makes of them is thrown away.
+// stb_image does not detect the end of its input and loops forever on zeros in place of
+// missing data. Past the end it gets bytes of 255, which make progress in every state of its
+// parser; the result is discarded.
 static int read_bytes( void* user, char* data, int size )
 {
     Source* source = user;
@@ -31,7 +31,7 @@ static int read_bytes( void* user, char* data, int size )
     memcpy( data, source->in->bytes + source->at, got );
     source->at += got;
     if ( got > 0 && want > 4 )
-        return (int)got; // a buffer to be filled, as far as it goes
+        return (int)got; // fills a buffer as far as the data goes
     memset( data + got, 255, want - got );
     source->cut_off = source->cut_off || got < want;
     return size;
@@ -59,7 +59,7 @@ RfResult rf_decode_hdr( const RfEncoded* in, RfPixels* out, RfError* error )
         return rf_fail( error, RF_ERROR_FORMAT, "%s: damaged HDR: its header cannot be read", in->name );
     out->type = RF_PIXELS_FLOAT;
     out->channels = 3;
-    // for the checks; stb_image allocates by itself
+    // for its checks; stb_image allocates its own memory
     RfResult result = rf_create_pixels( in, width, height, out, error );
     if ( result != RF_OK )
         return result;

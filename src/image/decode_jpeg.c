@@ -1,5 +1,5 @@
-// JPEG by libjpeg(-turbo). Its own error handler calls exit, ours jumps back;
-// and what it only warns of, filling in grey for what is missing, is an error.
+// JPEG by libjpeg(-turbo). Its own error handler calls exit, so ours uses longjmp. Warnings
+// about damaged data, for which libjpeg fills in grey, are treated as errors.
 #include "image/decode_formats.h"
 
 #include <setjmp.h>
@@ -10,17 +10,17 @@
 #include <jpeglib.h>
 #include <jerror.h>
 
-// A progressive file of a few bytes may have any number of scans, each of which
-// goes over the whole image.
+// A progressive file of a few bytes may claim any number of scans, each of which processes the
+// whole image.
 #define MAX_SCANS 200
 
-// A block of 8x8 pixels takes a bit at least: what promises more pixels for its
-// bytes is cut off, and not worth the memory it asks for.
+// A block of 8×8 pixels takes at least one bit: a file that claims more pixels for its size is
+// truncated, and not worth the memory.
 #define MAX_PIXELS_PER_BYTE 1024
 
 typedef struct Reader
 {
-    struct jpeg_decompress_struct jpeg; // first: the callbacks get its address
+    struct jpeg_decompress_struct jpeg; // first member: callbacks cast its address
     struct jpeg_error_mgr handlers;
     struct jpeg_progress_mgr progress;
     const RfEncoded* in;
@@ -36,13 +36,13 @@ static void stop( j_common_ptr jpeg )
     char message[JMSG_LENGTH_MAX] = "";
     jpeg->err->format_message( jpeg, message );
     bool memory = jpeg->err->msg_code == JERR_OUT_OF_MEMORY;
-    if ( reader->result == RF_OK ) // else the line is already there
+    if ( reader->result == RF_OK ) // else the message is already set
         reader->result = rf_fail( reader->error, memory ? RF_ERROR_MEMORY : RF_ERROR_FORMAT, "%s: damaged JPEG: %s",
                                   reader->in->name, message );
     longjmp( reader->back, 1 );
 }
 
-// Level −1 is a warning that the data is damaged; some are harmless.
+// Level −1 warns of damaged data; some of these warnings are harmless.
 static void on_message( j_common_ptr jpeg, int level )
 {
     int code = jpeg->err->msg_code;
@@ -58,7 +58,7 @@ static void on_progress( j_common_ptr jpeg )
     Reader* reader = (Reader*)jpeg;
     if ( reader->jpeg.input_scan_number <= MAX_SCANS )
         return;
-    reader->result = rf_fail( reader->error, RF_ERROR_UNSUPPORTED, "%s: a JPEG of more than %d scans: store it anew",
+    reader->result = rf_fail( reader->error, RF_ERROR_UNSUPPORTED, "%s: a JPEG of more than %d scans: encode it again",
                               reader->in->name, MAX_SCANS );
     longjmp( reader->back, 1 );
 }
@@ -99,7 +99,7 @@ static void read_rows( Reader* reader )
     jpeg_finish_decompress( jpeg );
 }
 
-// Keeps nothing in locals that it needs after the jump.
+// Keeps no state in local variables across the longjmp.
 static RfResult read_image( Reader* reader )
 {
     reader->jpeg.err = jpeg_std_error( &reader->handlers );

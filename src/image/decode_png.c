@@ -1,6 +1,5 @@
-// PNG by libpng's full interface: the simplified one applies the gamma that a
-// file names and premultiplies 16-bit alpha, where glTF wants the numbers as
-// they are stored.
+// PNG by libpng's full interface. The simplified one applies the gamma of the file and
+// premultiplies 16-bit alpha, but glTF needs the stored values.
 #include "image/decode_formats.h"
 
 #include <png.h>
@@ -8,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Everything that the error path of libpng, a longjmp, needs to find again.
+// State that must survive libpng's longjmp on errors.
 typedef struct Reader
 {
     const RfEncoded* in;
@@ -24,7 +23,7 @@ typedef struct Reader
 static void keep_error( png_structp png, png_const_charp message )
 {
     Reader* reader = png_get_error_ptr( png );
-    if ( reader->result == RF_OK ) // else the line is already there
+    if ( reader->result == RF_OK ) // else the message is already set
         reader->result = rf_fail( reader->error, RF_ERROR_FORMAT, "%s: damaged PNG: %s", reader->in->name, message );
     longjmp( reader->back, 1 );
 }
@@ -48,14 +47,14 @@ static RfResult read_header( Reader* reader )
 {
     png_structp png = reader->png;
     png_set_read_fn( png, reader, read_bytes );
-    // sizes are checked with a better line than libpng's
+    // our own check of the size has a better message than libpng's
     png_set_user_limits( png, 0x7fffffff, 0x7fffffff );
     png_read_info( png, reader->info );
     RfResult result = rf_check_sides( reader->in, png_get_image_width( png, reader->info ),
                                       png_get_image_height( png, reader->info ), reader->error );
     if ( result != RF_OK )
         return result;
-    png_set_expand( png ); // palettes and tRNS to RGB and alpha, few bits to 8
+    png_set_expand( png ); // palettes and tRNS to RGB and alpha, fewer than 8 bits to 8
     int depth = png_get_bit_depth( png, reader->info );
     if ( depth == 16 )
         png_set_swap( png ); // PNG is big-endian
@@ -84,7 +83,7 @@ static void read_rows( Reader* reader )
     png_read_end( png, NULL );
 }
 
-// Keeps nothing in locals that it needs after the jump.
+// Keeps no state in local variables across the longjmp.
 static RfResult read_image( Reader* reader )
 {
     if ( setjmp( reader->back ) != 0 )

@@ -1,4 +1,4 @@
-// A lat-long image of light from all around, as linear RGB.
+// Loads equirectangular environment maps as linear RGB.
 #include "base/file.h"
 #include "image/decode.h"
 
@@ -32,18 +32,18 @@ static RfResult fill( const RfPixels* pixels, const char* path, float* rgb, RfEr
         for ( size_t c = 0; c < 3; ++c )
         {
             float value = value_at( pixels, i * channels + ( grey ? 0 : c ) );
-            // written so that NaN fails; what is brighter would leave the range of floats on its way
+            // written so that NaN fails; brighter values would overflow floats in later products
             if ( !( value >= 0.0f && value <= MAX_RADIANCE ) )
                 return rf_fail( error, RF_ERROR_FORMAT,
-                                "%s: pixel (%zu, %zu) is %g, light wants a number from 0 to %g: mend the image", path, i % width,
-                                i / width, (double)value, (double)MAX_RADIANCE );
+                                "%s: pixel (%zu, %zu) is %g, but light must be a number from 0 to %g: repair the image", path,
+                                i % width, i / width, (double)value, (double)MAX_RADIANCE );
             rgb[3 * i + c] = value;
         }
     }
     return RF_OK;
 }
 
-// Takes the pixels over.
+// Converts to linear floats; takes ownership of the pixels.
 static RfResult convert( RfPixels* pixels, const char* path, float** rgb, RfError* error )
 {
     size_t count = (size_t)pixels->width * (size_t)pixels->height;

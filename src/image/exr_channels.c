@@ -3,7 +3,8 @@
 #include <stdio.h>
 #include <string.h>
 
-// Finds the channel named by the first `length` characters of `prefix` and `suffix`.
+// Finds the channel whose name is the first `length` characters of `prefix` followed by
+// `suffix`.
 static const exr_attr_chlist_entry_t* find_channel( const exr_attr_chlist_t* list, const char* prefix, size_t length,
                                                     const char* suffix )
 {
@@ -16,7 +17,7 @@ static const exr_attr_chlist_entry_t* find_channel( const exr_attr_chlist_t* lis
     return NULL;
 }
 
-// Fills `channels` if the three of a layer are there; `length` counts its dot.
+// Fills `channels` if all three of a layer exist; `length` includes the dot.
 static bool find_three( const exr_attr_chlist_t* list, const char* prefix, size_t length, const char* const suffixes[3],
                         RfExrChannels* channels )
 {
@@ -51,8 +52,8 @@ static void append_name( char* text, size_t size, const char* name, size_t lengt
     snprintf( text + used, size - used, "%s%.*s", used > 0 ? ", " : "", (int)length, name );
 }
 
-// Counts the layers, all and those named "…Combined"; leaves the one to be read,
-// where the counts say there is one, in `channels`.
+// Counts the layers and those named "…Combined"; if the counts leave one choice, `channels`
+// receives it.
 static void find_layers( const exr_attr_chlist_t* list, RfExrChannels* channels, int* layers, int* combined, char* text,
                          size_t size )
 {
@@ -102,7 +103,8 @@ RfResult rf_check_exr_channel( const RfExrStream* stream, const exr_attr_chlist_
     if ( entry == NULL )
         return rf_fail( error, RF_ERROR_FORMAT, "%s: has no channel %s", stream->path, name );
     if ( entry->x_sampling != 1 || entry->y_sampling != 1 )
-        return rf_fail( error, RF_ERROR_UNSUPPORTED, "%s: channel %s is subsampled: store it at full size", stream->path, name );
+        return rf_fail( error, RF_ERROR_UNSUPPORTED, "%s: channel %s is subsampled: store it at full resolution", stream->path,
+                        name );
     return RF_OK;
 }
 
@@ -129,7 +131,7 @@ RfResult rf_find_exr_channels( const RfExrStream* stream, const exr_attr_chlist_
     return result;
 }
 
-// "a,b,c": three channels.
+// Finds three channels "a,b,c".
 static bool find_named( const exr_attr_chlist_t* list, const char* names, RfExrChannels* channels )
 {
     RfExrChannels found = { .count = 3 };

@@ -1,4 +1,4 @@
-// Which channels of an EXR are its colour.
+// Selects the channels of an EXR, for colour or for a named layer.
 #ifndef REFRAME_IMAGE_EXR_CHANNELS_H
 #define REFRAME_IMAGE_EXR_CHANNELS_H
 
@@ -6,29 +6,30 @@
 
 typedef struct RfExrChannels
 {
-    const char* names[3]; // of red, green and blue, or of Y alone; owned by the context
+    const char* names[3]; // red, green and blue, or Y alone; owned by the context
     int count;            // 3, or 1 for Y
 } RfExrChannels;
 
-// R, G, B; else the layer P with P.R, P.G and P.B, where there is but one or but
-// one whose name ends with "Combined"; else Y. Else an error names what is there, and
-// channels->count is how many layers there are. `advice` is what to do about several.
+// Finds the colour: R, G, B; else a layer P with P.R, P.G and P.B, if it is the only one or
+// the only one whose name ends with "Combined"; else Y. Otherwise the error lists the channels
+// or layers, `advice` says what to do about several layers, and channels->count is their
+// number.
 RfResult rf_find_exr_channels( const RfExrStream* stream, const exr_attr_chlist_t* list, const char* advice,
                                RfExrChannels* channels, RfError* error );
 
-// The channels that `layer` names in this part: a channel (as grey), the three of a
-// layer (P.R, P.G, P.B or P.X, P.Y, P.Z), three channels with commas between them,
-// or, where it is the part's name, the part's colour. False where it names none.
+// Finds the channels that `layer` names in this part: a channel (as grey), the three of a
+// layer (P.R, P.G, P.B or P.X, P.Y, P.Z), three channels separated by commas, or the colour of
+// the part if it is the part's name. False if there are none.
 bool rf_find_exr_layer( const RfExrPart* part, const char* layer, RfExrChannels* channels );
 
-// Opens the part of a file with the colour, in the first that has any, or with what `layer`
-// names (NULL: the colour), and finds its channels. rf_close_exr_part where it succeeded.
+// Opens the first part of a file that has the colour, or the channels named by `layer` (NULL:
+// the colour), and finds them. Close with rf_close_exr_part after success.
 RfResult rf_open_exr_layer( RfExrStream* stream, const char* layer, RfExrPart* part, RfExrChannels* channels, RfError* error );
 
-// Writes the names of all channels, with commas between them.
+// Lists the names of all channels, separated by commas.
 void rf_list_exr_channels( const exr_attr_chlist_t* list, char* text, size_t size );
 
-// Fails, naming it, where a channel of this name is missing or subsampled.
+// Fails if a channel of this name is missing or subsampled.
 RfResult rf_check_exr_channel( const RfExrStream* stream, const exr_attr_chlist_t* list, const char* name, RfError* error );
 
 #endif

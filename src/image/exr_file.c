@@ -1,4 +1,4 @@
-// Reading EXR files: images, attributes.
+// Reads EXR files: images and attributes.
 #include "image/atomic_file.h"
 #include "image/exr.h"
 #include "image/exr_channels.h"
@@ -14,7 +14,7 @@
 
 RfResult rf_open_exr_file( const char* path, RfExrStream* stream, RfError* error )
 {
-    // not to wait for ever at a pipe, which is refused below
+    // without O_NONBLOCK, opening a pipe would block; pipes are rejected below
     *stream = ( RfExrStream ){ .path = path, .fd = open( path, O_RDONLY | O_CLOEXEC | O_NONBLOCK ) };
     if ( stream->fd < 0 )
         return rf_fail_io( path, "cannot be read", errno, error );
@@ -22,7 +22,7 @@ RfResult rf_open_exr_file( const char* path, RfExrStream* stream, RfError* error
     if ( fstat( stream->fd, &status ) == 0 && S_ISREG( status.st_mode ) )
         return RF_OK;
     close( stream->fd );
-    return rf_fail( error, RF_ERROR_IO, "%s: is no regular file", path );
+    return rf_fail( error, RF_ERROR_IO, "%s: not a regular file", path );
 }
 
 static void take_colour( void* user, int channel, int x, int y, const float* values, int count )
@@ -85,7 +85,7 @@ RfResult rf_read_exr_string( const char* path, const char* name, char* value, si
     exr_context_initializer_t initializer = rf_exr_initializer( &stream );
     exr_result_t code = exr_start_read( &context, path, &initializer );
     if ( code != EXR_ERR_SUCCESS )
-        result = rf_fail_exr( &stream, code, "is no EXR that can be read", error );
+        result = rf_fail_exr( &stream, code, "not a readable EXR file", error );
     else
     {
         int32_t length = 0;

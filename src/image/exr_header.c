@@ -33,7 +33,8 @@ static RfResult read_windows( const RfExrPart* part, RfExrHeader* header, RfErro
     return RF_OK;
 }
 
-// What this part does not say another may: it is one picture.
+// Attributes missing in this part are looked up in the others, since all parts belong to one
+// image.
 static void read_camera( const RfExrPart* part, RfExrHeader* header )
 {
     exr_attr_m44f_t matrix;
@@ -87,7 +88,7 @@ static bool copy_names( const RfExrPart* part, RfExrHeader* header )
     return true;
 }
 
-// Of all parts but those whose pixels we could not read.
+// Lists the channels of all parts, except parts whose pixels cannot be read.
 static RfResult list_channels( RfExrStream* stream, RfExrHeader* header, RfError* error )
 {
     bool is_done = true;
@@ -104,7 +105,8 @@ static RfResult list_channels( RfExrStream* stream, RfExrHeader* header, RfError
     return is_done ? RF_OK : rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for the names of its channels", stream->path );
 }
 
-// The part with the colour, else the first that can be read, whose error counts.
+// Opens the part with the layer or the colour, else the first readable part. If there is none,
+// the error is that of part 0.
 static RfResult open_part( RfExrStream* stream, const char* layer, RfExrPart* part, RfError* error )
 {
     RfExrChannels channels;

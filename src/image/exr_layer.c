@@ -1,5 +1,5 @@
-// Colour, or any other layer, of files of any program: also of those with several
-// parts, and with where it lies.
+// Reads the colour or any other layer, with its data window, from files of any program,
+// including multi-part files.
 #include "image/exr.h"
 #include "image/exr_channels.h"
 
@@ -7,7 +7,7 @@
 #include <string.h>
 #include <unistd.h>
 
-// The colour of a part; what is wrong with it in `error`, and in channels->count how many there are.
+// Opens the colour of a part; on failure channels->count is the number of colour layers.
 static RfResult open_colour( RfExrStream* stream, int index, RfExrPart* part, RfExrChannels* channels, RfError* error )
 {
     *channels = ( RfExrChannels ){ 0 };
@@ -20,8 +20,9 @@ static RfResult open_colour( RfExrStream* stream, int index, RfExrPart* part, Rf
     return result;
 }
 
-// The colour of the first part that has any, Y alone where no part has more: it may be that
-// of X and Y. What is wrong says the error of the first part, but for one with several colours.
+// Finds the first part with three colour channels, else the first with Y, since a Y may also
+// belong to X and Y of a vector. On failure reports the first part that has several colour
+// layers, else the first part.
 static RfResult find_colour( RfExrStream* stream, RfExrPart* part, RfExrChannels* channels, RfError* error )
 {
     int count = 1, grey = -1;
@@ -85,7 +86,7 @@ static void take_value( void* user, int channel, int x, int y, const float* valu
 static RfResult read_part( const RfExrPart* part, const RfExrChannels* channels, RfImage* image, RfError* error )
 {
     RfResult result = rf_create_image( part->width, part->height, image, error );
-    // a channel that is named twice is read into the first of its places
+    // duplicate channels are read once, then copied
     if ( result == RF_OK )
         result = rf_read_exr_lines( part, channels->names, channels->count, take_value, image, error );
     int like[3] = { 0, channels->count == 1 ? 0 : 1, channels->count == 1 ? 0 : 2 };

@@ -1,4 +1,4 @@
-// The pixels of an EXR, chunk by chunk, line by line.
+// Reads the pixels of an EXR, chunk by chunk and line by line.
 #include "image/exr_channels.h"
 #include "image/half.h"
 
@@ -10,14 +10,14 @@
 typedef struct Reader
 {
     const RfExrPart* part;
-    const char* const* names; // of the channels wanted
+    const char* const* names; // of the requested channels
     int count;
     RfExrLineFn* take;
     void* user;
     float* line;  // width floats
-    int64_t x, y; // where the present chunk begins in the image
+    int64_t x, y; // origin of the current chunk in the image
     exr_decode_pipeline_t pipeline;
-    bool started; // the pipeline has been initialised
+    bool started; // the pipeline is initialised
 } Reader;
 
 static const char* compression_name( exr_compression_t compression )
@@ -27,7 +27,7 @@ static const char* compression_name( exr_compression_t compression )
     return index < sizeof names / sizeof names[0] ? names[index] : "unknown";
 }
 
-// Looks at what kind of part it is; refuses what we cannot read by its name.
+// Checks the type of a part and rejects what cannot be read, by name.
 static RfResult check_part( RfExrPart* part, RfError* error )
 {
     const char* path = part->stream->path;
@@ -44,7 +44,7 @@ static RfResult check_part( RfExrPart* part, RfError* error )
         return rf_fail_exr( part->stream, code, "its header cannot be read", error );
     if ( storage != EXR_STORAGE_SCANLINE && storage != EXR_STORAGE_TILED )
         return rf_fail( error, RF_ERROR_UNSUPPORTED, "%s: holds deep pixels: flatten it first", path );
-    // The 3.1.5 core library has no DWA; it would fail at the first chunk.
+    // OpenEXRCore 3.1.5 does not support DWA and would fail at the first chunk.
     if ( (unsigned int)compression >= EXR_COMPRESSION_DWAA )
         return rf_fail( error, RF_ERROR_UNSUPPORTED, "%s: its compression is %s: store it with ZIP or PIZ", path,
                         compression_name( compression ) );
@@ -71,7 +71,7 @@ RfResult rf_open_exr_part( RfExrStream* stream, int index, RfExrPart* part, RfEr
     exr_context_initializer_t initializer = rf_exr_initializer( stream );
     exr_result_t code = exr_start_read( &part->context, stream->path, &initializer );
     if ( code != EXR_ERR_SUCCESS )
-        return rf_fail_exr( stream, code, "is no EXR that can be read", error );
+        return rf_fail_exr( stream, code, "not a readable EXR file", error );
     if ( exr_get_count( part->context, &part->count ) != EXR_ERR_SUCCESS )
         part->count = 1;
     RfResult result = check_part( part, error );
@@ -84,7 +84,7 @@ RfResult rf_open_exr_part( RfExrStream* stream, int index, RfExrPart* part, RfEr
 
 void rf_close_exr_part( RfExrPart* part ) { exr_finish( &part->context ); }
 
-// Little-endian samples, as in the file, to floats.
+// Converts little-endian samples of the file to floats.
 static void convert_line( const uint8_t* samples, int count, exr_pixel_type_t type, float* out )
 {
     for ( int i = 0; i < count; ++i, ++out )
@@ -116,7 +116,7 @@ static int channel_index( const Reader* reader, const char* name )
     return -1;
 }
 
-// One line of channel c; false where it lies outside the image.
+// Unpacks one line of channel c; false if it is outside the image.
 static bool unpack_line( const Reader* reader, const exr_coding_channel_info_t* channel, int c, const uint8_t* samples,
                          int64_t line )
 {
@@ -129,10 +129,10 @@ static bool unpack_line( const Reader* reader, const exr_coding_channel_info_t* 
     return true;
 }
 
-// Takes the channels out of a decompressed chunk: line by line, the samples of
-// each channel in turn. The library's own routines for this write through the
-// NULL that should skip a channel when there are 3 or 4 (seen in 3.1.5), so we
-// do it ourselves, and check against buffer and image what the file claims.
+// Unpacks a decompressed chunk line by line; within a line the samples of each channel are
+// contiguous. The library's own unpacking routines for 3 or 4 channels write through the NULL
+// pointer that should skip a channel (seen in 3.1.5), so we use our own, with bounds checks of
+// buffer and image.
 static exr_result_t unpack_channels( exr_decode_pipeline_t* pipeline )
 {
     const Reader* reader = pipeline->decoding_user_data;
@@ -144,7 +144,7 @@ static exr_result_t unpack_channels( exr_decode_pipeline_t* pipeline )
         {
             const exr_coding_channel_info_t* channel = pipeline->channels + i;
             if ( channel->y_samples > 1 && ( pipeline->chunk.start_y + line ) % channel->y_samples != 0 )
-                continue; // this line of a subsampled channel is not stored
+                continue; // a subsampled channel does not store this line
             uint64_t bytes = (uint64_t)channel->width * (uint64_t)channel->bytes_per_element;
             int c = channel_index( reader, channel->channel_name );
             if ( channel->width < 0 || bytes > left )
@@ -158,7 +158,7 @@ static exr_result_t unpack_channels( exr_decode_pipeline_t* pipeline )
     return EXR_ERR_SUCCESS;
 }
 
-// Reads the chunk whose first pixel is (x, y) of the data window.
+// Reads the chunk at (x, y) relative to the data window.
 static RfResult read_chunk( Reader* reader, const exr_chunk_info_t* chunk, int64_t x, int64_t y, RfError* error )
 {
     exr_result_t code = reader->started

@@ -31,7 +31,7 @@ static int64_t read_bytes( exr_const_context_t context, void* user, void* buffer
     if ( stream->bytes != NULL )
     {
         uint64_t left = offset < stream->size ? stream->size - offset : 0;
-        uint64_t count = size < left ? size : left; // a short count is checked by the library
+        uint64_t count = size < left ? size : left; // the library handles a short read
         memcpy( buffer, stream->bytes + ( count > 0 ? offset : 0 ), (size_t)count );
         return (int64_t)count;
     }
@@ -48,7 +48,7 @@ static int64_t read_bytes( exr_const_context_t context, void* user, void* buffer
             return -1;
         }
         if ( count == 0 )
-            break; // end of the file: a short count, which the library checks
+            break; // end of file: the library handles a short read
         done += (uint64_t)count;
     }
     return (int64_t)done;
@@ -103,12 +103,12 @@ exr_context_initializer_t rf_exr_initializer( RfExrStream* stream )
         .max_tile_height = side,
         .zip_level = -2, // the library's default
         .dwa_quality = -1.0f,
-        // a file with chunks missing is an error, not a search for them
+        // missing chunks are an error; do not search the file for them
         .flags = EXR_CONTEXT_FLAG_DISABLE_CHUNK_RECONSTRUCTION,
     };
 }
 
-#if defined( __SANITIZE_ADDRESS__ ) // it sees what is written beyond the end of malloc's blocks
+#if defined( __SANITIZE_ADDRESS__ ) // the sanitizer detects overruns only in blocks of malloc
 
 void* rf_alloc_exr_buffer( exr_transcoding_pipeline_buffer_id_t id, size_t bytes )
 {
@@ -124,7 +124,7 @@ void rf_free_exr_buffer( exr_transcoding_pipeline_buffer_id_t id, void* buffer )
 
 #else
 
-#define BUFFER_HEAD 64 // before a buffer: its bytes with the head
+#define BUFFER_HEAD 64 // header before each buffer, which holds the size of the mapping
 
 void* rf_alloc_exr_buffer( exr_transcoding_pipeline_buffer_id_t id, size_t bytes )
 {

@@ -1,8 +1,7 @@
-// What reading and writing an EXR share: an OpenEXRCore context over a file
-// descriptor of ours, or over bytes in memory. Our own read and write functions
-// see every failure of the system, also those that the library forgets
-// (exr_finish reports success after a full disk), and its messages come to us
-// instead of standard error.
+// Shared by reading and writing EXR: an OpenEXRCore context over our own file descriptor or
+// over bytes in memory. Our read and write callbacks record every system error, including
+// those that the library drops (exr_finish reports success on a full disk), and capture its
+// messages instead of letting it print to standard error.
 #ifndef REFRAME_IMAGE_EXR_STREAM_H
 #define REFRAME_IMAGE_EXR_STREAM_H
 
@@ -10,17 +9,17 @@
 
 #include <openexr.h>
 
-// A frame of film at 16 K has 2^27 pixels; what is larger is a damaged header.
+// Film scans at 16 K have 2^27 pixels in all; a longer side means a damaged header.
 #define RF_EXR_MAX_SIDE ( 1 << 20 )
 
 typedef struct RfExrStream
 {
     const char* path;           // for messages
-    int fd;                     // stays the caller's
-    const unsigned char* bytes; // read from these instead, where not NULL
+    int fd;                     // owned by the caller
+    const unsigned char* bytes; // if not NULL, read from memory instead
     size_t size;
     int max_side;      // 0: RF_EXR_MAX_SIDE
-    size_t max_bytes;  // of the image's floats; 0: 3 GiB
+    size_t max_bytes;  // of the decoded floats; 0: 3 GiB
     int io_error;      // first errno of a failed read or write, else 0
     char message[256]; // the library's first message, else empty
 } RfExrStream;
@@ -28,15 +27,18 @@ typedef struct RfExrStream
 // The initializer of a context over the stream, which must outlive it.
 exr_context_initializer_t rf_exr_initializer( RfExrStream* stream );
 
-// For the alloc_fn and free_fn of a pipeline: its buffers, which are large, straight from the system
-// and back to it. malloc would keep some of them once they are freed, and a budget counts what is held.
+// Allocator for the alloc_fn of a pipeline. Its large buffers are mapped directly from the
+// system: malloc would keep some of them after they are freed, which the memory budget would
+// not know of.
 void* rf_alloc_exr_buffer( exr_transcoding_pipeline_buffer_id_t id, size_t bytes );
+
+// The matching free_fn.
 void rf_free_exr_buffer( exr_transcoding_pipeline_buffer_id_t id, void* buffer );
 
-// The error line for a library call that returned `code`.
+// Fails with a message for a library call that returned `code`.
 RfResult rf_fail_exr( const RfExrStream* stream, exr_result_t code, const char* what, RfError* error );
 
-// Opens a file for reading; `fd` is the caller's to close where it succeeded.
+// Opens a file for reading; after success the caller closes `fd`.
 RfResult rf_open_exr_file( const char* path, RfExrStream* stream, RfError* error );
 
 // Reads the image from the beginning of the stream.
@@ -46,26 +48,27 @@ RfResult rf_read_exr_stream( RfExrStream* stream, RfImage* image, RfError* error
 typedef struct RfExrPart
 {
     RfExrStream* stream;
-    int index, count; // which part it is of how many
+    int index, count; // index of the part, number of parts
     exr_context_t context;
-    exr_attr_box2i_t window; // of the data
-    int width, height;       // of it
+    exr_attr_box2i_t window; // data window
+    int width, height;       // of the data window
     bool tiled;
     const exr_attr_chlist_t* channels;
 } RfExrPart;
 
-// Opens the file from its beginning and checks that its pixels can be read.
-// Closing is needed where it succeeded. On failure part->count is how many parts
-// there are, 0 where that is not known.
+// Opens a part from the beginning of the file and checks that its pixels can be read. Close
+// after success. On failure part->count is the number of parts, or 0 if unknown.
 RfResult rf_open_exr_part( RfExrStream* stream, int index, RfExrPart* part, RfError* error );
+
+// Closes a part.
 void rf_close_exr_part( RfExrPart* part );
 
-// Takes `count` values of a channel (an index into the names), from pixel
-// (x, y) of the data window on to the right.
+// Receives `count` values of a channel (an index into the names), starting at pixel (x, y) of
+// the data window and going right.
 typedef void RfExrLineFn( void* user, int channel, int x, int y, const float* values, int count );
 
-// Reads all pixels of the named channels, which must be there and not be
-// subsampled, as floats, line by line in any order.
+// Reads all pixels of the named channels as floats, line by line in any order. The channels
+// must exist and not be subsampled.
 RfResult rf_read_exr_lines( const RfExrPart* part, const char* const* names, int count, RfExrLineFn* take, void* user,
                             RfError* error );
 

@@ -1,4 +1,4 @@
-// Channels of an EXR by their names, from whichever parts hold them.
+// Reads channels by name, from whichever parts hold them.
 #include "image/exr.h"
 #include "image/exr_stream.h"
 
@@ -6,7 +6,7 @@
 #include <string.h>
 #include <unistd.h>
 
-// The channels of one part on their way to their places among all.
+// The channels of one part and their positions in the interleaved output.
 typedef struct Interleaved
 {
     float* values;
@@ -35,7 +35,7 @@ static RfResult read_part( RfExrStream* stream, int index, Interleaved* to, RfEr
     return result;
 }
 
-// Part by part, each with those of its channels that are wanted.
+// Reads part by part, each with its requested channels.
 static RfResult read_parts( RfExrStream* stream, const RfExrName* const* wanted, int count, Interleaved* to, RfError* error )
 {
     RfResult result = RF_OK;
@@ -71,7 +71,7 @@ static RfResult find_wanted( const char* path, const RfExrHeader* header, const 
         if ( memcmp( first, now, sizeof *now ) != 0 )
             return rf_fail( error, RF_ERROR_FORMAT,
                             "%.400s: %.64s has %dx%d pixels from (%d, %d) on, %.64s %dx%d from (%d, %d) on: "
-                            "store its parts with one data window",
+                            "store all parts with the same data window",
                             path, names[0], first->width, first->height, first->x, first->y, names[i], now->width, now->height,
                             now->x, now->y );
     }
@@ -105,8 +105,7 @@ RfResult rf_read_exr_channels( const char* path, const char* const* names, int c
     *values = NULL;
     *window = ( RfExrWindow ){ 0 };
     if ( count < 1 || count > RF_EXR_MAX_CHANNELS )
-        return rf_fail( error, RF_ERROR_USAGE, "%s: %d channels cannot be read: ask for 1 to %d", path, count,
-                        RF_EXR_MAX_CHANNELS );
+        return rf_fail( error, RF_ERROR_USAGE, "%s: cannot read %d channels: ask for 1 to %d", path, count, RF_EXR_MAX_CHANNELS );
     RfExrHeader header;
     const RfExrName* wanted[RF_EXR_MAX_CHANNELS];
     RfResult result = rf_read_exr_header( path, NULL, &header, error );

@@ -4,8 +4,8 @@
 
 #include <string.h>
 
-// Rounding to half errs by half a unit in the last place: 2^-11 of the value,
-// or 2^-25 below the normal range.
+// Rounding to half has an error of up to half a unit in the last place: 2^-11 of the value, or
+// 2^-25 in the subnormal range.
 static bool is_half_of( float half, float value )
 {
     value = rf_clamp_half( value );
@@ -15,13 +15,13 @@ static bool is_half_of( float half, float value )
     return fabsf( half - value ) <= bound;
 }
 
-// What reading back finds.
+// The result of reading back.
 typedef struct Check
 {
     const RfExrChannel* channels;
     int width;
     bool same;
-    size_t values; // compared
+    size_t values; // number compared
 } Check;
 
 static void compare_line( void* user, int c, int x, int y, const float* values, int count )

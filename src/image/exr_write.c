@@ -11,11 +11,11 @@ typedef struct Writer
     exr_context_t context;
     const RfImage* image;
     const RfExrOptions* options;
-    RfExrChannel channels[RF_EXR_MAX_CHANNELS]; // all, R G B first
+    RfExrChannel channels[RF_EXR_MAX_CHANNELS]; // all channels, R G B first
     int channel_count;
     exr_encode_pipeline_t pipeline;
-    exr_result_t ( *compress )( exr_encode_pipeline_t* ); // the library's
-    bool started;                                         // the pipeline has been initialised
+    exr_result_t ( *compress )( exr_encode_pipeline_t* ); // the library's function
+    bool started;                                         // the pipeline is initialised
 } Writer;
 
 RfExrOptions rf_default_exr_options( void ) { return ( RfExrOptions ){ .compression = RF_EXR_ZIP, .half = true }; }
@@ -33,7 +33,7 @@ static RfResult check_options( const char* path, const RfImage* image, const RfE
         return rf_fail( error, RF_ERROR_USAGE, "%s: %d channels cannot be written: at most %d and R, G, B", path,
                         options->channel_count, RF_EXR_MAX_CHANNELS - 3 );
     if ( options->fps_numerator < 0 || ( options->fps_numerator > 0 && options->fps_denominator == 0 ) )
-        return rf_fail( error, RF_ERROR_USAGE, "%s: %d/%u frames per second cannot be", path, options->fps_numerator,
+        return rf_fail( error, RF_ERROR_USAGE, "%s: %d/%u frames per second is not possible", path, options->fps_numerator,
                         options->fps_denominator );
     return RF_OK;
 }
@@ -43,8 +43,9 @@ static int lines_per_chunk( RfExrCompression compression )
     return compression == RF_EXR_NONE ? 1 : compression == RF_EXR_ZIP ? 16 : 32;
 }
 
-// Of OpenEXRCore, per byte of a chunk: packed 1, compressed 1.1, copy to be compressed 1, and to read back as much or
-// less; measured from 16 to 32768 pixels with 3.1.5. And the line of one channel that is read back.
+// Memory of OpenEXRCore per byte of a chunk: packed 1, compressed 1.1, copy to be compressed
+// 1, and at most as much for reading back; measured from 16 to 32768 pixels with 3.1.5. Plus
+// one line of a channel for reading back.
 size_t rf_exr_work_bytes( int width, int height, RfExrCompression compression, int pixel_bytes )
 {
     int lines = lines_per_chunk( compression );
@@ -126,7 +127,7 @@ static exr_result_t write_header( Writer* writer )
     exr_compression_t compression = core_compression( writer->options->compression );
     exr_context_t context = writer->context;
     exr_result_t code = EXR_ERR_SUCCESS;
-    // names beyond 31 characters need a flag, which old readers refuse
+    // attribute names beyond 31 characters need a flag that old readers reject
     for ( int i = 0; i < writer->options->string_count && code == EXR_ERR_SUCCESS; ++i )
     {
         if ( strlen( writer->options->strings[i].name ) > 31 )
@@ -151,8 +152,8 @@ static int find_channel( const Writer* writer, const char* name )
     return c;
 }
 
-// Tells the pipeline, whose channels are sorted by name, where the values are.
-static void aim_channels( Writer* writer, int y )
+// Points the pipeline, whose channels are sorted by name, at the values of line y.
+static void set_channel_sources( Writer* writer, int y )
 {
     for ( int i = 0; i < writer->pipeline.channel_count; ++i )
     {
@@ -167,7 +168,8 @@ static void aim_channels( Writer* writer, int y )
     }
 }
 
-// One line of a channel, as it is stored (little-endian, as are the machines that we run on).
+// Packs one line of a channel as stored. Stored values are little-endian, like the supported
+// machines.
 static uint8_t* pack_line( const exr_coding_channel_info_t* channel, const float* values, uint8_t* packed )
 {
     int stride = channel->user_pixel_stride / (int)sizeof( float );
@@ -179,8 +181,8 @@ static uint8_t* pack_line( const exr_coding_channel_info_t* channel, const float
     return packed;
 }
 
-// Instead of the library's own: that one does not clamp, and clamped copies of
-// all lines of a chunk would need more memory than the packed ones.
+// Replaces the library's packing routine, which does not clamp; clamped copies of all lines of
+// a chunk would need more memory than the packed ones.
 static exr_result_t pack( exr_encode_pipeline_t* pipeline )
 {
     uint8_t* packed = pipeline->packed_buffer;
@@ -197,9 +199,9 @@ static exr_result_t pack( exr_encode_pipeline_t* pipeline )
     return EXR_ERR_SUCCESS;
 }
 
-// What does not get smaller is stored as it is. OpenEXRCore up to 3.4.7 does so
-// only where it gets larger, and takes for stored, when it reads, what came out
-// as long as it was (github.com/AcademySoftwareFoundation/openexr/issues/2306).
+// Stores a chunk uncompressed unless compression makes it smaller. OpenEXRCore up to 3.4.7
+// does so only if it gets larger, and when reading, takes compressed data of exactly the
+// original size for uncompressed (github.com/AcademySoftwareFoundation/openexr/issues/2306).
 static exr_result_t compress( exr_encode_pipeline_t* pipeline )
 {
     const Writer* writer = pipeline->encoding_user_data;
@@ -235,7 +237,7 @@ static exr_result_t write_chunk( Writer* writer, int y )
     writer->pipeline.free_fn = rf_free_exr_buffer;
     if ( code == EXR_ERR_SUCCESS )
     {
-        aim_channels( writer, y );
+        set_channel_sources( writer, y );
         code = choose_routines( writer );
     }
     return code == EXR_ERR_SUCCESS ? exr_encoding_run( writer->context, 0, &writer->pipeline ) : code;

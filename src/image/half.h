@@ -1,4 +1,4 @@
-// 16-bit floats, bit by bit.
+// Conversion to 16-bit floats in integer arithmetic.
 #ifndef REFRAME_IMAGE_HALF_H
 #define REFRAME_IMAGE_HALF_H
 
@@ -8,7 +8,7 @@
 
 #define RF_HALF_MAX 65504.0f
 
-// Infinity stays what it is: it is to be counted, not repaired.
+// Clamps to ±65504. Infinity is kept, so that it can be detected.
 static inline float rf_clamp_half( float value )
 {
     if ( isinf( value ) )
@@ -27,14 +27,14 @@ static inline float rf_half_to_float( uint16_t half )
     return value;
 }
 
-// Without the last `shift` bits, rounded to nearest, in the middle to even.
+// Drops the last `shift` bits, rounding to nearest, ties to even.
 static inline uint32_t rf_shift_rounded( uint32_t bits, uint32_t shift )
 {
     uint32_t half = 1u << ( shift - 1 );
     return ( bits + half - 1 + ( bits >> shift & 1u ) ) >> shift;
 }
 
-// The nearest half of a value that was clamped, or that is infinite or NaN.
+// The nearest half of a value that is clamped, infinite or NaN.
 static inline uint16_t rf_float_to_half( float value )
 {
     uint32_t bits;
@@ -43,9 +43,9 @@ static inline uint16_t rf_float_to_half( float value )
     uint32_t exponent = size >> 23;
     if ( exponent == 255 )
         return (uint16_t)( sign | ( size > 0x7f800000u ? 0x7e00u | ( size >> 13 & 0x3ffu ) : 0x7c00u ) );
-    if ( exponent < 102 ) // less than half of the smallest
+    if ( exponent < 102 ) // less than half of the smallest subnormal
         return (uint16_t)sign;
-    if ( exponent < 113 ) // below the normal range: in units of 2^-24
+    if ( exponent < 113 ) // subnormal: in units of 2^-24
         return (uint16_t)( sign | rf_shift_rounded( ( size & 0x7fffffu ) | 0x800000u, 126 - exponent ) );
     return (uint16_t)( sign | rf_shift_rounded( size - ( 112u << 23 ), 13 ) );
 }

@@ -7,7 +7,8 @@ RfResult rf_create_image( int width, int height, RfImage* image, RfError* error 
 {
     *image = ( RfImage ){ 0 };
     if ( width < 1 || height < 1 )
-        return rf_fail( error, RF_ERROR_USAGE, "an image of %dx%d pixels cannot be: both sides want at least 1", width, height );
+        return rf_fail( error, RF_ERROR_USAGE, "an image of %dx%d pixels is not possible: width and height must be at least 1",
+                        width, height );
     size_t pixels = (size_t)width * (size_t)height;
     float* rgb = pixels <= SIZE_MAX / ( 3 * sizeof( float ) ) ? calloc( pixels, 3 * sizeof( float ) ) : NULL;
     if ( rgb == NULL )

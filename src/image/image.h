@@ -1,5 +1,5 @@
-// An RGB image of floats, linear Rec. 709, rows from top to bottom, pixels
-// interleaved: value of channel c at (x, y) is rgb[3 (y·width + x) + c].
+// An RGB image of floats, linear Rec. 709, rows from top to bottom, pixels interleaved:
+// channel c at (x, y) is rgb[3 (y·width + x) + c].
 #ifndef REFRAME_IMAGE_IMAGE_H
 #define REFRAME_IMAGE_IMAGE_H
 
@@ -14,8 +14,10 @@ typedef struct RfImage
     float* rgb;
 } RfImage;
 
-// Allocates a black image. Fails (RF_ERROR_MEMORY) where there is no room.
+// Allocates a black image. Fails with RF_ERROR_MEMORY.
 RfResult rf_create_image( int width, int height, RfImage* image, RfError* error );
+
+// Frees the pixels and clears the struct.
 void rf_destroy_image( RfImage* image );
 
 #endif

@@ -8,10 +8,10 @@
 #include <jpeglib.h>
 #include <jerror.h>
 
-// What the error path, a longjmp, needs to find again.
+// State that must survive libjpeg's longjmp on errors.
 typedef struct Writer
 {
-    struct jpeg_compress_struct jpeg; // first: the callbacks get its address
+    struct jpeg_compress_struct jpeg; // first member: callbacks cast its address
     struct jpeg_error_mgr handlers;
     const char* name;
     unsigned char* bytes;
@@ -28,13 +28,13 @@ static void stop( j_common_ptr jpeg )
     jpeg->err->format_message( jpeg, message );
     bool memory = jpeg->err->msg_code == JERR_OUT_OF_MEMORY;
     writer->result =
-        rf_fail( writer->error, memory ? RF_ERROR_MEMORY : RF_ERROR_IO, "%s: no JPEG can be made: %s", writer->name, message );
+        rf_fail( writer->error, memory ? RF_ERROR_MEMORY : RF_ERROR_IO, "%s: JPEG encoding failed: %s", writer->name, message );
     longjmp( writer->back, 1 );
 }
 
 static void drop_message( j_common_ptr jpeg ) { (void)jpeg; }
 
-// Runs under the setjmp of its caller and keeps nothing in locals that it needs.
+// Runs under the setjmp of its caller; keeps no state in local variables across the longjmp.
 static void write_rows( Writer* writer, const unsigned char* rgb, int width, int height, int quality )
 {
     struct jpeg_compress_struct* jpeg = &writer->jpeg;
@@ -51,7 +51,7 @@ static void write_rows( Writer* writer, const unsigned char* rgb, int width, int
     jpeg_start_compress( jpeg, TRUE );
     while ( jpeg->next_scanline < jpeg->image_height )
     {
-        JSAMPROW row = (JSAMPROW)( rgb + 3 * (size_t)jpeg->next_scanline * (size_t)width ); // libjpeg only reads it
+        JSAMPROW row = (JSAMPROW)( rgb + 3 * (size_t)jpeg->next_scanline * (size_t)width ); // libjpeg does not modify it
         jpeg_write_scanlines( jpeg, &row, 1 );
     }
     jpeg_finish_compress( jpeg );
@@ -63,9 +63,9 @@ RfResult rf_encode_jpeg( const unsigned char* rgb, int width, int height, int qu
     *bytes = NULL;
     *size = 0;
     if ( width < 1 || height < 1 || width > RF_JPEG_MAX_SIDE || height > RF_JPEG_MAX_SIDE )
-        return rf_fail( error, RF_ERROR_USAGE, "%s: %dx%d pixels are no size for a JPEG: a side has 1 to %d", name, width, height,
-                        RF_JPEG_MAX_SIDE );
-    Writer* writer = calloc( 1, sizeof *writer ); // not on the stack: it outlives a longjmp as it is
+        return rf_fail( error, RF_ERROR_USAGE, "%s: %dx%d pixels are not possible for a JPEG: a side has 1 to %d", name, width,
+                        height, RF_JPEG_MAX_SIDE );
+    Writer* writer = calloc( 1, sizeof *writer ); // on the heap, so that a longjmp leaves it intact
     if ( writer == NULL )
         return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for a JPEG", name );
     writer->name = name;

@@ -8,11 +8,11 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-// Everything that the error path of libpng, a longjmp, needs to find again.
+// State that must survive libpng's longjmp on errors.
 typedef struct Writer
 {
     RfAtomicFile file;
-    RfResult result; // of the write that failed
+    RfResult result; // of the failed write
     RfError* error;
     png_structp png;
     png_infop info;
@@ -23,7 +23,7 @@ typedef struct Writer
 static void keep_error( png_structp png, png_const_charp message )
 {
     Writer* writer = png_get_error_ptr( png );
-    if ( writer->result == RF_OK ) // else the line is already there
+    if ( writer->result == RF_OK ) // else the message is already set
         writer->result = rf_fail( writer->error, RF_ERROR_IO, "%s: cannot be written: libpng: %s", writer->file.path, message );
     longjmp( writer->out, 1 );
 }
@@ -44,7 +44,7 @@ static void write_bytes( png_structp png, png_bytep bytes, size_t size )
 
 static void flush_bytes( png_structp png )
 {
-    (void)png; // the commit syncs
+    (void)png; // no flush needed: the commit syncs
 }
 
 static png_byte encode_srgb( float linear )
@@ -69,11 +69,11 @@ static void encode_row( const float* rgb, int width, float exposure, png_bytep r
     }
 }
 
-// Runs under the setjmp of its caller and keeps nothing in locals that it needs.
+// Runs under the setjmp of its caller; keeps no state in local variables across the longjmp.
 static void write_rows( Writer* writer, const RfImage* image, float exposure )
 {
     png_set_write_fn( writer->png, writer, write_bytes, flush_bytes );
-    // the library's own bound is a million pixels a side
+    // libpng's default limit is a million pixels per side
     png_set_user_limits( writer->png, 0x7fffffff, 0x7fffffff );
     png_set_IHDR( writer->png, writer->info, (png_uint_32)image->width, (png_uint_32)image->height, 8, PNG_COLOR_TYPE_RGB,
                   PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT );
@@ -92,7 +92,7 @@ static RfResult write_image( Writer* writer, const RfImage* image, float exposur
     writer->row = malloc( 3 * (size_t)image->width );
     if ( writer->row == NULL )
         return rf_fail( writer->error, RF_ERROR_MEMORY, "%s: no memory left for a row", writer->file.path );
-    // libpng reports failures of these two by NULL, or through keep_error
+    // libpng reports failures of these two by NULL or through keep_error
     if ( setjmp( writer->out ) != 0 )
         return writer->result;
     writer->png = png_create_write_struct( PNG_LIBPNG_VER_STRING, writer, keep_error, drop_warning );
@@ -109,7 +109,7 @@ RfResult rf_write_png( const char* path, const RfImage* image, float exposure_st
         return rf_fail( error, RF_ERROR_USAGE, "%s: an image without pixels cannot be written", path );
     float exposure = exp2f( exposure_stops );
     if ( !isfinite( exposure ) )
-        return rf_fail( error, RF_ERROR_USAGE, "%s: an exposure of %g stops cannot be", path, (double)exposure_stops );
+        return rf_fail( error, RF_ERROR_USAGE, "%s: an exposure of %g stops is not possible", path, (double)exposure_stops );
     Writer* writer = calloc( 1, sizeof *writer );
     if ( writer == NULL )
         return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left to write it", path );

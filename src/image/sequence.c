@@ -10,7 +10,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-// A pattern in its pieces: folder and prefix, run of '#', suffix.
+// A pattern split into folder, prefix, run of '#' and suffix.
 typedef struct Pattern
 {
     const char* base; // last path component
@@ -32,9 +32,10 @@ bool rf_is_sequence( const char* pattern ) { return split( pattern ).run != NULL
 static RfResult check_pattern( const char* pattern, const Pattern* parts, RfError* error )
 {
     if ( memchr( pattern, '#', (size_t)( parts->base - pattern ) ) != NULL )
-        return rf_fail( error, RF_ERROR_USAGE, "%s: a folder's name may not have '#', which stands for the frame", pattern );
+        return rf_fail( error, RF_ERROR_USAGE, "%s: the name of a folder must not contain '#', which stands for the frame",
+                        pattern );
     if ( parts->run != NULL && strchr( parts->run + parts->digits, '#' ) != NULL )
-        return rf_fail( error, RF_ERROR_USAGE, "%s: has more than one run of '#': the frame wants one", pattern );
+        return rf_fail( error, RF_ERROR_USAGE, "%s: has more than one run of '#': use one for the frame", pattern );
     return RF_OK;
 }
 
@@ -45,7 +46,7 @@ RfResult rf_sequence_name( const char* pattern, int frame, char* name, size_t si
     if ( result != RF_OK )
         return result;
     if ( frame < 0 )
-        return rf_fail( error, RF_ERROR_USAGE, "%s: a frame of number %d cannot be", pattern, frame );
+        return rf_fail( error, RF_ERROR_USAGE, "%s: frame number %d is not possible", pattern, frame );
     int length;
     if ( parts.run == NULL )
         length = snprintf( name, size, "%s", pattern );
@@ -57,7 +58,7 @@ RfResult rf_sequence_name( const char* pattern, int frame, char* name, size_t si
     return RF_OK;
 }
 
-// The frame number in a file's name, or -1 where the name is not of the pattern.
+// The frame number in a file name, or -1 if the name does not match the pattern.
 static int match_name( const Pattern* parts, const char* name )
 {
     size_t prefix = (size_t)( parts->run - parts->base );
@@ -67,7 +68,7 @@ static int match_name( const Pattern* parts, const char* name )
     size_t digits = strspn( number, "0123456789" );
     if ( strcmp( number + digits, parts->run + parts->digits ) != 0 )
         return -1;
-    // more digits than '#' only where the number needs them: not 00012 for ####
+    // more digits than '#' only if the number needs them: 00012 does not match ####
     if ( digits < (size_t)parts->digits || ( digits > (size_t)parts->digits && number[0] == '0' ) )
         return -1;
     long frame = 0;

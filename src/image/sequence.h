@@ -1,5 +1,5 @@
-// Names of sequences: a run of '#' stands for the frame number, padded with
-// zeros to as many digits (more where the number needs them).
+// Names of image sequences: a run of '#' stands for the frame number, zero-padded to the
+// length of the run (longer numbers take more digits).
 #ifndef REFRAME_IMAGE_SEQUENCE_H
 #define REFRAME_IMAGE_SEQUENCE_H
 
@@ -8,29 +8,29 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-// Has a run of '#' in its last path component. More than one run, or one in a
-// folder's name, is an error that rf_sequence_name reports.
+// True if the last path component has a run of '#'. Several runs, or one in the name of a
+// folder, are errors that rf_sequence_name reports.
 bool rf_is_sequence( const char* pattern );
 
-// The file name of `frame` (1-based). A pattern without '#' is copied as it is.
+// The file name of `frame`, which counts from 1. A pattern without '#' is copied.
 RfResult rf_sequence_name( const char* pattern, int frame, char* name, size_t size, RfError* error );
 
-// The frame numbers for which a file exists, ascending, in *frames (to be
-// freed), *count of them. Fails (RF_ERROR_IO) where there are none.
+// Lists the numbers of all existing frames in ascending order in *frames, which the caller
+// frees. Fails with RF_ERROR_IO if there are none.
 RfResult rf_sequence_frames( const char* pattern, int** frames, int* count, RfError* error );
 
-// Whether writing the one may write the other: names of one file, by links and
-// other folders' names too, or a name that the other, a pattern, has for a frame.
+// True if writing one file might overwrite the other: both name the same file, also through
+// links, or one is a pattern that matches the other.
 bool rf_may_be_same_file( const char* a, const char* b );
 
-#define RF_MOST_MISSING 100000
+#define RF_MAX_MISSING 100000
 
-// The numbers that ascending ones lack between the first and the last, in *missing (to be
-// freed, NULL where there are none), *missing_count of them, RF_MOST_MISSING at most. The
-// smallest step that occurs is the regular one: 1, 3, 7 lack 5.
+// Lists the numbers missing between the first and the last frame, at most RF_MAX_MISSING, in
+// *missing, which the caller frees (NULL if none). The smallest step between frames is taken
+// as the regular one: 1, 3, 7 lack 5.
 RfResult rf_missing_frames( const int* frames, int count, int** missing, int* missing_count, RfError* error );
 
-// "3, 4, 8-12", cut with "..." where it is too long.
+// Formats frame numbers as "3, 4, 8-12", truncated with "..." if too long.
 void rf_format_frames( const int* frames, int count, char* text, size_t size );
 
 #endif

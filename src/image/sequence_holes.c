@@ -14,10 +14,10 @@ static int smallest_step( const int* frames, int count )
     return step;
 }
 
-// Goes through what lies between two neighbours; `missing` may be NULL, to count.
+// Adds the numbers between two neighbours; with `missing` NULL only counts them.
 static int add_between( int before, int now, int step, int* missing, int done )
 {
-    for ( int64_t frame = (int64_t)before + step; frame < now && done < RF_MOST_MISSING; frame += step )
+    for ( int64_t frame = (int64_t)before + step; frame < now && done < RF_MAX_MISSING; frame += step )
     {
         if ( missing != NULL )
             missing[done] = (int)frame;
@@ -53,12 +53,12 @@ void rf_format_frames( const int* frames, int count, char* text, size_t size )
         size_t used = strlen( text );
         for ( next = i + 1; next < count && frames[next] == frames[next - 1] + 1; )
             ++next;
-        next = next - i < 3 ? i + 1 : next; // two are not worth a dash
+        next = next - i < 3 ? i + 1 : next; // a run of two is listed, not written as a range
         if ( next > i + 1 )
             snprintf( run, sizeof run, "%d-%d", frames[i], frames[next - 1] );
         else
             snprintf( run, sizeof run, "%d", frames[i] );
-        if ( used + strlen( run ) + 8 > size ) // room for ", ..." must be left
+        if ( used + strlen( run ) + 8 > size ) // leave room for ", ..."
         {
             snprintf( text + used, size - used, "%s...", used > 0 ? ", " : "" );
             return;

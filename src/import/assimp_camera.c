@@ -34,7 +34,7 @@ static void cross( const double* a, const double* b, double* out )
     out[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-// glTF's cameras and lights look along −z: the frame whose −z is `look`.
+// glTF's cameras and lights point along −z: a frame whose −z is `look`.
 static bool look_matrix( const struct aiVector3D* look, const struct aiVector3D* up, RfMat4* matrix )
 {
     double forward[3] = { look->x, look->y, look->z }, above[3] = { up->x, up->y, up->z }, right[3];
@@ -43,7 +43,7 @@ static bool look_matrix( const struct aiVector3D* look, const struct aiVector3D*
     cross( forward, above, right );
     if ( !set_unit( right ) )
     {
-        // any up will do for a light
+        // any up direction will do for a light
         double other[3] = { fabs( forward[0] ) < 0.5, fabs( forward[0] ) >= 0.5, 0 };
         cross( forward, other, right );
         if ( !set_unit( right ) )
@@ -68,9 +68,9 @@ static int count_words( const char* text, const char* word )
     return count;
 }
 
-// Collada has any two of xfov, yfov and aspect_ratio. assimp computes the angle
-// rightly only where the ratio is there, and does not tell whether it is.
-static bool has_aspects( const RfImport* import )
+// Collada has any two of xfov, yfov and aspect_ratio. assimp computes the angle correctly only
+// if the ratio is given, and does not report whether it is.
+static bool has_aspect_ratios( const RfImport* import )
 {
     uint8_t* bytes;
     size_t size;
@@ -84,8 +84,8 @@ static bool has_aspects( const RfImport* import )
     return all;
 }
 
-// Vertical, or 0 where it cannot be told. assimp's is the whole horizontal angle
-// for Collada and FBX; of other formats some give half of it, so that none counts.
+// The vertical field of view, or 0 if unknown. assimp's is the full horizontal angle for
+// Collada and FBX; for some other formats it is half of that, so these are ignored.
 static double vertical_angle( const RfImport* import, const struct aiCamera* from, bool aspects )
 {
     double whole = (double)from->mHorizontalFOV, aspect = (double)from->mAspect;
@@ -102,11 +102,11 @@ static void take_camera( RfImport* import, const struct aiCamera* from, bool asp
     RfMat4 matrix;
     if ( yfov <= 0.0 || !look_matrix( &from->mLookAt, &from->mUp, &matrix ) )
     {
-        rf_warn( import->log, "camera '%s': is left out: its field of view cannot be told: set it in a scene file",
+        rf_warn( import->log, "camera '%s': is left out: its field of view is unknown: set it in a scene file",
                  from->mName.data );
         return;
     }
-    // The node has the position already: mPosition repeats it for some formats.
+    // The node already has the position: mPosition repeats it for some formats.
     int node = rf_import_add_node( import, &from->mName, find_node( model, from->mName.data ), &matrix );
     if ( node < 0 )
         return;
@@ -123,12 +123,12 @@ void rf_import_cameras( RfImport* import )
     if ( scene->mNumCameras == 0 )
         return;
     import->model->cameras = calloc( scene->mNumCameras, sizeof *import->model->cameras );
-    bool aspects = import->format == RF_SOURCE_COLLADA && has_aspects( import );
+    bool aspects = import->format == RF_SOURCE_COLLADA && has_aspect_ratios( import );
     for ( unsigned i = 0; import->model->cameras != NULL && i < scene->mNumCameras; ++i )
         take_camera( import, scene->mCameras[i], aspects );
 }
 
-// Colour of at most 1, and how much of it.
+// Splits the colour into a colour of at most 1 and an intensity.
 static void set_light_color( RfModelLight* light, const struct aiColor3D* color )
 {
     float values[3] = { color->r, color->g, color->b }, most = 0.0f;
@@ -142,8 +142,8 @@ static void set_light_color( RfModelLight* light, const struct aiColor3D* color 
         light->color[i] = most > 0.0f ? values[i] / most : 0.0f;
 }
 
-// Both formats say the whole angle of a cone, glTF half of it. Collada has one
-// angle only, which assimp gives as the inner one; its outer one is made up.
+// Both formats give the full angle of a cone, glTF the half angle. Collada has a single angle,
+// which assimp stores as the inner one; its outer one is invented.
 static void set_cone( RfModelLight* light, const struct aiLight* from, RfSourceFormat format )
 {
     float outer = 0.5f * from->mAngleOuterCone, inner = 0.5f * from->mAngleInnerCone;
@@ -191,7 +191,7 @@ void rf_import_lights( RfImport* import )
     for ( unsigned i = 0; model->lights != NULL && i < scene->mNumLights; ++i )
     {
         if ( !take_light( import, scene->mLights[i] ) )
-            rf_warn( import->log, "light '%s': is left out: it is no point, spot or directional light",
+            rf_warn( import->log, "light '%s': is left out: it is not a point, spot or directional light",
                      scene->mLights[i]->mName.data );
     }
     if ( model->light_count > 0 )

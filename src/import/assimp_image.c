@@ -15,13 +15,13 @@ static const char* mime_of( const uint8_t* bytes, size_t size )
     return size > 3 && bytes[0] == 0xff && bytes[1] == 0xd8 && bytes[2] == 0xff ? "image/jpeg" : NULL;
 }
 
-static const char* last_part( const char* name )
+static const char* file_name_of( const char* name )
 {
     const char* slash = strrchr( name, '/' );
     return slash != NULL ? slash + 1 : name;
 }
 
-// One inside the file: "*3", or by the name it had outside.
+// Reads an embedded image: "*3", or by its original name.
 static bool read_embedded( RfImport* import, const char* name, uint8_t** bytes, size_t* size )
 {
     const struct aiScene* scene = import->scene;
@@ -34,7 +34,7 @@ static bool read_embedded( RfImport* import, const char* name, uint8_t** bytes, 
         for ( char* c = own; *c != 0; ++c )
             *c = *c == '\\' ? '/' : *c;
         if ( texture->mHeight != 0 || texture->mWidth == 0 ||
-             ( strcmp( name, star ) != 0 && strcmp( last_part( name ), last_part( own ) ) != 0 ) )
+             ( strcmp( name, star ) != 0 && strcmp( file_name_of( name ), file_name_of( own ) ) != 0 ) )
             continue;
         *size = texture->mWidth;
         *bytes = malloc( *size );
@@ -45,16 +45,16 @@ static bool read_embedded( RfImport* import, const char* name, uint8_t** bytes, 
     return false;
 }
 
-// As the file names it, seen from the file's folder; else, as paths of the
-// machine it was made on say little here, by its last part beside the file.
+// Reads an image by its name, relative to the folder of the file; else, as paths often belong
+// to the machine on which the file was made, by its last component beside the file.
 static bool read_beside( RfImport* import, const char* name, uint8_t** bytes, size_t* size )
 {
     char path[8192];
-    int folder = (int)( last_part( import->path ) - import->path );
+    int folder = (int)( file_name_of( import->path ) - import->path );
     snprintf( path, sizeof path, "%.*s%s", *name == '/' ? 0 : folder, import->path, name );
     if ( rf_read_file( path, IMAGE_LIMIT, bytes, size, NULL ) == RF_OK )
         return true;
-    snprintf( path, sizeof path, "%.*s%s", folder, import->path, last_part( name ) );
+    snprintf( path, sizeof path, "%.*s%s", folder, import->path, file_name_of( name ) );
     return rf_read_file( path, IMAGE_LIMIT, bytes, size, NULL ) == RF_OK;
 }
 
@@ -99,12 +99,12 @@ int rf_import_image( RfImport* import, const char* given )
     if ( mime == NULL || !make_room( import ) )
     {
         if ( mime == NULL )
-            rf_warn( import->log, "texture '%s': is neither PNG nor JPEG: it is left out: convert it and name it anew", name );
+            rf_warn( import->log, "texture '%s': is neither PNG nor JPEG: it is left out: convert it and rename it", name );
         free( bytes );
         return -1;
     }
     snprintf( import->image_names[model->image_count], sizeof name, "%s", name );
     model->images[model->image_count] =
-        ( RfModelImage ){ .name = strdup( last_part( name ) ), .mime = mime, .bytes = bytes, .size = size };
+        ( RfModelImage ){ .name = strdup( file_name_of( name ) ), .mime = mime, .bytes = bytes, .size = size };
     return model->image_count++;
 }

@@ -33,8 +33,8 @@ static RfSourceFormat format_of( const char* path )
 
 char* rf_import_text( const struct aiString* text ) { return text->length > 0 ? strdup( text->data ) : NULL; }
 
-// Triangles in metres; points and lines in meshes of their own, to be counted
-// and left out. FBX pivots are folded into one node each.
+// Triangles in metres; points and lines go to separate meshes, which are counted and dropped.
+// FBX pivots are merged into one node each.
 static const struct aiScene* read_file( const char* path )
 {
     struct aiPropertyStore* store = aiCreatePropertyStore();
@@ -51,12 +51,12 @@ static const struct aiScene* read_file( const char* path )
 static RfResult fail_import( const char* reason, RfError* error )
 {
     if ( strstr( reason, "No suitable reader" ) != NULL )
-        return rf_fail( error, RF_ERROR_UNSUPPORTED, "is of no format known here: OBJ, PLY, FBX and Collada are converted" );
+        return rf_fail( error, RF_ERROR_UNSUPPORTED, "unknown format: OBJ, PLY, FBX and Collada are converted" );
     return rf_fail( error, RF_ERROR_FORMAT, "cannot be read (%s): export it as glTF (.glb) from the program it came from",
-                    *reason != 0 ? reason : "the importer does not say why" );
+                    *reason != 0 ? reason : "the importer gives no reason" );
 }
 
-// assimp turns Collada files upright, FBX files it only tells about.
+// assimp rotates Collada files to Y-up; for FBX it only reports the axis.
 static void warn_of_up_axis( RfImport* import )
 {
     const struct aiMetadata* data = import->scene->mMetaData;
@@ -84,7 +84,7 @@ static RfResult take_all( RfImport* import, RfError* error )
     rf_import_lights( import );
     warn_of_up_axis( import );
     if ( import->scene->mNumAnimations > 0 )
-        rf_warn( import->log, "%u animations are left out: only what stands still is converted", import->scene->mNumAnimations );
+        rf_warn( import->log, "%u animations are left out: only static geometry is converted", import->scene->mNumAnimations );
     if ( import->model->mesh_count == 0 )
         return rf_fail( error, RF_ERROR_SCENE, "has no triangles: nothing to convert" );
     return RF_OK;

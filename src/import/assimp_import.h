@@ -1,6 +1,6 @@
-// Reading by assimp into our model: for OBJ, FBX and Collada, and for whatever
-// else assimp reads. Runs in a process with limits: assimp may crash, hang or
-// eat all memory on broken files.
+// Imports files by assimp into our model: OBJ, FBX, Collada and whatever else assimp reads.
+// Runs in a process with resource limits: on broken files assimp may crash, hang or run out of
+// memory.
 #ifndef REFRAME_IMPORT_ASSIMP_IMPORT_H
 #define REFRAME_IMPORT_ASSIMP_IMPORT_H
 
@@ -20,35 +20,41 @@ typedef enum RfSourceFormat
 typedef struct RfImport
 {
     const char* path;
-    RfSourceFormat format; // by the name's ending
+    RfSourceFormat format; // by the file extension
     const struct aiScene* scene;
-    RfModel* model; // filled
+    RfModel* model; // the result
     RfLog* log;
-    int* meshes;                 // per mesh of assimp: that of the model, or −1
-    char ( *image_names )[1024]; // of the images taken so far, as the file names them
+    int* meshes;                 // per assimp mesh: the index of the model mesh, or −1
+    char ( *image_names )[1024]; // of the images read so far, as in the file
     int image_room;
 } RfImport;
 
-// The whole. Error lines do not name the file: the caller does.
+// Imports a whole file. Messages do not name the file: the caller does.
 RfResult rf_import_by_assimp( const char* path, RfModel* model, RfLog* log, RfError* error );
 
-// Its parts. Each fails by RF_ERROR_MEMORY only.
+// Imports the materials. Fails only with RF_ERROR_MEMORY, like the following.
 RfResult rf_import_materials( RfImport* import, RfError* error );
+
+// Imports the meshes.
 RfResult rf_import_meshes( RfImport* import, RfError* error );
+
+// Imports the hierarchy.
 RfResult rf_import_nodes( RfImport* import, RfError* error );
 
-// The image of a texture's name (a path, or "*0" for one inside the file), taken
-// into the model once; −1, with a warning, where it is not to be had.
+// The index of the image that a texture names (a path, or "*0" for an embedded one), read on
+// first use; −1, with a warning, if it cannot be read.
 int rf_import_image( RfImport* import, const char* name );
 
-// Cameras and lights, each on a node of its own under the node of its name.
+// Imports the cameras, each on a new node below the node of its name.
 void rf_import_cameras( RfImport* import );
+
+// Imports the lights, in the same way.
 void rf_import_lights( RfImport* import );
 
-// A copy to be freed; NULL for an empty string.
+// A copy that the caller frees; NULL for an empty string.
 char* rf_import_text( const struct aiString* text );
 
-// One more node, index −1 where memory ran out.
+// Adds a node and returns its index; −1 if out of memory.
 int rf_import_add_node( RfImport* import, const struct aiString* name, int parent, const RfMat4* matrix );
 
 #define RF_IMPORT_MEMORY "out of memory for what is in the file"

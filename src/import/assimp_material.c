@@ -1,5 +1,5 @@
-// Materials of other formats in glTF's terms. Most are Phong's: a diffuse
-// colour, a specular colour and an exponent.
+// Converts materials of other formats to glTF's. Most are Phong: a diffuse colour, a specular
+// colour and an exponent.
 #include "import/assimp_import.h"
 
 #include <assimp/ObjMaterial.h>
@@ -14,7 +14,7 @@ typedef struct RfPhong
     float diffuse[3], specular[3], emission[3], filter[3];
     float exponent, opacity, ior;
     bool has_specular;
-    int illumination; // OBJ's "illum", −1 elsewhere
+    int illumination; // OBJ's "illum", −1 for other formats
 } RfPhong;
 
 static float clamp01( float value )
@@ -67,10 +67,10 @@ static RfPhong read_phong( const RfImport* import, const struct aiMaterial* from
 
 static float largest( const float* color ) { return fmaxf( color[0], fmaxf( color[1], color[2] ) ); }
 
-// Phong's cosⁿ lobe is about as wide as a GGX one of alpha = √(2 / (n + 2)),
-// and glTF's roughness is √alpha. Without a specular colour nothing shines.
-// A specular colour of 0.5 is the 4 % of plastic and glass, where exporters put
-// it; a bright one over black is a metal.
+// A Phong lobe cosⁿ is about as wide as a GGX lobe of alpha = √(2 / (n + 2)), and glTF's
+// roughness is √alpha. Without a specular colour the material is not glossy. A specular colour
+// of 0.5 means the 4 % of plastic and glass, as exporters write it; a bright one over a black
+// diffuse colour means a metal.
 static void set_surface( RfModelMaterial* m, const RfPhong* p )
 {
     float shine = clamp01( largest( p->specular ) );
@@ -90,7 +90,7 @@ static void set_surface( RfModelMaterial* m, const RfPhong* p )
         m->base_color[i] = clamp01( base[i] );
 }
 
-// OBJ's illumination models 4, 6, 7 and 9 are glass, coloured by Tf.
+// OBJ's illumination models 4, 6, 7 and 9 are glass, tinted by Tf.
 static bool set_glass( RfModelMaterial* m, const RfPhong* p )
 {
     int i = p->illumination;
@@ -109,7 +109,7 @@ static void set_opacity( RfImport* import, RfModelMaterial* m, const RfPhong* p 
     float opacity = clamp01( p->opacity );
     if ( opacity == 0.0f )
     {
-        // exporters that disagree on which end is clear; nobody models what cannot be seen
+        // exporters disagree on which end is transparent, and invisible materials are not intended
         rf_warn( import->log, "material '%s': has opacity 0: it is taken as opaque", m->name != NULL ? m->name : "" );
         opacity = 1.0f;
     }
@@ -118,12 +118,12 @@ static void set_opacity( RfImport* import, RfModelMaterial* m, const RfPhong* p 
         m->alpha_mode = RF_MODEL_BLEND;
 }
 
-// The numbers of physically based materials, where the file has them (MTL's Pr
-// and Pm, newer FBX), go before what is guessed from Phong's.
+// Parameters of physically based materials (MTL's Pr and Pm, newer FBX) take precedence over
+// those derived from Phong's.
 static void set_physical( RfModelMaterial* m, const struct aiMaterial* from, bool obj )
 {
     float roughness = get_float( from, "$mat.roughnessFactor", -1 ), metallic = get_float( from, "$mat.metallicFactor", -1 );
-    // assimp gives an MTL without them zeros
+    // assimp returns zeros for an MTL without them
     bool given = !obj || roughness > 0.0f || metallic > 0.0f;
     if ( given && ( roughness >= 0.0f || metallic >= 0.0f ) )
         m->specular = 1.0f;
@@ -133,7 +133,7 @@ static void set_physical( RfModelMaterial* m, const struct aiMaterial* from, boo
         m->metallic = clamp01( metallic );
 }
 
-// The first texture of a kind, by its name in the file; false where there is none.
+// The file name of the first texture of a kind; false if there is none.
 static bool get_texture( const struct aiMaterial* from, enum aiTextureType type, struct aiString* name )
 {
     return aiGetMaterialTextureCount( from, type ) > 0 &&
@@ -162,7 +162,7 @@ static void set_textures( RfImport* import, RfModelMaterial* m, const struct aiM
     {
         bool same = get_texture( from, aiTextureType_DIFFUSE, &name ) && strcmp( name.data, opacity.data ) == 0;
         if ( same && m->base_color_image >= 0 )
-            m->alpha_mode = RF_MODEL_BLEND; // the alpha of the colour's own image
+            m->alpha_mode = RF_MODEL_BLEND; // the alpha channel of the colour texture
         else
             rf_warn( import->log, "material '%s': its opacity texture is left out: put it into the colour's alpha", called );
     }
@@ -188,7 +188,8 @@ static void take_material( RfImport* import, const struct aiMaterial* from, RfMo
     if ( p.ior > 1.0f && p.ior < 10.0f )
         m->ior = p.ior;
     set_textures( import, m, from );
-    // What these formats leave open: seen from both sides, but lamps shine to the front.
+    // These formats do not define sidedness: surfaces are double-sided, but emitters emit from the
+    // front only.
     m->double_sided = largest( m->emission ) == 0.0f || get_int( from, "$mat.twosided", 0 ) != 0;
     m->double_sided = m->double_sided && m->transmission == 0.0f;
 }

@@ -11,8 +11,7 @@ static float clamp01( float value )
     return value > 0.0f ? value < 1.0f ? value : 1.0f : 0.0f; // 0 for NaN
 }
 
-// OBJ and PLY carry colours as screens show them; the others say nothing and
-// are taken as they are.
+// OBJ and PLY colours are sRGB; other formats do not specify it and are taken as linear.
 static float to_linear( float c, RfSourceFormat format )
 {
     c = clamp01( c );
@@ -30,7 +29,7 @@ static float* copy_normals( const struct aiMesh* from, const RfModelMesh* mesh )
         double length = sqrt( x * x + y * y + z * z );
         if ( !( length > 1e-12 ) || !isfinite( length ) )
         {
-            // no direction: without normals the triangles are flat, which is right at least
+            // a zero-length normal: dropping all normals gives flat shading, which is at least correct
             free( out );
             return NULL;
         }
@@ -41,14 +40,14 @@ static float* copy_normals( const struct aiMesh* from, const RfModelMesh* mesh )
     return out;
 }
 
-// Zeros where a texture asks for them and the mesh has none: glTF wants them there.
+// Zeros if the material has a texture but the mesh no coordinates, which glTF requires.
 static float* copy_uvs( const struct aiMesh* from, uint32_t count )
 {
     float* out = calloc( 2 * (size_t)count, sizeof *out );
     for ( uint32_t i = 0; out != NULL && from->mTextureCoords[0] != NULL && i < count; ++i )
     {
         out[2 * i] = from->mTextureCoords[0][i].x;
-        out[2 * i + 1] = 1.0f - from->mTextureCoords[0][i].y; // v runs down in glTF
+        out[2 * i + 1] = 1.0f - from->mTextureCoords[0][i].y; // v points down in glTF
     }
     return out;
 }
@@ -75,8 +74,8 @@ static bool has_texture( const RfModel* model, int material )
     return m->base_color_image >= 0 || m->normal_image >= 0 || m->emissive_image >= 0;
 }
 
-// The grey that assimp makes up where a file has no material would darken the
-// colours at the vertices, which multiply it.
+// The default material that assimp invents is grey and would darken the vertex colours, which
+// it multiplies.
 static void whiten_default( RfModel* model, int material )
 {
     RfModelMaterial* m = material >= 0 ? model->materials + material : NULL;
@@ -84,8 +83,7 @@ static void whiten_default( RfModel* model, int material )
         m->base_color[0] = m->base_color[1] = m->base_color[2] = 1.0f;
 }
 
-// How many of its faces are triangles: those that fell together into points and
-// lines may be among them.
+// Counts the triangles: degenerate faces that became points and lines may be among them.
 static uint32_t count_triangles( const struct aiMesh* from )
 {
     uint32_t count = 0;

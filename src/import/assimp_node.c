@@ -5,7 +5,7 @@
 
 static RfMat4 matrix_of( const struct aiMatrix4x4* from )
 {
-    const float* rows = &from->a1; // 16 numbers, row by row
+    const float* rows = &from->a1; // 16 numbers, row-major
     RfMat4 out;
     for ( int r = 0; r < 4; ++r )
     {
@@ -19,7 +19,7 @@ int rf_import_add_node( RfImport* import, const struct aiString* name, int paren
 {
     RfModel* model = import->model;
     int count = model->node_count;
-    if ( ( count & ( count - 1 ) ) == 0 ) // a power of two is full
+    if ( ( count & ( count - 1 ) ) == 0 ) // full at powers of two
     {
         RfModelNode* more = realloc( model->nodes, ( count > 0 ? 2 * (size_t)count : 1 ) * sizeof *more );
         if ( more == NULL )
@@ -44,7 +44,7 @@ static bool take_meshes( RfImport* import, const struct aiNode* from, RfModelNod
     return node->meshes != NULL;
 }
 
-// By recursion: a hierarchy too deep for the stack has crashed assimp before.
+// Recursive: assimp itself overflows the stack first on hierarchies that are too deep.
 static bool take_node( RfImport* import, const struct aiNode* from, int parent )
 {
     RfMat4 matrix = matrix_of( &from->mTransformation );

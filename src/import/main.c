@@ -1,6 +1,6 @@
-// reframe-import FILE BYTES SECONDS y|z SCALE: reads FILE by assimp and writes
-// it as .glb to standard output. `reframe convert` starts it; it takes limits
-// upon itself, so that whatever a file does to assimp ends with this process.
+// reframe-import FILE BYTES SECONDS y|z SCALE: imports FILE by assimp and writes it as .glb to
+// standard output. Started by `reframe convert`. It limits its own memory and time, so that
+// whatever a file does to assimp affects only this process.
 #define _DEFAULT_SOURCE // setrlimit, prctl
 
 #include "convert/glb_write.h"
@@ -34,7 +34,7 @@ static void set_limits( unsigned long long bytes, unsigned long long seconds )
     prctl( PR_SET_PDEATHSIG, SIGKILL );
     set_limit( RLIMIT_CORE, 0 );
     set_limit( RLIMIT_CPU, seconds + 1 );
-#ifndef __SANITIZE_ADDRESS__ // which takes terabytes of addresses
+#ifndef __SANITIZE_ADDRESS__ // AddressSanitizer reserves terabytes of address space
     set_limit( RLIMIT_AS, bytes );
 #else
     (void)bytes;
@@ -84,7 +84,7 @@ int main( int argc, char** argv )
         return 2;
     }
     set_limits( strtoull( argv[2], NULL, 10 ), strtoull( argv[3], NULL, 10 ) );
-    // what assimp may print does not get into the result
+    // keeps assimp's own output out of the result
     RfAtomicFile out = { .path = "its .glb", .fd = dup( 1 ), .folder = -1 };
     int nothing = open( "/dev/null", O_WRONLY );
     if ( out.fd < 0 || nothing < 0 || dup2( nothing, 1 ) < 0 )

@@ -1,8 +1,8 @@
-// Elementary functions that a compiler can vectorise: no branch, no table, no
-// call, so a loop over them runs eight lanes at a time, and every lane gets the
-// same bits wherever it stands. The polynomials are our own minimax fits of
-// relative error (Remez exchange at 40 digits); the errors given are measured
-// ones of the whole function in float (tests/math/test_math.c holds them).
+// Elementary functions that compilers can vectorise: no branches, tables or calls, so a loop
+// over them runs eight lanes at a time, and the result does not depend on the lane. The
+// polynomials are minimax fits of the relative error (Remez exchange with 40 digits); the
+// stated errors are measured for the whole function in float and tested in
+// tests/math/test_math.c.
 #ifndef REFRAME_MATH_FASTMATH_H
 #define REFRAME_MATH_FASTMATH_H
 
@@ -25,9 +25,9 @@ static inline float rf_bits_float( int32_t bits )
     return x;
 }
 
-// a b + c for polynomials: one rounding and half the latency where the machine
-// has the instruction (there fmaf is no call). Written out, not left to the
-// compiler's contraction, so that the bits do not depend on its mood.
+// a b + c for polynomials: one rounding, and half the latency on machines with FMA (where fmaf
+// compiles to the instruction). Explicit instead of by compiler contraction, so that results
+// do not depend on the compiler.
 static inline float rf_fused( float a, float b, float c )
 {
 #if defined( __FMA__ )
@@ -37,15 +37,15 @@ static inline float rf_fused( float a, float b, float c )
 #endif
 }
 
-// c[0] + c[1] x + c[2] x² + c[3] x³ in two steps: loops over these functions
-// wait for results, not for free units, so short chains win over few operations.
+// Cubic polynomial in two steps (Estrin): loops over these functions are bound by latency, so
+// short dependency chains beat few operations.
 #define RF_CUBIC( x, x2, c0, c1, c2, c3 ) rf_fused( rf_fused( c3, x, c2 ), x2, rf_fused( c1, x, c0 ) )
 
-// Base-2 logarithm of a normal positive float, relative error < 2e-7, also
-// next to 1. Zero and subnormal numbers give about −127.
+// Base-2 logarithm of a positive normal float, relative error < 2e-7, also near 1. Zero and
+// subnormal numbers give about −127.
 //
-// x = 2^e (1 + f) with 1 + f in [√½, √2): e is 0 around 1, so nothing cancels
-// there. log2(1 + f) = f P(f), fit 2.7e-8.
+// x = 2^e (1 + f) with 1 + f in [√½, √2): e is 0 around 1, so nothing cancels there. log2(1 +
+// f) = f P(f), error of the fit 2.7e-8.
 static inline float rf_log2( float x )
 {
     const uint32_t sqrt_half = 0x3f3504f3u;
@@ -59,8 +59,8 @@ static inline float rf_log2( float x )
     return rf_fused( f, p, e );
 }
 
-// 2^y = scale (1 + part), |part| < 0.42: the two halves of 2^y, kept apart for
-// those who want 2^y − 1 without cancellation. y is clamped to [−126, 127].
+// 2^y = scale (1 + part), |part| < 0.42, as two factors from which 2^y − 1 can be computed
+// without cancellation. y is clamped to [−126, 127].
 typedef struct RfExp2
 {
     float scale, part;
@@ -68,8 +68,8 @@ typedef struct RfExp2
 
 static inline RfExp2 rf_split_exp2( float y )
 {
-    // Adding 1.5 · 2²³ leaves no bits after the point: the sum's low bits are
-    // the nearest integer, and no instruction set lacks an addition.
+    // Adding 1.5 · 2²³ rounds to the nearest integer, which is then in the low bits of the sum;
+    // unlike rounding instructions, additions exist on every machine.
     const float shift = 12582912.0f;
     y = y > -126.0f ? y : -126.0f;
     y = y < 127.0f ? y : 127.0f;
@@ -82,8 +82,8 @@ static inline RfExp2 rf_split_exp2( float y )
     return ( RfExp2 ){ rf_bits_float( ( e + 127 ) * ( 1 << 23 ) ), r * p };
 }
 
-// 2^y, relative error < 2e-7 for y in [−126, 127]; 0 below (where the result
-// would be subnormal), 2^127 above.
+// 2^y, relative error < 2e-7 for y in [−126, 127]; 0 below (where the result would be
+// subnormal), 2^127 above.
 static inline float rf_exp2( float y )
 {
     RfExp2 split = rf_split_exp2( y );
@@ -91,16 +91,16 @@ static inline float rf_exp2( float y )
     return y < -126.0f ? 0.0f : value;
 }
 
-// 1 − 2^y for y in [−126, 0], relative error < 3e-7, also next to 0.
+// 1 − 2^y for y in [−126, 0], relative error < 3e-7, also near 0.
 static inline float rf_one_minus_exp2( float y )
 {
     RfExp2 split = rf_split_exp2( y );
     return rf_fused( -split.scale, split.part, 1.0f - split.scale );
 }
 
-// x^n for x in [0, 1], n ≥ 0; 0^0 = 1, 0^n = 0 (a subnormal x counts as 0).
-// Relative error < 3e-7 (1 + |log2 x^n|/2): the exponent is one float, so a
-// result of 2^−100 has lost some bits, which no use of it here minds.
+// x^n for x in [0, 1], n ≥ 0; 0^0 = 1, 0^n = 0 (a subnormal x counts as 0). Relative error <
+// 3e-7 (1 + |log2 x^n|/2): the exponent is a single float, so results around 2^−100 lose some
+// bits, which does not matter here.
 static inline float rf_pow( float x, float n )
 {
     float value = rf_exp2( n * rf_log2( x ) );
@@ -108,10 +108,9 @@ static inline float rf_pow( float x, float n )
     return x >= FLT_MIN ? value : at_zero;
 }
 
-// (1 − d)^n for d in [0, 1], n ≥ 0, relative error < 4e-7 (1 + …), also where d is far
-// below the spacing of floats next to 1: what the subtraction rounds away is
-// known exactly (for d ≤ ½; above, it does not matter) and added to the
-// logarithm.
+// (1 − d)^n for d in [0, 1], n ≥ 0, relative error < 4e-7 (1 + …), even if d is far below the
+// spacing of floats near 1: the rounding error of the subtraction is known exactly (for d ≤ ½;
+// above, it does not matter) and corrects the logarithm.
 static inline float rf_pow_one_minus( float d, float n )
 {
     float x = 1.0f - d;
@@ -121,11 +120,10 @@ static inline float rf_pow_one_minus( float d, float n )
     return x >= FLT_MIN ? value : at_zero;
 }
 
-// sin 2πu and cos 2πu for u in [0, 1], relative error < 2e-7 each, also next to
-// their zeros.
+// sin 2πu and cos 2πu for u in [0, 1], relative error < 2e-7 each, also near their zeros.
 //
-// 4u = k + r with |r| ≤ ½: both values come from sin and cos of r π/2, fits
-// 3.3e-9 and 3.9e-8, by quarter turn.
+// 4u = k + r with |r| ≤ ½: both follow from sin and cos of r π/2 (errors of the fits 3.3e-9
+// and 3.9e-8) by the quadrant k.
 static inline void rf_sincos_2pi( float u, float* s, float* c )
 {
     float t = 4.0f * u;

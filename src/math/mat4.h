@@ -26,7 +26,8 @@ static inline RfMat4 rf_mat4_mul( const RfMat4* a, const RfMat4* b )
     return out;
 }
 
-// Scale first, then the unit quaternion (x y z w), then the translation.
+// The matrix that scales by s, then rotates by the unit quaternion q (x y z w), then
+// translates by t.
 static inline RfMat4 rf_mat4_from_trs( const double t[3], const double q[4], const double s[3] )
 {
     double x = q[0], y = q[1], z = q[2], w = q[3];
@@ -52,16 +53,15 @@ static inline void rf_mat4_apply( const RfMat4* a, const double p[3], double w, 
         out[r] = a->m[r] * p[0] + a->m[4 + r] * p[1] + a->m[8 + r] * p[2] + a->m[12 + r] * w;
 }
 
-// Determinant of the upper-left 3×3; negative where the transform mirrors.
+// Determinant of the upper-left 3×3; negative if the transform mirrors.
 static inline double rf_mat4_det3( const RfMat4* a )
 {
     const double* m = a->m;
     return m[0] * ( m[5] * m[10] - m[9] * m[6] ) - m[4] * ( m[1] * m[10] - m[9] * m[2] ) + m[8] * ( m[1] * m[6] - m[5] * m[2] );
 }
 
-// out = cofactor matrix of the upper-left 3×3 · n: transforms normals, up to
-// length, also under non-uniform scale; times the sign of the determinant it
-// equals the inverse transpose.
+// out = cofactor matrix of the upper-left 3×3 · n. Transforms normals up to their length, also
+// under non-uniform scale; it is the inverse transpose times the determinant.
 static inline void rf_mat4_apply_cofactor( const RfMat4* a, const double n[3], double out[3] )
 {
     const double* m = a->m;

@@ -4,11 +4,11 @@
 
 #include <math.h>
 
-// Above this cosine the arc is a straight line to within 1e-8 and sin() of the
-// angle is too small to divide by.
+// Above this cosine, linear interpolation differs from the arc by less than 1e-8, and the sine
+// of the angle is too small to divide by.
 #define RF_SLERP_LINEAR_COSINE 0.9999
 
-// Unit length; what has no direction becomes no rotation.
+// Normalises q; if it has no direction it becomes the identity.
 static inline void rf_quat_normalize( double q[4] )
 {
     double largest = 0.0;
@@ -31,11 +31,12 @@ static inline void rf_quat_normalize( double q[4] )
     q[3] = 1.0;
 }
 
-// From a (t = 0) to b (1) the short way, at an even pace; also beyond the two.
+// Spherical linear interpolation from a (t = 0) to b (t = 1) along the shorter arc; t may be
+// outside [0, 1].
 static inline void rf_quat_slerp( const double a[4], const double b[4], double t, double out[4] )
 {
     double cosine = a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3];
-    // q and −q are the same rotation: take the one on this side
+    // q and −q are the same rotation: choose the nearer one
     double sign = cosine < 0.0 ? -1.0 : 1.0;
     cosine *= sign;
     double weight_a = 1.0 - t, weight_b = t;
@@ -58,7 +59,7 @@ static inline void rf_quat_mul( const double a[4], const double b[4], double out
     out[3] = a[3] * b[3] - a[0] * b[0] - a[1] * b[1] - a[2] * b[2];
 }
 
-// out = a⁻¹ · b, of the two that mean the same rotation the shorter.
+// out = a⁻¹ · b, with the sign of the shorter rotation.
 static inline void rf_quat_between( const double a[4], const double b[4], double out[4] )
 {
     double inverse[4] = { -a[0], -a[1], -a[2], a[3] };
@@ -68,7 +69,7 @@ static inline void rf_quat_between( const double a[4], const double b[4], double
         out[i] *= sign;
 }
 
-// The rotation vector (axis times angle) of q, its angle below 2π.
+// Logarithm: the rotation vector (axis times angle) of q, with an angle below 2π.
 static inline void rf_quat_log( const double q[4], double v[3] )
 {
     double sine = sqrt( q[0] * q[0] + q[1] * q[1] + q[2] * q[2] );
@@ -77,7 +78,7 @@ static inline void rf_quat_log( const double q[4], double v[3] )
         v[i] = scale * q[i];
 }
 
-// The rotation of a rotation vector.
+// Exponential: the unit quaternion of a rotation vector.
 static inline void rf_quat_exp( const double v[3], double q[4] )
 {
     double angle = sqrt( v[0] * v[0] + v[1] * v[1] + v[2] * v[2] );
@@ -87,7 +88,7 @@ static inline void rf_quat_exp( const double v[3], double q[4] )
     q[3] = cos( 0.5 * angle );
 }
 
-// The axes x y z of the space that q turns, each 3 numbers.
+// The rotated axes x, y, z, 3 numbers each: the columns of the rotation matrix.
 static inline void rf_quat_axes( const double q[4], double axes[9] )
 {
     double x = q[0], y = q[1], z = q[2], w = q[3];

@@ -1,5 +1,4 @@
-// One segment of a Catmull-Rom spline with any knots: between keys 1 and 2 of
-// four, whose knots increase.
+// One segment of a Catmull-Rom spline with arbitrary knots: between keys 1 and 2 of four.
 #ifndef REFRAME_MATH_SPLINE_H
 #define REFRAME_MATH_SPLINE_H
 
@@ -7,12 +6,12 @@
 
 typedef struct RfSplineSpan
 {
-    double key[4][4]; // points, or rotations
+    double key[4][4]; // points or rotations; knots increase
     double knot[4];
 } RfSplineSpan;
 
-// A point and its derivative at knot `at`, k[1] to k[2]: the pyramid of Barry
-// and Goldman (1988), lines through neighbouring keys that are blended twice.
+// A point and its derivative at knot `at` in [k[1], k[2]], by the recursive evaluation of
+// Barry and Goldman (1988).
 static inline void rf_point_spline( const RfSplineSpan* span, double at, double value[3], double derivative[3] )
 {
     const double* k = span->knot;
@@ -37,8 +36,8 @@ static inline void rf_point_spline( const RfSplineSpan* span, double at, double 
     }
 }
 
-// The rotation vector from a to b, divided by the step of the knot.
-static inline void rf_turn_rate( const double a[4], const double b[4], double step, double rate[3] )
+// Angular velocity: the rotation vector from a to b, divided by the knot step.
+static inline void rf_angular_velocity( const double a[4], const double b[4], double step, double rate[3] )
 {
     double q[4];
     rf_quat_between( a, b, q );
@@ -48,22 +47,22 @@ static inline void rf_turn_rate( const double a[4], const double b[4], double st
 }
 
 // out = q · exp( scale · v )
-static inline void rf_turn( const double q[4], const double v[3], double scale, double out[4] )
+static inline void rf_rotate_by( const double q[4], const double v[3], double scale, double out[4] )
 {
     double scaled[3] = { scale * v[0], scale * v[1], scale * v[2] }, e[4];
     rf_quat_exp( scaled, e );
     rf_quat_mul( q, e, out );
 }
 
-// A rotation at knot `at`: a Bézier curve of rotations in cumulative form (Kim,
-// Kim, Shin 1995) whose rates of turn at the keys are those of Catmull-Rom. A
-// pyramid of slerps would jump where two of its rotations lie half a turn apart.
+// A rotation at knot `at`: a cumulative Bézier curve of quaternions (Kim, Kim, Shin 1995)
+// whose angular velocities at the keys are those of Catmull-Rom. A pyramid of slerps would be
+// discontinuous where two of its rotations are half a turn apart.
 static inline void rf_rotation_spline( const RfSplineSpan* span, double at, double value[4] )
 {
     const double* k = span->knot;
     double h[3] = { k[1] - k[0], k[2] - k[1], k[3] - k[2] }, d[3][3], first[3], middle[3], last[3];
     for ( int i = 0; i < 3; ++i )
-        rf_turn_rate( span->key[i], span->key[i + 1], h[i], d[i] );
+        rf_angular_velocity( span->key[i], span->key[i + 1], h[i], d[i] );
     for ( int i = 0; i < 3; ++i )
     {
         first[i] = ( h[1] * d[0][i] + h[0] * d[1][i] ) / ( h[0] + h[1] ) * h[1] / 3.0;
@@ -73,13 +72,13 @@ static inline void rf_rotation_spline( const RfSplineSpan* span, double at, doub
     rf_quat_between( span->key[1], span->key[2], r );
     rf_quat_exp( back, e );
     rf_quat_mul( e, r, rest );
-    rf_turn( rest, last, -1.0, r );
+    rf_rotate_by( rest, last, -1.0, r );
     rf_quat_log( r, middle );
 
     double t = ( at - k[1] ) / h[1], u = 1.0 - t;
-    rf_turn( span->key[1], first, 1.0 - u * u * u, value );
-    rf_turn( value, middle, t * t * ( 3.0 - 2.0 * t ), rest );
-    rf_turn( rest, last, t * t * t, value );
+    rf_rotate_by( span->key[1], first, 1.0 - u * u * u, value );
+    rf_rotate_by( value, middle, t * t * ( 3.0 - 2.0 * t ), rest );
+    rf_rotate_by( rest, last, t * t * t, value );
     rf_quat_normalize( value );
 }
 

@@ -1,5 +1,5 @@
-// Three-component float vectors as plain structs passed by value. Lengths in
-// scene units (metres), unless a comment says otherwise.
+// Three-component float vectors as plain structs, passed by value. Lengths are in scene units
+// (metres) unless noted otherwise.
 #ifndef REFRAME_MATH_VEC3_H
 #define REFRAME_MATH_VEC3_H
 
@@ -38,8 +38,8 @@ static inline float rf_max_component( RfVec3 a ) { return rf_maxf( a.x, rf_maxf(
 // Rec. 709 luminance of linear RGB.
 static inline float rf_luminance( RfVec3 c ) { return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z; }
 
-// Two unit vectors that make a right-handed frame with the unit vector n
-// (Duff et al., Building an Orthonormal Basis, Revisited, JCGT 2017).
+// Two unit vectors that form a right-handed frame with the unit vector n (Duff et al.,
+// Building an Orthonormal Basis, Revisited, JCGT 2017).
 static inline void rf_basis( RfVec3 n, RfVec3* t, RfVec3* b )
 {
     float sign = copysignf( 1.0f, n.z );
@@ -49,8 +49,8 @@ static inline void rf_basis( RfVec3 n, RfVec3* t, RfVec3* b )
     *b = rf_vec3( c, sign + n.y * n.y * a, -n.y );
 }
 
-// a × b made unit, and its length. In doubles: the edges of tiny and of huge
-// triangles leave the range of floats when they are multiplied. 0 where it has no length.
+// The normalised cross product and its original length, 0 for parallel vectors. In doubles:
+// products of the edges of tiny and huge triangles leave the range of floats.
 static inline RfVec3 rf_unit_cross( RfVec3 a, RfVec3 b, double* length )
 {
     double x = (double)a.y * (double)b.z - (double)a.z * (double)b.y;

@@ -15,29 +15,29 @@ double rf_student_quantile( int freedom )
            ( 3.0 * z7 + 19.0 * z5 + 17.0 * z3 - 15.0 * z ) / ( 384.0 * n * n * n );
 }
 
-// Blocks of side_x x side_y pixels.
+// Blocks of side_x × side_y pixels.
 typedef struct Blocks
 {
-    const double* smallest; // the sums of the smallest
-    double* sums;           // room for as many
+    const double* smallest; // the sums of the smallest blocks
+    double* sums;           // as many elements
     int width, height;      // of the image
     double values;
 } Blocks;
 
-static int divide_up( int a, int b ) { return ( a + b - 1 ) / b; }
+static int ceil_divide( int a, int b ) { return ( a + b - 1 ) / b; }
 
-static double cut_side( int index, int side, int size )
+static double cropped_side( int index, int side, int size )
 {
     int left = size - index * side;
     return left < side ? left : side;
 }
 
-// Joins the smallest blocks, across x down of them at a time.
+// Merges the smallest blocks into blocks of `across` × `down` of them.
 static void join_blocks( const Blocks* blocks, int across, int down )
 {
-    int columns = divide_up( blocks->width, RF_BLOCK_SIDE ), rows = divide_up( blocks->height, RF_BLOCK_SIDE );
-    int joined = divide_up( columns, across );
-    memset( blocks->sums, 0, (size_t)joined * (size_t)divide_up( rows, down ) * sizeof( double ) );
+    int columns = ceil_divide( blocks->width, RF_BLOCK_SIDE ), rows = ceil_divide( blocks->height, RF_BLOCK_SIDE );
+    int joined = ceil_divide( columns, across );
+    memset( blocks->sums, 0, (size_t)joined * (size_t)ceil_divide( rows, down ) * sizeof( double ) );
     for ( int y = 0; y < rows; ++y )
     {
         for ( int x = 0; x < columns; ++x )
@@ -45,12 +45,13 @@ static void join_blocks( const Blocks* blocks, int across, int down )
     }
 }
 
-// Of a mean with weights w, the pixels of a block, the sampling variance is
-// Σ w² (block's mean − mean)² / (Σ w)². NaN where there are fewer than `fewest`.
+// The half-width of the interval from one block size. With w the number of pixels of a block,
+// the sampling variance of the weighted mean is Σ w² (block mean − mean)² / (Σ w)². NaN if
+// there are fewer than `fewest` blocks.
 static double margin_of( const Blocks* blocks, int across, int down, int fewest )
 {
     int side_x = across * RF_BLOCK_SIDE, side_y = down * RF_BLOCK_SIDE;
-    int columns = divide_up( blocks->width, side_x ), rows = divide_up( blocks->height, side_y ), count = columns * rows;
+    int columns = ceil_divide( blocks->width, side_x ), rows = ceil_divide( blocks->height, side_y ), count = columns * rows;
     double pixels = (double)blocks->width * blocks->height, sum = 0.0, spread = 0.0;
     if ( count < fewest )
         return NAN;
@@ -60,7 +61,7 @@ static double margin_of( const Blocks* blocks, int across, int down, int fewest 
     double mean = sum / ( pixels * blocks->values );
     for ( int i = 0; i < count; ++i )
     {
-        double weight = cut_side( i % columns, side_x, blocks->width ) * cut_side( i / columns, side_y, blocks->height );
+        double weight = cropped_side( i % columns, side_x, blocks->width ) * cropped_side( i / columns, side_y, blocks->height );
         double delta = blocks->sums[i] / blocks->values - weight * mean;
         spread += delta * delta;
     }
@@ -69,17 +70,17 @@ static double margin_of( const Blocks* blocks, int across, int down, int fewest 
 
 RfResult rf_mean_margin( const double* sums, int width, int height, double values, double* margin, RfError* error )
 {
-    int columns = divide_up( width, RF_BLOCK_SIDE ), rows = divide_up( height, RF_BLOCK_SIDE );
+    int columns = ceil_divide( width, RF_BLOCK_SIDE ), rows = ceil_divide( height, RF_BLOCK_SIDE );
     Blocks blocks = { .smallest = sums, .width = width, .height = height, .values = values };
     *margin = NAN;
     blocks.sums = malloc( (size_t)columns * (size_t)rows * sizeof( double ) );
     if ( blocks.sums == NULL )
         return rf_fail( error, RF_ERROR_MEMORY, "no memory left for the blocks of %dx%d pixels", width, height );
-    *margin = margin_of( &blocks, 1, 1, 2 ); // fmax passes over NaN
+    *margin = margin_of( &blocks, 1, 1, 2 ); // fmax ignores NaN
     for ( int side = 2; side < columns || side < rows; side *= 2 )
-        *margin = fmax( *margin, margin_of( &blocks, side, side, RF_FEWEST_BLOCKS ) );
-    *margin = fmax( *margin, margin_of( &blocks, columns, 1, RF_FEWEST_STRIPS ) );
-    *margin = fmax( *margin, margin_of( &blocks, 1, rows, RF_FEWEST_STRIPS ) );
+        *margin = fmax( *margin, margin_of( &blocks, side, side, RF_MIN_BLOCKS ) );
+    *margin = fmax( *margin, margin_of( &blocks, columns, 1, RF_MIN_STRIPS ) );
+    *margin = fmax( *margin, margin_of( &blocks, 1, rows, RF_MIN_STRIPS ) );
     free( blocks.sums );
     return RF_OK;
 }

@@ -8,20 +8,20 @@
 #include <string.h>
 
 #define FIRST_PASSES 2
-#define WANTED_LEVELS 4     // as many as the budget is laid out for
-#define FEWEST_PIXELS 20000 // of a picture: smaller ones are all set-up, and tiles reach too far in them
+#define WANTED_LEVELS 4  // levels that the budget is planned for
+#define MIN_PIXELS 20000 // of a test image: in smaller ones set-up dominates and tiles are too large
 #define PROBE_PIXELS 6000
-#define UNITS ( RF_COST_LEVELS * RF_COST_PLACES )
+#define UNITS ( RF_COST_LEVELS * RF_COST_POSITIONS )
 
 typedef struct Study
 {
     const RfCostJob* job;
     RfCost* cost;
     RfRenderSettings settings[2]; // resolved
-    RfTestRegion sites[RF_COST_PLACES];
-    int site_count;
-    RfTrial trials[UNITS][2]; // a place and a level: plain and with reuse, with seeds of their own
-    RfCostUnit units[UNITS];  // what is to be known of them
+    RfTestRegion regions[RF_COST_POSITIONS];
+    int region_count;
+    RfTrial trials[UNITS][2]; // per position and level: path tracing and reuse, with different seeds
+    RfCostUnit units[UNITS];  // the measurements of these trials
     int unit_count;
     double start;
 } Study;
@@ -32,7 +32,7 @@ static int scaled( int side, double scale )
     return pixels < 1 ? 1 : pixels;
 }
 
-// A picture of at most so many pixels, no larger than the render's.
+// The size of an image of at most `pixels` pixels, not larger than the render's.
 static void choose_size( const RfEye* eye, double pixels, int* width, int* height )
 {
     double scale = sqrt( pixels / ( (double)eye->width * eye->height ) );
@@ -40,58 +40,58 @@ static void choose_size( const RfEye* eye, double pixels, int* width, int* heigh
     *height = scale < 1.0 ? scaled( eye->height, scale ) : eye->height;
 }
 
-static RfResult make_site( Study* s, double place, int width, int height, RfTestRegion* site, RfError* error )
+static RfResult make_region( Study* s, double position, int width, int height, RfTestRegion* region, RfError* error )
 {
     const RfCostJob* job = s->job;
-    int frame = job->frames[(int)( place * job->frame_count )];
+    int frame = job->frames[(int)( position * job->frame_count )];
     return rf_create_test_region( job->tracer, job->eyes, job->eye_count, frame, 2 * s->settings[1].group + 1, width, height,
-                                  s->settings + 1, job->watch, site, error );
+                                  s->settings + 1, job->watch, region, error );
 }
 
-// All frames of the site, by path tracing and in one group.
-static RfResult try_both( Study* s, const RfTestRegion* site, int passes, uint64_t salt, RfTrial trials[2], RfError* error )
+// Renders all frames of the region by path tracing, and as one group with reuse.
+static RfResult try_both( Study* s, const RfTestRegion* region, int passes, uint64_t salt, RfTrial trials[2], RfError* error )
 {
     RfResult result = RF_OK;
     for ( int k = 0; k < 2 && result == RF_OK; ++k )
     {
         RfRenderSettings settings = s->settings[k];
         settings.seed = rf_mix64( settings.seed ^ rf_mix64( salt ) );
-        result =
-            rf_run_trial( s->job->tracer, site, k == 0 ? site->frames : 1, passes, &settings, s->job->watch, trials + k, error );
+        result = rf_run_trial( s->job->tracer, region, k == 0 ? region->frames : 1, passes, &settings, s->job->watch, trials + k,
+                               error );
     }
     return result;
 }
 
-// Seconds that a pixel of a place takes at the first level, by a small picture.
+// Estimates the seconds per pixel of a position at the first level, from a small image.
 static RfResult probe( Study* s, double* pixel_seconds, RfError* error )
 {
     int width, height;
     choose_size( s->job->eyes, PROBE_PIXELS, &width, &height );
     double start = rf_wall_seconds();
-    RfTestRegion site;
+    RfTestRegion region;
     RfTrial trials[2];
-    RfResult result = make_site( s, 0.5, width, height, &site, error );
+    RfResult result = make_region( s, 0.5, width, height, &region, error );
     if ( result == RF_OK )
-        result = try_both( s, &site, FIRST_PASSES, 0x9b0be, trials, error );
-    rf_destroy_test_region( &site );
+        result = try_both( s, &region, FIRST_PASSES, 0x9b0be, trials, error );
+    rf_destroy_test_region( &region );
     *pixel_seconds = ( rf_wall_seconds() - start ) / ( (double)width * height );
     return result;
 }
 
-// Pictures as large as let the budget have WANTED_LEVELS, each twice as long as the
-// one before.
-static RfResult make_sites( Study* s, RfError* error )
+// Creates test regions with images so large that the budget allows WANTED_LEVELS levels, each
+// taking twice as long as the one before.
+static RfResult make_regions( Study* s, RfError* error )
 {
     double pixel_seconds;
     RfResult result = probe( s, &pixel_seconds, error );
-    s->cost->places = s->job->frame_count < RF_COST_PLACES ? s->job->frame_count : RF_COST_PLACES;
+    s->cost->positions = s->job->frame_count < RF_COST_POSITIONS ? s->job->frame_count : RF_COST_POSITIONS;
     double left = s->job->budget - ( rf_wall_seconds() - s->start );
-    double pixels = left / ( ( 1 << WANTED_LEVELS ) * pixel_seconds * s->cost->places );
-    choose_size( s->job->eyes, pixels > FEWEST_PIXELS ? pixels : FEWEST_PIXELS, &s->cost->width, &s->cost->height );
-    for ( int i = 0; i < s->cost->places && result == RF_OK; ++i )
+    double pixels = left / ( ( 1 << WANTED_LEVELS ) * pixel_seconds * s->cost->positions );
+    choose_size( s->job->eyes, pixels > MIN_PIXELS ? pixels : MIN_PIXELS, &s->cost->width, &s->cost->height );
+    for ( int i = 0; i < s->cost->positions && result == RF_OK; ++i )
     {
-        s->site_count = i + 1;
-        result = make_site( s, ( i + 0.5 ) / s->cost->places, s->cost->width, s->cost->height, s->sites + i, error );
+        s->region_count = i + 1;
+        result = make_region( s, ( i + 0.5 ) / s->cost->positions, s->cost->width, s->cost->height, s->regions + i, error );
     }
     return result;
 }
@@ -103,14 +103,14 @@ static double frame_seconds( const RfCostJob* job, const RfCostCurve* c, double 
     return frame_pixels( job ) * spp * sample_seconds + c->finish_seconds;
 }
 
-// A level's row: its places together.
+// Adds the row of a level: the mean over its positions.
 static void add_row( Study* s, int curve, RfCostCurve* c, int passes )
 {
     double relmse = 0.0, wall = 0.0, cpu = 0.0, samples = 0.0;
-    for ( int i = s->unit_count - s->cost->places; i < s->unit_count; ++i )
+    for ( int i = s->unit_count - s->cost->positions; i < s->unit_count; ++i )
     {
         const RfCostPart* part = s->units[i].parts + curve;
-        relmse += part->relmse / passes / s->cost->places;
+        relmse += part->relmse / passes / s->cost->positions;
         wall += part->wall_seconds;
         cpu += part->cpu_seconds;
         samples += part->samples;
@@ -121,8 +121,8 @@ static void add_row( Study* s, int curve, RfCostCurve* c, int passes )
                                          .relmse = relmse };
 }
 
-// What finishing a frame takes is told by the first level.
-static void settle_finish( Study* s, int curve, RfCostCurve* c )
+// Takes the time for finishing a frame from the first level.
+static void fit_finish_time( Study* s, int curve, RfCostCurve* c )
 {
     double seconds = 0.0, pixels = 0.0;
     for ( int i = 0; i < s->unit_count; ++i )
@@ -144,15 +144,15 @@ static RfCostPart part_of( const RfTrial* trial )
 static RfResult run_level( Study* s, int level, RfError* error )
 {
     int passes = FIRST_PASSES << level;
-    if ( s->job->say != NULL )
-        s->job->say( s->job->user, s->cost, passes );
-    for ( int i = 0; i < s->cost->places; ++i )
+    if ( s->job->report != NULL )
+        s->job->report( s->job->user, s->cost, passes );
+    for ( int i = 0; i < s->cost->positions; ++i )
     {
         RfTrial* trials = s->trials[s->unit_count];
-        RfResult result = try_both( s, s->sites + i, passes, (uint64_t)( level * RF_COST_PLACES + i + 1 ), trials, error );
+        RfResult result = try_both( s, s->regions + i, passes, (uint64_t)( level * RF_COST_POSITIONS + i + 1 ), trials, error );
         if ( result != RF_OK )
         {
-            s->unit_count = level * s->cost->places; // whole levels only
+            s->unit_count = level * s->cost->positions; // completed levels only
             return result;
         }
         s->units[s->unit_count++] = ( RfCostUnit ){ passes, { part_of( trials ), part_of( trials + 1 ) } };
@@ -161,13 +161,13 @@ static RfResult run_level( Study* s, int level, RfError* error )
     for ( int k = 0; k < 2; ++k )
     {
         if ( level == 0 )
-            settle_finish( s, k, curves[k] );
+            fit_finish_time( s, k, curves[k] );
         add_row( s, k, curves[k], passes );
     }
     return RF_OK;
 }
 
-// Levels as long as one that takes twice as long as the last still fits.
+// Runs levels as long as one that takes twice as long as the last still fits the budget.
 static RfResult run_levels( Study* s, RfError* error )
 {
     double last = 0.0;
@@ -195,7 +195,7 @@ static RfInterval slope_of( const RfCostCurve* c )
     return rf_fit_slope( seconds, errors, c->count );
 }
 
-static void conclude( Study* s )
+static void fit_curves( Study* s )
 {
     RfCostCurve* curves[2] = { &s->cost->plain, &s->cost->reuse };
     for ( int k = 0; k < 2; ++k )
@@ -209,7 +209,7 @@ static void conclude( Study* s )
     s->cost->seconds = rf_wall_seconds() - s->start;
 }
 
-static RfResult resolve( Study* s, RfError* error )
+static RfResult resolve_settings( Study* s, RfError* error )
 {
     const RfCostJob* job = s->job;
     RfRenderSettings asked = *job->settings;
@@ -235,19 +235,19 @@ static RfResult resolve( Study* s, RfError* error )
 RfResult rf_measure_cost( const RfCostJob* job, RfCost* cost, RfError* error )
 {
     Study s = { .job = job, .cost = cost, .start = rf_wall_seconds() };
-    *cost = ( RfCost ){ .places = 0 };
-    RfResult result = resolve( &s, error );
+    *cost = ( RfCost ){ .positions = 0 };
+    RfResult result = resolve_settings( &s, error );
     if ( result == RF_OK )
-        result = make_sites( &s, error );
+        result = make_regions( &s, error );
     if ( result == RF_OK )
         result = run_levels( &s, error );
-    for ( int i = 0; i < s.site_count; ++i )
-        rf_destroy_test_region( s.sites + i );
+    for ( int i = 0; i < s.region_count; ++i )
+        rf_destroy_test_region( s.regions + i );
     if ( s.unit_count > 0 )
-        conclude( &s );
+        fit_curves( &s );
     if ( result == RF_OK && !( cost->plain.relmse > 0.0 && cost->reuse.relmse > 0.0 ) )
         return rf_fail( error, RF_ERROR_SCENE,
-                        "the pictures have no error that can be measured: they are black, or hold what is no number" );
+                        "the error of the test images cannot be measured: they are black, or have NaN or infinite pixels" );
     return result;
 }
 

@@ -1,8 +1,8 @@
-// What accuracy costs in time, here: a few frames of a path are rendered with
-// ever more samples, by path tracing and with reuse, and their errors measured
-// without a reference (trial.h). Errors of unbiased estimators fall as 1 / samples:
-// so all of it together tells the seconds that any error takes, and the spread
-// between places and sample counts how sure that is.
+// Measures what accuracy costs in time on this scene and machine. A few frames of the path are
+// rendered with increasing sample counts, by path tracing and with reuse, and their errors are
+// measured without a reference (trial.h). The error of an unbiased estimator is proportional
+// to 1 / samples, so all measurements together predict the seconds to any error; their spread
+// over positions and sample counts gives the confidence interval.
 #ifndef REFRAME_MEASURE_COST_H
 #define REFRAME_MEASURE_COST_H
 
@@ -10,37 +10,37 @@
 #include "measure/trial.h"
 
 #define RF_COST_LEVELS 12
-#define RF_COST_PLACES 3
+#define RF_COST_POSITIONS 3
 
-// One curve's point: the mean over the places of the path.
+// A point of a curve: the mean over the positions on the path.
 typedef struct RfCostRow
 {
-    int spp;        // native samples per pixel
-    double seconds; // of a frame of the size asked for, on the clock
+    int spp;        // own-frame samples per pixel
+    double seconds; // wall-clock, for a frame of the requested size
     double cpu_seconds;
     double relmse;
 } RfCostRow;
 
 typedef struct RfCostCurve
 {
-    int group; // half-width n, cut to the path
+    int group; // half-width n, clipped to the path
     int eyes;  // in a full group
     RfTile tile;
     RfCostRow rows[RF_COST_LEVELS];
     int count;
-    RfInterval slope;      // of log relMSE over log seconds
+    RfInterval slope;      // of log relMSE against log seconds
     double relmse;         // of a single sample
-    double sample_seconds; // on the clock, of a native sample
-    double finish_seconds; // of what a frame takes besides
+    double sample_seconds; // wall-clock, per own-frame sample
+    double finish_seconds; // wall-clock, per frame for finishing
 } RfCostCurve;
 
 typedef struct RfCost
 {
     RfCostCurve plain, reuse;
-    RfInterval speedup; // seconds of path tracing over those with reuse at equal error
-    int width, height;  // of the pictures tried
-    int places;
-    double seconds; // that it took
+    RfInterval speedup; // seconds of path tracing over seconds with reuse, at equal error
+    int width, height;  // of the test images
+    int positions;
+    double seconds; // spent measuring
 } RfCost;
 
 typedef struct RfCostJob
@@ -48,28 +48,29 @@ typedef struct RfCostJob
     const RfTracer* tracer;
     const RfEye* eyes; // of the whole path
     int eye_count;
-    const int* frames; // asked for
+    const int* frames; // requested
     int frame_count;
-    const RfRenderSettings* settings;                         // those with reuse; spp does not matter
-    double budget;                                            // seconds; the first level is always made
-    const RfTrialWatch* watch;                                // may be NULL
-    void ( *say )( void* user, const RfCost* cost, int spp ); // before each level; may be NULL
+    const RfRenderSettings* settings;                            // with reuse; spp is ignored
+    double budget;                                               // seconds; the first level is always measured
+    const RfTrialWatch* watch;                                   // may be NULL
+    void ( *report )( void* user, const RfCost* cost, int spp ); // called before each level; may be NULL
     void* user;
 } RfCostJob;
 
-// Fails with RF_ERROR_INTERRUPTED where it was stopped, RF_ERROR_USAGE for
-// settings that do not reuse anything.
+// Measures both curves. Fails with RF_ERROR_INTERRUPTED if stopped, RF_ERROR_USAGE if the
+// settings do not reuse anything.
 RfResult rf_measure_cost( const RfCostJob* job, RfCost* cost, RfError* error );
 
-// What an error takes: samples as a render will have them (two at least), seconds
-// of a frame in the middle of the path, and of a render of all frames asked for
-// with its ends, in sweeps of `per_sweep` frames.
+// What reaching an error takes: samples per pixel as rendered (at least two), seconds for a
+// frame in the middle of the path, and seconds for all requested frames including the ends of
+// the path, in sweeps of `per_sweep` frames.
 typedef struct RfCostPrediction
 {
     int spp; // 0: more than a render can have
     double frame_seconds, seconds;
 } RfCostPrediction;
 
+// Predicts the cost of reaching `relmse` from a measured curve.
 RfCostPrediction rf_predict_cost( const RfCostJob* job, const RfCostCurve* curve, double relmse, int per_sweep );
 
 #endif

@@ -23,7 +23,7 @@ RfInterval rf_fit_slope( const double* x, const double* y, int count )
         svv += v * v;
     }
     double spread = suu - su * su / n;
-    if ( n < 2.0 || !( spread > 1e-12 * suu ) ) // one place, but for rounding
+    if ( n < 2.0 || !( spread > 1e-12 * suu ) ) // all x are equal up to rounding
         return slope;
     slope.value = ( suv - su * sv / n ) / spread;
     if ( n < 3.0 )

@@ -1,24 +1,24 @@
-// What the points of `cost` say together: slopes, and the ratio of times.
+// Fits the measurements of `cost`: slopes and the ratio of times.
 #ifndef REFRAME_MEASURE_COST_FIT_H
 #define REFRAME_MEASURE_COST_FIT_H
 
-// A quantity and its 95 % interval; NaN where there are too few points to tell.
+// A quantity and its 95 % confidence interval; NaN if there are too few points.
 typedef struct RfInterval
 {
     double value, low, high;
 } RfInterval;
 
-// The slope of log y over log x by least squares, all points alike, with Student's
-// quantile for the scatter about the line. Points that are not above 0 are left out.
-// Two points at least; three for the interval.
+// The slope of log y against log x by unweighted least squares, with Student's t for the
+// scatter about the line. Points that are not above 0 are skipped. Needs at least two points,
+// and three for the interval.
 RfInterval rf_fit_slope( const double* x, const double* y, int count );
 
-// One of the two ways (0: path tracing, 1: with reuse) at a place and a count of samples.
+// One of the two methods (0: path tracing, 1: with reuse) at one position and sample count.
 typedef struct RfCostPart
 {
     double relmse; // of a single sample
     double wall_seconds, cpu_seconds;
-    double samples; // that these seconds were for
+    double samples; // rendered in these seconds
 } RfCostPart;
 
 typedef struct RfCostUnit
@@ -27,12 +27,12 @@ typedef struct RfCostUnit
     RfCostPart parts[2];
 } RfCostUnit;
 
-// All units together but one (−1: all): relmse of a single sample, weighed by the
-// passes, since more samples tell more of it; seconds of one sample.
+// All units combined, except `without` (−1: none): relMSE of a single sample, weighted by
+// passes because more samples determine it better; seconds of one sample.
 RfCostPart rf_sum_cost_units( const RfCostUnit* units, int count, int part, int without );
 
-// relMSE × wall seconds of part 0 over that of part 1: the ratio of times at equal
-// error. The interval is that of the jackknife over the units, in the logarithm.
+// The ratio of times at equal error: relMSE × wall seconds of part 0 over that of part 1. The
+// interval comes from the jackknife over the units, in the logarithm.
 RfInterval rf_cost_speedup( const RfCostUnit* units, int count );
 
 #endif

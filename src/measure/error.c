@@ -62,8 +62,8 @@ static void sift_down( double* heap, size_t count )
     }
 }
 
-// Sums what is not among the worst. Subtracting the worst from the whole at the
-// end would lose the rest beside one firefly.
+// Sums the errors that are not among the worst. Subtracting the worst from the total at the
+// end would lose the rest to cancellation next to a single firefly.
 static void add_relative( RfErrorSummary* summary, double value, int x, int y )
 {
     summary->relative_sum += value;
@@ -83,7 +83,7 @@ static void add_relative( RfErrorSummary* summary, double value, int x, int y )
     summary->kept_sum += value;
 }
 
-// Adds a pixel; the signed difference of its channels is the result.
+// Adds a pixel and returns the signed difference, summed over its channels.
 static double add_pixel( RfErrorSummary* summary, const float* image, const float* reference, int x, int y )
 {
     bool is_nan = false, is_inf = false, reference_nan = false, reference_inf = false;
@@ -119,8 +119,8 @@ static RfResult check_frame( const RfErrorSummary* summary, const RfImage* image
         return rf_fail( error, RF_ERROR_FORMAT, "the image has %dx%d pixels, the reference %dx%d", image->width, image->height,
                         reference->width, reference->height );
     if ( image->width != summary->width || image->height != summary->height )
-        return rf_fail( error, RF_ERROR_FORMAT, "the image has %dx%d pixels, frames before it %dx%d", image->width, image->height,
-                        summary->width, summary->height );
+        return rf_fail( error, RF_ERROR_FORMAT, "the image has %dx%d pixels, the frames before it %dx%d", image->width,
+                        image->height, summary->width, summary->height );
     return RF_OK;
 }
 

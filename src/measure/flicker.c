@@ -58,7 +58,7 @@ RfResult rf_measure_flicker( const RfFlickerFrame* now, const RfFlickerFrame* be
         return rf_fail( error, RF_ERROR_FORMAT, "frame %d has %dx%d pixels, frame %d %dx%d", now->number, now->signal.width,
                         height, before->number, before->signal.width, before->signal.height );
     if ( compensate && now->motion == NULL )
-        return rf_fail( error, RF_ERROR_USAGE, "frame %d has no motion to be compensated", now->number );
+        return rf_fail( error, RF_ERROR_USAGE, "frame %d has no motion layer to compensate with", now->number );
     RfFlickerSums* rows = calloc( (size_t)height, sizeof *rows );
     if ( rows == NULL )
         return rf_fail( error, RF_ERROR_MEMORY, "no memory left to measure %d rows", height );

@@ -1,27 +1,27 @@
-// Flicker: how much the error of a frame differs from that of the frame before.
+// Flicker: the change of the error from one frame to the next.
 //
 // With e_t = v_t − r_t the error of frame t, over pixels and channels:
 //   F1 = sqrt( mean (e_t − e_{t−1})² )
 //   φ  = F1² / ( mean e_t² + mean e_{t−1}² )
-// (../shared/design/cli.md). Since (a − b)² = a² + b² − 2ab, φ is 1 less the
-// correlation of the two errors where they are equally large: 1 is noise that is
-// independent in each frame, 0 an error that stands still, 2 one that changes
-// its sign from frame to frame. Scaling the error scales F1 and leaves φ.
+// Since (a − b)² = a² + b² − 2ab, φ is 1 minus the correlation of the two errors if
+// they have the same magnitude: 1 for noise independent in each frame, 0 for a static
+// error, 2 for an error that changes sign every frame. Scaling the error scales F1
+// and leaves φ unchanged.
 //
-// Motion-compensated, e_{t−1} is what the pixel had where it was in the frame
-// before (follow.h), in all three means, and these go over the pixels that were
-// seen there: their share is the coverage. Bilinear interpolation makes noise
-// smaller between pixels, which is as small in both parts of φ.
+// With motion compensation, e_{t−1} is the error at the reprojected position in the
+// previous frame (follow.h), in all three means. These are taken over the pixels that
+// were visible there; their fraction is the coverage. Bilinear interpolation reduces
+// noise between pixels, in the numerator and the denominator of φ alike.
 //
-// Without a reference e_t − e_{t−1} is v_t − v_{t−1}, which also has what changed
-// in truth: what moves, if there is no motion layer; what shines, if there is.
-// The mean squares of φ are then those of the variance layer, where there is one:
-// E e² is the variance where there is no bias. Between pixels it is the sum of
-// weights² times variances, which takes neighbouring pixels for independent; those
-// of tiles are not, and φ comes out too large there.
+// Without a reference, e_t − e_{t−1} is v_t − v_{t−1}. It then includes true changes of
+// the image: moving objects if there is no motion layer, moving highlights if there
+// is. The mean squares in φ come from the variance layer, if any: E e² is the variance
+// of an unbiased estimate. Interpolated, the variance is Σ weight² · variance, which
+// assumes independent pixels. Pixels of a tile are correlated, so φ comes out too
+// large there.
 //
-// In all, sums over the pairs are divided, not quotients averaged. Sums are in
-// double, over each row, then over rows and pairs in order.
+// Over many pairs φ is the quotient of sums, not a mean of quotients. Sums are
+// accumulated in double over each row, then over rows and pairs in order.
 #ifndef REFRAME_MEASURE_FLICKER_H
 #define REFRAME_MEASURE_FLICKER_H
 
@@ -31,31 +31,32 @@
 typedef struct RfFlickerSums
 {
     int pairs;
-    double pixels;     // seen in both frames
+    double pixels;     // visible in both frames
     double all_pixels; // of the later frame
-    double motion;     // Σ length of the way from where it was, pixels; NaN: not compensated
+    double motion;     // Σ lengths of the motion vectors, pixels; NaN: not compensated
     double difference; // Σ (e_t − e_{t−1})², over pixels and channels
-    double square;     // Σ e_t² + e_{t−1}²; NaN: not known
+    double square;     // Σ e_t² + e_{t−1}²; NaN: unknown
 } RfFlickerSums;
 
 typedef struct RfFlickerMetrics
 {
-    double f1;       // NaN where no pixel was seen in both frames, or one is no number
-    double phi;      // NaN where the error is not known; 0 where there is no error at all
-    double mse;      // mean of the two mean squares of the error; NaN as φ
+    double f1;       // NaN if no pixel is visible in both frames, or if any is NaN or infinite
+    double phi;      // NaN if the error is unknown; 0 if there is no error at all
+    double mse;      // mean of the two mean squared errors; NaN like φ
     double coverage; // 0 to 1
-    double motion;   // mean length of the way that a pixel's surface made, pixels a frame; NaN: not compensated
+    double motion;   // mean length of the motion vectors, pixels per frame; NaN: not compensated
 } RfFlickerMetrics;
 
-// The sums of the pair of a frame and the one before, which is of the same size.
-// `has_error`: the signals are errors; else the picture, whose error's mean
-// square comes from the variance, if at all.
+// The sums of a frame and the previous one, which has the same size. `has_error`: the
+// signals are errors against a reference; else they are the frames themselves, and
+// mean squared errors come from the variance layer, if there is one.
 RfResult rf_measure_flicker( const RfFlickerFrame* now, const RfFlickerFrame* before, bool compensate, bool has_error,
                              RfFlickerSums* sums, RfError* error );
 
 // Adds the sums of further pairs.
 void rf_add_flicker( RfFlickerSums* sums, const RfFlickerSums* more );
 
+// F1, φ and the rest from the sums.
 RfFlickerMetrics rf_flicker_metrics( const RfFlickerSums* sums );
 
 #endif

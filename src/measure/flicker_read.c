@@ -5,7 +5,7 @@
 
 #define MAX_LAYERS 6
 
-// Is `name` the tail, or does it end with a dot and it?
+// True if `name` equals `tail` or ends in a dot followed by `tail`.
 static bool has_tail( const char* name, const char* tail )
 {
     size_t length = strlen( name ), end = strlen( tail );
@@ -14,7 +14,8 @@ static bool has_tail( const char* name, const char* tail )
     return length == end || name[length - end - 1] == '.';
 }
 
-// Those of the colour's part, where any has the tail, else those of any part. Two are an error.
+// Finds the channel with this tail: in the part with the colour if it has any, else in any
+// part. Two candidates are an error.
 static RfResult find_tail( const char* path, const RfExrHeader* header, const char* tail, const char* how, const char** found,
                            RfError* error )
 {
@@ -34,7 +35,7 @@ static RfResult find_tail( const char* path, const RfExrHeader* header, const ch
     return RF_OK;
 }
 
-// The channel of the first tail that any has; NULL where none has.
+// The channel of the first tail that occurs; NULL if none does.
 static RfResult find_one( const char* path, const RfExrHeader* header, const char* const* tails, const char* how,
                           const char** found, RfError* error )
 {
@@ -94,7 +95,7 @@ static RfResult find_motion( const char* path, const RfExrHeader* header, RfFlic
 
 RfResult rf_find_variance_layers( const char* path, const RfExrHeader* header, RfFlickerLayers* layers, RfError* error )
 {
-    static const char* const tails[3][2] = { // NULL at each end
+    static const char* const tails[3][2] = { // the same for both names
                                              { "variance.R" },
                                              { "variance.G" },
                                              { "variance.B" }
@@ -132,7 +133,7 @@ RfResult rf_find_flicker_layers( const char* path, const RfExrHeader* header, co
     return RF_OK;
 }
 
-// `why` says what wants one data window.
+// Fails if the data windows differ; `why` says what needs them equal.
 static RfResult check_window( const char* path, const RfExrWindow* window, const char* first_path, const RfExrHeader* first,
                               const char* why, RfError* error )
 {
@@ -151,15 +152,15 @@ RfResult rf_read_aligned( const char* path, const char* layer, const RfExrHeader
     RfExrWindow window;
     RfResult result = rf_read_exr_layer( path, layer, image, &window, error );
     if ( result == RF_OK )
-        result = check_window( path, &window, first_path, first, "a reference wants the data window of what it is held against",
-                               error );
+        result = check_window( path, &window, first_path, first,
+                               "a reference needs the same data window as the frame it is compared with", error );
     if ( result != RF_OK )
         rf_destroy_image( image );
     return result;
 }
 
-// Rows of x·z, y·z and z from those of NDC, where x and y go from −1 to 1 over
-// the display window, +y up, and the last column gives z.
+// The rows that give x·z, y·z and z, derived from the matrix to NDC, in which x and y go from
+// −1 to 1 over the display window, +y up, and whose last column gives z.
 static void take_camera( const RfExrHeader* header, RfFlickerFrame* frame )
 {
     frame->has_camera = header->has_world_to_ndc;
@@ -175,14 +176,15 @@ static void take_camera( const RfExrHeader* header, RfFlickerFrame* frame )
     }
 }
 
-// The channels to be read, each once, and where those of a layer are among them.
+// The channels to read, without duplicates, and the indices of each layer's channels among
+// them.
 typedef struct Wanted
 {
     const char* names[MAX_LAYERS];
     int count;
 } Wanted;
 
-static void want( Wanted* wanted, const char* const* names, int count, int* where )
+static void add_wanted( Wanted* wanted, const char* const* names, int count, int* where )
 {
     for ( int i = 0; i < count; ++i )
     {
@@ -195,7 +197,7 @@ static void want( Wanted* wanted, const char* const* names, int count, int* wher
     }
 }
 
-static float* pick( const float* values, size_t pixels, int channels, const int* where, int count )
+static float* select_channels( const float* values, size_t pixels, int channels, const int* where, int count )
 {
     float* out = malloc( pixels * (size_t)count * sizeof( float ) );
     for ( size_t i = 0; out != NULL && i < pixels; ++i )
@@ -206,7 +208,7 @@ static float* pick( const float* values, size_t pixels, int channels, const int*
     return out;
 }
 
-// Are these channels there, where the colour is?
+// True if these channels exist with the data window of the colour.
 static bool has_channels( const RfExrHeader* header, const char* const* names, int count )
 {
     const RfExrWindow window = { header->x, header->y, header->width, header->height };
@@ -228,26 +230,27 @@ static RfResult read_layers( const char* path, const RfFlickerLayers* layers, co
     bool has_variance = layers->variance[0] != NULL && ( !lack || has_channels( header, layers->variance, 3 ) );
     int motion[2] = { 0 }, depth[1] = { 0 }, variance[3] = { 0 };
     Wanted wanted = { .count = 0 };
-    want( &wanted, layers->motion, has_motion ? 2 : 0, motion );
-    want( &wanted, &layers->depth, has_depth ? 1 : 0, depth );
-    want( &wanted, layers->variance, has_variance ? 3 : 0, variance );
+    add_wanted( &wanted, layers->motion, has_motion ? 2 : 0, motion );
+    add_wanted( &wanted, &layers->depth, has_depth ? 1 : 0, depth );
+    add_wanted( &wanted, layers->variance, has_variance ? 3 : 0, variance );
     if ( wanted.count == 0 )
         return RF_OK;
     float* values;
     RfExrWindow window;
     RfResult result = rf_read_exr_channels( path, wanted.names, wanted.count, &window, &values, error );
     if ( result == RF_OK )
-        result = check_window( path, &window, path, header, "its layers and its colour want one data window", error );
+        result = check_window( path, &window, path, header, "layers and colour need the same data window", error );
     if ( result != RF_OK )
     {
         free( values );
         return result;
     }
     size_t pixels = (size_t)window.width * (size_t)window.height;
-    frame->motion = has_motion ? pick( values, pixels, wanted.count, motion, 2 ) : NULL;
-    frame->depth = has_depth ? pick( values, pixels, wanted.count, depth, 1 ) : NULL;
+    frame->motion = has_motion ? select_channels( values, pixels, wanted.count, motion, 2 ) : NULL;
+    frame->depth = has_depth ? select_channels( values, pixels, wanted.count, depth, 1 ) : NULL;
     if ( has_variance )
-        frame->variance = ( RfImage ){ window.width, window.height, pick( values, pixels, wanted.count, variance, 3 ) };
+        frame->variance =
+            ( RfImage ){ window.width, window.height, select_channels( values, pixels, wanted.count, variance, 3 ) };
     free( values );
     if ( has_motion != ( frame->motion != NULL ) || has_depth != ( frame->depth != NULL ) ||
          has_variance != ( frame->variance.rgb != NULL ) )
@@ -260,9 +263,9 @@ static RfResult read_colour( const char* path, const RfFlickerLayers* layers, co
 {
     RfExrWindow window;
     RfResult result = rf_read_exr_layer( path, layers->colour, &frame->signal, &window, error );
-    return result == RF_OK
-               ? check_window( path, &window, first_path, first, "the frames of a sequence want one size and data window", error )
-               : result;
+    return result == RF_OK ? check_window( path, &window, first_path, first,
+                                           "all frames of a sequence need the same size and data window", error )
+                           : result;
 }
 
 RfResult rf_read_flicker_frame( const char* path, const RfFlickerLayers* layers, const RfExrHeader* first, const char* first_path,

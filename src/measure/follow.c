@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#define FORGIVEN 1e-3 // pixels
+#define FORGIVEN 1e-3 // tolerance, pixels
 
 void rf_destroy_flicker_frame( RfFlickerFrame* frame )
 {
@@ -23,8 +23,9 @@ static void cross( const double* a, const double* b, double out[3] )
 
 static double dot( const double* a, const double* b ) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
-// With the rows C of the one camera, C·P + c = (x z, y z, z), and w·P + v the
-// depth for the other: q with Cᵀ q = w makes that q·((x z, y z, z) − c) + v.
+// Expresses the other camera's depth by coordinates of this one. This camera gives (x z, y z,
+// z) = C·P + c, and the other's depth is w·P + v. With q from Cᵀ q = w, that depth is q·((x z,
+// y z, z) − c) + v.
 static bool expect_depth( const double now[3][4], const double before[4], double expect[4] )
 {
     double q[3], normal[3];
@@ -55,7 +56,7 @@ RfFollow rf_follow( const RfFlickerFrame* now, const RfFlickerFrame* before, boo
     return follow;
 }
 
-// The whole part and the rest of a coordinate that is inside; false outside.
+// Splits a coordinate inside the image into integer and fraction; false outside.
 static bool split( double x, int size, int* first, double* rest )
 {
     if ( !( x >= -FORGIVEN && x <= size - 1 + FORGIVEN ) )
@@ -88,10 +89,10 @@ typedef enum Seen
 {
     SEEN_SOMETHING,
     SEEN_NOTHING,
-    SEEN_BOTH, // an edge between them, or no number
+    SEEN_BOTH, // a depth edge between them, or undefined depth
 } Seen;
 
-static bool is_nothing( double z ) { return z >= RF_FOLLOW_NOTHING || z <= 0.0; }
+static bool is_background( double z ) { return z >= RF_FOLLOW_NO_SURFACE || z <= 0.0; }
 
 static Seen find_depth( const float* depth, const RfTaps* taps, double* z )
 {
@@ -102,13 +103,13 @@ static Seen find_depth( const float* depth, const RfTaps* taps, double* z )
         double value = (double)depth[taps->pixel[k]];
         if ( isnan( value ) )
             return SEEN_BOTH;
-        nothing += is_nothing( value );
+        nothing += is_background( value );
         *z += taps->weight[k] * value;
     }
     return nothing == 0 ? SEEN_SOMETHING : nothing == taps->count ? SEEN_NOTHING : SEEN_BOTH;
 }
 
-static bool agree( const RfFollow* follow, double x, double y, const RfTaps* here, const RfTaps* there )
+static bool is_same_surface( const RfFollow* follow, double x, double y, const RfTaps* here, const RfTaps* there )
 {
     if ( follow->now->depth == NULL || follow->before->depth == NULL )
         return true;
@@ -141,7 +142,7 @@ bool rf_follow_point( const RfFollow* follow, double* x, double* y, RfTaps* taps
     double x_before = *x + motion[0], y_before = *y - motion[1];
     if ( !rf_find_taps( before->width, before->height, x_before, y_before, taps ) )
         return false;
-    if ( !agree( follow, *x, *y, &here, taps ) )
+    if ( !is_same_surface( follow, *x, *y, &here, taps ) )
         return false;
     *x = x_before;
     *y = y_before;

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// On paper, in SVG units.
+// Layout, in SVG units.
 #define WIDTH 940.0
 #define HEIGHT 560.0
 #define LEFT 92.0
@@ -18,7 +18,7 @@
 #define INK "#222"
 #define GRID "#e3e3e3"
 
-// Told apart without colours as well: by their markers.
+// Series differ by their markers as well, not only by colour.
 static const char* const s_colours[RF_PLOT_STYLES] = { "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#8c6d1f", "#555555" };
 
 typedef struct Paper
@@ -28,7 +28,7 @@ typedef struct Paper
     PlotScale x, y;
 } Paper;
 
-// Bytes of the UTF-8 character, 0 where it is none.
+// Bytes of the UTF-8 character at `c`; 0 if it is invalid.
 static int character_bytes( const unsigned char* c )
 {
     int more = c[0] < 0x80                   ? 0
@@ -43,7 +43,7 @@ static int character_bytes( const unsigned char* c )
     }
     if ( ( c[0] == 0xe0 && c[1] < 0xa0 ) || ( c[0] == 0xed && c[1] > 0x9f ) || ( c[0] == 0xf0 && c[1] < 0x90 ) ||
          ( c[0] == 0xf4 && c[1] > 0x8f ) )
-        return 0; // longer than need be, half of a pair, or beyond the last
+        return 0; // overlong, half of a surrogate pair, or above U+10FFFF
     bool forbidden = ( c[0] < 0x20 && c[0] != '\t' ) || ( c[0] == 0xef && c[1] == 0xbf && c[2] >= 0xbe );
     return forbidden ? 0 : more + 1;
 }
@@ -88,7 +88,7 @@ static void draw_ticks( const Paper* p, bool vertical )
     int count = rf_plot_ticks( scale->log, scale->min, scale->max, ticks, RF_PLOT_TICKS );
     for ( int i = 0; i < count; ++i )
     {
-        double at = rf_plot_place( scale, ticks[i] );
+        double at = rf_plot_position( scale, ticks[i] );
         char text[32];
         snprintf( text, sizeof text, "%.6g", ticks[i] );
         if ( vertical )
@@ -155,7 +155,8 @@ static void draw_curve( const Paper* p, const RfPlotSeries* s )
     {
         bool drawn = rf_plot_has( &p->plot->x, s->x[i] ) && rf_plot_has( &p->plot->y, s->y[i] );
         if ( drawn )
-            fprintf( p->file, "%s%.1f %.1f", down ? "L" : "M", rf_plot_place( &p->x, s->x[i] ), rf_plot_place( &p->y, s->y[i] ) );
+            fprintf( p->file, "%s%.1f %.1f", down ? "L" : "M", rf_plot_position( &p->x, s->x[i] ),
+                     rf_plot_position( &p->y, s->y[i] ) );
         down = drawn;
     }
     fprintf( p->file,
@@ -170,7 +171,7 @@ static void draw_points( const Paper* p, const RfPlotSeries* s )
     {
         if ( !is_inside( p, s->x[i], s->y[i] ) )
             continue;
-        double x = rf_plot_place( &p->x, s->x[i] ), y = rf_plot_place( &p->y, s->y[i] );
+        double x = rf_plot_position( &p->x, s->x[i] ), y = rf_plot_position( &p->y, s->y[i] );
         draw_marker( p->file, x, y, s->style % RF_PLOT_STYLES );
         fprintf( p->file, " fill=\"%s\" stroke=\"%s\"", colour,
                  s->style % RF_PLOT_STYLES == RF_PLOT_STYLES - 1 ? colour : "#fff" );
@@ -190,7 +191,7 @@ static void draw_points( const Paper* p, const RfPlotSeries* s )
     }
 }
 
-// Returns where it ends.
+// Returns the y coordinate of its lower end.
 static double draw_legend( const Paper* p )
 {
     double x = LEGEND, y = TOP + 14.0;
@@ -221,7 +222,7 @@ static void draw_ring( const Paper* p, double x, double y )
              2.2 * MARKER, INK );
 }
 
-// Their words stand below the legend, where nothing is in their way.
+// The texts of notes go below the legend, where they cover nothing.
 static void draw_notes( const Paper* p, double y )
 {
     for ( int i = 0; i < p->plot->note_count; ++i )
@@ -229,7 +230,7 @@ static void draw_notes( const Paper* p, double y )
         const RfPlotNote* note = p->plot->notes + i;
         if ( !is_inside( p, note->x, note->y ) )
             continue;
-        draw_ring( p, rf_plot_place( &p->x, note->x ), rf_plot_place( &p->y, note->y ) );
+        draw_ring( p, rf_plot_position( &p->x, note->x ), rf_plot_position( &p->y, note->y ) );
         y += 30.0;
         draw_ring( p, LEGEND + 15.0, y );
         draw_text( p->file, LEGEND + 40.0, y + 4.5, "start", " font-weight=\"bold\"", note->text );

@@ -1,6 +1,5 @@
-// Plots as SVG: lines with markers over linear or logarithmic axes, a legend,
-// notes at points. The text is a whole file that needs nothing else; equal plots
-// give equal bytes.
+// Plots as SVG: lines with markers over linear or logarithmic axes, a legend, notes at points.
+// The result is a self-contained file; equal plots give equal bytes.
 #ifndef REFRAME_MEASURE_PLOT_H
 #define REFRAME_MEASURE_PLOT_H
 
@@ -12,27 +11,27 @@
 typedef struct RfPlotAxis
 {
     const char* label;
-    bool log;        // base 10; values that are not above 0 are left out
-    double min, max; // where they are equal: from the values, with a margin
+    bool log;        // base 10; values that are not above 0 are skipped
+    double min, max; // if equal: the range of the values plus a margin
 } RfPlotAxis;
 
 typedef struct RfPlotSeries
 {
-    const char* name; // in the legend; NULL: not there
-    const double* x;  // points that are not finite are left out, and interrupt the line
+    const char* name; // in the legend; NULL: not listed
+    const double* x;  // points that are not finite are skipped and interrupt the line
     const double* y;
     int count;
-    const char* const* labels; // of the points, shown to who points at them; NULL: none
-    bool show_labels;          // above the markers, to be read at once
+    const char* const* labels; // tooltips of the points; NULL: none
+    bool show_labels;          // also print the labels above the markers
     bool dashed;
-    bool no_markers; // a line alone, as of a fit
+    bool no_markers; // a line alone, such as a fit
     bool no_line;    // markers alone
     int style;       // colour and marker, 0 to RF_PLOT_STYLES − 1
 } RfPlotSeries;
 
 #define RF_PLOT_STYLES 6
 
-// A ring around a point, and what it is, which stands below the legend.
+// A ring around a point, with an explanation below the legend.
 typedef struct RfPlotNote
 {
     double x, y;
@@ -50,14 +49,14 @@ typedef struct RfPlot
     int note_count;
 } RfPlot;
 
-// The SVG as text, to be freed. Names may hold anything: it is escaped, bytes
-// that are no UTF-8 or no character of XML become '?'. Fails with RF_ERROR_MEMORY.
+// Draws the SVG as text, which the caller frees. Labels may hold any bytes: they are escaped,
+// and bytes that are not UTF-8 or not valid in XML become '?'. Fails with RF_ERROR_MEMORY.
 RfResult rf_draw_plot( const RfPlot* plot, char** svg, size_t* size, RfError* error );
 
-// Positions of ticks between min and max, ascending, at most `room`: 1, 2, 5 times
-// powers of ten on a short logarithmic axis, powers of ten on a long one, and
-// multiples of 1, 2 or 5 times a power of ten on a linear one and on a logarithmic
-// one of less than a decade. Returns how many.
+// Ascending tick positions between min and max, at most `room`. Long logarithmic axes: powers
+// of ten; short ones: 1, 2 and 5 times powers of ten. Linear axes, and logarithmic ones of
+// less than a decade: multiples of 1, 2 or 5 times a power of ten. Returns the number of
+// ticks.
 #define RF_PLOT_TICKS 24
 int rf_plot_ticks( bool log, double min, double max, double* ticks, int room );
 

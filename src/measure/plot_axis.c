@@ -2,12 +2,12 @@
 
 #include <math.h>
 
-#define MARGIN 0.06   // of the range, at either end
-#define LONG_AXIS 3.2 // decades, from which only powers of ten are marked
+#define MARGIN 0.06   // fraction of the range, at either end
+#define LONG_AXIS 3.2 // decades; longer axes have ticks at powers of ten only
 
 bool rf_plot_has( const RfPlotAxis* axis, double value ) { return isfinite( value ) && ( !axis->log || value > 0.0 ); }
 
-static void take( const RfPlot* plot, bool vertical, double x, double y, double* low, double* high )
+static void extend_range( const RfPlot* plot, bool vertical, double x, double y, double* low, double* high )
 {
     if ( !rf_plot_has( &plot->x, x ) || !rf_plot_has( &plot->y, y ) )
         return;
@@ -16,14 +16,14 @@ static void take( const RfPlot* plot, bool vertical, double x, double y, double*
     *high = fmax( *high, value );
 }
 
-// The range of all points with some air. A single value gets a range around it.
+// The range of all points plus a margin; for a single value, a range around it.
 static void find_range( const RfPlot* plot, bool vertical, bool log, double* min, double* max )
 {
     double low = (double)INFINITY, high = -(double)INFINITY;
     for ( int s = 0; s < plot->series_count; ++s )
     {
         for ( int i = 0; i < plot->series[s].count; ++i )
-            take( plot, vertical, plot->series[s].x[i], plot->series[s].y[i], &low, &high );
+            extend_range( plot, vertical, plot->series[s].x[i], plot->series[s].y[i], &low, &high );
     }
     if ( low > high )
         low = high = 1.0;
@@ -43,7 +43,7 @@ PlotScale rf_plot_scale( const RfPlot* plot, bool vertical, double from, double 
     return scale;
 }
 
-double rf_plot_place( const PlotScale* s, double value )
+double rf_plot_position( const PlotScale* s, double value )
 {
     double share = s->log ? log( value / s->min ) / log( s->max / s->min ) : ( value - s->min ) / ( s->max - s->min );
     return s->from + share * ( s->to - s->from );

@@ -1,6 +1,6 @@
 #include "measure/seams.h"
 
-// In full groups only, and in as many as any frame is.
+// True if the frame is in full groups only, and in as many as any frame can be.
 static bool is_inside( const RfGroupPlan* plan, int frame )
 {
     if ( plan->groups == 1 )

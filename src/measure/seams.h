@@ -1,15 +1,13 @@
-// Which pairs of frames lie at the borders of groups, where a seam would be.
+// Finds the pairs of frames at group borders, where a seam would be visible.
 //
-// Reframe's groups slide by one frame (reuse/group.h): each frame leaves one
-// group behind and enters another, so that no border lies in the middle of a
-// path, where every frame is the mean over the same number of full groups. What
-// differs are the frames at both ends of it, within 2n of them for the half-width
-// n, which lie in fewer groups or cut ones. A pair is inside where both its frames
-// lie in full groups only and in as many as those in the middle; else it is at the
-// border. A path of one group has no border, nor has one without reuse.
+// Reframe's groups slide by one frame: each frame leaves one group behind and enters another,
+// so there is no border in the middle of a path, where every frame is the mean over the same
+// number of full groups. Only the frames within 2n of the ends differ, n being the half-width:
+// they are in fewer groups, or in clipped ones. A pair is interior if both its frames are in
+// full groups only and in as many as the frames in the middle; otherwise it is at a border. A
+// path of a single group has no border, nor has a render without reuse.
 //
-// Other programs' groups follow each other: a pair is at the border where one
-// ends with its first frame and the next begins with the other.
+// Other programs use consecutive groups: a pair is at a border if it straddles two of them.
 #ifndef REFRAME_MEASURE_SEAMS_H
 #define REFRAME_MEASURE_SEAMS_H
 
@@ -19,16 +17,16 @@
 
 typedef struct RfSeams
 {
-    int period;  // > 0: groups of so many frames, the first begins with `first`
-    int first;   // number of the frame that is the first of the path
-    bool slides; // else by the plan
+    int period;  // > 0: consecutive groups of this many frames, one of which starts at `first`
+    int first;   // number of the first frame of the path
+    bool slides; // sliding groups, by the plan
     RfGroupPlan plan;
 } RfSeams;
 
-// Are there any groups to be told apart?
+// True if there are any group borders.
 static inline bool rf_has_seams( const RfSeams* seams ) { return seams->period > 0 || seams->slides; }
 
-// Is the pair of this frame and the one before at a border?
+// True if the pair of this frame and the previous one is at a border.
 bool rf_is_seam( const RfSeams* seams, int frame );
 
 #endif

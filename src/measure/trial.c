@@ -7,8 +7,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-#define GUIDE_PASSES 2
-#define MOST_GUIDE_PASSES 8 // where smaller groups give a frame less
+#define PILOT_PASSES 2
+#define MAX_PILOT_PASSES 8 // when smaller groups contribute fewer samples per frame
 
 RfEye rf_resize_eye( const RfEye* eye, int width, int height )
 {
@@ -23,8 +23,8 @@ static size_t eye_pixels( const RfEye* eye ) { return (size_t)eye->width * (size
 
 static int clamp( int value, int low, int high ) { return value < low ? low : value > high ? high : value; }
 
-// The mean of the channels over the pixel and its neighbours, as a weight.
-static void weigh_pixels( const float* rgb, int width, int height, float* weight )
+// relMSE weights from the mean over the channels, blurred over the pixel's neighbours.
+static void compute_weights( const float* rgb, int width, int height, float* weight )
 {
     for ( int y = 0; y < height; ++y )
     {
@@ -50,35 +50,35 @@ static void weigh_pixels( const float* rgb, int width, int height, float* weight
 static RfResult keep_weights( void* user, const RfFrameResult* frame, RfError* error )
 {
     (void)error;
-    RfTestRegion* site = user;
+    RfTestRegion* region = user;
     size_t pixels = (size_t)frame->width * (size_t)frame->height;
-    weigh_pixels( frame->rgb, frame->width, frame->height, site->weight + pixels * (size_t)frame->frame );
+    compute_weights( frame->rgb, frame->width, frame->height, region->weight + pixels * (size_t)frame->frame );
     return RF_OK;
 }
 
-static bool guide_fits( const RfTracer* tracer, const RfTestRegion* site, const RfRenderSettings* settings )
+static bool pilot_fits( const RfTracer* tracer, const RfTestRegion* region, const RfRenderSettings* settings )
 {
     RfRenderSettings s = *settings;
     RfMemoryFit fit;
     s.threads = 1;
-    RfResult result = rf_fit_memory( rf_tracer_scene( tracer ), site->eyes, site->frames, site->frames, &s, &fit, NULL );
+    RfResult result = rf_fit_memory( rf_tracer_scene( tracer ), region->eyes, region->frames, region->frames, &s, &fit, NULL );
     return result == RF_OK && fit.sweeps == 1;
 }
 
-// One window of all frames, so that every frame has the samples of all of them, and
-// tiles; where memory is short no tiles, or smaller groups, for the settings that are
-// tried may take less than that. At worst path tracing, than which nothing takes less.
-static void choose_guide( const RfTracer* tracer, const RfTestRegion* site, RfRenderSettings* s )
+// Settings for the pilot image: all frames as one group, so that every frame uses the samples
+// of all, with tiles. If memory is short, no tiles or smaller groups, since the settings to be
+// tried may need less memory than that; at worst path tracing, which needs the least.
+static void choose_pilot_settings( const RfTracer* tracer, const RfTestRegion* region, RfRenderSettings* s )
 {
     RfTile tiles[2] = { rf_default_render_settings().tile, rf_no_tile() };
-    for ( s->group = site->frames / 2;; s->group /= 2 )
+    for ( s->group = region->frames / 2;; s->group /= 2 )
     {
-        int eyes = clamp( 2 * s->group + 1, 1, site->frames );
-        s->spp = clamp( GUIDE_PASSES * site->frames / eyes, GUIDE_PASSES, MOST_GUIDE_PASSES );
+        int eyes = clamp( 2 * s->group + 1, 1, region->frames );
+        s->spp = clamp( PILOT_PASSES * region->frames / eyes, PILOT_PASSES, MAX_PILOT_PASSES );
         for ( int k = 0; k < 2; ++k )
         {
             s->tile = tiles[k];
-            if ( s->memory == 0 || guide_fits( tracer, site, s ) )
+            if ( s->memory == 0 || pilot_fits( tracer, region, s ) )
                 return;
         }
         if ( s->group == 0 )
@@ -86,65 +86,65 @@ static void choose_guide( const RfTracer* tracer, const RfTestRegion* site, RfRe
     }
 }
 
-static RfResult render_guide( const RfTracer* tracer, const RfRenderSettings* settings, const RfTrialWatch* watch,
-                              RfTestRegion* site, RfError* error )
+static RfResult render_pilot( const RfTracer* tracer, const RfRenderSettings* settings, const RfTrialWatch* watch,
+                              RfTestRegion* region, RfError* error )
 {
     RfRenderSettings s = *settings;
     s.weights = RF_WEIGHTS_EXACT;
     s.normalize = RF_NORMALIZE_CROSSFIT;
     s.layers = 0;
     s.queue = 0;
-    s.seed = rf_mix64( settings->seed ^ rf_mix64( (uint64_t)site->first ) ) ^ 0x5175ull;
-    choose_guide( tracer, site, &s );
+    s.seed = rf_mix64( settings->seed ^ rf_mix64( (uint64_t)region->first ) ) ^ 0x5175ull;
+    choose_pilot_settings( tracer, region, &s );
     RfTrialMeter meter;
-    RfResult result = rf_render_metered( tracer, site->eyes, site->frames, &s, keep_weights, site, watch, &meter, error );
-    site->seconds = meter.all_cpu;
-    site->samples = meter.all_samples;
+    RfResult result = rf_render_metered( tracer, region->eyes, region->frames, &s, keep_weights, region, watch, &meter, error );
+    region->seconds = meter.all_cpu;
+    region->samples = meter.all_samples;
     return result;
 }
 
 RfResult rf_create_test_region( const RfTracer* tracer, const RfEye* eyes, int eye_count, int centre, int frames, int width,
-                                int height, const RfRenderSettings* settings, const RfTrialWatch* watch, RfTestRegion* site,
+                                int height, const RfRenderSettings* settings, const RfTrialWatch* watch, RfTestRegion* region,
                                 RfError* error )
 {
-    *site = ( RfTestRegion ){ .frames = clamp( frames, 1, eye_count ) };
-    site->whole = site->frames == eye_count;
-    site->first = clamp( centre - site->frames / 2, 0, eye_count - site->frames );
+    *region = ( RfTestRegion ){ .frames = clamp( frames, 1, eye_count ) };
+    region->whole = region->frames == eye_count;
+    region->first = clamp( centre - region->frames / 2, 0, eye_count - region->frames );
     size_t pixels = (size_t)width * (size_t)height;
-    site->eyes = malloc( (size_t)site->frames * sizeof *site->eyes );
-    site->weight = malloc( (size_t)site->frames * pixels * sizeof *site->weight );
-    if ( site->eyes == NULL || site->weight == NULL )
+    region->eyes = malloc( (size_t)region->frames * sizeof *region->eyes );
+    region->weight = malloc( (size_t)region->frames * pixels * sizeof *region->weight );
+    if ( region->eyes == NULL || region->weight == NULL )
         return rf_fail( error, RF_ERROR_MEMORY, "no memory left to try settings on %d frames of %dx%d: lower --size",
-                        site->frames, width, height );
-    for ( int i = 0; i < site->frames; ++i )
-        site->eyes[i] = rf_resize_eye( eyes + site->first + i, width, height );
-    return render_guide( tracer, settings, watch, site, error );
+                        region->frames, width, height );
+    for ( int i = 0; i < region->frames; ++i )
+        region->eyes[i] = rf_resize_eye( eyes + region->first + i, width, height );
+    return render_pilot( tracer, settings, watch, region, error );
 }
 
-void rf_destroy_test_region( RfTestRegion* site )
+void rf_destroy_test_region( RfTestRegion* region )
 {
-    free( site->eyes );
-    free( site->weight );
-    *site = ( RfTestRegion ){ 0 };
+    free( region->eyes );
+    free( region->weight );
+    *region = ( RfTestRegion ){ 0 };
 }
 
-// Both seeds of a window: other random numbers than its neighbours' and its twin's.
-static uint64_t window_seed( uint64_t seed, int window, int twin )
+// The seed of one of the two renders (twins) of a group, different for every group and twin.
+static uint64_t group_seed( uint64_t seed, int group, int twin )
 {
-    return rf_mix64( rf_mix64( seed ) ^ ( (uint64_t)window << 1 | (uint64_t)twin ) );
+    return rf_mix64( rf_mix64( seed ) ^ ( (uint64_t)group << 1 | (uint64_t)twin ) );
 }
 
-static RfResult try_window( const RfTracer* tracer, const RfTestRegion* site, int first, const RfRenderSettings* settings,
-                            const RfTrialWatch* watch, RfTrialPair* pair, RfTrial* trial, RfError* error )
+static RfResult try_group( const RfTracer* tracer, const RfTestRegion* region, int first, const RfRenderSettings* settings,
+                           const RfTrialWatch* watch, RfTrialPair* pair, RfTrial* trial, RfError* error )
 {
-    size_t pixels = eye_pixels( site->eyes );
-    rf_begin_pair( pair, site->weight + pixels * (size_t)first );
+    size_t pixels = eye_pixels( region->eyes );
+    rf_begin_pair( pair, region->weight + pixels * (size_t)first );
     for ( int twin = 0; twin < 2; ++twin )
     {
         RfRenderSettings s = *settings;
-        s.seed = window_seed( settings->seed, site->first + first, twin );
+        s.seed = group_seed( settings->seed, region->first + first, twin );
         RfTrialMeter meter;
-        RfResult result = rf_render_metered( tracer, site->eyes + first, pair->eyes, &s,
+        RfResult result = rf_render_metered( tracer, region->eyes + first, pair->eyes, &s,
                                              twin == 0 ? rf_keep_first : rf_compare_second, pair, watch, &meter, error );
         if ( result != RF_OK )
             return result;
@@ -159,36 +159,36 @@ static RfResult try_window( const RfTracer* tracer, const RfTestRegion* site, in
     return RF_OK;
 }
 
-RfResult rf_run_trial( const RfTracer* tracer, const RfTestRegion* site, int windows, int passes,
+RfResult rf_run_trial( const RfTracer* tracer, const RfTestRegion* region, int groups, int passes,
                        const RfRenderSettings* settings, const RfTrialWatch* watch, RfTrial* trial, RfError* error )
 {
     *trial = ( RfTrial ){ 0 };
-    // a group that would hold more than the site can only be a path's that is all in it
-    int eyes = 2 * settings->group + 1 <= site->frames ? 2 * settings->group + 1 : site->frames;
-    if ( settings->group < 0 || settings->group > site->frames / 2 )
-        return rf_fail( error, RF_ERROR_USAGE, "a site of %d frames cannot try groups of %d", site->frames,
+    // a group with more frames than the region must contain the whole path
+    int eyes = 2 * settings->group + 1 <= region->frames ? 2 * settings->group + 1 : region->frames;
+    if ( settings->group < 0 || settings->group > region->frames / 2 )
+        return rf_fail( error, RF_ERROR_USAGE, "a test region of %d frames is too short for groups of %d", region->frames,
                         2 * settings->group + 1 );
     if ( passes < 2 )
-        return rf_fail( error, RF_ERROR_USAGE, "a trial needs 2 passes or more, got %d", passes );
-    int count = clamp( windows, 1, site->frames / eyes ), first = ( site->frames - count * eyes ) / 2;
+        return rf_fail( error, RF_ERROR_USAGE, "a trial needs at least 2 passes, got %d", passes );
+    int count = clamp( groups, 1, region->frames / eyes ), first = ( region->frames - count * eyes ) / 2;
     RfRenderSettings s = *settings;
-    s.spp = passes; // of a single window
+    s.spp = passes; // of a single group
     s.layers = 0;
     s.queue = 0;
-    RfTrialPair pair = { .eyes = eyes, .whole = site->whole && eyes == site->frames, .pixels = eye_pixels( site->eyes ) };
+    RfTrialPair pair = { .eyes = eyes, .whole = region->whole && eyes == region->frames, .pixels = eye_pixels( region->eyes ) };
     pair.rgb = malloc( rf_trial_bytes( eyes, pair.pixels ) );
     if ( pair.rgb == NULL )
         return rf_fail( error, RF_ERROR_MEMORY, "no memory left to try groups of %d frames: lower --size or --memory", eyes );
     RfResult result = RF_OK;
     for ( int w = 0; w < count && result == RF_OK; ++w )
-        result = try_window( tracer, site, first + w * eyes, &s, watch, &pair, trial, error );
+        result = try_group( tracer, region, first + w * eyes, &s, watch, &pair, trial, error );
     free( pair.rgb );
     return result;
 }
 
 void rf_add_trial( RfTrial* sum, const RfTrial* trial )
 {
-    sum->windows += trial->windows;
+    sum->groups += trial->groups;
     sum->weight += trial->weight;
     sum->samples += trial->samples;
     sum->timed_samples += trial->timed_samples;

@@ -1,102 +1,109 @@
-// A trial: what a group and a tile cost and yield, from a few passes of a few
-// frames, without a reference.
+// A trial measures the cost and error of a group and a tile from a few passes of a few frames,
+// without a reference.
 //
-// A path of 2n+1 frames is rendered as one window (reuse/group.h): handed to
-// rf_render with group n, such a piece of the path is what a long path consists
-// of. A frame of the long path is the mean over the 2n+1 windows that hold it, in
-// each of which it has another place. So the mean of the error over the places
-// of one window, v with P passes, stands for the frame in the middle of a long
-// path, which has v·P/S with S native samples per pixel, and a sample costs the
-// same in both. What the ends of the path, several sweeps or a choice of frames
-// cost besides is no matter of trials: RfPlanRow.samples has it.
+// A segment of 2n+1 frames of the path is rendered as a single group: a long path consists of
+// such groups. A frame of the long path is the mean over the 2n+1 groups that contain it, in
+// each of which it has a different position. So the error averaged over the positions within
+// one group, v with P passes, predicts the frame in the middle of a long path: v·P/S with S
+// own-frame samples per pixel, at the same cost per sample. The extra cost of the ends of the
+// path, of several sweeps or of a selection of frames is not measured here: see
+// RfPlanRow.samples.
 //
-// The window is rendered twice, with independent seeds. The difference d of the
-// two has twice the error's variance, without bias, whatever the tiles and frames
-// share (the halves of one film share c of (E2)). F1 and φ come from it as well:
-// the signal is gone, so nothing need be moved. Bias is not in it: exact weights
-// have none.
+// The group is rendered twice with independent seeds. The variance of the difference d is
+// twice that of the error, whatever tiles and frames share (the two halves of one film share c
+// of (E2)). F1 and φ come from d as well: the signal cancels, so no motion compensation is
+// needed. Bias is not measured: exact weights have none.
 //
-// relMSE divides by the picture. Each render's own would make its dark pixels too
-// heavy and its fireflies too light, the more the noisier it is; so all settings
-// are weighed by the same picture, that of the site, which is independent of them.
+// relMSE divides by the image. Dividing by each noisy render itself would overweight dark
+// pixels and underweight fireflies, the more so the noisier it is. All settings therefore use
+// the same pilot image of the test region, which is independent of them.
 #ifndef REFRAME_MEASURE_TRIAL_H
 #define REFRAME_MEASURE_TRIAL_H
 
 #include "reframe/render.h"
 
-// Return false to stop: RF_ERROR_INTERRUPTED.
-typedef bool RfTrialGoOn( void* user );
+// Return false to stop with RF_ERROR_INTERRUPTED.
+typedef bool RfTrialContinueFn( void* user );
 
 typedef struct RfTrialWatch
 {
-    RfTrialGoOn* go_on; // may be NULL; called often, by the thread that runs the trial
+    RfTrialContinueFn* should_continue; // may be NULL; called often, from the thread that runs the trial
     void* user;
 } RfTrialWatch;
 
-// A piece of the path where settings are tried, at a size of its own.
+// A segment of the path at a resolution of its own, in which settings are tried.
 typedef struct RfTestRegion
 {
     RfEye* eyes; // `frames` of them
-    int first;   // of the path, from 0
+    int first;   // first frame on the path, from 0
     int frames;
-    bool whole;     // they are the whole path
-    float* weight;  // 1 / (r̄² + 0.001) of each pixel, frame after frame
-    double seconds; // that making it took, of the CPU
-    double samples; // and traced
+    bool whole;     // the region is the whole path
+    float* weight;  // relMSE weight 1 / (r̄² + 0.001) of each pixel of the pilot image, frame after
+                    // frame
+    double seconds; // CPU seconds spent on the pilot image
+    double samples; // own-frame samples traced for it
 } RfTestRegion;
 
-// An eye with a film of another size, for the same view.
+// The same view on a film of another size.
 RfEye rf_resize_eye( const RfEye* eye, int width, int height );
 
-// A site of up to `frames` frames around `centre`, with films of width × height,
-// its picture by settings' threads, memory, seed, depth and light samples. Free
-// with rf_destroy_test_region, on failure too.
+// Creates a test region of up to `frames` frames around `centre`, with films of width ×
+// height, and renders its pilot image with the threads, memory, seed, depth and light samples
+// of `settings`. Free with rf_destroy_test_region, also after a failure.
 RfResult rf_create_test_region( const RfTracer* tracer, const RfEye* eyes, int eye_count, int centre, int frames, int width,
-                                int height, const RfRenderSettings* settings, const RfTrialWatch* watch, RfTestRegion* site,
+                                int height, const RfRenderSettings* settings, const RfTrialWatch* watch, RfTestRegion* region,
                                 RfError* error );
-void rf_destroy_test_region( RfTestRegion* site );
 
-// What trials found, as sums that add up (rf_add_trial). The errors are of a
-// single pass, P times those of P passes, times `weight`.
+// Frees a test region and clears it.
+void rf_destroy_test_region( RfTestRegion* region );
+
+// The result of trials, as sums that rf_add_trial can combine. Errors are those of a single
+// pass (P times the error of P passes), multiplied by `weight`.
 typedef struct RfTrial
 {
-    int windows;          // rendered, each twice
-    double weight;        // pixels of their frames
-    double samples;       // native ones traced
-    double timed_samples; // those among them whose time is in the next two: without setting up
+    int groups;           // rendered, each twice
+    double weight;        // number of pixels of their frames
+    double samples;       // own-frame samples traced
+    double timed_samples; // those within the next two times, which exclude set-up
     double cpu_seconds;   // of all threads
     double wall_seconds;
-    double finish_seconds, finish_pixels; // CPU seconds of finishing frames, and their pixels
+    double finish_seconds, finish_pixels; // CPU seconds for finishing frames, and their pixels
     double relmse;                        // from the two renders
-    double mse;                           // mean square of the error, over channels
-    double change;                        // ½ mean square of its change from frame to frame of a long path
+    double mse;                           // mean squared error, over channels
+    double change;                        // ½ mean squared change of the error between consecutive frames of a long path
 } RfTrial;
 
-// Tries settings (group, tile, passes of a window in `passes`, at least 2) on
-// `windows` windows beside each other in the middle of the site, as far as they
-// fit in. The group must: RF_ERROR_USAGE else. With settings->threads 1 the CPU
-// seconds are those of the calling thread, so that trials may run side by side;
-// else those of the process, in which threads that wait for others may count. The
-// seeds of the windows and their twins are made of settings->seed.
-RfResult rf_run_trial( const RfTracer* tracer, const RfTestRegion* site, int windows, int passes,
+// Tries `settings` (group, tile) with `passes` ≥ 2 passes per group on up to `groups`
+// adjacent groups in the middle of the region; fails with RF_ERROR_USAGE if not even one fits.
+// With settings->threads 1, CPU seconds are those of the calling thread, so trials may run in
+// parallel; otherwise those of the process, which may include threads that wait for others.
+// The seeds of both renders of a group derive from settings->seed.
+RfResult rf_run_trial( const RfTracer* tracer, const RfTestRegion* region, int groups, int passes,
                        const RfRenderSettings* settings, const RfTrialWatch* watch, RfTrial* trial, RfError* error );
 
+// Adds the sums of another trial.
 void rf_add_trial( RfTrial* sum, const RfTrial* trial );
 
-// Of a frame in the middle of a long path with `spp` native samples per pixel.
+// relMSE of a frame in the middle of a long path with `spp` own-frame samples per pixel.
 double rf_trial_relmse( const RfTrial* trial, double spp );
+
+// F1 of such a frame.
 double rf_trial_f1( const RfTrial* trial, double spp );
+
+// φ, which does not depend on the samples.
 double rf_trial_phi( const RfTrial* trial );
 
-// CPU seconds of a native sample.
+// CPU seconds per own-frame sample.
 double rf_trial_sample_seconds( const RfTrial* trial );
 
-// 1 / (relMSE · CPU seconds) of a frame of so many pixels: whatever its samples.
+// 1 / (relMSE · CPU seconds) of a frame of `pixels` pixels, which is independent of the sample
+// count.
 double rf_trial_efficiency( const RfTrial* trial, double pixels );
 
-// Bytes that a site of `frames` frames of so many pixels holds, and a trial of
-// groups of `eyes` frames besides what rf_render takes.
+// Bytes held by a test region of `frames` frames of `pixels` pixels.
 size_t rf_test_region_bytes( int frames, size_t pixels );
+
+// Bytes held by a trial with groups of `eyes` frames, without the memory of rf_render.
 size_t rf_trial_bytes( int eyes, size_t pixels );
 
 #endif

@@ -18,7 +18,7 @@ typedef struct Metered
     bool one_thread;
     bool begun;
     Clock first, last;
-    double callbacks; // CPU seconds in `frame`
+    double callbacks; // CPU seconds spent in `frame`
 } Metered;
 
 static double cpu_seconds( const Metered* m ) { return m->one_thread ? rf_thread_seconds() : rf_process_seconds(); }
@@ -30,7 +30,7 @@ static bool on_progress( void* user, const RfProgress* progress )
     if ( !m->begun )
         m->first = m->last;
     m->begun = true;
-    return m->watch == NULL || m->watch->go_on == NULL || m->watch->go_on( m->watch->user );
+    return m->watch == NULL || m->watch->should_continue == NULL || m->watch->should_continue( m->watch->user );
 }
 
 static RfResult on_frame( void* user, const RfFrameResult* frame, RfError* error )
@@ -115,11 +115,11 @@ RfResult rf_compare_second( void* user, const RfFrameResult* frame, RfError* err
     return RF_OK;
 }
 
-// Two frames that follow each other share all windows but one each: the last one
-// of the first, where it has the first place, and the first one of the second,
-// where it has the last. In the others they have places beside each other. So the
-// mean square of e_t − e_{t−1} is that of the places' steps, and of both ends. Where
-// all of the path is one window there are only the steps.
+// Consecutive frames of a long path share all groups but one each: in the first, frame t has
+// the first position of the group that frame t−1 is not in; in the other, frame t−1 has the
+// last position. In all shared groups they are neighbours. So the mean square of e_t − e_{t−1}
+// combines the steps between neighbouring positions with both end positions. If one group is
+// the whole path, there are only the steps.
 static double change_of( const RfTrialPair* p )
 {
     return p->whole && p->eyes > 1 ? 0.5 * p->steps * p->eyes / ( p->eyes - 1 ) : p->ends + 0.5 * p->steps;
@@ -128,7 +128,7 @@ static double change_of( const RfTrialPair* p )
 void rf_end_pair( const RfTrialPair* p, int passes, RfTrial* trial )
 {
     double weight = (double)p->pixels * p->eyes, each = weight * passes / p->eyes;
-    trial->windows += 1;
+    trial->groups += 1;
     trial->weight += weight;
     trial->relmse += each * p->relmse;
     trial->mse += each * p->square;

@@ -4,10 +4,10 @@
 
 #include <math.h>
 
-#define OVERTIME 1.1 // times the budget, at which the last round is broken off
+#define OVERTIME 1.1 // times the budget: when the last round is aborted
 #define FIRST_PIXELS 1000.0
 
-static const int s_kept[RF_TUNE_ROUNDS] = { 16, 8, 4, 1 }; // settings, after each round
+static const int s_kept[RF_TUNE_ROUNDS] = { 16, 8, 4, 1 }; // candidates kept after each round
 
 typedef struct Tuner
 {
@@ -16,15 +16,15 @@ typedef struct Tuner
     RfRenderSettings common; // resolved
     bool candidate[RF_TUNE_ROWS];
     double start;
-    int places;       // of the path that sites have been made at
-    double cpu, wall; // spent by rounds so far
+    int positions;    // positions used for test regions so far
+    double cpu, wall; // seconds spent by the rounds so far
     double cost_second;
 } Tuner;
 
 static RfResult run_round( Tuner* t, const RfTuneRound* round, double deadline, int* complete, RfError* error )
 {
     RfTuneWork w;
-    rf_begin_tune_work( t->job, t->tune, &t->common, t->candidate, round, t->places, deadline, &w );
+    rf_begin_tune_work( t->job, t->tune, &t->common, t->candidate, round, t->positions, deadline, &w );
     *complete = 0;
     double start = rf_wall_seconds();
     RfResult result = rf_make_tune_regions( &w, error );
@@ -34,17 +34,17 @@ static RfResult run_round( Tuner* t, const RfTuneRound* round, double deadline, 
         *complete = rf_take_tune_trials( &w, t->tune );
     t->cpu += rf_tune_work_seconds( &w );
     t->wall += rf_wall_seconds() - start;
-    t->places += round->sites;
+    t->positions += round->regions;
     rf_end_tune_work( &w );
     return result;
 }
 
-// A little picture tells how fast this machine is in this scene.
+// Renders a small image to measure the speed of this machine in this scene.
 static RfResult calibrate( Tuner* t, RfError* error )
 {
     const RfTuneJob* job = t->job;
     double scale = sqrt( FIRST_PIXELS / ( (double)job->eyes->width * job->eyes->height ) );
-    RfTuneRound round = { .width = job->eyes->width, .height = job->eyes->height, .sites = t->common.threads, .passes = 2 };
+    RfTuneRound round = { .width = job->eyes->width, .height = job->eyes->height, .regions = t->common.threads, .passes = 2 };
     if ( scale < 1.0 )
     {
         round.width = (int)( job->eyes->width * scale ) + 1;
@@ -54,17 +54,17 @@ static RfResult calibrate( Tuner* t, RfError* error )
     rf_begin_tune_work( job, t->tune, &t->common, t->candidate, &round, 0, (double)INFINITY, &w );
     double start = rf_wall_seconds(), cost = 0.0;
     RfResult result = rf_make_tune_regions( &w, error );
-    double samples = result == RF_OK ? w.sites->samples * round.sites : 1.0, cpu = rf_tune_work_seconds( &w );
+    double samples = result == RF_OK ? w.regions->samples * round.regions : 1.0, cpu = rf_tune_work_seconds( &w );
     t->cpu += cpu;
     t->wall += rf_wall_seconds() - start;
     rf_end_tune_work( &w );
-    for ( int k = 0; k < w.row_count; ++k ) // the dearest is like the site's own, or dearer
+    for ( int k = 0; k < w.row_count; ++k ) // the most expensive row costs about as much as the pilot image, or more
         cost = t->tune->rows[w.rows[k]].cost > cost ? t->tune->rows[w.rows[k]].cost : cost;
     t->cost_second = 1.5 * cpu / ( samples * cost );
     return result;
 }
 
-static RfTuneOutlook look_out( const Tuner* t, int number )
+static RfTuneOutlook make_outlook( const Tuner* t, int number )
 {
     double left = t->job->budget - ( rf_wall_seconds() - t->start );
     return ( RfTuneOutlook ){
@@ -90,14 +90,14 @@ static int count_candidates( const Tuner* t )
 static bool is_stopped( const Tuner* t )
 {
     const RfTrialWatch* watch = t->job->watch;
-    return watch != NULL && watch->go_on != NULL && !watch->go_on( watch->user );
+    return watch != NULL && watch->should_continue != NULL && !watch->should_continue( watch->user );
 }
 
-// A round for the candidates, or where there is no time for so many for the better
-// half of them; false: not even for two.
+// Plans a round for the candidates, or for the better half of them if time is too short; false
+// if it is too short even for two.
 static bool plan_round( Tuner* t, int number, RfTuneRound* round )
 {
-    RfTuneOutlook outlook = look_out( t, number );
+    RfTuneOutlook outlook = make_outlook( t, number );
     while ( !rf_plan_tune_round( t->tune, t->candidate, &outlook, round ) )
     {
         rf_cut_tune_candidates( t->tune, ( count_candidates( t ) + 1 ) / 2, t->candidate );
@@ -107,7 +107,7 @@ static bool plan_round( Tuner* t, int number, RfTuneRound* round )
     return true;
 }
 
-// What a round that was broken off at its deadline did not get done is left out.
+// Runs a round; work left undone at the deadline is ignored.
 static RfResult next_round( Tuner* t, int number, bool* last, RfError* error )
 {
     const RfTuneJob* job = t->job;
@@ -115,15 +115,15 @@ static RfResult next_round( Tuner* t, int number, bool* last, RfError* error )
     *last = !plan_round( t, number, round );
     if ( *last )
         return RF_OK;
-    if ( job->say != NULL )
-        job->say( job->user, t->tune, round, count_candidates( t ) );
+    if ( job->report != NULL )
+        job->report( job->user, t->tune, round, count_candidates( t ) );
     double deadline = number == 0 ? (double)INFINITY : t->start + OVERTIME * job->budget;
     int complete;
     RfResult result = run_round( t, round, deadline, &complete, error );
     t->tune->round_count += complete > 0;
-    round->sites = complete;
+    round->regions = complete;
     rf_smooth_tune_rows( t->tune );
-    rf_weight_tune_rows( t->tune, (double)job->eyes->width * job->eyes->height, job->frame_count );
+    rf_predict_tune_rows( t->tune, (double)job->eyes->width * job->eyes->height, job->frame_count );
     if ( result == RF_ERROR_INTERRUPTED && !is_stopped( t ) )
     {
         *last = true;
@@ -148,10 +148,10 @@ RfResult rf_tune( const RfTuneJob* job, RfTune* tune, RfError* error )
     for ( int number = 0; number < RF_TUNE_ROUNDS && result == RF_OK && !last && count_candidates( &t ) > ( number > 0 );
           ++number )
         result = next_round( &t, number, &last, error );
-    rf_weight_tune_rows( tune, (double)job->eyes->width * job->eyes->height, job->frame_count );
+    rf_predict_tune_rows( tune, (double)job->eyes->width * job->eyes->height, job->frame_count );
     tune->seconds = rf_wall_seconds() - t.start;
     if ( result == RF_OK && tune->chosen < 0 )
         return rf_fail( error, RF_ERROR_SCENE,
-                        "no setting has an error that can be measured: the pictures are black, or hold what is no number" );
+                        "no error can be measured: the test images are black, or have NaN or infinite pixels" );
     return result;
 }

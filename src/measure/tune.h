@@ -1,16 +1,15 @@
-// Which group and tile pay here: each is tried on this path, on this machine,
-// within a time budget (trial.h), by successive halving. The first round tries
-// all of them on small pictures at few places of the path; each later one keeps
-// the better part, and tries these on larger pictures, at other places.
+// Finds the best group and tile for a path on this machine, within a time budget, by
+// successive halving over trials (trial.h). The first round tries all settings on small images
+// at few positions on the path; each later round keeps the best and tries them on larger
+// images at other positions.
 //
-// All settings of a round are tried at the same places, weighed by the same
-// pictures, and with the same seeds; the errors are summed up over all of them
-// before they are compared, for relMSE is carried by few pixels, and a mean of
-// quotients would have a bias that depends on the noise. What the trials of other
-// rows say of a row is made use of too (tune_smooth.c).
+// All settings of a round use the same positions, the same pilot images for relMSE and the
+// same seeds. Errors are summed over all positions before they are compared: relMSE is
+// dominated by few pixels, and a mean of ratios would have a bias that depends on the noise. A
+// row also borrows strength from the trials of the other rows (tune_smooth.c).
 //
-// Trials run side by side, one thread each: so their times are those of the work
-// alone, however small the pictures are.
+// Trials run in parallel on one thread each, so that their times are those of the work alone,
+// however small the images are.
 #ifndef REFRAME_MEASURE_TUNE_H
 #define REFRAME_MEASURE_TUNE_H
 
@@ -21,45 +20,48 @@
 #define RF_TUNE_ROWS ( RF_TUNE_GROUPS * RF_TUNE_TILES )
 #define RF_TUNE_ROUNDS 4
 
-// What a round tries, and how.
+// What a round tries.
 typedef struct RfTuneRound
 {
-    int width, height; // of the pictures
-    int sites;         // places of the path
-    int passes;        // of a window
-    double seconds;    // expected, of the clock on the wall
+    int width, height; // of the test images
+    int regions;       // test regions
+    int passes;        // per group
+    double seconds;    // expected, wall-clock
 } RfTuneRound;
 
 typedef struct RfTuneRow
 {
-    int group; // half-width n, cut to the path
+    int group; // half-width n, clipped to the path
     int eyes;  // in a full group
     RfTile tile;
     int spp;                    // as rendered
-    RfMemoryFit fit;            // of the render as asked for; `least` alone where it does not fit
-    double samples;             // native ones of the frames asked for, all sweeps
-    double predicted_gain;      // by fixed costs, as of plan.h, against the same tile without frame reuse
-    double cost;                // of a native sample, by fixed costs
+    RfMemoryFit fit;            // of the requested render; only `least` is set if it does not fit
+    double samples;             // own-frame samples of the requested frames, over all sweeps
+    double predicted_gain;      // with fixed costs as in plan.h, relative to the same tile without
+                                // frame reuse
+    double cost;                // of an own-frame sample, with fixed costs
     const char* excluded;       // why it is not tried; NULL: it is
-    int rounds;                 // that it was tried in
-    RfTrial trial;              // sums of all of them
-    double log_error, log_time; // what other rows say: to be added to the logarithms of the trial's
-    // of the render as asked for; NaN where not tried
-    double cpu_seconds, seconds; // of all frames
+    int rounds;                 // in which it was tried
+    RfTrial trial;              // sum over those rounds
+    double log_error, log_time; // corrections by the other rows, added to the logarithms of the
+                                // trial's error and time
+    // predictions for the requested render; NaN if not tried
+    double cpu_seconds, seconds; // for all frames
     double relmse, f1, phi;      // of a frame with `spp` samples
     double efficiency;           // 1 / (relMSE · CPU seconds of a frame)
-    double gain;                 // efficiency over that of path tracing, group 0 and tile 1; NaN without that
+    double gain;                 // efficiency relative to path tracing (group 0, tile 1); NaN if that
+                                 // was not tried
     bool chosen;
 } RfTuneRow;
 
 typedef struct RfTune
 {
-    RfTuneRow rows[RF_TUNE_ROWS]; // by tile, then by group
+    RfTuneRow rows[RF_TUNE_ROWS]; // sorted by tile, then by group
     int count;
     int chosen; // −1: none yet
     RfTuneRound rounds[RF_TUNE_ROUNDS];
-    int round_count; // that are complete
-    double seconds;  // that it took
+    int round_count; // completed
+    double seconds;  // spent
 } RfTune;
 
 typedef struct RfTuneJob
@@ -67,17 +69,18 @@ typedef struct RfTuneJob
     const RfTracer* tracer;
     const RfEye* eyes; // of the whole path
     int eye_count;
-    const int* frames; // asked for
+    const int* frames; // requested
     int frame_count;
-    const RfRenderSettings* settings; // group and tile do not matter
-    double budget;                    // seconds; the first round is always made
+    const RfRenderSettings* settings; // group and tile are ignored
+    double budget;                    // seconds; the first round is always completed
     const RfTrialWatch* watch;        // may be NULL; called from several threads
-    void ( *say )( void* user, const RfTune* tune, const RfTuneRound* round, int candidates ); // before each round; may be NULL
+    void ( *report )( void* user, const RfTune* tune, const RfTuneRound* round,
+                      int candidates ); // called before each round; may be NULL
     void* user;
 } RfTuneJob;
 
-// Fails with RF_ERROR_MEMORY where nothing fits the budget, RF_ERROR_INTERRUPTED
-// where it was stopped: then what complete rounds found is there all the same.
+// Tunes. Fails with RF_ERROR_MEMORY if no row fits the memory budget, and with
+// RF_ERROR_INTERRUPTED if stopped; the results of completed rounds are valid even then.
 RfResult rf_tune( const RfTuneJob* job, RfTune* tune, RfError* error );
 
 #endif

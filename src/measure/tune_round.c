@@ -1,22 +1,22 @@
-// What a round tries: decisions from what is known, without a clock of their own.
+// Plans the rounds. Decisions depend on the arguments only, not on a clock.
 #include "measure/tune_internal.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-#define SITE_FRAMES 15 // about, that small groups are tried on
-#define LEAST_PIXELS 1200.0
-#define MOST_SITES 24
+#define REGION_FRAMES 15 // approximately, for trying small groups
+#define MIN_PIXELS 1200.0
+#define MAX_REGIONS 24
 
-// Of the time left, for each round.
+// Fraction of the remaining time for each round.
 static const double s_shares[RF_TUNE_ROUNDS] = { 0.3, 0.33, 0.5, 1.0 };
-static const int s_sites[RF_TUNE_ROUNDS] = { 2, 2, 3, 4 };
+static const int s_regions[RF_TUNE_ROUNDS] = { 2, 2, 3, 4 };
 static const int s_passes[RF_TUNE_ROUNDS] = { 2, 4, 4, 4 };
 
-#define FEW 4    // settings, for which a round may take all the time that is left
-#define HOPE 0.5 // of the best efficiency, below which a row is not tried again
+#define FEW 4    // with this many settings left, a round may use all the remaining time
+#define HOPE 0.5 // fraction of the best efficiency below which a row is dropped
 
-int rf_tune_groups( int eyes ) { return eyes < SITE_FRAMES ? ( SITE_FRAMES + eyes / 2 ) / eyes : 1; }
+int rf_tune_groups( int eyes ) { return eyes < REGION_FRAMES ? ( REGION_FRAMES + eyes / 2 ) / eyes : 1; }
 
 int rf_tune_region_frames( const RfTune* tune, const bool* candidate )
 {
@@ -38,12 +38,12 @@ double rf_tune_round_cost( const RfTune* tune, const bool* candidate, const RfTu
     {
         const RfTuneRow* row = tune->rows + i;
         double sample = row->rounds > 0 ? rf_trial_sample_seconds( &row->trial ) : row->cost * cost_second;
-        cost += candidate[i] ? round->sites * pixels * rf_tune_row_samples( row, round->passes ) * sample : 0.0;
+        cost += candidate[i] ? round->regions * pixels * rf_tune_row_samples( row, round->passes ) * sample : 0.0;
     }
     return cost;
 }
 
-// A film of about so many pixels, in the render's proportions.
+// The size of a film of about `pixels` pixels with the aspect ratio of the render.
 static void size_round( const RfTuneOutlook* o, double pixels, RfTuneRound* round )
 {
     double scale = sqrt( pixels / ( (double)o->width * o->height ) );
@@ -51,18 +51,18 @@ static void size_round( const RfTuneOutlook* o, double pixels, RfTuneRound* roun
     round->height = scale < 1.0 ? (int)fmax( 1.0, floor( o->height * scale + 0.5 ) ) : o->height;
 }
 
-// Pixels of a film with which the trials that run at a time, and the sites, fit
-// the memory: half of it, for records and work besides.
-static double pixels_that_fit( const RfTune* tune, const bool* candidate, const RfTuneOutlook* o, int sites )
+// Pixels per film such that the test regions and the parallel trials fit in half the memory;
+// the other half is for records and scratch.
+static double pixels_that_fit( const RfTune* tune, const bool* candidate, const RfTuneOutlook* o, int regions )
 {
     int eyes = rf_tune_region_frames( tune, candidate );
     double film = 64.0 + 12.0; // both halves with totals, and images
     double bytes =
-        (double)rf_test_region_bytes( eyes, 1 ) * sites + o->workers * ( (double)rf_trial_bytes( eyes, 1 ) + film * eyes );
+        (double)rf_test_region_bytes( eyes, 1 ) * regions + o->workers * ( (double)rf_trial_bytes( eyes, 1 ) + film * eyes );
     return 0.5 * (double)o->memory / bytes;
 }
 
-static int candidates( const RfTune* tune, const bool* candidate )
+static int count_candidates_in( const RfTune* tune, const bool* candidate )
 {
     int count = 0;
     for ( int i = 0; i < tune->count; ++i )
@@ -73,16 +73,16 @@ static int candidates( const RfTune* tune, const bool* candidate )
 bool rf_plan_tune_round( const RfTune* tune, const bool* candidate, const RfTuneOutlook* o, RfTuneRound* round )
 {
     double all = (double)o->width * o->height,
-           seconds = ( candidates( tune, candidate ) > FEW ? s_shares[o->number] : 1.0 ) * o->left;
-    *round = ( RfTuneRound ){ .sites = s_sites[o->number], .passes = s_passes[o->number], .width = 1, .height = 1 };
-    double each = rf_tune_round_cost( tune, candidate, round, o->cost_second ); // for one pixel
-    double pixels = seconds * o->rate / each, most = pixels_that_fit( tune, candidate, o, round->sites );
+           seconds = ( count_candidates_in( tune, candidate ) > FEW ? s_shares[o->number] : 1.0 ) * o->left;
+    *round = ( RfTuneRound ){ .regions = s_regions[o->number], .passes = s_passes[o->number], .width = 1, .height = 1 };
+    double each = rf_tune_round_cost( tune, candidate, round, o->cost_second ); // per pixel
+    double pixels = seconds * o->rate / each, most = pixels_that_fit( tune, candidate, o, round->regions );
     most = most < all ? most : all;
-    double least = LEAST_PIXELS < most ? LEAST_PIXELS : most;
-    for ( ; pixels < least && round->sites > 1; --round->sites ) // fewer places, rather than too small pictures
-        pixels *= round->sites / ( round->sites - 1.0 );
-    if ( pixels > most ) // more places for what is left
-        round->sites = (int)fmin( MOST_SITES, floor( round->sites * pixels / most ) );
+    double least = MIN_PIXELS < most ? MIN_PIXELS : most;
+    for ( ; pixels < least && round->regions > 1; --round->regions ) // fewer positions rather than too small images
+        pixels *= round->regions / ( round->regions - 1.0 );
+    if ( pixels > most ) // more positions from the time left
+        round->regions = (int)fmin( MAX_REGIONS, floor( round->regions * pixels / most ) );
     size_round( o, fmax( fmin( pixels, most ), least ), round );
     if ( o->number > 0 && pixels < least )
         return false;
@@ -90,7 +90,7 @@ bool rf_plan_tune_round( const RfTune* tune, const bool* candidate, const RfTune
     return true;
 }
 
-// Efficiencies, largest first.
+// Orders efficiencies, largest first.
 static int descending( const void* a, const void* b )
 {
     double x = *(const double*)a, y = *(const double*)b;
@@ -115,10 +115,10 @@ void rf_cut_tune_candidates( const RfTune* tune, int kept, bool* candidate )
         candidate[i] = candidate[i] && tune->rows[i].efficiency >= bar;
 }
 
-double rf_tune_place( int index )
+double rf_tune_position( int index )
 {
-    double place = 0.0, part = 0.5;
+    double position = 0.0, part = 0.5;
     for ( int i = index + 1; i > 0; i /= 2, part /= 2.0 )
-        place += i % 2 * part;
-    return place;
+        position += i % 2 * part;
+    return position;
 }

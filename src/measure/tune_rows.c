@@ -1,4 +1,4 @@
-// The rows of a tuning: what there is to try, what it takes, what it came to.
+// The rows of tune: which settings there are, what they cost, and their results.
 #include "measure/tune_internal.h"
 #include "render/groups.h"
 #include "reframe/plan.h"
@@ -10,7 +10,7 @@ static const char* const s_tiles[RF_TUNE_TILES] = { "1", "2x2", "3x3", "4x4", "r
 
 static const char s_no_room[] = "does not fit --memory", s_rounded[] = "--spp would more than double";
 
-#define ROUNDING 2.0 // times the samples asked for may be traced
+#define ROUNDING 2.0 // limit of the samples traced, as a multiple of those requested
 
 RfRenderSettings rf_tune_settings( const RfTuneRow* row, const RfRenderSettings* common )
 {
@@ -20,7 +20,7 @@ RfRenderSettings rf_tune_settings( const RfTuneRow* row, const RfRenderSettings*
     return settings;
 }
 
-// Rays by about nanoseconds, as in the plan.
+// The cost of rays, in about nanoseconds, as in the plan.
 static double cost_of( const RfPlanRow* row )
 {
     return ( 100.0 * row->rays_primary + 200.0 * row->rays_path + 100.0 * row->rays_shadow + 40.0 * row->rays_tile +
@@ -44,7 +44,7 @@ static RfMemoryFit fit_of( const RfTuneJob* job, const RfTuneRow* row )
     return fit;
 }
 
-// The rows of a tile. None of them fits where not even the smallest does.
+// Lists the rows of a tile; none fits if the smallest group does not.
 static RfResult list_tile( const RfTuneJob* job, const RfTile* tile, RfTune* tune, RfError* error )
 {
     RfRenderSettings settings = *job->settings;
@@ -94,7 +94,7 @@ static RfResult fail_memory( const RfTuneJob* job, const RfTune* tune, size_t me
 RfResult rf_list_tune_rows( const RfTuneJob* job, RfTune* tune, RfRenderSettings* common, RfError* error )
 {
     RfRenderSettings asked = *job->settings;
-    asked.group = 0; // auto would be a plan more
+    asked.group = 0; // auto would compute a further plan
     asked.noise = asked.time = 0.0;
     asked.hold_all = asked.adaptive = false;
     RfResult result = rf_resolve_settings( job->tracer, job->eyes, job->eye_count, &asked, common, error );
@@ -123,7 +123,7 @@ int rf_tune_workers( const RfTuneJob* job, const RfTune* tune, const RfRenderSet
         RfMemoryFit fit;
         settings.threads = 1;
         settings.layers = 0;
-        // but for its films, which are of a pixel here, it is like a trial of any size
+        // except for its one-pixel films, memory is that of a trial of any size
         RfResult result = rf_fit_memory( rf_tracer_scene( job->tracer ), &small, tune->rows[i].eyes, tune->rows[i].eyes,
                                          &settings, &fit, NULL );
         size_t bytes = fit.bytes_hits + fit.bytes_lists;
@@ -134,7 +134,7 @@ int rf_tune_workers( const RfTuneJob* job, const RfTune* tune, const RfRenderSet
     return room < 1 ? 1 : room < (size_t)common->threads ? (int)room : common->threads;
 }
 
-static void weigh_row( RfTuneRow* row, double pixels, int frames )
+static void predict_row( RfTuneRow* row, double pixels, int frames )
 {
     const RfTrial* trial = &row->trial;
     row->cpu_seconds = row->seconds = row->relmse = row->f1 = row->phi = row->efficiency = row->gain = NAN;
@@ -147,10 +147,10 @@ static void weigh_row( RfTuneRow* row, double pixels, int frames )
     row->f1 = rf_trial_f1( trial, row->spp );
     row->phi = rf_trial_phi( trial );
     double cost = row->relmse * row->cpu_seconds;
-    row->efficiency = cost > 0.0 ? frames / cost : NAN; // black pictures have no error to be efficient at
+    row->efficiency = cost > 0.0 ? frames / cost : NAN; // the efficiency of a black image is undefined
 }
 
-void rf_weight_tune_rows( RfTune* tune, double pixels, int frames )
+void rf_predict_tune_rows( RfTune* tune, double pixels, int frames )
 {
     double plain = NAN;
     int rounds = 0;
@@ -158,7 +158,7 @@ void rf_weight_tune_rows( RfTune* tune, double pixels, int frames )
     for ( int i = 0; i < tune->count; ++i )
     {
         RfTuneRow* row = tune->rows + i;
-        weigh_row( row, pixels, frames );
+        predict_row( row, pixels, frames );
         row->chosen = false;
         rounds = row->rounds > rounds ? row->rounds : rounds;
         if ( row->group == 0 && row->tile.kind == RF_TILE_NONE )

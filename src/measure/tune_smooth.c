@@ -1,27 +1,26 @@
-// What trials of other rows say of a row. Error and time of a sample change
-// smoothly with the size of the group, and much alike for all tiles, while the
-// noise of a trial does not: fireflies hit one group and not the next, and other
-// work on the machine hits one trial and not the next. So to the logarithms of
-// either is fitted
+// Smooths the results of trials over the rows. Error and time per sample vary smoothly with
+// the size of the group, and similarly for all tiles, but the noise of a trial does not: a
+// firefly hits one group and not the next, and other load on the machine hits one trial and
+// not the next. So the logarithm of each is fitted by
 //
 //     q(x) + u_tile + v_tile x,    x = log of the frames in a group, q a cubic,
 //
-// and each row moves towards it by as much as its own noise, known from what the
-// rows are away from the fit, is larger than what the fit may be wrong by.
+// and each row is shrunk towards the fit, the more the larger its own noise (estimated from
+// the residuals) is compared to the model error of the fit.
 #include "measure/tune_internal.h"
 
 #include <math.h>
 #include <string.h>
 
-#define MOST_TERMS ( 4 + 2 * ( RF_TUNE_TILES - 1 ) )
-#define FIT_ERROR 0.06  // standard deviation of true values about the fit, in logarithms
-#define FIRST_NOISE 0.2 // of a first trial, until it is known
+#define MAX_TERMS ( 4 + 2 * ( RF_TUNE_TILES - 1 ) )
+#define FIT_ERROR 0.06  // model error: standard deviation of true values about the fit, in logarithms
+#define FIRST_NOISE 0.2 // initial guess for a first trial
 
 typedef struct Point
 {
-    double terms[MOST_TERMS];
-    double value;    // logarithm
-    double evidence; // of its trials; the least of all is 1
+    double terms[MAX_TERMS];
+    double value;    // logarithm of the measured value
+    double evidence; // relative weight of its trials; the smallest is 1
     int row;
 } Point;
 
@@ -39,7 +38,7 @@ static int tile_number( const RfTune* tune, int row )
     return number;
 }
 
-// Groups that have been tried with any tile.
+// Number of group sizes that have been tried with any tile.
 static int count_groups( const RfTune* tune )
 {
     int count = 0;
@@ -83,8 +82,8 @@ static void collect( const RfTune* tune, bool time, Fit* fit )
         fit->points[i].evidence /= least;
 }
 
-// Solves the symmetric, positive definite m c = v by elimination; c takes v's place.
-static void solve( double m[MOST_TERMS][MOST_TERMS], double v[MOST_TERMS], int n )
+// Solves the symmetric, positive definite system m c = v by elimination; v receives c.
+static void solve( double m[MAX_TERMS][MAX_TERMS], double v[MAX_TERMS], int n )
 {
     for ( int i = 0; i < n; ++i )
     {
@@ -106,11 +105,11 @@ static void solve( double m[MOST_TERMS][MOST_TERMS], double v[MOST_TERMS], int n
 
 static double noise_of( const Point* p, double first ) { return first * first / p->evidence; }
 
-// Weighted least squares; terms that no point has come out as 0.
-static void fit_terms( const Fit* fit, double noise, double terms[MOST_TERMS] )
+// Weighted least squares; terms without data come out as 0.
+static void fit_terms( const Fit* fit, double noise, double terms[MAX_TERMS] )
 {
-    double m[MOST_TERMS][MOST_TERMS] = { { 0.0 } };
-    memset( terms, 0, MOST_TERMS * sizeof *terms );
+    double m[MAX_TERMS][MAX_TERMS] = { { 0.0 } };
+    memset( terms, 0, MAX_TERMS * sizeof *terms );
     for ( int k = 0; k < fit->terms; ++k )
         m[k][k] = 1e-6;
     for ( int i = 0; i < fit->count; ++i )
@@ -127,7 +126,7 @@ static void fit_terms( const Fit* fit, double noise, double terms[MOST_TERMS] )
     solve( m, terms, fit->terms );
 }
 
-static double fitted( const Fit* fit, const double terms[MOST_TERMS], const Point* p )
+static double fitted( const Fit* fit, const double terms[MAX_TERMS], const Point* p )
 {
     double sum = 0.0;
     for ( int k = 0; k < fit->terms; ++k )
@@ -135,14 +134,14 @@ static double fitted( const Fit* fit, const double terms[MOST_TERMS], const Poin
     return sum;
 }
 
-static void smooth( RfTune* tune, bool time )
+static void smooth_rows( RfTune* tune, bool time )
 {
     Fit fit;
     collect( tune, time, &fit );
     int free_terms = fit.count - fit.terms;
-    if ( free_terms <= 0 ) // the fit would go through all of them
+    if ( free_terms <= 0 ) // the fit would interpolate all of them
         return;
-    double terms[MOST_TERMS], sum = 0.0;
+    double terms[MAX_TERMS], sum = 0.0;
     fit_terms( &fit, FIRST_NOISE, terms );
     for ( int i = 0; i < fit.count; ++i )
     {
@@ -164,6 +163,6 @@ void rf_smooth_tune_rows( RfTune* tune )
 {
     for ( int i = 0; i < tune->count; ++i )
         tune->rows[i].log_time = tune->rows[i].log_error = 0.0;
-    smooth( tune, false );
-    smooth( tune, true );
+    smooth_rows( tune, false );
+    smooth_rows( tune, true );
 }

@@ -7,38 +7,39 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define MOST_WORKERS 256
+#define MAX_WORKERS 256
 
-static bool go_on( void* user )
+static bool should_continue( void* user )
 {
     RfTuneWork* w = user;
     const RfTrialWatch* outer = w->job->watch;
-    if ( rf_wall_seconds() > w->deadline || ( outer != NULL && outer->go_on != NULL && !outer->go_on( outer->user ) ) )
+    if ( rf_wall_seconds() > w->deadline ||
+         ( outer != NULL && outer->should_continue != NULL && !outer->should_continue( outer->user ) ) )
         atomic_store( &w->stop, true );
     return !atomic_load( &w->stop );
 }
 
-static RfResult make_site( RfTuneWork* w, int index, RfError* error )
+static RfResult make_region( RfTuneWork* w, int index, RfError* error )
 {
     const RfTuneJob* job = w->job;
-    int frame = job->frames[(int)( rf_tune_place( w->first_place + index ) * job->frame_count )];
-    return rf_create_test_region( job->tracer, job->eyes, job->eye_count, frame, w->site_frames, w->round->width,
-                                  w->round->height, &w->settings, &w->watch, w->sites + index, error );
+    int frame = job->frames[(int)( rf_tune_position( w->first_position + index ) * job->frame_count )];
+    return rf_create_test_region( job->tracer, job->eyes, job->eye_count, frame, w->region_frames, w->round->width,
+                                  w->round->height, &w->settings, &w->watch, w->regions + index, error );
 }
 
-static RfResult try_row( RfTuneWork* w, int site, int k, RfError* error )
+static RfResult try_row( RfTuneWork* w, int region, int k, RfError* error )
 {
     const RfTuneRow* row = w->tune->rows + w->rows[k];
     RfRenderSettings settings = rf_tune_settings( row, &w->settings );
-    settings.seed = rf_mix64( settings.seed ^ rf_mix64( (uint64_t)( w->first_place + site ) ) );
-    int index = site * w->row_count + k;
-    RfResult result = rf_run_trial( w->job->tracer, w->sites + site, rf_tune_groups( row->eyes ), w->round->passes, &settings,
+    settings.seed = rf_mix64( settings.seed ^ rf_mix64( (uint64_t)( w->first_position + region ) ) );
+    int index = region * w->row_count + k;
+    RfResult result = rf_run_trial( w->job->tracer, w->regions + region, rf_tune_groups( row->eyes ), w->round->passes, &settings,
                                     &w->watch, w->trials + index, error );
     w->done[index] = result == RF_OK;
     return result;
 }
 
-static void* work( void* user )
+static void* run_worker( void* user )
 {
     RfTuneWork* w = user;
     RfError error;
@@ -47,7 +48,7 @@ static void* work( void* user )
     while ( ( task = atomic_fetch_add( &w->next, 1 ) ) < w->task_count && !atomic_load( &w->stop ) )
     {
         RfResult result =
-            w->trials == NULL ? make_site( w, task, &error ) : try_row( w, task / w->row_count, task % w->row_count, &error );
+            w->trials == NULL ? make_region( w, task, &error ) : try_row( w, task / w->row_count, task % w->row_count, &error );
         if ( result == RF_OK )
             continue;
         atomic_store( &w->stop, true );
@@ -62,42 +63,42 @@ static void* work( void* user )
     return NULL;
 }
 
-// All tasks, by as many threads as can be had, this one among them.
-static void share_out( RfTuneWork* w, int tasks )
+// Runs all tasks on as many threads as can be started, including this one.
+static void run_tasks( RfTuneWork* w, int tasks )
 {
-    pthread_t threads[MOST_WORKERS];
+    pthread_t threads[MAX_WORKERS];
     int wanted = w->threads < tasks ? w->threads : tasks, count = 0;
     w->task_count = tasks;
     atomic_store( &w->next, 0 );
-    while ( count + 1 < wanted && count < MOST_WORKERS && pthread_create( threads + count, NULL, work, w ) == 0 )
+    while ( count + 1 < wanted && count < MAX_WORKERS && pthread_create( threads + count, NULL, run_worker, w ) == 0 )
         count += 1;
-    work( w );
+    run_worker( w );
     for ( int i = 0; i < count; ++i )
         pthread_join( threads[i], NULL );
 }
 
 void rf_end_tune_work( RfTuneWork* w )
 {
-    for ( int i = 0; w->sites != NULL && i < w->round->sites; ++i )
-        rf_destroy_test_region( w->sites + i );
-    free( w->sites );
+    for ( int i = 0; w->regions != NULL && i < w->round->regions; ++i )
+        rf_destroy_test_region( w->regions + i );
+    free( w->regions );
     free( w->trials );
     free( w->done );
     pthread_mutex_destroy( &w->mutex );
 }
 
 void rf_begin_tune_work( const RfTuneJob* job, const RfTune* tune, const RfRenderSettings* common, const bool* candidate,
-                         const RfTuneRound* round, int first_place, double deadline, RfTuneWork* w )
+                         const RfTuneRound* round, int first_position, double deadline, RfTuneWork* w )
 {
     memset( w, 0, sizeof *w );
     w->job = job;
     w->tune = tune;
     w->round = round;
     w->deadline = deadline;
-    w->watch = ( RfTrialWatch ){ go_on, w };
+    w->watch = ( RfTrialWatch ){ should_continue, w };
     pthread_mutex_init( &w->mutex, NULL );
-    w->first_place = first_place;
-    w->site_frames = rf_tune_region_frames( tune, candidate );
+    w->first_position = first_position;
+    w->region_frames = rf_tune_region_frames( tune, candidate );
     for ( int i = 0; i < tune->count; ++i )
     {
         if ( candidate[i] )
@@ -116,10 +117,10 @@ static RfResult fail_memory( RfError* error )
 
 RfResult rf_make_tune_regions( RfTuneWork* w, RfError* error )
 {
-    w->sites = calloc( (size_t)w->round->sites, sizeof *w->sites );
-    if ( w->sites == NULL )
+    w->regions = calloc( (size_t)w->round->regions, sizeof *w->regions );
+    if ( w->regions == NULL )
         return fail_memory( error );
-    share_out( w, w->round->sites );
+    run_tasks( w, w->round->regions );
     if ( w->result != RF_OK )
         *error = w->error;
     return w->result;
@@ -127,12 +128,12 @@ RfResult rf_make_tune_regions( RfTuneWork* w, RfError* error )
 
 RfResult rf_run_tune_trials( RfTuneWork* w, RfError* error )
 {
-    size_t count = (size_t)w->round->sites * (size_t)w->row_count;
+    size_t count = (size_t)w->round->regions * (size_t)w->row_count;
     w->done = calloc( count, sizeof *w->done );
     w->trials = calloc( count, sizeof *w->trials );
     if ( w->done == NULL || w->trials == NULL )
         return fail_memory( error );
-    share_out( w, (int)count );
+    run_tasks( w, (int)count );
     if ( w->result != RF_OK )
         *error = w->error;
     return w->result;
@@ -141,7 +142,7 @@ RfResult rf_run_tune_trials( RfTuneWork* w, RfError* error )
 int rf_take_tune_trials( const RfTuneWork* w, RfTune* tune )
 {
     int complete = 0;
-    for ( int s = 0; s < w->round->sites; ++s )
+    for ( int s = 0; s < w->round->regions; ++s )
     {
         int done = 0;
         for ( int k = 0; k < w->row_count; ++k )
@@ -160,9 +161,9 @@ int rf_take_tune_trials( const RfTuneWork* w, RfTune* tune )
 double rf_tune_work_seconds( const RfTuneWork* w )
 {
     double cpu = 0.0;
-    for ( int i = 0; w->sites != NULL && i < w->round->sites; ++i )
-        cpu += w->sites[i].seconds;
-    for ( int i = 0; w->trials != NULL && i < w->round->sites * w->row_count; ++i )
+    for ( int i = 0; w->regions != NULL && i < w->round->regions; ++i )
+        cpu += w->regions[i].seconds;
+    for ( int i = 0; w->trials != NULL && i < w->round->regions * w->row_count; ++i )
     {
         const RfTrial* trial = w->trials + i;
         if ( trial->timed_samples > 0.0 )

@@ -14,7 +14,7 @@ static RfResult put( RfPage* page, const char* text, size_t size, RfError* error
 
 static RfResult put_text( RfPage* page, const char* text, RfError* error ) { return put( page, text, strlen( text ), error ); }
 
-// Text with some characters as something else, which `replace` gives, else NULL.
+// Writes text with some characters replaced: `replace` returns the replacement, or NULL.
 static RfResult put_escaped( RfPage* page, const char* text, const char* ( *replace )(char), RfError* error )
 {
     RfResult result = RF_OK;
@@ -36,10 +36,12 @@ static const char* escape_html( char c )
     return c == '<' ? "&lt;" : c == '>' ? "&gt;" : c == '&' ? "&amp;" : c == '"' ? "&quot;" : NULL;
 }
 
-// In JSON '<' is only inside of strings; so no text can end the script element.
+// In JSON '<' occurs only inside strings, where it can be escaped; so no text can end the
+// script element.
 static const char* escape_json( char c ) { return c == '<' ? "\\u003c" : NULL; }
 
-// Writes the frame of the page from one mark, "{{name}}", to another; NULL: its ends.
+// Writes the part of the template between two marks, "{{name}}"; NULL stands for its start or
+// end.
 static RfResult put_frame( RfPage* page, const char* from, const char* to, RfError* error )
 {
     const char* begin = rf_page_html;

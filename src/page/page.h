@@ -1,6 +1,6 @@
-// A self-contained HTML page: a frame of markup, style and script that is compiled
-// into the program, blocks of bytes as base64, and the data, JSON. It loads nothing:
-// opened from a folder, without a network, it is all there. Written atomically.
+// Writes a self-contained HTML page: a template of markup, style and script that is compiled
+// into the program, blocks of bytes as base64, and JSON data. The page loads nothing else, so
+// it works from a local file without a network. Written atomically.
 #ifndef REFRAME_PAGE_PAGE_H
 #define REFRAME_PAGE_PAGE_H
 
@@ -18,13 +18,13 @@ typedef struct RfPage
 // Begins the page. `path` must outlive it. After success end or discard it.
 RfResult rf_open_page( const char* path, const char* title, RfPage* page, RfError* error );
 
-// Adds bytes that the script finds by the id, of letters, digits and '-'.
+// Adds a block of bytes that the script finds by its id, of letters, digits and '-'.
 RfResult rf_add_page_block( RfPage* page, const char* id, const void* bytes, size_t size, RfError* error );
 
-// Ends the page with its data, JSON of any content, and commits the file. On
-// failure the page is gone.
+// Ends the page with its JSON data and commits the file. On failure the page is discarded.
 RfResult rf_end_page( RfPage* page, const char* json, RfError* error );
 
+// Removes the unfinished page.
 void rf_discard_page( RfPage* page );
 
 #endif

@@ -8,7 +8,7 @@
 #include <string.h>
 
 #define FLOOR ( 1.0f / 512.0f )
-#define STOP 256 // units of a stop
+#define STOP 256 // units per stop
 #define BRIGHTEST 65504.0f
 #define HEADER_BYTES 6
 
@@ -18,7 +18,7 @@ typedef struct Base
     int16_t* values; // 3 per cell
 } Base;
 
-// Light as it is encoded: from 0 to BRIGHTEST; a pixel with NaN is magenta.
+// Clamps to the range that is encoded, 0 to BRIGHTEST; a pixel with a NaN becomes magenta.
 static void take_pixel( const float* from, float out[3] )
 {
     bool is_nan = isnan( from[0] ) || isnan( from[1] ) || isnan( from[2] );
@@ -54,11 +54,11 @@ static void measure_cell( const RfImage* image, int column, int row, int16_t out
     }
 }
 
-// The two cells that position `x` lies between, and the share of the second, in
-// 1/32: the centres of cells lie between pixels.
+// The two cells whose centres enclose pixel `x`, and the weight of the second in 1/32: cell
+// centres are between pixels.
 static void place( int x, int count, int cells[2], int* share )
 {
-    int units = 2 * x + 1 - RF_PICTURE_CELL; // half pixels behind the first centre
+    int units = 2 * x + 1 - RF_PICTURE_CELL; // distance in half pixels from the first centre
     int cell = units < 0 ? -1 : units / ( 2 * RF_PICTURE_CELL );
     *share = units - cell * 2 * RF_PICTURE_CELL;
     cells[0] = cell < 0 ? 0 : cell < count ? cell : count - 1;
@@ -70,7 +70,7 @@ static int mix( int a, int b, int share )
     return a * ( 2 * RF_PICTURE_CELL - share ) + b * share; // in 1/32 units
 }
 
-// The byte of so many units above the base, for −LIMIT to LIMIT.
+// Code table: the byte for each number of units above the base, −LIMIT to LIMIT.
 #define LIMIT ( 32 * STOP )
 
 static void fill_codes( unsigned char codes[2 * LIMIT + 1] )
@@ -130,8 +130,8 @@ static unsigned char* put16( unsigned char* out, int value )
     return out + 2;
 }
 
-static RfResult join( const Base* base, const unsigned char* jpeg, size_t jpeg_size, const char* name, unsigned char** bytes,
-                      size_t* size, RfError* error )
+static RfResult concatenate( const Base* base, const unsigned char* jpeg, size_t jpeg_size, const char* name,
+                             unsigned char** bytes, size_t* size, RfError* error )
 {
     size_t count = 3 * (size_t)base->columns * (size_t)base->rows;
     *size = HEADER_BYTES + 2 * count + jpeg_size;
@@ -145,7 +145,7 @@ static RfResult join( const Base* base, const unsigned char* jpeg, size_t jpeg_s
     return RF_OK;
 }
 
-// Noise costs bits: the quality goes down until there are few enough.
+// Noisy images need more bits: lowers the quality until the size is small enough.
 static RfResult encode_detail( const unsigned char* codes, const RfImage* image, const char* name, unsigned char** jpeg,
                                size_t* size, RfError* error )
 {
@@ -169,11 +169,12 @@ RfResult rf_encode_picture( const RfImage* image, const char* name, unsigned cha
     *bytes = NULL;
     *size = 0;
     if ( image->width < 1 || image->height < 1 || image->width > RF_JPEG_MAX_SIDE || image->height > RF_JPEG_MAX_SIDE )
-        return rf_fail( error, RF_ERROR_USAGE, "%s: %dx%d pixels are no size for a picture", name, image->width, image->height );
+        return rf_fail( error, RF_ERROR_USAGE, "%s: an image of %dx%d pixels cannot be encoded", name, image->width,
+                        image->height );
     Base base = { 0 };
     size_t jpeg_size, pixels = (size_t)image->width * (size_t)image->height;
     unsigned char* jpeg = NULL;
-    unsigned char* codes = malloc( 3 * pixels + 2 * LIMIT + 1 ); // the picture, and the table of codes behind it
+    unsigned char* codes = malloc( 3 * pixels + 2 * LIMIT + 1 ); // the image, followed by the code table
     RfResult result = codes != NULL ? measure_base( image, name, &base, error )
                                     : rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for its picture", name );
     if ( result == RF_OK )
@@ -184,7 +185,7 @@ RfResult rf_encode_picture( const RfImage* image, const char* name, unsigned cha
         result = encode_detail( codes, image, name, &jpeg, &jpeg_size, error );
     }
     if ( result == RF_OK )
-        result = join( &base, jpeg, jpeg_size, name, bytes, size, error );
+        result = concatenate( &base, jpeg, jpeg_size, name, bytes, size, error );
     free( jpeg );
     free( codes );
     free( base.values );

@@ -6,7 +6,7 @@
 
 static int components_of( RfAnimatedPath path ) { return path == RF_ROTATION ? 4 : 3; }
 
-// Last key at or before `time`; the caller has clamped.
+// Index of the last key at or before `time`, which the caller has clamped.
 static int find_key( const RfChannel* channel, double time )
 {
     int low = 0, high = channel->count - 1;
@@ -30,8 +30,8 @@ static const double* key_value( const RfChannel* channel, int key )
     return channel->values + (size_t)key * (size_t)n;
 }
 
-// Hermite basis of the glTF specification, appendix C: the tangents are per
-// second, hence times the spacing of the keys.
+// Cubic Hermite spline of the glTF specification, appendix C: tangents are per second, hence
+// multiplied by the key spacing.
 static void sample_cubic( const RfChannel* channel, int key, double t, double spacing, double* value )
 {
     int n = components_of( channel->path );
@@ -81,7 +81,7 @@ void rf_sample_channel( const RfChannel* channel, double time, double value[4] )
         sample_between( channel, key, time, value );
     else
         memcpy( value, key_value( channel, key ), (size_t)n * sizeof( double ) );
-    // a spline between opposite keys may pass through zero: no rotation then
+    // a spline between opposite keys may pass through zero, which normalises to no rotation
     if ( channel->path == RF_ROTATION )
         rf_quat_normalize( value );
 }

@@ -1,18 +1,18 @@
-// Animation channels at a time, and the local matrix of a node they move.
+// Evaluates animation channels, and the local matrices of animated nodes.
 #ifndef REFRAME_SCENE_ANIMATION_H
 #define REFRAME_SCENE_ANIMATION_H
 
 #include "scene/scene.h"
 
-// The value of a channel at `time` seconds, clamped to its first and last key:
-// 3 numbers, or for a rotation 4 that make a unit quaternion.
+// The value of a channel at `time` seconds, clamped to its first and last key: 3 numbers, or a
+// unit quaternion for rotations.
 void rf_sample_channel( const RfChannel* channel, double time, double value[4] );
 
-// The channels of one node: a run of `scene->channels`, which are sorted by
-// node. Returns the first, and their number in `count` (0 to 3).
+// The channels of one node, contiguous in `scene->channels`, which are sorted by node. Returns
+// the first, and their number in `count` (0 to 3).
 const RfChannel* rf_node_channels( const RfScene* scene, int node, int* count );
 
-// Matrix of a node relative to its parent at `time` seconds.
+// The matrix of a node relative to its parent at `time` seconds.
 void rf_node_local_matrix( const RfScene* scene, int node, double time, RfMat4* matrix );
 
 #endif

@@ -12,7 +12,7 @@
 #define MAX_FRAMES 1000000
 #define NAMES_LISTED 12
 
-// Cameras further out than this have no float precision left to look with.
+// Beyond this coordinate a float has no precision left for a camera.
 #define MAX_COORDINATE 1e15
 
 static void list_names( const RfScene* scene, char* text, size_t size )
@@ -64,7 +64,7 @@ RfResult rf_find_camera( const RfScene* scene, const char* name, int* index, RfE
     return rf_fail( error, RF_ERROR_USAGE, "%s: has no camera '%.60s': choose one of %s", path, name, names );
 }
 
-// The file's fault: most often it is a slip in its times.
+// Blames the file: most often its times are wrong.
 static RfResult fail_too_long( const RfCamera* camera, double fps, RfError* error )
 {
     double seconds = camera->end - camera->start;
@@ -86,7 +86,7 @@ RfResult rf_camera_frame_count( const RfCamera* camera, double fps, int* count, 
     *count = 1;
     if ( camera->animated == false )
         return RF_OK;
-    // keys written as floats miss the frame they mean by a little
+    // key times written as floats miss their frame slightly
     double rate = camera->track != NULL && camera->track->in_frames ? 1.0 : fps;
     double frames = floor( ( camera->end - camera->start ) * rate + 1e-3 ) + 1.0;
     if ( ( frames <= (double)MAX_FRAMES ) == false )
@@ -120,7 +120,7 @@ void rf_node_world_matrix( const RfScene* scene, int node, double time, RfMat4* 
     }
 }
 
-// Unit length in double, so that no scale is too large or small for a float.
+// Normalises in double, so that no scale overflows or underflows a float.
 static bool unit_axis( const double* column, double sign, double axis[3] )
 {
     double largest = fmax( fabs( column[0] ), fmax( fabs( column[1] ), fabs( column[2] ) ) );
@@ -164,7 +164,7 @@ static RfResult node_eye( const RfScene* scene, const RfCamera* self, double tim
     }
     if ( sound == false || in_range( world.m + 12 ) == false )
         return rf_fail( error, RF_ERROR_SCENE,
-                        "%s: camera '%.60s' at %g s: its transform collapses or is not finite: "
+                        "%s: camera '%.60s' at %g s: its transform is degenerate or not finite: "
                         "remove zero scales from it and from its parents",
                         scene->path != NULL ? scene->path : "scene", self->name, time );
     *eye = rf_make_eye( to_vec3( world.m + 12 ), to_vec3( forward ), to_vec3( up ), self->yfov, width, height );
@@ -213,13 +213,14 @@ RfResult rf_camera_eye( const RfScene* scene, const RfCamera* camera, double fra
         return result;
     if ( camera->track != NULL && camera->track->in_frames )
         return track_eye( camera, camera->start + frame, width, height, eye, error );
-    // One division from whole numbers, so that a frame's time is the same however it is reached.
+    // A single division of integers, so that the time of a frame does not depend on how it is
+    // computed.
     double time = camera->start + frame * (double)denominator / (double)numerator;
     return camera->track != NULL ? track_eye( camera, time, width, height, eye, error )
                                  : node_eye( scene, camera, time, width, height, eye, error );
 }
 
-// Takes the track over, or frees it.
+// Takes ownership of the track, or frees it on failure.
 static RfResult wrap_track( RfCameraTrack* track, const char* name, RfCamera* camera, RfError* error )
 {
     *camera = ( RfCamera ){ .name = strdup( name ), .track = malloc( sizeof *camera->track ), .node = -1 };

@@ -1,41 +1,42 @@
-// From a scene's cameras and animation channels to eyes, one per frame.
+// Evaluates cameras and their animation: one eye per frame.
 #ifndef REFRAME_SCENE_CAMERA_H
 #define REFRAME_SCENE_CAMERA_H
 
 #include "scene/eye.h"
 #include "scene/scene.h"
 
-// Index of the camera called `name`; with NULL the one that the scene file asks
-// for, else the first animated one, else the first. Fails with RF_ERROR_USAGE, naming the cameras there are.
+// Index of the camera called `name`. NULL selects the scene file's choice, else the
+// first animated camera, else the first. Fails with RF_ERROR_USAGE, listing the cameras.
 RfResult rf_find_camera( const RfScene* scene, const char* name, int* index, RfError* error );
 
-// Frames of a camera's animation sampled at `fps`: one at its first key, then
-// one every 1/fps s up to and with the last (to within 1e-3 of a frame); 1 for
-// a camera that stands still. Paths of our own that count frames have as many
-// whatever the fps. Fails above 1,000,000 frames (RF_ERROR_SCENE, naming the file
-// and where in it, of a camera of the scene its name only) and for an fps that is
-// not above 0 (RF_ERROR_USAGE).
+// Number of frames of a camera's animation at `fps`: one at its first key, then one
+// every 1/fps s up to and including the last key (to within 1e-3 of a frame); 1 for a
+// static camera. A camera path keyed by frame numbers has the same count at any fps.
+// Fails above 1,000,000 frames (RF_ERROR_SCENE; the message gives the file and the
+// position in it, or just the camera's name if it belongs to the scene) and unless
+// fps > 0 (RF_ERROR_USAGE).
 RfResult rf_camera_frame_count( const RfCamera* camera, double fps, int* count, RfError* error );
-// The same; the line names the file of any camera.
+
+// The same, but the message names the file for every camera.
 RfResult rf_scene_frame_count( const RfScene* scene, const RfCamera* camera, double fps, int* count, RfError* error );
 
 // The eye of `camera` at `time` seconds on a film of width × height pixels.
-// Animated ancestors and mirroring or scaling parents are honoured; the axes
-// are orthonormalised, the camera looks along −Z of its node with +Y up.
-// Fails (RF_ERROR_SCENE) where the transform collapses or is not finite, and
-// where the camera's path counts frames instead of seconds: rf_camera_eye then.
+// Follows animated ancestors, also mirrored or scaled ones; the axes are
+// orthonormalised. The camera looks along −Z of its node with +Y up.
+// Fails (RF_ERROR_SCENE) if the transform is degenerate or not finite, or if the
+// camera path is keyed by frame numbers: use rf_camera_eye for those.
 RfResult rf_scene_eye( const RfScene* scene, int camera, double time, int width, int height, RfEye* eye, RfError* error );
 
-// A camera whose path is read from a file (scene/camera_track.h), called by the
-// file's name. Free with rf_destroy_camera.
+// Reads a camera path from a file (scene/camera_path/camera_track.h); the camera is named after
+// the file. Free with rf_destroy_camera.
 RfResult rf_load_camera( const char* path, RfCamera* camera, RfError* error );
 
-// The same from an object inside another file. `name` is copied.
+// Reads a camera path from a JSON object inside another file. `name` is copied.
 struct RfField;
 RfResult rf_read_camera( const struct RfField* object, const char* name, RfCamera* camera, RfError* error );
 
-// The eye of a camera (of the scene, or one from rf_load_camera) at a frame of
-// its path, from 0, at numerator / denominator frames per second.
+// The eye of a camera (of the scene or from rf_load_camera) at frame `frame` of its
+// path, counted from 0, at numerator / denominator frames per second.
 RfResult rf_camera_eye( const RfScene* scene, const RfCamera* camera, double frame, int numerator, int denominator, int width,
                         int height, RfEye* eye, RfError* error );
 

@@ -5,11 +5,11 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-// Counts what a scene uses: materials that no triangle has call for nothing.
+// Counts what the triangles use: a material without triangles requires no effect.
 typedef struct Census
 {
     const RfScene* scene;
-    uint32_t* triangles; // by material; NULL where there is no memory: all count as used
+    uint32_t* triangles; // per material; NULL if out of memory: every material counts as used
     uint32_t smooth;     // triangles whose normals are interpolated
 } Census;
 
@@ -18,14 +18,14 @@ static bool is_used( const Census* census, uint32_t material )
     return census->triangles == NULL || census->triangles[material] > 0;
 }
 
-static bool is_lit( RfVec3 c ) { return rf_max_component( c ) > 0.0f; }
+static bool is_nonzero( RfVec3 c ) { return rf_max_component( c ) > 0.0f; }
 
 static RfVec3 load_vec3( const float* array, uint32_t index )
 {
     return rf_vec3( array[3 * (size_t)index], array[3 * (size_t)index + 1], array[3 * (size_t)index + 2] );
 }
 
-// A shading normal more than half a degree off the face's is interpolated.
+// True if a shading normal deviates more than half a degree from the geometric normal.
 static bool is_smooth( const RfTriangles* triangles, uint32_t triangle )
 {
     const uint32_t* index = triangles->indices + 3 * (size_t)triangle;
@@ -42,7 +42,7 @@ static bool is_smooth( const RfTriangles* triangles, uint32_t triangle )
     return false;
 }
 
-static Census take_census( const RfScene* scene )
+static Census count_uses( const RfScene* scene )
 {
     Census census = { .scene = scene };
     if ( scene->material_count > 0 )
@@ -56,9 +56,9 @@ static Census take_census( const RfScene* scene )
     return census;
 }
 
-static bool has_diffuse( const RfMaterial* m ) { return is_lit( m->diffuse ); }
+static bool has_diffuse( const RfMaterial* m ) { return is_nonzero( m->diffuse ); }
 
-static bool has_phong( const RfMaterial* m ) { return m->kind == RF_BSDF_PHONG && is_lit( m->specular ); }
+static bool has_phong( const RfMaterial* m ) { return m->kind == RF_BSDF_PHONG && is_nonzero( m->specular ); }
 
 static bool has_ggx( const RfMaterial* m ) { return m->kind == RF_BSDF_GGX || m->kind == RF_BSDF_COATED; }
 
@@ -68,11 +68,11 @@ static bool has_mirror( const RfMaterial* m ) { return m->kind == RF_BSDF_GLASS 
 
 static bool has_transmission( const RfMaterial* m ) { return m->kind == RF_BSDF_GLASS && m->ior > 0.0f; }
 
-static bool has_absorption( const RfMaterial* m ) { return has_transmission( m ) && is_lit( m->absorption ); }
+static bool has_absorption( const RfMaterial* m ) { return has_transmission( m ) && is_nonzero( m->absorption ); }
 
-static bool has_emission( const RfMaterial* m ) { return is_lit( m->emission ); }
+static bool has_emission( const RfMaterial* m ) { return is_nonzero( m->emission ); }
 
-static bool has_two_sided_emission( const RfMaterial* m ) { return is_lit( m->emission ) && m->double_sided; }
+static bool has_two_sided_emission( const RfMaterial* m ) { return is_nonzero( m->emission ) && m->double_sided; }
 
 static bool has_texture( const RfMaterial* m )
 {
@@ -86,7 +86,7 @@ static bool has_texture( const RfMaterial* m )
 
 static bool has_vertex_colors( const RfMaterial* m ) { return m->textured != NULL && m->textured->vertex_colors; }
 
-// An effect that some materials call for: names the first, counts the rest.
+// An effect required by some materials; names the first and counts the rest.
 static RfEffect material_effect( const Census* census, const char* name, bool ( *calls )( const RfMaterial* ), const char* none )
 {
     RfEffect effect = { .name = name };
@@ -120,7 +120,7 @@ static RfEffect count_effect( const char* name, uint32_t count, const char* what
     return effect;
 }
 
-// The one that a scene file asks for if it moves, else the first that does.
+// The camera selected by the scene file if it is animated, else the first animated one.
 static const RfCamera* moving_camera( const RfScene* scene )
 {
     if ( scene->chosen_camera > 0 && scene->cameras[scene->chosen_camera - 1].animated )
@@ -150,7 +150,7 @@ static RfEffect punctual_effect( const RfScene* scene )
 {
     RfEffect effect = { .name = "punctual-lights", .on = scene->punctual_count > 0 };
     if ( scene->punctual_count == 0 )
-        snprintf( effect.why, sizeof effect.why, "no lamp without size" );
+        snprintf( effect.why, sizeof effect.why, "no punctual light" );
     else if ( scene->punctual_count == 1 )
         snprintf( effect.why, sizeof effect.why, "light '%.80s'", scene->punctuals[0].name );
     else
@@ -162,42 +162,41 @@ static RfEffect punctual_effect( const RfScene* scene )
 static RfEffect environment_effect( const RfScene* scene )
 {
     const RfEnvironment* e = &scene->environment;
-    RfEffect effect = { .name = "environment", .on = is_lit( e->radiance ) };
+    RfEffect effect = { .name = "environment", .on = is_nonzero( e->radiance ) };
     if ( !effect.on )
-        snprintf( effect.why, sizeof effect.why, "no light from around the scene" );
+        snprintf( effect.why, sizeof effect.why, "no environment light" );
     else if ( e->map != NULL )
         snprintf( effect.why, sizeof effect.why, "a map of %d x %d pixels%s", e->width, e->height,
                   e->hidden ? ", hidden from the camera" : "" );
     else
-        snprintf( effect.why, sizeof effect.why, "radiance %g %g %g all around%s", (double)e->radiance.x, (double)e->radiance.y,
+        snprintf( effect.why, sizeof effect.why, "constant radiance %g %g %g%s", (double)e->radiance.x, (double)e->radiance.y,
                   (double)e->radiance.z, e->hidden ? ", hidden from the camera" : "" );
     return effect;
 }
 
 int rf_list_effects( const RfScene* scene, RfEffect effects[RF_MAX_EFFECTS] )
 {
-    Census census = take_census( scene );
+    Census census = count_uses( scene );
     int count = 0;
     effects[count++] = material_effect( &census, "diffuse", has_diffuse, "no material reflects diffusely" );
     effects[count++] = material_effect( &census, "phong", has_phong, "no material has a Phong lobe" );
-    effects[count++] = material_effect( &census, "ggx", has_ggx, "no material is a metal or coated" );
+    effects[count++] = material_effect( &census, "ggx", has_ggx, "no material is metallic or coated" );
     effects[count++] = material_effect( &census, "area-lights", has_emission, "no material emits" );
     effects[count++] =
         material_effect( &census, "two-sided-emission", has_two_sided_emission, "no emitting material is double-sided" );
-    effects[count++] = count_effect( "interpolated-normals", census.smooth, "triangles with normals off their face's",
-                                     "all normals are those of the faces" );
+    effects[count++] = count_effect( "interpolated-normals", census.smooth, "triangles with interpolated normals",
+                                     "no normals are interpolated" );
     effects[count++] = camera_effect( scene );
     effects[count++] = material_effect( &census, "clearcoat", has_clearcoat, "no material has a clear coat" );
     effects[count++] = material_effect( &census, "mirrors", has_mirror, "no material is a perfect mirror" );
-    effects[count++] = material_effect( &census, "transmission", has_transmission, "no material lets light through" );
-    effects[count++] = material_effect( &census, "absorption", has_absorption, "no glass takes colour from its depth" );
+    effects[count++] = material_effect( &census, "transmission", has_transmission, "no material transmits light" );
+    effects[count++] = material_effect( &census, "absorption", has_absorption, "no glass absorbs light" );
     effects[count++] = punctual_effect( scene );
     effects[count++] = environment_effect( scene );
     effects[count++] = material_effect( &census, "textures", has_texture, "no material has a texture" );
-    effects[count++] = material_effect( &census, "vertex-colors", has_vertex_colors, "no mesh has colours at its vertices" );
-    effects[count++] =
-        material_effect( &census, "alpha-blend", rf_is_blended, "no material lets part of the light straight through" );
-    effects[count++] = material_effect( &census, "alpha-mask", rf_is_masked, "no material is cut out by its alpha" );
+    effects[count++] = material_effect( &census, "vertex-colors", has_vertex_colors, "no mesh has vertex colours" );
+    effects[count++] = material_effect( &census, "alpha-blend", rf_is_blended, "no material is blended by its alpha" );
+    effects[count++] = material_effect( &census, "alpha-mask", rf_is_masked, "no material is masked by its alpha" );
     free( census.triangles );
     return count;
 }

@@ -1,5 +1,5 @@
-// The effects of light and camera that a scene calls for, and why: what a
-// renderer of this scene must do, and what it may leave out.
+// Lists the effects of light, material and camera that a scene requires, and why: what a
+// renderer must support and what it may leave out.
 #ifndef REFRAME_SCENE_EFFECTS_H
 #define REFRAME_SCENE_EFFECTS_H
 
@@ -11,10 +11,10 @@ typedef struct RfEffect
 {
     const char* name; // a stable word, such as "phong"
     bool on;
-    char why[160]; // which material, which camera; or why not
+    char why[160]; // the material or camera that requires it, or why it is not required
 } RfEffect;
 
-// Fills `effects` in a fixed order and returns how many there are.
+// Fills `effects` in a fixed order and returns their number.
 int rf_list_effects( const RfScene* scene, RfEffect effects[RF_MAX_EFFECTS] );
 
 #endif

@@ -1,6 +1,5 @@
-// An eye: a pinhole camera of one frame, in world space, with its film in
-// pixels. Film coordinates: x to the right, y down, pixel (i, j) is the unit
-// square [i, i+1) × [j, j+1).
+// An eye: the pinhole camera of one frame, in world space. Film coordinates are
+// in pixels, x to the right and y down; pixel (i, j) covers [i, i+1) × [j, j+1).
 #ifndef REFRAME_SCENE_EYE_H
 #define REFRAME_SCENE_EYE_H
 
@@ -28,9 +27,9 @@ static inline void rf_unit3( double v[3] )
         v[i] = length > 0.0 ? v[i] / length : v[i];
 }
 
-// A right-handed eye that looks from `origin` along `forward`, with `up` made
-// orthogonal to it; yfov in radians over the film's height. forward and up
-// need not be unit but must not be parallel or zero.
+// A right-handed eye at `origin` that looks along `forward`, with `up`
+// orthogonalised against it; yfov is the vertical field of view in radians.
+// forward and up need not be unit vectors but must not be zero or parallel.
 static inline RfEye rf_make_eye( RfVec3 origin, RfVec3 forward, RfVec3 up, double yfov, int width, int height )
 {
     RfEye eye;
@@ -38,7 +37,7 @@ static inline RfEye rf_make_eye( RfVec3 origin, RfVec3 forward, RfVec3 up, doubl
     double f[3] = { (double)forward.x, (double)forward.y, (double)forward.z };
     double u[3] = { (double)up.x, (double)up.y, (double)up.z }, r[3];
     rf_unit3( f );
-    rf_cross3( f, u, r ); // in doubles: up may lean far towards forward
+    rf_cross3( f, u, r ); // in doubles: up may be nearly parallel to forward
     rf_unit3( r );
     rf_cross3( r, f, u );
     eye.forward = rf_vec3( (float)f[0], (float)f[1], (float)f[2] );

@@ -1,6 +1,6 @@
-// A scene as plain data: one soup of world-space triangles, materials, lights
-// by triangle, and what is needed to place a camera at any time. It knows
-// nothing of files, rays or estimators; loaders fill it, everybody else reads.
+// A scene as plain data: world-space triangles, materials, lights, cameras, and
+// the node hierarchy that moves the cameras. Loaders fill it; everything else
+// only reads it. It does not depend on files, rays or estimators.
 #ifndef REFRAME_SCENE_SCENE_H
 #define REFRAME_SCENE_SCENE_H
 
@@ -23,18 +23,18 @@ typedef struct RfTriangles
     uint32_t vertex_count;
     uint32_t count;
     float* positions;   // 3 × vertex_count, world space
-    float* normals;     // 3 × vertex_count, unit length, world space; meshes without
-                        // normals have copies of their vertices with the face's normal
-    float* uvs;         // 2 × vertex_count, or NULL where no mesh has any
+    float* normals;     // 3 × vertex_count, unit length, world space; for meshes without
+                        // normals, vertices are duplicated and carry the face normal
+    float* uvs;         // 2 × vertex_count, or NULL if no mesh has any
     float* uvs1;        // 2 × vertex_count, the second set, or NULL
     float* colors;      // 4 × vertex_count, linear, multiply the base colour, or NULL
-    float* tangents;    // 4 × vertex_count: along u, and the bitangent's sign, 0 where
-                        // there is none; or NULL
+    float* tangents;    // 4 × vertex_count: direction of u and sign of the bitangent (0: no
+                        // tangent); or NULL
     uint32_t* indices;  // 3 × count, front face counter-clockwise
     uint32_t* material; // count
 } RfTriangles;
 
-// A node of the hierarchy; kept to place cameras at any time.
+// A node of the hierarchy, kept to evaluate cameras at any time.
 typedef struct RfNode
 {
     char* name;
@@ -60,8 +60,8 @@ typedef enum RfAnimatedPath
     RF_SCALE,
 } RfAnimatedPath;
 
-// One animated property of one node. Values hold `count` keys of 3 (or 4)
-// doubles; CUBICSPLINE keys are in-tangent, value, out-tangent (3 × as many).
+// One animated property of one node: `count` keys of 3 doubles (rotations: 4).
+// A CUBICSPLINE key is in-tangent, value, out-tangent: three times as many doubles.
 typedef struct RfChannel
 {
     int node;
@@ -77,24 +77,24 @@ struct RfCameraTrack;
 typedef struct RfCamera
 {
     char* name;                  // unique, never empty
-    struct RfCameraTrack* track; // a path of our own (scene/camera_track.h), owned, or NULL:
-                                 // then the rest says how it moves with its node
-    int node;                    // −1: the default camera made for a scene that has none
-    double yfov;                 // radians, of the image's height
-    bool animated;               // a channel moves its node or an ancestor
-    double start;                // seconds: first and last key of those channels
-    double end;
+    struct RfCameraTrack* track; // owned: a camera path (scene/camera_path/camera_track.h); NULL: the
+                                 // camera moves with its node, as the fields below describe
+    int node;                    // −1: the default camera of a scene without cameras
+    double yfov;                 // vertical field of view, radians
+    bool animated;               // a channel animates its node or an ancestor
+    double start;                // seconds: first key of those channels
+    double end;                  // last key
 } RfCamera;
 
-// Light from infinitely far away, for every direction that no surface hides.
+// Light from infinity, for every direction that hits no surface.
 typedef struct RfEnvironment
 {
-    RfVec3 radiance;   // W/(m² sr): all of it, or what a map is multiplied by; 0: none
+    RfVec3 radiance;   // W/(m² sr): constant radiance, or a factor on the map; 0: no environment
     int width, height; // of the map
-    float* map;        // rgb, row by row from straight up to straight down; NULL: constant
+    float* map;        // RGB, equirectangular, rows from +y (up) to −y; NULL: constant
     float rotation;    // of the map about +y, radians, counter-clockwise seen from above;
-                       // at 0 the map's middle lies towards −z, +x to the right of it
-    bool hidden;       // from the camera, which then sees black; it lights all the same
+                       // at 0 the centre of the map is at −z, with +x to its right
+    bool hidden;       // black to camera rays, but still illuminates the scene
 } RfEnvironment;
 
 typedef enum RfPunctualKind
@@ -104,25 +104,25 @@ typedef enum RfPunctualKind
     RF_PUNCTUAL_DIRECTIONAL,
 } RfPunctualKind;
 
-// A light without size (KHR_lights_punctual), in world space.
+// A punctual light (KHR_lights_punctual), in world space.
 typedef struct RfPunctual
 {
     char* name;
     RfPunctualKind kind;
     RfVec3 position;
-    RfVec3 direction;           // unit, of travel: the spot's axis
-    RfVec3 intensity;           // W/sr; of directional lights irradiance, W/m²
-    float cos_inner, cos_outer; // of the spot's cone: full inside, none outside
-    float range;                // nothing arrives from farther away, m; infinity: no limit
+    RfVec3 direction;           // unit, the way the light travels: the axis of a spot
+    RfVec3 intensity;           // W/sr; directional lights: irradiance, W/m²
+    float cos_inner, cos_outer; // spot cone: full intensity inside inner, none outside outer
+    float range;                // m, no light beyond it; infinity: unlimited
 } RfPunctual;
 
 typedef struct RfScene
 {
-    char* path;            // the file it came from
-    uint64_t content_hash; // of the file's bytes (and its buffers'), for --resume
+    char* path;            // the file it was loaded from
+    uint64_t content_hash; // of the bytes of the file and its buffers, for --resume
     RfTriangles triangles;
-    RfVec3 bounds_min, bounds_max; // of the triangles; both 0 where there are none
-    uint32_t instance_count;       // mesh primitives placed by nodes
+    RfVec3 bounds_min, bounds_max; // of the triangles; both 0 if there are none
+    uint32_t instance_count;       // mesh primitives instanced by nodes
     uint32_t material_count;
     RfMaterial* materials;
     int texture_count;
@@ -136,18 +136,20 @@ typedef struct RfScene
     RfChannel* channels; // sorted by node, then path
     int camera_count;
     RfCamera* cameras;
-    int chosen_camera; // 1 + the one that a scene file asks for; 0: none
+    int chosen_camera; // 1 + index of the camera that the scene file selects; 0: none
 } RfScene;
 
-// Frees all that a loader filled in, and clears the struct. NULL-safe inside.
+// Frees everything the loader allocated and clears the struct. Members may be NULL.
 void rf_destroy_scene( RfScene* scene );
+
+// Frees the camera's name and track and clears the struct.
 void rf_destroy_camera( RfCamera* camera );
 
-// How far a point made in floats must be lifted off its surface to be clear of
-// it: scene units, for coordinates up to `largest`. A float has 24 bits; a point
-// made from barycentrics is off its plane by at most some 2e-7 of the largest
-// coordinate of the triangle. More room would let light into corners and points
-// past thin things, and eyes see around edges.
+// Ray offset, in scene units: how far to lift a hit point off its surface to
+// avoid self-intersection, for coordinates up to `largest`. A point interpolated
+// in floats (24 bits) misses its plane by at most about 2e-7 of the triangle's
+// largest coordinate. A larger offset would leak light into corners and through
+// thin geometry, and let eyes see around edges.
 static inline float rf_ray_offset( float largest ) { return rf_maxf( 1e-6f * largest, 1e-30f ); }
 
 static inline float rf_largest_coordinate( RfVec3 v ) { return rf_maxf( fabsf( v.x ), rf_maxf( fabsf( v.y ), fabsf( v.z ) ) ); }

@@ -3,10 +3,10 @@
 #include <math.h>
 #include <stddef.h>
 
-// Coordinates beyond this many pixels have no fraction left.
+// Beyond this pixel coordinate a float has no fraction left.
 #define MAX_PIXEL 1e9f
 
-// Texels that rf_texture_bound looks at one by one.
+// rf_texture_bound examines up to this many texels individually.
 #define MAX_SCANNED 4096
 
 void rf_transform_uv( const RfTextureRef* ref, const float uv[2], float out[2] )
@@ -45,7 +45,7 @@ static void fetch( const RfTexture* t, int x, int y, float rgba[4] )
 static float to_pixels( float u, int size )
 {
     float x = u * (float)size;
-    return fabsf( x ) <= MAX_PIXEL ? x : 0.0f; // NaN too
+    return fabsf( x ) <= MAX_PIXEL ? x : 0.0f; // also false for NaN
 }
 
 void rf_look_up( const RfTexture* t, const RfTextureRef* ref, const float at[2], float rgba[4] )
@@ -81,7 +81,7 @@ float rf_texture_bound( const RfTexture* t, const RfTextureRef* ref, const float
         float a = low[k] * (float)size[k], b = high[k] * (float)size[k];
         if ( !( a >= -MAX_PIXEL && b <= MAX_PIXEL && b - a < (float)MAX_SCANNED ) )
             return t->largest;
-        // neighbours of the bilinear look-up, and one for rounding
+        // the 2×2 footprint of bilinear filtering, plus one texel for rounding
         first[k] = (int)floorf( a ) - 2;
         count[k] = (int)floorf( b ) + 2 - first[k] + 1;
     }

@@ -2,12 +2,12 @@
 
 #include <math.h>
 
-// The mean over a triangle is taken at the middles of GRID² parts of it.
+// The mean over a triangle is sampled at the centres of GRID² sub-triangles.
 #define GRID 8
 
-// A light that was black at all of these points is picked as if this part of
-// its brightest texel were its mean.
-#define LEAST_MEAN 0.02f
+// Lower bound on the mean emission of a light, as a fraction of its brightest texel: all
+// sample points may be black while the light is not.
+#define MIN_MEAN 0.02f
 
 void rf_interpolate_corners( const float* values, int components, const uint32_t* corners, float u, float v, float* out )
 {
@@ -21,7 +21,7 @@ void rf_interpolate_corners( const float* values, int components, const uint32_t
 
 static const float* uv_array( const RfScene* scene, int set ) { return set == 0 ? scene->triangles.uvs : scene->triangles.uvs1; }
 
-void rf_place_texture( const RfScene* scene, const RfTextureRef* ref, uint32_t triangle, float u, float v, float at[2] )
+void rf_texture_coordinates( const RfScene* scene, const RfTextureRef* ref, uint32_t triangle, float u, float v, float at[2] )
 {
     float uv[2] = { 0.0f, 0.0f };
     const float* values = uv_array( scene, ref->uv_set );
@@ -37,7 +37,7 @@ bool rf_look_up_slot( const RfScene* scene, const RfMaterial* m, RfTextureSlot s
     if ( ref->texture < 0 )
         return false;
     float at[2];
-    rf_place_texture( scene, ref, triangle, u, v, at );
+    rf_texture_coordinates( scene, ref, triangle, u, v, at );
     rf_look_up( scene->textures + ref->texture, ref, at, rgba );
     return true;
 }
@@ -51,7 +51,7 @@ void rf_derive_lobes( const RfFactors* in, RfMaterial* out )
     double diffuse[3], f0[3], coat = 0.0;
     for ( int i = 0; i < 3; ++i )
     {
-        // the dielectric's Fresnel reflectance takes its light from the diffuse base
+        // the Fresnel reflectance of the dielectric reduces the diffuse base
         double dielectric = fmin( root * root * in->specular_color[i], 1.0 ) * in->specular;
         coat = fmax( coat, dielectric );
         diffuse[i] = ( 1.0 - m ) * in->base[i];
@@ -130,7 +130,7 @@ void rf_derive_clearcoat( double clearcoat, double roughness, RfMaterial* out )
 static void glass_at( const RfScene* scene, const RfMaterial* m, const RfFactors* f, uint32_t triangle, float u, float v,
                       RfMaterial* out )
 {
-    if ( out->ior == 0.0f ) // a mirror, whose roughness has no texture
+    if ( out->ior == 0.0f ) // a mirror: textures do not affect its roughness
     {
         out->specular = scaled( f->base, 1.0 );
         return;
@@ -202,7 +202,7 @@ RfVec3 rf_emission_at( const RfScene* scene, const RfMaterial* m, uint32_t trian
     return rf_mul( m->emission, rf_vec3( rgba[0], rgba[1], rgba[2] ) );
 }
 
-// The largest factor that textures may give to the emission of a triangle.
+// An upper bound of the factor that textures apply to the emission of a triangle.
 static float bound_emission( const RfScene* scene, const RfMaterial* m, uint32_t triangle )
 {
     RfTextureSlot slot = m->textured->model == RF_TEXTURED_UNLIT ? RF_TEXTURE_BASE : RF_TEXTURE_EMISSIVE;
@@ -213,7 +213,7 @@ static float bound_emission( const RfScene* scene, const RfMaterial* m, uint32_t
     for ( int corner = 0; corner < 3; ++corner )
     {
         float at[2];
-        rf_place_texture( scene, ref, triangle, corner == 1 ? 1.0f : 0.0f, corner == 2 ? 1.0f : 0.0f, at );
+        rf_texture_coordinates( scene, ref, triangle, corner == 1 ? 1.0f : 0.0f, corner == 2 ? 1.0f : 0.0f, at );
         for ( int k = 0; k < 2; ++k )
         {
             low[k] = corner == 0 || at[k] < low[k] ? at[k] : low[k];
@@ -231,7 +231,7 @@ RfVec3 rf_mean_emission( const RfScene* scene, const RfMaterial* m, uint32_t tri
         return sum;
     for ( int i = 0; i < GRID; ++i )
     {
-        for ( int k = 0; k < 2 * i + 1; ++k ) // row i has i + 1 upright parts and i upside down
+        for ( int k = 0; k < 2 * i + 1; ++k ) // row i has i + 1 upright and i inverted sub-triangles
         {
             float across = ( (float)( k / 2 ) + ( k & 1 ? 2.0f : 1.0f ) / 3.0f ) / (float)GRID;
             float along = ( (float)i + ( k & 1 ? 1.0f : 2.0f ) / 3.0f ) / (float)GRID;
@@ -239,6 +239,6 @@ RfVec3 rf_mean_emission( const RfScene* scene, const RfMaterial* m, uint32_t tri
         }
     }
     RfVec3 mean = rf_scale( sum, 1.0f / (float)( GRID * GRID ) );
-    RfVec3 least = rf_scale( m->emission, LEAST_MEAN * bound );
+    RfVec3 least = rf_scale( m->emission, MIN_MEAN * bound );
     return rf_luminance( mean ) > rf_luminance( least ) ? mean : least;
 }

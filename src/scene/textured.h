@@ -1,5 +1,5 @@
-// Materials that vary over a surface: factors times textures times vertex
-// colours, and what scattering models make of them.
+// Spatially varying materials: factors times textures times vertex colours, converted to the
+// parameters of the scattering models.
 #ifndef REFRAME_SCENE_TEXTURED_H
 #define REFRAME_SCENE_TEXTURED_H
 
@@ -7,7 +7,7 @@
 
 #include <stddef.h>
 
-// glTF's factors of a metallic-roughness material.
+// The factors of glTF's metallic-roughness model.
 typedef struct RfFactors
 {
     double base[4];
@@ -25,76 +25,76 @@ typedef enum RfTextureSlot
     RF_TEXTURE_EMISSIVE,            // sRGB
     RF_TEXTURE_SPECULAR,            // in A
     RF_TEXTURE_SPECULAR_COLOR,      // sRGB
-    RF_TEXTURE_TRANSMISSION,        // in R, of glass
-    RF_TEXTURE_CLEARCOAT,           // in R; these three of RF_BSDF_COATED
+    RF_TEXTURE_TRANSMISSION,        // in R, for glass
+    RF_TEXTURE_CLEARCOAT,           // in R; this and the next two for RF_BSDF_COATED
     RF_TEXTURE_CLEARCOAT_ROUGHNESS, // in G
     RF_TEXTURE_CLEARCOAT_NORMAL,
     RF_TEXTURE_SLOT_COUNT
 } RfTextureSlot;
 
-// What a hit makes of the base colour there.
+// What the base colour at a hit controls.
 typedef enum RfTexturedModel
 {
-    RF_TEXTURED_COATED,  // Lambert and GGX of glTF's factors
+    RF_TEXTURED_COATED,  // Lambert and GGX, from glTF's factors
     RF_TEXTURED_GLASS,   // tint and base of RF_BSDF_GLASS
     RF_TEXTURED_UNLIT,   // the emission
-    RF_TEXTURED_DIFFUSE, // multiplies the diffuse reflectance of a model of ours
+    RF_TEXTURED_DIFFUSE, // a factor on the diffuse reflectance
 } RfTexturedModel;
 
 struct RfTextured
 {
     RfTexturedModel model;
     RfFactors factors;
-    double transmission;                   // of glass
-    double clearcoat, clearcoat_roughness; // of RF_BSDF_COATED
+    double transmission;                   // for glass
+    double clearcoat, clearcoat_roughness; // for RF_BSDF_COATED
     RfTextureRef refs[RF_TEXTURE_SLOT_COUNT];
     float normal_scale, clearcoat_normal_scale;
-    bool optional;      // nothing varies but what vertex colours may bring: gone after loading without them
-    bool vertex_colors; // some primitive with the material has them
-    bool masked;        // where alpha is below the cutoff there is no surface
+    bool optional;      // only vertex colours may vary it: dropped after loading if there are none
+    bool vertex_colors; // some primitive with this material has vertex colours
+    bool masked;        // no surface where alpha is below the cutoff
     float alpha_cutoff;
-    bool blended; // alpha is the part of the light that the surface takes part in
+    bool blended; // alpha is the opacity of the surface
 };
 
-// Below this a surface counts as smooth: its lobe is narrower than RF_MIN_ALPHA's.
+// Smoother surfaces are perfectly smooth: their lobe would be narrower than that of
+// RF_MIN_ALPHA.
 #define RF_SMOOTH_ROUGHNESS 0.0316
 
-// The specification's mix of metal and coated base: diffuse, specular, f90,
-// coat_f0, coat_f90, alpha of `out`.
+// The metallic-roughness model of the glTF specification: sets diffuse, specular, f90,
+// coat_f0, coat_f90 and alpha of `out`.
 void rf_derive_lobes( const RfFactors* factors, RfMaterial* out );
 
-// What glass is made of: diffuse, specular, f90, tint, alpha of `out`.
+// The same for glass: sets diffuse, specular, f90, tint and alpha of `out`.
 void rf_derive_glass( const RfFactors* factors, double transmission, RfMaterial* out );
 
-// The coat: clearcoat, clearcoat_alpha of `out`.
+// Sets clearcoat and clearcoat_alpha of `out`.
 void rf_derive_clearcoat( double clearcoat, double roughness, RfMaterial* out );
 
-// The material (`material`, which must have `textured`) at the barycentrics
-// (u, v) of a triangle: a copy with everything looked up.
+// A copy of `material` (which must have `textured`) with everything looked up at the
+// barycentrics (u, v) of a triangle.
 void rf_material_at( const RfScene* scene, const RfMaterial* material, uint32_t triangle, float u, float v, RfMaterial* out );
 
-// Radiance emitted there by a material with `textured`; black where it is cut out.
+// Emitted radiance at a point of a material with `textured`; black where it is cut out.
 RfVec3 rf_emission_at( const RfScene* scene, const RfMaterial* material, uint32_t triangle, float u, float v );
 
-// Can a triangle of it emit at all, and an estimate of its mean radiance, which
-// is nowhere 0 where the triangle emits somewhere. For picking lights.
+// An estimate of the mean emitted radiance of a triangle for light sampling; it is 0 only if
+// the triangle does not emit anywhere.
 RfVec3 rf_mean_emission( const RfScene* scene, const RfMaterial* material, uint32_t triangle );
 
-// The shading normal there by the normal texture: `n` is the unit interpolated
-// normal of the front, the result is unit and on the side of `ng`, the front's
-// geometric normal.
+// The shading normal from the normal texture: `n` is the unit interpolated normal of the front
+// side. The result is a unit vector on the side of `ng`, the geometric normal of the front
+// side.
 RfVec3 rf_normal_at( const RfScene* scene, const RfMaterial* material, uint32_t triangle, float u, float v, RfVec3 n, RfVec3 ng );
 
-// The same for its clear coat, which normal textures of the surface below leave
-// as it is.
+// The shading normal of the clear coat, which has a normal texture of its own.
 RfVec3 rf_coat_normal_at( const RfScene* scene, const RfMaterial* material, uint32_t triangle, float u, float v, RfVec3 n,
                           RfVec3 ng );
 
-// Is the surface cut out there?
+// True if the surface is cut out at this point.
 bool rf_is_cut_out( const RfScene* scene, const RfMaterial* material, uint32_t triangle, float u, float v );
 
-// The chance of a ray to meet the surface there, 0 to 1: all or nothing where
-// the material is masked, its alpha where it is blended.
+// The opacity of the surface at this point, 0 to 1, which is the probability that a ray hits
+// it: 0 or 1 for masked materials, alpha for blended ones.
 float rf_opacity_at( const RfScene* scene, const RfMaterial* material, uint32_t triangle, float u, float v );
 
 static inline bool rf_is_masked( const RfMaterial* m ) { return m->textured != NULL && m->textured->masked; }

@@ -1,12 +1,12 @@
-// Normals of surfaces and of their coats by textures.
+// Shading normals of surfaces and clear coats from normal textures.
 
 #include "scene/textured_lookup.h"
 
 #include <math.h>
 #include <string.h>
 
-// Vertices have the tangents of one use of a texture: of the surface's normals,
-// or of the coat's where there is no such.
+// True if the vertex tangents belong to this use of a texture. They belong to the normal
+// texture of the surface or, without one, to that of the coat.
 static bool has_vertex_tangents( const RfScene* scene, const RfTextured* textured, const RfTextureRef* ref )
 {
     const RfTextureRef* of = textured->refs + RF_TEXTURE_NORMAL;
@@ -15,7 +15,7 @@ static bool has_vertex_tangents( const RfScene* scene, const RfTextured* texture
     return of->texture < 0 || ( of->uv_set == ref->uv_set && memcmp( of->transform, ref->transform, sizeof of->transform ) == 0 );
 }
 
-// Along u' and v' in space: by the vertices' tangents, else from the coordinates.
+// Tangent and bitangent, from the vertex tangents or else from the texture coordinates.
 static bool find_tangents( const RfScene* scene, const RfTextured* textured, const RfTextureRef* ref, uint32_t triangle, float u,
                            float v, RfVec3 n, RfVec3* tangent, RfVec3* bitangent )
 {
@@ -33,9 +33,9 @@ static bool find_tangents( const RfScene* scene, const RfTextured* textured, con
     if ( sign == 0.0f )
     {
         float a[2], b[2], c[2], p[3][3];
-        rf_place_texture( scene, ref, triangle, 0.0f, 0.0f, a );
-        rf_place_texture( scene, ref, triangle, 1.0f, 0.0f, b );
-        rf_place_texture( scene, ref, triangle, 0.0f, 1.0f, c );
+        rf_texture_coordinates( scene, ref, triangle, 0.0f, 0.0f, a );
+        rf_texture_coordinates( scene, ref, triangle, 1.0f, 0.0f, b );
+        rf_texture_coordinates( scene, ref, triangle, 0.0f, 1.0f, c );
         for ( int i = 0; i < 3; ++i )
             rf_interpolate_corners( t->positions, 3, corners, i == 1 ? 1.0f : 0.0f, i == 2 ? 1.0f : 0.0f, p[i] );
         RfVec3 e1 = rf_vec3( p[1][0] - p[0][0], p[1][1] - p[0][1], p[1][2] - p[0][2] );
@@ -44,7 +44,7 @@ static bool find_tangents( const RfScene* scene, const RfTextured* textured, con
         float det = du1 * dv2 - du2 * dv1;
         if ( !( fabsf( det ) > 0.0f ) )
             return false;
-        // v' runs down the image, the bitangent up: where det < 0 that is n × t
+        // v' points down the image and the bitangent up: for det < 0 it is n × t
         along = rf_scale( rf_sub( rf_scale( e1, dv2 ), rf_scale( e2, dv1 ) ), det < 0.0f ? -1.0f : 1.0f );
         sign = det < 0.0f ? 1.0f : -1.0f;
     }
@@ -71,7 +71,7 @@ static RfVec3 mapped_normal( const RfScene* scene, const RfMaterial* m, RfTextur
     if ( !( length2 > 1e-12f ) )
         return n;
     mapped = rf_scale( mapped, 1.0f / sqrtf( length2 ) );
-    // what points into the surface is lifted to its horizon
+    // a normal that points below the surface is raised to the horizon
     float above = rf_dot( mapped, ng );
     return above > 1e-3f ? mapped : rf_normalize( rf_madd( mapped, ng, 2e-3f - above ) );
 }

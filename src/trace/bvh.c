@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// The two geometries.
+// Embree's geometry ids.
 enum
 {
     OPAQUE,
@@ -15,8 +15,8 @@ enum
 
 static bool has_filter( const RfMaterial* m ) { return rf_is_masked( m ) || rf_is_blended( m ); }
 
-// Masked and blended materials are a geometry of their own, so that all others go without
-// its filter: first the triangles without, then those with.
+// Masked and blended triangles form a geometry of their own, so that the others need no
+// filter. Sorts the triangles: unfiltered first.
 static RfResult sort_masked( RfBvh* bvh, RfError* error )
 {
     const RfScene* scene = bvh->scene;
@@ -40,14 +40,14 @@ static RfResult sort_masked( RfBvh* bvh, RfError* error )
     return RF_OK;
 }
 
-// For both geometries. Embree may read 16 bytes at each vertex of 12.
+// Shared by both geometries. Embree may read 16 bytes at each vertex of 12, hence the padding.
 static RTCBuffer copy_positions( RTCDevice device, const RfTriangles* t )
 {
     size_t bytes = (size_t)t->vertex_count * 12;
     RTCBuffer buffer = rtcNewBuffer( device, bytes + 16 );
     char* memory = buffer != NULL ? rtcGetBufferData( buffer ) : NULL;
     if ( memory == NULL )
-        return buffer; // the device's error handler knows
+        return buffer; // reported by the device's error handler
     if ( bytes > 0 )
         memcpy( memory, t->positions, bytes );
     memset( memory + bytes, 0, 16 );
@@ -86,7 +86,7 @@ static void attach( RTCDevice device, RfBvh* bvh, RTCBuffer positions, uint32_t 
     rtcReleaseGeometry( geometry );
 }
 
-// Build quality MEDIUM with ROBUST is deterministic over threads; HIGH is not.
+// Build quality MEDIUM with ROBUST is deterministic with any number of threads; HIGH is not.
 RfResult rf_build_bvh( RTCDevice device, const RfScene* scene, RfBvh* bvh, RfError* error )
 {
     *bvh = ( RfBvh ){ .scene = scene };

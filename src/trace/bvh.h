@@ -1,6 +1,5 @@
-// Inside of trace.c: Embree's scene. Triangles that may be cut out by their
-// alpha, or are blended, are a geometry with a filter; scenes without them have
-// none of that.
+// Internal to trace.c: Embree's scene. Alpha-masked and alpha-blended triangles are a geometry
+// with a filter function; scenes without any have a single geometry.
 #ifndef REFRAME_TRACE_BVH_H
 #define REFRAME_TRACE_BVH_H
 
@@ -12,17 +11,20 @@ typedef struct RfBvh
 {
     const RfScene* scene;
     RTCScene embree_scene;
-    bool blended;          // some let part of the light through
-    uint32_t masked_first; // first of the order below that has the filter
-    uint32_t* order;       // the scene's triangles in the order of the two geometries; NULL: the scene's own order
+    bool blended;          // some triangles are alpha-blended
+    uint32_t masked_first; // first index in `order` that has the filter
+    uint32_t* order;       // scene triangles in the order of the two geometries; NULL: original order
 } RfBvh;
 
-// The filter keeps the address of `bvh`, which must not move. Failures of
-// Embree go to the device's error handler.
+// Builds the BVH. The filter keeps the address of `bvh`, which must not move. Embree's errors
+// are reported to the device's error handler.
 RfResult rf_build_bvh( RTCDevice device, const RfScene* scene, RfBvh* bvh, RfError* error );
+
+// Releases Embree's scene.
 void rf_destroy_bvh( RfBvh* bvh );
 
-// From numbers within a geometry to the scene's; needed where there is an order.
+// Converts primitive ids within a geometry to triangle indices of the scene; needed if `order`
+// is set.
 void rf_restore_order( const RfBvh* bvh, int count, const unsigned int* geometry, uint32_t* triangle );
 
 #endif

@@ -3,7 +3,7 @@
 #include "base/random.h"
 #include "scene/textured.h"
 
-// Rows of N in Embree's packets (the accessors of its header are for C++).
+// Offsets of the fields in Embree's packets (the accessors of its header are C++ only).
 enum
 {
     RAY_ORIGIN = 0,
@@ -19,8 +19,8 @@ static uint32_t ray_bits( const struct RTCFilterFunctionNArguments* args, unsign
     return ( (const uint32_t*)(const void*)args->ray )[row * args->N + lane];
 }
 
-// Uniform in [0, 1): a function of the ray and the triangle.
-static float ray_number( const struct RTCFilterFunctionNArguments* args, unsigned int lane, uint32_t triangle )
+// Uniform in [0, 1), a hash of the ray and the triangle.
+static float random_of_ray( const struct RTCFilterFunctionNArguments* args, unsigned int lane, uint32_t triangle )
 {
     uint32_t hash = rf_mix32( triangle + 0x9e3779b9u );
     for ( unsigned int c = 0; c < 3; ++c )
@@ -31,12 +31,12 @@ static float ray_number( const struct RTCFilterFunctionNArguments* args, unsigne
     return (float)( hash >> 8 ) * 0x1p-24f;
 }
 
-// Does the ray end at a blended surface?
-static bool meets( const struct RTCFilterFunctionNArguments* args, unsigned int lane, uint32_t triangle, float opacity )
+// Decides stochastically whether the ray hits a blended surface.
+static bool hits_blended( const struct RTCFilterFunctionNArguments* args, unsigned int lane, uint32_t triangle, float opacity )
 {
     RfQuery* query = (RfQuery*)args->context;
     if ( !query->segments )
-        return ray_number( args, lane, triangle ) < opacity;
+        return random_of_ray( args, lane, triangle ) < opacity;
     float* left = query->transmittance + ray_bits( args, RAY_ID, lane );
     *left *= 1.0f - opacity;
     return *left <= 0.0f;
@@ -56,7 +56,7 @@ void rf_filter_hits( const struct RTCFilterFunctionNArguments* args )
         uint32_t triangle = bvh->order[bvh->masked_first + number[i]];
         const RfMaterial* material = scene->materials + scene->triangles.material[triangle];
         float opacity = rf_opacity_at( scene, material, triangle, u[i], v[i] );
-        if ( opacity <= 0.0f || ( opacity < 1.0f && !meets( args, i, triangle, opacity ) ) )
+        if ( opacity <= 0.0f || ( opacity < 1.0f && !hits_blended( args, i, triangle, opacity ) ) )
             args->valid[i] = 0;
     }
 }

@@ -1,5 +1,4 @@
-// Inside of trace.c: what Embree asks at each hit of a surface that may be cut
-// out or is blended.
+// Internal to trace.c: Embree's filter function for alpha-masked and alpha-blended surfaces.
 #ifndef REFRAME_TRACE_FILTER_H
 #define REFRAME_TRACE_FILTER_H
 
@@ -7,16 +6,16 @@
 
 #define RF_PACKET 16
 
-// The query that a packet belongs to; its rays' ids are their lanes.
+// The query that a packet belongs to; the ids of its rays are their lanes.
 typedef struct RfQuery
 {
-    struct RTCIntersectContext context; // first: Embree hands it on
-    bool segments;                      // asks for transmittance, not for the nearest hit
-    float transmittance[RF_PACKET];     // of each ray, 1 to begin with
+    struct RTCIntersectContext context; // first member: Embree passes its address to the filter
+    bool segments;                      // accumulate transmittance instead of finding the nearest hit
+    float transmittance[RF_PACKET];     // per ray, initially 1
 } RfQuery;
 
-// Lets rays through where the surface is cut out; where it is blended, rays
-// with the chance that their own bits decide, and segments, which lose a part.
+// Rejects hits where the surface is masked out. On a blended surface, rays hit with
+// probability alpha, by a hash of the ray; segments are attenuated by 1 − alpha.
 void rf_filter_hits( const struct RTCFilterFunctionNArguments* args );
 
 #endif

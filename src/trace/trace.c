@@ -20,7 +20,7 @@ struct RfTracer
     bool textured;
     long bytes;
     char text[64];
-    char message[256]; // Embree's last error
+    char message[256]; // the first error of Embree
 };
 
 void rf_set_float_mode( void )
@@ -113,7 +113,7 @@ RfResult rf_create_tracer( const RfScene* scene, RfTracer** out, RfError* error 
     if ( tracer->device == NULL )
     {
         free( tracer );
-        return rf_fail( error, RF_ERROR_DEVICE, "Embree gave no device (error %d)", (int)rtcGetDeviceError( NULL ) );
+        return rf_fail( error, RF_ERROR_DEVICE, "Embree could not create a device (error %d)", (int)rtcGetDeviceError( NULL ) );
     }
     rtcSetDeviceErrorFunction( tracer->device, on_device_error, tracer );
     rtcSetDeviceMemoryMonitorFunction( tracer->device, on_memory, tracer );
@@ -171,7 +171,7 @@ static void reset_transmittance( const RfTracer* tracer, RfQuery* query )
         query->transmittance[i] = 1.0f;
 }
 
-// The lanes of a packet beyond `count` get no ray: their valid mask is 0.
+// Masks the lanes of a packet beyond `count`.
 static int set_valid( int* valid, int first, int count )
 {
     int lanes = count - first < RF_PACKET ? count - first : RF_PACKET;
@@ -248,12 +248,12 @@ void rf_trace_segments( const RfTracer* tracer, int count, const float* const o[
         set_ray( &ray, lanes, d, first, 1.0f );
         rtcOccluded16( valid, tracer->bvh.embree_scene, &query.context, &ray );
         for ( int i = 0; i < lanes; ++i )
-            visible[first + i] = ray.tfar[i] < 0.0f ? 0.0f : query.transmittance[i]; // −inf where something is in the way
+            visible[first + i] = ray.tfar[i] < 0.0f ? 0.0f : query.transmittance[i]; // −inf if occluded
         reset_transmittance( tracer, &query );
     }
 }
 
-// Fills a packet's segments; returns how many lanes are to be tested.
+// Fills the segments of a packet; returns the number of lanes to test.
 static int set_segments( struct RTCRay16* ray, int* valid, RfVec3 origin, int lanes, const float* const point[3], int first,
                          const float* weight )
 {
@@ -272,7 +272,7 @@ static int set_segments( struct RTCRay16* ray, int* valid, RfVec3 origin, int la
 
 int rf_trace_from_origin( const RfTracer* tracer, RfVec3 origin, int count, const float* const point[3], float* weight )
 {
-    // coherent as they are, Embree's traversal for incoherent packets is the faster one here
+    // although these rays are coherent, Embree's incoherent packet traversal is faster here
     RfQuery query = begin_query( true, false );
     _Alignas( 64 ) int valid[RF_PACKET];
     struct RTCRay16 ray;
@@ -296,7 +296,7 @@ int rf_trace_from_origin( const RfTracer* tracer, RfVec3 origin, int count, cons
             ray.tfar[i] = 1.0f;
         rtcOccluded16( valid, tracer->bvh.embree_scene, &query.context, &ray );
         for ( int i = 0; i < lanes; ++i )
-            weight[first + i] = ray.tfar[i] < 0.0f ? 0.0f : weight[first + i] * query.transmittance[i]; // −inf where blocked
+            weight[first + i] = ray.tfar[i] < 0.0f ? 0.0f : weight[first + i] * query.transmittance[i]; // −inf if occluded
         reset_transmittance( tracer, &query );
         sum += tested;
     }

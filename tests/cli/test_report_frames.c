@@ -180,7 +180,7 @@ static void test_sizes( void** state )
     page_write_frames( "s/f.#.exr", 1, 2, 1.0f, 0.0f );
     page_write_frame( "s/f.3.exr", 41, 30, 1.0f, NULL, 0 );
     cli_expect( cli_run( "$R report s -o s.html --quiet" ), 1,
-                "f.3.exr: has 41x30 pixels and s/f.1.exr 40x30: the frames of a sequence want one size" );
+                "f.3.exr: has 41x30 pixels and s/f.1.exr 40x30: all frames of a sequence need the same size" );
     cli_expect( cli_run( "$R report s/f.1.exr --reference s/f.3.exr -o s.html --quiet" ), 1,
                 "f.3.exr: has 41x30 pixels and s/f.1.exr 40x30: a reference" );
     assert_false( cli_exists( "s.html" ) );

@@ -28,7 +28,7 @@ static void test_refusals( void** state )
     convert_write( "empty.obj", "" );
     convert_write( "points.obj", "v 0 0 0\nv 1 0 0\nl 1 2\n" );
     cli_expect( cli_run( "$R convert none.obj a.glb" ), 1, "none.obj: cannot be read: No such file" );
-    cli_expect( cli_run( "$R convert note.xyz a.glb" ), 1, "note.xyz: is of no format known here: OBJ, PLY, FBX and Collada" );
+    cli_expect( cli_run( "$R convert note.xyz a.glb" ), 1, "note.xyz: unknown format: OBJ, PLY, FBX and Collada" );
     cli_expect( cli_run( "$R convert empty.obj a.glb" ), 1, "empty.obj: is empty" );
     cli_expect( cli_run( "$R convert points.obj a.glb --quiet" ), 1, "points.obj: " );
     cli_expect( cli_run( "$R convert . a.glb" ), 1, ".: is no regular file" );

@@ -151,7 +151,7 @@ static void test_collada( void** state )
     convert_write( "e.dae", COLLADA( "<xfov>60</xfov><yfov>40</yfov>" ) );
     const CliResult* run = cli_run( "$R convert e.dae e.glb" );
     assert_int_equal( run->status, 0 );
-    assert_non_null( strstr( run->err, "camera 'eye': is left out: its field of view cannot be told" ) );
+    assert_non_null( strstr( run->err, "camera 'eye': is left out: its field of view is unknown" ) );
 }
 
 // As exporters write it, in text: centimetres, z up, a camera whose position

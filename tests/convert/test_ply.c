@@ -230,14 +230,14 @@ static void test_faults( void** state )
     assert_fails( "ply\nformat ascii 1.0\n", "line 3: the header has no end_header" );
     assert_fails( "ply\nformat ascii 2.0\n", "line 2: format wants" );
     assert_fails( "ply\nend_header\n", "no format" );
-    assert_fails( HEAD HEAD, "line 3: 'ply' is no word" );
+    assert_fails( HEAD HEAD, "line 3: 'ply' is not a keyword" );
     assert_fails( HEAD "format ascii 1.0\n", "line 3: a second format" );
-    assert_fails( HEAD "elephant 3\n", "line 3: 'elephant' is no word" );
+    assert_fails( HEAD "elephant 3\n", "line 3: 'elephant' is not a keyword" );
     assert_fails( HEAD "element vertex\n", "a name and a count" );
-    assert_fails( HEAD "element vertex -1\n", "no whole number" );
+    assert_fails( HEAD "element vertex -1\n", "not an integer" );
     assert_fails( HEAD "property float x\n", "before any element" );
-    assert_fails( HEAD "element vertex 1\nproperty quad x\n", "type of property x is not known" );
-    assert_fails( HEAD "element vertex 1\nproperty list float int x\n", "wants a whole type" );
+    assert_fails( HEAD "element vertex 1\nproperty quad x\n", "type of property x is unknown" );
+    assert_fails( HEAD "element vertex 1\nproperty list float int x\n", "wants an integer type" );
     assert_fails( HEAD "element vertex 1\nproperty float\n", "property wants" );
     assert_fails( HEAD "element vertex 2147483648\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 0\n",
                   "need more than" );
@@ -258,12 +258,12 @@ static void test_faults( void** state )
     assert_int_not_equal( load( zero, sizeof zero - 1, &none, &line ), RF_OK );
     assert_non_null( strstr( line.text, "a zero byte in text" ) );
     assert_fails( HEAD VERTICES FACES( 1 ) "end_header\n" SQUARE "3 0 1 -1\n", "corner 2 of face 0" );
-    assert_fails( HEAD VERTICES FACES( 1 ) "end_header\n" SQUARE "3 0 1 1.5\n", "'1.5' is no whole number" );
+    assert_fails( HEAD VERTICES FACES( 1 ) "end_header\n" SQUARE "3 0 1 1.5\n", "'1.5' is not an integer" );
     assert_fails( HEAD VERTICES FACES( 1 ) "end_header\n" SQUARE "-3 0 1 2\n", "'-3' does not fit into uchar" );
-    assert_fails( HEAD VERTICES FACES( 1 ) "end_header\n0 0 0 1 zero 0 1 1 0 0 1 0 3 0 1 2\n", "'zero' is no number" );
+    assert_fails( HEAD VERTICES FACES( 1 ) "end_header\n0 0 0 1 zero 0 1 1 0 0 1 0 3 0 1 2\n", "'zero' is not a number" );
     assert_fails( HEAD VERTICES FACES( 1 ) "end_header\n0 0 0 1 1e60 0 1 1 0 0 1 0 3 0 1 2\n",
-                  "y of vertex 1 is no finite number" );
-    assert_fails( HEAD VERTICES FACES( 1 ) "end_header\n0 0 0 1 nan 0 1 1 0 0 1 0 3 0 1 2\n", "'nan' is no number" );
+                  "y of vertex 1 is not a finite number" );
+    assert_fails( HEAD VERTICES FACES( 1 ) "end_header\n0 0 0 1 nan 0 1 1 0 0 1 0 3 0 1 2\n", "'nan' is not a number" );
     assert_fails( HEAD FACES( 1 ) VERTICES "end_header\n3 0 1 2\n" SQUARE, "faces come before" );
     assert_fails( HEAD VERTICES "element face 1\nproperty int material\nend_header\n" SQUARE "7\n", "no list vertex_indices" );
     assert_fails( HEAD VERTICES "end_header\n" SQUARE, "has no faces" );
@@ -288,7 +288,7 @@ static void test_leniences( void** state )
     RfModel model;
     RfModelMesh* m = load_ok( text, strlen( text ), &model );
     assert_true( m->colors[0] == 0.0f && m->colors[1] == 1.0f && m->colors[2] == 0.5f && s_warnings == 1 );
-    assert_non_null( strstr( s_warning, "2 values of colours" ) );
+    assert_non_null( strstr( s_warning, "2 colour values" ) );
     assert_true( m->material == 0 && model.material_count == 1 && model.materials->metallic == 0.0f );
     rf_destroy_model( &model );
 }
@@ -328,7 +328,7 @@ static void test_tangled( void** state )
     RfModel model;
     RfError error;
     assert_int_equal( load( bytes, at, &model, &error ), RF_ERROR_UNSUPPORTED );
-    assert_non_null( strstr( error.text, "of 40000 corners takes too long to cut: cut it into triangles first" ) );
+    assert_non_null( strstr( error.text, "of 40000 corners takes too long to triangulate: triangulate it first" ) );
     free( bytes );
 }
 

@@ -213,12 +213,12 @@ static void test_refused( void** state )
 {
     (void)state;
     uint8_t bytes[64] = { 0 };
-    expect( bytes, 64, RF_ERROR_FORMAT, "is no PNG, JPEG, EXR or Radiance HDR" );
-    expect( bytes, 0, RF_ERROR_FORMAT, "is no PNG" );
-    expect( (const uint8_t*)"RIFF\x20\0\0\0WEBPVP8 ", 16, RF_ERROR_UNSUPPORTED, "WebP images are not read" );
-    expect( (const uint8_t*)"\xabKTX 20\xbb\r\n\x1a\n", 12, RF_ERROR_UNSUPPORTED, "KTX2 images are not read" );
+    expect( bytes, 64, RF_ERROR_FORMAT, "not a PNG, JPEG, EXR or Radiance HDR" );
+    expect( bytes, 0, RF_ERROR_FORMAT, "not a PNG" );
+    expect( (const uint8_t*)"RIFF\x20\0\0\0WEBPVP8 ", 16, RF_ERROR_UNSUPPORTED, "WebP images are not supported" );
+    expect( (const uint8_t*)"\xabKTX 20\xbb\r\n\x1a\n", 12, RF_ERROR_UNSUPPORTED, "KTX2 images are not supported" );
     size_t size = promise_png( bytes, 20000, 10 );
-    expect( bytes, size, RF_ERROR_UNSUPPORTED, "20000x10 pixels, at most 16384 a side" );
+    expect( bytes, size, RF_ERROR_UNSUPPORTED, "20000x10 pixels is too large, the limit is 16384 per side" );
     size = promise_png( bytes, 0x7fffffff, 0x7fffffff );
     expect( bytes, size, RF_ERROR_UNSUPPORTED, "2147483647x2147483647" );
     size = promise_png( bytes, 0, 10 );

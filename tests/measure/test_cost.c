@@ -104,7 +104,7 @@ static void test_short_paths( void** state )
         RfError error;
         assert_int_equal( rf_measure_cost( &s.job, &cost, &error ), RF_OK );
         assert_int_equal( cost.reuse.eyes, eyes );
-        assert_int_equal( cost.places, eyes );
+        assert_int_equal( cost.positions, eyes );
         check_curve( &cost.reuse );
         end( &s );
     }

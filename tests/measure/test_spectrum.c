@@ -35,7 +35,7 @@ static RfSpectrum spectrum_of( const Film* film, int count, bool compensate )
 {
     RfSpectrumSums sums = { 0 };
     RfError error = { 0 };
-    if ( rf_add_window( &sums, film->order, count, compensate, &error ) != RF_OK )
+    if ( rf_add_spectrum_group( &sums, film->order, count, compensate, &error ) != RF_OK )
         fail_msg( "%s", error.text );
     return rf_spectrum( &sums );
 }
@@ -114,7 +114,7 @@ static void test_bands( void** state )
     film->frames[2].is_finite = false;
     assert_true( isnan( spectrum_of( film, 3, false ).boiling ) );
     RfSpectrumSums sums = { 0 };
-    assert_int_equal( rf_add_window( &sums, film->order, 17, false, NULL ), RF_ERROR_USAGE );
+    assert_int_equal( rf_add_spectrum_group( &sums, film->order, 17, false, NULL ), RF_ERROR_USAGE );
     destroy_film( film );
 }
 

@@ -98,7 +98,7 @@ static void test_sums( void** state )
     begin( &s, 1.0f, 7, EYES );
     RfRenderSettings settings = settings_of( 0, "1" );
     RfTrial one = trial_of( &s, 5, 3, &settings ), again = trial_of( &s, 5, 3, &settings ), sum = one;
-    assert_int_equal( one.windows, 5 );
+    assert_int_equal( one.groups, 5 );
     assert_true( one.weight == 5.0 * WIDTH * HEIGHT && one.samples == 2 * 3 * one.weight );
     assert_true( one.timed_samples > 0.0 && one.timed_samples <= one.samples );
     assert_true( one.cpu_seconds > 0.0 && one.wall_seconds > 0.0 && one.finish_seconds >= 0.0 );
@@ -117,8 +117,8 @@ static void test_sums( void** state )
     assert_true( other.relmse != one.relmse );
     // as many windows as fit, at least one
     settings.group = 3;
-    assert_int_equal( trial_of( &s, 5, 2, &settings ).windows, 2 );
-    assert_int_equal( trial_of( &s, 0, 2, &settings ).windows, 1 );
+    assert_int_equal( trial_of( &s, 5, 2, &settings ).groups, 2 );
+    assert_int_equal( trial_of( &s, 0, 2, &settings ).groups, 1 );
     end( &s );
 }
 

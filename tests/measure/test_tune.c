@@ -73,7 +73,7 @@ static void test_excluded( void** state )
 
 static RfTrial made_trial( double relmse, double seconds )
 {
-    return ( RfTrial ){ .windows = 1,
+    return ( RfTrial ){ .groups = 1,
                         .weight = 100.0,
                         .samples = 1000.0,
                         .timed_samples = 500.0,
@@ -104,7 +104,7 @@ static void test_weighing( void** state )
     RfTune tune = made_tune( 4 );
     tune.rows[2].trial = tune.rows[1].trial;      // equal trials
     tune.rows[3].trial = made_trial( 0.1, 5e-6 ); // the best, but
-    rf_weight_tune_rows( &tune, 1000.0, 10 );
+    rf_predict_tune_rows( &tune, 1000.0, 10 );
     assert_int_equal( tune.chosen, 3 );
     assert_true( tune.rows[3].chosen && !tune.rows[0].chosen );
     assert_true( tune.rows[1].efficiency == tune.rows[2].efficiency && tune.rows[1].relmse == tune.rows[2].relmse );
@@ -116,15 +116,15 @@ static void test_weighing( void** state )
     assert_true( fabs( tune.rows[3].gain - 2.0 ) < 1e-9 );
     for ( int i = 0; i < 3; ++i ) // it was given up early
         tune.rows[i].rounds = 2;
-    rf_weight_tune_rows( &tune, 1000.0, 10 );
+    rf_predict_tune_rows( &tune, 1000.0, 10 );
     assert_int_equal( tune.chosen, 0 );
     assert_false( tune.rows[3].chosen );
     for ( int i = 0; i < 3; ++i )
         tune.rows[i].trial.relmse = i == 0 ? (double)NAN : 0.0;
-    rf_weight_tune_rows( &tune, 1000.0, 10 );
+    rf_predict_tune_rows( &tune, 1000.0, 10 );
     assert_int_equal( tune.chosen, -1 );
     tune.rows[3].rounds = 0;
-    rf_weight_tune_rows( &tune, 1000.0, 10 );
+    rf_predict_tune_rows( &tune, 1000.0, 10 );
     assert_true( isnan( tune.rows[3].efficiency ) && isnan( tune.rows[3].seconds ) && isnan( tune.rows[3].gain ) );
 }
 
@@ -203,10 +203,10 @@ static void test_places( void** state )
     (void)state;
     static const double first[] = { 0.5, 0.25, 0.75, 0.125, 0.625 };
     for ( int i = 0; i < 5; ++i )
-        assert_true( rf_tune_place( i ) == first[i] );
+        assert_true( rf_tune_position( i ) == first[i] );
     int parts[16] = { 0 };
     for ( int i = 0; i < 15; ++i )
-        parts[(int)( 16.0 * rf_tune_place( i ) )] += 1;
+        parts[(int)( 16.0 * rf_tune_position( i ) )] += 1;
     for ( int i = 1; i < 16; ++i ) // evenly
         assert_int_equal( parts[i], 1 );
     for ( int eyes = 1; eyes < 50; ++eyes )
@@ -249,16 +249,16 @@ static void test_rounds( void** state )
             if ( !planned )
                 continue;
             double pixels = (double)round.width * round.height;
-            assert_true( round.width <= 320 && round.height <= 200 && round.sites >= 1 && round.sites <= 24 &&
+            assert_true( round.width <= 320 && round.height <= 200 && round.regions >= 1 && round.regions <= 24 &&
                          round.passes >= 2 );
             assert_true( fabs( round.width * 200.0 / ( round.height * 320.0 ) - 1.0 ) < 0.05 );
-            assert_true( round.sites * pixels >= 0.97 * last );
-            assert_true( round.seconds < 1.05 * left || ( number == 0 && round.sites == 1 && pixels < 1300.0 ) );
+            assert_true( round.regions * pixels >= 0.97 * last );
+            assert_true( round.seconds < 1.05 * left || ( number == 0 && round.regions == 1 && pixels < 1300.0 ) );
             double cost = rf_tune_round_cost( &tune, candidate, &round, o.cost_second );
             assert_true( fabs( round.seconds - cost / o.rate ) < 1e-9 * round.seconds );
             between = between || ( round.width < 320 && round.width > 60 && round.seconds > 0.2 * left );
             full = full || round.width == 320;
-            last = round.sites * pixels;
+            last = round.regions * pixels;
         }
         assert_true( refused == ( number > 0 ) && full && between );
     }

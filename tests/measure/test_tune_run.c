@@ -30,11 +30,11 @@ static void test_first_round( void** state )
     s.settings.threads = 1;
     RfTune other = tune_of( &s );
     assert_true( one.round_count == 1 && one.count == 4 * RF_TUNE_TILES && one.chosen >= 0 );
-    assert_true( one.rounds[0].width == TUNE_WIDTH && one.rounds[0].height == TUNE_HEIGHT && one.rounds[0].sites == 1 );
+    assert_true( one.rounds[0].width == TUNE_WIDTH && one.rounds[0].height == TUNE_HEIGHT && one.rounds[0].regions == 1 );
     for ( int r = 0; r < one.count; ++r )
     {
         const RfTuneRow *a = one.rows + r, *b = other.rows + r;
-        assert_true( a->rounds == 1 && a->trial.windows >= 1 && a->relmse > 0.0 && a->f1 > 0.0 && a->efficiency > 0.0 &&
+        assert_true( a->rounds == 1 && a->trial.groups >= 1 && a->relmse > 0.0 && a->f1 > 0.0 && a->efficiency > 0.0 &&
                      a->gain > 0.0 );
         assert_true( a->trial.relmse == b->trial.relmse && a->trial.change == b->trial.change &&
                      a->trial.samples == b->trial.samples );
@@ -70,7 +70,7 @@ typedef struct Halving
 static void note_round( void* user, const RfTune* tune, const RfTuneRound* round, int candidates )
 {
     Halving* halving = user;
-    assert_true( round->sites > 0 && halving->rounds < RF_TUNE_ROUNDS && tune->round_count == halving->rounds );
+    assert_true( round->regions > 0 && halving->rounds < RF_TUNE_ROUNDS && tune->round_count == halving->rounds );
     halving->candidates[halving->rounds++] = candidates;
 }
 
@@ -94,7 +94,7 @@ static void test_more_rounds( void** state )
     Halving halving = { 0 };
     RfTrialWatch watch = { is_in_second, &halving };
     s.job.watch = &watch;
-    s.job.say = note_round;
+    s.job.report = note_round;
     s.job.user = &halving;
     s.job.budget = 60.0;
     RfTune tune;
@@ -184,7 +184,7 @@ static void test_interrupt( void** state )
         Stop stop = { 0, wanted };
         RfTrialWatch watch = { go_on, &stop };
         s.job.watch = &watch;
-        s.job.say = count_round;
+        s.job.report = count_round;
         s.job.user = &stop;
         s.job.budget = 1000.0; // of which nothing is waited for
         s.job.eye_count = s.job.frame_count = 3;

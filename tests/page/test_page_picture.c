@@ -198,7 +198,7 @@ static void test_small_and_refused( void** state )
     RfError error;
     RfImage wide = { 65501, 1, NULL };
     assert_int_equal( rf_encode_picture( &wide, "wide", &bytes, &size, &error ), RF_ERROR_USAGE );
-    assert_non_null( strstr( error.text, "wide: 65501x1" ) );
+    assert_non_null( strstr( error.text, "wide: an image of 65501x1" ) );
 }
 
 static void test_shrink( void** state )

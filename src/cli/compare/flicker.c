@@ -141,7 +141,7 @@ static RfResult measure_window( RfFlickerRun* flicker, int i, RfError* error )
     const RfFlickerFrame* frames[RF_SPECTRUM_FRAMES];
     for ( int t = 0; t < count; ++t )
         frames[t] = flicker->ring + ( i - count + 1 + t ) % flicker->ring_size;
-    return rf_add_window( &flicker->report.spectrum, frames, count, flicker->report.compensated, error );
+    return rf_add_spectrum_group( &flicker->report.spectrum, frames, count, flicker->report.compensated, error );
 }
 
 static RfResult check_finite( const RfFlickerRun* flicker, RfError* error )

@@ -180,7 +180,7 @@ static json_t* spectrum_json( const RfFlickerReport* report )
     RfSpectrum s = rf_spectrum( &report->spectrum );
     json_t* object = json_object();
     json_object_set_new( object, "frames", json_integer( report->window ) );
-    json_object_set_new( object, "windows", json_integer( report->spectrum.windows ) );
+    json_object_set_new( object, "windows", json_integer( report->spectrum.groups ) );
     json_object_set_new( object, "split", json_real( RF_SPECTRUM_SPLIT ) );
     bool is_error = report->source == RF_ERROR_FROM_REFERENCE;
     json_object_set_new( object, "frozen", is_error ? rf_json_number( s.frozen ) : json_null() );

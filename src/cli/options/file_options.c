@@ -19,7 +19,7 @@ static const char* key_of( const RfOption* option, char key[32] )
 static bool print_number( const json_t* json, char* text, size_t size )
 {
     int64_t whole;
-    if ( rf_json_whole( json, &whole ) )
+    if ( rf_json_integer( json, &whole ) )
         snprintf( text, size, "%lld", (long long)whole );
     else if ( json_is_real( json ) )
         snprintf( text, size, "%.9g", json_real_value( json ) );

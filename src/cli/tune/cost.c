@@ -46,7 +46,7 @@ static void say( void* user, const RfCost* cost, int spp )
     const Job* job = user;
     if ( !job->options.render.quiet )
         fprintf( stderr, "reframe cost: %d samples, %dx%d, %d place%s of the path\n", spp, cost->width, cost->height,
-                 cost->places, cost->places == 1 ? "" : "s" );
+                 cost->positions, cost->positions == 1 ? "" : "s" );
 }
 
 // Frames that a render goes through the path for at once.
@@ -100,7 +100,7 @@ static RfResult run( Job* job, RfError* error )
                        .settings = &job->options.render.settings,
                        .budget = job->options.budget,
                        .watch = &watch,
-                       .say = say,
+                       .report = say,
                        .user = job };
     result = rf_measure_cost( &cost, &job->cost, error );
     if ( result == RF_ERROR_INTERRUPTED && job->cost.reuse.count > 0 )

@@ -89,8 +89,8 @@ void rf_print_cost( const RfCostReport* r )
     print_rows( &cost->plain, "path tracing" );
     print_rows( &cost->reuse, name );
     printf( "seconds: of a frame of %dx%d, on the clock; tried at %dx%d, at %d place%s of the path, for %.1f s in all\n",
-            r->options->render.size.width, r->options->render.size.height, cost->width, cost->height, cost->places,
-            cost->places == 1 ? "" : "s", cost->seconds );
+            r->options->render.size.width, r->options->render.size.height, cost->width, cost->height, cost->positions,
+            cost->positions == 1 ? "" : "s", cost->seconds );
     if ( (double)cost->width * cost->height < 0.5 * r->options->render.size.width * r->options->render.size.height )
         printf( "tiles do more on large pictures than on those tried: a longer --budget makes them larger\n" );
     print_slope( &cost->plain, "path tracing" );
@@ -142,8 +142,8 @@ json_t* rf_cost_json( const RfCostReport* r )
                       rf_json_number( cost->speedup.value ), "speedup_low", rf_json_number( cost->speedup.low ), "speedup_high",
                       rf_json_number( cost->speedup.high ), "relmse_of_one_sample",
                       json_pack( "[o, o]", rf_json_number( cost->plain.relmse ), rf_json_number( cost->reuse.relmse ) ), "wanted",
-                      wanted, "width", cost->width, "height", cost->height, "places", cost->places, "frames", r->job->frame_count,
-                      "seconds", cost->seconds, "budget", r->options->budget );
+                      wanted, "width", cost->width, "height", cost->height, "places", cost->positions, "frames",
+                      r->job->frame_count, "seconds", cost->seconds, "budget", r->options->budget );
 }
 
 // A curve's points, and the line through them.

@@ -37,7 +37,7 @@ static void say( void* user, const RfTune* tune, const RfTuneRound* round, int c
     const Job* job = user;
     if ( !job->options.render.quiet )
         fprintf( stderr, "reframe tune: round %d: %d settings at %dx%d, %d place%s of the path, about %.0f s\n",
-                 tune->round_count + 1, candidates, round->width, round->height, round->sites, round->sites == 1 ? "" : "s",
+                 tune->round_count + 1, candidates, round->width, round->height, round->regions, round->regions == 1 ? "" : "s",
                  round->seconds );
 }
 
@@ -83,7 +83,7 @@ static RfResult run( Job* job, RfError* error )
                        .settings = &job->options.render.settings,
                        .budget = job->options.budget,
                        .watch = &watch,
-                       .say = say,
+                       .report = say,
                        .user = job };
     result = rf_tune( &tune, &job->tune, error );
     if ( result == RF_ERROR_INTERRUPTED && job->tune.round_count > 0 )

@@ -38,7 +38,7 @@ static void print_rounds( const RfTuneReport* r )
     printf( "%.1f s;", tune->seconds );
     for ( int i = 0; i < tune->round_count; ++i )
         printf( "%s round %d at %dx%d, %d place%s", i > 0 ? "," : "", i + 1, tune->rounds[i].width, tune->rounds[i].height,
-                tune->rounds[i].sites, tune->rounds[i].sites == 1 ? "" : "s" );
+                tune->rounds[i].regions, tune->rounds[i].regions == 1 ? "" : "s" );
     printf( "\n" );
     const RfTuneRound* last = tune->rounds + tune->round_count - 1;
     if ( tune->round_count > 0 && (double)last->width * last->height < 0.5 * r->width * r->height )
@@ -86,7 +86,7 @@ json_t* rf_tune_json( const RfTuneReport* r )
     {
         const RfTuneRound* round = r->tune->rounds + i;
         json_array_append_new( rounds, json_pack( "{s:i, s:i, s:i, s:i}", "width", round->width, "height", round->height,
-                                                  "places", round->sites, "passes", round->passes ) );
+                                                  "places", round->regions, "passes", round->passes ) );
     }
     return json_pack( "{s:o, s:o, s:f, s:f, s:i, s:i, s:i, s:o}", "rows", rows, "rounds", rounds, "seconds", r->tune->seconds,
                       "budget", r->budget, "frames", r->frames, "width", r->width, "height", r->height, "command",

@@ -1,11 +1,11 @@
 "use strict";
-// Frames of light: how they are stored says src/page/picture.h.
+// Decodes and tone-maps HDR frames; the format is described in src/page/picture.h.
 
-const STOP = 256;           // units of a stop
-const FLOOR = 1 / 512;      // log2( light + FLOOR ) is what is stored
+const STOP = 256;           // units per stop
+const FLOOR = 1 / 512;      // log2( light + FLOOR ) is stored
 const HALF_TABLE = 16384;   // levels go from -HALF_TABLE to HALF_TABLE - 1
 
-// Units above the base for each byte of the detail.
+// Offset from the base in units, for each byte of the detail layer.
 const s_stepsOfByte = new Int16Array(256);
 for (let i = 0; i < 256; ++i) {
   const steps = Math.abs(i - 128);
@@ -22,7 +22,7 @@ function bytesOf(id) {
   return bytes;
 }
 
-// { cell, columns, rows, base, bitmap }: what a frame is made of; the bitmap is decoded beside the page's own work.
+// Parses a frame: { cell, columns, rows, base, bitmap }. The browser decodes the bitmap asynchronously.
 async function decodeFrame(id) {
   const bytes = bytesOf(id), view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
   const cell = view.getUint16(0, true), columns = view.getUint16(2, true), rows = view.getUint16(4, true);
@@ -34,10 +34,10 @@ async function decodeFrame(id) {
   return { cell, columns, rows, base, bitmap };
 }
 
-// Light of display, 0 to 1, for light of the scene.
+// Tone curve: display light, 0 to 1, for scene light.
 const s_curves = {
   srgb: light => light,
-  // straight up to 0.6, then towards 1 for ever more light
+  // linear up to 0.6, then approaching 1 asymptotically
   soft: light => light <= 0.6 ? light : 1 - 0.4 * Math.exp((0.6 - light) / 0.4),
 };
 
@@ -47,7 +47,7 @@ function encodeSrgb(light) {
   return light >= 1 ? 255 : Math.round(255 * (light <= 0.0031308 ? 12.92 * light : 1.055 * Math.pow(light, 1 / 2.4) - 0.055));
 }
 
-// The byte of display for each level, at an exposure in stops.
+// The display byte for each level, at an exposure in stops.
 function makeToneTable(exposure, curve) {
   const table = new Uint8Array(2 * HALF_TABLE), gain = Math.pow(2, exposure), shape = s_curves[curve];
   const low = -10 * STOP, high = 17 * STOP;
@@ -57,12 +57,12 @@ function makeToneTable(exposure, curve) {
   return table;
 }
 
-// The light of each level.
+// The linear light of each level.
 const s_lightOfLevel = new Float32Array(2 * HALF_TABLE);
 for (let level = -HALF_TABLE; level < HALF_TABLE; ++level)
   s_lightOfLevel[level + HALF_TABLE] = Math.pow(2, Math.min(level / STOP, 17)) - FLOOR;
 
-// Paints frames into a canvas.
+// Draws frames on a canvas.
 class Painter {
   constructor(canvas, width, height) {
     canvas.width = width;
@@ -79,7 +79,7 @@ class Painter {
     this.pixels = new Uint32Array(this.image.data.buffer);
   }
 
-  // Takes a decoded frame: levels of its pixels, to be toned.
+  // Converts a decoded frame to levels, ready for tone mapping.
   take(frame) {
     const { width, height, levels } = this;
     this.scratch.drawImage(frame.bitmap, 0, 0);
@@ -95,7 +95,7 @@ class Painter {
     }
   }
 
-  // From the centre of a cell to that of the next the base is a straight line.
+  // The base is interpolated linearly between the centres of cells.
   takeRow(y, row, columns, cell, shift, half, detail, levels) {
     const width = this.width, span = 2 * cell;
     let to = 3 * y * width, from = 4 * y * width;
@@ -123,8 +123,8 @@ class Painter {
     this.context.putImageData(this.image, 0, 0);
   }
 
-  // How far it is from another picture of the same size, relative to that: grey where they
-  // are the same, brighter where this is.
+  // Relative difference to another image of the same size: grey where they are equal,
+  // brighter where this one is brighter.
   paintError(reference, exposure) {
     const { levels, pixels } = this, others = reference.levels, gain = 127 * Math.pow(2, exposure);
     const shade = i => {
@@ -138,7 +138,7 @@ class Painter {
   }
 }
 
-// Decoded frames, the last used ones, as many as fit in the memory.
+// LRU cache of decoded frames.
 class FrameCache {
   constructor(bytes) {
     this.room = bytes;
@@ -159,7 +159,7 @@ class FrameCache {
 
   load(id) {
     let entry = this.frames.get(id);
-    if (entry) { // to the end: used last
+    if (entry) { // move to the end: most recently used
       this.frames.delete(id);
       this.frames.set(id, entry);
       return entry.promise;

@@ -1,10 +1,10 @@
-// Which frame is shown, in all panels at once; playing; exposure.
+// Player state, shared by all panels: frame, playback, exposure.
 
-const AHEAD = 10;                  // frames that are decoded before they are wanted, where they are small enough
+const AHEAD = 10;                  // frames decoded ahead, if they are small enough
 const CACHE_BYTES = 600 * 2 ** 20; // of decoded frames
 
 class Player {
-  // `panels`: { painter, blocks, onFrame( index, shown ) }; `onChange( player )` after each frame and each setting.
+  // `panels`: { painter, blocks, onFrame( index, shown ) }; `onChange( player )` is called after each change of frame or setting.
   constructor(panels, count, fps, onChange) {
     this.panels = panels;
     this.count = count;
@@ -14,7 +14,7 @@ class Player {
     this.wanted = 0;
     this.shown = -1;
     this.playing = false;
-    this.startTime = null; // of startIndex, while it plays; null: from the next tick on
+    this.startTime = null; // time of startIndex during playback; null: set at the next tick
     this.startIndex = 0;
     this.exposure = 0;
     this.curve = "srgb";
@@ -36,7 +36,7 @@ class Player {
     return this.ids(index).every(id => this.cache.has(id));
   }
 
-  // Shows a frame as soon as it is decoded, unless another is wanted by then.
+  // Shows a frame once it is decoded, unless another one was requested meanwhile.
   async seek(index) {
     this.wanted = Math.min(Math.max(index, 0), this.count - 1);
     const wanted = this.wanted;
@@ -93,7 +93,7 @@ class Player {
   prefetch(index) {
     for (let i = 1; i <= Math.min(this.ahead, this.count - 1); ++i) {
       for (const id of this.ids((index + i) % this.count))
-        this.cache.load(id).catch(() => {}); // told when it is wanted
+        this.cache.load(id).catch(() => {}); // reported when the frame is shown
     }
   }
 
@@ -129,7 +129,7 @@ class Player {
     this.startIndex = this.index;
   }
 
-  // Late frames are left out, and one that is not decoded is waited for.
+  // Drops late frames, but waits for a frame that is not decoded yet.
   tick(now) {
     if (!this.playing)
       return;

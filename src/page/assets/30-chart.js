@@ -1,4 +1,4 @@
-// Curves, as SVG.
+// Line charts, as SVG.
 
 function makeSvg(name, attributes, parent) {
   const element = document.createElementNS("http://www.w3.org/2000/svg", name);
@@ -27,7 +27,7 @@ function formatNumber(value) {
   return String(Number(value.toPrecision(3)));
 }
 
-// { at( value ): 0 to 1, ticks }
+// An axis: { at( value ): 0 to 1, ticks }
 function makeScale(low, high, wantsLog) {
   if (!(high > low)) {
     const pad = Math.abs(low) > 0 ? 0.5 * Math.abs(low) : 1;
@@ -64,7 +64,7 @@ function rangeOf(values) {
 const CHART_HEIGHT = 210, MARGIN = { left: 58, right: 14, top: 8, bottom: 32 };
 
 class Chart {
-  // series: { name, color, points: [[ x, y ], ...] }; y null: a gap. `seek( x )`: clicks and drags.
+  // series: { name, color, points: [[ x, y ], ...] }; y null is a gap. `seek( x )` is called on clicks and drags.
   constructor(parent, { title, note, series, xLabel, xLog, yLog, dots, seek, id }) {
     Object.assign(this, { series, xLabel, xLog, yLog, dots, seek });
     this.svg = makeSvg("svg", { role: "img", "aria-label": title });
@@ -150,7 +150,7 @@ class Chart {
     makeSvg("path", { class: "curve", d: path, style: `stroke:${one.color}` }, this.svg);
   }
 
-  // The frame that is shown.
+  // Marks the current frame.
   mark(x) {
     this.current = x;
     this.series.forEach((one, i) => {

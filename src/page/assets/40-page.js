@@ -1,4 +1,4 @@
-// The page: its data, panels, controls, curves and tables.
+// Builds the page from its data: panels, controls, charts and tables.
 
 function showFailure(error) {
   const line = document.getElementById("failure");
@@ -27,12 +27,12 @@ function makePanel(sequence, index, data) {
     if (sequence.phi[i] !== null)
       parts.push(`\u03c6 ${formatNumber(sequence.phi[i])}`);
     words.textContent = parts.join("   ");
-    bad.textContent = sequence.bad[i] > 0 ? `${sequence.bad[i]} pixels are no numbers` : "";
+    bad.textContent = sequence.bad[i] > 0 ? `${sequence.bad[i]} pixels are NaN or infinite` : "";
   };
   return { painter: new Painter(canvas, sequence.width, sequence.height), blocks: sequence.blocks, isReference: sequence.reference, onFrame };
 }
 
-// A curve over the frames of what the sequences have under `key`; none where none has any.
+// Adds a chart of the values under `key` of all sequences over the frames, if there are any.
 function addFrameChart(data, key, title, note, seek) {
   const series = [];
   data.sequences.forEach((sequence, index) => {
@@ -52,7 +52,7 @@ function addCostChart(cost) {
   })).filter(one => one.points.length > 0);
   if (series.length === 0)
     return;
-  new Chart(document.getElementById("charts"), { title: `Cost: ${cost.name}`, note: cost.note, series, xLabel: "seconds a frame", xLog: true, yLog: true, dots: true, id: "chart-cost" });
+  new Chart(document.getElementById("charts"), { title: `Cost: ${cost.name}`, note: cost.note, series, xLabel: "seconds per frame", xLog: true, yLog: true, dots: true, id: "chart-cost" });
 }
 
 function addFacts(data) {
@@ -101,7 +101,7 @@ function connectControls(player, data) {
   };
   addEventListener("keydown", event => {
     const on = selector => event.target.matches && event.target.matches(selector);
-    const typing = on("select, input[type=number]") || (event.key === " " && on("button")); // a button takes the space itself
+    const typing = on("select, input[type=number]") || (event.key === " " && on("button")); // a focused button handles the space key itself
     const action = keys[event.key];
     if (!action || typing || event.ctrlKey || event.altKey || event.metaKey)
       return;
@@ -140,7 +140,7 @@ function start() {
   addFacts(data);
   connectControls(player, data);
   player.seek(0).then(() => document.documentElement.dataset.ready = "yes").catch(showFailure);
-  window.reframePlayer = player; // for those who look behind the page
+  window.reframePlayer = player; // for debugging and tests
 }
 
 try {

@@ -28,8 +28,8 @@ static void orbit_at( const RfOrbit* orbit, double progress, double position[3] 
     position[2] = orbit->center[2] + orbit->radius * cos( angle );
 }
 
-// Where the camera is, and what it looks at where it looks ahead.
-static void place( const RfCameraTrack* track, double at, RfView* view, double target[3] )
+// The position of the camera, and its target if it looks ahead along the path.
+static void sample_position( const RfCameraTrack* track, double at, RfView* view, double target[3] )
 {
     double length = at * track->walk.length;
     if ( track->kind == RF_TRACK_ORBIT )
@@ -51,8 +51,8 @@ static RfResult fail_at( const RfCameraTrack* track, double time, const char* wh
     return rf_fail( error, RF_ERROR_SCENE, "%s: at %g s %s", track->name, time, what );
 }
 
-// Both to unit length; false where they have no direction.
-static bool look( const double position[3], const double target[3], RfView* view )
+// Direction and distance to the target; false if they have no direction.
+static bool look_at( const double position[3], const double target[3], RfView* view )
 {
     double largest = 0.0, length = 0.0;
     for ( int i = 0; i < 3; ++i )
@@ -68,12 +68,12 @@ static bool look( const double position[3], const double target[3], RfView* view
 
 RfResult rf_sample_camera_track( const RfCameraTrack* track, double time, RfView* view, RfError* error )
 {
-    // keys stand at their times, ready-made movements at shares of the whole
+    // times of keys are absolute; movements use the fraction of their duration
     double at = time;
     if ( track->kind != RF_TRACK_KEYED )
         at = track->end > 0.0 ? fmin( fmax( time / track->end, 0.0 ), 1.0 ) : 0.0;
     double target[3] = { 0 }, rotation[4], axes[9];
-    place( track, at, view, target );
+    sample_position( track, at, view, target );
     rf_sample_curve( &track->fov, at, &view->fov );
     view->fov *= 3.14159265358979323846 / 180.0;
     if ( track->rotation.count > 0 )
@@ -87,7 +87,7 @@ RfResult rf_sample_camera_track( const RfCameraTrack* track, double time, RfView
         }
         return RF_OK;
     }
-    if ( !look( view->position, target, view ) )
+    if ( !look_at( view->position, target, view ) )
         return fail_at( track, time, "the camera stands on its target: move one of them", error );
     rf_sample_curve( &track->up, at, view->up );
     rf_unit3( view->up );
@@ -95,7 +95,7 @@ RfResult rf_sample_camera_track( const RfCameraTrack* track, double time, RfView
     for ( int i = 0; i < 3; ++i )
     {
         cosine += view->forward[i] * view->up[i];
-        length += view->up[i] * view->up[i]; // 0 where it has turned over
+        length += view->up[i] * view->up[i]; // 0 if opposite up vectors cancel in the interpolation
     }
     // written so that NaN fails
     if ( !( fabs( cosine ) < 1.0 - 1e-9 ) || !( length > 0.5 ) )

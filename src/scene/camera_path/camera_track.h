@@ -1,5 +1,5 @@
-// A camera path of our own: where a camera is at any time, by keys or by one of
-// the ready-made movements. anim/camera-path.schema.json tells the format.
+// A camera path: the camera at any time, from keys or by one of the built-in movements. The
+// format is described by anim/camera-path.schema.json.
 #ifndef REFRAME_SCENE_CAMERA_PATH_CAMERA_TRACK_H
 #define REFRAME_SCENE_CAMERA_PATH_CAMERA_TRACK_H
 
@@ -20,7 +20,7 @@ typedef enum RfTrackKind
     RF_TRACK_KIND_COUNT
 } RfTrackKind;
 
-// A circle about the vertical: angle 0 is on the side of +z, growing angles go
+// A circle about the vertical axis: angle 0 is towards +z, and angles increase
 // counter-clockwise seen from above.
 typedef struct RfOrbit
 {
@@ -32,38 +32,38 @@ typedef struct RfOrbit
 typedef struct RfCameraTrack
 {
     RfTrackKind kind;
-    char* name;     // of the file, with the JSON path where it stands inside another
-    uint64_t hash;  // of the file's bytes; 0 where it stands inside another
-    bool in_frames; // times count frames, whatever the frames per second; else seconds
-    char* clock;    // what says how long it takes: "move.json: duration", "scene.json: camera.keys[7].time"
+    char* name;     // of the file, followed by the JSON path if it is inside another file
+    uint64_t hash;  // of the bytes of the file; 0 if it is inside another file
+    bool in_frames; // times are frame numbers, independent of the frame rate; else seconds
+    char* clock;    // where the duration is given: "move.json: duration", "scene.json:
+                    // camera.keys[7].time"
     double start, end;
-    RfCurve position;   // none for orbits and walks
-    RfCurve target, up; // none where there is a rotation; walks may look ahead without a target
+    RfCurve position;   // empty for orbits and walks
+    RfCurve target, up; // empty with a rotation; walks may look ahead without a target
     RfCurve rotation;
     RfCurve fov; // vertical, degrees
     RfOrbit orbit;
     RfWaypoints walk;
-    double look_ahead; // m along a walk's curve
+    double look_ahead; // m ahead along the curve of a walk
 } RfCameraTrack;
 
-// What an eye needs, unit axes.
+// Position and unit axes of an eye.
 typedef struct RfView
 {
     double position[3], forward[3], up[3];
     double fov; // vertical, radians
 } RfView;
 
-// Reads a camera-path file. Faults name file and JSON path. On failure the
-// track is empty; free with rf_destroy_camera_track.
+// Reads a camera path file. Errors give the file and the JSON path. On failure the track is
+// empty; free with rf_destroy_camera_track.
 RfResult rf_load_camera_track( const char* path, RfCameraTrack* track, RfError* error );
-// The same from an object inside another file.
+// Reads a camera path from a JSON object inside another file.
 struct RfField;
 RfResult rf_read_camera_track( const struct RfField* object, RfCameraTrack* track, RfError* error );
 void rf_destroy_camera_track( RfCameraTrack* track );
 
-// The view at a time (seconds or frames as the track counts). Fails with
-// RF_ERROR_SCENE where it has no direction: the camera on its target, or up
-// along the view.
+// The view at a time (in seconds or frames, as the track has it). Fails with RF_ERROR_SCENE if
+// the view has no direction: the camera is on its target, or up is parallel to the view.
 RfResult rf_sample_camera_track( const RfCameraTrack* track, double time, RfView* view, RfError* error );
 
 #endif

@@ -1,4 +1,4 @@
-// Camera paths from JSON: every value is checked where it is read.
+// Reads camera paths from JSON; every value is validated.
 
 #include "scene/camera_path/camera_track_read.h"
 

@@ -1,4 +1,4 @@
-// Camera paths by keys.
+// Reads keyed camera paths.
 
 #include "scene/camera_path/camera_track_read.h"
 
@@ -6,16 +6,16 @@
 #include <string.h>
 
 #define MAX_KEYS 1000000
-// Keys closer than this in time are a slip, and their speed no number.
-#define LEAST_STEP 1e-6
+// Keys closer than this in time are an error: their speed would be infinite.
+#define MIN_STEP 1e-6
 
-// The key's own value, else that of the whole path.
+// The value of the key, else the default of the whole path.
 static RfField inherited( const RfField* key, const RfField* top, const char* name )
 {
     return rf_field_member( rf_has_member( key, name ) ? key : top, name );
 }
 
-// The numbers of all keys, property by property.
+// The values of all keys, one array per property.
 typedef struct Keys
 {
     int count;
@@ -25,7 +25,7 @@ typedef struct Keys
 static RfResult read_time( const RfField* key, bool in_frames, int index, double* times )
 {
     const char* name = in_frames ? "frame" : "time";
-    const char* want = in_frames ? "a number of a frame, the first is 1" : "a number of seconds";
+    const char* want = in_frames ? "a frame number, the first frame is 1" : "a number of seconds";
     RfField field = rf_field_member( key, name );
     RfResult result = rf_field_require( key, name, want );
     if ( result == RF_OK )
@@ -33,7 +33,7 @@ static RfResult read_time( const RfField* key, bool in_frames, int index, double
             &field, in_frames ? rf_range( 1.0, RF_MAX_TRACK_FRAMES ) : rf_range( 0.0, RF_MAX_TRACK_SECONDS ), times + index );
     if ( result != RF_OK )
         return result;
-    if ( index > 0 && !( times[index] - times[index - 1] >= LEAST_STEP ) )
+    if ( index > 0 && !( times[index] - times[index - 1] >= MIN_STEP ) )
         return rf_field_fail( &field, "%g is not later than the key before it, at %g", times[index], times[index - 1] );
     return RF_OK;
 }
@@ -68,7 +68,7 @@ static RfResult read_key( const RfField* top, const RfField* key, Keys* keys, in
         return rf_field_fail( key, "has neither target nor rotation, and the path has none for all keys" );
     result = rf_field_numbers( &target, rf_coordinates(), 3, keys->target + 3 * i );
     if ( result == RF_OK && memcmp( keys->target + 3 * i, keys->position + 3 * i, 3 * sizeof( double ) ) == 0 )
-        return rf_field_fail( &target, "is where the camera stands: move one of them" );
+        return rf_field_fail( &target, "is at the position of the camera: move one of them" );
     return result;
 }
 
@@ -86,7 +86,7 @@ static RfResult make_curves( const Keys* keys, bool linear, bool rotates, RfCame
     return result == RF_OK ? rf_create_curve( RF_CURVE_POINT, linear, n, t, keys->up, &track->up, error ) : result;
 }
 
-// The memory holds 15 numbers for each key.
+// The block of memory holds 15 numbers per key.
 static Keys split_memory( double* memory, int count )
 {
     size_t n = (size_t)count;
@@ -126,7 +126,7 @@ static RfResult read_keys( const RfField* top, const RfField* list, RfCameraTrac
         result = read_key( top, &key, &keys, i, rotates, track->in_frames );
     }
     for ( int i = 0; i < count && track->in_frames; ++i )
-        keys.times[i] -= 1.0; // the first frame is at 0
+        keys.times[i] -= 1.0; // frame 1 is at time 0
     if ( result == RF_OK )
         result = make_curves( &keys, linear, rotates, track, top->error );
     track->start = keys.times[0];

@@ -1,5 +1,4 @@
-// The parts that camera paths of all kinds share: points, directions, lenses,
-// how long it takes.
+// Shared by all kinds of camera paths: points, directions, field of view, duration.
 
 #include "scene/camera_path/camera_track_read.h"
 
@@ -28,7 +27,7 @@ RfResult rf_read_up( const RfField* field, double up[3] )
     return result;
 }
 
-// A turn about +y (yaw), then about the camera's own x (pitch) and z (roll).
+// A rotation about +y (yaw), then about the camera's own x (pitch) and z (roll).
 static RfResult read_angles( const RfField* field, double q[4] )
 {
     static const char* const s_keys[] = { "yaw", "pitch", "roll", NULL };
@@ -57,7 +56,7 @@ RfResult rf_read_rotation( const RfField* field, double q[4] )
         return rf_field_wants( field, "a quaternion [x, y, z, w] or an object of yaw, pitch, roll" );
     RfResult result = rf_field_numbers( field, rf_range( -2.0, 2.0 ), 4, q );
     double length = sqrt( q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3] );
-    // decimals written by hand are a little off
+    // decimals written by hand are rounded
     if ( result == RF_OK && !( fabs( length - 1.0 ) < 0.1 ) )
         return rf_field_fail( field, "wants a quaternion of length 1, got length %g", length );
     rf_quat_normalize( q );
@@ -66,8 +65,7 @@ RfResult rf_read_rotation( const RfField* field, double q[4] )
 
 RfResult rf_read_fov( const RfField* field, double* fov ) { return rf_field_number( field, rf_range( 0.1, 179.0 ), fov ); }
 
-// A path looks at targets, with an up, or is turned by rotations: the two do not
-// mix, neither in one key nor from key to key.
+// A path uses either targets and up, or rotations; the two cannot be mixed.
 RfResult rf_check_look( const RfField* object, bool rotates )
 {
     static const char* const s_look[] = { "target", "up" };
@@ -101,7 +99,7 @@ RfResult rf_name_clock( const RfField* field, RfCameraTrack* track )
     return track->clock != NULL ? RF_OK : rf_fail( field->error, RF_ERROR_MEMORY, "%s: no memory left", field->file );
 }
 
-// The time that a ready-made movement takes: exactly one of `names`.
+// The duration of a movement: exactly one of `names`.
 RfResult rf_read_span( const RfField* top, const char* const* names, RfCameraTrack* track )
 {
     const char* given = NULL;
@@ -113,7 +111,7 @@ RfResult rf_read_span( const RfField* top, const char* const* names, RfCameraTra
         given = field.json != NULL ? names[i] : given;
     }
     if ( given == NULL )
-        return rf_field_fail( top, "how long it takes is missing: give duration (seconds) or frames (their number)%s",
+        return rf_field_fail( top, "the duration is missing: give duration (seconds) or frames (their number)%s",
                               names[2] != NULL ? " or speed (metres per second)" : "" );
     RfField field = rf_field_member( top, given );
     double value = 0.0;
@@ -137,7 +135,7 @@ RfResult rf_read_span( const RfField* top, const char* const* names, RfCameraTra
     return result == RF_OK && floor( value ) != value ? rf_field_wants( &field, "a whole number" ) : result;
 }
 
-// A curve that is the same all the time, or leads from one value to another.
+// A constant curve, or one from a first value to a second.
 RfResult rf_constant_curve( RfCurveKind kind, const double* value, RfCurve* curve, RfError* error )
 {
     static const double s_start[1] = { 0.0 };
@@ -150,7 +148,7 @@ RfResult rf_lead_curve( RfCurveKind kind, const double* both, RfCurve* curve, Rf
     return rf_create_curve( kind, true, 2, s_ends, both, curve, error );
 }
 
-// One field of view, or {"from": …, "to": …}.
+// A constant field of view, or {"from": …, "to": …}.
 RfResult rf_read_lens( const RfField* top, bool must_change, RfCameraTrack* track )
 {
     static const char* const s_keys[] = { "from", "to", NULL };
@@ -174,7 +172,7 @@ RfResult rf_read_lens( const RfField* top, bool must_change, RfCameraTrack* trac
     return result == RF_OK ? rf_lead_curve( RF_CURVE_NUMBER, fov, &track->fov, top->error ) : result;
 }
 
-// Target and up, or a rotation; `fallback` is a target that need not be given.
+// Target and up, or a rotation; `fallback` is the default target.
 RfResult rf_read_look( const RfField* top, const double* fallback, RfCameraTrack* track )
 {
     RfField rotation = rf_field_member( top, "rotation" ), up_field = rf_field_member( top, "up" );

@@ -1,4 +1,4 @@
-// The ready-made movements: orbit, dolly, zoom, walk.
+// Reads the built-in movements: orbit, dolly, zoom, walk.
 
 #include "scene/camera_path/camera_track_read.h"
 
@@ -98,7 +98,7 @@ static RfResult read_waypoints( const RfField* top, RfCameraTrack* track )
         result = rf_create_waypoints( linear, (int)count, points, &track->walk, top->error );
     free( points );
     if ( result == RF_OK && !( track->walk.length > 0.0 ) )
-        return rf_field_fail( &list, "lie too close together: the walk has no length" );
+        return rf_field_fail( &list, "are too close together: the walk has no length" );
     return result;
 }
 

@@ -7,13 +7,13 @@
 
 static const double* key_of( const RfCurve* curve, int key ) { return curve->values + (size_t)key * (size_t)curve->kind; }
 
-// How far two keys are apart: a length, or half the angle between rotations.
+// The distance between two keys: a length, or half the angle between rotations.
 static double distance( RfCurveKind kind, const double* a, const double* b )
 {
     double sum = 0.0;
     if ( kind == RF_CURVE_ROTATION )
     {
-        double minus = 0.0; // the chord's length is exact where a cosine is not
+        double minus = 0.0; // the chord is accurate for small angles, an arc cosine is not
         for ( int i = 0; i < 4; ++i )
         {
             minus += ( a[i] - b[i] ) * ( a[i] - b[i] );
@@ -26,7 +26,7 @@ static double distance( RfCurveKind kind, const double* a, const double* b )
     return sqrt( sum );
 }
 
-// Steps shorter than this are no steps: their direction is rounding.
+// The shortest step that counts; the direction of shorter ones is rounding error.
 static double least_step( RfCurveKind kind, const double* a, const double* b )
 {
     if ( kind == RF_CURVE_ROTATION )
@@ -56,7 +56,7 @@ static void make_knots( RfCurve* curve )
     }
 }
 
-// The slope at an end, from the first two steps: three-point, but monotone.
+// The slope at an end: the three-point formula, limited to stay monotone.
 static double end_slope( double h0, double h1, double d0, double d1 )
 {
     double slope = ( ( 2.0 * h0 + h1 ) * d0 - h0 * d1 ) / ( h0 + h1 );
@@ -65,8 +65,8 @@ static double end_slope( double h0, double h1, double d0, double d1 )
     return d0 * d1 < 0.0 && fabs( slope ) > 3.0 * fabs( d0 ) ? 3.0 * d0 : slope;
 }
 
-// Slopes of a monotone cubic (Fritsch, Butland 1984): harmonic means of the
-// steps beside a key, zero where they change sign.
+// Slopes of a monotone cubic (Fritsch, Butland 1984): the harmonic mean of the slopes on both
+// sides of a key, zero if they differ in sign.
 static void make_slopes( RfCurve* curve )
 {
     int n = curve->count;
@@ -111,11 +111,11 @@ RfResult rf_create_curve( RfCurveKind kind, bool linear, int count, const double
 
 void rf_destroy_curve( RfCurve* curve )
 {
-    free( curve->times ); // the block that holds all
+    free( curve->times ); // a single block holds all arrays
     *curve = ( RfCurve ){ 0 };
 }
 
-// a at t = 0, b at 1.
+// Interpolates linearly (slerp for rotations) from a to b.
 static void blend( RfCurveKind kind, const double* a, const double* b, double t, double* out )
 {
     if ( kind == RF_CURVE_ROTATION )
@@ -128,8 +128,8 @@ static void blend( RfCurveKind kind, const double* a, const double* b, double t,
         out[i] = ( 1.0 - t ) * a[i] + t * b[i];
 }
 
-// The four keys around a segment with their knots. Where the curve ends, or
-// stands still, beside the segment, a key is made up: the mirror image.
+// The four keys and knots around a segment. At the ends of the curve, and next to a segment
+// where it stands still, the missing key is extrapolated by reflection.
 static void load_span( const RfCurve* curve, int segment, RfSplineSpan* span )
 {
     int kind = (int)curve->kind;
@@ -166,7 +166,7 @@ void rf_curve_at_knot( const RfCurve* curve, int segment, double knot, double va
 {
     const double *a = key_of( curve, segment ), *b = key_of( curve, segment + 1 );
     double width = curve->knots[segment + 1] - curve->knots[segment];
-    if ( !( width > 0.0 ) ) // the curve stands still
+    if ( !( width > 0.0 ) ) // the curve stands still in this segment
     {
         memcpy( value, a, 3 * sizeof *a );
         memset( derivative, 0, 3 * sizeof *derivative );
@@ -185,14 +185,14 @@ void rf_curve_at_knot( const RfCurve* curve, int segment, double knot, double va
     }
 }
 
-// Hermite cubic over one step of time.
+// Cubic Hermite interpolation of the knot within one time step.
 static double knot_at( const RfCurve* curve, int segment, double time )
 {
     double h = curve->times[segment + 1] - curve->times[segment], t = ( time - curve->times[segment] ) / h;
     double y0 = curve->knots[segment], y1 = curve->knots[segment + 1], t2 = t * t, t3 = t2 * t;
     double y = ( 2.0 * t3 - 3.0 * t2 + 1.0 ) * y0 + ( 3.0 * t2 - 2.0 * t3 ) * y1 +
                h * ( ( t3 - 2.0 * t2 + t ) * curve->slopes[segment] + ( t3 - t2 ) * curve->slopes[segment + 1] );
-    return fmin( fmax( y, fmin( y0, y1 ) ), fmax( y0, y1 ) ); // rounding must not lead out
+    return fmin( fmax( y, fmin( y0, y1 ) ), fmax( y0, y1 ) ); // rounding must not leave the segment
 }
 
 static int find_segment( const RfCurve* curve, double time )
@@ -240,7 +240,7 @@ static void sample_segment( const RfCurve* curve, int segment, double time, doub
 void rf_sample_curve( const RfCurve* curve, double time, double* value )
 {
     int last = curve->count - 1;
-    int key = time >= curve->times[last] ? last : time > curve->times[0] ? -1 : 0; // NaN: the first
+    int key = time >= curve->times[last] ? last : time > curve->times[0] ? -1 : 0; // NaN selects the first
     if ( key >= 0 )
         memcpy( value, key_of( curve, key ), (size_t)curve->kind * sizeof *value );
     else

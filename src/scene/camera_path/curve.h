@@ -1,12 +1,11 @@
-// A smooth curve through keys in time: of points, of rotations, or of numbers.
+// A smooth curve through keyframes of points, rotations or numbers.
 //
-// Smooth curves are Catmull-Rom splines with centripetal knots (the square root
-// of the distance between keys, of rotations of the angle): they pass through
-// every key and neither loop nor overshoot where keys lie close together. What
-// the knots say of the shape, the times say of the pace: a monotone cubic leads
-// from time to knot, so that the speed has no jumps, however unevenly the keys
-// lie in time and space. Numbers are that monotone cubic itself and never leave
-// the range of the keys beside them.
+// Smooth curves are Catmull-Rom splines with centripetal knots (spaced by the square root of
+// the distance between keys; for rotations, of the angle). They pass through every key and
+// neither loop nor overshoot between close keys. The knots determine the shape and the times
+// the speed: a monotone cubic maps time to knot, so that the speed is continuous, however
+// unevenly the keys are spaced. Numbers are interpolated by that monotone cubic directly and
+// never leave the range of the neighbouring keys.
 #ifndef REFRAME_SCENE_CAMERA_PATH_CURVE_H
 #define REFRAME_SCENE_CAMERA_PATH_CURVE_H
 
@@ -25,25 +24,24 @@ typedef struct RfCurve
 {
     RfCurveKind kind;
     bool linear;
-    int count;      // keys; 0: there is no curve
+    int count;      // keys; 0: no curve
     double* times;  // increasing
     double* values; // kind × count
-    double* knots;  // of the smooth curve, by key
-    double* slopes; // of the knots over time, by key
+    double* knots;  // of a smooth curve, per key
+    double* slopes; // derivative of the knot by time, per key
 } RfCurve;
 
-// Keys at increasing times. The values are copied; linear curves run straight
-// (rotations by slerp) from key to key. Fails only for want of memory. Free
-// with rf_destroy_curve.
+// Creates a curve from keys at increasing times; copies the values. Linear curves interpolate
+// linearly (rotations by slerp). Fails only with RF_ERROR_MEMORY. Free with rf_destroy_curve.
 RfResult rf_create_curve( RfCurveKind kind, bool linear, int count, const double* times, const double* values, RfCurve* curve,
                           RfError* error );
 void rf_destroy_curve( RfCurve* curve );
 
-// The value at a time; before the first and after the last key it stands still.
+// The value at a time, clamped to the first and the last key.
 void rf_sample_curve( const RfCurve* curve, double time, double* value );
 
-// The point, and its derivative, of a smooth or linear curve of points at a
-// knot in [knots[segment], knots[segment + 1]].
+// The point of a curve of points, and its derivative, at a knot in [knots[segment],
+// knots[segment + 1]].
 void rf_curve_at_knot( const RfCurve* curve, int segment, double knot, double value[3], double derivative[3] );
 
 #endif

@@ -1,4 +1,4 @@
-// A curve through points, walked at constant speed: positions by arc length.
+// A curve through waypoints, parametrised by arc length for constant speed.
 #ifndef REFRAME_SCENE_CAMERA_PATH_WAYPOINTS_H
 #define REFRAME_SCENE_CAMERA_PATH_WAYPOINTS_H
 
@@ -6,19 +6,19 @@
 
 typedef struct RfWaypoints
 {
-    RfCurve curve;   // of points; its times mean nothing
-    int piece_count; // every segment is cut into as many pieces
-    double* lengths; // of arc at the start of each piece, and at the end of all
-    double length;   // of all, m
+    RfCurve curve;   // through the points; its times are unused
+    int piece_count; // over all segments, which have equally many
+    double* lengths; // arc length at the start of each piece, and at the end of the last
+    double length;   // of the whole curve, m
 } RfWaypoints;
 
-// `points` are 3 × count, count at least 2, neighbours apart. Fails for want of
-// memory. Free with rf_destroy_waypoints.
-RfResult rf_create_waypoints( bool linear, int count, const double* points, RfWaypoints* walk, RfError* error );
-void rf_destroy_waypoints( RfWaypoints* walk );
+// `points` holds 3 × count numbers, count ≥ 2, neighbours distinct. Fails only with
+// RF_ERROR_MEMORY. Free with rf_destroy_waypoints.
+RfResult rf_create_waypoints( bool linear, int count, const double* points, RfWaypoints* waypoints, RfError* error );
+void rf_destroy_waypoints( RfWaypoints* waypoints );
 
-// The point after `length` metres from the start; beyond the ends the walk goes
-// straight on.
-void rf_waypoint_position( const RfWaypoints* walk, double length, double point[3] );
+// The point at arc length `length`, in metres; beyond the ends the curve is extended by
+// straight lines.
+void rf_waypoint_position( const RfWaypoints* waypoints, double length, double point[3] );
 
 #endif

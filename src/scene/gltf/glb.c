@@ -61,7 +61,7 @@ RfResult rf_split_glb( const char* path, const uint8_t* bytes, size_t size, RfGl
             glb->bin = bytes + at;
             glb->bin_size = length;
         }
-        // other chunks belong to extensions: passed over, as the format asks
+        // other chunks belong to extensions and are skipped, as the specification requires
         at += length;
     }
     if ( glb->json == NULL )

@@ -10,15 +10,16 @@
 
 #define MAX_FILE_BYTES ( (uint64_t)64 << 30 )
 
-// The parser needs some twenty times the size of its text.
+// The parser needs about twenty times the size of the text.
 #define MAX_JSON_BYTES ( (size_t)1 << 29 )
 
 static RfResult parse( RfGltf* gltf, const char* text, size_t size )
 {
     if ( size > MAX_JSON_BYTES )
         return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, "document",
-                             "%zu bytes of JSON, at most %zu are read: put buffers into a .glb or .bin", size, MAX_JSON_BYTES );
-    return rf_parse_json( gltf->path, text, size, "not JSON as glTF wants it, export the scene as .glb or .gltf",
+                             "%zu bytes of JSON are too many, the limit is %zu: put buffers into a .glb or .bin", size,
+                             MAX_JSON_BYTES );
+    return rf_parse_json( gltf->path, text, size, "not valid glTF JSON, export the scene as .glb or .gltf",
                           "document: ", &gltf->root, gltf->error );
 }
 
@@ -40,7 +41,7 @@ static RfResult open_document( RfGltf* gltf )
     return parse( gltf, (const char*)glb.json, glb.json_size );
 }
 
-// "2." and digits.
+// True for "2." followed by digits.
 static bool is_version_2( const char* version )
 {
     return strncmp( version, "2.", 2 ) == 0 && version[2] != 0 && strspn( version + 2, "0123456789" ) == strlen( version + 2 );
@@ -63,7 +64,7 @@ static RfResult check_asset( const RfGltf* gltf )
         return result;
     if ( is_version_2( version ) == false || strcmp( least, "2.0" ) != 0 )
         return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, "asset",
-                             "is glTF %.20s and asks for a reader of %.20s or later: export it as glTF 2.0", version, least );
+                             "is glTF %.20s and needs a reader of %.20s or later: export it as glTF 2.0", version, least );
     return RF_OK;
 }
 

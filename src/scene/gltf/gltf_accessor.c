@@ -1,12 +1,12 @@
-// Accessors: checked once when first asked for, then read element by element,
-// so that primitives that share one large accessor cost what they use of it.
+// Accessors: validated once on first use, then read element by element, so that primitives
+// that share a large accessor only pay for the elements they use.
 
 #include "scene/gltf/gltf_document.h"
 
 #include <math.h>
 #include <string.h>
 
-// Accessors without a view cost a file nothing: their zeros are limited.
+// Accessors without a view take no bytes in the file, so their zeros are limited.
 #define MAX_ELEMENTS ( (int64_t)1 << 31 )
 #define MAX_ZEROS ( (int64_t)1 << 24 )
 
@@ -53,7 +53,7 @@ static RfResult read_type( const RfGltf* gltf, const json_t* json, const char* w
         if ( strcmp( type, s_types[i].name ) == 0 )
             out->components = s_types[i].components;
     }
-    // matrices are padded by column, but nothing that is read here has any
+    // matrices pad their columns, but no attribute that is read here is a matrix
     if ( out->components == 0 || type[0] == 'M' )
         return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "type '%.20s' wants SCALAR, VEC2, VEC3 or VEC4 here", type );
     return RF_OK;
@@ -107,7 +107,7 @@ static RfResult read_view( const RfGltf* gltf, const json_t* json, const char* w
         return result;
     if ( view < 0 && out->count > MAX_ZEROS )
         return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, where,
-                             "%u elements without a bufferView, at most %lld are read: "
+                             "%u elements without a bufferView are too many, the limit is %lld: "
                              "export the scene with its data",
                              out->count, (long long)MAX_ZEROS );
     if ( view < 0 )
@@ -116,7 +116,7 @@ static RfResult read_view( const RfGltf* gltf, const json_t* json, const char* w
     result = rf_gltf_view_stride( gltf, view, size, &out->stride );
     if ( result != RF_OK )
         return result;
-    // count ≤ 2³¹ and stride ≤ 252: no wrap
+    // count ≤ 2³¹ and stride ≤ 252: no overflow
     uint64_t need = out->stride * ( (uint64_t)out->count - 1 ) + size;
     return rf_gltf_view_bytes( gltf, where, view, (uint64_t)offset, need, &out->data );
 }
@@ -210,6 +210,6 @@ RfResult rf_gltf_expect( const RfGltf* gltf, int index, const RfGltfAccessor* ac
 {
     if ( accessor->components == components )
         return RF_OK;
-    return rf_gltf_fail( gltf, RF_ERROR_FORMAT, user, "accessors[%d] has elements of %d numbers, %d are wanted", index,
+    return rf_gltf_fail( gltf, RF_ERROR_FORMAT, user, "accessors[%d] has elements of %d numbers, %d are needed", index,
                          accessor->components, components );
 }

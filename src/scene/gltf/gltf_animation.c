@@ -1,5 +1,5 @@
-// Animations: the channels of all of them, merged into one list sorted by
-// node, and the span of time in which each node moves.
+// Animations: the channels of all of them merged into one list sorted by node, and the time
+// span in which each node moves.
 
 #include "scene/gltf/gltf_document.h"
 
@@ -7,15 +7,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Numbers in all channels together, 1 GiB: samplers may be shared by channels,
-// so a small file could ask for any amount.
+// Numbers in all channels, 1 GiB: channels may share samplers, so a small file could otherwise
+// request any amount.
 #define MAX_VALUES ( (uint64_t)1 << 27 )
 
 typedef struct Loader
 {
     int capacity;
     uint64_t values;
-    uint8_t* taken; // by node: a bit by path
+    uint8_t* taken; // per node: one bit per animated property
 } Loader;
 
 static RfResult read_times( RfGltf* gltf, int index, const char* where, RfChannel* channel )
@@ -45,14 +45,13 @@ static RfResult read_times( RfGltf* gltf, int index, const char* where, RfChanne
 
 static RfResult check_rotation( const RfGltf* gltf, const char* where, const RfChannel* channel, int element, double* q )
 {
-    // tangents are no rotations
+    // tangents are not unit quaternions
     if ( channel->path != RF_ROTATION || ( channel->interpolation == RF_CUBICSPLINE && element % 3 != 1 ) )
         return RF_OK;
     double length = sqrt( q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3] );
     if ( ( length > 1e-6 && length < 1e6 ) == false )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "output %d is no unit quaternion", element );
-    // a spline's tangents belong to its values as they are: it is normalised
-    // when sampled
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "output %d is not a unit quaternion", element );
+    // the tangents of a spline belong to unnormalised values: it is normalised after interpolation
     for ( int i = 0; i < 4 && channel->interpolation != RF_CUBICSPLINE; ++i )
         q[i] /= length;
     return RF_OK;
@@ -68,7 +67,7 @@ static RfResult read_values( RfGltf* gltf, int index, const char* where, RfChann
     if ( result != RF_OK )
         return result;
     if ( accessor->count != elements )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "output accessors[%d] has %u elements, %lld are wanted", index,
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "output accessors[%d] has %u elements, %lld are needed", index,
                              accessor->count, (long long)elements );
     channel->values = malloc( (size_t)elements * (size_t)components * sizeof *channel->values );
     if ( channel->values == NULL )
@@ -135,7 +134,7 @@ static RfResult read_sampler( RfGltf* gltf, Loader* loader, const json_t* json, 
     return result == RF_OK ? read_values( gltf, output, where, channel ) : result;
 }
 
-// Whether the channel moves something we move, and what.
+// Reads which node and property the channel animates, and whether it is supported.
 static RfResult read_target( RfGltf* gltf, const json_t* json, const char* where, RfChannel* channel, bool* wanted )
 {
     const json_t* target = NULL;
@@ -154,9 +153,10 @@ static RfResult read_target( RfGltf* gltf, const json_t* json, const char* where
         return result;
 
     if ( strcmp( path, "pointer" ) == 0 )
-        rf_gltf_notice( gltf, RF_GLTF_POINTER_CHANNELS, "KHR_animation_pointer is not read: what %s moves stands still", where );
+        rf_gltf_notice( gltf, RF_GLTF_POINTER_CHANNELS, "KHR_animation_pointer is not supported: what %s moves stands still",
+                        where );
     else if ( strcmp( path, "weights" ) == 0 )
-        rf_gltf_notice( gltf, RF_GLTF_WEIGHT_CHANNELS, "morph targets are not read: what %s moves stands still", where );
+        rf_gltf_notice( gltf, RF_GLTF_WEIGHT_CHANNELS, "morph targets are not supported: what %s moves stands still", where );
     else
     {
         static const char* const s_paths[] = { "translation", "rotation", "scale" };
@@ -166,7 +166,7 @@ static RfResult read_target( RfGltf* gltf, const json_t* json, const char* where
         if ( i == 3 )
             return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "target.path '%.20s' does not exist", path );
         channel->path = (RfAnimatedPath)i;
-        // without a node an extension has to say what moves
+        // without a node, an extension defines the target
         *wanted = channel->node >= 0;
     }
     return RF_OK;
@@ -279,7 +279,7 @@ static RfResult find_spans( RfGltf* gltf )
         const RfChannel* channel = scene->channels + i;
         widen( gltf->spans + channel->node, channel->times[0], channel->times[channel->count - 1] );
     }
-    // parents come first, so each step down hands on all that is above
+    // parents come first, so one pass propagates all ancestors
     for ( int i = 0; i < gltf->order_count; ++i )
     {
         int node = gltf->order[i], parent = scene->nodes[node].parent;

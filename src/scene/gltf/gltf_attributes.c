@@ -1,5 +1,4 @@
-// Baking of what vertices have besides a place and a normal: coordinates of
-// textures, colours, tangents.
+// Bakes the other vertex attributes: texture coordinates, colours, tangents.
 
 #include "scene/gltf/gltf_document.h"
 
@@ -7,7 +6,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-// The first mesh with an attribute gives some to all before it: `fill`.
+// Allocates an attribute when the first mesh has it; vertices before it get `fill`.
 static RfResult reserve_attribute( const RfGltf* gltf, const RfGltfBaker* baker, const char* where, const float* needed,
                                    int components, float fill, float** all )
 {
@@ -52,10 +51,10 @@ void rf_gltf_copy_attributes( RfTriangles* t, uint32_t to, const RfGltfPrimitive
     copy_attribute( t->tangents, NULL, 4, 0.0f, to, from );
 }
 
-// Unit, along the surface as placed; the sign 0, which says that there is none,
-// where the matrix flattens it. A mirror changes the side of the bitangent.
-void rf_gltf_place_tangent( RfTriangles* t, uint32_t to, const RfGltfPrimitive* primitive, uint32_t from, const RfMat4* matrix,
-                            double sign )
+// Transforms a tangent to world space and normalises it. If the matrix collapses it, its sign
+// is 0 (no tangent). A mirroring matrix flips the bitangent.
+void rf_gltf_transform_tangent( RfTriangles* t, uint32_t to, const RfGltfPrimitive* primitive, uint32_t from,
+                                const RfMat4* matrix, double sign )
 {
     if ( primitive->tangents == NULL )
         return;

@@ -1,5 +1,5 @@
-// Baking: primitives go through their node's matrix into the scene's soup of
-// world-space triangles, in double, rounded once.
+// Bakes primitives into world-space triangles by the matrix of their node, in double, rounded
+// once.
 
 #include "scene/gltf/gltf_document.h"
 
@@ -11,11 +11,11 @@
 #define MAX_TRIANGLES ( 1u << 28 )
 #define MAX_VERTICES ( 3u << 28 )
 
-// Beyond this, products of lengths leave the range of floats.
+// Beyond this, products of lengths overflow floats.
 #define MAX_COORDINATE 1e15
 
-// Twice the area of the smallest triangle that is kept: its square is about
-// the smallest float, so below it a renderer finds no normal either.
+// Twice the smallest triangle area that is kept: its square is about the smallest float, so
+// smaller triangles have no computable normal.
 #define MIN_DOUBLE_AREA 1e-18
 
 static bool grow_floats( float** memory, size_t count )
@@ -63,7 +63,7 @@ static RfResult reserve_vertices( const RfGltf* gltf, RfGltfBaker* baker, uint32
 static RfResult reserve_triangles( const RfGltf* gltf, RfGltfBaker* baker, uint32_t more, const char* where )
 {
     RfTriangles* t = &gltf->scene->triangles;
-    // what is dropped counts too, else a small file could ask for any amount
+    // dropped triangles count too, else a small file could request any amount of work
     if ( more > MAX_TRIANGLES - baker->placed )
         return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, where, "more than %u triangles in all: split the scene", MAX_TRIANGLES );
     baker->placed += more;
@@ -104,8 +104,8 @@ static RfResult transform_positions( const RfGltf* gltf, float* world, const RfG
         {
             // written so that NaN fails
             if ( ( fabs( placed[i] ) <= MAX_COORDINATE ) == false )
-                return rf_gltf_fail( gltf, RF_ERROR_SCENE, where, "a vertex is placed at %g, beyond %g: scale the scene down",
-                                     placed[i], MAX_COORDINATE );
+                return rf_gltf_fail( gltf, RF_ERROR_SCENE, where, "a vertex is at %g, beyond %g: scale the scene down", placed[i],
+                                     MAX_COORDINATE );
             world[3 * v + (size_t)i] = (float)placed[i];
         }
     }
@@ -118,7 +118,7 @@ static void store( float* out, const double v[3], double scale )
         out[i] = (float)( v[i] * scale );
 }
 
-// Zero where the file's normal is, or where the matrix flattens it.
+// Zero if the normal in the file is zero, or if the matrix collapses it.
 static void transform_normal( const RfMat4* matrix, double sign, const float* normal, float* out )
 {
     double local[3] = { (double)normal[0], (double)normal[1], (double)normal[2] }, n[3];
@@ -171,7 +171,7 @@ static void append_smooth_vertices( RfTriangles* t, const RfGltfPrimitive* primi
     {
         transform_normal( matrix, sign, primitive->normals + 3 * (size_t)v, t->normals + 3 * ( base + v ) );
         rf_gltf_copy_attributes( t, (uint32_t)base + v, primitive, v );
-        rf_gltf_place_tangent( t, (uint32_t)base + v, primitive, v, matrix, sign );
+        rf_gltf_transform_tangent( t, (uint32_t)base + v, primitive, v, matrix, sign );
     }
     t->vertex_count += primitive->vertex_count;
 }
@@ -207,7 +207,7 @@ static void append_triangle( RfScene* scene, const RfGltfPrimitive* primitive, c
     t->material[t->count++] = primitive->material;
 }
 
-// Vertices of dropped triangles alone still promise a unit normal.
+// Vertices used only by dropped triangles must still have a unit normal.
 static void finish_normals( RfTriangles* t, uint32_t base )
 {
     for ( size_t v = base; v < t->vertex_count; ++v )
@@ -230,7 +230,7 @@ RfResult rf_gltf_bake( RfGltf* gltf, RfGltfBaker* baker, const RfGltfPrimitive* 
     uint32_t base = t->vertex_count, first = t->count;
     if ( primitive->normals != NULL )
         append_smooth_vertices( t, primitive, matrix, baker->world );
-    // a mirror turns counter-clockwise around: swapping two corners turns it back
+    // a mirroring matrix reverses the winding: swap two corners to restore it
     bool mirrored = rf_mat4_det3( matrix ) < 0.0;
     for ( size_t i = 0; i < primitive->triangle_count; ++i )
     {
@@ -251,7 +251,7 @@ RfResult rf_gltf_bake( RfGltf* gltf, RfGltfBaker* baker, const RfGltfPrimitive* 
     return RF_OK;
 }
 
-// Gives back what growth left over; a failure to shrink leaves all as it is.
+// Releases spare capacity; a failure to shrink changes nothing.
 static void shrink( RfTriangles* t )
 {
     size_t vertices = t->vertex_count, triangles = t->count;

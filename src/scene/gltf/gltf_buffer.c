@@ -1,5 +1,5 @@
-// Buffers and the views into them. All sizes are compared in 64 bits, and by
-// subtraction, so that no sum can wrap.
+// Buffers and buffer views. All sizes are compared as 64-bit differences, which cannot
+// overflow.
 
 #include "scene/gltf/gltf_document.h"
 
@@ -7,8 +7,7 @@
 
 #include <stdlib.h>
 
-// Sum of all files that buffers name; more would rather be a file that names
-// one of them again and again.
+// Limit of the sum over all buffer files, since a file may name the same one many times.
 #define MAX_BUFFER_BYTES ( (uint64_t)16 << 30 )
 
 static RfResult load_uri( RfGltf* gltf, const char* where, const char* uri, uint64_t limit, RfGltfBuffer* buffer, size_t* size )
@@ -24,7 +23,7 @@ static RfResult load_uri( RfGltf* gltf, const char* where, const char* uri, uint
     free( path );
     if ( result != RF_OK )
         return rf_gltf_fail( gltf, result, where, "%.560s", error.text );
-    // data inside the document is part of the file's own hash
+    // data inside the document is covered by the hash of the file itself
     gltf->scene->content_hash = rf_hash_bytes( gltf->scene->content_hash, buffer->owned, *size );
     return RF_OK;
 }
@@ -111,10 +110,10 @@ RfResult rf_gltf_view_bytes( const RfGltf* gltf, const char* where, int view, ui
 
     uint64_t size = gltf->buffers[buffer].size, start = (uint64_t)view_offset, extent = (uint64_t)length;
     if ( start > size || extent > size - start )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, self.text, "bytes %llu + %llu lie outside buffers[%d] of %llu bytes",
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, self.text, "bytes %llu + %llu are outside buffers[%d] of %llu bytes",
                              (unsigned long long)start, (unsigned long long)extent, buffer, (unsigned long long)size );
     if ( offset > extent || need > extent - offset )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "bytes %llu + %llu lie outside bufferViews[%d] of %llu bytes",
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "bytes %llu + %llu are outside bufferViews[%d] of %llu bytes",
                              (unsigned long long)offset, (unsigned long long)need, view, (unsigned long long)extent );
     *bytes = gltf->buffers[buffer].data + start + offset;
     return RF_OK;

@@ -1,4 +1,4 @@
-// Cameras: one for each node of the default scene that carries a perspective.
+// Cameras: one for each node of the default scene that has a perspective camera.
 
 #include "scene/gltf/gltf_document.h"
 
@@ -23,7 +23,7 @@ static RfResult read_yfov( const RfGltf* gltf, const json_t* json, const char* w
     return result;
 }
 
-// `wanted` is false for a camera that is left out with a warning.
+// `wanted` is false for a camera that is skipped with a warning.
 static RfResult read_camera( RfGltf* gltf, int index, const char* node_name, double* yfov, bool* wanted )
 {
     RfWhere where = rf_where( "cameras[%d]", index );
@@ -47,7 +47,7 @@ static RfResult read_camera( RfGltf* gltf, int index, const char* node_name, dou
     return read_yfov( gltf, json, where.text, yfov );
 }
 
-// The node's name, else the camera's, else "camera".
+// The name of the node, else of the camera, else "camera".
 static RfResult base_name( const RfGltf* gltf, int node, int camera, const char** name )
 {
     RfWhere where = rf_where( "cameras[%d]", camera );
@@ -59,9 +59,8 @@ static RfResult base_name( const RfGltf* gltf, int node, int camera, const char*
     return result;
 }
 
-// The first of a name keeps it, later ones get "#2", "#3" and so on. `names`
-// maps each name to the number to try next, so that many equal names cost one
-// look each.
+// Makes names unique: the first keeps its name, later ones get "#2", "#3" and so on. `names`
+// maps each name to the next number to try, so that many equal names take constant time each.
 static char* make_unique( json_t* names, const char* base )
 {
     size_t size = strlen( base ) + 24;
@@ -110,7 +109,7 @@ static RfResult load_camera( RfGltf* gltf, json_t* names, int node, int index )
     return RF_OK;
 }
 
-// Room for all nodes that have one; those left out leave it unused.
+// Allocates for all nodes with a camera; skipped cameras leave unused room.
 static RfResult find_cameras( RfGltf* gltf, int* indices )
 {
     size_t count = 0;

@@ -1,4 +1,4 @@
-// KHR_materials_clearcoat: one more coat over the metallic-roughness model.
+// KHR_materials_clearcoat: a clear coat over the metallic-roughness model.
 
 #include "scene/gltf/gltf_document.h"
 
@@ -17,13 +17,13 @@ RfResult rf_gltf_read_clearcoat( RfGltf* gltf, const json_t* material, const cha
         return result;
     if ( !( factor >= 0.0 && factor <= 1.0 && roughness >= 0.0 && roughness <= 1.0 ) )
         return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "factors %g and %g want 0 to 1", factor, roughness );
-    // unlit surfaces have their own way
+    // unlit materials ignore it
     if ( factor == 0.0 || rf_gltf_is_unlit( material ) )
         return RF_OK;
     if ( out->kind == RF_BSDF_GLASS )
     {
         rf_gltf_notice( gltf, RF_GLTF_COATED_GLASS,
-                        "a clear coat over glass or a mirror is not read: material '%.80s' is without it", out->name );
+                        "a clear coat over glass or a mirror is not supported: material '%.80s' is without it", out->name );
         return RF_OK;
     }
     out->kind = RF_BSDF_COATED;

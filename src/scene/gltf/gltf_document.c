@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// More objects of a kind than this is a broken or hostile file.
+// Limit of objects of a kind: more means a broken or malicious file.
 #define MAX_ITEMS 16777216
 
 static const char* const s_list_names[RF_GLTF_LIST_COUNT] = {
@@ -67,7 +67,7 @@ void rf_gltf_notice( RfGltf* gltf, RfGltfNotice notice, const char* format, ... 
     rf_warn( gltf->log, "%s: %s", gltf->path, text );
 }
 
-static RfResult wrong_kind( const RfGltf* gltf, const char* where, const char* key, const char* want, const json_t* got )
+static RfResult fail_kind( const RfGltf* gltf, const char* where, const char* key, const char* want, const json_t* got )
 {
     return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "%s wants %s, got %s", key, want, rf_json_kind( got ) );
 }
@@ -85,7 +85,7 @@ RfResult rf_gltf_get_number( const RfGltf* gltf, const json_t* object, const cha
     if ( member == NULL )
         return RF_OK;
     if ( json_is_number( member ) == 0 )
-        return wrong_kind( gltf, where, key, "a number", member );
+        return fail_kind( gltf, where, key, "a number", member );
     *value = json_number_value( member );
     return RF_OK;
 }
@@ -97,7 +97,7 @@ RfResult rf_gltf_get_numbers( const RfGltf* gltf, const json_t* object, const ch
     if ( member == NULL )
         return RF_OK;
     if ( json_is_array( member ) == 0 )
-        return wrong_kind( gltf, where, key, "an array", member );
+        return fail_kind( gltf, where, key, "an array", member );
     if ( json_array_size( member ) != (size_t)count )
         return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "%s wants %d numbers, got %zu", key, count,
                              json_array_size( member ) );
@@ -105,7 +105,7 @@ RfResult rf_gltf_get_numbers( const RfGltf* gltf, const json_t* object, const ch
     {
         const json_t* number = json_array_get( member, (size_t)i );
         if ( json_is_number( number ) == 0 )
-            return wrong_kind( gltf, where, key, "numbers only", number );
+            return fail_kind( gltf, where, key, "numbers only", number );
         values[i] = json_number_value( number );
     }
     return RF_OK;
@@ -118,8 +118,8 @@ RfResult rf_gltf_get_integer( const RfGltf* gltf, const json_t* object, const ch
     if ( member == NULL )
         return RF_OK;
     int64_t integer;
-    if ( rf_json_whole( member, &integer ) == false )
-        return wrong_kind( gltf, where, key, "an integer", member );
+    if ( rf_json_integer( member, &integer ) == false )
+        return fail_kind( gltf, where, key, "an integer", member );
     if ( integer < low || integer > high )
         return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "%s wants %lld to %lld, got %lld", key, (long long)low,
                              (long long)high, (long long)integer );
@@ -133,7 +133,7 @@ RfResult rf_gltf_get_bool( const RfGltf* gltf, const json_t* object, const char*
     if ( member == NULL )
         return RF_OK;
     if ( json_is_boolean( member ) == 0 )
-        return wrong_kind( gltf, where, key, "true or false", member );
+        return fail_kind( gltf, where, key, "true or false", member );
     *value = json_is_true( member );
     return RF_OK;
 }
@@ -144,7 +144,7 @@ RfResult rf_gltf_get_string( const RfGltf* gltf, const json_t* object, const cha
     if ( member == NULL )
         return RF_OK;
     if ( json_is_string( member ) == 0 )
-        return wrong_kind( gltf, where, key, "a string", member );
+        return fail_kind( gltf, where, key, "a string", member );
     *value = json_string_value( member );
     return RF_OK;
 }
@@ -155,7 +155,7 @@ RfResult rf_gltf_get_object( const RfGltf* gltf, const json_t* object, const cha
     if ( member == NULL )
         return RF_OK;
     if ( json_is_object( member ) == 0 )
-        return wrong_kind( gltf, where, key, "an object", member );
+        return fail_kind( gltf, where, key, "an object", member );
     *value = member;
     return RF_OK;
 }
@@ -166,7 +166,7 @@ RfResult rf_gltf_get_array( const RfGltf* gltf, const json_t* object, const char
     if ( member == NULL )
         return RF_OK;
     if ( json_is_array( member ) == 0 )
-        return wrong_kind( gltf, where, key, "an array", member );
+        return fail_kind( gltf, where, key, "an array", member );
     *value = member;
     return RF_OK;
 }
@@ -176,7 +176,7 @@ RfResult rf_gltf_get_index( const RfGltf* gltf, const json_t* object, const char
 {
     *index = -1;
     int64_t value = -1;
-    // the range is checked below, to say which list is too short
+    // the range is checked below, for a message with the length of the list
     RfResult result = rf_gltf_get_integer( gltf, object, where, key, INT64_MIN, INT64_MAX, &value );
     if ( result != RF_OK || json_object_get( object, key ) == NULL )
         return result;
@@ -223,8 +223,8 @@ RfResult rf_gltf_open_lists( RfGltf* gltf )
             return result;
         size_t count = json_array_size( gltf->lists[list] );
         if ( count > MAX_ITEMS )
-            return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, name, "%zu objects, at most %d are read: split the scene", count,
-                                 MAX_ITEMS );
+            return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, name, "%zu objects are too many, the limit is %d: split the scene",
+                                 count, MAX_ITEMS );
         gltf->counts[list] = (int)count;
         for ( int i = 0; i < gltf->counts[list]; ++i )
         {

@@ -1,8 +1,8 @@
-// Inside of the glTF reader: the parsed document, and the calls its parts
-// share. Not for users of the library: they have scene/gltf.h.
+// Internal to the glTF reader: the parsed document, and the functions that its parts share.
+// Users of the library include scene/gltf/gltf.h.
 //
-// Every part checks what it reads at the moment it reads it. `where` names the
-// object in error lines, such as "accessors[3]".
+// Every value is validated when it is read. `where` names the object in messages, such as
+// "accessors[3]".
 #ifndef REFRAME_SCENE_GLTF_GLTF_DOCUMENT_H
 #define REFRAME_SCENE_GLTF_GLTF_DOCUMENT_H
 
@@ -29,8 +29,8 @@ typedef enum RfGltfList
     RF_GLTF_LIST_COUNT
 } RfGltfList;
 
-// What is said once, with the first object that asks for it. (Extensions that
-// are not read keep their own marks.)
+// Warnings that are given once, for the first object concerned. (Unsupported extensions are
+// tracked separately.)
 typedef enum RfGltfNotice
 {
     RF_GLTF_COATED_GLASS,
@@ -47,14 +47,14 @@ typedef enum RfGltfNotice
     RF_GLTF_NOTICE_COUNT
 } RfGltfNotice;
 
-// A checked accessor: every element lies inside its buffer.
+// A validated accessor: every element is inside its buffer.
 typedef struct RfGltfAccessor
 {
-    bool open; // the rest is filled in
+    bool open; // validated; the other fields are set
     bool normalized;
     uint32_t count;
     int components;      // 1 to 16
-    int component_type;  // glTF's number, 5120 (byte) to 5126 (float)
+    int component_type;  // glTF's enumerant, 5120 (byte) to 5126 (float)
     const uint8_t* data; // NULL: zeros
     uint64_t stride;
     uint32_t sparse_count;
@@ -67,10 +67,10 @@ typedef struct RfGltfBuffer
 {
     const uint8_t* data;
     uint64_t size;  // byteLength
-    uint8_t* owned; // freed with the document; NULL for the chunk of a .glb
+    uint8_t* owned; // freed with the document; NULL for the binary chunk of a .glb
 } RfGltfBuffer;
 
-// First and last key time that move a node; start > end: it stands still.
+// First and last key time that animate a node; start > end: static.
 typedef struct RfGltfSpan
 {
     double start, end;
@@ -79,36 +79,36 @@ typedef struct RfGltfSpan
 typedef struct RfGltf
 {
     const char* path;
-    RfScene* scene; // what is being filled
+    RfScene* scene; // the result
     RfLog* log;
     RfError* error;
 
     uint8_t* file;
     size_t file_size;
-    const uint8_t* bin; // chunk of a .glb, or NULL
+    const uint8_t* bin; // binary chunk of a .glb, or NULL
     size_t bin_size;
     json_t* root;
-    const json_t* lists[RF_GLTF_LIST_COUNT]; // NULL where empty
+    const json_t* lists[RF_GLTF_LIST_COUNT]; // NULL if empty
     int counts[RF_GLTF_LIST_COUNT];
 
     RfGltfBuffer* buffers;
     RfGltfAccessor* accessors;
-    RfGltfSpan* spans; // by node; own channels and those of ancestors
+    RfGltfSpan* spans; // per node; of its own channels and its ancestors'
     int* order;        // nodes of the default scene, parents first
     int order_count;
-    int default_material; // index of the one for primitives without, or −1
+    int default_material; // index of the material for primitives without one, or −1
 
-    // vertices of the primitive being read, see gltf_primitive.c
+    // vertices of the current primitive, see gltf_primitive.c
     uint32_t* remap;
     uint32_t* remap_stamp;
     uint32_t remap_size;
     uint32_t stamp;
 
     bool noticed[RF_GLTF_NOTICE_COUNT];
-    uint32_t noticed_extensions; // a bit by row of the table in gltf_extension.c
+    uint32_t noticed_extensions; // one bit per row of the table in gltf_extension.c
 } RfGltf;
 
-// A name made by printf, for `where`.
+// A formatted name, for `where`.
 typedef struct RfWhere
 {
     char text[160];
@@ -116,23 +116,23 @@ typedef struct RfWhere
 
 RfWhere rf_where( const char* format, ... ) __attribute__( ( format( printf, 1, 2 ) ) );
 
-// One error line: file, object, what is wrong; RF_ERROR_FORMAT says what to do
-// by itself, the others in their text.
+// Fails with a message of file, object and cause; for RF_ERROR_FORMAT it appends what to do,
+// other codes need it in their text.
 RfResult rf_gltf_fail( const RfGltf* gltf, RfResult code, const char* where, const char* format, ... )
     __attribute__( ( format( printf, 4, 5 ) ) );
-// Radiance above this would overflow where floats are squared.
+// Brighter radiance would overflow when floats are squared.
 #define RF_GLTF_MAX_EMISSION 1e15
 
-// Fails (RF_ERROR_UNSUPPORTED) where |value| is above a limit of ours that glTF
-// does not set: such a file is valid, only beyond what we read.
+// Fails with RF_ERROR_UNSUPPORTED if |value| exceeds a limit of this reader: the file is valid
+// glTF.
 RfResult rf_gltf_check_limit( const RfGltf* gltf, const char* where, const char* key, double value, double limit );
 RfResult rf_gltf_no_memory( const RfGltf* gltf, const char* where );
 
-// A warning line, said for the first object of a kind only.
+// Logs a warning, once per kind of notice.
 void rf_gltf_notice( RfGltf* gltf, RfGltfNotice notice, const char* format, ... ) __attribute__( ( format( printf, 3, 4 ) ) );
 
-// gltf_document.c: members of JSON objects by type. An absent member leaves
-// the value as the caller set it; a member of another type is an error.
+// Finds the top-level lists (gltf_document.c). This and the next functions read members of
+// JSON objects by type: a missing member leaves the value unchanged, a wrong type is an error.
 RfResult rf_gltf_open_lists( RfGltf* gltf );
 const json_t* rf_gltf_item( const RfGltf* gltf, RfGltfList list, int index );
 RfResult rf_gltf_require( const RfGltf* gltf, const json_t* object, const char* where, const char* key );
@@ -145,31 +145,30 @@ RfResult rf_gltf_get_bool( const RfGltf* gltf, const json_t* object, const char*
 RfResult rf_gltf_get_string( const RfGltf* gltf, const json_t* object, const char* where, const char* key, const char** value );
 RfResult rf_gltf_get_object( const RfGltf* gltf, const json_t* object, const char* where, const char* key, const json_t** value );
 RfResult rf_gltf_get_array( const RfGltf* gltf, const json_t* object, const char* where, const char* key, const json_t** value );
-// An index into one of the lists; an absent one gives −1.
+// Reads an index into one of the lists; −1 if missing.
 RfResult rf_gltf_get_index( const RfGltf* gltf, const json_t* object, const char* where, const char* key, RfGltfList list,
                             int* index );
-// One extension of an object, or NULL.
+// Finds an extension of an object, or NULL.
 RfResult rf_gltf_get_extension( const RfGltf* gltf, const json_t* object, const char* where, const char* name,
                                 const json_t** extension );
-// A copy of the object's name, or of `fallback` where it has none.
+// Copies the name of the object, or `fallback` if it has none.
 RfResult rf_gltf_copy_name( const RfGltf* gltf, const json_t* object, const char* where, const char* fallback, char** name );
 
-// gltf_extension.c
+// Fails if the file requires an unsupported extension (gltf_extension.c).
 RfResult rf_gltf_check_required( const RfGltf* gltf );
 void rf_gltf_notice_extensions( RfGltf* gltf, const json_t* object, const char* kind, const char* name );
 RfResult rf_gltf_notice_unread( RfGltf* gltf );
 
-// gltf_uri.c
+// True for a data: URI (gltf_uri.c).
 bool rf_is_data_uri( const char* uri );
 RfResult rf_gltf_decode_data_uri( const RfGltf* gltf, const char* where, const char* uri, uint8_t** bytes, size_t* size );
 RfResult rf_gltf_resolve_uri( const RfGltf* gltf, const char* where, const char* uri, char** path );
 
-// gltf_environment.c
+// Reads the environment from the extras of the scene (gltf_environment.c).
 RfResult rf_gltf_load_environment( RfGltf* gltf );
 
-// gltf.c. A change to the parsed text before anything of it is read, which need
-// not be valid glTF then. What it makes of it is read, and checked, as if the
-// file had it.
+// A modification of the parsed JSON before anything else is read (gltf.c). The input need not
+// be valid glTF; the result is validated like any file.
 typedef struct RfGltfEdit
 {
     RfResult ( *run )( void* user, json_t* root, RfError* error );
@@ -177,96 +176,97 @@ typedef struct RfGltfEdit
 } RfGltfEdit;
 RfResult rf_load_edited_gltf( const char* path, const RfGltfEdit* edit, RfScene* scene, RfLog* log, RfError* error );
 
-// gltf_buffer.c
+// Loads all buffers (gltf_buffer.c).
 RfResult rf_gltf_load_buffers( RfGltf* gltf );
 void rf_gltf_free_buffers( RfGltf* gltf );
-// Bytes of a view that has `need` of them from `offset` on.
+// The bytes of a view from `offset` on, of which `need` must exist.
 RfResult rf_gltf_view_bytes( const RfGltf* gltf, const char* where, int view, uint64_t offset, uint64_t need,
                              const uint8_t** bytes );
 RfResult rf_gltf_view_stride( const RfGltf* gltf, int view, uint64_t element, uint64_t* stride );
 
-// gltf_accessor.c, gltf_element.c
+// Finds a validated accessor (gltf_accessor.c, gltf_element.c).
 RfResult rf_gltf_open_accessor( RfGltf* gltf, int index, const RfGltfAccessor** accessor );
-// Fails where the accessor is not of `components`; `user` names who asks.
+// Fails unless the accessor has `components` components; `user` names the attribute.
 RfResult rf_gltf_expect( const RfGltf* gltf, int index, const RfGltfAccessor* accessor, const char* user, int components );
 int rf_gltf_component_size( int component_type );
 uint32_t rf_gltf_read_u32( const uint8_t* at, int component_type );
 RfResult rf_gltf_read_floats( const RfGltf* gltf, int index, uint32_t element, float* values );
 uint32_t rf_gltf_read_index( const RfGltfAccessor* accessor, uint32_t element );
 
-// gltf_material.c, gltf_lobe.c
+// Reads all materials (gltf_material.c, gltf_lobe.c).
 RfResult rf_gltf_load_materials( RfGltf* gltf );
 RfResult rf_gltf_use_default_material( RfGltf* gltf, uint32_t* index );
 RfResult rf_gltf_read_lobes( const RfGltf* gltf, const json_t* material, const char* where, RfMaterial* out );
 
-// gltf_texture.c: one use of a texture, `key` of `parent`; `info` is NULL where
-// there is none. Until rf_gltf_load_images `texture` is 2 · image + srgb.
+// Reads a use of a texture, `key` of `parent` (gltf_texture.c); `info` is NULL if there is
+// none. Until rf_gltf_load_images, `texture` is 2 · image + srgb.
 RfResult rf_gltf_read_texture_info( RfGltf* gltf, const json_t* parent, const char* owner, const char* key, bool srgb,
                                     RfTextureRef* out, const json_t** info );
 
-// gltf_textured.c: gives the material its `textured`, after everything else of
-// it has been read. rf_gltf_load_images removes it again where it is not needed.
+// Sets the `textured` member of a material after all its other properties have been read
+// (gltf_textured.c). rf_gltf_load_images removes it again if it is not needed.
 RfResult rf_gltf_read_textured( RfGltf* gltf, const json_t* json, const char* where, const RfFactors* factors, RfMaterial* out );
-// One without textures, or NULL where there is no memory.
+// A struct without textures; NULL if out of memory.
 RfTextured* rf_gltf_textured( const RfFactors* factors );
 
-// gltf_image.c: decodes what the materials of triangles need; after the meshes.
+// Decodes the images that materials of triangles use (gltf_image.c); called after the meshes
+// are loaded.
 RfResult rf_gltf_load_images( RfGltf* gltf );
 
-// gltf_node.c, gltf_animation.c, gltf_camera.c
+// Reads the hierarchy (gltf_node.c; animations and cameras: gltf_animation.c, gltf_camera.c).
 RfResult rf_gltf_load_nodes( RfGltf* gltf );
 RfResult rf_gltf_load_animations( RfGltf* gltf );
 RfResult rf_gltf_load_cameras( RfGltf* gltf );
 
-// gltf_light.c: the lights of KHR_lights_punctual
+// Reads the lights of KHR_lights_punctual (gltf_light.c).
 RfResult rf_gltf_load_lights( RfGltf* gltf );
 
-// gltf_glass.c: KHR_materials_transmission, _volume and _unlit, and metals
-// without roughness; after the other factors have been applied
+// Reads KHR_materials_transmission, _volume and _unlit, and metals without roughness, after
+// all other factors (gltf_glass.c).
 RfResult rf_gltf_read_glass( const RfGltf* gltf, const json_t* material, const char* where, const RfFactors* factors,
                              RfMaterial* out );
-// gltf_clearcoat.c; last of the extensions
+// Reads KHR_materials_clearcoat, the last of the extensions (gltf_clearcoat.c).
 RfResult rf_gltf_read_clearcoat( RfGltf* gltf, const json_t* material, const char* where, RfMaterial* out );
 bool rf_gltf_is_unlit( const json_t* material );
 static inline bool rf_gltf_moves( const RfGltf* gltf, int node ) { return gltf->spans[node].start <= gltf->spans[node].end; }
 
-// gltf_primitive.c, gltf_triangles.c: triangles of one primitive in the space of its mesh, only
-// the vertices that they use.
+// The triangles of a primitive in object space, with only the vertices that they use
+// (gltf_primitive.c, gltf_triangles.c).
 typedef struct RfGltfPrimitive
 {
     uint32_t vertex_count;
     uint32_t triangle_count; // 0: nothing to draw
     float* positions;
-    float* normals; // NULL: flat
-    float* uvs;     // or NULL, as the following
+    float* normals; // NULL: flat shading
+    float* uvs;     // or NULL, like the following
     float* uvs1;
-    float* colors;   // 4 numbers each, in [0, 1]
-    float* tangents; // 4 numbers each
+    float* colors;   // 4 per vertex, in [0, 1]
+    float* tangents; // 4 per vertex
     uint32_t* indices;
     uint32_t material;
 } RfGltfPrimitive;
 
 RfResult rf_gltf_read_primitive( RfGltf* gltf, const json_t* primitive, const char* where, RfGltfPrimitive* out );
 void rf_gltf_free_primitive( RfGltfPrimitive* primitive );
-// Rows of three vertex numbers from indices or none, by mode.
+// Reads triples of vertex indices, from an index accessor or implicit, by mode.
 RfResult rf_gltf_read_triangles( RfGltf* gltf, const json_t* primitive, const char* where, int mode, uint32_t vertex_count,
                                  uint32_t** indices, uint32_t* triangle_count );
 
-// gltf_flat.c: a primitive's normals become those of its faces.
+// Replaces the normals of a primitive by its face normals (gltf_flat.c).
 RfResult rf_gltf_make_flat( const RfGltf* gltf, const char* where, RfGltfPrimitive* primitive );
 
-// gltf_tangents.c: gives a primitive, which has normals and that texture's
-// coordinates, the tangents that a texture of normals needs. Vertices whose
-// triangles lie on the image in both ways become two.
+// Generates the tangents that a normal texture needs, for a primitive with normals and the
+// texture's coordinates (gltf_tangents.c). Vertices shared by mirrored and unmirrored
+// triangles are duplicated.
 RfResult rf_gltf_make_tangents( const RfGltf* gltf, const char* where, const RfTextureRef* ref, RfGltfPrimitive* primitive );
 
-// gltf_bake.c: primitives into the scene's soup.
+// State of baking primitives into the scene (gltf_bake.c).
 typedef struct RfGltfBaker
 {
     uint32_t vertex_capacity, triangle_capacity;
-    float* world; // positions of the primitive being placed
+    float* world; // world-space positions of the current primitive
     uint32_t world_capacity;
-    uint32_t placed; // triangles so far, with those that were dropped
+    uint32_t placed; // triangles so far, including dropped ones
     uint64_t degenerate;
     RfWhere first_degenerate;
 } RfGltfBaker;
@@ -275,16 +275,16 @@ RfResult rf_gltf_bake( RfGltf* gltf, RfGltfBaker* baker, const RfGltfPrimitive* 
                        const char* where );
 void rf_gltf_finish_bake( RfGltf* gltf, RfGltfBaker* baker );
 
-// gltf_attributes.c: coordinates of textures, colours and tangents of vertices.
+// Bakes texture coordinates, colours and tangents (gltf_attributes.c).
 RfResult rf_gltf_reserve_attributes( const RfGltf* gltf, const RfGltfBaker* baker, const RfGltfPrimitive* primitive,
                                      const char* where );
 void rf_gltf_copy_attributes( RfTriangles* t, uint32_t to, const RfGltfPrimitive* primitive, uint32_t from );
-// `sign`: −1 for a matrix that mirrors.
-void rf_gltf_place_tangent( RfTriangles* t, uint32_t to, const RfGltfPrimitive* primitive, uint32_t from, const RfMat4* matrix,
-                            double sign );
+// `sign` is −1 for a mirroring matrix.
+void rf_gltf_transform_tangent( RfTriangles* t, uint32_t to, const RfGltfPrimitive* primitive, uint32_t from,
+                                const RfMat4* matrix, double sign );
 
-// gltf_instancing.c: how often a node places its mesh, once without the
-// extension, and where within the node.
+// The instances of a node's mesh and their transforms within the node; a single one without
+// the extension (gltf_instancing.c).
 typedef struct RfGltfInstances
 {
     uint32_t count;
@@ -294,7 +294,7 @@ typedef struct RfGltfInstances
 RfResult rf_gltf_open_instances( RfGltf* gltf, int node, RfGltfInstances* instances );
 RfResult rf_gltf_instance_matrix( const RfGltf* gltf, const RfGltfInstances* instances, uint32_t element, RfMat4* matrix );
 
-// gltf_mesh.c: places every mesh that a node of the default scene has.
+// Bakes the meshes of all nodes of the default scene (gltf_mesh.c).
 RfResult rf_gltf_load_meshes( RfGltf* gltf );
 
 #endif

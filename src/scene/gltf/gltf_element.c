@@ -1,5 +1,5 @@
-// Single elements of accessors. Addresses may be unaligned, so every read is a
-// copy; the accessor's check has made sure that it lies inside its buffer.
+// Single elements of accessors. Addresses may be unaligned, so every read is a copy;
+// validation of the accessor ensures that it is inside its buffer.
 
 #include "scene/gltf/gltf_document.h"
 
@@ -35,7 +35,7 @@ static float read_component( const uint8_t* at, int component_type, bool normali
     }
 }
 
-// Where the bytes of an element are: NULL for zeros.
+// The address of an element; NULL for zeros.
 static const uint8_t* find_element( const RfGltfAccessor* accessor, uint32_t element )
 {
     uint64_t index_size = accessor->sparse_count > 0 ? (uint64_t)rf_gltf_component_size( accessor->sparse_type ) : 0;

@@ -1,6 +1,7 @@
-// `extras.reframe` of the scene object: what light comes from far away.
+// `extras.reframe` of the scene object: the environment.
 //
-//     {"environment": {"radiance": [r, g, b], "map": "sky.exr", "rotation": 90, "visible": false}}
+//     {"environment": {"radiance": [r, g, b], "map": "sky.exr", "rotation": 90, "visible":
+//     false}}
 
 #include "scene/json/environment_json.h"
 #include "scene/gltf/gltf_document.h"
@@ -29,7 +30,7 @@ RfResult rf_gltf_load_environment( RfGltf* gltf )
         return RF_OK;
     RfResult result = rf_gltf_get_index( gltf, gltf->root, "document", "scene", RF_GLTF_SCENES, &index );
     index = index >= 0 ? index : 0;
-    // extras of other programs may be of any type
+    // extras of other programs may have any type
     const json_t* extras = json_object_get( rf_gltf_item( gltf, RF_GLTF_SCENES, index ), "extras" );
     const json_t* ours = json_object_get( extras, "reframe" );
     if ( result != RF_OK || ours == NULL )

@@ -1,13 +1,13 @@
-// Extensions: those that change what is drawn are read, refused or named.
+// Extensions: those that change the image are supported, rejected if required, or reported.
 
 #include "scene/gltf/gltf_document.h"
 
 #include <string.h>
 
-// Names of unknown extensions that one file may fill the log with.
+// Limit of unknown extensions reported per file.
 #define MAX_NAMED 32
 
-// Read in full: a file may require these.
+// Fully supported: a file may require these.
 static const char* const s_read[] = {
     "KHR_materials_emissive_strength", "KHR_materials_specular",  "KHR_materials_ior",
     "KHR_materials_transmission",      "KHR_materials_volume",    "KHR_materials_unlit",
@@ -15,7 +15,7 @@ static const char* const s_read[] = {
     "KHR_mesh_quantization",           "EXT_mesh_gpu_instancing",
 };
 
-// Not read: what the user sees instead. Objects that carry one are named.
+// Not supported, with what the user sees instead. Objects that use one are reported.
 static const struct
 {
     const char* name;
@@ -24,7 +24,7 @@ static const struct
     { "KHR_materials_sheen", "it is rendered without its sheen" },
     { "KHR_materials_anisotropy", "it is rendered isotropic" },
     { "KHR_materials_iridescence", "it is rendered without its film" },
-    { "KHR_materials_dispersion", "it is rendered without its colours of refraction" },
+    { "KHR_materials_dispersion", "it is rendered without dispersion" },
     { "KHR_materials_pbrSpecularGlossiness", "it is rendered by its metallic-roughness factors" },
     { "KHR_animation_pointer", "what it moves stands still" },
 };
@@ -47,12 +47,12 @@ static bool is_compression( const char* name )
            strcmp( name, "KHR_meshopt_compression" ) == 0;
 }
 
-static RfResult refuse( const RfGltf* gltf, const char* name )
+static RfResult fail_unsupported( const RfGltf* gltf, const char* name )
 {
     if ( is_compression( name ) )
         return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, "extensionsRequired",
-                             "%.80s is not read: unpack the file by `npx @gltf-transform/cli copy in.glb out.glb`", name );
-    return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, "extensionsRequired", "%.80s is not read: export the scene without it",
+                             "%.80s is not supported: unpack the file by `npx @gltf-transform/cli copy in.glb out.glb`", name );
+    return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, "extensionsRequired", "%.80s is not supported: export the scene without it",
                          name );
 }
 
@@ -66,7 +66,7 @@ RfResult rf_gltf_check_required( const RfGltf* gltf )
         if ( name == NULL )
             return rf_gltf_fail( gltf, RF_ERROR_FORMAT, "extensionsRequired", "[%zu] wants a string", i );
         if ( is_read( name ) == false )
-            result = refuse( gltf, name );
+            result = fail_unsupported( gltf, name );
     }
     return result;
 }
@@ -82,13 +82,13 @@ void rf_gltf_notice_extensions( RfGltf* gltf, const json_t* object, const char* 
         if ( ( gltf->noticed_extensions & bit ) != 0 || json_object_get( extensions, s_unread[i].name ) == NULL )
             continue;
         gltf->noticed_extensions |= bit;
-        rf_warn( gltf->log, "%s: %s is not read yet: %s '%.80s': %s", gltf->path, s_unread[i].name, kind, name,
+        rf_warn( gltf->log, "%s: %s is not supported yet: %s '%.80s': %s", gltf->path, s_unread[i].name, kind, name,
                  s_unread[i].instead );
     }
 }
 
-// Whether an object that carried it was already named, or its kind of object
-// was looked at and none in the default scene carried it.
+// True if an object with it was already reported, or if all objects of its kind were examined
+// and none in the default scene uses it.
 static bool is_noticed( const char* name )
 {
     for ( size_t i = 0; i < COUNT_OF( s_unread ); ++i )
@@ -113,7 +113,7 @@ RfResult rf_gltf_notice_unread( RfGltf* gltf )
             continue;
         if ( ++named > MAX_NAMED )
             break;
-        rf_warn( gltf->log, "%s: extension %.80s is not known: what it adds is left out", gltf->path, name );
+        rf_warn( gltf->log, "%s: extension %.80s is unknown: what it adds is left out", gltf->path, name );
     }
     return result;
 }

@@ -1,13 +1,13 @@
-// Primitives without normals, where tangents are wanted: three vertices of its
-// own for each triangle, with the face's normal, as the specification asks. (The
-// others get theirs when they are placed, gltf_bake.c.)
+// Primitives without normals that need tangents: every triangle gets three vertices of its own
+// with the face normal, as the specification requires. (Other primitives get face normals in
+// gltf_bake.c.)
 
 #include "scene/gltf/gltf_document.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-// One value of `components` numbers for each corner.
+// Expands an attribute of `components` numbers to one value per corner.
 static bool spread( float** values, size_t components, const RfGltfPrimitive* p )
 {
     if ( *values == NULL )
@@ -23,7 +23,7 @@ static bool spread( float** values, size_t components, const RfGltfPrimitive* p 
     return true;
 }
 
-// Zero where there is no area: such a triangle is dropped later.
+// Zero for a degenerate triangle, which is dropped later.
 static void face_normal( const float* a, float out[9] )
 {
     double u[3], v[3];

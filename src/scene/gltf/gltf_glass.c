@@ -1,5 +1,5 @@
-// Glass and mirrors: KHR_materials_transmission with _volume, metals without
-// roughness; and KHR_materials_unlit.
+// Glass and mirrors: KHR_materials_transmission with _volume, metals without roughness; also
+// KHR_materials_unlit.
 
 #include "scene/gltf/gltf_document.h"
 
@@ -8,8 +8,8 @@
 typedef struct Inside
 {
     double transmission;
-    double thickness; // 0: a thin wall
-    double distance;  // at which attenuation_color is left
+    double thickness; // 0: thin-walled
+    double distance;  // at which light is attenuated to attenuation_color
     double color[3];
 } Inside;
 
@@ -53,7 +53,7 @@ static RfResult read_volume( const RfGltf* gltf, const json_t* material, const c
     return RF_OK;
 }
 
-// −ln(colour) / distance; nothing gets through a channel of 0.
+// −ln(colour) / distance; a channel of 0 is fully absorbed.
 static float absorption( double color, double distance )
 {
     double a = -log( fmax( color, 1e-6 ) ) / distance;
@@ -68,7 +68,7 @@ static RfVec3 scaled( const double rgb[3], double s )
 static void make_glass( const Inside* in, const RfFactors* factors, RfMaterial* out )
 {
     out->kind = RF_BSDF_GLASS;
-    // an index of 0 is the extension's way to say that everything is reflected
+    // by the extension, an index of 0 means total reflection
     out->ior = factors->ior > 0.0 ? (float)fmax( factors->ior, 1.0001 ) : 1e4f;
     out->thin = in->thickness == 0.0;
     rf_derive_glass( factors, in->transmission, out );
@@ -83,7 +83,7 @@ bool rf_gltf_is_unlit( const json_t* material )
     return json_object_get( json_object_get( material, "extensions" ), "KHR_materials_unlit" ) != NULL;
 }
 
-// A surface that looks the same in any light: one that glows in its colour.
+// A surface that looks the same in any light: emission of its base colour.
 static void make_unlit( const double base[3], RfMaterial* out )
 {
     out->kind = RF_BSDF_LAMBERT;
@@ -91,7 +91,7 @@ static void make_unlit( const double base[3], RfMaterial* out )
     out->emission = scaled( base, 1.0 );
 }
 
-// A metal by its factors is one everywhere, unless a texture has other plans.
+// True for a metal by its factors, unless a texture varies it.
 static bool is_all_metal( const json_t* material, const RfFactors* factors )
 {
     const json_t* part = json_object_get( material, "pbrMetallicRoughness" );

@@ -1,5 +1,5 @@
-// Images: those that materials of triangles need, each decoded once for each
-// colour space in which it is used.
+// Images: decodes those that materials of triangles use, once per colour space in which they
+// are used.
 
 #include "scene/gltf/gltf_document.h"
 
@@ -11,10 +11,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Of one image file.
+// Limit of one image file.
 #define MAX_IMAGE_BYTES ( (uint64_t)1 << 30 )
 
-// Bytes of an image as they are stored.
+// An encoded image.
 typedef struct Encoded
 {
     const uint8_t* bytes;
@@ -76,7 +76,7 @@ static bool is_alpha( const RfTexture* t, size_t i )
     return channels % 2 == 0 && i % channels == channels - 1;
 }
 
-// 16 bits become floats.
+// Converts 16-bit pixels to floats.
 static RfResult widen( const RfGltf* gltf, const char* where, const RfPixels* pixels, bool srgb, RfTexture* out )
 {
     size_t count = value_count( out );
@@ -100,7 +100,7 @@ static RfResult take_floats( const RfGltf* gltf, const char* where, RfPixels* pi
     for ( size_t i = 0; i < count; ++i )
     {
         if ( !isfinite( out->floats[i] ) )
-            return rf_gltf_fail( gltf, RF_ERROR_SCENE, where, "pixel (%zu, %zu) is not finite: mend the image",
+            return rf_gltf_fail( gltf, RF_ERROR_SCENE, where, "pixel (%zu, %zu) is not finite: repair the image",
                                  i / channels % width, i / channels / width );
         out->floats[i] = fmaxf( out->floats[i], 0.0f );
     }
@@ -148,7 +148,7 @@ static RfResult load_image( RfGltf* gltf, int index, bool srgb, RfTexture* out )
     if ( result == RF_OK )
     {
         result = rf_decode_image( encoded.bytes, encoded.size, where.text, &pixels, &error );
-        // its line begins with where
+        // the message begins with `where`
         if ( result != RF_OK )
             rf_fail( gltf->error, result, "%s: %s", gltf->path, error.text );
     }
@@ -159,8 +159,8 @@ static RfResult load_image( RfGltf* gltf, int index, bool srgb, RfTexture* out )
     return result;
 }
 
-// `numbers`: of the texture of each image and colour space, −1 before the first use.
-static RfResult resolve( RfGltf* gltf, RfMaterial* material, int* numbers )
+// `numbers` maps each image and colour space to a texture index, −1 before its first use.
+static RfResult resolve_textures( RfGltf* gltf, RfMaterial* material, int* numbers )
 {
     RfScene* scene = gltf->scene;
     for ( int slot = 0; slot < RF_TEXTURE_SLOT_COUNT; ++slot )
@@ -180,8 +180,8 @@ static RfResult resolve( RfGltf* gltf, RfMaterial* material, int* numbers )
     return RF_OK;
 }
 
-// Pixels of floats may be of any size: times the factors they must stay radiance
-// that can be squared.
+// Float pixels are unbounded: multiplied by the factors they must remain radiance that can be
+// squared.
 static RfResult check_emission( const RfGltf* gltf, uint32_t index )
 {
     const RfMaterial* material = gltf->scene->materials + index;
@@ -216,12 +216,12 @@ RfResult rf_gltf_load_images( RfGltf* gltf )
             continue;
         if ( used[m] && ( !material->textured->optional || material->textured->vertex_colors ) )
         {
-            result = resolve( gltf, material, numbers );
+            result = resolve_textures( gltf, material, numbers );
             if ( result == RF_OK )
                 result = check_emission( gltf, m );
             continue;
         }
-        free( material->textured ); // nothing to look up, or the images are not there
+        free( material->textured ); // nothing to look up, or the images are missing
         material->textured = NULL;
     }
     free( numbers );

@@ -1,5 +1,5 @@
-// EXT_mesh_gpu_instancing: a node that places its mesh many times, by
-// accessors of translations, rotations and scales.
+// EXT_mesh_gpu_instancing: a node that instances its mesh many times, with accessors for
+// translation, rotation and scale.
 
 #include "scene/gltf/gltf_document.h"
 
@@ -46,7 +46,7 @@ RfResult rf_gltf_open_instances( RfGltf* gltf, int node, RfGltfInstances* out )
     if ( result == RF_OK )
         result = open_attribute( gltf, attributes, where.text, "SCALE", 3, &out->scale, &count );
     if ( result == RF_OK && count == 0 )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "wants one of TRANSLATION, ROTATION and SCALE at least" );
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "wants at least one of TRANSLATION, ROTATION and SCALE" );
     out->count = count;
     return result;
 }
@@ -76,7 +76,7 @@ RfResult rf_gltf_instance_matrix( const RfGltf* gltf, const RfGltfInstances* ins
     if ( !( length > 1e-3 ) )
     {
         RfWhere where = rf_where( "accessors[%d]", instances->rotation );
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "element %u is no unit quaternion", element );
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "element %u is not a unit quaternion", element );
     }
     for ( int i = 0; i < 4; ++i )
         q[i] /= length;

@@ -1,7 +1,6 @@
-// KHR_lights_punctual: lights without size, placed by the nodes of the default
-// scene. Candela and lux are taken as W/sr and W/m², as emission is taken as
-// W/(m² sr): one scale for all, so that lamps and glowing surfaces keep their
-// proportion.
+// KHR_lights_punctual: punctual lights of the nodes of the default scene. Candela and lux are
+// taken as W/sr and W/m², as emission is taken as W/(m² sr): a common scale, so that lamps and
+// emissive surfaces keep their proportion.
 
 #include "scene/gltf/gltf_document.h"
 
@@ -14,7 +13,7 @@
 #define EXTENSION "KHR_lights_punctual"
 #define HALF_PI 1.57079632679489662
 
-// Intensity above this would overflow next to the light.
+// Higher intensities would overflow close to the light.
 #define MAX_INTENSITY 1e9
 
 static RfResult find_lights( const RfGltf* gltf, const json_t** lights )
@@ -40,7 +39,7 @@ static RfResult read_cone( const RfGltf* gltf, const json_t* json, const char* w
         result = rf_gltf_get_number( gltf, spot, where, "outerConeAngle", &outer );
     if ( result != RF_OK )
         return result;
-    // exporters round both to the same float: an edge without width is one
+    // exporters round both to the same float: equal angles give a hard edge
     if ( !( inner >= 0.0 && inner <= outer && outer > 0.0 && outer <= HALF_PI + 1e-6 ) )
         return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where,
                              "cone angles %g and %g want 0 <= inner <= outer, and outer above 0, at most pi/2", inner, outer );
@@ -99,8 +98,8 @@ static RfResult read_light( const RfGltf* gltf, const json_t* json, const char* 
     return rf_gltf_check_limit( gltf, where, "intensity", intensity, MAX_INTENSITY );
 }
 
-// At the node's origin, shining along its −z; its scale has no say.
-static RfResult place( const RfGltf* gltf, int node, const char* where, RfPunctual* out )
+// At the origin of the node, pointing along −z; scale is ignored.
+static RfResult place_light( const RfGltf* gltf, int node, const char* where, RfPunctual* out )
 {
     RfMat4 world;
     double time = rf_gltf_moves( gltf, node ) ? gltf->spans[node].start : 0.0;
@@ -134,7 +133,7 @@ static RfResult load_node_light( RfGltf* gltf, const json_t* lights, int node, c
     RfPunctual* out = gltf->scene->punctuals + gltf->scene->punctual_count;
     result = read_light( gltf, json, self.text, out );
     if ( result == RF_OK )
-        result = place( gltf, node, where.text, out );
+        result = place_light( gltf, node, where.text, out );
     if ( result == RF_OK )
         result = rf_gltf_copy_name( gltf, json, self.text, gltf->scene->nodes[node].name, &out->name );
     if ( result != RF_OK )

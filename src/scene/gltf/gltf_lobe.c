@@ -1,4 +1,4 @@
-// `extras.reframe` of a material: scattering models that glTF does not have.
+// `extras.reframe` of a material: scattering models that glTF lacks.
 //
 //     {"bsdf": "phong", "diffuse": [r, g, b], "specular": [r, g, b], "exponent": 60}
 //     {"bsdf": "lambert", "diffuse": [r, g, b]}
@@ -11,8 +11,8 @@
 
 #define MAX_EXPONENT 1e6
 
-// Written by hand or by other programs: faults name the JSON path and say what
-// is wanted instead.
+// The extras are written by hand or by other programs: errors give the JSON path and the
+// expected value.
 static RfResult fault( const RfGltf* gltf, const char* where, const char* text )
 {
     return rf_gltf_fail( gltf, RF_ERROR_SCENE, where, "%s", text );
@@ -82,9 +82,9 @@ static RfResult read_phong( const RfGltf* gltf, const json_t* json, const char* 
         RfWhere self = rf_where( "%s.exponent", where );
         return fault( gltf, self.text, "wants a number from 0 to 1000000" );
     }
-    // rounding of decimal fractions that add to one is no gain of energy
+    // the rounding of decimal fractions that sum to one does not violate energy conservation
     if ( rf_max_component( rf_add( out->diffuse, out->specular ) ) > 1.0f + 1e-6f )
-        return fault( gltf, where, "diffuse + specular reflect more than arrives: lower them to 1 or less in sum" );
+        return fault( gltf, where, "diffuse + specular reflect more light than arrives: lower their sum to 1 or less" );
     out->kind = RF_BSDF_PHONG;
     out->exponent = (float)exponent;
     return RF_OK;
@@ -98,7 +98,7 @@ static RfResult read_mirror( const RfGltf* gltf, const json_t* json, const char*
     return result == RF_OK ? read_reflectance( gltf, json, where, "specular", &out->specular ) : result;
 }
 
-// A solid body, smooth and clear.
+// Solid, smooth and clear glass.
 static RfResult read_glass( const RfGltf* gltf, const json_t* json, const char* where, RfMaterial* out )
 {
     static const char* const s_keys[] = { "bsdf", "ior", NULL };
@@ -121,7 +121,7 @@ static RfResult read_glass( const RfGltf* gltf, const json_t* json, const char* 
 
 RfResult rf_gltf_read_lobes( const RfGltf* gltf, const json_t* material, const char* where, RfMaterial* out )
 {
-    // extras of other programs may be of any type
+    // extras of other programs may have any type
     const json_t* json = json_object_get( json_object_get( material, "extras" ), "reframe" );
     if ( json == NULL )
         return RF_OK;

@@ -1,5 +1,5 @@
-// Materials: glTF's metallic-roughness model as a Lambert base under a GGX
-// coat, with KHR_materials_specular, _ior and _emissive_strength.
+// Materials: glTF's metallic-roughness model as a Lambert base under a GGX lobe, with
+// KHR_materials_specular, _ior and _emissive_strength.
 
 #include "scene/gltf/gltf_document.h"
 
@@ -65,7 +65,7 @@ static RfResult read_specular( const RfGltf* gltf, const json_t* material, const
     result = get_factors( gltf, json, where.text, "specularFactor", 1, &out->specular );
     if ( result == RF_OK )
         result = rf_gltf_get_numbers( gltf, json, where.text, "specularColorFactor", 3, out->specular_color );
-    // a colour may exceed one: the reflectance it leads to is cut there
+    // a colour may exceed one: the resulting reflectance is clamped
     for ( int i = 0; result == RF_OK && i < 3; ++i )
     {
         if ( out->specular_color[i] < 0.0 )
@@ -82,7 +82,7 @@ static RfResult read_ior( const RfGltf* gltf, const json_t* material, const char
         return result;
     RfWhere where = rf_where( "%s.extensions.KHR_materials_ior", owner );
     result = rf_gltf_get_number( gltf, json, where.text, "ior", &out->ior );
-    // 0 is the extension's way to say that everything is reflected
+    // by the extension, 0 means total reflection
     if ( result == RF_OK && out->ior != 0.0 && out->ior < 1.0 )
         return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "ior is %g, it wants 0, or 1 and above", out->ior );
     return result;
@@ -145,7 +145,7 @@ static RfResult load_material( RfGltf* gltf, int index, RfMaterial* out )
 RfResult rf_gltf_load_materials( RfGltf* gltf )
 {
     int count = gltf->counts[RF_GLTF_MATERIALS];
-    // one more: the default for primitives that have none
+    // one more: the default material for primitives without one
     gltf->scene->materials = calloc( (size_t)count + 1, sizeof *gltf->scene->materials );
     if ( gltf->scene->materials == NULL )
         return rf_gltf_no_memory( gltf, "materials" );

@@ -1,5 +1,5 @@
-// Meshes: each primitive is read once and placed by every node that has its
-// mesh, so that neither many instances nor many meshes cost memory twice.
+// Meshes: each primitive is read once and baked for every node that instances its mesh, so
+// that the reader never holds more than one primitive.
 
 #include "scene/gltf/gltf_document.h"
 
@@ -8,10 +8,10 @@
 
 #include <stdlib.h>
 
-// Nodes by mesh: those of mesh m are nodes[starts[m]] up to nodes[starts[m+1]].
+// Nodes sorted by mesh: those of mesh m are nodes[starts[m]] up to nodes[starts[m+1]].
 typedef struct Instances
 {
-    int* mesh_of; // by place in the order
+    int* mesh_of; // by position in the order
     size_t* starts;
     int* nodes;
     RfMat4* worlds; // by node
@@ -49,14 +49,14 @@ static RfResult read_mesh_of( RfGltf* gltf, int node, int* mesh )
     if ( *mesh < 0 )
         return RF_OK;
     if ( json_object_get( json, "skin" ) != NULL )
-        rf_gltf_notice( gltf, RF_GLTF_SKINS, "skins are not read: node '%.80s' keeps its rest pose", name );
+        rf_gltf_notice( gltf, RF_GLTF_SKINS, "skins are not supported: node '%.80s' keeps its rest pose", name );
     if ( rf_gltf_moves( gltf, node ) )
         rf_gltf_notice( gltf, RF_GLTF_MOVING_MESH, "moving geometry is not supported: node '%.80s' is taken at its first frame",
                         name );
     return RF_OK;
 }
 
-// Counting sort of the nodes by mesh; within a mesh in the order of the scene.
+// Counting sort of the nodes by mesh, stable in the order of the scene.
 static RfResult sort_instances( RfGltf* gltf, Instances* out )
 {
     for ( int i = 0; i < gltf->order_count; ++i )
@@ -77,7 +77,7 @@ static RfResult sort_instances( RfGltf* gltf, Instances* out )
     return RF_OK;
 }
 
-// World matrices from the top down. What moves is placed at its first key.
+// World matrices from the root down. Animated nodes are placed at their first key.
 static void find_worlds( const RfGltf* gltf, const Instances* out )
 {
     const RfScene* scene = gltf->scene;
@@ -90,7 +90,7 @@ static void find_worlds( const RfGltf* gltf, const Instances* out )
                 rf_node_world_matrix( scene, node, gltf->spans[node].start, out->worlds + node );
             continue;
         }
-        // a node that stands still has no ancestor that moves
+        // a static node has no animated ancestor
         RfMat4 local;
         rf_node_local_matrix( scene, node, 0.0, &local );
         out->worlds[node] = parent >= 0 ? rf_mat4_mul( out->worlds + parent, &local ) : local;
@@ -107,7 +107,8 @@ static RfResult place_at_node( RfGltf* gltf, RfGltfBaker* baker, const RfGltfPri
     {
         RfMat4 local;
         result = rf_gltf_instance_matrix( gltf, &instances, i, &local );
-        RfMat4 matrix = result == RF_OK ? rf_mat4_mul( world, &local ) : *world; // times one: the same bits
+        RfMat4 matrix = result == RF_OK ? rf_mat4_mul( world, &local ) : *world; // multiplying by the identity gives the same
+                                                                                 // bits
         if ( result == RF_OK )
             result = rf_gltf_bake( gltf, baker, primitive, &matrix, self.text );
     }

@@ -1,12 +1,13 @@
-// Nodes: transforms, the hierarchy, and which of them the default scene shows.
-// All walks are loops over arrays: a deep file cannot exhaust the stack.
+// Nodes: transforms, the hierarchy, and which nodes the default scene contains. All traversals
+// are iterative: a deep hierarchy cannot overflow the stack.
 
 #include "scene/gltf/gltf_document.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-// Ancestors of a node. Rigs have some hundred; more is a broken or hostile file.
+// Limit of the depth of a node. Rigs have a few hundred levels; more means a broken or
+// malicious file.
 #define MAX_DEPTH 1000
 
 // Exporters write the last row of a matrix with rounding errors.
@@ -42,7 +43,7 @@ static RfResult read_trs( const RfGltf* gltf, const json_t* json, const char* wh
     double* q = node->rotation;
     double length = sqrt( q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3] );
     if ( ( length > 1e-6 && length < 1e6 ) == false )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "rotation is no unit quaternion" );
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "rotation is not a unit quaternion" );
     for ( int i = 0; i < 4; ++i )
         q[i] /= length;
     return RF_OK;
@@ -64,7 +65,7 @@ static RfResult load_node( RfGltf* gltf, int index )
     return read_trs( gltf, json, where.text, node );
 }
 
-// One index out of an array of them, such as children[2].
+// Reads one index of an array, such as children[2].
 static RfResult read_node_index( const RfGltf* gltf, const json_t* list, size_t at, const char* where, const char* key,
                                  int* node )
 {
@@ -100,7 +101,7 @@ static RfResult link_children( RfGltf* gltf, int parent )
     return result;
 }
 
-// Appends everything below the nodes that `order` holds from `first` on.
+// Appends all descendants of the nodes in `order` from `first` on.
 static RfResult append_descendants( const RfGltf* gltf, int first, int* order, int* count, int* depth )
 {
     for ( int at = first; at < *count; ++at )
@@ -122,7 +123,7 @@ static RfResult append_descendants( const RfGltf* gltf, int first, int* order, i
     return RF_OK;
 }
 
-// Every node has one parent at most by now; what no root leads to is a ring.
+// By now every node has at most one parent, so nodes not reached from a root form a cycle.
 static RfResult order_all( const RfGltf* gltf, int* order, int* count, int* depth )
 {
     *count = 0;
@@ -155,7 +156,7 @@ static RfResult order_scene( RfGltf* gltf, int index, int* depth )
             break;
         if ( gltf->scene->nodes[root].parent >= 0 || depth[root] == 0 )
             return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text,
-                                 "nodes[%zu] is node %d, which is no root or listed "
+                                 "nodes[%zu] is node %d, which is not a root or listed "
                                  "twice",
                                  i, root );
         depth[root] = 0;
@@ -173,7 +174,7 @@ static RfResult order_nodes( RfGltf* gltf, int* depth )
     result = rf_gltf_get_index( gltf, gltf->root, "document", "scene", RF_GLTF_SCENES, &scene );
     if ( result != RF_OK )
         return result;
-    // without scenes a file shows all that it has
+    // without scenes, everything in the file is shown
     if ( gltf->counts[RF_GLTF_SCENES] == 0 )
         return RF_OK;
     return order_scene( gltf, scene >= 0 ? scene : 0, depth );

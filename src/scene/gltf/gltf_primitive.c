@@ -1,12 +1,12 @@
-// One primitive of a mesh. Only the vertices that its triangles use are read:
-// exporters let many primitives share one large set of vertices.
+// Reads a primitive of a mesh. Only the vertices that its triangles use are read: exporters
+// let many primitives share one large vertex array.
 
 #include "scene/gltf/gltf_document.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-// Accessors of the attributes that are read; −1 where absent.
+// Accessors of the supported attributes; −1 if missing.
 typedef struct Attributes
 {
     int position, normal, uv, uv1, color, tangent;
@@ -24,7 +24,7 @@ void rf_gltf_free_primitive( RfGltfPrimitive* primitive )
     memset( primitive, 0, sizeof *primitive );
 }
 
-// `components` 0: the caller checks their number.
+// With `components` 0 the caller checks their number.
 static RfResult open_attribute( RfGltf* gltf, const json_t* json, const char* where, const char* name, int components, int* index,
                                 uint32_t* count )
 {
@@ -86,7 +86,7 @@ static RfResult reserve_remap( RfGltf* gltf, const char* where, uint32_t count )
 {
     if ( count <= gltf->remap_size )
         return RF_OK;
-    // doubling: a file may have its meshes in order of size
+    // doubling, since a file may have its meshes in increasing size
     uint32_t size = count > gltf->remap_size * 2u ? count : gltf->remap_size * 2u;
     free( gltf->remap );
     free( gltf->remap_stamp );
@@ -100,8 +100,8 @@ static RfResult reserve_remap( RfGltf* gltf, const char* where, uint32_t count )
     return RF_OK;
 }
 
-// Renumbers the indices by first use; `sources` tells where each vertex is in
-// the accessors. Stamps spare the clearing of the table for each primitive.
+// Renumbers the indices in order of first use; `sources` maps each vertex to its index in the
+// accessors. Stamps avoid clearing the table for each primitive.
 static RfResult compact( RfGltf* gltf, const char* where, uint32_t vertex_count, RfGltfPrimitive* out, uint32_t** sources )
 {
     RfResult result = reserve_remap( gltf, where, vertex_count );
@@ -142,7 +142,7 @@ static RfResult read_attribute( const RfGltf* gltf, const char* where, int acces
     return result;
 }
 
-// RGB or RGBA to RGBA in [0, 1].
+// Converts RGB or RGBA to RGBA in [0, 1].
 static RfResult read_colors( const RfGltf* gltf, const char* where, int accessor, const uint32_t* sources, uint32_t count,
                              float** values )
 {
@@ -179,7 +179,7 @@ static RfResult read_vertices( RfGltf* gltf, const char* where, const Attributes
         result = read_attribute( gltf, where, attributes->uv1, sources, out->vertex_count, &out->uvs1 );
     if ( result == RF_OK )
         result = read_colors( gltf, where, attributes->color, sources, out->vertex_count, &out->colors );
-    // glTF: without normals the tangents are to be ignored
+    // glTF: tangents are ignored if there are no normals
     if ( result == RF_OK && attributes->normal >= 0 )
         result = read_attribute( gltf, where, attributes->tangent, sources, out->vertex_count, &out->tangents );
     free( sources );
@@ -196,8 +196,8 @@ static RfResult find_material( RfGltf* gltf, const json_t* primitive, const char
     return index >= 0 ? RF_OK : rf_gltf_use_default_material( gltf, material );
 }
 
-// By the texture of normals, else by the coat's. Files that have tangents are
-// taken at their word.
+// For the normal texture of the surface, else of the coat. Tangents in the file take
+// precedence.
 static RfResult add_tangents( const RfGltf* gltf, const char* where, RfGltfPrimitive* out )
 {
     const RfTextured* textured = gltf->scene->materials[out->material].textured;
@@ -235,7 +235,7 @@ RfResult rf_gltf_read_primitive( RfGltf* gltf, const json_t* primitive, const ch
         return RF_OK;
     }
     if ( json_object_get( primitive, "targets" ) != NULL )
-        rf_gltf_notice( gltf, RF_GLTF_MORPH_TARGETS, "morph targets are not read: %s keeps its base shape", where );
+        rf_gltf_notice( gltf, RF_GLTF_MORPH_TARGETS, "morph targets are not supported: %s keeps its base shape", where );
 
     result = find_material( gltf, primitive, where, &out->material );
     if ( result == RF_OK )

@@ -1,9 +1,9 @@
-// Tangents for primitives whose file has none, where a texture of normals needs
-// them: as the specification asks, MikkTSpace's (Mikkelsen 2008, Simulation of
-// Wrinkled Surfaces Revisited). Corners with the same position, normal and
-// coordinates, on triangles that lie on the image the same way around, share one
-// tangent: the directions of u along their triangles, laid into the plane across
-// the normal and weighted by the corner's angle there. In double, rounded once.
+// Generates tangents for primitives without them if a normal texture needs them: MikkTSpace
+// (Mikkelsen 2008, Simulation of Wrinkled Surfaces Revisited), as the specification requires.
+// Corners with equal position, normal and texture coordinates on triangles of the same
+// orientation in texture space share a tangent: the sum of the u directions of their
+// triangles, projected onto the tangent plane and weighted by the corner's angle. In double,
+// rounded once.
 
 #include "scene/gltf/gltf_document.h"
 
@@ -13,18 +13,18 @@
 
 #define NONE 0xffffffffu
 
-// Work on one primitive. Sums are by first vertex of its kind and side.
+// State for one primitive. Sums are kept at the first of equal vertices, per orientation.
 typedef struct Spaces
 {
     RfGltfPrimitive* primitive;
     const RfTextureRef* ref;
-    uint32_t* first; // by vertex: the first that is the same
+    uint32_t* first; // per vertex: the first equal vertex
     double ( *sums )[2][3];
-    uint32_t* twin; // by vertex: its copy for the triangles of the other side, or NONE
-    int8_t* side;   // by vertex, of the triangle that came first: 1 as seen, −1 mirrored, 0 none yet
+    uint32_t* twin; // per vertex: its duplicate for triangles of the other orientation, or NONE
+    int8_t* side;   // per vertex, from its first triangle: 1 unmirrored, −1 mirrored, 0 unknown yet
 } Spaces;
 
-// As the texture takes them, before its transform.
+// The coordinate set that the texture uses, before its transform.
 static const float* uvs_of( const RfGltfPrimitive* primitive, const RfTextureRef* ref )
 {
     return ref->uv_set == 0 ? primitive->uvs : primitive->uvs1;
@@ -51,7 +51,7 @@ static bool create_spaces( Spaces* s )
     return true;
 }
 
-// What has to be the same; −0 and 0 are.
+// The attributes compared; −0 equals 0.
 typedef struct Key
 {
     float values[8];
@@ -84,7 +84,7 @@ static size_t hash( const Key* key )
     return (size_t)h;
 }
 
-// Fills `first`, by a table of twice as many places as there are vertices.
+// Fills `first`, by a hash table of twice as many slots as vertices.
 static bool find_same( Spaces* s )
 {
     uint32_t count = s->primitive->vertex_count;
@@ -131,7 +131,7 @@ static bool normalize( double v[3] )
     return true;
 }
 
-// Into the plane across n, unit.
+// Projects v onto the plane across n and normalises it.
 static bool flatten( const double n[3], double v[3] )
 {
     double along = dot( n, v );
@@ -140,7 +140,7 @@ static bool flatten( const double n[3], double v[3] )
     return normalize( v );
 }
 
-static void edge_of( const float* positions, uint32_t from, uint32_t to, double out[3] )
+static void make_edge( const float* positions, uint32_t from, uint32_t to, double out[3] )
 {
     double a[3], b[3];
     get3( positions, from, a );
@@ -149,8 +149,8 @@ static void edge_of( const float* positions, uint32_t from, uint32_t to, double 
         out[i] = b[i] - a[i];
 }
 
-// Direction of u' along a triangle, and the side it lies on: 0 where its
-// coordinates span no area. v' runs down the image, the bitangent up.
+// The direction of u' along a triangle, and its orientation: 0 if its coordinates span no
+// area. v' points down the image and the bitangent up.
 static int find_direction( const Spaces* s, const uint32_t corners[3], double along[3] )
 {
     double at[3][2], e1[3], e2[3];
@@ -165,8 +165,8 @@ static int find_direction( const Spaces* s, const uint32_t corners[3], double al
     double det = du1 * dv2 - du2 * dv1;
     if ( !( fabs( det ) > 0.0 ) )
         return 0;
-    edge_of( s->primitive->positions, corners[0], corners[1], e1 );
-    edge_of( s->primitive->positions, corners[0], corners[2], e2 );
+    make_edge( s->primitive->positions, corners[0], corners[1], e1 );
+    make_edge( s->primitive->positions, corners[0], corners[2], e2 );
     for ( int i = 0; i < 3; ++i )
         along[i] = ( e1[i] * dv2 - e2[i] * dv1 ) * ( det < 0.0 ? -1.0 : 1.0 );
     return !normalize( along ) ? 0 : det < 0.0 ? 1 : -1;
@@ -178,8 +178,8 @@ static void add_corner( Spaces* s, const uint32_t corners[3], int corner, int si
     const float* positions = s->primitive->positions;
     double n[3], t[3] = { along[0], along[1], along[2] }, a[3], b[3];
     get3( s->primitive->normals, at, n );
-    edge_of( positions, at, corners[( corner + 1 ) % 3], a );
-    edge_of( positions, at, corners[( corner + 2 ) % 3], b );
+    make_edge( positions, at, corners[( corner + 1 ) % 3], a );
+    make_edge( positions, at, corners[( corner + 2 ) % 3], b );
     if ( !normalize( n ) || !flatten( n, t ) || !flatten( n, a ) || !flatten( n, b ) )
         return;
     double angle = acos( fmax( -1.0, fmin( 1.0, dot( a, b ) ) ) );
@@ -188,7 +188,7 @@ static void add_corner( Spaces* s, const uint32_t corners[3], int corner, int si
         sum[i] += t[i] * angle;
 }
 
-// Sums over all corners; and which vertices both sides want.
+// Sums over all corners, and finds the vertices used in both orientations.
 static uint32_t add_triangles( Spaces* s )
 {
     RfGltfPrimitive* p = s->primitive;
@@ -226,7 +226,7 @@ static void copy( float* values, size_t to, size_t from, size_t components )
         memcpy( values + to * components, values + from * components, components * sizeof *values );
 }
 
-// Triangles of the second side get their twins.
+// Assigns the duplicates to triangles of the second orientation.
 static bool split( const Spaces* s, uint32_t count )
 {
     RfGltfPrimitive* p = s->primitive;
@@ -259,8 +259,8 @@ static void renumber( Spaces* s )
     }
 }
 
-// 0 and no side where the sum cancels, or no triangle tells a direction. Where
-// those of the vertex itself do not, it goes along with others that are the same.
+// Stores the tangent; zero with sign 0 if the sum cancels or no triangle defines a direction.
+// A vertex without an orientation of its own takes that of its equals.
 static void store( const Spaces* s, uint32_t vertex, int side, float out[4] )
 {
     double( *sums )[3] = s->sums[s->first[vertex]], t[3];

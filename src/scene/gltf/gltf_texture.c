@@ -1,19 +1,18 @@
-// Uses of textures by materials: texture infos, KHR_texture_transform and
-// samplers. The image behind is only noted (gltf_image.c decodes it later, if a
-// triangle has the material).
+// Uses of textures by materials: texture infos, KHR_texture_transform and samplers. The image
+// is only noted (gltf_image.c decodes it later if a triangle has the material).
 
 #include "scene/gltf/gltf_document.h"
 
 #include <math.h>
 
-// Sampler enumerants of glTF, which are OpenGL's.
+// Enumerants of glTF samplers, which are OpenGL's.
 #define NEAREST 9728
 #define LINEAR 9729
 #define CLAMP 33071
 #define MIRROR 33648
 #define REPEAT 10497
 
-// Factors of coordinates beyond this are no use to anybody.
+// Larger scales of coordinates leave no precision.
 #define MAX_TRANSFORM 1e6
 
 static RfResult read_wrap( const RfGltf* gltf, const json_t* json, const char* where, const char* key, RfWrap* out )
@@ -28,8 +27,8 @@ static RfResult read_wrap( const RfGltf* gltf, const json_t* json, const char* w
     return RF_OK;
 }
 
-// The minification filter asks for mipmaps, which we do without: pixels are
-// antialiased by their samples.
+// The minification filter, which would select mipmaps, is ignored: pixels are antialiased by
+// supersampling.
 static RfResult read_sampler( const RfGltf* gltf, int index, RfTextureRef* out )
 {
     RfWhere where = rf_where( "samplers[%d]", index );
@@ -64,7 +63,7 @@ static RfResult read_texture( const RfGltf* gltf, int index, bool srgb, RfTextur
     return sampler >= 0 ? read_sampler( gltf, sampler, out ) : RF_OK;
 }
 
-// u' = T · R · S · u, where a rotation turns counter-clockwise as the image is seen.
+// u' = T · R · S · u; the rotation is counter-clockwise as the image is seen.
 static RfResult read_transform( const RfGltf* gltf, const json_t* info, const char* owner, int64_t* set, RfTextureRef* out )
 {
     const json_t* json;
@@ -115,7 +114,7 @@ RfResult rf_gltf_read_texture_info( RfGltf* gltf, const json_t* parent, const ch
         result = read_transform( gltf, *info, where.text, &set, out );
     if ( result == RF_OK && set > 1 )
         return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, where.text,
-                             "texCoord is %lld, only 0 and 1 are read: bake it to one of these", (long long)set );
+                             "texCoord is %lld, only 0 and 1 are supported: bake it to one of these", (long long)set );
     out->uv_set = (int)set;
     return result;
 }

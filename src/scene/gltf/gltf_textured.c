@@ -1,5 +1,4 @@
-// What makes a material vary over its surface: its textures, vertex colours
-// and alpha.
+// What makes a material vary over its surface: textures, vertex colours and alpha.
 
 #include "scene/gltf/gltf_document.h"
 
@@ -75,8 +74,8 @@ static RfResult read_slots( RfGltf* gltf, const json_t* material, const char* wh
     return RF_OK;
 }
 
-// It tells renderers that do not trace how thick a body is. It is checked and
-// else left alone: light goes through the body as it is.
+// The thickness texture is for rasterisers. It is validated but otherwise ignored: a ray
+// tracer finds the thickness itself.
 static RfResult check_thickness( RfGltf* gltf, const json_t* material, const char* where )
 {
     const json_t *json, *info;
@@ -88,7 +87,7 @@ static RfResult check_thickness( RfGltf* gltf, const json_t* material, const cha
     return rf_gltf_read_texture_info( gltf, json, owner.text, "thicknessTexture", false, &unused, &info );
 }
 
-// Textures of what the material turned out not to have are not looked up.
+// Drops textures of features that the material turned out not to have.
 static void drop_unused( const RfMaterial* material, RfTextured* textured )
 {
     if ( textured->model != RF_TEXTURED_GLASS || material->ior == 0.0f )
@@ -126,16 +125,15 @@ static RfTexturedModel find_model( const RfMaterial* material, const json_t* jso
     return material->kind == RF_BSDF_GLASS ? RF_TEXTURED_GLASS : RF_TEXTURED_COATED;
 }
 
-// A factor of an extension, checked by the extension's own reader; 0 without.
+// A factor of an extension, already validated by the extension's reader; 0 if missing.
 static double factor_of( const json_t* json, const char* extension, const char* key )
 {
     const json_t* object = json_object_get( json_object_get( json, "extensions" ), extension );
     return json_number_value( json_object_get( object, key ) );
 }
 
-// A metal that its factors alone make a perfect mirror is none where a texture
-// tells its roughness.
-static void unmake_mirror( const RfTextured* textured, RfMaterial* out )
+// A metal that is a perfect mirror by its factors is not one if a texture sets its roughness.
+static void undo_mirror( const RfTextured* textured, RfMaterial* out )
 {
     if ( out->kind == RF_BSDF_GLASS && out->ior == 0.0f && textured->refs[RF_TEXTURE_METALLIC_ROUGHNESS].texture >= 0 )
     {
@@ -144,7 +142,7 @@ static void unmake_mirror( const RfTextured* textured, RfMaterial* out )
     }
 }
 
-// Does anything of it vary, or depend on alpha?
+// True if anything varies or depends on alpha.
 static bool is_needed( const RfTextured* textured )
 {
     for ( int i = 0; i < RF_TEXTURE_SLOT_COUNT; ++i )
@@ -169,9 +167,9 @@ RfResult rf_gltf_read_textured( RfGltf* gltf, const json_t* json, const char* wh
         result = read_alpha( gltf, json, where, textured );
     if ( result != RF_OK )
         return result;
-    unmake_mirror( textured, out );
+    undo_mirror( textured, out );
     textured->model = find_model( out, json );
-    // bodies of our own models have their own diffuse for a base
+    // our own models vary their own diffuse reflectance
     if ( textured->model == RF_TEXTURED_DIFFUSE )
         textured->factors.base[0] = textured->factors.base[1] = textured->factors.base[2] = 1.0;
     textured->transmission = factor_of( json, "KHR_materials_transmission", "transmissionFactor" );

@@ -1,11 +1,10 @@
-// Vertex numbers of a primitive's triangles: indexed or not, as a list, a strip
-// or a fan.
+// Vertex indices of the triangles of a primitive: indexed or not, as a list, strip or fan.
 
 #include "scene/gltf/gltf_document.h"
 
 #include <stdlib.h>
 
-// A single primitive; the sum over a scene is limited when it is baked.
+// Of a single primitive; baking limits the sum over the scene.
 #define MAX_TRIANGLES ( 1u << 28 )
 
 enum
@@ -39,13 +38,13 @@ static RfResult count_triangles( const RfGltf* gltf, const char* where, int mode
         return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "%u corners do not make whole triangles", corners );
     *count = mode == LIST ? corners / 3 : corners >= 3 ? corners - 2 : 0;
     if ( *count > MAX_TRIANGLES )
-        return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, where, "%u triangles, at most %u are read: split the scene", *count,
-                             MAX_TRIANGLES );
+        return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, where, "%u triangles are too many, the limit is %u: split the scene",
+                             *count, MAX_TRIANGLES );
     return RF_OK;
 }
 
-// The three corners of triangle t, counter-clockwise, by the specification's
-// section on topologies.
+// The corners of triangle t, counter-clockwise, by the specification's section on topology
+// types.
 static void find_corners( int mode, uint32_t t, uint32_t corners[3] )
 {
     uint32_t odd = t % 2;

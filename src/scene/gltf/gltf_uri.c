@@ -1,4 +1,4 @@
-// URIs of buffers: base64 data inside the document, or a file beside it.
+// URIs of buffers: base64 data in the document, or a file beside it.
 
 #include "scene/gltf/gltf_document.h"
 
@@ -18,7 +18,7 @@ static int base64_value( unsigned char c )
     return c == '+' ? 62 : c == '/' ? 63 : -1;
 }
 
-// Returns false on a character that is none of base64's.
+// False if a character is not in the base64 alphabet.
 static bool decode_base64( const char* text, size_t length, uint8_t* bytes )
 {
     uint32_t bits = 0;
@@ -49,7 +49,7 @@ RfResult rf_gltf_decode_data_uri( const RfGltf* gltf, const char* where, const c
     for ( int pad = 0; pad < 2 && length > 0 && text[length - 1] == '='; ++pad )
         length -= 1;
     if ( length % 4 == 1 )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "uri has base64 data that is cut off" );
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "uri has base64 data that is truncated" );
     *size = length / 4 * 3 + ( length % 4 > 0 ? length % 4 - 1 : 0 );
     *bytes = malloc( *size > 0 ? *size : 1 );
     if ( *bytes == NULL )
@@ -70,7 +70,7 @@ static int hex_value( char c )
     return c >= 'A' && c <= 'F' ? c - 'A' + 10 : -1;
 }
 
-// Decodes in place; false on a broken escape or one that ends the string.
+// Decodes in place; false on an invalid escape or an encoded zero byte.
 static bool decode_percent( char* text )
 {
     char* out = text;
@@ -92,7 +92,7 @@ static bool decode_percent( char* text )
     return true;
 }
 
-static bool climbs( const char* path )
+static bool leaves_folder( const char* path )
 {
     for ( const char* part = path; part != NULL; )
     {
@@ -105,8 +105,8 @@ static bool climbs( const char* path )
     return false;
 }
 
-// What a file may name is what lies beside or below it, nothing else: a scene
-// from a stranger must not read other files of the machine.
+// Only files beside or below the scene may be named: an untrusted scene must not read other
+// files of the machine.
 static const char* find_fault( const char* path )
 {
     if ( path[0] == 0 )
@@ -115,7 +115,7 @@ static const char* find_fault( const char* path )
         return "begins with '/'";
     if ( strchr( path, '\\' ) != NULL )
         return "has a backslash";
-    if ( climbs( path ) )
+    if ( leaves_folder( path ) )
         return "leaves the folder by '..'";
     const char* colon = strchr( path, ':' );
     const char* slash = strchr( path, '/' );
@@ -135,7 +135,7 @@ RfResult rf_gltf_resolve_uri( const RfGltf* gltf, const char* where, const char*
     memcpy( text, gltf->path, folder );
     strcpy( text + folder, uri );
 
-    // once before and once after decoding: either form may hide a fault
+    // checked before and after decoding: either form may hide a violation
     const char* fault = find_fault( text + folder );
     if ( fault == NULL && decode_percent( text + folder ) == false )
         fault = "has a broken %-escape";

@@ -5,7 +5,7 @@
 
 #include <stdlib.h>
 
-// Radiance above this would overflow where floats are squared.
+// Brighter radiance would overflow when floats are squared.
 #define MAX_RADIANCE 1e15
 
 RfResult rf_read_environment( const RfField* object, RfEnvironment* environment, const char** map )
@@ -60,7 +60,7 @@ RfResult rf_load_environment( const RfField* object, const char* path, RfEnviron
     environment->map = NULL;
     if ( result == RF_OK )
         return rf_field_fail( &field, "times radiance is brighter than %g somewhere: lower radiance", MAX_RADIANCE );
-    // the decoder's own line names the file; its code stays
+    // the decoder's message names the file; its error code is kept
     rf_field_fail( &field, "%.560s", error.text );
     if ( field.error != NULL )
         field.error->code = result;

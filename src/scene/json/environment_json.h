@@ -1,17 +1,15 @@
-// The environment as JSON gives it: in scene files, and in the extras of a
-// glTF scene.
+// The environment in JSON: in scene files and in the extras of a glTF scene.
 #ifndef REFRAME_SCENE_JSON_ENVIRONMENT_JSON_H
 #define REFRAME_SCENE_JSON_ENVIRONMENT_JSON_H
 
 #include "scene/json/json_document.h"
 #include "scene/scene.h"
 
-// Reads {"radiance": [r, g, b], "map": "file", "rotation": degrees, "visible":
-// true}. The map is not loaded: *map is its name as written (it belongs to the
-// JSON), or NULL.
+// Reads {"radiance": [r, g, b], "map": "file", "rotation": degrees, "visible": true}. Does not
+// load the map: *map is its name as written (owned by the JSON), or NULL.
 RfResult rf_read_environment( const RfField* object, RfEnvironment* environment, const char** map );
 
-// Loads the map from `path`; a fault names the field too.
+// Loads the map from `path`; the error also names the field.
 RfResult rf_load_environment( const RfField* object, const char* path, RfEnvironment* environment );
 
 // Continues a hash with the pixels of the map.

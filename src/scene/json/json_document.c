@@ -22,7 +22,7 @@ RfResult rf_open_json( const char* path, RfJsonDocument* document, RfError* erro
     if ( result == RF_OK )
     {
         document->hash = rf_hash_bytes( RF_HASH_START, bytes, size );
-        result = rf_parse_json( path, bytes, size, "mend the JSON there", "", &document->root, error );
+        result = rf_parse_json( path, bytes, size, "correct the JSON there", "", &document->root, error );
     }
     free( bytes );
     if ( result != RF_OK )
@@ -49,7 +49,7 @@ char* rf_path_beside( const char* file, const char* name )
     return path;
 }
 
-// Paths that are too long are cut: they are for reading.
+// Paths that are too long are truncated: they are only for messages.
 __attribute__( ( format( printf, 2, 3 ) ) ) static void set_path( RfField* field, const char* format, ... )
 {
     va_list args;

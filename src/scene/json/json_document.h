@@ -1,6 +1,6 @@
-// Reading of our own JSON files (scene files, camera paths) and of our objects
-// inside glTF: nothing is guessed, and every fault is one line with the JSON
-// path of the value: `materials.vase.exponent: wants a number >= 0, got "high"`.
+// Reads our own JSON files (scene files, camera paths) and our objects inside glTF. The reader
+// is strict: every error is one line with the JSON path of the value, such as
+// `materials.vase.exponent: wants a number >= 0, got "high"`.
 #ifndef REFRAME_SCENE_JSON_JSON_DOCUMENT_H
 #define REFRAME_SCENE_JSON_JSON_DOCUMENT_H
 
@@ -22,22 +22,22 @@ typedef struct RfJsonDocument
 RfResult rf_open_json( const char* path, RfJsonDocument* document, RfError* error );
 void rf_close_json( RfJsonDocument* document );
 
-// A file that another one names: `name` itself where it is absolute, else
-// beside `file`. To be freed; NULL where there is no memory.
+// Resolves a file name found in `file`: `name` itself if absolute, else relative to the folder
+// of `file`. The caller frees it; NULL if out of memory.
 char* rf_path_beside( const char* file, const char* name );
 
-// A value and where it stands. What is pointed to must outlive it.
+// A value and its position in the document. Everything it points to must outlive it.
 typedef struct RfField
 {
     const char* file;
     RfError* error;
-    const json_t* json; // NULL: it is not there
-    bool notes;         // "$schema" and "about", a text for people, may stand in it
+    const json_t* json; // NULL: missing
+    bool notes;         // the object may have "$schema" and "about", a comment
     char path[208];     // "keys[3].position"; "" is the whole document
 } RfField;
 
-RfField rf_root_field( const RfJsonDocument* document, RfError* error ); // may have notes
-// A field that stands elsewhere: `path` is for the error lines.
+RfField rf_root_field( const RfJsonDocument* document, RfError* error ); // The root object, which may have notes.
+// A field of another document: `path` is for messages.
 RfField rf_make_field( const char* file, const char* path, const json_t* json, RfError* error );
 RfField rf_field_member( const RfField* object, const char* key );
 RfField rf_field_item( const RfField* array, size_t index );
@@ -46,36 +46,35 @@ static inline bool rf_has_member( const RfField* object, const char* key )
     return json_object_get( object->json, key ) != NULL;
 }
 
-// Writes the line, with file and path in front; RF_ERROR_SCENE.
+// Fails with RF_ERROR_SCENE; the message is prefixed with the file and the path.
 RfResult rf_field_fail( const RfField* field, const char* format, ... ) __attribute__( ( format( printf, 2, 3 ) ) );
-// "wants …, got …", or "is missing: wants …".
+// Fails with "wants …, got …" or "is missing: wants …".
 RfResult rf_field_wants( const RfField* field, const char* want );
 
-// Fails unless the field is an object all of whose keys are in the list, which
-// ends with NULL.
+// Fails unless the field is an object whose keys are all in the list, which ends with NULL.
 RfResult rf_field_keys( const RfField* object, const char* const* keys );
-// Fails where the member is not there; `want` says what it should be.
+// Fails if the member is missing; `want` describes the expected value.
 RfResult rf_field_require( const RfField* object, const char* key, const char* want );
 
 typedef struct RfRange
 {
     double low, high;
-    bool open; // `low` itself is out
+    bool open; // `low` itself is excluded
 } RfRange;
 
 static inline RfRange rf_range( double low, double high ) { return ( RfRange ){ low, high, false }; }
 static inline RfRange rf_at_least( double low ) { return ( RfRange ){ low, (double)INFINITY, false }; }
 static inline RfRange rf_above( double low, double high ) { return ( RfRange ){ low, high, true }; }
 
-// Values by type. One that is not there is left as the caller set it; one of
-// another type or out of range is an error.
+// Reads a number. A missing value leaves `value` unchanged; a wrong type or a value out of
+// range is an error. The same holds for the types below.
 RfResult rf_field_number( const RfField* field, RfRange range, double* value );
 RfResult rf_field_numbers( const RfField* field, RfRange range, int count, double* values );
 RfResult rf_field_bool( const RfField* field, bool* value );
 RfResult rf_field_text( const RfField* field, const char** text ); // never empty
-// Index into `words`, which ends with NULL.
+// Reads the index of a word in `words`, which ends with NULL.
 RfResult rf_field_choice( const RfField* field, const char* const* words, int* index );
-// An array of at least `least` and at most `most` items.
+// Checks for an array of `least` to `most` items.
 RfResult rf_field_array( const RfField* field, const char* item, size_t least, size_t most );
 
 #endif

@@ -1,4 +1,4 @@
-// Values of our own JSON files by type, and the keys that an object may have.
+// Typed values of our own JSON files, and the keys that an object may have.
 #include "base/words.h"
 #include "scene/json/json_document.h"
 
@@ -25,8 +25,8 @@ static RfResult fail_unknown( const RfField* object, const char* key, const char
     RfField member = rf_field_member( object, key );
     const char* nearest = rf_nearest_word( key, keys, count );
     if ( nearest != NULL )
-        return rf_field_fail( &member, "no such key, did you mean %s? The keys here are: %s", nearest, list );
-    return rf_field_fail( &member, "no such key, the keys here are: %s", list );
+        return rf_field_fail( &member, "unknown key, did you mean %s? The keys here are: %s", nearest, list );
+    return rf_field_fail( &member, "unknown key, the keys here are: %s", list );
 }
 
 static bool is_known( const char* key, const char* const* keys )

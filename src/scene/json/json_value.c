@@ -50,7 +50,7 @@ const char* rf_json_kind( const json_t* value )
     return "something else";
 }
 
-bool rf_json_whole( const json_t* value, int64_t* whole )
+bool rf_json_integer( const json_t* value, int64_t* whole )
 {
     if ( json_is_integer( value ) )
     {

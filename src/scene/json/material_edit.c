@@ -17,16 +17,16 @@ typedef enum Type
     NOT_COPIED, // handled by name
 } Type;
 
-// Where a key of an override goes.
+// The destination of a key of an override.
 typedef struct Entry
 {
     const char* key;
     Type type;
     int count; // of numbers
     double low, high;
-    const char* parent;    // object of the material, or NULL: the material itself
-    const char* extension; // or this one of its extensions
-    bool gltf_only;        // without an effect where extras.reframe gives another bsdf
+    const char* parent;    // member object of the material, or NULL: the material itself
+    const char* extension; // or in this one of its extensions
+    bool gltf_only;        // has no effect if extras.reframe selects another bsdf
 } Entry;
 
 #define PBR "pbrMetallicRoughness"
@@ -79,11 +79,11 @@ static RfResult copy_value( const RfField* field, const Entry* entry, json_t* ma
         return result;
     json_t* home = material;
     if ( entry->parent != NULL )
-        home = rf_edit_dig( material, entry->parent );
+        home = rf_edit_member( material, entry->parent );
     else if ( entry->extension != NULL )
     {
-        home = rf_edit_dig( material, "extensions" );
-        home = home != NULL ? rf_edit_dig( home, entry->extension ) : NULL;
+        home = rf_edit_member( material, "extensions" );
+        home = home != NULL ? rf_edit_member( home, entry->extension ) : NULL;
     }
     if ( home == NULL || json_object_set( home, entry->key, (json_t*)field->json ) != 0 )
         return rf_edit_no_memory( field );
@@ -96,8 +96,7 @@ static bool ends_with_texture( const char* key )
     return length > 7 && strcmp( key + length - 7, "Texture" ) == 0;
 }
 
-// Takes textures out of an object and of those of its members that are
-// objects, to the depth at which glTF has them.
+// Removes textures from an object and its member objects, to the depth at which glTF has them.
 static void drop_textures( json_t* object, int depth )
 {
     const char* key;
@@ -141,7 +140,7 @@ static RfResult edit_material( const RfField* override, json_t* material )
     return result;
 }
 
-// Materials without a name go by "materials[3]", as the reader calls them.
+// Unnamed materials are called "materials[3]", as in the reader.
 static const char* name_of( const json_t* list, size_t index, char fallback[32] )
 {
     const char* name = json_string_value( json_object_get( json_array_get( list, index ), "name" ) );

@@ -10,7 +10,7 @@ RfResult rf_edit_no_memory( const RfField* field )
     return rf_fail( field->error, RF_ERROR_MEMORY, "%s: %s: no memory left", field->file, field->path );
 }
 
-json_t* rf_edit_dig( json_t* object, const char* key )
+json_t* rf_edit_member( json_t* object, const char* key )
 {
     json_t* member = json_object_get( object, key );
     if ( json_is_object( member ) )
@@ -36,7 +36,7 @@ static bool has_lobe_key( const char* bsdf, const char* key )
     return strcmp( bsdf, "phong" ) == 0 || ( strcmp( bsdf, "lambert" ) == 0 && strcmp( key, "diffuse" ) == 0 );
 }
 
-// From now on the material is of the bsdf that the override gives.
+// Changes the material to the bsdf that the override selects.
 static RfResult change_bsdf( const RfField* override, json_t* material )
 {
     int index = 0;
@@ -56,7 +56,7 @@ static RfResult change_bsdf( const RfField* override, json_t* material )
     }
     if ( result != RF_OK )
         return result;
-    json_t* extras = rf_edit_dig( material, "extras" );
+    json_t* extras = rf_edit_member( material, "extras" );
     json_t* lobes = json_pack( "{s:s}", "bsdf", s_bsdfs[index] );
     return extras != NULL && json_object_set_new( extras, "reframe", lobes ) == 0 ? RF_OK : rf_edit_no_memory( &field );
 }
@@ -87,9 +87,9 @@ static RfResult check_energy( const RfField* override, const json_t* material )
     {
         double diffuse = json_number_value( json_array_get( json_object_get( lobes, "diffuse" ), i ) );
         double specular = json_number_value( json_array_get( json_object_get( lobes, "specular" ), i ) );
-        // rounding of decimal fractions that add to one is no gain of energy
+        // the rounding of decimal fractions that sum to one does not violate energy conservation
         if ( diffuse + specular > 1.0 + 1e-6 )
-            return rf_field_fail( override, "diffuse + specular reflect %g of what arrives: lower them to 1 or less in sum",
+            return rf_field_fail( override, "diffuse + specular reflect %g of the incident light: lower their sum to 1 or less",
                                   diffuse + specular );
     }
     return RF_OK;

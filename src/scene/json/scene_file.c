@@ -57,8 +57,8 @@ RfField rf_scene_file_defaults( const RfSceneFile* file, RfError* error )
     return rf_field_member( &root, "render" );
 }
 
-// A failure of another file that this one names: both are told.
-static RfResult pass_on( const RfField* field, RfResult result, const RfError* error )
+// Reports the failure of a file that this one refers to, naming both.
+static RfResult fail_in_field( const RfField* field, RfResult result, const RfError* error )
 {
     rf_field_fail( field, "%.700s", error->text );
     if ( field->error != NULL )
@@ -107,13 +107,13 @@ static RfResult load_environment( const RfField* root, RfScene* scene )
     free( path );
     if ( result != RF_OK )
         return result;
-    free( scene->environment.map ); // that of the glTF
+    free( scene->environment.map ); // the glTF's environment is replaced
     scene->environment = environment;
     scene->content_hash = rf_hash_environment( scene->content_hash, &environment );
     return RF_OK;
 }
 
-static bool is_taken( const RfScene* scene, const char* name )
+static bool is_name_taken( const RfScene* scene, const char* name )
 {
     for ( int i = 0; i < scene->camera_count; ++i )
     {
@@ -123,7 +123,7 @@ static bool is_taken( const RfScene* scene, const char* name )
     return false;
 }
 
-// Becomes the last and chosen one. Takes the camera over, or destroys it.
+// Appends the camera and selects it. Takes ownership of the camera, or destroys it on failure.
 static RfResult add_camera( const RfField* field, RfScene* scene, RfCamera* camera )
 {
     RfCamera* grown = realloc( scene->cameras, ( (size_t)scene->camera_count + 1 ) * sizeof *grown );
@@ -144,8 +144,8 @@ static RfResult choose_camera( const RfField* field, const char* name, RfScene* 
     int index;
     RfError error = { 0 };
     RfResult result = rf_find_camera( scene, name, &index, &error );
-    if ( result != RF_OK ) // of the file, not of the command line
-        return pass_on( field, RF_ERROR_SCENE, &error );
+    if ( result != RF_OK ) // the scene file's fault, not the command line's
+        return fail_in_field( field, RF_ERROR_SCENE, &error );
     scene->chosen_camera = index + 1;
     return RF_OK;
 }
@@ -159,7 +159,7 @@ static RfResult load_path_file( const RfField* field, const char* name, RfScene*
         return rf_fail( field->error, RF_ERROR_MEMORY, "%s: no memory left", field->file );
     RfResult result = rf_load_camera( path, &camera, &error );
     free( path );
-    return result == RF_OK ? add_camera( field, scene, &camera ) : pass_on( field, result, &error );
+    return result == RF_OK ? add_camera( field, scene, &camera ) : fail_in_field( field, result, &error );
 }
 
 static RfResult load_camera( const RfField* root, RfScene* scene )
@@ -171,7 +171,7 @@ static RfResult load_camera( const RfField* root, RfScene* scene )
     {
         RfCamera camera;
         char name[32] = "path";
-        for ( int i = 2; is_taken( scene, name ); ++i )
+        for ( int i = 2; is_name_taken( scene, name ); ++i )
             snprintf( name, sizeof name, "path#%d", i );
         RfResult result = rf_read_camera( &field, name, &camera, field.error );
         return result == RF_OK ? add_camera( &field, scene, &camera ) : result;

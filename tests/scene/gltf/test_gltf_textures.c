@@ -334,7 +334,7 @@ static void test_faults( void** state )
         { RF_ERROR_FORMAT, "images[0]: wants either",
           ",\"images\":[{\"bufferView\":5,\"uri\":\"a.png\"}],\"textures\":[{\"source\":0}]," USE },
         { RF_ERROR_FORMAT, "images[0]: bufferView", ",\"images\":[{\"bufferView\":50}],\"textures\":[{\"source\":0}]," USE },
-        { RF_ERROR_FORMAT, "images[0]: is no PNG", ",\"images\":[{\"bufferView\":0}],\"textures\":[{\"source\":0}]," USE },
+        { RF_ERROR_FORMAT, "images[0]: not a PNG", ",\"images\":[{\"bufferView\":0}],\"textures\":[{\"source\":0}]," USE },
         { RF_ERROR_UNSUPPORTED, "images[0]: uri '../a.png'",
           ",\"images\":[{\"uri\":\"../a.png\"}],\"textures\":[{\"source\":0}]," USE },
         { RF_ERROR_IO, "absent.png", ",\"images\":[{\"uri\":\"absent.png\"}],\"textures\":[{\"source\":0}]," USE },
@@ -366,7 +366,7 @@ static void test_vertex_faults( void** state )
     (void)state;
     static const char* const s_attributes[] = { "\"COLOR_0\":1", "\"COLOR_0\":6", "\"TEXCOORD_1\":0",
                                                 "\"NORMAL\":4,\"TANGENT\":0" };
-    static const char* const s_texts[] = { "COLOR_0 wants 3 or 4", "COLOR_0 wants 3 or 4", "2 are wanted", "4 are wanted" };
+    static const char* const s_texts[] = { "COLOR_0 wants 3 or 4", "COLOR_0 wants 3 or 4", "2 are needed", "4 are needed" };
     static const uint8_t s_bytes[16] = { 0 };
     for ( int i = 0; i < 4; ++i )
     {
@@ -396,7 +396,7 @@ static void test_wild_floats( void** state )
         const char* text;
     } s_cases[] = {
         { NAN, RF_ERROR_SCENE, "\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}}",
-          "images[0]: pixel (1, 0) is not finite: mend the image" },
+          "images[0]: pixel (1, 0) is not finite: repair the image" },
         { INFINITY, RF_ERROR_SCENE, "\"normalTexture\":{\"index\":0}", "is not finite" },
         { 3e38f, RF_ERROR_UNSUPPORTED, "\"emissiveFactor\":[0,1,0],\"emissiveTexture\":{\"index\":0}",
           "materials[0]: emission with its texture is 3e+38, beyond what reframe reads: at most 1e+15" },

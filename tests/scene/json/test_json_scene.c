@@ -141,12 +141,12 @@ static void test_material_faults( void** state )
           "materials.vase.exponent: wants a number from 0 to 1e+06, got \"high\"" },
         { "\"materials\":{\"vase\":{\"exponent\":-1}}", "materials.vase.exponent: wants a number from 0 to 1e+06, got -1" },
         { "\"materials\":{\"vase\":{\"Exponent\":1}}",
-          "materials.vase.Exponent: no such key, did you mean exponent? The keys here are: bsdf, diffuse" },
+          "materials.vase.Exponent: unknown key, did you mean exponent? The keys here are: bsdf, diffuse" },
         { "\"materials\":{\"wood floor\":{\"exponent\":1}}",
           "materials[\"wood floor\"].exponent: has no effect on bsdf \"gltf\"" },
         { "\"materials\":{\"vase\":{\"roughnessFactor\":1}}",
           "materials.vase.roughnessFactor: has no effect on bsdf \"phong\": add \"bsdf\": \"gltf\"" },
-        { "\"materials\":{\"vase\":{\"diffuse\":[0.6,0,0]}}", "materials.vase: diffuse + specular reflect 1.1 of what arrives" },
+        { "\"materials\":{\"vase\":{\"diffuse\":[0.6,0,0]}}", "materials.vase: diffuse + specular reflect 1.1 of the incident light" },
         { "\"materials\":{\"vase\":{\"diffuse\":[0.6,0]}}",
           "materials.vase.diffuse: wants an array of 3 numbers, got an array of 2" },
         { "\"materials\":{\"vase\":{\"bsdf\":\"ggx\"}}", "materials.vase.bsdf: wants one of gltf, lambert, phong, got \"ggx\"" },
@@ -172,8 +172,8 @@ static void test_file_faults( void** state )
     write_map( "bright.hdr", 255 );
     static const char* const faults[][2] = {
         { "\"scene\":\"room.gltf\"", "duplicate" },
-        { "\"sky\":3", "sky: no such key, the keys here are: scene, environment, materials, camera, render" },
-        { "\"enviroment\":3", "enviroment: no such key, did you mean environment?" },
+        { "\"sky\":3", "sky: unknown key, the keys here are: scene, environment, materials, camera, render" },
+        { "\"enviroment\":3", "enviroment: unknown key, did you mean environment?" },
         { "\"environment\":3", "environment: wants an object, got 3" },
         { "\"environment\":{}", "environment: gives no light: wants radiance, map or both" },
         { "\"environment\":{\"radiance\":1}", "environment.radiance: wants an array of 3 numbers, got 1" },
@@ -285,7 +285,7 @@ static void test_environment_in_gltf( void** state )
     rf_destroy_scene( &scene );
 
     expect_extras_fault( ",\"extras\":{\"reframe\":3}", "scenes[0].extras.reframe: wants an object, got 3" );
-    expect_extras_fault( ",\"extras\":{\"reframe\":{\"sky\":3}}", "scenes[0].extras.reframe.sky: no such key" );
+    expect_extras_fault( ",\"extras\":{\"reframe\":{\"sky\":3}}", "scenes[0].extras.reframe.sky: unknown key" );
     expect_extras_fault( ",\"extras\":{\"reframe\":{\"environment\":{\"radiance\":[1,1]}}}",
                          "scenes[0].extras.reframe.environment.radiance: wants an array of 3 numbers" );
     expect_extras_fault( ",\"extras\":{\"reframe\":{\"environment\":{\"map\":\"../sky.hdr\"}}}", "leaves the folder" );
