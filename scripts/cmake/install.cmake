@@ -60,6 +60,10 @@ install(FILES ${PROJECT_BINARY_DIR}/reframeConfig.cmake ${PROJECT_BINARY_DIR}/re
 set(pc_requires "libpng libjpeg")
 set(pc_libs "-lembree${embree_VERSION_MAJOR} -lOpenEXRCore")
 foreach(name ${OpenMP_C_LIB_NAMES})
+  get_filename_component(openmp_folder "${OpenMP_${name}_LIBRARY}" DIRECTORY)
+  if(NOT openmp_folder IN_LIST CMAKE_C_IMPLICIT_LINK_DIRECTORIES) # as with clang
+    string(APPEND pc_libs " -L${openmp_folder}")
+  endif()
   string(APPEND pc_libs " -l${name}")
 endforeach()
 string(APPEND pc_libs " ${CMAKE_THREAD_LIBS_INIT} -lm")

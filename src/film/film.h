@@ -63,8 +63,9 @@ void rf_combine_film( const RfFilm* film, RfFilmCombine combine, float* rgb, flo
 void rf_estimate_variance( const RfFilm* film, RfFilmCombine combine, float* variance );
 
 // Estimated relMSE of `rgb`, the combined film, from the difference of the halves; NaN where one
-// of them is empty. Its mean over many renders is within 15 % of the true error (tests/render/test_estimator_error.c); for a
-// single render it is as uncertain as its fireflies are.
+// of them is empty. Its mean over many renders is within 15 % of the true error
+// (tests/render/test_estimator_noise_estimate.c); for a single render it is as uncertain as its
+// fireflies are.
 double rf_estimate_relmse( const RfFilm* film, RfFilmCombine combine, const float* rgb );
 
 #endif

@@ -108,7 +108,7 @@ exr_context_initializer_t rf_exr_initializer( RfExrStream* stream )
     };
 }
 
-#if defined( __SANITIZE_ADDRESS__ ) // the sanitizer detects overruns only in blocks of malloc
+#ifdef REFRAME_SANITIZED // the sanitizer detects overruns only in blocks of malloc
 
 void* rf_alloc_exr_buffer( exr_transcoding_pipeline_buffer_id_t id, size_t bytes )
 {

@@ -32,6 +32,7 @@ static void compare_line( void* user, int c, int x, int y, const float* values, 
     for ( int i = 0; i < count && check->same; ++i )
     {
         const float* value = source + (size_t)channel->stride * (size_t)i;
+        // bits, so that NaN equals itself: NOLINTNEXTLINE(bugprone-suspicious-memory-comparison)
         check->same = channel->half ? is_half_of( values[i], *value ) : memcmp( values + i, value, sizeof *value ) == 0;
     }
     check->values += (size_t)count;

@@ -23,7 +23,7 @@ static float to_linear( float c, RfSourceFormat format )
 static float* copy_normals( const struct aiMesh* from, const RfModelMesh* mesh )
 {
     float* out = malloc( 3 * (size_t)mesh->vertex_count * sizeof *out );
-    for ( uint32_t i = 0; out != NULL && i < mesh->vertex_count; ++i )
+    for ( size_t i = 0; out != NULL && i < mesh->vertex_count; ++i )
     {
         double x = from->mNormals[i].x, y = from->mNormals[i].y, z = from->mNormals[i].z;
         double length = sqrt( x * x + y * y + z * z );
@@ -44,7 +44,7 @@ static float* copy_normals( const struct aiMesh* from, const RfModelMesh* mesh )
 static float* copy_uvs( const struct aiMesh* from, uint32_t count )
 {
     float* out = calloc( 2 * (size_t)count, sizeof *out );
-    for ( uint32_t i = 0; out != NULL && from->mTextureCoords[0] != NULL && i < count; ++i )
+    for ( size_t i = 0; out != NULL && from->mTextureCoords[0] != NULL && i < count; ++i )
     {
         out[2 * i] = from->mTextureCoords[0][i].x;
         out[2 * i + 1] = 1.0f - from->mTextureCoords[0][i].y; // v points down in glTF
@@ -55,7 +55,7 @@ static float* copy_uvs( const struct aiMesh* from, uint32_t count )
 static float* copy_colors( const struct aiMesh* from, uint32_t count, RfSourceFormat format )
 {
     float* out = malloc( 4 * (size_t)count * sizeof *out );
-    for ( uint32_t i = 0; out != NULL && i < count; ++i )
+    for ( size_t i = 0; out != NULL && i < count; ++i )
     {
         const struct aiColor4D* c = from->mColors[0] + i;
         out[4 * i] = to_linear( c->r, format );
@@ -101,13 +101,13 @@ static bool take_mesh( RfImport* import, const struct aiMesh* from, RfModelMesh*
     mesh->positions = malloc( 3 * (size_t)count * sizeof( float ) );
     mesh->indices = malloc( 3 * (size_t)from->mNumFaces * sizeof( uint32_t ) );
     bool good = mesh->positions != NULL && mesh->indices != NULL;
-    for ( uint32_t i = 0; good && i < count; ++i )
+    for ( size_t i = 0; good && i < count; ++i )
     {
         mesh->positions[3 * i] = from->mVertices[i].x;
         mesh->positions[3 * i + 1] = from->mVertices[i].y;
         mesh->positions[3 * i + 2] = from->mVertices[i].z;
     }
-    for ( uint32_t i = 0; good && i < from->mNumFaces; ++i )
+    for ( size_t i = 0; good && i < from->mNumFaces; ++i )
     {
         if ( from->mFaces[i].mNumIndices == 3 )
             memcpy( mesh->indices + 3 * (size_t)mesh->triangle_count++, from->mFaces[i].mIndices, 3 * sizeof( uint32_t ) );

@@ -34,7 +34,7 @@ static void set_limits( unsigned long long bytes, unsigned long long seconds )
     prctl( PR_SET_PDEATHSIG, SIGKILL );
     set_limit( RLIMIT_CORE, 0 );
     set_limit( RLIMIT_CPU, seconds + 1 );
-#ifndef __SANITIZE_ADDRESS__ // AddressSanitizer reserves terabytes of address space
+#ifndef REFRAME_SANITIZED // sanitizers reserve terabytes of address space
     set_limit( RLIMIT_AS, bytes );
 #else
     (void)bytes;

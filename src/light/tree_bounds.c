@@ -58,7 +58,7 @@ static void unite_cones( RfLightBounds* a, const RfLightBounds* b )
     double angle = angle_of( cos_angle ), spread_a = angle_of( a->cos_spread ), spread_b = angle_of( b->cos_spread );
     double spread = 0.5 * ( spread_a + angle + spread_b );
     if ( a->two_sided != b->two_sided )
-        face_everywhere( a );
+        face_everywhere( a ); // NOLINT(bugprone-branch-clone): as further down, but the order matters
     else if ( angle + spread_b <= spread_a )
         return;
     else if ( angle + spread_a <= spread_b )

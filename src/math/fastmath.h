@@ -2,7 +2,7 @@
 // over them runs eight lanes at a time, and the result does not depend on the lane. The
 // polynomials are minimax fits of the relative error (Remez exchange with 40 digits); the
 // stated errors are measured for the whole function in float and tested in
-// tests/math/test_math.c.
+// tests/math/test_fastmath_accuracy.c.
 #ifndef REFRAME_MATH_FASTMATH_H
 #define REFRAME_MATH_FASTMATH_H
 

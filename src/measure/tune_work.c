@@ -4,6 +4,7 @@
 #include "base/system.h"
 #include "measure/tune_internal.h"
 
+#include <omp.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -70,6 +71,9 @@ static void run_tasks( RfTuneWork* w, int tasks )
     int wanted = w->threads < tasks ? w->threads : tasks, count = 0;
     w->task_count = tasks;
     atomic_store( &w->next, 0 );
+    // Makes this thread OpenMP's first one, since it outlives the others: libomp 14 looks
+    // at its first thread whenever a tool (ThreadSanitizer's archer) watches a critical section.
+    (void)omp_get_max_threads();
     while ( count + 1 < wanted && count < MAX_WORKERS && pthread_create( threads + count, NULL, run_worker, w ) == 0 )
         count += 1;
     run_worker( w );

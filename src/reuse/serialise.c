@@ -48,6 +48,7 @@ static void list_normals( int count, float* const ng[3], Normals* normals )
         uint32_t bits[3];
         memcpy( bits, normal, sizeof bits );
         uint32_t slot = ( ( bits[0] * 0x9e3779b1u ^ bits[1] ) * 0x85ebca6bu ^ bits[2] ) * 0xc2b2ae35u >> 20;
+        // bits, as they were hashed: NOLINTNEXTLINE(bugprone-suspicious-memory-comparison)
         while ( slots[slot] >= 0 && memcmp( normals->list[slots[slot]], normal, sizeof normal ) != 0 )
             slot = ( slot + 1 ) % SLOTS;
         if ( slots[slot] < 0 )

@@ -23,8 +23,9 @@ static void connect_neighbours( const RfVertexLanes* restrict x, const RfTileReu
         RfVec3 wi = rf_scale( to_vertex, 1.0f / sqrtf( d2 ) );
         float cos_y = -rf_dot( rf_vec3( y->ng[0][a], y->ng[1][a], y->ng[2][a] ), wi );
         float geometry = cos_y / d2 * reuse->own_distance2_cos[a];
-        int sees = ( pairing->weight[i] > 0.0f ) & ( cos_y > 0.0f ) & ( rf_dot( n, wi ) > 0.0f ) & ( rf_dot( ng, wi ) > 0.0f ) &
-                   ( geometry < 1e18f );
+        // & of int: the loop stays free of branches
+        int sees = (int)( pairing->weight[i] > 0.0f ) & (int)( cos_y > 0.0f ) & (int)( rf_dot( n, wi ) > 0.0f ) &
+                   (int)( rf_dot( ng, wi ) > 0.0f ) & (int)( geometry < 1e18f );
         // the BSDFs need a valid direction in every lane
         pairing->wi[0][i] = sees ? wi.x : n.x;
         pairing->wi[1][i] = sees ? wi.y : n.y;

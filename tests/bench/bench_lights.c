@@ -1,7 +1,7 @@
-// Lights picked by the tree against lights picked by power: CPU time per path
-// with one thread, and the efficiency 1 / (relMSE · time) against a reference.
+// Light sampling by the tree against light sampling by power: CPU time per path on
+// one thread, and the efficiency 1 / (relMSE · time) against a reference.
 // Usage: bench_lights [--quick] [SCENE.glb]. Without a scene: halls of 10 to
-// 10,000 lamps of the same power in all.
+// 10,000 lamps of the same total power.
 #include "base/random.h"
 #include "measure/error.h"
 #include "support/render_support.h"

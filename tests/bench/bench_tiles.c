@@ -1,4 +1,4 @@
-// What sharing paths in tiles of N-rooks patterns brings for indirect light, in
+// What tile reuse with N-rooks patterns gains for indirect light, in
 // the manner of figure 6 of the path-reuse paper: mean squared error at equal
 // samples, and time, with and without.
 // Usage: bench_tiles [--light-samples K] [--spp S] SCENE.glb

@@ -1,5 +1,5 @@
-// Scattering models: do evaluate, density and sample agree (χ² over the sphere,
-// albedo by sampling against albedo by quadrature), do the models keep energy?
+// Scattering models agree with themselves: samples follow the density (χ² over the
+// sphere), sampled albedo equals albedo by quadrature, and no model gains energy.
 #include "support/bsdf_lanes.h"
 
 #include <setjmp.h>
@@ -10,7 +10,7 @@
 
 #include <cmocka.h>
 
-#if defined( __SANITIZE_ADDRESS__ )
+#ifdef REFRAME_SANITIZED
 #define SAMPLES 20000
 #define SUB 12
 #define FURNACE_SIDE 48
@@ -243,14 +243,14 @@ static void check_sampling( const Material* materials, int count )
     assert_int_equal( failed, 0 );
 }
 
-static void test_lambert_sampling( void** state )
+static void test_lambert_samples_follow_density( void** state )
 {
     (void)state;
     const Material m = { RF_BSDF_LAMBERT, { 0.3f, 0.5f, 0.7f }, { 0, 0, 0 }, 0, 0, 0, 0, 0, 0 };
     check_sampling( &m, 1 );
 }
 
-static void test_phong_sampling( void** state )
+static void test_phong_samples_follow_density( void** state )
 {
     (void)state;
     const Material m[] = { { RF_BSDF_PHONG, { 0.2f, 0.5f, 0.7f }, { 0.1f, 0.2f, 0.3f }, 1.0f, 0, 0, 0, 0, 0 },
@@ -263,7 +263,7 @@ static void test_phong_sampling( void** state )
     check_sampling( m, 7 );
 }
 
-static void test_ggx_sampling( void** state )
+static void test_ggx_samples_follow_density( void** state )
 {
     (void)state;
     const Material m[] = { { RF_BSDF_GGX, { 0.2f, 0.5f, 0.8f }, { 0.04f, 0.04f, 0.04f }, 1.0f, 1, 0.04f, 1, 0, 0 },
@@ -324,7 +324,7 @@ static void check_furnace( const Material* m, double* least, double* most )
     }
 }
 
-static void test_ggx_furnace( void** state )
+static void test_ggx_keeps_energy( void** state )
 {
     (void)state;
     const float alphas[] = { RF_MIN_ALPHA, 0.01f, 0.05f, 0.1f, 0.2f, 0.4f, 0.7f, 1.0f };
@@ -350,7 +350,7 @@ static void test_ggx_furnace( void** state )
     }
 }
 
-static void test_coated_sampling( void** state )
+static void test_coated_samples_follow_density( void** state )
 {
     (void)state;
     const Material m[] = { { RF_BSDF_COATED, { 0.2f, 0.5f, 0.8f }, { 0.04f, 0.04f, 0.04f }, 0.5f, 1, 0.04f, 1, 1.0f, 0.3f },
@@ -360,7 +360,7 @@ static void test_coated_sampling( void** state )
 }
 
 // Coats that lean away from what they cover.
-static void test_leaning_coat( void** state )
+static void test_leaning_coat_samples_follow_density( void** state )
 {
     (void)state;
     const Material m[] = { { RF_BSDF_COATED, { 0.2f, 0.5f, 0.8f }, { 0.04f, 0.04f, 0.04f }, 0.5f, 1, 0.04f, 1, 1.0f, 0.3f },
@@ -378,7 +378,7 @@ static void test_leaning_coat( void** state )
     print_message( "leaning coat: albedo %.4f to %.4f\n", least, most );
 }
 
-static void test_coated_furnace( void** state )
+static void test_coats_keep_energy( void** state )
 {
     (void)state;
     const float alphas[] = { RF_MIN_ALPHA, 0.05f, 0.2f, 1.0f };
@@ -403,7 +403,7 @@ static void test_coated_furnace( void** state )
     }
 }
 
-static void test_phong_furnace( void** state )
+static void test_phong_keeps_energy( void** state )
 {
     (void)state;
     const float exponents[] = { 0.0f, 1.0f, 5.0f, 50.0f, 1000.0f, 1e6f };
@@ -423,10 +423,10 @@ static void test_phong_furnace( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_lambert_sampling ), cmocka_unit_test( test_phong_sampling ),
-        cmocka_unit_test( test_ggx_sampling ),     cmocka_unit_test( test_ggx_furnace ),
-        cmocka_unit_test( test_coated_sampling ),  cmocka_unit_test( test_coated_furnace ),
-        cmocka_unit_test( test_leaning_coat ),     cmocka_unit_test( test_phong_furnace ),
+        cmocka_unit_test( test_lambert_samples_follow_density ),      cmocka_unit_test( test_phong_samples_follow_density ),
+        cmocka_unit_test( test_ggx_samples_follow_density ),          cmocka_unit_test( test_ggx_keeps_energy ),
+        cmocka_unit_test( test_coated_samples_follow_density ),       cmocka_unit_test( test_coats_keep_energy ),
+        cmocka_unit_test( test_leaning_coat_samples_follow_density ), cmocka_unit_test( test_phong_keeps_energy ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

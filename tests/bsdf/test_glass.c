@@ -1,5 +1,5 @@
-// Mirrors and glass: Fresnel and Snell by hand, energy, and that sampling,
-// density and evaluation of the lobes with a width agree.
+// Mirrors and glass: Fresnel's and Snell's laws by hand, energy, and agreement of
+// sampling, density and evaluation for rough lobes.
 #include "bsdf/bsdf.h"
 
 #include "base/random.h"
@@ -172,7 +172,7 @@ static void check_rough( Glass g, float degrees )
     assert_true( fabs( quadrature - wide_albedo ) < 4.0 * error + 2e-3 );
 }
 
-static void test_rough( void** state )
+static void test_rough_lobes_agree_with_themselves( void** state )
 {
     (void)state;
     static const float degrees[] = { 0.0f, 35.0f, 70.0f };
@@ -189,7 +189,7 @@ static void test_rough( void** state )
 
 // Half a metal: its part of the reflection is coloured, and light goes through
 // the other half alone.
-static void test_half_metal( void** state )
+static void test_half_a_metal_transmits_the_rest( void** state )
 {
     (void)state;
     Glass g = { .specular = { 0.4f, 0.2f, 0.1f }, .tint = { 0.5f, 0.5f, 0.5f }, .ior = 1.5f, .metal = 0.5f };
@@ -217,7 +217,7 @@ static void test_half_metal( void** state )
                  35.0f );
 }
 
-static void test_reciprocity( void** state )
+static void test_rough_glass_is_reciprocal( void** state )
 {
     (void)state;
     Glass g = { .base = { 0.6f, 0.5f, 0.4f }, .tint = { 0.4f, 0.4f, 0.4f }, .alpha = 0.4f, .ior = 1.5f };
@@ -235,9 +235,9 @@ int main( void )
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( test_snell_and_fresnel ),
         cmocka_unit_test( test_thin_walls_and_mirrors ),
-        cmocka_unit_test( test_rough ),
-        cmocka_unit_test( test_half_metal ),
-        cmocka_unit_test( test_reciprocity ),
+        cmocka_unit_test( test_rough_lobes_agree_with_themselves ),
+        cmocka_unit_test( test_half_a_metal_transmits_the_rest ),
+        cmocka_unit_test( test_rough_glass_is_reciprocal ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -1,4 +1,4 @@
-// reframe render --aov from outside: what the files hold, what is refused.
+// reframe render --aov as a user sees it: the channels in the files, and what is refused.
 #include "support/cli_run.h"
 
 #include <math.h>
@@ -32,7 +32,7 @@ static float* channel_of( const char* name, const char* channel, int width, int 
     return values;
 }
 
-static void test_channels( void** state )
+static void test_every_channel_is_written( void** state )
 {
     (void)state;
     static const char* const names[] = { "albedo.R",   "albedo.G",   "albedo.B",  "normal.X", "normal.Y", "normal.Z",
@@ -73,7 +73,7 @@ static void test_channels( void** state )
     assert_null( channel_of( "d/f.0010.exr", "albedo.R", 48, 27 ) );
 }
 
-static void test_refused( void** state )
+static void test_wrong_names_are_refused( void** state )
 {
     (void)state;
     cli_expect( cli_run( "$R render $VASE -o r.exr --aov colour" ), 2,
@@ -86,7 +86,7 @@ static void test_refused( void** state )
     assert_false( cli_exists( "r.exr" ) );
 }
 
-static void test_resume( void** state )
+static void test_resume_wants_the_same_aovs( void** state )
 {
     (void)state;
     cli_expect( cli_run( "$R render $VASE -o s/f.####.exr " SMALL " --aov depth,albedo" ), 0, NULL );
@@ -115,9 +115,9 @@ static void test_variance_of_one_pass( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_channels ),
-        cmocka_unit_test( test_refused ),
-        cmocka_unit_test( test_resume ),
+        cmocka_unit_test( test_every_channel_is_written ),
+        cmocka_unit_test( test_wrong_names_are_refused ),
+        cmocka_unit_test( test_resume_wants_the_same_aovs ),
         cmocka_unit_test( test_variance_of_one_pass ),
     };
     return cmocka_run_group_tests_name( "aov", tests, cli_enter_group, cli_leave_group );

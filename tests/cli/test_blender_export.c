@@ -1,5 +1,5 @@
-// scripts/blender-export.py on a scene made by Blender itself; skipped where
-// Blender, or the numpy that its exporter needs, is not there.
+// scripts/blender-export.py on a scene made in Blender; skipped where Blender or the numpy
+// that its exporter needs is missing.
 #include "support/cli_run.h"
 
 #include "light/sky.h"
@@ -189,7 +189,7 @@ static void load( const char* name, RfScene* scene )
         fail_msg( "%s", error.text );
 }
 
-static void test_export( void** state )
+static void test_export_keeps_the_scene( void** state )
 {
     (void)state;
     if ( !enter_with_blender() )
@@ -212,7 +212,7 @@ static void test_export( void** state )
     cli_leave();
 }
 
-static void test_world( void** state )
+static void test_world_becomes_the_environment( void** state )
 {
     (void)state;
     if ( !enter_with_blender() )
@@ -241,6 +241,7 @@ static void test_world( void** state )
 
 int main( void )
 {
-    const struct CMUnitTest tests[] = { cmocka_unit_test( test_export ), cmocka_unit_test( test_world ) };
+    const struct CMUnitTest tests[] = { cmocka_unit_test( test_export_keeps_the_scene ),
+                                        cmocka_unit_test( test_world_becomes_the_environment ) };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

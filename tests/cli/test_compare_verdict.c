@@ -1,4 +1,4 @@
-// What `compare` says in words.
+// The verdict of reframe compare in words.
 #include "cli/compare/compare_report.h"
 
 #include <math.h>
@@ -16,7 +16,7 @@ static void check_verdict( const RfErrorMetrics* metrics, int frame, const char*
     assert_string_equal( text, wanted );
 }
 
-static void test_verdict( void** state )
+static void test_verdict_says_bias_noise_and_worst_pixel( void** state )
 {
     (void)state;
     RfErrorMetrics m = { .relmse = 0.03,
@@ -61,6 +61,6 @@ static void test_verdict( void** state )
 
 int main( void )
 {
-    const struct CMUnitTest tests[] = { cmocka_unit_test( test_verdict ) };
+    const struct CMUnitTest tests[] = { cmocka_unit_test( test_verdict_says_bias_noise_and_worst_pixel ) };
     return cmocka_run_group_tests_name( "compare verdict", tests, NULL, NULL );
 }

@@ -1,4 +1,4 @@
-// reframe plan: table, JSON, errors, and that render --group auto takes the row that it marks.
+// reframe plan: table, JSON and errors; render --group auto takes the row it marks.
 #include "support/cli_run.h"
 
 #include <jansson.h>
@@ -54,7 +54,7 @@ static void check_rows( const json_t* plan )
     assert_true( is_null( chosen_row( plan ), "excluded" ) );
 }
 
-static void test_command( void** state )
+static void test_table_and_json_agree( void** state )
 {
     (void)state;
     static const char options[] = "--size 64x36 --spp 9 --memory 40M";
@@ -99,7 +99,7 @@ static int common_group( const char* options )
 }
 
 // Whatever a render takes of memory, plan knows of it: options that change the choice, and some that do not.
-static void test_options_of_render( void** state )
+static void test_options_change_plan_as_render( void** state )
 {
     (void)state;
     static const struct
@@ -208,8 +208,8 @@ static void test_command_defaults_and_errors( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_command ),
-        cmocka_unit_test( test_options_of_render ),
+        cmocka_unit_test( test_table_and_json_agree ),
+        cmocka_unit_test( test_options_change_plan_as_render ),
         cmocka_unit_test( test_rows_without_room ),
         cmocka_unit_test( test_command_defaults_and_errors ),
     };

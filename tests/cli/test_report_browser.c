@@ -1,6 +1,6 @@
-// The page of `report` in headless Chromium, by tests/browser/check-page.js: it loads,
-// plays, seeks, and says nothing in the console. Skipped where there is no Chromium,
-// Node.js or playwright-core, which scripts/install-browser gets.
+// The report page in headless Chromium, by tests/browser/check-page.js: it loads, plays,
+// seeks and logs nothing to the console. Skipped without Chromium, Node.js or playwright-
+// core, which scripts/install-browser installs.
 #include "support/cli_run.h"
 #include "image/exr.h"
 
@@ -15,7 +15,7 @@
 
 #include <cmocka.h>
 
-#ifdef __SANITIZE_ADDRESS__
+#ifdef REFRAME_SANITIZED
 #define FRAMES 12
 #else
 #define FRAMES 48
@@ -93,7 +93,7 @@ static bool check_page( const char* page, const char* more )
     return result->status == 0;
 }
 
-static void test_of_full_size( void** state )
+static void test_full_size_loads_and_plays( void** state )
 {
     (void)state;
     write_sequence( "big", 960, 540, FRAMES, 0.2f );
@@ -106,7 +106,7 @@ static void test_of_full_size( void** state )
 }
 
 // Side by side, with a reference, a frame that is missing, curves of cost, names of any kind.
-static void test_side_by_side( void** state )
+static void test_side_by_side_with_holes_and_names( void** state )
 {
     (void)state;
     write_sequence( "a</script>&", 96, 54, 6, 0.3f );
@@ -128,7 +128,7 @@ static void test_side_by_side( void** state )
 
 // What the browser paints is the sRGB curve of the light: of 0.5 it is 187.5, of
 // columns of 0.1 and 0.8 the mean of 89.0 and 231.1, two stops darker of 43.8 and 123.6.
-static void test_brightness( void** state )
+static void test_brightness_is_the_srgb_curve( void** state )
 {
     (void)state;
     write_columns( "flat.exr", 0.5f, 0.5f );
@@ -143,7 +143,8 @@ static void test_brightness( void** state )
 
 int main( void )
 {
-    const struct CMUnitTest tests[] = { cmocka_unit_test( test_of_full_size ), cmocka_unit_test( test_side_by_side ),
-                                        cmocka_unit_test( test_brightness ) };
+    const struct CMUnitTest tests[] = { cmocka_unit_test( test_full_size_loads_and_plays ),
+                                        cmocka_unit_test( test_side_by_side_with_holes_and_names ),
+                                        cmocka_unit_test( test_brightness_is_the_srgb_curve ) };
     return cmocka_run_group_tests_name( "report in a browser", tests, cli_enter_group, cli_leave_group );
 }

@@ -1,5 +1,5 @@
-// Which frames, layers and parts of files `report` takes, and what it tells of those
-// that are not there.
+// Which frames, layers and parts of files reframe report takes, and what it says about
+// missing ones.
 #include "support/cli_run.h"
 #include "support/foreign_exr.h"
 #include "support/page_checks.h"
@@ -12,7 +12,7 @@
 
 #include <cmocka.h>
 
-static void test_missing_frames( void** state )
+static void test_missing_frames_are_told( void** state )
 {
     (void)state;
     page_make_folder( "m/a" );
@@ -51,7 +51,7 @@ static void test_missing_frames( void** state )
     json_decref( data );
 }
 
-static void test_other_programs( void** state )
+static void test_files_of_other_programs( void** state )
 {
     (void)state;
     page_make_folder( "o" );
@@ -77,7 +77,7 @@ static void test_other_programs( void** state )
 }
 
 // The regular step is the smallest that occurs.
-static void test_holes( void** state )
+static void test_holes_by_the_smallest_step( void** state )
 {
     (void)state;
     page_make_folder( "g" );
@@ -109,7 +109,7 @@ static void write_parts( const char* name, const Foreign* parts, int count )
     }
 
 // Motion in the first part, colour in the second, depth in the third; then a frame without motion.
-static void test_parts( void** state )
+static void test_layers_found_across_parts( void** state )
 {
     (void)state;
     page_make_folder( "p" );
@@ -148,7 +148,7 @@ static void test_parts( void** state )
     json_decref( data );
 }
 
-static void test_layers( void** state )
+static void test_layers_are_chosen_by_name( void** state )
 {
     (void)state;
     page_make_folder( "l/a" );
@@ -173,7 +173,7 @@ static void test_layers( void** state )
     json_decref( data );
 }
 
-static void test_sizes( void** state )
+static void test_sizes_must_agree( void** state )
 {
     (void)state;
     page_make_folder( "s" );
@@ -189,8 +189,9 @@ static void test_sizes( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_missing_frames ), cmocka_unit_test( test_holes ),  cmocka_unit_test( test_other_programs ),
-        cmocka_unit_test( test_parts ),          cmocka_unit_test( test_layers ), cmocka_unit_test( test_sizes ),
+        cmocka_unit_test( test_missing_frames_are_told ),   cmocka_unit_test( test_holes_by_the_smallest_step ),
+        cmocka_unit_test( test_files_of_other_programs ),   cmocka_unit_test( test_layers_found_across_parts ),
+        cmocka_unit_test( test_layers_are_chosen_by_name ), cmocka_unit_test( test_sizes_must_agree ),
     };
     return cmocka_run_group_tests_name( "report frames", tests, cli_enter_group, cli_leave_group );
 }

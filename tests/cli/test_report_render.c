@@ -1,5 +1,5 @@
-// What `report` tells of a render: the samples that were traced, and totals where
-// frames were kept from before.
+// What reframe report shows of a render: samples traced, and totals where earlier frames
+// were kept.
 #include "support/cli_run.h"
 #include "support/page_checks.h"
 
@@ -28,7 +28,7 @@ static const char* samples_of( const char* folder )
 }
 
 // Those traced, from the frames; the bound only where somebody gave it.
-static void test_samples( void** state )
+static void test_traced_samples_and_bound( void** state )
 {
     (void)state;
     RfExrString said[] = {
@@ -75,7 +75,7 @@ static json_t* report_kept( const char* second_kept, const char* interrupted )
 }
 
 // Totals are of the last run alone.
-static void test_kept_frames( void** state )
+static void test_totals_are_of_the_last_run( void** state )
 {
     (void)state;
     page_make_folder( "t" );
@@ -106,7 +106,7 @@ static void test_kept_frames( void** state )
 }
 
 // What render leaves.
-static void test_rendered( void** state )
+static void test_render_output_as_it_is( void** state )
 {
     (void)state;
     cli_expect( cli_run( "$R render $VASE -o v/f.####.exr --frames 1-3 --json v/render.json " SMALL "&& "
@@ -130,9 +130,9 @@ static void test_rendered( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_samples ),
-        cmocka_unit_test( test_kept_frames ),
-        cmocka_unit_test( test_rendered ),
+        cmocka_unit_test( test_traced_samples_and_bound ),
+        cmocka_unit_test( test_totals_are_of_the_last_run ),
+        cmocka_unit_test( test_render_output_as_it_is ),
     };
     return cmocka_run_group_tests_name( "report of a render", tests, cli_enter_group, cli_leave_group );
 }

@@ -44,7 +44,7 @@ static void check_obj_materials( const RfScene* scene )
                  convert_near( gold->diffuse.x, 0 ) );
 }
 
-static void test_obj( void** state )
+static void test_obj_arrives( void** state )
 {
     (void)state;
     convert_write_obj();
@@ -76,7 +76,7 @@ static void test_obj( void** state )
     convert_assert_files( 5 );
 }
 
-static void test_placement( void** state )
+static void test_placement_arrives( void** state )
 {
     (void)state;
     convert_write_obj();
@@ -120,7 +120,7 @@ static RfMat4 world_of( const RfScene* scene, int node )
     return world;
 }
 
-static void test_collada( void** state )
+static void test_collada_arrives( void** state )
 {
     (void)state;
     convert_write( "c.dae", COLLADA( "<xfov>60</xfov><aspect_ratio>2</aspect_ratio>" ) );
@@ -257,7 +257,7 @@ static const char s_fbx[] = "; FBX 7.4.0 project file\n"
                             "C: \"OO\",600,700\n"
                             "}\n";
 
-static void test_fbx( void** state )
+static void test_fbx_arrives( void** state )
 {
     (void)state;
     convert_write( "f.fbx", s_fbx );
@@ -290,7 +290,7 @@ static void test_missing_texture( void** state )
     cli_expect( cli_run( "$R convert a.obj a.glb --overwrite" ), 0, "texture 'gone/wall.png': is neither PNG nor JPEG" );
 }
 
-static void test_vertex_colors( void** state )
+static void test_vertex_colours_arrive( void** state )
 {
     (void)state;
     convert_write( "a.obj", "v 0 0 0 1 0.5 0\nv 1 0 0 1 0.5 0\nv 0 1 0 1 0.5 0\nf 1 2 3\n" );
@@ -307,8 +307,8 @@ static void test_vertex_colors( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        TEST( test_obj ), TEST( test_placement ),       TEST( test_collada ),
-        TEST( test_fbx ), TEST( test_missing_texture ), TEST( test_vertex_colors ),
+        TEST( test_obj_arrives ), TEST( test_placement_arrives ), TEST( test_collada_arrives ),
+        TEST( test_fbx_arrives ), TEST( test_missing_texture ),   TEST( test_vertex_colours_arrive ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

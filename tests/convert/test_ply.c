@@ -1,5 +1,5 @@
-// The PLY reader: three formats, polygons, colours, what is read past, and
-// every error line.
+// The PLY reader: the three encodings, polygons, colours, what is ignored, and every error
+// line.
 #include "convert/ply_read.h"
 #include "support/gltf_builder.h"
 
@@ -53,7 +53,7 @@ static void assert_fails( const char* text, const char* words )
 #define FACES( n ) "element face " #n "\nproperty list uchar int vertex_indices\n"
 #define SQUARE "0 0 0\n1 0 0\n1 1 0\n0 1 0\n"
 
-static void test_ascii( void** state )
+static void test_ascii_is_read( void** state )
 {
     (void)state;
     static const char text[] =
@@ -116,7 +116,7 @@ static size_t binary_square( bool big, uint8_t* out )
     return at;
 }
 
-static void test_binary( void** state )
+static void test_both_byte_orders_are_read( void** state )
 {
     (void)state;
     for ( int big = 0; big < 2; ++big )
@@ -154,7 +154,7 @@ static double area_of( const RfModelMesh* m )
     return sum;
 }
 
-static void test_concave( void** state )
+static void test_concave_polygons_are_cut( void** state )
 {
     (void)state;
     // an arrow head and an L of six corners, as polygons
@@ -170,7 +170,7 @@ static void test_concave( void** state )
 
 #define HEAD "ply\nformat ascii 1.0\n"
 
-static void test_warnings( void** state )
+static void test_warnings_say_what_is_left_out( void** state )
 {
     (void)state;
     static const char text[] = HEAD VERTICES "property float nx\nproperty float ny\nproperty float nz\n" FACES(
@@ -186,7 +186,7 @@ static void test_warnings( void** state )
 
 // As Stanford has them: every second triangle turned round, -1 starts anew, and
 // triangles without area turn corners.
-static void test_strips( void** state )
+static void test_strips_as_stanford_has_them( void** state )
 {
     (void)state;
     static const char text[] = HEAD "element vertex 6\nproperty float x\nproperty float y\nproperty float z\n" STRIPS
@@ -209,7 +209,7 @@ static void test_strips( void** state )
                   "element tristrips has no list vertex_indices" );
 }
 
-static void test_trailing( void** state )
+static void test_trailing_bytes_are_faults( void** state )
 {
     (void)state;
     assert_fails( HEAD VERTICES FACES( 1 ) "end_header\n" SQUARE "3 0 1 2\n3 1 2 3\n",
@@ -223,7 +223,7 @@ static void test_trailing( void** state )
     assert_non_null( strstr( error.text, "1 bytes follow the last element" ) );
 }
 
-static void test_faults( void** state )
+static void test_faults_are_one_line( void** state )
 {
     (void)state;
     assert_fails( "plx\n", "line 1: does not begin with 'ply'" );
@@ -275,7 +275,7 @@ static void test_faults( void** state )
 
 // A comment may be of any length; colours stay between 0 and 1; what has no
 // material is no metal.
-static void test_leniences( void** state )
+static void test_what_is_taken_leniently( void** state )
 {
     (void)state;
     char text[2048], words[1001];
@@ -295,7 +295,7 @@ static void test_leniences( void** state )
 
 // Teeth all around: cutting one takes the square of its corners, and a file of
 // them must not take for ever.
-static void test_tangled( void** state )
+static void test_tangled_polygons_take_bounded_time( void** state )
 {
     (void)state;
     enum
@@ -333,7 +333,7 @@ static void test_tangled( void** state )
 }
 
 // Whatever becomes of the bytes: a result or an error line, in no time.
-static void test_mutations( void** state )
+static void test_mutations_never_crash( void** state )
 {
     (void)state;
     for ( uint64_t number = 0; number < 4000; ++number )
@@ -371,10 +371,16 @@ static int leave( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_ascii ),     cmocka_unit_test( test_binary ),   cmocka_unit_test( test_concave ),
-        cmocka_unit_test( test_warnings ),  cmocka_unit_test( test_faults ),   cmocka_unit_test( test_leniences ),
-        cmocka_unit_test( test_strips ),    cmocka_unit_test( test_trailing ), cmocka_unit_test( test_tangled ),
-        cmocka_unit_test( test_mutations ),
+        cmocka_unit_test( test_ascii_is_read ),
+        cmocka_unit_test( test_both_byte_orders_are_read ),
+        cmocka_unit_test( test_concave_polygons_are_cut ),
+        cmocka_unit_test( test_warnings_say_what_is_left_out ),
+        cmocka_unit_test( test_faults_are_one_line ),
+        cmocka_unit_test( test_what_is_taken_leniently ),
+        cmocka_unit_test( test_strips_as_stanford_has_them ),
+        cmocka_unit_test( test_trailing_bytes_are_faults ),
+        cmocka_unit_test( test_tangled_polygons_take_bounded_time ),
+        cmocka_unit_test( test_mutations_never_crash ),
     };
     return cmocka_run_group_tests( tests, enter, leave );
 }

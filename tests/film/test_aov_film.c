@@ -1,5 +1,5 @@
-// Layers of a render: closed forms, the variance against the true one, and that
-// they are the same bits however the frames come about and change no colour.
+// AOVs of a render: closed forms, the variance against the true one, the same bits however
+// the frames come about, and no influence on colour.
 #include "support/hard_cases.h"
 
 #include <math.h>
@@ -116,7 +116,7 @@ static void assert_all( const float* values, int pixels, int channels, int chann
 }
 
 // A camera before a wall that moves right and up and steps back.
-static void test_plane( void** state )
+static void test_moving_wall_by_hand( void** state )
 {
     (void)state;
     RfScene scene = make_wall( -50, make_lambert( 0.2f, 0.4f, 0.6f ) );
@@ -161,7 +161,7 @@ static void test_plane( void** state )
 }
 
 // Pixels that the wall covers in part, and pixels where nothing is.
-static void test_edge_and_nothing( void** state )
+static void test_edges_and_empty_pixels( void** state )
 {
     (void)state;
     RfScene scene = make_wall( 0.013f, make_lambert( 0.5f, 0.5f, 0.5f ) );
@@ -238,7 +238,7 @@ static void test_albedo_of_materials( void** state )
 
 #define EYES 7
 
-static void test_samples( void** state )
+static void test_samples_are_counted( void** state )
 {
     (void)state;
     RfScene scene = make_room( ROOM_GGX );
@@ -329,7 +329,7 @@ static void check_variance( RoomKind kind, int group )
     rf_destroy_scene( &scene );
 }
 
-static void test_variance( void** state )
+static void test_variance_is_the_true_one( void** state )
 {
     (void)state;
     check_variance( ROOM_DIFFUSE, 0 );
@@ -347,7 +347,7 @@ static void assert_same( const Frames* a, int i, const Frames* b, int j )
     }
 }
 
-static void test_same_bits( void** state )
+static void test_same_bits_however_the_frames_come_about( void** state )
 {
     (void)state;
     static const int groups[] = { 0, 1, 20 };
@@ -393,7 +393,7 @@ static void test_same_bits( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_budget( void** state )
+static void test_budget_counts_aov_films( void** state )
 {
     (void)state;
     RfScene scene = make_room( ROOM_DIFFUSE );
@@ -433,9 +433,10 @@ static void test_budget( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_plane ),   cmocka_unit_test( test_edge_and_nothing ), cmocka_unit_test( test_albedo_of_materials ),
-        cmocka_unit_test( test_samples ), cmocka_unit_test( test_variance ),         cmocka_unit_test( test_same_bits ),
-        cmocka_unit_test( test_budget ),
+        cmocka_unit_test( test_moving_wall_by_hand ),      cmocka_unit_test( test_edges_and_empty_pixels ),
+        cmocka_unit_test( test_albedo_of_materials ),      cmocka_unit_test( test_samples_are_counted ),
+        cmocka_unit_test( test_variance_is_the_true_one ), cmocka_unit_test( test_same_bits_however_the_frames_come_about ),
+        cmocka_unit_test( test_budget_counts_aov_films ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

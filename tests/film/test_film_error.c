@@ -1,6 +1,6 @@
-// The estimate of relMSE from the halves of a film is honest where noise is
-// heavy: fireflies that one pixel or a whole tile has, edges, dark places, noise
-// larger than the picture. Against the error to the known truth, in the mean.
+// The relMSE estimate from the halves of a film is honest under heavy noise: fireflies in
+// single pixels and whole tiles, edges, dark regions, noise larger than the picture. On
+// average, against the error relative to the known truth.
 #include "base/random.h"
 #include "film/film.h"
 #include "measure/error.h"
@@ -110,7 +110,7 @@ static void test_noise_without_fireflies( void** state )
     check( "even noise, slope", slope, mild );
 }
 
-static void test_fireflies( void** state )
+static void test_fireflies_of_pixels( void** state )
 {
     (void)state;
     Noise rare = { 0.0005f, 25.0f, 1 }, strong = { 0.0005f, 100.0f, 1 };
@@ -140,7 +140,7 @@ static void test_noise_beyond_the_picture( void** state )
 
 // A film narrower and lower than the surroundings, and values that are no
 // picture at all, are answered with a number.
-static void test_small_films( void** state )
+static void test_small_films_give_a_number( void** state )
 {
     (void)state;
     float half[2][4 * 6] = { { 0.0f } }, rgb[3 * 6];
@@ -166,11 +166,9 @@ static void test_small_films( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_noise_without_fireflies ),
-        cmocka_unit_test( test_fireflies ),
-        cmocka_unit_test( test_fireflies_of_tiles ),
-        cmocka_unit_test( test_noise_beyond_the_picture ),
-        cmocka_unit_test( test_small_films ),
+        cmocka_unit_test( test_noise_without_fireflies ),   cmocka_unit_test( test_fireflies_of_pixels ),
+        cmocka_unit_test( test_fireflies_of_tiles ),        cmocka_unit_test( test_noise_beyond_the_picture ),
+        cmocka_unit_test( test_small_films_give_a_number ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -1,6 +1,6 @@
-// Pictures lit by many lamps: picked by the tree and by power they have the
-// same mean, with one light sample and with more, alone and in groups of frames;
-// and the tree's equal the plain tracer's bits.
+// Pictures lit by many lamps have the same mean whether lights are sampled by the tree or
+// by power, with one light sample or several, alone and in groups of frames; with the tree
+// they equal the plain path tracer bit for bit.
 #include "support/reference_tracer.h"
 #include "support/render_support.h"
 #include "support/scene_builder.h"
@@ -110,7 +110,7 @@ static void check_same_mean( const RfTracer* tracer, int light_samples, int grou
     }
 }
 
-static void test_same_mean( void** state )
+static void test_tree_and_power_have_the_same_mean( void** state )
 {
     (void)state;
     RfScene scene = make_lamps();
@@ -121,7 +121,7 @@ static void test_same_mean( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_same_bits( void** state )
+static void test_tree_is_the_plain_tracer_to_the_bit( void** state )
 {
     (void)state;
     RfScene scene = make_lamps();
@@ -153,6 +153,7 @@ static void test_same_bits( void** state )
 int main( void )
 {
     rf_set_float_mode();
-    const struct CMUnitTest tests[] = { cmocka_unit_test( test_same_mean ), cmocka_unit_test( test_same_bits ) };
+    const struct CMUnitTest tests[] = { cmocka_unit_test( test_tree_and_power_have_the_same_mean ),
+                                        cmocka_unit_test( test_tree_is_the_plain_tracer_to_the_bit ) };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -1,5 +1,5 @@
-// The light tree: chances that add up, that picks keep to, and that are above
-// 0 wherever light could arrive.
+// The light tree: probabilities that sum to one, samples that follow them, and
+// probabilities above 0 wherever light could arrive.
 #include "base/random.h"
 #include "light/light.h"
 #include "support/scene_builder.h"
@@ -279,7 +279,7 @@ static void test_picks_keep_to_chances( void** state )
     assert_true( count > MIXES && least > 1e-5 && uniform > 1e-3 );
 }
 
-static void test_many_at_once( void** state )
+static void test_batches_equal_single_picks( void** state )
 {
     (void)state;
     enum
@@ -378,7 +378,7 @@ static void test_all_that_can_send_are_picked( void** state )
 
 // Each light once, on a way from the root that the places tell; the depth grows
 // with the logarithm.
-static void test_shape( void** state )
+static void test_each_light_once_at_logarithmic_depth( void** state )
 {
     (void)state;
     for ( int quads = 2; quads <= 20000; quads *= 10 )
@@ -458,9 +458,12 @@ static void test_picks_make_little_noise( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_chances_sum_up ), cmocka_unit_test( test_picks_keep_to_chances ),
-        cmocka_unit_test( test_many_at_once ),   cmocka_unit_test( test_all_that_can_send_are_picked ),
-        cmocka_unit_test( test_shape ),          cmocka_unit_test( test_picks_make_little_noise ),
+        cmocka_unit_test( test_chances_sum_up ),
+        cmocka_unit_test( test_picks_keep_to_chances ),
+        cmocka_unit_test( test_batches_equal_single_picks ),
+        cmocka_unit_test( test_all_that_can_send_are_picked ),
+        cmocka_unit_test( test_each_light_once_at_logarithmic_depth ),
+        cmocka_unit_test( test_picks_make_little_noise ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -1,5 +1,5 @@
-// The environment as a light: densities, directions, look-ups; and pictures
-// under skies and lamps whose radiance is known in closed form.
+// The environment as a light: densities, directions, look-ups; and pictures under
+// environments and punctual lights whose radiance has a closed form.
 #include "light/sky.h"
 #include "support/render_support.h"
 #include "support/scene_builder.h"
@@ -85,7 +85,7 @@ static void test_middle_of_the_map( void** state )
 }
 
 // ∫ p = 1, p > 0 wherever there is light, and E[L / p] = ∫ L by uniform directions.
-static void test_density( void** state )
+static void test_density_integrates_to_one( void** state )
 {
     (void)state;
     enum
@@ -94,7 +94,7 @@ static void test_density( void** state )
     };
     RfEnvironment e = make_environment( 0.4f );
     RfSky sky = make_sky( &e );
-    double sum_p = 0.0, light = 0.0, light2 = 0.0;
+    double sum_p = 0.0, light = 0.0;
     for ( uint32_t i = 0; i < COUNT; ++i )
     {
         RfVec3 d =
@@ -103,7 +103,6 @@ static void test_density( void** state )
         assert_true( p > 0.0f || l == 0.0f );
         sum_p += (double)p;
         light += (double)l;
-        light2 += (double)( l * l );
     }
     double sphere = 4.0 * 3.14159265358979324;
     assert_true( fabs( sum_p * sphere / COUNT - 1.0 ) < 5e-3 );
@@ -235,7 +234,7 @@ static void check_lamp( RfPunctual lamp, double irradiance )
     free_rendered( &r );
 }
 
-static void test_lamps_by_hand( void** state )
+static void test_lamps_by_closed_form( void** state )
 {
     (void)state;
     RfPunctual lamp = make_point_light( rf_vec3( 0, 2, 0 ), 8.0f );
@@ -327,10 +326,10 @@ static void test_eye_inside_of_glass( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_middle_of_the_map ), cmocka_unit_test( test_eye_inside_of_glass ),
-        cmocka_unit_test( test_density ),           cmocka_unit_test( test_directions_follow_the_density ),
-        cmocka_unit_test( test_black_is_no_sky ),   cmocka_unit_test( test_lamps_by_hand ),
-        cmocka_unit_test( test_floor_under_a_sky ), cmocka_unit_test( test_lossless_things_are_invisible ),
+        cmocka_unit_test( test_middle_of_the_map ),         cmocka_unit_test( test_eye_inside_of_glass ),
+        cmocka_unit_test( test_density_integrates_to_one ), cmocka_unit_test( test_directions_follow_the_density ),
+        cmocka_unit_test( test_black_is_no_sky ),           cmocka_unit_test( test_lamps_by_closed_form ),
+        cmocka_unit_test( test_floor_under_a_sky ),         cmocka_unit_test( test_lossless_things_are_invisible ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -1,4 +1,4 @@
-// The measures of error against closed forms.
+// Error measures against closed forms.
 #include "measure/error.h"
 #include "measure/bias_interval.h"
 #include "support/image_support.h"
@@ -29,7 +29,7 @@ static void check_near( double value, double wanted )
         fail_msg( "%.17g, not %.17g", value, wanted );
 }
 
-static void test_identical( void** state )
+static void test_identical_images_have_no_error( void** state )
 {
     (void)state;
     RfImage image = make_image( 50, 40, 4 );
@@ -57,7 +57,7 @@ static void test_constant_offset( void** state )
 }
 
 // r̄ is the mean of the reference's channels, and the sum goes over channels.
-static void test_known_pixel( void** state )
+static void test_known_pixel_by_hand( void** state )
 {
     (void)state;
     RfImage reference = make_constant( 1, 1, 0.0f ), image = make_constant( 1, 1, 1.0f );
@@ -74,7 +74,7 @@ static void test_known_pixel( void** state )
 
 // Twice the error: twice bias and max, four times the squares. And a known
 // ratio: v = 2 r with r large gives 3 r² / (r² + ε).
-static void test_scaling( void** state )
+static void test_measures_scale( void** state )
 {
     (void)state;
     RfImage reference = make_constant( 40, 30, 8.0f ), image = make_image( 40, 30, 2 ), twice = make_image( 40, 30, 2 );
@@ -102,7 +102,7 @@ static void test_scaling( void** state )
 
 // 2000 pixels: the two worst are left out, also beside a firefly so bright
 // that it swallows the rest in a sum; 999 pixels: none is.
-static void test_trimmed( void** state )
+static void test_trimmed_leaves_out_the_worst( void** state )
 {
     (void)state;
     RfImage reference = make_constant( 50, 40, 0.0f ), image = make_constant( 50, 40, 0.0f );
@@ -132,7 +132,7 @@ static int descending( const void* a, const void* b )
 }
 
 // The heap of the worst against a sort.
-static void test_trimmed_sorted( void** state )
+static void test_trimmed_heap_is_a_sort( void** state )
 {
     (void)state;
     enum
@@ -161,7 +161,7 @@ static void test_trimmed_sorted( void** state )
     rf_destroy_image( &reference );
 }
 
-static void test_not_finite( void** state )
+static void test_pixels_not_finite_are_counted( void** state )
 {
     (void)state;
     RfImage reference = make_constant( 20, 20, 1.0f ), image = make_constant( 20, 20, 1.0f );
@@ -189,7 +189,7 @@ static void test_not_finite( void** state )
 }
 
 // Frames pooled give what one picture of them all would.
-static void test_pooled( void** state )
+static void test_pooled_frames_are_one_picture( void** state )
 {
     (void)state;
     RfImage reference = make_image( 48, 96, 5 ), image = make_image( 48, 96, 6 );
@@ -214,7 +214,7 @@ static void test_pooled( void** state )
 
 // Noise about a known bias: the interval holds it in about 95 % of the trials.
 // 400 trials: standard deviation 1.1 %; 4 of them either way.
-static void test_bias_interval( void** state )
+static void test_bias_interval_covers( void** state )
 {
     (void)state;
     enum
@@ -268,7 +268,7 @@ static void test_interval_closed_form( void** state )
 }
 
 // Against printed tables.
-static void test_student( void** state )
+static void test_student_by_tables( void** state )
 {
     (void)state;
     static const struct
@@ -285,7 +285,7 @@ static void test_student( void** state )
     }
 }
 
-static void test_worst_pixel( void** state )
+static void test_worst_pixel_is_found( void** state )
 {
     (void)state;
     RfImage reference = make_constant( 20, 10, 2.0f ), image = make_constant( 20, 10, 2.0f );
@@ -305,7 +305,7 @@ static void test_worst_pixel( void** state )
 }
 
 // Frames with the same error are one observation, whatever their number.
-static void test_frozen_frames( void** state )
+static void test_frozen_frames_count_once( void** state )
 {
     (void)state;
     RfImage reference = make_image( 96, 80, 11 ), image = make_image( 96, 80, 12 );
@@ -339,7 +339,7 @@ static RfErrorMetrics measure_order( const RfImage* images, const RfImage* refer
 static bool is_close( double a, double b, double scale ) { return fabs( a - b ) <= 1e-11 * scale; }
 
 // The order of the frames is of no matter.
-static void test_permuted_frames( void** state )
+static void test_order_of_frames_is_of_no_matter( void** state )
 {
     (void)state;
     static const int order[5] = { 0, 1, 2, 3, 4 }, other[5] = { 3, 0, 4, 2, 1 };
@@ -409,7 +409,7 @@ static int count_held( int trials, int shift, bool smooth )
 
 // Frames that share samples, still, moving slowly and by more than a block: the
 // interval is not too narrow. 120 trials: standard deviation 2.0 %; 3 of them below 95 %.
-static void test_shared_samples( void** state )
+static void test_shared_samples_widen_the_interval( void** state )
 {
     (void)state;
     assert_in_range( count_held( 120, 0, false ), 107, 120 );
@@ -421,14 +421,21 @@ static void test_shared_samples( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_identical ),      cmocka_unit_test( test_constant_offset ),
-        cmocka_unit_test( test_known_pixel ),    cmocka_unit_test( test_scaling ),
-        cmocka_unit_test( test_trimmed ),        cmocka_unit_test( test_trimmed_sorted ),
-        cmocka_unit_test( test_not_finite ),     cmocka_unit_test( test_pooled ),
-        cmocka_unit_test( test_bias_interval ),  cmocka_unit_test( test_interval_closed_form ),
-        cmocka_unit_test( test_student ),        cmocka_unit_test( test_worst_pixel ),
-        cmocka_unit_test( test_frozen_frames ),  cmocka_unit_test( test_permuted_frames ),
-        cmocka_unit_test( test_shared_samples ),
+        cmocka_unit_test( test_identical_images_have_no_error ),
+        cmocka_unit_test( test_constant_offset ),
+        cmocka_unit_test( test_known_pixel_by_hand ),
+        cmocka_unit_test( test_measures_scale ),
+        cmocka_unit_test( test_trimmed_leaves_out_the_worst ),
+        cmocka_unit_test( test_trimmed_heap_is_a_sort ),
+        cmocka_unit_test( test_pixels_not_finite_are_counted ),
+        cmocka_unit_test( test_pooled_frames_are_one_picture ),
+        cmocka_unit_test( test_bias_interval_covers ),
+        cmocka_unit_test( test_interval_closed_form ),
+        cmocka_unit_test( test_student_by_tables ),
+        cmocka_unit_test( test_worst_pixel_is_found ),
+        cmocka_unit_test( test_frozen_frames_count_once ),
+        cmocka_unit_test( test_order_of_frames_is_of_no_matter ),
+        cmocka_unit_test( test_shared_samples_widen_the_interval ),
     };
     return cmocka_run_group_tests_name( "error", tests, NULL, NULL );
 }

@@ -1,4 +1,4 @@
-// Plots: ticks, places on paper, and text that any reader of XML takes.
+// Plots: ticks, positions on paper, and valid XML for any text.
 #include "support/cli_run.h"
 #include "measure/plot.h"
 
@@ -39,7 +39,7 @@ static void expect_well_formed( const char* svg )
         0, NULL );
 }
 
-static void test_ticks( void** state )
+static void test_ticks_are_round( void** state )
 {
     (void)state;
     double t[RF_PLOT_TICKS];
@@ -75,7 +75,7 @@ static void test_ticks( void** state )
 
 // The paper's corners are those of axes with a given range; the middle of a
 // logarithmic one is the geometric mean.
-static void test_places( void** state )
+static void test_places_on_paper( void** state )
 {
     (void)state;
     double x[] = { 1.0, 10.0, 100.0, 1000.0, 10.0 }, y[] = { 0.0, 5.0, 10.0, 5.0, (double)NAN };
@@ -98,7 +98,7 @@ static void test_places( void** state )
     free( svg );
 }
 
-static void test_lines( void** state )
+static void test_series_gaps_and_notes_are_drawn( void** state )
 {
     (void)state;
     double x[] = { 1, 2, 3, 4, 5, 6 }, y[] = { 1, 2, -1, 3, 4, (double)INFINITY };
@@ -129,7 +129,7 @@ static void test_lines( void** state )
     free( svg );
 }
 
-static void test_any_text( void** state )
+static void test_any_text_is_valid_xml( void** state )
 {
     (void)state;
     static const char* const hostile[] = { "<svg>&amp;\"'",
@@ -162,7 +162,7 @@ static void test_any_text( void** state )
     }
 }
 
-static void test_nothing( void** state )
+static void test_nothing_to_plot( void** state )
 {
     (void)state;
     double bad = (double)NAN;
@@ -183,8 +183,11 @@ static void test_nothing( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_ticks ),    cmocka_unit_test( test_places ),  cmocka_unit_test( test_lines ),
-        cmocka_unit_test( test_any_text ), cmocka_unit_test( test_nothing ),
+        cmocka_unit_test( test_ticks_are_round ),
+        cmocka_unit_test( test_places_on_paper ),
+        cmocka_unit_test( test_series_gaps_and_notes_are_drawn ),
+        cmocka_unit_test( test_any_text_is_valid_xml ),
+        cmocka_unit_test( test_nothing_to_plot ),
     };
     return cmocka_run_group_tests( tests, cli_enter_group, cli_leave_group );
 }

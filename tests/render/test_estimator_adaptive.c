@@ -1,5 +1,6 @@
-// Extra native samples where few other frames help leave the estimator unbiased,
-// and E[B] = 1: in rooms with mirrors, glass and eyes far apart, plain and in tiles.
+// Extra own-frame samples where few other frames help leave the estimator unbiased and
+// E[B] = 1: in rooms with mirrors and glass, with cameras far apart, without and with
+// tiles.
 #include "support/scene_builder.h"
 #include "support/statistics.h"
 #include "support/unbiased.h"

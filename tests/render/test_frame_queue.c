@@ -1,5 +1,5 @@
-// Finished frames handed over from a thread of their own (settings.queue):
-// in order, while rendering goes on, whatever stops it, within the budget.
+// Finished frames are handed over on a thread of their own (settings.queue): in order,
+// while rendering continues, whatever stops it, and within the budget.
 #include "support/hard_cases.h"
 
 #include <pthread.h>
@@ -46,7 +46,7 @@ static RfRenderSettings queued( int group, int queue )
     return settings;
 }
 
-static void test_same_frames( void** state )
+static void test_queue_changes_no_frame( void** state )
 {
     (void)state;
     Setup s;
@@ -183,7 +183,7 @@ static void test_interruption_keeps_finished_frames( void** state )
     end( &s );
 }
 
-static void test_budget( void** state )
+static void test_queue_keeps_the_budget( void** state )
 {
     (void)state;
     Setup s;
@@ -219,11 +219,9 @@ static void test_budget( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_same_frames ),
-        cmocka_unit_test( test_rendering_does_not_wait ),
-        cmocka_unit_test( test_failure_stops_the_render ),
-        cmocka_unit_test( test_interruption_keeps_finished_frames ),
-        cmocka_unit_test( test_budget ),
+        cmocka_unit_test( test_queue_changes_no_frame ),   cmocka_unit_test( test_rendering_does_not_wait ),
+        cmocka_unit_test( test_failure_stops_the_render ), cmocka_unit_test( test_interruption_keeps_finished_frames ),
+        cmocka_unit_test( test_queue_keeps_the_budget ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

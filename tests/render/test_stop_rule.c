@@ -1,5 +1,5 @@
-// How many passes windows get for an error or a time: the decisions alone, with
-// films, estimates and a clock that are made up.
+// How many passes each group gets for a target error or time: the decisions alone, with
+// made-up films, estimates and clock.
 #include "render/stop_rule.h"
 
 #include <math.h>
@@ -172,7 +172,7 @@ static void test_exact_estimates_reach_the_error( void** state )
 
 // As off as estimates of small and heavy-tailed pictures are: the truth is still
 // below 1.2 E in nine of ten frames.
-static void test_noisy_estimates( void** state )
+static void test_noisy_estimates_reach_the_error( void** state )
 {
     (void)state;
     for ( size_t s = 0; s < SHAPES; ++s )
@@ -215,7 +215,7 @@ static void test_passes_are_spread( void** state )
 }
 
 // Where the noise rises along the path, and where it jumps, passes follow.
-static void test_changing_noise( void** state )
+static void test_passes_follow_the_noise( void** state )
 {
     (void)state;
     Trial t = make_trial( 100, 3 );
@@ -252,7 +252,7 @@ static void test_halves_stay_balanced( void** state )
 }
 
 // An error that is not worth more than the least gets the least.
-static void test_least( void** state )
+static void test_least_passes_are_kept( void** state )
 {
     (void)state;
     for ( size_t s = 0; s < SHAPES; ++s )
@@ -267,7 +267,7 @@ static void test_least( void** state )
 }
 
 // --spp is the most; what is above the error then is counted.
-static void test_most( void** state )
+static void test_most_passes_are_kept( void** state )
 {
     (void)state;
     for ( size_t s = 0; s < SHAPES; ++s )
@@ -283,7 +283,7 @@ static void test_most( void** state )
 }
 
 // Estimates that are no numbers end, and are no success.
-static void test_no_numbers( void** state )
+static void test_estimates_not_finite_end_the_render( void** state )
 {
     (void)state;
     static const double bad[] = { (double)NAN, (double)INFINITY };
@@ -360,7 +360,7 @@ static void test_too_short_a_time( void** state )
 }
 
 // Both: whichever comes first.
-static void test_noise_and_time( void** state )
+static void test_whichever_comes_first_stops( void** state )
 {
     (void)state;
     for ( size_t s = 0; s < SHAPES; ++s )
@@ -383,17 +383,17 @@ int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( test_exact_estimates_reach_the_error ),
-        cmocka_unit_test( test_noisy_estimates ),
+        cmocka_unit_test( test_noisy_estimates_reach_the_error ),
         cmocka_unit_test( test_passes_are_spread ),
-        cmocka_unit_test( test_changing_noise ),
+        cmocka_unit_test( test_passes_follow_the_noise ),
         cmocka_unit_test( test_halves_stay_balanced ),
-        cmocka_unit_test( test_least ),
-        cmocka_unit_test( test_most ),
-        cmocka_unit_test( test_no_numbers ),
+        cmocka_unit_test( test_least_passes_are_kept ),
+        cmocka_unit_test( test_most_passes_are_kept ),
+        cmocka_unit_test( test_estimates_not_finite_end_the_render ),
         cmocka_unit_test( test_time_is_kept ),
         cmocka_unit_test( test_time_with_a_changing_pace ),
         cmocka_unit_test( test_too_short_a_time ),
-        cmocka_unit_test( test_noise_and_time ),
+        cmocka_unit_test( test_whichever_comes_first_stops ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -1,6 +1,6 @@
-// Frame reuse is unbiased: against independent references, over 16 seeds, per
-// block and per pixel, for diffuse, Phong and GGX, groups of 1, 3, 7, 13 and 17
-// frames. And the test can see bias: the biased weightings fail it.
+// Frame reuse is unbiased: against independent references, over 16 seeds, per block and
+// per pixel, for diffuse, Phong and GGX, groups of 1, 3, 7, 13 and 17 frames. The test can
+// see bias: the biased weightings fail it.
 #include "support/scene_builder.h"
 #include "support/statistics.h"
 #include "support/unbiased.h"
@@ -73,25 +73,25 @@ static void check_scene( const char* what, RfScene scene )
     rf_destroy_scene( &scene );
 }
 
-static void test_diffuse( void** state )
+static void test_diffuse_is_unbiased( void** state )
 {
     (void)state;
     check_scene( "diffuse", make_room( ROOM_DIFFUSE ) );
 }
 
-static void test_phong( void** state )
+static void test_phong_is_unbiased( void** state )
 {
     (void)state;
     check_scene( "Phong", make_room( ROOM_PHONG ) );
 }
 
-static void test_ggx( void** state )
+static void test_ggx_is_unbiased( void** state )
 {
     (void)state;
     check_scene( "GGX", make_room( ROOM_GGX ) );
 }
 
-static void test_light_samples_and_depth( void** state )
+static void test_light_samples_and_depth_are_unbiased( void** state )
 {
     (void)state;
     RfScene scene = make_room( ROOM_GGX );
@@ -152,10 +152,10 @@ static void test_biased_weightings_are_seen( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_diffuse ),
-        cmocka_unit_test( test_phong ),
-        cmocka_unit_test( test_ggx ),
-        cmocka_unit_test( test_light_samples_and_depth ),
+        cmocka_unit_test( test_diffuse_is_unbiased ),
+        cmocka_unit_test( test_phong_is_unbiased ),
+        cmocka_unit_test( test_ggx_is_unbiased ),
+        cmocka_unit_test( test_light_samples_and_depth_are_unbiased ),
         cmocka_unit_test( test_biased_weightings_are_seen ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );

@@ -1,8 +1,8 @@
-// Sharing paths inside tiles is unbiased, alone and under frame reuse, against
-// independent references over 16 seeds: on diffuse, Phong, GGX, textured and
-// blended surfaces, under skies, with glass and mirrors in the tiles, in
-// corners, where a tile sees a lit room through the bars of a fence, with
-// several light samples, with a single shared bounce, with roulette.
+// Tile reuse is unbiased, alone and with frame reuse, against independent references over
+// 16 seeds: on diffuse, Phong, GGX, textured and blended surfaces, under environments,
+// with glass and mirrors in the tiles, in corners, where a tile sees a lit room through
+// the bars of a fence, with several light samples, with a single shared bounce, with
+// Russian roulette.
 #include "support/scene_builder.h"
 #include "support/textured_room.h"
 #include "support/unbiased.h"
@@ -74,7 +74,7 @@ static void check_scene( const char* what, RfScene scene, RfRenderSettings setti
     check_eyes( what, scene, eyes, settings, tried, count );
 }
 
-static void test_rooms( void** state )
+static void test_rooms_are_unbiased( void** state )
 {
     (void)state;
     check_scene( "diffuse", make_room( ROOM_DIFFUSE ), settings_of( 1, 12 ), s_all, 5 );
@@ -104,7 +104,7 @@ static RfScene make_fence( void )
 }
 
 // With and without roulette the mean is the same; the roulette does take some.
-static void test_roulette( void** state )
+static void test_roulette_is_unbiased( void** state )
 {
     (void)state;
     RfRenderSettings settings = settings_of( 1, 12 );
@@ -131,14 +131,14 @@ static void test_roulette( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_large_tiles( void** state )
+static void test_large_tiles_are_unbiased( void** state )
 {
     (void)state;
     static const Setting large[] = { { 0, "rooks36", 8 }, { 1, "8x8", 6 } };
     check_scene( "GGX", make_room( ROOM_GGX ), settings_of( 1, 5 ), large, 2 );
 }
 
-static void test_light_samples_and_depth( void** state )
+static void test_light_samples_and_depth_are_unbiased( void** state )
 {
     (void)state;
     check_scene( "GGX, 4 light samples", make_room( ROOM_GGX ), settings_of( 4, 4 ), s_few, 2 );
@@ -146,14 +146,14 @@ static void test_light_samples_and_depth( void** state )
     check_scene( "GGX, depth 2", make_room( ROOM_GGX ), settings_of( 1, 2 ), s_few, 2 );
 }
 
-static void test_textures_and_blending( void** state )
+static void test_textures_and_blending_are_unbiased( void** state )
 {
     (void)state;
     check_scene( "textures", make_textured_room(), settings_of( 1, 8 ), s_few, 2 );
     check_scene( "blended", make_blended_room(), settings_of( 1, 8 ), s_few, 2 );
 }
 
-static void test_skies_lamps_glass( void** state )
+static void test_skies_lamps_glass_are_unbiased( void** state )
 {
     (void)state;
     check_scene( "map", make_open_scene( LIT_BY_MAP ), settings_of( 1, 8 ), s_few, 2 );
@@ -161,14 +161,14 @@ static void test_skies_lamps_glass( void** state )
     check_scene( "glass", make_glass_room(), settings_of( 1, 8 ), s_few, 2 );
 }
 
-static void test_fence( void** state )
+static void test_fence_is_unbiased( void** state )
 {
     (void)state;
     check_scene( "fence", make_fence(), settings_of( 1, 8 ), s_all, 4 );
 }
 
 // Into a corner of the room from near by: second vertices as close as can be.
-static void test_corner( void** state )
+static void test_corner_is_unbiased( void** state )
 {
     (void)state;
     static const RoomKind kinds[] = { ROOM_DIFFUSE, ROOM_GGX };
@@ -185,14 +185,14 @@ static void test_corner( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_rooms ),
-        cmocka_unit_test( test_roulette ),
-        cmocka_unit_test( test_large_tiles ),
-        cmocka_unit_test( test_light_samples_and_depth ),
-        cmocka_unit_test( test_textures_and_blending ),
-        cmocka_unit_test( test_skies_lamps_glass ),
-        cmocka_unit_test( test_fence ),
-        cmocka_unit_test( test_corner ),
+        cmocka_unit_test( test_rooms_are_unbiased ),
+        cmocka_unit_test( test_roulette_is_unbiased ),
+        cmocka_unit_test( test_large_tiles_are_unbiased ),
+        cmocka_unit_test( test_light_samples_and_depth_are_unbiased ),
+        cmocka_unit_test( test_textures_and_blending_are_unbiased ),
+        cmocka_unit_test( test_skies_lamps_glass_are_unbiased ),
+        cmocka_unit_test( test_fence_is_unbiased ),
+        cmocka_unit_test( test_corner_is_unbiased ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -1,6 +1,6 @@
-// Textures at rest and in pictures: look-ups against numbers worked out by
-// hand, rendered values against closed forms, what is cut out for every kind of
-// ray, and `--group 0` against the plain path tracer to the bit.
+// Textures alone and in pictures: look-ups against numbers worked out by hand, rendered
+// values against closed forms, cut-outs for every kind of ray, and `--group 0` against the
+// plain path tracer to the bit.
 #include "support/reference_tracer.h"
 #include "support/render_support.h"
 #include "support/textured_room.h"
@@ -35,7 +35,7 @@ static float red_at( const RfTexture* t, const RfTextureRef* ref, float u, float
 }
 
 // Four grey texels in a row: 0, 51, 102, 255 of 255.
-static void test_wrap_modes( void** state )
+static void test_wrap_modes_by_hand( void** state )
 {
     (void)state;
     static const uint8_t bytes[] = { 0, 51, 102, 255 };
@@ -67,7 +67,7 @@ static void test_wrap_modes( void** state )
 }
 
 // Rows run down: v = 0 is the top. Channels, alpha, the curve of sRGB.
-static void test_channels( void** state )
+static void test_channels_by_hand( void** state )
 {
     (void)state;
     static const uint8_t bytes[] = { 255, 128, 0, 64, 10, 20, 30, 255 };
@@ -90,7 +90,7 @@ static void test_channels( void** state )
     free( t.bytes );
 }
 
-static void test_bound( void** state )
+static void test_bounds_hold_every_texel( void** state )
 {
     (void)state;
     uint8_t bytes[64 * 64] = { 0 };
@@ -193,7 +193,7 @@ static void test_albedo_by_texel( void** state )
 }
 
 // Normals: (1, 0, 1)/√2 of the texture leans to the right, (0, 1, 1)/√2 up.
-static void test_normal_map( void** state )
+static void test_normal_maps_lean_normals( void** state )
 {
     (void)state;
     static const uint8_t bytes[] = { 218, 128, 218, 255, 128, 218, 218, 255 };
@@ -248,7 +248,7 @@ static uint32_t nearest( const RfTracer* tracer, RfVec3 o, RfVec3 d )
 // A square whose left half is cut out, before a wall of two triangles that come
 // first in the scene: all kinds of rays go through there, and triangles keep
 // the scene's numbers.
-static void test_cut_out( void** state )
+static void test_cut_outs_let_every_ray_through( void** state )
 {
     (void)state;
     static const uint8_t bytes[] = { 255, 255, 255, 100, 255, 255, 255, 200 };
@@ -295,7 +295,7 @@ static void test_cut_out( void** state )
 
 // A light whose texture is black but for one texel: it is picked, the triangle
 // without the texel is no light, and sampling finds the radiance there.
-static void test_one_bright_texel( void** state )
+static void test_one_bright_texel_is_sampled( void** state )
 {
     (void)state;
     uint8_t bytes[32 * 32 * 4] = { 0 };
@@ -377,7 +377,7 @@ static RfScene make_panes( void )
     return finish_scene( &b );
 }
 
-static void test_blended_panes( void** state )
+static void test_blended_panes_by_closed_form( void** state )
 {
     (void)state;
     RfScene scene = make_panes();
@@ -421,16 +421,16 @@ static void test_blended_panes( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_wrap_modes ),
-        cmocka_unit_test( test_channels ),
-        cmocka_unit_test( test_bound ),
+        cmocka_unit_test( test_wrap_modes_by_hand ),
+        cmocka_unit_test( test_channels_by_hand ),
+        cmocka_unit_test( test_bounds_hold_every_texel ),
         cmocka_unit_test( test_emission_by_texel ),
         cmocka_unit_test( test_albedo_by_texel ),
-        cmocka_unit_test( test_normal_map ),
-        cmocka_unit_test( test_cut_out ),
-        cmocka_unit_test( test_one_bright_texel ),
+        cmocka_unit_test( test_normal_maps_lean_normals ),
+        cmocka_unit_test( test_cut_outs_let_every_ray_through ),
+        cmocka_unit_test( test_one_bright_texel_is_sampled ),
         cmocka_unit_test( test_group_0_is_a_plain_path_tracer ),
-        cmocka_unit_test( test_blended_panes ),
+        cmocka_unit_test( test_blended_panes_by_closed_form ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -109,7 +109,7 @@ uint8_t* encode_exr( int width, int height, float* rgb, size_t* size )
     RfImage image = { width, height, rgb };
     RfExrOptions options = rf_default_exr_options();
     options.half = false;
-    uint8_t* bytes;
+    uint8_t* bytes = NULL;
     must( rf_write_exr( path, &image, &options, NULL ) == RF_OK && rf_read_file( path, 1 << 20, &bytes, size, NULL ) == RF_OK );
     unlink( path );
     return bytes;

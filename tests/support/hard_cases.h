@@ -1,5 +1,5 @@
-// What the tests of hard cases share: render in many ways, and look for
-// anything that is no picture.
+// What the tests of hard cases share: renders in many modes, and a check that the result
+// is a picture.
 #ifndef REFRAME_TESTS_HARD_CASES_H
 #define REFRAME_TESTS_HARD_CASES_H
 

@@ -94,7 +94,7 @@ static UNUSED_OK size_t image_bytes( const RfImage* image )
 static UNUSED_OK RfImage write_and_read( const char* name, const RfImage* image, const RfExrOptions* options )
 {
     RfError error = { 0 };
-    RfImage back;
+    RfImage back = { 0 };
     if ( rf_write_exr( temp_path( name ), image, options, &error ) != RF_OK ||
          rf_read_exr( temp_path( name ), &back, &error ) != RF_OK )
         fail_msg( "%s", error.text );

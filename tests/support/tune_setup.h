@@ -1,4 +1,4 @@
-// What the tests of the tuning share: a room, a short path, a job.
+// What the tests of tuning share: a room, a short path, a job.
 #ifndef REFRAME_TESTS_TUNE_SETUP_H
 #define REFRAME_TESTS_TUNE_SETUP_H
 

@@ -19,7 +19,7 @@
           .value = &( o ).frames,                                                                                                \
           .meta = "A-B[xSTEP][,...]",                                                                                            \
           .default_text = "all",                                                                                                 \
-          .help = frames_help },                                                                                                 \
+          .help = ( frames_help ) },                                                                                             \
         { .name = "fps",                                                                                                         \
           .type = RF_OPTION_FPS,                                                                                                 \
           .value = &( o ).fps,                                                                                                   \
@@ -78,7 +78,7 @@
       .help = "budget beyond the scene and its BVH: 512M, 4G" },                                                                 \
     {                                                                                                                            \
         .name = "threads", .type = RF_OPTION_INT, .value = &( o ).settings.threads, .min = 1, .max = 1024, .meta = "T",          \
-        .default_text = "all cores", .help = threads_help                                                                        \
+        .default_text = "all cores", .help = ( threads_help )                                                                    \
     }
 
 #define RF_AOV_OPTION( o )                                                                                                       \
@@ -95,7 +95,7 @@
       .meta = "FILE",                                                                                                            \
       .help = "the result for programs; - is standard output" },                                                                 \
     {                                                                                                                            \
-        .name = "quiet", .type = RF_OPTION_BOOL, .value = &( o ).quiet, .help = quiet_help                                       \
+        .name = "quiet", .type = RF_OPTION_BOOL, .value = &( o ).quiet, .help = ( quiet_help )                                   \
     }
 
 #endif

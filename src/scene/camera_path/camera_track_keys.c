@@ -3,7 +3,6 @@
 #include "scene/camera_path/camera_track_read.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 #define MAX_KEYS 1000000
 // Keys closer than this in time are an error: their speed would be infinite.
@@ -67,7 +66,7 @@ static RfResult read_key( const RfField* top, const RfField* key, Keys* keys, in
     if ( target.json == NULL )
         return rf_field_fail( key, "has neither target nor rotation, and the path has none for all keys" );
     result = rf_field_numbers( &target, rf_coordinates(), 3, keys->target + 3 * i );
-    if ( result == RF_OK && memcmp( keys->target + 3 * i, keys->position + 3 * i, 3 * sizeof( double ) ) == 0 )
+    if ( result == RF_OK && rf_is_same_point( keys->target + 3 * i, keys->position + 3 * i ) )
         return rf_field_fail( &target, "is at the position of the camera: move one of them" );
     return result;
 }

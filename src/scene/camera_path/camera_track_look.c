@@ -19,6 +19,8 @@ RfResult rf_read_point( const RfField* object, const char* key, double point[3] 
     return result == RF_OK ? rf_field_numbers( &field, rf_coordinates(), 3, point ) : result;
 }
 
+bool rf_is_same_point( const double a[3], const double b[3] ) { return a[0] == b[0] && a[1] == b[1] && a[2] == b[2]; }
+
 RfResult rf_read_up( const RfField* field, double up[3] )
 {
     RfResult result = rf_field_numbers( field, rf_coordinates(), 3, up );

@@ -3,7 +3,6 @@
 #include "scene/camera_path/camera_track_read.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 #define MAX_WAYPOINTS 10000
 #define DEGREE ( 3.14159265358979323846 / 180.0 )
@@ -91,7 +90,7 @@ static RfResult read_waypoints( const RfField* top, RfCameraTrack* track )
     {
         RfField item = rf_field_item( &list, i );
         result = rf_field_numbers( &item, rf_coordinates(), 3, points + 3 * i );
-        if ( result == RF_OK && i > 0 && memcmp( points + 3 * i, points + 3 * i - 3, 3 * sizeof *points ) == 0 )
+        if ( result == RF_OK && i > 0 && rf_is_same_point( points + 3 * i, points + 3 * i - 3 ) )
             result = rf_field_fail( &item, "is the same point as the one before it: leave one of the two out" );
     }
     if ( result == RF_OK )

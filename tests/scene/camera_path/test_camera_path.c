@@ -1,5 +1,5 @@
-// Camera-path files: every kind against its closed form, frames, and every way
-// to get a file wrong.
+// Camera-path files: every kind against its closed form, frame times, and every way to get
+// a file wrong.
 #include "support/camera_path_checks.h"
 #include "support/cli_run.h"
 #include "support/gltf_builder.h"
@@ -28,7 +28,7 @@ static int frames_of( const RfCamera* camera, double fps )
     return count;
 }
 
-static void test_orbit( void** state )
+static void test_orbit_by_closed_form( void** state )
 {
     (void)state;
     RfCamera camera =
@@ -55,7 +55,7 @@ static void test_orbit( void** state )
     rf_destroy_camera( &camera );
 }
 
-static void test_dolly_and_zoom( void** state )
+static void test_dolly_and_zoom_by_closed_form( void** state )
 {
     (void)state;
     RfCamera camera = load_path( "{\"kind\":\"dolly\",\"from\":[0,1,10],\"to\":[4,1,2],\"target\":[0,1,0],"
@@ -79,7 +79,7 @@ static void test_dolly_and_zoom( void** state )
     rf_destroy_camera( &camera );
 }
 
-static void test_walk( void** state )
+static void test_walk_by_closed_form( void** state )
 {
     (void)state;
     RfCamera camera = load_path( "{\"kind\":\"walk\",\"interpolation\":\"linear\",\"waypoints\":[[0,1,0],[4,1,0],[4,1,-4]],"
@@ -106,7 +106,7 @@ static void test_walk( void** state )
     rf_destroy_camera( &camera );
 }
 
-static void test_keys( void** state )
+static void test_keys_are_met( void** state )
 {
     (void)state;
     RfCamera camera = load_path( "{\"about\":\"x\",\"kind\":\"keyed\",\"target\":[0,0,0],\"fov\":30,\"keys\":["
@@ -148,7 +148,7 @@ static RfView turned( const char* rotation )
     return view;
 }
 
-static void test_angles( void** state )
+static void test_angles_turn_as_documented( void** state )
 {
     (void)state;
     assert_three( turned( "{}" ).forward, 0, 0, -1, 0 );
@@ -163,7 +163,7 @@ static void test_angles( void** state )
 }
 
 // Frames of a path, as eyes: their times are whole multiples, whatever the unit.
-static void test_eyes( void** state )
+static void test_frame_times_are_exact_multiples( void** state )
 {
     (void)state;
     RfScene scene = { 0 };
@@ -222,7 +222,7 @@ static void test_views_without_direction( void** state )
 #define ORBIT( rest ) "{\"kind\":\"orbit\",\"center\":[0,0,0],\"radius\":1" rest "}"
 #define WALK( points, rest ) "{\"kind\":\"walk\",\"waypoints\":[" points "]" rest "}"
 
-static void test_faults( void** state )
+static void test_faults_are_one_line( void** state )
 {
     (void)state;
     static const char* const faults[][2] = {
@@ -256,6 +256,7 @@ static void test_faults( void** state )
         { TWO( "{\"time\":1,\"position\":[0,2,1e16]}" ), "keys[1].position[2]: wants a number" },
         { TWO( "{\"time\":1,\"position\":[0,2,3]}" ), "keys[1]: has neither target nor rotation" },
         { TWO( "{\"time\":1,\"position\":[0,2,3],\"target\":[0,2,3]}" ), "keys[1].target: is at the position of the camera" },
+        { TWO( "{\"time\":1,\"position\":[0,0,3],\"target\":[-0.0,0,3]}" ), "keys[1].target: is at the position of the camera" },
         { TWO( "{\"time\":1,\"position\":[0,2,3],\"rotation\":{}}" ), "keys[1].rotation: the keys before it have none" },
         { TWO( "{\"time\":1,\"position\":[0,2,3],\"target\":[0,0,0],\"up\":[0,0,0]}" ), "keys[1].up: wants a direction" },
         { TWO( "{\"time\":1,\"position\":[0,2,3],\"target\":[0,0,0],\"fov\":180}" ),
@@ -285,6 +286,7 @@ static void test_faults( void** state )
           "fov: wants an object of from and to" },
         { WALK( "[0,0,0]", ",\"speed\":1" ), "waypoints: wants an array of 2 to 10000 points, got an array of 1" },
         { WALK( "[0,0,0],[1,0,0],[1,0,0]", ",\"speed\":1" ), "waypoints[2]: is the same point as the one before it" },
+        { WALK( "[0,0,0],[1,0,0],[1,-0.0,0]", ",\"speed\":1" ), "waypoints[2]: is the same point as the one before it" },
         { WALK( "[0,0,0],[1e-300,0,0]", ",\"speed\":1" ), "waypoints: are too close together" },
         { WALK( "[0,0,0],[1,0,0]", "" ), "or speed (metres per second)" },
         { WALK( "[0,0,0],[1,0,0]", ",\"speed\":1e-9" ), "speed: 1 m at 1e-09 m/s take longer than" },
@@ -328,16 +330,16 @@ static int load_mutations( const char* text, uint64_t count )
     return loaded;
 }
 
-static void test_mutations( void** state )
+static void test_mutations_never_crash( void** state )
 {
     (void)state;
     static const char* const texts[] = {
-        "{\"kind\":\"keyed\",\"interpolation\":\"catmull-rom\",\"up\":[0,1,0],\"keys\":["
-        "{\"time\":0.0,\"position\":[0.5,1.5,2.25],\"target\":[0,1,0],\"fov\":30},"
-        "{\"time\":0.5,\"position\":[1.5,1.5,2.25],\"target\":[0,1,0],\"fov\":40},"
-        "{\"time\":1.25,\"position\":[1.5,2.5,1.25],\"target\":[0,1,0],\"fov\":30}]}",
-        "{\"kind\":\"keyed\",\"keys\":[{\"frame\":1,\"position\":[0.5,1.5,2.25],\"rotation\":[0,0.6,0,0.8]},"
-        "{\"frame\":20,\"position\":[0.5,2.5,1.25],\"rotation\":{\"yaw\":90,\"pitch\":10}}]}",
+        ( "{\"kind\":\"keyed\",\"interpolation\":\"catmull-rom\",\"up\":[0,1,0],\"keys\":["
+          "{\"time\":0.0,\"position\":[0.5,1.5,2.25],\"target\":[0,1,0],\"fov\":30},"
+          "{\"time\":0.5,\"position\":[1.5,1.5,2.25],\"target\":[0,1,0],\"fov\":40},"
+          "{\"time\":1.25,\"position\":[1.5,2.5,1.25],\"target\":[0,1,0],\"fov\":30}]}" ),
+        ( "{\"kind\":\"keyed\",\"keys\":[{\"frame\":1,\"position\":[0.5,1.5,2.25],\"rotation\":[0,0.6,0,0.8]},"
+          "{\"frame\":20,\"position\":[0.5,2.5,1.25],\"rotation\":{\"yaw\":90,\"pitch\":10}}]}" ),
         "{\"kind\":\"walk\",\"waypoints\":[[0,1,0],[4,1,0],[4,1,-4],[3,2,1]],\"look_ahead\":2,\"speed\":2}",
     };
     const char* many = getenv( "REFRAME_MUTATIONS" );
@@ -346,7 +348,7 @@ static void test_mutations( void** state )
 }
 
 // The path from which the vase room's camera is made is that camera.
-static void test_vase_zoom( void** state )
+static void test_vase_zoom_is_the_scenes_camera( void** state )
 {
     (void)state;
     RfScene scene;
@@ -375,16 +377,11 @@ static void test_vase_zoom( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_orbit ),
-        cmocka_unit_test( test_dolly_and_zoom ),
-        cmocka_unit_test( test_walk ),
-        cmocka_unit_test( test_keys ),
-        cmocka_unit_test( test_angles ),
-        cmocka_unit_test( test_eyes ),
-        cmocka_unit_test( test_views_without_direction ),
-        cmocka_unit_test( test_faults ),
-        cmocka_unit_test( test_mutations ),
-        cmocka_unit_test( test_vase_zoom ),
+        cmocka_unit_test( test_orbit_by_closed_form ),      cmocka_unit_test( test_dolly_and_zoom_by_closed_form ),
+        cmocka_unit_test( test_walk_by_closed_form ),       cmocka_unit_test( test_keys_are_met ),
+        cmocka_unit_test( test_angles_turn_as_documented ), cmocka_unit_test( test_frame_times_are_exact_multiples ),
+        cmocka_unit_test( test_views_without_direction ),   cmocka_unit_test( test_faults_are_one_line ),
+        cmocka_unit_test( test_mutations_never_crash ),     cmocka_unit_test( test_vase_zoom_is_the_scenes_camera ),
     };
     return cmocka_run_group_tests_name( "camera path", tests, cli_enter_group, cli_leave_group );
 }

@@ -1,5 +1,5 @@
-// What the glTF reader refuses: every fault is one line that names the file
-// and the object, and no input makes it crash, hang or leak.
+// What the glTF reader refuses: every fault is one line that names the file and the
+// object, and no input makes it crash, hang or leak.
 
 #include "support/gltf_builder.h"
 
@@ -73,7 +73,7 @@ static void expect_faults( const Fault* faults, size_t count )
 }
 #define EXPECT_FAULTS( faults ) expect_faults( faults, sizeof( faults ) / sizeof( faults )[0] )
 
-static void test_text( void** state )
+static void test_faults_of_text( void** state )
 {
     (void)state;
     static const struct
@@ -101,7 +101,7 @@ static void test_text( void** state )
     expect_failure( write_bytes( &s_folder, "a.gltf", deep, sizeof deep ), RF_ERROR_FORMAT, "depth" );
 }
 
-static void test_files( void** state )
+static void test_faults_of_files( void** state )
 {
     (void)state;
     expect_failure( folder_file( &s_folder, "absent.gltf" ), RF_ERROR_IO, "absent.gltf" );
@@ -120,7 +120,7 @@ static void test_files( void** state )
     assert_int_equal( rf_read_file( "/dev/zero", 5, &bytes, &size, &error ), RF_ERROR_IO );
 }
 
-static void test_uris( void** state )
+static void test_faults_of_uris( void** state )
 {
     (void)state;
     static const char* const s_uris[] = {
@@ -145,7 +145,7 @@ static void test_uris( void** state )
     expect_failure( write_bytes( &s_folder, "a.gltf", json, strlen( json ) ), RF_ERROR_IO, "absent.bin" );
 }
 
-static void test_container( void** state )
+static void test_faults_of_containers( void** state )
 {
     (void)state;
     GltfBuilder b = make_triangle();
@@ -162,7 +162,7 @@ static void test_container( void** state )
     free( glb );
 }
 
-static void test_extensions( void** state )
+static void test_faults_of_extensions( void** state )
 {
     (void)state;
     static const Fault s_faults[] = {
@@ -176,7 +176,7 @@ static void test_extensions( void** state )
     EXPECT_FAULTS( s_faults );
 }
 
-static void test_nodes( void** state )
+static void test_faults_of_nodes( void** state )
 {
     (void)state;
     static const Fault s_faults[] = {
@@ -204,7 +204,7 @@ static void test_nodes( void** state )
     EXPECT_FAULTS( s_faults );
 }
 
-static void test_deep_nodes( void** state )
+static void test_deep_nodes_do_not_overflow( void** state )
 {
     (void)state;
     char* json = calloc( 1, 200000 );
@@ -219,7 +219,7 @@ static void test_deep_nodes( void** state )
 #define NODE "\"nodes\":[{\"mesh\":0}],"
 #define PRIMITIVE( members ) NODE "\"meshes\":[{\"primitives\":[{" members "}]}]"
 
-static void test_meshes( void** state )
+static void test_faults_of_meshes( void** state )
 {
     (void)state;
     static const Fault s_faults[] = {
@@ -246,7 +246,7 @@ static void expect_accessor_fault( GltfBuilder* b, const char* object, const cha
     expect_failure( write_gltf( b, &s_folder, rest ), RF_ERROR_FORMAT, object );
 }
 
-static void test_accessors( void** state )
+static void test_faults_of_accessors( void** state )
 {
     (void)state;
     float values[12] = { 0, 0, 0, 1, 0, 0, 0, NAN, 0, 1, 1, 1 };
@@ -283,7 +283,7 @@ static void test_accessors( void** state )
     expect_accessor_fault( &b, "accessors[14]: count", "\"attributes\":{\"POSITION\":14}" );
 }
 
-static void test_materials( void** state )
+static void test_faults_of_materials( void** state )
 {
     (void)state;
     static const Fault s_faults[] = {
@@ -315,7 +315,7 @@ static void test_materials( void** state )
     "\"nodes\":[{},{\"matrix\":[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1]}],\"animations\":[{\"samplers\":[{" sampler                     \
     "}],\"channels\":[{\"sampler\":0,\"target\":{" target "}}]}]"
 
-static void test_animations( void** state )
+static void test_faults_of_animations( void** state )
 {
     (void)state;
     static const Fault s_faults[] = {
@@ -399,7 +399,7 @@ static void run_mutations( const uint8_t* original, size_t size, uint64_t count 
     assert_true( loaded > 0 );
 }
 
-static void test_mutations( void** state )
+static void test_mutations_never_crash( void** state )
 {
     (void)state;
     size_t size;
@@ -432,10 +432,18 @@ static int leave( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_text ),       cmocka_unit_test( test_files ),      cmocka_unit_test( test_uris ),
-        cmocka_unit_test( test_container ),  cmocka_unit_test( test_extensions ), cmocka_unit_test( test_nodes ),
-        cmocka_unit_test( test_deep_nodes ), cmocka_unit_test( test_meshes ),     cmocka_unit_test( test_accessors ),
-        cmocka_unit_test( test_materials ),  cmocka_unit_test( test_animations ), cmocka_unit_test( test_mutations ),
+        cmocka_unit_test( test_faults_of_text ),
+        cmocka_unit_test( test_faults_of_files ),
+        cmocka_unit_test( test_faults_of_uris ),
+        cmocka_unit_test( test_faults_of_containers ),
+        cmocka_unit_test( test_faults_of_extensions ),
+        cmocka_unit_test( test_faults_of_nodes ),
+        cmocka_unit_test( test_deep_nodes_do_not_overflow ),
+        cmocka_unit_test( test_faults_of_meshes ),
+        cmocka_unit_test( test_faults_of_accessors ),
+        cmocka_unit_test( test_faults_of_materials ),
+        cmocka_unit_test( test_faults_of_animations ),
+        cmocka_unit_test( test_mutations_never_crash ),
     };
     return cmocka_run_group_tests( tests, enter, leave );
 }

@@ -1,8 +1,7 @@
-// A corpus of small glTF files, one for each feature of the format that they can
-// have: accessors in every component type, packed, with a stride and sparse;
-// animations by every sampler on every target; what is read without being drawn,
-// and what is left out with one warning. Materials, textures and geometry have
-// tests of their own.
+// A corpus of small glTF files, one for each feature of the format that they can use:
+// accessors of every component type, packed, strided and sparse; animations with every
+// sampler and target; what is read without being drawn, and what is ignored with one
+// warning. Materials, textures and geometry have their own tests.
 #include "support/gltf_checks.h"
 
 #include "scene/animation.h"
@@ -132,7 +131,7 @@ static void check_accessor( int kind, bool normalized, int layout, int index_typ
     rf_destroy_scene( &scene );
 }
 
-static void test_every_accessor( void** state )
+static void test_every_accessor_type_is_read( void** state )
 {
     (void)state;
     static const int s_index_types[] = { 5121, 5123, 5125 };
@@ -150,7 +149,7 @@ static void test_every_accessor( void** state )
 }
 
 // Sparse over zeros, which have no area above, as coordinates.
-static void test_sparse_zeros( void** state )
+static void test_sparse_over_zeros_is_read( void** state )
 {
     (void)state;
     static const float s_positions[] = { 0, 0, 0, 1, 0, 0, 0, 1, 0 };
@@ -168,7 +167,7 @@ static void test_sparse_zeros( void** state )
 }
 
 // Colours are floats or normalized unsigned, of three or four; nothing else.
-static void test_every_colour( void** state )
+static void test_every_colour_type_is_read( void** state )
 {
     (void)state;
     static const float s_positions[] = { 0, 0, 0, 1, 0, 0, 0, 1, 0 };
@@ -231,7 +230,7 @@ static void test_every_index_type( void** state )
 
 // What gltfpack and Blender write: quantised normals with a stride, tangents of
 // bytes, the scale in the node.
-static void test_quantized_mesh( void** state )
+static void test_quantized_meshes_are_read( void** state )
 {
     (void)state;
     static const uint16_t s_positions[] = { 0, 0, 0, 0, 65535, 0, 0, 0, 0, 65535, 0, 0 };
@@ -257,7 +256,7 @@ static void test_quantized_mesh( void** state )
 }
 
 // Two buffers: one in the text, one beside it.
-static void test_two_buffers( void** state )
+static void test_two_buffers_are_read( void** state )
 {
     (void)state;
     static const float s_positions[] = { 0, 0, 0, 1, 0, 0, 0, 1, 5 };
@@ -353,7 +352,7 @@ static void test_translations_and_scales( void** state )
 
 // Turns about z by 0, 90 and 270 degrees; the third with its sign turned around,
 // which is the same rotation and must not change the way.
-static void test_rotations( void** state )
+static void test_rotations_take_the_short_way( void** state )
 {
     (void)state;
     const float h = 0.70710678f;
@@ -519,14 +518,14 @@ static void test_many_unknown_extensions( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_every_accessor ),
-        cmocka_unit_test( test_sparse_zeros ),
-        cmocka_unit_test( test_every_colour ),
+        cmocka_unit_test( test_every_accessor_type_is_read ),
+        cmocka_unit_test( test_sparse_over_zeros_is_read ),
+        cmocka_unit_test( test_every_colour_type_is_read ),
         cmocka_unit_test( test_every_index_type ),
-        cmocka_unit_test( test_quantized_mesh ),
-        cmocka_unit_test( test_two_buffers ),
+        cmocka_unit_test( test_quantized_meshes_are_read ),
+        cmocka_unit_test( test_two_buffers_are_read ),
         cmocka_unit_test( test_translations_and_scales ),
-        cmocka_unit_test( test_rotations ),
+        cmocka_unit_test( test_rotations_take_the_short_way ),
         cmocka_unit_test( test_quantized_rotations ),
         cmocka_unit_test( test_cameras_by_name ),
         cmocka_unit_test( test_what_is_left_out ),

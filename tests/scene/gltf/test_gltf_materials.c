@@ -65,7 +65,7 @@ static void assert_fails( const char* material, const char* nodes, const char* m
 
 static bool near( float a, double b ) { return fabs( (double)a - b ) <= 1e-6 * ( 1.0 + fabs( b ) ); }
 
-static void test_glass( void** state )
+static void test_transmission_makes_glass( void** state )
 {
     (void)state;
     RfScene s = load_ok(
@@ -93,7 +93,7 @@ static void test_glass( void** state )
     rf_destroy_scene( &s );
 }
 
-static void test_extras( void** state )
+static void test_extras_are_read( void** state )
 {
     (void)state;
     RfScene s = load_ok( ",\"extras\":{\"reframe\":{\"bsdf\":\"mirror\",\"specular\":[0.9,0.8,0.7]}}", MESH, "" );
@@ -126,7 +126,7 @@ static void test_clearcoat_and_unlit( void** state )
     rf_destroy_scene( &s );
 }
 
-static void test_material_faults( void** state )
+static void test_faults_are_one_line( void** state )
 {
     (void)state;
     assert_fails( EXTENSIONS( "\"KHR_materials_transmission\":{\"transmissionFactor\":2}" ), MESH, "",
@@ -143,7 +143,7 @@ static void test_material_faults( void** state )
     "{\"mesh\":0,\"translation\":[1,2,3],\"rotation\":[-0.70710678,0,0,0.70710678],\"scale\":[2,2,2],"                           \
     "\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}}}"
 
-static void test_lamps( void** state )
+static void test_lamps_are_read( void** state )
 {
     (void)state;
     RfScene s = load_ok( "", LAMP_NODE,
@@ -182,7 +182,7 @@ static void test_lamps( void** state )
 
 #define INSTANCED( text ) "{\"mesh\":0,\"translation\":[5,0,0],\"extensions\":{\"EXT_mesh_gpu_instancing\":{" text "}}}"
 
-static void test_instances( void** state )
+static void test_instances_are_read( void** state )
 {
     (void)state;
     RfScene s = load_ok( "", INSTANCED( "\"attributes\":{\"TRANSLATION\":1,\"SCALE\":2,\"ROTATION\":3}" ), "" );
@@ -203,8 +203,9 @@ static void test_instances( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_glass ),           cmocka_unit_test( test_extras ), cmocka_unit_test( test_clearcoat_and_unlit ),
-        cmocka_unit_test( test_material_faults ), cmocka_unit_test( test_lamps ),  cmocka_unit_test( test_instances ),
+        cmocka_unit_test( test_transmission_makes_glass ), cmocka_unit_test( test_extras_are_read ),
+        cmocka_unit_test( test_clearcoat_and_unlit ),      cmocka_unit_test( test_faults_are_one_line ),
+        cmocka_unit_test( test_lamps_are_read ),           cmocka_unit_test( test_instances_are_read ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -1,6 +1,6 @@
-// Textures of glTF: where images come from, how infos, samplers and transforms
-// are read, colour spaces, second coordinates, vertex colours, alpha; and the
-// error line of everything that may be wrong with them.
+// Textures of glTF: where images come from, how texture infos, samplers and transforms are
+// read, colour spaces, second coordinates, vertex colours, alpha; and the error line of
+// everything that can be wrong with them.
 #include "support/encode_images.h"
 #include "support/gltf_checks.h"
 
@@ -57,7 +57,7 @@ static RfMaterial at( const RfScene* scene, float u, float v )
     return out;
 }
 
-static void test_colour_spaces( void** state )
+static void test_colour_is_srgb_data_is_linear( void** state )
 {
     (void)state;
     GltfBuilder b = make_square();
@@ -98,7 +98,7 @@ static void test_colour_spaces( void** state )
 }
 
 // What a material would be by its factors alone is what comes out of white textures.
-static void test_same_as_factors( void** state )
+static void test_white_textures_equal_factors( void** state )
 {
     (void)state;
     uint8_t white[4] = { 255, 255, 255, 255 };
@@ -122,7 +122,7 @@ static void test_same_as_factors( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_transform_and_sets( void** state )
+static void test_transforms_and_second_coordinates( void** state )
 {
     (void)state;
     GltfBuilder b = make_square();
@@ -150,7 +150,7 @@ static void test_transform_and_sets( void** state )
 }
 
 // VEC3 of normalized shorts and VEC4 of floats; primitives without keep theirs.
-static void test_vertex_colours( void** state )
+static void test_vertex_colours_multiply_in( void** state )
 {
     (void)state;
     static const uint16_t s_shorts[] = { 65535, 0, 0, 0, 0, 65535, 0, 0, 13107, 0, 0, 65535, 0, 0, 65535, 0 };
@@ -178,7 +178,7 @@ static void test_vertex_colours( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_alpha( void** state )
+static void test_alpha_modes_are_read( void** state )
 {
     (void)state;
     GltfBuilder b = make_square();
@@ -209,7 +209,7 @@ static void test_alpha( void** state )
 }
 
 // Tangents go with their node; a mirror changes the side of the bitangent.
-static void test_tangents( void** state )
+static void test_tangents_follow_their_node( void** state )
 {
     (void)state;
     static const float s_tangents[] = { 1, 0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 1 };
@@ -267,7 +267,7 @@ static void test_where_images_come_from( void** state )
 }
 
 // 16 bits become floats, by the curve where they are colour.
-static void test_deep_images( void** state )
+static void test_deep_images_become_floats( void** state )
 {
     (void)state;
     uint16_t pixels[] = { 32768, 65535, 0 };
@@ -299,7 +299,7 @@ typedef struct Fault
 
 #define USE "\"materials\":[{\"emissiveTexture\":{\"index\":0}}]"
 
-static void test_faults( void** state )
+static void test_faults_are_one_line( void** state )
 {
     (void)state;
     static const Fault s_faults[] = {
@@ -361,7 +361,7 @@ static void test_faults( void** state )
     }
 }
 
-static void test_vertex_faults( void** state )
+static void test_faults_of_vertices( void** state )
 {
     (void)state;
     static const char* const s_attributes[] = { "\"COLOR_0\":1", "\"COLOR_0\":6", "\"TEXCOORD_1\":0",
@@ -385,7 +385,7 @@ static void test_vertex_faults( void** state )
 }
 
 // Pixels of floats: none that is no number, none so bright that its square is no float.
-static void test_wild_floats( void** state )
+static void test_wild_floats_are_bounded( void** state )
 {
     (void)state;
     static const struct
@@ -434,7 +434,7 @@ static void test_wild_floats( void** state )
 }
 
 // Broken files that are full of textures: an error line or a scene.
-static void test_mutations( void** state )
+static void test_mutations_never_crash( void** state )
 {
     (void)state;
     GltfBuilder b = make_square();
@@ -475,18 +475,18 @@ static void test_mutations( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_colour_spaces ),
-        cmocka_unit_test( test_same_as_factors ),
-        cmocka_unit_test( test_transform_and_sets ),
-        cmocka_unit_test( test_vertex_colours ),
-        cmocka_unit_test( test_alpha ),
-        cmocka_unit_test( test_tangents ),
-        cmocka_unit_test( test_deep_images ),
+        cmocka_unit_test( test_colour_is_srgb_data_is_linear ),
+        cmocka_unit_test( test_white_textures_equal_factors ),
+        cmocka_unit_test( test_transforms_and_second_coordinates ),
+        cmocka_unit_test( test_vertex_colours_multiply_in ),
+        cmocka_unit_test( test_alpha_modes_are_read ),
+        cmocka_unit_test( test_tangents_follow_their_node ),
+        cmocka_unit_test( test_deep_images_become_floats ),
         cmocka_unit_test( test_where_images_come_from ),
-        cmocka_unit_test( test_faults ),
-        cmocka_unit_test( test_vertex_faults ),
-        cmocka_unit_test( test_mutations ),
-        cmocka_unit_test( test_wild_floats ),
+        cmocka_unit_test( test_faults_are_one_line ),
+        cmocka_unit_test( test_faults_of_vertices ),
+        cmocka_unit_test( test_mutations_never_crash ),
+        cmocka_unit_test( test_wild_floats_are_bounded ),
     };
     return cmocka_run_group_tests( tests, gltf_enter, gltf_leave );
 }

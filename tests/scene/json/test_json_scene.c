@@ -52,7 +52,7 @@ static void assert_rgb( RfVec3 got, double r, double g, double b )
     assert_three( three, r, g, b, 1e-6 );
 }
 
-static void test_plain( void** state )
+static void test_scene_alone_changes_nothing( void** state )
 {
     (void)state;
     RfScene scene = load_members( "\"about\":\"nothing added\"" ), gltf;
@@ -69,7 +69,7 @@ static void test_plain( void** state )
     rf_destroy_scene( &gltf );
 }
 
-static void test_materials( void** state )
+static void test_materials_are_replaced( void** state )
 {
     (void)state;
     RfScene scene = load_members(
@@ -107,7 +107,7 @@ static void test_materials( void** state )
 }
 
 // "textures": false on a parsed glTF, at all depths where one has textures.
-static void test_textures_dropped( void** state )
+static void test_textures_can_be_dropped( void** state )
 {
     (void)state;
     json_t* root = json_loads( "{\"materials\":[{\"name\":\"a\",\"normalTexture\":{\"index\":0},\"pbrMetallicRoughness\":"
@@ -128,7 +128,7 @@ static void test_textures_dropped( void** state )
     json_decref( root );
 }
 
-static void test_material_faults( void** state )
+static void test_faults_of_materials( void** state )
 {
     (void)state;
     static const char* const faults[][2] = {
@@ -166,7 +166,7 @@ static void test_material_faults( void** state )
 
 static void write_map( const char* name, unsigned char mantissa );
 
-static void test_file_faults( void** state )
+static void test_faults_of_files( void** state )
 {
     (void)state;
     write_map( "bright.hdr", 255 );
@@ -230,7 +230,7 @@ static void write_map( const char* name, unsigned char mantissa )
     free( bytes );
 }
 
-static void test_environment( void** state )
+static void test_environment_is_read( void** state )
 {
     (void)state;
     RfScene scene = load_members( "\"environment\":{\"radiance\":[0.5,1,2],\"visible\":false}" );
@@ -305,7 +305,7 @@ static uint64_t hash_of( const char* members )
     return hash;
 }
 
-static void test_cameras( void** state )
+static void test_cameras_are_chosen_and_replaced( void** state )
 {
     (void)state;
     RfError error;
@@ -338,7 +338,7 @@ static void test_cameras( void** state )
     assert_true( hash != hash_of( "\"camera\":\"walk.json\"" ) );
 }
 
-static void test_mutations( void** state )
+static void test_mutations_never_crash( void** state )
 {
     (void)state;
     static const char text[] =
@@ -381,15 +381,15 @@ static int leave( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_plain ),
-        cmocka_unit_test( test_materials ),
-        cmocka_unit_test( test_textures_dropped ),
-        cmocka_unit_test( test_material_faults ),
-        cmocka_unit_test( test_file_faults ),
-        cmocka_unit_test( test_environment ),
+        cmocka_unit_test( test_scene_alone_changes_nothing ),
+        cmocka_unit_test( test_materials_are_replaced ),
+        cmocka_unit_test( test_textures_can_be_dropped ),
+        cmocka_unit_test( test_faults_of_materials ),
+        cmocka_unit_test( test_faults_of_files ),
+        cmocka_unit_test( test_environment_is_read ),
         cmocka_unit_test( test_environment_in_gltf ),
-        cmocka_unit_test( test_cameras ),
-        cmocka_unit_test( test_mutations ),
+        cmocka_unit_test( test_cameras_are_chosen_and_replaced ),
+        cmocka_unit_test( test_mutations_never_crash ),
     };
     return cmocka_run_group_tests_name( "json scene", tests, enter, leave );
 }

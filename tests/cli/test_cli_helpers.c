@@ -1,0 +1,156 @@
+// Parts of the program that need no scene: frame lists, OpenEXR matrices, fingerprints,
+// the progress line.
+#include "cli/options/frame_list.h"
+#include "cli/render/progress.h"
+#include "cli/render/render_output.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static void expect_frames( const char* text, const char* wanted )
+{
+    int* frames;
+    int count;
+    char list[256] = "";
+    RfError error = { RF_OK, "" };
+    if ( rf_parse_frames( text, 10, &frames, &count, &error ) != RF_OK )
+        fail_msg( "%s: %s", text, error.text );
+    for ( int i = 0, used = 0; i < count; ++i )
+        used += snprintf( list + used, sizeof list - (size_t)used, i > 0 ? " %d" : "%d", frames[i] + 1 );
+    free( frames );
+    assert_string_equal( list, wanted );
+}
+
+static void expect_refused( const char* text, const char* part )
+{
+    int* frames;
+    int count;
+    RfError error = { RF_OK, "" };
+    assert_int_equal( rf_parse_frames( text, 10, &frames, &count, &error ), RF_ERROR_USAGE );
+    assert_null( frames );
+    if ( strstr( error.text, part ) == NULL )
+        fail_msg( "'%s' gave '%s'", text, error.text );
+}
+
+static void test_frame_lists_as_users_write_them( void** state )
+{
+    (void)state;
+    expect_frames( NULL, "1 2 3 4 5 6 7 8 9 10" );
+    expect_frames( "7", "7" );
+    expect_frames( "-1", "10" );
+    expect_frames( "-3--1", "8 9 10" );
+    expect_frames( "-3-10", "8 9 10" );
+    expect_frames( "1-10x4", "1 5 9" );
+    expect_frames( "9,2-3,3,1--1x9", "1 2 3 9 10" );
+    expect_frames( "1-3x9223372036854775807", "1" );
+    expect_refused( "0", "no frame 0, the camera's path has 10 frames" );
+    expect_refused( "11", "no frame 11" );
+    expect_refused( "-11", "no frame -11" );
+    expect_refused( "3-2", "runs backwards" );
+    static const char* const wrong[] = {
+        "", "1,", ",1", "a", "1-", "1-3x0", "1-3x-1", "1 - 3", "--1", "1-3x", "99999999999999999999"
+    };
+    for ( size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i )
+        expect_refused( wrong[i], "wants frames such as" );
+}
+
+// p' = p · M, divided by w.
+static void apply( const float m[16], const double p[3], double out[3] )
+{
+    double r[4];
+    for ( int j = 0; j < 4; ++j )
+        r[j] = p[0] * m[j] + p[1] * m[4 + j] + p[2] * m[8 + j] + m[12 + j];
+    for ( int j = 0; j < 3; ++j )
+        out[j] = r[j] / r[3];
+}
+
+static void test_matrices_project_as_the_eye_does( void** state )
+{
+    (void)state;
+    RfEye eye = rf_make_eye( rf_vec3( 1, 2, 3 ), rf_vec3( 1, -0.5f, 0.25f ), rf_vec3( 0, 1, 0 ), 0.8, 160, 90 );
+    float camera[16], ndc[16];
+    rf_eye_matrices( &eye, camera, ndc );
+    // The point two metres behind the upper right corner of the film.
+    double half_x = 0.5 * 160 / eye.focal, half_y = 0.5 * 90 / eye.focal, p[3], out[3];
+    RfVec3 d = rf_add( eye.forward, rf_add( rf_scale( eye.right, (float)half_x ), rf_scale( eye.up, (float)half_y ) ) );
+    const float axes[3] = { d.x, d.y, d.z }, origin[3] = { eye.origin.x, eye.origin.y, eye.origin.z };
+    for ( int i = 0; i < 3; ++i )
+        p[i] = origin[i] + 2.0 * axes[i];
+    apply( camera, p, out );
+    assert_true( fabs( out[0] - 2.0 * half_x ) < 1e-5 && fabs( out[1] - 2.0 * half_y ) < 1e-5 );
+    assert_true( fabs( out[2] + 2.0 ) < 1e-5 );
+    apply( ndc, p, out );
+    assert_true( fabs( out[0] - 1.0 ) < 1e-5 && fabs( out[1] - 1.0 ) < 1e-5 );
+    assert_true( fabs( out[2] - 0.99 ) < 1e-5 ); // 1 − 2 · 1 cm / 2 m
+}
+
+static void test_fingerprints_change_with_every_setting( void** state )
+{
+    (void)state;
+    RfRenderOptions options = { .fps = { 24, 1 }, .tile = "1", .settings = rf_default_render_settings() };
+    RfScene scene = { .content_hash = 17 };
+    RfCameraPath path = { .count = 3, .hash = 5 };
+    RfRenderSubject subject = { &options, &scene, &path };
+    char first[17], other[17];
+    rf_frame_fingerprint( &subject, 0, first );
+    assert_int_equal( strlen( first ), 16 );
+    options.settings.threads = 7;
+    options.settings.memory = 12345678;
+    options.settings.files.half = true;
+    options.output = "elsewhere.exr";
+    rf_frame_fingerprint( &subject, 0, other );
+    assert_string_equal( first, other );
+    rf_frame_fingerprint( &subject, 1, other );
+    assert_string_not_equal( first, other );
+    options.settings.seed = 2;
+    rf_frame_fingerprint( &subject, 0, other );
+    assert_string_not_equal( first, other );
+    options.settings.seed = 1;
+    path.hash = 6;
+    rf_frame_fingerprint( &subject, 0, other );
+    assert_string_not_equal( first, other );
+    path.hash = 5;
+    scene.content_hash = 18;
+    rf_frame_fingerprint( &subject, 0, other );
+    assert_string_not_equal( first, other );
+}
+
+static void test_progress_line_is_short_and_right( void** state )
+{
+    (void)state;
+    char text[160];
+    RfProgress progress = { .frames_done = 11, .frames_all = 48, .share = 0.25, .samples = 26.6e6, .seconds = 14.0 };
+    rf_format_progress( &progress, text, sizeof text );
+    assert_string_equal( text, "frame 12/48  25 %  0:14 spent  0:42 left  1.9 M samples/s" );
+    progress.relmse = 0.00314;
+    rf_format_progress( &progress, text, sizeof text );
+    assert_string_equal( text, "frame 12/48  25 %  0:14 spent  0:42 left  relMSE 0.0031  1.9 M samples/s" );
+    progress = ( RfProgress ){ .frames_all = 1, .relmse = (double)NAN };
+    rf_format_progress( &progress, text, sizeof text );
+    assert_string_equal( text, "frame 1/1  0 %  0:00 spent  -:-- left  0 k samples/s" );
+    progress = ( RfProgress ){ .frames_done = 2, .frames_all = 2, .share = 1.0, .samples = 5e3, .seconds = 10.0 };
+    rf_format_progress( &progress, text, sizeof text );
+    assert_string_equal( text, "frame 2/2  100 %  0:10 spent  0:00 left  0 k samples/s" );
+    // what does not fit on a line of a terminal stays away, the rate first
+    progress = ( RfProgress ){
+        .frames_done = 99998, .frames_all = 99999, .share = 0.5, .samples = 4e14, .seconds = 359999.0, .relmse = 1.2345e-5
+    };
+    rf_format_progress( &progress, text, sizeof text );
+    assert_string_equal( text, "frame 99999/99999  50 %  99:59:59 spent  99:59:59 left  relMSE 1.2e-05" );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( test_frame_lists_as_users_write_them ),
+        cmocka_unit_test( test_matrices_project_as_the_eye_does ),
+        cmocka_unit_test( test_fingerprints_change_with_every_setting ),
+        cmocka_unit_test( test_progress_line_is_short_and_right ),
+    };
+    return cmocka_run_group_tests_name( "cli parts", tests, NULL, NULL );
+}

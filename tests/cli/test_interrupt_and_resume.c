@@ -1,0 +1,240 @@
+// Interrupting render and resuming it as a user does.
+#include "support/cli_run.h"
+
+#include <jansson.h>
+#include <math.h>
+#include <setjmp.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <time.h>
+
+#include <cmocka.h>
+
+#define FRAMES 8
+#define TINY "--frames 1-8 --size 16x9 --spp 2 --group 0 --quiet "
+// One thread: also a fast machine takes a moment for the frames after the first.
+#define SLOW "--frames 1-8 --size 48x27 --spp 48 --group 0 --threads 1 --quiet "
+
+static double number( const json_t* json, const char* key ) { return json_number_value( json_object_get( json, key ) ); }
+
+static bool is_true( const json_t* json, const char* key )
+{
+    assert_true( json_is_boolean( json_object_get( json, key ) ) );
+    return json_is_true( json_object_get( json, key ) );
+}
+
+static size_t frame_count( const json_t* json ) { return json_array_size( json_object_get( json, "frames" ) ); }
+static const json_t* frame_of( const json_t* json, size_t i ) { return json_array_get( json_object_get( json, "frames" ), i ); }
+
+// A file's number in the file system, another one where it was replaced; 0: not there.
+static uintmax_t inode_of( const char* name )
+{
+    char path[512];
+    struct stat status;
+    snprintf( path, sizeof path, "%s/%s", cli_folder(), name );
+    return stat( path, &status ) == 0 ? (uintmax_t)status.st_ino : 0;
+}
+
+static void wait_for_another( const char* name, uintmax_t than )
+{
+    const struct timespec moment = { 0, 2000000 };
+    for ( int i = 0; i < 30000 && ( inode_of( name ) == 0 || inode_of( name ) == than ); ++i )
+        nanosleep( &moment, NULL );
+}
+
+// Interrupts what was started; how many frames it says to have kept.
+static int interrupt( const char* goes_on )
+{
+    const CliResult* result = cli_wait( SIGINT );
+    int kept = -1, all = -1;
+    cli_expect( result, 130, goes_on );
+    assert_int_equal( sscanf( result->err, "reframe render: interrupted: %d of %d frames", &kept, &all ), 2 );
+    assert_int_equal( all, FRAMES );
+    assert_true( kept >= 1 && kept < FRAMES );
+    return kept;
+}
+
+// The frames of `json`, the first `kept` from the older JSON, which told of no others.
+static void check_kept( const char* name, const char* older_name, int kept )
+{
+    json_t *json = cli_read_json( name ), *older = cli_read_json( older_name );
+    assert_int_equal( frame_count( json ), FRAMES );
+    assert_int_equal( frame_count( older ), kept );
+    assert_int_equal( (int)number( json, "kept_frames" ), kept );
+    assert_false( is_true( json, "interrupted" ) );
+    for ( size_t i = 0; i < FRAMES; ++i )
+    {
+        const json_t *frame = frame_of( json, i ), *before = frame_of( older, i );
+        assert_int_equal( (int)number( frame, "frame" ), i + 1 );
+        assert_int_equal( is_true( frame, "kept" ), i < (size_t)kept );
+        assert_true( number( frame, "native_spp" ) > 0.0 && number( frame, "effective_spp" ) > 0.0 &&
+                     number( frame, "relmse_estimate" ) > 0.0 );
+        if ( i >= (size_t)kept )
+            continue;
+        assert_true( number( frame, "seconds" ) > 0.0 && number( frame, "seconds" ) == number( before, "seconds" ) );
+        assert_true( fabs( number( frame, "relmse_estimate" ) - number( before, "relmse_estimate" ) ) <=
+                     1e-5 * number( before, "relmse_estimate" ) );
+        assert_true( number( frame, "native_spp" ) == number( before, "native_spp" ) );
+    }
+    json_decref( json );
+    json_decref( older );
+}
+
+static void check_interrupted_json( const char* name, int kept )
+{
+    json_t* json = cli_read_json( name );
+    assert_true( is_true( json, "interrupted" ) );
+    assert_int_equal( frame_count( json ), kept );
+    assert_int_equal( (int)number( json, "kept_frames" ), 0 );
+    assert_true( number( json_object_get( json, "rays" ), "primary" ) > 0.0 );
+    for ( size_t i = 0; i < (size_t)kept; ++i )
+        assert_false( is_true( frame_of( json, i ), "kept" ) );
+    json_decref( json );
+}
+
+static void test_interrupted_frames_stay_and_resume( void** state )
+{
+    (void)state;
+    cli_start( "exec $R render $VASE -o i/f.####.exr --json i.json " SLOW );
+    wait_for_another( "i/f.0001.exr", 0 );
+    int kept = interrupt( "frames are finished and kept, --resume goes on" );
+    assert_int_equal( cli_count_files( "", "i" ), kept );
+    check_interrupted_json( "i.json", kept );
+    cli_expect( cli_run( "cp i.json older.json; $R render $VASE -o i/f.####.exr --resume --json i.json " SLOW ), 0, NULL );
+    check_kept( "i.json", "older.json", kept );
+    cli_expect( cli_run( "$R render $VASE -o whole/f.####.exr " SLOW "&& for f in whole/*; do cmp $f i/${f#*/} || exit 1; done" ),
+                0, NULL );
+}
+
+// Frames of another render lie behind those that are finished.
+static void test_interrupted_overwrite_resumes( void** state )
+{
+    (void)state;
+    cli_expect( cli_run( "$R render $VASE -o o/f.####.exr --seed 2 --size 48x27 --frames 1-8 --spp 1 --group 0 --quiet" ), 0,
+                NULL );
+    cli_start( "exec $R render $VASE -o o/f.####.exr --overwrite --json o.json " SLOW );
+    wait_for_another( "o/f.0001.exr", inode_of( "o/f.0001.exr" ) );
+    int kept = interrupt( "frames are finished and kept, --resume --overwrite goes on" );
+    check_interrupted_json( "o.json", kept );
+    uintmax_t first = inode_of( "o/f.0001.exr" );
+    cli_expect( cli_run( "$R render $VASE -o o/f.####.exr --resume " SLOW ), 1, "add --overwrite to replace such frames" );
+    cli_expect( cli_run( "cp o.json older.json; $R render $VASE -o o/f.####.exr --resume --overwrite --json o.json " SLOW ), 0,
+                NULL );
+    check_kept( "o.json", "older.json", kept );
+    assert_true( inode_of( "o/f.0001.exr" ) == first );
+    cli_expect( cli_run( "for f in whole/*; do cmp $f o/${f#*/} || exit 1; done" ), 0, NULL );
+}
+
+static void test_interrupted_with_time_resumes( void** state )
+{
+    (void)state;
+    cli_start( "exec $R render $VASE -o t/f.####.exr --frames 1-8 --size 48x27 --time 0.3 --group 1 --json t.json --quiet" );
+    wait_for_another( "t/f.0001.exr", 0 );
+    int kept = interrupt( "--resume goes on" );
+    check_interrupted_json( "t.json", kept );
+    uintmax_t first = inode_of( "t/f.0001.exr" );
+    cli_expect(
+        cli_run( "cp t.json older.json; $R render $VASE -o t/f.####.exr --frames 1-8 --size 48x27 --time 0.3 --group 1 --resume "
+                 "--json t.json --quiet" ),
+        0, NULL );
+    check_kept( "t.json", "older.json", kept );
+    assert_true( inode_of( "t/f.0001.exr" ) == first );
+}
+
+// Any kind of file in the way, in the midst of frames that fit.
+static void test_resume_and_overwrite( void** state )
+{
+    (void)state;
+    cli_expect(
+        cli_run( "$R render $VASE -o m/f.####.exr " TINY "&& cp -r m whole_m && echo text > m/f.0003.exr && rm m/f.0004.exr && "
+                 "cp m/f.0001.exr m/f.0006.exr && $R render $VASE -o m/f.####.exr --frames 7 --overwrite --seed 9 --size 16x9 "
+                 "--spp 2 --group 0 --quiet" ),
+        0, NULL );
+    uintmax_t second = inode_of( "m/f.0002.exr" );
+    cli_expect( cli_run( "$R render $VASE -o m/f.####.exr --resume " TINY ), 1, "m/f.0003.exr" );
+    const CliResult* result = cli_run( "$R render $VASE -o m/f.####.exr --resume --overwrite --json m.json " TINY );
+    cli_expect( result, 0, NULL );
+    assert_non_null( strstr( result->out, "4 frames in m/f.####.exr" ) );
+    assert_non_null( strstr( result->out, "4 kept from before" ) );
+    assert_true( inode_of( "m/f.0002.exr" ) == second );
+    cli_expect( cli_run( "for f in whole_m/*; do cmp $f m/${f#*/} || exit 1; done" ), 0, NULL );
+    json_t* json = cli_read_json( "m.json" );
+    static const bool kept[FRAMES] = { true, true, false, false, true, false, false, true };
+    assert_int_equal( frame_count( json ), FRAMES );
+    for ( size_t i = 0; i < FRAMES; ++i )
+    {
+        assert_int_equal( (int)number( frame_of( json, i ), "frame" ), i + 1 );
+        assert_int_equal( is_true( frame_of( json, i ), "kept" ), kept[i] );
+    }
+    json_decref( json );
+    cli_expect( cli_run( "rm m/f.0005.exr && mkdir m/f.0005.exr && $R render $VASE -o m/f.####.exr --resume --overwrite " TINY ),
+                1, "m/f.0005.exr: is a folder" );
+}
+
+static void expect_seconds( const char* name, bool known )
+{
+    json_t* json = cli_read_json( name );
+    assert_int_equal( frame_count( json ), FRAMES );
+    for ( size_t i = 0; i < FRAMES; ++i )
+    {
+        assert_true( is_true( frame_of( json, i ), "kept" ) );
+        assert_int_equal( json_is_number( json_object_get( frame_of( json, i ), "seconds" ) ), known );
+        assert_true( number( frame_of( json, i ), "native_spp" ) == 2.0 );
+    }
+    assert_true( number( json_object_get( json, "rays" ), "primary" ) == 0.0 );
+    json_decref( json );
+}
+
+// The same command again, with all frames there, loses nothing.
+static void test_resume_of_a_whole_sequence( void** state )
+{
+    (void)state;
+    cli_expect( cli_run( "$R render $VASE -o n/f.####.exr --json n.json " TINY "&& cp n.json n2.json && "
+                         "$R render $VASE -o n/f.####.exr --resume --json n.json " TINY ),
+                0, NULL );
+    check_kept( "n.json", "n2.json", FRAMES );
+    expect_seconds( "n.json", true );
+    cli_expect( cli_run( "$R render $VASE -o n/f.####.exr --resume --json n.json " TINY ), 0, NULL ); // of kept frames too
+    expect_seconds( "n.json", true );
+    cli_expect( cli_run( "$R render $VASE -o n/f.####.exr --resume --json new.json " TINY ), 0, NULL );
+    expect_seconds( "new.json", false );
+    cli_expect( cli_run( "echo '{\"frames\": 3' > bad.json; $R render $VASE -o n/f.####.exr --resume --json bad.json " TINY ), 0,
+                NULL );
+    expect_seconds( "bad.json", false );
+    // the times of files that have been replaced since
+    cli_expect( cli_run( "$R render $VASE -o n/f.####.exr --overwrite --seed 5 " TINY
+                         "&& $R render $VASE -o n/f.####.exr --resume --seed 5 "
+                         "--json n.json " TINY ),
+                0, NULL );
+    expect_seconds( "n.json", false );
+    const CliResult* result = cli_run( "$R render $VASE -o n/f.####.exr --resume --seed 5 --json - " TINY );
+    cli_expect( result, 0, NULL );
+    assert_non_null( strstr( result->out, "\"kept_frames\": 8" ) );
+}
+
+// Off a terminal: a line for each frame, with the time spent and the estimate.
+static void test_a_line_for_each_frame( void** state )
+{
+    (void)state;
+    const CliResult* result = cli_run( "$R render $VASE -o l.exr --frames 3 --size 16x9 --spp 2 --group 0" );
+    cli_expect( result, 0, "frame 1/1  number 3  " );
+    const char* spent = strstr( result->err, " spent  relMSE " );
+    assert_non_null( spent );
+    assert_true( spent[-3] == ':' ); // 0:00
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( test_interrupted_frames_stay_and_resume ), cmocka_unit_test( test_interrupted_overwrite_resumes ),
+        cmocka_unit_test( test_interrupted_with_time_resumes ),      cmocka_unit_test( test_resume_and_overwrite ),
+        cmocka_unit_test( test_resume_of_a_whole_sequence ),         cmocka_unit_test( test_a_line_for_each_frame ),
+    };
+    return cmocka_run_group_tests_name( "resume", tests, cli_enter_group, cli_leave_group );
+}

@@ -1,0 +1,89 @@
+// The scenes made by the scripts in scenes/ load without a warning, and their first and
+// last frames are neither NaN nor black.
+#include "support/cli_run.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+#include <time.h>
+
+#include <cmocka.h>
+
+#define LOAD_SECONDS 5.0
+
+static const char* const s_scenes[] = {
+    "vase-room.glb",           "bounced-room.glb", "bounced-room-spots.glb", "still-life.glb",
+    "still-life-no-glass.glb", "turntable.json",   "textured-room.glb",      "office-floor.glb",
+};
+
+static void test_every_scene_renders_without_a_warning( void** state )
+{
+    (void)state;
+    for ( size_t i = 0; i < sizeof s_scenes / sizeof s_scenes[0]; ++i )
+    {
+        for ( int frame = 1; frame <= 48; frame += 47 )
+        {
+            const CliResult* result =
+                cli_run( "$R render '" REFRAME_SCENE_FOLDER "/%s' -o t.exr --frames %d --size 32x18 --spp 4 "
+                         "--group 0 --overwrite --quiet",
+                         s_scenes[i], frame );
+            cli_expect( result, 0, NULL );
+            // what the reader leaves out and black frames would be told here
+            if ( strstr( result->err, "warning" ) != NULL )
+                fail_msg( "%s: %s", s_scenes[i], result->err );
+            cli_expect( cli_run( "$R compare t.exr t.exr" ), 0, NULL ); // fails for NaN and infinity
+        }
+    }
+}
+
+// Without a bounce nothing is lit of what the camera sees.
+static void test_bounced_room_is_dark_without_a_bounce( void** state )
+{
+    (void)state;
+    for ( int frame = 1; frame <= 48; frame += 47 )
+    {
+        const CliResult* result = cli_run( "$R render '" REFRAME_SCENE_FOLDER "/bounced-room.glb' -o t.exr --frames %d "
+                                           "--size 64x36 --spp 4 --max-depth 2 --group 0 --overwrite --quiet",
+                                           frame );
+        cli_expect( result, 0, "is black" );
+    }
+}
+
+static void test_a_million_triangles_load_in_time( void** state )
+{
+    (void)state;
+    struct timespec start, end;
+    clock_gettime( CLOCK_MONOTONIC, &start );
+    const CliResult* result = cli_run( "$R info '" REFRAME_SCENE_FOLDER "/many.glb'" );
+    clock_gettime( CLOCK_MONOTONIC, &end );
+    cli_expect( result, 0, NULL );
+    assert_non_null( strstr( result->out, "triangles  1000004\n" ) );
+    assert_non_null( strstr( result->out, "instances  50002\n" ) );
+#ifndef REFRAME_SANITIZED
+    double seconds = (double)( end.tv_sec - start.tv_sec ) + 1e-9 * (double)( end.tv_nsec - start.tv_nsec );
+    if ( !( seconds < LOAD_SECONDS ) )
+        fail_msg( "a million triangles at 50,000 nodes took %.1f s to load, it may take %.0f", seconds, LOAD_SECONDS );
+#endif
+}
+
+static void test_office_floor_renders( void** state )
+{
+    (void)state;
+    const CliResult* result = cli_run( "$R info '" REFRAME_SCENE_FOLDER "/office-floor.glb'" );
+    cli_expect( result, 0, NULL );
+    assert_non_null( strstr( result->out, "triangles  313632\n" ) );
+    assert_non_null( strstr( result->out, "emitting triangles 4900," ) ); // 2450 panes
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( test_every_scene_renders_without_a_warning ),
+        cmocka_unit_test( test_bounced_room_is_dark_without_a_bounce ),
+        cmocka_unit_test( test_a_million_triangles_load_in_time ),
+        cmocka_unit_test( test_office_floor_renders ),
+    };
+    return cmocka_run_group_tests( tests, cli_enter_group, cli_leave_group );
+}

@@ -1,0 +1,267 @@
+// The option table: every type, every way to get one wrong, and the help text.
+#include "cli/options/options.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+typedef struct Values
+{
+    int spp, group, weights;
+    uint64_t seed;
+    double exposure;
+    RfSize size;
+    size_t memory;
+    RfFps fps;
+    const char* json;
+    bool resume, half, spp_given;
+} Values;
+
+static const char* const weight_names[] = { "exact", "eq15", "unweighted", NULL };
+static const char* const file_names[] = { "SCENE" };
+static Values s_values;
+static const char* s_file;
+static bool s_help;
+
+static const RfOption s_options[] = {
+    { .name = "spp",
+      .type = RF_OPTION_INT,
+      .value = &s_values.spp,
+      .min = 1,
+      .max = 1048576,
+      .meta = "S",
+      .default_text = "28",
+      .help = "samples",
+      .given = &s_values.spp_given },
+    { .name = "group",
+      .type = RF_OPTION_INT,
+      .value = &s_values.group,
+      .max = 64,
+      .keyword = "auto",
+      .keyword_value = -1,
+      .meta = "N|auto",
+      .help = "half-width" },
+    { .name = "seed", .type = RF_OPTION_UINT64, .value = &s_values.seed, .meta = "S", .help = "seed" },
+    { .name = "exposure",
+      .type = RF_OPTION_REAL,
+      .value = &s_values.exposure,
+      .min = -32,
+      .max = 32,
+      .meta = "E",
+      .help = "stops" },
+    { .name = "size", .type = RF_OPTION_SIZE, .value = &s_values.size, .min = 1, .max = 32768, .meta = "WxH", .help = "pixels" },
+    { .name = "memory", .type = RF_OPTION_MEMORY, .value = &s_values.memory, .min = 1048576, .meta = "SIZE", .help = "budget" },
+    { .name = "fps", .type = RF_OPTION_FPS, .value = &s_values.fps, .meta = "R", .help = "rate" },
+    { .name = "weights", .type = RF_OPTION_CHOICE, .value = &s_values.weights, .choices = weight_names, .help = "weights" },
+    { .name = "json", .letter = 'j', .type = RF_OPTION_STRING, .value = &s_values.json, .meta = "FILE", .help = "result" },
+    { .name = "resume", .type = RF_OPTION_BOOL, .value = &s_values.resume, .help = "go on" },
+    { .name = "half", .type = RF_OPTION_BOOL, .value = &s_values.half, .help = "half floats" },
+};
+
+static const RfCommandTable s_table = { .command = "render",
+                                        .summary = "Renders.",
+                                        .files = file_names,
+                                        .file_count = 1,
+                                        .options = s_options,
+                                        .option_count = sizeof s_options / sizeof s_options[0] };
+
+// Splits `line` at blanks and parses it; the text lives until the next call.
+static RfResult parse( const char* line, RfError* error )
+{
+    static char copy[512];
+    static char* argv[32];
+    int argc = 0;
+    snprintf( copy, sizeof copy, "render %s", line );
+    for ( char* word = strtok( copy, " " ); word != NULL && argc < 32; word = strtok( NULL, " " ) )
+        argv[argc++] = word;
+    s_values = ( Values ){ .spp = 28, .half = true };
+    s_file = NULL;
+    return rf_parse_options( &s_table, argc, argv, &s_file, &s_help, error );
+}
+
+static void expect_ok( const char* line )
+{
+    RfError error = { RF_OK, "" };
+    if ( parse( line, &error ) != RF_OK )
+        fail_msg( "'%s': %s", line, error.text );
+}
+
+static void expect_error( const char* line, const char* text )
+{
+    RfError error = { RF_OK, "" };
+    if ( parse( line, &error ) != RF_ERROR_USAGE )
+        fail_msg( "'%s' was taken", line );
+    assert_string_equal( error.text, text );
+}
+
+static void test_every_type_in_any_order( void** state )
+{
+    (void)state;
+    expect_ok( "--spp 7 --group=3 a.glb --seed 18446744073709551615 --exposure -1.5 --size 17x9 --memory 1.5G "
+               "--fps=24000/1001 --weights unweighted -j - --resume --no-half" );
+    assert_string_equal( s_file, "a.glb" );
+    assert_int_equal( s_values.spp, 7 );
+    assert_true( s_values.spp_given );
+    assert_int_equal( s_values.group, 3 );
+    assert_true( s_values.seed == UINT64_MAX );
+    assert_true( s_values.exposure == -1.5 );
+    assert_int_equal( s_values.size.width, 17 );
+    assert_int_equal( s_values.size.height, 9 );
+    assert_true( s_values.memory == (size_t)3 << 29 );
+    assert_int_equal( s_values.fps.numerator, 24000 );
+    assert_int_equal( s_values.fps.denominator, 1001 );
+    assert_int_equal( s_values.weights, 2 );
+    assert_string_equal( s_values.json, "-" );
+    assert_true( s_values.resume );
+    assert_false( s_values.half );
+}
+
+static void test_defaults_and_keywords( void** state )
+{
+    (void)state;
+    expect_ok( "a.glb" );
+    assert_int_equal( s_values.spp, 28 );
+    assert_false( s_values.spp_given );
+    assert_true( s_values.half );
+    expect_ok( "--group auto a.glb --fps 25" );
+    assert_int_equal( s_values.group, -1 );
+    assert_int_equal( s_values.fps.numerator, 25 );
+    assert_int_equal( s_values.fps.denominator, 1 );
+    expect_ok( "--memory 512m -- --odd-name.glb" );
+    assert_string_equal( s_file, "--odd-name.glb" );
+    assert_true( s_values.memory == (size_t)512 << 20 );
+    expect_ok( "--help --nonsense" );
+    assert_true( s_help );
+}
+
+static void test_wrong_numbers_are_refused( void** state )
+{
+    (void)state;
+    static const char* const wrong[] = { "0", "-1", "1048577", "7x", "0x7", "7.0", "+7", "1e3", "99999999999999999999" };
+    for ( size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i )
+    {
+        char line[128], text[256];
+        snprintf( line, sizeof line, "a.glb --spp %s", wrong[i] );
+        snprintf( text, sizeof text, "--spp: wants a whole number from 1 to 1048576, got '%s'", wrong[i] );
+        expect_error( line, text );
+    }
+    expect_error( "a --spp=", "--spp: wants a whole number from 1 to 1048576, got ''" );
+    expect_error( "a --group some", "--group: wants a whole number from 0 to 64 or auto, got 'some'" );
+    expect_error( "a --seed -1", "--seed: wants a whole number from 0 to 18446744073709551615, got '-1'" );
+    expect_error( "a --seed 18446744073709551616",
+                  "--seed: wants a whole number from 0 to 18446744073709551615, got '18446744073709551616'" );
+    expect_error( "a --exposure nan", "--exposure: wants a number from -32 to 32, got 'nan'" );
+    expect_error( "a --exposure 33", "--exposure: wants a number from -32 to 32, got '33'" );
+    expect_error( "a --exposure 1.5.5", "--exposure: wants a number from -32 to 32, got '1.5.5'" );
+}
+
+static void test_wrong_words_are_refused( void** state )
+{
+    (void)state;
+    static const char* const sizes[] = { "960", "960x", "x540", "0x5", "960x540x3", "32769x1", "1X1" };
+    for ( size_t i = 0; i < sizeof sizes / sizeof sizes[0]; ++i )
+    {
+        char line[128], text[256];
+        snprintf( line, sizeof line, "a.glb --size=%s", sizes[i] );
+        snprintf( text, sizeof text, "--size: wants WIDTHxHEIGHT, such as 960x540, each from 1 to 32768, got '%s'", sizes[i] );
+        expect_error( line, text );
+    }
+    static const char* const memories[] = { "4Q", "G", "1GG", "0", "-4G", "1e99G", "4 G" };
+    for ( size_t i = 0; i + 1 < sizeof memories / sizeof memories[0]; ++i )
+    {
+        char line[128], text[256];
+        snprintf( line, sizeof line, "a.glb --memory=%s", memories[i] );
+        snprintf( text, sizeof text, "--memory: wants a size such as 512M, 4G or 1.5G, at least 1048576 bytes, got '%s'",
+                  memories[i] );
+        expect_error( line, text );
+    }
+    expect_error( "a --fps 24/0", "--fps: wants frames per second, such as 24 or 24000/1001, got '24/0'" );
+    expect_error( "a --fps 0", "--fps: wants frames per second, such as 24 or 24000/1001, got '0'" );
+    expect_error( "a --weights Exact", "--weights: wants one of exact, eq15 or unweighted, got 'Exact'" );
+}
+
+static void test_wrong_shape_is_refused( void** state )
+{
+    (void)state;
+    expect_error( "a --sppp 3", "--sppp: no such option, did you mean --spp?" );
+    expect_error( "a --weigth=3", "--weigth: no such option, did you mean --weights?" );
+    expect_error( "a --frobnicate", "--frobnicate: no such option, see reframe render --help" );
+    expect_error( "a -x", "-x: no such option, see reframe render --help" );
+    expect_error( "a --no-spp 3", "--no-spp: no such option, did you mean --spp?" );
+    expect_error( "a --spp", "--spp: its value is missing" );
+    expect_error( "--json --resume a", "--json: its value is missing" );
+    expect_error( "a --json=", "--json: wants a value that is not empty, got ''" );
+    expect_error( "a --resume=1", "--resume: takes no value, got '1'" );
+    expect_error( "a --spp 3 --spp 4", "--spp: given twice" );
+    expect_error( "a --resume --no-resume", "--resume: given twice" );
+    expect_error( "a b", "'b' is one file too many, see reframe render --help" );
+    expect_error( "--spp 3", "SCENE is missing, see reframe render --help" );
+}
+
+// The last file may be more than one where the table says so.
+static void test_last_file_may_be_many( void** state )
+{
+    (void)state;
+    static const char* const names[] = { "A", "DIR" };
+    int total = 0;
+    const RfCommandTable table = {
+        .command = "many", .summary = "Many.", .files = names, .file_count = 2, .file_max = 4, .file_total = &total
+    };
+    const char* files[4];
+    bool help;
+    RfError error;
+    char* arguments[] = { "many", "a", "b", "c", "d", "e" };
+    for ( int count = 2; count <= 4; ++count )
+    {
+        assert_int_equal( rf_parse_options( &table, 1 + count, arguments, files, &help, &error ), RF_OK );
+        assert_int_equal( total, count );
+        assert_string_equal( files[count - 1], arguments[count] );
+    }
+    assert_int_equal( rf_parse_options( &table, 2, arguments, files, &help, &error ), RF_ERROR_USAGE );
+    assert_string_equal( error.text, "DIR is missing, see reframe many --help" );
+    assert_int_equal( rf_parse_options( &table, 6, arguments, files, &help, &error ), RF_ERROR_USAGE );
+    assert_string_equal( error.text, "'e' is one file too many, see reframe many --help" );
+    arguments[3] = "";
+    assert_int_equal( rf_parse_options( &table, 4, arguments, files, &help, &error ), RF_ERROR_USAGE );
+    assert_string_equal( error.text, "DIR: the name is empty" );
+    char text[1024];
+    FILE* file = tmpfile();
+    assert_non_null( file );
+    rf_print_help( &table, file );
+    rewind( file );
+    text[fread( text, 1, sizeof text - 1, file )] = '\0';
+    fclose( file );
+    assert_non_null( strstr( text, "usage: reframe many [OPTIONS] A DIR...\n" ) );
+}
+
+static void test_help_names_every_option( void** state )
+{
+    (void)state;
+    char text[8192];
+    FILE* file = tmpfile();
+    assert_non_null( file );
+    rf_print_help( &s_table, file );
+    rewind( file );
+    text[fread( text, 1, sizeof text - 1, file )] = '\0';
+    fclose( file );
+    assert_non_null( strstr( text, "usage: reframe render [OPTIONS] SCENE\nRenders.\n" ) );
+    assert_non_null( strstr( text, "  --spp S                         samples (default: 28)\n" ) );
+    assert_non_null( strstr( text, "--weights exact|eq15|unweighted" ) );
+    assert_non_null( strstr( text, "  --[no-]resume                   go on\n" ) );
+    assert_non_null( strstr( text, "  -j, --json FILE" ) );
+    assert_non_null( strstr( text, "  --group N|auto" ) );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( test_every_type_in_any_order ),   cmocka_unit_test( test_defaults_and_keywords ),
+        cmocka_unit_test( test_wrong_numbers_are_refused ), cmocka_unit_test( test_wrong_words_are_refused ),
+        cmocka_unit_test( test_last_file_may_be_many ),     cmocka_unit_test( test_wrong_shape_is_refused ),
+        cmocka_unit_test( test_help_names_every_option ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}

@@ -1,0 +1,225 @@
+// reframe tune: table, JSON, plot, the render command it prints, and its errors.
+#include "support/cli_run.h"
+
+#include <jansson.h>
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include <cmocka.h>
+
+static void check_rows( const json_t* tune )
+{
+    static const char* const keys[] = { "group",  "tile",    "bytes_films", "bytes_hits", "chunks", "predicted_gain", "seconds",
+                                        "relmse", "flicker", "phi",         "efficiency", "gain",   "chosen" };
+    const json_t* rows = json_object_get( tune, "rows" );
+    int chosen = 0, excluded = 0;
+    int last = (int)json_array_size( json_object_get( tune, "rounds" ) );
+    double best = 0.0, winner = 0.0; // of the last round
+    for ( size_t i = 0; i < json_array_size( rows ); ++i )
+    {
+        const json_t* row = json_array_get( rows, i );
+        for ( size_t k = 0; k < sizeof keys / sizeof keys[0]; ++k )
+            assert_non_null( json_object_get( row, keys[k] ) );
+        if ( !json_is_null( json_object_get( row, "excluded" ) ) )
+        {
+            assert_true( json_is_null( json_object_get( row, "efficiency" ) ) &&
+                         json_is_false( json_object_get( row, "chosen" ) ) );
+            excluded += 1;
+            continue;
+        }
+        double efficiency = json_number_value( json_object_get( row, "efficiency" ) );
+        assert_true( efficiency > 0.0 && json_number_value( json_object_get( row, "flicker" ) ) > 0.0 );
+        int rounds = (int)json_integer_value( json_object_get( row, "rounds" ) );
+        assert_true( rounds >= 1 && rounds <= last );
+        best = rounds == last ? fmax( best, efficiency ) : best;
+        if ( !json_is_true( json_object_get( row, "chosen" ) ) )
+            continue;
+        chosen += 1;
+        winner = efficiency;
+        assert_int_equal( rounds, last );
+    }
+    assert_true( chosen == 1 && excluded == 5 * 2 && best > 0.0 && winner == best ); // groups 6 and 8
+}
+
+static int count_of( const char* text, const char* end, const char* part )
+{
+    int count = 0;
+    for ( const char* at = text; ( at = strstr( at, part ) ) != NULL && at < end; at += strlen( part ) )
+        count += 1;
+    return count;
+}
+
+// A line of seven groups for each tile, axes, and a ring around the winner.
+static void check_plot( const char* svg, const json_t* tune )
+{
+    static const char* const words[] = { ">memory of the render beyond the scene, MiB<",
+                                         ">efficiency, 1 / (relMSE ",
+                                         ">tile 1 (none)<",
+                                         ">tile 2x2<",
+                                         ">tile 3x3<",
+                                         ">tile 4x4<",
+                                         ">tile rooks16<" };
+    for ( size_t i = 0; i < sizeof words / sizeof words[0]; ++i )
+        assert_int_equal( count_of( svg, svg + strlen( svg ), words[i] ), 1 );
+    char mark[64] = "", place[64], x[16], y[16];
+    const json_t* rows = json_object_get( tune, "rows" );
+    for ( size_t i = 0; i < json_array_size( rows ); ++i )
+    {
+        const json_t* row = json_array_get( rows, i );
+        if ( json_is_true( json_object_get( row, "chosen" ) ) )
+            snprintf( mark, sizeof mark, ">group %d, tile %s<", (int)json_integer_value( json_object_get( row, "group" ) ),
+                      json_string_value( json_object_get( row, "tile" ) ) );
+    }
+    assert_non_null( strstr( svg, mark ) );
+    const char* ring = svg; // the only circle that is not filled
+    while ( ( ring = strstr( ring, "<circle cx=\"" ) ) != NULL && strstr( ring, " fill=\"none\"" ) > strchr( ring, '>' ) )
+        ring += 1;
+    assert_non_null( ring );
+    assert_int_equal( sscanf( ring, "<circle cx=\"%15[0-9.]\" cy=\"%15[0-9.]\"", x, y ), 2 );
+    snprintf( place, sizeof place, "%s %s", x, y );
+    int lines = 0, through = 0;
+    for ( const char* line = svg; line != NULL; line = strchr( line + 1, '\n' ) )
+    {
+        const char* end = line + 1 + strcspn( line + 1, "\n" );
+        if ( count_of( line, end, "clip-path=\"url(#plot)\"" ) == 0 )
+            continue;
+        lines += 1;
+        assert_int_equal( count_of( line, end, "M" ) + count_of( line, end, "L" ), 7 );
+        through += count_of( line, end, place );
+    }
+    assert_true( lines == 5 && through >= 1 );
+}
+
+// Table, JSON and plot; the command that it gives is taken by render.
+static void test_command_it_gives_is_taken_by_render( void** state )
+{
+    (void)state;
+    static const char options[] = "--size=16x9 --spp 5 --frames 20-21 --seed 7 --no-tile-roulette --memory 200M --max-depth 4";
+    cli_expect( cli_run( "$R tune $VASE %s --budget 1 --quiet --svg plot.svg --json tune.json > table.txt", options ), 0, NULL );
+    json_t* tune = cli_read_json( "tune.json" );
+    check_rows( tune );
+    cli_expect( cli_run( "python3 -c \"import xml.dom.minidom as m; m.parse('plot.svg')\"" ), 0, NULL );
+    size_t size;
+    char* svg = cli_read( "plot.svg", &size );
+    check_plot( svg, tune );
+    free( svg );
+    char* table = cli_read( "table.txt", &size );
+    const char* command = json_string_value( json_object_get( tune, "command" ) );
+    assert_non_null( strstr( table, command ) );
+    assert_non_null( strstr( table, "not tried: --spp would more than double" ) );
+    assert_non_null(
+        strstr( command, " --size=16x9 --spp 5 --frames 20-21 --seed 7 --no-tile-roulette --memory 200M --max-depth 4" ) );
+    assert_null( strstr( command, "budget" ) );
+    assert_null( strstr( command, "quiet" ) );
+    assert_int_equal( strncmp( command, "reframe ", 8 ), 0 );
+    cli_expect( cli_run( "$R %s --quiet > out.txt", command + 8 ), 0, NULL );
+    assert_int_equal( cli_count_files( ".exr", "out" ), 2 );
+    free( table );
+    json_decref( tune );
+    // words on the way, and JSON alone on standard output
+    const CliResult* said = cli_run( "$R tune $VASE %s --budget 1 --json -", options );
+    assert_int_equal( said->status, 0 );
+    assert_true( said->out[0] == '{' && strncmp( said->err, "reframe tune: round 1: 35 settings at 16x9", 42 ) == 0 );
+}
+
+static void test_names_are_quoted_for_the_shell( void** state )
+{
+    (void)state;
+    cli_expect( cli_run( "cp $VASE \"a b'c.glb\"" ), 0, NULL );
+    cli_expect( cli_run( "$R tune \"a b'c.glb\" --size 8x6 --spp 1 --frames 3 --camera 'Camera' --budget 1 --quiet --json "
+                         "tune.json > out.txt" ),
+                0, NULL );
+    json_t* tune = cli_read_json( "tune.json" );
+    const char* command = json_string_value( json_object_get( tune, "command" ) );
+    static const char start[] = "reframe render 'a b'\\''c.glb' -o out/frame.####.exr --group ";
+    assert_int_equal( strncmp( command, start, strlen( start ) ), 0 );
+    cli_expect( cli_run( "$R %s --overwrite --quiet > out.txt", command + 8 ), 0, NULL );
+    json_decref( tune );
+}
+
+static void test_wrong_commands_are_refused( void** state )
+{
+    (void)state;
+    char text[256];
+    snprintf( text, sizeof text,
+              "{\"scene\":\"%s\",\"render\":{\"size\":[8,6],\"spp\":3,\"frames\":\"2-3\",\"group\":1,\"tile\":\"2x2\"}}",
+              REFRAME_VASE_ROOM );
+    cli_write( "scene.json", text, strlen( text ) );
+    cli_expect( cli_run( "$R tune scene.json --budget 1 --quiet --json tune.json > out.txt" ), 0, NULL );
+    json_t* tune = cli_read_json( "tune.json" );
+    assert_int_equal( json_integer_value( json_object_get( tune, "width" ) ), 8 );
+    assert_int_equal( json_integer_value( json_object_get( tune, "frames" ) ), 2 );
+    json_decref( tune );
+    cli_expect( cli_run( "$R tune" ), 2, "reframe tune: SCENE is missing" );
+    cli_expect( cli_run( "$R tune scene.json --group 3" ), 2, "reframe tune: --group: no such option" );
+    cli_expect( cli_run( "$R tune scene.json --tile 3x3" ), 2, "reframe tune: --tile" );
+    cli_expect( cli_run( "$R tune scene.json --budget 0" ), 2, "reframe tune: --budget: wants " );
+    cli_expect( cli_run( "$R tune scene.json --budget" ), 2, "reframe tune: --budget: its value is missing" );
+    cli_expect( cli_run( "$R tune scene.json --frames 99" ), 2, "reframe tune: --frames: there is no frame 99" );
+    cli_expect( cli_run( "$R tune scene.json --size 4000x3000 --memory 1M" ), 1, "give --memory " );
+    cli_expect( cli_run( "$R tune scene.json --size 400x300 --memory 1500K --budget 1 --quiet" ), 1,
+                "reframe tune: a budget of 1500 KiB is too small for frames of 400x300" );
+    cli_expect( cli_run( "$R tune nowhere.glb" ), 1, "reframe tune: nowhere.glb: " );
+    cli_expect( cli_run( "$R tune scene.json --budget 1 --quiet --svg nowhere/plot.svg > out.txt" ), 1, "nowhere/plot.svg" );
+    cli_expect( cli_run( "$R tune --help > out.txt" ), 0, NULL );
+}
+
+// The budget that the error names works; what does not fit stays in table and JSON.
+static void test_named_least_budget_works( void** state )
+{
+    (void)state;
+    static const char command[] =
+        "$R tune $VASE --size 64x36 --spp 9 --max-depth 2 --budget 1 --quiet --json tune.json --memory %ldK > table.txt";
+    const CliResult* said = cli_run( command, 1024L );
+    cli_expect( said, 1, "give --memory " );
+    long least = strtol( strstr( said->err, "give --memory " ) + strlen( "give --memory " ), NULL, 10 );
+    cli_expect( cli_run( command, least - least / 100 ), 1, "give --memory " );
+    cli_expect( cli_run( command, least + least / 5 ), 0, NULL );
+    cli_expect( cli_run( command, least ), 0, NULL );
+    json_t* tune = cli_read_json( "tune.json" );
+    const json_t* rows = json_object_get( tune, "rows" );
+    size_t size;
+    char *table = cli_read( "table.txt", &size ), why[96];
+    int without_room = 0;
+    for ( size_t i = 0; i < json_array_size( rows ); ++i )
+    {
+        const json_t* row = json_array_get( rows, i );
+        long kilobytes = (long)( json_integer_value( json_object_get( row, "bytes_least" ) ) / 1024 );
+        snprintf( why, sizeof why, "does not fit --memory, the least is %ldK", kilobytes );
+        assert_true( kilobytes >= least );
+        if ( kilobytes == least )
+            continue;
+        without_room += 1;
+        assert_string_equal( json_string_value( json_object_get( row, "excluded" ) ), why );
+        assert_non_null( strstr( table, why ) );
+    }
+    assert_true( without_room > 0 && without_room < (int)json_array_size( rows ) );
+    free( table );
+    json_decref( tune );
+}
+
+static void test_interrupt_exits_130( void** state )
+{
+    (void)state;
+    cli_start( "exec $R tune $VASE --size 320x200 --budget 1000 --quiet > out.txt" );
+    nanosleep( &( struct timespec ){ .tv_sec = 1 }, NULL );
+    cli_expect( cli_wait( 2 ), 130, "reframe tune: interrupted" );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( test_command_it_gives_is_taken_by_render ),
+        cmocka_unit_test( test_names_are_quoted_for_the_shell ),
+        cmocka_unit_test( test_wrong_commands_are_refused ),
+        cmocka_unit_test( test_named_least_budget_works ),
+        cmocka_unit_test( test_interrupt_exits_130 ),
+    };
+    return cmocka_run_group_tests( tests, cli_enter_group, cli_leave_group );
+}

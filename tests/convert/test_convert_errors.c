@@ -1,0 +1,218 @@
+// reframe convert: every error line; a file that crashes the importer does not take the
+// program down.
+#include "support/cli_run.h"
+#include "support/convert_support.h"
+
+#include "convert/glb_write.h"
+#include "convert/run_importer.h"
+
+#include <errno.h>
+#include <math.h>
+#include <poll.h>
+#include <setjmp.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+
+#include <cmocka.h>
+
+static void test_wrong_files_and_options_are_refused( void** state )
+{
+    (void)state;
+    convert_write_obj();
+    convert_write( "note.xyz", "just some words\n" );
+    convert_write( "empty.obj", "" );
+    convert_write( "points.obj", "v 0 0 0\nv 1 0 0\nl 1 2\n" );
+    cli_expect( cli_run( "$R convert none.obj a.glb" ), 1, "none.obj: cannot be read: No such file" );
+    cli_expect( cli_run( "$R convert note.xyz a.glb" ), 1, "note.xyz: unknown format: OBJ, PLY, FBX and Collada" );
+    cli_expect( cli_run( "$R convert empty.obj a.glb" ), 1, "empty.obj: is empty" );
+    cli_expect( cli_run( "$R convert points.obj a.glb --quiet" ), 1, "points.obj: " );
+    cli_expect( cli_run( "$R convert . a.glb" ), 1, ".: is no regular file" );
+    cli_expect( cli_run( "$R convert a.obj a.gltf" ), 2, "a.gltf: only .glb is written" );
+    cli_expect( cli_run( "$R convert a.obj none/a.glb" ), 1, "none/a.glb: " );
+    cli_expect( cli_run( "$R convert $VASE a.glb" ), 2, "is glTF already and needs no conversion" );
+    cli_expect( cli_run( "cp $VASE vase.obj; $R convert vase.obj a.glb" ), 2, "vase.obj: is glTF already" );
+    cli_expect( cli_run( "$R convert a.obj" ), 2, "OUT.glb" );
+    cli_expect( cli_run( "$R convert a.obj a.glb --memory 1M" ), 2, "--memory" );
+    cli_expect( cli_run( "$R convert a.obj a.glb --up x" ), 2, "--up" );
+    convert_assert_files( 7 );
+    convert_write( "a.glb", "mine" );
+    cli_expect( cli_run( "$R convert a.obj a.glb --quiet" ), 1, "a.glb: is there already: give another name or --overwrite" );
+    cli_expect( cli_run( "$R convert none.obj a.glb --overwrite" ), 1, "none.obj: " );
+    size_t size;
+    char* bytes = cli_read( "a.glb", &size );
+    assert_string_equal( bytes, "mine" );
+    free( bytes );
+    cli_expect( cli_run( "$R convert a.obj a.glb --quiet --overwrite" ), 0, NULL );
+    RfScene scene = convert_load( "a.glb" );
+    assert_int_equal( scene.triangles.count, 5 );
+    rf_destroy_scene( &scene );
+}
+
+// Files that hang assimp 5.2.5, crash it and make it take all memory.
+#define PLY_HEAD "ply\nformat ascii 1.0\n"
+#define PLY_VERTICES "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+#define PLY_FACES "element face 1\nproperty list uchar int vertex_indices\n"
+#define PLY_CORNERS "end_header\n0 0 0\n1 0 0\n0 1 0\n"
+
+static const char s_hangs[] = PLY_HEAD PLY_VERTICES PLY_FACES; // the header does not end
+static const char s_crashes[] = PLY_HEAD PLY_VERTICES PLY_FACES PLY_CORNERS "3 0 1 999999999\n";
+static const char s_eats[] =
+    PLY_HEAD PLY_VERTICES "element face 100000000\nproperty list uchar int vertex_indices\n" PLY_CORNERS "3 0 1 2\n";
+
+#ifdef REFRAME_SANITIZED
+#define CRASHED "crashes.ply: the importer failed on it" // the sanitizer takes the signal
+#else
+#define CRASHED "crashes.ply: the importer crashed on it (Segmentation fault): export it as glTF"
+#endif
+
+static void test_bad_importer_is_one_line( void** state )
+{
+    (void)state;
+    convert_write( "hangs.ply", s_hangs );
+    convert_write( "crashes.ply", s_crashes );
+    convert_write( "eats.ply", s_eats );
+    cli_expect( cli_run( "$R convert hangs.ply a.glb --importer assimp --timeout 0.5 --memory 512M" ), 1,
+                "hangs.ply: the importer had not finished after 0.5 s: give it more by --timeout, or export it as glTF" );
+    cli_expect( cli_run( "$R convert crashes.ply a.glb --importer assimp --memory 512M" ), 1, CRASHED );
+#ifndef REFRAME_SANITIZED // under which there is no limit
+    cli_expect( cli_run( "$R convert eats.ply a.glb --importer assimp --memory 512M" ), 1,
+                "eats.ply: the importer needs more than 512 MiB of memory: give it more by --memory, or export it as glTF" );
+#endif
+    convert_write( "good.ply", PLY_HEAD PLY_VERTICES PLY_FACES PLY_CORNERS "3 0 1 2\n" );
+    convert_assert_files( 4 );
+    cli_expect( cli_run( "$R convert good.ply a.glb --importer assimp --quiet" ), 0, NULL );
+    convert_assert_files( 5 );
+}
+
+// Our own reader says of the same files, at once, where they are wrong.
+static void test_own_ply_reader_says_where( void** state )
+{
+    (void)state;
+    convert_write( "hangs.ply", s_hangs );
+    convert_write( "crashes.ply", s_crashes );
+    convert_write( "eats.ply", s_eats );
+    convert_write( "good.ply", PLY_HEAD PLY_VERTICES PLY_FACES PLY_CORNERS "3 0 1 2\n" );
+    cli_expect( cli_run( "$R convert hangs.ply a.glb --quiet" ), 1, "hangs.ply: line 9: the header has no end_header" );
+    cli_expect( cli_run( "$R convert crashes.ply a.glb --quiet" ), 1,
+                "crashes.ply: line 13: corner 2 of face 0 is vertex 999999999 of 3" );
+    cli_expect( cli_run( "$R convert eats.ply a.glb --quiet" ), 1, "100000000 of element face need more than" );
+    assert_false( cli_exists( "a.glb" ) );
+    cli_expect( cli_run( "$R convert good.ply a.glb --quiet --up z --scale 2" ), 0, NULL );
+    RfScene scene = convert_load( "a.glb" );
+    assert_int_equal( scene.triangles.count, 1 );
+    const float* p = scene.triangles.positions;
+    assert_true( p[3] == 2.0f && p[6] == 0.0f && fabsf( p[7] ) < 1e-6f && fabsf( p[8] + 2.0f ) < 1e-6f ); // y up, z towards
+    rf_destroy_scene( &scene );
+}
+
+static void test_interrupt_leaves_no_file( void** state )
+{
+    (void)state;
+    convert_write( "hangs.ply", s_hangs );
+    cli_start( "exec $R convert hangs.ply a.glb --importer assimp" );
+    for ( int i = 0; i < 500 && cli_count_files( ".tmp", "." ) == 0; ++i )
+        poll( NULL, 0, 10 );
+    assert_int_equal( cli_count_files( ".tmp", "." ), 1 );
+    poll( NULL, 0, 100 );
+    cli_expect( cli_wait( SIGTERM ), 130, "hangs.ply: interrupted" );
+    convert_assert_files( 1 );
+}
+
+// The library's side, in this process: it has no child left afterwards.
+static void test_no_process_left( void** state )
+{
+    (void)state;
+    const struct
+    {
+        const char* text;
+        RfResult result;
+    } cases[] = { { s_hangs, RF_ERROR_FORMAT }, { s_crashes, RF_ERROR_FORMAT }, { "ply\n", RF_ERROR_FORMAT } };
+    char source[256], target[256], program[1024];
+    snprintf( source, sizeof source, "%s/a.ply", cli_folder() );
+    snprintf( target, sizeof target, "%s/a.glb", cli_folder() );
+    snprintf( program, sizeof program, "%s-import", REFRAME_BINARY );
+    RfImporterRun run = {
+        .program = program, .source = source, .target = target, .memory = (size_t)512 << 20, .seconds = 0.3, .scale = 1
+    };
+    for ( size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i )
+    {
+        RfModelCounts counts;
+        RfError error;
+        convert_write( "a.ply", cases[i].text );
+        assert_int_equal( rf_run_importer( &run, &counts, NULL, &error ), cases[i].result );
+        assert_int_equal( waitpid( -1, NULL, WNOHANG ), -1 );
+        assert_int_equal( errno, ECHILD );
+        assert_int_equal( cli_count_files( "", "." ), 1 );
+    }
+    run.program = "/nowhere/reframe-import";
+    RfModelCounts counts;
+    RfError error;
+    assert_int_equal( rf_run_importer( &run, &counts, NULL, &error ), RF_ERROR_IO );
+    assert_non_null( strstr( error.text, "cannot be started" ) );
+}
+
+static RfResult write_model( const RfModel* model, RfError* error )
+{
+    char path[256];
+    snprintf( path, sizeof path, "%s/m.glb", cli_folder() );
+    return rf_write_glb( path, model, true, error );
+}
+
+static void test_writer_refuses( void** state )
+{
+    (void)state;
+    float positions[9] = { 0, 0, 0, 1, 0, 0, 0, 1, 0 };
+    uint32_t indices[3] = { 0, 1, 2 };
+    int list[1] = { 0 };
+    RfModelMaterial material = rf_default_model_material();
+    RfModelMesh mesh = { .vertex_count = 3, .positions = positions, .triangle_count = 1, .indices = indices, .material = 0 };
+    RfModelNode node = { .parent = -1, .matrix = rf_mat4_identity(), .mesh_count = 1, .meshes = list };
+    RfModel model = {
+        .mesh_count = 1, .meshes = &mesh, .material_count = 1, .materials = &material, .node_count = 1, .nodes = &node
+    };
+    RfError error;
+    assert_int_equal( write_model( &model, &error ), RF_OK );
+    RfScene scene = convert_load( "m.glb" );
+    assert_int_equal( scene.triangles.count, 1 );
+    rf_destroy_scene( &scene );
+    indices[1] = 3;
+    assert_int_equal( write_model( &model, &error ), RF_ERROR_FORMAT );
+    assert_non_null( strstr( error.text, "there is no vertex 3" ) );
+    indices[1] = 1;
+    positions[4] = NAN;
+    assert_int_equal( write_model( &model, &error ), RF_ERROR_FORMAT );
+    assert_non_null( strstr( error.text, "not finite" ) );
+    positions[4] = 0;
+    list[0] = 1;
+    assert_int_equal( write_model( &model, &error ), RF_ERROR_FORMAT );
+    assert_non_null( strstr( error.text, "node 0" ) );
+    list[0] = 0;
+    material.roughness = 2;
+    assert_int_equal( write_model( &model, &error ), RF_ERROR_FORMAT );
+    assert_non_null( strstr( error.text, "material 0" ) );
+    material.roughness = 1;
+    mesh.material = 1;
+    assert_int_equal( write_model( &model, &error ), RF_ERROR_FORMAT );
+    assert_non_null( strstr( error.text, "no material 1" ) );
+    assert_int_equal( cli_count_files( ".tmp", "." ), 0 );
+}
+
+#define TEST( name ) cmocka_unit_test_setup_teardown( name, convert_enter, convert_leave )
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        TEST( test_wrong_files_and_options_are_refused ),
+        TEST( test_bad_importer_is_one_line ),
+        TEST( test_own_ply_reader_says_where ),
+        TEST( test_interrupt_leaves_no_file ),
+        TEST( test_no_process_left ),
+        TEST( test_writer_refuses ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}

@@ -1,0 +1,258 @@
+// reframe cost: points of both curves, predictions by hand and by a render, and what the
+// command prints.
+#include "support/cli_run.h"
+#include "measure/cost.h"
+#include "support/render_support.h"
+#include "render/groups.h"
+#include "support/scene_builder.h"
+
+#include <jansson.h>
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#define MOST_EYES 30
+#define WIDTH 16
+#define HEIGHT 12
+
+typedef struct Setup
+{
+    RfScene scene;
+    RfTracer* tracer;
+    RfEye eyes[MOST_EYES];
+    int frames[MOST_EYES];
+    RfRenderSettings settings;
+    RfCostJob job;
+} Setup;
+
+static void begin( Setup* s, int eyes, int group )
+{
+    s->scene = make_room( ROOM_DIFFUSE );
+    s->tracer = make_tracer( &s->scene );
+    orbit_eyes( s->eyes, MOST_EYES, 1.0f, WIDTH, HEIGHT );
+    for ( int i = 0; i < MOST_EYES; ++i )
+        s->frames[i] = i;
+    s->settings = rf_default_render_settings();
+    s->settings.group = group;
+    s->settings.memory = (size_t)256 << 20;
+    s->settings.threads = 2;
+    s->job = ( RfCostJob ){ .tracer = s->tracer,
+                            .eyes = s->eyes,
+                            .eye_count = eyes,
+                            .frames = s->frames,
+                            .frame_count = eyes,
+                            .settings = &s->settings,
+                            .budget = 1.0 };
+}
+
+static void end( Setup* s )
+{
+    rf_destroy_tracer( s->tracer );
+    rf_destroy_scene( &s->scene );
+}
+
+static void check_curve( const RfCostCurve* c )
+{
+    assert_true( c->count >= 1 && c->count <= RF_COST_LEVELS );
+    for ( int i = 0; i < c->count; ++i )
+    {
+        assert_int_equal( c->rows[i].spp, 2 << i );
+        assert_true( c->rows[i].relmse > 0.0 && c->rows[i].seconds > 0.0 && c->rows[i].cpu_seconds > 0.0 );
+    }
+    // 64 times the samples, and more: no luck makes up for that
+    if ( c->count > 6 )
+        assert_true( c->rows[6].relmse < 0.2 * c->rows[0].relmse );
+    assert_true( c->relmse > 0.0 && c->sample_seconds > 0.0 && c->finish_seconds >= 0.0 );
+}
+
+static void test_both_curves_are_rendered( void** state )
+{
+    (void)state;
+    Setup s;
+    begin( &s, 12, 2 );
+    RfCost cost;
+    RfError error;
+    assert_int_equal( rf_measure_cost( &s.job, &cost, &error ), RF_OK );
+    assert_int_equal( cost.plain.count, cost.reuse.count );
+    check_curve( &cost.plain );
+    check_curve( &cost.reuse );
+    assert_int_equal( cost.plain.eyes, 1 );
+    assert_int_equal( cost.reuse.eyes, 5 );
+    assert_int_equal( cost.width, WIDTH ); // no smaller than the render's where that is small
+    assert_true( cost.speedup.low < cost.speedup.value && cost.speedup.value < cost.speedup.high );
+    assert_true( cost.plain.count < 3 || ( isfinite( cost.plain.slope.low ) && isfinite( cost.reuse.slope.high ) ) );
+    // the same samples with five frames and tiles of nine have less error, by far
+    assert_true( cost.reuse.relmse < 0.5 * cost.plain.relmse );
+    end( &s );
+}
+
+// A path of one frame, and of two, which is one group.
+static void test_short_paths_have_curves( void** state )
+{
+    (void)state;
+    for ( int eyes = 1; eyes <= 2; ++eyes )
+    {
+        Setup s;
+        begin( &s, eyes, 4 );
+        RfCost cost;
+        RfError error;
+        assert_int_equal( rf_measure_cost( &s.job, &cost, &error ), RF_OK );
+        assert_int_equal( cost.reuse.eyes, eyes );
+        assert_int_equal( cost.positions, eyes );
+        check_curve( &cost.reuse );
+        end( &s );
+    }
+}
+
+static void test_nothing_to_compare( void** state )
+{
+    (void)state;
+    Setup s;
+    begin( &s, 4, 0 );
+    s.settings.tile = rf_no_tile();
+    RfCost cost;
+    RfError error;
+    assert_int_equal( rf_measure_cost( &s.job, &cost, &error ), RF_ERROR_USAGE );
+    end( &s );
+}
+
+static bool no_more( void* user )
+{
+    (void)user;
+    return false;
+}
+
+static void test_interruption_returns_no_rows( void** state )
+{
+    (void)state;
+    Setup s;
+    begin( &s, 8, 2 );
+    RfTrialWatch watch = { no_more, NULL };
+    s.job.watch = &watch;
+    RfCost cost;
+    RfError error;
+    assert_int_equal( rf_measure_cost( &s.job, &cost, &error ), RF_ERROR_INTERRUPTED );
+    assert_int_equal( cost.reuse.count, 0 );
+    end( &s );
+}
+
+static void near( double value, double expected ) { assert_true( fabs( value / expected - 1.0 ) < 1e-12 ); }
+
+// By hand: error 0.7 of one sample, 0.07 wanted, 10 samples; a second for each
+// sample of a pixel, 5 for finishing.
+static void test_predictions_by_hand( void** state )
+{
+    (void)state;
+    Setup s;
+    begin( &s, 20, 0 );
+    RfCostCurve plain = { .group = 0, .eyes = 1, .relmse = 0.699, .sample_seconds = 1.0, .finish_seconds = 5.0 };
+    RfCostPrediction p = rf_predict_cost( &s.job, &plain, 0.07, 20 );
+    assert_int_equal( p.spp, 10 );
+    near( p.frame_seconds, 10.0 * WIDTH * HEIGHT + 5.0 );
+    near( p.seconds, 20.0 * p.frame_seconds );
+    // groups of 3: whole passes of each of the 3 groups, 12 samples; the first and the last group have 12 passes
+    RfCostCurve reuse = plain;
+    reuse.group = 1;
+    reuse.eyes = 3;
+    p = rf_predict_cost( &s.job, &reuse, 0.07, 20 );
+    assert_int_equal( p.spp, 12 );
+    near( p.seconds, 3.0 * ( 16.0 * 4.0 + 2.0 * 12.0 ) * WIDTH * HEIGHT + 20.0 * 5.0 );
+    // sweeps of one frame: as many times a frame alone
+    double alone = 0.0;
+    for ( int i = 0; i < 20; ++i )
+    {
+        RfCostJob one = s.job;
+        one.frames = s.frames + i;
+        one.frame_count = 1;
+        alone += rf_predict_cost( &one, &reuse, 0.07, 1 ).seconds;
+    }
+    near( rf_predict_cost( &s.job, &reuse, 0.07, 1 ).seconds, alone );
+    // two samples are the least, and there is a most
+    assert_int_equal( rf_predict_cost( &s.job, &plain, 10.0, 20 ).spp, 2 );
+    assert_int_equal( rf_predict_cost( &s.job, &plain, 1e-9, 20 ).spp, 0 );
+    assert_true( isnan( rf_predict_cost( &s.job, &plain, 1e-9, 20 ).seconds ) );
+    end( &s );
+}
+
+static void test_command_says_what_json_says( void** state )
+{
+    (void)state;
+    cli_enter();
+    cli_expect( cli_run( "$R cost $VASE --size 40x30 --budget 1 --group 1 --noise 0.05,0.5 --frames 5-9 --quiet --json c.json "
+                         "--svg c.svg > c.txt" ),
+                0, NULL );
+    size_t size;
+    char* text = cli_read( "c.json", &size );
+    json_error_t fault;
+    json_t* json = json_loadb( text, size, 0, &fault );
+    assert_non_null( json );
+    json_t* rows = json_object_get( json, "rows" );
+    size_t count = json_array_size( rows );
+    assert_true( count >= 2 && count % 2 == 0 );
+    assert_true( json_is_false( json_object_get( json_array_get( rows, 0 ), "reuse" ) ) );
+    assert_true( json_is_true( json_object_get( json_array_get( rows, count - 1 ), "reuse" ) ) );
+    assert_int_equal( json_integer_value( json_object_get( json_array_get( rows, count - 1 ), "group" ) ), 1 );
+    assert_true( json_real_value( json_object_get( json, "speedup_at_equal_error" ) ) > 0.0 );
+    if ( count >= 6 ) // three rows of each
+    {
+        assert_true( json_real_value( json_object_get( json, "slope" ) ) < 0.0 );
+        assert_true( json_real_value( json_object_get( json, "slope_plain_low" ) ) <
+                     json_real_value( json_object_get( json, "slope_plain_high" ) ) );
+    }
+    assert_true( json_real_value( json_object_get( json, "speedup_low" ) ) <
+                 json_real_value( json_object_get( json, "speedup_high" ) ) );
+    json_t* wanted = json_object_get( json, "wanted" );
+    assert_int_equal( json_array_size( wanted ), 2 );
+    json_t *dear = json_array_get( wanted, 0 ), *cheap = json_array_get( wanted, 1 );
+    assert_true( json_integer_value( json_object_get( json_object_get( dear, "plain" ), "spp" ) ) >
+                 json_integer_value( json_object_get( json_object_get( cheap, "plain" ), "spp" ) ) );
+    json_decref( json );
+    free( text );
+    text = cli_read( "c.svg", &size );
+    assert_true( size > 500 && strstr( text, "<svg" ) != NULL && strstr( text, "group 1, tile 3x3" ) != NULL );
+    free( text );
+    text = cli_read( "c.txt", &size );
+    assert_non_null( strstr( text, "relMSE 0.05 at 40x30: " ) );
+    assert_non_null( strstr( text, "; all 5 frames: " ) );
+    assert_true( count < 6 ||
+                 strstr( text, "error falls as seconds to the power of -" ) != NULL ); // a busy machine may have fewer rows
+    assert_non_null( strstr( text, "at equal error groups of 3 and 3x3 tiles take 1/" ) );
+    free( text );
+    cli_expect( cli_run( "$R cost $VASE --size 8x6 --budget 1 --group 0 --noise 1e-9 --frames 5 --quiet > c.txt" ), 0, NULL );
+    text = cli_read( "c.txt", &size );
+    assert_non_null( strstr( text, "relMSE 1e-09 at 8x6: more than 1048576 samples, which is the most" ) );
+    free( text );
+    cli_leave();
+}
+
+static void test_wrong_commands_are_refused( void** state )
+{
+    (void)state;
+    cli_enter();
+    cli_expect( cli_run( "$R cost" ), 2, "SCENE" );
+    cli_expect( cli_run( "$R cost $VASE --noise 0.1,x" ), 2, "--noise: wants numbers above 0" );
+    cli_expect( cli_run( "$R cost $VASE --noise 0" ), 2, "--noise: wants numbers above 0" );
+    cli_expect( cli_run( "$R cost $VASE --noise 0.1," ), 2, "--noise: wants numbers above 0" );
+    cli_expect( cli_run( "$R cost $VASE --budget 0" ), 2, "--budget" );
+    cli_expect( cli_run( "$R cost $VASE --group 0 --tile 1" ), 2, "path tracing" );
+    cli_expect( cli_run( "$R cost missing.glb" ), 1, "missing.glb" );
+    cli_expect( cli_run( "$R cost $VASE --size 8x6 --budget 1 --group 1 --quiet --svg no/such/c.svg > c.txt" ), 1, "no/such" );
+    cli_leave();
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( test_both_curves_are_rendered ),   cmocka_unit_test( test_short_paths_have_curves ),
+        cmocka_unit_test( test_nothing_to_compare ),         cmocka_unit_test( test_interruption_returns_no_rows ),
+        cmocka_unit_test( test_predictions_by_hand ),        cmocka_unit_test( test_command_says_what_json_says ),
+        cmocka_unit_test( test_wrong_commands_are_refused ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}

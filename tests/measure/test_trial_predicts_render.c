@@ -1,0 +1,281 @@
+// Trials: what one window of frames says about the middle of a long path is what a render
+// of the whole path shows.
+#include "measure/trial.h"
+#include "support/render_support.h"
+#include "render/groups.h"
+#include "support/scene_builder.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#define EYES 17
+#define WIDTH 20
+#define HEIGHT 15
+
+typedef struct Setup
+{
+    RfScene scene;
+    RfTracer* tracer;
+    RfEye eyes[EYES];
+    RfTestRegion site;
+} Setup;
+
+static RfRenderSettings settings_of( int group, const char* tile )
+{
+    RfRenderSettings settings = rf_default_render_settings();
+    settings.memory = (size_t)256 << 20;
+    settings.threads = 1;
+    settings.group = group;
+    assert_true( rf_parse_tile( tile, &settings.tile ) );
+    return settings;
+}
+
+static void begin( Setup* s, float degrees, int centre, int frames )
+{
+    RfRenderSettings settings = settings_of( 0, "1" );
+    RfError error;
+    s->scene = make_room( ROOM_DIFFUSE );
+    s->tracer = make_tracer( &s->scene );
+    orbit_eyes( s->eyes, EYES, degrees, 2 * WIDTH, 2 * HEIGHT );
+    assert_int_equal(
+        rf_create_test_region( s->tracer, s->eyes, EYES, centre, frames, WIDTH, HEIGHT, &settings, NULL, &s->site, &error ),
+        RF_OK );
+}
+
+static void end( Setup* s )
+{
+    rf_destroy_test_region( &s->site );
+    rf_destroy_tracer( s->tracer );
+    rf_destroy_scene( &s->scene );
+}
+
+static RfTrial trial_of( const Setup* s, int windows, int passes, const RfRenderSettings* settings )
+{
+    RfTrial trial;
+    RfError error;
+    if ( rf_run_trial( s->tracer, &s->site, windows, passes, settings, NULL, &trial, &error ) != RF_OK )
+        fail_msg( "%s", error.text );
+    return trial;
+}
+
+static void expect_near( const char* what, double found, double expected, double share )
+{
+    if ( !( fabs( found - expected ) <= share * fabs( expected ) ) )
+        fail_msg( "%s: %g, not %g", what, found, expected );
+}
+
+static void test_region_is_cut_at_the_ends_of_the_path( void** state )
+{
+    (void)state;
+    static const int cases[][4] = { { 7, 5, 5, 5 }, { 0, 5, 0, 5 }, { 16, 5, 12, 5 }, { 3, 99, 0, EYES }, { 9, 1, 9, 1 } };
+    for ( int i = 0; i < 5; ++i )
+    {
+        Setup s;
+        begin( &s, 1.0f, cases[i][0], cases[i][1] );
+        assert_int_equal( s.site.first, cases[i][2] );
+        assert_int_equal( s.site.frames, cases[i][3] );
+        assert_true( s.site.whole == ( cases[i][3] == EYES ) );
+        assert_true( s.site.eyes->width == WIDTH && s.site.eyes->height == HEIGHT );
+        assert_true( s.site.eyes->focal == 0.5f * s.eyes->focal );
+        for ( int k = 0; k < s.site.frames * WIDTH * HEIGHT; ++k )
+            assert_true( s.site.weight[k] > 0.0f && s.site.weight[k] <= 1000.0f );
+        end( &s );
+    }
+}
+
+// Counts and properties that hold whatever the samples are.
+static void test_sums_hold_for_any_samples( void** state )
+{
+    (void)state;
+    Setup s;
+    begin( &s, 1.0f, 7, EYES );
+    RfRenderSettings settings = settings_of( 0, "1" );
+    RfTrial one = trial_of( &s, 5, 3, &settings ), again = trial_of( &s, 5, 3, &settings ), sum = one;
+    assert_int_equal( one.groups, 5 );
+    assert_true( one.weight == 5.0 * WIDTH * HEIGHT && one.samples == 2 * 3 * one.weight );
+    assert_true( one.timed_samples > 0.0 && one.timed_samples <= one.samples );
+    assert_true( one.cpu_seconds > 0.0 && one.wall_seconds > 0.0 && one.finish_seconds >= 0.0 );
+    assert_true( one.relmse == again.relmse && one.change == again.change );
+    // frames without reuse are independent
+    expect_near( "phi", rf_trial_phi( &one ), 1.0, 1e-9 );
+    expect_near( "F1", rf_trial_f1( &one, 4.0 ), sqrt( 2.0 * one.mse / one.weight / 4.0 ), 1e-9 );
+    rf_add_trial( &sum, &again );
+    expect_near( "relMSE of both", rf_trial_relmse( &sum, 8.0 ), rf_trial_relmse( &one, 8.0 ), 1e-12 );
+    expect_near( "samples", rf_trial_relmse( &one, 16.0 ), 0.5 * rf_trial_relmse( &one, 8.0 ), 1e-12 );
+    sum.cpu_seconds = 2.0 * one.cpu_seconds;
+    expect_near( "efficiency", rf_trial_efficiency( &sum, 100.0 ), rf_trial_efficiency( &one, 100.0 ), 1e-12 );
+    expect_near( "of a larger frame", rf_trial_efficiency( &one, 400.0 ), 0.25 * rf_trial_efficiency( &one, 100.0 ), 1e-12 );
+    settings.seed = 2;
+    RfTrial other = trial_of( &s, 5, 3, &settings );
+    assert_true( other.relmse != one.relmse );
+    // as many windows as fit, at least one
+    settings.group = 3;
+    assert_int_equal( trial_of( &s, 5, 2, &settings ).groups, 2 );
+    assert_int_equal( trial_of( &s, 0, 2, &settings ).groups, 1 );
+    end( &s );
+}
+
+// More passes: the error of one is the same.
+static void test_more_passes_same_error( void** state )
+{
+    (void)state;
+    Setup s;
+    begin( &s, 1.0f, 7, EYES );
+    RfRenderSettings settings = settings_of( 0, "1" );
+    RfTrial few = { 0 }, many = { 0 };
+    for ( int k = 0; k < 8; ++k )
+    {
+        settings.seed = (uint64_t)k;
+        RfTrial a = trial_of( &s, EYES, 4, &settings ), b = trial_of( &s, EYES, 16, &settings );
+        rf_add_trial( &few, &a );
+        rf_add_trial( &many, &b );
+    }
+    expect_near( "16 passes", rf_trial_relmse( &many, 1.0 ), rf_trial_relmse( &few, 1.0 ), 0.1 );
+    expect_near( "squares", many.mse, few.mse, 0.1 );
+    end( &s );
+}
+
+// Eyes that are all the same see the same: two neighbours share all windows but one each.
+static void test_equal_eyes_average_their_samples( void** state )
+{
+    (void)state;
+    Setup s;
+    begin( &s, 0.0f, 7, 9 );
+    for ( int group = 1; group <= 4; group += 3 )
+    {
+        RfRenderSettings settings = settings_of( group, "1" );
+        RfTrial trial = trial_of( &s, 1, 4, &settings );
+        double eyes = 2 * group + 1;
+        expect_near( "phi", rf_trial_phi( &trial ), 1.0 / eyes, 0.02 );
+        settings.group = 0;
+        RfTrial plain = trial_of( &s, 9, 4, &settings );
+        expect_near( "relMSE", rf_trial_relmse( &trial, eyes ), rf_trial_relmse( &plain, eyes * eyes ), 0.35 );
+    }
+    end( &s );
+    // all of the path in one window: the same picture throughout
+    begin( &s, 0.0f, 7, EYES );
+    RfRenderSettings settings = settings_of( 8, "1" );
+    RfTrial trial = trial_of( &s, 1, 2, &settings );
+    assert_true( trial.mse > 0.0 && rf_trial_phi( &trial ) < 1e-6 );
+    end( &s );
+}
+
+#define MIDDLE 7
+#define SEEDS 16 // frames 7 and 8 lie in no window at the ends
+
+// Mean over the seeds of the middle frames of the path, from differences of two renders.
+typedef struct Truth
+{
+    double relmse, f1, phi;
+} Truth;
+
+static Truth render_truth( const Setup* s, const RfRenderSettings* settings )
+{
+    static const int frames[2] = { MIDDLE, MIDDLE + 1 };
+    size_t floats = 3 * WIDTH * HEIGHT;
+    double relative = 0.0, square = 0.0, step = 0.0;
+    for ( int k = 0; k < SEEDS; ++k )
+    {
+        RfRenderSettings a = *settings, b = *settings;
+        a.seed = (uint64_t)( 100 + 2 * k );
+        b.seed = (uint64_t)( 101 + 2 * k );
+        Rendered x = render_frames( s->tracer, s->site.eyes, EYES, frames, 2, &a );
+        Rendered y = render_frames( s->tracer, s->site.eyes, EYES, frames, 2, &b );
+        for ( size_t i = 0; i < floats; ++i )
+        {
+            double d0 = (double)x.rgb[i] - (double)y.rgb[i], d1 = (double)x.rgb[floats + i] - (double)y.rgb[floats + i];
+            relative += 0.5 * d0 * d0 * (double)s->site.weight[(size_t)MIDDLE * WIDTH * HEIGHT + i / 3];
+            square += 0.25 * ( d0 * d0 + d1 * d1 );
+            step += 0.5 * ( d1 - d0 ) * ( d1 - d0 );
+        }
+        free_rendered( &x );
+        free_rendered( &y );
+    }
+    double count = (double)floats * SEEDS;
+    return ( Truth ){ relative / count * 3.0, sqrt( step / count ), step / ( 2.0 * square ) };
+}
+
+// One window's figures against those of the path's windows together.
+static void check_long_path( int group, const char* tile )
+{
+    Setup s;
+    begin( &s, 2.0f, MIDDLE, EYES );
+    RfRenderSettings settings = settings_of( group, tile );
+    RfTrial sum = { 0 };
+    for ( int k = 0; k < SEEDS; ++k )
+    {
+        settings.seed = (uint64_t)k;
+        RfTrial trial = trial_of( &s, 1, 4, &settings );
+        rf_add_trial( &sum, &trial );
+    }
+    settings.spp = 4 * ( 2 * group + 1 );
+    Truth truth = render_truth( &s, &settings );
+    printf( "group %d tile %s: relMSE %.5f of %.5f, F1 %.5f of %.5f, phi %.3f of %.3f\n", group, tile,
+            rf_trial_relmse( &sum, settings.spp ), truth.relmse, rf_trial_f1( &sum, settings.spp ), truth.f1,
+            rf_trial_phi( &sum ), truth.phi );
+    expect_near( "relMSE", rf_trial_relmse( &sum, settings.spp ), truth.relmse, 0.15 );
+    expect_near( "F1", rf_trial_f1( &sum, settings.spp ), truth.f1, 0.1 );
+    expect_near( "phi", rf_trial_phi( &sum ), truth.phi, 0.1 );
+    end( &s );
+}
+
+static void test_long_path_has_the_predicted_error( void** state )
+{
+    (void)state;
+    check_long_path( 1, "1" );
+    check_long_path( 2, "2x2" );
+    check_long_path( 3, "3x3" );
+}
+
+static bool refuse( void* user )
+{
+    *(int*)user += 1;
+    return false;
+}
+
+static void test_wrong_settings_are_refused( void** state )
+{
+    (void)state;
+    Setup s;
+    RfTrial trial;
+    RfError error;
+    begin( &s, 1.0f, 7, 5 );
+    RfRenderSettings settings = settings_of( 3, "1" );
+    assert_int_equal( rf_run_trial( s.tracer, &s.site, 1, 4, &settings, NULL, &trial, &error ), RF_ERROR_USAGE );
+    settings.group = RF_GROUP_AUTO;
+    assert_int_equal( rf_run_trial( s.tracer, &s.site, 1, 4, &settings, NULL, &trial, &error ), RF_ERROR_USAGE );
+    settings.group = 2;
+    assert_int_equal( rf_run_trial( s.tracer, &s.site, 1, 1, &settings, NULL, &trial, &error ), RF_ERROR_USAGE );
+    settings.memory = 1000;
+    assert_int_equal( rf_run_trial( s.tracer, &s.site, 1, 2, &settings, NULL, &trial, &error ), RF_ERROR_MEMORY );
+    settings.memory = (size_t)64 << 20;
+    int calls = 0;
+    RfTrialWatch watch = { refuse, &calls };
+    assert_int_equal( rf_run_trial( s.tracer, &s.site, 1, 2, &settings, &watch, &trial, &error ), RF_ERROR_INTERRUPTED );
+    assert_int_equal( calls, 1 );
+    RfTestRegion site;
+    assert_int_equal( rf_create_test_region( s.tracer, s.eyes, EYES, 7, 5, WIDTH, HEIGHT, &settings, &watch, &site, &error ),
+                      RF_ERROR_INTERRUPTED );
+    rf_destroy_test_region( &site );
+    end( &s );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( test_region_is_cut_at_the_ends_of_the_path ),
+        cmocka_unit_test( test_sums_hold_for_any_samples ),
+        cmocka_unit_test( test_more_passes_same_error ),
+        cmocka_unit_test( test_equal_eyes_average_their_samples ),
+        cmocka_unit_test( test_long_path_has_the_predicted_error ),
+        cmocka_unit_test( test_wrong_settings_are_refused ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}

@@ -1,0 +1,305 @@
+// What the plan says about a render is what the render does, and --group auto takes the
+// row it marks.
+#include "support/render_support.h"
+#include "render/groups.h"
+#include "reframe/plan.h"
+#include "support/scene_builder.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#define MOST_EYES 70
+#define WIDTH 32
+#define HEIGHT 24
+
+typedef struct Setup
+{
+    RfScene scene;
+    RfTracer* tracer;
+    RfEye eyes[MOST_EYES];
+    int frames[MOST_EYES];
+} Setup;
+
+static void begin( Setup* s, RoomKind kind, float degrees )
+{
+    s->scene = make_room( kind );
+    s->tracer = make_tracer( &s->scene );
+    orbit_eyes( s->eyes, MOST_EYES, degrees, WIDTH, HEIGHT );
+    for ( int i = 0; i < MOST_EYES; ++i )
+        s->frames[i] = i;
+}
+
+static void end( Setup* s )
+{
+    rf_destroy_tracer( s->tracer );
+    rf_destroy_scene( &s->scene );
+}
+
+static RfRenderSettings settings_of( int spp )
+{
+    RfRenderSettings settings = rf_default_render_settings();
+    settings.spp = spp;
+    settings.memory = (size_t)256 << 20;
+    settings.threads = 2;
+    return settings;
+}
+
+static RfPlan plan_of( const Setup* s, int eyes, const RfRenderSettings* settings )
+{
+    RfPlan plan;
+    RfError error = { 0 };
+    if ( rf_plan_render( s->tracer, s->eyes, eyes, s->frames, eyes, settings, &plan, &error ) != RF_OK )
+        fail_msg( "%s", error.text );
+    return plan;
+}
+
+// A path ends the table with the group that holds all of it.
+static void test_table_ends_with_the_whole_path( void** state )
+{
+    (void)state;
+    static const int paths[][3] = { { 1, 1, 1 }, { 2, 2, 2 }, { 3, 2, 3 }, { 5, 3, 5 }, { 6, 4, 6 }, { 9, 5, 9 }, { 48, 9, 33 } };
+    static const int groups[] = { 0, 1, 2, 3, 4, 6, 8, 12, 16 };
+    Setup s;
+    begin( &s, ROOM_DIFFUSE, 1.0f );
+    RfRenderSettings settings = settings_of( 28 );
+    for ( int i = 0; i < 7; ++i )
+    {
+        RfPlan plan = plan_of( &s, paths[i][0], &settings );
+        assert_int_equal( plan.count, paths[i][1] );
+        int chosen = 0;
+        for ( int r = 0; r < plan.count; ++r )
+        {
+            RfGroupPlan expected = rf_plan_groups( paths[i][0], groups[r], 28 );
+            assert_int_equal( plan.rows[r].eyes, expected.eyes );
+            assert_int_equal( plan.rows[r].group, expected.eyes / 2 );
+            assert_int_equal( plan.rows[r].spp, expected.spp );
+            chosen += plan.rows[r].chosen;
+        }
+        assert_int_equal( plan.rows[plan.count - 1].eyes, paths[i][2] );
+        assert_int_equal( chosen, 1 );
+        assert_true( plan.rows[plan.chosen].chosen && plan.why[0] != 0 );
+        assert_true( fabs( plan.rows[0].reach - 1.0 ) < 1e-6 && fabs( plan.rows[0].gain - 1.0 ) < 1e-6 );
+    }
+    end( &s );
+}
+
+// Eyes that are all the same see all of each other's hits: then it is FR (16).
+static void test_equal_eyes_give_the_closed_form( void** state )
+{
+    (void)state;
+    Setup s;
+    RfError error;
+    begin( &s, ROOM_DIFFUSE, 0.0f );
+    RfRenderSettings settings = settings_of( 17 );
+    RfPlan plan = plan_of( &s, 17, &settings );
+    for ( int r = 0; r < plan.count; ++r )
+    {
+        assert_true( fabs( plan.rows[r].reach - plan.rows[r].eyes ) < 0.01 * plan.rows[r].eyes );
+        assert_true( isnan( plan.rows[r].measured_gain ) );
+    }
+    assert_int_equal( rf_measure_plan( s.tracer, s.eyes, 17, &settings, 0.05, &plan, &error ), RF_OK );
+    assert_true( plan.c_e > 0.0 && plan.c_l > 0.0 && plan.c_v > 0.0 );
+    const RfPlanRow* whole = plan.rows + plan.count - 1; // one window, without ends
+    double own = plan.c_e + plan.c_l, formula = 17.0 * own / ( own + 16.0 * plan.c_v );
+    assert_true( fabs( whole->measured_gain - formula ) < 0.02 * formula );
+    double seconds = whole->rays_primary * ( own + 16.0 * plan.c_v ) / whole->fit.threads;
+    assert_true( fabs( whole->seconds - seconds ) < 1e-6 * seconds );
+    end( &s );
+}
+
+static void expect_near( const char* what, int group, double planned, uint64_t counted )
+{
+    if ( !( fabs( planned - (double)counted ) <= 0.1 * (double)counted ) )
+        fail_msg( "group %d: %s rays: planned %.0f, traced %.0f", group, what, planned, (double)counted );
+}
+
+// Rays, bytes, threads and chunks of every row are those of a render of it.
+static void test_forecast_is_what_render_does( void** state )
+{
+    (void)state;
+    Setup s;
+    begin( &s, ROOM_GGX, 2.0f );
+    RfRenderSettings settings = settings_of( 5 );
+    RfPlan plan = plan_of( &s, 12, &settings );
+    for ( int r = 0; r < plan.count; ++r )
+    {
+        const RfPlanRow* row = plan.rows + r;
+        settings.group = row->group;
+        Rendered done = render_all( s.tracer, s.eyes, 12, &settings );
+        const RfRayCounts* rays = &done.stats.rays;
+        assert_true( row->rays_primary == (double)rays->primary );
+        expect_near( "path", row->group, row->rays_path, rays->path );
+        expect_near( "shadow", row->group, row->rays_shadow, rays->shadow );
+        expect_near( "tile", row->group, row->rays_tile, rays->tile );
+        if ( row->group > 0 )
+            expect_near( "eye", row->group, row->rays_eye, rays->eye );
+        assert_memory_equal( &row->fit, &done.stats.fit, sizeof row->fit );
+        size_t bytes = row->fit.bytes_films + row->fit.bytes_hits + row->fit.bytes_lists;
+        assert_true( done.stats.peak_bytes >= bytes && done.stats.peak_bytes < bytes + 1024 );
+        free_rendered( &done );
+    }
+    end( &s );
+}
+
+// Only films and the samples asked for keep auto from the best row.
+static void test_choice_is_the_best_row( void** state )
+{
+    (void)state;
+    Setup s;
+    begin( &s, ROOM_DIFFUSE, 0.2f );
+    RfRenderSettings settings = settings_of( 34 );
+    RfPlan plan = plan_of( &s, MOST_EYES, &settings );
+    double best = 0.0;
+    for ( int r = 0; r < plan.count; ++r )
+        best = plan.rows[r].excluded == NULL ? fmax( best, plan.rows[r].gain ) : best;
+    for ( int r = 0; r < plan.chosen; ++r )
+        assert_true( plan.rows[r].excluded != NULL || plan.rows[r].gain < 0.9 * best );
+    assert_true( plan.rows[plan.chosen].gain >= 0.9 * best && plan.rows[plan.chosen].group > 2 );
+    // what has no part in it
+    int group = plan.rows[plan.chosen].group;
+    settings.seed = 77;
+    settings.threads = 13;
+    settings.memory = (size_t)900 << 20;
+    RfRenderSettings used;
+    RfError error;
+    for ( int k = 0; k < 2; ++k )
+    {
+        assert_int_equal( rf_resolve_settings( s.tracer, s.eyes, MOST_EYES, &settings, &used, &error ), RF_OK );
+        assert_int_equal( used.group, group );
+        settings.group = RF_GROUP_AUTO;
+    }
+    Rendered one = render_frames( s.tracer, s.eyes, MOST_EYES, &( int ){ 40 }, 1, &settings );
+    assert_int_equal( one.stats.group, group );
+    free_rendered( &one );
+    // a single sample is not to become many
+    settings = settings_of( 1 );
+    plan = plan_of( &s, MOST_EYES, &settings );
+    assert_int_equal( plan.rows[plan.chosen].group, 0 );
+    assert_non_null( strstr( plan.why, "rounded up" ) );
+    end( &s );
+}
+
+static void test_choice_by_memory( void** state )
+{
+    (void)state;
+    Setup s;
+    begin( &s, ROOM_DIFFUSE, 0.2f );
+    RfRenderSettings settings = settings_of( 34 );
+    size_t film = (size_t)WIDTH * HEIGHT * 32;
+    int last = 99, first = -1;
+    for ( size_t films = 60; films > 0; films /= 2 )
+    {
+        RfMemoryFit fit;
+        RfError error;
+        settings.group = 0;
+        settings.memory = (size_t)1 << 30;
+        assert_int_equal( rf_fit_memory( &s.scene, s.eyes, MOST_EYES, MOST_EYES, &settings, &fit, &error ), RF_OK );
+        settings.memory = fit.least + films * film;
+        RfPlan plan = plan_of( &s, MOST_EYES, &settings );
+        int group = plan.rows[plan.chosen].group;
+        assert_true( group <= last );
+        last = group;
+        first = first < 0 ? group : first;
+        settings.group = RF_GROUP_AUTO;
+        Rendered one = render_frames( s.tracer, s.eyes, MOST_EYES, &( int ){ 0 }, 1, &settings );
+        assert_true( one.stats.group == group && one.stats.peak_bytes <= settings.memory );
+        free_rendered( &one );
+    }
+    assert_true( first > last );
+    settings.memory = 1000;
+    RfPlan plan;
+    RfError error;
+    assert_int_equal( rf_plan_render( s.tracer, s.eyes, MOST_EYES, s.frames, 1, &settings, &plan, &error ), RF_ERROR_MEMORY );
+    assert_non_null( strstr( error.text, "give --memory " ) );
+    end( &s );
+}
+
+// What does not fit stays in the table, with the budget that it wants.
+static void test_rows_without_room_stay( void** state )
+{
+    (void)state;
+    Setup s;
+    RfError error;
+    begin( &s, ROOM_GGX, 0.2f );
+    RfRenderSettings settings = settings_of( 34 );
+    settings.light_samples = 16;
+    settings.max_depth = 2;
+    settings.weights = RF_WEIGHTS_EQ15; // holds a whole pass of a group
+    settings.memory = (size_t)1 << 40;
+    RfPlan roomy = plan_of( &s, MOST_EYES, &settings );
+    settings.memory = roomy.rows[3].fit.least;
+    RfPlan plan = plan_of( &s, MOST_EYES, &settings );
+    assert_int_equal( plan.count, roomy.count );
+    for ( int r = 0; r < plan.count; ++r )
+    {
+        const RfPlanRow* row = plan.rows + r;
+        assert_true( rf_plan_row_fits( row ) == ( r <= 3 ) && row->fit.least == roomy.rows[r].fit.least );
+        if ( r <= 3 )
+            continue;
+        assert_true( row->fit.least > settings.memory && row->fit.bytes_films == 0 && isnan( row->gain ) &&
+                     isnan( row->rays_path ) );
+        assert_non_null( strstr( row->excluded, "does not fit --memory" ) );
+    }
+    assert_non_null( strstr( plan.why, "5 rows left out, do not fit --memory" ) );
+    assert_int_equal( rf_measure_plan( s.tracer, s.eyes, MOST_EYES, &settings, 0.01, &plan, &error ), RF_OK );
+    assert_true( plan.rows[3].seconds > 0.0 && isnan( plan.rows[4].seconds ) && isnan( plan.rows[4].measured_gain ) );
+    end( &s );
+}
+
+// Several sweeps trace all of it as often: auto does not take such a row, whatever the threads are.
+static void test_rows_of_several_sweeps_are_not_chosen( void** state )
+{
+    (void)state;
+    Setup s;
+    begin( &s, ROOM_GGX, 0.2f );
+    RfRenderSettings settings = settings_of( 34 );
+    settings.light_samples = 64;
+    settings.max_depth = 2;
+    settings.memory = (size_t)1 << 40;
+    RfPlan roomy = plan_of( &s, MOST_EYES, &settings );
+    size_t film = (size_t)WIDTH * HEIGHT * 32;
+    settings.memory = roomy.rows[0].fit.least + 6 * film; // hits leave room for few films, which are far from half of it
+    int chosen = -1;
+    for ( int threads = 1; threads <= 16; threads *= 4 )
+    {
+        settings.threads = threads;
+        RfPlan plan = plan_of( &s, MOST_EYES, &settings );
+        const RfPlanRow *row = plan.rows + plan.chosen, *best = row;
+        for ( int r = 0; r < plan.count; ++r )
+            best = plan.rows[r].excluded == NULL && plan.rows[r].gain > best->gain ? plan.rows + r : best;
+        int swept = 0;
+        for ( int r = 0; r < plan.count; ++r )
+            swept += plan.rows[r].excluded != NULL && strstr( plan.rows[r].excluded, "several times" ) != NULL;
+        assert_true( swept > 0 && strstr( plan.why, "the path several times" ) != NULL );
+        // the gain that the reason names is that of the best row that is left
+        char gain[64];
+        snprintf( gain, sizeof gain, "by fixed costs, %.1f with group %d", best->gain, best->group );
+        assert_non_null( strstr( plan.why, gain ) );
+        assert_true( threads > 1 || row->fit.sweeps == 1 );
+        assert_true( chosen < 0 || chosen == row->group );
+        chosen = row->group;
+    }
+    assert_true( chosen > 0 && chosen < roomy.rows[roomy.chosen].group );
+    end( &s );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( test_table_ends_with_the_whole_path ),
+        cmocka_unit_test( test_equal_eyes_give_the_closed_form ),
+        cmocka_unit_test( test_forecast_is_what_render_does ),
+        cmocka_unit_test( test_choice_is_the_best_row ),
+        cmocka_unit_test( test_choice_by_memory ),
+        cmocka_unit_test( test_rows_without_room_stay ),
+        cmocka_unit_test( test_rows_of_several_sweeps_are_not_chosen ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}

@@ -1,0 +1,477 @@
+// Textures of glTF's material extensions (transmission, volume, clear coat), and the
+// tangents that the reader makes where a file has none: against those of a sphere, and
+// where texture coordinates are mirrored.
+#include "support/encode_images.h"
+#include "support/gltf_checks.h"
+
+#include "scene/gltf/gltf.h"
+#include "scene/textured.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static const uint8_t s_pixels[] = { 255, 0, 0, 255, 0, 128, 0, 255, 0, 0, 64, 255, 200, 200, 200, 51 };
+
+// Accessors and views: 0 positions of a square, 1 coordinates with (0, 0) at its
+// upper left, 2 the same twice as large, 3 indices, 4 normals, 5 a PNG of 2 x 2.
+static GltfBuilder make_square( void )
+{
+    static const float s_square[] = { 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0 }, s_normals[] = { 0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1 };
+    static const float s_uv0[] = { 0, 1, 1, 1, 1, 0, 0, 0 }, s_uv1[] = { 0, 2, 2, 2, 2, 0, 0, 0 };
+    static const uint16_t s_indices[] = { 0, 1, 2, 0, 2, 3 };
+    GltfBuilder b = { 0 };
+    add_gltf_floats( &b, "VEC3", 3, 4, s_square );
+    add_gltf_floats( &b, "VEC2", 2, 4, s_uv0 );
+    add_gltf_floats( &b, "VEC2", 2, 4, s_uv1 );
+    add_gltf_u16( &b, 6, s_indices );
+    add_gltf_floats( &b, "VEC3", 3, 4, s_normals );
+    size_t size;
+    uint8_t* png = encode_png( 2, 2, 4, s_pixels, &size );
+    add_gltf_accessor( &b, 5121, "SCALAR", (int)size, png, size, "" );
+    free( png );
+    return b;
+}
+
+#define MESH( attributes )                                                                                                       \
+    "\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0" attributes                           \
+    "},\"indices\":3,\"material\":0}]}]"
+#define IMAGE ",\"images\":[{\"bufferView\":5}],\"samplers\":[{\"magFilter\":9728}],\"textures\":[{\"source\":0,\"sampler\":0}]"
+#define ALL_UVS ",\"NORMAL\":4,\"TEXCOORD_0\":1,\"TEXCOORD_1\":2"
+#define MATERIAL( json ) MESH( ALL_UVS ) IMAGE ",\"materials\":[{" json "}]"
+
+// The material a tenth away from the lower left, lower right and upper right corner.
+static RfMaterial at( const RfScene* scene, int corner )
+{
+    static const float s_at[3][2] = { { 0.1f, 0.1f }, { 0.8f, 0.1f }, { 0.1f, 0.8f } };
+    RfMaterial out;
+    assert_non_null( scene->materials[0].textured );
+    rf_material_at( scene, scene->materials, 0, s_at[corner][0], s_at[corner][1], &out );
+    return out;
+}
+
+static RfScene load_material( const char* json )
+{
+    GltfBuilder b = make_square();
+    return gltf_load_built( &b, json );
+}
+
+static void test_transmission_textures( void** state )
+{
+    (void)state;
+    RfScene scene = load_material(
+        MATERIAL( "\"pbrMetallicRoughness\":{\"metallicFactor\":0,\"roughnessFactor\":0.5},\"extensions\":{"
+                  "\"KHR_materials_transmission\":{\"transmissionFactor\":0.5,\"transmissionTexture\":{\"index\":0}}}" ) );
+    const double lower_right = 0.5 * 200.0 / 255.0;
+    RfMaterial m = at( &scene, 1 );
+    assert_true( m.kind == RF_BSDF_GLASS && m.thin );
+    gltf_assert_rgb( m.tint, lower_right, lower_right, lower_right );
+    gltf_assert_rgb( m.diffuse, 1 - lower_right, 1 - lower_right, 1 - lower_right );
+    m = at( &scene, 0 ); // no red in it: paint
+    assert_true( m.kind == RF_BSDF_GLASS );
+    gltf_assert_rgb( m.tint, 0, 0, 0 );
+    gltf_assert_rgb( m.diffuse, 1, 1, 1 );
+    gltf_assert_rgb( m.specular, 0, 0, 0 );
+    assert_string_equal( gltf_warnings, "" );
+    rf_destroy_scene( &scene );
+
+    // turned and on the second coordinates; metal by a texture, though the factor says all is
+    scene = load_material(
+        MATERIAL( "\"pbrMetallicRoughness\":{\"metallicRoughnessTexture\":{\"index\":0}},\"extensions\":{\"KHR_materials_ior\":{"
+                  "\"ior\":1.3},"
+                  "\"KHR_materials_transmission\":{\"transmissionFactor\":1,\"transmissionTexture\":{\"index\":0,\"texCoord\":1,"
+                  "\"extensions\":{\"KHR_texture_transform\":{\"scale\":[0.5,0.5],\"offset\":[0.5,0]}}}}}" ) );
+    m = at( &scene, 0 ); // there its look-up is that of the lower right, and metal is 64 of 255
+    double metal = 64.0 / 255.0, through = 200.0 / 255.0;
+    gltf_assert_near( m.ior, 1.3 );
+    gltf_assert_near( m.tint.x, through * ( 1 - metal ) );
+    gltf_assert_near( m.diffuse.y, ( 1 - through ) * ( 1 - metal ) );
+    gltf_assert_near( m.specular.z, metal );
+    gltf_assert_near( m.f90, metal );
+    gltf_assert_near( m.alpha, 0 );
+    rf_destroy_scene( &scene );
+
+    // a factor of 0 leaves nothing to look up
+    scene =
+        load_material( MATERIAL( "\"extensions\":{\"KHR_materials_transmission\":{\"transmissionTexture\":{\"index\":0}}}" ) );
+    assert_true( scene.materials[0].kind == RF_BSDF_GGX && scene.texture_count == 0 );
+    assert_null( scene.materials[0].textured );
+    rf_destroy_scene( &scene );
+}
+
+// A body's thickness is that of its mesh: the texture changes nothing.
+static void test_thickness_textures_change_nothing( void** state )
+{
+    (void)state;
+    RfScene scene = load_material( MATERIAL( "\"pbrMetallicRoughness\":{\"metallicFactor\":0},\"extensions\":{\"KHR_materials_"
+                                             "transmission\":{\"transmissionFactor\":1},"
+                                             "\"KHR_materials_volume\":{\"thicknessFactor\":0.1,\"thicknessTexture\":{\"index\":"
+                                             "0},\"attenuationDistance\":2,\"attenuationColor\":[0.5,1,1]}}" ) );
+    assert_true( scene.materials[0].kind == RF_BSDF_GLASS && !scene.materials[0].thin );
+    gltf_assert_near( scene.materials[0].absorption.x, log( 2.0 ) / 2.0 );
+    assert_null( scene.materials[0].textured );
+    assert_int_equal( scene.texture_count, 0 );
+    assert_string_equal( gltf_warnings, "" );
+    rf_destroy_scene( &scene );
+}
+
+static void test_clearcoat_textures( void** state )
+{
+    (void)state;
+    RfScene scene = load_material( MATERIAL(
+        "\"normalTexture\":{\"index\":0},\"extensions\":{\"KHR_materials_clearcoat\":{\"clearcoatFactor\":0.5,"
+        "\"clearcoatRoughnessFactor\":0.8,\"clearcoatTexture\":{\"index\":0},\"clearcoatRoughnessTexture\":{\"index\":0},"
+        "\"clearcoatNormalTexture\":{\"index\":0,\"texCoord\":1,\"scale\":0.5,\"extensions\":{\"KHR_texture_transform\":{"
+        "\"scale\":[0.5,0.5]}}}}}" ) );
+    RfMaterial m = at( &scene, 1 );
+    assert_int_equal( m.kind, RF_BSDF_COATED );
+    gltf_assert_near( m.clearcoat, 0.5 * 200.0 / 255.0 );
+    double roughness = 0.8 * 200.0 / 255.0;
+    gltf_assert_near( m.clearcoat_alpha, roughness * roughness );
+    m = at( &scene, 0 );
+    gltf_assert_near( m.clearcoat, 0 );
+    gltf_assert_near( m.clearcoat_alpha, RF_MIN_ALPHA );
+    // lower right: x, y and z are all 145 of 255; the coat's x and y are half of that
+    RfVec3 up = rf_vec3( 0, 0, 1 );
+    double lean = 145.0 / 255.0, coat = sqrt( 1.5 ) * lean;
+    RfVec3 n = rf_normal_at( &scene, scene.materials, 0, 0.8f, 0.1f, up, up );
+    gltf_assert_rgb( n, 1 / sqrt( 3.0 ), 1 / sqrt( 3.0 ), 1 / sqrt( 3.0 ) );
+    n = rf_coat_normal_at( &scene, scene.materials, 0, 0.8f, 0.1f, up, up );
+    gltf_assert_rgb( n, 0.5 * lean / coat, 0.5 * lean / coat, lean / coat );
+    rf_destroy_scene( &scene );
+
+    // bumps below do not bend a coat without a texture of its own
+    scene = load_material(
+        MATERIAL( "\"normalTexture\":{\"index\":0},\"extensions\":{\"KHR_materials_clearcoat\":{\"clearcoatFactor\":1}}" ) );
+    n = rf_coat_normal_at( &scene, scene.materials, 0, 0.8f, 0.1f, up, up );
+    gltf_assert_rgb( n, 0, 0, 1 );
+    rf_destroy_scene( &scene );
+
+    // no coat, no textures of it
+    scene = load_material( MATERIAL( "\"extensions\":{\"KHR_materials_clearcoat\":{\"clearcoatTexture\":{\"index\":0}}}" ) );
+    assert_true( scene.materials[0].kind == RF_BSDF_GGX && scene.texture_count == 0 );
+    rf_destroy_scene( &scene );
+}
+
+static void test_faults_are_one_line( void** state )
+{
+    (void)state;
+    static const char* const s_faults[][2] = {
+        { "KHR_materials_transmission.transmissionTexture: index is missing",
+          "\"KHR_materials_transmission\":{\"transmissionTexture\":{}}" },
+        { "KHR_materials_volume.thicknessTexture: index is 7", "\"KHR_materials_volume\":{\"thicknessTexture\":{\"index\":7}}" },
+        { "KHR_materials_clearcoat.clearcoatTexture: texCoord is 2",
+          "\"KHR_materials_clearcoat\":{\"clearcoatTexture\":{\"index\":0,\"texCoord\":2}}" },
+        { "clearcoatRoughnessTexture wants an object", "\"KHR_materials_clearcoat\":{\"clearcoatRoughnessTexture\":0}" },
+        { "clearcoatNormalTexture: scale wants",
+          "\"KHR_materials_clearcoat\":{\"clearcoatNormalTexture\":{\"index\":0,\"scale\":\"1\"}}" },
+    };
+    for ( size_t i = 0; i < sizeof s_faults / sizeof s_faults[0]; ++i )
+    {
+        char rest[2048];
+        snprintf( rest, sizeof rest, MATERIAL( "\"extensions\":{%s}" ), s_faults[i][1] );
+        GltfBuilder b = make_square();
+        RfScene scene;
+        RfError error = { 0 };
+        RfResult result = rf_load_gltf( write_gltf( &b, &gltf_folder, rest ), &scene, NULL, &error );
+        if ( result == RF_OK || strstr( error.text, s_faults[i][0] ) == NULL )
+            fail_msg( "'%s' for '%s'", error.text, s_faults[i][0] );
+    }
+}
+
+#define BUMPS IMAGE ",\"materials\":[{\"normalTexture\":{\"index\":0}}]"
+
+// u' along x and, where the image is turned by a quarter, along y.
+static void test_tangents_follow_the_transform( void** state )
+{
+    (void)state;
+    RfScene scene = load_material( MESH( ALL_UVS ) BUMPS );
+    for ( uint32_t v = 0; v < 4; ++v )
+    {
+        gltf_assert_three( scene.triangles.tangents + 4 * v, 1, 0, 0 );
+        gltf_assert_near( scene.triangles.tangents[4 * v + 3], 1 );
+    }
+    assert_int_equal( scene.triangles.vertex_count, 4 );
+    rf_destroy_scene( &scene );
+    scene = load_material( MESH( ALL_UVS ) IMAGE ",\"materials\":[{\"normalTexture\":{\"index\":0,\"texCoord\":1,\"extensions\":{"
+                                                 "\"KHR_texture_transform\":{\"rotation\":1.5707963267948966}}}}]" );
+    // u' = v there, which runs down
+    gltf_assert_three( scene.triangles.tangents, 0, -1, 0 );
+    rf_destroy_scene( &scene );
+    // no texture of normals, no normals or no coordinates: none
+    scene = load_material( MESH( ALL_UVS ) ",\"materials\":[{}]" );
+    assert_null( scene.triangles.tangents );
+    rf_destroy_scene( &scene );
+    scene = load_material( MESH( ",\"NORMAL\":4" ) BUMPS );
+    assert_null( scene.triangles.tangents );
+    rf_destroy_scene( &scene );
+}
+
+// The picture on the right half mirrors that on the left: the vertices of the
+// middle become two, one for each side.
+static void test_mirrored_coordinates_split_vertices( void** state )
+{
+    (void)state;
+    static const float s_positions[] = { -1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 1, 0, 0, 1, 0, 1, 1, 0 };
+    static const float s_uvs[] = { 0, 1, 1, 1, 0, 1, 0, 0, 1, 0, 0, 0 };
+    static const uint16_t s_indices[] = { 0, 1, 4, 0, 4, 3, 1, 2, 5, 1, 5, 4 };
+    float normals[18] = { 0 };
+    for ( int i = 0; i < 6; ++i )
+        normals[3 * i + 2] = 1.0f;
+    GltfBuilder b = make_square();
+    int p = add_gltf_floats( &b, "VEC3", 3, 6, s_positions ), n = add_gltf_floats( &b, "VEC3", 3, 6, normals );
+    int uv = add_gltf_floats( &b, "VEC2", 2, 6, s_uvs ), indices = add_gltf_u16( &b, 12, s_indices );
+    char rest[1024];
+    snprintf(
+        rest, sizeof rest,
+        "\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":%d,\"NORMAL\":%d,\"TEXCOORD_0\":%d},"
+        "\"indices\":%d,\"material\":0}]}]" BUMPS,
+        p, n, uv, indices );
+    RfScene scene = gltf_load_built( &b, rest );
+    const RfTriangles* t = &scene.triangles;
+    assert_int_equal( t->vertex_count, 8 );
+    for ( size_t corner = 0; corner < 12; ++corner )
+    {
+        const uint32_t v = t->indices[corner];
+        double side = corner < 6 ? 1 : -1;
+        gltf_assert_three( t->tangents + 4 * (size_t)v, side, 0, 0 );
+        gltf_assert_near( t->tangents[4 * (size_t)v + 3], side );
+        const uint16_t from = s_indices[corner];
+        gltf_assert_three( t->positions + 3 * (size_t)v, s_positions[3 * from], s_positions[3 * from + 1], 0 );
+        gltf_assert_near( t->uvs[2 * (size_t)v], s_uvs[2 * from] );
+    }
+    // a bump to the right of the picture leans away from the middle on the right, too
+    RfVec3 up = rf_vec3( 0, 0, 1 );
+    RfVec3 left = rf_normal_at( &scene, scene.materials, 0, 0.8f, 0.1f, up, up ),
+           right = rf_normal_at( &scene, scene.materials, 2, 0.1f, 0.1f, up, up );
+    gltf_assert_rgb( left, 1 / sqrt( 3.0 ), 1 / sqrt( 3.0 ), 1 / sqrt( 3.0 ) );
+    gltf_assert_rgb( right, -1 / sqrt( 3.0 ), 1 / sqrt( 3.0 ), 1 / sqrt( 3.0 ) );
+    rf_destroy_scene( &scene );
+}
+
+enum
+{
+    COLUMNS = 24,
+    ROWS = 8,
+    GRID = ( COLUMNS + 1 ) * ( ROWS + 1 )
+};
+
+typedef struct Ball
+{
+    float positions[3 * GRID], uvs[2 * GRID];
+    uint16_t indices[6 * COLUMNS * ROWS];
+} Ball;
+
+// A band of a sphere around y, u once around; positions are the normals. Every
+// vertex sees the same to its left and right.
+static Ball make_ball( void )
+{
+    Ball ball;
+    for ( int i = 0; i < GRID; ++i )
+    {
+        double u = (double)( i % ( COLUMNS + 1 ) ) / COLUMNS, v = (double)( i / ( COLUMNS + 1 ) ) / ROWS;
+        double a = 2.0 * 3.14159265358979 * ( i % ( COLUMNS + 1 ) == COLUMNS ? 0.0 : u ), up = 1.0 - 2.0 * v;
+        ball.positions[3 * i] = (float)( cos( up ) * sin( a ) );
+        ball.positions[3 * i + 1] = (float)sin( up );
+        ball.positions[3 * i + 2] = (float)( cos( up ) * cos( a ) );
+        ball.uvs[2 * i] = (float)u;
+        ball.uvs[2 * i + 1] = (float)v;
+    }
+    for ( int q = 0; q < COLUMNS * ROWS; ++q )
+    {
+        int row = q / COLUMNS, column = q % COLUMNS, a = row * ( COLUMNS + 1 ) + column, b = a + COLUMNS + 1;
+        const int corners[2][6] = { { a, b, b + 1, a, b + 1, a + 1 }, { a, b, a + 1, a + 1, b, b + 1 } };
+        for ( int i = 0; i < 6; ++i )
+            ball.indices[6 * q + i] = (uint16_t)corners[( row + column ) % 2][i];
+    }
+    return ball;
+}
+
+static double tangent_error( const RfTriangles* t, size_t v )
+{
+    const float *n = t->normals + 3 * v, *got = t->tangents + 4 * v;
+    double length = sqrt( (double)( n[0] * n[0] + n[2] * n[2] ) ), want[3] = { n[2] / length, 0, -n[0] / length };
+    gltf_assert_near( got[3], 1 );
+    gltf_assert_near( got[0] * got[0] + got[1] * got[1] + got[2] * got[2], 1 );
+    assert_true( fabs( (double)( got[0] * n[0] + got[1] * n[1] + got[2] * n[2] ) ) < 1e-6 ); // across the normal
+    double dx = got[0] - want[0], dy = got[1] - want[1], dz = got[2] - want[2];
+    return sqrt( dx * dx + dy * dy + dz * dz );
+}
+
+// On a sphere they run along its circles.
+static void test_sphere_tangents_run_along_circles( void** state )
+{
+    (void)state;
+    static Ball ball;
+    ball = make_ball();
+    GltfBuilder b = make_square();
+    int p = add_gltf_floats( &b, "VEC3", 3, GRID, ball.positions ), uv = add_gltf_floats( &b, "VEC2", 2, GRID, ball.uvs );
+    int indices = add_gltf_u16( &b, 6 * COLUMNS * ROWS, ball.indices );
+    char rest[1024];
+    snprintf( rest, sizeof rest,
+              "\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":%d,\"NORMAL\":%d,"
+              "\"TEXCOORD_0\":%d},\"indices\":%d,\"material\":0}]}]" BUMPS,
+              p, p, uv, indices );
+    RfScene scene = gltf_load_built( &b, rest );
+    assert_int_equal( scene.triangles.vertex_count, GRID );
+    double worst = 0.0;
+    for ( size_t v = 0; v < GRID; ++v )
+    {
+        const float* at = scene.triangles.uvs + 2 * v;
+        double error = tangent_error( &scene.triangles, v );
+        bool inner = at[0] > 0.0f && at[0] < 1.0f && at[1] > 0.0f && at[1] < 1.0f;
+        worst = inner && error > worst ? error : worst;
+    }
+    print_message( "sphere: tangents are at most %.4f off\n", worst );
+    assert_true( worst < 2e-6 );
+    rf_destroy_scene( &scene );
+}
+
+// Corners of the same place that the file lists apart share what they add up to;
+// angles weigh.
+static void test_same_vertices_and_angles( void** state )
+{
+    (void)state;
+    // two triangles at the origin: 90 degrees wide with u along x, 30 degrees with u along y
+    const float c = 0.8660254f;
+    float positions[] = { 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0, -0.5f, c, 0 };
+    // v' runs down: (u, v) = (x, −y), and for the second (y, x)
+    float uvs[] = { 0, 0, 1, 0, 0, -1, 0, 0, 1, 0, c, -0.5f };
+    float normals[18] = { 0 };
+    for ( int i = 0; i < 6; ++i )
+        normals[3 * i + 2] = 1.0f;
+    positions[9] = -0.0f; // the same as 0
+    GltfBuilder b = make_square();
+    int p = add_gltf_floats( &b, "VEC3", 3, 6, positions ), n = add_gltf_floats( &b, "VEC3", 3, 6, normals );
+    int uv = add_gltf_floats( &b, "VEC2", 2, 6, uvs );
+    char rest[1024];
+    snprintf(
+        rest, sizeof rest,
+        "\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":%d,\"NORMAL\":%d,\"TEXCOORD_0\":%d},"
+        "\"material\":0}]}]" BUMPS,
+        p, n, uv );
+    RfScene scene = gltf_load_built( &b, rest );
+    const RfTriangles* t = &scene.triangles;
+    assert_int_equal( t->vertex_count, 6 );
+    double length = sqrt( 3.0 * 3.0 + 1.0 ); // weights of 90 and 30 degrees
+    for ( size_t v = 0; v < 6; v += 3 )
+    {
+        gltf_assert_three( t->tangents + 4 * v, 3 / length, 1 / length, 0 );
+        gltf_assert_near( t->tangents[4 * v + 3], 1 );
+    }
+    gltf_assert_three( t->tangents + 4, 1, 0, 0 );
+    gltf_assert_three( t->tangents + 20, 0, 1, 0 );
+    rf_destroy_scene( &scene );
+}
+
+// A metal that its factors make a mirror is a rough one where a texture says so.
+static void test_mirror_with_a_roughness_texture( void** state )
+{
+    (void)state;
+    RfScene scene = load_material(
+        MATERIAL( "\"pbrMetallicRoughness\":{\"roughnessFactor\":0.01,\"metallicRoughnessTexture\":{\"index\":0}}" ) );
+    assert_int_equal( scene.materials[0].kind, RF_BSDF_GGX );
+    gltf_assert_near( at( &scene, 0 ).alpha, RF_MIN_ALPHA );
+    rf_destroy_scene( &scene );
+    scene = load_material( MATERIAL( "\"pbrMetallicRoughness\":{\"roughnessFactor\":0.01}" ) );
+    assert_int_equal( scene.materials[0].kind, RF_BSDF_GLASS );
+    rf_destroy_scene( &scene );
+}
+
+// Triangles without area on the image take the tangents of others at the same
+// vertices; with none there, they do without.
+static void test_coordinates_without_area( void** state )
+{
+    (void)state;
+    static const float s_positions[] = { 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 0, 0, 0, 1, 0, -1, 0, 0, 5, 5, 0, 6, 5, 0, 5, 6, 0 };
+    static const float s_uvs[] = { 0, 0, 1, 0, 1, -1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0 };
+    float normals[27] = { 0 };
+    for ( int i = 0; i < 9; ++i )
+        normals[3 * i + 2] = 1.0f;
+    GltfBuilder b = make_square();
+    int p = add_gltf_floats( &b, "VEC3", 3, 9, s_positions ), n = add_gltf_floats( &b, "VEC3", 3, 9, normals );
+    int uv = add_gltf_floats( &b, "VEC2", 2, 9, s_uvs );
+    char rest[1024];
+    snprintf(
+        rest, sizeof rest,
+        "\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":%d,\"NORMAL\":%d,\"TEXCOORD_0\":%d},"
+        "\"material\":0}]}]" BUMPS,
+        p, n, uv );
+    RfScene scene = gltf_load_built( &b, rest );
+    gltf_assert_three( scene.triangles.tangents + 12, 1, 0, 0 );
+    gltf_assert_near( scene.triangles.tangents[15], 1 );
+    for ( int i = 16; i < 36; ++i )
+        gltf_assert_near( scene.triangles.tangents[i], 0 );
+    RfVec3 up = rf_vec3( 0, 0, 1 ), normal = rf_normal_at( &scene, scene.materials, 2, 0.3f, 0.3f, up, up );
+    gltf_assert_rgb( normal, 0, 0, 1 );
+    rf_destroy_scene( &scene );
+}
+
+// Without normals: those of the faces, and tangents along their pictures.
+static void test_tangents_of_flat_faces( void** state )
+{
+    (void)state;
+    RfScene scene = load_material( MESH( ",\"TEXCOORD_0\":1,\"TEXCOORD_1\":2" ) BUMPS );
+    const RfTriangles* t = &scene.triangles;
+    assert_int_equal( t->vertex_count, 6 );
+    assert_non_null( t->tangents );
+    for ( size_t v = 0; v < 6; ++v )
+    {
+        gltf_assert_three( t->normals + 3 * v, 0, 0, 1 );
+        gltf_assert_three( t->tangents + 4 * v, 1, 0, 0 );
+        gltf_assert_near( t->tangents[4 * v + 3], 1 );
+    }
+    gltf_assert_near( t->uvs[3], 1 );
+    gltf_assert_near( t->uvs1[2 * 5 + 1], 0 );
+    rf_destroy_scene( &scene );
+}
+
+// Floats of an EXR are taken as they are; a material that nothing has needs no image.
+static void test_float_textures_are_taken_as_they_are( void** state )
+{
+    (void)state;
+    float rgb[12] = { 0.5f, 0.25f, 4.0f, 0, 0, 0, 0, 0, 0, 0, 0, -1.0f };
+    size_t size;
+    uint8_t* exr = encode_exr( 2, 2, rgb, &size );
+    GltfBuilder b = make_square();
+    int view = add_gltf_accessor( &b, 5121, "SCALAR", (int)size, exr, size, "" );
+    free( exr );
+    char rest[1024];
+    snprintf(
+        rest, sizeof rest,
+        MESH( ALL_UVS ) ",\"images\":[{\"bufferView\":%d},{\"uri\":\"absent.png\"}],\"textures\":[{\"source\":0},{\"source\":1}],"
+                        "\"materials\":["
+                        "{\"emissiveFactor\":[1,1,1],\"emissiveTexture\":{\"index\":0}},{\"emissiveTexture\":{\"index\":1}}]",
+        view );
+    RfScene scene = gltf_load_built( &b, rest );
+    assert_int_equal( scene.texture_count, 1 );
+    gltf_assert_near( scene.textures[0].largest, 4 );
+    gltf_assert_near( scene.textures[0].floats[11], 0 );
+    assert_null( scene.materials[1].textured );
+    rf_destroy_scene( &scene );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( test_transmission_textures ),
+        cmocka_unit_test( test_thickness_textures_change_nothing ),
+        cmocka_unit_test( test_clearcoat_textures ),
+        cmocka_unit_test( test_faults_are_one_line ),
+        cmocka_unit_test( test_tangents_follow_the_transform ),
+        cmocka_unit_test( test_mirrored_coordinates_split_vertices ),
+        cmocka_unit_test( test_sphere_tangents_run_along_circles ),
+        cmocka_unit_test( test_same_vertices_and_angles ),
+        cmocka_unit_test( test_mirror_with_a_roughness_texture ),
+        cmocka_unit_test( test_coordinates_without_area ),
+        cmocka_unit_test( test_tangents_of_flat_faces ),
+        cmocka_unit_test( test_float_textures_are_taken_as_they_are ),
+    };
+    return cmocka_run_group_tests( tests, gltf_enter, gltf_leave );
+}

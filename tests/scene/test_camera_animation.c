@@ -1,0 +1,293 @@
+// Animation channels, camera placement and frame counts, on scenes made by hand.
+
+#include "scene/animation.h"
+#include "scene/camera.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#define HALF_SQRT2 0.70710678118654752440
+
+static void assert_near( double got, double want, double tolerance )
+{
+    if ( ( fabs( got - want ) <= tolerance ) == false )
+        fail_msg( "got %.17g, want %.17g", got, want );
+}
+
+static void assert_vec( RfVec3 v, double x, double y, double z )
+{
+    assert_near( (double)v.x, x, 1e-6 );
+    assert_near( (double)v.y, y, 1e-6 );
+    assert_near( (double)v.z, z, 1e-6 );
+}
+
+static RfNode make_node( int parent )
+{
+    return ( RfNode ){
+        .name = "node", .parent = parent, .matrix = rf_mat4_identity(), .rotation = { 0, 0, 0, 1 }, .scale = { 1, 1, 1 }
+    };
+}
+
+static RfScene make_scene( RfNode* nodes, int node_count, RfCamera* cameras, int camera_count )
+{
+    return (
+        RfScene ){ .path = "test", .nodes = nodes, .node_count = node_count, .cameras = cameras, .camera_count = camera_count };
+}
+
+static void test_step_holds_the_last_key( void** state )
+{
+    (void)state;
+    double times[] = { 1, 2, 4 }, values[] = { 1, 2, 3, 4, 5, 6, 7, 8, 9 }, v[4];
+    RfChannel channel = { 0, RF_TRANSLATION, RF_STEP, 3, times, values };
+    const double samples[][2] = { { 0, 1 }, { 1, 1 }, { 1.999, 1 }, { 2, 4 }, { 3.9, 4 }, { 4, 7 }, { 99, 7 } };
+    for ( size_t i = 0; i < sizeof samples / sizeof samples[0]; ++i )
+    {
+        rf_sample_channel( &channel, samples[i][0], v );
+        assert_near( v[0], samples[i][1], 0.0 );
+        assert_near( v[2], samples[i][1] + 2.0, 0.0 );
+    }
+}
+
+static void test_linear_is_straight( void** state )
+{
+    (void)state;
+    double times[] = { 1, 2, 4 }, values[] = { 0, 0, 0, 2, 4, 8, 0, 0, 0 }, v[4];
+    RfChannel channel = { 0, RF_SCALE, RF_LINEAR, 3, times, values };
+    rf_sample_channel( &channel, 1.25, v );
+    assert_near( v[0], 0.5, 1e-15 );
+    assert_near( v[2], 2.0, 1e-15 );
+    rf_sample_channel( &channel, 3.5, v );
+    assert_near( v[1], 1.0, 1e-15 );
+    rf_sample_channel( &channel, -5.0, v );
+    assert_near( v[1], 0.0, 0.0 );
+    rf_sample_channel( &channel, NAN, v );
+    assert_true( isfinite( v[0] ) );
+}
+
+// From no rotation to 90° around y: half way is 45°, also when the second key
+// is written as its negative.
+static void test_slerp_takes_the_short_way( void** state )
+{
+    (void)state;
+    for ( int sign = -1; sign <= 1; sign += 2 )
+    {
+        double times[] = { 0, 1 }, q[4];
+        double values[] = { 0, 0, 0, 1, 0, sign * HALF_SQRT2, 0, sign * HALF_SQRT2 };
+        RfChannel channel = { 0, RF_ROTATION, RF_LINEAR, 2, times, values };
+        for ( double t = 0.0; t <= 1.0; t += 0.125 )
+        {
+            rf_sample_channel( &channel, t, q );
+            double turn = q[3] < 0.0 ? -1.0 : 1.0;
+            assert_near( turn * q[1], sin( t * 0.25 * 3.14159265358979323846 ), 1e-12 );
+            assert_near( turn * q[3], cos( t * 0.25 * 3.14159265358979323846 ), 1e-12 );
+        }
+    }
+}
+
+static void test_slerp_of_equal_keys( void** state )
+{
+    (void)state;
+    double times[] = { 0, 1 }, values[] = { 0, 0, 0, 1, 1e-9, 0, 0, 1 }, q[4];
+    RfChannel channel = { 0, RF_ROTATION, RF_LINEAR, 2, times, values };
+    rf_sample_channel( &channel, 0.5, q );
+    assert_near( q[0], 0.5e-9, 1e-15 );
+    assert_near( q[3], 1.0, 1e-15 );
+}
+
+// A cubic that the basis reproduces exactly: x = t³ on keys 0 and 2, where the
+// tangents are 0 and 12 per second.
+static void test_cubicspline_scales_tangents( void** state )
+{
+    (void)state;
+    double times[] = { 0, 2 }, v[4];
+    double values[] = { 99, 99, 99, 0, 0, 0, 0, 0, 0, 12, 12, 12, 8, 8, 8, 99, 99, 99 };
+    RfChannel channel = { 0, RF_TRANSLATION, RF_CUBICSPLINE, 2, times, values };
+    for ( double t = 0.0; t <= 2.0; t += 0.25 )
+    {
+        rf_sample_channel( &channel, t, v );
+        assert_near( v[1], t * t * t, 1e-12 );
+    }
+    rf_sample_channel( &channel, 3.0, v );
+    assert_near( v[0], 8.0, 0.0 );
+    rf_sample_channel( &channel, -1.0, v );
+    assert_near( v[0], 0.0, 0.0 );
+}
+
+static void test_cubicspline_rotation_is_unit( void** state )
+{
+    (void)state;
+    double times[] = { 0, 1 }, q[4];
+    double values[] = { 0, 0, 0, 0, 0, 0, 0, 1, 0, 3, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0 };
+    RfChannel channel = { 0, RF_ROTATION, RF_CUBICSPLINE, 2, times, values };
+    rf_sample_channel( &channel, 0.5, q );
+    assert_near( q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3], 1.0, 1e-12 );
+    assert_true( q[1] > 0.1 );
+}
+
+static void test_cameras_are_found_by_name( void** state )
+{
+    (void)state;
+    RfCamera cameras[] = { { .name = "still" }, { .name = "moving", .animated = true } };
+    RfScene scene = make_scene( NULL, 0, cameras, 2 );
+    RfError error;
+    int index;
+    assert_int_equal( rf_find_camera( &scene, NULL, &index, &error ), RF_OK );
+    assert_int_equal( index, 1 );
+    assert_int_equal( rf_find_camera( &scene, "still", &index, &error ), RF_OK );
+    assert_int_equal( index, 0 );
+    assert_int_equal( rf_find_camera( &scene, "nobody", &index, &error ), RF_ERROR_USAGE );
+    assert_non_null( strstr( error.text, "'still', 'moving'" ) );
+    scene.camera_count = 1;
+    assert_int_equal( rf_find_camera( &scene, NULL, &index, &error ), RF_OK );
+    assert_int_equal( index, 0 );
+    scene.camera_count = 0;
+    assert_int_equal( rf_find_camera( &scene, NULL, &index, &error ), RF_ERROR_SCENE );
+    assert_non_null( strstr( error.text, "has no camera" ) );
+}
+
+static void test_frame_count_covers_the_animation( void** state )
+{
+    (void)state;
+    RfCamera camera = { .name = "c", .animated = true, .start = 0.0, .end = (double)( 47.0f / 24.0f ) };
+    RfError error;
+    int count;
+    assert_int_equal( rf_camera_frame_count( &camera, 24.0, &count, &error ), RF_OK );
+    assert_int_equal( count, 48 );
+    assert_int_equal( rf_camera_frame_count( &camera, 12.0, &count, &error ), RF_OK );
+    assert_int_equal( count, 24 );
+    camera.start = camera.end;
+    assert_int_equal( rf_camera_frame_count( &camera, 24.0, &count, &error ), RF_OK );
+    assert_int_equal( count, 1 );
+    camera.animated = false;
+    assert_int_equal( rf_camera_frame_count( &camera, 24.0, &count, &error ), RF_OK );
+    assert_int_equal( count, 1 );
+    camera = ( RfCamera ){ .name = "c", .animated = true, .end = 1e9 };
+    assert_int_equal( rf_camera_frame_count( &camera, 24.0, &count, &error ), RF_ERROR_SCENE );
+    assert_int_equal( rf_camera_frame_count( &camera, 0.0, &count, &error ), RF_ERROR_USAGE );
+    assert_int_equal( rf_camera_frame_count( &camera, NAN, &count, &error ), RF_ERROR_USAGE );
+}
+
+static void test_eye_looks_down_minus_z( void** state )
+{
+    (void)state;
+    RfNode node = make_node( -1 );
+    node.translation[1] = 2.0;
+    RfCamera camera = { .name = "c", .yfov = 1.5707963267948966 };
+    RfScene scene = make_scene( &node, 1, &camera, 1 );
+    RfEye eye;
+    RfError error;
+    assert_int_equal( rf_scene_eye( &scene, 0, 0.0, 200, 100, &eye, &error ), RF_OK );
+    assert_vec( eye.origin, 0, 2, 0 );
+    assert_vec( eye.forward, 0, 0, -1 );
+    assert_vec( eye.up, 0, 1, 0 );
+    assert_vec( eye.right, 1, 0, 0 );
+    assert_near( (double)eye.focal, 50.0, 1e-4 );
+    assert_int_equal( rf_scene_eye( &scene, 1, 0.0, 200, 100, &eye, &error ), RF_ERROR_USAGE );
+    assert_int_equal( rf_scene_eye( &scene, 0, 0.0, 0, 100, &eye, &error ), RF_ERROR_USAGE );
+}
+
+// A parent that turns 90° around y within a second, above a camera at (0,0,5).
+static void test_parents_move_cameras( void** state )
+{
+    (void)state;
+    RfNode nodes[] = { make_node( -1 ), make_node( 0 ) };
+    nodes[1].translation[2] = 5.0;
+    double times[] = { 0, 1 }, values[] = { 0, 0, 0, 1, 0, HALF_SQRT2, 0, HALF_SQRT2 };
+    RfChannel channel = { 0, RF_ROTATION, RF_LINEAR, 2, times, values };
+    RfCamera camera = { .name = "c", .node = 1, .yfov = 1.0, .animated = true, .end = 1.0 };
+    RfScene scene = make_scene( nodes, 2, &camera, 1 );
+    scene.channels = &channel;
+    scene.channel_count = 1;
+    RfEye eye;
+    RfError error;
+    assert_int_equal( rf_scene_eye( &scene, 0, 1.0, 4, 4, &eye, &error ), RF_OK );
+    assert_vec( eye.origin, 5, 0, 0 );
+    assert_vec( eye.forward, -1, 0, 0 );
+    assert_vec( eye.up, 0, 1, 0 );
+    assert_int_equal( rf_scene_eye( &scene, 0, 0.5, 4, 4, &eye, &error ), RF_OK );
+    assert_vec( eye.origin, 5 * HALF_SQRT2, 0, 5 * HALF_SQRT2 );
+}
+
+// Mirroring keeps what the camera sees upright and to the front.
+static void test_scale_and_mirror_keep_the_view( void** state )
+{
+    (void)state;
+    RfNode nodes[] = { make_node( -1 ), make_node( 0 ) };
+    nodes[0].scale[0] = -3.0;
+    nodes[0].scale[1] = 1e-30;
+    nodes[1].translation[0] = 1.0;
+    RfCamera camera = { .name = "c", .node = 1, .yfov = 1.0 };
+    RfScene scene = make_scene( nodes, 2, &camera, 1 );
+    RfEye eye;
+    RfError error;
+    assert_int_equal( rf_scene_eye( &scene, 0, 0.0, 4, 4, &eye, &error ), RF_OK );
+    assert_vec( eye.origin, -3, 0, 0 );
+    assert_vec( eye.forward, 0, 0, -1 );
+    assert_vec( eye.up, 0, 1, 0 );
+    assert_vec( eye.right, 1, 0, 0 );
+}
+
+static void test_collapsed_camera_fails( void** state )
+{
+    (void)state;
+    RfNode node = make_node( -1 );
+    RfCamera camera = { .name = "flat", .yfov = 1.0 };
+    RfScene scene = make_scene( &node, 1, &camera, 1 );
+    RfEye eye;
+    RfError error;
+    node.scale[2] = 0.0;
+    assert_int_equal( rf_scene_eye( &scene, 0, 0.0, 4, 4, &eye, &error ), RF_ERROR_SCENE );
+    assert_non_null( strstr( error.text, "flat" ) );
+    node.scale[2] = 1.0;
+    node.translation[0] = INFINITY;
+    assert_int_equal( rf_scene_eye( &scene, 0, 0.0, 4, 4, &eye, &error ), RF_ERROR_SCENE );
+}
+
+// Columns 1 and 2 of a shear may become parallel.
+static void test_parallel_axes_fail( void** state )
+{
+    (void)state;
+    RfNode node = make_node( -1 );
+    node.has_matrix = true;
+    node.matrix.m[4] = 0.0, node.matrix.m[5] = 0.0, node.matrix.m[6] = 1.0;
+    RfCamera camera = { .name = "c", .yfov = 1.0 };
+    RfScene scene = make_scene( &node, 1, &camera, 1 );
+    RfEye eye;
+    RfError error;
+    assert_int_equal( rf_scene_eye( &scene, 0, 0.0, 4, 4, &eye, &error ), RF_ERROR_SCENE );
+}
+
+static void test_destroying_nothing_is_allowed( void** state )
+{
+    (void)state;
+    RfScene scene = { 0 };
+    rf_destroy_scene( &scene );
+    rf_destroy_scene( NULL );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( test_step_holds_the_last_key ),
+        cmocka_unit_test( test_linear_is_straight ),
+        cmocka_unit_test( test_slerp_takes_the_short_way ),
+        cmocka_unit_test( test_slerp_of_equal_keys ),
+        cmocka_unit_test( test_cubicspline_scales_tangents ),
+        cmocka_unit_test( test_cubicspline_rotation_is_unit ),
+        cmocka_unit_test( test_cameras_are_found_by_name ),
+        cmocka_unit_test( test_frame_count_covers_the_animation ),
+        cmocka_unit_test( test_eye_looks_down_minus_z ),
+        cmocka_unit_test( test_parents_move_cameras ),
+        cmocka_unit_test( test_scale_and_mirror_keep_the_view ),
+        cmocka_unit_test( test_collapsed_camera_fails ),
+        cmocka_unit_test( test_parallel_axes_fail ),
+        cmocka_unit_test( test_destroying_nothing_is_allowed ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}
