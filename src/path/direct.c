@@ -1,4 +1,4 @@
-// Light samples at the vertices of a wavefront (estimators.md section 3).
+// Light samples at the vertices of a wavefront (src/reuse/estimators.md, section 3).
 #include "path/punctual_environment.h"
 #include "path/wavefront.h"
 

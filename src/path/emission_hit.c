@@ -1,5 +1,5 @@
 // Emission hit by BSDF sampling: light sampling at the ray's origin could have
-// found it as well (estimators.md E3).
+// found it as well (src/reuse/estimators.md, E3).
 #include "path/wavefront.h"
 
 static inline void add_arrival( const RfPathSettings* settings, const RfRayLanes* rays, int r, bool defer_mis, RfVec3 light,

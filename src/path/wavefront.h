@@ -17,7 +17,7 @@ typedef struct RfPathSettings
 
 // Radiance that arrives along the ray of each path slot. Emission hit by the ray is
 // kept separate, since light sampling at the ray's origin could have found it too
-// (estimators.md E3).
+// (src/reuse/estimators.md, E3).
 typedef struct RfArrivals
 {
     RF_ALIGN float emitted[3][RF_LANES];

@@ -1,5 +1,5 @@
 // The light of hit records, weighted over the eyes that could have drawn each
-// direction (estimators.md E1, E3).
+// direction (src/reuse/estimators.md, E1 and E3).
 #include "reuse/harvest_internal.h"
 
 #include <string.h>

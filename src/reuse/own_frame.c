@@ -1,6 +1,6 @@
 // Own-frame samples: hits of unevaluable materials, and the sky in the background.
 // They are stored with the misses, which have weight 1 in their own frame and 0
-// elsewhere (estimators.md section 2), but are not black.
+// elsewhere (src/reuse/estimators.md, section 2), but are not black.
 #include "reuse/harvest_internal.h"
 
 static inline float* light_of( const RfHitBatch* batch, int miss ) { return rf_miss_radiance( batch ) + 4 * (size_t)miss; }

@@ -1,6 +1,6 @@
 // Tiles: sets of pixels of one frame that share their paths (Bekaert, Sbert,
 // Halton, Accelerating Path Tracing by Re-Using Paths, EGWR 2002;
-// estimators.md section 4). A film is cut into patches, whose pixels fill a
+// src/reuse/estimators.md, section 4). A film is cut into patches, whose pixels fill a
 // wavefront, and a patch into tiles.
 #ifndef REFRAME_REUSE_TILE_H
 #define REFRAME_REUSE_TILE_H

@@ -1,5 +1,5 @@
-// Path reuse inside tiles (Bekaert, Sbert, Halton, EGWR 2002; estimators.md
-// E4, E5). The paths of a tile, one per pixel, have first hits x^i and second
+// Path reuse inside tiles (Bekaert, Sbert, Halton, EGWR 2002; src/reuse/estimators.md,
+// E4 and E5). The paths of a tile, one per pixel, have first hits x^i and second
 // vertices y^j. The light that y^j scatters is used at every x^i that sees it.
 //
 // Hits and vertices are combined in pairings: pairing s connects every hit to the

@@ -1,5 +1,5 @@
 // Eye visibility of a batch: which eyes of the group see which hits, and with
-// what film density. The tests are packets from the eye (estimators.md 8).
+// what film density. The tests are packets from the eye (src/reuse/estimators.md, section 8).
 #include "reuse/harvest_internal.h"
 
 #include "scene/pinhole.h"

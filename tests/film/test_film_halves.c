@@ -1,4 +1,4 @@
-// Combining the two halves of a film (estimators.md E2): by hand, without bias in the mean
+// Combining the two halves of a film (src/reuse/estimators.md, E2): by hand, without bias in the mean
 // over many pixels, and relMSE from the difference of the halves.
 #include "base/random.h"
 #include "film/film.h"

@@ -90,7 +90,7 @@ static void test_table_ends_with_the_whole_path( void** state )
     end( &s );
 }
 
-// Eyes that are all the same see all of each other's hits: then it is (FR 16).
+// Eyes that are all the same see all of each other's hits: then it is FR (16).
 static void test_equal_eyes_give_the_closed_form( void** state )
 {
     (void)state;

@@ -1,4 +1,4 @@
-// E[B] = 1 (estimators.md section 2): the summed weights of the hits that land in a pixel
+// E[B] = 1 (src/reuse/estimators.md, section 2): the summed weights of the hits that land in a pixel
 // have mean one, at every pixel, for every group and camera path, with and without tiles.
 // A ray that misses everything weighs one in its own frame, so this holds where rays miss
 // as well; tested with a closed and an open scene.

@@ -1,4 +1,4 @@
-// Reprojected hits follow the film density J (estimators.md, notation): two cameras see
+// Reprojected hits follow the film density J (src/reuse/estimators.md, notation): two cameras see
 // one plane, their films are related by a homography, so the expected number of hits of
 // one in a block of the other is an area.
 #include "base/random.h"

@@ -1,5 +1,5 @@
 // Is an estimator unbiased? Welch tests per block and per pixel between
-// independent renders and independent references (estimators.md section 9).
+// independent renders and independent references (src/reuse/estimators.md, section 9).
 #ifndef REFRAME_TESTS_UNBIASED_H
 #define REFRAME_TESTS_UNBIASED_H
 
