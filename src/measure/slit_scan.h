@@ -17,6 +17,8 @@ typedef struct RfSlitScan
 // Allocates a scan of `frames` frames of `height` pixels, with `parts` of them stacked
 // vertically.
 RfResult rf_create_slit_scan( int frames, int height, int parts, RfSlitScan* scan, RfError* error );
+
+// Frees the image of a scan.
 void rf_destroy_slit_scan( RfSlitScan* scan );
 
 // Copies a column of the image into a frame (from 0) and a part (from 0, at the top).

@@ -49,6 +49,7 @@ bool rf_ends_group( int index, int count );
 RfResult rf_add_spectrum_group( RfSpectrumSums* sums, const RfFlickerFrame* const* frames, int count, bool compensate,
                                 RfError* error );
 
+// The bands from the sums.
 RfSpectrum rf_spectrum( const RfSpectrumSums* sums );
 
 #endif

@@ -21,14 +21,19 @@ void rf_destroy_tracer( RfTracer* tracer );
 
 // The scene.
 const RfScene* rf_tracer_scene( const RfTracer* tracer );
+
 // True if some surface is alpha-blended. Visibility is then a number between 0 and 1.
 bool rf_tracer_is_blended( const RfTracer* tracer );
+
 // True if some material is textured, so that hits must look up RfMaterial.textured.
 bool rf_tracer_is_textured( const RfTracer* tracer );
+
 // The lights of the scene, collected at creation (light/light.h).
 const RfLights* rf_tracer_lights( const RfTracer* tracer );
+
 // Embree's version and instruction set, on which images depend besides the scene.
 const char* rf_tracer_device( const RfTracer* tracer );
+
 // Memory of Embree and of the triangle records, bytes.
 size_t rf_tracer_bytes( const RfTracer* tracer );
 

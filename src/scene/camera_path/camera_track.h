@@ -57,9 +57,12 @@ typedef struct RfView
 // Reads a camera path file. Errors give the file and the JSON path. On failure the track is
 // empty; free with rf_destroy_camera_track.
 RfResult rf_load_camera_track( const char* path, RfCameraTrack* track, RfError* error );
+
 // Reads a camera path from a JSON object inside another file.
 struct RfField;
 RfResult rf_read_camera_track( const struct RfField* object, RfCameraTrack* track, RfError* error );
+
+// Frees the curves and names of a track and clears it.
 void rf_destroy_camera_track( RfCameraTrack* track );
 
 // The view at a time (in seconds or frames, as the track has it). Fails with RF_ERROR_SCENE if

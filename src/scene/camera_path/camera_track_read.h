@@ -42,8 +42,10 @@ RfResult rf_lead_curve( RfCurveKind kind, const double* both, RfCurve* curve, Rf
 
 // Reads a constant field of view, or {"from": …, "to": …}.
 RfResult rf_read_lens( const RfField* top, bool must_change, RfCameraTrack* track );
+
 // Reads target and up, or a rotation; `fallback` is the default target, or NULL.
 RfResult rf_read_look( const RfField* top, const double* fallback, RfCameraTrack* track );
+
 // Names the value that determines the duration.
 RfResult rf_name_clock( const RfField* field, RfCameraTrack* track );
 
@@ -56,8 +58,14 @@ RfResult rf_read_keyed( const RfField* top, RfCameraTrack* track );
 
 // Reads a movement (camera_track_moves.c).
 RfResult rf_read_orbit( const RfField* top, RfCameraTrack* track );
+
+// Reads a dolly.
 RfResult rf_read_dolly( const RfField* top, RfCameraTrack* track );
+
+// Reads a zoom.
 RfResult rf_read_zoom( const RfField* top, RfCameraTrack* track );
+
+// Reads a walk along waypoints.
 RfResult rf_read_walk( const RfField* top, RfCameraTrack* track );
 
 #endif

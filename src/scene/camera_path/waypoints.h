@@ -15,6 +15,8 @@ typedef struct RfWaypoints
 // `points` holds 3 × count numbers, count ≥ 2, neighbours distinct. Fails only with
 // RF_ERROR_MEMORY. Free with rf_destroy_waypoints.
 RfResult rf_create_waypoints( bool linear, int count, const double* points, RfWaypoints* waypoints, RfError* error );
+
+// Frees the curve and its lengths and clears the struct.
 void rf_destroy_waypoints( RfWaypoints* waypoints );
 
 // The point at arc length `length`, in metres; beyond the ends the curve is extended by

@@ -114,54 +114,87 @@ typedef struct RfWhere
     char text[160];
 } RfWhere;
 
+// Formats a name.
 RfWhere rf_where( const char* format, ... ) __attribute__( ( format( printf, 1, 2 ) ) );
 
 // Fails with a message of file, object and cause; for RF_ERROR_FORMAT it appends what to do,
 // other codes need it in their text.
 RfResult rf_gltf_fail( const RfGltf* gltf, RfResult code, const char* where, const char* format, ... )
     __attribute__( ( format( printf, 4, 5 ) ) );
+
 // Brighter radiance would overflow when floats are squared.
 #define RF_GLTF_MAX_EMISSION 1e15
 
 // Fails with RF_ERROR_UNSUPPORTED if |value| exceeds a limit of this reader: the file is valid
 // glTF.
 RfResult rf_gltf_check_limit( const RfGltf* gltf, const char* where, const char* key, double value, double limit );
+
+// Fails with RF_ERROR_MEMORY.
 RfResult rf_gltf_no_memory( const RfGltf* gltf, const char* where );
 
 // Logs a warning, once per kind of notice.
 void rf_gltf_notice( RfGltf* gltf, RfGltfNotice notice, const char* format, ... ) __attribute__( ( format( printf, 3, 4 ) ) );
 
-// Finds the top-level lists (gltf_document.c). This and the next functions read members of
-// JSON objects by type: a missing member leaves the value unchanged, a wrong type is an error.
+// Finds the top-level lists (gltf_document.c).
 RfResult rf_gltf_open_lists( RfGltf* gltf );
+
+// An object of a top-level list.
 const json_t* rf_gltf_item( const RfGltf* gltf, RfGltfList list, int index );
+
+// Fails if a member is missing.
 RfResult rf_gltf_require( const RfGltf* gltf, const json_t* object, const char* where, const char* key );
+
+// Reads a member that is a number. Here and below a missing member leaves `value` unchanged,
+// and a wrong type is an error.
 RfResult rf_gltf_get_number( const RfGltf* gltf, const json_t* object, const char* where, const char* key, double* value );
+
+// Reads an array of `count` numbers.
 RfResult rf_gltf_get_numbers( const RfGltf* gltf, const json_t* object, const char* where, const char* key, int count,
                               double* values );
+
+// Reads an integer from `low` to `high`.
 RfResult rf_gltf_get_integer( const RfGltf* gltf, const json_t* object, const char* where, const char* key, int64_t low,
                               int64_t high, int64_t* value );
+
+// Reads a boolean.
 RfResult rf_gltf_get_bool( const RfGltf* gltf, const json_t* object, const char* where, const char* key, bool* value );
+
+// Reads a string, which the JSON owns.
 RfResult rf_gltf_get_string( const RfGltf* gltf, const json_t* object, const char* where, const char* key, const char** value );
+
+// Reads an object.
 RfResult rf_gltf_get_object( const RfGltf* gltf, const json_t* object, const char* where, const char* key, const json_t** value );
+
+// Reads an array.
 RfResult rf_gltf_get_array( const RfGltf* gltf, const json_t* object, const char* where, const char* key, const json_t** value );
+
 // Reads an index into one of the lists; −1 if missing.
 RfResult rf_gltf_get_index( const RfGltf* gltf, const json_t* object, const char* where, const char* key, RfGltfList list,
                             int* index );
+
 // Finds an extension of an object, or NULL.
 RfResult rf_gltf_get_extension( const RfGltf* gltf, const json_t* object, const char* where, const char* name,
                                 const json_t** extension );
+
 // Copies the name of the object, or `fallback` if it has none.
 RfResult rf_gltf_copy_name( const RfGltf* gltf, const json_t* object, const char* where, const char* fallback, char** name );
 
 // Fails if the file requires an unsupported extension (gltf_extension.c).
 RfResult rf_gltf_check_required( const RfGltf* gltf );
+
+// Warns of unsupported extensions of an object, which messages call `kind` and `name`.
 void rf_gltf_notice_extensions( RfGltf* gltf, const json_t* object, const char* kind, const char* name );
+
+// Warns of unknown extensions in extensionsUsed.
 RfResult rf_gltf_notice_unread( RfGltf* gltf );
 
 // True for a data: URI (gltf_uri.c).
 bool rf_is_data_uri( const char* uri );
+
+// Decodes a base64 data: URI; the caller frees the bytes.
 RfResult rf_gltf_decode_data_uri( const RfGltf* gltf, const char* where, const char* uri, uint8_t** bytes, size_t* size );
+
+// Converts a relative URI to a path beside the file; the caller frees it.
 RfResult rf_gltf_resolve_uri( const RfGltf* gltf, const char* where, const char* uri, char** path );
 
 // Reads the environment from the extras of the scene (gltf_environment.c).
@@ -174,28 +207,48 @@ typedef struct RfGltfEdit
     RfResult ( *run )( void* user, json_t* root, RfError* error );
     void* user;
 } RfGltfEdit;
+
+// Like rf_load_gltf, with a modification.
 RfResult rf_load_edited_gltf( const char* path, const RfGltfEdit* edit, RfScene* scene, RfLog* log, RfError* error );
 
 // Loads all buffers (gltf_buffer.c).
 RfResult rf_gltf_load_buffers( RfGltf* gltf );
+
+// Frees the buffers.
 void rf_gltf_free_buffers( RfGltf* gltf );
+
 // The bytes of a view from `offset` on, of which `need` must exist.
 RfResult rf_gltf_view_bytes( const RfGltf* gltf, const char* where, int view, uint64_t offset, uint64_t need,
                              const uint8_t** bytes );
+
+// The stride of a view for elements of `element` bytes.
 RfResult rf_gltf_view_stride( const RfGltf* gltf, int view, uint64_t element, uint64_t* stride );
 
 // Finds a validated accessor (gltf_accessor.c, gltf_element.c).
 RfResult rf_gltf_open_accessor( RfGltf* gltf, int index, const RfGltfAccessor** accessor );
+
 // Fails unless the accessor has `components` components; `user` names the attribute.
 RfResult rf_gltf_expect( const RfGltf* gltf, int index, const RfGltfAccessor* accessor, const char* user, int components );
+
+// Bytes of a component type.
 int rf_gltf_component_size( int component_type );
+
+// Reads an unsigned integer of a component type.
 uint32_t rf_gltf_read_u32( const uint8_t* at, int component_type );
+
+// Reads an element as floats, normalised if the accessor is; they must be finite.
 RfResult rf_gltf_read_floats( const RfGltf* gltf, int index, uint32_t element, float* values );
+
+// Reads an element as an index.
 uint32_t rf_gltf_read_index( const RfGltfAccessor* accessor, uint32_t element );
 
 // Reads all materials (gltf_material.c, gltf_lobe.c).
 RfResult rf_gltf_load_materials( RfGltf* gltf );
+
+// The index of the material for primitives without one, created on first use.
 RfResult rf_gltf_use_default_material( RfGltf* gltf, uint32_t* index );
+
+// Reads the scattering model in extras.reframe, if any (gltf_lobe.c).
 RfResult rf_gltf_read_lobes( const RfGltf* gltf, const json_t* material, const char* where, RfMaterial* out );
 
 // Reads a use of a texture, `key` of `parent` (gltf_texture.c); `info` is NULL if there is
@@ -206,6 +259,7 @@ RfResult rf_gltf_read_texture_info( RfGltf* gltf, const json_t* parent, const ch
 // Sets the `textured` member of a material after all its other properties have been read
 // (gltf_textured.c). rf_gltf_load_images removes it again if it is not needed.
 RfResult rf_gltf_read_textured( RfGltf* gltf, const json_t* json, const char* where, const RfFactors* factors, RfMaterial* out );
+
 // A struct without textures; NULL if out of memory.
 RfTextured* rf_gltf_textured( const RfFactors* factors );
 
@@ -215,7 +269,11 @@ RfResult rf_gltf_load_images( RfGltf* gltf );
 
 // Reads the hierarchy (gltf_node.c; animations and cameras: gltf_animation.c, gltf_camera.c).
 RfResult rf_gltf_load_nodes( RfGltf* gltf );
+
+// Reads the animations (gltf_animation.c).
 RfResult rf_gltf_load_animations( RfGltf* gltf );
+
+// Reads the cameras (gltf_camera.c).
 RfResult rf_gltf_load_cameras( RfGltf* gltf );
 
 // Reads the lights of KHR_lights_punctual (gltf_light.c).
@@ -225,8 +283,11 @@ RfResult rf_gltf_load_lights( RfGltf* gltf );
 // all other factors (gltf_glass.c).
 RfResult rf_gltf_read_glass( const RfGltf* gltf, const json_t* material, const char* where, const RfFactors* factors,
                              RfMaterial* out );
+
 // Reads KHR_materials_clearcoat, the last of the extensions (gltf_clearcoat.c).
 RfResult rf_gltf_read_clearcoat( RfGltf* gltf, const json_t* material, const char* where, RfMaterial* out );
+
+// True for materials with KHR_materials_unlit.
 bool rf_gltf_is_unlit( const json_t* material );
 static inline bool rf_gltf_moves( const RfGltf* gltf, int node ) { return gltf->spans[node].start <= gltf->spans[node].end; }
 
@@ -246,8 +307,12 @@ typedef struct RfGltfPrimitive
     uint32_t material;
 } RfGltfPrimitive;
 
+// Reads a primitive.
 RfResult rf_gltf_read_primitive( RfGltf* gltf, const json_t* primitive, const char* where, RfGltfPrimitive* out );
+
+// Frees a primitive.
 void rf_gltf_free_primitive( RfGltfPrimitive* primitive );
+
 // Reads triples of vertex indices, from an index accessor or implicit, by mode.
 RfResult rf_gltf_read_triangles( RfGltf* gltf, const json_t* primitive, const char* where, int mode, uint32_t vertex_count,
                                  uint32_t** indices, uint32_t* triangle_count );
@@ -271,6 +336,7 @@ typedef struct RfGltfBaker
     RfWhere first_degenerate;
 } RfGltfBaker;
 
+// Appends a primitive, transformed by a matrix, to the triangles of the scene.
 RfResult rf_gltf_bake( RfGltf* gltf, RfGltfBaker* baker, const RfGltfPrimitive* primitive, const RfMat4* matrix,
                        const char* where );
 void rf_gltf_finish_bake( RfGltf* gltf, RfGltfBaker* baker );
@@ -279,6 +345,7 @@ void rf_gltf_finish_bake( RfGltf* gltf, RfGltfBaker* baker );
 RfResult rf_gltf_reserve_attributes( const RfGltf* gltf, const RfGltfBaker* baker, const RfGltfPrimitive* primitive,
                                      const char* where );
 void rf_gltf_copy_attributes( RfTriangles* t, uint32_t to, const RfGltfPrimitive* primitive, uint32_t from );
+
 // `sign` is −1 for a mirroring matrix.
 void rf_gltf_transform_tangent( RfTriangles* t, uint32_t to, const RfGltfPrimitive* primitive, uint32_t from,
                                 const RfMat4* matrix, double sign );
@@ -291,7 +358,10 @@ typedef struct RfGltfInstances
     int translation, rotation, scale; // accessors, or −1
 } RfGltfInstances;
 
+// Reads the instances of a node.
 RfResult rf_gltf_open_instances( RfGltf* gltf, int node, RfGltfInstances* instances );
+
+// The transform of one instance within its node.
 RfResult rf_gltf_instance_matrix( const RfGltf* gltf, const RfGltfInstances* instances, uint32_t element, RfMat4* matrix );
 
 // Bakes the meshes of all nodes of the default scene (gltf_mesh.c).

@@ -20,6 +20,8 @@ typedef struct RfJsonDocument
 
 // Reads and parses a file. On failure the document is empty.
 RfResult rf_open_json( const char* path, RfJsonDocument* document, RfError* error );
+
+// Frees a document and clears it.
 void rf_close_json( RfJsonDocument* document );
 
 // Resolves a file name found in `file`: `name` itself if absolute, else relative to the folder
@@ -36,10 +38,16 @@ typedef struct RfField
     char path[208];     // "keys[3].position"; "" is the whole document
 } RfField;
 
-RfField rf_root_field( const RfJsonDocument* document, RfError* error ); // The root object, which may have notes.
+// The root object, which may have notes.
+RfField rf_root_field( const RfJsonDocument* document, RfError* error );
+
 // A field of another document: `path` is for messages.
 RfField rf_make_field( const char* file, const char* path, const json_t* json, RfError* error );
+
+// A member of an object; its json is NULL if it is missing.
 RfField rf_field_member( const RfField* object, const char* key );
+
+// An item of an array.
 RfField rf_field_item( const RfField* array, size_t index );
 static inline bool rf_has_member( const RfField* object, const char* key )
 {
@@ -48,11 +56,13 @@ static inline bool rf_has_member( const RfField* object, const char* key )
 
 // Fails with RF_ERROR_SCENE; the message is prefixed with the file and the path.
 RfResult rf_field_fail( const RfField* field, const char* format, ... ) __attribute__( ( format( printf, 2, 3 ) ) );
+
 // Fails with "wants …, got …" or "is missing: wants …".
 RfResult rf_field_wants( const RfField* field, const char* want );
 
 // Fails unless the field is an object whose keys are all in the list, which ends with NULL.
 RfResult rf_field_keys( const RfField* object, const char* const* keys );
+
 // Fails if the member is missing; `want` describes the expected value.
 RfResult rf_field_require( const RfField* object, const char* key, const char* want );
 
@@ -69,11 +79,19 @@ static inline RfRange rf_above( double low, double high ) { return ( RfRange ){ 
 // Reads a number. A missing value leaves `value` unchanged; a wrong type or a value out of
 // range is an error. The same holds for the types below.
 RfResult rf_field_number( const RfField* field, RfRange range, double* value );
+
+// Reads an array of `count` numbers.
 RfResult rf_field_numbers( const RfField* field, RfRange range, int count, double* values );
+
+// Reads a boolean.
 RfResult rf_field_bool( const RfField* field, bool* value );
-RfResult rf_field_text( const RfField* field, const char** text ); // never empty
+
+// Reads a string that must not be empty.
+RfResult rf_field_text( const RfField* field, const char** text );
+
 // Reads the index of a word in `words`, which ends with NULL.
 RfResult rf_field_choice( const RfField* field, const char* const* words, int* index );
+
 // Checks for an array of `least` to `most` items.
 RfResult rf_field_array( const RfField* field, const char* item, size_t least, size_t most );
 

@@ -13,6 +13,7 @@ const char* rf_edited_bsdf( const json_t* material );
 // The member object of that name, created if missing; NULL if out of memory.
 json_t* rf_edit_member( json_t* object, const char* key );
 
+// Fails with RF_ERROR_MEMORY.
 RfResult rf_edit_no_memory( const RfField* field );
 
 #endif

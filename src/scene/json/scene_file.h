@@ -16,6 +16,8 @@ typedef struct RfSceneFile
 // Opens a scene: parses a scene file; of a glTF nothing is read yet. On failure the file is
 // empty; free with rf_close_scene_file.
 RfResult rf_open_scene_file( const char* path, RfSceneFile* file, RfError* error );
+
+// Frees what an open scene file holds.
 void rf_close_scene_file( RfSceneFile* file );
 
 // The object of render defaults, not yet validated; its json is NULL if there is none. Valid
