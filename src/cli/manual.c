@@ -77,7 +77,8 @@ static void print_aovs( FILE* file )
         RF_AOV_LIST( ROW )
 #undef ROW
     };
-    fputs( ".SH LAYERS\nWhat \\fB\\-\\-aov\\fR adds to the files; all but the last two are means over the frame's own samples:\n", file );
+    fputs( ".SH LAYERS\nWhat \\fB\\-\\-aov\\fR adds to the files; all but the last two are means over the frame's own samples:\n",
+           file );
     for ( int i = 0; i < RF_AOV_COUNT; ++i )
     {
         fputs( ".TP\n.B", file );

@@ -117,8 +117,8 @@ RfResult rf_create_test_region( const RfTracer* tracer, const RfEye* eyes, int e
     region->eyes = malloc( (size_t)region->frames * sizeof *region->eyes );
     region->weight = malloc( (size_t)region->frames * pixels * sizeof *region->weight );
     if ( region->eyes == NULL || region->weight == NULL )
-        return rf_advise( rf_fail( error, RF_ERROR_MEMORY, "no memory left to try settings on %d frames of %dx%d",
-                                   region->frames, width, height ),
+        return rf_advise( rf_fail( error, RF_ERROR_MEMORY, "no memory left to try settings on %d frames of %dx%d", region->frames,
+                                   width, height ),
                           RF_REMEDY_MEMORY, 0, error );
     for ( int i = 0; i < region->frames; ++i )
         region->eyes[i] = rf_resize_eye( eyes + region->first + i, width, height );

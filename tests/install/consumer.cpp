@@ -11,7 +11,10 @@ namespace
 {
 struct Failure : std::runtime_error
 {
-    explicit Failure( const RfError& error ) : std::runtime_error( std::string( rf_result_name( error.code ) ) + ": " + error.text ) {}
+    explicit Failure( const RfError& error )
+        : std::runtime_error( std::string( rf_result_name( error.code ) ) + ": " + error.text )
+    {
+    }
 };
 
 // Turns a result into an exception.
@@ -29,7 +32,7 @@ struct Closer
 
 class Path
 {
-public:
+  public:
     Path( const RfScene& scene, RfFps fps, int width, int height )
     {
         RfError error{};
@@ -40,7 +43,7 @@ public:
     Path& operator=( const Path& ) = delete;
     const RfCameraPath& operator*() const { return m_path; }
 
-private:
+  private:
     RfCameraPath m_path = rf_empty_camera_path();
 };
 

@@ -24,8 +24,8 @@ static uint64_t hash_eye( uint64_t hash, const RfEye* e )
 }
 
 // The eyes of all frames; the hash starts with what a path file has.
-static RfResult make_eyes( const RfScene* scene, const RfCamera* camera, RfFps fps, int width, int height,
-                           RfCameraPath* path, RfError* error )
+static RfResult make_eyes( const RfScene* scene, const RfCamera* camera, RfFps fps, int width, int height, RfCameraPath* path,
+                           RfError* error )
 {
     RfResult result = rf_scene_frame_count( scene, camera, (double)fps.numerator / (double)fps.denominator, &path->count, error );
     if ( result != RF_OK )
@@ -40,8 +40,7 @@ static RfResult make_eyes( const RfScene* scene, const RfCamera* camera, RfFps f
         path->hash = rf_hash_bytes( path->hash, &camera->track->hash, sizeof camera->track->hash );
     for ( int i = 0; i < path->count && result == RF_OK; ++i )
     {
-        result = rf_camera_eye( scene, camera, (double)i, fps.numerator, fps.denominator, width, height, path->eyes + i,
-                                error );
+        result = rf_camera_eye( scene, camera, (double)i, fps.numerator, fps.denominator, width, height, path->eyes + i, error );
         if ( result == RF_OK )
             path->hash = hash_eye( path->hash, path->eyes + i );
     }
