@@ -1,6 +1,7 @@
 // A finished frame as an EXR file: R, G, B, the AOVs, the camera's matrices, and
 // attributes that say how it was made ("reframe/spp", "reframe/seed" and so on). One of them is
-// the fingerprint of the frame, by which an interrupted render is resumed.
+// the fingerprint of the frame, by which an interrupted render is resumed. RfRenderSettings.files has their
+// format; the program's is rf_default_frame_files().
 //
 //     static RfResult write( void* output, const RfFrameResult* frame, RfError* error )
 //     {

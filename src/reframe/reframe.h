@@ -18,6 +18,7 @@
 //     RfRenderCallbacks callbacks = { &output, write, NULL };
 //     int frames[3] = { 0, 1, 2 };
 //
+//     settings.files = rf_default_frame_files();
 //     if ( rf_open_scene( "room.glb", &scene, NULL, &error ) != RF_OK ||
 //          rf_create_camera_path( scene, NULL, fps, 960, 540, &path, &error ) != RF_OK ||
 //          rf_create_tracer( scene, &tracer, &error ) != RF_OK ||
