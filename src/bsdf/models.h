@@ -75,11 +75,11 @@ typedef enum RfBsdfParam
 } RfBsdfParam;
 
 // Masks of parameters: bit p is parameter p.
-#define RF_ONE( param ) ( 1u << ( param ) )
-#define RF_THREE( param ) ( 7u << ( param ) )
+#define RF_PARAM_BIT( param ) ( 1u << ( param ) )
+#define RF_PARAM_BITS3( param ) ( 7u << ( param ) )
 
 // Not copied from the material but set by path/surface.c from the hit.
-#define RF_PARAMS_OF_HIT ( RF_THREE( RF_PARAM_CLEARCOAT_N ) | RF_ONE( RF_PARAM_IOR ) )
+#define RF_PARAMS_OF_HIT ( RF_PARAM_BITS3( RF_PARAM_CLEARCOAT_N ) | RF_PARAM_BIT( RF_PARAM_IOR ) )
 
 // A parameter as the material has it; not of those above.
 static inline const float* rf_material_param( const RfMaterial* material, RfBsdfParam param )
@@ -135,11 +135,12 @@ static inline const RfBsdfModel* rf_bsdf_model( RfBsdfKind kind )
 {
     enum
     {
-        LAMBERT = RF_THREE( RF_PARAM_DIFFUSE ),
-        PHONG = LAMBERT | RF_THREE( RF_PARAM_SPECULAR ) | RF_ONE( RF_PARAM_SHAPE ),
-        GGX = PHONG | RF_ONE( RF_PARAM_F90 ) | RF_ONE( RF_PARAM_COAT_F0 ) | RF_ONE( RF_PARAM_COAT_F90 ),
-        COATED = GGX | RF_ONE( RF_PARAM_CLEARCOAT ) | RF_ONE( RF_PARAM_CLEARCOAT_ALPHA ) | RF_THREE( RF_PARAM_CLEARCOAT_N ),
-        GLASS = PHONG | RF_ONE( RF_PARAM_F90 ) | RF_THREE( RF_PARAM_TINT ) | RF_ONE( RF_PARAM_IOR ),
+        LAMBERT = RF_PARAM_BITS3( RF_PARAM_DIFFUSE ),
+        PHONG = LAMBERT | RF_PARAM_BITS3( RF_PARAM_SPECULAR ) | RF_PARAM_BIT( RF_PARAM_SHAPE ),
+        GGX = PHONG | RF_PARAM_BIT( RF_PARAM_F90 ) | RF_PARAM_BIT( RF_PARAM_COAT_F0 ) | RF_PARAM_BIT( RF_PARAM_COAT_F90 ),
+        COATED = GGX | RF_PARAM_BIT( RF_PARAM_CLEARCOAT ) | RF_PARAM_BIT( RF_PARAM_CLEARCOAT_ALPHA ) |
+                 RF_PARAM_BITS3( RF_PARAM_CLEARCOAT_N ),
+        GLASS = PHONG | RF_PARAM_BIT( RF_PARAM_F90 ) | RF_PARAM_BITS3( RF_PARAM_TINT ) | RF_PARAM_BIT( RF_PARAM_IOR ),
     };
     static const RfBsdfModel s_models[RF_BSDF_KIND_COUNT] = {
         [RF_BSDF_LAMBERT] = { "lambert", LAMBERT, rf_lambert_evaluate, rf_lambert_sample, NULL },

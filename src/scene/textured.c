@@ -233,6 +233,7 @@ RfVec3 rf_mean_emission( const RfScene* scene, const RfMaterial* m, uint32_t tri
     {
         for ( int k = 0; k < 2 * i + 1; ++k ) // row i has i + 1 upright and i inverted sub-triangles
         {
+            // whole pairs: NOLINTNEXTLINE(bugprone-integer-division)
             float across = ( (float)( k / 2 ) + ( k & 1 ? 2.0f : 1.0f ) / 3.0f ) / (float)GRID;
             float along = ( (float)i + ( k & 1 ? 1.0f : 2.0f ) / 3.0f ) / (float)GRID;
             sum = rf_add( sum, rf_emission_at( scene, m, triangle, along - across, across ) );

@@ -12,6 +12,7 @@ static bool has_vertex_tangents( const RfScene* scene, const RfTextured* texture
     const RfTextureRef* of = textured->refs + RF_TEXTURE_NORMAL;
     if ( scene->triangles.tangents == NULL )
         return false;
+    // the bits of the same file: NOLINTNEXTLINE(bugprone-suspicious-memory-comparison)
     return of->texture < 0 || ( of->uv_set == ref->uv_set && memcmp( of->transform, ref->transform, sizeof of->transform ) == 0 );
 }
 

@@ -293,7 +293,7 @@ static void test_lanes_stand_alone( void** state )
 // ---- The table of models ------------------------------------------------------
 
 // Hits are sorted by the order of the kinds, which must agree with what the models can do.
-static void test_table( void** state )
+static void test_kinds_agree_with_the_model_table( void** state )
 {
     (void)state;
     assert_int_equal( RF_BSDF_LAMBERT, 0 );
@@ -309,7 +309,7 @@ static void test_table( void** state )
 }
 
 // Every parameter of a material goes to a place of its own.
-static void test_parameters_of_material( void** state )
+static void test_parameters_have_places_of_their_own( void** state )
 {
     (void)state;
     RfMaterial m = { .diffuse = { 1, 2, 3 },
@@ -339,8 +339,8 @@ int main( void )
         cmocka_unit_test( test_models_are_reciprocal ),
         cmocka_unit_test( test_any_input_is_finite ),
         cmocka_unit_test( test_lanes_stand_alone ),
-        cmocka_unit_test( test_table ),
-        cmocka_unit_test( test_parameters_of_material ),
+        cmocka_unit_test( test_kinds_agree_with_the_model_table ),
+        cmocka_unit_test( test_parameters_have_places_of_their_own ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

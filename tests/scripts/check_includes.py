@@ -10,7 +10,7 @@ import re
 import sys
 
 # What a folder may include besides itself and what stands before it. Each line is one level.
-LEVELS = [["reframe"], ["base", "math"], ["image"], ["scene"], ["bsdf"], ["light"], ["trace"], ["path"], ["film"], ["render"], ["reuse"],
+LEVELS = [["reframe"], ["base", "math"], ["bsdf"], ["image"], ["scene"], ["light"], ["trace"], ["path"], ["film"], ["render"], ["reuse"],
           ["estimators"], ["output"], ["measure", "page", "convert"], ["cli", "import"]]
 
 

@@ -102,6 +102,7 @@ static bool find_same( Spaces* s )
         for ( ; table[at] != NONE; at = ( at + 1 ) & ( size - 1 ) )
         {
             Key other = key_of( s, table[at] );
+            // bits, as they were hashed: NOLINTNEXTLINE(bugprone-suspicious-memory-comparison)
             if ( memcmp( &key, &other, sizeof key ) == 0 )
                 break;
         }

@@ -211,8 +211,8 @@ static void test_scenes_of_others_are_read( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_materials_are_read ),   cmocka_unit_test( test_warnings_are_said_once ),
-        cmocka_unit_test( test_cameras_are_read ),     cmocka_unit_test( test_moving_mesh_is_taken_at_its_first_key ),
+        cmocka_unit_test( test_materials_are_read ),        cmocka_unit_test( test_warnings_are_said_once ),
+        cmocka_unit_test( test_cameras_are_read ),          cmocka_unit_test( test_moving_mesh_is_taken_at_its_first_key ),
         cmocka_unit_test( test_scenes_of_others_are_read ),
     };
     return cmocka_run_group_tests( tests, gltf_enter, gltf_leave );
