@@ -12,9 +12,9 @@ static const int s_groups[RF_PLAN_ROWS] = { 0, 1, 2, 3, 4, 6, 8, 12, 16 };
 #define COST_PATH 200.0
 #define COST_SHADOW 100.0
 #define COST_TILE 40.0
-#define COST_EYE 30.0    // a visibility test
-#define COST_LANDING 4.0 // adding a hit to a film, plus
-#define COST_LIT 7.0     // this for each direction of a glossy hit
+#define COST_EYE 30.0      // a visibility test
+#define COST_ADD 4.0       // adding a hit to a film, plus
+#define COST_DIRECTION 7.0 // this for each direction of a glossy hit
 
 // Why the automatic choice leaves a row out.
 static const char s_no_room[] = "does not fit --memory", s_films[] = "films over half of --memory",
@@ -90,12 +90,12 @@ static void count_rays( const RfGroupPlan* plan, const int* frames, int frame_co
 
 static void fixed_costs( const PlanCounts* c, const RfEstimatorSizes* sizes, int index, int eyes, double* own, double* reuse )
 {
-    double landing = ( c->hits * COST_LANDING + c->glossy * COST_LIT * sizes->directions ) / c->samples;
+    double adding = ( c->hits * COST_ADD + c->glossy * COST_DIRECTION * sizes->directions ) / c->samples;
     *own = ( COST_PRIMARY * (double)c->rays.primary + COST_PATH * (double)c->rays.path + COST_SHADOW * (double)c->rays.shadow +
              COST_TILE * (double)c->rays.tile ) /
                c->samples +
-           landing;
-    *reuse = eyes > 1 ? COST_EYE * c->eye_rays[index] / c->samples / ( eyes - 1 ) + landing : 0.0;
+           adding;
+    *reuse = eyes > 1 ? COST_EYE * c->eye_rays[index] / c->samples / ( eyes - 1 ) + adding : 0.0;
 }
 
 // Why the automatic choice leaves a group out; NULL: it does not. It depends on path, size and settings

@@ -67,7 +67,7 @@ typedef struct RfNoiseEstimates
 } RfNoiseEstimates;
 
 // For a path as of rf_plan_groups, of which no frame is to get more than about
-// `most_spp` native samples per pixel. `units` is of all groups, see rf_group_units.
+// `most_spp` own-frame samples per pixel. `units` is of all groups, see rf_group_units.
 RfStop rf_create_stop( const RfGroupPlan* plan, int most_spp, double noise, double seconds );
 
 // What a group costs: shares × eyes.

@@ -53,7 +53,7 @@ static void reproject( const Accumulation* a, int eye, const RfHitBatch* batch, 
 static void mix_landed_eyes( const Accumulation* a, const RfHitBatch* batch, const uint32_t* landed_eyes, int direction,
                              RfAccumulateScratch* s )
 {
-    int first = batch->first[RF_BSDF_PHONG], count = rf_glossy_count( batch );
+    int first = batch->first[RF_BSDF_FIRST_GLOSSY], count = rf_glossy_count( batch );
     int words = rf_seen_words( a->shape.eyes );
     const RfDirectionLanes* lanes = batch->directions + direction;
     const float* wi[3] = { lanes->wi[0], lanes->wi[1], lanes->wi[2] };
@@ -104,7 +104,7 @@ static void add_direction( const RfDirectionLanes* lanes, int count, bool eq15, 
 static void light_glossy( const Accumulation* a, int eye, const RfHitBatch* batch, const uint32_t* landed_eyes,
                           RfAccumulateScratch* s )
 {
-    int first = batch->first[RF_BSDF_PHONG], count = rf_glossy_count( batch );
+    int first = batch->first[RF_BSDF_FIRST_GLOSSY], count = rf_glossy_count( batch );
     float* wo[3] = { s->wo[0], s->wo[1], s->wo[2] };
     const float* wo_in[3] = { wo[0], wo[1], wo[2] };
     float* f[3] = { s->f[0], s->f[1], s->f[2] };
@@ -152,7 +152,7 @@ static inline void add_to_pixel( float* film, float ratio, const float* value )
 static uint64_t splat_diffuse( const RfHitBatch* batch, const RfAccumulateScratch* s, PixelRange range )
 {
     uint64_t landed = 0;
-    int count = batch->first[RF_BSDF_PHONG];
+    int count = batch->first[RF_BSDF_FIRST_GLOSSY];
     for ( int i = 0; i < count; ++i )
     {
         int32_t pixel = s->pixel[i];
@@ -168,7 +168,7 @@ static uint64_t splat_diffuse( const RfHitBatch* batch, const RfAccumulateScratc
 static uint64_t splat_glossy( const RfHitBatch* batch, const RfAccumulateScratch* s, PixelRange range )
 {
     uint64_t landed = 0;
-    int first = batch->first[RF_BSDF_PHONG];
+    int first = batch->first[RF_BSDF_FIRST_GLOSSY];
     for ( int i = first; i < batch->count; ++i )
     {
         int32_t pixel = s->pixel[i];

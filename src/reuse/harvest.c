@@ -23,7 +23,7 @@ RfHarvest rf_make_harvest( const RfEstimatorGroup* group )
 {
     const RfRenderSettings* settings = group->settings;
     return ( RfHarvest ){
-        .walk = { group->tracer, group->max_depth, settings->light_samples, settings->light_sampling },
+        .path = { group->tracer, group->max_depth, settings->light_samples, settings->light_sampling },
         .shape = rf_batch_shape( group ),
         .patches = rf_lay_out_patches( &settings->tile, group->width, group->height ),
         .tile_roulette = settings->tile_roulette,
@@ -57,25 +57,25 @@ RfHarvestScratch* rf_lay_out_harvest_scratch( const RfBatchShape* shape, void* m
     return scratch;
 }
 
-static void make_keys( uint64_t pass_key, int count, const int32_t* pixel, RfWavefront* walk )
+static void make_keys( uint64_t pass_key, int count, const int32_t* pixel, RfWavefront* wavefront )
 {
 #pragma omp simd
     for ( int i = 0; i < count; ++i )
     {
         RfRandomKey key = rf_pixel_key( pass_key, (uint32_t)pixel[i] );
-        walk->key_a[i] = key.a;
-        walk->key_b[i] = key.b;
+        wavefront->key_a[i] = key.a;
+        wavefront->key_b[i] = key.b;
     }
 }
 
 // One ray through a uniform point of each pixel.
-static void make_camera_rays( const RfEye* eye, int count, const int32_t* pixel, RfWavefront* walk, RfRayLanes* rays )
+static void make_camera_rays( const RfEye* eye, int count, const int32_t* pixel, RfWavefront* wavefront, RfRayLanes* rays )
 {
     int32_t* slot = rays->slot;
     for ( int i = 0; i < count; ++i )
         slot[i] = i;
-    float( *random )[RF_LANES] = walk->scratch.random;
-    rf_draw_lanes( walk, count, slot, RF_DIMENSION_FILM_X, 2, random );
+    float( *random )[RF_LANES] = wavefront->scratch.random;
+    rf_draw_lanes( wavefront, count, slot, RF_DIMENSION_FILM_X, 2, random );
     RfEye e = *eye;
     float inverse_focal = 1.0f / e.focal;
     RfVec3 origin = rf_pinhole_origin( &e );
@@ -122,30 +122,31 @@ static void note_pixels( int count, RfHarvestScratch* scratch, RfHitBatch* batch
 
 static void sample_direct( const RfHarvest* harvest, RfHarvestScratch* scratch, RfRayCounts* rays )
 {
-    int k = harvest->walk.light_samples;
+    int k = harvest->path.light_samples;
     uint32_t dimension = rf_vertex_dimension( 1, k ) + RF_DIMENSION_LIGHTS;
     for ( int j = 0; j < k; ++j )
-        rays->shadow += (uint64_t)rf_sample_lights( &harvest->walk, &scratch->walk, &scratch->first, dimension + 3u * (uint32_t)j,
-                                                    scratch->direct + j, &scratch->walk.scratch );
+        rays->shadow +=
+            (uint64_t)rf_sample_lights( &harvest->path, &scratch->wavefront, &scratch->first, dimension + 3u * (uint32_t)j,
+                                        scratch->direct + j, &scratch->wavefront.scratch );
 }
 
 // Samples scattered directions and traces the rest of the paths.
 static void trace_tails( const RfHarvest* harvest, RfHarvestScratch* scratch, RfRayCounts* rays )
 {
     const RfVertexLanes* v = &scratch->first;
-    RfWavefront* walk = &scratch->walk;
+    RfWavefront* wavefront = &scratch->wavefront;
     float* wi[3] = { scratch->scattered[0], scratch->scattered[1], scratch->scattered[2] };
-    rf_scatter_deferred( &harvest->walk, walk, v, 1, wi );
+    rf_scatter_deferred( &harvest->path, wavefront, v, 1, wi );
     int unevaluable = v->count - rf_record_count( v );
     if ( unevaluable > 0 )
-        memcpy( scratch->unevaluable_pdf, walk->scratch.pdf + rf_record_count( v ), (size_t)unevaluable * sizeof( float ) );
+        memcpy( scratch->unevaluable_pdf, wavefront->scratch.pdf + rf_record_count( v ), (size_t)unevaluable * sizeof( float ) );
     if ( scratch->tiles != NULL )
     {
-        RfTileReuseSettings settings = { &harvest->walk, harvest->shape.tile_pixels, harvest->tile_roulette };
-        rays->tile += rf_trace_tile_tails( &settings, v, wi, walk, scratch->tiles );
+        RfTileReuseSettings settings = { &harvest->path, harvest->shape.tile_pixels, harvest->tile_roulette };
+        rays->tile += rf_trace_tile_tails( &settings, v, wi, wavefront, scratch->tiles );
     }
     else
-        rf_trace_tails( &harvest->walk, walk, 2 );
+        rf_trace_tails( &harvest->path, wavefront, 2 );
 }
 
 static void copy_hits( const RfVertexLanes* v, RfHitBatch* batch )
@@ -210,7 +211,7 @@ int rf_harvest_first_hits( const RfHarvest* harvest, RfTraceJob job, RfHitBatch*
                            RfRayCounts* rays )
 {
     const RfEye* eye = harvest->eyes + job.eye;
-    RfWavefront* walk = &scratch->walk;
+    RfWavefront* wavefront = &scratch->wavefront;
     uint64_t key =
         rf_pass_key( harvest->seed, (uint32_t)( harvest->first_frame + job.eye ), (uint32_t)harvest->group, (uint32_t)job.pass );
     batch->eye = job.eye;
@@ -223,9 +224,9 @@ int rf_harvest_first_hits( const RfHarvest* harvest, RfTraceJob job, RfHitBatch*
         memcpy( scratch->tiles->tile_of, scratch->tile_of, (size_t)count * sizeof *scratch->tile_of );
         scratch->tiles->tile_count = tiles;
     }
-    make_keys( key, count, scratch->pixel, walk );
-    make_camera_rays( eye, count, scratch->pixel, walk, &scratch->camera_rays );
-    rf_find_vertices( &harvest->walk, &scratch->camera_rays, true, &scratch->first, &walk->scratch );
+    make_keys( key, count, scratch->pixel, wavefront );
+    make_camera_rays( eye, count, scratch->pixel, wavefront, &scratch->camera_rays );
+    rf_find_vertices( &harvest->path, &scratch->camera_rays, true, &scratch->first, &wavefront->scratch );
     rays->primary += (uint64_t)count;
     copy_hits( &scratch->first, batch );
     note_pixels( count, scratch, batch );
@@ -234,22 +235,22 @@ int rf_harvest_first_hits( const RfHarvest* harvest, RfTraceJob job, RfHitBatch*
 
 int rf_harvest_batch( const RfHarvest* harvest, RfTraceJob job, RfHitBatch* batch, RfHarvestScratch* scratch, RfRayCounts* rays )
 {
-    RfWavefront* walk = &scratch->walk;
+    RfWavefront* wavefront = &scratch->wavefront;
     int count = rf_harvest_first_hits( harvest, job, batch, scratch, rays );
 
     // the rest of their paths
-    memset( &walk->arrivals, 0, sizeof walk->arrivals );
-    walk->path_rays = walk->shadow_rays = 0;
-    walk->rays.count = 0;
+    memset( &wavefront->arrivals, 0, sizeof wavefront->arrivals );
+    wavefront->path_rays = wavefront->shadow_rays = 0;
+    wavefront->rays.count = 0;
     for ( int slot = 0; slot < count; ++slot )
-        walk->roulette_scale[slot] = 1.0f;
-    if ( harvest->walk.max_depth > 1 )
+        wavefront->roulette_scale[slot] = 1.0f;
+    if ( harvest->path.max_depth > 1 )
     {
         sample_direct( harvest, scratch, rays );
         trace_tails( harvest, scratch, rays );
     }
-    rays->path += walk->path_rays;
-    rays->shadow += walk->shadow_rays;
+    rays->path += wavefront->path_rays;
+    rays->shadow += wavefront->shadow_rays;
 
     // visibility from all eyes of the group, then MIS weights
     rf_test_batch_visibility( harvest, batch, scratch, rays );

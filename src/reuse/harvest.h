@@ -12,7 +12,7 @@
 // What all batches of a group share.
 typedef struct RfHarvest
 {
-    RfPathSettings walk;
+    RfPathSettings path;
     RfBatchShape shape;
     RfPatchLayout patches;
     bool tile_roulette;

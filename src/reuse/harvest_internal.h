@@ -17,7 +17,7 @@ typedef struct RfArrivalLanes
 
 struct RfHarvestScratch
 {
-    RfWavefront walk;
+    RfWavefront wavefront;
     RfRayLanes camera_rays;
     RfVertexLanes first;              // the hits
     RF_ALIGN int32_t pixel[RF_LANES]; // by slot
@@ -27,12 +27,12 @@ struct RfHarvestScratch
     RF_ALIGN float unevaluable_pdf[RF_LANES]; // of the direction drawn at unevaluable hits, from 0
     RF_ALIGN float wo[3][RF_LANES];
     RfArrivalLanes arrival;
-    RF_ALIGN int32_t landing[RF_LANES]; // pixel of each hit on the film of an eye
-    RF_ALIGN float lifted[3][RF_LANES]; // the hits, off their surface
-    RfLightLanes* direct;               // light samples at the hits, K of them
-    float* density;                     // J_l V_l: eye l, hit i at l·RF_LANES + i
-    float* mixture;                     // P: direction d, glossy hit i at d·RF_LANES + i
-    RfTileReuse* tiles;                 // NULL without tile reuse
+    RF_ALIGN int32_t landed_pixel[RF_LANES]; // pixel of each hit on the film of an eye
+    RF_ALIGN float lifted[3][RF_LANES];      // the hits, off their surface
+    RfLightLanes* direct;                    // light samples at the hits, K of them
+    float* density;                          // J_l V_l: eye l, hit i at l·RF_LANES + i
+    float* mixture;                          // P: direction d, glossy hit i at d·RF_LANES + i
+    RfTileReuse* tiles;                      // NULL without tile reuse
 };
 
 // Visibility and densities from every eye: batch->seen, rows and density_sum,

@@ -13,7 +13,7 @@ typedef RfArrivalLanes Arrival;
 // the neighbour paths of the tile.
 static void direction_lanes( const RfHarvest* harvest, RfHarvestScratch* scratch, int direction, const float* wi[3] )
 {
-    int pairing = direction - harvest->walk.light_samples;
+    int pairing = direction - harvest->path.light_samples;
     float( *lanes )[RF_LANES] = pairing < 0    ? scratch->direct[direction].wi
                                 : pairing == 0 ? scratch->scattered
                                                : scratch->tiles->pairings[pairing].wi;
@@ -25,7 +25,7 @@ static void gather_light_sample( const RfHarvest* harvest, const RfHarvestScratc
 {
     const RfLightLanes* direct = scratch->direct + sample;
     size_t bytes = (size_t)scratch->first.count * sizeof( float );
-    float k = (float)harvest->walk.light_samples;
+    float k = (float)harvest->path.light_samples;
     for ( int c = 0; c < 3; ++c )
     {
         memcpy( out->a[c], direct->radiance_cos[c], bytes );
@@ -38,9 +38,9 @@ static void gather_light_sample( const RfHarvest* harvest, const RfHarvestScratc
 static void gather_scattered( const RfHarvest* harvest, const RfHarvestScratch* scratch, Arrival* out )
 {
     const RfVertexLanes* v = &scratch->first;
-    const RfArrivals* arrivals = &scratch->walk.arrivals;
+    const RfArrivals* arrivals = &scratch->wavefront.arrivals;
     const float( *wi )[RF_LANES] = scratch->scattered;
-    float k = (float)harvest->walk.light_samples;
+    float k = (float)harvest->path.light_samples;
     int count = rf_record_count( v );
     for ( int i = 0; i < count; ++i )
     {
@@ -58,7 +58,7 @@ static void gather_scattered( const RfHarvest* harvest, const RfHarvestScratch* 
 // Of the glossy hits.
 static void gather_tile_light( const RfHarvestScratch* scratch, int pairing, Arrival* out )
 {
-    int first = scratch->first.first[RF_BSDF_PHONG], end = rf_record_count( &scratch->first );
+    int first = scratch->first.first[RF_BSDF_FIRST_GLOSSY], end = rf_record_count( &scratch->first );
     size_t bytes = (size_t)( end - first ) * sizeof( float );
     rf_gather_tile_light( scratch->tiles, pairing, &scratch->first, first, end, out->b );
     for ( int c = 0; c < 3; ++c )
@@ -81,7 +81,7 @@ static void light_of( const Arrival* arrival, int i, float mixture, float q[3] )
 static void add_diffuse( const RfHarvestScratch* scratch, const Arrival* arrival, const float* const wi[3], RfHitBatch* batch,
                          RfLaneScratch* s )
 {
-    int count = batch->first[RF_BSDF_PHONG];
+    int count = batch->first[RF_BSDF_FIRST_GLOSSY];
     const RfVertexLanes* v = &scratch->first;
     const float* wo[3] = { v->wo[0], v->wo[1], v->wo[2] };
     float* f[3] = { s->f[0], s->f[1], s->f[2] };
@@ -98,7 +98,7 @@ static void add_diffuse( const RfHarvestScratch* scratch, const Arrival* arrival
 // The light of all neighbour paths at once: for diffuse hits their directions do not matter.
 static void add_diffuse_tile_light( const RfHarvest* harvest, RfHarvestScratch* scratch, RfHitBatch* batch )
 {
-    int count = batch->first[RF_BSDF_PHONG];
+    int count = batch->first[RF_BSDF_FIRST_GLOSSY];
     const RfVertexLanes* v = &scratch->first;
     float( *sum )[RF_LANES] = scratch->arrival.b;
     rf_gather_diffuse_tile_light( scratch->tiles, harvest->shape.tile_pixels, count, sum );
@@ -112,14 +112,14 @@ static void add_diffuse_tile_light( const RfHarvest* harvest, RfHarvestScratch* 
 // P += r_l p_l(wi; x) of the glossy hits for one eye and direction, r_l = J_l V_l / Σ J V.
 static void add_density( const RfHarvest* harvest, const RfHitBatch* batch, RfHarvestScratch* scratch, int eye, int direction )
 {
-    int first = batch->first[RF_BSDF_PHONG], count = batch->count - first;
+    int first = batch->first[RF_BSDF_FIRST_GLOSSY], count = batch->count - first;
     const float *wo[3] = { scratch->wo[0], scratch->wo[1], scratch->wo[2] }, *wi[3];
     direction_lanes( harvest, scratch, direction, wi );
     for ( int c = 0; c < 3; ++c )
         wi[c] += first;
-    float* restrict pdf = scratch->walk.scratch.pdf;
+    float* restrict pdf = scratch->wavefront.scratch.pdf;
     float* restrict mixture = scratch->mixture + (size_t)direction * RF_LANES;
-    rf_evaluate_glossy( batch, wo, wi, NULL, scratch->walk.scratch.pdf );
+    rf_evaluate_glossy( batch, wo, wi, NULL, scratch->wavefront.scratch.pdf );
     if ( harvest->weights != RF_WEIGHTS_EXACT )
     {
         memcpy( mixture, pdf, (size_t)count * sizeof( float ) );
@@ -154,7 +154,7 @@ static void mix_densities( const RfHarvest* harvest, const RfHitBatch* batch, Rf
 static void store_direction( const RfHarvest* harvest, const RfHitBatch* batch, const Arrival* arrival, const float* const wi[3],
                              const float* mixture, RfDirectionLanes* out )
 {
-    int first = batch->first[RF_BSDF_PHONG], count = batch->count - first;
+    int first = batch->first[RF_BSDF_FIRST_GLOSSY], count = batch->count - first;
     for ( int i = 0; i < count; ++i )
     {
         float q[3];
@@ -178,7 +178,7 @@ static void store_direction( const RfHarvest* harvest, const RfHitBatch* batch, 
 static void weight_direction( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch, int direction )
 {
     Arrival* arrival = &scratch->arrival;
-    int pairing = direction - harvest->walk.light_samples;
+    int pairing = direction - harvest->path.light_samples;
     if ( pairing < 0 )
         gather_light_sample( harvest, scratch, direction, arrival );
     else if ( pairing == 0 )
@@ -188,8 +188,8 @@ static void weight_direction( const RfHarvest* harvest, RfHitBatch* batch, RfHar
     const float* wi[3];
     direction_lanes( harvest, scratch, direction, wi );
     if ( pairing <= 0 )
-        add_diffuse( scratch, arrival, wi, batch, &scratch->walk.scratch );
-    if ( batch->first[RF_BSDF_PHONG] < batch->count )
+        add_diffuse( scratch, arrival, wi, batch, &scratch->wavefront.scratch );
+    if ( batch->first[RF_BSDF_FIRST_GLOSSY] < batch->count )
         store_direction( harvest, batch, arrival, wi, scratch->mixture + (size_t)direction * RF_LANES,
                          batch->directions + direction );
 }
@@ -203,17 +203,17 @@ void rf_weight_batch( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScra
             batch->radiance[4 * i + c] = v->emission[c][i];
         batch->radiance[4 * i + 3] = 1.0f;
     }
-    if ( harvest->walk.max_depth == 1 )
+    if ( harvest->path.max_depth == 1 )
     {
         rf_clear_directions( batch, rf_direction_count( &harvest->shape ), harvest->shape.eq15 );
         return;
     }
-    bool glossy = batch->first[RF_BSDF_PHONG] < batch->count;
+    bool glossy = batch->first[RF_BSDF_FIRST_GLOSSY] < batch->count;
     if ( glossy )
         mix_densities( harvest, batch, scratch );
     if ( scratch->tiles != NULL )
         add_diffuse_tile_light( harvest, scratch, batch );
-    int directions = glossy ? rf_direction_count( &harvest->shape ) : harvest->walk.light_samples + 1;
+    int directions = glossy ? rf_direction_count( &harvest->shape ) : harvest->path.light_samples + 1;
     for ( int d = 0; d < directions; ++d )
         weight_direction( harvest, batch, scratch, d );
 }

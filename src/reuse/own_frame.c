@@ -8,7 +8,7 @@ static inline float* light_of( const RfHitBatch* batch, int miss ) { return rf_m
 // The sky where camera rays missed.
 static void light_misses( const RfHarvest* harvest, const RfHarvestScratch* scratch, const RfHitBatch* batch, int count )
 {
-    const RfLights* lights = rf_tracer_lights( harvest->walk.tracer );
+    const RfLights* lights = rf_tracer_lights( harvest->path.tracer );
     bool seen = rf_has_sky( lights ) && !lights->sky.environment->hidden;
     const RfRayLanes* rays = &scratch->camera_rays;
     for ( int k = 0; k < count; ++k )
@@ -31,10 +31,10 @@ static void light_misses( const RfHarvest* harvest, const RfHarvestScratch* scra
 static void add_light_samples( const RfHarvest* harvest, RfHarvestScratch* scratch, const RfHitBatch* batch, int first_miss )
 {
     const RfVertexLanes* v = &scratch->first;
-    RfLaneScratch* s = &scratch->walk.scratch;
+    RfLaneScratch* s = &scratch->wavefront.scratch;
     float* f[3] = { s->f[0], s->f[1], s->f[2] };
-    float k = (float)harvest->walk.light_samples;
-    for ( int j = 0; j < harvest->walk.light_samples; ++j )
+    float k = (float)harvest->path.light_samples;
+    for ( int j = 0; j < harvest->path.light_samples; ++j )
     {
         const RfLightLanes* direct = scratch->direct + j;
         const float* wi[3] = { direct->wi[0], direct->wi[1], direct->wi[2] };
@@ -52,8 +52,8 @@ static void add_light_samples( const RfHarvest* harvest, RfHarvestScratch* scrat
 static void add_scattered( const RfHarvest* harvest, const RfHarvestScratch* scratch, const RfHitBatch* batch, int first_miss )
 {
     const RfVertexLanes* v = &scratch->first;
-    const RfArrivals* arrivals = &scratch->walk.arrivals;
-    float k = (float)harvest->walk.light_samples;
+    const RfArrivals* arrivals = &scratch->wavefront.arrivals;
+    float k = (float)harvest->path.light_samples;
     for ( int i = rf_record_count( v ); i < v->count; ++i )
     {
         int slot = v->slot[i], n = i - rf_record_count( v );
@@ -93,7 +93,7 @@ void rf_light_own_frame( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestS
             light[c] = v->emission[c][rf_record_count( v ) + n];
         light[3] = 1.0f;
     }
-    if ( unevaluable > 0 && harvest->walk.max_depth > 1 )
+    if ( unevaluable > 0 && harvest->path.max_depth > 1 )
     {
         add_light_samples( harvest, scratch, batch, first_miss );
         add_scattered( harvest, scratch, batch, first_miss );

@@ -37,9 +37,9 @@ static void note_seen( const float* restrict density, const int32_t* restrict pi
 #pragma omp simd reduction( min : low ) reduction( max : high )
     for ( int i = 0; i < batch->count; ++i )
     {
-        int lands = density[i] > 0.0f;
-        int32_t from = lands ? pixel[i] : INT32_MAX, to = lands ? pixel[i] : -1;
-        seen[i] |= lands ? bit : 0u;
+        int visible = density[i] > 0.0f;
+        int32_t from = visible ? pixel[i] : INT32_MAX, to = visible ? pixel[i] : -1;
+        seen[i] |= visible ? bit : 0u;
         sum[i] += density[i];
         low = from < low ? from : low;
         high = to > high ? to : high;
@@ -62,7 +62,7 @@ static void see_from_own_eye( const RfHarvest* harvest, const RfHitBatch* batch,
     float least[RF_LANES];
     for ( int i = 0; i < batch->count; ++i )
         least[i] = 1e-12f * density[i];
-    rays->eye += (uint64_t)rf_trace_from_origin( harvest->walk.tracer, rf_pinhole_origin( eye ), batch->count, lifted, density );
+    rays->eye += (uint64_t)rf_trace_from_origin( harvest->path.tracer, rf_pinhole_origin( eye ), batch->count, lifted, density );
     for ( int i = 0; i < batch->count; ++i )
         density[i] = density[i] > least[i] ? density[i] : least[i];
 }
@@ -79,16 +79,16 @@ void rf_test_batch_visibility( const RfHarvest* harvest, RfHitBatch* batch, RfHa
         const RfEye* eye = harvest->eyes + l;
         float* density = scratch->density + (size_t)l * RF_LANES;
         if ( l == batch->eye )
-            see_from_own_eye( harvest, batch, lifted, scratch->landing, density, rays );
+            see_from_own_eye( harvest, batch, lifted, scratch->landed_pixel, density, rays );
         else
         {
-            rf_project_batch( eye, batch, scratch->landing, density );
+            rf_project_batch( eye, batch, scratch->landed_pixel, density );
             rays->eye +=
-                (uint64_t)rf_trace_from_origin( harvest->walk.tracer, rf_pinhole_origin( eye ), batch->count, lifted, density );
+                (uint64_t)rf_trace_from_origin( harvest->path.tracer, rf_pinhole_origin( eye ), batch->count, lifted, density );
         }
         if ( batch->densities != NULL )
             memcpy( batch->densities + (size_t)l * RF_LANES, density, (size_t)batch->count * sizeof *density );
-        note_seen( density, scratch->landing, l, eye->width, batch );
+        note_seen( density, scratch->landed_pixel, l, eye->width, batch );
     }
     // rows of misses count, too
     for ( int i = 0; i < batch->miss_count; ++i )
