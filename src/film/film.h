@@ -1,4 +1,4 @@
-// The film of one frame: two independent halves (estimators.md section 2),
+// The film of one frame: two independent halves (src/reuse/estimators.md, section 2),
 // each with the sums of A (contributions, RGB) and B (weights) per pixel.
 #ifndef REFRAME_FILM_FILM_H
 #define REFRAME_FILM_FILM_H
