@@ -121,10 +121,12 @@ RfResult rf_take_file_options( const RfCommandTable* table, const RfField* objec
     const char* keys[MAX_KEYS + 1] = { NULL };
     const RfOption* options[MAX_KEYS];
     int count = 0;
-    for ( int i = 0; i < table->option_count && count < MAX_KEYS; ++i )
+    for ( int i = 0; i < table->option_count; ++i )
     {
         if ( !table->options[i].in_file )
             continue;
+        if ( count == MAX_KEYS )
+            return rf_field_fail( object, "the table of options has more than %d keys for files", MAX_KEYS );
         keys[count] = key_of( table->options + i, names[count] );
         options[count++] = table->options + i;
     }
