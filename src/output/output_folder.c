@@ -3,6 +3,7 @@
 
 #include <errno.h>
 #include <stdlib.h>
+#include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -37,11 +38,8 @@ static RfResult make_folder( const char* folder, RfError* error )
 // Tells before the work, not after it, that frames cannot be written there.
 static RfResult probe_folder( const char* folder, RfError* error )
 {
-    static const char probe[] = "/.reframe-probe-XXXXXX";
-    char name[MAX_NAME + sizeof probe];
-    size_t length = strlen( folder );
-    memcpy( name, folder, length );
-    memcpy( name + length, probe, sizeof probe );
+    char name[MAX_NAME + 32];
+    snprintf( name, sizeof name, "%s/.reframe-probe-XXXXXX", folder );
     int file = mkstemp( name );
     if ( file < 0 )
         return rf_fail( error, RF_ERROR_IO, "%s: no files can be made in this folder: %s", folder, strerror( errno ) );

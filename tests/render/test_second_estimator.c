@@ -77,21 +77,29 @@ static bool is_in( const Row* row, RfAccumulateJob job )
     return row->eye == job.eye && row->row >= job.first_row && row->row < job.end_row;
 }
 
-static uint64_t plain_accumulate( const RfEstimatorGroup* group, RfAccumulateJob job, void* const* batches, int batch_count,
-                                  void* scratch )
+// Adds the rows of a job, red to film `red_film` and the rest to film 0; returns the samples.
+static uint64_t add_rows( RfAccumulateJob job, void* const* batches, int batch_count, int red_film )
 {
-    (void)group;
-    (void)scratch;
     uint64_t landed = 0;
     for ( int k = 0; k < batch_count; ++k )
     {
         const Row* row = batches[k];
         if ( !is_in( row, job ) )
             continue;
-        add_row( row, job, 0, 0, 3 );
+        add_row( row, job, 0, red_film == 0 ? 0 : 1, 3 );
+        if ( red_film > 0 )
+            add_row( row, job, red_film, 0, 1 );
         landed += (uint64_t)row->count;
     }
     return landed;
+}
+
+static uint64_t plain_accumulate( const RfEstimatorGroup* group, RfAccumulateJob job, void* const* batches, int batch_count,
+                                  void* scratch )
+{
+    (void)group;
+    (void)scratch;
+    return add_rows( job, batches, batch_count, 0 );
 }
 
 static const RfEstimator s_plain = {
@@ -110,17 +118,7 @@ static uint64_t split_accumulate( const RfEstimatorGroup* group, RfAccumulateJob
 {
     (void)group;
     (void)scratch;
-    uint64_t landed = 0;
-    for ( int k = 0; k < batch_count; ++k )
-    {
-        const Row* row = batches[k];
-        if ( !is_in( row, job ) )
-            continue;
-        add_row( row, job, 0, 1, 3 );
-        add_row( row, job, 1, 0, 1 );
-        landed += (uint64_t)row->count;
-    }
-    return landed;
+    return add_rows( job, batches, batch_count, 1 );
 }
 
 static double split_finish( const RfFilm* films, RfFilmCombine combine, float* rgb, float* weight )
