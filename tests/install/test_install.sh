@@ -120,7 +120,8 @@ use_library "$folder/$other" "$other"
 step="looking at what the shared library shows"
 library=$(find "$folder/shared" "$prefix" -name 'libreframe.so' 2>/dev/null | head -1)
 python3 -B "$source/declared.py" "$root/src/reframe" >"$folder/declared"
-nm -D --defined-only "$library" | cut -d' ' -f3 | sort >"$folder/shown"
+# names that begin with a dot are clang's own, for OpenMP's critical sections
+nm -D --defined-only "$library" | cut -d' ' -f3 | grep -v '^\.' | sort >"$folder/shown"
 diff "$folder/declared" "$folder/shown"
 [ "$(wc -l <"$folder/shown")" -gt 40 ]
 echo "test_install: passed, $count options, $(wc -l <"$folder/shown") public functions"

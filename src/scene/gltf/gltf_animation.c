@@ -236,7 +236,7 @@ static RfResult load_channel( RfGltf* gltf, Loader* loader, const json_t* json, 
         free( channel.times );
         free( channel.values );
     }
-    return result;
+    return result; // NOLINT(clang-analyzer-unix.Malloc): append_channel does not fail with RF_OK
 }
 
 static RfResult load_animation( RfGltf* gltf, Loader* loader, int index )
