@@ -74,6 +74,8 @@ typedef enum RfBsdfParam
     RF_PARAM_COUNT
 } RfBsdfParam;
 
+_Static_assert( RF_PARAM_COUNT <= 32, "a mask of parameters has 32 bits" );
+
 // Masks of parameters: bit p is parameter p.
 #define RF_PARAM_BIT( param ) ( 1u << ( param ) )
 #define RF_PARAM_BITS3( param ) ( 7u << ( param ) )

@@ -33,7 +33,7 @@ static const RfOption s_options[] = {
 };
 static const RfCommandTable s_table = {
     .command = "info",
-    .summary = "Tells what is in a scene (.glb, .gltf or scene file, .json) and which effects it calls for.",
+    .summary = "Tells what is in a scene (.glb, .gltf or scene file, .json) and which effects it uses.",
     .files = s_files,
     .file_count = 1,
     .options = s_options,

@@ -18,8 +18,8 @@ typedef struct Command
 
 static const Command s_commands[] = {
     { "render", rf_command_render, "a camera's path to a sequence of EXR files" },
-    { "info", rf_command_info, "what is in a scene, and which effects it calls for" },
-    { "plan", rf_command_plan, "how large a group can be afforded, and which one pays" },
+    { "info", rf_command_info, "what is in a scene, and which effects it uses" },
+    { "plan", rf_command_plan, "which group sizes fit, and which one pays" },
     { "tune", rf_command_tune, "the group and the tile that pay best, by short renders" },
     { "cost", rf_command_cost, "what accuracy costs in time: error against seconds, with and without reuse" },
     { "compare", rf_command_compare, "the error of images against references" },

@@ -73,7 +73,7 @@ static void print_aovs( FILE* file )
         const char* what;
         bool half;
     } rows[RF_AOV_COUNT] = {
-#define ROW( constant, name, letters, half, what ) { what, half },
+#define ROW( constant, name, letters, half, first_hit, what ) { what, half },
         RF_AOV_LIST( ROW )
 #undef ROW
     };

@@ -1,5 +1,4 @@
-#include "estimators/estimators.h"
-
+// The estimators there are. A further one is a folder and a row here.
 #include "reuse/reuse.h"
 
 #include <string.h>
@@ -10,8 +9,6 @@ static const RfEstimator* const s_estimators[] = {
 };
 
 #define ESTIMATOR_COUNT ( (int)( sizeof s_estimators / sizeof s_estimators[0] ) )
-
-const char* rf_estimator_name_at( int index ) { return index >= 0 && index < ESTIMATOR_COUNT ? s_estimators[index]->name : NULL; }
 
 const RfEstimator* rf_find_estimator( const char* name )
 {

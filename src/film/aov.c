@@ -12,11 +12,11 @@ typedef struct Aov
     bool half;
 } Aov;
 
-#define ROW( constant, name, letters, half, what ) { name, letters, half },
+#define ROW( constant, name, letters, half, first_hit, what ) { name, letters, half },
 static const Aov s_aovs[RF_AOV_COUNT] = { RF_AOV_LIST( ROW ) };
 #undef ROW
 
-#define NAME_BYTES( constant, name, letters, half, what ) +sizeof( name ) // with a comma or the end
+#define NAME_BYTES( constant, name, letters, half, first_hit, what ) +sizeof( name ) // with a comma or the end
 _Static_assert( 0 RF_AOV_LIST( NAME_BYTES ) <= RF_AOVS_TEXT_SIZE, "all names fit" );
 #undef NAME_BYTES
 

@@ -16,8 +16,9 @@ typedef struct RfAovFilm
 } RfAovFilm;
 
 // Those that rf_add_to_aovs fills, from first hits.
-#define RF_FIRST_HIT_AOVS                                                                                                        \
-    ( RF_AOV_BIT( RF_AOV_ALBEDO ) | RF_AOV_BIT( RF_AOV_NORMAL ) | RF_AOV_BIT( RF_AOV_DEPTH ) | RF_AOV_BIT( RF_AOV_MOTION ) )
+#define RF_FIRST_HIT_AOV_BIT( constant, name, letters, half, first_hit, what )                                                   \
+    ( ( first_hit ) ? RF_AOV_BIT( RF_AOV_##constant ) : 0u ) |
+#define RF_FIRST_HIT_AOVS ( RF_AOV_LIST( RF_FIRST_HIT_AOV_BIT ) 0u )
 
 // Floats (or counts) per pixel that an AOV needs while it is rendered.
 int rf_aov_film_floats( RfAov aov );

@@ -4,7 +4,7 @@
 
 #include <stdio.h>
 
-#define NAME_FITS( constant, name, letters, half, what )                                                                         \
+#define NAME_FITS( constant, name, letters, half, first_hit, what )                                                              \
     _Static_assert( sizeof( name ) + 2 <= RF_AOV_CHANNEL_NAME_SIZE, "the names of its channels fit" );
 RF_AOV_LIST( NAME_FITS )
 #undef NAME_FITS

@@ -6,7 +6,7 @@
 
 enum
 {
-#define RF_COUNT_LETTERS( constant, name, letters, half, what ) +(int)sizeof( letters ) - 1
+#define RF_COUNT_LETTERS( constant, name, letters, half, first_hit, what ) +(int)sizeof( letters ) - 1
     RF_MAX_AOV_CHANNELS = 0 RF_AOV_LIST( RF_COUNT_LETTERS )
 #undef RF_COUNT_LETTERS
 };

@@ -151,6 +151,8 @@ static void list_attributes( const RfOutput* output, const RfFrameResult* frame,
 RfResult rf_write_frame( const RfOutput* output, const RfFrameResult* frame, RfError* error )
 {
     char name[MAX_NAME];
+    if ( !output->settings.files.written )
+        return rf_fail( error, RF_ERROR_USAGE, "settings.files is not set: start from rf_default_frame_files" );
     RfResult result = rf_sequence_name( output->pattern, frame->frame + 1, name, sizeof name, error );
     if ( result != RF_OK )
         return result;

@@ -15,24 +15,24 @@
 RF_API_BEGIN
 
 // The list of AOVs, from which all others are made: X( constant, name, letters of the channels,
-// whether 16 bits are enough in a file, what it is ).
+// whether 16 bits are enough in a file, whether it is made of the first hits of camera rays, what it is ).
 #define RF_AOV_LIST( X )                                                                                                         \
-    X( ALBEDO, "albedo", "RGB", true, "reflectance for light along the normal; 0 where nothing is hit" )                         \
-    X( NORMAL, "normal", "XYZ", true, "shading normal in world space, on the side that is seen; 0 where nothing is hit" )        \
-    X( DEPTH, "depth", "Z", false,                                                                                               \
+    X( ALBEDO, "albedo", "RGB", true, true, "reflectance for light along the normal; 0 where nothing is hit" )                   \
+    X( NORMAL, "normal", "XYZ", true, true, "shading normal in world space, on the side that is seen; 0 where nothing is hit" )  \
+    X( DEPTH, "depth", "Z", false, true,                                                                                         \
        "metres along the viewing direction (not distance to the eye), mean over the hits; 1e10 where no "                        \
        "sample hits anything" )                                                                                                  \
-    X( MOTION, "motion", "XYZW", false,                                                                                          \
+    X( MOTION, "motion", "XYZW", false, true,                                                                                    \
        "X and Y: film position in the path's previous frame minus that in this frame, pixels, +x right, +y "                     \
        "up; Z and W: the same for the next frame (Blender 3.4 has X and Y like this, Z and W with the "                          \
        "opposite sign); 0 at the ends of the path and for points behind the other camera" )                                      \
-    X( VARIANCE, "variance", "RGB", false, "estimated variance of the colour; 0 where a frame has a single pass" )               \
-    X( SAMPLES, "samples", "Y", false, "samples that landed in the pixel, own-frame and reused, each counted once" )
+    X( VARIANCE, "variance", "RGB", false, false, "estimated variance of the colour; 0 where a frame has a single pass" )        \
+    X( SAMPLES, "samples", "Y", false, false, "samples that landed in the pixel, own-frame and reused, each counted once" )
 
 // RF_AOV_ALBEDO, RF_AOV_NORMAL and so on, in the order of the list.
 typedef enum RfAov
 {
-#define RF_AOV_CONSTANT( constant, name, letters, half, what ) RF_AOV_##constant,
+#define RF_AOV_CONSTANT( constant, name, letters, half, first_hit, what ) RF_AOV_##constant,
     RF_AOV_LIST( RF_AOV_CONSTANT )
 #undef RF_AOV_CONSTANT
         RF_AOV_COUNT

@@ -35,7 +35,7 @@ typedef enum RfRemedy
     RF_REMEDY_MOTION,          // likewise of the motion channels
     RF_REMEDY_DEPTH,           // likewise of the depth channel
     RF_REMEDY_FRAMES,          // a choice of frames that both of two sequences have
-    RF_REMEDY_OVERWRITE,       // leave to replace a file that is there
+    RF_REMEDY_OVERWRITE,       // permission to replace a file that is there
     RF_REMEDY_CONVERT_MEMORY,  // a larger RfConvertOptions.memory
     RF_REMEDY_CONVERT_SECONDS, // a larger RfConvertOptions.seconds
 } RfRemedy;

@@ -25,13 +25,13 @@
 
 RF_API_BEGIN
 
-// What the frames are of; everything that it points to stays the caller's.
+// What is rendered and where it goes; everything that it points to stays the caller's.
 typedef struct RfOutput
 {
     const char* pattern; // file names: "out/frame.####.exr", or one file
     const RfTracer* tracer;
     const RfCameraPath* path;
-    RfRenderSettings settings; // resolved; `files` has the format of the files
+    RfRenderSettings settings; // resolved, the same as for rf_render; `files` has the format of the files
 } RfOutput;
 
 // No names, the settings of rf_default_render_settings.
@@ -43,7 +43,7 @@ RfOutput rf_default_output( void );
 RfResult rf_prepare_output_folder( const char* pattern, RfError* error );
 
 // Writes a finished frame, for RfRenderCallbacks.frame: it may be called from the thread of the queue.
-// Fails as rf_write_exr does.
+// Fails as rf_write_exr does, and with RF_ERROR_USAGE where settings.files was not set.
 RfResult rf_write_frame( const RfOutput* output, const RfFrameResult* frame, RfError* error );
 
 #define RF_FINGERPRINT_SIZE 17

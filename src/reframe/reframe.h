@@ -23,13 +23,13 @@
 //          rf_create_camera_path( scene, NULL, fps, 960, 540, &path, &error ) != RF_OK ||
 //          rf_create_tracer( scene, &tracer, &error ) != RF_OK ||
 //          rf_resolve_settings( tracer, path.eyes, path.count, &settings, &output.settings, &error ) != RF_OK )
-//         return fail( &error );
+//         return print( error.text );
 //     output.pattern = "out/frame.####.exr";
 //     output.tracer = tracer;
 //     output.path = &path;
 //     if ( rf_prepare_output_folder( output.pattern, &error ) != RF_OK ||
 //          rf_render( tracer, path.eyes, path.count, frames, 3, &output.settings, &callbacks, NULL, &error ) != RF_OK )
-//         return fail( &error );
+//         return print( error.text );
 //     rf_destroy_tracer( tracer );
 //     rf_destroy_camera_path( &path );
 //     rf_close_scene( scene );
@@ -38,7 +38,7 @@
 //   - A call that can fail returns RfResult and says what is wrong in an RfError, which may be NULL.
 //   - Structs that hold settings come from rf_default_...(): set what differs.
 //   - What rf_create_... and rf_open_... make is freed by rf_destroy_... and rf_close_..., which take
-//     NULL and emptied structs. Other pointers that the caller must free() are said to be.
+//     NULL and emptied structs. Other pointers that the caller must free() are documented as such.
 //   - Frames are counted from 0 in the API and from 1 in file names and messages.
 //   - Nothing is printed and nothing exits. Different scenes may be used from different threads;
 //     one scene may be rendered by one thread at a time (which uses all cores by itself).

@@ -75,8 +75,8 @@ bool rf_parse_tile( const char* text, RfTile* tile );
 // The name that parses to it.
 void rf_tile_name( const RfTile* tile, char text[RF_TILE_NAME_SIZE] );
 
-// The files that callbacks->frame writes: their format, and what it takes to write one, which is
-// part of the memory budget.
+// The files that callbacks->frame writes: their format. The memory for writing one is part of the
+// budget.
 typedef struct RfFrameFiles
 {
     bool written; // else the rest does not matter
@@ -120,7 +120,7 @@ typedef struct RfRenderSettings
     bool hold_all;      // all hit records of a group at once, as in the paper: for comparison, the pictures are
                         // the same; else as few as serve the threads
     unsigned aovs;      // RF_AOV_BIT of the AOVs that are wanted besides the colour, which they do not change
-    RfFrameFiles files; // part of the budget
+    RfFrameFiles files; // rf_default_frame_files where callbacks->frame writes files
 } RfRenderSettings;
 
 #define RF_GROUP_AUTO ( -1 )

@@ -38,7 +38,7 @@ typedef struct RfSceneInfo
     double emitting_area; // m²
     int punctual_lights;  // point, spot and directional
     bool has_sky;         // an environment that shines
-    int cameras;          // at least 1: a scene without any gets one that sees it all
+    int cameras;          // may be 0: rf_create_camera_path then needs a path file
     RfVec3 bounds_min;    // of the triangles, metres; both 0 where there are none
     RfVec3 bounds_max;
 } RfSceneInfo;

@@ -90,7 +90,7 @@ typedef struct RfReuseCount
 
 struct RfEstimator
 {
-    const char* name; // as users type it
+    const char* name; // for rf_find_estimator
     int films;        // per frame, 1 to RF_MAX_FILMS. Film 0 is the picture, unless `finish` makes it of all
 
     // May be NULL. Refuses settings that this estimator cannot follow, with RF_ERROR_USAGE.

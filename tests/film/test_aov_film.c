@@ -393,6 +393,35 @@ static void test_same_bits_however_the_frames_come_about( void** state )
     rf_destroy_scene( &scene );
 }
 
+// Each AOV alone is what it is among all of them, and none is empty: so a new row of RF_AOV_LIST that
+// nothing fills is found.
+static void test_each_alone_is_as_among_all( void** state )
+{
+    (void)state;
+    RfScene scene = make_glass_room();
+    RfTracer* tracer = make_tracer( &scene );
+    RfEye eyes[3];
+    orbit_eyes( eyes, 3, 4.0f, 24, 18 );
+    RfRenderSettings settings = layered( 1, 6 );
+    settings.aovs = RF_ALL_AOVS;
+    Frames* all = render_layers( tracer, eyes, 3, 1, 1, &settings );
+    for ( int a = 0; a < RF_AOV_COUNT; ++a )
+    {
+        settings.aovs = RF_AOV_BIT( a );
+        Frames* alone = render_layers( tracer, eyes, 3, 1, 1, &settings );
+        size_t count = (size_t)alone->pixels * (size_t)rf_aov_channels( (RfAov)a );
+        assert_memory_equal( alone->layers[0][a], all->layers[0][a], count * sizeof( float ) );
+        double sum = 0.0;
+        for ( size_t i = 0; i < count; ++i )
+            sum += fabs( (double)alone->layers[0][a][i] );
+        assert_true( sum > 0.0 );
+        free_frames( alone );
+    }
+    free_frames( all );
+    rf_destroy_tracer( tracer );
+    rf_destroy_scene( &scene );
+}
+
 static void test_budget_counts_aov_films( void** state )
 {
     (void)state;
@@ -436,7 +465,7 @@ int main( void )
         cmocka_unit_test( test_moving_wall_by_hand ),      cmocka_unit_test( test_edges_and_empty_pixels ),
         cmocka_unit_test( test_albedo_of_materials ),      cmocka_unit_test( test_samples_are_counted ),
         cmocka_unit_test( test_variance_is_the_true_one ), cmocka_unit_test( test_same_bits_however_the_frames_come_about ),
-        cmocka_unit_test( test_budget_counts_aov_films ),
+        cmocka_unit_test( test_budget_counts_aov_films ),  cmocka_unit_test( test_each_alone_is_as_among_all ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -95,7 +95,7 @@ static void print_motion_words( const RfFlickerReport* report, const RfFlickerSu
 {
     RfFlickerMetrics m = rf_flicker_metrics( sums );
     if ( isfinite( m.motion ) )
-        printf( "what is seen moves by %.2f pixels a frame in the mean\n", m.motion );
+        printf( "what is seen moves by %.2f pixels a frame on average\n", m.motion );
     if ( !report->masked )
         printf( "%s without depth: what comes into view counts as flicker\n",
                 report->compensated ? "motion-compensated" : "along the motion" );

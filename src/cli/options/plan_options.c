@@ -24,7 +24,7 @@ static const RfOption s_options[] = {
       .min = 0,
       .max = RF_MAX_NOISE,
       .meta = "E",
-      .default_text = "0: does not matter",
+      .default_text = "0: off",
       .help = "a render that stops at this relMSE: what its films take; rays and seconds are of the most samples" },
     { .name = "time",
       .type = RF_OPTION_REAL,
@@ -32,14 +32,14 @@ static const RfOption s_options[] = {
       .min = 0,
       .max = RF_MAX_TIME,
       .meta = "T",
-      .default_text = "0: does not matter",
+      .default_text = "0: off",
       .help = "the same for one that stops after so many seconds a frame" },
     RF_TILE_OPTION( s_parsed ),
     { .name = "adaptive",
       .type = RF_OPTION_BOOL,
       .value = &s_parsed.settings.adaptive,
       .default_text = "no",
-      .help = "what extra samples for some pixels take of memory; their rays are not foretold" },
+      .help = "what extra samples for some pixels take of memory; their rays are not predicted" },
     { .name = "weights",
       .type = RF_OPTION_CHOICE,
       .value = &s_parsed.weights,
@@ -60,7 +60,7 @@ static const RfOption s_options[] = {
 
 static const RfCommandTable s_table = {
     .command = "plan",
-    .summary = "Tells how large a group can be afforded and which one pays: a row for each half-width N with memory, chunks, "
+    .summary = "Shows which group sizes fit and which one pays: a row for each half-width N with memory, chunks, "
                "rays and the gain that is to be expected; * marks what render --group auto takes. SCENE is that of render, and "
                "so are the options, as far as memory and the choice depend on them.",
     .files = s_files,

@@ -53,7 +53,7 @@ void rf_print_tune( const RfTuneReport* r )
             "efficiency", "gain", "rounds" );
     for ( int i = 0; i < tune->count; ++i )
         print_row( tune->rows + i );
-    printf( "seconds: of all %d frames, as of a clock on the wall; efficiency: 1 / (relMSE x CPU seconds of a frame); gain: over "
+    printf( "seconds: of all %d frames, wall-clock; efficiency: 1 / (relMSE x CPU seconds of a frame); gain: over "
             "group 0, tile 1\n",
             r->frames );
     print_rounds( r );
