@@ -20,6 +20,8 @@ RfResult rf_create_image( int width, int height, RfImage* image, RfError* error 
 
 void rf_destroy_image( RfImage* image )
 {
+    if ( image == NULL )
+        return;
     free( image->rgb );
     *image = ( RfImage ){ 0 };
 }

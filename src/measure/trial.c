@@ -117,9 +117,8 @@ RfResult rf_create_test_region( const RfTracer* tracer, const RfEye* eyes, int e
     region->eyes = malloc( (size_t)region->frames * sizeof *region->eyes );
     region->weight = malloc( (size_t)region->frames * pixels * sizeof *region->weight );
     if ( region->eyes == NULL || region->weight == NULL )
-        return rf_advise( rf_fail( error, RF_ERROR_MEMORY, "no memory left to try settings on %d frames of %dx%d", region->frames,
-                                   width, height ),
-                          RF_REMEDY_MEMORY, 0, error );
+        return rf_fail( error, RF_ERROR_MEMORY, "the system has no memory left to try settings on %d frames of %dx%d",
+                        region->frames, width, height );
     for ( int i = 0; i < region->frames; ++i )
         region->eyes[i] = rf_resize_eye( eyes + region->first + i, width, height );
     return render_pilot( tracer, settings, watch, region, error );
@@ -182,8 +181,7 @@ RfResult rf_run_trial( const RfTracer* tracer, const RfTestRegion* region, int g
     RfTrialPair pair = { .eyes = eyes, .whole = region->whole && eyes == region->frames, .pixels = eye_pixels( region->eyes ) };
     pair.rgb = malloc( rf_trial_bytes( eyes, pair.pixels ) );
     if ( pair.rgb == NULL )
-        return rf_advise( rf_fail( error, RF_ERROR_MEMORY, "no memory left to try groups of %d frames", eyes ), RF_REMEDY_MEMORY,
-                          0, error );
+        return rf_fail( error, RF_ERROR_MEMORY, "the system has no memory left to try groups of %d frames", eyes );
     RfResult result = RF_OK;
     for ( int w = 0; w < count && result == RF_OK; ++w )
         result = try_group( tracer, region, first + w * eyes, &s, watch, &pair, trial, error );

@@ -118,7 +118,7 @@ void rf_begin_tune_work( const RfTuneJob* job, const RfTune* tune, const RfRende
 
 static RfResult fail_memory( RfError* error )
 {
-    return rf_advise( rf_fail( error, RF_ERROR_MEMORY, "no memory left to try settings" ), RF_REMEDY_MEMORY, 0, error );
+    return rf_fail( error, RF_ERROR_MEMORY, "the system has no memory left to try settings" );
 }
 
 RfResult rf_make_tune_regions( RfTuneWork* w, RfError* error )

@@ -51,6 +51,9 @@ static RfResult probe_folder( const char* folder, RfError* error )
 RfResult rf_prepare_output_folder( const char* pattern, RfError* error )
 {
     char name[MAX_NAME], folder[MAX_NAME];
+    size_t length = pattern != NULL ? strlen( pattern ) : 0;
+    if ( length == 0 || pattern[length - 1] == '/' )
+        return rf_fail( error, RF_ERROR_USAGE, "'%s' names no file", pattern != NULL ? pattern : "" );
     RfResult result = rf_sequence_name( pattern, 1, name, sizeof name, error );
     if ( result == RF_OK )
         result = folder_of( pattern, folder, sizeof folder, error );

@@ -62,7 +62,7 @@ typedef enum RfTileKind
 typedef struct RfTile
 {
     RfTileKind kind;
-    int width, height; // of a block, pixels; both N with rooks
+    int width, height; // of a block, pixels; both N with rooks; not used without tiles
 } RfTile;
 
 #define RF_MAX_TILE_PIXELS 64
@@ -131,6 +131,7 @@ typedef struct RfRenderSettings
 #define RF_MAX_DEPTH ( 1 << 20 )
 #define RF_MAX_LIGHT_SAMPLES 64
 #define RF_MAX_QUEUE 64
+#define RF_MAX_THREADS 4096
 #define RF_MAX_IMAGE_SIDE ( 1 << 15 ) // pixels
 
 // 28 samples, the group that the plan chooses, tiles of 3×3, exact weights, depth 12, seed 1, all cores,

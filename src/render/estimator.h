@@ -116,11 +116,12 @@ struct RfEstimator
     uint64_t ( *accumulate )( const RfEstimatorGroup* group, RfAccumulateJob job, void* const* batches, int batch_count,
                               void* scratch );
 
-    // May be NULL: film 0 is the picture. Makes rgb (3 per pixel) and the mean of B (weight, 1 per
+    // May be NULL: film 0 is the picture, which RF_AOV_VARIANCE needs. Makes rgb (3 per pixel) and the mean of B (weight, 1 per
     // pixel; may be NULL) of a frame's films and returns the estimate of its relMSE (NaN: unknown).
     double ( *finish )( const RfFilm* films, RfFilmCombine combine, float* rgb, float* weight );
 
-    // Adaptive sampling; both NULL where the estimator has none. `add_own_shares` adds, per pixel,
+    // Adaptive sampling; both NULL where the estimator has none. It needs an estimator of one film without
+    // pass_state and whole_pass. `add_own_shares` adds, per pixel,
     // the share of each sample's weight that its own frame keeps (1 where no other frame sees it)
     // for a batch just traced. `count_samples` adds `weight` per own-frame sample, returns their number.
     void ( *add_own_shares )( const void* batch, const void* scratch, float* sum );

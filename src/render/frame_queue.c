@@ -11,6 +11,8 @@ static void hand_over( RfFrameQueue* q, const RfFrameBuffer* buffer )
     RfResult result = q->callbacks->frame( q->callbacks->user, &buffer->result, &error );
     if ( result == RF_OK )
         return;
+    if ( error.code == RF_OK )
+        rf_fail( &error, result, "frame %d was not taken by its callback, which does not say why", buffer->result.frame + 1 );
     if ( q->threaded )
         pthread_mutex_lock( &q->mutex );
     q->result = result;

@@ -35,7 +35,7 @@ static void free_buffer( const RfRenderSizes* s, RfRenderMemory* m, RfFrameBuffe
 // The first buffer: at least one is needed.
 static RfResult alloc_first_buffer( const RfRenderSizes* s, RfRenderMemory* m, RfError* error )
 {
-    size_t bytes = (size_t)s->buffers * sizeof *m->buffers;
+    size_t bytes = (size_t)s->ring * sizeof *m->buffers;
     RfResult result = rf_arena_alloc( &m->arena, "image", bytes, (void**)&m->buffers, error );
     return result == RF_OK ? alloc_buffer( s, m, error ) : result;
 }
@@ -219,7 +219,7 @@ void rf_free_render_memory( const RfRenderSizes* s, RfRenderMemory* m )
     rf_arena_free( &m->arena, "film table", m->films, (size_t)s->films * sizeof *m->films );
     for ( int i = 0; i < m->buffer_count; ++i )
         free_buffer( s, m, m->buffers + i );
-    rf_arena_free( &m->arena, "image", m->buffers, (size_t)s->buffers * sizeof *m->buffers );
+    rf_arena_free( &m->arena, "image", m->buffers, (size_t)s->ring * sizeof *m->buffers );
     free_blocks( m, "scratch", s->threads, s->of_estimator.trace_scratch, m->trace_scratch );
     free_blocks( m, "scratch", s->threads, s->of_estimator.accumulate_scratch, m->accumulate_scratch );
     free_blocks( m, "hit records", m->batch_slots, s->of_estimator.batch, m->batches );

@@ -105,6 +105,8 @@ RfResult rf_fit_sizes( size_t budget, int frames, RfRenderSizes* sizes, RfMemory
 RfResult rf_fit_memory( const RfScene* scene, const RfEye* eyes, int eye_count, int frame_count, const RfRenderSettings* settings,
                         RfMemoryFit* fit, RfError* error )
 {
+    if ( frame_count < 1 )
+        return rf_fail( error, RF_ERROR_USAGE, "a render needs at least one frame" );
     RfGroupPlan plan = rf_plan_groups( eye_count, settings->group, settings->spp );
     RfRenderSizes sizes = rf_render_sizes( scene, eyes, &plan, frame_count, settings );
     RfResult result = rf_fit_sizes( settings->memory, frame_count, &sizes, fit, error );

@@ -28,6 +28,8 @@ static int run_batch( Meter* m, RfTraceJob job, int eyes )
         RfAccumulateJob rows = {
             .eye = l, .end_row = p->group.height, .films = m->films, .weight = 1.0f, .pass_state = m->pass_state
         };
+        if ( m->pass_state != NULL )
+            memset( m->pass_state, 0, p->sizes.of_estimator.pass_state );
         estimator->accumulate( &p->group, rows, &p->batch, 1, m->accumulate_scratch );
     }
     return samples;
@@ -136,7 +138,7 @@ RfResult rf_measure_plan( const RfTracer* tracer, const RfEye* eyes, int eye_cou
     result = rf_begin_probe( tracer, eyes, eye_count, &common, group_eyes, &probe, error );
     if ( result == RF_OK )
         result = alloc_meter( &m, error );
-    if ( result == RF_OK )
+    if ( result == RF_OK && !probe.sizes.of_estimator.whole_pass ) // which single batches are not
     {
         measure( &m, group_eyes, seconds, plan );
         weigh( eye_count, &common, plan );

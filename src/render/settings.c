@@ -3,6 +3,18 @@
 #include "base/system.h"
 #include "render/estimator.h"
 
+static RfResult check_choices( const RfRenderSettings* s, RfError* error )
+{
+    if ( (unsigned)s->weights > RF_WEIGHTS_UNWEIGHTED || (unsigned)s->normalize > RF_NORMALIZE_NONE )
+        return rf_fail( error, RF_ERROR_USAGE, "there is no weighting %d, or no normalisation %d", (int)s->weights,
+                        (int)s->normalize );
+    if ( (unsigned)s->light_sampling > RF_LIGHTS_BY_POWER )
+        return rf_fail( error, RF_ERROR_USAGE, "there is no light sampling %d", (int)s->light_sampling );
+    if ( (unsigned)s->files.compression > RF_EXR_PIZ )
+        return rf_fail( error, RF_ERROR_USAGE, "there is no compression %d", (int)s->files.compression );
+    return RF_OK;
+}
+
 static RfResult check_settings( const RfRenderSettings* s, RfError* error )
 {
     if ( s->spp < 1 || s->spp > RF_MAX_SPP )
@@ -25,7 +37,9 @@ static RfResult check_settings( const RfRenderSettings* s, RfError* error )
         return rf_fail( error, RF_ERROR_USAGE, "there are no such AOVs: %#x", s->aovs );
     if ( s->queue < 0 || s->queue > RF_MAX_QUEUE )
         return rf_fail( error, RF_ERROR_USAGE, "the queue must be 0 to %d frames, got %d", RF_MAX_QUEUE, s->queue );
-    return RF_OK;
+    if ( s->threads > RF_MAX_THREADS )
+        return rf_fail( error, RF_ERROR_USAGE, "threads must be at most %d, got %d", RF_MAX_THREADS, s->threads );
+    return check_choices( s, error );
 }
 
 static RfResult check_estimator( const RfRenderSettings* s, RfError* error )
@@ -33,10 +47,15 @@ static RfResult check_estimator( const RfRenderSettings* s, RfError* error )
     const RfEstimator* estimator = s->estimator;
     if ( estimator == NULL )
         return rf_fail( error, RF_ERROR_USAGE, "settings without an estimator: start from rf_default_render_settings" );
-    if ( s->adaptive && ( estimator->add_own_shares == NULL || estimator->count_samples == NULL ) )
+    if ( estimator->films < 1 || estimator->films > RF_MAX_FILMS )
+        return rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' asks for %d films, 1 to %d can be had", estimator->name,
+                        estimator->films, RF_MAX_FILMS );
+    if ( s->adaptive && ( estimator->add_own_shares == NULL || estimator->count_samples == NULL || estimator->films > 1 ) )
         return rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' has no adaptive sampling", estimator->name );
     if ( ( s->aovs & RF_FIRST_HIT_AOVS ) != 0 && estimator->first_hits == NULL )
         return rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' has no AOVs of first hits", estimator->name );
+    if ( ( s->aovs & RF_AOV_BIT( RF_AOV_VARIANCE ) ) != 0 && estimator->finish != NULL )
+        return rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' has no variance AOV", estimator->name );
     if ( s->hold_all &&
          ( estimator->trace_first_hits == NULL || estimator->serialise == NULL || estimator->deserialise == NULL ) )
         return rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' cannot hold all records of a group", estimator->name );
@@ -69,6 +88,8 @@ RfResult rf_resolve_common( const RfEye* eyes, int eye_count, const RfRenderSett
     if ( result != RF_OK )
         return result;
     *resolved = *settings;
+    if ( resolved->tile.kind == RF_TILE_NONE ) // its size does not matter
+        resolved->tile.width = resolved->tile.height = 1;
     if ( resolved->threads < 1 )
         resolved->threads = rf_core_count();
     if ( resolved->memory == 0 )

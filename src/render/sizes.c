@@ -53,7 +53,9 @@ RfRenderSizes rf_render_sizes( const RfScene* scene, const RfEye* eyes, const Rf
         .buffers = settings->queue > films ? films
                    : settings->queue > 1   ? settings->queue
                                            : 1,
-        .layers = settings->aovs,
+        // of any number of frames: the least budget must not depend on it
+        .ring = settings->queue > 1 ? settings->queue : 1,
+        .aovs = settings->aovs,
         .total_every = rf_film_needs_total( most, total_every ) ? total_every : 0,
         .stopping = rf_is_stopping( settings ),
         .adaptive = settings->adaptive,
@@ -71,13 +73,13 @@ size_t rf_extra_bytes( const RfRenderSizes* s ) { return s->adaptive ? rf_film_e
 
 size_t rf_aov_film_bytes( const RfRenderSizes* s, int aov )
 {
-    bool asked = ( s->layers & RF_AOV_BIT( aov ) ) != 0;
+    bool asked = ( s->aovs & RF_AOV_BIT( aov ) ) != 0;
     return asked ? film_pixels( s ) * (size_t)rf_aov_film_floats( (RfAov)aov ) * sizeof( float ) : 0;
 }
 
 size_t rf_aov_image_bytes( const RfRenderSizes* s, int aov )
 {
-    bool asked = ( s->layers & RF_AOV_BIT( aov ) ) != 0;
+    bool asked = ( s->aovs & RF_AOV_BIT( aov ) ) != 0;
     return asked ? film_pixels( s ) * (size_t)rf_aov_channels( (RfAov)aov ) * sizeof( float ) : 0;
 }
 
@@ -114,7 +116,7 @@ size_t rf_writer_bytes( const RfRenderSizes* s )
     int pixel_bytes = s->files.half ? 3 * 2 : 3 * 4;
     for ( int a = 0; a < RF_AOV_COUNT; ++a )
     {
-        if ( ( s->layers & RF_AOV_BIT( a ) ) != 0 )
+        if ( ( s->aovs & RF_AOV_BIT( a ) ) != 0 )
             pixel_bytes += rf_aov_channels( (RfAov)a ) * ( s->files.half && rf_aov_is_half( (RfAov)a ) ? 2 : 4 );
     }
     return s->files.written ? rf_exr_work_bytes( s->width, s->height, s->files.compression, pixel_bytes ) : 0;
@@ -133,6 +135,6 @@ int rf_batches_wanted( const RfRenderSizes* s )
 
 size_t rf_fixed_bytes( const RfRenderSizes* s )
 {
-    size_t ring = rf_arena_size( (size_t)s->buffers * sizeof( RfFrameBuffer ) );
+    size_t ring = rf_arena_size( (size_t)s->ring * sizeof( RfFrameBuffer ) );
     return rf_films_bytes( s ) + ring + rf_image_bytes( s ) + rf_scratch_bytes( s ) + optional( rf_writer_bytes( s ) ) + s->held;
 }

@@ -15,7 +15,8 @@ typedef struct RfRenderSizes
     int threads;
     int films;       // frames whose films are held at once
     int buffers;     // finished frames held at once, if there is room
-    unsigned layers; // RF_AOV_BIT of the AOVs asked for
+    int ring;        // and the size of the table of them
+    unsigned aovs;   // RF_AOV_BIT of the AOVs asked for
     int total_every; // passes of a half of a film before it is emptied; 0: never
     bool stopping;   // by noise or time
     bool adaptive;

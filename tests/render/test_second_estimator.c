@@ -244,6 +244,64 @@ static void test_what_it_lacks_is_said( void** state )
     rf_destroy_scene( &scene );
 }
 
+// Settings that come from a program are checked as those of the command line are.
+static void test_settings_out_of_range_are_refused( void** state )
+{
+    (void)state;
+    RfScene scene = make_glass_room();
+    RfTracer* tracer = make_tracer( &scene );
+    RfEye eyes[EYES];
+    orbit_eyes( eyes, EYES, 4.0f, WIDTH, HEIGHT );
+    RfError error;
+    RfRenderSettings resolved, bad[6];
+    for ( int i = 0; i < 6; ++i )
+        bad[i] = settings_of( NULL );
+    bad[0].weights = (RfWeights)99;
+    bad[1].normalize = (RfNormalize)99;
+    bad[2].light_sampling = (RfLightSampling)99;
+    bad[3].files.compression = (RfExrCompression)99;
+    bad[4].threads = RF_MAX_THREADS + 1;
+    bad[5].aovs = ~0u;
+    for ( int i = 0; i < 6; ++i )
+        assert_int_equal( rf_resolve_settings( tracer, eyes, EYES, bad + i, &resolved, &error ), RF_ERROR_USAGE );
+    // no tiles are no tiles, whatever size was left in the settings
+    RfRenderSettings no_tiles = settings_of( NULL );
+    no_tiles.tile = ( RfTile ){ RF_TILE_NONE, 8, 8 };
+    Rendered plain = render_all_of( tracer, eyes, NULL ), left = render_all( tracer, eyes, EYES, &no_tiles );
+    assert_same( &plain, &left );
+    free_rendered( &left );
+    free_rendered( &plain );
+    rf_destroy_camera_path( NULL );
+    rf_destroy_image( NULL );
+    rf_destroy_tracer( tracer );
+    rf_destroy_scene( &scene );
+}
+
+static RfResult fail_silently( void* user, const RfFrameResult* frame, RfError* error )
+{
+    (void)user;
+    (void)frame;
+    (void)error;
+    return RF_ERROR_IO;
+}
+
+static void test_a_silent_callback_is_named( void** state )
+{
+    (void)state;
+    RfScene scene = make_glass_room();
+    RfTracer* tracer = make_tracer( &scene );
+    RfEye eyes[EYES];
+    orbit_eyes( eyes, EYES, 4.0f, WIDTH, HEIGHT );
+    RfError error;
+    RfRenderSettings settings = settings_of( NULL );
+    RfRenderCallbacks callbacks = { NULL, fail_silently, NULL };
+    assert_int_equal( rf_render( tracer, eyes, EYES, ( int[] ){ 1 }, 1, &settings, &callbacks, NULL, &error ), RF_ERROR_IO );
+    assert_int_equal( error.code, RF_ERROR_IO );
+    assert_non_null( strstr( error.text, "frame 2 was not taken" ) );
+    rf_destroy_tracer( tracer );
+    rf_destroy_scene( &scene );
+}
+
 static void test_estimators_have_names( void** state )
 {
     (void)state;
@@ -259,6 +317,8 @@ int main( void )
         cmocka_unit_test( test_driver_does_the_rest ),
         cmocka_unit_test( test_what_it_lacks_is_said ),
         cmocka_unit_test( test_estimators_have_names ),
+        cmocka_unit_test( test_settings_out_of_range_are_refused ),
+        cmocka_unit_test( test_a_silent_callback_is_named ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -77,6 +77,8 @@ RfResult rf_create_camera_path( const RfScene* scene, const char* name, RfFps fp
 
 void rf_destroy_camera_path( RfCameraPath* path )
 {
+    if ( path == NULL )
+        return;
     free( path->name );
     free( path->eyes );
     *path = rf_empty_camera_path();
