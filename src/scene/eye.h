@@ -19,8 +19,8 @@ static inline void rf_unit3( double v[3] )
         v[i] = length > 0.0 ? v[i] / length : v[i];
 }
 
-// rf_make_eye for camera.c, inline: there gcc 12 drops some of the roundings of forward and up from double
-// to float, and the last bits of its eyes, so of all pictures, rest on that.
+// rf_make_eye for camera.c, inline: as a plain call gcc 12 gives eyes that differ in the last bits, and
+// all pictures rest on these.
 static inline RfEye rf_make_eye_inline( RfVec3 origin, RfVec3 forward, RfVec3 up, double yfov, int width, int height )
 {
     RfEye eye;

@@ -159,14 +159,31 @@ static void assert_same( const Rendered* a, const Rendered* b )
     assert_memory_equal( a->weight, b->weight, a->pixels * EYES * sizeof( float ) );
 }
 
+static RfScene s_scene;
+static RfTracer* s_tracer;
+static RfEye s_eyes[EYES];
+
+static int set_up( void** state )
+{
+    (void)state;
+    s_scene = make_glass_room();
+    s_tracer = make_tracer( &s_scene );
+    orbit_eyes( s_eyes, EYES, 4.0f, WIDTH, HEIGHT );
+    return 0;
+}
+
+static int tear_down( void** state )
+{
+    (void)state;
+    rf_destroy_tracer( s_tracer );
+    rf_destroy_scene( &s_scene );
+    return 0;
+}
+
 static void test_equals_reuse_without_reuse( void** state )
 {
     (void)state;
-    RfScene scene = make_glass_room();
-    RfTracer* tracer = make_tracer( &scene );
-    RfEye eyes[EYES];
-    orbit_eyes( eyes, EYES, 4.0f, WIDTH, HEIGHT );
-    Rendered reuse = render_all_of( tracer, eyes, NULL ), plain = render_all_of( tracer, eyes, &s_plain );
+    Rendered reuse = render_all_of( s_tracer, s_eyes, NULL ), plain = render_all_of( s_tracer, s_eyes, &s_plain );
     assert_same( &reuse, &plain );
     assert_true( plain.relmse_estimate[2] == reuse.relmse_estimate[2] && plain.relmse_estimate[2] > 0.0 );
     assert_true( plain.effective_spp[2] == 5.0 && plain.stats.rays.primary == reuse.stats.rays.primary );
@@ -175,38 +192,30 @@ static void test_equals_reuse_without_reuse( void** state )
     split.films = 2;
     split.accumulate = split_accumulate;
     split.finish = split_finish;
-    Rendered two = render_all_of( tracer, eyes, &split );
+    Rendered two = render_all_of( s_tracer, s_eyes, &split );
     assert_same( &reuse, &two );
     assert_true( isnan( two.relmse_estimate[2] ) );
     free_rendered( &two );
     free_rendered( &plain );
     free_rendered( &reuse );
-    rf_destroy_tracer( tracer );
-    rf_destroy_scene( &scene );
 }
 
 // Threads, memory and the frames asked for are the driver's: no estimator need think of them.
 static void test_driver_does_the_rest( void** state )
 {
     (void)state;
-    RfScene scene = make_glass_room();
-    RfTracer* tracer = make_tracer( &scene );
-    RfEye eyes[EYES];
-    orbit_eyes( eyes, EYES, 4.0f, WIDTH, HEIGHT );
     RfRenderSettings settings = settings_of( &s_plain );
     settings.group = 1;
-    Rendered all = render_all( tracer, eyes, EYES, &settings );
+    Rendered all = render_all( s_tracer, s_eyes, EYES, &settings );
     settings.threads = 3;
     settings.memory = all.stats.fit.least;
-    Rendered tight = render_frames( tracer, eyes, EYES, ( int[] ){ 1, 3 }, 2, &settings );
+    Rendered tight = render_frames( s_tracer, s_eyes, EYES, ( int[] ){ 1, 3 }, 2, &settings );
     assert_memory_equal( frame_rgb( &all, 1 ), frame_rgb( &tight, 0 ), 3 * all.pixels * sizeof( float ) );
     assert_memory_equal( frame_rgb( &all, 3 ), frame_rgb( &tight, 1 ), 3 * all.pixels * sizeof( float ) );
     assert_true( tight.stats.peak_bytes <= tight.stats.budget_bytes );
     assert_true( all.native_spp[2] >= 5.0 && all.effective_spp[2] == all.native_spp[2] ); // nothing is shared
     free_rendered( &tight );
     free_rendered( &all );
-    rf_destroy_tracer( tracer );
-    rf_destroy_scene( &scene );
 }
 
 static RfResult refuse( const RfRenderSettings* settings, RfError* error )
@@ -218,40 +227,30 @@ static RfResult refuse( const RfRenderSettings* settings, RfError* error )
 static void test_what_it_lacks_is_said( void** state )
 {
     (void)state;
-    RfScene scene = make_glass_room();
-    RfTracer* tracer = make_tracer( &scene );
-    RfEye eyes[EYES];
-    orbit_eyes( eyes, EYES, 4.0f, WIDTH, HEIGHT );
     RfError error;
     RfRenderSettings resolved, adaptive = settings_of( &s_plain ), held = adaptive, aovs = adaptive, none = adaptive;
     adaptive.adaptive = true;
-    assert_int_equal( rf_resolve_settings( tracer, eyes, EYES, &adaptive, &resolved, &error ), RF_ERROR_USAGE );
+    assert_int_equal( rf_resolve_settings( s_tracer, s_eyes, EYES, &adaptive, &resolved, &error ), RF_ERROR_USAGE );
     assert_non_null( strstr( error.text, "'plain' has no adaptive sampling" ) );
     held.hold_all = true;
-    assert_int_equal( rf_resolve_settings( tracer, eyes, EYES, &held, &resolved, &error ), RF_ERROR_USAGE );
+    assert_int_equal( rf_resolve_settings( s_tracer, s_eyes, EYES, &held, &resolved, &error ), RF_ERROR_USAGE );
     assert_non_null( strstr( error.text, "'plain' cannot hold" ) );
     aovs.aovs = RF_AOV_BIT( RF_AOV_NORMAL );
-    assert_int_equal( rf_resolve_settings( tracer, eyes, EYES, &aovs, &resolved, &error ), RF_ERROR_USAGE );
+    assert_int_equal( rf_resolve_settings( s_tracer, s_eyes, EYES, &aovs, &resolved, &error ), RF_ERROR_USAGE );
     assert_non_null( strstr( error.text, "'plain' has no" ) );
     none.estimator = NULL;
-    assert_int_equal( rf_resolve_settings( tracer, eyes, EYES, &none, &resolved, &error ), RF_ERROR_USAGE );
+    assert_int_equal( rf_resolve_settings( s_tracer, s_eyes, EYES, &none, &resolved, &error ), RF_ERROR_USAGE );
     RfEstimator strict = s_plain;
     strict.check = refuse;
     none.estimator = &strict;
-    assert_int_equal( rf_resolve_settings( tracer, eyes, EYES, &none, &resolved, &error ), RF_ERROR_USAGE );
+    assert_int_equal( rf_resolve_settings( s_tracer, s_eyes, EYES, &none, &resolved, &error ), RF_ERROR_USAGE );
     assert_string_equal( error.text, "one light sample only" );
-    rf_destroy_tracer( tracer );
-    rf_destroy_scene( &scene );
 }
 
 // Settings that come from a program are checked as those of the command line are.
 static void test_settings_out_of_range_are_refused( void** state )
 {
     (void)state;
-    RfScene scene = make_glass_room();
-    RfTracer* tracer = make_tracer( &scene );
-    RfEye eyes[EYES];
-    orbit_eyes( eyes, EYES, 4.0f, WIDTH, HEIGHT );
     RfError error;
     RfRenderSettings resolved, bad[6];
     for ( int i = 0; i < 6; ++i )
@@ -263,18 +262,16 @@ static void test_settings_out_of_range_are_refused( void** state )
     bad[4].threads = RF_MAX_THREADS + 1;
     bad[5].aovs = ~0u;
     for ( int i = 0; i < 6; ++i )
-        assert_int_equal( rf_resolve_settings( tracer, eyes, EYES, bad + i, &resolved, &error ), RF_ERROR_USAGE );
+        assert_int_equal( rf_resolve_settings( s_tracer, s_eyes, EYES, bad + i, &resolved, &error ), RF_ERROR_USAGE );
     // no tiles are no tiles, whatever size was left in the settings
     RfRenderSettings no_tiles = settings_of( NULL );
     no_tiles.tile = ( RfTile ){ RF_TILE_NONE, 8, 8 };
-    Rendered plain = render_all_of( tracer, eyes, NULL ), left = render_all( tracer, eyes, EYES, &no_tiles );
+    Rendered plain = render_all_of( s_tracer, s_eyes, NULL ), left = render_all( s_tracer, s_eyes, EYES, &no_tiles );
     assert_same( &plain, &left );
     free_rendered( &left );
     free_rendered( &plain );
     rf_destroy_camera_path( NULL );
     rf_destroy_image( NULL );
-    rf_destroy_tracer( tracer );
-    rf_destroy_scene( &scene );
 }
 
 static RfResult fail_silently( void* user, const RfFrameResult* frame, RfError* error )
@@ -288,18 +285,12 @@ static RfResult fail_silently( void* user, const RfFrameResult* frame, RfError* 
 static void test_a_silent_callback_is_named( void** state )
 {
     (void)state;
-    RfScene scene = make_glass_room();
-    RfTracer* tracer = make_tracer( &scene );
-    RfEye eyes[EYES];
-    orbit_eyes( eyes, EYES, 4.0f, WIDTH, HEIGHT );
     RfError error;
     RfRenderSettings settings = settings_of( NULL );
     RfRenderCallbacks callbacks = { NULL, fail_silently, NULL };
-    assert_int_equal( rf_render( tracer, eyes, EYES, ( int[] ){ 1 }, 1, &settings, &callbacks, NULL, &error ), RF_ERROR_IO );
+    assert_int_equal( rf_render( s_tracer, s_eyes, EYES, ( int[] ){ 1 }, 1, &settings, &callbacks, NULL, &error ), RF_ERROR_IO );
     assert_int_equal( error.code, RF_ERROR_IO );
     assert_non_null( strstr( error.text, "frame 2 was not taken" ) );
-    rf_destroy_tracer( tracer );
-    rf_destroy_scene( &scene );
 }
 
 static void test_estimators_have_names( void** state )
@@ -320,5 +311,5 @@ int main( void )
         cmocka_unit_test( test_settings_out_of_range_are_refused ),
         cmocka_unit_test( test_a_silent_callback_is_named ),
     };
-    return cmocka_run_group_tests( tests, NULL, NULL );
+    return cmocka_run_group_tests( tests, set_up, tear_down );
 }
