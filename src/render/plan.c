@@ -107,6 +107,8 @@ static const char* reason_against( const RfScene* scene, const RfEye* eyes, int 
     RfRenderSettings s = *settings;
     s.group = row->group;
     s.threads = 1;
+    if ( s.adaptive == RF_ADAPTIVE_AUTO ) // what may be of use in some frames is no reason for smaller groups in all
+        s.adaptive = RF_ADAPTIVE_OFF;
     RfGroupPlan plan = rf_plan_samples( eye_count, row->group, settings->spp );
     RfRenderSizes sizes = rf_render_sizes( scene, eyes, &plan, eye_count, &s );
     RfMemoryFit fit;

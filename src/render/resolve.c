@@ -25,6 +25,8 @@ RfResult rf_resolve_settings( const RfTracer* tracer, const RfEye* eyes, int eye
         return result;
     RfGroupPlan plan = rf_plan_samples( eye_count, resolved->group, settings->spp );
     resolved->group = plan.eyes / 2;
+    if ( resolved->adaptive == RF_ADAPTIVE_AUTO && plan.eyes == 1 )
+        resolved->adaptive = RF_ADAPTIVE_OFF;
     if ( !rf_is_stopping( settings ) )
         resolved->spp = plan.spp;
     return RF_OK;
