@@ -29,12 +29,21 @@ static void test_balls_of_glass_are_unbiased( void** state )
     check_room( "glass ball, depth 3", GLASS_BALL, 3 );
 }
 
+static void test_extra_samples_and_roulette_are_unbiased( void** state )
+{
+    (void)state;
+    ChainCase c = chain_case( "glass ball", 6 );
+    c.settings = g_adaptive_and_roulette;
+    check_chains( &c, make_mirror_room( GLASS_BALL ) );
+}
+
 static void test_slabs_of_glass_are_unbiased( void** state )
 {
     (void)state;
     check_room( "glass slab", GLASS_SLAB, 6 );
     check_room( "absorbing slab", ABSORBING_SLAB, 6 );
     check_room( "glass slab, depth 4", GLASS_SLAB, 4 );
+    check_room( "layered slab", LAYERED_SLAB, 6 );
 }
 
 static void test_rough_glass_is_unbiased( void** state )
@@ -72,7 +81,7 @@ int main( void )
         cmocka_unit_test( test_a_mirror_ball_is_unbiased ),      cmocka_unit_test( test_balls_of_glass_are_unbiased ),
         cmocka_unit_test( test_slabs_of_glass_are_unbiased ),    cmocka_unit_test( test_rough_glass_is_unbiased ),
         cmocka_unit_test( test_eyes_within_glass_are_unbiased ), cmocka_unit_test( test_panes_are_unbiased ),
-        cmocka_unit_test( test_sharp_lobes_are_unbiased ),
+        cmocka_unit_test( test_sharp_lobes_are_unbiased ),       cmocka_unit_test( test_extra_samples_and_roulette_are_unbiased ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -27,13 +27,14 @@ static void test_one_mirror_is_unbiased( void** state )
     check_chains( &c, make_mirror_room( FLAT_MIRROR ) );
 }
 
-static void test_facing_mirrors_are_unbiased( void** state )
+static void test_mirrors_in_view_of_each_other_are_unbiased( void** state )
 {
     (void)state;
     ChainCase c = chain_case( "facing mirrors", 8 );
     c.settings = g_all_reuse;
     c.setting_count = 4;
     check_chains( &c, make_mirror_room( FACING_MIRRORS ) );
+    check_room( "mirrors in a corner", CORNER_MIRRORS, 6 );
 }
 
 static void test_coplanar_mirrors_are_unbiased( void** state )
@@ -98,16 +99,25 @@ static void test_lights_in_a_mirror_are_unbiased( void** state )
     }
 }
 
+static void test_extra_samples_and_roulette_are_unbiased( void** state )
+{
+    (void)state;
+    ChainCase c = chain_case( "coplanar mirrors", 5 );
+    c.settings = g_adaptive_and_roulette;
+    check_chains( &c, make_mirror_room( COPLANAR_MIRRORS ) );
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( test_one_mirror_is_unbiased ),
-        cmocka_unit_test( test_facing_mirrors_are_unbiased ),
+        cmocka_unit_test( test_mirrors_in_view_of_each_other_are_unbiased ),
         cmocka_unit_test( test_coplanar_mirrors_are_unbiased ),
         cmocka_unit_test( test_a_mirror_at_the_border_of_the_film_is_unbiased ),
         cmocka_unit_test( test_eyes_that_cross_the_plane_of_a_mirror_are_unbiased ),
         cmocka_unit_test( test_any_depth_is_unbiased ),
         cmocka_unit_test( test_lights_in_a_mirror_are_unbiased ),
+        cmocka_unit_test( test_extra_samples_and_roulette_are_unbiased ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

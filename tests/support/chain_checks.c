@@ -20,10 +20,21 @@
 #define REFERENCE_SPP 32
 #define SHARP_ALPHA 0.01f // GGX lobes that count as nearly specular
 
-const ChainSetting g_all_reuse[4] = { { 0, "3x3", 12 }, { 1, "1", 6 }, { 3, "1", 7 }, { 3, "3x3", 7 } };
-const ChainSetting g_tiles_and_both[2] = { { 0, "3x3", 12 }, { 3, "3x3", 7 } };
+const ChainSetting g_all_reuse[4] = {
+    { .group = 0, .tile = "3x3", .spp = 12 },
+    { .group = 1, .tile = "1", .spp = 6 },
+    { .group = 3, .tile = "1", .spp = 7 },
+    { .group = 3, .tile = "3x3", .spp = 7 },
+};
+const ChainSetting g_tiles_and_both[2] = { { .group = 0, .tile = "3x3", .spp = 12 }, { .group = 3, .tile = "3x3", .spp = 7 } };
+const ChainSetting g_adaptive_and_roulette[2] = {
+    { .group = 3, .tile = "3x3", .spp = 7, .adaptive = true },
+    { .group = 3, .tile = "3x3", .spp = 7, .roulette = true },
+};
 
-static int samples( int spp ) { return spp * ( getenv( "REFRAME_LONG" ) != NULL ? 4 : 1 ); }
+static bool is_long( void ) { return getenv( "REFRAME_LONG" ) != NULL; }
+
+static int samples( int spp ) { return is_long() ? 4 * spp : spp; }
 
 ChainCase chain_case( const char* what, int max_depth )
 {
@@ -91,29 +102,45 @@ static void assert_marked_unbiased( const Images* rendered, const Images* refere
     assert_true( p > SIGNIFICANCE );
 }
 
+// What is compared with: the reference, and the pixels that are looked at together.
+typedef struct Expected
+{
+    Images reference;
+    bool marked[PIXELS];
+    int marked_count;
+} Expected;
+
+static void check_setting( const ChainCase* c, const RfTracer* tracer, RfRenderSettings settings, const ChainSetting* s,
+                           const Expected* expected )
+{
+    settings.group = s->group;
+    settings.spp = samples( s->spp );
+    settings.adaptive = s->adaptive;
+    settings.tile_roulette = s->roulette;
+    assert_true( rf_parse_tile( s->tile, &settings.tile ) );
+    Images rendered = rendered_images( tracer, c->eyes, CHAIN_EYES, c->frame, settings );
+    char name[96];
+    snprintf( name, sizeof name, "%s, group %d tile %s%s%s:", c->what, s->group, s->tile, s->adaptive ? ", adaptive" : "",
+              s->roulette ? ", roulette" : "" );
+    assert_unbiased( name, &rendered, &expected->reference, BLOCK );
+    assert_marked_unbiased( &rendered, &expected->reference, expected->marked, expected->marked_count );
+    free_images( &rendered );
+}
+
 void check_case( const ChainCase* c, const RfScene* scene )
 {
-    static bool marked[PIXELS];
+    static Expected expected;
     RfTracer* tracer = make_tracer( scene );
-    int count = mark_sharp( tracer, c->eyes + c->frame, marked );
     RfRenderSettings settings = plain_settings();
     settings.max_depth = c->max_depth;
     settings.memory = (size_t)256 << 20;
-    Images reference = reference_images( tracer, c->eyes, c->frame, samples( REFERENCE_SPP ), &settings );
+    expected.marked_count = mark_sharp( tracer, c->eyes + c->frame, expected.marked );
+    expected.reference = reference_images( tracer, c->eyes, c->frame, samples( REFERENCE_SPP ), &settings );
     for ( int k = 0; k < c->setting_count; ++k )
-    {
-        const ChainSetting* s = c->settings + k;
-        settings.group = s->group;
-        settings.spp = samples( s->spp );
-        assert_true( rf_parse_tile( s->tile, &settings.tile ) );
-        Images rendered = rendered_images( tracer, c->eyes, CHAIN_EYES, c->frame, settings );
-        char name[80];
-        snprintf( name, sizeof name, "%s, group %d tile %s:", c->what, s->group, s->tile );
-        assert_unbiased( name, &rendered, &reference, BLOCK );
-        assert_marked_unbiased( &rendered, &reference, marked, count );
-        free_images( &rendered );
-    }
-    free_images( &reference );
+        check_setting( c, tracer, settings, c->settings + k, &expected );
+    for ( int k = 0; is_long() && k < 4; ++k )
+        check_setting( c, tracer, settings, g_all_reuse + k, &expected );
+    free_images( &expected.reference );
     rf_destroy_tracer( tracer );
 }
 

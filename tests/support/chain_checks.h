@@ -13,7 +13,9 @@ typedef struct ChainSetting
 {
     int group;
     const char* tile;
-    int spp; // four times as many with REFRAME_LONG
+    int spp;       // four times as many with REFRAME_LONG
+    bool adaptive; // extra samples
+    bool roulette; // on connections in tiles
 } ChainSetting;
 
 typedef struct ChainCase
@@ -22,7 +24,7 @@ typedef struct ChainCase
     RfEye eyes[CHAIN_EYES];
     int frame; // that is tested
     int max_depth;
-    const ChainSetting* settings; // each is tested
+    const ChainSetting* settings; // each is tested; with REFRAME_LONG those of g_all_reuse too
     int setting_count;
 } ChainCase;
 
@@ -31,13 +33,16 @@ extern const ChainSetting g_all_reuse[4];
 // Tiles, groups of 3 with tiles: what takes half the time.
 extern const ChainSetting g_tiles_and_both[2];
 
+// Groups of 3 with tiles, adaptive or with roulette.
+extern const ChainSetting g_adaptive_and_roulette[2];
+
 // The middle frame of an orbit with g_tiles_and_both.
 ChainCase chain_case( const char* what, int max_depth );
 
 // Fails unless every setting renders the case without bias.
 void check_case( const ChainCase* tested, const RfScene* scene );
 
-// check_case of a scene that is destroyed afterwards.
+// The same; destroys the scene.
 void check_chains( const ChainCase* tested, RfScene scene );
 
 #endif

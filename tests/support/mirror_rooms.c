@@ -67,6 +67,14 @@ static void add_facing_mirrors( SceneBuilder* b )
               rf_vec3( 1.5f, 2.4f, -BACK ) );
 }
 
+static void add_corner_mirrors( SceneBuilder* b )
+{
+    add_flat_mirror( b );
+    uint32_t mirror = add_material( b, make_tinted_mirror( 0.7f, 0.9f, 0.9f ) );
+    add_quad( b, mirror, rf_vec3( 1.9f, 0.2f, 1.5f ), rf_vec3( 1.9f, 0.2f, -1.8f ), rf_vec3( 1.9f, 2.4f, -1.8f ),
+              rf_vec3( 1.9f, 2.4f, 1.5f ) );
+}
+
 // A corner of the grid of the L-shaped mirror, moved within the plane where it is not on the outline.
 static RfVec3 grid_corner( int i, int j )
 {
@@ -124,6 +132,15 @@ static RfMaterial make_absorbing( float roughness )
     return glass;
 }
 
+static RfMaterial make_layered( void )
+{
+    RfMaterial glass = make_absorbing( 0.0f );
+    glass.diffuse = rf_vec3( 0.4f, 0.3f, 0.1f );
+    glass.tint = rf_vec3( 0.4f, 0.5f, 0.5f );
+    glass.emission = rf_vec3( 0.1f, 0.1f, 0.2f );
+    return glass;
+}
+
 static RfMaterial make_pane( float r, float g, float b )
 {
     RfMaterial pane = make_glass( 1.5f, 0.0f, true );
@@ -177,6 +194,7 @@ static void add_things( SceneBuilder* b, MirrorRoom kind )
     switch ( kind )
     {
         case FACING_MIRRORS: add_facing_mirrors( b ); break;
+        case CORNER_MIRRORS: add_corner_mirrors( b ); break;
         case L_SHAPED_MIRROR: add_l_shaped_mirror( b ); break;
         case COPLANAR_MIRRORS: add_coplanar_mirrors( b ); break;
         case NARROW_MIRROR: add_upright( b, add_material( b, make_mirror( 0.9f ) ), 0.7f, 0.2f, 1.8f, 2.6f, BACK ); break;
@@ -194,6 +212,7 @@ static void add_things( SceneBuilder* b, MirrorRoom kind )
         case GLASS_SLAB: add_slab( b, make_glass( 1.5f, 0.0f, false ) ); break;
         case ABSORBING_SLAB: add_slab( b, make_absorbing( 0.0f ) ); break;
         case ROUGH_SLAB: add_slab( b, make_absorbing( 0.25f ) ); break;
+        case LAYERED_SLAB: add_slab( b, make_layered() ); break;
         case PANES_IN_A_ROW: add_panes( b ); break;
         case GLASS_TANK: add_tank( b ); break;
         case SHARP_METAL: add_polished( b, make_metal( 0.9f, 0.05f ) ); break;

@@ -9,6 +9,7 @@ typedef enum MirrorRoom
 {
     FLAT_MIRROR,      // a tinted mirror on the back wall
     FACING_MIRRORS,   // and another on the front wall, behind the eyes
+    CORNER_MIRRORS,   // and another at right angles to it
     L_SHAPED_MIRROR,  // many coplanar triangles in an oblique plane
     COPLANAR_MIRRORS, // two mirrors of different tints in one plane
     NARROW_MIRROR,    // on the right of the back wall: at the border of film of sweep_eyes
@@ -27,6 +28,7 @@ typedef enum MirrorRoom
     GLASS_SLAB,
     ABSORBING_SLAB,
     ROUGH_SLAB,
+    LAYERED_SLAB,   // glass over a diffuse base that shines a little
     PANES_IN_A_ROW, // three tinted thin walls
     GLASS_TANK,     // eyes within an absorbing body
     SHARP_METAL,    // GGX of roughness 0.05: a ball, a panel on the wall
