@@ -26,6 +26,7 @@ typedef struct RfSceneTraits
     bool blended;   // some surface lets part of the light straight through (alpha blending)
     bool sky;       // an environment that is not black
     bool mirrors;   // flat mirrors
+    bool smooth;    // GGX coats or metals that may be nearly as smooth as mirrors
 } RfSceneTraits;
 
 // A group of frames, as every batch of it sees it.
