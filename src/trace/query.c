@@ -230,8 +230,8 @@ int rf_trace_from_origin( const RfTracer* tracer, RfVec3 origin, int count, cons
     return trace_from_origin( tracer, origin, count, point, weight, NULL );
 }
 
-int rf_trace_from_origin_past_panes( const RfTracer* tracer, RfVec3 origin, int count, const float* const point[3],
-                                     float* weight, const RfPaneLanes* panes )
+int rf_trace_from_origin_past_panes( const RfTracer* tracer, RfVec3 origin, int count, const float* const point[3], float* weight,
+                                     const RfPaneLanes* panes )
 {
     return trace_from_origin( tracer, origin, count, point, weight, panes );
 }

@@ -75,8 +75,8 @@ void rf_trace_nearest_past_panes( const RfTracer* tracer, int count, const float
                                   uint32_t* triangle, float* u, float* v, const RfPaneLanes* panes );
 void rf_trace_segments_past_panes( const RfTracer* tracer, int count, const float* const o[3], const float* const d[3],
                                    float* visible, const RfPaneLanes* panes );
-int rf_trace_from_origin_past_panes( const RfTracer* tracer, RfVec3 origin, int count, const float* const point[3],
-                                     float* weight, const RfPaneLanes* panes );
+int rf_trace_from_origin_past_panes( const RfTracer* tracer, RfVec3 origin, int count, const float* const point[3], float* weight,
+                                     const RfPaneLanes* panes );
 
 // Enables flush-to-zero for the calling thread. Call at the start of main and of every
 // parallel region, so that results do not depend on the thread.

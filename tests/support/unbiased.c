@@ -32,8 +32,10 @@ Images reference_images( const RfTracer* tracer, const RfEye* eyes, int frame, i
 #pragma omp parallel for schedule( dynamic, 1 )
     for ( int k = 0; k < SEEDS; ++k )
     {
-        ReferenceSettings plain = { spp,   settings->max_depth,     settings->light_samples, (uint64_t)( REFERENCE_SEED + k ),
-                                    frame, settings->light_sampling };
+        ReferenceSettings plain = {
+            spp,  settings->max_depth, settings->light_samples, (uint64_t)( REFERENCE_SEED + k ), frame, settings->light_sampling,
+            false
+        };
         reference_image( tracer, eyes + frame, &plain, images.rgb[k] );
     }
     return images;
