@@ -237,15 +237,18 @@ void rf_gather_diffuse_tile_light( const RfTileReuse* reuse, int pairings, int c
     for ( int s = 1; s < pairings; ++s )
     {
         const RfPairingLanes* t = reuse->pairings + s;
+        const float( *pane_weight )[RF_LANES] = reuse->pane_weight != NULL ? reuse->pane_weight[s] : NULL;
         for ( int i = 0; i < count; ++i )
         {
             if ( t->weight[i] == 0.0f )
                 continue;
             int a = t->vertex[i];
             const RfPairingLanes* from = a < diffuse ? own : t;
+            float weight[3] = { t->weight[i], t->weight[i], t->weight[i] };
+            for ( int c = 0; c < 3 && pane_weight != NULL; ++c )
+                weight[c] *= pane_weight[c][i];
             for ( int c = 0; c < 3; ++c )
-                sum[c][i] +=
-                    t->weight[i] * from->light[c][a] * ( reuse->pane_weight != NULL ? reuse->pane_weight[s][c][i] : 1.0f );
+                sum[c][i] += weight[c] * from->light[c][a];
         }
     }
 }
