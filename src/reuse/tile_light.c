@@ -237,7 +237,7 @@ void rf_gather_diffuse_tile_light( const RfTileReuse* reuse, int pairings, int c
     for ( int s = 1; s < pairings; ++s )
     {
         const RfPairingLanes* t = reuse->pairings + s;
-        const float( *pane_weight )[RF_LANES] = reuse->pane_weight != NULL ? reuse->pane_weight[s] : NULL;
+        float( *pane_weight )[RF_LANES] = reuse->pane_weight != NULL ? reuse->pane_weight[s] : NULL;
         for ( int i = 0; i < count; ++i )
         {
             if ( t->weight[i] == 0.0f )
