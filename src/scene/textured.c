@@ -170,9 +170,9 @@ void rf_material_at( const RfScene* scene, const RfMaterial* m, uint32_t triangl
         clearcoat_at( scene, m, triangle, u, v, out );
 }
 
-bool rf_may_be_pane( const RfMaterial* m )
+bool rf_is_clear_somewhere( const RfMaterial* m )
 {
-    if ( m->kind != RF_BSDF_GLASS || !m->thin || m->ior == 0.0f )
+    if ( m->ior == 0.0f ) // a mirror
         return false;
     if ( m->textured == NULL )
         return m->alpha == 0.0f && rf_max_component( m->tint ) > 0.0f;
