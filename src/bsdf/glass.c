@@ -205,7 +205,9 @@ static RfPane pane( const Glass* g, float cos_o )
         return ( RfPane ){ 0.0f, { 0, 0, 0 } };
     float base = base_probability( g, cos_o ), reflect = reflection_probability( g, reflectance( g, cos_o ) );
     float rest = 1.0f - dielectric( cos_o, g->ior );
-    return ( RfPane ){ ( 1.0f - base ) * ( 1.0f - reflect ), rf_scale( g->tint, rest ) };
+    // below 1, so that it tells whether there was a pane
+    float probability = rf_minf( ( 1.0f - base ) * ( 1.0f - reflect ), 1.0f - 0x1p-24f );
+    return ( RfPane ){ probability, rf_scale( g->tint, rest ) };
 }
 
 RfPane rf_pane_of_material( const RfMaterial* m, float cos_o )
@@ -226,6 +228,21 @@ RfPane rf_pane_of_lane( const RfBsdfLanes* lanes, int lane, RfVec3 wo )
 {
     Glass g = glass_of( lanes, lane );
     return pane( &g, rf_dot( g.n, wo ) );
+}
+
+float rf_glass_reflection( const RfMaterial* material, float cos_o, RfVec3* weight )
+{
+    Glass g = { .base = material->diffuse,
+                .specular = material->specular,
+                .tint = material->tint,
+                .ior = material->ior,
+                .metal = material->f90,
+                .thin = material->thin };
+    float base = base_probability( &g, cos_o );
+    RfVec3 f = reflectance( &g, cos_o );
+    float probability = ( 1.0f - base ) * reflection_probability( &g, f );
+    *weight = probability > 0.0f ? rf_scale( f, 1.0f / probability ) : rf_vec3( 0, 0, 0 );
+    return probability;
 }
 
 static void put( float* const out[3], int i, RfVec3 v )

@@ -235,3 +235,46 @@ int rf_trace_from_origin_past_panes( const RfTracer* tracer, RfVec3 origin, int 
 {
     return trace_from_origin( tracer, origin, count, point, weight, panes );
 }
+
+void rf_trace_mirrors( const RfTracer* tracer, RfVec3 origin, int count, const float* const point[3], const uint8_t* mirror,
+                       float* const hit[3], float* weight )
+{
+    RfQuery query = begin_query( RF_QUERY_NEAREST, true, false );
+    _Alignas( 64 ) int valid[RF_PACKET];
+    struct RTCRayHit16 packet;
+    memset( &packet, 0, sizeof packet );
+    for ( int first = 0; first < count; first += RF_PACKET )
+    {
+        int lanes = set_valid( valid, first, count );
+        set_segments( &packet.ray, valid, origin, lanes, point, first, weight );
+        for ( int i = 0; i < RF_PACKET; ++i )
+        {
+            packet.ray.org_x[i] = origin.x;
+            packet.ray.org_y[i] = origin.y;
+            packet.ray.org_z[i] = origin.z;
+            packet.ray.tnear[i] = 0.0f;
+            packet.ray.tfar[i] = INFINITY;
+            packet.ray.mask[i] = 0xffffffffu;
+            packet.hit.geomID[i] = packet.hit.primID[i] = RTC_INVALID_GEOMETRY_ID;
+        }
+        rtcIntersect16( valid, tracer->mirror_scene, &query.context, &packet );
+        for ( int i = 0; i < lanes; ++i )
+        {
+            uint32_t number = packet.hit.primID[i];
+            bool found =
+                valid[i] != 0 && number != RTC_INVALID_GEOMETRY_ID && tracer->mirrors.of_triangle[number] == mirror[first + i];
+            if ( !found )
+            {
+                weight[first + i] = 0.0f;
+                continue;
+            }
+            const RfTriangleRecord* t = tracer->triangles + tracer->mirrors.triangle[number];
+            RfVec3 p = rf_add( t->p0, rf_add( rf_scale( t->e1, packet.hit.u[i] ), rf_scale( t->e2, packet.hit.v[i] ) ) );
+            float side = rf_dot( t->ng, rf_sub( origin, p ) ) < 0.0f ? -1.0f : 1.0f;
+            p = rf_madd( p, t->ng, side * t->offset );
+            hit[0][first + i] = p.x;
+            hit[1][first + i] = p.y;
+            hit[2][first + i] = p.z;
+        }
+    }
+}

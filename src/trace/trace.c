@@ -46,7 +46,7 @@ static RfVec3 load_vec3( const float* values, uint32_t index )
 static RfTriangleRecord make_record( const RfTriangles* t, uint32_t i, uint32_t light )
 {
     const uint32_t* v = t->indices + 3 * (size_t)i;
-    RfTriangleRecord r = { .material = t->material[i], .light = light };
+    RfTriangleRecord r = { .material = t->material[i], .light = light, .mirror = RF_NO_MIRROR };
     r.p0 = load_vec3( t->positions, v[0] );
     r.e1 = rf_sub( load_vec3( t->positions, v[1] ), r.p0 );
     r.e2 = rf_sub( load_vec3( t->positions, v[2] ), r.p0 );
@@ -71,6 +71,8 @@ static RfResult fill_records( RfTracer* tracer, RfError* error )
     for ( uint32_t i = 0; i < t->count; ++i )
         tracer->triangles[i] =
             make_record( t, i, tracer->lights.of_triangle != NULL ? tracer->lights.of_triangle[i] : RF_NO_LIGHT );
+    for ( uint32_t i = 0; i < tracer->mirrors.triangle_count; ++i )
+        tracer->triangles[tracer->mirrors.triangle[i]].mirror = tracer->mirrors.of_triangle[i];
     return RF_OK;
 }
 
@@ -107,6 +109,10 @@ RfResult rf_create_tracer( const RfScene* scene, RfTracer** out, RfError* error 
     if ( result == RF_OK )
         result = build_bvh( tracer, error );
     if ( result == RF_OK )
+        result = rf_find_mirrors( scene, &tracer->mirrors, error );
+    if ( result == RF_OK )
+        tracer->mirror_scene = rf_build_mirror_scene( tracer->device, scene, &tracer->mirrors );
+    if ( result == RF_OK )
         result = fill_records( tracer, error );
     tracer->bvh.triangles = tracer->triangles;
     if ( result != RF_OK )
@@ -123,6 +129,9 @@ void rf_destroy_tracer( RfTracer* tracer )
     if ( tracer == NULL )
         return;
     rf_destroy_bvh( &tracer->bvh );
+    if ( tracer->mirror_scene != NULL )
+        rtcReleaseScene( tracer->mirror_scene );
+    rf_destroy_mirrors( &tracer->mirrors );
     rtcReleaseDevice( tracer->device );
     rf_destroy_lights( &tracer->lights );
     free( tracer->triangles );
@@ -133,6 +142,7 @@ const RfScene* rf_tracer_scene( const RfTracer* tracer ) { return tracer->scene;
 bool rf_tracer_is_textured( const RfTracer* tracer ) { return tracer->textured; }
 bool rf_tracer_is_blended( const RfTracer* tracer ) { return tracer->bvh.blended; }
 bool rf_tracer_has_panes( const RfTracer* tracer ) { return tracer->bvh.panes; }
+const RfMirrors* rf_tracer_mirrors( const RfTracer* tracer ) { return &tracer->mirrors; }
 const RfLights* rf_tracer_lights( const RfTracer* tracer ) { return &tracer->lights; }
 
 bool rf_tracer_has_light( const RfTracer* tracer )

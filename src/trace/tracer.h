@@ -14,6 +14,8 @@ struct RfTracer
     RTCDevice device;
     RfBvh bvh;
     RfLights lights;
+    RfMirrors mirrors;
+    RTCScene mirror_scene; // the triangles of the mirrors alone; NULL: none
     RfTriangleRecord* triangles;
     bool textured;
     long bytes;
