@@ -13,7 +13,8 @@ typedef struct Glass
 {
     RfVec3 n, base, specular, tint;
     float alpha;
-    float ior;   // of the far side over the near one; 0: mirror
+    float ior;   // of the far side over the near one; 0: mirror, which has no base: base.x is what its reflectance at
+                 // grazing angles lacks of 1
     float metal; // fraction that is metal with F0 `specular`; base and tint are scaled by the rest
     bool thin;
 } Glass;
@@ -57,7 +58,10 @@ static RfVec3 reflectance( const Glass* g, float cos_o )
 {
     float w = schlick_weight( cos_o );
     if ( g->ior == 0.0f )
-        return rf_add( rf_scale( g->specular, 1.0f - w ), rf_vec3( w, w, w ) );
+    {
+        float grazing = w * ( 1.0f - g->base.x );
+        return rf_add( rf_scale( g->specular, 1.0f - w ), rf_vec3( grazing, grazing, grazing ) );
+    }
     float f = dielectric( cos_o, g->ior ) * ( 1.0f - g->metal ) + w * g->metal;
     return rf_add( rf_vec3( f, f, f ), rf_scale( g->specular, 1.0f - w ) );
 }

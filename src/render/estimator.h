@@ -27,6 +27,7 @@ typedef struct RfSceneTraits
     bool panes;     // some may be a thin pane (bsdf/bsdf.h)
     bool sky;       // an environment that is not black
     bool mirrors;   // flat mirrors
+    bool smooth;    // GGX coats or metals that may be nearly as smooth as mirrors
 } RfSceneTraits;
 
 // A group of frames, as every batch of it sees it.

@@ -20,6 +20,7 @@ RfSceneTraits rf_scene_traits( const RfScene* scene )
         traits.kinds |= 1u << material->kind;
         traits.blended = traits.blended || rf_is_blended( material );
         traits.panes = traits.panes || rf_may_be_pane( material );
+        traits.smooth = traits.smooth || rf_may_be_smooth( material );
     }
     RfMirrors mirrors;
     if ( rf_find_mirrors( scene, &mirrors, NULL ) == RF_OK )

@@ -1,4 +1,5 @@
-#include "reuse/chains.h"
+#include "reuse/chain_steps.h"
+#include "reuse/coats.h"
 
 #include <string.h>
 
@@ -8,67 +9,6 @@
 static uint32_t dimension_of( const RfPathSettings* path, int vertex )
 {
     return RF_DIMENSION_CHAINS + rf_vertex_dimension( vertex, path->light_samples );
-}
-
-static RfVec3 throughput_of( const RfChains* chains, int slot )
-{
-    return rf_vec3( chains->throughput[0][slot], chains->throughput[1][slot], chains->throughput[2][slot] );
-}
-
-static void set_throughput( RfChains* chains, int slot, RfVec3 t )
-{
-    chains->throughput[0][slot] = t.x;
-    chains->throughput[1][slot] = t.y;
-    chains->throughput[2][slot] = t.z;
-}
-
-// Makes the unevaluable lanes of `found` the vertices where chains are.
-static void go_to( const RfVertexLanes* found, RfVertexLanes* at )
-{
-    int first = rf_record_count( found );
-    at->count = found->count - first;
-    for ( int kind = 0; kind <= RF_BSDF_KIND_COUNT; ++kind )
-    {
-        at->first[kind] = kind <= RF_BSDF_FIRST_UNEVALUABLE ? 0 : found->first[kind] - first;
-        if ( kind < RF_BSDF_FIRST_UNEVALUABLE || kind == RF_BSDF_KIND_COUNT )
-            continue;
-        int begin = found->first[kind], count = found->first[kind + 1] - begin;
-        rf_copy_vertices( found, begin, count, rf_bsdf_model( (RfBsdfKind)kind )->params, at, begin - first );
-    }
-}
-
-// The view of a chain that starts here, if it is reflected and then ends.
-static uint8_t view_of( const RfPathSettings* path, const RfVertexLanes* v, int i, uint32_t triangle, RfVec3 throughput )
-{
-    uint16_t mirror = rf_tracer_triangles( path->tracer )[triangle].mirror;
-    float cos_o = v->n[0][i] * v->wo[0][i] + v->n[1][i] * v->wo[1][i] + v->n[2][i] * v->wo[2][i];
-    bool inside =
-        rf_max_component( throughput ) < 1.0f || ( v->param[RF_PARAM_IOR][i] > 0.0f && v->param[RF_PARAM_IOR][i] < 1.0f );
-    return mirror == RF_NO_MIRROR || cos_o < RF_MIN_COS || inside ? RF_VIEW_CHAIN : (uint8_t)( mirror + 1 );
-}
-
-// What the eyes see of the first vertices themselves: their emission, absorbed on the way if the eye is inside a body.
-static void start( const RfPathSettings* path, const RfVertexLanes* first, const RfRayLanes* rays, RfWavefront* wavefront,
-                   RfChains* chains )
-{
-    memset( chains->length, 0, sizeof chains->length );
-    memset( chains->view, RF_VIEW_DIRECT, sizeof chains->view );
-    memset( &wavefront->arrivals, 0, sizeof wavefront->arrivals );
-    chains->ends.count = 0;
-    for ( int i = 0; i < rays->count; ++i )
-        set_throughput( chains, i, rf_vec3( 1, 1, 1 ) );
-    go_to( first, &chains->at );
-    const RfVertexLanes* v = &chains->at;
-    for ( int i = 0; i < v->count; ++i )
-    {
-        int slot = v->slot[i];
-        RfVec3 t = rf_transmittance_from( v, i, rf_vec3( rays->o[0][slot], rays->o[1][slot], rays->o[2][slot] ) );
-        float left[3] = { t.x, t.y, t.z };
-        set_throughput( chains, slot, t );
-        chains->view[slot] = view_of( path, v, i, wavefront->scratch.triangle[v->ray[i]], t );
-        for ( int c = 0; c < 3; ++c )
-            wavefront->arrivals.rest[c][slot] += left[c] * v->emission[c][i];
-    }
 }
 
 // True if light sampling can find light at a vertex: some of its lobes are no deltas.
@@ -88,9 +28,9 @@ static bool any_is_lit( const RfVertexLanes* v )
     return false;
 }
 
-static void add_light_samples( const RfPathSettings* path, int vertex, RfWavefront* wavefront, RfChains* chains )
+void rf_light_chains( const RfPathSettings* path, int vertex, const RfVertexLanes* v, RfWavefront* wavefront,
+                      const RfChains* chains )
 {
-    const RfVertexLanes* v = &chains->at;
     RfLightLanes* lights = &wavefront->lights;
     RfLaneScratch* s = &wavefront->scratch;
     float k = (float)path->light_samples, *f[3] = { s->f[0], s->f[1], s->f[2] };
@@ -113,6 +53,32 @@ static void add_light_samples( const RfPathSettings* path, int vertex, RfWavefro
     }
 }
 
+// Light samples where chains are. First vertices that are split have theirs.
+static void light_chains( const RfPathSettings* path, int vertex, RfWavefront* wavefront, RfChains* chains )
+{
+    RfVertexLanes* at = &chains->at;
+    if ( vertex > 1 )
+    {
+        rf_light_chains( path, vertex, at, wavefront, chains );
+        return;
+    }
+    RfVertexLanes* unlit = &chains->ends; // not in use yet
+    for ( int kind = 0; kind <= RF_BSDF_KIND_COUNT; ++kind )
+        unlit->first[kind] = 0;
+    unlit->count = 0;
+    for ( int i = 0; i < at->count; ++i )
+    {
+        if ( chains->split[at->slot[i]] )
+            continue;
+        rf_copy_vertices( at, i, 1, rf_bsdf_model( RF_BSDF_GLASS )->params, unlit, unlit->count++ );
+    }
+    for ( int kind = RF_BSDF_FIRST_UNEVALUABLE + 1; kind <= RF_BSDF_KIND_COUNT; ++kind )
+        unlit->first[kind] = unlit->count;
+    if ( unlit->count > 0 )
+        rf_light_chains( path, vertex, unlit, wavefront, chains );
+    unlit->count = 0;
+}
+
 // Writes the ray that leaves lane i to lane `to` of the rays.
 static void write_ray( const RfVertexLanes* v, int i, const RfLaneScratch* s, float side, RfVec3 t, RfRayLanes* rays, int to )
 {
@@ -129,9 +95,8 @@ static void write_ray( const RfVertexLanes* v, int i, const RfLaneScratch* s, fl
     rays->slot[to] = v->slot[i];
 }
 
-static void scatter( const RfPathSettings* path, int vertex, RfWavefront* wavefront, RfChains* chains )
+void rf_scatter_chains( const RfPathSettings* path, int vertex, const RfVertexLanes* v, RfWavefront* wavefront, RfChains* chains )
 {
-    const RfVertexLanes* v = &chains->at;
     RfRayLanes* rays = &wavefront->rays;
     RfLaneScratch* s = &wavefront->scratch;
     float* wi[3] = { s->wi[0], s->wi[1], s->wi[2] };
@@ -142,15 +107,48 @@ static void scatter( const RfPathSettings* path, int vertex, RfWavefront* wavefr
     {
         float direction[3] = { s->wi[0][i], s->wi[1][i], s->wi[2][i] };
         float side = rf_leaving_side( v, i, direction );
-        RfVec3 t = rf_mul( throughput_of( chains, v->slot[i] ), rf_vec3( s->f[0][i], s->f[1][i], s->f[2][i] ) );
+        RfVec3 t = rf_mul( rf_throughput_of( chains, v->slot[i] ), rf_vec3( s->f[0][i], s->f[1][i], s->f[2][i] ) );
         float survival = vertex < ROULETTE_AFTER ? 1.0f : rf_minf( rf_max_component( t ), 1.0f );
         if ( side == 0.0f || !( rf_max_component( t ) > 0.0f ) || s->random[0][i] >= survival )
             continue;
-        if ( vertex > 1 || side < 0.0f || s->pdf[i] < RF_DELTA_PDF )
-            chains->view[v->slot[i]] = RF_VIEW_CHAIN;
+        chains->reflected[v->slot[i]] = side > 0.0f;
         write_ray( v, i, s, side, rf_scale( t, 1.0f / survival ), rays, kept++ );
     }
     rays->count = kept;
+}
+
+// Flat mirrors show what one reflection sees, and the light that split reflections see is counted.
+static void note_events( int vertex, RfWavefront* wavefront, RfChains* chains )
+{
+    const RfRayLanes* rays = &wavefront->rays;
+    for ( int r = 0; r < rays->count; ++r )
+    {
+        int slot = rays->slot[r];
+        bool first_reflection = vertex == 1 && chains->reflected[slot];
+        chains->split[slot] = chains->split[slot] && first_reflection;
+        if ( !first_reflection || rays->pdf_solid_angle[r] < RF_DELTA_PDF )
+            chains->view[slot] = RF_VIEW_CHAIN;
+    }
+}
+
+// Takes the light away that is counted already.
+static void drop_split_light( const RfChains* chains, RfWavefront* wavefront )
+{
+    RfVertexLanes* found = &wavefront->vertices;
+    RfRayLanes* rays = &wavefront->rays;
+    for ( int i = 0; i < found->count; ++i )
+    {
+        if ( !chains->split[found->slot[i]] )
+            continue;
+        found->light_pdf_solid_angle[i] = 0.0f;
+        for ( int c = 0; c < 3; ++c )
+            found->emission[c][i] = 0.0f;
+    }
+    for ( int r = 0; r < rays->count; ++r )
+    {
+        for ( int c = 0; c < 3 && chains->split[rays->slot[r]] && wavefront->scratch.triangle[r] == RF_MISS; ++c )
+            rays->throughput[c][r] = 0.0f;
+    }
 }
 
 // Adds the light that the rays hit. What only the chain can find stays with the vertex if the chain ends there, so
@@ -188,8 +186,8 @@ static void note_ends( const RfVertexLanes* found, const RfRayLanes* rays, int l
 {
     RfVertexLanes* ends = &chains->ends;
     for ( int r = 0; r < rays->count; ++r )
-        set_throughput( chains, rays->slot[r],
-                        rf_vec3( rays->throughput[0][r], rays->throughput[1][r], rays->throughput[2][r] ) );
+        rf_set_throughput( chains, rays->slot[r],
+                           rf_vec3( rays->throughput[0][r], rays->throughput[1][r], rays->throughput[2][r] ) );
     for ( int kind = 0; kind < RF_BSDF_FIRST_UNEVALUABLE && !last; ++kind )
     {
         int begin = found->first[kind], count = found->first[kind + 1] - begin;
@@ -204,6 +202,29 @@ static void note_ends( const RfVertexLanes* found, const RfRayLanes* rays, int l
     }
 }
 
+// Appends the evaluable first hits of a model; coats that were split leave their base.
+static void append_first( const RfVertexLanes* first, int kind, const RfChains* chains, RfVertexLanes* hits )
+{
+    uint32_t params = rf_bsdf_model( (RfBsdfKind)kind )->params;
+    int begin = first->first[kind], count = first->first[kind + 1] - begin;
+    if ( kind != RF_BSDF_GGX )
+    {
+        rf_copy_vertices( first, begin, count, params, hits, hits->count );
+        hits->count += count;
+        return;
+    }
+    for ( int i = begin; i < begin + count; ++i )
+    {
+        uint8_t view = chains->view[first->slot[i]];
+        if ( rf_is_smooth_coat( first, i ) && view != RF_VIEW_BASE )
+            continue;
+        rf_copy_vertices( first, i, 1, params, hits, hits->count );
+        if ( view == RF_VIEW_BASE )
+            rf_make_base( hits, hits->count );
+        hits->count += 1;
+    }
+}
+
 // Merges the evaluable first hits and the ends of chains.
 static void merge_hits( const RfVertexLanes* first, RfChains* chains )
 {
@@ -211,15 +232,12 @@ static void merge_hits( const RfVertexLanes* first, RfChains* chains )
     hits->count = 0;
     for ( int kind = 0; kind < RF_BSDF_FIRST_UNEVALUABLE; ++kind )
     {
-        uint32_t params = rf_bsdf_model( (RfBsdfKind)kind )->params;
-        int count = first->first[kind + 1] - first->first[kind];
         hits->first[kind] = hits->count;
-        rf_copy_vertices( first, first->first[kind], count, params, hits, hits->count );
-        hits->count += count;
+        append_first( first, kind, chains, hits );
         for ( int end = 0; end < chains->ends.count; ++end )
         {
             if ( chains->kind[end] == kind )
-                rf_copy_vertices( &chains->ends, end, 1, params, hits, hits->count++ );
+                rf_copy_vertices( &chains->ends, end, 1, rf_bsdf_model( (RfBsdfKind)kind )->params, hits, hits->count++ );
         }
     }
     for ( int kind = RF_BSDF_FIRST_UNEVALUABLE; kind <= RF_BSDF_KIND_COUNT; ++kind )
@@ -229,24 +247,27 @@ static void merge_hits( const RfVertexLanes* first, RfChains* chains )
 void rf_follow_chains( const RfPathSettings* path, const RfVertexLanes* first, const RfRayLanes* camera_rays, bool lit,
                        RfWavefront* wavefront, RfChains* chains )
 {
-    start( path, first, camera_rays, wavefront, chains );
+    rf_start_chains( path, first, camera_rays, lit, wavefront, chains );
     for ( int vertex = 1; vertex < path->max_depth && chains->at.count > 0; ++vertex )
     {
+        bool last = vertex + 1 == path->max_depth;
         if ( lit )
-            add_light_samples( path, vertex, wavefront, chains );
-        scatter( path, vertex, wavefront, chains );
+            light_chains( path, vertex, wavefront, chains );
+        rf_scatter_chains( path, vertex, &chains->at, wavefront, chains );
         if ( wavefront->rays.count == 0 )
             break;
-        bool last = vertex + 1 == path->max_depth;
+        note_events( vertex, wavefront, chains );
         wavefront->path_rays += (uint64_t)wavefront->rays.count;
         const float* pane_probability =
             rf_find_vertices_past_panes( path, &wavefront->rays, &wavefront->vertices, &wavefront->scratch );
         if ( pane_probability != NULL )
             note_panes( &wavefront->rays, pane_probability, chains );
         rf_absorb( &wavefront->vertices, &wavefront->rays );
+        if ( vertex == 1 )
+            drop_split_light( chains, wavefront );
         add_emission( path, pane_probability, last, wavefront );
         note_ends( &wavefront->vertices, &wavefront->rays, vertex, last, chains );
-        go_to( &wavefront->vertices, &chains->at );
+        rf_go_to( &wavefront->vertices, &chains->at );
     }
     memcpy( chains->light, wavefront->arrivals.rest, sizeof chains->light );
     merge_hits( first, chains );

@@ -17,11 +17,17 @@ typedef struct RfChains
     RF_ALIGN float light[3][RF_LANES];      // that the chain itself brings, for its own pixel
     int32_t length[RF_LANES];               // vertices before the hit; 0: the camera ray found it
     uint8_t view[RF_LANES];
+    uint8_t split[RF_LANES];     // 1: the light that the first reflection sees is counted already
+    uint8_t reflected[RF_LANES]; // 1: the last event was a reflection
+    float lobe_weight[RF_LANES]; // 1 over the probability of drawing the lobe of a coat
     // by end
     uint8_t kind[RF_LANES]; // RfBsdfKind
 } RfChains;
 
-// Follows the chains that start at the unevaluable vertices of `first`, and fills everything.
+// True if chains start at some of these vertices.
+bool rf_has_chains( const RfVertexLanes* first );
+
+// Follows the chains that start at some vertices of `first`, and fills everything.
 // Uses the wavefront, whose keys must be set. Without `lit`, leaves light sampling out.
 void rf_follow_chains( const RfPathSettings* path, const RfVertexLanes* first, const RfRayLanes* camera_rays, bool lit,
                        RfWavefront* wavefront, RfChains* chains );

@@ -9,6 +9,9 @@ RfBatchShape rf_batch_shape( const RfEstimatorGroup* group )
     const RfRenderSettings* settings = group->settings;
     bool unevaluable = ( group->traits.kinds & ~0u << RF_BSDF_FIRST_UNEVALUABLE ) != 0;
     int tile_pixels = rf_tile_pixels( &settings->tile );
+    bool grouped = settings->group != 0 && ( group->traits.mirrors || group->traits.smooth );
+    bool chains =
+        ( unevaluable || group->traits.smooth ) && settings->weights == RF_WEIGHTS_EXACT && ( tile_pixels > 1 || grouped );
     return ( RfBatchShape ){
         .eyes = group->eye_count,
         .light_samples = settings->light_samples,
@@ -17,9 +20,8 @@ RfBatchShape rf_batch_shape( const RfEstimatorGroup* group )
         .eq15 = settings->weights == RF_WEIGHTS_EQ15,
         .blended = group->traits.blended,
         .panes = group->traits.panes,
-        .own_frame_light = unevaluable || group->traits.sky,
-        .chains = unevaluable && settings->weights == RF_WEIGHTS_EXACT &&
-                  ( tile_pixels > 1 || ( group->traits.mirrors && settings->group != 0 ) ),
+        .own_frame_light = unevaluable || chains || group->traits.sky,
+        .chains = chains,
     };
 }
 
@@ -252,7 +254,7 @@ static void follow_chains( const RfHarvest* harvest, RfHarvestScratch* scratch )
     RfWavefront* wavefront = &scratch->wavefront;
     scratch->hits = first;
     wavefront->spent = NULL;
-    if ( scratch->chains == NULL || rf_record_count( first ) == first->count )
+    if ( scratch->chains == NULL || !rf_has_chains( first ) )
         return;
     rf_follow_chains( &harvest->path, first, &scratch->camera_rays, !harvest->first_hits_only, wavefront, scratch->chains );
     scratch->hits = &scratch->chains->hits;

@@ -20,7 +20,7 @@ static void look_into( Image* i, uint8_t view )
     if ( i->view == view )
         return;
     i->view = view;
-    i->mirror = i->mirrors->mirror + ( view - 1 );
+    i->mirror = i->mirrors->mirror + ( view - RF_VIEW_FIRST_MIRROR );
     i->image = rf_mirrored_eye( i->eye, i->mirror );
     i->side = rf_mirror_distance( i->mirror, i->eye->origin );
 }
@@ -123,7 +123,7 @@ static void pack( const RfMirrors* mirrors, const RfEye* eye, const RfHitBatch* 
         float before = fabsf( image.side ), after = fabsf( rf_mirror_distance( image.mirror, p ) );
         put( ( float* [3] ){ out->on_mirror[0], out->on_mirror[1], out->on_mirror[2] }, out->count,
              rf_madd( o, rf_sub( p, o ), before / ( before + after ) ) );
-        out->mirror[out->count] = (uint8_t)( batch->view[i] - 1 );
+        out->mirror[out->count] = (uint8_t)( batch->view[i] - RF_VIEW_FIRST_MIRROR );
         out->weight[out->count] = density[i];
         out->lane[out->count++] = i;
     }

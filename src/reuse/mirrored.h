@@ -6,7 +6,10 @@
 #include "reuse/records.h"
 #include "scene/eye.h"
 
-static inline bool rf_is_mirrored( uint8_t view ) { return view != RF_VIEW_DIRECT && view != RF_VIEW_CHAIN; }
+static inline bool rf_is_mirrored( uint8_t view ) { return view >= RF_VIEW_FIRST_MIRROR && view < RF_VIEW_BASE; }
+
+// True if the eye's straight ray found the hit.
+static inline bool rf_is_straight( uint8_t view ) { return view == RF_VIEW_DIRECT || view == RF_VIEW_BASE; }
 
 // Projects the mirrored hits through the image of the eye: pixel and density J of the image times the probability
 // that the mirror reflects, 0 where the image does not face the hit. Occluders and the mirror's outline do not count.

@@ -63,7 +63,9 @@ typedef struct RfBatchShape
 enum
 {
     RF_VIEW_DIRECT,
-    RF_VIEW_CHAIN = 255, // by a chain that no other eye can follow
+    RF_VIEW_FIRST_MIRROR,
+    RF_VIEW_BASE = 254, // directly; the base without its smooth coat
+    RF_VIEW_CHAIN,      // by a chain that no other eye can follow
 };
 
 // Misses follow the hits in the arrays that both have: every ray is one or the other.

@@ -1,5 +1,6 @@
 #include "reuse/reprojection.h"
 
+#include "reuse/coats.h"
 #include "reuse/mirrored.h"
 #include "scene/pinhole.h"
 
@@ -33,9 +34,10 @@ void rf_project_batch( const RfMirrors* mirrors, const RfEye* eye_in, const RfHi
     if ( batch->view == NULL )
         return;
     for ( int i = 0; i < batch->count; ++i )
-        density[i] = batch->view[i] == RF_VIEW_DIRECT ? density[i] : 0.0f;
+        density[i] = rf_is_straight( batch->view[i] ) ? density[i] : 0.0f;
     clear_filter( batch, filter );
     rf_project_mirrored( mirrors, eye_in, batch, pixel, density, filter );
+    rf_weight_bases( batch, rf_pinhole_origin( eye_in ), density, filter );
 }
 
 void rf_own_densities( const RfMirrors* mirrors, const RfEye* eye, const RfHitBatch* batch, float* density,
@@ -45,11 +47,12 @@ void rf_own_densities( const RfMirrors* mirrors, const RfEye* eye, const RfHitBa
     {
         RfVec3 p = rf_vec3( batch->p[0][i], batch->p[1][i], batch->p[2][i] );
         RfVec3 ng = rf_vec3( batch->ng[0][i], batch->ng[1][i], batch->ng[2][i] );
-        bool direct = batch->view == NULL || batch->view[i] == RF_VIEW_DIRECT;
+        bool direct = batch->view == NULL || rf_is_straight( batch->view[i] );
         density[i] = direct ? rf_project( eye, p, ng ).density : 1.0f;
     }
     if ( batch->view == NULL )
         return;
     clear_filter( batch, filter );
     rf_own_mirrored_densities( mirrors, eye, batch, density, filter );
+    rf_weight_bases( batch, rf_pinhole_origin( eye ), density, filter );
 }

@@ -63,7 +63,7 @@ static void see_from_own_eye( const RfHarvest* harvest, const RfHitBatch* batch,
     for ( int i = 0; i < batch->count && batch->view != NULL; ++i )
     {
         found[i] = density[i];
-        density[i] = batch->view[i] == RF_VIEW_DIRECT ? density[i] : 0.0f;
+        density[i] = rf_is_straight( batch->view[i] ) ? density[i] : 0.0f;
     }
     // transmittance is never 0: the camera ray did get through
     float least[RF_LANES];
@@ -73,7 +73,7 @@ static void see_from_own_eye( const RfHarvest* harvest, const RfHitBatch* batch,
     for ( int i = 0; i < batch->count; ++i )
         density[i] = density[i] > least[i] ? density[i] : least[i];
     for ( int i = 0; i < batch->count && batch->view != NULL; ++i )
-        density[i] = batch->view[i] == RF_VIEW_DIRECT ? density[i] : found[i];
+        density[i] = rf_is_straight( batch->view[i] ) ? density[i] : found[i];
 }
 
 // Tests the hits with density > 0, on the straight way or by the mirror in which they were found.
@@ -83,11 +83,11 @@ static int see( const RfTracer* tracer, const RfEye* eye, const RfHitBatch* batc
         return rf_trace_from_origin( tracer, rf_pinhole_origin( eye ), batch->count, lifted, density );
     float straight[RF_LANES];
     for ( int i = 0; i < batch->count; ++i )
-        straight[i] = batch->view[i] == RF_VIEW_DIRECT ? density[i] : 0.0f;
+        straight[i] = rf_is_straight( batch->view[i] ) ? density[i] : 0.0f;
     int rays = rf_trace_from_origin( tracer, rf_pinhole_origin( eye ), batch->count, lifted, straight );
     rays += rf_see_mirrored( tracer, eye, batch, lifted, density );
     for ( int i = 0; i < batch->count; ++i )
-        density[i] = batch->view[i] == RF_VIEW_DIRECT ? straight[i] : density[i];
+        density[i] = rf_is_straight( batch->view[i] ) ? straight[i] : density[i];
     return rays;
 }
 
