@@ -42,6 +42,19 @@ void rf_bsdf_sample( RfBsdfKind kind, int count, const RfBsdfLanes* lanes, const
 void rf_bsdf_sample_weighted( RfBsdfKind kind, int count, const RfBsdfLanes* lanes, const float* const wo[3],
                               const float* const u[3], float* const wi[3], float* const weight[3], float* pdf_solid_angle );
 
+// A thin pane: a smooth thin wall of GLASS, which rays pass without being bent.
+typedef struct RfPane
+{
+    float probability; // q, with which sampling takes a ray straight through; 0: not a pane here
+    RfVec3 colour;     // T, the transmittance: tint times 1 − F
+} RfPane;
+
+// The pane that a material is at a point, for rays at this angle to the shading normal. The same from both sides.
+RfPane rf_pane_of_material( const RfMaterial* material, float cos_o );
+
+// The same for a lane of GLASS seen from wo.
+RfPane rf_pane_of_lane( const RfBsdfLanes* lanes, int lane, RfVec3 wo );
+
 // The probability with which sampling reflects at a smooth (alpha 0), untextured surface of
 // RF_BSDF_GLASS that is seen from its front at this cosine, and the weight of the reflection.
 float rf_glass_reflection( const RfMaterial* material, float cos_o, RfVec3* weight );

@@ -202,6 +202,38 @@ static GlassSample sample( const Glass* g, RfEyeLane eye, const float u[3] )
     return ( GlassSample ){ wi, rf_scale( f, 1.0f / ( ( 1.0f - base ) * reflect ) ), RF_DELTA_PDF };
 }
 
+// Rays below the horizon that eyes are lifted to do not go straight, so the wall is no pane for them.
+static RfPane pane( const Glass* g, float cos_o )
+{
+    if ( !g->thin || g->alpha > 0.0f || cos_o < RF_MIN_COS || !( rf_max_component( g->tint ) > 0.0f ) )
+        return ( RfPane ){ 0.0f, { 0, 0, 0 } };
+    float base = base_probability( g, cos_o ), reflect = reflection_probability( g, reflectance( g, cos_o ) );
+    float rest = 1.0f - dielectric( cos_o, g->ior );
+    // below 1, so that it tells whether there was a pane
+    float probability = rf_minf( ( 1.0f - base ) * ( 1.0f - reflect ), 1.0f - 0x1p-24f );
+    return ( RfPane ){ probability, rf_scale( g->tint, rest ) };
+}
+
+RfPane rf_pane_of_material( const RfMaterial* m, float cos_o )
+{
+    Glass g = {
+        .base = m->diffuse,
+        .specular = m->specular,
+        .tint = m->tint,
+        .alpha = m->alpha,
+        .ior = m->ior,
+        .metal = m->f90,
+        .thin = m->thin && m->ior > 0.0f,
+    };
+    return pane( &g, cos_o );
+}
+
+RfPane rf_pane_of_lane( const RfBsdfLanes* lanes, int lane, RfVec3 wo )
+{
+    Glass g = glass_of( lanes, lane );
+    return pane( &g, rf_dot( g.n, wo ) );
+}
+
 float rf_glass_reflection( const RfMaterial* material, float cos_o, RfVec3* weight )
 {
     Glass g = { .base = material->diffuse,

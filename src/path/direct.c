@@ -205,6 +205,23 @@ static int compact_segments( const RfLightLanes* lights, int count, RfLaneScratc
     return kept;
 }
 
+// Segments and light behind panes: times κ, and the density over q (src/reuse/estimators.md, section 11).
+static void trace_past_panes( const RfTracer* tracer, int kept, const float* const o[3], const float* const d[3],
+                              RfLightLanes* out, RfLaneScratch* scratch )
+{
+    RfPaneLanes panes = { scratch->pdf, { scratch->f[0], scratch->f[1], scratch->f[2] } };
+    rf_trace_segments_past_panes( tracer, kept, o, d, scratch->visible, &panes );
+    for ( int k = 0; k < kept; ++k )
+    {
+        int i = scratch->index[k];
+        if ( scratch->visible[k] == 0.0f )
+            continue;
+        out->pdf_solid_angle[i] /= panes.probability[k];
+        for ( int c = 0; c < 3; ++c )
+            out->radiance_cos[c][i] *= panes.weight[c][k];
+    }
+}
+
 int rf_sample_lights( const RfPathSettings* settings, const RfWavefront* keys, const RfVertexLanes* vertices, uint32_t dimension,
                       RfLightLanes* out, RfLaneScratch* scratch )
 {
@@ -234,7 +251,10 @@ int rf_sample_lights( const RfPathSettings* settings, const RfWavefront* keys, c
     int kept = compact_segments( out, count, scratch );
     const float* o[3] = { scratch->o[0], scratch->o[1], scratch->o[2] };
     const float* d[3] = { scratch->d[0], scratch->d[1], scratch->d[2] };
-    rf_trace_segments( settings->tracer, kept, o, d, scratch->visible );
+    if ( rf_tracer_has_panes( settings->tracer ) )
+        trace_past_panes( settings->tracer, kept, o, d, out, scratch );
+    else
+        rf_trace_segments( settings->tracer, kept, o, d, scratch->visible );
     for ( int k = 0; k < kept; ++k )
     {
         int i = scratch->index[k];

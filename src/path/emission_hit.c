@@ -28,8 +28,15 @@ static float selection_probability( const RfPathSettings* settings, const RfRayL
     return rf_light_probability( rf_tracer_lights( settings->tracer ), settings->light_sampling, light, o, n );
 }
 
+// Behind panes the ray's density is q times as large. Only the quotient of the two
+// densities matters.
+static inline float light_pdf_behind( const float* pane_probability, int r, float light_pdf )
+{
+    return pane_probability != NULL ? light_pdf / pane_probability[r] : light_pdf;
+}
+
 static void add_emission( const RfPathSettings* settings, const RfRayLanes* rays, const RfVertexLanes* v,
-                          const uint32_t* triangle, bool defer_mis, RfArrivals* arrivals )
+                          const uint32_t* triangle, const float* pane_probability, bool defer_mis, RfArrivals* arrivals )
 {
     const RfTriangleRecord* triangles = rf_tracer_triangles( settings->tracer );
     for ( int i = 0; i < v->count; ++i )
@@ -39,12 +46,13 @@ static void add_emission( const RfPathSettings* settings, const RfRayLanes* rays
         int r = v->ray[i];
         RfVec3 emission = rf_vec3( v->emission[0][i], v->emission[1][i], v->emission[2][i] );
         float probability = selection_probability( settings, rays, r, triangles[triangle[r]].light );
-        add_arrival( settings, rays, r, defer_mis, emission, v->light_pdf_solid_angle[i] * probability, arrivals );
+        float light_pdf = light_pdf_behind( pane_probability, r, v->light_pdf_solid_angle[i] * probability );
+        add_arrival( settings, rays, r, defer_mis, emission, light_pdf, arrivals );
     }
 }
 
-static void add_sky( const RfPathSettings* settings, const RfRayLanes* rays, const uint32_t* triangle, bool defer_mis,
-                     RfArrivals* arrivals )
+static void add_sky( const RfPathSettings* settings, const RfRayLanes* rays, const uint32_t* triangle,
+                     const float* pane_probability, bool defer_mis, RfArrivals* arrivals )
 {
     const RfLights* lights = rf_tracer_lights( settings->tracer );
     if ( !rf_has_sky( lights ) )
@@ -57,13 +65,13 @@ static void add_sky( const RfPathSettings* settings, const RfRayLanes* rays, con
         RfVec3 sky = rf_sky_radiance( &lights->sky, d );
         float light_pdf =
             rf_sky_pdf_solid_angle( &lights->sky, d ) * selection_probability( settings, rays, r, rf_sky_number( lights ) );
-        add_arrival( settings, rays, r, defer_mis, sky, light_pdf, arrivals );
+        add_arrival( settings, rays, r, defer_mis, sky, light_pdf_behind( pane_probability, r, light_pdf ), arrivals );
     }
 }
 
 void rf_add_emission_hits( const RfPathSettings* settings, const RfRayLanes* rays, const RfVertexLanes* vertices,
-                           const uint32_t* triangle, bool defer_mis, RfArrivals* arrivals )
+                           const uint32_t* triangle, const float* pane_probability, bool defer_mis, RfArrivals* arrivals )
 {
-    add_emission( settings, rays, vertices, triangle, defer_mis, arrivals );
-    add_sky( settings, rays, triangle, defer_mis, arrivals );
+    add_emission( settings, rays, vertices, triangle, pane_probability, defer_mis, arrivals );
+    add_sky( settings, rays, triangle, pane_probability, defer_mis, arrivals );
 }

@@ -210,9 +210,10 @@ void rf_find_lit_vertices( const RfPathSettings* settings, RfWavefront* wavefron
                            RfVertexLanes* vertices )
 {
     wavefront->path_rays += (uint64_t)rays->count;
-    rf_find_vertices( settings, rays, false, vertices, &wavefront->scratch );
+    const float* pane_probability = rf_find_vertices_past_panes( settings, rays, vertices, &wavefront->scratch );
     rf_absorb( vertices, rays );
-    rf_add_emission_hits( settings, rays, vertices, wavefront->scratch.triangle, defer_mis, &wavefront->arrivals );
+    rf_add_emission_hits( settings, rays, vertices, wavefront->scratch.triangle, pane_probability, defer_mis,
+                          &wavefront->arrivals );
 }
 
 void rf_end_spent_paths( const RfPathSettings* settings, const RfWavefront* wavefront, int vertex, RfRayLanes* rays )

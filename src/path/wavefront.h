@@ -21,7 +21,7 @@ typedef struct RfPathSettings
 typedef struct RfArrivals
 {
     RF_ALIGN float emitted[3][RF_LANES];
-    float light_pdf_solid_angle[RF_LANES]; // of the emitter, by light sampling at the origin
+    float light_pdf_solid_angle[RF_LANES]; // of the emitter, by light sampling at the origin; over q behind panes
     float rest[3][RF_LANES];               // all longer paths
 } RfArrivals;
 
@@ -50,6 +50,12 @@ typedef struct RfWavefront
 void rf_find_vertices( const RfPathSettings* settings, const RfRayLanes* rays, bool coherent, RfVertexLanes* vertices,
                        RfLaneScratch* scratch );
 
+// The same for rays that pass thin panes, by chance: their throughput gets the panes' factor κ, and they are not
+// bent. Panes that rays did not pass are vertices without transmission. Returns the probability q of each ray of
+// passing its panes, in the scratch; NULL: the scene has no panes (src/reuse/estimators.md, section 11).
+const float* rf_find_vertices_past_panes( const RfPathSettings* settings, RfRayLanes* rays, RfVertexLanes* vertices,
+                                          RfLaneScratch* scratch );
+
 // `numbers` uniform random numbers per lane, from `dimension` on.
 void rf_draw_lanes( const RfWavefront* keys, int count, const int32_t* slot, uint32_t dimension, int numbers,
                     float random[][RF_LANES] );
@@ -75,9 +81,10 @@ void rf_scatter_lanes( const RfWavefront* keys, const RfVertexLanes* vertices, u
 
 // Adds emission hit by the rays, of surfaces (the vertices) and of the sky, to the
 // arrivals. With `defer_mis` it goes to `emitted`, unweighted; otherwise to `rest`,
-// weighted by the balance heuristic.
+// weighted by the balance heuristic. The rays have passed panes with these probabilities
+// (NULL: no panes).
 void rf_add_emission_hits( const RfPathSettings* settings, const RfRayLanes* rays, const RfVertexLanes* vertices,
-                           const uint32_t* triangle, bool defer_mis, RfArrivals* arrivals );
+                           const uint32_t* triangle, const float* pane_probability, bool defer_mis, RfArrivals* arrivals );
 
 // The side on which wi leaves an unevaluable lane: 1 that of wo, −1 the other; 0
 // where shading and geometric normal disagree and the path ends.
@@ -120,7 +127,7 @@ void rf_end_spent_paths( const RfPathSettings* settings, const RfWavefront* wave
 // Absorption along rays that reach the surface of a body from inside.
 void rf_absorb( const RfVertexLanes* vertices, RfRayLanes* rays );
 
-// Finds the vertices that the rays hit, applies absorption, and adds their emission
+// Finds the vertices that the rays hit, behind panes perhaps, applies absorption, and adds their emission
 // to wavefront->arrivals (see rf_add_emission_hits).
 void rf_find_lit_vertices( const RfPathSettings* settings, RfWavefront* wavefront, RfRayLanes* rays, bool defer_mis,
                            RfVertexLanes* vertices );

@@ -24,6 +24,7 @@ typedef struct RfSceneTraits
 {
     unsigned kinds; // bit k: a triangle scatters by RfBsdfKind k
     bool blended;   // some surface lets part of the light straight through (alpha blending)
+    bool panes;     // some may be a thin pane (bsdf/bsdf.h)
     bool sky;       // an environment that is not black
     bool mirrors;   // flat mirrors
     bool smooth;    // GGX coats or metals that may be nearly as smooth as mirrors

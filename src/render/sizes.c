@@ -19,6 +19,7 @@ RfSceneTraits rf_scene_traits( const RfScene* scene )
         const RfMaterial* material = scene->materials + scene->triangles.material[i];
         traits.kinds |= 1u << material->kind;
         traits.blended = traits.blended || rf_is_blended( material );
+        traits.panes = traits.panes || rf_may_be_pane( material );
         traits.smooth = traits.smooth || rf_may_be_smooth( material );
     }
     RfMirrors mirrors;

@@ -130,9 +130,10 @@ static void light_reflections( const RfPathSettings* path, const RfVertexLanes* 
     if ( wavefront->rays.count == 0 )
         return;
     wavefront->path_rays += (uint64_t)wavefront->rays.count;
-    rf_find_vertices( path, &wavefront->rays, false, &wavefront->vertices, &wavefront->scratch );
+    const float* pane_probability =
+        rf_find_vertices_past_panes( path, &wavefront->rays, &wavefront->vertices, &wavefront->scratch );
     rf_absorb( &wavefront->vertices, &wavefront->rays );
-    rf_add_emission_hits( path, &wavefront->rays, &wavefront->vertices, wavefront->scratch.triangle, false,
+    rf_add_emission_hits( path, &wavefront->rays, &wavefront->vertices, wavefront->scratch.triangle, pane_probability, false,
                           &wavefront->arrivals );
 }
 

@@ -153,7 +153,7 @@ static void drop_split_light( const RfChains* chains, RfWavefront* wavefront )
 
 // Adds the light that the rays hit. What only the chain can find stays with the vertex if the chain ends there, so
 // that it is reused with it.
-static void add_emission( const RfPathSettings* path, bool last, RfWavefront* wavefront )
+static void add_emission( const RfPathSettings* path, const float* pane_probability, bool last, RfWavefront* wavefront )
 {
     RfVertexLanes* found = &wavefront->vertices;
     const RfRayLanes* rays = &wavefront->rays;
@@ -163,11 +163,21 @@ static void add_emission( const RfPathSettings* path, bool last, RfWavefront* wa
         kept[i] = !last && rays->pdf_solid_angle[found->ray[i]] >= RF_DELTA_PDF;
         found->light_pdf_solid_angle[i] = kept[i] ? 0.0f : found->light_pdf_solid_angle[i];
     }
-    rf_add_emission_hits( path, rays, found, wavefront->scratch.triangle, false, &wavefront->arrivals );
+    rf_add_emission_hits( path, rays, found, wavefront->scratch.triangle, pane_probability, false, &wavefront->arrivals );
     for ( int i = 0; i < rf_record_count( found ); ++i )
     {
         for ( int c = 0; c < 3 && !kept[i]; ++c )
             found->emission[c][i] = 0.0f;
+    }
+}
+
+// Mirrored eyes do not see through panes.
+static void note_panes( const RfRayLanes* rays, const float* pane_probability, RfChains* chains )
+{
+    for ( int r = 0; r < rays->count; ++r )
+    {
+        if ( pane_probability[r] < 1.0f )
+            chains->view[rays->slot[r]] = RF_VIEW_CHAIN;
     }
 }
 
@@ -248,11 +258,14 @@ void rf_follow_chains( const RfPathSettings* path, const RfVertexLanes* first, c
             break;
         note_events( vertex, wavefront, chains );
         wavefront->path_rays += (uint64_t)wavefront->rays.count;
-        rf_find_vertices( path, &wavefront->rays, false, &wavefront->vertices, &wavefront->scratch );
+        const float* pane_probability =
+            rf_find_vertices_past_panes( path, &wavefront->rays, &wavefront->vertices, &wavefront->scratch );
+        if ( pane_probability != NULL )
+            note_panes( &wavefront->rays, pane_probability, chains );
         rf_absorb( &wavefront->vertices, &wavefront->rays );
         if ( vertex == 1 )
             drop_split_light( chains, wavefront );
-        add_emission( path, last, wavefront );
+        add_emission( path, pane_probability, last, wavefront );
         note_ends( &wavefront->vertices, &wavefront->rays, vertex, last, chains );
         rf_go_to( &wavefront->vertices, &chains->at );
     }

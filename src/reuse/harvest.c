@@ -19,6 +19,7 @@ RfBatchShape rf_batch_shape( const RfEstimatorGroup* group )
         .params = rf_glossy_params( group->traits.kinds ),
         .eq15 = settings->weights == RF_WEIGHTS_EQ15,
         .blended = group->traits.blended,
+        .panes = group->traits.panes,
         .own_frame_light = unevaluable || chains || group->traits.sky,
         .chains = chains,
     };
@@ -49,7 +50,8 @@ size_t rf_harvest_scratch_bytes( const RfBatchShape* shape )
 {
     size_t lanes = RF_LANES * sizeof( float );
     return scratch_struct_bytes() + (size_t)shape->light_samples * sizeof( RfLightLanes ) + (size_t)shape->eyes * lanes +
-           (size_t)rf_direction_count( shape ) * lanes + rf_tile_reuse_bytes( shape->light_samples, shape->tile_pixels ) +
+           (size_t)rf_direction_count( shape ) * lanes +
+           rf_tile_reuse_bytes( shape->light_samples, shape->tile_pixels, shape->panes ) +
            ( shape->chains ? sizeof( RfChains ) + 64 : 0 );
 }
 
@@ -60,8 +62,8 @@ RfHarvestScratch* rf_lay_out_harvest_scratch( const RfBatchShape* shape, void* m
     scratch->density = (float*)( scratch->direct + shape->light_samples );
     scratch->mixture = scratch->density + (size_t)shape->eyes * RF_LANES;
     char* rest = (char*)( scratch->mixture + (size_t)rf_direction_count( shape ) * RF_LANES );
-    scratch->tiles = rf_lay_out_tile_reuse( shape->light_samples, shape->tile_pixels, rest );
-    rest += rf_tile_reuse_bytes( shape->light_samples, shape->tile_pixels );
+    scratch->tiles = rf_lay_out_tile_reuse( shape->light_samples, shape->tile_pixels, shape->panes, rest );
+    rest += rf_tile_reuse_bytes( shape->light_samples, shape->tile_pixels, shape->panes );
     scratch->chains = shape->chains ? (RfChains*)(void*)( rest + ( 64 - (uintptr_t)rest % 64 ) % 64 ) : NULL;
     return scratch;
 }

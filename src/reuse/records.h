@@ -54,6 +54,7 @@ typedef struct RfBatchShape
     uint32_t params;   // of the glossy models in the scene (rf_glossy_params); 0: it has none
     bool eq15;
     bool blended;         // visibility may be between 0 and 1
+    bool panes;           // connections may pass thin panes
     bool own_frame_light; // misses may be lit: the scene has a sky or unevaluable materials
     bool chains;          // camera rays go on through mirrors and glass
 } RfBatchShape;

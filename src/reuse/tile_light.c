@@ -167,7 +167,8 @@ static bool all_reused( const RfTileReuse* reuse )
     return true;
 }
 
-// Stores the light of pairing 0 as that of the hits' own paths.
+// Stores the light of pairing 0 as that of the hits' own paths, whose throughput is that
+// of the panes they passed.
 static void store_own( RfWavefront* wavefront, const RfTileReuse* reuse )
 {
     const RfVertexLanes* y = &reuse->second;
@@ -177,7 +178,7 @@ static void store_own( RfWavefront* wavefront, const RfTileReuse* reuse )
         if ( reuse->owner[a] < 0 )
             continue;
         for ( int c = 0; c < 3; ++c )
-            wavefront->arrivals.rest[c][y->slot[a]] = own->weight[reuse->owner[a]] * own->light[c][a];
+            wavefront->arrivals.rest[c][y->slot[a]] = own->weight[reuse->owner[a]] * own->light[c][a] * reuse->throughput[c][a];
     }
 }
 
@@ -220,6 +221,11 @@ void rf_gather_tile_light( const RfTileReuse* reuse, int pairing, const RfVertex
         for ( int c = 0; c < 3; ++c )
             light[c][i] = weight > 0.0f ? cos_x * weight * from->light[c][a] : 0.0f;
     }
+    for ( int c = 0; c < 3 && reuse->pane_weight != NULL; ++c )
+    {
+        for ( int i = first; i < end; ++i )
+            light[c][i] = t->weight[i] > 0.0f ? light[c][i] * reuse->pane_weight[pairing][c][i] : 0.0f;
+    }
 }
 
 void rf_gather_diffuse_tile_light( const RfTileReuse* reuse, int pairings, int count, float sum[3][RF_LANES] )
@@ -231,14 +237,18 @@ void rf_gather_diffuse_tile_light( const RfTileReuse* reuse, int pairings, int c
     for ( int s = 1; s < pairings; ++s )
     {
         const RfPairingLanes* t = reuse->pairings + s;
+        float( *pane_weight )[RF_LANES] = reuse->pane_weight != NULL ? reuse->pane_weight[s] : NULL;
         for ( int i = 0; i < count; ++i )
         {
             if ( t->weight[i] == 0.0f )
                 continue;
             int a = t->vertex[i];
             const RfPairingLanes* from = a < diffuse ? own : t;
+            float weight[3] = { t->weight[i], t->weight[i], t->weight[i] };
+            for ( int c = 0; c < 3 && pane_weight != NULL; ++c )
+                weight[c] *= pane_weight[c][i];
             for ( int c = 0; c < 3; ++c )
-                sum[c][i] += t->weight[i] * from->light[c][a];
+                sum[c][i] += weight[c] * from->light[c][a];
         }
     }
 }

@@ -5,20 +5,22 @@
 
 static size_t struct_bytes( void ) { return ( sizeof( RfTileReuse ) + 63 ) / 64 * 64; }
 
-size_t rf_tile_reuse_bytes( int light_samples, int tile_pixels )
+size_t rf_tile_reuse_bytes( int light_samples, int tile_pixels, bool panes )
 {
     if ( tile_pixels == 1 )
         return 0;
-    return struct_bytes() + (size_t)light_samples * sizeof( RfLightLanes ) + (size_t)tile_pixels * sizeof( RfPairingLanes );
+    return struct_bytes() + (size_t)light_samples * sizeof( RfLightLanes ) + (size_t)tile_pixels * sizeof( RfPairingLanes ) +
+           ( panes ? (size_t)tile_pixels * 3 * RF_LANES * sizeof( float ) : 0 );
 }
 
-RfTileReuse* rf_lay_out_tile_reuse( int light_samples, int tile_pixels, void* memory )
+RfTileReuse* rf_lay_out_tile_reuse( int light_samples, int tile_pixels, bool panes, void* memory )
 {
     if ( tile_pixels == 1 )
         return NULL;
     RfTileReuse* reuse = memory;
     reuse->direct = (RfLightLanes*)( (char*)memory + struct_bytes() );
     reuse->pairings = (RfPairingLanes*)( reuse->direct + light_samples );
+    reuse->pane_weight = panes ? ( float( * )[3][RF_LANES] )(void*)( reuse->pairings + tile_pixels ) : NULL;
     return reuse;
 }
 

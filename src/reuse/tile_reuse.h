@@ -51,10 +51,11 @@ typedef struct RfTileReuse
     float wo[3][RF_LANES]; // to the receivers of a pairing
     float mixture[RF_LANES];
     float a[3][RF_LANES], b[3][RF_LANES], light_pdf[RF_LANES];
-    RfArrivals arrivals_at_hits;   // by slot: along the rays scattered at the hits
-    RfArrivals arrivals_at_second; // by slot: along wi at the second vertices
-    RfLightLanes* direct;          // light samples at the second vertices, K of them
-    RfPairingLanes* pairings;      // one per pixel of a tile
+    RfArrivals arrivals_at_hits;         // by slot: along the rays scattered at the hits
+    RfArrivals arrivals_at_second;       // by slot: along wi at the second vertices
+    RfLightLanes* direct;                // light samples at the second vertices, K of them
+    RfPairingLanes* pairings;            // one per pixel of a tile
+    float ( *pane_weight )[3][RF_LANES]; // by pairing from 1 on and hit: κ of the panes between (section 11); NULL: no panes
 } RfTileReuse;
 
 typedef struct RfTileReuseSettings
@@ -64,8 +65,8 @@ typedef struct RfTileReuseSettings
     bool roulette;   // on connections of low weight
 } RfTileReuseSettings;
 
-size_t rf_tile_reuse_bytes( int light_samples, int tile_pixels );
-RfTileReuse* rf_lay_out_tile_reuse( int light_samples, int tile_pixels, void* memory );
+size_t rf_tile_reuse_bytes( int light_samples, int tile_pixels, bool panes );
+RfTileReuse* rf_lay_out_tile_reuse( int light_samples, int tile_pixels, bool panes, void* memory );
 
 // Like rf_trace_tails for the rays scattered at the hits, but second vertices are
 // reused inside the tiles reuse->tile_of. wavefront->arrivals is as returned there,

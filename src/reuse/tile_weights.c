@@ -56,14 +56,32 @@ typedef struct Queue
     int count;
     uint64_t tested;
     float* weight[RF_PATCH_PIXELS];
+    float* pane_weight[RF_PATCH_PIXELS]; // where κ of the segment goes, channels RF_LANES apart; NULL: nowhere
 } Queue;
+
+// Connections through panes: they have a part of the density, q, and carry light times κ.
+static void test_past_panes( Queue* q, const float* const o[3], const float* const d[3] )
+{
+    RfLaneScratch* s = q->scratch;
+    RfPaneLanes panes = { s->pdf, { s->f[0], s->f[1], s->f[2] } };
+    rf_trace_segments_past_panes( q->tracer, q->count, o, d, s->visible, &panes );
+    for ( int k = 0; k < q->count; ++k )
+    {
+        s->visible[k] *= panes.probability[k];
+        for ( int c = 0; c < 3 && q->pane_weight[k] != NULL; ++c )
+            q->pane_weight[k][c * RF_LANES] = panes.weight[c][k];
+    }
+}
 
 static void test_segments( Queue* q )
 {
     RfLaneScratch* s = q->scratch;
     const float* o[3] = { s->o[0], s->o[1], s->o[2] };
     const float* d[3] = { s->d[0], s->d[1], s->d[2] };
-    rf_trace_segments( q->tracer, q->count, o, d, s->visible );
+    if ( rf_tracer_has_panes( q->tracer ) )
+        test_past_panes( q, o, d );
+    else
+        rf_trace_segments( q->tracer, q->count, o, d, s->visible );
     for ( int k = 0; k < q->count; ++k )
         *q->weight[k] *= s->visible[k];
     q->tested += (uint64_t)q->count;
@@ -90,7 +108,7 @@ static void lift_hits( const RfVertexLanes* x, RfTileReuse* reuse )
 }
 
 // Queues the segment from a point to a hit, unless its weight is 0.
-static inline void queue_segment( Queue* q, const RfTileReuse* reuse, RfVec3 from, int hit, float* weight )
+static inline void queue_segment( Queue* q, const RfTileReuse* reuse, RfVec3 from, int hit, float* weight, float* pane_weight )
 {
     RfLaneScratch* s = q->scratch;
     int k = q->count;
@@ -101,13 +119,14 @@ static inline void queue_segment( Queue* q, const RfTileReuse* reuse, RfVec3 fro
     s->d[1][k] = reuse->lifted[1][hit] - from.y;
     s->d[2][k] = reuse->lifted[2][hit] - from.z;
     q->weight[k] = weight;
+    q->pane_weight[k] = pane_weight;
     q->count += *weight != 0.0f;
     if ( q->count == RF_PATCH_PIXELS )
         test_segments( q );
 }
 
 // Tests the connections of paths to their own second vertex, which matters only with
-// partially transparent surfaces. The path did get through, so the result is never 0.
+// partially transparent surfaces. Their rays carry κ already. The path did get through, so the result is never 0.
 static void test_own_paths( Queue* q, int hits, RfTileReuse* reuse )
 {
     float* weight = reuse->pairings[0].weight;
@@ -118,7 +137,7 @@ static void test_own_paths( Queue* q, int hits, RfTileReuse* reuse )
     {
         int i = reuse->owner[a];
         if ( i >= 0 )
-            queue_segment( q, reuse, lifted( &reuse->second, a ), i, weight + i );
+            queue_segment( q, reuse, lifted( &reuse->second, a ), i, weight + i, NULL );
     }
     test_segments( q );
     for ( int i = 0; i < hits; ++i )
@@ -160,7 +179,7 @@ static float largest( const Pairs* p )
 static void queue_pair( Queue* q, const RfTileReuse* reuse, const Pairs* p, RfVec3 from, int k, int own )
 {
     if ( k != own )
-        queue_segment( q, reuse, from, p->hit[k], p->weight[k] );
+        queue_segment( q, reuse, from, p->hit[k], p->weight[k], NULL );
 }
 
 // Weights of excluded pairs become negative, or 0 where the roulette kills them.
@@ -209,8 +228,9 @@ static void queue_all( Queue* q, RfTileReuse* reuse, int a )
     const int32_t* member = reuse->member + reuse->begin[own];
     for ( int k = 0, s = reuse->rank[own]; k<size; ++k, s = s> 0 ? s - 1 : size - 1 )
     {
+        float* pane_weight = reuse->pane_weight != NULL ? reuse->pane_weight[s][0] + member[k] : NULL;
         if ( s > 0 )
-            queue_segment( q, reuse, from, member[k], reuse->pairings[s].weight + member[k] );
+            queue_segment( q, reuse, from, member[k], reuse->pairings[s].weight + member[k], pane_weight );
     }
 }
 
@@ -222,10 +242,10 @@ static uint64_t test_connections( const RfTileReuseSettings* settings, const RfV
 {
     Queue q = { .tracer = settings->path->tracer, .scratch = &wavefront->scratch };
     const RfVertexLanes* y = &reuse->second;
-    bool blended = rf_tracer_is_blended( q.tracer );
-    int cut_off_count = settings->roulette && !blended ? y->first[RF_BSDF_FIRST_GLOSSY] : 0;
+    bool in_part = rf_tracer_is_blended( q.tracer ) || rf_tracer_has_panes( q.tracer );
+    int cut_off_count = settings->roulette && !in_part ? y->first[RF_BSDF_FIRST_GLOSSY] : 0;
     lift_hits( x, reuse );
-    if ( blended )
+    if ( in_part )
         test_own_paths( &q, rf_record_count( x ), reuse );
     for ( int a = 0; a < rf_record_count( y ); ++a )
     {

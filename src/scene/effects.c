@@ -190,6 +190,7 @@ int rf_list_effects( const RfScene* scene, RfEffect effects[RF_MAX_EFFECTS] )
     effects[count++] = material_effect( &census, "clearcoat", has_clearcoat, "no material has a clear coat" );
     effects[count++] = material_effect( &census, "mirrors", has_mirror, "no material is a perfect mirror" );
     effects[count++] = material_effect( &census, "transmission", has_transmission, "no material transmits light" );
+    effects[count++] = material_effect( &census, "panes", rf_may_be_pane, "no smooth wall without thickness transmits light" );
     effects[count++] = material_effect( &census, "absorption", has_absorption, "no glass absorbs light" );
     effects[count++] = punctual_effect( scene );
     effects[count++] = environment_effect( scene );

@@ -170,6 +170,17 @@ void rf_material_at( const RfScene* scene, const RfMaterial* m, uint32_t triangl
         clearcoat_at( scene, m, triangle, u, v, out );
 }
 
+bool rf_is_clear_somewhere( const RfMaterial* m )
+{
+    if ( m->ior == 0.0f ) // a mirror
+        return false;
+    if ( m->textured == NULL )
+        return m->alpha == 0.0f && rf_max_component( m->tint ) > 0.0f;
+    // textures are factors: they make rough surfaces smooth, but nothing rougher
+    bool smooth = m->alpha == 0.0f || m->textured->refs[RF_TEXTURE_METALLIC_ROUGHNESS].texture >= 0;
+    return smooth && m->textured->transmission > 0.0;
+}
+
 bool rf_is_cut_out( const RfScene* scene, const RfMaterial* m, uint32_t triangle, float u, float v )
 {
     double base[4];

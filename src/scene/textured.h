@@ -107,4 +107,13 @@ static inline bool rf_may_be_smooth( const RfMaterial* m )
 static inline bool rf_is_masked( const RfMaterial* m ) { return m->textured != NULL && m->textured->masked; }
 static inline bool rf_is_blended( const RfMaterial* m ) { return m->textured != NULL && m->textured->blended; }
 
+// True if a thin wall of glass is smooth and lets light through somewhere.
+bool rf_is_clear_somewhere( const RfMaterial* material );
+
+// True if the material is a thin pane (bsdf/bsdf.h), at least where its textures allow.
+static inline bool rf_may_be_pane( const RfMaterial* m )
+{
+    return m->kind == RF_BSDF_GLASS && m->thin && rf_is_clear_somewhere( m );
+}
+
 #endif

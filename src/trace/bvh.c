@@ -13,9 +13,9 @@ enum
     MASKED,
 };
 
-static bool has_filter( const RfMaterial* m ) { return rf_is_masked( m ) || rf_is_blended( m ); }
+static bool has_filter( const RfMaterial* m ) { return rf_is_masked( m ) || rf_is_blended( m ) || rf_may_be_pane( m ); }
 
-// Masked and blended triangles form a geometry of their own, so that the others need no
+// Masked and blended triangles and panes form a geometry of their own, so that the others need no
 // filter. Sorts the triangles: unfiltered first.
 static RfResult sort_masked( RfBvh* bvh, RfError* error )
 {
@@ -27,6 +27,7 @@ static RfResult sort_masked( RfBvh* bvh, RfError* error )
         const RfMaterial* m = scene->materials + t->material[i];
         masked += has_filter( m );
         bvh->blended = bvh->blended || rf_is_blended( m );
+        bvh->panes = bvh->panes || rf_may_be_pane( m );
     }
     bvh->masked_first = t->count - masked;
     if ( masked == 0 )

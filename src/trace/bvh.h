@@ -1,18 +1,21 @@
-// Internal to trace.c: Embree's scene. Alpha-masked and alpha-blended triangles are a geometry
-// with a filter function; scenes without any have a single geometry.
+// Internal to this folder: Embree's scene. Alpha-masked and alpha-blended triangles and thin panes
+// are a geometry with a filter function; scenes without any have a single geometry.
 #ifndef REFRAME_TRACE_BVH_H
 #define REFRAME_TRACE_BVH_H
 
 #include "scene/mirrors.h"
 #include "scene/scene.h"
+#include "trace/trace.h"
 
 #include <embree3/rtcore.h>
 
 typedef struct RfBvh
 {
     const RfScene* scene;
+    const RfTriangleRecord* triangles; // set by the owner
     RTCScene embree_scene;
     bool blended;          // some triangles are alpha-blended
+    bool panes;            // some may be thin panes
     uint32_t masked_first; // first index in `order` that has the filter
     uint32_t* order;       // scene triangles in the order of the two geometries; NULL: original order
 } RfBvh;

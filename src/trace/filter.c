@@ -1,6 +1,7 @@
 #include "trace/filter.h"
 
 #include "base/random.h"
+#include "bsdf/bsdf.h"
 #include "scene/textured.h"
 
 // Offsets of the fields in Embree's packets (the accessors of its header are C++ only).
@@ -35,17 +36,92 @@ static float random_of_ray( const struct RTCFilterFunctionNArguments* args, unsi
 static bool hits_blended( const struct RTCFilterFunctionNArguments* args, unsigned int lane, uint32_t triangle, float opacity )
 {
     RfQuery* query = (RfQuery*)args->context;
-    if ( !query->segments )
+    if ( query->kind == RF_QUERY_NEAREST )
         return random_of_ray( args, lane, triangle ) < opacity;
     float* left = query->transmittance + ray_bits( args, RAY_ID, lane );
     *left *= 1.0f - opacity;
     return *left <= 0.0f;
 }
 
+// A point on a triangle that a ray meets.
+typedef struct Crossing
+{
+    uint32_t triangle;
+    float u, v;
+    RfVec3 d; // of the ray, of any length
+} Crossing;
+
+static RfVec3 front_normal( const RfTriangleRecord* t, float u, float v )
+{
+    if ( t->flat )
+        return t->ng;
+    RfVec3 n = rf_add( t->n0, rf_add( rf_scale( t->d1, u ), rf_scale( t->d2, v ) ) );
+    float length2 = rf_dot( n, n );
+    n = rf_scale( n, 1.0f / sqrtf( length2 ) );
+    return rf_dot( n, t->ng ) > 0.0f && length2 > 1e-12f ? n : t->ng;
+}
+
+// The pane at a crossing, with the holes that its alpha leaves.
+static RfPane pane_at( const RfBvh* bvh, const Crossing* x, float opacity )
+{
+    const RfTriangleRecord* t = bvh->triangles + x->triangle;
+    const RfMaterial* material = bvh->scene->materials + t->material;
+    RfMaterial here;
+    RfVec3 n = front_normal( t, x->u, x->v );
+    if ( material->textured != NULL )
+    {
+        rf_material_at( bvh->scene, material, x->triangle, x->u, x->v, &here );
+        n = rf_normal_at( bvh->scene, material, x->triangle, x->u, x->v, n, t->ng );
+        material = &here;
+    }
+    float cos_o = rf_dot( n, x->d ) / rf_length( x->d );
+    RfPane pane = rf_pane_of_material( material, rf_dot( t->ng, x->d ) < 0.0f ? -cos_o : cos_o );
+    float hole = 1.0f - opacity;
+    if ( !( pane.probability > 0.0f ) || hole <= 0.0f )
+        return pane;
+    return ( RfPane ){
+        hole + opacity * pane.probability,
+        rf_add( rf_vec3( hole, hole, hole ), rf_scale( pane.colour, opacity ) ),
+    };
+}
+
+static bool hits_pane( const struct RTCFilterFunctionNArguments* args, unsigned int lane, uint32_t triangle, RfPane pane )
+{
+    RfQuery* query = (RfQuery*)args->context;
+    uint32_t id = ray_bits( args, RAY_ID, lane );
+    if ( query->kind == RF_QUERY_NEAREST )
+    {
+        bool hits = random_of_ray( args, lane, triangle ) >= pane.probability;
+        query->passed |= !hits;
+        return hits;
+    }
+    query->passed = true;
+    query->pane_probability[id] *= pane.probability;
+    query->pane_weight[0][id] *= pane.colour.x / pane.probability;
+    query->pane_weight[1][id] *= pane.colour.y / pane.probability;
+    query->pane_weight[2][id] *= pane.colour.z / pane.probability;
+    return query->pane_probability[id] <= 0.0f;
+}
+
+// Whether a surface that is there in part, or a pane, stops the ray.
+static bool is_hit( const struct RTCFilterFunctionNArguments* args, unsigned int lane, const Crossing* x, float opacity,
+                    bool may_be_pane )
+{
+    if ( may_be_pane )
+    {
+        RfPane pane = pane_at( args->geometryUserPtr, x, opacity );
+        if ( pane.probability > 0.0f )
+            return hits_pane( args, lane, x->triangle, pane );
+    }
+    return opacity >= 1.0f || hits_blended( args, lane, x->triangle, opacity );
+}
+
 void rf_filter_hits( const struct RTCFilterFunctionNArguments* args )
 {
     const RfBvh* bvh = args->geometryUserPtr;
     const RfScene* scene = bvh->scene;
+    const RfQuery* query = (const RfQuery*)args->context;
+    const float* ray = (const float*)(const void*)args->ray + RAY_DIRECTION * args->N;
     const float* u = (const float*)(const void*)args->hit + HIT_U * args->N;
     const float* v = (const float*)(const void*)args->hit + HIT_V * args->N;
     const unsigned int* number = (const unsigned int*)(const void*)args->hit + HIT_NUMBER * args->N;
@@ -53,10 +129,13 @@ void rf_filter_hits( const struct RTCFilterFunctionNArguments* args )
     {
         if ( args->valid[i] == 0 )
             continue;
-        uint32_t triangle = bvh->order[bvh->masked_first + number[i]];
-        const RfMaterial* material = scene->materials + scene->triangles.material[triangle];
-        float opacity = rf_opacity_at( scene, material, triangle, u[i], v[i] );
-        if ( opacity <= 0.0f || ( opacity < 1.0f && !hits_blended( args, i, triangle, opacity ) ) )
+        Crossing x = { .triangle = bvh->order[bvh->masked_first + number[i]], .u = u[i], .v = v[i] };
+        const RfMaterial* material = scene->materials + scene->triangles.material[x.triangle];
+        bool may_be_pane = query->pass_panes && rf_may_be_pane( material );
+        bool ignored = query->kind == RF_QUERY_PANES && ( !may_be_pane || x.triangle == query->hit[ray_bits( args, RAY_ID, i )] );
+        float opacity = material->textured != NULL ? rf_opacity_at( scene, material, x.triangle, u[i], v[i] ) : 1.0f;
+        x.d = rf_vec3( ray[i], ray[args->N + i], ray[2 * args->N + i] );
+        if ( ignored || opacity <= 0.0f || !is_hit( args, i, &x, opacity, may_be_pane ) || query->kind == RF_QUERY_PANES )
             args->valid[i] = 0;
     }
 }

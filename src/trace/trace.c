@@ -1,29 +1,12 @@
-#include "trace/trace.h"
+#include "trace/tracer.h"
 
 #include "light/light.h"
-#include "trace/filter.h"
 
-#include <embree3/rtcore.h>
 #include <pmmintrin.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <xmmintrin.h>
-
-struct RfTracer
-{
-    const RfScene* scene;
-    RTCDevice device;
-    RfBvh bvh;
-    RfLights lights;
-    RfMirrors mirrors;
-    RTCScene mirror_scene; // the triangles of the mirrors alone; NULL: none
-    RfTriangleRecord* triangles;
-    bool textured;
-    long bytes;
-    char text[64];
-    char message[256]; // the first error of Embree
-};
 
 void rf_set_float_mode( void )
 {
@@ -131,6 +114,7 @@ RfResult rf_create_tracer( const RfScene* scene, RfTracer** out, RfError* error 
         tracer->mirror_scene = rf_build_mirror_scene( tracer->device, scene, &tracer->mirrors );
     if ( result == RF_OK )
         result = fill_records( tracer, error );
+    tracer->bvh.triangles = tracer->triangles;
     if ( result != RF_OK )
     {
         rf_destroy_tracer( tracer );
@@ -157,6 +141,7 @@ void rf_destroy_tracer( RfTracer* tracer )
 const RfScene* rf_tracer_scene( const RfTracer* tracer ) { return tracer->scene; }
 bool rf_tracer_is_textured( const RfTracer* tracer ) { return tracer->textured; }
 bool rf_tracer_is_blended( const RfTracer* tracer ) { return tracer->bvh.blended; }
+bool rf_tracer_has_panes( const RfTracer* tracer ) { return tracer->bvh.panes; }
 const RfMirrors* rf_tracer_mirrors( const RfTracer* tracer ) { return &tracer->mirrors; }
 const RfLights* rf_tracer_lights( const RfTracer* tracer ) { return &tracer->lights; }
 
@@ -170,196 +155,4 @@ const char* rf_tracer_device( const RfTracer* tracer ) { return tracer->text; }
 size_t rf_tracer_bytes( const RfTracer* tracer )
 {
     return (size_t)tracer->bytes + (size_t)tracer->scene->triangles.count * sizeof( RfTriangleRecord );
-}
-
-static RfQuery begin_query( bool segments, bool coherent )
-{
-    RfQuery query;
-    rtcInitIntersectContext( &query.context );
-    query.context.flags = coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
-    query.segments = segments;
-    for ( int i = 0; i < RF_PACKET; ++i )
-        query.transmittance[i] = 1.0f;
-    return query;
-}
-
-static void reset_transmittance( const RfTracer* tracer, RfQuery* query )
-{
-    for ( int i = 0; i < RF_PACKET && tracer->bvh.blended; ++i )
-        query->transmittance[i] = 1.0f;
-}
-
-// Masks the lanes of a packet beyond `count`.
-static int set_valid( int* valid, int first, int count )
-{
-    int lanes = count - first < RF_PACKET ? count - first : RF_PACKET;
-    for ( int i = 0; i < RF_PACKET; ++i )
-        valid[i] = i < lanes ? -1 : 0;
-    return lanes;
-}
-
-static void set_ray( struct RTCRay16* ray, int lanes, const float* const d[3], int first, float far )
-{
-    for ( int i = 0; i < lanes; ++i )
-    {
-        ray->dir_x[i] = d[0][first + i];
-        ray->dir_y[i] = d[1][first + i];
-        ray->dir_z[i] = d[2][first + i];
-    }
-    for ( int i = 0; i < RF_PACKET; ++i )
-    {
-        ray->tnear[i] = 0.0f;
-        ray->tfar[i] = far;
-        ray->time[i] = 0.0f;
-        ray->mask[i] = 0xffffffffu;
-        ray->id[i] = (unsigned int)i;
-        ray->flags[i] = 0;
-    }
-}
-
-static void set_origins( struct RTCRay16* ray, int lanes, const float* const o[3], int first )
-{
-    for ( int i = 0; i < lanes; ++i )
-    {
-        ray->org_x[i] = o[0][first + i];
-        ray->org_y[i] = o[1][first + i];
-        ray->org_z[i] = o[2][first + i];
-    }
-}
-
-void rf_trace_nearest( const RfTracer* tracer, int count, const float* const o[3], const float* const d[3], bool coherent,
-                       uint32_t* triangle, float* u, float* v )
-{
-    RfQuery query = begin_query( false, coherent );
-    _Alignas( 64 ) int valid[RF_PACKET];
-    struct RTCRayHit16 packet;
-    memset( &packet, 0, sizeof packet );
-    for ( int first = 0; first < count; first += RF_PACKET )
-    {
-        int lanes = set_valid( valid, first, count );
-        set_origins( &packet.ray, lanes, o, first );
-        set_ray( &packet.ray, lanes, d, first, INFINITY );
-        for ( int i = 0; i < RF_PACKET; ++i )
-            packet.hit.geomID[i] = packet.hit.primID[i] = RTC_INVALID_GEOMETRY_ID;
-        rtcIntersect16( valid, tracer->bvh.embree_scene, &query.context, &packet );
-        for ( int i = 0; i < lanes; ++i )
-        {
-            triangle[first + i] = packet.hit.primID[i];
-            u[first + i] = packet.hit.u[i];
-            v[first + i] = packet.hit.v[i];
-        }
-        if ( tracer->bvh.order != NULL )
-            rf_restore_order( &tracer->bvh, lanes, packet.hit.geomID, triangle + first );
-    }
-}
-
-void rf_trace_segments( const RfTracer* tracer, int count, const float* const o[3], const float* const d[3], float* visible )
-{
-    RfQuery query = begin_query( true, false );
-    _Alignas( 64 ) int valid[RF_PACKET];
-    struct RTCRay16 ray;
-    memset( &ray, 0, sizeof ray );
-    for ( int first = 0; first < count; first += RF_PACKET )
-    {
-        int lanes = set_valid( valid, first, count );
-        set_origins( &ray, lanes, o, first );
-        set_ray( &ray, lanes, d, first, 1.0f );
-        rtcOccluded16( valid, tracer->bvh.embree_scene, &query.context, &ray );
-        for ( int i = 0; i < lanes; ++i )
-            visible[first + i] = ray.tfar[i] < 0.0f ? 0.0f : query.transmittance[i]; // −inf if occluded
-        reset_transmittance( tracer, &query );
-    }
-}
-
-// Fills the segments of a packet; returns the number of lanes to test.
-static int set_segments( struct RTCRay16* ray, int* valid, RfVec3 origin, int lanes, const float* const point[3], int first,
-                         const float* weight )
-{
-    int tested = 0;
-#pragma omp simd reduction( + : tested )
-    for ( int i = 0; i < lanes; ++i )
-    {
-        ray->dir_x[i] = point[0][first + i] - origin.x;
-        ray->dir_y[i] = point[1][first + i] - origin.y;
-        ray->dir_z[i] = point[2][first + i] - origin.z;
-        valid[i] = weight[first + i] > 0.0f ? -1 : 0;
-        tested -= valid[i];
-    }
-    return tested;
-}
-
-int rf_trace_from_origin( const RfTracer* tracer, RfVec3 origin, int count, const float* const point[3], float* weight )
-{
-    // although these rays are coherent, Embree's incoherent packet traversal is faster here
-    RfQuery query = begin_query( true, false );
-    _Alignas( 64 ) int valid[RF_PACKET];
-    struct RTCRay16 ray;
-    memset( &ray, 0, sizeof ray );
-    for ( int i = 0; i < RF_PACKET; ++i )
-    {
-        ray.id[i] = (unsigned int)i;
-        ray.org_x[i] = origin.x;
-        ray.org_y[i] = origin.y;
-        ray.org_z[i] = origin.z;
-        ray.mask[i] = 0xffffffffu;
-    }
-    int sum = 0;
-    for ( int first = 0; first < count; first += RF_PACKET )
-    {
-        int lanes = set_valid( valid, first, count );
-        int tested = set_segments( &ray, valid, origin, lanes, point, first, weight );
-        if ( tested == 0 )
-            continue;
-        for ( int i = 0; i < RF_PACKET; ++i )
-            ray.tfar[i] = 1.0f;
-        rtcOccluded16( valid, tracer->bvh.embree_scene, &query.context, &ray );
-        for ( int i = 0; i < lanes; ++i )
-            weight[first + i] = ray.tfar[i] < 0.0f ? 0.0f : weight[first + i] * query.transmittance[i]; // −inf if occluded
-        reset_transmittance( tracer, &query );
-        sum += tested;
-    }
-    return sum;
-}
-
-void rf_trace_mirrors( const RfTracer* tracer, RfVec3 origin, int count, const float* const point[3], const uint8_t* mirror,
-                       float* const hit[3], float* weight )
-{
-    RfQuery query = begin_query( false, true );
-    _Alignas( 64 ) int valid[RF_PACKET];
-    struct RTCRayHit16 packet;
-    memset( &packet, 0, sizeof packet );
-    for ( int first = 0; first < count; first += RF_PACKET )
-    {
-        int lanes = set_valid( valid, first, count );
-        set_segments( &packet.ray, valid, origin, lanes, point, first, weight );
-        for ( int i = 0; i < RF_PACKET; ++i )
-        {
-            packet.ray.org_x[i] = origin.x;
-            packet.ray.org_y[i] = origin.y;
-            packet.ray.org_z[i] = origin.z;
-            packet.ray.tnear[i] = 0.0f;
-            packet.ray.tfar[i] = INFINITY;
-            packet.ray.mask[i] = 0xffffffffu;
-            packet.hit.geomID[i] = packet.hit.primID[i] = RTC_INVALID_GEOMETRY_ID;
-        }
-        rtcIntersect16( valid, tracer->mirror_scene, &query.context, &packet );
-        for ( int i = 0; i < lanes; ++i )
-        {
-            uint32_t number = packet.hit.primID[i];
-            bool found =
-                valid[i] != 0 && number != RTC_INVALID_GEOMETRY_ID && tracer->mirrors.of_triangle[number] == mirror[first + i];
-            if ( !found )
-            {
-                weight[first + i] = 0.0f;
-                continue;
-            }
-            const RfTriangleRecord* t = tracer->triangles + tracer->mirrors.triangle[number];
-            RfVec3 p = rf_add( t->p0, rf_add( rf_scale( t->e1, packet.hit.u[i] ), rf_scale( t->e2, packet.hit.v[i] ) ) );
-            float side = rf_dot( t->ng, rf_sub( origin, p ) ) < 0.0f ? -1.0f : 1.0f;
-            p = rf_madd( p, t->ng, side * t->offset );
-            hit[0][first + i] = p.x;
-            hit[1][first + i] = p.y;
-            hit[2][first + i] = p.z;
-        }
-    }
 }

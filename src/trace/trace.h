@@ -15,6 +15,9 @@
 // True if some surface is alpha-blended. Visibility is then a number between 0 and 1.
 bool rf_tracer_is_blended( const RfTracer* tracer );
 
+// True if some surface may be a thin pane (bsdf/bsdf.h).
+bool rf_tracer_has_panes( const RfTracer* tracer );
+
 // True if some material is textured, so that hits must look up RfMaterial.textured.
 bool rf_tracer_is_textured( const RfTracer* tracer );
 
@@ -44,6 +47,8 @@ typedef struct RfTriangleRecord
 // The records of all triangles.
 const RfTriangleRecord* rf_tracer_triangles( const RfTracer* tracer );
 
+// Thin panes are surfaces like any others to the first three queries.
+//
 // Nearest hits of `count` rays o + t d, t > 0: triangle index (RF_MISS if there is none) and
 // barycentrics. `coherent` is a hint for the traversal. Alpha-blended surfaces are hit
 // stochastically, with alpha as the probability; the random number is a hash of the ray.
@@ -58,6 +63,26 @@ void rf_trace_segments( const RfTracer* tracer, int count, const float* const o[
 // (src/reuse/estimators.md, section 8). Only points with weight > 0 are tested; their weight
 // is multiplied by the transmittance. Returns the number of tested points.
 int rf_trace_from_origin( const RfTracer* tracer, RfVec3 origin, int count, const float* const point[3], float* weight );
+
+// The same three queries, but straight rays and segments pass thin panes
+// (src/reuse/estimators.md, section 11). Rays pass with the probability q of the transmitted lobe, by a hash
+// of ray and triangle, or hit the pane. Segments are open if all on them are panes or blended; panes do not
+// count in their transmittance.
+
+// The panes passed: the products of q and, per channel, of κ = T / q, the weight of a ray that passes by
+// chance. 1 without panes. A pane that is alpha-blended counts here as a whole.
+typedef struct RfPaneLanes
+{
+    float* probability;
+    float* weight[3];
+} RfPaneLanes;
+
+void rf_trace_nearest_past_panes( const RfTracer* tracer, int count, const float* const o[3], const float* const d[3],
+                                  uint32_t* triangle, float* u, float* v, const RfPaneLanes* panes );
+void rf_trace_segments_past_panes( const RfTracer* tracer, int count, const float* const o[3], const float* const d[3],
+                                   float* visible, const RfPaneLanes* panes );
+int rf_trace_from_origin_past_panes( const RfTracer* tracer, RfVec3 origin, int count, const float* const point[3], float* weight,
+                                     const RfPaneLanes* panes );
 
 // Whether points in the planes of mirrors lie inside of the mirrors' outlines: rays from a common
 // origin to points beyond the first mirror, whatever else is in the way, hit mirror[i] first.

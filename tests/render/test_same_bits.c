@@ -2,6 +2,7 @@
 // threads; a frame alone and in its sequence; two runs; any budget; with and without
 // tiles.
 #include "support/mirror_rooms.h"
+#include "support/pane_room.h"
 #include "support/reference_tracer.h"
 #include "support/render_support.h"
 #include "support/scene_builder.h"
@@ -56,7 +57,8 @@ static void check_plain( RfScene scene, int light_samples, int max_depth )
     double sum = 0.0;
     for ( int k = 0; k < 2; ++k )
     {
-        ReferenceSettings plain = { settings.spp, max_depth, light_samples, settings.seed, frames[k], settings.light_sampling };
+        ReferenceSettings plain = { settings.spp, max_depth, light_samples, settings.seed, frames[k], settings.light_sampling,
+                                    false };
         reference_image( tracer, eyes + frames[k], &plain, reference );
         assert_memory_equal( frame_rgb( &rendered, k ), reference, 3 * rendered.pixels * sizeof( float ) );
         for ( size_t i = 0; i < 3 * rendered.pixels; ++i )
@@ -104,6 +106,8 @@ static void test_group_0_is_a_plain_path_tracer( void** state )
         check_plain( make_mirror_room( (MirrorRoom)kind ), 1, 2 + kind % 5 );
     for ( int depth = 1; depth <= 5; ++depth ) // mirrors count as vertices
         check_plain( make_mirror_room( FLAT_MIRROR ), 1, depth );
+    for ( int light = PANES_AND_AREA_LIGHT; light <= PANES_AND_ALL; ++light )
+        check_plain( make_pane_room( (PaneLight)light ), 1 + light % 2, 7 );
 }
 
 // One scene, one setting, and what is changed without effect.

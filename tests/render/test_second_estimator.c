@@ -44,8 +44,9 @@ static int plain_trace( const RfEstimatorGroup* group, RfTraceJob job, void* bat
     (void)scratch;
     Row* row = batch;
     const RfRenderSettings* s = group->settings;
-    ReferenceSettings settings = { s->spp,           group->max_depth, s->light_samples, s->seed, group->first_frame + job.eye,
-                                   s->light_sampling };
+    ReferenceSettings settings = {
+        s->spp, group->max_depth, s->light_samples, s->seed, group->first_frame + job.eye, s->light_sampling, false
+    };
     row->eye = job.eye;
     row->row = job.job;
     row->count = group->width;

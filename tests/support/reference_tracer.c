@@ -21,13 +21,27 @@ typedef struct Point
     float light_pdf; // of a light sample at the ray's origin choosing this point, once the light is picked
 } Point;
 
-static bool find( const RfTracer* tracer, RfVec3 o, RfVec3 d, Point* out )
+// The thin panes on a straight way: the probability of passing, and the colour over it.
+typedef struct Panes
+{
+    float probability;
+    RfVec3 weight;
+} Panes;
+
+// `panes`: those on the way; NULL: they are found like other surfaces.
+static bool find( const RfTracer* tracer, RfVec3 o, RfVec3 d, Point* out, Panes* panes )
 {
     const float* ro[3] = { &o.x, &o.y, &o.z };
     const float* rd[3] = { &d.x, &d.y, &d.z };
     uint32_t triangle;
     float u, v;
-    rf_trace_nearest( tracer, 1, ro, rd, false, &triangle, &u, &v );
+    if ( panes != NULL )
+    {
+        RfPaneLanes lanes = { &panes->probability, { &panes->weight.x, &panes->weight.y, &panes->weight.z } };
+        rf_trace_nearest_past_panes( tracer, 1, ro, rd, &triangle, &u, &v, &lanes );
+    }
+    else
+        rf_trace_nearest( tracer, 1, ro, rd, false, &triangle, &u, &v );
     if ( triangle == RF_MISS )
         return false;
     const RfTriangleRecord* t = rf_tracer_triangles( tracer ) + triangle;
@@ -165,18 +179,30 @@ static RfVec3 sky_along( const RfTracer* tracer, const ReferenceSettings* s, con
     return rf_sky_radiance( &lights->sky, ray->d );
 }
 
-static float part_open( const RfTracer* tracer, RfVec3 from, RfVec3 segment )
+// The light of a sample that arrives over a segment. Panes change its density with that of the ray.
+static RfVec3 part_open( const RfTracer* tracer, const ReferenceSettings* s, RfVec3 from, RfVec3 segment, RfVec3 light,
+                         float* pdf )
 {
     const float* o[3] = { &from.x, &from.y, &from.z };
     const float* d[3] = { &segment.x, &segment.y, &segment.z };
     float visible;
-    rf_trace_segments( tracer, 1, o, d, &visible );
-    return visible;
+    if ( s->panes_are_vertices )
+    {
+        rf_trace_segments( tracer, 1, o, d, &visible );
+        return rf_scale( light, visible );
+    }
+    Panes panes;
+    RfPaneLanes lanes = { &panes.probability, { &panes.weight.x, &panes.weight.y, &panes.weight.z } };
+    rf_trace_segments_past_panes( tracer, 1, o, d, &visible, &lanes );
+    if ( visible == 0.0f )
+        return rf_vec3( 0, 0, 0 );
+    *pdf /= panes.probability;
+    return rf_scale( rf_mul( light, panes.weight ), visible );
 }
 
 // A sample of a light without size, or of the sky.
-static RfVec3 sample_other_light( const RfTracer* tracer, const Point* x, RfLightSelection pick, RfRandomKey key,
-                                  uint32_t dimension, RfVec3* wi, float* pdf )
+static RfVec3 sample_other_light( const RfTracer* tracer, const ReferenceSettings* s, const Point* x, RfLightSelection pick,
+                                  RfRandomKey key, uint32_t dimension, RfVec3* wi, float* pdf )
 {
     const RfLights* lights = rf_tracer_lights( tracer );
     RfVec3 from = rf_madd( x->p, x->ng, x->offset ), radiance;
@@ -217,7 +243,7 @@ static RfVec3 sample_other_light( const RfTracer* tracer, const Point* x, RfLigh
     float cos_x = rf_dot( x->n, *wi );
     if ( !( cos_x > 0.0f && rf_dot( x->ng, *wi ) > 0.0f && *pdf > 0.0f ) || rf_max_component( radiance ) == 0.0f )
         return rf_vec3( 0, 0, 0 );
-    return rf_scale( rf_scale( radiance, cos_x ), part_open( tracer, from, rf_scale( *wi, distance ) ) );
+    return part_open( tracer, s, from, rf_scale( *wi, distance ), rf_scale( radiance, cos_x ), pdf );
 }
 
 // A light sample at x: direction, density, and what arrives, times the cosine.
@@ -234,7 +260,7 @@ static RfVec3 sample_light( const RfTracer* tracer, const ReferenceSettings* s, 
     if ( pick.light == RF_NO_LIGHT )
         return black;
     if ( pick.light >= lights->triangle_count )
-        return sample_other_light( tracer, x, pick, key, dimension, wi, pdf );
+        return sample_other_light( tracer, s, x, pick, key, dimension, wi, pdf );
     const RfLight* light = lights->light + pick.light;
     float root = sqrtf( rf_random( key, dimension + 1 ) );
     float b1 = 1.0f - root, b2 = rf_random( key, dimension + 2 ) * root;
@@ -252,7 +278,7 @@ static RfVec3 sample_light( const RfTracer* tracer, const ReferenceSettings* s, 
     RfVec3 radiance = rf_light_radiance( rf_tracer_scene( tracer ), light, b1, b2 );
     if ( rf_max_component( radiance ) == 0.0f )
         return black;
-    return rf_scale( rf_scale( radiance, cos_x ), part_open( tracer, from, rf_sub( to, from ) ) );
+    return part_open( tracer, s, from, rf_sub( to, from ), rf_scale( radiance, cos_x ), pdf );
 }
 
 // Light that leaves x towards wo by the light samples.
@@ -291,17 +317,39 @@ static RfVec3 part_left( const Point* x, RfVec3 o )
     return rf_vec3( 1, 1, 1 );
 }
 
+// A ray that did not pass a pane, which has a probability: only base and reflection are left of it.
+static void stop_at_pane( Point* x, RfVec3* throughput )
+{
+    if ( !is_native( x ) )
+        return;
+    Lane lane;
+    fill_lane( x, &lane );
+    RfPane pane = rf_pane_of_lane( &lane.lanes, 0, x->wo );
+    if ( pane.probability == 0.0f )
+        return;
+    float stopped = rf_maxf( 1.0f - pane.probability, 0x1p-24f );
+    *throughput = rf_vec3( throughput->x / stopped, throughput->y / stopped, throughput->z / stopped );
+    x->material.tint = rf_vec3( 0, 0, 0 );
+}
+
 // What a ray meets at its end: a surface, or the sky.
 static bool meet( const RfTracer* tracer, const ReferenceSettings* s, const Ray* ray, Point* x, RfVec3* throughput, RfVec3* light,
                   float* light_pdf )
 {
-    if ( !find( tracer, ray->o, ray->d, x ) )
+    Panes panes = { 1.0f, { 1, 1, 1 } };
+    bool found = find( tracer, ray->o, ray->d, x, s->panes_are_vertices ? NULL : &panes );
+    *throughput = rf_mul( *throughput, panes.weight );
+    if ( !found )
     {
         *light = sky_along( tracer, s, ray, light_pdf );
+        *light_pdf /= panes.probability;
         return false;
     }
+    if ( !s->panes_are_vertices )
+        stop_at_pane( x, throughput );
     *light = x->emission;
     *light_pdf = x->light_pdf > 0.0f ? x->light_pdf * chance_at_origin( tracer, s, ray, x->light ) : 0.0f;
+    *light_pdf /= panes.probability;
     *throughput = rf_mul( *throughput, part_left( x, ray->o ) );
     return true;
 }
@@ -380,7 +428,7 @@ RfVec3 reference_sample( const RfTracer* tracer, const RfEye* eye, const Referen
     RfRandomKey key = rf_pixel_key( pass_key, (uint32_t)( y * eye->width + x ) );
     Point hit;
     Ray ray = { eye->origin, first_ray( eye, key, x, y ), rf_vec3( 0, 0, 0 ) };
-    if ( !find( tracer, ray.o, ray.d, &hit ) )
+    if ( !find( tracer, ray.o, ray.d, &hit, NULL ) )
     {
         float pdf;
         bool hidden = rf_tracer_scene( tracer )->environment.hidden;

@@ -17,6 +17,7 @@ typedef struct ReferenceSettings
     uint64_t seed;
     int frame; // of the path: it goes into the random numbers
     RfLightSampling light_sampling;
+    bool panes_are_vertices; // thin panes scatter by their delta lobes and stop light samples, as other glass does
 } ReferenceSettings;
 
 // Mean radiance of one path through a pixel of one pass: frame, pass and pixel

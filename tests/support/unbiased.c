@@ -24,7 +24,8 @@ static float* alloc_image( const RfEye* eye )
     return rgb;
 }
 
-Images reference_images( const RfTracer* tracer, const RfEye* eyes, int frame, int spp, const RfRenderSettings* settings )
+static Images reference_of( const RfTracer* tracer, const RfEye* eyes, int frame, int spp, const RfRenderSettings* settings,
+                            bool panes_are_vertices )
 {
     Images images = { .width = eyes->width, .height = eyes->height, .count = SEEDS };
     for ( int k = 0; k < SEEDS; ++k )
@@ -32,11 +33,28 @@ Images reference_images( const RfTracer* tracer, const RfEye* eyes, int frame, i
 #pragma omp parallel for schedule( dynamic, 1 )
     for ( int k = 0; k < SEEDS; ++k )
     {
-        ReferenceSettings plain = { spp,   settings->max_depth,     settings->light_samples, (uint64_t)( REFERENCE_SEED + k ),
-                                    frame, settings->light_sampling };
+        ReferenceSettings plain = {
+            .spp = spp,
+            .max_depth = settings->max_depth,
+            .light_samples = settings->light_samples,
+            .seed = (uint64_t)( REFERENCE_SEED + k ),
+            .frame = frame,
+            .light_sampling = settings->light_sampling,
+            .panes_are_vertices = panes_are_vertices,
+        };
         reference_image( tracer, eyes + frame, &plain, images.rgb[k] );
     }
     return images;
+}
+
+Images reference_images( const RfTracer* tracer, const RfEye* eyes, int frame, int spp, const RfRenderSettings* settings )
+{
+    return reference_of( tracer, eyes, frame, spp, settings, false );
+}
+
+Images pane_vertex_images( const RfTracer* tracer, const RfEye* eyes, int frame, int spp, const RfRenderSettings* settings )
+{
+    return reference_of( tracer, eyes, frame, spp, settings, true );
 }
 
 Images rendered_images( const RfTracer* tracer, const RfEye* eyes, int eye_count, int frame, RfRenderSettings settings )

@@ -17,6 +17,9 @@ typedef struct Images
 // `frame` of the path by the plain path tracer of the tests, one image per
 // seed, from seeds that no render uses.
 Images reference_images( const RfTracer* tracer, const RfEye* eyes, int frame, int spp, const RfRenderSettings* settings );
+// The same by a path tracer for which thin panes are vertices like other glass. It finds no punctual lights
+// through them.
+Images pane_vertex_images( const RfTracer* tracer, const RfEye* eyes, int frame, int spp, const RfRenderSettings* settings );
 // `frame` by the renderer, seeds 1 to SEEDS.
 Images rendered_images( const RfTracer* tracer, const RfEye* eyes, int eye_count, int frame, RfRenderSettings settings );
 void free_images( Images* images );

@@ -1,0 +1,280 @@
+// Rays and segments, in packets of 16.
+#include "trace/filter.h"
+#include "trace/tracer.h"
+
+#include <string.h>
+
+static void reset_panes( RfQuery* query )
+{
+    query->passed = false;
+    for ( int i = 0; i < RF_PACKET; ++i )
+        query->pane_probability[i] = query->pane_weight[0][i] = query->pane_weight[1][i] = query->pane_weight[2][i] = 1.0f;
+}
+
+static RfQuery begin_query( RfQueryKind kind, bool coherent, bool pass_panes )
+{
+    RfQuery query;
+    rtcInitIntersectContext( &query.context );
+    query.context.flags = coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+    query.kind = kind;
+    query.pass_panes = pass_panes;
+    for ( int i = 0; i < RF_PACKET; ++i )
+        query.transmittance[i] = 1.0f;
+    if ( pass_panes )
+        reset_panes( &query );
+    return query;
+}
+
+static void reset_transmittance( const RfTracer* tracer, RfQuery* query )
+{
+    for ( int i = 0; i < RF_PACKET && tracer->bvh.blended; ++i )
+        query->transmittance[i] = 1.0f;
+}
+
+// Copies what was accumulated for a packet of segments or rays, and starts anew.
+static void take_panes( RfQuery* query, int lanes, int first, const RfPaneLanes* panes )
+{
+    size_t bytes = (size_t)lanes * sizeof( float );
+    memcpy( panes->probability + first, query->pane_probability, bytes );
+    for ( int c = 0; c < 3; ++c )
+        memcpy( panes->weight[c] + first, query->pane_weight[c], bytes );
+    if ( query->passed )
+        reset_panes( query );
+}
+
+// Masks the lanes of a packet beyond `count`.
+static int set_valid( int* valid, int first, int count )
+{
+    int lanes = count - first < RF_PACKET ? count - first : RF_PACKET;
+    for ( int i = 0; i < RF_PACKET; ++i )
+        valid[i] = i < lanes ? -1 : 0;
+    return lanes;
+}
+
+static void set_ray( struct RTCRay16* ray, int lanes, const float* const d[3], int first, float far )
+{
+    for ( int i = 0; i < lanes; ++i )
+    {
+        ray->dir_x[i] = d[0][first + i];
+        ray->dir_y[i] = d[1][first + i];
+        ray->dir_z[i] = d[2][first + i];
+    }
+    for ( int i = 0; i < RF_PACKET; ++i )
+    {
+        ray->tnear[i] = 0.0f;
+        ray->tfar[i] = far;
+        ray->time[i] = 0.0f;
+        ray->mask[i] = 0xffffffffu;
+        ray->id[i] = (unsigned int)i;
+        ray->flags[i] = 0;
+    }
+}
+
+static void set_origins( struct RTCRay16* ray, int lanes, const float* const o[3], int first )
+{
+    for ( int i = 0; i < lanes; ++i )
+    {
+        ray->org_x[i] = o[0][first + i];
+        ray->org_y[i] = o[1][first + i];
+        ray->org_z[i] = o[2][first + i];
+    }
+}
+
+// What a packet passed on its way to its hits. The filter sees hits in any order, those beyond the nearest as
+// well, so only a second traversal, up to the hits, knows.
+static void find_panes( const RfTracer* tracer, const int* valid, const struct RTCRayHit16* found, int lanes,
+                        const uint32_t* triangle, RfQuery* out )
+{
+    struct RTCRayHit16 packet = *found;
+    *out = begin_query( RF_QUERY_PANES, false, true );
+    memcpy( out->hit, triangle, (size_t)lanes * sizeof *triangle );
+    for ( int i = 0; i < RF_PACKET; ++i )
+        packet.hit.geomID[i] = packet.hit.primID[i] = RTC_INVALID_GEOMETRY_ID;
+    rtcIntersect16( valid, tracer->bvh.embree_scene, &out->context, &packet );
+}
+
+// `panes`: NULL if they are surfaces like any others.
+static void trace_nearest( const RfTracer* tracer, int count, const float* const o[3], const float* const d[3], bool coherent,
+                           uint32_t* triangle, float* u, float* v, const RfPaneLanes* panes )
+{
+    RfQuery query = begin_query( RF_QUERY_NEAREST, coherent, panes != NULL );
+    _Alignas( 64 ) int valid[RF_PACKET];
+    struct RTCRayHit16 packet;
+    memset( &packet, 0, sizeof packet );
+    for ( int first = 0; first < count; first += RF_PACKET )
+    {
+        int lanes = set_valid( valid, first, count );
+        set_origins( &packet.ray, lanes, o, first );
+        set_ray( &packet.ray, lanes, d, first, INFINITY );
+        for ( int i = 0; i < RF_PACKET; ++i )
+            packet.hit.geomID[i] = packet.hit.primID[i] = RTC_INVALID_GEOMETRY_ID;
+        rtcIntersect16( valid, tracer->bvh.embree_scene, &query.context, &packet );
+        for ( int i = 0; i < lanes; ++i )
+        {
+            triangle[first + i] = packet.hit.primID[i];
+            u[first + i] = packet.hit.u[i];
+            v[first + i] = packet.hit.v[i];
+        }
+        if ( tracer->bvh.order != NULL )
+            rf_restore_order( &tracer->bvh, lanes, packet.hit.geomID, triangle + first );
+        if ( panes == NULL )
+            continue;
+        RfQuery passed = query;
+        if ( query.passed )
+            find_panes( tracer, valid, &packet, lanes, triangle + first, &passed );
+        take_panes( &passed, lanes, first, panes );
+        query.passed = false;
+    }
+}
+
+void rf_trace_nearest( const RfTracer* tracer, int count, const float* const o[3], const float* const d[3], bool coherent,
+                       uint32_t* triangle, float* u, float* v )
+{
+    trace_nearest( tracer, count, o, d, coherent, triangle, u, v, NULL );
+}
+
+void rf_trace_nearest_past_panes( const RfTracer* tracer, int count, const float* const o[3], const float* const d[3],
+                                  uint32_t* triangle, float* u, float* v, const RfPaneLanes* panes )
+{
+    trace_nearest( tracer, count, o, d, false, triangle, u, v, panes );
+}
+
+static void trace_segments( const RfTracer* tracer, int count, const float* const o[3], const float* const d[3], float* visible,
+                            const RfPaneLanes* panes )
+{
+    RfQuery query = begin_query( RF_QUERY_SEGMENTS, false, panes != NULL );
+    _Alignas( 64 ) int valid[RF_PACKET];
+    struct RTCRay16 ray;
+    memset( &ray, 0, sizeof ray );
+    for ( int first = 0; first < count; first += RF_PACKET )
+    {
+        int lanes = set_valid( valid, first, count );
+        set_origins( &ray, lanes, o, first );
+        set_ray( &ray, lanes, d, first, 1.0f );
+        rtcOccluded16( valid, tracer->bvh.embree_scene, &query.context, &ray );
+        for ( int i = 0; i < lanes; ++i )
+            visible[first + i] = ray.tfar[i] < 0.0f ? 0.0f : query.transmittance[i]; // −inf if occluded
+        reset_transmittance( tracer, &query );
+        if ( panes != NULL )
+            take_panes( &query, lanes, first, panes );
+    }
+}
+
+void rf_trace_segments( const RfTracer* tracer, int count, const float* const o[3], const float* const d[3], float* visible )
+{
+    trace_segments( tracer, count, o, d, visible, NULL );
+}
+
+void rf_trace_segments_past_panes( const RfTracer* tracer, int count, const float* const o[3], const float* const d[3],
+                                   float* visible, const RfPaneLanes* panes )
+{
+    trace_segments( tracer, count, o, d, visible, panes );
+}
+
+// Fills the segments of a packet; returns the number of lanes to test.
+static int set_segments( struct RTCRay16* ray, int* valid, RfVec3 origin, int lanes, const float* const point[3], int first,
+                         const float* weight )
+{
+    int tested = 0;
+#pragma omp simd reduction( + : tested )
+    for ( int i = 0; i < lanes; ++i )
+    {
+        ray->dir_x[i] = point[0][first + i] - origin.x;
+        ray->dir_y[i] = point[1][first + i] - origin.y;
+        ray->dir_z[i] = point[2][first + i] - origin.z;
+        valid[i] = weight[first + i] > 0.0f ? -1 : 0;
+        tested -= valid[i];
+    }
+    return tested;
+}
+
+static int trace_from_origin( const RfTracer* tracer, RfVec3 origin, int count, const float* const point[3], float* weight,
+                              const RfPaneLanes* panes )
+{
+    // although these rays are coherent, Embree's incoherent packet traversal is faster here
+    RfQuery query = begin_query( RF_QUERY_SEGMENTS, false, panes != NULL );
+    _Alignas( 64 ) int valid[RF_PACKET];
+    struct RTCRay16 ray;
+    memset( &ray, 0, sizeof ray );
+    for ( int i = 0; i < RF_PACKET; ++i )
+    {
+        ray.id[i] = (unsigned int)i;
+        ray.org_x[i] = origin.x;
+        ray.org_y[i] = origin.y;
+        ray.org_z[i] = origin.z;
+        ray.mask[i] = 0xffffffffu;
+    }
+    int sum = 0;
+    for ( int first = 0; first < count; first += RF_PACKET )
+    {
+        int lanes = set_valid( valid, first, count );
+        int tested = set_segments( &ray, valid, origin, lanes, point, first, weight );
+        if ( tested > 0 )
+        {
+            for ( int i = 0; i < RF_PACKET; ++i )
+                ray.tfar[i] = 1.0f;
+            rtcOccluded16( valid, tracer->bvh.embree_scene, &query.context, &ray );
+            for ( int i = 0; i < lanes; ++i )
+                weight[first + i] = ray.tfar[i] < 0.0f ? 0.0f : weight[first + i] * query.transmittance[i]; // −inf if occluded
+            reset_transmittance( tracer, &query );
+            sum += tested;
+        }
+        if ( panes != NULL )
+            take_panes( &query, lanes, first, panes );
+    }
+    return sum;
+}
+
+int rf_trace_from_origin( const RfTracer* tracer, RfVec3 origin, int count, const float* const point[3], float* weight )
+{
+    return trace_from_origin( tracer, origin, count, point, weight, NULL );
+}
+
+int rf_trace_from_origin_past_panes( const RfTracer* tracer, RfVec3 origin, int count, const float* const point[3], float* weight,
+                                     const RfPaneLanes* panes )
+{
+    return trace_from_origin( tracer, origin, count, point, weight, panes );
+}
+
+void rf_trace_mirrors( const RfTracer* tracer, RfVec3 origin, int count, const float* const point[3], const uint8_t* mirror,
+                       float* const hit[3], float* weight )
+{
+    RfQuery query = begin_query( RF_QUERY_NEAREST, true, false );
+    _Alignas( 64 ) int valid[RF_PACKET];
+    struct RTCRayHit16 packet;
+    memset( &packet, 0, sizeof packet );
+    for ( int first = 0; first < count; first += RF_PACKET )
+    {
+        int lanes = set_valid( valid, first, count );
+        set_segments( &packet.ray, valid, origin, lanes, point, first, weight );
+        for ( int i = 0; i < RF_PACKET; ++i )
+        {
+            packet.ray.org_x[i] = origin.x;
+            packet.ray.org_y[i] = origin.y;
+            packet.ray.org_z[i] = origin.z;
+            packet.ray.tnear[i] = 0.0f;
+            packet.ray.tfar[i] = INFINITY;
+            packet.ray.mask[i] = 0xffffffffu;
+            packet.hit.geomID[i] = packet.hit.primID[i] = RTC_INVALID_GEOMETRY_ID;
+        }
+        rtcIntersect16( valid, tracer->mirror_scene, &query.context, &packet );
+        for ( int i = 0; i < lanes; ++i )
+        {
+            uint32_t number = packet.hit.primID[i];
+            bool found =
+                valid[i] != 0 && number != RTC_INVALID_GEOMETRY_ID && tracer->mirrors.of_triangle[number] == mirror[first + i];
+            if ( !found )
+            {
+                weight[first + i] = 0.0f;
+                continue;
+            }
+            const RfTriangleRecord* t = tracer->triangles + tracer->mirrors.triangle[number];
+            RfVec3 p = rf_add( t->p0, rf_add( rf_scale( t->e1, packet.hit.u[i] ), rf_scale( t->e2, packet.hit.v[i] ) ) );
+            float side = rf_dot( t->ng, rf_sub( origin, p ) ) < 0.0f ? -1.0f : 1.0f;
+            p = rf_madd( p, t->ng, side * t->offset );
+            hit[0][first + i] = p.x;
+            hit[1][first + i] = p.y;
+            hit[2][first + i] = p.z;
+        }
+    }
+}
