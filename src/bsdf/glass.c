@@ -13,7 +13,8 @@ typedef struct Glass
 {
     RfVec3 n, base, specular, tint;
     float alpha;
-    float ior;   // of the far side over the near one; 0: mirror
+    float ior;   // of the far side over the near one; 0: mirror, which has no base: base.x is what its reflectance at
+                 // grazing angles lacks of 1
     float metal; // fraction that is metal with F0 `specular`; base and tint are scaled by the rest
     bool thin;
 } Glass;
@@ -57,7 +58,10 @@ static RfVec3 reflectance( const Glass* g, float cos_o )
 {
     float w = schlick_weight( cos_o );
     if ( g->ior == 0.0f )
-        return rf_add( rf_scale( g->specular, 1.0f - w ), rf_vec3( w, w, w ) );
+    {
+        float grazing = w * ( 1.0f - g->base.x );
+        return rf_add( rf_scale( g->specular, 1.0f - w ), rf_vec3( grazing, grazing, grazing ) );
+    }
     float f = dielectric( cos_o, g->ior ) * ( 1.0f - g->metal ) + w * g->metal;
     return rf_add( rf_vec3( f, f, f ), rf_scale( g->specular, 1.0f - w ) );
 }
@@ -196,6 +200,21 @@ static GlassSample sample( const Glass* g, RfEyeLane eye, const float u[3] )
     if ( g->alpha > 0.0f )
         return finish_non_delta( g, eye, wi );
     return ( GlassSample ){ wi, rf_scale( f, 1.0f / ( ( 1.0f - base ) * reflect ) ), RF_DELTA_PDF };
+}
+
+float rf_glass_reflection( const RfMaterial* material, float cos_o, RfVec3* weight )
+{
+    Glass g = { .base = material->diffuse,
+                .specular = material->specular,
+                .tint = material->tint,
+                .ior = material->ior,
+                .metal = material->f90,
+                .thin = material->thin };
+    float base = base_probability( &g, cos_o );
+    RfVec3 f = reflectance( &g, cos_o );
+    float probability = ( 1.0f - base ) * reflection_probability( &g, f );
+    *weight = probability > 0.0f ? rf_scale( f, 1.0f / probability ) : rf_vec3( 0, 0, 0 );
+    return probability;
 }
 
 static void put( float* const out[3], int i, RfVec3 v )

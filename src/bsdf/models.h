@@ -57,6 +57,9 @@ typedef struct RfMaterial
 
 #define RF_MIN_ALPHA 1e-3f
 
+// GGX lobes with a smaller alpha (roughness 0.1) are so narrow that directions of other paths do not fall into them.
+#define RF_SMOOTH_ALPHA 0.01f
+
 // Parameters of a hit, one per float; colours and vectors take three in a row.
 typedef enum RfBsdfParam
 {

@@ -97,6 +97,13 @@ bool rf_is_cut_out( const RfScene* scene, const RfMaterial* material, uint32_t t
 // it: 0 or 1 for masked materials, alpha for blended ones.
 float rf_opacity_at( const RfScene* scene, const RfMaterial* material, uint32_t triangle, float u, float v );
 
+// True if the GGX lobe of a material may be narrower than those of roughness 0.1.
+static inline bool rf_may_be_smooth( const RfMaterial* m )
+{
+    bool varies = m->textured != NULL && m->textured->refs[RF_TEXTURE_METALLIC_ROUGHNESS].texture >= 0;
+    return m->kind == RF_BSDF_GGX && ( varies || m->alpha < RF_SMOOTH_ALPHA );
+}
+
 static inline bool rf_is_masked( const RfMaterial* m ) { return m->textured != NULL && m->textured->masked; }
 static inline bool rf_is_blended( const RfMaterial* m ) { return m->textured != NULL && m->textured->blended; }
 

@@ -1,0 +1,162 @@
+// Where chains start: at mirrors and glass, and at coats so smooth that they are better followed than evaluated. What the
+// reflection there sees of lights directly is always traced, rather than only when a ray happens to reflect.
+#include "reuse/chain_steps.h"
+#include "reuse/coats.h"
+
+#include <string.h>
+
+void rf_go_to( const RfVertexLanes* found, RfVertexLanes* at )
+{
+    int first = rf_record_count( found );
+    at->count = found->count - first;
+    for ( int kind = 0; kind <= RF_BSDF_KIND_COUNT; ++kind )
+    {
+        at->first[kind] = kind <= RF_BSDF_FIRST_UNEVALUABLE ? 0 : found->first[kind] - first;
+        if ( kind < RF_BSDF_FIRST_UNEVALUABLE || kind == RF_BSDF_KIND_COUNT )
+            continue;
+        int begin = found->first[kind], count = found->first[kind + 1] - begin;
+        rf_copy_vertices( found, begin, count, rf_bsdf_model( (RfBsdfKind)kind )->params, at, begin - first );
+    }
+}
+
+bool rf_has_chains( const RfVertexLanes* first )
+{
+    if ( rf_record_count( first ) < first->count )
+        return true;
+    for ( int i = first->first[RF_BSDF_GGX]; i < first->first[RF_BSDF_GGX + 1]; ++i )
+    {
+        if ( rf_is_smooth_coat( first, i ) )
+            return true;
+    }
+    return false;
+}
+
+// The view of a chain that starts here, if it is reflected and then ends.
+static uint8_t view_of( const RfPathSettings* path, const RfVertexLanes* v, int i, uint32_t triangle, RfVec3 throughput )
+{
+    uint16_t mirror = rf_tracer_triangles( path->tracer )[triangle].mirror;
+    float cos_o = v->n[0][i] * v->wo[0][i] + v->n[1][i] * v->wo[1][i] + v->n[2][i] * v->wo[2][i], ior = v->param[RF_PARAM_IOR][i];
+    bool inside = rf_max_component( throughput ) < 1.0f || ( ior > 0.0f && ior < 1.0f );
+    return mirror == RF_NO_MIRROR || cos_o < RF_MIN_COS || inside ? RF_VIEW_CHAIN : (uint8_t)( RF_VIEW_FIRST_MIRROR + mirror );
+}
+
+// Mirrors and glass: what the eyes see of their emission, absorbed on the way if the eye is inside a body.
+static void start_at_glass( const RfPathSettings* path, const RfRayLanes* rays, RfWavefront* wavefront, RfChains* chains )
+{
+    const RfVertexLanes* v = &chains->at;
+    for ( int i = 0; i < v->count; ++i )
+    {
+        int slot = v->slot[i];
+        RfVec3 t = rf_transmittance_from( v, i, rf_vec3( rays->o[0][slot], rays->o[1][slot], rays->o[2][slot] ) );
+        float left[3] = { t.x, t.y, t.z };
+        rf_set_throughput( chains, slot, t );
+        chains->view[slot] = view_of( path, v, i, wavefront->scratch.triangle[v->ray[i]], t );
+        for ( int c = 0; c < 3; ++c )
+            wavefront->arrivals.rest[c][slot] += left[c] * v->emission[c][i];
+    }
+}
+
+static void append( RfVertexLanes* lanes, int count )
+{
+    lanes->count += count;
+    for ( int kind = RF_BSDF_GLASS + 1; kind <= RF_BSDF_KIND_COUNT; ++kind )
+        lanes->first[kind] += count;
+}
+
+// Smooth coats: draws the base or the lobe.
+static void start_at_coats( const RfVertexLanes* first, RfWavefront* wavefront, RfChains* chains )
+{
+    RfVertexLanes* at = &chains->at;
+    for ( int i = first->first[RF_BSDF_GGX]; i < first->first[RF_BSDF_GGX + 1]; ++i )
+    {
+        if ( !rf_is_smooth_coat( first, i ) )
+            continue;
+        int slot = first->slot[i];
+        RfRandomKey key = { wavefront->key_a[slot], wavefront->key_b[slot] };
+        float base = rf_base_probability_of( first, i );
+        chains->view[slot] = rf_random( key, RF_DIMENSION_CHAINS ) < base ? RF_VIEW_BASE : RF_VIEW_CHAIN;
+        if ( chains->view[slot] == RF_VIEW_BASE )
+            continue;
+        for ( int c = 0; c < 3 && base == 0.0f; ++c ) // otherwise the base has it
+            wavefront->arrivals.rest[c][slot] += first->emission[c][i];
+        chains->lobe_weight[slot] = 1.0f / ( 1.0f - base );
+        rf_make_lobe( first, i, at, at->count );
+        append( at, 1 );
+    }
+}
+
+// The reflecting lobes of first vertices that do other things as well.
+static void list_reflections( const RfVertexLanes* first, RfChains* chains, RfVertexLanes* out )
+{
+    const RfVertexLanes* at = &chains->at;
+    for ( int kind = 0; kind <= RF_BSDF_KIND_COUNT; ++kind )
+        out->first[kind] = 0;
+    out->count = 0;
+    for ( int i = 0; i < at->count; ++i )
+    {
+        float base = 0.0f, tint = 0.0f;
+        for ( int c = 0; c < 3; ++c )
+        {
+            base += at->param[RF_PARAM_DIFFUSE + c][i];
+            tint += at->param[RF_PARAM_TINT + c][i];
+        }
+        if ( base > 0.0f || tint == 0.0f )
+            continue;
+        rf_copy_vertices( at, i, 1, rf_bsdf_model( RF_BSDF_GLASS )->params, out, out->count );
+        for ( int c = 0; c < 3; ++c )
+            out->param[RF_PARAM_TINT + c][out->count] = 0.0f;
+        chains->split[out->slot[out->count]] = 1;
+        append( out, 1 );
+    }
+    for ( int i = first->first[RF_BSDF_GGX]; i < first->first[RF_BSDF_GGX + 1]; ++i )
+    {
+        if ( !rf_is_smooth_coat( first, i ) )
+            continue;
+        rf_make_lobe( first, i, out, out->count );
+        chains->split[first->slot[i]] = 1;
+        append( out, 1 );
+    }
+}
+
+// What the reflections see of lights, by light samples and by rays.
+static void light_reflections( const RfPathSettings* path, const RfVertexLanes* first, RfWavefront* wavefront, RfChains* chains )
+{
+    RfVertexLanes* reflections = &chains->ends; // not in use yet
+    list_reflections( first, chains, reflections );
+    if ( reflections->count == 0 )
+        return;
+    rf_light_chains( path, 1, reflections, wavefront, chains );
+    rf_scatter_chains( path, 1, reflections, wavefront, chains );
+    if ( wavefront->rays.count == 0 )
+        return;
+    wavefront->path_rays += (uint64_t)wavefront->rays.count;
+    rf_find_vertices( path, &wavefront->rays, false, &wavefront->vertices, &wavefront->scratch );
+    rf_absorb( &wavefront->vertices, &wavefront->rays );
+    rf_add_emission_hits( path, &wavefront->rays, &wavefront->vertices, wavefront->scratch.triangle, false,
+                          &wavefront->arrivals );
+}
+
+void rf_start_chains( const RfPathSettings* path, const RfVertexLanes* first, const RfRayLanes* camera_rays, bool lit,
+                      RfWavefront* wavefront, RfChains* chains )
+{
+    memset( chains->length, 0, sizeof chains->length );
+    memset( chains->view, RF_VIEW_DIRECT, sizeof chains->view );
+    memset( chains->split, 0, sizeof chains->split );
+    memset( &wavefront->arrivals, 0, sizeof wavefront->arrivals );
+    for ( int i = 0; i < camera_rays->count; ++i )
+    {
+        rf_set_throughput( chains, i, rf_vec3( 1, 1, 1 ) );
+        chains->lobe_weight[i] = 1.0f;
+    }
+    rf_go_to( first, &chains->at );
+    start_at_glass( path, camera_rays, wavefront, chains );
+    start_at_coats( first, wavefront, chains );
+    if ( lit && path->max_depth > 1 )
+        light_reflections( path, first, wavefront, chains );
+    for ( int i = 0; i < chains->at.count; ++i )
+    {
+        int slot = chains->at.slot[i];
+        rf_set_throughput( chains, slot, rf_scale( rf_throughput_of( chains, slot ), chains->lobe_weight[slot] ) );
+    }
+    chains->ends.count = 0;
+}

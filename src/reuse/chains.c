@@ -1,0 +1,284 @@
+#include "reuse/chain_steps.h"
+#include "reuse/coats.h"
+
+#include <string.h>
+
+// Chains this long end by Russian roulette.
+#define ROULETTE_AFTER 4
+
+static uint32_t dimension_of( const RfPathSettings* path, int vertex )
+{
+    return RF_DIMENSION_CHAINS + rf_vertex_dimension( vertex, path->light_samples );
+}
+
+// True if light sampling can find light at a vertex: some of its lobes are no deltas.
+static bool is_lit( const RfVertexLanes* v, int i )
+{
+    float base = v->param[RF_PARAM_DIFFUSE][i] + v->param[RF_PARAM_DIFFUSE + 1][i] + v->param[RF_PARAM_DIFFUSE + 2][i];
+    return v->param[RF_PARAM_SHAPE][i] > 0.0f || base > 0.0f;
+}
+
+static bool any_is_lit( const RfVertexLanes* v )
+{
+    for ( int i = 0; i < v->count; ++i )
+    {
+        if ( is_lit( v, i ) )
+            return true;
+    }
+    return false;
+}
+
+void rf_light_chains( const RfPathSettings* path, int vertex, const RfVertexLanes* v, RfWavefront* wavefront,
+                      const RfChains* chains )
+{
+    RfLightLanes* lights = &wavefront->lights;
+    RfLaneScratch* s = &wavefront->scratch;
+    float k = (float)path->light_samples, *f[3] = { s->f[0], s->f[1], s->f[2] };
+    if ( !any_is_lit( v ) )
+        return;
+    for ( int j = 0; j < path->light_samples; ++j )
+    {
+        uint32_t dimension = dimension_of( path, vertex ) + RF_DIMENSION_LIGHTS + 3u * (uint32_t)j;
+        wavefront->shadow_rays += (uint64_t)rf_sample_lights( path, wavefront, v, dimension, lights, s );
+        const float* wi[3] = { lights->wi[0], lights->wi[1], lights->wi[2] };
+        rf_evaluate_lanes( v, wi, f, s->pdf );
+        for ( int i = 0; i < v->count; ++i )
+        {
+            int slot = v->slot[i];
+            float scale = 1.0f / ( k * lights->pdf_solid_angle[i] + s->pdf[i] );
+            for ( int c = 0; c < 3; ++c )
+                wavefront->arrivals.rest[c][slot] +=
+                    chains->throughput[c][slot] * s->f[c][i] * lights->radiance_cos[c][i] * scale;
+        }
+    }
+}
+
+// Light samples where chains are. First vertices that are split have theirs.
+static void light_chains( const RfPathSettings* path, int vertex, RfWavefront* wavefront, RfChains* chains )
+{
+    RfVertexLanes* at = &chains->at;
+    if ( vertex > 1 )
+    {
+        rf_light_chains( path, vertex, at, wavefront, chains );
+        return;
+    }
+    RfVertexLanes* unlit = &chains->ends; // not in use yet
+    for ( int kind = 0; kind <= RF_BSDF_KIND_COUNT; ++kind )
+        unlit->first[kind] = 0;
+    unlit->count = 0;
+    for ( int i = 0; i < at->count; ++i )
+    {
+        if ( chains->split[at->slot[i]] )
+            continue;
+        rf_copy_vertices( at, i, 1, rf_bsdf_model( RF_BSDF_GLASS )->params, unlit, unlit->count++ );
+    }
+    for ( int kind = RF_BSDF_FIRST_UNEVALUABLE + 1; kind <= RF_BSDF_KIND_COUNT; ++kind )
+        unlit->first[kind] = unlit->count;
+    if ( unlit->count > 0 )
+        rf_light_chains( path, vertex, unlit, wavefront, chains );
+    unlit->count = 0;
+}
+
+// Writes the ray that leaves lane i to lane `to` of the rays.
+static void write_ray( const RfVertexLanes* v, int i, const RfLaneScratch* s, float side, RfVec3 t, RfRayLanes* rays, int to )
+{
+    for ( int c = 0; c < 3; ++c )
+    {
+        rays->o[c][to] = v->p[c][i] + v->ng[c][i] * ( side * v->offset[i] );
+        rays->d[c][to] = s->wi[c][i];
+        rays->n[c][to] = v->n[c][i];
+    }
+    rays->throughput[0][to] = t.x;
+    rays->throughput[1][to] = t.y;
+    rays->throughput[2][to] = t.z;
+    rays->pdf_solid_angle[to] = s->pdf[i];
+    rays->slot[to] = v->slot[i];
+}
+
+void rf_scatter_chains( const RfPathSettings* path, int vertex, const RfVertexLanes* v, RfWavefront* wavefront, RfChains* chains )
+{
+    RfRayLanes* rays = &wavefront->rays;
+    RfLaneScratch* s = &wavefront->scratch;
+    float* wi[3] = { s->wi[0], s->wi[1], s->wi[2] };
+    rf_scatter_lanes( wavefront, v, dimension_of( path, vertex ) + RF_DIMENSION_SCATTER, wi, s );
+    rf_draw_lanes( wavefront, v->count, v->slot, dimension_of( path, vertex ) + RF_DIMENSION_ROULETTE, 1, s->random );
+    int kept = 0;
+    for ( int i = 0; i < v->count; ++i )
+    {
+        float direction[3] = { s->wi[0][i], s->wi[1][i], s->wi[2][i] };
+        float side = rf_leaving_side( v, i, direction );
+        RfVec3 t = rf_mul( rf_throughput_of( chains, v->slot[i] ), rf_vec3( s->f[0][i], s->f[1][i], s->f[2][i] ) );
+        float survival = vertex < ROULETTE_AFTER ? 1.0f : rf_minf( rf_max_component( t ), 1.0f );
+        if ( side == 0.0f || !( rf_max_component( t ) > 0.0f ) || s->random[0][i] >= survival )
+            continue;
+        chains->reflected[v->slot[i]] = side > 0.0f;
+        write_ray( v, i, s, side, rf_scale( t, 1.0f / survival ), rays, kept++ );
+    }
+    rays->count = kept;
+}
+
+// Flat mirrors show what one reflection sees, and the light that split reflections see is counted.
+static void note_events( int vertex, RfWavefront* wavefront, RfChains* chains )
+{
+    const RfRayLanes* rays = &wavefront->rays;
+    for ( int r = 0; r < rays->count; ++r )
+    {
+        int slot = rays->slot[r];
+        bool first_reflection = vertex == 1 && chains->reflected[slot];
+        chains->split[slot] = chains->split[slot] && first_reflection;
+        if ( !first_reflection || rays->pdf_solid_angle[r] < RF_DELTA_PDF )
+            chains->view[slot] = RF_VIEW_CHAIN;
+    }
+}
+
+// Takes the light away that is counted already.
+static void drop_split_light( const RfChains* chains, RfWavefront* wavefront )
+{
+    RfVertexLanes* found = &wavefront->vertices;
+    RfRayLanes* rays = &wavefront->rays;
+    for ( int i = 0; i < found->count; ++i )
+    {
+        if ( !chains->split[found->slot[i]] )
+            continue;
+        found->light_pdf_solid_angle[i] = 0.0f;
+        for ( int c = 0; c < 3; ++c )
+            found->emission[c][i] = 0.0f;
+    }
+    for ( int r = 0; r < rays->count; ++r )
+    {
+        for ( int c = 0; c < 3 && chains->split[rays->slot[r]] && wavefront->scratch.triangle[r] == RF_MISS; ++c )
+            rays->throughput[c][r] = 0.0f;
+    }
+}
+
+// Adds the light that the rays hit. What only the chain can find stays with the vertex if the chain ends there, so
+// that it is reused with it.
+static void add_emission( const RfPathSettings* path, bool last, RfWavefront* wavefront )
+{
+    RfVertexLanes* found = &wavefront->vertices;
+    const RfRayLanes* rays = &wavefront->rays;
+    bool kept[RF_LANES];
+    for ( int i = 0; i < rf_record_count( found ); ++i )
+    {
+        kept[i] = !last && rays->pdf_solid_angle[found->ray[i]] >= RF_DELTA_PDF;
+        found->light_pdf_solid_angle[i] = kept[i] ? 0.0f : found->light_pdf_solid_angle[i];
+    }
+    rf_add_emission_hits( path, rays, found, wavefront->scratch.triangle, false, &wavefront->arrivals );
+    for ( int i = 0; i < rf_record_count( found ); ++i )
+    {
+        for ( int c = 0; c < 3 && !kept[i]; ++c )
+            found->emission[c][i] = 0.0f;
+    }
+}
+
+// Notes the chains that have reached an evaluable vertex, and the throughputs of all.
+static void note_ends( const RfVertexLanes* found, const RfRayLanes* rays, int length, bool last, RfChains* chains )
+{
+    RfVertexLanes* ends = &chains->ends;
+    for ( int r = 0; r < rays->count; ++r )
+        rf_set_throughput( chains, rays->slot[r],
+                           rf_vec3( rays->throughput[0][r], rays->throughput[1][r], rays->throughput[2][r] ) );
+    for ( int kind = 0; kind < RF_BSDF_FIRST_UNEVALUABLE && !last; ++kind )
+    {
+        int begin = found->first[kind], count = found->first[kind + 1] - begin;
+        rf_copy_vertices( found, begin, count, rf_bsdf_model( (RfBsdfKind)kind )->params, ends, ends->count );
+        for ( int i = 0; i < count; ++i )
+        {
+            int end = ends->count + i, slot = ends->slot[end];
+            chains->kind[end] = (uint8_t)kind;
+            chains->length[slot] = length;
+        }
+        ends->count += count;
+    }
+}
+
+// Appends the evaluable first hits of a model; coats that were split leave their base.
+static void append_first( const RfVertexLanes* first, int kind, const RfChains* chains, RfVertexLanes* hits )
+{
+    uint32_t params = rf_bsdf_model( (RfBsdfKind)kind )->params;
+    int begin = first->first[kind], count = first->first[kind + 1] - begin;
+    if ( kind != RF_BSDF_GGX )
+    {
+        rf_copy_vertices( first, begin, count, params, hits, hits->count );
+        hits->count += count;
+        return;
+    }
+    for ( int i = begin; i < begin + count; ++i )
+    {
+        uint8_t view = chains->view[first->slot[i]];
+        if ( rf_is_smooth_coat( first, i ) && view != RF_VIEW_BASE )
+            continue;
+        rf_copy_vertices( first, i, 1, params, hits, hits->count );
+        if ( view == RF_VIEW_BASE )
+            rf_make_base( hits, hits->count );
+        hits->count += 1;
+    }
+}
+
+// Merges the evaluable first hits and the ends of chains.
+static void merge_hits( const RfVertexLanes* first, RfChains* chains )
+{
+    RfVertexLanes* hits = &chains->hits;
+    hits->count = 0;
+    for ( int kind = 0; kind < RF_BSDF_FIRST_UNEVALUABLE; ++kind )
+    {
+        hits->first[kind] = hits->count;
+        append_first( first, kind, chains, hits );
+        for ( int end = 0; end < chains->ends.count; ++end )
+        {
+            if ( chains->kind[end] == kind )
+                rf_copy_vertices( &chains->ends, end, 1, rf_bsdf_model( (RfBsdfKind)kind )->params, hits, hits->count++ );
+        }
+    }
+    for ( int kind = RF_BSDF_FIRST_UNEVALUABLE; kind <= RF_BSDF_KIND_COUNT; ++kind )
+        hits->first[kind] = hits->count;
+}
+
+void rf_follow_chains( const RfPathSettings* path, const RfVertexLanes* first, const RfRayLanes* camera_rays, bool lit,
+                       RfWavefront* wavefront, RfChains* chains )
+{
+    rf_start_chains( path, first, camera_rays, lit, wavefront, chains );
+    for ( int vertex = 1; vertex < path->max_depth && chains->at.count > 0; ++vertex )
+    {
+        bool last = vertex + 1 == path->max_depth;
+        if ( lit )
+            light_chains( path, vertex, wavefront, chains );
+        rf_scatter_chains( path, vertex, &chains->at, wavefront, chains );
+        if ( wavefront->rays.count == 0 )
+            break;
+        note_events( vertex, wavefront, chains );
+        wavefront->path_rays += (uint64_t)wavefront->rays.count;
+        rf_find_vertices( path, &wavefront->rays, false, &wavefront->vertices, &wavefront->scratch );
+        rf_absorb( &wavefront->vertices, &wavefront->rays );
+        if ( vertex == 1 )
+            drop_split_light( chains, wavefront );
+        add_emission( path, last, wavefront );
+        note_ends( &wavefront->vertices, &wavefront->rays, vertex, last, chains );
+        rf_go_to( &wavefront->vertices, &chains->at );
+    }
+    memcpy( chains->light, wavefront->arrivals.rest, sizeof chains->light );
+    merge_hits( first, chains );
+}
+
+void rf_split_tiles( const RfChains* chains, RfTileReuse* tiles )
+{
+    int32_t head[RF_LANES]; // by old tile: its first new one
+    int32_t slot_of[RF_LANES], next[RF_LANES];
+    int32_t count = 0;
+    memset( head, -1, (size_t)tiles->tile_count * sizeof *head );
+    for ( int i = 0; i < chains->hits.count; ++i )
+    {
+        int slot = chains->hits.slot[i];
+        int32_t* tile = head + tiles->tile_of[slot];
+        while ( *tile >= 0 && chains->length[slot_of[*tile]] != chains->length[slot] )
+            tile = next + *tile;
+        if ( *tile < 0 )
+        {
+            *tile = count;
+            slot_of[count] = slot;
+            next[count++] = -1;
+        }
+        tiles->tile_of[slot] = *tile;
+    }
+    tiles->tile_count = count;
+}
