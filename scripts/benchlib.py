@@ -39,6 +39,15 @@ def make_vase_room(folder):
     return make_scene(folder, "vase-room")
 
 
+def without(options, *names):
+    """Options of render without the named ones and their values; render refuses what is given twice."""
+    kept, dropping = [], False
+    for option in options:
+        dropping = option.split("=")[0] in names if option.startswith("--") else dropping
+        kept += [] if dropping else [option]
+    return kept
+
+
 def render(binary, scene, pattern, size, setting, spp, seed, frames="", threads=1, more=()):
     """Renders with GROUP:TILE; returns the output of `render --json` plus `cpu` seconds and `resident` bytes."""
     group, tile = setting.split(":")

@@ -81,11 +81,12 @@ def numbered_scene(scene, folder):
     return made, names
 
 
-def seen(binary, scene, folder, size, frames):
+def seen(binary, scene, folder, size, frames, options=()):
     """For each frame and material the pixels that show it: {frame: {name: [pixel, ...]}}."""
     made, names = numbered_scene(scene, folder)
     pattern = os.path.join(folder, "materials.####.exr")
-    done = benchlib.render(binary, made, pattern, size, "0:1", 1, 1, frames, None, ["--max-depth", "1", "--no-adaptive"])
+    options = benchlib.without(options, "--max-depth", "--adaptive", "--no-adaptive")
+    done = benchlib.render(binary, made, pattern, size, "0:1", 1, 1, frames, None, [*options, "--max-depth", "1", "--no-adaptive"])
     result = {}
     for frame in (f["frame"] for f in done["frames"]):
         _, _, (red, green, _) = picturelib.read(benchlib.frame_of(pattern, frame))
