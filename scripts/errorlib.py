@@ -1,5 +1,6 @@
 """Sums over the errors of rendered paths, for the benchmark scripts. An error is three channels of differences, whose
 expected squares are the squared errors; there may be several that are independent."""
+import math
 import statistics
 
 WORST = 0.001  # of the pixels, left out of the trimmed mean
@@ -67,3 +68,23 @@ def merge_small(found, measured, least, frames):
             for frame, pixels in where.items():
                 rest[frame] += pixels
     return dict(kept, **{"all others": rest}) if any(rest.values()) else kept
+
+
+def region_rows(found, measured, own, rows):
+    """For each region its share of the pixels, and by setting: share of the error, relMSE, gain at equal CPU time."""
+    first, result = rows[0], []
+    everywhere = {frame: range(len(values)) for frame, values in measured[first["setting"]]["relative"].items()}
+    all_pixels = sum(map(len, everywhere.values()))
+
+    def error(setting, where):
+        return sum_over(measured[setting]["relative"], where) - (sum_over(own["relative"], where) if own else 0.0)
+
+    for name, where in found.items():
+        pixels = sum(map(len, where.values()))
+        made = {"region": name, "pixels": pixels / all_pixels, "settings": []}
+        for row in rows:
+            mine, base = error(row["setting"], where), error(first["setting"], where)
+            made["settings"].append({"setting": row["setting"], "share": mine / error(row["setting"], everywhere), "relmse": mine / pixels if pixels else math.nan,
+                                     "gain": base * first["cpu"] / (mine * row["cpu"]) if mine > 0.0 else math.nan})
+        result.append(made)
+    return result

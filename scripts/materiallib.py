@@ -95,3 +95,15 @@ def seen(binary, scene, folder, size, frames, options=()):
             name = names[round(STEPS * r / g) - 1] if g > 0.0 else "background"
             pixels.setdefault(name, []).append(at)
     return result
+
+
+def split_edges(found, width, height):
+    """Of one frame: the pixels next to another material apart from those inside."""
+    name = {at: n for n, pixels in found.items() for at in pixels}
+    result = {}
+    for at, own in name.items():
+        x, y = at % width, at // width
+        around = (j * width + i for j in range(max(y - 1, 0), min(y + 2, height)) for i in range(max(x - 1, 0), min(x + 2, width)))
+        where = "edge" if any(name[other] != own for other in around) else "inside"
+        result.setdefault("%s %s" % (own, where), []).append(at)
+    return result

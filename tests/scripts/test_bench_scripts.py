@@ -180,7 +180,7 @@ class Mirrors(unittest.TestCase):
         measured = {"0:1": {"relative": {1: [8.0, 2.0, 1.0, 1.0]}}, "3:1": {"relative": {1: [8.0, 0.2, 0.1, 0.1]}}}
         rows = [{"setting": "0:1", "cpu": 1.0}, {"setting": "3:1", "cpu": 2.0}]
         found = {"mirror": {1: [0]}, "floor": {1: [1, 2]}, "speck": {1: [3]}}
-        mirror, floor, speck = mirrors.region_rows(found, measured, None, rows)
+        mirror, floor, speck = errorlib.region_rows(found, measured, None, rows)
         self.assertEqual((mirror["pixels"], floor["pixels"]), (0.25, 0.5))
         self.assertAlmostEqual(floor["settings"][0]["share"], 0.25)
         self.assertAlmostEqual(floor["settings"][1]["relmse"], 0.15)
@@ -188,7 +188,7 @@ class Mirrors(unittest.TestCase):
         self.assertAlmostEqual(mirror["settings"][1]["gain"], 0.5)
         self.assertEqual(errorlib.merge_small(found, measured, 0.26, [1]), {"mirror": {1: [0]}, "floor": {1: [1, 2]}, "all others": {1: [3]}})
         own = {"relative": {1: [0.0, 0.1, 0.05, 0.05]}}
-        self.assertAlmostEqual(mirrors.region_rows(found, measured, own, rows)[2]["settings"][1]["relmse"], 0.05)
+        self.assertAlmostEqual(errorlib.region_rows(found, measured, own, rows)[2]["settings"][1]["relmse"], 0.05)
 
     def test_region_option(self):
         self.assertEqual(mirrors.region("tea pot=1,2,30,40@5-7"), ("tea pot", [1, 2, 30, 40], (5, 7)))
@@ -219,6 +219,11 @@ class Mirrors(unittest.TestCase):
         self.assertEqual(gltf["materials"][0]["alphaMode"], "MASK")
         self.assertNotIn("extensions", gltf["materials"][1])
 
+    def test_edges(self):
+        # rows AAAA, AAAA, AAAB
+        found = {"a": list(range(11)), "b": [11]}
+        self.assertEqual(materiallib.split_edges(found, 4, 3), {"a inside": [0, 1, 2, 3, 4, 5, 8, 9], "a edge": [6, 7, 10], "b edge": [11]})
+
     def test_options_are_dropped(self):
         given = ["--adaptive", "on", "--light-samples", "2", "--no-half", "--max-depth=5"]
         self.assertEqual(benchlib.without(given, "--adaptive", "--max-depth"), ["--light-samples", "2", "--no-half"])
@@ -228,15 +233,24 @@ class Mirrors(unittest.TestCase):
     def test_run(self):
         with tempfile.TemporaryDirectory() as folder:
             report = os.path.join(folder, "report.json")
-            subprocess.run([os.path.join(SCRIPTS, "bench-mirrors"), "--binary", os.path.join(BUILD, "reframe"), "--out", folder, "--size", "24x14",
-                            "--frames", "20-22", "--settings", "0:1,1:1", "--spp", "6", "--reference-spp", "12", "--materials", "--beside", "table",
-                            "--region", "left=0,0,12,14", "--region", "right=12,0,24,14", "--map", "21", "--json", report, "--", "--max-depth", "4", "--adaptive"],
-                           check=True, stdout=subprocess.DEVNULL)
-            with open(report) as file:
-                made = json.load(file)
+            picture = os.path.join(folder, "group1-tile1-seed2.0021.exr")
+
+            def run(*regions):
+                subprocess.run([os.path.join(SCRIPTS, "bench-mirrors"), "--binary", os.path.join(BUILD, "reframe"), "--out", folder, "--size", "24x14",
+                                "--frames", "20-22", "--settings", "0:1,1:1", "--spp", "6", "--json", report, "--keep-renders", *regions,
+                                "--", "--max-depth", "4", "--adaptive"], check=True, stdout=subprocess.DEVNULL)
+                with open(report) as file:
+                    return json.load(file), os.stat(picture).st_mtime_ns
+
+            first, rendered = run()
+            made, kept = run("--reference-spp", "12", "--materials", "--beside", "table", "--map", "21",
+                             "--region", "left=0,0,12,14", "--region", "right=12,0,24,14")
             with open(os.path.join(folder, "error-group1-tile1-0021.png"), "rb") as file:
                 self.assertEqual(file.read(4), b"\x89PNG")
-        self.assertEqual([r["gain"] for r in made["rows"]][0], 1.0)
+        self.assertEqual(rendered, kept)
+        self.assertEqual([r["cpu"] for r in first["rows"]], [r["cpu"] for r in made["rows"]])
+        self.assertEqual(first["regions"], {})
+        self.assertEqual(made["rows"][0]["gain"], 1.0)
         self.assertTrue(all(r["cpu"] > 0 and r["relmse"] > 0 for r in made["rows"]))
         sides, materials = made["regions"]["rectangles"], made["regions"]["materials"]
         for parts in (sides, materials):
