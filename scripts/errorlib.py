@@ -51,6 +51,22 @@ def summary(measured, own):
             "median": statistics.median(values), "f1_squared": change, "phi": change / both if both > 0.0 else None}
 
 
+def ratio(over, under):
+    return over / under if over > 0.0 and under > 0.0 else None
+
+
+def make_rows(measured, own, cpu, samples):
+    """A row for each setting, with its gains over the first."""
+    rows = [dict(summary(measured[s], own), setting=s, cpu=cpu[s], samples=samples[s]) for s in measured]
+    first = rows[0]
+    for r in rows:
+        for key, of in (("gain", "relmse"), ("gain_trimmed", "trimmed"), ("gain_median", "median")):
+            r[key] = ratio(first[of] * first["cpu"], r[of] * r["cpu"])
+        f1 = ratio(first["f1_squared"] * first["cpu"], r["f1_squared"] * r["cpu"])
+        r["f1_below"] = math.sqrt(f1) if f1 else None
+    return rows
+
+
 def sum_over(relative, where):
     return sum(relative[frame][at] for frame, pixels in where.items() for at in pixels)
 

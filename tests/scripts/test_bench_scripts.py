@@ -176,6 +176,16 @@ class Mirrors(unittest.TestCase):
         self.assertAlmostEqual(made["relmse"], 0.03, delta=0.005)
         self.assertAlmostEqual(made["phi"], 1.0, delta=0.15)
 
+    def test_gains(self):
+        def of(error):
+            return {"relative": {1: [error] * 4}, "change": error, "both": error}
+
+        plain, reused = errorlib.make_rows({"0:1": of(1.0), "3:1": of(0.1)}, None, {"0:1": 3.0, "3:1": 6.0}, {"0:1": 14.0, "3:1": 15.8})
+        self.assertEqual((plain["gain"], plain["f1_below"], reused["samples"]), (1.0, 1.0, 15.8))
+        for key in ("gain", "gain_trimmed", "gain_median"):
+            self.assertAlmostEqual(reused[key], 5.0)
+        self.assertAlmostEqual(reused["f1_below"], math.sqrt(5.0))
+
     def test_regions(self):
         measured = {"0:1": {"relative": {1: [8.0, 2.0, 1.0, 1.0]}}, "3:1": {"relative": {1: [8.0, 0.2, 0.1, 0.1]}}}
         rows = [{"setting": "0:1", "cpu": 1.0}, {"setting": "3:1", "cpu": 2.0}]
