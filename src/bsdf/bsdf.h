@@ -42,4 +42,8 @@ void rf_bsdf_sample( RfBsdfKind kind, int count, const RfBsdfLanes* lanes, const
 void rf_bsdf_sample_weighted( RfBsdfKind kind, int count, const RfBsdfLanes* lanes, const float* const wo[3],
                               const float* const u[3], float* const wi[3], float* const weight[3], float* pdf_solid_angle );
 
+// The probability with which sampling reflects at a smooth (alpha 0), untextured surface of
+// RF_BSDF_GLASS that is seen from its front at this cosine, and the weight of the reflection.
+float rf_glass_reflection( const RfMaterial* material, float cos_o, RfVec3* weight );
+
 #endif

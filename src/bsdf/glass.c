@@ -198,6 +198,21 @@ static GlassSample sample( const Glass* g, RfEyeLane eye, const float u[3] )
     return ( GlassSample ){ wi, rf_scale( f, 1.0f / ( ( 1.0f - base ) * reflect ) ), RF_DELTA_PDF };
 }
 
+float rf_glass_reflection( const RfMaterial* material, float cos_o, RfVec3* weight )
+{
+    Glass g = { .base = material->diffuse,
+                .specular = material->specular,
+                .tint = material->tint,
+                .ior = material->ior,
+                .metal = material->f90,
+                .thin = material->thin };
+    float base = base_probability( &g, cos_o );
+    RfVec3 f = reflectance( &g, cos_o );
+    float probability = ( 1.0f - base ) * reflection_probability( &g, f );
+    *weight = probability > 0.0f ? rf_scale( f, 1.0f / probability ) : rf_vec3( 0, 0, 0 );
+    return probability;
+}
+
 static void put( float* const out[3], int i, RfVec3 v )
 {
     out[0][i] = v.x;

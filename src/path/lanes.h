@@ -49,6 +49,10 @@ typedef struct RfVertexLanes
 // Number of lanes that become records; the unevaluable ones follow them.
 static inline int rf_record_count( const RfVertexLanes* v ) { return v->first[RF_BSDF_FIRST_UNEVALUABLE]; }
 
+// Copies `count` lanes from `first` on to the lanes from `at` on of another set of vertices,
+// with the parameters in the mask `params`. first[] and count are left alone.
+void rf_copy_vertices( const RfVertexLanes* from, int first, int count, uint32_t params, RfVertexLanes* to, int at );
+
 // One light sample per vertex lane.
 typedef struct RfLightLanes
 {
@@ -88,6 +92,8 @@ enum
     RF_DIMENSION_ROULETTE = RF_DIMENSION_SCATTER + 3,
     RF_DIMENSION_LIGHTS, // three for each light sample
 };
+// The vertices of chains, from which camera rays go on to the vertex that is numbered 1.
+#define RF_DIMENSION_CHAINS 0x20000000u
 // Roulette on connections inside a tile, plus the index of the connected path.
 #define RF_DIMENSION_CONNECTIONS 0x40000000u
 // A second word of a dimension, where 32 bits are not enough.

@@ -194,8 +194,7 @@ static void scatter( const RfPathSettings* settings, RfWavefront* wavefront, con
         scatter_unevaluable_lanes( wavefront, rays, vertex, next, scatter_evaluable_lanes( wavefront, rays, vertex, next ) );
 }
 
-// Absorption along rays that reach the surface of a body from inside.
-static void absorb( const RfVertexLanes* v, RfRayLanes* rays )
+void rf_absorb( const RfVertexLanes* v, RfRayLanes* rays )
 {
     for ( int i = v->first[RF_BSDF_GLASS]; i < v->first[RF_BSDF_GLASS + 1]; ++i )
     {
@@ -212,8 +211,21 @@ void rf_find_lit_vertices( const RfPathSettings* settings, RfWavefront* wavefron
 {
     wavefront->path_rays += (uint64_t)rays->count;
     rf_find_vertices( settings, rays, false, vertices, &wavefront->scratch );
-    absorb( vertices, rays );
+    rf_absorb( vertices, rays );
     rf_add_emission_hits( settings, rays, vertices, wavefront->scratch.triangle, defer_mis, &wavefront->arrivals );
+}
+
+void rf_end_spent_paths( const RfPathSettings* settings, const RfWavefront* wavefront, int vertex, RfRayLanes* rays )
+{
+    if ( wavefront->spent == NULL )
+        return;
+    for ( int r = 0; r < rays->count; ++r )
+    {
+        if ( wavefront->spent[rays->slot[r]] + vertex < settings->max_depth )
+            continue;
+        for ( int c = 0; c < 3; ++c )
+            rays->throughput[c][r] = 0.0f;
+    }
 }
 
 void rf_trace_tails( const RfPathSettings* settings, RfWavefront* wavefront, int first_vertex )
@@ -225,6 +237,7 @@ void rf_trace_tails( const RfPathSettings* settings, RfWavefront* wavefront, int
         rf_find_lit_vertices( settings, wavefront, rays, vertex == first_vertex, &wavefront->vertices );
         if ( vertex == settings->max_depth )
             break;
+        rf_end_spent_paths( settings, wavefront, vertex, rays );
         add_light_samples( settings, wavefront, rays, vertex );
         scatter( settings, wavefront, rays, vertex, next );
         RfRayLanes* swap = rays;

@@ -32,6 +32,7 @@ typedef struct RfWavefront
     RF_ALIGN uint32_t key_a[RF_LANES];
     uint32_t key_b[RF_LANES];
     float roulette_scale[RF_LANES]; // largest channel of the path's weight up to where throughput starts
+    const int32_t* spent;           // vertices before the first one, which max_depth counts as well; NULL: none
     RfRayLanes rays;                // in: the scattered rays; overwritten
     // out, by slot
     RfArrivals arrivals;
@@ -112,6 +113,12 @@ static inline RfVec3 rf_transmittance_from( const RfVertexLanes* v, int i, RfVec
 // densities to wavefront->scratch.pdf.
 void rf_scatter_deferred( const RfPathSettings* settings, RfWavefront* wavefront, const RfVertexLanes* vertices, int vertex,
                           float* const wi[3] );
+
+// Ends the paths for which `vertex` is the last one: their throughput becomes 0.
+void rf_end_spent_paths( const RfPathSettings* settings, const RfWavefront* wavefront, int vertex, RfRayLanes* rays );
+
+// Absorption along rays that reach the surface of a body from inside.
+void rf_absorb( const RfVertexLanes* vertices, RfRayLanes* rays );
 
 // Finds the vertices that the rays hit, applies absorption, and adds their emission
 // to wavefront->arrivals (see rf_add_emission_hits).

@@ -67,7 +67,7 @@ static RfEstimatorGroup pilot_group( const RfRenderer* r, int frame )
     first = first < last_first ? first : last_first;
     first = first > 0 ? first : 0;
     RfEstimatorGroup group = rf_frames_as_group( r, first, eyes, (int)PILOT_GROUP );
-    group.max_depth = 1; // first hits alone
+    group.first_hits_only = true;
     return group;
 }
 

@@ -25,6 +25,7 @@ typedef struct RfSceneTraits
     unsigned kinds; // bit k: a triangle scatters by RfBsdfKind k
     bool blended;   // some surface lets part of the light straight through (alpha blending)
     bool sky;       // an environment that is not black
+    bool mirrors;   // flat mirrors
 } RfSceneTraits;
 
 // A group of frames, as every batch of it sees it.
@@ -43,6 +44,7 @@ typedef struct RfEstimatorGroup
     // Of them this is the part between `round` and `round` + 1.
     const float* need;
     int round;
+    bool first_hits_only; // no light: for add_own_shares alone
 } RfEstimatorGroup;
 
 // Sizes in bytes and counts for groups of up to group->eye_count frames.

@@ -4,6 +4,7 @@
 #include "render/adaptive.h"
 #include "render/memory.h"
 #include "render/settings.h"
+#include "scene/mirrors.h"
 #include "scene/textured.h"
 
 #define BATCHES_PER_THREAD 16 // in a chunk: enough to share out, few enough to stay in the cache
@@ -19,6 +20,10 @@ RfSceneTraits rf_scene_traits( const RfScene* scene )
         traits.kinds |= 1u << material->kind;
         traits.blended = traits.blended || rf_is_blended( material );
     }
+    RfMirrors mirrors;
+    if ( rf_find_mirrors( scene, &mirrors, NULL ) == RF_OK )
+        traits.mirrors = mirrors.count > 0;
+    rf_destroy_mirrors( &mirrors );
     return traits;
 }
 

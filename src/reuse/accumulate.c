@@ -10,6 +10,7 @@
 typedef struct Accumulation
 {
     const RfEye* eyes;
+    const RfMirrors* mirrors;
     RfBatchShape shape;
     RfWeights weights;
     float weight;         // of the pass in the film
@@ -18,17 +19,20 @@ typedef struct Accumulation
 } Accumulation;
 
 // Pixels of the hits at an eye, and their weights r_t = J_t V_t / Σ J_l V_l times `weight` (E1).
-static void reprojection_weights( const RfEye* eye, int eye_index, const RfHitBatch* batch, float weight, int32_t* pixel,
-                                  float* restrict ratio )
+static void reprojection_weights( const Accumulation* a, int eye_index, const RfHitBatch* batch, RfAccumulateScratch* scratch )
 {
+    const RfEye* eye = a->eyes + eye_index;
+    float weight = a->weight, *restrict ratio = scratch->ratio,
+          *filter[3] = { scratch->filter[0], scratch->filter[1], scratch->filter[2] };
+    int32_t* pixel = scratch->pixel;
     bool own = eye_index == batch->eye;
     if ( own )
     {
         memcpy( pixel, batch->pixel, (size_t)batch->count * sizeof *pixel );
-        rf_own_densities( eye, batch, ratio );
+        rf_own_densities( a->mirrors, eye, batch, ratio, filter );
     }
     else
-        rf_project_batch( eye, batch, pixel, ratio );
+        rf_project_batch( a->mirrors, eye, batch, pixel, ratio, filter );
     if ( batch->densities != NULL )
         memcpy( ratio, batch->densities + (size_t)eye_index * RF_LANES, (size_t)batch->count * sizeof *ratio );
     const float* restrict sum = batch->density_sum;
@@ -41,7 +45,7 @@ static void reprojection_weights( const RfEye* eye, int eye_index, const RfHitBa
 
 static void reproject( const Accumulation* a, int eye, const RfHitBatch* batch, RfAccumulateScratch* scratch )
 {
-    reprojection_weights( a->eyes + eye, eye, batch, a->weight, scratch->pixel, scratch->ratio );
+    reprojection_weights( a, eye, batch, scratch );
     if ( a->weights == RF_WEIGHTS_EXACT )
         return;
     // the biased weightings count each hit once
@@ -63,7 +67,7 @@ static void mix_landed_eyes( const Accumulation* a, const RfHitBatch* batch, con
     memset( s->mixture, 0, sizeof s->mixture );
     for ( int l = 0; l < a->shape.eyes; ++l )
     {
-        rf_directions_to( a->eyes, l, batch, wo );
+        rf_directions_to( a->mirrors, a->eyes, l, batch, wo );
         rf_evaluate_glossy( batch, wo_in, wi, NULL, s->pdf );
         for ( int i = 0; i < count; ++i )
         {
@@ -114,7 +118,7 @@ static void light_glossy( const Accumulation* a, int eye, const RfHitBatch* batc
             s->sum[c][i] = batch->radiance[4 * ( first + i ) + c];
     }
     if ( !a->shape.eq15 )
-        rf_directions_to( a->eyes, eye, batch, wo );
+        rf_directions_to( a->mirrors, a->eyes, eye, batch, wo );
     for ( int d = 0; d < rf_direction_count( &a->shape ); ++d )
     {
         const RfDirectionLanes* lanes = batch->directions + d;
@@ -122,7 +126,7 @@ static void light_glossy( const Accumulation* a, int eye, const RfHitBatch* batc
         if ( a->shape.eq15 )
         {
             mix_landed_eyes( a, batch, landed_eyes, d, s );
-            rf_directions_to( a->eyes, eye, batch, wo );
+            rf_directions_to( a->mirrors, a->eyes, eye, batch, wo );
         }
         rf_evaluate_glossy( batch, wo_in, wi, f, NULL );
         add_direction( lanes, count, a->shape.eq15, s );
@@ -158,7 +162,11 @@ static uint64_t splat_diffuse( const RfHitBatch* batch, const RfAccumulateScratc
         int32_t pixel = s->pixel[i];
         if ( s->ratio[i] > 0.0f && pixel >= range.low && pixel < range.end )
         {
-            add_to_pixel( range.film + 4 * (size_t)pixel, s->ratio[i], batch->radiance + 4 * i );
+            const float* value = batch->radiance + 4 * i;
+            float filtered[4] = { value[0], value[1], value[2], 1.0f };
+            for ( int c = 0; c < 3 && batch->view != NULL; ++c )
+                filtered[c] *= s->filter[c][i];
+            add_to_pixel( range.film + 4 * (size_t)pixel, s->ratio[i], batch->view != NULL ? filtered : value );
             ++landed;
         }
     }
@@ -175,6 +183,8 @@ static uint64_t splat_glossy( const RfHitBatch* batch, const RfAccumulateScratch
         if ( s->ratio[i] > 0.0f && pixel >= range.low && pixel < range.end )
         {
             float value[4] = { s->sum[0][i - first], s->sum[1][i - first], s->sum[2][i - first], 1.0f };
+            for ( int c = 0; c < 3 && batch->view != NULL; ++c )
+                value[c] *= s->filter[c][i];
             add_to_pixel( range.film + 4 * (size_t)pixel, s->ratio[i], value );
             ++landed;
         }
@@ -199,6 +209,17 @@ static uint64_t splat_misses( const RfHitBatch* batch, bool black, float weight,
         }
     }
     return landed;
+}
+
+// Light without a sample of its own.
+static void splat_glints( const RfHitBatch* batch, float weight, PixelRange range )
+{
+    for ( int i = 0; i < batch->glint_count; ++i )
+    {
+        int32_t pixel = rf_glint_pixel( batch )[i];
+        if ( pixel >= range.low && pixel < range.end )
+            add_to_pixel( range.film + 4 * (size_t)pixel, weight, rf_glint_radiance( batch ) + 4 * (size_t)i );
+    }
 }
 
 static void count_landed( const RfHitBatch* batch, const RfAccumulateScratch* s, PixelRange range, uint32_t* landed )
@@ -258,7 +279,10 @@ static uint64_t add_batch( const Accumulation* a, RfAccumulateJob job, const RfH
         landed += splat_glossy( batch, scratch, range );
     }
     if ( own )
+    {
         landed += splat_misses( batch, !a->shape.own_frame_light, a->weight, range );
+        splat_glints( batch, a->weight, range );
+    }
     if ( job.landed != NULL )
         count_landed( batch, scratch, range, job.landed );
     if ( job.landed != NULL && own )
@@ -269,7 +293,10 @@ static uint64_t add_batch( const Accumulation* a, RfAccumulateJob job, const RfH
 uint64_t rf_accumulate_rows( const RfEstimatorGroup* group, RfAccumulateJob job, void* const* batches, int batch_count,
                              RfAccumulateScratch* scratch )
 {
-    Accumulation a = { group->eyes, rf_batch_shape( group ), group->settings->weights, job.weight, batches, batch_count };
+    Accumulation a = {
+        group->eyes, rf_tracer_mirrors( group->tracer ), rf_batch_shape( group ), group->settings->weights, job.weight, batches,
+        batch_count
+    };
     int width = group->width;
     PixelRange range = { job.films->half[job.half], job.first_row * width, job.end_row * width };
     if ( a.shape.eq15 )

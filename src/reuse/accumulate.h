@@ -9,7 +9,8 @@
 typedef struct RfAccumulateScratch
 {
     RF_ALIGN int32_t pixel[RF_LANES];
-    RF_ALIGN float ratio[RF_LANES]; // r_t, 0 where the hit does not land
+    RF_ALIGN float ratio[RF_LANES];     // r_t, 0 where the hit does not land
+    RF_ALIGN float filter[3][RF_LANES]; // of the way to the eye; only for batches with views
     RF_ALIGN float wo[3][RF_LANES];
     RF_ALIGN float f[3][RF_LANES];
     RF_ALIGN float sum[3][RF_LANES];

@@ -1,8 +1,10 @@
 #include "reuse/glossy.h"
 
+#include "reuse/mirrored.h"
+
 #include <string.h>
 
-void rf_directions_to( const RfEye* eyes, int eye, const RfHitBatch* batch, float* const wo[3] )
+void rf_directions_to( const RfMirrors* mirrors, const RfEye* eyes, int eye, const RfHitBatch* batch, float* const wo[3] )
 {
     int first = batch->first[RF_BSDF_FIRST_GLOSSY], count = rf_glossy_count( batch );
     if ( eye == batch->eye )
@@ -28,6 +30,8 @@ void rf_directions_to( const RfEye* eyes, int eye, const RfHitBatch* batch, floa
         y[i] = v.y * scale;
         z[i] = v.z * scale;
     }
+    if ( batch->view != NULL )
+        rf_directions_to_image( mirrors, eyes + eye, batch, wo );
 }
 
 void rf_evaluate_glossy( const RfHitBatch* b, const float* const wo[3], const float* const wi[3], float* const f[3],

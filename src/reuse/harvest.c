@@ -7,15 +7,18 @@
 RfBatchShape rf_batch_shape( const RfEstimatorGroup* group )
 {
     const RfRenderSettings* settings = group->settings;
-    unsigned unevaluable = ~0u << RF_BSDF_FIRST_UNEVALUABLE;
+    bool unevaluable = ( group->traits.kinds & ~0u << RF_BSDF_FIRST_UNEVALUABLE ) != 0;
+    int tile_pixels = rf_tile_pixels( &settings->tile );
     return ( RfBatchShape ){
         .eyes = group->eye_count,
         .light_samples = settings->light_samples,
-        .tile_pixels = rf_tile_pixels( &settings->tile ),
+        .tile_pixels = tile_pixels,
         .params = rf_glossy_params( group->traits.kinds ),
         .eq15 = settings->weights == RF_WEIGHTS_EQ15,
         .blended = group->traits.blended,
-        .own_frame_light = ( group->traits.kinds & unevaluable ) != 0 || group->traits.sky,
+        .own_frame_light = unevaluable || group->traits.sky,
+        .chains = unevaluable && settings->weights == RF_WEIGHTS_EXACT &&
+                  ( tile_pixels > 1 || ( group->traits.mirrors && settings->group != 0 ) ),
     };
 }
 
@@ -34,6 +37,7 @@ RfHarvest rf_make_harvest( const RfEstimatorGroup* group )
         .group = group->number,
         .need = group->need,
         .round = group->round,
+        .first_hits_only = group->first_hits_only,
     };
 }
 
@@ -43,7 +47,8 @@ size_t rf_harvest_scratch_bytes( const RfBatchShape* shape )
 {
     size_t lanes = RF_LANES * sizeof( float );
     return scratch_struct_bytes() + (size_t)shape->light_samples * sizeof( RfLightLanes ) + (size_t)shape->eyes * lanes +
-           (size_t)rf_direction_count( shape ) * lanes + rf_tile_reuse_bytes( shape->light_samples, shape->tile_pixels );
+           (size_t)rf_direction_count( shape ) * lanes + rf_tile_reuse_bytes( shape->light_samples, shape->tile_pixels ) +
+           ( shape->chains ? sizeof( RfChains ) + 64 : 0 );
 }
 
 RfHarvestScratch* rf_lay_out_harvest_scratch( const RfBatchShape* shape, void* memory )
@@ -52,8 +57,10 @@ RfHarvestScratch* rf_lay_out_harvest_scratch( const RfBatchShape* shape, void* m
     scratch->direct = (RfLightLanes*)( (char*)memory + scratch_struct_bytes() );
     scratch->density = (float*)( scratch->direct + shape->light_samples );
     scratch->mixture = scratch->density + (size_t)shape->eyes * RF_LANES;
-    scratch->tiles = rf_lay_out_tile_reuse( shape->light_samples, shape->tile_pixels,
-                                            scratch->mixture + (size_t)rf_direction_count( shape ) * RF_LANES );
+    char* rest = (char*)( scratch->mixture + (size_t)rf_direction_count( shape ) * RF_LANES );
+    scratch->tiles = rf_lay_out_tile_reuse( shape->light_samples, shape->tile_pixels, rest );
+    rest += rf_tile_reuse_bytes( shape->light_samples, shape->tile_pixels );
+    scratch->chains = shape->chains ? (RfChains*)(void*)( rest + ( 64 - (uintptr_t)rest % 64 ) % 64 ) : NULL;
     return scratch;
 }
 
@@ -94,30 +101,59 @@ static void make_camera_rays( const RfEye* eye, int count, const int32_t* pixel,
     rays->count = count;
 }
 
-// Hits keep the pixel they were drawn in. Rays that hit nothing are misses; unevaluable hits are
-// listed behind these.
-static void note_pixels( int count, RfHarvestScratch* scratch, RfHitBatch* batch )
+// Lists unevaluable hits and chains without a hit behind the rays that missed.
+static void note_own_frame( const RfVertexLanes* first, const uint8_t* recorded, RfHarvestScratch* scratch, RfHitBatch* batch )
 {
-    uint8_t hit[RF_LANES];
-    memset( hit, 0, (size_t)count );
+    for ( int i = rf_record_count( first ); i < first->count; ++i )
+    {
+        int slot = first->slot[i];
+        if ( recorded[slot] )
+            continue;
+        rf_miss_pixel( batch )[batch->miss_count] = scratch->pixel[slot];
+        scratch->miss_slot[batch->miss_count++] = slot;
+    }
+}
+
+// Lists the pixels whose chain brought light and has a hit, too.
+static void note_glints( const RfHarvestScratch* scratch, RfHitBatch* batch, int32_t* glint_slot )
+{
+    const RfChains* chains = scratch->chains;
     for ( int i = 0; i < batch->count; ++i )
     {
-        int slot = scratch->first.slot[i];
-        hit[slot] = 1;
+        int slot = scratch->hits->slot[i];
+        if ( chains->light[0][slot] + chains->light[1][slot] + chains->light[2][slot] == 0.0f )
+            continue;
+        rf_glint_pixel( batch )[batch->glint_count] = scratch->pixel[slot];
+        glint_slot[batch->glint_count++] = slot;
+    }
+}
+
+// Hits keep the pixel they were drawn in. Rays that hit nothing are misses; what has no record is listed behind these.
+static void note_pixels( int count, RfHarvestScratch* scratch, RfHitBatch* batch )
+{
+    uint8_t hit[RF_LANES], recorded[RF_LANES];
+    memset( hit, 0, (size_t)count );
+    memset( recorded, 0, (size_t)count );
+    for ( int i = 0; i < scratch->first.count; ++i )
+        hit[scratch->first.slot[i]] = 1;
+    for ( int i = 0; i < batch->count; ++i )
+    {
+        int slot = scratch->hits->slot[i];
+        recorded[slot] = 1;
         batch->pixel[i] = scratch->pixel[slot];
     }
-    for ( int i = batch->count; i < scratch->first.count; ++i )
-        hit[scratch->first.slot[i]] = 1;
     int32_t* miss_pixel = rf_miss_pixel( batch );
-    batch->miss_count = 0;
+    batch->miss_count = batch->glint_count = 0;
     for ( int slot = 0; slot < count; ++slot )
     {
         miss_pixel[batch->miss_count] = scratch->pixel[slot];
         scratch->miss_slot[batch->miss_count] = slot;
         batch->miss_count += !hit[slot];
     }
-    for ( int i = batch->count; i < scratch->first.count; ++i )
-        miss_pixel[batch->miss_count++] = scratch->pixel[scratch->first.slot[i]];
+    scratch->ray_miss_count = batch->miss_count;
+    note_own_frame( &scratch->first, recorded, scratch, batch );
+    if ( scratch->hits != &scratch->first )
+        note_glints( scratch, batch, scratch->glint_slot );
 }
 
 static void sample_direct( const RfHarvest* harvest, RfHarvestScratch* scratch, RfRayCounts* rays )
@@ -126,14 +162,14 @@ static void sample_direct( const RfHarvest* harvest, RfHarvestScratch* scratch, 
     uint32_t dimension = rf_vertex_dimension( 1, k ) + RF_DIMENSION_LIGHTS;
     for ( int j = 0; j < k; ++j )
         rays->shadow +=
-            (uint64_t)rf_sample_lights( &harvest->path, &scratch->wavefront, &scratch->first, dimension + 3u * (uint32_t)j,
+            (uint64_t)rf_sample_lights( &harvest->path, &scratch->wavefront, scratch->hits, dimension + 3u * (uint32_t)j,
                                         scratch->direct + j, &scratch->wavefront.scratch );
 }
 
 // Samples scattered directions and traces the rest of the paths.
 static void trace_tails( const RfHarvest* harvest, RfHarvestScratch* scratch, RfRayCounts* rays )
 {
-    const RfVertexLanes* v = &scratch->first;
+    const RfVertexLanes* v = scratch->hits;
     RfWavefront* wavefront = &scratch->wavefront;
     float* wi[3] = { scratch->scattered[0], scratch->scattered[1], scratch->scattered[2] };
     rf_scatter_deferred( &harvest->path, wavefront, v, 1, wi );
@@ -207,6 +243,30 @@ static int choose_needy( const RfHarvest* harvest, uint64_t key, int count, int 
     return left;
 }
 
+// Follows the camera rays that hit mirrors and glass, if there are any.
+static void follow_chains( const RfHarvest* harvest, RfHarvestScratch* scratch )
+{
+    const RfVertexLanes* first = &scratch->first;
+    RfWavefront* wavefront = &scratch->wavefront;
+    scratch->hits = first;
+    wavefront->spent = NULL;
+    if ( scratch->chains == NULL || rf_record_count( first ) == first->count )
+        return;
+    rf_follow_chains( &harvest->path, first, &scratch->camera_rays, !harvest->first_hits_only, wavefront, scratch->chains );
+    scratch->hits = &scratch->chains->hits;
+    wavefront->spent = scratch->chains->length;
+    if ( scratch->tiles != NULL )
+        rf_split_tiles( scratch->chains, scratch->tiles );
+}
+
+static void copy_views( const RfHarvestScratch* scratch, RfHitBatch* batch )
+{
+    if ( batch->view == NULL )
+        return;
+    for ( int i = 0; i < batch->count; ++i )
+        batch->view[i] = scratch->hits == &scratch->first ? RF_VIEW_DIRECT : scratch->chains->view[scratch->hits->slot[i]];
+}
+
 int rf_harvest_first_hits( const RfHarvest* harvest, RfTraceJob job, RfHitBatch* batch, RfHarvestScratch* scratch,
                            RfRayCounts* rays )
 {
@@ -215,6 +275,7 @@ int rf_harvest_first_hits( const RfHarvest* harvest, RfTraceJob job, RfHitBatch*
     uint64_t key =
         rf_pass_key( harvest->seed, (uint32_t)( harvest->first_frame + job.eye ), (uint32_t)harvest->group, (uint32_t)job.pass );
     batch->eye = job.eye;
+    wavefront->path_rays = wavefront->shadow_rays = 0;
 
     int tiles, count = rf_list_patch( &harvest->patches, eye, key, job.job, scratch->pixel, scratch->tile_of, &tiles );
     if ( harvest->need != NULL )
@@ -228,9 +289,25 @@ int rf_harvest_first_hits( const RfHarvest* harvest, RfTraceJob job, RfHitBatch*
     make_camera_rays( eye, count, scratch->pixel, wavefront, &scratch->camera_rays );
     rf_find_vertices( &harvest->path, &scratch->camera_rays, true, &scratch->first, &wavefront->scratch );
     rays->primary += (uint64_t)count;
-    copy_hits( &scratch->first, batch );
+    follow_chains( harvest, scratch );
+    copy_hits( scratch->hits, batch );
+    copy_views( scratch, batch );
     note_pixels( count, scratch, batch );
     return count;
+}
+
+// The weight of the path up to its hit counts in the roulette.
+static void scale_roulette( RfHarvestScratch* scratch, int count )
+{
+    bool chains = scratch->hits != &scratch->first;
+    for ( int slot = 0; slot < count; ++slot )
+    {
+        float most = 1.0f;
+        if ( chains )
+            most = rf_maxf( scratch->chains->throughput[0][slot],
+                            rf_maxf( scratch->chains->throughput[1][slot], scratch->chains->throughput[2][slot] ) );
+        scratch->wavefront.roulette_scale[slot] = rf_maxf( most, 0.1f );
+    }
 }
 
 int rf_harvest_batch( const RfHarvest* harvest, RfTraceJob job, RfHitBatch* batch, RfHarvestScratch* scratch, RfRayCounts* rays )
@@ -240,11 +317,10 @@ int rf_harvest_batch( const RfHarvest* harvest, RfTraceJob job, RfHitBatch* batc
 
     // the rest of their paths
     memset( &wavefront->arrivals, 0, sizeof wavefront->arrivals );
-    wavefront->path_rays = wavefront->shadow_rays = 0;
     wavefront->rays.count = 0;
-    for ( int slot = 0; slot < count; ++slot )
-        wavefront->roulette_scale[slot] = 1.0f;
-    if ( harvest->path.max_depth > 1 )
+    scale_roulette( scratch, count );
+    bool lit = harvest->path.max_depth > 1 && !harvest->first_hits_only;
+    if ( lit )
     {
         sample_direct( harvest, scratch, rays );
         trace_tails( harvest, scratch, rays );
@@ -254,6 +330,8 @@ int rf_harvest_batch( const RfHarvest* harvest, RfTraceJob job, RfHitBatch* batc
 
     // visibility from all eyes of the group, then MIS weights
     rf_test_batch_visibility( harvest, batch, scratch, rays );
+    if ( harvest->first_hits_only )
+        return count;
     rf_weight_batch( harvest, batch, scratch );
     if ( harvest->shape.own_frame_light )
         rf_light_own_frame( harvest, batch, scratch );

@@ -23,6 +23,7 @@ typedef struct RfHarvest
     int group;         // its number
     const float* need; // adaptive sampling, as in RfEstimatorGroup
     int round;
+    bool first_hits_only;
 } RfHarvest;
 
 // The group in the terms of the harvest.

@@ -2,6 +2,7 @@
 #ifndef REFRAME_REUSE_HARVEST_INTERNAL_H
 #define REFRAME_REUSE_HARVEST_INTERNAL_H
 
+#include "reuse/chains.h"
 #include "reuse/glossy.h"
 #include "reuse/harvest.h"
 #include "reuse/reprojection.h"
@@ -19,10 +20,14 @@ struct RfHarvestScratch
 {
     RfWavefront wavefront;
     RfRayLanes camera_rays;
-    RfVertexLanes first;              // the hits
+    RfVertexLanes first;              // hits of the camera rays
+    RfChains* chains;                 // NULL unless the shape has chains
+    const RfVertexLanes* hits;        // what becomes records, and unevaluable hits behind: `first`, or chains->hits
     RF_ALIGN int32_t pixel[RF_LANES]; // by slot
     RF_ALIGN int32_t tile_of[RF_LANES];
-    RF_ALIGN int32_t miss_slot[RF_LANES];     // of the rays that found nothing
+    RF_ALIGN int32_t miss_slot[RF_LANES]; // of the misses: rays that found nothing, then chains without a hit
+    int ray_miss_count;                   // of the former
+    int32_t glint_slot[RF_LANES];
     RF_ALIGN float scattered[3][RF_LANES];    // direction drawn at each hit
     RF_ALIGN float unevaluable_pdf[RF_LANES]; // of the direction drawn at unevaluable hits, from 0
     RF_ALIGN float wo[3][RF_LANES];

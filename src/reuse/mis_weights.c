@@ -24,20 +24,20 @@ static void direction_lanes( const RfHarvest* harvest, RfHarvestScratch* scratch
 static void gather_light_sample( const RfHarvest* harvest, const RfHarvestScratch* scratch, int sample, Arrival* out )
 {
     const RfLightLanes* direct = scratch->direct + sample;
-    size_t bytes = (size_t)scratch->first.count * sizeof( float );
+    size_t bytes = (size_t)scratch->hits->count * sizeof( float );
     float k = (float)harvest->path.light_samples;
     for ( int c = 0; c < 3; ++c )
     {
         memcpy( out->a[c], direct->radiance_cos[c], bytes );
         memset( out->b[c], 0, bytes );
     }
-    for ( int i = 0; i < scratch->first.count; ++i )
+    for ( int i = 0; i < scratch->hits->count; ++i )
         out->light_pdf[i] = k * direct->pdf_solid_angle[i];
 }
 
 static void gather_scattered( const RfHarvest* harvest, const RfHarvestScratch* scratch, Arrival* out )
 {
-    const RfVertexLanes* v = &scratch->first;
+    const RfVertexLanes* v = scratch->hits;
     const RfArrivals* arrivals = &scratch->wavefront.arrivals;
     const float( *wi )[RF_LANES] = scratch->scattered;
     float k = (float)harvest->path.light_samples;
@@ -58,9 +58,9 @@ static void gather_scattered( const RfHarvest* harvest, const RfHarvestScratch* 
 // Of the glossy hits.
 static void gather_tile_light( const RfHarvestScratch* scratch, int pairing, Arrival* out )
 {
-    int first = scratch->first.first[RF_BSDF_FIRST_GLOSSY], end = rf_record_count( &scratch->first );
+    int first = scratch->hits->first[RF_BSDF_FIRST_GLOSSY], end = rf_record_count( scratch->hits );
     size_t bytes = (size_t)( end - first ) * sizeof( float );
-    rf_gather_tile_light( scratch->tiles, pairing, &scratch->first, first, end, out->b );
+    rf_gather_tile_light( scratch->tiles, pairing, scratch->hits, first, end, out->b );
     for ( int c = 0; c < 3; ++c )
         memset( out->a[c] + first, 0, bytes );
     memset( out->light_pdf + first, 0, bytes );
@@ -82,7 +82,7 @@ static void add_diffuse( const RfHarvestScratch* scratch, const Arrival* arrival
                          RfLaneScratch* s )
 {
     int count = batch->first[RF_BSDF_FIRST_GLOSSY];
-    const RfVertexLanes* v = &scratch->first;
+    const RfVertexLanes* v = scratch->hits;
     const float* wo[3] = { v->wo[0], v->wo[1], v->wo[2] };
     float* f[3] = { s->f[0], s->f[1], s->f[2] };
     rf_evaluate_seen_from( v, RF_BSDF_LAMBERT, wo, wi, f, s->pdf );
@@ -99,7 +99,7 @@ static void add_diffuse( const RfHarvestScratch* scratch, const Arrival* arrival
 static void add_diffuse_tile_light( const RfHarvest* harvest, RfHarvestScratch* scratch, RfHitBatch* batch )
 {
     int count = batch->first[RF_BSDF_FIRST_GLOSSY];
-    const RfVertexLanes* v = &scratch->first;
+    const RfVertexLanes* v = scratch->hits;
     float( *sum )[RF_LANES] = scratch->arrival.b;
     rf_gather_diffuse_tile_light( scratch->tiles, harvest->shape.tile_pixels, count, sum );
     for ( int i = 0; i < count; ++i )
@@ -145,7 +145,7 @@ static void mix_densities( const RfHarvest* harvest, const RfHitBatch* batch, Rf
             continue;
         if ( batch->rows[2 * l] > batch->rows[2 * l + 1] )
             continue; // sees nothing of the batch
-        rf_directions_to( harvest->eyes, l, batch, wo );
+        rf_directions_to( rf_tracer_mirrors( harvest->path.tracer ), harvest->eyes, l, batch, wo );
         for ( int d = 0; d < directions; ++d )
             add_density( harvest, batch, scratch, l, d );
     }
@@ -194,9 +194,28 @@ static void weight_direction( const RfHarvest* harvest, RfHitBatch* batch, RfHar
                          batch->directions + direction );
 }
 
+// What a chain leaves of the light at its end.
+static void dim_chains( const RfHarvest* harvest, RfHitBatch* batch, const RfHarvestScratch* scratch )
+{
+    int first = batch->first[RF_BSDF_FIRST_GLOSSY];
+    for ( int i = 0; i < batch->count; ++i )
+    {
+        int slot = scratch->hits->slot[i];
+        if ( batch->view[i] != RF_VIEW_CHAIN )
+            continue;
+        for ( int c = 0; c < 3; ++c )
+        {
+            float left = scratch->chains->throughput[c][slot];
+            batch->radiance[4 * i + c] *= left;
+            for ( int d = 0; i >= first && d < rf_direction_count( &harvest->shape ); ++d )
+                batch->directions[d].q[c][i - first] *= left;
+        }
+    }
+}
+
 void rf_weight_batch( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch )
 {
-    const RfVertexLanes* v = &scratch->first;
+    const RfVertexLanes* v = scratch->hits;
     for ( int i = 0; i < batch->count; ++i )
     {
         for ( int c = 0; c < 3; ++c )
@@ -216,4 +235,6 @@ void rf_weight_batch( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScra
     int directions = glossy ? rf_direction_count( &harvest->shape ) : harvest->path.light_samples + 1;
     for ( int d = 0; d < directions; ++d )
         weight_direction( harvest, batch, scratch, d );
+    if ( scratch->hits != &scratch->first )
+        dim_chains( harvest, batch, scratch );
 }

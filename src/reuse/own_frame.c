@@ -81,11 +81,35 @@ static void absorb( const RfHarvestScratch* scratch, const RfHitBatch* batch, in
     }
 }
 
+static void copy_chain_light( const RfChains* chains, const int32_t* slot, int count, float fourth, float* out )
+{
+    for ( int k = 0; k < count; ++k )
+    {
+        for ( int c = 0; c < 3; ++c )
+            out[4 * k + c] = chains->light[c][slot[k]];
+        out[4 * k + 3] = fourth;
+    }
+}
+
+// What chains bring themselves: to pixels without a hit, and to pixels with one.
+static void light_chains( const RfHarvestScratch* scratch, const RfHitBatch* batch )
+{
+    int first = scratch->ray_miss_count;
+    copy_chain_light( scratch->chains, scratch->miss_slot + first, batch->miss_count - first, 1.0f,
+                      rf_miss_radiance( batch ) + 4 * (size_t)first );
+    copy_chain_light( scratch->chains, scratch->glint_slot, batch->glint_count, 0.0f, rf_glint_radiance( batch ) );
+}
+
 void rf_light_own_frame( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch )
 {
+    light_misses( harvest, scratch, batch, scratch->ray_miss_count );
+    if ( scratch->hits != &scratch->first )
+    {
+        light_chains( scratch, batch );
+        return;
+    }
     const RfVertexLanes* v = &scratch->first;
     int unevaluable = v->count - rf_record_count( v ), first_miss = batch->miss_count - unevaluable;
-    light_misses( harvest, scratch, batch, first_miss );
     for ( int n = 0; n < unevaluable; ++n )
     {
         float* light = light_of( batch, first_miss + n );

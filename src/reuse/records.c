@@ -55,11 +55,14 @@ static RfHitBatch lay_out( const RfBatchShape* shape, Layout* layout )
     take_lanes3( layout, batch.p );
     take_lanes3( layout, batch.ng );
     batch.density_sum = take_lanes( layout );
-    batch.radiance = take( layout, 4 * RF_LANES * sizeof( float ) );
+    size_t listed = shape->chains ? 2 * RF_LANES : RF_LANES; // a hit may have a glint as well
+    batch.radiance = take( layout, 4 * listed * sizeof( float ) );
     batch.seen = take( layout, (size_t)rf_seen_words( shape->eyes ) * RF_LANES * sizeof( uint32_t ) );
     if ( shape->blended )
         batch.densities = take( layout, (size_t)shape->eyes * RF_LANES * sizeof( float ) );
-    batch.pixel = take( layout, RF_LANES * sizeof( int32_t ) );
+    batch.pixel = take( layout, listed * sizeof( int32_t ) );
+    if ( shape->chains )
+        batch.view = take( layout, RF_LANES );
     batch.rows = take( layout, (size_t)shape->eyes * 2 * sizeof( int32_t ) );
     if ( shape->params != 0 )
         take_glossy( layout, shape, &batch );

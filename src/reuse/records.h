@@ -25,7 +25,9 @@ typedef struct RfHitBatch
 {
     int eye;                           // index in the group of the frame whose pixels these are
     int count;                         // hits
-    int miss_count;                    // own-frame samples: rays that missed, and hits of unevaluable models
+    int miss_count;                    // own-frame samples: rays that missed, hits of unevaluable models, and
+                                       // chains that end without a hit
+    int glint_count;                   // light that chains bring to pixels beside that of their hit
     int first[RF_BSDF_KIND_COUNT + 1]; // hits [first[k], first[k+1]) scatter by model k
     float* p[3];
     float* ng[3];
@@ -34,6 +36,7 @@ typedef struct RfHitBatch
     uint32_t* seen;     // visibility: word w of hit i is seen[w·RF_LANES + i], bit l%32 of word l/32 for eye l
     float* densities;   // J_l V_l of eye l and hit i at l·RF_LANES + i; NULL unless the shape is blended
     int32_t* pixel;     // y·width + x in its own frame
+    uint8_t* view;      // how the hit was found, RF_VIEW_...; NULL unless the shape has chains
     int32_t* rows;      // 2 per eye: first and last row of its film that hits land in; first > last: none
     // glossy hits only, at lane i − first[RF_BSDF_FIRST_GLOSSY]
     float* n[3];
@@ -52,12 +55,26 @@ typedef struct RfBatchShape
     bool eq15;
     bool blended;         // visibility may be between 0 and 1
     bool own_frame_light; // misses may be lit: the scene has a sky or unevaluable materials
+    bool chains;          // camera rays go on through mirrors and glass
 } RfBatchShape;
+
+// How a hit was found.
+enum
+{
+    RF_VIEW_DIRECT,
+    RF_VIEW_CHAIN = 255, // by a chain that no other eye can follow
+};
 
 // Misses follow the hits in the arrays that both have: every ray is one or the other.
 static inline int32_t* rf_miss_pixel( const RfHitBatch* batch ) { return batch->pixel + batch->count; }
 // 4 each: r g b 1. Not set without own_frame_light: black.
 static inline float* rf_miss_radiance( const RfHitBatch* batch ) { return batch->radiance + 4 * (size_t)batch->count; }
+// Glints follow the misses; theirs is r g b 0.
+static inline int32_t* rf_glint_pixel( const RfHitBatch* batch ) { return rf_miss_pixel( batch ) + batch->miss_count; }
+static inline float* rf_glint_radiance( const RfHitBatch* batch )
+{
+    return rf_miss_radiance( batch ) + 4 * (size_t)batch->miss_count;
+}
 
 static inline int rf_direction_count( const RfBatchShape* shape ) { return shape->light_samples + shape->tile_pixels; }
 static inline int rf_seen_words( int eyes ) { return ( eyes + 31 ) / 32; }

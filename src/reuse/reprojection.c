@@ -1,8 +1,20 @@
 #include "reuse/reprojection.h"
 
+#include "reuse/mirrored.h"
 #include "scene/pinhole.h"
 
-void rf_project_batch( const RfEye* eye_in, const RfHitBatch* batch, int32_t* restrict pixel, float* restrict density )
+// Lanes without a filter of their own.
+static void clear_filter( const RfHitBatch* batch, float* const filter[3] )
+{
+    for ( int c = 0; c < 3 && filter != NULL; ++c )
+    {
+        for ( int i = 0; i < batch->count; ++i )
+            filter[c][i] = 1.0f;
+    }
+}
+
+void rf_project_batch( const RfMirrors* mirrors, const RfEye* eye_in, const RfHitBatch* batch, int32_t* restrict pixel,
+                       float* restrict density, float* const filter[3] )
 {
     RfEye eye = *eye_in;
     const float* restrict px = batch->p[0];
@@ -18,14 +30,26 @@ void rf_project_batch( const RfEye* eye_in, const RfHitBatch* batch, int32_t* re
         pixel[i] = at.y * eye.width + at.x;
         density[i] = at.seen ? at.density : 0.0f;
     }
+    if ( batch->view == NULL )
+        return;
+    for ( int i = 0; i < batch->count; ++i )
+        density[i] = batch->view[i] == RF_VIEW_DIRECT ? density[i] : 0.0f;
+    clear_filter( batch, filter );
+    rf_project_mirrored( mirrors, eye_in, batch, pixel, density, filter );
 }
 
-void rf_own_densities( const RfEye* eye, const RfHitBatch* batch, float* density )
+void rf_own_densities( const RfMirrors* mirrors, const RfEye* eye, const RfHitBatch* batch, float* density,
+                       float* const filter[3] )
 {
     for ( int i = 0; i < batch->count; ++i )
     {
         RfVec3 p = rf_vec3( batch->p[0][i], batch->p[1][i], batch->p[2][i] );
         RfVec3 ng = rf_vec3( batch->ng[0][i], batch->ng[1][i], batch->ng[2][i] );
-        density[i] = rf_project( eye, p, ng ).density;
+        bool direct = batch->view == NULL || batch->view[i] == RF_VIEW_DIRECT;
+        density[i] = direct ? rf_project( eye, p, ng ).density : 1.0f;
     }
+    if ( batch->view == NULL )
+        return;
+    clear_filter( batch, filter );
+    rf_own_mirrored_densities( mirrors, eye, batch, density, filter );
 }

@@ -7,10 +7,14 @@
 #include "scene/eye.h"
 
 // Pixel (y·width + x) and film density J of every hit; density 0 where the hit
-// is behind the eye, outside its film or turned away. Occluders do not count.
-void rf_project_batch( const RfEye* eye, const RfHitBatch* batch, int32_t* pixel, float* density );
+// is behind the eye, outside its film or turned away, or was found by a chain that the eye
+// cannot follow. Occluders do not count. filter (three arrays; may be NULL) gets what is
+// left of the light on its way to the eye, but only of batches with views.
+void rf_project_batch( const RfMirrors* mirrors, const RfEye* eye, const RfHitBatch* batch, int32_t* pixel, float* density,
+                       float* const filter[3] );
 
-// Densities at the eye whose rays found the hits: never 0.
-void rf_own_densities( const RfEye* eye, const RfHitBatch* batch, float* density );
+// Densities at the eye whose rays found the hits: never 0, and 1 at the end of a chain.
+void rf_own_densities( const RfMirrors* mirrors, const RfEye* eye, const RfHitBatch* batch, float* density,
+                       float* const filter[3] );
 
 #endif

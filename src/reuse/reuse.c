@@ -68,10 +68,10 @@ static uint64_t accumulate( const RfEstimatorGroup* group, RfAccumulateJob job, 
     return rf_accumulate_rows( group, job, batches, batch_count, scratch );
 }
 
-// Hits that only their own frame sees: they are kept behind the misses of the batch.
+// Camera rays that hit something but have no record: they are listed behind those that missed.
 static int own_frame_hits( const RfHitBatch* batch, const RfHarvestScratch* scratch )
 {
-    return scratch->first.count - batch->count;
+    return batch->miss_count - scratch->ray_miss_count;
 }
 
 static void add_own_shares( const void* batch_memory, const void* scratch_memory, float* sum )

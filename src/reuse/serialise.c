@@ -77,14 +77,14 @@ static void pass_normals( Stream* s, int count, float* const ng[3] )
     }
 }
 
-// r g b 1
-static void pass_colours( Stream* s, int count, float* colours )
+// r g b and a constant, which is not stored
+static void pass_colours( Stream* s, int count, float fourth, float* colours )
 {
     for ( int i = 0; i < count; ++i, colours += 4 )
     {
         pass( s, colours, 3 * sizeof *colours );
         if ( s->in != NULL )
-            colours[3] = 1.0f;
+            colours[3] = fourth;
     }
 }
 
@@ -156,16 +156,20 @@ static void pass_batch( Stream* s, const RfBatchShape* shape, RfHitBatch* batch 
     pass( s, &batch->eye, sizeof batch->eye );
     pass( s, &batch->count, sizeof batch->count );
     pass( s, &batch->miss_count, sizeof batch->miss_count );
+    pass( s, &batch->glint_count, sizeof batch->glint_count );
     pass( s, batch->first, sizeof batch->first );
     int count = batch->count;
     pass_lanes3( s, count, batch->p );
     pass_normals( s, count, batch->ng );
     pass_lanes( s, count, batch->density_sum );
-    pass_colours( s, count + ( shape->own_frame_light ? batch->miss_count : 0 ), batch->radiance );
+    pass_colours( s, count + ( shape->own_frame_light ? batch->miss_count : 0 ), 1.0f, batch->radiance );
+    pass_colours( s, batch->glint_count, 0.0f, rf_glint_radiance( batch ) );
     pass_seen( s, shape->eyes, count, batch->seen );
     for ( int l = 0; l < shape->eyes && shape->blended; ++l )
         pass_lanes( s, count, batch->densities + (size_t)l * RF_LANES );
-    pass_pixels( s, count + batch->miss_count, batch->pixel );
+    pass_pixels( s, count + batch->miss_count + batch->glint_count, batch->pixel );
+    if ( shape->chains )
+        pass( s, batch->view, (size_t)count );
     pass( s, batch->rows, (size_t)shape->eyes * 2 * sizeof *batch->rows );
     if ( shape->params != 0 )
         pass_glossy( s, shape, batch );

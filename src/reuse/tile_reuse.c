@@ -54,6 +54,12 @@ static void list_members( const RfVertexLanes* hits, RfTileReuse* reuse )
     }
 }
 
+// True if the path may not go on from second vertex a.
+static bool is_spent( const RfTileReuse* reuse, int a )
+{
+    return reuse->throughput[0][a] + reuse->throughput[1][a] + reuse->throughput[2][a] == 0.0f;
+}
+
 // Finds the second vertices that are reused: both the hit and the vertex must be
 // evaluable. All hits of the tile could have sampled them, including those whose
 // own path has no second vertex.
@@ -70,7 +76,7 @@ static void list_owners( const RfVertexLanes* hits, RfTileReuse* reuse )
     {
         int i = hit_of_slot[y->slot[a]];
         reuse->owner[a] = -1;
-        if ( i < 0 || a >= rf_record_count( y ) )
+        if ( i < 0 || a >= rf_record_count( y ) || is_spent( reuse, a ) )
             continue;
         float way2 = 0.0f, cos_y = 0.0f;
         for ( int c = 0; c < 3; ++c )
@@ -153,6 +159,7 @@ uint64_t rf_trace_tile_tails( const RfTileReuseSettings* settings, const RfVerte
             memset( reuse->pairings[s].vertex, 0, sizeof reuse->pairings[s].vertex );
         return 0;
     }
+    rf_end_spent_paths( settings->path, wavefront, 2, &wavefront->rays );
     copy_throughput( &wavefront->rays, reuse );
     trace_beyond( settings->path, wavefront, reuse );
     list_members( hits, reuse );

@@ -2,6 +2,7 @@
 // what film density. The tests are packets from the eye (src/reuse/estimators.md, section 8).
 #include "reuse/harvest_internal.h"
 
+#include "reuse/mirrored.h"
 #include "scene/pinhole.h"
 
 #include <stdint.h>
@@ -54,10 +55,16 @@ static void see_from_own_eye( const RfHarvest* harvest, const RfHitBatch* batch,
                               float* density, RfRayCounts* rays )
 {
     const RfEye* eye = harvest->eyes + batch->eye;
-    rf_own_densities( eye, batch, density );
+    rf_own_densities( rf_tracer_mirrors( harvest->path.tracer ), eye, batch, density, NULL );
     memcpy( pixel, batch->pixel, (size_t)batch->count * sizeof *pixel );
     if ( batch->densities == NULL )
         return;
+    float found[RF_LANES]; // by a chain: not on the straight way
+    for ( int i = 0; i < batch->count && batch->view != NULL; ++i )
+    {
+        found[i] = density[i];
+        density[i] = batch->view[i] == RF_VIEW_DIRECT ? density[i] : 0.0f;
+    }
     // transmittance is never 0: the camera ray did get through
     float least[RF_LANES];
     for ( int i = 0; i < batch->count; ++i )
@@ -65,6 +72,23 @@ static void see_from_own_eye( const RfHarvest* harvest, const RfHitBatch* batch,
     rays->eye += (uint64_t)rf_trace_from_origin( harvest->path.tracer, rf_pinhole_origin( eye ), batch->count, lifted, density );
     for ( int i = 0; i < batch->count; ++i )
         density[i] = density[i] > least[i] ? density[i] : least[i];
+    for ( int i = 0; i < batch->count && batch->view != NULL; ++i )
+        density[i] = batch->view[i] == RF_VIEW_DIRECT ? density[i] : found[i];
+}
+
+// Tests the hits with density > 0, on the straight way or by the mirror in which they were found.
+static int see( const RfTracer* tracer, const RfEye* eye, const RfHitBatch* batch, const float* const lifted[3], float* density )
+{
+    if ( batch->view == NULL )
+        return rf_trace_from_origin( tracer, rf_pinhole_origin( eye ), batch->count, lifted, density );
+    float straight[RF_LANES];
+    for ( int i = 0; i < batch->count; ++i )
+        straight[i] = batch->view[i] == RF_VIEW_DIRECT ? density[i] : 0.0f;
+    int rays = rf_trace_from_origin( tracer, rf_pinhole_origin( eye ), batch->count, lifted, straight );
+    rays += rf_see_mirrored( tracer, eye, batch, lifted, density );
+    for ( int i = 0; i < batch->count; ++i )
+        density[i] = batch->view[i] == RF_VIEW_DIRECT ? straight[i] : density[i];
+    return rays;
 }
 
 void rf_test_batch_visibility( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch, RfRayCounts* rays )
@@ -72,7 +96,7 @@ void rf_test_batch_visibility( const RfHarvest* harvest, RfHitBatch* batch, RfHa
     int eyes = harvest->shape.eyes;
     memset( batch->seen, 0, (size_t)rf_seen_words( eyes ) * RF_LANES * sizeof *batch->seen );
     memset( batch->density_sum, 0, (size_t)batch->count * sizeof( float ) );
-    lift_hits( harvest, batch, scratch->first.offset, scratch->lifted );
+    lift_hits( harvest, batch, scratch->hits->offset, scratch->lifted );
     const float* lifted[3] = { scratch->lifted[0], scratch->lifted[1], scratch->lifted[2] };
     for ( int l = 0; l < eyes; ++l )
     {
@@ -82,16 +106,15 @@ void rf_test_batch_visibility( const RfHarvest* harvest, RfHitBatch* batch, RfHa
             see_from_own_eye( harvest, batch, lifted, scratch->landed_pixel, density, rays );
         else
         {
-            rf_project_batch( eye, batch, scratch->landed_pixel, density );
-            rays->eye +=
-                (uint64_t)rf_trace_from_origin( harvest->path.tracer, rf_pinhole_origin( eye ), batch->count, lifted, density );
+            rf_project_batch( rf_tracer_mirrors( harvest->path.tracer ), eye, batch, scratch->landed_pixel, density, NULL );
+            rays->eye += (uint64_t)see( harvest->path.tracer, eye, batch, lifted, density );
         }
         if ( batch->densities != NULL )
             memcpy( batch->densities + (size_t)l * RF_LANES, density, (size_t)batch->count * sizeof *density );
         note_seen( density, scratch->landed_pixel, l, eye->width, batch );
     }
     // rows of misses count, too
-    for ( int i = 0; i < batch->miss_count; ++i )
+    for ( int i = 0; i < batch->miss_count + batch->glint_count; ++i )
     {
         int32_t* rows = batch->rows + 2 * batch->eye;
         int row = rf_miss_pixel( batch )[i] / harvest->eyes[batch->eye].width;

@@ -105,6 +105,29 @@ RfResult rf_build_bvh( RTCDevice device, const RfScene* scene, RfBvh* bvh, RfErr
     return RF_OK;
 }
 
+RTCScene rf_build_mirror_scene( RTCDevice device, const RfScene* scene, const RfMirrors* mirrors )
+{
+    if ( mirrors->triangle_count == 0 )
+        return NULL;
+    RTCScene out = rtcNewScene( device );
+    RTCGeometry geometry = rtcNewGeometry( device, RTC_GEOMETRY_TYPE_TRIANGLE );
+    RTCBuffer positions = copy_positions( device, &scene->triangles );
+    rtcSetGeometryBuffer( geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, positions, 0, 12,
+                          scene->triangles.vertex_count );
+    uint32_t* indices =
+        rtcSetNewGeometryBuffer( geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, mirrors->triangle_count );
+    for ( uint32_t i = 0; indices != NULL && i < mirrors->triangle_count; ++i )
+        memcpy( indices + 3 * (size_t)i, scene->triangles.indices + 3 * (size_t)mirrors->triangle[i], 12 );
+    rtcSetSceneFlags( out, RTC_SCENE_FLAG_ROBUST );
+    rtcCommitGeometry( geometry );
+    rtcAttachGeometry( out, geometry );
+    rtcReleaseGeometry( geometry );
+    if ( positions != NULL )
+        rtcReleaseBuffer( positions );
+    rtcCommitScene( out );
+    return out;
+}
+
 void rf_restore_order( const RfBvh* bvh, int count, const unsigned int* geometry, uint32_t* triangle )
 {
     for ( int i = 0; i < count; ++i )

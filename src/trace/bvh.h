@@ -3,6 +3,7 @@
 #ifndef REFRAME_TRACE_BVH_H
 #define REFRAME_TRACE_BVH_H
 
+#include "scene/mirrors.h"
 #include "scene/scene.h"
 
 #include <embree3/rtcore.h>
@@ -19,6 +20,9 @@ typedef struct RfBvh
 // Builds the BVH. The filter keeps the address of `bvh`, which must not move. Embree's errors
 // are reported to the device's error handler.
 RfResult rf_build_bvh( RTCDevice device, const RfScene* scene, RfBvh* bvh, RfError* error );
+
+// A scene of the mirrors' triangles alone, in their order; NULL if there are none.
+RTCScene rf_build_mirror_scene( RTCDevice device, const RfScene* scene, const RfMirrors* mirrors );
 
 // Releases Embree's scene.
 void rf_destroy_bvh( RfBvh* bvh );

@@ -16,6 +16,8 @@ struct RfTracer
     RTCDevice device;
     RfBvh bvh;
     RfLights lights;
+    RfMirrors mirrors;
+    RTCScene mirror_scene; // the triangles of the mirrors alone; NULL: none
     RfTriangleRecord* triangles;
     bool textured;
     long bytes;
@@ -61,7 +63,7 @@ static RfVec3 load_vec3( const float* values, uint32_t index )
 static RfTriangleRecord make_record( const RfTriangles* t, uint32_t i, uint32_t light )
 {
     const uint32_t* v = t->indices + 3 * (size_t)i;
-    RfTriangleRecord r = { .material = t->material[i], .light = light };
+    RfTriangleRecord r = { .material = t->material[i], .light = light, .mirror = RF_NO_MIRROR };
     r.p0 = load_vec3( t->positions, v[0] );
     r.e1 = rf_sub( load_vec3( t->positions, v[1] ), r.p0 );
     r.e2 = rf_sub( load_vec3( t->positions, v[2] ), r.p0 );
@@ -86,6 +88,8 @@ static RfResult fill_records( RfTracer* tracer, RfError* error )
     for ( uint32_t i = 0; i < t->count; ++i )
         tracer->triangles[i] =
             make_record( t, i, tracer->lights.of_triangle != NULL ? tracer->lights.of_triangle[i] : RF_NO_LIGHT );
+    for ( uint32_t i = 0; i < tracer->mirrors.triangle_count; ++i )
+        tracer->triangles[tracer->mirrors.triangle[i]].mirror = tracer->mirrors.of_triangle[i];
     return RF_OK;
 }
 
@@ -122,6 +126,10 @@ RfResult rf_create_tracer( const RfScene* scene, RfTracer** out, RfError* error 
     if ( result == RF_OK )
         result = build_bvh( tracer, error );
     if ( result == RF_OK )
+        result = rf_find_mirrors( scene, &tracer->mirrors, error );
+    if ( result == RF_OK )
+        tracer->mirror_scene = rf_build_mirror_scene( tracer->device, scene, &tracer->mirrors );
+    if ( result == RF_OK )
         result = fill_records( tracer, error );
     if ( result != RF_OK )
     {
@@ -137,6 +145,9 @@ void rf_destroy_tracer( RfTracer* tracer )
     if ( tracer == NULL )
         return;
     rf_destroy_bvh( &tracer->bvh );
+    if ( tracer->mirror_scene != NULL )
+        rtcReleaseScene( tracer->mirror_scene );
+    rf_destroy_mirrors( &tracer->mirrors );
     rtcReleaseDevice( tracer->device );
     rf_destroy_lights( &tracer->lights );
     free( tracer->triangles );
@@ -146,6 +157,7 @@ void rf_destroy_tracer( RfTracer* tracer )
 const RfScene* rf_tracer_scene( const RfTracer* tracer ) { return tracer->scene; }
 bool rf_tracer_is_textured( const RfTracer* tracer ) { return tracer->textured; }
 bool rf_tracer_is_blended( const RfTracer* tracer ) { return tracer->bvh.blended; }
+const RfMirrors* rf_tracer_mirrors( const RfTracer* tracer ) { return &tracer->mirrors; }
 const RfLights* rf_tracer_lights( const RfTracer* tracer ) { return &tracer->lights; }
 
 bool rf_tracer_has_light( const RfTracer* tracer )
@@ -307,4 +319,47 @@ int rf_trace_from_origin( const RfTracer* tracer, RfVec3 origin, int count, cons
         sum += tested;
     }
     return sum;
+}
+
+void rf_trace_mirrors( const RfTracer* tracer, RfVec3 origin, int count, const float* const point[3], const uint8_t* mirror,
+                       float* const hit[3], float* weight )
+{
+    RfQuery query = begin_query( false, true );
+    _Alignas( 64 ) int valid[RF_PACKET];
+    struct RTCRayHit16 packet;
+    memset( &packet, 0, sizeof packet );
+    for ( int first = 0; first < count; first += RF_PACKET )
+    {
+        int lanes = set_valid( valid, first, count );
+        set_segments( &packet.ray, valid, origin, lanes, point, first, weight );
+        for ( int i = 0; i < RF_PACKET; ++i )
+        {
+            packet.ray.org_x[i] = origin.x;
+            packet.ray.org_y[i] = origin.y;
+            packet.ray.org_z[i] = origin.z;
+            packet.ray.tnear[i] = 0.0f;
+            packet.ray.tfar[i] = INFINITY;
+            packet.ray.mask[i] = 0xffffffffu;
+            packet.hit.geomID[i] = packet.hit.primID[i] = RTC_INVALID_GEOMETRY_ID;
+        }
+        rtcIntersect16( valid, tracer->mirror_scene, &query.context, &packet );
+        for ( int i = 0; i < lanes; ++i )
+        {
+            uint32_t number = packet.hit.primID[i];
+            bool found =
+                valid[i] != 0 && number != RTC_INVALID_GEOMETRY_ID && tracer->mirrors.of_triangle[number] == mirror[first + i];
+            if ( !found )
+            {
+                weight[first + i] = 0.0f;
+                continue;
+            }
+            const RfTriangleRecord* t = tracer->triangles + tracer->mirrors.triangle[number];
+            RfVec3 p = rf_add( t->p0, rf_add( rf_scale( t->e1, packet.hit.u[i] ), rf_scale( t->e2, packet.hit.v[i] ) ) );
+            float side = rf_dot( t->ng, rf_sub( origin, p ) ) < 0.0f ? -1.0f : 1.0f;
+            p = rf_madd( p, t->ng, side * t->offset );
+            hit[0][first + i] = p.x;
+            hit[1][first + i] = p.y;
+            hit[2][first + i] = p.z;
+        }
+    }
 }

@@ -6,6 +6,7 @@
 #define REFRAME_TRACE_TRACE_H
 
 #include "light/light.h"
+#include "scene/mirrors.h"
 #include "scene/scene.h"
 
 #include <stddef.h>
@@ -20,7 +21,11 @@ bool rf_tracer_is_textured( const RfTracer* tracer );
 // The lights of the scene, collected at creation (light/light.h).
 const RfLights* rf_tracer_lights( const RfTracer* tracer );
 
+// The flat mirrors of the scene.
+const RfMirrors* rf_tracer_mirrors( const RfTracer* tracer );
+
 #define RF_MISS 0xffffffffu
+#define RF_NO_MIRROR 0xffu
 
 // The geometry of a triangle in one record, so that a hit reads only one place. Edges and
 // normal differences are relative to vertex 0, for barycentrics u, v.
@@ -30,9 +35,10 @@ typedef struct RfTriangleRecord
     RfVec3 n0, d1, d2; // shading normal = n0 + u d1 + v d2, not normalised
     RfVec3 ng;         // unit geometric normal of the front side
     uint32_t material;
-    uint32_t light; // index into RfLights, or RF_NO_LIGHT
-    uint32_t flat;  // 1: the shading normal is the geometric normal
-    float offset;   // ray offset for this triangle (rf_ray_offset)
+    uint32_t light;  // index into RfLights, or RF_NO_LIGHT
+    uint16_t flat;   // 1: the shading normal is the geometric normal
+    uint16_t mirror; // index into RfMirrors, or RF_NO_MIRROR
+    float offset;    // ray offset for this triangle (rf_ray_offset)
 } RfTriangleRecord;
 
 // The records of all triangles.
@@ -52,6 +58,12 @@ void rf_trace_segments( const RfTracer* tracer, int count, const float* const o[
 // (src/reuse/estimators.md, section 8). Only points with weight > 0 are tested; their weight
 // is multiplied by the transmittance. Returns the number of tested points.
 int rf_trace_from_origin( const RfTracer* tracer, RfVec3 origin, int count, const float* const point[3], float* weight );
+
+// Whether points in the planes of mirrors lie inside of the mirrors' outlines: rays from a common
+// origin to points beyond the first mirror, whatever else is in the way, hit mirror[i] first.
+// Only points with weight > 0 are tested; the others' weight becomes 0. `hit` gets the points on the mirrors.
+void rf_trace_mirrors( const RfTracer* tracer, RfVec3 origin, int count, const float* const point[3], const uint8_t* mirror,
+                       float* const hit[3], float* weight );
 
 // Enables flush-to-zero for the calling thread. Call at the start of main and of every
 // parallel region, so that results do not depend on the thread.

@@ -51,6 +51,7 @@ static const struct
     { "textured-room", "--group 1 --frames 24 --spp 6" },
     { "vase-room-phong", "--group 1 --frames 24 --spp 6 --tile 1 --weights eq15" },
     { "vase-room-wide", "--group 16 --frames 24 --spp 33 --size 24x16 --tile 1" },
+    { "still-life", "--group 3 --frames 2 --spp 7 --tile 3x3" },
 };
 
 static void test_pictures_are_the_same( void** state )

@@ -1,6 +1,7 @@
 // What must be the same to the bit: `--group 0` and a plain path tracer; any number of
 // threads; a frame alone and in its sequence; two runs; any budget; with and without
 // tiles.
+#include "support/mirror_rooms.h"
 #include "support/reference_tracer.h"
 #include "support/render_support.h"
 #include "support/scene_builder.h"
@@ -99,6 +100,10 @@ static void test_group_0_is_a_plain_path_tracer( void** state )
     check_plain( make_glass_room(), 1, 12 );
     check_plain( make_glass_room(), 2, 3 );
     check_plain( make_flooded_room(), 1, 6 );
+    for ( int kind = 0; kind < MIRROR_ROOM_COUNT; ++kind )
+        check_plain( make_mirror_room( (MirrorRoom)kind ), 1, 2 + kind % 5 );
+    for ( int depth = 1; depth <= 5; ++depth ) // mirrors count as vertices
+        check_plain( make_mirror_room( FLAT_MIRROR ), 1, depth );
 }
 
 // One scene, one setting, and what is changed without effect.
@@ -117,14 +122,16 @@ static void end_twice( Twice* t )
     rf_destroy_scene( &t->scene );
 }
 
-static void begin( Twice* t, const RfRenderSettings* settings )
+static void begin_in( Twice* t, RfScene scene, const RfRenderSettings* settings )
 {
-    *t = ( Twice ){ .scene = make_room( ROOM_GGX ) };
+    *t = ( Twice ){ .scene = scene };
     orbit_eyes( t->eyes, EYES, 4.0f, WIDTH, HEIGHT );
     t->tracer = make_tracer( &t->scene );
     t->whole = render_all( t->tracer, t->eyes, EYES, settings );
     assert_int_equal( t->whole.count, EYES );
 }
+
+static void begin( Twice* t, const RfRenderSettings* settings ) { begin_in( t, make_room( ROOM_GGX ), settings ); }
 
 static void test_threads_and_runs( void** state )
 {
@@ -199,6 +206,42 @@ static void test_any_budget_same_bits( void** state )
     end_twice( &t );
 }
 
+static void check_all_again( const Twice* t, RfRenderSettings settings )
+{
+    Rendered again = render_all( t->tracer, t->eyes, EYES, &settings );
+    assert_same_frames( &t->whole, 0, &again, 0, EYES );
+    free_rendered( &again );
+}
+
+// Groups with tiles: threads, some frames only, less memory, all records held.
+static void test_mirrors_and_glass_same_bits( void** state )
+{
+    (void)state;
+    static const MirrorRoom rooms[] = { FLAT_MIRROR, FACING_MIRRORS, MIRROR_BEHIND_PANE, GLASS_BALL };
+    for ( size_t k = 0; k < sizeof rooms / sizeof rooms[0]; ++k )
+    {
+        RfRenderSettings settings = quick( 3, 7 );
+        settings.tile = tile_of( "3x3" );
+        settings.max_depth = 6;
+        Twice t;
+        begin_in( &t, make_mirror_room( rooms[k] ), &settings );
+        static const int frames[] = { 2, 7 };
+        Rendered some = render_frames( t.tracer, t.eyes, EYES, frames, 2, &settings );
+        for ( int f = 0; f < 2; ++f )
+            assert_same_frames( &t.whole, frames[f], &some, f, 1 );
+        free_rendered( &some );
+        settings.threads = 4;
+        check_all_again( &t, settings );
+        settings.hold_all = true;
+        check_all_again( &t, settings );
+        settings.hold_all = false;
+        settings.threads = 1;
+        settings.memory = t.whole.stats.peak_bytes / 8 * 7;
+        check_all_again( &t, settings );
+        end_twice( &t );
+    }
+}
+
 static void test_seeds_differ( void** state )
 {
     (void)state;
@@ -215,11 +258,9 @@ static void test_seeds_differ( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_group_0_is_a_plain_path_tracer ),
-        cmocka_unit_test( test_threads_and_runs ),
-        cmocka_unit_test( test_alone_and_in_sequence ),
-        cmocka_unit_test( test_any_budget_same_bits ),
-        cmocka_unit_test( test_seeds_differ ),
+        cmocka_unit_test( test_group_0_is_a_plain_path_tracer ), cmocka_unit_test( test_threads_and_runs ),
+        cmocka_unit_test( test_alone_and_in_sequence ),          cmocka_unit_test( test_any_budget_same_bits ),
+        cmocka_unit_test( test_mirrors_and_glass_same_bits ),    cmocka_unit_test( test_seeds_differ ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

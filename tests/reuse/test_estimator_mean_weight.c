@@ -1,7 +1,8 @@
 // E[B] = 1 (src/reuse/estimators.md, section 2): the summed weights of the hits that land in a pixel
 // have mean one, at every pixel, for every group and camera path, with and without tiles.
 // A ray that misses everything weighs one in its own frame, so this holds where rays miss
-// as well; tested with a closed and an open scene.
+// as well; tested with a closed and an open scene, and with mirrors in both.
+#include "support/mirror_rooms.h"
 #include "support/render_support.h"
 #include "support/scene_builder.h"
 #include "support/statistics.h"
@@ -192,8 +193,8 @@ static void check_weights( const char* what, int group, const char* tile, int fr
     assert_true( smallest > SIGNIFICANCE );
 }
 
-// The weights do not depend on the light: camera rays alone are enough.
-static RfRenderSettings settings_of( int group, const char* tile, int seed )
+// The weights do not depend on the light: camera rays alone are enough, and what they see in mirrors.
+static RfRenderSettings settings_of( int group, const char* tile, int max_depth, int seed )
 {
     static const int spp[] = { 3, 6, 0, 14, 0, 0, 0, 0, 4 };
     RfRenderSettings settings = plain_settings();
@@ -201,13 +202,14 @@ static RfRenderSettings settings_of( int group, const char* tile, int seed )
     assert_true( rf_parse_tile( tile, &settings.tile ) );
     settings.spp = spp[group] * ( is_long() ? 8 : 1 );
     settings.threads = 1; // the seeds are shared out
-    settings.max_depth = 1;
+    settings.max_depth = max_depth;
     settings.seed = (uint64_t)seed + 1;
     settings.memory = (size_t)512 << 20;
     return settings;
 }
 
-static void check_path( const char* scene_name, const RfTracer* tracer, const CameraPath* path, int group, const char* tile )
+static void check_path( const char* scene_name, const RfTracer* tracer, const CameraPath* path, int group, const char* tile,
+                        int max_depth )
 {
     static Weights weights[3];
     static const int frames[3] = { 0, EYES / 2, EYES - 1 };
@@ -216,7 +218,7 @@ static void check_path( const char* scene_name, const RfTracer* tracer, const Ca
 #pragma omp parallel for schedule( dynamic, 1 )
     for ( int k = 0; k < SEED_COUNT; ++k )
     {
-        RfRenderSettings settings = settings_of( group, tile, k );
+        RfRenderSettings settings = settings_of( group, tile, max_depth, k );
         Rendered r = render_frames( tracer, eyes, EYES, frames, 3, &settings );
         for ( int f = 0; f < 3; ++f )
         {
@@ -238,12 +240,32 @@ static void check_scene( const char* name, RfScene scene )
     for ( int p = 0; p < 3; ++p )
     {
         for ( int g = 0; g < 4; ++g )
-            check_path( name, tracer, paths + p, groups[g], "1" );
-        check_path( name, tracer, paths + p, 3, "3x3" );
-        check_path( name, tracer, paths + p, 1, "rooks16" );
+            check_path( name, tracer, paths + p, groups[g], "1", 1 );
+        check_path( name, tracer, paths + p, 3, "3x3", 1 );
+        check_path( name, tracer, paths + p, 1, "rooks16", 1 );
     }
     rf_destroy_tracer( tracer );
     rf_destroy_scene( &scene );
+}
+
+// As far as a chain by way of a mirror and glass needs. Fewer settings: whole paths are traced here.
+static void check_mirrors( const char* name, RfScene scene )
+{
+    RfTracer* tracer = make_tracer( &scene );
+    for ( int p = 0; p < 3; p += 2 )
+    {
+        check_path( name, tracer, paths + p, 1, "1", 3 );
+        check_path( name, tracer, paths + p, 3, "3x3", 3 );
+    }
+    rf_destroy_tracer( tracer );
+    rf_destroy_scene( &scene );
+}
+
+static void test_mirrors( void** state )
+{
+    (void)state;
+    check_mirrors( "mirrors", make_mirror_room( FACING_MIRRORS ) );
+    check_mirrors( "open mirror", make_mirror_in_the_open( LIT_BY_SKY ) );
 }
 
 static void test_closed_room( void** state )
@@ -263,6 +285,7 @@ int main( void )
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( test_closed_room ),
         cmocka_unit_test( test_open_scene ),
+        cmocka_unit_test( test_mirrors ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

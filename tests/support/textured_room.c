@@ -80,14 +80,20 @@ static void add_attributes( RfScene* scene )
     }
 }
 
-static RfTextured* texture( RfScene* scene, uint32_t material, RfFactors factors )
+void add_test_textures( RfScene* scene )
+{
+    add_textures( scene );
+    add_attributes( scene );
+}
+
+RfTextured* texture_material( RfScene* scene, uint32_t material, RfFactors factors )
 {
     RfMaterial* m = scene->materials + material;
     m->textured = make_textured( &factors );
     return m->textured;
 }
 
-static void use( RfTextured* t, RfTextureSlot slot, int number, int set )
+void use_texture( RfTextured* t, RfTextureSlot slot, int number, int set )
 {
     t->refs[slot].texture = number;
     t->refs[slot].uv_set = set;
@@ -97,35 +103,34 @@ static void use( RfTextured* t, RfTextureSlot slot, int number, int set )
 RfScene make_textured_room( void )
 {
     RfScene scene = make_room( ROOM_GGX );
-    add_textures( &scene );
-    add_attributes( &scene );
+    add_test_textures( &scene );
     RfFactors paint = { .base = { 0.8, 0.8, 0.7, 1 }, .roughness = 1, .specular_color = { 1, 1, 1 }, .ior = 1.5 };
-    use( texture( &scene, 0, paint ), RF_TEXTURE_BASE, 0, 0 );
-    RfTextured* cut = texture( &scene, 1, paint );
-    use( cut, RF_TEXTURE_BASE, 0, 1 );
+    use_texture( texture_material( &scene, 0, paint ), RF_TEXTURE_BASE, 0, 0 );
+    RfTextured* cut = texture_material( &scene, 1, paint );
+    use_texture( cut, RF_TEXTURE_BASE, 0, 1 );
     cut->masked = true;
     cut->alpha_cutoff = 0.5f;
-    use( texture( &scene, 2, paint ), RF_TEXTURE_EMISSIVE, 3, 0 );
+    use_texture( texture_material( &scene, 2, paint ), RF_TEXTURE_EMISSIVE, 3, 0 );
     RfFactors coated = paint;
     coated.specular = 1;
     coated.roughness = 0.6;
-    RfTextured* sphere = texture( &scene, ROOM_OBJECT_MATERIAL, coated );
+    RfTextured* sphere = texture_material( &scene, ROOM_OBJECT_MATERIAL, coated );
     sphere->vertex_colors = true;
     sphere->normal_scale = 0.8f;
-    use( sphere, RF_TEXTURE_NORMAL, 2, 0 );
+    use_texture( sphere, RF_TEXTURE_NORMAL, 2, 0 );
     RfFactors metal = coated;
     metal.metallic = 1;
     metal.roughness = 0.9;
-    RfTextured* block = texture( &scene, 4, metal );
-    use( block, RF_TEXTURE_METALLIC_ROUGHNESS, 1, 1 );
-    use( block, RF_TEXTURE_SPECULAR, 0, 0 );
+    RfTextured* block = texture_material( &scene, 4, metal );
+    use_texture( block, RF_TEXTURE_METALLIC_ROUGHNESS, 1, 1 );
+    use_texture( block, RF_TEXTURE_SPECULAR, 0, 0 );
     return scene;
 }
 
 static RfTextured* blend( RfScene* scene, uint32_t material, RfFactors factors, double alpha )
 {
     factors.base[3] = alpha;
-    RfTextured* t = texture( scene, material, factors );
+    RfTextured* t = texture_material( scene, material, factors );
     t->blended = true;
     return t;
 }
@@ -133,10 +138,9 @@ static RfTextured* blend( RfScene* scene, uint32_t material, RfFactors factors, 
 RfScene make_blended_room( void )
 {
     RfScene scene = make_room( ROOM_GGX );
-    add_textures( &scene );
-    add_attributes( &scene );
+    add_test_textures( &scene );
     RfFactors paint = { .base = { 0.8, 0.5, 0.3, 1 }, .roughness = 1, .specular_color = { 1, 1, 1 }, .ior = 1.5 };
-    use( blend( &scene, 1, paint, 0.9 ), RF_TEXTURE_BASE, 0, 1 );
+    use_texture( blend( &scene, 1, paint, 0.9 ), RF_TEXTURE_BASE, 0, 1 );
     blend( &scene, 2, paint, 0.7 );
     RfFactors coated = paint;
     coated.specular = 1;
@@ -148,8 +152,7 @@ RfScene make_blended_room( void )
 RfScene make_varied_room( void )
 {
     RfScene scene = make_room( ROOM_GGX );
-    add_textures( &scene );
-    add_attributes( &scene );
+    add_test_textures( &scene );
     RfFactors factors = {
         .base = { 0.8, 0.7, 0.6, 1 }, .metallic = 0.8, .roughness = 0.6, .specular = 1, .specular_color = { 1, 1, 1 }, .ior = 1.5
     };
@@ -157,27 +160,27 @@ RfScene make_varied_room( void )
     ball->kind = RF_BSDF_GLASS;
     ball->ior = 1.5f;
     ball->absorption = rf_vec3( 0.3f, 0.1f, 0.9f );
-    RfTextured* glass = texture( &scene, ROOM_OBJECT_MATERIAL, factors );
+    RfTextured* glass = texture_material( &scene, ROOM_OBJECT_MATERIAL, factors );
     glass->model = RF_TEXTURED_GLASS;
     glass->transmission = 0.9;
-    use( glass, RF_TEXTURE_TRANSMISSION, 0, 1 );
-    use( glass, RF_TEXTURE_METALLIC_ROUGHNESS, 1, 0 );
+    use_texture( glass, RF_TEXTURE_TRANSMISSION, 0, 1 );
+    use_texture( glass, RF_TEXTURE_METALLIC_ROUGHNESS, 1, 0 );
     factors.metallic = 0;
     scene.materials[4].kind = RF_BSDF_COATED;
-    RfTextured* coat = texture( &scene, 4, factors );
+    RfTextured* coat = texture_material( &scene, 4, factors );
     coat->clearcoat = 0.9;
     coat->clearcoat_roughness = 0.7;
     coat->clearcoat_normal_scale = 0.7f;
-    use( coat, RF_TEXTURE_CLEARCOAT, 0, 0 );
-    use( coat, RF_TEXTURE_CLEARCOAT_ROUGHNESS, 1, 1 );
-    use( coat, RF_TEXTURE_CLEARCOAT_NORMAL, 2, 1 );
-    use( coat, RF_TEXTURE_NORMAL, 2, 0 );
+    use_texture( coat, RF_TEXTURE_CLEARCOAT, 0, 0 );
+    use_texture( coat, RF_TEXTURE_CLEARCOAT_ROUGHNESS, 1, 1 );
+    use_texture( coat, RF_TEXTURE_CLEARCOAT_NORMAL, 2, 1 );
+    use_texture( coat, RF_TEXTURE_NORMAL, 2, 0 );
     // white paint with a coat that keeps the face's normal over bumps
     scene.materials[1].kind = RF_BSDF_COATED;
     factors.base[0] = factors.base[1] = factors.base[2] = 0.9;
-    RfTextured* lacquer = texture( &scene, 1, factors );
+    RfTextured* lacquer = texture_material( &scene, 1, factors );
     lacquer->clearcoat = 1.0;
     lacquer->clearcoat_roughness = 0.4;
-    use( lacquer, RF_TEXTURE_NORMAL, 2, 1 );
+    use_texture( lacquer, RF_TEXTURE_NORMAL, 2, 1 );
     return scene;
 }

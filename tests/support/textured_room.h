@@ -19,6 +19,19 @@ RfScene make_blended_room( void );
 // a coat that comes and goes, with bumps of its own, and a lacquered wall.
 RfScene make_varied_room( void );
 
+// The textures of these rooms, by number.
+#define COLOR_TEXTURE 0 // with alpha
+#define BUMP_TEXTURE 2
+
+// Adds these textures and texture coordinates to a scene that has none, and vertex colours.
+void add_test_textures( RfScene* scene );
+
+// Makes a material of the scene textured, without any texture yet.
+RfTextured* texture_material( RfScene* scene, uint32_t material, RfFactors factors );
+
+// Puts a texture into a slot, looked up by the first (0) or second (1) set of coordinates.
+void use_texture( RfTextured* textured, RfTextureSlot slot, int texture, int set );
+
 // `textured` of a material without textures, of malloc.
 RfTextured* make_textured( const RfFactors* factors );
 

@@ -1,0 +1,32 @@
+// Chains: the runs of mirrors and glass that camera rays follow to the first evaluable
+// vertex (src/reuse/estimators.md, section 10).
+#ifndef REFRAME_REUSE_CHAINS_H
+#define REFRAME_REUSE_CHAINS_H
+
+#include "path/wavefront.h"
+#include "reuse/records.h"
+#include "reuse/tile_reuse.h"
+
+typedef struct RfChains
+{
+    RfVertexLanes hits; // what becomes records: evaluable first hits and ends of chains, sorted by model
+    RfVertexLanes ends; // of chains, in the order they were found
+    RfVertexLanes at;   // the vertices where chains are now
+    // by slot
+    RF_ALIGN float throughput[3][RF_LANES]; // of the chain; 1 without one
+    RF_ALIGN float light[3][RF_LANES];      // that the chain itself brings, for its own pixel
+    int32_t length[RF_LANES];               // vertices before the hit; 0: the camera ray found it
+    uint8_t view[RF_LANES];
+    // by end
+    uint8_t kind[RF_LANES]; // RfBsdfKind
+} RfChains;
+
+// Follows the chains that start at the unevaluable vertices of `first`, and fills everything.
+// Uses the wavefront, whose keys must be set. Without `lit`, leaves light sampling out.
+void rf_follow_chains( const RfPathSettings* path, const RfVertexLanes* first, const RfRayLanes* camera_rays, bool lit,
+                       RfWavefront* wavefront, RfChains* chains );
+
+// Splits tiles by the lengths of chains: paths with different numbers of vertices left do not share.
+void rf_split_tiles( const RfChains* chains, RfTileReuse* tiles );
+
+#endif

@@ -1,0 +1,164 @@
+#include "reuse/mirrored.h"
+
+#include "scene/pinhole.h"
+
+#include <string.h>
+
+// The image of an eye in the mirror of the last lane.
+typedef struct Image
+{
+    const RfMirrors* mirrors;
+    const RfEye* eye;
+    int view;
+    const RfMirror* mirror;
+    RfEye image;
+    float side; // distance of the eye from the mirror's plane, m; negative behind it
+} Image;
+
+static void look_into( Image* i, uint8_t view )
+{
+    if ( i->view == view )
+        return;
+    i->view = view;
+    i->mirror = i->mirrors->mirror + ( view - 1 );
+    i->image = rf_mirrored_eye( i->eye, i->mirror );
+    i->side = rf_mirror_distance( i->mirror, i->eye->origin );
+}
+
+static RfVec3 position( const RfHitBatch* batch, int i ) { return rf_vec3( batch->p[0][i], batch->p[1][i], batch->p[2][i] ); }
+
+static RfVec3 normal( const RfHitBatch* batch, int i ) { return rf_vec3( batch->ng[0][i], batch->ng[1][i], batch->ng[2][i] ); }
+
+// The probability that the mirror reflects on the straight way from the image to a hit, and its weight. 0 at angles where
+// the scattering model would bend the reflection, and from behind where there is an inside.
+static float reflection( const Image* image, RfVec3 way, RfVec3* weight )
+{
+    float cos_o = fabsf( rf_dot( way, image->mirror->n ) ) / rf_length( way );
+    const RfMaterial* m = &image->mirror->material;
+    if ( !( cos_o >= RF_MIN_COS ) || ( image->side < 0.0f && m->ior > 0.0f && !m->thin ) )
+        return 0.0f;
+    return rf_glass_reflection( m, rf_minf( cos_o, 1.0f ), weight );
+}
+
+static void put( float* const out[3], int i, RfVec3 v )
+{
+    out[0][i] = v.x;
+    out[1][i] = v.y;
+    out[2][i] = v.z;
+}
+
+void rf_project_mirrored( const RfMirrors* mirrors, const RfEye* eye, const RfHitBatch* batch, int32_t* pixel, float* density,
+                          float* const filter[3] )
+{
+    Image image = { .mirrors = mirrors, .eye = eye };
+    for ( int i = 0; i < batch->count; ++i )
+    {
+        if ( !rf_is_mirrored( batch->view[i] ) )
+            continue;
+        look_into( &image, batch->view[i] );
+        RfVec3 p = position( batch, i ), weight = rf_vec3( 0, 0, 0 );
+        RfProjection at = rf_project( &image.image, p, normal( batch, i ) );
+        bool same_side = image.side * rf_mirror_distance( image.mirror, p ) > 0.0f;
+        float probability = at.seen && same_side ? reflection( &image, rf_sub( p, image.image.origin ), &weight ) : 0.0f;
+        pixel[i] = at.y * eye->width + at.x;
+        density[i] = at.density * probability;
+        if ( filter != NULL )
+            put( filter, i, weight );
+    }
+}
+
+void rf_own_mirrored_densities( const RfMirrors* mirrors, const RfEye* eye, const RfHitBatch* batch, float* density,
+                                float* const filter[3] )
+{
+    Image image = { .mirrors = mirrors, .eye = eye };
+    for ( int i = 0; i < batch->count; ++i )
+    {
+        if ( !rf_is_mirrored( batch->view[i] ) )
+            continue;
+        look_into( &image, batch->view[i] );
+        RfVec3 p = position( batch, i ), weight;
+        float probability = reflection( &image, rf_sub( p, image.image.origin ), &weight );
+        density[i] = rf_project( &image.image, p, normal( batch, i ) ).density * probability;
+        if ( filter != NULL )
+            put( filter, i, weight );
+    }
+}
+
+void rf_directions_to_image( const RfMirrors* mirrors, const RfEye* eye, const RfHitBatch* batch, float* const wo[3] )
+{
+    Image image = { .mirrors = mirrors, .eye = eye };
+    int first = batch->first[RF_BSDF_FIRST_GLOSSY];
+    for ( int i = first; i < batch->count; ++i )
+    {
+        if ( !rf_is_mirrored( batch->view[i] ) )
+            continue;
+        look_into( &image, batch->view[i] );
+        put( wo, i - first, rf_normalize( rf_sub( image.image.origin, position( batch, i ) ) ) );
+    }
+}
+
+// Mirrored hits on their way, packed.
+typedef struct Packed
+{
+    int count;
+    int32_t lane[RF_LANES];
+    uint8_t mirror[RF_LANES];
+    RF_ALIGN float on_mirror[3][RF_LANES]; // in its plane, later lifted off it
+    float way[3][RF_LANES];                // from there to the hit
+    float weight[RF_LANES];
+    float visible[RF_LANES];
+} Packed;
+
+// Where the straight way from the image to a hit crosses the mirror.
+static void pack( const RfMirrors* mirrors, const RfEye* eye, const RfHitBatch* batch, const float* density, Packed* out )
+{
+    Image image = { .mirrors = mirrors, .eye = eye };
+    out->count = 0;
+    for ( int i = 0; i < batch->count; ++i )
+    {
+        if ( !rf_is_mirrored( batch->view[i] ) || !( density[i] > 0.0f ) )
+            continue;
+        look_into( &image, batch->view[i] );
+        RfVec3 p = position( batch, i ), o = image.image.origin;
+        float before = fabsf( image.side ), after = fabsf( rf_mirror_distance( image.mirror, p ) );
+        put( ( float* [3] ){ out->on_mirror[0], out->on_mirror[1], out->on_mirror[2] }, out->count,
+             rf_madd( o, rf_sub( p, o ), before / ( before + after ) ) );
+        out->mirror[out->count] = (uint8_t)( batch->view[i] - 1 );
+        out->weight[out->count] = density[i];
+        out->lane[out->count++] = i;
+    }
+}
+
+int rf_see_mirrored( const RfTracer* tracer, const RfEye* eye, const RfHitBatch* batch, const float* const lifted[3],
+                     float* density )
+{
+    Packed packed;
+    pack( rf_tracer_mirrors( tracer ), eye, batch, density, &packed );
+    if ( packed.count == 0 )
+        return 0;
+    float* on_mirror[3] = { packed.on_mirror[0], packed.on_mirror[1], packed.on_mirror[2] };
+    const float* from[3] = { on_mirror[0], on_mirror[1], on_mirror[2] };
+    RfVec3 origin = rf_pinhole_origin( eye );
+    rf_trace_mirrors( tracer, origin, packed.count, from, packed.mirror, on_mirror, packed.weight );
+    int rays = packed.count + rf_trace_from_origin( tracer, origin, packed.count, from, packed.weight );
+    for ( int k = 0; k < packed.count; ++k )
+        density[packed.lane[k]] = 0.0f;
+    int kept = 0;
+    for ( int k = 0; k < packed.count; ++k )
+    {
+        if ( packed.weight[k] == 0.0f )
+            continue;
+        for ( int c = 0; c < 3; ++c )
+        {
+            packed.on_mirror[c][kept] = packed.on_mirror[c][k];
+            packed.way[c][kept] = lifted[c][packed.lane[k]] - packed.on_mirror[c][k];
+        }
+        packed.weight[kept] = packed.weight[k];
+        packed.lane[kept++] = packed.lane[k];
+    }
+    const float* way[3] = { packed.way[0], packed.way[1], packed.way[2] };
+    rf_trace_segments( tracer, kept, from, way, packed.visible );
+    for ( int k = 0; k < kept; ++k )
+        density[packed.lane[k]] = packed.weight[k] * packed.visible[k];
+    return rays + kept;
+}

@@ -1,0 +1,87 @@
+// Curved mirrors, glass, panes and lobes that are nearly specular are rendered without bias by
+// tiles, by groups of frames and by both, against independent references over 16 seeds.
+#include "support/chain_checks.h"
+#include "support/mirror_rooms.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+
+#include <cmocka.h>
+
+static void check_room( const char* what, MirrorRoom kind, int max_depth )
+{
+    ChainCase c = chain_case( what, max_depth );
+    check_chains( &c, make_mirror_room( kind ) );
+}
+
+static void test_a_mirror_ball_is_unbiased( void** state )
+{
+    (void)state;
+    check_room( "mirror ball", MIRROR_BALL, 5 );
+}
+
+static void test_balls_of_glass_are_unbiased( void** state )
+{
+    (void)state;
+    check_room( "glass ball", GLASS_BALL, 6 );
+    check_room( "absorbing ball", ABSORBING_BALL, 6 );
+    check_room( "glass ball, depth 3", GLASS_BALL, 3 );
+}
+
+static void test_extra_samples_and_roulette_are_unbiased( void** state )
+{
+    (void)state;
+    ChainCase c = chain_case( "glass ball", 6 );
+    c.settings = g_adaptive_and_roulette;
+    check_chains( &c, make_mirror_room( GLASS_BALL ) );
+}
+
+static void test_slabs_of_glass_are_unbiased( void** state )
+{
+    (void)state;
+    check_room( "glass slab", GLASS_SLAB, 6 );
+    check_room( "absorbing slab", ABSORBING_SLAB, 6 );
+    check_room( "glass slab, depth 4", GLASS_SLAB, 4 );
+    check_room( "layered slab", LAYERED_SLAB, 6 );
+}
+
+static void test_rough_glass_is_unbiased( void** state )
+{
+    (void)state;
+    check_room( "rough slab", ROUGH_SLAB, 6 );
+}
+
+static void test_eyes_within_glass_are_unbiased( void** state )
+{
+    (void)state;
+    check_room( "tank", GLASS_TANK, 6 );
+}
+
+static void test_panes_are_unbiased( void** state )
+{
+    (void)state;
+    check_room( "panes in a row", PANES_IN_A_ROW, 7 );
+    check_room( "panes, depth 4", PANES_IN_A_ROW, 4 );
+    check_room( "mirror behind a pane", MIRROR_BEHIND_PANE, 6 );
+}
+
+static void test_sharp_lobes_are_unbiased( void** state )
+{
+    (void)state;
+    check_room( "metal, roughness 0.05", SHARP_METAL, 4 );
+    check_room( "smooth plastic", SMOOTH_PLASTIC, 4 );
+    check_room( "plastic, roughness 0.05", SHARP_PLASTIC, 4 );
+    check_room( "clear coat", CLEAR_COAT, 4 );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( test_a_mirror_ball_is_unbiased ),      cmocka_unit_test( test_balls_of_glass_are_unbiased ),
+        cmocka_unit_test( test_slabs_of_glass_are_unbiased ),    cmocka_unit_test( test_rough_glass_is_unbiased ),
+        cmocka_unit_test( test_eyes_within_glass_are_unbiased ), cmocka_unit_test( test_panes_are_unbiased ),
+        cmocka_unit_test( test_sharp_lobes_are_unbiased ),       cmocka_unit_test( test_extra_samples_and_roulette_are_unbiased ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}

@@ -1,0 +1,123 @@
+// Rooms with flat mirrors are rendered without bias by tiles, by groups of frames and by both,
+// against independent references over 16 seeds: one mirror, facing, coplanar and tessellated
+// ones, at the border of the film, with eyes on both sides of the mirror's plane and in it, with
+// paths cut at any vertex, with every kind of light.
+#include "support/chain_checks.h"
+#include "support/mirror_rooms.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+
+#include <cmocka.h>
+
+static void check_room( const char* what, MirrorRoom kind, int max_depth )
+{
+    ChainCase c = chain_case( what, max_depth );
+    check_chains( &c, make_mirror_room( kind ) );
+}
+
+static void test_one_mirror_is_unbiased( void** state )
+{
+    (void)state;
+    ChainCase c = chain_case( "mirror", 5 );
+    c.settings = g_all_reuse;
+    c.setting_count = 4;
+    check_chains( &c, make_mirror_room( FLAT_MIRROR ) );
+}
+
+static void test_mirrors_in_view_of_each_other_are_unbiased( void** state )
+{
+    (void)state;
+    ChainCase c = chain_case( "facing mirrors", 8 );
+    c.settings = g_all_reuse;
+    c.setting_count = 4;
+    check_chains( &c, make_mirror_room( FACING_MIRRORS ) );
+    check_room( "mirrors in a corner", CORNER_MIRRORS, 6 );
+}
+
+static void test_coplanar_mirrors_are_unbiased( void** state )
+{
+    (void)state;
+    check_room( "L-shaped mirror", L_SHAPED_MIRROR, 5 );
+    check_room( "coplanar mirrors", COPLANAR_MIRRORS, 5 );
+}
+
+static void test_a_mirror_at_the_border_of_the_film_is_unbiased( void** state )
+{
+    (void)state;
+    ChainCase c = chain_case( "mirror at the border", 5 );
+    sweep_eyes( c.eyes, CHAIN_EYES, CHAIN_WIDTH, CHAIN_HEIGHT );
+    c.settings = g_all_reuse + 2; // groups of 3 without and with tiles
+    check_chains( &c, make_mirror_room( NARROW_MIRROR ) );
+}
+
+// Before the mirror, exactly in its plane, behind it.
+static void test_eyes_that_cross_the_plane_of_a_mirror_are_unbiased( void** state )
+{
+    (void)state;
+    RfScene scene = make_mirror_room( STANDING_MIRROR );
+    for ( int frame = 1; frame <= 5; frame += 2 )
+    {
+        char what[32];
+        snprintf( what, sizeof what, "crossing, frame %d", frame );
+        ChainCase c = chain_case( what, 5 );
+        crossing_eyes( c.eyes, CHAIN_EYES, CHAIN_WIDTH, CHAIN_HEIGHT );
+        c.frame = frame;
+        c.settings = g_all_reuse + ( frame == 3 ? 2 : 3 );
+        c.setting_count = frame == 3 ? 2 : 1;
+        check_case( &c, &scene );
+    }
+    rf_destroy_scene( &scene );
+}
+
+// A chain takes as many vertices as it has.
+static void test_any_depth_is_unbiased( void** state )
+{
+    (void)state;
+    check_room( "mirror, depth 2", FLAT_MIRROR, 2 );
+    check_room( "mirror, depth 3", FLAT_MIRROR, 3 );
+    check_room( "mirror, depth 4", FLAT_MIRROR, 4 );
+    check_room( "facing mirrors, depth 3", FACING_MIRRORS, 3 );
+    check_room( "facing mirrors, depth 4", FACING_MIRRORS, 4 );
+}
+
+static void test_lights_in_a_mirror_are_unbiased( void** state )
+{
+    (void)state;
+    static const struct
+    {
+        const char* what;
+        OpenLight light;
+    } open[] = { { "mirror, map", LIT_BY_MAP }, { "mirror, lamps", LIT_BY_LAMPS }, { "mirror, all lights", LIT_BY_ALL } };
+    check_room( "mirror, sign", MIRROR_BY_SIGN, 4 );
+    for ( size_t k = 0; k < sizeof open / sizeof open[0]; ++k )
+    {
+        ChainCase c = chain_case( open[k].what, 4 );
+        check_chains( &c, make_mirror_in_the_open( open[k].light ) );
+    }
+}
+
+static void test_extra_samples_and_roulette_are_unbiased( void** state )
+{
+    (void)state;
+    ChainCase c = chain_case( "coplanar mirrors", 5 );
+    c.settings = g_adaptive_and_roulette;
+    check_chains( &c, make_mirror_room( COPLANAR_MIRRORS ) );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( test_one_mirror_is_unbiased ),
+        cmocka_unit_test( test_mirrors_in_view_of_each_other_are_unbiased ),
+        cmocka_unit_test( test_coplanar_mirrors_are_unbiased ),
+        cmocka_unit_test( test_a_mirror_at_the_border_of_the_film_is_unbiased ),
+        cmocka_unit_test( test_eyes_that_cross_the_plane_of_a_mirror_are_unbiased ),
+        cmocka_unit_test( test_any_depth_is_unbiased ),
+        cmocka_unit_test( test_lights_in_a_mirror_are_unbiased ),
+        cmocka_unit_test( test_extra_samples_and_roulette_are_unbiased ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}

@@ -1,0 +1,55 @@
+// Rooms with mirrors and glass, for the tests of chains: what the eye sees through delta
+// vertices before the first one that can be evaluated.
+#ifndef REFRAME_TESTS_MIRROR_ROOMS_H
+#define REFRAME_TESTS_MIRROR_ROOMS_H
+
+#include "support/scene_builder.h"
+
+typedef enum MirrorRoom
+{
+    FLAT_MIRROR,      // a tinted mirror on the back wall
+    FACING_MIRRORS,   // and another on the front wall, behind the eyes
+    CORNER_MIRRORS,   // and another at right angles to it
+    L_SHAPED_MIRROR,  // many coplanar triangles in an oblique plane
+    COPLANAR_MIRRORS, // two mirrors of different tints in one plane
+    NARROW_MIRROR,    // on the right of the back wall: at the border of film of sweep_eyes
+    STANDING_MIRROR,  // a sheet in the middle of the room that mirrors on both sides, in the plane z = 0
+    BUMPY_MIRROR,     // with a normal map
+    TEXTURED_MIRROR,  // with a textured reflectance
+    MASKED_MIRROR,    // likewise, with holes
+    BLENDED_MIRROR,   // lets part of the light straight through
+    MASKED_SCREENS,   // sheets with holes before the mirror, and behind the eyes where it alone shows them
+    BLENDED_SCREENS,  // the same, half transparent
+    MIRROR_BY_SIGN,   // a lamp behind the eyes, seen in the mirror
+    MIRROR_BEHIND_PANE,
+    MIRROR_BALL,
+    GLASS_BALL,
+    ABSORBING_BALL,
+    GLASS_SLAB,
+    ABSORBING_SLAB,
+    ROUGH_SLAB,
+    LAYERED_SLAB,   // glass over a diffuse base that shines a little
+    PANES_IN_A_ROW, // three tinted thin walls
+    GLASS_TANK,     // eyes within an absorbing body
+    SHARP_METAL,    // GGX of roughness 0.05: a ball, a panel on the wall
+    SMOOTH_PLASTIC, // the smoothest dielectric over a diffuse base, likewise
+    SHARP_PLASTIC,  // roughness 0.05
+    CLEAR_COAT,     // the smoothest clear coat
+    MIRROR_ROOM_COUNT
+} MirrorRoom;
+
+// A closed 4 × 3 × 4 room (x ±2, y 0…3, z ±2) with a ceiling light, panels of colour on its side walls, a block,
+// a ball, and what the kind says. Eyes of orbit_eyes see most of it.
+RfScene make_mirror_room( MirrorRoom kind );
+
+// The open scene with a mirror behind its ball.
+RfScene make_mirror_in_the_open( OpenLight light );
+
+// Eyes that turn by 8 degrees a frame, so that NARROW_MIRROR leaves the film.
+void sweep_eyes( RfEye* eyes, int count, int width, int height );
+
+// Eyes that pass through the plane of STANDING_MIRROR: in front of it, the middle one exactly
+// in it, and behind it.
+void crossing_eyes( RfEye* eyes, int count, int width, int height );
+
+#endif
