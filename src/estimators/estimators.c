@@ -30,6 +30,7 @@ RfRenderSettings rf_default_render_settings( void )
         .group = RF_GROUP_AUTO,
         .tile = { RF_TILE_BLOCK, 3, 3 },
         .tile_roulette = false,
+        .adaptive = RF_ADAPTIVE_AUTO,
         .weights = RF_WEIGHTS_EXACT,
         .normalize = RF_NORMALIZE_CROSSFIT,
         .max_depth = 12,

@@ -215,7 +215,8 @@ static RfResult resolve_settings( Study* s, RfError* error )
     const RfCostJob* job = s->job;
     RfRenderSettings asked = *job->settings;
     asked.noise = asked.time = 0.0;
-    asked.hold_all = asked.adaptive = false;
+    asked.hold_all = false;
+    asked.adaptive = RF_ADAPTIVE_OFF;
     RfRenderSettings *plain = s->settings, *reuse = s->settings + 1;
     RfResult result = rf_resolve_settings( job->tracer, job->eyes, job->eye_count, &asked, reuse, error );
     if ( result != RF_OK )

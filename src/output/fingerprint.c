@@ -28,8 +28,10 @@ void rf_frame_fingerprint( const RfOutput* output, int frame, char text[RF_FINGE
               path->fps.denominator, s->spp, s->group, rf_weights_name( s->weights ), rf_normalize_name( s->normalize ),
               s->max_depth, s->light_samples, (unsigned long long)s->seed, tile, s->tile_roulette );
     uint64_t hash = hash_text( hash_text( path->hash, rf_version() ), settings );
-    snprintf( settings, sizeof settings, "noise %.17g time %.17g adaptive %d", s->noise, s->time, s->adaptive );
-    if ( s->noise > 0.0 || s->time > 0.0 || s->adaptive )
+    // 0 and 1 as when adaptive sampling was off or on
+    static const int adaptive[] = { [RF_ADAPTIVE_OFF] = 0, [RF_ADAPTIVE_ON] = 1, [RF_ADAPTIVE_AUTO] = 2 };
+    snprintf( settings, sizeof settings, "noise %.17g time %.17g adaptive %d", s->noise, s->time, adaptive[s->adaptive] );
+    if ( s->noise > 0.0 || s->time > 0.0 || s->adaptive != RF_ADAPTIVE_OFF )
         hash = hash_text( hash, settings );
     char aovs[RF_AOVS_TEXT_SIZE];
     rf_format_aovs( s->aovs, aovs, sizeof aovs );

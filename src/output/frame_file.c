@@ -105,8 +105,8 @@ static void put_settings( Attributes* a, const RfRenderSettings* s )
     put( a, SEED, "%llu", (unsigned long long)s->seed );
     put( a, MAX_DEPTH, "%d", s->max_depth );
     put( a, LIGHT_SAMPLES, "%d", s->light_samples );
-    if ( s->adaptive )
-        put_text( a, ADAPTIVE, "yes" );
+    if ( s->adaptive != RF_ADAPTIVE_OFF )
+        put_text( a, ADAPTIVE, s->adaptive == RF_ADAPTIVE_ON ? "yes" : rf_adaptive_name( s->adaptive ) );
     if ( s->noise > 0.0 )
         put( a, NOISE, "%.9g", s->noise );
     if ( s->time > 0.0 )

@@ -52,6 +52,7 @@ typedef struct RfPlan
     RfPlanRow rows[RF_PLAN_ROWS];
     int count;                          // fewer where the path ends
     int chosen;                         // index of the row that RF_GROUP_AUTO takes
+    RfAdaptive adaptive;                // of the chosen row: RF_ADAPTIVE_AUTO is off where its memory would mean several sweeps
     char why[RF_PLAN_TEXT];             // the reason of the choice, in words
     double hit_share, glossy_share;     // of the camera rays: hits that make records, and those among them that are glossy
     size_t bytes_diffuse, bytes_glossy; // of one record
@@ -61,7 +62,8 @@ typedef struct RfPlan
 // Does the row fit the memory budget at all?
 static inline bool rf_plan_row_fits( const RfPlanRow* row ) { return row->fit.films > 0; }
 
-// Fills the rows; `settings` as for rf_render, their group is not looked at.
+// Fills the rows; `settings` as for rf_render, their group is not looked at. A row is what a render of its
+// group is, the chosen one what RF_GROUP_AUTO takes, with plan->adaptive.
 // `frames` are those asked for: bytes, rays and seconds are of these, the choice
 // is not. Fails as rf_resolve_settings does, and as rf_fit_memory does for a group of one frame.
 RfResult rf_plan_render( const RfTracer* tracer, const RfEye* eyes, int eye_count, const int* frames, int frame_count,

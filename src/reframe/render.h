@@ -44,6 +44,17 @@ const char* rf_weights_name( RfWeights weights );
 // "crossfit", "ratio", "none".
 const char* rf_normalize_name( RfNormalize normalize );
 
+// Extra own-frame samples for pixels that few other frames help.
+typedef enum RfAdaptive
+{
+    RF_ADAPTIVE_AUTO, // in frames where a coarse look finds that they pay; off where they cannot be had
+    RF_ADAPTIVE_ON,   // wherever they pay; an error where they cannot be had
+    RF_ADAPTIVE_OFF,
+} RfAdaptive;
+
+// "auto", "on", "off".
+const char* rf_adaptive_name( RfAdaptive adaptive );
+
 // How the lights of a vertex are sampled.
 typedef enum RfLightSampling
 {
@@ -106,7 +117,7 @@ typedef struct RfRenderSettings
     int group;                    // half-width n, cut to the path; RF_GROUP_AUTO: chosen by the plan
     RfTile tile;                  // pixels of a frame that reuse each other's paths
     bool tile_roulette;           // Russian roulette on connections in a tile that contribute little
-    bool adaptive;                // extra samples for pixels that few other frames help; RF_WEIGHTS_EXACT only
+    RfAdaptive adaptive;          // extra samples for pixels that few other frames help; RF_WEIGHTS_EXACT only
     RfWeights weights;
     RfNormalize normalize;
     int max_depth;     // path vertices after the eye
@@ -134,14 +145,15 @@ typedef struct RfRenderSettings
 #define RF_MAX_THREADS 4096
 #define RF_MAX_IMAGE_SIDE ( 1 << 15 ) // pixels
 
-// 28 samples, the group that the plan chooses, tiles of 3×3, exact weights, depth 12, seed 1, all cores,
-// half of the free memory, no AOVs, no files.
+// 28 samples, the group that the plan chooses, tiles of 3×3, extra samples where they pay, exact weights, depth 12, seed 1,
+// all cores, half of the free memory, no AOVs, no files.
 RfRenderSettings rf_default_render_settings( void );
 
 // The settings as a render of this path will use them: the group chosen by the plan
 // (reframe/plan.h: some thousand paths are traced for RF_GROUP_AUTO) and cut to
 // the path, spp rounded up to what its groups need, threads and memory filled
-// in, normalisation that the weights allow. Rendering with the result is the
+// in, normalisation that the weights allow, RF_ADAPTIVE_AUTO off where no frame can
+// have extra samples. Rendering with the result is the
 // same as with the settings. Fails with RF_ERROR_USAGE for values out of range.
 RfResult rf_resolve_settings( const RfTracer* tracer, const RfEye* eyes, int eye_count, const RfRenderSettings* settings,
                               RfRenderSettings* resolved, RfError* error );
@@ -235,9 +247,10 @@ typedef struct RfRenderStats
     int spp;     // as rendered: rounded up to what the groups need
     int threads; // as rendered: fewer where memory is short
     RfMemoryFit fit;
-    int missed;      // frames finished with an estimate above settings.noise
-    bool hurried;    // settings.time was too short for the least: two passes of a frame
-    int entry_count; // of the entries
+    int missed;          // frames finished with an estimate above settings.noise
+    bool hurried;        // settings.time was too short for the least: two passes of a frame
+    int adaptive_frames; // finished frames with extra samples
+    int entry_count;     // of the entries
     RfMemoryEntry entries[RF_MAX_MEMORY_ENTRIES];
 } RfRenderStats;
 

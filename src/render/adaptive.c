@@ -7,6 +7,9 @@
 #include <string.h>
 
 #define PILOT_PASSES 2
+// The coarse look before the pilot: this part of a frame's pixels, and so many where it is small.
+#define LOOK_SHARE ( 1.0 / 16.0 )
+#define LOOK_PIXELS 512.0
 #define PILOT_GROUP 0x40000000u // no group of the path has these numbers
 #define EXTRA_GROUP 0x80000000u
 #define BINS 64
@@ -15,8 +18,10 @@
 #define COST_OF_EYE 0.05
 #define COST_OF_EXTRA 1.2
 #define LEAST_GAIN 0.02 // by these figures, which are rough
+#define LOOK_GAIN 0.01  // that justifies a pilot: a coarse look may miss some of it
 
-double rf_extra_threshold( const double* counts, int bins, double all, int eyes )
+// rf_extra_threshold for gains from `least_gain` on.
+static double threshold( const double* counts, int bins, double all, int eyes, double least_gain )
 {
     double best = 1.0, least = 0.0, without = 0.0;
     for ( int step = 0; step <= 10 * ( RF_MOST_EXTRA - 1 ); ++step )
@@ -34,9 +39,18 @@ double rf_extra_threshold( const double* counts, int bins, double all, int eyes 
         best = theta;
         least = error * cost;
     }
-    if ( least > ( 1.0 - LEAST_GAIN ) * without )
-        return 1.0;
-    return best;
+    return least > ( 1.0 - least_gain ) * without ? 1.0 : best;
+}
+
+double rf_extra_threshold( const double* counts, int bins, double all, int eyes )
+{
+    return threshold( counts, bins, all, eyes, LEAST_GAIN );
+}
+
+static void count_share( float share, double* counts )
+{
+    if ( share > 0.0f )
+        counts[(int)fminf( share * BINS, BINS - 1 )] += 1.0;
 }
 
 // From sums of ρ to extra samples for each pass.
@@ -47,8 +61,7 @@ static void set_need( RfLiveFilm* live, int eyes )
     for ( size_t i = 0; i < pixels; ++i )
     {
         live->need[i] = fminf( live->need[i] / PILOT_PASSES, 1.0f );
-        if ( live->need[i] > 0.0f )
-            counts[(int)fminf( live->need[i] * BINS, BINS - 1 )] += 1.0;
+        count_share( live->need[i], counts );
     }
     float theta = (float)rf_extra_threshold( counts, BINS, (double)pixels, eyes );
     live->most_need = 0.0f;
@@ -71,8 +84,9 @@ static RfEstimatorGroup pilot_group( const RfRenderer* r, int frame )
     return group;
 }
 
-// One pass over the batches of the frame: as many at once as there is memory for. They share no pixel.
-static void run_pilot_pass( RfRenderer* r, const RfEstimatorGroup* group, int pass, RfLiveFilm* live )
+// One pass over the batches of the frame: as many at once as there is memory for. They share no pixel. `samples`, if
+// not NULL, counts the camera rays of each pixel.
+static void run_pilot_pass( RfRenderer* r, const RfEstimatorGroup* group, int pass, RfLiveFilm* live, float* samples )
 {
     const RfEstimator* estimator = r->settings.estimator;
 #pragma omp parallel num_threads( r->settings.threads )
@@ -88,6 +102,8 @@ static void run_pilot_pass( RfRenderer* r, const RfEstimatorGroup* group, int pa
             {
                 estimator->trace( group, ( RfTraceJob ){ live->frame - group->first_frame, job, pass }, batch, scratch, &mine );
                 estimator->add_own_shares( batch, scratch, live->need );
+                if ( samples != NULL )
+                    estimator->count_samples( batch, 1.0f, samples );
             }
         }
 #pragma omp critical
@@ -95,16 +111,48 @@ static void run_pilot_pass( RfRenderer* r, const RfEstimatorGroup* group, int pa
     }
 }
 
+// One ray for each pixel of some tiles, drawn like those of an extra sample: are there enough pixels without help for
+// a pilot to be worth it? The film is empty yet and lends its counts of extra samples.
+static bool look_for_gain( RfRenderer* r, RfEstimatorGroup group, RfLiveFilm* live )
+{
+    double counts[BINS] = { 0 }, seen = 0.0;
+    size_t pixels = (size_t)r->sizes.width * (size_t)r->sizes.height;
+    float *drawn = live->films[0].extra[0], *samples = live->films[0].extra[1];
+    for ( size_t i = 0; i < pixels; ++i )
+        drawn[i] = (float)fmax( LOOK_SHARE, LOOK_PIXELS / (double)pixels );
+    group.need = drawn;
+    run_pilot_pass( r, &group, PILOT_PASSES, live, samples );
+    for ( size_t i = 0; i < pixels; ++i )
+    {
+        if ( samples[i] == 0.0f )
+            continue;
+        count_share( live->need[i], counts );
+        seen += 1.0;
+    }
+    memset( live->need, 0, rf_need_bytes( &r->sizes ) );
+    memset( drawn, 0, rf_extra_bytes( &r->sizes ) );
+    memset( samples, 0, rf_extra_bytes( &r->sizes ) );
+    return threshold( counts, BINS, seen, group.eye_count, LOOK_GAIN ) > 1.0;
+}
+
+static void find_need( RfRenderer* r, RfLiveFilm* live )
+{
+    RfEstimatorGroup group = pilot_group( r, live->frame );
+    if ( r->settings.adaptive == RF_ADAPTIVE_AUTO && !look_for_gain( r, group, live ) )
+        return;
+    for ( int pass = 0; pass < PILOT_PASSES; ++pass )
+        run_pilot_pass( r, &group, pass, live, NULL );
+    set_need( live, group.eye_count );
+}
+
 void rf_run_pilot( RfRenderer* r, RfLiveFilm* live )
 {
     memset( live->need, 0, rf_need_bytes( &r->sizes ) );
     live->most_need = 0.0f;
-    if ( r->plan.eyes == 1 )
-        return;
-    RfEstimatorGroup group = pilot_group( r, live->frame );
-    for ( int pass = 0; pass < PILOT_PASSES; ++pass )
-        run_pilot_pass( r, &group, pass, live );
-    set_need( live, group.eye_count );
+    if ( r->plan.eyes > 1 )
+        find_need( r, live );
+    // without extra samples the sums are those of a render without adaptive sampling, bit for bit
+    live->films[0].total_every = rf_film_total_every( r->plan.eyes + ( live->most_need > 0.0f ? RF_MOST_EXTRA : 0 ) );
 }
 
 // Batches [first, first + count) of a frame alone.

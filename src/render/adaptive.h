@@ -9,6 +9,9 @@
 // minimises error times cost for the distribution of ρ in the frame, so a frame that would
 // not gain gets none.
 //
+// With RF_ADAPTIVE_AUTO a coarse look comes first, a ray for a sixteenth of the pixels: where few of them are without
+// help the frame gets neither a pilot nor extra samples. The pilot's random numbers do not depend on it.
+//
 // An extra sample belongs to a group of one frame: f |cos| L / p, plain or shared in its
 // tile, with the weight of a pass. It adds 1 to B and 1 to the pixel's number of
 // passes, so that E[B] stays 1 (src/reuse/estimators.md, section 2). Which tiles get one is
@@ -22,7 +25,7 @@
 // Extra samples in a pass, per pixel, at most.
 #define RF_MOST_EXTRA 4
 
-// Runs the pilot of a frame whose film has just been cleared and fills live->need.
+// Runs the pilot of a frame whose film has just been cleared and fills live->need and live->most_need.
 void rf_run_pilot( RfRenderer* renderer, RfLiveFilm* live );
 
 // Traces the extra samples that go with a pass, into all films in use.

@@ -35,7 +35,7 @@ void rf_open_films( RfRenderer* r, int number )
         for ( int f = 0; f < r->settings.estimator->films; ++f )
             rf_clear_film( live->films + f );
         rf_clear_aov_film( &live->aovs, r->sizes.width, r->sizes.height );
-        if ( r->settings.adaptive )
+        if ( r->sizes.adaptive )
             rf_run_pilot( r, live );
     }
 }
@@ -84,6 +84,7 @@ static RfResult finish_film( RfRenderer* r, RfLiveFilm* live, RfError* error )
     r->last_frame = now;
     live->frame = -1;
     r->frames_done += 1;
+    r->adaptive_frames += film->extra_samples > 0;
     rf_queue_frame( &r->queue );
     return rf_check_frame_queue( &r->queue, error );
 }

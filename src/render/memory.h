@@ -15,7 +15,7 @@ typedef struct RfLiveFilm
     RfAovFilm aovs;
     void* pass_state;         // the estimator's, see RfEstimatorSizes; NULL: none
     double noise, noise_seen; // as `noise` and `seen` in RfFrameNoise
-    float* need;              // adaptive sampling: extra samples wanted by each pixel in a pass; NULL: not adaptive
+    float* need;              // adaptive sampling: extra samples wanted by each pixel in a pass; NULL: none in this render
     float most_need;
 } RfLiveFilm;
 

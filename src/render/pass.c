@@ -113,7 +113,7 @@ void rf_begin_pass( RfRenderer* r )
 
 void rf_end_pass( RfRenderer* r, const RfPass* pass )
 {
-    if ( r->settings.adaptive )
+    if ( r->sizes.adaptive )
         rf_render_extra( r, pass );
     for ( int i = 0; i < r->memory.film_slots; ++i )
     {

@@ -107,6 +107,8 @@ static const char* reason_against( const RfScene* scene, const RfEye* eyes, int 
     RfRenderSettings s = *settings;
     s.group = row->group;
     s.threads = 1;
+    if ( s.adaptive == RF_ADAPTIVE_AUTO ) // what may be of use in some frames is no reason for smaller groups in all
+        s.adaptive = RF_ADAPTIVE_OFF;
     RfGroupPlan plan = rf_plan_samples( eye_count, row->group, settings->spp );
     RfRenderSizes sizes = rf_render_sizes( scene, eyes, &plan, eye_count, &s );
     RfMemoryFit fit;
@@ -128,6 +130,25 @@ static void choose_row( RfPlan* plan )
     while ( plan->rows[plan->chosen].excluded != NULL || plan->rows[plan->chosen].gain < FLAT * best )
         plan->chosen += 1;
     plan->rows[plan->chosen].chosen = true;
+}
+
+// A group that was chosen for the memory at hand goes without the memory of extra samples, which few frames may
+// need, rather than through the path several times.
+static RfResult settle_adaptive( const RfScene* scene, const RfEye* eyes, int eye_count, int frame_count,
+                                 const RfRenderSettings* settings, RfPlan* plan, RfError* error )
+{
+    RfPlanRow* row = plan->rows + plan->chosen;
+    RfRenderSettings s = *settings;
+    RfMemoryFit fit;
+    plan->adaptive = settings->adaptive == RF_ADAPTIVE_AUTO && row->eyes == 1 ? RF_ADAPTIVE_OFF : settings->adaptive;
+    s.group = row->group;
+    s.threads = 1;
+    if ( plan->adaptive != RF_ADAPTIVE_AUTO ||
+         ( rf_fit_memory( scene, eyes, eye_count, eye_count, &s, &fit, NULL ) == RF_OK && fit.sweeps == 1 ) )
+        return RF_OK;
+    plan->adaptive = s.adaptive = RF_ADAPTIVE_OFF;
+    s.threads = settings->threads;
+    return rf_fit_memory( scene, eyes, eye_count, frame_count, &s, &row->fit, error );
 }
 
 static int rows_against( const RfPlan* plan, const char* reason )
@@ -161,6 +182,8 @@ static void explain( RfPlan* plan, const RfRenderSettings* settings )
             used += (size_t)snprintf( plan->why + used, size - used, "; %d row%s left out, %s", rows, rows == 1 ? "" : "s",
                                       reasons[k][rows == 1 ? 1 : 2] );
     }
+    if ( plan->adaptive != settings->adaptive && plan->rows[plan->chosen].eyes > 1 && used < size )
+        snprintf( plan->why + used, size - used, "; without extra samples, for which there is no room" );
 }
 
 // Counts a few batches of the path.
@@ -240,6 +263,10 @@ RfResult rf_plan_render( const RfTracer* tracer, const RfEye* eyes, int eye_coun
     plan->hit_share = counts.hits / counts.samples;
     plan->glossy_share = counts.glossy / counts.samples;
     choose_row( plan );
+    result = settle_adaptive( scene, eyes, eye_count, frame_count, &common, plan, error );
+    if ( result != RF_OK )
+        return result;
+    weigh_rows( eyes, eye_count, frames, frame_count, &common, &sizes.of_estimator, &counts, plan ); // the chosen one's sweeps
     explain( plan, &common );
     rf_record_bytes( scene, &common, plan->rows[plan->chosen].eyes, &plan->bytes_diffuse, &plan->bytes_glossy );
     return RF_OK;

@@ -123,6 +123,7 @@ static void fill_stats( const RfRenderer* r, RfRenderStats* stats )
         .fit = r->fit,
         .missed = r->stop.missed,
         .hurried = r->stop.hurried,
+        .adaptive_frames = r->adaptive_frames,
         .entry_count = r->memory.arena.entry_count,
     };
     memcpy( stats->entries, r->memory.arena.entries, sizeof stats->entries );

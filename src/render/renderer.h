@@ -24,7 +24,8 @@ typedef struct RfRenderer
     double start, last_frame; // seconds
     double batches_done, batches_all;
     int frames_done;
-    double last_relmse; // of the last finished frame
+    int adaptive_frames; // of these with extra samples
+    double last_relmse;  // of the last finished frame
 } RfRenderer;
 
 // A pass of a group.

@@ -10,9 +10,11 @@ static RfResult choose_group( const RfTracer* tracer, const RfEye* eyes, int eye
         return RF_OK;
     RfPlan plan;
     RfResult result = rf_plan_render( tracer, eyes, eye_count, &( int ){ 0 }, 1, settings, &plan, error );
-    if ( result == RF_OK )
-        settings->group = plan.rows[plan.chosen].group;
-    return result;
+    if ( result != RF_OK )
+        return result;
+    settings->group = plan.rows[plan.chosen].group;
+    settings->adaptive = plan.adaptive;
+    return RF_OK;
 }
 
 RfResult rf_resolve_settings( const RfTracer* tracer, const RfEye* eyes, int eye_count, const RfRenderSettings* settings,
@@ -25,6 +27,8 @@ RfResult rf_resolve_settings( const RfTracer* tracer, const RfEye* eyes, int eye
         return result;
     RfGroupPlan plan = rf_plan_samples( eye_count, resolved->group, settings->spp );
     resolved->group = plan.eyes / 2;
+    if ( resolved->adaptive == RF_ADAPTIVE_AUTO && plan.eyes == 1 )
+        resolved->adaptive = RF_ADAPTIVE_OFF;
     if ( !rf_is_stopping( settings ) )
         resolved->spp = plan.spp;
     return RF_OK;

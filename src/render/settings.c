@@ -3,6 +3,13 @@
 #include "base/system.h"
 #include "render/estimator.h"
 
+// The biased weightings count hits, which extra samples would only add to.
+static bool can_adapt( const RfRenderSettings* s )
+{
+    const RfEstimator* e = s->estimator;
+    return e->add_own_shares != NULL && e->count_samples != NULL && e->films == 1 && s->weights == RF_WEIGHTS_EXACT;
+}
+
 static RfResult check_choices( const RfRenderSettings* s, RfError* error )
 {
     if ( (unsigned)s->weights > RF_WEIGHTS_UNWEIGHTED || (unsigned)s->normalize > RF_NORMALIZE_NONE )
@@ -10,6 +17,8 @@ static RfResult check_choices( const RfRenderSettings* s, RfError* error )
                         (int)s->normalize );
     if ( (unsigned)s->light_sampling > RF_LIGHTS_BY_POWER )
         return rf_fail( error, RF_ERROR_USAGE, "there is no light sampling %d", (int)s->light_sampling );
+    if ( (unsigned)s->adaptive > RF_ADAPTIVE_OFF )
+        return rf_fail( error, RF_ERROR_USAGE, "there is no adaptive sampling %d", (int)s->adaptive );
     if ( (unsigned)s->files.compression > RF_EXR_PIZ )
         return rf_fail( error, RF_ERROR_USAGE, "there is no compression %d", (int)s->files.compression );
     return RF_OK;
@@ -50,7 +59,8 @@ static RfResult check_estimator( const RfRenderSettings* s, RfError* error )
     if ( estimator->films < 1 || estimator->films > RF_MAX_FILMS )
         return rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' asks for %d films, 1 to %d can be had", estimator->name,
                         estimator->films, RF_MAX_FILMS );
-    if ( s->adaptive && ( estimator->add_own_shares == NULL || estimator->count_samples == NULL || estimator->films > 1 ) )
+    if ( s->adaptive == RF_ADAPTIVE_ON &&
+         ( estimator->add_own_shares == NULL || estimator->count_samples == NULL || estimator->films > 1 ) )
         return rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' has no adaptive sampling", estimator->name );
     if ( ( s->aovs & RF_FIRST_HIT_AOVS ) != 0 && estimator->first_hits == NULL )
         return rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' has no AOVs of first hits", estimator->name );
@@ -97,6 +107,8 @@ RfResult rf_resolve_common( const RfEye* eyes, int eye_count, const RfRenderSett
     // the biased weightings count hits, whose expectation is unknown: only the ratio makes sense
     if ( resolved->weights != RF_WEIGHTS_EXACT )
         resolved->normalize = RF_NORMALIZE_RATIO;
+    if ( resolved->adaptive == RF_ADAPTIVE_AUTO && !can_adapt( resolved ) )
+        resolved->adaptive = RF_ADAPTIVE_OFF;
     return RF_OK;
 }
 

@@ -42,12 +42,19 @@ RfEstimatorGroup rf_size_group( const RfScene* scene, const RfEye* eyes, int eye
     };
 }
 
+// Adaptive sampling takes memory wherever it may happen: frames decide one by one.
+static bool may_adapt( const RfRenderSettings* settings, int eyes )
+{
+    return settings->adaptive == RF_ADAPTIVE_ON || ( settings->adaptive == RF_ADAPTIVE_AUTO && eyes > 1 );
+}
+
 RfRenderSizes rf_render_sizes( const RfScene* scene, const RfEye* eyes, const RfGroupPlan* plan, int films,
                                const RfRenderSettings* settings )
 {
     RfEstimatorGroup group = rf_size_group( scene, eyes, plan->eyes, settings );
     // as many additions to a pixel as eyes, and half of the passes in each half
-    int total_every = rf_film_total_every( plan->eyes + ( settings->adaptive ? RF_MOST_EXTRA : 0 ) );
+    bool adaptive = may_adapt( settings, plan->eyes );
+    int total_every = rf_film_total_every( plan->eyes + ( adaptive ? RF_MOST_EXTRA : 0 ) );
     int64_t most = ( rf_most_passes( plan ) + 1 ) / 2;
     return ( RfRenderSizes ){
         .estimator = settings->estimator,
@@ -65,7 +72,7 @@ RfRenderSizes rf_render_sizes( const RfScene* scene, const RfEye* eyes, const Rf
         .aovs = settings->aovs,
         .total_every = rf_film_needs_total( most, total_every ) ? total_every : 0,
         .stopping = rf_is_stopping( settings ),
-        .adaptive = settings->adaptive,
+        .adaptive = adaptive,
         .files = settings->files,
     };
 }

@@ -19,7 +19,7 @@ typedef struct RfRenderSizes
     unsigned aovs;   // RF_AOV_BIT of the AOVs asked for
     int total_every; // passes of a half of a film before it is emptied; 0: never
     bool stopping;   // by noise or time
-    bool adaptive;
+    bool adaptive;   // films may get extra samples
     RfFrameFiles files;
     size_t held; // bytes of held records besides the batches, the most of any group; with settings.hold_all only
 } RfRenderSizes;

@@ -35,6 +35,12 @@ static void reprojection_weights( const Accumulation* a, int eye_index, const Rf
         rf_project_batch( a->mirrors, eye, batch, pixel, ratio, filter );
     if ( batch->densities != NULL )
         memcpy( ratio, batch->densities + (size_t)eye_index * RF_LANES, (size_t)batch->count * sizeof *ratio );
+    for ( int c = 0; c < 3 && batch->panes[c] != NULL; ++c )
+    {
+        const float* kappa = batch->panes[c] + (size_t)eye_index * RF_LANES;
+        for ( int i = 0; i < batch->count; ++i )
+            filter[c][i] *= kappa[i];
+    }
     const float* restrict sum = batch->density_sum;
     const uint32_t* restrict seen = batch->seen + ( eye_index / 32 ) * RF_LANES;
     uint32_t bit = 1u << ( eye_index % 32 );

@@ -9,7 +9,7 @@ RfBatchShape rf_batch_shape( const RfEstimatorGroup* group )
     const RfRenderSettings* settings = group->settings;
     bool unevaluable = ( group->traits.kinds & ~0u << RF_BSDF_FIRST_UNEVALUABLE ) != 0;
     int tile_pixels = rf_tile_pixels( &settings->tile );
-    bool grouped = settings->group != 0 && ( group->traits.mirrors || group->traits.smooth );
+    bool grouped = settings->group != 0 && ( group->traits.mirrors || group->traits.smooth || group->traits.panes );
     bool chains =
         ( unevaluable || group->traits.smooth ) && settings->weights == RF_WEIGHTS_EXACT && ( tile_pixels > 1 || grouped );
     return ( RfBatchShape ){
@@ -170,6 +170,19 @@ static void sample_direct( const RfHarvest* harvest, RfHarvestScratch* scratch, 
                                         scratch->direct + j, &scratch->wavefront.scratch );
 }
 
+// Panes that camera rays pass do not count in max_depth.
+static void note_passed_panes( const RfHarvest* harvest, RfHarvestScratch* scratch, float* const wi[3] )
+{
+    const RfVertexLanes* v = &scratch->first;
+    memset( scratch->spent, 0, sizeof scratch->spent );
+    for ( int i = rf_record_count( v ); i < v->count; ++i )
+    {
+        float cos_g = v->ng[0][i] * wi[0][i] + v->ng[1][i] * wi[1][i] + v->ng[2][i] * wi[2][i];
+        scratch->spent[v->slot[i]] = cos_g < 0.0f && rf_starts_at_pane( harvest->path.tracer, v, i ) ? -1 : 0;
+    }
+    scratch->wavefront.spent = scratch->spent;
+}
+
 // Samples scattered directions and traces the rest of the paths.
 static void trace_tails( const RfHarvest* harvest, RfHarvestScratch* scratch, RfRayCounts* rays )
 {
@@ -180,6 +193,8 @@ static void trace_tails( const RfHarvest* harvest, RfHarvestScratch* scratch, Rf
     int unevaluable = v->count - rf_record_count( v );
     if ( unevaluable > 0 )
         memcpy( scratch->unevaluable_pdf, wavefront->scratch.pdf + rf_record_count( v ), (size_t)unevaluable * sizeof( float ) );
+    if ( unevaluable > 0 && rf_tracer_has_panes( harvest->path.tracer ) )
+        note_passed_panes( harvest, scratch, wi );
     if ( scratch->tiles != NULL )
     {
         RfTileReuseSettings settings = { &harvest->path, harvest->shape.tile_pixels, harvest->tile_roulette };

@@ -29,6 +29,7 @@ struct RfHarvestScratch
     int ray_miss_count;                   // of the former
     int32_t glint_slot[RF_LANES];
     RF_ALIGN float scattered[3][RF_LANES];    // direction drawn at each hit
+    int32_t spent[RF_LANES];                  // without chains: −1 for paths that begin by passing a pane
     RF_ALIGN float unevaluable_pdf[RF_LANES]; // of the direction drawn at unevaluable hits, from 0
     RF_ALIGN float wo[3][RF_LANES];
     RfArrivalLanes arrival;

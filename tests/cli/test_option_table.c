@@ -10,7 +10,7 @@
 
 typedef struct Values
 {
-    int spp, group, weights;
+    int spp, group, weights, adaptive;
     uint64_t seed;
     double exposure;
     RfSize size;
@@ -21,6 +21,7 @@ typedef struct Values
 } Values;
 
 static const char* const weight_names[] = { "exact", "eq15", "unweighted", NULL };
+static const char* const adaptive_names[] = { "auto", "on", "off", NULL };
 static const char* const file_names[] = { "SCENE" };
 static Values s_values;
 static const char* s_file;
@@ -56,6 +57,13 @@ static const RfOption s_options[] = {
     { .name = "memory", .type = RF_OPTION_MEMORY, .value = &s_values.memory, .min = 1048576, .meta = "SIZE", .help = "budget" },
     { .name = "fps", .type = RF_OPTION_FPS, .value = &s_values.fps, .meta = "R", .help = "rate" },
     { .name = "weights", .type = RF_OPTION_CHOICE, .value = &s_values.weights, .choices = weight_names, .help = "weights" },
+    { .name = "adaptive",
+      .type = RF_OPTION_CHOICE,
+      .value = &s_values.adaptive,
+      .choices = adaptive_names,
+      .bare = "on",
+      .negated = "off",
+      .help = "more samples" },
     { .name = "json", .letter = 'j', .type = RF_OPTION_STRING, .value = &s_values.json, .meta = "FILE", .help = "result" },
     { .name = "resume", .type = RF_OPTION_BOOL, .value = &s_values.resume, .help = "go on" },
     { .name = "half", .type = RF_OPTION_BOOL, .value = &s_values.half, .help = "half floats" },
@@ -201,6 +209,39 @@ static void test_wrong_shape_is_refused( void** state )
     expect_error( "--spp 3", "SCENE is missing, see reframe render --help" );
 }
 
+// A choice with a bare and a negated form: what follows is its value only if it is one of the choices.
+static void test_value_may_be_left_out( void** state )
+{
+    (void)state;
+    static const struct
+    {
+        const char* line;
+        int choice;
+    } cases[] = { { "a.glb", 0 },
+                  { "a.glb --adaptive", 1 },
+                  { "--adaptive a.glb", 1 },
+                  { "--adaptive --resume a.glb", 1 },
+                  { "--adaptive=auto a.glb", 0 },
+                  { "--adaptive auto a.glb", 0 },
+                  { "a.glb --adaptive on", 1 },
+                  { "--adaptive off a.glb", 2 },
+                  { "--adaptive -- a.glb", 1 },
+                  { "--no-adaptive a.glb", 2 } };
+    for ( size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i )
+    {
+        expect_ok( cases[i].line );
+        assert_int_equal( s_values.adaptive, cases[i].choice );
+        assert_string_equal( s_file, "a.glb" );
+    }
+    expect_ok( "--no-adaptive off" ); // a file of that name
+    assert_string_equal( s_file, "off" );
+    expect_error( "a --adaptive=yes", "--adaptive: wants one of auto, on or off, got 'yes'" );
+    expect_error( "a --adaptive=", "--adaptive: wants one of auto, on or off, got ''" );
+    expect_error( "a --no-adaptive=on", "--no-adaptive: takes no value, got 'on'" );
+    expect_error( "a --adaptive --no-adaptive", "--adaptive: given twice" );
+    expect_error( "a --adaptive on off", "'off' is one file too many, see reframe render --help" );
+}
+
 // The last file may be more than one where the table says so.
 static void test_last_file_may_be_many( void** state )
 {
@@ -251,6 +292,7 @@ static void test_help_names_every_option( void** state )
     assert_non_null( strstr( text, "  --spp S                         samples (default: 28)\n" ) );
     assert_non_null( strstr( text, "--weights exact|eq15|unweighted" ) );
     assert_non_null( strstr( text, "  --[no-]resume                   go on\n" ) );
+    assert_non_null( strstr( text, "  --[no-]adaptive [auto|on|off]   more samples\n" ) );
     assert_non_null( strstr( text, "  -j, --json FILE" ) );
     assert_non_null( strstr( text, "  --group N|auto" ) );
 }
@@ -261,7 +303,7 @@ int main( void )
         cmocka_unit_test( test_every_type_in_any_order ),   cmocka_unit_test( test_defaults_and_keywords ),
         cmocka_unit_test( test_wrong_numbers_are_refused ), cmocka_unit_test( test_wrong_words_are_refused ),
         cmocka_unit_test( test_last_file_may_be_many ),     cmocka_unit_test( test_wrong_shape_is_refused ),
-        cmocka_unit_test( test_help_names_every_option ),
+        cmocka_unit_test( test_help_names_every_option ),   cmocka_unit_test( test_value_may_be_left_out ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

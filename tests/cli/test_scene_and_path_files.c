@@ -94,6 +94,8 @@ static void test_render_faults( void** state )
         { "{\"fps\":0}",
           "scene.json: render.fps: wants a whole number from 1 to 1000000, or a string such as \"24000/1001\", got 0" },
         { "{\"fps\":\"24/0\"}", "such as \"24000/1001\", got \"24/0\"" },
+        { "{\"adaptive\":\"yes\"}", "scene.json: render.adaptive: wants true, false, or one of auto, on, off, got \"yes\"" },
+        { "{\"adaptive\":1}", "scene.json: render.adaptive: wants true, false, or one of auto, on, off, got 1" },
         { "{\"weights\":\"best\"}", "scene.json: render.weights: wants one of exact, eq15, unweighted, got \"best\"" },
         { "{\"frames\":\"\"}", "scene.json: render.frames: wants a string that is not empty, got \"\"" },
         { "{\"max-depth\":3}", "scene.json: render.max-depth: unknown key, did you mean max_depth?" },

@@ -33,6 +33,7 @@ static RfRenderSettings settings_of( int group, const char* tile )
     settings.memory = (size_t)256 << 20;
     settings.threads = 1;
     settings.group = group;
+    settings.adaptive = RF_ADAPTIVE_OFF; // trials have none
     assert_true( rf_parse_tile( tile, &settings.tile ) );
     return settings;
 }

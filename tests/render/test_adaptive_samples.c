@@ -13,12 +13,12 @@
 
 #include <cmocka.h>
 
-#define EYES 5
+#define EYES 9
 
 static Rendered render( const RfTracer* tracer, RfRenderSettings settings, int frame )
 {
     RfEye eyes[EYES];
-    orbit_eyes( eyes, EYES, 15.0f, 40, 30 );
+    orbit_eyes( eyes, EYES, 4.0f, 40, 30 );
     settings.memory = settings.memory > 0 ? settings.memory : (size_t)256 << 20;
     settings.max_depth = 4;
     if ( frame < 0 )
@@ -29,19 +29,14 @@ static Rendered render( const RfTracer* tracer, RfRenderSettings settings, int f
 static RfRenderSettings adaptive_settings( void )
 {
     RfRenderSettings settings = rf_default_render_settings();
-    settings.group = 1;
+    settings.group = 2;
     settings.spp = 6;
-    settings.adaptive = true;
+    settings.adaptive = RF_ADAPTIVE_ON;
     return settings;
 }
 
-// A frame is the same whichever others are asked for, and for any threads and memory.
-static void test_nothing_else_decides( void** state )
+static void check_nothing_else_decides( const RfTracer* tracer, RfRenderSettings settings )
 {
-    (void)state;
-    RfScene scene = make_glass_room();
-    RfTracer* tracer = make_tracer( &scene );
-    RfRenderSettings settings = adaptive_settings();
     settings.threads = 1;
     Rendered all = render( tracer, settings, -1 );
     settings.threads = 3;
@@ -51,7 +46,7 @@ static void test_nothing_else_decides( void** state )
     settings.hold_all = false;
     settings.memory = all.stats.fit.least;
     Rendered tight = render( tracer, settings, -1 );
-    assert_true( all.native_spp[3] > settings.spp );
+    assert_true( all.stats.adaptive_frames > 0 && one.stats.adaptive_frames > 0 ); // else nothing was tested
     assert_memory_equal( frame_rgb( &all, 3 ), frame_rgb( &one, 0 ), 3 * all.pixels * sizeof( float ) );
     assert_memory_equal( frame_rgb( &all, 0 ), frame_rgb( &tight, 0 ), 3 * all.pixels * EYES * sizeof( float ) );
     assert_memory_equal( frame_rgb( &all, 0 ), frame_rgb( &held, 0 ), 3 * all.pixels * EYES * sizeof( float ) );
@@ -60,6 +55,97 @@ static void test_nothing_else_decides( void** state )
     free_rendered( &one );
     free_rendered( &held );
     free_rendered( &tight );
+}
+
+// A frame is the same whichever others are asked for, and for any threads and memory.
+static void test_nothing_else_decides( void** state )
+{
+    (void)state;
+    RfScene scene = make_glass_room();
+    RfTracer* tracer = make_tracer( &scene );
+    RfRenderSettings settings = adaptive_settings();
+    check_nothing_else_decides( tracer, settings );
+    settings.adaptive = RF_ADAPTIVE_AUTO;
+    check_nothing_else_decides( tracer, settings );
+    rf_destroy_tracer( tracer );
+    rf_destroy_scene( &scene );
+}
+
+// Renders the middle frame of eyes `degrees` apart; its picture is that of RF_ADAPTIVE_OFF or ON.
+static void check_auto( RfScene scene, float degrees, const char* tile, RfAdaptive same_as )
+{
+    RfTracer* tracer = make_tracer( &scene );
+    RfEye eyes[EYES];
+    int frame = EYES / 2;
+    orbit_eyes( eyes, EYES, degrees, 80, 60 );
+    RfRenderSettings settings = adaptive_settings();
+    assert_true( rf_parse_tile( tile, &settings.tile ) );
+    settings.group = EYES / 2;
+    settings.memory = (size_t)256 << 20;
+    settings.max_depth = 4;
+    settings.adaptive = same_as;
+    Rendered expected = render_frames( tracer, eyes, EYES, &frame, 1, &settings );
+    settings.adaptive = RF_ADAPTIVE_AUTO;
+    Rendered found = render_frames( tracer, eyes, EYES, &frame, 1, &settings );
+    assert_memory_equal( frame_rgb( &found, 0 ), frame_rgb( &expected, 0 ), 3 * found.pixels * sizeof( float ) );
+    assert_int_equal( found.stats.adaptive_frames, same_as == RF_ADAPTIVE_ON );
+    // the look: a ray for one pixel in nine, as 512 of 4800
+    double look = (double)found.stats.rays.primary - (double)expected.stats.rays.primary;
+    assert_true( look > 0.07 * (double)found.pixels && look < 0.15 * (double)found.pixels );
+    free_rendered( &expected );
+    free_rendered( &found );
+    rf_destroy_tracer( tracer );
+    rf_destroy_scene( &scene );
+}
+
+// Auto renders what on does where extra samples pay, and elsewhere, but for the rays of its look, what off does.
+static void test_auto_decides_by_frame( void** state )
+{
+    (void)state;
+    check_auto( make_glass_room(), 3.0f, "1", RF_ADAPTIVE_ON );
+    check_auto( make_glass_room(), 3.0f, "3x3", RF_ADAPTIVE_ON );
+    check_auto( make_room( ROOM_DIFFUSE ), 0.2f, "1", RF_ADAPTIVE_OFF );
+    check_auto( make_room( ROOM_DIFFUSE ), 0.2f, "3x3", RF_ADAPTIVE_OFF );
+}
+
+// Where extra samples cannot be had, auto is off without a word, and takes no memory.
+static void test_auto_is_off_where_it_must( void** state )
+{
+    (void)state;
+    RfScene scene = make_glass_room();
+    RfTracer* tracer = make_tracer( &scene );
+    RfEye eyes[EYES];
+    orbit_eyes( eyes, EYES, 15.0f, 40, 30 );
+    RfRenderSettings settings = adaptive_settings(), resolved;
+    settings.memory = (size_t)256 << 20;
+    static const struct
+    {
+        RfWeights weights;
+        int group, eyes;
+        RfAdaptive resolved;
+    } cases[] = { { RF_WEIGHTS_EXACT, 1, EYES, RF_ADAPTIVE_AUTO },
+                  { RF_WEIGHTS_EXACT, 0, EYES, RF_ADAPTIVE_OFF },
+                  { RF_WEIGHTS_EXACT, 1, 1, RF_ADAPTIVE_OFF },
+                  { RF_WEIGHTS_EQ15, 1, EYES, RF_ADAPTIVE_OFF },
+                  { RF_WEIGHTS_UNWEIGHTED, 1, EYES, RF_ADAPTIVE_OFF } };
+    for ( size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i )
+    {
+        settings.adaptive = RF_ADAPTIVE_AUTO;
+        settings.weights = cases[i].weights;
+        settings.group = cases[i].group;
+        assert_int_equal( rf_resolve_settings( tracer, eyes, cases[i].eyes, &settings, &resolved, NULL ), RF_OK );
+        assert_int_equal( resolved.adaptive, cases[i].resolved );
+        RfMemoryFit fit, off;
+        assert_int_equal( rf_fit_memory( &scene, eyes, cases[i].eyes, 1, &resolved, &fit, NULL ), RF_OK );
+        resolved.adaptive = RF_ADAPTIVE_OFF;
+        assert_int_equal( rf_fit_memory( &scene, eyes, cases[i].eyes, 1, &resolved, &off, NULL ), RF_OK );
+        size_t more = cases[i].resolved == RF_ADAPTIVE_AUTO ? 3 * sizeof( float ) * 40 * 30 : 0; // need and extra
+        assert_true( fit.bytes_films >= off.bytes_films + more && fit.bytes_films < off.bytes_films + more + 256 );
+        settings.adaptive = RF_ADAPTIVE_ON;
+        bool exact = cases[i].weights == RF_WEIGHTS_EXACT;
+        assert_int_equal( rf_resolve_settings( tracer, eyes, cases[i].eyes, &settings, &resolved, NULL ),
+                          exact ? RF_OK : RF_ERROR_USAGE );
+    }
     rf_destroy_tracer( tracer );
     rf_destroy_scene( &scene );
 }
@@ -73,7 +159,7 @@ static void test_single_frames_are_as_without( void** state )
     RfRenderSettings settings = adaptive_settings();
     settings.group = 0;
     Rendered with = render( tracer, settings, -1 );
-    settings.adaptive = false;
+    settings.adaptive = RF_ADAPTIVE_OFF;
     Rendered without = render( tracer, settings, -1 );
     assert_memory_equal( with.rgb, without.rgb, 3 * with.pixels * EYES * sizeof( float ) );
     assert_true( with.native_spp[2] == 6.0 );
@@ -118,22 +204,35 @@ static void test_command_line_takes_it( void** state )
     (void)state;
     cli_enter();
     cli_expect( cli_run( "$R render $VASE -o a.exr --frames 3 --size 24x16 --spp 3 --group 1 --quiet --adaptive --json a.json && "
-                         "grep -q '\"adaptive\": *true' a.json" ),
+                         "grep -q '\"adaptive\": *true' a.json && grep -q '\"adaptive_mode\": *\"on\"' a.json" ),
                 0, NULL );
     cli_expect( cli_run( "$R render $VASE -o a.exr --resume --frames 3 --size 24x16 --spp 3 --group 1 --quiet" ), 1,
                 "--resume: " );
     cli_expect( cli_run( "$R render $VASE -o b.exr --adaptive --weights eq15" ), 2, "--adaptive: wants --weights exact" );
     cli_expect( cli_run( "$R render $VASE -o c.exr --frames 3 --size 24x16 --noise 0.1 --group 2 --quiet --adaptive" ), 0, NULL );
+    cli_expect( cli_run( "$R render $VASE -o d.exr --frames 20 --size 24x16 --spp 3 --group 1 --quiet --json d.json && "
+                         "grep -q '\"adaptive\": *false' d.json && grep -q '\"adaptive_mode\": *\"auto\"' d.json" ),
+                0, NULL );
+    // other settings, though the picture is the same
+    cli_expect( cli_run( "$R render $VASE -o d.exr --resume --frames 20 --size 24x16 --spp 3 --group 1 --quiet --no-adaptive" ),
+                1, "--resume: " );
+    cli_expect( cli_run( "$R render $VASE -o d.exr --resume --frames 20 --size 24x16 --spp 3 --group 1 --quiet --adaptive auto" ),
+                0, NULL );
+    // nothing to settle: auto is off, and goes on with what was rendered without
+    cli_expect( cli_run( "$R render $VASE -o e.exr --frames 20 --size 24x16 --spp 3 --group 0 --quiet --no-adaptive && "
+                         "$R render $VASE -o e.exr --resume --frames 20 --size 24x16 --spp 3 --group 0 --quiet --json e.json && "
+                         "grep -q '\"adaptive_mode\": *\"off\"' e.json" ),
+                0, NULL );
+    cli_expect( cli_run( "$R render $VASE -o f.exr --frames 3 --size 24x16 --spp 3 --group 1 --quiet --weights eq15" ), 0, NULL );
     cli_leave();
 }
 
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_nothing_else_decides ),
-        cmocka_unit_test( test_single_frames_are_as_without ),
-        cmocka_unit_test( test_threshold_follows_the_weights ),
-        cmocka_unit_test( test_command_line_takes_it ),
+        cmocka_unit_test( test_nothing_else_decides ),          cmocka_unit_test( test_single_frames_are_as_without ),
+        cmocka_unit_test( test_auto_decides_by_frame ),         cmocka_unit_test( test_auto_is_off_where_it_must ),
+        cmocka_unit_test( test_threshold_follows_the_weights ), cmocka_unit_test( test_command_line_takes_it ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -27,7 +27,7 @@ static RfRenderSettings settings_of( int group, int spp, const char* tile )
     settings.group = group;
     settings.spp = spp;
     settings.max_depth = 5;
-    settings.adaptive = true;
+    settings.adaptive = RF_ADAPTIVE_ON;
     settings.memory = (size_t)512 << 20;
     assert_true( rf_parse_tile( tile, &settings.tile ) );
     return settings;

@@ -127,6 +127,7 @@ static void test_forecast_is_what_render_does( void** state )
     Setup s;
     begin( &s, ROOM_GGX, 2.0f );
     RfRenderSettings settings = settings_of( 5 );
+    settings.adaptive = RF_ADAPTIVE_OFF; // its rays are not predicted
     RfPlan plan = plan_of( &s, 12, &settings );
     for ( int r = 0; r < plan.count; ++r )
     {
@@ -253,6 +254,20 @@ static void test_rows_without_room_stay( void** state )
     end( &s );
 }
 
+// A group that auto chose goes without extra samples where they would mean several sweeps; one that was asked for does not.
+static void check_resolved( const Setup* s, const RfRenderSettings* settings, const RfPlan* plan )
+{
+    RfRenderSettings asked = *settings, resolved;
+    assert_int_equal( rf_resolve_settings( s->tracer, s->eyes, MOST_EYES, &asked, &resolved, NULL ), RF_OK );
+    assert_int_equal( resolved.group, plan->rows[plan->chosen].group );
+    assert_int_equal( resolved.adaptive, RF_ADAPTIVE_OFF );
+    assert_int_equal( plan->adaptive, RF_ADAPTIVE_OFF );
+    assert_non_null( strstr( plan->why, "without extra samples" ) );
+    asked.group = resolved.group;
+    assert_int_equal( rf_resolve_settings( s->tracer, s->eyes, MOST_EYES, &asked, &resolved, NULL ), RF_OK );
+    assert_int_equal( resolved.adaptive, RF_ADAPTIVE_AUTO );
+}
+
 // Several sweeps trace all of it as often: auto does not take such a row, whatever the threads are.
 static void test_rows_of_several_sweeps_are_not_chosen( void** state )
 {
@@ -283,6 +298,7 @@ static void test_rows_of_several_sweeps_are_not_chosen( void** state )
         snprintf( gain, sizeof gain, "by fixed costs, %.1f with group %d", best->gain, best->group );
         assert_non_null( strstr( plan.why, gain ) );
         assert_true( threads > 1 || row->fit.sweeps == 1 );
+        check_resolved( &s, &settings, &plan );
         assert_true( chosen < 0 || chosen == row->group );
         chosen = row->group;
     }

@@ -172,7 +172,7 @@ static void check_setting( const ChainCase* c, const RfTracer* tracer, RfRenderS
 {
     settings.group = s->group;
     settings.spp = samples( s->spp );
-    settings.adaptive = s->adaptive;
+    settings.adaptive = s->adaptive ? RF_ADAPTIVE_ON : RF_ADAPTIVE_OFF;
     settings.tile_roulette = s->roulette;
     assert_true( rf_parse_tile( s->tile, &settings.tile ) );
     FrameImages rendered = rendered_frames( c, tracer, settings );

@@ -77,5 +77,6 @@ RfRenderSettings plain_settings( void )
 {
     RfRenderSettings settings = rf_default_render_settings();
     settings.tile = rf_no_tile();
+    settings.adaptive = RF_ADAPTIVE_OFF;
     return settings;
 }

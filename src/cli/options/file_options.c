@@ -52,8 +52,8 @@ static const char* to_text( const RfOption* option, const json_t* json, char* te
         case RF_OPTION_REAL: return print_number( json, text, size ) ? text : NULL;
         case RF_OPTION_SIZE: return print_size( json, text, size ) ? text : NULL;
         case RF_OPTION_FPS: return string != NULL ? string : print_number( json, text, size ) ? text : NULL;
+        case RF_OPTION_CHOICE: return json_is_true( json ) ? option->bare : json_is_false( json ) ? option->negated : string;
         case RF_OPTION_MEMORY:
-        case RF_OPTION_CHOICE:
         case RF_OPTION_STRING: return string;
         case RF_OPTION_BOOL: return NULL;
     }
@@ -81,7 +81,7 @@ static void describe_wanted( const RfOption* option, char* words, size_t size )
             snprintf( words, size, "a whole number from 1 to 1000000, or a string such as \"24000/1001\"" );
             break;
         case RF_OPTION_CHOICE:
-            used = (size_t)snprintf( words, size, "one of" );
+            used = (size_t)snprintf( words, size, "%sone of", option->bare != NULL ? "true, false, or " : "" );
             for ( int i = 0; option->choices[i] != NULL && used < size; ++i )
                 used += (size_t)snprintf( words + used, size - used, "%s %s", i > 0 ? "," : "", option->choices[i] );
             break;

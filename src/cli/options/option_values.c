@@ -136,6 +136,12 @@ static bool parse_choice( const RfOption* option, const char* text, int* value )
     return false;
 }
 
+bool rf_is_choice( const RfOption* option, const char* text )
+{
+    int unused;
+    return parse_choice( option, text, &unused );
+}
+
 // Describes the values that an option accepts.
 static void describe_choices( const RfOption* option, char* words, size_t size )
 {

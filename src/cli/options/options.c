@@ -32,6 +32,8 @@ static RfResult fail_unknown( const RfCommandTable* table, const char* argument,
     return rf_fail( error, RF_ERROR_USAGE, "%.*s: no such option, see reframe %s --help", length, argument, table->command );
 }
 
+static bool has_negation( const RfOption* option ) { return option->type == RF_OPTION_BOOL || option->negated != NULL; }
+
 // Index of the option with this name (length characters), or −1. Sets *negated for --no-name.
 static int find_long( const RfCommandTable* table, const char* name, size_t length, bool* negated )
 {
@@ -42,7 +44,7 @@ static int find_long( const RfCommandTable* table, const char* name, size_t leng
         if ( strlen( known ) == length && strncmp( known, name, length ) == 0 )
             return i;
         *negated = true;
-        if ( table->options[i].type == RF_OPTION_BOOL && length == strlen( known ) + 3 && strncmp( name, "no-", 3 ) == 0 &&
+        if ( has_negation( table->options + i ) && length == strlen( known ) + 3 && strncmp( name, "no-", 3 ) == 0 &&
              strncmp( known, name + 3, length - 3 ) == 0 )
             return i;
     }
@@ -67,6 +69,19 @@ static bool looks_like_option( const char* text )
     return text[0] == '-' && ( isalpha( (unsigned char)text[1] ) || text[1] == '-' );
 }
 
+static RfResult fail_value( const RfOption* option, bool negated, const char* value, RfError* error )
+{
+    return rf_fail( error, RF_ERROR_USAGE, "--%s%s: takes no value, got '%s'", negated ? "no-" : "", option->name, value );
+}
+
+// A value that may be left out: the next argument counts as one only if it is one of the choices.
+static const char* optional_value( Parse* parse, const RfOption* option )
+{
+    if ( parse->next < parse->argc && rf_is_choice( option, parse->argv[parse->next] ) )
+        return parse->argv[parse->next++];
+    return option->bare;
+}
+
 // Stores option `index`; `value` is what stood after '=', or NULL.
 static RfResult take_option( Parse* parse, int index, bool negated, const char* value, RfError* error )
 {
@@ -79,11 +94,16 @@ static RfResult take_option( Parse* parse, int index, bool negated, const char* 
     if ( option->type == RF_OPTION_BOOL )
     {
         if ( value != NULL )
-            return rf_fail( error, RF_ERROR_USAGE, "--%s%s: takes no value, got '%s'", negated ? "no-" : "", option->name,
-                            value );
+            return fail_value( option, negated, value, error );
         *(bool*)option->value = !negated;
         return RF_OK;
     }
+    if ( negated && value != NULL )
+        return fail_value( option, negated, value, error );
+    if ( negated )
+        value = option->negated;
+    if ( value == NULL && option->bare != NULL )
+        value = optional_value( parse, option );
     if ( value == NULL )
     {
         if ( parse->next == parse->argc || looks_like_option( parse->argv[parse->next] ) )
@@ -170,7 +190,8 @@ void rf_format_option( const RfOption* option, char* text, size_t size )
         snprintf( text + used, size - used, "--[no-]%s", option->name );
         return;
     }
-    used += (size_t)snprintf( text + used, size - used, "--%s ", option->name );
+    const char* no = option->negated != NULL ? "[no-]" : "";
+    used += (size_t)snprintf( text + used, size - used, "--%s%s %s", no, option->name, option->bare != NULL ? "[" : "" );
     if ( option->type != RF_OPTION_CHOICE )
     {
         snprintf( text + used, size - used, "%s", option->meta );
@@ -178,6 +199,8 @@ void rf_format_option( const RfOption* option, char* text, size_t size )
     }
     for ( int i = 0; option->choices[i] != NULL && used < size; ++i )
         used += (size_t)snprintf( text + used, size - used, "%s%s", i > 0 ? "|" : "", option->choices[i] );
+    if ( option->bare != NULL && used < size )
+        snprintf( text + used, size - used, "]" );
 }
 
 const char* rf_file_dots( const RfCommandTable* table, int i )

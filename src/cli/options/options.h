@@ -2,7 +2,7 @@
 // and the help is printed, so that the two cannot disagree.
 //
 // `--name value` and `--name=value` in any order, mixed with files; booleans
-// are `--name` and `--no-name`; `--` ends the options. Nothing is guessed or
+// are `--name` and `--no-name`, and some choices have these forms too; `--` ends the options. Nothing is guessed or
 // clamped: what is unknown, of the wrong type, out of range, missing, given
 // twice or too much is one error line, RF_ERROR_USAGE, that starts with the
 // option ("--spp: wants a whole number from 1 to 1048576, got '0'"); the
@@ -47,6 +47,8 @@ typedef struct RfOption
     const char* keyword; // INT: a word that stands for keyword_value, such as "auto"; or NULL
     int keyword_value;
     const char* const* choices; // CHOICE: NULL-terminated
+    const char* bare;           // CHOICE: the one that `--name` without a value stands for; NULL: it wants a value
+    const char* negated;        // CHOICE: the one that `--no-name` stands for; NULL: there is no such form
     const char* meta;           // the value's name in the help: "N|auto"; CHOICE and BOOL have theirs
     const char* default_text;   // shown in the help; or NULL
     const char* help;           // one line
@@ -85,7 +87,7 @@ typedef void RfHelpPrinter( const RfCommandTable* table, FILE* file );
 void rf_set_help_printer( RfHelpPrinter* printer );
 
 // Formats an option as it is written: "--weights exact|eq15|unweighted",
-// "-o, --output PATTERN", "--[no-]resume".
+// "-o, --output PATTERN", "--[no-]resume", "--[no-]adaptive [auto|on|off]".
 void rf_format_option( const RfOption* option, char* text, size_t size );
 
 // "..." for a positional argument that may be repeated, else "".
@@ -93,6 +95,9 @@ const char* rf_file_dots( const RfCommandTable* table, int i );
 
 // Parses one value by the option's type (option_values.c).
 RfResult rf_parse_option_value( const RfOption* option, const char* text, RfError* error );
+
+// Is the text one of the option's choices?
+bool rf_is_choice( const RfOption* option, const char* text );
 
 // Parses a whole number from min to max, with nothing before or after it; false otherwise.
 bool rf_parse_whole( const char* text, long long min, long long max, long long* value );

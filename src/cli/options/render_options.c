@@ -104,10 +104,14 @@ static const RfOption s_options[] = {
       .help = "pixels of a frame that share their paths: blocks, N of an NxN grid, or none" },
     { .name = "adaptive",
       .in_file = true,
-      .type = RF_OPTION_BOOL,
-      .value = &s_parsed.settings.adaptive,
-      .default_text = "no",
-      .help = "extra samples for pixels that few other frames help: borders, what comes into view, mirrors, glass" },
+      .type = RF_OPTION_CHOICE,
+      .value = &s_parsed.adaptive,
+      .choices = rf_adaptive_words,
+      .bare = "on",
+      .negated = "off",
+      .default_text = "auto",
+      .help = "extra samples for pixels that few other frames help: borders, what comes into view, mirrors, glass; auto: in "
+              "frames where they pay. --adaptive alone is on, --no-adaptive is off" },
     { .name = "tile-roulette",
       .in_file = true,
       .type = RF_OPTION_BOOL,
@@ -243,6 +247,7 @@ RfRenderOptions rf_default_render_options( void )
     options.settings.queue = WRITE_QUEUE;
     options.weights = options.settings.weights;
     options.normalize = options.settings.normalize;
+    options.adaptive = options.settings.adaptive;
     return options;
 }
 
@@ -257,6 +262,7 @@ static void take_words( RfRenderOptions* options )
 {
     options->settings.weights = (RfWeights)options->weights;
     options->settings.normalize = (RfNormalize)options->normalize;
+    options->settings.adaptive = (RfAdaptive)options->adaptive;
 }
 
 RfResult rf_parse_tile_option( RfRenderOptions* options, RfError* error )
@@ -279,7 +285,7 @@ RfResult rf_settle_render_options( RfRenderOptions* options, RfError* error )
 {
     RfRenderSettings* settings = &options->settings;
     take_words( options );
-    if ( settings->adaptive && settings->weights != RF_WEIGHTS_EXACT )
+    if ( settings->adaptive == RF_ADAPTIVE_ON && settings->weights != RF_WEIGHTS_EXACT )
         return rf_fail( error, RF_ERROR_USAGE, "--adaptive: wants --weights exact, not %s",
                         rf_weights_name( settings->weights ) );
     RfResult result = rf_parse_tile_option( options, error );

@@ -14,7 +14,7 @@ typedef struct RfRenderOptions
     RfSize size;
     RfRenderSettings settings;
     bool spp_given;
-    int weights, normalize; // indices of their words
+    int weights, normalize, adaptive; // indices of their words
     const char* tile;
     const char* aov; // NULL: none
     const char* output;

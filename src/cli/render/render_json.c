@@ -76,8 +76,10 @@ json_t* rf_render_json( const RfRenderOptions* options, const RfScene* scene, co
                               "weights", rf_weights_name( options->settings.weights ), "normalize",
                               rf_normalize_name( options->settings.normalize ), "threads", stats->threads, "effects",
                               rf_effect_names_json( scene ), "kept_frames", run->kept, "interrupted", run->interrupted );
-    if ( options->settings.adaptive )
-        json_object_set_new( json, "adaptive", json_true() );
+    RfAdaptive adaptive = options->settings.adaptive;
+    json_object_set_new( json, "adaptive", json_boolean( adaptive == RF_ADAPTIVE_ON || stats->adaptive_frames > 0 ) );
+    json_object_set_new( json, "adaptive_mode", json_string( rf_adaptive_name( adaptive ) ) );
+    json_object_set_new( json, "adaptive_frames", json_integer( stats->adaptive_frames ) );
     if ( options->settings.noise > 0.0 )
         json_object_set_new( json, "noise",
                              json_pack( "{s:f, s:i}", "wanted", options->settings.noise, "missed", stats->missed ) );

@@ -129,8 +129,9 @@ static json_t* plan_json( const Job* job )
     json_t* record = json_pack( "{s:I, s:I, s:f}", "diffuse", (json_int_t)plan->bytes_diffuse, "glossy",
                                 (json_int_t)plan->bytes_glossy, "glossy_share", plan->glossy_share );
     json_t* paper = json_pack( "{s:f, s:f}", "theirs", PAPER_BYTES, "ours", job->paper_bytes );
-    return json_pack( "{s:o, s:s, s:b, s:o, s:o, s:o}", "rows", rows, "why", plan->why, "at_most", at_most( job ), "costs", costs,
-                      "bytes_record", record, "bytes_paper_example", paper );
+    return json_pack( "{s:o, s:s, s:s, s:b, s:o, s:o, s:o}", "rows", rows, "adaptive_mode", rf_adaptive_name( plan->adaptive ),
+                      "why", plan->why, "at_most", at_most( job ), "costs", costs, "bytes_record", record, "bytes_paper_example",
+                      paper );
 }
 
 static RfResult run( Job* job, RfError* error )
