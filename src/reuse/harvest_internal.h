@@ -41,6 +41,9 @@ struct RfHarvestScratch
     RfTileReuse* tiles;                      // NULL without tile reuse
 };
 
+// Fills the batch with the hits, misses and glints of `count` camera rays, without their light.
+void rf_list_hits( int count, RfHarvestScratch* scratch, RfHitBatch* batch );
+
 // Visibility and densities from every eye: batch->seen, rows and density_sum,
 // and scratch->density.
 void rf_test_batch_visibility( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch, RfRayCounts* rays );
