@@ -1,6 +1,7 @@
 """Shared by the benchmark scripts: timed runs of reframe, and statistics over them."""
 import json
 import os
+import re
 import subprocess
 import sys
 
@@ -28,18 +29,32 @@ def run(command, output=subprocess.DEVNULL):
     return text, usage.ru_utime + usage.ru_stime, 1024 * usage.ru_maxrss
 
 
-def make_vase_room(folder):
-    scene = os.path.join(folder, "vase-room.glb")
-    run([sys.executable, "-B", os.path.join(TOP, "scenes", "make-vase-room.py"), scene])
+def make_scene(folder, name):
+    scene = os.path.join(folder, name + ".glb")
+    run([sys.executable, "-B", os.path.join(TOP, "scenes", "make-%s.py" % name), scene])
     return scene
 
 
+def make_vase_room(folder):
+    return make_scene(folder, "vase-room")
+
+
+def without(options, *names):
+    """Options of render without the named ones and their values; render refuses what is given twice."""
+    kept, dropping = [], False
+    for option in options:
+        dropping = option.split("=")[0] in names if option.startswith("--") else dropping
+        kept += [] if dropping else [option]
+    return kept
+
+
 def render(binary, scene, pattern, size, setting, spp, seed, frames="", threads=1, more=()):
-    """Renders with GROUP:TILE, without extra samples; returns the output of `render --json` plus `cpu` seconds and `resident` bytes."""
+    """Renders with GROUP:TILE, without extra samples unless `more` asks for them; returns the output of `render --json` plus `cpu` seconds and `resident` bytes."""
     group, tile = setting.split(":")
     report = pattern.replace("####.exr", "json")
     command = [binary, "render", scene, "-o", pattern, "--size", size, "--group", group, "--tile", tile, "--spp", str(spp),
-               "--seed", str(seed), "--no-adaptive", "--float", "--compression", "none", "--overwrite", "--quiet", "--json", report]
+               "--seed", str(seed), "--float", "--compression", "none", "--overwrite", "--quiet", "--json", report]
+    command += [] if any(word.split("=")[0] in ("--adaptive", "--no-adaptive") for word in more) else ["--no-adaptive"]
     command += ["--threads", str(threads)] if threads else []
     command += ["--frames", frames] if frames else []
     _, cpu, resident = run(command + list(more))
@@ -47,6 +62,15 @@ def render(binary, scene, pattern, size, setting, spp, seed, frames="", threads=
         result = json.load(file)
     result.update(cpu=cpu, resident=resident)
     return result
+
+
+def count_instructions(binary, scene, folder, *options):
+    """Instructions that one thread executes for a render, loading included, counted by callgrind."""
+    out = os.path.join(folder, "calls")
+    run(["valgrind", "-q", "--tool=callgrind", "--callgrind-out-file=" + out, binary, "render", scene, "-o", os.path.join(folder, "x.exr"),
+         "--overwrite", "--quiet", "--threads", "1", "--memory", "256M", *options])
+    with open(out) as file:
+        return int(re.search(r"^(?:summary|totals): (\d+)", file.read(), re.M).group(1))
 
 
 def measure(binary, command, image, *arguments):

@@ -233,10 +233,11 @@ void rf_trace_tails( const RfPathSettings* settings, RfWavefront* wavefront, int
 {
     RfRayLanes* rays = &wavefront->rays;
     RfRayLanes* next = &wavefront->next;
-    for ( int vertex = first_vertex; vertex <= settings->max_depth && rays->count > 0; ++vertex )
+    int most = settings->max_depth + ( wavefront->spent != NULL && rf_tracer_has_panes( settings->tracer ) );
+    for ( int vertex = first_vertex; vertex <= most && rays->count > 0; ++vertex )
     {
         rf_find_lit_vertices( settings, wavefront, rays, vertex == first_vertex, &wavefront->vertices );
-        if ( vertex == settings->max_depth )
+        if ( vertex == most )
             break;
         rf_end_spent_paths( settings, wavefront, vertex, rays );
         add_light_samples( settings, wavefront, rays, vertex );

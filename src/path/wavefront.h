@@ -32,7 +32,8 @@ typedef struct RfWavefront
     RF_ALIGN uint32_t key_a[RF_LANES];
     uint32_t key_b[RF_LANES];
     float roulette_scale[RF_LANES]; // largest channel of the path's weight up to where throughput starts
-    const int32_t* spent;           // vertices before the first one, which max_depth counts as well; NULL: none
+    const int32_t* spent;           // vertices before the first one, which max_depth counts as well, or −1: the first
+                                    // is a pane that was passed, which it does not count; NULL: none
     RfRayLanes rays;                // in: the scattered rays; overwritten
     // out, by slot
     RfArrivals arrivals;

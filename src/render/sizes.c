@@ -17,6 +17,8 @@ RfSceneTraits rf_scene_traits( const RfScene* scene )
     RfSceneTraits traits = { .sky = rf_max_component( scene->environment.radiance ) > 0.0f };
     for ( uint32_t i = 0; i < scene->triangles.count; ++i )
     {
+        if ( i > 0 && scene->triangles.material[i] == scene->triangles.material[i - 1] )
+            continue;
         const RfMaterial* material = scene->materials + scene->triangles.material[i];
         traits.kinds |= 1u << material->kind;
         traits.blended = traits.blended || rf_is_blended( material );

@@ -5,20 +5,6 @@
 
 #include <string.h>
 
-void rf_go_to( const RfVertexLanes* found, RfVertexLanes* at )
-{
-    int first = rf_record_count( found );
-    at->count = found->count - first;
-    for ( int kind = 0; kind <= RF_BSDF_KIND_COUNT; ++kind )
-    {
-        at->first[kind] = kind <= RF_BSDF_FIRST_UNEVALUABLE ? 0 : found->first[kind] - first;
-        if ( kind < RF_BSDF_FIRST_UNEVALUABLE || kind == RF_BSDF_KIND_COUNT )
-            continue;
-        int begin = found->first[kind], count = found->first[kind + 1] - begin;
-        rf_copy_vertices( found, begin, count, rf_bsdf_model( (RfBsdfKind)kind )->params, at, begin - first );
-    }
-}
-
 bool rf_has_chains( const RfVertexLanes* first )
 {
     if ( rf_record_count( first ) < first->count )
@@ -40,6 +26,17 @@ static uint8_t view_of( const RfPathSettings* path, const RfVertexLanes* v, int 
     return mirror == RF_NO_MIRROR || cos_o < RF_MIN_COS || inside ? RF_VIEW_CHAIN : (uint8_t)( RF_VIEW_FIRST_MIRROR + mirror );
 }
 
+bool rf_starts_at_pane( const RfTracer* tracer, const RfVertexLanes* v, int i )
+{
+    if ( !rf_tracer_has_panes( tracer ) )
+        return false;
+    const float *n[3] = { v->n[0], v->n[1], v->n[2] }, *param[RF_PARAM_COUNT];
+    for ( int p = 0; p < RF_PARAM_COUNT; ++p )
+        param[p] = v->param[p];
+    RfBsdfLanes lanes = rf_bsdf_lanes( RF_BSDF_GLASS, n, param, 0 );
+    return rf_pane_of_lane( &lanes, i, rf_vec3( v->wo[0][i], v->wo[1][i], v->wo[2][i] ) ).probability > 0.0f;
+}
+
 // Mirrors and glass: what the eyes see of their emission, absorbed on the way if the eye is inside a body.
 static void start_at_glass( const RfPathSettings* path, const RfRayLanes* rays, RfWavefront* wavefront, RfChains* chains )
 {
@@ -50,6 +47,7 @@ static void start_at_glass( const RfPathSettings* path, const RfRayLanes* rays, 
         RfVec3 t = rf_transmittance_from( v, i, rf_vec3( rays->o[0][slot], rays->o[1][slot], rays->o[2][slot] ) );
         float left[3] = { t.x, t.y, t.z };
         rf_set_throughput( chains, slot, t );
+        chains->pane[slot] = rf_starts_at_pane( path->tracer, v, i );
         chains->view[slot] = view_of( path, v, i, wavefront->scratch.triangle[v->ray[i]], t );
         for ( int c = 0; c < 3; ++c )
             wavefront->arrivals.rest[c][slot] += left[c] * v->emission[c][i];
@@ -143,6 +141,8 @@ void rf_start_chains( const RfPathSettings* path, const RfVertexLanes* first, co
     memset( chains->length, 0, sizeof chains->length );
     memset( chains->view, RF_VIEW_DIRECT, sizeof chains->view );
     memset( chains->split, 0, sizeof chains->split );
+    memset( chains->pane, 0, sizeof chains->pane );
+    memset( chains->straight, 0, sizeof chains->straight );
     memset( &wavefront->arrivals, 0, sizeof wavefront->arrivals );
     for ( int i = 0; i < camera_rays->count; ++i )
     {

@@ -3,56 +3,6 @@
 
 #include <string.h>
 
-// Chains this long end by Russian roulette.
-#define ROULETTE_AFTER 4
-
-static uint32_t dimension_of( const RfPathSettings* path, int vertex )
-{
-    return RF_DIMENSION_CHAINS + rf_vertex_dimension( vertex, path->light_samples );
-}
-
-// True if light sampling can find light at a vertex: some of its lobes are no deltas.
-static bool is_lit( const RfVertexLanes* v, int i )
-{
-    float base = v->param[RF_PARAM_DIFFUSE][i] + v->param[RF_PARAM_DIFFUSE + 1][i] + v->param[RF_PARAM_DIFFUSE + 2][i];
-    return v->param[RF_PARAM_SHAPE][i] > 0.0f || base > 0.0f;
-}
-
-static bool any_is_lit( const RfVertexLanes* v )
-{
-    for ( int i = 0; i < v->count; ++i )
-    {
-        if ( is_lit( v, i ) )
-            return true;
-    }
-    return false;
-}
-
-void rf_light_chains( const RfPathSettings* path, int vertex, const RfVertexLanes* v, RfWavefront* wavefront,
-                      const RfChains* chains )
-{
-    RfLightLanes* lights = &wavefront->lights;
-    RfLaneScratch* s = &wavefront->scratch;
-    float k = (float)path->light_samples, *f[3] = { s->f[0], s->f[1], s->f[2] };
-    if ( !any_is_lit( v ) )
-        return;
-    for ( int j = 0; j < path->light_samples; ++j )
-    {
-        uint32_t dimension = dimension_of( path, vertex ) + RF_DIMENSION_LIGHTS + 3u * (uint32_t)j;
-        wavefront->shadow_rays += (uint64_t)rf_sample_lights( path, wavefront, v, dimension, lights, s );
-        const float* wi[3] = { lights->wi[0], lights->wi[1], lights->wi[2] };
-        rf_evaluate_lanes( v, wi, f, s->pdf );
-        for ( int i = 0; i < v->count; ++i )
-        {
-            int slot = v->slot[i];
-            float scale = 1.0f / ( k * lights->pdf_solid_angle[i] + s->pdf[i] );
-            for ( int c = 0; c < 3; ++c )
-                wavefront->arrivals.rest[c][slot] +=
-                    chains->throughput[c][slot] * s->f[c][i] * lights->radiance_cos[c][i] * scale;
-        }
-    }
-}
-
 // Light samples where chains are. First vertices that are split have theirs.
 static void light_chains( const RfPathSettings* path, int vertex, RfWavefront* wavefront, RfChains* chains )
 {
@@ -79,45 +29,7 @@ static void light_chains( const RfPathSettings* path, int vertex, RfWavefront* w
     unlit->count = 0;
 }
 
-// Writes the ray that leaves lane i to lane `to` of the rays.
-static void write_ray( const RfVertexLanes* v, int i, const RfLaneScratch* s, float side, RfVec3 t, RfRayLanes* rays, int to )
-{
-    for ( int c = 0; c < 3; ++c )
-    {
-        rays->o[c][to] = v->p[c][i] + v->ng[c][i] * ( side * v->offset[i] );
-        rays->d[c][to] = s->wi[c][i];
-        rays->n[c][to] = v->n[c][i];
-    }
-    rays->throughput[0][to] = t.x;
-    rays->throughput[1][to] = t.y;
-    rays->throughput[2][to] = t.z;
-    rays->pdf_solid_angle[to] = s->pdf[i];
-    rays->slot[to] = v->slot[i];
-}
-
-void rf_scatter_chains( const RfPathSettings* path, int vertex, const RfVertexLanes* v, RfWavefront* wavefront, RfChains* chains )
-{
-    RfRayLanes* rays = &wavefront->rays;
-    RfLaneScratch* s = &wavefront->scratch;
-    float* wi[3] = { s->wi[0], s->wi[1], s->wi[2] };
-    rf_scatter_lanes( wavefront, v, dimension_of( path, vertex ) + RF_DIMENSION_SCATTER, wi, s );
-    rf_draw_lanes( wavefront, v->count, v->slot, dimension_of( path, vertex ) + RF_DIMENSION_ROULETTE, 1, s->random );
-    int kept = 0;
-    for ( int i = 0; i < v->count; ++i )
-    {
-        float direction[3] = { s->wi[0][i], s->wi[1][i], s->wi[2][i] };
-        float side = rf_leaving_side( v, i, direction );
-        RfVec3 t = rf_mul( rf_throughput_of( chains, v->slot[i] ), rf_vec3( s->f[0][i], s->f[1][i], s->f[2][i] ) );
-        float survival = vertex < ROULETTE_AFTER ? 1.0f : rf_minf( rf_max_component( t ), 1.0f );
-        if ( side == 0.0f || !( rf_max_component( t ) > 0.0f ) || s->random[0][i] >= survival )
-            continue;
-        chains->reflected[v->slot[i]] = side > 0.0f;
-        write_ray( v, i, s, side, rf_scale( t, 1.0f / survival ), rays, kept++ );
-    }
-    rays->count = kept;
-}
-
-// Flat mirrors show what one reflection sees, and the light that split reflections see is counted.
+// What is behind a pane is seen straight, flat mirrors show what one reflection sees, and the light that split reflections see is counted.
 static void note_events( int vertex, RfWavefront* wavefront, RfChains* chains )
 {
     const RfRayLanes* rays = &wavefront->rays;
@@ -125,8 +37,12 @@ static void note_events( int vertex, RfWavefront* wavefront, RfChains* chains )
     {
         int slot = rays->slot[r];
         bool first_reflection = vertex == 1 && chains->reflected[slot];
+        bool passed = vertex == 1 && chains->pane[slot] && !chains->reflected[slot];
+        chains->straight[slot] |= passed;
         chains->split[slot] = chains->split[slot] && first_reflection;
-        if ( !first_reflection || rays->pdf_solid_angle[r] < RF_DELTA_PDF )
+        if ( passed )
+            chains->view[slot] = RF_VIEW_DIRECT;
+        else if ( !first_reflection || rays->pdf_solid_angle[r] < RF_DELTA_PDF )
             chains->view[slot] = RF_VIEW_CHAIN;
     }
 }
@@ -151,16 +67,23 @@ static void drop_split_light( const RfChains* chains, RfWavefront* wavefront )
     }
 }
 
+// True if max_depth leaves no vertex after the chain's `vertex`.
+static bool is_last( const RfPathSettings* path, const RfChains* chains, int slot, int vertex )
+{
+    return vertex - chains->straight[slot] >= path->max_depth;
+}
+
 // Adds the light that the rays hit. What only the chain can find stays with the vertex if the chain ends there, so
 // that it is reused with it.
-static void add_emission( const RfPathSettings* path, const float* pane_probability, bool last, RfWavefront* wavefront )
+static void add_emission( const RfPathSettings* path, const float* pane_probability, int vertex, RfWavefront* wavefront,
+                          const RfChains* chains )
 {
     RfVertexLanes* found = &wavefront->vertices;
     const RfRayLanes* rays = &wavefront->rays;
     bool kept[RF_LANES];
     for ( int i = 0; i < rf_record_count( found ); ++i )
     {
-        kept[i] = !last && rays->pdf_solid_angle[found->ray[i]] >= RF_DELTA_PDF;
+        kept[i] = !is_last( path, chains, found->slot[i], vertex + 1 ) && rays->pdf_solid_angle[found->ray[i]] >= RF_DELTA_PDF;
         found->light_pdf_solid_angle[i] = kept[i] ? 0.0f : found->light_pdf_solid_angle[i];
     }
     rf_add_emission_hits( path, rays, found, wavefront->scratch.triangle, pane_probability, false, &wavefront->arrivals );
@@ -176,29 +99,49 @@ static void note_panes( const RfRayLanes* rays, const float* pane_probability, R
 {
     for ( int r = 0; r < rays->count; ++r )
     {
-        if ( pane_probability[r] < 1.0f )
+        if ( pane_probability[r] < 1.0f && chains->view[rays->slot[r]] != RF_VIEW_DIRECT )
             chains->view[rays->slot[r]] = RF_VIEW_CHAIN;
     }
 }
 
+// True where an eye in front of the pane would draw the base or the lobe of a coat.
+static bool is_coat_behind_pane( const RfChains* chains, int slot, const RfVertexLanes* found, int kind, int i )
+{
+    return chains->view[slot] == RF_VIEW_DIRECT && kind == RF_BSDF_GGX && rf_is_smooth_coat( found, i );
+}
+
 // Notes the chains that have reached an evaluable vertex, and the throughputs of all.
-static void note_ends( const RfVertexLanes* found, const RfRayLanes* rays, int length, bool last, RfChains* chains )
+static void note_ends( const RfPathSettings* path, const RfVertexLanes* found, const RfRayLanes* rays, int vertex,
+                       RfChains* chains )
 {
     RfVertexLanes* ends = &chains->ends;
     for ( int r = 0; r < rays->count; ++r )
         rf_set_throughput( chains, rays->slot[r],
                            rf_vec3( rays->throughput[0][r], rays->throughput[1][r], rays->throughput[2][r] ) );
-    for ( int kind = 0; kind < RF_BSDF_FIRST_UNEVALUABLE && !last; ++kind )
+    for ( int kind = 0; kind < RF_BSDF_FIRST_UNEVALUABLE; ++kind )
     {
-        int begin = found->first[kind], count = found->first[kind + 1] - begin;
-        rf_copy_vertices( found, begin, count, rf_bsdf_model( (RfBsdfKind)kind )->params, ends, ends->count );
-        for ( int i = 0; i < count; ++i )
+        for ( int i = found->first[kind]; i < found->first[kind + 1]; ++i )
         {
-            int end = ends->count + i, slot = ends->slot[end];
-            chains->kind[end] = (uint8_t)kind;
-            chains->length[slot] = length;
+            int slot = found->slot[i];
+            if ( is_last( path, chains, slot, vertex + 1 ) )
+                continue;
+            if ( is_coat_behind_pane( chains, slot, found, kind, i ) )
+                chains->view[slot] = RF_VIEW_CHAIN;
+            chains->kind[ends->count] = (uint8_t)kind;
+            chains->length[slot] = vertex - chains->straight[slot];
+            rf_copy_vertices( found, i, 1, rf_bsdf_model( (RfBsdfKind)kind )->params, ends, ends->count++ );
         }
-        ends->count += count;
+    }
+}
+
+// Ends the chains that have no vertex left.
+static void end_last( const RfPathSettings* path, int vertex, RfChains* chains )
+{
+    for ( int i = 0; i < chains->at.count; ++i )
+    {
+        int slot = chains->at.slot[i];
+        if ( is_last( path, chains, slot, vertex ) )
+            rf_set_throughput( chains, slot, rf_vec3( 0, 0, 0 ) );
     }
 }
 
@@ -248,9 +191,10 @@ void rf_follow_chains( const RfPathSettings* path, const RfVertexLanes* first, c
                        RfWavefront* wavefront, RfChains* chains )
 {
     rf_start_chains( path, first, camera_rays, lit, wavefront, chains );
-    for ( int vertex = 1; vertex < path->max_depth && chains->at.count > 0; ++vertex )
+    int end = path->max_depth == 1 ? 1 : path->max_depth + rf_tracer_has_panes( path->tracer );
+    for ( int vertex = 1; vertex < end && chains->at.count > 0; ++vertex )
     {
-        bool last = vertex + 1 == path->max_depth;
+        end_last( path, vertex, chains );
         if ( lit )
             light_chains( path, vertex, wavefront, chains );
         rf_scatter_chains( path, vertex, &chains->at, wavefront, chains );
@@ -265,8 +209,8 @@ void rf_follow_chains( const RfPathSettings* path, const RfVertexLanes* first, c
         rf_absorb( &wavefront->vertices, &wavefront->rays );
         if ( vertex == 1 )
             drop_split_light( chains, wavefront );
-        add_emission( path, pane_probability, last, wavefront );
-        note_ends( &wavefront->vertices, &wavefront->rays, vertex, last, chains );
+        add_emission( path, pane_probability, vertex, wavefront, chains );
+        note_ends( path, &wavefront->vertices, &wavefront->rays, vertex, chains );
         rf_go_to( &wavefront->vertices, &chains->at );
     }
     memcpy( chains->light, wavefront->arrivals.rest, sizeof chains->light );

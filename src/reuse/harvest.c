@@ -9,7 +9,7 @@ RfBatchShape rf_batch_shape( const RfEstimatorGroup* group )
     const RfRenderSettings* settings = group->settings;
     bool unevaluable = ( group->traits.kinds & ~0u << RF_BSDF_FIRST_UNEVALUABLE ) != 0;
     int tile_pixels = rf_tile_pixels( &settings->tile );
-    bool grouped = settings->group != 0 && ( group->traits.mirrors || group->traits.smooth );
+    bool grouped = settings->group != 0 && ( group->traits.mirrors || group->traits.smooth || group->traits.panes );
     bool chains =
         ( unevaluable || group->traits.smooth ) && settings->weights == RF_WEIGHTS_EXACT && ( tile_pixels > 1 || grouped );
     return ( RfBatchShape ){
@@ -123,61 +123,6 @@ static void make_camera_rays( const RfEye* eye, int count, const int32_t* pixel,
     rays->count = count;
 }
 
-// Lists unevaluable hits and chains without a hit behind the rays that missed.
-static void note_own_frame( const RfVertexLanes* first, const uint8_t* recorded, RfHarvestScratch* scratch, RfHitBatch* batch )
-{
-    for ( int i = rf_record_count( first ); i < first->count; ++i )
-    {
-        int slot = first->slot[i];
-        if ( recorded[slot] )
-            continue;
-        rf_miss_pixel( batch )[batch->miss_count] = scratch->pixel[slot];
-        scratch->miss_slot[batch->miss_count++] = slot;
-    }
-}
-
-// Lists the pixels whose chain brought light and has a hit, too.
-static void note_glints( const RfHarvestScratch* scratch, RfHitBatch* batch, int32_t* glint_slot )
-{
-    const RfChains* chains = scratch->chains;
-    for ( int i = 0; i < batch->count; ++i )
-    {
-        int slot = scratch->hits->slot[i];
-        if ( chains->light[0][slot] + chains->light[1][slot] + chains->light[2][slot] == 0.0f )
-            continue;
-        rf_glint_pixel( batch )[batch->glint_count] = scratch->pixel[slot];
-        glint_slot[batch->glint_count++] = slot;
-    }
-}
-
-// Hits keep the pixel they were drawn in. Rays that hit nothing are misses; what has no record is listed behind these.
-static void note_pixels( int count, RfHarvestScratch* scratch, RfHitBatch* batch )
-{
-    uint8_t hit[RF_LANES], recorded[RF_LANES];
-    memset( hit, 0, (size_t)count );
-    memset( recorded, 0, (size_t)count );
-    for ( int i = 0; i < scratch->first.count; ++i )
-        hit[scratch->first.slot[i]] = 1;
-    for ( int i = 0; i < batch->count; ++i )
-    {
-        int slot = scratch->hits->slot[i];
-        recorded[slot] = 1;
-        batch->pixel[i] = scratch->pixel[slot];
-    }
-    int32_t* miss_pixel = rf_miss_pixel( batch );
-    batch->miss_count = batch->glint_count = 0;
-    for ( int slot = 0; slot < count; ++slot )
-    {
-        miss_pixel[batch->miss_count] = scratch->pixel[slot];
-        scratch->miss_slot[batch->miss_count] = slot;
-        batch->miss_count += !hit[slot];
-    }
-    scratch->ray_miss_count = batch->miss_count;
-    note_own_frame( &scratch->first, recorded, scratch, batch );
-    if ( scratch->hits != &scratch->first )
-        note_glints( scratch, batch, scratch->glint_slot );
-}
-
 static void sample_direct( const RfHarvest* harvest, RfHarvestScratch* scratch, RfRayCounts* rays )
 {
     int k = harvest->path.light_samples;
@@ -186,6 +131,19 @@ static void sample_direct( const RfHarvest* harvest, RfHarvestScratch* scratch, 
         rays->shadow +=
             (uint64_t)rf_sample_lights( &harvest->path, &scratch->wavefront, scratch->hits, dimension + 3u * (uint32_t)j,
                                         scratch->direct + j, &scratch->wavefront.scratch );
+}
+
+// Panes that camera rays pass do not count in max_depth.
+static void note_passed_panes( const RfHarvest* harvest, RfHarvestScratch* scratch, float* const wi[3] )
+{
+    const RfVertexLanes* v = &scratch->first;
+    memset( scratch->spent, 0, sizeof scratch->spent );
+    for ( int i = rf_record_count( v ); i < v->count; ++i )
+    {
+        float cos_g = v->ng[0][i] * wi[0][i] + v->ng[1][i] * wi[1][i] + v->ng[2][i] * wi[2][i];
+        scratch->spent[v->slot[i]] = cos_g < 0.0f && rf_starts_at_pane( harvest->path.tracer, v, i ) ? -1 : 0;
+    }
+    scratch->wavefront.spent = scratch->spent;
 }
 
 // Samples scattered directions and traces the rest of the paths.
@@ -198,6 +156,8 @@ static void trace_tails( const RfHarvest* harvest, RfHarvestScratch* scratch, Rf
     int unevaluable = v->count - rf_record_count( v );
     if ( unevaluable > 0 )
         memcpy( scratch->unevaluable_pdf, wavefront->scratch.pdf + rf_record_count( v ), (size_t)unevaluable * sizeof( float ) );
+    if ( unevaluable > 0 && rf_tracer_has_panes( harvest->path.tracer ) )
+        note_passed_panes( harvest, scratch, wi );
     if ( scratch->tiles != NULL )
     {
         RfTileReuseSettings settings = { &harvest->path, harvest->shape.tile_pixels, harvest->tile_roulette };
@@ -205,33 +165,6 @@ static void trace_tails( const RfHarvest* harvest, RfHarvestScratch* scratch, Rf
     }
     else
         rf_trace_tails( &harvest->path, wavefront, 2 );
-}
-
-static void copy_hits( const RfVertexLanes* v, RfHitBatch* batch )
-{
-    batch->count = rf_record_count( v );
-    for ( int k = 0; k <= RF_BSDF_KIND_COUNT; ++k )
-        batch->first[k] = v->first[k] < batch->count ? v->first[k] : batch->count;
-    size_t bytes = (size_t)batch->count * sizeof( float );
-    for ( int c = 0; c < 3; ++c )
-    {
-        memcpy( batch->p[c], v->p[c], bytes );
-        memcpy( batch->ng[c], v->ng[c], bytes );
-    }
-    int first = v->first[RF_BSDF_FIRST_GLOSSY];
-    bytes = (size_t)( batch->count - first ) * sizeof( float );
-    if ( bytes == 0 )
-        return;
-    for ( int c = 0; c < 3; ++c )
-    {
-        memcpy( batch->n[c], v->n[c] + first, bytes );
-        memcpy( batch->wo[c], v->wo[c] + first, bytes );
-    }
-    for ( int p = 0; p < RF_PARAM_COUNT; ++p )
-    {
-        if ( batch->param[p] != NULL )
-            memcpy( batch->param[p], v->param[p] + first, bytes );
-    }
 }
 
 // Follows the camera rays that hit mirrors and glass, if there are any.
@@ -248,14 +181,6 @@ static void follow_chains( const RfHarvest* harvest, RfHarvestScratch* scratch )
     wavefront->spent = scratch->chains->length;
     if ( scratch->tiles != NULL )
         rf_split_tiles( scratch->chains, scratch->tiles );
-}
-
-static void copy_views( const RfHarvestScratch* scratch, RfHitBatch* batch )
-{
-    if ( batch->view == NULL )
-        return;
-    for ( int i = 0; i < batch->count; ++i )
-        batch->view[i] = scratch->hits == &scratch->first ? RF_VIEW_DIRECT : scratch->chains->view[scratch->hits->slot[i]];
 }
 
 int rf_harvest_first_hits( const RfHarvest* harvest, RfTraceJob job, RfHitBatch* batch, RfHarvestScratch* scratch,
@@ -285,9 +210,7 @@ int rf_harvest_first_hits( const RfHarvest* harvest, RfTraceJob job, RfHitBatch*
     rf_find_vertices( &harvest->path, &scratch->camera_rays, true, &scratch->first, &wavefront->scratch );
     rays->primary += (uint64_t)count;
     follow_chains( harvest, scratch );
-    copy_hits( scratch->hits, batch );
-    copy_views( scratch, batch );
-    note_pixels( count, scratch, batch );
+    rf_list_hits( count, scratch, batch );
     return count;
 }
 

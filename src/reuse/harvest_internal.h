@@ -29,6 +29,7 @@ struct RfHarvestScratch
     int ray_miss_count;                   // of the former
     int32_t glint_slot[RF_LANES];
     RF_ALIGN float scattered[3][RF_LANES];    // direction drawn at each hit
+    int32_t spent[RF_LANES];                  // without chains: −1 for paths that begin by passing a pane
     RF_ALIGN float unevaluable_pdf[RF_LANES]; // of the direction drawn at unevaluable hits, from 0
     RF_ALIGN float wo[3][RF_LANES];
     RfArrivalLanes arrival;
@@ -47,6 +48,9 @@ int rf_choose_needy( const RfHarvest* harvest, uint64_t key, int count, int tile
 // The same for all rounds at once: tiles are listed as often as they are wanted, each time as a tile of its own;
 // copy[] tells which time it is. Of wavefronts full of these it lists number harvest->round.
 int rf_pack_needy( const RfHarvest* harvest, uint64_t key, int count, int* tiles, RfHarvestScratch* scratch, int32_t* copy );
+
+// Fills the batch with the hits, misses and glints of `count` camera rays, without their light.
+void rf_list_hits( int count, RfHarvestScratch* scratch, RfHitBatch* batch );
 
 // Visibility and densities from every eye: batch->seen, rows and density_sum,
 // and scratch->density.

@@ -58,8 +58,10 @@ static RfHitBatch lay_out( const RfBatchShape* shape, Layout* layout )
     size_t listed = shape->chains ? 2 * RF_LANES : RF_LANES; // a hit may have a glint as well
     batch.radiance = take( layout, 4 * listed * sizeof( float ) );
     batch.seen = take( layout, (size_t)rf_seen_words( shape->eyes ) * RF_LANES * sizeof( uint32_t ) );
-    if ( shape->blended )
+    if ( rf_is_partial( shape ) )
         batch.densities = take( layout, (size_t)shape->eyes * RF_LANES * sizeof( float ) );
+    for ( int c = 0; c < 3 && shape->panes && shape->chains; ++c )
+        batch.panes[c] = take( layout, (size_t)shape->eyes * RF_LANES * sizeof( float ) );
     batch.pixel = take( layout, listed * sizeof( int32_t ) );
     if ( shape->chains )
         batch.view = take( layout, RF_LANES );

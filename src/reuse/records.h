@@ -34,7 +34,8 @@ typedef struct RfHitBatch
     float* density_sum; // Σ_l J_l V_l over the eyes of the group
     float* radiance;    // 4 per hit: r g b 1. Diffuse: towards any eye; glossy: emission only
     uint32_t* seen;     // visibility: word w of hit i is seen[w·RF_LANES + i], bit l%32 of word l/32 for eye l
-    float* densities;   // J_l V_l of eye l and hit i at l·RF_LANES + i; NULL unless the shape is blended
+    float* densities;   // J_l V_l of eye l and hit i at l·RF_LANES + i; NULL unless V may be between 0 and 1
+    float* panes[3];    // κ of the panes on the straight way to eye l, in the same places; NULL without panes
     int32_t* pixel;     // y·width + x in its own frame
     uint8_t* view;      // how the hit was found, RF_VIEW_...; NULL unless the shape has chains
     int32_t* rows;      // 2 per eye: first and last row of its film that hits land in; first > last: none
@@ -54,7 +55,7 @@ typedef struct RfBatchShape
     uint32_t params;   // of the glossy models in the scene (rf_glossy_params); 0: it has none
     bool eq15;
     bool blended;         // visibility may be between 0 and 1
-    bool panes;           // connections may pass thin panes
+    bool panes;           // connections and, with chains, the eyes' rays may pass thin panes
     bool own_frame_light; // misses may be lit: the scene has a sky or unevaluable materials
     bool chains;          // camera rays go on through mirrors and glass
 } RfBatchShape;
@@ -78,6 +79,9 @@ static inline float* rf_glint_radiance( const RfHitBatch* batch )
 {
     return rf_miss_radiance( batch ) + 4 * (size_t)batch->miss_count;
 }
+
+// True if V may be between 0 and 1.
+static inline bool rf_is_partial( const RfBatchShape* shape ) { return shape->blended || ( shape->panes && shape->chains ); }
 
 static inline int rf_direction_count( const RfBatchShape* shape ) { return shape->light_samples + shape->tile_pixels; }
 static inline int rf_seen_words( int eyes ) { return ( eyes + 31 ) / 32; }

@@ -165,8 +165,12 @@ static void pass_batch( Stream* s, const RfBatchShape* shape, RfHitBatch* batch 
     pass_colours( s, count + ( shape->own_frame_light ? batch->miss_count : 0 ), 1.0f, batch->radiance );
     pass_colours( s, batch->glint_count, 0.0f, rf_glint_radiance( batch ) );
     pass_seen( s, shape->eyes, count, batch->seen );
-    for ( int l = 0; l < shape->eyes && shape->blended; ++l )
+    for ( int l = 0; l < shape->eyes && rf_is_partial( shape ); ++l )
         pass_lanes( s, count, batch->densities + (size_t)l * RF_LANES );
+    for ( int l = 0; l < shape->eyes && shape->panes && shape->chains; ++l )
+        pass_lanes3( s, count,
+                     ( float* [3] ){ batch->panes[0] + (size_t)l * RF_LANES, batch->panes[1] + (size_t)l * RF_LANES,
+                                     batch->panes[2] + (size_t)l * RF_LANES } );
     pass_pixels( s, count + batch->miss_count + batch->glint_count, batch->pixel );
     if ( shape->chains )
         pass( s, batch->view, (size_t)count );

@@ -228,6 +228,21 @@ void rf_gather_tile_light( const RfTileReuse* reuse, int pairing, const RfVertex
     }
 }
 
+// The sum of a pairing whose light comes through panes.
+static void sum_behind_panes( const RfPairingLanes* t, float pane_weight[3][RF_LANES], const RfPairingLanes* own, int diffuse,
+                              int count, float sum[3][RF_LANES] )
+{
+    for ( int i = 0; i < count; ++i )
+    {
+        if ( t->weight[i] == 0.0f )
+            continue;
+        int a = t->vertex[i];
+        const RfPairingLanes* from = a < diffuse ? own : t;
+        for ( int c = 0; c < 3; ++c )
+            sum[c][i] += t->weight[i] * pane_weight[c][i] * from->light[c][a];
+    }
+}
+
 void rf_gather_diffuse_tile_light( const RfTileReuse* reuse, int pairings, int count, float sum[3][RF_LANES] )
 {
     int diffuse = reuse->second.first[RF_BSDF_FIRST_GLOSSY];
@@ -237,18 +252,19 @@ void rf_gather_diffuse_tile_light( const RfTileReuse* reuse, int pairings, int c
     for ( int s = 1; s < pairings; ++s )
     {
         const RfPairingLanes* t = reuse->pairings + s;
-        float( *pane_weight )[RF_LANES] = reuse->pane_weight != NULL ? reuse->pane_weight[s] : NULL;
+        if ( reuse->pane_weight != NULL )
+        {
+            sum_behind_panes( t, reuse->pane_weight[s], own, diffuse, count, sum );
+            continue;
+        }
         for ( int i = 0; i < count; ++i )
         {
             if ( t->weight[i] == 0.0f )
                 continue;
             int a = t->vertex[i];
             const RfPairingLanes* from = a < diffuse ? own : t;
-            float weight[3] = { t->weight[i], t->weight[i], t->weight[i] };
-            for ( int c = 0; c < 3 && pane_weight != NULL; ++c )
-                weight[c] *= pane_weight[c][i];
             for ( int c = 0; c < 3; ++c )
-                sum[c][i] += weight[c] * from->light[c][a];
+                sum[c][i] += t->weight[i] * from->light[c][a];
         }
     }
 }

@@ -55,7 +55,7 @@ typedef struct RfTileReuse
     RfArrivals arrivals_at_second;       // by slot: along wi at the second vertices
     RfLightLanes* direct;                // light samples at the second vertices, K of them
     RfPairingLanes* pairings;            // one per pixel of a tile
-    float ( *pane_weight )[3][RF_LANES]; // by pairing from 1 on and hit: κ of the panes between (section 11); NULL: no panes
+    float ( *pane_weight )[3][RF_LANES]; // by pairing and hit: κ of the panes between (section 11); NULL: no panes
 } RfTileReuse;
 
 typedef struct RfTileReuseSettings

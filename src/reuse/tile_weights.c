@@ -4,6 +4,7 @@
 
 #include "reuse/tile.h"
 
+#include <stddef.h>
 #include <string.h>
 
 // Directions of a pairing, and ρ without density and visibility; 0 where hit and
@@ -56,7 +57,7 @@ typedef struct Queue
     int count;
     uint64_t tested;
     float* weight[RF_PATCH_PIXELS];
-    float* pane_weight[RF_PATCH_PIXELS]; // where κ of the segment goes, channels RF_LANES apart; NULL: nowhere
+    RfTileReuse* reuse; // whose weights they are
 } Queue;
 
 // Connections through panes: they have a part of the density, q, and carry light times κ.
@@ -68,8 +69,10 @@ static void test_past_panes( Queue* q, const float* const o[3], const float* con
     for ( int k = 0; k < q->count; ++k )
     {
         s->visible[k] *= panes.probability[k];
-        for ( int c = 0; c < 3 && q->pane_weight[k] != NULL; ++c )
-            q->pane_weight[k][c * RF_LANES] = panes.weight[c][k];
+        size_t pairing = (size_t)( (char*)q->weight[k] - (char*)q->reuse->pairings ) / sizeof( RfPairingLanes );
+        ptrdiff_t hit = q->weight[k] - q->reuse->pairings[pairing].weight;
+        for ( int c = 0; c < 3; ++c )
+            q->reuse->pane_weight[pairing][c][hit] = panes.weight[c][k];
     }
 }
 
@@ -108,7 +111,7 @@ static void lift_hits( const RfVertexLanes* x, RfTileReuse* reuse )
 }
 
 // Queues the segment from a point to a hit, unless its weight is 0.
-static inline void queue_segment( Queue* q, const RfTileReuse* reuse, RfVec3 from, int hit, float* weight, float* pane_weight )
+static inline void queue_segment( Queue* q, const RfTileReuse* reuse, RfVec3 from, int hit, float* weight )
 {
     RfLaneScratch* s = q->scratch;
     int k = q->count;
@@ -119,7 +122,6 @@ static inline void queue_segment( Queue* q, const RfTileReuse* reuse, RfVec3 fro
     s->d[1][k] = reuse->lifted[1][hit] - from.y;
     s->d[2][k] = reuse->lifted[2][hit] - from.z;
     q->weight[k] = weight;
-    q->pane_weight[k] = pane_weight;
     q->count += *weight != 0.0f;
     if ( q->count == RF_PATCH_PIXELS )
         test_segments( q );
@@ -137,7 +139,7 @@ static void test_own_paths( Queue* q, int hits, RfTileReuse* reuse )
     {
         int i = reuse->owner[a];
         if ( i >= 0 )
-            queue_segment( q, reuse, lifted( &reuse->second, a ), i, weight + i, NULL );
+            queue_segment( q, reuse, lifted( &reuse->second, a ), i, weight + i );
     }
     test_segments( q );
     for ( int i = 0; i < hits; ++i )
@@ -179,7 +181,7 @@ static float largest( const Pairs* p )
 static void queue_pair( Queue* q, const RfTileReuse* reuse, const Pairs* p, RfVec3 from, int k, int own )
 {
     if ( k != own )
-        queue_segment( q, reuse, from, p->hit[k], p->weight[k], NULL );
+        queue_segment( q, reuse, from, p->hit[k], p->weight[k] );
 }
 
 // Weights of excluded pairs become negative, or 0 where the roulette kills them.
@@ -228,9 +230,8 @@ static void queue_all( Queue* q, RfTileReuse* reuse, int a )
     const int32_t* member = reuse->member + reuse->begin[own];
     for ( int k = 0, s = reuse->rank[own]; k<size; ++k, s = s> 0 ? s - 1 : size - 1 )
     {
-        float* pane_weight = reuse->pane_weight != NULL ? reuse->pane_weight[s][0] + member[k] : NULL;
         if ( s > 0 )
-            queue_segment( q, reuse, from, member[k], reuse->pairings[s].weight + member[k], pane_weight );
+            queue_segment( q, reuse, from, member[k], reuse->pairings[s].weight + member[k] );
     }
 }
 
@@ -240,7 +241,7 @@ static void queue_all( Queue* q, RfTileReuse* reuse, int a )
 static uint64_t test_connections( const RfTileReuseSettings* settings, const RfVertexLanes* x, RfWavefront* wavefront,
                                   RfTileReuse* reuse )
 {
-    Queue q = { .tracer = settings->path->tracer, .scratch = &wavefront->scratch };
+    Queue q = { .tracer = settings->path->tracer, .scratch = &wavefront->scratch, .reuse = reuse };
     const RfVertexLanes* y = &reuse->second;
     bool in_part = rf_tracer_is_blended( q.tracer ) || rf_tracer_has_panes( q.tracer );
     int cut_off_count = settings->roulette && !in_part ? y->first[RF_BSDF_FIRST_GLOSSY] : 0;

@@ -49,6 +49,47 @@ static void note_seen( const float* restrict density, const int32_t* restrict pi
     batch->rows[2 * eye + 1] = high < 0 ? -1 : high / width;
 }
 
+// Tests the straight ways to hits with density > 0. What eyes see behind thin panes is reused, but for coats: these are
+// split where an eye sees them without a pane before them.
+static int see_straight( const RfHarvest* harvest, int eye, const RfHitBatch* batch, const float* const lifted[3],
+                         float* density )
+{
+    const RfTracer* tracer = harvest->path.tracer;
+    RfVec3 origin = rf_pinhole_origin( harvest->eyes + eye );
+    if ( batch->panes[0] == NULL )
+        return rf_trace_from_origin( tracer, origin, batch->count, lifted, density );
+    float past[RF_LANES], probability[RF_LANES];
+    size_t at = (size_t)eye * RF_LANES;
+    RfPaneLanes panes = { probability, { batch->panes[0] + at, batch->panes[1] + at, batch->panes[2] + at } };
+    bool pass = harvest->path.max_depth > 1;
+    for ( int i = 0; i < batch->count; ++i )
+    {
+        past[i] = pass && batch->view[i] == RF_VIEW_DIRECT ? density[i] : 0.0f;
+        density[i] = past[i] > 0.0f ? 0.0f : density[i];
+        probability[i] = panes.weight[0][i] = panes.weight[1][i] = panes.weight[2][i] = 1.0f;
+    }
+    int rays = rf_trace_from_origin( tracer, origin, batch->count, lifted, density );
+    rays += rf_trace_from_origin_past_panes( tracer, origin, batch->count, lifted, past, &panes );
+    for ( int i = 0; i < batch->count; ++i )
+        density[i] = past[i] > 0.0f ? past[i] * probability[i] : density[i];
+    return rays;
+}
+
+// Tests the hits with density > 0, on the straight way or by the mirror in which they were found.
+static int see( const RfHarvest* harvest, int eye, const RfHitBatch* batch, const float* const lifted[3], float* density )
+{
+    if ( batch->view == NULL )
+        return see_straight( harvest, eye, batch, lifted, density );
+    float straight[RF_LANES];
+    for ( int i = 0; i < batch->count; ++i )
+        straight[i] = rf_is_straight( batch->view[i] ) ? density[i] : 0.0f;
+    int rays = see_straight( harvest, eye, batch, lifted, straight );
+    rays += rf_see_mirrored( harvest->path.tracer, harvest->eyes + eye, batch, lifted, density );
+    for ( int i = 0; i < batch->count; ++i )
+        density[i] = rf_is_straight( batch->view[i] ) ? straight[i] : density[i];
+    return rays;
+}
+
 // A hit's own eye sees it in the pixel it was drawn in, whatever rounding does to its
 // projection.
 static void see_from_own_eye( const RfHarvest* harvest, const RfHitBatch* batch, const float* const lifted[3], int32_t* pixel,
@@ -59,36 +100,13 @@ static void see_from_own_eye( const RfHarvest* harvest, const RfHitBatch* batch,
     memcpy( pixel, batch->pixel, (size_t)batch->count * sizeof *pixel );
     if ( batch->densities == NULL )
         return;
-    float found[RF_LANES]; // by a chain: not on the straight way
-    for ( int i = 0; i < batch->count && batch->view != NULL; ++i )
-    {
-        found[i] = density[i];
-        density[i] = rf_is_straight( batch->view[i] ) ? density[i] : 0.0f;
-    }
     // transmittance is never 0: the camera ray did get through
     float least[RF_LANES];
     for ( int i = 0; i < batch->count; ++i )
         least[i] = 1e-12f * density[i];
-    rays->eye += (uint64_t)rf_trace_from_origin( harvest->path.tracer, rf_pinhole_origin( eye ), batch->count, lifted, density );
+    rays->eye += (uint64_t)see( harvest, batch->eye, batch, lifted, density );
     for ( int i = 0; i < batch->count; ++i )
         density[i] = density[i] > least[i] ? density[i] : least[i];
-    for ( int i = 0; i < batch->count && batch->view != NULL; ++i )
-        density[i] = rf_is_straight( batch->view[i] ) ? density[i] : found[i];
-}
-
-// Tests the hits with density > 0, on the straight way or by the mirror in which they were found.
-static int see( const RfTracer* tracer, const RfEye* eye, const RfHitBatch* batch, const float* const lifted[3], float* density )
-{
-    if ( batch->view == NULL )
-        return rf_trace_from_origin( tracer, rf_pinhole_origin( eye ), batch->count, lifted, density );
-    float straight[RF_LANES];
-    for ( int i = 0; i < batch->count; ++i )
-        straight[i] = rf_is_straight( batch->view[i] ) ? density[i] : 0.0f;
-    int rays = rf_trace_from_origin( tracer, rf_pinhole_origin( eye ), batch->count, lifted, straight );
-    rays += rf_see_mirrored( tracer, eye, batch, lifted, density );
-    for ( int i = 0; i < batch->count; ++i )
-        density[i] = rf_is_straight( batch->view[i] ) ? straight[i] : density[i];
-    return rays;
 }
 
 void rf_test_batch_visibility( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch, RfRayCounts* rays )
@@ -107,7 +125,7 @@ void rf_test_batch_visibility( const RfHarvest* harvest, RfHitBatch* batch, RfHa
         else
         {
             rf_project_batch( rf_tracer_mirrors( harvest->path.tracer ), eye, batch, scratch->landed_pixel, density, NULL );
-            rays->eye += (uint64_t)see( harvest->path.tracer, eye, batch, lifted, density );
+            rays->eye += (uint64_t)see( harvest, l, batch, lifted, density );
         }
         if ( batch->densities != NULL )
             memcpy( batch->densities + (size_t)l * RF_LANES, density, (size_t)batch->count * sizeof *density );

@@ -42,6 +42,10 @@ bool rf_look_up_slot( const RfScene* scene, const RfMaterial* m, RfTextureSlot s
     return true;
 }
 
+// fmin and fmax are calls, for the sake of NaN.
+static inline double lesser( double a, double b ) { return a < b ? a : b; }
+static inline double greater( double a, double b ) { return a > b ? a : b; }
+
 static double unit( double x ) { return x > 0.0 ? ( x < 1.0 ? x : 1.0 ) : 0.0; }
 
 void rf_derive_lobes( const RfFactors* in, RfMaterial* out )
@@ -52,8 +56,8 @@ void rf_derive_lobes( const RfFactors* in, RfMaterial* out )
     for ( int i = 0; i < 3; ++i )
     {
         // the Fresnel reflectance of the dielectric reduces the diffuse base
-        double dielectric = fmin( root * root * in->specular_color[i], 1.0 ) * in->specular;
-        coat = fmax( coat, dielectric );
+        double dielectric = lesser( root * root * in->specular_color[i], 1.0 ) * in->specular;
+        coat = greater( coat, dielectric );
         diffuse[i] = ( 1.0 - m ) * in->base[i];
         f0[i] = ( 1.0 - m ) * dielectric + m * in->base[i];
     }
@@ -62,7 +66,7 @@ void rf_derive_lobes( const RfFactors* in, RfMaterial* out )
     out->f90 = (float)( ( 1.0 - m ) * in->specular + m );
     out->coat_f0 = (float)coat;
     out->coat_f90 = (float)in->specular;
-    out->alpha = fmaxf( (float)( in->roughness * in->roughness ), RF_MIN_ALPHA );
+    out->alpha = rf_maxf( (float)( in->roughness * in->roughness ), RF_MIN_ALPHA );
 }
 
 static void base_at( const RfScene* scene, const RfMaterial* m, uint32_t triangle, float u, float v, double base[4] )
@@ -124,7 +128,7 @@ void rf_derive_glass( const RfFactors* f, double transmission, RfMaterial* out )
 void rf_derive_clearcoat( double clearcoat, double roughness, RfMaterial* out )
 {
     out->clearcoat = (float)clearcoat;
-    out->clearcoat_alpha = fmaxf( (float)( roughness * roughness ), RF_MIN_ALPHA );
+    out->clearcoat_alpha = rf_maxf( (float)( roughness * roughness ), RF_MIN_ALPHA );
 }
 
 static void glass_at( const RfScene* scene, const RfMaterial* m, const RfFactors* f, uint32_t triangle, float u, float v,

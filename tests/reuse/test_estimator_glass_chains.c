@@ -26,7 +26,7 @@ static void test_balls_of_glass_are_unbiased( void** state )
     (void)state;
     check_room( "glass ball", GLASS_BALL, 6 );
     check_room( "absorbing ball", ABSORBING_BALL, 6 );
-    check_room( "glass ball, depth 3", GLASS_BALL, 3 );
+    check_room( "glass ball, depth 4", GLASS_BALL, 4 );
 }
 
 static void test_extra_samples_and_roulette_are_unbiased( void** state )

@@ -2,16 +2,24 @@
 """The sums of scripts/bench-*, against figures whose answer is known."""
 import importlib.machinery
 import importlib.util
+import json
 import math
 import os
+import random
 import statistics
+import subprocess
 import sys
+import tempfile
 import unittest
 
+BUILD = sys.argv.pop(1) if len(sys.argv) > 1 and os.path.isdir(sys.argv[1]) else None
 SCRIPTS = os.path.join(os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)))), "scripts")
 sys.dont_write_bytecode = True
 sys.path.insert(0, SCRIPTS)
 import benchlib  # noqa: E402
+import errorlib  # noqa: E402
+import materiallib  # noqa: E402
+import picturelib  # noqa: E402
 
 
 def load(name):
@@ -21,7 +29,7 @@ def load(name):
     return module
 
 
-flicker, memory, paper, tune = load("bench-flicker"), load("bench-memory"), load("bench-paper"), load("check-tune")
+flicker, memory, mirrors, paper, tune = (load(name) for name in ("bench-flicker", "bench-memory", "bench-mirrors", "bench-paper", "check-tune"))
 
 
 class FakeJob:
@@ -135,6 +143,133 @@ class Flicker(unittest.TestCase):
         self.assertAlmostEqual(flicker.ends(mine, first), 0.9)
         inside = row("3:1", 1.0, 1.0, 1.0, pairs_of(48, content, lambda frame: 0.1))
         self.assertIsNone(flicker.ends(inside, first))
+
+
+def noisy(rng, count, brightness, sigma):
+    return 1, count, [[rng.gauss(brightness, sigma) for _ in range(count)] for _ in range(3)]
+
+
+class Mirrors(unittest.TestCase):
+    def test_two_seeds_give_the_error(self):
+        # sigma 0.2 at brightness 1: 3 channels of 0.04 / 1
+        rng, count = random.Random(1), 4000
+        below = dict.fromkeys((1, 2, 3), [1.0] * count)
+
+        def errors_of(_):
+            return [errorlib.difference(noisy(rng, count, 1.0, 0.2), noisy(rng, count, 1.0, 0.2), math.sqrt(0.5))]
+
+        made = errorlib.summary(errorlib.follow((1, 2, 3), errors_of, below), None)
+        self.assertAlmostEqual(made["relmse"], 0.12, delta=0.005)
+        self.assertAlmostEqual(made["phi"], 1.0, delta=0.05)
+        self.assertAlmostEqual(made["f1_squared"], 2 * 2 * 0.12 * count, delta=0.05 * 0.48 * count)
+        self.assertTrue(made["median"] < made["trimmed"] < made["relmse"])
+
+    def test_reference_is_taken_off(self):
+        rng, count = random.Random(2), 4000
+        below, reference, own = {1: [1.0] * count, 2: [1.0] * count}, {}, {}
+        for frame in below:
+            a, b = noisy(rng, count, 1.0, 0.2), noisy(rng, count, 1.0, 0.2)
+            reference[frame], own[frame] = picturelib.mean([a, b]), [errorlib.difference(a, b, 0.5)]
+        measured = errorlib.follow(below, lambda f: [errorlib.difference(noisy(rng, count, 1.0, 0.1), reference[f], 1.0)], below)
+        made = errorlib.summary(measured, errorlib.follow(below, own.get, below))
+        self.assertAlmostEqual(errorlib.summary(measured, None)["relmse"], 0.03 + 0.06, delta=0.005)
+        self.assertAlmostEqual(made["relmse"], 0.03, delta=0.005)
+        self.assertAlmostEqual(made["phi"], 1.0, delta=0.15)
+
+    def test_gains(self):
+        def of(error):
+            return {"relative": {1: [error] * 4}, "change": error, "both": error}
+
+        plain, reused = errorlib.make_rows({"0:1": of(1.0), "3:1": of(0.1)}, None, {"0:1": 3.0, "3:1": 6.0}, {"0:1": 14.0, "3:1": 15.8})
+        self.assertEqual((plain["gain"], plain["f1_below"], reused["samples"]), (1.0, 1.0, 15.8))
+        for key in ("gain", "gain_trimmed", "gain_median"):
+            self.assertAlmostEqual(reused[key], 5.0)
+        self.assertAlmostEqual(reused["f1_below"], math.sqrt(5.0))
+
+    def test_regions(self):
+        measured = {"0:1": {"relative": {1: [8.0, 2.0, 1.0, 1.0]}}, "3:1": {"relative": {1: [8.0, 0.2, 0.1, 0.1]}}}
+        rows = [{"setting": "0:1", "cpu": 1.0}, {"setting": "3:1", "cpu": 2.0}]
+        found = {"mirror": {1: [0]}, "floor": {1: [1, 2]}, "speck": {1: [3]}}
+        mirror, floor, speck = errorlib.region_rows(found, measured, None, rows)
+        self.assertEqual((mirror["pixels"], floor["pixels"]), (0.25, 0.5))
+        self.assertAlmostEqual(floor["settings"][0]["share"], 0.25)
+        self.assertAlmostEqual(floor["settings"][1]["relmse"], 0.15)
+        self.assertAlmostEqual(floor["settings"][1]["gain"], 5.0)
+        self.assertAlmostEqual(mirror["settings"][1]["gain"], 0.5)
+        self.assertEqual(errorlib.merge_small(found, measured, 0.26, [1]), {"mirror": {1: [0]}, "floor": {1: [1, 2]}, "all others": {1: [3]}})
+        own = {"relative": {1: [0.0, 0.1, 0.05, 0.05]}}
+        self.assertAlmostEqual(errorlib.region_rows(found, measured, own, rows)[2]["settings"][1]["relmse"], 0.05)
+
+    def test_region_option(self):
+        self.assertEqual(mirrors.region("tea pot=1,2,30,40@5-7"), ("tea pot", [1, 2, 30, 40], (5, 7)))
+        self.assertEqual(mirrors.region("a=1,2,3,4@5"), ("a", [1, 2, 3, 4], (5, 5)))
+        with self.assertRaises(mirrors.argparse.ArgumentTypeError):
+            mirrors.region("a=1,2,3")
+
+    def test_pictures(self):
+        picture = 3, 2, [[float(10 * c + i) for i in range(6)] for c in range(3)]
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "a.exr")
+            picturelib.write(path, picture)
+            width, height, channels = picturelib.read(path)
+        self.assertEqual((width, height, [list(c) for c in channels]), picture)
+        self.assertEqual(picturelib.enlarge(picture, 2)[2][0][:12], [0, 0, 1, 1, 2, 2] * 2)
+        # the corner counts its edges twice: rows 0,0,3 of columns 0,0,1
+        blurred = picturelib.blur(picture[2][0], 3)
+        self.assertAlmostEqual(blurred[0], (0 + 0 + 1 + 0 + 0 + 1 + 3 + 3 + 4) / 9)
+        self.assertAlmostEqual(statistics.mean(picturelib.blur([7.0] * 6, 3)), 7.0)
+
+    def test_materials_become_numbers(self):
+        gltf = {"materials": [{"name": "mirror", "pbrMetallicRoughness": {"metallicFactor": 1, "roughnessFactor": 0}, "alphaMode": "MASK"},
+                              {"name": "pane", "extensions": {"KHR_materials_transmission": {"transmissionFactor": 1}}}],
+                "meshes": [{"primitives": [{"material": 1}, {}]}], "scenes": [{"extras": {"reframe": {}}}]}
+        self.assertEqual(materiallib.number(gltf), ["mirror (metal 0)", "pane (pane 1)", "no material"])
+        self.assertEqual([p["material"] for p in gltf["meshes"][0]["primitives"]], [1, 2])
+        self.assertEqual([round(materiallib.STEPS * m["emissiveFactor"][0]) for m in gltf["materials"]], [1, 2, 3])
+        self.assertEqual(gltf["materials"][0]["alphaMode"], "MASK")
+        self.assertNotIn("extensions", gltf["materials"][1])
+
+    def test_edges(self):
+        # rows AAAA, AAAA, AAAB
+        found = {"a": list(range(11)), "b": [11]}
+        self.assertEqual(materiallib.split_edges(found, 4, 3), {"a inside": [0, 1, 2, 3, 4, 5, 8, 9], "a edge": [6, 7, 10], "b edge": [11]})
+
+    def test_options_are_dropped(self):
+        given = ["--adaptive", "on", "--light-samples", "2", "--no-half", "--max-depth=5"]
+        self.assertEqual(benchlib.without(given, "--adaptive", "--max-depth"), ["--light-samples", "2", "--no-half"])
+        self.assertEqual(benchlib.without(["--adaptive", "--seed", "3"], "--adaptive"), ["--seed", "3"])
+
+    @unittest.skipIf(BUILD is None, "needs the folder of a build as argument")
+    def test_run(self):
+        with tempfile.TemporaryDirectory() as folder:
+            report = os.path.join(folder, "report.json")
+            picture = os.path.join(folder, "group1-tile1-seed2.0021.exr")
+
+            def run(*regions):
+                subprocess.run([os.path.join(SCRIPTS, "bench-mirrors"), "--binary", os.path.join(BUILD, "reframe"), "--out", folder, "--size", "24x14",
+                                "--frames", "20-22", "--settings", "0:1,1:1", "--spp", "6", "--json", report, "--keep-renders", *regions,
+                                "--", "--max-depth", "4", "--adaptive"], check=True, stdout=subprocess.DEVNULL)
+                with open(report) as file:
+                    return json.load(file), os.stat(picture).st_mtime_ns
+
+            first, rendered = run()
+            made, kept = run("--reference-spp", "12", "--materials", "--beside", "table", "--map", "21",
+                             "--region", "left=0,0,12,14", "--region", "right=12,0,24,14")
+            with open(os.path.join(folder, "error-group1-tile1-0021.png"), "rb") as file:
+                self.assertEqual(file.read(4), b"\x89PNG")
+        self.assertEqual(rendered, kept)
+        self.assertEqual([r["cpu"] for r in first["rows"]], [r["cpu"] for r in made["rows"]])
+        self.assertEqual(first["regions"], {})
+        self.assertEqual(made["rows"][0]["gain"], 1.0)
+        self.assertTrue(all(r["cpu"] > 0 and r["relmse"] > 0 for r in made["rows"]))
+        sides, materials = made["regions"]["rectangles"], made["regions"]["materials"]
+        for parts in (sides, materials):
+            self.assertAlmostEqual(sum(r["pixels"] for r in parts), 1.0)
+            for setting in range(2):
+                self.assertAlmostEqual(sum(r["settings"][setting]["share"] for r in parts), 1.0)
+        # what is named is in the picture: the mirror takes a seventh of it
+        mirror = next(r for r in materials if r["region"] == "mirror (metal 0)")
+        self.assertTrue(0.08 < mirror["pixels"] < 0.2)
 
 
 class Paper(unittest.TestCase):

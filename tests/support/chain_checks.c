@@ -11,22 +11,28 @@
 #include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include <cmocka.h>
 
 #define BLOCK 4
 #define PIXELS ( CHAIN_WIDTH * CHAIN_HEIGHT )
 #define SIGNIFICANCE 1e-4
-#define REFERENCE_SPP 32
+#define REFERENCE_SPP 24 // of frames that are tested by block and pixel
+#define REFERENCE_SPP_REST 12
+#define FRAMES 3
+#define MIDDLE 1          // of the frames
 #define SHARP_ALPHA 0.01f // GGX lobes that count as nearly specular
 
+static const int s_frames[FRAMES] = { 1, 3, 5 };
+
 const ChainSetting g_all_reuse[4] = {
-    { .group = 0, .tile = "3x3", .spp = 12 },
+    { .group = 0, .tile = "3x3", .spp = 6 },
     { .group = 1, .tile = "1", .spp = 6 },
     { .group = 3, .tile = "1", .spp = 7 },
     { .group = 3, .tile = "3x3", .spp = 7 },
 };
-const ChainSetting g_tiles_and_both[2] = { { .group = 0, .tile = "3x3", .spp = 12 }, { .group = 3, .tile = "3x3", .spp = 7 } };
+const ChainSetting g_tiles_and_both[2] = { { .group = 0, .tile = "3x3", .spp = 6 }, { .group = 3, .tile = "3x3", .spp = 7 } };
 const ChainSetting g_adaptive_and_roulette[2] = {
     { .group = 3, .tile = "3x3", .spp = 7, .adaptive = true },
     { .group = 3, .tile = "3x3", .spp = 7, .roulette = true },
@@ -38,9 +44,7 @@ static int samples( int spp ) { return is_long() ? 4 * spp : spp; }
 
 ChainCase chain_case( const char* what, int max_depth )
 {
-    ChainCase c = {
-        .what = what, .frame = CHAIN_EYES / 2, .max_depth = max_depth, .settings = g_tiles_and_both, .setting_count = 2
-    };
+    ChainCase c = { .what = what, .max_depth = max_depth, .settings = g_tiles_and_both, .setting_count = 2 };
     orbit_eyes( c.eyes, CHAIN_EYES, 3.0f, CHAIN_WIDTH, CHAIN_HEIGHT );
     return c;
 }
@@ -73,79 +77,136 @@ static int mark_sharp( const RfTracer* tracer, const RfEye* eye, bool* marked )
     return count;
 }
 
-static void marked_means( const Images* images, const bool* marked, int count, double means[SEEDS] )
+// Independent images of the frames that are tested.
+typedef struct FrameImages
+{
+    Images frame[FRAMES];
+} FrameImages;
+
+static void free_frames( FrameImages* images )
+{
+    for ( int f = 0; f < FRAMES; ++f )
+        free_images( images->frame + f );
+}
+
+static FrameImages reference_frames( const ChainCase* c, const RfTracer* tracer, const RfRenderSettings* settings )
+{
+    FrameImages images;
+    for ( int f = 0; f < FRAMES; ++f )
+    {
+        int spp = c->every_frame || f == MIDDLE ? REFERENCE_SPP : REFERENCE_SPP_REST;
+        images.frame[f] = reference_images( tracer, c->eyes, s_frames[f], samples( spp ), settings );
+    }
+    return images;
+}
+
+// From 0 on and far below those of the references; a different one for each case, so that one unlucky set of
+// random numbers is not in all of them. FNV-1a of the name.
+static uint64_t first_seed( const char* what )
+{
+    uint32_t hash = 2166136261u;
+    for ( ; *what != '\0'; ++what )
+        hash = ( hash ^ (uint8_t)*what ) * 16777619u;
+    return hash % 50000u * SEEDS;
+}
+
+// By the renderer, which renders the frames together.
+static FrameImages rendered_frames( const ChainCase* c, const RfTracer* tracer, RfRenderSettings settings )
+{
+    FrameImages images;
+    for ( int f = 0; f < FRAMES; ++f )
+        images.frame[f] = ( Images ){ .width = CHAIN_WIDTH, .height = CHAIN_HEIGHT, .count = SEEDS };
+    for ( int k = 0; k < SEEDS; ++k )
+    {
+        settings.seed = first_seed( c->what ) + (uint64_t)k;
+        Rendered r = render_frames( tracer, c->eyes, CHAIN_EYES, s_frames, FRAMES, &settings );
+        for ( int f = 0; f < FRAMES; ++f )
+        {
+            size_t bytes = 3 * r.pixels * sizeof( float );
+            float* rgb = images.frame[f].rgb[k] = malloc( bytes );
+            if ( rgb == NULL )
+                abort();
+            memcpy( rgb, frame_rgb( &r, f ), bytes );
+        }
+        free_rendered( &r );
+    }
+    return images;
+}
+
+// The pixels that are looked at together.
+typedef struct Marked
+{
+    bool pixel[FRAMES][PIXELS];
+    int count;
+} Marked;
+
+static void marked_means( const FrameImages* images, const Marked* marked, double means[SEEDS] )
 {
     for ( int k = 0; k < SEEDS; ++k )
     {
         means[k] = 0.0;
-        for ( int i = 0; i < PIXELS; ++i )
+        for ( int i = 0; i < FRAMES * PIXELS; ++i )
         {
-            const float* p = images->rgb[k] + 3 * (size_t)i;
+            const float* p = images->frame[i / PIXELS].rgb[k] + 3 * ( i % PIXELS );
             double value = 0.2126 * (double)p[0] + 0.7152 * (double)p[1] + 0.0722 * (double)p[2];
-            means[k] += marked[i] ? value / count : 0.0;
+            means[k] += marked->pixel[i / PIXELS][i % PIXELS] ? value / marked->count : 0.0;
         }
     }
 }
 
 // Welch's test of the mean over the marked pixels. Prints the relative error of their difference, of which
 // a bias of some five is found.
-static void assert_marked_unbiased( const Images* rendered, const Images* reference, const bool* marked, int count )
+static void assert_marked_unbiased( const FrameImages* rendered, const FrameImages* reference, const Marked* marked )
 {
-    if ( count == 0 )
-        return;
     double a[SEEDS], b[SEEDS], error_a, error_b;
-    marked_means( rendered, marked, count, a );
-    marked_means( reference, marked, count, b );
+    marked_means( rendered, marked, a );
+    marked_means( reference, marked, b );
     double mean = mean_of( a, SEEDS, &error_a ), expected = mean_of( b, SEEDS, &error_b ), p = welch_p( a, SEEDS, b, SEEDS );
-    printf( "    %2d %% of the pixels: off by %.2f %% ± %.2f %%, p %.3g\n", 100 * count / PIXELS,
+    printf( "    %2d %% of the pixels: off by %.2f %% ± %.2f %%, p %.3g\n", 100 * marked->count / ( FRAMES * PIXELS ),
             100.0 * ( mean / expected - 1.0 ), 100.0 * sqrt( error_a * error_a + error_b * error_b ) / expected, p );
     assert_true( p > SIGNIFICANCE );
 }
 
-// What is compared with: the reference, and the pixels that are looked at together.
-typedef struct Expected
-{
-    Images reference;
-    bool marked[PIXELS];
-    int marked_count;
-} Expected;
-
 static void check_setting( const ChainCase* c, const RfTracer* tracer, RfRenderSettings settings, const ChainSetting* s,
-                           const Expected* expected )
+                           const FrameImages* reference, const Marked* marked )
 {
     settings.group = s->group;
     settings.spp = samples( s->spp );
     settings.adaptive = s->adaptive ? RF_ADAPTIVE_ON : RF_ADAPTIVE_OFF;
     settings.tile_roulette = s->roulette;
     assert_true( rf_parse_tile( s->tile, &settings.tile ) );
-    Images rendered = rendered_images( tracer, c->eyes, CHAIN_EYES, c->frame, settings );
-    char name[96];
-    snprintf( name, sizeof name, "%s, group %d tile %s%s%s:", c->what, s->group, s->tile, s->adaptive ? ", adaptive" : "",
-              s->roulette ? ", roulette" : "" );
-    assert_unbiased( name, &rendered, &expected->reference, BLOCK );
-    assert_marked_unbiased( &rendered, &expected->reference, expected->marked, expected->marked_count );
-    free_images( &rendered );
+    FrameImages rendered = rendered_frames( c, tracer, settings );
+    for ( int f = 0; f < FRAMES; ++f )
+    {
+        char name[96], number[16] = "";
+        if ( c->every_frame )
+            snprintf( number, sizeof number, ", frame %d", s_frames[f] );
+        snprintf( name, sizeof name, "%s%s, group %d tile %s%s%s:", c->what, number, s->group, s->tile,
+                  s->adaptive ? ", adaptive" : "", s->roulette ? ", roulette" : "" );
+        if ( c->every_frame || f == MIDDLE )
+            assert_unbiased( name, rendered.frame + f, reference->frame + f, BLOCK );
+    }
+    assert_marked_unbiased( &rendered, reference, marked );
+    free_frames( &rendered );
 }
 
-void check_case( const ChainCase* c, const RfScene* scene )
+void check_chains( const ChainCase* c, RfScene scene )
 {
-    static Expected expected;
-    RfTracer* tracer = make_tracer( scene );
+    static Marked marked;
+    RfTracer* tracer = make_tracer( &scene );
     RfRenderSettings settings = plain_settings();
     settings.max_depth = c->max_depth;
     settings.memory = (size_t)256 << 20;
-    expected.marked_count = mark_sharp( tracer, c->eyes + c->frame, expected.marked );
-    expected.reference = reference_images( tracer, c->eyes, c->frame, samples( REFERENCE_SPP ), &settings );
+    marked.count = 0;
+    for ( int f = 0; f < FRAMES; ++f )
+        marked.count += mark_sharp( tracer, c->eyes + s_frames[f], marked.pixel[f] );
+    assert_true( marked.count > 0 );
+    FrameImages reference = reference_frames( c, tracer, &settings );
     for ( int k = 0; k < c->setting_count; ++k )
-        check_setting( c, tracer, settings, c->settings + k, &expected );
-    for ( int k = 0; is_long() && k < 4; ++k )
-        check_setting( c, tracer, settings, g_all_reuse + k, &expected );
-    free_images( &expected.reference );
+        check_setting( c, tracer, settings, c->settings + k, &reference, &marked );
+    for ( int k = 0; is_long() && c->settings != g_all_reuse && k < 4; ++k )
+        check_setting( c, tracer, settings, g_all_reuse + k, &reference, &marked );
+    free_frames( &reference );
     rf_destroy_tracer( tracer );
-}
-
-void check_chains( const ChainCase* tested, RfScene scene )
-{
-    check_case( tested, &scene );
     rf_destroy_scene( &scene );
 }

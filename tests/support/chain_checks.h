@@ -1,5 +1,5 @@
 // Welch tests of scenes with mirrors and glass: the whole picture as assert_unbiased does,
-// and the pixels that see a delta or nearly specular surface taken together.
+// and the pixels that see a delta or nearly specular surface taken together, over three frames.
 #ifndef REFRAME_TESTS_CHAIN_CHECKS_H
 #define REFRAME_TESTS_CHAIN_CHECKS_H
 
@@ -22,7 +22,7 @@ typedef struct ChainCase
 {
     const char* what;
     RfEye eyes[CHAIN_EYES];
-    int frame; // that is tested
+    bool every_frame; // frames 1, 3 and 5 are tested by block and pixel, else only frame 3
     int max_depth;
     const ChainSetting* settings; // each is tested; with REFRAME_LONG those of g_all_reuse too
     int setting_count;
@@ -36,13 +36,10 @@ extern const ChainSetting g_tiles_and_both[2];
 // Groups of 3 with tiles, adaptive or with roulette.
 extern const ChainSetting g_adaptive_and_roulette[2];
 
-// The middle frame of an orbit with g_tiles_and_both.
+// An orbit with g_tiles_and_both.
 ChainCase chain_case( const char* what, int max_depth );
 
-// Fails unless every setting renders the case without bias.
-void check_case( const ChainCase* tested, const RfScene* scene );
-
-// The same; destroys the scene.
+// Fails unless every setting renders the case without bias. Destroys the scene.
 void check_chains( const ChainCase* tested, RfScene scene );
 
 #endif

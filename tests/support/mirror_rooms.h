@@ -38,7 +38,7 @@ typedef enum MirrorRoom
     MIRROR_ROOM_COUNT
 } MirrorRoom;
 
-// A closed 4 × 3 × 4 room (x ±2, y 0…3, z ±2) with a ceiling light, panels of colour on its side walls, a block,
+// A closed 4 × 3 × 4 room (x ±2, y 0…3, z ±2) with a ceiling light, panels of colour, a block,
 // a ball, and what the kind says. Eyes of orbit_eyes see most of it.
 RfScene make_mirror_room( MirrorRoom kind );
 

@@ -13,7 +13,7 @@ double fresnel( double cos_theta, double ior )
     return 0.5 * ( s * s + p * p );
 }
 
-RfMaterial make_pane( RfVec3 tint, float base )
+RfMaterial make_thin_pane( RfVec3 tint, float base )
 {
     RfMaterial m = make_glass( 1.5f, 0.0f, true );
     m.tint = tint;
@@ -43,12 +43,12 @@ static void add_materials( SceneBuilder* b, bool lit )
     add_material( b, make_light( lit ? 6.0f : 0.0f, false ) );
     add_material( b, make_metal( 0.8f, 0.35f ) );
     add_material( b, make_plastic( 0.5f, 0.3f ) );
-    add_material( b, make_pane( rf_vec3( 1, 1, 1 ), 0.0f ) );
-    add_material( b, make_pane( rf_vec3( 0.9f, 0.3f, 0.2f ), 0.0f ) );
-    add_material( b, make_pane( rf_vec3( 0.5f, 0.5f, 0.55f ), 0.4f ) );
+    add_material( b, make_thin_pane( rf_vec3( 1, 1, 1 ), 0.0f ) );
+    add_material( b, make_thin_pane( rf_vec3( 0.9f, 0.3f, 0.2f ), 0.0f ) );
+    add_material( b, make_thin_pane( rf_vec3( 0.5f, 0.5f, 0.55f ), 0.4f ) );
     for ( int k = PATTERNED; k <= BLENDED; ++k )
-        add_material( b, make_pane( rf_vec3( 0.7f, 0.8f, 0.9f ), 0.0f ) );
-    add_material( b, make_pane( rf_vec3( 0.8f, 0.95f, 0.8f ), 0.0f ) );
+        add_material( b, make_thin_pane( rf_vec3( 0.7f, 0.8f, 0.9f ), 0.0f ) );
+    add_material( b, make_thin_pane( rf_vec3( 0.8f, 0.95f, 0.8f ), 0.0f ) );
     add_material( b, make_lambert( 0.4f, 0.6f, 0.4f ) );
 }
 

@@ -19,7 +19,7 @@ typedef enum PaneLight
 RfScene make_pane_room( PaneLight light );
 
 // A smooth thin wall with this tint over a Lambert base.
-RfMaterial make_pane( RfVec3 tint, float base );
+RfMaterial make_thin_pane( RfVec3 tint, float base );
 
 // F of a dielectric, by Fresnel's equations.
 double fresnel( double cos_theta, double ior );

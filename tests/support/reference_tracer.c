@@ -392,6 +392,14 @@ static Arriving arriving_light( const RfTracer* tracer, const ReferenceSettings*
     return result;
 }
 
+// A pane that the camera ray passes does not count in the depth, like those that other rays pass.
+static bool passes_pane( const ReferenceSettings* s, const Point* x, const Onward* onward )
+{
+    Lane lane;
+    fill_lane( x, &lane );
+    return !s->panes_are_vertices && onward->side < 0.0f && rf_pane_of_lane( &lane.lanes, 0, x->wo ).probability > 0.0f;
+}
+
 static RfVec3 scattered_light( const RfTracer* tracer, const ReferenceSettings* s, RfRandomKey key, const Point* x )
 {
     Onward onward = scatter( x, key, rf_vertex_dimension( 1, s->light_samples ) + RF_DIMENSION_SCATTER );
@@ -401,7 +409,9 @@ static RfVec3 scattered_light( const RfTracer* tracer, const ReferenceSettings* 
     float k = (float)s->light_samples;
     if ( is_native( x ) )
     {
-        Arriving in = arriving_light( tracer, s, key, ray, onward.weight, 1.0f );
+        ReferenceSettings left = *s;
+        left.max_depth += passes_pane( s, x, &onward );
+        Arriving in = arriving_light( tracer, &left, key, ray, onward.weight, 1.0f );
         return rf_add( rf_scale( in.emitted, onward.pdf / ( onward.pdf + k * in.light_pdf ) ), in.rest );
     }
     float roulette_scale = rf_maxf( rf_max_component( onward.f ) * onward.cos_x / onward.pdf, 0.1f );

@@ -22,7 +22,7 @@ static RfScene make_panes( bool blended )
     SceneBuilder b = { 0 };
     for ( int k = 0; k < 3; ++k )
     {
-        uint32_t m = add_material( &b, k < 2 ? make_pane( s_tint[k], 0.0f ) : make_lambert( 1, 1, 1 ) );
+        uint32_t m = add_material( &b, k < 2 ? make_thin_pane( s_tint[k], 0.0f ) : make_lambert( 1, 1, 1 ) );
         float z = -(float)k;
         add_quad( &b, m, rf_vec3( -4, -4, z ), rf_vec3( 4, -4, z ), rf_vec3( 4, 4, z ), rf_vec3( -4, 4, z ) );
     }
