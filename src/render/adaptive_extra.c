@@ -48,8 +48,8 @@ void rf_accumulate_extra( RfRenderer* r, const RfPass* pass, RfLiveFilm* live, i
     }
 }
 
-// One more sample for the tiles of a frame that are drawn; or, packed, as many as fill a batch of each job. Returns the
-// number of samples.
+// Extra samples of a frame: of the tiles that are drawn one more, or, packed, as many as fill a batch of each job. Returns
+// their number.
 static uint64_t render_round( RfRenderer* r, const RfPass* pass, RfLiveFilm* live, int round )
 {
     bool packed = r->memory.noise != NULL;
@@ -69,17 +69,24 @@ static uint64_t render_round( RfRenderer* r, const RfPass* pass, RfLiveFilm* liv
     return samples;
 }
 
+static void render_frame_extra( RfRenderer* r, const RfPass* pass, RfLiveFilm* live )
+{
+    if ( r->memory.noise != NULL )
+    {
+        for ( int round = 0; render_round( r, pass, live, round ) > 0; ++round )
+            ;
+        return;
+    }
+    for ( int round = 0; (float)round < live->most_need; ++round )
+        render_round( r, pass, live, round );
+}
+
 void rf_render_extra( RfRenderer* r, const RfPass* pass )
 {
-    bool packed = r->memory.noise != NULL;
     for ( int i = 0; i < r->memory.film_slots; ++i )
     {
         RfLiveFilm* live = r->memory.films + i;
-        uint64_t samples = 1;
-        for ( int round = 0; live->frame != -1 && (float)round < live->most_need && samples > 0; ++round )
-        {
-            uint64_t traced = render_round( r, pass, live, round );
-            samples = packed ? traced : samples;
-        }
+        if ( live->frame != -1 && live->most_need > 0.0f )
+            render_frame_extra( r, pass, live );
     }
 }

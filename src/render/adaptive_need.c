@@ -3,8 +3,6 @@
 #include "render/adaptive.h"
 
 #include <math.h>
-#include <stdio.h>  // DBG
-#include <stdlib.h> // DBG
 
 #define BINS 64
 // Cost of a sample beside that of a path: for each further eye of a group, and
@@ -12,10 +10,11 @@
 #define COST_OF_EYE 0.05
 #define COST_OF_EXTRA 1.2
 #define LEAST_GAIN 0.02 // by these figures, which are rough
-#define SOME_PIXELS 4096
+#define LOOK_GAIN 0.01  // that justifies a pilot: a coarse look may miss some of it
+// Where materials differ in noise: θ from the least to RF_MOST_EXTRA_NOISY, over about so many pixels.
 #define LEAST_THETA 0.05
 #define THETA_STEP 1.1
-#define LOOK_GAIN 0.01 // that justifies a pilot: a coarse look may miss some of it
+#define SOME_PIXELS 4096
 
 // rf_extra_threshold for gains from `least_gain` on.
 static double threshold( const double* counts, int bins, double all, int eyes, double least_gain )
@@ -44,7 +43,7 @@ double rf_extra_threshold( const double* counts, int bins, double all, int eyes 
     return threshold( counts, bins, all, eyes, LEAST_GAIN );
 }
 
-// The mean of rho over the passes.
+// The mean of ρ over the passes.
 static float pixel_share( const RfPilotSums* sums, size_t i ) { return fminf( sums->share[i] / sums->passes, 1.0f ); }
 
 // The mean variance of a pixel's samples.
@@ -66,7 +65,7 @@ static void count_share( float share, double* counts )
         counts[(int)fminf( share * BINS, BINS - 1 )] += 1.0;
 }
 
-// theta of the pixels with samples where all materials are alike.
+// θ for the pixels with samples where all materials are alike.
 static double threshold_alike( const RfPilotSums* sums, double least_gain )
 {
     double counts[BINS] = { 0 }, seen = 0.0;
@@ -124,18 +123,12 @@ float rf_set_need( const RfPilotSums* sums )
 {
     double theta = sums->noise != NULL ? threshold_noisy( sums, LEAST_GAIN ) : threshold_alike( sums, LEAST_GAIN );
     float most = 0.0f;
+
     for ( size_t i = 0; i < sums->pixels; ++i )
     {
         float share = pixel_share( sums, i );
         sums->share[i] = share > 0.0f ? extra_of( share, pixel_variance( sums, i ), theta ) : 0.0f;
         most = fmaxf( most, sums->share[i] );
     }
-    if ( getenv( "DBG" ) )
-    {
-        double a = 0;
-        for ( size_t i = 0; i < sums->pixels; ++i )
-            a += sums->share[i];
-        fprintf( stderr, "DBG theta %.3f most %.2f mean %.3f\n", theta, (double)most, a / (double)sums->pixels );
-    } // DBG
     return most;
 }

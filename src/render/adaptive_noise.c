@@ -9,8 +9,6 @@
 #include <math.h>
 #include <omp.h>
 #include <string.h>
-#include <stdio.h>  // DBG
-#include <stdlib.h> // DBG
 
 #define NOISE_GROUP 0xc0000000u // no other group has this number
 #define FRAMES 8                // of the path that are looked at
@@ -22,7 +20,9 @@
 #define DARK 1e-3 // what relMSE adds to squares
 // A class of few pixels is taken for the mean of its kind: that counts as so many pixels.
 #define PRIOR_PIXELS 32.0
-#define LEAST_VARIANCE 0.05 // relative to the materials that are alike
+// Relative to the materials that are alike. No class is taken for less noisy than these: of few samples with rare bright
+// ones among them, most estimates are too low.
+#define LEAST_VARIANCE 1.0
 #define MOST_VARIANCE 1e4
 
 static int class_of( const RfMaterialNoise* noise, int materials, int32_t material )
@@ -133,10 +133,23 @@ static void sum_frame( const RfRenderer* r, const RfFilm* film )
     }
 }
 
-// Adds the pixels of a block to their class. The mean around them is that of the block; but where single paths
+static void add_pixel( RfMaterialNoise* n, const RfFilm* film, size_t i )
+{
+    n->block_pixels += 1.0;
+    n->block_mean += pixel_mean( film, i );
+    for ( size_t c = 0; c < 3; ++c )
+    {
+        double d = (double)film->half[0][4 * i + c] - (double)film->half[1][4 * i + c];
+        n->block_square += 0.5 * d * d;
+    }
+}
+
+// Adds the pixels of a block to their class, once. The mean around them is that of the block; but where single paths
 // decide the mean, that of the frame.
 static void end_block( RfMaterialNoise* n )
 {
+    if ( n->block_pixels == 0.0 )
+        return;
     double mean = n->special ? n->frame_mean / n->frame_pixels : n->block_mean / n->block_pixels;
     double part = n->block_square / ( mean * mean + DARK );
     n->pixels += n->block_pixels;
@@ -148,28 +161,20 @@ static void end_block( RfMaterialNoise* n )
 
 static void sum_block( const RfRenderer* r, const RfFilm* film, int x0, int y0 )
 {
-    for ( int pass = 0; pass < 2; ++pass )
+    RfMaterialNoise* found[BLOCK * BLOCK];
+    int count = 0;
+    for ( int k = 0; k < BLOCK * BLOCK; ++k )
     {
-        for ( int k = 0; k < BLOCK * BLOCK; ++k )
-        {
-            int x = x0 + k % BLOCK, y = y0 + k / BLOCK;
-            size_t i = (size_t)y * (size_t)film->width + (size_t)x;
-            RfMaterialNoise* n = x < film->width && y < film->height ? class_of_pixel( r, film, i ) : NULL;
-            if ( n == NULL )
-                continue;
-            if ( pass == 1 && n->block_pixels > 0.0 )
-                end_block( n );
-            if ( pass == 1 )
-                continue;
-            n->block_pixels += 1.0;
-            n->block_mean += pixel_mean( film, i );
-            for ( size_t c = 0; c < 3; ++c )
-            {
-                double d = (double)film->half[0][4 * i + c] - (double)film->half[1][4 * i + c];
-                n->block_square += 0.5 * d * d;
-            }
-        }
+        int x = x0 + k % BLOCK, y = y0 + k / BLOCK;
+        size_t i = (size_t)y * (size_t)film->width + (size_t)x;
+        RfMaterialNoise* n = x < film->width && y < film->height ? class_of_pixel( r, film, i ) : NULL;
+        if ( n == NULL )
+            continue;
+        add_pixel( n, film, i );
+        found[count++] = n;
     }
+    for ( int k = 0; k < count; ++k )
+        end_block( found[k] );
 }
 
 static void sum_blocks( const RfRenderer* r, const RfFilm* film )
@@ -240,12 +245,4 @@ void rf_measure_noise( RfRenderer* r, RfLiveFilm* live )
     memset( live->need, 0, rf_need_bytes( &r->sizes ) );
     find_variances( r->memory.noise, r->sizes.materials );
     r->memory.noise_known = true;
-    if ( getenv( "DBG" ) )
-        for ( int k = 0; k <= r->sizes.materials; ++k )
-            if ( r->memory.noise[k].pixels > 0 || r->memory.noise[k].special )
-                fprintf( stderr, "DBG %d %s pixels %.0f raw %.3f robust %.3f rel %.3f\n", k,
-                         k < r->sizes.materials ? rf_tracer_scene( r->tracer )->materials[k].name : "-",
-                         r->memory.noise[k].pixels, r->memory.noise[k].sum / r->memory.noise[k].pixels,
-                         robust_sum( r->memory.noise + k ) / r->memory.noise[k].pixels,
-                         (double)r->memory.noise[k].variance ); // DBG
 }
