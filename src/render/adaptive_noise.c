@@ -103,14 +103,6 @@ static void render_blocks( RfRenderer* r, int frame, RfLiveFilm* live )
     }
 }
 
-// The class of a pixel with a sample of the same class in both halves; NULL for others.
-static RfMaterialNoise* class_of_pixel( const RfRenderer* r, const RfFilm* film, size_t i )
-{
-    if ( film->extra[0][i] == 0.0f || film->extra[0][i] != film->extra[1][i] )
-        return NULL;
-    return r->memory.noise + (int)film->extra[0][i] - 1;
-}
-
 static double pixel_mean( const RfFilm* film, size_t i )
 {
     double sum = 0.0;
@@ -119,76 +111,73 @@ static double pixel_mean( const RfFilm* film, size_t i )
     return sum / 6.0;
 }
 
-static void sum_frame( const RfRenderer* r, const RfFilm* film )
+// Half the squared difference is the variance of one sample.
+static double pixel_square( const RfFilm* film, size_t i )
 {
-    for ( int k = 0; k <= r->sizes.materials; ++k )
-        r->memory.noise[k].frame_pixels = r->memory.noise[k].frame_mean = 0.0;
-    for ( size_t i = 0; i < (size_t)film->width * (size_t)film->height; ++i )
-    {
-        RfMaterialNoise* n = class_of_pixel( r, film, i );
-        if ( n == NULL )
-            continue;
-        n->frame_pixels += 1.0;
-        n->frame_mean += pixel_mean( film, i );
-    }
-}
-
-static void add_pixel( RfMaterialNoise* n, const RfFilm* film, size_t i )
-{
-    n->block_pixels += 1.0;
-    n->block_mean += pixel_mean( film, i );
+    double sum = 0.0;
     for ( size_t c = 0; c < 3; ++c )
     {
         double d = (double)film->half[0][4 * i + c] - (double)film->half[1][4 * i + c];
-        n->block_square += 0.5 * d * d;
+        sum += 0.5 * d * d;
     }
+    return sum;
 }
 
-// Adds the pixels of a block to their class, once. The mean around them is that of the block; but where single paths
-// decide the mean, that of the frame.
-static void end_block( RfMaterialNoise* n )
+// Adds a part of a block to its class, once.
+static void end_part( RfMaterialNoise* n, double mean )
 {
-    if ( n->block_pixels == 0.0 )
+    if ( n->part_pixels == 0.0 )
         return;
-    double mean = n->special ? n->frame_mean / n->frame_pixels : n->block_mean / n->block_pixels;
-    double part = n->block_square / ( mean * mean + DARK );
-    n->pixels += n->block_pixels;
+    double part = n->part_square / ( mean * mean + DARK );
+    n->pixels += n->part_pixels;
     n->sum += part;
-    n->most[1] = fmax( n->most[1], fmin( n->most[0], part ) );
-    n->most[0] = fmax( n->most[0], part );
-    n->block_pixels = n->block_mean = n->block_square = 0.0;
+    n->most = fmax( n->most, part );
+    n->part_pixels = n->part_square = 0.0;
 }
 
-static void sum_block( const RfRenderer* r, const RfFilm* film, int x0, int y0 )
+// Adds a pixel to the classes of its two hits, half to each. Returns its mean.
+static double add_pixel( RfMaterialNoise* noise, const RfFilm* film, size_t i )
 {
-    RfMaterialNoise* found[BLOCK * BLOCK];
+    double square = pixel_square( film, i );
+    for ( int half = 0; half < 2; ++half )
+    {
+        RfMaterialNoise* n = noise + (int)film->extra[half][i] - 1;
+        n->part_pixels += 0.5;
+        n->part_square += 0.5 * square;
+    }
+    return pixel_mean( film, i );
+}
+
+// A block of the film: the mean around its pixels is that of all of them.
+static void sum_block( RfMaterialNoise* noise, const RfFilm* film, int x0, int y0 )
+{
+    size_t found[BLOCK * BLOCK];
+    double mean = 0.0;
     int count = 0;
     for ( int k = 0; k < BLOCK * BLOCK; ++k )
     {
         int x = x0 + k % BLOCK, y = y0 + k / BLOCK;
         size_t i = (size_t)y * (size_t)film->width + (size_t)x;
-        RfMaterialNoise* n = x < film->width && y < film->height ? class_of_pixel( r, film, i ) : NULL;
-        if ( n == NULL )
+        if ( x >= film->width || y >= film->height || film->extra[0][i] == 0.0f || film->extra[1][i] == 0.0f )
             continue;
-        add_pixel( n, film, i );
-        found[count++] = n;
+        mean += add_pixel( noise, film, i );
+        found[count++] = i;
     }
-    for ( int k = 0; k < count; ++k )
-        end_block( found[k] );
+    for ( int k = 0; k < 2 * count; ++k )
+        end_part( noise + (int)film->extra[k % 2][found[k / 2]] - 1, mean / count );
 }
 
-static void sum_blocks( const RfRenderer* r, const RfFilm* film )
+static void sum_blocks( RfMaterialNoise* noise, const RfFilm* film )
 {
-    sum_frame( r, film );
     for ( int y = 0; y < film->height; y += BLOCK )
     {
         for ( int x = 0; x < film->width; x += BLOCK )
-            sum_block( r, film, x, y );
+            sum_block( noise, film, x, y );
     }
 }
 
-// Σ of a class in which one block with a firefly does not decide: it counts like the next.
-static double robust_sum( const RfMaterialNoise* n ) { return n->sum - n->most[0] + n->most[1]; }
+// Σ of a class. One block with a firefly counts as much as all others together at most.
+static double robust_sum( const RfMaterialNoise* n ) { return n->sum - n->most + fmin( n->most, n->sum - n->most ); }
 
 // From sums to variances.
 static void find_variances( RfMaterialNoise* noise, int materials )
@@ -237,7 +226,7 @@ void rf_measure_noise( RfRenderer* r, RfLiveFilm* live )
         int looked_at = (int)( ( 2 * (int64_t)k + 1 ) * path / ( 2 * frames ) );
         draw_blocks( r, looked_at, pairs / ( pixels * frames ), live->need );
         render_blocks( r, looked_at, live );
-        sum_blocks( r, live->films );
+        sum_blocks( r->memory.noise, live->films );
         rf_clear_film( live->films );
     }
     live->frame = frame;

@@ -15,10 +15,9 @@ typedef struct RfMaterialNoise
 {
     float variance; // of a sample, relative to that of the materials that are alike
     bool special;
-    // while it is measured: pixels and their sum in the frame, then in a block, then over all blocks
-    double frame_pixels, frame_mean;
-    double block_pixels, block_mean, block_square;
-    double pixels, sum, most[2]; // most: of the two largest parts of the sum
+    // while it is measured: pixels and squares in a block, then over all blocks
+    double part_pixels, part_square;
+    double pixels, sum, most; // most: of any block
 } RfMaterialNoise;
 
 // Does the scene have materials whose noise is to be measured?
