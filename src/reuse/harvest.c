@@ -40,6 +40,7 @@ RfHarvest rf_make_harvest( const RfEstimatorGroup* group )
         .group = group->number,
         .need = group->need,
         .round = group->round,
+        .packed = group->packed,
         .first_hits_only = group->first_hits_only,
     };
 }
@@ -68,6 +69,11 @@ RfHarvestScratch* rf_lay_out_harvest_scratch( const RfBatchShape* shape, void* m
     return scratch;
 }
 
+static uint64_t key_of_pass( const RfHarvest* harvest, int eye, int pass )
+{
+    return rf_pass_key( harvest->seed, (uint32_t)( harvest->first_frame + eye ), (uint32_t)harvest->group, (uint32_t)pass );
+}
+
 static void make_keys( uint64_t pass_key, int count, const int32_t* pixel, RfWavefront* wavefront )
 {
 #pragma omp simd
@@ -76,6 +82,18 @@ static void make_keys( uint64_t pass_key, int count, const int32_t* pixel, RfWav
         RfRandomKey key = rf_pixel_key( pass_key, (uint32_t)pixel[i] );
         wavefront->key_a[i] = key.a;
         wavefront->key_b[i] = key.b;
+    }
+}
+
+// Further samples of a pixel have the random numbers of further passes.
+static void make_copies_keys( const RfHarvest* harvest, RfTraceJob job, int count, const int32_t* copy,
+                              RfHarvestScratch* scratch )
+{
+    for ( int i = 0; i < count; ++i )
+    {
+        RfRandomKey key = rf_pixel_key( key_of_pass( harvest, job.eye, job.pass + copy[i] ), (uint32_t)scratch->pixel[i] );
+        scratch->wavefront.key_a[i] = key.a;
+        scratch->wavefront.key_b[i] = key.b;
     }
 }
 
@@ -149,37 +167,6 @@ static void trace_tails( const RfHarvest* harvest, RfHarvestScratch* scratch, Rf
         rf_trace_tails( &harvest->path, wavefront, 2 );
 }
 
-// Keeps the listed pixels whose tiles are drawn: with the mean of what their pixels need as
-// probability. Without tile reuse each pixel is a tile.
-static int choose_needy( const RfHarvest* harvest, uint64_t key, int count, int tiles, RfHarvestScratch* scratch )
-{
-    float need[RF_LANES] = { 0 };
-    int32_t size[RF_LANES] = { 0 };
-    bool in_tiles = scratch->tiles != NULL;
-    for ( int i = 0; i < count; ++i )
-    {
-        int t = in_tiles ? scratch->tile_of[i] : i;
-        need[t] += harvest->need[scratch->pixel[i]];
-        size[t] += 1;
-    }
-    for ( int t = 0; t < ( in_tiles ? tiles : count ); ++t )
-    {
-        RfRandomKey draw = rf_pixel_key( rf_mix64( key ), (uint32_t)t );
-        bool chosen = size[t] > 0 && need[t] / (float)size[t] - (float)harvest->round > rf_random( draw, 0 );
-        size[t] = chosen;
-    }
-    int left = 0;
-    for ( int i = 0; i < count; ++i )
-    {
-        int t = in_tiles ? scratch->tile_of[i] : i;
-        scratch->pixel[left] = scratch->pixel[i];
-        if ( in_tiles )
-            scratch->tile_of[left] = t;
-        left += size[t];
-    }
-    return left;
-}
-
 // Follows the camera rays that hit mirrors and glass, if there are any.
 static void follow_chains( const RfHarvest* harvest, RfHarvestScratch* scratch )
 {
@@ -201,20 +188,24 @@ int rf_harvest_first_hits( const RfHarvest* harvest, RfTraceJob job, RfHitBatch*
 {
     const RfEye* eye = harvest->eyes + job.eye;
     RfWavefront* wavefront = &scratch->wavefront;
-    uint64_t key =
-        rf_pass_key( harvest->seed, (uint32_t)( harvest->first_frame + job.eye ), (uint32_t)harvest->group, (uint32_t)job.pass );
+    uint64_t key = key_of_pass( harvest, job.eye, job.pass );
     batch->eye = job.eye;
     wavefront->path_rays = wavefront->shadow_rays = 0;
 
     int tiles, count = rf_list_patch( &harvest->patches, eye, key, job.job, scratch->pixel, scratch->tile_of, &tiles );
-    if ( harvest->need != NULL )
-        count = choose_needy( harvest, key, count, tiles, scratch );
+    int32_t copy[RF_LANES];
+    if ( harvest->need != NULL && harvest->packed )
+        count = rf_pack_needy( harvest, key, count, &tiles, scratch, copy );
+    else if ( harvest->need != NULL )
+        count = rf_choose_needy( harvest, key, count, tiles, scratch );
     if ( scratch->tiles != NULL )
     {
         memcpy( scratch->tiles->tile_of, scratch->tile_of, (size_t)count * sizeof *scratch->tile_of );
         scratch->tiles->tile_count = tiles;
     }
     make_keys( key, count, scratch->pixel, wavefront );
+    if ( harvest->need != NULL && harvest->packed )
+        make_copies_keys( harvest, job, count, copy, scratch );
     make_camera_rays( eye, count, scratch->pixel, wavefront, &scratch->camera_rays );
     rf_find_vertices( &harvest->path, &scratch->camera_rays, true, &scratch->first, &wavefront->scratch );
     rays->primary += (uint64_t)count;
