@@ -38,10 +38,10 @@ static void copy_views( const RfHarvestScratch* scratch, RfHitBatch* batch )
         batch->view[i] = scratch->hits == &scratch->first ? RF_VIEW_DIRECT : scratch->chains->view[scratch->hits->slot[i]];
 }
 
-// Lists unevaluable hits and chains without a hit behind the rays that missed.
+// Lists unevaluable hits and chains without a hit, of mirrors, glass and coats, behind the rays that missed.
 static void note_own_frame( const RfVertexLanes* first, const uint8_t* recorded, RfHarvestScratch* scratch, RfHitBatch* batch )
 {
-    for ( int i = rf_record_count( first ); i < first->count; ++i )
+    for ( int i = 0; i < first->count; ++i )
     {
         int slot = first->slot[i];
         if ( recorded[slot] )
