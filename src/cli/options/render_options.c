@@ -110,8 +110,8 @@ static const RfOption s_options[] = {
       .bare = "on",
       .negated = "off",
       .default_text = "auto",
-      .help = "extra samples for pixels that few other frames help: borders, what comes into view, mirrors, glass; auto: in "
-              "frames where they pay. --adaptive alone is on, --no-adaptive is off" },
+      .help = "extra samples for pixels that few other frames help: borders, what comes into view, mirrors, glass, and more "
+              "where these are noisy; auto: in frames where they pay. --adaptive alone is on, --no-adaptive is off" },
     { .name = "tile-roulette",
       .in_file = true,
       .type = RF_OPTION_BOOL,
