@@ -105,10 +105,10 @@ static void make_camera_rays( const RfEye* eye, int count, const int32_t* pixel,
     rays->count = count;
 }
 
-// Lists unevaluable hits and chains without a hit behind the rays that missed.
+// Lists unevaluable hits and chains without a hit, of mirrors, glass and coats, behind the rays that missed.
 static void note_own_frame( const RfVertexLanes* first, const uint8_t* recorded, RfHarvestScratch* scratch, RfHitBatch* batch )
 {
-    for ( int i = rf_record_count( first ); i < first->count; ++i )
+    for ( int i = 0; i < first->count; ++i )
     {
         int slot = first->slot[i];
         if ( recorded[slot] )
