@@ -49,11 +49,12 @@ def without(options, *names):
 
 
 def render(binary, scene, pattern, size, setting, spp, seed, frames="", threads=1, more=()):
-    """Renders with GROUP:TILE, without extra samples; returns the output of `render --json` plus `cpu` seconds and `resident` bytes."""
+    """Renders with GROUP:TILE, without extra samples unless `more` asks for them; returns the output of `render --json` plus `cpu` seconds and `resident` bytes."""
     group, tile = setting.split(":")
     report = pattern.replace("####.exr", "json")
     command = [binary, "render", scene, "-o", pattern, "--size", size, "--group", group, "--tile", tile, "--spp", str(spp),
-               "--seed", str(seed), "--no-adaptive", "--float", "--compression", "none", "--overwrite", "--quiet", "--json", report]
+               "--seed", str(seed), "--float", "--compression", "none", "--overwrite", "--quiet", "--json", report]
+    command += [] if any(word.split("=")[0] in ("--adaptive", "--no-adaptive") for word in more) else ["--no-adaptive"]
     command += ["--threads", str(threads)] if threads else []
     command += ["--frames", frames] if frames else []
     _, cpu, resident = run(command + list(more))

@@ -86,7 +86,7 @@ def seen(binary, scene, folder, size, frames, options=()):
     made, names = numbered_scene(scene, folder)
     pattern = os.path.join(folder, "materials.####.exr")
     options = benchlib.without(options, "--max-depth", "--adaptive", "--no-adaptive")
-    done = benchlib.render(binary, made, pattern, size, "0:1", 1, 1, frames, None, [*options, "--max-depth", "1", "--no-adaptive"])
+    done = benchlib.render(binary, made, pattern, size, "0:1", 1, 1, frames, None, [*options, "--max-depth", "1"])
     result = {}
     for frame in (f["frame"] for f in done["frames"]):
         _, _, (red, green, _) = picturelib.read(benchlib.frame_of(pattern, frame))

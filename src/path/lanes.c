@@ -23,5 +23,6 @@ void rf_copy_vertices( const RfVertexLanes* from, int first, int count, uint32_t
     COPY3( emission );
     COPY( light_pdf_solid_angle );
     COPY( ray );
+    COPY( material );
     COPY( slot );
 }

@@ -43,6 +43,7 @@ typedef struct RfVertexLanes
     float light_pdf_solid_angle[RF_LANES]; // of a light sample at the ray's origin for this point, given its
                                            // light; 0: light sampling cannot find it
     int32_t ray[RF_LANES];                 // lane of the ray that found it
+    int32_t material[RF_LANES];            // index into the scene's
     int32_t slot[RF_LANES];
 } RfVertexLanes;
 

@@ -110,7 +110,6 @@ typedef struct Source
     const RfLights* lights;
     const RfRayLanes* rays;
     const RfLaneScratch* scratch;
-    int32_t* number; // filled: the material of each lane
 } Source;
 
 static inline void fill_lane( const Source* from, RfVertexLanes* restrict v, int i )
@@ -132,7 +131,7 @@ static inline void fill_lane( const Source* from, RfVertexLanes* restrict v, int
     v->offset[i] = t->offset;
     v->ray[i] = r;
     v->slot[i] = rays->slot[r];
-    from->number[i] = (int32_t)t->material;
+    v->material[i] = (int32_t)t->material;
     fill_params_of_hit( v, i, from->materials + t->material, facing );
     RfVec3 to_hit = rf_sub( p, rf_vec3( rays->o[0][r], rays->o[1][r], rays->o[2][r] ) );
     fill_emission( v, i, from->lights, t->light, facing, to_hit );
@@ -182,7 +181,7 @@ static void look_up_block( const RfScene* scene, const Source* from, RfVertexLan
     int32_t number[BLOCK];
     for ( int i = first; i < end; ++i )
     {
-        const RfMaterial* m = from->materials + from->number[i];
+        const RfMaterial* m = from->materials + v->material[i];
         number[i - first] = i - first;
         if ( m->textured != NULL )
             look_up_lane( scene, from, m, v, i, here + ( i - first ) );
@@ -204,8 +203,7 @@ static void fill_vertices( const RfTracer* tracer, const RfRayLanes* rays, RfVer
 {
     sort_by_kind( tracer, rays->count, scratch, vertices );
     const RfMaterial* materials = rf_tracer_scene( tracer )->materials;
-    RF_ALIGN int32_t number[RF_LANES];
-    Source from = { rf_tracer_triangles( tracer ), materials, rf_tracer_lights( tracer ), rays, scratch, number };
+    Source from = { rf_tracer_triangles( tracer ), materials, rf_tracer_lights( tracer ), rays, scratch };
     for ( int i = 0; i < vertices->count; ++i )
         fill_lane( &from, vertices, i );
     for ( int kind = 0; kind < RF_BSDF_KIND_COUNT; ++kind )
@@ -214,7 +212,7 @@ static void fill_vertices( const RfTracer* tracer, const RfRayLanes* rays, RfVer
         if ( rf_tracer_is_textured( tracer ) )
             look_up_textures( rf_tracer_scene( tracer ), &from, (RfBsdfKind)kind, vertices );
         else
-            gather_params( materials, number + first, (RfBsdfKind)kind, first, end, vertices );
+            gather_params( materials, vertices->material + first, (RfBsdfKind)kind, first, end, vertices );
     }
 }
 

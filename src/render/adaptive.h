@@ -22,8 +22,11 @@
 
 #include "render/renderer.h"
 
-// Extra samples in a pass, per pixel, at most.
+// Extra samples in a pass, per pixel, at most: where all materials are alike, and elsewhere.
 #define RF_MOST_EXTRA 4
+#define RF_MOST_EXTRA_NOISY 16
+
+static inline int rf_most_extra( bool noisy ) { return noisy ? RF_MOST_EXTRA_NOISY : RF_MOST_EXTRA; }
 
 // Runs the pilot of a frame whose film has just been cleared and fills live->need and live->most_need.
 void rf_run_pilot( RfRenderer* renderer, RfLiveFilm* live );

@@ -46,6 +46,7 @@ typedef struct RfEstimatorGroup
     // Of them this is the part between `round` and `round` + 1.
     const float* need;
     int round;
+    bool packed;          // instead all of them, as many tiles at once as fill a batch: the batch number `round` of these
     bool first_hits_only; // no light: for add_own_shares alone
 } RfEstimatorGroup;
 

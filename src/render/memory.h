@@ -30,6 +30,8 @@ typedef struct RfRenderMemory
     RfLiveFilm* films;
     int film_slots;
     RfFrameNoise* noise_estimates; // as many as films; with settings.noise or time only
+    struct RfMaterialNoise* noise; // of each material, for adaptive sampling; NULL: all are alike
+    bool noise_known;              // it has been measured
     RfFrameBuffer* buffers;        // finished frames on their way to the caller
     int buffer_count;
 } RfRenderMemory;

@@ -2,6 +2,7 @@
 
 #include "image/exr.h"
 #include "render/adaptive.h"
+#include "render/adaptive_noise.h"
 #include "render/memory.h"
 #include "render/settings.h"
 #include "scene/mirrors.h"
@@ -16,6 +17,8 @@ RfSceneTraits rf_scene_traits( const RfScene* scene )
     RfSceneTraits traits = { .sky = rf_max_component( scene->environment.radiance ) > 0.0f };
     for ( uint32_t i = 0; i < scene->triangles.count; ++i )
     {
+        if ( i > 0 && scene->triangles.material[i] == scene->triangles.material[i - 1] )
+            continue;
         const RfMaterial* material = scene->materials + scene->triangles.material[i];
         traits.kinds |= 1u << material->kind;
         traits.blended = traits.blended || rf_is_blended( material );
@@ -54,7 +57,8 @@ RfRenderSizes rf_render_sizes( const RfScene* scene, const RfEye* eyes, const Rf
     RfEstimatorGroup group = rf_size_group( scene, eyes, plan->eyes, settings );
     // as many additions to a pixel as eyes, and half of the passes in each half
     bool adaptive = may_adapt( settings, plan->eyes );
-    int total_every = rf_film_total_every( plan->eyes + ( adaptive ? RF_MOST_EXTRA : 0 ) );
+    int materials = adaptive && rf_noise_differs( &group.traits ) ? (int)scene->material_count : 0;
+    int total_every = rf_film_total_every( plan->eyes + ( adaptive ? rf_most_extra( materials > 0 ) : 0 ) );
     int64_t most = ( rf_most_passes( plan ) + 1 ) / 2;
     return ( RfRenderSizes ){
         .estimator = settings->estimator,
@@ -73,6 +77,7 @@ RfRenderSizes rf_render_sizes( const RfScene* scene, const RfEye* eyes, const Rf
         .total_every = rf_film_needs_total( most, total_every ) ? total_every : 0,
         .stopping = rf_is_stopping( settings ),
         .adaptive = adaptive,
+        .materials = materials,
         .files = settings->files,
     };
 }
@@ -84,6 +89,12 @@ size_t rf_noise_estimates_bytes( const RfRenderSizes* s ) { return s->stopping ?
 size_t rf_need_bytes( const RfRenderSizes* s ) { return s->adaptive ? film_pixels( s ) * sizeof( float ) : 0; }
 
 size_t rf_extra_bytes( const RfRenderSizes* s ) { return s->adaptive ? rf_film_extra_bytes( s->width, s->height ) : 0; }
+
+// One more for the materials that are alike.
+size_t rf_material_noise_bytes( const RfRenderSizes* s )
+{
+    return s->materials > 0 ? ( (size_t)s->materials + 1 ) * sizeof( RfMaterialNoise ) : 0;
+}
 
 size_t rf_aov_film_bytes( const RfRenderSizes* s, int aov )
 {
@@ -107,7 +118,7 @@ size_t rf_films_bytes( const RfRenderSizes* s )
     for ( int a = 0; a < RF_AOV_COUNT; ++a )
         frame += optional( rf_aov_film_bytes( s, a ) );
     return rf_arena_size( (size_t)s->films * sizeof( RfLiveFilm ) ) + optional( rf_noise_estimates_bytes( s ) ) +
-           (size_t)s->films * frame;
+           optional( rf_material_noise_bytes( s ) ) + (size_t)s->films * frame;
 }
 
 size_t rf_image_bytes( const RfRenderSizes* s )

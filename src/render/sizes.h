@@ -20,6 +20,7 @@ typedef struct RfRenderSizes
     int total_every; // passes of a half of a film before it is emptied; 0: never
     bool stopping;   // by noise or time
     bool adaptive;   // films may get extra samples
+    int materials;   // whose noise is measured for these; 0: all are alike
     RfFrameFiles files;
     size_t held; // bytes of held records besides the batches, the most of any group; with settings.hold_all only
 } RfRenderSizes;
@@ -54,12 +55,13 @@ size_t rf_records_bytes( const RfRenderSizes* sizes, int batches );
 size_t rf_fixed_bytes( const RfRenderSizes* sizes );
 
 // Bytes of single arrays, 0 where they are not needed: a film's totals in doubles; what is known of the
-// frames' noise; wanted samples and weights of extra samples of an adaptive film; an AOV while it is
-// rendered and when it is finished.
+// frames' noise; wanted samples and weights of extra samples of an adaptive film; the noise of materials; an
+// AOV while it is rendered and when it is finished.
 size_t rf_totals_bytes( const RfRenderSizes* sizes );
 size_t rf_noise_estimates_bytes( const RfRenderSizes* sizes );
 size_t rf_need_bytes( const RfRenderSizes* sizes );
 size_t rf_extra_bytes( const RfRenderSizes* sizes );
+size_t rf_material_noise_bytes( const RfRenderSizes* sizes );
 size_t rf_aov_film_bytes( const RfRenderSizes* sizes, int aov );
 size_t rf_aov_image_bytes( const RfRenderSizes* sizes, int aov );
 

@@ -3,6 +3,7 @@
 #include "reuse/glossy.h"
 #include "reuse/harvest.h"
 #include "reuse/reprojection.h"
+#include "reuse/splat.h"
 
 #include <string.h>
 
@@ -139,122 +140,13 @@ static void light_glossy( const Accumulation* a, int eye, const RfHitBatch* batc
     }
 }
 
-// Only pixels [low, end) belong to this job.
-typedef struct PixelRange
-{
-    float* film; // 4 per pixel
-    int32_t low, end;
-} PixelRange;
-
-typedef float Float4 __attribute__( ( vector_size( 16 ) ) );
-
-// film += r · (value, 1), four lanes at once. Spelled out, since the compiler would go through
-// the stack and stall on it.
-static inline void add_to_pixel( float* film, float ratio, const float* value )
-{
-    Float4 v, sum;
-    memcpy( &v, value, sizeof v );
-    memcpy( &sum, film, sizeof sum );
-    sum += v * ratio;
-    memcpy( film, &sum, sizeof sum );
-}
-
-static uint64_t splat_diffuse( const RfHitBatch* batch, const RfAccumulateScratch* s, PixelRange range )
-{
-    uint64_t landed = 0;
-    int count = batch->first[RF_BSDF_FIRST_GLOSSY];
-    for ( int i = 0; i < count; ++i )
-    {
-        int32_t pixel = s->pixel[i];
-        if ( s->ratio[i] > 0.0f && pixel >= range.low && pixel < range.end )
-        {
-            const float* value = batch->radiance + 4 * i;
-            float filtered[4] = { value[0], value[1], value[2], 1.0f };
-            for ( int c = 0; c < 3 && batch->view != NULL; ++c )
-                filtered[c] *= s->filter[c][i];
-            add_to_pixel( range.film + 4 * (size_t)pixel, s->ratio[i], batch->view != NULL ? filtered : value );
-            ++landed;
-        }
-    }
-    return landed;
-}
-
-static uint64_t splat_glossy( const RfHitBatch* batch, const RfAccumulateScratch* s, PixelRange range )
-{
-    uint64_t landed = 0;
-    int first = batch->first[RF_BSDF_FIRST_GLOSSY];
-    for ( int i = first; i < batch->count; ++i )
-    {
-        int32_t pixel = s->pixel[i];
-        if ( s->ratio[i] > 0.0f && pixel >= range.low && pixel < range.end )
-        {
-            float value[4] = { s->sum[0][i - first], s->sum[1][i - first], s->sum[2][i - first], 1.0f };
-            for ( int c = 0; c < 3 && batch->view != NULL; ++c )
-                value[c] *= s->filter[c][i];
-            add_to_pixel( range.film + 4 * (size_t)pixel, s->ratio[i], value );
-            ++landed;
-        }
-    }
-    return landed;
-}
-
-// Misses and unevaluable hits: weight 1 in their own frame, 0 elsewhere.
-static uint64_t splat_misses( const RfHitBatch* batch, bool black, float weight, PixelRange range )
-{
-    uint64_t landed = 0;
-    for ( int i = 0; i < batch->miss_count; ++i )
-    {
-        int32_t pixel = rf_miss_pixel( batch )[i];
-        if ( pixel >= range.low && pixel < range.end )
-        {
-            if ( black )
-                range.film[4 * (size_t)pixel + 3] += weight;
-            else
-                add_to_pixel( range.film + 4 * (size_t)pixel, weight, rf_miss_radiance( batch ) + 4 * (size_t)i );
-            ++landed;
-        }
-    }
-    return landed;
-}
-
-// Light without a sample of its own.
-static void splat_glints( const RfHitBatch* batch, float weight, PixelRange range )
-{
-    for ( int i = 0; i < batch->glint_count; ++i )
-    {
-        int32_t pixel = rf_glint_pixel( batch )[i];
-        if ( pixel >= range.low && pixel < range.end )
-            add_to_pixel( range.film + 4 * (size_t)pixel, weight, rf_glint_radiance( batch ) + 4 * (size_t)i );
-    }
-}
-
-static void count_landed( const RfHitBatch* batch, const RfAccumulateScratch* s, PixelRange range, uint32_t* landed )
-{
-    for ( int i = 0; i < batch->count; ++i )
-    {
-        int32_t pixel = s->pixel[i];
-        if ( s->ratio[i] > 0.0f && pixel >= range.low && pixel < range.end )
-            landed[pixel] += 1;
-    }
-}
-
-static void count_misses( const RfHitBatch* batch, PixelRange range, uint32_t* landed )
-{
-    for ( int i = 0; i < batch->miss_count; ++i )
-    {
-        int32_t pixel = rf_miss_pixel( batch )[i];
-        if ( pixel >= range.low && pixel < range.end )
-            landed[pixel] += 1;
-    }
-}
-
 static bool reaches_rows( const RfHitBatch* batch, RfAccumulateJob job )
 {
     return batch->rows[2 * job.eye] < job.end_row && batch->rows[2 * job.eye + 1] >= job.first_row;
 }
 
 // Records which eyes' hits landed in each pixel of the job's rows, for FR (15).
-static void note_landed_eyes( const Accumulation* a, RfAccumulateJob job, PixelRange range, uint32_t* landed_eyes,
+static void note_landed_eyes( const Accumulation* a, RfAccumulateJob job, RfPixelRange range, uint32_t* landed_eyes,
                               RfAccumulateScratch* s )
 {
     size_t words = (size_t)rf_seen_words( a->shape.eyes );
@@ -273,26 +165,26 @@ static void note_landed_eyes( const Accumulation* a, RfAccumulateJob job, PixelR
     }
 }
 
-static uint64_t add_batch( const Accumulation* a, RfAccumulateJob job, const RfHitBatch* batch, PixelRange range,
+static uint64_t add_batch( const Accumulation* a, RfAccumulateJob job, const RfHitBatch* batch, RfPixelRange range,
                            RfAccumulateScratch* scratch )
 {
     bool own = job.eye == batch->eye;
     reproject( a, job.eye, batch, scratch );
-    uint64_t landed = splat_diffuse( batch, scratch, range );
+    uint64_t landed = rf_splat_diffuse( batch, scratch, range );
     if ( rf_glossy_count( batch ) > 0 )
     {
         light_glossy( a, job.eye, batch, job.pass_state, scratch );
-        landed += splat_glossy( batch, scratch, range );
+        landed += rf_splat_glossy( batch, scratch, range );
     }
     if ( own )
     {
-        landed += splat_misses( batch, !a->shape.own_frame_light, a->weight, range );
-        splat_glints( batch, a->weight, range );
+        landed += rf_splat_misses( batch, !a->shape.own_frame_light, a->weight, range );
+        rf_splat_glints( batch, a->weight, range );
     }
     if ( job.landed != NULL )
-        count_landed( batch, scratch, range, job.landed );
+        rf_count_landed( batch, scratch, range, job.landed );
     if ( job.landed != NULL && own )
-        count_misses( batch, range, job.landed );
+        rf_count_misses( batch, range, job.landed );
     return landed;
 }
 
@@ -304,7 +196,7 @@ uint64_t rf_accumulate_rows( const RfEstimatorGroup* group, RfAccumulateJob job,
         batch_count
     };
     int width = group->width;
-    PixelRange range = { job.films->half[job.half], job.first_row * width, job.end_row * width };
+    RfPixelRange range = { job.films->half[job.half], job.first_row * width, job.end_row * width };
     if ( a.shape.eq15 )
         note_landed_eyes( &a, job, range, job.pass_state, scratch );
     uint64_t landed = 0;

@@ -40,6 +40,7 @@ RfHarvest rf_make_harvest( const RfEstimatorGroup* group )
         .group = group->number,
         .need = group->need,
         .round = group->round,
+        .packed = group->packed,
         .first_hits_only = group->first_hits_only,
     };
 }
@@ -68,6 +69,11 @@ RfHarvestScratch* rf_lay_out_harvest_scratch( const RfBatchShape* shape, void* m
     return scratch;
 }
 
+static uint64_t key_of_pass( const RfHarvest* harvest, int eye, int pass )
+{
+    return rf_pass_key( harvest->seed, (uint32_t)( harvest->first_frame + eye ), (uint32_t)harvest->group, (uint32_t)pass );
+}
+
 static void make_keys( uint64_t pass_key, int count, const int32_t* pixel, RfWavefront* wavefront )
 {
 #pragma omp simd
@@ -76,6 +82,18 @@ static void make_keys( uint64_t pass_key, int count, const int32_t* pixel, RfWav
         RfRandomKey key = rf_pixel_key( pass_key, (uint32_t)pixel[i] );
         wavefront->key_a[i] = key.a;
         wavefront->key_b[i] = key.b;
+    }
+}
+
+// Further samples of a pixel have the random numbers of further passes.
+static void make_copies_keys( const RfHarvest* harvest, RfTraceJob job, int count, const int32_t* copy,
+                              RfHarvestScratch* scratch )
+{
+    for ( int i = 0; i < count; ++i )
+    {
+        RfRandomKey key = rf_pixel_key( key_of_pass( harvest, job.eye, job.pass + copy[i] ), (uint32_t)scratch->pixel[i] );
+        scratch->wavefront.key_a[i] = key.a;
+        scratch->wavefront.key_b[i] = key.b;
     }
 }
 
@@ -103,61 +121,6 @@ static void make_camera_rays( const RfEye* eye, int count, const int32_t* pixel,
         rays->d[2][i] = d.z;
     }
     rays->count = count;
-}
-
-// Lists unevaluable hits and chains without a hit, of mirrors, glass and coats, behind the rays that missed.
-static void note_own_frame( const RfVertexLanes* first, const uint8_t* recorded, RfHarvestScratch* scratch, RfHitBatch* batch )
-{
-    for ( int i = 0; i < first->count; ++i )
-    {
-        int slot = first->slot[i];
-        if ( recorded[slot] )
-            continue;
-        rf_miss_pixel( batch )[batch->miss_count] = scratch->pixel[slot];
-        scratch->miss_slot[batch->miss_count++] = slot;
-    }
-}
-
-// Lists the pixels whose chain brought light and has a hit, too.
-static void note_glints( const RfHarvestScratch* scratch, RfHitBatch* batch, int32_t* glint_slot )
-{
-    const RfChains* chains = scratch->chains;
-    for ( int i = 0; i < batch->count; ++i )
-    {
-        int slot = scratch->hits->slot[i];
-        if ( chains->light[0][slot] + chains->light[1][slot] + chains->light[2][slot] == 0.0f )
-            continue;
-        rf_glint_pixel( batch )[batch->glint_count] = scratch->pixel[slot];
-        glint_slot[batch->glint_count++] = slot;
-    }
-}
-
-// Hits keep the pixel they were drawn in. Rays that hit nothing are misses; what has no record is listed behind these.
-static void note_pixels( int count, RfHarvestScratch* scratch, RfHitBatch* batch )
-{
-    uint8_t hit[RF_LANES], recorded[RF_LANES];
-    memset( hit, 0, (size_t)count );
-    memset( recorded, 0, (size_t)count );
-    for ( int i = 0; i < scratch->first.count; ++i )
-        hit[scratch->first.slot[i]] = 1;
-    for ( int i = 0; i < batch->count; ++i )
-    {
-        int slot = scratch->hits->slot[i];
-        recorded[slot] = 1;
-        batch->pixel[i] = scratch->pixel[slot];
-    }
-    int32_t* miss_pixel = rf_miss_pixel( batch );
-    batch->miss_count = batch->glint_count = 0;
-    for ( int slot = 0; slot < count; ++slot )
-    {
-        miss_pixel[batch->miss_count] = scratch->pixel[slot];
-        scratch->miss_slot[batch->miss_count] = slot;
-        batch->miss_count += !hit[slot];
-    }
-    scratch->ray_miss_count = batch->miss_count;
-    note_own_frame( &scratch->first, recorded, scratch, batch );
-    if ( scratch->hits != &scratch->first )
-        note_glints( scratch, batch, scratch->glint_slot );
 }
 
 static void sample_direct( const RfHarvest* harvest, RfHarvestScratch* scratch, RfRayCounts* rays )
@@ -204,64 +167,6 @@ static void trace_tails( const RfHarvest* harvest, RfHarvestScratch* scratch, Rf
         rf_trace_tails( &harvest->path, wavefront, 2 );
 }
 
-static void copy_hits( const RfVertexLanes* v, RfHitBatch* batch )
-{
-    batch->count = rf_record_count( v );
-    for ( int k = 0; k <= RF_BSDF_KIND_COUNT; ++k )
-        batch->first[k] = v->first[k] < batch->count ? v->first[k] : batch->count;
-    size_t bytes = (size_t)batch->count * sizeof( float );
-    for ( int c = 0; c < 3; ++c )
-    {
-        memcpy( batch->p[c], v->p[c], bytes );
-        memcpy( batch->ng[c], v->ng[c], bytes );
-    }
-    int first = v->first[RF_BSDF_FIRST_GLOSSY];
-    bytes = (size_t)( batch->count - first ) * sizeof( float );
-    if ( bytes == 0 )
-        return;
-    for ( int c = 0; c < 3; ++c )
-    {
-        memcpy( batch->n[c], v->n[c] + first, bytes );
-        memcpy( batch->wo[c], v->wo[c] + first, bytes );
-    }
-    for ( int p = 0; p < RF_PARAM_COUNT; ++p )
-    {
-        if ( batch->param[p] != NULL )
-            memcpy( batch->param[p], v->param[p] + first, bytes );
-    }
-}
-
-// Keeps the listed pixels whose tiles are drawn: with the mean of what their pixels need as
-// probability. Without tile reuse each pixel is a tile.
-static int choose_needy( const RfHarvest* harvest, uint64_t key, int count, int tiles, RfHarvestScratch* scratch )
-{
-    float need[RF_LANES] = { 0 };
-    int32_t size[RF_LANES] = { 0 };
-    bool in_tiles = scratch->tiles != NULL;
-    for ( int i = 0; i < count; ++i )
-    {
-        int t = in_tiles ? scratch->tile_of[i] : i;
-        need[t] += harvest->need[scratch->pixel[i]];
-        size[t] += 1;
-    }
-    for ( int t = 0; t < ( in_tiles ? tiles : count ); ++t )
-    {
-        RfRandomKey draw = rf_pixel_key( rf_mix64( key ), (uint32_t)t );
-        bool chosen = size[t] > 0 && need[t] / (float)size[t] - (float)harvest->round > rf_random( draw, 0 );
-        size[t] = chosen;
-    }
-    int left = 0;
-    for ( int i = 0; i < count; ++i )
-    {
-        int t = in_tiles ? scratch->tile_of[i] : i;
-        scratch->pixel[left] = scratch->pixel[i];
-        if ( in_tiles )
-            scratch->tile_of[left] = t;
-        left += size[t];
-    }
-    return left;
-}
-
 // Follows the camera rays that hit mirrors and glass, if there are any.
 static void follow_chains( const RfHarvest* harvest, RfHarvestScratch* scratch )
 {
@@ -278,40 +183,34 @@ static void follow_chains( const RfHarvest* harvest, RfHarvestScratch* scratch )
         rf_split_tiles( scratch->chains, scratch->tiles );
 }
 
-static void copy_views( const RfHarvestScratch* scratch, RfHitBatch* batch )
-{
-    if ( batch->view == NULL )
-        return;
-    for ( int i = 0; i < batch->count; ++i )
-        batch->view[i] = scratch->hits == &scratch->first ? RF_VIEW_DIRECT : scratch->chains->view[scratch->hits->slot[i]];
-}
-
 int rf_harvest_first_hits( const RfHarvest* harvest, RfTraceJob job, RfHitBatch* batch, RfHarvestScratch* scratch,
                            RfRayCounts* rays )
 {
     const RfEye* eye = harvest->eyes + job.eye;
     RfWavefront* wavefront = &scratch->wavefront;
-    uint64_t key =
-        rf_pass_key( harvest->seed, (uint32_t)( harvest->first_frame + job.eye ), (uint32_t)harvest->group, (uint32_t)job.pass );
+    uint64_t key = key_of_pass( harvest, job.eye, job.pass );
     batch->eye = job.eye;
     wavefront->path_rays = wavefront->shadow_rays = 0;
 
     int tiles, count = rf_list_patch( &harvest->patches, eye, key, job.job, scratch->pixel, scratch->tile_of, &tiles );
-    if ( harvest->need != NULL )
-        count = choose_needy( harvest, key, count, tiles, scratch );
+    int32_t copy[RF_LANES];
+    if ( harvest->need != NULL && harvest->packed )
+        count = rf_pack_needy( harvest, key, count, &tiles, scratch, copy );
+    else if ( harvest->need != NULL )
+        count = rf_choose_needy( harvest, key, count, tiles, scratch );
     if ( scratch->tiles != NULL )
     {
         memcpy( scratch->tiles->tile_of, scratch->tile_of, (size_t)count * sizeof *scratch->tile_of );
         scratch->tiles->tile_count = tiles;
     }
     make_keys( key, count, scratch->pixel, wavefront );
+    if ( harvest->need != NULL && harvest->packed )
+        make_copies_keys( harvest, job, count, copy, scratch );
     make_camera_rays( eye, count, scratch->pixel, wavefront, &scratch->camera_rays );
     rf_find_vertices( &harvest->path, &scratch->camera_rays, true, &scratch->first, &wavefront->scratch );
     rays->primary += (uint64_t)count;
     follow_chains( harvest, scratch );
-    copy_hits( scratch->hits, batch );
-    copy_views( scratch, batch );
-    note_pixels( count, scratch, batch );
+    rf_list_hits( count, scratch, batch );
     return count;
 }
 

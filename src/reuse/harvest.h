@@ -23,6 +23,7 @@ typedef struct RfHarvest
     int group;         // its number
     const float* need; // adaptive sampling, as in RfEstimatorGroup
     int round;
+    bool packed;
     bool first_hits_only;
 } RfHarvest;
 

@@ -41,6 +41,17 @@ struct RfHarvestScratch
     RfTileReuse* tiles;                      // NULL without tile reuse
 };
 
+// Adaptive sampling. Keeps the listed pixels whose tiles are drawn: with the mean of what their pixels need, less
+// harvest->round, as probability. Returns how many.
+int rf_choose_needy( const RfHarvest* harvest, uint64_t key, int count, int tiles, RfHarvestScratch* scratch );
+
+// The same for all rounds at once: tiles are listed as often as they are wanted, each time as a tile of its own;
+// copy[] tells which time it is. Of wavefronts full of these it lists number harvest->round.
+int rf_pack_needy( const RfHarvest* harvest, uint64_t key, int count, int* tiles, RfHarvestScratch* scratch, int32_t* copy );
+
+// Fills the batch with the hits, misses and glints of `count` camera rays, without their light.
+void rf_list_hits( int count, RfHarvestScratch* scratch, RfHitBatch* batch );
+
 // Visibility and densities from every eye: batch->seen, rows and density_sum,
 // and scratch->density.
 void rf_test_batch_visibility( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch, RfRayCounts* rays );

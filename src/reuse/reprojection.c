@@ -47,11 +47,12 @@ void rf_own_densities( const RfMirrors* mirrors, const RfEye* eye, const RfHitBa
     {
         RfVec3 p = rf_vec3( batch->p[0][i], batch->p[1][i], batch->p[2][i] );
         RfVec3 ng = rf_vec3( batch->ng[0][i], batch->ng[1][i], batch->ng[2][i] );
-        bool direct = batch->view == NULL || rf_is_straight( batch->view[i] );
-        density[i] = direct ? rf_project( eye, p, ng ).density : 1.0f;
+        density[i] = rf_project( eye, p, ng ).density;
     }
     if ( batch->view == NULL )
         return;
+    for ( int i = 0; i < batch->count; ++i )
+        density[i] = rf_is_straight( batch->view[i] ) ? density[i] : 1.0f;
     clear_filter( batch, filter );
     rf_own_mirrored_densities( mirrors, eye, batch, density, filter );
     rf_weight_bases( batch, rf_pinhole_origin( eye ), density, filter );

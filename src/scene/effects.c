@@ -1,4 +1,4 @@
-#include "scene/scene.h"
+#include "scene/mirrors.h"
 
 #include "scene/textured.h"
 
@@ -159,6 +159,23 @@ static RfEffect punctual_effect( const RfScene* scene )
     return effect;
 }
 
+static RfEffect flat_mirror_effect( const RfScene* scene )
+{
+    RfEffect effect = { .name = "flat-mirrors" };
+    RfMirrors mirrors;
+    if ( rf_find_mirrors( scene, &mirrors, NULL ) == RF_OK && mirrors.count > 0 )
+    {
+        effect.on = true;
+        snprintf( effect.why, sizeof effect.why, "%d plane%s that reflect%s, the largest %.3g m2 of material '%.60s'",
+                  mirrors.count, mirrors.count == 1 ? "" : "s", mirrors.count == 1 ? "s" : "", mirrors.mirror->area,
+                  mirrors.mirror->material.name );
+    }
+    else
+        snprintf( effect.why, sizeof effect.why, "no plane reflects like a mirror" );
+    rf_destroy_mirrors( &mirrors );
+    return effect;
+}
+
 static RfEffect environment_effect( const RfScene* scene )
 {
     const RfEnvironment* e = &scene->environment;
@@ -189,6 +206,7 @@ int rf_list_effects( const RfScene* scene, RfEffect effects[RF_MAX_EFFECTS] )
     effects[count++] = camera_effect( scene );
     effects[count++] = material_effect( &census, "clearcoat", has_clearcoat, "no material has a clear coat" );
     effects[count++] = material_effect( &census, "mirrors", has_mirror, "no material is a perfect mirror" );
+    effects[count++] = flat_mirror_effect( scene );
     effects[count++] = material_effect( &census, "transmission", has_transmission, "no material transmits light" );
     effects[count++] = material_effect( &census, "panes", rf_may_be_pane, "no smooth wall without thickness transmits light" );
     effects[count++] = material_effect( &census, "absorption", has_absorption, "no glass absorbs light" );

@@ -2,6 +2,8 @@
 // nothing else changes the result.
 #include "support/cli_run.h"
 #include "render/adaptive.h"
+#include "render/adaptive_need.h"
+#include "render/adaptive_noise.h"
 #include "support/render_support.h"
 #include "support/scene_builder.h"
 
@@ -140,7 +142,8 @@ static void test_auto_is_off_where_it_must( void** state )
         resolved.adaptive = RF_ADAPTIVE_OFF;
         assert_int_equal( rf_fit_memory( &scene, eyes, cases[i].eyes, 1, &resolved, &off, NULL ), RF_OK );
         size_t more = cases[i].resolved == RF_ADAPTIVE_AUTO ? 3 * sizeof( float ) * 40 * 30 : 0; // need and extra
-        assert_true( fit.bytes_films >= off.bytes_films + more && fit.bytes_films < off.bytes_films + more + 256 );
+        size_t noise = more > 0 ? ( scene.material_count + 1 ) * sizeof( RfMaterialNoise ) : 0;
+        assert_true( fit.bytes_films >= off.bytes_films + more && fit.bytes_films < off.bytes_films + more + 256 + noise );
         settings.adaptive = RF_ADAPTIVE_ON;
         bool exact = cases[i].weights == RF_WEIGHTS_EXACT;
         assert_int_equal( rf_resolve_settings( tracer, eyes, cases[i].eyes, &settings, &resolved, NULL ),
@@ -199,6 +202,50 @@ static void test_threshold_follows_the_weights( void** state )
     assert_true( rf_extra_threshold( counts, BINS, 1000.0, 7 ) == 1.0 );
 }
 
+// Pixels without help whose samples have variance 1, 4 and 16, among others with help.
+static void test_need_follows_the_noise( void** state )
+{
+    (void)state;
+    enum
+    {
+        PIXELS = 1000
+    };
+    static float share[PIXELS], noise[4 * PIXELS];
+    for ( int i = 0; i < PIXELS; ++i )
+    {
+        share[i] = i < 60 ? 2.0f : 2.0f / 7.0f; // sums of two passes
+        noise[4 * i] = 2.0f * ( i < 20 ? 16.0f : i < 40 ? 4.0f : 1.0f );
+        noise[4 * i + 1] = 2.0f;
+    }
+    RfPilotSums sums = { share, noise, NULL, PIXELS, 2.0f, 7 };
+    assert_true( rf_extra_may_pay( &sums ) );
+    float most = rf_set_need( &sums );
+    printf( "extra samples: %.2f %.2f %.2f %.2f\n", (double)share[0], (double)share[20], (double)share[40], (double)share[999] );
+    assert_true( most == share[0] && most <= RF_MOST_EXTRA_NOISY && share[999] == 0.0f );
+    assert_true( share[20] > share[40] );
+    // samples as the root of the variance
+    assert_true( fabsf( ( 1.0f + share[0] ) / ( 1.0f + share[20] ) - 2.0f ) < 0.01f );
+    // the same pixels, were they alike
+    double counts[7] = { 940.0, 0, 0, 0, 0, 0, 60.0 };
+    double theta = rf_extra_threshold( counts, 7, PIXELS, 7 );
+    assert_true( (double)share[0] > theta - 1.0 );
+}
+
+// Of the classes: glass that few paths find light through is measured to be noisier than walls, and gets more
+// samples for it, in a render whose films count them.
+static void test_noise_is_measured( void** state )
+{
+    (void)state;
+    RfScene scene = make_glass_room();
+    RfSceneTraits glass = rf_scene_traits( &scene );
+    assert_true( rf_noise_differs( &glass ) );
+    rf_destroy_scene( &scene );
+    scene = make_room( ROOM_PHONG );
+    RfSceneTraits walls = rf_scene_traits( &scene );
+    assert_true( !rf_noise_differs( &walls ) );
+    rf_destroy_scene( &scene );
+}
+
 static void test_command_line_takes_it( void** state )
 {
     (void)state;
@@ -233,6 +280,7 @@ int main( void )
         cmocka_unit_test( test_nothing_else_decides ),          cmocka_unit_test( test_single_frames_are_as_without ),
         cmocka_unit_test( test_auto_decides_by_frame ),         cmocka_unit_test( test_auto_is_off_where_it_must ),
         cmocka_unit_test( test_threshold_follows_the_weights ), cmocka_unit_test( test_command_line_takes_it ),
+        cmocka_unit_test( test_need_follows_the_noise ),        cmocka_unit_test( test_noise_is_measured ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -1,7 +1,7 @@
 // Extra own-frame samples where few other frames help leave the estimator unbiased and
 // E[B] = 1: in rooms with mirrors and glass, with cameras far apart, without and with
 // tiles.
-#include "support/scene_builder.h"
+#include "support/mirror_rooms.h"
 #include "support/statistics.h"
 #include "support/unbiased.h"
 
@@ -31,6 +31,35 @@ static RfRenderSettings settings_of( int group, int spp, const char* tile )
     settings.memory = (size_t)512 << 20;
     assert_true( rf_parse_tile( tile, &settings.tile ) );
     return settings;
+}
+
+// A ball in the middle of the room: pixels of one class of noise beside those of the others.
+static void check_auto( const char* what, MirrorRoom kind )
+{
+    RfScene scene = make_mirror_room( kind );
+    RfTracer* tracer = make_tracer( &scene );
+    RfEye eyes[EYES];
+    orbit_eyes( eyes, EYES, 4.0f, WIDTH, HEIGHT );
+    int more = is_long() ? 4 : 1, frame = 3;
+    RfRenderSettings plain = settings_of( 0, 1, "1" );
+    Images reference = reference_images( tracer, eyes, frame, 96 * more, &plain );
+    for ( int t = 0; t < 2; ++t )
+    {
+        char name[64];
+        snprintf( name, sizeof name, "%s group 3 tile %s, auto:", what, t == 0 ? "1" : "3x3" );
+        RfRenderSettings settings = settings_of( 3, 10 * more, t == 0 ? "1" : "3x3" );
+        settings.adaptive = RF_ADAPTIVE_AUTO;
+        Images rendered = rendered_images( tracer, eyes, EYES, frame, settings );
+        assert_unbiased( name, &rendered, &reference, BLOCK );
+        free_images( &rendered );
+        Rendered one = render_frames( tracer, eyes, EYES, &frame, 1, &settings );
+        printf( "%.2f extra samples\n", one.native_spp[0] - one.stats.spp );
+        assert_true( one.native_spp[0] > one.stats.spp + 0.1 ); // else nothing was tested
+        free_rendered( &one );
+    }
+    free_images( &reference );
+    rf_destroy_tracer( tracer );
+    rf_destroy_scene( &scene );
 }
 
 // Eyes `degrees` apart, but the middle one, whose picture it is, 3 `aside` degrees off the middle.
@@ -68,6 +97,15 @@ static void test_glass_room( void** state )
 {
     (void)state;
     check( "glass", make_glass_room(), 12.0f, 2.0f );
+}
+
+// Glass takes several samples of a pixel into one batch.
+static void test_noisy_glass( void** state )
+{
+    (void)state;
+    check_auto( "absorbing ball", ABSORBING_BALL );
+    check_auto( "mirror ball", MIRROR_BALL );
+    check_auto( "smooth plastic", SMOOTH_PLASTIC );
 }
 
 // Walls that no other frame sees.
@@ -117,6 +155,7 @@ int main( void )
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( test_glass_room ),
         cmocka_unit_test( test_another_view ),
+        cmocka_unit_test( test_noisy_glass ),
         cmocka_unit_test( test_mean_weight ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );

@@ -1,0 +1,134 @@
+#include "render/adaptive_need.h"
+
+#include "render/adaptive.h"
+
+#include <math.h>
+
+#define BINS 64
+// Cost of a sample beside that of a path: for each further eye of a group, and
+// of an extra one, which comes in broken wavefronts.
+#define COST_OF_EYE 0.05
+#define COST_OF_EXTRA 1.2
+#define LEAST_GAIN 0.02 // by these figures, which are rough
+#define LOOK_GAIN 0.01  // that justifies a pilot: a coarse look may miss some of it
+// Where materials differ in noise: θ from the least to RF_MOST_EXTRA_NOISY, over about so many pixels.
+#define LEAST_THETA 0.05
+#define THETA_STEP 1.1
+#define SOME_PIXELS 4096
+
+// rf_extra_threshold for gains from `least_gain` on.
+static double threshold( const double* counts, int bins, double all, int eyes, double least_gain )
+{
+    double best = 1.0, least = 0.0, without = 0.0;
+    for ( int step = 0; step <= 10 * ( RF_MOST_EXTRA - 1 ); ++step )
+    {
+        double theta = 1.0 + 0.1 * step, error = 0.0, cost = all * ( 1.0 + COST_OF_EYE * ( eyes - 1 ) );
+        for ( int b = 0; b < bins; ++b )
+        {
+            double info = (double)bins / ( b + 1 );
+            error += counts[b] / fmax( info, theta );
+            cost += counts[b] * COST_OF_EXTRA * fmax( 0.0, theta - info );
+        }
+        without = step == 0 ? error * cost : without;
+        if ( step > 0 && error * cost >= least )
+            continue;
+        best = theta;
+        least = error * cost;
+    }
+    return least > ( 1.0 - least_gain ) * without ? 1.0 : best;
+}
+
+double rf_extra_threshold( const double* counts, int bins, double all, int eyes )
+{
+    return threshold( counts, bins, all, eyes, LEAST_GAIN );
+}
+
+// The mean of ρ over the passes.
+static float pixel_share( const RfPilotSums* sums, size_t i ) { return fminf( sums->share[i] / sums->passes, 1.0f ); }
+
+// The mean variance of a pixel's samples.
+static float pixel_variance( const RfPilotSums* sums, size_t i )
+{
+    return sums->noise != NULL && sums->noise[4 * i + 1] > 0.0f ? sums->noise[4 * i] / sums->noise[4 * i + 1] : 1.0f;
+}
+
+// Extra samples of a pixel in a pass.
+static float extra_of( float share, float variance, double theta )
+{
+    float extra = fmaxf( 0.0f, (float)theta * sqrtf( variance ) - 1.0f / share );
+    return fminf( extra, RF_MOST_EXTRA_NOISY );
+}
+
+static void count_share( float share, double* counts )
+{
+    if ( share > 0.0f )
+        counts[(int)fminf( share * BINS, BINS - 1 )] += 1.0;
+}
+
+// θ for the pixels with samples where all materials are alike.
+static double threshold_alike( const RfPilotSums* sums, double least_gain )
+{
+    double counts[BINS] = { 0 }, seen = 0.0;
+    for ( size_t i = 0; i < sums->pixels; ++i )
+    {
+        if ( sums->samples != NULL && sums->samples[i] == 0.0f )
+            continue;
+        count_share( pixel_share( sums, i ), counts );
+        seen += 1.0;
+    }
+    return threshold( counts, BINS, seen, sums->eyes, least_gain );
+}
+
+// Error times cost for a theta, over some pixels.
+static double error_times_cost( const RfPilotSums* sums, size_t stride, double theta )
+{
+    double error = 0.0, cost = 0.0, seen = 0.0;
+    for ( size_t i = 0; i < sums->pixels; i += stride )
+    {
+        if ( sums->samples != NULL && sums->samples[i] == 0.0f )
+            continue;
+        seen += 1.0;
+        float share = pixel_share( sums, i );
+        if ( share <= 0.0f )
+            continue;
+        float extra = extra_of( share, pixel_variance( sums, i ), theta );
+        error += (double)( pixel_variance( sums, i ) / ( 1.0f / share + extra ) );
+        cost += COST_OF_EXTRA * (double)extra;
+    }
+    return error * ( seen * ( 1.0 + COST_OF_EYE * ( sums->eyes - 1 ) ) + cost );
+}
+
+// The same where materials differ. 0: no extra samples pay.
+static double threshold_noisy( const RfPilotSums* sums, double least_gain )
+{
+    size_t stride = sums->pixels / SOME_PIXELS + 1;
+    double without = error_times_cost( sums, stride, 0.0 ), least = without, best = 0.0;
+    for ( double theta = LEAST_THETA; theta <= RF_MOST_EXTRA_NOISY; theta *= THETA_STEP )
+    {
+        double product = error_times_cost( sums, stride, theta );
+        if ( product >= least )
+            continue;
+        least = product;
+        best = theta;
+    }
+    return least > ( 1.0 - least_gain ) * without ? 0.0 : best;
+}
+
+bool rf_extra_may_pay( const RfPilotSums* sums )
+{
+    return sums->noise != NULL ? threshold_noisy( sums, LOOK_GAIN ) > 0.0 : threshold_alike( sums, LOOK_GAIN ) > 1.0;
+}
+
+float rf_set_need( const RfPilotSums* sums )
+{
+    double theta = sums->noise != NULL ? threshold_noisy( sums, LEAST_GAIN ) : threshold_alike( sums, LEAST_GAIN );
+    float most = 0.0f;
+
+    for ( size_t i = 0; i < sums->pixels; ++i )
+    {
+        float share = pixel_share( sums, i );
+        sums->share[i] = share > 0.0f ? extra_of( share, pixel_variance( sums, i ), theta ) : 0.0f;
+        most = fmaxf( most, sums->share[i] );
+    }
+    return most;
+}

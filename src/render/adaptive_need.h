@@ -1,0 +1,25 @@
+// Internal to adaptive sampling: from the sums of a pilot to extra samples for each pixel.
+#ifndef REFRAME_RENDER_ADAPTIVE_NEED_H
+#define REFRAME_RENDER_ADAPTIVE_NEED_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+// What a pilot found, per pixel.
+typedef struct RfPilotSums
+{
+    float* share;         // sums of ρ over the passes
+    const float* noise;   // four per pixel: the sum of the variances of its hits' classes, and of the hits; NULL: all alike
+    const float* samples; // camera rays of the pixel; NULL: one in each pass
+    size_t pixels;
+    float passes;
+    int eyes; // of the group
+} RfPilotSums;
+
+// Do enough pixels of a coarse look lack samples for a pilot to be worth it?
+bool rf_extra_may_pay( const RfPilotSums* sums );
+
+// Replaces sums->share by the extra samples of each pixel in a pass, and returns the most.
+float rf_set_need( const RfPilotSums* sums );
+
+#endif

@@ -1,0 +1,95 @@
+// Adaptive sampling: which tiles of a patch get extra samples.
+#include "reuse/harvest_internal.h"
+
+#include <math.h>
+#include <string.h>
+
+// The tiles of the pixels listed for a patch. Without tile reuse each pixel is a tile.
+typedef struct Tiles
+{
+    int count;
+    int32_t of[RF_LANES]; // each pixel's
+    int32_t size[RF_LANES];
+    float need[RF_LANES]; // mean over its pixels
+} Tiles;
+
+static void list_tiles( const RfHarvest* harvest, int count, int tiles, const RfHarvestScratch* scratch, Tiles* out )
+{
+    bool in_tiles = scratch->tiles != NULL;
+    out->count = in_tiles ? tiles : count;
+    memset( out->size, 0, sizeof out->size );
+    memset( out->need, 0, sizeof out->need );
+    for ( int i = 0; i < count; ++i )
+    {
+        int t = in_tiles ? scratch->tile_of[i] : i;
+        out->of[i] = t;
+        out->need[t] += harvest->need[scratch->pixel[i]];
+        out->size[t] += 1;
+    }
+    for ( int t = 0; t < out->count; ++t )
+        out->need[t] = out->size[t] > 0 ? out->need[t] / (float)out->size[t] : 0.0f;
+}
+
+static float draw_tile( uint64_t key, int tile ) { return rf_random( rf_pixel_key( rf_mix64( key ), (uint32_t)tile ), 0 ); }
+
+int rf_choose_needy( const RfHarvest* harvest, uint64_t key, int count, int tiles, RfHarvestScratch* scratch )
+{
+    Tiles list;
+    list_tiles( harvest, count, tiles, scratch, &list );
+    bool chosen[RF_LANES];
+    for ( int t = 0; t < list.count; ++t )
+        chosen[t] = list.size[t] > 0 && list.need[t] - (float)harvest->round > draw_tile( key, t );
+    int left = 0;
+    for ( int i = 0; i < count; ++i )
+    {
+        scratch->pixel[left] = scratch->pixel[i];
+        scratch->tile_of[left] = list.of[i];
+        left += chosen[list.of[i]];
+    }
+    return left;
+}
+
+// Counts the samples of each tile: the whole part of its need, and one more with the rest as probability.
+static int count_copies( const Tiles* list, uint64_t key, int32_t* copies )
+{
+    int most = 0;
+    for ( int t = 0; t < list->count; ++t )
+    {
+        float whole = floorf( list->need[t] );
+        copies[t] = (int32_t)whole + ( list->need[t] - whole > draw_tile( key, t ) );
+        most = copies[t] > most ? copies[t] : most;
+    }
+    return most;
+}
+
+int rf_pack_needy( const RfHarvest* harvest, uint64_t key, int count, int* tiles, RfHarvestScratch* scratch, int32_t* copy )
+{
+    Tiles list;
+    int32_t copies[RF_LANES], pixel[RF_LANES], number[RF_LANES];
+    list_tiles( harvest, count, *tiles, scratch, &list );
+    memcpy( pixel, scratch->pixel, (size_t)count * sizeof *pixel );
+    int most = count_copies( &list, key, copies ), wavefront = 0, used = 0, left = 0;
+    *tiles = 0;
+    for ( int k = 0; k < most; ++k )
+    {
+        for ( int t = 0; t < list.count; ++t )
+        {
+            number[t] = -1;
+            if ( copies[t] <= k )
+                continue;
+            wavefront += used + list.size[t] > RF_PATCH_PIXELS;
+            used = used + list.size[t] > RF_PATCH_PIXELS ? list.size[t] : used + list.size[t];
+            if ( wavefront == harvest->round )
+                number[t] = ( *tiles )++;
+        }
+        for ( int i = 0; i < count; ++i )
+        {
+            if ( number[list.of[i]] < 0 )
+                continue;
+            scratch->pixel[left] = pixel[i];
+            scratch->tile_of[left] = number[list.of[i]];
+            copy[left++] = k;
+        }
+    }
+    return left;
+}
