@@ -76,9 +76,10 @@ void rf_own_mirrored_densities( const RfMirrors* mirrors, const RfEye* eye, cons
         if ( !rf_is_mirrored( batch->view[i] ) )
             continue;
         look_into( &image, batch->view[i] );
-        RfVec3 p = position( batch, i ), weight;
+        RfVec3 p = position( batch, i ), weight = rf_vec3( 0, 0, 0 );
         float probability = reflection( &image, rf_sub( p, image.image.origin ), &weight );
-        density[i] = rf_project( &image.image, p, normal( batch, i ) ).density * probability;
+        // the mirror did reflect, whatever rounding does to its angle
+        density[i] = rf_maxf( rf_project( &image.image, p, normal( batch, i ) ).density * probability, RF_MIN_DENSITY );
         if ( filter != NULL )
             put( filter, i, weight );
     }
@@ -129,6 +130,22 @@ static void pack( const RfMirrors* mirrors, const RfEye* eye, const RfHitBatch* 
     }
 }
 
+// Panes close the way from mirror to hit, those with holes as well: whoever passes one does not count as mirrored.
+static void trace_to_hits( const RfTracer* tracer, int count, const float* const from[3], const float* const way[3],
+                           float* visible )
+{
+    if ( !rf_tracer_has_panes( tracer ) || !rf_tracer_is_blended( tracer ) )
+    {
+        rf_trace_segments( tracer, count, from, way, visible );
+        return;
+    }
+    RF_ALIGN float probability[RF_LANES], weight[3][RF_LANES];
+    rf_trace_segments_past_panes( tracer, count, from, way, visible,
+                                  &( RfPaneLanes ){ probability, { weight[0], weight[1], weight[2] } } );
+    for ( int k = 0; k < count; ++k )
+        visible[k] = probability[k] < 1.0f ? 0.0f : visible[k];
+}
+
 int rf_see_mirrored( const RfTracer* tracer, const RfEye* eye, const RfHitBatch* batch, const float* const lifted[3],
                      float* density )
 {
@@ -157,7 +174,7 @@ int rf_see_mirrored( const RfTracer* tracer, const RfEye* eye, const RfHitBatch*
         packed.lane[kept++] = packed.lane[k];
     }
     const float* way[3] = { packed.way[0], packed.way[1], packed.way[2] };
-    rf_trace_segments( tracer, kept, from, way, packed.visible );
+    trace_to_hits( tracer, kept, from, way, packed.visible );
     for ( int k = 0; k < kept; ++k )
         density[packed.lane[k]] = packed.weight[k] * packed.visible[k];
     return rays + kept;

@@ -56,16 +56,18 @@ static void list_members( const RfVertexLanes* hits, RfTileReuse* reuse )
     }
 }
 
-// True if the path may not go on from second vertex a.
-static bool is_spent( const RfTileReuse* reuse, int a )
+// True if the path may not go on from second vertex a. Its throughput does not tell: panes may have absorbed it,
+// while others see the vertex without them.
+static bool is_spent( const RfTileReuseSettings* settings, const RfWavefront* wavefront, const RfTileReuse* reuse, int a )
 {
-    return reuse->throughput[0][a] + reuse->throughput[1][a] + reuse->throughput[2][a] == 0.0f;
+    return wavefront->spent != NULL && wavefront->spent[reuse->second.slot[a]] + 2 >= settings->path->max_depth;
 }
 
 // Finds the second vertices that are reused: both the hit and the vertex must be
 // evaluable. All hits of the tile could have sampled them, including those whose
 // own path has no second vertex.
-static void list_owners( const RfVertexLanes* hits, RfTileReuse* reuse )
+static void list_owners( const RfTileReuseSettings* settings, const RfWavefront* wavefront, const RfVertexLanes* hits,
+                         RfTileReuse* reuse )
 {
     int32_t hit_of_slot[RF_LANES];
     int count = rf_record_count( hits );
@@ -78,7 +80,7 @@ static void list_owners( const RfVertexLanes* hits, RfTileReuse* reuse )
     {
         int i = hit_of_slot[y->slot[a]];
         reuse->owner[a] = -1;
-        if ( i < 0 || a >= rf_record_count( y ) || is_spent( reuse, a ) )
+        if ( i < 0 || a >= rf_record_count( y ) || is_spent( settings, wavefront, reuse, a ) )
             continue;
         float way2 = 0.0f, cos_y = 0.0f;
         for ( int c = 0; c < 3; ++c )
@@ -165,7 +167,7 @@ uint64_t rf_trace_tile_tails( const RfTileReuseSettings* settings, const RfVerte
     copy_throughput( &wavefront->rays, reuse );
     trace_beyond( settings->path, wavefront, reuse );
     list_members( hits, reuse );
-    list_owners( hits, reuse );
+    list_owners( settings, wavefront, hits, reuse );
     for ( int s = 0; s < tile_pixels; ++s )
         find_neighbours( reuse, s, rf_record_count( hits ), reuse->pairings + s );
     uint64_t tested = rf_weight_pairings( settings, hits, scattered, wavefront, reuse );

@@ -29,6 +29,23 @@ static RfVec3 corner( const float* values, const uint32_t* index, int k )
     return rf_vec3( v[0], v[1], v[2] );
 }
 
+// False if shading normals would bend the reflection. Where all three are the same, the tracer takes the triangle's own.
+static bool is_flat( const RfTriangles* t, const uint32_t* index, RfVec3 n )
+{
+    RfVec3 first = corner( t->normals, index, 0 );
+    float largest2 = 0.0f;
+    bool flat = true;
+    for ( int k = 0; k < 3; ++k )
+    {
+        RfVec3 m = corner( t->normals, index, k ), sine = rf_cross( m, n ), turn = rf_sub( m, first );
+        if ( !( rf_dot( m, n ) > 0.999999f ) )
+            return false;
+        flat = flat && rf_dot( turn, turn ) == 0.0f;
+        largest2 = rf_maxf( largest2, rf_dot( sine, sine ) );
+    }
+    return flat || largest2 <= MAX_SINE * MAX_SINE;
+}
+
 // False if the triangle has no area, or normals that are not its own.
 static bool make_facet( const RfTriangles* t, uint32_t triangle, Facet* facet )
 {
@@ -38,12 +55,7 @@ static bool make_facet( const RfTriangles* t, uint32_t triangle, Facet* facet )
     RfVec3 n = rf_unit_cross( rf_sub( p1, p0 ), rf_sub( p2, p0 ), &twice );
     float largest = rf_maxf( rf_largest_coordinate( p0 ), rf_maxf( rf_largest_coordinate( p1 ), rf_largest_coordinate( p2 ) ) );
     *facet = ( Facet ){ triangle, -1, 0.5 * twice, n, p0, largest };
-    for ( int k = 0; k < 3; ++k )
-    {
-        if ( !( rf_dot( corner( t->normals, index, k ), n ) > 0.999999f ) )
-            return false;
-    }
-    return twice > 0.0;
+    return twice > 0.0 && is_flat( t, index, n );
 }
 
 static int compare_facets( const void* a, const void* b )

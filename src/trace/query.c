@@ -240,6 +240,7 @@ void rf_trace_mirrors( const RfTracer* tracer, RfVec3 origin, int count, const f
                        float* const hit[3], float* weight )
 {
     RfQuery query = begin_query( RF_QUERY_NEAREST, true, false );
+    float least = rf_ray_offset( rf_largest_coordinate( origin ) ); // clear of the rounding of its coordinates
     _Alignas( 64 ) int valid[RF_PACKET];
     struct RTCRayHit16 packet;
     memset( &packet, 0, sizeof packet );
@@ -271,7 +272,7 @@ void rf_trace_mirrors( const RfTracer* tracer, RfVec3 origin, int count, const f
             const RfTriangleRecord* t = tracer->triangles + tracer->mirrors.triangle[number];
             RfVec3 p = rf_add( t->p0, rf_add( rf_scale( t->e1, packet.hit.u[i] ), rf_scale( t->e2, packet.hit.v[i] ) ) );
             float side = rf_dot( t->ng, rf_sub( origin, p ) ) < 0.0f ? -1.0f : 1.0f;
-            p = rf_madd( p, t->ng, side * t->offset );
+            p = rf_madd( p, t->ng, side * rf_maxf( t->offset, least ) );
             hit[0][first + i] = p.x;
             hit[1][first + i] = p.y;
             hit[2][first + i] = p.z;

@@ -72,6 +72,7 @@ static void test_sharp_lobes_are_unbiased( void** state )
     check_room( "metal, roughness 0.05", SHARP_METAL, 4 );
     check_room( "smooth plastic", SMOOTH_PLASTIC, 4 );
     check_room( "plastic, roughness 0.05", SHARP_PLASTIC, 4 );
+    check_room( "plastic, depth 2", SHARP_PLASTIC, 2 ); // the lobe ends without a hit
     check_room( "clear coat", CLEAR_COAT, 4 );
 }
 
