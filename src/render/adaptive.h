@@ -9,6 +9,10 @@
 // minimises error times cost for the distribution of ρ in the frame, so a frame that would
 // not gain gets none.
 //
+// In scenes with glass, mirrors and smooth coats samples do not have equal variance. There a pre-pass measures the
+// variance v by class of first hit (adaptive_noise.h). A pixel's error is v over its samples, and extra samples bring it
+// to θ √v samples: the split that has the least error for its cost.
+//
 // With RF_ADAPTIVE_AUTO a coarse look comes first, a ray for a sixteenth of the pixels: where few of them are without
 // help the frame gets neither a pilot nor extra samples. The pilot's random numbers do not depend on it.
 //

@@ -107,11 +107,11 @@ RfResult rf_create_tracer( const RfScene* scene, RfTracer** out, RfError* error 
     describe_device( tracer );
     RfResult result = rf_collect_lights( scene, &tracer->lights, error );
     if ( result == RF_OK )
-        result = build_bvh( tracer, error );
-    if ( result == RF_OK )
         result = rf_find_mirrors( scene, &tracer->mirrors, error );
     if ( result == RF_OK )
         tracer->mirror_scene = rf_build_mirror_scene( tracer->device, scene, &tracer->mirrors );
+    if ( result == RF_OK )
+        result = build_bvh( tracer, error ); // and reports errors of the mirrors' scene as well
     if ( result == RF_OK )
         result = fill_records( tracer, error );
     tracer->bvh.triangles = tracer->triangles;
