@@ -29,7 +29,8 @@ static void light_chains( const RfPathSettings* path, int vertex, RfWavefront* w
     unlit->count = 0;
 }
 
-// What is behind a pane is seen straight, flat mirrors show what one reflection sees, and the light that split reflections see is counted.
+// Sorts the chains by what happened: what is behind a pane is seen straight, flat mirrors show what one reflection sees,
+// and the light that split reflections see is counted already.
 static void note_events( int vertex, RfWavefront* wavefront, RfChains* chains )
 {
     const RfRayLanes* rays = &wavefront->rays;
