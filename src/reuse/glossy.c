@@ -30,7 +30,7 @@ void rf_directions_to( const RfMirrors* mirrors, const RfEye* eyes, int eye, con
         y[i] = v.y * scale;
         z[i] = v.z * scale;
     }
-    if ( batch->view != NULL )
+    if ( batch->has_views )
         rf_directions_to_image( mirrors, eyes + eye, batch, wo );
 }
 

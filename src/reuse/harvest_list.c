@@ -32,6 +32,7 @@ static void copy_hits( const RfVertexLanes* v, RfHitBatch* batch )
 
 static void copy_views( const RfHarvestScratch* scratch, RfHitBatch* batch )
 {
+    batch->has_views = batch->view != NULL && ( scratch->hits != &scratch->first || batch->panes[0] != NULL );
     if ( batch->view == NULL )
         return;
     for ( int i = 0; i < batch->count; ++i )

@@ -38,6 +38,7 @@ typedef struct RfHitBatch
     float* panes[3];    // κ of the panes on the straight way to eye l, in the same places; NULL without panes
     int32_t* pixel;     // y·width + x in its own frame
     uint8_t* view;      // how the hit was found, RF_VIEW_...; NULL unless the shape has chains
+    bool has_views;     // some hit was not found directly, or may be seen through panes; else view does not matter
     int32_t* rows;      // 2 per eye: first and last row of its film that hits land in; first > last: none
     // glossy hits only, at lane i − first[RF_BSDF_FIRST_GLOSSY]
     float* n[3];

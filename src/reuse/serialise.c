@@ -158,6 +158,7 @@ static void pass_batch( Stream* s, const RfBatchShape* shape, RfHitBatch* batch 
     pass( s, &batch->miss_count, sizeof batch->miss_count );
     pass( s, &batch->glint_count, sizeof batch->glint_count );
     pass( s, batch->first, sizeof batch->first );
+    pass( s, &batch->has_views, sizeof batch->has_views );
     int count = batch->count;
     pass_lanes3( s, count, batch->p );
     pass_normals( s, count, batch->ng );
