@@ -1,0 +1,43 @@
+"""The command line: what stands after Blender's own options and --."""
+import argparse
+import os
+import sys
+
+from .messages import fail
+
+
+def parse(about):
+    own = sys.argv[sys.argv.index("--") + 1:] if "--" in sys.argv else []
+    p = argparse.ArgumentParser(prog="blender -b scene.blend -P blender-export.py --", description=about)
+    p.add_argument("out", help="the .glb to write")
+    p.add_argument("--camera", help="the camera to bake; default: the scene's active one")
+    p.add_argument("--frames", help="A-B; default: the scene's own range")
+    p.add_argument("--overwrite", action="store_true", help="replace files that are there already")
+    try:
+        args = p.parse_args(own)
+    except SystemExit as e:
+        os._exit(e.code if isinstance(e.code, int) else 2)
+    if not args.out.endswith(".glb"):
+        fail("%s: only .glb is written: name it .glb" % args.out)
+    folder = os.path.dirname(os.path.abspath(args.out))
+    if not os.path.isdir(folder):
+        fail("%s: cannot be written: there is no folder %s" % (args.out, folder))
+    refuse(args, args.out)
+    return args
+
+
+def refuse(args, path):
+    if os.path.lexists(path) and not args.overwrite:
+        fail("%s: is there already: give another name or --overwrite" % path)
+
+
+def frame_range(scene, text):
+    if not text:
+        return scene.frame_start, scene.frame_end
+    try:
+        first, last = (int(n) for n in text.split("-"))
+    except ValueError:
+        fail("--frames: wants A-B, got '%s'" % text)
+    if last < first:
+        fail("--frames: %d comes after %d" % (first, last))
+    return first, last

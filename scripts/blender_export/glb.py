@@ -1,0 +1,47 @@
+"""Blender's glTF exporter, and what is put right in the .glb afterwards."""
+import json
+import struct
+
+import numpy
+
+numpy.bool = bool  # the exporter of Blender 3.4 uses a name that numpy has removed
+import bpy  # noqa: E402
+
+
+def export(path):
+    bpy.ops.export_scene.gltf(
+        filepath=path, export_format="GLB", export_cameras=True, export_lights=True, export_extras=True, export_apply=True,
+        use_renderable=True,  # skips objects hidden from render: cutters, targets, parents
+        export_yup=True, export_animations=True, export_frame_range=True, export_force_sampling=False,
+        convert_lighting_mode="COMPAT")
+
+
+def read(path):
+    """The JSON of a .glb, and all that follows it as bytes."""
+    with open(path, "rb") as file:
+        data = file.read()
+    end = 20 + struct.unpack("<I", data[12:16])[0]
+    return json.loads(data[20:end]), data[end:]
+
+
+def write(path, gltf, rest):
+    text = json.dumps(gltf, separators=(",", ":")).encode("utf-8")
+    text += b" " * (-len(text) % 4)
+    with open(path, "wb") as file:
+        file.write(struct.pack("<4sIII4s", b"glTF", 2, 20 + len(text) + len(rest), len(text), b"JSON"))
+        file.write(text + rest)
+
+
+def restore_booleans(gltf):
+    """Custom properties have no booleans, which Reframe's `visible` needs."""
+    for scene in gltf.get("scenes", []):
+        environment = scene.get("extras", {}).get("reframe", {}).get("environment", {})
+        if isinstance(environment.get("visible"), int):
+            environment["visible"] = bool(environment["visible"])
+
+
+def finish(path):
+    """Puts right in the file what the exporter could not write."""
+    gltf, rest = read(path)
+    restore_booleans(gltf)
+    write(path, gltf, rest)
