@@ -11,6 +11,7 @@ from .messages import list_names, note, warn
 from .moves import GEOMETRY
 
 UNREAD = {"VOLUME": "a volume", "CURVES": "hair curves", "GPENCIL": "grease pencil", "POINTCLOUD": "a point cloud"}
+FEW_INSTANCES = 4  # of which each becomes an object
 RENDER_LEVELS = (("levels", "render_levels"), ("steps", "render_steps"), ("viewport_resolution", "resolution"),
                  ("show_viewport", "show_render"))
 
@@ -111,82 +112,113 @@ def has_shear(matrix):
     return any(abs(a - b) > 1e-5 * size for row, other in zip(matrix, again) for a, b in zip(row, other))
 
 
+def is_pattern(o):
+    """Is it there only for the vertices or faces of an ancestor to repeat it?"""
+    parent = o.parent
+    while parent is not None and not (o.type != "META" and parent.instance_type in ("VERTS", "FACES")):
+        parent = parent.parent
+    return parent is not None
+
+
 def is_plain(o):
     """Is its mesh in the file what is rendered?"""
     return o.type == "MESH" and not o.modifiers and o.data.shape_keys is None and not o.particle_systems
 
 
+class Source:
+    """What instances show: an object's evaluated shape, or a mesh of geometry nodes alone."""
+
+    def __init__(self, instance):
+        o = instance.object
+        self.original = (instance.instance_object if instance.is_instance else o).original
+        self.is_lamp = o.type == "LIGHT"
+        own = self.original.data
+        self.is_own = o.data is None or o.data.original == own or not isinstance(o.data, bpy.types.Mesh)
+        self.mesh = None if self.is_lamp or self.is_own else o.data.copy()
+        self.matrices, self.instance_matrices = [], []
+
+
+def read_sources(depsgraph, holes):
+    """Reads the depsgraph, during which nothing may be added that it knows."""
+    sources = {}
+    for instance in depsgraph.object_instances:
+        o = instance.object
+        if o.type not in ("LIGHT", *GEOMETRY) or is_left_out(o.original, holes):
+            continue
+        if not instance.is_instance and (not instance.show_self or is_pattern(o.original)):
+            continue
+        key = (o.original.name, o.data.as_pointer())
+        if key not in sources:
+            sources[key] = Source(instance)
+        which = sources[key].instance_matrices if instance.is_instance else sources[key].matrices
+        which.append(instance.matrix_world.copy())
+    return sources.values()
+
+
+def mesh_of(source, depsgraph):
+    """The mesh that is rendered: that of the file where nothing changes it."""
+    original = source.original
+    if source.mesh is not None or is_plain(original):
+        return source.mesh or original.data
+    mesh = bpy.data.meshes.new_from_object(original.evaluated_get(depsgraph), preserve_all_data_layers=True, depsgraph=depsgraph)
+    if mesh is not None and isinstance(original.data, bpy.types.Mesh):
+        mesh.use_auto_texspace = False  # generated coordinates stay those of the mesh as modelled
+        mesh.texspace_location = original.data.texspace_location
+        mesh.texspace_size = original.data.texspace_size
+    return mesh
+
+
 class Builder:
-    """Collects new objects while the depsgraph is read; nothing may be removed before it is done."""
+    """Makes the new objects, beside the old ones, which it replaces in the end."""
 
-    def __init__(self, depsgraph):
-        self.depsgraph = depsgraph
+    def __init__(self):
         self.old = list(bpy.data.objects)
-        self.meshes = {}  # by the evaluated data that they are made from
         self.objects = []  # (new object, name, matrix)
-        self.instances = {}  # by the same: (name, mesh, matrices)
+        self.placed = []  # (new object, matrices of its instances)
 
-    def mesh_of(self, o):
-        original = o.original
-        if is_plain(original) and o.data.original == original.data:
-            return original.data
-        key = o.data.as_pointer() if o.data is not None else 0
-        if key not in self.meshes:
-            mesh = bpy.data.meshes.new_from_object(o, preserve_all_data_layers=True, depsgraph=self.depsgraph)
-            if mesh is not None and isinstance(original.data, bpy.types.Mesh):
-                mesh.use_auto_texspace = False  # generated coordinates stay those of the mesh as modelled
-                mesh.texspace_location = original.data.texspace_location
-                mesh.texspace_size = original.data.texspace_size
-            self.meshes[key] = mesh
-        return self.meshes[key]
-
-    def place(self, o, name, data, matrix):
+    def place(self, original, name, data, matrix):
         new = bpy.data.objects.new(name, data)
-        for key in o.original.keys():
-            new[key] = o.original[key]
-        for to, slot in zip(new.material_slots, o.original.material_slots):
-            if slot.link == "OBJECT" and o.data is not None and data == o.original.data:
+        for key in original.keys():
+            new[key] = original[key]
+        for to, slot in zip(new.material_slots, original.material_slots):
+            if slot.link == "OBJECT" and data == original.data:
                 to.link, to.material = "OBJECT", slot.material
         self.objects.append((new, name, matrix))
+        return new
 
-    def add_shape(self, o, matrix, own):
-        mesh = self.mesh_of(o)
+    def place_shape(self, original, mesh, matrix):
+        if has_shear(matrix):
+            mesh, sheared = mesh.copy(), matrix
+            mesh.transform(sheared)
+            matrix = mathutils.Matrix()
+        self.place(original, original.name, mesh, matrix)
+
+    def add(self, source, depsgraph):
+        original = source.original
+        if source.is_lamp:
+            for matrix in source.matrices + source.instance_matrices:
+                self.place(original, original.name, original.data, matrix)
+            return
+        mesh = mesh_of(source, depsgraph)
         if mesh is None or not mesh.polygons:
             return
-        if has_shear(matrix):
-            mesh = mesh.copy()
-            mesh.transform(matrix)
-            self.place(o, o.original.name, mesh, mathutils.Matrix())
-        elif own:
-            self.place(o, o.original.name, mesh, matrix)
-        else:
-            self.instances.setdefault(mesh.name, (o, mesh, []))[2].append(matrix)
-
-    def add(self, instance, holes):
-        o = instance.object
-        if is_left_out(o.original, holes) or not (instance.is_instance or instance.show_self):
-            return
-        matrix = instance.matrix_world.copy()
-        if o.type == "LIGHT":
-            self.place(o, o.original.name, o.original.data, matrix)
-        elif o.type in GEOMETRY:
-            self.add_shape(o, matrix, not instance.is_instance)
+        sheared = [m for m in source.instance_matrices if has_shear(m)]
+        straight = [m for m in source.instance_matrices if not has_shear(m)]
+        few = len(straight) <= FEW_INSTANCES
+        for matrix in source.matrices + sheared + (straight if few else []):
+            self.place_shape(original, mesh, matrix)
+        if not few:
+            new = self.place(original, original.name + " instances", mesh, mathutils.Matrix())
+            self.placed.append((new, straight))
 
     def finish(self, scene):
         """Replaces all objects; returns the matrices of instances by the name of their object."""
-        placed = {}
-        for o, mesh, matrices in self.instances.values():
-            if len(matrices) == 1:
-                self.place(o, o.original.name, mesh, matrices[0])
-                continue
-            self.place(o, o.original.name + " instances", mesh, mathutils.Matrix())
-            placed[self.objects[-1][0]] = matrices
         bpy.data.batch_remove(self.old)
         for new, name, matrix in self.objects:
             scene.collection.objects.link(new)
             new.name = name
             new.matrix_world = matrix
-        return {new.name: matrices for new, matrices in placed.items()}
+        return {new.name: matrices for new, matrices in self.placed}
 
 
 def realise(scene):
@@ -195,7 +227,7 @@ def realise(scene):
     holes = held_out(view_layer)
     warn_of_the_rest(view_layer.objects, holes)
     depsgraph = bpy.context.evaluated_depsgraph_get()
-    builder = Builder(depsgraph)
-    for instance in depsgraph.object_instances:
-        builder.add(instance, holes)
+    builder = Builder()
+    for source in list(read_sources(depsgraph, holes)):
+        builder.add(source, depsgraph)
     return builder.finish(scene)
