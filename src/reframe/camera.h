@@ -15,10 +15,21 @@
 #include "reframe/scene.h"
 #include "reframe/types.h"
 
+#include <stdbool.h>
+
 RF_API_BEGIN
 
-// A pinhole camera in world space, with its film in pixels. Film coordinates: x to the right,
-// y down, pixel (i, j) is the unit square [i, i+1) × [j, j+1).
+// Where an eye is, and how long its lens, at a moment of the shutter.
+typedef struct RfPose
+{
+    RfVec3 origin;
+    RfVec3 forward, up; // unit vectors
+    float focal;        // as that of RfEye
+} RfPose;
+
+// A camera in world space, with its film in pixels. Film coordinates: x to the right,
+// y down, pixel (i, j) is the unit square [i, i+1) × [j, j+1). It is a pinhole that stands still, unless it has a thin lens
+// (rf_set_lens) or moves while the shutter is open (rf_set_shutter): then this is the middle of both.
 typedef struct RfEye
 {
     RfVec3 origin;
@@ -27,6 +38,15 @@ typedef struct RfEye
     float focal_x;             // the same in widths of a pixel, which need not be square
     float axis_x, axis_y;      // where `forward` meets the film: its middle, unless the lens is shifted
     int width, height;         // film size in pixels
+
+    // the thin lens
+    float lens_radius; // m; 0: a pinhole, all of the picture is sharp
+    float focus;       // m along `forward`: what lies there is sharp
+    int blades;        // sides of the aperture, 3 or more; 0: a disc
+    float blade_angle; // rad: turns the polygon from a corner at the right, counter-clockwise
+
+    int moves;          // 1 if the poses below count
+    RfPose open, close; // where the camera is when the shutter opens and closes
 } RfEye;
 
 // A right-handed eye at `origin` that looks along `forward`, with `up` orthogonalised against it;
@@ -38,6 +58,14 @@ RfEye rf_make_eye( RfVec3 origin, RfVec3 forward, RfVec3 up, double yfov, int wi
 // Gives the pixels of a fresh eye an aspect, width over height, and moves its picture to the right
 // and up by shifts in heights of the picture.
 void rf_shift_eye( RfEye* eye, double pixel_aspect, double shift_x, double shift_y );
+
+// Gives a fresh eye a thin lens of this radius (m; of the circle around the blades) that is focused at a distance (m along
+// `forward`; infinity is a valid one). `blades`: 0 or 3 and more; their rotation in radians.
+void rf_set_lens( RfEye* eye, double radius, double focus, int blades, double rotation );
+
+// Lets the camera move while the shutter is open: through the places, directions and angles of view of three fresh eyes,
+// of which `eye` itself is the middle, on a curve of second order.
+void rf_set_shutter( RfEye* eye, const RfEye* open, const RfEye* close );
 
 // The eyes of a camera's animation, one per frame.
 typedef struct RfCameraPath
@@ -70,6 +98,21 @@ RfCameraPath rf_empty_camera_path( void );
 // RF_ERROR_SCENE for a path that cannot be followed, RF_ERROR_MEMORY, or as reading the file fails.
 RfResult rf_create_camera_path( const RfScene* scene, const char* name, RfFps fps, int width, int height, RfCameraPath* path,
                                 RfError* error );
+
+// A lens and a shutter in the place of a camera's own.
+typedef struct RfLens
+{
+    bool has_shutter;
+    double shutter[2]; // when it opens and closes, frames from the frame's own time; equal: no motion blur
+    bool has_fstop;
+    double fstop;           // 0: a pinhole
+    double focus;           // m along the view; 0: the camera's own
+    const char* focus_node; // the node of the scene that is in focus; NULL: none
+} RfLens;
+
+// rf_create_camera_path with another lens; NULL: the camera's own.
+RfResult rf_create_lens_path( const RfScene* scene, const char* name, const RfLens* lens, RfFps fps, int width, int height,
+                              RfCameraPath* path, RfError* error );
 
 // Frees what a path holds and empties it.
 void rf_destroy_camera_path( RfCameraPath* path );

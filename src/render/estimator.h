@@ -27,6 +27,7 @@ typedef struct RfSceneTraits
     bool panes;     // some may be a thin pane (bsdf/bsdf.h)
     bool sky;       // an environment that is not black
     bool mirrors;   // flat mirrors
+    bool blurred;   // some camera of the path has a lens, or moves while its shutter is open
     bool smooth;    // GGX coats or metals that may be nearly as smooth as mirrors
 } RfSceneTraits;
 

@@ -27,6 +27,7 @@ RfResult rf_begin_probe( const RfTracer* tracer, const RfEye* eyes, int eye_coun
     probe->arena = rf_create_arena( settings->memory );
     probe->sizes = rf_render_sizes( scene, eyes, &plan, 1, settings );
     probe->group = rf_size_group( scene, eyes, plan.eyes, &probe->settings );
+    probe->group.traits.blurred = rf_any_blurred( eyes, eye_count );
     probe->group.tracer = tracer;
     probe->group.max_depth = rf_tracer_lights( tracer )->count > 0 ? settings->max_depth : 1;
     return alloc_probe( probe, error );

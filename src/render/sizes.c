@@ -5,6 +5,7 @@
 #include "render/adaptive_noise.h"
 #include "render/memory.h"
 #include "render/settings.h"
+#include "scene/lens.h"
 #include "scene/mirrors.h"
 #include "scene/textured.h"
 
@@ -32,6 +33,14 @@ RfSceneTraits rf_scene_traits( const RfScene* scene )
     return traits;
 }
 
+bool rf_any_blurred( const RfEye* eyes, int count )
+{
+    bool any = false;
+    for ( int i = 0; i < count; ++i )
+        any = any || !rf_is_sharp( eyes + i );
+    return any;
+}
+
 RfEstimatorGroup rf_size_group( const RfScene* scene, const RfEye* eyes, int eye_count, const RfRenderSettings* settings )
 {
     return ( RfEstimatorGroup ){
@@ -55,6 +64,7 @@ RfRenderSizes rf_render_sizes( const RfScene* scene, const RfEye* eyes, const Rf
                                const RfRenderSettings* settings )
 {
     RfEstimatorGroup group = rf_size_group( scene, eyes, plan->eyes, settings );
+    group.traits.blurred = rf_any_blurred( eyes, plan->frames );
     // as many additions to a pixel as eyes, and half of the passes in each half
     bool adaptive = may_adapt( settings, plan->eyes );
     int materials = adaptive && rf_noise_differs( &group.traits ) ? (int)scene->material_count : 0;

@@ -4,6 +4,7 @@
 #include "reuse/harvest.h"
 #include "reuse/reprojection.h"
 #include "reuse/splat.h"
+#include "scene/lens.h"
 
 #include <string.h>
 
@@ -11,6 +12,7 @@
 typedef struct Accumulation
 {
     const RfEye* eyes;
+    bool blurred; // each batch has its own point of the lens and moment of the shutter
     const RfMirrors* mirrors;
     RfBatchShape shape;
     RfWeights weights;
@@ -19,10 +21,16 @@ typedef struct Accumulation
     int batch_count;
 } Accumulation;
 
+static RfEye eye_of( const Accumulation* a, int eye, const RfHitBatch* batch )
+{
+    return a->blurred ? rf_sample_eye( a->eyes + eye, batch->lens ) : a->eyes[eye];
+}
+
 // Pixels of the hits at an eye, and their weights r_t = J_t V_t / Σ J_l V_l times `weight` (E1).
 static void reprojection_weights( const Accumulation* a, int eye_index, const RfHitBatch* batch, RfAccumulateScratch* scratch )
 {
-    const RfEye* eye = a->eyes + eye_index;
+    RfEye at = eye_of( a, eye_index, batch );
+    const RfEye* eye = &at;
     float weight = a->weight, *restrict ratio = scratch->ratio,
           *filter[3] = { scratch->filter[0], scratch->filter[1], scratch->filter[2] };
     int32_t* pixel = scratch->pixel;
@@ -74,7 +82,8 @@ static void mix_landed_eyes( const Accumulation* a, const RfHitBatch* batch, con
     memset( s->mixture, 0, sizeof s->mixture );
     for ( int l = 0; l < a->shape.eyes; ++l )
     {
-        rf_directions_to( a->mirrors, a->eyes, l, batch, wo );
+        RfEye at = eye_of( a, l, batch );
+        rf_directions_to( a->mirrors, &at, l, batch, wo );
         rf_evaluate_glossy( batch, wo_in, wi, NULL, s->pdf );
         for ( int i = 0; i < count; ++i )
         {
@@ -124,8 +133,9 @@ static void light_glossy( const Accumulation* a, int eye, const RfHitBatch* batc
         for ( int c = 0; c < 3; ++c )
             s->sum[c][i] = batch->radiance[4 * ( first + i ) + c];
     }
+    RfEye at = eye_of( a, eye, batch );
     if ( !a->shape.eq15 )
-        rf_directions_to( a->mirrors, a->eyes, eye, batch, wo );
+        rf_directions_to( a->mirrors, &at, eye, batch, wo );
     for ( int d = 0; d < rf_direction_count( &a->shape ); ++d )
     {
         const RfDirectionLanes* lanes = batch->directions + d;
@@ -133,7 +143,7 @@ static void light_glossy( const Accumulation* a, int eye, const RfHitBatch* batc
         if ( a->shape.eq15 )
         {
             mix_landed_eyes( a, batch, landed_eyes, d, s );
-            rf_directions_to( a->mirrors, a->eyes, eye, batch, wo );
+            rf_directions_to( a->mirrors, &at, eye, batch, wo );
         }
         rf_evaluate_glossy( batch, wo_in, wi, f, NULL );
         add_direction( lanes, count, a->shape.eq15, s );
@@ -191,10 +201,14 @@ static uint64_t add_batch( const Accumulation* a, RfAccumulateJob job, const RfH
 uint64_t rf_accumulate_rows( const RfEstimatorGroup* group, RfAccumulateJob job, void* const* batches, int batch_count,
                              RfAccumulateScratch* scratch )
 {
-    Accumulation a = {
-        group->eyes, rf_tracer_mirrors( group->tracer ), rf_batch_shape( group ), group->settings->weights, job.weight, batches,
-        batch_count
-    };
+    Accumulation a = { group->eyes,
+                       group->traits.blurred,
+                       rf_tracer_mirrors( group->tracer ),
+                       rf_batch_shape( group ),
+                       group->settings->weights,
+                       job.weight,
+                       batches,
+                       batch_count };
     int width = group->width;
     RfPixelRange range = { job.films->half[job.half], job.first_row * width, job.end_row * width };
     if ( a.shape.eq15 )

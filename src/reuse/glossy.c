@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-void rf_directions_to( const RfMirrors* mirrors, const RfEye* eyes, int eye, const RfHitBatch* batch, float* const wo[3] )
+void rf_directions_to( const RfMirrors* mirrors, const RfEye* at, int eye, const RfHitBatch* batch, float* const wo[3] )
 {
     int first = batch->first[RF_BSDF_FIRST_GLOSSY], count = rf_glossy_count( batch );
     if ( eye == batch->eye )
@@ -13,7 +13,7 @@ void rf_directions_to( const RfMirrors* mirrors, const RfEye* eyes, int eye, con
             memcpy( wo[c], batch->wo[c], (size_t)count * sizeof( float ) );
         return;
     }
-    RfVec3 o = eyes[eye].origin;
+    RfVec3 o = at->origin;
     const float* restrict px = batch->p[0] + first;
     const float* restrict py = batch->p[1] + first;
     const float* restrict pz = batch->p[2] + first;
@@ -31,7 +31,7 @@ void rf_directions_to( const RfMirrors* mirrors, const RfEye* eyes, int eye, con
         z[i] = v.z * scale;
     }
     if ( batch->has_views )
-        rf_directions_to_image( mirrors, eyes + eye, batch, wo );
+        rf_directions_to_image( mirrors, at, batch, wo );
 }
 
 void rf_evaluate_glossy( const RfHitBatch* b, const float* const wo[3], const float* const wi[3], float* const f[3],

@@ -8,9 +8,9 @@
 
 static inline int rf_glossy_count( const RfHitBatch* batch ) { return batch->count - batch->first[RF_BSDF_FIRST_GLOSSY]; }
 
-// Unit directions from the glossy hits to eyes[eye], or its image in the mirror in which they were found; to their
+// Unit directions from the glossy hits to eye number `eye` of the group, or its image in the mirror in which they were found; to their
 // own eye exactly back along the ray that found them.
-void rf_directions_to( const RfMirrors* mirrors, const RfEye* eyes, int eye, const RfHitBatch* batch, float* const wo[3] );
+void rf_directions_to( const RfMirrors* mirrors, const RfEye* at, int eye, const RfHitBatch* batch, float* const wo[3] );
 
 // f and density per solid angle of all glossy hits, from lane 0 on. Either output may
 // be NULL.

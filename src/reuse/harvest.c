@@ -4,6 +4,8 @@
 
 #include <string.h>
 
+#define LENS_SALT 0x1e4500000000u // keeps the random numbers of the lens apart
+
 RfBatchShape rf_batch_shape( const RfEstimatorGroup* group )
 {
     const RfRenderSettings* settings = group->settings;
@@ -18,6 +20,7 @@ RfBatchShape rf_batch_shape( const RfEstimatorGroup* group )
         .tile_pixels = tile_pixels,
         .params = rf_glossy_params( group->traits.kinds ),
         .eq15 = settings->weights == RF_WEIGHTS_EQ15,
+        .blurred = group->traits.blurred,
         .blended = group->traits.blended,
         .panes = group->traits.panes,
         .own_frame_light = unevaluable || chains || group->traits.sky,
@@ -31,7 +34,7 @@ RfHarvest rf_make_harvest( const RfEstimatorGroup* group )
     return ( RfHarvest ){
         .path = { group->tracer, group->max_depth, settings->light_samples, settings->light_sampling },
         .shape = rf_batch_shape( group ),
-        .patches = rf_lay_out_patches( &settings->tile, group->width, group->height ),
+        .patches = rf_lay_out_patches( &settings->tile, group->traits.blurred, group->width, group->height ),
         .tile_roulette = settings->tile_roulette,
         .weights = settings->weights,
         .seed = settings->seed,
@@ -47,11 +50,16 @@ RfHarvest rf_make_harvest( const RfEstimatorGroup* group )
 
 static size_t scratch_struct_bytes( void ) { return ( sizeof( RfHarvestScratch ) + 63 ) / 64 * 64; }
 
+static size_t eyes_bytes( const RfBatchShape* shape )
+{
+    return shape->blurred ? ( (size_t)shape->eyes * sizeof( RfEye ) + 63 ) / 64 * 64 : 0;
+}
+
 size_t rf_harvest_scratch_bytes( const RfBatchShape* shape )
 {
     size_t lanes = RF_LANES * sizeof( float );
-    return scratch_struct_bytes() + (size_t)shape->light_samples * sizeof( RfLightLanes ) + (size_t)shape->eyes * lanes +
-           (size_t)rf_direction_count( shape ) * lanes +
+    return scratch_struct_bytes() + eyes_bytes( shape ) + (size_t)shape->light_samples * sizeof( RfLightLanes ) +
+           (size_t)shape->eyes * lanes + (size_t)rf_direction_count( shape ) * lanes +
            rf_tile_reuse_bytes( shape->light_samples, shape->tile_pixels, shape->panes ) +
            ( shape->chains ? sizeof( RfChains ) + 64 : 0 );
 }
@@ -59,7 +67,8 @@ size_t rf_harvest_scratch_bytes( const RfBatchShape* shape )
 RfHarvestScratch* rf_lay_out_harvest_scratch( const RfBatchShape* shape, void* memory )
 {
     RfHarvestScratch* scratch = memory;
-    scratch->direct = (RfLightLanes*)( (char*)memory + scratch_struct_bytes() );
+    scratch->eyes = (RfEye*)(void*)( (char*)memory + scratch_struct_bytes() );
+    scratch->direct = (RfLightLanes*)( (char*)memory + scratch_struct_bytes() + eyes_bytes( shape ) );
     scratch->density = (float*)( scratch->direct + shape->light_samples );
     scratch->mixture = scratch->density + (size_t)shape->eyes * RF_LANES;
     char* rest = (char*)( scratch->mixture + (size_t)rf_direction_count( shape ) * RF_LANES );
@@ -72,6 +81,25 @@ RfHarvestScratch* rf_lay_out_harvest_scratch( const RfBatchShape* shape, void* m
 static uint64_t key_of_pass( const RfHarvest* harvest, int eye, int pass )
 {
     return rf_pass_key( harvest->seed, (uint32_t)( harvest->first_frame + eye ), (uint32_t)harvest->group, (uint32_t)pass );
+}
+
+// The point of the lens and the moment of the shutter that a batch has: the same for all eyes of the group.
+static RfLensSample draw_lens( const RfHarvest* harvest, RfTraceJob job )
+{
+    uint64_t pass_key = key_of_pass( harvest, job.eye, job.pass ) ^ LENS_SALT;
+    RfRandomKey key = rf_pixel_key( rf_mix64( pass_key + (uint64_t)harvest->round ), (uint32_t)job.job );
+    return ( RfLensSample ){ rf_random( key, 0 ), rf_random( key, 1 ), rf_random( key, 2 ) };
+}
+
+RfHarvest rf_harvest_at( const RfHarvest* harvest, RfLensSample lens, RfHarvestScratch* scratch )
+{
+    RfHarvest at = *harvest;
+    if ( !harvest->shape.blurred )
+        return at;
+    for ( int l = 0; l < harvest->shape.eyes; ++l )
+        scratch->eyes[l] = rf_sample_eye( harvest->eyes + l, lens );
+    at.eyes = scratch->eyes;
+    return at;
 }
 
 static void make_keys( uint64_t pass_key, int count, const int32_t* pixel, RfWavefront* wavefront )
@@ -183,8 +211,9 @@ static void follow_chains( const RfHarvest* harvest, RfHarvestScratch* scratch )
         rf_split_tiles( scratch->chains, scratch->tiles );
 }
 
-int rf_harvest_first_hits( const RfHarvest* harvest, RfTraceJob job, RfHitBatch* batch, RfHarvestScratch* scratch,
-                           RfRayCounts* rays )
+// Of pinholes.
+static int harvest_first_hits( const RfHarvest* harvest, RfTraceJob job, RfHitBatch* batch, RfHarvestScratch* scratch,
+                               RfRayCounts* rays )
 {
     const RfEye* eye = harvest->eyes + job.eye;
     RfWavefront* wavefront = &scratch->wavefront;
@@ -228,10 +257,20 @@ static void scale_roulette( RfHarvestScratch* scratch, int count )
     }
 }
 
-int rf_harvest_batch( const RfHarvest* harvest, RfTraceJob job, RfHitBatch* batch, RfHarvestScratch* scratch, RfRayCounts* rays )
+int rf_harvest_first_hits( const RfHarvest* harvest, RfTraceJob job, RfHitBatch* batch, RfHarvestScratch* scratch,
+                           RfRayCounts* rays )
+{
+    if ( harvest->shape.blurred )
+        batch->lens = draw_lens( harvest, job );
+    RfHarvest at = rf_harvest_at( harvest, batch->lens, scratch );
+    return harvest_first_hits( &at, job, batch, scratch, rays );
+}
+
+static int harvest_batch( const RfHarvest* harvest, RfTraceJob job, RfHitBatch* batch, RfHarvestScratch* scratch,
+                          RfRayCounts* rays )
 {
     RfWavefront* wavefront = &scratch->wavefront;
-    int count = rf_harvest_first_hits( harvest, job, batch, scratch, rays );
+    int count = harvest_first_hits( harvest, job, batch, scratch, rays );
 
     // the rest of their paths
     memset( &wavefront->arrivals, 0, sizeof wavefront->arrivals );
@@ -254,4 +293,12 @@ int rf_harvest_batch( const RfHarvest* harvest, RfTraceJob job, RfHitBatch* batc
     if ( harvest->shape.own_frame_light )
         rf_light_own_frame( harvest, batch, scratch );
     return count;
+}
+
+int rf_harvest_batch( const RfHarvest* harvest, RfTraceJob job, RfHitBatch* batch, RfHarvestScratch* scratch, RfRayCounts* rays )
+{
+    if ( harvest->shape.blurred )
+        batch->lens = draw_lens( harvest, job );
+    RfHarvest at = rf_harvest_at( harvest, batch->lens, scratch );
+    return harvest_batch( &at, job, batch, scratch, rays );
 }

@@ -35,11 +35,15 @@ struct RfHarvestScratch
     RfArrivalLanes arrival;
     RF_ALIGN int32_t landed_pixel[RF_LANES]; // pixel of each hit on the film of an eye
     RF_ALIGN float lifted[3][RF_LANES];      // the hits, off their surface
+    RfEye* eyes;                             // of the group, at the batch's point of the lens and moment of the shutter
     RfLightLanes* direct;                    // light samples at the hits, K of them
     float* density;                          // J_l V_l: eye l, hit i at l·RF_LANES + i
     float* mixture;                          // P: direction d, glossy hit i at d·RF_LANES + i
     RfTileReuse* tiles;                      // NULL without tile reuse
 };
+
+// The harvest with the pinholes that the eyes are at a point of the lens and a moment of the shutter, in scratch->eyes.
+RfHarvest rf_harvest_at( const RfHarvest* harvest, RfLensSample lens, RfHarvestScratch* scratch );
 
 // Adaptive sampling. Keeps the listed pixels whose tiles are drawn: with the mean of what their pixels need, less
 // harvest->round, as probability. Returns how many.

@@ -145,7 +145,7 @@ static void mix_densities( const RfHarvest* harvest, const RfHitBatch* batch, Rf
             continue;
         if ( batch->rows[2 * l] > batch->rows[2 * l + 1] )
             continue; // sees nothing of the batch
-        rf_directions_to( rf_tracer_mirrors( harvest->path.tracer ), harvest->eyes, l, batch, wo );
+        rf_directions_to( rf_tracer_mirrors( harvest->path.tracer ), harvest->eyes + l, l, batch, wo );
         for ( int d = 0; d < directions; ++d )
             add_density( harvest, batch, scratch, l, d );
     }

@@ -6,6 +6,7 @@
 
 #include "base/arena.h"
 #include "path/lanes.h"
+#include "scene/lens.h"
 
 // A direction that lights glossy hits, weighted over the eyes. Its contribution to
 // eye t is C_t = r_t f_t(x, wi) Q, with r_t = J_t V_t / Σ J_l V_l and
@@ -24,6 +25,7 @@ typedef struct RfDirectionLanes
 typedef struct RfHitBatch
 {
     int eye;                           // index in the group of the frame whose pixels these are
+    RfLensSample lens;                 // of all its camera rays; only where some camera of the path has a lens or shutter
     int count;                         // hits
     int miss_count;                    // own-frame samples: rays that missed, hits of unevaluable models, and
                                        // chains that end without a hit
@@ -58,6 +60,7 @@ typedef struct RfBatchShape
     bool blended;         // visibility may be between 0 and 1
     bool panes;           // connections and, with chains, the eyes' rays may pass thin panes
     bool own_frame_light; // misses may be lit: the scene has a sky or unevaluable materials
+    bool blurred;         // batches have their points of the lens and moments of the shutter
     bool chains;          // camera rays go on through mirrors and glass
 } RfBatchShape;
 

@@ -25,7 +25,7 @@ static RfEstimatorSizes sizes( const RfEstimatorGroup* group )
     diffuse.params = 0;
     size_t pixels = (size_t)group->width * (size_t)group->height;
     return ( RfEstimatorSizes ){
-        .jobs = rf_lay_out_patches( &group->settings->tile, group->width, group->height ).count,
+        .jobs = rf_lay_out_patches( &group->settings->tile, group->traits.blurred, group->width, group->height ).count,
         .batch = header_bytes() + rf_batch_bytes( &shape ),
         .trace_scratch = rf_harvest_scratch_bytes( &shape ),
         .accumulate_scratch = sizeof( RfAccumulateScratch ),
@@ -121,6 +121,7 @@ static void count_reuse( const RfEstimatorGroup* group, int eye, void* batch_mem
     RfHarvest harvest = rf_make_harvest( group );
     RfRayCounts rays = { 0 };
     batch->eye = eye;
+    harvest = rf_harvest_at( &harvest, batch->lens, scratch );
     rf_test_batch_visibility( &harvest, batch, scratch, &rays );
     const float* own = scratch->density + (size_t)eye * RF_LANES;
     double share = 0.0;

@@ -6,7 +6,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define PLAIN_SIDE 32        // of a patch without tiles, and about that of the others
+#define PLAIN_SIDE 32 // of a patch without tiles, and about that of the others
+// Strips of scattered patches: pixels, at least, and patches, at least: neighbours of a tile are of other patches.
+#define STRIP_HEIGHT 48
+#define STRIP_PATCHES 16
+#define ROW_SHIFT 7          // tiles, from a row of scattered ones to the next
+#define UNIT_SIDE 2          // of the blocks of scattered patches without tiles
 #define SALT 0x711300000000u // above all pixels: keeps the tiles' random numbers apart from the pixels'
 
 static bool parse_count( const char** text, int* count )
@@ -62,8 +67,25 @@ void rf_tile_name( const RfTile* tile, char text[RF_TILE_NAME_SIZE] )
 static int up( int a, int b ) { return ( a + b - 1 ) / b; }
 static int at_least_one( int a ) { return a > 1 ? a : 1; }
 
-RfPatchLayout rf_lay_out_patches( const RfTile* tile, int width, int height )
+static RfPatchLayout scatter_patches( const RfTile* tile, int width, int height )
 {
+    RfPatchLayout l = { .tile = *tile, .grid_width = tile->width, .grid_height = tile->height, .parts = 1, .scattered = true };
+    if ( tile->kind == RF_TILE_NONE )
+        l.grid_width = l.grid_height = UNIT_SIDE;
+    l.grids_x = up( width + l.grid_width - 1, l.grid_width );
+    l.grids_y = up( height + l.grid_height - 1, l.grid_height );
+    int of_patch = RF_PATCH_PIXELS / ( l.grid_width * l.grid_height );
+    l.strip_rows = up( STRIP_PATCHES * of_patch, l.grids_x );
+    l.strip_rows = l.strip_rows > STRIP_HEIGHT / l.grid_height ? l.strip_rows : up( STRIP_HEIGHT, l.grid_height );
+    l.strip_patches = up( l.grids_x * l.strip_rows, of_patch );
+    l.count = l.strip_patches * up( l.grids_y, l.strip_rows );
+    return l;
+}
+
+RfPatchLayout rf_lay_out_patches( const RfTile* tile, bool scattered, int width, int height )
+{
+    if ( scattered && tile->kind != RF_TILE_ROOKS )
+        return scatter_patches( tile, width, height );
     RfPatchLayout l = { .tile = *tile, .grid_width = tile->width, .grid_height = tile->height, .parts = 1 };
     int w = l.grid_width, h = l.grid_height;
     int grids_x = at_least_one( PLAIN_SIDE / w );
@@ -150,9 +172,42 @@ static void draw_rooks( const RfPatchLayout* l, uint64_t pass_key, int at, int g
     }
 }
 
+// Tile number `slot` of a scattered patch. Rows are shifted against each other, or columns of tiles could share a patch.
+static int list_tile( const RfPatchLayout* l, const RfEye* eye, uint64_t pass_key, int patch, int slot, int32_t* pixel )
+{
+    uint64_t state = rf_mix64( pass_key ^ SALT );
+    int shift_x = (int)( draw( &state ) % (uint32_t)l->grid_width ), shift_y = (int)( draw( &state ) % (uint32_t)l->grid_height );
+    int strip = patch / l->strip_patches, number = slot * l->strip_patches + patch % l->strip_patches;
+    int row = number / l->grids_x, column = ( number + ROW_SHIFT * row ) % l->grids_x, count = 0;
+    row += strip * l->strip_rows;
+    for ( int k = 0; k < l->grid_width * l->grid_height; ++k )
+    {
+        int x = column * l->grid_width - shift_x + k % l->grid_width, y = row * l->grid_height - shift_y + k / l->grid_width;
+        if ( x >= 0 && y >= 0 && x < eye->width && y < eye->height )
+            pixel[count++] = y * eye->width + x;
+    }
+    return count;
+}
+
+static int list_scattered( const RfPatchLayout* l, const RfEye* eye, uint64_t pass_key, int patch, int32_t* pixel,
+                           int32_t* tile_of, int* tile_count )
+{
+    int tiles = l->grids_x * l->strip_rows, count = 0, slot = 0;
+    for ( ; slot * l->strip_patches + patch % l->strip_patches < tiles; ++slot )
+    {
+        int end = count + list_tile( l, eye, pass_key, patch, slot, pixel + count );
+        for ( ; count < end; ++count )
+            tile_of[count] = slot;
+    }
+    *tile_count = slot;
+    return count;
+}
+
 int rf_list_patch( const RfPatchLayout* l, const RfEye* eye, uint64_t pass_key, int patch, int32_t* pixel, int32_t* tile_of,
                    int* tile_count )
 {
+    if ( l->scattered )
+        return list_scattered( l, eye, pass_key, patch, pixel, tile_of, tile_count );
     Rooks rooks[RF_PATCH_PIXELS / 4]; // rooks of two, at most
     Place p = place_of( l, pass_key, patch );
     int grids = p.grids_x * ( l->height / l->grid_height );

@@ -29,9 +29,14 @@ typedef struct RfPatchLayout
     int grid_width, grid_height; // all patches are shifted by less than that, anew in every pass
     int across, parts;           // patches in a row; patches that share one place
     int count;
+    // Scattered: the pixels of a patch are tiles (without tiles, blocks of 2×2) from all over a strip of the film, so that no
+    // two neighbours are of one patch.
+    bool scattered;
+    int grids_x, grids_y;          // then: tiles across and down the film, with room for the shift
+    int strip_rows, strip_patches; // rows of tiles in a strip, and its patches
 } RfPatchLayout;
 
-RfPatchLayout rf_lay_out_patches( const RfTile* tile, int width, int height );
+RfPatchLayout rf_lay_out_patches( const RfTile* tile, bool scattered, int width, int height );
 
 // The pixels of a patch that lie on the film, in blocks of 4×4, so that a
 // packet's rays keep together, and the tile of each, numbered from 0 within the

@@ -209,17 +209,22 @@ RfResult rf_scene_eye( const RfScene* scene, int camera, double time, int width,
                                : node_eye( scene, self, time, width, height, eye, error );
 }
 
+double rf_camera_time( const RfCamera* camera, double frame, int numerator, int denominator )
+{
+    if ( camera->track != NULL && camera->track->in_frames )
+        return camera->start + frame * camera->track->step;
+    // A single division of integers, so that the time of a frame does not depend on how it is
+    // computed.
+    return camera->start + frame * (double)denominator / (double)numerator;
+}
+
 RfResult rf_camera_eye( const RfScene* scene, const RfCamera* camera, double frame, int numerator, int denominator, int width,
                         int height, RfEye* eye, RfError* error )
 {
     RfResult result = check_film( camera, width, height, eye, error );
     if ( result != RF_OK )
         return result;
-    if ( camera->track != NULL && camera->track->in_frames )
-        return track_eye( camera, camera->start + frame * camera->track->step, width, height, eye, error );
-    // A single division of integers, so that the time of a frame does not depend on how it is
-    // computed.
-    double time = camera->start + frame * (double)denominator / (double)numerator;
+    double time = rf_camera_time( camera, frame, numerator, denominator );
     return camera->track != NULL ? track_eye( camera, time, width, height, eye, error )
                                  : node_eye( scene, camera, time, width, height, eye, error );
 }

@@ -35,10 +35,18 @@ RfResult rf_load_camera( const char* path, RfCamera* camera, RfError* error );
 struct RfField;
 RfResult rf_read_camera( const struct RfField* object, const char* name, RfCamera* camera, RfError* error );
 
+// The time of frame `frame` of a camera's path, counted from 0: seconds, or frames for a path that counts these.
+double rf_camera_time( const RfCamera* camera, double frame, int numerator, int denominator );
+
 // The eye of a camera (of the scene or from rf_load_camera) at frame `frame` of its
-// path, counted from 0, at numerator / denominator frames per second.
+// path, counted from 0, at numerator / denominator frames per second: a pinhole that stands still.
 RfResult rf_camera_eye( const RfScene* scene, const RfCamera* camera, double frame, int numerator, int denominator, int width,
                         int height, RfEye* eye, RfError* error );
+
+// The same with the camera's lens and shutter, or those of `asked`, if it is not NULL. Fails with RF_ERROR_SCENE for a lens
+// without a focus, and where the node in focus does not exist or is not before the camera.
+RfResult rf_camera_lens_eye( const RfScene* scene, const RfCamera* camera, const RfLens* asked, double frame, int numerator,
+                             int denominator, int width, int height, RfEye* eye, RfError* error );
 
 // What the camera calls its frames: the number of the first, and the step to the next. 1 and 1 unless
 // its path is keyed by frame numbers.

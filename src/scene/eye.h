@@ -23,7 +23,7 @@ static inline void rf_unit3( double v[3] )
 // all pictures rest on these.
 static inline RfEye rf_make_eye_inline( RfVec3 origin, RfVec3 forward, RfVec3 up, double yfov, int width, int height )
 {
-    RfEye eye;
+    RfEye eye = { 0 };
     eye.origin = origin;
     double f[3] = { (double)forward.x, (double)forward.y, (double)forward.z };
     double u[3] = { (double)up.x, (double)up.y, (double)up.z }, r[3];

@@ -22,6 +22,9 @@ void rf_destroy_camera( RfCamera* camera )
     if ( camera->track != NULL )
         rf_destroy_camera_track( camera->track );
     free( camera->track );
+    if ( camera->optics != NULL )
+        rf_destroy_optics( camera->optics );
+    free( camera->optics );
     free( camera->name );
     memset( camera, 0, sizeof *camera );
 }

@@ -73,6 +73,7 @@ typedef struct RfChannel
 } RfChannel;
 
 struct RfCameraTrack;
+struct RfOptics;
 
 typedef struct RfCamera
 {
@@ -81,6 +82,7 @@ typedef struct RfCamera
                                  // camera moves with its node, as the fields below describe
     int node;                    // −1: the default camera of a scene without cameras
     double yfov;                 // vertical field of view, radians
+    struct RfOptics* optics;     // owned: lens and shutter where there is no path; NULL: a pinhole
     bool animated;               // a channel animates its node or an ancestor
     double start;                // seconds: first key of those channels
     double end;                  // last key

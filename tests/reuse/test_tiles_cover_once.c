@@ -142,7 +142,7 @@ static void test_every_pixel_once( void** state )
             for ( uint64_t seed = 0; seed < 6; ++seed )
             {
                 Cover c = { .eye = { .width = sizes[s][0], .height = sizes[s][1] }, .key = rf_mix64( seed ), .tile = memory };
-                c.layout = rf_lay_out_patches( &tile, c.eye.width, c.eye.height );
+                c.layout = rf_lay_out_patches( &tile, false, c.eye.width, c.eye.height );
                 cover_film( &c );
                 check_shapes( &c );
             }
@@ -172,7 +172,7 @@ static void test_no_seam_stays( void** state )
         for ( int pass = 0; pass < PASSES; ++pass )
         {
             Cover c = { .eye = { .width = SIDE, .height = SIDE }, .key = rf_mix64( (uint64_t)pass ), .tile = tile };
-            c.layout = rf_lay_out_patches( &shape, SIDE, SIDE );
+            c.layout = rf_lay_out_patches( &shape, false, SIDE, SIDE );
             cover_film( &c );
             for ( int i = 0; i + step < SIDE * SIDE; ++i )
                 together[i] += tile[i] == tile[i + step];

@@ -34,6 +34,7 @@ static const RfOption s_options[] = {
       .meta = "FILE",
       .help = "a plot: seconds across, error up, with and without reuse" },
     RF_PATH_OPTIONS( s_parsed.render, "frames that are to be rendered: some of them are tried, and all are counted" ),
+    RF_LENS_OPTIONS( s_parsed.render, true ),
     { .name = "group",
       .type = RF_OPTION_INT,
       .value = &s_parsed.render.settings.group,

@@ -55,6 +55,7 @@ static const RfOption s_options[] = {
       .meta = "WxH",
       .default_text = "the scene's, else 960x540",
       .help = "pixels" },
+    RF_LENS_OPTIONS( s_parsed, true ),
     { .name = "spp",
       .in_file = true,
       .type = RF_OPTION_INT,

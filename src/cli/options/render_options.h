@@ -3,6 +3,7 @@
 #define REFRAME_CLI_OPTIONS_RENDER_OPTIONS_H
 
 #include "cli/options/options.h"
+#include "reframe/camera.h"
 #include "reframe/render.h"
 
 typedef struct RfRenderOptions
@@ -12,6 +13,10 @@ typedef struct RfRenderOptions
     const char* frames; // NULL: all
     RfFps fps;
     RfSize size;
+    const char* shutter; // NULL: the camera's
+    double fstop;
+    bool fstop_given;
+    const char* focus; // NULL: the camera's
     RfRenderSettings settings;
     bool spp_given;
     int weights, normalize, adaptive; // indices of their words
@@ -40,6 +45,9 @@ RfResult rf_read_render_defaults( const struct RfField* defaults, RfRenderOption
 // The same, overridden by the command line, which has been parsed before.
 RfResult rf_parse_render_options_over( const struct RfField* defaults, int argc, char** argv, RfRenderOptions* options,
                                        RfError* error );
+
+// The lens that --shutter, --fstop and --focus ask for. Fails with RF_ERROR_USAGE.
+RfResult rf_parse_lens_options( const RfRenderOptions* options, RfLens* lens, RfError* error );
 
 // Sets settings.tile from --tile.
 RfResult rf_parse_tile_option( RfRenderOptions* options, RfError* error );

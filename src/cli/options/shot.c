@@ -36,6 +36,7 @@ RfResult rf_load_shot( const char* command, RfRenderOptions* options, RfTakeDefa
 {
     *shot = ( RfShot ){ .frame_count = 0 };
     RfLog log = rf_stderr_log( command );
+    RfLens lens;
     RfResult result = rf_open_scene_file( options->scene, &shot->file, error );
     if ( result != RF_OK )
         return result;
@@ -45,8 +46,10 @@ RfResult rf_load_shot( const char* command, RfRenderOptions* options, RfTakeDefa
     if ( result == RF_OK )
         result = rf_load_scene_file( &shot->file, &shot->scene, &log, error );
     if ( result == RF_OK )
-        result = rf_create_camera_path( &shot->scene, options->camera, options->fps, options->size.width, options->size.height,
-                                        &shot->path, error );
+        result = rf_parse_lens_options( options, &lens, error );
+    if ( result == RF_OK )
+        result = rf_create_lens_path( &shot->scene, options->camera, &lens, options->fps, options->size.width,
+                                      options->size.height, &shot->path, error );
     if ( result == RF_OK )
     {
         options->size = ( RfSize ){ shot->path.eyes[0].width, shot->path.eyes[0].height };

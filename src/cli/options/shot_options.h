@@ -30,6 +30,30 @@
         .default_text = "the scene's, else 960x540", .help = "pixels"                                                            \
     }
 
+// A lens and a shutter in the place of the camera's own. `file`: a scene file's defaults may have them.
+#define RF_LENS_OPTIONS( o, file )                                                                                               \
+    { .name = "shutter",                                                                                                         \
+      .in_file = ( file ),                                                                                                       \
+      .type = RF_OPTION_STRING,                                                                                                  \
+      .value = &( o ).shutter,                                                                                                   \
+      .meta = "LENGTH|OPEN,CLOSE",                                                                                               \
+      .default_text = "the camera's",                                                                                            \
+      .help = "frames that the shutter is open, about each frame's time: the camera's motion blurs the picture; 0: no blur" },   \
+        { .name = "fstop",                                                                                                       \
+          .in_file = ( file ),                                                                                                   \
+          .type = RF_OPTION_REAL,                                                                                                \
+          .value = &( o ).fstop,                                                                                                 \
+          .given = &( o ).fstop_given,                                                                                           \
+          .min = 0,                                                                                                              \
+          .max = 1000000,                                                                                                        \
+          .meta = "N",                                                                                                           \
+          .default_text = "the camera's",                                                                                        \
+          .help = "f-number of the lens; 0: a pinhole, all is sharp" },                                                          \
+    {                                                                                                                            \
+        .name = "focus", .in_file = ( file ), .type = RF_OPTION_STRING, .value = &( o ).focus, .meta = "METRES|NODE",            \
+        .default_text = "the camera's", .help = "what is sharp: what lies this far along the view, or at a node of the scene"    \
+    }
+
 #define RF_SPP_OPTION( o )                                                                                                       \
     {                                                                                                                            \
         .name = "spp", .type = RF_OPTION_INT, .value = &( o ).settings.spp, .min = 1, .max = RF_MAX_SPP, .meta = "S",            \

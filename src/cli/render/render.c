@@ -114,10 +114,13 @@ static RfResult find_runs( Job* job, RfError* error )
 
 static RfResult load( Job* job, RfError* error )
 {
+    RfLens lens;
     RfResult result = load_scene( job, error );
     if ( result == RF_OK )
-        result = rf_create_camera_path( &job->scene, job->options.camera, job->options.fps, job->options.size.width,
-                                        job->options.size.height, &job->path, error );
+        result = rf_parse_lens_options( &job->options, &lens, error );
+    if ( result == RF_OK )
+        result = rf_create_lens_path( &job->scene, job->options.camera, &lens, job->options.fps, job->options.size.width,
+                                      job->options.size.height, &job->path, error );
     if ( result == RF_OK )
         result = rf_choose_frames( job->options.frames, &job->file, &job->path, &job->frames, &job->frame_count, error );
     if ( result != RF_OK )

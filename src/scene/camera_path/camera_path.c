@@ -3,6 +3,7 @@
 #include "reframe/render.h"
 #include "scene/camera.h"
 #include "scene/camera_path/camera_track.h"
+#include "scene/lens.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -26,7 +27,9 @@ static uint64_t hash_eye( uint64_t hash, const RfEye* e )
     hash = rf_hash_bytes( rf_hash_bytes( hash, numbers, sizeof numbers ), size, sizeof size );
     float film[3] = { e->focal_x, e->axis_x, e->axis_y };
     bool plain = film[0] == e->focal && film[1] == 0.5f * (float)e->width && film[2] == 0.5f * (float)e->height;
-    return plain ? hash : rf_hash_bytes( hash, film, sizeof film ); // as before there were shifts
+    hash = plain ? hash : rf_hash_bytes( hash, film, sizeof film ); // as before there were shifts
+    // RfEye has no padding
+    return rf_is_sharp( e ) ? hash : rf_hash_bytes( hash, e, sizeof *e );
 }
 
 int rf_frame_number( const RfCameraPath* path, int frame ) { return path->first + frame * path->step; }
@@ -48,8 +51,8 @@ static RfResult find_runs( RfCameraPath* path, RfError* error )
 }
 
 // The eyes of all frames; the hash starts with what a path file has.
-static RfResult make_eyes( const RfScene* scene, const RfCamera* camera, RfFps fps, int width, int height, RfCameraPath* path,
-                           RfError* error )
+static RfResult make_eyes( const RfScene* scene, const RfCamera* camera, const RfLens* lens, RfFps fps, int width, int height,
+                           RfCameraPath* path, RfError* error )
 {
     RfResult result = rf_scene_frame_count( scene, camera, (double)fps.numerator / (double)fps.denominator, &path->count, error );
     if ( result != RF_OK )
@@ -65,7 +68,8 @@ static RfResult make_eyes( const RfScene* scene, const RfCamera* camera, RfFps f
         path->hash = rf_hash_bytes( path->hash, &camera->track->hash, sizeof camera->track->hash );
     for ( int i = 0; i < path->count && result == RF_OK; ++i )
     {
-        result = rf_camera_eye( scene, camera, (double)i, fps.numerator, fps.denominator, width, height, path->eyes + i, error );
+        result = rf_camera_lens_eye( scene, camera, lens, (double)i, fps.numerator, fps.denominator, width, height,
+                                     path->eyes + i, error );
         if ( result == RF_OK )
             path->hash = hash_eye( path->hash, path->eyes + i );
     }
@@ -74,6 +78,12 @@ static RfResult make_eyes( const RfScene* scene, const RfCamera* camera, RfFps f
 
 RfResult rf_create_camera_path( const RfScene* scene, const char* name, RfFps fps, int width, int height, RfCameraPath* path,
                                 RfError* error )
+{
+    return rf_create_lens_path( scene, name, NULL, fps, width, height, path, error );
+}
+
+RfResult rf_create_lens_path( const RfScene* scene, const char* name, const RfLens* lens, RfFps fps, int width, int height,
+                              RfCameraPath* path, RfError* error )
 {
     *path = rf_empty_camera_path();
     if ( fps.numerator == 0 && fps.denominator == 0 )
@@ -100,7 +110,7 @@ RfResult rf_create_camera_path( const RfScene* scene, const char* name, RfFps fp
         camera = result == RF_OK ? scene->cameras + index : NULL;
     }
     if ( result == RF_OK )
-        result = make_eyes( scene, camera, fps, width, height, path, error );
+        result = make_eyes( scene, camera, lens, fps, width, height, path, error );
     rf_destroy_camera( &loaded );
     if ( result != RF_OK )
         rf_destroy_camera_path( path );

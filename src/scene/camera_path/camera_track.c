@@ -16,6 +16,9 @@ void rf_destroy_camera_track( RfCameraTrack* track )
     rf_destroy_curve( &track->fov );
     rf_destroy_curve( track->shift );
     rf_destroy_curve( track->shift + 1 );
+    rf_destroy_curve( &track->focus );
+    rf_destroy_curve( &track->fstop );
+    rf_destroy_optics( &track->optics );
     rf_destroy_waypoints( &track->walk );
     free( track->name );
     free( track->clock );
@@ -79,6 +82,11 @@ RfResult rf_sample_camera_track( const RfCameraTrack* track, double time, RfView
     rf_sample_curve( &track->fov, at, &view->fov );
     view->fov *= 3.14159265358979323846 / 180.0;
     view->aspect = track->aspect;
+    view->focus = view->fstop = 0.0;
+    if ( track->focus.count > 0 )
+        rf_sample_curve( &track->focus, at, &view->focus );
+    if ( track->fstop.count > 0 )
+        rf_sample_curve( &track->fstop, at, &view->fstop );
     for ( int i = 0; i < 2; ++i )
     {
         view->shift[i] = 0.0;

@@ -5,6 +5,7 @@
 
 #include "reframe/error.h"
 #include "scene/camera_path/curve.h"
+#include "scene/camera_path/optics.h"
 #include "scene/camera_path/waypoints.h"
 
 #include <stdbool.h>
@@ -45,6 +46,8 @@ typedef struct RfCameraTrack
     RfCurve fov;      // vertical, degrees
     RfCurve shift[2]; // right and up, heights of the picture; empty: none
     double aspect;    // of the pixels, width over height
+    RfOptics optics;
+    RfCurve focus, fstop; // by keys, before those of the optics; empty: none
     RfOrbit orbit;
     RfWaypoints walk;
     double look_ahead; // m ahead along the curve of a walk
@@ -56,6 +59,7 @@ typedef struct RfView
     double position[3], forward[3], up[3];
     double fov; // vertical, radians
     double shift[2], aspect;
+    double focus, fstop; // m; 0: no keys have them
 } RfView;
 
 // Reads a camera path file. Errors give the file and the JSON path. On failure the track is

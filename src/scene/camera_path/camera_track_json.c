@@ -36,6 +36,8 @@ RfResult rf_read_camera_track( const RfField* object, RfCameraTrack* track, RfEr
     top.notes = true;
     if ( result == RF_OK )
         result = read_kind( &top, track );
+    if ( result == RF_OK )
+        result = rf_read_optics( &top, &track->optics );
     if ( result != RF_OK )
         rf_destroy_camera_track( track );
     return result;

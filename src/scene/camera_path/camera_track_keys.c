@@ -19,8 +19,9 @@ static RfField inherited( const RfField* key, const RfField* top, const char* na
 typedef struct Keys
 {
     int count;
-    double *times, *position, *target, *up, *rotation, *fov, *shift[2];
+    double *times, *position, *target, *up, *rotation, *fov, *shift[2], *focus, *fstop;
     bool shifts; // any of them
+    bool focuses, stops;
 } Keys;
 
 static RfResult read_time( const RfField* key, bool in_frames, int index, double* times )
@@ -49,10 +50,28 @@ static RfResult read_shift( const RfField* field, Keys* keys, int i )
     return result;
 }
 
+// All keys have such a value, or none.
+static RfResult read_lens_value( const RfField* key, const char* name, double high, int i, bool* any, double* values )
+{
+    RfField field = rf_field_member( key, name );
+    if ( i > 0 && ( field.json != NULL ) != *any )
+        return rf_field_fail( key, "%s: give all keys one, or none", name );
+    *any = field.json != NULL;
+    return rf_field_number( &field, rf_above( 0.0, high ), values + i );
+}
+
+static RfResult read_lens_key( const RfField* key, Keys* keys, int i )
+{
+    RfResult result = read_lens_value( key, "focus", 1e6, i, &keys->focuses, keys->focus );
+    return result == RF_OK ? read_lens_value( key, "fstop", 1e6, i, &keys->stops, keys->fstop ) : result;
+}
+
 static RfResult read_key( const RfField* top, const RfField* key, Keys* keys, int i, bool rotates, bool in_frames )
 {
-    static const char* const s_seconds[] = { "time", "position", "target", "rotation", "up", "fov", "shift", NULL };
-    static const char* const s_frames[] = { "frame", "position", "target", "rotation", "up", "fov", "shift", NULL };
+    static const char* const s_seconds[] = { "time", "position", "target", "rotation", "up",
+                                             "fov",  "shift",    "focus",  "fstop",    NULL };
+    static const char* const s_frames[] = { "frame", "position", "target", "rotation", "up",
+                                            "fov",   "shift",    "focus",  "fstop",    NULL };
     RfResult result = rf_field_keys( key, in_frames ? s_frames : s_seconds );
     if ( result == RF_OK )
         result = read_time( key, in_frames, i, keys->times );
@@ -63,6 +82,8 @@ static RfResult read_key( const RfField* top, const RfField* key, Keys* keys, in
     RfField fov = inherited( key, top, "fov" ), up = inherited( key, top, "up" ), shift = inherited( key, top, "shift" );
     if ( result == RF_OK )
         result = read_shift( &shift, keys, i );
+    if ( result == RF_OK )
+        result = read_lens_key( key, keys, i );
     if ( result == RF_OK )
         result = rf_read_fov( &fov, keys->fov + i );
     if ( result == RF_OK )
@@ -94,6 +115,10 @@ static RfResult make_curves( const Keys* keys, bool linear, bool rotates, RfCame
         result = rf_create_curve( RF_CURVE_NUMBER, linear, n, t, keys->fov, &track->fov, error );
     for ( int i = 0; i < 2 && result == RF_OK && keys->shifts; ++i )
         result = rf_create_curve( RF_CURVE_NUMBER, linear, n, t, keys->shift[i], track->shift + i, error );
+    if ( result == RF_OK && keys->focuses )
+        result = rf_create_curve( RF_CURVE_NUMBER, linear, n, t, keys->focus, &track->focus, error );
+    if ( result == RF_OK && keys->stops )
+        result = rf_create_curve( RF_CURVE_NUMBER, linear, n, t, keys->fstop, &track->fstop, error );
     if ( result == RF_OK && rotates )
         return rf_create_curve( RF_CURVE_ROTATION, linear, n, t, keys->rotation, &track->rotation, error );
     if ( result == RF_OK )
@@ -101,7 +126,7 @@ static RfResult make_curves( const Keys* keys, bool linear, bool rotates, RfCame
     return result == RF_OK ? rf_create_curve( RF_CURVE_POINT, linear, n, t, keys->up, &track->up, error ) : result;
 }
 
-#define NUMBERS 17 // per key
+#define NUMBERS 19 // per key
 
 static Keys split_memory( double* memory, int count )
 {
@@ -113,7 +138,9 @@ static Keys split_memory( double* memory, int count )
                   .up = memory + 7 * n,
                   .rotation = memory + 10 * n,
                   .fov = memory + 14 * n,
-                  .shift = { memory + 15 * n, memory + 16 * n } };
+                  .shift = { memory + 15 * n, memory + 16 * n },
+                  .focus = memory + 17 * n,
+                  .fstop = memory + 18 * n };
     for ( size_t i = 0; i < n; ++i )
     {
         keys.up[3 * i + 1] = 1.0;
@@ -174,8 +201,8 @@ static RfResult read_keys( const RfField* top, const RfField* list, RfCameraTrac
 
 RfResult rf_read_keyed( const RfField* top, RfCameraTrack* track )
 {
-    static const char* const s_keys[] = { "kind", "interpolation", "keys", "target",      "rotation", "up",
-                                          "fov",  "shift",         "step", "pixelAspect", NULL };
+    static const char* const s_keys[] = { "kind", "lens", "interpolation", "keys", "target",      "rotation",
+                                          "up",   "fov",  "shift",         "step", "pixelAspect", NULL };
     RfField list = rf_field_member( top, "keys" );
     RfResult result = rf_field_keys( top, s_keys );
     if ( result == RF_OK )

@@ -8,6 +8,7 @@
 #include "reframe/render.h"
 #include "scene/animation.h"
 #include "scene/camera.h"
+#include "scene/camera_path/optics.h"
 #include "scene/gltf/gltf_document.h"
 
 #include "scene/json/json_document.h"
@@ -84,9 +85,15 @@ RfResult rf_gltf_read_shot( RfGltf* gltf, const RfField* ours )
     return result == RF_OK ? read_moving( gltf, &moving ) : result;
 }
 
+static RfResult read_lens( RfGltf* gltf, const RfField* ours, RfCamera* camera )
+{
+    camera->optics = calloc( 1, sizeof *camera->optics );
+    return camera->optics != NULL ? rf_read_optics( ours, camera->optics ) : rf_gltf_no_memory( gltf, "cameras" );
+}
+
 RfResult rf_gltf_read_camera_path( RfGltf* gltf, const json_t* node, const char* where, RfCamera* camera )
 {
-    static const char* const s_keys[] = { "path", NULL };
+    static const char* const s_keys[] = { "path", "lens", NULL };
     // extras of other programs may have any type
     const json_t* ours = json_object_get( json_object_get( node, "extras" ), "reframe" );
     if ( ours == NULL )
@@ -94,7 +101,11 @@ RfResult rf_gltf_read_camera_path( RfGltf* gltf, const json_t* node, const char*
     RfWhere self = rf_where( "%s.extras.reframe", where );
     RfField field = rf_make_field( gltf->path, self.text, ours, gltf->error );
     RfResult result = rf_field_keys( &field, s_keys );
-    RfField path = rf_field_member( &field, "path" );
+    RfField path = rf_field_member( &field, "path" ), lens = rf_field_member( &field, "lens" );
+    if ( result == RF_OK && path.json != NULL && lens.json != NULL )
+        return rf_field_fail( &lens, "not together with path: that has a lens of its own" );
+    if ( result == RF_OK && lens.json != NULL )
+        return read_lens( gltf, &field, camera );
     if ( result != RF_OK || path.json == NULL )
         return result;
     RfCamera read;

@@ -1,0 +1,105 @@
+#include "scene/camera_path/optics.h"
+
+#include "scene/json/json_document.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define DEGREE ( 3.14159265358979323846 / 180.0 )
+#define MAX_LENGTH 1e6    // m
+#define MAX_FSTOP 1e6     // beyond that a pinhole would do
+#define MAX_SHUTTER 100.0 // frames
+#define MAX_BLADES 64.0
+
+// A number of frames, in the middle of which the frame's own time is, or when the shutter opens and closes.
+static RfResult read_shutter( const RfField* field, double shutter[2] )
+{
+    if ( json_is_array( field->json ) )
+    {
+        RfResult result = rf_field_numbers( field, rf_range( -MAX_SHUTTER, MAX_SHUTTER ), 2, shutter );
+        if ( result == RF_OK && shutter[0] > shutter[1] )
+            return rf_field_fail( field, "closes before it opens: want [open, close]" );
+        return result;
+    }
+    double length = 0.0;
+    RfResult result = rf_field_number( field, rf_range( 0.0, MAX_SHUTTER ), &length );
+    shutter[0] = -0.5 * length;
+    shutter[1] = 0.5 * length;
+    return result;
+}
+
+// Metres, or the name of a node.
+static RfResult read_focus( const RfField* field, RfOptics* optics )
+{
+    if ( !json_is_string( field->json ) )
+        return rf_field_number( field, rf_above( 0.0, MAX_LENGTH ), &optics->focus );
+    const char* name = "";
+    RfResult result = rf_field_text( field, &name );
+    if ( result != RF_OK )
+        return result;
+    optics->focus_node = strdup( name );
+    return optics->focus_node != NULL ? RF_OK : rf_fail( field->error, RF_ERROR_MEMORY, "%s: no memory left", field->file );
+}
+
+static RfResult read_blades( const RfField* field, int* blades )
+{
+    double number = 0.0;
+    RfResult result = rf_field_number( field, rf_range( 0.0, MAX_BLADES ), &number );
+    if ( result == RF_OK && ( floor( number ) != number || ( number > 0.0 && number < 3.0 ) ) )
+        return rf_field_wants( field, "0 for a round aperture, or a whole number from 3" );
+    *blades = (int)number;
+    return result;
+}
+
+static RfResult read_aperture( const RfField* lens, RfOptics* optics )
+{
+    RfField fstop = rf_field_member( lens, "fstop" ), radius = rf_field_member( lens, "radius" ),
+            sensor = rf_field_member( lens, "sensor" ), blades = rf_field_member( lens, "blades" ),
+            rotation = rf_field_member( lens, "rotation" );
+    double millimetres = 1e3 * RF_DEFAULT_SENSOR, degrees = 0.0;
+    if ( fstop.json != NULL && radius.json != NULL )
+        return rf_field_fail( &radius, "not together with fstop: leave one of the two out" );
+    RfResult result = rf_field_number( &fstop, rf_above( 0.0, MAX_FSTOP ), &optics->fstop );
+    if ( result == RF_OK )
+        result = rf_field_number( &radius, rf_range( 0.0, MAX_LENGTH ), &optics->radius );
+    if ( result == RF_OK )
+        result = rf_field_number( &sensor, rf_above( 0.0, 1e6 ), &millimetres );
+    if ( result == RF_OK )
+        result = read_blades( &blades, &optics->blades );
+    if ( result == RF_OK )
+        result = rf_field_number( &rotation, rf_range( -1e6, 1e6 ), &degrees );
+    optics->sensor = 1e-3 * millimetres;
+    optics->rotation = degrees * DEGREE;
+    return result;
+}
+
+RfResult rf_read_optics( const RfField* object, RfOptics* optics )
+{
+    static const char* const s_keys[] = { "fstop", "radius", "sensor", "focus", "blades", "rotation", "shutter", NULL };
+    *optics = ( RfOptics ){ .sensor = RF_DEFAULT_SENSOR };
+    RfField lens = rf_field_member( object, "lens" );
+    if ( lens.json == NULL )
+        return RF_OK;
+    RfField shutter = rf_field_member( &lens, "shutter" ), focus = rf_field_member( &lens, "focus" );
+    RfResult result = rf_field_keys( &lens, s_keys );
+    if ( result == RF_OK )
+        result = read_aperture( &lens, optics );
+    if ( result == RF_OK && shutter.json != NULL )
+        result = read_shutter( &shutter, optics->shutter );
+    return result == RF_OK && focus.json != NULL ? read_focus( &focus, optics ) : result;
+}
+
+void rf_destroy_optics( RfOptics* optics )
+{
+    free( optics->focus_node );
+    *optics = ( RfOptics ){ 0 };
+}
+
+double rf_optics_radius( const RfOptics* optics, const RfEye* eye )
+{
+    if ( !( optics->fstop > 0.0 ) )
+        return optics->radius;
+    double focal_length = optics->sensor * (double)eye->focal / (double)eye->height;
+    return focal_length / ( 2.0 * optics->fstop );
+}
