@@ -7,6 +7,8 @@
 
 #include <stdlib.h>
 
+#define LENS_DIMENSION 0x10000000u // random numbers that nothing else uses
+
 // A surface point, seen along −wo.
 typedef struct Point
 {
@@ -428,6 +430,41 @@ static RfVec3 first_ray( const RfEye* eye, RfRandomKey key, int x, int y )
     return rf_scale( d, 1.0f / sqrtf( rf_dot( d, d ) ) );
 }
 
+// A value on the parabola through three at −1, 0 and 1, by Lagrange.
+static RfVec3 on_parabola( RfVec3 first, RfVec3 middle, RfVec3 last, float t )
+{
+    RfVec3 sum = rf_scale( first, 0.5f * t * ( t - 1.0f ) );
+    sum = rf_add( sum, rf_scale( middle, ( 1.0f - t ) * ( 1.0f + t ) ) );
+    return rf_add( sum, rf_scale( last, 0.5f * t * ( t + 1.0f ) ) );
+}
+
+// The camera at a time of the shutter, drawn for each sample anew.
+static RfEye moved_eye( const RfEye* eye, float t )
+{
+    RfVec3 focal =
+        on_parabola( rf_vec3( eye->open.focal, 0, 0 ), rf_vec3( eye->focal, 0, 0 ), rf_vec3( eye->close.focal, 0, 0 ), t );
+    RfEye out = rf_make_eye( on_parabola( eye->open.origin, eye->origin, eye->close.origin, t ),
+                             on_parabola( eye->open.forward, eye->forward, eye->close.forward, t ),
+                             on_parabola( eye->open.up, eye->up, eye->close.up, t ), 1.0, eye->width, eye->height );
+    out.focal = focal.x;
+    out.focal_x = focal.x * eye->focal_x / eye->focal;
+    out.axis_x = eye->axis_x;
+    out.axis_y = eye->axis_y;
+    out.lens_radius = eye->lens_radius;
+    out.focus = eye->focus;
+    return out;
+}
+
+// A ray through a round lens: the one through its middle leads to the point in focus.
+static void bend_ray( const RfEye* eye, RfRandomKey key, Ray* ray )
+{
+    RfVec3 sharp = rf_madd( ray->o, ray->d, eye->focus / rf_dot( ray->d, eye->forward ) );
+    float radius = eye->lens_radius * sqrtf( rf_random( key, LENS_DIMENSION ) );
+    float angle = 6.28318531f * rf_random( key, LENS_DIMENSION + 1 );
+    ray->o = rf_madd( rf_madd( ray->o, eye->right, radius * cosf( angle ) ), eye->up, radius * sinf( angle ) );
+    ray->d = rf_normalize( rf_sub( sharp, ray->o ) );
+}
+
 // Light that leaves a point that the camera sees.
 static RfVec3 seen_light( const RfTracer* tracer, const ReferenceSettings* s, RfRandomKey key, const Point* hit );
 
@@ -436,7 +473,15 @@ RfVec3 reference_sample( const RfTracer* tracer, const RfEye* eye, const Referen
     uint64_t pass_key = rf_pass_key( s->seed, (uint32_t)s->frame, (uint32_t)s->frame, (uint32_t)pass );
     RfRandomKey key = rf_pixel_key( pass_key, (uint32_t)( y * eye->width + x ) );
     Point hit;
+    RfEye moved;
+    if ( eye->moves )
+    {
+        moved = moved_eye( eye, 2.0f * rf_random( key, LENS_DIMENSION + 2 ) - 1.0f );
+        eye = &moved;
+    }
     Ray ray = { eye->origin, first_ray( eye, key, x, y ), rf_vec3( 0, 0, 0 ) };
+    if ( eye->lens_radius > 0.0f )
+        bend_ray( eye, key, &ray );
     if ( !find( tracer, ray.o, ray.d, &hit, NULL ) )
     {
         float pdf;
@@ -444,7 +489,7 @@ RfVec3 reference_sample( const RfTracer* tracer, const RfEye* eye, const Referen
         return hidden ? rf_vec3( 0, 0, 0 ) : sky_along( tracer, s, &ray, &pdf );
     }
     RfVec3 sum = seen_light( tracer, s, key, &hit );
-    return rf_mul( sum, part_left( &hit, eye->origin ) );
+    return rf_mul( sum, part_left( &hit, ray.o ) );
 }
 
 static RfVec3 seen_light( const RfTracer* tracer, const ReferenceSettings* s, RfRandomKey key, const Point* hit )

@@ -1,0 +1,145 @@
+// Depth of field and motion blur of the camera under frames and tiles are unbiased: against a path tracer that draws a
+// point of the lens and a moment of the shutter for each of its samples.
+#include "support/mirror_rooms.h"
+#include "support/scene_builder.h"
+#include "support/unbiased.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include <cmocka.h>
+
+#define WIDTH 48
+#define HEIGHT 36
+#define BLOCK 6
+#define EYES 5
+
+typedef enum Blur
+{
+    LENS,
+    SHUTTER,
+    BOTH,
+} Blur;
+
+static const char* const s_blurs[] = { "lens", "shutter", "lens and shutter" };
+
+static bool is_long( void ) { return getenv( "REFRAME_LONG" ) != NULL; }
+
+// Focused on the sphere; between two frames the camera moves by some ten pixels, in most of which the shutter is open.
+static void blurred_eyes( RfEye* eyes, Blur blur )
+{
+    RfEye path[2 * EYES + 1];
+    orbit_eyes( path, 2 * EYES + 1, 2.0f, WIDTH, HEIGHT );
+    for ( int i = 0; i < EYES; ++i )
+    {
+        eyes[i] = path[2 * i + 1];
+        if ( blur != SHUTTER )
+            rf_set_lens( eyes + i, 0.08 + 0.02 * i, 1.5 + 0.1 * i, 0, 0.0 ); // the focus is pulled
+        if ( blur != LENS )
+            rf_set_shutter( eyes + i, path + 2 * i, path + 2 * i + 2 );
+    }
+}
+
+// Pixels of a pass share points of the lens, so the p-values of blocks are not independent: their number only makes the bound
+// for the smallest stricter than it claims to be, but they need not be uniform.
+static void assert_means_agree( const char* what, const Images* rendered, const Images* reference )
+{
+    Verdict v = compare_images( rendered, reference, BLOCK );
+    printf( "%-40s whole %.3g, smallest of the blocks %.3g\n", what, v.whole_p, v.smallest_p );
+    assert_true( v.whole_p > 1e-4 );
+    assert_true( v.smallest_p > 1e-4 );
+}
+
+static Images rendered_with( const RfTracer* tracer, const RfEye* eyes, int group, bool tiles, int spp )
+{
+    RfRenderSettings settings = plain_settings();
+    settings.group = group;
+    settings.spp = spp;
+    settings.memory = (size_t)512 << 20;
+    if ( tiles )
+        settings.tile = ( RfTile ){ RF_TILE_BLOCK, 3, 3 };
+    return rendered_images( tracer, eyes, EYES, EYES / 2, settings );
+}
+
+static void check( const char* scene_name, RfScene scene, Blur blur )
+{
+    RfTracer* tracer = make_tracer( &scene );
+    RfEye eyes[EYES];
+    blurred_eyes( eyes, blur );
+    RfRenderSettings plain = plain_settings();
+    int times = is_long() ? 4 : 1;
+    Images reference = reference_images( tracer, eyes, EYES / 2, 48 * times, &plain );
+    static const struct
+    {
+        int group;
+        bool tiles;
+        int spp;
+    } s_ways[] = { { 0, false, 24 }, { 0, true, 16 }, { 2, false, 15 }, { 2, true, 15 } };
+    for ( size_t k = 0; k < sizeof s_ways / sizeof *s_ways; ++k )
+    {
+        Images rendered = rendered_with( tracer, eyes, s_ways[k].group, s_ways[k].tiles, s_ways[k].spp * times );
+        char what[96];
+        snprintf( what, sizeof what, "%s, %s, group %d%s:", scene_name, s_blurs[blur], s_ways[k].group,
+                  s_ways[k].tiles ? ", tiles" : "" );
+        assert_means_agree( what, &rendered, &reference );
+        free_images( &rendered );
+    }
+    free_images( &reference );
+    rf_destroy_tracer( tracer );
+    rf_destroy_scene( &scene );
+}
+
+static void test_glossy_rooms_are_unbiased( void** state )
+{
+    (void)state;
+    check( "GGX", make_room( ROOM_GGX ), LENS );
+    check( "GGX", make_room( ROOM_GGX ), SHUTTER );
+    check( "GGX", make_room( ROOM_GGX ), BOTH );
+}
+
+static void test_mirrors_and_glass_are_unbiased( void** state )
+{
+    (void)state;
+    check( "glass", make_glass_room(), BOTH );
+    check( "mirror", make_mirror_room( FLAT_MIRROR ), BOTH );
+}
+
+// Else the tests above would pass for a renderer that knows neither lens nor shutter.
+static void test_a_sharp_picture_is_told_from_a_blurred_one( void** state )
+{
+    (void)state;
+    RfScene scene = make_room( ROOM_GGX );
+    RfTracer* tracer = make_tracer( &scene );
+    for ( Blur blur = LENS; blur <= SHUTTER; ++blur )
+    {
+        RfEye sharp[EYES], blurred[EYES];
+        blurred_eyes( blurred, blur );
+        blurred_eyes( sharp, blur );
+        for ( int i = 0; i < EYES; ++i )
+        {
+            sharp[i].lens_radius = 0.0f;
+            sharp[i].moves = 0;
+        }
+        RfRenderSettings plain = plain_settings();
+        Images reference = reference_images( tracer, blurred, EYES / 2, 48, &plain );
+        Images rendered = rendered_with( tracer, sharp, 2, false, 15 );
+        assert_true( compare_images( &rendered, &reference, BLOCK ).smallest_p < 1e-6 );
+        free_images( &rendered );
+        free_images( &reference );
+    }
+    rf_destroy_tracer( tracer );
+    rf_destroy_scene( &scene );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( test_glossy_rooms_are_unbiased ),
+        cmocka_unit_test( test_mirrors_and_glass_are_unbiased ),
+        cmocka_unit_test( test_a_sharp_picture_is_told_from_a_blurred_one ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}
