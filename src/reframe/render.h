@@ -107,6 +107,9 @@ const RfEstimator* rf_find_estimator( const char* name );
 // The name that finds it.
 const char* rf_estimator_name( const RfEstimator* estimator );
 
+// The parts of the frames that alone are traced (render/pieces.h).
+typedef struct RfPieces RfPieces;
+
 // What is to be rendered, and how. From rf_default_render_settings.
 typedef struct RfRenderSettings
 {
@@ -132,6 +135,7 @@ typedef struct RfRenderSettings
                         // the same; else as few as serve the threads
     unsigned aovs;      // RF_AOV_BIT of the AOVs that are wanted besides the colour, which they do not change
     RfFrameFiles files; // rf_default_frame_files where callbacks->frame writes files
+    const RfPieces* pieces; // NULL: whole frames; else not with noise, time, hold_all or extra samples
 } RfRenderSettings;
 
 #define RF_GROUP_AUTO ( -1 )
