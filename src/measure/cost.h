@@ -37,8 +37,8 @@ typedef struct RfCostCurve
 typedef struct RfCost
 {
     RfCostCurve plain, reuse;
-    RfInterval speedup; // seconds of path tracing over seconds with reuse, at equal error
-    int width, height;  // of the test images
+    RfInterval speedup; // CPU seconds of path tracing over those with reuse, at equal error
+    double pixels;      // traced of each test frame
     int positions;
     double seconds; // spent measuring
 } RfCost;
@@ -52,6 +52,7 @@ typedef struct RfCostJob
     int frame_count;
     const RfRenderSettings* settings;                            // with reuse; spp is ignored
     double budget;                                               // seconds; the first level is always measured
+    double least_pixels;                                         // traced of a frame; 0: a usual number
     const RfTrialWatch* watch;                                   // may be NULL
     void ( *report )( void* user, const RfCost* cost, int spp ); // called before each level; may be NULL
     void* user;

@@ -14,6 +14,8 @@ static const char s_no_room[] = "does not fit the memory", s_rounded[] = "the sa
 
 #define ROUNDING 2.0 // limit of the samples traced, as a multiple of those requested
 
+bool rf_is_plain_row( const RfTuneRow* row ) { return row->group == 0 && row->tile.kind == RF_TILE_NONE; }
+
 RfRenderSettings rf_tune_settings( const RfTuneRow* row, const RfRenderSettings* common )
 {
     RfRenderSettings settings = *common;
@@ -117,7 +119,6 @@ RfResult rf_list_tune_rows( const RfTuneJob* job, RfTune* tune, RfRenderSettings
 
 int rf_tune_workers( const RfTuneJob* job, const RfTune* tune, const RfRenderSettings* common )
 {
-    RfEye small = rf_resize_eye( job->eyes, 1, 1 );
     size_t most = 1;
     for ( int i = 0; i < tune->count; ++i )
     {
@@ -125,11 +126,10 @@ int rf_tune_workers( const RfTuneJob* job, const RfTune* tune, const RfRenderSet
         RfMemoryFit fit;
         settings.threads = 1;
         settings.aovs = 0;
-        // except for its one-pixel films, memory is that of a trial of any size
-        RfResult result = rf_fit_memory( rf_tracer_scene( job->tracer ), &small, tune->rows[i].eyes, tune->rows[i].eyes,
+        RfResult result = rf_fit_memory( rf_tracer_scene( job->tracer ), job->eyes, tune->rows[i].eyes, tune->rows[i].eyes,
                                          &settings, &fit, NULL );
-        size_t bytes = fit.bytes_hits + fit.bytes_lists;
-        if ( tune->rows[i].excluded == NULL && result == RF_OK && bytes > most )
+        size_t bytes = fit.bytes_films + fit.bytes_hits + fit.bytes_lists;
+        if ( tune->rows[i].excluded == NULL && result == RF_OK && fit.sweeps == 1 && bytes > most )
             most = bytes;
     }
     size_t room = common->memory / ( 2 * most );
@@ -139,7 +139,8 @@ int rf_tune_workers( const RfTuneJob* job, const RfTune* tune, const RfRenderSet
 static void predict_row( RfTuneRow* row, double pixels, int frames )
 {
     const RfTrial* trial = &row->trial;
-    row->cpu_seconds = row->seconds = row->relmse = row->f1 = row->phi = row->efficiency = row->gain = NAN;
+    row->cpu_seconds = row->seconds = row->relmse = row->f1 = row->phi = row->efficiency = NAN;
+    row->gain = ( RfInterval ){ (double)NAN, (double)NAN, (double)NAN };
     if ( row->rounds == 0 )
         return;
     double finish = trial->finish_pixels > 0.0 ? trial->finish_seconds / trial->finish_pixels : 0.0;
@@ -152,9 +153,17 @@ static void predict_row( RfTuneRow* row, double pixels, int frames )
     row->efficiency = cost > 0.0 ? frames / cost : NAN; // the efficiency of a black image is undefined
 }
 
+// Of the render asked for: more samples are traced at the ends of the path, and in several sweeps.
+static RfInterval gain_over( const RfTuneRow* plain, const RfTuneRow* row )
+{
+    RfInterval gain = rf_trial_gain( &plain->trial, &row->trial );
+    double ends = plain->samples / plain->spp / ( row->samples / row->spp );
+    return row == plain ? ( RfInterval ){ 1.0, 1.0, 1.0 } : ( RfInterval ){ gain.value * ends, gain.low * ends, gain.high * ends };
+}
+
 void rf_predict_tune_rows( RfTune* tune, double pixels, int frames )
 {
-    double plain = NAN;
+    const RfTuneRow* plain = NULL;
     int rounds = 0;
     tune->chosen = -1;
     for ( int i = 0; i < tune->count; ++i )
@@ -163,13 +172,13 @@ void rf_predict_tune_rows( RfTune* tune, double pixels, int frames )
         predict_row( row, pixels, frames );
         row->chosen = false;
         rounds = row->rounds > rounds ? row->rounds : rounds;
-        if ( row->group == 0 && row->tile.kind == RF_TILE_NONE )
-            plain = row->efficiency;
+        plain = rf_is_plain_row( row ) && row->rounds > 0 ? row : plain;
     }
     for ( int i = 0; i < tune->count; ++i )
     {
         RfTuneRow* row = tune->rows + i;
-        row->gain = row->efficiency / plain;
+        if ( plain != NULL && row->rounds > 0 )
+            row->gain = gain_over( plain, row );
         if ( row->rounds == rounds && rounds > 0 && isfinite( row->efficiency ) &&
              ( tune->chosen < 0 || row->efficiency > tune->rows[tune->chosen].efficiency ) )
             tune->chosen = i;
