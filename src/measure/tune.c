@@ -74,12 +74,11 @@ static RfTuneOutlook make_outlook( const Tuner* t, int number )
     };
 }
 
-// Without path tracing, which stays to the end.
 static int count_candidates( const Tuner* t )
 {
     int count = 0;
     for ( int i = 0; i < t->tune->count; ++i )
-        count += t->candidate[i] && !rf_is_plain_row( t->tune->rows + i );
+        count += t->candidate[i];
     return count;
 }
 
@@ -96,8 +95,8 @@ static bool plan_round( Tuner* t, int number, RfTuneRound* round )
     RfTuneOutlook outlook = make_outlook( t, number );
     while ( !rf_plan_tune_round( t->tune, t->candidate, &outlook, round ) )
     {
-        rf_cut_tune_candidates( t->tune, ( count_candidates( t ) + 1 ) / 2, t->candidate );
-        if ( count_candidates( t ) < 2 )
+        rf_cut_tune_candidates( t->tune, count_candidates( t ) / 2, t->candidate ); // path tracing stays besides
+        if ( count_candidates( t ) < 3 ) // path tracing is one of them
             return false;
     }
     return true;
