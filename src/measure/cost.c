@@ -101,7 +101,8 @@ static RfResult make_regions( Study* s, RfError* error )
     RfResult result = probe( s, &pixel_seconds, error );
     s->cost->positions = s->job->frame_count < RF_COST_POSITIONS ? s->job->frame_count : RF_COST_POSITIONS;
     double left = s->job->budget - ( rf_wall_seconds() - s->start );
-    double pixels = left * s->workers / ( ( 1 << WANTED_LEVELS ) * pixel_seconds * s->cost->positions );
+    int wanted = s->job->levels > 0 && s->job->levels < WANTED_LEVELS ? s->job->levels : WANTED_LEVELS;
+    double pixels = left * s->workers / ( ( 1 << wanted ) * pixel_seconds * s->cost->positions );
     double least = s->job->least_pixels > 0.0 ? s->job->least_pixels : MIN_PIXELS;
     s->pixels = pixels > least ? pixels : least;
     if ( result == RF_OK )
@@ -190,7 +191,8 @@ static RfResult run_level( Study* s, int level, RfError* error )
 static RfResult run_levels( Study* s, RfError* error )
 {
     double last = 0.0;
-    for ( int level = 0; level < RF_COST_LEVELS; ++level )
+    int levels = s->job->levels > 0 ? s->job->levels : RF_COST_LEVELS;
+    for ( int level = 0; level < levels; ++level )
     {
         double begin = rf_wall_seconds();
         if ( level > 0 && begin - s->start + 2.0 * last > s->job->budget )

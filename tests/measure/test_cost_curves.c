@@ -213,6 +213,9 @@ static void test_command_says_what_json_says( void** state )
     json_t *dear = json_array_get( wanted, 0 ), *cheap = json_array_get( wanted, 1 );
     assert_true( json_integer_value( json_object_get( json_object_get( dear, "plain" ), "spp" ) ) >
                  json_integer_value( json_object_get( json_object_get( cheap, "plain" ), "spp" ) ) );
+    char* table = cli_read( "c.txt", &size );
+    cli_expect_verdict( table, json, "a render with groups of 3 and 3x3 tiles is " );
+    free( table );
     json_decref( json );
     free( text );
     text = cli_read( "c.svg", &size );

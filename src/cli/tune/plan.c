@@ -15,6 +15,7 @@
 #define MEASURE_SECONDS 1.0
 #define TRY_SECONDS 3.0 // for holding the chosen row against path tracing
 #define TRY_PIXELS 6000.0
+#define TRY_LEVELS 2
 
 // The example of Reusing Frames in Camera Animation, section 4.3: 800x600, 7
 // frames, 2 samples per pixel.
@@ -66,7 +67,8 @@ static RfResult try_chosen( Job* job, RfError* error )
                         .frame_count = job->shot.frame_count,
                         .settings = &settings,
                         .budget = TRY_SECONDS,
-                        .least_pixels = TRY_PIXELS };
+                        .least_pixels = TRY_PIXELS,
+                        .levels = TRY_LEVELS };
     RfCost cost;
     RfResult result = rf_measure_cost( &trial, &cost, error );
     job->tried = result == RF_OK ? cost.speedup : job->tried;
