@@ -93,18 +93,24 @@ static RfResult make_position( Study* s, int number, RfError* error )
     return make_region( s, ( number + 0.5 ) / s->cost->positions, s->pixels, s->regions + number, error );
 }
 
-// Creates test regions with so large pieces that the budget allows WANTED_LEVELS levels, each
-// taking twice as long as the one before.
-static RfResult make_regions( Study* s, RfError* error )
+// So many pixels that the budget allows WANTED_LEVELS levels, each taking twice as long as the one before.
+static RfResult choose_pixels( Study* s, RfError* error )
 {
     double pixel_seconds;
+    s->pixels = s->job->pixels;
+    if ( s->pixels > 0.0 )
+        return RF_OK;
     RfResult result = probe( s, &pixel_seconds, error );
-    s->cost->positions = s->job->frame_count < RF_COST_POSITIONS ? s->job->frame_count : RF_COST_POSITIONS;
     double left = s->job->budget - ( rf_wall_seconds() - s->start );
-    int wanted = s->job->levels > 0 && s->job->levels < WANTED_LEVELS ? s->job->levels : WANTED_LEVELS;
-    double pixels = left * s->workers / ( ( 1 << wanted ) * pixel_seconds * s->cost->positions );
-    double least = s->job->least_pixels > 0.0 ? s->job->least_pixels : MIN_PIXELS;
-    s->pixels = pixels > least ? pixels : least;
+    double pixels = left * s->workers / ( ( 1 << WANTED_LEVELS ) * pixel_seconds * s->cost->positions );
+    s->pixels = pixels > MIN_PIXELS ? pixels : MIN_PIXELS;
+    return result;
+}
+
+static RfResult make_regions( Study* s, RfError* error )
+{
+    s->cost->positions = s->job->frame_count < RF_COST_POSITIONS ? s->job->frame_count : RF_COST_POSITIONS;
+    RfResult result = choose_pixels( s, error );
     if ( result == RF_OK )
         result = run_tasks( s, s->cost->positions, make_position, error );
     for ( int i = 0; i < s->cost->positions; ++i )
@@ -191,7 +197,7 @@ static RfResult run_level( Study* s, int level, RfError* error )
 static RfResult run_levels( Study* s, RfError* error )
 {
     double last = 0.0;
-    int levels = s->job->levels > 0 ? s->job->levels : RF_COST_LEVELS;
+    int levels = s->job->pixels > 0.0 ? 1 : RF_COST_LEVELS;
     for ( int level = 0; level < levels; ++level )
     {
         double begin = rf_wall_seconds();
@@ -316,10 +322,10 @@ RfResult rf_measure_cost( const RfCostJob* job, RfCost* cost, RfError* error )
         result = make_regions( &s, error );
     if ( result == RF_OK )
         result = run_levels( &s, error );
-    for ( int i = 0; i < RF_COST_POSITIONS; ++i )
-        rf_destroy_test_region( s.regions + i );
     if ( s.unit_count > 0 )
         fit_curves( &s );
+    for ( int i = 0; i < RF_COST_POSITIONS; ++i )
+        rf_destroy_test_region( s.regions + i );
     if ( result == RF_OK && !( cost->plain.relmse > 0.0 && cost->reuse.relmse > 0.0 ) )
         return rf_fail( error, RF_ERROR_SCENE,
                         "the error of the test images cannot be measured: they are black, or have NaN or infinite pixels" );

@@ -52,8 +52,7 @@ typedef struct RfCostJob
     int frame_count;
     const RfRenderSettings* settings;                            // with reuse; spp is ignored
     double budget;                                               // seconds; the first level is always measured
-    double least_pixels;                                         // traced of a frame; 0: a usual number
-    int levels;                                                  // at most; 0: as many as the budget has time for
+    double pixels; // not 0: the first level only, on pieces of so many pixels, whatever the budget
     const RfTrialWatch* watch;                                   // may be NULL
     void ( *report )( void* user, const RfCost* cost, int spp ); // called before each level; may be NULL
     void* user;

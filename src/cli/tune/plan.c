@@ -13,9 +13,7 @@
 #include <string.h>
 
 #define MEASURE_SECONDS 1.0
-#define TRY_SECONDS 3.0 // for holding the chosen row against path tracing
-#define TRY_PIXELS 6000.0
-#define TRY_LEVELS 2
+#define TRY_PIXELS 70000.0 // of the frames of a group together, for holding the chosen row against path tracing
 
 // The example of Reusing Frames in Camera Animation, section 4.3: 800x600, 7
 // frames, 2 samples per pixel.
@@ -56,6 +54,7 @@ static RfResult try_chosen( Job* job, RfError* error )
 {
     const RfPlanRow* row = job->plan.rows + job->plan.chosen;
     RfRenderSettings settings = job->options.settings;
+    double all = (double)job->options.size.width * job->options.size.height;
     settings.group = row->group;
     job->tried = ( RfInterval ){ (double)NAN, (double)NAN, (double)NAN };
     if ( row->eyes == 1 && settings.tile.kind == RF_TILE_NONE )
@@ -66,9 +65,7 @@ static RfResult try_chosen( Job* job, RfError* error )
                         .frames = job->shot.frames,
                         .frame_count = job->shot.frame_count,
                         .settings = &settings,
-                        .budget = TRY_SECONDS,
-                        .least_pixels = TRY_PIXELS,
-                        .levels = TRY_LEVELS };
+                        .pixels = fmin( TRY_PIXELS / row->eyes, all / RF_COST_POSITIONS ) };
     RfCost cost;
     RfResult result = rf_measure_cost( &trial, &cost, error );
     job->tried = result == RF_OK ? cost.speedup : job->tried;
