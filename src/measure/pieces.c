@@ -11,6 +11,9 @@
 #define LEAST_SIDE 16     // of a block, pixels
 #define AROUND 14.0       // pixels that are traced around a block, in all: cells and tiles that reach beyond it
 #define ALL 0.6           // of a picture: as well the whole of it
+#define TRIES 3           // at pieces from which no more than
+#define FEW 3             // pieces are enough
+#define TOO_MUCH 1.3      // times the pixels wanted follow
 #define STEP 2            // pixels between the points that are followed to other frames
 #define REACH 1.0f        // pixels around where such a point is seen that belong to it
 #define POINTS 1024       // followed at once
@@ -245,21 +248,37 @@ static void number_slots( const Chooser* c )
     p->first_slot[p->frames] = slots;
 }
 
-static void choose( Chooser* c, int centre, double pixels, uint64_t seed )
+// Chooses pieces of an area from which about `pixels` pixels follow; returns how many do.
+static double try_pieces( Chooser* c, int centre, double pixels, uint64_t seed )
 {
     RfTestPieces* p = c->pieces;
     size_t bytes = film_cells( p ) * (size_t)p->frames;
-    rf_set_float_mode();
-    if ( place_blocks( c, centre, pixels, seed ) )
+    memset( c->target, 0, bytes );
+    if ( !place_blocks( c, centre, pixels, seed ) )
     {
-        follow_frame( c, centre, true );
-        memcpy( p->traced, c->target, bytes );
-        for ( int f = 0; f < p->frames; ++f )
-            follow_frame( c, f, false );
-        count_traced( p );
-    }
-    else
         take_everything( c );
+        return p->pixels;
+    }
+    follow_frame( c, centre, true );
+    memcpy( p->traced, c->target, bytes );
+    for ( int f = 0; f < p->frames; ++f )
+        follow_frame( c, f, false );
+    count_traced( p );
+    return p->pixels;
+}
+
+// Where the camera moves fast, much more is traced than the pieces themselves: then fewer pieces are taken.
+static void choose( Chooser* c, int centre, double pixels, uint64_t seed )
+{
+    double wanted = pixels;
+    rf_set_float_mode();
+    for ( int i = 0; i < TRIES; ++i )
+    {
+        double traced = try_pieces( c, centre, wanted, seed );
+        if ( traced < TOO_MUCH * pixels || c->pieces->count <= FEW || c->pieces->traced == NULL )
+            break;
+        wanted *= pixels / traced;
+    }
     number_slots( c );
 }
 

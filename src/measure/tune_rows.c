@@ -10,8 +10,12 @@
 static const int s_groups[RF_TUNE_GROUPS] = { 0, 1, 2, 3, 4, 6, 8, 12, 16 };
 static const char* const s_tiles[RF_TUNE_TILES] = { "1", "2x2", "3x3", "4x4", "rooks16" };
 
-static const char s_no_room[] = "does not fit the memory", s_rounded[] = "the samples would more than double";
+static const char s_no_room[] = "does not fit the memory", s_rounded[] = "the samples would more than double",
+                  s_hopeless[] = "far from the best by the plan";
 
+// Of the best gain that the plan predicts for a tile: with less a group is not tried, a smaller and a larger one.
+#define HOPE 0.6
+#define BEYOND 0.97
 #define ROUNDING 2.0 // limit of the samples traced, as a multiple of those requested
 
 bool rf_is_plain_row( const RfTuneRow* row ) { return row->group == 0 && row->tile.kind == RF_TILE_NONE; }
@@ -48,6 +52,22 @@ static RfMemoryFit fit_of( const RfTuneJob* job, const RfTuneRow* row )
     return fit;
 }
 
+// Leaves out the groups of a tile, from row `first` on, in which the plan sees no hope: small ones that reuse too little,
+// and those beyond the best, whose reuse costs more than it brings. The plan overrates large groups, if anything.
+static void drop_hopeless( RfTune* tune, int first )
+{
+    int best = first;
+    for ( int i = first; i < tune->count; ++i )
+        best = tune->rows[i].predicted_gain > tune->rows[best].predicted_gain ? i : best;
+    for ( int i = first; i < tune->count; ++i )
+    {
+        RfTuneRow* row = tune->rows + i;
+        double least = ( i > best ? BEYOND : HOPE ) * tune->rows[best].predicted_gain;
+        if ( row->excluded == NULL && row->group > 0 && row->predicted_gain < least )
+            row->excluded = s_hopeless;
+    }
+}
+
 // Lists the rows of a tile; none fits if the smallest group does not.
 static RfResult list_tile( const RfTuneJob* job, const RfTile* tile, RfTune* tune, RfError* error )
 {
@@ -59,7 +79,7 @@ static RfResult list_tile( const RfTuneJob* job, const RfTile* tile, RfTune* tun
         rf_plan_render( job->tracer, job->eyes, job->eye_count, job->frames, job->frame_count, &settings, &plan, error );
     if ( result != RF_OK && result != RF_ERROR_MEMORY )
         return result;
-    int planned = result == RF_OK ? plan.count : 0;
+    int planned = result == RF_OK ? plan.count : 0, first = tune->count;
     for ( int i = 0; i < RF_TUNE_GROUPS; ++i )
     {
         RfGroupPlan groups = rf_plan_groups( job->eye_count, s_groups[i], settings.spp );
@@ -80,6 +100,7 @@ static RfResult list_tile( const RfTuneJob* job, const RfTile* tile, RfTune* tun
         if ( groups.eyes == job->eye_count )
             break;
     }
+    drop_hopeless( tune, first );
     return RF_OK;
 }
 
