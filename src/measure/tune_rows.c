@@ -11,11 +11,9 @@ static const int s_groups[RF_TUNE_GROUPS] = { 0, 1, 2, 3, 4, 6, 8, 12, 16 };
 static const char* const s_tiles[RF_TUNE_TILES] = { "1", "2x2", "3x3", "4x4", "rooks16" };
 
 static const char s_no_room[] = "does not fit the memory", s_rounded[] = "the samples would more than double",
-                  s_hopeless[] = "far from the best by the plan";
+                  s_hopeless[] = "by the plan worth less than a smaller group";
 
-// Of the best gain that the plan predicts for a tile: with less a group is not tried, a smaller and a larger one.
-#define HOPE 0.6
-#define BEYOND 0.97
+#define BEYOND 0.97  // of the best gain that the plan predicts for a tile: with less a larger group is not tried
 #define ROUNDING 2.0 // limit of the samples traced, as a multiple of those requested
 
 bool rf_is_plain_row( const RfTuneRow* row ) { return row->group == 0 && row->tile.kind == RF_TILE_NONE; }
@@ -52,18 +50,17 @@ static RfMemoryFit fit_of( const RfTuneJob* job, const RfTuneRow* row )
     return fit;
 }
 
-// Leaves out the groups of a tile, from row `first` on, in which the plan sees no hope: small ones that reuse too little,
-// and those beyond the best, whose reuse costs more than it brings. The plan overrates large groups, if anything.
+// Leaves out the groups of a tile, from row `first` on, that are larger than the best one by the plan: their reuse costs
+// more than it brings, and the plan overrates large groups, if anything.
 static void drop_hopeless( RfTune* tune, int first )
 {
     int best = first;
     for ( int i = first; i < tune->count; ++i )
         best = tune->rows[i].predicted_gain > tune->rows[best].predicted_gain ? i : best;
-    for ( int i = first; i < tune->count; ++i )
+    for ( int i = best + 1; i < tune->count; ++i )
     {
         RfTuneRow* row = tune->rows + i;
-        double least = ( i > best ? BEYOND : HOPE ) * tune->rows[best].predicted_gain;
-        if ( row->excluded == NULL && row->group > 0 && row->predicted_gain < least )
+        if ( row->excluded == NULL && row->predicted_gain < BEYOND * tune->rows[best].predicted_gain )
             row->excluded = s_hopeless;
     }
 }
