@@ -48,7 +48,8 @@ static RfResult try_curve( const Study* s, const RfTestRegion* region, int curve
 {
     RfRenderSettings settings = s->settings[curve];
     settings.seed = rf_mix64( settings.seed ^ rf_mix64( salt ) );
-    return rf_run_trial( s->job->tracer, region, curve == 0 ? region->frames : 1, passes, &settings, s->job->watch, trial, error );
+    return rf_run_trial( s->job->tracer, region, curve == 0 ? region->frames : 1, passes, &settings, s->job->watch, trial,
+                         error );
 }
 
 // Runs `task` for 0 … count − 1 on several threads, and returns the first failure.
@@ -166,7 +167,8 @@ static RfResult try_position( Study* s, int number, RfError* error )
 {
     int position = number / 2, curve = number % 2;
     return try_curve( s, s->regions + position, curve, FIRST_PASSES << s->level,
-                      (uint64_t)( s->level * RF_COST_POSITIONS + position + 1 ), &s->trials[s->unit_count + position][curve], error );
+                      (uint64_t)( s->level * RF_COST_POSITIONS + position + 1 ), &s->trials[s->unit_count + position][curve],
+                      error );
 }
 
 static RfResult run_level( Study* s, int level, RfError* error )

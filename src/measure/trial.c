@@ -50,7 +50,8 @@ static RfResult keep_weights( void* user, const RfFrameResult* frame, RfError* e
         for ( int k = 0; k < pixels; ++k )
         {
             double mean = sum_around( region, frame, pixel[k] % frame->width, pixel[k] / frame->width, &count ) / count;
-            region->weight[RF_CELL_PIXELS * (size_t)slot[cell] + (size_t)k] = (float)( 1.0 / ( mean * mean + RF_RELMSE_EPSILON ) );
+            region->weight[RF_CELL_PIXELS * (size_t)slot[cell] + (size_t)k] =
+                (float)( 1.0 / ( mean * mean + RF_RELMSE_EPSILON ) );
         }
     }
     return RF_OK;
@@ -115,8 +116,8 @@ RfResult rf_create_test_region( const RfTracer* tracer, const RfEye* eyes, int e
     region->first = clamp( centre - region->frames / 2, 0, eye_count - region->frames );
     region->eyes = eyes + region->first;
     uint64_t seed = rf_mix64( settings->seed ) ^ (uint64_t)centre;
-    RfResult result = rf_choose_pieces( tracer, region->eyes, region->frames, centre - region->first, pixels, seed,
-                                        &region->pieces, error );
+    RfResult result =
+        rf_choose_pieces( tracer, region->eyes, region->frames, centre - region->first, pixels, seed, &region->pieces, error );
     if ( result != RF_OK )
         return result;
     size_t slots = (size_t)region->pieces.first_slot[region->frames];

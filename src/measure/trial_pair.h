@@ -23,11 +23,11 @@ RfResult rf_render_metered( const RfTracer* tracer, const RfEye* eyes, int eye_c
 typedef struct RfTrialPair
 {
     int eyes;
-    bool whole;                  // the frames are the whole path
-    const RfTestPieces* pieces;  // of the region
-    int first;                   // frame of the region
-    const float* weight;         // of the region
-    float* rgb;                  // of the group's slots: the first render, then the differences to the second
+    bool whole;                   // the frames are the whole path
+    const RfTestPieces* pieces;   // of the region
+    int first;                    // frame of the region
+    const float* weight;          // of the region
+    float* rgb;                   // of the group's slots: the first render, then the differences to the second
     double relmse[RF_MAX_PIECES]; // sums over the pixels of a piece: of weighted ½ d², summed over channels
     double pixels[RF_MAX_PIECES];
     double square;                // sum of ½ d² over pixels, mean over channels

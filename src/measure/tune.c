@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-#define OVERTIME 1.1 // times the budget: when the last round is aborted
+#define OVERTIME 1.1        // times the budget: when the last round is aborted
 #define FIRST_PIXELS 2500.0 // traced of a frame, to measure the speed
 
 static const int s_kept[RF_TUNE_ROUNDS] = { 16, 8, 4, 1 }; // candidates kept after each round
@@ -96,7 +96,7 @@ static bool plan_round( Tuner* t, int number, RfTuneRound* round )
     while ( !rf_plan_tune_round( t->tune, t->candidate, &outlook, round ) )
     {
         rf_cut_tune_candidates( t->tune, count_candidates( t ) / 2, t->candidate ); // path tracing stays besides
-        if ( count_candidates( t ) < 3 ) // path tracing is one of them
+        if ( count_candidates( t ) < 3 )                                            // path tracing is one of them
             return false;
     }
     return true;

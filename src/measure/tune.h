@@ -49,8 +49,8 @@ typedef struct RfTuneRow
     double cpu_seconds, seconds; // for all frames
     double relmse, f1, phi;      // of a frame with `spp` samples
     double efficiency;           // 1 / (relMSE · CPU seconds of a frame)
-    RfInterval gain; // efficiency relative to path tracing (group 0, tile 1), measured on the same pieces; NaN if
-                     // that was not tried
+    RfInterval gain;             // efficiency relative to path tracing (group 0, tile 1), measured on the same pieces; NaN if
+                                 // that was not tried
     bool chosen;
 } RfTuneRow;
 

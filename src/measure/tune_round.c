@@ -4,7 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#define REGION_FRAMES 7 // approximately, for trying small groups
+#define REGION_FRAMES 7   // approximately, for trying small groups
 #define MIN_PIXELS 2500.0 // four pieces, and what is traced around them
 #define MAX_REGIONS 24
 

@@ -176,7 +176,8 @@ static RfInterval gain_over( const RfTuneRow* plain, const RfTuneRow* row )
 {
     RfInterval gain = rf_trial_gain( &plain->trial, &row->trial );
     double ends = plain->samples / plain->spp / ( row->samples / row->spp );
-    return row == plain ? ( RfInterval ){ 1.0, 1.0, 1.0 } : ( RfInterval ){ gain.value * ends, gain.low * ends, gain.high * ends };
+    return row == plain ? ( RfInterval ){ 1.0, 1.0, 1.0 }
+                        : ( RfInterval ){ gain.value * ends, gain.low * ends, gain.high * ends };
 }
 
 void rf_predict_tune_rows( RfTune* tune, double pixels, int frames )

@@ -19,9 +19,9 @@ typedef struct RfHarvest
     bool tile_roulette;
     RfWeights weights;
     uint64_t seed;
-    const RfEye* eyes; // shape.eyes of them
-    int first_frame;   // path frame of eyes[0]
-    int group;         // its number
+    const RfEye* eyes;      // shape.eyes of them
+    int first_frame;        // path frame of eyes[0]
+    int group;              // its number
     const RfPieces* pieces; // that alone are traced; NULL: all
     const float* need;      // adaptive sampling, as in RfEstimatorGroup
     int round;

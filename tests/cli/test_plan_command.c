@@ -72,8 +72,9 @@ static void test_table_and_json_agree( void** state )
     assert_non_null( strstr( json_string_value( json_object_get( plan, "verdict" ) ), "than path tracing at equal noise (" ) );
     assert_int_equal( strncmp( table, "render --group auto takes groups of ", 36 ), 0 );
     assert_non_null( strstr( table, "\n48 frames of 64x36 at " ) );
-    assert_true( json_number_value( json_object_get( tried, "gain_low" ) ) < json_number_value( json_object_get( tried, "gain" ) ) &&
-                 json_number_value( json_object_get( tried, "gain" ) ) < json_number_value( json_object_get( tried, "gain_high" ) ) );
+    assert_true(
+        json_number_value( json_object_get( tried, "gain_low" ) ) < json_number_value( json_object_get( tried, "gain" ) ) &&
+        json_number_value( json_object_get( tried, "gain" ) ) < json_number_value( json_object_get( tried, "gain_high" ) ) );
     assert_int_equal( json_integer_value( json_object_get( row, "group" ) ),
                       json_integer_value( json_object_get( render, "group" ) ) );
     check_rows( plan );

@@ -126,7 +126,8 @@ static void test_command_it_gives_is_taken_by_render( void** state )
     // words on the way, and JSON alone on standard output
     const CliResult* said = cli_run( "$R tune $VASE %s --budget 1 --json -", options );
     assert_int_equal( said->status, 0 );
-    assert_true( said->out[0] == '{' && strstr( said->err, "reframe tune: round 1: 35 settings on pieces of 144 pixels" ) == said->err );
+    assert_true( said->out[0] == '{' &&
+                 strstr( said->err, "reframe tune: round 1: 35 settings on pieces of 144 pixels" ) == said->err );
 }
 
 static void test_names_are_quoted_for_the_shell( void** state )

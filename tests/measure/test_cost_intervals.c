@@ -141,7 +141,7 @@ static void test_intervals_hold_the_truth( void** state )
     }
     print_message( "of %d intervals of 95 %%: %.1f %% hold the ratio, %.1f %% the slope\n", TRIES, 100.0 * held / TRIES,
                    100.0 * slopes / TRIES );
-    near( (double)slopes / TRIES, 0.95, 0.015 ); // exact in theory; four deviations
+    near( (double)slopes / TRIES, 0.95, 0.015 );               // exact in theory; four deviations
     assert_true( held > 0.90 * TRIES && held < 0.99 * TRIES ); // tails are seen too seldom
 }
 

@@ -89,8 +89,8 @@ static void check_pieces( float degrees, int group, const char* tile )
     int values, differ;
     compare( &s, &whole, &part, &values, &differ );
     double traced = (double)part.stats.rays.primary / (double)whole.stats.rays.primary;
-    print_message( "%g degrees, group %d, tile %s: %d of %d values differ, %.1f %% of the samples\n", (double)degrees, group, tile,
-                   differ, values, 100.0 * traced );
+    print_message( "%g degrees, group %d, tile %s: %d of %d values differ, %.1f %% of the samples\n", (double)degrees, group,
+                   tile, differ, values, 100.0 * traced );
     assert_true( values > 3 * 1000 * EYES && differ <= values / 100 );
     assert_true( traced < 0.4 );
     assert_true( group > 0 || differ == 0 );
@@ -149,7 +149,8 @@ static void try_both( const Setup* s, double pixels, uint64_t seed, RfTrial tria
     {
         settings = settings_of( 2 * reuse, reuse ? "3x3" : "1", seed );
         settings.threads = 1;
-        assert_int_equal( rf_run_trial( s->tracer, &region, reuse ? 1 : EYES, 2, &settings, NULL, trials + reuse, &error ), RF_OK );
+        assert_int_equal( rf_run_trial( s->tracer, &region, reuse ? 1 : EYES, 2, &settings, NULL, trials + reuse, &error ),
+                          RF_OK );
         trials[reuse].cpu_seconds = trials[reuse].timed_samples; // a busy machine's times are not what is tested
         trials[reuse].time_noise = 0.0;
     }
@@ -175,8 +176,8 @@ static void test_trials_of_pieces_find_the_error( void** state )
         for ( int reuse = 0; reuse < 2; ++reuse )
             found[reuse] += rf_trial_relmse( pieces + reuse, 1.0 ) / seeds;
     }
-    print_message( "relMSE of pieces %.3f and %.3f, of whole pictures %.3f and %.3f; %d of %d intervals hold the ratio\n", found[0],
-                   found[1], truth[0], truth[1], held, seeds );
+    print_message( "relMSE of pieces %.3f and %.3f, of whole pictures %.3f and %.3f; %d of %d intervals hold the ratio\n",
+                   found[0], found[1], truth[0], truth[1], held, seeds );
     assert_true( fabs( log( found[0] / truth[0] ) ) < 0.4 && fabs( log( found[1] / truth[1] ) ) < 0.4 );
     assert_true( held >= 0.75 * seeds );
     end( &s );

@@ -172,14 +172,16 @@ static void tell_verdict( const RfFlickerReport* report, char text[VERDICT_SIZE]
     else if ( isfinite( m.phi ) && m.mse > 0.0 && is_error )
         used = snprintf( text, VERDICT_SIZE, "%s (phi %.2f)", describe_phi( m.phi ), m.phi );
     else if ( isfinite( m.phi ) && m.mse > 0.0 )
-        used = snprintf( text, VERDICT_SIZE, "without a reference: the picture changes from frame to frame, phi %.2f at most", m.phi );
+        used = snprintf( text, VERDICT_SIZE, "without a reference: the picture changes from frame to frame, phi %.2f at most",
+                         m.phi );
     else if ( isfinite( m.phi ) )
         used = snprintf( text, VERDICT_SIZE, "there is no error that could flicker" );
     else
         used = snprintf( text, VERDICT_SIZE, "the picture changes from frame to frame; how much of that is error is not known" );
     char *rest = text + used, changes[96];
     size_t size = VERDICT_SIZE - (size_t)used;
-    snprintf( changes, sizeof changes, "by %.2g between neighbouring frames (F1), most before frame %lld: %.2g", m.f1, worst, most );
+    snprintf( changes, sizeof changes, "by %.2g between neighbouring frames (F1), most before frame %lld: %.2g", m.f1, worst,
+              most );
     if ( !isfinite( m.f1 ) )
         snprintf( rest, size, "\n%s", "there are values that are no numbers, or no pixel is seen in two neighbouring frames" );
     else if ( is_error && isfinite( report->errors.relmse ) )

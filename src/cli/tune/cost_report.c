@@ -75,8 +75,8 @@ static void tell_verdict( const RfCostReport* r, char text[RF_VERDICT_SIZE] )
                   "\nrelMSE %g, noise of %.2g %% in a pixel, takes %d samples: %s for a frame, %s for all %d", relmse,
                   100.0 * sqrt( relmse / 3.0 ), p.spp, frame, all, r->job->frame_count );
     else
-        snprintf( text + used, RF_VERDICT_SIZE - (size_t)used, "\nrelMSE %g takes more than %d samples, which is the most", relmse,
-                  RF_MAX_SPP );
+        snprintf( text + used, RF_VERDICT_SIZE - (size_t)used, "\nrelMSE %g takes more than %d samples, which is the most",
+                  relmse, RF_MAX_SPP );
 }
 
 void rf_print_cost( const RfCostReport* r )
@@ -137,18 +137,16 @@ json_t* rf_cost_json( const RfCostReport* r )
     }
     char verdict[RF_VERDICT_SIZE];
     tell_verdict( r, verdict );
-    return json_pack( "{s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:i, s:i, s:f, s:i, s:i, s:f, s:f}", "verdict",
-                      verdict, "rows", rows,
-                      "slope", rf_json_number( cost->reuse.slope.value ), "slope_low", rf_json_number( cost->reuse.slope.low ),
-                      "slope_high", rf_json_number( cost->reuse.slope.high ), "slope_plain",
-                      rf_json_number( cost->plain.slope.value ), "slope_plain_low", rf_json_number( cost->plain.slope.low ),
-                      "slope_plain_high", rf_json_number( cost->plain.slope.high ), "speedup_at_equal_error",
-                      rf_json_number( cost->speedup.value ), "speedup_low", rf_json_number( cost->speedup.low ), "speedup_high",
-                      rf_json_number( cost->speedup.high ), "relmse_of_one_sample",
-                      json_pack( "[o, o]", rf_json_number( cost->plain.relmse ), rf_json_number( cost->reuse.relmse ) ), "wanted",
-                      wanted, "width", r->options->render.size.width, "height", r->options->render.size.height, "pixels",
-                      cost->pixels, "places", cost->positions, "frames",
-                      r->job->frame_count, "seconds", cost->seconds, "budget", r->options->budget );
+    return json_pack(
+        "{s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:i, s:i, s:f, s:i, s:i, s:f, s:f}", "verdict",
+        verdict, "rows", rows, "slope", rf_json_number( cost->reuse.slope.value ), "slope_low",
+        rf_json_number( cost->reuse.slope.low ), "slope_high", rf_json_number( cost->reuse.slope.high ), "slope_plain",
+        rf_json_number( cost->plain.slope.value ), "slope_plain_low", rf_json_number( cost->plain.slope.low ), "slope_plain_high",
+        rf_json_number( cost->plain.slope.high ), "speedup_at_equal_error", rf_json_number( cost->speedup.value ), "speedup_low",
+        rf_json_number( cost->speedup.low ), "speedup_high", rf_json_number( cost->speedup.high ), "relmse_of_one_sample",
+        json_pack( "[o, o]", rf_json_number( cost->plain.relmse ), rf_json_number( cost->reuse.relmse ) ), "wanted", wanted,
+        "width", r->options->render.size.width, "height", r->options->render.size.height, "pixels", cost->pixels, "places",
+        cost->positions, "frames", r->job->frame_count, "seconds", cost->seconds, "budget", r->options->budget );
 }
 
 // The points of a curve and the line fitted to them.

@@ -183,9 +183,9 @@ static json_t* plan_json( const Job* job )
     tell_verdict( job, verdict );
     json_t* tried = json_pack( "{s:o, s:o, s:o}", "gain", rf_json_number( job->tried.value ), "gain_low",
                                rf_json_number( job->tried.low ), "gain_high", rf_json_number( job->tried.high ) );
-    return json_pack( "{s:s, s:o, s:o, s:s, s:s, s:b, s:o, s:o, s:o}", "verdict", verdict, "tried", tried, "rows", rows, "adaptive_mode", rf_adaptive_name( plan->adaptive ),
-                      "why", plan->why, "at_most", at_most( job ), "costs", costs, "bytes_record", record, "bytes_paper_example",
-                      paper );
+    return json_pack( "{s:s, s:o, s:o, s:s, s:s, s:b, s:o, s:o, s:o}", "verdict", verdict, "tried", tried, "rows", rows,
+                      "adaptive_mode", rf_adaptive_name( plan->adaptive ), "why", plan->why, "at_most", at_most( job ), "costs",
+                      costs, "bytes_record", record, "bytes_paper_example", paper );
 }
 
 static RfResult run( Job* job, RfError* error )

@@ -60,11 +60,12 @@ static void tell_verdict( const RfTuneReport* r, char text[RF_VERDICT_SIZE] )
     if ( reuse )
         rf_tell_gain( &row->gain, gain, sizeof gain );
     rf_format_span( row->seconds, all, sizeof all );
-    snprintf( text, RF_VERDICT_SIZE,
-              "the best is %s: %s\nwith it %d frame%s of %dx%d at %d samples take%s about %s, with a relMSE of about %.2g: noise of "
-              "%.2g %% in a pixel",
-              name, gain, r->frames, r->frames == 1 ? "" : "s", r->width, r->height, row->spp, r->frames == 1 ? "s" : "", all,
-              row->relmse, 100.0 * sqrt( row->relmse / 3.0 ) );
+    snprintf(
+        text, RF_VERDICT_SIZE,
+        "the best is %s: %s\nwith it %d frame%s of %dx%d at %d samples take%s about %s, with a relMSE of about %.2g: noise of "
+        "%.2g %% in a pixel",
+        name, gain, r->frames, r->frames == 1 ? "" : "s", r->width, r->height, row->spp, r->frames == 1 ? "s" : "", all,
+        row->relmse, 100.0 * sqrt( row->relmse / 3.0 ) );
 }
 
 void rf_print_tune( const RfTuneReport* r )
@@ -73,8 +74,8 @@ void rf_print_tune( const RfTuneReport* r )
     char verdict[RF_VERDICT_SIZE];
     tell_verdict( r, verdict );
     printf( "%s\n\n", verdict );
-    printf( "%6s %8s %5s %9s %9s %9s %9s %6s %10s %7s %11s %6s\n", "group", "tile", "spp", "MiB", "seconds", "relMSE", "F1", "phi",
-            "efficiency", "gain", "95 %", "rounds" );
+    printf( "%6s %8s %5s %9s %9s %9s %9s %6s %10s %7s %11s %6s\n", "group", "tile", "spp", "MiB", "seconds", "relMSE", "F1",
+            "phi", "efficiency", "gain", "95 %", "rounds" );
     for ( int i = 0; i < tune->count; ++i )
         print_row( tune->rows + i );
     printf( "seconds: of all %d frames, wall-clock; efficiency: 1 / (relMSE x CPU seconds of a frame); gain: over "
@@ -90,16 +91,15 @@ static json_t* row_json( const RfTuneRow* row )
     char tile[RF_TILE_NAME_SIZE], text[128];
     rf_tile_name( &row->tile, tile );
     return json_pack(
-        "{s:i, s:i, s:s, s:i, s:I, s:I, s:I, s:I, s:i, s:i, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:i, s:s?, s:b}", "group",
-        row->group, "eyes", row->eyes, "tile", tile, "spp", row->spp, "bytes_films", (json_int_t)row->fit.bytes_films,
+        "{s:i, s:i, s:s, s:i, s:I, s:I, s:I, s:I, s:i, s:i, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:i, s:s?, s:b}",
+        "group", row->group, "eyes", row->eyes, "tile", tile, "spp", row->spp, "bytes_films", (json_int_t)row->fit.bytes_films,
         "bytes_hits", (json_int_t)row->fit.bytes_hits, "bytes_lists", (json_int_t)row->fit.bytes_lists, "bytes_least",
         (json_int_t)row->fit.least, "chunks", row->fit.chunks, "sweeps", row->fit.sweeps, "predicted_gain",
         rf_json_number( row->predicted_gain ), "seconds", rf_json_number( row->seconds ), "cpu_seconds",
         rf_json_number( row->cpu_seconds ), "relmse", rf_json_number( row->relmse ), "flicker", rf_json_number( row->f1 ), "phi",
         rf_json_number( row->phi ), "efficiency", rf_json_number( row->efficiency ), "gain", rf_json_number( row->gain.value ),
-        "gain_low", rf_json_number( row->gain.low ), "gain_high", rf_json_number( row->gain.high ),
-        "rounds", row->rounds, "excluded", rf_tell_excluded( row->excluded, &row->fit, text, sizeof text ), "chosen",
-        row->chosen );
+        "gain_low", rf_json_number( row->gain.low ), "gain_high", rf_json_number( row->gain.high ), "rounds", row->rounds,
+        "excluded", rf_tell_excluded( row->excluded, &row->fit, text, sizeof text ), "chosen", row->chosen );
 }
 
 json_t* rf_tune_json( const RfTuneReport* r )
@@ -110,14 +110,14 @@ json_t* rf_tune_json( const RfTuneReport* r )
     for ( int i = 0; i < r->tune->round_count; ++i )
     {
         const RfTuneRound* round = r->tune->rounds + i;
-        json_array_append_new( rounds, json_pack( "{s:i, s:i, s:f, s:i, s:i}", "width", r->width, "height", r->height,
-                                                  "pixels", round->pixels, "places", round->regions, "passes", round->passes ) );
+        json_array_append_new( rounds, json_pack( "{s:i, s:i, s:f, s:i, s:i}", "width", r->width, "height", r->height, "pixels",
+                                                  round->pixels, "places", round->regions, "passes", round->passes ) );
     }
     char verdict[RF_VERDICT_SIZE];
     tell_verdict( r, verdict );
-    return json_pack( "{s:s, s:o, s:o, s:f, s:f, s:i, s:i, s:i, s:o}", "verdict", verdict, "rows", rows, "rounds", rounds, "seconds", r->tune->seconds,
-                      "budget", r->budget, "frames", r->frames, "width", r->width, "height", r->height, "command",
-                      r->command != NULL ? rf_json_text( r->command ) : json_null() );
+    return json_pack( "{s:s, s:o, s:o, s:f, s:f, s:i, s:i, s:i, s:o}", "verdict", verdict, "rows", rows, "rounds", rounds,
+                      "seconds", r->tune->seconds, "budget", r->budget, "frames", r->frames, "width", r->width, "height",
+                      r->height, "command", r->command != NULL ? rf_json_text( r->command ) : json_null() );
 }
 
 typedef struct Curves

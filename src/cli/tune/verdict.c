@@ -10,12 +10,14 @@ void rf_tell_gain( const RfInterval* gain, char* text, size_t size )
     if ( !isfinite( value ) )
         snprintf( text, size, "not compared with path tracing" );
     else if ( !isfinite( gain->low ) )
-        snprintf( text, size, "%.2f times %s than path tracing at equal noise, by too few pieces of the picture to be sure", value,
-                  slower ? "slower" : "faster" );
+        snprintf( text, size, "%.2f times %s than path tracing at equal noise, by too few pieces of the picture to be sure",
+                  value, slower ? "slower" : "faster" );
     else if ( gain->low <= 1.0 && gain->high >= 1.0 )
         snprintf( text, size, "%s path tracing at equal noise (%.2f times its speed, 95 %%: %.2f to %.2f)",
-                  value < 1.1 ? "about as fast as" : slower ? "perhaps slower than" : "perhaps faster than", gain->value, gain->low,
-                  gain->high );
+                  value < 1.1 ? "about as fast as"
+                  : slower    ? "perhaps slower than"
+                              : "perhaps faster than",
+                  gain->value, gain->low, gain->high );
     else
         snprintf( text, size, "%.2f times %s than path tracing at equal noise (95 %%: %.2f to %.2f)", value,
                   slower ? "slower" : "faster", slower ? 1.0 / gain->high : gain->low, slower ? 1.0 / gain->low : gain->high );
