@@ -17,6 +17,9 @@ install(FILES ${PROJECT_BINARY_DIR}/reframe.1 DESTINATION ${CMAKE_INSTALL_MANDIR
 
 install(TARGETS reframe RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 
+# All that is installed and nothing else, for a build without the tests.
+add_custom_target(reframe_installed DEPENDS reframe reframe_import libreframe reframe_manual)
+
 # A program of the program: `reframe convert` looks for it relative to itself.
 install(TARGETS reframe_import RUNTIME DESTINATION ${CMAKE_INSTALL_LIBEXECDIR}/reframe)
 install(TARGETS libreframe EXPORT reframeTargets
