@@ -229,12 +229,33 @@ static void test_a_line_for_each_frame( void** state )
     assert_true( spent[-3] == ':' ); // 0:00
 }
 
+// One group of all frames finishes them at once: its seconds are theirs in equal parts.
+static void test_seconds_of_a_group_are_shared( void** state )
+{
+    (void)state;
+    cli_expect( cli_run( "$R render $VASE -o g/f.####.exr --frames 1-8 --size 64x36 --spp 48 --group 48 --quiet --json g.json" ),
+                0, NULL );
+    json_t* json = cli_read_json( "g.json" );
+    double sum = 0.0, most = 0.0;
+    for ( size_t i = 0; i < FRAMES; ++i )
+    {
+        double seconds = number( frame_of( json, i ), "seconds" );
+        sum += seconds;
+        most = fmax( most, seconds );
+    }
+    assert_true( sum > 0.0 && sum <= number( json, "seconds" ) );
+    if ( most > 0.4 * sum ) // the first had nearly all of it
+        fail_msg( "a frame has %g of %g s", most, sum );
+    json_decref( json );
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( test_interrupted_frames_stay_and_resume ), cmocka_unit_test( test_interrupted_overwrite_resumes ),
         cmocka_unit_test( test_interrupted_with_time_resumes ),      cmocka_unit_test( test_resume_and_overwrite ),
         cmocka_unit_test( test_resume_of_a_whole_sequence ),         cmocka_unit_test( test_a_line_for_each_frame ),
+        cmocka_unit_test( test_seconds_of_a_group_are_shared ),
     };
     return cmocka_run_group_tests_name( "resume", tests, cli_enter_group, cli_leave_group );
 }
