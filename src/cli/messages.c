@@ -1,12 +1,15 @@
 #include "cli/messages.h"
 
+#include "base/plain_text.h"
 #include "image/atomic_file.h"
 
 #include <errno.h>
 #include <math.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 int rf_exit_status( RfResult result )
 {
@@ -68,6 +71,19 @@ static void print_warning( void* user, const char* line )
 }
 
 RfLog rf_stderr_log( const char* command ) { return ( RfLog ){ .fn = print_warning, .user = (void*)command }; }
+
+void rf_print( const char* format, ... )
+{
+    char raw[8192], plain[8192]; // more than two of the longest names of files
+    va_list args;
+    va_start( args, format );
+    int length = vsnprintf( raw, sizeof raw, format, args );
+    va_end( args );
+    bool ends = length > 0 && format[strlen( format ) - 1] == '\n';
+    if ( ends && (size_t)length < sizeof raw )
+        raw[length - 1] = '\0';
+    printf( "%s%s", rf_plain_text( raw, plain, sizeof plain ), ends ? "\n" : "" );
+}
 
 json_t* rf_json_text( const char* text )
 {
@@ -132,7 +148,8 @@ RfResult rf_write_json( const char* path, json_t* json, RfError* error )
     RfResult result;
     if ( strcmp( path, "-" ) == 0 )
     {
-        json_dumpf( json, stdout, JSON_FLAGS );
+        // a terminal obeys some characters beyond ASCII too
+        json_dumpf( json, stdout, JSON_FLAGS | ( isatty( STDOUT_FILENO ) == 1 ? JSON_ENSURE_ASCII : 0 ) );
         fputc( '\n', stdout );
         result = rf_flush_output( error );
     }

@@ -22,6 +22,10 @@ int rf_report_error( const char* command, const RfError* error );
 // `command` must be a string that outlives the log.
 RfLog rf_stderr_log( const char* command );
 
+// Prints a line of a result, or a part of one, on standard output. Control characters, which names
+// may hold, are written as \x1b; a newline at the end of the text stays.
+void rf_print( const char* format, ... ) __attribute__( ( format( printf, 1, 2 ) ) );
+
 // A JSON string of any bytes: text that is not UTF-8 (file names may be anything) has '?' for what is not ASCII.
 json_t* rf_json_text( const char* text );
 

@@ -252,7 +252,7 @@ static RfResult report( Job* job, RfError* error )
     const char* json_name = job->options.json;
     if ( json_name == NULL || strcmp( json_name, "-" ) != 0 )
     {
-        printf( "%d frame%s in %s, %.1f s", job->frame_count, job->frame_count == 1 ? "" : "s", job->options.output, seconds );
+        rf_print( "%d frame%s in %s, %.1f s", job->frame_count, job->frame_count == 1 ? "" : "s", job->options.output, seconds );
         if ( job->frame_count > 0 && isfinite( job->relmse_sum ) )
             printf( ", relMSE %.3g by its estimate", job->relmse_sum / job->frame_count );
         if ( job->kept_count > 0 )

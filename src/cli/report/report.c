@@ -114,7 +114,7 @@ static RfResult tell( const RfPageRun* report, const RfPageData* data, uint64_t 
     char weight[32];
     rf_format_bytes( (double)bytes, weight );
     if ( report->json == NULL || strcmp( report->json, "-" ) != 0 )
-        printf( "%s: %d frame%s, %s\n", report->output, report->count, report->count == 1 ? "" : "s", weight );
+        rf_print( "%s: %d frame%s, %s\n", report->output, report->count, report->count == 1 ? "" : "s", weight );
     RfLog log = rf_stderr_log( COMMAND );
     if ( bytes > HEAVY_BYTES && !report->quiet )
         rf_warn( &log, "%s: weighs %s, which a browser takes long to open: --width makes pictures smaller, --frames takes some",
