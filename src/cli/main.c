@@ -2,6 +2,7 @@
 #include "cli/commands.h"
 #include "cli/manual.h"
 #include "cli/options/options.h"
+#include "cli/options/synonyms.h"
 #include "cli/messages.h"
 #include "trace/trace.h"
 
@@ -46,7 +47,7 @@ static int print_usage( void )
             "Renders camera paths through glTF scenes; every light path serves all frames that see its first hit.\n\n" );
     for ( int i = 0; i < COMMAND_COUNT; ++i )
         printf( "  %-10s%s\n", s_commands[i].name, s_commands[i].summary );
-    printf( "\n  reframe COMMAND --help    the options of a command\n"
+    printf( "\n  reframe COMMAND --help    the options of a command; also: reframe help COMMAND\n"
             "  reframe --man             the manual page, for man -l -\n"
             "  reframe --version\n" );
     return finish_output();
@@ -73,10 +74,12 @@ static int print_manual( void )
 
 static int fail_unknown( const char* name )
 {
-    const char* names[COMMAND_COUNT];
+    const char* names[COMMAND_COUNT + 3] = { [COMMAND_COUNT] = "help", "--version", "--man" };
     for ( int i = 0; i < COMMAND_COUNT; ++i )
         names[i] = s_commands[i].name;
-    const char* nearest = rf_nearest_word( name, names, COMMAND_COUNT );
+    const char* nearest = rf_find_synonym( name, names, COMMAND_COUNT + 3 );
+    if ( nearest == NULL )
+        nearest = rf_nearest_word( name, names, COMMAND_COUNT + 1 );
     RfError error; // through rf_fail: the word may hold anything
     if ( nearest != NULL )
         rf_fail( &error, RF_ERROR_USAGE, "'%s': no such command, did you mean %s?", name, nearest );
@@ -84,6 +87,24 @@ static int fail_unknown( const char* name )
         rf_fail( &error, RF_ERROR_USAGE, "'%s': no such command, see reframe --help", name );
     fprintf( stderr, "reframe: %s\n", error.text );
     return 2;
+}
+
+static int run_command( int argc, char** argv )
+{
+    for ( int i = 0; i < COMMAND_COUNT; ++i )
+    {
+        if ( strcmp( argv[0], s_commands[i].name ) == 0 )
+            return s_commands[i].run( argc, argv );
+    }
+    return fail_unknown( argv[0] );
+}
+
+// `reframe help` and `reframe help COMMAND`.
+static int run_help( int argc, char** argv )
+{
+    char help[] = "--help";
+    char* arguments[] = { argv[1], help, NULL };
+    return argc < 2 || argv[1][0] == '-' ? print_usage() : run_command( 2, arguments );
 }
 
 // Compiled for AVX2, it would die of an illegal instruction on other processors.
@@ -124,10 +145,7 @@ int main( int argc, char** argv )
         printf( "reframe %s\n", rf_version() );
         return finish_output();
     }
-    for ( int i = 0; i < COMMAND_COUNT; ++i )
-    {
-        if ( strcmp( argv[1], s_commands[i].name ) == 0 )
-            return s_commands[i].run( argc - 1, argv + 1 );
-    }
-    return fail_unknown( argv[1] );
+    if ( strcmp( argv[1], "help" ) == 0 )
+        return run_help( argc - 1, argv + 1 );
+    return run_command( argc - 1, argv + 1 );
 }

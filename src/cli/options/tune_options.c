@@ -15,13 +15,13 @@ static const char* s_scene;
 
 static const RfOption s_options[] = {
     { .name = "budget",
-      .type = RF_OPTION_REAL,
+      .type = RF_OPTION_TIME,
       .value = &s_parsed.budget,
       .min = 1.0,
       .max = 1e6,
       .meta = "T",
       .default_text = "60",
-      .help = "seconds that it may take; more make the choice surer" },
+      .help = "seconds that it may take, or 5m; more make the choice surer" },
     { .name = "svg",
       .writes = ".svg",
       .type = RF_OPTION_STRING,
