@@ -50,12 +50,39 @@ static void test_units_and_patterns( void** state )
     cli_expect( cli_run( "$R cost $VASE --noise 5%%,x" ), 2, "--noise: wants numbers above 0" );
 }
 
+// Blender's own files, compressed as Blender 3 or older ones do, or not.
+static void test_blend_files_are_recognised( void** state )
+{
+    (void)state;
+    static const char advice[] = "export it by blender -b a.blend -P scripts/blender-export.py -- scene.glb\n";
+    static const struct
+    {
+        const char *bytes, *said;
+    } cases[] = {
+        { "BLENDER-v304RENDH", "a.blend: is a Blender file: " },
+        { "\x28\xb5\x2f\xfd\x60\x10", "a.blend: is a Blender file, compressed by zstd: " },
+        { "\x1f\x8b\x08", "a.blend: is a Blender file, compressed by gzip: " },
+    };
+    for ( size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i )
+    {
+        cli_write( "a.blend", cases[i].bytes, strlen( cases[i].bytes ) );
+        const CliResult* result = cli_run( "$R info a.blend" );
+        cli_expect( result, 1, cases[i].said );
+        assert_non_null( strstr( result->err, advice ) );
+        cli_expect( cli_run( "$R convert a.blend a.glb" ), 1, cases[i].said );
+        cli_expect( cli_run( "cp a.blend scene.json; $R render scene.json -o a.exr" ), 1, "scene.json" );
+    }
+    cli_write( "a.glb", cases[1].bytes, strlen( cases[1].bytes ) );
+    cli_expect( cli_run( "$R info a.glb" ), 1, "a.glb: is compressed by zstd: uncompress it first, or if it is a Blender file" );
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( test_help_is_a_command ),
         cmocka_unit_test( test_words_of_other_programs ),
         cmocka_unit_test( test_units_and_patterns ),
+        cmocka_unit_test( test_blend_files_are_recognised ),
     };
     return cmocka_run_group_tests( tests, cli_enter_group, cli_leave_group );
 }
