@@ -218,6 +218,23 @@ static void test_resume_of_a_whole_sequence( void** state )
     assert_non_null( strstr( result->out, "\"kept_frames\": 8" ) );
 }
 
+// What a killed render left goes with the one that finishes it; files in use stay, and those of others.
+static void test_no_temporary_file_is_left( void** state )
+{
+    (void)state;
+    static const char make[] =
+        "mkdir -p k && cd k && touch .reframe-99999-3.tmp .reframe-probe-AbC123 .reframe-held-1.tmp "
+        "reframe-1-1.tmp .reframe-1-2.tmp && touch -d '1 hour ago' .reframe-* && touch .reframe-1-9.tmp && "
+        "touch -d tomorrow .reframe-1-9.tmp";
+    cli_expect( cli_run( "%s", make ), 0, NULL );
+    cli_expect( cli_run( "flock k/.reframe-1-2.tmp $R render $VASE -o k/f.####.exr --frames 1-2 --size 16x9 --spp 2 --group 0 "
+                         "--quiet --resume" ),
+                0, NULL );
+    const CliResult* result = cli_run( "LC_ALL=C ls -A k" );
+    assert_string_equal( result->out, ".reframe-1-2.tmp\n.reframe-1-9.tmp\n.reframe-held-1.tmp\nf.0001.exr\nf.0002.exr\n"
+                                      "reframe-1-1.tmp\n" );
+}
+
 // What differs is named with both values.
 static void test_resume_names_what_differs( void** state )
 {
@@ -284,7 +301,8 @@ int main( void )
         cmocka_unit_test( test_interrupted_frames_stay_and_resume ), cmocka_unit_test( test_interrupted_overwrite_resumes ),
         cmocka_unit_test( test_interrupted_with_time_resumes ),      cmocka_unit_test( test_resume_and_overwrite ),
         cmocka_unit_test( test_resume_of_a_whole_sequence ),         cmocka_unit_test( test_a_line_for_each_frame ),
-        cmocka_unit_test( test_resume_names_what_differs ),          cmocka_unit_test( test_seconds_of_a_group_are_shared ),
+        cmocka_unit_test( test_resume_names_what_differs ),          cmocka_unit_test( test_no_temporary_file_is_left ),
+        cmocka_unit_test( test_seconds_of_a_group_are_shared ),
     };
     return cmocka_run_group_tests_name( "resume", tests, cli_enter_group, cli_leave_group );
 }

@@ -273,6 +273,8 @@ static RfResult run( Job* job, RfError* error )
     job->stats = ( RfRenderStats ){ .group = job->options.settings.group, .spp = job->options.settings.spp };
     if ( result == RF_OK && job->frame_count > 0 )
         result = render( job, error );
+    if ( result == RF_OK )
+        rf_clean_output_folder( job->options.output );
     if ( result == RF_ERROR_INTERRUPTED && job->options.json != NULL )
     {
         RfResult written = write_json( job, true, error ); // `error` keeps the line about the interruption
