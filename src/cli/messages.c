@@ -24,16 +24,16 @@ int rf_exit_status( RfResult result )
 
 #define EXPORT_INSTEAD "export it as glTF (.glb) from the program it came from"
 
-// What to type. %zu stands for the memory that is needed, KiB.
+// What to type. %zu stands for the memory that is needed, MiB.
 static const char* hint_of( const RfError* error )
 {
     switch ( error->remedy )
     {
         case RF_REMEDY_NONE: return "";
         case RF_REMEDY_MEMORY:
-            return error->least_memory > 0 ? ": give --memory %zuK or more, or lower --size"
+            return error->least_memory > 0 ? ": give --memory %zuM or more, or lower --size"
                                            : ": raise --memory, or lower --size or --group";
-        case RF_REMEDY_HOLD_LESS: return ": give --memory %zuK or more, or leave --hold-all off";
+        case RF_REMEDY_HOLD_LESS: return ": give --memory %zuM or more, or leave --hold-all off";
         case RF_REMEDY_LAYER: return ": name one by --layer";
         case RF_REMEDY_MOTION: return ": choose by --motion X,Y";
         case RF_REMEDY_DEPTH: return ": choose by --depth NAME";
@@ -45,6 +45,8 @@ static const char* hint_of( const RfError* error )
     return "";
 }
 
+size_t rf_whole_mib( size_t bytes ) { return ( bytes >> 20 ) + ( bytes % ( (size_t)1 << 20 ) != 0 ); }
+
 void rf_format_error( const RfError* error, char* text, size_t size )
 {
     char hint[160];
@@ -53,7 +55,8 @@ void rf_format_error( const RfError* error, char* text, size_t size )
     if ( number == NULL )
         snprintf( hint, sizeof hint, "%s", format );
     else
-        snprintf( hint, sizeof hint, "%.*s%zu%s", (int)( number - format ), format, error->least_memory / 1024, number + 3 );
+        snprintf( hint, sizeof hint, "%.*s%zu%s", (int)( number - format ), format, rf_whole_mib( error->least_memory ),
+                  number + 3 );
     snprintf( text, size, "%s%s", error->text, hint );
 }
 

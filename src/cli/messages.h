@@ -11,9 +11,12 @@
 int rf_exit_status( RfResult result );
 
 // Formats an error with what to type to get past it, where the library knows a remedy: "a budget
-// of 1024 KiB is too small for frames of 64x36: give --memory 2644K or more, or lower --size".
+// of 1 MiB is too small for frames of 64x36: give --memory 3M or more, or lower --size".
 // Truncated to `size`.
 void rf_format_error( const RfError* error, char* text, size_t size );
+
+// A budget as users are told to give it, rounded up to MiB.
+size_t rf_whole_mib( size_t bytes );
 
 // Prints "reframe COMMAND: LINE" on standard error, with the remedy; returns the exit status.
 int rf_report_error( const char* command, const RfError* error );
