@@ -76,13 +76,61 @@ static void test_blend_files_are_recognised( void** state )
     cli_expect( cli_run( "$R info a.glb" ), 1, "a.glb: is compressed by zstd: uncompress it first, or if it is a Blender file" );
 }
 
+// Two folders: what both have is measured, and the rest is named.
+static void test_folders_are_compared( void** state )
+{
+    (void)state;
+    cli_expect( cli_run( "$R render $VASE -o a/f.####.exr --frames 1-4" TINY "&& mkdir b && cp a/f.0002.exr b/g_002.exr && "
+                         "cp a/f.0004.exr b/g_004.exr && cp a/f.0001.exr b/g_006.exr" ),
+                0, NULL );
+    const CliResult* result = cli_run( "$R compare a b/ --json c.json" );
+    cli_expect( result, 0, NULL );
+    assert_non_null( strstr( result->out, "no difference: every pixel is the same" ) );
+    assert_non_null( strstr( result->out, "not measured, for a/f.####.exr lacks it: frame 6\n" ) );
+    assert_non_null( strstr( result->out, "not measured, for b/g_###.exr lacks them: frames 1, 3\n" ) );
+    assert_non_null( strstr( result->out, "not measured, for both sequences lack it: frame 5\n" ) );
+    json_t* json = cli_read_json( "c.json" );
+    assert_int_equal( json_array_size( json_object_get( json, "frames" ) ), 2 );
+    assert_int_equal( json_array_size( json_object_get( json, "missing_a" ) ), 1 );
+    assert_int_equal( json_integer_value( json_array_get( json_object_get( json, "missing_b" ), 1 ) ), 3 );
+    json_decref( json );
+    cli_expect( cli_run( "$R compare a b/g_###.exr --frames 2,4 --quiet > table" ), 0, NULL );
+    cli_expect( cli_run( "$R compare a b --frames 3" ), 1, "reframe compare: b/g_###.exr: frame 3 is missing" );
+    cli_expect( cli_run( "$R compare a/f.####.exr b/g_###.exr" ), 1, "but not in" ); // sequences are to be the same
+    cli_expect( cli_run( "mkdir e; $R compare a e" ), 1, "e: there is no EXR file in this folder" );
+    cli_expect( cli_run( "cp a/f.0001.exr e/f.0009.exr; $R compare a e" ), 1, "have no frame in common" );
+    cli_expect( cli_run( "$R compare a a/f.0001.exr" ), 2, "give two of a kind" );
+}
+
+// Sequences, folders and layers as PNG, with the numbers of the frames.
+static void test_sequences_as_png( void** state )
+{
+    (void)state;
+    cli_expect( cli_run( "$R render $VASE -o s/f.####.exr --frames 1-4 --aov depth" TINY ), 0, NULL );
+    const CliResult* result = cli_run( "$R png s/f.####.exr s/p.%%04d.png" );
+    cli_expect( result, 0, NULL );
+    assert_string_equal( result->out, "4 frames in s/p.%04d.png\n" );
+    assert_int_equal( cli_count_files( ".png", "s" ), 4 );
+    cli_expect(
+        cli_run( "mkdir t && $R png s t --layer depth.Z --quiet && test -s t/f.0003.png && ! cmp -s t/f.0003.png s/p.0003.png" ),
+        0, NULL );
+    cli_expect( cli_run( "$R png s/f.0002.exr one.png && cmp one.png s/p.0002.png && $R png s u.####.png --frames 2-3 --quiet && "
+                         "cmp u.0002.png one.png && test ! -e u.0001.png" ),
+                0, NULL );
+    cli_expect( cli_run( "rm s/f.0002.exr; $R png s v.####.png > out" ), 0, "warning: s/f.####.exr: lacks frame 2" );
+    cli_expect( cli_run( "$R png s v.png" ), 2, "v.png: has no #### for the number, but there are 3 frames" );
+    cli_expect( cli_run( "$R png s s/f.####.exr" ), 2, "s/f.####.exr: ends as a file of another kind: name it .png" );
+    cli_expect( cli_run( "$R png s v.####.png --frames 2" ), 1, "s/f.####.exr: frame 2 is missing" );
+    cli_expect( cli_run( "$R png s/f.0001.exr v.png --layer nothing" ), 1, "s/f.0001.exr" );
+    cli_expect( cli_run( "$R png s/f.0001.exr v.png --frames 1" ), 2, "--frames: is of sequences" );
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_help_is_a_command ),
-        cmocka_unit_test( test_words_of_other_programs ),
-        cmocka_unit_test( test_units_and_patterns ),
-        cmocka_unit_test( test_blend_files_are_recognised ),
+        cmocka_unit_test( test_help_is_a_command ),    cmocka_unit_test( test_words_of_other_programs ),
+        cmocka_unit_test( test_units_and_patterns ),   cmocka_unit_test( test_blend_files_are_recognised ),
+        cmocka_unit_test( test_folders_are_compared ), cmocka_unit_test( test_sequences_as_png ),
     };
     return cmocka_run_group_tests( tests, cli_enter_group, cli_leave_group );
 }
