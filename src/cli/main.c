@@ -26,7 +26,7 @@ static const Command s_commands[] = {
     { "compare", rf_command_compare, "the error of images against references" },
     { "flicker", rf_command_flicker, "how much the error changes from frame to frame" },
     { "report", rf_command_report, "rendered sequences as one HTML page, to look at" },
-    { "png", rf_command_png, "an EXR file as PNG, to look at" },
+    { "png", rf_command_png, "EXR files as PNG, to look at" },
     { "convert", rf_command_convert, "OBJ, PLY, FBX or Collada as .glb" },
 };
 
