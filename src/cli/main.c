@@ -10,14 +10,7 @@
 #include <stdio.h>
 #include <string.h>
 
-typedef struct Command
-{
-    const char* name;
-    int ( *run )( int argc, char** argv );
-    const char* summary;
-} Command;
-
-static const Command s_commands[] = {
+static const RfCommand s_commands[] = {
     { "render", rf_command_render, "a camera's path to a sequence of EXR files" },
     { "info", rf_command_info, "what is in a scene, and which effects it uses" },
     { "plan", rf_command_plan, "which group sizes fit, and which one pays" },
@@ -28,9 +21,11 @@ static const Command s_commands[] = {
     { "report", rf_command_report, "rendered sequences as one HTML page, to look at" },
     { "png", rf_command_png, "EXR files as PNG, to look at" },
     { "convert", rf_command_convert, "OBJ, PLY, FBX or Collada as .glb" },
+    { "completion", rf_command_completion, "what makes bash or zsh complete commands and options" },
+    { 0 }, // the end
 };
 
-#define COMMAND_COUNT ( (int)( sizeof s_commands / sizeof s_commands[0] ) )
+#define COMMAND_COUNT ( (int)( sizeof s_commands / sizeof s_commands[0] ) - 1 )
 
 static int finish_output( void )
 {
@@ -46,7 +41,7 @@ static int print_usage( void )
     printf( "usage: reframe COMMAND [OPTIONS] FILES\n"
             "Renders camera paths through glTF scenes; every light path serves all frames that see its first hit.\n\n" );
     for ( int i = 0; i < COMMAND_COUNT; ++i )
-        printf( "  %-10s%s\n", s_commands[i].name, s_commands[i].summary );
+        printf( "  %-12s%s\n", s_commands[i].name, s_commands[i].summary );
     printf( "\n  reframe COMMAND --help    the options of a command; also: reframe help COMMAND\n"
             "  reframe --man             the manual page, for man -l -\n"
             "  reframe --version\n" );
@@ -56,18 +51,10 @@ static int print_usage( void )
 // Every command's help, printed as sections of the manual.
 static int print_manual( void )
 {
-    char help[] = "--help";
-    rf_set_help_printer( rf_print_manual_section );
     rf_print_manual_head( stdout );
-    for ( int i = 0; i < COMMAND_COUNT; ++i )
-    {
-        char name[32];
-        snprintf( name, sizeof name, "%s", s_commands[i].name );
-        char* arguments[] = { name, help, NULL };
-        int status = s_commands[i].run( 2, arguments );
-        if ( status != 0 )
-            return status;
-    }
+    int status = rf_print_commands( s_commands, rf_print_manual_section );
+    if ( status != 0 )
+        return status;
     rf_print_manual_tail( stdout );
     return finish_output();
 }
@@ -127,6 +114,7 @@ int main( int argc, char** argv )
     if ( !check_cpu() )
         return 1;
     rf_set_float_mode();
+    rf_set_completion_commands( s_commands );
 #ifdef SIGXFSZ
     // Exceeding a file size limit becomes an error of write, like a full disk.
     signal( SIGXFSZ, SIG_IGN );

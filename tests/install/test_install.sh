@@ -31,6 +31,11 @@ for command in $("$prefix/bin/reframe" --help | sed -n 's/^  \([a-z]\{1,\}\)  .*
 done
 [ "$count" -gt 20 ]
 
+step="looking for what bash and zsh complete"
+for file in bash-completion/completions/reframe zsh/site-functions/_reframe; do
+    grep -q -- '--weights' "$prefix/share/$file"
+done
+
 step="converting by the installed importer"
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' >"$folder/a.obj"
 "$prefix/bin/reframe" convert "$folder/a.obj" "$folder/a.glb" | grep -q '1 triangles'
