@@ -69,6 +69,15 @@ static void print_warning( void* user, const char* line )
 
 RfLog rf_stderr_log( const char* command ) { return ( RfLog ){ .fn = print_warning, .user = (void*)command }; }
 
+static void keep_warning( void* user, const char* line )
+{
+    RfToldWarnings* told = user;
+    print_warning( (void*)told->command, line );
+    json_array_append_new( told->lines, rf_json_text( line ) );
+}
+
+RfLog rf_keeping_log( RfToldWarnings* told ) { return ( RfLog ){ .fn = keep_warning, .user = told }; }
+
 json_t* rf_json_text( const char* text )
 {
     json_t* json = json_string( text );

@@ -22,6 +22,16 @@ int rf_report_error( const char* command, const RfError* error );
 // `command` must be a string that outlives the log.
 RfLog rf_stderr_log( const char* command );
 
+// Warnings that are printed and kept for a command's JSON.
+typedef struct RfToldWarnings
+{
+    const char* command;
+    json_t* lines; // an array of strings; its owner's
+} RfToldWarnings;
+
+// A log that prints like rf_stderr_log and appends the lines to told->lines. `told` must outlive it.
+RfLog rf_keeping_log( RfToldWarnings* told );
+
 // A JSON string of any bytes: text that is not UTF-8 (file names may be anything) has '?' for what is not ASCII.
 json_t* rf_json_text( const char* text );
 

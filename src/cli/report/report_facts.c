@@ -111,6 +111,21 @@ static void add_picture( json_t* facts, const RfPageTrack* track )
         add_number( facts, "Picture", "Frames/s", "%.5g", (double)header->fps_numerator / header->fps_denominator );
 }
 
+// The renderer's estimate; where it is no more than a lower bound it says so.
+static void add_estimate( json_t* facts, const RfPageTrack* track )
+{
+    bool at_least = false;
+    double share = 0.0;
+    for ( int i = 0; i < track->count; ++i )
+    {
+        at_least |= track->frames[i].at_least;
+        share = fmax( share, track->frames[i].worst_ten_share ); // passes over NaN
+    }
+    add_number( facts, "Error", "relMSE, estimated", at_least ? "at least %.3g" : "%.3g", track->estimate );
+    if ( share > 0.0 && isfinite( track->estimate ) )
+        add_number( facts, "Error", "Share of the ten worst pixels", "up to %.0f %%", 100.0 * share );
+}
+
 static void add_error( json_t* facts, const RfPageTrack* track )
 {
     const RfErrorMetrics* e = &track->error;
@@ -126,7 +141,7 @@ static void add_error( json_t* facts, const RfPageTrack* track )
                   e->bias_low * scale, e->bias_high * scale, relative ? " %" : "" );
         add( facts, "Error", "Mean error", text );
     }
-    add_number( facts, "Error", "relMSE, estimated", "%.3g", track->estimate );
+    add_estimate( facts, track );
     RfFlickerMetrics flicker = rf_flicker_metrics( &track->flicker );
     if ( track->flicker.pairs == 0 )
         return;

@@ -109,6 +109,8 @@ static void take_said( const RfPageSequence* sequence, int number, const char* p
         told->relmse = rf_json_number_of( row, "relmse_estimate" );
         told->seconds = rf_json_number_of( row, "seconds" );
         told->samples = rf_json_number_of( row, "native_spp" );
+        told->at_least = json_is_true( json_object_get( row, "relmse_is_lower_bound" ) );
+        told->worst_ten_share = rf_json_number_of( row, "worst_ten_share" );
     }
     if ( isnan( told->relmse ) )
         told->relmse = rf_read_exr_number( path, "reframe/relmse-estimate" );
@@ -170,7 +172,10 @@ static RfResult add_frame( Work* work, int i, RfError* error )
     bool has_reference = track->reference != NULL && rf_has_page_frame( track->reference, number );
     take_said( track->sequence, number, path, told );
     if ( track->reference != NULL || track->sequence->is_reference ) // an estimate would not belong there
-        told->relmse = NAN;
+    {
+        told->relmse = told->worst_ten_share = NAN;
+        told->at_least = false;
+    }
     RfImage reference = { 0 };
     if ( has_reference )
         result = rf_page_frame_path( track->reference, number, path, error );
@@ -209,7 +214,8 @@ RfResult rf_add_page_track( RfPage* page, RfPageTrack* track, RfPageProgressFn* 
     if ( track->frames == NULL )
         return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for %d frames", track->sequence->pattern, track->count );
     for ( int i = 0; i < track->count; ++i )
-        track->frames[i] = ( RfPageFrame ){ .relmse = NAN, .seconds = NAN, .samples = NAN, .phi = NAN, .f1 = NAN };
+        track->frames[i] =
+            ( RfPageFrame ){ .relmse = NAN, .seconds = NAN, .samples = NAN, .phi = NAN, .f1 = NAN, .worst_ten_share = NAN };
     find_layers( &work );
     RfResult result = RF_OK;
     for ( int i = 0; i < track->count && result == RF_OK; ++i )

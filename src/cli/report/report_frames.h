@@ -10,8 +10,10 @@
 // Figures of a frame of the page; NaN: not known.
 typedef struct RfPageFrame
 {
-    bool shown;    // its picture is in the page
-    double relmse; // against the reference, or an estimate
+    bool shown;             // its picture is in the page
+    double relmse;          // against the reference, or an estimate
+    bool at_least;          // the estimate is a lower bound only
+    double worst_ten_share; // of the estimate: what the ten worst pixels carry
     double seconds;
     double samples; // traced per pixel
     double phi, f1; // of this frame and the one before
