@@ -47,12 +47,28 @@ static void set_curves( json_t* object, const RfPageTrack* track )
     json_object_set_new( object, "at_least", at_least );
 }
 
+static json_t* has_layers_json( const RfPageTrack* track )
+{
+    json_t* list = json_array();
+    for ( int i = 0; i < track->count; ++i )
+        json_array_append_new( list, json_boolean( track->frames[i].has_layers ) );
+    return list;
+}
+
 static json_t* track_json( const RfPageTrack* track )
 {
     json_t* object = json_pack( "{s:o, s:o, s:b, s:i, s:i, s:o, s:o}", "name", rf_json_text( track->sequence->name ), "path",
                                 rf_json_text( track->sequence->pattern ), "reference", track->sequence->is_reference, "width",
                                 track->picture_width, "height", track->picture_height, "blocks", blocks_json( track ), "facts",
                                 rf_page_facts_json( track ) );
+    json_object_set_new( object, "file_width", json_integer( track->sequence->header.width ) );
+    json_object_set_new( object, "file_height", json_integer( track->sequence->header.height ) );
+    json_object_set_new( object, "index", json_integer( track->index ) );
+    json_object_set_new( object, "layers", rf_page_layers_json( &track->layers ) );
+    json_object_set_new( object, "has_layers", has_layers_json( track ) );
+    json_object_set_new( object, "value_factor", json_integer( track->value_factor ) );
+    json_object_set_new( object, "fine_frame", json_integer( track->fine_frame ) );
+    json_object_set_new( object, "fine_factor", json_integer( track->fine_factor ) );
     set_curves( object, track );
     return object;
 }

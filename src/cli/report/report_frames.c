@@ -1,8 +1,8 @@
 #include "cli/report/report_frames.h"
 
+#include "cli/report/report_blocks.h"
 #include "cli/messages.h"
 #include "measure/flicker_read.h"
-#include "page/picture.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -19,8 +19,6 @@ typedef struct Work
     RfErrorSummary errors;
     bool has_summary;
 } Work;
-
-void rf_page_block_id( const RfPageTrack* track, int number, char id[32] ) { snprintf( id, 32, "s%d-%d", track->index, number ); }
 
 // Chooses motion and depth and, without a reference, the variance of the colour, where the
 // files have them; what `flicker` would refuse is left out.
@@ -50,29 +48,6 @@ static size_t count_bad( const RfImage* image )
     for ( size_t i = 0; i < pixels; ++i )
         bad += !isfinite( image->rgb[3 * i] ) || !isfinite( image->rgb[3 * i + 1] ) || !isfinite( image->rgb[3 * i + 2] );
     return bad;
-}
-
-static RfResult add_picture( Work* work, int number, const RfImage* image, const char* path, RfError* error )
-{
-    RfPageTrack* track = work->track;
-    RfImage small = { 0 };
-    int factor = track->width > 0 ? ( image->width + track->width - 1 ) / track->width : 1;
-    unsigned char* bytes = NULL;
-    size_t size = 0;
-    RfResult result = factor > 1 ? rf_shrink_image( image, factor, &small, error ) : RF_OK;
-    const RfImage* picture = factor > 1 ? &small : image;
-    if ( result == RF_OK )
-        result = rf_encode_picture( picture, path, &bytes, &size, error );
-    char id[32];
-    rf_page_block_id( track, number, id );
-    if ( result == RF_OK )
-        result = rf_add_page_block( work->page, id, bytes, size, error );
-    track->picture_width = picture->width;
-    track->picture_height = picture->height;
-    track->picture_bytes += size;
-    free( bytes );
-    rf_destroy_image( &small );
-    return result;
 }
 
 static RfResult measure_error( Work* work, RfPageFrame* told, RfFlickerFrame* frame, RfImage* reference, RfError* error )
@@ -162,7 +137,7 @@ static RfResult add_frame( Work* work, int i, RfError* error )
     if ( result == RF_OK )
         result = rf_read_flicker_frame( path, &work->layers, &track->sequence->header, track->sequence->first, frame, error );
     if ( result == RF_OK )
-        result = add_picture( work, number, &frame->signal, path, error );
+        result = rf_add_page_blocks( work->page, track, i, &frame->signal, path, error );
     if ( result != RF_OK )
         return result;
     told->shown = true;
@@ -217,7 +192,7 @@ RfResult rf_add_page_track( RfPage* page, RfPageTrack* track, RfPageProgressFn* 
         track->frames[i] =
             ( RfPageFrame ){ .relmse = NAN, .seconds = NAN, .samples = NAN, .phi = NAN, .f1 = NAN, .worst_ten_share = NAN };
     find_layers( &work );
-    RfResult result = RF_OK;
+    RfResult result = rf_find_page_aovs( track, error );
     for ( int i = 0; i < track->count && result == RF_OK; ++i )
     {
         result = add_frame( &work, i, error );
