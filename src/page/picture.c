@@ -149,7 +149,7 @@ static RfResult concatenate( const Base* base, const unsigned char* jpeg, size_t
 static RfResult encode_detail( const unsigned char* codes, const RfImage* image, double most_bits, const char* name,
                                unsigned char** jpeg, size_t* size, RfError* error )
 {
-    static const int qualities[] = { RF_PICTURE_QUALITY, 82, 72, 60, 45, 30 };
+    static const int qualities[] = { RF_PICTURE_QUALITY, 82, 72, 60, 45, 30, 18, 10, 5 };
     const int count = (int)( sizeof qualities / sizeof qualities[0] );
     double most = 1000.0 + (double)image->width * image->height * most_bits / 8.0;
     RfResult result = RF_OK;

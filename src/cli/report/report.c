@@ -225,12 +225,12 @@ int rf_command_report( int argc, char** argv )
           .min = 0,
           .meta = "SIZE",
           .default_text = "12M",
-          .help = "of the page that the pixel probe's scene values may take; less means coarser, 0 none" },
+          .help = "most that the pixel probe's scene values take of the page; less is coarser, 0 is none" },
         { .name = "aov",
           .type = RF_OPTION_BOOL,
           .value = &report.aov,
           .default_text = "yes",
-          .help = "show the AOVs that the files have; they take up to 16 MB" },
+          .help = "show the AOVs that the files have, too" },
         { .name = "fps",
           .type = RF_OPTION_FPS,
           .value = &report.fps,
@@ -261,10 +261,11 @@ int rf_command_report( int argc, char** argv )
     };
     const RfCommandTable table = {
         .command = COMMAND,
-        .summary = "One HTML page of rendered sequences, side by side: frames that play at any exposure, curves, settings. Each "
-                   "DIR is a folder of "
-                   "EXR files, or a sequence named with ####. 48 frames of 960x540 take seconds; with --values and AOVs at their "
-                   "defaults the page stays below 72 MB, whatever the noise, and mostly below 25 MB.",
+        .summary =
+            "One HTML page of rendered sequences: a verdict, frames that play at any exposure, side by side or wiped, a pixel "
+            "probe, AOVs, curves, settings. Each DIR is a folder of EXR files, or a sequence named with ####. 48 frames of "
+            "960x540 take less than 40 MB for the pictures of a sequence (mostly 10), --values for the probe and at most "
+            "16 MB for AOVs.",
         .files = files,
         .file_count = 1,
         .file_max = RF_PAGE_MOST_SEQUENCES,

@@ -131,6 +131,12 @@ static void compare_words( const RfPageData* data, const Contest* c, char* text,
         snprintf( text, size, "%.200s has %s times less squared error than %.200s", best, number, worst );
 }
 
+// The cost that a page of one sequence has.
+static const json_t* single_cost( const RfPageData* data, const Contest* c )
+{
+    return data->cost != NULL ? data->cost : data->tracks[c->best].sequence->cost;
+}
+
 // One sequence: how noisy it is, and what `cost` found.
 static void single_words( const RfPageData* data, const Contest* c, char* text, size_t size )
 {
@@ -138,8 +144,7 @@ static void single_words( const RfPageData* data, const Contest* c, char* text, 
     double relmse = c->means[0].relmse;
     snprintf( text, size, "%s %.2g %% noise (relMSE %.3g)", at_least ? "At least" : "About", 100.0 * sqrt( relmse / 3.0 ),
               relmse );
-    const json_t* cost = data->cost != NULL ? data->cost : data->tracks[c->best].sequence->cost;
-    double speedup = rf_json_number_of( cost, "speedup_at_equal_error" );
+    double speedup = rf_json_number_of( single_cost( data, c ), "speedup_at_equal_error" );
     char number[32];
     size_t used = strlen( text );
     if ( !( speedup > 0.0 ) )
@@ -161,6 +166,8 @@ static void basis_words( const RfPageData* data, const Contest* c, char* text, s
     else if ( c->compared > 1 )
         used += (size_t)snprintf( text + used, size - used,
                                   "; times are not compared: they need render --json with the same number of threads" );
+    else if ( rf_json_number_of( single_cost( data, c ), "speedup_at_equal_error" ) > 0.0 )
+        used += (size_t)snprintf( text + used, size - used, "; times as cost measured them" );
     if ( bounds > 0 )
         snprintf( text + used, size - used, "; %d estimate%s a lower bound: only --reference tells the error", bounds,
                   bounds == 1 ? " is" : "s are" );
