@@ -85,6 +85,21 @@ static void test_lower_bounds_and_warnings_are_told( void** state )
     assert_string_equal( page_fact( sequence, "Error", "relMSE, estimated" ), "at least 0.02" );
     assert_string_equal( page_fact( sequence, "Error", "Share of the ten worst pixels" ), "up to 60 %" );
     json_decref( data );
+    // the other way round: what is a bound of one is the other of the ratio
+    write_render( "slow", 2, 4.0, 0.03, 0.05, "" );
+    data = report( "slow tail", 4 );
+    expect_verdict( data, "tail takes at most 4 times less time than slow at equal noise", 2, "1 estimate is a lower bound" );
+    json_decref( data );
+    // of the header where there is no JSON
+    const RfExrString strings[] = { { "reframe/relmse-estimate", "0.02" },
+                                    { "reframe/relmse-is-lower-bound", "yes" },
+                                    { "reframe/worst-ten-share", "0.4" } };
+    page_make_folder( "head" );
+    page_write_frame( "head/f.exr", 20, 20, 1.0f, strings, 3 );
+    data = report( "head", 1 );
+    assert_string_equal( page_fact( page_sequence( data, 0 ), "Error", "relMSE, estimated" ), "at least 0.02" );
+    assert_string_equal( page_fact( page_sequence( data, 0 ), "Error", "Share of the ten worst pixels" ), "up to 40 %" );
+    json_decref( data );
     // against a reference the error is known
     data = report( "tail --reference tail", 4 );
     assert_true( json_is_false( page_item( page_sequence( data, 0 ), "at_least", 1 ) ) );

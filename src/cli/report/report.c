@@ -3,7 +3,7 @@
 #include "cli/render/interrupt.h"
 #include "cli/options/options.h"
 #include "cli/report/report_data.h"
-#include "cli/report/report_facts.h"
+#include "cli/report/report_numbers.h"
 #include "cli/report/report_run.h"
 #include "cli/report/report_values.h"
 #include "cli/render/progress.h"

@@ -89,6 +89,12 @@ static void take_said( const RfPageSequence* sequence, int number, const char* p
     }
     if ( isnan( told->relmse ) )
         told->relmse = rf_read_exr_number( path, "reframe/relmse-estimate" );
+    char text[8];
+    if ( !told->at_least )
+        told->at_least =
+            rf_read_exr_string( path, "reframe/relmse-is-lower-bound", text, sizeof text, NULL ) == RF_OK && text[0] == 'y';
+    if ( isnan( told->worst_ten_share ) )
+        told->worst_ten_share = rf_read_exr_number( path, "reframe/worst-ten-share" );
     if ( isnan( told->samples ) )
         told->samples = rf_read_exr_number( path, "reframe/native-spp" );
 }

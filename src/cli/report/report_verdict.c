@@ -101,15 +101,28 @@ static Contest hold_contest( const RfPageData* data )
     return c;
 }
 
+// Estimates of a sequence that are lower bounds.
+static int count_bounds_of( const RfPageData* data, int track )
+{
+    int count = 0;
+    for ( int k = 0; k < data->count; ++k )
+        count += data->tracks[track].frames[k].at_least;
+    return count;
+}
+
 static int count_bounds( const RfPageData* data )
 {
     int count = 0;
     for ( int i = 0; i < data->track_count; ++i )
-    {
-        for ( int k = 0; k < data->count; ++k )
-            count += data->tracks[i].frames[k].at_least;
-    }
+        count += count_bounds_of( data, i );
     return count;
+}
+
+// What lower bounds leave of a ratio of errors.
+static const char* bound_words( const RfPageData* data, const Contest* c )
+{
+    bool best = count_bounds_of( data, c->best ) > 0, worst = count_bounds_of( data, c->worst ) > 0;
+    return best && worst ? "about " : best ? "at most " : worst ? "at least " : "";
 }
 
 static void format_times( double times, char text[32] ) { snprintf( text, 32, times < 9.95 ? "%.2g" : "%.0f", times ); }
@@ -126,9 +139,11 @@ static void compare_words( const RfPageData* data, const Contest* c, char* text,
                                   : "%.200s and %.200s are about as noisy",
                   best, worst );
     else if ( c->with_seconds )
-        snprintf( text, size, "%.200s takes %s times less time than %.200s at equal noise", best, number, worst );
+        snprintf( text, size, "%.200s takes %s%s times less time than %.200s at equal noise", best, bound_words( data, c ),
+                  number, worst );
     else
-        snprintf( text, size, "%.200s has %s times less squared error than %.200s", best, number, worst );
+        snprintf( text, size, "%.200s has %s%s times less squared error than %.200s", best, bound_words( data, c ), number,
+                  worst );
 }
 
 // The cost that a page of one sequence has.
