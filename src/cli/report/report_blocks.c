@@ -94,5 +94,7 @@ RfResult rf_find_page_aovs( RfPageTrack* track, RfError* error )
     RfResult result = rf_page_frame_path( track->sequence, typical, path, error );
     if ( result == RF_OK )
         rf_find_page_layers( track->sequence, path, pictures, track->layer_share, &track->layers );
+    if ( result == RF_OK && track->layers.count == 0 ) // the middle frame may lack them
+        rf_find_page_layers( track->sequence, track->sequence->first, pictures, track->layer_share, &track->layers );
     return result;
 }

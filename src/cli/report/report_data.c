@@ -128,10 +128,12 @@ json_t* rf_page_result_json( const RfPageData* data, const char* output, uint64_
             shown += track->frames[k].shown;
         json_array_append_new(
             tracks,
-            json_pack( "{s:o, s:o, s:b, s:i, s:i, s:o, s:o, s:o, s:o, s:o, s:o}", "name", rf_json_text( track->sequence->name ),
-                       "files", rf_json_text( track->sequence->pattern ), "reference", track->sequence->is_reference, "frames",
-                       shown, "missing", lacking, "missing_frames", rf_json_frames( missing, lacking ), "picture_bytes",
-                       json_integer( (json_int_t)track->picture_bytes ), "relmse",
+            json_pack( "{s:o, s:o, s:b, s:i, s:i, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "name",
+                       rf_json_text( track->sequence->name ), "files", rf_json_text( track->sequence->pattern ), "reference",
+                       track->sequence->is_reference, "frames", shown, "missing", lacking, "missing_frames",
+                       rf_json_frames( missing, lacking ), "picture_bytes", json_integer( (json_int_t)track->picture_bytes ),
+                       "value_bytes", json_integer( (json_int_t)track->value_bytes ), "aov_bytes",
+                       json_integer( (json_int_t)track->layer_bytes ), "relmse",
                        rf_json_number( track->has_error ? track->error.relmse : NAN ), "relmse_estimate",
                        rf_json_number( track->estimate ), "f1", rf_json_number( has_flicker ? flicker.f1 : NAN ), "phi",
                        rf_json_number( has_flicker ? flicker.phi : NAN ) ) );
