@@ -1,10 +1,12 @@
-// node check-page.js PAGE.html [--pictures FOLDER] [--seconds S] [--mean M] [--filmic M] [--probe X,Y:R,G,B] [--coarse] [--quick]
+// node check-page.js PAGE.html [--pictures FOLDER] [--seconds S] [--mean M] [--filmic M] [--probe X,Y:R,G,B]
+//                    [--coarse] [--error] [--quick]
 // Opens a page of `reframe report` in headless Chromium, from its file, and uses it
 // as a person would. --seconds: it loads faster; --mean: of the bytes of the first
-// picture, --filmic: by the filmic curve; --probe: scene values at a pixel of the first sequence; --coarse: the
-// page has means of pixels; --quick: playing only; --pictures: leaves screenshots. Needs the npm package playwright-core (where REFRAME_NODE_MODULES
-// says) and Chromium (REFRAME_CHROMIUM, else found). One line for each check; exit
-// status 1 where one failed, 77 where there is no browser.
+// picture, --filmic: by the filmic curve; --probe: scene values at a pixel of the first
+// sequence; --coarse: the page has means of pixels; --error: it can show an error;
+// --quick: exposure and playing only; --pictures: leaves screenshots. Needs the npm package
+// playwright-core (where REFRAME_NODE_MODULES says) and Chromium (REFRAME_CHROMIUM, else
+// found). One line for each check; exit status 1 where one failed, 77 where there is no browser.
 "use strict";
 const fs = require("fs"), path = require("path"), { pathToFileURL } = require("url");
 
@@ -80,8 +82,10 @@ async function check_exposure(page) {
 
 // Where there is a reference: the error of the first panel, and the picture again.
 async function check_error_view(page) {
-  if (await page.locator("#view option[value=error]").count() === 0)
+  if (await page.locator("#view option[value=error]").count() === 0) {
+    check(!process.argv.includes("--error"), "there is nothing to compare with");
     return;
+  }
   const before = await look(page);
   await page.locator("#view").selectOption("error");
   const error = await look(page);

@@ -188,7 +188,8 @@ static void test_everything_that_a_page_has( void** state )
         cli_write( text + 512, text, (size_t)length );
     }
     cli_expect( cli_run( "$R report fast slow --reference true -o full.html --quiet" ), 0, NULL );
-    if ( !check_page( "full.html", "--probe 10,20:0.25,12.5,-0.0625" ) )
+    cli_expect( cli_run( "$R report fast slow -o pair.html --quiet" ), 0, NULL ); // the difference of two without a reference
+    if ( !check_page( "full.html", "--probe 10,20:0.25,12.5,-0.0625" ) || !check_page( "pair.html", "--error --quick" ) )
         skip();
 }
 

@@ -85,8 +85,9 @@ class Player {
     }
   }
 
+  // What the error is of: the reference, else the last sequence, if there are several.
   reference() {
-    return this.panels.find(panel => panel.isReference);
+    return this.panels.find(panel => panel.isReference) || (this.panels.length > 1 ? this.panels[this.panels.length - 1] : undefined);
   }
 
   canShowError(panel) {

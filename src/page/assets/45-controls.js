@@ -8,7 +8,7 @@ function fillViews(player, data) {
   const add = (value, text) => element("view").append(make("option", { value, textContent: text }));
   add("picture", "Image");
   if (player.panels.some(panel => player.canShowError(panel)))
-    add("error", "Error");
+    add("error", player.reference().isReference ? "Error" : `Difference to ${player.reference().sequence.name}`);
   for (const name of names)
     add(name, name[0].toUpperCase() + name.slice(1));
   element("view").parentElement.hidden = element("view").options.length < 2;
