@@ -130,10 +130,9 @@ static void test_json_of_render_and_cost_is_read( void** state )
     assert_string_equal( page_fact( sequence, "Rays", "To other eyes" ), "2.5 M" );
     const json_t* curve = json_array_get( json_object_get( data, "cost" ), 0 );
     assert_int_equal( json_array_size( json_object_get( curve, "rows" ) ), 2 );
-    assert_string_equal(
-        json_string_value( json_object_get( curve, "note" ) ),
-        "at equal error reuse is 4.5 times faster (95 %: 4 times faster to 5 times faster); error falls as time to the power "
-        "of -0.97" );
+    assert_string_equal( json_string_value( json_object_get( curve, "note" ) ),
+                         "at equal error reuse is 4.5 times faster (95 %: 4 to 5); error falls as time to the power "
+                         "of -0.97" );
     assert_string_equal( json_string_value( json_object_get( json_array_get( json_object_get( curve, "rows" ), 0 ), "reuse" ) ),
                          "group 3, tile 3x3" );
     assert_string_equal( json_string_value( json_object_get( json_array_get( json_object_get( curve, "rows" ), 1 ), "reuse" ) ),

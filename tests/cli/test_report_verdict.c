@@ -139,6 +139,16 @@ static void test_slower_is_called_slower( void** state )
     assert_string_equal( cost_note( data ),
                          "at equal error reuse is 1.3 times slower (95 %: 2 times slower to 1.2 times faster)" );
     json_decref( data );
+    page_write_frame( "c/f.0001.exr", 20, 20, 1.0f,
+                      ( const RfExrString[] ){ { "reframe/scene", "a.glb" }, { "reframe/relmse-estimate", "0.03" } }, 2 );
+    data = report( "c", 1 );
+    assert_string_equal( json_string_value( json_object_get( json_object_get( data, "verdict" ), "text" ) ),
+                         "About 10 % noise (relMSE 0.03); reuse takes 1.3 times more time than path tracing at equal noise" );
+    json_decref( data );
+    assert_int_equal( cli_run( "sed -i 's/1.25/0.8/' c/cost.json" )->status, 0 );
+    data = report( "c", 1 );
+    assert_string_equal( cost_note( data ), "at equal error reuse is 1.3 times slower (95 %: 1.2 to 2)" );
+    json_decref( data );
     write_cost( "c/cost.json", "a.glb", ",\"verdict\":\"Reuse does not pay here.\"" );
     data = report( "c", 1 );
     assert_string_equal( cost_note( data ), "Reuse does not pay here." );

@@ -34,10 +34,16 @@ RfResult rf_check_cost_scene( const RfPageRun* report, RfError* error )
 void rf_format_speedup( double speedup, char text[48] )
 {
     double times = speedup < 1.0 ? 1.0 / speedup : speedup;
+    if ( times < 1.05 )
+    {
+        snprintf( text, 48, "about as fast" );
+        return;
+    }
     snprintf( text, 48, times < 10.0 ? "%.2g times %s" : "%.0f times %s", times, speedup < 1.0 ? "slower" : "faster" );
 }
 
-// "at equal error reuse is 4.5 times faster (95 %: 4 times faster to 5 times faster)"
+// "at equal error reuse is 4.5 times faster (95 %: 4 to 5)"; where the interval holds 1, it says which way: "2 times slower
+// to 1.2 times faster"
 static void append_speedup( char* text, size_t size, const json_t* cost )
 {
     double speedup = rf_json_number_of( cost, "speedup_at_equal_error" ), low = rf_json_number_of( cost, "speedup_low" ),
@@ -50,9 +56,16 @@ static void append_speedup( char* text, size_t size, const json_t* cost )
     snprintf( text + used, size - used, "%sat equal error reuse is %s", used > 0 ? "; " : "", words[0] );
     if ( !( low > 0.0 && high > 0.0 ) )
         return;
+    used = strlen( text );
+    bool is_slower = low < 1.0 && high < 1.0;
+    if ( is_slower || ( low >= 1.0 && high >= 1.0 ) )
+    {
+        snprintf( text + used, size - used, " (95 %%: %.2g to %.2g)", is_slower ? 1.0 / high : low,
+                  is_slower ? 1.0 / low : high );
+        return;
+    }
     rf_format_speedup( low, words[1] );
     rf_format_speedup( high, words[2] );
-    used = strlen( text );
     snprintf( text + used, size - used, " (95 %%: %s to %s)", words[1], words[2] );
 }
 

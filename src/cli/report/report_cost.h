@@ -11,7 +11,7 @@ RfResult rf_check_cost_scene( const RfPageRun* report, RfError* error );
 // An array of { name, note, rows }: of --cost, else of each folder that has one.
 json_t* rf_page_cost_json( const RfPageData* data );
 
-// "9.1 times faster", or "1.3 times slower" for a speedup below 1.
+// "9.1 times faster"; "1.3 times slower" for a speedup below 1; "about as fast" around it.
 void rf_format_speedup( double speedup, char text[48] );
 
 #endif

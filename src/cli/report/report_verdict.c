@@ -164,9 +164,13 @@ static void single_words( const RfPageData* data, const Contest* c, char* text, 
     size_t used = strlen( text );
     if ( !( speedup > 0.0 ) )
         return;
-    format_times( speedup < 1.0 ? 1.0 / speedup : speedup, number );
-    snprintf( text + used, size - used, "; reuse takes %s times %s time than path tracing at equal noise", number,
-              speedup < 1.0 ? "more" : "less" );
+    double times = speedup < 1.0 ? 1.0 / speedup : speedup;
+    format_times( times, number );
+    if ( times < 1.05 )
+        snprintf( text + used, size - used, "; reuse takes about as long as path tracing for equal noise" );
+    else
+        snprintf( text + used, size - used, "; reuse takes %s times %s time than path tracing at equal noise", number,
+                  speedup < 1.0 ? "more" : "less" );
 }
 
 static void basis_words( const RfPageData* data, const Contest* c, char* text, size_t size )
