@@ -56,6 +56,12 @@ static void test_verdict_compares_at_equal_noise( void** state )
     data = report( "slow many", 4 );
     expect_verdict( data, "many has 2 times less squared error than slow", 2, "times are not compared" );
     json_decref( data );
+    // the first frame stands for more: that took no time, but counts
+    write_render( "still", 2, 0.0, 0.01, 0.03, "" );
+    assert_int_equal( cli_run( "sed -i 's/\"seconds\":0/\"seconds\":4/' still/render.json" )->status, 0 );
+    data = report( "slow still", 4 ); // 0.04 · 8 s against 0.02 · 4 s
+    expect_verdict( data, "still takes 4 times less time than slow at equal noise", 2, "mean of 2 frames" );
+    json_decref( data );
     data = report( "fast", 2 );
     expect_verdict( data, "About 8.2 % noise (relMSE 0.02)", 2, "mean of 2 frames" );
     json_decref( data );

@@ -21,13 +21,13 @@ static bool is_compared( const RfPageTrack* track )
     return has_error && !track->sequence->is_reference;
 }
 
-// True if every compared sequence has an error in this frame, and seconds where those are asked for.
-static bool is_common( const RfPageData* data, int frame, bool with_seconds )
+// True if every compared sequence has an error in this frame, and with `least` >= 0 seconds of at least that.
+static bool is_common( const RfPageData* data, int frame, double least )
 {
     for ( int i = 0; i < data->track_count; ++i )
     {
         const RfPageFrame* told = data->tracks[i].frames + frame;
-        if ( is_compared( data->tracks + i ) && ( !( told->relmse > 0.0 ) || ( with_seconds && !( told->seconds > 0.0 ) ) ) )
+        if ( is_compared( data->tracks + i ) && ( !( told->relmse > 0.0 ) || ( least >= 0.0 && !( told->seconds >= least ) ) ) )
             return false;
     }
     return true;
@@ -38,7 +38,7 @@ static Mean mean_of( const RfPageData* data, int track, bool with_seconds )
     Mean mean = { .seconds = with_seconds ? 0.0 : (double)NAN };
     for ( int i = 0; i < data->count; ++i )
     {
-        if ( !is_common( data, i, with_seconds ) )
+        if ( !is_common( data, i, with_seconds ? 0.0 : -1.0 ) ) // repeated frames take no time
             continue;
         mean.relmse += data->tracks[track].frames[i].relmse;
         mean.seconds += data->tracks[track].frames[i].seconds;
@@ -80,7 +80,7 @@ static Contest hold_contest( const RfPageData* data )
 {
     Contest c = { .best = -1, .worst = -1, .threads = common_threads( data ) };
     for ( int i = 0; i < data->count && c.threads > 0; ++i )
-        c.with_seconds |= is_common( data, i, true );
+        c.with_seconds |= is_common( data, i, 1e-9 );
     for ( int i = 0; i < data->track_count; ++i )
     {
         if ( !is_compared( data->tracks + i ) )
