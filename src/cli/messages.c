@@ -88,6 +88,15 @@ void rf_print( const char* format, ... )
     printf( "%s%s", rf_plain_text( raw, plain, sizeof plain ), ends ? "\n" : "" );
 }
 
+static void keep_warning( void* user, const char* line )
+{
+    RfToldWarnings* told = user;
+    print_warning( (void*)told->command, line );
+    json_array_append_new( told->lines, rf_json_text( line ) );
+}
+
+RfLog rf_keeping_log( RfToldWarnings* told ) { return ( RfLog ){ .fn = keep_warning, .user = told }; }
+
 json_t* rf_json_text( const char* text )
 {
     json_t* json = json_string( text );

@@ -26,6 +26,7 @@ typedef struct Job
     RfRenderSettings asked; // before they were resolved
     RfMemoryFit fit;
     RfLog log;
+    RfToldWarnings told;
     RfSceneFile file; // options may point into it
     RfScene scene;
     RfCameraPath path;
@@ -64,6 +65,7 @@ static void destroy_job( Job* job )
     free( job->frames );
     free( job->kept );
     json_decref( job->frames_json );
+    json_decref( job->told.lines );
 }
 
 static RfOutput output_of( const Job* job )
@@ -242,6 +244,7 @@ static RfResult write_json( const Job* job, bool interrupted, RfError* error )
                         .seconds_scene = job->seconds_scene,
                         .frames = rf_join_kept_frames( options, job->kept, job->kept_count, job->frames_json ),
                         .kept = job->kept_count,
+                        .warnings = job->told.lines,
                         .interrupted = interrupted };
     return rf_write_json( options->json, rf_render_json( options, &job->scene, &run ), error );
 }
@@ -288,8 +291,9 @@ int rf_command_render( int argc, char** argv )
     RfError error;
     bool help;
     Job job = {
-        .argc = argc, .argv = argv, .log = rf_stderr_log( "render" ), .speech = PTHREAD_MUTEX_INITIALIZER, .start = now()
+        .argc = argc, .argv = argv, .told = { "render", json_array() }, .speech = PTHREAD_MUTEX_INITIALIZER, .start = now()
     };
+    job.log = rf_keeping_log( &job.told );
     RfResult result = rf_parse_render_options( argc, argv, &job.options, &help, &error );
     if ( result == RF_OK && help )
     {
