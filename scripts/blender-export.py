@@ -48,6 +48,7 @@ def main():
     scene.frame_start, scene.frame_end = first, last
     camera = cameras.find_camera(scene, args.camera)
     name = camera.name
+    cameras.tell_others(scene, camera)
     effects.warn_of_effects(scene, camera)
     geometry.settle(scene)
     recorder, moving = watch(scene, camera, args.camera is None, range(first, last + 1, step))
