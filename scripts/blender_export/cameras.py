@@ -19,9 +19,9 @@ def find_camera(scene, name):
     fail("no camera%s in the scene: it has %s" % (" '%s'" % name if name else "", ", ".join(c.name for c in cameras) or "none"))
 
 
-def tell_others(scene, camera):
+def tell_others(scene, name):
     """Cameras that are not exported; those that markers switch to are."""
-    used = {camera.name, *(marker.camera.name for marker in scene.timeline_markers if marker.camera is not None)}
+    used = {name, *(marker.camera.name for marker in scene.timeline_markers if marker.camera is not None)}
     others = sorted(o.name for o in scene.objects if o.type == "CAMERA" and o.name not in used)
     if others:
         note("%s: left out: --camera exports another one" % list_names(others))
