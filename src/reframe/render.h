@@ -194,7 +194,7 @@ typedef struct RfFrameResult
     const float* weight;             // width × height: the mean of the summed weights B; E[B] = 1 with exact
                                      // weights, else hits per pass
     const float* aovs[RF_AOV_COUNT]; // rf_aov_channels × width × height; NULL: not asked for
-    double seconds;                  // wall time since the frame before it
+    double seconds;                  // wall time since the frames before it; those that a group finishes together share it
     double relmse_estimate;          // from two halves of the samples; NaN with a single pass
     double native_spp;               // samples that the frame traced itself, per pixel
     double effective_spp;            // samples that landed in a pixel, its own and reused ones
