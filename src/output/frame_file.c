@@ -259,7 +259,7 @@ int rf_list_frame_differences( const RfOutput* output, int frame, RfFrameDiffere
     Attributes wanted;
     RfFrameResult none = { .frame = frame };
     list_attributes( output, &none, &wanted );
-    if ( rf_sequence_name( output->pattern, frame + 1, name, sizeof name, NULL ) != RF_OK )
+    if ( rf_sequence_name( output->pattern, rf_frame_number( output->path, frame ), name, sizeof name, NULL ) != RF_OK )
         return 0;
     for ( size_t i = 0; i < sizeof keys / sizeof keys[0]; ++i )
     {
