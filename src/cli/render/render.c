@@ -40,8 +40,10 @@ typedef struct Job
     int frames_done;
     bool told_black;   // the warning comes once
     double relmse_sum; // of the finished frames' estimates
+    int lower_bounds;  // among them
     double worst_relmse;
     int worst_frame; // from 0
+    bool worst_is_lower_bound;
     json_t* frames_json;
     double start, seconds_scene; // monotonic time of the start; seconds until rays can be traced
     RfRenderStats stats;
@@ -170,10 +172,12 @@ static void warn_if_black( Job* job, const RfFrameResult* result )
 static void note_relmse( Job* job, const RfFrameResult* result )
 {
     job->relmse_sum += result->relmse_estimate;
+    job->lower_bounds += result->relmse_is_lower_bound;
     if ( job->frames_done > 1 && result->relmse_estimate <= job->worst_relmse )
         return;
     job->worst_relmse = result->relmse_estimate;
     job->worst_frame = result->frame;
+    job->worst_is_lower_bound = result->relmse_is_lower_bound;
 }
 
 // Warns where --noise or --time was not met.
@@ -181,9 +185,9 @@ static void warn_of_stop( Job* job )
 {
     const RfRenderSettings* s = &job->options.settings;
     if ( job->stats.missed > 0 )
-        rf_warn( &job->log, "--noise %g: not reached in %d of %d frames, frame %d has %.3g: allow more %s", s->noise,
-                 job->stats.missed, job->frame_count, job->worst_frame + 1, job->worst_relmse,
-                 s->time > 0.0 ? "--time or --spp" : "--spp" );
+        rf_warn( &job->log, "--noise %g: not reached in %d of %d frames, frame %d has %s%.3g: allow more %s", s->noise,
+                 job->stats.missed, job->frame_count, job->worst_frame + 1, job->worst_is_lower_bound ? "at least " : "",
+                 job->worst_relmse, s->time > 0.0 ? "--time or --spp" : "--spp" );
     if ( job->stats.hurried )
         rf_warn( &job->log,
                  "--time %g: too short for this size and these groups: the least, 2 samples per pixel, took %.3g s a frame",
@@ -254,7 +258,8 @@ static RfResult report( Job* job, RfError* error )
     {
         printf( "%d frame%s in %s, %.1f s", job->frame_count, job->frame_count == 1 ? "" : "s", job->options.output, seconds );
         if ( job->frame_count > 0 && isfinite( job->relmse_sum ) )
-            printf( ", relMSE %.3g by its estimate", job->relmse_sum / job->frame_count );
+            printf( ", relMSE %s%.3g by its estimate", job->lower_bounds > 0 ? "at least " : "",
+                    job->relmse_sum / job->frame_count );
         if ( job->kept_count > 0 )
             printf( "; %d kept from before", job->kept_count );
         printf( "\n" );

@@ -7,10 +7,11 @@
 
 json_t* rf_frame_json( const RfFrameResult* result, double noise, bool kept )
 {
-    json_t* json =
-        json_pack( "{s:i, s:o, s:o, s:o, s:o, s:b}", "frame", result->frame + 1, "seconds", rf_json_number( result->seconds ),
-                   "relmse_estimate", rf_json_number( result->relmse_estimate ), "native_spp",
-                   rf_json_number( result->native_spp ), "effective_spp", rf_json_number( result->effective_spp ), "kept", kept );
+    json_t* json = json_pack( "{s:i, s:o, s:o, s:b, s:o, s:o, s:o, s:b}", "frame", result->frame + 1, "seconds",
+                              rf_json_number( result->seconds ), "relmse_estimate", rf_json_number( result->relmse_estimate ),
+                              "relmse_is_lower_bound", result->relmse_is_lower_bound, "worst_ten_share",
+                              rf_json_number( result->worst_ten_share ), "native_spp", rf_json_number( result->native_spp ),
+                              "effective_spp", rf_json_number( result->effective_spp ), "kept", kept );
     if ( noise > 0.0 )
         json_object_set_new( json, "reached", json_boolean( result->reached ) );
     return json;
