@@ -26,8 +26,8 @@
 #define STRIP 64 // columns processed together
 #define COLUMNS ( STRIP + 2 * REACH )
 // The inverse of the squared relative difference that is expected between a window and what is around it:
-// 1 and 0.4.
-#define WIDE_PRIOR 1.0
+// 0.7 and 0.4.
+#define WIDE_PRIOR 2.0
 #define NEAR_PRIOR 6.0
 #define OUTLIER 2.0     // variances of a pixel that its neighbours' noise does not explain count so many times
 #define WORST 10        // pixels

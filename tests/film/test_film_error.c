@@ -98,7 +98,7 @@ static void check( const char* what, Truth truth, Noise noise ) { check_between(
 
 // Where the error is larger than the picture, and most pixels have not yet seen
 // what makes it bright: of the right size, no more.
-static void check_size( const char* what, Truth truth, Noise noise ) { check_between( what, truth, noise, 0.5, 1.6 ); }
+static void check_size( const char* what, Truth truth, Noise noise ) { check_between( what, truth, noise, 0.5, 2.0 ); }
 
 static void test_noise_without_fireflies( void** state )
 {
