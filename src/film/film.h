@@ -78,7 +78,7 @@ static inline RfRelmse rf_plain_relmse( double relmse ) { return ( RfRelmse ){ .
 static inline double rf_told_relmse( const RfRelmse* r ) { return r->is_lower_bound ? r->least : r->likely; }
 
 // With what is only known to be a lower bound, 19 of 20 true errors are below so many times `likely`.
-#define RF_RELMSE_DOUBT 2.5
+#define RF_RELMSE_DOUBT 2.0
 
 // The figure to stop by: what the error hardly exceeds.
 static inline double rf_prudent_relmse( const RfRelmse* r )

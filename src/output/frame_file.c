@@ -39,6 +39,7 @@ typedef enum Key
     TIME,
     RELMSE_ESTIMATE,
     RELMSE_IS_LOWER_BOUND,
+    RELMSE_LIKELY,
     WORST_TEN_SHARE,
     REACHED,
     NATIVE_SPP,
@@ -69,6 +70,7 @@ static const char* const s_names[KEY_COUNT] = {
     [TIME] = "reframe/time",
     [RELMSE_ESTIMATE] = "reframe/relmse-estimate",
     [RELMSE_IS_LOWER_BOUND] = "reframe/relmse-is-lower-bound",
+    [RELMSE_LIKELY] = "reframe/relmse-likely",
     [WORST_TEN_SHARE] = "reframe/worst-ten-share",
     [REACHED] = "reframe/reached",
     [NATIVE_SPP] = "reframe/native-spp",
@@ -136,6 +138,7 @@ static void put_frame( Attributes* a, const RfOutput* output, const RfFrameResul
     {
         put( a, RELMSE_ESTIMATE, "%.6g", frame->relmse_estimate );
         put_text( a, RELMSE_IS_LOWER_BOUND, frame->relmse_is_lower_bound ? "yes" : NULL );
+        put( a, RELMSE_LIKELY, "%.6g", frame->relmse_likely );
         put( a, WORST_TEN_SHARE, "%.6g", frame->worst_ten_share );
     }
     if ( output->settings.noise > 0.0 )

@@ -193,7 +193,8 @@ typedef struct RfFrameResult
     double seconds;                  // wall time since the frame before it
     double relmse_estimate;          // from two halves of the samples; NaN with a single pass
     bool relmse_is_lower_bound;      // the estimate is what the relMSE is at least: more is not known
-    double worst_ten_share;          // of the estimate, carried by its ten worst pixels, 0 to 1
+    double relmse_likely;            // the best guess: the estimate, or above it where that is a lower bound
+    double worst_ten_share;          // part of relmse_likely that its ten worst pixels carry, 0 to 1
     double native_spp;               // samples that the frame traced itself, per pixel
     double effective_spp;            // samples that landed in a pixel, its own and reused ones
     bool reached;                    // the relMSE is at most settings.noise by all that is known, or nothing was asked

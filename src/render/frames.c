@@ -76,6 +76,7 @@ static RfResult finish_film( RfRenderer* r, RfLiveFilm* live, RfError* error )
         .seconds = now - r->last_frame,
         .relmse_estimate = rf_told_relmse( &relmse ),
         .relmse_is_lower_bound = relmse.is_lower_bound,
+        .relmse_likely = relmse.likely,
         .worst_ten_share = relmse.worst_share,
         .native_spp = film->passes[0] + film->passes[1] + (double)film->extra_samples / pixels,
         .effective_spp = (double)film->landed / pixels,

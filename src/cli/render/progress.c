@@ -87,8 +87,8 @@ void rf_show_frame( RfProgressLine* line, const RfFrameResult* result, int done,
     format_duration( floor( seconds ), spent, sizeof spent );
     fprintf( stderr, "frame %d/%d  number %d  %.2f s  %s spent", done, all, result->frame + 1, result->seconds, spent );
     if ( result->relmse_is_lower_bound )
-        fprintf( stderr, "  relMSE at least %.3g, %.0f %% of its estimate in ten pixels", result->relmse_estimate,
-                 100.0 * result->worst_ten_share );
+        fprintf( stderr, "  relMSE at least %.3g, likely %.3g, %.0f %% of that in ten pixels", result->relmse_estimate,
+                 result->relmse_likely, 100.0 * result->worst_ten_share );
     else if ( isfinite( result->relmse_estimate ) )
         fprintf( stderr, "  relMSE %.3g", result->relmse_estimate );
     fprintf( stderr, "  %.1f samples/pixel\n", result->effective_spp );

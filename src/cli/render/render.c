@@ -40,6 +40,7 @@ typedef struct Job
     int frames_done;
     bool told_black;   // the warning comes once
     double relmse_sum; // of the finished frames' estimates
+    double likely_sum; // and of their best guesses
     int lower_bounds;  // among them
     double worst_relmse;
     int worst_frame; // from 0
@@ -172,10 +173,11 @@ static void warn_if_black( Job* job, const RfFrameResult* result )
 static void note_relmse( Job* job, const RfFrameResult* result )
 {
     job->relmse_sum += result->relmse_estimate;
+    job->likely_sum += result->relmse_likely;
     job->lower_bounds += result->relmse_is_lower_bound;
-    if ( job->frames_done > 1 && result->relmse_estimate <= job->worst_relmse )
+    if ( job->frames_done > 1 && result->relmse_likely <= job->worst_relmse )
         return;
-    job->worst_relmse = result->relmse_estimate;
+    job->worst_relmse = result->relmse_likely;
     job->worst_frame = result->frame;
     job->worst_is_lower_bound = result->relmse_is_lower_bound;
 }
@@ -186,7 +188,7 @@ static void warn_of_stop( Job* job )
     const RfRenderSettings* s = &job->options.settings;
     if ( job->stats.missed > 0 )
         rf_warn( &job->log, "--noise %g: not reached in %d of %d frames, frame %d has %s%.3g: allow more %s", s->noise,
-                 job->stats.missed, job->frame_count, job->worst_frame + 1, job->worst_is_lower_bound ? "at least " : "",
+                 job->stats.missed, job->frame_count, job->worst_frame + 1, job->worst_is_lower_bound ? "likely " : "",
                  job->worst_relmse, s->time > 0.0 ? "--time or --spp" : "--spp" );
     if ( job->stats.hurried )
         rf_warn( &job->log,
@@ -250,6 +252,16 @@ static RfResult write_json( const Job* job, bool interrupted, RfError* error )
     return rf_write_json( options->json, rf_render_json( options, &job->scene, &run ), error );
 }
 
+// Mean over the frames.
+static void print_relmse( const Job* job )
+{
+    double told = job->relmse_sum / job->frame_count, likely = job->likely_sum / job->frame_count;
+    if ( job->lower_bounds > 0 )
+        printf( ", relMSE at least %.3g, likely %.3g by its estimate", told, likely );
+    else
+        printf( ", relMSE %.3g by its estimate", told );
+}
+
 static RfResult report( Job* job, RfError* error )
 {
     double seconds = now() - job->start;
@@ -258,8 +270,7 @@ static RfResult report( Job* job, RfError* error )
     {
         printf( "%d frame%s in %s, %.1f s", job->frame_count, job->frame_count == 1 ? "" : "s", job->options.output, seconds );
         if ( job->frame_count > 0 && isfinite( job->relmse_sum ) )
-            printf( ", relMSE %s%.3g by its estimate", job->lower_bounds > 0 ? "at least " : "",
-                    job->relmse_sum / job->frame_count );
+            print_relmse( job );
         if ( job->kept_count > 0 )
             printf( "; %d kept from before", job->kept_count );
         printf( "\n" );

@@ -7,9 +7,10 @@
 
 json_t* rf_frame_json( const RfFrameResult* result, double noise, bool kept )
 {
-    json_t* json = json_pack( "{s:i, s:o, s:o, s:b, s:o, s:o, s:o, s:b}", "frame", result->frame + 1, "seconds",
+    json_t* json = json_pack( "{s:i, s:o, s:o, s:b, s:o, s:o, s:o, s:o, s:b}", "frame", result->frame + 1, "seconds",
                               rf_json_number( result->seconds ), "relmse_estimate", rf_json_number( result->relmse_estimate ),
-                              "relmse_is_lower_bound", result->relmse_is_lower_bound, "worst_ten_share",
+                              "relmse_is_lower_bound", result->relmse_is_lower_bound, "relmse_likely",
+                              rf_json_number( result->relmse_likely ), "worst_ten_share",
                               rf_json_number( result->worst_ten_share ), "native_spp", rf_json_number( result->native_spp ),
                               "effective_spp", rf_json_number( result->effective_spp ), "kept", kept );
     if ( noise > 0.0 )

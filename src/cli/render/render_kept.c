@@ -41,6 +41,7 @@ static json_t* kept_frame_json( const RfRenderOptions* options, int frame, Older
     char name[RF_PAGE_NAME_SIZE];
     RfFrameResult said = { .frame = frame,
                            .relmse_estimate = (double)NAN,
+                           .relmse_likely = (double)NAN,
                            .worst_ten_share = (double)NAN,
                            .native_spp = (double)NAN,
                            .effective_spp = (double)NAN };
@@ -49,6 +50,7 @@ static json_t* kept_frame_json( const RfRenderOptions* options, int frame, Older
     {
         said.relmse_is_lower_bound =
             rf_read_exr_string( name, "reframe/relmse-is-lower-bound", text, sizeof text, NULL ) == RF_OK;
+        said.relmse_likely = rf_read_exr_number( name, "reframe/relmse-likely" );
         said.worst_ten_share = rf_read_exr_number( name, "reframe/worst-ten-share" );
         said.reached = rf_read_exr_string( name, "reframe/reached", text, sizeof text, NULL ) == RF_OK && text[0] == 'y';
         said.relmse_estimate = rf_read_exr_number( name, "reframe/relmse-estimate" );
