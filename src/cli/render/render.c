@@ -187,7 +187,7 @@ static void warn_of_stop( Job* job )
 {
     const RfRenderSettings* s = &job->options.settings;
     if ( job->stats.missed > 0 )
-        rf_warn( &job->log, "--noise %g: not reached in %d of %d frames, frame %d has %s%.3g: allow more %s", s->noise,
+        rf_warn( &job->log, "--noise %g: not reached in %d of %d frames, frame %d %shas %.3g: allow more %s", s->noise,
                  job->stats.missed, job->frame_count, job->worst_frame + 1, job->worst_is_lower_bound ? "likely " : "",
                  job->worst_relmse, s->time > 0.0 ? "--time or --spp" : "--spp" );
     if ( job->stats.hurried )
