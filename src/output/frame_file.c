@@ -41,6 +41,10 @@ typedef enum Key
     NOISE,
     TIME,
     RELMSE_ESTIMATE,
+    RELMSE_IS_LOWER_BOUND,
+    RELMSE_LIKELY,
+    WORST_TEN_SHARE,
+    REACHED,
     NATIVE_SPP,
     EFFECTIVE_SPP,
     AOV,
@@ -69,6 +73,10 @@ static const char* const s_names[KEY_COUNT] = {
     [NOISE] = "reframe/noise",
     [TIME] = "reframe/time",
     [RELMSE_ESTIMATE] = "reframe/relmse-estimate",
+    [RELMSE_IS_LOWER_BOUND] = "reframe/relmse-is-lower-bound",
+    [RELMSE_LIKELY] = "reframe/relmse-likely",
+    [WORST_TEN_SHARE] = "reframe/worst-ten-share",
+    [REACHED] = "reframe/reached",
     [NATIVE_SPP] = "reframe/native-spp",
     [EFFECTIVE_SPP] = "reframe/effective-spp",
     [AOV] = "reframe/aov",
@@ -133,7 +141,14 @@ static void put_frame( Attributes* a, const RfOutput* output, const RfFrameResul
     if ( output->path->step > 1 )
         put( a, STEP, "%d", output->path->step );
     if ( isfinite( frame->relmse_estimate ) )
+    {
         put( a, RELMSE_ESTIMATE, "%.6g", frame->relmse_estimate );
+        put_text( a, RELMSE_IS_LOWER_BOUND, frame->relmse_is_lower_bound ? "yes" : NULL );
+        put( a, RELMSE_LIKELY, "%.6g", frame->relmse_likely );
+        put( a, WORST_TEN_SHARE, "%.6g", frame->worst_ten_share );
+    }
+    if ( output->settings.noise > 0.0 )
+        put_text( a, REACHED, frame->reached ? "yes" : "no" );
     put( a, NATIVE_SPP, "%.9g", frame->native_spp );
     put( a, EFFECTIVE_SPP, "%.6g", frame->effective_spp );
     put_text( a, DEVICE, rf_tracer_device( output->tracer ) );
