@@ -18,7 +18,7 @@ sys.dont_write_bytecode = True  # no __pycache__ beside the installed or checked
 sys.path.insert(0, os.path.dirname(os.path.realpath(__file__)))
 
 import bpy  # noqa: E402
-from blender_export import cameras, command_line, effects, glb, lights, sky  # noqa: E402
+from blender_export import cameras, command_line, effects, glb, lights, materials, sky  # noqa: E402
 from blender_export.messages import fail, repeat_warnings  # noqa: E402
 
 
@@ -30,6 +30,7 @@ def main():
     camera = cameras.find_camera(scene, args.camera)
     effects.warn_of_effects(scene, camera)
     cameras.bake_camera(scene, camera, first, last)
+    materials.carry(scene, args)
     lights.replace_area_lights(scene)
     sky.keep_world(scene, args)
     glb.export(os.path.abspath(args.out))

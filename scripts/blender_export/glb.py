@@ -7,10 +7,13 @@ import numpy
 numpy.bool = bool  # the exporter of Blender 3.4 uses a name that numpy has removed
 import bpy  # noqa: E402
 
+from . import materials  # noqa: E402
+
 
 def export(path):
     bpy.ops.export_scene.gltf(
         filepath=path, export_format="GLB", export_cameras=True, export_lights=True, export_extras=True, export_apply=True,
+        export_colors=False,  # glTF multiplies by them whether the material uses them or not: they are baked
         use_renderable=True,  # skips objects hidden from render: cutters, targets, parents
         export_yup=True, export_animations=True, export_frame_range=True, export_force_sampling=False,
         convert_lighting_mode="COMPAT")
@@ -40,8 +43,23 @@ def restore_booleans(gltf):
             environment["visible"] = bool(environment["visible"])
 
 
+def add_extensions(gltf):
+    """The extensions of materials that the exporter cannot write."""
+    used = set(gltf.get("extensionsUsed", []))
+    for material in gltf.get("materials", []):
+        patch = materials.patches.get(material.get("name"), {})
+        if patch.get("extensions"):
+            material.setdefault("extensions", {}).update(patch["extensions"])
+            used.update(patch["extensions"])
+        if "extras" in patch:
+            material.setdefault("extras", {}).update(patch["extras"])
+    if used:
+        gltf["extensionsUsed"] = sorted(used)
+
+
 def finish(path):
     """Puts right in the file what the exporter could not write."""
     gltf, rest = read(path)
     restore_booleans(gltf)
+    add_extensions(gltf)
     write(path, gltf, rest)
