@@ -413,7 +413,12 @@ def bake_objects(scene, to_bake, args, closed_of, build):
         start = time.monotonic()
         name = job.objects[0].name
         solid = any(p.surface.transmission != 0.0 for p in job.plans.values()) and closed_of(job.objects[0])
-        mesh, result, fresh = bake_job(job, args, cache)
+        try:
+            mesh, result, fresh = bake_job(job, args, cache)
+        except Exception as e:  # Blender's bake fails for reasons of its own
+            warn("'%s': could not be baked: taken as constant: %s" % (name, " ".join(str(e).split())[:200]))
+            new += [(o, slot, build(p, p.material.name + " constant")) for o in job.objects for slot, p in job.plans.items()]
+            continue
         textures = make_textures(name, result)
         materials = {}
         for slot, plan in job.plans.items():

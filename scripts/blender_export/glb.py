@@ -7,7 +7,7 @@ import numpy
 numpy.bool = bool  # the exporter of Blender 3.4 uses a name that numpy has removed
 import bpy  # noqa: E402
 
-from . import materials  # noqa: E402
+from . import embed, materials  # noqa: E402
 
 
 def export(path):
@@ -62,4 +62,6 @@ def finish(path):
     gltf, rest = read(path)
     restore_booleans(gltf)
     add_extensions(gltf)
+    rest = embed.add_map(gltf, rest)
+    embed.add_warnings(gltf)
     write(path, gltf, rest)

@@ -1,8 +1,12 @@
 """Materials as glTF can carry them: what has an equivalent becomes one, what varies is baked into textures."""
+import math
+import os
+
 import bpy
+import numpy
 
 from . import bake, shader_tree
-from .images import carried, is_read
+from .images import carried, is_read, number_source
 from .messages import warn
 from .surface import BLACK, COLOURS, Folder, Ref, Surface, WHITE, finish, give_constants, is_constant, view_nodes
 
@@ -10,6 +14,9 @@ GREY = 0.8  # of Blender's surfaces without a material
 VARYING = ("base", "metallic", "roughness", "emission", "alpha", "normal")  # what glTF has textures for
 SHAPES = ("MESH", "CURVE", "SURFACE", "META", "FONT")
 MIRROR = 0.0316  # smoother metal is a perfect mirror to Reframe
+
+EXPORTED = {"f0": "Specular", "transmission": "Transmission", "clearcoat": "Clearcoat",
+            "clearcoat_roughness": "Clearcoat Roughness"}  # whose images the exporter carries from a Principled node
 
 patches = {}  # what Blender's exporter cannot write: for glb.finish, by the names of materials
 
@@ -126,10 +133,17 @@ def make_plan(material, users):
     tell_images(plan, behind)
     sort_channels(plan)
     first = out.inputs["Surface"].links[0].from_node if out.inputs["Surface"].is_linked else None
+    if first is not None and first.type == "BSDF_PRINCIPLED" and not grouped:
+        plan.averaged -= {n for n, name in EXPORTED.items() if is_image(folder, first.inputs[name])}
     plan.plain = (first is not None and first.type == "BSDF_PRINCIPLED" and not grouped and not plan.baked and not plan.averaged and
                   is_only_output(material) and not any(first.inputs[n].is_linked for n in ("Subsurface", "Subsurface Color")) and
                   first.inputs["Subsurface"].default_value == 0.0)
     return plan
+
+
+def is_image(folder, socket):
+    value = folder.read(socket)
+    return isinstance(value, Ref) and number_source(folder, value) is not None
 
 
 def is_only_output(material):
@@ -289,7 +303,6 @@ def build(plan, name, textures=None, means=None, solid=False):
 
 def patch_of(plan, value, solid):
     """Extensions of glTF that the exporter cannot write from a Principled node."""
-    import math
     extensions = {}
     specular, f0, transmission = value("specular"), value("f0"), value("transmission")
     f0 = f0 if isinstance(f0, tuple) else (f0,) * 3
@@ -319,7 +332,6 @@ def patch_of(plan, value, solid):
 
 def is_closed(mesh):
     """Has every edge two faces?"""
-    import numpy
     if not mesh.polygons:
         return False
     edges = numpy.empty(len(mesh.loops), numpy.int32)
@@ -335,7 +347,6 @@ def used_slots(o):
     """The numbers of the material slots that faces use."""
     if o.type != "MESH" or len(o.material_slots) < 2 or o.modifiers:
         return range(len(o.material_slots))
-    import numpy
     indices = numpy.empty(len(o.data.polygons), numpy.int32)
     o.data.polygons.foreach_get("material_index", indices)
     return sorted({min(max(int(i), 0), len(o.material_slots) - 1) for i in numpy.unique(indices)})
@@ -351,7 +362,6 @@ def make_local(objects):
 
 def tell_missing_libraries():
     for library in bpy.data.libraries:
-        import os
         if not os.path.exists(bpy.path.abspath(library.filepath)):
             warn("library '%s' is missing: what comes from it is left out" % library.filepath)
 
@@ -404,8 +414,12 @@ def carry(scene, args):
             users.setdefault(o.material_slots[i].material, []).append((o, i))
     plans = {}
     for material, places in users.items():
-        if not is_ours(material):
+        if is_ours(material):
+            continue
+        try:
             plans[material] = make_plan(material, places)
+        except Exception as e:  # a tree that nobody thought of must not cost the scene
+            warn("'%s': material '%s': not understood, left to Blender's exporter: %s" % (places[0][0].name, material.name, line_of(e)))
     depsgraph = bpy.context.evaluated_depsgraph_get()
     to_bake = {}
     new = []  # slots are set at the end: plans compare with the originals
@@ -422,6 +436,10 @@ def carry(scene, args):
         replaced.get(o, o).material_slots[i].material = material
     for o, i, material in more:
         o.material_slots[i].material = material
+
+
+def line_of(error):
+    return "%s: %s" % (type(error).__name__, " ".join(str(error).split())[:200])
 
 
 def names_for(plan, count):

@@ -5,6 +5,7 @@ import urllib.parse
 
 import bpy
 
+from . import embed
 from .command_line import refuse
 from .messages import fail, warn
 
@@ -102,8 +103,11 @@ def keep_world(scene, args):
     if radiance is not None:
         environment["radiance"] = radiance
     else:
-        path = os.path.abspath(args.out)[:-len(".glb")] + "-sky.exr"
-        refuse(args, path)
+        if args.embed:
+            path = embed.map_path()
+        else:
+            path = os.path.abspath(args.out)[:-len(".glb")] + "-sky.exr"
+            refuse(args, path)
         render_map(world, *check_world(world), path)
         environment["map"] = urllib.parse.quote(os.path.basename(path))
     if scene.render.film_transparent or not world.cycles_visibility.camera:
