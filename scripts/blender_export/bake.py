@@ -11,7 +11,7 @@ import bpy
 import numpy
 
 from . import bake_cache, shader_tree
-from .messages import warn
+from .messages import printable, warn
 from .surface import Ref, is_constant
 
 LAYER = "reframe bake"  # the coordinates of the baked textures
@@ -19,6 +19,9 @@ SAMPLES = 4
 MARGIN = 8  # pixels around each island, against seams
 NUMBERS = ("alpha", "roughness", "metallic")  # baked together, in R, G and B
 MEANS = (("specular", "f0", "transmission"), ("ior", "clearcoat", "clearcoat_roughness"))
+WORDS = {"base": "colour", "metallic": "metallic", "roughness": "roughness", "emission": "emission", "alpha": "alpha",
+         "normal": "normal", "specular": "specular", "f0": "specular", "transmission": "transmission", "ior": "IOR",
+         "clearcoat": "clearcoat", "clearcoat_roughness": "roughness of the clearcoat"}
 STEP = 0.6 / 255.0  # a texture that varies less is a constant
 OWN_PLACE = {"OBJECT_INFO": None, "PARTICLE_INFO": None, "HAIR_INFO": None, "VECT_TRANSFORM": None, "CAMERA": None,
              "AMBIENT_OCCLUSION": None, "BEVEL": None, "TEX_POINTDENSITY": None,
@@ -38,6 +41,10 @@ class Job:
         found = [n for n in ("base", "emission", "normal") if n in wanted]
         found += ["numbers"] if wanted & set(NUMBERS) else []
         return found + ["means %d" % i for i, group in enumerate(MEANS) if averaged & set(group)]
+
+    def words(self):
+        names = set().union(*(p.baked | p.averaged for p in self.plans.values()))
+        return ", ".join(dict.fromkeys(WORDS[n] for n in WORDS if n in names))
 
 
 def depends_on_place(plan):
@@ -364,6 +371,8 @@ def bake_job(job, args, cache):
     first = job.objects[0]
     mesh = realise(first)
     faces = faces_of(mesh, job.plans)
+    if not faces.any():
+        return mesh, None, False
     loops = loops_of(mesh, faces)
     part = part_of(mesh, faces)
     key = bake_cache.key(first, part, job, args.bake)
@@ -415,6 +424,9 @@ def bake_objects(scene, to_bake, args, closed_of, build):
         solid = any(p.surface.transmission != 0.0 for p in job.plans.values()) and closed_of(job.objects[0])
         try:
             mesh, result, fresh = bake_job(job, args, cache)
+            if result is None:
+                new += [(o, slot, build(p, p.material.name)) for o in job.objects for slot, p in job.plans.items()]
+                continue
         except Exception as e:  # Blender's bake fails for reasons of its own
             warn("'%s': could not be baked: taken as constant: %s" % (name, " ".join(str(e).split())[:200]))
             new += [(o, slot, build(p, p.material.name + " constant")) for o in job.objects for slot, p in job.plans.items()]
@@ -431,8 +443,7 @@ def bake_objects(scene, to_bake, args, closed_of, build):
             now = give_mesh(o, mesh)
             replaced[o] = now
             new += [(now, slot, material) for slot, material in materials.items()]
-        kinds = ", ".join(k for k in job.passes())
-        print("blender-export: baked %d of %d: '%s' at %dx%d: %s: %s" % (i + 1, len(jobs), name, args.bake, args.bake, kinds,
+        print("blender-export: baked %d of %d: '%s' at %dx%d: %s: %s" % (i + 1, len(jobs), printable(name), args.bake, args.bake, job.words(),
               "%.1f s" % (time.monotonic() - start) if fresh else "from the cache"), flush=True)
     cache.tell()
     return new, replaced

@@ -126,7 +126,8 @@ def make_plan(material, users):
         return plan
     behind = shader_tree.nodes_behind(tree, [out.inputs["Surface"]])
     give_constants(tree, plan.tell)
-    plan.surface = folder.fold(out.inputs["Surface"])
+    only_volume = out.inputs["Volume"].is_linked and not out.inputs["Surface"].is_linked
+    plan.surface = folder.fold(out.inputs["Surface"]) if not only_volume else Surface(alpha=0.0)
     tell_inside(plan, out)
     finish(plan.surface)
     shine_through(plan)
@@ -165,7 +166,11 @@ def tell_images(plan, nodes):
     for node in nodes:
         if node.type == "TEX_IMAGE" and not is_read(node.image):
             name = node.image.name if node.image is not None else ""
-            plan.tell(node, "its image %s cannot be read: magenta, as in Cycles" % ("'%s'" % name if name else "is missing, it"))
+            plan.tell(node, "%s: magenta, as in Cycles" % ("its image '%s' cannot be read" % name if name else "it has no image"))
+        elif node.type == "SHADERTORGB":
+            plan.tell(node, "a node of Eevee: what it gives in Cycles is taken")
+        elif node.type in ("AMBIENT_OCCLUSION", "BEVEL"):
+            plan.tell(node, "sees its own object only")
 
 
 def sort_channels(plan):
@@ -191,9 +196,9 @@ def channels_tell(plan, bakes):
         node = plan.folder.nodes[ref.node]
         named = named_node(plan, node)
         if not bakes:
-            plan.tell(named, "%s varies and is not baked (--no-bake): taken as constant" % name.replace("_", " "))
+            plan.tell(named, "%s varies and is not baked (--no-bake): taken as constant" % bake.WORDS[name])
         elif name in plan.averaged:
-            plan.tell(named, "%s varies: its mean is taken" % name.replace("_", " "))
+            plan.tell(named, "%s varies: its mean is taken" % bake.WORDS[name])
         behind = shader_tree.nodes_behind(tree, list(node.inputs)) + [node]
         for seen in view_nodes(behind) if bakes else []:
             plan.tell(seen, "depends on where it is seen from: taken as seen straight on")
