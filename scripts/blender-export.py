@@ -11,6 +11,7 @@ property `reframe`; any other world (a rotated environment texture, a sky, any n
 is rendered by Cycles to a map, out-sky.exr beside out.glb, to which that property
 refers. Custom properties are kept. Anything that cannot be exported gives a warning.
 """
+import fractions
 import os
 import sys
 
@@ -18,25 +19,53 @@ sys.dont_write_bytecode = True  # no __pycache__ beside the installed or checked
 sys.path.insert(0, os.path.dirname(os.path.realpath(__file__)))
 
 import bpy  # noqa: E402
-from blender_export import cameras, command_line, effects, glb, lights, materials, sky  # noqa: E402
-from blender_export.messages import fail, repeat_warnings  # noqa: E402
+from blender_export import cameras, command_line, effects, geometry, glb, lights, materials, moves, sky  # noqa: E402
+from blender_export.messages import fail, repeat_warnings, warn  # noqa: E402
+
+
+def watch(scene, camera, follow, numbers):
+    """Goes through the frames; returns the camera's recorder and the names of what else moves. Ends in the first."""
+    recorder, watcher = cameras.Recorder(scene, camera, follow), moves.Watcher(scene)
+    few = {numbers[0], numbers[len(numbers) // 2], numbers[-1]}  # counting instances takes time
+    for number in numbers:
+        scene.frame_set(number)
+        depsgraph = bpy.context.evaluated_depsgraph_get()
+        recorder.note(number, depsgraph)
+        watcher.note(depsgraph, number in few)
+    scene.frame_set(numbers[0])
+    return recorder, watcher.finish(bpy.context.evaluated_depsgraph_get())
+
+
+def rate_of(scene):
+    fps = fractions.Fraction(scene.render.fps) / fractions.Fraction(scene.render.fps_base).limit_denominator(10000)
+    return [fps.numerator, fps.denominator]
 
 
 def main():
     args = command_line.parse(__doc__.split("\n")[0])
     scene = bpy.context.scene
-    first, last = command_line.frame_range(scene, args.frames)
+    first, last, step = command_line.frame_range(scene, args.frames)
     scene.frame_start, scene.frame_end = first, last
     camera = cameras.find_camera(scene, args.camera)
+    name = camera.name
     effects.warn_of_effects(scene, camera)
-    cameras.bake_camera(scene, camera, first, last)
-    materials.carry(scene, args)
+    geometry.settle(scene)
+    recorder, moving = watch(scene, camera, args.camera is None, range(first, last + 1, step))
+    if first < 0:
+        warn("frame numbers start at 0 in Reframe: frame %d is called 0, and so on" % first)
+    shot = {"render": {"size": list(cameras.film_of(scene)), "fps": rate_of(scene)}, "moving": moving, "camera": name,
+            "path": recorder.path(step)}
+    targets = materials.coordinate_objects()
+    placed = geometry.realise(scene)
+    materials.restore_coordinate_objects(targets)
+    cameras.bake_camera(scene, name, recorder)
+    materials.carry(scene, args, placed)
     lights.replace_area_lights(scene)
     sky.keep_world(scene, args)
     glb.export(os.path.abspath(args.out))
     if not os.path.exists(args.out):
         fail("%s: was not written: see Blender's messages above" % args.out)
-    glb.finish(args.out)
+    glb.finish(args.out, shot, placed)
     print("blender-export: %s: frames %d to %d" % (args.out, first, last))
     repeat_warnings()
 

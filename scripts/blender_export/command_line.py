@@ -1,6 +1,7 @@
 """The command line: what stands after Blender's own options and --."""
 import argparse
 import os
+import re
 import sys
 
 from .bake_cache import default_folder
@@ -19,7 +20,7 @@ def parse(about):
     p = argparse.ArgumentParser(prog="blender -b scene.blend -P blender-export.py --", description=about)
     p.add_argument("out", help="the .glb to write")
     p.add_argument("--camera", help="the camera to bake; default: the scene's active one")
-    p.add_argument("--frames", help="A-B; default: the scene's own range")
+    p.add_argument("--frames", help="A-B or A-BxSTEP; default: the scene's own range and step")
     p.add_argument("--bake", type=bake_size, default=1024, metavar="SIZE",
                    help="pixels across of the textures that replace what glTF cannot express; default: 1024")
     p.add_argument("--no-bake", action="store_const", dest="bake", const=0,
@@ -47,12 +48,13 @@ def refuse(args, path):
 
 
 def frame_range(scene, text):
+    """The first frame, the last one, and the step between them."""
     if not text:
-        return scene.frame_start, scene.frame_end
-    try:
-        first, last = (int(n) for n in text.split("-"))
-    except ValueError:
-        fail("--frames: wants A-B, got '%s'" % text)
+        return scene.frame_start, scene.frame_end, scene.frame_step
+    match = re.fullmatch(r"(\d+)-(\d+)(?:x([1-9]\d*))?", text)
+    if match is None:
+        fail("--frames: wants A-B or A-BxSTEP, got '%s'" % text)
+    first, last, step = (int(n) for n in match.groups("1"))
     if last < first:
         fail("--frames: %d comes after %d" % (first, last))
-    return first, last
+    return first, last, step

@@ -57,11 +57,54 @@ def add_extensions(gltf):
         gltf["extensionsUsed"] = sorted(used)
 
 
-def finish(path):
-    """Puts right in the file what the exporter could not write."""
+def add_shot(gltf, shot):
+    """Size, rate, what moves, and the camera's path (extras that src/scene/gltf/gltf_shot.c reads)."""
+    for scene in gltf.get("scenes", []):
+        own = scene.setdefault("extras", {}).setdefault("reframe", {})
+        own.setdefault("render", shot["render"])
+        if shot["moving"]:
+            own["moving"] = shot["moving"]
+    for node in gltf.get("nodes", []):
+        if "camera" in node and node.get("name") == shot["camera"]:
+            node.setdefault("extras", {})["reframe"] = {"path": shot["path"]}
+
+
+def add_instances(gltf, rest, placed):
+    """Places the meshes of nodes by EXT_mesh_gpu_instancing; returns the binary chunk with the places."""
+    data = bytearray(rest[8:8 + struct.unpack("<I", rest[:4])[0]]) if rest else bytearray()
+    for node in gltf.get("nodes", []):
+        matrices = placed.get(node.get("name"))
+        if matrices is None or "mesh" not in node:
+            continue
+        parts = [m.decompose() for m in matrices]
+        columns = {"TRANSLATION": ("VEC3", [(p.x, p.z, -p.y) for p, _, _ in parts]),
+                   "ROTATION": ("VEC4", [(q.x, q.z, -q.y, q.w) for _, q, _ in parts]),
+                   "SCALE": ("VEC3", [(s.x, s.z, s.y) for _, _, s in parts])}
+        attributes = {}
+        for name, (kind, values) in columns.items():
+            data += b"\0" * (-len(data) % 4)
+            numbers = numpy.array(values, numpy.float32)
+            gltf["bufferViews"].append({"buffer": 0, "byteOffset": len(data), "byteLength": numbers.nbytes})
+            gltf["accessors"].append({"bufferView": len(gltf["bufferViews"]) - 1, "componentType": 5126, "type": kind,
+                                      "count": len(values)})
+            attributes[name] = len(gltf["accessors"]) - 1
+            data += numbers.tobytes()
+        node.setdefault("extensions", {})["EXT_mesh_gpu_instancing"] = {"attributes": attributes}
+        gltf["extensionsUsed"] = sorted({*gltf.get("extensionsUsed", []), "EXT_mesh_gpu_instancing"})
+    if not data:
+        return rest
+    gltf["buffers"][0]["byteLength"] = len(data)
+    data += b"\0" * (-len(data) % 4)
+    return struct.pack("<I4s", len(data), b"BIN\0") + bytes(data)
+
+
+def finish(path, shot, placed):
+    """Puts right in the file what the exporter could not write, and adds what it does not know."""
     gltf, rest = read(path)
     restore_booleans(gltf)
+    add_shot(gltf, shot)
     add_extensions(gltf)
+    rest = add_instances(gltf, rest, placed)
     rest = embed.add_map(gltf, rest)
     embed.add_warnings(gltf)
     write(path, gltf, rest)

@@ -407,8 +407,26 @@ def closed_of(o, depsgraph):
     return closed
 
 
-def carry(scene, args):
-    """Replaces materials, in memory only, by what the exporter carries unchanged."""
+def all_trees():
+    return [m.node_tree for m in bpy.data.materials if m.node_tree is not None] + [g for g in bpy.data.node_groups if g.type == "SHADER"]
+
+
+def coordinate_objects():
+    """Where the objects stand whose coordinates nodes use: the objects themselves are replaced with all others."""
+    return [(tree, node.name, node.object.matrix_world.copy()) for tree in all_trees() for node in tree.nodes
+            if node.type == "TEX_COORD" and node.object is not None]
+
+
+def restore_coordinate_objects(targets):
+    for i, (tree, name, matrix) in enumerate(targets):
+        empty = bpy.data.objects.new("coordinates %d" % i, None)
+        empty.matrix_world = matrix
+        tree.nodes[name].object = empty
+
+
+def carry(scene, args, placed):
+    """Replaces materials, in memory only, by what the exporter carries unchanged. `placed` names objects that stand
+    for many instances."""
     tell_missing_libraries()
     objects = renderable(scene)
     make_local(objects)
@@ -425,6 +443,7 @@ def carry(scene, args):
             plans[material] = make_plan(material, places)
         except Exception as e:  # a tree that nobody thought of must not cost the scene
             warn("'%s': material '%s': not understood, left to Blender's exporter: %s" % (places[0][0].name, material.name, line_of(e)))
+    tell_instances(plans.values(), placed)
     depsgraph = bpy.context.evaluated_depsgraph_get()
     to_bake = {}
     new = []  # slots are set at the end: plans compare with the originals
@@ -445,6 +464,13 @@ def carry(scene, args):
 
 def line_of(error):
     return "%s: %s" % (type(error).__name__, " ".join(str(error).split())[:200])
+
+
+def tell_instances(plans, placed):
+    for plan in plans:
+        if plan.copy is not None and (plan.baked or plan.averaged) and any(o.name in placed for o, _ in plan.users):
+            if bake.depends_on_place(plan):
+                plan.tell(None, "differs between instances: taken as of one at the origin")
 
 
 def names_for(plan, count):

@@ -16,6 +16,15 @@ def warn(text):
     print("blender-export: warning: " + text, file=sys.stderr)
 
 
+def note(text):
+    print("blender-export: " + text)
+
+
+def list_names(names):
+    more = " and %d more" % (len(names) - 5) if len(names) > 5 else ""
+    return ", ".join("'%s'" % n for n in names[:5]) + more
+
+
 def warnings():
     return list(_warnings)
 
