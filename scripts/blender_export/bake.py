@@ -435,9 +435,7 @@ def bake_objects(scene, to_bake, args, closed_of, build):
         materials = {}
         for slot, plan in job.plans.items():
             made[plan] = made.get(plan, 0) + 1
-            plain = plan.material.name.replace(" (before export)", "")
-            if made[plan] == 1:
-                plan.material.name = plain + " (before export)"
+            plain = plan.free_name()
             materials[slot] = build(plan, plain if made[plan] == 1 else "%s %s" % (plain, name), textures, means_of(plan, result), solid)
         for o in job.objects:
             now = give_mesh(o, mesh)

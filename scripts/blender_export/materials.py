@@ -44,11 +44,20 @@ class Plan:
         self.plain = False
         self.absorption = None  # colour and density of what is inside
         self.said = set()
+        self.name = None  # once it is freed
 
     def who(self):
         names = sorted({o.name for o, _ in self.users})
         more = " and %d more" % (len(names) - 1) if len(names) > 1 else ""
-        return "'%s'%s: material '%s'" % (names[0], more, self.material.name)
+        return "'%s'%s: material '%s'" % (names[0], more, self.name or self.material.name)
+
+    def free_name(self):
+        """The name of the material, for the one that replaces it; names of a library stand beside ours."""
+        if self.name is None:
+            self.name = self.material.name
+            if self.material.library is None:
+                self.material.name = self.name + " (before export)"
+        return self.name
 
     def tell(self, node, text):
         line = "%s%s: %s" % (self.who(), ", node '%s'" % node.name if node is not None else "", text)
@@ -428,6 +437,7 @@ def carry(scene, args, placed):
     """Replaces materials, in memory only, by what the exporter carries unchanged. `placed` names objects that stand
     for many instances."""
     tell_missing_libraries()
+    bpy.context.view_layer.update()
     objects = renderable(scene)
     make_local(objects)
     give_grey(objects)
@@ -475,8 +485,7 @@ def tell_instances(plans, placed):
 
 def names_for(plan, count):
     """Frees the name of the original for the first of the materials that replace it."""
-    name = plan.material.name
-    plan.material.name = name + " (before export)"
+    name = plan.free_name()
     return [name if i == 0 else "%s %d" % (name, i + 1) for i in range(count)]
 
 
@@ -489,7 +498,7 @@ def carry_plan(plan, depsgraph):
     for o, i in plan.users:
         solid = needs_solid(plan) and s.ior != 1.0 and closed_of(o, depsgraph)
         if needs_solid(plan) and s.ior != 1.0 and not solid:
-            warn("'%s': material '%s': glass on a mesh that is not closed: taken as a thin pane" % (o.name, plan.material.name))
+            warn("'%s': material '%s': glass on a mesh that is not closed: taken as a thin pane" % (o.name, plan.name or plan.material.name))
         kinds.setdefault(solid, []).append((o, i))
     made = []
     for name, (solid, places) in zip(names_for(plan, len(kinds)), kinds.items()):
