@@ -22,6 +22,7 @@ MEANS = (("specular", "f0", "transmission"), ("ior", "clearcoat", "clearcoat_rou
 WORDS = {"base": "colour", "metallic": "metallic", "roughness": "roughness", "emission": "emission", "alpha": "alpha",
          "normal": "normal", "specular": "specular", "f0": "specular", "transmission": "transmission", "ior": "IOR",
          "clearcoat": "clearcoat", "clearcoat_roughness": "roughness of the clearcoat"}
+NOTHING = -12345.0  # marks pixels that no face has
 STEP = 0.6 / 255.0  # a texture that varies less is a constant
 OWN_PLACE = {"OBJECT_INFO": None, "PARTICLE_INFO": None, "HAIR_INFO": None, "VECT_TRANSFORM": None, "CAMERA": None,
              "AMBIENT_OCCLUSION": None, "BEVEL": None, "TEX_POINTDENSITY": None,
@@ -190,16 +191,16 @@ def wire(plan, kind, image, pin):
 
 def bake_pass(o, plans, kind, size, pin):
     image = bpy.data.images.new("reframe " + kind, size, size, alpha=True, float_buffer=True, is_data=True)
-    image.generated_color = (0.0, 0.0, 0.0, 0.0)
+    image.pixels.foreach_set(numpy.full(size * size * 4, NOTHING, numpy.float32))
     made = {}
     for i, slot in enumerate(o.material_slots):
         plan = plans.get(i) or next(iter(plans.values()))
         made.setdefault(id(plan), wire(plan, kind, image, pin))
         slot.material = made[id(plan)]
     if kind == "normal":
-        bpy.ops.object.bake(type="NORMAL", normal_space="TANGENT", margin=MARGIN, use_clear=True, uv_layer=LAYER)
+        bpy.ops.object.bake(type="NORMAL", normal_space="TANGENT", margin=MARGIN, use_clear=False, uv_layer=LAYER)
     else:
-        bpy.ops.object.bake(type="EMIT", margin=MARGIN, use_clear=True, uv_layer=LAYER)
+        bpy.ops.object.bake(type="EMIT", margin=MARGIN, use_clear=False, uv_layer=LAYER)
     pixels = numpy.empty(size * size * 4, numpy.float32)
     image.pixels.foreach_get(pixels)
     for slot in o.material_slots:
@@ -212,7 +213,7 @@ def bake_pass(o, plans, kind, size, pin):
 
 def fill_gaps(pixels):
     """RGB, with the mean where no face is."""
-    covered = pixels[:, :, 3] > 0.5
+    covered = pixels[:, :, 0] != NOTHING
     rgb = numpy.nan_to_num(pixels[:, :, :3], posinf=1e4, neginf=0.0)
     if covered.any():
         rgb[~covered] = rgb[covered].mean(axis=0)

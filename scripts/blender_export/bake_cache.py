@@ -8,7 +8,7 @@ import numpy
 from .messages import warn
 from .shader_tree import SKIPPED
 
-VERSION = b"reframe bake 1"
+VERSION = b"reframe bake 2"
 
 
 def default_folder():

@@ -48,6 +48,7 @@ def add_extensions(gltf):
     used = set(gltf.get("extensionsUsed", []))
     for material in gltf.get("materials", []):
         patch = materials.patches.get(material.get("name"), {})
+        material["name"] = patch.get("name", material.get("name"))
         if patch.get("extensions"):
             material.setdefault("extensions", {}).update(patch["extensions"])
             used.update(patch["extensions"])

@@ -311,7 +311,7 @@ def build(plan, name, textures=None, means=None, solid=False):
         material.blend_method = "CLIP" if plan.material is not None and plan.material.blend_method == "CLIP" else "BLEND"
     else:
         material.blend_method = "OPAQUE"
-    patches[material.name] = patch_of(plan, value, solid)
+    patches[material.name] = {**patch_of(plan, value, solid), "name": name}  # Blender counts up names that a library has
     return material
 
 
