@@ -1,6 +1,7 @@
 """What moves or changes, and stands still in Reframe: everything but the camera."""
 import hashlib
 
+import bpy
 import numpy
 
 from .messages import list_names, warn
@@ -43,6 +44,12 @@ class Watcher:
         self.scene, self.first, self.moving = scene, None, set()
         self.shapes = {}  # by name, of objects whose geometry Blender has updated
         self.instances = None
+        self.updated = set()  # names of objects that Blender has made anew for this frame
+        bpy.app.handlers.frame_change_post.append(self.collect)
+
+    def collect(self, scene, depsgraph):
+        """The list of updates is there only during this call."""
+        self.updated = {u.id.name for u in depsgraph.updates if u.is_updated_geometry and isinstance(u.id, bpy.types.Object)}
 
     def visible(self):
         return [o for o in self.scene.objects if o.type in ("LIGHT", *GEOMETRY) and not o.hide_render]
@@ -53,9 +60,9 @@ class Watcher:
             self.first = now
         self.moving.update(n for n in now
                            if n in self.first and max(abs(a - b) for a, b in zip(now[n], self.first[n])) > 1e-6)
-        for update in depsgraph.updates:
-            o = self.scene.objects.get(update.id.name) if update.is_updated_geometry else None
-            if o is not None and o.name in now and o.type in GEOMETRY and o.name not in self.moving:
+        for name in self.updated & set(now) - self.moving:
+            o = self.scene.objects[name]
+            if o.type in GEOMETRY:
                 self.shapes.setdefault(o.name, set()).add(shape_of(o.evaluated_get(depsgraph)))
         if with_instances:
             found = instances_of(depsgraph)
@@ -67,6 +74,7 @@ class Watcher:
 
     def finish(self, depsgraph):
         """Called in the first frame again; returns the names, sorted."""
+        bpy.app.handlers.frame_change_post.remove(self.collect)
         for name, shapes in self.shapes.items():
             if shapes - {shape_of(self.scene.objects[name].evaluated_get(depsgraph))}:
                 self.moving.add(name)

@@ -58,6 +58,25 @@ def main():
     bpy.data.objects["Cube"].keyframe_insert("rotation_euler", frame=101)
     bpy.data.objects["Cube"].rotation_euler = (0, 0, 1)
     bpy.data.objects["Cube"].keyframe_insert("rotation_euler", frame=110)
+    # behind the camera: what moves by a shape key, and what follows another object
+    bpy.ops.mesh.primitive_cube_add(location=(0, -30, 0))
+    wave = bpy.context.object
+    wave.name = "Wave"
+    wave.shape_key_add(name="Basis")
+    key = wave.shape_key_add(name="bent")
+    key.data[0].co.z += 1.0
+    key.keyframe_insert("value", frame=104)
+    key.value = 1.0
+    key.keyframe_insert("value", frame=106)
+    guide = bpy.data.objects.new("guide", None)
+    scene.collection.objects.link(guide)
+    guide.keyframe_insert("location", frame=101)
+    guide.location = (1, 0, 0)
+    guide.keyframe_insert("location", frame=110)
+    bpy.ops.mesh.primitive_cube_add(location=(0, -40, 0))
+    bpy.context.object.name = "Follower"
+    follow = bpy.context.object.constraints.new("COPY_LOCATION")
+    follow.target, follow.use_offset = guide, True
     bpy.ops.wm.save_as_mainfile(filepath=os.path.abspath("shot.blend"))
     still = bpy.data.objects["Cube"]
     still.animation_data_clear()
