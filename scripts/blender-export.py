@@ -1,6 +1,7 @@
 """Exports a .blend as .glb for Reframe, in background mode:
 
-    blender -b scene.blend -P scripts/blender-export.py -- out.glb [--camera NAME] [--frames A-B] [--overwrite]
+    blender -b scene.blend -P scripts/blender-export.py -- out.glb [--camera NAME] [--frames A-B[xSTEP]]
+        [--bake SIZE | --no-bake] [--bake-cache FOLDER] [--embed] [--overwrite]
 
 Uses Blender's own glTF exporter and adds what it leaves out. The camera is baked
 frame by frame, whatever animates it (parents, constraints, drivers). Area lights
@@ -9,7 +10,11 @@ are written in W/sr and W/m2 (the exporter's "unitless" mode), as Reframe expect
 them. A world of constant colour becomes the environment in the scene's custom
 property `reframe`; any other world (a rotated environment texture, a sky, any nodes)
 is rendered by Cycles to a map, out-sky.exr beside out.glb, to which that property
-refers. Custom properties are kept. Anything that cannot be exported gives a warning.
+refers; --embed puts it into the .glb. Materials that have an equivalent in glTF are
+carried; what varies otherwise (procedural textures, mixes of shaders by a texture) is
+baked by Cycles into textures of SIZE pixels. Custom properties are kept. Anything that
+cannot be exported gives a warning, with object and node; all warnings are repeated at
+the end, and stand in the .glb for `reframe info`. The .blend is never changed.
 """
 import fractions
 import os
