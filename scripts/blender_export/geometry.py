@@ -143,7 +143,8 @@ def read_sources(depsgraph, holes):
     sources = {}
     for instance in depsgraph.object_instances:
         o = instance.object
-        if o.type not in ("LIGHT", *GEOMETRY) or is_left_out(o.original, holes):
+        # text, curves and metaballs come twice: as themselves, and as the mesh that they become
+        if o.type not in ("LIGHT", "MESH") or is_left_out(o.original, holes):
             continue
         if not instance.is_instance and (not instance.show_self or is_pattern(o.original)):
             continue
