@@ -62,24 +62,16 @@ def sort_jobs(to_bake):
     jobs = {}
     for o, plans in to_bake.items():
         own_place = any(depends_on_place(p) for p in plans.values())
-        key = (o.name,) if own_place or o.type != "MESH" or o.modifiers else (o.data.name_full, tuple(sorted((i, p.material.name_full) for i, p in plans.items())))
+        key = (o.name,) if own_place else (o.data.name_full, tuple(sorted((i, p.material.name_full) for i, p in plans.items())))
         jobs.setdefault(key, Job(plans, own_place)).objects.append(o)
     return list(jobs.values())
 
 
 # meshes
 
-def realise(o):
-    """The mesh of an object as it is rendered, with the texture space of the original."""
-    depsgraph = bpy.context.evaluated_depsgraph_get()
-    mesh = bpy.data.meshes.new_from_object(o.evaluated_get(depsgraph), preserve_all_data_layers=True, depsgraph=depsgraph)
-    space = o.data
-    if hasattr(space, "texspace_location"):
-        where, size = space.texspace_location.copy(), space.texspace_size.copy()
-        mesh.use_auto_texspace = False
-        mesh.texspace_location, mesh.texspace_size = where, size
-    while len(mesh.materials) < len(o.material_slots):
-        mesh.materials.append(None)
+def own_mesh(o):
+    """A copy of the mesh of an object, with all its materials."""
+    mesh = o.data.copy()
     for i, slot in enumerate(o.material_slots):
         mesh.materials[i] = slot.material
     return mesh
@@ -370,7 +362,7 @@ def link_textures(tree, principled, textures, names):
 def bake_job(job, args, cache):
     """Bakes, or takes from the cache; gives the objects their new mesh. Returns the pixels, and whether they were baked."""
     first = job.objects[0]
-    mesh = realise(first)
+    mesh = own_mesh(first)
     faces = faces_of(mesh, job.plans)
     if not faces.any():
         return mesh, None, False
@@ -388,41 +380,15 @@ def bake_job(job, args, cache):
     return mesh, result, fresh
 
 
-def give_mesh(o, mesh):
-    """Replaces what an object is made of by the mesh; returns the object, another one if it was no mesh."""
-    materials = [s.material for s in o.material_slots]
-    if o.type == "MESH":
-        o.modifiers.clear()
-        o.data = mesh
-    else:
-        name, new = o.name, bpy.data.objects.new(o.name, mesh)
-        for collection in o.users_collection:
-            collection.objects.link(new)
-        new.parent, new.parent_type, new.parent_bone = o.parent, o.parent_type, o.parent_bone
-        new.matrix_parent_inverse = o.matrix_parent_inverse.copy()
-        new.matrix_world = o.matrix_world.copy()
-        for child in list(o.children):
-            placed = child.matrix_world.copy()
-            child.parent = new
-            child.matrix_world = placed
-        bpy.data.objects.remove(o)
-        new.name = name
-        o = new
-    for slot, material in zip(o.material_slots, materials):
-        slot.material = material
-    return o
-
-
-def bake_objects(scene, to_bake, args, closed_of, build):
-    """Bakes what the plans of objects ask for; returns slots (object, number, material) to be set, and
-    objects that have been replaced."""
+def bake_objects(to_bake, args, is_closed, build):
+    """Bakes what the plans of objects ask for; returns the slots (object, number, material) to be set."""
     jobs = sort_jobs(to_bake)
     cache = bake_cache.Cache(args.bake_cache)
-    new, replaced, made = [], {}, {}
+    new, made = [], {}
     for i, job in enumerate(jobs):
         start = time.monotonic()
         name = job.objects[0].name
-        solid = any(p.surface.transmission != 0.0 for p in job.plans.values()) and closed_of(job.objects[0])
+        solid = any(p.surface.transmission != 0.0 for p in job.plans.values()) and is_closed(job.objects[0].data)
         try:
             mesh, result, fresh = bake_job(job, args, cache)
             if result is None:
@@ -439,10 +405,9 @@ def bake_objects(scene, to_bake, args, closed_of, build):
             plain = plan.free_name()
             materials[slot] = build(plan, plain if made[plan] == 1 else "%s %s" % (plain, name), textures, means_of(plan, result), solid)
         for o in job.objects:
-            now = give_mesh(o, mesh)
-            replaced[o] = now
-            new += [(now, slot, material) for slot, material in materials.items()]
+            o.data = mesh
+            new += [(o, slot, material) for slot, material in materials.items()]
         print("blender-export: baked %d of %d: '%s' at %dx%d: %s: %s" % (i + 1, len(jobs), printable(name), args.bake, args.bake, job.words(),
               "%.1f s" % (time.monotonic() - start) if fresh else "from the cache"), flush=True)
     cache.tell()
-    return new, replaced
+    return new

@@ -12,7 +12,6 @@ from .surface import BLACK, COLOURS, Folder, Ref, Surface, WHITE, finish, give_c
 
 GREY = 0.8  # of Blender's surfaces without a material
 VARYING = ("base", "metallic", "roughness", "emission", "alpha", "normal")  # what glTF has textures for
-SHAPES = ("MESH", "CURVE", "SURFACE", "META", "FONT")
 MIRROR = 0.0316  # smoother metal is a perfect mirror to Reframe
 
 EXPORTED = {"f0": "Specular", "transmission": "Transmission", "clearcoat": "Clearcoat",
@@ -353,13 +352,9 @@ def is_closed(mesh):
     return bool((numpy.bincount(edges, minlength=len(mesh.edges)) == 2).all())
 
 
-def renderable(scene):
-    return [o for o in scene.objects if o.type in SHAPES and not o.hide_render and o.name in bpy.context.view_layer.objects]
-
-
 def used_slots(o):
     """The numbers of the material slots that faces use."""
-    if o.type != "MESH" or len(o.material_slots) < 2 or o.modifiers:
+    if len(o.material_slots) < 2:
         return range(len(o.material_slots))
     indices = numpy.empty(len(o.data.polygons), numpy.int32)
     o.data.polygons.foreach_get("material_index", indices)
@@ -369,9 +364,8 @@ def used_slots(o):
 def make_local(objects):
     """What comes from a library cannot be changed, a copy of it can."""
     for o in objects:
-        for thing in (o, o.data):
-            if thing is not None and thing.library is not None:
-                thing.make_local()
+        if o.data.library is not None:
+            o.data.make_local()
 
 
 def tell_missing_libraries():
@@ -408,14 +402,6 @@ def needs_solid(plan):
     return plan.surface is not None and plan.surface.transmission != 0.0
 
 
-def closed_of(o, depsgraph):
-    evaluated = o.evaluated_get(depsgraph)
-    mesh = evaluated.to_mesh()
-    closed = mesh is not None and is_closed(mesh)
-    evaluated.to_mesh_clear()
-    return closed
-
-
 def all_trees():
     return [m.node_tree for m in bpy.data.materials if m.node_tree is not None] + [g for g in bpy.data.node_groups if g.type == "SHADER"]
 
@@ -438,7 +424,7 @@ def carry(scene, args, placed):
     for many instances."""
     tell_missing_libraries()
     bpy.context.view_layer.update()
-    objects = renderable(scene)
+    objects = [o for o in scene.objects if o.type == "MESH"]
     make_local(objects)
     give_grey(objects)
     users = {}
@@ -454,7 +440,6 @@ def carry(scene, args, placed):
         except Exception as e:  # a tree that nobody thought of must not cost the scene
             warn("'%s': material '%s': not understood, left to Blender's exporter: %s" % (places[0][0].name, material.name, line_of(e)))
     tell_instances(plans.values(), placed)
-    depsgraph = bpy.context.evaluated_depsgraph_get()
     to_bake = {}
     new = []  # slots are set at the end: plans compare with the originals
     for material, plan in plans.items():
@@ -464,11 +449,9 @@ def carry(scene, args, placed):
             for o, i in plan.users:
                 to_bake.setdefault(o, {})[i] = plan
         else:
-            new += carry_plan(plan, depsgraph)
-    more, replaced = bake.bake_objects(scene, to_bake, args, lambda o: closed_of(o, depsgraph), build) if to_bake else ([], {})
+            new += carry_plan(plan)
+    new += bake.bake_objects(to_bake, args, is_closed, build) if to_bake else []
     for o, i, material in new:
-        replaced.get(o, o).material_slots[i].material = material
-    for o, i, material in more:
         o.material_slots[i].material = material
 
 
@@ -489,14 +472,14 @@ def names_for(plan, count):
     return [name if i == 0 else "%s %d" % (name, i + 1) for i in range(count)]
 
 
-def carry_plan(plan, depsgraph):
+def carry_plan(plan):
     """The slots of a material that needs no bake, with what replaces it."""
     s = plan.surface
     if plan.plain and s.transmission == 0.0 and (s.alpha == 1.0 or plan.material.blend_method != "OPAQUE"):
         return []
     kinds = {}
     for o, i in plan.users:
-        solid = needs_solid(plan) and s.ior != 1.0 and closed_of(o, depsgraph)
+        solid = needs_solid(plan) and s.ior != 1.0 and is_closed(o.data)
         if needs_solid(plan) and s.ior != 1.0 and not solid:
             warn("'%s': material '%s': glass on a mesh that is not closed: taken as a thin pane" % (o.name, plan.name or plan.material.name))
         kinds.setdefault(solid, []).append((o, i))
