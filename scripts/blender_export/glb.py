@@ -7,7 +7,8 @@ import numpy
 numpy.bool = bool  # the exporter of Blender 3.4 uses a name that numpy has removed
 import bpy  # noqa: E402
 
-from . import embed, materials  # noqa: E402
+from . import embed  # noqa: E402
+from .build import patches  # noqa: E402
 
 
 def export(path):
@@ -47,7 +48,7 @@ def add_extensions(gltf):
     """The extensions of materials that the exporter cannot write."""
     used = set(gltf.get("extensionsUsed", []))
     for material in gltf.get("materials", []):
-        patch = materials.patches.get(material.get("name"), {})
+        patch = patches.get(material.get("name"), {})
         material["name"] = patch.get("name", material.get("name"))
         if patch.get("extensions"):
             material.setdefault("extensions", {}).update(patch["extensions"])

@@ -1,7 +1,7 @@
 """Which inputs Blender's exporter carries as they are: images in ordinary coordinates."""
 import numpy
 
-from .surface import Ref, is_constant
+from .channels import Ref, is_constant
 
 COLOUR_SPACES = ("sRGB",)
 DATA_SPACES = ("Non-Color", "Linear", "Raw")

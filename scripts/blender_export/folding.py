@@ -1,15 +1,7 @@
 """A shader tree folded into the channels of glTF's material: mixes of shaders become mixes of channels."""
-import dataclasses
-import math
-from collections import namedtuple
-
+from .channels import BLACK, F0_OF_GLTF, Ref, Surface, WHITE, f0_of, is_constant
 from .shader_tree import value_of
 
-Ref = namedtuple("Ref", "node output")  # a channel that varies: name of the node, number of its output
-
-F0_OF_GLTF = 0.04  # reflectance of an index of 1.5, which KHR_materials_specular multiplies
-VIEW = {"FRESNEL": None, "LAYER_WEIGHT": None, "CAMERA": None, "TEX_COORD": ("Camera", "Window", "Reflection"),
-        "NEW_GEOMETRY": ("Incoming",)}
 LEFT_OUT = {  # shaders without equivalent, and what is kept of them
     "BSDF_TRANSLUCENT": "light that shines through: taken as diffuse",
     "SUBSURFACE_SCATTERING": "subsurface scattering: taken as diffuse",
@@ -20,36 +12,6 @@ LEFT_OUT = {  # shaders without equivalent, and what is kept of them
     "EEVEE_SPECULAR": "a shader of Eevee: taken as diffuse",
     "HOLDOUT": "a holdout: taken as black",
 }
-
-
-@dataclasses.dataclass
-class Surface:
-    """Channels are numbers, colours of three, or a Ref; None where the shader leaves it open."""
-    base: object = None
-    metallic: object = None
-    roughness: object = None
-    specular: object = None  # 0: Lambert, 1: a dielectric coat over it
-    f0: object = None  # of the coat, relative to F0_OF_GLTF
-    transmission: object = None
-    ior: object = None
-    clearcoat: object = 0.0
-    clearcoat_roughness: object = 0.0
-    alpha: object = 1.0
-    emission: object = (0.0, 0.0, 0.0)
-    normal: object = None  # a Ref, or None
-    one_sided: bool = False
-
-
-WHITE, BLACK = (1.0, 1.0, 1.0), (0.0, 0.0, 0.0)
-COLOURS = ("base", "emission")
-
-
-def is_constant(value):
-    return not isinstance(value, Ref)
-
-
-def f0_of(ior):
-    return ((ior - 1.0) / (ior + 1.0)) ** 2 / F0_OF_GLTF
 
 
 class Folder:
@@ -321,50 +283,3 @@ class Folder:
         out.base = tuple(min(c, 1.0) for c in base) if is_constant(base) else self.vector("MINIMUM", base, WHITE)
         out.emission = light
         return out
-
-
-def give_constants(tree, warn):
-    """Replaces what a node gives only while rendering by its value for a camera ray at the front."""
-    for node in list(tree.nodes):
-        if node.type == "LIGHT_PATH":
-            used = [o for o in node.outputs if o.is_linked]
-            if used:
-                warn(node, "looks different to other rays: taken as the camera sees it")
-            for output in used:
-                value = 1.0 if output.name == "Is Camera Ray" else 0.0
-                for target in [link.to_socket for link in output.links]:
-                    for link in list(target.links):
-                        tree.links.remove(link)
-                    if getattr(target.default_value, "__len__", None) is None:
-                        target.default_value = value
-                    else:
-                        for i in range(3):
-                            target.default_value[i] = value
-
-
-def view_nodes(nodes):
-    """Those of some nodes that depend on where they are seen from."""
-    found = []
-    for node in nodes:
-        if node.type in VIEW:
-            names = VIEW[node.type]
-            if names is None or any(node.outputs[n].is_linked for n in names):
-                found.append(node)
-    return found
-
-
-def finish(surface):
-    """Closes what was left open, clamps constants; emission becomes that of the part which is there."""
-    s = surface
-    for name, value in (("base", WHITE), ("metallic", 0.0), ("roughness", 1.0), ("specular", 0.0), ("f0", 1.0),
-                        ("transmission", 0.0), ("ior", 1.5)):
-        if getattr(s, name) is None:
-            setattr(s, name, value)
-    for name in ("metallic", "roughness", "specular", "transmission", "clearcoat", "clearcoat_roughness", "alpha"):
-        if is_constant(getattr(s, name)):
-            setattr(s, name, min(max(float(getattr(s, name)), 0.0), 1.0))
-    if is_constant(s.base):
-        s.base = tuple(min(max(c, 0.0), 1.0) for c in s.base)
-    if is_constant(s.emission):
-        s.emission = tuple(c if c > 0.0 and math.isfinite(c) else 0.0 for c in s.emission)
-    return s
