@@ -11,6 +11,8 @@ from .textures import link_textures
 GREY = 0.8  # of Blender's surfaces without a material
 MIRROR = 0.0316  # smoother metal is a perfect mirror to Reframe
 
+NO_COAT = {"extensions": {"KHR_materials_specular": {"specularFactor": 0.0}}}
+
 patches = {}  # what Blender's exporter cannot write: for glb.finish, by the names of materials
 
 

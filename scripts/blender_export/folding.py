@@ -182,7 +182,8 @@ class Folder:
         specular, ior = get("Specular"), get("IOR")
         alpha = get("Alpha")
         light = self.times(get("Emission"), self.times(get("Emission Strength"), alpha), True)
-        return Surface(base=base, metallic=get("Metallic"), roughness=get("Roughness"), specular=1.0,
+        coat = 0.0 if specular == 0.0 else 1.0  # without it Cycles leaves the lobe out, also at grazing angles
+        return Surface(base=base, metallic=get("Metallic"), roughness=get("Roughness"), specular=coat,
                        f0=self.times(specular, 0.08 / F0_OF_GLTF), transmission=get("Transmission"), ior=ior,
                        clearcoat=get("Clearcoat"), clearcoat_roughness=get("Clearcoat Roughness"), alpha=alpha, emission=light,
                        normal=self.normal_of(node))

@@ -5,7 +5,7 @@ import bpy
 import numpy
 
 from . import bake
-from .build import GREY, build
+from .build import GREY, NO_COAT, build, patches
 from .messages import warn
 from .plans import channels_tell, is_ours, make_plan
 
@@ -20,6 +20,7 @@ def glow(name, color, strength):
     principled.inputs["Specular"].default_value = 0.0
     principled.inputs["Emission"].default_value = (*color, 1)
     principled.inputs["Emission Strength"].default_value = strength
+    patches[material.name] = NO_COAT
     return material
 
 
@@ -156,6 +157,8 @@ def carry_plan(plan):
     """The slots of a material that needs no bake, with what replaces it."""
     s = plan.surface
     if plan.plain and s.transmission == 0.0 and (s.alpha == 1.0 or plan.material.blend_method != "OPAQUE"):
+        if s.specular == 0.0:
+            patches[plan.material.name] = NO_COAT
         return []
     kinds = {}
     for o, i in plan.users:
