@@ -26,6 +26,7 @@ typedef enum Key
     CAMERA,
     FRAME,
     FRAMES,
+    STEP,
     GROUP,
     SPP,
     TILE,
@@ -53,6 +54,7 @@ static const char* const s_names[KEY_COUNT] = {
     [CAMERA] = "reframe/camera",
     [FRAME] = "reframe/frame",
     [FRAMES] = "reframe/frames",
+    [STEP] = "reframe/step",
     [GROUP] = "reframe/group",
     [SPP] = "reframe/spp",
     [TILE] = "reframe/tile",
@@ -126,6 +128,8 @@ static void put_frame( Attributes* a, const RfOutput* output, const RfFrameResul
     put_text( a, CAMERA, output->path->name );
     put( a, FRAME, "%d", rf_frame_number( output->path, frame->frame ) );
     put( a, FRAMES, "%d", output->path->count );
+    if ( output->path->step > 1 )
+        put( a, STEP, "%d", output->path->step );
     if ( isfinite( frame->relmse_estimate ) )
         put( a, RELMSE_ESTIMATE, "%.6g", frame->relmse_estimate );
     put( a, NATIVE_SPP, "%.9g", frame->native_spp );

@@ -30,8 +30,9 @@ static RfResult decode_map( const RfGltf* gltf, const RfField* object, int view 
     RfWhere where = rf_where( "bufferViews[%d]", view );
     int64_t length = 0;
     const uint8_t* bytes = NULL;
+    RfField field = rf_field_member( object, "bufferView" );
     if ( view >= gltf->counts[RF_GLTF_BUFFER_VIEWS] )
-        return rf_field_fail( object, "names bufferView %d, but there are %d", view, gltf->counts[RF_GLTF_BUFFER_VIEWS] );
+        return rf_field_fail( &field, "names bufferView %d, but there are %d", view, gltf->counts[RF_GLTF_BUFFER_VIEWS] );
     RfResult result = rf_gltf_get_integer( gltf, rf_gltf_item( gltf, RF_GLTF_BUFFER_VIEWS, view ), where.text, "byteLength", 1,
                                            INT64_MAX, &length );
     if ( result == RF_OK )
