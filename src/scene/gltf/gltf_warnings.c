@@ -28,7 +28,7 @@ RfResult rf_gltf_read_warnings( RfGltf* gltf, const RfField* ours )
     RfField list = rf_field_member( ours, "export_warnings" );
     if ( list.json == NULL )
         return RF_OK;
-    RfResult result = rf_field_array( &list, "text", 0, MAX_WARNINGS );
+    RfResult result = rf_field_array( &list, "texts", 0, MAX_WARNINGS );
     if ( result != RF_OK )
         return result;
     size_t count = json_array_size( list.json );

@@ -357,10 +357,10 @@ static void test_map_and_warnings_inside_gltf( void** state )
     expect_embedded_fault( "{\"bufferView\":true,\"map\":\"sky.hdr\"}", "[]", "has both map and bufferView" );
     expect_embedded_fault( LAST, "[7]", "extras.reframe.export_warnings[0]: wants" );
     expect_embedded_fault( LAST, "\"none\"", "extras.reframe.export_warnings: wants" );
+    write_room( "" );
     RfError error = { 0 };
     assert_int_not_equal( try_members( "\"environment\":{\"bufferView\":0}", &scene, &error ), RF_OK );
     assert_non_null( strstr( error.text, "environment.bufferView: unknown key" ) );
-    write_room( "" );
 }
 
 #define PATH "{\"kind\":\"dolly\",\"from\":[0,0,5],\"to\":[0,0,3],\"target\":[0,0,0],\"frames\":7}"
