@@ -53,6 +53,7 @@ def main():
     scene.frame_start, scene.frame_end = first, last
     camera = cameras.find_camera(scene, args.camera)
     name = camera.name
+    sky.refuse_early(scene, args)
     effects.warn_of_effects(scene, camera)
     geometry.settle(scene)
     recorder, moving = watch(scene, camera, args.camera is None, range(first, last + 1, step))
