@@ -3,9 +3,11 @@
 A channel that varies is wired into an emission, so a bake gives its values and not light; the normal is baked as
 such. Objects that share a mesh share the bake, unless their materials depend on the object.
 """
+import math
 import time
 
 import bpy
+import mathutils
 
 from . import bake_cache
 from .bake_object import add_layer, bake_part, faces_of, loops_of, own_mesh, part_of
@@ -13,6 +15,9 @@ from .channels import MEANS, NUMBERS, WORDS
 from .messages import printable, warn
 from .textures import make_textures, means_of
 
+SMALLEST = 128  # pixels across
+SIDES = 3.0  # pixels of a texture's side for each pixel across the object: it shows the back as well
+MOST_VIEWS = 50
 OWN_PLACE = {"OBJECT_INFO": None, "PARTICLE_INFO": None, "HAIR_INFO": None, "VECT_TRANSFORM": None, "CAMERA": None,
              "AMBIENT_OCCLUSION": None, "BEVEL": None, "TEX_POINTDENSITY": None,
              "NEW_GEOMETRY": ("Position", "Normal", "True Normal", "Incoming", "Parametric"),
@@ -56,55 +61,88 @@ def sort_jobs(to_bake):
     return list(jobs.values())
 
 
-def bake_job(job, args, cache):
+class Views:
+    """From where objects are seen, which decides on the size of their textures."""
+
+    def __init__(self, keys, height, largest, placed):
+        few = keys[::max(len(keys) // MOST_VIEWS, 1)] + keys[-1:]
+        self.eyes = [(place, 0.5 * height / math.tan(0.5 * math.radians(fov))) for _, place, _, fov, _ in few]
+        self.largest, self.placed = largest, placed
+
+    def pixels(self, o):
+        """How large an object is in the picture at most; infinite where the camera is in or near it."""
+        if o.name in self.placed:
+            return math.inf
+        corners = [o.matrix_world @ mathutils.Vector(c) for c in o.bound_box]
+        centre = sum(corners, mathutils.Vector()) / 8.0
+        radius = max((c - centre).length for c in corners)
+        near = [((place - centre).length, focal) for place, focal in self.eyes]
+        return max(2.0 * radius / d * focal if d > 2.0 * radius else math.inf for d, focal in near)
+
+    def side(self, job):
+        pixels = max(self.pixels(o) for o in job.objects)
+        side = min(SMALLEST, self.largest)
+        while side < min(SIDES * pixels, self.largest):
+            side *= 2
+        return min(side, self.largest)
+
+
+def bake_job(job, side, cache):
     """Bakes, or takes from the cache; gives the objects their new mesh. Returns the pixels, and whether they were baked."""
     first = job.objects[0]
     mesh = own_mesh(first)
     faces = faces_of(mesh, job.plans)
     if not faces.any():
-        return mesh, None, False
+        return mesh, None, False, None
     loops = loops_of(mesh, faces)
     part = part_of(mesh, faces)
-    key = bake_cache.key(first, part, job, args.bake)
+    key = bake_cache.key(first, part, job, side)
     result = cache.find(key)
     fresh = result is None or len(result["uv"]) != len(loops)
     if fresh:
-        result = bake_part(first, part, job, args.bake)
+        result = bake_part(first, part, job, side)
         cache.keep(key, result)
     else:
         bpy.data.meshes.remove(part)
     add_layer(mesh, result["uv"], loops)
-    return mesh, result, fresh
+    return mesh, result, fresh, key
 
 
-def bake_objects(to_bake, args, is_closed, build):
+def bake_objects(to_bake, views, folder, is_closed, build):
     """Bakes what the plans of objects ask for; returns the slots (object, number, material) to be set."""
-    jobs = sort_jobs(to_bake)
-    cache = bake_cache.Cache(args.bake_cache)
-    new, made = [], {}
+    jobs, cache = sort_jobs(to_bake), bake_cache.Cache(folder)
+    new, made, known = [], {}, {}
     for i, job in enumerate(jobs):
-        start = time.monotonic()
+        start, side = time.monotonic(), views.side(job)
         name = job.objects[0].name
-        solid = any(p.surface.transmission != 0.0 for p in job.plans.values()) and is_closed(job.objects[0].data)
         try:
-            mesh, result, fresh = bake_job(job, args, cache)
-            if result is None:
-                new += [(o, slot, build(p, p.material.name)) for o in job.objects for slot, p in job.plans.items()]
-                continue
+            mesh, result, fresh, key = bake_job(job, side, cache)
         except Exception as e:  # Blender's bake fails for reasons of its own
             warn("'%s': could not be baked: taken as constant: %s" % (name, " ".join(str(e).split())[:200]))
-            new += [(o, slot, build(p, p.material.name + " constant")) for o in job.objects for slot, p in job.plans.items()]
-            continue
-        textures = make_textures(name, result)
-        materials = {}
-        for slot, plan in job.plans.items():
-            made[plan] = made.get(plan, 0) + 1
-            plain = plan.free_name()
-            materials[slot] = build(plan, plain if made[plan] == 1 else "%s %s" % (plain, name), textures, means_of(plan, result), solid)
+            mesh, result, fresh, key = job.objects[0].data, None, False, None
+        solid = any(p.surface.transmission != 0.0 for p in job.plans.values()) and is_closed(job.objects[0].data)
+        same = (key, solid, tuple(sorted((slot, id(p)) for slot, p in job.plans.items())))
+        materials = known.get(same) if key is not None else None
+        if materials is None:
+            materials = known[same] = make_materials(job, name, result, solid, made, build)
         for o in job.objects:
             o.data = mesh
             new += [(o, slot, material) for slot, material in materials.items()]
-        print("blender-export: baked %d of %d: '%s' at %dx%d: %s: %s" % (i + 1, len(jobs), printable(name), args.bake, args.bake, job.words(),
+        if result is None:
+            continue
+        print("blender-export: baked %d of %d: '%s' at %dx%d: %s: %s" % (i + 1, len(jobs), printable(name), side, side, job.words(),
               "%.1f s" % (time.monotonic() - start) if fresh else "from the cache"), flush=True)
     cache.tell()
     return new
+
+
+def make_materials(job, name, result, solid, made, build):
+    """The materials of the slots of a job; `made` counts those of each plan. Without pixels they are constant."""
+    textures = make_textures(name, result) if result is not None else None
+    materials = {}
+    for slot, plan in job.plans.items():
+        made[plan] = made.get(plan, 0) + 1
+        plain = plan.free_name()
+        means = means_of(plan, result) if result is not None else None
+        materials[slot] = build(plan, plain if made[plan] == 1 else "%s %s" % (plain, name), textures, means, solid)
+    return materials

@@ -22,7 +22,7 @@ def parse(about):
     p.add_argument("--camera", help="the camera to bake; default: the scene's active one")
     p.add_argument("--frames", help="A-B or A-BxSTEP; default: the scene's own range and step")
     p.add_argument("--bake", type=bake_size, default=1024, metavar="SIZE",
-                   help="pixels across of the textures that replace what glTF cannot express; default: 1024")
+                   help="pixels across of the largest textures that replace what glTF cannot express; default: 1024")
     p.add_argument("--no-bake", action="store_const", dest="bake", const=0,
                    help="bake nothing: what glTF cannot express becomes constant, with a warning")
     p.add_argument("--bake-cache", metavar="FOLDER", default=default_folder(),
