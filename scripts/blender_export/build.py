@@ -5,6 +5,7 @@ import bpy
 
 from . import shader_tree
 from .channels import BLACK, COLOURS, Ref, WHITE, is_constant
+from .images import strength_of
 from .plans import VARYING
 from .textures import link_textures
 
@@ -67,11 +68,14 @@ def build(plan, name, textures=None, means=None, solid=False):
     """The material to export; `textures` feed baked channels, `means` replace others."""
     s, means = plan.surface, means or {}
     material, tree, principled = shell(plan, name)
+    lit = 1.0
     value = lambda n: means.get(n, guess(n)) if isinstance(getattr(s, n), Ref) else getattr(s, n)  # noqa: E731
     for n in VARYING:
         socket = principled.inputs[INPUTS[n]]
         if n in plan.carried:
             ref = getattr(s, n)
+            if n == "emission":
+                ref, lit = strength_of(plan.folder, ref)
             tree.links.new(tree.nodes[ref.node].outputs[ref.output], socket)
         elif n == "normal" or n == "emission":
             continue
@@ -79,9 +83,10 @@ def build(plan, name, textures=None, means=None, solid=False):
             continue
         else:
             set_constant(principled, n, value(n))
-    strength = 1.0
+    strength = lit
     if textures is not None:
-        strength = link_textures(tree, principled, textures, [n for n in plan.baked if n not in means])
+        shining = link_textures(tree, principled, textures, [n for n in plan.baked if n not in means])
+        strength = shining or strength
     if "emission" not in plan.carried and not principled.inputs["Emission"].is_linked:
         light = value("emission")
         strength = max(max(light), 1e-30)
@@ -90,7 +95,6 @@ def build(plan, name, textures=None, means=None, solid=False):
     principled.inputs["Specular"].default_value = 0.5
     principled.inputs["Clearcoat"].default_value = value("clearcoat")
     principled.inputs["Clearcoat Roughness"].default_value = value("clearcoat_roughness")
-    principled.inputs["Clearcoat"].default_value = value("clearcoat")
     behind = {n.name for n in shader_tree.nodes_behind(tree, list(principled.inputs))} | {principled.name}
     for node in list(tree.nodes):
         if node.name not in behind and node.type != "OUTPUT_MATERIAL":

@@ -56,8 +56,38 @@ def plain_image(node, spaces):
             image.colorspace_settings.name in spaces and coordinates_of(node) is not None)
 
 
+def image_behind_factor(node):
+    """The image node that a node multiplies by a constant, which the exporter makes a factor; else the node itself."""
+    if node.type == "MIX" and node.data_type == "RGBA" and node.blend_type == "MULTIPLY" and not node.clamp_result:
+        if node.inputs[0].is_linked or node.inputs[0].default_value != 1.0:
+            return node
+        pair = node.inputs[6:8]
+    elif node.type == "MATH" and node.operation == "MULTIPLY" and not node.use_clamp:
+        pair = node.inputs[0:2]
+    else:
+        return node
+    linked = [s for s in pair if s.is_linked]
+    numbers = [v for s in pair if not s.is_linked for v in (s.default_value if s.type == "RGBA" else (s.default_value,))]
+    if len(linked) != 1 or min(numbers) < 0.0 or max(numbers) > 1.0:
+        return node
+    source = linked[0].links[0].from_socket
+    return source.node if source.name == "Color" or source.node.type == "SEPARATE_COLOR" else node
+
+
+def strength_of(folder, ref):
+    """Where emission is a colour times a number: the colour, and the number."""
+    node = folder.nodes[ref.node]
+    if node.type != "VECT_MATH" or node.operation != "MULTIPLY" or not node.inputs[0].is_linked or node.inputs[1].is_linked:
+        return ref, 1.0
+    factor = tuple(node.inputs[1].default_value)
+    return (folder.ref(node.inputs[0].links[0].from_socket), factor[0]) if len(set(factor)) == 1 else (ref, 1.0)
+
+
 def colour_source(folder, ref):
     node = folder.nodes[ref.node]
+    behind = image_behind_factor(node)
+    if behind != node:
+        return behind if plain_image(behind, COLOUR_SPACES) else None
     if node.type == "TEX_IMAGE" and node.outputs[ref.output].name == "Color" and plain_image(node, COLOUR_SPACES):
         return node
     return None
@@ -65,7 +95,9 @@ def colour_source(folder, ref):
 
 def number_source(folder, ref):
     """The image node behind a number: the channel of an image, or a grey image."""
-    node = folder.nodes[ref.node]
+    node = image_behind_factor(folder.nodes[ref.node])
+    if node != folder.nodes[ref.node] and node.type == "TEX_IMAGE":
+        return node if plain_image(node, DATA_SPACES) and is_grey(node.image) else None
     if node.type == "SEPARATE_COLOR" and node.mode == "RGB" and node.inputs[0].is_linked:
         source = node.inputs[0].links[0].from_socket
         good = source.node.type == "TEX_IMAGE" and source.name == "Color" and plain_image(source.node, DATA_SPACES)
@@ -105,7 +137,7 @@ def carried(folder, s):
     found = set()
     if isinstance(s.base, Ref) and colour_source(folder, s.base):
         found.add("base")
-    if isinstance(s.emission, Ref) and colour_source(folder, s.emission):
+    if isinstance(s.emission, Ref) and colour_source(folder, strength_of(folder, s.emission)[0]):
         found.add("emission")
     if isinstance(s.normal, Ref) and normal_source(folder, s.normal):
         found.add("normal")

@@ -71,7 +71,7 @@ def means_of(plan, result):
 
 
 def link_textures(tree, principled, textures, names):
-    """Feeds channels from images over the baked coordinates; returns the strength of the emission."""
+    """Feeds channels from images over the baked coordinates; returns the strength of a baked emission."""
     place = tree.nodes.new("ShaderNodeUVMap")
     place.uv_map = LAYER
 
@@ -81,7 +81,7 @@ def link_textures(tree, principled, textures, names):
         tree.links.new(place.outputs[0], node.inputs["Vector"])
         return node
 
-    strength = 1.0
+    strength = None
     if "base" in names or "alpha" in names:
         node = show(textures["base"])
         tree.links.new(node.outputs["Color"], principled.inputs["Base Color"])

@@ -106,22 +106,29 @@ static void compare( const char* scene )
 static void test_means_are_those_of_cycles( void** state )
 {
     (void)state;
-    static const char* const scenes[] = { "procedural", "mapped", "glass", "transparent", "emission", "no_material", "groups" };
+    static const struct
+    {
+        const char* name;
+        bool is_baked;
+    } scenes[] = { { "procedural", true },  { "images", false },  { "mapped", true },       { "glass", false },
+                   { "transparent", true }, { "emission", true }, { "no_material", false }, { "groups", true } };
     if ( !enter_with_blender() )
         skip();
-    assert_int_equal(
-        cli_run( MAKE "procedural mapped glass transparent emission no_material groups --samples 256 --size " SIZE " > log 2>&1" )
-            ->status,
-        0 );
+    assert_int_equal( cli_run( MAKE
+                               "procedural images mapped glass transparent emission no_material groups --samples 256 --size " SIZE
+                               " > log 2>&1" )
+                          ->status,
+                      0 );
     for ( size_t i = 0; i < sizeof scenes / sizeof scenes[0]; ++i )
     {
         const CliResult* done = cli_run( BLENDER "%s.blend -P " REFRAME_SOURCE_DIR
                                                  "/scripts/blender-export.py -- %s.glb --bake 128 --bake-cache cache",
-                                         scenes[i], scenes[i] );
+                                         scenes[i].name, scenes[i].name );
         assert_int_equal( done->status, 0 );
         assert_null( strstr( done->err, "Traceback" ) );
         assert_null( strstr( done->err, "not understood" ) );
-        compare( scenes[i] );
+        assert_true( scenes[i].is_baked == ( strstr( done->out, "baked" ) != NULL ) );
+        compare( scenes[i].name );
     }
     // a second time nothing is baked, and the same comes out
     const CliResult* again = cli_run( EXPORT( "procedural" ) "--bake 128 --overwrite" );

@@ -108,18 +108,41 @@ def procedural():
     room(noise_mix("wall", (0.85, 0.75, 0.6, 1.0), (0.1, 0.15, 0.3, 1.0)))
 
 
+def striped(s):
+    """The colour of an image."""
+    node = s.add("TexImage")
+    node.image = bpy.data.images.get("stripes")
+    if node.image is None:
+        node.image = bpy.data.images.new("stripes", 64, 64)
+        pixels = numpy.ones((64, 64, 4), numpy.float32)
+        pixels[:, ::8, :3] = pixels[:, 1::8, :3] = pixels[:, 2::8, :3] = (0.9, 0.4, 0.1)
+        pixels[:8, :, :3] = (0.1, 0.3, 0.8)
+        node.image.pixels.foreach_set(pixels.ravel())
+        node.image.pack()
+    return node.outputs["Color"]
+
+
+def images():
+    """Images that need no bake: as they are, by a factor, and shining."""
+    plain_room(strength=1.0, size=3.6)
+    s = Shader("plain")
+    put("cube", s.done(s.add("BsdfDiffuse", Color=striped(s))), size=1.0, location=(-1.1, 0.7, -1.3))
+    s = Shader("dimmed")
+    product = s.add("Mix")
+    product.data_type, product.blend_type = "RGBA", "MULTIPLY"
+    product.inputs[0].default_value = 1.0
+    s.feed(product.inputs[6], striped(s))
+    s.feed(product.inputs[7], (0.5, 0.9, 0.3, 1.0))
+    put("cube", s.done(s.add("BsdfDiffuse", Color=product.outputs[2])), size=1.0, location=(0.2, 0.7, -1.3))
+    s = Shader("shining")
+    put("cube", s.done(s.add("Emission", Color=striped(s), Strength=2.5)), size=0.8, location=(1.2, 0.7, -1.3))
+
+
 def mapped():
     """Colours by maths on an image, on a mesh with a modifier, seen twice; and vertex colours."""
     plain_room()
-    image = bpy.data.images.new("stripes", 64, 64)
-    pixels = numpy.ones((64, 64, 4), numpy.float32)
-    pixels[:, ::8, :3] = pixels[:, 1::8, :3] = pixels[:, 2::8, :3] = (0.9, 0.4, 0.1)
-    image.pixels.foreach_set(pixels.ravel())
-    image.pack()
     s = Shader("stripes")
-    picture = s.add("TexImage")
-    picture.image = image
-    gamma = s.add("Gamma", Color=picture.outputs["Color"], Gamma=2.0)
+    gamma = s.add("Gamma", Color=striped(s), Gamma=2.0)
     block = put("cube", s.done(s.add("BsdfDiffuse", Color=gamma)), size=1.2, location=(-0.7, 0.6, -1.2))
     block.modifiers.new("round", "BEVEL").width = 0.1
     twin = block.copy()
@@ -234,7 +257,7 @@ def left_out():
     put("cube", s.done(s.add("BsdfToon", Color=(0.9, 0.1, 0.1, 1.0))), size=0.4, location=(0.4, -0.8, -1.6))
 
 
-SCENES = (procedural, mapped, glass, transparent, emission, no_material, groups, left_out)
+SCENES = (procedural, images, mapped, glass, transparent, emission, no_material, groups, left_out)
 
 
 def begin(size):
