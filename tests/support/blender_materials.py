@@ -109,8 +109,9 @@ def procedural():
 
 
 def striped(s):
-    """The colour of an image."""
+    """The colour of an image. Between pixels Cycles interpolates sRGB values, glTF linear ones: hence no interpolation."""
     node = s.add("TexImage")
+    node.interpolation = "Closest"
     node.image = bpy.data.images.get("stripes")
     if node.image is None:
         node.image = bpy.data.images.new("stripes", 64, 64)
