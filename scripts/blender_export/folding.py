@@ -234,7 +234,7 @@ class Folder:
         if t == 1.0:
             return b
         if a.normal != b.normal and a.normal is not None and b.normal is not None:
-            self.warn(node, "its shaders have different normals: taken as of the %s" % ("second" if t == 1.0 else "first"))
+            self.warn(node, "its shaders have different normals: that of the first is taken")
         light = self.blend(a.emission, b.emission, t, True)
         left, right = self.times(a.alpha, self.rest(t)), self.times(b.alpha, t)
         alpha = self.plus(left, right) if a.alpha != b.alpha else a.alpha
@@ -248,22 +248,24 @@ class Folder:
             share = self.number("DIVIDE", right, self.number("MAXIMUM", alpha, 1e-6))
         out = Surface(alpha=alpha, emission=light, normal=a.normal if a.normal is not None else b.normal)
         for name in ("base", "metallic", "roughness", "specular", "f0", "transmission", "ior", "clearcoat", "clearcoat_roughness"):
-            mine, other = getattr(a, name), getattr(b, name)
-            if name in ("metallic", "transmission") and (a.base != BLACK and b.base != BLACK):
-                # open means none, unless the shader is black and its share of any lobe too
-                mine = 0.0 if mine is None and a.alpha != 0.0 else mine
-                other = 0.0 if other is None and b.alpha != 0.0 else other
-            if name == "f0" and mine != other and not (is_constant(mine) and is_constant(other)):
-                mine, other = self.level(mine), self.level(other)
-            tuples = isinstance(mine, tuple) and not isinstance(mine, Ref) or isinstance(other, tuple) and not isinstance(other, Ref)
-            if name == "f0" and tuples:
-                mine, other = ((v,) * 3 if isinstance(v, (int, float)) else v for v in (mine, other))
-            setattr(out, name, self.blend(mine, other, share, name == "base" or name == "f0" and tuples))
+            mine, other = self.alike(name, a, b)
+            colours = name == "base" or any(isinstance(v, tuple) and is_constant(v) for v in (mine, other))
+            setattr(out, name, self.blend(mine, other, share, colours))
         out.one_sided = a.one_sided or b.one_sided
         return out
 
-    def level(self, value):
-        return sum(value) / 3.0 if isinstance(value, tuple) and is_constant(value) else value
+    def alike(self, name, a, b):
+        """A channel of both sides of a mixture, as values that can be blended."""
+        mine, other = getattr(a, name), getattr(b, name)
+        if name in ("metallic", "transmission") and a.base != BLACK and b.base != BLACK:
+            # open means none, unless the shader is black, which has a share of no lobe
+            mine = 0.0 if mine is None and a.alpha != 0.0 else mine
+            other = 0.0 if other is None and b.alpha != 0.0 else other
+        if name == "f0" and mine is not None and other is not None and mine != other:
+            if is_constant(mine) and is_constant(other):
+                return tuple(v if isinstance(v, tuple) else (v,) * 3 for v in (mine, other))
+            return tuple(sum(v) / 3.0 if is_constant(v) and isinstance(v, tuple) else v for v in (mine, other))
+        return mine, other
 
     def fold_sum(self, a, b, node):
         for one, other in ((a, b), (b, a)):
