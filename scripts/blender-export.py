@@ -57,6 +57,7 @@ def main():
     effects.warn_of_effects(scene, camera)
     geometry.settle(scene)
     recorder, moving = watch(scene, camera, args.camera is None, range(first, last + 1, step))
+    cameras.tell_others(scene, name)
     if first < 0:
         warn("frame numbers start at 0 in Reframe: frame %d is called 0, and so on" % first)
     shot = {"render": {"size": list(cameras.film_of(scene)), "fps": rate_of(scene)}, "moving": moving, "camera": name,

@@ -84,8 +84,8 @@ static void print_film( const RfSceneInfo* scene )
 static void print_moving( const RfSceneInfo* scene )
 {
     if ( scene->moving_count > 0 )
-        printf( "moving     %d object%s in the file, which stand%s still here: only cameras move\n", scene->moving_count,
-                scene->moving_count == 1 ? "" : "s", scene->moving_count == 1 ? "s" : "" );
+        printf( "moving     %d object%s, taken as in the first frame: only cameras move here\n", scene->moving_count,
+                scene->moving_count == 1 ? "" : "s" );
     for ( int i = 0; i < scene->moving_count && i < MAX_MOVING; ++i )
         printf( "  %s\n", scene->moving[i] );
     if ( scene->moving_count > MAX_MOVING )

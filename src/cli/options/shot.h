@@ -11,8 +11,8 @@ typedef struct RfShot
 {
     RfSceneFile file; // options may point into it
     RfScene scene;
-    RfCameraPath path;
-    int* frames; // to be rendered: indices of the path's runs, from 0
+    RfCameraPath path; // its frames are the runs of the camera's: equal frames are rendered once
+    int* frames;       // of these to be rendered, indices from 0
     int frame_count;
     RfTracer* tracer;
 } RfShot;

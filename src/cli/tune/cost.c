@@ -57,9 +57,9 @@ static RfResult count_per_sweep( const Job* job, const RfCostCurve* curve, int* 
     settings.tile = curve->tile;
     RfMemoryFit fit;
     RfResult result =
-        rf_resolve_settings( job->shot.tracer, job->shot.path.runs, job->shot.path.run_count, &settings, &resolved, error );
+        rf_resolve_settings( job->shot.tracer, job->shot.path.eyes, job->shot.path.count, &settings, &resolved, error );
     if ( result == RF_OK )
-        result = rf_fit_memory( &job->shot.scene, job->shot.path.runs, job->shot.path.run_count, job->shot.frame_count, &resolved,
+        result = rf_fit_memory( &job->shot.scene, job->shot.path.eyes, job->shot.path.count, job->shot.frame_count, &resolved,
                                 &fit, error );
     if ( result == RF_OK )
         *per_sweep = fit.sweeps > 1 ? fit.films : job->shot.frame_count;
@@ -93,8 +93,8 @@ static RfResult run( Job* job, RfError* error )
         return result;
     RfTrialWatch watch = { go_on, NULL };
     RfCostJob cost = { .tracer = job->shot.tracer,
-                       .eyes = job->shot.path.runs,
-                       .eye_count = job->shot.path.run_count,
+                       .eyes = job->shot.path.eyes,
+                       .eye_count = job->shot.path.count,
                        .frames = job->shot.frames,
                        .frame_count = job->shot.frame_count,
                        .settings = &job->options.render.settings,

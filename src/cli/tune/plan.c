@@ -47,15 +47,15 @@ static void compare_with_paper( Job* job )
 static RfResult make_plan( Job* job, RfError* error )
 {
     const RfRenderSettings* settings = &job->options.settings;
-    RfResult result = rf_plan_render( job->shot.tracer, job->shot.path.runs, job->shot.path.run_count, job->shot.frames,
+    RfResult result = rf_plan_render( job->shot.tracer, job->shot.path.eyes, job->shot.path.count, job->shot.frames,
                                       job->shot.frame_count, settings, &job->plan, error );
     if ( result != RF_OK )
         return result;
     if ( !job->options.quiet )
         fprintf( stderr, "reframe plan: measuring costs for about %.0f s\n", MEASURE_SECONDS );
     compare_with_paper( job );
-    return rf_measure_plan( job->shot.tracer, job->shot.path.runs, job->shot.path.run_count, settings, MEASURE_SECONDS,
-                            &job->plan, error );
+    return rf_measure_plan( job->shot.tracer, job->shot.path.eyes, job->shot.path.count, settings, MEASURE_SECONDS, &job->plan,
+                            error );
 }
 
 static void print_row( const RfPlanRow* row )

@@ -76,8 +76,8 @@ static RfResult run( Job* job, RfError* error )
         return result;
     RfTrialWatch watch = { go_on, NULL };
     RfTuneJob tune = { .tracer = job->shot.tracer,
-                       .eyes = job->shot.path.runs,
-                       .eye_count = job->shot.path.run_count,
+                       .eyes = job->shot.path.eyes,
+                       .eye_count = job->shot.path.count,
                        .frames = job->shot.frames,
                        .frame_count = job->shot.frame_count,
                        .settings = &job->options.render.settings,

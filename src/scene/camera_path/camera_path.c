@@ -29,7 +29,10 @@ static uint64_t hash_eye( uint64_t hash, const RfEye* e )
     return plain ? hash : rf_hash_bytes( hash, film, sizeof film ); // as before there were shifts
 }
 
-int rf_frame_number( const RfCameraPath* path, int frame ) { return path->first + frame * path->step; }
+int rf_frame_number( const RfCameraPath* path, int frame )
+{
+    return path->step > 0 ? path->first + frame * path->step : frame + 1; // a path of the caller's own may have no numbers
+}
 
 // Frames with equal eyes that follow each other. RfEye has no padding.
 static RfResult find_runs( RfCameraPath* path, RfError* error )
