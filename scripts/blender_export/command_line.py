@@ -9,10 +9,9 @@ from .messages import fail
 
 
 def bake_size(text):
-    size = int(text)
-    if not 16 <= size <= 8192:
-        raise argparse.ArgumentTypeError("wants 16 to 8192 pixels, got %d" % size)
-    return size
+    if not text.isdecimal() or not 16 <= int(text) <= 8192:
+        raise argparse.ArgumentTypeError("wants 16 to 8192 pixels, got '%s'" % text)
+    return int(text)
 
 
 def parse(about):

@@ -52,6 +52,9 @@ def settle_data(data):
 
 def settle(scene):
     """Makes the viewport show what is rendered: outside of a render Blender evaluates for the viewport."""
+    active = bpy.context.view_layer.objects.active
+    if active is not None and active.mode != "OBJECT":
+        bpy.ops.object.mode_set(mode="OBJECT")  # a mesh that was saved while it was edited looks empty
     view_layer = bpy.context.view_layer
     visible = {o.name for o in view_layer.objects if o.visible_get()}
     render = scene.render

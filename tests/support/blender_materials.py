@@ -256,6 +256,7 @@ def left_out():
     put("plane", s.done(s.add("BsdfDiffuse", Normal=bump), Displacement=s.add("Displacement", Height=noise.outputs["Fac"])), size=2.0, location=(0.0, 0.0, -1.9))
     s = Shader("toon")
     put("cube", s.done(s.add("BsdfToon", Color=(0.9, 0.1, 0.1, 1.0))), size=0.4, location=(0.4, -0.8, -1.6))
+    bpy.ops.object.mode_set(mode="EDIT")  # in which the file is saved
 
 
 SCENES = (procedural, images, mapped, glass, transparent, emission, no_material, groups, left_out)
