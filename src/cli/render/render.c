@@ -27,6 +27,7 @@ typedef struct Job
     RfRenderSettings asked; // before they were resolved
     RfMemoryFit fit;
     RfLog log;
+    RfToldWarnings told;
     RfSceneFile file; // options may point into it
     RfScene scene;
     RfCameraPath path;
@@ -43,9 +44,12 @@ typedef struct Job
     int frames_done;
     bool told_black;   // the warning comes once
     double relmse_sum; // of the finished frames' estimates
+    double likely_sum; // and of their best guesses
+    int lower_bounds;  // among them
     double worst_relmse;
     int worst_frame; // its number
     int missed;      // frames above --noise
+    bool worst_is_lower_bound;
     json_t* frames_json;
     double start, seconds_scene; // monotonic time of the start; seconds until rays can be traced
     RfRenderStats stats;
@@ -69,6 +73,7 @@ static void destroy_job( Job* job )
     free( job->runs );
     free( job->kept );
     json_decref( job->frames_json );
+    json_decref( job->told.lines );
 }
 
 static RfOutput output_of( const Job* job )
@@ -192,11 +197,14 @@ static void warn_if_black( Job* job, const RfFrameResult* result )
 static void note_relmse( Job* job, const RfFrameResult* result )
 {
     job->relmse_sum += result->relmse_estimate;
+    job->likely_sum += result->relmse_likely;
+    job->lower_bounds += result->relmse_is_lower_bound;
     job->missed += !result->reached;
-    if ( job->frames_done > 1 && result->relmse_estimate <= job->worst_relmse )
+    if ( job->frames_done > 1 && result->relmse_likely <= job->worst_relmse )
         return;
-    job->worst_relmse = result->relmse_estimate;
+    job->worst_relmse = result->relmse_likely;
     job->worst_frame = rf_frame_number( &job->path, result->frame );
+    job->worst_is_lower_bound = result->relmse_is_lower_bound;
 }
 
 // Warns where --noise or --time was not met.
@@ -204,9 +212,9 @@ static void warn_of_stop( Job* job )
 {
     const RfRenderSettings* s = &job->options.settings;
     if ( job->stats.missed > 0 )
-        rf_warn( &job->log, "--noise %g: not reached in %d of %d frames, frame %d has %.3g: allow more %s", s->noise,
-                 job->stats.missed, job->frame_count, job->worst_frame, job->worst_relmse,
-                 s->time > 0.0 ? "--time or --spp" : "--spp" );
+        rf_warn( &job->log, "--noise %g: not reached in %d of %d frames, frame %d %shas %.3g: allow more %s", s->noise,
+                 job->stats.missed, job->frame_count, job->worst_frame, job->worst_is_lower_bound ? "likely " : "",
+                 job->worst_relmse, s->time > 0.0 ? "--time or --spp" : "--spp" );
     if ( job->stats.hurried )
         rf_warn( &job->log,
                  "--time %g: too short for this size and these groups: the least, 2 samples per pixel, took %.3g s a frame",
@@ -283,9 +291,20 @@ static RfResult write_json( const Job* job, bool interrupted, RfError* error )
                         .seconds_scene = job->seconds_scene,
                         .frames = rf_join_kept_frames( options, &job->path, job->kept, job->kept_count, job->frames_json ),
                         .kept = job->kept_count,
+                        .warnings = job->told.lines,
                         .repeated = job->frame_count - job->run_count,
                         .interrupted = interrupted };
     return rf_write_json( options->json, rf_render_json( options, &job->scene, &run ), error );
+}
+
+// Mean over the frames.
+static void print_relmse( const Job* job )
+{
+    double told = job->relmse_sum / job->frame_count, likely = job->likely_sum / job->frame_count;
+    if ( job->lower_bounds > 0 )
+        printf( ", relMSE at least %.3g, likely %.3g by its estimate", told, likely );
+    else
+        printf( ", relMSE %.3g by its estimate", told );
 }
 
 static RfResult report( Job* job, RfError* error )
@@ -294,9 +313,9 @@ static RfResult report( Job* job, RfError* error )
     const char* json_name = job->options.json;
     if ( json_name == NULL || strcmp( json_name, "-" ) != 0 )
     {
-        printf( "%d frame%s in %s, %.1f s", job->frame_count, job->frame_count == 1 ? "" : "s", job->options.output, seconds );
+        rf_print( "%d frame%s in %s, %.1f s", job->frame_count, job->frame_count == 1 ? "" : "s", job->options.output, seconds );
         if ( job->frame_count > 0 && isfinite( job->relmse_sum ) )
-            printf( ", relMSE %.3g by its estimate", job->relmse_sum / job->frame_count );
+            print_relmse( job );
         if ( job->kept_count > 0 )
             printf( "; %d kept from before", job->kept_count );
         printf( "\n" );
@@ -315,6 +334,8 @@ static RfResult run( Job* job, RfError* error )
     job->stats = ( RfRenderStats ){ .group = job->options.settings.group, .spp = job->options.settings.spp };
     if ( result == RF_OK && job->frame_count > 0 )
         result = render( job, error );
+    if ( result == RF_OK )
+        rf_clean_output_folder( job->options.output );
     if ( result == RF_ERROR_INTERRUPTED && job->options.json != NULL )
     {
         RfResult written = write_json( job, true, error ); // `error` keeps the line about the interruption
@@ -328,8 +349,9 @@ int rf_command_render( int argc, char** argv )
     RfError error;
     bool help;
     Job job = {
-        .argc = argc, .argv = argv, .log = rf_stderr_log( "render" ), .speech = PTHREAD_MUTEX_INITIALIZER, .start = now()
+        .argc = argc, .argv = argv, .told = { "render", json_array() }, .speech = PTHREAD_MUTEX_INITIALIZER, .start = now()
     };
+    job.log = rf_keeping_log( &job.told );
     RfResult result = rf_parse_render_options( argc, argv, &job.options, &help, &error );
     if ( result == RF_OK && help )
     {
