@@ -95,9 +95,9 @@ static void print_moving( const RfSceneInfo* scene )
 static void print_warnings( const RfSceneInfo* scene )
 {
     if ( scene->export_warning_count > 0 )
-        printf( "warnings   %d of the export\n", scene->export_warning_count );
+        rf_print( "warnings   %d of the export\n", scene->export_warning_count );
     for ( int i = 0; i < scene->export_warning_count; ++i )
-        printf( "  %s\n", scene->export_warnings[i] );
+        rf_print( "  %s\n", scene->export_warnings[i] );
 }
 
 static void print_cameras( const Facts* facts )
