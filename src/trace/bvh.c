@@ -1,6 +1,7 @@
 #include "trace/bvh.h"
 
 #include "scene/textured.h"
+#include "trace/far_triangle.h"
 #include "trace/filter.h"
 
 #include <stdlib.h>
@@ -13,9 +14,14 @@ enum
     MASKED,
 };
 
-static bool has_filter( const RfMaterial* m ) { return rf_is_masked( m ) || rf_is_blended( m ) || rf_may_be_pane( m ); }
+static bool has_filter( const RfBvh* bvh, uint32_t triangle )
+{
+    const RfMaterial* m = bvh->scene->materials + bvh->scene->triangles.material[triangle];
+    return rf_is_masked( m ) || rf_is_blended( m ) || rf_may_be_pane( m ) ||
+           rf_is_far_triangle( &bvh->scene->triangles, triangle, bvh->far_error );
+}
 
-// Masked and blended triangles and panes form a geometry of their own, so that the others need no
+// Masked and blended triangles, panes and far triangles form a geometry of their own, so that the others need no
 // filter. Sorts the triangles: unfiltered first.
 static RfResult sort_masked( RfBvh* bvh, RfError* error )
 {
@@ -25,7 +31,7 @@ static RfResult sort_masked( RfBvh* bvh, RfError* error )
     for ( uint32_t i = 0; i < t->count; ++i )
     {
         const RfMaterial* m = scene->materials + t->material[i];
-        masked += has_filter( m );
+        masked += has_filter( bvh, i );
         bvh->blended = bvh->blended || rf_is_blended( m );
         bvh->panes = bvh->panes || rf_may_be_pane( m );
     }
@@ -37,7 +43,7 @@ static RfResult sort_masked( RfBvh* bvh, RfError* error )
         return rf_fail( error, RF_ERROR_MEMORY, "no memory for the order of %u triangles", t->count );
     uint32_t next[2] = { 0, bvh->masked_first };
     for ( uint32_t i = 0; i < t->count; ++i )
-        bvh->order[next[has_filter( scene->materials + t->material[i] )]++] = i;
+        bvh->order[next[has_filter( bvh, i )]++] = i;
     return RF_OK;
 }
 
@@ -90,7 +96,7 @@ static void attach( RTCDevice device, RfBvh* bvh, RTCBuffer positions, uint32_t 
 // Build quality MEDIUM with ROBUST is deterministic with any number of threads; HIGH is not.
 RfResult rf_build_bvh( RTCDevice device, const RfScene* scene, RfBvh* bvh, RfError* error )
 {
-    *bvh = ( RfBvh ){ .scene = scene };
+    *bvh = ( RfBvh ){ .scene = scene, .far_error = rf_far_error( &scene->triangles ) };
     RfResult result = sort_masked( bvh, error );
     if ( result != RF_OK )
         return result;

@@ -16,7 +16,8 @@ typedef struct RfBvh
     RTCScene embree_scene;
     bool blended;          // some triangles are alpha-blended
     bool panes;            // some may be thin panes
-    uint32_t masked_first; // first index in `order` that has the filter
+    float far_error;       // triangles beyond this error are checked (trace/far_triangle.h)
+    uint32_t masked_first; // first index in `order` that has the filter: masked, blended, panes and far triangles
     uint32_t* order;       // scene triangles in the order of the two geometries; NULL: original order
 } RfBvh;
 

@@ -270,9 +270,10 @@ void rf_trace_mirrors( const RfTracer* tracer, RfVec3 origin, int count, const f
                 continue;
             }
             const RfTriangleRecord* t = tracer->triangles + tracer->mirrors.triangle[number];
-            RfVec3 p = rf_add( t->p0, rf_add( rf_scale( t->e1, packet.hit.u[i] ), rf_scale( t->e2, packet.hit.v[i] ) ) );
-            float side = rf_dot( t->ng, rf_sub( origin, p ) ) < 0.0f ? -1.0f : 1.0f;
-            p = rf_madd( p, t->ng, side * rf_maxf( t->offset, least ) );
+            RfVec3 d = rf_vec3( packet.ray.dir_x[i], packet.ray.dir_y[i], packet.ray.dir_z[i] );
+            RfHitPoint at = rf_hit_point( t, packet.hit.u[i], packet.hit.v[i], origin, d );
+            float side = rf_dot( t->ng, rf_sub( origin, at.p ) ) < 0.0f ? -1.0f : 1.0f;
+            RfVec3 p = rf_madd( at.p, t->ng, side * rf_maxf( at.offset, least ) );
             hit[0][first + i] = p.x;
             hit[1][first + i] = p.y;
             hit[2][first + i] = p.z;

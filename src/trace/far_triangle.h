@@ -1,0 +1,21 @@
+// Internal to this folder: triangles that reach far beyond what is looked at, such as a ground of kilometres
+// under a room. Embree's arithmetic in floats starts at vertex 0: hits have an error in proportion to their
+// distance from it, unless the triangle is parallel to an axis plane. Where that is too much, hits are
+// checked in doubles.
+#ifndef REFRAME_TRACE_FAR_TRIANGLE_H
+#define REFRAME_TRACE_FAR_TRIANGLE_H
+
+#include "trace/trace.h"
+
+// The error of hits, in scene units off the plane, beyond which a triangle of the scene is far: well above
+// that of vertices as far out as most are.
+float rf_far_error( const RfTriangles* triangles );
+
+// Whether hits on this triangle may have an error above far_error.
+bool rf_is_far_triangle( const RfTriangles* triangles, uint32_t triangle, float far_error );
+
+// The distance, in lengths of d, at which the ray crosses the plane of the triangle, in doubles; false if it
+// runs parallel to it.
+bool rf_cross_plane( const RfTriangleRecord* triangle, RfVec3 o, RfVec3 d, double* distance );
+
+#endif
