@@ -2,6 +2,7 @@
 #include "reframe/output.h"
 
 #include "output/frame_aovs.h"
+#include "scene/eye.h"
 #include "scene/scene.h"
 
 #include <math.h>
@@ -166,7 +167,7 @@ RfResult rf_write_frame( const RfOutput* output, const RfFrameResult* frame, RfE
     exr.fps_numerator = output->path->fps.numerator;
     exr.fps_denominator = (unsigned int)output->path->fps.denominator;
     exr.has_camera = true;
-    rf_eye_matrices( output->path->eyes + frame->frame, exr.world_to_camera, exr.world_to_ndc );
+    rf_eye_matrices_around( output->path->eyes + frame->frame, output->path->origin, exr.world_to_camera, exr.world_to_ndc );
     exr.strings = attributes.strings;
     exr.string_count = attributes.count;
     exr.channels = aovs.channels;

@@ -17,7 +17,7 @@
 
 RF_API_BEGIN
 
-// A pinhole camera in world space, with its film in pixels. Film coordinates: x to the right,
+// A pinhole camera in world space (less the scene's origin: RfSceneInfo), with its film in pixels. Film coordinates: x to the right,
 // y down, pixel (i, j) is the unit square [i, i+1) × [j, j+1).
 typedef struct RfEye
 {
@@ -35,11 +35,12 @@ RfEye rf_make_eye( RfVec3 origin, RfVec3 forward, RfVec3 up, double yfov, int wi
 // The eyes of a camera's animation, one per frame.
 typedef struct RfCameraPath
 {
-    char* name;    // of the camera, or of the file
-    int count;     // frames
-    RfEye* eyes;   // count of them
-    RfFps fps;     // that it was sampled at
-    uint64_t hash; // of all eyes: a frame is made of its neighbours' samples too
+    char* name;       // of the camera, or of the file
+    int count;        // frames
+    RfEye* eyes;      // count of them
+    RfFps fps;        // that it was sampled at
+    double origin[3]; // of the scene (RfSceneInfo): eyes are relative to it
+    uint64_t hash;    // of all eyes: a frame is made of its neighbours' samples too
 } RfCameraPath;
 
 // A path without frames, which rf_destroy_camera_path accepts.

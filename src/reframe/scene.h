@@ -41,6 +41,7 @@ typedef struct RfSceneInfo
     int cameras;          // may be 0: rf_create_camera_path then needs a path file
     RfVec3 bounds_min;    // of the triangles, metres; both 0 where there are none
     RfVec3 bounds_max;
+    double origin[3]; // eyes are relative to it, metres; 0 unless the scene lies so far out that floats would not do
 } RfSceneInfo;
 
 // Counts what is in a scene. Fails with RF_ERROR_MEMORY only.

@@ -35,6 +35,7 @@ static RfResult make_eyes( const RfScene* scene, const RfCamera* camera, RfFps f
     if ( path->eyes == NULL || path->name == NULL )
         return rf_fail( error, RF_ERROR_MEMORY, "camera '%s': no memory left for %d frames", camera->name, path->count );
     path->fps = fps;
+    memcpy( path->origin, scene->origin, sizeof path->origin );
     path->hash = RF_HASH_START;
     if ( camera->track != NULL )
         path->hash = rf_hash_bytes( path->hash, &camera->track->hash, sizeof camera->track->hash );
