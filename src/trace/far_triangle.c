@@ -10,13 +10,16 @@
 
 #define SAMPLES 4096
 
+// Scenes of 2^-20 to 2^20 m, some micrometres to 1000 km, need no scale.
+#define LEAST_EXPONENT 20
+
 static int compare( const void* a, const void* b )
 {
     float x = *(const float*)a, y = *(const float*)b;
     return ( x > y ) - ( x < y );
 }
 
-float rf_far_error( const RfTriangles* t )
+float rf_median_reach( const RfTriangles* t )
 {
     float largest[SAMPLES];
     size_t corners = 3 * (size_t)t->count, step = corners / SAMPLES + 1, count = 0;
@@ -26,7 +29,17 @@ float rf_far_error( const RfTriangles* t )
         largest[count++] = rf_largest_coordinate( rf_vec3( p[0], p[1], p[2] ) );
     }
     qsort( largest, count, sizeof *largest, compare );
-    return FAR_RATIO * rf_ray_offset( count > 0 ? largest[count / 2] : 0.0f );
+    return count > 0 ? largest[count / 2] : 0.0f;
+}
+
+float rf_far_error( float reach ) { return FAR_RATIO * rf_ray_offset( reach ); }
+
+float rf_embree_scale( float reach )
+{
+    int exponent;
+    frexpf( reach, &exponent );
+    bool ordinary = reach == 0.0f || ( exponent > -LEAST_EXPONENT && exponent < LEAST_EXPONENT );
+    return ordinary ? 1.0f : ldexpf( 1.0f, -exponent );
 }
 
 // How far off its plane Embree may find a triangle that it starts `way` from vertex 0: the products in

@@ -7,9 +7,15 @@
 
 #include "trace/trace.h"
 
-// The error of hits, in scene units off the plane, beyond which a triangle of the scene is far: well above
-// that of vertices as far out as most are.
-float rf_far_error( const RfTriangles* triangles );
+// The largest coordinate of the median corner of a triangle, m: how far out most of the scene is.
+float rf_median_reach( const RfTriangles* triangles );
+
+// The error of hits, in scene units off the plane, beyond which a triangle is far: well above that of triangles
+// within reach.
+float rf_far_error( float reach );
+
+// The scale of Embree's scene: its products of four lengths leave the range of floats below 1e-9 and above 1e9 m.
+float rf_embree_scale( float reach );
 
 // Whether hits on this triangle may have an error above far_error.
 bool rf_is_far_triangle( const RfTriangles* triangles, uint32_t triangle, float far_error );

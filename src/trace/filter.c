@@ -122,8 +122,10 @@ static bool misses_far( const struct RTCFilterFunctionNArguments* args, unsigned
 {
     const float* ray = (const float*)(const void*)args->ray + lane;
     const unsigned int n = args->N;
-    RfVec3 o = rf_vec3( ray[0], ray[n], ray[2 * n] );
-    RfVec3 d = rf_vec3( ray[RAY_DIRECTION * n], ray[( RAY_DIRECTION + 1 ) * n], ray[( RAY_DIRECTION + 2 ) * n] );
+    float scale = 1.0f / ( (const RfBvh*)args->geometryUserPtr )->scale;
+    RfVec3 o = rf_scale( rf_vec3( ray[0], ray[n], ray[2 * n] ), scale );
+    ray += RAY_DIRECTION * n;
+    RfVec3 d = rf_scale( rf_vec3( ray[0], ray[n], ray[2 * n] ), scale );
     double distance;
     if ( !rf_cross_plane( t, o, d, &distance ) || !( distance > 0.0 ) )
         return true;

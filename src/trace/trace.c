@@ -33,6 +33,8 @@ static bool on_memory( void* user, ssize_t bytes, bool post )
 static RfResult build_bvh( RfTracer* tracer, RfError* error )
 {
     RfResult result = rf_build_bvh( tracer->device, tracer->scene, &tracer->bvh, error );
+    if ( result == RF_OK )
+        tracer->mirror_scene = rf_build_mirror_scene( tracer->device, tracer->scene, tracer->bvh.scale, &tracer->mirrors );
     if ( result == RF_OK && tracer->message[0] != 0 )
         return rf_fail( error, RF_ERROR_DEVICE, "%s: building the BVH failed: %s",
                         tracer->scene->path != NULL ? tracer->scene->path : "scene", tracer->message );
@@ -111,9 +113,7 @@ RfResult rf_create_tracer( const RfScene* scene, RfTracer** out, RfError* error 
     if ( result == RF_OK )
         result = rf_find_mirrors( scene, &tracer->mirrors, error );
     if ( result == RF_OK )
-        tracer->mirror_scene = rf_build_mirror_scene( tracer->device, scene, &tracer->mirrors );
-    if ( result == RF_OK )
-        result = build_bvh( tracer, error ); // and reports errors of the mirrors' scene as well
+        result = build_bvh( tracer, error );
     if ( result == RF_OK )
         result = fill_records( tracer, error );
     tracer->bvh.triangles = tracer->triangles;
