@@ -91,7 +91,8 @@ RfHitPoint rf_hit_far_triangle( const RfTriangleRecord* t, RfVec3 o, RfVec3 d, R
         return interpolated;
     RfVec3 p = { (float)( (double)o.x + s * (double)d.x ), (float)( (double)o.y + s * (double)d.y ),
                  (float)( (double)o.z + s * (double)d.z ) };
-    float offset = rf_ray_offset( rf_largest_coordinate( p ) );
+    // segments end here from places about as far as where this ray started: the largest coordinate counts
+    float offset = rf_ray_offset( rf_maxf( rf_largest_coordinate( p ), rf_largest_coordinate( o ) ) );
     if ( !t->far ) // rays that leave must get away from it by Embree's arithmetic
         offset += embree_error( t->e1, t->e2, rf_sub( t->p0, p ) );
     return offset < interpolated.offset ? ( RfHitPoint ){ p, offset } : interpolated;
