@@ -72,7 +72,7 @@ bool rf_gltf_find_origin( const RfScene* scene, double origin[3] )
     if ( !( size > 0.0 && out > FAR_OUT * size && eye_agrees( scene, middle ) ) )
         return false;
     // to a multiple of a power of two, so that round numbers stay round
-    double unit = exp2( ceil( log2( size ) ) );
+    double unit = exp2( ceil( log2( 8.0 * size ) ) );
     for ( int c = 0; c < 3; ++c )
         origin[c] = unit * round( middle[c] / unit );
     return true;
