@@ -8,7 +8,7 @@
 // Times the ray offset at the median distance: only what reaches some 30 times as far pays for the check.
 #define FAR_RATIO 64.0f
 
-#define SAMPLES 4096
+#define SAMPLES 1024
 
 // Scenes of 2^-20 to 2^20 m, some micrometres to 1000 km, need no scale.
 #define LEAST_EXPONENT 20

@@ -74,7 +74,7 @@ static float segment( const RfTracer* tracer, RfVec3 from, RfVec3 to )
 }
 
 // Counts hits whose lamp, on their side, is hidden from them, and hits that see a lamp on the other side. Their
-// ray offset is at most 4 times that of their coordinates: RF_OFFSET_RATIO.
+// ray offset is at most RF_OFFSET_RATIO times that of their coordinates.
 static void check_ground( float reach, float tilt, float scale )
 {
     Ground g = { reach, tilt, scale };
@@ -139,8 +139,9 @@ static void check_box( float scale, float far )
     add_box( &b, grey, rf_sub( at, half ), rf_add( at, half ), true );
     add_box( &b, light, rf_madd( at, half, -0.5f ), rf_madd( at, half, 0.5f ), false );
     float reach = 1e4f * scale;
-    add_quad( &b, grey, rf_vec3( -reach, -scale, reach ), rf_vec3( reach, -scale, reach ), rf_vec3( reach, -scale, -reach ),
-              rf_vec3( -reach, -scale, -reach ) );
+    // below the box: where two surfaces touch, the rounding of coordinates decides
+    add_quad( &b, grey, rf_vec3( -reach, -1.5f * scale, reach ), rf_vec3( reach, -1.5f * scale, reach ),
+              rf_vec3( reach, -1.5f * scale, -reach ), rf_vec3( -reach, -1.5f * scale, -reach ) );
     RfScene scene = finish_scene( &b );
     RfVec3 from = rf_madd( at, rf_vec3( 2.0f, 2.5f, 3.5f ), scale );
     RfEye eye = rf_make_eye( from, rf_sub( at, from ), rf_vec3( 0, 1, 0 ), 0.8, 48, 32 );

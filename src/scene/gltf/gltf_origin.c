@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define SAMPLES 4096 // corners of triangles, evenly spread over the list
+#define SAMPLES 1024 // corners of triangles, evenly spread over the list
 
 // As far out as this, in distances of the median corner from the middle.
 #define FAR_OUT 16.0
