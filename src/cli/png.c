@@ -5,6 +5,8 @@
 #include "cli/messages.h"
 #include "reframe/image.h"
 
+#include <stdlib.h>
+
 static double s_exposure;
 static const char* const s_files[] = { "IN.exr", "OUT.png" };
 static const RfOption s_options[] = {
@@ -18,12 +20,27 @@ static const RfOption s_options[] = {
       .help = "brighter by E stops: each doubles the light" },
 };
 static const RfCommandTable s_table = { .command = "png",
-                                        .summary = "Writes an EXR file as 8-bit PNG with the sRGB curve.",
+                                        .summary =
+                                            "Writes an EXR file as 8-bit PNG with the sRGB curve, and its alpha if it has one.",
                                         .files = s_files,
                                         .file_count = 2,
                                         .writes_last = true,
                                         .options = s_options,
                                         .option_count = 1 };
+
+// The channel A of a file; NULL where it has none of the size of its colour.
+static float* read_alpha( const char* path, const RfImage* image )
+{
+    static const char* const s_name = "A";
+    RfExrWindow window;
+    float* alpha = NULL;
+    if ( rf_read_exr_channels( path, &s_name, 1, &window, &alpha, NULL ) != RF_OK )
+        return NULL;
+    if ( window.width == image->width && window.height == image->height )
+        return alpha;
+    free( alpha );
+    return NULL;
+}
 
 static RfResult convert( const char* from, const char* to, RfError* error )
 {
@@ -31,7 +48,9 @@ static RfResult convert( const char* from, const char* to, RfError* error )
     RfResult result = rf_read_exr( from, &image, error );
     if ( result != RF_OK )
         return result;
-    result = rf_write_png( to, &image, (float)s_exposure, error );
+    float* alpha = read_alpha( from, &image );
+    result = rf_write_png_alpha( to, &image, alpha, (float)s_exposure, error );
+    free( alpha );
     rf_destroy_image( &image );
     return result;
 }

@@ -19,7 +19,8 @@ void rf_list_aov_channels( const RfFrameResult* frame, bool half, RfAovChannels*
         for ( int c = 0; c < channels; ++c )
         {
             char* name = list->names[list->count];
-            snprintf( name, sizeof list->names[0], "%s.%c", rf_aov_name( (RfAov)i ), letters[c] );
+            const char* layer = i == RF_AOV_ALPHA ? "" : rf_aov_name( (RfAov)i );
+            snprintf( name, sizeof list->names[0], "%s%s%c", layer, layer[0] != '\0' ? "." : "", letters[c] );
             list->channels[list->count++] = ( RfExrChannel ){
                 .name = name,
                 .values = frame->aovs[i] + c,

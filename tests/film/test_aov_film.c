@@ -451,7 +451,7 @@ static void test_budget_counts_aov_films( void** state )
     }
     assert_true( failures > 5 );
     settings.memory = 0;
-    settings.aovs = RF_ALL_AOVS + 1;
+    settings.aovs = RF_AOV_BIT( RF_AOV_COUNT );
     assert_int_equal( rf_render( tracer, eyes, EYES, &( int ){ 0 }, 1, &settings, NULL, NULL, &error ), RF_ERROR_USAGE );
     free_frames( with );
     free_frames( without );
