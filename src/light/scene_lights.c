@@ -24,7 +24,12 @@ RfResult rf_scene_info( const RfScene* scene, RfSceneInfo* info, RfError* error 
                              .cameras = scene->camera_count,
                              .bounds_min = in_world( scene, scene->bounds_min ),
                              .bounds_max = in_world( scene, scene->bounds_max ),
-                             .origin = { scene->origin[0], scene->origin[1], scene->origin[2] } };
+                             .origin = { scene->origin[0], scene->origin[1], scene->origin[2] },
+                             .fps = scene->fps,
+                             .width = scene->film_width,
+                             .height = scene->film_height,
+                             .moving = (const char* const*)scene->moving,
+                             .moving_count = scene->moving_count };
     for ( uint32_t i = 0; i < lights.triangle_count; ++i )
         info->emitting_area += (double)lights.light[i].area;
     rf_destroy_lights( &lights );

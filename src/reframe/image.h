@@ -61,6 +61,7 @@ typedef struct RfExrOptions
     int x, y;          // origin of the data window and the display window
     int fps_numerator; // framesPerSecond; numerator 0: not written
     unsigned int fps_denominator;
+    float pixel_aspect;        // width of a pixel over its height; 0 stands for 1
     bool has_camera;           // write the two matrices (rf_eye_matrices)
     float world_to_camera[16]; // for row vectors: p_camera = p_world · M, row-major
     float world_to_ndc[16];
@@ -125,12 +126,13 @@ RfResult rf_write_png_alpha( const char* path, const RfImage* image, const float
 
 // Sequences: in a pattern such as "out/frame.####.exr" the run of '#' stands for the frame number,
 // which counts from 1, zero-padded to the length of the run (longer numbers take more digits).
+// "out/frame.%04d.exr" is the same, and %d is "#".
 
-// True if the last path component has a run of '#'. Several runs, or one in the name of a folder,
+// True if the last path component has a run of '#' or a %04d. Several runs, or one in the name of a folder,
 // are errors that rf_sequence_name reports.
 bool rf_is_sequence( const char* pattern );
 
-// Writes the file name of frame `number` into `name` (size bytes). A pattern without '#' is copied.
+// Writes the file name of frame `number` into `name` (size bytes). A pattern without one is copied.
 // Fails with RF_ERROR_USAGE.
 RfResult rf_sequence_name( const char* pattern, int number, char* name, size_t size, RfError* error );
 

@@ -71,11 +71,11 @@ RfFilmCombine rf_film_combine( RfNormalize normalize )
     return RF_FILM_CROSSFIT;
 }
 
-double rf_finish_picture( const RfRenderer* r, const RfLiveFilm* live, float* rgb, float* weight )
+RfRelmse rf_finish_picture( const RfRenderer* r, const RfLiveFilm* live, float* rgb, float* weight )
 {
     RfFilmCombine combine = rf_film_combine( r->settings.normalize );
     if ( r->settings.estimator->finish != NULL )
-        return r->settings.estimator->finish( live->films, combine, rgb, weight );
+        return rf_plain_relmse( r->settings.estimator->finish( live->films, combine, rgb, weight ) );
     rf_combine_film( live->films, combine, rgb, weight );
     return rf_estimate_relmse( live->films, combine, rgb );
 }

@@ -131,14 +131,15 @@ static void add_to_blocks( const float* alpha, int k, double blocks[BLOCKS + 1][
 // The share of some rays of each pixel that hit something.
 static void count_rays( const RfTracer* tracer, const RfEye* eye, int k, float* alpha )
 {
+    const float inverse[2] = { 1.0f / eye->focal_x, 1.0f / eye->focal };
     for ( int i = 0; i < PIXELS; ++i )
     {
         RfRandomKey key = rf_pixel_key( rf_pass_key( 99, (uint32_t)k, 0, 0 ), (uint32_t)i );
         int hits = 0;
         for ( uint32_t s = 0; s < 16; ++s )
         {
-            RfVec3 o = rf_pinhole_origin( eye ), d = rf_pinhole_ray( eye, 1.0f / eye->focal, i % WIDTH, i / WIDTH,
-                                                                     rf_random( key, 2 * s ), rf_random( key, 2 * s + 1 ) );
+            RfVec3 o = rf_pinhole_origin( eye ),
+                   d = rf_pinhole_ray( eye, inverse, i % WIDTH, i / WIDTH, rf_random( key, 2 * s ), rf_random( key, 2 * s + 1 ) );
             const float *from[3] = { &o.x, &o.y, &o.z }, *way[3] = { &d.x, &d.y, &d.z };
             uint32_t triangle;
             float u, v;

@@ -164,12 +164,14 @@ static void test_header_and_json_agree( void** state )
     cli_expect( cli_run( "$R render $VASE -o h.####.exr --frames 2,3 --noise 0.05 --json h.json " SMALL ), 0, NULL );
     json_t* json = cli_read_json( "h.json" );
     static const char* const keys[][2] = { { "reframe/relmse-estimate", "relmse_estimate" },
+                                           { "reframe/relmse-likely", "relmse_likely" },
+                                           { "reframe/worst-ten-share", "worst_ten_share" },
                                            { "reframe/native-spp", "native_spp" },
                                            { "reframe/effective-spp", "effective_spp" } };
     char path[512], value[64];
     snprintf( path, sizeof path, "%s/h.0003.exr", cli_folder() );
     RfError error;
-    for ( size_t i = 0; i < 3; ++i )
+    for ( size_t i = 0; i < sizeof keys / sizeof keys[0]; ++i )
     {
         assert_int_equal( rf_read_exr_string( path, keys[i][0], value, sizeof value, &error ), RF_OK );
         double wanted = number( frame_of( json, 1 ), keys[i][1] );

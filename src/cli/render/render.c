@@ -1,6 +1,7 @@
 // reframe render: from a scene and a camera path to EXR files.
 #include "cli/commands.h"
 #include "cli/options/frame_list.h"
+#include "cli/options/shot.h"
 #include "cli/render/interrupt.h"
 #include "cli/render/progress.h"
 #include "cli/render/render_json.h"
@@ -26,11 +27,14 @@ typedef struct Job
     RfRenderSettings asked; // before they were resolved
     RfMemoryFit fit;
     RfLog log;
+    RfToldWarnings told;
     RfSceneFile file; // options may point into it
     RfScene scene;
     RfCameraPath path;
-    int* frames; // to be rendered, indices from 0
+    int* frames; // to be written, indices from 0
     int frame_count;
+    int* runs; // of the path that hold them: to be rendered
+    int run_count;
     int* kept; // by --resume, likewise
     int kept_count;
     RfTracer* tracer;
@@ -40,8 +44,12 @@ typedef struct Job
     int frames_done;
     bool told_black;   // the warning comes once
     double relmse_sum; // of the finished frames' estimates
+    double likely_sum; // and of their best guesses
+    int lower_bounds;  // among them
     double worst_relmse;
-    int worst_frame; // from 0
+    int worst_frame; // its number
+    int missed;      // frames above --noise
+    bool worst_is_lower_bound;
     json_t* frames_json;
     double start, seconds_scene; // monotonic time of the start; seconds until rays can be traced
     RfRenderStats stats;
@@ -62,8 +70,10 @@ static void destroy_job( Job* job )
     rf_destroy_scene( &job->scene );
     rf_close_scene_file( &job->file );
     free( job->frames );
+    free( job->runs );
     free( job->kept );
     json_decref( job->frames_json );
+    json_decref( job->told.lines );
 }
 
 static RfOutput output_of( const Job* job )
@@ -78,8 +88,8 @@ static RfResult resolve( Job* job, RfError* error )
 {
     job->asked = job->options.settings;
     RfResult result =
-        rf_resolve_settings( job->tracer, job->path.eyes, job->path.count, &job->asked, &job->options.settings, error );
-    return result == RF_OK ? rf_fit_memory( &job->scene, job->path.eyes, job->path.count, job->frame_count,
+        rf_resolve_settings( job->tracer, job->path.runs, job->path.run_count, &job->asked, &job->options.settings, error );
+    return result == RF_OK ? rf_fit_memory( &job->scene, job->path.runs, job->path.run_count, job->run_count,
                                             &job->options.settings, &job->fit, error )
                            : result;
 }
@@ -95,6 +105,18 @@ static RfResult load_scene( Job* job, RfError* error )
     return result == RF_OK ? rf_load_scene_file( &job->file, &job->scene, &job->log, error ) : result;
 }
 
+static RfResult fail_numbers( const Job* job, RfError* error )
+{
+    return rf_fail( error, RF_ERROR_MEMORY, "no memory left for the numbers of %d frames", job->frame_count );
+}
+
+static RfResult find_runs( Job* job, RfError* error )
+{
+    free( job->runs );
+    job->runs = rf_runs_of_frames( &job->path, job->frames, job->frame_count, &job->run_count );
+    return job->runs != NULL ? RF_OK : fail_numbers( job, error );
+}
+
 static RfResult load( Job* job, RfError* error )
 {
     RfResult result = load_scene( job, error );
@@ -102,14 +124,14 @@ static RfResult load( Job* job, RfError* error )
         result = rf_create_camera_path( &job->scene, job->options.camera, job->options.fps, job->options.size.width,
                                         job->options.size.height, &job->path, error );
     if ( result == RF_OK )
-        result = rf_choose_frames( job->options.frames, &job->file, job->path.count, &job->frames, &job->frame_count, error );
+        result = rf_choose_frames( job->options.frames, &job->file, &job->path, &job->frames, &job->frame_count, error );
     if ( result != RF_OK )
         return result;
     int asked_count = job->frame_count;
     job->kept = malloc( (size_t)asked_count * sizeof( int ) );
-    if ( job->kept == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "no memory left for the numbers of %d frames", asked_count );
-    result = rf_create_tracer( &job->scene, &job->tracer, error );
+    result = job->kept != NULL ? find_runs( job, error ) : fail_numbers( job, error );
+    if ( result == RF_OK )
+        result = rf_create_tracer( &job->scene, &job->tracer, error );
     if ( result == RF_OK )
         result = resolve( job, error );
     if ( result != RF_OK )
@@ -117,23 +139,28 @@ static RfResult load( Job* job, RfError* error )
     job->output = output_of( job );
     result = rf_prepare_output( &job->output, &job->options, job->frames, &job->frame_count, job->kept, error );
     job->kept_count = asked_count - job->frame_count;
-    if ( result == RF_OK && !job->options.quiet )
-        rf_tell_settings( &job->asked, &job->options.settings, &job->fit, job->path.count );
-    return result;
+    if ( result == RF_OK )
+        result = find_runs( job, error ); // of what is left
+    if ( result != RF_OK || job->options.quiet )
+        return result;
+    rf_tell_settings( &job->asked, &job->options.settings, &job->fit, job->path.run_count );
+    rf_tell_runs( &job->path, job->frames, job->frame_count, job->run_count );
+    return RF_OK;
 }
 
 // A single pass gives no estimate of its variance.
 static void warn_of_variance( Job* job )
 {
     const RfRenderSettings* s = &job->options.settings;
-    RfGroupPlan plan = rf_plan_groups( job->path.count, s->group, s->spp );
+    RfGroupPlan plan = rf_plan_groups( job->path.run_count, s->group, s->spp );
     if ( ( s->aovs & RF_AOV_BIT( RF_AOV_VARIANCE ) ) == 0 || s->noise > 0.0 || s->time > 0.0 ) // never a single pass
         return;
     for ( int i = 0; i < job->frame_count; ++i )
     {
-        if ( rf_frame_passes( &plan, job->frames[i] ) > 1 )
+        if ( rf_frame_passes( &plan, job->path.run_of_frame[job->frames[i]] ) > 1 )
             continue;
-        rf_warn( &job->log, "--aov variance: will be 0 in frame %d, which has one pass only: raise --spp", job->frames[i] + 1 );
+        rf_warn( &job->log, "--aov variance: will be 0 in frame %d, which has one pass only: raise --spp",
+                 rf_frame_number( &job->path, job->frames[i] ) );
         return;
     }
 }
@@ -164,16 +191,20 @@ static void warn_if_black( Job* job, const RfFrameResult* result )
     job->told_black = true;
     rf_clear_progress( &job->line );
     rf_warn( &job->log, "%s: frame %d is black, no light reaches the camera: is it inside a wall, or looking away?",
-             job->options.scene, result->frame + 1 );
+             job->options.scene, rf_frame_number( &job->path, result->frame ) );
 }
 
 static void note_relmse( Job* job, const RfFrameResult* result )
 {
     job->relmse_sum += result->relmse_estimate;
-    if ( job->frames_done > 1 && result->relmse_estimate <= job->worst_relmse )
+    job->likely_sum += result->relmse_likely;
+    job->lower_bounds += result->relmse_is_lower_bound;
+    job->missed += !result->reached;
+    if ( job->frames_done > 1 && result->relmse_likely <= job->worst_relmse )
         return;
-    job->worst_relmse = result->relmse_estimate;
-    job->worst_frame = result->frame;
+    job->worst_relmse = result->relmse_likely;
+    job->worst_frame = rf_frame_number( &job->path, result->frame );
+    job->worst_is_lower_bound = result->relmse_is_lower_bound;
 }
 
 // Warns where --noise or --time was not met.
@@ -181,19 +212,17 @@ static void warn_of_stop( Job* job )
 {
     const RfRenderSettings* s = &job->options.settings;
     if ( job->stats.missed > 0 )
-        rf_warn( &job->log, "--noise %g: not reached in %d of %d frames, frame %d has %.3g: allow more %s", s->noise,
-                 job->stats.missed, job->frame_count, job->worst_frame + 1, job->worst_relmse,
-                 s->time > 0.0 ? "--time or --spp" : "--spp" );
+        rf_warn( &job->log, "--noise %g: not reached in %d of %d frames, frame %d %shas %.3g: allow more %s", s->noise,
+                 job->stats.missed, job->frame_count, job->worst_frame, job->worst_is_lower_bound ? "likely " : "",
+                 job->worst_relmse, s->time > 0.0 ? "--time or --spp" : "--spp" );
     if ( job->stats.hurried )
         rf_warn( &job->log,
                  "--time %g: too short for this size and these groups: the least, 2 samples per pixel, took %.3g s a frame",
-                 s->time, job->stats.seconds / job->frame_count );
+                 s->time, job->stats.seconds / job->run_count );
 }
 
-// Called in the thread that writes.
-static RfResult on_frame( void* user, const RfFrameResult* result, RfError* error )
+static RfResult write_frame( Job* job, const RfFrameResult* result, int same_as, RfError* error )
 {
-    Job* job = user;
     RfResult written = rf_write_frame( &job->output, result, error );
     if ( written != RF_OK )
         return written;
@@ -201,9 +230,28 @@ static RfResult on_frame( void* user, const RfFrameResult* result, RfError* erro
     ++job->frames_done;
     note_relmse( job, result );
     warn_if_black( job, result );
-    rf_show_frame( &job->line, result, job->frames_done, job->frame_count, now() - job->start - job->seconds_scene );
+    rf_show_frame( &job->line, result, rf_frame_number( &job->path, result->frame ), job->frames_done, job->frame_count,
+                   now() - job->start - job->seconds_scene );
     pthread_mutex_unlock( &job->speech );
-    json_array_append_new( job->frames_json, rf_frame_json( result, job->options.settings.noise, false ) );
+    json_array_append_new( job->frames_json, rf_frame_json( result, &job->path, job->options.settings.noise, same_as ) );
+    return RF_OK;
+}
+
+// A finished run: every frame of it that is wanted gets the picture. Called in the thread that writes.
+static RfResult on_run( void* user, const RfFrameResult* run, RfError* error )
+{
+    Job* job = user;
+    RfFrameResult frame = *run;
+    int same_as = -1;
+    while ( job->frames_done < job->frame_count && job->path.run_of_frame[job->frames[job->frames_done]] == run->frame )
+    {
+        frame.frame = job->frames[job->frames_done];
+        RfResult result = write_frame( job, &frame, same_as, error );
+        if ( result != RF_OK )
+            return result;
+        same_as = same_as < 0 ? frame.frame : same_as;
+        frame.seconds = 0.0; // rendered once
+    }
     return RF_OK;
 }
 
@@ -221,9 +269,10 @@ static RfResult render( Job* job, RfError* error )
     if ( rf_is_interrupted() )
         return rf_fail( error, RF_ERROR_INTERRUPTED, "interrupted before the first frame" );
     job->line = rf_create_progress_line( job->options.quiet );
-    RfRenderCallbacks callbacks = { .user = job, .frame = on_frame, .progress = on_progress };
-    RfResult result = rf_render( job->tracer, job->path.eyes, job->path.count, job->frames, job->frame_count,
+    RfRenderCallbacks callbacks = { .user = job, .frame = on_run, .progress = on_progress };
+    RfResult result = rf_render( job->tracer, job->path.runs, job->path.run_count, job->runs, job->run_count,
                                  &job->options.settings, &callbacks, &job->stats, error );
+    job->stats.missed = job->missed; // of frames, not of runs
     rf_clear_progress( &job->line );
     if ( result == RF_ERROR_INTERRUPTED )
         return rf_fail( error, result, "interrupted: %d of %d frames are finished and kept, %s goes on",
@@ -240,10 +289,22 @@ static RfResult write_json( const Job* job, bool interrupted, RfError* error )
     RfRenderRun run = { .stats = &job->stats,
                         .seconds = now() - job->start,
                         .seconds_scene = job->seconds_scene,
-                        .frames = rf_join_kept_frames( options, job->kept, job->kept_count, job->frames_json ),
+                        .frames = rf_join_kept_frames( options, &job->path, job->kept, job->kept_count, job->frames_json ),
                         .kept = job->kept_count,
+                        .warnings = job->told.lines,
+                        .repeated = job->frame_count - job->run_count,
                         .interrupted = interrupted };
     return rf_write_json( options->json, rf_render_json( options, &job->scene, &run ), error );
+}
+
+// Mean over the frames.
+static void print_relmse( const Job* job )
+{
+    double told = job->relmse_sum / job->frame_count, likely = job->likely_sum / job->frame_count;
+    if ( job->lower_bounds > 0 )
+        printf( ", relMSE at least %.3g, likely %.3g by its estimate", told, likely );
+    else
+        printf( ", relMSE %.3g by its estimate", told );
 }
 
 static RfResult report( Job* job, RfError* error )
@@ -252,9 +313,9 @@ static RfResult report( Job* job, RfError* error )
     const char* json_name = job->options.json;
     if ( json_name == NULL || strcmp( json_name, "-" ) != 0 )
     {
-        printf( "%d frame%s in %s, %.1f s", job->frame_count, job->frame_count == 1 ? "" : "s", job->options.output, seconds );
+        rf_print( "%d frame%s in %s, %.1f s", job->frame_count, job->frame_count == 1 ? "" : "s", job->options.output, seconds );
         if ( job->frame_count > 0 && isfinite( job->relmse_sum ) )
-            printf( ", relMSE %.3g by its estimate", job->relmse_sum / job->frame_count );
+            print_relmse( job );
         if ( job->kept_count > 0 )
             printf( "; %d kept from before", job->kept_count );
         printf( "\n" );
@@ -273,6 +334,8 @@ static RfResult run( Job* job, RfError* error )
     job->stats = ( RfRenderStats ){ .group = job->options.settings.group, .spp = job->options.settings.spp };
     if ( result == RF_OK && job->frame_count > 0 )
         result = render( job, error );
+    if ( result == RF_OK )
+        rf_clean_output_folder( job->options.output );
     if ( result == RF_ERROR_INTERRUPTED && job->options.json != NULL )
     {
         RfResult written = write_json( job, true, error ); // `error` keeps the line about the interruption
@@ -286,8 +349,9 @@ int rf_command_render( int argc, char** argv )
     RfError error;
     bool help;
     Job job = {
-        .argc = argc, .argv = argv, .log = rf_stderr_log( "render" ), .speech = PTHREAD_MUTEX_INITIALIZER, .start = now()
+        .argc = argc, .argv = argv, .told = { "render", json_array() }, .speech = PTHREAD_MUTEX_INITIALIZER, .start = now()
     };
+    job.log = rf_keeping_log( &job.told );
     RfResult result = rf_parse_render_options( argc, argv, &job.options, &help, &error );
     if ( result == RF_OK && help )
     {

@@ -1,5 +1,6 @@
 #include "cli/render/render_settings.h"
 
+#include "base/system.h"
 #include "render/groups.h"
 
 #include <stdio.h>
@@ -15,10 +16,33 @@ void rf_tell_settings( const RfRenderSettings* asked, const RfRenderSettings* us
         fprintf( stderr, "reframe render: --spp %d rounded %s to %d: %d groups of %d frames hold a frame, %d sample%s in each\n",
                  asked->spp, used->spp > asked->spp ? "up" : "down", used->spp, plan.eyes, plan.eyes, plan.passes,
                  plan.passes == 1 ? "" : "s" );
+    char memory[RF_BYTES_TEXT_SIZE];
+    rf_format_memory( used->memory, memory );
     if ( fit->threads < used->threads )
-        fprintf( stderr, "reframe render: --memory %zuK is enough for %d of %d threads\n", used->memory / 1024, fit->threads,
-                 used->threads );
+        fprintf( stderr, "reframe render: %s of memory are enough for %d of %d threads\n", memory, fit->threads, used->threads );
     if ( fit->sweeps > 1 )
-        fprintf( stderr, "reframe render: --memory %zuK holds the films of %d frame%s: the path is gone through %d times\n",
-                 used->memory / 1024, fit->films, fit->films == 1 ? "" : "s", fit->sweeps );
+        fprintf( stderr, "reframe render: %s of memory hold the films of %d frame%s: the path is gone through %d times\n", memory,
+                 fit->films, fit->films == 1 ? "" : "s", fit->sweeps );
+}
+
+void rf_tell_runs( const RfCameraPath* path, const int* frames, int frame_count, int run_count )
+{
+    int stretches = 0, first = 0, last = 0;
+    if ( run_count == frame_count )
+        return;
+    for ( int i = 1; i < frame_count; ++i )
+    {
+        if ( path->run_of_frame[frames[i]] != path->run_of_frame[frames[i - 1]] )
+            continue;
+        bool begins = i == 1 || path->run_of_frame[frames[i - 1]] != path->run_of_frame[frames[i - 2]];
+        stretches += begins;
+        first = begins && stretches == 1 ? frames[i - 1] : first;
+        last = stretches == 1 ? frames[i] : last;
+    }
+    char more[48] = "";
+    if ( stretches > 1 )
+        snprintf( more, sizeof more, " and %d more times", stretches - 1 );
+    fprintf( stderr,
+             "reframe render: the camera stands still in frames %d to %d%s: equal frames are rendered once, %d of %d in all\n",
+             rf_frame_number( path, first ), rf_frame_number( path, last ), more, run_count, frame_count );
 }

@@ -1,5 +1,6 @@
 #include "scene/gltf/gltf.h"
 
+#include "base/blend_file.h"
 #include "base/file.h"
 #include "scene/gltf/glb.h"
 #include "scene/gltf/gltf_document.h"
@@ -29,6 +30,9 @@ static RfResult open_document( RfGltf* gltf )
     if ( result != RF_OK )
         return result;
     gltf->scene->content_hash = rf_hash_bytes( RF_HASH_START, gltf->file, gltf->file_size );
+    result = rf_refuse_blend_file( gltf->path, gltf->file, gltf->file_size, gltf->error );
+    if ( result != RF_OK )
+        return result;
     if ( rf_is_glb( gltf->file, gltf->file_size ) == false )
         return parse( gltf, (const char*)gltf->file, gltf->file_size );
 
@@ -97,6 +101,8 @@ static RfResult read_document( RfGltf* gltf )
         result = rf_gltf_load_meshes( gltf );
     if ( result == RF_OK )
         result = rf_gltf_load_images( gltf );
+    if ( result == RF_OK )
+        rf_gltf_warn_of_moving( gltf );
     return result == RF_OK ? rf_gltf_notice_unread( gltf ) : result;
 }
 
