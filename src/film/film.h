@@ -64,6 +64,10 @@ void rf_combine_film( const RfFilm* film, RfFilmCombine combine, float* rgb, flo
 // The same for pixels [first, first + count) only.
 void rf_combine_film_pixels( const RfFilm* film, RfFilmCombine combine, size_t first, size_t count, float* rgb, float* weight );
 
+// Coverage of the pixels by what camera rays hit, combined like the colour. `sky`: the weight of the rays that missed,
+// a plane of pixels for each half.
+void rf_combine_alpha( const RfFilm* film, RfFilmCombine combine, const float* sky, float* alpha );
+
 // Variance of the pixels of the combined film, 3 channels each, estimated from the difference of
 // the halves: unbiased, but noisy, since each pixel has one such difference. 0 where a half
 // is empty.

@@ -3,6 +3,7 @@
 
 #include "output/frame_aovs.h"
 #include "output/frame_difference.h"
+#include "scene/eye.h"
 #include "scene/scene.h"
 
 #include <math.h>
@@ -199,7 +200,7 @@ RfResult rf_write_frame( const RfOutput* output, const RfFrameResult* frame, RfE
     exr.has_camera = true;
     const RfEye* eye = output->path->eyes + frame->frame;
     exr.pixel_aspect = eye->focal / eye->focal_x;
-    rf_eye_matrices( eye, exr.world_to_camera, exr.world_to_ndc );
+    rf_eye_matrices_around( eye, output->path->origin, exr.world_to_camera, exr.world_to_ndc );
     exr.strings = attributes.strings;
     exr.string_count = attributes.count;
     exr.channels = aovs.channels;

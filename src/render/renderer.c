@@ -9,6 +9,12 @@ RfPass rf_make_pass( const RfEstimatorGroup* estimator_group, const RfGroup* gro
     return ( RfPass ){ estimator_group, number, rf_half_of_pass( group, number ), group->weight };
 }
 
+static float* sky_of_half( const RfRenderer* r, const RfLiveFilm* live, int half )
+{
+    float* sky = live->aovs.mean[RF_AOV_ALPHA];
+    return sky != NULL ? sky + (size_t)half * (size_t)r->sizes.width * (size_t)r->sizes.height : NULL;
+}
+
 RfAccumulateJob rf_accumulate_job( const RfRenderer* r, RfLiveFilm* live, const RfPass* pass, int band, int bands )
 {
     return ( RfAccumulateJob ){
@@ -19,6 +25,7 @@ RfAccumulateJob rf_accumulate_job( const RfRenderer* r, RfLiveFilm* live, const 
         .half = pass->half,
         .weight = (float)pass->weight,
         .landed = live->aovs.landed,
+        .sky = sky_of_half( r, live, pass->half ),
         .pass_state = live->pass_state,
     };
 }

@@ -384,4 +384,7 @@ RfResult rf_gltf_instance_matrix( const RfGltf* gltf, const RfGltfInstances* ins
 // Bakes the meshes of all nodes of the default scene (gltf_mesh.c).
 RfResult rf_gltf_load_meshes( RfGltf* gltf );
 
+// True if the scene lies so far out that it is to be loaded around another origin, which is set (gltf_origin.c).
+bool rf_gltf_find_origin( const RfScene* scene, double origin[3] );
+
 #endif
