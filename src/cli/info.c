@@ -62,12 +62,12 @@ static RfResult gather( const RfScene* scene, Facts* facts, RfError* error )
 
 static void print_cameras( const Facts* facts )
 {
-    printf( "cameras    %d\n", facts->scene.cameras );
+    rf_print( "cameras    %d\n", facts->scene.cameras );
     for ( int i = 0; i < facts->scene.cameras; ++i )
     {
         const RfCameraInfo* c = facts->cameras + i;
-        printf( "  %s: %d frame%s at %g frames/s, %s\n", c->name, c->frames, c->frames == 1 ? "" : "s",
-                (double)s_fps.numerator / (double)s_fps.denominator, c->animated ? "animated" : "stands still" );
+        rf_print( "  %s: %d frame%s at %g frames/s, %s\n", c->name, c->frames, c->frames == 1 ? "" : "s",
+                  (double)s_fps.numerator / (double)s_fps.denominator, c->animated ? "animated" : "stands still" );
     }
 }
 
@@ -75,26 +75,26 @@ static void print_effects( const RfScene* scene )
 {
     RfEffect effects[RF_MAX_EFFECTS];
     int count = rf_list_effects( scene, effects );
-    printf( "effects\n" );
+    rf_print( "effects\n" );
     for ( int i = 0; i < count; ++i )
-        printf( "  %-3s  %-22s%s\n", effects[i].on ? "on" : "off", effects[i].name, effects[i].why );
+        rf_print( "  %-3s  %-22s%s\n", effects[i].on ? "on" : "off", effects[i].name, effects[i].why );
 }
 
 static void print_info( const RfScene* scene, const Facts* facts )
 {
     const RfSceneInfo* s = &facts->scene;
-    printf( "%s\n", s->path );
-    printf( "triangles  %u\n", s->triangles );
-    printf( "instances  %u\n", s->instances );
-    printf( "materials  %u\n", s->materials );
-    printf( "lights     %u", s->lights );
+    rf_print( "%s\n", s->path );
+    rf_print( "triangles  %u\n", s->triangles );
+    rf_print( "instances  %u\n", s->instances );
+    rf_print( "materials  %u\n", s->materials );
+    rf_print( "lights     %u", s->lights );
     if ( s->lights > 0 )
-        printf( " (emitting triangles %u, %.4g m2; lamps without size %d; sky %s)", s->emitting_triangles, s->emitting_area,
-                s->punctual_lights, s->has_sky ? "yes" : "no" );
-    printf( "\n" );
+        rf_print( " (emitting triangles %u, %.4g m2; lamps without size %d; sky %s)", s->emitting_triangles, s->emitting_area,
+                  s->punctual_lights, s->has_sky ? "yes" : "no" );
+    rf_print( "\n" );
     if ( s->triangles > 0 )
-        printf( "bounds     %.4g %.4g %.4g to %.4g %.4g %.4g\n", s->bounds_min.x, s->bounds_min.y, s->bounds_min.z,
-                s->bounds_max.x, s->bounds_max.y, s->bounds_max.z );
+        rf_print( "bounds     %.4g %.4g %.4g to %.4g %.4g %.4g\n", s->bounds_min.x, s->bounds_min.y, s->bounds_min.z,
+                  s->bounds_max.x, s->bounds_max.y, s->bounds_max.z );
     print_cameras( facts );
     print_effects( scene );
 }

@@ -30,7 +30,8 @@ void rf_print_manual_head( FILE* file )
            "of a group that see its first hit, combined by multiple importance sampling without bias.\n"
            ".PP\n"
            "Options may stand in any order; long ones take \\fB\\-\\-name value\\fR or \\fB\\-\\-name=value\\fR, those in\n"
-           "\\fB[no\\-]\\fR have a form with and one without it. In names of frames #### is the frame's number.\n",
+           "\\fB[no\\-]\\fR have a form with and one without it. In names of frames #### is the frame's number, and\n"
+           "%04d the same.\n",
            file );
 }
 
@@ -148,6 +149,7 @@ void rf_print_manual_tail( FILE* file )
            "reframe flicker out/shot.####.exr \\-\\-reference reference.####.exr \\-\\-png slit.png\n"
            "reframe report out \\-\\-reference reference \\-o report.html\n"
            "reframe png out/shot.0012.exr shot.png \\-\\-exposure 1\n"
+           "reframe png out png/shot.####.png \\-\\-layer depth.Z\n"
            ".EE\n",
            file );
 }

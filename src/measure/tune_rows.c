@@ -2,6 +2,7 @@
 #include "measure/tune_internal.h"
 
 #include "base/remedy.h"
+#include "base/system.h"
 #include "render/groups.h"
 #include "reframe/plan.h"
 
@@ -86,9 +87,11 @@ static RfResult fail_memory( const RfTuneJob* job, const RfTune* tune, size_t me
     size_t least = tune->rows[0].fit.least;
     for ( int i = 1; i < tune->count; ++i )
         least = tune->rows[i].fit.least < least ? tune->rows[i].fit.least : least;
+    char text[RF_BYTES_TEXT_SIZE];
+    rf_format_memory( memory, text );
     return rf_advise( rf_fail( error, RF_ERROR_MEMORY,
-                               "a budget of %zu KiB is too small for frames of %dx%d, whatever the group and the tile",
-                               memory / 1024, job->eyes->width, job->eyes->height ),
+                               "a budget of %s is too small for frames of %dx%d, whatever the group and the tile", text,
+                               job->eyes->width, job->eyes->height ),
                       RF_REMEDY_MEMORY, least, error );
 }
 

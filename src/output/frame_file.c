@@ -2,11 +2,13 @@
 #include "reframe/output.h"
 
 #include "output/frame_aovs.h"
+#include "output/frame_difference.h"
 #include "scene/scene.h"
 
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
+#include <string.h>
 
 #define MAX_NAME 4096
 #define TEXT_SIZE RF_AOVS_TEXT_SIZE // the longest text that is made here
@@ -189,4 +191,84 @@ RfResult rf_write_frame( const RfOutput* output, const RfFrameResult* frame, RfE
     // The writer only reads the pixels; RfImage has no const flavour.
     RfImage image = { .width = frame->width, .height = frame->height, .rgb = (float*)frame->rgb };
     return rf_write_exr( name, &image, &exr, error );
+}
+
+// A value as the option takes it: adaptive sampling that is on is "yes" in files.
+static const char* option_value( Key key, const char* value )
+{
+    return key == ADAPTIVE && strcmp( value, "yes" ) == 0 ? rf_adaptive_name( RF_ADAPTIVE_ON ) : value;
+}
+
+// What a key that is not in a file stands for.
+static const char* absent_value( Key key )
+{
+    switch ( key )
+    {
+        case ADAPTIVE: return rf_adaptive_name( RF_ADAPTIVE_OFF );
+        case NOISE:
+        case TIME: return "0";
+        case AOV: return "none";
+        case ESTIMATOR: return rf_estimator_name( rf_default_render_settings().estimator );
+        default: return "";
+    }
+}
+
+static void add_difference( RfFrameDifference* list, int* count, const char* name, const char* there, const char* here )
+{
+    if ( *count == RF_MAX_DIFFERENCES || strcmp( there, here ) == 0 )
+        return;
+    RfFrameDifference* difference = list + ( *count )++;
+    difference->name = name;
+    snprintf( difference->there, sizeof difference->there, "%s", there );
+    snprintf( difference->here, sizeof difference->here, "%s", here );
+}
+
+static void add_size( const RfOutput* output, const char* name, RfFrameDifference* list, int* count )
+{
+    const RfEye* eye = output->path->eyes;
+    char there[32], here[32];
+    RfImage image;
+    if ( rf_read_exr( name, &image, NULL ) != RF_OK )
+        return;
+    snprintf( there, sizeof there, "%dx%d", image.width, image.height );
+    snprintf( here, sizeof here, "%dx%d", eye->width, eye->height );
+    rf_destroy_image( &image );
+    add_difference( list, count, "size", there, here );
+}
+
+// It is in no header, but in the fingerprint.
+static void add_roulette( const RfOutput* output, const char* name, int frame, RfFrameDifference* list, int* count )
+{
+    char found[64], fingerprint[RF_FINGERPRINT_SIZE];
+    RfOutput other = *output;
+    bool here = output->settings.tile_roulette;
+    other.settings.tile_roulette = !here;
+    rf_frame_fingerprint( &other, frame, fingerprint );
+    if ( rf_read_exr_string( name, s_names[FINGERPRINT], found, sizeof found, NULL ) == RF_OK &&
+         strcmp( found, fingerprint ) == 0 )
+        add_difference( list, count, "tile-roulette", here ? "no" : "yes", here ? "yes" : "no" );
+}
+
+int rf_list_frame_differences( const RfOutput* output, int frame, RfFrameDifference list[RF_MAX_DIFFERENCES] )
+{
+    static const Key keys[] = { VERSION, FRAME,     CAMERA,        FRAMES,   GROUP, SPP,  TILE, WEIGHTS,  NORMALIZE,
+                                SEED,    MAX_DEPTH, LIGHT_SAMPLES, ADAPTIVE, NOISE, TIME, AOV,  ESTIMATOR };
+    char name[MAX_NAME], there[RF_DIFFERENCE_SIZE];
+    int count = 0;
+    Attributes wanted;
+    RfFrameResult none = { .frame = frame };
+    list_attributes( output, &none, &wanted );
+    if ( rf_sequence_name( output->pattern, frame + 1, name, sizeof name, NULL ) != RF_OK )
+        return 0;
+    for ( size_t i = 0; i < sizeof keys / sizeof keys[0]; ++i )
+    {
+        const char* here = wanted.values[keys[i]];
+        bool is_there = rf_read_exr_string( name, s_names[keys[i]], there, sizeof there, NULL ) == RF_OK;
+        add_difference( list, &count, s_names[keys[i]] + strlen( "reframe/" ),
+                        is_there ? option_value( keys[i], there ) : absent_value( keys[i] ),
+                        here != NULL ? option_value( keys[i], here ) : absent_value( keys[i] ) );
+    }
+    add_size( output, name, list, &count );
+    add_roulette( output, name, frame, list, &count );
+    return count;
 }

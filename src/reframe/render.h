@@ -190,7 +190,7 @@ typedef struct RfFrameResult
     const float* weight;             // width × height: the mean of the summed weights B; E[B] = 1 with exact
                                      // weights, else hits per pass
     const float* aovs[RF_AOV_COUNT]; // rf_aov_channels × width × height; NULL: not asked for
-    double seconds;                  // wall time since the frame before it
+    double seconds;                  // wall time since the frames before it; those that a group finishes together share it
     double relmse_estimate;          // from two halves of the samples; NaN with a single pass
     bool relmse_is_lower_bound;      // the estimate is what the relMSE is at least: more is not known
     double relmse_likely;            // the best guess: the estimate, or above it where that is a lower bound

@@ -61,7 +61,8 @@ static void finish_aovs( const RfRenderer* r, const RfLiveFilm* live, RfFrameBuf
     }
 }
 
-static RfResult finish_film( RfRenderer* r, RfLiveFilm* live, RfError* error )
+// `shared` are the seconds that the frame has of those which its group took.
+static RfResult finish_film( RfRenderer* r, RfLiveFilm* live, double shared, RfError* error )
 {
     const RfFilm* film = live->films;
     RfFrameBuffer* buffer = rf_next_frame_buffer( &r->queue );
@@ -73,7 +74,7 @@ static RfResult finish_film( RfRenderer* r, RfLiveFilm* live, RfError* error )
         .height = r->sizes.height,
         .rgb = buffer->rgb,
         .weight = buffer->weight,
-        .seconds = now - r->last_frame,
+        .seconds = shared + ( now - r->last_frame ),
         .relmse_estimate = rf_told_relmse( &relmse ),
         .relmse_is_lower_bound = relmse.is_lower_bound,
         .relmse_likely = relmse.likely,
@@ -93,16 +94,36 @@ static RfResult finish_film( RfRenderer* r, RfLiveFilm* live, RfError* error )
     return rf_check_frame_queue( &r->queue, error );
 }
 
+// Is this the last group of a frame that was asked for?
+static bool is_closed_by( const RfRenderer* r, int number, int frame )
+{
+    int first, last;
+    rf_groups_of_frame( &r->plan, frame, &first, &last );
+    return last == number && asked_for( r, frame );
+}
+
+// The time of a group that finishes several frames is shared among them equally.
+static double share_seconds( RfRenderer* r, int number, RfGroup group )
+{
+    int count = 0;
+    for ( int frame = group.first; frame < group.first + group.eyes; ++frame )
+        count += is_closed_by( r, number, frame );
+    if ( count == 0 )
+        return 0.0;
+    double now = rf_wall_seconds(), spent = now - r->last_frame;
+    r->last_frame = now;
+    return spent / count;
+}
+
 RfResult rf_close_films( RfRenderer* r, int number, RfError* error )
 {
     RfGroup group = rf_group( &r->plan, number );
+    double shared = share_seconds( r, number, group );
     for ( int frame = group.first; frame < group.first + group.eyes; ++frame )
     {
-        int first, last;
-        rf_groups_of_frame( &r->plan, frame, &first, &last );
-        if ( last != number || !asked_for( r, frame ) )
+        if ( !is_closed_by( r, number, frame ) )
             continue;
-        RfResult result = finish_film( r, rf_find_film( r, frame ), error );
+        RfResult result = finish_film( r, rf_find_film( r, frame ), shared, error );
         if ( result != RF_OK )
             return result;
     }

@@ -103,7 +103,7 @@ RfResult rf_resolve_common( const RfEye* eyes, int eye_count, const RfRenderSett
     if ( resolved->threads < 1 )
         resolved->threads = rf_core_count();
     if ( resolved->memory == 0 )
-        resolved->memory = rf_free_memory() / 2;
+        resolved->memory = ( rf_free_memory() / 2 ) >> 20 << 20; // whole MiB, as users are told
     // the biased weightings count hits, whose expectation is unknown: only the ratio makes sense
     if ( resolved->weights != RF_WEIGHTS_EXACT )
         resolved->normalize = RF_NORMALIZE_RATIO;

@@ -9,6 +9,7 @@
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include <cmocka.h>
 
@@ -147,6 +148,35 @@ static void test_progress_line_is_short_and_right( void** state )
     assert_string_equal( text, "frame 99999/99999  50 %  99:59:59 spent  99:59:59 left  relMSE 1.2e-05" );
 }
 
+// Where standard error is a pipe: a plain line every ten seconds, from the start.
+static void test_progress_off_a_terminal( void** state )
+{
+    (void)state;
+    char text[512];
+    FILE* log = tmpfile();
+    int terminal = dup( STDERR_FILENO );
+    assert_true( log != NULL && terminal >= 0 );
+    dup2( fileno( log ), STDERR_FILENO );
+    RfProgressLine line = rf_create_progress_line( false ), quiet = rf_create_progress_line( true );
+    static const double seconds[] = { 0.1, 5.0, 9.9, 10.2, 15.0, 20.1, 20.3, 46.5, 48.0 };
+    for ( size_t i = 0; i < sizeof seconds / sizeof seconds[0]; ++i )
+    {
+        RfProgress progress = { .frames_all = 25, .share = seconds[i] / 50.0, .samples = 1e6, .seconds = seconds[i] };
+        rf_show_progress( &line, &progress );
+        rf_show_progress( &quiet, &progress );
+    }
+    rf_clear_progress( &line );
+    fflush( stderr );
+    dup2( terminal, STDERR_FILENO );
+    close( terminal );
+    rewind( log );
+    text[fread( text, 1, sizeof text - 1, log )] = '\0';
+    fclose( log );
+    assert_string_equal( text, "frame 1/25  20 %  0:10 spent  0:40 left  98 k samples/s\n"
+                               "frame 1/25  40 %  0:20 spent  0:30 left  49 k samples/s\n"
+                               "frame 1/25  93 %  0:46 spent  0:04 left  22 k samples/s\n" );
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
@@ -154,6 +184,7 @@ int main( void )
         cmocka_unit_test( test_matrices_project_as_the_eye_does ),
         cmocka_unit_test( test_fingerprints_change_with_every_setting ),
         cmocka_unit_test( test_progress_line_is_short_and_right ),
+        cmocka_unit_test( test_progress_off_a_terminal ),
     };
     return cmocka_run_group_tests_name( "cli parts", tests, NULL, NULL );
 }

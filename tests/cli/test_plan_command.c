@@ -144,7 +144,7 @@ static void test_rows_without_room( void** state )
     const char* why = json_string_value( json_object_get( last, "excluded" ) );
     char expected[96];
     json_int_t least = json_integer_value( json_object_get( last, "bytes_least" ) );
-    snprintf( expected, sizeof expected, "does not fit the memory, the least is %dK", (int)( least / 1024 ) );
+    snprintf( expected, sizeof expected, "does not fit the memory, the least is %dM", (int)( ( least + 1048575 ) / 1048576 ) );
     assert_string_equal( why, expected );
     assert_true( is_null( last, "predicted_gain" ) && is_null( last, "seconds" ) &&
                  is_null( json_object_get( last, "rays" ), "path" ) );

@@ -32,7 +32,7 @@ const char* rf_tell_excluded( const char* excluded, const RfMemoryFit* fit, char
     if ( excluded == NULL )
         return NULL;
     bool fits = fit->films > 0;
-    snprintf( text, size, fits ? "%s" : "%s, the least is %zuK", excluded, fit->least / 1024 );
+    snprintf( text, size, fits ? "%s" : "%s, the least is %zuM", excluded, rf_whole_mib( fit->least ) );
     return text;
 }
 

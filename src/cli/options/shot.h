@@ -27,7 +27,7 @@ RfResult rf_load_shot( const char* command, const RfRenderOptions* options, RfTa
 void rf_destroy_shot( RfShot* shot );
 
 // Why a row of a plan is excluded, with the least budget where it does not fit: "does
-// not fit the memory, the least is 2644K". NULL where it is not left out.
+// not fit the memory, the least is 3M". NULL where it is not left out.
 const char* rf_tell_excluded( const char* excluded, const RfMemoryFit* fit, char* text, size_t size );
 
 #endif

@@ -5,7 +5,8 @@
 #include <string.h>
 #include <unistd.h>
 
-#define COLUMNS 80 // of a terminal: the line has fewer
+#define COLUMNS 80       // of a terminal: the line has fewer
+#define LOG_SECONDS 10.0 // between lines where standard error is no terminal
 
 RfProgressLine rf_create_progress_line( bool quiet )
 {
@@ -69,11 +70,17 @@ void rf_clear_progress( RfProgressLine* line )
 
 void rf_show_progress( RfProgressLine* line, const RfProgress* progress )
 {
-    if ( line->quiet || !line->terminal || ( line->shown >= 0.0 && progress->seconds < line->shown + 0.1 ) )
+    double next = line->terminal ? ( line->shown >= 0.0 ? line->shown + 0.1 : 0.0 ) : fmax( line->shown, 0.0 ) + LOG_SECONDS;
+    if ( line->quiet || progress->seconds < next )
         return;
     char text[160];
     rf_format_progress( progress, text, sizeof text );
     line->shown = progress->seconds;
+    if ( !line->terminal )
+    {
+        fprintf( stderr, "%s\n", text );
+        return;
+    }
     // Padded to overwrite the previous line.
     line->width = fprintf( stderr, "\r%-*s", line->width > 1 ? line->width - 1 : 0, text );
     fflush( stderr );

@@ -26,6 +26,7 @@ typedef struct Job
     RfRenderSettings asked; // before they were resolved
     RfMemoryFit fit;
     RfLog log;
+    RfToldWarnings told;
     RfSceneFile file; // options may point into it
     RfScene scene;
     RfCameraPath path;
@@ -67,6 +68,7 @@ static void destroy_job( Job* job )
     free( job->frames );
     free( job->kept );
     json_decref( job->frames_json );
+    json_decref( job->told.lines );
 }
 
 static RfOutput output_of( const Job* job )
@@ -248,6 +250,7 @@ static RfResult write_json( const Job* job, bool interrupted, RfError* error )
                         .seconds_scene = job->seconds_scene,
                         .frames = rf_join_kept_frames( options, job->kept, job->kept_count, job->frames_json ),
                         .kept = job->kept_count,
+                        .warnings = job->told.lines,
                         .interrupted = interrupted };
     return rf_write_json( options->json, rf_render_json( options, &job->scene, &run ), error );
 }
@@ -268,7 +271,7 @@ static RfResult report( Job* job, RfError* error )
     const char* json_name = job->options.json;
     if ( json_name == NULL || strcmp( json_name, "-" ) != 0 )
     {
-        printf( "%d frame%s in %s, %.1f s", job->frame_count, job->frame_count == 1 ? "" : "s", job->options.output, seconds );
+        rf_print( "%d frame%s in %s, %.1f s", job->frame_count, job->frame_count == 1 ? "" : "s", job->options.output, seconds );
         if ( job->frame_count > 0 && isfinite( job->relmse_sum ) )
             print_relmse( job );
         if ( job->kept_count > 0 )
@@ -289,6 +292,8 @@ static RfResult run( Job* job, RfError* error )
     job->stats = ( RfRenderStats ){ .group = job->options.settings.group, .spp = job->options.settings.spp };
     if ( result == RF_OK && job->frame_count > 0 )
         result = render( job, error );
+    if ( result == RF_OK )
+        rf_clean_output_folder( job->options.output );
     if ( result == RF_ERROR_INTERRUPTED && job->options.json != NULL )
     {
         RfResult written = write_json( job, true, error ); // `error` keeps the line about the interruption
@@ -302,8 +307,9 @@ int rf_command_render( int argc, char** argv )
     RfError error;
     bool help;
     Job job = {
-        .argc = argc, .argv = argv, .log = rf_stderr_log( "render" ), .speech = PTHREAD_MUTEX_INITIALIZER, .start = now()
+        .argc = argc, .argv = argv, .told = { "render", json_array() }, .speech = PTHREAD_MUTEX_INITIALIZER, .start = now()
     };
+    job.log = rf_keeping_log( &job.told );
     RfResult result = rf_parse_render_options( argc, argv, &job.options, &help, &error );
     if ( result == RF_OK && help )
     {

@@ -80,6 +80,7 @@ json_t* rf_render_json( const RfRenderOptions* options, const RfScene* scene, co
                               rf_effect_names_json( scene ), "kept_frames", run->kept, "interrupted", run->interrupted );
     RfAdaptive adaptive = options->settings.adaptive;
     json_object_set_new( json, "adaptive", json_boolean( adaptive == RF_ADAPTIVE_ON || stats->adaptive_frames > 0 ) );
+    json_object_set( json, "warnings", run->warnings );
     json_object_set_new( json, "adaptive_mode", json_string( rf_adaptive_name( adaptive ) ) );
     json_object_set_new( json, "adaptive_frames", json_integer( stats->adaptive_frames ) );
     if ( options->settings.noise > 0.0 )

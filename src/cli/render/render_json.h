@@ -19,6 +19,7 @@ typedef struct RfRenderRun
     json_t* frames;                // taken over by rf_render_json
     int kept;                      // of them, from before
     bool interrupted;
+    json_t* warnings; // lines; stays the caller's
 } RfRenderRun;
 
 // The complete JSON. NULL where memory ran out.

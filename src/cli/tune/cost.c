@@ -66,6 +66,14 @@ static RfResult count_per_sweep( const Job* job, const RfCostCurve* curve, int* 
     return result;
 }
 
+// Names the scene, so that `report` can refuse what was measured with another one.
+static json_t* result_json( const RfCostReport* r )
+{
+    json_t* json = rf_cost_json( r );
+    json_object_set_new( json, "scene", rf_json_text( r->options->render.scene ) );
+    return json;
+}
+
 // Reports what was found so far, also after an interruption.
 static RfResult report( const Job* job, const RfCostJob* cost_job, RfError* error )
 {
@@ -83,7 +91,7 @@ static RfResult report( const Job* job, const RfCostJob* cost_job, RfError* erro
     }
     if ( result == RF_OK && job->options.svg != NULL )
         result = rf_write_cost_plot( &r, job->options.svg, error );
-    return result == RF_OK && json != NULL ? rf_write_json( json, rf_cost_json( &r ), error ) : result;
+    return result == RF_OK && json != NULL ? rf_write_json( json, result_json( &r ), error ) : result;
 }
 
 static RfResult run( Job* job, RfError* error )

@@ -1,5 +1,6 @@
 #include "scene/gltf/gltf.h"
 
+#include "base/blend_file.h"
 #include "base/file.h"
 #include "scene/gltf/glb.h"
 #include "scene/gltf/gltf_document.h"
@@ -29,6 +30,9 @@ static RfResult open_document( RfGltf* gltf )
     if ( result != RF_OK )
         return result;
     gltf->scene->content_hash = rf_hash_bytes( RF_HASH_START, gltf->file, gltf->file_size );
+    result = rf_refuse_blend_file( gltf->path, gltf->file, gltf->file_size, gltf->error );
+    if ( result != RF_OK )
+        return result;
     if ( rf_is_glb( gltf->file, gltf->file_size ) == false )
         return parse( gltf, (const char*)gltf->file, gltf->file_size );
 
