@@ -15,13 +15,15 @@ static const char* s_json;
 static const char* const s_files[] = { "SCENE" };
 static bool s_quiet;
 
+#define MAX_MOVING 10 // objects named
+
 static const RfOption s_options[] = {
     { .name = "fps",
       .type = RF_OPTION_FPS,
       .value = &s_fps,
       .given = &s_fps_given,
       .meta = "R",
-      .default_text = "the scene file's, else 24",
+      .default_text = "the scene's, else 24",
       .help = "frames per second, to count the cameras' frames" },
     { .name = "json",
       .writes = ".json",
@@ -52,6 +54,8 @@ static RfResult gather( const RfScene* scene, Facts* facts, RfError* error )
     RfResult result = rf_scene_info( scene, &facts->scene, error );
     if ( result != RF_OK )
         return result;
+    if ( s_fps.numerator == 0 )
+        s_fps = rf_scene_fps( scene );
     facts->cameras = calloc( (size_t)facts->scene.cameras + 1, sizeof *facts->cameras );
     if ( facts->cameras == NULL )
         return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for its cameras", facts->scene.path );
@@ -60,13 +64,43 @@ static RfResult gather( const RfScene* scene, Facts* facts, RfError* error )
     return result;
 }
 
+// " (101 to 110)", or nothing where they are called 1, 2, 3.
+static void name_frames( const RfCameraInfo* camera, char* text, size_t size )
+{
+    int last = camera->first + ( camera->frames - 1 ) * camera->step;
+    text[0] = '\0';
+    if ( camera->step > 1 )
+        snprintf( text, size, " (%d to %d in steps of %d)", camera->first, last, camera->step );
+    else if ( camera->first != 1 )
+        snprintf( text, size, " (%d to %d)", camera->first, last );
+}
+
+static void print_film( const RfSceneInfo* scene )
+{
+    if ( scene->width > 0 )
+        rf_print( "picture    %dx%d\n", scene->width, scene->height );
+}
+
+static void print_moving( const RfSceneInfo* scene )
+{
+    if ( scene->moving_count > 0 )
+        rf_print( "moving     %d object%s, taken as in the first frame: only cameras move here\n", scene->moving_count,
+                  scene->moving_count == 1 ? "" : "s" );
+    for ( int i = 0; i < scene->moving_count && i < MAX_MOVING; ++i )
+        rf_print( "  %s\n", scene->moving[i] );
+    if ( scene->moving_count > MAX_MOVING )
+        rf_print( "  and %d more\n", scene->moving_count - MAX_MOVING );
+}
+
 static void print_cameras( const Facts* facts )
 {
     rf_print( "cameras    %d\n", facts->scene.cameras );
     for ( int i = 0; i < facts->scene.cameras; ++i )
     {
         const RfCameraInfo* c = facts->cameras + i;
-        rf_print( "  %s: %d frame%s at %g frames/s, %s\n", c->name, c->frames, c->frames == 1 ? "" : "s",
+        char numbers[80];
+        name_frames( c, numbers, sizeof numbers );
+        rf_print( "  %s: %d frame%s%s at %g frames/s, %s\n", c->name, c->frames, c->frames == 1 ? "" : "s", numbers,
                   (double)s_fps.numerator / (double)s_fps.denominator, c->animated ? "animated" : "stands still" );
     }
 }
@@ -95,6 +129,8 @@ static void print_info( const RfScene* scene, const Facts* facts )
     if ( s->triangles > 0 )
         rf_print( "bounds     %.4g %.4g %.4g to %.4g %.4g %.4g\n", s->bounds_min.x, s->bounds_min.y, s->bounds_min.z,
                   s->bounds_max.x, s->bounds_max.y, s->bounds_max.z );
+    print_film( s );
+    print_moving( s );
     print_cameras( facts );
     print_effects( scene );
 }
@@ -106,12 +142,17 @@ static json_t* info_json( const RfScene* scene, const Facts* facts )
     for ( int i = 0; i < s->cameras; ++i )
     {
         const RfCameraInfo* c = facts->cameras + i;
-        json_array_append_new( cameras, json_pack( "{s:o, s:i, s:b}", "name", rf_json_text( c->name ), "frames", c->frames,
-                                                   "animated", c->animated ) );
+        json_array_append_new( cameras, json_pack( "{s:o, s:i, s:i, s:i, s:b}", "name", rf_json_text( c->name ), "frames",
+                                                   c->frames, "first", c->first, "step", c->step, "animated", c->animated ) );
     }
-    return json_pack( "{s:I, s:I, s:I, s:I, s:o, s:o}", "triangles", (json_int_t)s->triangles, "instances",
+    json_t* moving = json_array();
+    for ( int i = 0; i < s->moving_count; ++i )
+        json_array_append_new( moving, rf_json_text( s->moving[i] ) );
+    json_t* size = s->width > 0 ? json_pack( "[i, i]", s->width, s->height ) : json_null();
+    return json_pack( "{s:I, s:I, s:I, s:I, s:o, s:o, s:o, s:o, s:f}", "triangles", (json_int_t)s->triangles, "instances",
                       (json_int_t)s->instances, "materials", (json_int_t)s->materials, "lights", (json_int_t)s->lights, "cameras",
-                      cameras, "effects", rf_effects_json( scene ) );
+                      cameras, "effects", rf_effects_json( scene ), "moving", moving, "size", size, "fps",
+                      (double)s_fps.numerator / (double)s_fps.denominator );
 }
 
 static RfResult load( const char* name, RfScene* scene, RfError* error )
@@ -156,7 +197,7 @@ int rf_command_info( int argc, char** argv )
     const char* files[1];
     bool help;
     RfError error;
-    s_fps = ( RfFps ){ 24, 1 };
+    s_fps = ( RfFps ){ 0, 0 };
     s_fps_given = false;
     RfResult result = rf_parse_options( &s_table, argc, argv, files, &help, &error );
     if ( result == RF_OK && help )

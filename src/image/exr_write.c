@@ -117,7 +117,8 @@ static exr_result_t set_window( Writer* writer, exr_compression_t compression )
                                 .max = { .x = options->x + ( writer->image->width - 1 ),
                                          .y = options->y + ( writer->image->height - 1 ) } };
     const exr_attr_v2f_t center = { .x = 0.0f, .y = 0.0f };
-    return exr_initialize_required_attr( writer->context, 0, &window, &window, 1.0f, &center, 1.0f, EXR_LINEORDER_INCREASING_Y,
+    float aspect = writer->options->pixel_aspect > 0.0f ? writer->options->pixel_aspect : 1.0f;
+    return exr_initialize_required_attr( writer->context, 0, &window, &window, aspect, &center, 1.0f, EXR_LINEORDER_INCREASING_Y,
                                          compression );
 }
 

@@ -17,7 +17,12 @@ RfResult rf_scene_info( const RfScene* scene, RfSceneInfo* info, RfError* error 
                              .has_sky = rf_has_sky( &lights ),
                              .cameras = scene->camera_count,
                              .bounds_min = scene->bounds_min,
-                             .bounds_max = scene->bounds_max };
+                             .bounds_max = scene->bounds_max,
+                             .fps = scene->fps,
+                             .width = scene->film_width,
+                             .height = scene->film_height,
+                             .moving = (const char* const*)scene->moving,
+                             .moving_count = scene->moving_count };
     for ( uint32_t i = 0; i < lights.triangle_count; ++i )
         info->emitting_area += (double)lights.light[i].area;
     rf_destroy_lights( &lights );

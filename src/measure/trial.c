@@ -16,7 +16,11 @@
 RfEye rf_resize_eye( const RfEye* eye, int width, int height )
 {
     RfEye resized = *eye;
+    float scale = (float)height / (float)eye->height;
     resized.focal = eye->focal * (float)height / (float)eye->height;
+    resized.focal_x = eye->focal_x * (float)height / (float)eye->height;
+    resized.axis_x = 0.5f * (float)width + ( eye->axis_x - 0.5f * (float)eye->width ) * scale;
+    resized.axis_y = 0.5f * (float)height + ( eye->axis_y - 0.5f * (float)eye->height ) * scale;
     resized.width = width;
     resized.height = height;
     return resized;

@@ -35,6 +35,10 @@ void rf_frame_fingerprint( const RfOutput* output, int frame, char text[RF_FINGE
         hash = hash_text( hash, settings );
     char aovs[RF_AOVS_TEXT_SIZE];
     rf_format_aovs( s->aovs, aovs, sizeof aovs );
+    snprintf( settings, sizeof settings, "runs %d", path->run_count );
+    if ( path->run_count > 0 &&
+         path->run_count < path->count ) // a path without is what it was before equal frames were rendered once
+        hash = hash_text( hash, settings );
     if ( s->aovs != 0 ) // a frame without any is what it was before there were any
         hash = hash_text( hash, aovs );
     if ( s->estimator != rf_default_render_settings().estimator ) // likewise
@@ -47,7 +51,7 @@ RfResult rf_check_frame_file( const RfOutput* output, int frame, RfFrameFileStat
     char name[MAX_NAME], found[64], wanted[RF_FINGERPRINT_SIZE];
     struct stat status;
     *state = RF_FRAME_FILE_MISSING;
-    RfResult result = rf_sequence_name( output->pattern, frame + 1, name, sizeof name, error );
+    RfResult result = rf_sequence_name( output->pattern, rf_frame_number( output->path, frame ), name, sizeof name, error );
     if ( result != RF_OK )
         return result;
     if ( stat( name, &status ) != 0 )

@@ -9,7 +9,9 @@
 RF_AOV_LIST( NAME_FITS )
 #undef NAME_FITS
 
-void rf_list_aov_channels( const RfFrameResult* frame, bool half, RfAovChannels* list )
+static const float s_zero = 0.0f;
+
+void rf_list_aov_channels( const RfFrameResult* frame, bool half, const bool still[2], RfAovChannels* list )
 {
     list->count = 0;
     for ( int i = 0; i < RF_AOV_COUNT; ++i )
@@ -19,11 +21,13 @@ void rf_list_aov_channels( const RfFrameResult* frame, bool half, RfAovChannels*
         for ( int c = 0; c < channels; ++c )
         {
             char* name = list->names[list->count];
+            // motion is x and y to the frame before, then to the frame after
+            bool zero = i == RF_AOV_MOTION && still[c / 2];
             snprintf( name, sizeof list->names[0], "%s.%c", rf_aov_name( (RfAov)i ), letters[c] );
             list->channels[list->count++] = ( RfExrChannel ){
                 .name = name,
-                .values = frame->aovs[i] + c,
-                .stride = channels,
+                .values = zero ? &s_zero : frame->aovs[i] + c,
+                .stride = zero ? 0 : channels,
                 .half = half && rf_aov_is_half( (RfAov)i ),
             };
         }

@@ -21,7 +21,8 @@ typedef struct RfAovChannels
     int count;
 } RfAovChannels;
 
-// Lists them; those for which 16 bits are enough are written so where `half`.
-void rf_list_aov_channels( const RfFrameResult* frame, bool half, RfAovChannels* list );
+// Lists them; those for which 16 bits are enough are written so where `half`. Motion to the frame before
+// and to the frame after is 0 where `still`.
+void rf_list_aov_channels( const RfFrameResult* frame, bool half, const bool still[2], RfAovChannels* list );
 
 #endif

@@ -28,6 +28,7 @@ typedef enum Key
     CAMERA,
     FRAME,
     FRAMES,
+    STEP,
     GROUP,
     SPP,
     TILE,
@@ -59,6 +60,7 @@ static const char* const s_names[KEY_COUNT] = {
     [CAMERA] = "reframe/camera",
     [FRAME] = "reframe/frame",
     [FRAMES] = "reframe/frames",
+    [STEP] = "reframe/step",
     [GROUP] = "reframe/group",
     [SPP] = "reframe/spp",
     [TILE] = "reframe/tile",
@@ -134,8 +136,10 @@ static void put_frame( Attributes* a, const RfOutput* output, const RfFrameResul
     put_text( a, VERSION, rf_version() );
     put_text( a, SCENE, rf_tracer_scene( output->tracer )->path );
     put_text( a, CAMERA, output->path->name );
-    put( a, FRAME, "%d", frame->frame + 1 );
+    put( a, FRAME, "%d", rf_frame_number( output->path, frame->frame ) );
     put( a, FRAMES, "%d", output->path->count );
+    if ( output->path->step > 1 )
+        put( a, STEP, "%d", output->path->step );
     if ( isfinite( frame->relmse_estimate ) )
     {
         put( a, RELMSE_ESTIMATE, "%.6g", frame->relmse_estimate );
@@ -165,25 +169,37 @@ static void list_attributes( const RfOutput* output, const RfFrameResult* frame,
     }
 }
 
+// Frames of one run were rendered as one: there is no motion between them.
+static bool has_same_eye( const RfCameraPath* path, int frame, int other )
+{
+    return path->run_of_frame != NULL && other >= 0 && other < path->count &&
+           path->run_of_frame[frame] == path->run_of_frame[other];
+}
+
 RfResult rf_write_frame( const RfOutput* output, const RfFrameResult* frame, RfError* error )
 {
     char name[MAX_NAME];
     if ( !output->settings.files.written )
         return rf_fail( error, RF_ERROR_USAGE, "settings.files is not set: start from rf_default_frame_files" );
-    RfResult result = rf_sequence_name( output->pattern, frame->frame + 1, name, sizeof name, error );
+    RfResult result =
+        rf_sequence_name( output->pattern, rf_frame_number( output->path, frame->frame ), name, sizeof name, error );
     if ( result != RF_OK )
         return result;
     Attributes attributes;
     RfAovChannels aovs;
     list_attributes( output, frame, &attributes );
-    rf_list_aov_channels( frame, output->settings.files.half, &aovs );
+    const bool still[2] = { has_same_eye( output->path, frame->frame, frame->frame - 1 ),
+                            has_same_eye( output->path, frame->frame, frame->frame + 1 ) };
+    rf_list_aov_channels( frame, output->settings.files.half, still, &aovs );
     RfExrOptions exr = rf_default_exr_options();
     exr.compression = output->settings.files.compression;
     exr.half = output->settings.files.half;
     exr.fps_numerator = output->path->fps.numerator;
     exr.fps_denominator = (unsigned int)output->path->fps.denominator;
     exr.has_camera = true;
-    rf_eye_matrices( output->path->eyes + frame->frame, exr.world_to_camera, exr.world_to_ndc );
+    const RfEye* eye = output->path->eyes + frame->frame;
+    exr.pixel_aspect = eye->focal / eye->focal_x;
+    rf_eye_matrices( eye, exr.world_to_camera, exr.world_to_ndc );
     exr.strings = attributes.strings;
     exr.string_count = attributes.count;
     exr.channels = aovs.channels;
@@ -258,7 +274,7 @@ int rf_list_frame_differences( const RfOutput* output, int frame, RfFrameDiffere
     Attributes wanted;
     RfFrameResult none = { .frame = frame };
     list_attributes( output, &none, &wanted );
-    if ( rf_sequence_name( output->pattern, frame + 1, name, sizeof name, NULL ) != RF_OK )
+    if ( rf_sequence_name( output->pattern, rf_frame_number( output->path, frame ), name, sizeof name, NULL ) != RF_OK )
         return 0;
     for ( size_t i = 0; i < sizeof keys / sizeof keys[0]; ++i )
     {

@@ -23,14 +23,21 @@ typedef struct RfEye
 {
     RfVec3 origin;
     RfVec3 right, up, forward; // orthonormal
-    float focal;               // focal length in pixels
+    float focal;               // focal length in heights of a pixel
+    float focal_x;             // the same in widths of a pixel, which need not be square
+    float axis_x, axis_y;      // where `forward` meets the film: its middle, unless the lens is shifted
     int width, height;         // film size in pixels
 } RfEye;
 
 // A right-handed eye at `origin` that looks along `forward`, with `up` orthogonalised against it;
 // `yfov` is the vertical field of view in radians. `forward` and `up` need not be unit vectors but
 // must not be zero or parallel.
+// Pixels are square and the lens is centred.
 RfEye rf_make_eye( RfVec3 origin, RfVec3 forward, RfVec3 up, double yfov, int width, int height );
+
+// Gives the pixels of a fresh eye an aspect, width over height, and moves its picture to the right
+// and up by shifts in heights of the picture.
+void rf_shift_eye( RfEye* eye, double pixel_aspect, double shift_x, double shift_y );
 
 // The eyes of a camera's animation, one per frame.
 typedef struct RfCameraPath
@@ -38,14 +45,25 @@ typedef struct RfCameraPath
     char* name;    // of the camera, or of the file
     int count;     // frames
     RfEye* eyes;   // count of them
+    int first;     // number of the first frame, by which files and messages call it
+    int step;      // from the number of a frame to that of the next
     RfFps fps;     // that it was sampled at
     uint64_t hash; // of all eyes: a frame is made of its neighbours' samples too
+
+    // Frames in a row with the same eye are a run, which needs to be rendered only once.
+    int run_count;
+    RfEye* runs;       // run_count eyes
+    int* run_of_frame; // count of them, ascending
 } RfCameraPath;
+
+// The number of frame `frame`, which counts from 0: numbers are those of the camera path, or from 1.
+int rf_frame_number( const RfCameraPath* path, int frame );
 
 // A path without frames, which rf_destroy_camera_path accepts.
 RfCameraPath rf_empty_camera_path( void );
 
-// Samples the path of a camera at `fps` frames per second on a film of width × height pixels.
+// Samples the path of a camera at `fps` frames per second on a film of width × height pixels; 0/0 and
+// 0 × 0 are the scene's own (RfSceneInfo), else 24 and 960 × 540.
 // `name` is a camera of the scene; NULL is the one that a scene file asks for, else the first
 // animated one, else the first; a name that ends in ".json" is a camera-path file. On failure the
 // path is empty: RF_ERROR_USAGE where there is no such camera (the line names those there are),

@@ -41,6 +41,10 @@ typedef struct RfSceneInfo
     int cameras;          // may be 0: rf_create_camera_path then needs a path file
     RfVec3 bounds_min;    // of the triangles, metres; both 0 where there are none
     RfVec3 bounds_max;
+    RfFps fps;                 // that the scene asks for; 0/0: it does not say
+    int width, height;         // of the picture, likewise
+    int moving_count;          // objects that move in the file, but stand still here
+    const char* const* moving; // their names
 } RfSceneInfo;
 
 // Counts what is in a scene. Fails with RF_ERROR_MEMORY only.
@@ -50,10 +54,11 @@ typedef struct RfCameraInfo
 {
     const char* name; // unique, never empty; the scene's
     int frames;       // of its path at the frame rate asked for; 1 where it stands still
-    bool animated;
+    bool animated;    // false also where it stands still in all its frames
+    int first, step;  // number of its first frame, and from a frame's number to the next one's
 } RfCameraInfo;
 
-// Describes camera `index`, 0 to RfSceneInfo.cameras - 1. Fails with RF_ERROR_USAGE for an index
+// Describes camera `index`, 0 to RfSceneInfo.cameras - 1, at `fps`; 0/0 is the scene's own rate, else 24. Fails with RF_ERROR_USAGE for an index
 // or a rate out of range, with RF_ERROR_SCENE for a path of more than 1,000,000 frames.
 RfResult rf_scene_camera( const RfScene* scene, int index, RfFps fps, RfCameraInfo* info, RfError* error );
 

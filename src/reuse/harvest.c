@@ -106,13 +106,13 @@ static void make_camera_rays( const RfEye* eye, int count, const int32_t* pixel,
     float( *random )[RF_LANES] = wavefront->scratch.random;
     rf_draw_lanes( wavefront, count, slot, RF_DIMENSION_FILM_X, 2, random );
     RfEye e = *eye;
-    float inverse_focal = 1.0f / e.focal;
+    const float inverse[2] = { 1.0f / e.focal_x, 1.0f / e.focal };
     RfVec3 origin = rf_pinhole_origin( &e );
 #pragma omp simd
     for ( int i = 0; i < count; ++i )
     {
         int y = pixel[i] / e.width, x = pixel[i] - y * e.width;
-        RfVec3 d = rf_pinhole_ray( &e, inverse_focal, x, y, random[0][i], random[1][i] );
+        RfVec3 d = rf_pinhole_ray( &e, inverse, x, y, random[0][i], random[1][i] );
         rays->o[0][i] = origin.x;
         rays->o[1][i] = origin.y;
         rays->o[2][i] = origin.z;

@@ -88,7 +88,7 @@ RfResult rf_camera_frame_count( const RfCamera* camera, double fps, int* count, 
     if ( camera->animated == false )
         return RF_OK;
     // key times written as floats miss their frame slightly
-    double rate = camera->track != NULL && camera->track->in_frames ? 1.0 : fps;
+    double rate = camera->track != NULL && camera->track->in_frames ? 1.0 / camera->track->step : fps;
     double frames = floor( ( camera->end - camera->start ) * rate + 1e-3 ) + 1.0;
     if ( ( frames <= (double)MAX_FRAMES ) == false )
     {
@@ -178,10 +178,12 @@ static RfResult track_eye( const RfCamera* self, double time, int width, int hei
     RfResult result = rf_sample_camera_track( self->track, time, &view, error );
     if ( result == RF_OK && !in_range( view.position ) )
         return rf_fail( error, RF_ERROR_SCENE, "%s: leads beyond %g: scale it down", self->track->name, MAX_COORDINATE );
-    if ( result == RF_OK )
-        *eye =
-            rf_make_eye_inline( to_vec3( view.position ), to_vec3( view.forward ), to_vec3( view.up ), view.fov, width, height );
-    return result;
+    if ( result != RF_OK )
+        return result;
+    *eye = rf_make_eye_inline( to_vec3( view.position ), to_vec3( view.forward ), to_vec3( view.up ), view.fov, width, height );
+    if ( view.aspect != 1.0 || view.shift[0] != 0.0 || view.shift[1] != 0.0 )
+        rf_shift_eye( eye, view.aspect, view.shift[0], view.shift[1] );
+    return RF_OK;
 }
 
 static RfResult check_film( const RfCamera* self, int width, int height, RfEye* eye, RfError* error )
@@ -214,12 +216,19 @@ RfResult rf_camera_eye( const RfScene* scene, const RfCamera* camera, double fra
     if ( result != RF_OK )
         return result;
     if ( camera->track != NULL && camera->track->in_frames )
-        return track_eye( camera, camera->start + frame, width, height, eye, error );
+        return track_eye( camera, camera->start + frame * camera->track->step, width, height, eye, error );
     // A single division of integers, so that the time of a frame does not depend on how it is
     // computed.
     double time = camera->start + frame * (double)denominator / (double)numerator;
     return camera->track != NULL ? track_eye( camera, time, width, height, eye, error )
                                  : node_eye( scene, camera, time, width, height, eye, error );
+}
+
+void rf_camera_numbers( const RfCamera* camera, int* first, int* step )
+{
+    bool counts = camera->track != NULL && camera->track->in_frames;
+    *first = counts && floor( camera->start ) == camera->start ? (int)camera->start + 1 : 1;
+    *step = counts ? camera->track->step : 1;
 }
 
 // Takes ownership of the track, or frees it on failure.

@@ -40,6 +40,10 @@ RfResult rf_read_camera( const struct RfField* object, const char* name, RfCamer
 RfResult rf_camera_eye( const RfScene* scene, const RfCamera* camera, double frame, int numerator, int denominator, int width,
                         int height, RfEye* eye, RfError* error );
 
+// What the camera calls its frames: the number of the first, and the step to the next. 1 and 1 unless
+// its path is keyed by frame numbers.
+void rf_camera_numbers( const RfCamera* camera, int* first, int* step );
+
 // World matrix of a node at `time` seconds.
 void rf_node_world_matrix( const RfScene* scene, int node, double time, RfMat4* matrix );
 

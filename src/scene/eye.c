@@ -5,6 +5,14 @@ RfEye rf_make_eye( RfVec3 origin, RfVec3 forward, RfVec3 up, double yfov, int wi
     return rf_make_eye_inline( origin, forward, up, yfov, width, height );
 }
 
+void rf_shift_eye( RfEye* eye, double pixel_aspect, double shift_x, double shift_y )
+{
+    double height = (double)eye->height;
+    eye->focal_x = (float)( (double)eye->focal / pixel_aspect );
+    eye->axis_x = (float)( 0.5 * (double)eye->width - shift_x * height / pixel_aspect );
+    eye->axis_y = (float)( 0.5 * height + shift_y * height );
+}
+
 void rf_eye_matrices( const RfEye* eye, float world_to_camera[16], float world_to_ndc[16] )
 {
     const RfVec3 axes[3] = { eye->right, eye->up, rf_scale( eye->forward, -1.0f ) };
@@ -19,14 +27,16 @@ void rf_eye_matrices( const RfEye* eye, float world_to_camera[16], float world_t
     }
     camera[3][3] = 1.0;
     const double near = 0.01;
-    double x_scale = 2.0 * eye->focal / eye->width, y_scale = 2.0 * eye->focal / eye->height;
+    double x_scale = 2.0 * eye->focal_x / eye->width, y_scale = 2.0 * eye->focal / eye->height;
+    // 0 unless the lens is shifted
+    double x_shift = 2.0 * eye->axis_x / eye->width - 1.0, y_shift = 1.0 - 2.0 * eye->axis_y / eye->height;
     for ( int i = 0; i < 4; ++i )
     {
         const double* row = camera[i];
         for ( int j = 0; j < 4; ++j )
             world_to_camera[4 * i + j] = (float)row[j];
-        world_to_ndc[4 * i + 0] = (float)( x_scale * row[0] );
-        world_to_ndc[4 * i + 1] = (float)( y_scale * row[1] );
+        world_to_ndc[4 * i + 0] = (float)( x_scale * row[0] - x_shift * row[2] );
+        world_to_ndc[4 * i + 1] = (float)( y_scale * row[1] - y_shift * row[2] );
         world_to_ndc[4 * i + 2] = (float)( -row[2] - 2.0 * near * row[3] );
         world_to_ndc[4 * i + 3] = (float)-row[2];
     }

@@ -34,7 +34,9 @@ static inline RfEye rf_make_eye_inline( RfVec3 origin, RfVec3 forward, RfVec3 up
     eye.forward = rf_vec3( (float)f[0], (float)f[1], (float)f[2] );
     eye.right = rf_vec3( (float)r[0], (float)r[1], (float)r[2] );
     eye.up = rf_vec3( (float)u[0], (float)u[1], (float)u[2] );
-    eye.focal = (float)( 0.5 * (double)height / tan( 0.5 * yfov ) );
+    eye.focal = eye.focal_x = (float)( 0.5 * (double)height / tan( 0.5 * yfov ) );
+    eye.axis_x = 0.5f * (float)width;
+    eye.axis_y = 0.5f * (float)height;
     eye.width = width;
     eye.height = height;
     return eye;

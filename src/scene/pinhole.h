@@ -18,11 +18,11 @@ static inline float rf_pinhole_depth( const RfEye* eye, RfVec3 x )
 }
 
 // Unit direction of the camera ray through film position (column + u, row + v), with u to the
-// right and v down in [0, 1). inverse_focal is 1 / eye->focal.
-static inline RfVec3 rf_pinhole_ray( const RfEye* eye, float inverse_focal, int column, int row, float u, float v )
+// right and v down in [0, 1). `inverse` is 1 / eye->focal_x and 1 / eye->focal.
+static inline RfVec3 rf_pinhole_ray( const RfEye* eye, const float inverse[2], int column, int row, float u, float v )
 {
-    float fx = ( (float)column + u - 0.5f * (float)eye->width ) * inverse_focal;
-    float fy = ( 0.5f * (float)eye->height - (float)row - v ) * inverse_focal;
+    float fx = ( (float)column + u - eye->axis_x ) * inverse[0];
+    float fy = ( eye->axis_y - (float)row - v ) * inverse[1];
     RfVec3 d = rf_madd( rf_madd( eye->forward, eye->right, fx ), eye->up, fy );
     return rf_scale( d, 1.0f / sqrtf( rf_dot( d, d ) ) );
 }
@@ -31,9 +31,9 @@ static inline RfVec3 rf_pinhole_ray( const RfEye* eye, float inverse_focal, int 
 // Returns its part along the viewing direction; the position means nothing unless that is above 0.
 static inline float rf_pinhole_position( const RfEye* eye, RfVec3 direction, float at[2] )
 {
-    float depth = rf_dot( direction, eye->forward ), scale = eye->focal / depth;
-    at[0] = rf_dot( direction, eye->right ) * scale;
-    at[1] = rf_dot( direction, eye->up ) * scale;
+    float depth = rf_dot( direction, eye->forward );
+    at[0] = rf_dot( direction, eye->right ) * ( eye->focal_x / depth ) + ( eye->axis_x - 0.5f * (float)eye->width );
+    at[1] = rf_dot( direction, eye->up ) * ( eye->focal / depth ) + ( 0.5f * (float)eye->height - eye->axis_y );
     return depth;
 }
 
@@ -50,17 +50,17 @@ typedef struct RfProjection
 #define RF_MAX_DENSITY 1e18f
 
 // Projects the hit x with unit geometric normal ng, on the side it was hit from.
-// J = f² cosθx / (d² cos³θk); with v = x − o, cosθx = −v·ng/d and
-// cosθk = v·forward/d that is f² (−v·ng) / (v·forward)³: no root needed.
+// J = f² cosθx / (d² cos³θk), where f² is the product of both focal lengths of a film whose pixels are
+// not square; with v = x − o, cosθx = −v·ng/d and cosθk = v·forward/d that is
+// f² (−v·ng) / (v·forward)³: no root needed. A shifted lens changes nothing of it.
 static inline RfProjection rf_project( const RfEye* eye, RfVec3 x, RfVec3 ng )
 {
     RfVec3 v = rf_sub( x, rf_pinhole_origin( eye ) );
     float depth = rf_dot( v, eye->forward );
     float facing = -rf_dot( v, ng );
-    float scale = eye->focal / depth;
-    float fx = 0.5f * (float)eye->width + rf_dot( v, eye->right ) * scale;
-    float fy = 0.5f * (float)eye->height - rf_dot( v, eye->up ) * scale;
-    float density = eye->focal * eye->focal * facing / ( depth * depth * depth );
+    float fx = eye->axis_x + rf_dot( v, eye->right ) * ( eye->focal_x / depth );
+    float fy = eye->axis_y - rf_dot( v, eye->up ) * ( eye->focal / depth );
+    float density = eye->focal_x * eye->focal * facing / ( depth * depth * depth );
     density = density > RF_MIN_DENSITY ? density : RF_MIN_DENSITY; // also where it is NaN
     density = density < RF_MAX_DENSITY ? density : RF_MAX_DENSITY;
     int seen = ( depth > 0.0f ) & ( facing > 0.0f ) & ( fx >= 0.0f ) & ( fx < (float)eye->width ) & ( fy >= 0.0f ) &

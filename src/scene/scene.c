@@ -59,6 +59,9 @@ void rf_destroy_scene( RfScene* scene )
     free( scene->nodes );
     free( scene->channels );
     free( scene->cameras );
+    for ( int i = 0; i < scene->moving_count; ++i )
+        free( scene->moving[i] );
+    free( scene->moving );
     free( scene->path );
     memset( scene, 0, sizeof *scene );
 }

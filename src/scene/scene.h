@@ -135,6 +135,10 @@ struct RfScene
     int channel_count;
     RfChannel* channels; // sorted by node, then path
     int camera_count;
+    RfFps fps;                   // that the file asks for; 0/0: it does not say
+    int film_width, film_height; // likewise, pixels
+    int moving_count;            // objects that move in the file, but stand still here
+    char** moving;               // their names
     RfCamera* cameras;
     int chosen_camera; // 1 + index of the camera that the scene file selects; 0: none
 };
@@ -144,6 +148,9 @@ void rf_destroy_scene( RfScene* scene );
 
 // Frees the camera's name and track and clears the struct.
 void rf_destroy_camera( RfCamera* camera );
+
+// The frames per second that the file asks for, else 24.
+RfFps rf_scene_fps( const RfScene* scene );
 
 // Ray offset, in scene units: how far to lift a hit point off its surface to
 // avoid self-intersection, for coordinates up to `largest`. A point interpolated

@@ -1,5 +1,6 @@
 // What the library tells of a scene (reframe/scene.h).
 #include "scene/camera.h"
+#include "scene/camera_path/camera_track.h"
 #include "scene/json/scene_file.h"
 #include "scene/scene.h"
 
@@ -26,14 +27,21 @@ void rf_close_scene( RfScene* scene )
     free( scene );
 }
 
+RfFps rf_scene_fps( const RfScene* scene ) { return scene->fps.numerator > 0 ? scene->fps : ( RfFps ){ 24, 1 }; }
+
 RfResult rf_scene_camera( const RfScene* scene, int index, RfFps fps, RfCameraInfo* info, RfError* error )
 {
     if ( index < 0 || index >= scene->camera_count )
         return rf_fail( error, RF_ERROR_USAGE, "%s: has %d camera%s, there is none of index %d", scene->path, scene->camera_count,
                         scene->camera_count == 1 ? "" : "s", index );
+    if ( fps.numerator == 0 && fps.denominator == 0 )
+        fps = rf_scene_fps( scene );
     if ( fps.numerator < 1 || fps.denominator < 1 )
         return rf_fail( error, RF_ERROR_USAGE, "frames per second must be above 0, got %d/%d", fps.numerator, fps.denominator );
     const RfCamera* camera = scene->cameras + index;
     *info = ( RfCameraInfo ){ .name = camera->name, .animated = camera->animated };
+    if ( camera->track != NULL && !rf_camera_track_moves( camera->track ) )
+        info->animated = false;
+    rf_camera_numbers( camera, &info->first, &info->step );
     return rf_scene_frame_count( scene, camera, (double)fps.numerator / (double)fps.denominator, &info->frames, error );
 }

@@ -3,6 +3,7 @@
 #include "support/cli_run.h"
 
 #include "light/sky.h"
+#include "reframe/image.h"
 #include "scene/camera.h"
 #include "scene/gltf/gltf.h"
 
@@ -78,7 +79,7 @@ static void check_scene( const RfScene* scene )
     assert_int_equal( rf_camera_frame_count( scene->cameras, 24.0, &frames, &error ), RF_OK );
     assert_int_equal( frames, 5 );
     RfEye eye;
-    assert_int_equal( rf_scene_eye( scene, 0, scene->cameras[0].end, 64, 36, &eye, &error ), RF_OK );
+    assert_int_equal( rf_camera_eye( scene, scene->cameras, 4.0, 24, 1, 64, 36, &eye, &error ), RF_OK );
     assert_true( near( eye.origin.x, 5 ) && near( eye.origin.y, 0 ) && near( eye.origin.z, 0 ) ); // a quarter turn on
     assert_true( near( eye.forward.x, -1 ) );
     assert_int_equal( scene->punctual_count, 2 );
@@ -239,9 +240,88 @@ static void test_world_becomes_the_environment( void** state )
     cli_leave();
 }
 
+static double sum_of( const RfImage* image )
+{
+    double sum = 0.0;
+    for ( size_t i = 0; i < 3 * (size_t)image->width * (size_t)image->height; ++i )
+        sum += (double)image->rgb[i];
+    return sum;
+}
+
+// The picture is that of Cycles, but for noise at its edges: a camera that is half a pixel off, or a shape
+// that is missing, differs by more.
+static void expect_same_picture( const char* name, const char* cycles )
+{
+    RfImage image[2];
+    for ( int i = 0; i < 2; ++i )
+    {
+        char path[512];
+        RfError error;
+        snprintf( path, sizeof path, "%s/%s", cli_folder(), i == 0 ? name : cycles );
+        if ( rf_read_exr( path, image + i, &error ) != RF_OK )
+            fail_msg( "%s", error.text );
+    }
+    assert_int_equal( image[0].width, image[1].width );
+    assert_int_equal( image[0].height, image[1].height );
+    double mean = sum_of( image + 1 ), difference = 0.0;
+    for ( size_t i = 0; i < 3 * (size_t)image[0].width * (size_t)image[0].height; ++i )
+        difference += fabs( (double)image[0].rgb[i] - (double)image[1].rgb[i] );
+    print_message( "%s: mean %.4f of Cycles', difference %.4f\n", name, sum_of( image ) / mean, difference / mean );
+    assert_true( fabs( sum_of( image ) / mean - 1.0 ) < 0.01 );
+    assert_true( difference / mean < 0.06 );
+    rf_destroy_image( image );
+    rf_destroy_image( image + 1 );
+}
+
+#define BLENDER "PATH=/usr/bin:$PATH blender -b "
+#define SCRIPT REFRAME_SOURCE_DIR "/scripts/blender-export.py -- "
+#define MAKE BLENDER "--factory-startup --python-exit-code 9 -P " REFRAME_SOURCE_DIR "/tests/support/"
+
+// Frames 101 to 110 at 29.97 frames/s, of 64x36 pixels that are not square, by a zooming and shifted lens.
+static void test_shot_is_blenders( void** state )
+{
+    (void)state;
+    if ( !enter_with_blender() )
+        skip();
+    assert_int_equal( cli_run( MAKE "blender_shot.py > log 2>&1" )->status, 0 );
+    const CliResult* done = cli_run( BLENDER "shot.blend -P " SCRIPT "shot.glb > log" );
+    assert_int_equal( done->status, 0 );
+    static const char moves[] =
+        "blender-export: warning: 'Cube', 'Follower', 'Wave': moves or changes: taken as in the first frame\n";
+    const char* told = strstr( done->err, moves );
+    assert_true( told != NULL && strstr( told + 1, moves ) != NULL ); // at once, and repeated at the end
+    done = cli_run( "$R info shot.glb" );
+    assert_non_null( strstr( done->out, "Eye: 10 frames (101 to 110) at 29.97 frames/s" ) );
+    assert_non_null( strstr( done->out, "picture    64x36" ) );
+    done = cli_run( "$R render shot.glb -o f.####.exr --frames 101,110 --group 0 --tile 1 --spp 64 --quiet" );
+    assert_int_equal( done->status, 0 );
+    assert_non_null( strstr( done->err, "'Cube', 'Follower', 'Wave' move or change in the file, but only cameras move here" ) );
+    expect_same_picture( "f.0101.exr", "shot-101.exr" );
+    expect_same_picture( "f.0110.exr", "shot-110.exr" );
+    cli_leave();
+}
+
+static void test_geometry_is_as_rendered( void** state )
+{
+    (void)state;
+    if ( !enter_with_blender() )
+        skip();
+    assert_int_equal( cli_run( MAKE "blender_geometry.py > log 2>&1" )->status, 0 );
+    const CliResult* done = cli_run( BLENDER "geometry.blend -P " SCRIPT "geometry.glb 2>&1" );
+    assert_int_equal( done->status, 0 );
+    assert_non_null( strstr( done->out, "'cutter': left out, as hidden in renders" ) );
+    assert_non_null( strstr( done->out, "warning: 'hole in the picture': left out: holdouts do not exist in Reframe" ) );
+    done = cli_run( "$R render geometry.glb -o g.exr --group 0 --tile 1 --spp 64 --quiet" );
+    cli_expect( done, 0, NULL );
+    expect_same_picture( "g.exr", "geometry-1.exr" );
+    cli_leave();
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = { cmocka_unit_test( test_export_keeps_the_scene ),
-                                        cmocka_unit_test( test_world_becomes_the_environment ) };
+                                        cmocka_unit_test( test_world_becomes_the_environment ),
+                                        cmocka_unit_test( test_shot_is_blenders ),
+                                        cmocka_unit_test( test_geometry_is_as_rendered ) };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

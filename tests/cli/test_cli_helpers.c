@@ -3,6 +3,7 @@
 #include "cli/options/frame_list.h"
 #include "cli/render/progress.h"
 #include "cli/render/render_output.h"
+#include "scene/pinhole.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -88,6 +89,28 @@ static void test_matrices_project_as_the_eye_does( void** state )
     apply( ndc, p, out );
     assert_true( fabs( out[0] - 1.0 ) < 1e-5 && fabs( out[1] - 1.0 ) < 1e-5 );
     assert_true( fabs( out[2] - 0.99 ) < 1e-5 ); // 1 − 2 · 1 cm / 2 m
+}
+
+// A point that a shifted lens shows in the upper right corner of a film of wide pixels.
+static void test_matrices_of_shifted_lenses( void** state )
+{
+    (void)state;
+    RfEye eye = rf_make_eye( rf_vec3( 0, 0, 0 ), rf_vec3( 0, 0, -1 ), rf_vec3( 0, 1, 0 ), 0.8, 160, 90 );
+    rf_shift_eye( &eye, 1.5, 0.25, -0.1 );
+    float camera[16], ndc[16];
+    rf_eye_matrices( &eye, camera, ndc );
+    // in heights of the picture, which at a distance of 1 is 2 tan 0.4 high
+    double high = 2.0 * tan( 0.4 ), p[3] = { ( 0.5 * 160 * 1.5 / 90 + 0.25 ) * high, ( 0.5 - 0.1 ) * high, -1.0 }, out[3];
+    apply( ndc, p, out );
+    assert_true( fabs( out[0] - 1.0 ) < 1e-5 && fabs( out[1] - 1.0 ) < 1e-5 );
+    RfProjection at = rf_project( &eye, rf_vec3( (float)( 0.999 * p[0] ), (float)( 0.999 * p[1] ), -1 ), rf_vec3( 0, 0, 1 ) );
+    assert_true( at.seen && at.x == 159 && at.y == 0 );
+    const float inverse[2] = { 1.0f / eye.focal_x, 1.0f / eye.focal };
+    RfVec3 d = rf_pinhole_ray( &eye, inverse, 159, 0, 1.0f, 0.0f );
+    assert_true( fabs( (double)( d.x / d.z ) + p[0] ) < 1e-5 && fabs( (double)( d.y / d.z ) + p[1] ) < 1e-5 );
+    float film[2];
+    rf_pinhole_position( &eye, d, film );
+    assert_true( fabs( (double)film[0] - 80.0 ) < 1e-3 && fabs( (double)film[1] - 45.0 ) < 1e-3 );
 }
 
 static void test_fingerprints_change_with_every_setting( void** state )
@@ -182,6 +205,7 @@ int main( void )
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( test_frame_lists_as_users_write_them ),
         cmocka_unit_test( test_matrices_project_as_the_eye_does ),
+        cmocka_unit_test( test_matrices_of_shifted_lenses ),
         cmocka_unit_test( test_fingerprints_change_with_every_setting ),
         cmocka_unit_test( test_progress_line_is_short_and_right ),
         cmocka_unit_test( test_progress_off_a_terminal ),

@@ -253,7 +253,7 @@ static void test_json_has_every_key( void** state )
     json_t* json = parse_json( result->out );
     expect_keys( json, "version scene frames seconds seconds_scene peak_bytes budget_bytes bytes rays group tile weights "
                        "normalize threads effects kept_frames interrupted adaptive adaptive_mode adaptive_frames "
-                       "warnings" );
+                       "warnings repeated_frames" );
     expect_keys( json_object_get( json, "rays" ), "primary path shadow tile eye" );
     expect_keys( json_object_get( json, "bytes" ), "film_table films adaptive image scratch hit_records writer" );
     json_t* frames = json_object_get( json, "frames" );
@@ -284,9 +284,9 @@ static void test_info_tells_cameras_and_materials( void** state )
     result = cli_run( "$R info $VASE --json - --fps 48" );
     cli_expect( result, 0, NULL );
     json_t* json = parse_json( result->out );
-    expect_keys( json, "triangles instances materials lights cameras effects" );
+    expect_keys( json, "triangles instances materials lights cameras effects moving size fps" );
     json_t* camera = json_array_get( json_object_get( json, "cameras" ), 0 );
-    expect_keys( camera, "name frames animated" );
+    expect_keys( camera, "name frames first step animated" );
     assert_int_equal( json_integer_value( json_object_get( camera, "frames" ) ), 95 );
     assert_int_equal( json_integer_value( json_object_get( json, "lights" ) ), 2 );
     expect_keys( json_array_get( json_object_get( json, "effects" ), 0 ), "name on why" );

@@ -91,6 +91,44 @@ static void test_ggx_is_unbiased( void** state )
     check_scene( "GGX", make_room( ROOM_GGX ) );
 }
 
+// A zoom whose lens shifts as well, over pixels wider than high: every frame has a film of its own.
+static void zoom_eyes( RfEye* eyes, int count )
+{
+    orbit_eyes( eyes, count, 3.0f, WIDTH, HEIGHT );
+    for ( int i = 0; i < count; ++i )
+    {
+        const RfEye* e = eyes + i;
+        eyes[i] = rf_make_eye( e->origin, e->forward, e->up, 0.7 + 0.12 * i, WIDTH, HEIGHT );
+        rf_shift_eye( eyes + i, 1.4, 0.1 - 0.06 * i, 0.05 * i );
+    }
+}
+
+static void test_animated_lenses_are_unbiased( void** state )
+{
+    (void)state;
+    RfScene scene = make_room( ROOM_GGX );
+    RfTracer* tracer = make_tracer( &scene );
+    RfEye eyes[5];
+    zoom_eyes( eyes, 5 );
+    RfRenderSettings settings = settings_of( 2, 15 );
+    int frames[] = { 2, 4 }; // from both sides, and the widest lens from narrower ones
+    for ( int k = 0; k < 2; ++k )
+    {
+        Images reference = reference_images( tracer, eyes, frames[k], 64, &settings );
+        settings.tile = ( RfTile ){ RF_TILE_NONE, 1, 1 };
+        Images groups = rendered_images( tracer, eyes, 5, frames[k], settings );
+        assert_frame_unbiased( "animated lens", 2, frames[k], &groups, &reference );
+        settings.tile = ( RfTile ){ RF_TILE_BLOCK, 3, 3 };
+        Images tiles = rendered_images( tracer, eyes, 5, frames[k], settings );
+        assert_frame_unbiased( "animated lens, tiles", 2, frames[k], &tiles, &reference );
+        free_images( &tiles );
+        free_images( &groups );
+        free_images( &reference );
+    }
+    rf_destroy_tracer( tracer );
+    rf_destroy_scene( &scene );
+}
+
 static void test_light_samples_and_depth_are_unbiased( void** state )
 {
     (void)state;
@@ -155,6 +193,7 @@ int main( void )
         cmocka_unit_test( test_diffuse_is_unbiased ),
         cmocka_unit_test( test_phong_is_unbiased ),
         cmocka_unit_test( test_ggx_is_unbiased ),
+        cmocka_unit_test( test_animated_lenses_are_unbiased ),
         cmocka_unit_test( test_light_samples_and_depth_are_unbiased ),
         cmocka_unit_test( test_biased_weightings_are_seen ),
     };

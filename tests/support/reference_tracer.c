@@ -422,9 +422,9 @@ static RfVec3 scattered_light( const RfTracer* tracer, const ReferenceSettings* 
 
 static RfVec3 first_ray( const RfEye* eye, RfRandomKey key, int x, int y )
 {
-    float inverse_focal = 1.0f / eye->focal;
-    float fx = ( (float)x + rf_random( key, RF_DIMENSION_FILM_X ) - 0.5f * (float)eye->width ) * inverse_focal;
-    float fy = ( 0.5f * (float)eye->height - (float)y - rf_random( key, RF_DIMENSION_FILM_Y ) ) * inverse_focal;
+    float inverse_x = 1.0f / eye->focal_x, inverse_y = 1.0f / eye->focal;
+    float fx = ( (float)x + rf_random( key, RF_DIMENSION_FILM_X ) - eye->axis_x ) * inverse_x;
+    float fy = ( eye->axis_y - (float)y - rf_random( key, RF_DIMENSION_FILM_Y ) ) * inverse_y;
     RfVec3 d = rf_madd( rf_madd( eye->forward, eye->right, fx ), eye->up, fy );
     return rf_scale( d, 1.0f / sqrtf( rf_dot( d, d ) ) );
 }

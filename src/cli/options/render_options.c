@@ -38,13 +38,13 @@ static const RfOption s_options[] = {
       .value = &s_parsed.frames,
       .meta = "A-B[xSTEP][,...]",
       .default_text = "all",
-      .help = "frames, the first is 1; negative ones count from the end" },
+      .help = "frames by their numbers, as in Blender, else from 1; negative ones count from the end" },
     { .name = "fps",
       .in_file = true,
       .type = RF_OPTION_FPS,
       .value = &s_parsed.fps,
       .meta = "R",
-      .default_text = "24",
+      .default_text = "the scene's, else 24",
       .help = "frames per second of the camera's path, 24 or 24000/1001" },
     { .name = "size",
       .in_file = true,
@@ -53,7 +53,7 @@ static const RfOption s_options[] = {
       .min = 1,
       .max = RF_MAX_IMAGE_SIDE,
       .meta = "WxH",
-      .default_text = "960x540",
+      .default_text = "the scene's, else 960x540",
       .help = "pixels; also 720p, 1080p, 1440p, 2160p or 4k" },
     { .name = "spp",
       .in_file = true,
@@ -243,7 +243,7 @@ static RfResult check( const RfRenderOptions* options, RfError* error )
 
 RfRenderOptions rf_default_render_options( void )
 {
-    RfRenderOptions options = { .fps = { 24, 1 }, .size = { 960, 540 }, .settings = rf_default_render_settings(), .tile = "3x3" };
+    RfRenderOptions options = { .settings = rf_default_render_settings(), .tile = "3x3" };
     options.settings.files = rf_default_frame_files();
     options.settings.queue = WRITE_QUEUE;
     options.weights = options.settings.weights;

@@ -6,7 +6,44 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-RfResult rf_load_shot( const char* command, const RfRenderOptions* options, RfTakeDefaults* take, void* user, RfShot* shot,
+int* rf_runs_of_frames( const RfCameraPath* path, const int* frames, int frame_count, int* run_count )
+{
+    int* runs = malloc( ( (size_t)frame_count + 1 ) * sizeof *runs );
+    *run_count = 0;
+    for ( int i = 0; i < frame_count && runs != NULL; ++i )
+    {
+        int run = path->run_of_frame[frames[i]];
+        if ( *run_count == 0 || runs[*run_count - 1] != run )
+            runs[( *run_count )++] = run;
+    }
+    return runs;
+}
+
+// Makes a path of the runs alone.
+static void keep_runs( RfCameraPath* path )
+{
+    free( path->eyes );
+    free( path->run_of_frame );
+    path->eyes = path->runs;
+    path->count = path->run_count;
+    path->runs = NULL;
+    path->run_of_frame = NULL;
+}
+
+static RfResult choose_runs( const RfRenderOptions* options, RfShot* shot, RfError* error )
+{
+    int* frames = NULL;
+    int count;
+    RfResult result = rf_choose_frames( options->frames, &shot->file, &shot->path, &frames, &count, error );
+    if ( result != RF_OK )
+        return result;
+    shot->frames = rf_runs_of_frames( &shot->path, frames, count, &shot->frame_count );
+    free( frames );
+    keep_runs( &shot->path );
+    return shot->frames != NULL ? RF_OK : rf_fail( error, RF_ERROR_MEMORY, "no memory left for the numbers of %d frames", count );
+}
+
+RfResult rf_load_shot( const char* command, RfRenderOptions* options, RfTakeDefaults* take, void* user, RfShot* shot,
                        RfError* error )
 {
     *shot = ( RfShot ){ .frame_count = 0 };
@@ -23,7 +60,10 @@ RfResult rf_load_shot( const char* command, const RfRenderOptions* options, RfTa
         result = rf_create_camera_path( &shot->scene, options->camera, options->fps, options->size.width, options->size.height,
                                         &shot->path, error );
     if ( result == RF_OK )
-        result = rf_choose_frames( options->frames, &shot->file, shot->path.count, &shot->frames, &shot->frame_count, error );
+    {
+        options->size = ( RfSize ){ shot->path.eyes[0].width, shot->path.eyes[0].height };
+        result = choose_runs( options, shot, error );
+    }
     return result == RF_OK ? rf_create_tracer( &shot->scene, &shot->tracer, error ) : result;
 }
 

@@ -11,8 +11,8 @@ typedef struct RfShot
 {
     RfSceneFile file; // options may point into it
     RfScene scene;
-    RfCameraPath path;
-    int* frames; // indices from 0
+    RfCameraPath path; // its frames are the runs of the camera's: equal frames are rendered once
+    int* frames;       // of these to be rendered, indices from 0
     int frame_count;
     RfTracer* tracer;
 } RfShot;
@@ -21,10 +21,14 @@ typedef struct RfShot
 typedef RfResult RfTakeDefaults( const RfField* defaults, void* user, RfError* error );
 
 // Loads what `options` name, after `take` was called with the scene file's defaults, if it
-// has any. Warnings go to standard error. Free with rf_destroy_shot, on failure too.
-RfResult rf_load_shot( const char* command, const RfRenderOptions* options, RfTakeDefaults* take, void* user, RfShot* shot,
+// has any. The size becomes that of the path. Warnings go to standard error. Free with rf_destroy_shot, on failure too.
+RfResult rf_load_shot( const char* command, RfRenderOptions* options, RfTakeDefaults* take, void* user, RfShot* shot,
                        RfError* error );
 void rf_destroy_shot( RfShot* shot );
+
+// The runs of the path that hold any of the frames, ascending, and their number: what is to be rendered. The
+// caller frees them; NULL where memory ran out.
+int* rf_runs_of_frames( const RfCameraPath* path, const int* frames, int frame_count, int* run_count );
 
 // Why a row of a plan is excluded, with the least budget where it does not fit: "does
 // not fit the memory, the least is 3M". NULL where it is not left out.

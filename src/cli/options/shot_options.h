@@ -23,11 +23,11 @@
           .type = RF_OPTION_FPS,                                                                                                 \
           .value = &( o ).fps,                                                                                                   \
           .meta = "R",                                                                                                           \
-          .default_text = "24",                                                                                                  \
+          .default_text = "the scene's, else 24",                                                                                \
           .help = "frames per second of the camera's path, 24 or 24000/1001" },                                                  \
     {                                                                                                                            \
         .name = "size", .type = RF_OPTION_SIZE, .value = &( o ).size, .min = 1, .max = RF_MAX_IMAGE_SIDE, .meta = "WxH",         \
-        .default_text = "960x540", .help = "pixels; also 720p, 1080p, 1440p, 2160p or 4k"                                        \
+        .default_text = "the scene's, else 960x540", .help = "pixels; also 720p, 1080p, 1440p, 2160p or 4k"                      \
     }
 
 #define RF_SPP_OPTION( o )                                                                                                       \

@@ -86,13 +86,13 @@ void rf_show_progress( RfProgressLine* line, const RfProgress* progress )
     fflush( stderr );
 }
 
-void rf_show_frame( RfProgressLine* line, const RfFrameResult* result, int done, int all, double seconds )
+void rf_show_frame( RfProgressLine* line, const RfFrameResult* result, int number, int done, int all, double seconds )
 {
     char spent[48];
     if ( line->quiet || line->terminal )
         return;
     format_duration( floor( seconds ), spent, sizeof spent );
-    fprintf( stderr, "frame %d/%d  number %d  %.2f s  %s spent", done, all, result->frame + 1, result->seconds, spent );
+    fprintf( stderr, "frame %d/%d  number %d  %.2f s  %s spent", done, all, number, result->seconds, spent );
     if ( result->relmse_is_lower_bound )
         fprintf( stderr, "  relMSE at least %.3g, likely %.3g, %.0f %% of that in ten pixels", result->relmse_estimate,
                  result->relmse_likely, 100.0 * result->worst_ten_share );

@@ -23,9 +23,9 @@ RfProgressLine rf_create_progress_line( bool quiet );
 // every ten seconds.
 void rf_show_progress( RfProgressLine* line, const RfProgress* progress );
 
-// Prints a plain line for a finished frame, the `done`-th of `all`, after so many seconds of
+// Prints a plain line for a finished frame called `number`, the `done`-th of `all`, after so many seconds of
 // rendering, where standard error is no terminal.
-void rf_show_frame( RfProgressLine* line, const RfFrameResult* result, int done, int all, double seconds );
+void rf_show_frame( RfProgressLine* line, const RfFrameResult* result, int number, int done, int all, double seconds );
 
 // Clears the line before another message.
 void rf_clear_progress( RfProgressLine* line );

@@ -1,6 +1,7 @@
 // reframe render: from a scene and a camera path to EXR files.
 #include "cli/commands.h"
 #include "cli/options/frame_list.h"
+#include "cli/options/shot.h"
 #include "cli/render/interrupt.h"
 #include "cli/render/progress.h"
 #include "cli/render/render_json.h"
@@ -30,8 +31,10 @@ typedef struct Job
     RfSceneFile file; // options may point into it
     RfScene scene;
     RfCameraPath path;
-    int* frames; // to be rendered, indices from 0
+    int* frames; // to be written, indices from 0
     int frame_count;
+    int* runs; // of the path that hold them: to be rendered
+    int run_count;
     int* kept; // by --resume, likewise
     int kept_count;
     RfTracer* tracer;
@@ -44,7 +47,8 @@ typedef struct Job
     double likely_sum; // and of their best guesses
     int lower_bounds;  // among them
     double worst_relmse;
-    int worst_frame; // from 0
+    int worst_frame; // its number
+    int missed;      // frames above --noise
     bool worst_is_lower_bound;
     json_t* frames_json;
     double start, seconds_scene; // monotonic time of the start; seconds until rays can be traced
@@ -66,6 +70,7 @@ static void destroy_job( Job* job )
     rf_destroy_scene( &job->scene );
     rf_close_scene_file( &job->file );
     free( job->frames );
+    free( job->runs );
     free( job->kept );
     json_decref( job->frames_json );
     json_decref( job->told.lines );
@@ -83,8 +88,8 @@ static RfResult resolve( Job* job, RfError* error )
 {
     job->asked = job->options.settings;
     RfResult result =
-        rf_resolve_settings( job->tracer, job->path.eyes, job->path.count, &job->asked, &job->options.settings, error );
-    return result == RF_OK ? rf_fit_memory( &job->scene, job->path.eyes, job->path.count, job->frame_count,
+        rf_resolve_settings( job->tracer, job->path.runs, job->path.run_count, &job->asked, &job->options.settings, error );
+    return result == RF_OK ? rf_fit_memory( &job->scene, job->path.runs, job->path.run_count, job->run_count,
                                             &job->options.settings, &job->fit, error )
                            : result;
 }
@@ -100,6 +105,18 @@ static RfResult load_scene( Job* job, RfError* error )
     return result == RF_OK ? rf_load_scene_file( &job->file, &job->scene, &job->log, error ) : result;
 }
 
+static RfResult fail_numbers( const Job* job, RfError* error )
+{
+    return rf_fail( error, RF_ERROR_MEMORY, "no memory left for the numbers of %d frames", job->frame_count );
+}
+
+static RfResult find_runs( Job* job, RfError* error )
+{
+    free( job->runs );
+    job->runs = rf_runs_of_frames( &job->path, job->frames, job->frame_count, &job->run_count );
+    return job->runs != NULL ? RF_OK : fail_numbers( job, error );
+}
+
 static RfResult load( Job* job, RfError* error )
 {
     RfResult result = load_scene( job, error );
@@ -107,14 +124,14 @@ static RfResult load( Job* job, RfError* error )
         result = rf_create_camera_path( &job->scene, job->options.camera, job->options.fps, job->options.size.width,
                                         job->options.size.height, &job->path, error );
     if ( result == RF_OK )
-        result = rf_choose_frames( job->options.frames, &job->file, job->path.count, &job->frames, &job->frame_count, error );
+        result = rf_choose_frames( job->options.frames, &job->file, &job->path, &job->frames, &job->frame_count, error );
     if ( result != RF_OK )
         return result;
     int asked_count = job->frame_count;
     job->kept = malloc( (size_t)asked_count * sizeof( int ) );
-    if ( job->kept == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "no memory left for the numbers of %d frames", asked_count );
-    result = rf_create_tracer( &job->scene, &job->tracer, error );
+    result = job->kept != NULL ? find_runs( job, error ) : fail_numbers( job, error );
+    if ( result == RF_OK )
+        result = rf_create_tracer( &job->scene, &job->tracer, error );
     if ( result == RF_OK )
         result = resolve( job, error );
     if ( result != RF_OK )
@@ -122,23 +139,28 @@ static RfResult load( Job* job, RfError* error )
     job->output = output_of( job );
     result = rf_prepare_output( &job->output, &job->options, job->frames, &job->frame_count, job->kept, error );
     job->kept_count = asked_count - job->frame_count;
-    if ( result == RF_OK && !job->options.quiet )
-        rf_tell_settings( &job->asked, &job->options.settings, &job->fit, job->path.count );
-    return result;
+    if ( result == RF_OK )
+        result = find_runs( job, error ); // of what is left
+    if ( result != RF_OK || job->options.quiet )
+        return result;
+    rf_tell_settings( &job->asked, &job->options.settings, &job->fit, job->path.run_count );
+    rf_tell_runs( &job->path, job->frames, job->frame_count, job->run_count );
+    return RF_OK;
 }
 
 // A single pass gives no estimate of its variance.
 static void warn_of_variance( Job* job )
 {
     const RfRenderSettings* s = &job->options.settings;
-    RfGroupPlan plan = rf_plan_groups( job->path.count, s->group, s->spp );
+    RfGroupPlan plan = rf_plan_groups( job->path.run_count, s->group, s->spp );
     if ( ( s->aovs & RF_AOV_BIT( RF_AOV_VARIANCE ) ) == 0 || s->noise > 0.0 || s->time > 0.0 ) // never a single pass
         return;
     for ( int i = 0; i < job->frame_count; ++i )
     {
-        if ( rf_frame_passes( &plan, job->frames[i] ) > 1 )
+        if ( rf_frame_passes( &plan, job->path.run_of_frame[job->frames[i]] ) > 1 )
             continue;
-        rf_warn( &job->log, "--aov variance: will be 0 in frame %d, which has one pass only: raise --spp", job->frames[i] + 1 );
+        rf_warn( &job->log, "--aov variance: will be 0 in frame %d, which has one pass only: raise --spp",
+                 rf_frame_number( &job->path, job->frames[i] ) );
         return;
     }
 }
@@ -169,7 +191,7 @@ static void warn_if_black( Job* job, const RfFrameResult* result )
     job->told_black = true;
     rf_clear_progress( &job->line );
     rf_warn( &job->log, "%s: frame %d is black, no light reaches the camera: is it inside a wall, or looking away?",
-             job->options.scene, result->frame + 1 );
+             job->options.scene, rf_frame_number( &job->path, result->frame ) );
 }
 
 static void note_relmse( Job* job, const RfFrameResult* result )
@@ -177,10 +199,11 @@ static void note_relmse( Job* job, const RfFrameResult* result )
     job->relmse_sum += result->relmse_estimate;
     job->likely_sum += result->relmse_likely;
     job->lower_bounds += result->relmse_is_lower_bound;
+    job->missed += !result->reached;
     if ( job->frames_done > 1 && result->relmse_likely <= job->worst_relmse )
         return;
     job->worst_relmse = result->relmse_likely;
-    job->worst_frame = result->frame;
+    job->worst_frame = rf_frame_number( &job->path, result->frame );
     job->worst_is_lower_bound = result->relmse_is_lower_bound;
 }
 
@@ -190,18 +213,16 @@ static void warn_of_stop( Job* job )
     const RfRenderSettings* s = &job->options.settings;
     if ( job->stats.missed > 0 )
         rf_warn( &job->log, "--noise %g: not reached in %d of %d frames, frame %d %shas %.3g: allow more %s", s->noise,
-                 job->stats.missed, job->frame_count, job->worst_frame + 1, job->worst_is_lower_bound ? "likely " : "",
+                 job->stats.missed, job->frame_count, job->worst_frame, job->worst_is_lower_bound ? "likely " : "",
                  job->worst_relmse, s->time > 0.0 ? "--time or --spp" : "--spp" );
     if ( job->stats.hurried )
         rf_warn( &job->log,
                  "--time %g: too short for this size and these groups: the least, 2 samples per pixel, took %.3g s a frame",
-                 s->time, job->stats.seconds / job->frame_count );
+                 s->time, job->stats.seconds / job->run_count );
 }
 
-// Called in the thread that writes.
-static RfResult on_frame( void* user, const RfFrameResult* result, RfError* error )
+static RfResult write_frame( Job* job, const RfFrameResult* result, int same_as, RfError* error )
 {
-    Job* job = user;
     RfResult written = rf_write_frame( &job->output, result, error );
     if ( written != RF_OK )
         return written;
@@ -209,9 +230,28 @@ static RfResult on_frame( void* user, const RfFrameResult* result, RfError* erro
     ++job->frames_done;
     note_relmse( job, result );
     warn_if_black( job, result );
-    rf_show_frame( &job->line, result, job->frames_done, job->frame_count, now() - job->start - job->seconds_scene );
+    rf_show_frame( &job->line, result, rf_frame_number( &job->path, result->frame ), job->frames_done, job->frame_count,
+                   now() - job->start - job->seconds_scene );
     pthread_mutex_unlock( &job->speech );
-    json_array_append_new( job->frames_json, rf_frame_json( result, job->options.settings.noise, false ) );
+    json_array_append_new( job->frames_json, rf_frame_json( result, &job->path, job->options.settings.noise, same_as ) );
+    return RF_OK;
+}
+
+// A finished run: every frame of it that is wanted gets the picture. Called in the thread that writes.
+static RfResult on_run( void* user, const RfFrameResult* run, RfError* error )
+{
+    Job* job = user;
+    RfFrameResult frame = *run;
+    int same_as = -1;
+    while ( job->frames_done < job->frame_count && job->path.run_of_frame[job->frames[job->frames_done]] == run->frame )
+    {
+        frame.frame = job->frames[job->frames_done];
+        RfResult result = write_frame( job, &frame, same_as, error );
+        if ( result != RF_OK )
+            return result;
+        same_as = same_as < 0 ? frame.frame : same_as;
+        frame.seconds = 0.0; // rendered once
+    }
     return RF_OK;
 }
 
@@ -229,9 +269,10 @@ static RfResult render( Job* job, RfError* error )
     if ( rf_is_interrupted() )
         return rf_fail( error, RF_ERROR_INTERRUPTED, "interrupted before the first frame" );
     job->line = rf_create_progress_line( job->options.quiet );
-    RfRenderCallbacks callbacks = { .user = job, .frame = on_frame, .progress = on_progress };
-    RfResult result = rf_render( job->tracer, job->path.eyes, job->path.count, job->frames, job->frame_count,
+    RfRenderCallbacks callbacks = { .user = job, .frame = on_run, .progress = on_progress };
+    RfResult result = rf_render( job->tracer, job->path.runs, job->path.run_count, job->runs, job->run_count,
                                  &job->options.settings, &callbacks, &job->stats, error );
+    job->stats.missed = job->missed; // of frames, not of runs
     rf_clear_progress( &job->line );
     if ( result == RF_ERROR_INTERRUPTED )
         return rf_fail( error, result, "interrupted: %d of %d frames are finished and kept, %s goes on",
@@ -248,9 +289,10 @@ static RfResult write_json( const Job* job, bool interrupted, RfError* error )
     RfRenderRun run = { .stats = &job->stats,
                         .seconds = now() - job->start,
                         .seconds_scene = job->seconds_scene,
-                        .frames = rf_join_kept_frames( options, job->kept, job->kept_count, job->frames_json ),
+                        .frames = rf_join_kept_frames( options, &job->path, job->kept, job->kept_count, job->frames_json ),
                         .kept = job->kept_count,
                         .warnings = job->told.lines,
+                        .repeated = job->frame_count - job->run_count,
                         .interrupted = interrupted };
     return rf_write_json( options->json, rf_render_json( options, &job->scene, &run ), error );
 }

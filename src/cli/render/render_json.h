@@ -7,9 +7,9 @@
 
 #include <jansson.h>
 
-// One element of "frames", rendered by this run or kept from before; with `noise`,
-// the relMSE wanted, also whether it was reached. NULL where memory ran out.
-json_t* rf_frame_json( const RfFrameResult* result, double noise, bool kept );
+// One element of "frames"; with `noise`, the relMSE wanted, also whether it was reached. `same_as` is the
+// frame of this run whose picture it repeats, from 0; else −1. NULL where memory ran out.
+json_t* rf_frame_json( const RfFrameResult* result, const RfCameraPath* path, double noise, int same_as );
 
 // What one run of `render` did.
 typedef struct RfRenderRun
@@ -18,6 +18,7 @@ typedef struct RfRenderRun
     double seconds, seconds_scene; // in all; until the scene was loaded
     json_t* frames;                // taken over by rf_render_json
     int kept;                      // of them, from before
+    int repeated;                  // of them, the picture of the frame before them once more
     bool interrupted;
     json_t* warnings; // lines; stays the caller's
 } RfRenderRun;

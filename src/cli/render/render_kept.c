@@ -23,10 +23,9 @@ static bool is_same( double a, double b )
 
 // Seconds from the older JSON if it describes this very file. If the file was replaced since,
 // samples or estimate differ.
-static double older_seconds( Older* older, const RfFrameResult* said )
+static double older_seconds( Older* older, const RfFrameResult* said, int number )
 {
     size_t all = json_array_size( older->frames );
-    int number = said->frame + 1;
     while ( older->next < all && rf_json_number_of( json_array_get( older->frames, older->next ), "frame" ) < number )
         ++older->next;
     const json_t* row = json_array_get( older->frames, older->next );
@@ -36,9 +35,10 @@ static double older_seconds( Older* older, const RfFrameResult* said )
     return is_it ? rf_json_number_of( row, "seconds" ) : (double)NAN;
 }
 
-static json_t* kept_frame_json( const RfRenderOptions* options, int frame, Older* older )
+static json_t* kept_frame_json( const RfRenderOptions* options, const RfCameraPath* path, int frame, Older* older )
 {
     char name[RF_PAGE_NAME_SIZE];
+    int number = rf_frame_number( path, frame );
     RfFrameResult said = { .frame = frame,
                            .relmse_estimate = (double)NAN,
                            .relmse_likely = (double)NAN,
@@ -46,7 +46,7 @@ static json_t* kept_frame_json( const RfRenderOptions* options, int frame, Older
                            .native_spp = (double)NAN,
                            .effective_spp = (double)NAN };
     char text[8];
-    if ( rf_sequence_name( options->output, frame + 1, name, sizeof name, NULL ) == RF_OK )
+    if ( rf_sequence_name( options->output, number, name, sizeof name, NULL ) == RF_OK )
     {
         said.relmse_is_lower_bound =
             rf_read_exr_string( name, "reframe/relmse-is-lower-bound", text, sizeof text, NULL ) == RF_OK;
@@ -57,11 +57,14 @@ static json_t* kept_frame_json( const RfRenderOptions* options, int frame, Older
         said.native_spp = rf_read_exr_number( name, "reframe/native-spp" );
         said.effective_spp = rf_read_exr_number( name, "reframe/effective-spp" );
     }
-    said.seconds = older_seconds( older, &said );
-    return rf_frame_json( &said, options->settings.noise, true );
+    said.seconds = older_seconds( older, &said, number );
+    json_t* json = rf_frame_json( &said, path, options->settings.noise, -1 );
+    json_object_set_new( json, "kept", json_true() );
+    return json;
 }
 
-json_t* rf_join_kept_frames( const RfRenderOptions* options, const int* kept, int count, json_t* rendered )
+json_t* rf_join_kept_frames( const RfRenderOptions* options, const RfCameraPath* path, const int* kept, int count,
+                             json_t* rendered )
 {
     json_t* frames = json_array();
     Older older = { 0 };
@@ -70,9 +73,9 @@ json_t* rf_join_kept_frames( const RfRenderOptions* options, const int* kept, in
         older.frames = json_object_get( older.json, "frames" );
     for ( int i = 0; i < count; ++i )
     {
-        while ( next < all && rf_json_number_of( json_array_get( rendered, next ), "frame" ) < kept[i] + 1 )
+        while ( next < all && rf_json_number_of( json_array_get( rendered, next ), "frame" ) < rf_frame_number( path, kept[i] ) )
             json_array_append( frames, json_array_get( rendered, next++ ) );
-        json_array_append_new( frames, kept_frame_json( options, kept[i], &older ) );
+        json_array_append_new( frames, kept_frame_json( options, path, kept[i], &older ) );
     }
     while ( next < all )
         json_array_append( frames, json_array_get( rendered, next++ ) );

@@ -10,6 +10,7 @@
 // `count` kept frames (indices from 0). Figures of a kept frame come from its header, its seconds
 // from the older JSON at options->json where that describes the same file, else null. The caller
 // owns the new array; NULL where memory ran out.
-json_t* rf_join_kept_frames( const RfRenderOptions* options, const int* kept, int count, json_t* rendered );
+json_t* rf_join_kept_frames( const RfRenderOptions* options, const RfCameraPath* path, const int* kept, int count,
+                             json_t* rendered );
 
 #endif

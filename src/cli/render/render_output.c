@@ -63,7 +63,7 @@ static RfResult keep_or_refuse( const RfOutput* output, const RfRenderOptions* o
     RfError reason = { 0 };
     RfFrameFileState state;
     *keep = false;
-    RfResult result = rf_sequence_name( output->pattern, frame + 1, name, sizeof name, error );
+    RfResult result = rf_sequence_name( output->pattern, rf_frame_number( output->path, frame ), name, sizeof name, error );
     if ( result != RF_OK )
         return result;
     result = rf_check_frame_file( output, frame, &state, &reason );

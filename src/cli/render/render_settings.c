@@ -24,3 +24,25 @@ void rf_tell_settings( const RfRenderSettings* asked, const RfRenderSettings* us
         fprintf( stderr, "reframe render: %s of memory hold the films of %d frame%s: the path is gone through %d times\n", memory,
                  fit->films, fit->films == 1 ? "" : "s", fit->sweeps );
 }
+
+void rf_tell_runs( const RfCameraPath* path, const int* frames, int frame_count, int run_count )
+{
+    int stretches = 0, first = 0, last = 0;
+    if ( run_count == frame_count )
+        return;
+    for ( int i = 1; i < frame_count; ++i )
+    {
+        if ( path->run_of_frame[frames[i]] != path->run_of_frame[frames[i - 1]] )
+            continue;
+        bool begins = i == 1 || path->run_of_frame[frames[i - 1]] != path->run_of_frame[frames[i - 2]];
+        stretches += begins;
+        first = begins && stretches == 1 ? frames[i - 1] : first;
+        last = stretches == 1 ? frames[i] : last;
+    }
+    char more[48] = "";
+    if ( stretches > 1 )
+        snprintf( more, sizeof more, " and %d more times", stretches - 1 );
+    fprintf( stderr,
+             "reframe render: the camera stands still in frames %d to %d%s: equal frames are rendered once, %d of %d in all\n",
+             rf_frame_number( path, first ), rf_frame_number( path, last ), more, run_count, frame_count );
+}

@@ -7,7 +7,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-RfCameraPath rf_empty_camera_path( void ) { return ( RfCameraPath ){ .name = NULL }; }
+#define DEFAULT_WIDTH 960
+#define DEFAULT_HEIGHT 540
+
+RfCameraPath rf_empty_camera_path( void ) { return ( RfCameraPath ){ .first = 1, .step = 1 }; }
 
 static bool is_path_file( const char* name )
 {
@@ -20,7 +23,31 @@ static uint64_t hash_eye( uint64_t hash, const RfEye* e )
     float numbers[13] = { e->origin.x, e->origin.y, e->origin.z,  e->right.x,   e->right.y,   e->right.z, e->up.x,
                           e->up.y,     e->up.z,     e->forward.x, e->forward.y, e->forward.z, e->focal };
     int size[2] = { e->width, e->height };
-    return rf_hash_bytes( rf_hash_bytes( hash, numbers, sizeof numbers ), size, sizeof size );
+    hash = rf_hash_bytes( rf_hash_bytes( hash, numbers, sizeof numbers ), size, sizeof size );
+    float film[3] = { e->focal_x, e->axis_x, e->axis_y };
+    bool plain = film[0] == e->focal && film[1] == 0.5f * (float)e->width && film[2] == 0.5f * (float)e->height;
+    return plain ? hash : rf_hash_bytes( hash, film, sizeof film ); // as before there were shifts
+}
+
+int rf_frame_number( const RfCameraPath* path, int frame )
+{
+    return path->step > 0 ? path->first + frame * path->step : frame + 1; // a path of the caller's own may have no numbers
+}
+
+// Frames with equal eyes that follow each other. RfEye has no padding.
+static RfResult find_runs( RfCameraPath* path, RfError* error )
+{
+    path->runs = malloc( (size_t)path->count * sizeof *path->runs );
+    path->run_of_frame = malloc( (size_t)path->count * sizeof *path->run_of_frame );
+    if ( path->runs == NULL || path->run_of_frame == NULL )
+        return rf_fail( error, RF_ERROR_MEMORY, "camera '%s': no memory left for %d frames", path->name, path->count );
+    for ( int i = 0; i < path->count; ++i )
+    {
+        if ( i == 0 || memcmp( path->eyes + i, path->eyes + i - 1, sizeof *path->eyes ) != 0 )
+            path->runs[path->run_count++] = path->eyes[i];
+        path->run_of_frame[i] = path->run_count - 1;
+    }
+    return RF_OK;
 }
 
 // The eyes of all frames; the hash starts with what a path file has.
@@ -35,6 +62,7 @@ static RfResult make_eyes( const RfScene* scene, const RfCamera* camera, RfFps f
     if ( path->eyes == NULL || path->name == NULL )
         return rf_fail( error, RF_ERROR_MEMORY, "camera '%s': no memory left for %d frames", camera->name, path->count );
     path->fps = fps;
+    rf_camera_numbers( camera, &path->first, &path->step );
     path->hash = RF_HASH_START;
     if ( camera->track != NULL )
         path->hash = rf_hash_bytes( path->hash, &camera->track->hash, sizeof camera->track->hash );
@@ -44,13 +72,20 @@ static RfResult make_eyes( const RfScene* scene, const RfCamera* camera, RfFps f
         if ( result == RF_OK )
             path->hash = hash_eye( path->hash, path->eyes + i );
     }
-    return result;
+    return result == RF_OK ? find_runs( path, error ) : result;
 }
 
 RfResult rf_create_camera_path( const RfScene* scene, const char* name, RfFps fps, int width, int height, RfCameraPath* path,
                                 RfError* error )
 {
     *path = rf_empty_camera_path();
+    if ( fps.numerator == 0 && fps.denominator == 0 )
+        fps = rf_scene_fps( scene );
+    if ( width == 0 && height == 0 )
+    {
+        width = scene->film_width > 0 ? scene->film_width : DEFAULT_WIDTH;
+        height = scene->film_width > 0 ? scene->film_height : DEFAULT_HEIGHT;
+    }
     if ( fps.numerator < 1 || fps.denominator < 1 )
         return rf_fail( error, RF_ERROR_USAGE, "frames per second must be above 0, got %d/%d", fps.numerator, fps.denominator );
     if ( width < 1 || height < 1 || width > RF_MAX_IMAGE_SIDE || height > RF_MAX_IMAGE_SIDE )
@@ -81,5 +116,7 @@ void rf_destroy_camera_path( RfCameraPath* path )
         return;
     free( path->name );
     free( path->eyes );
+    free( path->runs );
+    free( path->run_of_frame );
     *path = rf_empty_camera_path();
 }

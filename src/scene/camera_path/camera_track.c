@@ -14,10 +14,33 @@ void rf_destroy_camera_track( RfCameraTrack* track )
     rf_destroy_curve( &track->up );
     rf_destroy_curve( &track->rotation );
     rf_destroy_curve( &track->fov );
+    rf_destroy_curve( track->shift );
+    rf_destroy_curve( track->shift + 1 );
     rf_destroy_waypoints( &track->walk );
     free( track->name );
     free( track->clock );
     *track = ( RfCameraTrack ){ 0 };
+}
+
+static bool curve_varies( const RfCurve* curve )
+{
+    size_t kind = (size_t)curve->kind;
+    for ( size_t i = kind; i < kind * (size_t)curve->count; ++i )
+    {
+        if ( curve->values[i] != curve->values[i % kind] )
+            return true;
+    }
+    return false;
+}
+
+bool rf_camera_track_moves( const RfCameraTrack* track )
+{
+    const RfCurve* curves[] = { &track->position, &track->target, &track->up,      &track->rotation,
+                                &track->fov,      track->shift,   track->shift + 1 };
+    bool moves = track->kind != RF_TRACK_KEYED;
+    for ( size_t i = 0; i < sizeof curves / sizeof curves[0]; ++i )
+        moves = moves || curve_varies( curves[i] );
+    return moves;
 }
 
 static void orbit_at( const RfOrbit* orbit, double progress, double position[3] )
@@ -47,7 +70,7 @@ static void sample_position( const RfCameraTrack* track, double at, RfView* view
 static RfResult fail_at( const RfCameraTrack* track, double time, const char* what, RfError* error )
 {
     if ( track->in_frames )
-        return rf_fail( error, RF_ERROR_SCENE, "%s: at frame %g %s", track->name, time - track->start + 1.0, what );
+        return rf_fail( error, RF_ERROR_SCENE, "%s: at frame %g %s", track->name, time + 1.0, what );
     return rf_fail( error, RF_ERROR_SCENE, "%s: at %g s %s", track->name, time, what );
 }
 
@@ -76,6 +99,13 @@ RfResult rf_sample_camera_track( const RfCameraTrack* track, double time, RfView
     sample_position( track, at, view, target );
     rf_sample_curve( &track->fov, at, &view->fov );
     view->fov *= 3.14159265358979323846 / 180.0;
+    view->aspect = track->aspect;
+    for ( int i = 0; i < 2; ++i )
+    {
+        view->shift[i] = 0.0;
+        if ( track->shift[i].count > 0 )
+            rf_sample_curve( track->shift + i, at, view->shift + i );
+    }
     if ( track->rotation.count > 0 )
     {
         rf_sample_curve( &track->rotation, at, rotation );

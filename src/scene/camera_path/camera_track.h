@@ -34,14 +34,17 @@ typedef struct RfCameraTrack
     RfTrackKind kind;
     char* name;     // of the file, followed by the JSON path if it is inside another file
     uint64_t hash;  // of the bytes of the file; 0 if it is inside another file
-    bool in_frames; // times are frame numbers, independent of the frame rate; else seconds
+    bool in_frames; // times are frames, the one called 1 is at 0, independent of the frame rate; else seconds
+    int step;       // frames from one of the picture to the next; 1 unless in_frames
     char* clock;    // where the duration is given: "move.json: duration", "scene.json:
                     // camera.keys[7].time"
     double start, end;
     RfCurve position;   // empty for orbits and walks
     RfCurve target, up; // empty with a rotation; walks may look ahead without a target
     RfCurve rotation;
-    RfCurve fov; // vertical, degrees
+    RfCurve fov;      // vertical, degrees
+    RfCurve shift[2]; // right and up, heights of the picture; empty: none
+    double aspect;    // of the pixels, width over height
     RfOrbit orbit;
     RfWaypoints walk;
     double look_ahead; // m ahead along the curve of a walk
@@ -52,6 +55,7 @@ typedef struct RfView
 {
     double position[3], forward[3], up[3];
     double fov; // vertical, radians
+    double shift[2], aspect;
 } RfView;
 
 // Reads a camera path file. Errors give the file and the JSON path. On failure the track is
@@ -64,6 +68,9 @@ RfResult rf_read_camera_track( const struct RfField* object, RfCameraTrack* trac
 
 // Frees the curves and names of a track and clears it.
 void rf_destroy_camera_track( RfCameraTrack* track );
+
+// False where all keys of a keyed path are the same: the camera stands still in all its frames.
+bool rf_camera_track_moves( const RfCameraTrack* track );
 
 // The view at a time (in seconds or frames, as the track has it). Fails with RF_ERROR_SCENE if
 // the view has no direction: the camera is on its target, or up is parallel to the view.

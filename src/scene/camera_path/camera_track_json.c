@@ -26,7 +26,7 @@ static RfResult read_kind( const RfField* top, RfCameraTrack* track )
 
 RfResult rf_read_camera_track( const RfField* object, RfCameraTrack* track, RfError* error )
 {
-    *track = ( RfCameraTrack ){ 0 };
+    *track = ( RfCameraTrack ){ .step = 1, .aspect = 1.0 };
     char name[1024];
     snprintf( name, sizeof name, "%s%s%s", object->file, object->path[0] != 0 ? ": " : "", object->path );
     track->name = strdup( name );

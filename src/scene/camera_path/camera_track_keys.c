@@ -2,6 +2,7 @@
 
 #include "scene/camera_path/camera_track_read.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 #define MAX_KEYS 1000000
@@ -18,18 +19,19 @@ static RfField inherited( const RfField* key, const RfField* top, const char* na
 typedef struct Keys
 {
     int count;
-    double *times, *position, *target, *up, *rotation, *fov;
+    double *times, *position, *target, *up, *rotation, *fov, *shift[2];
+    bool shifts; // any of them
 } Keys;
 
 static RfResult read_time( const RfField* key, bool in_frames, int index, double* times )
 {
     const char* name = in_frames ? "frame" : "time";
-    const char* want = in_frames ? "a frame number, the first frame is 1" : "a number of seconds";
+    const char* want = in_frames ? "a frame number" : "a number of seconds";
     RfField field = rf_field_member( key, name );
     RfResult result = rf_field_require( key, name, want );
     if ( result == RF_OK )
         result = rf_field_number(
-            &field, in_frames ? rf_range( 1.0, RF_MAX_TRACK_FRAMES ) : rf_range( 0.0, RF_MAX_TRACK_SECONDS ), times + index );
+            &field, in_frames ? rf_range( 0.0, RF_MAX_TRACK_FRAMES ) : rf_range( 0.0, RF_MAX_TRACK_SECONDS ), times + index );
     if ( result != RF_OK )
         return result;
     if ( index > 0 && !( times[index] - times[index - 1] >= MIN_STEP ) )
@@ -37,10 +39,20 @@ static RfResult read_time( const RfField* key, bool in_frames, int index, double
     return RF_OK;
 }
 
+static RfResult read_shift( const RfField* field, Keys* keys, int i )
+{
+    double shift[2] = { 0.0, 0.0 };
+    RfResult result = rf_field_numbers( field, rf_range( -RF_MAX_SHIFT, RF_MAX_SHIFT ), 2, shift );
+    keys->shifts = keys->shifts || field->json != NULL;
+    keys->shift[0][i] = shift[0];
+    keys->shift[1][i] = shift[1];
+    return result;
+}
+
 static RfResult read_key( const RfField* top, const RfField* key, Keys* keys, int i, bool rotates, bool in_frames )
 {
-    static const char* const s_seconds[] = { "time", "position", "target", "rotation", "up", "fov", NULL };
-    static const char* const s_frames[] = { "frame", "position", "target", "rotation", "up", "fov", NULL };
+    static const char* const s_seconds[] = { "time", "position", "target", "rotation", "up", "fov", "shift", NULL };
+    static const char* const s_frames[] = { "frame", "position", "target", "rotation", "up", "fov", "shift", NULL };
     RfResult result = rf_field_keys( key, in_frames ? s_frames : s_seconds );
     if ( result == RF_OK )
         result = read_time( key, in_frames, i, keys->times );
@@ -48,7 +60,9 @@ static RfResult read_key( const RfField* top, const RfField* key, Keys* keys, in
         result = rf_read_point( key, "position", keys->position + 3 * i );
     if ( result == RF_OK )
         result = rf_check_look( key, rotates );
-    RfField fov = inherited( key, top, "fov" ), up = inherited( key, top, "up" );
+    RfField fov = inherited( key, top, "fov" ), up = inherited( key, top, "up" ), shift = inherited( key, top, "shift" );
+    if ( result == RF_OK )
+        result = read_shift( &shift, keys, i );
     if ( result == RF_OK )
         result = rf_read_fov( &fov, keys->fov + i );
     if ( result == RF_OK )
@@ -78,6 +92,8 @@ static RfResult make_curves( const Keys* keys, bool linear, bool rotates, RfCame
     RfResult result = rf_create_curve( RF_CURVE_POINT, linear, n, t, keys->position, &track->position, error );
     if ( result == RF_OK )
         result = rf_create_curve( RF_CURVE_NUMBER, linear, n, t, keys->fov, &track->fov, error );
+    for ( int i = 0; i < 2 && result == RF_OK && keys->shifts; ++i )
+        result = rf_create_curve( RF_CURVE_NUMBER, linear, n, t, keys->shift[i], track->shift + i, error );
     if ( result == RF_OK && rotates )
         return rf_create_curve( RF_CURVE_ROTATION, linear, n, t, keys->rotation, &track->rotation, error );
     if ( result == RF_OK )
@@ -85,7 +101,8 @@ static RfResult make_curves( const Keys* keys, bool linear, bool rotates, RfCame
     return result == RF_OK ? rf_create_curve( RF_CURVE_POINT, linear, n, t, keys->up, &track->up, error ) : result;
 }
 
-// The block of memory holds 15 numbers per key.
+#define NUMBERS 17 // per key
+
 static Keys split_memory( double* memory, int count )
 {
     size_t n = (size_t)count;
@@ -95,13 +112,30 @@ static Keys split_memory( double* memory, int count )
                   .target = memory + 4 * n,
                   .up = memory + 7 * n,
                   .rotation = memory + 10 * n,
-                  .fov = memory + 14 * n };
+                  .fov = memory + 14 * n,
+                  .shift = { memory + 15 * n, memory + 16 * n } };
     for ( size_t i = 0; i < n; ++i )
     {
         keys.up[3 * i + 1] = 1.0;
         keys.fov[i] = RF_DEFAULT_FOV;
     }
     return keys;
+}
+
+// What holds for all keys: the numbers of frames and the shape of a pixel.
+static RfResult read_film( const RfField* top, RfCameraTrack* track )
+{
+    double step = 1.0;
+    RfField field = rf_field_member( top, "step" ), aspect = rf_field_member( top, "pixelAspect" );
+    RfResult result = rf_field_number( &aspect, rf_range( 0.01, 100.0 ), &track->aspect );
+    if ( result == RF_OK )
+        result = rf_field_number( &field, rf_range( 1.0, RF_MAX_TRACK_FRAMES ), &step );
+    if ( result == RF_OK && floor( step ) != step )
+        return rf_field_wants( &field, "a whole number" );
+    if ( result == RF_OK && field.json != NULL && !track->in_frames )
+        return rf_field_fail( &field, "wants keys with frames, not times" );
+    track->step = (int)step;
+    return result;
 }
 
 static RfResult read_keys( const RfField* top, const RfField* list, RfCameraTrack* track )
@@ -113,9 +147,11 @@ static RfResult read_keys( const RfField* top, const RfField* list, RfCameraTrac
     RfResult result = rf_read_interpolation( top, &linear );
     if ( result == RF_OK )
         result = rf_check_look( top, rotates );
+    if ( result == RF_OK )
+        result = read_film( top, track );
     if ( result != RF_OK )
         return result;
-    double* memory = calloc( (size_t)count * 15, sizeof *memory );
+    double* memory = calloc( (size_t)count * NUMBERS, sizeof *memory );
     if ( memory == NULL )
         return rf_fail( top->error, RF_ERROR_MEMORY, "%s: no memory left for %d keys", top->file, count );
     Keys keys = split_memory( memory, count );
@@ -138,7 +174,8 @@ static RfResult read_keys( const RfField* top, const RfField* list, RfCameraTrac
 
 RfResult rf_read_keyed( const RfField* top, RfCameraTrack* track )
 {
-    static const char* const s_keys[] = { "kind", "interpolation", "keys", "target", "rotation", "up", "fov", NULL };
+    static const char* const s_keys[] = { "kind", "interpolation", "keys", "target",      "rotation", "up",
+                                          "fov",  "shift",         "step", "pixelAspect", NULL };
     RfField list = rf_field_member( top, "keys" );
     RfResult result = rf_field_keys( top, s_keys );
     if ( result == RF_OK )

@@ -8,6 +8,7 @@
 #define RF_MAX_TRACK_SECONDS 1e6
 #define RF_MAX_TRACK_FRAMES 1e6
 #define RF_DEFAULT_FOV 40.0 // degrees
+#define RF_MAX_SHIFT 1000.0 // heights of the picture
 
 // The range of valid coordinates.
 RfRange rf_coordinates( void );

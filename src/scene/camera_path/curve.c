@@ -212,6 +212,11 @@ static int find_segment( const RfCurve* curve, double time )
 static void sample_segment( const RfCurve* curve, int segment, double time, double* value )
 {
     double h = curve->times[segment + 1] - curve->times[segment];
+    if ( curve->linear && !( time > curve->times[segment] ) ) // the key's own bits, so that equal keys give equal eyes
+    {
+        memcpy( value, key_of( curve, segment ), (size_t)curve->kind * sizeof *value );
+        return;
+    }
     if ( curve->linear )
     {
         blend( curve->kind, key_of( curve, segment ), key_of( curve, segment + 1 ), ( time - curve->times[segment] ) / h, value );

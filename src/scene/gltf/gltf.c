@@ -101,6 +101,8 @@ static RfResult read_document( RfGltf* gltf )
         result = rf_gltf_load_meshes( gltf );
     if ( result == RF_OK )
         result = rf_gltf_load_images( gltf );
+    if ( result == RF_OK )
+        rf_gltf_warn_of_moving( gltf );
     return result == RF_OK ? rf_gltf_notice_unread( gltf ) : result;
 }
 

@@ -106,7 +106,8 @@ static RfResult load_camera( RfGltf* gltf, json_t* names, int node, int index )
         camera->start = gltf->spans[node].start;
         camera->end = gltf->spans[node].end;
     }
-    return RF_OK;
+    RfWhere where = rf_where( "nodes[%d]", node );
+    return rf_gltf_read_camera_path( gltf, rf_gltf_item( gltf, RF_GLTF_NODES, node ), where.text, camera );
 }
 
 // Allocates for all nodes with a camera; skipped cameras leave unused room.

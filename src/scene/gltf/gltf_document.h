@@ -39,8 +39,6 @@ typedef enum RfGltfNotice
     RF_GLTF_MORPH_TARGETS,
     RF_GLTF_SKINS,
     RF_GLTF_ORTHOGRAPHIC,
-    RF_GLTF_MOVING_MESH,
-    RF_GLTF_MOVING_LIGHT,
     RF_GLTF_WEIGHT_CHANNELS,
     RF_GLTF_POINTER_CHANNELS,
     RF_GLTF_DOUBLE_CHANNELS,
@@ -290,6 +288,22 @@ RfResult rf_gltf_read_clearcoat( RfGltf* gltf, const json_t* material, const cha
 // True for materials with KHR_materials_unlit.
 bool rf_gltf_is_unlit( const json_t* material );
 static inline bool rf_gltf_moves( const RfGltf* gltf, int node ) { return gltf->spans[node].start <= gltf->spans[node].end; }
+
+// Do its values differ over time, or those of an ancestor?
+bool rf_gltf_varies( const RfGltf* gltf, int node );
+
+// Adds the name of something that moves in the file, but not here.
+RfResult rf_gltf_note_moving( RfGltf* gltf, const char* name );
+
+// Sorts the names and warns of them; called last.
+void rf_gltf_warn_of_moving( RfGltf* gltf );
+
+// Reads `render` and `moving` of the scene's extras.reframe.
+struct RfField;
+RfResult rf_gltf_read_shot( RfGltf* gltf, const struct RfField* ours );
+
+// Reads the path in a camera node's extras.reframe, where there is one.
+RfResult rf_gltf_read_camera_path( RfGltf* gltf, const json_t* node, const char* where, RfCamera* camera );
 
 // The triangles of a primitive in object space, with only the vertices that they use
 // (gltf_primitive.c, gltf_triangles.c).

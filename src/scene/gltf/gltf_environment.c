@@ -1,4 +1,4 @@
-// `extras.reframe` of the scene object: the environment.
+// `extras.reframe` of the scene object: the environment, and what gltf_shot.c reads.
 //
 //     {"environment": {"radiance": [r, g, b], "map": "sky.exr", "rotation": 90, "visible":
 //     false}}
@@ -24,7 +24,7 @@ static RfResult load_map( RfGltf* gltf, const RfField* object, const char* uri )
 
 RfResult rf_gltf_load_environment( RfGltf* gltf )
 {
-    static const char* const s_keys[] = { "environment", NULL };
+    static const char* const s_keys[] = { "environment", "render", "moving", NULL };
     int index = 0;
     if ( gltf->counts[RF_GLTF_SCENES] == 0 )
         return RF_OK;
@@ -38,6 +38,8 @@ RfResult rf_gltf_load_environment( RfGltf* gltf )
     RfWhere where = rf_where( "scenes[%d].extras.reframe", index );
     RfField field = rf_make_field( gltf->path, where.text, ours, gltf->error );
     result = rf_field_keys( &field, s_keys );
+    if ( result == RF_OK )
+        result = rf_gltf_read_shot( gltf, &field );
     RfField object = rf_field_member( &field, "environment" );
     if ( result != RF_OK || object.json == NULL )
         return result;

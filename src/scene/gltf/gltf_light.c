@@ -139,10 +139,7 @@ static RfResult load_node_light( RfGltf* gltf, const json_t* lights, int node, c
     if ( result != RF_OK )
         return result;
     gltf->scene->punctual_count += 1;
-    if ( rf_gltf_moves( gltf, node ) )
-        rf_gltf_notice( gltf, RF_GLTF_MOVING_LIGHT, "moving lights are not supported: node '%.80s' is taken at its first frame",
-                        gltf->scene->nodes[node].name );
-    return RF_OK;
+    return rf_gltf_varies( gltf, node ) ? rf_gltf_note_moving( gltf, gltf->scene->nodes[node].name ) : RF_OK;
 }
 
 RfResult rf_gltf_load_lights( RfGltf* gltf )

@@ -50,10 +50,7 @@ static RfResult read_mesh_of( RfGltf* gltf, int node, int* mesh )
         return RF_OK;
     if ( json_object_get( json, "skin" ) != NULL )
         rf_gltf_notice( gltf, RF_GLTF_SKINS, "skins are not supported: node '%.80s' keeps its rest pose", name );
-    if ( rf_gltf_moves( gltf, node ) )
-        rf_gltf_notice( gltf, RF_GLTF_MOVING_MESH, "moving geometry is not supported: node '%.80s' is taken at its first frame",
-                        name );
-    return RF_OK;
+    return rf_gltf_varies( gltf, node ) ? rf_gltf_note_moving( gltf, name ) : RF_OK;
 }
 
 // Counting sort of the nodes by mesh, stable in the order of the scene.

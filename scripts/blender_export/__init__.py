@@ -1,0 +1,1 @@
+"""The parts of blender-export.py, which runs inside Blender."""

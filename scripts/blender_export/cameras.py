@@ -1,0 +1,104 @@
+"""The camera, frame by frame, as Blender renders with it."""
+import math
+
+import bpy
+import mathutils
+
+from .messages import fail, list_names, note
+
+Y_UP = mathutils.Quaternion((math.sqrt(0.5), -math.sqrt(0.5), 0.0, 0.0))  # from Blender's axes to glTF's
+
+
+def find_camera(scene, name):
+    cameras = [o for o in scene.objects if o.type == "CAMERA"]
+    if name is None and scene.camera is not None:
+        return scene.camera
+    for camera in cameras:
+        if name in (None, camera.name):
+            return camera
+    fail("no camera%s in the scene: it has %s" % (" '%s'" % name if name else "", ", ".join(c.name for c in cameras) or "none"))
+
+
+def tell_others(scene, name):
+    """Cameras that are not exported; those that markers switch to are."""
+    used = {name, *(marker.camera.name for marker in scene.timeline_markers if marker.camera is not None)}
+    others = sorted(o.name for o in scene.objects if o.type == "CAMERA" and o.name not in used)
+    if others:
+        note("%s: left out: --camera exports another one" % list_names(others))
+
+
+def rounded(values):
+    return [float("%.9g" % v) for v in values]
+
+
+def film_of(scene):
+    """The size of Blender's pictures in pixels."""
+    render = scene.render
+    share = render.resolution_percentage / 100.0
+    return max(int(render.resolution_x * share), 1), max(int(render.resolution_y * share), 1)
+
+
+def lens_of(scene, camera, depsgraph):
+    """The vertical field of view in degrees, and the shift of the lens in heights of the picture."""
+    if camera.data.type != "PERSP":
+        fail("'%s' is %s: only perspective cameras can be exported" % (camera.name, camera.data.type.lower()))
+    width, height = film_of(scene)
+    render = scene.render
+    m = camera.calc_matrix_camera(depsgraph, x=width, y=height, scale_x=render.pixel_aspect_x, scale_y=render.pixel_aspect_y)
+    return math.degrees(2.0 * math.atan(1.0 / m[1][1])), (0.5 * m[0][2] * m[1][1] / m[0][0], 0.5 * m[1][2])
+
+
+class Recorder:
+    """Notes the camera in every frame that it is shown."""
+
+    def __init__(self, scene, camera, follow):
+        self.scene, self.camera, self.follow = scene, camera, follow
+        self.keys, self.before = [], None
+
+    def note(self, number, depsgraph):
+        # markers in the timeline may change the active camera
+        camera = (self.scene.camera if self.follow and self.scene.camera else self.camera).evaluated_get(depsgraph)
+        place, turn, _ = camera.matrix_world.decompose()
+        if self.before is not None and self.before.dot(turn) < 0.0:
+            turn.negate()  # interpolate along the shorter arc
+        self.before = turn.copy()
+        fov, shift = lens_of(self.scene, camera, depsgraph)
+        self.keys.append((number, place.copy(), turn.copy(), fov, shift))
+
+    def path(self, step):
+        """A camera path (anim/camera-path.schema.json) with a key in every frame."""
+        render = self.scene.render
+        shifts = any(max(abs(s) for s in key[4]) > 1e-7 for key in self.keys)
+        path = {"kind": "keyed", "interpolation": "linear", "keys": []}
+        if step > 1:
+            path["step"] = step
+        if render.pixel_aspect_x != render.pixel_aspect_y:
+            path["pixelAspect"] = float("%.9g" % (render.pixel_aspect_x / render.pixel_aspect_y))
+        below = min(self.keys[0][0], 0)
+        for number, place, turn, fov, shift in self.keys:
+            turn = Y_UP @ turn
+            key = {"frame": number - below, "position": rounded((place.x, place.z, -place.y)),
+                   "rotation": rounded((turn.x, turn.y, turn.z, turn.w)), "fov": float("%.9g" % fov)}
+            if shifts:
+                key["shift"] = rounded(shift)
+            path["keys"].append(key)
+        return path
+
+
+def bake_camera(scene, name, recorder):
+    """A camera at the root with a key in every frame, for programs that do not know Reframe's path."""
+    data = bpy.data.cameras.new(name)
+    baked = bpy.data.objects.new(name, data)
+    scene.collection.objects.link(baked)
+    data.sensor_fit, data.angle = "VERTICAL", math.radians(recorder.keys[0][3])
+    baked.rotation_mode = "QUATERNION"
+    for number, place, turn, _, _ in recorder.keys:
+        baked.location = place
+        baked.rotation_quaternion = turn
+        baked.keyframe_insert("location", frame=number)
+        baked.keyframe_insert("rotation_quaternion", frame=number)
+    for curve in baked.animation_data.action.fcurves:
+        for key in curve.keyframe_points:
+            key.interpolation = "LINEAR"
+    scene.camera = baked
+    return baked

@@ -1,0 +1,45 @@
+"""The command line: what stands after Blender's own options and --."""
+import argparse
+import os
+import re
+import sys
+
+from .messages import fail
+
+
+def parse(about):
+    own = sys.argv[sys.argv.index("--") + 1:] if "--" in sys.argv else []
+    p = argparse.ArgumentParser(prog="blender -b scene.blend -P blender-export.py --", description=about)
+    p.add_argument("out", help="the .glb to write")
+    p.add_argument("--camera", help="the camera to bake; default: the scene's active one")
+    p.add_argument("--frames", help="A-B or A-BxSTEP; default: the scene's own range and step")
+    p.add_argument("--overwrite", action="store_true", help="replace files that are there already")
+    try:
+        args = p.parse_args(own)
+    except SystemExit as e:
+        os._exit(e.code if isinstance(e.code, int) else 2)
+    if not args.out.endswith(".glb"):
+        fail("%s: only .glb is written: name it .glb" % args.out)
+    folder = os.path.dirname(os.path.abspath(args.out))
+    if not os.path.isdir(folder):
+        fail("%s: cannot be written: there is no folder %s" % (args.out, folder))
+    refuse(args, args.out)
+    return args
+
+
+def refuse(args, path):
+    if os.path.lexists(path) and not args.overwrite:
+        fail("%s: is there already: give another name or --overwrite" % path)
+
+
+def frame_range(scene, text):
+    """The first frame, the last one, and the step between them."""
+    if not text:
+        return scene.frame_start, scene.frame_end, scene.frame_step
+    match = re.fullmatch(r"(\d+)-(\d+)(?:x([1-9]\d*))?", text)
+    if match is None:
+        fail("--frames: wants A-B or A-BxSTEP, got '%s'" % text)
+    first, last, step = (int(n) for n in match.groups("1"))
+    if last < first:
+        fail("--frames: %d comes after %d" % (first, last))
+    return first, last, step

@@ -1,0 +1,233 @@
+"""Geometry as Blender renders it: modifiers at render level, instances realised, hidden objects left out.
+
+Every object becomes one without parents, constraints, modifiers and animation: only the
+camera moves in Reframe. Instances share one mesh, which `glb` places by
+EXT_mesh_gpu_instancing.
+"""
+import bpy
+import mathutils
+
+from .messages import list_names, note, warn
+from .moves import GEOMETRY
+
+UNREAD = {"VOLUME": "a volume", "CURVES": "hair curves", "GPENCIL": "grease pencil", "POINTCLOUD": "a point cloud"}
+FEW_INSTANCES = 4  # of which each becomes an object
+RENDER_LEVELS = (("levels", "render_levels"), ("steps", "render_steps"), ("viewport_resolution", "resolution"),
+                 ("show_viewport", "show_render"))
+
+
+def layer_collections(root):
+    yield root
+    for child in root.children:
+        yield from layer_collections(child)
+
+
+def hidden_ways(o):
+    """The rays for which an object is hidden."""
+    ways = ("camera", "diffuse", "glossy", "transmission", "shadow")
+    return [way for way in ways if not getattr(o, "visible_" + way)]
+
+
+def settle_modifiers(o):
+    for modifier in o.modifiers:
+        for viewport, render in RENDER_LEVELS:
+            if hasattr(modifier, viewport) and hasattr(modifier, render):
+                setattr(modifier, viewport, getattr(modifier, render))
+    for system in o.particle_systems:
+        settings = system.settings
+        settings.display_percentage = 100
+        settings.display_method = "RENDER"
+        settings.child_nbr = settings.rendered_child_count
+        settings.display_step = settings.render_step
+
+
+def settle_data(data):
+    """Resolutions of curves and metaballs."""
+    if isinstance(data, bpy.types.MetaBall):
+        data.resolution = data.render_resolution
+    elif isinstance(data, bpy.types.Curve):
+        data.resolution_u = data.render_resolution_u or data.resolution_u
+        data.resolution_v = data.render_resolution_v or data.resolution_v
+
+
+def settle(scene):
+    """Makes the viewport show what is rendered: outside of a render Blender evaluates for the viewport."""
+    view_layer = bpy.context.view_layer
+    visible = {o.name for o in view_layer.objects if o.visible_get()}
+    render = scene.render
+    render.simplify_subdivision = render.simplify_subdivision_render
+    render.simplify_child_particles = render.simplify_child_particles_render
+    for collection in bpy.data.collections:
+        collection.hide_viewport = collection.hide_render
+    for layer in layer_collections(view_layer.layer_collection):
+        if not layer.exclude:
+            layer.hide_viewport = False
+    for o in bpy.data.objects:
+        o.hide_viewport = o.hide_render
+        o.show_instancer_for_viewport = o.show_instancer_for_render
+        settle_modifiers(o)
+        settle_data(o.data)
+    for o in view_layer.objects:
+        o.hide_set(False)
+    view_layer.update()
+    left = sorted(n for n in visible if not bpy.data.objects[n].visible_get() and bpy.data.objects[n].type in GEOMETRY + ("LIGHT",))
+    if left:
+        note("%s: left out, as hidden in renders" % list_names(left))
+
+
+def held_out(view_layer):
+    """Names of objects that leave a hole in Blender's pictures, by themselves or by their collection."""
+    names = {o.name for o in view_layer.objects if o.is_holdout}
+    for layer in layer_collections(view_layer.layer_collection):
+        if layer.holdout:
+            names.update(o.name for o in layer.collection.all_objects)
+    return names
+
+
+def is_left_out(o, holes):
+    return o.name in holes or len(hidden_ways(o)) == 5
+
+
+def warn_of_the_rest(objects, holes):
+    def tell(chosen, text):
+        names = sorted(o.name for o in chosen)
+        if names:
+            warn("%s: %s" % (list_names(names), text))
+
+    shapes = [o for o in objects if o.type in GEOMETRY and not o.hide_render]
+    tell([o for o in shapes if o.name in holes], "left out: holdouts do not exist in Reframe")
+    tell([o for o in shapes if o.name not in holes and 0 < len(hidden_ways(o)) < 5],
+         "hidden from some kinds of rays in Blender: seen by all here")
+    tell([o for o in shapes if o.is_shadow_catcher], "a shadow catcher in Blender: an ordinary surface here")
+    for kind, what in UNREAD.items():
+        tell([o for o in objects if o.type == kind and not o.hide_render], "%s: left out" % what)
+    tell([o for o in shapes if any(s.settings.type == "HAIR" and s.settings.render_type == "PATH" for s in o.particle_systems)],
+         "hair: left out")
+
+
+def has_shear(matrix):
+    place, turn, scale = matrix.decompose()
+    again = mathutils.Matrix.LocRotScale(place, turn, scale)
+    size = max(abs(v) for row in matrix for v in row)
+    return any(abs(a - b) > 1e-5 * size for row, other in zip(matrix, again) for a, b in zip(row, other))
+
+
+def is_pattern(o):
+    """Is it there only for the vertices or faces of an ancestor to repeat it?"""
+    parent = o.parent
+    while parent is not None and not (o.type != "META" and parent.instance_type in ("VERTS", "FACES")):
+        parent = parent.parent
+    return parent is not None
+
+
+def is_plain(o):
+    """Is its mesh in the file what is rendered?"""
+    return o.type == "MESH" and not o.modifiers and o.data.shape_keys is None and not o.particle_systems
+
+
+class Source:
+    """What instances show: an object's evaluated shape, or a mesh of geometry nodes alone."""
+
+    def __init__(self, instance):
+        o = instance.object
+        self.original = (instance.instance_object if instance.is_instance else o).original
+        self.is_lamp = o.type == "LIGHT"
+        own = self.original.data
+        self.is_own = o.data is None or o.data.original == own or not isinstance(o.data, bpy.types.Mesh)
+        self.mesh = None if self.is_lamp or self.is_own else o.data.copy()
+        self.matrices, self.instance_matrices = [], []
+
+
+def read_sources(depsgraph, holes):
+    """Reads the depsgraph, during which nothing may be added that it knows."""
+    sources = {}
+    for instance in depsgraph.object_instances:
+        o = instance.object
+        if o.type not in ("LIGHT", *GEOMETRY) or is_left_out(o.original, holes):
+            continue
+        if not instance.is_instance and (not instance.show_self or is_pattern(o.original)):
+            continue
+        key = (o.original.name, o.data.as_pointer())
+        if key not in sources:
+            sources[key] = Source(instance)
+        which = sources[key].instance_matrices if instance.is_instance else sources[key].matrices
+        which.append(instance.matrix_world.copy())
+    return sources.values()
+
+
+def mesh_of(source, depsgraph):
+    """The mesh that is rendered: that of the file where nothing changes it."""
+    original = source.original
+    if source.mesh is not None or is_plain(original):
+        return source.mesh or original.data
+    mesh = bpy.data.meshes.new_from_object(original.evaluated_get(depsgraph), preserve_all_data_layers=True, depsgraph=depsgraph)
+    if mesh is not None and isinstance(original.data, bpy.types.Mesh):
+        mesh.use_auto_texspace = False  # generated coordinates stay those of the mesh as modelled
+        mesh.texspace_location = original.data.texspace_location
+        mesh.texspace_size = original.data.texspace_size
+    return mesh
+
+
+class Builder:
+    """Makes the new objects, beside the old ones, which it replaces in the end."""
+
+    def __init__(self):
+        self.old = list(bpy.data.objects)
+        self.objects = []  # (new object, name, matrix)
+        self.placed = []  # (new object, matrices of its instances)
+
+    def place(self, original, name, data, matrix):
+        new = bpy.data.objects.new(name, data)
+        for key in original.keys():
+            new[key] = original[key]
+        for to, slot in zip(new.material_slots, original.material_slots):
+            if slot.link == "OBJECT" and data == original.data:
+                to.link, to.material = "OBJECT", slot.material
+        self.objects.append((new, name, matrix))
+        return new
+
+    def place_shape(self, original, mesh, matrix):
+        if has_shear(matrix):
+            mesh, sheared = mesh.copy(), matrix
+            mesh.transform(sheared)
+            matrix = mathutils.Matrix()
+        self.place(original, original.name, mesh, matrix)
+
+    def add(self, source, depsgraph):
+        original = source.original
+        if source.is_lamp:
+            for matrix in source.matrices + source.instance_matrices:
+                self.place(original, original.name, original.data, matrix)
+            return
+        mesh = mesh_of(source, depsgraph)
+        if mesh is None or not mesh.polygons:
+            return
+        sheared = [m for m in source.instance_matrices if has_shear(m)]
+        straight = [m for m in source.instance_matrices if not has_shear(m)]
+        few = len(straight) <= FEW_INSTANCES
+        for matrix in source.matrices + sheared + (straight if few else []):
+            self.place_shape(original, mesh, matrix)
+        if not few:
+            new = self.place(original, original.name + " instances", mesh, mathutils.Matrix())
+            self.placed.append((new, straight))
+
+    def finish(self, scene):
+        """Replaces all objects; returns the matrices of instances by the name of their object."""
+        bpy.data.batch_remove(self.old)
+        for new, name, matrix in self.objects:
+            scene.collection.objects.link(new)
+            new.name = name
+            new.matrix_world = matrix
+        return {new.name: matrices for new, matrices in self.placed}
+
+
+def realise(scene):
+    """Makes plain objects of what is rendered in this frame; returns the matrices of instances by object name."""
+    view_layer = bpy.context.view_layer
+    holes = held_out(view_layer)
+    warn_of_the_rest(view_layer.objects, holes)
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    builder = Builder()
+    for source in list(read_sources(depsgraph, holes)):
+        builder.add(source, depsgraph)
+    return builder.finish(scene)

@@ -1,0 +1,90 @@
+"""Blender's glTF exporter, and what is put right in the .glb afterwards."""
+import json
+import struct
+
+import numpy
+
+numpy.bool = bool  # the exporter of Blender 3.4 uses a name that numpy has removed
+import bpy  # noqa: E402
+
+
+def export(path):
+    bpy.ops.export_scene.gltf(
+        filepath=path, export_format="GLB", export_cameras=True, export_lights=True, export_extras=True, export_apply=True,
+        use_renderable=True,  # skips objects hidden from render: cutters, targets, parents
+        export_yup=True, export_animations=True, export_frame_range=True, export_force_sampling=False,
+        convert_lighting_mode="COMPAT")
+
+
+def read(path):
+    """The JSON of a .glb, and all that follows it as bytes."""
+    with open(path, "rb") as file:
+        data = file.read()
+    end = 20 + struct.unpack("<I", data[12:16])[0]
+    return json.loads(data[20:end]), data[end:]
+
+
+def write(path, gltf, rest):
+    text = json.dumps(gltf, separators=(",", ":")).encode("utf-8")
+    text += b" " * (-len(text) % 4)
+    with open(path, "wb") as file:
+        file.write(struct.pack("<4sIII4s", b"glTF", 2, 20 + len(text) + len(rest), len(text), b"JSON"))
+        file.write(text + rest)
+
+
+def restore_booleans(gltf):
+    """Custom properties have no booleans, which Reframe's `visible` needs."""
+    for scene in gltf.get("scenes", []):
+        environment = scene.get("extras", {}).get("reframe", {}).get("environment", {})
+        if isinstance(environment.get("visible"), int):
+            environment["visible"] = bool(environment["visible"])
+
+
+def add_shot(gltf, shot):
+    """Size, rate, what moves, and the camera's path (extras that src/scene/gltf/gltf_shot.c reads)."""
+    for scene in gltf.get("scenes", []):
+        own = scene.setdefault("extras", {}).setdefault("reframe", {})
+        own.setdefault("render", shot["render"])
+        if shot["moving"]:
+            own["moving"] = shot["moving"]
+    for node in gltf.get("nodes", []):
+        if "camera" in node and node.get("name") == shot["camera"]:
+            node.setdefault("extras", {})["reframe"] = {"path": shot["path"]}
+
+
+def add_instances(gltf, rest, placed):
+    """Places the meshes of nodes by EXT_mesh_gpu_instancing; returns the binary chunk with the places."""
+    data = bytearray(rest[8:8 + struct.unpack("<I", rest[:4])[0]]) if rest else bytearray()
+    for node in gltf.get("nodes", []):
+        matrices = placed.get(node.get("name"))
+        if matrices is None or "mesh" not in node:
+            continue
+        parts = [m.decompose() for m in matrices]
+        columns = {"TRANSLATION": ("VEC3", [(p.x, p.z, -p.y) for p, _, _ in parts]),
+                   "ROTATION": ("VEC4", [(q.x, q.z, -q.y, q.w) for _, q, _ in parts]),
+                   "SCALE": ("VEC3", [(s.x, s.z, s.y) for _, _, s in parts])}
+        attributes = {}
+        for name, (kind, values) in columns.items():
+            data += b"\0" * (-len(data) % 4)
+            numbers = numpy.array(values, numpy.float32)
+            gltf["bufferViews"].append({"buffer": 0, "byteOffset": len(data), "byteLength": numbers.nbytes})
+            gltf["accessors"].append({"bufferView": len(gltf["bufferViews"]) - 1, "componentType": 5126, "type": kind,
+                                      "count": len(values)})
+            attributes[name] = len(gltf["accessors"]) - 1
+            data += numbers.tobytes()
+        node.setdefault("extensions", {})["EXT_mesh_gpu_instancing"] = {"attributes": attributes}
+        gltf["extensionsUsed"] = sorted({*gltf.get("extensionsUsed", []), "EXT_mesh_gpu_instancing"})
+    if not data:
+        return rest
+    gltf["buffers"][0]["byteLength"] = len(data)
+    data += b"\0" * (-len(data) % 4)
+    return struct.pack("<I4s", len(data), b"BIN\0") + bytes(data)
+
+
+def finish(path, shot, placed):
+    """Puts right in the file what the exporter could not write, and adds what it does not know."""
+    gltf, rest = read(path)
+    restore_booleans(gltf)
+    add_shot(gltf, shot)
+    rest = add_instances(gltf, rest, placed)
+    write(path, gltf, rest)

@@ -1,0 +1,204 @@
+// What a file says about its shot: how it wants to be rendered (`extras.reframe` of the scene),
+//
+//     {"render": {"size": [1920, 1080], "fps": [30000, 1001]}, "moving": ["door"]}
+//
+// and the path of a camera frame by frame (`extras.reframe` of its node), which goes before the glTF
+// animation of the node: {"path": …}, as in a camera-path file.
+
+#include "reframe/render.h"
+#include "scene/animation.h"
+#include "scene/camera.h"
+#include "scene/gltf/gltf_document.h"
+
+#include "scene/json/json_document.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define MAX_NAMED 5 // in the warning
+
+static RfResult read_whole( const RfField* field, double high, int* value )
+{
+    double number = 0.0;
+    RfResult result = rf_field_number( field, rf_range( 1.0, high ), &number );
+    if ( result == RF_OK && floor( number ) != number )
+        return rf_field_wants( field, "a whole number" );
+    *value = (int)number;
+    return result;
+}
+
+// A number, or numerator and denominator.
+static RfResult read_fps( const RfField* field, RfFps* fps )
+{
+    if ( field->json == NULL )
+        return RF_OK;
+    fps->denominator = 1;
+    if ( !json_is_array( field->json ) )
+        return read_whole( field, 1e6, &fps->numerator );
+    RfResult result = rf_field_array( field, "whole number", 2, 2 );
+    RfField numerator = rf_field_item( field, 0 ), denominator = rf_field_item( field, 1 );
+    if ( result == RF_OK )
+        result = read_whole( &numerator, 1e9, &fps->numerator );
+    return result == RF_OK ? read_whole( &denominator, 1e9, &fps->denominator ) : result;
+}
+
+static RfResult read_size( const RfField* field, RfScene* scene )
+{
+    if ( field->json == NULL )
+        return RF_OK;
+    RfResult result = rf_field_array( field, "whole number", 2, 2 );
+    RfField width = rf_field_item( field, 0 ), height = rf_field_item( field, 1 );
+    if ( result == RF_OK )
+        result = read_whole( &width, RF_MAX_IMAGE_SIDE, &scene->film_width );
+    return result == RF_OK ? read_whole( &height, RF_MAX_IMAGE_SIDE, &scene->film_height ) : result;
+}
+
+static RfResult read_moving( RfGltf* gltf, const RfField* list )
+{
+    if ( list->json == NULL )
+        return RF_OK;
+    RfResult result = rf_field_array( list, "name", 0, 1000000 );
+    for ( size_t i = 0; result == RF_OK && i < json_array_size( list->json ); ++i )
+    {
+        const char* name = "";
+        RfField item = rf_field_item( list, i );
+        result = rf_field_text( &item, &name );
+        if ( result == RF_OK )
+            result = rf_gltf_note_moving( gltf, name );
+    }
+    return result;
+}
+
+RfResult rf_gltf_read_shot( RfGltf* gltf, const RfField* ours )
+{
+    static const char* const s_keys[] = { "size", "fps", NULL };
+    RfField render = rf_field_member( ours, "render" ), moving = rf_field_member( ours, "moving" );
+    RfResult result = render.json != NULL ? rf_field_keys( &render, s_keys ) : RF_OK;
+    RfField size = rf_field_member( &render, "size" ), fps = rf_field_member( &render, "fps" );
+    if ( result == RF_OK )
+        result = read_size( &size, gltf->scene );
+    if ( result == RF_OK )
+        result = read_fps( &fps, &gltf->scene->fps );
+    return result == RF_OK ? read_moving( gltf, &moving ) : result;
+}
+
+RfResult rf_gltf_read_camera_path( RfGltf* gltf, const json_t* node, const char* where, RfCamera* camera )
+{
+    static const char* const s_keys[] = { "path", NULL };
+    // extras of other programs may have any type
+    const json_t* ours = json_object_get( json_object_get( node, "extras" ), "reframe" );
+    if ( ours == NULL )
+        return RF_OK;
+    RfWhere self = rf_where( "%s.extras.reframe", where );
+    RfField field = rf_make_field( gltf->path, self.text, ours, gltf->error );
+    RfResult result = rf_field_keys( &field, s_keys );
+    RfField path = rf_field_member( &field, "path" );
+    if ( result != RF_OK || path.json == NULL )
+        return result;
+    RfCamera read;
+    result = rf_read_camera( &path, camera->name, &read, gltf->error );
+    if ( result != RF_OK )
+        return result;
+    camera->track = read.track;
+    camera->animated = read.animated;
+    camera->start = read.start;
+    camera->end = read.end;
+    free( read.name );
+    return RF_OK;
+}
+
+static bool channel_varies( const RfChannel* channel )
+{
+    size_t values = channel->path == RF_ROTATION ? 4 : 3, cubic = channel->interpolation == RF_CUBICSPLINE ? 3 : 1;
+    const double* first = channel->values + ( cubic == 3 ? values : 0 );
+    for ( int k = 1; k < channel->count; ++k )
+    {
+        for ( size_t i = 0; i < values; ++i )
+        {
+            if ( first[(size_t)k * cubic * values + i] != first[i] )
+                return true;
+        }
+    }
+    return false;
+}
+
+bool rf_gltf_varies( const RfGltf* gltf, int node )
+{
+    const RfScene* scene = gltf->scene;
+    if ( !rf_gltf_moves( gltf, node ) )
+        return false;
+    for ( ; node >= 0; node = scene->nodes[node].parent )
+    {
+        int count;
+        const RfChannel* channels = rf_node_channels( scene, node, &count );
+        for ( int i = 0; i < count; ++i )
+        {
+            if ( channel_varies( channels + i ) )
+                return true;
+        }
+    }
+    return false;
+}
+
+// A power of two as long as the list grows.
+static RfResult grow( RfGltf* gltf )
+{
+    RfScene* scene = gltf->scene;
+    size_t count = (size_t)scene->moving_count;
+    if ( ( count & ( count - 1 ) ) != 0 )
+        return RF_OK;
+    char** grown = realloc( scene->moving, ( count > 0 ? 2 * count : 1 ) * sizeof *grown );
+    if ( grown == NULL )
+        return rf_gltf_no_memory( gltf, "animations" );
+    scene->moving = grown;
+    return RF_OK;
+}
+
+RfResult rf_gltf_note_moving( RfGltf* gltf, const char* name )
+{
+    RfScene* scene = gltf->scene;
+    RfResult result = grow( gltf );
+    if ( result != RF_OK )
+        return result;
+    scene->moving[scene->moving_count] = strdup( name );
+    if ( scene->moving[scene->moving_count] == NULL )
+        return rf_gltf_no_memory( gltf, "animations" );
+    scene->moving_count += 1;
+    return RF_OK;
+}
+
+static int compare_names( const void* a, const void* b ) { return strcmp( *(char* const*)a, *(char* const*)b ); }
+
+// The file's own list and its animations may both have a name.
+static void sort_names( RfScene* scene )
+{
+    int kept = 0;
+    if ( scene->moving_count > 1 )
+        qsort( scene->moving, (size_t)scene->moving_count, sizeof *scene->moving, compare_names );
+    for ( int i = 0; i < scene->moving_count; ++i )
+    {
+        if ( kept > 0 && strcmp( scene->moving[i], scene->moving[kept - 1] ) == 0 )
+            free( scene->moving[i] );
+        else
+            scene->moving[kept++] = scene->moving[i];
+    }
+    scene->moving_count = kept;
+}
+
+void rf_gltf_warn_of_moving( RfGltf* gltf )
+{
+    RfScene* scene = gltf->scene;
+    char names[MAX_NAMED * 64 + 32] = "", *end = names;
+    sort_names( scene );
+    int count = scene->moving_count, listed = count < MAX_NAMED ? count : MAX_NAMED;
+    if ( count == 0 )
+        return;
+    for ( int i = 0; i < listed; ++i )
+        end += snprintf( end, 64, "%s'%.50s'", i > 0 ? ", " : "", scene->moving[i] );
+    if ( count > listed )
+        snprintf( end, 32, " and %d more", count - listed );
+    rf_warn( gltf->log, "%s: %s move%s or change%s in the file, but only cameras move here: taken as in the first frame",
+             gltf->path, names, count == 1 ? "s" : "", count == 1 ? "s" : "" );
+}

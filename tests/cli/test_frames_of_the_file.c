@@ -1,0 +1,300 @@
+// What a file says about its shot is taken from it: numbers of frames, rate, size, lens; frames
+// with the same eye are rendered once; what moves in the file and not here is named.
+#include "support/cli_run.h"
+#include "support/json_room.h"
+
+#include "reframe/camera.h"
+#include "reframe/image.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#define SHOT ",\"extras\":{\"reframe\":{\"render\":{\"size\":[32,24],\"fps\":[30000,1001]},\"moving\":[\"door\",\"cup\"]}}"
+#define KEY( frame, x, fov )                                                                                                     \
+    "{\"frame\":" #frame ",\"position\":[" #x ",0,0],\"rotation\":[0,0,0,1],\"fov\":" #fov ",\"shift\":[0.25,0]}"
+
+// As cli_expect, where standard error has warnings too.
+static void expect_among( const CliResult* result, int status, const char* part )
+{
+    assert_int_equal( result->status, status );
+    if ( strstr( result->err, part ) == NULL )
+        fail_msg( "'%s' is not said: %s", part, result->err );
+}
+
+// room.gltf whose camera "Side" has a path in the file itself.
+static void write_shot( const char* path )
+{
+    static const char at[] = "\"name\":\"Side\",";
+    write_room( SHOT );
+    size_t size;
+    char* text = cli_read( "room.gltf", &size );
+    char* place = strstr( text, at );
+    assert_non_null( place );
+    place += strlen( at );
+    char* whole = malloc( size + strlen( path ) + 64 );
+    int length = sprintf( whole, "%.*s\"extras\":{\"reframe\":{\"path\":%s}},%s", (int)( place - text ), text, path, place );
+    cli_write( "room.gltf", whole, (size_t)length );
+    free( whole );
+    free( text );
+}
+
+#define MOVING                                                                                                                   \
+    "{\"kind\":\"keyed\",\"interpolation\":\"linear\",\"pixelAspect\":2,%s\"keys\":[" KEY( 101, 0, 40 ) "," KEY( 110, 0.9,       \
+                                                                                                                 60 ) "]}"
+
+static void write_moving( const char* more )
+{
+    char text[1024];
+    snprintf( text, sizeof text, MOVING, more );
+    write_shot( text );
+}
+
+static float* read_channels( const char* name, const char* const* channels, int count, size_t* pixels )
+{
+    char path[512];
+    RfExrWindow window;
+    float* values;
+    RfError error;
+    snprintf( path, sizeof path, "%s/%s", cli_folder(), name );
+    if ( rf_read_exr_channels( path, channels, count, &window, &values, &error ) != RF_OK )
+        fail_msg( "%s", error.text );
+    *pixels = (size_t)window.width * (size_t)window.height;
+    return values;
+}
+
+static bool is_same_picture( const char* a, const char* b )
+{
+    static const char* const colour[] = { "R", "G", "B" };
+    size_t pixels, other_pixels;
+    float *values = read_channels( a, colour, 3, &pixels ), *other = read_channels( b, colour, 3, &other_pixels );
+    bool same = pixels == other_pixels && memcmp( values, other, 3 * pixels * sizeof *values ) == 0;
+    free( values );
+    free( other );
+    return same;
+}
+
+static void expect_text( const char* name, const char* key, const char* wanted )
+{
+    char path[512], value[64];
+    RfError error;
+    snprintf( path, sizeof path, "%s/%s", cli_folder(), name );
+    assert_int_equal( rf_read_exr_string( path, key, value, sizeof value, &error ), RF_OK );
+    assert_string_equal( value, wanted );
+}
+
+static void test_frames_are_called_as_in_the_file( void** state )
+{
+    (void)state;
+    write_moving( "" );
+    const CliResult* told = cli_run( "$R info room.gltf" );
+    assert_int_equal( told->status, 0 );
+    assert_non_null( strstr( told->out, "Side: 10 frames (101 to 110) at 29.97 frames/s, animated" ) );
+    assert_non_null( strstr( told->out, "picture    32x24" ) );
+    cli_expect(
+        cli_run( "$R render room.gltf -o f.####.exr --frames 103-104,-1 --group 1 --spp 3 --tile 1 --quiet --json f.json" ), 0,
+        NULL );
+    assert_int_equal( cli_count_files( ".exr", "." ), 3 );
+    assert_true( cli_exists( "f.0103.exr" ) && cli_exists( "f.0104.exr" ) && cli_exists( "f.0110.exr" ) );
+    expect_text( "f.0104.exr", "reframe/frame", "104" );
+    json_t* json = cli_read_json( "f.json" );
+    json_t* frames = json_object_get( json, "frames" );
+    assert_int_equal( json_integer_value( json_object_get( json_array_get( frames, 2 ), "frame" ) ), 110 );
+    json_decref( json );
+    expect_among( cli_run( "$R render room.gltf -o f.####.exr --frames 5" ), 2,
+                  "there is no frame 5, the camera's path has frames 101 to 110" );
+    expect_among( cli_run( "$R render room.gltf -o f.####.exr --frames -11" ), 2, "there is no frame -11" );
+    // the command line goes before the file
+    cli_expect( cli_run( "$R render room.gltf -o g.####.exr --frames 110 --size 8x4 --spp 1 --quiet" ), 0, NULL );
+    static const char* const red[] = { "R" };
+    size_t pixels;
+    free( read_channels( "g.0110.exr", red, 1, &pixels ) );
+    assert_int_equal( pixels, 32 );
+    free( read_channels( "f.0110.exr", red, 1, &pixels ) );
+    assert_int_equal( pixels, 32 * 24 );
+}
+
+static void test_frames_in_steps( void** state )
+{
+    (void)state;
+    write_moving( "\"step\":3," );
+    const CliResult* told = cli_run( "$R info room.gltf" );
+    assert_non_null( strstr( told->out, "Side: 4 frames (101 to 110 in steps of 3)" ) );
+    cli_expect( cli_run( "$R render room.gltf -o s.####.exr --frames 101-106 --group 0 --spp 1 --quiet" ), 0, NULL );
+    assert_true( cli_exists( "s.0101.exr" ) && cli_exists( "s.0104.exr" ) && !cli_exists( "s.0107.exr" ) );
+    cli_expect( cli_run( "$R flicker s.####.exr" ), 0, NULL ); // they are neighbours
+    expect_among( cli_run( "$R render room.gltf -o s.####.exr --frames 102" ), 2,
+                  "there is no frame 102, the camera's path has frames 101 to 110 in steps of 3" );
+}
+
+// Key 101 looks along −z with 40 degrees, shifted by a quarter of the height; pixels are twice as wide as high.
+static void test_lens_of_every_frame( void** state )
+{
+    (void)state;
+    write_moving( "" );
+    char name[256];
+    snprintf( name, sizeof name, "%s/room.gltf", cli_folder() );
+    RfScene* scene;
+    RfCameraPath path;
+    RfError error;
+    RfFps file = { 0, 0 };
+    assert_int_equal( rf_open_scene( name, &scene, NULL, &error ), RF_OK );
+    assert_int_equal( rf_create_camera_path( scene, NULL, file, 0, 0, &path, &error ), RF_OK );
+    assert_int_equal( path.count, 10 );
+    assert_int_equal( path.run_count, 10 );
+    assert_int_equal( rf_frame_number( &path, 9 ), 110 );
+    assert_true( path.fps.numerator == 30000 && path.fps.denominator == 1001 );
+    for ( int i = 0; i < path.count; ++i )
+    {
+        const RfEye* eye = path.eyes + i;
+        double half = 0.5 * ( 40.0 + 20.0 * i / 9.0 ) * 3.14159265358979 / 180.0;
+        assert_true( fabs( (double)eye->focal - 12.0 / tan( half ) ) < 1e-4 );
+        assert_true( fabs( 2.0 * (double)eye->focal_x - (double)eye->focal ) < 1e-4 );
+        assert_true( fabs( (double)eye->axis_x - ( 16.0 - 0.25 * 24.0 / 2.0 ) ) < 1e-5 && eye->axis_y == 12.0f );
+        assert_true( fabs( (double)eye->origin.x - 0.1 * i ) < 1e-6 );
+    }
+    rf_destroy_camera_path( &path );
+    rf_close_scene( scene );
+}
+
+#define STILL                                                                                                                    \
+    "{\"kind\":\"keyed\",\"interpolation\":\"linear\",\"keys\":[" KEY( 1, 0, 40 ) "," KEY( 2, 0.2, 40 ) "," KEY(                 \
+        4, 0.2, 40 ) "," KEY( 6, 0.4, 40 ) "]}"
+
+static void expect_motion( const char* name, bool before, bool after )
+{
+    static const char* const channels[] = { "motion.X", "motion.Y", "motion.Z", "motion.W" };
+    size_t pixels;
+    float* values = read_channels( name, channels, 4, &pixels );
+    bool moved[2] = { false, false };
+    for ( size_t i = 0; i < 4 * pixels; ++i )
+        moved[i % 4 / 2] |= values[i] != 0.0f;
+    free( values );
+    assert_int_equal( moved[0], before );
+    assert_int_equal( moved[1], after );
+}
+
+static void test_equal_eyes_are_rendered_once( void** state )
+{
+    (void)state;
+    write_shot( STILL );
+#define RENDER "$R render room.gltf --group 1 --spp 6 --aov motion "
+    const CliResult* told = cli_run( RENDER "-o a.####.exr --json a.json" );
+    assert_int_equal( told->status, 0 );
+    assert_non_null(
+        strstr( told->err, "the camera stands still in frames 2 to 4: equal frames are rendered once, 4 of 6 in all" ) );
+    assert_int_equal( cli_count_files( ".exr", "." ), 6 );
+    assert_true( is_same_picture( "a.0002.exr", "a.0003.exr" ) && is_same_picture( "a.0002.exr", "a.0004.exr" ) );
+    assert_false( is_same_picture( "a.0001.exr", "a.0002.exr" ) );
+    assert_false( is_same_picture( "a.0004.exr", "a.0005.exr" ) );
+    expect_motion( "a.0001.exr", false, true ); // there is no frame before the first
+    expect_motion( "a.0002.exr", true, false );
+    expect_motion( "a.0003.exr", false, false );
+    expect_motion( "a.0004.exr", false, true );
+    expect_motion( "a.0005.exr", true, true );
+    json_t* json = cli_read_json( "a.json" );
+    assert_int_equal( json_integer_value( json_object_get( json, "repeated_frames" ) ), 2 );
+    json_t* frames = json_object_get( json, "frames" );
+    assert_int_equal( json_array_size( frames ), 6 );
+    for ( size_t i = 0; i < 6; ++i )
+    {
+        const json_t* same = json_object_get( json_array_get( frames, i ), "same_as" );
+        assert_int_equal( json_integer_value( same ), i == 2 || i == 3 ? 2 : 0 );
+    }
+    json_decref( json );
+    // a frame does not depend on the others asked for, nor on those kept
+    cli_expect( cli_run( RENDER "-o b.####.exr --frames 3,5 --quiet" ), 0, NULL );
+    assert_true( is_same_picture( "a.0003.exr", "b.0003.exr" ) && is_same_picture( "a.0005.exr", "b.0005.exr" ) );
+    expect_motion( "b.0003.exr", false, false );
+    told = cli_run( RENDER "-o b.####.exr --resume --json b.json --threads 1 --memory 8M" );
+    assert_int_equal( told->status, 0 );
+    for ( int i = 1; i <= 6; ++i )
+    {
+        char a[16], b[16];
+        snprintf( a, sizeof a, "a.%04d.exr", i );
+        snprintf( b, sizeof b, "b.%04d.exr", i );
+        assert_true( is_same_picture( a, b ) );
+    }
+    json = cli_read_json( "b.json" );
+    frames = json_object_get( json, "frames" );
+    assert_int_equal( json_array_size( frames ), 6 );
+    assert_int_equal( json_integer_value( json_object_get( json, "kept_frames" ) ), 2 );
+    assert_int_equal( json_integer_value( json_object_get( json_array_get( frames, 3 ), "same_as" ) ), 2 );
+    json_decref( json );
+    // with a stop rule
+    cli_expect( cli_run( RENDER "-o c.####.exr --noise 0.5 --quiet" ), 0, NULL );
+    assert_true( is_same_picture( "c.0002.exr", "c.0004.exr" ) );
+    const CliResult* flicker = cli_run( "$R flicker a.####.exr --frames 2-4 --json -" );
+    assert_int_equal( flicker->status, 0 );
+    cli_expect( cli_run( "$R plan room.gltf --quiet" ), 0, NULL );
+}
+
+static void test_still_cameras_are_told( void** state )
+{
+    (void)state;
+    write_shot( "{\"kind\":\"keyed\",\"keys\":[" KEY( 1, 0, 40 ) "," KEY( 48, 0, 40 ) "]}" );
+    const CliResult* told = cli_run( "$R info room.gltf" );
+    assert_non_null( strstr( told->out, "Side: 48 frames at 29.97 frames/s, stands still" ) );
+    assert_non_null( strstr( told->out, "no camera of the scene moves" ) );
+    told = cli_run( "$R render room.gltf -o w.####.exr --spp 2" );
+    assert_int_equal( told->status, 0 );
+    assert_non_null( strstr( told->err, "the camera stands still in frames 1 to 48: equal frames are rendered once, 1 of 48" ) );
+    assert_int_equal( cli_count_files( ".exr", "." ), 48 );
+}
+
+static void test_moving_objects_are_named( void** state )
+{
+    (void)state;
+    write_moving( "" );
+    const CliResult* told = cli_run( "$R render room.gltf -o m.####.exr --frames 101 --spp 1 --size 4x4" );
+    assert_int_equal( told->status, 0 );
+    assert_non_null( strstr(
+        told->err, "'cup', 'door' move or change in the file, but only cameras move here: taken as in the first frame" ) );
+    told = cli_run( "$R info room.gltf --json -" );
+    json_t* json = json_loads( told->out, 0, NULL );
+    json_t* moving = json_object_get( json, "moving" );
+    assert_int_equal( json_array_size( moving ), 2 );
+    assert_string_equal( json_string_value( json_array_get( moving, 0 ) ), "cup" );
+    assert_int_equal( json_integer_value( json_array_get( json_object_get( json, "size" ), 1 ) ), 24 );
+    json_decref( json );
+    told = cli_run( "$R info room.gltf" );
+    assert_non_null( strstr( told->out, "moving     2 objects, taken as in the first frame: only cameras move here\n  cup\n" ) );
+}
+
+static void test_wrong_shots_are_errors( void** state )
+{
+    (void)state;
+    static const char* const cases[][2] = {
+        { ",\"extras\":{\"reframe\":{\"render\":{\"size\":[0,4]}}}", "scenes[0].extras.reframe.render.size[0]: wants" },
+        { ",\"extras\":{\"reframe\":{\"render\":{\"fps\":24.5}}}", "render.fps: wants a whole number" },
+        { ",\"extras\":{\"reframe\":{\"render\":{\"spp\":1}}}", "render.spp: unknown key" },
+        { ",\"extras\":{\"reframe\":{\"moving\":[1]}}", "moving[0]: wants" },
+    };
+    for ( size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i )
+    {
+        write_room( cases[i][0] );
+        cli_expect( cli_run( "$R info room.gltf" ), 1, cases[i][1] );
+    }
+    write_moving( "\"step\":1.5," );
+    cli_expect( cli_run( "$R info room.gltf" ), 1, "nodes[1].extras.reframe.path.step: wants a whole number" );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown( test_frames_are_called_as_in_the_file, cli_enter_group, cli_leave_group ),
+        cmocka_unit_test_setup_teardown( test_frames_in_steps, cli_enter_group, cli_leave_group ),
+        cmocka_unit_test_setup_teardown( test_lens_of_every_frame, cli_enter_group, cli_leave_group ),
+        cmocka_unit_test_setup_teardown( test_equal_eyes_are_rendered_once, cli_enter_group, cli_leave_group ),
+        cmocka_unit_test_setup_teardown( test_still_cameras_are_told, cli_enter_group, cli_leave_group ),
+        cmocka_unit_test_setup_teardown( test_moving_objects_are_named, cli_enter_group, cli_leave_group ),
+        cmocka_unit_test_setup_teardown( test_wrong_shots_are_errors, cli_enter_group, cli_leave_group ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}
