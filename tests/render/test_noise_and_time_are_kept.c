@@ -153,7 +153,7 @@ static void test_resume_keeps_frames_that_reached_it( void** state )
     }
     json_decref( json );
     cli_expect( cli_run( "$R render $VASE -o r.####.exr --frames 1-5 --noise 0.04 --resume " SMALL ), 1,
-                "scene, path, version or settings" );
+                "of another render, of --noise 0.05" );
     cli_expect( cli_run( "$R render $VASE -o r.####.exr --frames 1-5 --noise 0.05 --time 9 --resume " SMALL ), 1, "--resume: " );
     cli_expect( cli_run( "$R render $VASE -o r.####.exr --frames 1-5 --resume " SMALL ), 1, "--resume: " );
 }
