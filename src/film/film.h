@@ -50,12 +50,19 @@ static inline bool rf_film_needs_total( int64_t passes, int total_every ) { retu
 // Sets all sums and counts to 0.
 void rf_clear_film( RfFilm* film );
 
+// Its two parts: counts and weights; the sums of pixels [first, first + count).
+void rf_clear_film_counts( RfFilm* film );
+void rf_clear_film_pixels( RfFilm* film, size_t first, size_t count );
+
 // Ends a pass into a half; its samples were added with this weight.
 void rf_end_film_pass( RfFilm* film, int half, double weight );
 
 // The image of the film: rgb (3 per pixel), and the mean of B over the passes
 // in `weight` (1 per pixel; may be NULL). A pixel without weight is black.
 void rf_combine_film( const RfFilm* film, RfFilmCombine combine, float* rgb, float* weight );
+
+// The same for pixels [first, first + count) only.
+void rf_combine_film_pixels( const RfFilm* film, RfFilmCombine combine, size_t first, size_t count, float* rgb, float* weight );
 
 // Coverage of the pixels by what camera rays hit, combined like the colour. `sky`: the weight of the rays that missed,
 // a plane of pixels for each half.

@@ -29,7 +29,9 @@ RfResult rf_scene_info( const RfScene* scene, RfSceneInfo* info, RfError* error 
                              .width = scene->film_width,
                              .height = scene->film_height,
                              .moving = (const char* const*)scene->moving,
-                             .moving_count = scene->moving_count };
+                             .moving_count = scene->moving_count,
+                             .export_warnings = (const char* const*)scene->export_warnings,
+                             .export_warning_count = scene->export_warning_count };
     for ( uint32_t i = 0; i < lights.triangle_count; ++i )
         info->emitting_area += (double)lights.light[i].area;
     rf_destroy_lights( &lights );

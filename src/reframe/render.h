@@ -107,6 +107,9 @@ const RfEstimator* rf_find_estimator( const char* name );
 // The name that finds it.
 const char* rf_estimator_name( const RfEstimator* estimator );
 
+// The parts of the frames that alone are traced (render/pieces.h).
+typedef struct RfPieces RfPieces;
+
 // What is to be rendered, and how. From rf_default_render_settings.
 typedef struct RfRenderSettings
 {
@@ -124,14 +127,15 @@ typedef struct RfRenderSettings
     int light_samples; // per vertex
     RfLightSampling light_sampling;
     uint64_t seed;
-    int threads;        // 0: all cores
-    size_t memory;      // budget in bytes, beyond scene and BVH; 0: half of what is free
-    int queue;          // finished frames, at most, that callbacks->frame is given in a thread of its own
-                        // while rendering goes on; fewer where memory is short. 0: it is called in between
-    bool hold_all;      // all hit records of a group at once, as in the paper: for comparison, the pictures are
-                        // the same; else as few as serve the threads
-    unsigned aovs;      // RF_AOV_BIT of the AOVs that are wanted besides the colour, which they do not change
-    RfFrameFiles files; // rf_default_frame_files where callbacks->frame writes files
+    int threads;            // 0: all cores
+    size_t memory;          // budget in bytes, beyond scene and BVH; 0: half of what is free
+    int queue;              // finished frames, at most, that callbacks->frame is given in a thread of its own
+                            // while rendering goes on; fewer where memory is short. 0: it is called in between
+    bool hold_all;          // all hit records of a group at once, as in the paper: for comparison, the pictures are
+                            // the same; else as few as serve the threads
+    unsigned aovs;          // RF_AOV_BIT of the AOVs that are wanted besides the colour, which they do not change
+    RfFrameFiles files;     // rf_default_frame_files where callbacks->frame writes files
+    const RfPieces* pieces; // NULL: whole frames; else not with noise, time, hold_all or extra samples
 } RfRenderSettings;
 
 #define RF_GROUP_AUTO ( -1 )

@@ -46,6 +46,8 @@ typedef struct RfSceneInfo
     int width, height;         // of the picture, likewise
     int moving_count;          // objects that move in the file, but stand still here
     const char* const* moving; // their names
+    int export_warning_count;  // of the program that wrote the file
+    const char* const* export_warnings;
 } RfSceneInfo;
 
 // Counts what is in a scene. Fails with RF_ERROR_MEMORY only.

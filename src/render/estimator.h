@@ -114,6 +114,9 @@ struct RfEstimator
     // Called by several threads, each with its own batch and scratch.
     int ( *trace )( const RfEstimatorGroup* group, RfTraceJob job, void* batch, void* scratch, RfRayCounts* rays );
 
+    // Would `trace` trace any sample of the job, if only the settings' pieces are? NULL where there are no pieces.
+    bool ( *is_traced )( const RfEstimatorGroup* group, RfTraceJob job );
+
     // The camera rays of the batch just traced and their hits, for AOVs; NULL where there are none of these.
     RfFirstHits ( *first_hits )( const void* scratch );
 

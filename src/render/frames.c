@@ -2,6 +2,7 @@
 
 #include "base/system.h"
 #include "render/adaptive.h"
+#include "render/pieces.h"
 
 // Was the frame asked for? The frames are in ascending order.
 static bool asked_for( const RfRenderer* r, int frame )
@@ -33,7 +34,10 @@ void rf_open_films( RfRenderer* r, int number )
         live->frame = frame;
         live->noise = live->noise_seen = 0.0;
         for ( int f = 0; f < r->settings.estimator->films; ++f )
-            rf_clear_film( live->films + f );
+            if ( r->settings.pieces != NULL )
+                rf_clear_traced( r->settings.pieces, frame, live->films + f );
+            else
+                rf_clear_film( live->films + f );
         rf_clear_aov_film( &live->aovs, r->sizes.width, r->sizes.height );
         if ( r->sizes.adaptive )
             rf_run_pilot( r, live );

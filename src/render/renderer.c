@@ -1,5 +1,9 @@
 #include "render/renderer.h"
 
+#include "render/pieces.h"
+
+#include <math.h>
+
 RfPass rf_make_pass( const RfEstimatorGroup* estimator_group, const RfGroup* group, int number )
 {
     return ( RfPass ){ estimator_group, number, rf_half_of_pass( group, number ), group->weight };
@@ -76,6 +80,11 @@ RfRelmse rf_finish_picture( const RfRenderer* r, const RfLiveFilm* live, float* 
     RfFilmCombine combine = rf_film_combine( r->settings.normalize );
     if ( r->settings.estimator->finish != NULL )
         return rf_plain_relmse( r->settings.estimator->finish( live->films, combine, rgb, weight ) );
+    if ( r->settings.pieces != NULL )
+    {
+        rf_combine_traced( r->settings.pieces, live->frame, live->films, combine, rgb, weight );
+        return rf_plain_relmse( (double)NAN );
+    }
     rf_combine_film( live->films, combine, rgb, weight );
     return rf_estimate_relmse( live->films, combine, rgb );
 }

@@ -20,6 +20,7 @@ typedef struct RfRenderer
     RfSceneTraits traits;
     RfRenderMemory memory;
     RfFrameQueue queue;
+    int* traced_jobs; // of a pass, with settings.pieces; NULL: all jobs
     RfRayCounts rays;
     double start, last_frame; // seconds
     double batches_done, batches_all;

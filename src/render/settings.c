@@ -71,6 +71,11 @@ static RfResult check_estimator( const RfRenderSettings* s, RfError* error )
     if ( s->hold_all &&
          ( estimator->trace_first_hits == NULL || estimator->serialise == NULL || estimator->deserialise == NULL ) )
         return rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' cannot hold all records of a group", estimator->name );
+    if ( s->pieces != NULL && ( estimator->is_traced == NULL || estimator->finish != NULL ) )
+        return rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' cannot render pieces", estimator->name );
+    if ( s->pieces != NULL && ( rf_is_stopping( s ) || s->hold_all || s->adaptive != RF_ADAPTIVE_OFF ) )
+        return rf_fail( error, RF_ERROR_USAGE,
+                        "pieces are rendered without a noise or a time to stop at, held records and extra samples" );
     return estimator->check != NULL ? estimator->check( s, error ) : RF_OK;
 }
 

@@ -150,6 +150,15 @@ static void draw_rooks( const RfPatchLayout* l, uint64_t pass_key, int at, int g
     }
 }
 
+void rf_bound_patch( const RfPatchLayout* l, const RfEye* eye, uint64_t pass_key, int patch, int* x0, int* y0, int* x1, int* y1 )
+{
+    Place p = place_of( l, pass_key, patch );
+    *x1 = p.x0 + l->width < eye->width ? p.x0 + l->width : eye->width;
+    *y1 = p.y0 + l->height < eye->height ? p.y0 + l->height : eye->height;
+    *x0 = p.x0 > 0 ? p.x0 : 0;
+    *y0 = p.y0 > 0 ? p.y0 : 0;
+}
+
 int rf_list_patch( const RfPatchLayout* l, const RfEye* eye, uint64_t pass_key, int patch, int32_t* pixel, int32_t* tile_of,
                    int* tile_count )
 {

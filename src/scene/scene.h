@@ -141,6 +141,8 @@ struct RfScene
     int film_width, film_height; // likewise, pixels
     int moving_count;            // objects that move in the file, but stand still here
     char** moving;               // their names
+    int export_warning_count;
+    char** export_warnings; // what the program that wrote the file warned of; printable
     RfCamera* cameras;
     int chosen_camera; // 1 + index of the camera that the scene file selects; 0: none
 };

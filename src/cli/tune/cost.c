@@ -45,7 +45,7 @@ static void say( void* user, const RfCost* cost, int spp )
 {
     const Job* job = user;
     if ( !job->options.render.quiet )
-        fprintf( stderr, "reframe cost: %d samples, %dx%d, %d place%s of the path\n", spp, cost->width, cost->height,
+        fprintf( stderr, "reframe cost: %d samples, pieces of %.0f pixels, %d place%s of the path\n", spp, cost->pixels,
                  cost->positions, cost->positions == 1 ? "" : "s" );
 }
 

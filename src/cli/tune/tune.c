@@ -36,8 +36,8 @@ static void say( void* user, const RfTune* tune, const RfTuneRound* round, int c
 {
     const Job* job = user;
     if ( !job->options.render.quiet )
-        fprintf( stderr, "reframe tune: round %d: %d settings at %dx%d, %d place%s of the path, about %.0f s\n",
-                 tune->round_count + 1, candidates, round->width, round->height, round->regions, round->regions == 1 ? "" : "s",
+        fprintf( stderr, "reframe tune: round %d: %d settings on pieces of %.0f pixels, %d place%s of the path, about %.0f s\n",
+                 tune->round_count + 1, candidates, round->pixels, round->regions, round->regions == 1 ? "" : "s",
                  round->seconds );
 }
 

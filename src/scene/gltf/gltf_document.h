@@ -302,6 +302,9 @@ void rf_gltf_warn_of_moving( RfGltf* gltf );
 struct RfField;
 RfResult rf_gltf_read_shot( RfGltf* gltf, const struct RfField* ours );
 
+// Reads `export_warnings` of the scene's extras.reframe (gltf_warnings.c).
+RfResult rf_gltf_read_warnings( RfGltf* gltf, const struct RfField* ours );
+
 // Reads the path in a camera node's extras.reframe, where there is one.
 RfResult rf_gltf_read_camera_path( RfGltf* gltf, const json_t* node, const char* where, RfCamera* camera );
 
