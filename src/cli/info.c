@@ -92,6 +92,14 @@ static void print_moving( const RfSceneInfo* scene )
         rf_print( "  and %d more\n", scene->moving_count - MAX_MOVING );
 }
 
+static void print_warnings( const RfSceneInfo* scene )
+{
+    if ( scene->export_warning_count > 0 )
+        rf_print( "warnings   %d of the export\n", scene->export_warning_count );
+    for ( int i = 0; i < scene->export_warning_count; ++i )
+        rf_print( "  %s\n", scene->export_warnings[i] );
+}
+
 static void print_cameras( const Facts* facts )
 {
     rf_print( "cameras    %d\n", facts->scene.cameras );
@@ -133,6 +141,7 @@ static void print_info( const RfScene* scene, const Facts* facts )
     print_moving( s );
     print_cameras( facts );
     print_effects( scene );
+    print_warnings( s );
 }
 
 static json_t* info_json( const RfScene* scene, const Facts* facts )
@@ -148,11 +157,14 @@ static json_t* info_json( const RfScene* scene, const Facts* facts )
     json_t* moving = json_array();
     for ( int i = 0; i < s->moving_count; ++i )
         json_array_append_new( moving, rf_json_text( s->moving[i] ) );
+    json_t* warnings = json_array();
+    for ( int i = 0; i < s->export_warning_count; ++i )
+        json_array_append_new( warnings, rf_json_text( s->export_warnings[i] ) );
     json_t* size = s->width > 0 ? json_pack( "[i, i]", s->width, s->height ) : json_null();
-    return json_pack( "{s:I, s:I, s:I, s:I, s:o, s:o, s:o, s:o, s:f}", "triangles", (json_int_t)s->triangles, "instances",
+    return json_pack( "{s:I, s:I, s:I, s:I, s:o, s:o, s:o, s:o, s:f, s:o}", "triangles", (json_int_t)s->triangles, "instances",
                       (json_int_t)s->instances, "materials", (json_int_t)s->materials, "lights", (json_int_t)s->lights, "cameras",
                       cameras, "effects", rf_effects_json( scene ), "moving", moving, "size", size, "fps",
-                      (double)s_fps.numerator / (double)s_fps.denominator );
+                      (double)s_fps.numerator / (double)s_fps.denominator, "export_warnings", warnings );
 }
 
 static RfResult load( const char* name, RfScene* scene, RfError* error )

@@ -73,14 +73,14 @@ static void print_aovs( FILE* file )
     {
         const char* what;
         bool half;
-    } rows[RF_AOV_COUNT] = {
+    } rows[RF_AOV_ALPHA] = {
 #define ROW( constant, name, letters, half, first_hit, what ) { what, half },
         RF_AOV_LIST( ROW )
 #undef ROW
     };
     fputs( ".SH LAYERS\nWhat \\fB\\-\\-aov\\fR adds to the files; all but the last two are means over the frame's own samples:\n",
            file );
-    for ( int i = 0; i < RF_AOV_COUNT; ++i )
+    for ( int i = 0; i < RF_AOV_ALPHA; ++i )
     {
         fputs( ".TP\n.B", file );
         for ( const char* c = rf_aov_letters( (RfAov)i ); *c != '\0'; ++c )

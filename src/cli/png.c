@@ -45,16 +45,15 @@ static const RfOption s_options[] = {
       .help = "only these of a sequence, by their numbers" },
     { .name = "quiet", .type = RF_OPTION_BOOL, .value = &s_quiet, .help = "no progress, no line about what was written" },
 };
-static const RfCommandTable s_table = {
-    .command = COMMAND,
-    .summary = "Writes EXR files as 8-bit PNG with the sRGB curve. IN is a file, a sequence named with ####, or its folder; "
-               "OUT a file, a name with #### for a sequence, or a folder that is there.",
-    .files = s_files,
-    .file_count = 2,
-    .writes_last = true,
-    .options = s_options,
-    .option_count = sizeof s_options / sizeof s_options[0]
-};
+static const RfCommandTable s_table = { .command = COMMAND,
+                                        .summary = "Writes EXR files as 8-bit PNG with the sRGB curve, and with their alpha if "
+                                                   "they have one. IN is a file, a sequence named with ####, or its folder; "
+                                                   "OUT a file, a name with #### for a sequence, or a folder that is there.",
+                                        .files = s_files,
+                                        .file_count = 2,
+                                        .writes_last = true,
+                                        .options = s_options,
+                                        .option_count = sizeof s_options / sizeof s_options[0] };
 
 // What is read and written.
 typedef struct Job
@@ -151,6 +150,20 @@ static RfResult name_output( const char* to, Job* job, RfError* error )
     return RF_OK;
 }
 
+// The channel A of a file; NULL where it has none of the size of its colour.
+static float* read_alpha( const char* path, const RfImage* image )
+{
+    static const char* const s_name = "A";
+    RfExrWindow window;
+    float* alpha = NULL;
+    if ( rf_read_exr_channels( path, &s_name, 1, &window, &alpha, NULL ) != RF_OK )
+        return NULL;
+    if ( window.width == image->width && window.height == image->height )
+        return alpha;
+    free( alpha );
+    return NULL;
+}
+
 static RfResult convert( const char* from, const char* to, RfError* error )
 {
     RfImage image = { 0 };
@@ -159,7 +172,9 @@ static RfResult convert( const char* from, const char* to, RfError* error )
         s_layer == NULL ? rf_read_exr( from, &image, error ) : rf_read_exr_layer( from, s_layer, &image, &window, error );
     if ( result != RF_OK )
         return result;
-    result = rf_write_png( to, &image, (float)s_exposure, error );
+    float* alpha = s_layer == NULL ? read_alpha( from, &image ) : NULL;
+    result = rf_write_png_alpha( to, &image, alpha, (float)s_exposure, error );
+    free( alpha );
     rf_destroy_image( &image );
     return result;
 }

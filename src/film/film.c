@@ -82,6 +82,19 @@ void rf_combine_film_pixels( const RfFilm* film, RfFilmCombine combine, size_t f
     }
 }
 
+void rf_combine_alpha( const RfFilm* film, RfFilmCombine combine, const float* sky, float* alpha )
+{
+    size_t count = (size_t)film->width * (size_t)film->height;
+    for ( size_t i = 0; i < count; ++i )
+    {
+        // a colour that is 1 where a ray hits something, and 0 where it does not
+        RfFilmPixel p = rf_film_pixel( film, i );
+        for ( size_t h = 0; h < 2; ++h )
+            p.half[h][0] = p.half[h][3] - (double)sky[h * count + i];
+        alpha[i] = (float)combine_channel( &p, combine, 0 );
+    }
+}
+
 void rf_estimate_variance( const RfFilm* film, RfFilmCombine combine, float* variance )
 {
     size_t count = (size_t)film->width * (size_t)film->height;

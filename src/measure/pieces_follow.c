@@ -107,7 +107,7 @@ void rf_follow_pieces( RfPieceChooser* c, int frame, bool as_pieces )
     const RfEye* eye = c->eyes + frame;
     const uint8_t* target = c->target + (size_t)frame * rf_film_cells( pieces );
     RfPiecePoints* p = &c->points;
-    float inverse[2] = { 1.0f / eye->focal_x, 1.0f / eye->focal };
+    const float inverse_focal[2] = { 1.0f / eye->focal_x, 1.0f / eye->focal };
     int32_t pixel[RF_CELL_PIXELS];
     p->count = 0;
     for ( size_t cell = 0; cell < rf_film_cells( pieces ); ++cell )
@@ -119,7 +119,7 @@ void rf_follow_pieces( RfPieceChooser* c, int frame, bool as_pieces )
             if ( x % STEP != 0 || y % STEP != 0 )
                 continue;
             put_point( p->o, p->count, rf_pinhole_origin( eye ) );
-            put_point( p->d, p->count, rf_pinhole_ray( eye, inverse, x, y, 0.5f * STEP, 0.5f * STEP ) );
+            put_point( p->d, p->count, rf_pinhole_ray( eye, inverse_focal, x, y, 0.5f * STEP, 0.5f * STEP ) );
             p->piece[p->count++] = target[cell] - 1;
         }
         if ( p->count > RF_PIECE_POINTS - RF_CELL_PIXELS )

@@ -3,6 +3,7 @@
 
 #include "output/frame_aovs.h"
 #include "output/frame_difference.h"
+#include "scene/eye.h"
 #include "scene/scene.h"
 
 #include <math.h>
@@ -41,6 +42,10 @@ typedef enum Key
     NOISE,
     TIME,
     RELMSE_ESTIMATE,
+    RELMSE_IS_LOWER_BOUND,
+    RELMSE_LIKELY,
+    WORST_TEN_SHARE,
+    REACHED,
     NATIVE_SPP,
     EFFECTIVE_SPP,
     AOV,
@@ -69,6 +74,10 @@ static const char* const s_names[KEY_COUNT] = {
     [NOISE] = "reframe/noise",
     [TIME] = "reframe/time",
     [RELMSE_ESTIMATE] = "reframe/relmse-estimate",
+    [RELMSE_IS_LOWER_BOUND] = "reframe/relmse-is-lower-bound",
+    [RELMSE_LIKELY] = "reframe/relmse-likely",
+    [WORST_TEN_SHARE] = "reframe/worst-ten-share",
+    [REACHED] = "reframe/reached",
     [NATIVE_SPP] = "reframe/native-spp",
     [EFFECTIVE_SPP] = "reframe/effective-spp",
     [AOV] = "reframe/aov",
@@ -133,7 +142,14 @@ static void put_frame( Attributes* a, const RfOutput* output, const RfFrameResul
     if ( output->path->step > 1 )
         put( a, STEP, "%d", output->path->step );
     if ( isfinite( frame->relmse_estimate ) )
+    {
         put( a, RELMSE_ESTIMATE, "%.6g", frame->relmse_estimate );
+        put_text( a, RELMSE_IS_LOWER_BOUND, frame->relmse_is_lower_bound ? "yes" : NULL );
+        put( a, RELMSE_LIKELY, "%.6g", frame->relmse_likely );
+        put( a, WORST_TEN_SHARE, "%.6g", frame->worst_ten_share );
+    }
+    if ( output->settings.noise > 0.0 )
+        put_text( a, REACHED, frame->reached ? "yes" : "no" );
     put( a, NATIVE_SPP, "%.9g", frame->native_spp );
     put( a, EFFECTIVE_SPP, "%.6g", frame->effective_spp );
     put_text( a, DEVICE, rf_tracer_device( output->tracer ) );
@@ -184,7 +200,7 @@ RfResult rf_write_frame( const RfOutput* output, const RfFrameResult* frame, RfE
     exr.has_camera = true;
     const RfEye* eye = output->path->eyes + frame->frame;
     exr.pixel_aspect = eye->focal / eye->focal_x;
-    rf_eye_matrices( eye, exr.world_to_camera, exr.world_to_ndc );
+    rf_eye_matrices_around( eye, output->path->origin, exr.world_to_camera, exr.world_to_ndc );
     exr.strings = attributes.strings;
     exr.string_count = attributes.count;
     exr.channels = aovs.channels;
@@ -259,7 +275,7 @@ int rf_list_frame_differences( const RfOutput* output, int frame, RfFrameDiffere
     Attributes wanted;
     RfFrameResult none = { .frame = frame };
     list_attributes( output, &none, &wanted );
-    if ( rf_sequence_name( output->pattern, frame + 1, name, sizeof name, NULL ) != RF_OK )
+    if ( rf_sequence_name( output->pattern, rf_frame_number( output->path, frame ), name, sizeof name, NULL ) != RF_OK )
         return 0;
     for ( size_t i = 0; i < sizeof keys / sizeof keys[0]; ++i )
     {

@@ -17,7 +17,7 @@
 
 RF_API_BEGIN
 
-// A pinhole camera in world space, with its film in pixels. Film coordinates: x to the right,
+// A pinhole camera in world space (less the scene's origin: RfSceneInfo), with its film in pixels. Film coordinates: x to the right,
 // y down, pixel (i, j) is the unit square [i, i+1) × [j, j+1).
 typedef struct RfEye
 {
@@ -42,13 +42,14 @@ void rf_shift_eye( RfEye* eye, double pixel_aspect, double shift_x, double shift
 // The eyes of a camera's animation, one per frame.
 typedef struct RfCameraPath
 {
-    char* name;    // of the camera, or of the file
-    int count;     // frames
-    RfEye* eyes;   // count of them
-    int first;     // number of the first frame, by which files and messages call it
-    int step;      // from the number of a frame to that of the next
-    RfFps fps;     // that it was sampled at
-    uint64_t hash; // of all eyes: a frame is made of its neighbours' samples too
+    char* name;       // of the camera, or of the file
+    int count;        // frames
+    RfEye* eyes;      // count of them
+    int first;        // number of the first frame, by which files and messages call it
+    int step;         // from the number of a frame to that of the next
+    RfFps fps;        // that it was sampled at
+    double origin[3]; // of the scene (RfSceneInfo): eyes are relative to it
+    uint64_t hash;    // of all eyes: a frame is made of its neighbours' samples too
 
     // Frames in a row with the same eye are a run, which needs to be rendered only once.
     int run_count;

@@ -120,6 +120,10 @@ RfResult rf_list_exr_strings( const char* path, RfExrStringFn* take, void* user,
 // curve. NaN becomes magenta, so that it is noticed.
 RfResult rf_write_png( const char* path, const RfImage* image, float exposure_stops, RfError* error );
 
+// The same with alpha, a float per pixel. The colour is premultiplied, as in EXR files; PNG wants it straight, so it
+// is divided by alpha, which is clipped to 0 to 1. NULL: no alpha.
+RfResult rf_write_png_alpha( const char* path, const RfImage* image, const float* alpha, float exposure_stops, RfError* error );
+
 // Sequences: in a pattern such as "out/frame.####.exr" the run of '#' stands for the frame number,
 // which counts from 1, zero-padded to the length of the run (longer numbers take more digits).
 // "out/frame.%04d.exr" is the same, and %d is "#".

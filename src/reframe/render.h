@@ -196,9 +196,12 @@ typedef struct RfFrameResult
     const float* aovs[RF_AOV_COUNT]; // rf_aov_channels × width × height; NULL: not asked for
     double seconds;                  // wall time since the frames before it; those that a group finishes together share it
     double relmse_estimate;          // from two halves of the samples; NaN with a single pass
+    bool relmse_is_lower_bound;      // the estimate is what the relMSE is at least: more is not known
+    double relmse_likely;            // the best guess: the estimate, or above it where that is a lower bound
+    double worst_ten_share;          // part of relmse_likely that its ten worst pixels carry, 0 to 1
     double native_spp;               // samples that the frame traced itself, per pixel
     double effective_spp;            // samples that landed in a pixel, its own and reused ones
-    bool reached;                    // the estimate is at most settings.noise, or nothing was asked
+    bool reached;                    // the relMSE is at most settings.noise by all that is known, or nothing was asked
 } RfFrameResult;
 
 typedef struct RfProgress
@@ -208,6 +211,7 @@ typedef struct RfProgress
     double samples; // traced so far
     double seconds; // since the start
     double relmse;  // estimate of the last finished frame; NaN: not known
+    bool relmse_is_lower_bound;
 } RfProgress;
 
 // Either callback may be NULL. `frame` failing stops the render with its

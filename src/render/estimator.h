@@ -81,6 +81,7 @@ typedef struct RfAccumulateJob
     int half;         // of the films, which the pass goes to
     float weight;     // of the pass in the film
     uint32_t* landed; // samples that landed, per pixel, counted up (RF_AOV_SAMPLES); or NULL
+    float* sky;       // weight of the camera rays that missed, per pixel, counted up (RF_AOV_ALPHA); or NULL
     void* pass_state; // of the frame, sizes.pass_state bytes; or NULL
 } RfAccumulateJob;
 

@@ -44,13 +44,13 @@ void rf_open_films( RfRenderer* r, int number )
     }
 }
 
-static bool note_finished( RfRenderer* r, int frame, const RfFilm* film, double relmse )
+static bool note_finished( RfRenderer* r, int frame, const RfFilm* film, const RfRelmse* relmse )
 {
     double weight = film->weight[0] + film->weight[1];
     return rf_note_finished( &r->stop, ( RfFrameNoise ){ .frame = frame,
                                                          .passes = film->passes[0] + film->passes[1],
                                                          .weight = weight,
-                                                         .noise = relmse * weight,
+                                                         .noise = rf_prudent_relmse( relmse ) * weight,
                                                          .seen = weight } );
 }
 
@@ -70,7 +70,7 @@ static RfResult finish_film( RfRenderer* r, RfLiveFilm* live, double shared, RfE
 {
     const RfFilm* film = live->films;
     RfFrameBuffer* buffer = rf_next_frame_buffer( &r->queue );
-    double relmse = rf_finish_picture( r, live, buffer->rgb, buffer->weight );
+    RfRelmse relmse = rf_finish_picture( r, live, buffer->rgb, buffer->weight );
     double now = rf_wall_seconds(), pixels = (double)r->sizes.width * (double)r->sizes.height;
     buffer->result = ( RfFrameResult ){
         .frame = live->frame,
@@ -79,12 +79,16 @@ static RfResult finish_film( RfRenderer* r, RfLiveFilm* live, double shared, RfE
         .rgb = buffer->rgb,
         .weight = buffer->weight,
         .seconds = shared + ( now - r->last_frame ),
-        .relmse_estimate = relmse,
+        .relmse_estimate = rf_told_relmse( &relmse ),
+        .relmse_is_lower_bound = relmse.is_lower_bound,
+        .relmse_likely = relmse.likely,
+        .worst_ten_share = relmse.worst_share,
         .native_spp = film->passes[0] + film->passes[1] + (double)film->extra_samples / pixels,
         .effective_spp = (double)film->landed / pixels,
     };
-    buffer->result.reached = !r->sizes.stopping || note_finished( r, live->frame, film, relmse );
-    r->last_relmse = relmse;
+    buffer->result.reached = !r->sizes.stopping || note_finished( r, live->frame, film, &relmse );
+    r->last_relmse = buffer->result.relmse_estimate;
+    r->last_is_lower_bound = relmse.is_lower_bound;
     finish_aovs( r, live, buffer );
     r->last_frame = now;
     live->frame = -1;

@@ -92,6 +92,7 @@ static bool report_progress( RfRenderer* r, int count )
         .samples = (double)r->rays.primary,
         .seconds = seconds,
         .relmse = r->last_relmse,
+        .relmse_is_lower_bound = r->last_is_lower_bound,
     };
     return r->callbacks.progress( r->callbacks.user, &progress );
 }

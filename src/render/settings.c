@@ -42,7 +42,7 @@ static RfResult check_settings( const RfRenderSettings* s, RfError* error )
         return rf_fail( error, RF_ERROR_USAGE, "depth must be 1 to %d, got %d", RF_MAX_DEPTH, s->max_depth );
     if ( s->light_samples < 1 || s->light_samples > RF_MAX_LIGHT_SAMPLES )
         return rf_fail( error, RF_ERROR_USAGE, "light samples must be 1 to %d, got %d", RF_MAX_LIGHT_SAMPLES, s->light_samples );
-    if ( ( s->aovs & ~RF_ALL_AOVS ) != 0 )
+    if ( ( s->aovs & ~( RF_ALL_AOVS | RF_AOV_BIT( RF_AOV_ALPHA ) ) ) != 0 )
         return rf_fail( error, RF_ERROR_USAGE, "there are no such AOVs: %#x", s->aovs );
     if ( s->queue < 0 || s->queue > RF_MAX_QUEUE )
         return rf_fail( error, RF_ERROR_USAGE, "the queue must be 0 to %d frames, got %d", RF_MAX_QUEUE, s->queue );
@@ -66,6 +66,8 @@ static RfResult check_estimator( const RfRenderSettings* s, RfError* error )
         return rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' has no AOVs of first hits", estimator->name );
     if ( ( s->aovs & RF_AOV_BIT( RF_AOV_VARIANCE ) ) != 0 && estimator->finish != NULL )
         return rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' has no variance AOV", estimator->name );
+    if ( ( s->aovs & RF_AOV_BIT( RF_AOV_ALPHA ) ) != 0 && ( estimator->finish != NULL || estimator->count_reuse == NULL ) )
+        return rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' has no alpha", estimator->name );
     if ( s->hold_all &&
          ( estimator->trace_first_hits == NULL || estimator->serialise == NULL || estimator->deserialise == NULL ) )
         return rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' cannot hold all records of a group", estimator->name );

@@ -34,6 +34,7 @@ RfHarvest rf_make_harvest( const RfEstimatorGroup* group )
         .patches = rf_lay_out_patches( &settings->tile, group->width, group->height ),
         .tile_roulette = settings->tile_roulette,
         .weights = settings->weights,
+        .alpha = ( settings->aovs & RF_AOV_BIT( RF_AOV_ALPHA ) ) != 0,
         .seed = settings->seed,
         .eyes = group->eyes,
         .first_frame = group->first_frame,

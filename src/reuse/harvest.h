@@ -18,6 +18,7 @@ typedef struct RfHarvest
     RfPatchLayout patches;
     bool tile_roulette;
     RfWeights weights;
+    bool alpha; // the sky that camera rays see is black: RF_AOV_ALPHA
     uint64_t seed;
     const RfEye* eyes;      // shape.eyes of them
     int first_frame;        // path frame of eyes[0]

@@ -237,6 +237,11 @@ static void test_world_becomes_the_environment( void** state )
     load( "a b.glb", &scene );
     check_world( &scene );
     rf_destroy_scene( &scene );
+    assert_int_equal( cli_run( EXPORT_SKY "one.glb --embed > log 2>&1" )->status, 0 );
+    assert_false( cli_exists( "one-sky.exr" ) );
+    load( "one.glb", &scene );
+    check_world( &scene );
+    rf_destroy_scene( &scene );
     cli_leave();
 }
 

@@ -258,7 +258,9 @@ static void test_json_has_every_key( void** state )
     expect_keys( json_object_get( json, "bytes" ), "film_table films adaptive image scratch hit_records writer" );
     json_t* frames = json_object_get( json, "frames" );
     assert_int_equal( json_array_size( frames ), 2 );
-    expect_keys( json_array_get( frames, 1 ), "frame seconds relmse_estimate native_spp effective_spp kept" );
+    expect_keys(
+        json_array_get( frames, 1 ),
+        "frame seconds relmse_estimate relmse_is_lower_bound relmse_likely worst_ten_share native_spp effective_spp kept" );
     assert_int_equal( json_integer_value( json_object_get( json_array_get( frames, 1 ), "frame" ) ), 2 );
     assert_int_equal( json_integer_value( json_object_get( json, "group" ) ), 1 );
     assert_string_equal( json_string_value( json_object_get( json, "scene" ) ), REFRAME_VASE_ROOM );
@@ -282,7 +284,7 @@ static void test_info_tells_cameras_and_materials( void** state )
     result = cli_run( "$R info $VASE --json - --fps 48" );
     cli_expect( result, 0, NULL );
     json_t* json = parse_json( result->out );
-    expect_keys( json, "triangles instances materials lights cameras effects moving size fps" );
+    expect_keys( json, "triangles instances materials lights cameras effects moving size fps export_warnings" );
     json_t* camera = json_array_get( json_object_get( json, "cameras" ), 0 );
     expect_keys( camera, "name frames first step animated" );
     assert_int_equal( json_integer_value( json_object_get( camera, "frames" ) ), 95 );

@@ -45,7 +45,8 @@ static bool find( const RfTracer* tracer, RfVec3 o, RfVec3 d, Point* out, Panes*
     if ( triangle == RF_MISS )
         return false;
     const RfTriangleRecord* t = rf_tracer_triangles( tracer ) + triangle;
-    out->p = rf_add( t->p0, rf_add( rf_scale( t->e1, u ), rf_scale( t->e2, v ) ) );
+    RfHitPoint hit = rf_hit_point( t, u, v, o, d );
+    out->p = hit.p;
     out->wo = rf_scale( d, -1.0f );
     float facing = rf_dot( t->ng, out->wo );
     float side = facing < 0.0f ? -1.0f : 1.0f;
@@ -69,7 +70,7 @@ static bool find( const RfTracer* tracer, RfVec3 o, RfVec3 d, Point* out, Panes*
     out->ior = out->material.thin ? -out->material.ior
                                   : ( out->inside && out->material.ior > 0.0f ? 1.0f / out->material.ior : out->material.ior );
     out->emission = rf_vec3( 0, 0, 0 );
-    out->offset = t->offset;
+    out->offset = hit.offset;
     out->light_pdf = 0.0f;
     out->light = t->light;
     if ( t->light != RF_NO_LIGHT )

@@ -179,6 +179,12 @@ static const RfOption s_options[] = {
       .default_text = "all cores",
       .help = "threads; the pictures do not depend on them" },
     RF_AOV_OPTION( s_parsed, "further channels of each frame:" ),
+    { .name = "alpha",
+      .in_file = true,
+      .type = RF_OPTION_BOOL,
+      .value = &s_parsed.alpha,
+      .default_text = "no",
+      .help = "RGBA: coverage of each pixel by what is not sky; the colour is premultiplied, without the sky behind things" },
     { .name = "compression",
       .type = RF_OPTION_CHOICE,
       .value = &s_compression_index,
@@ -279,6 +285,7 @@ RfResult rf_parse_aov_option( RfRenderOptions* options, RfError* error )
 {
     RfError reason = { 0 };
     RfResult result = rf_parse_aovs( options->aov, &options->settings.aovs, &reason );
+    options->settings.aovs |= options->alpha ? RF_AOV_BIT( RF_AOV_ALPHA ) : 0u;
     return result == RF_OK ? result : rf_fail( error, result, "--aov: %.1000s", reason.text );
 }
 

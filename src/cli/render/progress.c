@@ -54,7 +54,7 @@ void rf_format_progress( const RfProgress* progress, char* text, size_t size )
     int frame = progress->frames_done < progress->frames_all ? progress->frames_done + 1 : progress->frames_all;
     snprintf( text, size, "frame %d/%d  %.0f %%  %s spent  %s left", frame, progress->frames_all,
               floor( 100.0 * progress->share ), spent, left );
-    snprintf( part, sizeof part, "relMSE %.2g", progress->relmse );
+    snprintf( part, sizeof part, "relMSE %s%.2g", progress->relmse_is_lower_bound ? "at least " : "", progress->relmse );
     if ( progress->relmse > 0.0 && isfinite( progress->relmse ) )
         append_part( text, size, part );
     format_rate( progress->samples / progress->seconds, part, sizeof part );
@@ -93,7 +93,10 @@ void rf_show_frame( RfProgressLine* line, const RfFrameResult* result, int numbe
         return;
     format_duration( floor( seconds ), spent, sizeof spent );
     fprintf( stderr, "frame %d/%d  number %d  %.2f s  %s spent", done, all, number, result->seconds, spent );
-    if ( isfinite( result->relmse_estimate ) )
+    if ( result->relmse_is_lower_bound )
+        fprintf( stderr, "  relMSE at least %.3g, likely %.3g, %.0f %% of that in ten pixels", result->relmse_estimate,
+                 result->relmse_likely, 100.0 * result->worst_ten_share );
+    else if ( isfinite( result->relmse_estimate ) )
         fprintf( stderr, "  relMSE %.3g", result->relmse_estimate );
     fprintf( stderr, "  %.1f samples/pixel\n", result->effective_spp );
 }

@@ -44,9 +44,12 @@ typedef struct Job
     int frames_done;
     bool told_black;   // the warning comes once
     double relmse_sum; // of the finished frames' estimates
+    double likely_sum; // and of their best guesses
+    int lower_bounds;  // among them
     double worst_relmse;
     int worst_frame; // its number
     int missed;      // frames above --noise
+    bool worst_is_lower_bound;
     json_t* frames_json;
     double start, seconds_scene; // monotonic time of the start; seconds until rays can be traced
     RfRenderStats stats;
@@ -194,11 +197,14 @@ static void warn_if_black( Job* job, const RfFrameResult* result )
 static void note_relmse( Job* job, const RfFrameResult* result )
 {
     job->relmse_sum += result->relmse_estimate;
+    job->likely_sum += result->relmse_likely;
+    job->lower_bounds += result->relmse_is_lower_bound;
     job->missed += !result->reached;
-    if ( job->frames_done > 1 && result->relmse_estimate <= job->worst_relmse )
+    if ( job->frames_done > 1 && result->relmse_likely <= job->worst_relmse )
         return;
-    job->worst_relmse = result->relmse_estimate;
+    job->worst_relmse = result->relmse_likely;
     job->worst_frame = rf_frame_number( &job->path, result->frame );
+    job->worst_is_lower_bound = result->relmse_is_lower_bound;
 }
 
 // Warns where --noise or --time was not met.
@@ -206,9 +212,9 @@ static void warn_of_stop( Job* job )
 {
     const RfRenderSettings* s = &job->options.settings;
     if ( job->stats.missed > 0 )
-        rf_warn( &job->log, "--noise %g: not reached in %d of %d frames, frame %d has %.3g: allow more %s", s->noise,
-                 job->stats.missed, job->frame_count, job->worst_frame, job->worst_relmse,
-                 s->time > 0.0 ? "--time or --spp" : "--spp" );
+        rf_warn( &job->log, "--noise %g: not reached in %d of %d frames, frame %d %shas %.3g: allow more %s", s->noise,
+                 job->stats.missed, job->frame_count, job->worst_frame, job->worst_is_lower_bound ? "likely " : "",
+                 job->worst_relmse, s->time > 0.0 ? "--time or --spp" : "--spp" );
     if ( job->stats.hurried )
         rf_warn( &job->log,
                  "--time %g: too short for this size and these groups: the least, 2 samples per pixel, took %.3g s a frame",
@@ -291,6 +297,16 @@ static RfResult write_json( const Job* job, bool interrupted, RfError* error )
     return rf_write_json( options->json, rf_render_json( options, &job->scene, &run ), error );
 }
 
+// Mean over the frames.
+static void print_relmse( const Job* job )
+{
+    double told = job->relmse_sum / job->frame_count, likely = job->likely_sum / job->frame_count;
+    if ( job->lower_bounds > 0 )
+        printf( ", relMSE at least %.3g, likely %.3g by its estimate", told, likely );
+    else
+        printf( ", relMSE %.3g by its estimate", told );
+}
+
 static RfResult report( Job* job, RfError* error )
 {
     double seconds = now() - job->start;
@@ -299,7 +315,7 @@ static RfResult report( Job* job, RfError* error )
     {
         rf_print( "%d frame%s in %s, %.1f s", job->frame_count, job->frame_count == 1 ? "" : "s", job->options.output, seconds );
         if ( job->frame_count > 0 && isfinite( job->relmse_sum ) )
-            printf( ", relMSE %.3g by its estimate", job->relmse_sum / job->frame_count );
+            print_relmse( job );
         if ( job->kept_count > 0 )
             printf( "; %d kept from before", job->kept_count );
         printf( "\n" );

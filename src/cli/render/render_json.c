@@ -7,10 +7,12 @@
 
 json_t* rf_frame_json( const RfFrameResult* result, const RfCameraPath* path, double noise, int same_as )
 {
-    json_t* json = json_pack( "{s:i, s:o, s:o, s:o, s:o, s:b}", "frame", rf_frame_number( path, result->frame ), "seconds",
-                              rf_json_number( result->seconds ), "relmse_estimate", rf_json_number( result->relmse_estimate ),
-                              "native_spp", rf_json_number( result->native_spp ), "effective_spp",
-                              rf_json_number( result->effective_spp ), "kept", false );
+    json_t* json = json_pack( "{s:i, s:o, s:o, s:b, s:o, s:o, s:o, s:o, s:b}", "frame", rf_frame_number( path, result->frame ),
+                              "seconds", rf_json_number( result->seconds ), "relmse_estimate",
+                              rf_json_number( result->relmse_estimate ), "relmse_is_lower_bound", result->relmse_is_lower_bound,
+                              "relmse_likely", rf_json_number( result->relmse_likely ), "worst_ten_share",
+                              rf_json_number( result->worst_ten_share ), "native_spp", rf_json_number( result->native_spp ),
+                              "effective_spp", rf_json_number( result->effective_spp ), "kept", false );
     if ( same_as >= 0 )
         json_object_set_new( json, "same_as", json_integer( rf_frame_number( path, same_as ) ) );
     if ( noise > 0.0 )

@@ -62,6 +62,7 @@ static RfResult make_eyes( const RfScene* scene, const RfCamera* camera, RfFps f
     if ( path->eyes == NULL || path->name == NULL )
         return rf_fail( error, RF_ERROR_MEMORY, "camera '%s': no memory left for %d frames", camera->name, path->count );
     path->fps = fps;
+    memcpy( path->origin, scene->origin, sizeof path->origin );
     rf_camera_numbers( camera, &path->first, &path->step );
     path->hash = RF_HASH_START;
     if ( camera->track != NULL )
