@@ -1,6 +1,7 @@
 """Exports a .blend as .glb for Reframe, in background mode:
 
-    blender -b scene.blend -P scripts/blender-export.py -- out.glb [--camera NAME] [--frames A-B] [--overwrite]
+    blender -b scene.blend -P scripts/blender-export.py -- out.glb [--camera NAME] [--frames A-B[xSTEP]]
+        [--bake SIZE | --no-bake] [--bake-cache FOLDER] [--embed] [--overwrite]
 
 Uses Blender's own glTF exporter and adds what it leaves out. The camera is baked
 frame by frame, whatever animates it (parents, constraints, drivers). Area lights
@@ -9,7 +10,11 @@ are written in W/sr and W/m2 (the exporter's "unitless" mode), as Reframe expect
 them. A world of constant colour becomes the environment in the scene's custom
 property `reframe`; any other world (a rotated environment texture, a sky, any nodes)
 is rendered by Cycles to a map, out-sky.exr beside out.glb, to which that property
-refers. Custom properties are kept. Anything that cannot be exported gives a warning.
+refers; --embed puts it into the .glb. Materials that have an equivalent in glTF are
+carried; what varies otherwise (procedural textures, mixes of shaders by a texture) is
+baked by Cycles into textures of SIZE pixels. Custom properties are kept. Anything that
+cannot be exported gives a warning, with object and node; all warnings are repeated at
+the end, and stand in the .glb for `reframe info`. The .blend is never changed.
 """
 import fractions
 import os
@@ -19,7 +24,7 @@ sys.dont_write_bytecode = True  # no __pycache__ beside the installed or checked
 sys.path.insert(0, os.path.dirname(os.path.realpath(__file__)))
 
 import bpy  # noqa: E402
-from blender_export import cameras, command_line, effects, geometry, glb, lights, moves, sky  # noqa: E402
+from blender_export import cameras, command_line, effects, geometry, glb, lights, materials, moves, sky  # noqa: E402
 from blender_export.messages import fail, repeat_warnings, warn  # noqa: E402
 
 
@@ -48,15 +53,20 @@ def main():
     scene.frame_start, scene.frame_end = first, last
     camera = cameras.find_camera(scene, args.camera)
     name = camera.name
+    sky.refuse_early(scene, args)
     effects.warn_of_effects(scene, camera)
     geometry.settle(scene)
     recorder, moving = watch(scene, camera, args.camera is None, range(first, last + 1, step))
+    cameras.tell_others(scene, name)
     if first < 0:
         warn("frame numbers start at 0 in Reframe: frame %d is called 0, and so on" % first)
     shot = {"render": {"size": list(cameras.film_of(scene)), "fps": rate_of(scene)}, "moving": moving, "camera": name,
             "path": recorder.path(step)}
+    targets = materials.coordinate_objects()
     placed = geometry.realise(scene)
+    materials.restore_coordinate_objects(targets)
     cameras.bake_camera(scene, name, recorder)
+    materials.carry(scene, args, placed, recorder.keys)
     lights.replace_area_lights(scene)
     sky.keep_world(scene, args)
     glb.export(os.path.abspath(args.out))

@@ -4,7 +4,7 @@ import math
 import bpy
 import mathutils
 
-from .messages import fail, warn
+from .messages import fail, list_names, note
 
 Y_UP = mathutils.Quaternion((math.sqrt(0.5), -math.sqrt(0.5), 0.0, 0.0))  # from Blender's axes to glTF's
 
@@ -19,6 +19,14 @@ def find_camera(scene, name):
     fail("no camera%s in the scene: it has %s" % (" '%s'" % name if name else "", ", ".join(c.name for c in cameras) or "none"))
 
 
+def tell_others(scene, name):
+    """Cameras that are not exported; those that markers switch to are."""
+    used = {name, *(marker.camera.name for marker in scene.timeline_markers if marker.camera is not None)}
+    others = sorted(o.name for o in scene.objects if o.type == "CAMERA" and o.name not in used)
+    if others:
+        note("%s: left out: --camera exports another one" % list_names(others))
+
+
 def rounded(values):
     return [float("%.9g" % v) for v in values]
 
@@ -27,8 +35,6 @@ def film_of(scene):
     """The size of Blender's pictures in pixels."""
     render = scene.render
     share = render.resolution_percentage / 100.0
-    if render.use_border and render.use_crop_to_border:
-        warn("the render region is ignored: the whole picture is taken")
     return max(int(render.resolution_x * share), 1), max(int(render.resolution_y * share), 1)
 
 

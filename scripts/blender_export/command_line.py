@@ -4,7 +4,14 @@ import os
 import re
 import sys
 
+from .bake_cache import default_folder
 from .messages import fail
+
+
+def bake_size(text):
+    if not text.isdecimal() or not 16 <= int(text) <= 8192:
+        raise argparse.ArgumentTypeError("wants 16 to 8192 pixels, got '%s'" % text)
+    return int(text)
 
 
 def parse(about):
@@ -13,6 +20,13 @@ def parse(about):
     p.add_argument("out", help="the .glb to write")
     p.add_argument("--camera", help="the camera to bake; default: the scene's active one")
     p.add_argument("--frames", help="A-B or A-BxSTEP; default: the scene's own range and step")
+    p.add_argument("--bake", type=bake_size, default=1024, metavar="SIZE",
+                   help="pixels across of the largest textures that replace what glTF cannot express; default: 1024")
+    p.add_argument("--no-bake", action="store_const", dest="bake", const=0,
+                   help="bake nothing: what glTF cannot express becomes constant, with a warning")
+    p.add_argument("--bake-cache", metavar="FOLDER", default=default_folder(),
+                   help="where bakes are kept for the next time; default: reframe/bake in $XDG_CACHE_HOME or ~/.cache")
+    p.add_argument("--embed", action="store_true", help="put the map of the sky into the .glb, not into a file beside it")
     p.add_argument("--overwrite", action="store_true", help="replace files that are there already")
     try:
         args = p.parse_args(own)

@@ -52,6 +52,9 @@ def settle_data(data):
 
 def settle(scene):
     """Makes the viewport show what is rendered: outside of a render Blender evaluates for the viewport."""
+    active = bpy.context.view_layer.objects.active
+    if active is not None and active.mode != "OBJECT":
+        bpy.ops.object.mode_set(mode="OBJECT")  # a mesh that was saved while it was edited looks empty
     view_layer = bpy.context.view_layer
     visible = {o.name for o in view_layer.objects if o.visible_get()}
     render = scene.render
@@ -143,7 +146,8 @@ def read_sources(depsgraph, holes):
     sources = {}
     for instance in depsgraph.object_instances:
         o = instance.object
-        if o.type not in ("LIGHT", *GEOMETRY) or is_left_out(o.original, holes):
+        # text, curves and metaballs come twice: as themselves, and as the mesh that they become
+        if o.type not in ("LIGHT", "MESH") or is_left_out(o.original, holes):
             continue
         if not instance.is_instance and (not instance.show_self or is_pattern(o.original)):
             continue
@@ -180,6 +184,7 @@ class Builder:
         new = bpy.data.objects.new(name, data)
         for key in original.keys():
             new[key] = original[key]
+        new.color, new.pass_index = original.color, original.pass_index  # materials may ask for them
         for to, slot in zip(new.material_slots, original.material_slots):
             if slot.link == "OBJECT" and data == original.data:
                 to.link, to.material = "OBJECT", slot.material

@@ -7,10 +7,14 @@ import numpy
 numpy.bool = bool  # the exporter of Blender 3.4 uses a name that numpy has removed
 import bpy  # noqa: E402
 
+from . import embed  # noqa: E402
+from .build import patches  # noqa: E402
+
 
 def export(path):
     bpy.ops.export_scene.gltf(
         filepath=path, export_format="GLB", export_cameras=True, export_lights=True, export_extras=True, export_apply=True,
+        export_colors=False,  # glTF multiplies by them whether the material uses them or not: they are baked
         use_renderable=True,  # skips objects hidden from render: cutters, targets, parents
         export_yup=True, export_animations=True, export_frame_range=True, export_force_sampling=False,
         convert_lighting_mode="COMPAT")
@@ -38,6 +42,21 @@ def restore_booleans(gltf):
         environment = scene.get("extras", {}).get("reframe", {}).get("environment", {})
         if isinstance(environment.get("visible"), int):
             environment["visible"] = bool(environment["visible"])
+
+
+def add_extensions(gltf):
+    """The extensions of materials that the exporter cannot write."""
+    used = set(gltf.get("extensionsUsed", []))
+    for material in gltf.get("materials", []):
+        patch = patches.get(material.get("name"), {})
+        material["name"] = patch.get("name", material.get("name"))
+        if patch.get("extensions"):
+            material.setdefault("extensions", {}).update(patch["extensions"])
+            used.update(patch["extensions"])
+        if "extras" in patch:
+            material.setdefault("extras", {}).update(patch["extras"])
+    if used:
+        gltf["extensionsUsed"] = sorted(used)
 
 
 def add_shot(gltf, shot):
@@ -86,5 +105,8 @@ def finish(path, shot, placed):
     gltf, rest = read(path)
     restore_booleans(gltf)
     add_shot(gltf, shot)
+    add_extensions(gltf)
     rest = add_instances(gltf, rest, placed)
+    rest = embed.add_map(gltf, rest)
+    embed.add_warnings(gltf)
     write(path, gltf, rest)

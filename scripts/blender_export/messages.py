@@ -5,7 +5,13 @@ import sys
 _warnings = []
 
 
+def printable(text):
+    """One line: the names of a .blend may hold anything, also what a terminal obeys."""
+    return "".join(c if c.isprintable() else "?" for c in text)
+
+
 def warn(text):
+    text = printable(text)
     _warnings.append(text)
     print("blender-export: warning: " + text, file=sys.stderr)
 
@@ -32,6 +38,6 @@ def repeat_warnings():
 
 
 def fail(text):
-    print("blender-export: " + text, file=sys.stderr)
+    print("blender-export: " + printable(text), file=sys.stderr)
     sys.stderr.flush()
     os._exit(1)  # after an exception Blender would exit with status 0

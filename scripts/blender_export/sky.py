@@ -5,6 +5,7 @@ import urllib.parse
 
 import bpy
 
+from . import embed
 from .command_line import refuse
 from .messages import fail, warn
 
@@ -90,6 +91,17 @@ def render_map(world, across, exact, path):
         fail("%s: was not written: see Blender's messages above" % path)
 
 
+def map_path(args):
+    return os.path.abspath(args.out)[:-len(".glb")] + "-sky.exr"
+
+
+def refuse_early(scene, args):
+    """A map in the way is better told of before the work than after it."""
+    own = scene["reframe"].to_dict() if "reframe" in scene else {}
+    if scene.world is not None and "environment" not in own and not args.embed and plain_radiance(scene.world) is None:
+        refuse(args, map_path(args))
+
+
 def keep_world(scene, args):
     world = scene.world
     own = scene["reframe"].to_dict() if "reframe" in scene else {}
@@ -102,8 +114,11 @@ def keep_world(scene, args):
     if radiance is not None:
         environment["radiance"] = radiance
     else:
-        path = os.path.abspath(args.out)[:-len(".glb")] + "-sky.exr"
-        refuse(args, path)
+        if args.embed:
+            path = embed.map_path()
+        else:
+            path = map_path(args)
+            refuse(args, path)
         render_map(world, *check_world(world), path)
         environment["map"] = urllib.parse.quote(os.path.basename(path))
     if scene.render.film_transparent or not world.cycles_visibility.camera:

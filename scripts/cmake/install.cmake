@@ -1,4 +1,4 @@
-# cmake --install: program, manual page, library, headers, CMake package,
+# cmake --install: program, manual page, completion, library, headers, CMake package,
 # pkg-config file. Everything is found relative to where it lies, so that
 # `cmake --install build --prefix X` may put it anywhere.
 include(CMakePackageConfigHelpers)
@@ -16,6 +16,19 @@ add_custom_target(reframe_manual ALL DEPENDS ${PROJECT_BINARY_DIR}/reframe.1)
 install(FILES ${PROJECT_BINARY_DIR}/reframe.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
 
 install(TARGETS reframe RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+
+# From the same tables.
+foreach(shell bash zsh)
+  add_custom_command(OUTPUT ${PROJECT_BINARY_DIR}/reframe.${shell}
+    COMMAND reframe completion ${shell} > ${PROJECT_BINARY_DIR}/reframe.${shell}
+    DEPENDS reframe COMMENT "Making the completion for ${shell}" VERBATIM)
+endforeach()
+add_custom_target(reframe_completion ALL DEPENDS ${PROJECT_BINARY_DIR}/reframe.bash ${PROJECT_BINARY_DIR}/reframe.zsh)
+install(FILES ${PROJECT_BINARY_DIR}/reframe.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME reframe)
+install(FILES ${PROJECT_BINARY_DIR}/reframe.zsh DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/site-functions RENAME _reframe)
+
+# All that is installed and nothing else, for a build without the tests.
+add_custom_target(reframe_installed DEPENDS reframe reframe_import libreframe reframe_manual reframe_completion)
 
 # A program of the program: `reframe convert` looks for it relative to itself.
 install(TARGETS reframe_import RUNTIME DESTINATION ${CMAKE_INSTALL_LIBEXECDIR}/reframe)

@@ -1,3 +1,4 @@
+#include "base/plain_text.h"
 #include "base/remedy.h"
 
 #include <stdarg.h>
@@ -5,12 +6,9 @@
 
 static void format_line( char* text, size_t size, const char* format, va_list args )
 {
-    vsnprintf( text, size, format, args );
-    for ( char* c = text; *c != 0; ++c )
-    {
-        if ( (unsigned char)*c < 0x20 || *c == 0x7f )
-            *c = '?';
-    }
+    char raw[1024];
+    vsnprintf( raw, sizeof raw, format, args );
+    rf_plain_text( raw, text, size );
 }
 
 RfResult rf_fail( RfError* error, RfResult code, const char* format, ... )

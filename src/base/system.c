@@ -3,6 +3,7 @@
 #include "base/cgroup.h"
 
 #include <omp.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <time.h>
 
@@ -41,6 +42,12 @@ size_t rf_free_memory( void )
     }
     size_t machine = kib > 0 ? (size_t)kib * 1024 : (size_t)1 << 30, group = rf_own_cgroup_free_memory();
     return group < machine ? group : machine;
+}
+
+void rf_format_memory( size_t bytes, char text[RF_BYTES_TEXT_SIZE] )
+{
+    bool whole = bytes % ( (size_t)1 << 20 ) == 0;
+    snprintf( text, RF_BYTES_TEXT_SIZE, whole ? "%zu MiB" : "%zu KiB", whole ? bytes >> 20 : bytes >> 10 );
 }
 
 int rf_core_count( void ) { return omp_get_num_procs(); }

@@ -17,6 +17,11 @@ double rf_process_seconds( void );
 // unknown.
 size_t rf_free_memory( void );
 
+#define RF_BYTES_TEXT_SIZE 32
+
+// Formats an amount of memory: "96 MiB", or "1500 KiB" where it is no whole number of MiB.
+void rf_format_memory( size_t bytes, char text[RF_BYTES_TEXT_SIZE] );
+
 // Cores this process may use, ≥ 1.
 int rf_core_count( void );
 

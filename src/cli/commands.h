@@ -3,6 +3,8 @@
 #ifndef REFRAME_CLI_COMMANDS_H
 #define REFRAME_CLI_COMMANDS_H
 
+#include "cli/options/options.h"
+
 int rf_command_render( int argc, char** argv );
 int rf_command_info( int argc, char** argv );
 int rf_command_plan( int argc, char** argv );
@@ -13,5 +15,20 @@ int rf_command_flicker( int argc, char** argv );
 int rf_command_report( int argc, char** argv );
 int rf_command_png( int argc, char** argv );
 int rf_command_convert( int argc, char** argv );
+int rf_command_completion( int argc, char** argv );
+
+typedef struct RfCommand
+{
+    const char* name;
+    int ( *run )( int argc, char** argv );
+    const char* summary;
+} RfCommand;
+
+// Prints something of each command's table of options; a row without a name ends them. Returns an exit
+// status.
+int rf_print_commands( const RfCommand* commands, RfHelpPrinter* printer );
+
+// Names the commands that `completion` completes.
+void rf_set_completion_commands( const RfCommand* commands );
 
 #endif

@@ -58,7 +58,7 @@ static const RfOption s_options[] = {
       .default_text = "4G",
       .help = "address space assimp may take before it is stopped" },
     { .name = "timeout",
-      .type = RF_OPTION_REAL,
+      .type = RF_OPTION_TIME,
       .value = &s_convert.seconds,
       .min = 0.1,
       .max = 86400,
@@ -100,8 +100,8 @@ static RfResult tell( const char* from, const char* to, const RfModelCounts* c, 
 {
     bool json_out = s_json != NULL && strcmp( s_json, "-" ) == 0;
     if ( !s_quiet && !json_out )
-        printf( "%s: %llu triangles in %d meshes, %d materials, %d images, %d cameras, %d lights\n", to, c->triangles, c->meshes,
-                c->materials, c->images, c->cameras, c->lights );
+        rf_print( "%s: %llu triangles in %d meshes, %d materials, %d images, %d cameras, %d lights\n", to, c->triangles,
+                  c->meshes, c->materials, c->images, c->cameras, c->lights );
     if ( s_json == NULL )
         return rf_flush_output( error );
     json_t* json =

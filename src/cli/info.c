@@ -78,30 +78,38 @@ static void name_frames( const RfCameraInfo* camera, char* text, size_t size )
 static void print_film( const RfSceneInfo* scene )
 {
     if ( scene->width > 0 )
-        printf( "picture    %dx%d\n", scene->width, scene->height );
+        rf_print( "picture    %dx%d\n", scene->width, scene->height );
 }
 
 static void print_moving( const RfSceneInfo* scene )
 {
     if ( scene->moving_count > 0 )
-        printf( "moving     %d object%s in the file, which stand%s still here: only cameras move\n", scene->moving_count,
-                scene->moving_count == 1 ? "" : "s", scene->moving_count == 1 ? "s" : "" );
+        rf_print( "moving     %d object%s, taken as in the first frame: only cameras move here\n", scene->moving_count,
+                  scene->moving_count == 1 ? "" : "s" );
     for ( int i = 0; i < scene->moving_count && i < MAX_MOVING; ++i )
-        printf( "  %s\n", scene->moving[i] );
+        rf_print( "  %s\n", scene->moving[i] );
     if ( scene->moving_count > MAX_MOVING )
-        printf( "  and %d more\n", scene->moving_count - MAX_MOVING );
+        rf_print( "  and %d more\n", scene->moving_count - MAX_MOVING );
+}
+
+static void print_warnings( const RfSceneInfo* scene )
+{
+    if ( scene->export_warning_count > 0 )
+        rf_print( "warnings   %d of the export\n", scene->export_warning_count );
+    for ( int i = 0; i < scene->export_warning_count; ++i )
+        rf_print( "  %s\n", scene->export_warnings[i] );
 }
 
 static void print_cameras( const Facts* facts )
 {
-    printf( "cameras    %d\n", facts->scene.cameras );
+    rf_print( "cameras    %d\n", facts->scene.cameras );
     for ( int i = 0; i < facts->scene.cameras; ++i )
     {
         const RfCameraInfo* c = facts->cameras + i;
         char numbers[80];
         name_frames( c, numbers, sizeof numbers );
-        printf( "  %s: %d frame%s%s at %g frames/s, %s\n", c->name, c->frames, c->frames == 1 ? "" : "s", numbers,
-                (double)s_fps.numerator / (double)s_fps.denominator, c->animated ? "animated" : "stands still" );
+        rf_print( "  %s: %d frame%s%s at %g frames/s, %s\n", c->name, c->frames, c->frames == 1 ? "" : "s", numbers,
+                  (double)s_fps.numerator / (double)s_fps.denominator, c->animated ? "animated" : "stands still" );
     }
 }
 
@@ -109,30 +117,31 @@ static void print_effects( const RfScene* scene )
 {
     RfEffect effects[RF_MAX_EFFECTS];
     int count = rf_list_effects( scene, effects );
-    printf( "effects\n" );
+    rf_print( "effects\n" );
     for ( int i = 0; i < count; ++i )
-        printf( "  %-3s  %-22s%s\n", effects[i].on ? "on" : "off", effects[i].name, effects[i].why );
+        rf_print( "  %-3s  %-22s%s\n", effects[i].on ? "on" : "off", effects[i].name, effects[i].why );
 }
 
 static void print_info( const RfScene* scene, const Facts* facts )
 {
     const RfSceneInfo* s = &facts->scene;
-    printf( "%s\n", s->path );
-    printf( "triangles  %u\n", s->triangles );
-    printf( "instances  %u\n", s->instances );
-    printf( "materials  %u\n", s->materials );
-    printf( "lights     %u", s->lights );
+    rf_print( "%s\n", s->path );
+    rf_print( "triangles  %u\n", s->triangles );
+    rf_print( "instances  %u\n", s->instances );
+    rf_print( "materials  %u\n", s->materials );
+    rf_print( "lights     %u", s->lights );
     if ( s->lights > 0 )
-        printf( " (emitting triangles %u, %.4g m2; lamps without size %d; sky %s)", s->emitting_triangles, s->emitting_area,
-                s->punctual_lights, s->has_sky ? "yes" : "no" );
-    printf( "\n" );
+        rf_print( " (emitting triangles %u, %.4g m2; lamps without size %d; sky %s)", s->emitting_triangles, s->emitting_area,
+                  s->punctual_lights, s->has_sky ? "yes" : "no" );
+    rf_print( "\n" );
     if ( s->triangles > 0 )
-        printf( "bounds     %.4g %.4g %.4g to %.4g %.4g %.4g\n", s->bounds_min.x, s->bounds_min.y, s->bounds_min.z,
-                s->bounds_max.x, s->bounds_max.y, s->bounds_max.z );
+        rf_print( "bounds     %.4g %.4g %.4g to %.4g %.4g %.4g\n", s->bounds_min.x, s->bounds_min.y, s->bounds_min.z,
+                  s->bounds_max.x, s->bounds_max.y, s->bounds_max.z );
     print_film( s );
     print_moving( s );
     print_cameras( facts );
     print_effects( scene );
+    print_warnings( s );
 }
 
 static json_t* info_json( const RfScene* scene, const Facts* facts )
@@ -148,11 +157,14 @@ static json_t* info_json( const RfScene* scene, const Facts* facts )
     json_t* moving = json_array();
     for ( int i = 0; i < s->moving_count; ++i )
         json_array_append_new( moving, rf_json_text( s->moving[i] ) );
+    json_t* warnings = json_array();
+    for ( int i = 0; i < s->export_warning_count; ++i )
+        json_array_append_new( warnings, rf_json_text( s->export_warnings[i] ) );
     json_t* size = s->width > 0 ? json_pack( "[i, i]", s->width, s->height ) : json_null();
-    return json_pack( "{s:I, s:I, s:I, s:I, s:o, s:o, s:o, s:o, s:f}", "triangles", (json_int_t)s->triangles, "instances",
+    return json_pack( "{s:I, s:I, s:I, s:I, s:o, s:o, s:o, s:o, s:f, s:o}", "triangles", (json_int_t)s->triangles, "instances",
                       (json_int_t)s->instances, "materials", (json_int_t)s->materials, "lights", (json_int_t)s->lights, "cameras",
                       cameras, "effects", rf_effects_json( scene ), "moving", moving, "size", size, "fps",
-                      (double)s_fps.numerator / (double)s_fps.denominator );
+                      (double)s_fps.numerator / (double)s_fps.denominator, "export_warnings", warnings );
 }
 
 static RfResult load( const char* name, RfScene* scene, RfError* error )

@@ -2,6 +2,7 @@
 #include "cli/commands.h"
 #include "cli/manual.h"
 #include "cli/options/options.h"
+#include "cli/options/synonyms.h"
 #include "cli/messages.h"
 #include "trace/trace.h"
 
@@ -9,14 +10,7 @@
 #include <stdio.h>
 #include <string.h>
 
-typedef struct Command
-{
-    const char* name;
-    int ( *run )( int argc, char** argv );
-    const char* summary;
-} Command;
-
-static const Command s_commands[] = {
+static const RfCommand s_commands[] = {
     { "render", rf_command_render, "a camera's path to a sequence of EXR files" },
     { "info", rf_command_info, "what is in a scene, and which effects it uses" },
     { "plan", rf_command_plan, "which group sizes fit, and which one pays" },
@@ -25,11 +19,13 @@ static const Command s_commands[] = {
     { "compare", rf_command_compare, "the error of images against references" },
     { "flicker", rf_command_flicker, "how much the error changes from frame to frame" },
     { "report", rf_command_report, "rendered sequences as one HTML page, to look at" },
-    { "png", rf_command_png, "an EXR file as PNG, to look at" },
+    { "png", rf_command_png, "EXR files as PNG, to look at" },
     { "convert", rf_command_convert, "OBJ, PLY, FBX or Collada as .glb" },
+    { "completion", rf_command_completion, "what makes bash or zsh complete commands and options" },
+    { 0 }, // the end
 };
 
-#define COMMAND_COUNT ( (int)( sizeof s_commands / sizeof s_commands[0] ) )
+#define COMMAND_COUNT ( (int)( sizeof s_commands / sizeof s_commands[0] ) - 1 )
 
 static int finish_output( void )
 {
@@ -45,8 +41,8 @@ static int print_usage( void )
     printf( "usage: reframe COMMAND [OPTIONS] FILES\n"
             "Renders camera paths through glTF scenes; every light path serves all frames that see its first hit.\n\n" );
     for ( int i = 0; i < COMMAND_COUNT; ++i )
-        printf( "  %-10s%s\n", s_commands[i].name, s_commands[i].summary );
-    printf( "\n  reframe COMMAND --help    the options of a command\n"
+        printf( "  %-12s%s\n", s_commands[i].name, s_commands[i].summary );
+    printf( "\n  reframe COMMAND --help    the options of a command; also: reframe help COMMAND\n"
             "  reframe --man             the manual page, for man -l -\n"
             "  reframe --version\n" );
     return finish_output();
@@ -55,28 +51,22 @@ static int print_usage( void )
 // Every command's help, printed as sections of the manual.
 static int print_manual( void )
 {
-    char help[] = "--help";
-    rf_set_help_printer( rf_print_manual_section );
     rf_print_manual_head( stdout );
-    for ( int i = 0; i < COMMAND_COUNT; ++i )
-    {
-        char name[32];
-        snprintf( name, sizeof name, "%s", s_commands[i].name );
-        char* arguments[] = { name, help, NULL };
-        int status = s_commands[i].run( 2, arguments );
-        if ( status != 0 )
-            return status;
-    }
+    int status = rf_print_commands( s_commands, rf_print_manual_section );
+    if ( status != 0 )
+        return status;
     rf_print_manual_tail( stdout );
     return finish_output();
 }
 
 static int fail_unknown( const char* name )
 {
-    const char* names[COMMAND_COUNT];
+    const char* names[COMMAND_COUNT + 3] = { [COMMAND_COUNT] = "help", "--version", "--man" };
     for ( int i = 0; i < COMMAND_COUNT; ++i )
         names[i] = s_commands[i].name;
-    const char* nearest = rf_nearest_word( name, names, COMMAND_COUNT );
+    const char* nearest = rf_find_synonym( name, names, COMMAND_COUNT + 3 );
+    if ( nearest == NULL )
+        nearest = rf_nearest_word( name, names, COMMAND_COUNT + 1 );
     RfError error; // through rf_fail: the word may hold anything
     if ( nearest != NULL )
         rf_fail( &error, RF_ERROR_USAGE, "'%s': no such command, did you mean %s?", name, nearest );
@@ -84,6 +74,24 @@ static int fail_unknown( const char* name )
         rf_fail( &error, RF_ERROR_USAGE, "'%s': no such command, see reframe --help", name );
     fprintf( stderr, "reframe: %s\n", error.text );
     return 2;
+}
+
+static int run_command( int argc, char** argv )
+{
+    for ( int i = 0; i < COMMAND_COUNT; ++i )
+    {
+        if ( strcmp( argv[0], s_commands[i].name ) == 0 )
+            return s_commands[i].run( argc, argv );
+    }
+    return fail_unknown( argv[0] );
+}
+
+// `reframe help` and `reframe help COMMAND`.
+static int run_help( int argc, char** argv )
+{
+    char help[] = "--help";
+    char* arguments[] = { argv[1], help, NULL };
+    return argc < 2 || argv[1][0] == '-' ? print_usage() : run_command( 2, arguments );
 }
 
 // Compiled for AVX2, it would die of an illegal instruction on other processors.
@@ -106,6 +114,7 @@ int main( int argc, char** argv )
     if ( !check_cpu() )
         return 1;
     rf_set_float_mode();
+    rf_set_completion_commands( s_commands );
 #ifdef SIGXFSZ
     // Exceeding a file size limit becomes an error of write, like a full disk.
     signal( SIGXFSZ, SIG_IGN );
@@ -124,10 +133,7 @@ int main( int argc, char** argv )
         printf( "reframe %s\n", rf_version() );
         return finish_output();
     }
-    for ( int i = 0; i < COMMAND_COUNT; ++i )
-    {
-        if ( strcmp( argv[1], s_commands[i].name ) == 0 )
-            return s_commands[i].run( argc - 1, argv + 1 );
-    }
-    return fail_unknown( argv[1] );
+    if ( strcmp( argv[1], "help" ) == 0 )
+        return run_help( argc - 1, argv + 1 );
+    return run_command( argc - 1, argv + 1 );
 }

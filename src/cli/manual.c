@@ -30,7 +30,8 @@ void rf_print_manual_head( FILE* file )
            "of a group that see its first hit, combined by multiple importance sampling without bias.\n"
            ".PP\n"
            "Options may stand in any order; long ones take \\fB\\-\\-name value\\fR or \\fB\\-\\-name=value\\fR, those in\n"
-           "\\fB[no\\-]\\fR have a form with and one without it. In names of frames #### is the frame's number.\n",
+           "\\fB[no\\-]\\fR have a form with and one without it. In names of frames #### is the frame's number, and\n"
+           "%04d the same.\n",
            file );
 }
 
@@ -72,14 +73,14 @@ static void print_aovs( FILE* file )
     {
         const char* what;
         bool half;
-    } rows[RF_AOV_COUNT] = {
+    } rows[RF_AOV_ALPHA] = {
 #define ROW( constant, name, letters, half, first_hit, what ) { what, half },
         RF_AOV_LIST( ROW )
 #undef ROW
     };
     fputs( ".SH LAYERS\nWhat \\fB\\-\\-aov\\fR adds to the files; all but the last two are means over the frame's own samples:\n",
            file );
-    for ( int i = 0; i < RF_AOV_COUNT; ++i )
+    for ( int i = 0; i < RF_AOV_ALPHA; ++i )
     {
         fputs( ".TP\n.B", file );
         for ( const char* c = rf_aov_letters( (RfAov)i ); *c != '\0'; ++c )
@@ -148,6 +149,7 @@ void rf_print_manual_tail( FILE* file )
            "reframe flicker out/shot.####.exr \\-\\-reference reference.####.exr \\-\\-png slit.png\n"
            "reframe report out \\-\\-reference reference \\-o report.html\n"
            "reframe png out/shot.0012.exr shot.png \\-\\-exposure 1\n"
+           "reframe png out png/shot.####.png \\-\\-layer depth.Z\n"
            ".EE\n",
            file );
 }

@@ -1,12 +1,15 @@
 #include "cli/messages.h"
 
+#include "base/plain_text.h"
 #include "image/atomic_file.h"
 
 #include <errno.h>
 #include <math.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 int rf_exit_status( RfResult result )
 {
@@ -21,16 +24,16 @@ int rf_exit_status( RfResult result )
 
 #define EXPORT_INSTEAD "export it as glTF (.glb) from the program it came from"
 
-// What to type. %zu stands for the memory that is needed, KiB.
+// What to type. %zu stands for the memory that is needed, MiB.
 static const char* hint_of( const RfError* error )
 {
     switch ( error->remedy )
     {
         case RF_REMEDY_NONE: return "";
         case RF_REMEDY_MEMORY:
-            return error->least_memory > 0 ? ": give --memory %zuK or more, or lower --size"
+            return error->least_memory > 0 ? ": give --memory %zuM or more, or lower --size"
                                            : ": raise --memory, or lower --size or --group";
-        case RF_REMEDY_HOLD_LESS: return ": give --memory %zuK or more, or leave --hold-all off";
+        case RF_REMEDY_HOLD_LESS: return ": give --memory %zuM or more, or leave --hold-all off";
         case RF_REMEDY_LAYER: return ": name one by --layer";
         case RF_REMEDY_MOTION: return ": choose by --motion X,Y";
         case RF_REMEDY_DEPTH: return ": choose by --depth NAME";
@@ -42,6 +45,8 @@ static const char* hint_of( const RfError* error )
     return "";
 }
 
+size_t rf_whole_mib( size_t bytes ) { return ( bytes >> 20 ) + ( bytes % ( (size_t)1 << 20 ) != 0 ); }
+
 void rf_format_error( const RfError* error, char* text, size_t size )
 {
     char hint[160];
@@ -50,7 +55,8 @@ void rf_format_error( const RfError* error, char* text, size_t size )
     if ( number == NULL )
         snprintf( hint, sizeof hint, "%s", format );
     else
-        snprintf( hint, sizeof hint, "%.*s%zu%s", (int)( number - format ), format, error->least_memory / 1024, number + 3 );
+        snprintf( hint, sizeof hint, "%.*s%zu%s", (int)( number - format ), format, rf_whole_mib( error->least_memory ),
+                  number + 3 );
     snprintf( text, size, "%s%s", error->text, hint );
 }
 
@@ -68,6 +74,28 @@ static void print_warning( void* user, const char* line )
 }
 
 RfLog rf_stderr_log( const char* command ) { return ( RfLog ){ .fn = print_warning, .user = (void*)command }; }
+
+void rf_print( const char* format, ... )
+{
+    char raw[8192], plain[8192]; // more than two of the longest names of files
+    va_list args;
+    va_start( args, format );
+    int length = vsnprintf( raw, sizeof raw, format, args );
+    va_end( args );
+    bool ends = length > 0 && format[strlen( format ) - 1] == '\n';
+    if ( ends && (size_t)length < sizeof raw )
+        raw[length - 1] = '\0';
+    printf( "%s%s", rf_plain_text( raw, plain, sizeof plain ), ends ? "\n" : "" );
+}
+
+static void keep_warning( void* user, const char* line )
+{
+    RfToldWarnings* told = user;
+    print_warning( (void*)told->command, line );
+    json_array_append_new( told->lines, rf_json_text( line ) );
+}
+
+RfLog rf_keeping_log( RfToldWarnings* told ) { return ( RfLog ){ .fn = keep_warning, .user = told }; }
 
 json_t* rf_json_text( const char* text )
 {
@@ -132,7 +160,8 @@ RfResult rf_write_json( const char* path, json_t* json, RfError* error )
     RfResult result;
     if ( strcmp( path, "-" ) == 0 )
     {
-        json_dumpf( json, stdout, JSON_FLAGS );
+        // a terminal obeys some characters beyond ASCII too
+        json_dumpf( json, stdout, JSON_FLAGS | ( isatty( STDOUT_FILENO ) == 1 ? JSON_ENSURE_ASCII : 0 ) );
         fputc( '\n', stdout );
         result = rf_flush_output( error );
     }

@@ -11,9 +11,12 @@
 int rf_exit_status( RfResult result );
 
 // Formats an error with what to type to get past it, where the library knows a remedy: "a budget
-// of 1024 KiB is too small for frames of 64x36: give --memory 2644K or more, or lower --size".
+// of 1 MiB is too small for frames of 64x36: give --memory 3M or more, or lower --size".
 // Truncated to `size`.
 void rf_format_error( const RfError* error, char* text, size_t size );
+
+// A budget as users are told to give it, rounded up to MiB.
+size_t rf_whole_mib( size_t bytes );
 
 // Prints "reframe COMMAND: LINE" on standard error, with the remedy; returns the exit status.
 int rf_report_error( const char* command, const RfError* error );
@@ -21,6 +24,20 @@ int rf_report_error( const char* command, const RfError* error );
 // A log that prints "reframe COMMAND: warning: LINE" on standard error.
 // `command` must be a string that outlives the log.
 RfLog rf_stderr_log( const char* command );
+
+// Prints a line of a result, or a part of one, on standard output. Control characters, which names
+// may hold, are written as \x1b; a newline at the end of the text stays.
+void rf_print( const char* format, ... ) __attribute__( ( format( printf, 1, 2 ) ) );
+
+// Warnings that are printed and kept for a command's JSON.
+typedef struct RfToldWarnings
+{
+    const char* command;
+    json_t* lines; // an array of strings; its owner's
+} RfToldWarnings;
+
+// A log that prints like rf_stderr_log and appends the lines to told->lines. `told` must outlive it.
+RfLog rf_keeping_log( RfToldWarnings* told );
 
 // A JSON string of any bytes: text that is not UTF-8 (file names may be anything) has '?' for what is not ASCII.
 json_t* rf_json_text( const char* text );

@@ -1,12 +1,27 @@
-// reframe png: an EXR file as PNG, to look at.
+// reframe png: EXR files as PNG, to look at.
 
 #include "cli/commands.h"
-#include "cli/options/options.h"
 #include "cli/messages.h"
+#include "cli/options/frame_list.h"
+#include "cli/options/options.h"
+#include "cli/render/progress.h"
+#include "cli/report/report_folder.h"
+#include "image/sequence.h"
 #include "reframe/image.h"
 
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/stat.h>
+
+#define COMMAND "png"
+#define NAME_SIZE 4096
+
 static double s_exposure;
-static const char* const s_files[] = { "IN.exr", "OUT.png" };
+static const char *s_layer, *s_frames;
+static bool s_quiet;
+static const char* const s_files[] = { "IN", "OUT" };
 static const RfOption s_options[] = {
     { .name = "exposure",
       .type = RF_OPTION_REAL,
@@ -16,24 +31,181 @@ static const RfOption s_options[] = {
       .meta = "E",
       .default_text = "0",
       .help = "brighter by E stops: each doubles the light" },
+    { .name = "layer",
+      .type = RF_OPTION_STRING,
+      .value = &s_layer,
+      .meta = "NAME",
+      .default_text = "the colour",
+      .help = "a layer, part or channel of the files, or three channels X,Y,Z" },
+    { .name = "frames",
+      .type = RF_OPTION_STRING,
+      .value = &s_frames,
+      .meta = "A-B[xSTEP][,...]",
+      .default_text = "all",
+      .help = "only these of a sequence, by their numbers" },
+    { .name = "quiet", .type = RF_OPTION_BOOL, .value = &s_quiet, .help = "no progress, no line about what was written" },
 };
-static const RfCommandTable s_table = { .command = "png",
-                                        .summary = "Writes an EXR file as 8-bit PNG with the sRGB curve.",
+static const RfCommandTable s_table = { .command = COMMAND,
+                                        .summary = "Writes EXR files as 8-bit PNG with the sRGB curve, and with their alpha if "
+                                                   "they have one. IN is a file, a sequence named with ####, or its folder; "
+                                                   "OUT a file, a name with #### for a sequence, or a folder that is there.",
                                         .files = s_files,
                                         .file_count = 2,
                                         .writes_last = true,
                                         .options = s_options,
-                                        .option_count = 1 };
+                                        .option_count = sizeof s_options / sizeof s_options[0] };
+
+// What is read and written.
+typedef struct Job
+{
+    char from[NAME_SIZE], to[NAME_SIZE]; // patterns, or two files
+    bool sequence;                       // `from` is one
+    int* frames;                         // its numbers
+    int count;
+} Job;
+
+static bool is_folder( const char* path )
+{
+    struct stat status;
+    return stat( path, &status ) == 0 && S_ISDIR( status.st_mode );
+}
+
+static bool is_file( const char* path )
+{
+    struct stat status;
+    return stat( path, &status ) == 0 && !S_ISDIR( status.st_mode );
+}
+
+// Replaces the frames by those that --frames names, all of which must be there.
+static RfResult choose_frames( Job* job, RfError* error )
+{
+    int *wanted, count, last = job->frames[job->count - 1];
+    RfResult result = rf_parse_frames( s_frames, last > 0 ? last : 1, &wanted, &count, error );
+    if ( result != RF_OK )
+        return result;
+    for ( int i = 0, next = 0; i < count && result == RF_OK; ++i )
+    {
+        wanted[i] += 1; // rf_parse_frames counts from 0
+        while ( next < job->count && job->frames[next] < wanted[i] )
+            ++next;
+        if ( next == job->count || job->frames[next] != wanted[i] )
+            result = rf_fail( error, RF_ERROR_IO, "%s: frame %d is missing", job->from, wanted[i] );
+    }
+    free( job->frames );
+    job->frames = wanted;
+    job->count = count;
+    return result;
+}
+
+static RfResult warn_of_missing( const Job* job, RfError* error )
+{
+    int *missing, count;
+    char text[256];
+    RfLog log = rf_stderr_log( COMMAND );
+    RfResult result = rf_missing_frames( job->frames, job->count, &missing, &count, error );
+    if ( result != RF_OK )
+        return result;
+    rf_format_frames( missing, count, text, sizeof text );
+    if ( count > 0 )
+        rf_warn( &log, "%s: lacks frame%s %s", job->from, count == 1 ? "" : "s", text );
+    free( missing );
+    return RF_OK;
+}
+
+static RfResult find_input( const char* from, Job* job, RfError* error )
+{
+    RfResult result = RF_OK;
+    if ( is_folder( from ) )
+        result = rf_find_folder_sequence( from, job->from, sizeof job->from, error );
+    else if ( snprintf( job->from, sizeof job->from, "%s", from ) >= (int)sizeof job->from )
+        result = rf_fail( error, RF_ERROR_USAGE, "%s: the name is too long", from );
+    job->sequence = rf_is_sequence( job->from ) && !is_file( job->from );
+    if ( result != RF_OK )
+        return result;
+    if ( !job->sequence )
+        return s_frames == NULL ? RF_OK : rf_fail( error, RF_ERROR_USAGE, "--frames: is of sequences, and %s is a file", from );
+    result = rf_sequence_frames( job->from, &job->frames, &job->count, error );
+    if ( result != RF_OK )
+        return result;
+    return s_frames != NULL ? choose_frames( job, error ) : RF_OK;
+}
+
+// In a folder the names are those of what is read.
+static RfResult name_output( const char* to, Job* job, RfError* error )
+{
+    const char *slash = strrchr( job->from, '/' ), *base = slash != NULL ? slash + 1 : job->from, *dot = strrchr( base, '.' );
+    int length = dot != NULL ? (int)( dot - base ) : (int)strlen( base ), used;
+    const char* end = to + strlen( to ) - 1;
+    if ( is_folder( to ) )
+        used = snprintf( job->to, sizeof job->to, "%s%s%.*s.png", to, *end == '/' ? "" : "/", length, base );
+    else
+        used = snprintf( job->to, sizeof job->to, "%s", to );
+    if ( used >= (int)sizeof job->to )
+        return rf_fail( error, RF_ERROR_USAGE, "%s: the name is too long", to );
+    dot = strrchr( job->to, '.' );
+    if ( dot != NULL && strcasecmp( dot, ".exr" ) == 0 )
+        return rf_fail( error, RF_ERROR_USAGE, "%s: ends as a file of another kind: name it .png", to );
+    if ( job->count > 1 && !rf_is_sequence( job->to ) )
+        return rf_fail( error, RF_ERROR_USAGE, "%s: has no #### for the number, but there are %d frames", to, job->count );
+    return RF_OK;
+}
+
+// The channel A of a file; NULL where it has none of the size of its colour.
+static float* read_alpha( const char* path, const RfImage* image )
+{
+    static const char* const s_name = "A";
+    RfExrWindow window;
+    float* alpha = NULL;
+    if ( rf_read_exr_channels( path, &s_name, 1, &window, &alpha, NULL ) != RF_OK )
+        return NULL;
+    if ( window.width == image->width && window.height == image->height )
+        return alpha;
+    free( alpha );
+    return NULL;
+}
 
 static RfResult convert( const char* from, const char* to, RfError* error )
 {
     RfImage image = { 0 };
-    RfResult result = rf_read_exr( from, &image, error );
+    RfExrWindow window;
+    RfResult result =
+        s_layer == NULL ? rf_read_exr( from, &image, error ) : rf_read_exr_layer( from, s_layer, &image, &window, error );
     if ( result != RF_OK )
         return result;
-    result = rf_write_png( to, &image, (float)s_exposure, error );
+    float* alpha = s_layer == NULL ? read_alpha( from, &image ) : NULL;
+    result = rf_write_png_alpha( to, &image, alpha, (float)s_exposure, error );
+    free( alpha );
     rf_destroy_image( &image );
     return result;
+}
+
+static RfResult convert_frame( const Job* job, int frame, RfError* error )
+{
+    char from[NAME_SIZE], to[NAME_SIZE];
+    RfResult result = rf_sequence_name( job->from, frame, from, sizeof from, error );
+    if ( result == RF_OK )
+        result = rf_sequence_name( job->to, frame, to, sizeof to, error );
+    return result == RF_OK ? convert( from, to, error ) : result;
+}
+
+static RfResult run( const char* const files[2], Job* job, RfError* error )
+{
+    RfResult result = find_input( files[0], job, error );
+    if ( result == RF_OK )
+        result = name_output( files[1], job, error );
+    if ( result == RF_OK && !job->sequence )
+        return convert( job->from, job->to, error );
+    if ( result == RF_OK && s_frames == NULL )
+        result = warn_of_missing( job, error );
+    for ( int i = 0; i < job->count && result == RF_OK; ++i )
+    {
+        result = convert_frame( job, job->frames[i], error );
+        rf_show_frame_count( s_quiet, i + 1, job->count );
+    }
+    if ( result != RF_OK || s_quiet )
+        return result;
+    rf_print( "%d frame%s in %s\n", job->count, job->count == 1 ? "" : "s", job->to );
+    return rf_flush_output( error );
 }
 
 int rf_command_png( int argc, char** argv )
@@ -41,6 +213,7 @@ int rf_command_png( int argc, char** argv )
     const char* files[2];
     bool help;
     RfError error;
+    Job job = { .count = 0 };
     RfResult result = rf_parse_options( &s_table, argc, argv, files, &help, &error );
     if ( result == RF_OK && help )
     {
@@ -48,6 +221,7 @@ int rf_command_png( int argc, char** argv )
         result = rf_flush_output( &error );
     }
     else if ( result == RF_OK )
-        result = convert( files[0], files[1], &error );
-    return result == RF_OK ? 0 : rf_report_error( "png", &error );
+        result = run( files, &job, &error );
+    free( job.frames );
+    return result == RF_OK ? 0 : rf_report_error( COMMAND, &error );
 }

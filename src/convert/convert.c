@@ -1,4 +1,5 @@
 // From a file of another format to a .glb (reframe/convert.h).
+#include "base/blend_file.h"
 #include "base/remedy.h"
 #include "convert/glb_write.h"
 #include "convert/ply_read.h"
@@ -21,26 +22,31 @@ static bool ends_with( const char* name, const char* ending )
     return length > end && strcasecmp( name + length - end, ending ) == 0;
 }
 
+#define HEAD_BYTES 8
+
 // The first bytes; what cannot be read is an error of the system's words.
-static RfResult read_head( const char* path, char head[4], RfError* error )
+static RfResult read_head( const char* path, char head[HEAD_BYTES], RfError* error )
 {
     struct stat status;
-    memset( head, 0, 4 );
+    memset( head, 0, HEAD_BYTES );
     if ( stat( path, &status ) == 0 && !S_ISREG( status.st_mode ) )
         return rf_fail( error, RF_ERROR_IO, "%s: is no regular file: name a file", path );
     FILE* file = fopen( path, "rb" );
     if ( file == NULL )
         return rf_fail_io( path, "cannot be read", errno, error );
-    size_t count = fread( head, 1, 4, file );
+    size_t count = fread( head, 1, HEAD_BYTES, file );
     fclose( file );
     return count > 0 ? RF_OK : rf_fail( error, RF_ERROR_FORMAT, "%s: is empty: write it anew", path );
 }
 
-static RfResult check_files( const char* from, const char* to, bool overwrite, char head[4], RfError* error )
+static RfResult check_files( const char* from, const char* to, bool overwrite, char head[HEAD_BYTES], RfError* error )
 {
     if ( !ends_with( to, ".glb" ) )
         return rf_fail( error, RF_ERROR_USAGE, "%s: only .glb is written: name it .glb", to );
     RfResult result = read_head( from, head, error );
+    if ( result != RF_OK )
+        return result;
+    result = rf_refuse_blend_file( from, head, HEAD_BYTES, error );
     if ( result != RF_OK )
         return result;
     if ( ends_with( from, ".glb" ) || ends_with( from, ".gltf" ) || memcmp( head, "glTF", 4 ) == 0 )
@@ -86,7 +92,7 @@ static RfResult convert_ply( const char* from, const char* to, const RfConvertOp
 RfResult rf_convert_model( const char* source, const char* target, const RfConvertOptions* options, RfModelCounts* counts,
                            RfLog* log, RfError* error )
 {
-    char head[4];
+    char head[HEAD_BYTES];
     RfModelCounts found = { 0 };
     RfResult result = check_files( source, target, options->overwrite, head, error );
     if ( result != RF_OK )

@@ -13,11 +13,11 @@ typedef struct Aov
 } Aov;
 
 #define ROW( constant, name, letters, half, first_hit, what ) { name, letters, half },
-static const Aov s_aovs[RF_AOV_COUNT] = { RF_AOV_LIST( ROW ) };
+static const Aov s_aovs[RF_AOV_COUNT] = { RF_AOV_LIST( ROW ){ "alpha", "A", true } };
 #undef ROW
 
 #define NAME_BYTES( constant, name, letters, half, first_hit, what ) +sizeof( name ) // with a comma or the end
-_Static_assert( 0 RF_AOV_LIST( NAME_BYTES ) <= RF_AOVS_TEXT_SIZE, "all names fit" );
+_Static_assert( sizeof "alpha" RF_AOV_LIST( NAME_BYTES ) <= RF_AOVS_TEXT_SIZE, "all names fit" );
 #undef NAME_BYTES
 
 const char* rf_aov_name( RfAov aov ) { return s_aovs[aov].name; }
@@ -31,7 +31,7 @@ bool rf_aov_is_half( RfAov aov ) { return s_aovs[aov].half; }
 // The AOV called by `length` characters, or −1.
 static int find_aov( const char* word, size_t length )
 {
-    for ( int i = 0; i < RF_AOV_COUNT; ++i )
+    for ( int i = 0; i < RF_AOV_ALPHA; ++i )
     {
         const char* name = rf_aov_name( (RfAov)i );
         if ( strlen( name ) == length && strncmp( name, word, length ) == 0 )
@@ -42,12 +42,12 @@ static int find_aov( const char* word, size_t length )
 
 static RfResult fail_unknown( const char* word, size_t length, RfError* error )
 {
-    const char* names[RF_AOV_COUNT];
-    for ( int i = 0; i < RF_AOV_COUNT; ++i )
+    const char* names[RF_AOV_ALPHA];
+    for ( int i = 0; i < RF_AOV_ALPHA; ++i )
         names[i] = rf_aov_name( (RfAov)i );
     char copy[32], all[RF_AOVS_TEXT_SIZE];
     snprintf( copy, sizeof copy, "%.*s", (int)( length < 31 ? length : 31 ), word );
-    const char* nearest = length > 0 ? rf_nearest_word( copy, names, RF_AOV_COUNT ) : NULL;
+    const char* nearest = length > 0 ? rf_nearest_word( copy, names, RF_AOV_ALPHA ) : NULL;
     if ( nearest != NULL )
         return rf_fail( error, RF_ERROR_USAGE, "'%s' is no AOV, did you mean %s?", copy, nearest );
     rf_format_aovs( RF_ALL_AOVS, all, sizeof all );

@@ -13,7 +13,8 @@ int rf_aov_film_floats( RfAov aov )
     switch ( aov )
     {
         case RF_AOV_VARIANCE: return 0; // made from the film of the colour
-        case RF_AOV_DEPTH: return 2;
+        case RF_AOV_DEPTH:
+        case RF_AOV_ALPHA: return 2;
         default: return rf_aov_channels( aov );
     }
 }
@@ -150,6 +151,7 @@ void rf_finish_aov( const RfAovFilm* film, RfAov aov, const RfFilm* colour, RfFi
     switch ( aov )
     {
         case RF_AOV_VARIANCE: rf_estimate_variance( colour, combine, image ); break;
+        case RF_AOV_ALPHA: rf_combine_alpha( colour, combine, mean, image ); break;
         case RF_AOV_SAMPLES:
             for ( size_t i = 0; i < pixels; ++i )
                 image[i] = (float)film->landed[i];

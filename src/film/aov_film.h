@@ -11,7 +11,8 @@
 typedef struct RfAovFilm
 {
     // per pixel, NULL where not asked for
-    float* mean[RF_AOV_COUNT]; // rf_aov_channels floats; depth: the weight of what is there, too
+    float* mean[RF_AOV_COUNT]; // rf_aov_channels floats; depth: the weight of what is there, too; alpha: two planes, the
+                               // weight of the camera rays that missed in each half of the film
     uint32_t* landed;          // RF_AOV_SAMPLES
 } RfAovFilm;
 

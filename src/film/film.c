@@ -4,19 +4,32 @@
 
 #include <string.h>
 
-void rf_clear_film( RfFilm* film )
+void rf_clear_film_counts( RfFilm* film )
 {
     for ( int h = 0; h < 2; ++h )
     {
-        memset( film->half[h], 0, rf_film_half_bytes( film->width, film->height ) );
-        if ( film->total[h] != NULL )
-            memset( film->total[h], 0, rf_film_total_bytes( film->width, film->height ) );
-        if ( film->extra[h] != NULL )
-            memset( film->extra[h], 0, rf_film_extra_bytes( film->width, film->height ) );
         film->passes[h] = 0;
         film->weight[h] = 0.0;
     }
     film->landed = film->extra_samples = 0;
+}
+
+void rf_clear_film_pixels( RfFilm* film, size_t first, size_t count )
+{
+    for ( int h = 0; h < 2; ++h )
+    {
+        memset( film->half[h] + 4 * first, 0, 4 * count * sizeof( float ) );
+        if ( film->total[h] != NULL )
+            memset( film->total[h] + 4 * first, 0, 4 * count * sizeof( double ) );
+        if ( film->extra[h] != NULL )
+            memset( film->extra[h] + first, 0, count * sizeof( float ) );
+    }
+}
+
+void rf_clear_film( RfFilm* film )
+{
+    rf_clear_film_counts( film );
+    rf_clear_film_pixels( film, 0, (size_t)film->width * (size_t)film->height );
 }
 
 void rf_end_film_pass( RfFilm* film, int half, double weight )
@@ -54,14 +67,31 @@ static double combine_channel( const RfFilmPixel* p, RfFilmCombine combine, int 
 
 void rf_combine_film( const RfFilm* film, RfFilmCombine combine, float* rgb, float* weight )
 {
-    size_t count = (size_t)film->width * (size_t)film->height;
-    for ( size_t i = 0; i < count; ++i )
+    rf_combine_film_pixels( film, combine, 0, (size_t)film->width * (size_t)film->height, rgb, weight );
+}
+
+void rf_combine_film_pixels( const RfFilm* film, RfFilmCombine combine, size_t first, size_t count, float* rgb, float* weight )
+{
+    for ( size_t i = first; i < first + count; ++i )
     {
         RfFilmPixel p = rf_film_pixel( film, i );
         for ( int c = 0; c < 3; ++c )
             rgb[3 * i + (size_t)c] = (float)combine_channel( &p, combine, c );
         if ( weight != NULL )
             weight[i] = (float)( ( p.half[0][3] + p.half[1][3] ) / ( p.weight[0] + p.weight[1] ) );
+    }
+}
+
+void rf_combine_alpha( const RfFilm* film, RfFilmCombine combine, const float* sky, float* alpha )
+{
+    size_t count = (size_t)film->width * (size_t)film->height;
+    for ( size_t i = 0; i < count; ++i )
+    {
+        // a colour that is 1 where a ray hits something, and 0 where it does not
+        RfFilmPixel p = rf_film_pixel( film, i );
+        for ( size_t h = 0; h < 2; ++h )
+            p.half[h][0] = p.half[h][3] - (double)sky[h * count + i];
+        alpha[i] = (float)combine_channel( &p, combine, 0 );
     }
 }
 

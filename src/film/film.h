@@ -50,6 +50,10 @@ static inline bool rf_film_needs_total( int64_t passes, int total_every ) { retu
 // Sets all sums and counts to 0.
 void rf_clear_film( RfFilm* film );
 
+// Its two parts: counts and weights; the sums of pixels [first, first + count).
+void rf_clear_film_counts( RfFilm* film );
+void rf_clear_film_pixels( RfFilm* film, size_t first, size_t count );
+
 // Ends a pass into a half; its samples were added with this weight.
 void rf_end_film_pass( RfFilm* film, int half, double weight );
 
@@ -57,15 +61,44 @@ void rf_end_film_pass( RfFilm* film, int half, double weight );
 // in `weight` (1 per pixel; may be NULL). A pixel without weight is black.
 void rf_combine_film( const RfFilm* film, RfFilmCombine combine, float* rgb, float* weight );
 
+// The same for pixels [first, first + count) only.
+void rf_combine_film_pixels( const RfFilm* film, RfFilmCombine combine, size_t first, size_t count, float* rgb, float* weight );
+
+// Coverage of the pixels by what camera rays hit, combined like the colour. `sky`: the weight of the rays that missed,
+// a plane of pixels for each half.
+void rf_combine_alpha( const RfFilm* film, RfFilmCombine combine, const float* sky, float* alpha );
+
 // Variance of the pixels of the combined film, 3 channels each, estimated from the difference of
 // the halves: unbiased, but noisy, since each pixel has one such difference. 0 where a half
 // is empty.
 void rf_estimate_variance( const RfFilm* film, RfFilmCombine combine, float* variance );
 
+// What can be told of a film's relMSE.
+typedef struct RfRelmse
+{
+    double likely;       // the best guess; NaN: unknown
+    double least;        // what it is at least, if the worst pixels really are as bright as they are now
+    double worst_share;  // part of `likely` that its ten worst pixels carry
+    bool is_lower_bound; // `likely` hangs on what these pixels are: only `least` is certain
+} RfRelmse;
+
+// A figure that nothing more is known of.
+static inline RfRelmse rf_plain_relmse( double relmse ) { return ( RfRelmse ){ .likely = relmse, .least = relmse }; }
+
+// The figure that is told.
+static inline double rf_told_relmse( const RfRelmse* r ) { return r->is_lower_bound ? r->least : r->likely; }
+
+// With what is only known to be a lower bound, 19 of 20 true errors are below so many times `likely`.
+#define RF_RELMSE_DOUBT 2.0
+
+// The figure to stop by: what the error hardly exceeds.
+static inline double rf_prudent_relmse( const RfRelmse* r )
+{
+    return r->is_lower_bound ? RF_RELMSE_DOUBT * r->likely : r->likely;
+}
+
 // Estimated relMSE of `rgb`, the combined film, from the difference of the halves; NaN where one
-// of them is empty. Its mean over many renders is within 15 % of the true error
-// (tests/render/test_estimator_noise_estimate.c); for a single render it is as uncertain as its
-// fireflies are.
-double rf_estimate_relmse( const RfFilm* film, RfFilmCombine combine, const float* rgb );
+// of them is empty. How often it holds is in src/render/README.md.
+RfRelmse rf_estimate_relmse( const RfFilm* film, RfFilmCombine combine, const float* rgb );
 
 #endif

@@ -2,6 +2,7 @@
 
 #include "image/atomic_file.h"
 
+#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <stdatomic.h>
@@ -9,7 +10,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
 RfResult rf_fail_io( const char* path, const char* what, int error_number, RfError* error )
@@ -75,7 +78,7 @@ static RfResult open_folder( RfAtomicFile* file, char* path, RfError* error )
     return RF_OK;
 }
 
-// The name contains the process id. Its leading dot keeps it out of sequence patterns, and it
+// rf_remove_leftovers knows the name. It contains the process id. Its leading dot keeps it out of sequence patterns, and it
 // is short so that it fits wherever the final name does.
 static RfResult create_temporary( RfAtomicFile* file, mode_t mode, RfError* error )
 {
@@ -88,6 +91,8 @@ static RfResult create_temporary( RfAtomicFile* file, mode_t mode, RfError* erro
     } while ( file->fd < 0 && ( errno == EEXIST || errno == EINTR ) );
     if ( file->fd < 0 )
         return rf_fail_io( file->path, "cannot be written", errno, error );
+    // while it is locked, nobody takes it for a left-over; failure does not matter
+    (void)flock( file->fd, LOCK_EX | LOCK_NB );
     if ( mode != 0 )
         (void)fchmod( file->fd, mode ); // an overwritten file keeps its permissions; failure does not matter
     return RF_OK;
@@ -183,4 +188,42 @@ RfResult rf_write_file_atomic( const char* path, const void* bytes, size_t size,
         return rf_commit_atomic_file( &file, error );
     rf_discard_atomic_file( &file );
     return result;
+}
+
+// ".reframe-1234-5.tmp", or an empty ".reframe-probe-ABCDEF".
+static bool is_temporary( const char* name )
+{
+    static const char prefix[] = ".reframe-", probe[] = ".reframe-probe-";
+    if ( strncmp( name, probe, sizeof probe - 1 ) == 0 )
+        return strlen( name ) == sizeof probe - 1 + 6;
+    if ( strncmp( name, prefix, sizeof prefix - 1 ) != 0 )
+        return false;
+    const char* rest = name + sizeof prefix - 1;
+    return strcmp( rest + strspn( rest, "0123456789-" ), ".tmp" ) == 0;
+}
+
+static void remove_leftover( int folder, const char* name )
+{
+    struct stat status;
+    int fd = openat( folder, name, O_RDWR | O_CLOEXEC | O_NOFOLLOW );
+    if ( fd < 0 )
+        return;
+    bool is_left = fstat( fd, &status ) == 0 && S_ISREG( status.st_mode ) && difftime( time( NULL ), status.st_mtime ) > 1.0 &&
+                   flock( fd, LOCK_EX | LOCK_NB ) == 0;
+    if ( is_left )
+        (void)unlinkat( folder, name, 0 );
+    close( fd );
+}
+
+void rf_remove_leftovers( const char* folder )
+{
+    DIR* dir = opendir( folder );
+    if ( dir == NULL )
+        return;
+    for ( const struct dirent* entry = readdir( dir ); entry != NULL; entry = readdir( dir ) )
+    {
+        if ( is_temporary( entry->d_name ) )
+            remove_leftover( dirfd( dir ), entry->d_name );
+    }
+    closedir( dir );
 }

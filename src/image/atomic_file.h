@@ -31,6 +31,10 @@ RfResult rf_commit_atomic_file( RfAtomicFile* file, RfError* error );
 // Removes the temporary file.
 void rf_discard_atomic_file( RfAtomicFile* file );
 
+// Removes temporary files that killed processes left in a folder. Those in use are locked, or younger
+// than a second.
+void rf_remove_leftovers( const char* folder );
+
 // Writes bytes from memory atomically. A target that is a pipe or a device, such as
 // /dev/stdout or /dev/null, is written in place.
 RfResult rf_write_file_atomic( const char* path, const void* bytes, size_t size, RfError* error );

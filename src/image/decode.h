@@ -45,4 +45,8 @@ float rf_srgb_to_linear( float encoded );
 // infinite or NaN values are rejected; the message gives the pixel.
 RfResult rf_load_environment_map( const char* path, int* width, int* height, float** rgb, RfError* error );
 
+// The same from the bytes of a file; `name` begins the message.
+RfResult rf_decode_environment_map( const void* bytes, size_t size, const char* name, int* width, int* height, float** rgb,
+                                    RfError* error );
+
 #endif

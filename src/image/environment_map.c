@@ -58,6 +58,25 @@ static RfResult convert( RfPixels* pixels, const char* path, float** rgb, RfErro
     return result;
 }
 
+RfResult rf_decode_environment_map( const void* bytes, size_t size, const char* name, int* width, int* height, float** rgb,
+                                    RfError* error )
+{
+    *width = *height = 0;
+    *rgb = NULL;
+    RfPixels pixels;
+    RfResult result = rf_decode_image( bytes, size, name, &pixels, error );
+    if ( result != RF_OK )
+        return result;
+    result = convert( &pixels, name, rgb, error );
+    if ( result == RF_OK )
+    {
+        *width = pixels.width;
+        *height = pixels.height;
+    }
+    rf_destroy_pixels( &pixels );
+    return result;
+}
+
 RfResult rf_load_environment_map( const char* path, int* width, int* height, float** rgb, RfError* error )
 {
     *width = *height = 0;
@@ -67,17 +86,7 @@ RfResult rf_load_environment_map( const char* path, int* width, int* height, flo
     RfResult result = rf_read_file( path, MAX_FILE_BYTES, &bytes, &size, error );
     if ( result != RF_OK )
         return result;
-    RfPixels pixels;
-    result = rf_decode_image( bytes, size, path, &pixels, error );
+    result = rf_decode_environment_map( bytes, size, path, width, height, rgb, error );
     free( bytes );
-    if ( result != RF_OK )
-        return result;
-    result = convert( &pixels, path, rgb, error );
-    if ( result == RF_OK )
-    {
-        *width = pixels.width;
-        *height = pixels.height;
-    }
-    rf_destroy_pixels( &pixels );
     return result;
 }

@@ -57,39 +57,46 @@ static png_byte encode_srgb( float linear )
     return (png_byte)( 255.0f * curve + 0.5f );
 }
 
-static void encode_row( const float* rgb, int width, float exposure, png_bytep row )
+// `alpha`: NULL for rows without.
+static void encode_row( const float* rgb, const float* alpha, int width, float exposure, png_bytep row )
 {
     for ( int x = 0; x < width; ++x )
     {
         const float* pixel = rgb + 3 * x;
-        png_bytep out = row + 3 * x;
-        bool is_nan = isnan( pixel[0] ) || isnan( pixel[1] ) || isnan( pixel[2] );
+        png_bytep out = row + ( alpha != NULL ? 4 : 3 ) * x;
+        bool is_nan = isnan( pixel[0] ) || isnan( pixel[1] ) || isnan( pixel[2] ) || ( alpha != NULL && isnan( alpha[x] ) );
+        float opaque = alpha != NULL && !is_nan ? fminf( fmaxf( alpha[x], 0.0f ), 1.0f ) : 1.0f;
+        float scale = opaque > 0.0f ? exposure / opaque : 0.0f;
         for ( int c = 0; c < 3; ++c )
-            out[c] = is_nan ? ( c == 1 ? 0 : 255 ) : encode_srgb( exposure * pixel[c] );
+            out[c] = is_nan ? ( c == 1 ? 0 : 255 ) : encode_srgb( scale * pixel[c] );
+        if ( alpha != NULL )
+            out[3] = (png_byte)( 255.0f * opaque + 0.5f );
     }
 }
 
 // Runs under the setjmp of its caller; keeps no state in local variables across the longjmp.
-static void write_rows( Writer* writer, const RfImage* image, float exposure )
+static void write_rows( Writer* writer, const RfImage* image, const float* alpha, float exposure )
 {
     png_set_write_fn( writer->png, writer, write_bytes, flush_bytes );
     // libpng's default limit is a million pixels per side
     png_set_user_limits( writer->png, 0x7fffffff, 0x7fffffff );
-    png_set_IHDR( writer->png, writer->info, (png_uint_32)image->width, (png_uint_32)image->height, 8, PNG_COLOR_TYPE_RGB,
-                  PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT );
+    png_set_IHDR( writer->png, writer->info, (png_uint_32)image->width, (png_uint_32)image->height, 8,
+                  alpha != NULL ? PNG_COLOR_TYPE_RGB_ALPHA : PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
+                  PNG_FILTER_TYPE_DEFAULT );
     png_set_sRGB( writer->png, writer->info, PNG_sRGB_INTENT_PERCEPTUAL );
     png_write_info( writer->png, writer->info );
     for ( int y = 0; y < image->height; ++y )
     {
-        encode_row( image->rgb + 3 * (size_t)image->width * (size_t)y, image->width, exposure, writer->row );
+        size_t first = (size_t)image->width * (size_t)y;
+        encode_row( image->rgb + 3 * first, alpha != NULL ? alpha + first : NULL, image->width, exposure, writer->row );
         png_write_row( writer->png, writer->row );
     }
     png_write_end( writer->png, NULL );
 }
 
-static RfResult write_image( Writer* writer, const RfImage* image, float exposure )
+static RfResult write_image( Writer* writer, const RfImage* image, const float* alpha, float exposure )
 {
-    writer->row = malloc( 3 * (size_t)image->width );
+    writer->row = malloc( 4 * (size_t)image->width );
     if ( writer->row == NULL )
         return rf_fail( writer->error, RF_ERROR_MEMORY, "%s: no memory left for a row", writer->file.path );
     // libpng reports failures of these two by NULL or through keep_error
@@ -99,11 +106,16 @@ static RfResult write_image( Writer* writer, const RfImage* image, float exposur
     writer->info = writer->png != NULL ? png_create_info_struct( writer->png ) : NULL;
     if ( writer->info == NULL )
         return rf_fail( writer->error, RF_ERROR_MEMORY, "%s: no memory left for libpng", writer->file.path );
-    write_rows( writer, image, exposure );
+    write_rows( writer, image, alpha, exposure );
     return RF_OK;
 }
 
 RfResult rf_write_png( const char* path, const RfImage* image, float exposure_stops, RfError* error )
+{
+    return rf_write_png_alpha( path, image, NULL, exposure_stops, error );
+}
+
+RfResult rf_write_png_alpha( const char* path, const RfImage* image, const float* alpha, float exposure_stops, RfError* error )
 {
     if ( image->rgb == NULL || image->width < 1 || image->height < 1 )
         return rf_fail( error, RF_ERROR_USAGE, "%s: an image without pixels cannot be written", path );
@@ -117,7 +129,7 @@ RfResult rf_write_png( const char* path, const RfImage* image, float exposure_st
     RfResult result = rf_open_atomic_file( path, &writer->file, error );
     if ( result == RF_OK )
     {
-        result = write_image( writer, image, exposure );
+        result = write_image( writer, image, alpha, exposure );
         png_destroy_write_struct( &writer->png, &writer->info );
         free( writer->row );
         if ( result == RF_OK )

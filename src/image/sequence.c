@@ -2,6 +2,7 @@
 
 #include "image/atomic_file.h"
 
+#include <ctype.h>
 #include <dirent.h>
 #include <errno.h>
 #include <limits.h>
@@ -10,13 +11,31 @@
 #include <string.h>
 #include <sys/stat.h>
 
-// A pattern split into folder, prefix, run of '#' and suffix.
+// A pattern split into folder, prefix, number (a run of '#', or as printf has it, %04d) and suffix.
 typedef struct Pattern
 {
-    const char* base; // last path component
-    const char* run;  // first '#', or NULL
-    int digits;       // length of the run
+    const char* base;   // last path component
+    const char* run;    // the number, or NULL
+    const char* suffix; // what follows it
+    int digits;         // at least
 } Pattern;
+
+// The first %d or %04d; one with a letter behind it is not meant so: 50%done.
+static void find_conversion( Pattern* parts )
+{
+    for ( const char* c = strchr( parts->base, '%' ); c != NULL; c = strchr( c + 1, '%' ) )
+    {
+        const char* width = c[1] == '0' ? c + 2 : c + 1;
+        size_t length = c[1] == '0' ? strspn( width, "0123456789" ) : 0;
+        if ( width[length] != 'd' || ( c[1] == '0' && ( length < 1 || length > 2 || *width == '0' ) ) ||
+             isalpha( (unsigned char)width[length + 1] ) )
+            continue;
+        parts->run = c;
+        parts->suffix = width + length + 1;
+        parts->digits = length > 0 ? atoi( width ) : 1;
+        return;
+    }
+}
 
 static Pattern split( const char* pattern )
 {
@@ -24,6 +43,9 @@ static Pattern split( const char* pattern )
     Pattern parts = { .base = slash != NULL ? slash + 1 : pattern };
     parts.run = strchr( parts.base, '#' );
     parts.digits = parts.run != NULL ? (int)strspn( parts.run, "#" ) : 0;
+    parts.suffix = parts.run != NULL ? parts.run + parts.digits : NULL;
+    if ( parts.run == NULL )
+        find_conversion( &parts );
     return parts;
 }
 
@@ -34,8 +56,11 @@ static RfResult check_pattern( const char* pattern, const Pattern* parts, RfErro
     if ( memchr( pattern, '#', (size_t)( parts->base - pattern ) ) != NULL )
         return rf_fail( error, RF_ERROR_USAGE, "%s: the name of a folder must not contain '#', which stands for the frame",
                         pattern );
-    if ( parts->run != NULL && strchr( parts->run + parts->digits, '#' ) != NULL )
-        return rf_fail( error, RF_ERROR_USAGE, "%s: has more than one run of '#': use one for the frame", pattern );
+    Pattern more = { .base = parts->suffix };
+    if ( parts->run != NULL && *parts->run == '%' )
+        find_conversion( &more );
+    if ( parts->run != NULL && ( strchr( parts->suffix, '#' ) != NULL || more.run != NULL ) )
+        return rf_fail( error, RF_ERROR_USAGE, "%s: has more than one run of '#' or %%04d: use one for the frame", pattern );
     return RF_OK;
 }
 
@@ -51,8 +76,7 @@ RfResult rf_sequence_name( const char* pattern, int frame, char* name, size_t si
     if ( parts.run == NULL )
         length = snprintf( name, size, "%s", pattern );
     else
-        length = snprintf( name, size, "%.*s%0*d%s", (int)( parts.run - pattern ), pattern, parts.digits, frame,
-                           parts.run + parts.digits );
+        length = snprintf( name, size, "%.*s%0*d%s", (int)( parts.run - pattern ), pattern, parts.digits, frame, parts.suffix );
     if ( length < 0 || (size_t)length >= size )
         return rf_fail( error, RF_ERROR_USAGE, "%s: the name is too long", pattern );
     return RF_OK;
@@ -66,7 +90,7 @@ static int match_name( const Pattern* parts, const char* name )
         return -1;
     const char* number = name + prefix;
     size_t digits = strspn( number, "0123456789" );
-    if ( strcmp( number + digits, parts->run + parts->digits ) != 0 )
+    if ( strcmp( number + digits, parts->suffix ) != 0 )
         return -1;
     // more digits than '#' only if the number needs them: 00012 does not match ####
     if ( digits < (size_t)parts->digits || ( digits > (size_t)parts->digits && number[0] == '0' ) )
@@ -176,12 +200,22 @@ static bool is_same_folder( const char* a, const char* b )
     return is_same_inode( folders[0], folders[1] );
 }
 
+// The same names however the number is written: #### or %04d.
+static bool is_same_sequence( const Pattern* a, const Pattern* b )
+{
+    if ( a->run == NULL || b->run == NULL )
+        return false;
+    size_t prefix = (size_t)( a->run - a->base );
+    return prefix == (size_t)( b->run - b->base ) && strncmp( a->base, b->base, prefix ) == 0 &&
+           strcmp( a->suffix, b->suffix ) == 0;
+}
+
 bool rf_may_be_same_file( const char* a, const char* b )
 {
     Pattern x = split( a ), y = split( b );
     if ( strcmp( a, b ) == 0 || is_same_inode( a, b ) )
         return true;
-    bool fits = strcmp( x.base, y.base ) == 0;
+    bool fits = strcmp( x.base, y.base ) == 0 || is_same_sequence( &x, &y );
     if ( x.run != NULL && y.run == NULL )
         fits = match_name( &x, y.base ) >= 0;
     if ( y.run != NULL && x.run == NULL )

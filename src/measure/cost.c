@@ -4,15 +4,17 @@
 #include "base/system.h"
 #include "render/groups.h"
 #include "reuse/tile.h"
+#include "trace/trace.h"
 
 #include <math.h>
 #include <string.h>
 
 #define FIRST_PASSES 2
 #define WANTED_LEVELS 4  // levels that the budget is planned for
-#define MIN_PIXELS 20000 // of a test image: in smaller ones set-up dominates and tiles are too large
+#define MIN_PIXELS 20000 // traced of a frame at the least
 #define PROBE_PIXELS 6000
 #define UNITS ( RF_COST_LEVELS * RF_COST_POSITIONS )
+#define MOST_TASKS ( 2 * RF_COST_POSITIONS )
 
 typedef struct Study
 {
@@ -20,84 +22,102 @@ typedef struct Study
     RfCost* cost;
     RfRenderSettings settings[2]; // resolved
     RfTestRegion regions[RF_COST_POSITIONS];
-    int region_count;
+    double pixels; // to trace of each of their frames
+    int workers;   // trials at a time, with a thread each
+    int threads;   // of the render
+    int level;
     RfTrial trials[UNITS][2]; // per position and level: path tracing and reuse, with different seeds
     RfCostUnit units[UNITS];  // the measurements of these trials
     int unit_count;
     double start;
 } Study;
 
-static int scaled( int side, double scale )
-{
-    int pixels = (int)floor( side * scale + 0.5 );
-    return pixels < 1 ? 1 : pixels;
-}
+static double frame_pixels( const RfCostJob* job ) { return (double)job->eyes->width * job->eyes->height; }
 
-// The size of an image of at most `pixels` pixels, not larger than the render's.
-static void choose_size( const RfEye* eye, double pixels, int* width, int* height )
-{
-    double scale = sqrt( pixels / ( (double)eye->width * eye->height ) );
-    *width = scale < 1.0 ? scaled( eye->width, scale ) : eye->width;
-    *height = scale < 1.0 ? scaled( eye->height, scale ) : eye->height;
-}
-
-static RfResult make_region( Study* s, double position, int width, int height, RfTestRegion* region, RfError* error )
+static RfResult make_region( Study* s, double position, double pixels, RfTestRegion* region, RfError* error )
 {
     const RfCostJob* job = s->job;
     int frame = job->frames[(int)( position * job->frame_count )];
-    return rf_create_test_region( job->tracer, job->eyes, job->eye_count, frame, 2 * s->settings[1].group + 1, width, height,
+    return rf_create_test_region( job->tracer, job->eyes, job->eye_count, frame, 2 * s->settings[1].group + 1, pixels,
                                   s->settings + 1, job->watch, region, error );
 }
 
-// Renders all frames of the region by path tracing, and as one group with reuse.
-static RfResult try_both( Study* s, const RfTestRegion* region, int passes, uint64_t salt, RfTrial trials[2], RfError* error )
+// Renders all frames of the region by path tracing (curve 0), or as one group with reuse.
+static RfResult try_curve( const Study* s, const RfTestRegion* region, int curve, int passes, uint64_t salt, RfTrial* trial,
+                           RfError* error )
 {
-    RfResult result = RF_OK;
-    for ( int k = 0; k < 2 && result == RF_OK; ++k )
-    {
-        RfRenderSettings settings = s->settings[k];
-        settings.seed = rf_mix64( settings.seed ^ rf_mix64( salt ) );
-        result = rf_run_trial( s->job->tracer, region, k == 0 ? region->frames : 1, passes, &settings, s->job->watch, trials + k,
-                               error );
-    }
-    return result;
+    RfRenderSettings settings = s->settings[curve];
+    settings.seed = rf_mix64( settings.seed ^ rf_mix64( salt ) );
+    return rf_run_trial( s->job->tracer, region, curve == 0 ? region->frames : 1, passes, &settings, s->job->watch, trial,
+                         error );
 }
 
-// Estimates the seconds per pixel of a position at the first level, from a small image.
+// Runs `task` for 0 … count − 1 on several threads, and returns the first failure.
+typedef RfResult TaskFn( Study* study, int number, RfError* error );
+
+static RfResult run_tasks( Study* s, int count, TaskFn* task, RfError* error )
+{
+    RfResult results[MOST_TASKS];
+    RfError errors[MOST_TASKS];
+#pragma omp parallel for schedule( dynamic, 1 ) num_threads( s->workers )
+    for ( int i = 0; i < count; ++i )
+    {
+        rf_set_float_mode();
+        results[i] = task( s, i, errors + i );
+    }
+    for ( int i = 0; i < count; ++i )
+    {
+        if ( results[i] == RF_OK )
+            continue;
+        *error = errors[i];
+        return results[i];
+    }
+    return RF_OK;
+}
+
+// Estimates the seconds per traced pixel of a position at the first level, from a few pieces.
 static RfResult probe( Study* s, double* pixel_seconds, RfError* error )
 {
-    int width, height;
-    choose_size( s->job->eyes, PROBE_PIXELS, &width, &height );
     double start = rf_wall_seconds();
     RfTestRegion region;
-    RfTrial trials[2];
-    RfResult result = make_region( s, 0.5, width, height, &region, error );
-    if ( result == RF_OK )
-        result = try_both( s, &region, FIRST_PASSES, 0x9b0be, trials, error );
+    RfTrial trial;
+    RfResult result = make_region( s, 0.5, PROBE_PIXELS, &region, error );
+    for ( int k = 0; k < 2 && result == RF_OK; ++k )
+        result = try_curve( s, &region, k, FIRST_PASSES, 0x9b0be, &trial, error );
+    *pixel_seconds = ( rf_wall_seconds() - start ) / region.pieces.pixels;
     rf_destroy_test_region( &region );
-    *pixel_seconds = ( rf_wall_seconds() - start ) / ( (double)width * height );
     return result;
 }
 
-// Creates test regions with images so large that the budget allows WANTED_LEVELS levels, each
-// taking twice as long as the one before.
-static RfResult make_regions( Study* s, RfError* error )
+static RfResult make_position( Study* s, int number, RfError* error )
+{
+    return make_region( s, ( number + 0.5 ) / s->cost->positions, s->pixels, s->regions + number, error );
+}
+
+// So many pixels that the budget allows WANTED_LEVELS levels, each taking twice as long as the one before.
+static RfResult choose_pixels( Study* s, RfError* error )
 {
     double pixel_seconds;
+    s->pixels = s->job->pixels;
+    if ( s->pixels > 0.0 )
+        return RF_OK;
     RfResult result = probe( s, &pixel_seconds, error );
-    s->cost->positions = s->job->frame_count < RF_COST_POSITIONS ? s->job->frame_count : RF_COST_POSITIONS;
     double left = s->job->budget - ( rf_wall_seconds() - s->start );
-    double pixels = left / ( ( 1 << WANTED_LEVELS ) * pixel_seconds * s->cost->positions );
-    choose_size( s->job->eyes, pixels > MIN_PIXELS ? pixels : MIN_PIXELS, &s->cost->width, &s->cost->height );
-    for ( int i = 0; i < s->cost->positions && result == RF_OK; ++i )
-    {
-        s->region_count = i + 1;
-        result = make_region( s, ( i + 0.5 ) / s->cost->positions, s->cost->width, s->cost->height, s->regions + i, error );
-    }
+    double pixels = left * s->workers / ( ( 1 << WANTED_LEVELS ) * pixel_seconds * s->cost->positions );
+    s->pixels = pixels > MIN_PIXELS ? pixels : MIN_PIXELS;
     return result;
 }
 
-static double frame_pixels( const RfCostJob* job ) { return (double)job->eyes->width * job->eyes->height; }
+static RfResult make_regions( Study* s, RfError* error )
+{
+    s->cost->positions = s->job->frame_count < RF_COST_POSITIONS ? s->job->frame_count : RF_COST_POSITIONS;
+    RfResult result = choose_pixels( s, error );
+    if ( result == RF_OK )
+        result = run_tasks( s, s->cost->positions, make_position, error );
+    for ( int i = 0; i < s->cost->positions; ++i )
+        s->cost->pixels += s->regions[i].pieces.pixels / s->cost->positions;
+    return result;
+}
 
 static double frame_seconds( const RfCostJob* job, const RfCostCurve* c, double spp, double sample_seconds )
 {
@@ -134,12 +154,21 @@ static void fit_finish_time( Study* s, int curve, RfCostCurve* c )
     c->finish_seconds = pixels > 0.0 ? fmax( seconds, 0.0 ) / pixels * frame_pixels( s->job ) : 0.0;
 }
 
-static RfCostPart part_of( const RfTrial* trial )
+// All threads of the render work as fast as those of the trials.
+static RfCostPart part_of( const Study* s, const RfTrial* trial )
 {
     return ( RfCostPart ){ .relmse = trial->relmse / trial->weight,
-                           .wall_seconds = trial->wall_seconds,
+                           .wall_seconds = trial->wall_seconds / s->threads,
                            .cpu_seconds = trial->cpu_seconds,
                            .samples = trial->timed_samples };
+}
+
+static RfResult try_position( Study* s, int number, RfError* error )
+{
+    int position = number / 2, curve = number % 2;
+    return try_curve( s, s->regions + position, curve, FIRST_PASSES << s->level,
+                      (uint64_t)( s->level * RF_COST_POSITIONS + position + 1 ), &s->trials[s->unit_count + position][curve],
+                      error );
 }
 
 static RfResult run_level( Study* s, int level, RfError* error )
@@ -147,16 +176,14 @@ static RfResult run_level( Study* s, int level, RfError* error )
     int passes = FIRST_PASSES << level;
     if ( s->job->report != NULL )
         s->job->report( s->job->user, s->cost, passes );
+    s->level = level;
+    RfResult result = run_tasks( s, 2 * s->cost->positions, try_position, error );
+    if ( result != RF_OK )
+        return result;
     for ( int i = 0; i < s->cost->positions; ++i )
     {
-        RfTrial* trials = s->trials[s->unit_count];
-        RfResult result = try_both( s, s->regions + i, passes, (uint64_t)( level * RF_COST_POSITIONS + i + 1 ), trials, error );
-        if ( result != RF_OK )
-        {
-            s->unit_count = level * s->cost->positions; // completed levels only
-            return result;
-        }
-        s->units[s->unit_count++] = ( RfCostUnit ){ passes, { part_of( trials ), part_of( trials + 1 ) } };
+        const RfTrial* trials = s->trials[s->unit_count];
+        s->units[s->unit_count++] = ( RfCostUnit ){ passes, { part_of( s, trials ), part_of( s, trials + 1 ) } };
     }
     RfCostCurve* curves[2] = { &s->cost->plain, &s->cost->reuse };
     for ( int k = 0; k < 2; ++k )
@@ -172,7 +199,8 @@ static RfResult run_level( Study* s, int level, RfError* error )
 static RfResult run_levels( Study* s, RfError* error )
 {
     double last = 0.0;
-    for ( int level = 0; level < RF_COST_LEVELS; ++level )
+    int levels = s->job->pixels > 0.0 ? 1 : RF_COST_LEVELS;
+    for ( int level = 0; level < levels; ++level )
     {
         double begin = rf_wall_seconds();
         if ( level > 0 && begin - s->start + 2.0 * last > s->job->budget )
@@ -196,18 +224,70 @@ static RfInterval slope_of( const RfCostCurve* c )
     return rf_fit_slope( seconds, errors, c->count );
 }
 
+// All trials of a curve as one: each weighs as its passes, since more samples determine the error better. The pieces of a
+// position are the same in all levels.
+static void sum_trials( const Study* s, int curve, RfTrial* sum )
+{
+    *sum = ( RfTrial ){ 0 };
+    for ( int i = 0; i < s->unit_count; ++i )
+    {
+        RfTrial trial = s->trials[i][curve];
+        int first = 0, position = i % s->cost->positions;
+        for ( int k = 0; k < position; ++k )
+            first += s->regions[k].pieces.count;
+        for ( int k = 0; k < trial.piece_count; ++k )
+        {
+            sum->pieces[first + k].weight += s->units[i].passes * trial.pieces[k].weight;
+            sum->pieces[first + k].relmse += s->units[i].passes * trial.pieces[k].relmse;
+        }
+        int pieces = first + trial.piece_count;
+        trial.piece_count = 0;
+        rf_add_trial( sum, &trial );
+        sum->piece_count = pieces > sum->piece_count ? pieces : sum->piece_count;
+    }
+}
+
+static RfInterval speedup_of( const Study* s )
+{
+    RfTrial sums[2];
+    for ( int k = 0; k < 2; ++k )
+        sum_trials( s, k, sums + k );
+    return rf_trial_gain( sums, sums + 1 );
+}
+
 static void fit_curves( Study* s )
 {
     RfCostCurve* curves[2] = { &s->cost->plain, &s->cost->reuse };
     for ( int k = 0; k < 2; ++k )
     {
-        RfCostPart sum = rf_sum_cost_units( s->units, s->unit_count, k, -1 );
+        RfCostPart sum = rf_sum_cost_units( s->units, s->unit_count, k );
         curves[k]->slope = slope_of( curves[k] );
         curves[k]->relmse = sum.relmse;
         curves[k]->sample_seconds = sum.wall_seconds;
     }
-    s->cost->speedup = rf_cost_speedup( s->units, s->unit_count );
+    s->cost->speedup = speedup_of( s );
     s->cost->seconds = rf_wall_seconds() - s->start;
+}
+
+// As many trials at a time as have room for their films and records, with a thread each.
+static void share_threads( Study* s )
+{
+    RfRenderSettings settings = s->settings[1];
+    RfMemoryFit fit;
+    settings.threads = 1;
+    int eyes = 2 * settings.group + 1 < s->job->eye_count ? 2 * settings.group + 1 : s->job->eye_count;
+    s->threads = s->settings[1].threads;
+    s->workers = s->threads < MOST_TASKS ? s->threads : MOST_TASKS;
+    if ( rf_fit_memory( rf_tracer_scene( s->job->tracer ), s->job->eyes, eyes, eyes, &settings, &fit, NULL ) == RF_OK )
+    {
+        size_t room = settings.memory / ( 2 * ( fit.bytes_films + fit.bytes_hits + fit.bytes_lists ) );
+        s->workers = room < 1 ? 1 : room < (size_t)s->workers ? (int)room : s->workers;
+    }
+    for ( int k = 0; k < 2; ++k )
+    {
+        s->settings[k].threads = 1;
+        s->settings[k].memory /= (size_t)s->workers;
+    }
 }
 
 static RfResult resolve_settings( Study* s, RfError* error )
@@ -229,6 +309,7 @@ static RfResult resolve_settings( Study* s, RfError* error )
     if ( reuse->group == 0 && reuse->tile.kind == RF_TILE_NONE )
         return rf_fail( error, RF_ERROR_USAGE,
                         "group 0 with tile 1 is path tracing, which all is compared with: take a larger group or a tile" );
+    share_threads( s );
     s->cost->plain = ( RfCostCurve ){ .group = 0, .eyes = 1, .tile = plain->tile };
     s->cost->reuse = ( RfCostCurve ){ .group = reuse->group, .eyes = groups.eyes, .tile = reuse->tile };
     return RF_OK;
@@ -243,10 +324,10 @@ RfResult rf_measure_cost( const RfCostJob* job, RfCost* cost, RfError* error )
         result = make_regions( &s, error );
     if ( result == RF_OK )
         result = run_levels( &s, error );
-    for ( int i = 0; i < s.region_count; ++i )
-        rf_destroy_test_region( s.regions + i );
     if ( s.unit_count > 0 )
         fit_curves( &s );
+    for ( int i = 0; i < RF_COST_POSITIONS; ++i )
+        rf_destroy_test_region( s.regions + i );
     if ( result == RF_OK && !( cost->plain.relmse > 0.0 && cost->reuse.relmse > 0.0 ) )
         return rf_fail( error, RF_ERROR_SCENE,
                         "the error of the test images cannot be measured: they are black, or have NaN or infinite pixels" );

@@ -37,8 +37,8 @@ typedef struct RfCostCurve
 typedef struct RfCost
 {
     RfCostCurve plain, reuse;
-    RfInterval speedup; // seconds of path tracing over seconds with reuse, at equal error
-    int width, height;  // of the test images
+    RfInterval speedup; // CPU seconds of path tracing over those with reuse, at equal error
+    double pixels;      // traced of each test frame
     int positions;
     double seconds; // spent measuring
 } RfCost;
@@ -50,9 +50,10 @@ typedef struct RfCostJob
     int eye_count;
     const int* frames; // requested
     int frame_count;
-    const RfRenderSettings* settings;                            // with reuse; spp is ignored
-    double budget;                                               // seconds; the first level is always measured
-    const RfTrialWatch* watch;                                   // may be NULL
+    const RfRenderSettings* settings; // with reuse; spp is ignored
+    double budget;                    // seconds; the first level is always measured
+    double pixels;                    // not 0: the first level only, on pieces of so many pixels, whatever the budget
+    const RfTrialWatch* watch;        // may be NULL
     void ( *report )( void* user, const RfCost* cost, int spp ); // called before each level; may be NULL
     void* user;
 } RfCostJob;

@@ -35,14 +35,12 @@ RfInterval rf_fit_slope( const double* x, const double* y, int count )
     return slope;
 }
 
-RfCostPart rf_sum_cost_units( const RfCostUnit* units, int count, int part, int without )
+RfCostPart rf_sum_cost_units( const RfCostUnit* units, int count, int part )
 {
     double weight = 0.0;
     RfCostPart sum = { 0.0, 0.0, 0.0, 0.0 };
     for ( int i = 0; i < count; ++i )
     {
-        if ( i == without )
-            continue;
         const RfCostPart* p = units[i].parts + part;
         weight += units[i].passes;
         sum.relmse += units[i].passes * p->relmse;
@@ -51,27 +49,4 @@ RfCostPart rf_sum_cost_units( const RfCostUnit* units, int count, int part, int 
         sum.samples += p->samples;
     }
     return ( RfCostPart ){ sum.relmse / weight, sum.wall_seconds / sum.samples, sum.cpu_seconds / sum.samples, 1.0 };
-}
-
-static double log_speedup( const RfCostUnit* units, int count, int without )
-{
-    RfCostPart plain = rf_sum_cost_units( units, count, 0, without ), reuse = rf_sum_cost_units( units, count, 1, without );
-    return log( plain.relmse * plain.wall_seconds / ( reuse.relmse * reuse.wall_seconds ) );
-}
-
-RfInterval rf_cost_speedup( const RfCostUnit* units, int count )
-{
-    if ( count < 1 )
-        return s_unknown;
-    double whole = log_speedup( units, count, -1 ), mean = 0.0, square = 0.0;
-    if ( count < 2 )
-        return ( RfInterval ){ exp( whole ), (double)NAN, (double)NAN };
-    for ( int i = 0; i < count; ++i )
-    {
-        double d = log_speedup( units, count, i ) - whole;
-        mean += d / count;
-        square += d * d / count;
-    }
-    double margin = rf_student_quantile( count - 1 ) * sqrt( ( count - 1 ) * fmax( square - mean * mean, 0.0 ) );
-    return ( RfInterval ){ exp( whole ), exp( whole - margin ), exp( whole + margin ) };
 }

@@ -1,12 +1,8 @@
-// Fits the measurements of `cost`: slopes and the ratio of times.
+// Fits the measurements of `cost`: slopes, and sums of units.
 #ifndef REFRAME_MEASURE_COST_FIT_H
 #define REFRAME_MEASURE_COST_FIT_H
 
-// A quantity and its 95 % confidence interval; NaN if there are too few points.
-typedef struct RfInterval
-{
-    double value, low, high;
-} RfInterval;
+#include "measure/interval.h"
 
 // The slope of log y against log x by unweighted least squares, with Student's t for the
 // scatter about the line. Points that are not above 0 are skipped. Needs at least two points,
@@ -27,12 +23,8 @@ typedef struct RfCostUnit
     RfCostPart parts[2];
 } RfCostUnit;
 
-// All units combined, except `without` (−1: none): relMSE of a single sample, weighted by
+// All units combined: relMSE of a single sample, weighted by
 // passes because more samples determine it better; seconds of one sample.
-RfCostPart rf_sum_cost_units( const RfCostUnit* units, int count, int part, int without );
-
-// The ratio of times at equal error: relMSE × wall seconds of part 0 over that of part 1. The
-// interval comes from the jackknife over the units, in the logarithm.
-RfInterval rf_cost_speedup( const RfCostUnit* units, int count );
+RfCostPart rf_sum_cost_units( const RfCostUnit* units, int count, int part );
 
 #endif

@@ -3,6 +3,7 @@
 #include "measure/error.h"
 #include "measure/flicker.h"
 #include "measure/flicker_read.h"
+#include "measure/sequences.h"
 
 #include <stdlib.h>
 
@@ -23,9 +24,10 @@ static RfResult check_numbers( const Run* run, const int* numbers, int count, Rf
     if ( count < 2 )
         return rf_fail( error, RF_ERROR_IO, "%s: is frame %d alone: flicker wants two neighbouring ones at least", run->pattern,
                         numbers[0] );
+    int step = rf_sequence_step( run->pattern, numbers[0] );
     for ( int i = 1; i < count; ++i )
     {
-        if ( numbers[i] != numbers[i - 1] + 1 )
+        if ( numbers[i] != numbers[i - 1] + step )
             return rf_fail( error, RF_ERROR_IO, "%s: after frame %d comes %d: flicker wants every frame", run->pattern,
                             numbers[i - 1], numbers[i] );
     }

@@ -23,6 +23,15 @@ static RfResult match( const char* const patterns[2], int* const numbers[2], con
     return RF_OK;
 }
 
+int rf_sequence_step( const char* pattern, int number )
+{
+    char name[MAX_NAME];
+    if ( rf_sequence_name( pattern, number, name, sizeof name, NULL ) != RF_OK )
+        return 1;
+    double step = rf_read_exr_number( name, "reframe/step" );
+    return step >= 1.0 && step <= 1e6 ? (int)step : 1;
+}
+
 RfResult rf_match_sequences( const char* a, const char* b, int** numbers, int* count, RfError* error )
 {
     const char* const patterns[2] = { a, b };

@@ -3,7 +3,7 @@
 #include "base/remedy.h"
 
 #include "base/random.h"
-#include "measure/error.h"
+#include "reframe/measure.h"
 #include "measure/trial_pair.h"
 #include "reuse/tile.h"
 
@@ -13,53 +13,47 @@
 #define PILOT_PASSES 2
 #define MAX_PILOT_PASSES 8 // when smaller groups contribute fewer samples per frame
 
-RfEye rf_resize_eye( const RfEye* eye, int width, int height )
-{
-    RfEye resized = *eye;
-    float scale = (float)height / (float)eye->height;
-    resized.focal = eye->focal * (float)height / (float)eye->height;
-    resized.focal_x = eye->focal_x * (float)height / (float)eye->height;
-    resized.axis_x = 0.5f * (float)width + ( eye->axis_x - 0.5f * (float)eye->width ) * scale;
-    resized.axis_y = 0.5f * (float)height + ( eye->axis_y - 0.5f * (float)eye->height ) * scale;
-    resized.width = width;
-    resized.height = height;
-    return resized;
-}
-
-static size_t eye_pixels( const RfEye* eye ) { return (size_t)eye->width * (size_t)eye->height; }
-
 static int clamp( int value, int low, int high ) { return value < low ? low : value > high ? high : value; }
 
-// relMSE weights from the mean over the channels, blurred over the pixel's neighbours.
-static void compute_weights( const float* rgb, int width, int height, float* weight )
+// Sum over the channels of the traced pixels around a pixel, and the count of values.
+static double sum_around( const RfTestRegion* region, const RfFrameResult* frame, int x, int y, int* count )
 {
-    for ( int y = 0; y < height; ++y )
+    RfPieces pieces = rf_pieces_from( &region->pieces, frame->frame );
+    double sum = 0.0;
+    *count = 0;
+    for ( int ny = clamp( y - 1, 0, y ); ny <= y + 1 && ny < frame->height; ++ny )
     {
-        for ( int x = 0; x < width; ++x )
+        for ( int nx = clamp( x - 1, 0, x ); nx <= x + 1 && nx < frame->width; ++nx )
         {
-            double sum = 0.0;
-            int count = 0;
-            for ( int ny = clamp( y - 1, 0, y ); ny <= y + 1 && ny < height; ++ny )
-            {
-                for ( int nx = clamp( x - 1, 0, x ); nx <= x + 1 && nx < width; ++nx )
-                {
-                    const float* p = rgb + 3 * ( (size_t)ny * (size_t)width + (size_t)nx );
-                    sum += (double)p[0] + (double)p[1] + (double)p[2];
-                    count += 3;
-                }
-            }
-            double mean = sum / count;
-            weight[(size_t)y * (size_t)width + (size_t)x] = (float)( 1.0 / ( mean * mean + RF_RELMSE_EPSILON ) );
+            if ( region->pieces.traced != NULL && !rf_is_traced( &pieces, pieces.cells, nx, ny ) )
+                continue;
+            const float* p = frame->rgb + 3 * ( (size_t)ny * (size_t)frame->width + (size_t)nx );
+            sum += (double)p[0] + (double)p[1] + (double)p[2];
+            *count += 3;
         }
     }
+    return sum;
 }
 
+// relMSE weights of a frame, from the mean over the channels, blurred over the pixel's neighbours.
 static RfResult keep_weights( void* user, const RfFrameResult* frame, RfError* error )
 {
     (void)error;
     RfTestRegion* region = user;
-    size_t pixels = (size_t)frame->width * (size_t)frame->height;
-    compute_weights( frame->rgb, frame->width, frame->height, region->weight + pixels * (size_t)frame->frame );
+    const RfTestPieces* pieces = &region->pieces;
+    int cells = pieces->across * pieces->down;
+    const int32_t* slot = pieces->slot + (size_t)frame->frame * (size_t)cells;
+    int32_t pixel[RF_CELL_PIXELS];
+    for ( int cell = 0; cell < cells; ++cell )
+    {
+        int pixels = slot[cell] >= 0 ? rf_cell_pixels( pieces, cell, pixel ) : 0, count;
+        for ( int k = 0; k < pixels; ++k )
+        {
+            double mean = sum_around( region, frame, pixel[k] % frame->width, pixel[k] / frame->width, &count ) / count;
+            region->weight[RF_CELL_PIXELS * (size_t)slot[cell] + (size_t)k] =
+                (float)( 1.0 / ( mean * mean + RF_RELMSE_EPSILON ) );
+        }
+    }
     return RF_OK;
 }
 
@@ -101,8 +95,11 @@ static RfResult render_pilot( const RfTracer* tracer, const RfRenderSettings* se
     s.normalize = RF_NORMALIZE_CROSSFIT;
     s.aovs = 0;
     s.queue = 0;
+    s.adaptive = RF_ADAPTIVE_OFF;
     s.seed = rf_mix64( settings->seed ^ rf_mix64( (uint64_t)region->first ) ) ^ 0x5175ull;
     choose_pilot_settings( tracer, region, &s );
+    RfPieces pieces = rf_pieces_from( &region->pieces, 0 );
+    s.pieces = region->pieces.traced != NULL ? &pieces : NULL;
     RfTrialMeter meter;
     RfResult result = rf_render_metered( tracer, region->eyes, region->frames, &s, keep_weights, region, watch, &meter, error );
     region->seconds = meter.all_cpu;
@@ -110,27 +107,29 @@ static RfResult render_pilot( const RfTracer* tracer, const RfRenderSettings* se
     return result;
 }
 
-RfResult rf_create_test_region( const RfTracer* tracer, const RfEye* eyes, int eye_count, int centre, int frames, int width,
-                                int height, const RfRenderSettings* settings, const RfTrialWatch* watch, RfTestRegion* region,
+RfResult rf_create_test_region( const RfTracer* tracer, const RfEye* eyes, int eye_count, int centre, int frames, double pixels,
+                                const RfRenderSettings* settings, const RfTrialWatch* watch, RfTestRegion* region,
                                 RfError* error )
 {
     *region = ( RfTestRegion ){ .frames = clamp( frames, 1, eye_count ) };
     region->whole = region->frames == eye_count;
     region->first = clamp( centre - region->frames / 2, 0, eye_count - region->frames );
-    size_t pixels = (size_t)width * (size_t)height;
-    region->eyes = malloc( (size_t)region->frames * sizeof *region->eyes );
-    region->weight = malloc( (size_t)region->frames * pixels * sizeof *region->weight );
-    if ( region->eyes == NULL || region->weight == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "the system has no memory left to try settings on %d frames of %dx%d",
-                        region->frames, width, height );
-    for ( int i = 0; i < region->frames; ++i )
-        region->eyes[i] = rf_resize_eye( eyes + region->first + i, width, height );
+    region->eyes = eyes + region->first;
+    uint64_t seed = rf_mix64( settings->seed ) ^ (uint64_t)centre;
+    RfResult result =
+        rf_choose_pieces( tracer, region->eyes, region->frames, centre - region->first, pixels, seed, &region->pieces, error );
+    if ( result != RF_OK )
+        return result;
+    size_t slots = (size_t)region->pieces.first_slot[region->frames];
+    region->weight = malloc( ( slots + 1 ) * RF_CELL_PIXELS * sizeof *region->weight );
+    if ( region->weight == NULL )
+        return rf_fail( error, RF_ERROR_MEMORY, "the system has no memory left to try settings on %d frames", region->frames );
     return render_pilot( tracer, settings, watch, region, error );
 }
 
 void rf_destroy_test_region( RfTestRegion* region )
 {
-    free( region->eyes );
+    rf_destroy_test_pieces( &region->pieces );
     free( region->weight );
     *region = ( RfTestRegion ){ 0 };
 }
@@ -144,12 +143,14 @@ static uint64_t group_seed( uint64_t seed, int group, int twin )
 static RfResult try_group( const RfTracer* tracer, const RfTestRegion* region, int first, const RfRenderSettings* settings,
                            const RfTrialWatch* watch, RfTrialPair* pair, RfTrial* trial, RfError* error )
 {
-    size_t pixels = eye_pixels( region->eyes );
-    rf_begin_pair( pair, region->weight + pixels * (size_t)first );
+    double seconds[2];
+    RfPieces pieces = rf_pieces_from( &region->pieces, first );
+    rf_begin_pair( pair, first );
     for ( int twin = 0; twin < 2; ++twin )
     {
         RfRenderSettings s = *settings;
         s.seed = group_seed( settings->seed, region->first + first, twin );
+        s.pieces = region->pieces.traced != NULL ? &pieces : NULL;
         RfTrialMeter meter;
         RfResult result = rf_render_metered( tracer, region->eyes + first, pair->eyes, &s,
                                              twin == 0 ? rf_keep_first : rf_compare_second, pair, watch, &meter, error );
@@ -160,10 +161,26 @@ static RfResult try_group( const RfTracer* tracer, const RfTestRegion* region, i
         trial->cpu_seconds += meter.cpu;
         trial->wall_seconds += meter.wall;
         trial->finish_seconds += meter.finish_cpu;
-        trial->finish_pixels += (double)pixels * pair->eyes;
+        trial->finish_pixels += region->pieces.pixels * pair->eyes;
+        seconds[twin] = meter.cpu / meter.samples;
     }
+    double noise = log( seconds[0] / seconds[1] );
+    trial->time_noise += isfinite( noise ) ? noise * noise : 0.0;
+    trial->time_count += 1;
     rf_end_pair( pair, settings->spp, trial );
     return RF_OK;
+}
+
+// The most slots that `eyes` consecutive frames of the region have.
+static size_t most_slots( const RfTestPieces* pieces, int eyes )
+{
+    int32_t most = 0;
+    for ( int f = 0; f + eyes <= pieces->frames; ++f )
+    {
+        int32_t slots = pieces->first_slot[f + eyes] - pieces->first_slot[f];
+        most = slots > most ? slots : most;
+    }
+    return (size_t)most;
 }
 
 RfResult rf_run_trial( const RfTracer* tracer, const RfTestRegion* region, int groups, int passes,
@@ -182,8 +199,10 @@ RfResult rf_run_trial( const RfTracer* tracer, const RfTestRegion* region, int g
     s.spp = passes; // of a single group
     s.aovs = 0;
     s.queue = 0;
-    RfTrialPair pair = { .eyes = eyes, .whole = region->whole && eyes == region->frames, .pixels = eye_pixels( region->eyes ) };
-    pair.rgb = malloc( rf_trial_bytes( eyes, pair.pixels ) );
+    RfTrialPair pair = {
+        .eyes = eyes, .whole = region->whole && eyes == region->frames, .pieces = &region->pieces, .weight = region->weight
+    };
+    pair.rgb = malloc( ( most_slots( &region->pieces, eyes ) + 1 ) * 3 * RF_CELL_PIXELS * sizeof( float ) );
     if ( pair.rgb == NULL )
         return rf_fail( error, RF_ERROR_MEMORY, "the system has no memory left to try groups of %d frames", eyes );
     RfResult result = RF_OK;
@@ -205,14 +224,21 @@ void rf_add_trial( RfTrial* sum, const RfTrial* trial )
     sum->finish_pixels += trial->finish_pixels;
     sum->relmse += trial->relmse;
     sum->mse += trial->mse;
+    sum->change_weight += trial->change_weight;
     sum->change += trial->change;
+    sum->time_noise += trial->time_noise;
+    sum->time_count += trial->time_count;
+    for ( int i = 0; i < trial->piece_count && sum->piece_count < RF_TRIAL_PIECES; ++i )
+        sum->pieces[sum->piece_count++] = trial->pieces[i];
 }
 
 double rf_trial_relmse( const RfTrial* trial, double spp ) { return trial->relmse / trial->weight / spp; }
 
-double rf_trial_f1( const RfTrial* trial, double spp ) { return sqrt( 2.0 * trial->change / trial->weight / spp ); }
+static double mean_change( const RfTrial* trial ) { return trial->change / trial->change_weight; }
 
-double rf_trial_phi( const RfTrial* trial ) { return trial->mse > 0.0 ? trial->change / trial->mse : 0.0; }
+double rf_trial_f1( const RfTrial* trial, double spp ) { return sqrt( 2.0 * mean_change( trial ) / spp ); }
+
+double rf_trial_phi( const RfTrial* trial ) { return trial->mse > 0.0 ? mean_change( trial ) * trial->weight / trial->mse : 0.0; }
 
 double rf_trial_sample_seconds( const RfTrial* trial ) { return trial->cpu_seconds / trial->timed_samples; }
 
@@ -223,7 +249,7 @@ double rf_trial_efficiency( const RfTrial* trial, double pixels )
 
 size_t rf_test_region_bytes( int frames, size_t pixels )
 {
-    return (size_t)frames * ( pixels * sizeof( float ) + sizeof( RfEye ) );
+    return (size_t)frames * pixels * sizeof( float ) + rf_test_pieces_bytes( frames, pixels );
 }
 
-size_t rf_trial_bytes( int eyes, size_t pixels ) { return (size_t)eyes * pixels * 3 * sizeof( float ); }
+size_t rf_trial_bytes( int eyes, size_t pixels ) { return 3 * (size_t)eyes * pixels * sizeof( float ); }

@@ -1,6 +1,9 @@
 // A trial measures the cost and error of a group and a tile from a few passes of a few frames,
 // without a reference.
 //
+// It does not render whole pictures but pieces of them (pieces.h), in the resolution of the render: on a smaller picture a
+// tile covers more of the scene and the camera moves by fewer pixels, so reuse is worth another amount there.
+//
 // A segment of 2n+1 frames of the path is rendered as a single group: a long path consists of
 // such groups. A frame of the long path is the mean over the 2n+1 groups that contain it, in
 // each of which it has a different position. So the error averaged over the positions within
@@ -20,7 +23,8 @@
 #ifndef REFRAME_MEASURE_TRIAL_H
 #define REFRAME_MEASURE_TRIAL_H
 
-#include "reframe/render.h"
+#include "measure/interval.h"
+#include "measure/pieces.h"
 
 // Return false to stop with RF_ERROR_INTERRUPTED.
 typedef bool RfTrialContinueFn( void* user );
@@ -31,38 +35,44 @@ typedef struct RfTrialWatch
     void* user;
 } RfTrialWatch;
 
-// A segment of the path at a resolution of its own, in which settings are tried.
+// A segment of the path with the pieces of its frames in which settings are tried.
 typedef struct RfTestRegion
 {
-    RfEye* eyes; // `frames` of them
-    int first;   // first frame on the path, from 0
+    const RfEye* eyes; // `frames` of them, of the path
+    int first;         // first frame on the path, from 0
     int frames;
-    bool whole;     // the region is the whole path
-    float* weight;  // relMSE weight 1 / (r̄² + 0.001) of each pixel of the pilot image, frame after
-                    // frame
+    bool whole; // the region is the whole path
+    RfTestPieces pieces;
+    float* weight;  // relMSE weight 1 / (r̄² + 0.001) of each pixel of the pilot image, slot after slot
     double seconds; // CPU seconds spent on the pilot image
     double samples; // own-frame samples traced for it
 } RfTestRegion;
 
-// The same view on a film of another size.
-RfEye rf_resize_eye( const RfEye* eye, int width, int height );
-
-// Creates a test region of up to `frames` frames around `centre`, with films of width ×
-// height, and renders its pilot image with the threads, memory, seed, depth and light samples
-// of `settings`. Free with rf_destroy_test_region, also after a failure.
-RfResult rf_create_test_region( const RfTracer* tracer, const RfEye* eyes, int eye_count, int centre, int frames, int width,
-                                int height, const RfRenderSettings* settings, const RfTrialWatch* watch, RfTestRegion* region,
+// Creates a test region of up to `frames` frames around `centre`, of each of which about `pixels` pixels are traced, and
+// renders its pilot image with the threads, memory, seed, depth and light samples of `settings`. Free with
+// rf_destroy_test_region, also after a failure; `eyes` must live as long.
+RfResult rf_create_test_region( const RfTracer* tracer, const RfEye* eyes, int eye_count, int centre, int frames, double pixels,
+                                const RfRenderSettings* settings, const RfTrialWatch* watch, RfTestRegion* region,
                                 RfError* error );
 
 // Frees a test region and clears it.
 void rf_destroy_test_region( RfTestRegion* region );
+
+#define RF_TRIAL_PIECES 512
+
+// The error found in a piece, over all frames.
+typedef struct RfPieceError
+{
+    double weight; // pixels
+    double relmse; // summed, as in RfTrial
+} RfPieceError;
 
 // The result of trials, as sums that rf_add_trial can combine. Errors are those of a single
 // pass (P times the error of P passes), multiplied by `weight`.
 typedef struct RfTrial
 {
     int groups;           // rendered, each twice
-    double weight;        // number of pixels of their frames
+    double weight;        // number of pixels measured
     double samples;       // own-frame samples traced
     double timed_samples; // those within the next two times, which exclude set-up
     double cpu_seconds;   // of all threads
@@ -70,7 +80,12 @@ typedef struct RfTrial
     double finish_seconds, finish_pixels; // CPU seconds for finishing frames, and their pixels
     double relmse;                        // from the two renders
     double mse;                           // mean squared error, over channels
+    double change_weight;                 // like weight, of trials that have pixels measured in consecutive frames
     double change;                        // ½ mean squared change of the error between consecutive frames of a long path
+    double time_noise;                    // squared differences of the logarithms of the two renders' seconds per sample
+    int time_count;                       // of these
+    int piece_count;                      // the first RF_TRIAL_PIECES are listed
+    RfPieceError pieces[RF_TRIAL_PIECES];
 } RfTrial;
 
 // Tries `settings` (group, tile) with `passes` ≥ 2 passes per group on up to `groups`
@@ -81,8 +96,13 @@ typedef struct RfTrial
 RfResult rf_run_trial( const RfTracer* tracer, const RfTestRegion* region, int groups, int passes,
                        const RfRenderSettings* settings, const RfTrialWatch* watch, RfTrial* trial, RfError* error );
 
-// Adds the sums of another trial.
+// Adds the sums of another trial, and lists its pieces behind those of `sum`.
 void rf_add_trial( RfTrial* sum, const RfTrial* trial );
+
+// How many times less CPU time `reuse` takes than `plain` for the same error, with a 95 % interval from the scatter
+// between pieces (a jackknife) and of the times. Both were tried in the same regions, one of them perhaps in more: what
+// they have in common counts. NaN if they have nothing.
+RfInterval rf_trial_gain( const RfTrial* plain, const RfTrial* reuse );
 
 // relMSE of a frame in the middle of a long path with `spp` own-frame samples per pixel.
 double rf_trial_relmse( const RfTrial* trial, double spp );
@@ -100,10 +120,9 @@ double rf_trial_sample_seconds( const RfTrial* trial );
 // count.
 double rf_trial_efficiency( const RfTrial* trial, double pixels );
 
-// Bytes held by a test region of `frames` frames of `pixels` pixels.
+// Bytes held by a test region of `frames` frames of `pixels` pixels each, and by a trial with groups of `eyes` frames, of
+// each of which `pixels` pixels are measured. The memory of rf_render is not included.
 size_t rf_test_region_bytes( int frames, size_t pixels );
-
-// Bytes held by a trial with groups of `eyes` frames, without the memory of rf_render.
 size_t rf_trial_bytes( int eyes, size_t pixels );
 
 #endif

@@ -23,19 +23,21 @@ RfResult rf_render_metered( const RfTracer* tracer, const RfEye* eyes, int eye_c
 typedef struct RfTrialPair
 {
     int eyes;
-    bool whole; // the frames are the whole path
-    size_t pixels;
-    const float* weight; // per pixel, frame after frame
-    float* rgb;          // the frames of the first render, then the differences to the second
-    double relmse;       // sums over the frames: of weighted ½ d², summed over channels, mean over
-                         // pixels
-    double square;       // of ½ d², mean over pixels and channels
-    double ends;         // half of what the first and the last frame contribute to `square`
-    double steps;        // of ½ (d_t − d_{t−1})²
+    bool whole;                   // the frames are the whole path
+    const RfTestPieces* pieces;   // of the region
+    int first;                    // frame of the region
+    const float* weight;          // of the region
+    float* rgb;                   // of the group's slots: the first render, then the differences to the second
+    double relmse[RF_MAX_PIECES]; // sums over the pixels of a piece: of weighted ½ d², summed over channels
+    double pixels[RF_MAX_PIECES];
+    double square;                // sum of ½ d² over pixels, mean over channels
+    double first_mean, last_mean; // of ½ d² in the first and the last frame
+    double steps;                 // sum of the means of ½ (d_t − d_{t−1})² over the pixels that both frames measure
+    int step_count;
 } RfTrialPair;
 
-// Prepares for the first render.
-void rf_begin_pair( RfTrialPair* pair, const float* weight );
+// Prepares for the first render of the group that begins with frame `first` of the region.
+void rf_begin_pair( RfTrialPair* pair, int first );
 
 // Frame callback of the first render: keeps the frame.
 RfResult rf_keep_first( void* user, const RfFrameResult* frame, RfError* error );
@@ -43,7 +45,7 @@ RfResult rf_keep_first( void* user, const RfFrameResult* frame, RfError* error )
 // Frame callback of the second render: subtracts the frame and accumulates the sums.
 RfResult rf_compare_second( void* user, const RfFrameResult* frame, RfError* error );
 
-// Adds the result, measured with `passes` passes, to a trial.
+// Adds the result, measured with `passes` passes, to a trial; its pieces are the first of the trial.
 void rf_end_pair( const RfTrialPair* pair, int passes, RfTrial* trial );
 
 #endif

@@ -4,8 +4,8 @@
 
 #include <math.h>
 
-#define OVERTIME 1.1 // times the budget: when the last round is aborted
-#define FIRST_PIXELS 1000.0
+#define OVERTIME 1.1        // times the budget: when the last round is aborted
+#define FIRST_PIXELS 2500.0 // traced of a frame, to measure the speed
 
 static const int s_kept[RF_TUNE_ROUNDS] = { 16, 8, 4, 1 }; // candidates kept after each round
 
@@ -39,17 +39,12 @@ static RfResult run_round( Tuner* t, const RfTuneRound* round, double deadline, 
     return result;
 }
 
-// Renders a small image to measure the speed of this machine in this scene.
+// Renders a few pieces to measure the speed of this machine in this scene.
 static RfResult calibrate( Tuner* t, RfError* error )
 {
     const RfTuneJob* job = t->job;
-    double scale = sqrt( FIRST_PIXELS / ( (double)job->eyes->width * job->eyes->height ) );
-    RfTuneRound round = { .width = job->eyes->width, .height = job->eyes->height, .regions = t->common.threads, .passes = 2 };
-    if ( scale < 1.0 )
-    {
-        round.width = (int)( job->eyes->width * scale ) + 1;
-        round.height = (int)( job->eyes->height * scale ) + 1;
-    }
+    double all = (double)job->eyes->width * job->eyes->height;
+    RfTuneRound round = { .pixels = fmin( FIRST_PIXELS, all ), .regions = t->common.threads, .passes = 2 };
     RfTuneWork w;
     rf_begin_tune_work( job, t->tune, &t->common, t->candidate, &round, 0, (double)INFINITY, &w );
     double start = rf_wall_seconds(), cost = 0.0;
@@ -100,8 +95,8 @@ static bool plan_round( Tuner* t, int number, RfTuneRound* round )
     RfTuneOutlook outlook = make_outlook( t, number );
     while ( !rf_plan_tune_round( t->tune, t->candidate, &outlook, round ) )
     {
-        rf_cut_tune_candidates( t->tune, ( count_candidates( t ) + 1 ) / 2, t->candidate );
-        if ( count_candidates( t ) < 2 )
+        rf_cut_tune_candidates( t->tune, count_candidates( t ) / 2, t->candidate ); // path tracing stays besides
+        if ( count_candidates( t ) < 3 )                                            // path tracing is one of them
             return false;
     }
     return true;

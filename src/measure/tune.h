@@ -1,7 +1,7 @@
 // Finds the best group and tile for a path on this machine, within a time budget, by
-// successive halving over trials (trial.h). The first round tries all settings on small images
-// at few positions on the path; each later round keeps the best and tries them on larger
-// images at other positions.
+// successive halving over trials (trial.h). The first round tries all settings on small pieces of the picture
+// at few positions on the path; each later round keeps the best, and path tracing to compare them with, and tries them on
+// larger and more pieces at other positions.
 //
 // All settings of a round use the same positions, the same pilot images for relMSE and the
 // same seeds. Errors are summed over all positions before they are compared: relMSE is
@@ -23,10 +23,10 @@
 // What a round tries.
 typedef struct RfTuneRound
 {
-    int width, height; // of the test images
-    int regions;       // test regions
-    int passes;        // per group
-    double seconds;    // expected, wall-clock
+    double pixels;  // traced of each frame, in pieces all over the picture
+    int regions;    // test regions
+    int passes;     // per group
+    double seconds; // expected, wall-clock
 } RfTuneRound;
 
 typedef struct RfTuneRow
@@ -49,8 +49,8 @@ typedef struct RfTuneRow
     double cpu_seconds, seconds; // for all frames
     double relmse, f1, phi;      // of a frame with `spp` samples
     double efficiency;           // 1 / (relMSE · CPU seconds of a frame)
-    double gain;                 // efficiency relative to path tracing (group 0, tile 1); NaN if that
-                                 // was not tried
+    RfInterval gain;             // efficiency relative to path tracing (group 0, tile 1), measured on the same pieces; NaN if
+                                 // that was not tried
     bool chosen;
 } RfTuneRow;
 

@@ -4,6 +4,9 @@
 
 #include "measure/tune.h"
 
+// Is the row path tracing, with which all are compared?
+bool rf_is_plain_row( const RfTuneRow* row );
+
 // The settings of a row, based on the job's.
 RfRenderSettings rf_tune_settings( const RfTuneRow* row, const RfRenderSettings* common );
 
@@ -27,7 +30,7 @@ int rf_tune_groups( int eyes );
 // Frames that a test region needs to hold the groups of all candidates.
 int rf_tune_region_frames( const RfTune* tune, const bool* candidate );
 
-// Own-frame samples per film pixel that a trial of the row takes.
+// Own-frame samples per pixel traced that a trial of the row takes.
 double rf_tune_row_samples( const RfTuneRow* row, int passes );
 
 // What is known before a round.
@@ -42,15 +45,15 @@ typedef struct RfTuneOutlook
     int workers;
 } RfTuneOutlook;
 
-// Plans the next round: its share of the remaining time goes to larger images and, once they
-// have the size of the render, to more positions. Returns false if too little time is left for
-// images large enough to be meaningful; the first round is always planned.
+// Plans the next round: its share of the remaining time goes to larger and more pieces and, once they
+// make up the whole picture, to more positions. Returns false if too little time is left for
+// pieces large enough to be meaningful; the first round is always planned.
 bool rf_plan_tune_round( const RfTune* tune, const bool* candidate, const RfTuneOutlook* outlook, RfTuneRound* round );
 
 // Expected CPU seconds of a round.
 double rf_tune_round_cost( const RfTune* tune, const bool* candidate, const RfTuneRound* round, double cost_second );
 
-// Keeps the best `kept` candidates that still have a chance to win; drops candidates without
+// Keeps the best `kept` candidates that still have a chance to win, and path tracing; drops candidates without
 // an efficiency.
 void rf_cut_tune_candidates( const RfTune* tune, int kept, bool* candidate );
 

@@ -4,8 +4,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-#define REGION_FRAMES 15 // approximately, for trying small groups
-#define MIN_PIXELS 1200.0
+#define REGION_FRAMES 7   // approximately, for trying small groups
+#define MIN_PIXELS 2500.0 // four pieces, and what is traced around them
 #define MAX_REGIONS 24
 
 // Fraction of the remaining time for each round.
@@ -33,33 +33,24 @@ double rf_tune_row_samples( const RfTuneRow* row, int passes ) { return 2.0 * pa
 
 double rf_tune_round_cost( const RfTune* tune, const bool* candidate, const RfTuneRound* round, double cost_second )
 {
-    double cost = 0.0, pixels = (double)round->width * round->height;
+    double cost = 0.0;
     for ( int i = 0; i < tune->count; ++i )
     {
         const RfTuneRow* row = tune->rows + i;
         double sample = row->rounds > 0 ? rf_trial_sample_seconds( &row->trial ) : row->cost * cost_second;
-        cost += candidate[i] ? round->regions * pixels * rf_tune_row_samples( row, round->passes ) * sample : 0.0;
+        cost += candidate[i] ? round->regions * round->pixels * rf_tune_row_samples( row, round->passes ) * sample : 0.0;
     }
     return cost;
 }
 
-// The size of a film of about `pixels` pixels with the aspect ratio of the render.
-static void size_round( const RfTuneOutlook* o, double pixels, RfTuneRound* round )
-{
-    double scale = sqrt( pixels / ( (double)o->width * o->height ) );
-    round->width = scale < 1.0 ? (int)fmax( 1.0, floor( o->width * scale + 0.5 ) ) : o->width;
-    round->height = scale < 1.0 ? (int)fmax( 1.0, floor( o->height * scale + 0.5 ) ) : o->height;
-}
-
-// Pixels per film such that the test regions and the parallel trials fit in half the memory;
-// the other half is for records and scratch.
+// Pixels per frame such that what is kept of the test regions and the parallel trials fits in half the memory;
+// the other half is for the renders.
 static double pixels_that_fit( const RfTune* tune, const bool* candidate, const RfTuneOutlook* o, int regions )
 {
     int eyes = rf_tune_region_frames( tune, candidate );
-    double film = 64.0 + 12.0; // both halves with totals, and images
-    double bytes =
-        (double)rf_test_region_bytes( eyes, 1 ) * regions + o->workers * ( (double)rf_trial_bytes( eyes, 1 ) + film * eyes );
-    return 0.5 * (double)o->memory / bytes;
+    double bytes = (double)rf_test_region_bytes( eyes, RF_CELL_PIXELS ) * regions +
+                   (double)o->workers * (double)rf_trial_bytes( eyes, RF_CELL_PIXELS );
+    return 0.5 * (double)o->memory / bytes * RF_CELL_PIXELS;
 }
 
 static int count_candidates_in( const RfTune* tune, const bool* candidate )
@@ -74,16 +65,16 @@ bool rf_plan_tune_round( const RfTune* tune, const bool* candidate, const RfTune
 {
     double all = (double)o->width * o->height,
            seconds = ( count_candidates_in( tune, candidate ) > FEW ? s_shares[o->number] : 1.0 ) * o->left;
-    *round = ( RfTuneRound ){ .regions = s_regions[o->number], .passes = s_passes[o->number], .width = 1, .height = 1 };
+    *round = ( RfTuneRound ){ .regions = s_regions[o->number], .passes = s_passes[o->number], .pixels = 1.0 };
     double each = rf_tune_round_cost( tune, candidate, round, o->cost_second ); // per pixel
     double pixels = seconds * o->rate / each, most = pixels_that_fit( tune, candidate, o, round->regions );
     most = most < all ? most : all;
     double least = MIN_PIXELS < most ? MIN_PIXELS : most;
-    for ( ; pixels < least && round->regions > 1; --round->regions ) // fewer positions rather than too small images
+    for ( ; pixels < least && round->regions > 1; --round->regions ) // fewer positions rather than too small pieces
         pixels *= round->regions / ( round->regions - 1.0 );
     if ( pixels > most ) // more positions from the time left
         round->regions = (int)fmin( MAX_REGIONS, floor( round->regions * pixels / most ) );
-    size_round( o, fmax( fmin( pixels, most ), least ), round );
+    round->pixels = fmax( fmin( pixels, most ), least );
     if ( o->number > 0 && pixels < least )
         return false;
     round->seconds = rf_tune_round_cost( tune, candidate, round, o->cost_second ) / o->rate;
@@ -112,7 +103,7 @@ void rf_cut_tune_candidates( const RfTune* tune, int kept, bool* candidate )
     qsort( sorted, (size_t)count, sizeof *sorted, descending );
     double bar = fmax( HOPE * sorted[0], sorted[kept < count ? kept - 1 : count - 1] );
     for ( int i = 0; i < tune->count; ++i )
-        candidate[i] = candidate[i] && tune->rows[i].efficiency >= bar;
+        candidate[i] = candidate[i] && ( tune->rows[i].efficiency >= bar || rf_is_plain_row( tune->rows + i ) );
 }
 
 double rf_tune_position( int index )

@@ -2,6 +2,7 @@
 #include "measure/tune_internal.h"
 
 #include "base/remedy.h"
+#include "base/system.h"
 #include "render/groups.h"
 #include "reframe/plan.h"
 
@@ -10,9 +11,13 @@
 static const int s_groups[RF_TUNE_GROUPS] = { 0, 1, 2, 3, 4, 6, 8, 12, 16 };
 static const char* const s_tiles[RF_TUNE_TILES] = { "1", "2x2", "3x3", "4x4", "rooks16" };
 
-static const char s_no_room[] = "does not fit the memory", s_rounded[] = "the samples would more than double";
+static const char s_no_room[] = "does not fit the memory", s_rounded[] = "the samples would more than double",
+                  s_hopeless[] = "by the plan worth less than a smaller group";
 
+#define BEYOND 0.97  // of the best gain that the plan predicts for a tile: with less a larger group is not tried
 #define ROUNDING 2.0 // limit of the samples traced, as a multiple of those requested
+
+bool rf_is_plain_row( const RfTuneRow* row ) { return row->group == 0 && row->tile.kind == RF_TILE_NONE; }
 
 RfRenderSettings rf_tune_settings( const RfTuneRow* row, const RfRenderSettings* common )
 {
@@ -46,6 +51,21 @@ static RfMemoryFit fit_of( const RfTuneJob* job, const RfTuneRow* row )
     return fit;
 }
 
+// Leaves out the groups of a tile, from row `first` on, that are larger than the best one by the plan: their reuse costs
+// more than it brings, and the plan overrates large groups, if anything.
+static void drop_hopeless( RfTune* tune, int first )
+{
+    int best = first;
+    for ( int i = first; i < tune->count; ++i )
+        best = tune->rows[i].predicted_gain > tune->rows[best].predicted_gain ? i : best;
+    for ( int i = best + 1; i < tune->count; ++i )
+    {
+        RfTuneRow* row = tune->rows + i;
+        if ( row->excluded == NULL && row->predicted_gain < BEYOND * tune->rows[best].predicted_gain )
+            row->excluded = s_hopeless;
+    }
+}
+
 // Lists the rows of a tile; none fits if the smallest group does not.
 static RfResult list_tile( const RfTuneJob* job, const RfTile* tile, RfTune* tune, RfError* error )
 {
@@ -57,7 +77,7 @@ static RfResult list_tile( const RfTuneJob* job, const RfTile* tile, RfTune* tun
         rf_plan_render( job->tracer, job->eyes, job->eye_count, job->frames, job->frame_count, &settings, &plan, error );
     if ( result != RF_OK && result != RF_ERROR_MEMORY )
         return result;
-    int planned = result == RF_OK ? plan.count : 0;
+    int planned = result == RF_OK ? plan.count : 0, first = tune->count;
     for ( int i = 0; i < RF_TUNE_GROUPS; ++i )
     {
         RfGroupPlan groups = rf_plan_groups( job->eye_count, s_groups[i], settings.spp );
@@ -78,6 +98,7 @@ static RfResult list_tile( const RfTuneJob* job, const RfTile* tile, RfTune* tun
         if ( groups.eyes == job->eye_count )
             break;
     }
+    drop_hopeless( tune, first );
     return RF_OK;
 }
 
@@ -86,9 +107,11 @@ static RfResult fail_memory( const RfTuneJob* job, const RfTune* tune, size_t me
     size_t least = tune->rows[0].fit.least;
     for ( int i = 1; i < tune->count; ++i )
         least = tune->rows[i].fit.least < least ? tune->rows[i].fit.least : least;
+    char text[RF_BYTES_TEXT_SIZE];
+    rf_format_memory( memory, text );
     return rf_advise( rf_fail( error, RF_ERROR_MEMORY,
-                               "a budget of %zu KiB is too small for frames of %dx%d, whatever the group and the tile",
-                               memory / 1024, job->eyes->width, job->eyes->height ),
+                               "a budget of %s is too small for frames of %dx%d, whatever the group and the tile", text,
+                               job->eyes->width, job->eyes->height ),
                       RF_REMEDY_MEMORY, least, error );
 }
 
@@ -117,7 +140,6 @@ RfResult rf_list_tune_rows( const RfTuneJob* job, RfTune* tune, RfRenderSettings
 
 int rf_tune_workers( const RfTuneJob* job, const RfTune* tune, const RfRenderSettings* common )
 {
-    RfEye small = rf_resize_eye( job->eyes, 1, 1 );
     size_t most = 1;
     for ( int i = 0; i < tune->count; ++i )
     {
@@ -125,11 +147,10 @@ int rf_tune_workers( const RfTuneJob* job, const RfTune* tune, const RfRenderSet
         RfMemoryFit fit;
         settings.threads = 1;
         settings.aovs = 0;
-        // except for its one-pixel films, memory is that of a trial of any size
-        RfResult result = rf_fit_memory( rf_tracer_scene( job->tracer ), &small, tune->rows[i].eyes, tune->rows[i].eyes,
+        RfResult result = rf_fit_memory( rf_tracer_scene( job->tracer ), job->eyes, tune->rows[i].eyes, tune->rows[i].eyes,
                                          &settings, &fit, NULL );
-        size_t bytes = fit.bytes_hits + fit.bytes_lists;
-        if ( tune->rows[i].excluded == NULL && result == RF_OK && bytes > most )
+        size_t bytes = fit.bytes_films + fit.bytes_hits + fit.bytes_lists;
+        if ( tune->rows[i].excluded == NULL && result == RF_OK && fit.sweeps == 1 && bytes > most )
             most = bytes;
     }
     size_t room = common->memory / ( 2 * most );
@@ -139,7 +160,8 @@ int rf_tune_workers( const RfTuneJob* job, const RfTune* tune, const RfRenderSet
 static void predict_row( RfTuneRow* row, double pixels, int frames )
 {
     const RfTrial* trial = &row->trial;
-    row->cpu_seconds = row->seconds = row->relmse = row->f1 = row->phi = row->efficiency = row->gain = NAN;
+    row->cpu_seconds = row->seconds = row->relmse = row->f1 = row->phi = row->efficiency = NAN;
+    row->gain = ( RfInterval ){ (double)NAN, (double)NAN, (double)NAN };
     if ( row->rounds == 0 )
         return;
     double finish = trial->finish_pixels > 0.0 ? trial->finish_seconds / trial->finish_pixels : 0.0;
@@ -152,9 +174,18 @@ static void predict_row( RfTuneRow* row, double pixels, int frames )
     row->efficiency = cost > 0.0 ? frames / cost : NAN; // the efficiency of a black image is undefined
 }
 
+// Of the render asked for: more samples are traced at the ends of the path, and in several sweeps.
+static RfInterval gain_over( const RfTuneRow* plain, const RfTuneRow* row )
+{
+    RfInterval gain = rf_trial_gain( &plain->trial, &row->trial );
+    double ends = plain->samples / plain->spp / ( row->samples / row->spp );
+    return row == plain ? ( RfInterval ){ 1.0, 1.0, 1.0 }
+                        : ( RfInterval ){ gain.value * ends, gain.low * ends, gain.high * ends };
+}
+
 void rf_predict_tune_rows( RfTune* tune, double pixels, int frames )
 {
-    double plain = NAN;
+    const RfTuneRow* plain = NULL;
     int rounds = 0;
     tune->chosen = -1;
     for ( int i = 0; i < tune->count; ++i )
@@ -163,13 +194,13 @@ void rf_predict_tune_rows( RfTune* tune, double pixels, int frames )
         predict_row( row, pixels, frames );
         row->chosen = false;
         rounds = row->rounds > rounds ? row->rounds : rounds;
-        if ( row->group == 0 && row->tile.kind == RF_TILE_NONE )
-            plain = row->efficiency;
+        plain = rf_is_plain_row( row ) && row->rounds > 0 ? row : plain;
     }
     for ( int i = 0; i < tune->count; ++i )
     {
         RfTuneRow* row = tune->rows + i;
-        row->gain = row->efficiency / plain;
+        if ( plain != NULL && row->rounds > 0 )
+            row->gain = gain_over( plain, row );
         if ( row->rounds == rounds && rounds > 0 && isfinite( row->efficiency ) &&
              ( tune->chosen < 0 || row->efficiency > tune->rows[tune->chosen].efficiency ) )
             tune->chosen = i;

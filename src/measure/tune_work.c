@@ -26,8 +26,10 @@ static RfResult make_region( RfTuneWork* w, int index, RfError* error )
 {
     const RfTuneJob* job = w->job;
     int frame = job->frames[(int)( rf_tune_position( w->first_position + index ) * job->frame_count )];
-    return rf_create_test_region( job->tracer, job->eyes, job->eye_count, frame, w->region_frames, w->round->width,
-                                  w->round->height, &w->settings, &w->watch, w->regions + index, error );
+    RfRenderSettings settings = w->settings;
+    settings.seed = rf_mix64( settings.seed ^ (uint64_t)( w->first_position + index ) ); // other pieces each time
+    return rf_create_test_region( job->tracer, job->eyes, job->eye_count, frame, w->region_frames, w->round->pixels, &settings,
+                                  &w->watch, w->regions + index, error );
 }
 
 static RfResult try_row( RfTuneWork* w, int region, int k, RfError* error )

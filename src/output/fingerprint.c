@@ -36,7 +36,8 @@ void rf_frame_fingerprint( const RfOutput* output, int frame, char text[RF_FINGE
     char aovs[RF_AOVS_TEXT_SIZE];
     rf_format_aovs( s->aovs, aovs, sizeof aovs );
     snprintf( settings, sizeof settings, "runs %d", path->run_count );
-    if ( path->run_count > 0 && path->run_count < path->count ) // a path without is what it was before equal frames were rendered once
+    if ( path->run_count > 0 &&
+         path->run_count < path->count ) // a path without is what it was before equal frames were rendered once
         hash = hash_text( hash, settings );
     if ( s->aovs != 0 ) // a frame without any is what it was before there were any
         hash = hash_text( hash, aovs );

@@ -23,7 +23,8 @@ void rf_list_aov_channels( const RfFrameResult* frame, bool half, const bool sti
             char* name = list->names[list->count];
             // motion is x and y to the frame before, then to the frame after
             bool zero = i == RF_AOV_MOTION && still[c / 2];
-            snprintf( name, sizeof list->names[0], "%s.%c", rf_aov_name( (RfAov)i ), letters[c] );
+            const char* layer = i == RF_AOV_ALPHA ? "" : rf_aov_name( (RfAov)i );
+            snprintf( name, sizeof list->names[0], "%s%s%c", layer, layer[0] != '\0' ? "." : "", letters[c] );
             list->channels[list->count++] = ( RfExrChannel ){
                 .name = name,
                 .values = zero ? &s_zero : frame->aovs[i] + c,

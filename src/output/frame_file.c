@@ -2,11 +2,14 @@
 #include "reframe/output.h"
 
 #include "output/frame_aovs.h"
+#include "output/frame_difference.h"
+#include "scene/eye.h"
 #include "scene/scene.h"
 
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
+#include <string.h>
 
 #define MAX_NAME 4096
 #define TEXT_SIZE RF_AOVS_TEXT_SIZE // the longest text that is made here
@@ -26,6 +29,7 @@ typedef enum Key
     CAMERA,
     FRAME,
     FRAMES,
+    STEP,
     GROUP,
     SPP,
     TILE,
@@ -38,6 +42,10 @@ typedef enum Key
     NOISE,
     TIME,
     RELMSE_ESTIMATE,
+    RELMSE_IS_LOWER_BOUND,
+    RELMSE_LIKELY,
+    WORST_TEN_SHARE,
+    REACHED,
     NATIVE_SPP,
     EFFECTIVE_SPP,
     AOV,
@@ -53,6 +61,7 @@ static const char* const s_names[KEY_COUNT] = {
     [CAMERA] = "reframe/camera",
     [FRAME] = "reframe/frame",
     [FRAMES] = "reframe/frames",
+    [STEP] = "reframe/step",
     [GROUP] = "reframe/group",
     [SPP] = "reframe/spp",
     [TILE] = "reframe/tile",
@@ -65,6 +74,10 @@ static const char* const s_names[KEY_COUNT] = {
     [NOISE] = "reframe/noise",
     [TIME] = "reframe/time",
     [RELMSE_ESTIMATE] = "reframe/relmse-estimate",
+    [RELMSE_IS_LOWER_BOUND] = "reframe/relmse-is-lower-bound",
+    [RELMSE_LIKELY] = "reframe/relmse-likely",
+    [WORST_TEN_SHARE] = "reframe/worst-ten-share",
+    [REACHED] = "reframe/reached",
     [NATIVE_SPP] = "reframe/native-spp",
     [EFFECTIVE_SPP] = "reframe/effective-spp",
     [AOV] = "reframe/aov",
@@ -126,8 +139,17 @@ static void put_frame( Attributes* a, const RfOutput* output, const RfFrameResul
     put_text( a, CAMERA, output->path->name );
     put( a, FRAME, "%d", rf_frame_number( output->path, frame->frame ) );
     put( a, FRAMES, "%d", output->path->count );
+    if ( output->path->step > 1 )
+        put( a, STEP, "%d", output->path->step );
     if ( isfinite( frame->relmse_estimate ) )
+    {
         put( a, RELMSE_ESTIMATE, "%.6g", frame->relmse_estimate );
+        put_text( a, RELMSE_IS_LOWER_BOUND, frame->relmse_is_lower_bound ? "yes" : NULL );
+        put( a, RELMSE_LIKELY, "%.6g", frame->relmse_likely );
+        put( a, WORST_TEN_SHARE, "%.6g", frame->worst_ten_share );
+    }
+    if ( output->settings.noise > 0.0 )
+        put_text( a, REACHED, frame->reached ? "yes" : "no" );
     put( a, NATIVE_SPP, "%.9g", frame->native_spp );
     put( a, EFFECTIVE_SPP, "%.6g", frame->effective_spp );
     put_text( a, DEVICE, rf_tracer_device( output->tracer ) );
@@ -178,7 +200,7 @@ RfResult rf_write_frame( const RfOutput* output, const RfFrameResult* frame, RfE
     exr.has_camera = true;
     const RfEye* eye = output->path->eyes + frame->frame;
     exr.pixel_aspect = eye->focal / eye->focal_x;
-    rf_eye_matrices( eye, exr.world_to_camera, exr.world_to_ndc );
+    rf_eye_matrices_around( eye, output->path->origin, exr.world_to_camera, exr.world_to_ndc );
     exr.strings = attributes.strings;
     exr.string_count = attributes.count;
     exr.channels = aovs.channels;
@@ -186,4 +208,84 @@ RfResult rf_write_frame( const RfOutput* output, const RfFrameResult* frame, RfE
     // The writer only reads the pixels; RfImage has no const flavour.
     RfImage image = { .width = frame->width, .height = frame->height, .rgb = (float*)frame->rgb };
     return rf_write_exr( name, &image, &exr, error );
+}
+
+// A value as the option takes it: adaptive sampling that is on is "yes" in files.
+static const char* option_value( Key key, const char* value )
+{
+    return key == ADAPTIVE && strcmp( value, "yes" ) == 0 ? rf_adaptive_name( RF_ADAPTIVE_ON ) : value;
+}
+
+// What a key that is not in a file stands for.
+static const char* absent_value( Key key )
+{
+    switch ( key )
+    {
+        case ADAPTIVE: return rf_adaptive_name( RF_ADAPTIVE_OFF );
+        case NOISE:
+        case TIME: return "0";
+        case AOV: return "none";
+        case ESTIMATOR: return rf_estimator_name( rf_default_render_settings().estimator );
+        default: return "";
+    }
+}
+
+static void add_difference( RfFrameDifference* list, int* count, const char* name, const char* there, const char* here )
+{
+    if ( *count == RF_MAX_DIFFERENCES || strcmp( there, here ) == 0 )
+        return;
+    RfFrameDifference* difference = list + ( *count )++;
+    difference->name = name;
+    snprintf( difference->there, sizeof difference->there, "%s", there );
+    snprintf( difference->here, sizeof difference->here, "%s", here );
+}
+
+static void add_size( const RfOutput* output, const char* name, RfFrameDifference* list, int* count )
+{
+    const RfEye* eye = output->path->eyes;
+    char there[32], here[32];
+    RfImage image;
+    if ( rf_read_exr( name, &image, NULL ) != RF_OK )
+        return;
+    snprintf( there, sizeof there, "%dx%d", image.width, image.height );
+    snprintf( here, sizeof here, "%dx%d", eye->width, eye->height );
+    rf_destroy_image( &image );
+    add_difference( list, count, "size", there, here );
+}
+
+// It is in no header, but in the fingerprint.
+static void add_roulette( const RfOutput* output, const char* name, int frame, RfFrameDifference* list, int* count )
+{
+    char found[64], fingerprint[RF_FINGERPRINT_SIZE];
+    RfOutput other = *output;
+    bool here = output->settings.tile_roulette;
+    other.settings.tile_roulette = !here;
+    rf_frame_fingerprint( &other, frame, fingerprint );
+    if ( rf_read_exr_string( name, s_names[FINGERPRINT], found, sizeof found, NULL ) == RF_OK &&
+         strcmp( found, fingerprint ) == 0 )
+        add_difference( list, count, "tile-roulette", here ? "no" : "yes", here ? "yes" : "no" );
+}
+
+int rf_list_frame_differences( const RfOutput* output, int frame, RfFrameDifference list[RF_MAX_DIFFERENCES] )
+{
+    static const Key keys[] = { VERSION, FRAME,     CAMERA,        FRAMES,   GROUP, SPP,  TILE, WEIGHTS,  NORMALIZE,
+                                SEED,    MAX_DEPTH, LIGHT_SAMPLES, ADAPTIVE, NOISE, TIME, AOV,  ESTIMATOR };
+    char name[MAX_NAME], there[RF_DIFFERENCE_SIZE];
+    int count = 0;
+    Attributes wanted;
+    RfFrameResult none = { .frame = frame };
+    list_attributes( output, &none, &wanted );
+    if ( rf_sequence_name( output->pattern, rf_frame_number( output->path, frame ), name, sizeof name, NULL ) != RF_OK )
+        return 0;
+    for ( size_t i = 0; i < sizeof keys / sizeof keys[0]; ++i )
+    {
+        const char* here = wanted.values[keys[i]];
+        bool is_there = rf_read_exr_string( name, s_names[keys[i]], there, sizeof there, NULL ) == RF_OK;
+        add_difference( list, &count, s_names[keys[i]] + strlen( "reframe/" ),
+                        is_there ? option_value( keys[i], there ) : absent_value( keys[i] ),
+                        here != NULL ? option_value( keys[i], here ) : absent_value( keys[i] ) );
+    }
+    add_size( output, name, list, &count );
+    add_roulette( output, name, frame, list, &count );
+    return count;
 }

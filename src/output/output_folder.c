@@ -1,6 +1,8 @@
 // The folder that the frames go to.
 #include "reframe/output.h"
 
+#include "image/atomic_file.h"
+
 #include <errno.h>
 #include <stdlib.h>
 #include <stdio.h>
@@ -60,4 +62,11 @@ RfResult rf_prepare_output_folder( const char* pattern, RfError* error )
     if ( result == RF_OK )
         result = make_folder( folder, error );
     return result == RF_OK ? probe_folder( folder, error ) : result;
+}
+
+void rf_clean_output_folder( const char* pattern )
+{
+    char folder[MAX_NAME];
+    if ( folder_of( pattern, folder, sizeof folder, NULL ) == RF_OK )
+        rf_remove_leftovers( folder );
 }

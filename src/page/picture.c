@@ -146,12 +146,12 @@ static RfResult concatenate( const Base* base, const unsigned char* jpeg, size_t
 }
 
 // Noisy images need more bits: lowers the quality until the size is small enough.
-static RfResult encode_detail( const unsigned char* codes, const RfImage* image, const char* name, unsigned char** jpeg,
-                               size_t* size, RfError* error )
+static RfResult encode_detail( const unsigned char* codes, const RfImage* image, double most_bits, const char* name,
+                               unsigned char** jpeg, size_t* size, RfError* error )
 {
-    static const int qualities[] = { RF_PICTURE_QUALITY, 82, 72, 60, 45, 30 };
+    static const int qualities[] = { RF_PICTURE_QUALITY, 82, 72, 60, 45, 30, 18, 10, 5 };
     const int count = (int)( sizeof qualities / sizeof qualities[0] );
-    double most = 1000.0 + (double)image->width * image->height * RF_PICTURE_MAX_BITS / 8.0;
+    double most = 1000.0 + (double)image->width * image->height * most_bits / 8.0;
     RfResult result = RF_OK;
     *jpeg = NULL;
     for ( int i = 0; i < count && result == RF_OK; ++i )
@@ -165,6 +165,12 @@ static RfResult encode_detail( const unsigned char* codes, const RfImage* image,
 }
 
 RfResult rf_encode_picture( const RfImage* image, const char* name, unsigned char** bytes, size_t* size, RfError* error )
+{
+    return rf_encode_picture_within( image, RF_PICTURE_MAX_BITS, name, bytes, size, error );
+}
+
+RfResult rf_encode_picture_within( const RfImage* image, double most_bits, const char* name, unsigned char** bytes, size_t* size,
+                                   RfError* error )
 {
     *bytes = NULL;
     *size = 0;
@@ -182,7 +188,7 @@ RfResult rf_encode_picture( const RfImage* image, const char* name, unsigned cha
         fill_codes( codes + 3 * pixels );
         for ( int y = 0; y < image->height; ++y )
             encode_row( image, &base, y, codes + 3 * pixels, codes + 3 * (size_t)y * (size_t)image->width );
-        result = encode_detail( codes, image, name, &jpeg, &jpeg_size, error );
+        result = encode_detail( codes, image, most_bits, name, &jpeg, &jpeg_size, error );
     }
     if ( result == RF_OK )
         result = concatenate( &base, jpeg, jpeg_size, name, bytes, size, error );

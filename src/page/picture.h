@@ -31,6 +31,10 @@
 // RF_ERROR_MEMORY, or RF_ERROR_USAGE if the size is out of bounds.
 RfResult rf_encode_picture( const RfImage* image, const char* name, unsigned char** bytes, size_t* size, RfError* error );
 
+// The same with another limit of the mean bits per pixel.
+RfResult rf_encode_picture_within( const RfImage* image, double most_bits, const char* name, unsigned char** bytes, size_t* size,
+                                   RfError* error );
+
 // Averages boxes of `factor` × `factor` pixels, cropped at the right and lower border. The
 // caller destroys the result. NaN stays NaN.
 RfResult rf_shrink_image( const RfImage* image, int factor, RfImage* small, RfError* error );

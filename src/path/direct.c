@@ -174,7 +174,7 @@ static void connect_non_area( const RfLights* lights, const RfWavefront* keys, c
         RfPunctualEnvironmentSample s = rf_sample_punctual_environment( lights, points->selection[i], key, dimension, u, from );
         float cos_x = rf_dot( n, s.wi );
         if ( !( cos_x > 0.0f && rf_dot( ng, s.wi ) > 0.0f && s.pdf_solid_angle > 0.0f &&
-                rf_max_component( s.radiance ) < 1e32f ) )
+                rf_max_component( s.radiance ) <= RF_MAX_PUNCTUAL_RADIANCE ) )
             continue;
         float wi[3] = { s.wi.x, s.wi.y, s.wi.z }, radiance[3] = { s.radiance.x, s.radiance.y, s.radiance.z };
         for ( int c = 0; c < 3; ++c )

@@ -17,6 +17,17 @@ static float range_falloff( float distance2, float range )
     return rf_clampf( 1.0f - ratio2 * ratio2, 0.0f, 1.0f );
 }
 
+// Radiance and density in the right ratio, the radiance as large as may be: the density remains far above those
+// of scattering models, which it competes with in MIS.
+static void set_bright( const RfPunctual* p, double scale, float probability, RfPunctualEnvironmentSample* sample )
+{
+    double most = (double)rf_max_component( p->intensity ), delta = (double)RF_MAX_PUNCTUAL_RADIANCE / ( most * scale );
+    if ( !( most * scale > 0.0 ) )
+        return;
+    sample->radiance = rf_scale( p->intensity, (float)( (double)RF_MAX_PUNCTUAL_RADIANCE / most ) );
+    sample->pdf_solid_angle = probability * (float)delta;
+}
+
 static RfPunctualEnvironmentSample sample_punctual( const RfLights* lights, const RfPunctual* p, float probability, RfVec3 from )
 {
     RfPunctualEnvironmentSample sample = { .pdf_solid_angle = probability * RF_DELTA_PDF };
@@ -39,7 +50,11 @@ static RfPunctualEnvironmentSample sample_punctual( const RfLights* lights, cons
     // bounds the radiance next to the light
     float least = 1e-5f * lights->radius;
     d2 = rf_maxf( d2, least * least );
-    sample.radiance = rf_scale( p->intensity, cone_falloff( p, sample.wi ) * range_falloff( d2, p->range ) / d2 * RF_DELTA_PDF );
+    float falloff = cone_falloff( p, sample.wi ) * range_falloff( d2, p->range ), scale = falloff / d2 * RF_DELTA_PDF;
+    if ( rf_max_component( p->intensity ) * scale < RF_MAX_PUNCTUAL_RADIANCE )
+        sample.radiance = rf_scale( p->intensity, scale );
+    else
+        set_bright( p, falloff / (double)d2, probability, &sample );
     return sample;
 }
 

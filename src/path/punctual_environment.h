@@ -5,7 +5,11 @@
 #include "path/lanes.h"
 
 // The direction to the light, the unoccluded radiance, and the length of the shadow
-// segment. A punctual light is a delta: its density is RF_DELTA_PDF.
+// segment. A punctual light is a delta: its density is RF_DELTA_PDF, and its radiance has the same factor. Both are
+// smaller by another factor where the radiance would exceed RF_MAX_PUNCTUAL_RADIANCE, which leaves room among the
+// floats for scattering models and throughputs.
+#define RF_MAX_PUNCTUAL_RADIANCE 1e32f
+
 typedef struct RfPunctualEnvironmentSample
 {
     RfVec3 wi, radiance;

@@ -118,23 +118,23 @@ static inline void fill_lane( const Source* from, RfVertexLanes* restrict v, int
     int r = from->scratch->index[i];
     float bu = from->scratch->u[r], bv = from->scratch->v[r];
     const RfTriangleRecord* t = from->triangles + from->scratch->triangle[r];
-    RfVec3 p = rf_add( t->p0, rf_add( rf_scale( t->e1, bu ), rf_scale( t->e2, bv ) ) );
+    RfVec3 o = rf_vec3( rays->o[0][r], rays->o[1][r], rays->o[2][r] );
     RfVec3 wo = rf_vec3( -rays->d[0][r], -rays->d[1][r], -rays->d[2][r] );
+    RfHitPoint hit = rf_hit_point( t, bu, bv, o, rf_scale( wo, -1.0f ) );
     float facing = rf_dot( t->ng, wo );
     float side = facing < 0.0f ? -1.0f : 1.0f;
     RfVec3 ng = rf_scale( t->ng, side );
     RfVec3 n = t->flat ? ng : shading_normal( t, bu, bv, side, ng );
-    put( v->p, i, p );
+    put( v->p, i, hit.p );
     put( v->ng, i, ng );
     put( v->n, i, n );
     put( v->wo, i, wo );
-    v->offset[i] = t->offset;
+    v->offset[i] = hit.offset;
     v->ray[i] = r;
     v->slot[i] = rays->slot[r];
     v->material[i] = (int32_t)t->material;
     fill_params_of_hit( v, i, from->materials + t->material, facing );
-    RfVec3 to_hit = rf_sub( p, rf_vec3( rays->o[0][r], rays->o[1][r], rays->o[2][r] ) );
-    fill_emission( v, i, from->lights, t->light, facing, to_hit );
+    fill_emission( v, i, from->lights, t->light, facing, rf_sub( hit.p, o ) );
 }
 
 // A point on a triangle; side is −1 where the triangle is seen from behind.

@@ -35,11 +35,17 @@ typedef enum RfAov
 #define RF_AOV_CONSTANT( constant, name, letters, half, first_hit, what ) RF_AOV_##constant,
     RF_AOV_LIST( RF_AOV_CONSTANT )
 #undef RF_AOV_CONSTANT
-        RF_AOV_COUNT
+        RF_AOV_ALPHA, // not in the list: it belongs to the colour, see below
+    RF_AOV_COUNT
 } RfAov;
 
 #define RF_AOV_BIT( aov ) ( 1u << ( aov ) )
-#define RF_ALL_AOVS ( RF_AOV_BIT( RF_AOV_COUNT ) - 1u )
+#define RF_ALL_AOVS ( RF_AOV_BIT( RF_AOV_ALPHA ) - 1u ) // of the list
+
+// RF_AOV_ALPHA is the coverage of a pixel by what is not sky, 0 to 1: the share of its camera rays that hit something, be
+// it a mirror or glass. It is reused and combined as the colour is, so it is unbiased, and where the weights of reused
+// samples vary it may leave 0 to 1 a little, at the rims of things. With it the colour is premultiplied: the sky that
+// camera rays see is left out of it. What mirrors and glass show of the sky stays. In a file it is the channel "A".
 
 #define RF_DEPTH_OF_NOTHING 1e10f // depth where the whole pixel is empty, as Blender has it
 

@@ -27,7 +27,7 @@ typedef struct RfPose
     float focal;        // as that of RfEye
 } RfPose;
 
-// A camera in world space, with its film in pixels. Film coordinates: x to the right,
+// A camera in world space (less the scene's origin: RfSceneInfo), with its film in pixels. Film coordinates: x to the right,
 // y down, pixel (i, j) is the unit square [i, i+1) × [j, j+1). It is a pinhole that stands still, unless it has a thin lens
 // (rf_set_lens) or moves while the shutter is open (rf_set_shutter): then this is the middle of both.
 typedef struct RfEye
@@ -70,13 +70,14 @@ void rf_set_shutter( RfEye* eye, const RfEye* open, const RfEye* close );
 // The eyes of a camera's animation, one per frame.
 typedef struct RfCameraPath
 {
-    char* name;    // of the camera, or of the file
-    int count;     // frames
-    RfEye* eyes;   // count of them
-    int first;     // number of the first frame, by which files and messages call it
-    int step;      // from the number of a frame to that of the next
-    RfFps fps;     // that it was sampled at
-    uint64_t hash; // of all eyes: a frame is made of its neighbours' samples too
+    char* name;       // of the camera, or of the file
+    int count;        // frames
+    RfEye* eyes;      // count of them
+    int first;        // number of the first frame, by which files and messages call it
+    int step;         // from the number of a frame to that of the next
+    RfFps fps;        // that it was sampled at
+    double origin[3]; // of the scene (RfSceneInfo): eyes are relative to it
+    uint64_t hash;    // of all eyes: a frame is made of its neighbours' samples too
 
     // Frames in a row with the same eye are a run, which needs to be rendered only once.
     int run_count;

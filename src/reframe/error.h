@@ -50,7 +50,7 @@ typedef struct RfError
 
 // Writes the line into `error` (which may be NULL), without a remedy, and returns `code`, so
 // that `return rf_fail( error, RF_ERROR_IO, "..." );` is the whole of a failure, of a callback
-// too. Control characters in the text are replaced by '?', so it stays one line.
+// too. Control characters in the text are written as \n or \x1b, so it stays one line.
 RfResult rf_fail( RfError* error, RfResult code, const char* format, ... ) __attribute__( ( format( printf, 3, 4 ) ) );
 
 // The stable name of a code, such as "RF_ERROR_IO".

@@ -120,14 +120,19 @@ RfResult rf_list_exr_strings( const char* path, RfExrStringFn* take, void* user,
 // curve. NaN becomes magenta, so that it is noticed.
 RfResult rf_write_png( const char* path, const RfImage* image, float exposure_stops, RfError* error );
 
+// The same with alpha, a float per pixel. The colour is premultiplied, as in EXR files; PNG wants it straight, so it
+// is divided by alpha, which is clipped to 0 to 1. NULL: no alpha.
+RfResult rf_write_png_alpha( const char* path, const RfImage* image, const float* alpha, float exposure_stops, RfError* error );
+
 // Sequences: in a pattern such as "out/frame.####.exr" the run of '#' stands for the frame number,
 // which counts from 1, zero-padded to the length of the run (longer numbers take more digits).
+// "out/frame.%04d.exr" is the same, and %d is "#".
 
-// True if the last path component has a run of '#'. Several runs, or one in the name of a folder,
+// True if the last path component has a run of '#' or a %04d. Several runs, or one in the name of a folder,
 // are errors that rf_sequence_name reports.
 bool rf_is_sequence( const char* pattern );
 
-// Writes the file name of frame `number` into `name` (size bytes). A pattern without '#' is copied.
+// Writes the file name of frame `number` into `name` (size bytes). A pattern without one is copied.
 // Fails with RF_ERROR_USAGE.
 RfResult rf_sequence_name( const char* pattern, int number, char* name, size_t size, RfError* error );
 

@@ -42,6 +42,10 @@ RfOutput rf_default_output( void );
 // RF_ERROR_IO, or RF_ERROR_USAGE for a pattern that is none.
 RfResult rf_prepare_output_folder( const char* pattern, RfError* error );
 
+// Removes temporary files from the folder of the pattern's files that renders which were killed have left
+// there; those that another process is writing stay.
+void rf_clean_output_folder( const char* pattern );
+
 // Writes a finished frame, for RfRenderCallbacks.frame: it may be called from the thread of the queue.
 // Fails as rf_write_exr does, and with RF_ERROR_USAGE where settings.files was not set.
 RfResult rf_write_frame( const RfOutput* output, const RfFrameResult* frame, RfError* error );

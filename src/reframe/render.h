@@ -107,6 +107,9 @@ const RfEstimator* rf_find_estimator( const char* name );
 // The name that finds it.
 const char* rf_estimator_name( const RfEstimator* estimator );
 
+// The parts of the frames that alone are traced (render/pieces.h).
+typedef struct RfPieces RfPieces;
+
 // What is to be rendered, and how. From rf_default_render_settings.
 typedef struct RfRenderSettings
 {
@@ -124,14 +127,15 @@ typedef struct RfRenderSettings
     int light_samples; // per vertex
     RfLightSampling light_sampling;
     uint64_t seed;
-    int threads;        // 0: all cores
-    size_t memory;      // budget in bytes, beyond scene and BVH; 0: half of what is free
-    int queue;          // finished frames, at most, that callbacks->frame is given in a thread of its own
-                        // while rendering goes on; fewer where memory is short. 0: it is called in between
-    bool hold_all;      // all hit records of a group at once, as in the paper: for comparison, the pictures are
-                        // the same; else as few as serve the threads
-    unsigned aovs;      // RF_AOV_BIT of the AOVs that are wanted besides the colour, which they do not change
-    RfFrameFiles files; // rf_default_frame_files where callbacks->frame writes files
+    int threads;            // 0: all cores
+    size_t memory;          // budget in bytes, beyond scene and BVH; 0: half of what is free
+    int queue;              // finished frames, at most, that callbacks->frame is given in a thread of its own
+                            // while rendering goes on; fewer where memory is short. 0: it is called in between
+    bool hold_all;          // all hit records of a group at once, as in the paper: for comparison, the pictures are
+                            // the same; else as few as serve the threads
+    unsigned aovs;          // RF_AOV_BIT of the AOVs that are wanted besides the colour, which they do not change
+    RfFrameFiles files;     // rf_default_frame_files where callbacks->frame writes files
+    const RfPieces* pieces; // NULL: whole frames; else not with noise, time, hold_all or extra samples
 } RfRenderSettings;
 
 #define RF_GROUP_AUTO ( -1 )
@@ -190,11 +194,14 @@ typedef struct RfFrameResult
     const float* weight;             // width × height: the mean of the summed weights B; E[B] = 1 with exact
                                      // weights, else hits per pass
     const float* aovs[RF_AOV_COUNT]; // rf_aov_channels × width × height; NULL: not asked for
-    double seconds;                  // wall time since the frame before it
+    double seconds;                  // wall time since the frames before it; those that a group finishes together share it
     double relmse_estimate;          // from two halves of the samples; NaN with a single pass
+    bool relmse_is_lower_bound;      // the estimate is what the relMSE is at least: more is not known
+    double relmse_likely;            // the best guess: the estimate, or above it where that is a lower bound
+    double worst_ten_share;          // part of relmse_likely that its ten worst pixels carry, 0 to 1
     double native_spp;               // samples that the frame traced itself, per pixel
     double effective_spp;            // samples that landed in a pixel, its own and reused ones
-    bool reached;                    // the estimate is at most settings.noise, or nothing was asked
+    bool reached;                    // the relMSE is at most settings.noise by all that is known, or nothing was asked
 } RfFrameResult;
 
 typedef struct RfProgress
@@ -204,6 +211,7 @@ typedef struct RfProgress
     double samples; // traced so far
     double seconds; // since the start
     double relmse;  // estimate of the last finished frame; NaN: not known
+    bool relmse_is_lower_bound;
 } RfProgress;
 
 // Either callback may be NULL. `frame` failing stops the render with its

@@ -41,10 +41,13 @@ typedef struct RfSceneInfo
     int cameras;          // may be 0: rf_create_camera_path then needs a path file
     RfVec3 bounds_min;    // of the triangles, metres; both 0 where there are none
     RfVec3 bounds_max;
+    double origin[3];          // eyes are relative to it, metres; 0 unless the scene lies so far out that floats would not do
     RfFps fps;                 // that the scene asks for; 0/0: it does not say
     int width, height;         // of the picture, likewise
     int moving_count;          // objects that move in the file, but stand still here
     const char* const* moving; // their names
+    int export_warning_count;  // of the program that wrote the file
+    const char* const* export_warnings;
 } RfSceneInfo;
 
 // Counts what is in a scene. Fails with RF_ERROR_MEMORY only.
@@ -54,8 +57,8 @@ typedef struct RfCameraInfo
 {
     const char* name; // unique, never empty; the scene's
     int frames;       // of its path at the frame rate asked for; 1 where it stands still
-    bool animated;
-    int first, step; // number of its first frame, and from a frame's number to the next one's
+    bool animated;    // false also where it stands still in all its frames
+    int first, step;  // number of its first frame, and from a frame's number to the next one's
 } RfCameraInfo;
 
 // Describes camera `index`, 0 to RfSceneInfo.cameras - 1, at `fps`; 0/0 is the scene's own rate, else 24. Fails with RF_ERROR_USAGE for an index

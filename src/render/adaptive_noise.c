@@ -220,7 +220,9 @@ void rf_measure_noise( RfRenderer* r, RfLiveFilm* live )
     double pixels = (double)r->sizes.width * (double)r->sizes.height;
     double pairs = fmin( fmax( PAIR_SHARE * pixels * path * r->settings.spp, LEAST_PAIRS ), MOST_PAIRS );
     uint32_t* landed = live->aovs.landed;
+    float* sky = live->aovs.mean[RF_AOV_ALPHA];
     live->aovs.landed = NULL; // AOVs do not count these samples
+    live->aovs.mean[RF_AOV_ALPHA] = NULL;
     for ( int k = 0; k < frames; ++k )
     {
         int looked_at = (int)( ( 2 * (int64_t)k + 1 ) * path / ( 2 * frames ) );
@@ -231,6 +233,7 @@ void rf_measure_noise( RfRenderer* r, RfLiveFilm* live )
     }
     live->frame = frame;
     live->aovs.landed = landed;
+    live->aovs.mean[RF_AOV_ALPHA] = sky;
     memset( live->need, 0, rf_need_bytes( &r->sizes ) );
     find_variances( r->memory.noise, r->sizes.materials );
     r->memory.noise_known = true;

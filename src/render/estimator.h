@@ -82,6 +82,7 @@ typedef struct RfAccumulateJob
     int half;         // of the films, which the pass goes to
     float weight;     // of the pass in the film
     uint32_t* landed; // samples that landed, per pixel, counted up (RF_AOV_SAMPLES); or NULL
+    float* sky;       // weight of the camera rays that missed, per pixel, counted up (RF_AOV_ALPHA); or NULL
     void* pass_state; // of the frame, sizes.pass_state bytes; or NULL
 } RfAccumulateJob;
 
@@ -113,6 +114,9 @@ struct RfEstimator
     // Traces one batch into records and adds to the counts of rays. Returns its own-frame samples.
     // Called by several threads, each with its own batch and scratch.
     int ( *trace )( const RfEstimatorGroup* group, RfTraceJob job, void* batch, void* scratch, RfRayCounts* rays );
+
+    // Would `trace` trace any sample of the job, if only the settings' pieces are? NULL where there are no pieces.
+    bool ( *is_traced )( const RfEstimatorGroup* group, RfTraceJob job );
 
     // The camera rays of the batch just traced and their hits, for AOVs; NULL where there are none of these.
     RfFirstHits ( *first_hits )( const void* scratch );

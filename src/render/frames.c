@@ -2,6 +2,7 @@
 
 #include "base/system.h"
 #include "render/adaptive.h"
+#include "render/pieces.h"
 
 // Was the frame asked for? The frames are in ascending order.
 static bool asked_for( const RfRenderer* r, int frame )
@@ -33,20 +34,23 @@ void rf_open_films( RfRenderer* r, int number )
         live->frame = frame;
         live->noise = live->noise_seen = 0.0;
         for ( int f = 0; f < r->settings.estimator->films; ++f )
-            rf_clear_film( live->films + f );
+            if ( r->settings.pieces != NULL )
+                rf_clear_traced( r->settings.pieces, frame, live->films + f );
+            else
+                rf_clear_film( live->films + f );
         rf_clear_aov_film( &live->aovs, r->sizes.width, r->sizes.height );
         if ( r->sizes.adaptive )
             rf_run_pilot( r, live );
     }
 }
 
-static bool note_finished( RfRenderer* r, int frame, const RfFilm* film, double relmse )
+static bool note_finished( RfRenderer* r, int frame, const RfFilm* film, const RfRelmse* relmse )
 {
     double weight = film->weight[0] + film->weight[1];
     return rf_note_finished( &r->stop, ( RfFrameNoise ){ .frame = frame,
                                                          .passes = film->passes[0] + film->passes[1],
                                                          .weight = weight,
-                                                         .noise = relmse * weight,
+                                                         .noise = rf_prudent_relmse( relmse ) * weight,
                                                          .seen = weight } );
 }
 
@@ -61,11 +65,12 @@ static void finish_aovs( const RfRenderer* r, const RfLiveFilm* live, RfFrameBuf
     }
 }
 
-static RfResult finish_film( RfRenderer* r, RfLiveFilm* live, RfError* error )
+// `shared` are the seconds that the frame has of those which its group took.
+static RfResult finish_film( RfRenderer* r, RfLiveFilm* live, double shared, RfError* error )
 {
     const RfFilm* film = live->films;
     RfFrameBuffer* buffer = rf_next_frame_buffer( &r->queue );
-    double relmse = rf_finish_picture( r, live, buffer->rgb, buffer->weight );
+    RfRelmse relmse = rf_finish_picture( r, live, buffer->rgb, buffer->weight );
     double now = rf_wall_seconds(), pixels = (double)r->sizes.width * (double)r->sizes.height;
     buffer->result = ( RfFrameResult ){
         .frame = live->frame,
@@ -73,13 +78,17 @@ static RfResult finish_film( RfRenderer* r, RfLiveFilm* live, RfError* error )
         .height = r->sizes.height,
         .rgb = buffer->rgb,
         .weight = buffer->weight,
-        .seconds = now - r->last_frame,
-        .relmse_estimate = relmse,
+        .seconds = shared + ( now - r->last_frame ),
+        .relmse_estimate = rf_told_relmse( &relmse ),
+        .relmse_is_lower_bound = relmse.is_lower_bound,
+        .relmse_likely = relmse.likely,
+        .worst_ten_share = relmse.worst_share,
         .native_spp = film->passes[0] + film->passes[1] + (double)film->extra_samples / pixels,
         .effective_spp = (double)film->landed / pixels,
     };
-    buffer->result.reached = !r->sizes.stopping || note_finished( r, live->frame, film, relmse );
-    r->last_relmse = relmse;
+    buffer->result.reached = !r->sizes.stopping || note_finished( r, live->frame, film, &relmse );
+    r->last_relmse = buffer->result.relmse_estimate;
+    r->last_is_lower_bound = relmse.is_lower_bound;
     finish_aovs( r, live, buffer );
     r->last_frame = now;
     live->frame = -1;
@@ -89,16 +98,36 @@ static RfResult finish_film( RfRenderer* r, RfLiveFilm* live, RfError* error )
     return rf_check_frame_queue( &r->queue, error );
 }
 
+// Is this the last group of a frame that was asked for?
+static bool is_closed_by( const RfRenderer* r, int number, int frame )
+{
+    int first, last;
+    rf_groups_of_frame( &r->plan, frame, &first, &last );
+    return last == number && asked_for( r, frame );
+}
+
+// The time of a group that finishes several frames is shared among them equally.
+static double share_seconds( RfRenderer* r, int number, RfGroup group )
+{
+    int count = 0;
+    for ( int frame = group.first; frame < group.first + group.eyes; ++frame )
+        count += is_closed_by( r, number, frame );
+    if ( count == 0 )
+        return 0.0;
+    double now = rf_wall_seconds(), spent = now - r->last_frame;
+    r->last_frame = now;
+    return spent / count;
+}
+
 RfResult rf_close_films( RfRenderer* r, int number, RfError* error )
 {
     RfGroup group = rf_group( &r->plan, number );
+    double shared = share_seconds( r, number, group );
     for ( int frame = group.first; frame < group.first + group.eyes; ++frame )
     {
-        int first, last;
-        rf_groups_of_frame( &r->plan, frame, &first, &last );
-        if ( last != number || !asked_for( r, frame ) )
+        if ( !is_closed_by( r, number, frame ) )
             continue;
-        RfResult result = finish_film( r, rf_find_film( r, frame ), error );
+        RfResult result = finish_film( r, rf_find_film( r, frame ), shared, error );
         if ( result != RF_OK )
             return result;
     }

@@ -3,6 +3,7 @@
 #include "render/memory.h"
 
 #include "base/remedy.h"
+#include "base/system.h"
 
 // Fewest batches that keep all threads busy.
 static int batches_needed( const RfRenderSizes* s )
@@ -73,11 +74,21 @@ static int batches_that_fit( size_t budget, const RfRenderSizes* s )
     return batches;
 }
 
+static RfResult fail_least( size_t budget, size_t least, const RfRenderSizes* sizes, RfError* error )
+{
+    char text[RF_BYTES_TEXT_SIZE];
+    rf_format_memory( budget, text );
+    return rf_advise(
+        rf_fail( error, RF_ERROR_MEMORY, "a budget of %s is too small for frames of %dx%d", text, sizes->width, sizes->height ),
+        RF_REMEDY_MEMORY, least, error );
+}
+
 static RfResult fail_held( size_t budget, size_t least, RfError* error )
 {
-    return rf_advise(
-        rf_fail( error, RF_ERROR_MEMORY, "a budget of %zu KiB is too small for all hit records of a group", budget / 1024 ),
-        RF_REMEDY_HOLD_LESS, least, error );
+    char text[RF_BYTES_TEXT_SIZE];
+    rf_format_memory( budget, text );
+    return rf_advise( rf_fail( error, RF_ERROR_MEMORY, "a budget of %s is too small for all hit records of a group", text ),
+                      RF_REMEDY_HOLD_LESS, least, error );
 }
 
 RfResult rf_fit_sizes( size_t budget, int frames, RfRenderSizes* sizes, RfMemoryFit* fit, RfError* error )
@@ -88,9 +99,7 @@ RfResult rf_fit_sizes( size_t budget, int frames, RfRenderSizes* sizes, RfMemory
     if ( sizes->films == 0 && sizes->held > 0 )
         return fail_held( budget, fit->least, error );
     if ( sizes->films == 0 )
-        return rf_advise( rf_fail( error, RF_ERROR_MEMORY, "a budget of %zu KiB is too small for frames of %dx%d", budget / 1024,
-                                   sizes->width, sizes->height ),
-                          RF_REMEDY_MEMORY, fit->least, error );
+        return fail_least( budget, fit->least, sizes, error );
     fit->threads = sizes->threads;
     fit->films = sizes->films;
     fit->sweeps = sizes->films == wanted ? 1 : up( frames, sizes->films );

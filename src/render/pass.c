@@ -4,6 +4,7 @@
 #include "render/adaptive.h"
 
 #include <omp.h>
+#include <stdlib.h>
 #include <string.h>
 
 // The first hits of the batch just traced, into the AOVs of its own frame.
@@ -37,7 +38,8 @@ void rf_trace_chunk( RfRenderer* r, const RfPass* pass, int first, int count )
 #pragma omp for schedule( dynamic, 1 )
         for ( int i = 0; i < count; ++i )
         {
-            RfTraceJob job = { ( first + i ) / jobs, ( first + i ) % jobs, pass->number };
+            int number = r->traced_jobs != NULL ? r->traced_jobs[first + i] : first + i;
+            RfTraceJob job = { number / jobs, number % jobs, pass->number };
             estimator->trace( pass->group, job, r->memory.batches[i], scratch, &mine );
             if ( ( r->settings.aovs & RF_FIRST_HIT_AOVS ) != 0 )
                 add_aovs( r, pass, job.eye, scratch );
@@ -90,6 +92,7 @@ static bool report_progress( RfRenderer* r, int count )
         .samples = (double)r->rays.primary,
         .seconds = seconds,
         .relmse = r->last_relmse,
+        .relmse_is_lower_bound = r->last_is_lower_bound,
     };
     return r->callbacks.progress( r->callbacks.user, &progress );
 }
@@ -123,10 +126,35 @@ void rf_end_pass( RfRenderer* r, const RfPass* pass )
     }
 }
 
+RfResult rf_alloc_traced_jobs( RfRenderer* r, RfError* error )
+{
+    if ( r->settings.pieces == NULL )
+        return RF_OK;
+    size_t jobs = (size_t)r->plan.eyes * (size_t)r->sizes.of_estimator.jobs;
+    r->traced_jobs = malloc( jobs * sizeof *r->traced_jobs );
+    return r->traced_jobs != NULL ? RF_OK : rf_fail( error, RF_ERROR_MEMORY, "no memory left for a list of %zu batches", jobs );
+}
+
+// The jobs of a pass that have something to trace; returns how many.
+static int list_jobs( RfRenderer* r, const RfPass* pass )
+{
+    const RfEstimator* estimator = r->settings.estimator;
+    int jobs = r->sizes.of_estimator.jobs, all = pass->group->eye_count * jobs, count = 0;
+    if ( r->traced_jobs == NULL )
+        return all;
+    for ( int i = 0; i < all; ++i )
+    {
+        r->traced_jobs[count] = i;
+        count += estimator->is_traced( pass->group, ( RfTraceJob ){ i / jobs, i % jobs, pass->number } );
+    }
+    r->batches_done += all - count;
+    return count;
+}
+
 RfResult rf_render_pass( RfRenderer* r, const RfPass* pass, RfError* error )
 {
     rf_begin_pass( r );
-    int jobs = pass->group->eye_count * r->sizes.of_estimator.jobs;
+    int jobs = list_jobs( r, pass );
     for ( int first = 0; first < jobs; first += r->memory.batch_slots )
     {
         int count = jobs - first < r->memory.batch_slots ? jobs - first : r->memory.batch_slots;

@@ -18,6 +18,9 @@ void rf_end_pass( RfRenderer* renderer, const RfPass* pass );
 // After `count` batches: reports progress. Fails where the caller interrupts, or failed to take a frame.
 RfResult rf_end_chunk( RfRenderer* renderer, int count, RfError* error );
 
+// Room for the list of the jobs that a pass traces, if the settings have pieces; free r->traced_jobs.
+RfResult rf_alloc_traced_jobs( RfRenderer* renderer, RfError* error );
+
 // One pass from begin to end.
 RfResult rf_render_pass( RfRenderer* renderer, const RfPass* pass, RfError* error );
 

@@ -7,6 +7,7 @@
 #include "render/until.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 static RfResult render_passes( RfRenderer* r, const RfEstimatorGroup* estimator_group, const RfGroup* group, RfError* error )
@@ -167,7 +168,10 @@ RfResult rf_render( const RfTracer* tracer, const RfEye* eyes, int eye_count, co
         r.settings.threads = r.sizes.threads;
         result = rf_alloc_render_memory( &group, &r.sizes, &r.memory, error );
         if ( result == RF_OK )
+            result = rf_alloc_traced_jobs( &r, error );
+        if ( result == RF_OK )
             result = render_and_deliver( &r, error );
+        free( r.traced_jobs );
     }
     if ( stats != NULL )
         fill_stats( &r, stats );

@@ -1,8 +1,18 @@
 #include "render/renderer.h"
 
+#include "render/pieces.h"
+
+#include <math.h>
+
 RfPass rf_make_pass( const RfEstimatorGroup* estimator_group, const RfGroup* group, int number )
 {
     return ( RfPass ){ estimator_group, number, rf_half_of_pass( group, number ), group->weight };
+}
+
+static float* sky_of_half( const RfRenderer* r, const RfLiveFilm* live, int half )
+{
+    float* sky = live->aovs.mean[RF_AOV_ALPHA];
+    return sky != NULL ? sky + (size_t)half * (size_t)r->sizes.width * (size_t)r->sizes.height : NULL;
 }
 
 RfAccumulateJob rf_accumulate_job( const RfRenderer* r, RfLiveFilm* live, const RfPass* pass, int band, int bands )
@@ -15,6 +25,7 @@ RfAccumulateJob rf_accumulate_job( const RfRenderer* r, RfLiveFilm* live, const 
         .half = pass->half,
         .weight = (float)pass->weight,
         .landed = live->aovs.landed,
+        .sky = sky_of_half( r, live, pass->half ),
         .pass_state = live->pass_state,
     };
 }
@@ -64,11 +75,16 @@ RfFilmCombine rf_film_combine( RfNormalize normalize )
     return RF_FILM_CROSSFIT;
 }
 
-double rf_finish_picture( const RfRenderer* r, const RfLiveFilm* live, float* rgb, float* weight )
+RfRelmse rf_finish_picture( const RfRenderer* r, const RfLiveFilm* live, float* rgb, float* weight )
 {
     RfFilmCombine combine = rf_film_combine( r->settings.normalize );
     if ( r->settings.estimator->finish != NULL )
-        return r->settings.estimator->finish( live->films, combine, rgb, weight );
+        return rf_plain_relmse( r->settings.estimator->finish( live->films, combine, rgb, weight ) );
+    if ( r->settings.pieces != NULL )
+    {
+        rf_combine_traced( r->settings.pieces, live->frame, live->films, combine, rgb, weight );
+        return rf_plain_relmse( (double)NAN );
+    }
     rf_combine_film( live->films, combine, rgb, weight );
     return rf_estimate_relmse( live->films, combine, rgb );
 }

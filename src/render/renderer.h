@@ -20,12 +20,14 @@ typedef struct RfRenderer
     RfSceneTraits traits;
     RfRenderMemory memory;
     RfFrameQueue queue;
+    int* traced_jobs; // of a pass, with settings.pieces; NULL: all jobs
     RfRayCounts rays;
     double start, last_frame; // seconds
     double batches_done, batches_all;
     int frames_done;
     int adaptive_frames; // of these with extra samples
     double last_relmse;  // of the last finished frame
+    bool last_is_lower_bound;
 } RfRenderer;
 
 // A pass of a group.
@@ -55,7 +57,7 @@ void rf_add_rays( RfRayCounts* sum, const RfRayCounts* part );
 RfFilmCombine rf_film_combine( RfNormalize normalize );
 
 // Makes the picture of a frame's films; returns the estimate of its relMSE. `weight` may be NULL.
-double rf_finish_picture( const RfRenderer* renderer, const RfLiveFilm* live, float* rgb, float* weight );
+RfRelmse rf_finish_picture( const RfRenderer* renderer, const RfLiveFilm* live, float* rgb, float* weight );
 
 // The film of a frame in use, −1 for a free one; NULL where there is none.
 RfLiveFilm* rf_find_film( const RfRenderer* renderer, int frame );

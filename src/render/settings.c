@@ -42,7 +42,7 @@ static RfResult check_settings( const RfRenderSettings* s, RfError* error )
         return rf_fail( error, RF_ERROR_USAGE, "depth must be 1 to %d, got %d", RF_MAX_DEPTH, s->max_depth );
     if ( s->light_samples < 1 || s->light_samples > RF_MAX_LIGHT_SAMPLES )
         return rf_fail( error, RF_ERROR_USAGE, "light samples must be 1 to %d, got %d", RF_MAX_LIGHT_SAMPLES, s->light_samples );
-    if ( ( s->aovs & ~RF_ALL_AOVS ) != 0 )
+    if ( ( s->aovs & ~( RF_ALL_AOVS | RF_AOV_BIT( RF_AOV_ALPHA ) ) ) != 0 )
         return rf_fail( error, RF_ERROR_USAGE, "there are no such AOVs: %#x", s->aovs );
     if ( s->queue < 0 || s->queue > RF_MAX_QUEUE )
         return rf_fail( error, RF_ERROR_USAGE, "the queue must be 0 to %d frames, got %d", RF_MAX_QUEUE, s->queue );
@@ -66,9 +66,16 @@ static RfResult check_estimator( const RfRenderSettings* s, RfError* error )
         return rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' has no AOVs of first hits", estimator->name );
     if ( ( s->aovs & RF_AOV_BIT( RF_AOV_VARIANCE ) ) != 0 && estimator->finish != NULL )
         return rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' has no variance AOV", estimator->name );
+    if ( ( s->aovs & RF_AOV_BIT( RF_AOV_ALPHA ) ) != 0 && ( estimator->finish != NULL || estimator->count_reuse == NULL ) )
+        return rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' has no alpha", estimator->name );
     if ( s->hold_all &&
          ( estimator->trace_first_hits == NULL || estimator->serialise == NULL || estimator->deserialise == NULL ) )
         return rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' cannot hold all records of a group", estimator->name );
+    if ( s->pieces != NULL && ( estimator->is_traced == NULL || estimator->finish != NULL ) )
+        return rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' cannot render pieces", estimator->name );
+    if ( s->pieces != NULL && ( rf_is_stopping( s ) || s->hold_all || s->adaptive != RF_ADAPTIVE_OFF ) )
+        return rf_fail( error, RF_ERROR_USAGE,
+                        "pieces are rendered without a noise or a time to stop at, held records and extra samples" );
     return estimator->check != NULL ? estimator->check( s, error ) : RF_OK;
 }
 
@@ -103,7 +110,7 @@ RfResult rf_resolve_common( const RfEye* eyes, int eye_count, const RfRenderSett
     if ( resolved->threads < 1 )
         resolved->threads = rf_core_count();
     if ( resolved->memory == 0 )
-        resolved->memory = rf_free_memory() / 2;
+        resolved->memory = ( rf_free_memory() / 2 ) >> 20 << 20; // whole MiB, as users are told
     // the biased weightings count hits, whose expectation is unknown: only the ratio makes sense
     if ( resolved->weights != RF_WEIGHTS_EXACT )
         resolved->normalize = RF_NORMALIZE_RATIO;

@@ -12,7 +12,8 @@ static void estimate_noise( RfRenderer* r, RfLiveFilm* live )
     const RfFilm* film = live->films;
     RfFrameBuffer* buffer = rf_next_frame_buffer( &r->queue );
     live->noise_seen = film->weight[0] + film->weight[1];
-    live->noise = live->noise_seen * rf_finish_picture( r, live, buffer->rgb, NULL );
+    RfRelmse relmse = rf_finish_picture( r, live, buffer->rgb, NULL );
+    live->noise = live->noise_seen * rf_prudent_relmse( &relmse );
 }
 
 // Estimates take time: they are made where they decide, and for enough others to

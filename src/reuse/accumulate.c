@@ -210,7 +210,7 @@ uint64_t rf_accumulate_rows( const RfEstimatorGroup* group, RfAccumulateJob job,
                        batches,
                        batch_count };
     int width = group->width;
-    RfPixelRange range = { job.films->half[job.half], job.first_row * width, job.end_row * width };
+    RfPixelRange range = { job.films->half[job.half], job.first_row * width, job.end_row * width, job.sky };
     if ( a.shape.eq15 )
         note_landed_eyes( &a, job, range, job.pass_state, scratch );
     uint64_t landed = 0;

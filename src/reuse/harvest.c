@@ -37,10 +37,12 @@ RfHarvest rf_make_harvest( const RfEstimatorGroup* group )
         .patches = rf_lay_out_patches( &settings->tile, group->traits.blurred, group->width, group->height ),
         .tile_roulette = settings->tile_roulette,
         .weights = settings->weights,
+        .alpha = ( settings->aovs & RF_AOV_BIT( RF_AOV_ALPHA ) ) != 0,
         .seed = settings->seed,
         .eyes = group->eyes,
         .first_frame = group->first_frame,
         .group = group->number,
+        .pieces = settings->pieces,
         .need = group->need,
         .round = group->round,
         .packed = group->packed,
@@ -211,6 +213,23 @@ static void follow_chains( const RfHarvest* harvest, RfHarvestScratch* scratch )
         rf_split_tiles( scratch->chains, scratch->tiles );
 }
 
+bool rf_is_patch_traced( const RfHarvest* harvest, RfTraceJob job )
+{
+    const RfEye* eye = harvest->eyes + job.eye;
+    const uint8_t* cells = rf_frame_cells( harvest->pieces, harvest->first_frame + job.eye );
+    int x0, y0, x1, y1;
+    rf_bound_patch( &harvest->patches, eye, key_of_pass( harvest, job.eye, job.pass ), job.job, &x0, &y0, &x1, &y1 );
+    for ( int y = y0 / RF_CELL_SIDE; y < rf_cells_along( y1 ); ++y )
+    {
+        for ( int x = x0 / RF_CELL_SIDE; x < rf_cells_along( x1 ); ++x )
+        {
+            if ( rf_is_traced( harvest->pieces, cells, x * RF_CELL_SIDE, y * RF_CELL_SIDE ) )
+                return true;
+        }
+    }
+    return false;
+}
+
 // Of pinholes.
 static int harvest_first_hits( const RfHarvest* harvest, RfTraceJob job, RfHitBatch* batch, RfHarvestScratch* scratch,
                                RfRayCounts* rays )
@@ -227,6 +246,8 @@ static int harvest_first_hits( const RfHarvest* harvest, RfTraceJob job, RfHitBa
         count = rf_pack_needy( harvest, key, count, &tiles, scratch, copy );
     else if ( harvest->need != NULL )
         count = rf_choose_needy( harvest, key, count, tiles, scratch );
+    else if ( harvest->pieces != NULL )
+        count = rf_choose_traced( harvest, eye, count, scratch );
     if ( scratch->tiles != NULL )
     {
         memcpy( scratch->tiles->tile_of, scratch->tile_of, (size_t)count * sizeof *scratch->tile_of );

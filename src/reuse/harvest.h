@@ -7,6 +7,7 @@
 #include "path/wavefront.h"
 #include "reuse/records.h"
 #include "render/estimator.h"
+#include "render/pieces.h"
 #include "reuse/tile.h"
 
 // What all batches of a group share.
@@ -17,11 +18,13 @@ typedef struct RfHarvest
     RfPatchLayout patches;
     bool tile_roulette;
     RfWeights weights;
+    bool alpha; // the sky that camera rays see is black: RF_AOV_ALPHA
     uint64_t seed;
-    const RfEye* eyes; // shape.eyes of them
-    int first_frame;   // path frame of eyes[0]
-    int group;         // its number
-    const float* need; // adaptive sampling, as in RfEstimatorGroup
+    const RfEye* eyes;      // shape.eyes of them
+    int first_frame;        // path frame of eyes[0]
+    int group;              // its number
+    const RfPieces* pieces; // that alone are traced; NULL: all
+    const float* need;      // adaptive sampling, as in RfEstimatorGroup
     int round;
     bool packed;
     bool first_hits_only;
@@ -38,6 +41,9 @@ typedef struct RfHarvestScratch RfHarvestScratch;
 size_t rf_harvest_scratch_bytes( const RfBatchShape* shape );
 // Lays a workspace out in memory of that size, aligned to 64.
 RfHarvestScratch* rf_lay_out_harvest_scratch( const RfBatchShape* shape, void* memory );
+
+// Does a patch have pixels in the pieces? It may still have no tile there.
+bool rf_is_patch_traced( const RfHarvest* harvest, RfTraceJob job );
 
 // Fills `batch` with the hits of patch job.job; adds the rays traced to `rays`. Returns the camera rays.
 int rf_harvest_batch( const RfHarvest* harvest, RfTraceJob job, RfHitBatch* batch, RfHarvestScratch* scratch, RfRayCounts* rays );

@@ -45,6 +45,9 @@ struct RfHarvestScratch
 // The harvest with the pinholes that the eyes are at a point of the lens and a moment of the shutter, in scratch->eyes.
 RfHarvest rf_harvest_at( const RfHarvest* harvest, RfLensSample lens, RfHarvestScratch* scratch );
 
+// Keeps the listed pixels whose tiles have a pixel in the pieces that are traced. Returns how many.
+int rf_choose_traced( const RfHarvest* harvest, const RfEye* eye, int count, RfHarvestScratch* scratch );
+
 // Adaptive sampling. Keeps the listed pixels whose tiles are drawn: with the mean of what their pixels need, less
 // harvest->round, as probability. Returns how many.
 int rf_choose_needy( const RfHarvest* harvest, uint64_t key, int count, int tiles, RfHarvestScratch* scratch );

@@ -88,7 +88,7 @@ static void note_pixels( int count, RfHarvestScratch* scratch, RfHitBatch* batch
         scratch->miss_slot[batch->miss_count] = slot;
         batch->miss_count += !hit[slot];
     }
-    scratch->ray_miss_count = batch->miss_count;
+    scratch->ray_miss_count = batch->sky_count = batch->miss_count;
     note_own_frame( &scratch->first, recorded, scratch, batch );
     if ( scratch->hits != &scratch->first )
         note_glints( scratch, batch, scratch->glint_slot );

@@ -1,4 +1,4 @@
-// Adaptive sampling: which tiles of a patch get extra samples.
+// Which tiles of a patch are traced, of pieces, and which get extra samples in adaptive sampling.
 #include "reuse/harvest_internal.h"
 
 #include <math.h>
@@ -31,6 +31,27 @@ static void list_tiles( const RfHarvest* harvest, int count, int tiles, const Rf
 }
 
 static float draw_tile( uint64_t key, int tile ) { return rf_random( rf_pixel_key( rf_mix64( key ), (uint32_t)tile ), 0 ); }
+
+int rf_choose_traced( const RfHarvest* harvest, const RfEye* eye, int count, RfHarvestScratch* scratch )
+{
+    const uint8_t* cells = rf_frame_cells( harvest->pieces, harvest->first_frame + (int)( eye - harvest->eyes ) );
+    bool in_tiles = scratch->tiles != NULL, traced[RF_LANES] = { false };
+    for ( int i = 0; i < count; ++i )
+    {
+        int y = scratch->pixel[i] / eye->width, x = scratch->pixel[i] - y * eye->width;
+        int tile = in_tiles ? scratch->tile_of[i] : i;
+        traced[tile] = traced[tile] || rf_is_traced( harvest->pieces, cells, x, y );
+    }
+    int left = 0;
+    for ( int i = 0; i < count; ++i )
+    {
+        int tile = in_tiles ? scratch->tile_of[i] : i;
+        scratch->pixel[left] = scratch->pixel[i];
+        scratch->tile_of[left] = tile;
+        left += traced[tile];
+    }
+    return left;
+}
 
 int rf_choose_needy( const RfHarvest* harvest, uint64_t key, int count, int tiles, RfHarvestScratch* scratch )
 {

@@ -9,7 +9,7 @@ static inline float* light_of( const RfHitBatch* batch, int miss ) { return rf_m
 static void light_misses( const RfHarvest* harvest, const RfHarvestScratch* scratch, const RfHitBatch* batch, int count )
 {
     const RfLights* lights = rf_tracer_lights( harvest->path.tracer );
-    bool seen = rf_has_sky( lights ) && !lights->sky.environment->hidden;
+    bool seen = rf_has_sky( lights ) && !lights->sky.environment->hidden && !harvest->alpha;
     const RfRayLanes* rays = &scratch->camera_rays;
     for ( int k = 0; k < count; ++k )
     {

@@ -29,6 +29,7 @@ typedef struct RfHitBatch
     int count;                         // hits
     int miss_count;                    // own-frame samples: rays that missed, hits of unevaluable models, and
                                        // chains that end without a hit
+    int sky_count;                     // the first of them: camera rays that missed
     int glint_count;                   // light that chains bring to pixels beside that of their hit
     int first[RF_BSDF_KIND_COUNT + 1]; // hits [first[k], first[k+1]) scatter by model k
     float* p[3];

@@ -56,6 +56,12 @@ static int trace( const RfEstimatorGroup* group, RfTraceJob job, void* batch, vo
     return rf_harvest_batch( &harvest, job, batch, scratch, rays );
 }
 
+static bool is_traced( const RfEstimatorGroup* group, RfTraceJob job )
+{
+    RfHarvest harvest = rf_make_harvest( group );
+    return rf_is_patch_traced( &harvest, job );
+}
+
 static RfFirstHits first_hits( const void* memory )
 {
     const RfHarvestScratch* scratch = memory;
@@ -141,6 +147,7 @@ const RfEstimator rf_reuse_estimator = {
     .lay_out_batch = lay_out_batch,
     .lay_out_scratch = lay_out_scratch,
     .trace = trace,
+    .is_traced = is_traced,
     .first_hits = first_hits,
     .accumulate = accumulate,
     .add_own_shares = add_own_shares,

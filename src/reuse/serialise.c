@@ -158,6 +158,7 @@ static void pass_batch( Stream* s, const RfBatchShape* shape, RfHitBatch* batch 
         pass( s, &batch->lens, sizeof batch->lens );
     pass( s, &batch->count, sizeof batch->count );
     pass( s, &batch->miss_count, sizeof batch->miss_count );
+    pass( s, &batch->sky_count, sizeof batch->sky_count );
     pass( s, &batch->glint_count, sizeof batch->glint_count );
     pass( s, batch->first, sizeof batch->first );
     pass( s, &batch->has_views, sizeof batch->has_views );

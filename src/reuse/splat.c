@@ -69,8 +69,20 @@ uint64_t rf_splat_glossy( const RfHitBatch* batch, const RfAccumulateScratch* s,
     return landed;
 }
 
+static void splat_sky( const RfHitBatch* batch, float weight, RfPixelRange range )
+{
+    for ( int i = 0; i < batch->sky_count; ++i )
+    {
+        int32_t pixel = rf_miss_pixel( batch )[i];
+        if ( pixel >= range.low && pixel < range.end )
+            range.sky[pixel] += weight;
+    }
+}
+
 uint64_t rf_splat_misses( const RfHitBatch* batch, bool black, float weight, RfPixelRange range )
 {
+    if ( range.sky != NULL )
+        splat_sky( batch, weight, range );
     uint64_t landed = 0;
     for ( int i = 0; i < batch->miss_count; ++i )
     {

@@ -9,6 +9,7 @@ typedef struct RfPixelRange
 {
     float* film; // 4 per pixel
     int32_t low, end;
+    float* sky; // weight of the camera rays that missed, 1 per pixel; NULL: not asked for
 } RfPixelRange;
 
 // Hits, by the pixels, ratios and filters of the scratch; glossy ones with its sums. Return how many landed.

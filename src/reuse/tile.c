@@ -203,6 +203,20 @@ static int list_scattered( const RfPatchLayout* l, const RfEye* eye, uint64_t pa
     return count;
 }
 
+void rf_bound_patch( const RfPatchLayout* l, const RfEye* eye, uint64_t pass_key, int patch, int* x0, int* y0, int* x1, int* y1 )
+{
+    *x0 = *y0 = 0;
+    *x1 = eye->width;
+    *y1 = eye->height;
+    if ( l->scattered )
+        return;
+    Place p = place_of( l, pass_key, patch );
+    *x1 = p.x0 + l->width < eye->width ? p.x0 + l->width : eye->width;
+    *y1 = p.y0 + l->height < eye->height ? p.y0 + l->height : eye->height;
+    *x0 = p.x0 > 0 ? p.x0 : 0;
+    *y0 = p.y0 > 0 ? p.y0 : 0;
+}
+
 int rf_list_patch( const RfPatchLayout* l, const RfEye* eye, uint64_t pass_key, int patch, int32_t* pixel, int32_t* tile_of,
                    int* tile_count )
 {

@@ -38,6 +38,10 @@ typedef struct RfPatchLayout
 
 RfPatchLayout rf_lay_out_patches( const RfTile* tile, bool scattered, int width, int height );
 
+// The rectangle [x0, x1) × [y0, y1) of the film that a patch lies in; empty where it lies beside the film.
+void rf_bound_patch( const RfPatchLayout* layout, const RfEye* eye, uint64_t pass_key, int patch, int* x0, int* y0, int* x1,
+                     int* y1 );
+
 // The pixels of a patch that lie on the film, in blocks of 4×4, so that a
 // packet's rays keep together, and the tile of each, numbered from 0 within the
 // patch (not with RF_TILE_NONE). Returns how many; `tile_count` may be larger

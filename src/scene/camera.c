@@ -140,6 +140,11 @@ static bool unit_axis( const double* column, double sign, double axis[3] )
 
 static RfVec3 to_vec3( const double v[3] ) { return rf_vec3( (float)v[0], (float)v[1], (float)v[2] ); }
 
+static RfVec3 in_scene( const RfScene* scene, const double v[3] )
+{
+    return rf_vec3( (float)( v[0] - scene->origin[0] ), (float)( v[1] - scene->origin[1] ), (float)( v[2] - scene->origin[2] ) );
+}
+
 static bool in_range( const double* origin )
 {
     for ( int i = 0; i < 3; ++i )
@@ -168,11 +173,12 @@ static RfResult node_eye( const RfScene* scene, const RfCamera* self, double tim
                         "%s: camera '%.60s' at %g s: its transform is degenerate or not finite: "
                         "remove zero scales from it and from its parents",
                         scene->path != NULL ? scene->path : "scene", self->name, time );
-    *eye = rf_make_eye_inline( to_vec3( world.m + 12 ), to_vec3( forward ), to_vec3( up ), self->yfov, width, height );
+    *eye = rf_make_eye_inline( in_scene( scene, world.m + 12 ), to_vec3( forward ), to_vec3( up ), self->yfov, width, height );
     return RF_OK;
 }
 
-static RfResult track_eye( const RfCamera* self, double time, int width, int height, RfEye* eye, RfError* error )
+static RfResult track_eye( const RfScene* scene, const RfCamera* self, double time, int width, int height, RfEye* eye,
+                           RfError* error )
 {
     RfView view;
     RfResult result = rf_sample_camera_track( self->track, time, &view, error );
@@ -180,7 +186,8 @@ static RfResult track_eye( const RfCamera* self, double time, int width, int hei
         return rf_fail( error, RF_ERROR_SCENE, "%s: leads beyond %g: scale it down", self->track->name, MAX_COORDINATE );
     if ( result != RF_OK )
         return result;
-    *eye = rf_make_eye_inline( to_vec3( view.position ), to_vec3( view.forward ), to_vec3( view.up ), view.fov, width, height );
+    *eye = rf_make_eye_inline( in_scene( scene, view.position ), to_vec3( view.forward ), to_vec3( view.up ), view.fov, width,
+                               height );
     if ( view.aspect != 1.0 || view.shift[0] != 0.0 || view.shift[1] != 0.0 )
         rf_shift_eye( eye, view.aspect, view.shift[0], view.shift[1] );
     return RF_OK;
@@ -205,7 +212,7 @@ RfResult rf_scene_eye( const RfScene* scene, int camera, double time, int width,
         return rf_fail( error, RF_ERROR_USAGE, "camera '%.60s': its path counts frames, not seconds", self->name );
     if ( result != RF_OK )
         return result;
-    return self->track != NULL ? track_eye( self, time, width, height, eye, error )
+    return self->track != NULL ? track_eye( scene, self, time, width, height, eye, error )
                                : node_eye( scene, self, time, width, height, eye, error );
 }
 
@@ -225,7 +232,7 @@ RfResult rf_camera_eye( const RfScene* scene, const RfCamera* camera, double fra
     if ( result != RF_OK )
         return result;
     double time = rf_camera_time( camera, frame, numerator, denominator );
-    return camera->track != NULL ? track_eye( camera, time, width, height, eye, error )
+    return camera->track != NULL ? track_eye( scene, camera, time, width, height, eye, error )
                                  : node_eye( scene, camera, time, width, height, eye, error );
 }
 

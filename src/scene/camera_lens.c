@@ -51,7 +51,9 @@ static RfResult distance_of_node( const Moment* m, const RfEye* eye, const char*
         counts ? m->frame * m->denominator / m->numerator : rf_camera_time( m->camera, m->frame, m->numerator, m->denominator );
     RfMat4 world;
     rf_node_world_matrix( m->scene, node, time, &world );
-    *focus = (double)rf_pinhole_depth( eye, rf_vec3( (float)world.m[12], (float)world.m[13], (float)world.m[14] ) );
+    const double* o = m->scene->origin;
+    RfVec3 p = rf_vec3( (float)( world.m[12] - o[0] ), (float)( world.m[13] - o[1] ), (float)( world.m[14] - o[2] ) );
+    *focus = (double)rf_pinhole_depth( eye, p );
     if ( *focus > 0.0 )
         return RF_OK;
     return rf_fail( m->error, RF_ERROR_SCENE,

@@ -1,3 +1,4 @@
+#include "scene/camera_path/camera_track.h"
 #include "scene/mirrors.h"
 
 #include "scene/textured.h"
@@ -120,14 +121,19 @@ static RfEffect count_effect( const char* name, uint32_t count, const char* what
     return effect;
 }
 
-// The camera selected by the scene file if it is animated, else the first animated one.
+static bool moves( const RfCamera* camera )
+{
+    return camera->animated && ( camera->track == NULL || rf_camera_track_moves( camera->track ) );
+}
+
+// The camera selected by the scene file if it moves, else the first that does.
 static const RfCamera* moving_camera( const RfScene* scene )
 {
-    if ( scene->chosen_camera > 0 && scene->cameras[scene->chosen_camera - 1].animated )
+    if ( scene->chosen_camera > 0 && moves( scene->cameras + scene->chosen_camera - 1 ) )
         return scene->cameras + scene->chosen_camera - 1;
     for ( int i = 0; i < scene->camera_count; ++i )
     {
-        if ( scene->cameras[i].animated )
+        if ( moves( scene->cameras + i ) )
             return scene->cameras + i;
     }
     return NULL;

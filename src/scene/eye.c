@@ -15,6 +15,13 @@ void rf_shift_eye( RfEye* eye, double pixel_aspect, double shift_x, double shift
 
 void rf_eye_matrices( const RfEye* eye, float world_to_camera[16], float world_to_ndc[16] )
 {
+    const double none[3] = { 0.0, 0.0, 0.0 };
+    rf_eye_matrices_around( eye, none, world_to_camera, world_to_ndc );
+}
+
+void rf_eye_matrices_around( const RfEye* eye, const double origin[3], float world_to_camera[16], float world_to_ndc[16] )
+{
+    const double o[3] = { origin[0] + eye->origin.x, origin[1] + eye->origin.y, origin[2] + eye->origin.z };
     const RfVec3 axes[3] = { eye->right, eye->up, rf_scale( eye->forward, -1.0f ) };
     double camera[4][4] = { { 0 } };
     for ( int j = 0; j < 3; ++j )
@@ -22,8 +29,7 @@ void rf_eye_matrices( const RfEye* eye, float world_to_camera[16], float world_t
         camera[0][j] = axes[j].x;
         camera[1][j] = axes[j].y;
         camera[2][j] = axes[j].z;
-        camera[3][j] =
-            -( (double)eye->origin.x * axes[j].x + (double)eye->origin.y * axes[j].y + (double)eye->origin.z * axes[j].z );
+        camera[3][j] = -( o[0] * axes[j].x + o[1] * axes[j].y + o[2] * axes[j].z );
     }
     camera[3][3] = 1.0;
     const double near = 0.01;

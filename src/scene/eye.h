@@ -19,6 +19,9 @@ static inline void rf_unit3( double v[3] )
         v[i] = length > 0.0 ? v[i] / length : v[i];
 }
 
+// rf_eye_matrices of an eye that is relative to an origin.
+void rf_eye_matrices_around( const RfEye* eye, const double origin[3], float world_to_camera[16], float world_to_ndc[16] );
+
 // rf_make_eye for camera.c, inline: as a plain call gcc 12 gives eyes that differ in the last bits, and
 // all pictures rest on these.
 static inline RfEye rf_make_eye_inline( RfVec3 origin, RfVec3 forward, RfVec3 up, double yfov, int width, int height )

@@ -45,9 +45,9 @@ typedef struct RfProjection
 } RfProjection;
 
 // Ratios of densities must stay finite where a surface is seen edge-on or
-// touches the eye.
-#define RF_MIN_DENSITY 1e-18f
-#define RF_MAX_DENSITY 1e18f
+// touches the eye: at 1e-15 focal lengths, which rooms of 1e-12 m do not reach.
+#define RF_MIN_DENSITY 1e-24f // 1e-12 of it, left behind blended surfaces, is above 0 as well
+#define RF_MAX_DENSITY 1e30f
 
 // Projects the hit x with unit geometric normal ng, on the side it was hit from.
 // J = f² cosθx / (d² cos³θk), where f² is the product of both focal lengths of a film whose pixels are

@@ -65,6 +65,9 @@ void rf_destroy_scene( RfScene* scene )
     for ( int i = 0; i < scene->moving_count; ++i )
         free( scene->moving[i] );
     free( scene->moving );
+    for ( int i = 0; i < scene->export_warning_count; ++i )
+        free( scene->export_warnings[i] );
+    free( scene->export_warnings );
     free( scene->path );
     memset( scene, 0, sizeof *scene );
 }

@@ -122,6 +122,8 @@ struct RfScene
 {
     char* path;            // the file it was loaded from
     uint64_t content_hash; // of the bytes of the file and its buffers, for --resume
+    double origin[3];      // all positions are relative to it, in floats; 0 unless the scene lies far out
+                           // (scene/gltf/gltf_origin.c). Nodes, channels and camera tracks are not: eyes are
     RfTriangles triangles;
     RfVec3 bounds_min, bounds_max; // of the triangles; both 0 if there are none
     uint32_t instance_count;       // mesh primitives instanced by nodes
@@ -141,6 +143,8 @@ struct RfScene
     int film_width, film_height; // likewise, pixels
     int moving_count;            // objects that move in the file, but stand still here
     char** moving;               // their names
+    int export_warning_count;
+    char** export_warnings; // what the program that wrote the file warned of; printable
     RfCamera* cameras;
     int chosen_camera; // 1 + index of the camera that the scene file selects; 0: none
 };

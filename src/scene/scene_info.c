@@ -1,5 +1,6 @@
 // What the library tells of a scene (reframe/scene.h).
 #include "scene/camera.h"
+#include "scene/camera_path/camera_track.h"
 #include "scene/json/scene_file.h"
 #include "scene/scene.h"
 
@@ -39,6 +40,8 @@ RfResult rf_scene_camera( const RfScene* scene, int index, RfFps fps, RfCameraIn
         return rf_fail( error, RF_ERROR_USAGE, "frames per second must be above 0, got %d/%d", fps.numerator, fps.denominator );
     const RfCamera* camera = scene->cameras + index;
     *info = ( RfCameraInfo ){ .name = camera->name, .animated = camera->animated };
+    if ( camera->track != NULL && !rf_camera_track_moves( camera->track ) )
+        info->animated = false;
     rf_camera_numbers( camera, &info->first, &info->step );
     return rf_scene_frame_count( scene, camera, (double)fps.numerator / (double)fps.denominator, &info->frames, error );
 }

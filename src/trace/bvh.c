@@ -1,6 +1,7 @@
 #include "trace/bvh.h"
 
 #include "scene/textured.h"
+#include "trace/far_triangle.h"
 #include "trace/filter.h"
 
 #include <stdlib.h>
@@ -13,9 +14,14 @@ enum
     MASKED,
 };
 
-static bool has_filter( const RfMaterial* m ) { return rf_is_masked( m ) || rf_is_blended( m ) || rf_may_be_pane( m ); }
+static bool has_filter( const RfBvh* bvh, uint32_t triangle )
+{
+    const RfMaterial* m = bvh->scene->materials + bvh->scene->triangles.material[triangle];
+    return rf_is_masked( m ) || rf_is_blended( m ) || rf_may_be_pane( m ) ||
+           rf_is_far_triangle( &bvh->scene->triangles, triangle, bvh->far_error );
+}
 
-// Masked and blended triangles and panes form a geometry of their own, so that the others need no
+// Masked and blended triangles, panes and far triangles form a geometry of their own, so that the others need no
 // filter. Sorts the triangles: unfiltered first.
 static RfResult sort_masked( RfBvh* bvh, RfError* error )
 {
@@ -25,7 +31,7 @@ static RfResult sort_masked( RfBvh* bvh, RfError* error )
     for ( uint32_t i = 0; i < t->count; ++i )
     {
         const RfMaterial* m = scene->materials + t->material[i];
-        masked += has_filter( m );
+        masked += has_filter( bvh, i );
         bvh->blended = bvh->blended || rf_is_blended( m );
         bvh->panes = bvh->panes || rf_may_be_pane( m );
     }
@@ -37,20 +43,21 @@ static RfResult sort_masked( RfBvh* bvh, RfError* error )
         return rf_fail( error, RF_ERROR_MEMORY, "no memory for the order of %u triangles", t->count );
     uint32_t next[2] = { 0, bvh->masked_first };
     for ( uint32_t i = 0; i < t->count; ++i )
-        bvh->order[next[has_filter( scene->materials + t->material[i] )]++] = i;
+        bvh->order[next[has_filter( bvh, i )]++] = i;
     return RF_OK;
 }
 
 // Shared by both geometries. Embree may read 16 bytes at each vertex of 12, hence the padding.
-static RTCBuffer copy_positions( RTCDevice device, const RfTriangles* t )
+static RTCBuffer copy_positions( RTCDevice device, const RfTriangles* t, float scale )
 {
     size_t bytes = (size_t)t->vertex_count * 12;
     RTCBuffer buffer = rtcNewBuffer( device, bytes + 16 );
     char* memory = buffer != NULL ? rtcGetBufferData( buffer ) : NULL;
     if ( memory == NULL )
         return buffer; // reported by the device's error handler
-    if ( bytes > 0 )
-        memcpy( memory, t->positions, bytes );
+    float* positions = (float*)(void*)memory;
+    for ( size_t i = 0; i < 3 * (size_t)t->vertex_count; ++i )
+        positions[i] = scale * t->positions[i];
     memset( memory + bytes, 0, 16 );
     return buffer;
 }
@@ -90,14 +97,15 @@ static void attach( RTCDevice device, RfBvh* bvh, RTCBuffer positions, uint32_t 
 // Build quality MEDIUM with ROBUST is deterministic with any number of threads; HIGH is not.
 RfResult rf_build_bvh( RTCDevice device, const RfScene* scene, RfBvh* bvh, RfError* error )
 {
-    *bvh = ( RfBvh ){ .scene = scene };
+    float reach = rf_median_reach( &scene->triangles );
+    *bvh = ( RfBvh ){ .scene = scene, .scale = rf_embree_scale( reach ), .far_error = rf_far_error( reach ) };
     RfResult result = sort_masked( bvh, error );
     if ( result != RF_OK )
         return result;
     bvh->embree_scene = rtcNewScene( device );
     rtcSetSceneBuildQuality( bvh->embree_scene, RTC_BUILD_QUALITY_MEDIUM );
     rtcSetSceneFlags( bvh->embree_scene, RTC_SCENE_FLAG_ROBUST );
-    RTCBuffer positions = copy_positions( device, &scene->triangles );
+    RTCBuffer positions = copy_positions( device, &scene->triangles, bvh->scale );
     attach( device, bvh, positions, 0, bvh->masked_first, OPAQUE );
     attach( device, bvh, positions, bvh->masked_first, scene->triangles.count - bvh->masked_first, MASKED );
     if ( positions != NULL )
@@ -106,13 +114,13 @@ RfResult rf_build_bvh( RTCDevice device, const RfScene* scene, RfBvh* bvh, RfErr
     return RF_OK;
 }
 
-RTCScene rf_build_mirror_scene( RTCDevice device, const RfScene* scene, const RfMirrors* mirrors )
+RTCScene rf_build_mirror_scene( RTCDevice device, const RfScene* scene, float scale, const RfMirrors* mirrors )
 {
     if ( mirrors->triangle_count == 0 )
         return NULL;
     RTCScene out = rtcNewScene( device );
     RTCGeometry geometry = rtcNewGeometry( device, RTC_GEOMETRY_TYPE_TRIANGLE );
-    RTCBuffer positions = copy_positions( device, &scene->triangles );
+    RTCBuffer positions = copy_positions( device, &scene->triangles, scale );
     rtcSetGeometryBuffer( geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, positions, 0, 12,
                           scene->triangles.vertex_count );
     uint32_t* indices =

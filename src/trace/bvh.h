@@ -16,7 +16,9 @@ typedef struct RfBvh
     RTCScene embree_scene;
     bool blended;          // some triangles are alpha-blended
     bool panes;            // some may be thin panes
-    uint32_t masked_first; // first index in `order` that has the filter
+    float scale;           // of Embree's scene and its rays over the scene: a power of two, 1 but for tiny and huge scenes
+    float far_error;       // triangles beyond this error are checked (trace/far_triangle.h)
+    uint32_t masked_first; // first index in `order` that has the filter: masked, blended, panes and far triangles
     uint32_t* order;       // scene triangles in the order of the two geometries; NULL: original order
 } RfBvh;
 
@@ -25,7 +27,7 @@ typedef struct RfBvh
 RfResult rf_build_bvh( RTCDevice device, const RfScene* scene, RfBvh* bvh, RfError* error );
 
 // A scene of the mirrors' triangles alone, in their order; NULL if there are none.
-RTCScene rf_build_mirror_scene( RTCDevice device, const RfScene* scene, const RfMirrors* mirrors );
+RTCScene rf_build_mirror_scene( RTCDevice device, const RfScene* scene, float scale, const RfMirrors* mirrors );
 
 // Releases Embree's scene.
 void rf_destroy_bvh( RfBvh* bvh );

@@ -3,6 +3,7 @@
 #include "base/random.h"
 #include "bsdf/bsdf.h"
 #include "scene/textured.h"
+#include "trace/far_triangle.h"
 
 // Offsets of the fields in Embree's packets (the accessors of its header are C++ only).
 enum
@@ -116,6 +117,21 @@ static bool is_hit( const struct RTCFilterFunctionNArguments* args, unsigned int
     return opacity >= 1.0f || hits_blended( args, lane, x->triangle, opacity );
 }
 
+// A far triangle that the ray does not reach, though Embree's floats say so: mostly the one that it starts from.
+static bool misses_far( const struct RTCFilterFunctionNArguments* args, unsigned int lane, const RfTriangleRecord* t )
+{
+    const float* ray = (const float*)(const void*)args->ray + lane;
+    const unsigned int n = args->N;
+    float scale = 1.0f / ( (const RfBvh*)args->geometryUserPtr )->scale;
+    RfVec3 o = rf_scale( rf_vec3( ray[0], ray[n], ray[2 * n] ), scale );
+    ray += RAY_DIRECTION * n;
+    RfVec3 d = rf_scale( rf_vec3( ray[0], ray[n], ray[2 * n] ), scale );
+    double distance;
+    if ( !rf_cross_plane( t, o, d, &distance ) || !( distance > 0.0 ) )
+        return true;
+    return ( (const RfQuery*)args->context )->kind == RF_QUERY_SEGMENTS && distance > 1.0;
+}
+
 void rf_filter_hits( const struct RTCFilterFunctionNArguments* args )
 {
     const RfBvh* bvh = args->geometryUserPtr;
@@ -130,7 +146,13 @@ void rf_filter_hits( const struct RTCFilterFunctionNArguments* args )
         if ( args->valid[i] == 0 )
             continue;
         Crossing x = { .triangle = bvh->order[bvh->masked_first + number[i]], .u = u[i], .v = v[i] };
-        const RfMaterial* material = scene->materials + scene->triangles.material[x.triangle];
+        const RfTriangleRecord* t = bvh->triangles + x.triangle;
+        if ( t->far && misses_far( args, i, t ) )
+        {
+            args->valid[i] = 0;
+            continue;
+        }
+        const RfMaterial* material = scene->materials + t->material;
         bool may_be_pane = query->pass_panes && rf_may_be_pane( material );
         bool ignored = query->kind == RF_QUERY_PANES && ( !may_be_pane || x.triangle == query->hit[ray_bits( args, RAY_ID, i )] );
         float opacity = material->textured != NULL ? rf_opacity_at( scene, material, x.triangle, u[i], v[i] ) : 1.0f;

@@ -51,13 +51,14 @@ static int set_valid( int* valid, int first, int count )
     return lanes;
 }
 
-static void set_ray( struct RTCRay16* ray, int lanes, const float* const d[3], int first, float far )
+// Rays are scaled as the BVH is; segments, which have a length, in their direction too.
+static void set_ray( struct RTCRay16* ray, int lanes, const float* const d[3], int first, float scale, float far )
 {
     for ( int i = 0; i < lanes; ++i )
     {
-        ray->dir_x[i] = d[0][first + i];
-        ray->dir_y[i] = d[1][first + i];
-        ray->dir_z[i] = d[2][first + i];
+        ray->dir_x[i] = scale * d[0][first + i];
+        ray->dir_y[i] = scale * d[1][first + i];
+        ray->dir_z[i] = scale * d[2][first + i];
     }
     for ( int i = 0; i < RF_PACKET; ++i )
     {
@@ -70,13 +71,13 @@ static void set_ray( struct RTCRay16* ray, int lanes, const float* const d[3], i
     }
 }
 
-static void set_origins( struct RTCRay16* ray, int lanes, const float* const o[3], int first )
+static void set_origins( struct RTCRay16* ray, int lanes, const float* const o[3], int first, float scale )
 {
     for ( int i = 0; i < lanes; ++i )
     {
-        ray->org_x[i] = o[0][first + i];
-        ray->org_y[i] = o[1][first + i];
-        ray->org_z[i] = o[2][first + i];
+        ray->org_x[i] = scale * o[0][first + i];
+        ray->org_y[i] = scale * o[1][first + i];
+        ray->org_z[i] = scale * o[2][first + i];
     }
 }
 
@@ -104,8 +105,8 @@ static void trace_nearest( const RfTracer* tracer, int count, const float* const
     for ( int first = 0; first < count; first += RF_PACKET )
     {
         int lanes = set_valid( valid, first, count );
-        set_origins( &packet.ray, lanes, o, first );
-        set_ray( &packet.ray, lanes, d, first, INFINITY );
+        set_origins( &packet.ray, lanes, o, first, tracer->bvh.scale );
+        set_ray( &packet.ray, lanes, d, first, 1.0f, INFINITY );
         for ( int i = 0; i < RF_PACKET; ++i )
             packet.hit.geomID[i] = packet.hit.primID[i] = RTC_INVALID_GEOMETRY_ID;
         rtcIntersect16( valid, tracer->bvh.embree_scene, &query.context, &packet );
@@ -149,8 +150,8 @@ static void trace_segments( const RfTracer* tracer, int count, const float* cons
     for ( int first = 0; first < count; first += RF_PACKET )
     {
         int lanes = set_valid( valid, first, count );
-        set_origins( &ray, lanes, o, first );
-        set_ray( &ray, lanes, d, first, 1.0f );
+        set_origins( &ray, lanes, o, first, tracer->bvh.scale );
+        set_ray( &ray, lanes, d, first, tracer->bvh.scale, 1.0f );
         rtcOccluded16( valid, tracer->bvh.embree_scene, &query.context, &ray );
         for ( int i = 0; i < lanes; ++i )
             visible[first + i] = ray.tfar[i] < 0.0f ? 0.0f : query.transmittance[i]; // −inf if occluded
@@ -173,15 +174,15 @@ void rf_trace_segments_past_panes( const RfTracer* tracer, int count, const floa
 
 // Fills the segments of a packet; returns the number of lanes to test.
 static int set_segments( struct RTCRay16* ray, int* valid, RfVec3 origin, int lanes, const float* const point[3], int first,
-                         const float* weight )
+                         float scale, const float* weight )
 {
     int tested = 0;
 #pragma omp simd reduction( + : tested )
     for ( int i = 0; i < lanes; ++i )
     {
-        ray->dir_x[i] = point[0][first + i] - origin.x;
-        ray->dir_y[i] = point[1][first + i] - origin.y;
-        ray->dir_z[i] = point[2][first + i] - origin.z;
+        ray->dir_x[i] = scale * ( point[0][first + i] - origin.x );
+        ray->dir_y[i] = scale * ( point[1][first + i] - origin.y );
+        ray->dir_z[i] = scale * ( point[2][first + i] - origin.z );
         valid[i] = weight[first + i] > 0.0f ? -1 : 0;
         tested -= valid[i];
     }
@@ -193,22 +194,23 @@ static int trace_from_origin( const RfTracer* tracer, RfVec3 origin, int count, 
 {
     // although these rays are coherent, Embree's incoherent packet traversal is faster here
     RfQuery query = begin_query( RF_QUERY_SEGMENTS, false, panes != NULL );
+    float scale = tracer->bvh.scale;
     _Alignas( 64 ) int valid[RF_PACKET];
     struct RTCRay16 ray;
     memset( &ray, 0, sizeof ray );
     for ( int i = 0; i < RF_PACKET; ++i )
     {
         ray.id[i] = (unsigned int)i;
-        ray.org_x[i] = origin.x;
-        ray.org_y[i] = origin.y;
-        ray.org_z[i] = origin.z;
+        ray.org_x[i] = scale * origin.x;
+        ray.org_y[i] = scale * origin.y;
+        ray.org_z[i] = scale * origin.z;
         ray.mask[i] = 0xffffffffu;
     }
     int sum = 0;
     for ( int first = 0; first < count; first += RF_PACKET )
     {
         int lanes = set_valid( valid, first, count );
-        int tested = set_segments( &ray, valid, origin, lanes, point, first, weight );
+        int tested = set_segments( &ray, valid, origin, lanes, point, first, scale, weight );
         if ( tested > 0 )
         {
             for ( int i = 0; i < RF_PACKET; ++i )
@@ -240,6 +242,7 @@ void rf_trace_mirrors( const RfTracer* tracer, RfVec3 origin, int count, const f
                        float* const hit[3], float* weight )
 {
     RfQuery query = begin_query( RF_QUERY_NEAREST, true, false );
+    float scale = tracer->bvh.scale;
     float least = rf_ray_offset( rf_largest_coordinate( origin ) ); // clear of the rounding of its coordinates
     _Alignas( 64 ) int valid[RF_PACKET];
     struct RTCRayHit16 packet;
@@ -247,12 +250,12 @@ void rf_trace_mirrors( const RfTracer* tracer, RfVec3 origin, int count, const f
     for ( int first = 0; first < count; first += RF_PACKET )
     {
         int lanes = set_valid( valid, first, count );
-        set_segments( &packet.ray, valid, origin, lanes, point, first, weight );
+        set_segments( &packet.ray, valid, origin, lanes, point, first, scale, weight );
         for ( int i = 0; i < RF_PACKET; ++i )
         {
-            packet.ray.org_x[i] = origin.x;
-            packet.ray.org_y[i] = origin.y;
-            packet.ray.org_z[i] = origin.z;
+            packet.ray.org_x[i] = scale * origin.x;
+            packet.ray.org_y[i] = scale * origin.y;
+            packet.ray.org_z[i] = scale * origin.z;
             packet.ray.tnear[i] = 0.0f;
             packet.ray.tfar[i] = INFINITY;
             packet.ray.mask[i] = 0xffffffffu;
@@ -270,9 +273,10 @@ void rf_trace_mirrors( const RfTracer* tracer, RfVec3 origin, int count, const f
                 continue;
             }
             const RfTriangleRecord* t = tracer->triangles + tracer->mirrors.triangle[number];
-            RfVec3 p = rf_add( t->p0, rf_add( rf_scale( t->e1, packet.hit.u[i] ), rf_scale( t->e2, packet.hit.v[i] ) ) );
-            float side = rf_dot( t->ng, rf_sub( origin, p ) ) < 0.0f ? -1.0f : 1.0f;
-            p = rf_madd( p, t->ng, side * rf_maxf( t->offset, least ) );
+            RfVec3 d = rf_vec3( packet.ray.dir_x[i], packet.ray.dir_y[i], packet.ray.dir_z[i] );
+            RfHitPoint at = rf_hit_point( t, packet.hit.u[i], packet.hit.v[i], origin, d );
+            float side = rf_dot( t->ng, rf_sub( origin, at.p ) ) < 0.0f ? -1.0f : 1.0f;
+            RfVec3 p = rf_madd( at.p, t->ng, side * rf_maxf( at.offset, least ) );
             hit[0][first + i] = p.x;
             hit[1][first + i] = p.y;
             hit[2][first + i] = p.z;

@@ -1,6 +1,7 @@
 #include "trace/tracer.h"
 
 #include "light/light.h"
+#include "trace/far_triangle.h"
 
 #include <pmmintrin.h>
 #include <stdio.h>
@@ -32,6 +33,8 @@ static bool on_memory( void* user, ssize_t bytes, bool post )
 static RfResult build_bvh( RfTracer* tracer, RfError* error )
 {
     RfResult result = rf_build_bvh( tracer->device, tracer->scene, &tracer->bvh, error );
+    if ( result == RF_OK )
+        tracer->mirror_scene = rf_build_mirror_scene( tracer->device, tracer->scene, tracer->bvh.scale, &tracer->mirrors );
     if ( result == RF_OK && tracer->message[0] != 0 )
         return rf_fail( error, RF_ERROR_DEVICE, "%s: building the BVH failed: %s",
                         tracer->scene->path != NULL ? tracer->scene->path : "scene", tracer->message );
@@ -43,7 +46,7 @@ static RfVec3 load_vec3( const float* values, uint32_t index )
     return rf_vec3( values[3 * (size_t)index], values[3 * (size_t)index + 1], values[3 * (size_t)index + 2] );
 }
 
-static RfTriangleRecord make_record( const RfTriangles* t, uint32_t i, uint32_t light )
+static RfTriangleRecord make_record( const RfTriangles* t, uint32_t i, uint32_t light, float far_error )
 {
     const uint32_t* v = t->indices + 3 * (size_t)i;
     RfTriangleRecord r = { .material = t->material[i], .light = light, .mirror = RF_NO_MIRROR };
@@ -58,6 +61,7 @@ static RfTriangleRecord make_record( const RfTriangles* t, uint32_t i, uint32_t 
     float largest = rf_maxf( rf_largest_coordinate( r.p0 ), rf_maxf( rf_largest_coordinate( load_vec3( t->positions, v[1] ) ),
                                                                      rf_largest_coordinate( load_vec3( t->positions, v[2] ) ) ) );
     r.offset = rf_ray_offset( largest );
+    r.far = rf_is_far_triangle( t, i, far_error );
     r.flat = rf_dot( r.d1, r.d1 ) == 0.0f && rf_dot( r.d2, r.d2 ) == 0.0f && rf_dot( r.n0, r.ng ) > 0.999999f;
     return r;
 }
@@ -69,8 +73,8 @@ static RfResult fill_records( RfTracer* tracer, RfError* error )
     if ( tracer->triangles == NULL )
         return rf_fail( error, RF_ERROR_MEMORY, "no memory for the surfaces of %u triangles", t->count );
     for ( uint32_t i = 0; i < t->count; ++i )
-        tracer->triangles[i] =
-            make_record( t, i, tracer->lights.of_triangle != NULL ? tracer->lights.of_triangle[i] : RF_NO_LIGHT );
+        tracer->triangles[i] = make_record(
+            t, i, tracer->lights.of_triangle != NULL ? tracer->lights.of_triangle[i] : RF_NO_LIGHT, tracer->bvh.far_error );
     for ( uint32_t i = 0; i < tracer->mirrors.triangle_count; ++i )
         tracer->triangles[tracer->mirrors.triangle[i]].mirror = tracer->mirrors.of_triangle[i];
     return RF_OK;
@@ -109,9 +113,7 @@ RfResult rf_create_tracer( const RfScene* scene, RfTracer** out, RfError* error 
     if ( result == RF_OK )
         result = rf_find_mirrors( scene, &tracer->mirrors, error );
     if ( result == RF_OK )
-        tracer->mirror_scene = rf_build_mirror_scene( tracer->device, scene, &tracer->mirrors );
-    if ( result == RF_OK )
-        result = build_bvh( tracer, error ); // and reports errors of the mirrors' scene as well
+        result = build_bvh( tracer, error );
     if ( result == RF_OK )
         result = fill_records( tracer, error );
     tracer->bvh.triangles = tracer->triangles;

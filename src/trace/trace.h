@@ -39,10 +39,41 @@ typedef struct RfTriangleRecord
     RfVec3 ng;         // unit geometric normal of the front side
     uint32_t material;
     uint32_t light;  // index into RfLights, or RF_NO_LIGHT
-    uint16_t flat;   // 1: the shading normal is the geometric normal
+    uint8_t flat;    // 1: the shading normal is the geometric normal
+    uint8_t far;     // 1: hits are checked in doubles (trace/far_triangle.h)
     uint16_t mirror; // index into RfMirrors, or RF_NO_MIRROR
-    float offset;    // ray offset for this triangle (rf_ray_offset)
+    float offset;    // ray offset for hits interpolated from its vertices (rf_ray_offset)
 } RfTriangleRecord;
+
+// Where a ray hits a triangle, and its ray offset there.
+typedef struct RfHitPoint
+{
+    RfVec3 p;
+    float offset;
+} RfHitPoint;
+
+// Beyond this ratio of the triangle's ray offset to that of a hit the hit is computed from its ray, in doubles.
+// Up to there interpolated points serve, which cost less.
+#define RF_OFFSET_RATIO 16.0f
+#define RF_NEAR_LIMIT ( 1e6f / RF_OFFSET_RATIO ) // coordinates over ray offset: rf_ray_offset
+
+// The hit of a ray o + t d on a triangle that reaches much further than ray and hit.
+RfHitPoint rf_hit_far_triangle( const RfTriangleRecord* triangle, RfVec3 o, RfVec3 d, RfHitPoint interpolated );
+
+// Whether a point lies so near the origin that a triangle's ray offset is far too large there. Mostly the first
+// comparison decides.
+static inline bool rf_is_near( RfVec3 p, float limit )
+{
+    return fabsf( p.x ) < limit && fabsf( p.y ) < limit && fabsf( p.z ) < limit;
+}
+
+// The hit of a ray on a triangle, at these barycentrics by Embree.
+static inline RfHitPoint rf_hit_point( const RfTriangleRecord* t, float u, float v, RfVec3 o, RfVec3 d )
+{
+    RfHitPoint hit = { rf_add( t->p0, rf_add( rf_scale( t->e1, u ), rf_scale( t->e2, v ) ) ), t->offset };
+    float limit = t->offset * RF_NEAR_LIMIT;
+    return rf_is_near( hit.p, limit ) && rf_is_near( o, limit ) ? rf_hit_far_triangle( t, o, d, hit ) : hit;
+}
 
 // The records of all triangles.
 const RfTriangleRecord* rf_tracer_triangles( const RfTracer* tracer );

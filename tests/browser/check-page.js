@@ -1,15 +1,20 @@
-// node check-page.js PAGE.html [--pictures FOLDER] [--seconds S] [--mean M]
+// node check-page.js PAGE.html [--pictures FOLDER] [--seconds S] [--mean M] [--filmic M] [--probe X,Y:R,G,B]
+//                    [--coarse] [--error] [--quick]
 // Opens a page of `reframe report` in headless Chromium, from its file, and uses it
 // as a person would. --seconds: it loads faster; --mean: of the bytes of the first
-// picture; --pictures: leaves screenshots. Needs the npm package playwright-core (where REFRAME_NODE_MODULES
-// says) and Chromium (REFRAME_CHROMIUM, else found). One line for each check; exit
-// status 1 where one failed, 77 where there is no browser.
+// picture, --filmic: by the filmic curve; --probe: scene values at a pixel of the first
+// sequence; --coarse: the page has means of pixels; --error: it can show an error;
+// --quick: exposure and playing only; --pictures: leaves screenshots. Needs the npm package
+// playwright-core (where REFRAME_NODE_MODULES says) and Chromium (REFRAME_CHROMIUM, else
+// found). One line for each check; exit status 1 where one failed, 77 where there is no browser.
 "use strict";
 const fs = require("fs"), path = require("path"), { pathToFileURL } = require("url");
 
+const features = require("./check-features.js");
+
 const page_file = process.argv[2];
 const option = name => process.argv.includes(name) ? process.argv[process.argv.indexOf(name) + 1] : null;
-const pictures = option("--pictures"), most_seconds = Number(option("--seconds") || 0), mean = option("--mean");
+const pictures = option("--pictures"), most_seconds = Number(option("--seconds") || 0), mean = option("--mean"), quick = process.argv.includes("--quick");
 
 function load_playwright() {
   for (const folder of [process.env.REFRAME_NODE_MODULES, __dirname].filter(Boolean)) {
@@ -77,8 +82,10 @@ async function check_exposure(page) {
 
 // Where there is a reference: the error of the first panel, and the picture again.
 async function check_error_view(page) {
-  if (!await page.locator("#view").isVisible())
+  if (await page.locator("#view option[value=error]").count() === 0) {
+    check(!process.argv.includes("--error"), "there is nothing to compare with");
     return;
+  }
   const before = await look(page);
   await page.locator("#view").selectOption("error");
   const error = await look(page);
@@ -169,8 +176,20 @@ async function run(browser) {
     check(Math.abs(first.mean - Number(mean)) < 1.5, `it has the brightness that it should: ${first.mean.toFixed(1)}`);
   if (pictures)
     await page.screenshot({ path: path.join(pictures, "page.png"), fullPage: true });
+  await features.check_names(page, check);
+  await features.check_verdict(page, check);
   await check_exposure(page);
+  await features.check_filmic(page, check, look, option("--filmic"));
   await check_error_view(page);
+  if (!quick) {
+    await features.check_aovs(page, check, look);
+    await features.check_zoom(page, check);
+    await features.check_probe(page, check, option("--probe"), process.argv.includes("--coarse"));
+    await features.check_wipe(page, check);
+    await features.check_explanations(page, check);
+    await features.check_sheet(page, check, count);
+    await features.check_schemes(page, check);
+  }
   if (count > 1) {
     await check_seeking(page, count);
     await check_playing(page, count);
@@ -181,6 +200,8 @@ async function run(browser) {
     await page.evaluate(() => scrollTo(0, 0));
     await page.screenshot({ path: path.join(pictures, "page-dark.png") });
   }
+  if (!quick)
+    await features.check_phone(browser, pathToFileURL(path.resolve(page_file)).href, check, pictures ? path.join(pictures, "page-phone.png") : null);
   check(await page.locator("#failure").isHidden(), "the page tells of no failure");
   check(said.length === 0, `nothing is said in the console${said.length > 0 ? ": " + said.join(" | ").slice(0, 500) : ""}`);
   const others = asked.filter(url => !/^(file|blob|data):/.test(url));

@@ -3,12 +3,14 @@
 #include "cli/options/frame_list.h"
 #include "cli/render/progress.h"
 #include "cli/render/render_output.h"
+#include "scene/pinhole.h"
 
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include <cmocka.h>
 
@@ -89,6 +91,28 @@ static void test_matrices_project_as_the_eye_does( void** state )
     assert_true( fabs( out[2] - 0.99 ) < 1e-5 ); // 1 − 2 · 1 cm / 2 m
 }
 
+// A point that a shifted lens shows in the upper right corner of a film of wide pixels.
+static void test_matrices_of_shifted_lenses( void** state )
+{
+    (void)state;
+    RfEye eye = rf_make_eye( rf_vec3( 0, 0, 0 ), rf_vec3( 0, 0, -1 ), rf_vec3( 0, 1, 0 ), 0.8, 160, 90 );
+    rf_shift_eye( &eye, 1.5, 0.25, -0.1 );
+    float camera[16], ndc[16];
+    rf_eye_matrices( &eye, camera, ndc );
+    // in heights of the picture, which at a distance of 1 is 2 tan 0.4 high
+    double high = 2.0 * tan( 0.4 ), p[3] = { ( 0.5 * 160 * 1.5 / 90 + 0.25 ) * high, ( 0.5 - 0.1 ) * high, -1.0 }, out[3];
+    apply( ndc, p, out );
+    assert_true( fabs( out[0] - 1.0 ) < 1e-5 && fabs( out[1] - 1.0 ) < 1e-5 );
+    RfProjection at = rf_project( &eye, rf_vec3( (float)( 0.999 * p[0] ), (float)( 0.999 * p[1] ), -1 ), rf_vec3( 0, 0, 1 ) );
+    assert_true( at.seen && at.x == 159 && at.y == 0 );
+    const float inverse[2] = { 1.0f / eye.focal_x, 1.0f / eye.focal };
+    RfVec3 d = rf_pinhole_ray( &eye, inverse, 159, 0, 1.0f, 0.0f );
+    assert_true( fabs( (double)( d.x / d.z ) + p[0] ) < 1e-5 && fabs( (double)( d.y / d.z ) + p[1] ) < 1e-5 );
+    float film[2];
+    rf_pinhole_position( &eye, d, film );
+    assert_true( fabs( (double)film[0] - 80.0 ) < 1e-3 && fabs( (double)film[1] - 45.0 ) < 1e-3 );
+}
+
 static void test_fingerprints_change_with_every_setting( void** state )
 {
     (void)state;
@@ -147,13 +171,44 @@ static void test_progress_line_is_short_and_right( void** state )
     assert_string_equal( text, "frame 99999/99999  50 %  99:59:59 spent  99:59:59 left  relMSE 1.2e-05" );
 }
 
+// Where standard error is a pipe: a plain line every ten seconds, from the start.
+static void test_progress_off_a_terminal( void** state )
+{
+    (void)state;
+    char text[512];
+    FILE* log = tmpfile();
+    int terminal = dup( STDERR_FILENO );
+    assert_true( log != NULL && terminal >= 0 );
+    dup2( fileno( log ), STDERR_FILENO );
+    RfProgressLine line = rf_create_progress_line( false ), quiet = rf_create_progress_line( true );
+    static const double seconds[] = { 0.1, 5.0, 9.9, 10.2, 15.0, 20.1, 20.3, 46.5, 48.0 };
+    for ( size_t i = 0; i < sizeof seconds / sizeof seconds[0]; ++i )
+    {
+        RfProgress progress = { .frames_all = 25, .share = seconds[i] / 50.0, .samples = 1e6, .seconds = seconds[i] };
+        rf_show_progress( &line, &progress );
+        rf_show_progress( &quiet, &progress );
+    }
+    rf_clear_progress( &line );
+    fflush( stderr );
+    dup2( terminal, STDERR_FILENO );
+    close( terminal );
+    rewind( log );
+    text[fread( text, 1, sizeof text - 1, log )] = '\0';
+    fclose( log );
+    assert_string_equal( text, "frame 1/25  20 %  0:10 spent  0:40 left  98 k samples/s\n"
+                               "frame 1/25  40 %  0:20 spent  0:30 left  49 k samples/s\n"
+                               "frame 1/25  93 %  0:46 spent  0:04 left  22 k samples/s\n" );
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( test_frame_lists_as_users_write_them ),
         cmocka_unit_test( test_matrices_project_as_the_eye_does ),
+        cmocka_unit_test( test_matrices_of_shifted_lenses ),
         cmocka_unit_test( test_fingerprints_change_with_every_setting ),
         cmocka_unit_test( test_progress_line_is_short_and_right ),
+        cmocka_unit_test( test_progress_off_a_terminal ),
     };
     return cmocka_run_group_tests_name( "cli parts", tests, NULL, NULL );
 }

@@ -207,9 +207,9 @@ static void test_existing_frames( void** state )
     assert_non_null( strstr( result->out, "3 kept" ) );
     assert_int_equal( atoi( cli_run( "find . -name 'f.*.exr' ! -newermt 2002-01-01 | wc -l" )->out ), 3 );
     cli_expect( cli_run( "$R render $VASE -o f.####.exr --frames 1-5 --resume --seed 2 " SMALL ), 1,
-                "f.0001.exr: was rendered from another scene" );
+                "f.0001.exr: is of another render, of --seed 1 (here 2): give the same" );
     cli_expect( cli_run( "mv f.0002.exr f.0001.exr; $R render $VASE -o f.####.exr --frames 1-5 --resume " SMALL ), 1,
-                "f.0001.exr: was rendered from another scene" );
+                "f.0001.exr: is of another render, of frame 2 (here 1): give the same" );
     cli_expect( cli_run( "echo text > f.0001.exr; $R render $VASE -o f.####.exr --frames 1-5 --resume " SMALL ), 1,
                 "not a frame of this render" );
     cli_expect( cli_run( "$R render $VASE -o g.####.exr --frames -2--1 --resume " SMALL ), 0, NULL );
@@ -253,12 +253,14 @@ static void test_json_has_every_key( void** state )
     json_t* json = parse_json( result->out );
     expect_keys( json, "version scene frames seconds seconds_scene peak_bytes budget_bytes bytes rays group tile weights "
                        "normalize threads effects kept_frames interrupted adaptive adaptive_mode adaptive_frames "
-                       "repeated_frames" );
+                       "warnings repeated_frames" );
     expect_keys( json_object_get( json, "rays" ), "primary path shadow tile eye" );
     expect_keys( json_object_get( json, "bytes" ), "film_table films adaptive image scratch hit_records writer" );
     json_t* frames = json_object_get( json, "frames" );
     assert_int_equal( json_array_size( frames ), 2 );
-    expect_keys( json_array_get( frames, 1 ), "frame seconds relmse_estimate native_spp effective_spp kept" );
+    expect_keys(
+        json_array_get( frames, 1 ),
+        "frame seconds relmse_estimate relmse_is_lower_bound relmse_likely worst_ten_share native_spp effective_spp kept" );
     assert_int_equal( json_integer_value( json_object_get( json_array_get( frames, 1 ), "frame" ) ), 2 );
     assert_int_equal( json_integer_value( json_object_get( json, "group" ) ), 1 );
     assert_string_equal( json_string_value( json_object_get( json, "scene" ) ), REFRAME_VASE_ROOM );
@@ -282,7 +284,7 @@ static void test_info_tells_cameras_and_materials( void** state )
     result = cli_run( "$R info $VASE --json - --fps 48" );
     cli_expect( result, 0, NULL );
     json_t* json = parse_json( result->out );
-    expect_keys( json, "triangles instances materials lights cameras effects moving size fps" );
+    expect_keys( json, "triangles instances materials lights cameras effects moving size fps export_warnings" );
     json_t* camera = json_array_get( json_object_get( json, "cameras" ), 0 );
     expect_keys( camera, "name frames first step animated" );
     assert_int_equal( json_integer_value( json_object_get( camera, "frames" ) ), 95 );

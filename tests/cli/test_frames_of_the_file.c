@@ -128,6 +128,7 @@ static void test_frames_in_steps( void** state )
     assert_non_null( strstr( told->out, "Side: 4 frames (101 to 110 in steps of 3)" ) );
     cli_expect( cli_run( "$R render room.gltf -o s.####.exr --frames 101-106 --group 0 --spp 1 --quiet" ), 0, NULL );
     assert_true( cli_exists( "s.0101.exr" ) && cli_exists( "s.0104.exr" ) && !cli_exists( "s.0107.exr" ) );
+    cli_expect( cli_run( "$R flicker s.####.exr" ), 0, NULL ); // they are neighbours
     expect_among( cli_run( "$R render room.gltf -o s.####.exr --frames 102" ), 2,
                   "there is no frame 102, the camera's path has frames 101 to 110 in steps of 3" );
 }
@@ -234,13 +235,27 @@ static void test_equal_eyes_are_rendered_once( void** state )
     cli_expect( cli_run( "$R plan room.gltf --quiet" ), 0, NULL );
 }
 
+static void test_still_cameras_are_told( void** state )
+{
+    (void)state;
+    write_shot( "{\"kind\":\"keyed\",\"keys\":[" KEY( 1, 0, 40 ) "," KEY( 48, 0, 40 ) "]}" );
+    const CliResult* told = cli_run( "$R info room.gltf" );
+    assert_non_null( strstr( told->out, "Side: 48 frames at 29.97 frames/s, stands still" ) );
+    assert_non_null( strstr( told->out, "no camera of the scene moves" ) );
+    told = cli_run( "$R render room.gltf -o w.####.exr --spp 2" );
+    assert_int_equal( told->status, 0 );
+    assert_non_null( strstr( told->err, "the camera stands still in frames 1 to 48: equal frames are rendered once, 1 of 48" ) );
+    assert_int_equal( cli_count_files( ".exr", "." ), 48 );
+}
+
 static void test_moving_objects_are_named( void** state )
 {
     (void)state;
     write_moving( "" );
     const CliResult* told = cli_run( "$R render room.gltf -o m.####.exr --frames 101 --spp 1 --size 4x4" );
     assert_int_equal( told->status, 0 );
-    assert_non_null( strstr( told->err, "'cup', 'door' move in the file, but only cameras move here: they stand still" ) );
+    assert_non_null( strstr(
+        told->err, "'cup', 'door' move or change in the file, but only cameras move here: taken as in the first frame" ) );
     told = cli_run( "$R info room.gltf --json -" );
     json_t* json = json_loads( told->out, 0, NULL );
     json_t* moving = json_object_get( json, "moving" );
@@ -249,8 +264,7 @@ static void test_moving_objects_are_named( void** state )
     assert_int_equal( json_integer_value( json_array_get( json_object_get( json, "size" ), 1 ) ), 24 );
     json_decref( json );
     told = cli_run( "$R info room.gltf" );
-    assert_non_null(
-        strstr( told->out, "moving     2 objects in the file, which stand still here: only cameras move\n  cup\n" ) );
+    assert_non_null( strstr( told->out, "moving     2 objects, taken as in the first frame: only cameras move here\n  cup\n" ) );
 }
 
 static void test_wrong_shots_are_errors( void** state )
@@ -278,6 +292,7 @@ int main( void )
         cmocka_unit_test_setup_teardown( test_frames_in_steps, cli_enter_group, cli_leave_group ),
         cmocka_unit_test_setup_teardown( test_lens_of_every_frame, cli_enter_group, cli_leave_group ),
         cmocka_unit_test_setup_teardown( test_equal_eyes_are_rendered_once, cli_enter_group, cli_leave_group ),
+        cmocka_unit_test_setup_teardown( test_still_cameras_are_told, cli_enter_group, cli_leave_group ),
         cmocka_unit_test_setup_teardown( test_moving_objects_are_named, cli_enter_group, cli_leave_group ),
         cmocka_unit_test_setup_teardown( test_wrong_shots_are_errors, cli_enter_group, cli_leave_group ),
     };

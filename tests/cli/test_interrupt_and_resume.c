@@ -218,6 +218,52 @@ static void test_resume_of_a_whole_sequence( void** state )
     assert_non_null( strstr( result->out, "\"kept_frames\": 8" ) );
 }
 
+// What a killed render left goes with the one that finishes it; files in use stay, and those of others.
+static void test_no_temporary_file_is_left( void** state )
+{
+    (void)state;
+    static const char make[] =
+        "mkdir -p k && cd k && touch .reframe-99999-3.tmp .reframe-probe-AbC123 .reframe-held-1.tmp "
+        "reframe-1-1.tmp .reframe-1-2.tmp && touch -d '1 hour ago' .reframe-* && touch .reframe-1-9.tmp && "
+        "touch -d tomorrow .reframe-1-9.tmp";
+    cli_expect( cli_run( "%s", make ), 0, NULL );
+    cli_expect( cli_run( "flock k/.reframe-1-2.tmp $R render $VASE -o k/f.####.exr --frames 1-2 --size 16x9 --spp 2 --group 0 "
+                         "--quiet --resume" ),
+                0, NULL );
+    const CliResult* result = cli_run( "LC_ALL=C ls -A k" );
+    assert_string_equal( result->out, ".reframe-1-2.tmp\n.reframe-1-9.tmp\n.reframe-held-1.tmp\nf.0001.exr\nf.0002.exr\n"
+                                      "reframe-1-1.tmp\n" );
+}
+
+// What differs is named with both values.
+static void test_resume_names_what_differs( void** state )
+{
+    (void)state;
+    static const char start[] = "reframe render: --resume: d/f.0002.exr: is of another render, of ";
+    static const char* const cases[][2] = {
+        { "--spp 4 --group 0 --size 16x9", "--spp 2 (here 4): give the same" },
+        { "--spp 2 --group 0 --size 24x9 --seed 3", "--seed 1 (here 3), --size 16x9 (here 24x9): give the same" },
+        { "--spp 2 --group 0 --size 16x9 --noise 0.5 --aov depth", "--noise 0 (here 0.5), --aov none (here depth): give" },
+        { "--spp 2 --group 0 --size 16x9 --tile-roulette", "--tile-roulette no (here yes): give the same" },
+        { "--spp 2 --group 0 --size 16x9 --adaptive --tile 2x2", "--tile 3x3 (here 2x2), --adaptive off (here on): give" },
+        { "--spp 2 --group 0 --size 16x9 --fps 12", "frames in the path 48 (here 24): give the same" },
+    };
+    cli_expect( cli_run( "$R render $VASE -o d/f.####.exr --frames 2 --size 16x9 --spp 2 --group 0 --quiet" ), 0, NULL );
+    for ( size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i )
+    {
+        const CliResult* result = cli_run( "$R render $VASE -o d/f.####.exr --frames 2 --quiet --resume %s", cases[i][0] );
+        cli_expect( result, 1, cases[i][1] );
+        assert_int_equal( strncmp( result->err, start, strlen( start ) ), 0 );
+    }
+    cli_expect( cli_run( "cp d/f.0002.exr d/f.0003.exr; $R render $VASE -o d/f.####.exr --frames 3 --quiet --resume --size 16x9 "
+                         "--spp 2 --group 0" ),
+                1, "is of another render, of frame 2 (here 3): give" );
+    cli_write( "other.json", "", 0 );
+    cli_expect( cli_run( "echo '{\"scene\":\"'$VASE'\",\"materials\":{\"vase\":{\"exponent\":9}}}' > other.json; "
+                         "$R render other.json -o d/f.####.exr --frames 2 --quiet --resume --size 16x9 --spp 2 --group 0" ),
+                1, "with these settings, but from another scene or camera path" );
+}
+
 // Off a terminal: a line for each frame, with the time spent and the estimate.
 static void test_a_line_for_each_frame( void** state )
 {
@@ -229,12 +275,34 @@ static void test_a_line_for_each_frame( void** state )
     assert_true( spent[-3] == ':' ); // 0:00
 }
 
+// One group of all frames finishes them at once: its seconds are theirs in equal parts.
+static void test_seconds_of_a_group_are_shared( void** state )
+{
+    (void)state;
+    cli_expect( cli_run( "$R render $VASE -o g/f.####.exr --frames 1-8 --size 64x36 --spp 48 --group 48 --quiet --json g.json" ),
+                0, NULL );
+    json_t* json = cli_read_json( "g.json" );
+    double sum = 0.0, most = 0.0;
+    for ( size_t i = 0; i < FRAMES; ++i )
+    {
+        double seconds = number( frame_of( json, i ), "seconds" );
+        sum += seconds;
+        most = fmax( most, seconds );
+    }
+    assert_true( sum > 0.0 && sum <= number( json, "seconds" ) );
+    if ( most > 0.4 * sum ) // the first had nearly all of it
+        fail_msg( "a frame has %g of %g s", most, sum );
+    json_decref( json );
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( test_interrupted_frames_stay_and_resume ), cmocka_unit_test( test_interrupted_overwrite_resumes ),
         cmocka_unit_test( test_interrupted_with_time_resumes ),      cmocka_unit_test( test_resume_and_overwrite ),
         cmocka_unit_test( test_resume_of_a_whole_sequence ),         cmocka_unit_test( test_a_line_for_each_frame ),
+        cmocka_unit_test( test_resume_names_what_differs ),          cmocka_unit_test( test_no_temporary_file_is_left ),
+        cmocka_unit_test( test_seconds_of_a_group_are_shared ),
     };
     return cmocka_run_group_tests_name( "resume", tests, cli_enter_group, cli_leave_group );
 }

@@ -12,7 +12,7 @@ typedef struct Values
 {
     int spp, group, weights, adaptive;
     uint64_t seed;
-    double exposure;
+    double exposure, noise, time;
     RfSize size;
     size_t memory;
     RfFps fps;
@@ -53,6 +53,8 @@ static const RfOption s_options[] = {
       .max = 32,
       .meta = "E",
       .help = "stops" },
+    { .name = "noise", .type = RF_OPTION_RATIO, .value = &s_values.noise, .max = 100, .meta = "E", .help = "relMSE" },
+    { .name = "time", .type = RF_OPTION_TIME, .value = &s_values.time, .max = 1e6, .meta = "T", .help = "seconds" },
     { .name = "size", .type = RF_OPTION_SIZE, .value = &s_values.size, .min = 1, .max = 32768, .meta = "WxH", .help = "pixels" },
     { .name = "memory", .type = RF_OPTION_MEMORY, .value = &s_values.memory, .min = 1048576, .meta = "SIZE", .help = "budget" },
     { .name = "fps", .type = RF_OPTION_FPS, .value = &s_values.fps, .meta = "R", .help = "rate" },
@@ -169,12 +171,17 @@ static void test_wrong_numbers_are_refused( void** state )
 static void test_wrong_words_are_refused( void** state )
 {
     (void)state;
-    static const char* const sizes[] = { "960", "960x", "x540", "0x5", "960x540x3", "32769x1", "1X1" };
+    static const char* const sizes[] = {
+        "960", "960x", "x540", "0x5", "960x540x3", "32769x1", "1X1", "1081p", "1080P", "4kx", "p"
+    };
     for ( size_t i = 0; i < sizeof sizes / sizeof sizes[0]; ++i )
     {
         char line[128], text[256];
         snprintf( line, sizeof line, "a.glb --size=%s", sizes[i] );
-        snprintf( text, sizeof text, "--size: wants WIDTHxHEIGHT, such as 960x540, each from 1 to 32768, got '%s'", sizes[i] );
+        snprintf( text, sizeof text,
+                  "--size: wants WIDTHxHEIGHT, such as 960x540, each from 1 to 32768, or 720p, 1080p, 1440p, "
+                  "2160p or 4k, got '%s'",
+                  sizes[i] );
         expect_error( line, text );
     }
     static const char* const memories[] = { "4Q", "G", "1GG", "0", "-4G", "1e99G", "4 G" };
@@ -207,6 +214,69 @@ static void test_wrong_shape_is_refused( void** state )
     expect_error( "a --resume --no-resume", "--resume: given twice" );
     expect_error( "a b", "'b' is one file too many, see reframe render --help" );
     expect_error( "--spp 3", "SCENE is missing, see reframe render --help" );
+}
+
+// Sizes by their names, times with units, percent.
+static void test_units_that_users_type( void** state )
+{
+    (void)state;
+    static const struct
+    {
+        const char* text;
+        int width, height;
+    } sizes[] = { { "720p", 1280, 720 },   { "1080p", 1920, 1080 }, { "1440p", 2560, 1440 },
+                  { "2160p", 3840, 2160 }, { "4k", 3840, 2160 },    { "16x9", 16, 9 } };
+    static const struct
+    {
+        const char* text;
+        double seconds;
+    } times[] = { { "20", 20.0 },     { "20s", 20.0 },    { "5m", 300.0 },  { "1h30m", 5400.0 }, { "1h0m2.5s", 3602.5 },
+                  { "1.5h", 5400.0 }, { "2h3s", 7203.0 }, { "1e2", 100.0 }, { "0", 0.0 } };
+    static const char* const wrong[] = { "20x", "s", "5m5m", "3s2m", "1h30", "-5s", "20 s", "5M", "1h-3m", "nan", "300h", "" };
+    static const char* const not_percent[] = { "1%%", "%", "1 %", "1%x", "-1%", "10001%" };
+    for ( size_t i = 0; i < sizeof sizes / sizeof sizes[0]; ++i )
+    {
+        char line[64];
+        snprintf( line, sizeof line, "a --size %s", sizes[i].text );
+        expect_ok( line );
+        assert_true( s_values.size.width == sizes[i].width && s_values.size.height == sizes[i].height );
+    }
+    for ( size_t i = 0; i < sizeof times / sizeof times[0]; ++i )
+    {
+        char line[64];
+        snprintf( line, sizeof line, "a --time=%s", times[i].text );
+        expect_ok( line );
+        assert_true( s_values.time == times[i].seconds );
+    }
+    for ( size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i )
+    {
+        char text[128];
+        RfOption option = s_options[5];
+        RfError error;
+        assert_int_equal( rf_parse_option_value( &option, wrong[i], &error ), RF_ERROR_USAGE );
+        snprintf( text, sizeof text, "--time: wants seconds from 0 to 1e+06, or a time such as 20s, 5m or 1h30m, got '%s'",
+                  wrong[i] );
+        assert_string_equal( error.text, text );
+    }
+    expect_ok( "a --noise 1%" );
+    assert_true( s_values.noise == 0.01 );
+    expect_ok( "a --noise 0.25" );
+    assert_true( s_values.noise == 0.25 );
+    for ( size_t i = 0; i < sizeof not_percent / sizeof not_percent[0]; ++i )
+    {
+        RfOption option = s_options[4];
+        assert_int_equal( rf_parse_option_value( &option, not_percent[i], NULL ), RF_ERROR_USAGE );
+    }
+}
+
+// What other programs call an option.
+static void test_synonyms_are_suggested( void** state )
+{
+    (void)state;
+    expect_error( "a --samples 3", "--samples: no such option, did you mean --spp?" );
+    expect_error( "a --resolution=3x3", "--resolution: no such option, did you mean --size?" );
+    expect_error( "a --continue", "--continue: no such option, did you mean --resume?" );
+    expect_error( "a --bounces 3", "--bounces: no such option, see reframe render --help" ); // none in this table
 }
 
 // A choice with a bare and a negated form: what follows is its value only if it is one of the choices.
@@ -304,6 +374,7 @@ int main( void )
         cmocka_unit_test( test_wrong_numbers_are_refused ), cmocka_unit_test( test_wrong_words_are_refused ),
         cmocka_unit_test( test_last_file_may_be_many ),     cmocka_unit_test( test_wrong_shape_is_refused ),
         cmocka_unit_test( test_help_names_every_option ),   cmocka_unit_test( test_value_may_be_left_out ),
+        cmocka_unit_test( test_units_that_users_type ),     cmocka_unit_test( test_synonyms_are_suggested ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

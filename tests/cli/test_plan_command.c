@@ -62,11 +62,19 @@ static void test_table_and_json_agree( void** state )
     const CliResult* said = cli_run( "$R plan $VASE %s --quiet", options );
     assert_int_equal( said->status, 0 );
     assert_true( said->err[0] == 0 && strstr( said->out, "\n* --group auto takes " ) != NULL );
-    char line[1024];
+    char line[1024], table[1024];
     snprintf( line, sizeof line, "%s", strstr( said->out, "\n* --group auto takes " ) );
+    snprintf( table, sizeof table, "%.1000s", said->out );
     cli_expect( cli_run( "$R render $VASE %s -o a.exr --frames 20 --quiet --json render.json", options ), 0, NULL );
     json_t *plan = cli_read_json( "plan.json" ), *render = cli_read_json( "render.json" );
-    const json_t* row = chosen_row( plan );
+    const json_t *row = chosen_row( plan ), *tried = json_object_get( plan, "tried" );
+    // measured anew each time
+    assert_non_null( strstr( json_string_value( json_object_get( plan, "verdict" ) ), "than path tracing at equal noise (" ) );
+    assert_int_equal( strncmp( table, "render --group auto takes groups of ", 36 ), 0 );
+    assert_non_null( strstr( table, "\n48 frames of 64x36 at " ) );
+    assert_true(
+        json_number_value( json_object_get( tried, "gain_low" ) ) < json_number_value( json_object_get( tried, "gain" ) ) &&
+        json_number_value( json_object_get( tried, "gain" ) ) < json_number_value( json_object_get( tried, "gain_high" ) ) );
     assert_int_equal( json_integer_value( json_object_get( row, "group" ) ),
                       json_integer_value( json_object_get( render, "group" ) ) );
     check_rows( plan );
@@ -144,7 +152,7 @@ static void test_rows_without_room( void** state )
     const char* why = json_string_value( json_object_get( last, "excluded" ) );
     char expected[96];
     json_int_t least = json_integer_value( json_object_get( last, "bytes_least" ) );
-    snprintf( expected, sizeof expected, "does not fit the memory, the least is %dK", (int)( least / 1024 ) );
+    snprintf( expected, sizeof expected, "does not fit the memory, the least is %dM", (int)( ( least + 1048575 ) / 1048576 ) );
     assert_string_equal( why, expected );
     assert_true( is_null( last, "predicted_gain" ) && is_null( last, "seconds" ) &&
                  is_null( json_object_get( last, "rays" ), "path" ) );

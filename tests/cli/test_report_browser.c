@@ -101,7 +101,7 @@ static void test_full_size_loads_and_plays( void** state )
     size_t size;
     free( cli_read( "big.html", &size ) );
     assert_true( size < 40000000 );
-    if ( !check_page( "big.html", "" ) )
+    if ( !check_page( "big.html", "--quick" ) )
         skip();
 }
 
@@ -120,14 +120,82 @@ static void test_side_by_side_with_holes_and_names( void** state )
     cli_expect(
         cli_run( "rm 'a</script>&/f.0004.exr'; $R report 'a</script>&' --reference r --cost cost.json -o with.html --quiet" ), 0,
         NULL );
-    cli_expect( cli_run( "$R report 'a</script>&' b -o two.html --quiet" ), 0, NULL );
+    cli_expect( cli_run( "$R report 'a</script>&' b -o two.html --values 40K --quiet" ), 0, NULL );
     cli_expect( cli_run( "$R report b/f.0001.exr -o one.html --quiet" ), 0, NULL );
-    if ( !check_page( "with.html", "" ) || !check_page( "two.html", "" ) || !check_page( "one.html", "" ) )
+    if ( !check_page( "with.html", "--quick" ) || !check_page( "two.html", "--coarse" ) || !check_page( "one.html", "" ) )
+        skip();
+}
+
+// A frame with all AOVs, and one pixel whose values a half float holds.
+static void write_full_frame( const char* folder, int frame, float light )
+{
+    enum
+    {
+        WIDTH = 96,
+        HEIGHT = 54,
+        COUNT = 14
+    };
+    static const char* const names[COUNT] = { "albedo.R",   "albedo.G",   "albedo.B",   "normal.X", "normal.Y",
+                                              "normal.Z",   "depth.Z",    "motion.X",   "motion.Y", "motion.Z",
+                                              "variance.R", "variance.G", "variance.B", "samples.Y" };
+    static float values[WIDTH * HEIGHT][COUNT];
+    RfExrChannel channels[COUNT];
+    RfImage image;
+    RfError error = { 0 };
+    char path[512];
+    snprintf( path, sizeof path, "%s/%s/f.%04d.exr", cli_folder(), folder, frame );
+    assert_int_equal( rf_create_image( WIDTH, HEIGHT, &image, &error ), RF_OK );
+    for ( int i = 0; i < WIDTH * HEIGHT; ++i )
+    {
+        float x = (float)( i % WIDTH ) / WIDTH, y = (float)( i / WIDTH ) / HEIGHT, t = 0.1f * (float)frame;
+        const float at[COUNT] = { x,        y,     0.5f, 0.6f * x, 0.6f * y, 0.8f, 2.0f + 5.0f * y,
+                                  x - 0.5f, y + t, 0.0f, x * y,    x,        y,    3.0f + x };
+        memcpy( values[i], at, sizeof at );
+        for ( int c = 0; c < 3; ++c )
+            image.rgb[3 * i + c] = light * ( 0.1f + x * y + 0.2f * t * (float)c );
+    }
+    image.rgb[3 * ( 20 * WIDTH + 10 )] = 0.25f;
+    image.rgb[3 * ( 20 * WIDTH + 10 ) + 1] = 12.5f;
+    image.rgb[3 * ( 20 * WIDTH + 10 ) + 2] = -0.0625f;
+    for ( int c = 0; c < COUNT; ++c )
+        channels[c] = ( RfExrChannel ){ names[c], &values[0][c], COUNT, false };
+    RfExrOptions options = rf_default_exr_options();
+    options.channels = channels;
+    options.channel_count = COUNT;
+    if ( rf_write_exr( path, &image, &options, &error ) != RF_OK )
+        fail_msg( "%s", error.text );
+    rf_destroy_image( &image );
+}
+
+// Verdict, warnings, AOVs, wipe, probe, contact sheet, on a desk and on a phone.
+static void test_everything_that_a_page_has( void** state )
+{
+    (void)state;
+    static const char render[] =
+        "{\"frames\":[{\"frame\":1,\"seconds\":%d},{\"frame\":2,\"seconds\":%d},{\"frame\":3,\"seconds\":%d}],\"seconds\":9,"
+        "\"threads\":2,\"rays\":{},\"warnings\":[\"in/a-very-long-name-of-a-scene-without-any-space.glb: material <b>red</b>: "
+        "sheen is "
+        "not supported\"]}";
+    static const char* const folders[3] = { "fast", "slow", "true" };
+    char text[1024];
+    for ( int k = 0; k < 3; ++k )
+    {
+        cli_expect( cli_run( "mkdir %s", folders[k] ), 0, NULL );
+        for ( int frame = 1; frame <= 3; ++frame )
+            write_full_frame( folders[k], frame, k == 0 ? 1.01f : k == 1 ? 1.1f : 1.0f );
+        int length = snprintf( text, sizeof text, render, 1 + k, 1 + k, 1 + k );
+        snprintf( text + 512, 512, "%s/r.json", folders[k] );
+        cli_write( text + 512, text, (size_t)length );
+    }
+    cli_expect( cli_run( "$R report fast slow --reference true -o full.html --quiet" ), 0, NULL );
+    cli_expect( cli_run( "$R report fast slow -o pair.html --quiet" ), 0, NULL ); // the difference of two without a reference
+    if ( !check_page( "full.html", "--probe 10,20:0.25,12.5,-0.0625" ) || !check_page( "pair.html", "--error --quick" ) )
         skip();
 }
 
 // What the browser paints is the sRGB curve of the light: of 0.5 it is 187.5, of
-// columns of 0.1 and 0.8 the mean of 89.0 and 231.1, two stops darker of 43.8 and 123.6.
+// columns of 0.1 and 0.8 the mean of 89.0 and 231.1, two stops darker of 43.8 and 123.6. The
+// filmic curve makes 0.505 of 0.5, 0.0783 of 0.1 and 0.6625 of 0.8.
 static void test_brightness_is_the_srgb_curve( void** state )
 {
     (void)state;
@@ -136,8 +204,9 @@ static void test_brightness_is_the_srgb_curve( void** state )
     cli_expect( cli_run( "$R report flat.exr -o flat.html --quiet && $R report columns.exr -o columns.html --quiet && "
                          "$R report columns.exr -o darker.html --exposure -2 --quiet" ),
                 0, NULL );
-    if ( !check_page( "flat.html", "--mean 187.5" ) || !check_page( "columns.html", "--mean 160.1" ) ||
-         !check_page( "darker.html", "--mean 83.7" ) )
+    if ( !check_page( "flat.html", "--mean 187.5 --filmic 188.4 --quick" ) ||
+         !check_page( "columns.html", "--mean 160.1 --filmic 145.8 --quick" ) ||
+         !check_page( "darker.html", "--mean 83.7 --quick" ) )
         skip();
 }
 
@@ -145,6 +214,7 @@ int main( void )
 {
     const struct CMUnitTest tests[] = { cmocka_unit_test( test_full_size_loads_and_plays ),
                                         cmocka_unit_test( test_side_by_side_with_holes_and_names ),
+                                        cmocka_unit_test( test_everything_that_a_page_has ),
                                         cmocka_unit_test( test_brightness_is_the_srgb_curve ) };
     return cmocka_run_group_tests_name( "report in a browser", tests, cli_enter_group, cli_leave_group );
 }

@@ -173,6 +173,71 @@ static void test_layers_are_chosen_by_name( void** state )
     json_decref( data );
 }
 
+// Scene values fit their bytes: the worst frame finest, the others as fine as the rest allows.
+static void test_values_fit_their_bytes( void** state )
+{
+    (void)state;
+    page_make_folder( "b" );
+    page_write_frames( "b/f.#.exr", 1, 3, 1.0f, 0.0f ); // 40×30 pixels: 9608 bytes of the page for values of each
+    static const struct
+    {
+        const char* options;
+        int most, factor, fine_frame, fine_factor;
+    } cases[] = { { "", 30000, 1, 0, 0 },
+                  { "--values 16K", 16384, 3, 1, 1 },
+                  { "--values 6000", 6000, 5, 1, 2 },
+                  { "--values 0", 0, 0, 0, 0 } };
+    for ( size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i )
+    {
+        const CliResult* result = cli_run( "$R report b -o b.html --overwrite --quiet --json - %s", cases[i].options );
+        cli_expect( result, 0, NULL );
+        json_t* json = json_loads( result->out, 0, NULL );
+        json_int_t bytes = json_integer_value( json_object_get( page_sequence( json, 0 ), "value_bytes" ) );
+        if ( bytes > cases[i].most || bytes < cases[i].most / 2 )
+            fail_msg( "%s: %lld bytes", cases[i].options, (long long)bytes );
+        json_decref( json );
+        json_t* data = page_read_data( "b.html", 3 );
+        const json_t* sequence = page_sequence( data, 0 );
+        int factor = (int)json_integer_value( json_object_get( sequence, "value_factor" ) );
+        int fine = (int)json_integer_value( json_object_get( sequence, "fine_factor" ) );
+        if ( factor != cases[i].factor || fine != cases[i].fine_factor ||
+             json_integer_value( json_object_get( sequence, "fine_frame" ) ) != cases[i].fine_frame )
+            fail_msg( "%s: %d, finer %d", cases[i].options, factor, fine );
+        json_decref( data );
+    }
+}
+
+// AOVs are those that the first file has under the usual names; a frame without them has none.
+static void test_aovs_of_the_files( void** state )
+{
+    (void)state;
+    page_make_folder( "q" );
+    for ( int frame = 1; frame <= 3; ++frame )
+    {
+        char name[64];
+        Foreign parts[2] = { COLOUR( 2.0f ),
+                             { .names = { "ViewLayer.Depth.Z", "normal.X", "normal.Y" },
+                               .values = { 3, 0, 1 },
+                               .width = 20,
+                               .height = 10,
+                               .part = "d" } };
+        snprintf( name, sizeof name, "q/f.%d.exr", frame );
+        write_parts( name, parts, frame != 2 ? 2 : 1 );
+    }
+    cli_expect( cli_run( "$R report q -o q.html --quiet" ), 0, NULL );
+    json_t* data = page_read_data( "q.html", 3 );
+    const json_t *sequence = page_sequence( data, 0 ), *layers = json_object_get( sequence, "layers" );
+    assert_int_equal( json_array_size( layers ), 1 ); // a normal without Z is none
+    assert_string_equal( json_string_value( json_object_get( json_array_get( layers, 0 ), "name" ) ), "depth" );
+    assert_true( json_is_true( page_item( sequence, "has_layers", 0 ) ) &&
+                 json_is_false( page_item( sequence, "has_layers", 1 ) ) );
+    json_decref( data );
+    cli_expect( cli_run( "$R report q -o q2.html --no-aov --quiet" ), 0, NULL );
+    data = page_read_data( "q2.html", 3 );
+    assert_int_equal( json_array_size( json_object_get( page_sequence( data, 0 ), "layers" ) ), 0 );
+    json_decref( data );
+}
+
 static void test_sizes_must_agree( void** state )
 {
     (void)state;
@@ -191,6 +256,7 @@ int main( void )
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( test_missing_frames_are_told ),   cmocka_unit_test( test_holes_by_the_smallest_step ),
         cmocka_unit_test( test_files_of_other_programs ),   cmocka_unit_test( test_layers_found_across_parts ),
+        cmocka_unit_test( test_values_fit_their_bytes ),    cmocka_unit_test( test_aovs_of_the_files ),
         cmocka_unit_test( test_layers_are_chosen_by_name ), cmocka_unit_test( test_sizes_must_agree ),
     };
     return cmocka_run_group_tests_name( "report frames", tests, cli_enter_group, cli_leave_group );

@@ -18,8 +18,8 @@ static const char* samples_of( const char* folder )
     static char text[128];
     cli_expect( cli_run( "$R report %s -o n.html --overwrite", folder ), 0, NULL );
     size_t size;
-    char* page = cli_read( "n.html", &size ); // as many blocks as frames
-    json_t* data = page_read_data( "n.html", page_count( page, "<script" ) - 2 );
+    char* page = cli_read( "n.html", &size ); // as many pictures as frames
+    json_t* data = page_read_data( "n.html", page_count( page, "<script type=\"text/plain\" id=\"s" ) );
     const char* said = page_fact( page_sequence( data, 0 ), "Settings", "Samples a pixel" );
     snprintf( text, sizeof text, "%s", said != NULL ? said : "" );
     json_decref( data );

@@ -187,7 +187,7 @@ static void test_camera_option_takes_a_path_file( void** state )
                 0, NULL );
     write_text( "move.json", PATH " " );
     cli_expect( cli_run( "$R render room.gltf -o c.####.exr --camera move.json --size 8x6 --spp 1 --group 0 --quiet --resume" ),
-                1, "was rendered from another" );
+                1, "but from another scene or camera path" );
     write_text( "blind.json", "{\"kind\":\"dolly\",\"from\":[0,9,0],\"to\":[1,9,0],\"target\":[0,0,0],\"frames\":2}" );
     cli_expect( cli_run( "$R render room.gltf -o d.####.exr --camera blind.json" ), 1, "looks along its up" );
 }

@@ -101,7 +101,11 @@ static void test_command_it_gives_is_taken_by_render( void** state )
 {
     (void)state;
     static const char options[] = "--size=16x9 --spp 5 --frames 20-21 --seed 7 --no-tile-roulette --memory 200M --max-depth 4";
-    cli_expect( cli_run( "$R tune $VASE %s --budget 1 --quiet --svg plot.svg --json tune.json > table.txt", options ), 0, NULL );
+    // words of options in the name of a folder, where the checkout may lie, are not options
+    cli_expect( cli_run( "mkdir quiet-budget && ln -s $VASE quiet-budget/vase.glb" ), 0, NULL );
+    cli_expect(
+        cli_run( "$R tune quiet-budget/vase.glb %s --budget 1 --quiet --svg plot.svg --json tune.json > table.txt", options ), 0,
+        NULL );
     json_t* tune = cli_read_json( "tune.json" );
     check_rows( tune );
     cli_expect( cli_run( "python3 -c \"import xml.dom.minidom as m; m.parse('plot.svg')\"" ), 0, NULL );
@@ -115,8 +119,9 @@ static void test_command_it_gives_is_taken_by_render( void** state )
     assert_non_null( strstr( table, "not tried: the samples would more than double" ) );
     assert_non_null(
         strstr( command, " --size=16x9 --spp 5 --frames 20-21 --seed 7 --no-tile-roulette --memory 200M --max-depth 4" ) );
-    assert_null( strstr( command, "budget" ) );
-    assert_null( strstr( command, "quiet" ) );
+    cli_expect_verdict( table, tune, "the best is " );
+    assert_null( strstr( command, " --budget" ) );
+    assert_null( strstr( command, " --quiet" ) );
     assert_int_equal( strncmp( command, "reframe ", 8 ), 0 );
     cli_expect( cli_run( "$R %s --quiet > out.txt", command + 8 ), 0, NULL );
     assert_int_equal( cli_count_files( ".exr", "out" ), 2 );
@@ -125,7 +130,8 @@ static void test_command_it_gives_is_taken_by_render( void** state )
     // words on the way, and JSON alone on standard output
     const CliResult* said = cli_run( "$R tune $VASE %s --budget 1 --json -", options );
     assert_int_equal( said->status, 0 );
-    assert_true( said->out[0] == '{' && strncmp( said->err, "reframe tune: round 1: 35 settings at 16x9", 42 ) == 0 );
+    assert_true( said->out[0] == '{' &&
+                 strstr( said->err, "reframe tune: round 1: 35 settings on pieces of 144 pixels" ) == said->err );
 }
 
 static void test_names_are_quoted_for_the_shell( void** state )
@@ -175,12 +181,11 @@ static void test_named_least_budget_works( void** state )
 {
     (void)state;
     static const char command[] =
-        "$R tune $VASE --size 64x36 --spp 9 --max-depth 2 --budget 1 --quiet --json tune.json --memory %ldK > table.txt";
-    const CliResult* said = cli_run( command, 1024L );
+        "$R tune $VASE --size 64x36 --spp 9 --max-depth 2 --budget 1 --quiet --json tune.json --memory %ldM > table.txt";
+    const CliResult* said = cli_run( command, 1L );
     cli_expect( said, 1, "give --memory " );
     long least = strtol( strstr( said->err, "give --memory " ) + strlen( "give --memory " ), NULL, 10 );
-    cli_expect( cli_run( command, least - least / 100 ), 1, "give --memory " );
-    cli_expect( cli_run( command, least + least / 5 ), 0, NULL );
+    cli_expect( cli_run( command, least - 1 ), 1, "give --memory " );
     cli_expect( cli_run( command, least ), 0, NULL );
     json_t* tune = cli_read_json( "tune.json" );
     const json_t* rows = json_object_get( tune, "rows" );
@@ -190,10 +195,10 @@ static void test_named_least_budget_works( void** state )
     for ( size_t i = 0; i < json_array_size( rows ); ++i )
     {
         const json_t* row = json_array_get( rows, i );
-        long kilobytes = (long)( json_integer_value( json_object_get( row, "bytes_least" ) ) / 1024 );
-        snprintf( why, sizeof why, "does not fit the memory, the least is %ldK", kilobytes );
-        assert_true( kilobytes >= least );
-        if ( kilobytes == least )
+        long megabytes = (long)( ( json_integer_value( json_object_get( row, "bytes_least" ) ) + 1048575 ) / 1048576 );
+        snprintf( why, sizeof why, "does not fit the memory, the least is %ldM", megabytes );
+        assert_true( megabytes >= least );
+        if ( megabytes == least )
             continue;
         without_room += 1;
         assert_string_equal( json_string_value( json_object_get( row, "excluded" ) ), why );

@@ -340,7 +340,7 @@ static void test_variance_is_the_true_one( void** state )
 static void assert_same( const Frames* a, int i, const Frames* b, int j )
 {
     assert_memory_equal( a->rgb[i], b->rgb[j], (size_t)a->pixels * 3 * sizeof( float ) );
-    for ( int l = 0; l < RF_AOV_COUNT; ++l )
+    for ( int l = 0; l < RF_AOV_ALPHA; ++l )
     {
         size_t bytes = (size_t)a->pixels * (size_t)rf_aov_channels( (RfAov)l ) * sizeof( float );
         assert_memory_equal( a->layers[i][l], b->layers[j][l], bytes );
@@ -405,7 +405,7 @@ static void test_each_alone_is_as_among_all( void** state )
     RfRenderSettings settings = layered( 1, 6 );
     settings.aovs = RF_ALL_AOVS;
     Frames* all = render_layers( tracer, eyes, 3, 1, 1, &settings );
-    for ( int a = 0; a < RF_AOV_COUNT; ++a )
+    for ( int a = 0; a < RF_AOV_ALPHA; ++a )
     {
         settings.aovs = RF_AOV_BIT( a );
         Frames* alone = render_layers( tracer, eyes, 3, 1, 1, &settings );
@@ -451,7 +451,7 @@ static void test_budget_counts_aov_films( void** state )
     }
     assert_true( failures > 5 );
     settings.memory = 0;
-    settings.aovs = RF_ALL_AOVS + 1;
+    settings.aovs = RF_AOV_BIT( RF_AOV_COUNT );
     assert_int_equal( rf_render( tracer, eyes, EYES, &( int ){ 0 }, 1, &settings, NULL, NULL, &error ), RF_ERROR_USAGE );
     free_frames( with );
     free_frames( without );

@@ -351,6 +351,39 @@ static void test_sequence_names_are_read_and_made( void** state )
     assert_int_equal( rf_sequence_name( "####", 1, name, 4, &error ), RF_ERROR_USAGE );
 }
 
+// As printf and ffmpeg write it.
+static void test_printf_patterns_are_understood( void** state )
+{
+    (void)state;
+    static const char* const names[][2] = {
+        { "out/f.%04d.exr", "out/f.0007.exr" },
+        { "f%d.exr", "f7.exr" },
+        { "%010d", "0000000007" },
+        { "a%d/f.%02d.exr", "a%d/f.07.exr" },
+        { "50%d.####.exr", "50%d.0007.exr" },
+        { "a%x%03d", "a%x007" },
+    };
+    static const char* const plain[] = { "50%done.exr", "f.%4d.exr", "f.%00d.exr", "f.%04x.exr", "f.%0d", "a%04d/f.exr", "%" };
+    char name[64];
+    RfError error;
+    for ( size_t i = 0; i < sizeof names / sizeof names[0]; ++i )
+    {
+        assert_true( rf_is_sequence( names[i][0] ) );
+        assert_int_equal( rf_sequence_name( names[i][0], 7, name, sizeof name, &error ), RF_OK );
+        assert_string_equal( name, names[i][1] );
+    }
+    for ( size_t i = 0; i < sizeof plain / sizeof plain[0]; ++i )
+    {
+        assert_false( rf_is_sequence( plain[i] ) );
+        assert_int_equal( rf_sequence_name( plain[i], 7, name, sizeof name, &error ), RF_OK );
+        assert_string_equal( name, plain[i] );
+    }
+    assert_int_equal( rf_sequence_name( "%04d.%04d", 7, name, sizeof name, &error ), RF_ERROR_USAGE );
+    assert_true( rf_may_be_same_file( "f.%04d.exr", "f.####.exr" ) );
+    assert_true( rf_may_be_same_file( "f.%04d.exr", "f.0012.exr" ) );
+    assert_false( rf_may_be_same_file( "f.%04d.exr", "g.####.exr" ) );
+}
+
 static void test_sequence_frames( void** state )
 {
     (void)state;
@@ -398,7 +431,7 @@ int main( void )
         cmocka_unit_test( test_png_is_srgb_of_the_light ),  cmocka_unit_test( test_unwritable_places_are_told ),
         cmocka_unit_test( test_links_are_followed ),        cmocka_unit_test( test_full_disk_leaves_no_part ),
         cmocka_unit_test( test_full_disk_keeps_old ),       cmocka_unit_test( test_sequence_names_are_read_and_made ),
-        cmocka_unit_test( test_sequence_frames ),
+        cmocka_unit_test( test_sequence_frames ),           cmocka_unit_test( test_printf_patterns_are_understood ),
     };
     return cmocka_run_group_tests_name( "image", tests, make_temp_folder, remove_temp_folder );
 }

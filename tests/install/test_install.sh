@@ -31,6 +31,11 @@ for command in $("$prefix/bin/reframe" --help | sed -n 's/^  \([a-z]\{1,\}\)  .*
 done
 [ "$count" -gt 20 ]
 
+step="looking for what bash and zsh complete"
+for file in bash-completion/completions/reframe zsh/site-functions/_reframe; do
+    grep -q -- '--weights' "$prefix/share/$file"
+done
+
 step="converting by the installed importer"
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' >"$folder/a.obj"
 "$prefix/bin/reframe" convert "$folder/a.obj" "$folder/a.glb" | grep -q '1 triangles'
@@ -107,15 +112,18 @@ other=shared
 if [ "$(find "$prefix" -name 'libreframe.so')" ]; then other=static; fi
 use_library "$prefix" "$([ $other = shared ] && echo static || echo shared)"
 
+# By the target that scripts/demo builds, after which all must be there to be installed.
 step="building the $other library"
+target=$(sed -n 's/^cmake --build .* --target \([a-z_]*\).*/\1/p' "$root/scripts/demo")
 cached() { sed -n "s/^$1:[A-Z]*=//p" "$build/CMakeCache.txt"; }
 {
     cmake -G "$(cached CMAKE_GENERATOR)" -S "$root" -B "$folder/build" -DBUILD_SHARED_LIBS="$([ $other = shared ] && echo ON || echo OFF)" \
         -DREFRAME_TESTS=OFF -DCMAKE_C_COMPILER="$compiler" -DREFRAME_MARCH="$(cached REFRAME_MARCH)" \
         -DREFRAME_SANITIZE="$(cached REFRAME_SANITIZE)" -DCMAKE_C_COMPILER_LAUNCHER="$(cached CMAKE_C_COMPILER_LAUNCHER)" &&
-        cmake --build "$folder/build" --target libreframe --parallel &&
-        cmake --install "$folder/build" --prefix "$folder/$other" --component development
+        cmake --build "$folder/build" --target "$target" --parallel &&
+        cmake --install "$folder/build" --prefix "$folder/$other"
 } >"$folder/log" 2>&1 || { tail -30 "$folder/log" >&2; exit 1; }
+[ -s "$(find "$folder/$other" -name reframe.1)" ]
 use_library "$folder/$other" "$other"
 
 step="looking at what the shared library shows"

@@ -1,6 +1,7 @@
 // Slopes and ratios of times against values worked out by hand, and the coverage of their
 // confidence intervals.
 #include "measure/cost_fit.h"
+#include "measure/trial.h"
 
 #include "base/random.h"
 
@@ -60,48 +61,75 @@ static void test_sums_by_hand( void** state )
     // 1 and 3 passes: (1 · 8 + 3 · 4) / 4 = 5; (2 + 4) s for (20 + 100) samples
     const RfCostUnit units[] = { { 1, { { 8.0, 2.0, 1.0, 20.0 }, { 1.0, 1.0, 1.0, 10.0 } } },
                                  { 3, { { 4.0, 4.0, 2.0, 100.0 }, { 2.0, 6.0, 6.0, 60.0 } } } };
-    RfCostPart sum = rf_sum_cost_units( units, 2, 0, -1 );
+    RfCostPart sum = rf_sum_cost_units( units, 2, 0 );
     near( sum.relmse, 5.0, 1e-14 );
     near( sum.wall_seconds, 0.05, 1e-16 );
     near( sum.cpu_seconds, 0.025, 1e-16 );
-    near( rf_sum_cost_units( units, 2, 0, 0 ).relmse, 4.0, 1e-14 );
-    // with reuse (1 + 6) / 4 = 7/4, 7 s for 70 samples: 5 · 0.05 / (1.75 · 0.1)
-    RfInterval s = rf_cost_speedup( units, 2 );
-    near( s.value, 0.25 / 0.175, 1e-14 );
-    // leaving out the one or the other: 4 · 0.04 / (2 · 0.1), 8 · 0.1 / (1 · 0.1); the jackknife's
-    // deviation of two is half of their distance, times 12.7062
-    double half = 0.5 * ( log( 8.0 ) - log( 0.8 ) );
-    near( log( s.high / s.value ), 12.7062 * half, 1e-3 );
-    near( log( s.value / s.low ), 12.7062 * half, 1e-3 );
-    assert_true( isnan( rf_cost_speedup( units, 1 ).low ) && rf_cost_speedup( units, 1 ).value > 0.0 );
-    assert_true( isnan( rf_cost_speedup( units, 0 ).value ) );
 }
 
-// Twelve units as `cost` has them, errors and times that scatter about a ratio of 5.
+// Pieces of given errors, in equal pixels; a sample takes `seconds`.
+static void make_trial( const double* errors, int count, double seconds, RfTrial* trial )
+{
+    *trial = ( RfTrial ){ .timed_samples = 1.0, .cpu_seconds = seconds, .time_count = 1, .piece_count = count };
+    for ( int i = 0; i < count; ++i )
+        trial->pieces[i] = ( RfPieceError ){ 100.0, 100.0 * errors[i] };
+}
+
+static void test_gain_by_hand( void** state )
+{
+    (void)state;
+    static RfTrial plain, reuse;
+    const double same[] = { 1.0, 3.0, 2.0, 2.0 }, third[] = { 0.5, 1.5, 1.0, 1.0 };
+    make_trial( same, 4, 1.0, &plain );
+    make_trial( third, 4, 1.5, &reuse );
+    RfInterval g = rf_trial_gain( &plain, &reuse );
+    near( g.value, 2.0 / 1.5, 1e-14 );
+    // the pieces agree: what is left is the noise of the times, 3 % each
+    near( log( g.high / g.value ), 1.96 * sqrt( 2.0 ) * 0.03, 1e-3 );
+    const double other[] = { 0.75, 1.25, 1.0, 1.0 };
+    make_trial( other, 4, 1.0, &reuse );
+    g = rf_trial_gain( &plain, &reuse );
+    near( g.value, 2.0, 1e-14 );
+    double square = 2.0 * 0.0625 * 0.0625; // 3/8 − 5/16 = 1/16, and −1/16
+    double quantile = 3.1824;              // freedom: 3 · square² / (square² / 2) − 1 = 5, but no more than 3
+    near( log( g.high / g.value ), sqrt( quantile * quantile * square * 4.0 / 3.0 + 1.96 * 1.96 * 2.0 * 0.03 * 0.03 ), 2e-3 );
+    // times that differ between the two renders
+    plain.time_noise = 0.25;
+    near( log( rf_trial_gain( &plain, &reuse ).high / g.value ),
+          sqrt( quantile * quantile * square * 4.0 / 3.0 + 1.96 * 1.96 * ( 0.25 / 4.0 + 0.03 * 0.03 ) ), 5e-3 );
+    // only what both have counts
+    plain.piece_count = 3;
+    near( rf_trial_gain( &plain, &reuse ).value, 2.0, 1e-14 );
+    plain.piece_count = 1;
+    assert_true( isnan( rf_trial_gain( &plain, &reuse ).low ) );
+    plain.piece_count = 0;
+    assert_true( isnan( rf_trial_gain( &plain, &reuse ).value ) );
+}
+
+// Errors of 30 pieces, heavy-tailed, that have a part in common, and of which the ratio is 5.
 static void test_intervals_hold_the_truth( void** state )
 {
     (void)state;
     enum
     {
         TRIES = 4000,
-        UNITS = 12
+        PIECES = 30
     };
+    static RfTrial plain, reuse;
     uint64_t seed = 5;
     int held = 0, slopes = 0;
     for ( int k = 0; k < TRIES; ++k )
     {
-        RfCostUnit units[UNITS];
-        double seconds[4], errors[4];
-        for ( int i = 0; i < UNITS; ++i )
+        double seconds[4], errors[4], a[PIECES], b[PIECES];
+        for ( int i = 0; i < PIECES; ++i )
         {
-            int passes = 2 << ( i / 3 );
-            double spread = 0.6 / sqrt( (double)passes ); // fewer samples scatter more
-            units[i].passes = passes;
-            units[i].parts[0] = ( RfCostPart ){ lognormal( &seed, spread ), passes * lognormal( &seed, 0.05 ), 1.0, passes };
-            units[i].parts[1] =
-                ( RfCostPart ){ 0.1 * lognormal( &seed, spread ), passes * 2.0 * lognormal( &seed, 0.05 ), 1.0, passes };
+            double common = lognormal( &seed, 1.0 );
+            a[i] = common * lognormal( &seed, 1.0 );
+            b[i] = 0.2 * common * lognormal( &seed, 0.7 );
         }
-        RfInterval s = rf_cost_speedup( units, UNITS );
+        make_trial( a, PIECES, lognormal( &seed, 0.03 ), &plain );
+        make_trial( b, PIECES, lognormal( &seed, 0.03 ), &reuse );
+        RfInterval s = rf_trial_gain( &plain, &reuse );
         held += s.low <= 5.0 && 5.0 <= s.high;
         for ( int i = 0; i < 4; ++i )
         {
@@ -113,14 +141,14 @@ static void test_intervals_hold_the_truth( void** state )
     }
     print_message( "of %d intervals of 95 %%: %.1f %% hold the ratio, %.1f %% the slope\n", TRIES, 100.0 * held / TRIES,
                    100.0 * slopes / TRIES );
-    near( (double)slopes / TRIES, 0.95, 0.015 ); // exact in theory; four deviations
-    // units that weigh more are few, so that the jackknife holds a little less often
-    assert_true( held > 0.90 * TRIES && held < 0.985 * TRIES );
+    near( (double)slopes / TRIES, 0.95, 0.015 );               // exact in theory; four deviations
+    assert_true( held > 0.90 * TRIES && held < 0.99 * TRIES ); // tails are seen too seldom
 }
 
 int main( void )
 {
     const struct CMUnitTest tests[] = { cmocka_unit_test( test_slope_by_hand ), cmocka_unit_test( test_sums_by_hand ),
+                                        cmocka_unit_test( test_gain_by_hand ),
                                         cmocka_unit_test( test_intervals_hold_the_truth ) };
     return cmocka_run_group_tests_name( "cost_fit", tests, NULL, NULL );
 }

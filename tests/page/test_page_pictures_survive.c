@@ -174,6 +174,11 @@ static void test_noise_stays_below_40_mb( void** state )
     assert_int_equal( rf_encode_picture( &image, "noise", &bytes, &size, NULL ), RF_OK );
     assert_true( 48.0 * 4.0 / 3.0 * (double)size < 39e6 );
     free( bytes );
+    // and keep tighter limits, as AOVs have them
+    assert_int_equal( rf_encode_picture_within( &image, 2.5, "noise", &bytes, &size, NULL ), RF_OK );
+    if ( (double)size > 960.0 * 540.0 * 2.6 / 8.0 + 20000.0 )
+        fail_msg( "%zu bytes, %.2f bits per pixel", size, 8.0 * (double)size / ( 960.0 * 540.0 ) );
+    free( bytes );
     rf_destroy_image( &image );
 }
 

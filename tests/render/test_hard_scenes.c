@@ -86,6 +86,7 @@ static void test_scale_invariance( void** state )
     check_scale( 1e-3f, rf_vec3( 0, 0, 0 ) );
     check_scale( 1e3f, rf_vec3( 0, 0, 0 ) );
     check_scale( 1e5f, rf_vec3( 0, 0, 0 ) );
+    check_scale( 1e12f, rf_vec3( 0, 0, 0 ) );
     check_scale( 1e3f, rf_vec3( 1e4f, -1e4f, 1e4f ) );
 }
 
@@ -115,6 +116,8 @@ static void test_very_small_scenes( void** state )
 {
     (void)state;
     check_scale( 1e-5f, rf_vec3( 0, 0, 0 ) );
+    check_scale( 1e-9f, rf_vec3( 0, 0, 0 ) );
+    check_scale( 1e-12f, rf_vec3( 0, 0, 0 ) );
 }
 
 // Something tiny, far away and out of sight stretches the bounds of the scene;

@@ -116,19 +116,18 @@ static const CliResult* render_held( const char* scene, const char* options, lon
                     REFRAME_SCENE_FOLDER, scene, options, kib );
 }
 
-// Before anything is rendered the smallest budget is named; it works, and a hundredth less does not.
+// Before anything is rendered the smallest budget in whole MiB is named; it works, and one less does not.
 static void expect_least( const char* scene, const char* options )
 {
-    static const char named[] =
-        "reframe render: a budget of 1024 KiB is too small for all hit records of a group: give --memory ";
+    static const char named[] = "reframe render: a budget of 1 MiB is too small for all hit records of a group: give --memory ";
     const CliResult* result = render_held( scene, options, 1024 );
     cli_expect( result, 1, named );
-    long kib = strtol( strstr( result->err, named ) + strlen( named ), NULL, 10 );
-    cli_expect( render_held( scene, options, kib * 99 / 100 ), 1, "--hold-all" );
+    long kib = 1024 * strtol( strstr( result->err, named ) + strlen( named ), NULL, 10 );
+    cli_expect( render_held( scene, options, kib - 1024 ), 1, "--hold-all" );
     assert_true( cli_run( "ls no.*" )->status != 0 );
     cli_expect( render_held( scene, options, kib ), 0, NULL );
     double peak = read_bytes().peak; // and what was said is needed
-    assert_true( peak > 0.99 * 1024.0 * (double)kib && peak <= 1024.0 * (double)kib );
+    assert_true( peak > 0.99 * 1024.0 * (double)( kib - 1024 ) && peak <= 1024.0 * (double)kib );
     cli_expect( cli_run( "rm no.*.exr" ), 0, NULL );
 }
 

@@ -153,7 +153,7 @@ static void test_resume_keeps_frames_that_reached_it( void** state )
     }
     json_decref( json );
     cli_expect( cli_run( "$R render $VASE -o r.####.exr --frames 1-5 --noise 0.04 --resume " SMALL ), 1,
-                "scene, path, version or settings" );
+                "of another render, of --noise 0.05" );
     cli_expect( cli_run( "$R render $VASE -o r.####.exr --frames 1-5 --noise 0.05 --time 9 --resume " SMALL ), 1, "--resume: " );
     cli_expect( cli_run( "$R render $VASE -o r.####.exr --frames 1-5 --resume " SMALL ), 1, "--resume: " );
 }
@@ -164,12 +164,14 @@ static void test_header_and_json_agree( void** state )
     cli_expect( cli_run( "$R render $VASE -o h.####.exr --frames 2,3 --noise 0.05 --json h.json " SMALL ), 0, NULL );
     json_t* json = cli_read_json( "h.json" );
     static const char* const keys[][2] = { { "reframe/relmse-estimate", "relmse_estimate" },
+                                           { "reframe/relmse-likely", "relmse_likely" },
+                                           { "reframe/worst-ten-share", "worst_ten_share" },
                                            { "reframe/native-spp", "native_spp" },
                                            { "reframe/effective-spp", "effective_spp" } };
     char path[512], value[64];
     snprintf( path, sizeof path, "%s/h.0003.exr", cli_folder() );
     RfError error;
-    for ( size_t i = 0; i < 3; ++i )
+    for ( size_t i = 0; i < sizeof keys / sizeof keys[0]; ++i )
     {
         assert_int_equal( rf_read_exr_string( path, keys[i][0], value, sizeof value, &error ), RF_OK );
         double wanted = number( frame_of( json, 1 ), keys[i][1] );

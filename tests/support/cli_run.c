@@ -179,3 +179,12 @@ void cli_expect( const CliResult* result, int status, const char* part )
         fail_msg( "wanted status %d and the line '%s', got status %d\nout: %s\nerr: %s", status, part != NULL ? part : "",
                   result->status, result->out, result->err );
 }
+
+void cli_expect_verdict( const char* text, const json_t* json, const char* first )
+{
+    const char *verdict = json_string_value( json_object_get( json, "verdict" ) ), *second = strchr( verdict, '\n' );
+    size_t size = strlen( verdict );
+    if ( strncmp( verdict, first, strlen( first ) ) != 0 || second == NULL || strchr( second + 1, '\n' ) != NULL ||
+         strncmp( text, verdict, size ) != 0 || strncmp( text + size, "\n\n", 2 ) != 0 )
+        fail_msg( "the verdict is '%s', and this begins otherwise: %s", verdict, text );
+}

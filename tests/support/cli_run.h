@@ -40,4 +40,8 @@ int cli_count_files( const char* suffix, const char* subfolder );
 // (may be NULL) is in standard error, which must then be one line.
 void cli_expect( const CliResult* result, int status, const char* part );
 
+// Fails the test unless the text begins with the "verdict" of the JSON: two lines, the first of which begins with
+// `first`, and an empty one.
+void cli_expect_verdict( const char* text, const json_t* json, const char* first );
+
 #endif

@@ -14,7 +14,7 @@ void page_write_frame( const char* name, int width, int height, float value, con
 // Frames first to last of one value each: `value`, more by `step` from frame to frame.
 void page_write_frames( const char* pattern, int first, int last, float value, float step );
 
-// The data of a page with so many pictures, as a browser finds it: up to the next end of a script.
+// The data of a page with so many pictures (beside scene values and AOVs), as a browser finds it: up to the next end of a script.
 json_t* page_read_data( const char* page, int blocks );
 int page_count( const char* text, const char* part );
 

@@ -47,7 +47,8 @@ static bool find( const RfTracer* tracer, RfVec3 o, RfVec3 d, Point* out, Panes*
     if ( triangle == RF_MISS )
         return false;
     const RfTriangleRecord* t = rf_tracer_triangles( tracer ) + triangle;
-    out->p = rf_add( t->p0, rf_add( rf_scale( t->e1, u ), rf_scale( t->e2, v ) ) );
+    RfHitPoint hit = rf_hit_point( t, u, v, o, d );
+    out->p = hit.p;
     out->wo = rf_scale( d, -1.0f );
     float facing = rf_dot( t->ng, out->wo );
     float side = facing < 0.0f ? -1.0f : 1.0f;
@@ -71,7 +72,7 @@ static bool find( const RfTracer* tracer, RfVec3 o, RfVec3 d, Point* out, Panes*
     out->ior = out->material.thin ? -out->material.ior
                                   : ( out->inside && out->material.ior > 0.0f ? 1.0f / out->material.ior : out->material.ior );
     out->emission = rf_vec3( 0, 0, 0 );
-    out->offset = t->offset;
+    out->offset = hit.offset;
     out->light_pdf = 0.0f;
     out->light = t->light;
     if ( t->light != RF_NO_LIGHT )
@@ -424,8 +425,9 @@ static RfVec3 scattered_light( const RfTracer* tracer, const ReferenceSettings* 
 
 static RfVec3 first_ray( const RfEye* eye, RfRandomKey key, int x, int y )
 {
-    float fx = ( (float)x + rf_random( key, RF_DIMENSION_FILM_X ) - eye->axis_x ) / eye->focal_x;
-    float fy = ( eye->axis_y - (float)y - rf_random( key, RF_DIMENSION_FILM_Y ) ) / eye->focal;
+    float inverse_x = 1.0f / eye->focal_x, inverse_y = 1.0f / eye->focal;
+    float fx = ( (float)x + rf_random( key, RF_DIMENSION_FILM_X ) - eye->axis_x ) * inverse_x;
+    float fy = ( eye->axis_y - (float)y - rf_random( key, RF_DIMENSION_FILM_Y ) ) * inverse_y;
     RfVec3 d = rf_madd( rf_madd( eye->forward, eye->right, fx ), eye->up, fy );
     return rf_scale( d, 1.0f / sqrtf( rf_dot( d, d ) ) );
 }

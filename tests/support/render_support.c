@@ -30,6 +30,8 @@ static RfResult keep_frame( void* user, const RfFrameResult* frame, RfError* err
     memcpy( r->rgb + 3 * r->pixels * (size_t)r->count, frame->rgb, 3 * r->pixels * sizeof( float ) );
     memcpy( r->weight + r->pixels * (size_t)r->count, frame->weight, r->pixels * sizeof( float ) );
     r->relmse_estimate[r->count] = frame->relmse_estimate;
+    r->relmse_likely[r->count] = frame->relmse_likely;
+    r->relmse_is_lower_bound[r->count] = frame->relmse_is_lower_bound;
     r->native_spp[r->count] = frame->native_spp;
     r->effective_spp[r->count] = frame->effective_spp;
     r->count += 1;

@@ -13,6 +13,8 @@ typedef struct Rendered
     float* weight;
     RfRenderStats stats;
     double relmse_estimate[64];
+    double relmse_likely[64];
+    bool relmse_is_lower_bound[64];
     double native_spp[64];
     double effective_spp[64];
 } Rendered;

@@ -171,15 +171,6 @@ static RfResult check_finite( const Compare* compare, const RfErrorMetrics* m, R
     return RF_OK;
 }
 
-static void print_missing( const Compare* compare )
-{
-    char text[256];
-    rf_format_frames( compare->in.missing, compare->in.missing_count, text, sizeof text );
-    if ( compare->in.missing_count > 0 )
-        printf( "not measured, for both sequences lack %s: frame%s %s\n", compare->in.missing_count == 1 ? "it" : "them",
-                compare->in.missing_count == 1 ? "" : "s", text );
-}
-
 static RfResult finish( Compare* compare, RfError* error )
 {
     RfErrorMetrics metrics = rf_summary_metrics( &compare->all );
@@ -196,12 +187,12 @@ static RfResult finish( Compare* compare, RfError* error )
     if ( compare->table && !rf_has_no_error( &metrics ) )
         printf( "%s\n", verdict );
     if ( compare->table )
-        print_missing( compare );
+        rf_print_missing( &compare->in );
     RfResult result = RF_OK;
     if ( compare->json != NULL )
     {
         json_t* json = rf_error_json( json_incref( compare->rows ), &metrics, worst, verdict );
-        json_object_set_new( json, "missing", rf_json_frames( compare->in.missing, compare->in.missing_count ) );
+        rf_set_missing( json, &compare->in );
         result = rf_write_json( compare->json, json, error );
     }
     if ( result == RF_OK )
@@ -274,7 +265,8 @@ int rf_command_compare( int argc, char** argv )
     };
     const RfCommandTable table = {
         .command = COMMAND,
-        .summary = "The error of A against the reference B: EXR files, or sequences named with ####.",
+        .summary = "The error of A against the reference B: EXR files, sequences named with ####, or folders of "
+                   "one sequence each, whose frames are paired by their numbers.",
         .files = files,
         .file_count = 2,
         .options = options,

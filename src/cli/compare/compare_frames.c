@@ -1,12 +1,14 @@
 #include "cli/compare/compare_frames.h"
 
 #include "cli/options/frame_list.h"
+#include "cli/report/report_folder.h"
 #include "image/sequence.h"
 #include "measure/sequences.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 static bool has_frame( const int* frames, int count, int frame )
 {
@@ -62,17 +64,84 @@ static RfResult find_all( RfCompareFrames* frames, RfError* error )
     return rf_missing_frames( frames->frames, frames->count, &frames->missing, &frames->missing_count, error );
 }
 
+// Sorts the frames of both into those that they share, and those that one lacks; *all gets them all.
+static RfResult pair_frames( RfCompareFrames* frames, int* const numbers[2], const int counts[2], int** all, int* all_count,
+                             RfError* error )
+{
+    size_t most = (size_t)counts[0] + (size_t)counts[1];
+    int at[2] = { 0, 0 };
+    *all_count = frames->count = 0;
+    *all = malloc( most * sizeof( int ) );
+    frames->frames = malloc( most * sizeof( int ) );
+    for ( int i = 0; i < 2; ++i )
+        frames->lacking[i] = malloc( most * sizeof( int ) );
+    if ( *all == NULL || frames->frames == NULL || frames->lacking[0] == NULL || frames->lacking[1] == NULL )
+        return rf_fail( error, RF_ERROR_MEMORY, "no memory left for the numbers of %zu frames", most );
+    while ( at[0] < counts[0] || at[1] < counts[1] )
+    {
+        bool first = at[0] < counts[0] && ( at[1] == counts[1] || numbers[0][at[0]] <= numbers[1][at[1]] );
+        int number = first ? numbers[0][at[0]] : numbers[1][at[1]];
+        bool both = first && at[1] < counts[1] && numbers[1][at[1]] == number;
+        ( *all )[( *all_count )++] = number;
+        if ( both )
+            frames->frames[frames->count++] = number;
+        else // A lacks what is B's alone
+            frames->lacking[first][frames->lacking_count[first]++] = number;
+        at[0] += first;
+        at[1] += both || !first;
+    }
+    if ( frames->count == 0 )
+        return rf_fail( error, RF_ERROR_IO, "%.400s and %.400s have no frame in common", frames->patterns[0],
+                        frames->patterns[1] );
+    return RF_OK;
+}
+
+static RfResult find_common( RfCompareFrames* frames, RfError* error )
+{
+    int *numbers[2] = { NULL, NULL }, counts[2], *all = NULL, all_count;
+    RfResult result = rf_sequence_frames( frames->patterns[0], numbers, counts, error );
+    if ( result == RF_OK )
+        result = rf_sequence_frames( frames->patterns[1], numbers + 1, counts + 1, error );
+    if ( result == RF_OK )
+        result = pair_frames( frames, numbers, counts, &all, &all_count, error );
+    if ( result == RF_OK )
+        result = rf_missing_frames( all, all_count, &frames->missing, &frames->missing_count, error );
+    free( numbers[0] );
+    free( numbers[1] );
+    free( all );
+    return result;
+}
+
+static RfResult open_folders( RfCompareFrames* frames, RfError* error )
+{
+    struct stat status;
+    RfResult result = RF_OK;
+    for ( int i = 0; i < 2 && result == RF_OK; ++i )
+    {
+        if ( stat( frames->patterns[i], &status ) != 0 || !S_ISDIR( status.st_mode ) )
+            continue;
+        result = rf_find_folder_sequence( frames->patterns[i], frames->found[i], RF_COMPARE_NAME_SIZE, error );
+        frames->patterns[i] = frames->found[i];
+        frames->by_number = true;
+    }
+    return result;
+}
+
 RfResult rf_find_compare_frames( RfCompareFrames* frames, RfError* error )
 {
     bool are_sequences;
     frames->count = 1;
-    RfResult result = rf_check_patterns( frames->patterns[0], frames->patterns[1], &are_sequences, error );
+    RfResult result = open_folders( frames, error );
+    if ( result == RF_OK )
+        result = rf_check_patterns( frames->patterns[0], frames->patterns[1], &are_sequences, error );
     if ( result != RF_OK )
         return result;
     if ( !are_sequences && frames->list != NULL )
         return rf_fail( error, RF_ERROR_USAGE, "--frames: is of sequences, and these are two files" );
     if ( !are_sequences )
         return RF_OK;
+    if ( frames->by_number && frames->list == NULL )
+        return find_common( frames, error );
     return frames->list != NULL ? find_chosen( frames, error ) : find_all( frames, error );
 }
 
@@ -80,6 +149,11 @@ void rf_free_compare_frames( RfCompareFrames* frames )
 {
     free( frames->frames );
     free( frames->missing );
+    for ( int i = 0; i < 2; ++i )
+    {
+        free( frames->lacking[i] );
+        frames->lacking[i] = NULL;
+    }
     frames->frames = frames->missing = NULL;
 }
 

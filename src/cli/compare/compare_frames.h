@@ -10,17 +10,21 @@
 
 typedef struct RfCompareFrames
 {
-    const char* patterns[2]; // A, B
-    const char* layers[2];   // NULL: the colour
-    const char* list;        // of --frames; NULL: all
-    bool overlap;            // measure what both have
-    int* frames;             // NULL: two files, which count as frame 1
+    const char* patterns[2]; // A, B; a folder's sequence once it is found
+    char found[2][RF_COMPARE_NAME_SIZE];
+    bool by_number;        // one is a folder: what both have is measured
+    const char* layers[2]; // NULL: the colour
+    const char* list;      // of --frames; NULL: all
+    bool overlap;          // measure what both have
+    int* frames;           // NULL: two files, which count as frame 1
     int count;
     int* missing; // between the first and the last, of both sequences
     int missing_count;
+    int* lacking[2]; // frames that the other alone has; by_number
+    int lacking_count[2];
 } RfCompareFrames;
 
-// Finds the frames of two sequences, which must be the same, or the two files.
+// Finds the frames of two sequences, which must be the same but for those of folders, or the two files.
 // rf_free_compare_frames in any case.
 RfResult rf_find_compare_frames( RfCompareFrames* frames, RfError* error );
 void rf_free_compare_frames( RfCompareFrames* frames );

@@ -1,6 +1,7 @@
 #include "cli/compare/compare_report.h"
 
 #include "cli/messages.h"
+#include "image/sequence.h"
 #include "measure/error.h"
 
 #include <math.h>
@@ -130,4 +131,30 @@ void rf_error_verdict( const RfErrorMetrics* m, int worst_frame, char* text, siz
                   100.0 * sqrt( m->worst.relative / 3.0 ) );
         append( text, size, part );
     }
+}
+
+static void print_not_measured( const char* lacking, const int* frames, int count )
+{
+    char text[256];
+    rf_format_frames( frames, count, text, sizeof text );
+    if ( count > 0 )
+        rf_print( "not measured, for %s %s: frame%s %s\n", lacking, count == 1 ? "it" : "them", count == 1 ? "" : "s", text );
+}
+
+void rf_print_missing( const RfCompareFrames* frames )
+{
+    print_not_measured( "both sequences lack", frames->missing, frames->missing_count );
+    for ( int i = 0; i < 2; ++i )
+    {
+        char lacking[RF_COMPARE_NAME_SIZE + 16];
+        snprintf( lacking, sizeof lacking, "%s lacks", frames->patterns[i] );
+        print_not_measured( lacking, frames->lacking[i], frames->lacking_count[i] );
+    }
+}
+
+void rf_set_missing( json_t* json, const RfCompareFrames* frames )
+{
+    json_object_set_new( json, "missing", rf_json_frames( frames->missing, frames->missing_count ) );
+    json_object_set_new( json, "missing_a", rf_json_frames( frames->lacking[0], frames->lacking_count[0] ) );
+    json_object_set_new( json, "missing_b", rf_json_frames( frames->lacking[1], frames->lacking_count[1] ) );
 }

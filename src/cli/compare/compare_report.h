@@ -2,6 +2,7 @@
 #ifndef REFRAME_CLI_COMPARE_COMPARE_REPORT_H
 #define REFRAME_CLI_COMPARE_COMPARE_REPORT_H
 
+#include "cli/compare/compare_frames.h"
 #include "reframe/measure.h"
 
 #include <jansson.h>
@@ -21,5 +22,10 @@ json_t* rf_error_json( json_t* rows, const RfErrorMetrics* metrics, int worst_fr
 // relMSE 0.0123, about 6.4 % of noise in each channel of a pixel; worst pixel …".
 // `worst_frame` below 0: of a single file, whose number says nothing.
 void rf_error_verdict( const RfErrorMetrics* metrics, int worst_frame, char* text, size_t size );
+
+// Prints which frames were not measured, and whose they lack; nothing where there is none. And the same
+// as keys of the JSON.
+void rf_print_missing( const RfCompareFrames* frames );
+void rf_set_missing( json_t* json, const RfCompareFrames* frames );
 
 #endif

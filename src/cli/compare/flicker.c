@@ -9,7 +9,6 @@
 
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #define COMMAND "flicker"
 
@@ -121,10 +120,6 @@ static RfResult measure_pair( RfFlickerRun* flicker, int i, RfError* error )
         return result;
     bool border = report->has_seams && rf_is_seam( &flicker->seams, now->number );
     rf_add_flicker_pair( &report->plain, border, &sums );
-    if ( flicker->table && i == 1 )
-        rf_print_flicker_head();
-    if ( flicker->table )
-        rf_print_flicker_pair( now->number, border, &sums );
     json_t* row = rf_flicker_pair_json( now->number, border, &sums );
     json_array_append_new( report->pairs, row );
     if ( report->follows )
@@ -161,7 +156,7 @@ static RfResult finish( RfFlickerRun* flicker, RfError* error )
     RfFlickerReport* report = &flicker->report;
     report->errors = rf_summary_metrics( &flicker->errors );
     if ( flicker->table )
-        rf_print_flicker_end( report );
+        rf_print_flicker( report );
     RfResult result = rf_flush_output( error );
     if ( result == RF_OK && flicker->png != NULL )
         result = rf_write_png( flicker->png, &flicker->slit.image, (float)flicker->exposure, error );
@@ -172,7 +167,6 @@ static RfResult finish( RfFlickerRun* flicker, RfError* error )
 
 static RfResult go_through( RfFlickerRun* flicker, RfError* error )
 {
-    bool rows_are_seen = flicker->table && isatty( STDOUT_FILENO ) != 0;
     RfResult result = RF_OK;
     for ( int i = 0; i < flicker->frame_count && result == RF_OK; ++i )
     {
@@ -181,7 +175,7 @@ static RfResult go_through( RfFlickerRun* flicker, RfError* error )
             result = measure_pair( flicker, i, error );
         if ( result == RF_OK )
             result = measure_window( flicker, i, error );
-        rf_show_frame_count( flicker->quiet || rows_are_seen, i + 1, flicker->frame_count );
+        rf_show_frame_count( flicker->quiet, i + 1, flicker->frame_count );
     }
     return result == RF_OK ? finish( flicker, error ) : result;
 }

@@ -2,6 +2,7 @@
 
 #include "cli/messages.h"
 #include "cli/options/frame_list.h"
+#include "measure/sequences.h"
 #include "reframe/image.h"
 
 #include <stdio.h>
@@ -44,10 +45,11 @@ static RfResult check_frames( const RfFlickerRun* flicker, RfError* error )
     if ( flicker->frame_count < 2 )
         return rf_fail( error, RF_ERROR_IO, "%s: is frame %d alone: flicker wants two neighbouring ones at least",
                         flicker->pattern, flicker->frames[0] );
+    int step = rf_sequence_step( flicker->pattern, flicker->frames[0] );
     for ( int i = 1; i < flicker->frame_count; ++i )
     {
         int before = flicker->frames[i - 1], now = flicker->frames[i];
-        if ( now != before + 1 )
+        if ( now != before + step )
             return rf_fail( error, RF_ERROR_IO,
                             "%s: after frame %d comes %d: flicker wants every frame: choose neighbouring ones by --frames",
                             flicker->pattern, before, now );

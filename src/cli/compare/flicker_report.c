@@ -18,21 +18,35 @@ void rf_add_flicker_pair( RfFlickerParts* parts, bool border, const RfFlickerSum
     rf_add_flicker( border ? &parts->border : &parts->inside, pair );
 }
 
+static void print_metrics( const char* name, const RfFlickerMetrics* m, const char* note )
+{
+    char f1[32], phi[32], rmse[32];
+    printf( "%12s  %11s  %7s  %11s  %7.2f %%%s%s\n", name, format( m->f1, "%.4e", f1 ), format( m->phi, "%.4f", phi ),
+            format( sqrt( m->mse ), "%.4e", rmse ), 100.0 * m->coverage, note[0] != '\0' ? "  " : "", note );
+}
+
 static void print_row( const char* name, const RfFlickerSums* sums, const char* note )
 {
     RfFlickerMetrics m = rf_flicker_metrics( sums );
-    char f1[32], phi[32], rmse[32];
-    printf( "%12s  %11s  %7s  %11s  %7.2f %%%s%s\n", name, format( m.f1, "%.4e", f1 ), format( m.phi, "%.4f", phi ),
-            format( sqrt( m.mse ), "%.4e", rmse ), 100.0 * m.coverage, note[0] != '\0' ? "  " : "", note );
+    print_metrics( name, &m, note );
 }
 
-void rf_print_flicker_head( void ) { printf( "%12s  %11s  %7s  %11s  %9s\n", "frame", "F1", "phi", "RMSE", "coverage" ); }
-
-void rf_print_flicker_pair( int frame, bool border, const RfFlickerSums* sums )
+// The pairs, as they stand in the JSON.
+static void print_pairs( const RfFlickerReport* report )
 {
-    char number[16];
-    snprintf( number, sizeof number, "%d", frame );
-    print_row( number, sums, border ? "border" : "" );
+    size_t i;
+    const json_t* pair;
+    printf( "%12s  %11s  %7s  %11s  %9s\n", "frame", "F1", "phi", "RMSE", "coverage" );
+    json_array_foreach( report->pairs, i, pair )
+    {
+        char number[32];
+        RfFlickerMetrics m = { .f1 = rf_json_number_of( pair, "f1" ),
+                               .phi = rf_json_number_of( pair, "phi" ),
+                               .mse = rf_json_number_of( pair, "mse" ),
+                               .coverage = rf_json_number_of( pair, "coverage" ) };
+        snprintf( number, sizeof number, "%lld", (long long)json_integer_value( json_object_get( pair, "frame" ) ) );
+        print_metrics( number, &m, json_is_true( json_object_get( pair, "border" ) ) ? "border" : "" );
+    }
 }
 
 static void print_seams( const RfFlickerReport* report )
@@ -125,8 +139,64 @@ static void print_words( const RfFlickerReport* report )
         print_motion_words( report, report->compensated ? &report->plain.all : &report->followed.all );
 }
 
-void rf_print_flicker_end( const RfFlickerReport* report )
+// The pair whose F1 is the largest: the number of its second frame.
+static long long worst_pair( const RfFlickerReport* report, double* f1 )
 {
+    size_t i;
+    const json_t* pair;
+    long long worst = 0;
+    *f1 = -1.0;
+    json_array_foreach( report->pairs, i, pair )
+    {
+        double value = rf_json_number_of( pair, "f1" );
+        if ( !( value > *f1 ) )
+            continue;
+        *f1 = value;
+        worst = (long long)json_integer_value( json_object_get( pair, "frame" ) );
+    }
+    return worst;
+}
+
+#define VERDICT_SIZE 512
+
+// Two lines: how the error changes, and how much of it there is.
+static void tell_verdict( const RfFlickerReport* report, char text[VERDICT_SIZE] )
+{
+    RfFlickerMetrics m = rf_flicker_metrics( &report->plain.all );
+    bool is_error = report->source == RF_ERROR_FROM_REFERENCE;
+    double most;
+    long long worst = worst_pair( report, &most );
+    int used;
+    if ( !isfinite( m.f1 ) )
+        used = snprintf( text, VERDICT_SIZE, "no flicker can be told" );
+    else if ( isfinite( m.phi ) && m.mse > 0.0 && is_error )
+        used = snprintf( text, VERDICT_SIZE, "%s (phi %.2f)", describe_phi( m.phi ), m.phi );
+    else if ( isfinite( m.phi ) && m.mse > 0.0 )
+        used = snprintf( text, VERDICT_SIZE, "without a reference: the picture changes from frame to frame, phi %.2f at most",
+                         m.phi );
+    else if ( isfinite( m.phi ) )
+        used = snprintf( text, VERDICT_SIZE, "there is no error that could flicker" );
+    else
+        used = snprintf( text, VERDICT_SIZE, "the picture changes from frame to frame; how much of that is error is not known" );
+    char *rest = text + used, changes[96];
+    size_t size = VERDICT_SIZE - (size_t)used;
+    snprintf( changes, sizeof changes, "by %.2g between neighbouring frames (F1), most before frame %lld: %.2g", m.f1, worst,
+              most );
+    if ( !isfinite( m.f1 ) )
+        snprintf( rest, size, "\n%s", "there are values that are no numbers, or no pixel is seen in two neighbouring frames" );
+    else if ( is_error && isfinite( report->errors.relmse ) )
+        snprintf( rest, size, "\na pixel's error changes %s; relMSE %.2g, noise of %.2g %%", changes, report->errors.relmse,
+                  100.0 * sqrt( report->errors.relmse / 3.0 ) );
+    else
+        snprintf( rest, size, "\na pixel changes %s", changes );
+}
+
+void rf_print_flicker( const RfFlickerReport* report )
+{
+    char verdict[VERDICT_SIZE];
+    tell_verdict( report, verdict );
+    printf( "%s\n\n", verdict );
+    print_pairs( report );
     print_row( "all", &report->plain.all, "" );
     print_seams( report );
     print_followed( report );
@@ -203,6 +273,9 @@ json_t* rf_flicker_json( RfFlickerReport* report )
 {
     json_t* object = json_object();
     const RfErrorMetrics* e = &report->errors;
+    char verdict[VERDICT_SIZE];
+    tell_verdict( report, verdict );
+    json_object_set_new( object, "verdict", json_string( verdict ) );
     json_object_set_new( object, "pairs", report->pairs );
     report->pairs = NULL;
     set_metrics( object, &report->plain.all );

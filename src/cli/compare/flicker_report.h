@@ -39,13 +39,8 @@ typedef struct RfFlickerReport
     json_t* pairs;         // an array
 } RfFlickerReport;
 
-void rf_print_flicker_head( void );
-
-// A row: `frame` and the one before.
-void rf_print_flicker_pair( int frame, bool border, const RfFlickerSums* sums );
-
-// Prints what comes after the pairs.
-void rf_print_flicker_end( const RfFlickerReport* report );
+// Prints everything: the verdict in two lines, then a row for each pair, and the rest.
+void rf_print_flicker( const RfFlickerReport* report );
 
 json_t* rf_flicker_pair_json( int frame, bool border, const RfFlickerSums* sums );
 

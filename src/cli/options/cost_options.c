@@ -14,19 +14,19 @@ static const char* s_scene;
 
 static const RfOption s_options[] = {
     { .name = "budget",
-      .type = RF_OPTION_REAL,
+      .type = RF_OPTION_TIME,
       .value = &s_parsed.budget,
       .min = 1.0,
       .max = 1e6,
       .meta = "T",
       .default_text = "60",
-      .help = "seconds that it may take, after a first round that is always finished; more make the figures surer" },
+      .help = "seconds that it may take, or 5m, after a first round that is always finished; more make the figures surer" },
     { .name = "noise",
       .type = RF_OPTION_STRING,
       .value = &s_parsed.noise,
       .meta = "E[,...]",
       .default_text = ERRORS,
-      .help = "relMSE whose cost is told" },
+      .help = "relMSE whose cost is told; 1% is 0.01" },
     { .name = "svg",
       .writes = ".svg",
       .type = RF_OPTION_STRING,
@@ -71,6 +71,11 @@ static RfResult parse_errors( RfCostOptions* options, RfError* error )
     {
         char* end;
         double value = strtod( text, &end );
+        if ( end != text && *end == '%' )
+        {
+            value /= 100.0;
+            end += 1;
+        }
         if ( end == text || !( value > 0.0 ) || !isfinite( value ) || ( *end != ',' && *end != '\0' ) )
             return rf_fail( error, RF_ERROR_USAGE, "--noise: wants numbers above 0 with commas between them, got '%s'",
                             options->noise );

@@ -49,6 +49,8 @@ static const char* to_text( const RfOption* option, const json_t* json, char* te
                 return string;
             return print_number( json, text, size ) ? text : NULL;
         case RF_OPTION_UINT64:
+        case RF_OPTION_RATIO:
+        case RF_OPTION_TIME:
         case RF_OPTION_REAL: return print_number( json, text, size ) ? text : NULL;
         case RF_OPTION_SIZE: return print_size( json, text, size ) ? text : NULL;
         case RF_OPTION_FPS: return string != NULL ? string : print_number( json, text, size ) ? text : NULL;
@@ -72,6 +74,8 @@ static void describe_wanted( const RfOption* option, char* words, size_t size )
                       option->keyword != NULL ? "\"" : "" );
             break;
         case RF_OPTION_UINT64: snprintf( words, size, "a whole number from 0 to %lld", (long long)INT64_MAX ); break;
+        case RF_OPTION_RATIO:
+        case RF_OPTION_TIME:
         case RF_OPTION_REAL: snprintf( words, size, "a number from %g to %g", option->min, option->max ); break;
         case RF_OPTION_SIZE:
             snprintf( words, size, "an array of width and height, such as [960, 540], each a whole number from %.0f to %.0f",

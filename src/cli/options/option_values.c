@@ -59,6 +59,48 @@ static bool parse_real( const RfOption* option, const char* text, double* value 
     return true;
 }
 
+static bool parse_ratio( const RfOption* option, const char* text, double* value )
+{
+    const char* rest;
+    double number;
+    if ( !parse_decimal( text, &number, &rest ) )
+        return false;
+    if ( *rest == '%' )
+        number /= 100.0;
+    if ( rest[*rest == '%'] != '\0' || number < option->min || number > option->max )
+        return false;
+    *value = number;
+    return true;
+}
+
+// Seconds, or hours, minutes and seconds in this order, each with its letter.
+static bool parse_time( const RfOption* option, const char* text, double* value )
+{
+    static const struct
+    {
+        char letter;
+        double seconds;
+    } units[] = { { 'h', 3600.0 }, { 'm', 60.0 }, { 's', 1.0 } };
+    double number, sum = 0.0;
+    const char* rest = text;
+    if ( parse_real( option, text, value ) )
+        return true;
+    for ( size_t i = 0; i < sizeof units / sizeof units[0] && *rest != '\0'; ++i )
+    {
+        const char* next;
+        if ( !isdigit( (unsigned char)*rest ) || !parse_decimal( rest, &number, &next ) )
+            return false;
+        if ( *next != units[i].letter )
+            continue;
+        sum += number * units[i].seconds;
+        rest = next + 1;
+    }
+    if ( rest == text || *rest != '\0' || sum < option->min || sum > option->max )
+        return false;
+    *value = sum;
+    return true;
+}
+
 static bool parse_memory( const RfOption* option, const char* text, size_t* value )
 {
     const char* rest;
@@ -95,6 +137,28 @@ static bool parse_pair( const char* text, char separator, long long min, long lo
     *first = (int)a;
     *second = (int)b;
     return true;
+}
+
+// Names of sizes, all 16:9.
+static bool parse_size( const RfOption* option, const char* text, RfSize* size )
+{
+    static const struct
+    {
+        const char* name;
+        RfSize size;
+    } names[] = {
+        { "360p", { 640, 360 } },    { "540p", { 960, 540 } },    { "720p", { 1280, 720 } }, { "1080p", { 1920, 1080 } },
+        { "1440p", { 2560, 1440 } }, { "2160p", { 3840, 2160 } }, { "4k", { 3840, 2160 } },  { "4K", { 3840, 2160 } },
+    };
+    for ( size_t i = 0; i < sizeof names / sizeof names[0]; ++i )
+    {
+        if ( strcmp( text, names[i].name ) == 0 && names[i].size.width <= option->max )
+        {
+            *size = names[i].size;
+            return true;
+        }
+    }
+    return parse_pair( text, 'x', (long long)option->min, (long long)option->max, &size->width, &size->height );
 }
 
 static bool parse_fps( const char* text, RfFps* fps )
@@ -163,8 +227,15 @@ static void describe_wanted( const RfOption* option, char* words, size_t size )
             break;
         case RF_OPTION_UINT64: snprintf( words, size, "a whole number from 0 to %llu", (unsigned long long)UINT64_MAX ); break;
         case RF_OPTION_REAL: snprintf( words, size, "a number from %g to %g", option->min, option->max ); break;
+        case RF_OPTION_RATIO:
+            snprintf( words, size, "a number from %g to %g, or percent such as 1%%", option->min, option->max );
+            break;
+        case RF_OPTION_TIME:
+            snprintf( words, size, "seconds from %g to %g, or a time such as 20s, 5m or 1h30m", option->min, option->max );
+            break;
         case RF_OPTION_SIZE:
-            snprintf( words, size, "WIDTHxHEIGHT, such as 960x540, each from %.0f to %.0f", option->min, option->max );
+            snprintf( words, size, "WIDTHxHEIGHT, such as 960x540, each from %.0f to %.0f, or 720p, 1080p, 1440p, 2160p or 4k",
+                      option->min, option->max );
             break;
         case RF_OPTION_MEMORY:
             snprintf( words, size, "a size such as 512M, 4G or 1.5G, at least %.0f bytes", option->min );
@@ -183,11 +254,9 @@ static bool parse_value( const RfOption* option, const char* text )
         case RF_OPTION_INT: return parse_int( option, text, option->value );
         case RF_OPTION_UINT64: return parse_unsigned( text, option->value );
         case RF_OPTION_REAL: return parse_real( option, text, option->value );
-        case RF_OPTION_SIZE:
-        {
-            RfSize* size = option->value;
-            return parse_pair( text, 'x', (long long)option->min, (long long)option->max, &size->width, &size->height );
-        }
+        case RF_OPTION_RATIO: return parse_ratio( option, text, option->value );
+        case RF_OPTION_TIME: return parse_time( option, text, option->value );
+        case RF_OPTION_SIZE: return parse_size( option, text, option->value );
         case RF_OPTION_MEMORY: return parse_memory( option, text, option->value );
         case RF_OPTION_FPS: return parse_fps( text, option->value );
         case RF_OPTION_CHOICE: return parse_choice( option, text, option->value );

@@ -1,5 +1,6 @@
 #include "cli/options/options.h"
 
+#include "cli/options/synonyms.h"
 #include "cli/options/written_files.h"
 
 #include <ctype.h>
@@ -25,7 +26,9 @@ static RfResult fail_unknown( const RfCommandTable* table, const char* argument,
     for ( int i = 0; i < table->option_count; ++i )
         names[i] = table->options[i].name;
     names[table->option_count] = "help";
-    const char* nearest = rf_nearest_word( name, names, table->option_count + 1 );
+    const char* nearest = rf_find_synonym( name, names, table->option_count );
+    if ( nearest == NULL )
+        nearest = rf_nearest_word( name, names, table->option_count + 1 );
     int length = (int)strcspn( argument, "=" );
     if ( nearest != NULL )
         return rf_fail( error, RF_ERROR_USAGE, "%.*s: no such option, did you mean --%s?", length, argument, nearest );

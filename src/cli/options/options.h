@@ -24,7 +24,9 @@ typedef enum RfOptionType
     RF_OPTION_INT,    // int, from min to max
     RF_OPTION_UINT64, // uint64_t, any
     RF_OPTION_REAL,   // double, from min to max, finite
-    RF_OPTION_SIZE,   // RfSize, "960x540", each from min to max
+    RF_OPTION_RATIO,  // the same, or in percent: "0.01" or "1%"
+    RF_OPTION_TIME,   // double, seconds, from min to max: "20", "20s", "5m", "1h30m"
+    RF_OPTION_SIZE,   // RfSize, "960x540", each from min to max, or "1080p"
     RF_OPTION_MEMORY, // size_t, bytes, "512M", "4G", "1.5G", from min on (a plain number is bytes)
     RF_OPTION_FPS,    // RfFps, "24" or "24000/1001"
     RF_OPTION_CHOICE, // int, index into choices

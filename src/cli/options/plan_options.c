@@ -20,7 +20,7 @@ static const RfOption s_options[] = {
       .help = "samples traced per pixel and frame in all, over the groups that hold the frame; the most that --noise and --time "
               "may take" },
     { .name = "noise",
-      .type = RF_OPTION_REAL,
+      .type = RF_OPTION_RATIO,
       .value = &s_parsed.settings.noise,
       .min = 0,
       .max = RF_MAX_NOISE,
@@ -28,7 +28,7 @@ static const RfOption s_options[] = {
       .default_text = "0: off",
       .help = "a render that stops at this relMSE: what its films take; rays and seconds are of the most samples" },
     { .name = "time",
-      .type = RF_OPTION_REAL,
+      .type = RF_OPTION_TIME,
       .value = &s_parsed.settings.time,
       .min = 0,
       .max = RF_MAX_TIME,

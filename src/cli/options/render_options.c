@@ -24,7 +24,7 @@ static const RfOption s_options[] = {
       .type = RF_OPTION_STRING,
       .value = &s_parsed.output,
       .meta = "PATTERN",
-      .help = "where the frames go: out/frame.####.exr, #### is the frame's number; its folder is made" },
+      .help = "where the frames go: out/frame.####.exr, #### (or %04d) is the frame's number; its folder is made" },
     { .name = "camera",
       .reads = true,
       .type = RF_OPTION_STRING,
@@ -54,7 +54,7 @@ static const RfOption s_options[] = {
       .max = RF_MAX_IMAGE_SIDE,
       .meta = "WxH",
       .default_text = "the scene's, else 960x540",
-      .help = "pixels" },
+      .help = "pixels; also 720p, 1080p, 1440p, 2160p or 4k" },
     RF_LENS_OPTIONS( s_parsed, true ),
     { .name = "spp",
       .in_file = true,
@@ -69,22 +69,23 @@ static const RfOption s_options[] = {
               "may take" },
     { .name = "noise",
       .in_file = true,
-      .type = RF_OPTION_REAL,
+      .type = RF_OPTION_RATIO,
       .value = &s_parsed.settings.noise,
       .min = 0,
       .max = RF_MAX_NOISE,
       .meta = "E",
       .default_text = "0: off",
-      .help = "every frame is rendered until its estimated relMSE is at most E" },
+      .help = "every frame is rendered until its estimated relMSE is at most E; 1% is 0.01" },
     { .name = "time",
       .in_file = true,
-      .type = RF_OPTION_REAL,
+      .type = RF_OPTION_TIME,
       .value = &s_parsed.settings.time,
       .min = 0,
       .max = RF_MAX_TIME,
       .meta = "T",
       .default_text = "0: off",
-      .help = "seconds of rendering for each frame asked for, on average; with --noise, whichever comes first" },
+      .help =
+          "seconds of rendering for each frame asked for, on average, also 20s, 5m, 1h30m; with --noise, whichever comes first" },
     { .name = "group",
       .in_file = true,
       .type = RF_OPTION_INT,
@@ -179,6 +180,12 @@ static const RfOption s_options[] = {
       .default_text = "all cores",
       .help = "threads; the pictures do not depend on them" },
     RF_AOV_OPTION( s_parsed, "further channels of each frame:" ),
+    { .name = "alpha",
+      .in_file = true,
+      .type = RF_OPTION_BOOL,
+      .value = &s_parsed.alpha,
+      .default_text = "no",
+      .help = "RGBA: coverage of each pixel by what is not sky; the colour is premultiplied, without the sky behind things" },
     { .name = "compression",
       .type = RF_OPTION_CHOICE,
       .value = &s_compression_index,
@@ -279,6 +286,7 @@ RfResult rf_parse_aov_option( RfRenderOptions* options, RfError* error )
 {
     RfError reason = { 0 };
     RfResult result = rf_parse_aovs( options->aov, &options->settings.aovs, &reason );
+    options->settings.aovs |= options->alpha ? RF_AOV_BIT( RF_AOV_ALPHA ) : 0u;
     return result == RF_OK ? result : rf_fail( error, result, "--aov: %.1000s", reason.text );
 }
 

@@ -22,6 +22,7 @@ typedef struct RfRenderOptions
     int weights, normalize, adaptive; // indices of their words
     const char* tile;
     const char* aov; // NULL: none
+    bool alpha;
     const char* output;
     bool resume;
     bool overwrite;

@@ -19,6 +19,17 @@ int* rf_runs_of_frames( const RfCameraPath* path, const int* frames, int frame_c
     return runs;
 }
 
+// Makes a path of the runs alone.
+static void keep_runs( RfCameraPath* path )
+{
+    free( path->eyes );
+    free( path->run_of_frame );
+    path->eyes = path->runs;
+    path->count = path->run_count;
+    path->runs = NULL;
+    path->run_of_frame = NULL;
+}
+
 static RfResult choose_runs( const RfRenderOptions* options, RfShot* shot, RfError* error )
 {
     int* frames = NULL;
@@ -28,6 +39,7 @@ static RfResult choose_runs( const RfRenderOptions* options, RfShot* shot, RfErr
         return result;
     shot->frames = rf_runs_of_frames( &shot->path, frames, count, &shot->frame_count );
     free( frames );
+    keep_runs( &shot->path );
     return shot->frames != NULL ? RF_OK : rf_fail( error, RF_ERROR_MEMORY, "no memory left for the numbers of %d frames", count );
 }
 
@@ -63,7 +75,7 @@ const char* rf_tell_excluded( const char* excluded, const RfMemoryFit* fit, char
     if ( excluded == NULL )
         return NULL;
     bool fits = fit->films > 0;
-    snprintf( text, size, fits ? "%s" : "%s, the least is %zuK", excluded, fit->least / 1024 );
+    snprintf( text, size, fits ? "%s" : "%s, the least is %zuM", excluded, rf_whole_mib( fit->least ) );
     return text;
 }
 

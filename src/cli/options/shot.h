@@ -11,8 +11,8 @@ typedef struct RfShot
 {
     RfSceneFile file; // options may point into it
     RfScene scene;
-    RfCameraPath path;
-    int* frames; // to be rendered: indices of the path's runs, from 0
+    RfCameraPath path; // its frames are the runs of the camera's: equal frames are rendered once
+    int* frames;       // of these to be rendered, indices from 0
     int frame_count;
     RfTracer* tracer;
 } RfShot;
@@ -31,7 +31,7 @@ void rf_destroy_shot( RfShot* shot );
 int* rf_runs_of_frames( const RfCameraPath* path, const int* frames, int frame_count, int* run_count );
 
 // Why a row of a plan is excluded, with the least budget where it does not fit: "does
-// not fit the memory, the least is 2644K". NULL where it is not left out.
+// not fit the memory, the least is 3M". NULL where it is not left out.
 const char* rf_tell_excluded( const char* excluded, const RfMemoryFit* fit, char* text, size_t size );
 
 #endif

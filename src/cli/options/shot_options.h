@@ -27,7 +27,7 @@
           .help = "frames per second of the camera's path, 24 or 24000/1001" },                                                  \
     {                                                                                                                            \
         .name = "size", .type = RF_OPTION_SIZE, .value = &( o ).size, .min = 1, .max = RF_MAX_IMAGE_SIDE, .meta = "WxH",         \
-        .default_text = "the scene's, else 960x540", .help = "pixels"                                                            \
+        .default_text = "the scene's, else 960x540", .help = "pixels; also 720p, 1080p, 1440p, 2160p or 4k"                      \
     }
 
 // A lens and a shutter in the place of the camera's own. `file`: a scene file's defaults may have them.

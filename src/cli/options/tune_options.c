@@ -1,7 +1,9 @@
 #include "cli/options/tune_options.h"
 
+#include "base/plain_text.h"
 #include "cli/options/shot_options.h"
 
+#include <ctype.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -13,13 +15,13 @@ static const char* s_scene;
 
 static const RfOption s_options[] = {
     { .name = "budget",
-      .type = RF_OPTION_REAL,
+      .type = RF_OPTION_TIME,
       .value = &s_parsed.budget,
       .min = 1.0,
       .max = 1e6,
       .meta = "T",
       .default_text = "60",
-      .help = "seconds that it may take; more make the choice surer" },
+      .help = "seconds that it may take, or 5m; more make the choice surer" },
     { .name = "svg",
       .writes = ".svg",
       .type = RF_OPTION_STRING,
@@ -81,11 +83,26 @@ static bool is_plain( const char* text )
            text[strspn( text, "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_./,:=+-@%" )] == '\0';
 }
 
+// Control characters as $'\x1b', which bash and zsh read: no terminal obeys the command.
+static void print_escaped( FILE* file, const char* text )
+{
+    fputs( " $'", file );
+    for ( const unsigned char* c = (const unsigned char*)text; *c != '\0'; ++c )
+        fprintf( file, iscntrl( *c ) || *c >= 0x80 ? "\\x%02x" : *c == '\'' || *c == '\\' ? "\\%c" : "%c", *c );
+    fputc( '\'', file );
+}
+
 static void print_word( FILE* file, const char* text )
 {
+    char shown[8192];
     if ( is_plain( text ) )
     {
         fprintf( file, " %s", text );
+        return;
+    }
+    if ( strcmp( rf_plain_text( text, shown, sizeof shown ), text ) != 0 )
+    {
+        print_escaped( file, text );
         return;
     }
     fputs( " '", file );

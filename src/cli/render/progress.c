@@ -5,7 +5,8 @@
 #include <string.h>
 #include <unistd.h>
 
-#define COLUMNS 80 // of a terminal: the line has fewer
+#define COLUMNS 80       // of a terminal: the line has fewer
+#define LOG_SECONDS 10.0 // between lines where standard error is no terminal
 
 RfProgressLine rf_create_progress_line( bool quiet )
 {
@@ -53,7 +54,7 @@ void rf_format_progress( const RfProgress* progress, char* text, size_t size )
     int frame = progress->frames_done < progress->frames_all ? progress->frames_done + 1 : progress->frames_all;
     snprintf( text, size, "frame %d/%d  %.0f %%  %s spent  %s left", frame, progress->frames_all,
               floor( 100.0 * progress->share ), spent, left );
-    snprintf( part, sizeof part, "relMSE %.2g", progress->relmse );
+    snprintf( part, sizeof part, "relMSE %s%.2g", progress->relmse_is_lower_bound ? "at least " : "", progress->relmse );
     if ( progress->relmse > 0.0 && isfinite( progress->relmse ) )
         append_part( text, size, part );
     format_rate( progress->samples / progress->seconds, part, sizeof part );
@@ -69,11 +70,17 @@ void rf_clear_progress( RfProgressLine* line )
 
 void rf_show_progress( RfProgressLine* line, const RfProgress* progress )
 {
-    if ( line->quiet || !line->terminal || ( line->shown >= 0.0 && progress->seconds < line->shown + 0.1 ) )
+    double next = line->terminal ? ( line->shown >= 0.0 ? line->shown + 0.1 : 0.0 ) : fmax( line->shown, 0.0 ) + LOG_SECONDS;
+    if ( line->quiet || progress->seconds < next )
         return;
     char text[160];
     rf_format_progress( progress, text, sizeof text );
     line->shown = progress->seconds;
+    if ( !line->terminal )
+    {
+        fprintf( stderr, "%s\n", text );
+        return;
+    }
     // Padded to overwrite the previous line.
     line->width = fprintf( stderr, "\r%-*s", line->width > 1 ? line->width - 1 : 0, text );
     fflush( stderr );
@@ -86,7 +93,10 @@ void rf_show_frame( RfProgressLine* line, const RfFrameResult* result, int numbe
         return;
     format_duration( floor( seconds ), spent, sizeof spent );
     fprintf( stderr, "frame %d/%d  number %d  %.2f s  %s spent", done, all, number, result->seconds, spent );
-    if ( isfinite( result->relmse_estimate ) )
+    if ( result->relmse_is_lower_bound )
+        fprintf( stderr, "  relMSE at least %.3g, likely %.3g, %.0f %% of that in ten pixels", result->relmse_estimate,
+                 result->relmse_likely, 100.0 * result->worst_ten_share );
+    else if ( isfinite( result->relmse_estimate ) )
         fprintf( stderr, "  relMSE %.3g", result->relmse_estimate );
     fprintf( stderr, "  %.1f samples/pixel\n", result->effective_spp );
 }

@@ -19,7 +19,8 @@ RfProgressLine rf_create_progress_line( bool quiet );
 
 // Shows "frame 12/48  25 %  0:14 spent  0:42 left  relMSE 0.0031  1.9 M samples/s", with the
 // estimated error of the last finished frame, at most ten times a second. The rate is left out
-// where the line would exceed 80 columns. Does nothing where standard error is no terminal.
+// where the line would exceed 80 columns. Where standard error is no terminal: a plain line
+// every ten seconds.
 void rf_show_progress( RfProgressLine* line, const RfProgress* progress );
 
 // Prints a plain line for a finished frame called `number`, the `done`-th of `all`, after so many seconds of

@@ -2,17 +2,17 @@
 #include "cli/commands.h"
 #include "cli/options/frame_list.h"
 #include "cli/options/shot.h"
+#include "cli/render/frame_errors.h"
 #include "cli/render/interrupt.h"
 #include "cli/render/progress.h"
 #include "cli/render/render_json.h"
 #include "cli/render/render_kept.h"
 #include "cli/render/render_output.h"
 #include "cli/render/render_settings.h"
+#include "cli/render/render_warnings.h"
 #include "cli/messages.h"
-#include "render/groups.h"
 #include "scene/json/scene_file.h"
 
-#include <math.h>
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
@@ -27,6 +27,7 @@ typedef struct Job
     RfRenderSettings asked; // before they were resolved
     RfMemoryFit fit;
     RfLog log;
+    RfToldWarnings told;
     RfSceneFile file; // options may point into it
     RfScene scene;
     RfCameraPath path;
@@ -41,11 +42,8 @@ typedef struct Job
     pthread_mutex_t speech; // guards messages: frames are written by another thread
     RfProgressLine line;
     int frames_done;
-    bool told_black;   // the warning comes once
-    double relmse_sum; // of the finished frames' estimates
-    double worst_relmse;
-    int worst_frame; // its number
-    int missed;      // frames above --noise
+    bool told_black; // the warning comes once
+    RfFrameErrors errors;
     json_t* frames_json;
     double start, seconds_scene; // monotonic time of the start; seconds until rays can be traced
     RfRenderStats stats;
@@ -69,6 +67,7 @@ static void destroy_job( Job* job )
     free( job->runs );
     free( job->kept );
     json_decref( job->frames_json );
+    json_decref( job->told.lines );
 }
 
 static RfOutput output_of( const Job* job )
@@ -146,33 +145,10 @@ static RfResult load( Job* job, RfError* error )
     return RF_OK;
 }
 
-// A single pass gives no estimate of its variance.
-static void warn_of_variance( Job* job )
+static void warn_before( Job* job )
 {
-    const RfRenderSettings* s = &job->options.settings;
-    RfGroupPlan plan = rf_plan_groups( job->path.run_count, s->group, s->spp );
-    if ( ( s->aovs & RF_AOV_BIT( RF_AOV_VARIANCE ) ) == 0 || s->noise > 0.0 || s->time > 0.0 ) // never a single pass
-        return;
-    for ( int i = 0; i < job->frame_count; ++i )
-    {
-        if ( rf_frame_passes( &plan, job->path.run_of_frame[job->frames[i]] ) > 1 )
-            continue;
-        rf_warn( &job->log, "--aov variance: will be 0 in frame %d, which has one pass only: raise --spp",
-                 rf_frame_number( &job->path, job->frames[i] ) );
-        return;
-    }
-}
-
-// Warns before rendering of a picture that will be black or empty.
-static void warn_of_scene( Job* job )
-{
-    if ( job->scene.triangles.count == 0 )
-        rf_warn( &job->log, "%s: has no triangles, the picture will be %s", job->options.scene,
-                 rf_tracer_has_light( job->tracer ) ? "sky alone" : "black" );
-    else if ( !rf_tracer_has_light( job->tracer ) )
-        rf_warn( &job->log, "%s: has no lights (no material emits, no lamp, no environment), the picture will be black",
-                 job->options.scene );
-    warn_of_variance( job );
+    rf_warn_of_scene( &job->options, &job->scene, job->tracer, &job->log );
+    rf_warn_of_variance( &job->options.settings, &job->path, job->frames, job->frame_count, &job->log );
 }
 
 // A black picture of a scene with lights: most likely the camera is inside something.
@@ -192,30 +168,6 @@ static void warn_if_black( Job* job, const RfFrameResult* result )
              job->options.scene, rf_frame_number( &job->path, result->frame ) );
 }
 
-static void note_relmse( Job* job, const RfFrameResult* result )
-{
-    job->relmse_sum += result->relmse_estimate;
-    job->missed += !result->reached;
-    if ( job->frames_done > 1 && result->relmse_estimate <= job->worst_relmse )
-        return;
-    job->worst_relmse = result->relmse_estimate;
-    job->worst_frame = rf_frame_number( &job->path, result->frame );
-}
-
-// Warns where --noise or --time was not met.
-static void warn_of_stop( Job* job )
-{
-    const RfRenderSettings* s = &job->options.settings;
-    if ( job->stats.missed > 0 )
-        rf_warn( &job->log, "--noise %g: not reached in %d of %d frames, frame %d has %.3g: allow more %s", s->noise,
-                 job->stats.missed, job->frame_count, job->worst_frame, job->worst_relmse,
-                 s->time > 0.0 ? "--time or --spp" : "--spp" );
-    if ( job->stats.hurried )
-        rf_warn( &job->log,
-                 "--time %g: too short for this size and these groups: the least, 2 samples per pixel, took %.3g s a frame",
-                 s->time, job->stats.seconds / job->run_count );
-}
-
 static RfResult write_frame( Job* job, const RfFrameResult* result, int same_as, RfError* error )
 {
     RfResult written = rf_write_frame( &job->output, result, error );
@@ -223,7 +175,7 @@ static RfResult write_frame( Job* job, const RfFrameResult* result, int same_as,
         return written;
     pthread_mutex_lock( &job->speech );
     ++job->frames_done;
-    note_relmse( job, result );
+    rf_note_frame_error( &job->errors, result, rf_frame_number( &job->path, result->frame ) );
     warn_if_black( job, result );
     rf_show_frame( &job->line, result, rf_frame_number( &job->path, result->frame ), job->frames_done, job->frame_count,
                    now() - job->start - job->seconds_scene );
@@ -267,14 +219,14 @@ static RfResult render( Job* job, RfError* error )
     RfRenderCallbacks callbacks = { .user = job, .frame = on_run, .progress = on_progress };
     RfResult result = rf_render( job->tracer, job->path.runs, job->path.run_count, job->runs, job->run_count,
                                  &job->options.settings, &callbacks, &job->stats, error );
-    job->stats.missed = job->missed; // of frames, not of runs
+    job->stats.missed = job->errors.missed; // of frames, not of runs
     rf_clear_progress( &job->line );
     if ( result == RF_ERROR_INTERRUPTED )
         return rf_fail( error, result, "interrupted: %d of %d frames are finished and kept, %s goes on",
                         job->kept_count + job->frames_done, job->kept_count + job->frame_count,
                         job->options.overwrite ? "--resume --overwrite" : "--resume" );
     if ( result == RF_OK )
-        warn_of_stop( job );
+        rf_warn_of_stop( &job->errors, &job->options.settings, &job->stats, job->frame_count, job->run_count, &job->log );
     return result;
 }
 
@@ -286,6 +238,7 @@ static RfResult write_json( const Job* job, bool interrupted, RfError* error )
                         .seconds_scene = job->seconds_scene,
                         .frames = rf_join_kept_frames( options, &job->path, job->kept, job->kept_count, job->frames_json ),
                         .kept = job->kept_count,
+                        .warnings = job->told.lines,
                         .repeated = job->frame_count - job->run_count,
                         .interrupted = interrupted };
     return rf_write_json( options->json, rf_render_json( options, &job->scene, &run ), error );
@@ -297,9 +250,8 @@ static RfResult report( Job* job, RfError* error )
     const char* json_name = job->options.json;
     if ( json_name == NULL || strcmp( json_name, "-" ) != 0 )
     {
-        printf( "%d frame%s in %s, %.1f s", job->frame_count, job->frame_count == 1 ? "" : "s", job->options.output, seconds );
-        if ( job->frame_count > 0 && isfinite( job->relmse_sum ) )
-            printf( ", relMSE %.3g by its estimate", job->relmse_sum / job->frame_count );
+        rf_print( "%d frame%s in %s, %.1f s", job->frame_count, job->frame_count == 1 ? "" : "s", job->options.output, seconds );
+        rf_print_frame_errors( &job->errors );
         if ( job->kept_count > 0 )
             printf( "; %d kept from before", job->kept_count );
         printf( "\n" );
@@ -311,13 +263,15 @@ static RfResult run( Job* job, RfError* error )
 {
     RfResult result = load( job, error );
     if ( result == RF_OK )
-        warn_of_scene( job );
+        warn_before( job );
     job->frames_json = json_array();
     job->seconds_scene = now() - job->start;
     // where nothing is rendered: all frames exist already, or an interruption came first
     job->stats = ( RfRenderStats ){ .group = job->options.settings.group, .spp = job->options.settings.spp };
     if ( result == RF_OK && job->frame_count > 0 )
         result = render( job, error );
+    if ( result == RF_OK )
+        rf_clean_output_folder( job->options.output );
     if ( result == RF_ERROR_INTERRUPTED && job->options.json != NULL )
     {
         RfResult written = write_json( job, true, error ); // `error` keeps the line about the interruption
@@ -331,8 +285,9 @@ int rf_command_render( int argc, char** argv )
     RfError error;
     bool help;
     Job job = {
-        .argc = argc, .argv = argv, .log = rf_stderr_log( "render" ), .speech = PTHREAD_MUTEX_INITIALIZER, .start = now()
+        .argc = argc, .argv = argv, .told = { "render", json_array() }, .speech = PTHREAD_MUTEX_INITIALIZER, .start = now()
     };
+    job.log = rf_keeping_log( &job.told );
     RfResult result = rf_parse_render_options( argc, argv, &job.options, &help, &error );
     if ( result == RF_OK && help )
     {

@@ -7,10 +7,12 @@
 
 json_t* rf_frame_json( const RfFrameResult* result, const RfCameraPath* path, double noise, int same_as )
 {
-    json_t* json = json_pack( "{s:i, s:o, s:o, s:o, s:o, s:b}", "frame", rf_frame_number( path, result->frame ), "seconds",
-                              rf_json_number( result->seconds ), "relmse_estimate", rf_json_number( result->relmse_estimate ),
-                              "native_spp", rf_json_number( result->native_spp ), "effective_spp",
-                              rf_json_number( result->effective_spp ), "kept", false );
+    json_t* json = json_pack( "{s:i, s:o, s:o, s:b, s:o, s:o, s:o, s:o, s:b}", "frame", rf_frame_number( path, result->frame ),
+                              "seconds", rf_json_number( result->seconds ), "relmse_estimate",
+                              rf_json_number( result->relmse_estimate ), "relmse_is_lower_bound", result->relmse_is_lower_bound,
+                              "relmse_likely", rf_json_number( result->relmse_likely ), "worst_ten_share",
+                              rf_json_number( result->worst_ten_share ), "native_spp", rf_json_number( result->native_spp ),
+                              "effective_spp", rf_json_number( result->effective_spp ), "kept", false );
     if ( same_as >= 0 )
         json_object_set_new( json, "same_as", json_integer( rf_frame_number( path, same_as ) ) );
     if ( noise > 0.0 )
@@ -81,6 +83,7 @@ json_t* rf_render_json( const RfRenderOptions* options, const RfScene* scene, co
     json_object_set_new( json, "repeated_frames", json_integer( run->repeated ) );
     RfAdaptive adaptive = options->settings.adaptive;
     json_object_set_new( json, "adaptive", json_boolean( adaptive == RF_ADAPTIVE_ON || stats->adaptive_frames > 0 ) );
+    json_object_set( json, "warnings", run->warnings );
     json_object_set_new( json, "adaptive_mode", json_string( rf_adaptive_name( adaptive ) ) );
     json_object_set_new( json, "adaptive_frames", json_integer( stats->adaptive_frames ) );
     if ( options->settings.noise > 0.0 )

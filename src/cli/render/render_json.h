@@ -20,6 +20,7 @@ typedef struct RfRenderRun
     int kept;                      // of them, from before
     int repeated;                  // of them, the picture of the frame before them once more
     bool interrupted;
+    json_t* warnings; // lines; stays the caller's
 } RfRenderRun;
 
 // The complete JSON. NULL where memory ran out.

@@ -39,16 +39,24 @@ static json_t* kept_frame_json( const RfRenderOptions* options, const RfCameraPa
 {
     char name[RF_PAGE_NAME_SIZE];
     int number = rf_frame_number( path, frame );
-    RfFrameResult said = {
-        .frame = frame, .relmse_estimate = (double)NAN, .native_spp = (double)NAN, .effective_spp = (double)NAN
-    };
+    RfFrameResult said = { .frame = frame,
+                           .relmse_estimate = (double)NAN,
+                           .relmse_likely = (double)NAN,
+                           .worst_ten_share = (double)NAN,
+                           .native_spp = (double)NAN,
+                           .effective_spp = (double)NAN };
+    char text[8];
     if ( rf_sequence_name( options->output, number, name, sizeof name, NULL ) == RF_OK )
     {
+        said.relmse_is_lower_bound =
+            rf_read_exr_string( name, "reframe/relmse-is-lower-bound", text, sizeof text, NULL ) == RF_OK;
+        said.relmse_likely = rf_read_exr_number( name, "reframe/relmse-likely" );
+        said.worst_ten_share = rf_read_exr_number( name, "reframe/worst-ten-share" );
+        said.reached = rf_read_exr_string( name, "reframe/reached", text, sizeof text, NULL ) == RF_OK && text[0] == 'y';
         said.relmse_estimate = rf_read_exr_number( name, "reframe/relmse-estimate" );
         said.native_spp = rf_read_exr_number( name, "reframe/native-spp" );
         said.effective_spp = rf_read_exr_number( name, "reframe/effective-spp" );
     }
-    said.reached = said.relmse_estimate <= options->settings.noise;
     said.seconds = older_seconds( older, &said, number );
     json_t* json = rf_frame_json( &said, path, options->settings.noise, -1 );
     json_object_set_new( json, "kept", json_true() );

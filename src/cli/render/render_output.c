@@ -1,24 +1,60 @@
 #include "cli/render/render_output.h"
 
+#include "output/frame_difference.h"
 #include "reframe/image.h"
 
+#include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
 
 #define MAX_NAME 4096
 
-static RfResult refuse( RfFrameFileState state, const RfRenderOptions* options, const char* name, const RfError* reason,
-                        RfError* error )
+// "--spp 28 (here 56), --seed 1 (here 2)"; empty where no setting differs.
+static void tell_differences( const RfOutput* output, int frame, char* text, size_t size )
+{
+    static const char* const facts[] = { "version", "frame", "frames" }; // no options, or not in this sense
+    static const char* const words[] = { "version", "frame", "frames in the path" };
+    RfFrameDifference list[RF_MAX_DIFFERENCES];
+    int count = rf_list_frame_differences( output, frame, list );
+    size_t used = 0;
+    text[0] = '\0';
+    for ( int i = 0; i < count && used < size; ++i )
+    {
+        char option[48];
+        snprintf( option, sizeof option, "--%s", list[i].name );
+        for ( size_t k = 0; k < sizeof facts / sizeof facts[0]; ++k )
+        {
+            if ( strcmp( list[i].name, facts[k] ) == 0 )
+                snprintf( option, sizeof option, "%s", words[k] );
+        }
+        used += (size_t)snprintf( text + used, size - used, "%s%s %s (here %s)", i > 0 ? ", " : "", option, list[i].there,
+                                  list[i].here );
+    }
+}
+
+static RfResult refuse_other( const RfOutput* output, int frame, const char* name, RfError* error )
+{
+    char differences[512];
+    tell_differences( output, frame, differences, sizeof differences );
+    if ( differences[0] != '\0' )
+        return rf_fail( error, RF_ERROR_IO,
+                        "--resume: %.300s: is of another render, of %s: give the same, or add --overwrite to replace such frames",
+                        name, differences );
+    return rf_fail( error, RF_ERROR_IO,
+                    "--resume: %s: was rendered with these settings, but from another scene or camera path, or one that has "
+                    "changed since, or with another --fps: give those, or add --overwrite to replace such frames",
+                    name );
+}
+
+static RfResult refuse( RfFrameFileState state, const RfRenderOptions* options, const RfOutput* output, int frame,
+                        const char* name, const RfError* reason, RfError* error )
 {
     if ( !options->resume )
         return rf_fail( error, RF_ERROR_IO, "%s: is there already: --resume goes on, --overwrite replaces", name );
     if ( state == RF_FRAME_FILE_UNREADABLE )
         return rf_fail( error, RF_ERROR_IO, "--resume: not a frame of this render, add --overwrite to replace it: %.900s",
                         reason->text );
-    return rf_fail( error, RF_ERROR_IO,
-                    "--resume: %s: was rendered from another scene, path, version or settings: give those, or add "
-                    "--overwrite to replace such frames",
-                    name );
+    return refuse_other( output, frame, name, error );
 }
 
 static RfResult keep_or_refuse( const RfOutput* output, const RfRenderOptions* options, int frame, bool* keep, RfError* error )
@@ -36,7 +72,7 @@ static RfResult keep_or_refuse( const RfOutput* output, const RfRenderOptions* o
     if ( state == RF_FRAME_FILE_MISSING )
         return RF_OK;
     *keep = options->resume && state == RF_FRAME_FILE_SAME;
-    return *keep || options->overwrite ? RF_OK : refuse( state, options, name, &reason, error );
+    return *keep || options->overwrite ? RF_OK : refuse( state, options, output, frame, name, &reason, error );
 }
 
 static RfResult check_json( const char* name, RfError* error )

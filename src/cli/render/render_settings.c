@@ -1,5 +1,6 @@
 #include "cli/render/render_settings.h"
 
+#include "base/system.h"
 #include "render/groups.h"
 
 #include <stdio.h>
@@ -15,12 +16,13 @@ void rf_tell_settings( const RfRenderSettings* asked, const RfRenderSettings* us
         fprintf( stderr, "reframe render: --spp %d rounded %s to %d: %d groups of %d frames hold a frame, %d sample%s in each\n",
                  asked->spp, used->spp > asked->spp ? "up" : "down", used->spp, plan.eyes, plan.eyes, plan.passes,
                  plan.passes == 1 ? "" : "s" );
+    char memory[RF_BYTES_TEXT_SIZE];
+    rf_format_memory( used->memory, memory );
     if ( fit->threads < used->threads )
-        fprintf( stderr, "reframe render: --memory %zuK is enough for %d of %d threads\n", used->memory / 1024, fit->threads,
-                 used->threads );
+        fprintf( stderr, "reframe render: %s of memory are enough for %d of %d threads\n", memory, fit->threads, used->threads );
     if ( fit->sweeps > 1 )
-        fprintf( stderr, "reframe render: --memory %zuK holds the films of %d frame%s: the path is gone through %d times\n",
-                 used->memory / 1024, fit->films, fit->films == 1 ? "" : "s", fit->sweeps );
+        fprintf( stderr, "reframe render: %s of memory hold the films of %d frame%s: the path is gone through %d times\n", memory,
+                 fit->films, fit->films == 1 ? "" : "s", fit->sweeps );
 }
 
 void rf_tell_runs( const RfCameraPath* path, const int* frames, int frame_count, int run_count )

@@ -3,8 +3,9 @@
 #include "cli/render/interrupt.h"
 #include "cli/options/options.h"
 #include "cli/report/report_data.h"
-#include "cli/report/report_facts.h"
+#include "cli/report/report_numbers.h"
 #include "cli/report/report_run.h"
+#include "cli/report/report_values.h"
 #include "cli/render/progress.h"
 #include "cli/messages.h"
 
@@ -13,6 +14,7 @@
 #include <unistd.h>
 
 #define COMMAND "report"
+#define BLOCK_BYTES 64        // of the markup about a block
 #define HEAVY_BYTES 100000000 // pages from here on get a hint
 
 static bool ends_with( const char* name, const char* suffix )
@@ -88,7 +90,9 @@ static RfResult add_tracks( RfPageRun* report, RfPage* page, RfError* error )
                                              .numbers = report->numbers,
                                              .count = report->count,
                                              .holes = report->holes,
-                                             .hole_count = report->hole_count };
+                                             .hole_count = report->hole_count,
+                                             .layer_share = report->aov ? RF_PAGE_LAYER_BYTES / report->sequence_count : 0.0 };
+        report->tracks[i].value_factor = rf_page_value_factor( report, report->tracks + i );
         result = rf_add_page_track( page, report->tracks + i, on_picture, report, error );
     }
     return result;
@@ -114,7 +118,7 @@ static RfResult tell( const RfPageRun* report, const RfPageData* data, uint64_t 
     char weight[32];
     rf_format_bytes( (double)bytes, weight );
     if ( report->json == NULL || strcmp( report->json, "-" ) != 0 )
-        printf( "%s: %d frame%s, %s\n", report->output, report->count, report->count == 1 ? "" : "s", weight );
+        rf_print( "%s: %d frame%s, %s\n", report->output, report->count, report->count == 1 ? "" : "s", weight );
     RfLog log = rf_stderr_log( COMMAND );
     if ( bytes > HEAVY_BYTES && !report->quiet )
         rf_warn( &log, "%s: weighs %s, which a browser takes long to open: --width makes pictures smaller, --frames takes some",
@@ -132,12 +136,14 @@ static RfResult write_page( RfPageRun* report, RfError* error )
     if ( result != RF_OK )
         return result;
     result = add_tracks( report, &page, error );
+    RfPageData data = data_of( report, title );
+    if ( result == RF_OK )
+        result = rf_add_fine_values( report, &data, &page, error );
     if ( result != RF_OK )
     {
         rf_discard_page( &page );
         return result;
     }
-    RfPageData data = data_of( report, title );
     result = end_page( &page, &data, error );
     return result == RF_OK ? tell( report, &data, page.bytes, error ) : result;
 }
@@ -153,7 +159,7 @@ static RfResult run( RfPageRun* report, RfError* error )
 int rf_command_report( int argc, char** argv )
 {
     static const char* const files[] = { "DIR" };
-    RfPageRun report = { 0 };
+    RfPageRun report = { .values = (size_t)12 << 20, .aov = true };
     const RfOption options[] = {
         { .name = "output",
           .writes = "",
@@ -213,6 +219,18 @@ int rf_command_report( int argc, char** argv )
           .meta = "W",
           .default_text = "as they are",
           .help = "pictures no wider than this; figures stay those of the files" },
+        { .name = "values",
+          .type = RF_OPTION_MEMORY,
+          .value = &report.values,
+          .min = 0,
+          .meta = "SIZE",
+          .default_text = "12M",
+          .help = "most that the pixel probe's scene values take of the page; less is coarser, 0 is none" },
+        { .name = "aov",
+          .type = RF_OPTION_BOOL,
+          .value = &report.aov,
+          .default_text = "yes",
+          .help = "show the AOVs that the files have, too" },
         { .name = "fps",
           .type = RF_OPTION_FPS,
           .value = &report.fps,
@@ -243,9 +261,11 @@ int rf_command_report( int argc, char** argv )
     };
     const RfCommandTable table = {
         .command = COMMAND,
-        .summary = "One HTML page of rendered sequences, side by side: frames that play at any exposure, curves, settings. Each "
-                   "DIR is a folder of "
-                   "EXR files, or a sequence named with ####.",
+        .summary =
+            "One HTML page of rendered sequences: a verdict, frames that play at any exposure, side by side or wiped, a pixel "
+            "probe, AOVs, curves, settings. Each DIR is a folder of EXR files, or a sequence named with ####. 48 frames of "
+            "960x540 take less than 40 MB for the pictures of a sequence (mostly 10), --values for the probe and at most "
+            "16 MB for AOVs.",
         .files = files,
         .file_count = 1,
         .file_max = RF_PAGE_MOST_SEQUENCES,

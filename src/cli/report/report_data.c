@@ -1,6 +1,9 @@
 #include "cli/report/report_data.h"
 
+#include "cli/report/report_cost.h"
 #include "cli/report/report_facts.h"
+#include "cli/report/report_verdict.h"
+#include "cli/report/report_warnings.h"
 #include "cli/messages.h"
 
 #include <math.h>
@@ -23,7 +26,7 @@ static json_t* blocks_json( const RfPageTrack* track )
 static void set_curves( json_t* object, const RfPageTrack* track )
 {
     json_t *relmse = json_array(), *phi = json_array(), *f1 = json_array(), *seconds = json_array(), *samples = json_array(),
-           *bad = json_array();
+           *bad = json_array(), *at_least = json_array();
     for ( int i = 0; i < track->count; ++i )
     {
         const RfPageFrame* frame = track->frames + i;
@@ -33,6 +36,7 @@ static void set_curves( json_t* object, const RfPageTrack* track )
         json_array_append_new( seconds, rf_json_number( frame->seconds ) );
         json_array_append_new( samples, rf_json_number( frame->samples ) );
         json_array_append_new( bad, json_integer( (json_int_t)frame->bad ) );
+        json_array_append_new( at_least, json_boolean( frame->at_least ) );
     }
     json_object_set_new( object, "relmse", relmse );
     json_object_set_new( object, "phi", phi );
@@ -40,6 +44,15 @@ static void set_curves( json_t* object, const RfPageTrack* track )
     json_object_set_new( object, "seconds", seconds );
     json_object_set_new( object, "samples", samples );
     json_object_set_new( object, "bad", bad );
+    json_object_set_new( object, "at_least", at_least );
+}
+
+static json_t* has_layers_json( const RfPageTrack* track )
+{
+    json_t* list = json_array();
+    for ( int i = 0; i < track->count; ++i )
+        json_array_append_new( list, json_boolean( track->frames[i].has_layers ) );
+    return list;
 }
 
 static json_t* track_json( const RfPageTrack* track )
@@ -48,6 +61,14 @@ static json_t* track_json( const RfPageTrack* track )
                                 rf_json_text( track->sequence->pattern ), "reference", track->sequence->is_reference, "width",
                                 track->picture_width, "height", track->picture_height, "blocks", blocks_json( track ), "facts",
                                 rf_page_facts_json( track ) );
+    json_object_set_new( object, "file_width", json_integer( track->sequence->header.width ) );
+    json_object_set_new( object, "file_height", json_integer( track->sequence->header.height ) );
+    json_object_set_new( object, "index", json_integer( track->index ) );
+    json_object_set_new( object, "layers", rf_page_layers_json( &track->layers ) );
+    json_object_set_new( object, "has_layers", has_layers_json( track ) );
+    json_object_set_new( object, "value_factor", json_integer( track->value_factor ) );
+    json_object_set_new( object, "fine_frame", json_integer( track->fine_frame ) );
+    json_object_set_new( object, "fine_factor", json_integer( track->fine_factor ) );
     set_curves( object, track );
     return object;
 }
@@ -76,80 +97,6 @@ static json_t* notes_json( const RfPageData* data )
                       "Traced per pixel of each frame" );
 }
 
-static void append_number( char* text, size_t size, const char* format, const json_t* value )
-{
-    size_t used = strlen( text );
-    if ( json_is_number( value ) && isfinite( json_number_value( value ) ) )
-    {
-        snprintf( text + used, size - used, "%s", used > 0 ? "; " : "" );
-        used = strlen( text );
-        snprintf( text + used, size - used, format, json_number_value( value ) );
-    }
-}
-
-// The label of a row of cost: "path tracing", "group 3, tile 3x3".
-static json_t* cost_name_json( const json_t* row )
-{
-    const json_t *reuse = json_object_get( row, "reuse" ), *group = json_object_get( row, "group" );
-    const char* tile = json_string_value( json_object_get( row, "tile" ) );
-    char text[96];
-    if ( json_is_string( reuse ) )
-        return json_incref( (json_t*)reuse );
-    if ( json_is_true( reuse ) && json_is_integer( group ) )
-    {
-        snprintf( text, sizeof text, "group %lld%s%.32s", (long long)json_integer_value( group ), tile != NULL ? ", tile " : "",
-                  tile != NULL ? tile : "" );
-        return rf_json_text( text );
-    }
-    return json_is_boolean( reuse ) ? json_string( json_is_true( reuse ) ? "with reuse" : "path tracing" ) : NULL;
-}
-
-static void append_range( char* text, size_t size, const json_t* low, const json_t* high )
-{
-    size_t used = strlen( text );
-    if ( used > 0 && json_is_number( low ) && json_is_number( high ) )
-        snprintf( text + used, size - used, " (%.3g to %.3g)", json_number_value( low ), json_number_value( high ) );
-}
-
-// Copies only what the script needs, so that other content of the file can do no harm.
-static void add_cost( json_t* list, const char* name, const json_t* cost )
-{
-    if ( cost == NULL )
-        return;
-    char note[160] = "";
-    append_number( note, sizeof note, "slope %.2f", json_object_get( cost, "slope" ) );
-    append_range( note, sizeof note, json_object_get( cost, "slope_low" ), json_object_get( cost, "slope_high" ) );
-    append_number( note, sizeof note, "at equal error reuse is faster by %.3g",
-                   json_object_get( cost, "speedup_at_equal_error" ) );
-    append_range( note, sizeof note, json_object_get( cost, "speedup_low" ), json_object_get( cost, "speedup_high" ) );
-    json_t* rows = json_array();
-    size_t i;
-    json_t* row;
-    json_array_foreach( json_object_get( cost, "rows" ), i, row )
-    {
-        const json_t *seconds = json_object_get( row, "seconds" ), *relmse = json_object_get( row, "relmse" );
-        json_t* reuse = cost_name_json( row );
-        if ( reuse != NULL && json_is_number( seconds ) && json_is_number( relmse ) )
-            json_array_append_new( rows, json_pack( "{s:O, s:o, s:o}", "reuse", reuse, "seconds",
-                                                    rf_json_number( json_number_value( seconds ) ), "relmse",
-                                                    rf_json_number( json_number_value( relmse ) ) ) );
-        json_decref( reuse );
-    }
-    json_array_append_new( list, json_pack( "{s:o, s:s, s:o}", "name", rf_json_text( name ), "note", note, "rows", rows ) );
-}
-
-static json_t* cost_json( const RfPageData* data )
-{
-    json_t* list = json_array();
-    add_cost( list, "error against time", data->cost );
-    for ( int i = 0; i < data->track_count && data->cost == NULL; ++i )
-    {
-        const RfPageSequence* sequence = data->tracks[i].sequence;
-        add_cost( list, sequence->name, sequence->is_reference ? NULL : sequence->cost );
-    }
-    return list;
-}
-
 json_t* rf_page_data_json( const RfPageData* data )
 {
     json_t *tracks = json_array(), *frames = json_array();
@@ -161,9 +108,10 @@ json_t* rf_page_data_json( const RfPageData* data )
     const RfExrHeader* header = &data->tracks[0].sequence->header;
     snprintf( subtitle, sizeof subtitle, "%d frame%s of %dx%d pixels", data->count, data->count == 1 ? "" : "s", header->width,
               header->height );
-    return json_pack( "{s:o, s:s, s:f, s:f, s:o, s:o, s:o, s:o}", "title", rf_json_text( data->title ), "subtitle", subtitle,
-                      "fps", data->fps, "exposure", data->exposure, "frames", frames, "sequences", tracks, "notes",
-                      notes_json( data ), "cost", cost_json( data ) );
+    return json_pack( "{s:o, s:s, s:f, s:f, s:o, s:o, s:o, s:o, s:o, s:o}", "title", rf_json_text( data->title ), "subtitle",
+                      subtitle, "fps", data->fps, "exposure", data->exposure, "frames", frames, "sequences", tracks, "notes",
+                      notes_json( data ), "cost", rf_page_cost_json( data ), "verdict", rf_page_verdict_json( data ), "warnings",
+                      rf_page_warnings_json( data ) );
 }
 
 json_t* rf_page_result_json( const RfPageData* data, const char* output, uint64_t bytes )
@@ -180,15 +128,22 @@ json_t* rf_page_result_json( const RfPageData* data, const char* output, uint64_
             shown += track->frames[k].shown;
         json_array_append_new(
             tracks,
-            json_pack( "{s:o, s:o, s:b, s:i, s:i, s:o, s:o, s:o, s:o, s:o, s:o}", "name", rf_json_text( track->sequence->name ),
-                       "files", rf_json_text( track->sequence->pattern ), "reference", track->sequence->is_reference, "frames",
-                       shown, "missing", lacking, "missing_frames", rf_json_frames( missing, lacking ), "picture_bytes",
-                       json_integer( (json_int_t)track->picture_bytes ), "relmse",
+            json_pack( "{s:o, s:o, s:b, s:i, s:i, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "name",
+                       rf_json_text( track->sequence->name ), "files", rf_json_text( track->sequence->pattern ), "reference",
+                       track->sequence->is_reference, "frames", shown, "missing", lacking, "missing_frames",
+                       rf_json_frames( missing, lacking ), "picture_bytes", json_integer( (json_int_t)track->picture_bytes ),
+                       "value_bytes", json_integer( (json_int_t)track->value_bytes ), "aov_bytes",
+                       json_integer( (json_int_t)track->layer_bytes ), "relmse",
                        rf_json_number( track->has_error ? track->error.relmse : NAN ), "relmse_estimate",
                        rf_json_number( track->estimate ), "f1", rf_json_number( has_flicker ? flicker.f1 : NAN ), "phi",
                        rf_json_number( has_flicker ? flicker.phi : NAN ) ) );
         free( missing );
     }
-    return json_pack( "{s:o, s:o, s:i, s:o}", "output", rf_json_text( output ), "bytes", json_integer( (json_int_t)bytes ),
-                      "frames", data->count, "sequences", tracks );
+    json_t* verdict = rf_page_verdict_json( data );
+    json_t* json = json_pack( "{s:o, s:o, s:i, s:o, s:O, s:O, s:o}", "output", rf_json_text( output ), "bytes",
+                              json_integer( (json_int_t)bytes ), "frames", data->count, "sequences", tracks, "verdict",
+                              json_object_get( verdict, "text" ), "worst_frame", json_object_get( verdict, "worst_frame" ),
+                              "warnings", rf_page_warnings_json( data ) );
+    json_decref( verdict );
+    return json;
 }

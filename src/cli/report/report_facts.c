@@ -1,5 +1,6 @@
 #include "cli/report/report_facts.h"
 
+#include "cli/report/report_numbers.h"
 #include "cli/options/render_options.h"
 #include "cli/messages.h"
 #include "image/sequence.h"
@@ -11,36 +12,6 @@
 
 #define MOST_STRINGS 24 // of other programs
 #define LONGEST 240     // characters of a value
-
-void rf_format_count( double count, char text[32] )
-{
-    static const char* const units[] = { "", " k", " M", " G", " T" };
-    int unit = 0;
-    while ( count >= 1000.0 && unit < 4 )
-    {
-        count /= 1000.0;
-        ++unit;
-    }
-    snprintf( text, 32, unit == 0 ? "%.0f%s" : "%.3g%s", count, units[unit] );
-}
-
-void rf_format_bytes( double bytes, char text[32] )
-{
-    char count[32];
-    rf_format_count( bytes, count );
-    snprintf( text, 32, "%.20s%sB", count, strchr( count, ' ' ) != NULL ? "" : " " );
-}
-
-void rf_format_seconds( double seconds, char text[32] )
-{
-    double minutes = floor( seconds / 60.0 ), hours = floor( seconds / 3600.0 );
-    if ( seconds < 100.0 )
-        snprintf( text, 32, "%.3g s", seconds );
-    else if ( hours < 1.0 )
-        snprintf( text, 32, "%.0f min %.0f s", minutes, seconds - 60.0 * minutes );
-    else
-        snprintf( text, 32, "%.0f h %.0f min", hours, minutes - 60.0 * hours );
-}
 
 static void add( json_t* facts, const char* group, const char* label, const char* value )
 {
@@ -111,6 +82,21 @@ static void add_picture( json_t* facts, const RfPageTrack* track )
         add_number( facts, "Picture", "Frames/s", "%.5g", (double)header->fps_numerator / header->fps_denominator );
 }
 
+// The renderer's estimate; where it is no more than a lower bound it says so.
+static void add_estimate( json_t* facts, const RfPageTrack* track )
+{
+    bool at_least = false;
+    double share = 0.0;
+    for ( int i = 0; i < track->count; ++i )
+    {
+        at_least |= track->frames[i].at_least;
+        share = fmax( share, track->frames[i].worst_ten_share ); // passes over NaN
+    }
+    add_number( facts, "Error", "relMSE, estimated", at_least ? "at least %.3g" : "%.3g", track->estimate );
+    if ( share > 0.0 && isfinite( track->estimate ) )
+        add_number( facts, "Error", "Share of the ten worst pixels", "up to %.0f %%", 100.0 * share );
+}
+
 static void add_error( json_t* facts, const RfPageTrack* track )
 {
     const RfErrorMetrics* e = &track->error;
@@ -126,7 +112,7 @@ static void add_error( json_t* facts, const RfPageTrack* track )
                   e->bias_low * scale, e->bias_high * scale, relative ? " %" : "" );
         add( facts, "Error", "Mean error", text );
     }
-    add_number( facts, "Error", "relMSE, estimated", "%.3g", track->estimate );
+    add_estimate( facts, track );
     RfFlickerMetrics flicker = rf_flicker_metrics( &track->flicker );
     if ( track->flicker.pairs == 0 )
         return;

@@ -1,8 +1,8 @@
 #include "cli/report/report_frames.h"
 
+#include "cli/report/report_blocks.h"
 #include "cli/messages.h"
 #include "measure/flicker_read.h"
-#include "page/picture.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -19,8 +19,6 @@ typedef struct Work
     RfErrorSummary errors;
     bool has_summary;
 } Work;
-
-void rf_page_block_id( const RfPageTrack* track, int number, char id[32] ) { snprintf( id, 32, "s%d-%d", track->index, number ); }
 
 // Chooses motion and depth and, without a reference, the variance of the colour, where the
 // files have them; what `flicker` would refuse is left out.
@@ -50,29 +48,6 @@ static size_t count_bad( const RfImage* image )
     for ( size_t i = 0; i < pixels; ++i )
         bad += !isfinite( image->rgb[3 * i] ) || !isfinite( image->rgb[3 * i + 1] ) || !isfinite( image->rgb[3 * i + 2] );
     return bad;
-}
-
-static RfResult add_picture( Work* work, int number, const RfImage* image, const char* path, RfError* error )
-{
-    RfPageTrack* track = work->track;
-    RfImage small = { 0 };
-    int factor = track->width > 0 ? ( image->width + track->width - 1 ) / track->width : 1;
-    unsigned char* bytes = NULL;
-    size_t size = 0;
-    RfResult result = factor > 1 ? rf_shrink_image( image, factor, &small, error ) : RF_OK;
-    const RfImage* picture = factor > 1 ? &small : image;
-    if ( result == RF_OK )
-        result = rf_encode_picture( picture, path, &bytes, &size, error );
-    char id[32];
-    rf_page_block_id( track, number, id );
-    if ( result == RF_OK )
-        result = rf_add_page_block( work->page, id, bytes, size, error );
-    track->picture_width = picture->width;
-    track->picture_height = picture->height;
-    track->picture_bytes += size;
-    free( bytes );
-    rf_destroy_image( &small );
-    return result;
 }
 
 static RfResult measure_error( Work* work, RfPageFrame* told, RfFlickerFrame* frame, RfImage* reference, RfError* error )
@@ -109,9 +84,17 @@ static void take_said( const RfPageSequence* sequence, int number, const char* p
         told->relmse = rf_json_number_of( row, "relmse_estimate" );
         told->seconds = rf_json_number_of( row, "seconds" );
         told->samples = rf_json_number_of( row, "native_spp" );
+        told->at_least = json_is_true( json_object_get( row, "relmse_is_lower_bound" ) );
+        told->worst_ten_share = rf_json_number_of( row, "worst_ten_share" );
     }
     if ( isnan( told->relmse ) )
         told->relmse = rf_read_exr_number( path, "reframe/relmse-estimate" );
+    char text[8];
+    if ( !told->at_least )
+        told->at_least =
+            rf_read_exr_string( path, "reframe/relmse-is-lower-bound", text, sizeof text, NULL ) == RF_OK && text[0] == 'y';
+    if ( isnan( told->worst_ten_share ) )
+        told->worst_ten_share = rf_read_exr_number( path, "reframe/worst-ten-share" );
     if ( isnan( told->samples ) )
         told->samples = rf_read_exr_number( path, "reframe/native-spp" );
 }
@@ -160,7 +143,7 @@ static RfResult add_frame( Work* work, int i, RfError* error )
     if ( result == RF_OK )
         result = rf_read_flicker_frame( path, &work->layers, &track->sequence->header, track->sequence->first, frame, error );
     if ( result == RF_OK )
-        result = add_picture( work, number, &frame->signal, path, error );
+        result = rf_add_page_blocks( work->page, track, i, &frame->signal, path, error );
     if ( result != RF_OK )
         return result;
     told->shown = true;
@@ -170,7 +153,10 @@ static RfResult add_frame( Work* work, int i, RfError* error )
     bool has_reference = track->reference != NULL && rf_has_page_frame( track->reference, number );
     take_said( track->sequence, number, path, told );
     if ( track->reference != NULL || track->sequence->is_reference ) // an estimate would not belong there
-        told->relmse = NAN;
+    {
+        told->relmse = told->worst_ten_share = NAN;
+        told->at_least = false;
+    }
     RfImage reference = { 0 };
     if ( has_reference )
         result = rf_page_frame_path( track->reference, number, path, error );
@@ -209,9 +195,10 @@ RfResult rf_add_page_track( RfPage* page, RfPageTrack* track, RfPageProgressFn* 
     if ( track->frames == NULL )
         return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for %d frames", track->sequence->pattern, track->count );
     for ( int i = 0; i < track->count; ++i )
-        track->frames[i] = ( RfPageFrame ){ .relmse = NAN, .seconds = NAN, .samples = NAN, .phi = NAN, .f1 = NAN };
+        track->frames[i] =
+            ( RfPageFrame ){ .relmse = NAN, .seconds = NAN, .samples = NAN, .phi = NAN, .f1 = NAN, .worst_ten_share = NAN };
     find_layers( &work );
-    RfResult result = RF_OK;
+    RfResult result = rf_find_page_aovs( track, error );
     for ( int i = 0; i < track->count && result == RF_OK; ++i )
     {
         result = add_frame( &work, i, error );

@@ -3,6 +3,7 @@
 #define REFRAME_CLI_REPORT_REPORT_FRAMES_H
 
 #include "cli/report/report_input.h"
+#include "cli/report/report_layers.h"
 #include "measure/error.h"
 #include "measure/flicker.h"
 #include "page/page.h"
@@ -10,8 +11,11 @@
 // Figures of a frame of the page; NaN: not known.
 typedef struct RfPageFrame
 {
-    bool shown;    // its picture is in the page
-    double relmse; // against the reference, or an estimate
+    bool has_layers;        // pictures of its AOVs
+    bool shown;             // its picture is in the page
+    double relmse;          // against the reference, or an estimate
+    bool at_least;          // the estimate is a lower bound only
+    double worst_ten_share; // of the estimate: what the ten worst pixels carry
     double seconds;
     double samples; // traced per pixel
     double phi, f1; // of this frame and the one before
@@ -28,7 +32,10 @@ typedef struct RfPageTrack
     int count;
     const int* holes; // between them, that no sequence has
     int hole_count;
+    int value_factor;   // scene values are means of boxes of so many pixels; 0: none
+    double layer_share; // of RF_PAGE_LAYER_BYTES
 
+    RfPageLayers layers;
     RfPageFrame* frames; // `count` of them
     int picture_width, picture_height;
     uint64_t picture_bytes;
@@ -39,7 +46,9 @@ typedef struct RfPageTrack
     int pair_count;       // neighbours that are there, also where they lack the layers
     RfErrorMetrics error; // of all frames, against the reference
     bool has_error;
-    double estimate; // mean of the estimates of relMSE; NaN: none
+    uint64_t value_bytes, layer_bytes; // of the page
+    int fine_frame, fine_factor;       // number of the frame with finer values, and their factor; 0: none
+    double estimate;                   // mean of the estimates of relMSE; NaN: none
 } RfPageTrack;
 
 // Adds the frames that the sequence has to the page; `progress` is called after each

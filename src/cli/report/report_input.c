@@ -65,14 +65,38 @@ RfResult rf_load_cost_json( const char* path, const char* option, json_t** json,
     return load_json( path, option, is_cost_json, "cost", json, error );
 }
 
-// Other files are ignored. The first by name is taken.
+bool rf_is_same_scene( const char* a, const char* b )
+{
+    const char *slash_a = strrchr( a, '/' ), *slash_b = strrchr( b, '/' );
+    return a[0] == '\0' || b[0] == '\0' || strcmp( slash_a != NULL ? slash_a + 1 : a, slash_b != NULL ? slash_b + 1 : b ) == 0;
+}
+
+const char* rf_scene_of_json( const json_t* json )
+{
+    const char* scene = json_string_value( json_object_get( json, "scene" ) );
+    return scene != NULL ? scene : "";
+}
+
+// The first by name is taken, of cost the first of this scene; one of another scene only where there
+// is no other, so that it can be refused.
+static void take_cost( RfPageSequence* sequence, const char* path, json_t* json )
+{
+    bool fits = rf_is_same_scene( rf_scene_of_json( json ), sequence->scene );
+    if ( sequence->cost != NULL && ( !fits || rf_is_same_scene( rf_scene_of_json( sequence->cost ), sequence->scene ) ) )
+        return;
+    json_decref( sequence->cost );
+    sequence->cost = json_incref( json );
+    snprintf( sequence->cost_file, sizeof sequence->cost_file, "%s", path );
+}
+
+// Other files are ignored.
 static void take_json( RfPageSequence* sequence, const char* path )
 {
     json_t* json = parse_json( path, NULL );
     if ( json != NULL && sequence->render == NULL && is_render_json( json ) )
         sequence->render = json_incref( json );
-    else if ( json != NULL && sequence->cost == NULL && is_cost_json( json ) )
-        sequence->cost = json_incref( json );
+    else if ( json != NULL && is_cost_json( json ) )
+        take_cost( sequence, path, json );
     json_decref( json );
 }
 
@@ -153,6 +177,9 @@ RfResult rf_open_page_sequence( const char* place, const char* layer, RfPageSequ
         result = rf_page_frame_path( sequence, sequence->frames[0], sequence->first, error );
     if ( result == RF_OK )
         result = rf_read_exr_header( sequence->first, layer, &sequence->header, error );
+    if ( result == RF_OK &&
+         rf_read_exr_string( sequence->first, "reframe/scene", sequence->scene, sizeof sequence->scene, NULL ) != RF_OK )
+        sequence->scene[0] = '\0';
     char folder[RF_PAGE_NAME_SIZE];
     folder_of( sequence->pattern, folder );
     return result == RF_OK ? look_for_json( sequence, folder, error ) : result;

@@ -19,9 +19,11 @@ typedef struct RfPageSequence
     int frame_count;
     char first[RF_PAGE_NAME_SIZE]; // the file of the first of them
     bool is_reference;
-    RfExrHeader header; // of the first file
-    json_t* render;     // of `render --json`, or NULL
-    json_t* cost;       // of `cost --json`, or NULL
+    RfExrHeader header;                // of the first file
+    json_t* render;                    // of `render --json`, or NULL
+    json_t* cost;                      // of `cost --json`, or NULL
+    char cost_file[RF_PAGE_NAME_SIZE]; // where it was found
+    char scene[RF_PAGE_NAME_SIZE];     // as the frames' header names it; empty: it does not
 } RfPageSequence;
 
 // Finds the only sequence of a folder, or the one that `place` names by #### or as a single file,
@@ -34,6 +36,12 @@ void rf_close_page_sequence( RfPageSequence* sequence );
 // `option` begins the error line.
 RfResult rf_load_render_json( const char* path, const char* option, json_t** json, RfError* error );
 RfResult rf_load_cost_json( const char* path, const char* option, json_t** json, RfError* error );
+
+// True if two names are of the same scene: equal but for the folder. An empty one may be of any.
+bool rf_is_same_scene( const char* a, const char* b );
+
+// The scene that the JSON of `render` or `cost` names, or "".
+const char* rf_scene_of_json( const json_t* json );
 
 // Is the frame there?
 bool rf_has_page_frame( const RfPageSequence* sequence, int frame );

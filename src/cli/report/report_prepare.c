@@ -1,6 +1,7 @@
 #include "cli/report/report_run.h"
 
 #include "cli/options/frame_list.h"
+#include "cli/report/report_cost.h"
 #include "image/sequence.h"
 
 #include <stdio.h>
@@ -23,7 +24,7 @@ static RfResult open_sequences( RfPageRun* report, RfError* error )
         result = rf_load_render_json( report->render_file, "--render-json", &report->sequences[0].render, error );
     if ( result == RF_OK && report->cost_file != NULL )
         result = rf_load_cost_json( report->cost_file, "--cost", &report->cost, error );
-    return result;
+    return result == RF_OK ? rf_check_cost_scene( report, error ) : result;
 }
 
 // Folders of the same name are labelled by the paths that were given.

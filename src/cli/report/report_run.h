@@ -21,7 +21,9 @@ typedef struct RfPageRun
     const char* title;
     RfFps fps;
     double exposure;
-    int width; // 0: pictures as they are
+    int width;     // 0: pictures as they are
+    size_t values; // bytes of the page that scene values may take
+    bool aov;      // pictures of AOVs
     bool overwrite, quiet;
     const char* json;
 

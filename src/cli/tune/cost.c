@@ -45,7 +45,7 @@ static void say( void* user, const RfCost* cost, int spp )
 {
     const Job* job = user;
     if ( !job->options.render.quiet )
-        fprintf( stderr, "reframe cost: %d samples, %dx%d, %d place%s of the path\n", spp, cost->width, cost->height,
+        fprintf( stderr, "reframe cost: %d samples, pieces of %.0f pixels, %d place%s of the path\n", spp, cost->pixels,
                  cost->positions, cost->positions == 1 ? "" : "s" );
 }
 
@@ -57,13 +57,21 @@ static RfResult count_per_sweep( const Job* job, const RfCostCurve* curve, int* 
     settings.tile = curve->tile;
     RfMemoryFit fit;
     RfResult result =
-        rf_resolve_settings( job->shot.tracer, job->shot.path.runs, job->shot.path.run_count, &settings, &resolved, error );
+        rf_resolve_settings( job->shot.tracer, job->shot.path.eyes, job->shot.path.count, &settings, &resolved, error );
     if ( result == RF_OK )
-        result = rf_fit_memory( &job->shot.scene, job->shot.path.runs, job->shot.path.run_count, job->shot.frame_count, &resolved,
+        result = rf_fit_memory( &job->shot.scene, job->shot.path.eyes, job->shot.path.count, job->shot.frame_count, &resolved,
                                 &fit, error );
     if ( result == RF_OK )
         *per_sweep = fit.sweeps > 1 ? fit.films : job->shot.frame_count;
     return result;
+}
+
+// Names the scene, so that `report` can refuse what was measured with another one.
+static json_t* result_json( const RfCostReport* r )
+{
+    json_t* json = rf_cost_json( r );
+    json_object_set_new( json, "scene", rf_json_text( r->options->render.scene ) );
+    return json;
 }
 
 // Reports what was found so far, also after an interruption.
@@ -83,7 +91,7 @@ static RfResult report( const Job* job, const RfCostJob* cost_job, RfError* erro
     }
     if ( result == RF_OK && job->options.svg != NULL )
         result = rf_write_cost_plot( &r, job->options.svg, error );
-    return result == RF_OK && json != NULL ? rf_write_json( json, rf_cost_json( &r ), error ) : result;
+    return result == RF_OK && json != NULL ? rf_write_json( json, result_json( &r ), error ) : result;
 }
 
 static RfResult run( Job* job, RfError* error )
@@ -93,8 +101,8 @@ static RfResult run( Job* job, RfError* error )
         return result;
     RfTrialWatch watch = { go_on, NULL };
     RfCostJob cost = { .tracer = job->shot.tracer,
-                       .eyes = job->shot.path.runs,
-                       .eye_count = job->shot.path.run_count,
+                       .eyes = job->shot.path.eyes,
+                       .eye_count = job->shot.path.count,
                        .frames = job->shot.frames,
                        .frame_count = job->shot.frame_count,
                        .settings = &job->options.render.settings,

@@ -1,6 +1,7 @@
 #include "cli/tune/cost_report.h"
 
 #include "cli/messages.h"
+#include "cli/tune/verdict.h"
 #include "image/atomic_file.h"
 #include "measure/plot.h"
 
@@ -8,31 +9,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-void rf_format_span( double seconds, char* text, size_t size )
-{
-    static const struct
-    {
-        double below, unit;
-        const char* name;
-    } units[] = { { 120.0, 1.0, "s" }, { 7200.0, 60.0, "min" }, { 172800.0, 3600.0, "h" }, { INFINITY, 86400.0, "days" } };
-    int k = 0;
-    while ( k < 3 && !( seconds < units[k].below ) )
-        k += 1;
-    double value = seconds / units[k].unit;
-    snprintf( text, size, value < 10.0 ? "%.2g %s" : "%.0f %s", value, units[k].name );
-}
-
-void rf_format_reuse( const RfCostCurve* curve, char* text, size_t size )
-{
-    char tile[RF_TILE_NAME_SIZE];
-    rf_tile_name( &curve->tile, tile );
-    bool tiles = curve->tile.kind != RF_TILE_NONE;
-    if ( curve->eyes > 1 )
-        snprintf( text, size, tiles ? "groups of %d and %s tiles" : "groups of %d", curve->eyes, tile );
-    else
-        snprintf( text, size, "%s tiles", tile );
-}
 
 static void print_rows( const RfCostCurve* c, const char* name )
 {
@@ -60,7 +36,7 @@ static void print_error( const RfCostReport* r, double relmse )
     RfCostPrediction plain = rf_predict_cost( r->job, &r->cost->plain, relmse, r->per_sweep[0] );
     RfSize size = r->options->render.size;
     char name[64], frame[32], all[32], plain_frame[32], plain_all[32];
-    rf_format_reuse( &r->cost->reuse, name, sizeof name );
+    rf_format_reuse( r->cost->reuse.eyes, &r->cost->reuse.tile, name, sizeof name );
     if ( reuse.spp == 0 )
     {
         printf( "relMSE %g at %dx%d: more than %d samples, which is the most\n", relmse, size.width, size.height, RF_MAX_SPP );
@@ -80,19 +56,44 @@ static void print_error( const RfCostReport* r, double relmse )
         printf( "; all %d frame%s: %s\n", r->job->frame_count, r->job->frame_count == 1 ? "" : "s", all );
 }
 
-void rf_print_cost( const RfCostReport* r )
+// Two lines: what reuse is worth, and what the first error asked for takes.
+static void tell_verdict( const RfCostReport* r, char text[RF_VERDICT_SIZE] )
 {
     const RfCost* cost = r->cost;
+    char name[64], gain[160], frame[32], all[32];
+    rf_format_reuse( cost->reuse.eyes, &cost->reuse.tile, name, sizeof name );
+    rf_tell_gain( &cost->speedup, gain, sizeof gain );
+    int used = snprintf( text, RF_VERDICT_SIZE, "a render with %s is %s", name, gain );
+    if ( r->options->error_count == 0 )
+        return;
+    double relmse = r->options->errors[0];
+    RfCostPrediction p = rf_predict_cost( r->job, &cost->reuse, relmse, r->per_sweep[1] );
+    rf_format_span( p.frame_seconds, frame, sizeof frame );
+    rf_format_span( path_seconds( r, p ), all, sizeof all );
+    if ( p.spp > 0 )
+        snprintf( text + used, RF_VERDICT_SIZE - (size_t)used,
+                  "\nrelMSE %g, noise of %.2g %% in a pixel, takes %d samples: %s for a frame, %s for all %d", relmse,
+                  100.0 * sqrt( relmse / 3.0 ), p.spp, frame, all, r->job->frame_count );
+    else
+        snprintf( text + used, RF_VERDICT_SIZE - (size_t)used, "\nrelMSE %g takes more than %d samples, which is the most",
+                  relmse, RF_MAX_SPP );
+}
+
+void rf_print_cost( const RfCostReport* r )
+{
+    char verdict[RF_VERDICT_SIZE];
+    tell_verdict( r, verdict );
+    printf( "%s\n\n", verdict );
+    const RfCost* cost = r->cost;
     char name[64];
-    rf_format_reuse( &cost->reuse, name, sizeof name );
+    rf_format_reuse( cost->reuse.eyes, &cost->reuse.tile, name, sizeof name );
     printf( "%-28s %7s %10s %10s %10s\n", "", "spp", "seconds", "CPU s", "relMSE" );
     print_rows( &cost->plain, "path tracing" );
     print_rows( &cost->reuse, name );
-    printf( "seconds: of a frame of %dx%d, on the clock; tried at %dx%d, at %d place%s of the path, for %.1f s in all\n",
-            r->options->render.size.width, r->options->render.size.height, cost->width, cost->height, cost->positions,
+    printf( "seconds: of a frame of %dx%d, on the clock; tried on pieces of %.0f pixels of it in all, at %d place%s of the path, "
+            "for %.1f s\n",
+            r->options->render.size.width, r->options->render.size.height, cost->pixels, cost->positions,
             cost->positions == 1 ? "" : "s", cost->seconds );
-    if ( (double)cost->width * cost->height < 0.5 * r->options->render.size.width * r->options->render.size.height )
-        printf( "tiles do more on large pictures than on those tried: a longer --budget makes them larger\n" );
     print_slope( &cost->plain, "path tracing" );
     print_slope( &cost->reuse, name );
     printf( "at equal error %s take 1/%.2f of the time", name, cost->speedup.value );
@@ -134,16 +135,18 @@ json_t* rf_cost_json( const RfCostReport* r )
                                prediction_json( r, rf_predict_cost( r->job, &cost->plain, e, r->per_sweep[0] ) ), "reuse",
                                prediction_json( r, rf_predict_cost( r->job, &cost->reuse, e, r->per_sweep[1] ) ) ) );
     }
-    return json_pack( "{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:i, s:i, s:i, s:i, s:f, s:f}", "rows", rows,
-                      "slope", rf_json_number( cost->reuse.slope.value ), "slope_low", rf_json_number( cost->reuse.slope.low ),
-                      "slope_high", rf_json_number( cost->reuse.slope.high ), "slope_plain",
-                      rf_json_number( cost->plain.slope.value ), "slope_plain_low", rf_json_number( cost->plain.slope.low ),
-                      "slope_plain_high", rf_json_number( cost->plain.slope.high ), "speedup_at_equal_error",
-                      rf_json_number( cost->speedup.value ), "speedup_low", rf_json_number( cost->speedup.low ), "speedup_high",
-                      rf_json_number( cost->speedup.high ), "relmse_of_one_sample",
-                      json_pack( "[o, o]", rf_json_number( cost->plain.relmse ), rf_json_number( cost->reuse.relmse ) ), "wanted",
-                      wanted, "width", cost->width, "height", cost->height, "places", cost->positions, "frames",
-                      r->job->frame_count, "seconds", cost->seconds, "budget", r->options->budget );
+    char verdict[RF_VERDICT_SIZE];
+    tell_verdict( r, verdict );
+    return json_pack(
+        "{s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:i, s:i, s:f, s:i, s:i, s:f, s:f}", "verdict",
+        verdict, "rows", rows, "slope", rf_json_number( cost->reuse.slope.value ), "slope_low",
+        rf_json_number( cost->reuse.slope.low ), "slope_high", rf_json_number( cost->reuse.slope.high ), "slope_plain",
+        rf_json_number( cost->plain.slope.value ), "slope_plain_low", rf_json_number( cost->plain.slope.low ), "slope_plain_high",
+        rf_json_number( cost->plain.slope.high ), "speedup_at_equal_error", rf_json_number( cost->speedup.value ), "speedup_low",
+        rf_json_number( cost->speedup.low ), "speedup_high", rf_json_number( cost->speedup.high ), "relmse_of_one_sample",
+        json_pack( "[o, o]", rf_json_number( cost->plain.relmse ), rf_json_number( cost->reuse.relmse ) ), "wanted", wanted,
+        "width", r->options->render.size.width, "height", r->options->render.size.height, "pixels", cost->pixels, "places",
+        cost->positions, "frames", r->job->frame_count, "seconds", cost->seconds, "budget", r->options->budget );
 }
 
 // The points of a curve and the line fitted to them.

@@ -20,10 +20,4 @@ void rf_print_cost( const RfCostReport* report );
 json_t* rf_cost_json( const RfCostReport* report );
 RfResult rf_write_cost_plot( const RfCostReport* report, const char* path, RfError* error );
 
-// "4.1 s", "16 min", "2.6 h", "3 days".
-void rf_format_span( double seconds, char* text, size_t size );
-
-// "groups of 7 and 3x3 tiles", "groups of 7", "3x3 tiles".
-void rf_format_reuse( const RfCostCurve* curve, char* text, size_t size );
-
 #endif

@@ -4,12 +4,16 @@
 #include "cli/commands.h"
 #include "cli/options/plan_options.h"
 #include "cli/messages.h"
+#include "cli/tune/verdict.h"
 #include "cli/options/shot.h"
+#include "measure/cost.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #define MEASURE_SECONDS 1.0
+#define TRY_PIXELS 70000.0 // of the frames of a group together, for holding the chosen row against path tracing
 
 // The example of Reusing Frames in Camera Animation, section 4.3: 800x600, 7
 // frames, 2 samples per pixel.
@@ -24,6 +28,7 @@ typedef struct Job
     RfShot shot; // options may point into it
     RfPlan plan;
     double paper_bytes; // what our records take for its example
+    RfInterval tried;   // gain of the chosen row over path tracing; NaN: not tried
 } Job;
 
 static RfResult take_defaults( const RfField* defaults, void* user, RfError* error )
@@ -44,18 +49,42 @@ static void compare_with_paper( Job* job )
     job->paper_bytes = PAPER_PATHS * ( (double)diffuse * ( 1.0 - share ) + (double)glossy * share );
 }
 
+// Renders pieces with the chosen row and by path tracing: the model knows nothing of tiles, nor what a reused sample is worth.
+static RfResult try_chosen( Job* job, RfError* error )
+{
+    const RfPlanRow* row = job->plan.rows + job->plan.chosen;
+    RfRenderSettings settings = job->options.settings;
+    double all = (double)job->options.size.width * job->options.size.height;
+    settings.group = row->group;
+    job->tried = ( RfInterval ){ (double)NAN, (double)NAN, (double)NAN };
+    if ( row->eyes == 1 && settings.tile.kind == RF_TILE_NONE )
+        return RF_OK;
+    RfCostJob trial = { .tracer = job->shot.tracer,
+                        .eyes = job->shot.path.eyes,
+                        .eye_count = job->shot.path.count,
+                        .frames = job->shot.frames,
+                        .frame_count = job->shot.frame_count,
+                        .settings = &settings,
+                        .pixels = fmin( TRY_PIXELS / row->eyes, all / RF_COST_POSITIONS ) };
+    RfCost cost;
+    RfResult result = rf_measure_cost( &trial, &cost, error );
+    job->tried = result == RF_OK ? cost.speedup : job->tried;
+    return result == RF_ERROR_SCENE ? RF_OK : result; // black pictures can be planned, too
+}
+
 static RfResult make_plan( Job* job, RfError* error )
 {
     const RfRenderSettings* settings = &job->options.settings;
-    RfResult result = rf_plan_render( job->shot.tracer, job->shot.path.runs, job->shot.path.run_count, job->shot.frames,
+    RfResult result = rf_plan_render( job->shot.tracer, job->shot.path.eyes, job->shot.path.count, job->shot.frames,
                                       job->shot.frame_count, settings, &job->plan, error );
     if ( result != RF_OK )
         return result;
     if ( !job->options.quiet )
-        fprintf( stderr, "reframe plan: measuring costs for about %.0f s\n", MEASURE_SECONDS );
+        fprintf( stderr, "reframe plan: measuring costs for some seconds\n" );
     compare_with_paper( job );
-    return rf_measure_plan( job->shot.tracer, job->shot.path.runs, job->shot.path.run_count, settings, MEASURE_SECONDS,
-                            &job->plan, error );
+    result = rf_measure_plan( job->shot.tracer, job->shot.path.eyes, job->shot.path.count, settings, MEASURE_SECONDS, &job->plan,
+                              error );
+    return result == RF_OK ? try_chosen( job, error ) : result;
 }
 
 static void print_row( const RfPlanRow* row )
@@ -78,16 +107,37 @@ static void print_row( const RfPlanRow* row )
 
 static bool at_most( const Job* job ) { return job->options.settings.noise > 0.0 || job->options.settings.time > 0.0; }
 
+// Two lines: the chosen group and what it is worth, and what the render takes with it.
+static void tell_verdict( const Job* job, char text[RF_VERDICT_SIZE] )
+{
+    const RfPlanRow* row = job->plan.rows + job->plan.chosen;
+    char name[64], gain[160], all[32];
+    double bytes = (double)( row->fit.bytes_films + row->fit.bytes_hits + row->fit.bytes_lists );
+    rf_format_reuse( row->eyes, &job->options.settings.tile, name, sizeof name );
+    rf_tell_gain( &job->tried, gain, sizeof gain );
+    rf_format_span( row->seconds, all, sizeof all );
+    int used = snprintf( text, RF_VERDICT_SIZE, "render --group auto takes %s", name );
+    if ( isfinite( job->tried.value ) )
+        used += snprintf( text + used, RF_VERDICT_SIZE - (size_t)used, ", which is %s", gain );
+    snprintf( text + used, RF_VERDICT_SIZE - (size_t)used,
+              "\n%d frame%s of %dx%d at %d samples take%s%s about %s and %.0f MiB beyond the scene", job->shot.frame_count,
+              job->shot.frame_count == 1 ? "" : "s", job->options.size.width, job->options.size.height, row->spp,
+              job->shot.frame_count == 1 ? "s" : "", at_most( job ) ? " at most" : "", all, ceil( bytes / 1048576.0 ) );
+}
+
 static void print_plan( const Job* job )
 {
     const RfPlan* plan = &job->plan;
+    char verdict[RF_VERDICT_SIZE];
+    tell_verdict( job, verdict );
+    printf( "%s\n\n", verdict );
     printf( "%5s %4s %5s %9s %8s %8s %7s %10s %10s %10s %10s %10s %6s %6s %6s %8s\n", "group", "eyes", "spp", "films MiB",
             "hits MiB", "work MiB", "chunks", "primary", "path", "shadow", "tile", "eye rays", "reach", "fixed", "gain",
             "seconds" );
     for ( int i = 0; i < plan->count; ++i )
         print_row( plan->rows + i );
-    printf( "fixed: the gain by fixed costs of rays, which the choice rests on; gain: by those of this scene here and now, with "
-            "sweeps\n" );
+    printf( "fixed, gain: of frame reuse over the same tile alone, at most: if every sample that lands were worth one of the "
+            "pixel's own; by fixed costs of rays, which the choice rests on, and by those measured here, with sweeps\n" );
     if ( at_most( job ) )
         printf( "rays and seconds are of %d samples, the most that --noise and --time may take\n", job->options.settings.spp );
     printf( "* --group auto takes %d: %s\n", plan->rows[plan->chosen].group, plan->why );
@@ -129,9 +179,13 @@ static json_t* plan_json( const Job* job )
     json_t* record = json_pack( "{s:I, s:I, s:f}", "diffuse", (json_int_t)plan->bytes_diffuse, "glossy",
                                 (json_int_t)plan->bytes_glossy, "glossy_share", plan->glossy_share );
     json_t* paper = json_pack( "{s:f, s:f}", "theirs", PAPER_BYTES, "ours", job->paper_bytes );
-    return json_pack( "{s:o, s:s, s:s, s:b, s:o, s:o, s:o}", "rows", rows, "adaptive_mode", rf_adaptive_name( plan->adaptive ),
-                      "why", plan->why, "at_most", at_most( job ), "costs", costs, "bytes_record", record, "bytes_paper_example",
-                      paper );
+    char verdict[RF_VERDICT_SIZE];
+    tell_verdict( job, verdict );
+    json_t* tried = json_pack( "{s:o, s:o, s:o}", "gain", rf_json_number( job->tried.value ), "gain_low",
+                               rf_json_number( job->tried.low ), "gain_high", rf_json_number( job->tried.high ) );
+    return json_pack( "{s:s, s:o, s:o, s:s, s:s, s:b, s:o, s:o, s:o}", "verdict", verdict, "tried", tried, "rows", rows,
+                      "adaptive_mode", rf_adaptive_name( plan->adaptive ), "why", plan->why, "at_most", at_most( job ), "costs",
+                      costs, "bytes_record", record, "bytes_paper_example", paper );
 }
 
 static RfResult run( Job* job, RfError* error )

@@ -36,8 +36,8 @@ static void say( void* user, const RfTune* tune, const RfTuneRound* round, int c
 {
     const Job* job = user;
     if ( !job->options.render.quiet )
-        fprintf( stderr, "reframe tune: round %d: %d settings at %dx%d, %d place%s of the path, about %.0f s\n",
-                 tune->round_count + 1, candidates, round->width, round->height, round->regions, round->regions == 1 ? "" : "s",
+        fprintf( stderr, "reframe tune: round %d: %d settings on pieces of %.0f pixels, %d place%s of the path, about %.0f s\n",
+                 tune->round_count + 1, candidates, round->pixels, round->regions, round->regions == 1 ? "" : "s",
                  round->seconds );
 }
 
@@ -76,8 +76,8 @@ static RfResult run( Job* job, RfError* error )
         return result;
     RfTrialWatch watch = { go_on, NULL };
     RfTuneJob tune = { .tracer = job->shot.tracer,
-                       .eyes = job->shot.path.runs,
-                       .eye_count = job->shot.path.run_count,
+                       .eyes = job->shot.path.eyes,
+                       .eye_count = job->shot.path.count,
                        .frames = job->shot.frames,
                        .frame_count = job->shot.frame_count,
                        .settings = &job->options.render.settings,

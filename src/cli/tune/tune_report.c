@@ -2,9 +2,11 @@
 
 #include "cli/messages.h"
 #include "cli/options/shot.h"
+#include "cli/tune/verdict.h"
 #include "image/atomic_file.h"
 #include "measure/plot.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -16,7 +18,7 @@ static double bytes_of( const RfTuneRow* row )
 
 static void print_row( const RfTuneRow* row )
 {
-    char tile[RF_TILE_NAME_SIZE], text[128];
+    char tile[RF_TILE_NAME_SIZE], text[128], interval[48];
     rf_tile_name( &row->tile, tile );
     printf( "%c%5d %8s %5d", row->chosen ? '*' : ' ', row->group, tile, row->spp );
     if ( row->rounds == 0 )
@@ -28,8 +30,9 @@ static void print_row( const RfTuneRow* row )
     char sweeps[32] = "";
     if ( row->fit.sweeps > 1 )
         snprintf( sweeps, sizeof sweeps, "  in %d sweeps", row->fit.sweeps );
-    printf( " %9.1f %9.3g %9.3g %9.3g %6.2f %10.4g %7.2f %6d%s\n", bytes_of( row ) / 1048576.0, row->seconds, row->relmse,
-            row->f1, row->phi, row->efficiency, row->gain, row->rounds, sweeps );
+    snprintf( interval, sizeof interval, isfinite( row->gain.low ) ? "%.2f-%.2f" : "-", row->gain.low, row->gain.high );
+    printf( " %9.1f %9.3g %9.3g %9.3g %6.2f %10.4g %7.2f %11s %6d%s\n", bytes_of( row ) / 1048576.0, row->seconds, row->relmse,
+            row->f1, row->phi, row->efficiency, row->gain.value, interval, row->rounds, sweeps );
 }
 
 static void print_rounds( const RfTuneReport* r )
@@ -37,24 +40,46 @@ static void print_rounds( const RfTuneReport* r )
     const RfTune* tune = r->tune;
     printf( "%.1f s;", tune->seconds );
     for ( int i = 0; i < tune->round_count; ++i )
-        printf( "%s round %d at %dx%d, %d place%s", i > 0 ? "," : "", i + 1, tune->rounds[i].width, tune->rounds[i].height,
+        printf( "%s round %d on pieces of %.0f pixels, %d place%s", i > 0 ? "," : "", i + 1, tune->rounds[i].pixels,
                 tune->rounds[i].regions, tune->rounds[i].regions == 1 ? "" : "s" );
     printf( "\n" );
-    const RfTuneRound* last = tune->rounds + tune->round_count - 1;
-    if ( tune->round_count > 0 && (double)last->width * last->height < 0.5 * r->width * r->height )
-        printf( "the pictures tried are smaller than %dx%d, where tiles do less: a longer --budget makes them larger\n", r->width,
-                r->height );
+}
+
+// Two lines: the best setting and what it is worth, and what the render takes with it.
+static void tell_verdict( const RfTuneReport* r, char text[RF_VERDICT_SIZE] )
+{
+    if ( r->tune->chosen < 0 )
+    {
+        snprintf( text, RF_VERDICT_SIZE, "no setting was tried to the end" );
+        return;
+    }
+    const RfTuneRow* row = r->tune->rows + r->tune->chosen;
+    char name[64], gain[160] = "no group and no tile is faster at equal noise", all[32];
+    bool reuse = row->eyes > 1 || row->tile.kind != RF_TILE_NONE;
+    rf_format_reuse( row->eyes, &row->tile, name, sizeof name );
+    if ( reuse )
+        rf_tell_gain( &row->gain, gain, sizeof gain );
+    rf_format_span( row->seconds, all, sizeof all );
+    snprintf(
+        text, RF_VERDICT_SIZE,
+        "the best is %s: %s\nwith it %d frame%s of %dx%d at %d samples take%s about %s, with a relMSE of about %.2g: noise of "
+        "%.2g %% in a pixel",
+        name, gain, r->frames, r->frames == 1 ? "" : "s", r->width, r->height, row->spp, r->frames == 1 ? "s" : "", all,
+        row->relmse, 100.0 * sqrt( row->relmse / 3.0 ) );
 }
 
 void rf_print_tune( const RfTuneReport* r )
 {
     const RfTune* tune = r->tune;
-    printf( "%6s %8s %5s %9s %9s %9s %9s %6s %10s %7s %6s\n", "group", "tile", "spp", "MiB", "seconds", "relMSE", "F1", "phi",
-            "efficiency", "gain", "rounds" );
+    char verdict[RF_VERDICT_SIZE];
+    tell_verdict( r, verdict );
+    printf( "%s\n\n", verdict );
+    printf( "%6s %8s %5s %9s %9s %9s %9s %6s %10s %7s %11s %6s\n", "group", "tile", "spp", "MiB", "seconds", "relMSE", "F1",
+            "phi", "efficiency", "gain", "95 %", "rounds" );
     for ( int i = 0; i < tune->count; ++i )
         print_row( tune->rows + i );
     printf( "seconds: of all %d frames, wall-clock; efficiency: 1 / (relMSE x CPU seconds of a frame); gain: over "
-            "group 0, tile 1\n",
+            "group 0, tile 1, on the same pieces\n",
             r->frames );
     print_rounds( r );
     if ( r->command != NULL )
@@ -66,15 +91,15 @@ static json_t* row_json( const RfTuneRow* row )
     char tile[RF_TILE_NAME_SIZE], text[128];
     rf_tile_name( &row->tile, tile );
     return json_pack(
-        "{s:i, s:i, s:s, s:i, s:I, s:I, s:I, s:I, s:i, s:i, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:i, s:s?, s:b}", "group",
-        row->group, "eyes", row->eyes, "tile", tile, "spp", row->spp, "bytes_films", (json_int_t)row->fit.bytes_films,
+        "{s:i, s:i, s:s, s:i, s:I, s:I, s:I, s:I, s:i, s:i, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:i, s:s?, s:b}",
+        "group", row->group, "eyes", row->eyes, "tile", tile, "spp", row->spp, "bytes_films", (json_int_t)row->fit.bytes_films,
         "bytes_hits", (json_int_t)row->fit.bytes_hits, "bytes_lists", (json_int_t)row->fit.bytes_lists, "bytes_least",
         (json_int_t)row->fit.least, "chunks", row->fit.chunks, "sweeps", row->fit.sweeps, "predicted_gain",
         rf_json_number( row->predicted_gain ), "seconds", rf_json_number( row->seconds ), "cpu_seconds",
         rf_json_number( row->cpu_seconds ), "relmse", rf_json_number( row->relmse ), "flicker", rf_json_number( row->f1 ), "phi",
-        rf_json_number( row->phi ), "efficiency", rf_json_number( row->efficiency ), "gain", rf_json_number( row->gain ),
-        "rounds", row->rounds, "excluded", rf_tell_excluded( row->excluded, &row->fit, text, sizeof text ), "chosen",
-        row->chosen );
+        rf_json_number( row->phi ), "efficiency", rf_json_number( row->efficiency ), "gain", rf_json_number( row->gain.value ),
+        "gain_low", rf_json_number( row->gain.low ), "gain_high", rf_json_number( row->gain.high ), "rounds", row->rounds,
+        "excluded", rf_tell_excluded( row->excluded, &row->fit, text, sizeof text ), "chosen", row->chosen );
 }
 
 json_t* rf_tune_json( const RfTuneReport* r )
@@ -85,12 +110,14 @@ json_t* rf_tune_json( const RfTuneReport* r )
     for ( int i = 0; i < r->tune->round_count; ++i )
     {
         const RfTuneRound* round = r->tune->rounds + i;
-        json_array_append_new( rounds, json_pack( "{s:i, s:i, s:i, s:i}", "width", round->width, "height", round->height,
-                                                  "places", round->regions, "passes", round->passes ) );
+        json_array_append_new( rounds, json_pack( "{s:i, s:i, s:f, s:i, s:i}", "width", r->width, "height", r->height, "pixels",
+                                                  round->pixels, "places", round->regions, "passes", round->passes ) );
     }
-    return json_pack( "{s:o, s:o, s:f, s:f, s:i, s:i, s:i, s:o}", "rows", rows, "rounds", rounds, "seconds", r->tune->seconds,
-                      "budget", r->budget, "frames", r->frames, "width", r->width, "height", r->height, "command",
-                      r->command != NULL ? rf_json_text( r->command ) : json_null() );
+    char verdict[RF_VERDICT_SIZE];
+    tell_verdict( r, verdict );
+    return json_pack( "{s:s, s:o, s:o, s:f, s:f, s:i, s:i, s:i, s:o}", "verdict", verdict, "rows", rows, "rounds", rounds,
+                      "seconds", r->tune->seconds, "budget", r->budget, "frames", r->frames, "width", r->width, "height",
+                      r->height, "command", r->command != NULL ? rf_json_text( r->command ) : json_null() );
 }
 
 typedef struct Curves

@@ -39,6 +39,12 @@ const s_curves = {
   srgb: light => light,
   // linear up to 0.6, then approaching 1 asymptotically
   soft: light => light <= 0.6 ? light : 1 - 0.4 * Math.exp((0.6 - light) / 0.4),
+  // toe and shoulder of film: Krzysztof Narkowicz's fit of the ACES reference ("ACES Filmic Tone Mapping Curve", 2015), at the
+  // exposure that leaves middle grey, 0.18, where it is
+  filmic: light => {
+    const x = 0.7235 * light;
+    return x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14);
+  },
 };
 
 function encodeSrgb(light) {
@@ -65,15 +71,19 @@ for (let level = -HALF_TABLE; level < HALF_TABLE; ++level)
 // Draws frames on a canvas.
 class Painter {
   constructor(canvas, width, height) {
-    canvas.width = width;
-    canvas.height = height;
+    this.context = canvas.getContext("2d", { alpha: false });
+    this.scratch = document.createElement("canvas").getContext("2d", { willReadFrequently: true });
+    this.resize(width, height);
+  }
+
+  // AOVs may be smaller than pictures.
+  resize(width, height) {
+    if (this.width === width && this.height === height)
+      return;
+    for (const context of [this.context, this.scratch])
+      Object.assign(context.canvas, { width, height });
     this.width = width;
     this.height = height;
-    this.context = canvas.getContext("2d", { alpha: false });
-    const scratch = document.createElement("canvas");
-    scratch.width = width;
-    scratch.height = height;
-    this.scratch = scratch.getContext("2d", { willReadFrequently: true });
     this.levels = new Int16Array(3 * width * height);
     this.image = this.context.createImageData(width, height);
     this.pixels = new Uint32Array(this.image.data.buffer);
@@ -123,6 +133,12 @@ class Painter {
     this.context.putImageData(this.image, 0, 0);
   }
 
+  // The light of a pixel, as close as the encoding has it.
+  lightAt(x, y) {
+    const from = 3 * (y * this.width + x);
+    return [0, 1, 2].map(c => s_lightOfLevel[this.levels[from + c] + HALF_TABLE]);
+  }
+
   // Relative difference to another image of the same size: grey where they are equal,
   // brighter where this one is brighter.
   paintError(reference, exposure) {
@@ -135,56 +151,5 @@ class Painter {
     for (let i = 0, from = 0; i < pixels.length; ++i, from += 3)
       pixels[i] = 0xff000000 | shade(from + 2) << 16 | shade(from + 1) << 8 | shade(from);
     this.context.putImageData(this.image, 0, 0);
-  }
-}
-
-// LRU cache of decoded frames.
-class FrameCache {
-  constructor(bytes) {
-    this.room = bytes;
-    this.used = 0;
-    this.frames = new Map(); // id to { promise, frame, bytes }
-  }
-
-  has(id) {
-    const entry = this.frames.get(id);
-    return entry !== undefined && entry.frame !== null;
-  }
-
-  // The decoded frame, or undefined.
-  get(id) {
-    const entry = this.frames.get(id);
-    return entry && entry.frame || undefined;
-  }
-
-  load(id) {
-    let entry = this.frames.get(id);
-    if (entry) { // move to the end: most recently used
-      this.frames.delete(id);
-      this.frames.set(id, entry);
-      return entry.promise;
-    }
-    entry = { promise: null, frame: null, bytes: 0 };
-    entry.promise = decodeFrame(id).then(frame => {
-      entry.frame = frame;
-      entry.bytes = 4 * frame.bitmap.width * frame.bitmap.height;
-      this.used += entry.bytes;
-      this.trim(id);
-      return frame;
-    });
-    this.frames.set(id, entry);
-    return entry.promise;
-  }
-
-  trim(keep) {
-    for (const [id, entry] of this.frames) {
-      if (this.used <= this.room)
-        return;
-      if (id === keep || entry.frame === null)
-        continue;
-      this.frames.delete(id);
-      this.used -= entry.bytes;
-      entry.frame.bitmap.close();
-    }
   }
 }

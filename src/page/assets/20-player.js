@@ -1,10 +1,17 @@
+// The picture and its error are painted from the same blocks.
+const isPictureView = view => view === "picture" || view === "error";
+
+// AOVs that are no light: neither exposure nor curve changes them.
+const isDataView = view => !isPictureView(view) && view !== "albedo" && view !== "variance";
+
 // Player state, shared by all panels: frame, playback, exposure.
 
 const AHEAD = 10;                  // frames decoded ahead, if they are small enough
 const CACHE_BYTES = 600 * 2 ** 20; // of decoded frames
 
 class Player {
-  // `panels`: { painter, blocks, onFrame( index, shown ) }; `onChange( player )` is called after each change of frame or setting.
+  // `panels`: { painter, sequence, source( view, index ), onFrame( index, shown ) }, where the source is { id, width, height }
+  // of what is shown of a frame, or null; `onChange( player )` is called after each change of frame or setting.
   constructor(panels, count, fps, onChange) {
     this.panels = panels;
     this.count = count;
@@ -29,7 +36,7 @@ class Player {
   }
 
   ids(index) {
-    return this.panels.map(panel => panel.blocks[index]).filter(id => id !== null);
+    return this.panels.map(panel => panel.source(this.view, index)).filter(source => source !== null).map(source => source.id);
   }
 
   isReady(index) {
@@ -51,10 +58,12 @@ class Player {
 
   show(index) {
     for (const panel of this.panels) {
-      const frame = panel.blocks[index] !== null ? this.cache.get(panel.blocks[index]) : undefined;
-      if (frame)
+      const source = panel.source(this.view, index), frame = source !== null ? this.cache.get(source.id) : undefined;
+      if (frame) {
+        panel.painter.resize(source.width, source.height);
         panel.painter.take(frame);
-      panel.onFrame(index, frame !== undefined);
+      }
+      panel.onFrame(index, frame !== undefined, this.view);
     }
     this.index = this.wanted = this.shown = index;
     this.paint();
@@ -62,21 +71,23 @@ class Player {
   }
 
   paint() {
-    const table = makeToneTable(this.exposure, this.curve), reference = this.reference();
+    const data = isDataView(this.view), reference = this.reference();
+    const table = makeToneTable(data ? 0 : this.exposure, data ? "srgb" : this.curve);
     if (this.shown < 0)
       return;
     for (const panel of this.panels) {
-      if (panel.blocks[this.shown] === null)
+      if (panel.source(this.view, this.shown) === null)
         continue;
-      if (this.view === "error" && this.canShowError(panel) && reference.blocks[this.shown] !== null)
+      if (this.view === "error" && this.canShowError(panel) && reference.source(this.view, this.shown) !== null)
         panel.painter.paintError(reference.painter, this.exposure);
       else
         panel.painter.paint(table);
     }
   }
 
+  // What the error is of: the reference, else the last sequence, if there are several.
   reference() {
-    return this.panels.find(panel => panel.isReference);
+    return this.panels.find(panel => panel.isReference) || (this.panels.length > 1 ? this.panels[this.panels.length - 1] : undefined);
   }
 
   canShowError(panel) {
@@ -85,9 +96,15 @@ class Player {
   }
 
   setView(name) {
+    const samePictures = isPictureView(this.view) && isPictureView(name);
     this.view = name;
-    this.paint();
-    this.onChange(this);
+    if (samePictures) {
+      this.paint();
+      this.onChange(this);
+      return;
+    }
+    this.shown = -1;
+    this.seek(this.index).catch(showFailure);
   }
 
   prefetch(index) {

@@ -65,12 +65,14 @@ const CHART_HEIGHT = 210, MARGIN = { left: 58, right: 14, top: 8, bottom: 32 };
 
 class Chart {
   // series: { name, color, points: [[ x, y ], ...] }; y null is a gap. `seek( x )` is called on clicks and drags.
-  constructor(parent, { title, note, series, xLabel, xLog, yLog, dots, seek, id }) {
+  constructor(parent, { title, note, series, xLabel, xLog, yLog, dots, seek, id, explains }) {
     Object.assign(this, { series, xLabel, xLog, yLog, dots, seek });
     this.svg = makeSvg("svg", { role: "img", "aria-label": title });
     this.legend = make("div", { className: "legend" });
-    this.element = make("div", { className: seek ? "chart seeks" : "chart", id }, make("h2", { textContent: title }),
-      make("p", { textContent: note || "" }), this.legend, this.svg);
+    const explanation = explains ? makeExplanation(explains) : null;
+    this.element = make("div", { className: seek ? "chart seeks" : "chart", id },
+      make("div", { className: "chart-title" }, make("h2", { textContent: title }), ...(explanation ? [explanation.button] : [])),
+      ...(explanation ? [explanation.words] : []), make("p", { textContent: note || "" }), this.legend, this.svg);
     parent.append(this.element);
     this.readouts = series.map(one => {
       const readout = make("b", {}), mark = make("i", {});

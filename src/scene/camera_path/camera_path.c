@@ -32,7 +32,10 @@ static uint64_t hash_eye( uint64_t hash, const RfEye* e )
     return rf_is_sharp( e ) ? hash : rf_hash_bytes( hash, e, sizeof *e );
 }
 
-int rf_frame_number( const RfCameraPath* path, int frame ) { return path->first + frame * path->step; }
+int rf_frame_number( const RfCameraPath* path, int frame )
+{
+    return path->step > 0 ? path->first + frame * path->step : frame + 1; // a path of the caller's own may have no numbers
+}
 
 // Frames with equal eyes that follow each other. RfEye has no padding.
 static RfResult find_runs( RfCameraPath* path, RfError* error )
@@ -62,6 +65,7 @@ static RfResult make_eyes( const RfScene* scene, const RfCamera* camera, const R
     if ( path->eyes == NULL || path->name == NULL )
         return rf_fail( error, RF_ERROR_MEMORY, "camera '%s': no memory left for %d frames", camera->name, path->count );
     path->fps = fps;
+    memcpy( path->origin, scene->origin, sizeof path->origin );
     rf_camera_numbers( camera, &path->first, &path->step );
     path->hash = RF_HASH_START;
     if ( camera->track != NULL )

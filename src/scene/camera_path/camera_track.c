@@ -25,6 +25,27 @@ void rf_destroy_camera_track( RfCameraTrack* track )
     *track = ( RfCameraTrack ){ 0 };
 }
 
+static bool curve_varies( const RfCurve* curve )
+{
+    size_t kind = (size_t)curve->kind;
+    for ( size_t i = kind; i < kind * (size_t)curve->count; ++i )
+    {
+        if ( curve->values[i] != curve->values[i % kind] )
+            return true;
+    }
+    return false;
+}
+
+bool rf_camera_track_moves( const RfCameraTrack* track )
+{
+    const RfCurve* curves[] = { &track->position, &track->target, &track->up,      &track->rotation,
+                                &track->fov,      track->shift,   track->shift + 1 };
+    bool moves = track->kind != RF_TRACK_KEYED;
+    for ( size_t i = 0; i < sizeof curves / sizeof curves[0]; ++i )
+        moves = moves || curve_varies( curves[i] );
+    return moves;
+}
+
 static void orbit_at( const RfOrbit* orbit, double progress, double position[3] )
 {
     double angle = orbit->start + progress * orbit->turn;

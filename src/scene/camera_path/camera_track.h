@@ -73,6 +73,9 @@ RfResult rf_read_camera_track( const struct RfField* object, RfCameraTrack* trac
 // Frees the curves and names of a track and clears it.
 void rf_destroy_camera_track( RfCameraTrack* track );
 
+// False where all keys of a keyed path are the same: the camera stands still in all its frames.
+bool rf_camera_track_moves( const RfCameraTrack* track );
+
 // The view at a time (in seconds or frames, as the track has it). Fails with RF_ERROR_SCENE if
 // the view has no direction: the camera is on its target, or up is parallel to the view.
 RfResult rf_sample_camera_track( const RfCameraTrack* track, double time, RfView* view, RfError* error );

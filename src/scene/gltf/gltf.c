@@ -1,5 +1,6 @@
 #include "scene/gltf/gltf.h"
 
+#include "base/blend_file.h"
 #include "base/file.h"
 #include "scene/gltf/glb.h"
 #include "scene/gltf/gltf_document.h"
@@ -29,6 +30,9 @@ static RfResult open_document( RfGltf* gltf )
     if ( result != RF_OK )
         return result;
     gltf->scene->content_hash = rf_hash_bytes( RF_HASH_START, gltf->file, gltf->file_size );
+    result = rf_refuse_blend_file( gltf->path, gltf->file, gltf->file_size, gltf->error );
+    if ( result != RF_OK )
+        return result;
     if ( rf_is_glb( gltf->file, gltf->file_size ) == false )
         return parse( gltf, (const char*)gltf->file, gltf->file_size );
 
@@ -114,9 +118,11 @@ static void close_document( RfGltf* gltf )
     free( gltf->remap_stamp );
 }
 
-RfResult rf_load_edited_gltf( const char* path, const RfGltfEdit* edit, RfScene* scene, RfLog* log, RfError* error )
+static RfResult load_around( const double origin[3], const char* path, const RfGltfEdit* edit, RfScene* scene, RfLog* log,
+                             RfError* error )
 {
     memset( scene, 0, sizeof *scene );
+    memcpy( scene->origin, origin, sizeof scene->origin );
     RfGltf gltf = { .path = path, .scene = scene, .log = log, .error = error, .default_material = -1 };
     scene->path = strdup( path );
     RfResult result = scene->path != NULL ? open_document( &gltf ) : rf_gltf_no_memory( &gltf, "document" );
@@ -128,6 +134,17 @@ RfResult rf_load_edited_gltf( const char* path, const RfGltfEdit* edit, RfScene*
     if ( result != RF_OK )
         rf_destroy_scene( scene );
     return result;
+}
+
+// A scene that lies far out is loaded a second time, around its middle: rounded to floats only then.
+RfResult rf_load_edited_gltf( const char* path, const RfGltfEdit* edit, RfScene* scene, RfLog* log, RfError* error )
+{
+    double origin[3] = { 0 };
+    RfResult result = load_around( origin, path, edit, scene, log, error );
+    if ( result != RF_OK || !rf_gltf_find_origin( scene, origin ) )
+        return result;
+    rf_destroy_scene( scene );
+    return load_around( origin, path, edit, scene, NULL, error );
 }
 
 RfResult rf_load_gltf( const char* path, RfScene* scene, RfLog* log, RfError* error )

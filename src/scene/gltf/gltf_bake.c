@@ -14,9 +14,8 @@
 // Beyond this, products of lengths overflow floats.
 #define MAX_COORDINATE 1e15
 
-// Twice the smallest triangle area that is kept: its square is about the smallest float, so
-// smaller triangles have no computable normal.
-#define MIN_DOUBLE_AREA 1e-18
+// Twice the smallest triangle area that is kept, in m²: where rays and lights still have room among the floats.
+#define MIN_DOUBLE_AREA 1e-30
 
 static bool grow_floats( float** memory, size_t count )
 {

@@ -302,6 +302,9 @@ void rf_gltf_warn_of_moving( RfGltf* gltf );
 struct RfField;
 RfResult rf_gltf_read_shot( RfGltf* gltf, const struct RfField* ours );
 
+// Reads `export_warnings` of the scene's extras.reframe (gltf_warnings.c).
+RfResult rf_gltf_read_warnings( RfGltf* gltf, const struct RfField* ours );
+
 // Reads the path in a camera node's extras.reframe, where there is one.
 RfResult rf_gltf_read_camera_path( RfGltf* gltf, const json_t* node, const char* where, RfCamera* camera );
 
@@ -380,5 +383,8 @@ RfResult rf_gltf_instance_matrix( const RfGltf* gltf, const RfGltfInstances* ins
 
 // Bakes the meshes of all nodes of the default scene (gltf_mesh.c).
 RfResult rf_gltf_load_meshes( RfGltf* gltf );
+
+// True if the scene lies so far out that it is to be loaded around another origin, which is set (gltf_origin.c).
+bool rf_gltf_find_origin( const RfScene* scene, double origin[3] );
 
 #endif

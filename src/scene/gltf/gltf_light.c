@@ -110,7 +110,8 @@ static RfResult place_light( const RfGltf* gltf, int node, const char* where, Rf
     if ( !finite || ( length == 0.0 && out->kind != RF_PUNCTUAL_POINT ) )
         return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "its light has no direction: the node's transform is not invertible" );
     double scale = length > 0.0 ? -1.0 / length : 0.0;
-    out->position = rf_vec3( (float)m[12], (float)m[13], (float)m[14] );
+    const double* origin = gltf->scene->origin;
+    out->position = rf_vec3( (float)( m[12] - origin[0] ), (float)( m[13] - origin[1] ), (float)( m[14] - origin[2] ) );
     out->direction = rf_vec3( (float)( m[8] * scale ), (float)( m[9] * scale ), (float)( m[10] * scale ) );
     return RF_OK;
 }

@@ -106,6 +106,8 @@ static RfResult place_at_node( RfGltf* gltf, RfGltfBaker* baker, const RfGltfPri
         result = rf_gltf_instance_matrix( gltf, &instances, i, &local );
         RfMat4 matrix = result == RF_OK ? rf_mat4_mul( world, &local ) : *world; // multiplying by the identity gives the same
                                                                                  // bits
+        for ( int c = 0; c < 3; ++c )
+            matrix.m[12 + c] -= gltf->scene->origin[c];
         if ( result == RF_OK )
             result = rf_gltf_bake( gltf, baker, primitive, &matrix, self.text );
     }

@@ -210,6 +210,6 @@ void rf_gltf_warn_of_moving( RfGltf* gltf )
         end += snprintf( end, 64, "%s'%.50s'", i > 0 ? ", " : "", scene->moving[i] );
     if ( count > listed )
         snprintf( end, 32, " and %d more", count - listed );
-    rf_warn( gltf->log, "%s: %s move%s in the file, but only cameras move here: %s as in the first frame", gltf->path, names,
-             count == 1 ? "s" : "", count == 1 ? "it stands still" : "they stand still" );
+    rf_warn( gltf->log, "%s: %s move%s or change%s in the file, but only cameras move here: taken as in the first frame",
+             gltf->path, names, count == 1 ? "s" : "", count == 1 ? "s" : "" );
 }

@@ -98,7 +98,7 @@ static RfResult load_environment( const RfField* root, RfScene* scene )
         return RF_OK;
     const char* map;
     RfEnvironment environment = { 0 };
-    RfResult result = rf_read_environment( &field, &environment, &map );
+    RfResult result = rf_read_environment( &field, &environment, &map, NULL );
     char* path = result == RF_OK && map != NULL ? rf_path_beside( root->file, map ) : NULL;
     if ( result == RF_OK && map != NULL && path == NULL )
         result = rf_fail( root->error, RF_ERROR_MEMORY, "%s: no memory left", root->file );

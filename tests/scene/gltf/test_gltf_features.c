@@ -447,10 +447,10 @@ static void test_what_is_left_out( void** state )
           "\"nodes\":[{\"name\":\"it\",\"mesh\":0,\"skin\":0}],\"skins\":[{\"joints\":[0]}],\"meshes\":[{\"primitives\":"
           "[" TRIANGLE "]}]" },
         { "has no POSITION: it is left out", 1, MESH( "{\"attributes\":{}},{\"attributes\":{}}," TRIANGLE ) },
-        { "'it' moves in the file, but only cameras move here", 1,
+        { "'it' moves or changes in the file, but only cameras move here", 1,
           MESH( TRIANGLE ) ",\"animations\":[{\"samplers\":[{\"input\":1,\"output\":0}],\"channels\":[{\"sampler\":0,\"target\":{"
                            "\"node\":0,\"path\":\"translation\"}}]}]" },
-        { "'it' moves in the file, but only cameras move here", 0,
+        { "'it' moves or changes in the file, but only cameras move here", 0,
           "\"extensions\":{\"KHR_lights_punctual\":{\"lights\":[{\"type\":\"point\"}]}},\"nodes\":[{\"name\":\"it\","
           "\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}}}],"
           "\"animations\":[{\"samplers\":[{\"input\":1,\"output\":0}],\"channels\":[{\"sampler\":0,\"target\":{\"node\":0,"

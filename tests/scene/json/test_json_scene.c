@@ -296,6 +296,73 @@ static void test_environment_in_gltf( void** state )
     write_room( "" );
 }
 
+// room.gltf with the file sky.hdr as its last bufferView, and with `environment` and `warnings` in its extras.
+static void write_embedded( const char* environment, const char* warnings )
+{
+    write_room( ",\"extras\":{\"reframe\":{}}" );
+    size_t size;
+    free( cli_read( "sky.hdr", &size ) );
+    json_t* room = cli_read_json( "room.gltf" );
+    json_t *buffers = json_object_get( room, "buffers" ), *views = json_object_get( room, "bufferViews" );
+    json_array_append_new( buffers, json_pack( "{s:s, s:I}", "uri", "sky.hdr", "byteLength", (json_int_t)size ) );
+    json_array_append_new(
+        views, json_pack( "{s:i, s:I}", "buffer", (int)json_array_size( buffers ) - 1, "byteLength", (json_int_t)size ) );
+    json_t* scene = json_array_get( json_object_get( room, "scenes" ), 0 );
+    json_t* ours = json_object_get( json_object_get( scene, "extras" ), "reframe" );
+    json_t* sky = json_loads( environment, 0, NULL );
+    if ( json_is_true( json_object_get( sky, "bufferView" ) ) )
+        json_object_set_new( sky, "bufferView", json_integer( (int)json_array_size( views ) - 1 ) );
+    json_object_set_new( ours, "environment", sky );
+    json_object_set_new( ours, "export_warnings", json_loads( warnings, JSON_DECODE_ANY, NULL ) );
+    char* text = json_dumps( room, 0 );
+    write_text( "room.gltf", text );
+    free( text );
+    json_decref( room );
+}
+
+static void expect_embedded_fault( const char* environment, const char* warnings, const char* part )
+{
+    RfScene scene;
+    RfError error = { 0 };
+    write_embedded( environment, warnings );
+    assert_int_not_equal( load_named( "room.gltf", &scene, &error ), RF_OK );
+    if ( strstr( error.text, part ) == NULL || strstr( error.text, "/room.gltf: " ) == NULL )
+        fail_msg( "'%s' gave '%s'", environment, error.text );
+}
+
+#define LAST "{\"bufferView\":true}" // write_embedded knows its number
+
+static void test_map_and_warnings_inside_gltf( void** state )
+{
+    (void)state;
+    write_map( "sky.hdr", 128 );
+    write_embedded( LAST, "[\"'a\\u001b[31m\\u0085': left out\", \"café\"]" );
+    RfScene scene = load_members( "" );
+    assert_int_equal( scene.environment.width, 4 );
+    assert_int_equal( scene.environment.height, 2 );
+    assert_close( (double)scene.environment.map[0], 1.0, 0.01 );
+    assert_int_equal( scene.export_warning_count, 2 );
+    assert_string_equal( scene.export_warnings[0], "'a?[31m?\?': left out" );
+    assert_string_equal( scene.export_warnings[1], "café" );
+    uint64_t hash = scene.content_hash;
+    rf_destroy_scene( &scene );
+    write_map( "sky.hdr", 130 ); // another map, another scene
+    scene = load_members( "" );
+    assert_true( scene.content_hash != hash );
+    rf_destroy_scene( &scene );
+    expect_embedded_fault( "{\"bufferView\":99}", "[]", "environment.bufferView: names bufferView 99, but there are" );
+    expect_embedded_fault( "{\"bufferView\":-1}", "[]", "environment.bufferView: wants a number" );
+    expect_embedded_fault( "{\"bufferView\":0.5}", "[]", "environment.bufferView: wants a whole number" );
+    expect_embedded_fault( "{\"bufferView\":0}", "[]", "environment.bufferView: " );
+    expect_embedded_fault( "{\"bufferView\":true,\"map\":\"sky.hdr\"}", "[]", "has both map and bufferView" );
+    expect_embedded_fault( LAST, "[7]", "extras.reframe.export_warnings[0]: wants" );
+    expect_embedded_fault( LAST, "\"none\"", "extras.reframe.export_warnings: wants" );
+    write_room( "" );
+    RfError error = { 0 };
+    assert_int_not_equal( try_members( "\"environment\":{\"bufferView\":0}", &scene, &error ), RF_OK );
+    assert_non_null( strstr( error.text, "environment.bufferView: unknown key" ) );
+}
+
 #define PATH "{\"kind\":\"dolly\",\"from\":[0,0,5],\"to\":[0,0,3],\"target\":[0,0,0],\"frames\":7}"
 
 static uint64_t hash_of( const char* members )
@@ -389,6 +456,7 @@ int main( void )
         cmocka_unit_test( test_faults_of_files ),
         cmocka_unit_test( test_environment_is_read ),
         cmocka_unit_test( test_environment_in_gltf ),
+        cmocka_unit_test( test_map_and_warnings_inside_gltf ),
         cmocka_unit_test( test_cameras_are_chosen_and_replaced ),
         cmocka_unit_test( test_mutations_never_crash ),
     };

@@ -1,0 +1,288 @@
+"""A shader tree folded into the channels of glTF's material: mixes of shaders become mixes of channels."""
+from .channels import BLACK, F0_OF_GLTF, Ref, Surface, WHITE, f0_of, is_constant
+from .shader_tree import value_of
+
+LEFT_OUT = {  # shaders without equivalent, and what is kept of them
+    "BSDF_TRANSLUCENT": "light that shines through: taken as diffuse",
+    "SUBSURFACE_SCATTERING": "subsurface scattering: taken as diffuse",
+    "BSDF_VELVET": "velvet: taken as diffuse",
+    "BSDF_TOON": "toon shading: taken as diffuse",
+    "BSDF_HAIR": "hair: taken as diffuse",
+    "BSDF_HAIR_PRINCIPLED": "hair: taken as diffuse",
+    "EEVEE_SPECULAR": "a shader of Eevee: taken as diffuse",
+    "HOLDOUT": "a holdout: taken as black",
+}
+
+
+class Folder:
+    def __init__(self, tree, warn):
+        self.tree, self.nodes, self.warn = tree, tree.nodes, warn
+
+    def ref(self, socket):
+        return Ref(socket.node.name, list(socket.node.outputs).index(socket))
+
+    def socket(self, ref):
+        return self.nodes[ref.node].outputs[ref.output]
+
+    def read(self, socket):
+        """The value that an input has."""
+        if not socket.is_linked or not socket.links[0].is_valid:
+            return value_of(socket)
+        source = socket.links[0].from_socket
+        kind, colour = source.node.type, socket.type in ("RGBA", "VECTOR")
+        if kind == "RGB":
+            value = value_of(source)
+            return value if colour else 0.2126 * value[0] + 0.7152 * value[1] + 0.0722 * value[2]
+        if kind == "VALUE":
+            value = value_of(source)
+            return (value,) * 3 if colour else value
+        if kind == "COMBXYZ" and not any(i.is_linked for i in source.node.inputs):
+            value = tuple(i.default_value for i in source.node.inputs)
+            return value if colour else sum(value) / 3.0
+        return self.ref(source)
+
+    def put(self, value, socket):
+        if isinstance(value, Ref):
+            self.tree.links.new(self.socket(value), socket)
+        else:
+            room = getattr(socket.default_value, "__len__", None)
+            if room is None:
+                socket.default_value = value if isinstance(value, (int, float)) else sum(value) / 3.0
+            else:
+                three = (value,) * 3 if isinstance(value, (int, float)) else tuple(value)
+                socket.default_value = (three + (1.0,))[:room()]
+
+    def vector(self, operation, *values):
+        node = self.nodes.new("ShaderNodeVectorMath")
+        node.operation = operation
+        for value, socket in zip(values, node.inputs):
+            self.put(value, socket)
+        return self.ref(node.outputs[0])
+
+    def number(self, operation, *values, clamp=False):
+        node = self.nodes.new("ShaderNodeMath")
+        node.operation, node.use_clamp = operation, clamp
+        for value, socket in zip(values, node.inputs):
+            self.put(value, socket)
+        return self.ref(node.outputs[0])
+
+    def times(self, a, b, colour=False):
+        """The product; b is a number or a colour, a colour only where `colour` is true."""
+        if is_constant(a) and is_constant(b):
+            if not colour:
+                return a * b
+            a, b = ((v,) * 3 if isinstance(v, (int, float)) else v for v in (a, b))
+            return tuple(x * y for x, y in zip(a, b))
+        for one, other in ((a, b), (b, a)):
+            if one == 1.0 or one == WHITE:
+                return other
+            if one == 0.0 or one == BLACK:
+                return BLACK if colour else 0.0
+        return self.vector("MULTIPLY", a, b) if colour else self.number("MULTIPLY", a, b)
+
+    def plus(self, a, b, colour=False):
+        if is_constant(a) and is_constant(b):
+            return tuple(x + y for x, y in zip(a, b)) if colour else a + b
+        for one, other in ((a, b), (b, a)):
+            if one == 0.0 or one == BLACK:
+                return other
+        return self.vector("ADD", a, b) if colour else self.number("ADD", a, b)
+
+    def rest(self, t):
+        return 1.0 - t if is_constant(t) else self.number("SUBTRACT", 1.0, t)
+
+    def blend(self, a, b, t, colour=False):
+        """a for t = 0, b for t = 1; what one side leaves open is the other's."""
+        if a is None or b is None or a == b:
+            return b if a is None else a
+        if t == 0.0:
+            return a
+        if t == 1.0:
+            return b
+        return self.plus(self.times(a, self.rest(t), colour), self.times(b, t, colour), colour)
+
+    # shaders
+
+    def fold(self, socket):
+        if not socket.is_linked or not socket.links[0].is_valid:
+            return Surface(base=BLACK, specular=0.0)
+        source = socket.links[0].from_socket
+        node = source.node
+        if source.type != "SHADER":  # a colour where a shader belongs is emitted
+            return Surface(base=BLACK, specular=0.0, emission=self.ref(source))
+        if node.type == "MIX_SHADER":
+            return self.fold_mix(node)
+        if node.type == "ADD_SHADER":
+            return self.fold_sum(self.fold(node.inputs[0]), self.fold(node.inputs[1]), node)
+        make = getattr(self, "of_" + node.type.lower(), None)
+        if make is not None:
+            return make(node)
+        if node.type not in LEFT_OUT:
+            self.warn(node, "its shader is unknown here: taken as black")
+            return Surface(base=BLACK, specular=0.0)
+        self.warn(node, LEFT_OUT[node.type])
+        colour = next((i for i in node.inputs if i.name in ("Color", "Diffuse Color", "Base Color")), None)
+        return Surface(base=self.read(colour) if colour is not None and node.type != "HOLDOUT" else BLACK, specular=0.0,
+                       normal=self.normal_of(node))
+
+    def normal_of(self, node):
+        socket = node.inputs.get("Normal")
+        value = self.read(socket) if socket is not None and socket.is_linked else None
+        return value if isinstance(value, Ref) else None
+
+    def of_bsdf_diffuse(self, node):
+        if self.read(node.inputs["Roughness"]) != 0.0:
+            self.warn(node, "its roughness (Oren-Nayar): taken as Lambert")
+        return Surface(base=self.read(node.inputs["Color"]), specular=0.0, normal=self.normal_of(node))
+
+    def of_bsdf_glossy(self, node):
+        if node.type == "BSDF_GLOSSY" and getattr(node, "distribution", "") == "SHARP":
+            roughness = 0.0
+        else:
+            roughness = self.read(node.inputs["Roughness"])
+        return Surface(base=self.read(node.inputs["Color"]), metallic=1.0, roughness=roughness, normal=self.normal_of(node))
+
+    def of_bsdf_anisotropic(self, node):
+        if self.read(node.inputs["Anisotropy"]) != 0.0:
+            self.warn(node, "anisotropy: taken as equally rough in all directions")
+        return self.of_bsdf_glossy(node)
+
+    def of_bsdf_glass(self, node):
+        roughness = 0.0 if node.distribution == "SHARP" else self.read(node.inputs["Roughness"])
+        return Surface(base=self.read(node.inputs["Color"]), metallic=0.0, roughness=roughness, specular=1.0, transmission=1.0,
+                       ior=self.read(node.inputs["IOR"]), normal=self.normal_of(node))
+
+    def of_bsdf_refraction(self, node):
+        self.warn(node, "refraction without reflection: taken as glass")
+        return self.of_bsdf_glass(node)
+
+    def of_bsdf_transparent(self, node):
+        colour = self.read(node.inputs["Color"])
+        if colour == WHITE:
+            return Surface(alpha=0.0)
+        if not is_constant(colour):
+            self.warn(node, "its colour varies: what passes is not tinted")
+            return Surface(alpha=0.0)
+        # a pane that neither bends nor reflects, only tints
+        return Surface(base=colour, metallic=0.0, roughness=0.0, specular=1.0, transmission=1.0, ior=1.0)
+
+    def of_emission(self, node):
+        light = self.times(self.read(node.inputs["Color"]), self.read(node.inputs["Strength"]), True)
+        return Surface(base=BLACK, specular=0.0, emission=light)
+
+    of_background = of_emission
+
+    def of_bsdf_principled(self, node):
+        get = lambda name: self.read(node.inputs[name])  # noqa: E731
+        for name, what in (("Subsurface", "subsurface scattering: taken as diffuse"), ("Sheen", "sheen: left out"),
+                           ("Anisotropic", "anisotropy: taken as equally rough in all directions")):
+            if get(name) != 0.0:
+                self.warn(node, what)
+        base = self.blend(get("Base Color"), get("Subsurface Color"), get("Subsurface"), True)
+        specular, ior = get("Specular"), get("IOR")
+        alpha = get("Alpha")
+        light = self.times(get("Emission"), self.times(get("Emission Strength"), alpha), True)
+        coat = 0.0 if specular == 0.0 else 1.0  # without it Cycles leaves the lobe out, also at grazing angles
+        return Surface(base=base, metallic=get("Metallic"), roughness=get("Roughness"), specular=coat,
+                       f0=self.times(specular, 0.08 / F0_OF_GLTF), transmission=get("Transmission"), ior=ior,
+                       clearcoat=get("Clearcoat"), clearcoat_roughness=get("Clearcoat Roughness"), alpha=alpha, emission=light,
+                       normal=self.normal_of(node))
+
+    # mixtures
+
+    def fold_mix(self, node):
+        a, b = self.fold(node.inputs[1]), self.fold(node.inputs[2])
+        factor = node.inputs[0]
+        source = factor.links[0].from_socket if factor.is_linked else None
+        if source is not None and source.node.type == "NEW_GEOMETRY" and source.name == "Backfacing":
+            if b.emission != a.emission:
+                a.one_sided = b.emission == BLACK and a.emission != BLACK
+            elif b != a:
+                self.warn(node, "its back looks different: taken as the front")
+            return a
+        if source is not None and source.node.type in ("FRESNEL", "LAYER_WEIGHT"):
+            coat = self.as_coat(a, b, source)
+            if coat is not None:
+                return coat
+        t = self.read(factor)
+        if is_constant(t):
+            t = min(max(t, 0.0), 1.0)
+        else:
+            t = self.number("ADD", t, 0.0, clamp=True)
+        return self.mixed(a, b, t, node)
+
+    def as_coat(self, a, b, source):
+        """Diffuse under gloss by Fresnel's factor is glTF's dielectric; None if these are not the two."""
+        node = source.node
+        if b.metallic != 1.0 or a.metallic not in (None, 0.0) or a.specular != 0.0 or b.normal != a.normal:
+            return None
+        if node.type == "FRESNEL":
+            ior = self.read(node.inputs["IOR"])
+        elif source.name == "Fresnel":
+            blend = self.read(node.inputs["Blend"])
+            ior = 1.0 / (1.0 - min(blend, 0.99999)) if is_constant(blend) else None
+        else:
+            ior = None
+        if ior is None or not is_constant(ior) or not is_constant(b.base):
+            return None
+        a.specular, a.f0, a.roughness = 1.0, tuple(c * f0_of(ior) for c in b.base), b.roughness
+        return a
+
+    def mixed(self, a, b, t, node):
+        if t == 0.0:
+            return a
+        if t == 1.0:
+            return b
+        if a.normal != b.normal and a.normal is not None and b.normal is not None:
+            self.warn(node, "its shaders have different normals: that of the first is taken")
+        light = self.blend(a.emission, b.emission, t, True)
+        left, right = self.times(a.alpha, self.rest(t)), self.times(b.alpha, t)
+        alpha = self.plus(left, right) if a.alpha != b.alpha else a.alpha
+        if a.alpha == b.alpha:
+            share = t
+        elif is_constant(alpha) and is_constant(right):
+            share = right / alpha if alpha > 0.0 else t
+        elif right == 0.0 or left == 0.0:
+            share = 0.0 if right == 0.0 else 1.0
+        else:
+            share = self.number("DIVIDE", right, self.number("MAXIMUM", alpha, 1e-6))
+        out = Surface(alpha=alpha, emission=light, normal=a.normal if a.normal is not None else b.normal)
+        for name in ("base", "metallic", "roughness", "specular", "f0", "transmission", "ior", "clearcoat", "clearcoat_roughness"):
+            mine, other = self.alike(name, a, b)
+            colours = name == "base" or any(isinstance(v, tuple) and is_constant(v) for v in (mine, other))
+            setattr(out, name, self.blend(mine, other, share, colours))
+        out.one_sided = a.one_sided or b.one_sided
+        return out
+
+    def alike(self, name, a, b):
+        """A channel of both sides of a mixture, as values that can be blended."""
+        mine, other = getattr(a, name), getattr(b, name)
+        if name in ("metallic", "transmission") and a.base != BLACK and b.base != BLACK:
+            # open means none, unless the shader is black, which has a share of no lobe
+            mine = 0.0 if mine is None and a.alpha != 0.0 else mine
+            other = 0.0 if other is None and b.alpha != 0.0 else other
+        if name == "f0" and mine is not None and other is not None and mine != other:
+            if is_constant(mine) and is_constant(other):
+                return tuple(v if isinstance(v, tuple) else (v,) * 3 for v in (mine, other))
+            return tuple(sum(v) / 3.0 if is_constant(v) and isinstance(v, tuple) else v for v in (mine, other))
+        return mine, other
+
+    def fold_sum(self, a, b, node):
+        for one, other in ((a, b), (b, a)):
+            if one.base == BLACK and one.alpha == 1.0 and one.specular == 0.0 and one.transmission in (None, 0.0):
+                other.emission = self.plus(other.emission, one.emission, True)
+                if other.alpha == 0.0:
+                    self.warn(node, "light of a surface that is not there otherwise: it hides half of what is behind")
+                    other.alpha, other.base, other.specular = 0.5, BLACK, 0.0
+                return other
+        if a.alpha == 0.0 or b.alpha == 0.0:
+            self.warn(node, "a sum with what passes straight through: taken as half of each")
+            return self.mixed(a, b, 0.5, node)
+        weights = [sum(s.base) if s.base is not None and is_constant(s.base) else None for s in (a, b)]
+        t = 0.5 if None in weights or sum(weights) == 0.0 else weights[1] / sum(weights)
+        light = self.plus(a.emission, b.emission, True)
+        base = self.plus(a.base, b.base, True)
+        out = self.mixed(a, b, t, node)
+        out.base = tuple(min(c, 1.0) for c in base) if is_constant(base) else self.vector("MINIMUM", base, WHITE)
+        out.emission = light
+        return out

@@ -1,0 +1,199 @@
+"""What is to be done about a material: left as it is, replaced, or baked."""
+from . import shader_tree
+from .channels import BLACK, Ref, Surface, WORDS, finish, is_constant
+from .folding import Folder
+from .images import carried, is_read, number_source
+from .messages import warn
+from .view import give_constants, view_nodes
+
+VARYING = ("base", "metallic", "roughness", "emission", "alpha", "normal")  # what glTF has textures for
+EXPORTED = {"f0": "Specular", "transmission": "Transmission", "clearcoat": "Clearcoat",
+            "clearcoat_roughness": "Clearcoat Roughness"}  # whose images the exporter carries from a Principled node
+
+
+class Plan:
+    """A material, what its tree folds into, and what is to be done about it."""
+
+    def __init__(self, material, users):
+        self.material, self.users = material, users
+        self.copy = self.folder = self.surface = None
+        self.carried, self.baked, self.averaged = set(), set(), set()
+        self.plain = False
+        self.absorption = None  # colour and density of what is inside
+        self.said = set()
+        self.name = None  # once it is freed
+
+    def who(self):
+        names = sorted({o.name for o, _ in self.users})
+        more = " and %d more" % (len(names) - 1) if len(names) > 1 else ""
+        return "'%s'%s: material '%s'" % (names[0], more, self.name or self.material.name)
+
+    def free_name(self):
+        """The name of the material, for the one that replaces it; names of a library stand beside ours."""
+        if self.name is None:
+            self.name = self.material.name
+            if self.material.library is None:
+                self.material.name = self.name + " (before export)"
+        return self.name
+
+    def tell(self, node, text):
+        line = "%s%s: %s" % (self.who(), ", node '%s'" % node.name if node is not None else "", text)
+        if line not in self.said:
+            self.said.add(line)
+            warn(line)
+
+
+def copy_of(material):
+    copy = material.copy()
+    if copy.node_tree is not None:
+        copy.node_tree.animation_data_clear()
+    return copy
+
+
+def tell_animation(plan):
+    """Materials are taken as in the first frame."""
+    trees, left = [], [plan.material.node_tree]
+    while left:
+        tree = left.pop()
+        if tree is not None and tree not in trees:
+            trees.append(tree)
+            left += [n.node_tree for n in tree.nodes if n.type == "GROUP"]
+    for tree in trees:
+        moving = tree.animation_data
+        if moving is None:
+            continue
+        curves = list(moving.drivers) + (list(moving.action.fcurves) if moving.action is not None else [])
+        for path in sorted({c.data_path for c in curves}):
+            node = tree.nodes.get(path.split('"')[1]) if path.startswith('nodes["') else None
+            plan.tell(node, "animated or driven: taken as in the first frame")
+
+
+def tell_inside(plan, out):
+    """Remembers an absorbing inside; says what else is lost with volume and displacement."""
+    socket = out.inputs["Displacement"]
+    if socket.is_linked:
+        plan.tell(socket.links[0].from_node, "displacement: left out")
+    socket = out.inputs["Volume"]
+    if not socket.is_linked:
+        return
+    node = socket.links[0].from_node
+    if node.type == "VOLUME_ABSORPTION" and plan.surface.transmission not in (None, 0.0):
+        colour, density = (plan.folder.read(node.inputs[n]) for n in ("Color", "Density"))
+        if is_constant(colour) and is_constant(density):
+            plan.absorption = (colour, density)
+            return
+    plan.tell(node, "volume: left out")
+
+
+def is_ours(material):
+    """Does a custom property give the scattering model itself?"""
+    own = material.get("reframe")
+    return hasattr(own, "keys") and "bsdf" in own.keys()
+
+
+def make_plan(material, users):
+    plan = Plan(material, users)
+    if not material.use_nodes or material.node_tree is None:
+        plan.surface = finish(Surface(base=tuple(material.diffuse_color)[:3], specular=0.0))
+        return plan
+    tell_animation(plan)
+    plan.copy = copy_of(material)
+    tree = plan.copy.node_tree
+    for node in tree.nodes:
+        if node.type == "GROUP" and node.node_tree is None:
+            plan.tell(node, "its group is missing: left out")
+    grouped = any(n.type in ("GROUP", "REROUTE") or n.mute for n in tree.nodes)
+    shader_tree.flatten(tree)
+    plan.folder = folder = Folder(tree, plan.tell)
+    out = tree.get_output_node("CYCLES")
+    if out is None:
+        plan.tell(None, "no output: taken as black")
+        plan.surface = finish(Surface(base=BLACK, specular=0.0))
+        return plan
+    behind = shader_tree.nodes_behind(tree, [out.inputs["Surface"]])
+    give_constants(tree, plan.tell)
+    only_volume = out.inputs["Volume"].is_linked and not out.inputs["Surface"].is_linked
+    plan.surface = folder.fold(out.inputs["Surface"]) if not only_volume else Surface(alpha=0.0)
+    tell_inside(plan, out)
+    finish(plan.surface)
+    shine_through(plan)
+    tell_images(plan, behind)
+    sort_channels(plan)
+    first = out.inputs["Surface"].links[0].from_node if out.inputs["Surface"].is_linked else None
+    if first is not None and first.type == "BSDF_PRINCIPLED" and not grouped:
+        plan.averaged -= {n for n, name in EXPORTED.items() if is_image(folder, first.inputs[name])}
+    plan.plain = (first is not None and first.type == "BSDF_PRINCIPLED" and not grouped and not plan.baked and not plan.averaged and
+                  is_only_output(material) and not any(first.inputs[n].is_linked for n in ("Subsurface", "Subsurface Color")) and
+                  first.inputs["Subsurface"].default_value == 0.0)
+    return plan
+
+
+def is_image(folder, socket):
+    value = folder.read(socket)
+    return isinstance(value, Ref) and number_source(folder, value) is not None
+
+
+def is_only_output(material):
+    return sum(n.type == "OUTPUT_MATERIAL" for n in material.node_tree.nodes) == 1
+
+
+def shine_through(plan):
+    """glTF's emission is that of the part of the surface that is there."""
+    s, folder = plan.surface, plan.folder
+    if s.emission == BLACK or s.alpha == 1.0 or s.alpha == 0.0:
+        return
+    if is_constant(s.alpha) and is_constant(s.emission):
+        s.emission = tuple(c / s.alpha for c in s.emission)
+    else:
+        s.emission = folder.vector("DIVIDE", s.emission, s.alpha)
+
+
+def tell_images(plan, nodes):
+    for node in nodes:
+        if node.type == "TEX_IMAGE" and not is_read(node.image):
+            name = node.image.name if node.image is not None else ""
+            plan.tell(node, "%s: magenta, as in Cycles" % ("its image '%s' cannot be read" % name if name else "it has no image"))
+        elif node.type == "SHADERTORGB":
+            plan.tell(node, "a node of Eevee: what it gives in Cycles is taken")
+        elif node.type in ("AMBIENT_OCCLUSION", "BEVEL"):
+            plan.tell(node, "sees its own object only")
+
+
+def sort_channels(plan):
+    """What varies is carried, baked, or replaced by its mean."""
+    s = plan.surface
+    varying = {n for n in VARYING if isinstance(getattr(s, n), Ref)}
+    plan.carried = carried(plan.folder, s) & varying
+    plan.baked = varying - plan.carried
+    if "alpha" in plan.baked:
+        plan.baked.add("base")  # they share a texture
+    for name in ("specular", "f0", "transmission", "ior", "clearcoat", "clearcoat_roughness"):
+        if isinstance(getattr(s, name), Ref):
+            plan.averaged.add(name)
+
+
+def channels_tell(plan, bakes):
+    """Says what a bake cannot keep, or, without baking, all that is lost."""
+    tree = plan.folder.tree
+    for name in sorted(plan.baked | plan.averaged):
+        ref = getattr(plan.surface, name)
+        if is_constant(ref):
+            continue
+        node = plan.folder.nodes[ref.node]
+        named = named_node(plan, node)
+        if not bakes:
+            plan.tell(named, "%s varies and is not baked (--no-bake): taken as constant" % WORDS[name])
+        elif name in plan.averaged:
+            plan.tell(named, "%s varies: its mean is taken" % WORDS[name])
+        behind = shader_tree.nodes_behind(tree, list(node.inputs)) + [node]
+        for seen in view_nodes(behind) if bakes else []:
+            plan.tell(seen, "depends on where it is seen from: taken as seen straight on")
+
+
+def named_node(plan, node):
+    """A node that the user knows: itself, or the first of the user's own behind it."""
+    own = plan.material.node_tree.nodes
+    for n in [node] + shader_tree.nodes_behind(plan.folder.tree, list(node.inputs)):
+        if n.name in own and own[n.name].type == n.type:
+            return n
+    return node

@@ -1,0 +1,29 @@
+// The errors that finished frames have by their own estimates: their mean and the worst, for the last line and the warnings.
+#ifndef REFRAME_CLI_RENDER_FRAME_ERRORS_H
+#define REFRAME_CLI_RENDER_FRAME_ERRORS_H
+
+#include "reframe/render.h"
+
+typedef struct RfFrameErrors
+{
+    int frames;
+    double relmse_sum; // of the frames' estimates
+    double likely_sum; // and of their best guesses
+    int lower_bounds;  // among them
+    int missed;        // frames above --noise
+    double worst_relmse;
+    int worst_frame; // its number
+    bool worst_is_lower_bound;
+} RfFrameErrors;
+
+// Adds a finished frame of this number.
+void rf_note_frame_error( RfFrameErrors* errors, const RfFrameResult* result, int number );
+
+// Prints the mean over the frames as a part of a line, where there is one.
+void rf_print_frame_errors( const RfFrameErrors* errors );
+
+// Warns where --noise or --time was not met.
+void rf_warn_of_stop( const RfFrameErrors* errors, const RfRenderSettings* settings, const RfRenderStats* stats, int frame_count,
+                      int run_count, RfLog* log );
+
+#endif

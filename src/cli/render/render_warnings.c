@@ -1,0 +1,29 @@
+#include "cli/render/render_warnings.h"
+
+#include "render/groups.h"
+#include "scene/scene.h"
+
+void rf_warn_of_variance( const RfRenderSettings* s, const RfCameraPath* path, const int* frames, int frame_count, RfLog* log )
+{
+    RfGroupPlan plan = rf_plan_groups( path->run_count, s->group, s->spp );
+    if ( ( s->aovs & RF_AOV_BIT( RF_AOV_VARIANCE ) ) == 0 || s->noise > 0.0 || s->time > 0.0 ) // never a single pass
+        return;
+    for ( int i = 0; i < frame_count; ++i )
+    {
+        if ( rf_frame_passes( &plan, path->run_of_frame[frames[i]] ) > 1 )
+            continue;
+        rf_warn( log, "--aov variance: will be 0 in frame %d, which has one pass only: raise --spp",
+                 rf_frame_number( path, frames[i] ) );
+        return;
+    }
+}
+
+void rf_warn_of_scene( const RfRenderOptions* options, const RfScene* scene, const RfTracer* tracer, RfLog* log )
+{
+    if ( scene->triangles.count == 0 )
+        rf_warn( log, "%s: has no triangles, the picture will be %s", options->scene,
+                 rf_tracer_has_light( tracer ) ? "sky alone" : "black" );
+    else if ( !rf_tracer_has_light( tracer ) )
+        rf_warn( log, "%s: has no lights (no material emits, no lamp, no environment), the picture will be black",
+                 options->scene );
+}

@@ -1,0 +1,15 @@
+// What render warns of before the work.
+#ifndef REFRAME_CLI_RENDER_RENDER_WARNINGS_H
+#define REFRAME_CLI_RENDER_RENDER_WARNINGS_H
+
+#include "cli/options/render_options.h"
+#include "reframe/camera.h"
+
+// A picture that will be black or empty.
+void rf_warn_of_scene( const RfRenderOptions* options, const RfScene* scene, const RfTracer* tracer, RfLog* log );
+
+// A single pass, which gives no estimate of its variance.
+void rf_warn_of_variance( const RfRenderSettings* settings, const RfCameraPath* path, const int* frames, int frame_count,
+                          RfLog* log );
+
+#endif

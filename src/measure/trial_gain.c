@@ -1,0 +1,53 @@
+// The gain of a trial over another one, and how sure it is.
+#include "measure/trial.h"
+
+#include <math.h>
+
+#define TIME_NOISE 0.03 // the least standard deviation of the logarithm of seconds per sample
+
+// Sums over the pieces that are common to both.
+typedef struct Sums
+{
+    double weight[2], relmse[2];
+} Sums;
+
+static Sums sum_pieces( const RfTrial* const trials[2], int count )
+{
+    Sums s = { { 0.0, 0.0 }, { 0.0, 0.0 } };
+    for ( int i = 0; i < count; ++i )
+    {
+        for ( int t = 0; t < 2; ++t )
+        {
+            s.weight[t] += trials[t]->pieces[i].weight;
+            s.relmse[t] += trials[t]->pieces[i].relmse;
+        }
+    }
+    return s;
+}
+
+// Share of a piece in the relMSE of a trial, less that in its pixels.
+static double influence_on( const RfTrial* trial, int i, double weight, double relmse )
+{
+    return trial->pieces[i].relmse / relmse - trial->pieces[i].weight / weight;
+}
+
+static double time_variance( const RfTrial* trial )
+{
+    double variance = trial->time_count > 0 ? trial->time_noise / ( 4.0 * trial->time_count * trial->time_count ) : 0.0;
+    return fmax( variance, TIME_NOISE * TIME_NOISE );
+}
+
+RfInterval rf_trial_gain( const RfTrial* plain, const RfTrial* reuse )
+{
+    const RfTrial* trials[2] = { plain, reuse };
+    double influence[RF_TRIAL_PIECES];
+    int count = plain->piece_count < reuse->piece_count ? plain->piece_count : reuse->piece_count;
+    Sums s = sum_pieces( trials, count );
+    double value = s.relmse[0] / s.weight[0] * rf_trial_sample_seconds( plain ) /
+                   ( s.relmse[1] / s.weight[1] * rf_trial_sample_seconds( reuse ) );
+    if ( !isfinite( value ) || !( value > 0.0 ) )
+        return ( RfInterval ){ (double)NAN, (double)NAN, (double)NAN };
+    for ( int i = 0; i < count; ++i )
+        influence[i] = influence_on( plain, i, s.weight[0], s.relmse[0] ) - influence_on( reuse, i, s.weight[1], s.relmse[1] );
+    return rf_log_interval( value, rf_influence_margin( influence, count, time_variance( plain ) + time_variance( reuse ) ) );
+}

@@ -1,0 +1,262 @@
+// What check-page.js looks for on a page besides playing: verdict, warnings, explanations, AOVs, curves,
+// wipe, zoom, probe, contact sheet, names for screen readers, and a phone.
+"use strict";
+
+const settle = page => page.evaluate(() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done))));
+const read_data = page => page.evaluate(() => JSON.parse(document.getElementById("data").textContent));
+
+async function shown_frame(page, number) {
+  await page.waitForFunction(number => document.querySelector("#panels canvas").dataset.frame === String(number), number, { timeout: 20000 });
+}
+
+async function check_verdict(page, check) {
+  const data = await read_data(page), text = await page.locator("#verdict-text").innerText();
+  check(text.includes(data.verdict.text) && (await page.locator("#verdict-basis").innerText()).length > 10, `the verdict stands on top: ${text}`);
+  const box = await page.locator("#verdict").boundingBox(), viewer = await page.locator("#viewer").boundingBox();
+  check(box.y + box.height <= viewer.y, "above the pictures");
+  if (data.verdict.worst_frame !== null) {
+    await page.locator("#verdict-text button").click();
+    await page.waitForFunction(number => document.querySelector(".thumb[aria-current] span").firstChild.data === String(number), data.verdict.worst_frame);
+    check(true, `it leads to the worst frame, ${data.verdict.worst_frame}`);
+    await page.locator("body").press("Home");
+  }
+  const lines = await page.locator("#warnings-list li").allInnerTexts();
+  check(lines.length === data.warnings.length && data.warnings.every(({ text }, i) => lines[i].includes(text)), `all ${lines.length} warnings are listed`);
+  check(await page.locator("#warnings").isVisible() === data.warnings.length > 0, "and shown where there are any");
+}
+
+async function check_explanations(page, check) {
+  const buttons = await page.locator(".explain").all();
+  let by_key = 0, by_pointer = 0;
+  for (const button of buttons) {
+    const words = page.locator(`#${await button.getAttribute("aria-controls")}`);
+    await button.focus();
+    await button.press("Enter");
+    by_key += await words.isVisible() && await button.getAttribute("aria-expanded") === "true" && (await words.innerText()).length > 60;
+    await button.press("Escape");
+    by_key -= await words.isVisible();
+    await button.click();
+    by_pointer += await words.isVisible();
+    await button.click();
+  }
+  check(buttons.length > 0 && by_key === buttons.length && by_pointer === buttons.length, `${buttons.length} explanations open by key and by pointer`);
+}
+
+async function check_aovs(page, check, look) {
+  const data = await read_data(page), names = [...new Set(data.sequences.flatMap(sequence => sequence.layers.map(layer => layer.name)))];
+  if (names.length === 0)
+    return;
+  const before = await look(page), hashes = new Set([before.hash]);
+  for (const name of names) {
+    await page.locator("#view").selectOption(name);
+    await page.waitForFunction(() => window.reframePlayer.shown >= 0);
+    const picture = await look(page);
+    hashes.add(picture.hash);
+    const is_light = name === "albedo" || name === "variance";
+    check(picture.frame !== "" && await page.locator("#exposure").isDisabled() === !is_light, `${name} is shown, ${is_light ? "with" : "without"} exposure`);
+  }
+  check(hashes.size === names.length + 1, "each AOV is a picture of its own");
+  await page.locator("#view").selectOption("picture");
+  await page.waitForFunction(() => window.reframePlayer.shown >= 0);
+  check((await look(page)).hash === before.hash, "and the picture comes back");
+}
+
+async function check_filmic(page, check, look, mean) {
+  const before = await look(page);
+  await page.locator("#curve").selectOption("filmic");
+  const filmic = await look(page);
+  check((mean || filmic.hash !== before.hash) && (!mean || Math.abs(filmic.mean - mean) < 1.5), `the filmic curve: ${before.mean.toFixed(1)} becomes ${filmic.mean.toFixed(1)}`);
+  await page.locator("#curve").selectOption("srgb");
+}
+
+// The sequence whose stage is at a place of the panels.
+const sequence_at = (page, share) => page.evaluate(share => {
+  const box = document.getElementById("panels").getBoundingClientRect(), stage = document.querySelector("figure:not([hidden]) .stage").getBoundingClientRect();
+  const found = document.elementsFromPoint(box.left + share * box.width, stage.top + 20).map(element => element.closest(".stage")).find(Boolean);
+  return found ? Number(found.querySelector("canvas").dataset.sequence) : null;
+}, share);
+
+async function check_wipe(page, check) {
+  const data = await read_data(page), divider = page.locator("#divider");
+  if (data.sequences.length < 2) {
+    check(await page.locator("#layout").isHidden(), "one sequence has nothing to wipe");
+    return;
+  }
+  await page.evaluate(() => scrollTo(0, 0));
+  await page.locator("#layout").selectOption("wipe");
+  await settle(page);
+  check(await sequence_at(page, 0.3) === 0 && await sequence_at(page, 0.7) === 1, "the wipe shows A on the left and B on the right");
+  await divider.focus();
+  for (let i = 0; i < 15; ++i)
+    await divider.press("ArrowRight");
+  check(await divider.getAttribute("aria-valuenow") === "80" && await sequence_at(page, 0.7) === 0, "arrow keys move its divider");
+  const box = await page.locator("#panels").boundingBox();
+  await page.mouse.move(box.x + 0.8 * box.width, box.y + 30);
+  await page.mouse.down();
+  await page.mouse.move(box.x + 0.2 * box.width, box.y + 30, { steps: 4 });
+  await page.mouse.up();
+  check(Math.abs(Number(await divider.getAttribute("aria-valuenow")) - 20) <= 1 && await sequence_at(page, 0.3) === 1, "and so does the pointer");
+  await page.locator("#wipe-a").selectOption("1");
+  await page.locator("#wipe-b").selectOption("0");
+  check(await sequence_at(page, 0.1) === 1 && await sequence_at(page, 0.7) === 0, "A and B can be chosen");
+  await page.locator("#wipe-a").selectOption("0");
+  await page.locator("#wipe-b").selectOption("1");
+  await page.locator("body").press("w");
+  check(await page.locator("#layout").inputValue() === "side" && await divider.isHidden(), "w puts them side by side again");
+}
+
+const places = page => page.evaluate(() => window.reframeStage.panels.map(({ scale, left, top, sequence }) => ({ scale: scale * sequence.file_width, left, top })));
+
+async function check_zoom(page, check) {
+  await page.evaluate(() => scrollTo(0, 0));
+  const [before] = await places(page), stage = await page.locator(".stage").first().boundingBox();
+  await page.locator("#zoom-in").click();
+  await page.locator("#zoom-in").click();
+  const zoomed = await places(page);
+  check(Math.abs(zoomed[0].scale / before.scale - 2.25) < 0.01 && zoomed.every(place => Math.abs(place.scale - zoomed[0].scale) < 0.05 * zoomed[0].scale), "the button zooms all panels alike");
+  await page.mouse.move(stage.x + 60, stage.y + 60);
+  await page.mouse.down();
+  await page.mouse.move(stage.x + 100, stage.y + 80, { steps: 3 });
+  await page.mouse.up();
+  const moved = await places(page);
+  check(Math.abs(moved[0].left - zoomed[0].left - 40) < 1 && Math.abs(moved[0].top - zoomed[0].top - 20) < 1, "dragging moves the picture");
+  const at = place => [(60 - place.left) / place.scale, (60 - place.top) / place.scale];
+  await page.mouse.move(stage.x + 60, stage.y + 60);
+  await page.keyboard.down("Control");
+  await page.mouse.wheel(0, -120);
+  await page.keyboard.up("Control");
+  await settle(page);
+  const [wheeled] = await places(page);
+  check(wheeled.scale > 1.5 * moved[0].scale && at(wheeled).every((share, i) => Math.abs(share - at(moved[0])[i]) < 0.01), "Ctrl and the wheel zoom about the pointer");
+  await page.locator("#zoom-pixels").click();
+  check(await page.locator("#zoom-value").textContent() === "100 %", "1:1 shows a pixel as one");
+  await page.locator("body").press("+");
+  await page.locator("#zoom-fit").click();
+  check(Math.abs((await places(page))[0].scale - before.scale) < 0.01, "and Fit fits it again");
+}
+
+// wanted: "x,y:r,g,b" of the first sequence's file.
+async function check_probe(page, check, wanted, is_coarse) {
+  const box = page.locator("#probe"), row = box.locator(".values > div").first();
+  const where = () => box.locator(".where").textContent();
+  const [x, y] = wanted ? wanted.split(":")[0].split(",").map(Number) : [3, 2];
+  const point = await page.evaluate(([x, y]) => {
+    const { stage, left, top, scale } = window.reframeStage.panels[0], rect = stage.getBoundingClientRect();
+    return [rect.left + left + (x + 0.5) * scale, rect.top + top + (y + 0.5) * scale];
+  }, [x, y]);
+  await page.mouse.move(...point);
+  check((await where()).startsWith(`Pixel ${x}, ${y}`), `pointing probes a pixel: ${await where()}`);
+  const told = (await row.locator("b").textContent()).split(/\s+/).map(Number);
+  if (wanted) {
+    const values = wanted.split(":")[1].split(",").map(Number);
+    check(values.every((value, c) => Math.abs(told[c] - value) <= 0.001 * Math.abs(value)), `in scene values: ${told.join(" ")}`);
+  }
+  check(((await box.locator(".note").textContent()).includes("the mean of")) === is_coarse, `and says ${is_coarse ? "that they are means" : "nothing of means"}`);
+  await page.mouse.click(...point);
+  await page.mouse.move(point[0] + 40, point[1]);
+  check((await where()).includes(`Pixel ${x}, ${y} `) && (await where()).includes("pinned") && await page.locator(".cross").first().isVisible(), "a click pins it");
+  await page.locator("body").press("ArrowUp");
+  check((await row.locator("b").textContent()).split(/\s+/).map(Number).every((value, c) => value === told[c]), "exposure does not change the values");
+  await page.locator("#exposure-reset").click();
+  await page.locator(".stage").first().focus();
+  await page.keyboard.press("ArrowRight");
+  await page.keyboard.press("ArrowDown");
+  check((await where()).startsWith(`Pixel ${x + 1}, ${y + 1}`) && await box.getAttribute("aria-live") === "polite", "arrow keys on the picture move it, and it is read out");
+  await page.keyboard.press("Escape");
+  check((await where()).startsWith("Point at") && await page.locator(".cross").first().isHidden(), "Escape lets it go");
+  await page.mouse.move(2, 2);
+}
+
+async function check_sheet(page, check, count) {
+  if (count < 2) {
+    check(await page.locator("#sheet").isHidden(), "one frame needs no contact sheet");
+    return;
+  }
+  const thumbs = page.locator(".thumb"), data = await read_data(page), there = data.sequences[0].blocks.filter(Boolean).length;
+  await page.locator("#sheet").scrollIntoViewIfNeeded();
+  await thumbs.last().scrollIntoViewIfNeeded();
+  await page.waitForFunction(() => document.querySelector(".thumb:not(.missing)[data-painted]") && ![...document.querySelectorAll("#sheet-frames li:last-child .thumb:not(.missing)")].some(thumb => !thumb.dataset.painted), null, { timeout: 20000 });
+  check(await thumbs.count() === count && await page.locator(".thumb:not(.missing)").count() === there, `the contact sheet has all ${count} frames`);
+  const means = await page.evaluate(() => [...document.querySelectorAll(".thumb[data-painted] canvas")].map(canvas => {
+    const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+    return data.reduce((sum, value, i) => sum + (i % 4 < 3 ? value : 0), 0) / (0.75 * data.length);
+  }));
+  check(means.length > 0 && means.every(mean => mean > 2), `${means.length} of them are painted`);
+  await thumbs.last().click();
+  await page.waitForFunction(count => window.reframePlayer.shown === count - 1, count);
+  await thumbs.first().focus();
+  await page.keyboard.press("Enter");
+  await page.waitForFunction(() => window.reframePlayer.shown === 0);
+  check(await page.locator(".thumb[aria-current]").count() === 1 && await thumbs.first().getAttribute("aria-current") === "true", "a click and the return key lead to a frame, which is marked");
+}
+
+// Everything that takes the focus has a name; ids are unique; what refers to an id finds it; text stands out from its ground.
+async function check_names(page, check) {
+  const found = await page.evaluate(() => {
+    const name = element => element.getAttribute("aria-label") || (element.labels && [...element.labels].map(label => label.textContent.trim()).join("")) || element.textContent.trim() || element.getAttribute("aria-labelledby");
+    const ids = [...document.querySelectorAll("[id]")].map(element => element.id);
+    const refers = [...document.querySelectorAll("[aria-controls], [aria-labelledby]")].flatMap(element => [element.getAttribute("aria-controls"), element.getAttribute("aria-labelledby")]).filter(Boolean);
+    return {
+      nameless: [...document.querySelectorAll("button, select, input, [tabindex='0'], svg[role=img]")].filter(element => !name(element)).map(element => element.outerHTML.slice(0, 80)),
+      twice: ids.filter((id, i) => ids.indexOf(id) !== i), lost: refers.filter(id => !document.getElementById(id)),
+    };
+  });
+  check(found.nameless.length + found.twice.length + found.lost.length === 0, `everything has a name ${JSON.stringify(found)}`);
+}
+
+const contrast = page => page.evaluate(() => {
+  const light = text => {
+    const [r, g, b] = text.match(/[\d.]+/g).map(value => (value / 255 <= 0.04045 ? value / 255 / 12.92 : ((value / 255 + 0.055) / 1.055) ** 2.4));
+    return 0.2126 * r + 0.7152 * g + 0.0722 * b;
+  };
+  const probe = document.createElement("span"), of = name => {
+    probe.style.color = `var(${name})`;
+    return light(getComputedStyle(probe).color);
+  };
+  document.body.append(probe);
+  const ratios = ["--text", "--dim", "--accent", "--alert"].map(name => {
+    const [a, b] = [of(name), of("--card")].sort((x, y) => y - x);
+    return (a + 0.05) / (b + 0.05);
+  });
+  const ground = of("--ground");
+  probe.remove();
+  return { ground, least: Math.min(...ratios) };
+});
+
+async function check_schemes(page, check) {
+  await page.emulateMedia({ colorScheme: "light" });
+  const light = await contrast(page);
+  await page.emulateMedia({ colorScheme: "dark" });
+  const dark = await contrast(page);
+  await page.emulateMedia({ colorScheme: null });
+  check(light.ground > 0.8 && dark.ground < 0.05 && Math.min(light.least, dark.least) >= 4.5, `light and dark, with contrast ${light.least.toFixed(1)} and ${dark.least.toFixed(1)}`);
+}
+
+// 360 pixels wide, by touch.
+async function check_phone(browser, url, check, picture) {
+  const context = await browser.newContext({ viewport: { width: 360, height: 740 }, deviceScaleFactor: 2, isMobile: true, hasTouch: true });
+  const page = await context.newPage(), said = [];
+  page.on("console", message => ["error", "warning"].includes(message.type()) && said.push(message.text()));
+  page.on("pageerror", error => said.push(String(error)));
+  await page.goto(url);
+  await page.waitForFunction(() => document.documentElement.dataset.ready === "yes", null, { timeout: 60000 });
+  const width = () => page.evaluate(() => Math.max(document.documentElement.scrollWidth, document.body.scrollWidth, innerWidth));
+  const wide = () => page.evaluate(() => [...document.querySelectorAll("main *")].filter(element => element.getBoundingClientRect().right > 361 && !element.closest(".stage, svg")).map(element => element.outerHTML.slice(0, 60)));
+  check(await width() === 360 && (await wide()).length === 0, `on a phone nothing is wider than the screen ${(await wide()).slice(0, 3).join(" ")}`);
+  const stage = page.locator(".stage").first();
+  await stage.scrollIntoViewIfNeeded();
+  await stage.tap({ position: { x: 40, y: 30 } });
+  check((await page.locator("#probe .where").textContent()).includes("pinned"), "a tap probes");
+  for (const button of await page.locator(".explain").all())
+    await button.tap();
+  const open = await page.locator(".explanation:visible").count();
+  if (await page.locator("#layout").isVisible())
+    await page.locator("#layout").selectOption("wipe");
+  check(open === await page.locator(".explain").count() && await width() === 360 && (await wide()).length === 0, `with ${open} explanations open, too`);
+  if (picture)
+    await page.screenshot({ path: picture, fullPage: true });
+  check(said.length === 0, `and nothing is said there ${said.join(" | ").slice(0, 300)}`);
+  await context.close();
+}
+
+module.exports = { check_verdict, check_explanations, check_aovs, check_filmic, check_wipe, check_zoom, check_probe, check_sheet, check_names, check_schemes, check_phone };

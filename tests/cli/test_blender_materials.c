@@ -1,0 +1,198 @@
+// Materials that glTF cannot carry as they are, from Blender to a picture: small scenes made inside Blender
+// (support/blender_materials.py) are exported, rendered, and held against Cycles by their mean. Skipped where Blender
+// or its numpy is missing.
+#include "support/cli_run.h"
+
+#include "reframe/image.h"
+#include "scene/gltf/gltf.h"
+#include "scene/scene.h"
+#include "scene/textured.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+// another Python first in the path would hide the numpy of Debian's
+#define BLENDER "PATH=/usr/bin:$PATH blender -b "
+#define EXPORT( scene )                                                                                                          \
+    BLENDER scene ".blend -P " REFRAME_SOURCE_DIR "/scripts/blender-export.py -- " scene ".glb --bake-cache cache "
+#define MAKE BLENDER "--factory-startup --python-exit-code 9 -P " REFRAME_SOURCE_DIR "/tests/support/blender_materials.py -- . "
+
+static bool enter_with_blender( void )
+{
+    cli_enter();
+    if ( cli_run( BLENDER "--factory-startup --python-exit-code 9 --python-expr 'import numpy' > log 2>&1" )->status == 0 )
+        return true;
+    cli_leave();
+    print_message( "skipped: there is no blender with numpy\n" );
+    return false;
+}
+
+static double mean_of( const char* name )
+{
+    char path[512];
+    snprintf( path, sizeof path, "%s/%s", cli_folder(), name );
+    RfImage image;
+    RfError error = { .code = RF_OK };
+    if ( rf_read_exr( path, &image, &error ) != RF_OK )
+        fail_msg( "%s", error.text );
+    double sum = 0.0;
+    int count = 3 * image.width * image.height;
+    for ( int i = 0; i < count; ++i )
+        sum += (double)image.rgb[i];
+    rf_destroy_image( &image );
+    return sum / count;
+}
+
+static double cycles_mean( const char* scene )
+{
+    char name[80];
+    snprintf( name, sizeof name, "%s.mean", scene );
+    size_t size;
+    char* text = cli_read( name, &size );
+    double sum = 0.0;
+    char* at = text;
+    for ( int i = 0; i < 3; ++i )
+        sum += strtod( at, &at );
+    free( text );
+    assert_true( sum > 0.0 );
+    return sum / 3.0;
+}
+
+static void load( const char* name, RfScene* scene )
+{
+    char path[512];
+    snprintf( path, sizeof path, "%s/%s", cli_folder(), name );
+    RfError error;
+    RfLog log = { 0 };
+    if ( rf_load_gltf( path, scene, &log, &error ) != RF_OK )
+        fail_msg( "%s", error.text );
+}
+
+static const RfMaterial* find_material( const RfScene* scene, const char* name )
+{
+    for ( uint32_t i = 0; i < scene->material_count; ++i )
+    {
+        if ( strcmp( scene->materials[i].name, name ) == 0 )
+            return scene->materials + i;
+    }
+    fail_msg( "there is no material '%s'", name );
+    return NULL;
+}
+
+#define SIZE "24x18"
+
+// The means of both pictures scatter by half a per cent.
+static void compare( const char* scene )
+{
+    cli_expect( cli_run( "$R render %s.glb -o %s.r.exr --size " SIZE
+                         " --spp 256 --group 0 --tile 1 --max-depth 26 --float --quiet",
+                         scene, scene ),
+                0, NULL );
+    char name[80];
+    snprintf( name, sizeof name, "%s.r.exr", scene );
+    double ratio = mean_of( name ) / cycles_mean( scene );
+    print_message( "%s: %.4f of Cycles\n", scene, ratio );
+    if ( fabs( ratio - 1.0 ) > 0.02 )
+        fail_msg( "%s: the mean is %.4f of Cycles'", scene, ratio );
+}
+
+static void test_means_are_those_of_cycles( void** state )
+{
+    (void)state;
+    static const struct
+    {
+        const char* name;
+        bool is_baked;
+    } scenes[] = { { "procedural", true },  { "images", false },  { "mapped", true },       { "glass", false },
+                   { "transparent", true }, { "emission", true }, { "no_material", false }, { "groups", true } };
+    if ( !enter_with_blender() )
+        skip();
+    assert_int_equal( cli_run( MAKE
+                               "procedural images mapped glass transparent emission no_material groups --samples 256 --size " SIZE
+                               " > log 2>&1" )
+                          ->status,
+                      0 );
+    for ( size_t i = 0; i < sizeof scenes / sizeof scenes[0]; ++i )
+    {
+        const CliResult* done = cli_run( BLENDER "%s.blend -P " REFRAME_SOURCE_DIR
+                                                 "/scripts/blender-export.py -- %s.glb --bake 128 --bake-cache cache",
+                                         scenes[i].name, scenes[i].name );
+        assert_int_equal( done->status, 0 );
+        assert_null( strstr( done->err, "Traceback" ) );
+        assert_null( strstr( done->err, "not understood" ) );
+        assert_true( scenes[i].is_baked == ( strstr( done->out, "baked" ) != NULL ) );
+        compare( scenes[i].name );
+    }
+    // a second time nothing is baked, and the same comes out
+    const CliResult* again = cli_run( EXPORT( "procedural" ) "--bake 128 --overwrite" );
+    assert_int_equal( again->status, 0 );
+    assert_non_null( strstr( again->out, "from the cache" ) );
+    RfScene scene;
+    load( "glass.glb", &scene );
+    const RfMaterial* glass = find_material( &scene, "glass" );
+    assert_true( glass->kind == RF_BSDF_GLASS && !glass->thin && fabsf( glass->ior - 1.45f ) < 1e-5f );
+    rf_destroy_scene( &scene );
+    load( "no_material.glb", &scene );
+    const RfMaterial* grey = find_material( &scene, "no material" );
+    assert_true( grey->kind == RF_BSDF_LAMBERT && fabsf( grey->diffuse.x - 0.8f ) < 1e-5f );
+    rf_destroy_scene( &scene );
+    cli_leave();
+}
+
+static void expect_line( const char* text, const char* part )
+{
+    if ( strstr( text, part ) == NULL )
+        fail_msg( "does not say: %s\n%s", part, text );
+}
+
+static void test_what_is_left_out_is_named( void** state )
+{
+    (void)state;
+    static const char* const said[] = {
+        "'Sphere': material 'skin', node 'Principled BSDF': subsurface scattering",
+        "'Sphere': material 'skin', node 'Principled BSDF': sheen",
+        "'Sphere': material 'skin', node 'Principled BSDF': anisotropy",
+        "'Cube.001': material 'fog', node 'Principled Volume': volume",
+        "'Cube.002': material 'moving', node 'Diffuse BSDF': animated or driven",
+        "'Plane': material 'rough', node 'Displacement': displacement",
+        "'Cube.003': material 'toon', node 'Toon BSDF': toon shading",
+    };
+    if ( !enter_with_blender() )
+        skip();
+    assert_int_equal( cli_run( MAKE "left_out > log 2>&1" )->status, 0 );
+    const CliResult* done = cli_run( EXPORT( "left_out" ) "--bake 64 > log" );
+    assert_int_equal( done->status, 0 );
+    for ( size_t i = 0; i < sizeof said / sizeof said[0]; ++i )
+        expect_line( done->err, said[i] );
+    RfScene scene;
+    load( "left_out.glb", &scene );
+    assert_true( find_material( &scene, "rough" )->textured->refs[RF_TEXTURE_NORMAL].texture >= 0 );
+    rf_destroy_scene( &scene );
+    const CliResult* info = cli_run( "$R info left_out.glb" );
+    for ( size_t i = 0; i < sizeof said / sizeof said[0]; ++i )
+        expect_line( info->out, said[i] );
+    cli_expect( cli_run( "$R info left_out.glb --json info.json --quiet" ), 0, NULL );
+    json_t* json = cli_read_json( "info.json" );
+    assert_int_equal( json_array_size( json_object_get( json, "export_warnings" ) ), sizeof said / sizeof said[0] );
+    json_decref( json );
+    done = cli_run( EXPORT( "left_out" ) "--no-bake --overwrite > log" );
+    assert_int_equal( done->status, 0 );
+    expect_line( done->err, "material 'rough', node 'Bump': normal varies and is not baked (--no-bake)" );
+    done = cli_run( EXPORT( "left_out" ) "--bake 7 --overwrite > log" );
+    assert_int_equal( done->status, 2 );
+    cli_leave();
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = { cmocka_unit_test( test_means_are_those_of_cycles ),
+                                        cmocka_unit_test( test_what_is_left_out_is_named ) };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}

@@ -1,0 +1,211 @@
+// What reframe report says in words: the verdict, whether reuse is faster or slower, warnings;
+// and that it takes no cost of another scene.
+#include "support/cli_run.h"
+#include "support/page_checks.h"
+
+#include <jansson.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+// Two frames, and the JSON of a render that took `seconds` for each.
+static void write_render( const char* folder, int threads, double seconds, double first, double second, const char* more )
+{
+    char name[256], text[1024];
+    page_make_folder( folder );
+    snprintf( name, sizeof name, "%s/f.####.exr", folder );
+    page_write_frames( name, 1, 2, 1.0f, 0.0f );
+    int length =
+        snprintf( text, sizeof text,
+                  "{\"frames\":[{\"frame\":1,\"seconds\":%g,\"relmse_estimate\":%g},{\"frame\":2,\"seconds\":%g,"
+                  "\"relmse_estimate\":%g%s}],\"seconds\":9,\"threads\":%d,\"rays\":{},\"scene\":\"in/a.glb\",\"warnings\":["
+                  "\"in/a.glb: material red: sheen is not supported\"]}",
+                  seconds, first, seconds, second, more, threads );
+    snprintf( name, sizeof name, "%s/render.json", folder );
+    cli_write( name, text, (size_t)length );
+}
+
+static json_t* report( const char* what, int blocks )
+{
+    cli_expect( cli_run( "$R report %s -o v.html --overwrite --quiet", what ), 0, NULL );
+    return page_read_data( "v.html", blocks );
+}
+
+static void expect_verdict( const json_t* data, const char* text, int worst, const char* basis )
+{
+    const json_t* verdict = json_object_get( data, "verdict" );
+    assert_string_equal( json_string_value( json_object_get( verdict, "text" ) ), text );
+    assert_int_equal( json_integer_value( json_object_get( verdict, "worst_frame" ) ), worst );
+    if ( strstr( json_string_value( json_object_get( verdict, "basis" ) ), basis ) == NULL )
+        fail_msg( "'%s' has no '%s'", json_string_value( json_object_get( verdict, "basis" ) ), basis );
+}
+
+static void test_verdict_compares_at_equal_noise( void** state )
+{
+    (void)state;
+    write_render( "slow", 2, 4.0, 0.03, 0.05, "" ); // relMSE 0.04, 4 s
+    write_render( "fast", 2, 2.0, 0.01, 0.03, "" ); // relMSE 0.02, 2 s
+    json_t* data = report( "slow fast", 4 );
+    expect_verdict( data, "fast takes 4 times less time than slow at equal noise", 2, "2 threads each" );
+    json_decref( data );
+    write_render( "many", 8, 2.0, 0.01, 0.03, "" );
+    data = report( "slow many", 4 );
+    expect_verdict( data, "many has 2 times less squared error than slow", 2, "times are not compared" );
+    json_decref( data );
+    // the first frame stands for more: that took no time, but counts
+    write_render( "still", 2, 0.0, 0.01, 0.03, "" );
+    assert_int_equal( cli_run( "sed -i 's/\"seconds\":0/\"seconds\":4/' still/render.json" )->status, 0 );
+    data = report( "slow still", 4 ); // 0.04 · 8 s against 0.02 · 4 s
+    expect_verdict( data, "still takes 4 times less time than slow at equal noise", 2, "mean of 2 frames" );
+    json_decref( data );
+    data = report( "fast", 2 );
+    expect_verdict( data, "About 8.2 % noise (relMSE 0.02)", 2, "mean of 2 frames" );
+    json_decref( data );
+    data = report( "slow/f.0001.exr --render-json slow/render.json", 1 );
+    assert_true( json_is_null( json_object_get( json_object_get( data, "verdict" ), "worst_frame" ) ) );
+    json_decref( data );
+    page_make_folder( "none" );
+    page_write_frames( "none/f.####.exr", 1, 2, 1.0f, 0.0f );
+    data = report( "none", 2 );
+    expect_verdict( data, "No error is known", 0, "--reference measures it" );
+    json_decref( data );
+}
+
+static void test_lower_bounds_and_warnings_are_told( void** state )
+{
+    (void)state;
+    write_render( "tail", 2, 2.0, 0.01, 0.03, ",\"relmse_is_lower_bound\":true,\"worst_ten_share\":0.6" );
+    json_t* data = report( "tail", 2 );
+    expect_verdict( data, "At least 8.2 % noise (relMSE 0.02)", 2, "1 estimate is a lower bound" );
+    const json_t *warnings = json_object_get( data, "warnings" ), *sequence = page_sequence( data, 0 );
+    assert_int_equal( json_array_size( warnings ), 2 );
+    assert_string_equal( json_string_value( json_object_get( json_array_get( warnings, 0 ), "text" ) ),
+                         "in/a.glb: material red: sheen is not supported" );
+    assert_non_null(
+        strstr( json_string_value( json_object_get( json_array_get( warnings, 1 ), "text" ) ), "the ten worst up to 60 %" ) );
+    assert_true( json_is_false( page_item( sequence, "at_least", 0 ) ) && json_is_true( page_item( sequence, "at_least", 1 ) ) );
+    assert_string_equal( page_fact( sequence, "Error", "relMSE, estimated" ), "at least 0.02" );
+    assert_string_equal( page_fact( sequence, "Error", "Share of the ten worst pixels" ), "up to 60 %" );
+    json_decref( data );
+    // the other way round: what is a bound of one is the other of the ratio
+    write_render( "slow", 2, 4.0, 0.03, 0.05, "" );
+    data = report( "slow tail", 4 );
+    expect_verdict( data, "tail takes at most 4 times less time than slow at equal noise", 2, "1 estimate is a lower bound" );
+    json_decref( data );
+    // of the header where there is no JSON
+    const RfExrString strings[] = { { "reframe/relmse-estimate", "0.02" },
+                                    { "reframe/relmse-is-lower-bound", "yes" },
+                                    { "reframe/worst-ten-share", "0.4" } };
+    page_make_folder( "head" );
+    page_write_frame( "head/f.exr", 20, 20, 1.0f, strings, 3 );
+    data = report( "head", 1 );
+    assert_string_equal( page_fact( page_sequence( data, 0 ), "Error", "relMSE, estimated" ), "at least 0.02" );
+    assert_string_equal( page_fact( page_sequence( data, 0 ), "Error", "Share of the ten worst pixels" ), "up to 40 %" );
+    json_decref( data );
+    // against a reference the error is known
+    data = report( "tail --reference tail", 4 );
+    assert_true( json_is_false( page_item( page_sequence( data, 0 ), "at_least", 1 ) ) );
+    json_decref( data );
+}
+
+static void write_cost( const char* name, const char* scene, const char* more )
+{
+    char text[512];
+    int length = snprintf( text, sizeof text,
+                           "{\"scene\":\"%s\",\"rows\":[{\"reuse\":true,\"spp\":4,\"seconds\":2,\"relmse\":0.5}],"
+                           "\"speedup_at_equal_error\":0.753,\"speedup_low\":0.5,\"speedup_high\":1.25%s}",
+                           scene, more );
+    cli_write( name, text, (size_t)length );
+}
+
+static void write_scene_frame( const char* folder, const char* scene )
+{
+    char name[256];
+    const RfExrString string = { "reframe/scene", scene };
+    page_make_folder( folder );
+    snprintf( name, sizeof name, "%s/f.0001.exr", folder );
+    page_write_frame( name, 20, 20, 1.0f, &string, 1 );
+}
+
+static const char* cost_note( const json_t* data )
+{
+    return json_string_value( json_object_get( json_array_get( json_object_get( data, "cost" ), 0 ), "note" ) );
+}
+
+static void test_slower_is_called_slower( void** state )
+{
+    (void)state;
+    write_scene_frame( "c", "in/a.glb" );
+    write_cost( "c/cost.json", "elsewhere/a.glb", "" ); // the same scene, by another path
+    json_t* data = report( "c", 1 );
+    assert_string_equal( cost_note( data ),
+                         "at equal error reuse is 1.3 times slower (95 %: 2 times slower to 1.2 times faster)" );
+    json_decref( data );
+    page_write_frame( "c/f.0001.exr", 20, 20, 1.0f,
+                      ( const RfExrString[] ){ { "reframe/scene", "a.glb" }, { "reframe/relmse-estimate", "0.03" } }, 2 );
+    data = report( "c", 1 );
+    assert_string_equal( json_string_value( json_object_get( json_object_get( data, "verdict" ), "text" ) ),
+                         "About 10 % noise (relMSE 0.03); reuse takes 1.3 times more time than path tracing at equal noise" );
+    json_decref( data );
+    assert_int_equal( cli_run( "sed -i 's/1.25/0.8/' c/cost.json" )->status, 0 );
+    data = report( "c", 1 );
+    assert_string_equal( cost_note( data ), "at equal error reuse is 1.3 times slower (95 %: 1.2 to 2)" );
+    json_decref( data );
+    write_cost( "c/cost.json", "a.glb", ",\"verdict\":\"Reuse does not pay here.\"" );
+    data = report( "c", 1 );
+    assert_string_equal( cost_note( data ), "Reuse does not pay here." );
+    json_decref( data );
+}
+
+static void test_cost_of_another_scene_is_refused( void** state )
+{
+    (void)state;
+    write_scene_frame( "d", "in/a.glb" );
+    write_cost( "b.json", "in/b.glb", "" );
+    cli_expect( cli_run( "$R report d --cost b.json -o d.html" ), 2,
+                "b.json: is of the scene in/b.glb, and the frames d/f.####.exr are of in/a.glb" );
+    write_cost( "d/cost.json", "in/b.glb", "" );
+    cli_expect( cli_run( "$R report d -o d.html" ), 2, "d/cost.json: is of the scene in/b.glb" );
+    assert_false( cli_exists( "d.html" ) );
+    write_cost( "d/later.json", "in/a.glb", "" ); // one that fits comes first
+    json_t* data = report( "d", 1 );
+    assert_int_equal( json_array_size( json_object_get( data, "cost" ) ), 1 );
+    json_decref( data );
+    write_cost( "a.json", "a.glb", "" );
+    cli_expect( cli_run( "rm d/later.json; $R report d --cost a.json -o d.html" ), 0, NULL );
+}
+
+// `render` and `cost` write what the page reads.
+static void test_render_and_cost_name_what_is_read( void** state )
+{
+    (void)state;
+    cli_expect( cli_run( "$R render $VASE -o k/f.##.exr --frames 1-2 --size 24x16 --spp 2 --group 0 --aov variance --quiet "
+                         "--json k/r.json" ),
+                0, NULL );
+    json_t* data = report( "k", 2 );
+    const json_t* warnings = json_object_get( data, "warnings" );
+    assert_true( json_is_array( warnings ) );
+    json_decref( data );
+    size_t size;
+    char* text = cli_read( "k/r.json", &size );
+    assert_non_null( strstr( text, "\"warnings\": [" ) );
+    free( text );
+    cli_expect( cli_run( "$R cost $VASE --size 24x16 --frames 1-3 --group 1 --budget 1 --quiet --json k/cost.json" ), 0, NULL );
+    cli_expect( cli_run( "$R report k -o k.html --overwrite --quiet" ), 0, NULL );
+    cli_expect( cli_run( "sed -i 's/vase-room/still-life/' k/cost.json; $R report k -o k.html --overwrite --quiet" ), 2,
+                "still-life.glb" );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( test_verdict_compares_at_equal_noise ),   cmocka_unit_test( test_lower_bounds_and_warnings_are_told ),
+        cmocka_unit_test( test_slower_is_called_slower ),           cmocka_unit_test( test_cost_of_another_scene_is_refused ),
+        cmocka_unit_test( test_render_and_cost_name_what_is_read ),
+    };
+    return cmocka_run_group_tests_name( "report's words", tests, cli_enter_group, cli_leave_group );
+}

@@ -1,0 +1,136 @@
+// What users type out of habit is understood, or answered with what to type.
+#include "support/cli_run.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#define TINY " --size 16x9 --spp 2 --group 0 --quiet "
+
+static void test_help_is_a_command( void** state )
+{
+    (void)state;
+    const CliResult* result = cli_run( "$R help" );
+    cli_expect( result, 0, NULL );
+    assert_int_equal( strncmp( result->out, "usage: reframe COMMAND", 22 ), 0 );
+    result = cli_run( "$R help plan" );
+    cli_expect( result, 0, NULL );
+    assert_int_equal( strncmp( result->out, "usage: reframe plan [OPTIONS] SCENE", 35 ), 0 );
+    cli_expect( cli_run( "$R help rendr" ), 2, "reframe: 'rendr': no such command, did you mean render?" );
+    cli_expect( cli_run( "$R diff a b" ), 2, "reframe: 'diff': no such command, did you mean compare?" );
+    cli_expect( cli_run( "$R version" ), 2, "reframe: 'version': no such command, did you mean --version?" );
+}
+
+static void test_words_of_other_programs( void** state )
+{
+    (void)state;
+    cli_expect( cli_run( "$R render $VASE -o a.exr --samples 64" ), 2, "--samples: no such option, did you mean --spp?" );
+    cli_expect( cli_run( "$R render $VASE -o a.exr --resolution 64x48" ), 2,
+                "--resolution: no such option, did you mean --size?" );
+    cli_expect( cli_run( "$R tune $VASE --time 20s" ), 2, "--time: no such option, did you mean --budget?" );
+}
+
+// Units reach the render, and numbered names may be written as printf has them.
+static void test_units_and_patterns( void** state )
+{
+    (void)state;
+    cli_expect( cli_run( "$R plan $VASE --size 360p --noise 1%% --time 1m1s --frames 1 --json plan.json > table" ), 0, NULL );
+    cli_expect( cli_run( "$R render $VASE -o p/f.%%04d.exr --frames 9-10" TINY ), 0, NULL );
+    assert_true( cli_exists( "p/f.0009.exr" ) && cli_exists( "p/f.0010.exr" ) );
+    cli_expect( cli_run( "$R render $VASE -o p/f.%%04d.exr --frames 9-10 --noise 300%% --time 30s --size 16x9 --overwrite "
+                         "--quiet --json r.json" ),
+                0, NULL );
+    json_t* json = cli_read_json( "r.json" );
+    assert_true( json_number_value( json_object_get( json_object_get( json, "noise" ), "wanted" ) ) == 3.0 );
+    assert_true( json_number_value( json_object_get( json_object_get( json, "time" ), "wanted" ) ) == 30.0 );
+    json_decref( json );
+    cli_expect( cli_run( "$R compare p/f.%%04d.exr p/f.####.exr --quiet > table" ), 0, NULL );
+    cli_expect( cli_run( "$R cost $VASE --noise 5%%,x" ), 2, "--noise: wants numbers above 0" );
+}
+
+// Blender's own files, compressed as Blender 3 or older ones do, or not.
+static void test_blend_files_are_recognised( void** state )
+{
+    (void)state;
+    static const char advice[] = "export it by blender -b a.blend -P scripts/blender-export.py -- scene.glb\n";
+    static const struct
+    {
+        const char *bytes, *said;
+    } cases[] = {
+        { "BLENDER-v304RENDH", "a.blend: is a Blender file: " },
+        { "\x28\xb5\x2f\xfd\x60\x10", "a.blend: is a Blender file, compressed by zstd: " },
+        { "\x1f\x8b\x08", "a.blend: is a Blender file, compressed by gzip: " },
+    };
+    for ( size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i )
+    {
+        cli_write( "a.blend", cases[i].bytes, strlen( cases[i].bytes ) );
+        const CliResult* result = cli_run( "$R info a.blend" );
+        cli_expect( result, 1, cases[i].said );
+        assert_non_null( strstr( result->err, advice ) );
+        cli_expect( cli_run( "$R convert a.blend a.glb" ), 1, cases[i].said );
+        cli_expect( cli_run( "cp a.blend scene.json; $R render scene.json -o a.exr" ), 1, "scene.json" );
+    }
+    cli_write( "a.glb", cases[1].bytes, strlen( cases[1].bytes ) );
+    cli_expect( cli_run( "$R info a.glb" ), 1, "a.glb: is compressed by zstd: uncompress it first, or if it is a Blender file" );
+}
+
+// Two folders: what both have is measured, and the rest is named.
+static void test_folders_are_compared( void** state )
+{
+    (void)state;
+    cli_expect( cli_run( "$R render $VASE -o a/f.####.exr --frames 1-4" TINY "&& mkdir b && cp a/f.0002.exr b/g_002.exr && "
+                         "cp a/f.0004.exr b/g_004.exr && cp a/f.0001.exr b/g_006.exr" ),
+                0, NULL );
+    const CliResult* result = cli_run( "$R compare a b/ --json c.json" );
+    cli_expect( result, 0, NULL );
+    assert_non_null( strstr( result->out, "no difference: every pixel is the same" ) );
+    assert_non_null( strstr( result->out, "not measured, for a/f.####.exr lacks it: frame 6\n" ) );
+    assert_non_null( strstr( result->out, "not measured, for b/g_###.exr lacks them: frames 1, 3\n" ) );
+    assert_non_null( strstr( result->out, "not measured, for both sequences lack it: frame 5\n" ) );
+    json_t* json = cli_read_json( "c.json" );
+    assert_int_equal( json_array_size( json_object_get( json, "frames" ) ), 2 );
+    assert_int_equal( json_array_size( json_object_get( json, "missing_a" ) ), 1 );
+    assert_int_equal( json_integer_value( json_array_get( json_object_get( json, "missing_b" ), 1 ) ), 3 );
+    json_decref( json );
+    cli_expect( cli_run( "$R compare a b/g_###.exr --frames 2,4 --quiet > table" ), 0, NULL );
+    cli_expect( cli_run( "$R compare a b --frames 3" ), 1, "reframe compare: b/g_###.exr: frame 3 is missing" );
+    cli_expect( cli_run( "$R compare a/f.####.exr b/g_###.exr" ), 1, "but not in" ); // sequences are to be the same
+    cli_expect( cli_run( "mkdir e; $R compare a e" ), 1, "e: there is no EXR file in this folder" );
+    cli_expect( cli_run( "cp a/f.0001.exr e/f.0009.exr; $R compare a e" ), 1, "have no frame in common" );
+    cli_expect( cli_run( "$R compare a a/f.0001.exr" ), 2, "give two of a kind" );
+}
+
+// Sequences, folders and layers as PNG, with the numbers of the frames.
+static void test_sequences_as_png( void** state )
+{
+    (void)state;
+    cli_expect( cli_run( "$R render $VASE -o s/f.####.exr --frames 1-4 --aov depth" TINY ), 0, NULL );
+    const CliResult* result = cli_run( "$R png s/f.####.exr s/p.%%04d.png" );
+    cli_expect( result, 0, NULL );
+    assert_string_equal( result->out, "4 frames in s/p.%04d.png\n" );
+    assert_int_equal( cli_count_files( ".png", "s" ), 4 );
+    cli_expect(
+        cli_run( "mkdir t && $R png s t --layer depth.Z --quiet && test -s t/f.0003.png && ! cmp -s t/f.0003.png s/p.0003.png" ),
+        0, NULL );
+    cli_expect( cli_run( "$R png s/f.0002.exr one.png && cmp one.png s/p.0002.png && $R png s u.####.png --frames 2-3 --quiet && "
+                         "cmp u.0002.png one.png && test ! -e u.0001.png" ),
+                0, NULL );
+    cli_expect( cli_run( "rm s/f.0002.exr; $R png s v.####.png > out" ), 0, "warning: s/f.####.exr: lacks frame 2" );
+    cli_expect( cli_run( "$R png s v.png" ), 2, "v.png: has no #### for the number, but there are 3 frames" );
+    cli_expect( cli_run( "$R png s s/f.####.exr" ), 2, "s/f.####.exr: ends as a file of another kind: name it .png" );
+    cli_expect( cli_run( "$R png s v.####.png --frames 2" ), 1, "s/f.####.exr: frame 2 is missing" );
+    cli_expect( cli_run( "$R png s/f.0001.exr v.png --layer nothing" ), 1, "s/f.0001.exr" );
+    cli_expect( cli_run( "$R png s/f.0001.exr v.png --frames 1" ), 2, "--frames: is of sequences" );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( test_help_is_a_command ),    cmocka_unit_test( test_words_of_other_programs ),
+        cmocka_unit_test( test_units_and_patterns ),   cmocka_unit_test( test_blend_files_are_recognised ),
+        cmocka_unit_test( test_folders_are_compared ), cmocka_unit_test( test_sequences_as_png ),
+    };
+    return cmocka_run_group_tests( tests, cli_enter_group, cli_leave_group );
+}

@@ -1,0 +1,317 @@
+"""Makes small scenes of materials inside Blender, and renders them with Cycles:
+
+    blender -b --factory-startup -P blender_materials.py -- FOLDER [SCENE ...] [--samples N] [--size WxH]
+
+writes FOLDER/SCENE.blend for every scene and, with --samples, rendered by Cycles, FOLDER/SCENE.exr and FOLDER/SCENE.mean, the mean of
+its picture in R, G and B.
+"""
+import argparse
+import os
+import sys
+
+import bpy
+import numpy
+
+ROOM = 2.0  # half a side
+
+
+class Shader:
+    """A few words for making nodes."""
+
+    def __init__(self, name):
+        self.material = bpy.data.materials.new(name)
+        self.material.use_nodes = True
+        self.tree = self.material.node_tree
+        self.tree.nodes.clear()
+        self.out = self.add("OutputMaterial")
+
+    def add(self, kind, **inputs):
+        node = self.tree.nodes.new("ShaderNode" + kind)
+        for name, value in inputs.items():
+            self.feed(node.inputs[name.replace("_", " ")], value)
+        return node
+
+    def feed(self, socket, value):
+        if isinstance(value, bpy.types.NodeSocket):
+            self.tree.links.new(value, socket)
+        elif isinstance(value, bpy.types.Node):
+            self.tree.links.new(value.outputs[0], socket)
+        else:
+            socket.default_value = value
+
+    def mix(self, factor, a, b):
+        node = self.add("MixShader")
+        for socket, value in zip(node.inputs, (factor, a, b)):
+            self.feed(socket, value)
+        return node
+
+    def done(self, shader, **inputs):
+        self.feed(self.out.inputs["Surface"], shader)
+        for name, value in inputs.items():
+            self.feed(self.out.inputs[name], value)
+        return self.material
+
+
+def grey(value):
+    return (value, value, value, 1.0)
+
+
+def diffuse(name, colour):
+    s = Shader(name)
+    return s.done(s.add("BsdfDiffuse", Color=colour))
+
+
+def light(name, strength, colour=(1.0, 1.0, 1.0, 1.0)):
+    s = Shader(name)
+    return s.done(s.add("Emission", Color=colour, Strength=strength))
+
+
+def noise_mix(name, a, b, scale=3.0):
+    """Two diffuse surfaces, mixed by a noise."""
+    s = Shader(name)
+    noise = s.add("TexNoise", Scale=scale, Detail=1.0)
+    ramp = s.add("ValToRGB", Fac=noise.outputs["Fac"])
+    ramp.color_ramp.elements[0].position, ramp.color_ramp.elements[1].position = 0.35, 0.65
+    return s.done(s.mix(ramp.outputs["Color"], s.add("BsdfDiffuse", Color=a), s.add("BsdfDiffuse", Color=b)))
+
+
+def put(mesh, material=None, **where):
+    getattr(bpy.ops.mesh, "primitive_" + mesh + "_add")(**where)
+    o = bpy.context.object
+    if material is not None:
+        o.data.materials.append(material)
+    return o
+
+
+def inwards(o):
+    o.data.flip_normals()
+    return o
+
+
+def lamp(material, size, **where):
+    """Cut into many faces: near one of two triangles Cycles is a per cent too dark."""
+    return put("grid", material, x_subdivisions=12, y_subdivisions=12, size=size, **where)
+
+
+def room(material, strength=8.0, size=1.0):
+    """A closed room and a lamp of an emission."""
+    walls = inwards(put("cube", material, size=2.0 * ROOM))
+    lamp(light("lamp", strength), size, location=(0.3 / size, 0.4 / size, ROOM - 0.02))
+    return walls
+
+
+def plain_room(**lamp):
+    return room(diffuse("wall", grey(0.6)), **lamp)
+
+
+def procedural():
+    room(noise_mix("wall", (0.85, 0.75, 0.6, 1.0), (0.1, 0.15, 0.3, 1.0)))
+
+
+def striped(s):
+    """The colour of an image. Between pixels Cycles interpolates sRGB values, glTF linear ones: hence no interpolation."""
+    node = s.add("TexImage")
+    node.interpolation = "Closest"
+    node.image = bpy.data.images.get("stripes")
+    if node.image is None:
+        node.image = bpy.data.images.new("stripes", 64, 64)
+        pixels = numpy.ones((64, 64, 4), numpy.float32)
+        pixels[:, ::8, :3] = pixels[:, 1::8, :3] = pixels[:, 2::8, :3] = (0.9, 0.4, 0.1)
+        pixels[:8, :, :3] = (0.1, 0.3, 0.8)
+        node.image.pixels.foreach_set(pixels.ravel())
+        node.image.pack()
+    return node.outputs["Color"]
+
+
+def images():
+    """Images that need no bake: as they are, by a factor, and shining."""
+    plain_room(strength=1.0, size=3.6)
+    s = Shader("plain")
+    put("cube", s.done(s.add("BsdfDiffuse", Color=striped(s))), size=1.0, location=(-1.1, 0.7, -1.3))
+    s = Shader("dimmed")
+    product = s.add("Mix")
+    product.data_type, product.blend_type = "RGBA", "MULTIPLY"
+    product.inputs[0].default_value = 1.0
+    s.feed(product.inputs[6], striped(s))
+    s.feed(product.inputs[7], (0.5, 0.9, 0.3, 1.0))
+    put("cube", s.done(s.add("BsdfDiffuse", Color=product.outputs[2])), size=1.0, location=(0.2, 0.7, -1.3))
+    s = Shader("shining")
+    put("cube", s.done(s.add("Emission", Color=striped(s), Strength=2.5)), size=0.8, location=(1.2, 0.7, -1.3))
+
+
+def mapped():
+    """Colours by maths on an image, on a mesh with a modifier, seen twice; and vertex colours."""
+    plain_room()
+    s = Shader("stripes")
+    gamma = s.add("Gamma", Color=striped(s), Gamma=2.0)
+    block = put("cube", s.done(s.add("BsdfDiffuse", Color=gamma)), size=1.2, location=(-0.7, 0.6, -1.2))
+    block.modifiers.new("round", "BEVEL").width = 0.1
+    twin = block.copy()
+    twin.location = (0.9, 0.9, -1.3)
+    bpy.context.scene.collection.objects.link(twin)
+    s = Shader("painted")
+    ball = put("uv_sphere", s.done(s.add("BsdfDiffuse", Color=s.add("VertexColor").outputs["Color"])), radius=0.5, location=(0.0, -0.5, -1.4))
+    ball.data.color_attributes.new("paint", "FLOAT_COLOR", "POINT")
+    for v, c in zip(ball.data.vertices, ball.data.color_attributes[0].data):
+        c.color = (0.9 if v.co.z > 0.0 else 0.1, 0.3, 0.2, 1.0)
+
+
+def glass():
+    plain_room(strength=1.0, size=3.6)
+    s = Shader("glass")
+    put("uv_sphere", s.done(s.add("BsdfGlass", IOR=1.45, Roughness=0.0)), segments=48, ring_count=24, radius=0.6, location=(-0.7, 0.3, -0.8))
+    bpy.ops.object.shade_smooth()
+    s = Shader("frosted")
+    put("cube", s.done(s.add("BsdfGlass", IOR=1.5, Roughness=0.4)), size=0.9, location=(0.8, 0.6, -1.2))
+
+
+def transparent():
+    plain_room()
+    s = Shader("veil")
+    see = s.add("BsdfTransparent")
+    put("plane", s.done(s.mix(0.4, see, s.add("BsdfDiffuse", Color=(0.9, 0.2, 0.1, 1.0)))), size=2.4, location=(0.0, 0.2, -0.3)).rotation_euler = (1.4, 0.2, 0.0)
+    s = Shader("net")
+    checker = s.add("TexChecker", Scale=6.0)
+    put("cube", s.done(s.mix(checker.outputs["Fac"], s.add("BsdfTransparent"), s.add("BsdfDiffuse", Color=grey(0.2)))), size=1.0, location=(0.9, 0.9, -1.3))
+
+
+def emission():
+    """Lamps of emission shaders: constant, varying, one-sided, and a share of a mixture."""
+    walls = diffuse("wall", grey(0.5))
+    inwards(put("cube", walls, size=2.0 * ROOM))
+    s = Shader("glowing noise")
+    noise = s.add("TexNoise", Scale=2.0)
+    lamp(s.done(s.add("Emission", Color=noise.outputs["Color"], Strength=6.0)), 1.4, location=(0.0, 1.0, ROOM - 0.05))
+    s = Shader("half glowing")
+    put("uv_sphere", s.done(s.mix(0.5, s.add("Emission", Color=(0.2, 0.5, 1.0, 1.0), Strength=3.0), s.add("BsdfDiffuse", Color=grey(0.8)))), radius=0.4, location=(-0.8, 0.5, -1.2))
+    s = Shader("one side")
+    back = s.add("NewGeometry").outputs["Backfacing"]
+    lamp(s.done(s.mix(back, s.add("Emission", Strength=5.0), s.add("BsdfDiffuse", Color=grey(0.0)))), 0.8, location=(1.0, 0.8, 0.0))
+
+
+def no_material():
+    """A closed room of Blender's own grey, an empty slot, materials without nodes and without output."""
+    walls = room(None)
+    walls.data.materials.append(None)
+    put("cube", None, size=1.0, location=(-0.7, 0.6, -1.5))
+    material = bpy.data.materials.new("no nodes")
+    material.diffuse_color = (0.2, 0.6, 0.3, 1.0)
+    put("cube", material, size=0.8, location=(0.8, 0.8, -1.6))
+    s = Shader("no output")
+    s.tree.nodes.remove(s.out)
+    put("uv_sphere", s.material, radius=0.4, location=(0.2, -0.4, -1.5))
+
+
+def groups():
+    """Groups within groups, reroutes, muted nodes, several outputs."""
+    room(diffuse("wall", grey(0.6)))
+    inner = bpy.data.node_groups.new("colour", "ShaderNodeTree")
+    inner.inputs.new("NodeSocketFloat", "Scale")
+    inner.outputs.new("NodeSocketColor", "Colour")
+    a, b = inner.nodes.new("NodeGroupInput"), inner.nodes.new("NodeGroupOutput")
+    checker = inner.nodes.new("ShaderNodeTexChecker")
+    checker.inputs["Color1"].default_value, checker.inputs["Color2"].default_value = (0.9, 0.1, 0.1, 1.0), (0.1, 0.1, 0.9, 1.0)
+    inner.links.new(a.outputs["Scale"], checker.inputs["Scale"])
+    inner.links.new(checker.outputs["Color"], b.inputs["Colour"])
+    group = bpy.data.node_groups.new("surface", "ShaderNodeTree")
+    group.inputs.new("NodeSocketFloat", "Scale")
+    group.outputs.new("NodeSocketShader", "Surface")
+    a, b = group.nodes.new("NodeGroupInput"), group.nodes.new("NodeGroupOutput")
+    colour, shader = group.nodes.new("ShaderNodeGroup"), group.nodes.new("ShaderNodeBsdfDiffuse")
+    colour.node_tree = inner
+    group.links.new(a.outputs["Scale"], colour.inputs["Scale"])
+    group.links.new(colour.outputs["Colour"], shader.inputs["Color"])
+    group.links.new(shader.outputs[0], b.inputs["Surface"])
+    s = Shader("grouped")
+    node = s.tree.nodes.new("ShaderNodeGroup")
+    node.node_tree = group
+    node.inputs["Scale"].default_value = 4.0
+    reroute = s.tree.nodes.new("NodeReroute")
+    s.tree.links.new(node.outputs[0], reroute.inputs[0])
+    muted = s.add("MixShader")
+    muted.mute = True
+    s.feed(muted.inputs[1], reroute.outputs[0])
+    s.feed(muted.inputs[2], s.add("Emission", Strength=50.0))
+    other = s.add("OutputMaterial")
+    s.feed(other.inputs["Surface"], s.add("Emission", Strength=100.0))
+    other.is_active_output = False
+    s.out.is_active_output = True
+    put("cube", s.done(muted), size=1.6, location=(0.0, 0.8, -1.2))
+
+
+def left_out():
+    """What can only be named."""
+    room(diffuse("wall", grey(0.6)))
+    s = Shader("skin")
+    put("uv_sphere", s.done(s.add("BsdfPrincipled", Subsurface=0.5, Sheen=1.0, Anisotropic=0.3)), radius=0.4, location=(-1.0, 0.6, -1.4))
+    s = Shader("fog")
+    put("cube", s.done(s.add("BsdfTransparent"), Volume=s.add("VolumePrincipled")), size=0.8, location=(0.0, 0.6, -1.4))
+    s = Shader("moving")
+    shader = s.add("BsdfDiffuse")
+    shader.inputs["Color"].driver_add("default_value", 0).driver.expression = "frame * 0.01"
+    put("cube", s.done(shader), size=0.6, location=(1.0, 0.6, -1.5))
+    s = Shader("rough")
+    noise = s.add("TexNoise", Scale=20.0)
+    bump = s.add("Bump", Height=noise.outputs["Fac"])
+    put("plane", s.done(s.add("BsdfDiffuse", Normal=bump), Displacement=s.add("Displacement", Height=noise.outputs["Fac"])), size=2.0, location=(0.0, 0.0, -1.9))
+    s = Shader("toon")
+    put("cube", s.done(s.add("BsdfToon", Color=(0.9, 0.1, 0.1, 1.0))), size=0.4, location=(0.4, -0.8, -1.6))
+    bpy.ops.object.mode_set(mode="EDIT")  # in which the file is saved
+
+
+SCENES = (procedural, images, mapped, glass, transparent, emission, no_material, groups, left_out)
+
+
+def begin(size):
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    scene = bpy.context.scene
+    scene.frame_start = scene.frame_end = 1
+    scene.render.engine = "CYCLES"
+    scene.render.resolution_x, scene.render.resolution_y = size
+    eye = bpy.data.objects.new("eye", bpy.data.cameras.new("eye"))
+    scene.collection.objects.link(eye)
+    scene.camera = eye
+    eye.location, eye.rotation_euler = (0.2, -ROOM + 0.1, 0.1), (1.45, 0.0, 0.05)
+    eye.data.lens = 20.0
+    eye.data.clip_start = 0.01
+    return scene
+
+
+def render(scene, path, samples):
+    cycles = scene.cycles
+    cycles.device, cycles.samples, cycles.pixel_filter_type, cycles.filter_width = "CPU", samples, "BOX", 1.0
+    cycles.max_bounces = cycles.diffuse_bounces = cycles.glossy_bounces = cycles.transmission_bounces = 24
+    cycles.transparent_max_bounces = 24
+    cycles.use_adaptive_sampling = cycles.use_denoising = False
+    cycles.sample_clamp_direct = cycles.sample_clamp_indirect = cycles.blur_glossy = 0.0
+    cycles.caustics_reflective = cycles.caustics_refractive = True
+    scene.render.image_settings.file_format, scene.render.image_settings.color_depth = "OPEN_EXR", "32"
+    scene.render.filepath = path
+    bpy.ops.render.render(write_still=True)
+    image = bpy.data.images.load(path)
+    pixels = numpy.empty(image.size[0] * image.size[1] * image.channels, numpy.float32)
+    image.pixels.foreach_get(pixels)
+    return pixels.reshape(-1, image.channels)[:, :3].mean(axis=0)
+
+
+def main():
+    p = argparse.ArgumentParser()
+    p.add_argument("folder")
+    p.add_argument("scenes", nargs="*")
+    p.add_argument("--samples", type=int, default=0)
+    p.add_argument("--size", default="64x48")
+    args = p.parse_args(sys.argv[sys.argv.index("--") + 1:])
+    for make in SCENES:
+        if args.scenes and make.__name__ not in args.scenes:
+            continue
+        scene = begin(tuple(int(n) for n in args.size.split("x")))
+        make()
+        base = os.path.join(os.path.abspath(args.folder), make.__name__)
+        bpy.ops.wm.save_as_mainfile(filepath=base + ".blend", check_existing=False)
+        if args.samples:
+            mean = render(scene, base + ".exr", args.samples)
+            with open(base + ".mean", "w", encoding="utf-8") as file:
+                file.write("%.6g %.6g %.6g\n" % tuple(mean))
+
+
+main()
