@@ -4,8 +4,10 @@ import math
 import bpy
 import mathutils
 
+from .effects import focus_of, lens_of_path
 from .messages import fail, list_names, note
 
+SHARP = 1e6  # f-number
 Y_UP = mathutils.Quaternion((math.sqrt(0.5), -math.sqrt(0.5), 0.0, 0.0))  # from Blender's axes to glTF's
 
 
@@ -54,6 +56,7 @@ class Recorder:
     def __init__(self, scene, camera, follow):
         self.scene, self.camera, self.follow = scene, camera, follow
         self.keys, self.before = [], None
+        self.focus = []  # of each key: f-number and distance, or None
 
     def note(self, number, depsgraph):
         # markers in the timeline may change the active camera
@@ -64,6 +67,7 @@ class Recorder:
         self.before = turn.copy()
         fov, shift = lens_of(self.scene, camera, depsgraph)
         self.keys.append((number, place.copy(), turn.copy(), fov, shift))
+        self.focus.append(focus_of(camera))
 
     def path(self, step):
         """A camera path (anim/camera-path.schema.json) with a key in every frame."""
@@ -75,12 +79,19 @@ class Recorder:
         if render.pixel_aspect_x != render.pixel_aspect_y:
             path["pixelAspect"] = float("%.9g" % (render.pixel_aspect_x / render.pixel_aspect_y))
         below = min(self.keys[0][0], 0)
-        for number, place, turn, fov, shift in self.keys:
+        is_focused = any(focus is not None for focus in self.focus)
+        lens = lens_of_path(self.scene, self.camera, self.keys[0][3], is_focused)
+        if lens is not None:
+            path["lens"] = lens
+        for (number, place, turn, fov, shift), focus in zip(self.keys, self.focus):
             turn = Y_UP @ turn
             key = {"frame": number - below, "position": rounded((place.x, place.z, -place.y)),
                    "rotation": rounded((turn.x, turn.y, turn.z, turn.w)), "fov": float("%.9g" % fov)}
             if shifts:
                 key["shift"] = rounded(shift)
+            if is_focused:
+                # markers may change to a camera without depth of field
+                key["fstop"], key["focus"] = rounded(focus or (SHARP, 10.0))
             path["keys"].append(key)
         return path
 

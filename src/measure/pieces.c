@@ -157,6 +157,7 @@ RfResult rf_choose_pieces( const RfTracer* tracer, const RfEye* eyes, int frames
     {
         c->tracer = tracer;
         c->eyes = eyes;
+        c->blurred = rf_any_blurred( eyes, frames );
         c->pieces = p;
         c->target = target;
         choose( c, centre, pixels, seed );

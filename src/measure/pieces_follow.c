@@ -7,6 +7,9 @@
 
 #define STEP 2     // pixels between the points that are followed to other frames
 #define REACH 1.0f // pixels around where such a point is seen that belong to it
+// With a lens or a shutter points are followed from so many places of these, and reach farther.
+#define LENS_SAMPLES 8
+#define BLURRED_REACH 3.0f
 
 static RfVec3 point_of( float ( *a )[RF_PIECE_POINTS], int i ) { return rf_vec3( a[0][i], a[1][i], a[2][i] ); }
 
@@ -66,17 +69,18 @@ static void find_points( RfPieceChooser* c, const RfEye* eye )
 }
 
 // Marks the cells of a frame in which a point is seen, or would be if nothing were before it.
-static void mark_point( const RfTestPieces* pieces, const RfEye* eye, RfVec3 x, bool sky, uint8_t value, uint8_t* cells )
+static void mark_point( const RfTestPieces* pieces, const RfEye* eye, RfVec3 x, bool sky, float reach, uint8_t value,
+                        uint8_t* cells )
 {
     float at[2];
     float depth = rf_pinhole_position( eye, sky ? x : rf_sub( x, rf_pinhole_origin( eye ) ), at );
     float fx = 0.5f * (float)eye->width + at[0], fy = 0.5f * (float)eye->height - at[1];
     if ( !( depth > 0.0f ) ||
-         !( fx > -REACH && fx < (float)eye->width + REACH && fy > -REACH && fy < (float)eye->height + REACH ) )
+         !( fx > -reach && fx < (float)eye->width + reach && fy > -reach && fy < (float)eye->height + reach ) )
         return;
     for ( int k = 0; k < 4; ++k )
     {
-        float kx = fx + ( k % 2 == 0 ? -REACH : REACH ), ky = fy + ( k < 2 ? -REACH : REACH );
+        float kx = fx + ( k % 2 == 0 ? -reach : reach ), ky = fy + ( k < 2 ? -reach : reach );
         int cx = (int)floorf( kx / RF_CELL_SIDE ), cy = (int)floorf( ky / RF_CELL_SIDE );
         if ( cx < 0 || cy < 0 || cx >= pieces->across || cy >= pieces->down )
             continue;
@@ -90,21 +94,25 @@ static void follow_points( RfPieceChooser* c, int frame, bool as_pieces )
 {
     RfTestPieces* pieces = c->pieces;
     RfPiecePoints* p = &c->points;
-    find_points( c, c->eyes + frame );
+    bool blurred = c->blurred;
+    RfEye own = rf_sample_eye( c->eyes + frame, c->lens );
+    find_points( c, &own );
     for ( int k = 0; k < pieces->frames; ++k )
     {
         uint8_t* cells = ( as_pieces ? c->target : pieces->traced ) + (size_t)k * rf_film_cells( pieces );
+        RfEye eye = rf_sample_eye( c->eyes + k, c->lens );
         for ( int i = 0; i < p->count && k != frame; ++i )
-            mark_point( pieces, c->eyes + k, point_of( p->x, i ), p->sky[i], as_pieces ? (uint8_t)( p->piece[i] + 1 ) : 1,
-                        cells );
+            mark_point( pieces, &eye, point_of( p->x, i ), p->sky[i], blurred ? BLURRED_REACH : REACH,
+                        as_pieces ? (uint8_t)( p->piece[i] + 1 ) : 1, cells );
     }
     p->count = 0;
 }
 
-void rf_follow_pieces( RfPieceChooser* c, int frame, bool as_pieces )
+static void follow_pinhole( RfPieceChooser* c, int frame, bool as_pieces )
 {
     RfTestPieces* pieces = c->pieces;
-    const RfEye* eye = c->eyes + frame;
+    RfEye own = rf_sample_eye( c->eyes + frame, c->lens );
+    const RfEye* eye = &own;
     const uint8_t* target = c->target + (size_t)frame * rf_film_cells( pieces );
     RfPiecePoints* p = &c->points;
     const float inverse_focal[2] = { 1.0f / eye->focal_x, 1.0f / eye->focal };
@@ -126,4 +134,17 @@ void rf_follow_pieces( RfPieceChooser* c, int frame, bool as_pieces )
             follow_points( c, frame, as_pieces );
     }
     follow_points( c, frame, as_pieces );
+}
+
+void rf_follow_pieces( RfPieceChooser* c, int frame, bool as_pieces )
+{
+    int samples = c->blurred ? LENS_SAMPLES : 1;
+    for ( int i = 0; i < samples; ++i )
+    {
+        // a lattice; each frame has another
+        float u = ( (float)i + 0.5f ) / (float)samples, shift = 0.618034f * (float)( frame % 64 );
+        float v = 0.375f * (float)i + shift, t = 0.625f * (float)i + shift;
+        c->lens = ( RfLensSample ){ u, v - floorf( v ), t - floorf( t ) };
+        follow_pinhole( c, frame, as_pieces );
+    }
 }

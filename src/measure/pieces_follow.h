@@ -3,6 +3,7 @@
 #define REFRAME_MEASURE_PIECES_FOLLOW_H
 
 #include "measure/pieces.h"
+#include "scene/lens.h"
 
 #define RF_PIECE_POINTS 1024 // followed at once
 
@@ -21,6 +22,8 @@ typedef struct RfPieceChooser
 {
     const RfTracer* tracer;
     const RfEye* eyes;
+    bool blurred;      // some of them
+    RfLensSample lens; // where the points are followed from
     RfTestPieces* pieces;
     uint8_t* target; // by frame and cell: 1 + the piece; 0: none
     RfPiecePoints points;

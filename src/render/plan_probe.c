@@ -2,6 +2,8 @@
 // eyes see them, and the rays that it takes.
 #include "render/plan_internal.h"
 
+#include "scene/lens.h"
+
 #define PROBE_SEED 1 // whatever that of the render: the choice of the group is not to depend on it
 
 static RfResult alloc_probe( PlanProbe* p, RfError* error )

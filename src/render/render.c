@@ -5,6 +5,7 @@
 #include "render/pass.h"
 #include "render/settings.h"
 #include "render/until.h"
+#include "scene/lens.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -33,14 +33,6 @@ RfSceneTraits rf_scene_traits( const RfScene* scene )
     return traits;
 }
 
-bool rf_any_blurred( const RfEye* eyes, int count )
-{
-    bool any = false;
-    for ( int i = 0; i < count; ++i )
-        any = any || !rf_is_sharp( eyes + i );
-    return any;
-}
-
 RfEstimatorGroup rf_size_group( const RfScene* scene, const RfEye* eyes, int eye_count, const RfRenderSettings* settings )
 {
     return ( RfEstimatorGroup ){

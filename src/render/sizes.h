@@ -28,9 +28,6 @@ typedef struct RfRenderSizes
 // Scans the triangles and the environment of a scene.
 RfSceneTraits rf_scene_traits( const RfScene* scene );
 
-// Whether any of them has a lens, or moves while its shutter is open.
-bool rf_any_blurred( const RfEye* eyes, int count );
-
 // A group of `eye_count` eyes for asking an estimator for its sizes.
 RfEstimatorGroup rf_size_group( const RfScene* scene, const RfEye* eyes, int eye_count, const RfRenderSettings* settings );
 

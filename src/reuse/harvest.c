@@ -4,8 +4,6 @@
 
 #include <string.h>
 
-#define LENS_SALT 0x1e4500000000u // keeps the random numbers of the lens apart
-
 RfBatchShape rf_batch_shape( const RfEstimatorGroup* group )
 {
     const RfRenderSettings* settings = group->settings;
@@ -80,30 +78,6 @@ RfHarvestScratch* rf_lay_out_harvest_scratch( const RfBatchShape* shape, void* m
     return scratch;
 }
 
-static uint64_t key_of_pass( const RfHarvest* harvest, int eye, int pass )
-{
-    return rf_pass_key( harvest->seed, (uint32_t)( harvest->first_frame + eye ), (uint32_t)harvest->group, (uint32_t)pass );
-}
-
-// The point of the lens and the moment of the shutter that a batch has: the same for all eyes of the group.
-static RfLensSample draw_lens( const RfHarvest* harvest, RfTraceJob job )
-{
-    uint64_t pass_key = key_of_pass( harvest, job.eye, job.pass ) ^ LENS_SALT;
-    RfRandomKey key = rf_pixel_key( rf_mix64( pass_key + (uint64_t)harvest->round ), (uint32_t)job.job );
-    return ( RfLensSample ){ rf_random( key, 0 ), rf_random( key, 1 ), rf_random( key, 2 ) };
-}
-
-RfHarvest rf_harvest_at( const RfHarvest* harvest, RfLensSample lens, RfHarvestScratch* scratch )
-{
-    RfHarvest at = *harvest;
-    if ( !harvest->shape.blurred )
-        return at;
-    for ( int l = 0; l < harvest->shape.eyes; ++l )
-        scratch->eyes[l] = rf_sample_eye( harvest->eyes + l, lens );
-    at.eyes = scratch->eyes;
-    return at;
-}
-
 static void make_keys( uint64_t pass_key, int count, const int32_t* pixel, RfWavefront* wavefront )
 {
 #pragma omp simd
@@ -121,7 +95,7 @@ static void make_copies_keys( const RfHarvest* harvest, RfTraceJob job, int coun
 {
     for ( int i = 0; i < count; ++i )
     {
-        RfRandomKey key = rf_pixel_key( key_of_pass( harvest, job.eye, job.pass + copy[i] ), (uint32_t)scratch->pixel[i] );
+        RfRandomKey key = rf_pixel_key( rf_harvest_key( harvest, job.eye, job.pass + copy[i] ), (uint32_t)scratch->pixel[i] );
         scratch->wavefront.key_a[i] = key.a;
         scratch->wavefront.key_b[i] = key.b;
     }
@@ -213,30 +187,13 @@ static void follow_chains( const RfHarvest* harvest, RfHarvestScratch* scratch )
         rf_split_tiles( scratch->chains, scratch->tiles );
 }
 
-bool rf_is_patch_traced( const RfHarvest* harvest, RfTraceJob job )
-{
-    const RfEye* eye = harvest->eyes + job.eye;
-    const uint8_t* cells = rf_frame_cells( harvest->pieces, harvest->first_frame + job.eye );
-    int x0, y0, x1, y1;
-    rf_bound_patch( &harvest->patches, eye, key_of_pass( harvest, job.eye, job.pass ), job.job, &x0, &y0, &x1, &y1 );
-    for ( int y = y0 / RF_CELL_SIDE; y < rf_cells_along( y1 ); ++y )
-    {
-        for ( int x = x0 / RF_CELL_SIDE; x < rf_cells_along( x1 ); ++x )
-        {
-            if ( rf_is_traced( harvest->pieces, cells, x * RF_CELL_SIDE, y * RF_CELL_SIDE ) )
-                return true;
-        }
-    }
-    return false;
-}
-
 // Of pinholes.
 static int harvest_first_hits( const RfHarvest* harvest, RfTraceJob job, RfHitBatch* batch, RfHarvestScratch* scratch,
                                RfRayCounts* rays )
 {
     const RfEye* eye = harvest->eyes + job.eye;
     RfWavefront* wavefront = &scratch->wavefront;
-    uint64_t key = key_of_pass( harvest, job.eye, job.pass );
+    uint64_t key = rf_harvest_key( harvest, job.eye, job.pass );
     batch->eye = job.eye;
     wavefront->path_rays = wavefront->shadow_rays = 0;
 
@@ -282,7 +239,7 @@ int rf_harvest_first_hits( const RfHarvest* harvest, RfTraceJob job, RfHitBatch*
                            RfRayCounts* rays )
 {
     if ( harvest->shape.blurred )
-        batch->lens = draw_lens( harvest, job );
+        batch->lens = rf_draw_lens( harvest, job );
     RfHarvest at = rf_harvest_at( harvest, batch->lens, scratch );
     return harvest_first_hits( &at, job, batch, scratch, rays );
 }
@@ -319,7 +276,7 @@ static int harvest_batch( const RfHarvest* harvest, RfTraceJob job, RfHitBatch* 
 int rf_harvest_batch( const RfHarvest* harvest, RfTraceJob job, RfHitBatch* batch, RfHarvestScratch* scratch, RfRayCounts* rays )
 {
     if ( harvest->shape.blurred )
-        batch->lens = draw_lens( harvest, job );
+        batch->lens = rf_draw_lens( harvest, job );
     RfHarvest at = rf_harvest_at( harvest, batch->lens, scratch );
     return harvest_batch( &at, job, batch, scratch, rays );
 }

@@ -42,6 +42,15 @@ struct RfHarvestScratch
     RfTileReuse* tiles;                      // NULL without tile reuse
 };
 
+// Selects the random numbers of a pass of a frame.
+static inline uint64_t rf_harvest_key( const RfHarvest* harvest, int eye, int pass )
+{
+    return rf_pass_key( harvest->seed, (uint32_t)( harvest->first_frame + eye ), (uint32_t)harvest->group, (uint32_t)pass );
+}
+
+// The point of the lens and the moment of the shutter that a batch has: the same for all eyes of the group.
+RfLensSample rf_draw_lens( const RfHarvest* harvest, RfTraceJob job );
+
 // The harvest with the pinholes that the eyes are at a point of the lens and a moment of the shutter, in scratch->eyes.
 RfHarvest rf_harvest_at( const RfHarvest* harvest, RfLensSample lens, RfHarvestScratch* scratch );
 

@@ -32,6 +32,23 @@ static void list_tiles( const RfHarvest* harvest, int count, int tiles, const Rf
 
 static float draw_tile( uint64_t key, int tile ) { return rf_random( rf_pixel_key( rf_mix64( key ), (uint32_t)tile ), 0 ); }
 
+bool rf_is_patch_traced( const RfHarvest* harvest, RfTraceJob job )
+{
+    const RfEye* eye = harvest->eyes + job.eye;
+    const uint8_t* cells = rf_frame_cells( harvest->pieces, harvest->first_frame + job.eye );
+    int x0, y0, x1, y1;
+    rf_bound_patch( &harvest->patches, eye, rf_harvest_key( harvest, job.eye, job.pass ), job.job, &x0, &y0, &x1, &y1 );
+    for ( int y = y0 / RF_CELL_SIDE; y < rf_cells_along( y1 ); ++y )
+    {
+        for ( int x = x0 / RF_CELL_SIDE; x < rf_cells_along( x1 ); ++x )
+        {
+            if ( rf_is_traced( harvest->pieces, cells, x * RF_CELL_SIDE, y * RF_CELL_SIDE ) )
+                return true;
+        }
+    }
+    return false;
+}
+
 int rf_choose_traced( const RfHarvest* harvest, const RfEye* eye, int count, RfHarvestScratch* scratch )
 {
     const uint8_t* cells = rf_frame_cells( harvest->pieces, harvest->first_frame + (int)( eye - harvest->eyes ) );

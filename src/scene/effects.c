@@ -1,4 +1,5 @@
 #include "scene/camera_path/camera_track.h"
+#include "scene/camera_path/camera_track.h"
 #include "scene/mirrors.h"
 
 #include "scene/textured.h"
@@ -139,6 +140,10 @@ static const RfCamera* moving_camera( const RfScene* scene )
     return NULL;
 }
 
+static bool has_lens( const RfOptics* optics ) { return rf_has_lens( optics ); }
+
+static bool has_shutter( const RfOptics* optics ) { return rf_has_shutter( optics ); }
+
 static RfEffect camera_effect( const RfScene* scene )
 {
     const RfCamera* camera = moving_camera( scene );
@@ -149,6 +154,23 @@ static RfEffect camera_effect( const RfScene* scene )
         snprintf( effect.why, sizeof effect.why, "camera path '%.80s'", camera->name );
     else
         snprintf( effect.why, sizeof effect.why, "camera '%.80s' from %g to %g s", camera->name, camera->start, camera->end );
+    return effect;
+}
+
+// Names the first camera with a lens, or with a shutter.
+static RfEffect optics_effect( const RfScene* scene, const char* name, bool ( *has )( const RfOptics* ), const char* none )
+{
+    RfEffect effect = { .name = name };
+    snprintf( effect.why, sizeof effect.why, "%s", none );
+    for ( int i = 0; i < scene->camera_count && !effect.on; ++i )
+    {
+        const RfCamera* camera = scene->cameras + i;
+        const RfOptics* optics = camera->track != NULL ? &camera->track->optics : camera->optics;
+        bool by_keys = camera->track != NULL && camera->track->fstop.count > 0 && has == has_lens;
+        effect.on = by_keys || ( optics != NULL && has( optics ) );
+        if ( effect.on )
+            snprintf( effect.why, sizeof effect.why, "camera '%.80s'", camera->name );
+    }
     return effect;
 }
 
@@ -210,6 +232,8 @@ int rf_list_effects( const RfScene* scene, RfEffect effects[RF_MAX_EFFECTS] )
     effects[count++] = count_effect( "interpolated-normals", census.smooth, "triangles with interpolated normals",
                                      "no normals are interpolated" );
     effects[count++] = camera_effect( scene );
+    effects[count++] = optics_effect( scene, "depth-of-field", has_lens, "no camera of the scene has a lens: all is sharp" );
+    effects[count++] = optics_effect( scene, "motion-blur", has_shutter, "no camera of the scene has a shutter" );
     effects[count++] = material_effect( &census, "clearcoat", has_clearcoat, "no material has a clear coat" );
     effects[count++] = material_effect( &census, "mirrors", has_mirror, "no material is a perfect mirror" );
     effects[count++] = flat_mirror_effect( scene );

@@ -35,6 +35,14 @@ void rf_set_shutter( RfEye* eye, const RfEye* open, const RfEye* close )
         eye->open = eye->close = ( RfPose ){ 0 };
 }
 
+bool rf_any_blurred( const RfEye* eyes, int count )
+{
+    bool any = false;
+    for ( int i = 0; i < count; ++i )
+        any = any || !rf_is_sharp( eyes + i );
+    return any;
+}
+
 // A uniform point of a disc: equal areas on rings.
 static void disc_point( double u, double v, float point[2] )
 {

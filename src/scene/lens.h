@@ -14,6 +14,9 @@ typedef struct RfLensSample
 // A pinhole that stands still: the same for all samples.
 static inline bool rf_is_sharp( const RfEye* eye ) { return eye->lens_radius <= 0.0f && !eye->moves; }
 
+// Whether any of them has a lens, or moves while its shutter is open.
+bool rf_any_blurred( const RfEye* eyes, int count );
+
 // The point of the lens for two uniform numbers, in units of its radius, +x right, +y up: uniform over its area.
 void rf_lens_point( const RfEye* eye, float u, float v, float point[2] );
 
