@@ -293,6 +293,7 @@ int rf_command_render( int argc, char** argv )
     {
         rf_print_render_help();
         result = rf_flush_output( &error );
+        destroy_job( &job );
         return result == RF_OK ? 0 : rf_report_error( "render", &error );
     }
     if ( result == RF_OK )
