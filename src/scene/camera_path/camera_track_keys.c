@@ -201,8 +201,8 @@ static RfResult read_keys( const RfField* top, const RfField* list, RfCameraTrac
 
 RfResult rf_read_keyed( const RfField* top, RfCameraTrack* track )
 {
-    static const char* const s_keys[] = { "kind", "lens", "interpolation", "keys", "target",      "rotation",
-                                          "up",   "fov",  "shift",         "step", "pixelAspect", NULL };
+    static const char* const s_keys[] = { "kind", "interpolation", "keys", "target",      "rotation", "up",
+                                          "fov",  "shift",         "step", "pixelAspect", "lens",     NULL };
     RfField list = rf_field_member( top, "keys" );
     RfResult result = rf_field_keys( top, s_keys );
     if ( result == RF_OK )
