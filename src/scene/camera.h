@@ -44,7 +44,8 @@ RfResult rf_camera_eye( const RfScene* scene, const RfCamera* camera, double fra
                         int height, RfEye* eye, RfError* error );
 
 // The same with the camera's lens and shutter, or those of `asked`, if it is not NULL. Fails with RF_ERROR_SCENE for a lens
-// without a focus, and where the node in focus does not exist or is not before the camera.
+// without a focus, and where the node in focus does not exist or is not before the camera; with RF_ERROR_USAGE where a focus is
+// asked for but there is no aperture.
 RfResult rf_camera_lens_eye( const RfScene* scene, const RfCamera* camera, const RfLens* asked, double frame, int numerator,
                              int denominator, int width, int height, RfEye* eye, RfError* error );
 

@@ -81,17 +81,21 @@ static RfResult add_lens( const Moment* m, const RfLens* asked, RfOptics* optics
     double focus = optics->focus;
     RfResult result = sample_keys( m, offset, &optics->fstop, &focus );
     const char* node = optics->focus_node;
+    bool asks_focus = asked != NULL && ( asked->focus > 0.0 || asked->focus_node != NULL );
     if ( asked != NULL && asked->has_fstop )
     {
         optics->fstop = asked->fstop;
         optics->radius = 0.0;
     }
-    if ( asked != NULL && ( asked->focus > 0.0 || asked->focus_node != NULL ) )
+    if ( asks_focus )
     {
         focus = asked->focus;
         node = asked->focus_node;
     }
     double radius = rf_optics_radius( optics, eye );
+    if ( result == RF_OK && asks_focus && !( radius > 0.0 ) )
+        return rf_fail( m->error, RF_ERROR_USAGE,
+                        "camera '%.60s': a focus changes nothing without an aperture: give it an f-number", m->camera->name );
     if ( result != RF_OK || !( radius > 0.0 ) )
         return result;
     if ( node != NULL && !( focus > 0.0 ) )

@@ -125,12 +125,29 @@ static void test_sequences_as_png( void** state )
     cli_expect( cli_run( "$R png s/f.0001.exr v.png --frames 1" ), 2, "--frames: is of sequences" );
 }
 
+static void test_lens_options_that_make_no_lens_are_refused( void** state )
+{
+    (void)state;
+#define LENS "$R render $VASE -o l.####.exr --frames 1 --size 16x9 --spp 1 --group 0 --quiet "
+    cli_expect( cli_run( LENS "--focus 3" ), 2, "a focus changes nothing without an aperture" );
+    cli_expect( cli_run( LENS "--fstop 2" ), 1, "its lens has an aperture but no focus" );
+    cli_expect( cli_run( LENS "--fstop 2 --focus nothing" ), 1, "focused on 'nothing', which the scene does not have" );
+    cli_expect( cli_run( LENS "--shutter 1,0" ), 2, "--shutter 1,0: want frames" );
+    cli_expect( cli_run( LENS "--focus 0" ), 2, "--focus 0: want metres above 0" );
+    assert_false( cli_exists( "l.0001.exr" ) );
+    cli_expect( cli_run( LENS "--fstop 2 --focus 3 --shutter 0.5 > log" ), 0, NULL );
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_help_is_a_command ),    cmocka_unit_test( test_words_of_other_programs ),
-        cmocka_unit_test( test_units_and_patterns ),   cmocka_unit_test( test_blend_files_are_recognised ),
-        cmocka_unit_test( test_folders_are_compared ), cmocka_unit_test( test_sequences_as_png ),
+        cmocka_unit_test( test_lens_options_that_make_no_lens_are_refused ),
+        cmocka_unit_test( test_help_is_a_command ),
+        cmocka_unit_test( test_words_of_other_programs ),
+        cmocka_unit_test( test_units_and_patterns ),
+        cmocka_unit_test( test_blend_files_are_recognised ),
+        cmocka_unit_test( test_folders_are_compared ),
+        cmocka_unit_test( test_sequences_as_png ),
     };
     return cmocka_run_group_tests( tests, cli_enter_group, cli_leave_group );
 }
