@@ -2,11 +2,15 @@
 #ifndef REFRAME_RENDER_SETTINGS_H
 #define REFRAME_RENDER_SETTINGS_H
 
+#include "base/built_in.h"
 #include "reframe/render.h"
 #include "render/groups.h"
 
 // Is the number of passes decided while rendering?
-static inline bool rf_is_stopping( const RfRenderSettings* settings ) { return settings->noise > 0.0 || settings->time > 0.0; }
+static inline bool rf_is_stopping( const RfRenderSettings* settings )
+{
+    return rf_calls_for( settings->noise > 0.0 || settings->time > 0.0, RF_EFFECT_STOP_RULE );
+}
 
 // Checks settings and eyes and fills in all but the group: threads, memory, normalisation,
 // and adaptive sampling where the estimator or the weights rule it out.

@@ -25,11 +25,15 @@ typedef struct RfRenderSizes
     size_t held; // bytes of held records besides the batches, the most of any group; with settings.hold_all only
 } RfRenderSizes;
 
-// Scans the triangles and the environment of a scene.
-RfSceneTraits rf_scene_traits( const RfScene* scene );
+// Scans the triangles and the environment of a scene, and the eyes of a path.
+RfSceneTraits rf_scene_traits( const RfScene* scene, const RfEye* eyes, int eye_count );
+
+// What runs where a scene calls for these: without what is left out of it, and with what is forced.
+RfSceneTraits rf_running_traits( const RfScene* scene, RfSceneTraits called );
 
 // A group of `eye_count` eyes for asking an estimator for its sizes.
-RfEstimatorGroup rf_size_group( const RfScene* scene, const RfEye* eyes, int eye_count, const RfRenderSettings* settings );
+RfEstimatorGroup rf_size_group( const RfScene* scene, RfSceneTraits called, const RfEye* eyes, int eye_count,
+                                const RfRenderSettings* settings );
 
 // Sizes with the films of `films` frames held at once. The settings must be resolved.
 RfRenderSizes rf_render_sizes( const RfScene* scene, const RfEye* eyes, const RfGroupPlan* plan, int films,

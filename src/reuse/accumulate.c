@@ -12,7 +12,6 @@
 typedef struct Accumulation
 {
     const RfEye* eyes;
-    bool blurred; // each batch has its own point of the lens and moment of the shutter
     const RfMirrors* mirrors;
     RfBatchShape shape;
     RfWeights weights;
@@ -23,7 +22,7 @@ typedef struct Accumulation
 
 static RfEye eye_of( const Accumulation* a, int eye, const RfHitBatch* batch )
 {
-    return a->blurred ? rf_sample_eye( a->eyes + eye, batch->lens ) : a->eyes[eye];
+    return rf_is_blurred_shape( &a->shape ) ? rf_sample_eye( a->eyes + eye, batch->lens ) : a->eyes[eye];
 }
 
 // Pixels of the hits at an eye, and their weights r_t = J_t V_t / Σ J_l V_l times `weight` (E1).
@@ -201,14 +200,10 @@ static uint64_t add_batch( const Accumulation* a, RfAccumulateJob job, const RfH
 uint64_t rf_accumulate_rows( const RfEstimatorGroup* group, RfAccumulateJob job, void* const* batches, int batch_count,
                              RfAccumulateScratch* scratch )
 {
-    Accumulation a = { group->eyes,
-                       group->traits.blurred,
-                       rf_tracer_mirrors( group->tracer ),
-                       rf_batch_shape( group ),
-                       group->settings->weights,
-                       job.weight,
-                       batches,
-                       batch_count };
+    Accumulation a = {
+        group->eyes, rf_tracer_mirrors( group->tracer ), rf_batch_shape( group ), group->settings->weights, job.weight, batches,
+        batch_count
+    };
     int width = group->width;
     RfPixelRange range = { job.films->half[job.half], job.first_row * width, job.end_row * width, job.sky };
     if ( a.shape.eq15 )

@@ -42,6 +42,20 @@ struct RfHarvestScratch
     RfTileReuse* tiles;                      // NULL without tile reuse
 };
 
+// Tests of what the scene and the settings call for.
+static inline bool rf_reuses_tiles( const RfHarvestScratch* scratch )
+{
+    return rf_calls_for( scratch->tiles != NULL, RF_EFFECT_TILE_CONNECTIONS );
+}
+static inline bool rf_follows_chains( const RfHarvestScratch* scratch )
+{
+    return rf_calls_for( scratch->hits != &scratch->first, RF_EFFECT_CHAINS );
+}
+static inline bool rf_is_adaptive( const RfHarvest* harvest )
+{
+    return rf_calls_for( harvest->need != NULL, RF_EFFECT_ADAPTIVE );
+}
+
 // Selects the random numbers of a pass of a frame.
 static inline uint64_t rf_harvest_key( const RfHarvest* harvest, int eye, int pass )
 {

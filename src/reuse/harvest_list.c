@@ -32,11 +32,11 @@ static void copy_hits( const RfVertexLanes* v, RfHitBatch* batch )
 
 static void copy_views( const RfHarvestScratch* scratch, RfHitBatch* batch )
 {
-    batch->has_views = batch->view != NULL && ( scratch->hits != &scratch->first || batch->panes[0] != NULL );
+    batch->has_views = batch->view != NULL && ( rf_follows_chains( scratch ) || batch->panes[0] != NULL );
     if ( batch->view == NULL )
         return;
     for ( int i = 0; i < batch->count; ++i )
-        batch->view[i] = scratch->hits == &scratch->first ? RF_VIEW_DIRECT : scratch->chains->view[scratch->hits->slot[i]];
+        batch->view[i] = !rf_follows_chains( scratch ) ? RF_VIEW_DIRECT : scratch->chains->view[scratch->hits->slot[i]];
 }
 
 // Lists unevaluable hits and chains without a hit, of mirrors, glass and coats, behind the rays that missed.
@@ -90,7 +90,7 @@ static void note_pixels( int count, RfHarvestScratch* scratch, RfHitBatch* batch
     }
     scratch->ray_miss_count = batch->sky_count = batch->miss_count;
     note_own_frame( &scratch->first, recorded, scratch, batch );
-    if ( scratch->hits != &scratch->first )
+    if ( rf_follows_chains( scratch ) )
         note_glints( scratch, batch, scratch->glint_slot );
 }
 

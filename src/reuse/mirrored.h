@@ -6,7 +6,10 @@
 #include "reuse/records.h"
 #include "scene/eye.h"
 
-static inline bool rf_is_mirrored( uint8_t view ) { return view >= RF_VIEW_FIRST_MIRROR && view < RF_VIEW_BASE; }
+static inline bool rf_is_mirrored( uint8_t view )
+{
+    return rf_calls_for( view >= RF_VIEW_FIRST_MIRROR && view < RF_VIEW_BASE, RF_EFFECT_FLAT_MIRRORS );
+}
 
 // True if the eye's straight ray found the hit.
 static inline bool rf_is_straight( uint8_t view ) { return view == RF_VIEW_DIRECT || view == RF_VIEW_BASE; }

@@ -76,7 +76,7 @@ uint32_t rf_glossy_params( unsigned kinds )
     uint32_t params = 0;
     for ( int kind = RF_BSDF_FIRST_GLOSSY; kind < RF_BSDF_FIRST_UNEVALUABLE; ++kind )
     {
-        if ( ( kinds >> kind & 1u ) != 0 )
+        if ( ( kinds >> kind & 1u ) != 0 && rf_is_model_built( (RfBsdfKind)kind ) )
             params |= rf_bsdf_model( (RfBsdfKind)kind )->params;
     }
     return params;

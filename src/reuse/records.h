@@ -86,7 +86,20 @@ static inline float* rf_glint_radiance( const RfHitBatch* batch )
 }
 
 // True if V may be between 0 and 1.
-static inline bool rf_is_partial( const RfBatchShape* shape ) { return shape->blended || ( shape->panes && shape->chains ); }
+static inline bool rf_is_partial( const RfBatchShape* shape )
+{
+    return rf_calls_for( shape->blended, RF_EFFECT_ALPHA_BLEND ) ||
+           rf_calls_for( shape->panes && shape->chains, RF_EFFECT_PANES );
+}
+
+// True if batches have points of the lens and moments of the shutter.
+static inline bool rf_is_blurred_shape( const RfBatchShape* shape )
+{
+    return rf_calls_for( shape->blurred, RF_EFFECT_DEPTH_OF_FIELD ) || rf_calls_for( shape->blurred, RF_EFFECT_MOTION_BLUR );
+}
+
+// True if it matters how the batch's hits were found.
+static inline bool rf_has_views( const RfHitBatch* batch ) { return rf_calls_for( batch->has_views, RF_EFFECT_CHAINS ); }
 
 static inline int rf_direction_count( const RfBatchShape* shape ) { return shape->light_samples + shape->tile_pixels; }
 static inline int rf_seen_words( int eyes ) { return ( eyes + 31 ) / 32; }

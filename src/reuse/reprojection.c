@@ -31,7 +31,7 @@ void rf_project_batch( const RfMirrors* mirrors, const RfEye* eye_in, const RfHi
         pixel[i] = at.y * eye.width + at.x;
         density[i] = at.seen ? at.density : 0.0f;
     }
-    if ( !batch->has_views )
+    if ( !rf_has_views( batch ) )
         return;
     for ( int i = 0; i < batch->count; ++i )
         density[i] = rf_is_straight( batch->view[i] ) ? density[i] : 0.0f;
@@ -49,7 +49,7 @@ void rf_own_densities( const RfMirrors* mirrors, const RfEye* eye, const RfHitBa
         RfVec3 ng = rf_vec3( batch->ng[0][i], batch->ng[1][i], batch->ng[2][i] );
         density[i] = rf_project( eye, p, ng ).density;
     }
-    if ( !batch->has_views )
+    if ( !rf_has_views( batch ) )
         return;
     for ( int i = 0; i < batch->count; ++i )
         density[i] = rf_is_straight( batch->view[i] ) ? density[i] : 1.0f;

@@ -154,7 +154,7 @@ static void pass_glossy( Stream* s, const RfBatchShape* shape, RfHitBatch* batch
 static void pass_batch( Stream* s, const RfBatchShape* shape, RfHitBatch* batch )
 {
     pass( s, &batch->eye, sizeof batch->eye );
-    if ( shape->blurred )
+    if ( rf_is_blurred_shape( shape ) )
         pass( s, &batch->lens, sizeof batch->lens );
     pass( s, &batch->count, sizeof batch->count );
     pass( s, &batch->miss_count, sizeof batch->miss_count );

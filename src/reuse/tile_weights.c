@@ -42,7 +42,10 @@ static void multiply_densities( const RfVertexLanes* x, RfPairingLanes* pairing,
     const float* wo[3] = { x->wo[0], x->wo[1], x->wo[2] };
     const float* wi[3] = { pairing->wi[0], pairing->wi[1], pairing->wi[2] };
     for ( int kind = 0; kind < RF_BSDF_FIRST_UNEVALUABLE; ++kind )
-        rf_evaluate_seen_from( x, (RfBsdfKind)kind, wo, wi, NULL, pdf );
+    {
+        if ( rf_is_model_built( (RfBsdfKind)kind ) )
+            rf_evaluate_seen_from( x, (RfBsdfKind)kind, wo, wi, NULL, pdf );
+    }
     int count = rf_record_count( x );
 #pragma omp simd
     for ( int i = 0; i < count; ++i )

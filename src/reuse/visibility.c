@@ -78,7 +78,7 @@ static int see_straight( const RfHarvest* harvest, int eye, const RfHitBatch* ba
 // Tests the hits with density > 0, on the straight way or by the mirror in which they were found.
 static int see( const RfHarvest* harvest, int eye, const RfHitBatch* batch, const float* const lifted[3], float* density )
 {
-    if ( !batch->has_views )
+    if ( !rf_has_views( batch ) )
         return see_straight( harvest, eye, batch, lifted, density );
     float straight[RF_LANES];
     for ( int i = 0; i < batch->count; ++i )

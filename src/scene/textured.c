@@ -80,7 +80,7 @@ static void base_at( const RfScene* scene, const RfMaterial* m, uint32_t triangl
         for ( int i = 0; i < 4; ++i )
             base[i] *= (double)rgba[i];
     }
-    if ( t->vertex_colors && scene->triangles.colors != NULL )
+    if ( rf_calls_for( t->vertex_colors, RF_EFFECT_VERTEX_COLORS ) && scene->triangles.colors != NULL )
     {
         rf_interpolate_corners( scene->triangles.colors, 4, scene->triangles.indices + 3 * (size_t)triangle, u, v, rgba );
         for ( int i = 0; i < 4; ++i )

@@ -237,11 +237,11 @@ static void test_noise_is_measured( void** state )
 {
     (void)state;
     RfScene scene = make_glass_room();
-    RfSceneTraits glass = rf_scene_traits( &scene );
+    RfSceneTraits glass = rf_scene_traits( &scene, NULL, 0 );
     assert_true( rf_noise_differs( &glass ) );
     rf_destroy_scene( &scene );
     scene = make_room( ROOM_PHONG );
-    RfSceneTraits walls = rf_scene_traits( &scene );
+    RfSceneTraits walls = rf_scene_traits( &scene, NULL, 0 );
     assert_true( !rf_noise_differs( &walls ) );
     rf_destroy_scene( &scene );
 }
