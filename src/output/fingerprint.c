@@ -43,6 +43,11 @@ void rf_frame_fingerprint( const RfOutput* output, int frame, char text[RF_FINGE
         hash = hash_text( hash, aovs );
     if ( s->estimator != rf_default_render_settings().estimator ) // likewise
         hash = hash_text( hash, rf_estimator_name( s->estimator ) );
+    const RfScene* scene = rf_tracer_scene( output->tracer );
+    snprintf( settings, sizeof settings, "effects forced %llx without %llx", (unsigned long long)scene->effects_forced,
+              (unsigned long long)scene->effects_left_out );
+    if ( ( scene->effects_forced | scene->effects_left_out ) != 0 ) // likewise
+        hash = hash_text( hash, settings );
     snprintf( text, RF_FINGERPRINT_SIZE, "%016llx", (unsigned long long)hash );
 }
 

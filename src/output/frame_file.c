@@ -12,7 +12,7 @@
 #include <string.h>
 
 #define MAX_NAME 4096
-#define TEXT_SIZE RF_AOVS_TEXT_SIZE // the longest text that is made here
+#define TEXT_SIZE RF_EFFECTS_TEXT_SIZE // the longest text that is made here
 
 RfFrameFiles rf_default_frame_files( void )
 {
@@ -50,6 +50,9 @@ typedef enum Key
     EFFECTIVE_SPP,
     AOV,
     ESTIMATOR,
+    EFFECTS,
+    NO_EFFECT,
+    CALLS_FOR,
     DEVICE,
     FINGERPRINT,
     KEY_COUNT
@@ -82,6 +85,9 @@ static const char* const s_names[KEY_COUNT] = {
     [EFFECTIVE_SPP] = "reframe/effective-spp",
     [AOV] = "reframe/aov",
     [ESTIMATOR] = "reframe/estimator",
+    [EFFECTS] = "reframe/effects",
+    [NO_EFFECT] = "reframe/no-effect",
+    [CALLS_FOR] = "reframe/calls-for",
     [DEVICE] = "reframe/device",
     [FINGERPRINT] = "reframe/fingerprint",
 };
@@ -130,6 +136,20 @@ static void put_settings( Attributes* a, const RfRenderSettings* s )
         put_text( a, ESTIMATOR, rf_estimator_name( s->estimator ) );
 }
 
+// Of options: nothing where none was given.
+static void put_effects( Attributes* a, const RfScene* scene )
+{
+    char names[RF_EFFECTS_TEXT_SIZE];
+    rf_format_effects( scene->effects_left_out, names, sizeof names );
+    if ( scene->effects_left_out != 0 )
+        put( a, NO_EFFECT, "%s", names );
+    rf_format_effects( scene->effects_forced, names, sizeof names );
+    if ( scene->effects_forced != 0 )
+        put( a, EFFECTS, "%s",
+             ( scene->effects_forced | scene->effects_left_out ) == ( rf_forcible_effects() | scene->effects_left_out ) ? "all"
+                                                                                                                        : names );
+}
+
 static void put_frame( Attributes* a, const RfOutput* output, const RfFrameResult* frame )
 {
     char fingerprint[RF_FINGERPRINT_SIZE];
@@ -150,6 +170,8 @@ static void put_frame( Attributes* a, const RfOutput* output, const RfFrameResul
     }
     if ( output->settings.noise > 0.0 )
         put_text( a, REACHED, frame->reached ? "yes" : "no" );
+    put_effects( a, rf_tracer_scene( output->tracer ) );
+    put_text( a, CALLS_FOR, output->calls_for );
     put( a, NATIVE_SPP, "%.9g", frame->native_spp );
     put( a, EFFECTIVE_SPP, "%.6g", frame->effective_spp );
     put_text( a, DEVICE, rf_tracer_device( output->tracer ) );
@@ -224,7 +246,9 @@ static const char* absent_value( Key key )
         case ADAPTIVE: return rf_adaptive_name( RF_ADAPTIVE_OFF );
         case NOISE:
         case TIME: return "0";
-        case AOV: return "none";
+        case AOV:
+        case NO_EFFECT: return "none";
+        case EFFECTS: return "auto";
         case ESTIMATOR: return rf_estimator_name( rf_default_render_settings().estimator );
         default: return "";
     }
@@ -268,8 +292,8 @@ static void add_roulette( const RfOutput* output, const char* name, int frame, R
 
 int rf_list_frame_differences( const RfOutput* output, int frame, RfFrameDifference list[RF_MAX_DIFFERENCES] )
 {
-    static const Key keys[] = { VERSION, FRAME,     CAMERA,        FRAMES,   GROUP, SPP,  TILE, WEIGHTS,  NORMALIZE,
-                                SEED,    MAX_DEPTH, LIGHT_SAMPLES, ADAPTIVE, NOISE, TIME, AOV,  ESTIMATOR };
+    static const Key keys[] = { VERSION,   FRAME,         CAMERA,   FRAMES, GROUP, SPP, TILE,      WEIGHTS, NORMALIZE, SEED,
+                                MAX_DEPTH, LIGHT_SAMPLES, ADAPTIVE, NOISE,  TIME,  AOV, ESTIMATOR, EFFECTS, NO_EFFECT };
     char name[MAX_NAME], there[RF_DIFFERENCE_SIZE];
     int count = 0;
     Attributes wanted;

@@ -35,6 +35,7 @@ static const RfOption s_options[] = {
       .help = "a plot: seconds across, error up, with and without reuse" },
     RF_PATH_OPTIONS( s_parsed.render, "frames that are to be rendered: some of them are tried, and all are counted" ),
     RF_LENS_OPTIONS( s_parsed.render, true ),
+    RF_EFFECT_OPTIONS( s_parsed.render, true ),
     { .name = "group",
       .type = RF_OPTION_INT,
       .value = &s_parsed.render.settings.group,

@@ -9,6 +9,7 @@ static RfRenderOptions s_parsed; // the table points here
 static const RfOption s_options[] = {
     RF_PATH_OPTIONS( s_parsed, "frames that rays and seconds are of; the group does not depend on them" ),
     RF_LENS_OPTIONS( s_parsed, true ),
+    RF_EFFECT_OPTIONS( s_parsed, true ),
     { .name = "spp",
       .type = RF_OPTION_INT,
       .value = &s_parsed.settings.spp,

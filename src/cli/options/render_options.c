@@ -1,5 +1,6 @@
 #include "cli/options/render_options.h"
 
+#include "cli/options/effect_options.h"
 #include "cli/options/file_options.h"
 #include "cli/options/shot_options.h"
 #include "output/names.h"
@@ -56,6 +57,7 @@ static const RfOption s_options[] = {
       .default_text = "the scene's, else 960x540",
       .help = "pixels; also 720p, 1080p, 1440p, 2160p or 4k" },
     RF_LENS_OPTIONS( s_parsed, true ),
+    RF_EFFECT_OPTIONS( s_parsed, true ),
     { .name = "spp",
       .in_file = true,
       .type = RF_OPTION_INT,
@@ -300,6 +302,8 @@ RfResult rf_settle_render_options( RfRenderOptions* options, RfError* error )
     RfResult result = rf_parse_tile_option( options, error );
     if ( result == RF_OK )
         result = rf_parse_aov_option( options, error );
+    if ( result == RF_OK )
+        result = rf_parse_effect_options( options, error );
     if ( ( settings->noise > 0.0 || settings->time > 0.0 ) && !options->spp_given )
         settings->spp = rf_default_most_spp( settings->noise );
     return result;
@@ -329,12 +333,15 @@ RfResult rf_read_render_defaults( const RfField* defaults, RfRenderOptions* opti
 {
     reset();
     RfError error = { 0 };
-    RfField tile = rf_field_member( defaults, "tile" ), aov = rf_field_member( defaults, "aov" );
+    RfField tile = rf_field_member( defaults, "tile" ), aov = rf_field_member( defaults, "aov" ),
+            no_effect = rf_field_member( defaults, "no_effect" );
     RfResult result = rf_take_file_options( &s_table, defaults );
     if ( result == RF_OK && rf_parse_tile_option( &s_parsed, &error ) != RF_OK )
         result = rf_fail_file_option( &tile, &error );
     if ( result == RF_OK && rf_parse_aov_option( &s_parsed, &error ) != RF_OK )
         result = rf_fail_file_option( &aov, &error );
+    if ( result == RF_OK && rf_parse_effect_options( &s_parsed, &error ) != RF_OK )
+        result = rf_fail_file_option( &no_effect, &error );
     take_words( &s_parsed );
     *options = s_parsed;
     return result;

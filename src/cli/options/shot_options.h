@@ -54,6 +54,21 @@
         .default_text = "the camera's", .help = "what is sharp: what lies this far along the view, or at a node of the scene"    \
     }
 
+// Effects that are forced or left out. `file`: a scene file's defaults may have them.
+#define RF_EFFECT_OPTIONS( o, file )                                                                                             \
+    { .name = "effects",                                                                                                         \
+      .in_file = ( file ),                                                                                                       \
+      .type = RF_OPTION_CHOICE,                                                                                                  \
+      .value = &( o ).effects,                                                                                                   \
+      .choices = rf_effects_words,                                                                                               \
+      .default_text = "auto",                                                                                                    \
+      .help = "auto: code runs for effects that the scene calls for; all: for the others, too, where that is possible, for the " \
+              "same picture to rounding" },                                                                                      \
+    {                                                                                                                            \
+        .name = "no-effect", .in_file = ( file ), .type = RF_OPTION_STRING, .value = &( o ).no_effect, .meta = "NAME[,...]",     \
+        .default_text = "none", .help = "leaves effects out, by their names in reframe info: the picture may be another then"    \
+    }
+
 #define RF_SPP_OPTION( o )                                                                                                       \
     {                                                                                                                            \
         .name = "spp", .type = RF_OPTION_INT, .value = &( o ).settings.spp, .min = 1, .max = RF_MAX_SPP, .meta = "S",            \

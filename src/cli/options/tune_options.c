@@ -30,6 +30,7 @@ static const RfOption s_options[] = {
       .help = "a plot: memory across, efficiency up, a line for each tile" },
     RF_PATH_OPTIONS( s_parsed.render, "frames that are to be rendered: settings are tried there, and their cost is counted" ),
     RF_LENS_OPTIONS( s_parsed.render, true ),
+    RF_EFFECT_OPTIONS( s_parsed.render, true ),
     RF_SPP_OPTION( s_parsed.render ),
     RF_LIGHT_OPTIONS( s_parsed.render ),
     RF_SEED_OPTION( s_parsed.render ),
