@@ -37,6 +37,9 @@ typedef struct RfSceneTraits
 #define RF_TRAIT_FLAG( flag, effect ) bool flag;
     RF_TRAIT_LIST( RF_TRAIT_FLAG )
 #undef RF_TRAIT_FLAG
+    // what is a matter of the scene alone, whatever is forced
+    bool grouped_chains; // other frames can use what chains find
+    bool scattered;      // the pixels of a batch lie apart: its one point of the lens is not to be seen
 } RfSceneTraits;
 
 // Whether batches have points of the lens and moments of the shutter.
@@ -45,7 +48,7 @@ static inline bool rf_is_blurred( const RfSceneTraits* traits ) { return traits-
 // Whether camera rays go on through mirrors and glass: where the pixels of a tile, or other frames, can use what they find.
 static inline bool rf_wants_chains( const RfSceneTraits* traits, const RfRenderSettings* settings, int tile_pixels )
 {
-    bool grouped = settings->group != 0 && ( traits->mirrors || traits->smooth || traits->panes );
+    bool grouped = settings->group != 0 && traits->grouped_chains;
     return traits->chains && settings->weights == RF_WEIGHTS_EXACT && ( tile_pixels > 1 || grouped );
 }
 

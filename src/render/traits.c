@@ -28,6 +28,8 @@ RfSceneTraits rf_scene_traits( const RfScene* scene, const RfEye* eyes, int eye_
         traits.lens = traits.lens || eyes[i].lens_radius > 0.0f;
         traits.shutter = traits.shutter || eyes[i].moves;
     }
+    traits.grouped_chains = traits.mirrors || traits.smooth || traits.panes;
+    traits.scattered = traits.lens || traits.shutter;
     return traits;
 }
 
@@ -52,6 +54,9 @@ RfSceneTraits rf_running_traits( const RfScene* scene, RfSceneTraits called )
 #define RF_TRAIT_RUNS( flag, effect ) traits.flag = rf_runs( scene, called.flag, RF_EFFECT_##effect );
     RF_TRAIT_LIST( RF_TRAIT_RUNS )
 #undef RF_TRAIT_RUNS
+    bool grouped = ( called.mirrors && traits.mirrors ) || called.smooth || ( called.panes && traits.panes );
+    traits.grouped_chains = called.chains ? grouped : traits.chains;
+    traits.scattered = ( called.lens && traits.lens ) || ( called.shutter && traits.shutter );
     return traits;
 }
 

@@ -30,7 +30,7 @@ RfHarvest rf_make_harvest( const RfEstimatorGroup* group )
     return ( RfHarvest ){
         .path = { group->tracer, group->max_depth, settings->light_samples, settings->light_sampling },
         .shape = rf_batch_shape( group ),
-        .patches = rf_lay_out_patches( &settings->tile, rf_is_blurred( &group->traits ), group->width, group->height ),
+        .patches = rf_lay_out_patches( &settings->tile, group->traits.scattered, group->width, group->height ),
         .tile_roulette = settings->tile_roulette,
         .weights = settings->weights,
         .alpha = rf_calls_for( ( settings->aovs & RF_AOV_BIT( RF_AOV_ALPHA ) ) != 0, RF_EFFECT_ALPHA ),

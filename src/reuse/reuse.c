@@ -25,7 +25,7 @@ static RfEstimatorSizes sizes( const RfEstimatorGroup* group )
     diffuse.params = 0;
     size_t pixels = (size_t)group->width * (size_t)group->height;
     return ( RfEstimatorSizes ){
-        .jobs = rf_lay_out_patches( &group->settings->tile, rf_is_blurred( &group->traits ), group->width, group->height ).count,
+        .jobs = rf_lay_out_patches( &group->settings->tile, group->traits.scattered, group->width, group->height ).count,
         .batch = header_bytes() + rf_batch_bytes( &shape ),
         .trace_scratch = rf_harvest_scratch_bytes( &shape ),
         .accumulate_scratch = sizeof( RfAccumulateScratch ),

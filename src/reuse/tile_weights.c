@@ -246,7 +246,7 @@ static uint64_t test_connections( const RfTileReuseSettings* settings, const RfV
 {
     Queue q = { .tracer = settings->path->tracer, .scratch = &wavefront->scratch, .reuse = reuse };
     const RfVertexLanes* y = &reuse->second;
-    bool in_part = rf_tracer_is_blended( q.tracer ) || rf_tracer_has_panes( q.tracer );
+    bool in_part = rf_tracer_is_partial( q.tracer );
     int cut_off_count = settings->roulette && !in_part ? y->first[RF_BSDF_FIRST_GLOSSY] : 0;
     lift_hits( x, reuse );
     if ( in_part )

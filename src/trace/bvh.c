@@ -42,6 +42,7 @@ static RfResult sort_masked( RfBvh* bvh, RfError* error )
         masked += has_filter( bvh, i );
         bvh->blended = bvh->blended || rf_is_blended( m );
         bvh->panes = bvh->panes || is_pane( scene, m );
+        bvh->partial = bvh->partial || rf_is_blended( m ) || is_pane( scene, m );
     }
     bvh->masked_first = t->count - masked;
     if ( masked == 0 )

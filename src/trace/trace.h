@@ -19,6 +19,7 @@ typedef struct RfTracerRuns
     bool blended;  // some surface is alpha-blended
     bool panes;    // some may be a thin pane
     bool textured; // some material has `textured`
+    bool partial;  // segments may be open in part: a surface is blended or a pane, and not because of what is forced
 } RfTracerRuns;
 
 // What runs for the tracer's scene.
@@ -34,6 +35,12 @@ static inline bool rf_tracer_is_blended( const RfTracer* tracer )
 static inline bool rf_tracer_has_panes( const RfTracer* tracer )
 {
     return rf_is_built( RF_EFFECT_PANES ) && rf_tracer_runs( tracer ).panes;
+}
+
+// True if the way that a path took may be open in part, so that it is worth another look.
+static inline bool rf_tracer_is_partial( const RfTracer* tracer )
+{
+    return ( rf_tracer_is_blended( tracer ) || rf_tracer_has_panes( tracer ) ) && rf_tracer_runs( tracer ).partial;
 }
 
 // True if some material is textured, so that hits must look up RfMaterial.textured.
