@@ -1,5 +1,6 @@
 #include "film/aov_film.h"
 
+#include "base/built_in.h"
 #include "scene/pinhole.h"
 
 #include <math.h>
@@ -99,17 +100,17 @@ static void add_hit( const RfAovJob* job, const RfVertexLanes* v, int i, size_t 
 {
     float* const* mean = job->film->mean;
     RfVec3 p = rf_vec3( v->p[0][i], v->p[1][i], v->p[2][i] );
-    if ( mean[RF_AOV_ALBEDO] != NULL )
+    if ( rf_calls_for( mean[RF_AOV_ALBEDO] != NULL, RF_EFFECT_AOV_ALBEDO ) )
         add_vector( mean[RF_AOV_ALBEDO] + 3 * pixel, albedo_of( v, i ), share );
-    if ( mean[RF_AOV_NORMAL] != NULL )
+    if ( rf_calls_for( mean[RF_AOV_NORMAL] != NULL, RF_EFFECT_AOV_NORMAL ) )
         add_vector( mean[RF_AOV_NORMAL] + 3 * pixel, rf_vec3( v->n[0][i], v->n[1][i], v->n[2][i] ), share );
-    if ( mean[RF_AOV_DEPTH] != NULL )
+    if ( rf_calls_for( mean[RF_AOV_DEPTH] != NULL, RF_EFFECT_AOV_DEPTH ) )
     {
         float* depth = mean[RF_AOV_DEPTH] + 2 * pixel;
         depth[1] += job->weight;
         add_to_mean( depth, rf_pinhole_depth( job->eye, p ), job->weight / depth[1] );
     }
-    if ( mean[RF_AOV_MOTION] != NULL )
+    if ( rf_calls_for( mean[RF_AOV_MOTION] != NULL, RF_EFFECT_AOV_MOTION ) )
         add_motion( job, mean[RF_AOV_MOTION] + 4 * pixel, ( Seen ){ p, false }, share );
 }
 
@@ -118,11 +119,11 @@ static void add_miss( const RfAovJob* job, const RfRayLanes* rays, int slot, siz
 {
     float* const* mean = job->film->mean;
     RfVec3 d = rf_vec3( rays->d[0][slot], rays->d[1][slot], rays->d[2][slot] );
-    if ( mean[RF_AOV_ALBEDO] != NULL )
+    if ( rf_calls_for( mean[RF_AOV_ALBEDO] != NULL, RF_EFFECT_AOV_ALBEDO ) )
         add_vector( mean[RF_AOV_ALBEDO] + 3 * pixel, rf_vec3( 0, 0, 0 ), share );
-    if ( mean[RF_AOV_NORMAL] != NULL )
+    if ( rf_calls_for( mean[RF_AOV_NORMAL] != NULL, RF_EFFECT_AOV_NORMAL ) )
         add_vector( mean[RF_AOV_NORMAL] + 3 * pixel, rf_vec3( 0, 0, 0 ), share );
-    if ( mean[RF_AOV_MOTION] != NULL )
+    if ( rf_calls_for( mean[RF_AOV_MOTION] != NULL, RF_EFFECT_AOV_MOTION ) )
         add_motion( job, mean[RF_AOV_MOTION] + 4 * pixel, ( Seen ){ d, true }, share );
 }
 

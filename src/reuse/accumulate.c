@@ -190,9 +190,9 @@ static uint64_t add_batch( const Accumulation* a, RfAccumulateJob job, const RfH
         landed += rf_splat_misses( batch, !a->shape.own_frame_light, a->weight, range );
         rf_splat_glints( batch, a->weight, range );
     }
-    if ( job.landed != NULL )
+    if ( rf_calls_for( job.landed != NULL, RF_EFFECT_AOV_SAMPLES ) )
         rf_count_landed( batch, scratch, range, job.landed );
-    if ( job.landed != NULL && own )
+    if ( rf_calls_for( job.landed != NULL && own, RF_EFFECT_AOV_SAMPLES ) )
         rf_count_misses( batch, range, job.landed );
     return landed;
 }

@@ -81,7 +81,7 @@ static void splat_sky( const RfHitBatch* batch, float weight, RfPixelRange range
 
 uint64_t rf_splat_misses( const RfHitBatch* batch, bool black, float weight, RfPixelRange range )
 {
-    if ( range.sky != NULL )
+    if ( rf_calls_for( range.sky != NULL, RF_EFFECT_ALPHA ) )
         splat_sky( batch, weight, range );
     uint64_t landed = 0;
     for ( int i = 0; i < batch->miss_count; ++i )
