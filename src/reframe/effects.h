@@ -127,6 +127,10 @@ void rf_format_effects( uint64_t effects, char* text, size_t size );
 
 #define RF_EFFECTS_TEXT_SIZE 1024
 
+// The names of those that a render calls for, for RfOutput.calls_for.
+void rf_name_effects( const RfScene* scene, const RfEye* eyes, int eye_count, const struct RfRenderSettings* settings,
+                      char text[RF_EFFECTS_TEXT_SIZE] );
+
 // Leaves effects out of a scene, and runs the code of others whether or not something calls for them. Once, before the scene
 // has a path or a tracer. Fails with RF_ERROR_USAGE for effects that cannot be left out or forced.
 RfResult rf_choose_effects( RfScene* scene, uint64_t forced, uint64_t left_out, RfError* error );

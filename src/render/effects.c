@@ -166,6 +166,17 @@ int rf_list_render_effects( const RfScene* scene, const RfEye* eyes, int eye_cou
     return RF_EFFECT_COUNT;
 }
 
+void rf_name_effects( const RfScene* scene, const RfEye* eyes, int eye_count, const RfRenderSettings* settings,
+                      char text[RF_EFFECTS_TEXT_SIZE] )
+{
+    RfEffect effects[RF_MAX_EFFECTS];
+    uint64_t on = 0;
+    int count = rf_list_render_effects( scene, eyes, eye_count, settings, effects );
+    for ( int i = 0; i < count; ++i )
+        on |= effects[i].on ? RF_EFFECT_BIT( effects[i].id ) : 0;
+    rf_format_effects( on, text, RF_EFFECTS_TEXT_SIZE );
+}
+
 RfResult rf_check_built( const RfScene* scene, const RfEye* eyes, int eye_count, const RfRenderSettings* settings,
                          RfError* error )
 {

@@ -252,7 +252,8 @@ static void test_json_has_every_key( void** state )
     cli_expect( result, 0, NULL );
     json_t* json = parse_json( result->out );
     expect_keys( json, "version scene frames seconds seconds_scene peak_bytes budget_bytes bytes rays group tile weights "
-                       "normalize threads effects kept_frames interrupted adaptive adaptive_mode adaptive_frames "
+                       "normalize threads effects effects_left_out effects_forced kept_frames interrupted adaptive adaptive_mode "
+                       "adaptive_frames "
                        "warnings repeated_frames" );
     expect_keys( json_object_get( json, "rays" ), "primary path shadow tile eye" );
     expect_keys( json_object_get( json, "bytes" ), "film_table films adaptive image scratch hit_records writer" );
@@ -289,7 +290,7 @@ static void test_info_tells_cameras_and_materials( void** state )
     expect_keys( camera, "name frames first step animated" );
     assert_int_equal( json_integer_value( json_object_get( camera, "frames" ) ), 95 );
     assert_int_equal( json_integer_value( json_object_get( json, "lights" ) ), 2 );
-    expect_keys( json_array_get( json_object_get( json, "effects" ), 0 ), "name on why" );
+    expect_keys( json_array_get( json_object_get( json, "effects" ), 0 ), "name on why left_out forced option" );
     json_decref( json );
 }
 
