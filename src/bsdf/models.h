@@ -4,7 +4,6 @@
 #ifndef REFRAME_BSDF_MODELS_H
 #define REFRAME_BSDF_MODELS_H
 
-#include "base/built_in.h"
 #include "math/vec3.h"
 
 #include <stdbool.h>
@@ -156,19 +155,6 @@ static inline const RfBsdfModel* rf_bsdf_model( RfBsdfKind kind )
         [RF_BSDF_GLASS] = { "glass", GLASS, rf_glass_evaluate, NULL, rf_glass_sample },
     };
     return s_models + kind;
-}
-
-// Whether this build has the model (base/built_in.h).
-static inline bool rf_is_model_built( RfBsdfKind kind )
-{
-    switch ( kind )
-    {
-        case RF_BSDF_PHONG: return rf_is_built( RF_EFFECT_PHONG );
-        case RF_BSDF_GGX: return rf_is_built( RF_EFFECT_GGX );
-        case RF_BSDF_COATED: return rf_is_built( RF_EFFECT_CLEARCOAT ) && rf_is_built( RF_EFFECT_GGX );
-        case RF_BSDF_GLASS: return rf_is_built( RF_EFFECT_MIRRORS ) || rf_is_built( RF_EFFECT_TRANSMISSION );
-        default: return true;
-    }
 }
 
 static inline bool rf_has_param( uint32_t params, RfBsdfParam param ) { return ( params >> param & 1u ) != 0; }

@@ -160,7 +160,7 @@ static RfResult fill_lights( const RfScene* scene, RfLights* lights, uint32_t ca
         lights->power_fraction[i] = (float)( powers[i] / total );
     RfResult result = lights->count > 0 ? build_alias( lights, powers, total, error ) : RF_OK;
     free( powers );
-    if ( result == RF_OK && lights->count > RF_FEW_LIGHTS && !rf_is_left_out( scene, RF_EFFECT_LIGHT_TREE ) )
+    if ( result == RF_OK && rf_runs( scene, lights->count > RF_FEW_LIGHTS, RF_EFFECT_LIGHT_TREE ) )
         result = rf_create_light_tree( lights, error );
     return result;
 }

@@ -1,5 +1,7 @@
 #include "scene/textured_lookup.h"
 
+#include "base/built_in.h"
+
 #include <math.h>
 
 // The mean over a triangle is sampled at the centres of GRID² sub-triangles.

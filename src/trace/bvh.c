@@ -17,7 +17,7 @@ enum
 
 static bool is_pane( const RfScene* scene, const RfMaterial* m )
 {
-    return rf_may_be_pane( m ) && !rf_is_left_out( scene, RF_EFFECT_PANES );
+    return rf_may_be_pane( m ) && rf_runs( scene, true, RF_EFFECT_PANES );
 }
 
 static bool has_filter( const RfBvh* bvh, uint32_t triangle )

@@ -112,7 +112,7 @@ RfResult rf_create_tracer( const RfScene* scene, RfTracer** out, RfError* error 
     rtcSetDeviceMemoryMonitorFunction( tracer->device, on_memory, tracer );
     describe_device( tracer );
     RfResult result = rf_collect_lights( scene, &tracer->lights, error );
-    if ( result == RF_OK && !rf_is_left_out( scene, RF_EFFECT_FLAT_MIRRORS ) )
+    if ( result == RF_OK && rf_runs( scene, true, RF_EFFECT_FLAT_MIRRORS ) )
         result = rf_find_mirrors( scene, &tracer->mirrors, error );
     if ( result == RF_OK )
         result = build_bvh( tracer, error );
