@@ -268,6 +268,25 @@ static void test_left_out_is_as_made_without( void** state )
     }
 }
 
+// Selection by power has its own proof, tests/light/test_light_power_sampling.c.
+static void test_no_light_tree_is_selection_by_power( void** state )
+{
+    (void)state;
+    RfRenderSettings settings = quick( 1, "3x3" );
+    RfScene left = open_scene(), whole = open_scene();
+    assert_int_equal( rf_choose_effects( &left, 0, RF_EFFECT_BIT( RF_EFFECT_LIGHT_TREE ), NULL ), RF_OK );
+    Rendered a = render_scene( &left, &settings ), c = render_scene( &whole, &settings );
+    settings.light_sampling = RF_LIGHTS_BY_POWER;
+    Rendered b = render_scene( &whole, &settings );
+    assert_memory_equal( a.rgb, b.rgb, 3 * a.pixels * sizeof( float ) );
+    assert_memory_not_equal( a.rgb, c.rgb, 3 * a.pixels * sizeof( float ) );
+    free_rendered( &a );
+    free_rendered( &b );
+    free_rendered( &c );
+    rf_destroy_scene( &left );
+    rf_destroy_scene( &whole );
+}
+
 static void test_words_are_checked( void** state )
 {
     (void)state;
@@ -293,9 +312,13 @@ static void test_words_are_checked( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_every_trait_has_its_row ),  cmocka_unit_test( test_rows_have_names_and_reasons ),
-        cmocka_unit_test( test_every_aov_has_its_row ),    cmocka_unit_test( test_forced_effects_leave_the_picture ),
-        cmocka_unit_test( test_left_out_effects_are_off ), cmocka_unit_test( test_left_out_is_as_made_without ),
+        cmocka_unit_test( test_every_trait_has_its_row ),
+        cmocka_unit_test( test_rows_have_names_and_reasons ),
+        cmocka_unit_test( test_every_aov_has_its_row ),
+        cmocka_unit_test( test_forced_effects_leave_the_picture ),
+        cmocka_unit_test( test_left_out_effects_are_off ),
+        cmocka_unit_test( test_left_out_is_as_made_without ),
+        cmocka_unit_test( test_no_light_tree_is_selection_by_power ),
         cmocka_unit_test( test_words_are_checked ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
