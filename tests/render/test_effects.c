@@ -268,7 +268,7 @@ static void test_left_out_is_as_made_without( void** state )
     }
 }
 
-// Selection by power has its own proof, tests/light/test_light_power_sampling.c.
+// Selection by power has its own proof, tests/light/test_light_sampling_unbiased.c.
 static void test_no_light_tree_is_selection_by_power( void** state )
 {
     (void)state;

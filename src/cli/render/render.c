@@ -125,7 +125,10 @@ static void list_effects( Job* job )
 {
     const RfRenderSettings* settings = &job->options.settings;
     job->effect_count = rf_list_render_effects( &job->scene, job->path.runs, job->path.run_count, settings, job->effects );
-    rf_name_effects( &job->scene, job->path.runs, job->path.run_count, settings, job->calls_for );
+    uint64_t on = 0;
+    for ( int i = 0; i < job->effect_count; ++i )
+        on |= job->effects[i].on ? RF_EFFECT_BIT( job->effects[i].id ) : 0;
+    rf_format_effects( on, job->calls_for, sizeof job->calls_for );
 }
 
 static RfResult load( Job* job, RfError* error )
