@@ -38,6 +38,8 @@ typedef enum Key
     SEED,
     MAX_DEPTH,
     LIGHT_SAMPLES,
+    FILTER,
+    FILTER_WIDTH,
     ADAPTIVE,
     NOISE,
     TIME,
@@ -70,6 +72,8 @@ static const char* const s_names[KEY_COUNT] = {
     [SEED] = "reframe/seed",
     [MAX_DEPTH] = "reframe/max-depth",
     [LIGHT_SAMPLES] = "reframe/light-samples",
+    [FILTER] = "reframe/filter",
+    [FILTER_WIDTH] = "reframe/filter-width",
     [ADAPTIVE] = "reframe/adaptive",
     [NOISE] = "reframe/noise",
     [TIME] = "reframe/time",
@@ -118,6 +122,11 @@ static void put_settings( Attributes* a, const RfRenderSettings* s )
     put( a, SEED, "%llu", (unsigned long long)s->seed );
     put( a, MAX_DEPTH, "%d", s->max_depth );
     put( a, LIGHT_SAMPLES, "%d", s->light_samples );
+    if ( s->filter != RF_FILTER_BOX || s->filter_width != 1.0 )
+    {
+        put_text( a, FILTER, rf_filter_name( s->filter ) );
+        put( a, FILTER_WIDTH, "%.9g", s->filter_width );
+    }
     if ( s->adaptive != RF_ADAPTIVE_OFF )
         put_text( a, ADAPTIVE, s->adaptive == RF_ADAPTIVE_ON ? "yes" : rf_adaptive_name( s->adaptive ) );
     if ( s->noise > 0.0 )

@@ -89,6 +89,7 @@ static void render_blocks( RfRenderer* r, int frame, RfLiveFilm* live )
 {
     RfEstimatorGroup group = rf_frames_as_group( r, frame, 1, (int)NOISE_GROUP );
     group.need = live->need;
+    group.filter = NULL;
     live->frame = frame;
     int jobs = r->sizes.of_estimator.jobs, slots = r->memory.batch_slots;
     for ( int half = 0; half < 2; ++half )

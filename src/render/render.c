@@ -142,6 +142,8 @@ static RfResult set_up( RfRenderer* r, int eye_count, RfError* error )
     r->sizes = rf_render_sizes( scene, r->eyes, &r->plan, r->frames_all, settings );
     r->traits = rf_scene_traits( scene );
     r->traits.blurred = rf_any_blurred( r->eyes, eye_count );
+    if ( !rf_is_plain_filter( settings ) )
+        rf_make_pixel_filter( settings, &r->filter );
     r->memory.arena = rf_create_arena( settings->memory );
     r->start = r->last_frame = rf_wall_seconds();
     r->frame_count = r->frames_all;

@@ -18,6 +18,7 @@ typedef struct RfRenderer
     RfMemoryFit fit;
     RfRenderSizes sizes;
     RfSceneTraits traits;
+    RfPixelFilter filter; // made unless the settings have the plain one
     RfRenderMemory memory;
     RfFrameQueue queue;
     int* traced_jobs; // of a pass, with settings.pieces; NULL: all jobs

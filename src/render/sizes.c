@@ -60,7 +60,8 @@ RfRenderSizes rf_render_sizes( const RfScene* scene, const RfEye* eyes, const Rf
     // as many additions to a pixel as eyes, and half of the passes in each half
     bool adaptive = may_adapt( settings, plan->eyes );
     int materials = adaptive && rf_noise_differs( &group.traits ) ? (int)scene->material_count : 0;
-    int total_every = rf_film_total_every( plan->eyes + ( adaptive ? rf_most_extra( materials > 0 ) : 0 ) );
+    int total_every =
+        rf_film_total_every( plan->eyes * rf_filter_pixels( settings ) + ( adaptive ? rf_most_extra( materials > 0 ) : 0 ) );
     int64_t most = ( rf_most_passes( plan ) + 1 ) / 2;
     return ( RfRenderSizes ){
         .estimator = settings->estimator,

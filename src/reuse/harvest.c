@@ -22,6 +22,7 @@ RfBatchShape rf_batch_shape( const RfEstimatorGroup* group )
         .blended = group->traits.blended,
         .panes = group->traits.panes,
         .own_frame_light = unevaluable || chains || group->traits.sky,
+        .filtered = !rf_is_plain_filter( settings ),
         .chains = chains,
     };
 }
@@ -37,6 +38,7 @@ RfHarvest rf_make_harvest( const RfEstimatorGroup* group )
         .weights = settings->weights,
         .alpha = ( settings->aovs & RF_AOV_BIT( RF_AOV_ALPHA ) ) != 0,
         .seed = settings->seed,
+        .drawn_by = group->need != NULL ? group->filter : NULL,
         .eyes = group->eyes,
         .first_frame = group->first_frame,
         .group = group->number,
@@ -101,14 +103,29 @@ static void make_copies_keys( const RfHarvest* harvest, RfTraceJob job, int coun
     }
 }
 
-// One ray through a uniform point of each pixel.
-static void make_camera_rays( const RfEye* eye, int count, const int32_t* pixel, RfWavefront* wavefront, RfRayLanes* rays )
+// Turns uniform numbers into places drawn by the filter of each pixel.
+static void draw_places( const RfPixelFilter* filter, const RfEye* eye, int count, const int32_t* pixel,
+                         float random[][RF_LANES] )
+{
+    for ( int i = 0; i < count; ++i )
+    {
+        int y = pixel[i] / eye->width, x = pixel[i] - y * eye->width;
+        random[0][i] = rf_draw_filter_place( filter, x, eye->width, random[0][i] );
+        random[1][i] = rf_draw_filter_place( filter, y, eye->height, random[1][i] );
+    }
+}
+
+// One ray through a uniform point of each pixel, or one drawn by a filter.
+static void make_camera_rays( const RfPixelFilter* filter, const RfEye* eye, int count, const int32_t* pixel,
+                              RfWavefront* wavefront, RfRayLanes* rays )
 {
     int32_t* slot = rays->slot;
     for ( int i = 0; i < count; ++i )
         slot[i] = i;
     float( *random )[RF_LANES] = wavefront->scratch.random;
     rf_draw_lanes( wavefront, count, slot, RF_DIMENSION_FILM_X, 2, random );
+    if ( filter != NULL )
+        draw_places( filter, eye, count, pixel, random );
     RfEye e = *eye;
     const float inverse[2] = { 1.0f / e.focal_x, 1.0f / e.focal };
     RfVec3 origin = rf_pinhole_origin( &e );
@@ -213,7 +230,7 @@ static int harvest_first_hits( const RfHarvest* harvest, RfTraceJob job, RfHitBa
     make_keys( key, count, scratch->pixel, wavefront );
     if ( harvest->need != NULL && harvest->packed )
         make_copies_keys( harvest, job, count, copy, scratch );
-    make_camera_rays( eye, count, scratch->pixel, wavefront, &scratch->camera_rays );
+    make_camera_rays( harvest->drawn_by, eye, count, scratch->pixel, wavefront, &scratch->camera_rays );
     rf_find_vertices( &harvest->path, &scratch->camera_rays, true, &scratch->first, &wavefront->scratch );
     rays->primary += (uint64_t)count;
     follow_chains( harvest, scratch );

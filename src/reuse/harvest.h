@@ -20,6 +20,7 @@ typedef struct RfHarvest
     RfWeights weights;
     bool alpha; // the sky that camera rays see is black: RF_AOV_ALPHA
     uint64_t seed;
+    const RfPixelFilter* drawn_by; // by which places in the pixels are drawn; NULL: evenly
     const RfEye* eyes;      // shape.eyes of them
     int first_frame;        // path frame of eyes[0]
     int group;              // its number

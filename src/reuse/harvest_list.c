@@ -94,9 +94,23 @@ static void note_pixels( int count, RfHarvestScratch* scratch, RfHitBatch* batch
         note_glints( scratch, batch, scratch->glint_slot );
 }
 
+// Places in the pixels, drawn once more as the camera rays were, for what is listed from `first` on.
+static void note_offsets( const RfHarvestScratch* scratch, int first, int count, const int32_t* slot, RfHitBatch* batch )
+{
+    RF_ALIGN float random[2][RF_LANES];
+    rf_draw_lanes( &scratch->wavefront, count, slot, RF_DIMENSION_FILM_X, 2, random );
+    for ( int c = 0; c < 2; ++c )
+        memcpy( batch->offset[c] + first, random[c], (size_t)count * sizeof( float ) );
+}
+
 void rf_list_hits( int count, RfHarvestScratch* scratch, RfHitBatch* batch )
 {
     copy_hits( scratch->hits, batch );
     copy_views( scratch, batch );
     note_pixels( count, scratch, batch );
+    if ( batch->offset[0] == NULL )
+        return;
+    note_offsets( scratch, 0, batch->count, scratch->hits->slot, batch );
+    note_offsets( scratch, batch->count, batch->miss_count, scratch->miss_slot, batch );
+    note_offsets( scratch, batch->count + batch->miss_count, batch->glint_count, scratch->glint_slot, batch );
 }

@@ -48,7 +48,7 @@ static void begin( Setup* s, float degrees, double pixels )
     orbit_eyes( s->eyes, EYES, degrees, WIDTH, HEIGHT );
     for ( int i = 0; i < EYES; ++i )
         s->frames[i] = i;
-    assert_int_equal( rf_choose_pieces( s->tracer, s->eyes, EYES, EYES / 2, pixels, 1, &s->pieces, &error ), RF_OK );
+    assert_int_equal( rf_choose_pieces( s->tracer, s->eyes, EYES, EYES / 2, pixels, false, 1, &s->pieces, &error ), RF_OK );
 }
 
 static void end( Setup* s )

@@ -19,7 +19,7 @@ typedef struct RfRenderOptions
     const char* focus; // NULL: the camera's
     RfRenderSettings settings;
     bool spp_given;
-    int weights, normalize, adaptive; // indices of their words
+    int weights, normalize, adaptive, filter; // indices of their words
     const char* tile;
     const char* aov; // NULL: none
     bool alpha;
