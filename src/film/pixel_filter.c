@@ -12,7 +12,8 @@ static double reach_of( RfFilter kind, double width ) { return kind == RF_FILTER
 static double blackman_harris( double x, double reach )
 {
     double angle = PI * x / reach, scale = reach / PI;
-    return 0.35875 * x + scale * ( 0.48829 * sin( angle ) + 0.14128 / 2.0 * sin( 2.0 * angle ) + 0.01168 / 3.0 * sin( 3.0 * angle ) );
+    return 0.35875 * x +
+           scale * ( 0.48829 * sin( angle ) + 0.14128 / 2.0 * sin( 2.0 * angle ) + 0.01168 / 3.0 * sin( 3.0 * angle ) );
 }
 
 // ∫ h from −∞ to x.

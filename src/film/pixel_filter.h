@@ -14,10 +14,10 @@
 
 typedef struct RfPixelFilter
 {
-    int reach;                                    // in whole pixels, to each side of a sample's own
-    int taps;                                     // 2 reach + 1
-    float rows[RF_FILTER_STEPS * RF_FILTER_TAPS]; // by place in the pixel, `taps` each: h for the pixels around
-    float beyond[RF_FILTER_REACH];                // integral of h beyond pixel d from the filter's own, to one side
+    int reach;                                              // in whole pixels, to each side of a sample's own
+    int taps;                                               // 2 reach + 1
+    float rows[RF_FILTER_STEPS * RF_FILTER_TAPS];           // by place in the pixel, `taps` each: h for the pixels around
+    float beyond[RF_FILTER_REACH];                          // integral of h beyond pixel d from the filter's own, to one side
     float cumulative[RF_FILTER_STEPS * RF_FILTER_TAPS + 1]; // integral of h over so many steps, from the left end
     double worth; // of a sample drawn by the filter beside one of the plain kind: ∫∫ h² in both directions
 } RfPixelFilter;

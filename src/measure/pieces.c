@@ -176,9 +176,8 @@ RfResult rf_choose_pieces( const RfTracer* tracer, const RfEye* eyes, int frames
     p->piece = malloc( cells );
     RfPieceChooser* c = calloc( 1, sizeof *c );
     uint8_t *target = calloc( cells, 1 ), *around = calloc( cells, 1 );
-    bool enough =
-        p->traced != NULL && p->slot != NULL && p->first_slot != NULL && p->piece != NULL && c != NULL && target != NULL &&
-                  around != NULL;
+    bool enough = p->traced != NULL && p->slot != NULL && p->first_slot != NULL && p->piece != NULL && c != NULL &&
+                  target != NULL && around != NULL;
     if ( enough )
     {
         c->tracer = tracer;

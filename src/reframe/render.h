@@ -143,8 +143,8 @@ typedef struct RfRenderSettings
     RfNormalize normalize;
     RfFilter filter;     // of the pixels; AOVs of first hits have the box of one pixel whatever it is
     double filter_width; // pixels; 0: the filter's default
-    int max_depth;     // path vertices after the eye
-    int light_samples; // per vertex
+    int max_depth;       // path vertices after the eye
+    int light_samples;   // per vertex
     RfLightSampling light_sampling;
     uint64_t seed;
     int threads;            // 0: all cores

@@ -100,6 +100,6 @@ void rf_run_pilot( RfRenderer* r, RfLiveFilm* live )
         find_need( r, live );
     }
     // without extra samples the sums are those of a render without adaptive sampling, bit for bit
-    live->films[0].total_every =
-        rf_film_total_every( r->plan.eyes * rf_filter_pixels( &r->settings ) + ( live->most_need > 0.0f ? rf_most_extra( r->memory.noise != NULL ) : 0 ) );
+    live->films[0].total_every = rf_film_total_every( r->plan.eyes * rf_filter_pixels( &r->settings ) +
+                                                      ( live->most_need > 0.0f ? rf_most_extra( r->memory.noise != NULL ) : 0 ) );
 }

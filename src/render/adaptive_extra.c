@@ -23,7 +23,8 @@ static uint64_t trace_extra( RfRenderer* r, const RfPass* pass, RfLiveFilm* live
         {
             void* batch = r->memory.batches[i];
             estimator->trace( pass->group, ( RfTraceJob ){ 0, first + i, pass->number }, batch, scratch, &mine );
-            samples += estimator->count_samples( batch, (float)( pass->weight * rf_extra_worth( r ) ), live->films[0].extra[pass->half] );
+            samples += estimator->count_samples( batch, (float)( pass->weight * rf_extra_worth( r ) ),
+                                                 live->films[0].extra[pass->half] );
         }
 #pragma omp critical
         rf_add_rays( &rays, &mine );

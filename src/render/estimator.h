@@ -38,10 +38,10 @@ typedef struct RfEstimatorGroup
     const RfTracer* tracer;           // NULL where only sizes are asked for
     const RfRenderSettings* settings; // resolved
     RfSceneTraits traits;
-    int width, height; // of all films, pixels
-    int max_depth;     // path vertices after the eye: that of the settings, or less
+    int width, height;           // of all films, pixels
+    int max_depth;               // path vertices after the eye: that of the settings, or less
     const RfPixelFilter* filter; // that samples are added by, and those of `need` drawn by; NULL: each counts in its own pixel
-    const RfEye* eyes; // of the group's frames
+    const RfEye* eyes;           // of the group's frames
     int eye_count;
     int first_frame; // of the path, from 0: the frame of eyes[0]
     int number;      // of the group; with the seed it selects the random numbers

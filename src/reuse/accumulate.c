@@ -18,8 +18,8 @@ typedef struct Accumulation
     RfBatchShape shape;
     RfWeights weights;
     const RfPixelFilter* filter; // by which samples are spread; NULL: each counts in its own pixel
-    float weight;         // of the pass in the film
-    void* const* batches; // RfHitBatch, in the order in which they add to the film
+    float weight;                // of the pass in the film
+    void* const* batches;        // RfHitBatch, in the order in which they add to the film
     int batch_count;
 } Accumulation;
 
@@ -210,8 +210,8 @@ static uint64_t add_batch( const Accumulation* a, RfAccumulateJob job, const RfH
     reproject( a, job.eye, batch, scratch );
     if ( rf_glossy_count( batch ) > 0 )
         light_glossy( a, job.eye, batch, job.pass_state, scratch );
-    uint64_t landed = a->filter != NULL ? spread( a, job.eye, batch, range, scratch )
-                                        : splat( a, job.eye, batch, range, scratch );
+    uint64_t landed =
+        a->filter != NULL ? spread( a, job.eye, batch, range, scratch ) : splat( a, job.eye, batch, range, scratch );
     if ( job.landed != NULL )
         rf_count_landed( batch, scratch, range, job.landed );
     if ( job.landed != NULL && job.eye == batch->eye )

@@ -80,9 +80,9 @@ json_t* rf_render_json( const RfRenderOptions* options, const RfScene* scene, co
                               "weights", rf_weights_name( options->settings.weights ), "normalize",
                               rf_normalize_name( options->settings.normalize ), "threads", stats->threads, "effects",
                               rf_effect_names_json( scene ), "kept_frames", run->kept, "interrupted", run->interrupted );
-    json_object_set_new( json, "filter",
-                         json_pack( "{s:s, s:f}", "name", rf_filter_name( options->settings.filter ), "width",
-                                    options->settings.filter_width ) );
+    json_object_set_new(
+        json, "filter",
+        json_pack( "{s:s, s:f}", "name", rf_filter_name( options->settings.filter ), "width", options->settings.filter_width ) );
     json_object_set_new( json, "repeated_frames", json_integer( run->repeated ) );
     RfAdaptive adaptive = options->settings.adaptive;
     json_object_set_new( json, "adaptive", json_boolean( adaptive == RF_ADAPTIVE_ON || stats->adaptive_frames > 0 ) );
