@@ -141,7 +141,7 @@ typedef struct RfRenderSettings
     RfAdaptive adaptive;          // extra samples for pixels that few other frames help; RF_WEIGHTS_EXACT only
     RfWeights weights;
     RfNormalize normalize;
-    RfFilter filter;     // of the pixels; AOVs of first hits have the box of one pixel whatever it is
+    RfFilter filter;     // of the pixels; depth and motion have the box of one pixel whatever it is
     double filter_width; // pixels; 0: the filter's default
     int max_depth;       // path vertices after the eye
     int light_samples;   // per vertex

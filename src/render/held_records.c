@@ -78,6 +78,7 @@ RfResult rf_render_held( RfRenderer* r, const RfEstimatorGroup* estimator_group,
     {
         RfPass pass = rf_make_pass( estimator_group, group, k );
         result = trace_pass( r, &pass, jobs, &held, error );
+        rf_filter_aovs( r, &pass );
     }
     for ( int k = 0; k < group->passes && result == RF_OK; ++k )
     {

@@ -77,6 +77,7 @@ RfRenderSizes rf_render_sizes( const RfScene* scene, const RfEye* eyes, const Rf
         // of any number of frames: the least budget must not depend on it
         .ring = settings->queue > 1 ? settings->queue : 1,
         .aovs = settings->aovs,
+        .filtered = !rf_is_plain_filter( settings ),
         .total_every = rf_film_needs_total( most, total_every ) ? total_every : 0,
         .stopping = rf_is_stopping( settings ),
         .adaptive = adaptive,
@@ -102,7 +103,7 @@ size_t rf_material_noise_bytes( const RfRenderSizes* s )
 size_t rf_aov_film_bytes( const RfRenderSizes* s, int aov )
 {
     bool asked = ( s->aovs & RF_AOV_BIT( aov ) ) != 0;
-    return asked ? film_pixels( s ) * (size_t)rf_aov_film_floats( (RfAov)aov ) * sizeof( float ) : 0;
+    return asked ? film_pixels( s ) * (size_t)rf_aov_film_floats( (RfAov)aov, s->filtered ) * sizeof( float ) : 0;
 }
 
 size_t rf_aov_image_bytes( const RfRenderSizes* s, int aov )

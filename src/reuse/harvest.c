@@ -63,7 +63,7 @@ size_t rf_harvest_scratch_bytes( const RfBatchShape* shape )
     return scratch_struct_bytes() + eyes_bytes( shape ) + (size_t)shape->light_samples * sizeof( RfLightLanes ) +
            (size_t)shape->eyes * lanes + (size_t)rf_direction_count( shape ) * lanes +
            rf_tile_reuse_bytes( shape->light_samples, shape->tile_pixels, shape->panes ) +
-           ( shape->chains ? sizeof( RfChains ) + 64 : 0 );
+           ( shape->chains ? sizeof( RfChains ) + 64 : 0 ) + ( shape->filtered ? 2 * lanes : 0 );
 }
 
 RfHarvestScratch* rf_lay_out_harvest_scratch( const RfBatchShape* shape, void* memory )
@@ -77,6 +77,9 @@ RfHarvestScratch* rf_lay_out_harvest_scratch( const RfBatchShape* shape, void* m
     scratch->tiles = rf_lay_out_tile_reuse( shape->light_samples, shape->tile_pixels, shape->panes, rest );
     rest += rf_tile_reuse_bytes( shape->light_samples, shape->tile_pixels, shape->panes );
     scratch->chains = shape->chains ? (RfChains*)(void*)( rest + ( 64 - (uintptr_t)rest % 64 ) % 64 ) : NULL;
+    rest = shape->chains ? (char*)( scratch->chains + 1 ) : rest;
+    for ( int c = 0; c < 2; ++c )
+        scratch->place[c] = shape->filtered ? (float*)(void*)rest + c * RF_LANES : NULL;
     return scratch;
 }
 
@@ -231,6 +234,8 @@ static int harvest_first_hits( const RfHarvest* harvest, RfTraceJob job, RfHitBa
     if ( harvest->need != NULL && harvest->packed )
         make_copies_keys( harvest, job, count, copy, scratch );
     make_camera_rays( harvest->drawn_by, eye, count, scratch->pixel, wavefront, &scratch->camera_rays );
+    for ( int c = 0; c < 2 && scratch->place[0] != NULL; ++c )
+        memcpy( scratch->place[c], wavefront->scratch.random[c], (size_t)count * sizeof( float ) );
     rf_find_vertices( &harvest->path, &scratch->camera_rays, true, &scratch->first, &wavefront->scratch );
     rays->primary += (uint64_t)count;
     follow_chains( harvest, scratch );

@@ -36,6 +36,7 @@ struct RfHarvestScratch
     RF_ALIGN int32_t landed_pixel[RF_LANES]; // pixel of each hit on the film of an eye
     RF_ALIGN float lifted[3][RF_LANES];      // the hits, off their surface
     RfEye* eyes;                             // of the group, at the batch's point of the lens and moment of the shutter
+    float* place[2];                         // of each camera ray in its pixel, by slot; NULL with the plain pixel filter
     RfLightLanes* direct;                    // light samples at the hits, K of them
     float* density;                          // J_l V_l: eye l, hit i at l·RF_LANES + i
     float* mixture;                          // P: direction d, glossy hit i at d·RF_LANES + i

@@ -94,13 +94,14 @@ static void note_pixels( int count, RfHarvestScratch* scratch, RfHitBatch* batch
         note_glints( scratch, batch, scratch->glint_slot );
 }
 
-// Places in the pixels, drawn once more as the camera rays were, for what is listed from `first` on.
+// Places in the pixels of what is listed from `first` on.
 static void note_offsets( const RfHarvestScratch* scratch, int first, int count, const int32_t* slot, RfHitBatch* batch )
 {
-    RF_ALIGN float random[2][RF_LANES];
-    rf_draw_lanes( &scratch->wavefront, count, slot, RF_DIMENSION_FILM_X, 2, random );
-    for ( int c = 0; c < 2; ++c )
-        memcpy( batch->offset[c] + first, random[c], (size_t)count * sizeof( float ) );
+    for ( int i = 0; i < count; ++i )
+    {
+        for ( int c = 0; c < 2; ++c )
+            batch->offset[c][first + i] = scratch->place[c][slot[i]];
+    }
 }
 
 void rf_list_hits( int count, RfHarvestScratch* scratch, RfHitBatch* batch )

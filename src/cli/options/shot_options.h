@@ -94,7 +94,7 @@
       .value = &( o ).filter,                                                                                                    \
       .choices = rf_filter_words,                                                                                                \
       .default_text = "box",                                                                                                     \
-      .help = "how samples count in the pixels around them; AOVs but alpha and variance always have the box of one pixel" },     \
+      .help = "how samples count in the pixels around them; depth and motion always have the box of one pixel" },                \
     {                                                                                                                            \
         .name = "filter-width", .in_file = ( file ), .type = RF_OPTION_REAL, .value = &( o ).settings.filter_width,              \
         .min = RF_MIN_FILTER_WIDTH, .max = RF_MAX_FILTER_WIDTH, .meta = "PIXELS",                                                \
