@@ -234,6 +234,8 @@ static const char* absent_value( Key key )
         case NOISE:
         case TIME: return "0";
         case AOV: return "none";
+        case FILTER: return rf_filter_name( RF_FILTER_BOX );
+        case FILTER_WIDTH: return "1";
         case ESTIMATOR: return rf_estimator_name( rf_default_render_settings().estimator );
         default: return "";
     }
@@ -277,8 +279,8 @@ static void add_roulette( const RfOutput* output, const char* name, int frame, R
 
 int rf_list_frame_differences( const RfOutput* output, int frame, RfFrameDifference list[RF_MAX_DIFFERENCES] )
 {
-    static const Key keys[] = { VERSION, FRAME,     CAMERA,        FRAMES,   GROUP, SPP,  TILE, WEIGHTS,  NORMALIZE,
-                                SEED,    MAX_DEPTH, LIGHT_SAMPLES, ADAPTIVE, NOISE, TIME, AOV,  ESTIMATOR };
+    static const Key keys[] = { VERSION,   FRAME,         CAMERA,   FRAMES, GROUP, SPP, TILE,      WEIGHTS, NORMALIZE,   SEED,
+                                MAX_DEPTH, LIGHT_SAMPLES, ADAPTIVE, NOISE,  TIME,  AOV, ESTIMATOR, FILTER,  FILTER_WIDTH };
     char name[MAX_NAME], there[RF_DIFFERENCE_SIZE];
     int count = 0;
     Attributes wanted;
