@@ -106,18 +106,6 @@ static void make_copies_keys( const RfHarvest* harvest, RfTraceJob job, int coun
     }
 }
 
-// Turns uniform numbers into places drawn by the filter of each pixel.
-static void draw_places( const RfPixelFilter* filter, const RfEye* eye, int count, const int32_t* pixel,
-                         float random[][RF_LANES] )
-{
-    for ( int i = 0; i < count; ++i )
-    {
-        int y = pixel[i] / eye->width, x = pixel[i] - y * eye->width;
-        random[0][i] = rf_draw_filter_place( filter, x, eye->width, random[0][i] );
-        random[1][i] = rf_draw_filter_place( filter, y, eye->height, random[1][i] );
-    }
-}
-
 // One ray through a uniform point of each pixel, or one drawn by a filter.
 static void make_camera_rays( const RfPixelFilter* filter, const RfEye* eye, int count, const int32_t* pixel,
                               RfWavefront* wavefront, RfRayLanes* rays )
@@ -128,7 +116,7 @@ static void make_camera_rays( const RfPixelFilter* filter, const RfEye* eye, int
     float( *random )[RF_LANES] = wavefront->scratch.random;
     rf_draw_lanes( wavefront, count, slot, RF_DIMENSION_FILM_X, 2, random );
     if ( filter != NULL )
-        draw_places( filter, eye, count, pixel, random );
+        rf_draw_places( filter, eye, count, pixel, random );
     RfEye e = *eye;
     const float inverse[2] = { 1.0f / e.focal_x, 1.0f / e.focal };
     RfVec3 origin = rf_pinhole_origin( &e );

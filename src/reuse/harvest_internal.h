@@ -55,6 +55,9 @@ RfLensSample rf_draw_lens( const RfHarvest* harvest, RfTraceJob job );
 // The harvest with the pinholes that the eyes are at a point of the lens and a moment of the shutter, in scratch->eyes.
 RfHarvest rf_harvest_at( const RfHarvest* harvest, RfLensSample lens, RfHarvestScratch* scratch );
 
+// Turns uniform numbers into places drawn by the filter of each pixel.
+void rf_draw_places( const RfPixelFilter* filter, const RfEye* eye, int count, const int32_t* pixel, float random[][RF_LANES] );
+
 // Keeps the listed pixels whose tiles have a pixel in the pieces that are traced. Returns how many.
 int rf_choose_traced( const RfHarvest* harvest, const RfEye* eye, int count, RfHarvestScratch* scratch );
 
