@@ -38,6 +38,8 @@ typedef enum Key
     SEED,
     MAX_DEPTH,
     LIGHT_SAMPLES,
+    FILTER,
+    FILTER_WIDTH,
     ADAPTIVE,
     NOISE,
     TIME,
@@ -73,6 +75,8 @@ static const char* const s_names[KEY_COUNT] = {
     [SEED] = "reframe/seed",
     [MAX_DEPTH] = "reframe/max-depth",
     [LIGHT_SAMPLES] = "reframe/light-samples",
+    [FILTER] = "reframe/filter",
+    [FILTER_WIDTH] = "reframe/filter-width",
     [ADAPTIVE] = "reframe/adaptive",
     [NOISE] = "reframe/noise",
     [TIME] = "reframe/time",
@@ -124,6 +128,11 @@ static void put_settings( Attributes* a, const RfRenderSettings* s )
     put( a, SEED, "%llu", (unsigned long long)s->seed );
     put( a, MAX_DEPTH, "%d", s->max_depth );
     put( a, LIGHT_SAMPLES, "%d", s->light_samples );
+    if ( s->filter != RF_FILTER_BOX || s->filter_width != 1.0 )
+    {
+        put_text( a, FILTER, rf_filter_name( s->filter ) );
+        put( a, FILTER_WIDTH, "%.9g", s->filter_width );
+    }
     if ( s->adaptive != RF_ADAPTIVE_OFF )
         put_text( a, ADAPTIVE, s->adaptive == RF_ADAPTIVE_ON ? "yes" : rf_adaptive_name( s->adaptive ) );
     if ( s->noise > 0.0 )
@@ -249,6 +258,8 @@ static const char* absent_value( Key key )
         case AOV:
         case NO_EFFECT: return "none";
         case EFFECTS: return "auto";
+        case FILTER: return rf_filter_name( RF_FILTER_BOX );
+        case FILTER_WIDTH: return "1";
         case ESTIMATOR: return rf_estimator_name( rf_default_render_settings().estimator );
         default: return "";
     }
@@ -293,7 +304,8 @@ static void add_roulette( const RfOutput* output, const char* name, int frame, R
 int rf_list_frame_differences( const RfOutput* output, int frame, RfFrameDifference list[RF_MAX_DIFFERENCES] )
 {
     static const Key keys[] = { VERSION,   FRAME,         CAMERA,   FRAMES, GROUP, SPP, TILE,      WEIGHTS, NORMALIZE, SEED,
-                                MAX_DEPTH, LIGHT_SAMPLES, ADAPTIVE, NOISE,  TIME,  AOV, ESTIMATOR, EFFECTS, NO_EFFECT };
+                                MAX_DEPTH, LIGHT_SAMPLES, ADAPTIVE, NOISE,  TIME,  AOV, ESTIMATOR, EFFECTS, NO_EFFECT, FILTER,
+                                FILTER_WIDTH };
     char name[MAX_NAME], there[RF_DIFFERENCE_SIZE];
     int count = 0;
     Attributes wanted;

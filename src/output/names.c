@@ -6,10 +6,17 @@ const char* const rf_weights_words[] = {
 const char* const rf_normalize_words[] = {
     [RF_NORMALIZE_CROSSFIT] = "crossfit", [RF_NORMALIZE_RATIO] = "ratio", [RF_NORMALIZE_NONE] = "none", NULL
 };
+const char* const rf_filter_words[] = { [RF_FILTER_BOX] = "box",
+                                        [RF_FILTER_TENT] = "tent",
+                                        [RF_FILTER_GAUSSIAN] = "gaussian",
+                                        [RF_FILTER_BLACKMAN_HARRIS] = "blackman-harris",
+                                        NULL };
 const char* const rf_adaptive_words[] = { [RF_ADAPTIVE_AUTO] = "auto", [RF_ADAPTIVE_ON] = "on", [RF_ADAPTIVE_OFF] = "off", NULL };
 
 const char* rf_weights_name( RfWeights weights ) { return rf_weights_words[weights]; }
 
 const char* rf_normalize_name( RfNormalize normalize ) { return rf_normalize_words[normalize]; }
+
+const char* rf_filter_name( RfFilter filter ) { return rf_filter_words[filter]; }
 
 const char* rf_adaptive_name( RfAdaptive adaptive ) { return rf_adaptive_words[adaptive]; }

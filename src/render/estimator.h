@@ -17,6 +17,7 @@
 
 #include "film/aov_film.h"
 #include "film/film.h"
+#include "film/pixel_filter.h"
 #include "reframe/render.h"
 
 // The flags of a scene's traits, each with the effect of which it is the reason: X( flag, EFFECT ).
@@ -58,9 +59,10 @@ typedef struct RfEstimatorGroup
     const RfTracer* tracer;           // NULL where only sizes are asked for
     const RfRenderSettings* settings; // resolved
     RfSceneTraits traits;
-    int width, height; // of all films, pixels
-    int max_depth;     // path vertices after the eye: that of the settings, or less
-    const RfEye* eyes; // of the group's frames
+    int width, height;           // of all films, pixels
+    int max_depth;               // path vertices after the eye: that of the settings, or less
+    const RfPixelFilter* filter; // that samples are added by, and those of `need` drawn by; NULL: each counts in its own pixel
+    const RfEye* eyes;           // of the group's frames
     int eye_count;
     int first_frame; // of the path, from 0: the frame of eyes[0]
     int number;      // of the group; with the seed it selects the random numbers
@@ -120,6 +122,7 @@ struct RfEstimator
 {
     const char* name; // for rf_find_estimator
     int films;        // per frame, 1 to RF_MAX_FILMS. Film 0 is the picture, unless `finish` makes it of all
+    bool filters;     // it heeds RfEstimatorGroup.filter; else settings with another than the plain filter are refused
 
     // May be NULL. Refuses settings that this estimator cannot follow, with RF_ERROR_USAGE.
     RfResult ( *check )( const RfRenderSettings* settings, RfError* error );

@@ -140,6 +140,8 @@ static RfResult set_up( RfRenderer* r, int eye_count, RfError* error )
         r->stop = rf_create_stop( &r->plan, settings->spp, settings->noise, settings->time * r->frames_all );
     r->sizes = rf_render_sizes( scene, r->eyes, &r->plan, r->frames_all, settings );
     r->traits = rf_running_traits( scene, rf_scene_traits( scene, r->eyes, eye_count ) );
+    if ( !rf_is_plain_filter( settings ) )
+        rf_make_pixel_filter( settings, &r->filter );
     r->memory.arena = rf_create_arena( settings->memory );
     r->start = r->last_frame = rf_wall_seconds();
     r->frame_count = r->frames_all;

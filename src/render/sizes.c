@@ -25,7 +25,8 @@ RfRenderSizes rf_render_sizes( const RfScene* scene, const RfEye* eyes, const Rf
     // as many additions to a pixel as eyes, and half of the passes in each half
     bool adaptive = may_adapt( settings, plan->eyes );
     int materials = adaptive && rf_noise_differs( &called ) ? (int)scene->material_count : 0;
-    int total_every = rf_film_total_every( plan->eyes + ( adaptive ? rf_most_extra( materials > 0 ) : 0 ) );
+    int total_every =
+        rf_film_total_every( plan->eyes * rf_filter_pixels( settings ) + ( adaptive ? rf_most_extra( materials > 0 ) : 0 ) );
     int64_t most = ( rf_most_passes( plan ) + 1 ) / 2;
     return ( RfRenderSizes ){
         .estimator = settings->estimator,
@@ -41,6 +42,7 @@ RfRenderSizes rf_render_sizes( const RfScene* scene, const RfEye* eyes, const Rf
         // of any number of frames: the least budget must not depend on it
         .ring = settings->queue > 1 ? settings->queue : 1,
         .aovs = settings->aovs & rf_built_aovs(),
+        .filtered = !rf_is_plain_filter( settings ),
         .total_every = rf_film_needs_total( most, total_every ) ? total_every : 0,
         .stopping = rf_is_stopping( settings ),
         .adaptive = adaptive,
@@ -66,7 +68,7 @@ size_t rf_material_noise_bytes( const RfRenderSizes* s )
 size_t rf_aov_film_bytes( const RfRenderSizes* s, int aov )
 {
     bool asked = ( s->aovs & RF_AOV_BIT( aov ) ) != 0;
-    return asked ? film_pixels( s ) * (size_t)rf_aov_film_floats( (RfAov)aov ) * sizeof( float ) : 0;
+    return asked ? film_pixels( s ) * (size_t)rf_aov_film_floats( (RfAov)aov, s->filtered ) * sizeof( float ) : 0;
 }
 
 size_t rf_aov_image_bytes( const RfRenderSizes* s, int aov )

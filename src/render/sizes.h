@@ -17,6 +17,7 @@ typedef struct RfRenderSizes
     int buffers;     // finished frames held at once, if there is room
     int ring;        // and the size of the table of them
     unsigned aovs;   // RF_AOV_BIT of the AOVs asked for
+    bool filtered;   // by another than the plain pixel filter
     int total_every; // passes of a half of a film before it is emptied; 0: never
     bool stopping;   // by noise or time
     bool adaptive;   // films may get extra samples

@@ -20,6 +20,7 @@ RfBatchShape rf_batch_shape( const RfEstimatorGroup* group )
         .blended = group->traits.blended,
         .panes = group->traits.panes,
         .own_frame_light = unevaluable || chains || group->traits.sky,
+        .filtered = !rf_is_plain_filter( settings ),
         .chains = chains,
     };
 }
@@ -35,6 +36,7 @@ RfHarvest rf_make_harvest( const RfEstimatorGroup* group )
         .weights = settings->weights,
         .alpha = rf_calls_for( ( settings->aovs & RF_AOV_BIT( RF_AOV_ALPHA ) ) != 0, RF_EFFECT_ALPHA ),
         .seed = settings->seed,
+        .drawn_by = group->need != NULL ? group->filter : NULL,
         .eyes = group->eyes,
         .first_frame = group->first_frame,
         .group = group->number,
@@ -59,7 +61,7 @@ size_t rf_harvest_scratch_bytes( const RfBatchShape* shape )
     return scratch_struct_bytes() + eyes_bytes( shape ) + (size_t)shape->light_samples * sizeof( RfLightLanes ) +
            (size_t)shape->eyes * lanes + (size_t)rf_direction_count( shape ) * lanes +
            rf_tile_reuse_bytes( shape->light_samples, shape->tile_pixels, shape->panes ) +
-           ( shape->chains ? sizeof( RfChains ) + 64 : 0 );
+           ( shape->chains ? sizeof( RfChains ) + 64 : 0 ) + ( shape->filtered ? 2 * lanes : 0 );
 }
 
 RfHarvestScratch* rf_lay_out_harvest_scratch( const RfBatchShape* shape, void* memory )
@@ -73,6 +75,9 @@ RfHarvestScratch* rf_lay_out_harvest_scratch( const RfBatchShape* shape, void* m
     scratch->tiles = rf_lay_out_tile_reuse( shape->light_samples, shape->tile_pixels, shape->panes, rest );
     rest += rf_tile_reuse_bytes( shape->light_samples, shape->tile_pixels, shape->panes );
     scratch->chains = shape->chains ? (RfChains*)(void*)( rest + ( 64 - (uintptr_t)rest % 64 ) % 64 ) : NULL;
+    rest = shape->chains ? (char*)( scratch->chains + 1 ) : rest;
+    for ( int c = 0; c < 2; ++c )
+        scratch->place[c] = shape->filtered ? (float*)(void*)rest + c * RF_LANES : NULL;
     return scratch;
 }
 
@@ -99,14 +104,17 @@ static void make_copies_keys( const RfHarvest* harvest, RfTraceJob job, int coun
     }
 }
 
-// One ray through a uniform point of each pixel.
-static void make_camera_rays( const RfEye* eye, int count, const int32_t* pixel, RfWavefront* wavefront, RfRayLanes* rays )
+// One ray through a uniform point of each pixel, or one drawn by a filter.
+static void make_camera_rays( const RfPixelFilter* filter, const RfEye* eye, int count, const int32_t* pixel,
+                              RfWavefront* wavefront, RfRayLanes* rays )
 {
     int32_t* slot = rays->slot;
     for ( int i = 0; i < count; ++i )
         slot[i] = i;
     float( *random )[RF_LANES] = wavefront->scratch.random;
     rf_draw_lanes( wavefront, count, slot, RF_DIMENSION_FILM_X, 2, random );
+    if ( filter != NULL )
+        rf_draw_places( filter, eye, count, pixel, random );
     RfEye e = *eye;
     const float inverse[2] = { 1.0f / e.focal_x, 1.0f / e.focal };
     RfVec3 origin = rf_pinhole_origin( &e );
@@ -212,7 +220,9 @@ static int harvest_first_hits( const RfHarvest* harvest, RfTraceJob job, RfHitBa
     make_keys( key, count, scratch->pixel, wavefront );
     if ( rf_is_adaptive( harvest ) && harvest->packed )
         make_copies_keys( harvest, job, count, copy, scratch );
-    make_camera_rays( eye, count, scratch->pixel, wavefront, &scratch->camera_rays );
+    make_camera_rays( harvest->drawn_by, eye, count, scratch->pixel, wavefront, &scratch->camera_rays );
+    for ( int c = 0; c < 2 && scratch->place[0] != NULL; ++c )
+        memcpy( scratch->place[c], wavefront->scratch.random[c], (size_t)count * sizeof( float ) );
     rf_find_vertices( &harvest->path, &scratch->camera_rays, true, &scratch->first, &wavefront->scratch );
     rays->primary += (uint64_t)count;
     follow_chains( harvest, scratch );

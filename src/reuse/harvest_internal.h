@@ -36,6 +36,7 @@ struct RfHarvestScratch
     RF_ALIGN int32_t landed_pixel[RF_LANES]; // pixel of each hit on the film of an eye
     RF_ALIGN float lifted[3][RF_LANES];      // the hits, off their surface
     RfEye* eyes;                             // of the group, at the batch's point of the lens and moment of the shutter
+    float* place[2];                         // of each camera ray in its pixel, by slot; NULL with the plain pixel filter
     RfLightLanes* direct;                    // light samples at the hits, K of them
     float* density;                          // J_l V_l: eye l, hit i at l·RF_LANES + i
     float* mixture;                          // P: direction d, glossy hit i at d·RF_LANES + i
@@ -67,6 +68,9 @@ RfLensSample rf_draw_lens( const RfHarvest* harvest, RfTraceJob job );
 
 // The harvest with the pinholes that the eyes are at a point of the lens and a moment of the shutter, in scratch->eyes.
 RfHarvest rf_harvest_at( const RfHarvest* harvest, RfLensSample lens, RfHarvestScratch* scratch );
+
+// Turns uniform numbers into places drawn by the filter of each pixel.
+void rf_draw_places( const RfPixelFilter* filter, const RfEye* eye, int count, const int32_t* pixel, float random[][RF_LANES] );
 
 // Keeps the listed pixels whose tiles have a pixel in the pieces that are traced. Returns how many.
 int rf_choose_traced( const RfHarvest* harvest, const RfEye* eye, int count, RfHarvestScratch* scratch );

@@ -94,9 +94,24 @@ static void note_pixels( int count, RfHarvestScratch* scratch, RfHitBatch* batch
         note_glints( scratch, batch, scratch->glint_slot );
 }
 
+// Places in the pixels of what is listed from `first` on.
+static void note_offsets( const RfHarvestScratch* scratch, int first, int count, const int32_t* slot, RfHitBatch* batch )
+{
+    for ( int i = 0; i < count; ++i )
+    {
+        for ( int c = 0; c < 2; ++c )
+            batch->offset[c][first + i] = scratch->place[c][slot[i]];
+    }
+}
+
 void rf_list_hits( int count, RfHarvestScratch* scratch, RfHitBatch* batch )
 {
     copy_hits( scratch->hits, batch );
     copy_views( scratch, batch );
     note_pixels( count, scratch, batch );
+    if ( batch->offset[0] == NULL )
+        return;
+    note_offsets( scratch, 0, batch->count, scratch->hits->slot, batch );
+    note_offsets( scratch, batch->count, batch->miss_count, scratch->miss_slot, batch );
+    note_offsets( scratch, batch->count + batch->miss_count, batch->glint_count, scratch->glint_slot, batch );
 }

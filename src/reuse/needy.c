@@ -1,4 +1,4 @@
-// Which tiles of a patch are traced, of pieces, and which get extra samples in adaptive sampling.
+// Which tiles of a patch are traced, of pieces, and which get extra samples in adaptive sampling, and where in the pixels.
 #include "reuse/harvest_internal.h"
 
 #include <math.h>
@@ -130,4 +130,14 @@ int rf_pack_needy( const RfHarvest* harvest, uint64_t key, int count, int* tiles
         }
     }
     return left;
+}
+
+void rf_draw_places( const RfPixelFilter* filter, const RfEye* eye, int count, const int32_t* pixel, float random[][RF_LANES] )
+{
+    for ( int i = 0; i < count; ++i )
+    {
+        int y = pixel[i] / eye->width, x = pixel[i] - y * eye->width;
+        random[0][i] = rf_draw_filter_place( filter, x, eye->width, random[0][i] );
+        random[1][i] = rf_draw_filter_place( filter, y, eye->height, random[1][i] );
+    }
 }

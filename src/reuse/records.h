@@ -40,6 +40,7 @@ typedef struct RfHitBatch
     float* densities;   // J_l V_l of eye l and hit i at l·RF_LANES + i; NULL unless V may be between 0 and 1
     float* panes[3];    // κ of the panes on the straight way to eye l, in the same places; NULL without panes
     int32_t* pixel;     // y·width + x in its own frame
+    float* offset[2];   // where in that pixel, to the right and down, 0 to 1; NULL with the plain pixel filter
     uint8_t* view;      // how the hit was found, RF_VIEW_...; NULL unless the shape has chains
     bool has_views;     // some hit was not found directly, or may be seen through panes; else view does not matter
     int32_t* rows;      // 2 per eye: first and last row of its film that hits land in; first > last: none
@@ -62,6 +63,7 @@ typedef struct RfBatchShape
     bool panes;           // connections and, with chains, the eyes' rays may pass thin panes
     bool own_frame_light; // misses may be lit: the scene has a sky or unevaluable materials
     bool blurred;         // batches have their points of the lens and moments of the shutter
+    bool filtered;        // samples need their place in the pixel
     bool chains;          // camera rays go on through mirrors and glass
 } RfBatchShape;
 

@@ -136,7 +136,7 @@ void rf_test_batch_visibility( const RfHarvest* harvest, RfHitBatch* batch, RfHa
             see_from_own_eye( harvest, batch, lifted, scratch->landed_pixel, density, rays );
         else
         {
-            rf_project_batch( rf_tracer_mirrors( harvest->path.tracer ), eye, batch, scratch->landed_pixel, density, NULL );
+            rf_project_batch( rf_tracer_mirrors( harvest->path.tracer ), eye, batch, scratch->landed_pixel, density, NULL, NULL );
             rays->eye += (uint64_t)see( harvest, l, batch, lifted, density );
         }
         if ( batch->densities != NULL )

@@ -48,6 +48,7 @@ static const RfOption s_options[] = {
       .help = "half-width of the groups with reuse: groups of 2N+1 frames" },
     RF_TILE_OPTION( s_parsed.render ),
     RF_LIGHT_OPTIONS( s_parsed.render ),
+    RF_FILTER_OPTIONS( s_parsed.render, true ),
     RF_SEED_OPTION( s_parsed.render ),
     RF_MACHINE_OPTIONS( s_parsed.render, "threads of the render" ),
     RF_RESULT_OPTIONS( s_parsed.render, "no words on what is being tried" ),
@@ -96,6 +97,7 @@ static RfResult parse( int argc, char** argv, RfCostOptions* options, bool* help
     if ( result != RF_OK || *help )
         return result;
     s_parsed.render.scene = s_scene;
+    s_parsed.render.settings.filter = (RfFilter)s_parsed.render.filter;
     result = rf_parse_tile_option( &s_parsed.render, error );
     if ( result == RF_OK )
         result = parse_errors( &s_parsed, error );

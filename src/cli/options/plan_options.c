@@ -57,6 +57,7 @@ static const RfOption s_options[] = {
       .choices = rf_normalize_words,
       .default_text = "crossfit",
       .help = "how the sum of weights is divided out; here it makes no difference" },
+    RF_FILTER_OPTIONS( s_parsed, true ),
     RF_LIGHT_OPTIONS( s_parsed ),
     RF_MACHINE_OPTIONS( s_parsed, "threads of the render; the group does not depend on them" ),
     RF_AOV_OPTION( s_parsed, "further channels, which need memory:" ),

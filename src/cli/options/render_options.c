@@ -136,6 +136,7 @@ static const RfOption s_options[] = {
       .choices = rf_normalize_words,
       .default_text = "crossfit",
       .help = "how the sum of weights is divided out" },
+    RF_FILTER_OPTIONS( s_parsed, true ),
     { .name = "max-depth",
       .in_file = true,
       .type = RF_OPTION_INT,
@@ -258,6 +259,7 @@ RfRenderOptions rf_default_render_options( void )
     options.weights = options.settings.weights;
     options.normalize = options.settings.normalize;
     options.adaptive = options.settings.adaptive;
+    options.filter = options.settings.filter;
     return options;
 }
 
@@ -273,6 +275,7 @@ static void take_words( RfRenderOptions* options )
     options->settings.weights = (RfWeights)options->weights;
     options->settings.normalize = (RfNormalize)options->normalize;
     options->settings.adaptive = (RfAdaptive)options->adaptive;
+    options->settings.filter = (RfFilter)options->filter;
 }
 
 RfResult rf_parse_tile_option( RfRenderOptions* options, RfError* error )

@@ -30,7 +30,7 @@ typedef struct RfRenderOptions
     uint64_t left_out;     // a set of RF_EFFECT_BITs: those of no_effect
     RfRenderSettings settings;
     bool spp_given;
-    int weights, normalize, adaptive; // indices of their words
+    int weights, normalize, adaptive, filter; // indices of their words
     const char* tile;
     const char* aov; // NULL: none
     bool alpha;

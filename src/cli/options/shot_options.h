@@ -4,6 +4,7 @@
 #define REFRAME_CLI_OPTIONS_SHOT_OPTIONS_H
 
 #include "cli/options/render_options.h"
+#include "output/names.h"
 
 #define RF_PATH_OPTIONS( o, frames_help )                                                                                        \
     { .name = "camera",                                                                                                          \
@@ -98,6 +99,22 @@
     {                                                                                                                            \
         .name = "light-samples", .type = RF_OPTION_INT, .value = &( o ).settings.light_samples, .min = 1,                        \
         .max = RF_MAX_LIGHT_SAMPLES, .meta = "K", .default_text = "1", .help = "light samples per vertex"                        \
+    }
+
+// `file`: a scene file's defaults may have them.
+#define RF_FILTER_OPTIONS( o, file )                                                                                             \
+    { .name = "filter",                                                                                                          \
+      .in_file = ( file ),                                                                                                       \
+      .type = RF_OPTION_CHOICE,                                                                                                  \
+      .value = &( o ).filter,                                                                                                    \
+      .choices = rf_filter_words,                                                                                                \
+      .default_text = "box",                                                                                                     \
+      .help = "how samples count in the pixels around them; depth and motion always have the box of one pixel" },                \
+    {                                                                                                                            \
+        .name = "filter-width", .in_file = ( file ), .type = RF_OPTION_REAL, .value = &( o ).settings.filter_width,              \
+        .min = RF_MIN_FILTER_WIDTH, .max = RF_MAX_FILTER_WIDTH, .meta = "PIXELS",                                                \
+        .default_text = "1; gaussian and blackman-harris 1.5",                                                                   \
+        .help = "as in Blender: of a box, from side to side; the others reach so far to each side"                               \
     }
 
 #define RF_SEED_OPTION( o )                                                                                                      \

@@ -88,6 +88,9 @@ json_t* rf_render_json( const RfRenderOptions* options, const RfRenderRun* run )
                               names_json( run, true, false, false ), "kept_frames", run->kept, "interrupted", run->interrupted );
     json_object_set_new( json, "effects_left_out", names_json( run, false, true, false ) );
     json_object_set_new( json, "effects_forced", names_json( run, false, false, true ) );
+    json_object_set_new(
+        json, "filter",
+        json_pack( "{s:s, s:f}", "name", rf_filter_name( options->settings.filter ), "width", options->settings.filter_width ) );
     json_object_set_new( json, "repeated_frames", json_integer( run->repeated ) );
     RfAdaptive adaptive = options->settings.adaptive;
     json_object_set_new( json, "adaptive", json_boolean( adaptive == RF_ADAPTIVE_ON || stats->adaptive_frames > 0 ) );
