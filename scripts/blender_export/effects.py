@@ -7,6 +7,8 @@ from .messages import warn
 def warn_of_effects(scene, camera):
     if camera.data.dof.use_dof and abs(camera.data.dof.aperture_ratio - 1.0) > 1e-3:
         warn("'%s' has an aperture ratio of %g: exported as 1" % (camera.name, camera.data.dof.aperture_ratio))
+    if camera.data.type == "PANO" and camera.data.dof.use_dof:
+        warn("'%s' is panoramic: exported without its depth of field" % camera.name)
     if scene.render.use_border and scene.render.use_crop_to_border:
         warn("the render region is ignored: the whole picture is exported")
     out = scene.world.node_tree.get_output_node("CYCLES") if scene.world is not None and scene.world.use_nodes else None
@@ -14,10 +16,10 @@ def warn_of_effects(scene, camera):
         warn("world '%s' has a volume: left out" % scene.world.name)
 
 
-def focus_of(camera):
+def focus_of(camera, projection):
     """The f-number and the distance in focus along the view; None for a camera that is sharp everywhere."""
     dof = camera.data.dof
-    if not dof.use_dof:
+    if not dof.use_dof or projection == "panoramic":
         return None
     distance = dof.focus_distance
     if dof.focus_object is not None:
@@ -48,9 +50,10 @@ def shutter_of(scene):
 def lens_of_path(scene, camera, fov, is_focused):
     """The "lens" of a camera path (anim/camera-path.schema.json), without what its keys have; None for a plain one."""
     lens, dof = {}, camera.data.dof
-    if is_focused:
+    if is_focused and fov is not None:
         # with the field of view this gives the focal length that Blender divides by the f-number
         lens["sensor"] = float("%.9g" % (2.0 * camera.data.lens * math.tan(math.radians(0.5 * fov))))
+    if is_focused:
         if dof.aperture_blades >= 3:
             lens["blades"] = dof.aperture_blades
             # Cycles counts from the middle of a blade

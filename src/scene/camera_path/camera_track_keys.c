@@ -84,6 +84,8 @@ static RfResult read_key( const RfField* top, const RfField* key, Keys* keys, in
         result = rf_check_look( key, rotates );
     RfField fov = inherited( key, top, rf_extent_name( track->projection ) ), up = inherited( key, top, "up" ),
             shift = inherited( key, top, "shift" );
+    if ( fov.json == NULL )
+        fov = rf_field_member( key, rf_extent_name( track->projection ) );
     if ( result == RF_OK )
         result = read_shift( &shift, keys, i );
     if ( result == RF_OK )
@@ -207,8 +209,8 @@ static RfResult read_keys( const RfField* top, const RfField* list, RfCameraTrac
 
 RfResult rf_read_keyed( const RfField* top, RfCameraTrack* track )
 {
-    static const char* const s_keys[] = { "kind", "interpolation", "projection", "keys", "target",      "rotation", "up",
-                                          "fov",  "ymag",          "shift",      "step", "pixelAspect", "lens",     NULL };
+    static const char* const s_keys[] = { "kind", "interpolation", "keys",  "target", "rotation",    "up",   "projection",
+                                          "fov",  "ymag",          "shift", "step",   "pixelAspect", "lens", NULL };
     RfField list = rf_field_member( top, "keys" );
     RfResult result = rf_field_keys( top, s_keys );
     if ( result == RF_OK )
