@@ -9,6 +9,7 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdio.h>
+#include <string.h>
 
 #include <cmocka.h>
 
@@ -73,12 +74,16 @@ static Difference compare( const char* ours, const char* cycles )
 
 static void render_camera( const char* name )
 {
-    cli_expect( cli_run( "PATH=/usr/bin:$PATH blender -b cameras.blend -P " REFRAME_SOURCE_DIR
-                         "/scripts/blender-export.py -- %s.glb --camera %s > log 2>&1",
-                         name, name ),
-                0, NULL );
+    const CliResult* done = cli_run( "PATH=/usr/bin:$PATH blender -b cameras.blend -P " REFRAME_SOURCE_DIR
+                                     "/scripts/blender-export.py -- %s.glb --camera %s > log",
+                                     name, name );
+    assert_int_equal( done->status, 0 );
+    assert_non_null( strstr( done->err, "warning: the film's exposure of 2 is ignored" ) );
+    assert_non_null( strstr( done->err, "warning: the compositor's nodes are left out" ) );
+    assert_non_null( strstr( done->err, "warning: stereoscopy is left out" ) );
+    assert_null( strstr( done->err, "the shutter's curve" ) );
     cli_expect(
-        cli_run( "$R render %s.glb -o %s-ours.exr --spp 256 --tile 3x3 --no-adaptive --max-depth 4 --float > log", name, name ),
+        cli_run( "$R render %s.glb -o %s-ours.exr --spp 128 --tile 3x3 --no-adaptive --max-depth 4 --float > log", name, name ),
         0, NULL );
 }
 
@@ -105,11 +110,11 @@ static void test_cameras_see_what_cycles_sees( void** state )
         Difference d = compare( ours, cycles );
         assert_true( fabs( d.mean ) < 0.01 );
         assert_true( d.blocks < 0.012 );
-        assert_true( d.pixels < 0.035 );
+        assert_true( d.pixels < 0.045 );
     }
     // the picture without the lens is another
     Difference sharp = compare( "Lens-ours.exr", "Sharp.exr" );
-    assert_true( sharp.pixels > 0.045 );
+    assert_true( sharp.pixels > 0.055 );
     cli_leave();
 }
 

@@ -80,11 +80,15 @@ def main():
     settings = render_settings.image_settings
     settings.file_format, settings.color_mode, settings.color_depth = "OPEN_EXR", "RGB", "32"
     render_settings.use_file_extension = False
-    bpy.ops.wm.save_as_mainfile(filepath=os.path.abspath("cameras.blend"))
     for name in CAMERAS:
         render(scene, name, name + ".exr")
     bpy.data.cameras["Lens"].dof.use_dof = False
     render(scene, "Lens", "Sharp.exr")
+    bpy.data.cameras["Lens"].dof.use_dof = True
+    # what Blender does to whole pictures, and the export is to tell
+    cycles.film_exposure, render_settings.use_multiview, scene.use_nodes = 2.0, True, True
+    scene.node_tree.nodes.new("CompositorNodeBlur")
+    bpy.ops.wm.save_as_mainfile(filepath=os.path.abspath("cameras.blend"))
 
 
 main()
