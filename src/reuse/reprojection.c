@@ -57,7 +57,14 @@ void rf_project_batch( const RfMirrors* mirrors, const RfEye* eye_in, const RfHi
 void rf_own_densities( const RfMirrors* mirrors, const RfEye* eye, const RfHitBatch* batch, float* density,
                        float* const filter[3] )
 {
-    for ( int i = 0; i < batch->count; ++i )
+    int straight = rf_is_perspective( eye ) ? batch->count : 0;
+    for ( int i = 0; i < straight; ++i )
+    {
+        RfVec3 p = rf_vec3( batch->p[0][i], batch->p[1][i], batch->p[2][i] );
+        RfVec3 ng = rf_vec3( batch->ng[0][i], batch->ng[1][i], batch->ng[2][i] );
+        density[i] = rf_project( eye, p, ng ).density;
+    }
+    for ( int i = straight; i < batch->count; ++i )
     {
         RfVec3 p = rf_vec3( batch->p[0][i], batch->p[1][i], batch->p[2][i] );
         RfVec3 ng = rf_vec3( batch->ng[0][i], batch->ng[1][i], batch->ng[2][i] );
