@@ -104,6 +104,9 @@ static void test_cameras_of_gltf( void** state )
     assert_int_equal( rf_scene_eye( &scene, 0, 0.0, 200, 100, &eye, NULL ), RF_OK );
     assert_int_equal( eye.projection, RF_ORTHOGRAPHIC );
     assert_close( (double)eye.focal, 25.0, 1e-5 );
+    RfCameraInfo info;
+    assert_int_equal( rf_scene_camera( &scene, 0, ( RfFps ){ 24, 1 }, &info, NULL ), RF_OK );
+    assert_string_equal( info.projection, "orthographic" );
     rf_destroy_scene( &scene );
     scene = scene_of( ",\"extras\":{\"reframe\":{\"projection\":\"panoramic\"}}",
                       "{\"type\":\"perspective\",\"perspective\":{\"yfov\":1}}" );
