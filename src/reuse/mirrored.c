@@ -16,16 +16,19 @@ typedef struct Image
     float side; // distance of the eye, or of where its ray starts, from the mirror's plane, m; negative behind it
 } Image;
 
+static void turn_to( Image* i, uint8_t view )
+{
+    i->view = view;
+    i->mirror = i->mirrors->mirror + ( view - RF_VIEW_FIRST_MIRROR );
+    i->image = rf_mirrored_eye( i->eye, i->mirror );
+    i->side = rf_mirror_distance( i->mirror, i->eye->origin );
+}
+
 // At a hit at p.
-static void look_into( Image* i, uint8_t view, RfVec3 p )
+static inline void look_into( Image* i, uint8_t view, RfVec3 p )
 {
     if ( i->view != view )
-    {
-        i->view = view;
-        i->mirror = i->mirrors->mirror + ( view - RF_VIEW_FIRST_MIRROR );
-        i->image = rf_mirrored_eye( i->eye, i->mirror );
-        i->side = rf_mirror_distance( i->mirror, i->eye->origin );
-    }
+        turn_to( i, view );
     if ( rf_is_parallel( i->eye ) )
         i->side = -rf_mirror_distance( i->mirror, rf_eye_start( &i->image, p ) );
 }

@@ -76,10 +76,8 @@ static float panoramic_density( const RfEye* eye, RfVec3 way, float facing )
     return eye->focal_x * eye->focal * facing / ( d2 * sqrtf( x * x + z * z ) );
 }
 
-RfProjection rf_project_any( const RfEye* eye, RfVec3 x, RfVec3 ng )
+RfProjection rf_project_otherwise( const RfEye* eye, RfVec3 x, RfVec3 ng )
 {
-    if ( rf_is_perspective( eye ) )
-        return rf_project( eye, x, ng );
     RfVec3 way = rf_sub( x, eye->origin );
     bool parallel = rf_is_parallel( eye );
     float facing = -rf_dot( parallel ? rf_parallel_direction( eye ) : way, ng ), depth = rf_dot( way, eye->forward ), at[2];

@@ -43,8 +43,14 @@ void rf_eye_ray( const RfEye* eye, const float inverse[2], int column, int row, 
 // for what is not before the eye; a parallel eye sees nothing that is infinitely far.
 bool rf_eye_position( const RfEye* eye, RfVec3 point, bool infinite, float at[2] );
 
+// rf_project for eyes that are no pinholes.
+RfProjection rf_project_otherwise( const RfEye* eye, RfVec3 x, RfVec3 ng );
+
 // rf_project for any eye.
-RfProjection rf_project_any( const RfEye* eye, RfVec3 x, RfVec3 ng );
+static inline RfProjection rf_project_any( const RfEye* eye, RfVec3 x, RfVec3 ng )
+{
+    return rf_is_perspective( eye ) ? rf_project( eye, x, ng ) : rf_project_otherwise( eye, x, ng );
+}
 
 // What an eye calls a difference of film positions along x: the shorter way round a panorama.
 static inline float rf_film_difference( const RfEye* eye, float dx )
