@@ -66,7 +66,7 @@ def main():
     placed = geometry.realise(scene)
     materials.restore_coordinate_objects(targets)
     cameras.bake_camera(scene, name, recorder)
-    materials.carry(scene, args, placed, recorder.keys)
+    materials.carry(scene, args, placed, recorder)
     lights.replace_area_lights(scene)
     sky.keep_world(scene, args)
     glb.export(os.path.abspath(args.out))

@@ -38,21 +38,26 @@ def channel_names(attribute, path):
     return names
 
 
-def read(path):
+def attributes(path):
+    with open(path, "rb") as file:
+        return header(file.read())[0]
+
+
+def read(path, wanted="RGB"):
     with open(path, "rb") as file:
         data = file.read()
     magic, version = struct.unpack_from("<ii", data)
     if magic != MAGIC or version & ~0xff & ~0x400:
         fail("%s: not a flat EXR file of one part by lines" % path)
-    attributes, at = header(data)
-    if attributes["compression"] != b"\0":
+    found, at = header(data)
+    if found["compression"] != b"\0":
         fail("%s: is compressed" % path)
-    left, top, right, bottom = struct.unpack("<4i", attributes["dataWindow"])
+    left, top, right, bottom = struct.unpack("<4i", found["dataWindow"])
     width, height = right - left + 1, bottom - top + 1
-    names = channel_names(attributes["channels"], path)
+    names = channel_names(found["channels"], path)
     line, first = 4 * width, at + 8 * height
     channels = []
-    for name in "RGB":
+    for name in wanted:
         values = array.array("f")
         for y in range(height):
             start = first + y * (8 + len(names) * line) + 8 + names.index(name) * line

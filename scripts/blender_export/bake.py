@@ -64,9 +64,18 @@ def sort_jobs(to_bake):
 class Views:
     """From where objects are seen, which decides on the size of their textures."""
 
-    def __init__(self, keys, height, largest, placed):
+    def __init__(self, recorder, height, largest, placed):
+        keys = recorder.keys
         few = keys[::max(len(keys) // MOST_VIEWS, 1)] + keys[-1:]
-        self.eyes = [(place, 0.5 * height / math.tan(0.5 * math.radians(fov))) for _, place, _, fov, _ in few]
+        self.parallel = recorder.projection == "orthographic"
+
+        def focal(extent):
+            """In pixels; of an orthographic camera pixels per metre, of a panorama pixels per radian."""
+            if self.parallel:
+                return 0.5 * height / extent
+            return height / math.pi if extent is None else 0.5 * height / math.tan(0.5 * math.radians(extent))
+
+        self.eyes = [(place, focal(extent)) for _, place, _, extent, _ in few]
         self.largest, self.placed = largest, placed
 
     def pixels(self, o):
@@ -76,6 +85,8 @@ class Views:
         corners = [o.matrix_world @ mathutils.Vector(c) for c in o.bound_box]
         centre = sum(corners, mathutils.Vector()) / 8.0
         radius = max((c - centre).length for c in corners)
+        if self.parallel:
+            return max(2.0 * radius * focal for _, focal in self.eyes)
         near = [((place - centre).length, focal) for place, focal in self.eyes]
         return max(2.0 * radius / d * focal if d > 2.0 * radius else math.inf for d, focal in near)
 

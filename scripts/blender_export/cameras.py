@@ -40,13 +40,32 @@ def film_of(scene):
     return max(int(render.resolution_x * share), 1), max(int(render.resolution_y * share), 1)
 
 
+def projection_of(scene, camera):
+    """As a camera path has it; fails for panoramas other than the whole sphere by longitude and latitude."""
+    if camera.data.type == "PERSP":
+        return "perspective"
+    if camera.data.type == "ORTHO":
+        return "orthographic"
+    cycles = camera.data.cycles
+    kind = cycles.panorama_type.lower().replace("_", " ") if scene.render.engine == "CYCLES" else "panoramic, which only Cycles renders"
+    if kind != "equirectangular":
+        fail("'%s' is %s: of panoramas only equirectangular ones can be exported" % (camera.name, kind))
+    whole = (cycles.longitude_min, cycles.longitude_max, cycles.latitude_min, cycles.latitude_max)
+    if max(abs(a - b) for a, b in zip(whole, (-math.pi, math.pi, -0.5 * math.pi, 0.5 * math.pi))) > 1e-4:
+        fail("'%s' shows a part of the sphere: only whole panoramas can be exported" % camera.name)
+    return "panoramic"
+
+
 def lens_of(scene, camera, depsgraph):
-    """The vertical field of view in degrees, and the shift of the lens in heights of the picture."""
-    if camera.data.type != "PERSP":
-        fail("'%s' is %s: only perspective cameras can be exported" % (camera.name, camera.data.type.lower()))
+    """The vertical field of view in degrees, or half the height of an orthographic picture; the shift in heights of the picture."""
+    kind = projection_of(scene, camera)
+    if kind == "panoramic":
+        return None, (0.0, 0.0)
     width, height = film_of(scene)
     render = scene.render
     m = camera.calc_matrix_camera(depsgraph, x=width, y=height, scale_x=render.pixel_aspect_x, scale_y=render.pixel_aspect_y)
+    if kind == "orthographic":
+        return 1.0 / m[1][1], (-0.5 * m[0][3] * m[1][1] / m[0][0], -0.5 * m[1][3])
     return math.degrees(2.0 * math.atan(1.0 / m[1][1])), (0.5 * m[0][2] * m[1][1] / m[0][0], 0.5 * m[1][2])
 
 
@@ -56,6 +75,7 @@ class Recorder:
     def __init__(self, scene, camera, follow):
         self.scene, self.camera, self.follow = scene, camera, follow
         self.keys, self.before = [], None
+        self.projection = None  # of all frames
         self.focus = []  # of each key: f-number and distance, or None
 
     def note(self, number, depsgraph):
@@ -65,9 +85,17 @@ class Recorder:
         if self.before is not None and self.before.dot(turn) < 0.0:
             turn.negate()  # interpolate along the shorter arc
         self.before = turn.copy()
-        fov, shift = lens_of(self.scene, camera, depsgraph)
-        self.keys.append((number, place.copy(), turn.copy(), fov, shift))
-        self.focus.append(focus_of(camera))
+        projection = projection_of(self.scene, camera)
+        if self.projection not in (None, projection):
+            fail("frame %d is %s, those before it are %s: export them one by one by --frames" % (number, projection, self.projection))
+        self.projection = projection
+        extent, shift = lens_of(self.scene, camera, depsgraph)
+        self.keys.append((number, place.copy(), turn.copy(), extent, shift))
+        self.focus.append(focus_of(camera, projection))
+
+    def extents(self):
+        """By which name a camera path has them."""
+        return {"perspective": "fov", "orthographic": "ymag", "panoramic": None}[self.projection]
 
     def path(self, step):
         """A camera path (anim/camera-path.schema.json) with a key in every frame."""
@@ -76,17 +104,21 @@ class Recorder:
         path = {"kind": "keyed", "interpolation": "linear", "keys": []}
         if step > 1:
             path["step"] = step
-        if render.pixel_aspect_x != render.pixel_aspect_y:
+        if self.projection != "perspective":
+            path["projection"] = self.projection
+        if self.projection != "panoramic" and render.pixel_aspect_x != render.pixel_aspect_y:
             path["pixelAspect"] = float("%.9g" % (render.pixel_aspect_x / render.pixel_aspect_y))
         below = min(self.keys[0][0], 0)
         is_focused = any(focus is not None for focus in self.focus)
-        lens = lens_of_path(self.scene, self.camera, self.keys[0][3], is_focused)
+        lens = lens_of_path(self.scene, self.camera, self.keys[0][3] if self.projection == "perspective" else None, is_focused)
         if lens is not None:
             path["lens"] = lens
-        for (number, place, turn, fov, shift), focus in zip(self.keys, self.focus):
+        for (number, place, turn, extent, shift), focus in zip(self.keys, self.focus):
             turn = Y_UP @ turn
             key = {"frame": number - below, "position": rounded((place.x, place.z, -place.y)),
-                   "rotation": rounded((turn.x, turn.y, turn.z, turn.w)), "fov": float("%.9g" % fov)}
+                   "rotation": rounded((turn.x, turn.y, turn.z, turn.w))}
+            if extent is not None:
+                key[self.extents()] = float("%.9g" % extent)
             if shifts:
                 key["shift"] = rounded(shift)
             if is_focused:
@@ -101,7 +133,11 @@ def bake_camera(scene, name, recorder):
     data = bpy.data.cameras.new(name)
     baked = bpy.data.objects.new(name, data)
     scene.collection.objects.link(baked)
-    data.sensor_fit, data.angle = "VERTICAL", math.radians(recorder.keys[0][3])
+    data.sensor_fit = "VERTICAL"
+    if recorder.projection == "perspective":
+        data.angle = math.radians(recorder.keys[0][3])
+    if recorder.projection == "orthographic":
+        data.type, data.ortho_scale = "ORTHO", 2.0 * recorder.keys[0][3]
     baked.rotation_mode = "QUATERNION"
     for number, place, turn, _, _ in recorder.keys:
         baked.location = place

@@ -4,9 +4,38 @@ import math
 from .messages import warn
 
 
+def is_box(curve):
+    """Is a shutter's curve open for all of its time?"""
+    curve.initialize()
+    return all(abs(curve.evaluate(curve.curves[0], 0.1 * i) - 1.0) < 1e-3 for i in range(11))
+
+
+def warn_of_pictures(scene):
+    """What Blender does to whole pictures."""
+    render, cycles = scene.render, scene.render.engine == "CYCLES"
+    if cycles and abs(scene.cycles.film_exposure - 1.0) > 1e-6:
+        warn("the film's exposure of %g is ignored: pictures have the scene's own light" % scene.cycles.film_exposure)
+    if scene.use_nodes and render.use_compositing and any(n.type not in ("R_LAYERS", "COMPOSITE", "VIEWER") for n in scene.node_tree.nodes):
+        warn("the compositor's nodes are left out: pictures are those of the camera")
+    if render.use_sequencer and scene.sequence_editor is not None and scene.sequence_editor.sequences:
+        warn("the sequencer's strips are left out: the scene itself is exported")
+    if render.use_multiview:
+        warn("stereoscopy is left out: one camera is exported")
+    if cycles and render.use_motion_blur and scene.cycles.rolling_shutter_type != "NONE":
+        warn("the rolling shutter is taken as one that opens for all lines at once")
+    if cycles and render.use_motion_blur and not is_box(render.motion_blur_shutter_curve):
+        warn("the shutter's curve is taken as open all the time")
+    for layer in scene.view_layers:
+        if layer.use and layer.material_override is not None:
+            warn("view layer '%s' overrides materials by '%s': objects keep their own" % (layer.name, layer.material_override.name))
+
+
 def warn_of_effects(scene, camera):
     if camera.data.dof.use_dof and abs(camera.data.dof.aperture_ratio - 1.0) > 1e-3:
         warn("'%s' has an aperture ratio of %g: exported as 1" % (camera.name, camera.data.dof.aperture_ratio))
+    if camera.data.type == "PANO" and camera.data.dof.use_dof:
+        warn("'%s' is panoramic: exported without its depth of field" % camera.name)
+    warn_of_pictures(scene)
     if scene.render.use_border and scene.render.use_crop_to_border:
         warn("the render region is ignored: the whole picture is exported")
     out = scene.world.node_tree.get_output_node("CYCLES") if scene.world is not None and scene.world.use_nodes else None
@@ -14,10 +43,10 @@ def warn_of_effects(scene, camera):
         warn("world '%s' has a volume: left out" % scene.world.name)
 
 
-def focus_of(camera):
+def focus_of(camera, projection):
     """The f-number and the distance in focus along the view; None for a camera that is sharp everywhere."""
     dof = camera.data.dof
-    if not dof.use_dof:
+    if not dof.use_dof or projection == "panoramic":
         return None
     distance = dof.focus_distance
     if dof.focus_object is not None:
@@ -48,9 +77,10 @@ def shutter_of(scene):
 def lens_of_path(scene, camera, fov, is_focused):
     """The "lens" of a camera path (anim/camera-path.schema.json), without what its keys have; None for a plain one."""
     lens, dof = {}, camera.data.dof
-    if is_focused:
+    if is_focused and fov is not None:
         # with the field of view this gives the focal length that Blender divides by the f-number
         lens["sensor"] = float("%.9g" % (2.0 * camera.data.lens * math.tan(math.radians(0.5 * fov))))
+    if is_focused:
         if dof.aperture_blades >= 3:
             lens["blades"] = dof.aperture_blades
             # Cycles counts from the middle of a blade

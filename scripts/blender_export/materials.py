@@ -100,9 +100,9 @@ def restore_coordinate_objects(targets):
         tree.nodes[name].object = empty
 
 
-def carry(scene, args, placed, keys):
+def carry(scene, args, placed, recorder):
     """Replaces materials, in memory only, by what the exporter carries unchanged. `placed` names objects that stand
-    for many instances; `keys` are the camera's frames (cameras.Recorder)."""
+    for many instances; `recorder` has the camera's frames."""
     tell_missing_libraries()
     bpy.context.view_layer.update()
     objects = [o for o in scene.objects if o.type == "MESH"]
@@ -120,7 +120,7 @@ def carry(scene, args, placed, keys):
             plans[material] = make_plan(material, places)
         except Exception as e:  # a tree that nobody thought of must not cost the scene
             warn("'%s': material '%s': not understood, left to Blender's exporter: %s" % (places[0][0].name, material.name, line_of(e)))
-    views = bake.Views(keys, scene.render.resolution_y * scene.render.resolution_percentage / 100.0, args.bake, placed)
+    views = bake.Views(recorder, scene.render.resolution_y * scene.render.resolution_percentage / 100.0, args.bake, placed)
     tell_instances(plans.values(), placed)
     to_bake = {}
     new = []  # slots are set at the end: plans compare with the originals

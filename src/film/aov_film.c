@@ -1,7 +1,7 @@
 #include "film/aov_film.h"
 
 #include "base/built_in.h"
-#include "scene/pinhole.h"
+#include "scene/projection.h"
 
 #include <math.h>
 #include <string.h>
@@ -58,14 +58,6 @@ static inline void add_vector( float* mean, RfVec3 value, float share )
     add_to_mean( mean + 2, value.z, share );
 }
 
-// Where a direction from the eye meets the film, pixels from its centre, +y up; false where it
-// points backwards or far outside.
-static bool film_position( const RfEye* eye, RfVec3 direction, float at[2] )
-{
-    float depth = rf_pinhole_position( eye, direction, at );
-    return depth > 0.0f && fabsf( at[0] ) < FARTHEST_MOTION && fabsf( at[1] ) < FARTHEST_MOTION;
-}
-
 // A point, or with `infinite` a direction.
 typedef struct Seen
 {
@@ -73,21 +65,23 @@ typedef struct Seen
     bool infinite;
 } Seen;
 
-static RfVec3 direction_to( const RfEye* eye, Seen seen )
+// Where something is seen, pixels from the film's centre, +y up; false where it is behind the eye or far outside.
+static bool film_position( const RfEye* eye, Seen seen, float at[2] )
 {
-    return seen.infinite ? seen.point : rf_sub( seen.point, rf_pinhole_origin( eye ) );
+    return rf_eye_position( eye, seen.point, seen.infinite, at ) && fabsf( at[0] ) < FARTHEST_MOTION &&
+           fabsf( at[1] ) < FARTHEST_MOTION;
 }
 
 static void add_motion( const RfAovJob* job, float* mean, Seen seen, float share )
 {
     const RfEye* others[2] = { job->previous, job->next };
     float own[2], there[2];
-    bool known = film_position( job->eye, direction_to( job->eye, seen ), own );
+    bool known = film_position( job->eye, seen, own );
     for ( int k = 0; k < 2; ++k )
     {
-        bool moved = known && others[k] != NULL && film_position( others[k], direction_to( others[k], seen ), there );
-        for ( int c = 0; c < 2; ++c )
-            add_to_mean( mean + 2 * k + c, moved ? there[c] - own[c] : 0.0f, share );
+        bool moved = known && others[k] != NULL && film_position( others[k], seen, there );
+        add_to_mean( mean + 2 * k, moved ? rf_film_difference( job->eye, there[0] - own[0] ) : 0.0f, share );
+        add_to_mean( mean + 2 * k + 1, moved ? there[1] - own[1] : 0.0f, share );
     }
 }
 
@@ -125,7 +119,7 @@ static void add_hit( const RfAovJob* job, const RfVertexLanes* v, int i, size_t 
     {
         float* depth = mean[RF_AOV_DEPTH] + 2 * pixel;
         depth[1] += job->weight;
-        add_to_mean( depth, rf_pinhole_depth( job->eye, p ), job->weight / depth[1] );
+        add_to_mean( depth, rf_eye_depth( job->eye, p ), job->weight / depth[1] );
     }
     if ( rf_calls_for( mean[RF_AOV_MOTION] != NULL, RF_EFFECT_AOV_MOTION ) )
         add_motion( job, mean[RF_AOV_MOTION] + 4 * pixel, ( Seen ){ p, false }, share );

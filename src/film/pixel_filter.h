@@ -1,5 +1,5 @@
 // Pixel filters other than the box of one pixel: how much a sample at a place of the film counts in the
-// pixels around it (src/reuse/estimators.md, section 13). The filters are separable, h(x) h(y), and tabulated in steps
+// pixels around it (src/reuse/estimators.md, section 14). The filters are separable, h(x) h(y), and tabulated in steps
 // of 1/256 pixel, each with the exact mean of h, so that their integrals are exact, too.
 #ifndef REFRAME_FILM_PIXEL_FILTER_H
 #define REFRAME_FILM_PIXEL_FILTER_H

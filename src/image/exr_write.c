@@ -90,7 +90,10 @@ static exr_result_t set_camera( exr_context_t context, const RfExrOptions* optio
     memcpy( world_to_camera.m, options->world_to_camera, sizeof world_to_camera.m );
     memcpy( world_to_ndc.m, options->world_to_ndc, sizeof world_to_ndc.m );
     exr_result_t code = exr_attr_set_m44f( context, 0, "worldToCamera", &world_to_camera );
-    return code == EXR_ERR_SUCCESS ? exr_attr_set_m44f( context, 0, "worldToNDC", &world_to_ndc ) : code;
+    bool has_ndc = false;
+    for ( int i = 0; i < 16; ++i )
+        has_ndc = has_ndc || options->world_to_ndc[i] < 0.0f || options->world_to_ndc[i] > 0.0f;
+    return code == EXR_ERR_SUCCESS && has_ndc ? exr_attr_set_m44f( context, 0, "worldToNDC", &world_to_ndc ) : code;
 }
 
 static exr_result_t set_attributes( Writer* writer )

@@ -1,6 +1,6 @@
 #include "measure/pieces_follow.h"
 
-#include "scene/pinhole.h"
+#include "scene/projection.h"
 #include "trace/trace.h"
 
 #include <math.h>
@@ -51,7 +51,7 @@ static void find_points( RfPieceChooser* c, const RfEye* eye )
         put_point( p->x, i, x );
         if ( r->mirror == RF_NO_MIRROR )
             continue;
-        RfVec3 way = rf_sub( x, rf_pinhole_origin( eye ) );
+        RfVec3 way = rf_eye_way( eye, x );
         far[i] = sqrtf( rf_dot( way, way ) );
         put_point( p->o, i, rf_madd( x, ng, r->offset ) );
         put_point( p->d, i, rf_madd( d, ng, -2.0f * rf_dot( d, ng ) ) );
@@ -62,9 +62,9 @@ static void find_points( RfPieceChooser* c, const RfEye* eye )
         if ( far[i] < 0.0f || p->triangle[i] == RF_MISS )
             continue;
         RfVec3 first = point_of( p->x, i ), second = hit_point( p, records + p->triangle[i], i );
-        RfVec3 way = rf_sub( first, rf_pinhole_origin( eye ) ), more = rf_sub( second, first );
+        RfVec3 way = rf_eye_way( eye, first ), more = rf_sub( second, first );
         float all = far[i] + sqrtf( rf_dot( more, more ) );
-        put_point( p->x, i, rf_madd( rf_pinhole_origin( eye ), way, all / far[i] ) );
+        put_point( p->x, i, rf_madd( rf_eye_start( eye, first ), way, all / far[i] ) );
     }
 }
 
@@ -73,10 +73,9 @@ static void mark_point( const RfTestPieces* pieces, const RfEye* eye, RfVec3 x, 
                         uint8_t* cells )
 {
     float at[2];
-    float depth = rf_pinhole_position( eye, sky ? x : rf_sub( x, rf_pinhole_origin( eye ) ), at );
+    bool seen = rf_eye_position( eye, x, sky, at );
     float fx = 0.5f * (float)eye->width + at[0], fy = 0.5f * (float)eye->height - at[1];
-    if ( !( depth > 0.0f ) ||
-         !( fx > -reach && fx < (float)eye->width + reach && fy > -reach && fy < (float)eye->height + reach ) )
+    if ( !seen || !( fx > -reach && fx < (float)eye->width + reach && fy > -reach && fy < (float)eye->height + reach ) )
         return;
     for ( int k = 0; k < 4; ++k )
     {
@@ -126,8 +125,10 @@ static void follow_pinhole( RfPieceChooser* c, int frame, bool as_pieces )
             int x = pixel[k] % eye->width, y = pixel[k] / eye->width;
             if ( x % STEP != 0 || y % STEP != 0 )
                 continue;
-            put_point( p->o, p->count, rf_pinhole_origin( eye ) );
-            put_point( p->d, p->count, rf_pinhole_ray( eye, inverse_focal, x, y, 0.5f * STEP, 0.5f * STEP ) );
+            RfVec3 o, d;
+            rf_eye_ray( eye, inverse_focal, x, y, 0.5f * STEP, 0.5f * STEP, &o, &d );
+            put_point( p->o, p->count, o );
+            put_point( p->d, p->count, d );
             p->piece[p->count++] = target[cell] - 1;
         }
         if ( p->count > RF_PIECE_POINTS - RF_CELL_PIXELS )

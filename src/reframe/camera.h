@@ -19,13 +19,20 @@
 
 RF_API_BEGIN
 
-// Where an eye is, and how long its lens, at a moment of the shutter.
+// Where an eye is, how long its lens and how far it is shifted, at a moment of the shutter.
 typedef struct RfPose
 {
     RfVec3 origin;
-    RfVec3 forward, up; // unit vectors
-    float focal;        // as that of RfEye
+    RfVec3 forward, up;          // unit vectors
+    float focal, axis_x, axis_y; // as those of RfEye
 } RfPose;
+
+typedef enum RfProjectionKind
+{
+    RF_PERSPECTIVE,
+    RF_ORTHOGRAPHIC, // parallel rays along `forward`, from the plane through the origin
+    RF_PANORAMIC,    // equirectangular: all directions, longitude across and latitude down, `forward` in the middle
+} RfProjectionKind;
 
 // A camera in world space (less the scene's origin: RfSceneInfo), with its film in pixels. Film coordinates: x to the right,
 // y down, pixel (i, j) is the unit square [i, i+1) × [j, j+1). It is a pinhole that stands still, unless it has a thin lens
@@ -34,10 +41,12 @@ typedef struct RfEye
 {
     RfVec3 origin;
     RfVec3 right, up, forward; // orthonormal
-    float focal;               // focal length in heights of a pixel
+    float focal;               // focal length in heights of a pixel; orthographic: pixels per m; panoramic: per radian
     float focal_x;             // the same in widths of a pixel, which need not be square
     float axis_x, axis_y;      // where `forward` meets the film: its middle, unless the lens is shifted
     int width, height;         // film size in pixels
+    int projection;            // RfProjectionKind
+    float shear_x, shear_y;    // orthographic: parts of the rays' direction along right and up, per m along forward
 
     // the thin lens
     float lens_radius; // m; 0: a pinhole, all of the picture is sharp
@@ -55,6 +64,12 @@ typedef struct RfEye
 // Pixels are square and the lens is centred.
 RfEye rf_make_eye( RfVec3 origin, RfVec3 forward, RfVec3 up, double yfov, int width, int height );
 
+// An orthographic eye whose picture is 2 ymag metres high.
+RfEye rf_make_orthographic_eye( RfVec3 origin, RfVec3 forward, RfVec3 up, double ymag, int width, int height );
+
+// A panoramic eye. Its pixels are square in the middle of a picture twice as wide as high; it takes no shift and no lens.
+RfEye rf_make_panoramic_eye( RfVec3 origin, RfVec3 forward, RfVec3 up, int width, int height );
+
 // Gives the pixels of a fresh eye an aspect, width over height, and moves its picture to the right
 // and up by shifts in heights of the picture.
 void rf_shift_eye( RfEye* eye, double pixel_aspect, double shift_x, double shift_y );
@@ -63,8 +78,8 @@ void rf_shift_eye( RfEye* eye, double pixel_aspect, double shift_x, double shift
 // `forward`; infinity is a valid one). `blades`: 0 or 3 and more; their rotation in radians.
 void rf_set_lens( RfEye* eye, double radius, double focus, int blades, double rotation );
 
-// Lets the camera move while the shutter is open: through the places, directions and angles of view of three fresh eyes,
-// of which `eye` itself is the middle, on a curve of second order.
+// Lets the camera move while the shutter is open: through the places, directions, angles of view and shifts of three fresh
+// eyes, of which `eye` itself is the middle, on a curve of second order.
 void rf_set_shutter( RfEye* eye, const RfEye* open, const RfEye* close );
 
 // The eyes of a camera's animation, one per frame.
@@ -121,7 +136,7 @@ void rf_destroy_camera_path( RfCameraPath* path );
 // The matrices of an eye as OpenEXR's worldToCamera and worldToNDC have them: row vectors
 // (p' = p · M), 16 floats row by row. Camera space: metres, the eye at the origin, +x right, +y up,
 // looking along −z. NDC: after the division by w the film is x and y in [−1, 1], +y up; z is −1 at
-// 1 cm before the eye and 1 infinitely far away.
+// 1 cm before the eye and 1 infinitely far away, of orthographic eyes 1 at 1 km. A panorama has no NDC: zeros.
 void rf_eye_matrices( const RfEye* eye, float world_to_camera[16], float world_to_ndc[16] );
 
 RF_API_END

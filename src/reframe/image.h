@@ -61,10 +61,10 @@ typedef struct RfExrOptions
     int x, y;          // origin of the data window and the display window
     int fps_numerator; // framesPerSecond; numerator 0: not written
     unsigned int fps_denominator;
-    float pixel_aspect;        // width of a pixel over its height; 0 stands for 1
-    bool has_camera;           // write the two matrices (rf_eye_matrices)
-    float world_to_camera[16]; // for row vectors: p_camera = p_world · M, row-major
-    float world_to_ndc[16];
+    float pixel_aspect;         // width of a pixel over its height; 0 stands for 1
+    bool has_camera;            // write the two matrices (rf_eye_matrices)
+    float world_to_camera[16];  // for row vectors: p_camera = p_world · M, row-major
+    float world_to_ndc[16];     // all zeros: not written
     const RfExrString* strings; // string_count of them
     int string_count;
     const RfExrChannel* channels; // additional channels in any order, with distinct names

@@ -56,10 +56,11 @@ RfResult rf_scene_info( const RfScene* scene, RfSceneInfo* info, RfError* error 
 
 typedef struct RfCameraInfo
 {
-    const char* name; // unique, never empty; the scene's
-    int frames;       // of its path at the frame rate asked for; 1 where it stands still
-    bool animated;    // false also where it stands still in all its frames
-    int first, step;  // number of its first frame, and from a frame's number to the next one's
+    const char* name;       // unique, never empty; the scene's
+    int frames;             // of its path at the frame rate asked for; 1 where it stands still
+    bool animated;          // false also where it stands still in all its frames
+    int first, step;        // number of its first frame, and from a frame's number to the next one's
+    const char* projection; // "perspective", "orthographic" or "panoramic"
 } RfCameraInfo;
 
 // Describes camera `index`, 0 to RfSceneInfo.cameras - 1, at `fps`; 0/0 is the scene's own rate, else 24. Fails with RF_ERROR_USAGE for an index

@@ -1,5 +1,7 @@
 #include "reuse/coats.h"
 
+#include "scene/projection.h"
+
 static float mean3( float* const param[RF_PARAM_COUNT], RfBsdfParam p, int i )
 {
     return ( param[p][i] + param[p + 1][i] + param[p + 2][i] ) * ( 1.0f / 3.0f );
@@ -34,7 +36,7 @@ void rf_make_base( RfVertexLanes* v, int i )
     v->param[RF_PARAM_F90][i] = 0.0f;
 }
 
-void rf_weight_bases( const RfHitBatch* batch, RfVec3 eye, float* density, float* const filter[3] )
+void rf_weight_bases( const RfHitBatch* batch, const RfEye* eye, float* density, float* const filter[3] )
 {
     int first = batch->first[RF_BSDF_FIRST_GLOSSY];
     for ( int i = first; i < batch->count; ++i )
@@ -42,7 +44,7 @@ void rf_weight_bases( const RfHitBatch* batch, RfVec3 eye, float* density, float
         if ( batch->view[i] != RF_VIEW_BASE )
             continue;
         int k = i - first;
-        RfVec3 way = rf_sub( eye, rf_vec3( batch->p[0][i], batch->p[1][i], batch->p[2][i] ) );
+        RfVec3 way = rf_scale( rf_eye_way( eye, rf_vec3( batch->p[0][i], batch->p[1][i], batch->p[2][i] ) ), -1.0f );
         float cos_o = rf_dot( way, rf_vec3( batch->n[0][k], batch->n[1][k], batch->n[2][k] ) ) / rf_length( way );
         float q = rf_base_probability( mean3( batch->param, RF_PARAM_DIFFUSE, k ), batch->param[RF_PARAM_COAT_F0][k],
                                        batch->param[RF_PARAM_COAT_F90][k], cos_o );

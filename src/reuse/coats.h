@@ -4,6 +4,7 @@
 #define REFRAME_REUSE_COATS_H
 
 #include "reuse/records.h"
+#include "scene/eye.h"
 
 static inline bool rf_is_smooth_coat( const RfVertexLanes* v, int i )
 {
@@ -30,6 +31,6 @@ void rf_make_base( RfVertexLanes* v, int i );
 
 // Multiplies the densities of the hits that are bases by the probabilities that the eye draws these, and divides
 // their filter (three arrays; may be NULL).
-void rf_weight_bases( const RfHitBatch* batch, RfVec3 eye, float* density, float* const filter[3] );
+void rf_weight_bases( const RfHitBatch* batch, const RfEye* eye, float* density, float* const filter[3] );
 
 #endif

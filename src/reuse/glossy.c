@@ -1,6 +1,7 @@
 #include "reuse/glossy.h"
 
 #include "reuse/mirrored.h"
+#include "scene/projection.h"
 
 #include <string.h>
 
@@ -29,6 +30,16 @@ void rf_directions_to( const RfMirrors* mirrors, const RfEye* at, int eye, const
         x[i] = v.x * scale;
         y[i] = v.y * scale;
         z[i] = v.z * scale;
+    }
+    if ( rf_is_parallel( at ) )
+    {
+        RfVec3 back = rf_scale( rf_normalize( rf_parallel_direction( at ) ), -1.0f );
+        for ( int i = 0; i < count; ++i )
+        {
+            x[i] = back.x;
+            y[i] = back.y;
+            z[i] = back.z;
+        }
     }
     if ( rf_has_views( batch ) )
         rf_directions_to_image( mirrors, at, batch, wo );

@@ -1,6 +1,6 @@
 #include "reuse/harvest_internal.h"
 
-#include "scene/pinhole.h"
+#include "scene/projection.h"
 
 #include <string.h>
 
@@ -104,6 +104,23 @@ static void make_copies_keys( const RfHarvest* harvest, RfTraceJob job, int coun
     }
 }
 
+// The rays of eyes that are no pinholes.
+static void make_other_rays( const RfEye* eye, int count, const int32_t* pixel, float ( *random )[RF_LANES], RfRayLanes* rays )
+{
+    const float inverse[2] = { 1.0f / eye->focal_x, 1.0f / eye->focal };
+    for ( int i = 0; i < count; ++i )
+    {
+        RfVec3 o, d;
+        rf_eye_ray( eye, inverse, pixel[i] % eye->width, pixel[i] / eye->width, random[0][i], random[1][i], &o, &d );
+        rays->o[0][i] = o.x;
+        rays->o[1][i] = o.y;
+        rays->o[2][i] = o.z;
+        rays->d[0][i] = d.x;
+        rays->d[1][i] = d.y;
+        rays->d[2][i] = d.z;
+    }
+}
+
 // One ray through a uniform point of each pixel, or one drawn by a filter.
 static void make_camera_rays( const RfPixelFilter* filter, const RfEye* eye, int count, const int32_t* pixel,
                               RfWavefront* wavefront, RfRayLanes* rays )
@@ -118,8 +135,11 @@ static void make_camera_rays( const RfPixelFilter* filter, const RfEye* eye, int
     RfEye e = *eye;
     const float inverse[2] = { 1.0f / e.focal_x, 1.0f / e.focal };
     RfVec3 origin = rf_pinhole_origin( &e );
+    int straight = rf_is_perspective( eye ) ? count : 0;
+    if ( straight < count )
+        make_other_rays( eye, count, pixel, random, rays );
 #pragma omp simd
-    for ( int i = 0; i < count; ++i )
+    for ( int i = 0; i < straight; ++i )
     {
         int y = pixel[i] / e.width, x = pixel[i] - y * e.width;
         RfVec3 d = rf_pinhole_ray( &e, inverse, x, y, random[0][i], random[1][i] );

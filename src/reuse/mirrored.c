@@ -1,6 +1,7 @@
 #include "reuse/mirrored.h"
 
-#include "scene/pinhole.h"
+#include "reuse/eye_rays.h"
+#include "scene/projection.h"
 
 #include <string.h>
 
@@ -12,17 +13,24 @@ typedef struct Image
     int view;
     const RfMirror* mirror;
     RfEye image;
-    float side; // distance of the eye from the mirror's plane, m; negative behind it
+    float side; // distance of the eye, or of where its ray starts, from the mirror's plane, m; negative behind it
 } Image;
 
-static void look_into( Image* i, uint8_t view )
+static void turn_to( Image* i, uint8_t view )
 {
-    if ( i->view == view )
-        return;
     i->view = view;
     i->mirror = i->mirrors->mirror + ( view - RF_VIEW_FIRST_MIRROR );
     i->image = rf_mirrored_eye( i->eye, i->mirror );
     i->side = rf_mirror_distance( i->mirror, i->eye->origin );
+}
+
+// At a hit at p.
+static inline void look_into( Image* i, uint8_t view, RfVec3 p )
+{
+    if ( i->view != view )
+        turn_to( i, view );
+    if ( rf_is_parallel( i->eye ) )
+        i->side = -rf_mirror_distance( i->mirror, rf_eye_start( &i->image, p ) );
 }
 
 static RfVec3 position( const RfHitBatch* batch, int i ) { return rf_vec3( batch->p[0][i], batch->p[1][i], batch->p[2][i] ); }
@@ -55,11 +63,11 @@ void rf_project_mirrored( const RfMirrors* mirrors, const RfEye* eye, const RfHi
     {
         if ( !rf_is_mirrored( batch->view[i] ) )
             continue;
-        look_into( &image, batch->view[i] );
         RfVec3 p = position( batch, i ), weight = rf_vec3( 0, 0, 0 );
-        RfProjection at = rf_project( &image.image, p, normal( batch, i ) );
+        look_into( &image, batch->view[i], p );
+        RfProjection at = rf_project_any( &image.image, p, normal( batch, i ) );
         bool same_side = image.side * rf_mirror_distance( image.mirror, p ) > 0.0f;
-        float probability = at.seen && same_side ? reflection( &image, rf_sub( p, image.image.origin ), &weight ) : 0.0f;
+        float probability = at.seen && same_side ? reflection( &image, rf_eye_way( &image.image, p ), &weight ) : 0.0f;
         pixel[i] = at.y * eye->width + at.x;
         density[i] = at.density * probability;
         if ( offset != NULL )
@@ -80,11 +88,11 @@ void rf_own_mirrored_densities( const RfMirrors* mirrors, const RfEye* eye, cons
     {
         if ( !rf_is_mirrored( batch->view[i] ) )
             continue;
-        look_into( &image, batch->view[i] );
         RfVec3 p = position( batch, i ), weight = rf_vec3( 0, 0, 0 );
-        float probability = reflection( &image, rf_sub( p, image.image.origin ), &weight );
+        look_into( &image, batch->view[i], p );
+        float probability = reflection( &image, rf_eye_way( &image.image, p ), &weight );
         // the mirror did reflect, whatever rounding does to its angle
-        density[i] = rf_maxf( rf_project( &image.image, p, normal( batch, i ) ).density * probability, RF_MIN_DENSITY );
+        density[i] = rf_maxf( rf_project_any( &image.image, p, normal( batch, i ) ).density * probability, RF_MIN_DENSITY );
         if ( filter != NULL )
             put( filter, i, weight );
     }
@@ -98,8 +106,9 @@ void rf_directions_to_image( const RfMirrors* mirrors, const RfEye* eye, const R
     {
         if ( !rf_is_mirrored( batch->view[i] ) )
             continue;
-        look_into( &image, batch->view[i] );
-        put( wo, i - first, rf_normalize( rf_sub( image.image.origin, position( batch, i ) ) ) );
+        RfVec3 p = position( batch, i );
+        look_into( &image, batch->view[i], p );
+        put( wo, i - first, rf_normalize( rf_scale( rf_eye_way( &image.image, p ), -1.0f ) ) );
     }
 }
 
@@ -124,8 +133,9 @@ static void pack( const RfMirrors* mirrors, const RfEye* eye, const RfHitBatch* 
     {
         if ( !rf_is_mirrored( batch->view[i] ) || !( density[i] > 0.0f ) )
             continue;
-        look_into( &image, batch->view[i] );
-        RfVec3 p = position( batch, i ), o = image.image.origin;
+        RfVec3 p = position( batch, i );
+        look_into( &image, batch->view[i], p );
+        RfVec3 o = rf_eye_start( &image.image, p );
         float before = fabsf( image.side ), after = fabsf( rf_mirror_distance( image.mirror, p ) );
         put( ( float* [3] ){ out->on_mirror[0], out->on_mirror[1], out->on_mirror[2] }, out->count,
              rf_madd( o, rf_sub( p, o ), before / ( before + after ) ) );
@@ -160,9 +170,8 @@ int rf_see_mirrored( const RfTracer* tracer, const RfEye* eye, const RfHitBatch*
         return 0;
     float* on_mirror[3] = { packed.on_mirror[0], packed.on_mirror[1], packed.on_mirror[2] };
     const float* from[3] = { on_mirror[0], on_mirror[1], on_mirror[2] };
-    RfVec3 origin = rf_pinhole_origin( eye );
-    rf_trace_mirrors( tracer, origin, packed.count, from, packed.mirror, on_mirror, packed.weight );
-    int rays = packed.count + rf_trace_from_origin( tracer, origin, packed.count, from, packed.weight );
+    rf_trace_mirrors_from_eye( tracer, eye, packed.count, from, packed.mirror, on_mirror, packed.weight );
+    int rays = packed.count + rf_trace_from_eye( tracer, eye, packed.count, from, packed.weight );
     for ( int k = 0; k < packed.count; ++k )
         density[packed.lane[k]] = 0.0f;
     int kept = 0;

@@ -2,7 +2,7 @@
 
 #include "reuse/coats.h"
 #include "reuse/mirrored.h"
-#include "scene/pinhole.h"
+#include "scene/projection.h"
 
 // Lanes without a filter of their own.
 static void clear_filter( const RfHitBatch* batch, float* const filter[3] )
@@ -11,6 +11,17 @@ static void clear_filter( const RfHitBatch* batch, float* const filter[3] )
     {
         for ( int i = 0; i < batch->count; ++i )
             filter[c][i] = 1.0f;
+    }
+}
+
+static void project_lanes( const RfEye* eye, const RfHitBatch* batch, int32_t* pixel, float* density )
+{
+    for ( int i = 0; i < batch->count; ++i )
+    {
+        RfProjection at = rf_project_any( eye, rf_vec3( batch->p[0][i], batch->p[1][i], batch->p[2][i] ),
+                                          rf_vec3( batch->ng[0][i], batch->ng[1][i], batch->ng[2][i] ) );
+        pixel[i] = at.y * eye->width + at.x;
+        density[i] = at.seen ? at.density : 0.0f;
     }
 }
 
@@ -24,8 +35,11 @@ static void project( const RfEye* eye_in, const RfHitBatch* batch, int32_t* rest
     const float* restrict nx = batch->ng[0];
     const float* restrict ny = batch->ng[1];
     const float* restrict nz = batch->ng[2];
+    int straight = rf_is_perspective( eye_in ) ? batch->count : 0;
+    if ( straight == 0 )
+        project_lanes( eye_in, batch, pixel, density );
 #pragma omp simd
-    for ( int i = 0; i < batch->count; ++i )
+    for ( int i = 0; i < straight; ++i )
     {
         RfProjection at = rf_project( &eye, rf_vec3( px[i], py[i], pz[i] ), rf_vec3( nx[i], ny[i], nz[i] ) );
         pixel[i] = at.y * eye.width + at.x;
@@ -37,11 +51,19 @@ static void project( const RfEye* eye_in, const RfHitBatch* batch, int32_t* rest
 static void project_places( const RfEye* eye_in, const RfHitBatch* batch, float* restrict u, float* restrict v )
 {
     RfEye eye = *eye_in;
+    int straight = rf_is_perspective( eye_in ) ? batch->count : 0;
 #pragma omp simd
-    for ( int i = 0; i < batch->count; ++i )
+    for ( int i = 0; i < straight; ++i )
     {
         RfVec3 p = rf_vec3( batch->p[0][i], batch->p[1][i], batch->p[2][i] );
         RfProjection at = rf_project( &eye, p, rf_vec3( batch->ng[0][i], batch->ng[1][i], batch->ng[2][i] ) );
+        u[i] = at.u;
+        v[i] = at.v;
+    }
+    for ( int i = straight; i < batch->count; ++i )
+    {
+        RfVec3 p = rf_vec3( batch->p[0][i], batch->p[1][i], batch->p[2][i] );
+        RfProjection at = rf_project_any( eye_in, p, rf_vec3( batch->ng[0][i], batch->ng[1][i], batch->ng[2][i] ) );
         u[i] = at.u;
         v[i] = at.v;
     }
@@ -59,17 +81,24 @@ void rf_project_batch( const RfMirrors* mirrors, const RfEye* eye, const RfHitBa
         density[i] = rf_is_straight( batch->view[i] ) ? density[i] : 0.0f;
     clear_filter( batch, filter );
     rf_project_mirrored( mirrors, eye, batch, pixel, density, filter, offset );
-    rf_weight_bases( batch, rf_pinhole_origin( eye ), density, filter );
+    rf_weight_bases( batch, eye, density, filter );
 }
 
 void rf_own_densities( const RfMirrors* mirrors, const RfEye* eye, const RfHitBatch* batch, float* density,
                        float* const filter[3] )
 {
-    for ( int i = 0; i < batch->count; ++i )
+    int straight = rf_is_perspective( eye ) ? batch->count : 0;
+    for ( int i = 0; i < straight; ++i )
     {
         RfVec3 p = rf_vec3( batch->p[0][i], batch->p[1][i], batch->p[2][i] );
         RfVec3 ng = rf_vec3( batch->ng[0][i], batch->ng[1][i], batch->ng[2][i] );
         density[i] = rf_project( eye, p, ng ).density;
+    }
+    for ( int i = straight; i < batch->count; ++i )
+    {
+        RfVec3 p = rf_vec3( batch->p[0][i], batch->p[1][i], batch->p[2][i] );
+        RfVec3 ng = rf_vec3( batch->ng[0][i], batch->ng[1][i], batch->ng[2][i] );
+        density[i] = rf_project_any( eye, p, ng ).density;
     }
     if ( !rf_has_views( batch ) )
         return;
@@ -77,5 +106,5 @@ void rf_own_densities( const RfMirrors* mirrors, const RfEye* eye, const RfHitBa
         density[i] = rf_is_straight( batch->view[i] ) ? density[i] : 1.0f;
     clear_filter( batch, filter );
     rf_own_mirrored_densities( mirrors, eye, batch, density, filter );
-    rf_weight_bases( batch, rf_pinhole_origin( eye ), density, filter );
+    rf_weight_bases( batch, eye, density, filter );
 }

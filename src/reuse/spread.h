@@ -1,5 +1,5 @@
 // Adds the records of a batch to pixels of a film by a pixel filter: each in all pixels around it
-// (src/reuse/estimators.md, section 13). splat.h is the plain case.
+// (src/reuse/estimators.md, section 14). splat.h is the plain case.
 #ifndef REFRAME_REUSE_SPREAD_H
 #define REFRAME_REUSE_SPREAD_H
 

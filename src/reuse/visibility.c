@@ -3,7 +3,8 @@
 #include "reuse/harvest_internal.h"
 
 #include "reuse/mirrored.h"
-#include "scene/pinhole.h"
+#include "reuse/eye_rays.h"
+#include "scene/projection.h"
 
 #include <stdint.h>
 #include <string.h>
@@ -15,7 +16,7 @@ static void lift_hits( const RfHarvest* harvest, const RfHitBatch* batch, const 
 {
     float least = 0.0f;
     for ( int l = 0; l < harvest->shape.eyes; ++l )
-        least = rf_maxf( least, rf_ray_offset( rf_largest_coordinate( rf_pinhole_origin( harvest->eyes + l ) ) ) );
+        least = rf_maxf( least, rf_ray_offset( rf_eye_reach( harvest->eyes + l ) ) );
     for ( int c = 0; c < 3; ++c )
     {
         const float* restrict p = batch->p[c];
@@ -55,9 +56,9 @@ static int see_straight( const RfHarvest* harvest, int eye, const RfHitBatch* ba
                          float* density )
 {
     const RfTracer* tracer = harvest->path.tracer;
-    RfVec3 origin = rf_pinhole_origin( harvest->eyes + eye );
+    const RfEye* from = harvest->eyes + eye;
     if ( batch->panes[0] == NULL )
-        return rf_trace_from_origin( tracer, origin, batch->count, lifted, density );
+        return rf_trace_from_eye( tracer, from, batch->count, lifted, density );
     float past[RF_LANES], probability[RF_LANES];
     size_t at = (size_t)eye * RF_LANES;
     RfPaneLanes panes = { probability, { batch->panes[0] + at, batch->panes[1] + at, batch->panes[2] + at } };
@@ -68,8 +69,8 @@ static int see_straight( const RfHarvest* harvest, int eye, const RfHitBatch* ba
         density[i] = past[i] > 0.0f ? 0.0f : density[i];
         probability[i] = panes.weight[0][i] = panes.weight[1][i] = panes.weight[2][i] = 1.0f;
     }
-    int rays = rf_trace_from_origin( tracer, origin, batch->count, lifted, density );
-    rays += rf_trace_from_origin_past_panes( tracer, origin, batch->count, lifted, past, &panes );
+    int rays = rf_trace_from_eye( tracer, from, batch->count, lifted, density );
+    rays += rf_trace_from_eye_past_panes( tracer, from, batch->count, lifted, past, &panes );
     for ( int i = 0; i < batch->count; ++i )
         density[i] = past[i] > 0.0f ? past[i] * probability[i] : density[i];
     return rays;

@@ -156,6 +156,15 @@ static bool in_range( const double* origin )
     return true;
 }
 
+// Makes a fresh eye orthographic or panoramic.
+static void project_otherwise( RfEye* eye, RfProjectionKind projection, double ymag )
+{
+    if ( projection == RF_ORTHOGRAPHIC )
+        *eye = rf_make_orthographic_eye( eye->origin, eye->forward, eye->up, ymag, eye->width, eye->height );
+    if ( projection == RF_PANORAMIC )
+        *eye = rf_make_panoramic_eye( eye->origin, eye->forward, eye->up, eye->width, eye->height );
+}
+
 static RfResult node_eye( const RfScene* scene, const RfCamera* self, double time, int width, int height, RfEye* eye,
                           RfError* error )
 {
@@ -173,7 +182,9 @@ static RfResult node_eye( const RfScene* scene, const RfCamera* self, double tim
                         "%s: camera '%.60s' at %g s: its transform is degenerate or not finite: "
                         "remove zero scales from it and from its parents",
                         scene->path != NULL ? scene->path : "scene", self->name, time );
-    *eye = rf_make_eye_inline( in_scene( scene, world.m + 12 ), to_vec3( forward ), to_vec3( up ), self->yfov, width, height );
+    *eye = rf_make_eye_inline( in_scene( scene, world.m + 12 ), to_vec3( forward ), to_vec3( up ),
+                               self->projection == RF_PERSPECTIVE ? self->yfov : 1.0, width, height );
+    project_otherwise( eye, (RfProjectionKind)self->projection, self->ymag );
     return RF_OK;
 }
 
@@ -186,8 +197,9 @@ static RfResult track_eye( const RfScene* scene, const RfCamera* self, double ti
         return rf_fail( error, RF_ERROR_SCENE, "%s: leads beyond %g: scale it down", self->track->name, MAX_COORDINATE );
     if ( result != RF_OK )
         return result;
-    *eye = rf_make_eye_inline( in_scene( scene, view.position ), to_vec3( view.forward ), to_vec3( view.up ), view.fov, width,
-                               height );
+    *eye = rf_make_eye_inline( in_scene( scene, view.position ), to_vec3( view.forward ), to_vec3( view.up ),
+                               view.projection == RF_PERSPECTIVE ? view.fov : 1.0, width, height );
+    project_otherwise( eye, view.projection, view.fov );
     if ( view.aspect != 1.0 || view.shift[0] != 0.0 || view.shift[1] != 0.0 )
         rf_shift_eye( eye, view.aspect, view.shift[0], view.shift[1] );
     return RF_OK;

@@ -4,6 +4,7 @@
 #include "scene/leave_out.h"
 #include "scene/pinhole.h"
 
+#include <math.h>
 #include <string.h>
 
 // A camera at a frame of its path.
@@ -23,11 +24,50 @@ static RfOptics optics_of( const RfCamera* camera )
     return camera->optics != NULL ? *camera->optics : ( RfOptics ){ .sensor = RF_DEFAULT_SENSOR };
 }
 
+// Frames of a path between its ends.
+static double path_frames( const Moment* m )
+{
+    const RfCamera* c = m->camera;
+    bool counts = c->track != NULL && c->track->in_frames;
+    return ( c->end - c->start ) * ( counts ? 1.0 / c->track->step : (double)m->numerator / m->denominator );
+}
+
+// A path that goes on beyond its end as it came there: `inside` is as far before the end as `eye` becomes behind it. It
+// turns from the end by as much as from there to the end: R = E Iᵀ E, with axes as columns.
+static void go_on( const RfEye* end, const RfEye* inside, RfEye* eye )
+{
+    *eye = *end;
+    eye->origin = rf_sub( rf_scale( end->origin, 2.0f ), inside->origin );
+    eye->focal *= end->focal / inside->focal;
+    eye->focal_x *= end->focal_x / inside->focal_x;
+    eye->axis_x += end->axis_x - inside->axis_x;
+    eye->axis_y += end->axis_y - inside->axis_y;
+    const RfVec3 e[3] = { end->right, end->up, end->forward }, in[3] = { inside->right, inside->up, inside->forward };
+    RfVec3* const out[3] = { &eye->right, &eye->up, &eye->forward };
+    for ( int k = 0; k < 3; ++k )
+    {
+        *out[k] = rf_vec3( 0, 0, 0 );
+        for ( int j = 0; j < 3; ++j )
+            *out[k] = rf_madd( *out[k], e[j], rf_dot( in[j], e[k] ) );
+        *out[k] = rf_scale( *out[k], 1.0f / rf_length( *out[k] ) );
+    }
+}
+
 static RfResult eye_at( const Moment* m, double offset, int width, int height, RfEye* eye )
 {
     int step = m->camera->track != NULL && m->camera->track->in_frames ? m->camera->track->step : 1;
-    return rf_camera_eye( m->scene, m->camera, m->frame + offset / step, m->numerator, m->denominator, width, height, eye,
-                          m->error );
+    double frame = m->frame + offset / step, last = path_frames( m ), end = fmin( fmax( frame, 0.0 ), last );
+    RfEye at_end, inside;
+    // key times written as floats miss their frame slightly
+    if ( !m->camera->animated || fabs( frame - end ) < 1e-3 )
+        return rf_camera_eye( m->scene, m->camera, frame, m->numerator, m->denominator, width, height, eye, m->error );
+    RfResult result = rf_camera_eye( m->scene, m->camera, end, m->numerator, m->denominator, width, height, &at_end, m->error );
+    if ( result == RF_OK )
+        result = rf_camera_eye( m->scene, m->camera, 2.0 * end - frame, m->numerator, m->denominator, width, height, &inside,
+                                m->error );
+    if ( result == RF_OK )
+        go_on( &at_end, &inside, eye );
+    return result;
 }
 
 static int find_node( const RfScene* scene, const char* name )
@@ -101,6 +141,10 @@ static RfResult add_lens( const Moment* m, const RfLens* asked, RfOptics* optics
                         "camera '%.60s': a focus changes nothing without an aperture: give it an f-number", m->camera->name );
     if ( result != RF_OK || !( radius > 0.0 ) )
         return result;
+    if ( eye->projection == RF_PANORAMIC )
+        return rf_fail( m->error, RF_ERROR_SCENE,
+                        "camera '%.60s': a panoramic camera has no depth of field here: leave the aperture out",
+                        m->camera->name );
     if ( node != NULL && !( focus > 0.0 ) )
         result = distance_of_node( m, eye, node, &focus );
     if ( result == RF_OK && !( focus > 0.0 ) )

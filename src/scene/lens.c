@@ -4,7 +4,10 @@
 
 #define PI 3.14159265358979323846
 
-static RfPose pose_of( const RfEye* eye ) { return ( RfPose ){ eye->origin, eye->forward, eye->up, eye->focal }; }
+static RfPose pose_of( const RfEye* eye )
+{
+    return ( RfPose ){ eye->origin, eye->forward, eye->up, eye->focal, eye->axis_x, eye->axis_y };
+}
 
 void rf_set_lens( RfEye* eye, double radius, double focus, int blades, double rotation )
 {
@@ -22,7 +25,7 @@ static bool is_same_point( RfVec3 a, RfVec3 b )
 static bool is_same_pose( const RfPose* a, const RfPose* b )
 {
     return is_same_point( a->origin, b->origin ) && is_same_point( a->forward, b->forward ) && is_same_point( a->up, b->up ) &&
-           !( a->focal < b->focal || a->focal > b->focal );
+           is_same_point( rf_vec3( a->focal, a->axis_x, a->axis_y ), rf_vec3( b->focal, b->axis_x, b->axis_y ) );
 }
 
 void rf_set_shutter( RfEye* eye, const RfEye* open, const RfEye* close )
@@ -96,6 +99,8 @@ static void move_eye( RfEye* eye, double t )
     float focal = (float)through( o->focal, eye->focal, c->focal, t );
     eye->focal_x *= focal / eye->focal;
     eye->focal = focal;
+    eye->axis_x = (float)through( o->axis_x, eye->axis_x, c->axis_x, t );
+    eye->axis_y = (float)through( o->axis_y, eye->axis_y, c->axis_y, t );
     eye->origin = through3( o->origin, eye->origin, c->origin, t );
     eye->forward = rf_vec3( (float)f[0], (float)f[1], (float)f[2] );
     eye->right = rf_vec3( (float)r[0], (float)r[1], (float)r[2] );
@@ -113,8 +118,16 @@ RfEye rf_sample_eye( const RfEye* eye, RfLensSample sample )
         rf_lens_point( eye, sample.u, sample.v, point );
         float x = eye->lens_radius * point[0], y = eye->lens_radius * point[1];
         out.origin = rf_madd( rf_madd( out.origin, out.right, x ), out.up, y );
-        out.axis_x += out.focal_x * x / eye->focus;
-        out.axis_y -= out.focal * y / eye->focus;
+        if ( eye->projection == RF_ORTHOGRAPHIC )
+        {
+            out.shear_x = -x / eye->focus;
+            out.shear_y = -y / eye->focus;
+        }
+        else
+        {
+            out.axis_x += out.focal_x * x / eye->focus;
+            out.axis_y -= out.focal * y / eye->focus;
+        }
     }
     out.lens_radius = 0.0f;
     out.moves = 0;

@@ -81,7 +81,9 @@ typedef struct RfCamera
     struct RfCameraTrack* track; // owned: a camera path (scene/camera_path/camera_track.h); NULL: the
                                  // camera moves with its node, as the fields below describe
     int node;                    // −1: the default camera of a scene without cameras
-    double yfov;                 // vertical field of view, radians
+    int projection;              // RfProjectionKind
+    double yfov;                 // perspective: vertical field of view, radians
+    double ymag;                 // orthographic: half the height of the picture, m
     struct RfOptics* optics;     // owned: lens and shutter where there is no path; NULL: a pinhole
     bool animated;               // a channel animates its node or an ancestor
     double start;                // seconds: first key of those channels

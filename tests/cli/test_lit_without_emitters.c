@@ -49,6 +49,12 @@ static void test_lamps_sky_and_darkness_are_told( void** state )
     check( "sky.gltf", GLTF( ",\"extras\":{\"reframe\":{\"environment\":{\"radiance\":[1,1,1]}}}", "" ) "}",
            "lights     1 (emitting triangles 0, 0 m2; lamps without size 0; sky yes)", NULL );
     check( "dark.gltf", GLTF( "", "" ) "}", "lights     0\n", "no lights" );
+    check(
+        "off.gltf",
+        GLTF( "", ",\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}}" ) ",\"extensions\":{\"KHR_lights_punctual\":{"
+                                                                              "\"lights\":[{\"type\":\"point\",\"name\":\"bulb\","
+                                                                              "\"intensity\":0}]}}}",
+        "lights     0\n", "none of its lamps has any power ('bulb' is one of 1)" );
     cli_leave();
 }
 

@@ -161,6 +161,41 @@ static void test_moving_wall_by_hand( void** state )
     rf_destroy_scene( &scene );
 }
 
+// The depth of an orthographic camera is that along the view, of a panorama the distance; motion at the seam is the short way.
+static void test_other_projections_by_hand( void** state )
+{
+    (void)state;
+    RfScene scene = make_wall( -50, make_lambert( 0.2f, 0.4f, 0.6f ) );
+    RfTracer* tracer = make_tracer( &scene );
+    RfRenderSettings settings = layered( 0, 5 );
+    RfVec3 ahead = rf_vec3( 0, 0, -1 ), up = rf_vec3( 0, 1, 0 );
+    RfEye eyes[2] = { rf_make_orthographic_eye( rf_vec3( 0, 0, 0 ), ahead, up, 0.8, WIDTH, HEIGHT ),
+                      rf_make_orthographic_eye( rf_vec3( 0.1f, -0.2f, 0.5f ), ahead, up, 0.8, WIDTH, HEIGHT ) };
+    Frames* f = render_layers( tracer, eyes, 2, 0, 1, &settings );
+    double pixels_per_m = 0.5 * HEIGHT / 0.8;
+    assert_all( f->layers[0][RF_AOV_DEPTH], f->pixels, 1, 0, (double)DISTANCE, 1e-5, "orthographic depth" );
+    assert_all( f->layers[0][RF_AOV_MOTION], f->pixels, 4, 2, -0.1 * pixels_per_m, 1e-4, "orthographic motion.Z" );
+    assert_all( f->layers[0][RF_AOV_MOTION], f->pixels, 4, 3, 0.2 * pixels_per_m, 1e-4, "orthographic motion.W" );
+    free_frames( f );
+
+    // the wall is seen at the seam, behind the view; what misses it turns as well
+    const float angle = 0.3f;
+    eyes[0] = rf_make_panoramic_eye( rf_vec3( 0, 0, 0 ), rf_vec3( 0, 0, 1 ), up, WIDTH, HEIGHT );
+    eyes[1] = rf_make_panoramic_eye( rf_vec3( 0, 0, 0 ), rf_vec3( sinf( angle ), 0, cosf( angle ) ), up, WIDTH, HEIGHT );
+    f = render_layers( tracer, eyes, 2, 0, 1, &settings );
+    double moved = (double)angle * WIDTH / 6.283185307179586;
+    assert_all( f->layers[0][RF_AOV_MOTION], f->pixels, 4, 2, moved, 2e-3, "panoramic motion.Z" );
+    assert_all( f->layers[0][RF_AOV_MOTION], f->pixels, 4, 3, 0.0, 2e-3, "panoramic motion.W" );
+    double longitude = 3.141592653589793 / WIDTH, latitude = 1.5707963267948966 / HEIGHT; // of the pixel's middle
+    int row = HEIGHT / 2 - 1;
+    double far = (double)DISTANCE / ( cos( longitude ) * cos( latitude ) );
+    assert_near( (double)f->layers[0][RF_AOV_DEPTH][row * WIDTH], far, 0.02 * far, "panoramic depth" );
+    assert_near( (double)f->layers[0][RF_AOV_DEPTH][row * WIDTH + WIDTH - 1], far, 0.02 * far, "panoramic depth" );
+    free_frames( f );
+    rf_destroy_tracer( tracer );
+    rf_destroy_scene( &scene );
+}
+
 // Pixels that the wall covers in part, and pixels where nothing is.
 static void test_edges_and_empty_pixels( void** state )
 {
@@ -498,15 +533,11 @@ static void test_budget_counts_aov_films( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_moving_wall_by_hand ),
-        cmocka_unit_test( test_edges_and_empty_pixels ),
-        cmocka_unit_test( test_an_edge_has_the_pixel_filter ),
-        cmocka_unit_test( test_albedo_of_materials ),
-        cmocka_unit_test( test_samples_are_counted ),
-        cmocka_unit_test( test_variance_is_the_true_one ),
-        cmocka_unit_test( test_same_bits_however_the_frames_come_about ),
-        cmocka_unit_test( test_budget_counts_aov_films ),
-        cmocka_unit_test( test_each_alone_is_as_among_all ),
+        cmocka_unit_test( test_moving_wall_by_hand ),      cmocka_unit_test( test_other_projections_by_hand ),
+        cmocka_unit_test( test_edges_and_empty_pixels ),   cmocka_unit_test( test_an_edge_has_the_pixel_filter ),
+        cmocka_unit_test( test_albedo_of_materials ),      cmocka_unit_test( test_samples_are_counted ),
+        cmocka_unit_test( test_variance_is_the_true_one ), cmocka_unit_test( test_same_bits_however_the_frames_come_about ),
+        cmocka_unit_test( test_budget_counts_aov_films ),  cmocka_unit_test( test_each_alone_is_as_among_all ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -1,6 +1,7 @@
 // Depth of field and motion blur of the camera under frames and tiles are unbiased: against a path tracer that draws a
 // point of the lens and a moment of the shutter for each of its samples.
 #include "support/mirror_rooms.h"
+#include "support/pane_room.h"
 #include "support/scene_builder.h"
 #include "support/unbiased.h"
 
@@ -101,11 +102,14 @@ static void test_glossy_rooms_are_unbiased( void** state )
     check( "GGX", make_room( ROOM_GGX ), SHUTTER, false );
 }
 
-static void test_mirrors_and_glass_are_unbiased( void** state )
+static void test_mirrors_glass_and_panes_are_unbiased( void** state )
 {
     (void)state;
     check( "glass", make_glass_room(), BOTH, false );
-    check( "mirror", make_mirror_room( FLAT_MIRROR ), BOTH, false );
+    check( "mirror", make_mirror_room( FLAT_MIRROR ), SHUTTER, false );
+    check( "panes", make_pane_room( PANES_AND_AREA_LIGHT ), LENS, false );
+    if ( is_long() )
+        check( "mirror", make_mirror_room( FLAT_MIRROR ), BOTH, false );
 }
 
 // Else the tests above would pass for a renderer that knows neither lens nor shutter.
@@ -141,7 +145,7 @@ int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( test_glossy_rooms_are_unbiased ),
-        cmocka_unit_test( test_mirrors_and_glass_are_unbiased ),
+        cmocka_unit_test( test_mirrors_glass_and_panes_are_unbiased ),
         cmocka_unit_test( test_a_sharp_picture_is_told_from_a_blurred_one ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );

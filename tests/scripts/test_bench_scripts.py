@@ -29,7 +29,7 @@ def load(name):
     return module
 
 
-flicker, memory, mirrors, paper, tune = (load(name) for name in ("bench-flicker", "bench-memory", "bench-mirrors", "bench-paper", "check-tune"))
+flicker, lens, memory, mirrors, paper, tune = (load(name) for name in ("bench-flicker", "bench-lens", "bench-memory", "bench-mirrors", "bench-paper", "check-tune"))
 
 
 class FakeJob:
@@ -62,6 +62,22 @@ class Sums(unittest.TestCase):
         fixed, slope = benchlib.line_through((2, 5.0), (6, 11.0))
         self.assertAlmostEqual(fixed, 2.0)
         self.assertAlmostEqual(slope, 1.5)
+
+
+class Lens(unittest.TestCase):
+    def test_all_but_one_in_a_hundred(self):
+        self.assertEqual(lens.most_of([7.0] * 995 + [90.0] * 5), 7.0)
+        self.assertEqual(lens.most_of([7.0] * 980 + [90.0] * 20), 90.0)
+
+    def test_kept(self):
+        def rows(*gains):
+            return [[{"setting": s, "cpu": 1.0, "relmse": 1.0, "gain": g, "gain_trimmed": g, "gain_median": g} for s, g in (("0:1", 1.0), ("3:3x3", gain))] for gain in gains]
+
+        found = lens.summarise(rows(2.0, 8.0), rows(4.0, 8.0))
+        self.assertAlmostEqual(found[0]["kept"], 1.0)
+        self.assertAlmostEqual(found[1]["kept"], math.sqrt(0.5))
+        self.assertAlmostEqual(found[1]["kept_error"], 0.5 * math.log(2.0))
+        self.assertIsNone(lens.summarise(rows(2.0), rows(4.0))[1]["kept_error"])
 
 
 class Memory(unittest.TestCase):

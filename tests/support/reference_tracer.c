@@ -423,13 +423,40 @@ static RfVec3 scattered_light( const RfTracer* tracer, const ReferenceSettings* 
     return rf_mul( onward.f, rf_add( emitted, rf_scale( rf_scale( in.rest, onward.cos_x ), 1.0f / onward.pdf ) ) );
 }
 
-static RfVec3 first_ray( const RfEye* eye, RfRandomKey key, int x, int y )
+// Through a point of a sphere around the eye, the film of a panorama.
+static Ray panoramic_ray( const RfEye* eye, RfRandomKey key, int x, int y )
+{
+    double longitude = 6.283185307179586 * ( ( x + (double)rf_random( key, RF_DIMENSION_FILM_X ) ) / eye->width - 0.5 );
+    double polar = 3.141592653589793 * ( y + (double)rf_random( key, RF_DIMENSION_FILM_Y ) ) / eye->height;
+    RfVec3 level = rf_madd( rf_scale( eye->forward, (float)cos( longitude ) ), eye->right, (float)sin( longitude ) );
+    RfVec3 d = rf_madd( rf_scale( level, (float)sin( polar ) ), eye->up, (float)cos( polar ) );
+    return ( Ray ){ eye->origin, rf_normalize( d ), rf_vec3( 0, 0, 0 ) };
+}
+
+// From a point of the plane through the origin.
+static Ray parallel_ray( const RfEye* eye, RfRandomKey key, int x, int y )
+{
+    float right = ( (float)x + rf_random( key, RF_DIMENSION_FILM_X ) - eye->axis_x ) / eye->focal_x;
+    float down = ( (float)y + rf_random( key, RF_DIMENSION_FILM_Y ) - eye->axis_y ) / eye->focal;
+    return ( Ray ){ rf_madd( rf_madd( eye->origin, eye->right, right ), eye->up, -down ), eye->forward, rf_vec3( 0, 0, 0 ) };
+}
+
+static RfVec3 first_direction( const RfEye* eye, RfRandomKey key, int x, int y )
 {
     float inverse_x = 1.0f / eye->focal_x, inverse_y = 1.0f / eye->focal;
     float fx = ( (float)x + rf_random( key, RF_DIMENSION_FILM_X ) - eye->axis_x ) * inverse_x;
     float fy = ( eye->axis_y - (float)y - rf_random( key, RF_DIMENSION_FILM_Y ) ) * inverse_y;
     RfVec3 d = rf_madd( rf_madd( eye->forward, eye->right, fx ), eye->up, fy );
     return rf_scale( d, 1.0f / sqrtf( rf_dot( d, d ) ) );
+}
+
+static Ray first_ray( const RfEye* eye, RfRandomKey key, int x, int y )
+{
+    if ( eye->projection == RF_PANORAMIC )
+        return panoramic_ray( eye, key, x, y );
+    if ( eye->projection == RF_ORTHOGRAPHIC )
+        return parallel_ray( eye, key, x, y );
+    return ( Ray ){ eye->origin, first_direction( eye, key, x, y ), rf_vec3( 0, 0, 0 ) };
 }
 
 // A value on the parabola through three at −1, 0 and 1, by Lagrange.
@@ -450,10 +477,13 @@ static RfEye moved_eye( const RfEye* eye, float t )
                              on_parabola( eye->open.up, eye->up, eye->close.up, t ), 1.0, eye->width, eye->height );
     out.focal = focal.x;
     out.focal_x = focal.x * eye->focal_x / eye->focal;
-    out.axis_x = eye->axis_x;
-    out.axis_y = eye->axis_y;
+    RfVec3 axis = on_parabola( rf_vec3( eye->open.axis_x, eye->open.axis_y, 0 ), rf_vec3( eye->axis_x, eye->axis_y, 0 ),
+                               rf_vec3( eye->close.axis_x, eye->close.axis_y, 0 ), t );
+    out.axis_x = axis.x;
+    out.axis_y = axis.y;
     out.lens_radius = eye->lens_radius;
     out.focus = eye->focus;
+    out.projection = eye->projection;
     return out;
 }
 
@@ -481,7 +511,7 @@ RfVec3 reference_sample( const RfTracer* tracer, const RfEye* eye, const Referen
         moved = moved_eye( eye, 2.0f * rf_random( key, LENS_DIMENSION + 2 ) - 1.0f );
         eye = &moved;
     }
-    Ray ray = { eye->origin, first_ray( eye, key, x, y ), rf_vec3( 0, 0, 0 ) };
+    Ray ray = first_ray( eye, key, x, y );
     if ( eye->lens_radius > 0.0f )
         bend_ray( eye, key, &ray );
     if ( !find( tracer, ray.o, ray.d, &hit, NULL ) )

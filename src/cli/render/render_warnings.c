@@ -23,6 +23,9 @@ void rf_warn_of_scene( const RfRenderOptions* options, const RfScene* scene, con
     if ( scene->triangles.count == 0 )
         rf_warn( log, "%s: has no triangles, the picture will be %s", options->scene,
                  rf_tracer_has_light( tracer ) ? "sky alone" : "black" );
+    else if ( !rf_tracer_has_light( tracer ) && scene->punctual_count > 0 )
+        rf_warn( log, "%s: none of its lamps has any power ('%.60s' is one of %d), no material emits, the picture will be black",
+                 options->scene, scene->punctuals[0].name, scene->punctual_count );
     else if ( !rf_tracer_has_light( tracer ) )
         rf_warn( log, "%s: has no lights (no material emits, no lamp, no environment), the picture will be black",
                  options->scene );

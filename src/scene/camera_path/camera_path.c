@@ -29,7 +29,7 @@ static uint64_t hash_eye( uint64_t hash, const RfEye* e )
     bool plain = film[0] == e->focal && film[1] == 0.5f * (float)e->width && film[2] == 0.5f * (float)e->height;
     hash = plain ? hash : rf_hash_bytes( hash, film, sizeof film ); // as before there were shifts
     // RfEye has no padding
-    return rf_is_sharp( e ) ? hash : rf_hash_bytes( hash, e, sizeof *e );
+    return rf_is_sharp( e ) && e->projection == RF_PERSPECTIVE ? hash : rf_hash_bytes( hash, e, sizeof *e );
 }
 
 int rf_frame_number( const RfCameraPath* path, int frame )

@@ -101,7 +101,9 @@ RfResult rf_sample_camera_track( const RfCameraTrack* track, double time, RfView
     double target[3] = { 0 }, rotation[4], axes[9];
     sample_position( track, at, view, target );
     rf_sample_curve( &track->fov, at, &view->fov );
-    view->fov *= 3.14159265358979323846 / 180.0;
+    view->projection = track->projection;
+    if ( track->projection == RF_PERSPECTIVE )
+        view->fov *= 3.14159265358979323846 / 180.0;
     view->aspect = track->aspect;
     view->focus = view->fstop = 0.0;
     if ( track->focus.count > 0 )

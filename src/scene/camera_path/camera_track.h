@@ -3,7 +3,7 @@
 #ifndef REFRAME_SCENE_CAMERA_PATH_CAMERA_TRACK_H
 #define REFRAME_SCENE_CAMERA_PATH_CAMERA_TRACK_H
 
-#include "reframe/error.h"
+#include "reframe/camera.h"
 #include "scene/camera_path/curve.h"
 #include "scene/camera_path/optics.h"
 #include "scene/camera_path/waypoints.h"
@@ -43,7 +43,8 @@ typedef struct RfCameraTrack
     RfCurve position;   // empty for orbits and walks
     RfCurve target, up; // empty with a rotation; walks may look ahead without a target
     RfCurve rotation;
-    RfCurve fov;      // vertical, degrees
+    RfProjectionKind projection;
+    RfCurve fov;      // vertical, degrees; of an orthographic camera ymag, half the height of the picture in m
     RfCurve shift[2]; // right and up, heights of the picture; empty: none
     double aspect;    // of the pixels, width over height
     RfOptics optics;
@@ -57,7 +58,8 @@ typedef struct RfCameraTrack
 typedef struct RfView
 {
     double position[3], forward[3], up[3];
-    double fov; // vertical, radians
+    RfProjectionKind projection;
+    double fov; // vertical, radians; orthographic: ymag
     double shift[2], aspect;
     double focus, fstop; // m; 0: no keys have them
 } RfView;

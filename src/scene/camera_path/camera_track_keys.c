@@ -66,26 +66,32 @@ static RfResult read_lens_key( const RfField* key, Keys* keys, int i )
     return result == RF_OK ? read_lens_value( key, "fstop", 1e6, i, &keys->stops, keys->fstop ) : result;
 }
 
-static RfResult read_key( const RfField* top, const RfField* key, Keys* keys, int i, bool rotates, bool in_frames )
+static RfResult read_key( const RfField* top, const RfField* key, Keys* keys, int i, bool rotates, const RfCameraTrack* track )
 {
-    static const char* const s_seconds[] = { "time", "position", "target", "rotation", "up",
-                                             "fov",  "shift",    "focus",  "fstop",    NULL };
-    static const char* const s_frames[] = { "frame", "position", "target", "rotation", "up",
-                                            "fov",   "shift",    "focus",  "fstop",    NULL };
+    static const char* const s_seconds[] = { "time", "position", "target", "rotation", "up", "fov",
+                                             "ymag", "shift",    "focus",  "fstop",    NULL };
+    static const char* const s_frames[] = { "frame", "position", "target", "rotation", "up", "fov",
+                                            "ymag",  "shift",    "focus",  "fstop",    NULL };
+    bool in_frames = track->in_frames;
     RfResult result = rf_field_keys( key, in_frames ? s_frames : s_seconds );
+    if ( result == RF_OK )
+        result = rf_check_projection( key, track->projection );
     if ( result == RF_OK )
         result = read_time( key, in_frames, i, keys->times );
     if ( result == RF_OK )
         result = rf_read_point( key, "position", keys->position + 3 * i );
     if ( result == RF_OK )
         result = rf_check_look( key, rotates );
-    RfField fov = inherited( key, top, "fov" ), up = inherited( key, top, "up" ), shift = inherited( key, top, "shift" );
+    RfField fov = inherited( key, top, rf_extent_name( track->projection ) ), up = inherited( key, top, "up" ),
+            shift = inherited( key, top, "shift" );
+    if ( fov.json == NULL )
+        fov = rf_field_member( key, rf_extent_name( track->projection ) );
     if ( result == RF_OK )
         result = read_shift( &shift, keys, i );
     if ( result == RF_OK )
         result = read_lens_key( key, keys, i );
     if ( result == RF_OK )
-        result = rf_read_fov( &fov, keys->fov + i );
+        result = rf_read_extent( &fov, track->projection, keys->fov + i );
     if ( result == RF_OK )
         result = rf_read_up( &up, keys->up + 3 * i );
     if ( result != RF_OK )
@@ -173,6 +179,8 @@ static RfResult read_keys( const RfField* top, const RfField* list, RfCameraTrac
     track->in_frames = rf_has_member( &first, "frame" );
     RfResult result = rf_read_interpolation( top, &linear );
     if ( result == RF_OK )
+        result = rf_read_projection( top, track );
+    if ( result == RF_OK )
         result = rf_check_look( top, rotates );
     if ( result == RF_OK )
         result = read_film( top, track );
@@ -185,7 +193,7 @@ static RfResult read_keys( const RfField* top, const RfField* list, RfCameraTrac
     for ( int i = 0; i < count && result == RF_OK; ++i )
     {
         RfField key = rf_field_item( list, (size_t)i );
-        result = read_key( top, &key, &keys, i, rotates, track->in_frames );
+        result = read_key( top, &key, &keys, i, rotates, track );
     }
     for ( int i = 0; i < count && track->in_frames; ++i )
         keys.times[i] -= 1.0; // frame 1 is at time 0
@@ -201,8 +209,8 @@ static RfResult read_keys( const RfField* top, const RfField* list, RfCameraTrac
 
 RfResult rf_read_keyed( const RfField* top, RfCameraTrack* track )
 {
-    static const char* const s_keys[] = { "kind", "interpolation", "keys", "target",      "rotation", "up",
-                                          "fov",  "shift",         "step", "pixelAspect", "lens",     NULL };
+    static const char* const s_keys[] = { "kind", "interpolation", "keys",  "target", "rotation",    "up",   "projection",
+                                          "fov",  "ymag",          "shift", "step",   "pixelAspect", "lens", NULL };
     RfField list = rf_field_member( top, "keys" );
     RfResult result = rf_field_keys( top, s_keys );
     if ( result == RF_OK )

@@ -65,8 +65,6 @@ RfResult rf_read_rotation( const RfField* field, double q[4] )
     return result;
 }
 
-RfResult rf_read_fov( const RfField* field, double* fov ) { return rf_field_number( field, rf_range( 0.1, 179.0 ), fov ); }
-
 // A path uses either targets and up, or rotations; the two cannot be mixed.
 RfResult rf_check_look( const RfField* object, bool rotates )
 {
@@ -150,26 +148,31 @@ RfResult rf_lead_curve( RfCurveKind kind, const double* both, RfCurve* curve, Rf
     return rf_create_curve( kind, true, 2, s_ends, both, curve, error );
 }
 
-// A constant field of view, or {"from": …, "to": …}.
+// A constant extent, or {"from": …, "to": …}.
 RfResult rf_read_lens( const RfField* top, bool must_change, RfCameraTrack* track )
 {
     static const char* const s_keys[] = { "from", "to", NULL };
-    RfField field = rf_field_member( top, "fov" );
+    RfResult known = rf_read_projection( top, track );
+    if ( known != RF_OK )
+        return known;
+    bool orthographic = track->projection == RF_ORTHOGRAPHIC;
+    RfField field = rf_field_member( top, rf_extent_name( track->projection ) );
     double fov[2] = { RF_DEFAULT_FOV, RF_DEFAULT_FOV };
     if ( must_change && !json_is_object( field.json ) )
-        return rf_field_wants( &field, "an object of from and to, in degrees" );
+        return rf_field_wants( &field,
+                               orthographic ? "an object of from and to, in metres" : "an object of from and to, in degrees" );
     if ( !json_is_object( field.json ) )
     {
-        RfResult result = rf_read_fov( &field, fov );
+        RfResult result = rf_read_extent( &field, track->projection, fov );
         return result == RF_OK ? rf_constant_curve( RF_CURVE_NUMBER, fov, &track->fov, top->error ) : result;
     }
     RfResult result = rf_field_keys( &field, s_keys );
     for ( int i = 0; i < 2 && result == RF_OK; ++i )
     {
         RfField end = rf_field_member( &field, s_keys[i] );
-        result = rf_field_require( &field, s_keys[i], "degrees" );
+        result = rf_field_require( &field, s_keys[i], orthographic ? "metres" : "degrees" );
         if ( result == RF_OK )
-            result = rf_read_fov( &end, fov + i );
+            result = rf_read_extent( &end, track->projection, fov + i );
     }
     return result == RF_OK ? rf_lead_curve( RF_CURVE_NUMBER, fov, &track->fov, top->error ) : result;
 }

@@ -11,8 +11,8 @@ static const char* const s_span[] = { "duration", "frames", NULL };
 
 RfResult rf_read_orbit( const RfField* top, RfCameraTrack* track )
 {
-    static const char* const s_keys[] = { "kind",     "center", "radius", "height",   "start",  "turn", "target",
-                                          "rotation", "up",     "fov",    "duration", "frames", "lens", NULL };
+    static const char* const s_keys[] = { "kind", "center",     "radius", "height", "start",    "turn",   "target", "rotation",
+                                          "up",   "projection", "fov",    "ymag",   "duration", "frames", "lens",   NULL };
     RfOrbit* orbit = &track->orbit;
     double start = 0.0, turn = 360.0;
     RfField radius = rf_field_member( top, "radius" ), height = rf_field_member( top, "height" ),
@@ -41,8 +41,8 @@ RfResult rf_read_orbit( const RfField* top, RfCameraTrack* track )
 
 RfResult rf_read_dolly( const RfField* top, RfCameraTrack* track )
 {
-    static const char* const s_keys[] = { "kind", "from",     "to",     "target", "rotation", "up",
-                                          "fov",  "duration", "frames", "lens",   NULL };
+    static const char* const s_keys[] = { "kind", "from", "to",       "target", "rotation", "up", "projection",
+                                          "fov",  "ymag", "duration", "frames", "lens",     NULL };
     double ends[6];
     RfResult result = rf_field_keys( top, s_keys );
     if ( result == RF_OK )
@@ -60,8 +60,8 @@ RfResult rf_read_dolly( const RfField* top, RfCameraTrack* track )
 
 RfResult rf_read_zoom( const RfField* top, RfCameraTrack* track )
 {
-    static const char* const s_keys[] = { "kind", "position", "target", "rotation", "up",
-                                          "fov",  "duration", "frames", "lens",     NULL };
+    static const char* const s_keys[] = { "kind", "position", "target",   "rotation", "up",   "projection",
+                                          "fov",  "ymag",     "duration", "frames",   "lens", NULL };
     double position[3];
     RfResult result = rf_field_keys( top, s_keys );
     if ( result == RF_OK )
@@ -121,8 +121,9 @@ static RfResult read_walk_look( const RfField* top, RfCameraTrack* track )
 
 RfResult rf_read_walk( const RfField* top, RfCameraTrack* track )
 {
-    static const char* const s_keys[] = { "kind", "waypoints", "interpolation", "look_ahead", "target", "rotation", "up",
-                                          "fov",  "speed",     "duration",      "frames",     "lens",   NULL };
+    static const char* const s_keys[] = { "kind",     "waypoints", "interpolation", "look_ahead", "target",
+                                          "rotation", "up",        "projection",    "fov",        "ymag",
+                                          "speed",    "duration",  "frames",        "lens",       NULL };
     static const char* const s_walk_span[] = { "duration", "frames", "speed", NULL };
     RfResult result = rf_field_keys( top, s_keys );
     if ( result == RF_OK )

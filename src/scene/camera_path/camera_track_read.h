@@ -25,8 +25,17 @@ RfResult rf_read_up( const RfField* field, double up[3] );
 // Reads a rotation, which is required.
 RfResult rf_read_rotation( const RfField* field, double q[4] ); // required
 
-// Reads a field of view in degrees; without one `fov` is unchanged.
-RfResult rf_read_fov( const RfField* field, double* fov );
+// Reads "projection" into the track.
+RfResult rf_read_projection( const RfField* top, RfCameraTrack* track );
+
+// What says how much a camera sees: "fov", or "ymag" if it is orthographic.
+const char* rf_extent_name( RfProjectionKind projection );
+
+// Fails if an object has what a camera of this projection has not.
+RfResult rf_check_projection( const RfField* object, RfProjectionKind projection );
+
+// Reads a field of view in degrees, or ymag in metres, which is required; without a field of view `value` is unchanged.
+RfResult rf_read_extent( const RfField* field, RfProjectionKind projection, double* value );
 
 // Reads whether to interpolate linearly; without it `linear` is unchanged.
 RfResult rf_read_interpolation( const RfField* top, bool* linear );

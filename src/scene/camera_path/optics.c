@@ -100,6 +100,8 @@ double rf_optics_radius( const RfOptics* optics, const RfEye* eye )
 {
     if ( !( optics->fstop > 0.0 ) )
         return optics->radius;
+    if ( eye->projection == RF_ORTHOGRAPHIC )
+        return 0.5 / optics->fstop;
     double focal_length = optics->sensor * (double)eye->focal / (double)eye->height;
     return focal_length / ( 2.0 * optics->fstop );
 }

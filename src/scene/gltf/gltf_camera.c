@@ -1,35 +1,52 @@
-// Cameras: one for each node of the default scene that has a perspective camera.
+// Cameras: one for each node of the default scene that has a camera.
 
 #include "scene/gltf/gltf_document.h"
 
+#include "reframe/camera.h"
+
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #define PI 3.14159265358979323846
 
+// A number that a camera of this type must have.
+static RfResult read_extent( const RfGltf* gltf, const json_t* json, const char* where, const char* type, const char* key,
+                             double* value )
+{
+    const json_t* object = NULL;
+    RfResult result = rf_gltf_require( gltf, json, where, type );
+    if ( result == RF_OK )
+        result = rf_gltf_get_object( gltf, json, where, type, &object );
+    if ( result == RF_OK )
+        result = rf_gltf_require( gltf, object, where, key );
+    return result == RF_OK ? rf_gltf_get_number( gltf, object, where, key, value ) : result;
+}
+
 static RfResult read_yfov( const RfGltf* gltf, const json_t* json, const char* where, double* yfov )
 {
-    const json_t* perspective = NULL;
-    RfResult result = rf_gltf_require( gltf, json, where, "perspective" );
-    if ( result == RF_OK )
-        result = rf_gltf_get_object( gltf, json, where, "perspective", &perspective );
-    if ( result == RF_OK )
-        result = rf_gltf_require( gltf, perspective, where, "yfov" );
-    if ( result == RF_OK )
-        result = rf_gltf_get_number( gltf, perspective, where, "yfov", yfov );
+    RfResult result = read_extent( gltf, json, where, "perspective", "yfov", yfov );
     if ( result == RF_OK && ( *yfov > 0.0 && *yfov < PI ) == false )
         return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "yfov is %g, it wants more than 0 and less than pi radians", *yfov );
     return result;
 }
 
-// `wanted` is false for a camera that is skipped with a warning.
-static RfResult read_camera( RfGltf* gltf, int index, const char* node_name, double* yfov, bool* wanted )
+// The width follows from the shape of the picture.
+static RfResult read_ymag( const RfGltf* gltf, const json_t* json, const char* where, double* ymag )
+{
+    RfResult result = read_extent( gltf, json, where, "orthographic", "ymag", ymag );
+    *ymag = fabs( *ymag ); // below 0 says the same
+    if ( result == RF_OK && !( *ymag > 0.0 && *ymag < 1e12 ) )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "ymag is %g, it wants more than 0 and less than 1e12", *ymag );
+    return result;
+}
+
+static RfResult read_camera( const RfGltf* gltf, int index, RfCamera* camera )
 {
     RfWhere where = rf_where( "cameras[%d]", index );
     const json_t* json = rf_gltf_item( gltf, RF_GLTF_CAMERAS, index );
     const char* type = "";
-    *wanted = false;
     RfResult result = rf_gltf_require( gltf, json, where.text, "type" );
     if ( result == RF_OK )
         result = rf_gltf_get_string( gltf, json, where.text, "type", &type );
@@ -37,14 +54,12 @@ static RfResult read_camera( RfGltf* gltf, int index, const char* node_name, dou
         return result;
     if ( strcmp( type, "orthographic" ) == 0 )
     {
-        rf_gltf_notice( gltf, RF_GLTF_ORTHOGRAPHIC, "orthographic cameras are not supported: node '%.80s' is left out",
-                        node_name );
-        return RF_OK;
+        camera->projection = RF_ORTHOGRAPHIC;
+        return read_ymag( gltf, json, where.text, &camera->ymag );
     }
     if ( strcmp( type, "perspective" ) != 0 )
         return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "type '%.20s' wants perspective or orthographic", type );
-    *wanted = true;
-    return read_yfov( gltf, json, where.text, yfov );
+    return read_yfov( gltf, json, where.text, &camera->yfov );
 }
 
 // The name of the node, else of the camera, else "camera".
@@ -84,22 +99,18 @@ static char* make_unique( json_t* names, const char* base )
 
 static RfResult load_camera( RfGltf* gltf, json_t* names, int node, int index )
 {
-    bool wanted;
-    double yfov = 0.0;
     const char* base;
-    RfResult result = read_camera( gltf, index, gltf->scene->nodes[node].name, &yfov, &wanted );
-    if ( result == RF_OK && wanted )
-        result = base_name( gltf, node, index, &base );
-    if ( result != RF_OK || wanted == false )
-        return result;
-
     RfCamera* camera = gltf->scene->cameras + gltf->scene->camera_count;
+    RfResult result = read_camera( gltf, index, camera );
+    if ( result == RF_OK )
+        result = base_name( gltf, node, index, &base );
+    if ( result != RF_OK )
+        return result;
     camera->name = make_unique( names, base );
     if ( camera->name == NULL )
         return rf_gltf_no_memory( gltf, "cameras" );
     gltf->scene->camera_count += 1;
     camera->node = node;
-    camera->yfov = yfov;
     camera->animated = rf_gltf_moves( gltf, node );
     if ( camera->animated )
     {
@@ -110,7 +121,7 @@ static RfResult load_camera( RfGltf* gltf, json_t* names, int node, int index )
     return rf_gltf_read_camera_path( gltf, rf_gltf_item( gltf, RF_GLTF_NODES, node ), where.text, camera );
 }
 
-// Allocates for all nodes with a camera; skipped cameras leave unused room.
+// Allocates for all nodes with a camera.
 static RfResult find_cameras( RfGltf* gltf, int* indices )
 {
     size_t count = 0;

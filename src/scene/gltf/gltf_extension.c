@@ -99,6 +99,41 @@ static bool is_noticed( const char* name )
     return false;
 }
 
+static bool uses( const json_t* value, const char* extension )
+{
+    const char* key;
+    const json_t* item;
+    size_t i;
+    bool found = json_object_get( json_object_get( value, "extensions" ), extension ) != NULL;
+    json_object_foreach( (json_t*)value, key, item ) found = found || uses( item, extension );
+    json_array_foreach( value, i, item ) found = found || uses( item, extension );
+    return found;
+}
+
+// The first object with an extension, in words: "material 'paint'" or "nodes[3]"; empty if the document as a whole has it.
+static RfWhere find_user( const RfGltf* gltf, const char* extension )
+{
+    static const char* const s_lists[][2] = {
+        { "materials", "material" }, { "nodes", "node" },       { "meshes", "mesh" },          { "textures", "texture" },
+        { "images", "image" },       { "cameras", "camera" },   { "animations", "animation" }, { "scenes", "scene" },
+        { "skins", "skin" },         { "samplers", "sampler" }, { "accessors", "accessor" },   { "bufferViews", "view" }
+    };
+    for ( size_t k = 0; k < COUNT_OF( s_lists ); ++k )
+    {
+        const json_t *list = json_object_get( gltf->root, s_lists[k][0] ), *item;
+        size_t i;
+        json_array_foreach( list, i, item )
+        {
+            if ( !uses( item, extension ) )
+                continue;
+            const char* name = json_string_value( json_object_get( item, "name" ) );
+            return name != NULL && name[0] != 0 ? rf_where( "%s '%.60s'", s_lists[k][1], name )
+                                                : rf_where( "%s[%d]", s_lists[k][0], (int)i );
+        }
+    }
+    return rf_where( "%s", "" );
+}
+
 RfResult rf_gltf_notice_unread( RfGltf* gltf )
 {
     const json_t* list = NULL;
@@ -113,7 +148,9 @@ RfResult rf_gltf_notice_unread( RfGltf* gltf )
             continue;
         if ( ++named > MAX_NAMED )
             break;
-        rf_warn( gltf->log, "%s: extension %.80s is unknown: what it adds is left out", gltf->path, name );
+        RfWhere user = find_user( gltf, name );
+        rf_warn( gltf->log, "%s: extension %.80s is unknown: what it adds%s%s is left out", gltf->path, name,
+                 user.text[0] != 0 ? " to " : "", user.text );
     }
     return result;
 }

@@ -91,9 +91,24 @@ static RfResult read_lens( RfGltf* gltf, const RfField* ours, RfCamera* camera )
     return camera->optics != NULL ? rf_read_optics( ours, camera->optics ) : rf_gltf_no_memory( gltf, "cameras" );
 }
 
+// glTF has no panoramic cameras: a perspective one may be made one.
+static RfResult read_projection( const RfField* ours, bool has_path, RfCamera* camera )
+{
+    static const char* const s_names[] = { "panoramic", NULL };
+    int index = 0;
+    RfField field = rf_field_member( ours, "projection" );
+    if ( field.json == NULL )
+        return RF_OK;
+    if ( has_path )
+        return rf_field_fail( &field, "not together with path: that has a projection of its own" );
+    RfResult result = rf_field_choice( &field, s_names, &index );
+    camera->projection = RF_PANORAMIC;
+    return result;
+}
+
 RfResult rf_gltf_read_camera_path( RfGltf* gltf, const json_t* node, const char* where, RfCamera* camera )
 {
-    static const char* const s_keys[] = { "path", "lens", NULL };
+    static const char* const s_keys[] = { "path", "lens", "projection", NULL };
     // extras of other programs may have any type
     const json_t* ours = json_object_get( json_object_get( node, "extras" ), "reframe" );
     if ( ours == NULL )
@@ -102,6 +117,8 @@ RfResult rf_gltf_read_camera_path( RfGltf* gltf, const json_t* node, const char*
     RfField field = rf_make_field( gltf->path, self.text, ours, gltf->error );
     RfResult result = rf_field_keys( &field, s_keys );
     RfField path = rf_field_member( &field, "path" ), lens = rf_field_member( &field, "lens" );
+    if ( result == RF_OK )
+        result = read_projection( &field, path.json != NULL, camera );
     if ( result == RF_OK && path.json != NULL && lens.json != NULL )
         return rf_field_fail( &lens, "not together with path: that has a lens of its own" );
     if ( result == RF_OK && lens.json != NULL )

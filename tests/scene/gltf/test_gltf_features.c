@@ -460,16 +460,13 @@ static void test_what_is_left_out( void** state )
               "\"path\":\"pointer\",\"extensions\":{\"KHR_animation_pointer\":{\"pointer\":\"/materials/0/emissiveFactor\"}}" ) },
         { "morph targets are not supported: what animations[0].channels[0] moves", 0,
           MOVES( "\"path\":\"weights\",\"node\":0" ) },
-        { "orthographic cameras are not supported: node 'it'", 0,
-          "\"nodes\":[{\"name\":\"it\",\"camera\":0},{\"camera\":0}],\"cameras\":[{\"type\":\"orthographic\",\"orthographic\":{"
-          "\"xmag\":1,\"ymag\":1,\"zfar\":9,\"znear\":0}}]" },
         { "KHR_materials_sheen is not supported yet: material 'paint'", 1, PAINT( "\"KHR_materials_sheen\":{}" ) },
         { "KHR_materials_anisotropy is not supported yet: material 'paint'", 1, PAINT( "\"KHR_materials_anisotropy\":{}" ) },
         { "KHR_materials_iridescence is not supported yet: material 'paint'", 1, PAINT( "\"KHR_materials_iridescence\":{}" ) },
         { "KHR_materials_dispersion is not supported yet: material 'paint'", 1, PAINT( "\"KHR_materials_dispersion\":{}" ) },
         { "KHR_materials_pbrSpecularGlossiness is not supported yet: material 'paint'", 1,
           PAINT( "\"KHR_materials_pbrSpecularGlossiness\":{}" ) },
-        { "extension KHR_materials_variants is unknown: what it adds is left out", 1,
+        { "extension KHR_materials_variants is unknown: what it adds to meshes[0] is left out", 1,
           MESH(
               "{\"attributes\":{\"POSITION\":0},\"extensions\":{\"KHR_materials_variants\":{\"mappings\":[]}}}" ) ",\"extensionsU"
                                                                                                                   "sed\":[\"KHR_"
@@ -478,7 +475,12 @@ static void test_what_is_left_out( void** state )
                                                                                                                   "\"KHR_"
                                                                                                                   "materials_"
                                                                                                                   "sheen\"]" },
-        { "extension KHR_draco_mesh_compression is unknown", 1,
+        { "extension KHR_materials_diffuse_transmission is unknown: what it adds to material 'paint' is left out", 1,
+          PAINT( "\"KHR_materials_diffuse_transmission\":{}" ) ",\"extensionsUsed\":[\"KHR_materials_diffuse_transmission\"]" },
+        { "extension EXT_lights_ies is unknown: what it adds to node 'it' is left out", 0,
+          "\"nodes\":[{\"name\":\"it\",\"extensions\":{\"EXT_lights_ies\":{\"light\":0}}}],\"extensionsUsed\":[\"EXT_lights_"
+          "ies\"]" },
+        { "extension KHR_draco_mesh_compression is unknown: what it adds is left out", 1,
           MESH( TRIANGLE ) ",\"extensionsUsed\":[\"KHR_draco_mesh_compression\"]" },
         { "extension KHR_xmp_json_ld is unknown", 1,
           MESH( TRIANGLE ) ",\"extensionsUsed\":[\"KHR_materials_ior\",\"KHR_xmp_json_ld\"]" },

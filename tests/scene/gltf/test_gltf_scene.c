@@ -120,17 +120,17 @@ static void test_cameras_are_read( void** state )
             "{\"name\":\"Shot\",\"camera\":0},{\"camera\":0},{\"camera\":1,\"name\":\"flat\"},{\"camera\":2},"
             "{\"name\":\"Shot#2\",\"camera\":0}],"
             "\"cameras\":[{\"name\":\"Lens\",\"type\":\"perspective\",\"perspective\":{\"yfov\":0.5}},"
-            "{\"type\":\"orthographic\"},{\"type\":\"perspective\",\"perspective\":{\"yfov\":0.75}}],"
+            "{\"type\":\"orthographic\",\"orthographic\":{\"xmag\":4,\"ymag\":2,\"zfar\":9,\"znear\":0}},{\"type\":"
+            "\"perspective\",\"perspective\":{\"yfov\":0.75}}],"
             "\"animations\":[{\"samplers\":[{\"input\":0,\"output\":1},{\"input\":0,\"output\":2}],\"channels\":["
             "{\"sampler\":1,\"target\":{\"node\":1,\"path\":\"rotation\"}},"
             "{\"sampler\":0,\"target\":{\"node\":0,\"path\":\"translation\"}},"
             "{\"sampler\":0,\"target\":{\"node\":0,\"path\":\"translation\"}},"
             "{\"sampler\":0,\"target\":{\"path\":\"pointer\"}},{\"sampler\":0,\"target\":{\"node\":0,\"path\":\"weights\"}}]}]" );
-    assert_int_equal( scene.camera_count, 5 );
-    const char* const names[] = { "Shot", "Lens", "camera", "Shot#2", "Shot#3" };
-    for ( int i = 0; i < 5; ++i )
+    assert_int_equal( scene.camera_count, 6 );
+    const char* const names[] = { "Shot", "Lens", "flat", "camera", "Shot#2", "Shot#3" };
+    for ( int i = 0; i < 6; ++i )
         assert_string_equal( scene.cameras[i].name, names[i] );
-    gltf_assert_warned( "orthographic cameras are not supported: node 'flat'" );
     gltf_assert_warned( "KHR_animation_pointer" );
     gltf_assert_warned( "animations[0].channels[2] moves node 'Dolly'" );
     assert_int_equal( scene.channel_count, 2 );

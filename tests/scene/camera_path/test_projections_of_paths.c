@@ -1,0 +1,181 @@
+// Orthographic and panoramic cameras in paths and glTF files, and what a shutter sees at the ends of a path and of a lens
+// that is being shifted.
+#include "support/camera_path_checks.h"
+#include "support/cli_run.h"
+#include "support/gltf_checks.h"
+
+#include "scene/lens.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#define KEYED( rest ) "{\"kind\":\"keyed\",\"interpolation\":\"linear\",\"rotation\":[0,0,0,1]," rest "}"
+#define PLACE "\"position\":[0,0,0]"
+
+static RfEye eye_of( const RfCamera* camera, double frame )
+{
+    RfScene scene = { 0 };
+    RfEye eye;
+    RfError error = { 0 };
+    if ( rf_camera_lens_eye( &scene, camera, NULL, frame, 24, 1, 200, 100, &eye, &error ) != RF_OK )
+        fail_msg( "%s", error.text );
+    return eye;
+}
+
+static void test_orthographic_paths( void** state )
+{
+    (void)state;
+    RfCamera camera = load_path( KEYED( "\"projection\":\"orthographic\",\"keys\":[{\"frame\":1,\"ymag\":2," PLACE
+                                        "},{\"frame\":3,\"ymag\":4,\"shift\":[0.25,0.1]," PLACE "}],\"pixelAspect\":2" ) );
+    RfEye eye = eye_of( &camera, 1 );
+    assert_int_equal( eye.projection, RF_ORTHOGRAPHIC );
+    assert_close( (double)eye.focal, 100.0 / 6.0, 1e-5 ); // pixels per metre
+    assert_close( (double)eye.focal_x, 50.0 / 6.0, 1e-5 );
+    assert_close( (double)eye.axis_x, 100.0 - 0.125 * 50.0, 1e-4 );
+    assert_close( (double)eye.axis_y, 50.0 + 5.0, 1e-4 );
+    rf_destroy_camera( &camera );
+    camera = load_path( "{\"kind\":\"zoom\",\"projection\":\"orthographic\",\"position\":[0,0,0],\"rotation\":{},\"frames\":3,"
+                        "\"ymag\":{\"from\":1,\"to\":3},\"lens\":{\"fstop\":2,\"focus\":5}}" );
+    eye = eye_of( &camera, 1 );
+    assert_close( (double)eye.focal, 25.0, 1e-5 );
+    assert_close( (double)eye.lens_radius, 0.25, 1e-7 ); // of a focal length of 1 m
+    rf_destroy_camera( &camera );
+}
+
+static void test_panoramic_paths( void** state )
+{
+    (void)state;
+    RfCamera camera = load_path( KEYED( "\"projection\":\"panoramic\",\"keys\":[{\"frame\":1," PLACE "}]" ) );
+    RfEye eye = eye_of( &camera, 0 );
+    assert_int_equal( eye.projection, RF_PANORAMIC );
+    assert_close( (double)eye.focal * 3.14159265, 100.0, 1e-4 );
+    assert_close( (double)eye.focal_x * 3.14159265, 100.0, 1e-4 );
+    rf_destroy_camera( &camera );
+    camera = load_path(
+        KEYED( "\"projection\":\"panoramic\",\"keys\":[{\"frame\":1," PLACE "}],\"lens\":{\"radius\":1,\"focus\":1}" ) );
+    RfScene scene = { 0 };
+    RfError error = { 0 };
+    assert_int_equal( rf_camera_lens_eye( &scene, &camera, NULL, 0, 24, 1, 8, 8, &eye, &error ), RF_ERROR_SCENE );
+    assert_non_null( strstr( error.text, "a panoramic camera has no depth of field here" ) );
+    rf_destroy_camera( &camera );
+}
+
+static void test_faults_name_the_key( void** state )
+{
+    (void)state;
+    static const char* const s_faults[][2] = {
+        { KEYED( "\"projection\":\"fisheye\",\"keys\":[{\"frame\":1," PLACE "}]" ),
+          "projection: wants one of perspective, orthographic, panoramic, got \"fisheye\"" },
+        { KEYED( "\"projection\":\"orthographic\",\"keys\":[{\"frame\":1," PLACE "}]" ), "keys[0].ymag: is missing" },
+        { KEYED( "\"projection\":\"orthographic\",\"ymag\":0,\"keys\":[{\"frame\":1," PLACE "}]" ), "ymag: wants a number > 0" },
+        { KEYED( "\"projection\":\"orthographic\",\"keys\":[{\"frame\":1,\"ymag\":1,\"fov\":40," PLACE "}]" ),
+          "keys[0].fov: is that of a perspective camera" },
+        { KEYED( "\"keys\":[{\"frame\":1,\"ymag\":1," PLACE "}]" ), "keys[0].ymag: is that of an orthographic camera" },
+        { KEYED( "\"projection\":\"panoramic\",\"fov\":40,\"keys\":[{\"frame\":1," PLACE "}]" ),
+          "fov: is that of a perspective camera" },
+        { KEYED( "\"projection\":\"panoramic\",\"keys\":[{\"frame\":1,\"shift\":[0,1]," PLACE "}]" ),
+          "shift: a panorama cannot" },
+    };
+    for ( size_t i = 0; i < sizeof s_faults / sizeof *s_faults; ++i )
+        expect_path_fault( s_faults[i][0], s_faults[i][1] );
+}
+
+#define ONE_CAMERA "\"nodes\":[{\"name\":\"it\",\"camera\":0%s}],\"cameras\":[%s]"
+
+static RfScene scene_of( const char* node, const char* camera )
+{
+    char json[512];
+    GltfBuilder b = { 0 };
+    snprintf( json, sizeof json, ONE_CAMERA, node, camera );
+    return gltf_load_built( &b, json );
+}
+
+static void test_cameras_of_gltf( void** state )
+{
+    (void)state;
+    RfEye eye;
+    RfScene scene = scene_of( "", "{\"type\":\"orthographic\",\"orthographic\":{\"xmag\":9,\"ymag\":2,\"zfar\":9,\"znear\":0}}" );
+    assert_int_equal( rf_scene_eye( &scene, 0, 0.0, 200, 100, &eye, NULL ), RF_OK );
+    assert_int_equal( eye.projection, RF_ORTHOGRAPHIC );
+    assert_close( (double)eye.focal, 25.0, 1e-5 );
+    RfCameraInfo info;
+    assert_int_equal( rf_scene_camera( &scene, 0, ( RfFps ){ 24, 1 }, &info, NULL ), RF_OK );
+    assert_string_equal( info.projection, "orthographic" );
+    rf_destroy_scene( &scene );
+    scene = scene_of( ",\"extras\":{\"reframe\":{\"projection\":\"panoramic\"}}",
+                      "{\"type\":\"perspective\",\"perspective\":{\"yfov\":1}}" );
+    assert_int_equal( rf_scene_eye( &scene, 0, 0.0, 200, 100, &eye, NULL ), RF_OK );
+    assert_int_equal( eye.projection, RF_PANORAMIC );
+    rf_destroy_scene( &scene );
+}
+
+// The path goes on as it came: a frame's blur is the same at its ends as within.
+static void test_shutters_see_beyond_the_ends( void** state )
+{
+    (void)state;
+    RfCamera camera = load_path( "{\"kind\":\"dolly\",\"from\":[0,0,0],\"to\":[10,0,0],\"rotation\":{},\"frames\":11,"
+                                 "\"lens\":{\"shutter\":0.5}}" );
+    for ( int frame = 0; frame <= 10; frame += 5 )
+    {
+        RfEye eye = eye_of( &camera, frame );
+        assert_true( eye.moves );
+        assert_close( (double)eye.open.origin.x, frame - 0.25, 1e-5 );
+        assert_close( (double)eye.origin.x, frame, 1e-5 );
+        assert_close( (double)eye.close.origin.x, frame + 0.25, 1e-5 );
+    }
+    rf_destroy_camera( &camera );
+    // open for the whole of the frame that follows, also after the last; in a pan with a zoom
+    camera = load_path( "{\"kind\":\"keyed\",\"interpolation\":\"linear\",\"keys\":[{\"time\":1,\"position\":[0,0,0],\"fov\":40,"
+                        "\"rotation\":{\"yaw\":0}},{\"time\":2,\"position\":[0,0,0],\"fov\":60,\"rotation\":{\"yaw\":120}}],"
+                        "\"lens\":{\"shutter\":[0,2]}}" );
+    for ( int frame = 0; frame <= 24; frame += 24 )
+    {
+        RfEye eye = eye_of( &camera, frame );
+        const RfVec3 seen[3] = { eye.open.forward, eye.forward, eye.close.forward };
+        for ( int k = 0; k < 3; ++k )
+        {
+            double yaw = 3.14159265358979 / 180.0 * 5.0 * ( frame + k );
+            assert_close( (double)seen[k].x, -sin( yaw ), 1e-5 );
+            assert_close( (double)seen[k].z, -cos( yaw ), 1e-5 );
+        }
+        assert_true( eye.close.focal < eye.focal && eye.focal < eye.open.focal );
+        assert_close( (double)rf_length( eye.right ), 1.0, 1e-6 );
+        assert_close( (double)rf_dot( eye.right, eye.forward ), 0.0, 1e-6 );
+    }
+    rf_destroy_camera( &camera );
+    camera = load_path( KEYED( "\"keys\":[{\"frame\":1," PLACE "}],\"lens\":{\"shutter\":0.5}" ) );
+    assert_false( eye_of( &camera, 0 ).moves ); // it stands still
+    rf_destroy_camera( &camera );
+}
+
+static void test_shifts_move_within_the_shutter( void** state )
+{
+    (void)state;
+    RfCamera camera = load_path( KEYED( "\"keys\":[{\"frame\":1,\"shift\":[0,0]," PLACE
+                                        "},{\"frame\":3,\"shift\":[0.2,0.4]," PLACE "}],\"lens\":{\"shutter\":1}" ) );
+    RfEye eye = eye_of( &camera, 1 );
+    assert_true( eye.moves );
+    for ( int k = 0; k < 3; ++k )
+    {
+        RfEye at = rf_sample_eye( &eye, ( RfLensSample ){ 0.0f, 0.0f, 0.5f * (float)k } );
+        assert_close( (double)at.axis_x, 100.0 - 5.0 * ( k + 1 ), 1e-4 );
+        assert_close( (double)at.axis_y, 50.0 + 10.0 * ( k + 1 ), 1e-4 );
+    }
+    rf_destroy_camera( &camera );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( test_orthographic_paths ),           cmocka_unit_test( test_panoramic_paths ),
+        cmocka_unit_test( test_faults_name_the_key ),          cmocka_unit_test( test_cameras_of_gltf ),
+        cmocka_unit_test( test_shutters_see_beyond_the_ends ), cmocka_unit_test( test_shifts_move_within_the_shutter ),
+    };
+    return cmocka_run_group_tests( tests, cli_enter_group, cli_leave_group );
+}
