@@ -6,10 +6,19 @@ const char* const rf_weights_words[] = {
 const char* const rf_normalize_words[] = {
     [RF_NORMALIZE_CROSSFIT] = "crossfit", [RF_NORMALIZE_RATIO] = "ratio", [RF_NORMALIZE_NONE] = "none", NULL
 };
+const char* const rf_reconstruction_words[] = {
+    [RF_RECONSTRUCTION_WEIGHTED] = "weighted",
+    [RF_RECONSTRUCTION_L2] = "l2",
+    [RF_RECONSTRUCTION_L1] = "l1",
+    [RF_RECONSTRUCTION_NONE] = "none",
+    NULL,
+};
 const char* const rf_adaptive_words[] = { [RF_ADAPTIVE_AUTO] = "auto", [RF_ADAPTIVE_ON] = "on", [RF_ADAPTIVE_OFF] = "off", NULL };
 
 const char* rf_weights_name( RfWeights weights ) { return rf_weights_words[weights]; }
 
 const char* rf_normalize_name( RfNormalize normalize ) { return rf_normalize_words[normalize]; }
+
+const char* rf_reconstruction_name( RfReconstruction reconstruction ) { return rf_reconstruction_words[reconstruction]; }
 
 const char* rf_adaptive_name( RfAdaptive adaptive ) { return rf_adaptive_words[adaptive]; }

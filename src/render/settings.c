@@ -17,6 +17,8 @@ static RfResult check_choices( const RfRenderSettings* s, RfError* error )
                         (int)s->normalize );
     if ( (unsigned)s->light_sampling > RF_LIGHTS_BY_POWER )
         return rf_fail( error, RF_ERROR_USAGE, "there is no light sampling %d", (int)s->light_sampling );
+    if ( (unsigned)s->reconstruction > RF_RECONSTRUCTION_NONE )
+        return rf_fail( error, RF_ERROR_USAGE, "there is no reconstruction %d", (int)s->reconstruction );
     if ( (unsigned)s->adaptive > RF_ADAPTIVE_OFF )
         return rf_fail( error, RF_ERROR_USAGE, "there is no adaptive sampling %d", (int)s->adaptive );
     if ( (unsigned)s->files.compression > RF_EXR_PIZ )
@@ -105,6 +107,8 @@ RfResult rf_resolve_common( const RfEye* eyes, int eye_count, const RfRenderSett
     if ( result != RF_OK )
         return result;
     *resolved = *settings;
+    if ( resolved->group == RF_GROUP_AUTO && resolved->estimator->count_reuse == NULL ) // its frames share nothing
+        resolved->group = 0;
     if ( resolved->tile.kind == RF_TILE_NONE ) // its size does not matter
         resolved->tile.width = resolved->tile.height = 1;
     if ( resolved->threads < 1 )

@@ -101,8 +101,7 @@ static void make_copies_keys( const RfHarvest* harvest, RfTraceJob job, int coun
     }
 }
 
-// One ray through a uniform point of each pixel.
-static void make_camera_rays( const RfEye* eye, int count, const int32_t* pixel, RfWavefront* wavefront, RfRayLanes* rays )
+void rf_make_camera_rays( const RfEye* eye, int count, const int32_t* pixel, RfWavefront* wavefront, RfRayLanes* rays )
 {
     int32_t* slot = rays->slot;
     for ( int i = 0; i < count; ++i )
@@ -127,7 +126,7 @@ static void make_camera_rays( const RfEye* eye, int count, const int32_t* pixel,
     rays->count = count;
 }
 
-static void sample_direct( const RfHarvest* harvest, RfHarvestScratch* scratch, RfRayCounts* rays )
+void rf_sample_direct( const RfHarvest* harvest, RfHarvestScratch* scratch, RfRayCounts* rays )
 {
     int k = harvest->path.light_samples;
     uint32_t dimension = rf_vertex_dimension( 1, k ) + RF_DIMENSION_LIGHTS;
@@ -150,8 +149,7 @@ static void note_passed_panes( const RfHarvest* harvest, RfHarvestScratch* scrat
     scratch->wavefront.spent = scratch->spent;
 }
 
-// Samples scattered directions and traces the rest of the paths.
-static void trace_tails( const RfHarvest* harvest, RfHarvestScratch* scratch, RfRayCounts* rays )
+void rf_trace_hit_tails( const RfHarvest* harvest, RfHarvestScratch* scratch, RfRayCounts* rays )
 {
     const RfVertexLanes* v = scratch->hits;
     RfWavefront* wavefront = &scratch->wavefront;
@@ -164,15 +162,15 @@ static void trace_tails( const RfHarvest* harvest, RfHarvestScratch* scratch, Rf
         note_passed_panes( harvest, scratch, wi );
     if ( scratch->tiles != NULL )
     {
-        RfTileReuseSettings settings = { &harvest->path, harvest->shape.tile_pixels, harvest->tile_roulette };
+        RfTileReuseSettings settings = { &harvest->path, harvest->shape.tile_pixels, harvest->tile_roulette,
+                                         harvest->path_roulette };
         rays->tile += rf_trace_tile_tails( &settings, v, wi, wavefront, scratch->tiles );
     }
     else
         rf_trace_tails( &harvest->path, wavefront, 2 );
 }
 
-// Follows the camera rays that hit mirrors and glass, if there are any.
-static void follow_chains( const RfHarvest* harvest, RfHarvestScratch* scratch )
+void rf_follow_camera_rays( const RfHarvest* harvest, RfHarvestScratch* scratch )
 {
     const RfVertexLanes* first = &scratch->first;
     RfWavefront* wavefront = &scratch->wavefront;
@@ -213,16 +211,15 @@ static int harvest_first_hits( const RfHarvest* harvest, RfTraceJob job, RfHitBa
     make_keys( key, count, scratch->pixel, wavefront );
     if ( harvest->need != NULL && harvest->packed )
         make_copies_keys( harvest, job, count, copy, scratch );
-    make_camera_rays( eye, count, scratch->pixel, wavefront, &scratch->camera_rays );
+    rf_make_camera_rays( eye, count, scratch->pixel, wavefront, &scratch->camera_rays );
     rf_find_vertices( &harvest->path, &scratch->camera_rays, true, &scratch->first, &wavefront->scratch );
     rays->primary += (uint64_t)count;
-    follow_chains( harvest, scratch );
+    rf_follow_camera_rays( harvest, scratch );
     rf_list_hits( count, scratch, batch );
     return count;
 }
 
-// The weight of the path up to its hit counts in the roulette.
-static void scale_roulette( RfHarvestScratch* scratch, int count )
+void rf_scale_roulette( RfHarvestScratch* scratch, int count )
 {
     bool chains = scratch->hits != &scratch->first;
     for ( int slot = 0; slot < count; ++slot )
@@ -253,12 +250,12 @@ static int harvest_batch( const RfHarvest* harvest, RfTraceJob job, RfHitBatch* 
     // the rest of their paths
     memset( &wavefront->arrivals, 0, sizeof wavefront->arrivals );
     wavefront->rays.count = 0;
-    scale_roulette( scratch, count );
+    rf_scale_roulette( scratch, count );
     bool lit = harvest->path.max_depth > 1 && !harvest->first_hits_only;
     if ( lit )
     {
-        sample_direct( harvest, scratch, rays );
-        trace_tails( harvest, scratch, rays );
+        rf_sample_direct( harvest, scratch, rays );
+        rf_trace_hit_tails( harvest, scratch, rays );
     }
     rays->path += wavefront->path_rays;
     rays->shadow += wavefront->shadow_rays;

@@ -168,6 +168,8 @@ uint64_t rf_trace_tile_tails( const RfTileReuseSettings* settings, const RfVerte
     trace_beyond( settings->path, wavefront, reuse );
     list_members( hits, reuse );
     list_owners( settings, wavefront, hits, reuse );
+    if ( settings->path_roulette )
+        rf_thin_paths( settings->path, wavefront, reuse );
     for ( int s = 0; s < tile_pixels; ++s )
         find_neighbours( reuse, s, rf_record_count( hits ), reuse->pairings + s );
     uint64_t tested = rf_weight_pairings( settings, hits, scattered, wavefront, reuse );

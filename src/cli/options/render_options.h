@@ -19,9 +19,10 @@ typedef struct RfRenderOptions
     const char* focus; // NULL: the camera's
     RfRenderSettings settings;
     bool spp_given;
-    int weights, normalize, adaptive; // indices of their words
-    const char* tile;
-    const char* aov; // NULL: none
+    int weights, normalize, adaptive, reconstruction; // indices of their words
+    const char* estimator;                            // its name
+    const char* tile;                                 // NULL: that of the estimator
+    const char* aov;                                  // NULL: none
     bool alpha;
     const char* output;
     bool resume;
@@ -50,7 +51,10 @@ RfResult rf_parse_render_options_over( const struct RfField* defaults, int argc,
 // The lens that --shutter, --fstop and --focus ask for. Fails with RF_ERROR_USAGE.
 RfResult rf_parse_lens_options( const RfRenderOptions* options, RfLens* lens, RfError* error );
 
-// Sets settings.tile from --tile.
+// Sets settings.estimator from --estimator, and settings.tile to its default.
+RfResult rf_parse_estimator_option( RfRenderOptions* options, RfError* error );
+
+// Sets settings.tile from --tile, if it was given.
 RfResult rf_parse_tile_option( RfRenderOptions* options, RfError* error );
 
 // Sets settings.aovs from --aov.

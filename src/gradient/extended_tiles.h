@@ -1,0 +1,42 @@
+// Extended tiles: a film is cut into tiles, anew in every pass, and each tile traces one column of pixels more on its
+// right and one row more below. So every pair of neighbouring pixels lies in one extended tile at least.
+#ifndef REFRAME_GRADIENT_EXTENDED_TILES_H
+#define REFRAME_GRADIENT_EXTENDED_TILES_H
+
+#include "base/random.h"
+#include "reframe/render.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#define RF_MAX_TILE_SIDE 8  // pixels, not extended
+#define RF_LISTED_TILES 128 // of a patch, at most; those of 2×2 pixels are 9 pixels each
+
+typedef struct RfExtendedTiles
+{
+    int film_width, film_height;
+    int width, height;            // of a tile as it is cut, pixels
+    int across, down;             // tiles, with room for the shift
+    int patch_across, patch_down; // tiles of a patch
+    int patches_x, patches;       // in a row of them; in all
+    bool scattered;               // a patch has tiles from all over the film
+} RfExtendedTiles;
+
+// One extended tile on the film: pixels [x0, x1) × [y0, y1), cut to the film.
+typedef struct RfExtendedTile
+{
+    int32_t number; // of the tile in the pass
+    int32_t x0, y0, x1, y1;
+} RfExtendedTile;
+
+RfExtendedTiles rf_lay_out_extended_tiles( const RfTile* tile, bool scattered, int width, int height );
+
+// Pixels of a whole extended tile.
+static inline int rf_extended_pixels( const RfTile* tile ) { return ( tile->width + 1 ) * ( tile->height + 1 ); }
+
+static inline int rf_tile_area( const RfExtendedTile* tile ) { return ( tile->x1 - tile->x0 ) * ( tile->y1 - tile->y0 ); }
+
+// The tiles of a patch that have a pixel of their own on the film, shifted by `pass_key`. Returns how many.
+int rf_list_extended_tiles( const RfExtendedTiles* layout, uint64_t pass_key, int patch, RfExtendedTile* tiles );
+
+#endif
