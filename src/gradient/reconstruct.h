@@ -5,9 +5,9 @@
 
 #include "reframe/reconstruct.h"
 
-// Turns estimates of variances into weights: `variance` (width·height floats) is averaged over 5x5
-// pixels, cut at the border, and inverted. `columns` and `rows` are those that count: width − 1 for
-// dx, height − 1 for dy. Averages are bounded from below by `floor`, > 0.
-void rf_weights_of_variance( int width, int height, int columns, int rows, const float* variance, float floor, float* weights );
+// Weights of the primal (a) and of dx and dy (b_x, b_y) from the variances of a half: inverses of averages over
+// 5x5 pixels, cut at the border, bounded from above, in a unit in which a typical one is 1. The last column of b_x
+// and the last row of b_y are 0. `scratch` is one float per pixel.
+void rf_weights_of_half( const RfGradientHalf* half, float* scratch, float* a, float* b_x, float* b_y );
 
 #endif

@@ -59,7 +59,7 @@ typedef struct RfReconstructOptions
     void* work;         // rf_reconstruct_bytes() bytes, aligned to 64; NULL: allocated by the call
 } RfReconstructOptions;
 
-// L2 with alpha = 0.2 (Kettunen et al. 2015), tolerance 1e-5, at most 500 iterations, 20 rounds of L1.
+// L2 with alpha = 0.2 (Kettunen et al. 2015), tolerance 1e-6, at most 500 iterations, 20 rounds of L1.
 RfReconstructOptions rf_default_reconstruct_options( void );
 
 // How a solve went; the worst of its channels.
@@ -71,7 +71,8 @@ typedef struct RfReconstructInfo
     bool biased;     // the method is biased (L1)
 } RfReconstructInfo;
 
-// Bytes of working memory that rf_reconstruct and rf_reconstruct_halves use, at most.
+// Bytes of working memory of rf_reconstruct and rf_reconstruct_halves. Weights of the primal that are 0 take 20
+// bytes per pixel more, which are always allocated by the call.
 size_t rf_reconstruct_bytes( int width, int height );
 
 // Reconstructs into `rgb` (interleaved, may be in->primal). `weights` are those of WEIGHTED, NULL for the
@@ -83,8 +84,8 @@ RfResult rf_reconstruct( const RfGradientImages* in, const RfGradientWeights* we
 
 // Cross-fitted reconstruction: inverse variances of one half, smoothed over 5x5 pixels, are the weights
 // of the other half's data, which they are independent of, so the result is unbiased. The
-// average of the two, by their passes, goes to `rgb`. `of_half` are the two solutions, [k]
-// from the data of half k, or NULL. options->method must be WEIGHTED.
+// average of the two, by their passes, goes to `rgb`, which must not be one of the inputs. `of_half`
+// are the two solutions, [k] from the data of half k, or NULL. options->method must be WEIGHTED.
 RfResult rf_reconstruct_halves( const RfGradientHalf halves[2], const RfReconstructOptions* options, float* rgb,
                                 float* const of_half[2], RfReconstructInfo* info, RfError* error );
 
