@@ -12,11 +12,12 @@ static int at_least( int a, int b ) { return a > b ? a : b; }
 RfExtendedTiles rf_lay_out_extended_tiles( const RfTile* tile, bool scattered, int width, int height )
 {
     RfExtendedTiles l = { .film_width = width, .film_height = height, .scattered = scattered };
-    l.width = tile->width;
-    l.height = tile->height;
+    l.pairs = tile->kind == RF_TILE_NONE;
+    l.width = l.pairs ? 1 : tile->width;
+    l.height = l.pairs ? 1 : tile->height;
     l.across = up( width + l.width - 1, l.width );
     l.down = up( height + l.height - 1, l.height );
-    int tiles = RF_PATCH_PIXELS / rf_extended_pixels( tile );
+    int tiles = RF_PATCH_PIXELS / ( l.pairs ? 4 * rf_extended_pixels( tile ) : rf_extended_pixels( tile ) );
     l.patch_across = 1;
     while ( ( l.patch_across + 1 ) * ( l.patch_across + 1 ) <= tiles )
         ++l.patch_across;
@@ -36,6 +37,22 @@ static int tile_number( const RfExtendedTiles* l, int patch, int k )
     return x < l->across && y < l->down ? y * l->across + x : l->across * l->down;
 }
 
+// The pairs of pixel (x, y) with its neighbours on the film, left, right, above and below.
+static int list_pairs( const RfExtendedTiles* l, int x, int y, RfExtendedTile* tiles )
+{
+    static const int s_step[4][2] = { { -1, 0 }, { 1, 0 }, { 0, -1 }, { 0, 1 } };
+    int count = 0;
+    for ( int k = 0; k < 4; ++k )
+    {
+        int dx = s_step[k][0], dy = s_step[k][1];
+        if ( x + dx < 0 || y + dy < 0 || x + dx >= l->film_width || y + dy >= l->film_height )
+            continue;
+        int x0 = at_most( x, x + dx ), y0 = at_most( y, y + dy ), x1 = at_least( x, x + dx ) + 1, y1 = at_least( y, y + dy ) + 1;
+        tiles[count++] = ( RfExtendedTile ){ y * l->film_width + x, x0, y0, x1, y1, dx + dy < 0 };
+    }
+    return count;
+}
+
 int rf_list_extended_tiles( const RfExtendedTiles* l, uint64_t pass_key, int patch, RfExtendedTile* tiles )
 {
     uint64_t state = rf_mix64( pass_key ^ SALT );
@@ -49,9 +66,11 @@ int rf_list_extended_tiles( const RfExtendedTiles* l, uint64_t pass_key, int pat
         if ( number >= l->across * l->down || x + l->width <= 0 || y + l->height <= 0 || x >= l->film_width ||
              y >= l->film_height )
             continue;
-        tiles[count++] =
-            ( RfExtendedTile ){ number, at_least( x, 0 ), at_least( y, 0 ), at_most( x + l->width + 1, l->film_width ),
-                                at_most( y + l->height + 1, l->film_height ) };
+        int right = at_most( x + l->width + 1, l->film_width ), bottom = at_most( y + l->height + 1, l->film_height );
+        if ( l->pairs )
+            count += list_pairs( l, x, y, tiles + count );
+        else
+            tiles[count++] = ( RfExtendedTile ){ number, at_least( x, 0 ), at_least( y, 0 ), right, bottom, 0 };
     }
     return count;
 }

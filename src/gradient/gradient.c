@@ -4,14 +4,20 @@
 #include "gradient/gradient_films.h"
 #include "gradient/picture.h"
 
+static bool is_tile( const RfTile* tile )
+{
+    int w = tile->width, h = tile->height;
+    bool is_block = tile->kind == RF_TILE_BLOCK && w >= 2 && h >= 2 && w <= RF_MAX_TILE_SIDE && h <= RF_MAX_TILE_SIDE;
+    return tile->kind == RF_TILE_NONE || is_block;
+}
+
 static RfResult check( const RfRenderSettings* s, RfError* error )
 {
     if ( s->group > 0 )
         return rf_fail( error, RF_ERROR_USAGE, "the estimator 'gradient' reuses no frames: group 0, not %d", s->group );
-    if ( s->tile.kind == RF_TILE_ROOKS || s->tile.width < 2 || s->tile.height < 2 || s->tile.width > RF_MAX_TILE_SIDE ||
-         s->tile.height > RF_MAX_TILE_SIDE )
-        return rf_fail( error, RF_ERROR_USAGE, "the estimator 'gradient' wants tiles of 2x2 to %dx%d pixels", RF_MAX_TILE_SIDE,
-                        RF_MAX_TILE_SIDE );
+    if ( !is_tile( &s->tile ) )
+        return rf_fail( error, RF_ERROR_USAGE, "the estimator 'gradient' wants tiles of 1 pixel, or blocks of 2x2 to %dx%d",
+                        RF_MAX_TILE_SIDE, RF_MAX_TILE_SIDE );
     if ( s->weights != RF_WEIGHTS_EXACT )
         return rf_fail( error, RF_ERROR_USAGE, "the estimator 'gradient' has exact weights only" );
     if ( s->normalize != RF_NORMALIZE_CROSSFIT )

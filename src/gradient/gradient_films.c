@@ -3,26 +3,26 @@
 typedef struct Target
 {
     float* film[RF_GRADIENT_FILMS];
-    float weight;
+    float weight, primal_weight; // of differences, of values
     int width;
 } Target;
 
 // Adds `value` with its weight to a film, and its square to that of the squares.
-static inline void add( const Target* t, int film, size_t pixel, const float value[3] )
+static inline void add( const Target* t, int film, size_t pixel, float weight, const float value[3] )
 {
     float *sum = t->film[film] + 4 * pixel, square = 0.0f;
     for ( int c = 0; c < 3; ++c )
     {
-        sum[c] += t->weight * value[c];
+        sum[c] += weight * value[c];
         square += value[c] * value[c];
     }
-    sum[3] += t->weight;
-    t->film[RF_FILM_SQUARES][4 * pixel + (size_t)film] += t->weight * square;
+    sum[3] += weight;
+    t->film[RF_FILM_SQUARES][4 * pixel + (size_t)film] += weight * square;
 }
 
 static inline void add_difference( const Target* t, int film, size_t pixel, const float here[4], const float there[4] )
 {
-    add( t, film, pixel, ( float[3] ){ there[0] - here[0], there[1] - here[1], there[2] - here[2] } );
+    add( t, film, pixel, t->weight, ( float[3] ){ there[0] - here[0], there[1] - here[1], there[2] - here[2] } );
 }
 
 // Adds the rows of a tile that belong to the job. All its pixels and pairs count, also those that other tiles have.
@@ -36,7 +36,7 @@ static uint64_t add_tile( const Target* t, const RfExtendedTile* tile, float ( *
         {
             float( *here )[4] = value + ( y - tile->y0 ) * across + ( x - tile->x0 );
             size_t pixel = (size_t)y * (size_t)t->width + (size_t)x;
-            add( t, RF_FILM_PRIMAL, pixel, here[0] );
+            add( t, RF_FILM_PRIMAL, pixel, t->primal_weight, here[0] );
             if ( x + 1 < tile->x1 )
                 add_difference( t, RF_FILM_DX, pixel, here[0], here[1] );
             if ( y + 1 < tile->y1 )
@@ -50,7 +50,9 @@ static uint64_t add_tile( const Target* t, const RfExtendedTile* tile, float ( *
 
 uint64_t rf_accumulate_gradients( const RfEstimatorGroup* group, RfAccumulateJob job, void* const* batches, int batch_count )
 {
-    Target target = { .weight = job.weight, .width = group->width };
+    // a pixel is in eight pairs, of which four have the same path
+    float share = group->settings->tile.kind == RF_TILE_NONE ? 0.25f : 1.0f;
+    Target target = { .weight = job.weight, .primal_weight = share * job.weight, .width = group->width };
     for ( int f = 0; f < RF_GRADIENT_FILMS; ++f )
         target.film[f] = job.films[f].half[job.half];
     uint64_t landed = 0;

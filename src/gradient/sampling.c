@@ -13,6 +13,7 @@ struct RfGradientScratch
     RfHitBatch hits;
     int32_t pixel[RF_LANES];  // by slot
     int32_t number[RF_LANES]; // of its tile in the pass
+    int32_t source[RF_LANES]; // tiles of one pixel: of the paths (reuse/tile_copies.h)
     RfAccumulateScratch accumulate;
 };
 
@@ -27,7 +28,10 @@ static void extend( const RfEstimatorGroup* group, ExtendedGroup* out )
 {
     out->group = *group;
     out->settings = *group->settings;
-    out->settings.tile = ( RfTile ){ RF_TILE_BLOCK, group->settings->tile.width + 1, group->settings->tile.height + 1 };
+    RfTile tile = group->settings->tile;
+    out->settings.tile = ( RfTile ){ RF_TILE_BLOCK, tile.width + 1, tile.height + 1 };
+    if ( tile.kind == RF_TILE_NONE )
+        out->settings.tile = ( RfTile ){ RF_TILE_BLOCK, 2, 1 };
     out->group.settings = &out->settings;
 }
 
@@ -80,6 +84,20 @@ static int list_pixels( const RfGradientBatch* batch, int width, RfGradientScrat
     return count;
 }
 
+// The slots with the paths of pairs, of which those of a pixel follow each other.
+static void find_sources( const RfGradientBatch* batch, RfGradientScratch* scratch )
+{
+    int32_t first = 0;
+    memset( scratch->source, -1, sizeof scratch->source );
+    for ( int t = 0; t < batch->tile_count; ++t )
+    {
+        const RfExtendedTile* tile = batch->tile + t;
+        if ( t == 0 || tile->number != tile[-1].number )
+            first = 2 * t + tile->source;
+        scratch->source[2 * t + tile->source] = first;
+    }
+}
+
 // The same random numbers for all pixels of a tile.
 static void set_tile_keys( uint64_t pass_key, int count, RfGradientScratch* scratch )
 {
@@ -92,17 +110,18 @@ static void set_tile_keys( uint64_t pass_key, int count, RfGradientScratch* scra
     }
 }
 
-// Random numbers of its own for each path.
+// Random numbers of its own for each path; the pixels of a pair have those of its one path.
 static void set_path_keys( uint64_t pass_key, const RfEstimatorGroup* group, const RfGradientBatch* batch,
                            RfGradientScratch* scratch )
 {
     RfWavefront* wavefront = &scratch->harvest->wavefront;
+    bool pairs = group->settings->tile.kind == RF_TILE_NONE;
     uint32_t area = (uint32_t)rf_extended_pixels( &group->settings->tile );
     for ( int t = 0, i = 0; t < batch->tile_count; ++t )
     {
         for ( int k = 0; k < rf_tile_area( batch->tile + t ); ++k, ++i )
         {
-            RfRandomKey key = rf_pixel_key( pass_key, (uint32_t)batch->tile[t].number * area + (uint32_t)k );
+            RfRandomKey key = rf_pixel_key( pass_key, (uint32_t)batch->tile[t].number * area + (uint32_t)( pairs ? 0 : k ) );
             wavefront->key_a[i] = key.a;
             wavefront->key_b[i] = key.b;
         }
@@ -166,6 +185,11 @@ int rf_sample_patch( const RfEstimatorGroup* group, RfTraceJob job, RfGradientBa
     RfHarvest at = rf_harvest_at( &harvest, scratch->hits.lens, scratch->harvest );
     batch->tile_count = rf_list_extended_tiles( &layout, key, job.job, batch->tile );
     int count = list_pixels( batch, group->width, scratch );
+    if ( layout.pairs )
+    {
+        find_sources( batch, scratch );
+        at.path_source = scratch->source;
+    }
     set_tile_keys( key, count, scratch );
     find_hits( &at, count, scratch, rays );
     set_path_keys( key, group, batch, scratch );

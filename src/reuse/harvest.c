@@ -163,7 +163,7 @@ void rf_trace_hit_tails( const RfHarvest* harvest, RfHarvestScratch* scratch, Rf
     if ( scratch->tiles != NULL )
     {
         RfTileReuseSettings settings = { &harvest->path, harvest->shape.tile_pixels, harvest->tile_roulette,
-                                         harvest->path_roulette };
+                                         harvest->path_roulette, harvest->path_source };
         rays->tile += rf_trace_tile_tails( &settings, v, wi, wavefront, scratch->tiles );
     }
     else

@@ -61,9 +61,10 @@ typedef struct RfTileReuse
 typedef struct RfTileReuseSettings
 {
     const RfPathSettings* path;
-    int tile_pixels;    // of a whole tile
-    bool roulette;      // on connections of low weight
-    bool path_roulette; // on paths that bring little light; those that bring none are not connected at all
+    int tile_pixels;       // of a whole tile
+    bool roulette;         // on connections of low weight
+    bool path_roulette;    // on paths that bring little light; those that bring none are not connected at all
+    const int32_t* source; // of the paths (reuse/tile_copies.h); NULL: each hit has its own
 } RfTileReuseSettings;
 
 size_t rf_tile_reuse_bytes( int light_samples, int tile_pixels, bool panes );
