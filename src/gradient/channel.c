@@ -63,6 +63,24 @@ static void measure( const RfGradientSystem* system, double norm, double toleran
     channel->converged = channel->residual <= tolerance;
 }
 
+// Moves u as a whole to Σ a (I − u) = 0, which the solution fulfils. Where a is small against b, floats would leave
+// the level open else.
+static void set_level( const RfGradientSystem* system, RfGradientChannel* channel )
+{
+    const float* primal = channel->in->primal + channel->index;
+    size_t count = pixels( channel );
+    double sum = 0.0, weights = 0.0;
+    for ( size_t i = 0; i < count; ++i )
+    {
+        double a = (double)system->a[i];
+        sum += a > 0.0 ? a * ( (double)( channel->scale * primal[3 * i] ) - (double)channel->u[i] ) : 0.0;
+        weights += a;
+    }
+    float shift = weights > 0.0 ? (float)( sum / weights ) : 0.0f;
+    for ( size_t i = 0; i < count; ++i )
+        channel->u[i] += shift;
+}
+
 void rf_solve_channel_constant( const RfGradientSystem* system, const RfCosineTransform* transform, double a,
                                 RfGradientChannel* channel )
 {
@@ -74,6 +92,7 @@ void rf_solve_channel_constant( const RfGradientSystem* system, const RfCosineTr
         rf_solve_constant( transform, a, 1.0, 1.0, channel->r );
         add( channel->u, 1.0, channel->r, pixels( channel ) );
     }
+    set_level( system, channel );
     measure( system, norm, CONSTANT_TOLERANCE, channel );
 }
 

@@ -7,7 +7,8 @@
 
 #define FIRST_FLOOR 0.05f // of distances, relative to the mean of the primal; it is halved in each round
 #define LAST_FLOOR 1e-4f
-#define SETTLED 1e-3 // relative change of the norm in a round
+#define SETTLED 1e-3         // relative change of the norm in a round
+#define ROUND_TOLERANCE 1e-3 // of the solves before the last
 
 // Distance over the three channels of a datum (at index `at` of `rgb`) from u_j − u_i, or from u_i where j is i.
 static float distance( const RfGradientSolver* solver, const float* rgb, size_t i, size_t j )
@@ -75,15 +76,16 @@ void rf_solve_l1( const RfReconstructOptions* options, RfGradientSolver* solver,
     float mean = mean_of_primal( solver );
     float floor = FIRST_FLOOR * ( mean > 0.0f ? mean : 1.0f ), least = floor * ( LAST_FLOOR / FIRST_FLOOR );
     double before = reweigh( options->alpha, floor, solver );
+    RfReconstructOptions coarse = *options;
+    coarse.tolerance = fmax( ROUND_TOLERANCE, options->tolerance );
     *settled = false;
-    for ( int round = 0; round < options->l1_rounds; ++round )
+    for ( int round = 1; round < options->l1_rounds && !( *settled && floor <= least ); ++round )
     {
-        rf_solve_weighted( options, solver );
+        rf_solve_weighted( &coarse, solver );
         floor = 0.5f * floor > least ? 0.5f * floor : least;
         double norm = reweigh( options->alpha, floor, solver );
         *settled = fabs( before - norm ) <= SETTLED * norm;
         before = norm;
-        if ( *settled && floor <= least )
-            return;
     }
+    rf_solve_weighted( options, solver );
 }
