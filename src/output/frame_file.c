@@ -50,6 +50,7 @@ typedef enum Key
     EFFECTIVE_SPP,
     AOV,
     ESTIMATOR,
+    RECONSTRUCTION,
     DEVICE,
     FINGERPRINT,
     KEY_COUNT
@@ -82,6 +83,7 @@ static const char* const s_names[KEY_COUNT] = {
     [EFFECTIVE_SPP] = "reframe/effective-spp",
     [AOV] = "reframe/aov",
     [ESTIMATOR] = "reframe/estimator",
+    [RECONSTRUCTION] = "reframe/reconstruction",
     [DEVICE] = "reframe/device",
     [FINGERPRINT] = "reframe/fingerprint",
 };
@@ -128,6 +130,8 @@ static void put_settings( Attributes* a, const RfRenderSettings* s )
         put( a, AOV, "%s", aovs );
     if ( s->estimator != rf_default_render_settings().estimator )
         put_text( a, ESTIMATOR, rf_estimator_name( s->estimator ) );
+    if ( s->reconstruction != RF_RECONSTRUCTION_WEIGHTED )
+        put_text( a, RECONSTRUCTION, rf_reconstruction_name( s->reconstruction ) );
 }
 
 static void put_frame( Attributes* a, const RfOutput* output, const RfFrameResult* frame )
@@ -225,6 +229,7 @@ static const char* absent_value( Key key )
         case NOISE:
         case TIME: return "0";
         case AOV: return "none";
+        case RECONSTRUCTION: return rf_reconstruction_name( RF_RECONSTRUCTION_WEIGHTED );
         case ESTIMATOR: return rf_estimator_name( rf_default_render_settings().estimator );
         default: return "";
     }
@@ -268,8 +273,8 @@ static void add_roulette( const RfOutput* output, const char* name, int frame, R
 
 int rf_list_frame_differences( const RfOutput* output, int frame, RfFrameDifference list[RF_MAX_DIFFERENCES] )
 {
-    static const Key keys[] = { VERSION, FRAME,     CAMERA,        FRAMES,   GROUP, SPP,  TILE, WEIGHTS,  NORMALIZE,
-                                SEED,    MAX_DEPTH, LIGHT_SAMPLES, ADAPTIVE, NOISE, TIME, AOV,  ESTIMATOR };
+    static const Key keys[] = { VERSION, FRAME,     CAMERA,        FRAMES,   GROUP, SPP,  TILE, WEIGHTS,   NORMALIZE,
+                                SEED,    MAX_DEPTH, LIGHT_SAMPLES, ADAPTIVE, NOISE, TIME, AOV,  ESTIMATOR, RECONSTRUCTION };
     char name[MAX_NAME], there[RF_DIFFERENCE_SIZE];
     int count = 0;
     Attributes wanted;

@@ -80,6 +80,11 @@ json_t* rf_render_json( const RfRenderOptions* options, const RfScene* scene, co
                               "weights", rf_weights_name( options->settings.weights ), "normalize",
                               rf_normalize_name( options->settings.normalize ), "threads", stats->threads, "effects",
                               rf_effect_names_json( scene ), "kept_frames", run->kept, "interrupted", run->interrupted );
+    if ( options->settings.estimator != rf_default_render_settings().estimator )
+    {
+        json_object_set_new( json, "estimator", json_string( rf_estimator_name( options->settings.estimator ) ) );
+        json_object_set_new( json, "reconstruction", json_string( rf_reconstruction_name( options->settings.reconstruction ) ) );
+    }
     json_object_set_new( json, "repeated_frames", json_integer( run->repeated ) );
     RfAdaptive adaptive = options->settings.adaptive;
     json_object_set_new( json, "adaptive", json_boolean( adaptive == RF_ADAPTIVE_ON || stats->adaptive_frames > 0 ) );
