@@ -11,6 +11,13 @@
 // Of the solve with constant weights: tiles leave less noise in pixels than path tracing does, for which 0.2 is usual.
 #define ALPHA 0.5f
 
+// Few passes tell little of the variance of differences: a half in which a rare path is missing would trust them too much. They
+// count as no better than this share of the variance of pixels, over the passes of both halves.
+#define LEAST_SHARE 0.4f
+
+// Relative residual at which the solve with weights stops, times the passes: far below the noise.
+#define TOLERANCE 1e-3
+
 // Images that the solve works on, for each half: the means of the three films and their variances. The solutions.
 enum
 {
@@ -65,6 +72,15 @@ static void find_means( const RfFilm* films, int f, int h, float* mean, float* v
     }
 }
 
+static void bound_variances( float share, size_t pixels, float* variance )
+{
+    for ( size_t i = 0; i < pixels; ++i )
+    {
+        variance[pixels + i] += share * variance[i];
+        variance[2 * pixels + i] += share * variance[i];
+    }
+}
+
 // Cuts the workspace up and fills the halves that have passes.
 static Halves load_halves( const RfFilm* films, float* memory )
 {
@@ -76,6 +92,7 @@ static Halves load_halves( const RfFilm* films, float* memory )
         memory += FLOATS_OF_HALF * pixels;
         for ( int f = 0; f < RF_FILM_SQUARES; ++f )
             find_means( films, f, h, means + 3 * pixels * (size_t)f, variance + pixels * (size_t)f );
+        bound_variances( LEAST_SHARE / (float)( films->passes[0] + films->passes[1] ), pixels, variance );
         out.half[h] = ( RfGradientHalf ){
             .images = { films->width, films->height, means, means + 3 * pixels, means + 6 * pixels },
             .variance = variance,
@@ -129,6 +146,7 @@ static RfResult solve( const RfRenderSettings* settings, Halves* halves, size_t 
 {
     RfReconstructOptions options = rf_default_reconstruct_options();
     options.alpha = ALPHA;
+    options.tolerance = TOLERANCE / ( halves->half[0].passes + halves->half[1].passes );
     options.work = work;
     bool variances = halves->half[0].passes >= 2.0 && halves->half[1].passes >= 2.0;
     if ( settings->reconstruction == RF_RECONSTRUCTION_L1 )
