@@ -50,7 +50,7 @@ typedef struct RfAovJob
 // may be added at the same time.
 void rf_add_to_aovs( const RfAovJob* job, RfFirstHits first );
 
-// The image of an AOV: rf_aov_channels floats per pixel. `colour` is the film of the frame,
+// The image of an AOV: rf_aov_channels floats per pixel. `colour` are the films of the frame, the first its colour,
 // which RF_AOV_VARIANCE is taken from.
 void rf_finish_aov( const RfAovFilm* film, RfAov aov, const RfFilm* colour, RfFilmCombine combine, float* image );
 

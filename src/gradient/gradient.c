@@ -65,6 +65,7 @@ static uint64_t accumulate( const RfEstimatorGroup* group, RfAccumulateJob job, 
 const RfEstimator rf_gradient_estimator = {
     .name = "gradient",
     .films = RF_GRADIENT_FILMS,
+    .has_gradients = true,
     .tile = { RF_TILE_BLOCK, 6, 6 },
     .check = check,
     .sizes = sizes,

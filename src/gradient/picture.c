@@ -106,17 +106,8 @@ static Halves load_halves( const RfFilm* films, float* memory )
     return out;
 }
 
-// Averages the solutions by their passes.
-static void average( const Halves* halves, size_t pixels, float* rgb )
-{
-    double a = halves->half[0].passes, b = halves->half[1].passes;
-    float share = (float)( a / ( a + b ) );
-    for ( size_t i = 0; i < 3 * pixels; ++i )
-        rgb[i] = b > 0.0 ? share * halves->solution[0][i] + ( 1.0f - share ) * halves->solution[1][i] : halves->solution[0][i];
-}
-
-// Constant weights: each half by itself.
-static RfResult solve_constant( const Halves* halves, const RfReconstructOptions* options, size_t pixels, float* rgb )
+// Constant weights, or L1, which is not linear: each half by itself, which tells the noise, and all data together.
+static RfResult solve_constant( const RfFilm* films, const Halves* halves, const RfReconstructOptions* options, float* rgb )
 {
     RfResult result = RF_OK;
     for ( int h = 0; h < 2 && result == RF_OK; ++h )
@@ -124,43 +115,27 @@ static RfResult solve_constant( const Halves* halves, const RfReconstructOptions
         if ( halves->half[h].passes > 0.0 )
             result = rf_reconstruct( &halves->half[h].images, NULL, options, halves->solution[h], NULL, NULL );
     }
-    average( halves, pixels, rgb );
-    return result;
+    float* means = (float*)halves->half[0].images.primal;
+    for ( int f = 0; f < RF_FILM_SQUARES; ++f )
+        rf_combine_film( films + f, RF_FILM_RATIO, means + 3 * pixels_of( films ) * (size_t)f, NULL );
+    return result == RF_OK ? rf_reconstruct( &halves->half[0].images, NULL, options, rgb, NULL, NULL ) : result;
 }
 
-// L1 is not linear: it is solved for all the data, and then for the halves, for the noise.
-static RfResult solve_absolute( Halves* halves, const RfReconstructOptions* options, size_t pixels, float* rgb )
-{
-    RfResult result = solve_constant( halves, options, pixels, rgb );
-    double a = halves->half[0].passes, b = halves->half[1].passes;
-    if ( result != RF_OK || b == 0.0 )
-        return result;
-    float *all = (float*)halves->half[0].images.primal, share = (float)( a / ( a + b ) );
-    const float* other = halves->half[1].images.primal;
-    for ( size_t i = 0; i < FLOATS_OF_MEANS * pixels; ++i )
-        all[i] = share * all[i] + ( 1.0f - share ) * other[i];
-    return rf_reconstruct( &halves->half[0].images, NULL, options, rgb, NULL, NULL );
-}
-
-static RfResult solve( const RfRenderSettings* settings, Halves* halves, size_t pixels, void* work, float* rgb )
+static RfResult solve( const RfRenderSettings* settings, const RfFilm* films, const Halves* halves, void* work, float* rgb )
 {
     RfReconstructOptions options = rf_default_reconstruct_options();
+    bool variances = halves->half[0].passes >= 2.0 && halves->half[1].passes >= 2.0;
     options.alpha = ALPHA;
     options.tolerance = TOLERANCE / ( halves->half[0].passes + halves->half[1].passes );
     options.work = work;
-    bool variances = halves->half[0].passes >= 2.0 && halves->half[1].passes >= 2.0;
-    if ( settings->reconstruction == RF_RECONSTRUCTION_L1 )
-    {
-        options.method = RF_RECONSTRUCT_L1;
-        return solve_absolute( halves, &options, pixels, rgb );
-    }
-    if ( settings->reconstruction == RF_RECONSTRUCTION_L2 || !variances )
-    {
-        options.method = RF_RECONSTRUCT_L2;
-        return solve_constant( halves, &options, pixels, rgb );
-    }
     options.method = RF_RECONSTRUCT_WEIGHTED;
-    return rf_reconstruct_halves( halves->half, &options, rgb, halves->solution, NULL, NULL );
+    if ( settings->reconstruction == RF_RECONSTRUCTION_L1 )
+        options.method = RF_RECONSTRUCT_L1;
+    else if ( settings->reconstruction == RF_RECONSTRUCTION_L2 || !variances )
+        options.method = RF_RECONSTRUCT_L2;
+    return options.method == RF_RECONSTRUCT_WEIGHTED
+               ? rf_reconstruct_halves( halves->half, &options, rgb, halves->solution, NULL, NULL )
+               : solve_constant( films, halves, &options, rgb );
 }
 
 // The noise of the picture, as that of a film with the solutions as its halves, which are spread to four floats a pixel in place.
@@ -191,7 +166,7 @@ RfRelmse rf_finish_gradients( const RfRenderSettings* settings, const RfFilm* fi
         return rf_estimate_relmse( primal, RF_FILM_RATIO, rgb );
     Halves halves = load_halves( films, scratch );
     void* work = (char*)scratch + image_bytes( films->width, films->height );
-    if ( solve( settings, &halves, pixels_of( primal ), work, rgb ) != RF_OK )
+    if ( solve( settings, films, &halves, work, rgb ) != RF_OK )
     {
         // samples that are not finite: the pixels as they are show where
         rf_combine_film( primal, RF_FILM_RATIO, rgb, weight );

@@ -98,9 +98,10 @@ typedef struct RfReuseCount
 
 struct RfEstimator
 {
-    const char* name; // for rf_find_estimator
-    int films;        // per frame, 1 to RF_MAX_FILMS. Film 0 is the picture, unless `finish` makes it of all
-    RfTile tile;      // that it has where none is asked for (rf_default_tile)
+    const char* name;   // for rf_find_estimator
+    int films;          // per frame, 1 to RF_MAX_FILMS. Film 0 is the picture, unless `finish` makes it of all
+    bool has_gradients; // films 0 to 2 are values and differences: RF_GRADIENT_AOVS
+    RfTile tile;        // that it has where none is asked for (rf_default_tile)
 
     // May be NULL. Refuses settings that this estimator cannot follow, with RF_ERROR_USAGE.
     RfResult ( *check )( const RfRenderSettings* settings, RfError* error );

@@ -68,6 +68,8 @@ static RfResult check_estimator( const RfRenderSettings* s, RfError* error )
         return rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' has no AOVs of first hits", estimator->name );
     if ( ( s->aovs & RF_AOV_BIT( RF_AOV_VARIANCE ) ) != 0 && estimator->finish != NULL )
         return rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' has no variance AOV", estimator->name );
+    if ( ( s->aovs & RF_GRADIENT_AOVS ) != 0 && !estimator->has_gradients )
+        return rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' has no gradients", estimator->name );
     if ( ( s->aovs & RF_AOV_BIT( RF_AOV_ALPHA ) ) != 0 && ( estimator->finish != NULL || estimator->count_reuse == NULL ) )
         return rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' has no alpha", estimator->name );
     if ( s->hold_all &&

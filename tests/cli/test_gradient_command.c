@@ -83,12 +83,27 @@ static void test_noise_is_estimated_and_stops( void** state )
     json_decref( json );
 }
 
+// Another program can solve what is written: at constant weights the picture is the same.
+static void test_written_gradients_are_reconstructed( void** state )
+{
+    (void)state;
+    cli_expect( cli_run( RENDER "-o g.####.exr --frames 1 --float --reconstruction l2 --aov primal,dx,dy" ), 0, NULL );
+    cli_expect( cli_run( "$R reconstruct g.0001.exr -o solved.exr --method l2 --alpha 0.5 --quiet" ), 0, NULL );
+    cli_expect( cli_run( "$R compare g.0001.exr solved.exr --json c.json > /dev/null" ), 0, NULL );
+    json_t* json = cli_read_json( "c.json" );
+    assert_true( json_number_value( json_object_get( json, "relmse" ) ) < 1e-6 );
+    json_decref( json );
+    cli_expect( cli_run( "$R render $VASE -o a.####.exr --size 40x30 --frames 1 --aov primal,dx" ), 2,
+                "the estimator 'reuse' has no gradients" );
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( test_what_does_not_work_is_refused_by_name ),
         cmocka_unit_test( test_bits_do_not_depend_on_company ),
         cmocka_unit_test( test_frames_are_resumed_and_told_apart ),
+        cmocka_unit_test( test_written_gradients_are_reconstructed ),
         cmocka_unit_test( test_noise_is_estimated_and_stops ),
     };
     return cmocka_run_group_tests( tests, cli_enter_group, cli_leave_group );
