@@ -11,16 +11,34 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-static void keep_message( exr_const_context_t context, exr_result_t code, const char* message )
+// The stream that the thread writes. The library calls back with its context locked, where asking for
+// the user data would wait for itself for ever.
+static _Thread_local RfExrStream* s_written;
+
+static void keep( RfExrStream* stream, const char* message )
+{
+    if ( stream != NULL && stream->message[0] == 0 && message != NULL )
+        snprintf( stream->message, sizeof stream->message, "%s", message );
+}
+
+static void keep_read_message( exr_const_context_t context, exr_result_t code, const char* message )
 {
     (void)code;
     void* user = NULL;
-    if ( context == NULL || exr_get_user_data( context, &user ) != EXR_ERR_SUCCESS || user == NULL )
-        return;
-    RfExrStream* stream = user;
-    if ( stream->message[0] == 0 && message != NULL )
-        snprintf( stream->message, sizeof stream->message, "%s", message );
+    if ( context != NULL && exr_get_user_data( context, &user ) == EXR_ERR_SUCCESS )
+        keep( user, message );
 }
+
+static void keep_write_message( exr_const_context_t context, exr_result_t code, const char* message )
+{
+    (void)context;
+    (void)code;
+    keep( s_written, message );
+}
+
+void rf_begin_exr_write( RfExrStream* stream ) { s_written = stream; }
+
+void rf_end_exr_write( void ) { s_written = NULL; }
 
 static int64_t read_bytes( exr_const_context_t context, void* user, void* buffer, uint64_t size, uint64_t offset,
                            exr_stream_error_func_ptr_t report )
@@ -90,9 +108,10 @@ static int64_t query_size( exr_const_context_t context, void* user )
 exr_context_initializer_t rf_exr_initializer( RfExrStream* stream )
 {
     int side = stream->max_side > 0 ? stream->max_side : RF_EXR_MAX_SIDE;
+    errno = 0; // see rf_fail_exr
     return ( exr_context_initializer_t ){
         .size = sizeof( exr_context_initializer_t ),
-        .error_handler_fn = keep_message,
+        .error_handler_fn = s_written == stream ? keep_write_message : keep_read_message,
         .user_data = stream,
         .read_fn = read_bytes,
         .size_fn = query_size,
@@ -156,9 +175,11 @@ RfResult rf_fail_exr( const RfExrStream* stream, exr_result_t code, const char* 
 {
     if ( stream->io_error != 0 )
         return rf_fail_io( stream->path, what, stream->io_error, error );
+    // zlib's lack of memory comes out as damaged data
+    if ( code == EXR_ERR_OUT_OF_MEMORY || errno == ENOMEM )
+        return rf_fail( error, RF_ERROR_MEMORY, "%s: %s: the system has no memory left: close other programs", stream->path,
+                        what );
     const char* why = stream->message[0] != 0 ? stream->message : exr_get_default_error_message( code );
-    RfResult result = code == EXR_ERR_OUT_OF_MEMORY             ? RF_ERROR_MEMORY
-                      : code == EXR_ERR_FEATURE_NOT_IMPLEMENTED ? RF_ERROR_UNSUPPORTED
-                                                                : RF_ERROR_FORMAT;
+    RfResult result = code == EXR_ERR_FEATURE_NOT_IMPLEMENTED ? RF_ERROR_UNSUPPORTED : RF_ERROR_FORMAT;
     return rf_fail( error, result, "%s: %s: %s", stream->path, what, why );
 }

@@ -24,6 +24,10 @@ typedef struct RfExrStream
     char message[256]; // the library's first message, else empty
 } RfExrStream;
 
+// Between these two, contexts of the stream write, in this thread alone. The library's messages go to the stream.
+void rf_begin_exr_write( RfExrStream* stream );
+void rf_end_exr_write( void );
+
 // The initializer of a context over the stream, which must outlive it.
 exr_context_initializer_t rf_exr_initializer( RfExrStream* stream );
 

@@ -257,6 +257,7 @@ static exr_result_t write_chunks( Writer* writer )
 
 static RfResult write_stream( Writer* writer, RfError* error )
 {
+    rf_begin_exr_write( &writer->stream );
     exr_context_initializer_t initializer = rf_exr_initializer( &writer->stream );
     exr_result_t code = exr_start_write( &writer->context, writer->stream.path, EXR_WRITE_FILE_DIRECTLY, &initializer );
     if ( code == EXR_ERR_SUCCESS )
@@ -266,6 +267,7 @@ static RfResult write_stream( Writer* writer, RfError* error )
     if ( writer->started )
         exr_encoding_destroy( writer->context, &writer->pipeline );
     exr_result_t finish_code = writer->context != NULL ? exr_finish( &writer->context ) : EXR_ERR_SUCCESS;
+    rf_end_exr_write();
     code = code != EXR_ERR_SUCCESS ? code : finish_code;
     if ( code != EXR_ERR_SUCCESS || writer->stream.io_error != 0 )
         return rf_fail_exr( &writer->stream, code, "cannot be written", error );

@@ -4,6 +4,7 @@
 #include "cli/report/report_folder.h"
 #include "image/sequence.h"
 
+#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -31,9 +32,13 @@ static json_t* parse_json( const char* path, RfError* error )
     if ( rf_read_file( path, MOST_JSON_BYTES, &bytes, &size, error ) != RF_OK )
         return NULL;
     json_error_t reason;
+    errno = 0;
     json_t* json = json_loadb( (const char*)bytes, size, 0, &reason );
+    bool no_memory = errno == ENOMEM;
     free( bytes );
-    if ( json == NULL )
+    if ( json == NULL && no_memory )
+        rf_fail( error, RF_ERROR_MEMORY, "%s: the system has no memory left: close other programs", path );
+    else if ( json == NULL )
         rf_fail( error, RF_ERROR_FORMAT, "%s: line %d: %s", path, reason.line, reason.text );
     return json;
 }

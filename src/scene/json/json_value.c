@@ -1,5 +1,6 @@
 #include "scene/json/json_value.h"
 
+#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 
@@ -7,7 +8,10 @@ RfResult rf_parse_json( const char* path, const void* text, size_t size, const c
                         RfError* error )
 {
     json_error_t fault;
+    errno = 0; // jansson takes a string that it has no memory for for one that is not there
     *root = json_loadb( text, size, JSON_REJECT_DUPLICATES | JSON_DECODE_ANY, &fault );
+    if ( *root == NULL && errno == ENOMEM )
+        return rf_fail( error, RF_ERROR_MEMORY, "%s: the system has no memory left: close other programs", path );
     if ( *root == NULL )
         return rf_fail( error, RF_ERROR_FORMAT, "%s: line %d, column %d: %s: %s", path, fault.line, fault.column, fault.text,
                         advice );

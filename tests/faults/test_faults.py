@@ -1,0 +1,172 @@
+#!/usr/bin/env python3
+"""Renders survive faults: a call that fails, a kill, a second program at the same sequence, a folder that goes away.
+
+    test_faults.py PROGRAM SHIM SCENE
+
+SHIM is fail_one_call.c as a library. Every open, read, write, fsync, rename, close and allocation of a small render fails
+once, in a run of its own. Each run must end with the right frames, or with one line that says why, no half frame and no
+temporary file; --resume then completes it to the same bytes. REFRAME_LONG=1 takes every call and 1,000 kills; without it,
+of writes and allocations a few dozen are taken, the kills are 50.
+"""
+import concurrent.futures
+import os
+import random
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+PROGRAM, SHIM, SCENE = sys.argv[1:4] if len(sys.argv) > 3 else (None, None, None)
+LONG = os.environ.get("REFRAME_LONG") is not None
+SHOT = ["--size", "16x9", "--group", "1", "--tile", "1", "--frames", "1-3", "--threads", "2", "--quiet"]
+MOST = {"write": 8, "alloc": 24}  # runs of a kind, in short
+KILLS = 1000 if LONG else 50
+PATIENCE = 60.0  # seconds, after which a run hangs
+
+
+def command(folder, *more, spp=2):
+    return [PROGRAM, "render", SCENE, "-o", os.path.join(folder, "f.####.exr"), *SHOT, "--spp", str(spp), *more]
+
+
+def run(words, environment=None):
+    done = subprocess.run(words, env=dict(os.environ, **(environment or {})), stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                          timeout=PATIENCE)
+    return done.returncode, done.stderr.decode(errors="replace").strip()
+
+
+def frames(folder):
+    """Bytes by name of all files of a sequence's folder, hidden ones too."""
+    found = {}
+    for name in os.listdir(folder):
+        with open(os.path.join(folder, name), "rb") as file:
+            found[name] = file.read()
+    return found
+
+
+class Faults(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.top = tempfile.mkdtemp(prefix="reframe-faults-")
+        folder = cls.make_folder()
+        status, message = run(command(folder))
+        assert status == 0, message
+        cls.right = frames(folder)
+        assert len(cls.right) == 3
+
+    @classmethod
+    def tearDownClass(cls):
+        shutil.rmtree(cls.top)
+
+    @classmethod
+    def make_folder(cls):
+        return tempfile.mkdtemp(dir=cls.top)
+
+    def check_no_half_frame(self, folder, what):
+        for name, content in frames(folder).items():
+            self.assertIn(name, self.right, "%s leaves %s" % (what, name))
+            self.assertEqual(content, self.right[name], "%s leaves half of %s" % (what, name))
+
+    def resume(self, folder, what):
+        status, message = run(command(folder, "--resume"))
+        self.assertEqual(status, 0, "%s: --resume says %s" % (what, message))
+        self.assertEqual(frames(folder), self.right, "%s: --resume completes it otherwise" % what)
+
+    def count_calls(self, kind):
+        note = os.path.join(self.make_folder(), "count")
+        status, message = run(command(self.make_folder()), {"LD_PRELOAD": SHIM, "FAIL_CALL": kind, "FAIL_REPORT": note})
+        self.assertEqual(status, 0, message)
+        with open(note) as file:
+            return int(file.read().split()[0])
+
+    def fail_call(self, kind, number):
+        """Returns whether the program noticed."""
+        folder, what = self.make_folder(), "%s %d" % (kind, number)
+        try:
+            status, message = run(command(folder), {"LD_PRELOAD": SHIM, "FAIL_CALL": kind, "FAIL_AT": str(number)})
+        except subprocess.TimeoutExpired:
+            self.fail("%s: the program hangs" % what)
+        if status == 0:
+            self.assertEqual(frames(folder), self.right, "%s: exit status 0 without the right frames" % what)
+            return False
+        self.assertGreater(status, 0, "%s: the program crashes" % what)
+        self.assertEqual(message.count("\n"), 0, "%s: more than a line: %s" % (what, message))
+        self.assertNotEqual(message, "", "%s: no message" % what)
+        if kind == "alloc":
+            self.assertRegex(message, "memory|MiB|Embree|libgomp", what)
+        self.check_no_half_frame(folder, what)
+        self.resume(folder, what)
+        shutil.rmtree(folder)
+        return True
+
+    def test_calls_that_fail(self):
+        for kind in ("open", "read", "write", "fsync", "rename", "close", "alloc"):
+            count = self.count_calls(kind)
+            self.assertGreater(count, 2, kind)
+            step = 1 if LONG or kind not in MOST else max(count // MOST[kind], 1)
+            numbers = range(1 + random.randrange(step), count + 1, step)
+            with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+                noticed = sum(pool.map(lambda number: self.fail_call(kind, number), numbers))
+            print("%s: %d calls, %d failed, %d noticed" % (kind, count, len(numbers), noticed), flush=True)
+            # a close that fails after the bytes are on the disk, or of a file that was read, may go unnoticed
+            self.assertGreater(noticed, 0, kind)
+            if kind in ("write", "fsync", "rename"):
+                self.assertEqual(noticed, len(numbers), "%s that fails unnoticed" % kind)
+
+    def test_kills(self):
+        folder, left = self.make_folder(), KILLS
+        seconds = 0.05
+        finished = 0
+        while left > 0:
+            program = subprocess.Popen(command(folder, "--resume"), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            try:
+                program.wait(random.uniform(0.0, seconds))
+            except subprocess.TimeoutExpired:
+                program.kill()
+                left -= 1
+            is_finished = program.wait(PATIENCE) == 0
+            kept = {name: content for name, content in frames(folder).items() if not name.startswith(".")}
+            for name, content in kept.items():
+                self.assertEqual(content, self.right[name], "a kill leaves half of %s" % name)
+            if is_finished:
+                self.assertEqual(len(kept), len(self.right))
+                finished += 1
+                folder = self.make_folder()
+            seconds *= 0.9 if is_finished else 1.05
+        time.sleep(2.5)  # temporary files of the last second may be another program's
+        self.resume(folder, "a killed program")
+        print("%d kills, %d sequences finished between them" % (KILLS, finished), flush=True)
+
+    def test_two_programs_at_one_sequence(self):
+        for more in ([], ["--resume"], ["--overwrite"]):
+            folder = self.make_folder()
+            both = [subprocess.Popen(command(folder, *more), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE) for _ in range(2)]
+            messages = [program.communicate(timeout=PATIENCE)[1].decode().strip() for program in both]
+            self.assertIn(0, [program.returncode for program in both], messages)
+            self.assertEqual(frames(folder), self.right, more)
+            for program, message in zip(both, messages):
+                self.assertTrue(program.returncode == 0 or (program.returncode > 0 and message and "\n" not in message),
+                                message)
+
+    def test_folder_that_goes_away(self):
+        folder = self.make_folder()
+        program = subprocess.Popen(command(folder, spp=4000), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+        time.sleep(1.0)
+        shutil.rmtree(folder)
+        message = program.communicate(timeout=PATIENCE)[1].decode().strip()
+        self.assertGreater(program.returncode, 0, message)
+        self.assertEqual(message.count("\n"), 0, message)
+        self.assertIn("f.0001.exr", message)
+
+    @unittest.skipUnless(os.path.exists("/dev/full"), "no /dev/full here")
+    def test_full_disk_for_results(self):
+        status, message = run(command(self.make_folder(), "--json", "/dev/full"))
+        self.assertGreater(status, 0)
+        self.assertRegex(message, "^reframe render: .*/dev/full.*No space left[^\n]*$")
+
+
+if __name__ == "__main__":
+    if PROGRAM is None:
+        sys.exit(__doc__)
+    unittest.main(argv=sys.argv[:1])
