@@ -28,7 +28,8 @@ RF_API_BEGIN
        "opposite sign); 0 at the ends of the path and for points behind the other camera" )                                      \
     X( VARIANCE, "variance", "RGB", false, false, "estimated variance of the colour; 0 where a frame has a single pass" )        \
     X( SAMPLES, "samples", "Y", false, false, "samples that landed in the pixel, own-frame and reused, each counted once" )      \
-    X( PRIMAL, "primal", "RGB", false, false, "of --estimator gradient: the pixels that the picture is reconstructed from" )     \
+    X( PRIMAL, "primal", "RGB", false, false,                                                                                    \
+       "of the estimator gradient alone: the pixels that the picture is reconstructed from" )                                    \
     X( DX, "dx", "RGB", false, false, "and their differences, the pixel on the right minus the pixel" )                          \
     X( DY, "dy", "RGB", false, false, "the pixel below minus the pixel" )
 
