@@ -212,18 +212,6 @@ RfResult rf_run_trial( const RfTracer* tracer, const RfTestRegion* region, int g
     return result;
 }
 
-void rf_keep_worst_cell( double worst[RF_WORST_CELLS], double relmse )
-{
-    for ( int k = 0; k < RF_WORST_CELLS; ++k )
-    {
-        if ( relmse <= worst[k] )
-            continue;
-        double next = worst[k];
-        worst[k] = relmse;
-        relmse = next;
-    }
-}
-
 void rf_add_trial( RfTrial* sum, const RfTrial* trial )
 {
     sum->groups += trial->groups;
