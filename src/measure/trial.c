@@ -212,6 +212,18 @@ RfResult rf_run_trial( const RfTracer* tracer, const RfTestRegion* region, int g
     return result;
 }
 
+void rf_keep_worst_cell( double worst[RF_WORST_CELLS], double relmse )
+{
+    for ( int k = 0; k < RF_WORST_CELLS; ++k )
+    {
+        if ( relmse <= worst[k] )
+            continue;
+        double next = worst[k];
+        worst[k] = relmse;
+        relmse = next;
+    }
+}
+
 void rf_add_trial( RfTrial* sum, const RfTrial* trial )
 {
     sum->groups += trial->groups;
@@ -228,6 +240,8 @@ void rf_add_trial( RfTrial* sum, const RfTrial* trial )
     sum->change += trial->change;
     sum->time_noise += trial->time_noise;
     sum->time_count += trial->time_count;
+    for ( int k = 0; k < RF_WORST_CELLS; ++k )
+        rf_keep_worst_cell( sum->worst, trial->worst[k] );
     for ( int i = 0; i < trial->piece_count && sum->piece_count < RF_TRIAL_PIECES; ++i )
         sum->pieces[sum->piece_count++] = trial->pieces[i];
 }

@@ -59,6 +59,7 @@ RfResult rf_create_test_region( const RfTracer* tracer, const RfEye* eyes, int e
 void rf_destroy_test_region( RfTestRegion* region );
 
 #define RF_TRIAL_PIECES 512
+#define RF_WORST_CELLS 10
 
 // The error found in a piece, over all frames.
 typedef struct RfPieceError
@@ -84,6 +85,7 @@ typedef struct RfTrial
     double change;                        // ½ mean squared change of the error between consecutive frames of a long path
     double time_noise;                    // squared differences of the logarithms of the two renders' seconds per sample
     int time_count;                       // of these
+    double worst[RF_WORST_CELLS];         // of relmse: what the cells of 4×4 pixels with the most hold, in falling order
     int piece_count;                      // the first RF_TRIAL_PIECES are listed
     RfPieceError pieces[RF_TRIAL_PIECES];
 } RfTrial;
@@ -96,11 +98,14 @@ typedef struct RfTrial
 RfResult rf_run_trial( const RfTracer* tracer, const RfTestRegion* region, int groups, int passes,
                        const RfRenderSettings* settings, const RfTrialWatch* watch, RfTrial* trial, RfError* error );
 
+// Adds the error of a cell to the list of the worst ones, if it is among them.
+void rf_keep_worst_cell( double worst[RF_WORST_CELLS], double relmse );
+
 // Adds the sums of another trial, and lists its pieces behind those of `sum`.
 void rf_add_trial( RfTrial* sum, const RfTrial* trial );
 
 // How many times less CPU time `reuse` takes than `plain` for the same error, with a 95 % interval from the scatter
-// between pieces (a jackknife) and of the times. Both were tried in the same regions, one of them perhaps in more: what
+// between pieces (a jackknife) and of the times, and from how much of the errors the worst cells hold. Both were tried in the same regions, one of them perhaps in more: what
 // they have in common counts. NaN if they have nothing.
 RfInterval rf_trial_gain( const RfTrial* plain, const RfTrial* reuse );
 

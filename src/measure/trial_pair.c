@@ -77,6 +77,7 @@ void rf_begin_pair( RfTrialPair* p, int first )
     p->step_count = 0;
     memset( p->relmse, 0, sizeof p->relmse );
     memset( p->pixels, 0, sizeof p->pixels );
+    memset( p->worst, 0, sizeof p->worst );
 }
 
 // The slots of a frame of the region: which cell each is.
@@ -118,7 +119,7 @@ static double subtract_cell( RfTrialPair* p, const RfFrameResult* frame, int32_t
 {
     float* d = colors_of( p, slot );
     const float* weight = p->weight + RF_CELL_PIXELS * (size_t)slot;
-    double square = 0.0;
+    double square = 0.0, relmse = 0.0;
     for ( int k = 0; k < count; ++k )
     {
         double sum = 0.0;
@@ -129,8 +130,10 @@ static double subtract_cell( RfTrialPair* p, const RfFrameResult* frame, int32_t
             d[3 * k + c] = (float)delta;
         }
         square += sum;
-        p->relmse[p->pieces->piece[slot]] += (double)weight[k] * sum;
+        relmse += (double)weight[k] * sum;
     }
+    p->relmse[p->pieces->piece[slot]] += relmse;
+    rf_keep_worst_cell( p->worst, relmse );
     p->pixels[p->pieces->piece[slot]] += count;
     return square;
 }
@@ -200,6 +203,8 @@ void rf_end_pair( const RfTrialPair* p, int passes, RfTrial* trial )
         trial->relmse += passes * p->relmse[i];
         weight += p->pixels[i];
     }
+    for ( int k = 0; k < RF_WORST_CELLS; ++k )
+        rf_keep_worst_cell( trial->worst, passes * p->worst[k] );
     trial->piece_count = p->pieces->count;
     trial->groups += 1;
     trial->weight += weight;

@@ -30,6 +30,7 @@ typedef struct RfTrialPair
     float* rgb;                   // of the group's slots: the first render, then the differences to the second
     double relmse[RF_MAX_PIECES]; // sums over the pixels of a piece: of weighted ½ d², summed over channels
     double pixels[RF_MAX_PIECES];
+    double worst[RF_WORST_CELLS]; // of relmse
     double square;                // sum of ½ d² over pixels, mean over channels
     double first_mean, last_mean; // of ½ d² in the first and the last frame
     double steps;                 // sum of the means of ½ (d_t − d_{t−1})² over the pixels that both frames measure

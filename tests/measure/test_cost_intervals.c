@@ -97,6 +97,13 @@ static void test_gain_by_hand( void** state )
     plain.time_noise = 0.25;
     near( log( rf_trial_gain( &plain, &reuse ).high / g.value ),
           sqrt( quantile * quantile * square * 4.0 / 3.0 + 1.96 * 1.96 * ( 0.25 / 4.0 + 0.03 * 0.03 ) ), 5e-3 );
+    // the worst cells hold 0.3 of the error: it may be twice as much
+    plain.time_noise = 0.0;
+    plain.relmse = 100.0;
+    double before = log( rf_trial_gain( &plain, &reuse ).high / g.value );
+    for ( int k = 0; k < 12; ++k )
+        rf_keep_worst_cell( plain.worst, k < 2 ? 1.0 : 3.0 ); // ten of them
+    near( log( rf_trial_gain( &plain, &reuse ).high / g.value ), sqrt( before * before + log( 2.0 ) * log( 2.0 ) ), 1e-4 );
     // only what both have counts
     plain.piece_count = 3;
     near( rf_trial_gain( &plain, &reuse ).value, 2.0, 1e-14 );
