@@ -23,14 +23,28 @@ static bool read_number( const char* folder, const char* name, const char* key, 
     return found;
 }
 
+// The files of a version.
+typedef struct Files
+{
+    const char *most, *used, *reclaimable; // the last is a key of memory.stat
+} Files;
+
+static const Files s_files[] = { { "memory.max", "memory.current", "inactive_file " },
+                                 { "memory.limit_in_bytes", "memory.usage_in_bytes", "total_inactive_file " } };
+
 static size_t available_in( const char* folder )
 {
-    unsigned long long most, used, files = 0;
-    if ( !read_number( folder, "memory.max", "", &most ) || !read_number( folder, "memory.current", "", &used ) )
-        return SIZE_MAX;
-    if ( read_number( folder, "memory.stat", "inactive_file ", &files ) && files <= used )
-        used -= files;
-    return used < most ? (size_t)( most - used ) : 0;
+    size_t least = SIZE_MAX;
+    for ( int k = 0; k < 2; ++k )
+    {
+        unsigned long long most, used, files = 0;
+        if ( !read_number( folder, s_files[k].most, "", &most ) || !read_number( folder, s_files[k].used, "", &used ) )
+            continue;
+        if ( read_number( folder, "memory.stat", s_files[k].reclaimable, &files ) && files <= used )
+            used -= files;
+        least = used < most ? (size_t)( most - used ) : 0;
+    }
+    return least;
 }
 
 size_t rf_cgroup_free_memory( const char* root, const char* path )
@@ -59,10 +73,18 @@ size_t rf_own_cgroup_free_memory( void )
     size_t left = SIZE_MAX;
     while ( fgets( line, sizeof line, file ) != NULL )
     {
-        if ( strncmp( line, "0::/", 4 ) != 0 )
-            continue;
         line[strcspn( line, "\n" )] = '\0';
-        left = rf_cgroup_free_memory( "/sys/fs/cgroup", line + 3 );
+        const char* path = strchr( line, '/' );
+        if ( path == NULL )
+            continue;
+        // "0::/a/b" of version 2; "4:memory:/a/b", or "4:cpu,memory:/a/b", of version 1
+        const char* name = strstr( line, "memory" );
+        size_t here = SIZE_MAX;
+        if ( strncmp( line, "0::/", 4 ) == 0 )
+            here = rf_cgroup_free_memory( "/sys/fs/cgroup", path );
+        else if ( name != NULL && name < path )
+            here = rf_cgroup_free_memory( "/sys/fs/cgroup/memory", path );
+        left = here < left ? here : left;
     }
     fclose( file );
     return left;

@@ -1,11 +1,11 @@
-// Memory limits of containers and services: control groups, version 2.
+// Memory limits of containers and services: control groups, versions 1 and 2.
 #ifndef REFRAME_BASE_CGROUP_H
 #define REFRAME_BASE_CGROUP_H
 
 #include <stddef.h>
 
 // Bytes that the group `path` ("/a/b") below the mount point `root`, and all its ancestors,
-// may still allocate: memory.max minus memory.current, where inactive file pages count as
+// may still allocate: the limit minus what is in use, where inactive file pages count as
 // free. SIZE_MAX if unlimited.
 size_t rf_cgroup_free_memory( const char* root, const char* path );
 

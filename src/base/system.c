@@ -4,8 +4,11 @@
 
 #include <omp.h>
 #include <stdbool.h>
+#include <stdint.h>
 #include <stdio.h>
+#include <sys/resource.h>
 #include <time.h>
+#include <unistd.h>
 
 double rf_wall_seconds( void )
 {
@@ -28,6 +31,28 @@ double rf_process_seconds( void )
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
+// What RLIMIT_AS (ulimit -v) leaves of the address space.
+static size_t free_address_space( void )
+{
+    struct rlimit limit;
+    unsigned long long pages = 0;
+    if ( getrlimit( RLIMIT_AS, &limit ) != 0 || limit.rlim_cur == RLIM_INFINITY )
+        return SIZE_MAX;
+    FILE* file = fopen( "/proc/self/statm", "r" );
+    if ( file == NULL )
+        return SIZE_MAX;
+    bool known = fscanf( file, "%llu", &pages ) == 1;
+    fclose( file );
+    unsigned long long used = pages * (unsigned long long)sysconf( _SC_PAGESIZE );
+    return !known ? SIZE_MAX : used < limit.rlim_cur ? (size_t)( limit.rlim_cur - used ) : 0;
+}
+
+size_t rf_permitted_memory( void )
+{
+    size_t group = rf_own_cgroup_free_memory(), space = free_address_space();
+    return group < space ? group : space;
+}
+
 size_t rf_free_memory( void )
 {
     unsigned long long kib = 0;
@@ -40,8 +65,8 @@ size_t rf_free_memory( void )
         }
         fclose( file );
     }
-    size_t machine = kib > 0 ? (size_t)kib * 1024 : (size_t)1 << 30, group = rf_own_cgroup_free_memory();
-    return group < machine ? group : machine;
+    size_t machine = kib > 0 ? (size_t)kib * 1024 : (size_t)1 << 30, permitted = rf_permitted_memory();
+    return permitted < machine ? permitted : machine;
 }
 
 void rf_format_memory( size_t bytes, char text[RF_BYTES_TEXT_SIZE] )

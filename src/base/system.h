@@ -13,8 +13,10 @@ double rf_thread_seconds( void );
 // CPU seconds of all threads of the process.
 double rf_process_seconds( void );
 
-// Available memory in bytes, without swapping and within the limits of a container; 1 GiB if
-// unknown.
+// Bytes that the limits of the process still leave it: of its control groups, and of ulimit -v. SIZE_MAX: no limit.
+size_t rf_permitted_memory( void );
+
+// Available memory in bytes, without swapping and within these limits; 1 GiB if unknown.
 size_t rf_free_memory( void );
 
 #define RF_BYTES_TEXT_SIZE 32

@@ -1,6 +1,9 @@
 // A render's memory from its arena, and back. sizes.c knows the sums.
 #include "render/memory.h"
 
+#include "base/remedy.h"
+#include "base/system.h"
+
 #include <string.h>
 
 #define WRITER "writer" // of files: allocated by OpenEXRCore while a frame is handed over
@@ -174,11 +177,31 @@ static RfResult alloc_batches( const RfEstimatorGroup* group, const RfRenderSize
     return result;
 }
 
+// A process that goes beyond the limit of its control group is killed in the midst of its work.
+static RfResult check_permitted( const RfRenderSizes* s, RfRenderMemory* m, RfError* error )
+{
+    size_t permitted = rf_permitted_memory();
+    size_t needed = rf_films_bytes( s ) + rf_image_bytes( s ) + rf_scratch_bytes( s ) + rf_writer_bytes( s ) + s->held +
+                    rf_records_bytes( s, s->of_estimator.whole_pass ? rf_batches_wanted( s ) : 1 );
+    if ( needed > permitted )
+    {
+        char needs[RF_BYTES_TEXT_SIZE], may[RF_BYTES_TEXT_SIZE];
+        rf_format_memory( ( ( needed >> 20 ) + 1 ) << 20, needs );
+        rf_format_memory( permitted >> 20 << 20, may );
+        return rf_advise( rf_fail( error, RF_ERROR_MEMORY,
+                                   "frames of %dx%d need %s, and the limit of this process (control group, ulimit -v) leaves %s",
+                                   s->width, s->height, needs, may ),
+                          RF_REMEDY_LIMIT, 0, error );
+    }
+    m->arena.budget = m->arena.budget < permitted ? m->arena.budget : permitted;
+    return RF_OK;
+}
+
 RfResult rf_alloc_render_memory( const RfEstimatorGroup* group, const RfRenderSizes* sizes, RfRenderMemory* memory,
                                  RfError* error )
 {
-    RfResult result = RF_OK;
-    if ( rf_writer_bytes( sizes ) > 0 )
+    RfResult result = check_permitted( sizes, memory, error );
+    if ( result == RF_OK && rf_writer_bytes( sizes ) > 0 )
         result = rf_arena_reserve( &memory->arena, WRITER, rf_writer_bytes( sizes ), error );
     memory->has_writer = rf_writer_bytes( sizes ) > 0 && result == RF_OK;
     if ( result == RF_OK )

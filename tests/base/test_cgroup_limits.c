@@ -30,8 +30,41 @@ static void test_the_tightest_group_above_counts( void** state )
     assert_true( rf_free_memory() > 0 );
 }
 
+static void test_groups_of_version_1( void** state )
+{
+    (void)state;
+    const char* root = cli_folder();
+    cli_expect(
+        cli_run( "mkdir -p c/d; echo 9223372036854771712 > c/d/memory.limit_in_bytes; echo 10 > c/d/memory.usage_in_bytes" ), 0,
+        NULL );
+    cli_expect( cli_run( "echo 6000 > c/memory.limit_in_bytes; echo 1000 > c/memory.usage_in_bytes" ), 0, NULL );
+    cli_expect( cli_run( "printf 'cache 5\ntotal_inactive_file 400\n' > c/memory.stat" ), 0, NULL );
+    assert_true( rf_cgroup_free_memory( root, "/c/d" ) == 5400 );
+    assert_true( rf_cgroup_free_memory( root, "/c/not-in-this-container" ) == 5400 );
+}
+
+static void test_a_limit_below_the_need_is_an_error_at_the_start( void** state )
+{
+    (void)state;
+    const char* render = REFRAME_BINARY " render " REFRAME_VASE_ROOM
+                                        " -o limit/f.####.exr --frames 1-7 --group 3 --spp 7 --threads 1 --quiet --size ";
+    char line[1024];
+    snprintf( line, sizeof line, "ulimit -v 700000; %s 3840x2160 --memory 4G", render );
+    cli_expect( cli_run( line ), 1, "limit of this process (control group, ulimit -v) leaves" );
+    snprintf( line, sizeof line, "test ! -e limit || ls limit" );
+    cli_expect( cli_run( line ), 0, NULL );
+    snprintf( line, sizeof line, "ulimit -v 700000; %s 64x36", render ); // the default budget heeds the limit
+    cli_expect( cli_run( line ), 0, NULL );
+}
+
 int main( void )
 {
-    const struct CMUnitTest tests[] = { cmocka_unit_test( test_the_tightest_group_above_counts ) };
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( test_the_tightest_group_above_counts ),
+        cmocka_unit_test( test_groups_of_version_1 ),
+#ifndef REFRAME_SANITIZED // whose address space has no bounds
+        cmocka_unit_test( test_a_limit_below_the_need_is_an_error_at_the_start ),
+#endif
+    };
     return cmocka_run_group_tests_name( "cgroup", tests, cli_enter_group, cli_leave_group );
 }
