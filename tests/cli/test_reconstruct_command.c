@@ -1,6 +1,6 @@
 // reframe reconstruct as a user has it: layers by name, separate files, halves, sequences, and what it refuses.
 #include "base/random.h"
-#include "reframe/image.h"
+#include "image/exr.h"
 #include "support/cli_run.h"
 
 #include <math.h>
@@ -89,6 +89,8 @@ static void write_file( const char* name, const File* file, const float* colour 
     options.half = false;
     options.x = 5;
     options.y = -3;
+    options.fps_numerator = 24;
+    options.fps_denominator = 1;
     options.channels = file->channels;
     options.channel_count = file->count;
     snprintf( path, sizeof path, "%s/%s", cli_folder(), name );
@@ -162,6 +164,12 @@ static void test_exact_layers_give_the_image( void** state )
     cli_expect( cli_run( "$R reconstruct a.exr -o out.exr --json out.json --quiet" ), 0, NULL );
     assert_true( error_of_file( "out.exr" ) < 1e-6 );
     check_said( "out.exr", "out.json", "l2, alpha 0.2: unbiased", "l2", false );
+    char path[512];
+    RfExrHeader header;
+    snprintf( path, sizeof path, "%s/out.exr", cli_folder() );
+    assert_int_equal( rf_read_exr_header( path, NULL, &header, NULL ), RF_OK );
+    assert_true( header.fps_numerator == 24 && header.fps_denominator == 1 );
+    rf_destroy_exr_header( &header );
     cli_expect( cli_run( "$R reconstruct b.exr -o out2.exr" ), 0, NULL );
     assert_true( error_of_file( "out2.exr" ) < 1e-6 );
     cli_expect( cli_run( "$R reconstruct c.exr -o out3.exr --primal noisy --dx gx --dy g.y.R,g.y.G,g.y.B" ), 0, NULL );

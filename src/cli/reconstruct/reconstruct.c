@@ -49,6 +49,8 @@ static RfResult write_image( const Job* job, int number, const RfReconstructFram
     options.half = job->half;
     options.x = frame->window.x;
     options.y = frame->window.y;
+    options.fps_numerator = frame->fps_numerator;
+    options.fps_denominator = frame->fps_denominator;
     options.strings = &said;
     options.string_count = 1;
     RfResult result = RF_OK;

@@ -161,6 +161,8 @@ static RfResult read_file( const RfReconstructFiles* files, const Paths* paths, 
     RfResult result = rf_read_exr_header( paths->of[file], NULL, &header, error );
     if ( result != RF_OK )
         return result;
+    if ( file == 0 )
+        frame->fps_numerator = header.fps_numerator, frame->fps_denominator = header.fps_denominator;
     snprintf( channel, sizeof channel, "%.500s.R", files->primal != NULL ? files->primal : "primal" );
     bool both = files->image_count == 1 && files->dx_from == NULL && files->dy_from == NULL &&
                 has_channel( &header, s_prefixes[0], channel );

@@ -20,6 +20,8 @@ typedef struct RfReconstructFiles
 typedef struct RfReconstructFrame
 {
     RfExrWindow window;
+    int fps_numerator; // of the first file; 0: it has none
+    unsigned int fps_denominator;
     int half_count;    // 1 or 2
     bool has_variance; // of all halves
     RfImage primal[2], dx[2], dy[2];
