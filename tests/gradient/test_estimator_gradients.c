@@ -1,7 +1,8 @@
 // Pixels and differences of neighbours are unbiased, and so is the picture that is made of them, against independent
 // references over 16 seeds: with tiles of several sizes, cut by the border of the film, and by gradient-domain path
-// tracing; on glossy surfaces, with glass and mirrors in the tiles; the long run adds diffuse rooms, alpha blending and a sky.
+// tracing; on glossy surfaces, with glass in the tiles; the long run adds diffuse rooms, alpha blending, panes and a sky.
 #include "gradient/gradient_films.h"
+#include "support/pane_room.h"
 #include "support/scene_builder.h"
 #include "support/textured_room.h"
 #include "support/unbiased.h"
@@ -163,6 +164,8 @@ static void test_glass_blending_and_lamps_are_unbiased( void** state )
     check_scene( "glass", make_glass_room(), tiles, 2, is_long() );
     if ( is_long() )
         check_scene( "blended", make_blended_room(), tiles, 2, true );
+    if ( is_long() )
+        check_scene( "panes", make_pane_room( PANES_AND_AREA_LIGHT ), tiles, 2, true );
     if ( is_long() )
         check_scene( "all lights", make_open_scene( LIT_BY_ALL ), tiles, 2, true );
 }
