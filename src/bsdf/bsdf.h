@@ -12,6 +12,7 @@
 #ifndef REFRAME_BSDF_BSDF_H
 #define REFRAME_BSDF_BSDF_H
 
+#include "base/built_in.h"
 #include "bsdf/models.h"
 
 #define RF_MIN_COS 1e-3f
@@ -20,6 +21,19 @@
 // with any other density is the same float, and the balance heuristic gives the
 // lobe all the weight without a special case.
 #define RF_DELTA_PDF 0x1p60f
+
+// Whether this build has the model (base/built_in.h).
+static inline bool rf_is_model_built( RfBsdfKind kind )
+{
+    switch ( kind )
+    {
+        case RF_BSDF_PHONG: return rf_is_built( RF_EFFECT_PHONG );
+        case RF_BSDF_GGX: return rf_is_built( RF_EFFECT_GGX );
+        case RF_BSDF_COATED: return rf_is_built( RF_EFFECT_CLEARCOAT ) && rf_is_built( RF_EFFECT_GGX );
+        case RF_BSDF_GLASS: return rf_is_built( RF_EFFECT_MIRRORS ) || rf_is_built( RF_EFFECT_TRANSMISSION );
+        default: return true;
+    }
+}
 
 // f (three arrays) and the density per solid angle with which sampling chooses
 // wi when seen from wo. Either output may be NULL. wo and wi are arrays of x,

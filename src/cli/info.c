@@ -1,7 +1,7 @@
 // reframe info: the content of a scene and the effects it calls for.
 #include "cli/commands.h"
 #include "cli/render/render_json.h"
-#include "cli/options/render_options.h"
+#include "cli/options/effect_options.h"
 #include "cli/messages.h"
 #include "reframe/scene.h"
 #include "scene/json/scene_file.h"
@@ -14,6 +14,8 @@ static bool s_fps_given;
 static const char* s_json;
 static const char* const s_files[] = { "SCENE" };
 static bool s_quiet;
+static RfRenderOptions s_render; // effects alone
+static bool s_effects_given;
 
 #define MAX_MOVING 10 // objects named
 
@@ -25,6 +27,19 @@ static const RfOption s_options[] = {
       .meta = "R",
       .default_text = "the scene's, else 24",
       .help = "frames per second, to count the cameras' frames" },
+    { .name = "effects",
+      .type = RF_OPTION_CHOICE,
+      .value = &s_render.effects,
+      .given = &s_effects_given,
+      .choices = rf_effects_words,
+      .default_text = "auto",
+      .help = "tells the effects as render --effects has them" },
+    { .name = "no-effect",
+      .type = RF_OPTION_STRING,
+      .value = &s_render.no_effect,
+      .meta = "NAME[,...]",
+      .default_text = "none",
+      .help = "tells the effects as render --no-effect has them" },
     { .name = "json",
       .writes = ".json",
       .type = RF_OPTION_STRING,
@@ -47,6 +62,7 @@ typedef struct Facts
 {
     RfSceneInfo scene;
     RfCameraInfo* cameras;
+    RfRenderOptions render; // the scene file's defaults
 } Facts;
 
 static RfResult gather( const RfScene* scene, Facts* facts, RfError* error )
@@ -113,13 +129,23 @@ static void print_cameras( const Facts* facts )
     }
 }
 
-static void print_effects( const RfScene* scene )
+static const char* state_of( const RfEffect* effect )
+{
+    return effect->on ? "on" : effect->left_out ? "out" : effect->forced ? "run" : "off";
+}
+
+// "run": the code runs although nothing calls for it.
+static void print_effects( const RfScene* scene, const RfRenderSettings* settings )
 {
     RfEffect effects[RF_MAX_EFFECTS];
-    int count = rf_list_effects( scene, effects );
+    int count = rf_list_render_effects( scene, NULL, 0, settings, effects );
     rf_print( "effects\n" );
     for ( int i = 0; i < count; ++i )
-        rf_print( "  %-3s  %-22s%s\n", effects[i].on ? "on" : "off", effects[i].name, effects[i].why );
+    {
+        const char* option = rf_effect_option( effects[i].id );
+        rf_print( "  %-3s  %-22s%s%s%s%s\n", state_of( effects + i ), effects[i].name, effects[i].why, option != NULL ? " (" : "",
+                  option != NULL ? option : "", option != NULL ? ")" : "" );
+    }
 }
 
 static void print_info( const RfScene* scene, const Facts* facts )
@@ -140,7 +166,7 @@ static void print_info( const RfScene* scene, const Facts* facts )
     print_film( s );
     print_moving( s );
     print_cameras( facts );
-    print_effects( scene );
+    print_effects( scene, &facts->render.settings );
     print_warnings( s );
 }
 
@@ -163,24 +189,35 @@ static json_t* info_json( const RfScene* scene, const Facts* facts )
     json_t* size = s->width > 0 ? json_pack( "[i, i]", s->width, s->height ) : json_null();
     return json_pack( "{s:I, s:I, s:I, s:I, s:o, s:o, s:o, s:o, s:f, s:o}", "triangles", (json_int_t)s->triangles, "instances",
                       (json_int_t)s->instances, "materials", (json_int_t)s->materials, "lights", (json_int_t)s->lights, "cameras",
-                      cameras, "effects", rf_effects_json( scene ), "moving", moving, "size", size, "fps",
-                      (double)s_fps.numerator / (double)s_fps.denominator, "export_warnings", warnings );
+                      cameras, "effects", rf_effects_json( scene, &facts->render.settings ), "moving", moving, "size", size,
+                      "fps", (double)s_fps.numerator / (double)s_fps.denominator, "export_warnings", warnings );
 }
 
-static RfResult load( const char* name, RfScene* scene, RfError* error )
+// The command line goes before the scene file.
+static void take_given( RfRenderOptions* options )
+{
+    if ( s_render.no_effect != NULL )
+        options->no_effect = s_render.no_effect;
+    if ( s_effects_given )
+        options->effects = s_render.effects;
+}
+
+static RfResult load( const char* name, RfScene* scene, RfRenderOptions* options, RfError* error )
 {
     RfSceneFile file;
     RfLog log = rf_stderr_log( "info" );
     RfResult result = rf_open_scene_file( name, &file, error );
     if ( result != RF_OK )
         return result;
-    RfRenderOptions options;
     RfField defaults = rf_scene_file_defaults( &file, error );
-    result = rf_read_render_defaults( &defaults, &options );
+    result = rf_read_render_defaults( &defaults, options );
+    take_given( options );
     if ( !s_fps_given )
-        s_fps = options.fps;
+        s_fps = options->fps;
     if ( result == RF_OK )
         result = rf_load_scene_file( &file, scene, &log, error );
+    if ( result == RF_OK )
+        result = rf_take_effect_options( options, scene, &log, error );
     rf_close_scene_file( &file );
     return result;
 }
@@ -189,7 +226,7 @@ static RfResult tell( const char* name, RfError* error )
 {
     RfScene scene = { 0 };
     Facts facts = { 0 };
-    RfResult result = load( name, &scene, error );
+    RfResult result = load( name, &scene, &facts.render, error );
     if ( result == RF_OK )
         result = gather( &scene, &facts, error );
     if ( result == RF_OK && ( s_json == NULL || strcmp( s_json, "-" ) != 0 ) )
@@ -210,7 +247,8 @@ int rf_command_info( int argc, char** argv )
     bool help;
     RfError error;
     s_fps = ( RfFps ){ 0, 0 };
-    s_fps_given = false;
+    s_fps_given = s_effects_given = false;
+    s_render = rf_default_render_options();
     RfResult result = rf_parse_options( &s_table, argc, argv, files, &help, &error );
     if ( result == RF_OK && help )
     {

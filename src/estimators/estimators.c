@@ -37,6 +37,7 @@ RfRenderSettings rf_default_render_settings( void )
         .adaptive = RF_ADAPTIVE_AUTO,
         .weights = RF_WEIGHTS_EXACT,
         .normalize = RF_NORMALIZE_CROSSFIT,
+        .filter = RF_FILTER_BOX,
         .max_depth = 12,
         .light_samples = 1,
         .seed = 1,

@@ -1,5 +1,5 @@
 // The films of a frame: its pixels, the differences of neighbours, and the squares of both, from which their
-// variances are estimated. Then the picture that fits them best (E9).
+// variances are estimated. Then the picture that fits them best (E10).
 #ifndef REFRAME_GRADIENT_GRADIENT_FILMS_H
 #define REFRAME_GRADIENT_GRADIENT_FILMS_H
 

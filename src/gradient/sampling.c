@@ -58,7 +58,7 @@ void rf_lay_out_gradient_scratch( const RfEstimatorGroup* group, void* memory )
 
 RfExtendedTiles rf_group_tiles( const RfEstimatorGroup* group )
 {
-    return rf_lay_out_extended_tiles( &group->settings->tile, group->traits.blurred, group->width, group->height );
+    return rf_lay_out_extended_tiles( &group->settings->tile, rf_is_blurred( &group->traits ), group->width, group->height );
 }
 
 // Lists the pixels of the tiles: each lane is a pixel of its own, since tiles overlap. Returns how many.
@@ -134,7 +134,7 @@ static void find_hits( const RfHarvest* harvest, int count, RfGradientScratch* s
     RfHarvestScratch* h = scratch->harvest;
     RfWavefront* wavefront = &h->wavefront;
     wavefront->path_rays = wavefront->shadow_rays = 0;
-    rf_make_camera_rays( harvest->eyes + scratch->hits.eye, count, scratch->pixel, wavefront, &h->camera_rays );
+    rf_make_camera_rays( NULL, harvest->eyes + scratch->hits.eye, count, scratch->pixel, wavefront, &h->camera_rays );
     rf_find_vertices( &harvest->path, &h->camera_rays, true, &h->first, &wavefront->scratch );
     rays->primary += (uint64_t)count;
     rf_follow_camera_rays( harvest, h );
@@ -200,5 +200,5 @@ int rf_sample_patch( const RfEstimatorGroup* group, RfTraceJob job, RfGradientBa
 
 RfFirstHits rf_first_hits_of_patch( const RfGradientScratch* scratch )
 {
-    return ( RfFirstHits ){ &scratch->harvest->first, &scratch->harvest->camera_rays, scratch->pixel };
+    return ( RfFirstHits ){ .hits = &scratch->harvest->first, .rays = &scratch->harvest->camera_rays, .pixel = scratch->pixel };
 }

@@ -1,11 +1,9 @@
 #include "light/light.h"
 #include "light/tree_create.h"
+#include "scene/leave_out.h"
 
 #include <stdlib.h>
 #include <string.h>
-
-// Up to so many lights are selected by power: a lamp of two triangles needs no tree.
-#define FEW_LIGHTS 2
 
 static RfVec3 vertex( const RfTriangles* t, uint32_t triangle, int corner )
 {
@@ -162,7 +160,7 @@ static RfResult fill_lights( const RfScene* scene, RfLights* lights, uint32_t ca
         lights->power_fraction[i] = (float)( powers[i] / total );
     RfResult result = lights->count > 0 ? build_alias( lights, powers, total, error ) : RF_OK;
     free( powers );
-    if ( result == RF_OK && lights->count > FEW_LIGHTS )
+    if ( result == RF_OK && rf_runs( scene, lights->count > RF_FEW_LIGHTS, RF_EFFECT_LIGHT_TREE ) )
         result = rf_create_light_tree( lights, error );
     return result;
 }

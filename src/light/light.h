@@ -5,12 +5,16 @@
 #ifndef REFRAME_LIGHT_LIGHT_H
 #define REFRAME_LIGHT_LIGHT_H
 
+#include "base/built_in.h"
 #include "light/sky.h"
 #include "light/tree.h"
 #include "reframe/render.h"
 #include "scene/textured.h"
 
 #include <stddef.h>
+
+// Up to so many lights are selected by power: a lamp of two triangles needs no tree.
+#define RF_FEW_LIGHTS 2
 
 // An area light.
 typedef struct RfLight
@@ -50,7 +54,10 @@ typedef struct RfLights
 RfResult rf_collect_lights( const RfScene* scene, RfLights* lights, RfError* error );
 void rf_destroy_lights( RfLights* lights );
 
-static inline bool rf_has_sky( const RfLights* lights ) { return lights->sky.environment != NULL; }
+static inline bool rf_has_sky( const RfLights* lights )
+{
+    return rf_calls_for( lights->sky.environment != NULL, RF_EFFECT_ENVIRONMENT );
+}
 
 // Radiance at the barycentrics (b1, b2) of an area light, as seen by a light
 // sample: other rays hit a blended light with the probability of its alpha,

@@ -115,7 +115,7 @@ static inline RfLightSelection end( const Descent* d )
 
 static bool has_tree( const RfLights* lights, RfLightSampling sampling )
 {
-    return sampling != RF_LIGHTS_BY_POWER && lights->tree.node_count > 0;
+    return rf_calls_for( sampling != RF_LIGHTS_BY_POWER && lights->tree.node_count > 0, RF_EFFECT_LIGHT_TREE );
 }
 
 RfLightSelection rf_select_light( const RfLights* lights, RfLightSampling sampling, RfVec3 x, RfVec3 n, const uint32_t bits[2] )

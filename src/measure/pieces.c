@@ -1,6 +1,7 @@
 #include "measure/pieces.h"
 
 #include "base/random.h"
+#include "film/pixel_filter.h"
 #include "measure/pieces_follow.h"
 #include "trace/trace.h"
 
@@ -104,6 +105,25 @@ static void number_slots( const RfPieceChooser* c )
     p->first_slot[p->frames] = slots;
 }
 
+// Adds to the pieces of a frame the cells beside them: no filter reaches beyond these.
+static void grow_pieces( RfPieceChooser* c, int frame )
+{
+    _Static_assert( RF_FILTER_REACH <= RF_CELL_SIDE, "filters reach no farther than one cell" );
+    const RfTestPieces* p = c->pieces;
+    const uint8_t* target = c->target + (size_t)frame * rf_film_cells( p );
+    uint8_t* around = c->around + (size_t)frame * rf_film_cells( p );
+    memset( around, 0, rf_film_cells( p ) );
+    for ( size_t cell = 0; cell < rf_film_cells( p ); ++cell )
+    {
+        int x = (int)( cell % (size_t)p->across ), y = (int)( cell / (size_t)p->across );
+        for ( int k = 0; k < 9 && target[cell] != 0; ++k )
+        {
+            int nx = clamp( x + k % 3 - 1, 0, p->across - 1 ), ny = clamp( y + k / 3 - 1, 0, p->down - 1 );
+            around[(size_t)ny * (size_t)p->across + (size_t)nx] = target[cell];
+        }
+    }
+}
+
 // Chooses pieces of an area from which about `pixels` pixels follow; returns how many do.
 static double try_pieces( RfPieceChooser* c, int centre, double pixels, uint64_t seed )
 {
@@ -116,9 +136,14 @@ static double try_pieces( RfPieceChooser* c, int centre, double pixels, uint64_t
         return p->pixels;
     }
     rf_follow_pieces( c, centre, true );
-    memcpy( p->traced, c->target, bytes );
+    uint8_t *pieces_only = c->target, *traced = c->around != NULL ? c->around : c->target;
+    for ( int f = 0; f < p->frames && c->around != NULL; ++f )
+        grow_pieces( c, f );
+    memcpy( p->traced, traced, bytes );
+    c->target = traced;
     for ( int f = 0; f < p->frames; ++f )
         rf_follow_pieces( c, f, false );
+    c->target = pieces_only;
     count_traced( p );
     return p->pixels;
 }
@@ -138,8 +163,8 @@ static void choose( RfPieceChooser* c, int centre, double pixels, uint64_t seed 
     number_slots( c );
 }
 
-RfResult rf_choose_pieces( const RfTracer* tracer, const RfEye* eyes, int frames, int centre, double pixels, uint64_t seed,
-                           RfTestPieces* p, RfError* error )
+RfResult rf_choose_pieces( const RfTracer* tracer, const RfEye* eyes, int frames, int centre, double pixels, bool filtered,
+                           uint64_t seed, RfTestPieces* p, RfError* error )
 {
     *p = ( RfTestPieces ){ .width = eyes->width, .height = eyes->height, .frames = frames };
     p->across = rf_cells_along( p->width );
@@ -150,9 +175,9 @@ RfResult rf_choose_pieces( const RfTracer* tracer, const RfEye* eyes, int frames
     p->first_slot = malloc( (size_t)( frames + 1 ) * sizeof *p->first_slot );
     p->piece = malloc( cells );
     RfPieceChooser* c = calloc( 1, sizeof *c );
-    uint8_t* target = calloc( cells, 1 );
-    bool enough =
-        p->traced != NULL && p->slot != NULL && p->first_slot != NULL && p->piece != NULL && c != NULL && target != NULL;
+    uint8_t *target = calloc( cells, 1 ), *around = calloc( cells, 1 );
+    bool enough = p->traced != NULL && p->slot != NULL && p->first_slot != NULL && p->piece != NULL && c != NULL &&
+                  target != NULL && around != NULL;
     if ( enough )
     {
         c->tracer = tracer;
@@ -160,9 +185,11 @@ RfResult rf_choose_pieces( const RfTracer* tracer, const RfEye* eyes, int frames
         c->blurred = rf_any_blurred( eyes, frames );
         c->pieces = p;
         c->target = target;
+        c->around = filtered ? around : NULL;
         choose( c, centre, pixels, seed );
     }
     free( target );
+    free( around );
     free( c );
     return enough ? RF_OK : rf_fail( error, RF_ERROR_MEMORY, "no memory left for pieces of %d frames", frames );
 }

@@ -27,10 +27,10 @@ typedef struct RfTestPieces
 } RfTestPieces;
 
 // Chooses pieces such that about so many pixels of each frame are traced, or the whole pictures if that is not far from
-// all; `centre` is the frame in which the pieces are blocks. Fails with RF_ERROR_MEMORY. Free with
+// all; `centre` is the frame in which the pieces are blocks. `filtered`: pixels get samples from beside them, too. Fails with RF_ERROR_MEMORY. Free with
 // rf_destroy_test_pieces, also after a failure.
-RfResult rf_choose_pieces( const RfTracer* tracer, const RfEye* eyes, int frames, int centre, double pixels, uint64_t seed,
-                           RfTestPieces* pieces, RfError* error );
+RfResult rf_choose_pieces( const RfTracer* tracer, const RfEye* eyes, int frames, int centre, double pixels, bool filtered,
+                           uint64_t seed, RfTestPieces* pieces, RfError* error );
 
 // Frees pieces and clears them.
 void rf_destroy_test_pieces( RfTestPieces* pieces );

@@ -25,6 +25,7 @@ typedef struct RfPieceChooser
     bool blurred;      // some of them
     RfLensSample lens; // where the points are followed from
     RfTestPieces* pieces;
+    uint8_t* around; // the same with the cells beside them, whose samples a pixel filter spreads to them; NULL: none
     uint8_t* target; // by frame and cell: 1 + the piece; 0: none
     RfPiecePoints points;
 } RfPieceChooser;

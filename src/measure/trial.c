@@ -3,6 +3,7 @@
 #include "base/remedy.h"
 
 #include "base/random.h"
+#include "film/pixel_filter.h"
 #include "reframe/measure.h"
 #include "measure/trial_pair.h"
 #include "reuse/tile.h"
@@ -116,8 +117,8 @@ RfResult rf_create_test_region( const RfTracer* tracer, const RfEye* eyes, int e
     region->first = clamp( centre - region->frames / 2, 0, eye_count - region->frames );
     region->eyes = eyes + region->first;
     uint64_t seed = rf_mix64( settings->seed ) ^ (uint64_t)centre;
-    RfResult result =
-        rf_choose_pieces( tracer, region->eyes, region->frames, centre - region->first, pixels, seed, &region->pieces, error );
+    RfResult result = rf_choose_pieces( tracer, region->eyes, region->frames, centre - region->first, pixels,
+                                        !rf_is_plain_filter( settings ), seed, &region->pieces, error );
     if ( result != RF_OK )
         return result;
     size_t slots = (size_t)region->pieces.first_slot[region->frames];

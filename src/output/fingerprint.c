@@ -33,6 +33,9 @@ void rf_frame_fingerprint( const RfOutput* output, int frame, char text[RF_FINGE
     snprintf( settings, sizeof settings, "noise %.17g time %.17g adaptive %d", s->noise, s->time, adaptive[s->adaptive] );
     if ( s->noise > 0.0 || s->time > 0.0 || s->adaptive != RF_ADAPTIVE_OFF )
         hash = hash_text( hash, settings );
+    snprintf( settings, sizeof settings, "filter %s %.17g", rf_filter_name( s->filter ), s->filter_width );
+    if ( s->filter != RF_FILTER_BOX || s->filter_width != 1.0 ) // a box of one pixel is what frames had before there were others
+        hash = hash_text( hash, settings );
     char aovs[RF_AOVS_TEXT_SIZE];
     rf_format_aovs( s->aovs, aovs, sizeof aovs );
     snprintf( settings, sizeof settings, "runs %d", path->run_count );
@@ -45,6 +48,11 @@ void rf_frame_fingerprint( const RfOutput* output, int frame, char text[RF_FINGE
         hash = hash_text( hash, rf_estimator_name( s->estimator ) );
     if ( s->reconstruction != RF_RECONSTRUCTION_WEIGHTED )
         hash = hash_text( hash, rf_reconstruction_name( s->reconstruction ) );
+    const RfScene* scene = rf_tracer_scene( output->tracer );
+    snprintf( settings, sizeof settings, "effects forced %llx without %llx", (unsigned long long)scene->effects_forced,
+              (unsigned long long)scene->effects_left_out );
+    if ( ( scene->effects_forced | scene->effects_left_out ) != 0 ) // likewise
+        hash = hash_text( hash, settings );
     snprintf( text, RF_FINGERPRINT_SIZE, "%016llx", (unsigned long long)hash );
 }
 

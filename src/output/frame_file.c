@@ -12,7 +12,7 @@
 #include <string.h>
 
 #define MAX_NAME 4096
-#define TEXT_SIZE RF_AOVS_TEXT_SIZE // the longest text that is made here
+#define TEXT_SIZE RF_EFFECTS_TEXT_SIZE // the longest text that is made here
 
 RfFrameFiles rf_default_frame_files( void )
 {
@@ -38,6 +38,8 @@ typedef enum Key
     SEED,
     MAX_DEPTH,
     LIGHT_SAMPLES,
+    FILTER,
+    FILTER_WIDTH,
     ADAPTIVE,
     NOISE,
     TIME,
@@ -51,6 +53,9 @@ typedef enum Key
     AOV,
     ESTIMATOR,
     RECONSTRUCTION,
+    EFFECTS,
+    NO_EFFECT,
+    CALLS_FOR,
     DEVICE,
     FINGERPRINT,
     KEY_COUNT
@@ -71,6 +76,8 @@ static const char* const s_names[KEY_COUNT] = {
     [SEED] = "reframe/seed",
     [MAX_DEPTH] = "reframe/max-depth",
     [LIGHT_SAMPLES] = "reframe/light-samples",
+    [FILTER] = "reframe/filter",
+    [FILTER_WIDTH] = "reframe/filter-width",
     [ADAPTIVE] = "reframe/adaptive",
     [NOISE] = "reframe/noise",
     [TIME] = "reframe/time",
@@ -84,6 +91,9 @@ static const char* const s_names[KEY_COUNT] = {
     [AOV] = "reframe/aov",
     [ESTIMATOR] = "reframe/estimator",
     [RECONSTRUCTION] = "reframe/reconstruction",
+    [EFFECTS] = "reframe/effects",
+    [NO_EFFECT] = "reframe/no-effect",
+    [CALLS_FOR] = "reframe/calls-for",
     [DEVICE] = "reframe/device",
     [FINGERPRINT] = "reframe/fingerprint",
 };
@@ -120,6 +130,11 @@ static void put_settings( Attributes* a, const RfRenderSettings* s )
     put( a, SEED, "%llu", (unsigned long long)s->seed );
     put( a, MAX_DEPTH, "%d", s->max_depth );
     put( a, LIGHT_SAMPLES, "%d", s->light_samples );
+    if ( s->filter != RF_FILTER_BOX || s->filter_width != 1.0 )
+    {
+        put_text( a, FILTER, rf_filter_name( s->filter ) );
+        put( a, FILTER_WIDTH, "%.9g", s->filter_width );
+    }
     if ( s->adaptive != RF_ADAPTIVE_OFF )
         put_text( a, ADAPTIVE, s->adaptive == RF_ADAPTIVE_ON ? "yes" : rf_adaptive_name( s->adaptive ) );
     if ( s->noise > 0.0 )
@@ -132,6 +147,20 @@ static void put_settings( Attributes* a, const RfRenderSettings* s )
         put_text( a, ESTIMATOR, rf_estimator_name( s->estimator ) );
     if ( s->reconstruction != RF_RECONSTRUCTION_WEIGHTED )
         put_text( a, RECONSTRUCTION, rf_reconstruction_name( s->reconstruction ) );
+}
+
+// Of options: nothing where none was given.
+static void put_effects( Attributes* a, const RfScene* scene )
+{
+    char names[RF_EFFECTS_TEXT_SIZE];
+    rf_format_effects( scene->effects_left_out, names, sizeof names );
+    if ( scene->effects_left_out != 0 )
+        put( a, NO_EFFECT, "%s", names );
+    rf_format_effects( scene->effects_forced, names, sizeof names );
+    if ( scene->effects_forced != 0 )
+        put( a, EFFECTS, "%s",
+             ( scene->effects_forced | scene->effects_left_out ) == ( rf_forcible_effects() | scene->effects_left_out ) ? "all"
+                                                                                                                        : names );
 }
 
 static void put_frame( Attributes* a, const RfOutput* output, const RfFrameResult* frame )
@@ -154,6 +183,8 @@ static void put_frame( Attributes* a, const RfOutput* output, const RfFrameResul
     }
     if ( output->settings.noise > 0.0 )
         put_text( a, REACHED, frame->reached ? "yes" : "no" );
+    put_effects( a, rf_tracer_scene( output->tracer ) );
+    put_text( a, CALLS_FOR, output->calls_for );
     put( a, NATIVE_SPP, "%.9g", frame->native_spp );
     put( a, EFFECTIVE_SPP, "%.6g", frame->effective_spp );
     put_text( a, DEVICE, rf_tracer_device( output->tracer ) );
@@ -228,8 +259,12 @@ static const char* absent_value( Key key )
         case ADAPTIVE: return rf_adaptive_name( RF_ADAPTIVE_OFF );
         case NOISE:
         case TIME: return "0";
-        case AOV: return "none";
         case RECONSTRUCTION: return rf_reconstruction_name( RF_RECONSTRUCTION_WEIGHTED );
+        case AOV:
+        case NO_EFFECT: return "none";
+        case EFFECTS: return "auto";
+        case FILTER: return rf_filter_name( RF_FILTER_BOX );
+        case FILTER_WIDTH: return "1";
         case ESTIMATOR: return rf_estimator_name( rf_default_render_settings().estimator );
         default: return "";
     }
@@ -273,8 +308,9 @@ static void add_roulette( const RfOutput* output, const char* name, int frame, R
 
 int rf_list_frame_differences( const RfOutput* output, int frame, RfFrameDifference list[RF_MAX_DIFFERENCES] )
 {
-    static const Key keys[] = { VERSION, FRAME,     CAMERA,        FRAMES,   GROUP, SPP,  TILE, WEIGHTS,   NORMALIZE,
-                                SEED,    MAX_DEPTH, LIGHT_SAMPLES, ADAPTIVE, NOISE, TIME, AOV,  ESTIMATOR, RECONSTRUCTION };
+    static const Key keys[] = { VERSION,   FRAME,   CAMERA,    FRAMES,        GROUP,        SPP,           TILE, WEIGHTS,
+                                NORMALIZE, SEED,    MAX_DEPTH, LIGHT_SAMPLES, ADAPTIVE,     NOISE,         TIME, AOV,
+                                ESTIMATOR, EFFECTS, NO_EFFECT, FILTER,        FILTER_WIDTH, RECONSTRUCTION };
     char name[MAX_NAME], there[RF_DIFFERENCE_SIZE];
     int count = 0;
     Attributes wanted;

@@ -13,6 +13,11 @@ const char* const rf_reconstruction_words[] = {
     [RF_RECONSTRUCTION_NONE] = "none",
     NULL,
 };
+const char* const rf_filter_words[] = { [RF_FILTER_BOX] = "box",
+                                        [RF_FILTER_TENT] = "tent",
+                                        [RF_FILTER_GAUSSIAN] = "gaussian",
+                                        [RF_FILTER_BLACKMAN_HARRIS] = "blackman-harris",
+                                        NULL };
 const char* const rf_adaptive_words[] = { [RF_ADAPTIVE_AUTO] = "auto", [RF_ADAPTIVE_ON] = "on", [RF_ADAPTIVE_OFF] = "off", NULL };
 
 const char* rf_weights_name( RfWeights weights ) { return rf_weights_words[weights]; }
@@ -20,5 +25,7 @@ const char* rf_weights_name( RfWeights weights ) { return rf_weights_words[weigh
 const char* rf_normalize_name( RfNormalize normalize ) { return rf_normalize_words[normalize]; }
 
 const char* rf_reconstruction_name( RfReconstruction reconstruction ) { return rf_reconstruction_words[reconstruction]; }
+
+const char* rf_filter_name( RfFilter filter ) { return rf_filter_words[filter]; }
 
 const char* rf_adaptive_name( RfAdaptive adaptive ) { return rf_adaptive_words[adaptive]; }

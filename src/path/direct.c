@@ -246,7 +246,8 @@ int rf_sample_lights( const RfPathSettings* settings, const RfWavefront* keys, c
     if ( rf_tracer_is_textured( settings->tracer ) )
         look_up_radiance( rf_tracer_scene( settings->tracer ), lights, count, scratch, &points );
     connect( vertices, &points, out, scratch );
-    if ( points.non_area_count > 0 )
+    if ( rf_calls_for( points.non_area_count > 0, RF_EFFECT_PUNCTUAL_LIGHTS ) ||
+         rf_calls_for( points.non_area_count > 0, RF_EFFECT_ENVIRONMENT ) )
         connect_non_area( lights, keys, vertices, &points, dimension, out, scratch );
     int kept = compact_segments( out, count, scratch );
     const float* o[3] = { scratch->o[0], scratch->o[1], scratch->o[2] };

@@ -76,6 +76,7 @@ RfPunctualEnvironmentSample rf_sample_punctual_environment( const RfLights* ligh
                                                             uint32_t dimension, const float u[2], RfVec3 from )
 {
     int number = (int)( selection.light - lights->triangle_count );
-    return number < lights->punctual_count ? sample_punctual( lights, lights->punctual + number, selection.probability, from )
-                                           : sample_sky( lights, key, dimension, u, selection.probability, from );
+    return rf_calls_for( number < lights->punctual_count, RF_EFFECT_PUNCTUAL_LIGHTS )
+               ? sample_punctual( lights, lights->punctual + number, selection.probability, from )
+               : sample_sky( lights, key, dimension, u, selection.probability, from );
 }

@@ -85,7 +85,7 @@ static void fill_emission( RfVertexLanes* v, int i, const RfLights* lights, uint
     if ( index == RF_NO_LIGHT )
         return;
     const RfLight* light = lights->light + index;
-    if ( facing <= 0.0f && !light->two_sided )
+    if ( facing <= 0.0f && !rf_calls_for( light->two_sided, RF_EFFECT_TWO_SIDED_EMISSION ) )
         return;
     put( v->emission, i, light->radiance );
     float cos_light = fabsf( facing );
@@ -124,7 +124,8 @@ static inline void fill_lane( const Source* from, RfVertexLanes* restrict v, int
     float facing = rf_dot( t->ng, wo );
     float side = facing < 0.0f ? -1.0f : 1.0f;
     RfVec3 ng = rf_scale( t->ng, side );
-    RfVec3 n = t->flat ? ng : shading_normal( t, bu, bv, side, ng );
+    bool smooth = rf_calls_for( !t->flat, RF_EFFECT_INTERPOLATED_NORMALS );
+    RfVec3 n = smooth ? shading_normal( t, bu, bv, side, ng ) : ng;
     put( v->p, i, hit.p );
     put( v->ng, i, ng );
     put( v->n, i, n );
@@ -147,6 +148,8 @@ typedef struct Hit
 // Applies the normal textures of the surface and of its coat.
 static void look_up_normals( const RfScene* scene, const RfMaterial* m, const Hit* hit, RfVec3 ng, RfVertexLanes* v, int i )
 {
+    if ( !rf_is_built( RF_EFFECT_NORMAL_MAPS ) )
+        return;
     RfVec3 n = rf_scale( rf_vec3( v->n[0][i], v->n[1][i], v->n[2][i] ), hit->side );
     if ( m->textured->refs[RF_TEXTURE_NORMAL].texture >= 0 )
         put( v->n, i, rf_scale( rf_normal_at( scene, m, hit->triangle, hit->u, hit->v, n, ng ), hit->side ) );
@@ -209,6 +212,8 @@ static void fill_vertices( const RfTracer* tracer, const RfRayLanes* rays, RfVer
     for ( int kind = 0; kind < RF_BSDF_KIND_COUNT; ++kind )
     {
         int first = vertices->first[kind], end = vertices->first[kind + 1];
+        if ( !rf_is_model_built( (RfBsdfKind)kind ) )
+            continue;
         if ( rf_tracer_is_textured( tracer ) )
             look_up_textures( rf_tracer_scene( tracer ), &from, (RfBsdfKind)kind, vertices );
         else

@@ -37,7 +37,10 @@ static void evaluate_kinds( const RfVertexLanes* v, int kinds, const float* cons
 {
     const float* wo[3] = { v->wo[0], v->wo[1], v->wo[2] };
     for ( int kind = 0; kind < kinds; ++kind )
-        rf_evaluate_seen_from( v, (RfBsdfKind)kind, wo, wi, f, pdf_solid_angle );
+    {
+        if ( rf_is_model_built( (RfBsdfKind)kind ) )
+            rf_evaluate_seen_from( v, (RfBsdfKind)kind, wo, wi, f, pdf_solid_angle );
+    }
 }
 
 void rf_evaluate_lanes( const RfVertexLanes* v, const float* const wi[3], float* const f[3], float* pdf_solid_angle )
@@ -51,7 +54,7 @@ static void sample_evaluable_lanes( const RfVertexLanes* v, const RfLaneScratch*
     for ( int kind = 0; kind < RF_BSDF_FIRST_UNEVALUABLE; ++kind )
     {
         int first = v->first[kind], count = v->first[kind + 1] - first;
-        if ( count == 0 )
+        if ( count == 0 || !rf_is_model_built( (RfBsdfKind)kind ) )
             continue;
         RfBsdfLanes lanes = bsdf_lanes( v, first );
         const float* wo[3] = { v->wo[0] + first, v->wo[1] + first, v->wo[2] + first };
@@ -66,7 +69,7 @@ static void sample_unevaluable_lanes( const RfVertexLanes* v, RfLaneScratch* s, 
     for ( int kind = RF_BSDF_FIRST_UNEVALUABLE; kind < RF_BSDF_KIND_COUNT; ++kind )
     {
         int first = v->first[kind], count = v->first[kind + 1] - first;
-        if ( count == 0 )
+        if ( count == 0 || !rf_is_model_built( (RfBsdfKind)kind ) )
             continue;
         RfBsdfLanes lanes = bsdf_lanes( v, first );
         const float* wo[3] = { v->wo[0] + first, v->wo[1] + first, v->wo[2] + first };
@@ -196,7 +199,7 @@ static void scatter( const RfPathSettings* settings, RfWavefront* wavefront, con
 
 void rf_absorb( const RfVertexLanes* v, RfRayLanes* rays )
 {
-    for ( int i = v->first[RF_BSDF_GLASS]; i < v->first[RF_BSDF_GLASS + 1]; ++i )
+    for ( int i = v->first[RF_BSDF_GLASS]; rf_is_built( RF_EFFECT_ABSORPTION ) && i < v->first[RF_BSDF_GLASS + 1]; ++i )
     {
         int r = v->ray[i];
         RfVec3 transmittance = rf_transmittance_from( v, i, rf_vec3( rays->o[0][r], rays->o[1][r], rays->o[2][r] ) );

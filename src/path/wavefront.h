@@ -109,7 +109,7 @@ static inline RfVec3 rf_transmittance( RfVec3 absorption, float distance )
 static inline RfVec3 rf_transmittance_from( const RfVertexLanes* v, int i, RfVec3 o )
 {
     RfVec3 absorption = rf_vec3( v->absorption[0][i], v->absorption[1][i], v->absorption[2][i] );
-    if ( rf_max_component( absorption ) == 0.0f )
+    if ( !rf_calls_for( rf_max_component( absorption ) > 0.0f, RF_EFFECT_ABSORPTION ) )
         return rf_vec3( 1, 1, 1 );
     return rf_transmittance( absorption, rf_length( rf_sub( rf_vec3( v->p[0][i], v->p[1][i], v->p[2][i] ), o ) ) );
 }

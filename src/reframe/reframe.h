@@ -48,6 +48,7 @@
 #include "reframe/aov.h"
 #include "reframe/camera.h"
 #include "reframe/convert.h"
+#include "reframe/effects.h"
 #include "reframe/error.h"
 #include "reframe/image.h"
 #include "reframe/measure.h"

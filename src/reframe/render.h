@@ -38,6 +38,24 @@ typedef enum RfNormalize
     RF_NORMALIZE_NONE,     // A: unbiased, noisy
 } RfNormalize;
 
+// How samples count in the pixels around them. The width w of each is Blender's.
+typedef enum RfFilter
+{
+    RF_FILTER_BOX,             // evenly over a square of w pixels: with w = 1 in their own pixel, which is fastest
+    RF_FILTER_TENT,            // falls linearly to 0 at w pixels
+    RF_FILTER_GAUSSIAN,        // a standard deviation of w/4, cut off at w pixels
+    RF_FILTER_BLACKMAN_HARRIS, // a window that reaches w pixels to each side
+} RfFilter;
+
+#define RF_MIN_FILTER_WIDTH 0.5 // pixels
+#define RF_MAX_FILTER_WIDTH 4.0
+
+// "box", "tent", "gaussian", "blackman-harris".
+const char* rf_filter_name( RfFilter filter );
+
+// 1, 1, 1.5 and 1.5 pixels.
+double rf_default_filter_width( RfFilter filter );
+
 // "exact", "eq15", "unweighted".
 const char* rf_weights_name( RfWeights weights );
 
@@ -140,8 +158,10 @@ typedef struct RfRenderSettings
     RfWeights weights;
     RfNormalize normalize;
     RfReconstruction reconstruction; // of "gradient"
-    int max_depth;     // path vertices after the eye
-    int light_samples; // per vertex
+    int max_depth;                   // path vertices after the eye
+    int light_samples;               // per vertex
+    RfFilter filter;                 // of the pixels; depth and motion have the box of one pixel whatever it is
+    double filter_width;             // pixels; 0: the filter's default
     RfLightSampling light_sampling;
     uint64_t seed;
     int threads;            // 0: all cores
@@ -166,14 +186,15 @@ typedef struct RfRenderSettings
 #define RF_MAX_THREADS 4096
 #define RF_MAX_IMAGE_SIDE ( 1 << 15 ) // pixels
 
-// 28 samples, the group that the plan chooses, tiles of 3×3, extra samples where they pay, exact weights, depth 12, seed 1,
+// 28 samples, the group that the plan chooses, tiles of 3×3, extra samples where they pay, exact weights, a box of one
+// pixel as filter, depth 12, seed 1,
 // all cores, half of the free memory, no AOVs, no files.
 RfRenderSettings rf_default_render_settings( void );
 
 // The settings as a render of this path will use them: the group chosen by the plan
 // (reframe/plan.h: some thousand paths are traced for RF_GROUP_AUTO) and cut to
 // the path, spp rounded up to what its groups need, threads and memory filled
-// in, normalisation that the weights allow, RF_ADAPTIVE_AUTO off where no frame can
+// in, the width of the filter, normalisation that the weights allow, RF_ADAPTIVE_AUTO off where no frame can
 // have extra samples. Rendering with the result is the
 // same as with the settings. Fails with RF_ERROR_USAGE for values out of range.
 RfResult rf_resolve_settings( const RfTracer* tracer, const RfEye* eyes, int eye_count, const RfRenderSettings* settings,

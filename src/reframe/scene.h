@@ -11,6 +11,7 @@
 #ifndef REFRAME_SCENE_H
 #define REFRAME_SCENE_H
 
+#include "reframe/effects.h"
 #include "reframe/error.h"
 #include "reframe/types.h"
 
@@ -64,19 +65,6 @@ typedef struct RfCameraInfo
 // Describes camera `index`, 0 to RfSceneInfo.cameras - 1, at `fps`; 0/0 is the scene's own rate, else 24. Fails with RF_ERROR_USAGE for an index
 // or a rate out of range, with RF_ERROR_SCENE for a path of more than 1,000,000 frames.
 RfResult rf_scene_camera( const RfScene* scene, int index, RfFps fps, RfCameraInfo* info, RfError* error );
-
-#define RF_MAX_EFFECTS 32
-
-// An effect of light, material or camera, and whether a scene requires it.
-typedef struct RfEffect
-{
-    const char* name; // a stable word, such as "phong"
-    bool on;
-    char why[160]; // the material or camera that requires it, or why it is not required
-} RfEffect;
-
-// Fills `effects` in a fixed order and returns their number, on or off.
-int rf_list_effects( const RfScene* scene, RfEffect effects[RF_MAX_EFFECTS] );
 
 // A scene with its acceleration structure and light distribution. Rays may be traced
 // from many threads at a time.

@@ -22,6 +22,7 @@ static RfEstimatorGroup pilot_group( const RfRenderer* r, int frame )
     first = first > 0 ? first : 0;
     RfEstimatorGroup group = rf_frames_as_group( r, first, eyes, (int)PILOT_GROUP );
     group.first_hits_only = true;
+    group.filter = NULL;
     return group;
 }
 
@@ -69,7 +70,7 @@ static bool look_for_gain( RfRenderer* r, RfEstimatorGroup group, RfLiveFilm* li
         drawn[i] = (float)fmax( LOOK_SHARE, LOOK_PIXELS / (double)pixels );
     group.need = drawn;
     run_pilot_pass( r, &group, PILOT_PASSES, live, samples );
-    RfPilotSums sums = { live->need, noise_sums( r, live ), samples, pixels, 1.0f, group.eye_count };
+    RfPilotSums sums = { live->need, noise_sums( r, live ), samples, pixels, 1.0f, group.eye_count, rf_extra_worth( r ) };
     bool pays = rf_extra_may_pay( &sums );
     memset( live->need, 0, rf_need_bytes( &r->sizes ) );
     rf_clear_film( live->films );
@@ -84,7 +85,7 @@ static void find_need( RfRenderer* r, RfLiveFilm* live )
     for ( int pass = 0; pass < PILOT_PASSES; ++pass )
         run_pilot_pass( r, &group, pass, live, NULL );
     size_t pixels = (size_t)r->sizes.width * (size_t)r->sizes.height;
-    RfPilotSums sums = { live->need, noise_sums( r, live ), NULL, pixels, PILOT_PASSES, group.eye_count };
+    RfPilotSums sums = { live->need, noise_sums( r, live ), NULL, pixels, PILOT_PASSES, group.eye_count, rf_extra_worth( r ) };
     live->most_need = rf_set_need( &sums );
     rf_clear_film( live->films );
 }
@@ -99,6 +100,6 @@ void rf_run_pilot( RfRenderer* r, RfLiveFilm* live )
         find_need( r, live );
     }
     // without extra samples the sums are those of a render without adaptive sampling, bit for bit
-    live->films[0].total_every =
-        rf_film_total_every( r->plan.eyes + ( live->most_need > 0.0f ? rf_most_extra( r->memory.noise != NULL ) : 0 ) );
+    live->films[0].total_every = rf_film_total_every( r->plan.eyes * rf_filter_pixels( &r->settings ) +
+                                                      ( live->most_need > 0.0f ? rf_most_extra( r->memory.noise != NULL ) : 0 ) );
 }

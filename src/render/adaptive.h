@@ -21,6 +21,10 @@
 // passes, so that E[B] stays 1 (src/reuse/estimators.md, section 2). Which tiles get one is
 // drawn from the pilot's ρ and random numbers that no path uses: the choice is independent
 // of the samples, so there is no bias.
+//
+// With a pixel filter other than the plain one, extra samples of a pixel are drawn by its filter and count in that pixel
+// alone, while those of passes count in all pixels around them: so an extra sample is worth less, and both it and the
+// pixel's number of passes are weighted by that.
 #ifndef REFRAME_RENDER_ADAPTIVE_H
 #define REFRAME_RENDER_ADAPTIVE_H
 
@@ -31,6 +35,9 @@
 #define RF_MOST_EXTRA_NOISY 16
 
 static inline int rf_most_extra( bool noisy ) { return noisy ? RF_MOST_EXTRA_NOISY : RF_MOST_EXTRA; }
+
+// Weight of an extra sample beside one of a pass.
+static inline double rf_extra_worth( const RfRenderer* r ) { return rf_is_plain_filter( &r->settings ) ? 1.0 : r->filter.worth; }
 
 // Runs the pilot of a frame whose film has just been cleared and fills live->need and live->most_need.
 void rf_run_pilot( RfRenderer* renderer, RfLiveFilm* live );

@@ -23,7 +23,8 @@ static uint64_t trace_extra( RfRenderer* r, const RfPass* pass, RfLiveFilm* live
         {
             void* batch = r->memory.batches[i];
             estimator->trace( pass->group, ( RfTraceJob ){ 0, first + i, pass->number }, batch, scratch, &mine );
-            samples += estimator->count_samples( batch, (float)pass->weight, live->films[0].extra[pass->half] );
+            samples += estimator->count_samples( batch, (float)( pass->weight * rf_extra_worth( r ) ),
+                                                 live->films[0].extra[pass->half] );
         }
 #pragma omp critical
         rf_add_rays( &rays, &mine );
@@ -41,6 +42,7 @@ void rf_accumulate_extra( RfRenderer* r, const RfPass* pass, RfLiveFilm* live, i
     {
         rf_set_float_mode();
         RfAccumulateJob job = rf_accumulate_job( r, live, pass, band, bands );
+        job.weight *= pass->group->filter != NULL ? (float)rf_extra_worth( r ) : 1.0f;
         void* scratch = r->memory.accumulate_scratch[omp_get_thread_num()];
         uint64_t landed = r->settings.estimator->accumulate( pass->group, job, r->memory.batches, count, scratch );
 #pragma omp atomic
@@ -57,7 +59,7 @@ static uint64_t render_round( RfRenderer* r, const RfPass* pass, RfLiveFilm* liv
     group.need = live->need;
     group.round = round;
     group.packed = packed;
-    RfPass extra = { &group, rf_most_extra( packed ) * pass->number + ( packed ? 0 : round ), pass->half, pass->weight };
+    RfPass extra = { &group, rf_most_extra( packed ) * pass->number + ( packed ? 0 : round ), pass->half, pass->weight, 0 };
     int jobs = r->sizes.of_estimator.jobs;
     uint64_t samples = 0;
     for ( int first = 0; first < jobs; first += r->memory.batch_slots )

@@ -17,17 +17,17 @@
 #define SOME_PIXELS 4096
 
 // rf_extra_threshold for gains from `least_gain` on.
-static double threshold( const double* counts, int bins, double all, int eyes, double least_gain )
+static double threshold( const double* counts, int bins, double all, int eyes, double worth, double least_gain )
 {
     double best = 1.0, least = 0.0, without = 0.0;
-    for ( int step = 0; step <= 10 * ( RF_MOST_EXTRA - 1 ); ++step )
+    for ( int step = 0; step <= 10 * ( RF_MOST_EXTRA - 1 ) * fmin( worth, 1.0 ); ++step )
     {
         double theta = 1.0 + 0.1 * step, error = 0.0, cost = all * ( 1.0 + COST_OF_EYE * ( eyes - 1 ) );
         for ( int b = 0; b < bins; ++b )
         {
             double info = (double)bins / ( b + 1 );
             error += counts[b] / fmax( info, theta );
-            cost += counts[b] * COST_OF_EXTRA * fmax( 0.0, theta - info );
+            cost += counts[b] * COST_OF_EXTRA * fmax( 0.0, theta - info ) / worth;
         }
         without = step == 0 ? error * cost : without;
         if ( step > 0 && error * cost >= least )
@@ -40,7 +40,7 @@ static double threshold( const double* counts, int bins, double all, int eyes, d
 
 double rf_extra_threshold( const double* counts, int bins, double all, int eyes )
 {
-    return threshold( counts, bins, all, eyes, LEAST_GAIN );
+    return threshold( counts, bins, all, eyes, 1.0, LEAST_GAIN );
 }
 
 // The mean of ρ over the passes.
@@ -53,9 +53,9 @@ static float pixel_variance( const RfPilotSums* sums, size_t i )
 }
 
 // Extra samples of a pixel in a pass.
-static float extra_of( float share, float variance, double theta )
+static float extra_of( const RfPilotSums* sums, float share, float variance, double theta )
 {
-    float extra = fmaxf( 0.0f, (float)theta * sqrtf( variance ) - 1.0f / share );
+    float extra = fmaxf( 0.0f, (float)theta * sqrtf( variance ) - 1.0f / share ) / (float)sums->worth;
     return fminf( extra, RF_MOST_EXTRA_NOISY );
 }
 
@@ -76,7 +76,7 @@ static double threshold_alike( const RfPilotSums* sums, double least_gain )
         count_share( pixel_share( sums, i ), counts );
         seen += 1.0;
     }
-    return threshold( counts, BINS, seen, sums->eyes, least_gain );
+    return threshold( counts, BINS, seen, sums->eyes, sums->worth, least_gain );
 }
 
 // Error times cost for a theta, over some pixels.
@@ -91,8 +91,8 @@ static double error_times_cost( const RfPilotSums* sums, size_t stride, double t
         float share = pixel_share( sums, i );
         if ( share <= 0.0f )
             continue;
-        float extra = extra_of( share, pixel_variance( sums, i ), theta );
-        error += (double)( pixel_variance( sums, i ) / ( 1.0f / share + extra ) );
+        float extra = extra_of( sums, share, pixel_variance( sums, i ), theta );
+        error += (double)( pixel_variance( sums, i ) / ( 1.0f / share + (float)sums->worth * extra ) );
         cost += COST_OF_EXTRA * (double)extra;
     }
     return error * ( seen * ( 1.0 + COST_OF_EYE * ( sums->eyes - 1 ) ) + cost );
@@ -127,7 +127,7 @@ float rf_set_need( const RfPilotSums* sums )
     for ( size_t i = 0; i < sums->pixels; ++i )
     {
         float share = pixel_share( sums, i );
-        sums->share[i] = share > 0.0f ? extra_of( share, pixel_variance( sums, i ), theta ) : 0.0f;
+        sums->share[i] = share > 0.0f ? extra_of( sums, share, pixel_variance( sums, i ), theta ) : 0.0f;
         most = fmaxf( most, sums->share[i] );
     }
     return most;

@@ -13,7 +13,8 @@ typedef struct RfPilotSums
     const float* samples; // camera rays of the pixel; NULL: one in each pass
     size_t pixels;
     float passes;
-    int eyes; // of the group
+    int eyes;     // of the group
+    double worth; // of an extra sample beside one of a pass: 1 without a pixel filter (film/pixel_filter.h)
 } RfPilotSums;
 
 // Do enough pixels of a coarse look lack samples for a pilot to be worth it?

@@ -89,11 +89,12 @@ static void render_blocks( RfRenderer* r, int frame, RfLiveFilm* live )
 {
     RfEstimatorGroup group = rf_frames_as_group( r, frame, 1, (int)NOISE_GROUP );
     group.need = live->need;
+    group.filter = NULL;
     live->frame = frame;
     int jobs = r->sizes.of_estimator.jobs, slots = r->memory.batch_slots;
     for ( int half = 0; half < 2; ++half )
     {
-        RfPass pass = { &group, half, half, 1 };
+        RfPass pass = { &group, half, half, 1, 0 };
         for ( int first = 0; first < jobs; first += slots )
         {
             int count = jobs - first < slots ? jobs - first : slots;

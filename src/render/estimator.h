@@ -17,19 +17,41 @@
 
 #include "film/aov_film.h"
 #include "film/film.h"
+#include "film/pixel_filter.h"
 #include "reframe/render.h"
 
-// What a scene calls for, found once per render. Memory is laid out by it.
+// The flags of a scene's traits, each with the effect of which it is the reason: X( flag, EFFECT ).
+#define RF_TRAIT_LIST( X )                                                                                                       \
+    X( blended, ALPHA_BLEND )  /* some surface lets part of the light straight through (alpha blending) */                       \
+    X( panes, PANES )          /* some may be a thin pane (bsdf/bsdf.h) */                                                       \
+    X( sky, ENVIRONMENT )      /* an environment that is not black */                                                            \
+    X( chains, CHAINS )        /* camera rays may go on: mirrors, glass, smooth metals */                                        \
+    X( mirrors, FLAT_MIRRORS ) /* flat mirrors */                                                                                \
+    X( smooth, SMOOTH_METALS ) /* GGX coats or metals that may be nearly as smooth as mirrors */                                 \
+    X( lens, DEPTH_OF_FIELD )  /* some camera of the path has a lens */                                                          \
+    X( shutter, MOTION_BLUR )  /* some camera of the path moves while its shutter is open */
+
+// What a scene and its camera's path call for, found once per render. Memory is laid out by it.
 typedef struct RfSceneTraits
 {
     unsigned kinds; // bit k: a triangle scatters by RfBsdfKind k
-    bool blended;   // some surface lets part of the light straight through (alpha blending)
-    bool panes;     // some may be a thin pane (bsdf/bsdf.h)
-    bool sky;       // an environment that is not black
-    bool mirrors;   // flat mirrors
-    bool blurred;   // some camera of the path has a lens, or moves while its shutter is open
-    bool smooth;    // GGX coats or metals that may be nearly as smooth as mirrors
+#define RF_TRAIT_FLAG( flag, effect ) bool flag;
+    RF_TRAIT_LIST( RF_TRAIT_FLAG )
+#undef RF_TRAIT_FLAG
+    // what is a matter of the scene alone, whatever is forced
+    bool grouped_chains; // other frames can use what chains find
+    bool scattered;      // the pixels of a batch lie apart: its one point of the lens is not to be seen
 } RfSceneTraits;
+
+// Whether batches have points of the lens and moments of the shutter.
+static inline bool rf_is_blurred( const RfSceneTraits* traits ) { return traits->lens || traits->shutter; }
+
+// Whether camera rays go on through mirrors and glass: where the pixels of a tile, or other frames, can use what they find.
+static inline bool rf_wants_chains( const RfSceneTraits* traits, const RfRenderSettings* settings, int tile_pixels )
+{
+    bool grouped = settings->group != 0 && traits->grouped_chains;
+    return traits->chains && settings->weights == RF_WEIGHTS_EXACT && ( tile_pixels > 1 || grouped );
+}
 
 // A group of frames, as every batch of it sees it.
 typedef struct RfEstimatorGroup
@@ -37,9 +59,10 @@ typedef struct RfEstimatorGroup
     const RfTracer* tracer;           // NULL where only sizes are asked for
     const RfRenderSettings* settings; // resolved
     RfSceneTraits traits;
-    int width, height; // of all films, pixels
-    int max_depth;     // path vertices after the eye: that of the settings, or less
-    const RfEye* eyes; // of the group's frames
+    int width, height;           // of all films, pixels
+    int max_depth;               // path vertices after the eye: that of the settings, or less
+    const RfPixelFilter* filter; // that samples are added by, and those of `need` drawn by; NULL: each counts in its own pixel
+    const RfEye* eyes;           // of the group's frames
     int eye_count;
     int first_frame; // of the path, from 0: the frame of eyes[0]
     int number;      // of the group; with the seed it selects the random numbers
@@ -100,6 +123,7 @@ struct RfEstimator
 {
     const char* name;   // for rf_find_estimator
     int films;          // per frame, 1 to RF_MAX_FILMS. Film 0 is the picture, unless `finish` makes it of all
+    bool filters;       // it heeds RfEstimatorGroup.filter; else settings with another than the plain filter are refused
     bool has_gradients; // films 0 to 2 are values and differences: RF_GRADIENT_AOVS
     RfTile tile;        // that it has where none is asked for (rf_default_tile)
 

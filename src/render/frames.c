@@ -38,6 +38,7 @@ void rf_open_films( RfRenderer* r, int number )
                 rf_clear_traced( r->settings.pieces, frame, live->films + f );
             else
                 rf_clear_film( live->films + f );
+        live->aovs.filter = r->sizes.filtered ? &r->filter : NULL;
         rf_clear_aov_film( &live->aovs, r->sizes.width, r->sizes.height );
         if ( r->sizes.adaptive )
             rf_run_pilot( r, live );

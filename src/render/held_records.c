@@ -77,7 +77,9 @@ RfResult rf_render_held( RfRenderer* r, const RfEstimatorGroup* estimator_group,
     for ( int k = 0; k < group->passes && result == RF_OK; ++k )
     {
         RfPass pass = rf_make_pass( estimator_group, group, k );
+        pass.traced = k * pass.weight; // AOVs are means over them
         result = trace_pass( r, &pass, jobs, &held, error );
+        rf_filter_aovs( r, &pass );
     }
     for ( int k = 0; k < group->passes && result == RF_OK; ++k )
     {

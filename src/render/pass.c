@@ -2,6 +2,7 @@
 
 #include "base/system.h"
 #include "render/adaptive.h"
+#include "render/settings.h"
 
 #include <omp.h>
 #include <stdlib.h>
@@ -20,7 +21,7 @@ static void add_aovs( const RfRenderer* r, const RfPass* pass, int eye, const vo
         .previous = frame > 0 ? r->eyes + frame - 1 : NULL,
         .next = frame + 1 < r->plan.frames ? r->eyes + frame + 1 : NULL,
         .weight = (float)pass->weight,
-        .weight_before = (float)( live->films[0].weight[0] + live->films[0].weight[1] ),
+        .weight_before = (float)( live->films[0].weight[0] + live->films[0].weight[1] + (double)pass->traced ),
     };
     rf_add_to_aovs( &job, r->settings.estimator->first_hits( scratch ) );
 }
@@ -41,7 +42,7 @@ void rf_trace_chunk( RfRenderer* r, const RfPass* pass, int first, int count )
             int number = r->traced_jobs != NULL ? r->traced_jobs[first + i] : first + i;
             RfTraceJob job = { number / jobs, number % jobs, pass->number };
             estimator->trace( pass->group, job, r->memory.batches[i], scratch, &mine );
-            if ( ( r->settings.aovs & RF_FIRST_HIT_AOVS ) != 0 )
+            if ( ( r->settings.aovs & RF_FIRST_HIT_AOVS & rf_built_aovs() ) != 0 )
                 add_aovs( r, pass, job.eye, scratch );
         }
 #pragma omp critical
@@ -76,6 +77,23 @@ void rf_accumulate_chunk( RfRenderer* r, const RfPass* pass, int count )
 #pragma omp atomic
             film->films[0].landed += landed;
         }
+    }
+}
+
+void rf_filter_aovs( RfRenderer* r, const RfPass* pass )
+{
+    if ( !r->sizes.filtered || ( r->settings.aovs & RF_FILTERED_AOVS ) == 0 )
+        return;
+    int height = r->sizes.height, bands = r->settings.threads < height ? r->settings.threads : height;
+#pragma omp parallel for num_threads( r->settings.threads ) schedule( dynamic, 1 )
+    for ( int i = 0; i < r->memory.film_slots * bands; ++i )
+    {
+        const RfLiveFilm* live = r->memory.films + i / bands;
+        int band = i % bands;
+        rf_set_float_mode();
+        if ( live->frame != -1 )
+            rf_spread_aovs( &live->aovs, r->sizes.width, height, (float)pass->weight, height * band / bands,
+                            height * ( band + 1 ) / bands );
     }
 }
 
@@ -164,6 +182,7 @@ RfResult rf_render_pass( RfRenderer* r, const RfPass* pass, RfError* error )
         if ( result != RF_OK )
             return result;
     }
+    rf_filter_aovs( r, pass );
     rf_end_pass( r, pass );
     return RF_OK;
 }

@@ -15,6 +15,9 @@ void rf_accumulate_chunk( RfRenderer* renderer, const RfPass* pass, int count );
 void rf_begin_pass( RfRenderer* renderer );
 void rf_end_pass( RfRenderer* renderer, const RfPass* pass );
 
+// After all batches of a pass are traced: spreads what they left in the AOVs, where there is a pixel filter.
+void rf_filter_aovs( RfRenderer* renderer, const RfPass* pass );
+
 // After `count` batches: reports progress. Fails where the caller interrupts, or failed to take a frame.
 RfResult rf_end_chunk( RfRenderer* renderer, int count, RfError* error );
 

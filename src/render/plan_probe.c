@@ -2,8 +2,6 @@
 // eyes see them, and the rays that it takes.
 #include "render/plan_internal.h"
 
-#include "scene/lens.h"
-
 #define PROBE_SEED 1 // whatever that of the render: the choice of the group is not to depend on it
 
 static RfResult alloc_probe( PlanProbe* p, RfError* error )
@@ -28,8 +26,7 @@ RfResult rf_begin_probe( const RfTracer* tracer, const RfEye* eyes, int eye_coun
     probe->settings.seed = PROBE_SEED;
     probe->arena = rf_create_arena( settings->memory );
     probe->sizes = rf_render_sizes( scene, eyes, &plan, 1, settings );
-    probe->group = rf_size_group( scene, eyes, plan.eyes, &probe->settings );
-    probe->group.traits.blurred = rf_any_blurred( eyes, eye_count );
+    probe->group = rf_size_group( scene, rf_scene_traits( scene, eyes, eye_count ), eyes, plan.eyes, &probe->settings );
     probe->group.tracer = tracer;
     probe->group.max_depth = rf_tracer_lights( tracer )->count > 0 ? settings->max_depth : 1;
     return alloc_probe( probe, error );

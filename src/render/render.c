@@ -5,7 +5,6 @@
 #include "render/pass.h"
 #include "render/settings.h"
 #include "render/until.h"
-#include "scene/lens.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -140,8 +139,9 @@ static RfResult set_up( RfRenderer* r, int eye_count, RfError* error )
     if ( rf_is_stopping( settings ) )
         r->stop = rf_create_stop( &r->plan, settings->spp, settings->noise, settings->time * r->frames_all );
     r->sizes = rf_render_sizes( scene, r->eyes, &r->plan, r->frames_all, settings );
-    r->traits = rf_scene_traits( scene );
-    r->traits.blurred = rf_any_blurred( r->eyes, eye_count );
+    r->traits = rf_running_traits( scene, rf_scene_traits( scene, r->eyes, eye_count ) );
+    if ( !rf_is_plain_filter( settings ) )
+        rf_make_pixel_filter( settings, &r->filter );
     r->memory.arena = rf_create_arena( settings->memory );
     r->start = r->last_frame = rf_wall_seconds();
     r->frame_count = r->frames_all;

@@ -6,7 +6,7 @@
 
 RfPass rf_make_pass( const RfEstimatorGroup* estimator_group, const RfGroup* group, int number )
 {
-    return ( RfPass ){ estimator_group, number, rf_half_of_pass( group, number ), group->weight };
+    return ( RfPass ){ estimator_group, number, rf_half_of_pass( group, number ), group->weight, 0 };
 }
 
 static float* sky_of_half( const RfRenderer* r, const RfLiveFilm* live, int half )
@@ -42,6 +42,7 @@ RfEstimatorGroup rf_frames_as_group( const RfRenderer* r, int first_frame, int e
         .width = r->sizes.width,
         .height = r->sizes.height,
         .max_depth = useful_depth( r ),
+        .filter = rf_is_plain_filter( &r->settings ) ? NULL : &r->filter,
         .eyes = r->eyes + first_frame,
         .eye_count = eye_count,
         .first_frame = first_frame,

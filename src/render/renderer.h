@@ -18,6 +18,7 @@ typedef struct RfRenderer
     RfMemoryFit fit;
     RfRenderSizes sizes;
     RfSceneTraits traits;
+    RfPixelFilter filter; // made unless the settings have the plain one
     RfRenderMemory memory;
     RfFrameQueue queue;
     int* traced_jobs; // of a pass, with settings.pieces; NULL: all jobs
@@ -37,6 +38,7 @@ typedef struct RfPass
     int number;
     int half;   // of the films that it goes to
     int weight; // in the mean of a frame
+    int traced; // weight of the passes before it that are traced and not yet accumulated (held records)
 } RfPass;
 
 RfPass rf_make_pass( const RfEstimatorGroup* estimator_group, const RfGroup* group, int number );

@@ -1,5 +1,6 @@
 // Settings as a render of a path will use them, with the group that the plan chooses.
 #include "reframe/plan.h"
+#include "render/effects.h"
 #include "render/settings.h"
 
 // Never a matter of which frames are asked for.
@@ -21,6 +22,8 @@ RfResult rf_resolve_settings( const RfTracer* tracer, const RfEye* eyes, int eye
                               RfRenderSettings* resolved, RfError* error )
 {
     RfResult result = rf_resolve_common( eyes, eye_count, settings, resolved, error );
+    if ( result == RF_OK )
+        result = rf_check_built( rf_tracer_scene( tracer ), eyes, eye_count, resolved, error );
     if ( result == RF_OK )
         result = choose_group( tracer, eyes, eye_count, resolved, error );
     if ( result != RF_OK )

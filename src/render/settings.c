@@ -10,11 +10,18 @@ static bool can_adapt( const RfRenderSettings* s )
     return e->add_own_shares != NULL && e->count_samples != NULL && e->films == 1 && s->weights == RF_WEIGHTS_EXACT;
 }
 
+double rf_default_filter_width( RfFilter filter ) { return filter == RF_FILTER_BOX || filter == RF_FILTER_TENT ? 1.0 : 1.5; }
+
 static RfResult check_choices( const RfRenderSettings* s, RfError* error )
 {
     if ( (unsigned)s->weights > RF_WEIGHTS_UNWEIGHTED || (unsigned)s->normalize > RF_NORMALIZE_NONE )
         return rf_fail( error, RF_ERROR_USAGE, "there is no weighting %d, or no normalisation %d", (int)s->weights,
                         (int)s->normalize );
+    if ( (unsigned)s->filter > RF_FILTER_BLACKMAN_HARRIS )
+        return rf_fail( error, RF_ERROR_USAGE, "there is no pixel filter %d", (int)s->filter );
+    if ( s->filter_width != 0.0 && !( s->filter_width >= RF_MIN_FILTER_WIDTH && s->filter_width <= RF_MAX_FILTER_WIDTH ) )
+        return rf_fail( error, RF_ERROR_USAGE, "the width of a pixel filter must be %g to %g, got %g", RF_MIN_FILTER_WIDTH,
+                        RF_MAX_FILTER_WIDTH, s->filter_width );
     if ( (unsigned)s->light_sampling > RF_LIGHTS_BY_POWER )
         return rf_fail( error, RF_ERROR_USAGE, "there is no light sampling %d", (int)s->light_sampling );
     if ( (unsigned)s->reconstruction > RF_RECONSTRUCTION_NONE )
@@ -61,6 +68,8 @@ static RfResult check_estimator( const RfRenderSettings* s, RfError* error )
     if ( estimator->films < 1 || estimator->films > RF_MAX_FILMS )
         return rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' asks for %d films, 1 to %d can be had", estimator->name,
                         estimator->films, RF_MAX_FILMS );
+    if ( !rf_is_plain_filter( s ) && !estimator->filters )
+        return rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' has no pixel filter but a box of one pixel", estimator->name );
     if ( s->adaptive == RF_ADAPTIVE_ON &&
          ( estimator->add_own_shares == NULL || estimator->count_samples == NULL || estimator->films > 1 ) )
         return rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' has no adaptive sampling", estimator->name );
@@ -117,6 +126,8 @@ RfResult rf_resolve_common( const RfEye* eyes, int eye_count, const RfRenderSett
         resolved->threads = rf_core_count();
     if ( resolved->memory == 0 )
         resolved->memory = ( rf_free_memory() / 2 ) >> 20 << 20; // whole MiB, as users are told
+    if ( resolved->filter_width == 0.0 )
+        resolved->filter_width = rf_default_filter_width( resolved->filter );
     // the biased weightings count hits, whose expectation is unknown: only the ratio makes sense
     if ( resolved->weights != RF_WEIGHTS_EXACT )
         resolved->normalize = RF_NORMALIZE_RATIO;

@@ -2,11 +2,26 @@
 #ifndef REFRAME_RENDER_SETTINGS_H
 #define REFRAME_RENDER_SETTINGS_H
 
+#include "base/built_in.h"
 #include "reframe/render.h"
 #include "render/groups.h"
 
+// The AOVs that this build has, a set of RF_AOV_BITs: a constant.
+static inline unsigned rf_built_aovs( void )
+{
+    unsigned set = rf_is_built( RF_EFFECT_ALPHA ) ? RF_AOV_BIT( RF_AOV_ALPHA ) : 0;
+#define RF_AOV_BUILT( constant, name, letters, half, first_hit, what )                                                           \
+    set |= rf_is_built( RF_EFFECT_AOV_##constant ) ? RF_AOV_BIT( RF_AOV_##constant ) : 0;
+    RF_AOV_LIST( RF_AOV_BUILT )
+#undef RF_AOV_BUILT
+    return set;
+}
+
 // Is the number of passes decided while rendering?
-static inline bool rf_is_stopping( const RfRenderSettings* settings ) { return settings->noise > 0.0 || settings->time > 0.0; }
+static inline bool rf_is_stopping( const RfRenderSettings* settings )
+{
+    return rf_calls_for( settings->noise > 0.0 || settings->time > 0.0, RF_EFFECT_STOP_RULE );
+}
 
 // Checks settings and eyes and fills in all but the group: threads, memory, normalisation,
 // and adaptive sampling where the estimator or the weights rule it out.

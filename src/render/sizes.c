@@ -5,62 +5,28 @@
 #include "render/adaptive_noise.h"
 #include "render/memory.h"
 #include "render/settings.h"
-#include "scene/lens.h"
-#include "scene/mirrors.h"
-#include "scene/textured.h"
 
 #define BATCHES_PER_THREAD 16 // in a chunk: enough to share out, few enough to stay in the cache
 
 static size_t film_pixels( const RfRenderSizes* s ) { return (size_t)s->width * (size_t)s->height; }
 
-RfSceneTraits rf_scene_traits( const RfScene* scene )
-{
-    RfSceneTraits traits = { .sky = rf_max_component( scene->environment.radiance ) > 0.0f };
-    for ( uint32_t i = 0; i < scene->triangles.count; ++i )
-    {
-        if ( i > 0 && scene->triangles.material[i] == scene->triangles.material[i - 1] )
-            continue;
-        const RfMaterial* material = scene->materials + scene->triangles.material[i];
-        traits.kinds |= 1u << material->kind;
-        traits.blended = traits.blended || rf_is_blended( material );
-        traits.panes = traits.panes || rf_may_be_pane( material );
-        traits.smooth = traits.smooth || rf_may_be_smooth( material );
-    }
-    RfMirrors mirrors;
-    if ( rf_find_mirrors( scene, &mirrors, NULL ) == RF_OK )
-        traits.mirrors = mirrors.count > 0;
-    rf_destroy_mirrors( &mirrors );
-    return traits;
-}
-
-RfEstimatorGroup rf_size_group( const RfScene* scene, const RfEye* eyes, int eye_count, const RfRenderSettings* settings )
-{
-    return ( RfEstimatorGroup ){
-        .settings = settings,
-        .traits = rf_scene_traits( scene ),
-        .width = eyes->width,
-        .height = eyes->height,
-        .max_depth = settings->max_depth,
-        .eyes = eyes,
-        .eye_count = eye_count,
-    };
-}
-
 // Adaptive sampling takes memory wherever it may happen: frames decide one by one.
 static bool may_adapt( const RfRenderSettings* settings, int eyes )
 {
-    return settings->adaptive == RF_ADAPTIVE_ON || ( settings->adaptive == RF_ADAPTIVE_AUTO && eyes > 1 );
+    bool may = settings->adaptive == RF_ADAPTIVE_ON || ( settings->adaptive == RF_ADAPTIVE_AUTO && eyes > 1 );
+    return rf_calls_for( may, RF_EFFECT_ADAPTIVE );
 }
 
 RfRenderSizes rf_render_sizes( const RfScene* scene, const RfEye* eyes, const RfGroupPlan* plan, int films,
                                const RfRenderSettings* settings )
 {
-    RfEstimatorGroup group = rf_size_group( scene, eyes, plan->eyes, settings );
-    group.traits.blurred = rf_any_blurred( eyes, plan->frames );
+    RfSceneTraits called = rf_scene_traits( scene, eyes, plan->frames );
+    RfEstimatorGroup group = rf_size_group( scene, called, eyes, plan->eyes, settings );
     // as many additions to a pixel as eyes, and half of the passes in each half
     bool adaptive = may_adapt( settings, plan->eyes );
-    int materials = adaptive && rf_noise_differs( &group.traits ) ? (int)scene->material_count : 0;
-    int total_every = rf_film_total_every( plan->eyes + ( adaptive ? rf_most_extra( materials > 0 ) : 0 ) );
+    int materials = adaptive && rf_noise_differs( &called ) ? (int)scene->material_count : 0;
+    int total_every =
+        rf_film_total_every( plan->eyes * rf_filter_pixels( settings ) + ( adaptive ? rf_most_extra( materials > 0 ) : 0 ) );
     int64_t most = ( rf_most_passes( plan ) + 1 ) / 2;
     return ( RfRenderSizes ){
         .estimator = settings->estimator,
@@ -75,7 +41,8 @@ RfRenderSizes rf_render_sizes( const RfScene* scene, const RfEye* eyes, const Rf
                                            : 1,
         // of any number of frames: the least budget must not depend on it
         .ring = settings->queue > 1 ? settings->queue : 1,
-        .aovs = settings->aovs,
+        .aovs = settings->aovs & rf_built_aovs(),
+        .filtered = !rf_is_plain_filter( settings ),
         .total_every = rf_film_needs_total( most, total_every ) ? total_every : 0,
         .stopping = rf_is_stopping( settings ),
         .adaptive = adaptive,
@@ -101,7 +68,7 @@ size_t rf_material_noise_bytes( const RfRenderSizes* s )
 size_t rf_aov_film_bytes( const RfRenderSizes* s, int aov )
 {
     bool asked = ( s->aovs & RF_AOV_BIT( aov ) ) != 0;
-    return asked ? film_pixels( s ) * (size_t)rf_aov_film_floats( (RfAov)aov ) * sizeof( float ) : 0;
+    return asked ? film_pixels( s ) * (size_t)rf_aov_film_floats( (RfAov)aov, s->filtered ) * sizeof( float ) : 0;
 }
 
 size_t rf_aov_image_bytes( const RfRenderSizes* s, int aov )

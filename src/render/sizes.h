@@ -17,6 +17,7 @@ typedef struct RfRenderSizes
     int buffers;     // finished frames held at once, if there is room
     int ring;        // and the size of the table of them
     unsigned aovs;   // RF_AOV_BIT of the AOVs asked for
+    bool filtered;   // by another than the plain pixel filter
     int total_every; // passes of a half of a film before it is emptied; 0: never
     bool stopping;   // by noise or time
     bool adaptive;   // films may get extra samples
@@ -25,11 +26,15 @@ typedef struct RfRenderSizes
     size_t held; // bytes of held records besides the batches, the most of any group; with settings.hold_all only
 } RfRenderSizes;
 
-// Scans the triangles and the environment of a scene.
-RfSceneTraits rf_scene_traits( const RfScene* scene );
+// Scans the triangles and the environment of a scene, and the eyes of a path.
+RfSceneTraits rf_scene_traits( const RfScene* scene, const RfEye* eyes, int eye_count );
+
+// What runs where a scene calls for these: without what is left out of it, and with what is forced.
+RfSceneTraits rf_running_traits( const RfScene* scene, RfSceneTraits called );
 
 // A group of `eye_count` eyes for asking an estimator for its sizes.
-RfEstimatorGroup rf_size_group( const RfScene* scene, const RfEye* eyes, int eye_count, const RfRenderSettings* settings );
+RfEstimatorGroup rf_size_group( const RfScene* scene, RfSceneTraits called, const RfEye* eyes, int eye_count,
+                                const RfRenderSettings* settings );
 
 // Sizes with the films of `films` frames held at once. The settings must be resolved.
 RfRenderSizes rf_render_sizes( const RfScene* scene, const RfEye* eyes, const RfGroupPlan* plan, int films,

@@ -4,6 +4,7 @@
 #include "reuse/harvest.h"
 #include "reuse/reprojection.h"
 #include "reuse/splat.h"
+#include "reuse/spread.h"
 #include "scene/lens.h"
 
 #include <string.h>
@@ -12,18 +13,18 @@
 typedef struct Accumulation
 {
     const RfEye* eyes;
-    bool blurred; // each batch has its own point of the lens and moment of the shutter
     const RfMirrors* mirrors;
     RfBatchShape shape;
     RfWeights weights;
-    float weight;         // of the pass in the film
-    void* const* batches; // RfHitBatch, in the order in which they add to the film
+    const RfPixelFilter* filter; // by which samples are spread; NULL: each counts in its own pixel
+    float weight;                // of the pass in the film
+    void* const* batches;        // RfHitBatch, in the order in which they add to the film
     int batch_count;
 } Accumulation;
 
 static RfEye eye_of( const Accumulation* a, int eye, const RfHitBatch* batch )
 {
-    return a->blurred ? rf_sample_eye( a->eyes + eye, batch->lens ) : a->eyes[eye];
+    return rf_is_blurred_shape( &a->shape ) ? rf_sample_eye( a->eyes + eye, batch->lens ) : a->eyes[eye];
 }
 
 // Pixels of the hits at an eye, and their weights r_t = J_t V_t / Σ J_l V_l times `weight` (E1).
@@ -34,14 +35,17 @@ static void reprojection_weights( const Accumulation* a, int eye_index, const Rf
     float weight = a->weight, *restrict ratio = scratch->ratio,
           *filter[3] = { scratch->filter[0], scratch->filter[1], scratch->filter[2] };
     int32_t* pixel = scratch->pixel;
+    float* offset[2] = { scratch->offset[0], scratch->offset[1] };
     bool own = eye_index == batch->eye;
+    for ( int c = 0; c < 2 && own && a->filter != NULL; ++c )
+        memcpy( offset[c], batch->offset[c], (size_t)batch->count * sizeof( float ) );
     if ( own )
     {
         memcpy( pixel, batch->pixel, (size_t)batch->count * sizeof *pixel );
         rf_own_densities( a->mirrors, eye, batch, ratio, filter );
     }
     else
-        rf_project_batch( a->mirrors, eye, batch, pixel, ratio, filter );
+        rf_project_batch( a->mirrors, eye, batch, pixel, ratio, filter, a->filter != NULL ? offset : NULL );
     if ( batch->densities != NULL )
         memcpy( ratio, batch->densities + (size_t)eye_index * RF_LANES, (size_t)batch->count * sizeof *ratio );
     for ( int c = 0; c < 3 && batch->panes[c] != NULL; ++c )
@@ -150,9 +154,10 @@ static void light_glossy( const Accumulation* a, int eye, const RfHitBatch* batc
     }
 }
 
-static bool reaches_rows( const RfHitBatch* batch, RfAccumulateJob job )
+static bool reaches_rows( const Accumulation* a, const RfHitBatch* batch, RfAccumulateJob job )
 {
-    return batch->rows[2 * job.eye] < job.end_row && batch->rows[2 * job.eye + 1] >= job.first_row;
+    int beyond = a->filter != NULL ? a->filter->reach : 0, low = batch->rows[2 * job.eye], high = batch->rows[2 * job.eye + 1];
+    return low <= high && low - beyond < job.end_row && high + beyond >= job.first_row;
 }
 
 // Records which eyes' hits landed in each pixel of the job's rows, for FR (15).
@@ -163,7 +168,7 @@ static void note_landed_eyes( const Accumulation* a, RfAccumulateJob job, RfPixe
     for ( int k = 0; k < a->batch_count; ++k )
     {
         const RfHitBatch* batch = a->batches[k];
-        if ( !reaches_rows( batch, job ) )
+        if ( !reaches_rows( a, batch, job ) )
             continue;
         reproject( a, job.eye, batch, s );
         for ( int i = 0; i < batch->count; ++i )
@@ -175,25 +180,40 @@ static void note_landed_eyes( const Accumulation* a, RfAccumulateJob job, RfPixe
     }
 }
 
+// By the pixel filter.
+static uint64_t spread( const Accumulation* a, int eye, const RfHitBatch* batch, RfPixelRange range,
+                        const RfAccumulateScratch* scratch )
+{
+    RfSpread s = { a->filter, range, a->eyes[eye].width, a->eyes[eye].height };
+    uint64_t landed = rf_spread_hits( batch, scratch, s );
+    return landed + ( eye == batch->eye ? rf_spread_own_frame( batch, !a->shape.own_frame_light, a->weight, s ) : 0 );
+}
+
+// Each sample in its own pixel.
+static uint64_t splat( const Accumulation* a, int eye, const RfHitBatch* batch, RfPixelRange range,
+                       const RfAccumulateScratch* scratch )
+{
+    uint64_t landed = rf_splat_diffuse( batch, scratch, range );
+    if ( rf_glossy_count( batch ) > 0 )
+        landed += rf_splat_glossy( batch, scratch, range );
+    if ( eye != batch->eye )
+        return landed;
+    landed += rf_splat_misses( batch, !a->shape.own_frame_light, a->weight, range );
+    rf_splat_glints( batch, a->weight, range );
+    return landed;
+}
+
 static uint64_t add_batch( const Accumulation* a, RfAccumulateJob job, const RfHitBatch* batch, RfPixelRange range,
                            RfAccumulateScratch* scratch )
 {
-    bool own = job.eye == batch->eye;
     reproject( a, job.eye, batch, scratch );
-    uint64_t landed = rf_splat_diffuse( batch, scratch, range );
     if ( rf_glossy_count( batch ) > 0 )
-    {
         light_glossy( a, job.eye, batch, job.pass_state, scratch );
-        landed += rf_splat_glossy( batch, scratch, range );
-    }
-    if ( own )
-    {
-        landed += rf_splat_misses( batch, !a->shape.own_frame_light, a->weight, range );
-        rf_splat_glints( batch, a->weight, range );
-    }
-    if ( job.landed != NULL )
+    uint64_t landed =
+        a->filter != NULL ? spread( a, job.eye, batch, range, scratch ) : splat( a, job.eye, batch, range, scratch );
+    if ( rf_calls_for( job.landed != NULL, RF_EFFECT_AOV_SAMPLES ) )
         rf_count_landed( batch, scratch, range, job.landed );
-    if ( job.landed != NULL && own )
+    if ( rf_calls_for( job.landed != NULL && job.eye == batch->eye, RF_EFFECT_AOV_SAMPLES ) )
         rf_count_misses( batch, range, job.landed );
     return landed;
 }
@@ -202,10 +222,10 @@ uint64_t rf_accumulate_rows( const RfEstimatorGroup* group, RfAccumulateJob job,
                              RfAccumulateScratch* scratch )
 {
     Accumulation a = { group->eyes,
-                       group->traits.blurred,
                        rf_tracer_mirrors( group->tracer ),
                        rf_batch_shape( group ),
                        group->settings->weights,
+                       group->need == NULL ? group->filter : NULL,
                        job.weight,
                        batches,
                        batch_count };
@@ -217,7 +237,7 @@ uint64_t rf_accumulate_rows( const RfEstimatorGroup* group, RfAccumulateJob job,
     for ( int k = 0; k < batch_count; ++k )
     {
         const RfHitBatch* batch = batches[k];
-        if ( reaches_rows( batch, job ) )
+        if ( reaches_rows( &a, batch, job ) )
             landed += add_batch( &a, job, batch, range, scratch );
     }
     return landed;

@@ -6,6 +6,8 @@
 #include "render/estimator.h"
 #include "reuse/records.h"
 
+#include <stddef.h>
+
 typedef struct RfAccumulateScratch
 {
     RF_ALIGN int32_t pixel[RF_LANES];
@@ -16,7 +18,14 @@ typedef struct RfAccumulateScratch
     RF_ALIGN float sum[3][RF_LANES];
     RF_ALIGN float pdf[RF_LANES];
     RF_ALIGN float mixture[RF_LANES];
+    RF_ALIGN float offset[2][RF_LANES]; // place in the pixel; only with a pixel filter, else not allocated
 } RfAccumulateScratch;
+
+// Bytes of a workspace.
+static inline size_t rf_accumulate_scratch_bytes( const RfBatchShape* shape )
+{
+    return shape->filtered ? sizeof( RfAccumulateScratch ) : offsetof( RfAccumulateScratch, offset );
+}
 
 // Adds batches to some rows of a film; returns how many samples landed there. Jobs on
 // different rows or films may run at the same time. RF_WEIGHTS_EQ15 wants job.pass_state:

@@ -5,7 +5,10 @@
 
 #include "reuse/records.h"
 
-static inline bool rf_is_smooth_coat( const RfVertexLanes* v, int i ) { return v->param[RF_PARAM_SHAPE][i] < RF_SMOOTH_ALPHA; }
+static inline bool rf_is_smooth_coat( const RfVertexLanes* v, int i )
+{
+    return rf_calls_for( v->param[RF_PARAM_SHAPE][i] < RF_SMOOTH_ALPHA, RF_EFFECT_SMOOTH_METALS );
+}
 
 // The probability with which a camera ray that arrives at this cosine draws the base: its share of the light that is
 // reflected, within bounds; 0 where there is no base.

@@ -30,7 +30,7 @@ void rf_directions_to( const RfMirrors* mirrors, const RfEye* at, int eye, const
         y[i] = v.y * scale;
         z[i] = v.z * scale;
     }
-    if ( batch->has_views )
+    if ( rf_has_views( batch ) )
         rf_directions_to_image( mirrors, at, batch, wo );
 }
 
@@ -41,7 +41,7 @@ void rf_evaluate_glossy( const RfHitBatch* b, const float* const wo[3], const fl
     for ( int kind = RF_BSDF_FIRST_GLOSSY; kind < RF_BSDF_KIND_COUNT; ++kind )
     {
         int k = b->first[kind] - base, count = b->first[kind + 1] - b->first[kind];
-        if ( count == 0 )
+        if ( count == 0 || !rf_is_model_built( (RfBsdfKind)kind ) )
             continue;
         const float* n[3] = { b->n[0], b->n[1], b->n[2] };
         const float* param[RF_PARAM_COUNT];

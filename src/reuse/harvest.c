@@ -9,19 +9,18 @@ RfBatchShape rf_batch_shape( const RfEstimatorGroup* group )
     const RfRenderSettings* settings = group->settings;
     bool unevaluable = ( group->traits.kinds & ~0u << RF_BSDF_FIRST_UNEVALUABLE ) != 0;
     int tile_pixels = rf_tile_pixels( &settings->tile );
-    bool grouped = settings->group != 0 && ( group->traits.mirrors || group->traits.smooth || group->traits.panes );
-    bool chains =
-        ( unevaluable || group->traits.smooth ) && settings->weights == RF_WEIGHTS_EXACT && ( tile_pixels > 1 || grouped );
+    bool chains = rf_wants_chains( &group->traits, settings, tile_pixels );
     return ( RfBatchShape ){
         .eyes = group->eye_count,
         .light_samples = settings->light_samples,
         .tile_pixels = tile_pixels,
         .params = rf_glossy_params( group->traits.kinds ),
         .eq15 = settings->weights == RF_WEIGHTS_EQ15,
-        .blurred = group->traits.blurred,
+        .blurred = rf_is_blurred( &group->traits ),
         .blended = group->traits.blended,
         .panes = group->traits.panes,
         .own_frame_light = unevaluable || chains || group->traits.sky,
+        .filtered = !rf_is_plain_filter( settings ),
         .chains = chains,
     };
 }
@@ -32,11 +31,12 @@ RfHarvest rf_make_harvest( const RfEstimatorGroup* group )
     return ( RfHarvest ){
         .path = { group->tracer, group->max_depth, settings->light_samples, settings->light_sampling },
         .shape = rf_batch_shape( group ),
-        .patches = rf_lay_out_patches( &settings->tile, group->traits.blurred, group->width, group->height ),
+        .patches = rf_lay_out_patches( &settings->tile, group->traits.scattered, group->width, group->height ),
         .tile_roulette = settings->tile_roulette,
         .weights = settings->weights,
-        .alpha = ( settings->aovs & RF_AOV_BIT( RF_AOV_ALPHA ) ) != 0,
+        .alpha = rf_calls_for( ( settings->aovs & RF_AOV_BIT( RF_AOV_ALPHA ) ) != 0, RF_EFFECT_ALPHA ),
         .seed = settings->seed,
+        .drawn_by = group->need != NULL ? group->filter : NULL,
         .eyes = group->eyes,
         .first_frame = group->first_frame,
         .group = group->number,
@@ -52,7 +52,7 @@ static size_t scratch_struct_bytes( void ) { return ( sizeof( RfHarvestScratch )
 
 static size_t eyes_bytes( const RfBatchShape* shape )
 {
-    return shape->blurred ? ( (size_t)shape->eyes * sizeof( RfEye ) + 63 ) / 64 * 64 : 0;
+    return rf_is_blurred_shape( shape ) ? ( (size_t)shape->eyes * sizeof( RfEye ) + 63 ) / 64 * 64 : 0;
 }
 
 size_t rf_harvest_scratch_bytes( const RfBatchShape* shape )
@@ -61,7 +61,7 @@ size_t rf_harvest_scratch_bytes( const RfBatchShape* shape )
     return scratch_struct_bytes() + eyes_bytes( shape ) + (size_t)shape->light_samples * sizeof( RfLightLanes ) +
            (size_t)shape->eyes * lanes + (size_t)rf_direction_count( shape ) * lanes +
            rf_tile_reuse_bytes( shape->light_samples, shape->tile_pixels, shape->panes ) +
-           ( shape->chains ? sizeof( RfChains ) + 64 : 0 );
+           ( shape->chains ? sizeof( RfChains ) + 64 : 0 ) + ( shape->filtered ? 2 * lanes : 0 );
 }
 
 RfHarvestScratch* rf_lay_out_harvest_scratch( const RfBatchShape* shape, void* memory )
@@ -75,6 +75,9 @@ RfHarvestScratch* rf_lay_out_harvest_scratch( const RfBatchShape* shape, void* m
     scratch->tiles = rf_lay_out_tile_reuse( shape->light_samples, shape->tile_pixels, shape->panes, rest );
     rest += rf_tile_reuse_bytes( shape->light_samples, shape->tile_pixels, shape->panes );
     scratch->chains = shape->chains ? (RfChains*)(void*)( rest + ( 64 - (uintptr_t)rest % 64 ) % 64 ) : NULL;
+    rest = shape->chains ? (char*)( scratch->chains + 1 ) : rest;
+    for ( int c = 0; c < 2; ++c )
+        scratch->place[c] = shape->filtered ? (float*)(void*)rest + c * RF_LANES : NULL;
     return scratch;
 }
 
@@ -101,13 +104,16 @@ static void make_copies_keys( const RfHarvest* harvest, RfTraceJob job, int coun
     }
 }
 
-void rf_make_camera_rays( const RfEye* eye, int count, const int32_t* pixel, RfWavefront* wavefront, RfRayLanes* rays )
+void rf_make_camera_rays( const RfPixelFilter* filter, const RfEye* eye, int count, const int32_t* pixel, RfWavefront* wavefront,
+                          RfRayLanes* rays )
 {
     int32_t* slot = rays->slot;
     for ( int i = 0; i < count; ++i )
         slot[i] = i;
     float( *random )[RF_LANES] = wavefront->scratch.random;
     rf_draw_lanes( wavefront, count, slot, RF_DIMENSION_FILM_X, 2, random );
+    if ( filter != NULL )
+        rf_draw_places( filter, eye, count, pixel, random );
     RfEye e = *eye;
     const float inverse[2] = { 1.0f / e.focal_x, 1.0f / e.focal };
     RfVec3 origin = rf_pinhole_origin( &e );
@@ -160,10 +166,11 @@ void rf_trace_hit_tails( const RfHarvest* harvest, RfHarvestScratch* scratch, Rf
         memcpy( scratch->unevaluable_pdf, wavefront->scratch.pdf + rf_record_count( v ), (size_t)unevaluable * sizeof( float ) );
     if ( unevaluable > 0 && rf_tracer_has_panes( harvest->path.tracer ) )
         note_passed_panes( harvest, scratch, wi );
-    if ( scratch->tiles != NULL )
+    if ( rf_reuses_tiles( scratch ) )
     {
-        RfTileReuseSettings settings = { &harvest->path, harvest->shape.tile_pixels, harvest->tile_roulette,
-                                         harvest->path_roulette, harvest->path_source };
+        RfTileReuseSettings settings = { &harvest->path, harvest->shape.tile_pixels,
+                                         rf_calls_for( harvest->tile_roulette, RF_EFFECT_TILE_ROULETTE ), harvest->path_roulette,
+                                         harvest->path_source };
         rays->tile += rf_trace_tile_tails( &settings, v, wi, wavefront, scratch->tiles );
     }
     else
@@ -176,12 +183,12 @@ void rf_follow_camera_rays( const RfHarvest* harvest, RfHarvestScratch* scratch 
     RfWavefront* wavefront = &scratch->wavefront;
     scratch->hits = first;
     wavefront->spent = NULL;
-    if ( scratch->chains == NULL || !rf_has_chains( first ) )
+    if ( !rf_calls_for( scratch->chains != NULL, RF_EFFECT_CHAINS ) || !rf_has_chains( first ) )
         return;
     rf_follow_chains( &harvest->path, first, &scratch->camera_rays, !harvest->first_hits_only, wavefront, scratch->chains );
     scratch->hits = &scratch->chains->hits;
     wavefront->spent = scratch->chains->length;
-    if ( scratch->tiles != NULL )
+    if ( rf_reuses_tiles( scratch ) )
         rf_split_tiles( scratch->chains, scratch->tiles );
 }
 
@@ -197,21 +204,23 @@ static int harvest_first_hits( const RfHarvest* harvest, RfTraceJob job, RfHitBa
 
     int tiles, count = rf_list_patch( &harvest->patches, eye, key, job.job, scratch->pixel, scratch->tile_of, &tiles );
     int32_t copy[RF_LANES];
-    if ( harvest->need != NULL && harvest->packed )
+    if ( rf_is_adaptive( harvest ) && harvest->packed )
         count = rf_pack_needy( harvest, key, count, &tiles, scratch, copy );
-    else if ( harvest->need != NULL )
+    else if ( rf_is_adaptive( harvest ) )
         count = rf_choose_needy( harvest, key, count, tiles, scratch );
     else if ( harvest->pieces != NULL )
         count = rf_choose_traced( harvest, eye, count, scratch );
-    if ( scratch->tiles != NULL )
+    if ( rf_reuses_tiles( scratch ) )
     {
         memcpy( scratch->tiles->tile_of, scratch->tile_of, (size_t)count * sizeof *scratch->tile_of );
         scratch->tiles->tile_count = tiles;
     }
     make_keys( key, count, scratch->pixel, wavefront );
-    if ( harvest->need != NULL && harvest->packed )
+    if ( rf_is_adaptive( harvest ) && harvest->packed )
         make_copies_keys( harvest, job, count, copy, scratch );
-    rf_make_camera_rays( eye, count, scratch->pixel, wavefront, &scratch->camera_rays );
+    rf_make_camera_rays( harvest->drawn_by, eye, count, scratch->pixel, wavefront, &scratch->camera_rays );
+    for ( int c = 0; c < 2 && scratch->place[0] != NULL; ++c )
+        memcpy( scratch->place[c], wavefront->scratch.random[c], (size_t)count * sizeof( float ) );
     rf_find_vertices( &harvest->path, &scratch->camera_rays, true, &scratch->first, &wavefront->scratch );
     rays->primary += (uint64_t)count;
     rf_follow_camera_rays( harvest, scratch );
@@ -221,7 +230,7 @@ static int harvest_first_hits( const RfHarvest* harvest, RfTraceJob job, RfHitBa
 
 void rf_scale_roulette( RfHarvestScratch* scratch, int count )
 {
-    bool chains = scratch->hits != &scratch->first;
+    bool chains = rf_follows_chains( scratch );
     for ( int slot = 0; slot < count; ++slot )
     {
         float most = 1.0f;
@@ -235,7 +244,7 @@ void rf_scale_roulette( RfHarvestScratch* scratch, int count )
 int rf_harvest_first_hits( const RfHarvest* harvest, RfTraceJob job, RfHitBatch* batch, RfHarvestScratch* scratch,
                            RfRayCounts* rays )
 {
-    if ( harvest->shape.blurred )
+    if ( rf_is_blurred_shape( &harvest->shape ) )
         batch->lens = rf_draw_lens( harvest, job );
     RfHarvest at = rf_harvest_at( harvest, batch->lens, scratch );
     return harvest_first_hits( &at, job, batch, scratch, rays );
@@ -272,7 +281,7 @@ static int harvest_batch( const RfHarvest* harvest, RfTraceJob job, RfHitBatch* 
 
 int rf_harvest_batch( const RfHarvest* harvest, RfTraceJob job, RfHitBatch* batch, RfHarvestScratch* scratch, RfRayCounts* rays )
 {
-    if ( harvest->shape.blurred )
+    if ( rf_is_blurred_shape( &harvest->shape ) )
         batch->lens = rf_draw_lens( harvest, job );
     RfHarvest at = rf_harvest_at( harvest, batch->lens, scratch );
     return harvest_batch( &at, job, batch, scratch, rays );

@@ -22,11 +22,12 @@ typedef struct RfHarvest
     RfWeights weights;
     bool alpha; // the sky that camera rays see is black: RF_AOV_ALPHA
     uint64_t seed;
-    const RfEye* eyes;      // shape.eyes of them
-    int first_frame;        // path frame of eyes[0]
-    int group;              // its number
-    const RfPieces* pieces; // that alone are traced; NULL: all
-    const float* need;      // adaptive sampling, as in RfEstimatorGroup
+    const RfPixelFilter* drawn_by; // by which places in the pixels are drawn; NULL: evenly
+    const RfEye* eyes;             // shape.eyes of them
+    int first_frame;               // path frame of eyes[0]
+    int group;                     // its number
+    const RfPieces* pieces;        // that alone are traced; NULL: all
+    const float* need;             // adaptive sampling, as in RfEstimatorGroup
     int round;
     bool packed;
     bool first_hits_only;

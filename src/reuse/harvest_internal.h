@@ -36,11 +36,26 @@ struct RfHarvestScratch
     RF_ALIGN int32_t landed_pixel[RF_LANES]; // pixel of each hit on the film of an eye
     RF_ALIGN float lifted[3][RF_LANES];      // the hits, off their surface
     RfEye* eyes;                             // of the group, at the batch's point of the lens and moment of the shutter
+    float* place[2];                         // of each camera ray in its pixel, by slot; NULL with the plain pixel filter
     RfLightLanes* direct;                    // light samples at the hits, K of them
     float* density;                          // J_l V_l: eye l, hit i at l·RF_LANES + i
     float* mixture;                          // P: direction d, glossy hit i at d·RF_LANES + i
     RfTileReuse* tiles;                      // NULL without tile reuse
 };
+
+// Tests of what the scene and the settings call for.
+static inline bool rf_reuses_tiles( const RfHarvestScratch* scratch )
+{
+    return rf_calls_for( scratch->tiles != NULL, RF_EFFECT_TILE_CONNECTIONS );
+}
+static inline bool rf_follows_chains( const RfHarvestScratch* scratch )
+{
+    return rf_calls_for( scratch->hits != &scratch->first, RF_EFFECT_CHAINS );
+}
+static inline bool rf_is_adaptive( const RfHarvest* harvest )
+{
+    return rf_calls_for( harvest->need != NULL, RF_EFFECT_ADAPTIVE );
+}
 
 // Selects the random numbers of a pass of a frame.
 static inline uint64_t rf_harvest_key( const RfHarvest* harvest, int eye, int pass )
@@ -54,8 +69,12 @@ RfLensSample rf_draw_lens( const RfHarvest* harvest, RfTraceJob job );
 // The harvest with the pinholes that the eyes are at a point of the lens and a moment of the shutter, in scratch->eyes.
 RfHarvest rf_harvest_at( const RfHarvest* harvest, RfLensSample lens, RfHarvestScratch* scratch );
 
-// One camera ray through a uniform point of each pixel: lane i is slot i, which must have its random key.
-void rf_make_camera_rays( const RfEye* eye, int count, const int32_t* pixel, RfWavefront* wavefront, RfRayLanes* rays );
+// Turns uniform numbers into places drawn by the filter of each pixel.
+void rf_draw_places( const RfPixelFilter* filter, const RfEye* eye, int count, const int32_t* pixel, float random[][RF_LANES] );
+
+// One camera ray through a uniform point of each pixel, or one drawn by a filter (NULL: none): lane i is slot i, which must have its random key.
+void rf_make_camera_rays( const RfPixelFilter* filter, const RfEye* eye, int count, const int32_t* pixel, RfWavefront* wavefront,
+                          RfRayLanes* rays );
 
 // Follows the camera rays that hit mirrors and glass, if there are any: scratch->hits.
 void rf_follow_camera_rays( const RfHarvest* harvest, RfHarvestScratch* scratch );

@@ -13,7 +13,7 @@ RfLensSample rf_draw_lens( const RfHarvest* harvest, RfTraceJob job )
 RfHarvest rf_harvest_at( const RfHarvest* harvest, RfLensSample lens, RfHarvestScratch* scratch )
 {
     RfHarvest at = *harvest;
-    if ( !harvest->shape.blurred )
+    if ( !rf_is_blurred_shape( &harvest->shape ) )
         return at;
     for ( int l = 0; l < harvest->shape.eyes; ++l )
         scratch->eyes[l] = rf_sample_eye( harvest->eyes + l, lens );

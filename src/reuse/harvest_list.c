@@ -32,11 +32,11 @@ static void copy_hits( const RfVertexLanes* v, RfHitBatch* batch )
 
 static void copy_views( const RfHarvestScratch* scratch, RfHitBatch* batch )
 {
-    batch->has_views = batch->view != NULL && ( scratch->hits != &scratch->first || batch->panes[0] != NULL );
+    batch->has_views = batch->view != NULL && ( rf_follows_chains( scratch ) || batch->panes[0] != NULL );
     if ( batch->view == NULL )
         return;
     for ( int i = 0; i < batch->count; ++i )
-        batch->view[i] = scratch->hits == &scratch->first ? RF_VIEW_DIRECT : scratch->chains->view[scratch->hits->slot[i]];
+        batch->view[i] = !rf_follows_chains( scratch ) ? RF_VIEW_DIRECT : scratch->chains->view[scratch->hits->slot[i]];
 }
 
 // Lists unevaluable hits and chains without a hit, of mirrors, glass and coats, behind the rays that missed.
@@ -90,8 +90,18 @@ static void note_pixels( int count, RfHarvestScratch* scratch, RfHitBatch* batch
     }
     scratch->ray_miss_count = batch->sky_count = batch->miss_count;
     note_own_frame( &scratch->first, recorded, scratch, batch );
-    if ( scratch->hits != &scratch->first )
+    if ( rf_follows_chains( scratch ) )
         note_glints( scratch, batch, scratch->glint_slot );
+}
+
+// Places in the pixels of what is listed from `first` on.
+static void note_offsets( const RfHarvestScratch* scratch, int first, int count, const int32_t* slot, RfHitBatch* batch )
+{
+    for ( int i = 0; i < count; ++i )
+    {
+        for ( int c = 0; c < 2; ++c )
+            batch->offset[c][first + i] = scratch->place[c][slot[i]];
+    }
 }
 
 void rf_list_hits( int count, RfHarvestScratch* scratch, RfHitBatch* batch )
@@ -99,4 +109,9 @@ void rf_list_hits( int count, RfHarvestScratch* scratch, RfHitBatch* batch )
     copy_hits( scratch->hits, batch );
     copy_views( scratch, batch );
     note_pixels( count, scratch, batch );
+    if ( batch->offset[0] == NULL )
+        return;
+    note_offsets( scratch, 0, batch->count, scratch->hits->slot, batch );
+    note_offsets( scratch, batch->count, batch->miss_count, scratch->miss_slot, batch );
+    note_offsets( scratch, batch->count + batch->miss_count, batch->glint_count, scratch->glint_slot, batch );
 }

@@ -48,7 +48,7 @@ static void put( float* const out[3], int i, RfVec3 v )
 }
 
 void rf_project_mirrored( const RfMirrors* mirrors, const RfEye* eye, const RfHitBatch* batch, int32_t* pixel, float* density,
-                          float* const filter[3] )
+                          float* const filter[3], float* const offset[2] )
 {
     Image image = { .mirrors = mirrors, .eye = eye };
     for ( int i = 0; i < batch->count; ++i )
@@ -62,6 +62,11 @@ void rf_project_mirrored( const RfMirrors* mirrors, const RfEye* eye, const RfHi
         float probability = at.seen && same_side ? reflection( &image, rf_sub( p, image.image.origin ), &weight ) : 0.0f;
         pixel[i] = at.y * eye->width + at.x;
         density[i] = at.density * probability;
+        if ( offset != NULL )
+        {
+            offset[0][i] = at.u;
+            offset[1][i] = at.v;
+        }
         if ( filter != NULL )
             put( filter, i, weight );
     }

@@ -6,16 +6,20 @@
 #include "reuse/records.h"
 #include "scene/eye.h"
 
-static inline bool rf_is_mirrored( uint8_t view ) { return view >= RF_VIEW_FIRST_MIRROR && view < RF_VIEW_BASE; }
+static inline bool rf_is_mirrored( uint8_t view )
+{
+    return rf_calls_for( view >= RF_VIEW_FIRST_MIRROR && view < RF_VIEW_BASE, RF_EFFECT_FLAT_MIRRORS );
+}
 
 // True if the eye's straight ray found the hit.
 static inline bool rf_is_straight( uint8_t view ) { return view == RF_VIEW_DIRECT || view == RF_VIEW_BASE; }
 
 // Projects the mirrored hits through the image of the eye: pixel and density J of the image times the probability
 // that the mirror reflects, 0 where the image does not face the hit. Occluders and the mirror's outline do not count.
-// filter (three arrays; may be NULL) gets the weight of the reflection. Other lanes are left alone.
+// filter (three arrays; may be NULL) gets the weight of the reflection, offset (two; may be NULL) the place in the pixel.
+// Other lanes are left alone.
 void rf_project_mirrored( const RfMirrors* mirrors, const RfEye* eye, const RfHitBatch* batch, int32_t* pixel, float* density,
-                          float* const filter[3] );
+                          float* const filter[3], float* const offset[2] );
 
 // The same for the eye whose chains found them: neither its film nor its side of the mirror counts.
 void rf_own_mirrored_densities( const RfMirrors* mirrors, const RfEye* eye, const RfHitBatch* batch, float* density,

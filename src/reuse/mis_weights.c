@@ -230,11 +230,11 @@ void rf_weight_batch( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScra
     bool glossy = batch->first[RF_BSDF_FIRST_GLOSSY] < batch->count;
     if ( glossy )
         mix_densities( harvest, batch, scratch );
-    if ( scratch->tiles != NULL )
+    if ( rf_reuses_tiles( scratch ) )
         add_diffuse_tile_light( harvest, scratch, batch );
     int directions = glossy ? rf_direction_count( &harvest->shape ) : harvest->path.light_samples + 1;
     for ( int d = 0; d < directions; ++d )
         weight_direction( harvest, batch, scratch, d );
-    if ( scratch->hits != &scratch->first )
+    if ( rf_follows_chains( scratch ) )
         dim_chains( harvest, batch, scratch );
 }

@@ -1,4 +1,4 @@
-// Which tiles of a patch are traced, of pieces, and which get extra samples in adaptive sampling.
+// Which tiles of a patch are traced, of pieces, and which get extra samples in adaptive sampling, and where in the pixels.
 #include "reuse/harvest_internal.h"
 
 #include <math.h>
@@ -15,7 +15,7 @@ typedef struct Tiles
 
 static void list_tiles( const RfHarvest* harvest, int count, int tiles, const RfHarvestScratch* scratch, Tiles* out )
 {
-    bool in_tiles = scratch->tiles != NULL;
+    bool in_tiles = rf_reuses_tiles( scratch );
     out->count = in_tiles ? tiles : count;
     memset( out->size, 0, sizeof out->size );
     memset( out->need, 0, sizeof out->need );
@@ -52,7 +52,7 @@ bool rf_is_patch_traced( const RfHarvest* harvest, RfTraceJob job )
 int rf_choose_traced( const RfHarvest* harvest, const RfEye* eye, int count, RfHarvestScratch* scratch )
 {
     const uint8_t* cells = rf_frame_cells( harvest->pieces, harvest->first_frame + (int)( eye - harvest->eyes ) );
-    bool in_tiles = scratch->tiles != NULL, traced[RF_LANES] = { false };
+    bool in_tiles = rf_reuses_tiles( scratch ), traced[RF_LANES] = { false };
     for ( int i = 0; i < count; ++i )
     {
         int y = scratch->pixel[i] / eye->width, x = scratch->pixel[i] - y * eye->width;
@@ -130,4 +130,14 @@ int rf_pack_needy( const RfHarvest* harvest, uint64_t key, int count, int* tiles
         }
     }
     return left;
+}
+
+void rf_draw_places( const RfPixelFilter* filter, const RfEye* eye, int count, const int32_t* pixel, float random[][RF_LANES] )
+{
+    for ( int i = 0; i < count; ++i )
+    {
+        int y = pixel[i] / eye->width, x = pixel[i] - y * eye->width;
+        random[0][i] = rf_draw_filter_place( filter, x, eye->width, random[0][i] );
+        random[1][i] = rf_draw_filter_place( filter, y, eye->height, random[1][i] );
+    }
 }

@@ -103,7 +103,7 @@ static void light_chains( const RfHarvestScratch* scratch, const RfHitBatch* bat
 void rf_light_own_frame( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch )
 {
     light_misses( harvest, scratch, batch, scratch->ray_miss_count );
-    if ( scratch->hits != &scratch->first )
+    if ( rf_follows_chains( scratch ) )
     {
         light_chains( scratch, batch );
         return;

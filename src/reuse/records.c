@@ -63,6 +63,8 @@ static RfHitBatch lay_out( const RfBatchShape* shape, Layout* layout )
     for ( int c = 0; c < 3 && shape->panes && shape->chains; ++c )
         batch.panes[c] = take( layout, (size_t)shape->eyes * RF_LANES * sizeof( float ) );
     batch.pixel = take( layout, listed * sizeof( int32_t ) );
+    for ( int c = 0; c < 2 && shape->filtered; ++c )
+        batch.offset[c] = take( layout, listed * sizeof( float ) );
     if ( shape->chains )
         batch.view = take( layout, RF_LANES );
     batch.rows = take( layout, (size_t)shape->eyes * 2 * sizeof( int32_t ) );
@@ -76,7 +78,7 @@ uint32_t rf_glossy_params( unsigned kinds )
     uint32_t params = 0;
     for ( int kind = RF_BSDF_FIRST_GLOSSY; kind < RF_BSDF_FIRST_UNEVALUABLE; ++kind )
     {
-        if ( ( kinds >> kind & 1u ) != 0 )
+        if ( ( kinds >> kind & 1u ) != 0 && rf_is_model_built( (RfBsdfKind)kind ) )
             params |= rf_bsdf_model( (RfBsdfKind)kind )->params;
     }
     return params;

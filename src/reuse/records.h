@@ -40,6 +40,7 @@ typedef struct RfHitBatch
     float* densities;   // J_l V_l of eye l and hit i at l·RF_LANES + i; NULL unless V may be between 0 and 1
     float* panes[3];    // κ of the panes on the straight way to eye l, in the same places; NULL without panes
     int32_t* pixel;     // y·width + x in its own frame
+    float* offset[2];   // where in that pixel, to the right and down, 0 to 1; NULL with the plain pixel filter
     uint8_t* view;      // how the hit was found, RF_VIEW_...; NULL unless the shape has chains
     bool has_views;     // some hit was not found directly, or may be seen through panes; else view does not matter
     int32_t* rows;      // 2 per eye: first and last row of its film that hits land in; first > last: none
@@ -62,6 +63,7 @@ typedef struct RfBatchShape
     bool panes;           // connections and, with chains, the eyes' rays may pass thin panes
     bool own_frame_light; // misses may be lit: the scene has a sky or unevaluable materials
     bool blurred;         // batches have their points of the lens and moments of the shutter
+    bool filtered;        // samples need their place in the pixel
     bool chains;          // camera rays go on through mirrors and glass
 } RfBatchShape;
 
@@ -86,7 +88,20 @@ static inline float* rf_glint_radiance( const RfHitBatch* batch )
 }
 
 // True if V may be between 0 and 1.
-static inline bool rf_is_partial( const RfBatchShape* shape ) { return shape->blended || ( shape->panes && shape->chains ); }
+static inline bool rf_is_partial( const RfBatchShape* shape )
+{
+    return rf_calls_for( shape->blended, RF_EFFECT_ALPHA_BLEND ) ||
+           rf_calls_for( shape->panes && shape->chains, RF_EFFECT_PANES );
+}
+
+// True if batches have points of the lens and moments of the shutter.
+static inline bool rf_is_blurred_shape( const RfBatchShape* shape )
+{
+    return rf_calls_for( shape->blurred, RF_EFFECT_DEPTH_OF_FIELD ) || rf_calls_for( shape->blurred, RF_EFFECT_MOTION_BLUR );
+}
+
+// True if it matters how the batch's hits were found.
+static inline bool rf_has_views( const RfHitBatch* batch ) { return rf_calls_for( batch->has_views, RF_EFFECT_CHAINS ); }
 
 static inline int rf_direction_count( const RfBatchShape* shape ) { return shape->light_samples + shape->tile_pixels; }
 static inline int rf_seen_words( int eyes ) { return ( eyes + 31 ) / 32; }

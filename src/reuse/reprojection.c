@@ -14,8 +14,8 @@ static void clear_filter( const RfHitBatch* batch, float* const filter[3] )
     }
 }
 
-void rf_project_batch( const RfMirrors* mirrors, const RfEye* eye_in, const RfHitBatch* batch, int32_t* restrict pixel,
-                       float* restrict density, float* const filter[3] )
+// Straight ways to the eye.
+static void project( const RfEye* eye_in, const RfHitBatch* batch, int32_t* restrict pixel, float* restrict density )
 {
     RfEye eye = *eye_in;
     const float* restrict px = batch->p[0];
@@ -31,13 +31,35 @@ void rf_project_batch( const RfMirrors* mirrors, const RfEye* eye_in, const RfHi
         pixel[i] = at.y * eye.width + at.x;
         density[i] = at.seen ? at.density : 0.0f;
     }
-    if ( !batch->has_views )
+}
+
+// The places in the pixels, apart from these: most renders need none.
+static void project_places( const RfEye* eye_in, const RfHitBatch* batch, float* restrict u, float* restrict v )
+{
+    RfEye eye = *eye_in;
+#pragma omp simd
+    for ( int i = 0; i < batch->count; ++i )
+    {
+        RfVec3 p = rf_vec3( batch->p[0][i], batch->p[1][i], batch->p[2][i] );
+        RfProjection at = rf_project( &eye, p, rf_vec3( batch->ng[0][i], batch->ng[1][i], batch->ng[2][i] ) );
+        u[i] = at.u;
+        v[i] = at.v;
+    }
+}
+
+void rf_project_batch( const RfMirrors* mirrors, const RfEye* eye, const RfHitBatch* batch, int32_t* pixel, float* density,
+                       float* const filter[3], float* const offset[2] )
+{
+    project( eye, batch, pixel, density );
+    if ( offset != NULL )
+        project_places( eye, batch, offset[0], offset[1] );
+    if ( !rf_has_views( batch ) )
         return;
     for ( int i = 0; i < batch->count; ++i )
         density[i] = rf_is_straight( batch->view[i] ) ? density[i] : 0.0f;
     clear_filter( batch, filter );
-    rf_project_mirrored( mirrors, eye_in, batch, pixel, density, filter );
-    rf_weight_bases( batch, rf_pinhole_origin( eye_in ), density, filter );
+    rf_project_mirrored( mirrors, eye, batch, pixel, density, filter, offset );
+    rf_weight_bases( batch, rf_pinhole_origin( eye ), density, filter );
 }
 
 void rf_own_densities( const RfMirrors* mirrors, const RfEye* eye, const RfHitBatch* batch, float* density,
@@ -49,7 +71,7 @@ void rf_own_densities( const RfMirrors* mirrors, const RfEye* eye, const RfHitBa
         RfVec3 ng = rf_vec3( batch->ng[0][i], batch->ng[1][i], batch->ng[2][i] );
         density[i] = rf_project( eye, p, ng ).density;
     }
-    if ( !batch->has_views )
+    if ( !rf_has_views( batch ) )
         return;
     for ( int i = 0; i < batch->count; ++i )
         density[i] = rf_is_straight( batch->view[i] ) ? density[i] : 1.0f;

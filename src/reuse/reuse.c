@@ -25,10 +25,10 @@ static RfEstimatorSizes sizes( const RfEstimatorGroup* group )
     diffuse.params = 0;
     size_t pixels = (size_t)group->width * (size_t)group->height;
     return ( RfEstimatorSizes ){
-        .jobs = rf_lay_out_patches( &group->settings->tile, group->traits.blurred, group->width, group->height ).count,
+        .jobs = rf_lay_out_patches( &group->settings->tile, group->traits.scattered, group->width, group->height ).count,
         .batch = header_bytes() + rf_batch_bytes( &shape ),
         .trace_scratch = rf_harvest_scratch_bytes( &shape ),
-        .accumulate_scratch = sizeof( RfAccumulateScratch ),
+        .accumulate_scratch = rf_accumulate_scratch_bytes( &shape ),
         .pass_state = shape.eq15 ? pixels * (size_t)rf_seen_words( shape.eyes ) * sizeof( uint32_t ) : 0,
         .whole_pass = shape.eq15,
         .diffuse_record = per_lane( rf_batch_bytes( &diffuse ) ),
@@ -65,7 +65,7 @@ static bool is_traced( const RfEstimatorGroup* group, RfTraceJob job )
 static RfFirstHits first_hits( const void* memory )
 {
     const RfHarvestScratch* scratch = memory;
-    return ( RfFirstHits ){ &scratch->first, &scratch->camera_rays, scratch->pixel };
+    return ( RfFirstHits ){ &scratch->first, &scratch->camera_rays, scratch->pixel, { scratch->place[0], scratch->place[1] } };
 }
 
 static uint64_t accumulate( const RfEstimatorGroup* group, RfAccumulateJob job, void* const* batches, int batch_count,
@@ -143,6 +143,7 @@ const RfEstimator rf_reuse_estimator = {
     .name = "reuse",
     .films = 1,
     .tile = { RF_TILE_BLOCK, 3, 3 },
+    .filters = true,
     .check = check,
     .sizes = sizes,
     .lay_out_batch = lay_out_batch,

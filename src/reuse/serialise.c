@@ -154,7 +154,7 @@ static void pass_glossy( Stream* s, const RfBatchShape* shape, RfHitBatch* batch
 static void pass_batch( Stream* s, const RfBatchShape* shape, RfHitBatch* batch )
 {
     pass( s, &batch->eye, sizeof batch->eye );
-    if ( shape->blurred )
+    if ( rf_is_blurred_shape( shape ) )
         pass( s, &batch->lens, sizeof batch->lens );
     pass( s, &batch->count, sizeof batch->count );
     pass( s, &batch->miss_count, sizeof batch->miss_count );
@@ -176,6 +176,8 @@ static void pass_batch( Stream* s, const RfBatchShape* shape, RfHitBatch* batch 
                      ( float* [3] ){ batch->panes[0] + (size_t)l * RF_LANES, batch->panes[1] + (size_t)l * RF_LANES,
                                      batch->panes[2] + (size_t)l * RF_LANES } );
     pass_pixels( s, count + batch->miss_count + batch->glint_count, batch->pixel );
+    for ( int c = 0; c < 2 && shape->filtered; ++c )
+        pass_lanes( s, count + batch->miss_count + batch->glint_count, batch->offset[c] );
     if ( shape->chains )
         pass( s, batch->view, (size_t)count );
     pass( s, batch->rows, (size_t)shape->eyes * 2 * sizeof *batch->rows );

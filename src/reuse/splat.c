@@ -34,7 +34,7 @@ static uint64_t splat_filtered( const RfHitBatch* batch, const RfAccumulateScrat
 
 uint64_t rf_splat_diffuse( const RfHitBatch* batch, const RfAccumulateScratch* s, RfPixelRange range )
 {
-    if ( batch->has_views )
+    if ( rf_has_views( batch ) )
         return splat_filtered( batch, s, range );
     uint64_t landed = 0;
     int count = batch->first[RF_BSDF_FIRST_GLOSSY];
@@ -60,7 +60,7 @@ uint64_t rf_splat_glossy( const RfHitBatch* batch, const RfAccumulateScratch* s,
         if ( s->ratio[i] > 0.0f && pixel >= range.low && pixel < range.end )
         {
             float value[4] = { s->sum[0][i - first], s->sum[1][i - first], s->sum[2][i - first], 1.0f };
-            for ( int c = 0; c < 3 && batch->has_views; ++c )
+            for ( int c = 0; c < 3 && rf_has_views( batch ); ++c )
                 value[c] *= s->filter[c][i];
             add_to_pixel( range.film + 4 * (size_t)pixel, s->ratio[i], value );
             ++landed;
@@ -81,7 +81,7 @@ static void splat_sky( const RfHitBatch* batch, float weight, RfPixelRange range
 
 uint64_t rf_splat_misses( const RfHitBatch* batch, bool black, float weight, RfPixelRange range )
 {
-    if ( range.sky != NULL )
+    if ( rf_calls_for( range.sky != NULL, RF_EFFECT_ALPHA ) )
         splat_sky( batch, weight, range );
     uint64_t landed = 0;
     for ( int i = 0; i < batch->miss_count; ++i )

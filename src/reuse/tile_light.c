@@ -102,7 +102,10 @@ static void add_glossy( const float* const wi[3], int tile_pixels, RfTileReuse* 
         float* weight = s->visible;
         find_receivers( reuse, pairing, reuse->wo, weight );
         for ( int kind = RF_BSDF_FIRST_GLOSSY; kind < RF_BSDF_FIRST_UNEVALUABLE; ++kind )
-            rf_evaluate_seen_from( y, (RfBsdfKind)kind, wo, wi, f, s->pdf );
+        {
+            if ( rf_is_model_built( (RfBsdfKind)kind ) )
+                rf_evaluate_seen_from( y, (RfBsdfKind)kind, wo, wi, f, s->pdf );
+        }
 #pragma omp simd
         for ( int a = first; a < end; ++a )
             reuse->mixture[a] += weight[a] * s->pdf[a];

@@ -42,7 +42,10 @@ static void multiply_densities( const RfVertexLanes* x, RfPairingLanes* pairing,
     const float* wo[3] = { x->wo[0], x->wo[1], x->wo[2] };
     const float* wi[3] = { pairing->wi[0], pairing->wi[1], pairing->wi[2] };
     for ( int kind = 0; kind < RF_BSDF_FIRST_UNEVALUABLE; ++kind )
-        rf_evaluate_seen_from( x, (RfBsdfKind)kind, wo, wi, NULL, pdf );
+    {
+        if ( rf_is_model_built( (RfBsdfKind)kind ) )
+            rf_evaluate_seen_from( x, (RfBsdfKind)kind, wo, wi, NULL, pdf );
+    }
     int count = rf_record_count( x );
 #pragma omp simd
     for ( int i = 0; i < count; ++i )
@@ -243,7 +246,7 @@ static uint64_t test_connections( const RfTileReuseSettings* settings, const RfV
 {
     Queue q = { .tracer = settings->path->tracer, .scratch = &wavefront->scratch, .reuse = reuse };
     const RfVertexLanes* y = &reuse->second;
-    bool in_part = rf_tracer_is_blended( q.tracer ) || rf_tracer_has_panes( q.tracer );
+    bool in_part = rf_tracer_is_partial( q.tracer );
     int cut_off_count = settings->roulette && !in_part ? y->first[RF_BSDF_FIRST_GLOSSY] : 0;
     lift_hits( x, reuse );
     if ( in_part )

@@ -78,7 +78,7 @@ static int see_straight( const RfHarvest* harvest, int eye, const RfHitBatch* ba
 // Tests the hits with density > 0, on the straight way or by the mirror in which they were found.
 static int see( const RfHarvest* harvest, int eye, const RfHitBatch* batch, const float* const lifted[3], float* density )
 {
-    if ( !batch->has_views )
+    if ( !rf_has_views( batch ) )
         return see_straight( harvest, eye, batch, lifted, density );
     float straight[RF_LANES];
     for ( int i = 0; i < batch->count; ++i )
@@ -90,6 +90,16 @@ static int see( const RfHarvest* harvest, int eye, const RfHitBatch* batch, cons
     return rays;
 }
 
+// No panes on the way to the hits' own eye.
+static void clear_panes( const RfHitBatch* batch )
+{
+    for ( int c = 0; c < 3 && batch->panes[c] != NULL; ++c )
+    {
+        for ( int i = 0; i < batch->count; ++i )
+            batch->panes[c][(size_t)batch->eye * RF_LANES + (size_t)i] = 1.0f;
+    }
+}
+
 // A hit's own eye sees it in the pixel it was drawn in, whatever rounding does to its
 // projection.
 static void see_from_own_eye( const RfHarvest* harvest, const RfHitBatch* batch, const float* const lifted[3], int32_t* pixel,
@@ -98,7 +108,9 @@ static void see_from_own_eye( const RfHarvest* harvest, const RfHitBatch* batch,
     const RfEye* eye = harvest->eyes + batch->eye;
     rf_own_densities( rf_tracer_mirrors( harvest->path.tracer ), eye, batch, density, NULL );
     memcpy( pixel, batch->pixel, (size_t)batch->count * sizeof *pixel );
-    if ( batch->densities == NULL )
+    if ( !rf_tracer_is_partial( harvest->path.tracer ) )
+        clear_panes( batch );
+    if ( batch->densities == NULL || !rf_tracer_is_partial( harvest->path.tracer ) )
         return;
     // transmittance is never 0: the camera ray did get through
     float least[RF_LANES];
@@ -124,7 +136,7 @@ void rf_test_batch_visibility( const RfHarvest* harvest, RfHitBatch* batch, RfHa
             see_from_own_eye( harvest, batch, lifted, scratch->landed_pixel, density, rays );
         else
         {
-            rf_project_batch( rf_tracer_mirrors( harvest->path.tracer ), eye, batch, scratch->landed_pixel, density, NULL );
+            rf_project_batch( rf_tracer_mirrors( harvest->path.tracer ), eye, batch, scratch->landed_pixel, density, NULL, NULL );
             rays->eye += (uint64_t)see( harvest, l, batch, lifted, density );
         }
         if ( batch->densities != NULL )

@@ -1,6 +1,7 @@
 // Eyes with the lens and the shutter of their camera.
 #include "scene/camera.h"
 #include "scene/camera_path/camera_track.h"
+#include "scene/leave_out.h"
 #include "scene/pinhole.h"
 
 #include <string.h>
@@ -78,6 +79,8 @@ static RfResult sample_keys( const Moment* m, double offset, double* fstop, doub
 
 static RfResult add_lens( const Moment* m, const RfLens* asked, RfOptics* optics, double offset, RfEye* eye )
 {
+    if ( rf_is_left_out( m->scene, RF_EFFECT_DEPTH_OF_FIELD ) )
+        return RF_OK;
     double focus = optics->focus;
     RfResult result = sample_keys( m, offset, &optics->fstop, &focus );
     const char* node = optics->focus_node;
@@ -115,7 +118,7 @@ RfResult rf_camera_lens_eye( const RfScene* scene, const RfCamera* camera, const
     RfOptics optics = optics_of( camera );
     if ( asked != NULL && asked->has_shutter )
         memcpy( optics.shutter, asked->shutter, sizeof optics.shutter );
-    bool blurs = rf_has_shutter( &optics );
+    bool blurs = rf_has_shutter( &optics ) && !rf_is_left_out( scene, RF_EFFECT_MOTION_BLUR );
     double middle = blurs ? 0.5 * ( optics.shutter[0] + optics.shutter[1] ) : 0.0;
     RfEye open, close;
     RfResult result = eye_at( &m, middle, width, height, eye );

@@ -1,7 +1,9 @@
-#include "scene/camera_path/camera_track.h"
-#include "scene/camera_path/camera_track.h"
-#include "scene/mirrors.h"
+// The rows of the list of effects that a scene decides.
+#include "scene/effects.h"
 
+#include "scene/camera_path/camera_track.h"
+#include "scene/leave_out.h"
+#include "scene/mirrors.h"
 #include "scene/textured.h"
 
 #include <stdio.h>
@@ -89,9 +91,9 @@ static bool has_texture( const RfMaterial* m )
 static bool has_vertex_colors( const RfMaterial* m ) { return m->textured != NULL && m->textured->vertex_colors; }
 
 // An effect required by some materials; names the first and counts the rest.
-static RfEffect material_effect( const Census* census, const char* name, bool ( *calls )( const RfMaterial* ), const char* none )
+static RfEffect material_effect( const Census* census, RfEffectId id, bool ( *calls )( const RfMaterial* ), const char* none )
 {
-    RfEffect effect = { .name = name };
+    RfEffect effect = { .id = id };
     const RfMaterial* first = NULL;
     uint32_t count = 0;
     for ( uint32_t i = 0; i < census->scene->material_count; ++i )
@@ -112,9 +114,9 @@ static RfEffect material_effect( const Census* census, const char* name, bool ( 
     return effect;
 }
 
-static RfEffect count_effect( const char* name, uint32_t count, const char* what, const char* none )
+static RfEffect count_effect( RfEffectId id, uint32_t count, const char* what, const char* none )
 {
-    RfEffect effect = { .name = name, .on = count > 0 };
+    RfEffect effect = { .id = id, .on = count > 0 };
     if ( count > 0 )
         snprintf( effect.why, sizeof effect.why, "%u %s", count, what );
     else
@@ -148,8 +150,8 @@ static RfEffect camera_effect( const RfScene* scene )
 {
     const RfCamera* camera = moving_camera( scene );
     if ( camera == NULL )
-        return ( RfEffect ){ .name = "camera-animation", .why = "no camera of the scene moves" };
-    RfEffect effect = { .name = "camera-animation", .on = true };
+        return ( RfEffect ){ .id = RF_EFFECT_CAMERA_ANIMATION, .why = "no camera of the scene moves" };
+    RfEffect effect = { .id = RF_EFFECT_CAMERA_ANIMATION, .on = true };
     if ( camera->track != NULL )
         snprintf( effect.why, sizeof effect.why, "camera path '%.80s'", camera->name );
     else
@@ -157,10 +159,16 @@ static RfEffect camera_effect( const RfScene* scene )
     return effect;
 }
 
-// Names the first camera with a lens, or with a shutter.
-static RfEffect optics_effect( const RfScene* scene, const char* name, bool ( *has )( const RfOptics* ), const char* none )
+static bool has_normal_map( const RfMaterial* m )
 {
-    RfEffect effect = { .name = name };
+    return m->textured != NULL &&
+           ( m->textured->refs[RF_TEXTURE_NORMAL].texture >= 0 || m->textured->refs[RF_TEXTURE_CLEARCOAT_NORMAL].texture >= 0 );
+}
+
+// Names the first camera with a lens, or with a shutter.
+static RfEffect optics_effect( const RfScene* scene, RfEffectId id, bool ( *has )( const RfOptics* ), const char* none )
+{
+    RfEffect effect = { .id = id };
     snprintf( effect.why, sizeof effect.why, "%s", none );
     for ( int i = 0; i < scene->camera_count && !effect.on; ++i )
     {
@@ -176,7 +184,7 @@ static RfEffect optics_effect( const RfScene* scene, const char* name, bool ( *h
 
 static RfEffect punctual_effect( const RfScene* scene )
 {
-    RfEffect effect = { .name = "punctual-lights", .on = scene->punctual_count > 0 };
+    RfEffect effect = { .id = RF_EFFECT_PUNCTUAL_LIGHTS, .on = scene->punctual_count > 0 };
     if ( scene->punctual_count == 0 )
         snprintf( effect.why, sizeof effect.why, "no punctual light" );
     else if ( scene->punctual_count == 1 )
@@ -189,7 +197,7 @@ static RfEffect punctual_effect( const RfScene* scene )
 
 static RfEffect flat_mirror_effect( const RfScene* scene )
 {
-    RfEffect effect = { .name = "flat-mirrors" };
+    RfEffect effect = { .id = RF_EFFECT_FLAT_MIRRORS };
     RfMirrors mirrors;
     if ( rf_find_mirrors( scene, &mirrors, NULL ) == RF_OK && mirrors.count > 0 )
     {
@@ -207,7 +215,7 @@ static RfEffect flat_mirror_effect( const RfScene* scene )
 static RfEffect environment_effect( const RfScene* scene )
 {
     const RfEnvironment* e = &scene->environment;
-    RfEffect effect = { .name = "environment", .on = is_nonzero( e->radiance ) };
+    RfEffect effect = { .id = RF_EFFECT_ENVIRONMENT, .on = is_nonzero( e->radiance ) };
     if ( !effect.on )
         snprintf( effect.why, sizeof effect.why, "no environment light" );
     else if ( e->map != NULL )
@@ -219,33 +227,51 @@ static RfEffect environment_effect( const RfScene* scene )
     return effect;
 }
 
+void rf_finish_effect( const RfScene* scene, RfEffect* effect )
+{
+    effect->name = rf_effect_name( effect->id );
+    effect->left_out = ( scene->effects_left_out & RF_EFFECT_BIT( effect->id ) ) != 0;
+    effect->forced = !effect->on && rf_is_forced( scene, effect->id );
+    if ( !effect->left_out )
+        return;
+    effect->on = false;
+    snprintf( effect->why, sizeof effect->why, "left out: %s", rf_effect_without_text( effect->id ) );
+}
+
 int rf_list_effects( const RfScene* scene, RfEffect effects[RF_MAX_EFFECTS] )
 {
     Census census = count_uses( scene );
     int count = 0;
-    effects[count++] = material_effect( &census, "diffuse", has_diffuse, "no material reflects diffusely" );
-    effects[count++] = material_effect( &census, "phong", has_phong, "no material has a Phong lobe" );
-    effects[count++] = material_effect( &census, "ggx", has_ggx, "no material is metallic or coated" );
-    effects[count++] = material_effect( &census, "area-lights", has_emission, "no material emits" );
+    effects[count++] = material_effect( &census, RF_EFFECT_DIFFUSE, has_diffuse, "no material reflects diffusely" );
+    effects[count++] = material_effect( &census, RF_EFFECT_PHONG, has_phong, "no material has a Phong lobe" );
+    effects[count++] = material_effect( &census, RF_EFFECT_GGX, has_ggx, "no material is metallic or coated" );
+    effects[count++] = material_effect( &census, RF_EFFECT_AREA_LIGHTS, has_emission, "no material emits" );
     effects[count++] =
-        material_effect( &census, "two-sided-emission", has_two_sided_emission, "no emitting material is double-sided" );
-    effects[count++] = count_effect( "interpolated-normals", census.smooth, "triangles with interpolated normals",
+        material_effect( &census, RF_EFFECT_TWO_SIDED_EMISSION, has_two_sided_emission, "no emitting material is double-sided" );
+    effects[count++] = count_effect( RF_EFFECT_INTERPOLATED_NORMALS, census.smooth, "triangles with interpolated normals",
                                      "no normals are interpolated" );
     effects[count++] = camera_effect( scene );
-    effects[count++] = optics_effect( scene, "depth-of-field", has_lens, "no camera of the scene has a lens: all is sharp" );
-    effects[count++] = optics_effect( scene, "motion-blur", has_shutter, "no camera of the scene has a shutter" );
-    effects[count++] = material_effect( &census, "clearcoat", has_clearcoat, "no material has a clear coat" );
-    effects[count++] = material_effect( &census, "mirrors", has_mirror, "no material is a perfect mirror" );
+    effects[count++] =
+        optics_effect( scene, RF_EFFECT_DEPTH_OF_FIELD, has_lens, "no camera of the scene has a lens: all is sharp" );
+    effects[count++] = optics_effect( scene, RF_EFFECT_MOTION_BLUR, has_shutter, "no camera of the scene has a shutter" );
+    effects[count++] = material_effect( &census, RF_EFFECT_CLEARCOAT, has_clearcoat, "no material has a clear coat" );
+    effects[count++] = material_effect( &census, RF_EFFECT_MIRRORS, has_mirror, "no material is a perfect mirror" );
     effects[count++] = flat_mirror_effect( scene );
-    effects[count++] = material_effect( &census, "transmission", has_transmission, "no material transmits light" );
-    effects[count++] = material_effect( &census, "panes", rf_may_be_pane, "no smooth wall without thickness transmits light" );
-    effects[count++] = material_effect( &census, "absorption", has_absorption, "no glass absorbs light" );
+    effects[count++] = material_effect( &census, RF_EFFECT_TRANSMISSION, has_transmission, "no material transmits light" );
+    effects[count++] =
+        material_effect( &census, RF_EFFECT_PANES, rf_may_be_pane, "no smooth wall without thickness transmits light" );
+    effects[count++] = material_effect( &census, RF_EFFECT_ABSORPTION, has_absorption, "no glass absorbs light" );
     effects[count++] = punctual_effect( scene );
     effects[count++] = environment_effect( scene );
-    effects[count++] = material_effect( &census, "textures", has_texture, "no material has a texture" );
-    effects[count++] = material_effect( &census, "vertex-colors", has_vertex_colors, "no mesh has vertex colours" );
-    effects[count++] = material_effect( &census, "alpha-blend", rf_is_blended, "no material is blended by its alpha" );
-    effects[count++] = material_effect( &census, "alpha-mask", rf_is_masked, "no material is masked by its alpha" );
+    effects[count++] = material_effect( &census, RF_EFFECT_TEXTURES, has_texture, "no material has a texture" );
+    effects[count++] = material_effect( &census, RF_EFFECT_VERTEX_COLORS, has_vertex_colors, "no mesh has vertex colours" );
+    effects[count++] = material_effect( &census, RF_EFFECT_ALPHA_BLEND, rf_is_blended, "no material is blended by its alpha" );
+    effects[count++] = material_effect( &census, RF_EFFECT_ALPHA_MASK, rf_is_masked, "no material is masked by its alpha" );
+    effects[count++] = material_effect( &census, RF_EFFECT_NORMAL_MAPS, has_normal_map, "no material has a normal texture" );
+    effects[count++] =
+        material_effect( &census, RF_EFFECT_SMOOTH_METALS, rf_may_be_smooth, "no GGX lobe is nearly a perfect mirror" );
     free( census.triangles );
+    for ( int i = 0; i < count; ++i )
+        rf_finish_effect( scene, effects + i );
     return count;
 }

@@ -41,6 +41,7 @@ typedef struct RfProjection
 {
     int32_t x, y;  // pixel; meaningless unless inside
     float density; // J_k(x) in px²/m², clamped to [RF_MIN_DENSITY, RF_MAX_DENSITY]
+    float u, v;    // place in it, 0 to 1
     int seen;      // in front of the eye, inside its film, on the side of the surface that faces it
 } RfProjection;
 
@@ -66,7 +67,8 @@ static inline RfProjection rf_project( const RfEye* eye, RfVec3 x, RfVec3 ng )
     int seen = ( depth > 0.0f ) & ( facing > 0.0f ) & ( fx >= 0.0f ) & ( fx < (float)eye->width ) & ( fy >= 0.0f ) &
                ( fy < (float)eye->height );
     // converted inside the film only: outside, the value may not fit an integer
-    return ( RfProjection ){ (int32_t)( seen ? fx : 0.0f ), (int32_t)( seen ? fy : 0.0f ), density, seen };
+    int32_t column = (int32_t)( seen ? fx : 0.0f ), row = (int32_t)( seen ? fy : 0.0f );
+    return ( RfProjection ){ column, row, density, fx - (float)column, fy - (float)row, seen };
 }
 
 #endif

@@ -146,7 +146,8 @@ struct RfScene
     int export_warning_count;
     char** export_warnings; // what the program that wrote the file warned of; printable
     RfCamera* cameras;
-    int chosen_camera; // 1 + index of the camera that the scene file selects; 0: none
+    int chosen_camera;                         // 1 + index of the camera that the scene file selects; 0: none
+    uint64_t effects_forced, effects_left_out; // by rf_choose_effects: sets of RF_EFFECT_BITs
 };
 
 // Frees everything the loader allocated and clears the struct. Members may be NULL.

@@ -1,5 +1,7 @@
 #include "scene/textured_lookup.h"
 
+#include "base/built_in.h"
+
 #include <math.h>
 
 // The mean over a triangle is sampled at the centres of GRID² sub-triangles.
@@ -80,7 +82,7 @@ static void base_at( const RfScene* scene, const RfMaterial* m, uint32_t triangl
         for ( int i = 0; i < 4; ++i )
             base[i] *= (double)rgba[i];
     }
-    if ( t->vertex_colors && scene->triangles.colors != NULL )
+    if ( rf_calls_for( t->vertex_colors, RF_EFFECT_VERTEX_COLORS ) && scene->triangles.colors != NULL )
     {
         rf_interpolate_corners( scene->triangles.colors, 4, scene->triangles.indices + 3 * (size_t)triangle, u, v, rgba );
         for ( int i = 0; i < 4; ++i )

@@ -1,5 +1,6 @@
 #include "trace/bvh.h"
 
+#include "scene/leave_out.h"
 #include "scene/textured.h"
 #include "trace/far_triangle.h"
 #include "trace/filter.h"
@@ -14,10 +15,15 @@ enum
     MASKED,
 };
 
+static bool is_pane( const RfScene* scene, const RfMaterial* m )
+{
+    return rf_may_be_pane( m ) && rf_runs( scene, true, RF_EFFECT_PANES );
+}
+
 static bool has_filter( const RfBvh* bvh, uint32_t triangle )
 {
     const RfMaterial* m = bvh->scene->materials + bvh->scene->triangles.material[triangle];
-    return rf_is_masked( m ) || rf_is_blended( m ) || rf_may_be_pane( m ) ||
+    return rf_runs( bvh->scene, rf_is_masked( m ), RF_EFFECT_ALPHA_MASK ) || rf_is_blended( m ) || is_pane( bvh->scene, m ) ||
            rf_is_far_triangle( &bvh->scene->triangles, triangle, bvh->far_error );
 }
 
@@ -28,12 +34,15 @@ static RfResult sort_masked( RfBvh* bvh, RfError* error )
     const RfScene* scene = bvh->scene;
     const RfTriangles* t = &scene->triangles;
     uint32_t masked = 0;
+    bvh->blended = rf_is_forced( scene, RF_EFFECT_ALPHA_BLEND );
+    bvh->panes = rf_is_forced( scene, RF_EFFECT_PANES );
     for ( uint32_t i = 0; i < t->count; ++i )
     {
         const RfMaterial* m = scene->materials + t->material[i];
         masked += has_filter( bvh, i );
         bvh->blended = bvh->blended || rf_is_blended( m );
-        bvh->panes = bvh->panes || rf_may_be_pane( m );
+        bvh->panes = bvh->panes || is_pane( scene, m );
+        bvh->partial = bvh->partial || rf_is_blended( m ) || is_pane( scene, m );
     }
     bvh->masked_first = t->count - masked;
     if ( masked == 0 )

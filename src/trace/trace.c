@@ -1,6 +1,7 @@
 #include "trace/tracer.h"
 
 #include "light/light.h"
+#include "scene/leave_out.h"
 #include "trace/far_triangle.h"
 
 #include <pmmintrin.h>
@@ -100,6 +101,7 @@ RfResult rf_create_tracer( const RfScene* scene, RfTracer** out, RfError* error 
     tracer->scene = scene;
     for ( uint32_t i = 0; i < scene->material_count; ++i )
         tracer->textured = tracer->textured || scene->materials[i].textured != NULL;
+    tracer->textured = tracer->textured || rf_is_forced( scene, RF_EFFECT_TEXTURES );
     tracer->device = rtcNewDevice( "frequency_level=simd512" );
     if ( tracer->device == NULL )
     {
@@ -110,7 +112,7 @@ RfResult rf_create_tracer( const RfScene* scene, RfTracer** out, RfError* error 
     rtcSetDeviceMemoryMonitorFunction( tracer->device, on_memory, tracer );
     describe_device( tracer );
     RfResult result = rf_collect_lights( scene, &tracer->lights, error );
-    if ( result == RF_OK )
+    if ( result == RF_OK && rf_runs( scene, true, RF_EFFECT_FLAT_MIRRORS ) )
         result = rf_find_mirrors( scene, &tracer->mirrors, error );
     if ( result == RF_OK )
         result = build_bvh( tracer, error );
@@ -141,9 +143,10 @@ void rf_destroy_tracer( RfTracer* tracer )
 }
 
 const RfScene* rf_tracer_scene( const RfTracer* tracer ) { return tracer->scene; }
-bool rf_tracer_is_textured( const RfTracer* tracer ) { return tracer->textured; }
-bool rf_tracer_is_blended( const RfTracer* tracer ) { return tracer->bvh.blended; }
-bool rf_tracer_has_panes( const RfTracer* tracer ) { return tracer->bvh.panes; }
+RfTracerRuns rf_tracer_runs( const RfTracer* tracer )
+{
+    return ( RfTracerRuns ){ tracer->bvh.blended, tracer->bvh.panes, tracer->textured, tracer->bvh.partial };
+}
 const RfMirrors* rf_tracer_mirrors( const RfTracer* tracer ) { return &tracer->mirrors; }
 const RfLights* rf_tracer_lights( const RfTracer* tracer ) { return &tracer->lights; }
 

@@ -5,6 +5,7 @@
 #ifndef REFRAME_TRACE_TRACE_H
 #define REFRAME_TRACE_TRACE_H
 
+#include "base/built_in.h"
 #include "light/light.h"
 #include "scene/mirrors.h"
 #include "scene/scene.h"
@@ -12,14 +13,41 @@
 #include <stddef.h>
 #include <stdint.h>
 
+// What the code for some effects runs for: for scenes that call for these, unless they are left out, or where they are forced.
+typedef struct RfTracerRuns
+{
+    bool blended;  // some surface is alpha-blended
+    bool panes;    // some may be a thin pane
+    bool textured; // some material has `textured`
+    bool partial;  // segments may be open in part: a surface is blended or a pane, and not because of what is forced
+} RfTracerRuns;
+
+// What runs for the tracer's scene.
+RfTracerRuns rf_tracer_runs( const RfTracer* tracer );
+
 // True if some surface is alpha-blended. Visibility is then a number between 0 and 1.
-bool rf_tracer_is_blended( const RfTracer* tracer );
+static inline bool rf_tracer_is_blended( const RfTracer* tracer )
+{
+    return rf_is_built( RF_EFFECT_ALPHA_BLEND ) && rf_tracer_runs( tracer ).blended;
+}
 
 // True if some surface may be a thin pane (bsdf/bsdf.h).
-bool rf_tracer_has_panes( const RfTracer* tracer );
+static inline bool rf_tracer_has_panes( const RfTracer* tracer )
+{
+    return rf_is_built( RF_EFFECT_PANES ) && rf_tracer_runs( tracer ).panes;
+}
+
+// True if the way that a path took may be open in part, so that it is worth another look.
+static inline bool rf_tracer_is_partial( const RfTracer* tracer )
+{
+    return ( rf_tracer_is_blended( tracer ) || rf_tracer_has_panes( tracer ) ) && rf_tracer_runs( tracer ).partial;
+}
 
 // True if some material is textured, so that hits must look up RfMaterial.textured.
-bool rf_tracer_is_textured( const RfTracer* tracer );
+static inline bool rf_tracer_is_textured( const RfTracer* tracer )
+{
+    return rf_is_built( RF_EFFECT_TEXTURES ) && rf_tracer_runs( tracer ).textured;
+}
 
 // The lights of the scene, collected at creation (light/light.h).
 const RfLights* rf_tracer_lights( const RfTracer* tracer );

@@ -208,6 +208,10 @@ static void test_existing_frames( void** state )
     assert_int_equal( atoi( cli_run( "find . -name 'f.*.exr' ! -newermt 2002-01-01 | wc -l" )->out ), 3 );
     cli_expect( cli_run( "$R render $VASE -o f.####.exr --frames 1-5 --resume --seed 2 " SMALL ), 1,
                 "f.0001.exr: is of another render, of --seed 1 (here 2): give the same" );
+    cli_expect( cli_run( "$R render $VASE -o f.####.exr --frames 1-5 --resume --filter tent " SMALL ), 1,
+                "f.0001.exr: is of another render, of --filter box (here tent): give the same" );
+    cli_expect( cli_run( "$R render $VASE -o f.####.exr --frames 1-5 --resume --filter box --filter-width 2 " SMALL ), 1,
+                "f.0001.exr: is of another render, of --filter-width 1 (here 2): give the same" );
     cli_expect( cli_run( "mv f.0002.exr f.0001.exr; $R render $VASE -o f.####.exr --frames 1-5 --resume " SMALL ), 1,
                 "f.0001.exr: is of another render, of frame 2 (here 1): give the same" );
     cli_expect( cli_run( "echo text > f.0001.exr; $R render $VASE -o f.####.exr --frames 1-5 --resume " SMALL ), 1,
@@ -252,8 +256,8 @@ static void test_json_has_every_key( void** state )
     cli_expect( result, 0, NULL );
     json_t* json = parse_json( result->out );
     expect_keys( json, "version scene frames seconds seconds_scene peak_bytes budget_bytes bytes rays group tile weights "
-                       "normalize threads effects kept_frames interrupted adaptive adaptive_mode adaptive_frames "
-                       "warnings repeated_frames" );
+                       "normalize threads effects effects_left_out effects_forced kept_frames interrupted adaptive adaptive_mode "
+                       "adaptive_frames warnings repeated_frames filter" );
     expect_keys( json_object_get( json, "rays" ), "primary path shadow tile eye" );
     expect_keys( json_object_get( json, "bytes" ), "film_table films adaptive image scratch hit_records writer" );
     json_t* frames = json_object_get( json, "frames" );
@@ -289,7 +293,7 @@ static void test_info_tells_cameras_and_materials( void** state )
     expect_keys( camera, "name frames first step animated" );
     assert_int_equal( json_integer_value( json_object_get( camera, "frames" ) ), 95 );
     assert_int_equal( json_integer_value( json_object_get( json, "lights" ) ), 2 );
-    expect_keys( json_array_get( json_object_get( json, "effects" ), 0 ), "name on why" );
+    expect_keys( json_array_get( json_object_get( json, "effects" ), 0 ), "name on why left_out forced option" );
     json_decref( json );
 }
 

@@ -1,5 +1,6 @@
 // AOVs of a render: closed forms, the variance against the true one, the same bits however
 // the frames come about, and no influence on colour.
+#include "support/filter_reference.h"
 #include "support/hard_cases.h"
 
 #include <math.h>
@@ -217,6 +218,40 @@ static void test_edges_and_empty_pixels( void** state )
     rf_destroy_scene( &scene );
 }
 
+// Albedo and normal have the filter of the colour, depth and motion do not.
+static void test_an_edge_has_the_pixel_filter( void** state )
+{
+    (void)state;
+    RfScene scene = make_wall( 0.013f, make_lambert( 0.5f, 0.25f, 0.5f ) );
+    RfTracer* tracer = make_tracer( &scene );
+    RfEye eyes[2] = { look( rf_vec3( 0, 0, 0 ), rf_vec3( 0, 0, -1 ) ), look( rf_vec3( 0.1f, 0, 0 ), rf_vec3( 0, 0, -1 ) ) };
+    RfRenderSettings settings = layered( 0, 64 );
+    Frames* box = render_layers( tracer, eyes, 2, 0, 1, &settings );
+    settings.filter = RF_FILTER_TENT;
+    settings.filter_width = 3.0;
+    Frames* f = render_layers( tracer, eyes, 2, 0, 1, &settings );
+    double edge = 0.5 * WIDTH + 0.013 / (double)DISTANCE * (double)eyes[0].focal;
+    for ( int x = 0; x < WIDTH; ++x )
+    {
+        double all = filter_integral( RF_FILTER_TENT, 3.0, -x - 0.5, WIDTH - x - 0.5 );
+        double covered = filter_integral( RF_FILTER_TENT, 3.0, edge - x - 0.5, WIDTH - x - 0.5 ) / all, albedo = 0.0,
+               normal = 0.0;
+        for ( int y = 0; y < HEIGHT; ++y )
+        {
+            albedo += (double)f->layers[0][RF_AOV_ALBEDO][3 * ( y * WIDTH + x ) + 1] / HEIGHT;
+            normal += (double)f->layers[0][RF_AOV_NORMAL][3 * ( y * WIDTH + x ) + 2] / HEIGHT;
+        }
+        assert_near( normal, covered, 0.01, "filtered normal" );
+        assert_near( albedo, 0.25 * normal, 1e-5, "filtered albedo" );
+    }
+    assert_memory_equal( f->layers[0][RF_AOV_DEPTH], box->layers[0][RF_AOV_DEPTH], (size_t)f->pixels * sizeof( float ) );
+    assert_memory_equal( f->layers[0][RF_AOV_MOTION], box->layers[0][RF_AOV_MOTION], (size_t)f->pixels * 4 * sizeof( float ) );
+    free_frames( box );
+    free_frames( f );
+    rf_destroy_tracer( tracer );
+    rf_destroy_scene( &scene );
+}
+
 static void test_albedo_of_materials( void** state )
 {
     (void)state;
@@ -358,6 +393,7 @@ static void test_same_bits_however_the_frames_come_about( void** state )
     for ( int g = 0; g < 3; ++g )
     {
         RfRenderSettings settings = layered( groups[g], 5 );
+        settings.filter = g == 1 ? RF_FILTER_BLACKMAN_HARRIS : RF_FILTER_BOX;
         Frames* whole = render_layers( tracer, eyes, EYES, 0, EYES, &settings );
         settings.threads = 3;
         settings.queue = 2;
@@ -462,10 +498,15 @@ static void test_budget_counts_aov_films( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_moving_wall_by_hand ),      cmocka_unit_test( test_edges_and_empty_pixels ),
-        cmocka_unit_test( test_albedo_of_materials ),      cmocka_unit_test( test_samples_are_counted ),
-        cmocka_unit_test( test_variance_is_the_true_one ), cmocka_unit_test( test_same_bits_however_the_frames_come_about ),
-        cmocka_unit_test( test_budget_counts_aov_films ),  cmocka_unit_test( test_each_alone_is_as_among_all ),
+        cmocka_unit_test( test_moving_wall_by_hand ),
+        cmocka_unit_test( test_edges_and_empty_pixels ),
+        cmocka_unit_test( test_an_edge_has_the_pixel_filter ),
+        cmocka_unit_test( test_albedo_of_materials ),
+        cmocka_unit_test( test_samples_are_counted ),
+        cmocka_unit_test( test_variance_is_the_true_one ),
+        cmocka_unit_test( test_same_bits_however_the_frames_come_about ),
+        cmocka_unit_test( test_budget_counts_aov_films ),
+        cmocka_unit_test( test_each_alone_is_as_among_all ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

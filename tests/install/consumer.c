@@ -65,13 +65,17 @@ static RfResult render( const RfTracer* tracer, const RfCameraPath* path, const 
 {
     RfOutput output = rf_default_output();
     RfRenderStats stats;
+    char effects[RF_EFFECTS_TEXT_SIZE];
     RfRenderCallbacks callbacks = { &output, write_frame, go_on };
     output.pattern = pattern;
     output.tracer = tracer;
     output.path = path;
+    output.calls_for = effects;
     RfResult result = rf_resolve_settings( tracer, path->eyes, path->count, &asked, &output.settings, error );
     if ( result == RF_OK )
         result = rf_prepare_output_folder( pattern, error );
+    if ( result == RF_OK )
+        rf_name_effects( rf_tracer_scene( tracer ), path->eyes, path->count, &output.settings, effects );
     if ( result == RF_OK )
         result = rf_render( tracer, path->eyes, path->count, frames, FRAMES, &output.settings, &callbacks, &stats, error );
     for ( int i = 0; result == RF_OK && i < FRAMES; ++i )

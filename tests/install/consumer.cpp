@@ -75,6 +75,9 @@ void render( const RfTracer& tracer, const RfCameraPath& path, const std::vector
     output.tracer = &tracer;
     output.path = &path;
     check( rf_resolve_settings( &tracer, path.eyes, path.count, &asked, &output.settings, &error ), error );
+    char effects[RF_EFFECTS_TEXT_SIZE];
+    rf_name_effects( rf_tracer_scene( &tracer ), path.eyes, path.count, &output.settings, effects );
+    output.calls_for = effects;
     check( rf_prepare_output_folder( output.pattern, &error ), error );
     const RfRenderCallbacks callbacks = { &output,
                                           []( void* user, const RfFrameResult* frame, RfError* failure )

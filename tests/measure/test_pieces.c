@@ -40,7 +40,7 @@ static RfRenderSettings settings_of( int group, const char* tile, uint64_t seed 
     return settings;
 }
 
-static void begin( Setup* s, float degrees, double pixels )
+static void begin( Setup* s, float degrees, double pixels, bool filtered )
 {
     RfError error;
     s->scene = make_room( ROOM_DIFFUSE );
@@ -48,7 +48,7 @@ static void begin( Setup* s, float degrees, double pixels )
     orbit_eyes( s->eyes, EYES, degrees, WIDTH, HEIGHT );
     for ( int i = 0; i < EYES; ++i )
         s->frames[i] = i;
-    assert_int_equal( rf_choose_pieces( s->tracer, s->eyes, EYES, EYES / 2, pixels, 1, &s->pieces, &error ), RF_OK );
+    assert_int_equal( rf_choose_pieces( s->tracer, s->eyes, EYES, EYES / 2, pixels, filtered, 1, &s->pieces, &error ), RF_OK );
 }
 
 static void end( Setup* s )
@@ -77,11 +77,12 @@ static void compare( const Setup* s, const Rendered* a, const Rendered* b, int* 
 }
 
 // A piece is the same to the bit, but where a surface comes into sight between the pixels that are followed.
-static void check_pieces( float degrees, int group, const char* tile )
+static void check_pieces( float degrees, int group, const char* tile, RfFilter filter )
 {
     Setup s;
-    begin( &s, degrees, PIXELS );
+    begin( &s, degrees, PIXELS, filter != RF_FILTER_BOX );
     RfRenderSettings settings = settings_of( group, tile, 7 );
+    settings.filter = filter;
     Rendered whole = render_frames( s.tracer, s.eyes, EYES, s.frames, EYES, &settings );
     RfPieces pieces = rf_pieces_from( &s.pieces, 0 );
     settings.pieces = &pieces;
@@ -89,10 +90,10 @@ static void check_pieces( float degrees, int group, const char* tile )
     int values, differ;
     compare( &s, &whole, &part, &values, &differ );
     double traced = (double)part.stats.rays.primary / (double)whole.stats.rays.primary;
-    print_message( "%g degrees, group %d, tile %s: %d of %d values differ, %.1f %% of the samples\n", (double)degrees, group,
-                   tile, differ, values, 100.0 * traced );
-    assert_true( values > 3 * 1000 * EYES && differ <= values / 100 );
-    assert_true( traced < 0.4 );
+    print_message( "%g degrees, group %d, tile %s, %s: %d of %d values differ, %.1f %% of the samples\n", (double)degrees, group,
+                   tile, rf_filter_name( filter ), differ, values, 100.0 * traced );
+    assert_true( values > ( filter == RF_FILTER_BOX ? 3 : 2 ) * 1000 * EYES && differ <= values / 100 );
+    assert_true( traced < ( filter == RF_FILTER_BOX ? 0.4 : 0.6 ) );
     assert_true( group > 0 || differ == 0 );
     free_rendered( &whole );
     free_rendered( &part );
@@ -102,11 +103,13 @@ static void check_pieces( float degrees, int group, const char* tile )
 static void test_pieces_are_parts_of_the_whole( void** state )
 {
     (void)state;
-    check_pieces( 1.0f, 0, "1" );
-    check_pieces( 1.0f, 2, "1" );
-    check_pieces( 1.0f, 2, "3x3" );
-    check_pieces( 6.0f, 2, "3x3" );
-    check_pieces( 6.0f, 1, "rooks16" );
+    check_pieces( 1.0f, 0, "1", RF_FILTER_BOX );
+    check_pieces( 1.0f, 2, "1", RF_FILTER_BOX );
+    check_pieces( 1.0f, 2, "3x3", RF_FILTER_BOX );
+    check_pieces( 6.0f, 2, "3x3", RF_FILTER_BOX );
+    check_pieces( 6.0f, 1, "rooks16", RF_FILTER_BOX );
+    check_pieces( 1.0f, 0, "3x3", RF_FILTER_BLACKMAN_HARRIS );
+    check_pieces( 1.0f, 2, "3x3", RF_FILTER_BLACKMAN_HARRIS );
 }
 
 // They lie all over the picture, do not overlap, and are as many pixels as were asked for.
@@ -114,7 +117,7 @@ static void test_pieces_are_spread( void** state )
 {
     (void)state;
     Setup s;
-    begin( &s, 1.0f, PIXELS );
+    begin( &s, 1.0f, PIXELS, false );
     const RfTestPieces* p = &s.pieces;
     assert_true( p->count >= 3 && p->pixels > 0.5 * PIXELS && p->pixels < 2.0 * PIXELS );
     int cells = p->across * p->down, in_half[2][2] = { { 0 } };
@@ -127,12 +130,12 @@ static void test_pieces_are_spread( void** state )
         assert_true( p->slot[i] < 0 || p->traced[i] );
     end( &s );
     // most of a picture is taken as a whole, in pieces that make it up
-    begin( &s, 1.0f, 0.9 * WIDTH * HEIGHT );
+    begin( &s, 1.0f, 0.9 * WIDTH * HEIGHT, false );
     assert_true( s.pieces.traced == NULL && s.pieces.count == RF_MAX_PIECES );
     assert_int_equal( s.pieces.first_slot[EYES], EYES * s.pieces.across * s.pieces.down );
     end( &s );
     // one pixel asked for is one piece
-    begin( &s, 1.0f, 1.0 );
+    begin( &s, 1.0f, 1.0, false );
     assert_int_equal( s.pieces.count, 1 );
     end( &s );
 }
@@ -163,7 +166,7 @@ static void test_trials_of_pieces_find_the_error( void** state )
 {
     (void)state;
     Setup s;
-    begin( &s, 1.0f, PIXELS );
+    begin( &s, 1.0f, PIXELS, false );
     int seeds = getenv( "REFRAME_LONG" ) != NULL ? 100 : 24, held = 0;
     static RfTrial whole[2], pieces[2];
     try_both( &s, WIDTH * HEIGHT, 1, whole );
@@ -188,7 +191,7 @@ static void test_pieces_are_refused_with_what_needs_frames( void** state )
 {
     (void)state;
     Setup s;
-    begin( &s, 1.0f, PIXELS );
+    begin( &s, 1.0f, PIXELS, false );
     RfPieces pieces = rf_pieces_from( &s.pieces, 0 );
     for ( int k = 0; k < 3; ++k )
     {

@@ -217,7 +217,7 @@ static void test_need_follows_the_noise( void** state )
         noise[4 * i] = 2.0f * ( i < 20 ? 16.0f : i < 40 ? 4.0f : 1.0f );
         noise[4 * i + 1] = 2.0f;
     }
-    RfPilotSums sums = { share, noise, NULL, PIXELS, 2.0f, 7 };
+    RfPilotSums sums = { share, noise, NULL, PIXELS, 2.0f, 7, 1.0 };
     assert_true( rf_extra_may_pay( &sums ) );
     float most = rf_set_need( &sums );
     printf( "extra samples: %.2f %.2f %.2f %.2f\n", (double)share[0], (double)share[20], (double)share[40], (double)share[999] );
@@ -237,11 +237,11 @@ static void test_noise_is_measured( void** state )
 {
     (void)state;
     RfScene scene = make_glass_room();
-    RfSceneTraits glass = rf_scene_traits( &scene );
+    RfSceneTraits glass = rf_scene_traits( &scene, NULL, 0 );
     assert_true( rf_noise_differs( &glass ) );
     rf_destroy_scene( &scene );
     scene = make_room( ROOM_PHONG );
-    RfSceneTraits walls = rf_scene_traits( &scene );
+    RfSceneTraits walls = rf_scene_traits( &scene, NULL, 0 );
     assert_true( !rf_noise_differs( &walls ) );
     rf_destroy_scene( &scene );
 }

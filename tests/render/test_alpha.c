@@ -102,8 +102,9 @@ static void test_over_the_sky_it_is_the_picture_without( void** state )
     check_over_sky( "group and tiles", tracer, eyes, tiled( 2, 20, "3x3" ) );
     RfRenderSettings held = tiled( 2, 10, "3x3" ), ratio = held;
     held.hold_all = true;
+    held.filter = RF_FILTER_BLACKMAN_HARRIS;
     ratio.normalize = RF_NORMALIZE_RATIO;
-    check_over_sky( "held records", tracer, eyes, held );
+    check_over_sky( "held records, pixel filter", tracer, eyes, held );
     check_over_sky( "ratio", tracer, eyes, ratio );
     Picture a = render( tracer, eyes, held, true );
     held.hold_all = false;

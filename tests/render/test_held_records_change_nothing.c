@@ -48,10 +48,10 @@ static const struct
     { "vase-room", "--group 2 --frames 20-21 --spp 10 --tile 1" },
     { "vase-room-ggx", "--group 1 --frames 46-48 --spp 6 --threads 2 --aov variance,samples" },
     { "still-life", "--group 1 --frames 1-2 --spp 6 --tile rooks16 --light-samples 2" },
-    { "textured-room", "--group 1 --frames 24 --spp 6" },
+    { "textured-room", "--group 1 --frames 24 --spp 6 --aov albedo,normal,motion" },
     { "vase-room-phong", "--group 1 --frames 24 --spp 6 --tile 1 --weights eq15" },
     { "vase-room-wide", "--group 16 --frames 24 --spp 33 --size 24x16 --tile 1" },
-    { "still-life", "--group 3 --frames 2 --spp 7 --tile 3x3" },
+    { "still-life", "--group 3 --frames 2 --spp 14 --tile 3x3 --filter tent --aov albedo,depth" },
 };
 
 static void test_pictures_are_the_same( void** state )

@@ -35,6 +35,7 @@ static const RfOption s_options[] = {
       .help = "a plot: seconds across, error up, with and without reuse" },
     RF_PATH_OPTIONS( s_parsed.render, "frames that are to be rendered: some of them are tried, and all are counted" ),
     RF_LENS_OPTIONS( s_parsed.render, true ),
+    RF_EFFECT_OPTIONS( s_parsed.render, true ),
     { .name = "group",
       .type = RF_OPTION_INT,
       .value = &s_parsed.render.settings.group,
@@ -47,6 +48,7 @@ static const RfOption s_options[] = {
       .help = "half-width of the groups with reuse: groups of 2N+1 frames" },
     RF_TILE_OPTION( s_parsed.render ),
     RF_LIGHT_OPTIONS( s_parsed.render ),
+    RF_FILTER_OPTIONS( s_parsed.render, true ),
     RF_SEED_OPTION( s_parsed.render ),
     RF_MACHINE_OPTIONS( s_parsed.render, "threads of the render" ),
     RF_RESULT_OPTIONS( s_parsed.render, "no words on what is being tried" ),
@@ -95,6 +97,7 @@ static RfResult parse( int argc, char** argv, RfCostOptions* options, bool* help
     if ( result != RF_OK || *help )
         return result;
     s_parsed.render.scene = s_scene;
+    s_parsed.render.settings.filter = (RfFilter)s_parsed.render.filter;
     result = rf_parse_tile_option( &s_parsed.render, error );
     if ( result == RF_OK )
         result = parse_errors( &s_parsed, error );

@@ -9,6 +9,7 @@ static RfRenderOptions s_parsed; // the table points here
 static const RfOption s_options[] = {
     RF_PATH_OPTIONS( s_parsed, "frames that rays and seconds are of; the group does not depend on them" ),
     RF_LENS_OPTIONS( s_parsed, true ),
+    RF_EFFECT_OPTIONS( s_parsed, true ),
     { .name = "spp",
       .type = RF_OPTION_INT,
       .value = &s_parsed.settings.spp,
@@ -56,6 +57,7 @@ static const RfOption s_options[] = {
       .choices = rf_normalize_words,
       .default_text = "crossfit",
       .help = "how the sum of weights is divided out; here it makes no difference" },
+    RF_FILTER_OPTIONS( s_parsed, true ),
     RF_LIGHT_OPTIONS( s_parsed ),
     RF_MACHINE_OPTIONS( s_parsed, "threads of the render; the group does not depend on them" ),
     RF_AOV_OPTION( s_parsed, "further channels, which need memory:" ),

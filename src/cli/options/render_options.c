@@ -1,5 +1,6 @@
 #include "cli/options/render_options.h"
 
+#include "cli/options/effect_options.h"
 #include "cli/options/file_options.h"
 #include "cli/options/shot_options.h"
 #include "output/names.h"
@@ -56,6 +57,7 @@ static const RfOption s_options[] = {
       .default_text = "the scene's, else 960x540",
       .help = "pixels; also 720p, 1080p, 1440p, 2160p or 4k" },
     RF_LENS_OPTIONS( s_parsed, true ),
+    RF_EFFECT_OPTIONS( s_parsed, true ),
     { .name = "spp",
       .in_file = true,
       .type = RF_OPTION_INT,
@@ -151,6 +153,7 @@ static const RfOption s_options[] = {
       .help =
           "of --estimator gradient: least squares weighted by the other half's variances, or by constants; l1 is biased; none: "
           "the pixels without their differences" },
+    RF_FILTER_OPTIONS( s_parsed, true ),
     { .name = "max-depth",
       .in_file = true,
       .type = RF_OPTION_INT,
@@ -275,6 +278,7 @@ RfRenderOptions rf_default_render_options( void )
     options.normalize = options.settings.normalize;
     options.adaptive = options.settings.adaptive;
     options.reconstruction = options.settings.reconstruction;
+    options.filter = options.settings.filter;
     return options;
 }
 
@@ -291,6 +295,7 @@ static void take_words( RfRenderOptions* options )
     options->settings.normalize = (RfNormalize)options->normalize;
     options->settings.adaptive = (RfAdaptive)options->adaptive;
     options->settings.reconstruction = (RfReconstruction)options->reconstruction;
+    options->settings.filter = (RfFilter)options->filter;
 }
 
 RfResult rf_parse_estimator_option( RfRenderOptions* options, RfError* error )
@@ -337,6 +342,8 @@ RfResult rf_settle_render_options( RfRenderOptions* options, RfError* error )
         result = rf_parse_tile_option( options, error );
     if ( result == RF_OK )
         result = rf_parse_aov_option( options, error );
+    if ( result == RF_OK )
+        result = rf_parse_effect_options( options, error );
     if ( ( settings->noise > 0.0 || settings->time > 0.0 ) && !options->spp_given )
         settings->spp = rf_default_most_spp( settings->noise );
     return result;
@@ -366,7 +373,8 @@ RfResult rf_read_render_defaults( const RfField* defaults, RfRenderOptions* opti
 {
     reset();
     RfError error = { 0 };
-    RfField tile = rf_field_member( defaults, "tile" ), aov = rf_field_member( defaults, "aov" );
+    RfField tile = rf_field_member( defaults, "tile" ), aov = rf_field_member( defaults, "aov" ),
+            no_effect = rf_field_member( defaults, "no_effect" );
     RfField estimator = rf_field_member( defaults, "estimator" );
     RfResult result = rf_take_file_options( &s_table, defaults );
     if ( result == RF_OK && rf_parse_estimator_option( &s_parsed, &error ) != RF_OK )
@@ -375,6 +383,8 @@ RfResult rf_read_render_defaults( const RfField* defaults, RfRenderOptions* opti
         result = rf_fail_file_option( &tile, &error );
     if ( result == RF_OK && rf_parse_aov_option( &s_parsed, &error ) != RF_OK )
         result = rf_fail_file_option( &aov, &error );
+    if ( result == RF_OK && rf_parse_effect_options( &s_parsed, &error ) != RF_OK )
+        result = rf_fail_file_option( &no_effect, &error );
     take_words( &s_parsed );
     *options = s_parsed;
     return result;

@@ -6,6 +6,14 @@
 #include "reframe/camera.h"
 #include "reframe/render.h"
 
+// The words of --effects.
+enum
+{
+    RF_EFFECTS_AUTO,
+    RF_EFFECTS_ALL,
+};
+extern const char* const rf_effects_words[];
+
 typedef struct RfRenderOptions
 {
     const char* scene;
@@ -16,13 +24,16 @@ typedef struct RfRenderOptions
     const char* shutter; // NULL: the camera's
     double fstop;
     bool fstop_given;
-    const char* focus; // NULL: the camera's
+    const char* focus;     // NULL: the camera's
+    int effects;           // RF_EFFECTS_AUTO or RF_EFFECTS_ALL
+    const char* no_effect; // NULL: none
+    uint64_t left_out;     // a set of RF_EFFECT_BITs: those of no_effect
     RfRenderSettings settings;
     bool spp_given;
-    int weights, normalize, adaptive, reconstruction; // indices of their words
-    const char* estimator;                            // its name
-    const char* tile;                                 // NULL: that of the estimator
-    const char* aov;                                  // NULL: none
+    int weights, normalize, adaptive, filter, reconstruction; // indices of their words
+    const char* estimator;                                    // its name
+    const char* tile;                                         // NULL: that of the estimator
+    const char* aov;                                          // NULL: none
     bool alpha;
     const char* output;
     bool resume;

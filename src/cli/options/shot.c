@@ -1,5 +1,6 @@
 #include "cli/options/shot.h"
 
+#include "cli/options/effect_options.h"
 #include "cli/options/frame_list.h"
 #include "cli/messages.h"
 
@@ -57,6 +58,8 @@ RfResult rf_load_shot( const char* command, RfRenderOptions* options, RfTakeDefa
         result = take( &defaults, user, error );
     if ( result == RF_OK )
         result = rf_load_scene_file( &shot->file, &shot->scene, &log, error );
+    if ( result == RF_OK )
+        result = rf_take_effect_options( options, &shot->scene, &log, error );
     if ( result == RF_OK )
         result = rf_parse_lens_options( options, &lens, error );
     if ( result == RF_OK )

@@ -4,6 +4,7 @@
 #define REFRAME_CLI_OPTIONS_SHOT_OPTIONS_H
 
 #include "cli/options/render_options.h"
+#include "output/names.h"
 
 #define RF_PATH_OPTIONS( o, frames_help )                                                                                        \
     { .name = "camera",                                                                                                          \
@@ -54,6 +55,21 @@
         .default_text = "the camera's", .help = "what is sharp: what lies this far along the view, or at a node of the scene"    \
     }
 
+// Effects that are forced or left out. `file`: a scene file's defaults may have them.
+#define RF_EFFECT_OPTIONS( o, file )                                                                                             \
+    { .name = "effects",                                                                                                         \
+      .in_file = ( file ),                                                                                                       \
+      .type = RF_OPTION_CHOICE,                                                                                                  \
+      .value = &( o ).effects,                                                                                                   \
+      .choices = rf_effects_words,                                                                                               \
+      .default_text = "auto",                                                                                                    \
+      .help = "auto: code runs for effects that the scene calls for; all: for the others, too, where that is possible, for the " \
+              "same picture to rounding" },                                                                                      \
+    {                                                                                                                            \
+        .name = "no-effect", .in_file = ( file ), .type = RF_OPTION_STRING, .value = &( o ).no_effect, .meta = "NAME[,...]",     \
+        .default_text = "none", .help = "leaves effects out, by their names in reframe info: the picture may be another then"    \
+    }
+
 #define RF_SPP_OPTION( o )                                                                                                       \
     {                                                                                                                            \
         .name = "spp", .type = RF_OPTION_INT, .value = &( o ).settings.spp, .min = 1, .max = RF_MAX_SPP, .meta = "S",            \
@@ -83,6 +99,22 @@
     {                                                                                                                            \
         .name = "light-samples", .type = RF_OPTION_INT, .value = &( o ).settings.light_samples, .min = 1,                        \
         .max = RF_MAX_LIGHT_SAMPLES, .meta = "K", .default_text = "1", .help = "light samples per vertex"                        \
+    }
+
+// `file`: a scene file's defaults may have them.
+#define RF_FILTER_OPTIONS( o, file )                                                                                             \
+    { .name = "filter",                                                                                                          \
+      .in_file = ( file ),                                                                                                       \
+      .type = RF_OPTION_CHOICE,                                                                                                  \
+      .value = &( o ).filter,                                                                                                    \
+      .choices = rf_filter_words,                                                                                                \
+      .default_text = "box",                                                                                                     \
+      .help = "how samples count in the pixels around them; depth and motion always have the box of one pixel" },                \
+    {                                                                                                                            \
+        .name = "filter-width", .in_file = ( file ), .type = RF_OPTION_REAL, .value = &( o ).settings.filter_width,              \
+        .min = RF_MIN_FILTER_WIDTH, .max = RF_MAX_FILTER_WIDTH, .meta = "PIXELS",                                                \
+        .default_text = "1; gaussian and blackman-harris 1.5",                                                                   \
+        .help = "as in Blender: of a box, from side to side; the others reach so far to each side"                               \
     }
 
 #define RF_SEED_OPTION( o )                                                                                                      \

@@ -30,8 +30,10 @@ static const RfOption s_options[] = {
       .help = "a plot: memory across, efficiency up, a line for each tile" },
     RF_PATH_OPTIONS( s_parsed.render, "frames that are to be rendered: settings are tried there, and their cost is counted" ),
     RF_LENS_OPTIONS( s_parsed.render, true ),
+    RF_EFFECT_OPTIONS( s_parsed.render, true ),
     RF_SPP_OPTION( s_parsed.render ),
     RF_LIGHT_OPTIONS( s_parsed.render ),
+    RF_FILTER_OPTIONS( s_parsed.render, true ),
     RF_SEED_OPTION( s_parsed.render ),
     RF_MACHINE_OPTIONS( s_parsed.render, "threads, each of which tries a setting" ),
     RF_AOV_OPTION( s_parsed.render, "further channels, which need memory:" ),
@@ -56,6 +58,7 @@ static RfResult parse( int argc, char** argv, RfTuneOptions* options, bool* help
     if ( result != RF_OK || *help )
         return result;
     s_parsed.render.scene = s_scene;
+    s_parsed.render.settings.filter = (RfFilter)s_parsed.render.filter;
     result = rf_parse_aov_option( &s_parsed.render, error );
     *options = s_parsed;
     return result;

@@ -1,5 +1,6 @@
 // reframe render: from a scene and a camera path to EXR files.
 #include "cli/commands.h"
+#include "cli/options/effect_options.h"
 #include "cli/options/frame_list.h"
 #include "cli/options/shot.h"
 #include "cli/render/frame_errors.h"
@@ -38,6 +39,9 @@ typedef struct Job
     int* kept; // by --resume, likewise
     int kept_count;
     RfTracer* tracer;
+    RfEffect effects[RF_MAX_EFFECTS]; // by path and settings
+    int effect_count;
+    char calls_for[RF_EFFECTS_TEXT_SIZE]; // their names
     RfOutput output;
     pthread_mutex_t speech; // guards messages: frames are written by another thread
     RfProgressLine line;
@@ -73,7 +77,11 @@ static void destroy_job( Job* job )
 static RfOutput output_of( const Job* job )
 {
     return ( RfOutput ){
-        .pattern = job->options.output, .tracer = job->tracer, .path = &job->path, .settings = job->options.settings
+        .pattern = job->options.output,
+        .tracer = job->tracer,
+        .path = &job->path,
+        .settings = job->options.settings,
+        .calls_for = job->calls_for,
     };
 }
 
@@ -96,7 +104,9 @@ static RfResult load_scene( Job* job, RfError* error )
     RfField defaults = rf_scene_file_defaults( &job->file, error );
     if ( defaults.json != NULL )
         result = rf_parse_render_options_over( &defaults, job->argc, job->argv, &job->options, error );
-    return result == RF_OK ? rf_load_scene_file( &job->file, &job->scene, &job->log, error ) : result;
+    if ( result == RF_OK )
+        result = rf_load_scene_file( &job->file, &job->scene, &job->log, error );
+    return result == RF_OK ? rf_take_effect_options( &job->options, &job->scene, &job->log, error ) : result;
 }
 
 static RfResult fail_numbers( const Job* job, RfError* error )
@@ -109,6 +119,16 @@ static RfResult find_runs( Job* job, RfError* error )
     free( job->runs );
     job->runs = rf_runs_of_frames( &job->path, job->frames, job->frame_count, &job->run_count );
     return job->runs != NULL ? RF_OK : fail_numbers( job, error );
+}
+
+static void list_effects( Job* job )
+{
+    const RfRenderSettings* settings = &job->options.settings;
+    job->effect_count = rf_list_render_effects( &job->scene, job->path.runs, job->path.run_count, settings, job->effects );
+    uint64_t on = 0;
+    for ( int i = 0; i < job->effect_count; ++i )
+        on |= job->effects[i].on ? RF_EFFECT_BIT( job->effects[i].id ) : 0;
+    rf_format_effects( on, job->calls_for, sizeof job->calls_for );
 }
 
 static RfResult load( Job* job, RfError* error )
@@ -133,6 +153,7 @@ static RfResult load( Job* job, RfError* error )
         result = resolve( job, error );
     if ( result != RF_OK )
         return result;
+    list_effects( job );
     job->output = output_of( job );
     result = rf_prepare_output( &job->output, &job->options, job->frames, &job->frame_count, job->kept, error );
     job->kept_count = asked_count - job->frame_count;
@@ -141,6 +162,7 @@ static RfResult load( Job* job, RfError* error )
     if ( result != RF_OK || job->options.quiet )
         return result;
     rf_tell_settings( &job->asked, &job->options.settings, &job->fit, job->path.run_count );
+    rf_tell_effects( job->effects, job->effect_count );
     rf_tell_runs( &job->path, job->frames, job->frame_count, job->run_count );
     return RF_OK;
 }
@@ -240,8 +262,10 @@ static RfResult write_json( const Job* job, bool interrupted, RfError* error )
                         .kept = job->kept_count,
                         .warnings = job->told.lines,
                         .repeated = job->frame_count - job->run_count,
+                        .effects = job->effects,
+                        .effect_count = job->effect_count,
                         .interrupted = interrupted };
-    return rf_write_json( options->json, rf_render_json( options, &job->scene, &run ), error );
+    return rf_write_json( options->json, rf_render_json( options, &run ), error );
 }
 
 static RfResult report( Job* job, RfError* error )

@@ -1,6 +1,7 @@
 #include "cli/render/render_json.h"
 
 #include "cli/messages.h"
+#include "cli/options/effect_options.h"
 #include "reframe/scene.h"
 
 #include <stdio.h>
@@ -20,27 +21,32 @@ json_t* rf_frame_json( const RfFrameResult* result, const RfCameraPath* path, do
     return json;
 }
 
-json_t* rf_effect_names_json( const RfScene* scene )
+// The names of effects that are on, left out or forced.
+static json_t* names_json( const RfRenderRun* run, bool on, bool left_out, bool forced )
 {
-    RfEffect effects[RF_MAX_EFFECTS];
-    int count = rf_list_effects( scene, effects );
     json_t* names = json_array();
-    for ( int i = 0; i < count; ++i )
+    for ( int i = 0; i < run->effect_count; ++i )
     {
-        if ( effects[i].on )
-            json_array_append_new( names, json_string( effects[i].name ) );
+        const RfEffect* e = run->effects + i;
+        if ( ( on && e->on ) || ( left_out && e->left_out ) || ( forced && e->forced ) )
+            json_array_append_new( names, json_string( e->name ) );
     }
     return names;
 }
 
-json_t* rf_effects_json( const RfScene* scene )
+json_t* rf_effects_json( const RfScene* scene, const RfRenderSettings* settings )
 {
     RfEffect effects[RF_MAX_EFFECTS];
-    int count = rf_list_effects( scene, effects );
+    int count = rf_list_render_effects( scene, NULL, 0, settings, effects );
     json_t* list = json_array();
     for ( int i = 0; i < count; ++i )
-        json_array_append_new( list, json_pack( "{s:s, s:b, s:o}", "name", effects[i].name, "on", effects[i].on, "why",
-                                                rf_json_text( effects[i].why ) ) );
+    {
+        const RfEffect* e = effects + i;
+        const char* option = rf_effect_option( e->id );
+        json_array_append_new( list, json_pack( "{s:s, s:b, s:o, s:b, s:b, s:o}", "name", e->name, "on", e->on, "why",
+                                                rf_json_text( e->why ), "left_out", e->left_out, "forced", e->forced, "option",
+                                                option != NULL ? json_string( option ) : json_null() ) );
+    }
     return list;
 }
 
@@ -67,7 +73,7 @@ static json_t* bytes_json( const RfRenderStats* stats )
     return bytes;
 }
 
-json_t* rf_render_json( const RfRenderOptions* options, const RfScene* scene, const RfRenderRun* run )
+json_t* rf_render_json( const RfRenderOptions* options, const RfRenderRun* run )
 {
     const RfRenderStats* stats = run->stats;
     char tile[RF_TILE_NAME_SIZE];
@@ -79,7 +85,12 @@ json_t* rf_render_json( const RfRenderOptions* options, const RfScene* scene, co
                               bytes_json( stats ), "rays", rays_json( &stats->rays ), "group", stats->group, "tile", tile,
                               "weights", rf_weights_name( options->settings.weights ), "normalize",
                               rf_normalize_name( options->settings.normalize ), "threads", stats->threads, "effects",
-                              rf_effect_names_json( scene ), "kept_frames", run->kept, "interrupted", run->interrupted );
+                              names_json( run, true, false, false ), "kept_frames", run->kept, "interrupted", run->interrupted );
+    json_object_set_new( json, "effects_left_out", names_json( run, false, true, false ) );
+    json_object_set_new( json, "effects_forced", names_json( run, false, false, true ) );
+    json_object_set_new(
+        json, "filter",
+        json_pack( "{s:s, s:f}", "name", rf_filter_name( options->settings.filter ), "width", options->settings.filter_width ) );
     if ( options->settings.estimator != rf_default_render_settings().estimator )
     {
         json_object_set_new( json, "estimator", json_string( rf_estimator_name( options->settings.estimator ) ) );

@@ -21,13 +21,14 @@ typedef struct RfRenderRun
     int repeated;                  // of them, the picture of the frame before them once more
     bool interrupted;
     json_t* warnings; // lines; stays the caller's
+    const RfEffect* effects;
+    int effect_count;
 } RfRenderRun;
 
 // The complete JSON. NULL where memory ran out.
-json_t* rf_render_json( const RfRenderOptions* options, const RfScene* scene, const RfRenderRun* run );
+json_t* rf_render_json( const RfRenderOptions* options, const RfRenderRun* run );
 
-// The names of the effects that a scene calls for; and all effects with name, on and why.
-json_t* rf_effect_names_json( const RfScene* scene );
-json_t* rf_effects_json( const RfScene* scene );
+// All effects with name, on, why, left_out, forced, and the option that decides (null: none).
+json_t* rf_effects_json( const RfScene* scene, const RfRenderSettings* settings );
 
 #endif

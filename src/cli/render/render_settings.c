@@ -26,6 +26,28 @@ void rf_tell_settings( const RfRenderSettings* asked, const RfRenderSettings* us
                  fit->films, fit->films == 1 ? "" : "s", fit->sweeps );
 }
 
+static uint64_t set_of( const RfEffect* effects, int count, bool left_out, bool forced )
+{
+    uint64_t set = 0;
+    for ( int i = 0; i < count; ++i )
+    {
+        const RfEffect* e = effects + i;
+        bool listed = left_out ? e->left_out : forced ? e->forced : e->on;
+        set |= listed ? RF_EFFECT_BIT( e->id ) : 0;
+    }
+    return set;
+}
+
+void rf_tell_effects( const RfEffect* effects, int count )
+{
+    char on[RF_EFFECTS_TEXT_SIZE], out[RF_EFFECTS_TEXT_SIZE], forced[RF_EFFECTS_TEXT_SIZE];
+    rf_format_effects( set_of( effects, count, false, false ), on, sizeof on );
+    rf_format_effects( set_of( effects, count, true, false ), out, sizeof out );
+    rf_format_effects( set_of( effects, count, false, true ), forced, sizeof forced );
+    fprintf( stderr, "reframe render: effects: %s%s%s%s%s\n", on[0] != '\0' ? on : "none", out[0] != '\0' ? "; left out: " : "",
+             out, forced[0] != '\0' ? "; forced: " : "", forced );
+}
+
 void rf_tell_runs( const RfCameraPath* path, const int* frames, int frame_count, int run_count )
 {
     int stretches = 0, first = 0, last = 0;

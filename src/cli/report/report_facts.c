@@ -145,6 +145,8 @@ static const struct
     { "reframe/group", "Settings", "Group" },
     { "reframe/tile", "Settings", "Tile" },
     { "reframe/adaptive", "Settings", "Adaptive" },
+    { "reframe/filter", "Settings", "Pixel filter" },
+    { "reframe/filter-width", "Settings", "Filter width" },
     { "reframe/weights", "Settings", "Weights" },
     { "reframe/noise", "Settings", "Wanted relMSE" },
     { "reframe/time", "Settings", "Wanted seconds" },

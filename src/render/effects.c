@@ -1,0 +1,195 @@
+// All rows of the list of effects: those that the scene decides (scene/effects.c), then path and settings.
+#include "render/effects.h"
+
+#include "light/light.h"
+#include "render/settings.h"
+#include "render/sizes.h"
+#include "scene/effects.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+
+// What the rows are made of.
+typedef struct Source
+{
+    const RfScene* scene;
+    const RfRenderSettings* settings;
+    RfSceneTraits traits; // that run
+    int eye_count;
+    RfEffect* rows; // by id
+} Source;
+
+__attribute__( ( format( printf, 4, 5 ) ) ) static void set( const Source* from, RfEffectId id, bool on, const char* format, ... )
+{
+    RfEffect* row = from->rows + id;
+    va_list args;
+    va_start( args, format );
+    *row = ( RfEffect ){ .id = id, .on = on, .by_render = id >= RF_EFFECT_CHAINS };
+    vsnprintf( row->why, sizeof row->why, format, args );
+    va_end( args );
+    rf_finish_effect( from->scene, row );
+}
+
+// The eyes decide in the place of the scene's cameras; with options they may have a lens that no camera has.
+static void set_path( const Source* from, const RfEye* eyes )
+{
+    int lens = 0, shutter = 0, moving = 0;
+    for ( int i = 0; i < from->eye_count; ++i )
+    {
+        const RfEye *e = eyes + i, *f = eyes;
+        RfVec3 step = rf_sub( e->origin, f->origin ), turn = rf_sub( e->forward, f->forward );
+        lens += e->lens_radius > 0.0f;
+        shutter += e->moves != 0;
+        moving += rf_dot( step, step ) + rf_dot( turn, turn ) + fabsf( e->focal - f->focal ) > 0.0f;
+    }
+    int all = from->eye_count;
+    set( from, RF_EFFECT_CAMERA_ANIMATION, moving > 0, moving > 0 ? "the camera moves in %d frames" : "the camera stands still",
+         all );
+    if ( !from->rows[RF_EFFECT_DEPTH_OF_FIELD].left_out )
+        set( from, RF_EFFECT_DEPTH_OF_FIELD, lens > 0,
+             lens > 0 ? "the camera has a lens in %d of %d frames" : "the camera has no lens: all is sharp", lens, all );
+    if ( !from->rows[RF_EFFECT_MOTION_BLUR].left_out )
+        set( from, RF_EFFECT_MOTION_BLUR, shutter > 0,
+             shutter > 0 ? "the camera moves while its shutter is open in %d of %d frames"
+                         : "the camera does not move while its shutter is open",
+             shutter, all );
+}
+
+static bool emits( const RfScene* scene, uint32_t triangle )
+{
+    return rf_max_component( scene->materials[scene->triangles.material[triangle]].emission ) > 0.0f;
+}
+
+static void set_light_tree( const Source* from )
+{
+    const RfScene* scene = from->scene;
+    uint32_t lights = (uint32_t)scene->punctual_count + from->traits.sky;
+    for ( uint32_t i = 0; i < scene->triangles.count && lights <= RF_FEW_LIGHTS; ++i )
+        lights += emits( scene, i );
+    if ( from->settings->light_sampling == RF_LIGHTS_BY_POWER )
+        set( from, RF_EFFECT_LIGHT_TREE, false, "lights are drawn by their power: the settings ask for it" );
+    else
+        set( from, RF_EFFECT_LIGHT_TREE, lights > RF_FEW_LIGHTS,
+             lights > RF_FEW_LIGHTS ? "more than %d lights" : "up to %d lights are drawn by their power", RF_FEW_LIGHTS );
+}
+
+// The first reason for chains that is on.
+static const RfEffect* chain_reason( const Source* from )
+{
+    static const RfEffectId reasons[] = { RF_EFFECT_MIRRORS, RF_EFFECT_TRANSMISSION, RF_EFFECT_SMOOTH_METALS };
+    for ( size_t i = 0; i < sizeof reasons / sizeof reasons[0]; ++i )
+    {
+        if ( from->rows[reasons[i]].on )
+            return from->rows + reasons[i];
+    }
+    return NULL;
+}
+
+static int tile_pixels( const RfTile* tile )
+{
+    switch ( tile->kind )
+    {
+        case RF_TILE_BLOCK: return tile->width * tile->height;
+        case RF_TILE_ROOKS: return tile->width;
+        default: return 1;
+    }
+}
+
+static void set_chains( const Source* from )
+{
+    const RfEffect* reason = chain_reason( from );
+    const RfRenderSettings* s = from->settings;
+    RfSceneTraits called = from->traits;
+    called.chains = reason != NULL;
+    if ( reason == NULL )
+        set( from, RF_EFFECT_CHAINS, false, "no mirror, no glass, no GGX lobe that is nearly a mirror" );
+    else if ( !rf_wants_chains( &called, s, tile_pixels( &s->tile ) ) )
+        set( from, RF_EFFECT_CHAINS, false, "neither tiles nor other frames would use them" );
+    else
+        set( from, RF_EFFECT_CHAINS, true, "%s: %.120s", reason->name, reason->why );
+}
+
+static void set_reuse( const Source* from )
+{
+    const RfRenderSettings* s = from->settings;
+    char tile[RF_TILE_NAME_SIZE];
+    bool tiles = tile_pixels( &s->tile ) > 1, groups = s->group != 0 && from->eye_count != 1;
+    rf_tile_name( &s->tile, tile );
+    if ( s->group == RF_GROUP_AUTO && groups )
+        set( from, RF_EFFECT_FRAME_GROUPS, true, "of as many frames as the plan finds best" );
+    else
+        set( from, RF_EFFECT_FRAME_GROUPS, groups, groups ? "of up to %d frames" : "frames share nothing", 2 * s->group + 1 );
+    set( from, RF_EFFECT_TILE_CONNECTIONS, tiles, tiles ? "tiles of %s pixels" : "no tiles", tile );
+    set( from, RF_EFFECT_TILE_ROULETTE, tiles && s->tile_roulette, s->tile_roulette ? "%s" : "the settings do not ask for it",
+         tiles ? "the settings ask for it" : "no tiles" );
+    bool adaptive = s->adaptive == RF_ADAPTIVE_ON || ( s->adaptive == RF_ADAPTIVE_AUTO && groups );
+    set( from, RF_EFFECT_ADAPTIVE, adaptive, "%s",
+         s->adaptive == RF_ADAPTIVE_ON ? "the settings ask for it"
+         : adaptive                    ? "in frames where it pays"
+                                       : "the settings do not ask for it, or no other frame helps" );
+    if ( rf_is_stopping( s ) )
+        set( from, RF_EFFECT_STOP_RULE, true, "frames stop at %s", s->noise > 0.0 ? "a noise" : "a time" );
+    else
+        set( from, RF_EFFECT_STOP_RULE, false, "the samples of a frame are given" );
+}
+
+static void set_aovs( const Source* from )
+{
+    static const RfEffectId ids[RF_AOV_COUNT] = {
+#define AOV_ROW( constant, name, letters, half, first_hit, what ) [RF_AOV_##constant] = RF_EFFECT_AOV_##constant,
+        RF_AOV_LIST( AOV_ROW )
+#undef AOV_ROW
+            [RF_AOV_ALPHA] = RF_EFFECT_ALPHA,
+    };
+    for ( int i = 0; i < RF_AOV_COUNT; ++i )
+    {
+        bool on = ( from->settings->aovs & RF_AOV_BIT( i ) ) != 0;
+        set( from, ids[i], on, on ? "the settings ask for it" : "the settings do not ask for it" );
+    }
+}
+
+int rf_list_render_effects( const RfScene* scene, const RfEye* eyes, int eye_count, const RfRenderSettings* settings,
+                            RfEffect effects[RF_MAX_EFFECTS] )
+{
+    RfEffect of_scene[RF_MAX_EFFECTS];
+    int count = rf_list_effects( scene, of_scene );
+    for ( int i = 0; i < count; ++i )
+        effects[of_scene[i].id] = of_scene[i];
+    Source from = { scene, settings, rf_running_traits( scene, rf_scene_traits( scene, eyes, eye_count ) ), eye_count, effects };
+    if ( eye_count > 0 )
+        set_path( &from, eyes );
+    set_light_tree( &from );
+    set_chains( &from );
+    set_reuse( &from );
+    set_aovs( &from );
+    return RF_EFFECT_COUNT;
+}
+
+void rf_name_effects( const RfScene* scene, const RfEye* eyes, int eye_count, const RfRenderSettings* settings,
+                      char text[RF_EFFECTS_TEXT_SIZE] )
+{
+    RfEffect effects[RF_MAX_EFFECTS];
+    uint64_t on = 0;
+    int count = rf_list_render_effects( scene, eyes, eye_count, settings, effects );
+    for ( int i = 0; i < count; ++i )
+        on |= effects[i].on ? RF_EFFECT_BIT( effects[i].id ) : 0;
+    rf_format_effects( on, text, RF_EFFECTS_TEXT_SIZE );
+}
+
+RfResult rf_check_built( const RfScene* scene, const RfEye* eyes, int eye_count, const RfRenderSettings* settings,
+                         RfError* error )
+{
+    RfEffect effects[RF_MAX_EFFECTS];
+    if ( RF_EFFECTS_NOT_BUILT == 0 )
+        return RF_OK;
+    int count = rf_list_render_effects( scene, eyes, eye_count, settings, effects );
+    for ( int i = 0; i < count; ++i )
+    {
+        if ( effects[i].on && !rf_is_built( effects[i].id ) )
+            return rf_fail( error, RF_ERROR_UNSUPPORTED,
+                            "this build of Reframe lacks the effect %s, which is called for: %s: leave it out, or build with it",
+                            effects[i].name, effects[i].why );
+    }
+    return RF_OK;
+}

@@ -1,0 +1,75 @@
+// What a scene and its camera's path call for, and what runs.
+#include "render/sizes.h"
+
+#include "scene/leave_out.h"
+#include "scene/mirrors.h"
+#include "scene/textured.h"
+
+RfSceneTraits rf_scene_traits( const RfScene* scene, const RfEye* eyes, int eye_count )
+{
+    RfSceneTraits traits = { .sky = rf_max_component( scene->environment.radiance ) > 0.0f };
+    for ( uint32_t i = 0; i < scene->triangles.count; ++i )
+    {
+        if ( i > 0 && scene->triangles.material[i] == scene->triangles.material[i - 1] )
+            continue;
+        const RfMaterial* material = scene->materials + scene->triangles.material[i];
+        traits.kinds |= 1u << material->kind;
+        traits.blended = traits.blended || rf_is_blended( material );
+        traits.panes = traits.panes || rf_may_be_pane( material );
+        traits.smooth = traits.smooth || rf_may_be_smooth( material );
+    }
+    traits.chains = traits.smooth || ( traits.kinds & ~0u << RF_BSDF_FIRST_UNEVALUABLE ) != 0;
+    RfMirrors mirrors;
+    if ( rf_find_mirrors( scene, &mirrors, NULL ) == RF_OK )
+        traits.mirrors = mirrors.count > 0;
+    rf_destroy_mirrors( &mirrors );
+    for ( int i = 0; i < eye_count; ++i )
+    {
+        traits.lens = traits.lens || eyes[i].lens_radius > 0.0f;
+        traits.shutter = traits.shutter || eyes[i].moves;
+    }
+    traits.grouped_chains = traits.mirrors || traits.smooth || traits.panes;
+    traits.scattered = traits.lens || traits.shutter;
+    return traits;
+}
+
+// The models that materials with these effects scatter by.
+static unsigned forced_kinds( const RfScene* scene )
+{
+    static const RfEffectId effects[RF_BSDF_KIND_COUNT] = { [RF_BSDF_LAMBERT] = RF_EFFECT_DIFFUSE,
+                                                            [RF_BSDF_PHONG] = RF_EFFECT_PHONG,
+                                                            [RF_BSDF_GGX] = RF_EFFECT_GGX,
+                                                            [RF_BSDF_COATED] = RF_EFFECT_CLEARCOAT,
+                                                            [RF_BSDF_GLASS] = RF_EFFECT_TRANSMISSION };
+    unsigned kinds = rf_is_forced( scene, RF_EFFECT_MIRRORS ) ? 1u << RF_BSDF_GLASS : 0;
+    for ( int k = 0; k < RF_BSDF_KIND_COUNT; ++k )
+        kinds |= rf_is_forced( scene, effects[k] ) ? 1u << k : 0;
+    return kinds;
+}
+
+RfSceneTraits rf_running_traits( const RfScene* scene, RfSceneTraits called )
+{
+    RfSceneTraits traits = called;
+    traits.kinds |= forced_kinds( scene );
+#define RF_TRAIT_RUNS( flag, effect ) traits.flag = rf_runs( scene, called.flag, RF_EFFECT_##effect );
+    RF_TRAIT_LIST( RF_TRAIT_RUNS )
+#undef RF_TRAIT_RUNS
+    bool grouped = ( called.mirrors && traits.mirrors ) || called.smooth || ( called.panes && traits.panes );
+    traits.grouped_chains = called.chains ? grouped : traits.chains;
+    traits.scattered = ( called.lens && traits.lens ) || ( called.shutter && traits.shutter );
+    return traits;
+}
+
+RfEstimatorGroup rf_size_group( const RfScene* scene, RfSceneTraits called, const RfEye* eyes, int eye_count,
+                                const RfRenderSettings* settings )
+{
+    return ( RfEstimatorGroup ){
+        .settings = settings,
+        .traits = rf_running_traits( scene, called ),
+        .width = eyes->width,
+        .height = eyes->height,
+        .max_depth = settings->max_depth,
+        .eyes = eyes,
+        .eye_count = eye_count,
+    };
+}

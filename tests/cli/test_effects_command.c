@@ -1,0 +1,160 @@
+// --effects and --no-effect as a user sees them: in info, in a render's line, JSON, warnings and header, and with --resume.
+#include "support/cli_run.h"
+#include "support/json_room.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "image/exr.h"
+
+#define SMALL "--size 24x18 --spp 3 --frames 2 --group 1 --no-adaptive --float "
+
+static RfImage read_image( const char* name )
+{
+    char path[512];
+    RfImage image;
+    snprintf( path, sizeof path, "%s/%s", cli_folder(), name );
+    assert_int_equal( rf_read_exr( path, &image, NULL ), RF_OK );
+    return image;
+}
+
+static void expect_same_pixels( const char* one, const char* two, bool same )
+{
+    RfImage a = read_image( one ), b = read_image( two );
+    size_t bytes = 3 * (size_t)a.width * (size_t)a.height * sizeof( float );
+    assert_int_equal( memcmp( a.rgb, b.rgb, bytes ) == 0, same );
+    rf_destroy_image( &a );
+    rf_destroy_image( &b );
+}
+
+static void expect_header( const char* name, const char* key, const char* wanted )
+{
+    char path[512], value[1024];
+    snprintf( path, sizeof path, "%s/%s", cli_folder(), name );
+    RfResult result = rf_read_exr_string( path, key, value, sizeof value, NULL );
+    assert_int_equal( result == RF_OK, wanted != NULL );
+    if ( wanted != NULL )
+        assert_non_null( strstr( value, wanted ) );
+}
+
+static const json_t* row_of( const json_t* json, const char* name )
+{
+    size_t i;
+    const json_t* row;
+    json_array_foreach( json_object_get( json, "effects" ), i, row )
+    {
+        if ( strcmp( json_string_value( json_object_get( row, "name" ) ), name ) == 0 )
+            return row;
+    }
+    fail_msg( "no effect %s", name );
+    return NULL;
+}
+
+static void test_info_tells_all_effects( void** state )
+{
+    (void)state;
+    const CliResult* result = cli_run( "$R info $VASE --no-effect phong" );
+    cli_expect( result, 0, "--no-effect phong: the picture is another than the scene asks for: materials keep" );
+    assert_non_null( strstr( result->out, "  out  phong " ) );
+    assert_non_null( strstr( result->out, "  off  aov-depth             the settings do not ask for it (--aov depth)" ) );
+    cli_expect( cli_run( "$R info $VASE --effects all --json all.json > text" ), 0, NULL );
+    json_t* json = cli_read_json( "all.json" );
+    assert_true( json_is_true( json_object_get( row_of( json, "panes" ), "forced" ) ) );
+    assert_true( json_is_false( json_object_get( row_of( json, "panes" ), "on" ) ) );
+    assert_true( json_is_false( json_object_get( row_of( json, "environment" ), "forced" ) ) );
+    assert_string_equal( json_string_value( json_object_get( row_of( json, "adaptive" ), "option" ) ), "--adaptive" );
+    json_decref( json );
+}
+
+static void test_names_are_checked( void** state )
+{
+    (void)state;
+    cli_expect( cli_run( "$R info $VASE --no-effect mirors" ), 2, "--no-effect: 'mirors' is no effect, did you mean mirrors?" );
+    cli_expect( cli_run( "$R render $VASE -o a.exr --no-effect adaptive" ), 2,
+                "--no-effect: adaptive cannot be left out of a scene: give --no-adaptive" );
+    cli_expect( cli_run( "$R plan $VASE --no-effect aov-depth" ), 2, "leave it out of --aov" );
+    cli_expect( cli_run( "$R tune $VASE --no-effect panes,panes" ), 2, "the effect panes is given twice" );
+    write_room( "" );
+    write_text( "bad.json", "{\"scene\":\"room.gltf\",\"render\":{\"no_effect\":\"pane\"}}" );
+    cli_expect( cli_run( "$R render bad.json -o a.exr" ), 1,
+                "bad.json: render.no_effect: 'pane' is no effect, did you mean panes?" );
+}
+
+static void test_renders_say_what_they_do( void** state )
+{
+    (void)state;
+    cli_expect( cli_run( "$R render $VASE -o said.exr " SMALL "--no-effect phong,light-tree --json said.json 2> said" ), 0,
+                NULL );
+    cli_expect( cli_run( "grep -q 'effects: diffuse,ggx,.*; left out: phong,light-tree$' said" ), 0, NULL );
+    cli_expect( cli_run( "grep -q 'warning: --no-effect light-tree: changes nothing: up to 2 lights' said" ), 0, NULL );
+    json_t* json = cli_read_json( "said.json" );
+    json_t* out = json_object_get( json, "effects_left_out" );
+    assert_int_equal( json_array_size( out ), 2 );
+    assert_string_equal( json_string_value( json_array_get( out, 0 ) ), "phong" );
+    assert_int_equal( json_array_size( json_object_get( json, "effects_forced" ) ), 0 );
+    assert_int_equal( json_array_size( json_object_get( json, "warnings" ) ), 2 );
+    json_decref( json );
+    expect_header( "said.exr", "reframe/calls-for", "diffuse,ggx,area-lights" );
+    expect_header( "said.exr", "reframe/no-effect", "phong,light-tree" );
+    expect_header( "said.exr", "reframe/effects", NULL );
+}
+
+// Frames of a render without an effect are others; those of a render with all effects called for are what they were.
+static void test_resume_knows_effects( void** state )
+{
+    (void)state;
+    cli_expect( cli_run( "$R render $VASE -o r.exr " SMALL "--quiet" ), 0, NULL );
+    expect_header( "r.exr", "reframe/no-effect", NULL );
+    cli_expect( cli_run( "$R render $VASE -o r.exr " SMALL "--quiet --resume" ), 0, NULL );
+    cli_expect( cli_run( "$R render $VASE -o r.exr " SMALL "--quiet --resume --no-effect phong 2>&1 | grep resume: >&2" ), 0,
+                "of another render, of --no-effect none (here phong): give" );
+    cli_expect( cli_run( "$R render $VASE -o r.exr " SMALL "--quiet --resume --effects all" ), 1,
+                "of another render, of --effects auto (here all): give" );
+    cli_expect( cli_run( "$R render $VASE -o r.exr " SMALL "--quiet --overwrite --effects all --json r.json" ), 0, NULL );
+    expect_header( "r.exr", "reframe/effects", "all" );
+    cli_expect( cli_run( "$R render $VASE -o r.exr " SMALL "--quiet --resume --effects all" ), 0, NULL );
+    json_t* json = cli_read_json( "r.json" );
+    assert_true( json_array_size( json_object_get( json, "effects_forced" ) ) > 5 );
+    json_decref( json );
+}
+
+static void test_no_lens_is_a_pinhole( void** state )
+{
+    (void)state;
+#define LENS "--fstop 1 --focus 3 --shutter 0.5 --quiet "
+    cli_expect( cli_run( "$R render $VASE -o pinhole.exr " SMALL "--quiet" ), 0, NULL );
+    cli_expect( cli_run( "$R render $VASE -o lens.exr " SMALL LENS ), 0, NULL );
+    cli_expect( cli_run( "$R render $VASE -o left.exr " SMALL LENS "--no-effect depth-of-field,motion-blur 2> said" ), 0, NULL );
+    expect_same_pixels( "pinhole.exr", "left.exr", true );
+    expect_same_pixels( "pinhole.exr", "lens.exr", false );
+    expect_header( "lens.exr", "reframe/calls-for", "depth-of-field,motion-blur" );
+}
+
+static void test_scene_files_may_leave_out( void** state )
+{
+    (void)state;
+    write_room( "" );
+    write_text( "sky.json", "{\"scene\":\"room.gltf\",\"environment\":{\"radiance\":[1,2,4]},"
+                            "\"render\":{\"no_effect\":\"environment\"}}" );
+    write_text( "dark.json", "{\"scene\":\"room.gltf\"}" );
+    cli_expect( cli_run( "$R render sky.json -o sky.exr --size 24x18 --spp 8 --group 0 --quiet --float 2> said" ), 0, NULL );
+    cli_expect( cli_run( "$R render dark.json -o dark.exr --size 24x18 --spp 8 --group 0 --quiet --float" ), 0, NULL );
+    expect_same_pixels( "sky.exr", "dark.exr", true );
+    cli_expect( cli_run( "$R info sky.json 2> said | grep -q '  out  environment .*left out: the sky is black'" ), 0, NULL );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( test_info_tells_all_effects ),   cmocka_unit_test( test_names_are_checked ),
+        cmocka_unit_test( test_renders_say_what_they_do ), cmocka_unit_test( test_resume_knows_effects ),
+        cmocka_unit_test( test_no_lens_is_a_pinhole ),     cmocka_unit_test( test_scene_files_may_leave_out ),
+    };
+    return cmocka_run_group_tests( tests, cli_enter_group, cli_leave_group );
+}
