@@ -47,7 +47,7 @@ install(FILES ${PROJECT_BINARY_DIR}/reframeConfig.cmake ${PROJECT_BINARY_DIR}/re
 
 # pkg-config reframe: the libraries that ours needs, which with a static one
 # are the user's to link.
-set(pc_requires "libpng libjpeg jansson")
+set(pc_requires "libpng libjpeg jansson fftw3f")
 set(pc_libs "-lembree${embree_VERSION_MAJOR} -lOpenEXRCore")
 foreach(name ${OpenMP_C_LIB_NAMES})
   get_filename_component(openmp_folder "${OpenMP_${name}_LIBRARY}" DIRECTORY)

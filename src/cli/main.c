@@ -19,6 +19,7 @@ static const RfCommand s_commands[] = {
     { "compare", rf_command_compare, "the error of images against references" },
     { "flicker", rf_command_flicker, "how much the error changes from frame to frame" },
     { "report", rf_command_report, "rendered sequences as one HTML page, to look at" },
+    { "reconstruct", rf_command_reconstruct, "images from noisy images and gradients" },
     { "png", rf_command_png, "EXR files as PNG, to look at" },
     { "convert", rf_command_convert, "OBJ, PLY, FBX or Collada as .glb" },
     { "completion", rf_command_completion, "what makes bash or zsh complete commands and options" },

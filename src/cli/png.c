@@ -2,21 +2,17 @@
 
 #include "cli/commands.h"
 #include "cli/messages.h"
-#include "cli/options/frame_list.h"
 #include "cli/options/options.h"
+#include "cli/options/sequence_input.h"
 #include "cli/render/progress.h"
-#include "cli/report/report_folder.h"
-#include "image/sequence.h"
 #include "reframe/image.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
-#include <sys/stat.h>
 
 #define COMMAND "png"
-#define NAME_SIZE 4096
 
 static double s_exposure;
 static const char *s_layer, *s_frames;
@@ -58,85 +54,18 @@ static const RfCommandTable s_table = { .command = COMMAND,
 // What is read and written.
 typedef struct Job
 {
-    char from[NAME_SIZE], to[NAME_SIZE]; // patterns, or two files
-    bool sequence;                       // `from` is one
-    int* frames;                         // its numbers
-    int count;
+    RfSequenceInput from;
+    char to[RF_FILE_NAME_SIZE]; // a pattern or a file
 } Job;
-
-static bool is_folder( const char* path )
-{
-    struct stat status;
-    return stat( path, &status ) == 0 && S_ISDIR( status.st_mode );
-}
-
-static bool is_file( const char* path )
-{
-    struct stat status;
-    return stat( path, &status ) == 0 && !S_ISDIR( status.st_mode );
-}
-
-// Replaces the frames by those that --frames names, all of which must be there.
-static RfResult choose_frames( Job* job, RfError* error )
-{
-    int *wanted, count, last = job->frames[job->count - 1];
-    RfResult result = rf_parse_frames( s_frames, last > 0 ? last : 1, &wanted, &count, error );
-    if ( result != RF_OK )
-        return result;
-    for ( int i = 0, next = 0; i < count && result == RF_OK; ++i )
-    {
-        wanted[i] += 1; // rf_parse_frames counts from 0
-        while ( next < job->count && job->frames[next] < wanted[i] )
-            ++next;
-        if ( next == job->count || job->frames[next] != wanted[i] )
-            result = rf_fail( error, RF_ERROR_IO, "%s: frame %d is missing", job->from, wanted[i] );
-    }
-    free( job->frames );
-    job->frames = wanted;
-    job->count = count;
-    return result;
-}
-
-static RfResult warn_of_missing( const Job* job, RfError* error )
-{
-    int *missing, count;
-    char text[256];
-    RfLog log = rf_stderr_log( COMMAND );
-    RfResult result = rf_missing_frames( job->frames, job->count, &missing, &count, error );
-    if ( result != RF_OK )
-        return result;
-    rf_format_frames( missing, count, text, sizeof text );
-    if ( count > 0 )
-        rf_warn( &log, "%s: lacks frame%s %s", job->from, count == 1 ? "" : "s", text );
-    free( missing );
-    return RF_OK;
-}
-
-static RfResult find_input( const char* from, Job* job, RfError* error )
-{
-    RfResult result = RF_OK;
-    if ( is_folder( from ) )
-        result = rf_find_folder_sequence( from, job->from, sizeof job->from, error );
-    else if ( snprintf( job->from, sizeof job->from, "%s", from ) >= (int)sizeof job->from )
-        result = rf_fail( error, RF_ERROR_USAGE, "%s: the name is too long", from );
-    job->sequence = rf_is_sequence( job->from ) && !is_file( job->from );
-    if ( result != RF_OK )
-        return result;
-    if ( !job->sequence )
-        return s_frames == NULL ? RF_OK : rf_fail( error, RF_ERROR_USAGE, "--frames: is of sequences, and %s is a file", from );
-    result = rf_sequence_frames( job->from, &job->frames, &job->count, error );
-    if ( result != RF_OK )
-        return result;
-    return s_frames != NULL ? choose_frames( job, error ) : RF_OK;
-}
 
 // In a folder the names are those of what is read.
 static RfResult name_output( const char* to, Job* job, RfError* error )
 {
-    const char *slash = strrchr( job->from, '/' ), *base = slash != NULL ? slash + 1 : job->from, *dot = strrchr( base, '.' );
+    const char *from = job->from.pattern, *slash = strrchr( from, '/' ), *base = slash != NULL ? slash + 1 : from;
+    const char* dot = strrchr( base, '.' );
     int length = dot != NULL ? (int)( dot - base ) : (int)strlen( base ), used;
     const char* end = to + strlen( to ) - 1;
-    if ( is_folder( to ) )
+    if ( rf_is_folder( to ) )
         used = snprintf( job->to, sizeof job->to, "%s%s%.*s.png", to, *end == '/' ? "" : "/", length, base );
     else
         used = snprintf( job->to, sizeof job->to, "%s", to );
@@ -145,8 +74,8 @@ static RfResult name_output( const char* to, Job* job, RfError* error )
     dot = strrchr( job->to, '.' );
     if ( dot != NULL && strcasecmp( dot, ".exr" ) == 0 )
         return rf_fail( error, RF_ERROR_USAGE, "%s: ends as a file of another kind: name it .png", to );
-    if ( job->count > 1 && !rf_is_sequence( job->to ) )
-        return rf_fail( error, RF_ERROR_USAGE, "%s: has no #### for the number, but there are %d frames", to, job->count );
+    if ( job->from.count > 1 && !rf_is_sequence( job->to ) )
+        return rf_fail( error, RF_ERROR_USAGE, "%s: has no #### for the number, but there are %d frames", to, job->from.count );
     return RF_OK;
 }
 
@@ -181,8 +110,8 @@ static RfResult convert( const char* from, const char* to, RfError* error )
 
 static RfResult convert_frame( const Job* job, int frame, RfError* error )
 {
-    char from[NAME_SIZE], to[NAME_SIZE];
-    RfResult result = rf_sequence_name( job->from, frame, from, sizeof from, error );
+    char from[RF_FILE_NAME_SIZE], to[RF_FILE_NAME_SIZE];
+    RfResult result = rf_sequence_name( job->from.pattern, frame, from, sizeof from, error );
     if ( result == RF_OK )
         result = rf_sequence_name( job->to, frame, to, sizeof to, error );
     return result == RF_OK ? convert( from, to, error ) : result;
@@ -190,21 +119,23 @@ static RfResult convert_frame( const Job* job, int frame, RfError* error )
 
 static RfResult run( const char* const files[2], Job* job, RfError* error )
 {
-    RfResult result = find_input( files[0], job, error );
+    const RfSequenceInput* from = &job->from;
+    RfLog log = rf_stderr_log( COMMAND );
+    RfResult result = rf_find_sequence_input( files[0], s_frames, &job->from, error );
     if ( result == RF_OK )
         result = name_output( files[1], job, error );
-    if ( result == RF_OK && !job->sequence )
-        return convert( job->from, job->to, error );
+    if ( result == RF_OK && !from->is_sequence )
+        return convert( from->pattern, job->to, error );
     if ( result == RF_OK && s_frames == NULL )
-        result = warn_of_missing( job, error );
-    for ( int i = 0; i < job->count && result == RF_OK; ++i )
+        result = rf_warn_of_missing( from, &log, error );
+    for ( int i = 0; i < from->count && result == RF_OK; ++i )
     {
-        result = convert_frame( job, job->frames[i], error );
-        rf_show_frame_count( s_quiet, i + 1, job->count );
+        result = convert_frame( job, from->frames[i], error );
+        rf_show_frame_count( s_quiet, i + 1, from->count );
     }
     if ( result != RF_OK || s_quiet )
         return result;
-    rf_print( "%d frame%s in %s\n", job->count, job->count == 1 ? "" : "s", job->to );
+    rf_print( "%d frame%s in %s\n", from->count, from->count == 1 ? "" : "s", job->to );
     return rf_flush_output( error );
 }
 
@@ -213,7 +144,7 @@ int rf_command_png( int argc, char** argv )
     const char* files[2];
     bool help;
     RfError error;
-    Job job = { .count = 0 };
+    Job job = { .from = { .count = 0 } };
     RfResult result = rf_parse_options( &s_table, argc, argv, files, &help, &error );
     if ( result == RF_OK && help )
     {
@@ -222,6 +153,6 @@ int rf_command_png( int argc, char** argv )
     }
     else if ( result == RF_OK )
         result = run( files, &job, &error );
-    free( job.frames );
+    rf_free_sequence_input( &job.from );
     return result == RF_OK ? 0 : rf_report_error( COMMAND, &error );
 }

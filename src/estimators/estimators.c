@@ -1,4 +1,5 @@
 // The estimators there are. A further one is a folder and a row here.
+#include "gradient/gradient.h"
 #include "reuse/reuse.h"
 
 #include <string.h>
@@ -6,6 +7,7 @@
 // The first is the default.
 static const RfEstimator* const s_estimators[] = {
     &rf_reuse_estimator,
+    &rf_gradient_estimator,
 };
 
 #define ESTIMATOR_COUNT ( (int)( sizeof s_estimators / sizeof s_estimators[0] ) )
@@ -22,13 +24,15 @@ const RfEstimator* rf_find_estimator( const char* name )
 
 const char* rf_estimator_name( const RfEstimator* estimator ) { return estimator->name; }
 
+RfTile rf_default_tile( const RfEstimator* estimator ) { return estimator->tile; }
+
 RfRenderSettings rf_default_render_settings( void )
 {
     return ( RfRenderSettings ){
         .estimator = s_estimators[0],
         .spp = 28,
         .group = RF_GROUP_AUTO,
-        .tile = { RF_TILE_BLOCK, 3, 3 },
+        .tile = s_estimators[0]->tile,
         .tile_roulette = false,
         .adaptive = RF_ADAPTIVE_AUTO,
         .weights = RF_WEIGHTS_EXACT,

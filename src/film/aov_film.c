@@ -29,7 +29,10 @@ int rf_aov_film_floats( RfAov aov, bool filtered )
         return FILTERED_FLOATS;
     switch ( aov )
     {
-        case RF_AOV_VARIANCE: return 0; // made from the film of the colour
+        case RF_AOV_VARIANCE: // made from the films of the colour
+        case RF_AOV_PRIMAL:
+        case RF_AOV_DX:
+        case RF_AOV_DY: return 0;
         case RF_AOV_DEPTH:
         case RF_AOV_ALPHA: return 2;
         default: return rf_aov_channels( aov );
@@ -246,6 +249,9 @@ void rf_finish_aov( const RfAovFilm* film, RfAov aov, const RfFilm* colour, RfFi
     switch ( aov )
     {
         case RF_AOV_VARIANCE: rf_estimate_variance( colour, combine, image ); break;
+        case RF_AOV_PRIMAL:
+        case RF_AOV_DX:
+        case RF_AOV_DY: rf_combine_film( colour + ( aov - RF_AOV_PRIMAL ), RF_FILM_RATIO, image, NULL ); break;
         case RF_AOV_ALPHA: rf_combine_alpha( colour, combine, mean, image ); break;
         case RF_AOV_SAMPLES:
             for ( size_t i = 0; i < pixels; ++i )

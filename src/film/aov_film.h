@@ -60,7 +60,7 @@ void rf_add_to_aovs( const RfAovJob* job, RfFirstHits first );
 // With a filter: adds the samples of the pass that has just been traced, with its weight, to rows [first_row, end_row).
 void rf_spread_aovs( const RfAovFilm* film, int width, int height, float weight, int first_row, int end_row );
 
-// The image of an AOV: rf_aov_channels floats per pixel. `colour` is the film of the frame,
+// The image of an AOV: rf_aov_channels floats per pixel. `colour` are the films of the frame, the first its colour,
 // which RF_AOV_VARIANCE is taken from.
 void rf_finish_aov( const RfAovFilm* film, RfAov aov, const RfFilm* colour, RfFilmCombine combine, float* image );
 

@@ -46,6 +46,8 @@ void rf_frame_fingerprint( const RfOutput* output, int frame, char text[RF_FINGE
         hash = hash_text( hash, aovs );
     if ( s->estimator != rf_default_render_settings().estimator ) // likewise
         hash = hash_text( hash, rf_estimator_name( s->estimator ) );
+    if ( s->reconstruction != RF_RECONSTRUCTION_WEIGHTED )
+        hash = hash_text( hash, rf_reconstruction_name( s->reconstruction ) );
     const RfScene* scene = rf_tracer_scene( output->tracer );
     snprintf( settings, sizeof settings, "effects forced %llx without %llx", (unsigned long long)scene->effects_forced,
               (unsigned long long)scene->effects_left_out );

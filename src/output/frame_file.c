@@ -52,6 +52,7 @@ typedef enum Key
     EFFECTIVE_SPP,
     AOV,
     ESTIMATOR,
+    RECONSTRUCTION,
     EFFECTS,
     NO_EFFECT,
     CALLS_FOR,
@@ -89,6 +90,7 @@ static const char* const s_names[KEY_COUNT] = {
     [EFFECTIVE_SPP] = "reframe/effective-spp",
     [AOV] = "reframe/aov",
     [ESTIMATOR] = "reframe/estimator",
+    [RECONSTRUCTION] = "reframe/reconstruction",
     [EFFECTS] = "reframe/effects",
     [NO_EFFECT] = "reframe/no-effect",
     [CALLS_FOR] = "reframe/calls-for",
@@ -143,6 +145,8 @@ static void put_settings( Attributes* a, const RfRenderSettings* s )
         put( a, AOV, "%s", aovs );
     if ( s->estimator != rf_default_render_settings().estimator )
         put_text( a, ESTIMATOR, rf_estimator_name( s->estimator ) );
+    if ( s->reconstruction != RF_RECONSTRUCTION_WEIGHTED )
+        put_text( a, RECONSTRUCTION, rf_reconstruction_name( s->reconstruction ) );
 }
 
 // Of options: nothing where none was given.
@@ -255,6 +259,7 @@ static const char* absent_value( Key key )
         case ADAPTIVE: return rf_adaptive_name( RF_ADAPTIVE_OFF );
         case NOISE:
         case TIME: return "0";
+        case RECONSTRUCTION: return rf_reconstruction_name( RF_RECONSTRUCTION_WEIGHTED );
         case AOV:
         case NO_EFFECT: return "none";
         case EFFECTS: return "auto";
@@ -303,9 +308,9 @@ static void add_roulette( const RfOutput* output, const char* name, int frame, R
 
 int rf_list_frame_differences( const RfOutput* output, int frame, RfFrameDifference list[RF_MAX_DIFFERENCES] )
 {
-    static const Key keys[] = { VERSION,   FRAME,         CAMERA,   FRAMES, GROUP, SPP, TILE,      WEIGHTS, NORMALIZE, SEED,
-                                MAX_DEPTH, LIGHT_SAMPLES, ADAPTIVE, NOISE,  TIME,  AOV, ESTIMATOR, EFFECTS, NO_EFFECT, FILTER,
-                                FILTER_WIDTH };
+    static const Key keys[] = { VERSION,   FRAME,   CAMERA,    FRAMES,        GROUP,        SPP,           TILE, WEIGHTS,
+                                NORMALIZE, SEED,    MAX_DEPTH, LIGHT_SAMPLES, ADAPTIVE,     NOISE,         TIME, AOV,
+                                ESTIMATOR, EFFECTS, NO_EFFECT, FILTER,        FILTER_WIDTH, RECONSTRUCTION };
     char name[MAX_NAME], there[RF_DIFFERENCE_SIZE];
     int count = 0;
     Attributes wanted;

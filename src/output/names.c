@@ -6,6 +6,13 @@ const char* const rf_weights_words[] = {
 const char* const rf_normalize_words[] = {
     [RF_NORMALIZE_CROSSFIT] = "crossfit", [RF_NORMALIZE_RATIO] = "ratio", [RF_NORMALIZE_NONE] = "none", NULL
 };
+const char* const rf_reconstruction_words[] = {
+    [RF_RECONSTRUCTION_WEIGHTED] = "weighted",
+    [RF_RECONSTRUCTION_L2] = "l2",
+    [RF_RECONSTRUCTION_L1] = "l1",
+    [RF_RECONSTRUCTION_NONE] = "none",
+    NULL,
+};
 const char* const rf_filter_words[] = { [RF_FILTER_BOX] = "box",
                                         [RF_FILTER_TENT] = "tent",
                                         [RF_FILTER_GAUSSIAN] = "gaussian",
@@ -16,6 +23,8 @@ const char* const rf_adaptive_words[] = { [RF_ADAPTIVE_AUTO] = "auto", [RF_ADAPT
 const char* rf_weights_name( RfWeights weights ) { return rf_weights_words[weights]; }
 
 const char* rf_normalize_name( RfNormalize normalize ) { return rf_normalize_words[normalize]; }
+
+const char* rf_reconstruction_name( RfReconstruction reconstruction ) { return rf_reconstruction_words[reconstruction]; }
 
 const char* rf_filter_name( RfFilter filter ) { return rf_filter_words[filter]; }
 

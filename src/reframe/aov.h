@@ -27,7 +27,11 @@ RF_API_BEGIN
        "up; Z and W: the same for the next frame (Blender 3.4 has X and Y like this, Z and W with the "                          \
        "opposite sign); 0 at the ends of the path and for points behind the other camera" )                                      \
     X( VARIANCE, "variance", "RGB", false, false, "estimated variance of the colour; 0 where a frame has a single pass" )        \
-    X( SAMPLES, "samples", "Y", false, false, "samples that landed in the pixel, own-frame and reused, each counted once" )
+    X( SAMPLES, "samples", "Y", false, false, "samples that landed in the pixel, own-frame and reused, each counted once" )      \
+    X( PRIMAL, "primal", "RGB", false, false,                                                                                    \
+       "of the estimator gradient alone: the pixels that the picture is reconstructed from" )                                    \
+    X( DX, "dx", "RGB", false, false, "and their differences, the pixel on the right minus the pixel" )                          \
+    X( DY, "dy", "RGB", false, false, "the pixel below minus the pixel" )
 
 // RF_AOV_ALBEDO, RF_AOV_NORMAL and so on, in the order of the list.
 typedef enum RfAov
@@ -41,6 +45,8 @@ typedef enum RfAov
 
 #define RF_AOV_BIT( aov ) ( 1u << ( aov ) )
 #define RF_ALL_AOVS ( RF_AOV_BIT( RF_AOV_ALPHA ) - 1u ) // of the list
+#define RF_GRADIENT_AOVS                                                                                                         \
+    ( RF_AOV_BIT( RF_AOV_PRIMAL ) | RF_AOV_BIT( RF_AOV_DX ) | RF_AOV_BIT( RF_AOV_DY ) ) // of "gradient" alone
 
 // RF_AOV_ALPHA is the coverage of a pixel by what is not sky, 0 to 1: the share of its camera rays that hit something, be
 // it a mirror or glass. It is reused and combined as the colour is, so it is unbiased, and where the weights of reused

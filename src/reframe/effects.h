@@ -65,7 +65,10 @@ typedef enum RfWithout
     X( AOV_DEPTH, "aov-depth", IMPOSSIBLE, false, "settings without it" )                                                        \
     X( AOV_MOTION, "aov-motion", IMPOSSIBLE, false, "settings without it" )                                                      \
     X( AOV_VARIANCE, "aov-variance", IMPOSSIBLE, false, "settings without it" )                                                  \
-    X( AOV_SAMPLES, "aov-samples", IMPOSSIBLE, false, "settings without it" )
+    X( AOV_SAMPLES, "aov-samples", IMPOSSIBLE, false, "settings without it" )                                                    \
+    X( AOV_PRIMAL, "aov-primal", IMPOSSIBLE, false, "settings without it" )                                                      \
+    X( AOV_DX, "aov-dx", IMPOSSIBLE, false, "settings without it" )                                                              \
+    X( AOV_DY, "aov-dy", IMPOSSIBLE, false, "settings without it" )
 
 // RF_EFFECT_DIFFUSE and so on, in the order of the list.
 typedef enum RfEffectId

@@ -54,6 +54,7 @@
 #include "reframe/measure.h"
 #include "reframe/output.h"
 #include "reframe/plan.h"
+#include "reframe/reconstruct.h"
 #include "reframe/render.h"
 #include "reframe/scene.h"
 #include "reframe/types.h"

@@ -62,6 +62,18 @@ const char* rf_weights_name( RfWeights weights );
 // "crossfit", "ratio", "none".
 const char* rf_normalize_name( RfNormalize normalize );
 
+// How the estimator "gradient" makes a picture of pixels and differences of neighbours.
+typedef enum RfReconstruction
+{
+    RF_RECONSTRUCTION_WEIGHTED, // least squares, weighted by variances that the other half of the samples tells: unbiased
+    RF_RECONSTRUCTION_L2,       // least squares with constant weights: unbiased
+    RF_RECONSTRUCTION_L1,       // least absolute differences: robust, but biased
+    RF_RECONSTRUCTION_NONE,     // the pixels alone, for comparison: unbiased
+} RfReconstruction;
+
+// "weighted", "l2", "l1", "none".
+const char* rf_reconstruction_name( RfReconstruction reconstruction );
+
 // Extra own-frame samples for pixels that few other frames help.
 typedef enum RfAdaptive
 {
@@ -119,11 +131,15 @@ RfFrameFiles rf_default_frame_files( void );
 // How the pixels of a frame are estimated.
 typedef struct RfEstimator RfEstimator;
 
-// The estimator called `name`; NULL where there is none. "reuse" is the one of frames and tiles.
+// The estimator called `name`; NULL where there is none. "reuse" is the one of frames and tiles, "gradient" that of
+// gradient-domain path reusing.
 const RfEstimator* rf_find_estimator( const char* name );
 
 // The name that finds it.
 const char* rf_estimator_name( const RfEstimator* estimator );
+
+// The tile that it has where none is asked for.
+RfTile rf_default_tile( const RfEstimator* estimator );
 
 // The parts of the frames that alone are traced (render/pieces.h).
 typedef struct RfPieces RfPieces;
@@ -141,10 +157,11 @@ typedef struct RfRenderSettings
     RfAdaptive adaptive;          // extra samples for pixels that few other frames help; RF_WEIGHTS_EXACT only
     RfWeights weights;
     RfNormalize normalize;
-    RfFilter filter;     // of the pixels; depth and motion have the box of one pixel whatever it is
-    double filter_width; // pixels; 0: the filter's default
-    int max_depth;       // path vertices after the eye
-    int light_samples;   // per vertex
+    RfReconstruction reconstruction; // of "gradient"
+    int max_depth;                   // path vertices after the eye
+    int light_samples;               // per vertex
+    RfFilter filter;                 // of the pixels; depth and motion have the box of one pixel whatever it is
+    double filter_width;             // pixels; 0: the filter's default
     RfLightSampling light_sampling;
     uint64_t seed;
     int threads;            // 0: all cores

@@ -81,6 +81,7 @@ typedef struct RfEstimatorSizes
     size_t batch;              // a batch's records
     size_t trace_scratch;      // workspace of `trace`, per thread
     size_t accumulate_scratch; // workspace of `accumulate`, per thread
+    size_t finish_scratch;     // workspace of `finish`; 0: none
     size_t pass_state;         // per frame, all zero at the start of each pass; 0: none
     bool whole_pass;           // `accumulate` needs all batches of a pass at once, and whole films
     // for the report of the plan
@@ -120,9 +121,11 @@ typedef struct RfReuseCount
 
 struct RfEstimator
 {
-    const char* name; // for rf_find_estimator
-    int films;        // per frame, 1 to RF_MAX_FILMS. Film 0 is the picture, unless `finish` makes it of all
-    bool filters;     // it heeds RfEstimatorGroup.filter; else settings with another than the plain filter are refused
+    const char* name;   // for rf_find_estimator
+    int films;          // per frame, 1 to RF_MAX_FILMS. Film 0 is the picture, unless `finish` makes it of all
+    bool filters;       // it heeds RfEstimatorGroup.filter; else settings with another than the plain filter are refused
+    bool has_gradients; // films 0 to 2 are values and differences: RF_GRADIENT_AOVS
+    RfTile tile;        // that it has where none is asked for (rf_default_tile)
 
     // May be NULL. Refuses settings that this estimator cannot follow, with RF_ERROR_USAGE.
     RfResult ( *check )( const RfRenderSettings* settings, RfError* error );
@@ -151,8 +154,8 @@ struct RfEstimator
                               void* scratch );
 
     // May be NULL: film 0 is the picture, which RF_AOV_VARIANCE needs. Makes rgb (3 per pixel) and the mean of B (weight, 1 per
-    // pixel; may be NULL) of a frame's films and returns the estimate of its relMSE (NaN: unknown).
-    double ( *finish )( const RfFilm* films, RfFilmCombine combine, float* rgb, float* weight );
+    // pixel; may be NULL) of a frame's films and returns the estimate of its relMSE (likely: NaN where it is unknown).
+    RfRelmse ( *finish )( const RfRenderSettings* settings, const RfFilm* films, float* rgb, float* weight, void* scratch );
 
     // Adaptive sampling; both NULL where the estimator has none. It needs an estimator of one film without
     // pass_state and whole_pass. `add_own_shares` adds, per pixel,

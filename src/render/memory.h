@@ -25,6 +25,7 @@ typedef struct RfRenderMemory
     bool has_writer;           // its bytes are counted
     void** trace_scratch;      // per thread
     void** accumulate_scratch; // per thread
+    void* finish_scratch;      // NULL: none
     void** batches;
     int batch_slots;
     RfLiveFilm* films;

@@ -134,6 +134,8 @@ static RfResult alloc_scratch( const RfEstimatorGroup* group, const RfRenderSize
         s->estimator->lay_out_scratch( group, m->trace_scratch[t] );
     if ( result == RF_OK )
         result = alloc_blocks( m, "scratch", s->threads, s->of_estimator.accumulate_scratch, &m->accumulate_scratch, error );
+    if ( result == RF_OK && s->of_estimator.finish_scratch > 0 )
+        result = rf_arena_alloc( &m->arena, "scratch", s->of_estimator.finish_scratch, &m->finish_scratch, error );
     return result;
 }
 
@@ -248,5 +250,6 @@ void rf_free_render_memory( const RfRenderSizes* s, RfRenderMemory* m )
     rf_arena_free( &m->arena, "image", m->buffers, (size_t)s->ring * sizeof *m->buffers );
     free_blocks( m, "scratch", s->threads, s->of_estimator.trace_scratch, m->trace_scratch );
     free_blocks( m, "scratch", s->threads, s->of_estimator.accumulate_scratch, m->accumulate_scratch );
+    rf_arena_free( &m->arena, "scratch", m->finish_scratch, s->of_estimator.finish_scratch );
     free_blocks( m, "hit records", m->batch_slots, s->of_estimator.batch, m->batches );
 }

@@ -80,7 +80,7 @@ RfRelmse rf_finish_picture( const RfRenderer* r, const RfLiveFilm* live, float* 
 {
     RfFilmCombine combine = rf_film_combine( r->settings.normalize );
     if ( r->settings.estimator->finish != NULL )
-        return rf_plain_relmse( r->settings.estimator->finish( live->films, combine, rgb, weight ) );
+        return r->settings.estimator->finish( &r->settings, live->films, rgb, weight, r->memory.finish_scratch );
     if ( r->settings.pieces != NULL )
     {
         rf_combine_traced( r->settings.pieces, live->frame, live->films, combine, rgb, weight );

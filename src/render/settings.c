@@ -24,6 +24,8 @@ static RfResult check_choices( const RfRenderSettings* s, RfError* error )
                         RF_MAX_FILTER_WIDTH, s->filter_width );
     if ( (unsigned)s->light_sampling > RF_LIGHTS_BY_POWER )
         return rf_fail( error, RF_ERROR_USAGE, "there is no light sampling %d", (int)s->light_sampling );
+    if ( (unsigned)s->reconstruction > RF_RECONSTRUCTION_NONE )
+        return rf_fail( error, RF_ERROR_USAGE, "there is no reconstruction %d", (int)s->reconstruction );
     if ( (unsigned)s->adaptive > RF_ADAPTIVE_OFF )
         return rf_fail( error, RF_ERROR_USAGE, "there is no adaptive sampling %d", (int)s->adaptive );
     if ( (unsigned)s->files.compression > RF_EXR_PIZ )
@@ -75,6 +77,8 @@ static RfResult check_estimator( const RfRenderSettings* s, RfError* error )
         return rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' has no AOVs of first hits", estimator->name );
     if ( ( s->aovs & RF_AOV_BIT( RF_AOV_VARIANCE ) ) != 0 && estimator->finish != NULL )
         return rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' has no variance AOV", estimator->name );
+    if ( ( s->aovs & RF_GRADIENT_AOVS ) != 0 && !estimator->has_gradients )
+        return rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' has no gradients", estimator->name );
     if ( ( s->aovs & RF_AOV_BIT( RF_AOV_ALPHA ) ) != 0 && ( estimator->finish != NULL || estimator->count_reuse == NULL ) )
         return rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' has no alpha", estimator->name );
     if ( s->hold_all &&
@@ -114,6 +118,8 @@ RfResult rf_resolve_common( const RfEye* eyes, int eye_count, const RfRenderSett
     if ( result != RF_OK )
         return result;
     *resolved = *settings;
+    if ( resolved->group == RF_GROUP_AUTO && resolved->estimator->count_reuse == NULL ) // its frames share nothing
+        resolved->group = 0;
     if ( resolved->tile.kind == RF_TILE_NONE ) // its size does not matter
         resolved->tile.width = resolved->tile.height = 1;
     if ( resolved->threads < 1 )

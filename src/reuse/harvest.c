@@ -121,9 +121,8 @@ static void make_other_rays( const RfEye* eye, int count, const int32_t* pixel, 
     }
 }
 
-// One ray through a uniform point of each pixel, or one drawn by a filter.
-static void make_camera_rays( const RfPixelFilter* filter, const RfEye* eye, int count, const int32_t* pixel,
-                              RfWavefront* wavefront, RfRayLanes* rays )
+void rf_make_camera_rays( const RfPixelFilter* filter, const RfEye* eye, int count, const int32_t* pixel, RfWavefront* wavefront,
+                          RfRayLanes* rays )
 {
     int32_t* slot = rays->slot;
     for ( int i = 0; i < count; ++i )
@@ -153,7 +152,7 @@ static void make_camera_rays( const RfPixelFilter* filter, const RfEye* eye, int
     rays->count = count;
 }
 
-static void sample_direct( const RfHarvest* harvest, RfHarvestScratch* scratch, RfRayCounts* rays )
+void rf_sample_direct( const RfHarvest* harvest, RfHarvestScratch* scratch, RfRayCounts* rays )
 {
     int k = harvest->path.light_samples;
     uint32_t dimension = rf_vertex_dimension( 1, k ) + RF_DIMENSION_LIGHTS;
@@ -176,8 +175,7 @@ static void note_passed_panes( const RfHarvest* harvest, RfHarvestScratch* scrat
     scratch->wavefront.spent = scratch->spent;
 }
 
-// Samples scattered directions and traces the rest of the paths.
-static void trace_tails( const RfHarvest* harvest, RfHarvestScratch* scratch, RfRayCounts* rays )
+void rf_trace_hit_tails( const RfHarvest* harvest, RfHarvestScratch* scratch, RfRayCounts* rays )
 {
     const RfVertexLanes* v = scratch->hits;
     RfWavefront* wavefront = &scratch->wavefront;
@@ -191,15 +189,15 @@ static void trace_tails( const RfHarvest* harvest, RfHarvestScratch* scratch, Rf
     if ( rf_reuses_tiles( scratch ) )
     {
         RfTileReuseSettings settings = { &harvest->path, harvest->shape.tile_pixels,
-                                         rf_calls_for( harvest->tile_roulette, RF_EFFECT_TILE_ROULETTE ) };
+                                         rf_calls_for( harvest->tile_roulette, RF_EFFECT_TILE_ROULETTE ), harvest->path_roulette,
+                                         harvest->path_source };
         rays->tile += rf_trace_tile_tails( &settings, v, wi, wavefront, scratch->tiles );
     }
     else
         rf_trace_tails( &harvest->path, wavefront, 2 );
 }
 
-// Follows the camera rays that hit mirrors and glass, if there are any.
-static void follow_chains( const RfHarvest* harvest, RfHarvestScratch* scratch )
+void rf_follow_camera_rays( const RfHarvest* harvest, RfHarvestScratch* scratch )
 {
     const RfVertexLanes* first = &scratch->first;
     RfWavefront* wavefront = &scratch->wavefront;
@@ -240,18 +238,17 @@ static int harvest_first_hits( const RfHarvest* harvest, RfTraceJob job, RfHitBa
     make_keys( key, count, scratch->pixel, wavefront );
     if ( rf_is_adaptive( harvest ) && harvest->packed )
         make_copies_keys( harvest, job, count, copy, scratch );
-    make_camera_rays( harvest->drawn_by, eye, count, scratch->pixel, wavefront, &scratch->camera_rays );
+    rf_make_camera_rays( harvest->drawn_by, eye, count, scratch->pixel, wavefront, &scratch->camera_rays );
     for ( int c = 0; c < 2 && scratch->place[0] != NULL; ++c )
         memcpy( scratch->place[c], wavefront->scratch.random[c], (size_t)count * sizeof( float ) );
     rf_find_vertices( &harvest->path, &scratch->camera_rays, true, &scratch->first, &wavefront->scratch );
     rays->primary += (uint64_t)count;
-    follow_chains( harvest, scratch );
+    rf_follow_camera_rays( harvest, scratch );
     rf_list_hits( count, scratch, batch );
     return count;
 }
 
-// The weight of the path up to its hit counts in the roulette.
-static void scale_roulette( RfHarvestScratch* scratch, int count )
+void rf_scale_roulette( RfHarvestScratch* scratch, int count )
 {
     bool chains = rf_follows_chains( scratch );
     for ( int slot = 0; slot < count; ++slot )
@@ -282,12 +279,12 @@ static int harvest_batch( const RfHarvest* harvest, RfTraceJob job, RfHitBatch* 
     // the rest of their paths
     memset( &wavefront->arrivals, 0, sizeof wavefront->arrivals );
     wavefront->rays.count = 0;
-    scale_roulette( scratch, count );
+    rf_scale_roulette( scratch, count );
     bool lit = harvest->path.max_depth > 1 && !harvest->first_hits_only;
     if ( lit )
     {
-        sample_direct( harvest, scratch, rays );
-        trace_tails( harvest, scratch, rays );
+        rf_sample_direct( harvest, scratch, rays );
+        rf_trace_hit_tails( harvest, scratch, rays );
     }
     rays->path += wavefront->path_rays;
     rays->shadow += wavefront->shadow_rays;

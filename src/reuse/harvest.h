@@ -17,6 +17,8 @@ typedef struct RfHarvest
     RfBatchShape shape;
     RfPatchLayout patches;
     bool tile_roulette;
+    bool path_roulette;         // see RfTileReuseSettings
+    const int32_t* path_source; // its `source`
     RfWeights weights;
     bool alpha; // the sky that camera rays see is black: RF_AOV_ALPHA
     uint64_t seed;

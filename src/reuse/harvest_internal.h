@@ -72,6 +72,22 @@ RfHarvest rf_harvest_at( const RfHarvest* harvest, RfLensSample lens, RfHarvestS
 // Turns uniform numbers into places drawn by the filter of each pixel.
 void rf_draw_places( const RfPixelFilter* filter, const RfEye* eye, int count, const int32_t* pixel, float random[][RF_LANES] );
 
+// One camera ray through a uniform point of each pixel, or one drawn by a filter (NULL: none): lane i is slot i, which must have its random key.
+void rf_make_camera_rays( const RfPixelFilter* filter, const RfEye* eye, int count, const int32_t* pixel, RfWavefront* wavefront,
+                          RfRayLanes* rays );
+
+// Follows the camera rays that hit mirrors and glass, if there are any: scratch->hits.
+void rf_follow_camera_rays( const RfHarvest* harvest, RfHarvestScratch* scratch );
+
+// The weight of the paths up to their hits counts in the roulette.
+void rf_scale_roulette( RfHarvestScratch* scratch, int count );
+
+// Light samples at the hits.
+void rf_sample_direct( const RfHarvest* harvest, RfHarvestScratch* scratch, RfRayCounts* rays );
+
+// Samples scattered directions at the hits and traces the rest of the paths.
+void rf_trace_hit_tails( const RfHarvest* harvest, RfHarvestScratch* scratch, RfRayCounts* rays );
+
 // Keeps the listed pixels whose tiles have a pixel in the pieces that are traced. Returns how many.
 int rf_choose_traced( const RfHarvest* harvest, const RfEye* eye, int count, RfHarvestScratch* scratch );
 

@@ -142,6 +142,7 @@ static void count_reuse( const RfEstimatorGroup* group, int eye, void* batch_mem
 const RfEstimator rf_reuse_estimator = {
     .name = "reuse",
     .films = 1,
+    .tile = { RF_TILE_BLOCK, 3, 3 },
     .filters = true,
     .check = check,
     .sizes = sizes,

@@ -185,6 +185,36 @@ static void store_own( RfWavefront* wavefront, const RfTileReuse* reuse )
     }
 }
 
+void rf_light_own_paths( const RfPathSettings* path, RfWavefront* wavefront, RfTileReuse* reuse, float* luminance )
+{
+    const RfVertexLanes* y = &reuse->second;
+    RfLaneScratch* s = &wavefront->scratch;
+    float* f[3] = { s->f[0], s->f[1], s->f[2] };
+    int k = path->light_samples;
+    for ( int a = 0; a < rf_record_count( y ); ++a )
+        luminance[a] = -1.0f;
+    for ( int d = 0; d <= k; ++d )
+    {
+        float( *from )[RF_LANES] = d < k ? reuse->direct[d].wi : reuse->wi;
+        const float* wi[3] = { from[0], from[1], from[2] };
+        if ( d < k )
+            gather_light_sample( path, reuse, d );
+        else
+            gather_scattered( path, reuse );
+        rf_evaluate_lanes( y, wi, f, s->pdf );
+        for ( int a = 0; a < rf_record_count( y ); ++a )
+        {
+            float q[3], arrives = 0.0f;
+            for ( int c = 0; c < 3; ++c )
+                arrives += reuse->a[c][a] + reuse->b[c][a];
+            if ( arrives > 0.0f )
+                luminance[a] = rf_maxf( luminance[a], 0.0f );
+            light_of( reuse, a, s->pdf[a], q );
+            luminance[a] += rf_luminance( rf_vec3( s->f[0][a] * q[0], s->f[1][a] * q[1], s->f[2][a] * q[2] ) );
+        }
+    }
+}
+
 void rf_light_pairings( const RfTileReuseSettings* settings, RfWavefront* wavefront, RfTileReuse* reuse )
 {
     const RfPathSettings* path = settings->path;

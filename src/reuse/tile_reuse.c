@@ -1,6 +1,8 @@
 // The steps of tile reuse, and the pairing of hits with second vertices.
 #include "reuse/tile_reuse.h"
 
+#include "reuse/tile_copies.h"
+
 #include <string.h>
 
 static size_t struct_bytes( void ) { return ( sizeof( RfTileReuse ) + 63 ) / 64 * 64; }
@@ -165,9 +167,18 @@ uint64_t rf_trace_tile_tails( const RfTileReuseSettings* settings, const RfVerte
     }
     rf_end_spent_paths( settings->path, wavefront, 2, &wavefront->rays );
     copy_throughput( &wavefront->rays, reuse );
+    if ( settings->source != NULL )
+    {
+        list_owners( settings, wavefront, hits, reuse );
+        rf_drop_copies( settings->source, wavefront, reuse );
+    }
     trace_beyond( settings->path, wavefront, reuse );
+    if ( settings->source != NULL )
+        rf_restore_copies( settings->source, settings->path->light_samples, wavefront, reuse );
     list_members( hits, reuse );
     list_owners( settings, wavefront, hits, reuse );
+    if ( settings->path_roulette )
+        rf_thin_paths( settings->path, wavefront, reuse );
     for ( int s = 0; s < tile_pixels; ++s )
         find_neighbours( reuse, s, rf_record_count( hits ), reuse->pairings + s );
     uint64_t tested = rf_weight_pairings( settings, hits, scattered, wavefront, reuse );

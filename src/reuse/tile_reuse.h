@@ -61,8 +61,10 @@ typedef struct RfTileReuse
 typedef struct RfTileReuseSettings
 {
     const RfPathSettings* path;
-    int tile_pixels; // of a whole tile
-    bool roulette;   // on connections of low weight
+    int tile_pixels;       // of a whole tile
+    bool roulette;         // on connections of low weight
+    bool path_roulette;    // on paths that bring little light; those that bring none are not connected at all
+    const int32_t* source; // of the paths (reuse/tile_copies.h); NULL: each hit has its own
 } RfTileReuseSettings;
 
 size_t rf_tile_reuse_bytes( int light_samples, int tile_pixels, bool panes );
@@ -82,6 +84,14 @@ uint64_t rf_weight_pairings( const RfTileReuseSettings* settings, const RfVertex
 
 // The light that second vertices scatter to the receivers of all pairings.
 void rf_light_pairings( const RfTileReuseSettings* settings, RfWavefront* wavefront, RfTileReuse* reuse );
+
+// Luminance of the light that each second vertex scatters back along its own path, by path sampling alone; −1 where no light
+// arrives at it.
+void rf_light_own_paths( const RfPathSettings* path, RfWavefront* wavefront, RfTileReuse* reuse, float* luminance );
+
+// Russian roulette on the paths of the tiles by that luminance: survivors' light is scaled up. The others, and those without
+// light, keep their owner, but second_of of it becomes −1.
+void rf_thin_paths( const RfPathSettings* path, RfWavefront* wavefront, RfTileReuse* reuse );
 
 // The hit that receives the light of second vertex a in a pairing.
 static inline int rf_receiver( const RfTileReuse* reuse, int a, int pairing )

@@ -153,6 +153,20 @@ static RfResult print_failure( const RfTracer* tracer, const RfCameraPath* path,
     return rf_fail( error, RF_ERROR_USAGE, "a budget of 100,000 bytes should be too small" );
 }
 
+// Two pixels of 1 and 3 whose difference is said to be 4.
+static RfResult reconstruct( RfError* error )
+{
+    const float primal[6] = { 1.0f, 1.0f, 1.0f, 3.0f, 3.0f, 3.0f }, dx[6] = { 4.0f, 4.0f, 4.0f }, dy[6] = { 0.0f };
+    const RfGradientImages in = { 2, 1, primal, dx, dy };
+    float rgb[6];
+    RfReconstructOptions options = rf_default_reconstruct_options();
+    options.alpha = 1.0f;
+    RfResult result = rf_reconstruct( &in, NULL, &options, rgb, NULL, error );
+    if ( result == RF_OK && ( rgb[0] < 0.3333f || rgb[0] > 0.3334f ) )
+        return rf_fail( error, RF_ERROR_USAGE, "reconstructed %g instead of a third", (double)rgb[0] );
+    return result;
+}
+
 int main( int argc, char** argv )
 {
     RfScene* scene = NULL;
@@ -171,6 +185,8 @@ int main( int argc, char** argv )
         result = run( scene, &tracer, &path, argv[2], &error );
     if ( result == RF_OK )
         result = print_failure( tracer, &path, &error );
+    if ( result == RF_OK )
+        result = reconstruct( &error );
     if ( result != RF_OK )
         fprintf( stderr, "reframe %s: %s\n", rf_version(), error.text );
     rf_destroy_tracer( tracer );

@@ -122,14 +122,17 @@ static uint64_t split_accumulate( const RfEstimatorGroup* group, RfAccumulateJob
     return add_rows( job, batches, batch_count, 1 );
 }
 
-static double split_finish( const RfFilm* films, RfFilmCombine combine, float* rgb, float* weight )
+static RfRelmse split_finish( const RfRenderSettings* settings, const RfFilm* films, float* rgb, float* weight, void* scratch )
 {
+    (void)settings;
+    (void)scratch;
+    RfFilmCombine combine = RF_FILM_CROSSFIT;
     float red[3 * WIDTH * HEIGHT];
     rf_combine_film( films + 1, combine, red, NULL );
     rf_combine_film( films, combine, rgb, weight );
     for ( int i = 0; i < WIDTH * HEIGHT; ++i )
         rgb[3 * i] = red[3 * i];
-    return (double)NAN;
+    return rf_plain_relmse( (double)NAN );
 }
 
 static RfRenderSettings settings_of( const RfEstimator* estimator )

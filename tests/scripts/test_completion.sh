@@ -35,7 +35,7 @@ expect()
     [ "$found" = "$wanted" ] || fail "'$*' became '$found', not '$wanted'"
 }
 
-expect "render report" re
+expect "render report reconstruct" re
 expect "--version" --v
 expect "exact eq15 unweighted" render a.glb --weights ""
 expect "eq15" plan --weights eq

@@ -115,7 +115,7 @@ RfResult rf_parse_cost_options_over( const RfField* defaults, int argc, char** a
 {
     bool help;
     s_parsed = ( RfCostOptions ){ .budget = BUDGET, .noise = ERRORS };
-    RfResult result = rf_read_render_defaults( defaults, &s_parsed.render );
+    RfResult result = rf_read_reuse_defaults( defaults, &s_parsed.render );
     return result == RF_OK ? parse( argc, argv, options, &help, error ) : result;
 }
 

@@ -94,7 +94,7 @@ RfResult rf_parse_plan_options( int argc, char** argv, RfRenderOptions* options,
 RfResult rf_parse_plan_options_over( const RfField* defaults, int argc, char** argv, RfRenderOptions* options, RfError* error )
 {
     bool help;
-    RfResult result = rf_read_render_defaults( defaults, &s_parsed );
+    RfResult result = rf_read_reuse_defaults( defaults, &s_parsed );
     return result == RF_OK ? parse( argc, argv, options, &help, error ) : result;
 }
 

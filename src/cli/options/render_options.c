@@ -99,12 +99,20 @@ static const RfOption s_options[] = {
       .meta = "N|auto",
       .default_text = "auto",
       .help = "paths serve groups of 2N+1 frames; 0: no reuse" },
+    { .name = "estimator",
+      .in_file = true,
+      .type = RF_OPTION_STRING,
+      .value = &s_parsed.estimator,
+      .meta = "reuse|gradient",
+      .default_text = "reuse",
+      .help = "how pixels are estimated: reuse of frames and tiles, or gradient-domain path reusing, which has tiles but no "
+              "groups yet" },
     { .name = "tile",
       .in_file = true,
       .type = RF_OPTION_STRING,
       .value = &s_parsed.tile,
       .meta = "WxH|rooksN|1",
-      .default_text = "3x3",
+      .default_text = "3x3; with --estimator gradient 6x6",
       .help = "pixels of a frame that share their paths: blocks, N of an NxN grid, or none" },
     { .name = "adaptive",
       .in_file = true,
@@ -136,6 +144,15 @@ static const RfOption s_options[] = {
       .choices = rf_normalize_words,
       .default_text = "crossfit",
       .help = "how the sum of weights is divided out" },
+    { .name = "reconstruction",
+      .in_file = true,
+      .type = RF_OPTION_CHOICE,
+      .value = &s_parsed.reconstruction,
+      .choices = rf_reconstruction_words,
+      .default_text = "weighted",
+      .help =
+          "of --estimator gradient: least squares weighted by the other half's variances, or by constants; l1 is biased; none: "
+          "the pixels without their differences" },
     RF_FILTER_OPTIONS( s_parsed, true ),
     { .name = "max-depth",
       .in_file = true,
@@ -253,12 +270,14 @@ static RfResult check( const RfRenderOptions* options, RfError* error )
 
 RfRenderOptions rf_default_render_options( void )
 {
-    RfRenderOptions options = { .settings = rf_default_render_settings(), .tile = "3x3" };
+    RfRenderOptions options = { .settings = rf_default_render_settings() };
+    options.estimator = rf_estimator_name( options.settings.estimator );
     options.settings.files = rf_default_frame_files();
     options.settings.queue = WRITE_QUEUE;
     options.weights = options.settings.weights;
     options.normalize = options.settings.normalize;
     options.adaptive = options.settings.adaptive;
+    options.reconstruction = options.settings.reconstruction;
     options.filter = options.settings.filter;
     return options;
 }
@@ -275,11 +294,24 @@ static void take_words( RfRenderOptions* options )
     options->settings.weights = (RfWeights)options->weights;
     options->settings.normalize = (RfNormalize)options->normalize;
     options->settings.adaptive = (RfAdaptive)options->adaptive;
+    options->settings.reconstruction = (RfReconstruction)options->reconstruction;
     options->settings.filter = (RfFilter)options->filter;
+}
+
+RfResult rf_parse_estimator_option( RfRenderOptions* options, RfError* error )
+{
+    const RfEstimator* estimator = rf_find_estimator( options->estimator );
+    if ( estimator == NULL )
+        return rf_fail( error, RF_ERROR_USAGE, "--estimator: wants reuse or gradient, got '%s'", options->estimator );
+    options->settings.estimator = estimator;
+    options->settings.tile = rf_default_tile( estimator );
+    return RF_OK;
 }
 
 RfResult rf_parse_tile_option( RfRenderOptions* options, RfError* error )
 {
+    if ( options->tile == NULL )
+        return RF_OK;
     if ( rf_parse_tile( options->tile, &options->settings.tile ) )
         return RF_OK;
     return rf_fail( error, RF_ERROR_USAGE,
@@ -302,7 +334,12 @@ RfResult rf_settle_render_options( RfRenderOptions* options, RfError* error )
     if ( settings->adaptive == RF_ADAPTIVE_ON && settings->weights != RF_WEIGHTS_EXACT )
         return rf_fail( error, RF_ERROR_USAGE, "--adaptive: wants --weights exact, not %s",
                         rf_weights_name( settings->weights ) );
-    RfResult result = rf_parse_tile_option( options, error );
+    RfResult result = rf_parse_estimator_option( options, error );
+    if ( result == RF_OK && strcmp( options->estimator, "gradient" ) != 0 &&
+         options->reconstruction != RF_RECONSTRUCTION_WEIGHTED )
+        return rf_fail( error, RF_ERROR_USAGE, "--reconstruction: wants --estimator gradient" );
+    if ( result == RF_OK )
+        result = rf_parse_tile_option( options, error );
     if ( result == RF_OK )
         result = rf_parse_aov_option( options, error );
     if ( result == RF_OK )
@@ -338,7 +375,10 @@ RfResult rf_read_render_defaults( const RfField* defaults, RfRenderOptions* opti
     RfError error = { 0 };
     RfField tile = rf_field_member( defaults, "tile" ), aov = rf_field_member( defaults, "aov" ),
             no_effect = rf_field_member( defaults, "no_effect" );
+    RfField estimator = rf_field_member( defaults, "estimator" );
     RfResult result = rf_take_file_options( &s_table, defaults );
+    if ( result == RF_OK && rf_parse_estimator_option( &s_parsed, &error ) != RF_OK )
+        result = rf_fail_file_option( &estimator, &error );
     if ( result == RF_OK && rf_parse_tile_option( &s_parsed, &error ) != RF_OK )
         result = rf_fail_file_option( &tile, &error );
     if ( result == RF_OK && rf_parse_aov_option( &s_parsed, &error ) != RF_OK )
@@ -348,6 +388,17 @@ RfResult rf_read_render_defaults( const RfField* defaults, RfRenderOptions* opti
     take_words( &s_parsed );
     *options = s_parsed;
     return result;
+}
+
+RfResult rf_read_reuse_defaults( const RfField* defaults, RfRenderOptions* options )
+{
+    RfError error = { 0 };
+    RfField estimator = rf_field_member( defaults, "estimator" );
+    RfResult result = rf_read_render_defaults( defaults, options );
+    if ( result != RF_OK || options->settings.estimator == rf_default_render_settings().estimator )
+        return result;
+    rf_fail( &error, RF_ERROR_USAGE, "--estimator: plan, tune and cost know the estimator reuse only" );
+    return rf_fail_file_option( &estimator, &error );
 }
 
 RfResult rf_parse_render_options_over( const RfField* defaults, int argc, char** argv, RfRenderOptions* options, RfError* error )

@@ -30,9 +30,10 @@ typedef struct RfRenderOptions
     uint64_t left_out;     // a set of RF_EFFECT_BITs: those of no_effect
     RfRenderSettings settings;
     bool spp_given;
-    int weights, normalize, adaptive, filter; // indices of their words
-    const char* tile;
-    const char* aov; // NULL: none
+    int weights, normalize, adaptive, filter, reconstruction; // indices of their words
+    const char* estimator;                                    // its name
+    const char* tile;                                         // NULL: that of the estimator
+    const char* aov;                                          // NULL: none
     bool alpha;
     const char* output;
     bool resume;
@@ -54,14 +55,19 @@ RfResult rf_parse_render_options( int argc, char** argv, RfRenderOptions* option
 // JSON path. Strings point into the JSON.
 struct RfField;
 RfResult rf_read_render_defaults( const struct RfField* defaults, RfRenderOptions* options );
-// The same, overridden by the command line, which has been parsed before.
+// The same for commands that know no other estimator than the default.
+RfResult rf_read_reuse_defaults( const struct RfField* defaults, RfRenderOptions* options );
+// The defaults, overridden by the command line, which has been parsed before.
 RfResult rf_parse_render_options_over( const struct RfField* defaults, int argc, char** argv, RfRenderOptions* options,
                                        RfError* error );
 
 // The lens that --shutter, --fstop and --focus ask for. Fails with RF_ERROR_USAGE.
 RfResult rf_parse_lens_options( const RfRenderOptions* options, RfLens* lens, RfError* error );
 
-// Sets settings.tile from --tile.
+// Sets settings.estimator from --estimator, and settings.tile to its default.
+RfResult rf_parse_estimator_option( RfRenderOptions* options, RfError* error );
+
+// Sets settings.tile from --tile, if it was given.
 RfResult rf_parse_tile_option( RfRenderOptions* options, RfError* error );
 
 // Sets settings.aovs from --aov.

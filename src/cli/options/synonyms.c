@@ -56,6 +56,8 @@ static const char* const s_synonyms[][2] = {
     { "diff", "compare" },
     { "benchmark", "cost" },
     { "bench", "cost" },
+    { "poisson", "reconstruct" },
+    { "solve", "reconstruct" },
     { "view", "png" },
     { "export", "png" },
     { "import", "convert" },

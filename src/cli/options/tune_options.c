@@ -74,7 +74,7 @@ RfResult rf_parse_tune_options_over( const RfField* defaults, int argc, char** a
 {
     bool help;
     s_parsed = ( RfTuneOptions ){ .budget = BUDGET };
-    RfResult result = rf_read_render_defaults( defaults, &s_parsed.render );
+    RfResult result = rf_read_reuse_defaults( defaults, &s_parsed.render );
     return result == RF_OK ? parse( argc, argv, options, &help, error ) : result;
 }
 

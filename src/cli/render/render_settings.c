@@ -8,7 +8,8 @@
 void rf_tell_settings( const RfRenderSettings* asked, const RfRenderSettings* used, const RfMemoryFit* fit, int path_frames )
 {
     RfGroupPlan plan = rf_plan_groups( path_frames, used->group, used->spp );
-    if ( asked->group == RF_GROUP_AUTO )
+    bool has_groups = used->estimator == rf_default_render_settings().estimator;
+    if ( asked->group == RF_GROUP_AUTO && has_groups )
         fprintf( stderr, "reframe render: --group auto is %d here, see reframe plan\n", used->group );
     if ( asked->group > used->group )
         fprintf( stderr, "reframe render: --group %d cut to the path: groups of its %d frames\n", asked->group, plan.eyes );

@@ -1,0 +1,78 @@
+// The row of gradient-domain path reusing in the table of estimators.
+#include "gradient/gradient.h"
+
+#include "gradient/gradient_films.h"
+#include "gradient/picture.h"
+
+static bool is_tile( const RfTile* tile )
+{
+    int w = tile->width, h = tile->height;
+    bool is_block = tile->kind == RF_TILE_BLOCK && w >= 2 && h >= 2 && w <= RF_MAX_TILE_SIDE && h <= RF_MAX_TILE_SIDE;
+    return tile->kind == RF_TILE_NONE || is_block;
+}
+
+static RfResult check( const RfRenderSettings* s, RfError* error )
+{
+    if ( s->group > 0 )
+        return rf_fail( error, RF_ERROR_USAGE, "the estimator 'gradient' reuses no frames: group 0, not %d", s->group );
+    if ( !is_tile( &s->tile ) )
+        return rf_fail( error, RF_ERROR_USAGE, "the estimator 'gradient' wants tiles of 1 pixel, or blocks of 2x2 to %dx%d",
+                        RF_MAX_TILE_SIDE, RF_MAX_TILE_SIDE );
+    if ( s->weights != RF_WEIGHTS_EXACT )
+        return rf_fail( error, RF_ERROR_USAGE, "the estimator 'gradient' has exact weights only" );
+    if ( s->normalize != RF_NORMALIZE_CROSSFIT )
+        return rf_fail( error, RF_ERROR_USAGE, "the estimator 'gradient' has no normalisation to choose" );
+    if ( s->tile_roulette )
+        return rf_fail( error, RF_ERROR_USAGE, "the estimator 'gradient' has a roulette of its own" );
+    return RF_OK;
+}
+
+static RfEstimatorSizes sizes( const RfEstimatorGroup* group )
+{
+    return ( RfEstimatorSizes ){
+        .jobs = rf_group_tiles( group ).patches,
+        .batch = sizeof( RfGradientBatch ),
+        .trace_scratch = rf_gradient_scratch_bytes( group ),
+        .accumulate_scratch = 64,
+        .finish_scratch = rf_finish_gradients_bytes( group->settings, group->width, group->height ),
+        .diffuse_record = sizeof( float[4] ),
+        .shiny_record = sizeof( float[4] ),
+        .directions = 1,
+    };
+}
+
+static void lay_out_batch( const RfEstimatorGroup* group, void* memory )
+{
+    (void)group;
+    RfGradientBatch* batch = memory;
+    batch->tile_count = 0;
+}
+
+static int trace( const RfEstimatorGroup* group, RfTraceJob job, void* batch, void* scratch, RfRayCounts* rays )
+{
+    return rf_sample_patch( group, job, batch, scratch, rays );
+}
+
+static RfFirstHits first_hits( const void* scratch ) { return rf_first_hits_of_patch( scratch ); }
+
+static uint64_t accumulate( const RfEstimatorGroup* group, RfAccumulateJob job, void* const* batches, int batch_count,
+                            void* scratch )
+{
+    (void)scratch;
+    return rf_accumulate_gradients( group, job, batches, batch_count );
+}
+
+const RfEstimator rf_gradient_estimator = {
+    .name = "gradient",
+    .films = RF_GRADIENT_FILMS,
+    .has_gradients = true,
+    .tile = { RF_TILE_BLOCK, 6, 6 },
+    .check = check,
+    .sizes = sizes,
+    .lay_out_batch = lay_out_batch,
+    .lay_out_scratch = rf_lay_out_gradient_scratch,
+    .trace = trace,
+    .first_hits = first_hits,
+    .accumulate = accumulate,
+    .finish = rf_finish_gradients,
+};

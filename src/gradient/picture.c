@@ -1,0 +1,176 @@
+// The passes of the two halves are independent. Each half is solved with weights that only the other knows, so the picture
+// is unbiased, and the difference of the two solutions tells its noise.
+#include "gradient/picture.h"
+
+#include "gradient/gradient_films.h"
+#include "reframe/reconstruct.h"
+
+#include <math.h>
+#include <string.h>
+
+// Of the solve with constant weights: tiles leave less noise in pixels than path tracing does, for which 0.2 is usual.
+#define ALPHA 0.5f
+
+// Few passes tell little of the variance of differences: a half in which a rare path is missing would trust them too much. They
+// count as no better than this share of the variance of pixels, over the passes of both halves.
+#define LEAST_SHARE 0.4f
+
+// Relative residual at which the solve with weights stops, times the passes: far below the noise.
+#define TOLERANCE 1e-3
+
+// Images that the solve works on, for each half: the means of the three films and their variances. The solutions.
+enum
+{
+    FLOATS_OF_MEANS = 9,
+    FLOATS_OF_HALF = FLOATS_OF_MEANS + 3,
+    FLOATS_OF_SOLUTION = 4,
+};
+
+typedef struct Halves
+{
+    RfGradientHalf half[2];
+    float* solution[2]; // of each half alone
+} Halves;
+
+static size_t pixels_of( const RfFilm* film ) { return (size_t)film->width * (size_t)film->height; }
+
+static size_t image_bytes( int width, int height )
+{
+    size_t bytes = 2 * ( FLOATS_OF_HALF + FLOATS_OF_SOLUTION ) * sizeof( float ) * (size_t)width * (size_t)height;
+    return ( bytes + 63 ) / 64 * 64;
+}
+
+size_t rf_finish_gradients_bytes( const RfRenderSettings* settings, int width, int height )
+{
+    if ( settings->reconstruction == RF_RECONSTRUCTION_NONE )
+        return 0;
+    return image_bytes( width, height ) + rf_reconstruct_bytes( width, height );
+}
+
+// Entry i of the sums of a half.
+static double sum_of( const RfFilm* film, int h, size_t i )
+{
+    return (double)film->half[h][i] + ( film->total[h] != NULL ? film->total[h][i] : 0.0 );
+}
+
+// Mean and variance of the mean of one film in one half. With a single value the variance is not known: its square, which
+// is above it, stands for it.
+static void find_means( const RfFilm* films, int f, int h, float* mean, float* variance )
+{
+    const RfFilm *film = films + f, *squares = films + RF_FILM_SQUARES;
+    for ( size_t i = 0; i < pixels_of( film ); ++i )
+    {
+        double count = sum_of( film, h, 4 * i + 3 ), square = 0.0;
+        for ( size_t c = 0; c < 3; ++c )
+        {
+            double value = count > 0.0 ? sum_of( film, h, 4 * i + c ) / count : 0.0;
+            mean[3 * i + c] = (float)value;
+            square += value * value;
+        }
+        double mean_square = count > 0.0 ? sum_of( squares, h, 4 * i + (size_t)f ) / count : 0.0;
+        variance[i] = (float)( count > 1.0 ? fmax( mean_square - square, 0.0 ) / ( count - 1.0 ) : mean_square );
+    }
+}
+
+static void bound_variances( float share, size_t pixels, float* variance )
+{
+    for ( size_t i = 0; i < pixels; ++i )
+    {
+        variance[pixels + i] += share * variance[i];
+        variance[2 * pixels + i] += share * variance[i];
+    }
+}
+
+// Cuts the workspace up and fills the halves that have passes.
+static Halves load_halves( const RfFilm* films, float* memory )
+{
+    size_t pixels = pixels_of( films );
+    Halves out;
+    for ( int h = 0; h < 2; ++h )
+    {
+        float *means = memory, *variance = memory + FLOATS_OF_MEANS * pixels;
+        memory += FLOATS_OF_HALF * pixels;
+        for ( int f = 0; f < RF_FILM_SQUARES; ++f )
+            find_means( films, f, h, means + 3 * pixels * (size_t)f, variance + pixels * (size_t)f );
+        bound_variances( LEAST_SHARE / (float)( films->passes[0] + films->passes[1] ), pixels, variance );
+        out.half[h] = ( RfGradientHalf ){
+            .images = { films->width, films->height, means, means + 3 * pixels, means + 6 * pixels },
+            .variance = variance,
+            .variance_dx = variance + pixels,
+            .variance_dy = variance + 2 * pixels,
+            .passes = films->passes[h],
+        };
+    }
+    for ( int h = 0; h < 2; ++h )
+        out.solution[h] = memory + FLOATS_OF_SOLUTION * pixels * (size_t)h;
+    return out;
+}
+
+// Constant weights, or L1, which is not linear: each half by itself, which tells the noise, and all data together.
+static RfResult solve_constant( const RfFilm* films, const Halves* halves, const RfReconstructOptions* options, float* rgb )
+{
+    RfResult result = RF_OK;
+    for ( int h = 0; h < 2 && result == RF_OK; ++h )
+    {
+        if ( halves->half[h].passes > 0.0 )
+            result = rf_reconstruct( &halves->half[h].images, NULL, options, halves->solution[h], NULL, NULL );
+    }
+    float* means = (float*)halves->half[0].images.primal;
+    for ( int f = 0; f < RF_FILM_SQUARES; ++f )
+        rf_combine_film( films + f, RF_FILM_RATIO, means + 3 * pixels_of( films ) * (size_t)f, NULL );
+    return result == RF_OK ? rf_reconstruct( &halves->half[0].images, NULL, options, rgb, NULL, NULL ) : result;
+}
+
+static RfResult solve( const RfRenderSettings* settings, const RfFilm* films, const Halves* halves, void* work, float* rgb )
+{
+    RfReconstructOptions options = rf_default_reconstruct_options();
+    bool variances = halves->half[0].passes >= 2.0 && halves->half[1].passes >= 2.0;
+    options.alpha = ALPHA;
+    options.tolerance = TOLERANCE / ( halves->half[0].passes + halves->half[1].passes );
+    options.work = work;
+    options.method = RF_RECONSTRUCT_WEIGHTED;
+    if ( settings->reconstruction == RF_RECONSTRUCTION_L1 )
+        options.method = RF_RECONSTRUCT_L1;
+    else if ( settings->reconstruction == RF_RECONSTRUCTION_L2 || !variances )
+        options.method = RF_RECONSTRUCT_L2;
+    return options.method == RF_RECONSTRUCT_WEIGHTED
+               ? rf_reconstruct_halves( halves->half, &options, rgb, halves->solution, NULL, NULL )
+               : solve_constant( films, halves, &options, rgb );
+}
+
+// The noise of the picture, as that of a film with the solutions as its halves, which are spread to four floats a pixel in place.
+static RfRelmse estimate_noise( const Halves* halves, const RfFilm* film, const float* rgb )
+{
+    RfFilm solved = { .width = film->width, .height = film->height };
+    for ( int h = 0; h < 2; ++h )
+    {
+        float* solution = halves->solution[h];
+        for ( size_t i = pixels_of( film ); i-- > 0; )
+        {
+            float of_pixel[4] = { solution[3 * i], solution[3 * i + 1], solution[3 * i + 2], 1.0f };
+            for ( size_t c = 0; c < 4; ++c )
+                solution[4 * i + c] = (float)halves->half[h].passes * of_pixel[c];
+        }
+        solved.half[h] = solution;
+        solved.passes[h] = film->passes[h];
+        solved.weight[h] = halves->half[h].passes;
+    }
+    return rf_estimate_relmse( &solved, RF_FILM_RATIO, rgb );
+}
+
+RfRelmse rf_finish_gradients( const RfRenderSettings* settings, const RfFilm* films, float* rgb, float* weight, void* scratch )
+{
+    const RfFilm* primal = films + RF_FILM_PRIMAL;
+    rf_combine_film( primal, RF_FILM_RATIO, rgb, weight );
+    if ( settings->reconstruction == RF_RECONSTRUCTION_NONE )
+        return rf_estimate_relmse( primal, RF_FILM_RATIO, rgb );
+    Halves halves = load_halves( films, scratch );
+    void* work = (char*)scratch + image_bytes( films->width, films->height );
+    if ( solve( settings, films, &halves, work, rgb ) != RF_OK )
+    {
+        // samples that are not finite: the pixels as they are show where
+        rf_combine_film( primal, RF_FILM_RATIO, rgb, weight );
+        return rf_plain_relmse( (double)NAN );
+    }
+    return halves.half[1].passes > 0.0 ? estimate_noise( &halves, primal, rgb ) : rf_plain_relmse( (double)NAN );
+}

@@ -1,0 +1,204 @@
+#include "gradient/sampling.h"
+
+#include "reuse/accumulate.h"
+#include "reuse/harvest_internal.h"
+
+#include <string.h>
+
+#define TILE_SALT 0x3b1c00000000u // keeps the random numbers of tiles apart from those of paths
+
+struct RfGradientScratch
+{
+    RfHarvestScratch* harvest;
+    RfHitBatch hits;
+    int32_t pixel[RF_LANES];  // by slot
+    int32_t number[RF_LANES]; // of its tile in the pass
+    int32_t source[RF_LANES]; // tiles of one pixel: of the paths (reuse/tile_copies.h)
+    RfAccumulateScratch accumulate;
+};
+
+// The group as the harvest of frames and tiles sees it: whole extended tiles.
+typedef struct ExtendedGroup
+{
+    RfEstimatorGroup group;
+    RfRenderSettings settings;
+} ExtendedGroup;
+
+static void extend( const RfEstimatorGroup* group, ExtendedGroup* out )
+{
+    out->group = *group;
+    out->settings = *group->settings;
+    RfTile tile = group->settings->tile;
+    out->settings.tile = ( RfTile ){ RF_TILE_BLOCK, tile.width + 1, tile.height + 1 };
+    if ( tile.kind == RF_TILE_NONE )
+        out->settings.tile = ( RfTile ){ RF_TILE_BLOCK, 2, 1 };
+    out->group.settings = &out->settings;
+}
+
+static size_t up( size_t bytes ) { return ( bytes + 63 ) / 64 * 64; }
+
+size_t rf_gradient_scratch_bytes( const RfEstimatorGroup* group )
+{
+    ExtendedGroup extended;
+    extend( group, &extended );
+    RfBatchShape shape = rf_batch_shape( &extended.group );
+    return up( sizeof( RfGradientScratch ) ) + up( rf_batch_bytes( &shape ) ) + rf_harvest_scratch_bytes( &shape );
+}
+
+void rf_lay_out_gradient_scratch( const RfEstimatorGroup* group, void* memory )
+{
+    ExtendedGroup extended;
+    extend( group, &extended );
+    RfBatchShape shape = rf_batch_shape( &extended.group );
+    RfGradientScratch* scratch = memory;
+    char* rest = (char*)memory + up( sizeof *scratch );
+    scratch->hits = rf_lay_out_batch( &shape, rest );
+    scratch->harvest = rf_lay_out_harvest_scratch( &shape, rest + up( rf_batch_bytes( &shape ) ) );
+}
+
+RfExtendedTiles rf_group_tiles( const RfEstimatorGroup* group )
+{
+    return rf_lay_out_extended_tiles( &group->settings->tile, rf_is_blurred( &group->traits ), group->width, group->height );
+}
+
+// Lists the pixels of the tiles: each lane is a pixel of its own, since tiles overlap. Returns how many.
+static int list_pixels( const RfGradientBatch* batch, int width, RfGradientScratch* scratch )
+{
+    RfHarvestScratch* harvest = scratch->harvest;
+    int count = 0;
+    for ( int t = 0; t < batch->tile_count; ++t )
+    {
+        const RfExtendedTile* tile = batch->tile + t;
+        for ( int y = tile->y0; y < tile->y1; ++y )
+        {
+            for ( int x = tile->x0; x < tile->x1; ++x, ++count )
+            {
+                scratch->pixel[count] = y * width + x;
+                scratch->number[count] = tile->number;
+                harvest->pixel[count] = count; // of a film with one pixel for each lane
+                harvest->tile_of[count] = harvest->tiles->tile_of[count] = t;
+            }
+        }
+    }
+    harvest->tiles->tile_count = batch->tile_count;
+    return count;
+}
+
+// The slots with the paths of pairs, of which those of a pixel follow each other.
+static void find_sources( const RfGradientBatch* batch, RfGradientScratch* scratch )
+{
+    int32_t first = 0;
+    memset( scratch->source, -1, sizeof scratch->source );
+    for ( int t = 0; t < batch->tile_count; ++t )
+    {
+        const RfExtendedTile* tile = batch->tile + t;
+        if ( t == 0 || tile->number != tile[-1].number )
+            first = 2 * t + tile->source;
+        scratch->source[2 * t + tile->source] = first;
+    }
+}
+
+// The same random numbers for all pixels of a tile.
+static void set_tile_keys( uint64_t pass_key, int count, RfGradientScratch* scratch )
+{
+    RfWavefront* wavefront = &scratch->harvest->wavefront;
+    for ( int i = 0; i < count; ++i )
+    {
+        RfRandomKey key = rf_pixel_key( pass_key ^ TILE_SALT, (uint32_t)scratch->number[i] );
+        wavefront->key_a[i] = key.a;
+        wavefront->key_b[i] = key.b;
+    }
+}
+
+// Random numbers of its own for each path; the pixels of a pair have those of its one path.
+static void set_path_keys( uint64_t pass_key, const RfEstimatorGroup* group, const RfGradientBatch* batch,
+                           RfGradientScratch* scratch )
+{
+    RfWavefront* wavefront = &scratch->harvest->wavefront;
+    bool pairs = group->settings->tile.kind == RF_TILE_NONE;
+    uint32_t area = (uint32_t)rf_extended_pixels( &group->settings->tile );
+    for ( int t = 0, i = 0; t < batch->tile_count; ++t )
+    {
+        for ( int k = 0; k < rf_tile_area( batch->tile + t ); ++k, ++i )
+        {
+            RfRandomKey key = rf_pixel_key( pass_key, (uint32_t)batch->tile[t].number * area + (uint32_t)( pairs ? 0 : k ) );
+            wavefront->key_a[i] = key.a;
+            wavefront->key_b[i] = key.b;
+        }
+    }
+}
+
+// Camera rays, what they hit, and direct light.
+static void find_hits( const RfHarvest* harvest, int count, RfGradientScratch* scratch, RfRayCounts* rays )
+{
+    RfHarvestScratch* h = scratch->harvest;
+    RfWavefront* wavefront = &h->wavefront;
+    wavefront->path_rays = wavefront->shadow_rays = 0;
+    rf_make_camera_rays( NULL, harvest->eyes + scratch->hits.eye, count, scratch->pixel, wavefront, &h->camera_rays );
+    rf_find_vertices( &harvest->path, &h->camera_rays, true, &h->first, &wavefront->scratch );
+    rays->primary += (uint64_t)count;
+    rf_follow_camera_rays( harvest, h );
+    rf_list_hits( count, h, &scratch->hits );
+    if ( harvest->path.max_depth > 1 )
+        rf_sample_direct( harvest, h, rays );
+}
+
+// The rest of the paths.
+static void light_hits( const RfHarvest* harvest, int count, RfGradientScratch* scratch, RfRayCounts* rays )
+{
+    RfHarvestScratch* h = scratch->harvest;
+    RfWavefront* wavefront = &h->wavefront;
+    memset( &wavefront->arrivals, 0, sizeof wavefront->arrivals );
+    wavefront->rays.count = 0;
+    rf_scale_roulette( h, count );
+    if ( harvest->path.max_depth > 1 )
+        rf_trace_hit_tails( harvest, h, rays );
+    rays->path += wavefront->path_rays;
+    rays->shadow += wavefront->shadow_rays;
+    rf_test_batch_visibility( harvest, &scratch->hits, h, rays );
+    rf_weight_batch( harvest, &scratch->hits, h );
+    if ( harvest->shape.own_frame_light )
+        rf_light_own_frame( harvest, &scratch->hits, h );
+}
+
+// The radiance of every lane, by way of a film with a pixel for each.
+static void add_up( const RfEstimatorGroup* group, RfGradientBatch* batch, RfGradientScratch* scratch )
+{
+    memset( batch->value, 0, sizeof batch->value );
+    RfFilm film = { .half = { batch->value[0] } };
+    RfAccumulateJob job = { .eye = batch->eye, .end_row = RF_LANES, .films = &film, .weight = 1.0f };
+    rf_accumulate_rows( group, job, &( void* ){ &scratch->hits }, 1, &scratch->accumulate );
+}
+
+int rf_sample_patch( const RfEstimatorGroup* group, RfTraceJob job, RfGradientBatch* batch, RfGradientScratch* scratch,
+                     RfRayCounts* rays )
+{
+    ExtendedGroup extended;
+    extend( group, &extended );
+    RfHarvest harvest = rf_make_harvest( &extended.group );
+    harvest.path_roulette = true;
+    uint64_t key = rf_harvest_key( &harvest, job.eye, job.pass );
+    RfExtendedTiles layout = rf_group_tiles( group );
+    scratch->hits.eye = batch->eye = job.eye;
+    if ( harvest.shape.blurred )
+        scratch->hits.lens = rf_draw_lens( &harvest, job );
+    RfHarvest at = rf_harvest_at( &harvest, scratch->hits.lens, scratch->harvest );
+    batch->tile_count = rf_list_extended_tiles( &layout, key, job.job, batch->tile );
+    int count = list_pixels( batch, group->width, scratch );
+    if ( layout.pairs )
+    {
+        find_sources( batch, scratch );
+        at.path_source = scratch->source;
+    }
+    set_tile_keys( key, count, scratch );
+    find_hits( &at, count, scratch, rays );
+    set_path_keys( key, group, batch, scratch );
+    light_hits( &at, count, scratch, rays );
+    add_up( &extended.group, batch, scratch );
+    return count;
+}
+
+RfFirstHits rf_first_hits_of_patch( const RfGradientScratch* scratch )
+{
+    return ( RfFirstHits ){ .hits = &scratch->harvest->first, .rays = &scratch->harvest->camera_rays, .pixel = scratch->pixel };
+}

@@ -1,0 +1,110 @@
+// render --estimator gradient: what it refuses, it refuses by name; frames are the same bits alone, in a sequence, with any
+// threads and memory; --resume knows them; the header tells them apart.
+#include "support/cli_run.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#define RENDER "$R render $VASE --estimator gradient --size 40x30 --spp 4 --quiet --overwrite "
+
+static void test_what_does_not_work_is_refused_by_name( void** state )
+{
+    (void)state;
+    static const struct
+    {
+        const char *options, *answer;
+    } s_cases[] = {
+        { "--group 1", "the estimator 'gradient' reuses no frames: group 0, not 1" },
+        { "--tile rooks16", "the estimator 'gradient' wants tiles of 1 pixel, or blocks of 2x2 to 8x8" },
+        { "--tile 1x4", "the estimator 'gradient' wants tiles of 1 pixel" },
+        { "--tile 16x4", "the estimator 'gradient' wants tiles of 1 pixel" },
+        { "--adaptive", "the estimator 'gradient' has no adaptive sampling" },
+        { "--aov variance", "the estimator 'gradient' has no variance AOV" },
+        { "--alpha", "the estimator 'gradient' has no alpha" },
+        { "--weights eq15", "the estimator 'gradient' has exact weights only" },
+        { "--normalize ratio", "the estimator 'gradient' has no normalisation to choose" },
+        { "--tile-roulette", "the estimator 'gradient' has a roulette of its own" },
+    };
+    for ( size_t i = 0; i < sizeof s_cases / sizeof s_cases[0]; ++i )
+        cli_expect( cli_run( RENDER "-o a.####.exr --frames 1 %s", s_cases[i].options ), 2, s_cases[i].answer );
+    cli_expect( cli_run( "$R render $VASE -o a.####.exr --estimator gradients" ), 2,
+                "reframe render: --estimator: wants reuse or gradient, got 'gradients'" );
+    cli_expect( cli_run( "$R render $VASE -o a.####.exr --reconstruction l2" ), 2,
+                "reframe render: --reconstruction: wants --estimator gradient" );
+}
+
+static void test_bits_do_not_depend_on_company( void** state )
+{
+    (void)state;
+    cli_expect( cli_run( RENDER "-o all.####.exr --frames 1-3 --threads 1" ), 0, NULL );
+    cli_expect( cli_run( RENDER "-o one.####.exr --frames 2 --threads 3 --memory 24M" ), 0, NULL );
+    cli_expect( cli_run( "cmp all.0002.exr one.0002.exr" ), 0, NULL );
+    cli_expect( cli_run( RENDER "-o pairs.####.exr --frames 2 --tile 1" ), 0, NULL );
+    cli_expect( cli_run( RENDER "-o pairs3.####.exr --frames 2-3 --tile 1 --threads 3" ), 0, NULL );
+    cli_expect( cli_run( "cmp pairs.0002.exr pairs3.0002.exr" ), 0, NULL );
+}
+
+static void test_frames_are_resumed_and_told_apart( void** state )
+{
+    (void)state;
+    cli_expect( cli_run( RENDER "-o r.####.exr --frames 1" ), 0, NULL );
+    cli_expect( cli_run( "$R render $VASE --estimator gradient --size 40x30 --spp 4 --quiet -o r.####.exr --frames 1-2 --resume "
+                         "--json r.json" ),
+                0, NULL );
+    json_t* json = cli_read_json( "r.json" );
+    const json_t* frames = json_object_get( json, "frames" );
+    assert_true( json_is_true( json_object_get( json_array_get( frames, 0 ), "kept" ) ) );
+    assert_true( json_is_false( json_object_get( json_array_get( frames, 1 ), "kept" ) ) );
+    assert_string_equal( json_string_value( json_object_get( json, "estimator" ) ), "gradient" );
+    assert_string_equal( json_string_value( json_object_get( json, "reconstruction" ) ), "weighted" );
+    json_decref( json );
+    static const char again[] =
+        "$R render $VASE --size 40x30 --spp 4 --quiet -o r.####.exr --frames 1 --resume --group 0 --tile 6x6 ";
+    cli_expect( cli_run( "%s", again ), 1, "estimator gradient" );
+    cli_expect( cli_run( "%s --estimator gradient --reconstruction l2", again ), 1, "reconstruction weighted" );
+}
+
+static void test_noise_is_estimated_and_stops( void** state )
+{
+    (void)state;
+    cli_expect( cli_run( "$R render $VASE --estimator gradient --size 40x30 --noise 0.05 --quiet -o n.####.exr --frames 1 "
+                         "--aov albedo,samples --json n.json" ),
+                0, NULL );
+    json_t* json = cli_read_json( "n.json" );
+    const json_t* frame = json_array_get( json_object_get( json, "frames" ), 0 );
+    assert_true( json_number_value( json_object_get( frame, "relmse_estimate" ) ) <= 0.05 );
+    assert_true( json_number_value( json_object_get( frame, "native_spp" ) ) >= 2.0 );
+    json_decref( json );
+}
+
+// Another program can solve what is written: at constant weights the picture is the same.
+static void test_written_gradients_are_reconstructed( void** state )
+{
+    (void)state;
+    cli_expect( cli_run( RENDER "-o g.####.exr --frames 1 --float --reconstruction l2 --aov primal,dx,dy" ), 0, NULL );
+    cli_expect( cli_run( "$R reconstruct g.0001.exr -o solved.exr --method l2 --alpha 0.5 --quiet" ), 0, NULL );
+    cli_expect( cli_run( "$R compare g.0001.exr solved.exr --json c.json > /dev/null" ), 0, NULL );
+    json_t* json = cli_read_json( "c.json" );
+    assert_true( json_number_value( json_object_get( json, "relmse" ) ) < 1e-6 );
+    json_decref( json );
+    cli_expect( cli_run( "$R render $VASE -o a.####.exr --size 40x30 --frames 1 --aov primal,dx" ), 2,
+                "the estimator 'reuse' has no gradients" );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( test_what_does_not_work_is_refused_by_name ),
+        cmocka_unit_test( test_bits_do_not_depend_on_company ),
+        cmocka_unit_test( test_frames_are_resumed_and_told_apart ),
+        cmocka_unit_test( test_written_gradients_are_reconstructed ),
+        cmocka_unit_test( test_noise_is_estimated_and_stops ),
+    };
+    return cmocka_run_group_tests( tests, cli_enter_group, cli_leave_group );
+}
