@@ -48,6 +48,11 @@ def without(options, *names):
     return kept
 
 
+def filter_of(words):
+    """Figures are those of the box of one pixel unless another filter is asked for: pictures of whatever settings then differ in noise alone."""
+    return [] if any(word.split("=")[0] == "--filter" for word in words) else ["--filter", "box"]
+
+
 def render(binary, scene, pattern, size, setting, spp, seed, frames="", threads=1, more=()):
     """Renders with GROUP:TILE, without extra samples unless `more` asks for them; returns the output of `render --json` plus `cpu` seconds and `resident` bytes."""
     group, tile = setting.split(":")
@@ -57,7 +62,7 @@ def render(binary, scene, pattern, size, setting, spp, seed, frames="", threads=
     command += [] if any(word.split("=")[0] in ("--adaptive", "--no-adaptive") for word in more) else ["--no-adaptive"]
     command += ["--threads", str(threads)] if threads else []
     command += ["--frames", frames] if frames else []
-    _, cpu, resident = run(command + list(more))
+    _, cpu, resident = run(command + filter_of(more) + list(more))
     with open(report) as file:
         result = json.load(file)
     result.update(cpu=cpu, resident=resident)
@@ -68,14 +73,15 @@ def count_instructions(binary, scene, folder, *options):
     """Instructions that one thread executes for a render, loading included, counted by callgrind."""
     out = os.path.join(folder, "calls")
     run(["valgrind", "-q", "--tool=callgrind", "--callgrind-out-file=" + out, binary, "render", scene, "-o", os.path.join(folder, "x.exr"),
-         "--overwrite", "--quiet", "--threads", "1", "--memory", "256M", *options])
+         "--overwrite", "--quiet", "--threads", "1", "--memory", "256M", *filter_of(options), *options])
     with open(out) as file:
         return int(re.search(r"^(?:summary|totals): (\d+)", file.read(), re.M).group(1))
 
 
 def measure(binary, command, image, *arguments):
-    """The JSON of `reframe compare` or `reframe flicker`."""
-    text = run([binary, command, image, *arguments, "--json", "-"], subprocess.PIPE)[0]
+    """The JSON of a command that has the option --json."""
+    more = filter_of(arguments) if command in ("plan", "tune", "cost") else []
+    text = run([binary, command, image, *more, *arguments, "--json", "-"], subprocess.PIPE)[0]
     return json.loads(text)
 
 

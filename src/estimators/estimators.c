@@ -26,6 +26,11 @@ const char* rf_estimator_name( const RfEstimator* estimator ) { return estimator
 
 RfTile rf_default_tile( const RfEstimator* estimator ) { return estimator->tile; }
 
+RfFilter rf_default_filter( const RfEstimator* estimator )
+{
+    return estimator->filters ? RF_FILTER_BLACKMAN_HARRIS : RF_FILTER_BOX;
+}
+
 RfRenderSettings rf_default_render_settings( void )
 {
     return ( RfRenderSettings ){

@@ -316,7 +316,7 @@ static void test_shot_is_blenders( void** state )
     done = cli_run( "$R info shot.glb" );
     assert_non_null( strstr( done->out, "Eye: 10 frames (101 to 110) at 29.97 frames/s" ) );
     assert_non_null( strstr( done->out, "picture    64x36" ) );
-    done = cli_run( "$R render shot.glb -o f.####.exr --frames 101,110 --group 0 --tile 1 --spp 64 --quiet" );
+    done = cli_run( "$R render shot.glb -o f.####.exr --frames 101,110 --group 0 --tile 1 --spp 64 --filter box --quiet" );
     assert_int_equal( done->status, 0 );
     assert_non_null( strstr( done->err, "'Cube', 'Follower', 'Wave' move or change in the file, but only cameras move here" ) );
     expect_same_picture( "f.0101.exr", "shot-101.exr" );
@@ -334,7 +334,7 @@ static void test_geometry_is_as_rendered( void** state )
     assert_int_equal( done->status, 0 );
     assert_non_null( strstr( done->out, "'cutter': left out, as hidden in renders" ) );
     assert_non_null( strstr( done->out, "warning: 'hole in the picture': left out: holdouts do not exist in Reframe" ) );
-    done = cli_run( "$R render geometry.glb -o g.exr --group 0 --tile 1 --spp 64 --quiet" );
+    done = cli_run( "$R render geometry.glb -o g.exr --group 0 --tile 1 --spp 64 --filter box --quiet" );
     cli_expect( done, 0, NULL );
     expect_same_picture( "g.exr", "geometry-1.exr" );
     cli_leave();

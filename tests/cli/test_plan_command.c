@@ -57,7 +57,7 @@ static void check_rows( const json_t* plan )
 static void test_table_and_json_agree( void** state )
 {
     (void)state;
-    static const char options[] = "--size 64x36 --spp 9 --memory 40M";
+    static const char options[] = "--size 64x36 --spp 9 --memory 40M --filter box";
     cli_expect( cli_run( "$R plan $VASE %s --quiet --json plan.json", options ), 0, NULL );
     const CliResult* said = cli_run( "$R plan $VASE %s --quiet", options );
     assert_int_equal( said->status, 0 );
@@ -126,13 +126,13 @@ static void test_options_change_plan_as_render( void** state )
     int plain = -1;
     for ( size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i )
     {
-        char options[256];
+        char options[288];
         if ( i == 0 || strcmp( cases[i].plain, cases[i - 1].plain ) != 0 )
         {
-            snprintf( options, sizeof options, "%s --max-depth 3", cases[i].plain );
+            snprintf( options, sizeof options, "%s --max-depth 3 --filter box", cases[i].plain );
             plain = common_group( options );
         }
-        snprintf( options, sizeof options, "%s --max-depth 3 %s", cases[i].plain, cases[i].options );
+        snprintf( options, sizeof options, "%s --max-depth 3 --filter box %s", cases[i].plain, cases[i].options );
         int group = common_group( options );
         assert_true( group != plain || !cases[i].felt );
     }

@@ -76,7 +76,7 @@ static Bytes render_example( int scale, const char* more )
 {
     char options[256];
     snprintf( options, sizeof options,
-              "--size %dx%d --frames 21-27 --group 3 --spp 14 --tile 1 --threads 1 --no-adaptive --hold-all -o paper.####.exr %s",
+              "--size %dx%d --frames 21-27 --group 3 --spp 14 --tile 1 --threads 1 --no-adaptive --filter box --hold-all -o paper.####.exr %s",
               800 / scale, 600 / scale, more );
     render( "vase-room", options );
     return read_bytes();
@@ -100,7 +100,7 @@ static void test_paper_example_fits_in_its_memory( void** state )
     // the records do not depend on the light; the budget leaves room for one batch that is not held
     Bytes bytes = render_example( 4, "--max-depth 1 --memory 27270K" );
     expect_small( bytes, 1.0 / 16.0 );
-    cli_expect( cli_run( "$R plan $VASE --size 200x150 --spp 14 --quiet --json plan.json" ), 0, NULL );
+    cli_expect( cli_run( "$R plan $VASE --size 200x150 --spp 14 --filter box --quiet --json plan.json" ), 0, NULL );
     json_t* plan = cli_read_json( "plan.json" );
     double said = json_number_value( json_object_get( json_object_get( plan, "bytes_paper_example" ), "ours" ) );
     json_decref( plan );

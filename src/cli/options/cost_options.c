@@ -97,7 +97,7 @@ static RfResult parse( int argc, char** argv, RfCostOptions* options, bool* help
     if ( result != RF_OK || *help )
         return result;
     s_parsed.render.scene = s_scene;
-    s_parsed.render.settings.filter = (RfFilter)s_parsed.render.filter;
+    rf_settle_filter( &s_parsed.render );
     result = rf_parse_tile_option( &s_parsed.render, error );
     if ( result == RF_OK )
         result = parse_errors( &s_parsed, error );

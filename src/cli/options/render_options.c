@@ -278,7 +278,7 @@ RfRenderOptions rf_default_render_options( void )
     options.normalize = options.settings.normalize;
     options.adaptive = options.settings.adaptive;
     options.reconstruction = options.settings.reconstruction;
-    options.filter = options.settings.filter;
+    options.filter = -1;
     return options;
 }
 
@@ -295,7 +295,12 @@ static void take_words( RfRenderOptions* options )
     options->settings.normalize = (RfNormalize)options->normalize;
     options->settings.adaptive = (RfAdaptive)options->adaptive;
     options->settings.reconstruction = (RfReconstruction)options->reconstruction;
-    options->settings.filter = (RfFilter)options->filter;
+}
+
+void rf_settle_filter( RfRenderOptions* options )
+{
+    bool given = options->filter >= 0;
+    options->settings.filter = given ? (RfFilter)options->filter : rf_default_filter( options->settings.estimator );
 }
 
 RfResult rf_parse_estimator_option( RfRenderOptions* options, RfError* error )
@@ -335,6 +340,8 @@ RfResult rf_settle_render_options( RfRenderOptions* options, RfError* error )
         return rf_fail( error, RF_ERROR_USAGE, "--adaptive: wants --weights exact, not %s",
                         rf_weights_name( settings->weights ) );
     RfResult result = rf_parse_estimator_option( options, error );
+    if ( result == RF_OK )
+        rf_settle_filter( options );
     if ( result == RF_OK && strcmp( options->estimator, "gradient" ) != 0 &&
          options->reconstruction != RF_RECONSTRUCTION_WEIGHTED )
         return rf_fail( error, RF_ERROR_USAGE, "--reconstruction: wants --estimator gradient" );

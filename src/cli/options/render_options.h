@@ -30,7 +30,7 @@ typedef struct RfRenderOptions
     uint64_t left_out;     // a set of RF_EFFECT_BITs: those of no_effect
     RfRenderSettings settings;
     bool spp_given;
-    int weights, normalize, adaptive, filter, reconstruction; // indices of their words
+    int weights, normalize, adaptive, filter, reconstruction; // indices of their words; of the filter -1: not given
     const char* estimator;                                    // its name
     const char* tile;                                         // NULL: that of the estimator
     const char* aov;                                          // NULL: none
@@ -63,6 +63,9 @@ RfResult rf_parse_render_options_over( const struct RfField* defaults, int argc,
 
 // The lens that --shutter, --fstop and --focus ask for. Fails with RF_ERROR_USAGE.
 RfResult rf_parse_lens_options( const RfRenderOptions* options, RfLens* lens, RfError* error );
+
+// Takes the filter that was given, or that of the estimator.
+void rf_settle_filter( RfRenderOptions* options );
 
 // Sets settings.estimator from --estimator, and settings.tile to its default.
 RfResult rf_parse_estimator_option( RfRenderOptions* options, RfError* error );

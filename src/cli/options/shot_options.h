@@ -108,7 +108,7 @@
       .type = RF_OPTION_CHOICE,                                                                                                  \
       .value = &( o ).filter,                                                                                                    \
       .choices = rf_filter_words,                                                                                                \
-      .default_text = "box",                                                                                                     \
+      .default_text = "blackman-harris, of --estimator gradient box",                                                            \
       .help = "how samples count in the pixels around them; depth and motion always have the box of one pixel" },                \
     {                                                                                                                            \
         .name = "filter-width", .in_file = ( file ), .type = RF_OPTION_REAL, .value = &( o ).settings.filter_width,              \

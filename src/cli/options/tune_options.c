@@ -58,7 +58,7 @@ static RfResult parse( int argc, char** argv, RfTuneOptions* options, bool* help
     if ( result != RF_OK || *help )
         return result;
     s_parsed.render.scene = s_scene;
-    s_parsed.render.settings.filter = (RfFilter)s_parsed.render.filter;
+    rf_settle_filter( &s_parsed.render );
     result = rf_parse_aov_option( &s_parsed.render, error );
     *options = s_parsed;
     return result;
