@@ -208,8 +208,9 @@ static void test_existing_frames( void** state )
     assert_int_equal( atoi( cli_run( "find . -name 'f.*.exr' ! -newermt 2002-01-01 | wc -l" )->out ), 3 );
     cli_expect( cli_run( "$R render $VASE -o f.####.exr --frames 1-5 --resume --seed 2 " SMALL ), 1,
                 "f.0001.exr: is of another render, of --seed 1 (here 2): give the same" );
-    cli_expect( cli_run( "$R render $VASE -o f.####.exr --frames 1-5 --resume --filter tent " SMALL ), 1,
-                "f.0001.exr: is of another render, of --filter blackman-harris (here tent), --filter-width 1.5 (here 1): give the same" );
+    cli_expect(
+        cli_run( "$R render $VASE -o f.####.exr --frames 1-5 --resume --filter tent " SMALL ), 1,
+        "f.0001.exr: is of another render, of --filter blackman-harris (here tent), --filter-width 1.5 (here 1): give the same" );
     cli_expect( cli_run( "$R render $VASE -o f.####.exr --frames 1-5 --resume --filter-width 2 " SMALL ), 1,
                 "f.0001.exr: is of another render, of --filter-width 1.5 (here 2): give the same" );
     cli_expect( cli_run( "mv f.0002.exr f.0001.exr; $R render $VASE -o f.####.exr --frames 1-5 --resume " SMALL ), 1,

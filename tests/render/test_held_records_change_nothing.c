@@ -76,7 +76,8 @@ static Bytes render_example( int scale, const char* more )
 {
     char options[256];
     snprintf( options, sizeof options,
-              "--size %dx%d --frames 21-27 --group 3 --spp 14 --tile 1 --threads 1 --no-adaptive --filter box --hold-all -o paper.####.exr %s",
+              "--size %dx%d --frames 21-27 --group 3 --spp 14 --tile 1 --threads 1 --no-adaptive --filter box --hold-all -o "
+              "paper.####.exr %s",
               800 / scale, 600 / scale, more );
     render( "vase-room", options );
     return read_bytes();

@@ -62,8 +62,9 @@ static void test_less_noise_takes_more( void** state )
     for ( int i = 0; i < 3; ++i )
     {
         cli_expect(
-            cli_run( "$R render $VASE -o l.####.exr --overwrite --frames 3-5 --noise %s --filter box --json l.json " SMALL, errors[i] ), 0,
-            NULL );
+            cli_run( "$R render $VASE -o l.####.exr --overwrite --frames 3-5 --noise %s --filter box --json l.json " SMALL,
+                     errors[i] ),
+            0, NULL );
         json_t* json = cli_read_json( "l.json" );
         double native = number( frame_of( json, 1 ), "native_spp" );
         assert_true( native >= 2.0 && native > before );
