@@ -216,6 +216,7 @@ static RfResult load( const char* name, RfScene* scene, RfRenderOptions* options
         return result;
     RfField defaults = rf_scene_file_defaults( &file, error );
     result = rf_read_render_defaults( &defaults, options );
+    rf_settle_filter( options );
     take_given( options );
     if ( !s_fps_given )
         s_fps = options->fps;

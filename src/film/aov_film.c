@@ -113,7 +113,7 @@ static void add_hit( const RfAovJob* job, const RfVertexLanes* v, int i, size_t 
 {
     float* const* mean = job->film->mean;
     RfVec3 p = rf_vec3( v->p[0][i], v->p[1][i], v->p[2][i] );
-    bool plain = job->film->filter == NULL;
+    bool plain = !rf_has_filter( job->film->filter );
     if ( plain && rf_calls_for( mean[RF_AOV_ALBEDO] != NULL, RF_EFFECT_AOV_ALBEDO ) )
         add_vector( mean[RF_AOV_ALBEDO] + 3 * pixel, albedo_of( v, i ), share );
     if ( plain && rf_calls_for( mean[RF_AOV_NORMAL] != NULL, RF_EFFECT_AOV_NORMAL ) )
@@ -165,7 +165,7 @@ static void add_miss( const RfAovJob* job, const RfRayLanes* rays, int slot, siz
 {
     float* const* mean = job->film->mean;
     RfVec3 d = rf_vec3( rays->d[0][slot], rays->d[1][slot], rays->d[2][slot] );
-    bool plain = job->film->filter == NULL;
+    bool plain = !rf_has_filter( job->film->filter );
     if ( plain && rf_calls_for( mean[RF_AOV_ALBEDO] != NULL, RF_EFFECT_AOV_ALBEDO ) )
         add_vector( mean[RF_AOV_ALBEDO] + 3 * pixel, rf_vec3( 0, 0, 0 ), share );
     if ( plain && rf_calls_for( mean[RF_AOV_NORMAL] != NULL, RF_EFFECT_AOV_NORMAL ) )
@@ -190,7 +190,7 @@ void rf_add_to_aovs( const RfAovJob* job, RfFirstHits first )
         if ( !hit[slot] )
             add_miss( job, first.rays, slot, (size_t)first.pixel[slot], share );
     }
-    if ( job->film->filter != NULL )
+    if ( rf_has_filter( job->film->filter ) )
         set_samples( job, first, hit );
 }
 
@@ -241,7 +241,7 @@ void rf_finish_aov( const RfAovFilm* film, RfAov aov, const RfFilm* colour, RfFi
 {
     size_t pixels = (size_t)colour->width * (size_t)colour->height;
     const float* mean = film->mean[aov];
-    if ( film->filter != NULL && is_filtered( aov ) )
+    if ( rf_has_filter( film->filter ) && is_filtered( aov ) )
     {
         finish_filtered( film, aov, pixels, image );
         return;

@@ -4,6 +4,7 @@
 #ifndef REFRAME_FILM_PIXEL_FILTER_H
 #define REFRAME_FILM_PIXEL_FILTER_H
 
+#include "base/built_in.h"
 #include "reframe/render.h"
 
 #include <math.h>
@@ -21,6 +22,9 @@ typedef struct RfPixelFilter
     float cumulative[RF_FILTER_STEPS * RF_FILTER_TAPS + 1]; // integral of h over so many steps, from the left end
     double worth; // of a sample drawn by the filter beside one of the plain kind: ∫∫ h² in both directions
 } RfPixelFilter;
+
+// Is there a filter? NULL stands for the box of one pixel.
+static inline bool rf_has_filter( const RfPixelFilter* filter ) { return rf_calls_for( filter != NULL, RF_EFFECT_PIXEL_FILTER ); }
 
 // Does the filter count each sample in its own pixel only, as a box of one pixel does?
 static inline bool rf_is_plain_filter( const RfRenderSettings* settings )

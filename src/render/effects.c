@@ -1,6 +1,7 @@
 // All rows of the list of effects: those that the scene decides (scene/effects.c), then path and settings.
 #include "render/effects.h"
 
+#include "film/pixel_filter.h"
 #include "light/light.h"
 #include "render/settings.h"
 #include "render/sizes.h"
@@ -9,6 +10,7 @@
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
+#include <string.h>
 
 // What the rows are made of.
 typedef struct Source
@@ -134,6 +136,29 @@ static void set_reuse( const Source* from )
         set( from, RF_EFFECT_STOP_RULE, false, "the samples of a frame are given" );
 }
 
+static void set_projection( const Source* from, const RfEye* eyes )
+{
+    const RfScene* scene = from->scene;
+    int others = 0, all = from->eye_count > 0 ? from->eye_count : scene->camera_count;
+    for ( int i = 0; i < all; ++i )
+        others += ( from->eye_count > 0 ? (int)eyes[i].projection : scene->cameras[i].projection ) != RF_PERSPECTIVE;
+    set( from, RF_EFFECT_OTHER_PROJECTION, others > 0,
+         others > 0 ? "orthographic or panoramic: %d of %d %s" : "all is in perspective", others, all,
+         from->eye_count > 0 ? "frames" : "cameras" );
+}
+
+static void set_film( const Source* from )
+{
+    static const char* const names[] = { [RF_FILTER_BOX] = "box",
+                                         [RF_FILTER_TENT] = "tent",
+                                         [RF_FILTER_GAUSSIAN] = "Gaussian",
+                                         [RF_FILTER_BLACKMAN_HARRIS] = "Blackman-Harris" };
+    const RfRenderSettings* s = from->settings;
+    bool filtered = !rf_is_plain_filter( s ), gradients = strcmp( rf_estimator_name( s->estimator ), "gradient" ) == 0;
+    set( from, RF_EFFECT_PIXEL_FILTER, filtered, filtered ? "by the settings, %s" : "the box of one pixel", names[s->filter] );
+    set( from, RF_EFFECT_GRADIENTS, gradients, gradients ? "the settings ask for it" : "the settings do not ask for it" );
+}
+
 static void set_aovs( const Source* from )
 {
     static const RfEffectId ids[RF_AOV_COUNT] = {
@@ -162,6 +187,8 @@ int rf_list_render_effects( const RfScene* scene, const RfEye* eyes, int eye_cou
     set_light_tree( &from );
     set_chains( &from );
     set_reuse( &from );
+    set_projection( &from, eyes );
+    set_film( &from );
     set_aovs( &from );
     return RF_EFFECT_COUNT;
 }

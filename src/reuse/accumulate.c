@@ -37,7 +37,7 @@ static void reprojection_weights( const Accumulation* a, int eye_index, const Rf
     int32_t* pixel = scratch->pixel;
     float* offset[2] = { scratch->offset[0], scratch->offset[1] };
     bool own = eye_index == batch->eye;
-    for ( int c = 0; c < 2 && own && a->filter != NULL; ++c )
+    for ( int c = 0; c < 2 && own && rf_has_filter( a->filter ); ++c )
         memcpy( offset[c], batch->offset[c], (size_t)batch->count * sizeof( float ) );
     if ( own )
     {
@@ -45,7 +45,7 @@ static void reprojection_weights( const Accumulation* a, int eye_index, const Rf
         rf_own_densities( a->mirrors, eye, batch, ratio, filter );
     }
     else
-        rf_project_batch( a->mirrors, eye, batch, pixel, ratio, filter, a->filter != NULL ? offset : NULL );
+        rf_project_batch( a->mirrors, eye, batch, pixel, ratio, filter, rf_has_filter( a->filter ) ? offset : NULL );
     if ( batch->densities != NULL )
         memcpy( ratio, batch->densities + (size_t)eye_index * RF_LANES, (size_t)batch->count * sizeof *ratio );
     for ( int c = 0; c < 3 && batch->panes[c] != NULL; ++c )
@@ -156,7 +156,8 @@ static void light_glossy( const Accumulation* a, int eye, const RfHitBatch* batc
 
 static bool reaches_rows( const Accumulation* a, const RfHitBatch* batch, RfAccumulateJob job )
 {
-    int beyond = a->filter != NULL ? a->filter->reach : 0, low = batch->rows[2 * job.eye], high = batch->rows[2 * job.eye + 1];
+    int beyond = rf_has_filter( a->filter ) ? a->filter->reach : 0, low = batch->rows[2 * job.eye],
+        high = batch->rows[2 * job.eye + 1];
     return low <= high && low - beyond < job.end_row && high + beyond >= job.first_row;
 }
 
@@ -210,7 +211,7 @@ static uint64_t add_batch( const Accumulation* a, RfAccumulateJob job, const RfH
     if ( rf_glossy_count( batch ) > 0 )
         light_glossy( a, job.eye, batch, job.pass_state, scratch );
     uint64_t landed =
-        a->filter != NULL ? spread( a, job.eye, batch, range, scratch ) : splat( a, job.eye, batch, range, scratch );
+        rf_has_filter( a->filter ) ? spread( a, job.eye, batch, range, scratch ) : splat( a, job.eye, batch, range, scratch );
     if ( rf_calls_for( job.landed != NULL, RF_EFFECT_AOV_SAMPLES ) )
         rf_count_landed( batch, scratch, range, job.landed );
     if ( rf_calls_for( job.landed != NULL && job.eye == batch->eye, RF_EFFECT_AOV_SAMPLES ) )

@@ -129,7 +129,7 @@ void rf_make_camera_rays( const RfPixelFilter* filter, const RfEye* eye, int cou
         slot[i] = i;
     float( *random )[RF_LANES] = wavefront->scratch.random;
     rf_draw_lanes( wavefront, count, slot, RF_DIMENSION_FILM_X, 2, random );
-    if ( filter != NULL )
+    if ( rf_has_filter( filter ) )
         rf_draw_places( filter, eye, count, pixel, random );
     RfEye e = *eye;
     const float inverse[2] = { 1.0f / e.focal_x, 1.0f / e.focal };

@@ -3,9 +3,13 @@
 #ifndef REFRAME_SCENE_PROJECTION_H
 #define REFRAME_SCENE_PROJECTION_H
 
+#include "base/built_in.h"
 #include "scene/pinhole.h"
 
-static inline bool rf_is_perspective( const RfEye* eye ) { return eye->projection == RF_PERSPECTIVE; }
+static inline bool rf_is_perspective( const RfEye* eye )
+{
+    return !rf_calls_for( eye->projection != RF_PERSPECTIVE, RF_EFFECT_OTHER_PROJECTION );
+}
 static inline bool rf_is_parallel( const RfEye* eye ) { return eye->projection == RF_ORTHOGRAPHIC; }
 
 // The direction of all rays of a parallel eye, 1 m along `forward`.

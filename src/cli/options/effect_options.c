@@ -19,6 +19,9 @@ static const Instead s_instead[RF_EFFECT_COUNT] = {
     [RF_EFFECT_TILE_ROULETTE] = { "--tile-roulette", "give --no-tile-roulette" },
     [RF_EFFECT_ADAPTIVE] = { "--adaptive", "give --no-adaptive" },
     [RF_EFFECT_STOP_RULE] = { "--noise, --time", "leave --noise and --time out" },
+    [RF_EFFECT_PIXEL_FILTER] = { "--filter", "give --filter box" },
+    [RF_EFFECT_OTHER_PROJECTION] = { NULL, "render along a path of a camera in perspective" },
+    [RF_EFFECT_GRADIENTS] = { "--estimator", "give --estimator reuse" },
     [RF_EFFECT_ALPHA] = { "--alpha", "give --no-alpha" },
     RF_AOV_LIST( AOV_ROW ) //
 };
