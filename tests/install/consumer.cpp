@@ -106,6 +106,7 @@ void run( const char* name, const std::string& folder )
     const std::vector<int> frames = { 3, 4, 5 };
     RfError error{};
     RfRenderSettings settings = rf_default_render_settings();
+    settings.filter = rf_default_filter( settings.estimator );
     settings.spp = 6;
     settings.group = 1;
     settings.tile = RfTile{ RF_TILE_BLOCK, 2, 2 };
