@@ -183,11 +183,12 @@ void rf_add_to_aovs( const RfAovJob* job, RfFirstHits first )
     {
         int slot = v->slot[i];
         hit[slot] = 1;
-        add_hit( job, v, i, (size_t)first.pixel[slot], share );
+        if ( first.pixel[slot] >= 0 )
+            add_hit( job, v, i, (size_t)first.pixel[slot], share );
     }
     for ( int slot = 0; slot < first.rays->count; ++slot )
     {
-        if ( !hit[slot] )
+        if ( !hit[slot] && first.pixel[slot] >= 0 )
             add_miss( job, first.rays, slot, (size_t)first.pixel[slot], share );
     }
     if ( rf_has_filter( job->film->filter ) )

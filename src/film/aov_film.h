@@ -38,7 +38,7 @@ typedef struct RfFirstHits
 {
     const RfVertexLanes* hits;
     const RfRayLanes* rays;
-    const int32_t* pixel;  // of each ray, by slot: y·width + x
+    const int32_t* pixel;  // of each ray, by slot: y·width + x; −1: another ray of the pass has the AOVs of its pixel
     const float* place[2]; // in it, to the right and down, 0 to 1; NULL with the plain pixel filter
 } RfFirstHits;
 

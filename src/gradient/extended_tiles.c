@@ -48,7 +48,8 @@ static int list_pairs( const RfExtendedTiles* l, int x, int y, RfExtendedTile* t
         if ( x + dx < 0 || y + dy < 0 || x + dx >= l->film_width || y + dy >= l->film_height )
             continue;
         int x0 = at_most( x, x + dx ), y0 = at_most( y, y + dy ), x1 = at_least( x, x + dx ) + 1, y1 = at_least( y, y + dy ) + 1;
-        tiles[count++] = ( RfExtendedTile ){ y * l->film_width + x, x0, y0, x1, y1, dx + dy < 0 };
+        tiles[count] = ( RfExtendedTile ){ y * l->film_width + x, x0, y0, x1, y1, count == 0 ? x1 : x0, y1, dx + dy < 0 };
+        ++count;
     }
     return count;
 }
@@ -70,7 +71,14 @@ int rf_list_extended_tiles( const RfExtendedTiles* l, uint64_t pass_key, int pat
         if ( l->pairs )
             count += list_pairs( l, x, y, tiles + count );
         else
-            tiles[count++] = ( RfExtendedTile ){ number, at_least( x, 0 ), at_least( y, 0 ), right, bottom, 0 };
+            tiles[count++] = ( RfExtendedTile ){ number,
+                                                 at_least( x, 0 ),
+                                                 at_least( y, 0 ),
+                                                 right,
+                                                 bottom,
+                                                 at_most( x + l->width, l->film_width ),
+                                                 at_most( y + l->height, l->film_height ),
+                                                 0 };
     }
     return count;
 }

@@ -31,7 +31,9 @@ typedef struct RfExtendedTile
 {
     int32_t number; // of the tile in the pass; of a pair: of the pixel with the path, y·width + x
     int32_t x0, y0, x1, y1;
-    int32_t source; // of a pair: index of the pixel with the path, 0 or 1
+    int32_t own_x1, own_y1; // its own pixels, which no other tile of the pass has, end there; of all pairs of a pixel with
+                            // a path the first has it as its own, the others have none: own_x1 = x0
+    int32_t source;         // of a pair: index of the pixel with the path, 0 or 1
 } RfExtendedTile;
 
 RfExtendedTiles rf_lay_out_extended_tiles( const RfTile* tile, bool scattered, int width, int height );

@@ -11,9 +11,10 @@ struct RfGradientScratch
 {
     RfHarvestScratch* harvest;
     RfHitBatch hits;
-    int32_t pixel[RF_LANES];  // by slot
-    int32_t number[RF_LANES]; // of its tile in the pass
-    int32_t source[RF_LANES]; // tiles of one pixel: of the paths (reuse/tile_copies.h)
+    int32_t pixel[RF_LANES];     // by slot
+    int32_t own_pixel[RF_LANES]; // the same, −1 where the pixel is not its tile's own
+    int32_t number[RF_LANES];    // of its tile in the pass
+    int32_t source[RF_LANES];    // tiles of one pixel: of the paths (reuse/tile_copies.h)
     RfAccumulateScratch accumulate;
 };
 
@@ -62,18 +63,21 @@ RfExtendedTiles rf_group_tiles( const RfEstimatorGroup* group )
 }
 
 // Lists the pixels of the tiles: each lane is a pixel of its own, since tiles overlap. Returns how many.
-static int list_pixels( const RfGradientBatch* batch, int width, RfGradientScratch* scratch )
+static int list_pixels( const RfGradientBatch* batch, int width, bool pairs, RfGradientScratch* scratch )
 {
     RfHarvestScratch* harvest = scratch->harvest;
     int count = 0;
     for ( int t = 0; t < batch->tile_count; ++t )
     {
         const RfExtendedTile* tile = batch->tile + t;
+        int first = count;
         for ( int y = tile->y0; y < tile->y1; ++y )
         {
             for ( int x = tile->x0; x < tile->x1; ++x, ++count )
             {
+                bool own = x < tile->own_x1 && y < tile->own_y1 && ( !pairs || count - first == tile->source );
                 scratch->pixel[count] = y * width + x;
+                scratch->own_pixel[count] = own ? scratch->pixel[count] : -1;
                 scratch->number[count] = tile->number;
                 harvest->pixel[count] = count; // of a film with one pixel for each lane
                 harvest->tile_of[count] = harvest->tiles->tile_of[count] = t;
@@ -184,7 +188,7 @@ int rf_sample_patch( const RfEstimatorGroup* group, RfTraceJob job, RfGradientBa
         scratch->hits.lens = rf_draw_lens( &harvest, job );
     RfHarvest at = rf_harvest_at( &harvest, scratch->hits.lens, scratch->harvest );
     batch->tile_count = rf_list_extended_tiles( &layout, key, job.job, batch->tile );
-    int count = list_pixels( batch, group->width, scratch );
+    int count = list_pixels( batch, group->width, layout.pairs, scratch );
     if ( layout.pairs )
     {
         find_sources( batch, scratch );
@@ -200,5 +204,6 @@ int rf_sample_patch( const RfEstimatorGroup* group, RfTraceJob job, RfGradientBa
 
 RfFirstHits rf_first_hits_of_patch( const RfGradientScratch* scratch )
 {
-    return ( RfFirstHits ){ .hits = &scratch->harvest->first, .rays = &scratch->harvest->camera_rays, .pixel = scratch->pixel };
+    return (
+        RfFirstHits ){ .hits = &scratch->harvest->first, .rays = &scratch->harvest->camera_rays, .pixel = scratch->own_pixel };
 }
