@@ -41,6 +41,18 @@ static void test_what_does_not_work_is_refused_by_name( void** state )
 
 #define AOVS "--aov albedo,normal,depth,motion "
 
+static void test_bias_and_few_samples_are_said( void** state )
+{
+    (void)state;
+    const char* render = "$R render $VASE --estimator gradient --size 24x16 --frames 1 --overwrite -o said.####.exr --quiet ";
+    const CliResult* done = cli_run( "%s --spp 4 --reconstruction l1", render );
+    assert_true( done->status == 0 && strstr( done->err, "l1: is biased" ) != NULL );
+    done = cli_run( "%s --spp 3", render );
+    assert_true( done->status == 0 && strstr( done->err, "is l2 with less than 4 samples" ) != NULL );
+    done = cli_run( "%s --spp 4", render );
+    assert_true( done->status == 0 && strstr( done->err, "reconstruction" ) == NULL );
+}
+
 static void test_bits_do_not_depend_on_company( void** state )
 {
     (void)state;
@@ -106,6 +118,7 @@ int main( void )
         cmocka_unit_test( test_bits_do_not_depend_on_company ),
         cmocka_unit_test( test_frames_are_resumed_and_told_apart ),
         cmocka_unit_test( test_written_gradients_are_reconstructed ),
+        cmocka_unit_test( test_bias_and_few_samples_are_said ),
         cmocka_unit_test( test_noise_is_estimated_and_stops ),
     };
     return cmocka_run_group_tests( tests, cli_enter_group, cli_leave_group );

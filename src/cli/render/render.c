@@ -171,6 +171,7 @@ static void warn_before( Job* job )
 {
     rf_warn_of_scene( &job->options, &job->scene, job->tracer, &job->log );
     rf_warn_of_variance( &job->options.settings, &job->path, job->frames, job->frame_count, &job->log );
+    rf_warn_of_reconstruction( &job->options.settings, &job->log );
 }
 
 // A black picture of a scene with lights: most likely the camera is inside something.

@@ -3,6 +3,8 @@
 #include "render/groups.h"
 #include "scene/scene.h"
 
+#include <string.h>
+
 void rf_warn_of_variance( const RfRenderSettings* s, const RfCameraPath* path, const int* frames, int frame_count, RfLog* log )
 {
     RfGroupPlan plan = rf_plan_groups( path->run_count, s->group, s->spp );
@@ -29,4 +31,16 @@ void rf_warn_of_scene( const RfRenderOptions* options, const RfScene* scene, con
     else if ( !rf_tracer_has_light( tracer ) )
         rf_warn( log, "%s: has no lights (no material emits, no lamp, no environment), the picture will be black",
                  options->scene );
+}
+
+#define LEAST_WEIGHTED_PASSES 4 // two in each half: src/gradient/picture.c
+
+void rf_warn_of_reconstruction( const RfRenderSettings* s, RfLog* log )
+{
+    if ( strcmp( rf_estimator_name( s->estimator ), "gradient" ) != 0 )
+        return;
+    if ( s->reconstruction == RF_RECONSTRUCTION_L1 )
+        rf_warn( log, "--reconstruction l1: is biased, and the error estimate does not know by how much" );
+    else if ( s->reconstruction == RF_RECONSTRUCTION_WEIGHTED && s->spp < LEAST_WEIGHTED_PASSES )
+        rf_warn( log, "--reconstruction weighted: is l2 with less than %d samples: raise --spp", LEAST_WEIGHTED_PASSES );
 }

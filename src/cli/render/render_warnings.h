@@ -12,4 +12,7 @@ void rf_warn_of_scene( const RfRenderOptions* options, const RfScene* scene, con
 void rf_warn_of_variance( const RfRenderSettings* settings, const RfCameraPath* path, const int* frames, int frame_count,
                           RfLog* log );
 
+// A reconstruction that is biased, or that so few samples cannot have.
+void rf_warn_of_reconstruction( const RfRenderSettings* settings, RfLog* log );
+
 #endif
