@@ -63,7 +63,9 @@ static void reference( const double* x, double* y )
     if ( (Lobe)x[X_LOBE] == TRANSMITTED )
     {
         double theta = acos( fmin( oh, 1.0 ) ), ior = fabs( p[X_IOR - X_PARAM] );
-        double shadow = p[X_ALPHA - X_PARAM] > 0.0 ? 1.0 / ( 1.0 + ggx_lambda( p[X_ALPHA - X_PARAM], acos( fmin( fabs( d3_dot( n, i ) ), 1.0 ) ) ) ) : 1.0;
+        double shadow = p[X_ALPHA - X_PARAM] > 0.0
+                            ? 1.0 / ( 1.0 + ggx_lambda( p[X_ALPHA - X_PARAM], acos( fmin( fabs( d3_dot( n, i ) ), 1.0 ) ) ) )
+                            : 1.0;
         y[0] = x[X_TINT] * ( 1.0 - fresnel( theta, ior ) ) * shadow * ( x[X_IOR] < 0.0 ? 1.0 : 1.0 / ( ior * ior ) ) /
                ( ( 1.0 - base ) * ( 1.0 - reflect ) );
     }
@@ -86,15 +88,18 @@ static void describe( const double* x, char* text, size_t size )
     static const char* s_names[] = { "base", "reflected", "transmitted" };
     D3 n = d3_at( x + X_N );
     snprintf( text, size, "%s, θo %.6g°, θi %.6g°, alpha %.4g, ior %.6g", s_names[(int)x[X_LOBE]],
-              57.29577951308232 * d3_angle( n, d3_at( x + X_WO ) ), 57.29577951308232 * d3_angle( n, d3_at( x + X_WI ) ), x[X_ALPHA],
-              x[X_IOR] );
+              57.29577951308232 * d3_angle( n, d3_at( x + X_WO ) ), 57.29577951308232 * d3_angle( n, d3_at( x + X_WI ) ),
+              x[X_ALPHA], x[X_IOR] );
 }
 
 static int check_samples( long count )
 {
     static Surface s_surface[BATCH];
     static float s_weight[3][BATCH];
-    static Check s_check = { X_LOBE + 1, 4, reference, describe,
+    static Check s_check = { X_LOBE + 1,
+                             4,
+                             reference,
+                             describe,
                              { { "glass: weight of samples", .limit = 512 },
                                { "glass: direction, x", .scale = 1, .limit = 16 },
                                { "glass: direction, y", .scale = 1, .limit = 16 },
@@ -151,7 +156,8 @@ static int check_fresnel( long count )
     {
         int choice = (int)( 8.0 * random_number( 22, k, 0 ) );
         float ior = choice < 6 ? s_ior[choice] : (float)random_wide( 0.1, 10.0, 22, k, 1 );
-        double angle = random_number( 22, k, 2 ) < 0.5 ? random_wide( 1e-7, 1.5697, 22, k, 3 ) : acos( random_between( 1e-3, 1.0, 22, k, 4 ) );
+        double angle = random_number( 22, k, 2 ) < 0.5 ? random_wide( 1e-7, 1.5697, 22, k, 3 )
+                                                       : acos( random_between( 1e-3, 1.0, 22, k, 4 ) );
         float cosine = rf_clampf( (float)cos( angle ), RF_MIN_COS, 1.0f );
         RfMaterial glass = { .kind = RF_BSDF_GLASS, .ior = ior, .tint = { 1, 1, 1 } };
         RfVec3 weight;

@@ -24,7 +24,8 @@ static void describe_lobe( const double* x, char* text, size_t size )
 static void describe_coated( const double* x, char* text, size_t size )
 {
     int used = describe_angles( x, text, size );
-    snprintf( text + used, size - (size_t)used, ", shape %.4g, coat %.2g of %.4g", x[X_PARAM + 2], x[X_PARAM + 7], x[X_PARAM + 8] );
+    snprintf( text + used, size - (size_t)used, ", shape %.4g, coat %.2g of %.4g", x[X_PARAM + 2], x[X_PARAM + 7],
+              x[X_PARAM + 8] );
 }
 
 static void describe_glass( const double* x, char* text, size_t size )
@@ -81,7 +82,11 @@ int check_models( long count )
         { 0, 2, reference_phong, describe_lobe, { { "phong: f", .limit = 8 }, { "phong: density", .limit = 8 } } },
         { 0, 2, reference_ggx, describe_lobe, { { "ggx: f", .limit = 128 }, { "ggx: density", .limit = 64 } } },
         { 0, 2, reference_coated, describe_coated, { { "coated: f", .limit = 64 }, { "coated: density", .limit = 64 } } },
-        { 0, 2, reference_glass, describe_glass, { { "glass, rough: f", .limit = 512 }, { "glass, rough: density", .limit = 64 } } },
+        { 0,
+          2,
+          reference_glass,
+          describe_glass,
+          { { "glass, rough: f", .limit = 512 }, { "glass, rough: density", .limit = 64 } } },
     };
     int bad = 0;
     for ( int kind = 0; kind < RF_BSDF_KIND_COUNT; ++kind )

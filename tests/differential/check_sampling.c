@@ -42,7 +42,8 @@ static void describe( const double* x, char* text, size_t size )
     static const char* s_names[] = { "cosine", "Phong", "visible normal", "coat" };
     D3 n = d3_at( x + X_N );
     snprintf( text, size, "%s, θo %.6g°, θi %.6g°, shape %.4g", s_names[(int)x[X_LOBE]],
-              57.29577951308232 * d3_angle( n, d3_at( x + X_WO ) ), 57.29577951308232 * d3_angle( n, d3_at( x + X_WI ) ), x[X_SHAPE] );
+              57.29577951308232 * d3_angle( n, d3_at( x + X_WO ) ), 57.29577951308232 * d3_angle( n, d3_at( x + X_WI ) ),
+              x[X_SHAPE] );
 }
 
 // The lobe that u selects; −1 where that is a matter of rounding.
@@ -102,10 +103,26 @@ int check_sampling( long count )
 {
     static Surface s_surface[BATCH];
     static Check s_checks[] = {
-        { SAMPLING_INPUTS, 2, invert, describe, { { "lambert: sampling, polar", .scale = 1, .limit = 8 }, { "lambert: sampling, azimuth", .scale = 1, .limit = 8 } } },
-        { SAMPLING_INPUTS, 2, invert, describe, { { "phong: sampling, polar", .scale = 1, .limit = 8 }, { "phong: sampling, azimuth", .scale = 1, .limit = 8 } } },
-        { SAMPLING_INPUTS, 2, invert, describe, { { "ggx: sampling, polar", .scale = 1, .limit = 32 }, { "ggx: sampling, azimuth", .scale = 1, .limit = 512 } } },
-        { SAMPLING_INPUTS, 2, invert, describe, { { "coated: sampling, polar", .scale = 1, .limit = 32 }, { "coated: sampling, azimuth", .scale = 1, .limit = 512 } } },
+        { SAMPLING_INPUTS,
+          2,
+          invert,
+          describe,
+          { { "lambert: sampling, polar", .scale = 1, .limit = 8 }, { "lambert: sampling, azimuth", .scale = 1, .limit = 8 } } },
+        { SAMPLING_INPUTS,
+          2,
+          invert,
+          describe,
+          { { "phong: sampling, polar", .scale = 1, .limit = 8 }, { "phong: sampling, azimuth", .scale = 1, .limit = 8 } } },
+        { SAMPLING_INPUTS,
+          2,
+          invert,
+          describe,
+          { { "ggx: sampling, polar", .scale = 1, .limit = 32 }, { "ggx: sampling, azimuth", .scale = 1, .limit = 512 } } },
+        { SAMPLING_INPUTS,
+          2,
+          invert,
+          describe,
+          { { "coated: sampling, polar", .scale = 1, .limit = 32 }, { "coated: sampling, azimuth", .scale = 1, .limit = 512 } } },
     };
     int bad = 0;
     for ( int kind = 0; kind < RF_BSDF_FIRST_UNEVALUABLE; ++kind )

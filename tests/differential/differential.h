@@ -31,8 +31,8 @@ typedef struct Row
     const char* name;
     double scale; // the unit of absolute errors: 0 for quantities whose relative error counts
     double limit; // of the error in roundings
-    long count, well;
-    Worst relative; // of cases with a condition of at most 100
+    long count;
+    Worst relative; // of the cases with a condition of at most 100
     Worst roundings;
 } Row;
 
@@ -44,8 +44,10 @@ typedef struct Check
     Row row[MAX_OUTPUTS];
 } Check;
 
-// Judges what the code got at the inputs x, each known to ± step. Values of `got` that are NaN are not judged where the
-// reference is NaN as well.
+// What roundings of the inputs alone do to the outputs y: the sum over the inputs of the largest change.
+void find_spread( const Check* check, const double* x, const double* step, const double* y, double* spread );
+
+// Judges what the code got at the inputs x, each known to ± step. Nothing is judged where the reference is NaN.
 void judge( Check* check, const double* x, const double* step, const double* got );
 
 // Prints a row for each output; returns the number of rows over their limits.

@@ -1,10 +1,14 @@
 #include "differential/models.h"
 
-static float unit( uint32_t stream, long i, uint32_t dimension ) { return (float)random_between( 0.0, 1.0, stream, i, dimension ); }
+static float unit( uint32_t stream, long i, uint32_t dimension )
+{
+    return (float)random_between( 0.0, 1.0, stream, i, dimension );
+}
 
 static float random_ior( uint32_t stream, long i )
 {
-    static const float s_ior[] = { 0.0f, 1.0f, 1.0001f, 1.5f, 10.0f, 1.0f / 1.0001f, 1.0f / 1.5f, 0.1f, -1.0f, -1.0001f, -1.5f, -10.0f };
+    static const float s_ior[] = { 0.0f,        1.0f, 1.0001f, 1.5f,     10.0f, 1.0f / 1.0001f,
+                                   1.0f / 1.5f, 0.1f, -1.0f,   -1.0001f, -1.5f, -10.0f };
     int k = (int)( 16.0 * random_number( stream, i, 30 ) );
     if ( k < 12 )
         return s_ior[k];

@@ -50,10 +50,7 @@ double ggx_lambda( double alpha, double theta )
     return 0.5 * ( sqrt( 1.0 + t * t ) - 1.0 );
 }
 
-double schlick( double f0, double f90, double cos_theta )
-{
-    return f0 + ( f90 - f0 ) * pow( fmax( 1.0 - cos_theta, 0.0 ), 5.0 );
-}
+double schlick( double f0, double f90, double cos_theta ) { return f0 + ( f90 - f0 ) * pow( fmax( 1.0 - cos_theta, 0.0 ), 5.0 ); }
 
 double fresnel( double theta, double ior )
 {
@@ -129,7 +126,8 @@ void reference_phong( const double* x, double* y )
     double diffuse = x[X_PARAM], specular = x[X_PARAM + 1], exponent = x[X_PARAM + 2];
     double angle = d3_angle( d3_sum( ( D3 ){ -o.x, -o.y, -o.z }, 2.0 * d3_dot( n, o ), n ), i );
     double half = sin( 0.5 * angle );
-    double power = angle < 0.5 * PI ? exp( exponent * log1p( -2.0 * half * half ) ) : 0.0, p = phong_diffuse_probability( x + X_PARAM );
+    double power = angle < 0.5 * PI ? exp( exponent * log1p( -2.0 * half * half ) ) : 0.0,
+           p = phong_diffuse_probability( x + X_PARAM );
     y[0] = diffuse / PI + specular * ( exponent + 2.0 ) / ( 2.0 * PI ) * power;
     y[1] = p * d3_dot( n, i ) / PI + ( 1.0 - p ) * ( exponent + 1.0 ) / ( 2.0 * PI ) * power;
 }
@@ -149,7 +147,8 @@ void reference_ggx( const double* x, double* y )
         return;
     double alpha = p[2], mo = d3_dot( n, o ), mi = d3_dot( n, i );
     D3 h = d3_unit( d3_sum( o, 1.0, i ) );
-    double d = ggx_density( alpha, d3_angle( n, h ) ), lo = ggx_lambda( alpha, d3_angle( n, o ) ), li = ggx_lambda( alpha, d3_angle( n, i ) );
+    double d = ggx_density( alpha, d3_angle( n, h ) ), lo = ggx_lambda( alpha, d3_angle( n, o ) ),
+           li = ggx_lambda( alpha, d3_angle( n, i ) );
     double base = ( 1.0 - schlick( p[4], p[5], mo ) ) * ( 1.0 - schlick( p[4], p[5], mi ) );
     double q = ggx_specular_probability( p, mo );
     y[0] = d / ( 1.0 + lo + li ) * schlick( p[1], p[3], cos_half( o, i ) ) / ( 4.0 * mo * mi ) + p[0] / PI * base;
@@ -176,7 +175,8 @@ void reference_coated( const double* x, double* y )
     reference_ggx( x, y );
     D3 surface = d3_unit( d3_at( x + X_N ) ), n = d3_unit( d3_at( p + COAT_NORMAL ) ), i = d3_at( x + X_WI );
     D3 o = lifted_eye( n, d3_at( x + X_WO ) ), sum = d3_sum( o, 1.0, i );
-    double mo = d3_dot( n, o ), mi = d3_dot( n, i ), alpha = p[COAT_ALPHA], cos_surface = d3_dot( surface, i ), f = 0.0, pdf = 0.0;
+    double mo = d3_dot( n, o ), mi = d3_dot( n, i ), alpha = p[COAT_ALPHA], cos_surface = d3_dot( surface, i ), f = 0.0,
+           pdf = 0.0;
     double to = 1.0 - p[COAT] * schlick( 0.04, 1.0, mo ), ti = 1.0 - p[COAT] * schlick( 0.04, 1.0, fmax( mi, 0.0 ) );
     if ( cos_surface > 0.0 && mo + mi > 0.0 )
     {

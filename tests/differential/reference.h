@@ -8,13 +8,13 @@ typedef struct D3
     double x, y, z;
 } D3;
 
-D3 d3_at( const double* x ); // three in a row
+D3 d3_at( const double* x );       // three in a row
 D3 d3_sum( D3 a, double s, D3 b ); // a + s b
 D3 d3_unit( D3 a );
 D3 d3_cross( D3 a, D3 b );
 double d3_dot( D3 a, D3 b );
 double d3_length( D3 a );
-double d3_angle( D3 a, D3 b ); // between any two vectors, accurate near 0 and π
+double d3_angle( D3 a, D3 b );       // between any two vectors, accurate near 0 and π
 void d3_basis( D3 n, D3* t, D3* b ); // Duff et al. 2017
 
 // The eye, lifted to the shading horizon as the conventions of src/bsdf/README.md say.

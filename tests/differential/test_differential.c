@@ -8,19 +8,20 @@
 #include <stdlib.h>
 
 #ifdef REFRAME_SANITIZED
-#define COUNT 20000
+#define COUNT 6000
 #else
-#define COUNT 100000
+#define COUNT 60000
 #endif
 
 int main( int argc, char** argv )
 {
     rf_set_float_mode();
-    long count = getenv( "REFRAME_LONG" ) != NULL ? 4000000 : COUNT;
+    long count = getenv( "REFRAME_LONG" ) != NULL ? 2000000 : COUNT;
     if ( argc > 1 )
         count = strtol( argv[1], NULL, 10 );
     print_head();
-    int bad = check_models( count ) + check_sampling( count ) + check_glass( count );
+    int bad = check_cameras( count ) + check_models( count ) + check_sampling( count ) + check_glass( count ) +
+              check_lights( count ) + check_tiles( count );
     fprintf( stderr, "%d rows over their limits\n", bad );
     return bad > 0;
 }
