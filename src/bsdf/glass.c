@@ -42,6 +42,7 @@ static float refracted2( float cos_o, float ior ) { return cos_o * cos_o + ( ior
 // Fresnel reflectance of a dielectric for unpolarised light.
 static float dielectric( float cos_o, float ior )
 {
+    cos_o = rf_maxf( cos_o, 0.0f ); // rounding may turn a grazing facet away
     float t2 = refracted2( cos_o, ior );
     if ( t2 <= 0.0f )
         return 1.0f;
@@ -198,7 +199,7 @@ static GlassSample sample( const Glass* g, RfEyeLane eye, const float u[3] )
     RfVec3 h = sample_facet( g, eye, u[0], u[1] );
     RfVec3 f = reflectance( g, rf_dot( eye.wo, h ) );
     float reflect = reflection_probability( g, f );
-    if ( u_facet >= reflect )
+    if ( u_facet >= reflect && reflect < 1.0f ) // the quotient may be 1
         return sample_transmission( g, eye, h, ( 1.0f - base ) * ( 1.0f - reflect ) );
     RfVec3 wi = mirrored( eye.wo, h );
     if ( g->alpha > 0.0f )

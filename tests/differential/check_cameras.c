@@ -237,13 +237,14 @@ static int check_kind( Check* check, Kind kind, uint32_t stream, long count )
             lens[1] = (double)( eye.lens_radius * point[1] );
             lens[2] = (double)eye.focus;
         }
-        through = rf_sample_eye( &eye, sample );
+        TRAPPED( through = rf_sample_eye( &eye, sample ) );
         RfMirror mirror = random_mirror( &eye, stream, i );
         if ( kind.mirror )
-            through = rf_mirrored_eye( &eye, &mirror );
+            TRAPPED( through = rf_mirrored_eye( &eye, &mirror ) );
         RfVec3 p, ng;
         random_hit( &through, stream, i, &p, &ng );
-        RfProjection at = rf_project_any( &through, p, ng );
+        RfProjection at;
+        TRAPPED( at = rf_project_any( &through, p, ng ) );
         Inputs in;
         fill_inputs( &in, &eye, lens, kind.mirror ? &mirror : NULL, p, ng );
         double y[3], got[3] = { (double)at.density, (double)at.x + (double)at.u, (double)at.y + (double)at.v };

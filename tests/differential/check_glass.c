@@ -118,7 +118,7 @@ static int check_samples( long count )
                 s_lanes[U + c][k] = rf_minf( (float)random_between( 0.0, 1.0, 21, first + k, 60 + c ), 1.0f - 0x1p-24f );
         }
         const RfBsdfLanes lanes = parameters_from( RF_BSDF_GLASS, 0 );
-        rf_bsdf_sample_weighted( RF_BSDF_GLASS, BATCH, &lanes, wo, u, wi, weight, s_lanes[PDF] );
+        TRAPPED( rf_bsdf_sample_weighted( RF_BSDF_GLASS, BATCH, &lanes, wo, u, wi, weight, s_lanes[PDF] ) );
         for ( int k = 0; k < BATCH; ++k )
         {
             Inputs in;
@@ -163,7 +163,8 @@ static int check_fresnel( long count )
         RfVec3 weight;
         double x[2] = { (double)cosine, (double)ior }, step[2] = { UNIT_ROUNDOFF, UNIT_ROUNDOFF * (double)ior };
         step[0] = x[0] + 8.0 * step[0] > 1.0 ? ( 1.0 - x[0] ) / 8.0 : step[0];
-        double got = (double)rf_glass_reflection( &glass, cosine, &weight );
+        double got;
+        TRAPPED( got = (double)rf_glass_reflection( &glass, cosine, &weight ) );
         judge( &s_check, x, step, &got );
     }
     return print_check( &s_check );

@@ -62,7 +62,7 @@ static int check_model( Check* check, RfBsdfKind kind, long count )
             put_lane( k, s_surface + k );
             put( WI, k, incoming( s_surface + k, kind, stream, first + k ) );
         }
-        evaluate_range( kind, 0, BATCH );
+        TRAPPED( evaluate_range( kind, 0, BATCH ) );
         for ( int k = 0; k < BATCH; ++k )
         {
             Inputs in;

@@ -137,7 +137,7 @@ int check_sampling( long count )
                 for ( uint32_t c = 0; c < 3; ++c )
                     s_lanes[U + c][k] = rf_minf( (float)random_between( 0.0, 1.0, stream, first + k, 60 + c ), 1.0f - 0x1p-24f );
             }
-            sample_range( (RfBsdfKind)kind, 0, BATCH );
+            TRAPPED( sample_range( (RfBsdfKind)kind, 0, BATCH ) );
             for ( int k = 0; k < BATCH; ++k )
                 judge_sample( s_checks + kind, (RfBsdfKind)kind, s_surface + k, k );
         }

@@ -183,7 +183,7 @@ int check_tiles( long count )
     for ( long first = 0; first < count; first += PAIRS )
     {
         fill( hits, reuse, scattered, first );
-        rf_weight_pairings( &settings, hits, scattered, wavefront, reuse );
+        TRAPPED( rf_weight_pairings( &settings, hits, scattered, wavefront, reuse ) );
         for ( int i = 0; i < PAIRS; ++i )
             judge_pair( &s_check, hits, reuse, i );
     }

@@ -2,6 +2,7 @@
 #ifndef REFRAME_TESTS_DIFFERENTIAL_H
 #define REFRAME_TESTS_DIFFERENTIAL_H
 
+#include "base/float_traps.h"
 #include "base/random.h"
 #include "math/vec3.h"
 
@@ -55,6 +56,15 @@ int print_check( const Check* check );
 void print_head( void );
 
 // ---- Inputs -------------------------------------------------------------------
+
+// The call under test, with traps in builds that have them.
+#define TRAPPED( call )                                                                                                          \
+    do                                                                                                                           \
+    {                                                                                                                            \
+        rf_enable_float_traps();                                                                                                 \
+        call;                                                                                                                    \
+        rf_pause_float_traps();                                                                                                  \
+    } while ( 0 )
 
 // Uniform in [0, 1).
 double random_number( uint32_t stream, long i, uint32_t dimension );

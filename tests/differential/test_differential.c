@@ -2,6 +2,7 @@
 // argument is the number of inputs per function; see README.md.
 #include "differential/differential.h"
 
+#include "base/float_traps.h"
 #include "trace/trace.h"
 
 #include <stdio.h>
@@ -16,6 +17,7 @@
 int main( int argc, char** argv )
 {
     rf_set_float_mode();
+    rf_pause_float_traps(); // references say by NaN what is not defined
     long count = getenv( "REFRAME_LONG" ) != NULL ? 2000000 : COUNT;
     if ( argc > 1 )
         count = strtol( argv[1], NULL, 10 );
