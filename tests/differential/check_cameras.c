@@ -252,7 +252,8 @@ static int check_kind( Check* check, Kind kind, uint32_t stream, long count )
         for ( int o = 0; o < 3; ++o )
             check->row[o].scale = o > 0 ? (double)( o == 1 ? eye.width : eye.height ) : 0.0;
         wrong += is_wrongly_seen( check, &in, at, y );
-        if ( !at.seen )
+        // nothing tells where a point is seen whose depth is a matter of rounding
+        if ( !at.seen || ( kind.projection == RF_PERSPECTIVE && (double)rf_pinhole_depth( &through, p ) < 256.0 * in.step[X_P] ) )
             continue;
         if ( kind.projection == RF_PANORAMIC ) // the shorter way round
             got[1] -= eye.width * floor( ( got[1] - y[1] ) / eye.width + 0.5 );
