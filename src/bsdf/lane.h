@@ -32,12 +32,11 @@ typedef struct RfEyeLane
 
 RF_KERNEL RfEyeLane rf_lift_to_horizon( RfVec3 n, RfVec3 wo )
 {
-    float cos_o = rf_dot( n, wo ), missing = RF_MIN_COS - cos_o;
+    float missing = RF_MIN_COS - rf_dot( n, wo );
     RfVec3 raised = rf_madd( wo, n, rf_maxf( missing, 0.0f ) );
     float inverse = 1.0f / sqrtf( rf_dot( raised, raised ) );
     float scale = missing > 0.0f ? inverse : 1.0f;
-    // not n·raised, of which rounding leaves four digits
-    return ( RfEyeLane ){ rf_scale( raised, scale ), rf_maxf( cos_o, RF_MIN_COS ) * scale };
+    return ( RfEyeLane ){ rf_scale( raised, scale ), rf_dot( n, raised ) * scale };
 }
 
 // The kernels are long dependency chains, longer than the processor can reorder.

@@ -80,13 +80,13 @@ int check_models( long count )
     static Check s_checks[RF_BSDF_KIND_COUNT] = {
         { 0, 2, reference_lambert, describe_lambert, { { "lambert: f", .limit = 8 }, { "lambert: density", .limit = 8 } } },
         { 0, 2, reference_phong, describe_lobe, { { "phong: f", .limit = 8 }, { "phong: density", .limit = 8 } } },
-        { 0, 2, reference_ggx, describe_lobe, { { "ggx: f", .limit = 128 }, { "ggx: density", .limit = 64 } } },
-        { 0, 2, reference_coated, describe_coated, { { "coated: f", .limit = 64 }, { "coated: density", .limit = 64 } } },
+        { 0, 2, reference_ggx, describe_lobe, { { "ggx: f", .limit = 1024 }, { "ggx: density", .limit = 1024 } } },
+        { 0, 2, reference_coated, describe_coated, { { "coated: f", .limit = 1024 }, { "coated: density", .limit = 1024 } } },
         { 0,
           2,
           reference_glass,
           describe_glass,
-          { { "glass, rough: f", .limit = 512 }, { "glass, rough: density", .limit = 64 } } },
+          { { "glass, rough: f", .limit = 1024 }, { "glass, rough: density", .limit = 1024 } } },
     };
     int bad = 0;
     for ( int kind = 0; kind < RF_BSDF_KIND_COUNT; ++kind )
