@@ -39,9 +39,18 @@ static RfResult choose_runs( const RfRenderOptions* options, RfShot* shot, RfErr
     if ( result != RF_OK )
         return result;
     shot->frames = rf_runs_of_frames( &shot->path, frames, count, &shot->frame_count );
-    free( frames );
+    shot->asked_runs = malloc( (size_t)count * sizeof( int ) );
+    for ( int i = 0; i < count && shot->asked_runs != NULL; ++i )
+    {
+        shot->asked_runs[i] = shot->path.run_of_frame[frames[i]];
+        frames[i] = rf_frame_number( &shot->path, frames[i] );
+    }
+    shot->asked = frames;
+    shot->asked_count = count;
     keep_runs( &shot->path );
-    return shot->frames != NULL ? RF_OK : rf_fail( error, RF_ERROR_MEMORY, "no memory left for the numbers of %d frames", count );
+    return shot->frames != NULL && shot->asked_runs != NULL
+               ? RF_OK
+               : rf_fail( error, RF_ERROR_MEMORY, "no memory left for the numbers of %d frames", count );
 }
 
 RfResult rf_load_shot( const char* command, RfRenderOptions* options, RfTakeDefaults* take, void* user, RfShot* shot,
@@ -89,4 +98,6 @@ void rf_destroy_shot( RfShot* shot )
     rf_destroy_scene( &shot->scene );
     rf_close_scene_file( &shot->file );
     free( shot->frames );
+    free( shot->asked );
+    free( shot->asked_runs );
 }

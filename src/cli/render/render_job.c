@@ -103,6 +103,8 @@ RfResult rf_load_render_job( RfRenderJob* job, RfError* error )
         return result;
     list_effects( job );
     job->output = output_of( job );
+    if ( job->options.check )
+        return RF_OK;
     result = rf_prepare_output( &job->output, &job->options, job->frames, &job->frame_count, job->kept, error );
     job->kept_count = asked_count - job->frame_count;
     if ( result == RF_OK )
