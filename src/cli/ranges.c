@@ -99,6 +99,6 @@ json_t* rf_ranges_json( const RfRanges* r )
                                                 range->end - range->first, "work", range->work ) );
         free( frames );
     }
-    return json_pack( "{s:i, s:i, s:o, s:f, s:f}", "wanted", r->nodes, "group", r->group, "ranges", list, "overhead", all - 1.0,
-                      "longest", longest );
+    return json_pack( "{s:i, s:i, s:i, s:o, s:f, s:f}", "wanted", r->nodes, "group", r->group, "step", r->step, "ranges", list,
+                      "overhead", all - 1.0, "longest", longest );
 }

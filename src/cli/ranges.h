@@ -27,7 +27,7 @@ char* rf_frame_list( const int* numbers, int count, int step );
 // A line for each range, and one on what the cuts cost.
 void rf_print_ranges( const RfRanges* ranges );
 
-// {"wanted", "group", "ranges": [{"frames", "count", "work"}], "overhead", "longest"}
+// {"wanted", "group", "step", "ranges": [{"frames", "count", "work"}], "overhead", "longest"}
 json_t* rf_ranges_json( const RfRanges* ranges );
 
 #endif
