@@ -143,7 +143,6 @@ def frames(folder):
     return {name: read(os.path.join(folder, name)) for name in os.listdir(folder) if name.endswith(".exr")}
 
 
-@unittest.skipUnless(all(map(find, NEEDED)), "no Slurm: apt-get install slurmctld slurmd slurm-client munge")
 class SlurmRender(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -250,4 +249,7 @@ class SlurmRender(unittest.TestCase):
 if __name__ == "__main__":
     if PROGRAM is None:
         sys.exit(__doc__)
+    if not all(map(find, NEEDED)):
+        print("skipped: no Slurm: scripts/install-packages slurmctld slurmd slurm-client munge")
+        sys.exit(77)
     unittest.main(argv=sys.argv[:1])

@@ -3,6 +3,7 @@
 #include "cli/options/effect_options.h"
 #include "cli/options/frame_list.h"
 #include "cli/messages.h"
+#include "trace/trace.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -79,7 +80,7 @@ RfResult rf_load_shot( const char* command, RfRenderOptions* options, RfTakeDefa
         options->size = ( RfSize ){ shot->path.eyes[0].width, shot->path.eyes[0].height };
         result = choose_runs( options, shot, error );
     }
-    return result == RF_OK ? rf_create_tracer( &shot->scene, &shot->tracer, error ) : result;
+    return result == RF_OK ? rf_create_tracer_by( options->settings.threads, &shot->scene, &shot->tracer, error ) : result;
 }
 
 const char* rf_tell_excluded( const char* excluded, const RfMemoryFit* fit, char* text, size_t size )
