@@ -236,7 +236,8 @@ RfResult rf_open_page_sequence( const char* place, const char* layer, RfPageSequ
     folder_of( sequence->pattern, folder );
     if ( result == RF_OK )
         result = look_for_json( sequence, folder, error );
-    sequence->progress = result == RF_OK && sequence->plan != NULL ? rf_task_progress_json( sequence ) : NULL;
+    if ( result == RF_OK && sequence->plan != NULL )
+        sequence->progress = rf_task_progress_json( sequence->plan, sequence->frames, sequence->frame_count );
     return result;
 }
 

@@ -53,6 +53,24 @@ void rf_join_task_json( json_t** all, const json_t* task )
         json_object_del( *all, "threads" );
 }
 
+// Numbers of the frames that are there, ascending.
+typedef struct RfTaskFrames
+{
+    const int* numbers;
+    int count;
+} RfTaskFrames;
+
+static int compare_ints( const void* a, const void* b )
+{
+    int x = *(const int*)a, y = *(const int*)b;
+    return ( x > y ) - ( x < y );
+}
+
+static bool is_among( const RfTaskFrames* there, int number )
+{
+    return there->count > 0 && bsearch( &number, there->numbers, (size_t)there->count, sizeof( int ), compare_ints ) != NULL;
+}
+
 static bool take_number( const char** text, long* number )
 {
     char* end;
@@ -63,7 +81,7 @@ static bool take_number( const char** text, long* number )
 }
 
 // Frames of "1-9,12,20-30x2" and how many of them are there; the others are appended to `left`. -1: it is no such text.
-static int count_frames( const char* text, long step, const RfPageSequence* sequence, int* finished, json_t* left )
+static int count_frames( const char* text, long step, const RfTaskFrames* there, int* finished, json_t* left )
 {
     int count = 0;
     while ( *text != '\0' )
@@ -80,7 +98,7 @@ static int count_frames( const char* text, long step, const RfPageSequence* sequ
             return -1;
         for ( long frame = first; frame <= last; frame += apart, ++count )
         {
-            bool is_there = rf_has_page_frame( sequence, (int)frame );
+            bool is_there = is_among( there, (int)frame );
             *finished += is_there;
             if ( !is_there )
                 json_array_append_new( left, json_integer( frame ) );
@@ -89,9 +107,10 @@ static int count_frames( const char* text, long step, const RfPageSequence* sequ
     return count;
 }
 
-json_t* rf_task_progress_json( const RfPageSequence* sequence )
+json_t* rf_task_progress_json( const json_t* plan, const int* numbers, int number_count )
 {
-    const json_t* nodes = json_object_get( sequence->plan, "nodes" );
+    const RfTaskFrames there = { numbers, number_count };
+    const json_t* nodes = json_object_get( plan, "nodes" );
     double told = rf_json_number_of( nodes, "step" );
     long step = told >= 1.0 && told <= MOST_FRAMES ? (long)told : 1;
     json_t *tasks = json_array(), *left = json_array();
@@ -102,7 +121,7 @@ json_t* rf_task_progress_json( const RfPageSequence* sequence )
     {
         const char* frames = json_string_value( json_object_get( range, "frames" ) );
         int here = 0;
-        count = frames != NULL ? count_frames( frames, step, sequence, &here, left ) : -1;
+        count = frames != NULL ? count_frames( frames, step, &there, &here, left ) : -1;
         if ( count < 0 )
             break;
         asked += count;
