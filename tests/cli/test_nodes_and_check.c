@@ -1,4 +1,4 @@
-// Renders on several machines as the program has them: plan --nodes, render --check, and a report of what is not finished.
+// Renders on several machines as the program has them: render --check, and a report of what is not finished.
 #include "support/cli_run.h"
 #include "support/page_checks.h"
 
@@ -21,26 +21,6 @@ static const char* text_of( const json_t* json, const char* list, size_t i, cons
 static int count_of( const json_t* json, const char* key ) { return (int)json_array_size( json_object_get( json, key ) ); }
 
 static int number_of( const json_t* json, const char* key ) { return (int)json_integer_value( json_object_get( json, key ) ); }
-
-static void test_plan_tells_ranges_and_what_they_cost( void** state )
-{
-    (void)state;
-    const CliResult* done =
-        cli_run( "$R plan $VASE --size 16x9 --spp 6 --frames 1-12 --nodes 3 --group 1 --quiet --json plan.json" );
-    cli_expect( done, 0, NULL );
-    assert_non_null( strstr( done->out, "3 ranges for --nodes 3, group 1" ) );
-    assert_non_null( strstr( done->out, "overhead of the halos" ) );
-    json_t* json = cli_read_json( "plan.json" );
-    const json_t* nodes = json_object_get( json, "nodes" );
-    assert_int_equal( number_of( nodes, "group" ), 1 );
-    assert_int_equal( count_of( nodes, "ranges" ), 3 );
-    assert_string_equal( text_of( nodes, "ranges", 0, "frames" ), "1-4" );
-    assert_string_equal( text_of( nodes, "ranges", 2, "frames" ), "9-12" );
-    assert_true( json_real_value( json_object_get( nodes, "overhead" ) ) > 0.2 );
-    json_decref( json );
-    cli_expect( cli_run( "$R plan $VASE --group 2" ), 2, "--group: is what --nodes cuts for" );
-    cli_expect( cli_run( "$R render $VASE -o x/f.####.exr --nodes 2" ), 2, "--nodes: is of --check here" );
-}
 
 static void test_check_tells_what_is_there( void** state )
 {
@@ -70,8 +50,8 @@ static void test_a_report_tells_unfinished_frames( void** state )
 {
     (void)state;
     cli_expect( cli_run( "$R render " SHOT "-o p/f.####.exr --frames 1-2 >told; mkdir p/slurm" ), 0, NULL );
-    cli_expect( cli_run( "$R plan $VASE --size 16x9 --frames 1-8 --nodes 2 --group 0 --quiet --json p/slurm/job.json >told" ), 0,
-                NULL );
+    cli_expect( cli_run( "$R render " SHOT "-o q/f.####.exr --frames 1-8 --check --nodes 2 --json p/slurm/job.json >told" ), 1,
+                "0 of 8" );
     cli_expect( cli_run( "$R render " SHOT "-o p/f.####.exr --frames 4 --json p/slurm/task-1-0.json >told" ), 0, NULL );
     cli_expect( cli_run( "$R render " SHOT "-o p/f.####.exr --frames 5 --json p/slurm/task-1-1.json >told" ), 0, NULL );
     const CliResult* done = cli_run( "$R report p -o p.html --quiet --json p.json" );
@@ -111,7 +91,6 @@ static void test_a_report_tells_unfinished_frames( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_plan_tells_ranges_and_what_they_cost ),
         cmocka_unit_test( test_check_tells_what_is_there ),
         cmocka_unit_test( test_a_report_tells_unfinished_frames ),
     };

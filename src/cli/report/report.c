@@ -114,17 +114,6 @@ static RfResult end_page( RfPage* page, const RfPageData* data, RfError* error )
     return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for the page's data", page->file.path );
 }
 
-// Frames that are being rendered are no failure.
-static void tell_unfinished( const RfPageSequence* sequence )
-{
-    char frames[240];
-    const json_t* left = json_object_get( sequence->progress, "left" );
-    rf_format_left( left, frames, sizeof frames );
-    if ( json_array_size( left ) > 0 )
-        rf_print( "%s: %.0f of %.0f frames are finished, not yet %s\n", sequence->name,
-                  rf_json_number_of( sequence->progress, "finished" ), rf_json_number_of( sequence->progress, "asked" ), frames );
-}
-
 static RfResult tell( const RfPageRun* report, const RfPageData* data, uint64_t bytes, RfError* error )
 {
     char weight[32];
@@ -133,7 +122,7 @@ static RfResult tell( const RfPageRun* report, const RfPageData* data, uint64_t 
     if ( prints )
         rf_print( "%s: %d frame%s, %s\n", report->output, report->count, report->count == 1 ? "" : "s", weight );
     for ( int i = 0; i < report->place_count && prints; ++i )
-        tell_unfinished( report->sequences + i );
+        rf_tell_unfinished( report->sequences[i].name, report->sequences[i].progress );
     RfLog log = rf_stderr_log( COMMAND );
     if ( bytes > HEAVY_BYTES && !report->quiet )
         rf_warn( &log, "%s: weighs %s, which a browser takes long to open: --width makes pictures smaller, --frames takes some",

@@ -45,27 +45,6 @@ static void add_missing( json_t* facts, const RfPageTrack* track )
     free( missing );
 }
 
-// "30 of 48" and what is not there yet, then each task's share.
-static void add_progress( json_t* facts, const json_t* progress )
-{
-    char text[LONGEST], label[LONGEST];
-    size_t i;
-    const json_t *task, *left = json_object_get( progress, "left" );
-    snprintf( text, sizeof text, "%.0f of %.0f", rf_json_number_of( progress, "finished" ),
-              rf_json_number_of( progress, "asked" ) );
-    add( facts, "Progress", "Finished frames", text );
-    rf_format_left( left, text, sizeof text );
-    if ( json_array_size( left ) > 0 )
-        add( facts, "Progress", "Not yet", text );
-    json_array_foreach( json_object_get( progress, "tasks" ), i, task )
-    {
-        snprintf( label, sizeof label, "Task %zu: %.200s", i, json_string_value( json_object_get( task, "frames" ) ) );
-        snprintf( text, sizeof text, "%.0f of %.0f", rf_json_number_of( task, "finished" ), rf_json_number_of( task, "count" ) );
-        if ( i < MOST_STRINGS )
-            add( facts, "Progress", label, text );
-    }
-}
-
 // "48, from 1 to 48"
 static void add_frames( json_t* facts, const RfPageTrack* track )
 {
@@ -321,7 +300,7 @@ json_t* rf_page_facts_json( const RfPageTrack* track )
     json_t* facts = json_array();
     add_picture( facts, track );
     if ( sequence->progress != NULL )
-        add_progress( facts, sequence->progress );
+        rf_add_progress_facts( facts, sequence->progress );
     add_error( facts, track );
     add_pairs( facts, track );
     add_known( facts, sequence->first, "Scene" );

@@ -3,10 +3,12 @@
 #include "cli/messages.h"
 #include "image/sequence.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #define MOST_FRAMES 1000000 // of all ranges; a path has no more
+#define MOST_TASKS 100      // in a page's table
 
 bool rf_is_plan_json( const json_t* json )
 {
@@ -145,4 +147,40 @@ void rf_format_left( const json_t* left, char* text, size_t size )
     if ( numbers != NULL )
         rf_format_frames( numbers, (int)count, text, size );
     free( numbers );
+}
+
+void rf_tell_unfinished( const char* name, const json_t* progress )
+{
+    char frames[240];
+    const json_t* left = json_object_get( progress, "left" );
+    rf_format_left( left, frames, sizeof frames );
+    if ( json_array_size( left ) > 0 )
+        rf_print( "%s: %.0f of %.0f frames are finished, not yet %s\n", name, rf_json_number_of( progress, "finished" ),
+                  rf_json_number_of( progress, "asked" ), frames );
+}
+
+static void add_fact( json_t* facts, const char* label, const char* value )
+{
+    json_array_append_new( facts, json_pack( "[s, o, o]", "Progress", rf_json_text( label ), rf_json_text( value ) ) );
+}
+
+void rf_add_progress_facts( json_t* facts, const json_t* progress )
+{
+    char text[240], label[240];
+    size_t i;
+    const json_t *task, *left = json_object_get( progress, "left" );
+    snprintf( text, sizeof text, "%.0f of %.0f", rf_json_number_of( progress, "finished" ),
+              rf_json_number_of( progress, "asked" ) );
+    add_fact( facts, "Finished frames", text );
+    rf_format_left( left, text, sizeof text );
+    if ( json_array_size( left ) > 0 )
+        add_fact( facts, "Not yet", text );
+    json_array_foreach( json_object_get( progress, "tasks" ), i, task )
+    {
+        if ( i == MOST_TASKS )
+            break;
+        snprintf( label, sizeof label, "Task %zu: %.200s", i, json_string_value( json_object_get( task, "frames" ) ) );
+        snprintf( text, sizeof text, "%.0f of %.0f", rf_json_number_of( task, "finished" ), rf_json_number_of( task, "count" ) );
+        add_fact( facts, label, text );
+    }
 }

@@ -20,4 +20,10 @@ json_t* rf_task_progress_json( const json_t* plan, const int* numbers, int numbe
 // The numbers of its "left" as "3, 4, 8-12", truncated with "..." if too long.
 void rf_format_left( const json_t* left, char* text, size_t size );
 
+// Says on standard output what is not finished of a sequence, unless all is, or nothing is known of it (NULL).
+void rf_tell_unfinished( const char* name, const json_t* progress );
+
+// Appends rows to the facts of a page: how many frames are finished, which are not, and each task's share.
+void rf_add_progress_facts( json_t* facts, const json_t* progress );
+
 #endif
