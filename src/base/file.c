@@ -56,7 +56,7 @@ static RfResult read_open( const char* path, int file, uint64_t limit, uint8_t**
     *size = (size_t)info.st_size;
     *bytes = malloc( *size > 0 ? *size : 1 );
     if ( *bytes == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "%s: the system has no %zu bytes left to read it into", path, *size );
+        return rf_fail( error, RF_ERROR_MEMORY, "%s: the system has no %zu bytes of memory left to read it into", path, *size );
     result = read_all( path, file, *bytes, *size, error );
     if ( result != RF_OK )
     {

@@ -2,6 +2,7 @@
 
 #include "base/cgroup.h"
 
+#include <math.h>
 #include <omp.h>
 #include <stdbool.h>
 #include <stdint.h>
@@ -75,4 +76,9 @@ void rf_format_memory( size_t bytes, char text[RF_BYTES_TEXT_SIZE] )
     snprintf( text, RF_BYTES_TEXT_SIZE, whole ? "%zu MiB" : "%zu KiB", whole ? bytes >> 20 : bytes >> 10 );
 }
 
-int rf_core_count( void ) { return omp_get_num_procs(); }
+int rf_core_count( void )
+{
+    int cores = omp_get_num_procs(); // of the CPU set
+    double quota = ceil( rf_own_cgroup_cores() );
+    return quota >= 1.0 && quota < cores ? (int)quota : cores;
+}

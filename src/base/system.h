@@ -24,7 +24,7 @@ size_t rf_free_memory( void );
 // Formats an amount of memory: "96 MiB", or "1500 KiB" where it is no whole number of MiB.
 void rf_format_memory( size_t bytes, char text[RF_BYTES_TEXT_SIZE] );
 
-// Cores this process may use, ≥ 1.
+// Cores this process may use, ≥ 1: those of its CPU set (taskset), or as many as the quota of its control groups is worth.
 int rf_core_count( void );
 
 #endif

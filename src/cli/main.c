@@ -4,6 +4,7 @@
 #include "cli/options/options.h"
 #include "cli/options/synonyms.h"
 #include "cli/messages.h"
+#include "cli/terminate.h"
 #include "trace/trace.h"
 
 #include <signal.h>
@@ -115,6 +116,7 @@ int main( int argc, char** argv )
     if ( !check_cpu() )
         return 1;
     rf_set_float_mode();
+    rf_catch_terminate();
     rf_set_completion_commands( s_commands );
 #ifdef SIGXFSZ
     // Exceeding a file size limit becomes an error of write, like a full disk.

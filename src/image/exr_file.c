@@ -82,8 +82,7 @@ RfResult rf_read_exr_string( const char* path, const char* name, char* value, si
     if ( result != RF_OK )
         return result;
     exr_context_t context = NULL;
-    exr_context_initializer_t initializer = rf_exr_initializer( &stream );
-    exr_result_t code = exr_start_read( &context, path, &initializer );
+    exr_result_t code = rf_start_exr( &stream, &context );
     if ( code != EXR_ERR_SUCCESS )
         result = rf_fail_exr( &stream, code, "not a readable EXR file", error );
     else

@@ -68,8 +68,7 @@ static RfResult check_window( RfExrPart* part, RfError* error )
 RfResult rf_open_exr_part( RfExrStream* stream, int index, RfExrPart* part, RfError* error )
 {
     *part = ( RfExrPart ){ .stream = stream, .index = index };
-    exr_context_initializer_t initializer = rf_exr_initializer( stream );
-    exr_result_t code = exr_start_read( &part->context, stream->path, &initializer );
+    exr_result_t code = rf_start_exr( stream, &part->context );
     if ( code != EXR_ERR_SUCCESS )
         return rf_fail_exr( stream, code, "not a readable EXR file", error );
     if ( exr_get_count( part->context, &part->count ) != EXR_ERR_SUCCESS )

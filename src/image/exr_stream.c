@@ -171,6 +171,17 @@ void rf_free_exr_buffer( exr_transcoding_pipeline_buffer_id_t id, void* buffer )
 
 #endif
 
+exr_result_t rf_start_exr( RfExrStream* stream, exr_context_t* context )
+{
+    exr_context_initializer_t initializer = rf_exr_initializer( stream );
+    exr_result_t code = exr_start_read( context, stream->path, &initializer );
+    // the library leaves attributes out for which it has no memory
+    if ( code != EXR_ERR_SUCCESS || errno != ENOMEM )
+        return code;
+    exr_finish( context );
+    return EXR_ERR_OUT_OF_MEMORY;
+}
+
 RfResult rf_fail_exr( const RfExrStream* stream, exr_result_t code, const char* what, RfError* error )
 {
     if ( stream->io_error != 0 )

@@ -31,6 +31,9 @@ void rf_end_exr_write( void );
 // The initializer of a context over the stream, which must outlive it.
 exr_context_initializer_t rf_exr_initializer( RfExrStream* stream );
 
+// exr_start_read by it, which fails also where the library would go on without what it had no memory for.
+exr_result_t rf_start_exr( RfExrStream* stream, exr_context_t* context );
+
 // Allocator for the alloc_fn of a pipeline. Its large buffers are mapped directly from the
 // system: malloc would keep some of them after they are freed, which the memory budget would
 // not know of.

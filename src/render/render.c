@@ -7,6 +7,7 @@
 #include "render/until.h"
 
 #include <math.h>
+#include <omp.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -167,11 +168,14 @@ RfResult rf_render( const RfTracer* tracer, const RfEye* eyes, int eye_count, co
     {
         RfEstimatorGroup group = rf_frames_as_group( &r, 0, r.plan.eyes, 0 );
         r.settings.threads = r.sizes.threads;
+        int before = omp_get_max_threads();
+        omp_set_num_threads( r.settings.threads ); // of loops that do not say so themselves, as in a reconstruction
         result = rf_alloc_render_memory( &group, &r.sizes, &r.memory, error );
         if ( result == RF_OK )
             result = rf_alloc_traced_jobs( &r, error );
         if ( result == RF_OK )
             result = render_and_deliver( &r, error );
+        omp_set_num_threads( before );
         free( r.traced_jobs );
     }
     if ( stats != NULL )

@@ -1,6 +1,7 @@
 #include "trace/tracer.h"
 
 #include "base/float_traps.h"
+#include "base/system.h"
 #include "light/light.h"
 #include "scene/leave_out.h"
 #include "trace/far_triangle.h"
@@ -96,6 +97,14 @@ static void describe_device( RfTracer* tracer )
 
 RfResult rf_create_tracer( const RfScene* scene, RfTracer** out, RfError* error )
 {
+    return rf_create_tracer_by( 0, scene, out, error );
+}
+
+RfResult rf_create_tracer_by( int threads, const RfScene* scene, RfTracer** out, RfError* error )
+{
+    char configuration[64];
+    snprintf( configuration, sizeof configuration, "frequency_level=simd512,threads=%d",
+              threads > 0 ? threads : rf_core_count() );
     *out = NULL;
     RfTracer* tracer = calloc( 1, sizeof *tracer );
     if ( tracer == NULL )
@@ -104,7 +113,7 @@ RfResult rf_create_tracer( const RfScene* scene, RfTracer** out, RfError* error 
     for ( uint32_t i = 0; i < scene->material_count; ++i )
         tracer->textured = tracer->textured || scene->materials[i].textured != NULL;
     tracer->textured = tracer->textured || rf_is_forced( scene, RF_EFFECT_TEXTURES );
-    tracer->device = rtcNewDevice( "frequency_level=simd512" );
+    tracer->device = rtcNewDevice( configuration );
     if ( tracer->device == NULL )
     {
         free( tracer );

@@ -22,6 +22,9 @@ typedef struct RfTracerRuns
     bool partial;  // segments may be open in part: a surface is blended or a pane, and not because of what is forced
 } RfTracerRuns;
 
+// rf_create_tracer with a BVH that is built by so many threads; 0: all cores this process may use.
+RfResult rf_create_tracer_by( int threads, const RfScene* scene, RfTracer** tracer, RfError* error );
+
 // What runs for the tracer's scene.
 RfTracerRuns rf_tracer_runs( const RfTracer* tracer );
 

@@ -4,10 +4,12 @@
 #include "base/system.h"
 #include "support/cli_run.h"
 
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdint.h>
 #include <stdio.h>
+#include <stdlib.h>
 
 #include <cmocka.h>
 
@@ -43,6 +45,66 @@ static void test_groups_of_version_1( void** state )
     assert_true( rf_cgroup_free_memory( root, "/c/not-in-this-container" ) == 5400 );
 }
 
+static void test_quotas_of_processor_time( void** state )
+{
+    (void)state;
+    const char* root = cli_folder();
+    assert_true( rf_cgroup_cores( root, "/" ) == (double)INFINITY ); // no such files
+    cli_expect( cli_run( "mkdir -p q/r; echo max 100000 > q/r/cpu.max" ), 0, NULL );
+    assert_true( rf_cgroup_cores( root, "/q/r" ) == (double)INFINITY );
+    cli_expect( cli_run( "echo 150000 100000 > q/cpu.max" ), 0, NULL );
+    assert_true( rf_cgroup_cores( root, "/q/r" ) == 1.5 ); // that of the group above
+    cli_expect( cli_run( "mkdir -p s/t; echo -1 > s/t/cpu.cfs_quota_us; echo 100000 > s/t/cpu.cfs_period_us" ), 0, NULL );
+    assert_true( rf_cgroup_cores( root, "/s/t" ) == (double)INFINITY );
+    cli_expect( cli_run( "echo 50000 > s/t/cpu.cfs_quota_us" ), 0, NULL );
+    assert_true( rf_cgroup_cores( root, "/s/t" ) == 0.5 );
+    assert_true( rf_core_count() >= 1 );
+}
+
+// "threads" of a render's result where its shell line begins with `before`.
+static int threads_of( const char* before, const char* options )
+{
+    const CliResult* done =
+        cli_run( "%s $R render $VASE -o cores/f.####.exr --overwrite --frames 1 --size 16x9 --spp 1 --group 0 "
+                 "--quiet --json cores.json %s >told",
+                 before, options );
+    cli_expect( done, 0, NULL );
+    json_t* json = cli_read_json( "cores.json" );
+    int threads = (int)json_integer_value( json_object_get( json, "threads" ) );
+    json_decref( json );
+    return threads;
+}
+
+static void test_threads_and_cpu_sets_are_respected( void** state )
+{
+    (void)state;
+    assert_int_equal( threads_of( "", "--threads 3" ), 3 );
+    assert_int_equal( threads_of( "nice -n 5", "" ), rf_core_count() ); // niceness is the system's business
+    if ( system( "command -v taskset >/dev/null && taskset -c 0 true 2>/dev/null" ) != 0 )
+        return; // no such tool, or a set without this core
+    assert_int_equal( threads_of( "taskset -c 0", "" ), 1 );
+    assert_int_equal( threads_of( "taskset -c 0", "--threads 2" ), 2 ); // as asked for, on one core
+}
+
+// A group of this system with half a core, where we may make one.
+static void test_the_quota_of_the_own_group_counts( void** state )
+{
+    (void)state;
+    static const char line[] =
+        "d=/sys/fs/cgroup/cpu; f=cpu.cfs_quota_us; q=50000; "
+        "test -e /sys/fs/cgroup/cgroup.controllers && { d=/sys/fs/cgroup; f=cpu.max; q='50000 100000'; }; "
+        "g=$d/reframe-test-$$; mkdir $g 2>/dev/null && echo \"$q\" 2>/dev/null > $g/$f || { rmdir $g 2>/dev/null; exit 77; }; "
+        "( echo 0 > $g/cgroup.procs && $R render $VASE -o quota/f.####.exr --frames 1 --size 16x9 --spp 1 --group 0 --quiet "
+        "--json quota.json >told ); s=$?; rmdir $g; exit $s";
+    const CliResult* done = cli_run( "{ %s; } 2>/dev/null", line );
+    if ( done->status == 77 || done->status == 2 )
+        skip();
+    cli_expect( done, 0, NULL );
+    json_t* json = cli_read_json( "quota.json" );
+    assert_int_equal( json_integer_value( json_object_get( json, "threads" ) ), 1 );
+    json_decref( json );
+}
+
 static void test_a_limit_below_the_need_is_an_error_at_the_start( void** state )
 {
     (void)state;
@@ -61,6 +123,9 @@ int main( void )
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( test_the_tightest_group_above_counts ),
         cmocka_unit_test( test_groups_of_version_1 ),
+        cmocka_unit_test( test_quotas_of_processor_time ),
+        cmocka_unit_test( test_threads_and_cpu_sets_are_respected ),
+        cmocka_unit_test( test_the_quota_of_the_own_group_counts ),
         cmocka_unit_test( test_a_limit_below_the_need_is_an_error_at_the_start ),
     };
     return cmocka_run_group_tests_name( "cgroup", tests, cli_enter_group, cli_leave_group );

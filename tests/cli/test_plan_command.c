@@ -213,12 +213,36 @@ static void test_command_defaults_and_errors( void** state )
     cli_expect( cli_run( "$R plan --help > /dev/null" ), 0, NULL );
 }
 
+static const char* range_of( const json_t* nodes, size_t i )
+{
+    return json_string_value( json_object_get( json_array_get( json_object_get( nodes, "ranges" ), i ), "frames" ) );
+}
+
+static void test_ranges_for_several_machines( void** state )
+{
+    (void)state;
+    const CliResult* done =
+        cli_run( "$R plan $VASE --size 16x9 --spp 6 --frames 1-12 --nodes 3 --group 1 --quiet --json nodes.json" );
+    cli_expect( done, 0, NULL );
+    assert_non_null( strstr( done->out, "3 ranges for --nodes 3, group 1" ) );
+    assert_non_null( strstr( done->out, "overhead of the halos" ) );
+    json_t* json = cli_read_json( "nodes.json" );
+    const json_t* nodes = json_object_get( json, "nodes" );
+    assert_int_equal( json_integer_value( json_object_get( nodes, "group" ) ), 1 );
+    assert_int_equal( json_array_size( json_object_get( nodes, "ranges" ) ), 3 );
+    assert_string_equal( range_of( nodes, 0 ), "1-4" );
+    assert_string_equal( range_of( nodes, 2 ), "9-12" );
+    assert_true( json_real_value( json_object_get( nodes, "overhead" ) ) > 0.2 );
+    json_decref( json );
+    cli_expect( cli_run( "$R plan $VASE --group 2" ), 2, "--group: is what --nodes cuts for" );
+    cli_expect( cli_run( "$R render $VASE -o x/f.####.exr --nodes 2" ), 2, "--nodes: is of --check here" );
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_table_and_json_agree ),
-        cmocka_unit_test( test_options_change_plan_as_render ),
-        cmocka_unit_test( test_rows_without_room ),
+        cmocka_unit_test( test_table_and_json_agree ),          cmocka_unit_test( test_ranges_for_several_machines ),
+        cmocka_unit_test( test_options_change_plan_as_render ), cmocka_unit_test( test_rows_without_room ),
         cmocka_unit_test( test_command_defaults_and_errors ),
     };
     return cmocka_run_group_tests( tests, cli_enter_group, cli_leave_group );

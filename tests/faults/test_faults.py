@@ -11,6 +11,7 @@ of writes and allocations a few dozen are taken, the kills are 50.
 import concurrent.futures
 import os
 import random
+import resource
 import shutil
 import subprocess
 import sys
@@ -43,6 +44,14 @@ def frames(folder):
         with open(os.path.join(folder, name), "rb") as file:
             found[name] = file.read()
     return found
+
+
+def mount(folder, *words):
+    """As root; False where that is not allowed."""
+    try:
+        return subprocess.run(["mount", *words, folder], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL).returncode == 0
+    except OSError:
+        return False
 
 
 class Faults(unittest.TestCase):
@@ -100,6 +109,13 @@ class Faults(unittest.TestCase):
         shutil.rmtree(folder)
         return True
 
+    def try_call(self, kind, number):
+        """The same, or what is wrong, so that a run finds all that is."""
+        try:
+            return self.fail_call(kind, number)
+        except AssertionError as error:
+            return str(error)
+
     def test_calls_that_fail(self):
         for kind in ("open", "read", "write", "fsync", "rename", "close", "alloc"):
             count = self.count_calls(kind)
@@ -107,8 +123,10 @@ class Faults(unittest.TestCase):
             step = 1 if LONG or kind not in MOST else max(count // MOST[kind], 1)
             numbers = range(1 + random.randrange(step), count + 1, step)
             with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
-                noticed = sum(pool.map(lambda number: self.fail_call(kind, number), numbers))
+                results = list(pool.map(lambda number: self.try_call(kind, number), numbers))
+            noticed, faults = sum(result is True for result in results), [r for r in results if isinstance(r, str)]
             print("%s: %d calls, %d failed, %d noticed" % (kind, count, len(numbers), noticed), flush=True)
+            self.assertEqual(faults, [], kind)
             # a close that fails after the bytes are on the disk, or of a file that was read, may go unnoticed
             self.assertGreater(noticed, 0, kind)
             if kind in ("write", "fsync", "rename"):
@@ -158,6 +176,61 @@ class Faults(unittest.TestCase):
         self.assertGreater(program.returncode, 0, message)
         self.assertEqual(message.count("\n"), 0, message)
         self.assertIn("f.0001.exr", message)
+
+    def check_full(self, folder, limit):
+        """A render to a folder without room fails cleanly; returns its line."""
+        done = subprocess.run(command(folder), stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=PATIENCE, preexec_fn=limit)
+        message = done.stderr.decode().strip()
+        self.assertGreater(done.returncode, 0, message)
+        self.assertEqual(message.count("\n"), 0, message)
+        self.assertIn("make room or write elsewhere", message)
+        self.check_no_half_frame(folder, "a full disk")
+        return message
+
+    def test_full_disk_for_frames(self):
+        folder = self.make_folder()
+        most = min(map(len, self.right.values())) - 1  # bytes that a file may have: no frame has room
+        message = self.check_full(folder, limit=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (most, most)))
+        self.assertIn("f.0001.exr", message)
+        self.assertEqual(frames(folder), {})
+        self.resume(folder, "after a full disk")
+
+    def test_full_file_system_for_frames(self):
+        folder = self.make_folder()
+        pages = 4096 * (1 + max(map(len, self.right.values())) // 4096)
+        if not mount(folder, "-t", "tmpfs", "-o", "size=%d" % (2 * pages), "tmpfs"):
+            self.skipTest("no tmpfs can be mounted here: only root can")
+        try:
+            for _ in range(2):  # the first frame has room, perhaps the second, not the third
+                with open(os.path.join(folder, "f.0003.exr.other"), "wb") as file:
+                    file.write(b"x" * pages)
+                status, message = run(command(folder, "--resume"))
+                self.assertGreater(status, 0, message)
+                self.assertRegex(message, "^[^\n]*No space left[^\n]*make room[^\n]*$")
+                os.remove(os.path.join(folder, "f.0003.exr.other"))
+                self.check_no_half_frame(folder, "a full file system")
+            self.assertTrue(mount(folder, "-o", "remount,size=%d" % (8 * pages), "tmpfs"))
+            self.resume(folder, "with room again")
+        finally:
+            subprocess.run(["umount", folder], check=True)
+
+    def test_read_only_folder(self):
+        folder = self.make_folder()
+        if os.geteuid() != 0:
+            os.chmod(folder, 0o500)
+        elif not mount(folder, "-t", "tmpfs", "-o", "ro", "tmpfs"):
+            self.skipTest("root writes everywhere, and no file system can be mounted here")
+        try:
+            start = time.monotonic()
+            for more in ([], ["--resume"], ["--overwrite"]):
+                status, message = run(command(folder, *more, spp=4000))
+                self.assertGreater(status, 0)
+                self.assertRegex(message, "^[^\n]*no files can be made in this folder: (Read-only|Permission)[^\n]*$")
+            self.assertLess(time.monotonic() - start, PATIENCE / 4, "told before the work, not after it")
+            self.assertEqual(frames(folder), {})
+        finally:
+            if os.geteuid() == 0:
+                subprocess.run(["umount", folder], check=True)
 
     @unittest.skipUnless(os.path.exists("/dev/full"), "no /dev/full here")
     def test_full_disk_for_results(self):

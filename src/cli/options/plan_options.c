@@ -5,6 +5,7 @@
 
 static const char* const s_files[] = { "SCENE" };
 static RfRenderOptions s_parsed; // the table points here
+static bool s_group_given;
 
 static const RfOption s_options[] = {
     RF_PATH_OPTIONS( s_parsed, "frames that rays and seconds are of; the group does not depend on them" ),
@@ -36,6 +37,18 @@ static const RfOption s_options[] = {
       .meta = "T",
       .default_text = "0: off",
       .help = "the same for one that stops after so many seconds a frame" },
+    RF_NODES_OPTION( s_parsed, "also cut the frames into ranges for N machines, and say what the cuts cost" ),
+    { .name = "group",
+      .type = RF_OPTION_INT,
+      .value = &s_parsed.settings.group,
+      .min = 0,
+      .max = 1048576,
+      .keyword = "auto",
+      .keyword_value = RF_GROUP_AUTO,
+      .meta = "N|auto",
+      .given = &s_group_given,
+      .default_text = "the scene file's, else auto",
+      .help = "the group that --nodes cuts for" },
     RF_TILE_OPTION( s_parsed ),
     { .name = "adaptive",
       .type = RF_OPTION_CHOICE,
@@ -81,6 +94,8 @@ static RfResult parse( int argc, char** argv, RfRenderOptions* options, bool* he
     RfResult result = rf_parse_options( &s_table, argc, argv, &s_parsed.scene, help, error );
     if ( result != RF_OK || *help )
         return result;
+    if ( s_group_given && s_parsed.nodes == 0 )
+        return rf_fail( error, RF_ERROR_USAGE, "--group: is what --nodes cuts for; the rows show other groups without it" );
     *options = s_parsed;
     return rf_settle_render_options( options, error );
 }
@@ -88,12 +103,14 @@ static RfResult parse( int argc, char** argv, RfRenderOptions* options, bool* he
 RfResult rf_parse_plan_options( int argc, char** argv, RfRenderOptions* options, bool* help, RfError* error )
 {
     s_parsed = rf_default_render_options();
+    s_group_given = false;
     return parse( argc, argv, options, help, error );
 }
 
 RfResult rf_parse_plan_options_over( const RfField* defaults, int argc, char** argv, RfRenderOptions* options, RfError* error )
 {
     bool help;
+    s_group_given = false;
     RfResult result = rf_read_reuse_defaults( defaults, &s_parsed );
     return result == RF_OK ? parse( argc, argv, options, &help, error ) : result;
 }

@@ -29,6 +29,8 @@ static RfResult check( const RfRenderOptions* options, RfError* error )
     if ( rf_render_parse.is_half_given && rf_render_parse.is_float_given &&
          options->settings.files.half == rf_render_parse.is_float )
         return rf_fail( error, RF_ERROR_USAGE, "--half and --float: only one of the two" );
+    if ( options->nodes > 0 && !options->check )
+        return rf_fail( error, RF_ERROR_USAGE, "--nodes: is of --check here; reframe plan has it, too" );
     return RF_OK;
 }
 

@@ -38,6 +38,8 @@ typedef struct RfRenderOptions
     const char* output;
     bool resume;
     bool overwrite;
+    bool check;       // only look at the frames that are there
+    int nodes;        // machines that the frames are cut for; 0: none
     const char* json; // NULL: none
     bool quiet;
 } RfRenderOptions;

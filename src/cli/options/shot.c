@@ -3,6 +3,7 @@
 #include "cli/options/effect_options.h"
 #include "cli/options/frame_list.h"
 #include "cli/messages.h"
+#include "trace/trace.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -39,9 +40,18 @@ static RfResult choose_runs( const RfRenderOptions* options, RfShot* shot, RfErr
     if ( result != RF_OK )
         return result;
     shot->frames = rf_runs_of_frames( &shot->path, frames, count, &shot->frame_count );
-    free( frames );
+    shot->asked_runs = malloc( (size_t)count * sizeof( int ) );
+    for ( int i = 0; i < count && shot->asked_runs != NULL; ++i )
+    {
+        shot->asked_runs[i] = shot->path.run_of_frame[frames[i]];
+        frames[i] = rf_frame_number( &shot->path, frames[i] );
+    }
+    shot->asked = frames;
+    shot->asked_count = count;
     keep_runs( &shot->path );
-    return shot->frames != NULL ? RF_OK : rf_fail( error, RF_ERROR_MEMORY, "no memory left for the numbers of %d frames", count );
+    return shot->frames != NULL && shot->asked_runs != NULL
+               ? RF_OK
+               : rf_fail( error, RF_ERROR_MEMORY, "no memory left for the numbers of %d frames", count );
 }
 
 RfResult rf_load_shot( const char* command, RfRenderOptions* options, RfTakeDefaults* take, void* user, RfShot* shot,
@@ -70,7 +80,7 @@ RfResult rf_load_shot( const char* command, RfRenderOptions* options, RfTakeDefa
         options->size = ( RfSize ){ shot->path.eyes[0].width, shot->path.eyes[0].height };
         result = choose_runs( options, shot, error );
     }
-    return result == RF_OK ? rf_create_tracer( &shot->scene, &shot->tracer, error ) : result;
+    return result == RF_OK ? rf_create_tracer_by( options->settings.threads, &shot->scene, &shot->tracer, error ) : result;
 }
 
 const char* rf_tell_excluded( const char* excluded, const RfMemoryFit* fit, char* text, size_t size )
@@ -89,4 +99,6 @@ void rf_destroy_shot( RfShot* shot )
     rf_destroy_scene( &shot->scene );
     rf_close_scene_file( &shot->file );
     free( shot->frames );
+    free( shot->asked );
+    free( shot->asked_runs );
 }

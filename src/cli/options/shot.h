@@ -14,6 +14,9 @@ typedef struct RfShot
     RfCameraPath path; // its frames are the runs of the camera's: equal frames are rendered once
     int* frames;       // of these to be rendered, indices from 0
     int frame_count;
+    int* asked; // numbers of all frames asked for, equal ones too, and the run of each
+    int* asked_runs;
+    int asked_count;
     RfTracer* tracer;
 } RfShot;
 

@@ -117,6 +117,14 @@
         .help = "as in Blender: of a box, from side to side; the others reach so far to each side"                               \
     }
 
+#define RF_MAX_NODES 10000
+
+#define RF_NODES_OPTION( o, nodes_help )                                                                                         \
+    {                                                                                                                            \
+        .name = "nodes", .type = RF_OPTION_INT, .value = &( o ).nodes, .min = 1, .max = RF_MAX_NODES, .meta = "N",               \
+        .default_text = "none", .help = ( nodes_help )                                                                           \
+    }
+
 #define RF_SEED_OPTION( o )                                                                                                      \
     {                                                                                                                            \
         .name = "seed", .type = RF_OPTION_UINT64, .value = &( o ).settings.seed, .meta = "S", .default_text = "1",               \

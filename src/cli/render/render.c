@@ -2,6 +2,7 @@
 #include "cli/commands.h"
 #include "cli/messages.h"
 #include "cli/render/interrupt.h"
+#include "cli/render/render_check.h"
 #include "cli/render/render_job.h"
 #include "cli/render/render_json.h"
 #include "cli/render/render_kept.h"
@@ -129,6 +130,8 @@ static RfResult report( RfRenderJob* job, RfError* error )
 static RfResult run( RfRenderJob* job, RfError* error )
 {
     RfResult result = rf_load_render_job( job, error );
+    if ( result == RF_OK && job->options.check )
+        return rf_check_render( job, error );
     if ( result == RF_OK )
         rf_warn_before_render( job );
     job->frames_json = json_array();

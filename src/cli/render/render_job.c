@@ -5,6 +5,7 @@
 #include "cli/render/render_output.h"
 #include "cli/render/render_settings.h"
 #include "cli/render/render_warnings.h"
+#include "trace/trace.h"
 
 #include <stdlib.h>
 
@@ -96,13 +97,15 @@ RfResult rf_load_render_job( RfRenderJob* job, RfError* error )
     job->kept = malloc( (size_t)asked_count * sizeof( int ) );
     result = job->kept != NULL ? find_runs( job, error ) : fail_numbers( job, error );
     if ( result == RF_OK )
-        result = rf_create_tracer( &job->scene, &job->tracer, error );
+        result = rf_create_tracer_by( job->options.settings.threads, &job->scene, &job->tracer, error );
     if ( result == RF_OK )
         result = resolve( job, error );
     if ( result != RF_OK )
         return result;
     list_effects( job );
     job->output = output_of( job );
+    if ( job->options.check )
+        return RF_OK;
     result = rf_prepare_output( &job->output, &job->options, job->frames, &job->frame_count, job->kept, error );
     job->kept_count = asked_count - job->frame_count;
     if ( result == RF_OK )

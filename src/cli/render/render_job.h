@@ -48,6 +48,7 @@ typedef struct RfRenderJob
 } RfRenderJob;
 
 // Loads the scene, the path and the frames of the options, and settles what is left to render: told on standard error.
+// With --check nothing is settled of the files.
 RfResult rf_load_render_job( RfRenderJob* job, RfError* error );
 
 void rf_destroy_render_job( RfRenderJob* job );

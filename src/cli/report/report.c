@@ -5,6 +5,7 @@
 #include "cli/report/report_data.h"
 #include "cli/report/report_numbers.h"
 #include "cli/report/report_run.h"
+#include "cli/report/report_tasks.h"
 #include "cli/report/report_values.h"
 #include "cli/render/progress.h"
 #include "cli/messages.h"
@@ -117,8 +118,11 @@ static RfResult tell( const RfPageRun* report, const RfPageData* data, uint64_t 
 {
     char weight[32];
     rf_format_bytes( (double)bytes, weight );
-    if ( report->json == NULL || strcmp( report->json, "-" ) != 0 )
+    bool prints = report->json == NULL || strcmp( report->json, "-" ) != 0;
+    if ( prints )
         rf_print( "%s: %d frame%s, %s\n", report->output, report->count, report->count == 1 ? "" : "s", weight );
+    for ( int i = 0; i < report->place_count && prints; ++i )
+        rf_tell_unfinished( report->sequences[i].name, report->sequences[i].progress );
     RfLog log = rf_stderr_log( COMMAND );
     if ( bytes > HEAVY_BYTES && !report->quiet )
         rf_warn( &log, "%s: weighs %s, which a browser takes long to open: --width makes pictures smaller, --frames takes some",

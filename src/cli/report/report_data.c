@@ -137,6 +137,8 @@ json_t* rf_page_result_json( const RfPageData* data, const char* output, uint64_
                        rf_json_number( track->has_error ? track->error.relmse : NAN ), "relmse_estimate",
                        rf_json_number( track->estimate ), "f1", rf_json_number( has_flicker ? flicker.f1 : NAN ), "phi",
                        rf_json_number( has_flicker ? flicker.phi : NAN ) ) );
+        if ( track->sequence->progress != NULL )
+            json_object_set( json_array_get( tracks, (size_t)i ), "progress", track->sequence->progress );
         free( missing );
     }
     json_t* verdict = rf_page_verdict_json( data );

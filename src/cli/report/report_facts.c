@@ -1,6 +1,7 @@
 #include "cli/report/report_facts.h"
 
 #include "cli/report/report_numbers.h"
+#include "cli/report/report_tasks.h"
 #include "cli/options/render_options.h"
 #include "cli/messages.h"
 #include "image/sequence.h"
@@ -61,7 +62,8 @@ static void add_frames( json_t* facts, const RfPageTrack* track )
     char text[96];
     snprintf( text, sizeof text, "%d, from %d to %d", shown, first, last );
     add( facts, "Picture", "Frames", text );
-    add_missing( facts, track );
+    if ( track->sequence->progress == NULL )
+        add_missing( facts, track );
     if ( bad > 0 )
         add_number( facts, "Picture", "No numbers", "%.0f pixels with NaN or infinity", (double)bad );
 }
@@ -269,6 +271,7 @@ static void add_costs( json_t* facts, const json_t* render )
                                            { "eye", "To other eyes" } };
     double seconds = rf_json_number_of( render, "seconds" ), all = 0.0;
     int count = add_rendered( facts, render, "Time and memory" );
+    add_number( facts, "Time and memory", "Added up over tasks", "%.0f", rf_json_number_of( render, "tasks" ) );
     add_formatted( facts, "Time and memory", "In all", seconds, rf_format_seconds );
     add_formatted( facts, "Time and memory", "Loading the scene", rf_json_number_of( render, "seconds_scene" ),
                    rf_format_seconds );
@@ -296,6 +299,8 @@ json_t* rf_page_facts_json( const RfPageTrack* track )
     const RfPageSequence* sequence = track->sequence;
     json_t* facts = json_array();
     add_picture( facts, track );
+    if ( sequence->progress != NULL )
+        rf_add_progress_facts( facts, sequence->progress );
     add_error( facts, track );
     add_pairs( facts, track );
     add_known( facts, sequence->first, "Scene" );

@@ -2,6 +2,7 @@
 
 #include "base/file.h"
 #include "cli/report/report_folder.h"
+#include "cli/report/report_tasks.h"
 #include "image/sequence.h"
 
 #include <errno.h>
@@ -102,7 +103,41 @@ static void take_json( RfPageSequence* sequence, const char* path )
         sequence->render = json_incref( json );
     else if ( json != NULL && is_cost_json( json ) )
         take_cost( sequence, path, json );
+    else if ( json != NULL && sequence->plan == NULL && rf_is_plan_json( json ) )
+        sequence->plan = json_incref( json );
     json_decref( json );
+}
+
+// In the folder of a render's tasks: all of them count.
+static void take_task( RfPageSequence* sequence, const char* path, json_t** tasks )
+{
+    json_t* json = parse_json( path, NULL );
+    if ( json != NULL && is_render_json( json ) )
+        rf_join_task_json( tasks, json );
+    else if ( json != NULL && sequence->plan == NULL && rf_is_plan_json( json ) )
+        sequence->plan = json_incref( json );
+    json_decref( json );
+}
+
+// What scripts/slurm-render keeps beside the frames, if it is there.
+static void look_for_tasks( RfPageSequence* sequence, const char* frames )
+{
+    char folder[RF_PAGE_NAME_SIZE], path[RF_PAGE_NAME_SIZE];
+    RfFolderList list;
+    json_t* tasks = NULL;
+    if ( snprintf( folder, sizeof folder, "%.4000s/slurm", frames ) >= (int)sizeof folder ||
+         rf_list_folder( folder, ".json", &list, NULL ) != RF_OK )
+        return;
+    for ( int i = 0; i < list.count; ++i )
+    {
+        if ( snprintf( path, sizeof path, "%.3500s/%.500s", folder, list.names[i] ) < (int)sizeof path )
+            take_task( sequence, path, &tasks );
+    }
+    rf_free_folder_list( &list );
+    if ( sequence->render == NULL )
+        sequence->render = tasks;
+    else
+        json_decref( tasks );
 }
 
 static RfResult look_for_json( RfPageSequence* sequence, const char* folder, RfError* error )
@@ -116,6 +151,7 @@ static RfResult look_for_json( RfPageSequence* sequence, const char* folder, RfE
             take_json( sequence, path );
     }
     rf_free_folder_list( &list );
+    look_for_tasks( sequence, folder );
     return result;
 }
 
@@ -173,11 +209,22 @@ static RfResult find_frames( const char* place, RfPageSequence* sequence, RfErro
     return take_file( place, sequence, error );
 }
 
+// A folder without frames that tasks are rendering to.
+static bool waits_for_frames( const char* place, RfPageSequence* sequence )
+{
+    struct stat status;
+    if ( stat( place, &status ) != 0 || !S_ISDIR( status.st_mode ) || look_for_json( sequence, place, NULL ) != RF_OK )
+        return false;
+    return sequence->plan != NULL;
+}
+
 RfResult rf_open_page_sequence( const char* place, const char* layer, RfPageSequence* sequence, RfError* error )
 {
     *sequence = ( RfPageSequence ){ .layer = layer };
     name_sequence( place, sequence );
     RfResult result = find_frames( place, sequence, error );
+    if ( result == RF_ERROR_IO && waits_for_frames( place, sequence ) )
+        return rf_fail( error, result, "%s: none of its frames is finished yet: try again later", place );
     if ( result == RF_OK )
         result = rf_page_frame_path( sequence, sequence->frames[0], sequence->first, error );
     if ( result == RF_OK )
@@ -187,7 +234,11 @@ RfResult rf_open_page_sequence( const char* place, const char* layer, RfPageSequ
         sequence->scene[0] = '\0';
     char folder[RF_PAGE_NAME_SIZE];
     folder_of( sequence->pattern, folder );
-    return result == RF_OK ? look_for_json( sequence, folder, error ) : result;
+    if ( result == RF_OK )
+        result = look_for_json( sequence, folder, error );
+    if ( result == RF_OK && sequence->plan != NULL )
+        sequence->progress = rf_task_progress_json( sequence->plan, sequence->frames, sequence->frame_count );
+    return result;
 }
 
 void rf_close_page_sequence( RfPageSequence* sequence )
@@ -195,6 +246,8 @@ void rf_close_page_sequence( RfPageSequence* sequence )
     free( sequence->frames );
     rf_destroy_exr_header( &sequence->header );
     json_decref( sequence->render );
+    json_decref( sequence->plan );
+    json_decref( sequence->progress );
     json_decref( sequence->cost );
     *sequence = ( RfPageSequence ){ 0 };
 }

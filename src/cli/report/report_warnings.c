@@ -1,6 +1,7 @@
 #include "cli/report/report_warnings.h"
 
 #include "cli/messages.h"
+#include "cli/report/report_tasks.h"
 #include "image/sequence.h"
 
 #include <math.h>
@@ -41,6 +42,18 @@ static void add_told( const List* list, const json_t* render )
         add( list, text );
     if ( json_is_true( json_object_get( render, "interrupted" ) ) )
         add( list, "the render was interrupted: --resume goes on" );
+}
+
+// Of a render that other machines are at: no fault.
+static void add_unfinished( const List* list, const json_t* progress )
+{
+    char frames[240], text[400];
+    const json_t* left = json_object_get( progress, "left" );
+    rf_format_left( left, frames, sizeof frames );
+    snprintf( text, sizeof text, "the render goes on: %.0f of %.0f frames are finished, not yet %s",
+              rf_json_number_of( progress, "finished" ), rf_json_number_of( progress, "asked" ), frames );
+    if ( json_array_size( left ) > 0 )
+        add( list, text );
 }
 
 static void add_missing( const List* list, const RfPageTrack* track )
@@ -101,7 +114,10 @@ json_t* rf_page_warnings_json( const RfPageData* data )
     {
         const RfPageTrack* track = data->tracks + list.track;
         add_told( &list, track->sequence->render );
-        add_missing( &list, track );
+        if ( track->sequence->progress != NULL )
+            add_unfinished( &list, track->sequence->progress );
+        else
+            add_missing( &list, track );
         add_bad( &list, track );
         add_bounds( &list, track );
     }

@@ -4,6 +4,7 @@
 #include "cli/commands.h"
 #include "cli/options/plan_options.h"
 #include "cli/messages.h"
+#include "cli/ranges.h"
 #include "cli/tune/verdict.h"
 #include "cli/options/shot.h"
 #include "measure/cost.h"
@@ -29,6 +30,7 @@ typedef struct Job
     RfPlan plan;
     double paper_bytes; // what our records take for its example
     RfInterval tried;   // gain of the chosen row over path tracing; NaN: not tried
+    RfRanges ranges;    // for --nodes
 } Job;
 
 static RfResult take_defaults( const RfField* defaults, void* user, RfError* error )
@@ -85,6 +87,18 @@ static RfResult make_plan( Job* job, RfError* error )
     result = rf_measure_plan( job->shot.tracer, job->shot.path.eyes, job->shot.path.count, settings, MEASURE_SECONDS, &job->plan,
                               error );
     return result == RF_OK ? try_chosen( job, error ) : result;
+}
+
+// Cuts the frames for the group that was asked for, else for the chosen one.
+static RfResult cut_ranges( Job* job, RfError* error )
+{
+    RfRenderSettings settings = job->options.settings;
+    if ( job->options.nodes == 0 )
+        return RF_OK;
+    if ( settings.group == RF_GROUP_AUTO )
+        settings.group = job->plan.rows[job->plan.chosen].group;
+    return rf_cut_ranges( job->options.nodes, job->shot.asked, job->shot.path.step, job->shot.path.count, job->shot.asked_runs,
+                          job->shot.asked_count, &settings, &job->ranges, error );
 }
 
 static void print_row( const RfPlanRow* row )
@@ -183,9 +197,12 @@ static json_t* plan_json( const Job* job )
     tell_verdict( job, verdict );
     json_t* tried = json_pack( "{s:o, s:o, s:o}", "gain", rf_json_number( job->tried.value ), "gain_low",
                                rf_json_number( job->tried.low ), "gain_high", rf_json_number( job->tried.high ) );
-    return json_pack( "{s:s, s:o, s:o, s:s, s:s, s:b, s:o, s:o, s:o}", "verdict", verdict, "tried", tried, "rows", rows,
-                      "adaptive_mode", rf_adaptive_name( plan->adaptive ), "why", plan->why, "at_most", at_most( job ), "costs",
-                      costs, "bytes_record", record, "bytes_paper_example", paper );
+    json_t* json = json_pack( "{s:s, s:o, s:o, s:s, s:s, s:b, s:o, s:o, s:o}", "verdict", verdict, "tried", tried, "rows", rows,
+                              "adaptive_mode", rf_adaptive_name( plan->adaptive ), "why", plan->why, "at_most", at_most( job ),
+                              "costs", costs, "bytes_record", record, "bytes_paper_example", paper );
+    if ( job->ranges.list != NULL )
+        json_object_set_new( json, "nodes", rf_ranges_json( &job->ranges ) );
+    return json;
 }
 
 static RfResult run( Job* job, RfError* error )
@@ -193,12 +210,16 @@ static RfResult run( Job* job, RfError* error )
     RfResult result = rf_load_shot( "plan", &job->options, take_defaults, job, &job->shot, error );
     if ( result == RF_OK )
         result = make_plan( job, error );
+    if ( result == RF_OK )
+        result = cut_ranges( job, error );
     if ( result != RF_OK )
         return result;
     const char* json = job->options.json;
     if ( json == NULL || strcmp( json, "-" ) != 0 )
     {
         print_plan( job );
+        if ( job->ranges.list != NULL )
+            rf_print_ranges( &job->ranges );
         result = rf_flush_output( error );
     }
     return result == RF_OK && json != NULL ? rf_write_json( json, plan_json( job ), error ) : result;
@@ -217,6 +238,7 @@ int rf_command_plan( int argc, char** argv )
     }
     else if ( result == RF_OK )
         result = run( &job, &error );
+    rf_free_ranges( &job.ranges );
     rf_destroy_shot( &job.shot );
     return result == RF_OK ? 0 : rf_report_error( "plan", &error );
 }

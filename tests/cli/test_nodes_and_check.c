@@ -1,0 +1,98 @@
+// Renders on several machines as the program has them: render --check, and a report of what is not finished.
+#include "support/cli_run.h"
+#include "support/page_checks.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#define SHOT "$VASE --size 16x9 --spp 6 --group 1 --tile 1 --quiet "
+
+static const char* text_of( const json_t* json, const char* list, size_t i, const char* key )
+{
+    const char* text = json_string_value( json_object_get( json_array_get( json_object_get( json, list ), i ), key ) );
+    assert_non_null( text );
+    return text;
+}
+
+static int count_of( const json_t* json, const char* key ) { return (int)json_array_size( json_object_get( json, key ) ); }
+
+static int number_of( const json_t* json, const char* key ) { return (int)json_integer_value( json_object_get( json, key ) ); }
+
+static void test_check_tells_what_is_there( void** state )
+{
+    (void)state;
+    cli_expect( cli_run( "$R render " SHOT "-o c/f.####.exr --frames 1-3,7-9x2 >told" ), 0, NULL );
+    cli_expect( cli_run( "$R render " SHOT "-o c/f.####.exr --frames 1-3 --check >told" ), 0, NULL );
+    cli_expect( cli_run( "grep -q '^3 frames in c/f.####.exr: all there, whole and of this render' told" ), 0, NULL );
+    const char* line = "c/f.####.exr: 5 of 10 frames are finished; not there: 4-6, 8, 10: --resume goes on";
+    cli_expect( cli_run( "$R render " SHOT "-o c/f.####.exr --frames 1-10 --check --nodes 2 --json check.json >told" ), 1, line );
+    json_t* json = cli_read_json( "check.json" );
+    assert_true( json_is_false( json_object_get( json, "complete" ) ) );
+    assert_int_equal( number_of( json, "finished" ), 5 );
+    assert_int_equal( count_of( json, "missing" ), 5 );
+    const json_t* nodes = json_object_get( json, "nodes" );
+    assert_int_equal( count_of( nodes, "ranges" ), 2 );
+    json_decref( json );
+    // a frame that lost its end, and one of other settings
+    cli_expect( cli_run( "truncate -s 1500 c/f.0002.exr" ), 0, NULL );
+    cli_expect( cli_run( "$R render " SHOT "-o c/f.####.exr --frames 3 --seed 7 --overwrite >told" ), 0, NULL );
+    line = "1 of 3 frames are finished; of another render: 3; no whole frame: 2: --resume --overwrite replaces the rest";
+    cli_expect( cli_run( "$R render " SHOT "-o c/f.####.exr --frames 1-3 --check" ), 1, line );
+    cli_expect( cli_run( "$R render " SHOT "-o none/f.####.exr --frames 1 --check" ), 1, "0 of 1 frames are finished" );
+    assert_false( cli_exists( "none" ) ); // it only looks
+}
+
+static void test_a_report_tells_unfinished_frames( void** state )
+{
+    (void)state;
+    cli_expect( cli_run( "$R render " SHOT "-o p/f.####.exr --frames 1-2 >told; mkdir p/slurm" ), 0, NULL );
+    cli_expect( cli_run( "$R render " SHOT "-o q/f.####.exr --frames 1-8 --check --nodes 2 --json p/slurm/job.json >told" ), 1,
+                "0 of 8" );
+    cli_expect( cli_run( "$R render " SHOT "-o p/f.####.exr --frames 4 --json p/slurm/task-1-0.json >told" ), 0, NULL );
+    cli_expect( cli_run( "$R render " SHOT "-o p/f.####.exr --frames 5 --json p/slurm/task-1-1.json >told" ), 0, NULL );
+    const CliResult* done = cli_run( "$R report p -o p.html --quiet --json p.json" );
+    cli_expect( done, 0, NULL );
+    assert_non_null( strstr( done->out, "p: 4 of 8 frames are finished, not yet 3, 6-8" ) );
+    json_t* json = cli_read_json( "p.json" );
+    const json_t* progress = json_object_get( json_array_get( json_object_get( json, "sequences" ), 0 ), "progress" );
+    assert_int_equal( number_of( progress, "asked" ), 8 );
+    assert_int_equal( number_of( progress, "finished" ), 4 );
+    assert_string_equal( text_of( progress, "tasks", 1, "frames" ), "5-8" );
+    assert_string_equal( text_of( json, "warnings", 0, "text" ),
+                         "the render goes on: 4 of 8 frames are finished, not yet 3, 6-8" );
+    json_decref( json );
+    json = page_read_data( "p.html", 4 );
+    const json_t* sequence = page_sequence( json, 0 );
+    assert_string_equal( page_fact( sequence, "Progress", "Finished frames" ), "4 of 8" );
+    assert_string_equal( page_fact( sequence, "Progress", "Task 0: 1-4" ), "3 of 4" );
+    assert_string_equal( page_fact( sequence, "Time and memory", "Added up over tasks" ), "2" );
+    assert_null( page_fact( sequence, "Picture", "Missing" ) );
+    json_decref( json );
+    cli_expect( cli_run( "rm p/*.exr; $R report p -o p2.html" ), 1, "none of its frames is finished yet" );
+    // ranges that nobody wrote
+    cli_expect( cli_run( "$R render " SHOT "-o p/f.####.exr --frames 1 >told" ), 0, NULL );
+    static const char* const s_bad[] = { "1-", "2-1", "1x0", "1-9999999999", "a", "1,,2", "" };
+    for ( size_t i = 0; i < sizeof s_bad / sizeof s_bad[0]; ++i )
+    {
+        char text[128];
+        snprintf( text, sizeof text, "{\"nodes\": {\"ranges\": [{\"frames\": \"%s\"}]}}", s_bad[i] );
+        cli_write( "p/slurm/job.json", text, strlen( text ) );
+        cli_expect( cli_run( "$R report p -o p3.html --overwrite --quiet --json p3.json >told" ), 0, NULL );
+        json = cli_read_json( "p3.json" );
+        assert_null( json_object_get( json_array_get( json_object_get( json, "sequences" ), 0 ), "progress" ) );
+        json_decref( json );
+    }
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( test_check_tells_what_is_there ),
+        cmocka_unit_test( test_a_report_tells_unfinished_frames ),
+    };
+    return cmocka_run_group_tests( tests, cli_enter_group, cli_leave_group );
+}

@@ -1,0 +1,57 @@
+// EXR: as a texture from memory, and as a file with layers, parts and attributes.
+#include "fuzz/fuzz.h"
+
+#include "image/decode_formats.h"
+#include "image/exr.h"
+
+#include <stdlib.h>
+
+static void decode( const uint8_t* data, size_t size )
+{
+    RfError error = { 0 };
+    RfPixels pixels = { 0 };
+    RfEncoded in = { data, size, "input.exr" };
+    fuzz_check( rf_decode_exr( &in, &pixels, &error ), &error );
+    rf_destroy_pixels( &pixels );
+}
+
+static void read_channels( const char* path, const RfExrHeader* header )
+{
+    RfError error = { 0 };
+    RfExrWindow window;
+    RfImage image = { 0 };
+    for ( int i = 0; i < header->channel_count && i < 8; ++i )
+    {
+        const char* names[] = { header->channels[i].text };
+        float* values = NULL;
+        fuzz_check( rf_read_exr_channels( path, names, 1, &window, &values, &error ), &error );
+        free( values );
+    }
+    if ( header->channel_count == 0 )
+        return;
+    fuzz_check( rf_read_exr_layer( path, header->channels[0].text, &image, &window, &error ), &error );
+    rf_destroy_image( &image );
+}
+
+static void take_string( void* user, const char* name, const char* value ) { *(size_t*)user += name[0] + value[0]; }
+
+int LLVMFuzzerTestOneInput( const uint8_t* data, size_t size )
+{
+    decode( data, size );
+    const char* path = fuzz_file( "input.exr", data, size );
+    RfError error = { 0 };
+    RfImage image = { 0 };
+    RfExrHeader header = { 0 };
+    size_t sum = 0;
+    char value[64];
+    fuzz_check( rf_read_exr( path, &image, &error ), &error );
+    rf_destroy_image( &image );
+    RfResult result = rf_read_exr_header( path, NULL, &header, &error );
+    fuzz_check( result, &error );
+    if ( result == RF_OK )
+        read_channels( path, &header );
+    rf_destroy_exr_header( &header );
+    fuzz_check( rf_list_exr_strings( path, take_string, &sum, &error ), &error );
+    fuzz_check( rf_read_exr_string( path, "reframe/fingerprint", value, sizeof value, &error ), &error );
+    return 0;
+}

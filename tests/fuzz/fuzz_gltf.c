@@ -1,0 +1,38 @@
+// glTF as .glb and as .gltf, the scene's path by its cameras, and the tracer's view of it.
+#include "fuzz/fuzz.h"
+#include "scene/gltf/gltf.h"
+
+#include "reframe/camera.h"
+
+static void sample_cameras( const RfScene* scene )
+{
+    RfError error = { 0 };
+    RfSceneInfo info;
+    fuzz_check( rf_scene_info( scene, &info, &error ), &error );
+    for ( int i = 0; i < info.cameras && i < 4; ++i )
+    {
+        RfCameraInfo camera;
+        RfFps fps = { 2, 1 };
+        RfCameraPath path;
+        RfResult result = rf_scene_camera( scene, i, fps, &camera, &error );
+        fuzz_check( result, &error );
+        if ( result != RF_OK || camera.frames > 10000 ) // long paths are slow, not wrong
+            continue;
+        result = rf_create_camera_path( scene, camera.name, fps, 32, 18, &path, &error );
+        fuzz_check( result, &error );
+        rf_destroy_camera_path( &path );
+    }
+}
+
+int LLVMFuzzerTestOneInput( const uint8_t* data, size_t size )
+{
+    RfError error = { 0 };
+    RfScene scene;
+    RfLog log = { 0 };
+    RfResult result = rf_load_gltf( fuzz_file( "input.glb", data, size ), &scene, &log, &error );
+    fuzz_check( result, &error );
+    if ( result == RF_OK )
+        sample_cameras( &scene );
+    rf_destroy_scene( &scene );
+    return 0;
+}
