@@ -25,10 +25,14 @@ typedef struct RfRenderer
     RfRayCounts rays;
     double start, last_frame; // seconds
     double batches_done, batches_all;
+    double share; // of the work, as last reported
     int frames_done;
     int adaptive_frames; // of these with extra samples
     double last_relmse;  // of the last finished frame
     bool last_is_lower_bound;
+    double last_flicker; // of the last pair that it finished
+    bool last_flicker_is_lower_bound;
+    int kept_frame; // whose errors memory.kept_errors holds; -1: none
 } RfRenderer;
 
 // A pass of a group.

@@ -5,13 +5,15 @@
 
 #define LEAST_PASSES 2 // one in each half: without both there is no estimate
 #define AIM 0.95       // of the wanted error: most frames are then below it at the first estimate
+#define RECENT 0.7     // weight of a group beside the one after it, in what is foretold
 
-RfStop rf_create_stop( const RfGroupPlan* plan, int most_spp, double noise, double seconds )
+RfStop rf_create_stop( const RfGroupPlan* plan, int most_spp, const RfStopGoals* goals )
 {
     int share = INT_MAX / plan->eyes < 1024 ? INT_MAX / plan->eyes : 1024;
     return ( RfStop ){
-        .noise = noise,
-        .seconds = seconds,
+        .goals = *goals,
+        .rate = (double)NAN,
+        .group_left = (double)NAN,
         .plan = rf_plan_groups( plan->frames, plan->eyes / 2, share * plan->eyes ),
         .scale = share,
         .most = (double)most_spp / plan->eyes,
@@ -28,17 +30,18 @@ RfGroup rf_begin_group( RfStop* stop, int number )
     RfGroup group = rf_group( &stop->plan, number );
     group.passes = 0;
     group.passes_before = stop->passes;
+    stop->group = number;
     stop->group_units = rf_group_units( stop, number );
     stop->group_share = 0.0;
     if ( stop->units_all <= 0.0 )
         stop->units_all = stop->units_left;
     stop->units_left -= stop->group_units;
     stop->due = 0.0;
+    stop->group_left = stop->rate * share_of( stop, number ) * group.eyes;
     return group;
 }
 
-// Weight of a frame's groups from `from` on for one pass a share.
-static double planned_weight( const RfStop* stop, int frame, int from )
+double rf_planned_weight( const RfStop* stop, int frame, int from )
 {
     int first, last;
     rf_groups_of_frame( &stop->plan, frame, &first, &last );
@@ -48,37 +51,75 @@ static double planned_weight( const RfStop* stop, int frame, int from )
     return sum;
 }
 
-static bool is_known( const RfFrameNoise* f ) { return f->seen > 0.0 && isfinite( f->noise ); }
+// The goals that frames are estimated for.
+enum
+{
+    NOISE,
+    FLICKER,
+    GOALS
+};
+
+static double wanted_of( const RfStop* stop, int goal ) { return goal == NOISE ? stop->goals.noise : stop->goals.flicker; }
+
+// v of a frame for a goal; NaN: not known.
+static double value_of( const RfFrameNoise* f, int goal )
+{
+    double value = goal == NOISE ? f->noise : f->flicker;
+    return f->seen > 0.0 && isfinite( value ) ? value : (double)NAN;
+}
+
+// Is all known that the frame is to reach? A frame whose neighbours are not rendered has no flicker of its own.
+static bool is_known( const RfStop* stop, const RfFrameNoise* f )
+{
+    bool noise = !isnan( value_of( f, NOISE ) ), flicker = !isnan( value_of( f, FLICKER ) );
+    return stop->goals.noise > 0.0 ? noise : stop->goals.flicker > 0.0 && flicker;
+}
 
 // An estimate counts more the closer its frame and the more passes it is made from: with few
 // passes it is noisy, and too high, since the cross-fitted quotients are noisy, too.
-static void pool( const RfStop* stop, const RfFrameNoise* f, int frame, double* sum, double* weights )
+static void pool( const RfStop* stop, const RfFrameNoise* f, int goal, int frame, double* sum, double* weights )
 {
-    if ( !is_known( f ) )
+    double value = value_of( f, goal );
+    if ( isnan( value ) )
         return;
     double reach = fmax( 1.0, stop->plan.eyes / 4.0 ), d = ( f->frame - frame ) / reach;
     double weight = f->seen * f->seen / ( 1.0 + d * d );
-    *sum += weight * f->noise;
+    *sum += weight * value;
     *weights += weight;
 }
 
-double rf_pooled_noise( const RfStop* stop, const RfNoiseEstimates* look, int frame )
+// v of a frame, pooled over the estimated and the finished frames around it; NaN where nothing is known.
+static double pooled( const RfStop* stop, const RfNoiseEstimates* look, int goal, int frame )
 {
     double sum = 0.0, weights = 0.0;
     for ( int i = 0; i < look->count; ++i )
-        pool( stop, look->frames + i, frame, &sum, &weights );
+        pool( stop, look->frames + i, goal, frame, &sum, &weights );
     for ( int i = 0; i < stop->finished_count && i < RF_STOP_HISTORY; ++i )
-        pool( stop, stop->finished + i, frame, &sum, &weights );
+        pool( stop, stop->finished + i, goal, frame, &sum, &weights );
     return weights > 0.0 ? sum / weights : (double)NAN;
 }
 
-// Weight that a frame still needs in its last group.
-static double missing_at_last( const RfStop* stop, const RfFrameNoise* f, double pooled, double weight_of_pass, double most )
+// Weight that the frame needs for the hardest goal, by the pooled estimates and with `own` by its own, too; NaN: not known.
+static double needed_weight( const RfStop* stop, const RfNoiseEstimates* look, const RfFrameNoise* f, bool own )
 {
-    double noise = fmax( f->noise, pooled );
-    if ( noise <= stop->noise * f->weight )
+    double needed = (double)NAN;
+    for ( int goal = 0; goal < GOALS; ++goal )
+    {
+        if ( wanted_of( stop, goal ) <= 0.0 )
+            continue;
+        double value = pooled( stop, look, goal, f->frame );
+        value = own ? fmax( value, value_of( f, goal ) ) : value; // fmax takes the number of a number and NaN
+        needed = fmax( needed, value / wanted_of( stop, goal ) );
+    }
+    return needed;
+}
+
+// Weight that a frame still needs in its last group.
+static double missing_at_last( const RfFrameNoise* f, double needed, double weight_of_pass, double most )
+{
+    if ( needed <= f->weight )
         return 0.0;
-    double missing = fmax( noise / stop->noise - f->weight, fmax( weight_of_pass, f->weight / 32.0 ) );
+    double missing = fmax( needed - f->weight, fmax( weight_of_pass, f->weight / 32.0 ) );
     return fmin( missing, fmax( 0.0, most - f->weight ) );
 }
 
@@ -89,16 +130,17 @@ static double due_to_frame( const RfStop* stop, const RfNoiseEstimates* look, co
     int first, last;
     rf_groups_of_frame( &stop->plan, f->frame, &first, &last );
     RfGroup group = rf_group( &stop->plan, look->group );
-    double share = share_of( stop, look->group ), whole = planned_weight( stop, f->frame, first );
-    double pooled = rf_pooled_noise( stop, look, f->frame );
-    if ( last == look->group && is_known( f ) )
+    double share = share_of( stop, look->group ), whole = rf_planned_weight( stop, f->frame, first );
+    if ( last == look->group && is_known( stop, f ) )
     {
-        double missing = missing_at_last( stop, f, pooled, group.weight, stop->most * whole );
+        double needed = needed_weight( stop, look, f, true );
+        double missing = missing_at_last( f, needed, group.weight, stop->most * whole );
         return missing > 0.0 ? look->done + missing / group.weight : 0.0;
     }
-    double wanted = isfinite( pooled ) ? pooled / ( AIM * stop->noise ) : stop->least * whole;
+    double needed = needed_weight( stop, look, f, false );
+    double wanted = isfinite( needed ) ? needed / AIM : stop->least * whole;
     wanted = fmax( stop->least * whole, fmin( wanted, stop->most * whole ) );
-    double after = share > 0.0 ? planned_weight( stop, f->frame, look->group + 1 ) / share : 0.0;
+    double after = share > 0.0 ? rf_planned_weight( stop, f->frame, look->group + 1 ) / share : 0.0;
     return ( wanted - f->weight + look->done * (double)group.weight ) / ( group.weight + after );
 }
 
@@ -107,18 +149,19 @@ static double trusted_passes( const RfStop* stop, const RfNoiseEstimates* look )
 {
     int most = 0;
     for ( int i = 0; i < look->count; ++i )
-        most = is_known( look->frames + i ) && look->frames[i].passes > most ? look->frames[i].passes : most;
+        most = is_known( stop, look->frames + i ) && look->frames[i].passes > most ? look->frames[i].passes : most;
     for ( int i = 0; i < stop->finished_count && i < RF_STOP_HISTORY; ++i )
         most = stop->finished[i].passes > most ? stop->finished[i].passes : most;
     return look->done + ( most > LEAST_PASSES ? most : LEAST_PASSES );
 }
 
-static double due_by_noise( const RfStop* stop, const RfNoiseEstimates* look )
+// What is wanted by the estimates, before it is known how far they can be trusted.
+static double due_by_estimates( const RfStop* stop, const RfNoiseEstimates* look )
 {
     double due = 0.0;
     for ( int i = 0; i < look->count; ++i )
         due = fmax( due, due_to_frame( stop, look, look->frames + i ) );
-    return fmin( due, trusted_passes( stop, look ) );
+    return due;
 }
 
 // X with pace · ( (X − done) eyes + X / share · units to come ) = what is left.
@@ -127,7 +170,7 @@ static double due_by_time( RfStop* stop, const RfNoiseEstimates* look, int done,
     if ( stop->units_done <= 0.0 )
         return done + 1.0; // one pass, to measure the pace
     double share = share_of( stop, look->group ), eyes = rf_group( &stop->plan, look->group ).eyes;
-    double left = fmax( 0.0, stop->seconds - now ) * stop->units_done / stop->seconds_done;
+    double left = fmax( 0.0, stop->goals.seconds - now ) * stop->units_done / stop->seconds_done;
     return share > 0.0 ? ( left + done * eyes ) / ( eyes + stop->units_left / share ) : 0.0;
 }
 
@@ -144,12 +187,36 @@ static bool is_too_few( const RfStop* stop, const RfNoiseEstimates* look, int do
     return false;
 }
 
+// Is anything known that foretells the passes to come?
+static bool is_any_known( const RfStop* stop, const RfNoiseEstimates* look )
+{
+    bool known = stop->finished_count > 0;
+    for ( int i = 0; i < look->count && !known; ++i )
+        known = is_known( stop, look->frames + i );
+    return known;
+}
+
+// What the group still takes by the latest estimates, and what a share of those to come does.
+static void foretell( RfStop* stop, const RfNoiseEstimates* look, int done, double due )
+{
+    double eyes = rf_group( &stop->plan, look->group ).eyes;
+    if ( !is_any_known( stop, look ) || stop->group_units <= 0.0 )
+        return;
+    due = fmax( fmax( due, share_of( stop, look->group ) * stop->least ), done );
+    stop->group_left = ( due - done ) * eyes;
+    stop->rate = ( stop->recent_work + due * eyes ) / ( stop->recent_units + stop->group_units );
+}
+
 int rf_passes_due( RfStop* stop, const RfNoiseEstimates* look, int done, double now )
 {
     double share = share_of( stop, look->group ), least = share * stop->least, due = share * stop->most;
-    if ( stop->noise > 0.0 )
-        due = due_by_noise( stop, look );
-    if ( stop->seconds > 0.0 )
+    if ( stop->goals.noise > 0.0 || stop->goals.flicker > 0.0 )
+    {
+        due = due_by_estimates( stop, look );
+        foretell( stop, look, done, due );
+        due = fmin( due, trusted_passes( stop, look ) );
+    }
+    if ( stop->goals.seconds > 0.0 )
     {
         double by_time = due_by_time( stop, look, done, now );
         stop->hurried = stop->hurried || ( by_time < least && due > least && now > 0.0 && stop->units_done > 0.0 );
@@ -166,6 +233,9 @@ void rf_note_pass( RfStop* stop, int eyes, double now )
     // pace of about the last twenty passes: it differs along the path
     stop->seconds_done = 0.95 * stop->seconds_done + ( now - stop->last );
     stop->units_done = 0.95 * stop->units_done + eyes;
+    stop->work += eyes;
+    if ( stop->group_left > 0.0 ) // NaN stays
+        stop->group_left = fmax( stop->group_left - eyes, 0.0 );
     stop->last = now;
 }
 
@@ -173,21 +243,36 @@ double rf_stop_share( const RfStop* stop, double now )
 {
     double done = stop->units_all - stop->units_left - stop->group_units * ( 1.0 - stop->group_share );
     double by_work = stop->units_all > 0.0 ? done / stop->units_all : 0.0;
-    double by_time = stop->seconds > 0.0 ? fmin( now / stop->seconds, 1.0 ) : 0.0;
+    double by_time = stop->goals.seconds > 0.0 ? fmin( now / stop->goals.seconds, 1.0 ) : 0.0;
     return fmax( by_work, by_time );
+}
+
+double rf_stop_left( const RfStop* stop, double now )
+{
+    double left = (double)NAN;
+    if ( stop->work > 0.0 )
+        left = now / stop->work * ( stop->group_left + stop->rate * stop->units_left );
+    if ( stop->goals.seconds > 0.0 )
+        left = fmin( left, fmax( stop->goals.seconds - now, 0.0 ) );
+    return left;
 }
 
 void rf_end_group( RfStop* stop, int done )
 {
     stop->passes += done;
+    stop->recent_work = RECENT * stop->recent_work + done * rf_group( &stop->plan, stop->group ).eyes;
+    stop->recent_units = RECENT * stop->recent_units + stop->group_units;
     stop->owed = fmin( fmax( stop->due + stop->owed - done, 0.0 ), 1.0 );
 }
 
-bool rf_note_finished( RfStop* stop, RfFrameNoise frame )
+// NaN of a flicker is no miss: the pair was not rendered.
+RfMissed rf_note_finished( RfStop* stop, RfFrameNoise frame )
 {
-    bool reached = stop->noise <= 0.0 || frame.noise <= stop->noise * frame.weight;
-    stop->missed += !reached;
-    if ( is_known( &frame ) )
+    RfMissed missed = { .noise = stop->goals.noise > 0.0 && !( frame.noise <= stop->goals.noise * frame.weight ),
+                        .flicker = stop->goals.flicker > 0.0 && frame.flicker > stop->goals.flicker * frame.weight };
+    stop->missed += missed.noise;
+    stop->flicker_missed += missed.flicker;
+    if ( is_known( stop, &frame ) )
         stop->finished[stop->finished_count++ % RF_STOP_HISTORY] = frame;
-    return reached;
+    return missed;
 }

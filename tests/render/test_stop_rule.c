@@ -103,14 +103,14 @@ static void run_window( Trial* t, int number )
         // the estimate by which the window ended
         RfFrameNoise now = look.done == done ? frames[k] : estimate( t, frame );
         if ( last == number )
-            t->reached[frame] = rf_note_finished( &t->stop, now );
+            t->reached[frame] = !rf_note_finished( &t->stop, now ).noise;
     }
 }
 
 static void run( Trial* t )
 {
     RfGroupPlan plan = rf_plan_groups( t->frames, t->group, t->most_spp );
-    t->stop = rf_create_stop( &plan, t->most_spp, t->error, t->seconds );
+    t->stop = rf_create_stop( &plan, t->most_spp, &( RfStopGoals ){ .noise = t->error, .seconds = t->seconds } );
     t->random = t->random * 2 + 1;
     for ( int w = 0; w < plan.groups; ++w )
         t->stop.units_left += rf_group_units( &t->stop, w );
@@ -331,7 +331,7 @@ static void test_time_with_a_changing_pace( void** state )
     Trial t = make_trial( 200, 3 );
     t.seconds = 400.0;
     RfGroupPlan plan = rf_plan_groups( t.frames, t.group, t.most_spp );
-    t.stop = rf_create_stop( &plan, t.most_spp, 0.0, t.seconds );
+    t.stop = rf_create_stop( &plan, t.most_spp, &( RfStopGoals ){ .seconds = t.seconds } );
     for ( int w = 0; w < plan.groups; ++w )
         t.stop.units_left += rf_group_units( &t.stop, w );
     for ( int w = 0; w < plan.groups; ++w )

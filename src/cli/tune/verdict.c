@@ -23,6 +23,16 @@ void rf_tell_gain( const RfInterval* gain, char* text, size_t size )
                   slower ? "slower" : "faster", slower ? 1.0 / gain->high : gain->low, slower ? 1.0 / gain->low : gain->high );
 }
 
+void rf_tell_flicker_gain( const RfInterval* gain, char* text, size_t size )
+{
+    bool slower = gain->value < 1.0;
+    if ( isfinite( gain->value ) )
+        snprintf( text, size, "about %.2f times %s than path tracing at equal flicker", slower ? 1.0 / gain->value : gain->value,
+                  slower ? "slower" : "faster" );
+    else
+        snprintf( text, size, "not compared with path tracing" );
+}
+
 void rf_format_span( double seconds, char* text, size_t size )
 {
     static const struct

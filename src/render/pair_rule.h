@@ -1,0 +1,27 @@
+// What the flicker of a pair of frames will be when both are finished (src/reuse/estimators.md, section 17). The earlier
+// frame is finished first: after its last group the later one gets further passes, which the earlier one does not share.
+//
+// Like the stop rule, numbers alone.
+#ifndef REFRAME_RENDER_PAIR_RULE_H
+#define REFRAME_RENDER_PAIR_RULE_H
+
+#include "film/film_flicker.h"
+#include "render/stop_rule.h"
+
+// A pair of frames after some passes of a group that holds both, or neither shares any with the other.
+typedef struct RfPairNow
+{
+    int group;                  // in which it was estimated
+    const RfFrameNoise* before; // the earlier frame: number and weight
+    const RfFrameNoise* now;
+    RfFlicker flicker;
+} RfPairNow;
+
+// F1² of the finished pair, times the weight that the earlier frame has now: falls as 1 over that weight.
+double rf_final_flicker( const RfStop* stop, const RfPairNow* pair );
+
+// The later frame is in its last group and the earlier one is finished. The same as a bound for the weight of the later
+// one; 0 where passes of that one alone do not bring F1² down to what is wanted.
+double rf_late_flicker( const RfStop* stop, const RfFrameNoise* now, const RfFlicker* flicker );
+
+#endif
