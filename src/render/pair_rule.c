@@ -2,6 +2,14 @@
 
 #include <math.h>
 
+// With these weights of both frames and of what they share.
+static double f1_squared_of( const RfPairNow* pair, double end, double shared, double now_end )
+{
+    const RfFlicker* f = &pair->flicker;
+    double before = pair->before->weight, now = pair->now->weight;
+    return f->before * before / end + f->now * now / now_end - 2.0 * f->product * before * shared / ( end * now_end );
+}
+
 // (E13) with the passes to come: those of both frames make errors and their product smaller, those of the later frame alone
 // are independent of what the earlier one has.
 double rf_final_flicker( const RfStop* stop, const RfPairNow* pair )
@@ -14,9 +22,8 @@ double rf_final_flicker( const RfStop* stop, const RfPairNow* pair )
     double alone = rf_planned_weight( stop, now->frame, last > pair->group ? last + 1 : pair->group + 1 );
     double rate = before->weight / ( whole - both ); // passes of a share so far
     double end = before->weight + rate * both, shared = now->weight + rate * both, now_end = shared + rate * alone;
-    double f1_squared = pair->flicker.before * before->weight / end + pair->flicker.now * now->weight / now_end -
-                        2.0 * pair->flicker.product * before->weight * shared / ( end * now_end );
-    return rf_flicker_doubt( &pair->flicker ) * fmax( f1_squared, 0.0 ) * end;
+    double planned = f1_squared_of( pair, end, shared, now_end );
+    return fmax( fmax( planned, f1_squared_of( pair, end, shared, now_end + pair->spare ) ), 0.0 ) * end;
 }
 
 double rf_late_flicker( const RfStop* stop, const RfFrameNoise* now, const RfFlicker* flicker )

@@ -15,9 +15,11 @@ typedef struct RfPairNow
     const RfFrameNoise* before; // the earlier frame: number and weight
     const RfFrameNoise* now;
     RfFlicker flicker;
+    double spare; // weight that the later frame may get beyond what is planned
 } RfPairNow;
 
-// F1² of the finished pair, times the weight that the earlier frame has now: falls as 1 over that weight.
+// The likely F1² of the finished pair, times the weight of the earlier frame: falls as 1 over that weight. With `spare` it
+// is the larger one of those with and without.
 double rf_final_flicker( const RfStop* stop, const RfPairNow* pair );
 
 // The later frame is in its last group and the earlier one is finished. The same as a bound for the weight of the later

@@ -5,7 +5,8 @@
 
 #define LEAST_PASSES 2 // one in each half: without both there is no estimate
 #define AIM 0.95       // of the wanted error: most frames are then below it at the first estimate
-#define RECENT 0.7     // weight of a group beside the one after it, in what is foretold
+#define RECENT 0.8     // weight of a group beside the one after it, in what is foretold
+#define PRIOR 1.0      // groups that the estimates count like there
 
 RfStop rf_create_stop( const RfGroupPlan* plan, int most_spp, const RfStopGoals* goals )
 {
@@ -61,25 +62,27 @@ enum
 
 static double wanted_of( const RfStop* stop, int goal ) { return goal == NOISE ? stop->goals.noise : stop->goals.flicker; }
 
-// v of a frame for a goal; NaN: not known.
-static double value_of( const RfFrameNoise* f, int goal )
+// v of a frame for a goal; NaN: not known. To stop by, it is doubled where it is in doubt; what is likely foretells.
+static double value_of( const RfFrameNoise* f, int goal, bool likely )
 {
-    double value = goal == NOISE ? f->noise : f->flicker;
-    return f->seen > 0.0 && isfinite( value ) ? value : (double)NAN;
+    double value = goal == NOISE ? f->noise : f->flicker, doubt = goal == NOISE ? f->noise_doubt : f->flicker_doubt;
+    if ( !( f->seen > 0.0 && isfinite( value ) ) )
+        return (double)NAN;
+    return likely ? value / fmax( doubt, 1.0 ) : value;
 }
 
 // Is all known that the frame is to reach? A frame whose neighbours are not rendered has no flicker of its own.
 static bool is_known( const RfStop* stop, const RfFrameNoise* f )
 {
-    bool noise = !isnan( value_of( f, NOISE ) ), flicker = !isnan( value_of( f, FLICKER ) );
+    bool noise = !isnan( value_of( f, NOISE, false ) ), flicker = !isnan( value_of( f, FLICKER, false ) );
     return stop->goals.noise > 0.0 ? noise : stop->goals.flicker > 0.0 && flicker;
 }
 
 // An estimate counts more the closer its frame and the more passes it is made from: with few
 // passes it is noisy, and too high, since the cross-fitted quotients are noisy, too.
-static void pool( const RfStop* stop, const RfFrameNoise* f, int goal, int frame, double* sum, double* weights )
+static void pool( const RfStop* stop, const RfFrameNoise* f, int goal, int frame, bool likely, double* sum, double* weights )
 {
-    double value = value_of( f, goal );
+    double value = value_of( f, goal, likely );
     if ( isnan( value ) )
         return;
     double reach = fmax( 1.0, stop->plan.eyes / 4.0 ), d = ( f->frame - frame ) / reach;
@@ -89,26 +92,26 @@ static void pool( const RfStop* stop, const RfFrameNoise* f, int goal, int frame
 }
 
 // v of a frame, pooled over the estimated and the finished frames around it; NaN where nothing is known.
-static double pooled( const RfStop* stop, const RfNoiseEstimates* look, int goal, int frame )
+static double pooled( const RfStop* stop, const RfNoiseEstimates* look, int goal, int frame, bool likely )
 {
     double sum = 0.0, weights = 0.0;
     for ( int i = 0; i < look->count; ++i )
-        pool( stop, look->frames + i, goal, frame, &sum, &weights );
+        pool( stop, look->frames + i, goal, frame, likely, &sum, &weights );
     for ( int i = 0; i < stop->finished_count && i < RF_STOP_HISTORY; ++i )
-        pool( stop, stop->finished + i, goal, frame, &sum, &weights );
+        pool( stop, stop->finished + i, goal, frame, likely, &sum, &weights );
     return weights > 0.0 ? sum / weights : (double)NAN;
 }
 
 // Weight that the frame needs for the hardest goal, by the pooled estimates and with `own` by its own, too; NaN: not known.
-static double needed_weight( const RfStop* stop, const RfNoiseEstimates* look, const RfFrameNoise* f, bool own )
+static double needed_weight( const RfStop* stop, const RfNoiseEstimates* look, const RfFrameNoise* f, bool own, bool likely )
 {
     double needed = (double)NAN;
     for ( int goal = 0; goal < GOALS; ++goal )
     {
         if ( wanted_of( stop, goal ) <= 0.0 )
             continue;
-        double value = pooled( stop, look, goal, f->frame );
-        value = own ? fmax( value, value_of( f, goal ) ) : value; // fmax takes the number of a number and NaN
+        double value = pooled( stop, look, goal, f->frame, likely );
+        value = own ? fmax( value, value_of( f, goal, likely ) ) : value; // fmax takes the number of a number and NaN
         needed = fmax( needed, value / wanted_of( stop, goal ) );
     }
     return needed;
@@ -125,7 +128,7 @@ static double missing_at_last( const RfFrameNoise* f, double needed, double weig
 
 // Passes of this group, including those done, that one of its frames needs: as many
 // per share as in its groups to come.
-static double due_to_frame( const RfStop* stop, const RfNoiseEstimates* look, const RfFrameNoise* f )
+static double due_to_frame( const RfStop* stop, const RfNoiseEstimates* look, const RfFrameNoise* f, bool likely )
 {
     int first, last;
     rf_groups_of_frame( &stop->plan, f->frame, &first, &last );
@@ -133,11 +136,11 @@ static double due_to_frame( const RfStop* stop, const RfNoiseEstimates* look, co
     double share = share_of( stop, look->group ), whole = rf_planned_weight( stop, f->frame, first );
     if ( last == look->group && is_known( stop, f ) )
     {
-        double needed = needed_weight( stop, look, f, true );
+        double needed = needed_weight( stop, look, f, true, likely );
         double missing = missing_at_last( f, needed, group.weight, stop->most * whole );
         return missing > 0.0 ? look->done + missing / group.weight : 0.0;
     }
-    double needed = needed_weight( stop, look, f, false );
+    double needed = needed_weight( stop, look, f, false, likely );
     double wanted = isfinite( needed ) ? needed / AIM : stop->least * whole;
     wanted = fmax( stop->least * whole, fmin( wanted, stop->most * whole ) );
     double after = share > 0.0 ? rf_planned_weight( stop, f->frame, look->group + 1 ) / share : 0.0;
@@ -156,11 +159,11 @@ static double trusted_passes( const RfStop* stop, const RfNoiseEstimates* look )
 }
 
 // What is wanted by the estimates, before it is known how far they can be trusted.
-static double due_by_estimates( const RfStop* stop, const RfNoiseEstimates* look )
+static double due_by_estimates( const RfStop* stop, const RfNoiseEstimates* look, bool likely )
 {
     double due = 0.0;
     for ( int i = 0; i < look->count; ++i )
-        due = fmax( due, due_to_frame( stop, look, look->frames + i ) );
+        due = fmax( due, due_to_frame( stop, look, look->frames + i, likely ) );
     return due;
 }
 
@@ -196,15 +199,26 @@ static bool is_any_known( const RfStop* stop, const RfNoiseEstimates* look )
     return known;
 }
 
-// What the group still takes by the latest estimates, and what a share of those to come does.
-static void foretell( RfStop* stop, const RfNoiseEstimates* look, int done, double due )
+// Passes that a share wants by the estimates of a group, as its last frame will have them.
+static double rate_by_estimates( const RfStop* stop, const RfNoiseEstimates* look )
 {
-    double eyes = rf_group( &stop->plan, look->group ).eyes;
-    if ( !is_any_known( stop, look ) || stop->group_units <= 0.0 )
+    const RfFrameNoise* f = look->frames + look->count - 1;
+    int first, last;
+    rf_groups_of_frame( &stop->plan, f->frame, &first, &last );
+    double needed = needed_weight( stop, look, f, false, true ) / AIM;
+    return fmax( stop->least, fmin( needed / rf_planned_weight( stop, f->frame, first ), stop->most ) );
+}
+
+// What the group still takes, and a share of those to come. What the last groups took counts more the more there are; the
+// first one has the ends of the path.
+static void foretell( RfStop* stop, const RfNoiseEstimates* look, int done )
+{
+    double eyes = rf_group( &stop->plan, look->group ).eyes, units = stop->group_units;
+    if ( !is_any_known( stop, look ) || units <= 0.0 || look->count == 0 )
         return;
-    due = fmax( fmax( due, share_of( stop, look->group ) * stop->least ), done );
-    stop->group_left = ( due - done ) * eyes;
-    stop->rate = ( stop->recent_work + due * eyes ) / ( stop->recent_units + stop->group_units );
+    double due = fmax( due_by_estimates( stop, look, true ), share_of( stop, look->group ) * stop->least );
+    stop->group_left = fmax( due - done, 0.0 ) * eyes;
+    stop->rate = ( stop->recent_work + PRIOR * eyes * rate_by_estimates( stop, look ) ) / ( stop->recent_units + PRIOR * eyes );
 }
 
 int rf_passes_due( RfStop* stop, const RfNoiseEstimates* look, int done, double now )
@@ -212,8 +226,8 @@ int rf_passes_due( RfStop* stop, const RfNoiseEstimates* look, int done, double 
     double share = share_of( stop, look->group ), least = share * stop->least, due = share * stop->most;
     if ( stop->goals.noise > 0.0 || stop->goals.flicker > 0.0 )
     {
-        due = due_by_estimates( stop, look );
-        foretell( stop, look, done, due );
+        due = due_by_estimates( stop, look, false );
+        foretell( stop, look, done );
         due = fmin( due, trusted_passes( stop, look ) );
     }
     if ( stop->goals.seconds > 0.0 )
@@ -260,8 +274,12 @@ double rf_stop_left( const RfStop* stop, double now )
 void rf_end_group( RfStop* stop, int done )
 {
     stop->passes += done;
-    stop->recent_work = RECENT * stop->recent_work + done * rf_group( &stop->plan, stop->group ).eyes;
-    stop->recent_units = RECENT * stop->recent_units + stop->group_units;
+    if ( stop->begun )
+    {
+        stop->recent_work = RECENT * stop->recent_work + done * rf_group( &stop->plan, stop->group ).eyes;
+        stop->recent_units = RECENT * stop->recent_units + stop->group_units;
+    }
+    stop->begun = true;
     stop->owed = fmin( fmax( stop->due + stop->owed - done, 0.0 ), 1.0 );
 }
 

@@ -34,11 +34,12 @@
 typedef struct RfFrameNoise
 {
     int frame;
-    int passes;     // so far
-    double weight;  // of them
-    double noise;   // v, the relMSE times the weight it was estimated at
-    double flicker; // the same of F1² of a pair that the frame is in; NaN: not known
-    double seen;    // that weight; 0: neither is known
+    int passes;                        // so far
+    double weight;                     // of them
+    double noise;                      // v, the relMSE times the weight it was estimated at
+    double flicker;                    // the same of F1² of a pair that the frame is in; NaN: not known
+    double seen;                       // that weight; 0: neither is known
+    double noise_doubt, flicker_doubt; // how many times the likely values these are; 0: once
 } RfFrameNoise;
 
 // What a render is to reach; 0: does not matter.
@@ -66,7 +67,8 @@ typedef struct RfStop
     double work;                           // passes × eyes done in all
     double group_left;                     // of this group, by what is known; NaN: nothing yet
     double rate;                           // passes that a share gets by the last groups; NaN: not known yet
-    double recent_work, recent_units;      // of these
+    double recent_work, recent_units;      // of these, without the first one
+    bool begun;                            // a group is done
     double seconds_done, units_done, last; // pace: seconds per eye and pass is their quotient
     RfFrameNoise finished[RF_STOP_HISTORY];
     int finished_count; // in all
@@ -109,8 +111,8 @@ void rf_end_group( RfStop* stop, int done );
 // Estimated part of the whole render that is done, 0 to 1.
 double rf_stop_share( const RfStop* stop, double now );
 
-// Seconds to the end, if all shares to come take as many passes as this group is to have by its latest estimates, at the
-// pace so far. NaN before there are any.
+// Seconds to the end at the pace so far, by what the latest estimates, as they are likely to be, want of this group and of
+// the shares to come, and by what the last groups took. NaN before there are any.
 double rf_stop_left( const RfStop* stop, double now );
 
 // Notes a finished frame, with the flicker since the one before (NaN: not known). Tells what it has missed.

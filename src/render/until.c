@@ -16,48 +16,73 @@ static RfFrameNoise known_of( const RfLiveFilm* live )
                              .weight = film->weight[0] + film->weight[1],
                              .noise = live->noise,
                              .flicker = live->flicker,
-                             .seen = live->noise_seen };
+                             .seen = live->noise_seen,
+                             .noise_doubt = live->noise_doubt,
+                             .flicker_doubt = live->flicker_doubt };
 }
 
+// v of F1², to stop by, and the doubt in it.
+typedef struct Flicker
+{
+    double value; // NaN: not known
+    double doubt;
+} Flicker;
+
+static const Flicker s_unknown = { (double)NAN, 1.0 };
+
+// The passes of the later frame are spread unevenly where there are few, and follow what other frames need.
+#define SPARE 0.25 // of what is planned for its last group, and a pass
+
 // What a frame of group `number` and the one after it will be.
-static double flicker_ahead( const RfRenderer* r, int number, const RfLiveFilm* live, RfFilmCombine combine )
+static Flicker flicker_ahead( const RfRenderer* r, int number, const RfLiveFilm* live, RfFilmCombine combine )
 {
     const RfLiveFilm* next = rf_find_film( r, live->frame + 1 );
+    int first, last, next_first, next_last;
     if ( next == NULL )
-        return (double)NAN;
+        return s_unknown;
+    rf_groups_of_frame( &r->plan, live->frame, &first, &last );
+    rf_groups_of_frame( &r->plan, live->frame + 1, &next_first, &next_last );
     RfFrameNoise before = known_of( live ), now = known_of( next );
-    RfPairNow pair = { number, &before, &now, rf_flicker_of_films( live->films, next->films, combine ) };
-    return rf_final_flicker( &r->stop, &pair );
+    RfPairNow pair = { number, &before, &now, rf_flicker_of_films( live->films, next->films, combine ), 0.0 };
+    if ( next_last > last )
+        pair.spare = SPARE * before.weight / ( last - first + 1 ) + rf_group( &r->plan, next_last ).weight;
+    double doubt = rf_flicker_doubt( &pair.flicker );
+    return ( Flicker ){ doubt * rf_final_flicker( &r->stop, &pair ), doubt };
 }
 
 // What the frame before, which may be finished, asks of a frame in its last group.
-static double flicker_behind( const RfRenderer* r, int number, const RfLiveFilm* live, RfFilmCombine combine )
+static Flicker flicker_behind( const RfRenderer* r, int number, const RfLiveFilm* live, RfFilmCombine combine )
 {
     RfFrameNoise now = known_of( live );
     const RfLiveFilm* before = rf_find_film( r, live->frame - 1 );
     if ( before != NULL )
         return flicker_ahead( r, number, before, combine );
     if ( r->kept_frame != live->frame - 1 )
-        return (double)NAN;
+        return s_unknown;
     RfFlicker flicker = rf_flicker_since( r->memory.kept_errors, live->films, combine );
-    return rf_late_flicker( &r->stop, &now, &flicker );
+    return ( Flicker ){ rf_late_flicker( &r->stop, &now, &flicker ), rf_flicker_doubt( &flicker ) };
 }
 
-// v of F1². A frame whose neighbours are rendered later without sharing passes with it, or not at all, is held to what two
+// A frame whose neighbours are rendered later without sharing passes with it, or not at all, is held to what two
 // independent frames like it would have.
-static double estimate_flicker( const RfRenderer* r, int number, const RfLiveFilm* live )
+static Flicker flicker_of_two( const RfLiveFilm* live, RfFilmCombine combine )
+{
+    return ( Flicker ){ 2.0 * rf_film_mean_square( live->films, combine ) * known_of( live ).weight, 1.0 };
+}
+
+static Flicker estimate_flicker( const RfRenderer* r, int number, const RfLiveFilm* live )
 {
     int first, last;
     rf_groups_of_frame( &r->plan, live->frame, &first, &last );
     RfFilmCombine combine = rf_film_combine( r->settings.normalize );
-    double ahead = flicker_ahead( r, number, live, combine ), behind = (double)NAN;
+    Flicker ahead = flicker_ahead( r, number, live, combine ), behind = s_unknown;
     bool has_next = rf_is_asked( r, live->frame + 1 );
     if ( last == number && ( !has_next || r->kept_frame == live->frame - 1 ) )
         behind = flicker_behind( r, number, live, combine );
-    bool alone = isnan( ahead ) && ( has_next || isnan( behind ) );
+    bool alone = isnan( ahead.value ) && ( has_next || isnan( behind.value ) );
     if ( alone && ( last == number || r->plan.eyes == 1 ) )
-        ahead = 2.0 * rf_film_mean_square( live->films, combine ) * known_of( live ).weight;
-    return fmax( ahead, behind );
+        ahead = flicker_of_two( live, combine );
+    return isnan( ahead.value ) || behind.value > ahead.value ? behind : ahead;
 }
 
 // The picture is made in a buffer that waits for the next frame.
@@ -70,9 +95,14 @@ static void estimate( RfRenderer* r, int number, RfLiveFilm* live )
         RfFrameBuffer* buffer = rf_next_frame_buffer( &r->queue );
         RfRelmse relmse = rf_finish_picture( r, live, buffer->rgb, NULL );
         live->noise = live->noise_seen * rf_prudent_relmse( &relmse );
+        live->noise_doubt = rf_prudent_relmse( &relmse ) / relmse.likely;
     }
     if ( r->settings.flicker > 0.0 )
-        live->flicker = estimate_flicker( r, number, live );
+    {
+        Flicker flicker = estimate_flicker( r, number, live );
+        live->flicker = flicker.value;
+        live->flicker_doubt = flicker.doubt;
+    }
 }
 
 // Estimates take time: they are made where they decide, and for enough others to

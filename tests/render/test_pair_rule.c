@@ -68,7 +68,7 @@ static void test_the_finished_pair_is_foretold( void** state )
             for ( int group = next_first; group <= last; ++group )
             {
                 RfFrameNoise before = known( &path, frame, group ), now = known( &path, frame + 1, group );
-                RfPairNow pair = { group, &before, &now, flicker_of( &path, frame, group ) };
+                RfPairNow pair = { group, &before, &now, flicker_of( &path, frame, group ), 0.0 };
                 double found = rf_final_flicker( &path.stop, &pair );
                 assert_true( fabs( found - wanted ) <= 1e-9 * wanted );
             }
