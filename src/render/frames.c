@@ -58,8 +58,7 @@ static RfMissed note_finished( RfRenderer* r, int frame, const RfFilm* film, con
                                                .noise = rf_prudent_relmse( relmse ) * weight,
                                                .flicker = rf_flicker_doubt( flicker ) * rf_flicker_f1_squared( flicker ) * weight,
                                                .seen = weight,
-                                               .noise_doubt = rf_prudent_relmse( relmse ) / relmse->likely,
-                                               .flicker_doubt = rf_flicker_doubt( flicker ) } );
+                                               .doubt = rf_prudent_relmse( relmse ) / relmse->likely } );
 }
 
 // The flicker since the frame before, unknown where that was not rendered; keeps the error of this one for the next.

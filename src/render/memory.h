@@ -15,7 +15,7 @@ typedef struct RfLiveFilm
     RfAovFilm aovs;
     void* pass_state;                  // the estimator's, see RfEstimatorSizes; NULL: none
     double noise, flicker, noise_seen; // as `noise`, `flicker` and `seen` in RfFrameNoise
-    double noise_doubt, flicker_doubt; // likewise
+    double doubt;                      // likewise
     float* need; // adaptive sampling: extra samples wanted by each pixel in a pass; NULL: none in this render
     float most_need;
 } RfLiveFilm;

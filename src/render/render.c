@@ -164,7 +164,7 @@ RfResult rf_render( const RfTracer* tracer, const RfEye* eyes, int eye_count, co
                      .frames_all = frame_count,
                      .last_relmse = (double)NAN,
                      .last_flicker = (double)NAN,
-                     .kept_frame = -1 };
+                     .kept_frame = RF_NO_FRAME };
     RfResult result = rf_resolve_settings( tracer, eyes, eye_count, settings, &r.settings, error );
     if ( result == RF_OK )
         result = check_frames( frames, frame_count, eye_count, error );

@@ -4,6 +4,8 @@
 
 #include "render/memory.h"
 
+#define RF_NO_FRAME ( -2 ) // not even the one before the first
+
 typedef struct RfRenderer
 {
     const RfTracer* tracer;
@@ -32,7 +34,7 @@ typedef struct RfRenderer
     bool last_is_lower_bound;
     double last_flicker; // of the last pair that it finished
     bool last_flicker_is_lower_bound;
-    int kept_frame; // whose errors memory.kept_errors holds; -1: none
+    int kept_frame; // whose errors memory.kept_errors holds
 } RfRenderer;
 
 // A pass of a group.

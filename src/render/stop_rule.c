@@ -62,13 +62,14 @@ enum
 
 static double wanted_of( const RfStop* stop, int goal ) { return goal == NOISE ? stop->goals.noise : stop->goals.flicker; }
 
-// v of a frame for a goal; NaN: not known. To stop by, it is doubled where it is in doubt; what is likely foretells.
+// v of a frame for a goal; NaN: not known. A noise in doubt counts double where it is to stop by, but not where it is to
+// foretell: with more passes most doubts end. Those of flicker stay, such as the rims of lamps.
 static double value_of( const RfFrameNoise* f, int goal, bool likely )
 {
-    double value = goal == NOISE ? f->noise : f->flicker, doubt = goal == NOISE ? f->noise_doubt : f->flicker_doubt;
+    double value = goal == NOISE ? f->noise : f->flicker;
     if ( !( f->seen > 0.0 && isfinite( value ) ) )
         return (double)NAN;
-    return likely ? value / fmax( doubt, 1.0 ) : value;
+    return likely && goal == NOISE ? value / fmax( f->doubt, 1.0 ) : value;
 }
 
 // Is all known that the frame is to reach? A frame whose neighbours are not rendered has no flicker of its own.
@@ -147,6 +148,15 @@ static double due_to_frame( const RfStop* stop, const RfNoiseEstimates* look, co
     return ( wanted - f->weight + look->done * (double)group.weight ) / ( group.weight + after );
 }
 
+// Frames that differ much in their samples share few, and flicker: with a flicker to reach, the passes of a share fall by
+// no more than half over the length of a group, whatever the frames have already.
+static double due_to_be_even( const RfStop* stop, const RfNoiseEstimates* look )
+{
+    if ( stop->goals.flicker <= 0.0 || stop->plan.eyes == 1 )
+        return 0.0;
+    return share_of( stop, look->group ) * fmin( stop->last_rate * pow( 0.5, 1.0 / stop->plan.eyes ), stop->most );
+}
+
 // At most twice the passes that the estimates are made from: later ones are better.
 static double trusted_passes( const RfStop* stop, const RfNoiseEstimates* look )
 {
@@ -217,6 +227,7 @@ static void foretell( RfStop* stop, const RfNoiseEstimates* look, int done )
     if ( !is_any_known( stop, look ) || units <= 0.0 || look->count == 0 )
         return;
     double due = fmax( due_by_estimates( stop, look, true ), share_of( stop, look->group ) * stop->least );
+    due = fmax( due, due_to_be_even( stop, look ) );
     stop->group_left = fmax( due - done, 0.0 ) * eyes;
     stop->rate = ( stop->recent_work + PRIOR * eyes * rate_by_estimates( stop, look ) ) / ( stop->recent_units + PRIOR * eyes );
 }
@@ -226,7 +237,7 @@ int rf_passes_due( RfStop* stop, const RfNoiseEstimates* look, int done, double 
     double share = share_of( stop, look->group ), least = share * stop->least, due = share * stop->most;
     if ( stop->goals.noise > 0.0 || stop->goals.flicker > 0.0 )
     {
-        due = due_by_estimates( stop, look, false );
+        due = fmax( due_by_estimates( stop, look, false ), due_to_be_even( stop, look ) );
         foretell( stop, look, done );
         due = fmin( due, trusted_passes( stop, look ) );
     }
@@ -280,6 +291,7 @@ void rf_end_group( RfStop* stop, int done )
         stop->recent_units = RECENT * stop->recent_units + stop->group_units;
     }
     stop->begun = true;
+    stop->last_rate = share_of( stop, stop->group ) > 0.0 ? fmax( stop->due, done ) / share_of( stop, stop->group ) : 0.0;
     stop->owed = fmin( fmax( stop->due + stop->owed - done, 0.0 ), 1.0 );
 }
 

@@ -16,7 +16,7 @@
 //
 // For a flicker F: F1² of a pair of frames falls as 1 / W as well, so v = F1² · W with F² in the place of E. It must be
 // the F1 of the finished pair (pair_rule.h): the earlier frame is finished before the later one, and passes that the later
-// one alone gets do not help. With both, a frame gets what the harder of the two needs.
+// one alone gets do not help. Passes are spread more evenly then: due_to_be_even in stop_rule.c. With both, a frame gets what the harder of the two needs.
 //
 // For a time: r is the time left over the cost of the remaining shares at the pace so far.
 //
@@ -34,12 +34,12 @@
 typedef struct RfFrameNoise
 {
     int frame;
-    int passes;                        // so far
-    double weight;                     // of them
-    double noise;                      // v, the relMSE times the weight it was estimated at
-    double flicker;                    // the same of F1² of a pair that the frame is in; NaN: not known
-    double seen;                       // that weight; 0: neither is known
-    double noise_doubt, flicker_doubt; // how many times the likely values these are; 0: once
+    int passes;     // so far
+    double weight;  // of them
+    double noise;   // v, the relMSE times the weight it was estimated at
+    double flicker; // the same of F1² of a pair that the frame is in; NaN: not known
+    double seen;    // that weight; 0: neither is known
+    double doubt;   // how many times the likely value `noise` is; 0: once
 } RfFrameNoise;
 
 // What a render is to reach; 0: does not matter.
@@ -68,6 +68,7 @@ typedef struct RfStop
     double group_left;                     // of this group, by what is known; NaN: nothing yet
     double rate;                           // passes that a share gets by the last groups; NaN: not known yet
     double recent_work, recent_units;      // of these, without the first one
+    double last_rate;                      // of the last group
     bool begun;                            // a group is done
     double seconds_done, units_done, last; // pace: seconds per eye and pass is their quotient
     RfFrameNoise finished[RF_STOP_HISTORY];

@@ -17,72 +17,61 @@ static RfFrameNoise known_of( const RfLiveFilm* live )
                              .noise = live->noise,
                              .flicker = live->flicker,
                              .seen = live->noise_seen,
-                             .noise_doubt = live->noise_doubt,
-                             .flicker_doubt = live->flicker_doubt };
+                             .doubt = live->doubt };
 }
-
-// v of F1², to stop by, and the doubt in it.
-typedef struct Flicker
-{
-    double value; // NaN: not known
-    double doubt;
-} Flicker;
-
-static const Flicker s_unknown = { (double)NAN, 1.0 };
 
 // The passes of the later frame are spread unevenly where there are few, and follow what other frames need.
 #define SPARE 0.25 // of what is planned for its last group, and a pass
 
-// What a frame of group `number` and the one after it will be.
-static Flicker flicker_ahead( const RfRenderer* r, int number, const RfLiveFilm* live, RfFilmCombine combine )
+// v of F1², to stop by: what a frame of group `number` and the one after it will be.
+static double flicker_ahead( const RfRenderer* r, int number, const RfLiveFilm* live, RfFilmCombine combine )
 {
     const RfLiveFilm* next = rf_find_film( r, live->frame + 1 );
     int first, last, next_first, next_last;
     if ( next == NULL )
-        return s_unknown;
+        return (double)NAN;
     rf_groups_of_frame( &r->plan, live->frame, &first, &last );
     rf_groups_of_frame( &r->plan, live->frame + 1, &next_first, &next_last );
     RfFrameNoise before = known_of( live ), now = known_of( next );
     RfPairNow pair = { number, &before, &now, rf_flicker_of_films( live->films, next->films, combine ), 0.0 };
     if ( next_last > last )
         pair.spare = SPARE * before.weight / ( last - first + 1 ) + rf_group( &r->plan, next_last ).weight;
-    double doubt = rf_flicker_doubt( &pair.flicker );
-    return ( Flicker ){ doubt * rf_final_flicker( &r->stop, &pair ), doubt };
+    return rf_flicker_doubt( &pair.flicker ) * rf_final_flicker( &r->stop, &pair );
 }
 
 // What the frame before, which may be finished, asks of a frame in its last group.
-static Flicker flicker_behind( const RfRenderer* r, int number, const RfLiveFilm* live, RfFilmCombine combine )
+static double flicker_behind( const RfRenderer* r, int number, const RfLiveFilm* live, RfFilmCombine combine )
 {
     RfFrameNoise now = known_of( live );
     const RfLiveFilm* before = rf_find_film( r, live->frame - 1 );
     if ( before != NULL )
         return flicker_ahead( r, number, before, combine );
     if ( r->kept_frame != live->frame - 1 )
-        return s_unknown;
+        return (double)NAN;
     RfFlicker flicker = rf_flicker_since( r->memory.kept_errors, live->films, combine );
-    return ( Flicker ){ rf_late_flicker( &r->stop, &now, &flicker ), rf_flicker_doubt( &flicker ) };
+    return rf_late_flicker( &r->stop, &now, &flicker );
 }
 
 // A frame whose neighbours are rendered later without sharing passes with it, or not at all, is held to what two
 // independent frames like it would have.
-static Flicker flicker_of_two( const RfLiveFilm* live, RfFilmCombine combine )
+static double flicker_of_two( const RfLiveFilm* live, RfFilmCombine combine )
 {
-    return ( Flicker ){ 2.0 * rf_film_mean_square( live->films, combine ) * known_of( live ).weight, 1.0 };
+    return 2.0 * rf_film_mean_square( live->films, combine ) * known_of( live ).weight;
 }
 
-static Flicker estimate_flicker( const RfRenderer* r, int number, const RfLiveFilm* live )
+static double estimate_flicker( const RfRenderer* r, int number, const RfLiveFilm* live )
 {
     int first, last;
     rf_groups_of_frame( &r->plan, live->frame, &first, &last );
     RfFilmCombine combine = rf_film_combine( r->settings.normalize );
-    Flicker ahead = flicker_ahead( r, number, live, combine ), behind = s_unknown;
+    double ahead = flicker_ahead( r, number, live, combine ), behind = (double)NAN;
     bool has_next = rf_is_asked( r, live->frame + 1 );
     if ( last == number && ( !has_next || r->kept_frame == live->frame - 1 ) )
         behind = flicker_behind( r, number, live, combine );
-    bool alone = isnan( ahead.value ) && ( has_next || isnan( behind.value ) );
+    bool alone = isnan( ahead ) && ( has_next || isnan( behind ) );
     if ( alone && ( last == number || r->plan.eyes == 1 ) )
         ahead = flicker_of_two( live, combine );
-    return isnan( ahead.value ) || behind.value > ahead.value ? behind : ahead;
+    return fmax( ahead, behind );
 }
 
 // The picture is made in a buffer that waits for the next frame.
@@ -95,14 +84,10 @@ static void estimate( RfRenderer* r, int number, RfLiveFilm* live )
         RfFrameBuffer* buffer = rf_next_frame_buffer( &r->queue );
         RfRelmse relmse = rf_finish_picture( r, live, buffer->rgb, NULL );
         live->noise = live->noise_seen * rf_prudent_relmse( &relmse );
-        live->noise_doubt = rf_prudent_relmse( &relmse ) / relmse.likely;
+        live->doubt = rf_prudent_relmse( &relmse ) / relmse.likely;
     }
     if ( r->settings.flicker > 0.0 )
-    {
-        Flicker flicker = estimate_flicker( r, number, live );
-        live->flicker = flicker.value;
-        live->flicker_doubt = flicker.doubt;
-    }
+        live->flicker = estimate_flicker( r, number, live );
 }
 
 // Estimates take time: they are made where they decide, and for enough others to
