@@ -35,7 +35,8 @@ void rf_open_films( RfRenderer* r, int number )
             continue;
         RfLiveFilm* live = rf_find_film( r, -1 );
         live->frame = frame;
-        live->noise = live->flicker = live->noise_seen = 0.0;
+        live->noise = live->flicker = live->noise_seen = live->doubt = 0.0;
+        live->pair = ( RfPairNoise ){ (double)NAN, (double)NAN };
         for ( int f = 0; f < r->settings.estimator->films; ++f )
             if ( r->settings.pieces != NULL )
                 rf_clear_traced( r->settings.pieces, frame, live->films + f );
@@ -48,11 +49,13 @@ void rf_open_films( RfRenderer* r, int number )
     }
 }
 
-static RfMissed note_finished( RfRenderer* r, int frame, const RfFilm* film, const RfRelmse* relmse, const RfFlicker* flicker )
+static RfMissed note_finished( RfRenderer* r, const RfLiveFilm* live, const RfFilm* film, const RfRelmse* relmse,
+                               const RfFlicker* flicker )
 {
     double weight = film->weight[0] + film->weight[1];
     return rf_note_finished( &r->stop,
-                             ( RfFrameNoise ){ .frame = frame,
+                             ( RfFrameNoise ){ .frame = live->frame,
+                                               .pair = live->pair,
                                                .passes = film->passes[0] + film->passes[1],
                                                .weight = weight,
                                                .noise = rf_prudent_relmse( relmse ) * weight,
@@ -114,7 +117,7 @@ static RfResult finish_film( RfRenderer* r, RfLiveFilm* live, double shared, RfE
     };
     RfMissed missed = { false, false };
     if ( r->sizes.stopping )
-        missed = note_finished( r, live->frame, film, &relmse, &flicker );
+        missed = note_finished( r, live, film, &relmse, &flicker );
     buffer->result.noise_missed = missed.noise;
     buffer->result.flicker_missed = missed.flicker;
     buffer->result.reached = !missed.noise && !missed.flicker;

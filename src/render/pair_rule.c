@@ -26,6 +26,28 @@ double rf_final_flicker( const RfStop* stop, const RfPairNow* pair )
     return fmax( fmax( planned, f1_squared_of( pair, end, shared, now_end + pair->spare ) ), 0.0 ) * end;
 }
 
+// While both are rendered the later frame shares all that it has.
+RfPairNoise rf_pair_noise( const RfPairNow* pair )
+{
+    const RfFlicker* f = &pair->flicker;
+    double doubt = rf_flicker_doubt( f ), before = pair->before->weight;
+    return ( RfPairNoise ){ .variance = 0.5 * doubt * ( f->before * before + f->now * pair->now->weight ),
+                            .covariance = doubt * f->product * before };
+}
+
+double rf_planned_flicker( const RfStop* stop, int frame, RfPairNoise pair )
+{
+    frame = frame + 1 < stop->plan.frames || frame == 0 ? frame : frame - 1;
+    if ( frame + 1 >= stop->plan.frames ) // a single frame: as with another one like it
+        return 2.0 * pair.variance;
+    int first, last, next_first, next_last;
+    rf_groups_of_frame( &stop->plan, frame, &first, &last );
+    rf_groups_of_frame( &stop->plan, frame + 1, &next_first, &next_last );
+    double whole = rf_planned_weight( stop, frame, first ), next = rf_planned_weight( stop, frame + 1, next_first );
+    double shared = next_first <= last ? rf_planned_weight( stop, frame, next_first ) : 0.0;
+    return fmax( pair.variance * ( 1.0 + whole / next ) - 2.0 * pair.covariance * shared / next, 0.0 );
+}
+
 double rf_late_flicker( const RfStop* stop, const RfFrameNoise* now, const RfFlicker* flicker )
 {
     double doubt = rf_flicker_doubt( flicker ), wanted = stop->goals.flicker / doubt;

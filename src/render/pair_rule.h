@@ -26,4 +26,7 @@ double rf_final_flicker( const RfStop* stop, const RfPairNow* pair );
 // one; 0 where passes of that one alone do not bring F1² down to what is wanted.
 double rf_late_flicker( const RfStop* stop, const RfFrameNoise* now, const RfFlicker* flicker );
 
+// What a sample brings to the pair, from its flicker.
+RfPairNoise rf_pair_noise( const RfPairNow* pair );
+
 #endif

@@ -81,26 +81,49 @@ static bool is_known( const RfStop* stop, const RfFrameNoise* f )
 
 // An estimate counts more the closer its frame and the more passes it is made from: with few
 // passes it is noisy, and too high, since the cross-fitted quotients are noisy, too.
-static void pool( const RfStop* stop, const RfFrameNoise* f, int goal, int frame, bool likely, double* sum, double* weights )
+static double pooling_weight( const RfStop* stop, const RfFrameNoise* f, int frame )
 {
-    double value = value_of( f, goal, likely );
-    if ( isnan( value ) )
-        return;
     double reach = fmax( 1.0, stop->plan.eyes / 4.0 ), d = ( f->frame - frame ) / reach;
-    double weight = f->seen * f->seen / ( 1.0 + d * d );
-    *sum += weight * value;
-    *weights += weight;
+    return f->seen * f->seen / ( 1.0 + d * d );
 }
 
-// v of a frame, pooled over the estimated and the finished frames around it; NaN where nothing is known.
+// Sums over the estimated and the finished frames around one.
+typedef struct Pool
+{
+    double noise, noise_weights;
+    RfPairNoise pair; // summed
+    double pair_weights;
+} Pool;
+
+static void pool( const RfStop* stop, const RfFrameNoise* f, int frame, bool likely, Pool* pool )
+{
+    double noise = value_of( f, NOISE, likely ), weight = pooling_weight( stop, f, frame );
+    if ( !isnan( noise ) )
+    {
+        pool->noise += weight * noise;
+        pool->noise_weights += weight;
+    }
+    if ( f->seen > 0.0 && isfinite( f->pair.variance ) && isfinite( f->pair.covariance ) )
+    {
+        pool->pair.variance += weight * f->pair.variance;
+        pool->pair.covariance += weight * f->pair.covariance;
+        pool->pair_weights += weight;
+    }
+}
+
+// v of a frame by all that is known; NaN where nothing is.
 static double pooled( const RfStop* stop, const RfNoiseEstimates* look, int goal, int frame, bool likely )
 {
-    double sum = 0.0, weights = 0.0;
+    Pool sums = { 0 };
     for ( int i = 0; i < look->count; ++i )
-        pool( stop, look->frames + i, goal, frame, likely, &sum, &weights );
+        pool( stop, look->frames + i, frame, likely, &sums );
     for ( int i = 0; i < stop->finished_count && i < RF_STOP_HISTORY; ++i )
-        pool( stop, stop->finished + i, goal, frame, likely, &sum, &weights );
-    return weights > 0.0 ? sum / weights : (double)NAN;
+        pool( stop, stop->finished + i, frame, likely, &sums );
+    if ( goal == NOISE )
+        return sums.noise_weights > 0.0 ? sums.noise / sums.noise_weights : (double)NAN;
+    double w = sums.pair_weights;
+    return w > 0.0 ? rf_planned_flicker( stop, frame, ( RfPairNoise ){ sums.pair.variance / w, sums.pair.covariance / w } )
+                   : (double)NAN;
 }
 
 // Weight that the frame needs for the hardest goal, by the pooled estimates and with `own` by its own, too; NaN: not known.

@@ -30,16 +30,23 @@
 
 #define RF_STOP_HISTORY 16 // finished frames that are kept for pooling
 
+// What a sample brings to a pair of frames: the mean variance of its errors, and the covariance where both have it.
+typedef struct RfPairNoise
+{
+    double variance, covariance; // NaN: not known
+} RfPairNoise;
+
 // What is known of a frame's noise.
 typedef struct RfFrameNoise
 {
     int frame;
-    int passes;     // so far
-    double weight;  // of them
-    double noise;   // v, the relMSE times the weight it was estimated at
-    double flicker; // the same of F1² of a pair that the frame is in; NaN: not known
-    double seen;    // that weight; 0: neither is known
-    double doubt;   // how many times the likely value `noise` is; 0: once
+    int passes;       // so far
+    double weight;    // of them
+    double noise;     // v, the relMSE times the weight it was estimated at
+    double flicker;   // the same of F1² of a pair that the frame is in, as rf_final_flicker has it; NaN: not known
+    RfPairNoise pair; // of this frame and the next, from which that of others is guessed
+    double seen;      // that weight; 0: neither is known
+    double doubt;     // how many times the likely value `noise` is; 0: once
 } RfFrameNoise;
 
 // What a render is to reach; 0: does not matter.
@@ -122,6 +129,9 @@ typedef struct RfMissed
     bool noise, flicker;
 } RfMissed;
 RfMissed rf_note_finished( RfStop* stop, RfFrameNoise frame );
+
+// v of F1² of a frame and the next (of the one before and the last) by the plan of groups.
+double rf_planned_flicker( const RfStop* stop, int frame, RfPairNoise pair );
 
 // Weight of a frame's groups from number `from` on for one pass a share.
 double rf_planned_weight( const RfStop* stop, int frame, int from );

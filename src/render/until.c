@@ -16,6 +16,7 @@ static RfFrameNoise known_of( const RfLiveFilm* live )
                              .weight = film->weight[0] + film->weight[1],
                              .noise = live->noise,
                              .flicker = live->flicker,
+                             .pair = live->pair,
                              .seen = live->noise_seen,
                              .doubt = live->doubt };
 }
@@ -24,7 +25,7 @@ static RfFrameNoise known_of( const RfLiveFilm* live )
 #define SPARE 0.25 // of what is planned for its last group, and a pass
 
 // v of F1², to stop by: what a frame of group `number` and the one after it will be.
-static double flicker_ahead( const RfRenderer* r, int number, const RfLiveFilm* live, RfFilmCombine combine )
+static double flicker_ahead( const RfRenderer* r, int number, RfLiveFilm* live, RfFilmCombine combine )
 {
     const RfLiveFilm* next = rf_find_film( r, live->frame + 1 );
     int first, last, next_first, next_last;
@@ -36,6 +37,7 @@ static double flicker_ahead( const RfRenderer* r, int number, const RfLiveFilm* 
     RfPairNow pair = { number, &before, &now, rf_flicker_of_films( live->films, next->films, combine ), 0.0 };
     if ( next_last > last )
         pair.spare = SPARE * before.weight / ( last - first + 1 ) + rf_group( &r->plan, next_last ).weight;
+    live->pair = rf_pair_noise( &pair );
     return rf_flicker_doubt( &pair.flicker ) * rf_final_flicker( &r->stop, &pair );
 }
 
@@ -43,7 +45,7 @@ static double flicker_ahead( const RfRenderer* r, int number, const RfLiveFilm* 
 static double flicker_behind( const RfRenderer* r, int number, const RfLiveFilm* live, RfFilmCombine combine )
 {
     RfFrameNoise now = known_of( live );
-    const RfLiveFilm* before = rf_find_film( r, live->frame - 1 );
+    RfLiveFilm* before = rf_find_film( r, live->frame - 1 );
     if ( before != NULL )
         return flicker_ahead( r, number, before, combine );
     if ( r->kept_frame != live->frame - 1 )
@@ -54,12 +56,13 @@ static double flicker_behind( const RfRenderer* r, int number, const RfLiveFilm*
 
 // A frame whose neighbours are rendered later without sharing passes with it, or not at all, is held to what two
 // independent frames like it would have.
-static double flicker_of_two( const RfLiveFilm* live, RfFilmCombine combine )
+static double flicker_of_two( RfLiveFilm* live, RfFilmCombine combine )
 {
-    return 2.0 * rf_film_mean_square( live->films, combine ) * known_of( live ).weight;
+    live->pair = ( RfPairNoise ){ .variance = rf_film_mean_square( live->films, combine ) * known_of( live ).weight };
+    return 2.0 * live->pair.variance;
 }
 
-static double estimate_flicker( const RfRenderer* r, int number, const RfLiveFilm* live )
+static double estimate_flicker( const RfRenderer* r, int number, RfLiveFilm* live )
 {
     int first, last;
     rf_groups_of_frame( &r->plan, live->frame, &first, &last );
