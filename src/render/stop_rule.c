@@ -1,5 +1,7 @@
 #include "render/stop_rule.h"
 
+#include "render/stop_pool.h"
+
 #include <limits.h>
 #include <math.h>
 
@@ -52,95 +54,6 @@ double rf_planned_weight( const RfStop* stop, int frame, int from )
     return sum;
 }
 
-// The goals that frames are estimated for.
-enum
-{
-    NOISE,
-    FLICKER,
-    GOALS
-};
-
-static double wanted_of( const RfStop* stop, int goal ) { return goal == NOISE ? stop->goals.noise : stop->goals.flicker; }
-
-// v of a frame for a goal; NaN: not known. A noise in doubt counts double where it is to stop by, but not where it is to
-// foretell: with more passes most doubts end. Those of flicker stay, such as the rims of lamps.
-static double value_of( const RfFrameNoise* f, int goal, bool likely )
-{
-    double value = goal == NOISE ? f->noise : f->flicker;
-    if ( !( f->seen > 0.0 && isfinite( value ) ) )
-        return (double)NAN;
-    return likely && goal == NOISE ? value / fmax( f->doubt, 1.0 ) : value;
-}
-
-// Is all known that the frame is to reach? A frame whose neighbours are not rendered has no flicker of its own.
-static bool is_known( const RfStop* stop, const RfFrameNoise* f )
-{
-    bool noise = !isnan( value_of( f, NOISE, false ) ), flicker = !isnan( value_of( f, FLICKER, false ) );
-    return stop->goals.noise > 0.0 ? noise : stop->goals.flicker > 0.0 && flicker;
-}
-
-// An estimate counts more the closer its frame and the more passes it is made from: with few
-// passes it is noisy, and too high, since the cross-fitted quotients are noisy, too.
-static double pooling_weight( const RfStop* stop, const RfFrameNoise* f, int frame )
-{
-    double reach = fmax( 1.0, stop->plan.eyes / 4.0 ), d = ( f->frame - frame ) / reach;
-    return f->seen * f->seen / ( 1.0 + d * d );
-}
-
-// Sums over the estimated and the finished frames around one.
-typedef struct Pool
-{
-    double noise, noise_weights;
-    RfPairNoise pair; // summed
-    double pair_weights;
-} Pool;
-
-static void pool( const RfStop* stop, const RfFrameNoise* f, int frame, bool likely, Pool* pool )
-{
-    double noise = value_of( f, NOISE, likely ), weight = pooling_weight( stop, f, frame );
-    if ( !isnan( noise ) )
-    {
-        pool->noise += weight * noise;
-        pool->noise_weights += weight;
-    }
-    if ( f->seen > 0.0 && isfinite( f->pair.variance ) && isfinite( f->pair.covariance ) )
-    {
-        pool->pair.variance += weight * f->pair.variance;
-        pool->pair.covariance += weight * f->pair.covariance;
-        pool->pair_weights += weight;
-    }
-}
-
-// v of a frame by all that is known; NaN where nothing is.
-static double pooled( const RfStop* stop, const RfNoiseEstimates* look, int goal, int frame, bool likely )
-{
-    Pool sums = { 0 };
-    for ( int i = 0; i < look->count; ++i )
-        pool( stop, look->frames + i, frame, likely, &sums );
-    for ( int i = 0; i < stop->finished_count && i < RF_STOP_HISTORY; ++i )
-        pool( stop, stop->finished + i, frame, likely, &sums );
-    if ( goal == NOISE )
-        return sums.noise_weights > 0.0 ? sums.noise / sums.noise_weights : (double)NAN;
-    double w = sums.pair_weights;
-    return w > 0.0 ? rf_planned_flicker( stop, frame, ( RfPairNoise ){ sums.pair.variance / w, sums.pair.covariance / w } )
-                   : (double)NAN;
-}
-
-// Weight that the frame needs for the hardest goal, by the pooled estimates and with `own` by its own, too; NaN: not known.
-static double needed_weight( const RfStop* stop, const RfNoiseEstimates* look, const RfFrameNoise* f, bool own, bool likely )
-{
-    double needed = (double)NAN;
-    for ( int goal = 0; goal < GOALS; ++goal )
-    {
-        if ( wanted_of( stop, goal ) <= 0.0 )
-            continue;
-        double value = pooled( stop, look, goal, f->frame, likely );
-        value = own ? fmax( value, value_of( f, goal, likely ) ) : value; // fmax takes the number of a number and NaN
-        needed = fmax( needed, value / wanted_of( stop, goal ) );
-    }
-    return needed;
-}
-
 // Weight that a frame still needs in its last group.
 static double missing_at_last( const RfFrameNoise* f, double needed, double weight_of_pass, double most )
 {
@@ -158,13 +71,13 @@ static double due_to_frame( const RfStop* stop, const RfNoiseEstimates* look, co
     rf_groups_of_frame( &stop->plan, f->frame, &first, &last );
     RfGroup group = rf_group( &stop->plan, look->group );
     double share = share_of( stop, look->group ), whole = rf_planned_weight( stop, f->frame, first );
-    if ( last == look->group && is_known( stop, f ) )
+    if ( last == look->group && rf_is_known( stop, f ) )
     {
-        double needed = needed_weight( stop, look, f, true, likely );
+        double needed = rf_needed_weight( stop, look, f, true, likely );
         double missing = missing_at_last( f, needed, group.weight, stop->most * whole );
         return missing > 0.0 ? look->done + missing / group.weight : 0.0;
     }
-    double needed = needed_weight( stop, look, f, false, likely );
+    double needed = rf_needed_weight( stop, look, f, false, likely );
     double wanted = isfinite( needed ) ? needed / AIM : stop->least * whole;
     wanted = fmax( stop->least * whole, fmin( wanted, stop->most * whole ) );
     double after = share > 0.0 ? rf_planned_weight( stop, f->frame, look->group + 1 ) / share : 0.0;
@@ -185,7 +98,7 @@ static double trusted_passes( const RfStop* stop, const RfNoiseEstimates* look )
 {
     int most = 0;
     for ( int i = 0; i < look->count; ++i )
-        most = is_known( stop, look->frames + i ) && look->frames[i].passes > most ? look->frames[i].passes : most;
+        most = rf_is_known( stop, look->frames + i ) && look->frames[i].passes > most ? look->frames[i].passes : most;
     for ( int i = 0; i < stop->finished_count && i < RF_STOP_HISTORY; ++i )
         most = stop->finished[i].passes > most ? stop->finished[i].passes : most;
     return look->done + ( most > LEAST_PASSES ? most : LEAST_PASSES );
@@ -228,7 +141,7 @@ static bool is_any_known( const RfStop* stop, const RfNoiseEstimates* look )
 {
     bool known = stop->finished_count > 0;
     for ( int i = 0; i < look->count && !known; ++i )
-        known = is_known( stop, look->frames + i );
+        known = rf_is_known( stop, look->frames + i );
     return known;
 }
 
@@ -238,7 +151,7 @@ static double rate_by_estimates( const RfStop* stop, const RfNoiseEstimates* loo
     const RfFrameNoise* f = look->frames + look->count - 1;
     int first, last;
     rf_groups_of_frame( &stop->plan, f->frame, &first, &last );
-    double needed = needed_weight( stop, look, f, false, true ) / AIM;
+    double needed = rf_needed_weight( stop, look, f, false, true ) / AIM;
     return fmax( stop->least, fmin( needed / rf_planned_weight( stop, f->frame, first ), stop->most ) );
 }
 
@@ -314,7 +227,8 @@ void rf_end_group( RfStop* stop, int done )
         stop->recent_units = RECENT * stop->recent_units + stop->group_units;
     }
     stop->begun = true;
-    stop->last_rate = share_of( stop, stop->group ) > 0.0 ? fmax( stop->due, done ) / share_of( stop, stop->group ) : 0.0;
+    double share = share_of( stop, stop->group );
+    stop->last_rate = share > 0.0 ? stop->due / share : 0.0; // whole passes would never fall
     stop->owed = fmin( fmax( stop->due + stop->owed - done, 0.0 ), 1.0 );
 }
 
@@ -325,7 +239,7 @@ RfMissed rf_note_finished( RfStop* stop, RfFrameNoise frame )
                         .flicker = stop->goals.flicker > 0.0 && frame.flicker > stop->goals.flicker * frame.weight };
     stop->missed += missed.noise;
     stop->flicker_missed += missed.flicker;
-    if ( is_known( stop, &frame ) )
+    if ( rf_is_known( stop, &frame ) )
         stop->finished[stop->finished_count++ % RF_STOP_HISTORY] = frame;
     return missed;
 }

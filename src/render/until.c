@@ -23,6 +23,7 @@ static RfFrameNoise known_of( const RfLiveFilm* live )
 
 // The passes of the later frame are spread unevenly where there are few, and follow what other frames need.
 #define SPARE 0.25 // of what is planned for its last group, and a pass
+#define MARGIN 1.1 // of F1², since the later frame is estimated again when nothing can be mended
 
 // v of F1², to stop by: what a frame of group `number` and the one after it will be.
 static double flicker_ahead( const RfRenderer* r, int number, RfLiveFilm* live, RfFilmCombine combine )
@@ -38,7 +39,7 @@ static double flicker_ahead( const RfRenderer* r, int number, RfLiveFilm* live, 
     if ( next_last > last )
         pair.spare = SPARE * before.weight / ( last - first + 1 ) + rf_group( &r->plan, next_last ).weight;
     live->pair = rf_pair_noise( &pair );
-    return rf_flicker_doubt( &pair.flicker ) * rf_final_flicker( &r->stop, &pair );
+    return ( next_last > last ? MARGIN : 1.0 ) * rf_flicker_doubt( &pair.flicker ) * rf_final_flicker( &r->stop, &pair );
 }
 
 // What the frame before, which may be finished, asks of a frame in its last group.
