@@ -47,6 +47,7 @@ static double count_batches( RfRenderer* r )
             continue;
         batches += (double)group.passes * group.eyes * r->sizes.of_estimator.jobs;
         r->stop.units_left += r->sizes.stopping ? rf_group_units( &r->stop, g ) : 0.0;
+        r->stop.groups_left += 1;
     }
     return batches;
 }

@@ -40,6 +40,7 @@ RfGroup rf_begin_group( RfStop* stop, int number )
         stop->units_all = stop->units_left;
     stop->units_left -= stop->group_units;
     stop->due = 0.0;
+    stop->groups_left -= stop->groups_left > 0;
     stop->group_left = stop->rate * share_of( stop, number ) * group.eyes;
     return group;
 }
@@ -145,14 +146,14 @@ static bool is_any_known( const RfStop* stop, const RfNoiseEstimates* look )
     return known;
 }
 
-// Passes that a share wants by the estimates of a group, as its last frame will have them.
+// Passes that a share wants by the estimates of a group, for frames ahead that do not lie at an end of the path.
 static double rate_by_estimates( const RfStop* stop, const RfNoiseEstimates* look )
 {
-    const RfFrameNoise* f = look->frames + look->count - 1;
-    int first, last;
-    rf_groups_of_frame( &stop->plan, f->frame, &first, &last );
-    double needed = rf_needed_weight( stop, look, f, false, true ) / AIM;
-    return fmax( stop->least, fmin( needed / rf_planned_weight( stop, f->frame, first ), stop->most ) );
+    int at = look->frames[look->count - 1].frame, most = stop->plan.frames - 1 - stop->plan.eyes, first, last;
+    RfFrameNoise ahead = { .frame = at + stop->plan.eyes < most ? at + stop->plan.eyes : at < most ? most : at };
+    rf_groups_of_frame( &stop->plan, ahead.frame, &first, &last );
+    double needed = rf_needed_weight( stop, look, &ahead, false, true ) / AIM;
+    return fmax( stop->least, fmin( needed / rf_planned_weight( stop, ahead.frame, first ), stop->most ) );
 }
 
 // What the group still takes, and a share of those to come. What the last groups took counts more the more there are; the
@@ -212,10 +213,18 @@ double rf_stop_left( const RfStop* stop, double now )
 {
     double left = (double)NAN;
     if ( stop->work > 0.0 )
-        left = now / stop->work * ( stop->group_left + stop->rate * stop->units_left );
+        left = ( now - stop->look_seconds ) / stop->work * ( stop->group_left + stop->rate * stop->units_left );
+    if ( stop->looks > 0 ) // about one look for each group
+        left += stop->groups_left * stop->look_seconds / stop->looks;
     if ( stop->goals.seconds > 0.0 )
         left = fmin( left, fmax( stop->goals.seconds - now, 0.0 ) );
     return left;
+}
+
+void rf_note_look( RfStop* stop, double seconds )
+{
+    stop->look_seconds += seconds;
+    stop->looks += 1;
 }
 
 void rf_end_group( RfStop* stop, int done )

@@ -76,6 +76,9 @@ typedef struct RfStop
     double rate;                           // passes that a share gets by the last groups; NaN: not known yet
     double recent_work, recent_units;      // of these, without the first one
     double last_rate;                      // of the last group
+    double look_seconds;                   // spent on estimates,
+    int looks;                             // so many of them
+    int groups_left;                       // after this one
     bool begun;                            // a group is done
     double seconds_done, units_done, last; // pace: seconds per eye and pass is their quotient
     RfFrameNoise finished[RF_STOP_HISTORY];
@@ -112,6 +115,9 @@ int rf_passes_due( RfStop* stop, const RfNoiseEstimates* look, int done, double 
 
 // A pass of the group is done.
 void rf_note_pass( RfStop* stop, int eyes, double now );
+
+// Estimates have been made, which took so long.
+void rf_note_look( RfStop* stop, double seconds );
 
 // The group is done, with so many passes.
 void rf_end_group( RfStop* stop, int done );

@@ -118,15 +118,22 @@ static RfNoiseEstimates estimate_films( RfRenderer* r, int number, int done )
             continue;
         frames[estimates.count++] = known_of( live );
     }
+    double start = rf_wall_seconds();
+    int made = 0;
     for ( int i = 0; i < estimates.count && has_goal; ++i )
     {
         if ( frames[i].passes < 2 || !wants_estimate( r, &estimates, i ) )
             continue;
         RfLiveFilm* live = rf_find_film( r, frames[i].frame );
         if ( live->noise_seen != frames[i].weight ) // new samples since the last estimate
+        {
             estimate( r, number, live );
+            made += 1;
+        }
         frames[i] = known_of( live );
     }
+    if ( made > 0 )
+        rf_note_look( &r->stop, rf_wall_seconds() - start );
     return estimates;
 }
 
