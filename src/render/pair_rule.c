@@ -1,5 +1,7 @@
 #include "render/pair_rule.h"
 
+#include "render/stop_plan.h"
+
 #include <math.h>
 
 // With these weights of both frames and of what they share.

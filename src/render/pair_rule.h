@@ -26,6 +26,9 @@ double rf_final_flicker( const RfStop* stop, const RfPairNow* pair );
 // one; 0 where passes of that one alone do not bring F1² down to what is wanted.
 double rf_late_flicker( const RfStop* stop, const RfFrameNoise* now, const RfFlicker* flicker );
 
+// v of F1² of a frame and the next (of the one before and the last) by the plan of groups.
+double rf_planned_flicker( const RfStop* stop, int frame, RfPairNoise pair );
+
 // What a sample brings to the pair, from its flicker.
 RfPairNoise rf_pair_noise( const RfPairNow* pair );
 

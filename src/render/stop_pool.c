@@ -1,5 +1,7 @@
 #include "render/stop_pool.h"
 
+#include "render/pair_rule.h"
+
 #include <math.h>
 
 // The goals that frames are estimated for.

@@ -1,5 +1,6 @@
 #include "render/stop_rule.h"
 
+#include "render/stop_plan.h"
 #include "render/stop_pool.h"
 
 #include <limits.h>
@@ -24,9 +25,10 @@ RfStop rf_create_stop( const RfGroupPlan* plan, int most_spp, const RfStopGoals*
     };
 }
 
-static double share_of( const RfStop* stop, int group ) { return rf_group( &stop->plan, group ).passes / stop->scale; }
-
-double rf_group_units( const RfStop* stop, int group ) { return share_of( stop, group ) * rf_group( &stop->plan, group ).eyes; }
+double rf_group_units( const RfStop* stop, int group )
+{
+    return rf_shares_of( stop, group ) * rf_group( &stop->plan, group ).eyes;
+}
 
 RfGroup rf_begin_group( RfStop* stop, int number )
 {
@@ -41,18 +43,8 @@ RfGroup rf_begin_group( RfStop* stop, int number )
     stop->units_left -= stop->group_units;
     stop->due = 0.0;
     stop->groups_left -= stop->groups_left > 0;
-    stop->group_left = stop->rate * share_of( stop, number ) * group.eyes;
+    stop->group_left = stop->rate * rf_shares_of( stop, number ) * group.eyes;
     return group;
-}
-
-double rf_planned_weight( const RfStop* stop, int frame, int from )
-{
-    int first, last;
-    rf_groups_of_frame( &stop->plan, frame, &first, &last );
-    double sum = 0.0;
-    for ( int w = from > first ? from : first; w <= last; ++w )
-        sum += share_of( stop, w ) * rf_group( &stop->plan, w ).weight;
-    return sum;
 }
 
 // Weight that a frame still needs in its last group.
@@ -71,7 +63,7 @@ static double due_to_frame( const RfStop* stop, const RfNoiseEstimates* look, co
     int first, last;
     rf_groups_of_frame( &stop->plan, f->frame, &first, &last );
     RfGroup group = rf_group( &stop->plan, look->group );
-    double share = share_of( stop, look->group ), whole = rf_planned_weight( stop, f->frame, first );
+    double share = rf_shares_of( stop, look->group ), whole = rf_planned_weight( stop, f->frame, first );
     if ( last == look->group && rf_is_known( stop, f ) )
     {
         double needed = rf_needed_weight( stop, look, f, true, likely );
@@ -91,7 +83,7 @@ static double due_to_be_even( const RfStop* stop, const RfNoiseEstimates* look )
 {
     if ( stop->goals.flicker <= 0.0 || stop->plan.eyes == 1 )
         return 0.0;
-    return share_of( stop, look->group ) * fmin( stop->last_rate * pow( 0.5, 1.0 / stop->plan.eyes ), stop->most );
+    return rf_shares_of( stop, look->group ) * fmin( stop->last_rate * pow( 0.5, 1.0 / stop->plan.eyes ), stop->most );
 }
 
 // At most twice the passes that the estimates are made from: later ones are better.
@@ -119,7 +111,7 @@ static double due_by_time( RfStop* stop, const RfNoiseEstimates* look, int done,
 {
     if ( stop->units_done <= 0.0 )
         return done + 1.0; // one pass, to measure the pace
-    double share = share_of( stop, look->group ), eyes = rf_group( &stop->plan, look->group ).eyes;
+    double share = rf_shares_of( stop, look->group ), eyes = rf_group( &stop->plan, look->group ).eyes;
     double left = fmax( 0.0, stop->goals.seconds - now ) * stop->units_done / stop->seconds_done;
     return share > 0.0 ? ( left + done * eyes ) / ( eyes + stop->units_left / share ) : 0.0;
 }
@@ -163,7 +155,7 @@ static void foretell( RfStop* stop, const RfNoiseEstimates* look, int done )
     double eyes = rf_group( &stop->plan, look->group ).eyes, units = stop->group_units;
     if ( !is_any_known( stop, look ) || units <= 0.0 || look->count == 0 )
         return;
-    double due = fmax( due_by_estimates( stop, look, true ), share_of( stop, look->group ) * stop->least );
+    double due = fmax( due_by_estimates( stop, look, true ), rf_shares_of( stop, look->group ) * stop->least );
     due = fmax( due, due_to_be_even( stop, look ) );
     stop->group_left = fmax( due - done, 0.0 ) * eyes;
     stop->rate = ( stop->recent_work + PRIOR * eyes * rate_by_estimates( stop, look ) ) / ( stop->recent_units + PRIOR * eyes );
@@ -171,7 +163,7 @@ static void foretell( RfStop* stop, const RfNoiseEstimates* look, int done )
 
 int rf_passes_due( RfStop* stop, const RfNoiseEstimates* look, int done, double now )
 {
-    double share = share_of( stop, look->group ), least = share * stop->least, due = share * stop->most;
+    double share = rf_shares_of( stop, look->group ), least = share * stop->least, due = share * stop->most;
     if ( stop->goals.noise > 0.0 || stop->goals.flicker > 0.0 )
     {
         due = fmax( due_by_estimates( stop, look, false ), due_to_be_even( stop, look ) );
@@ -236,7 +228,7 @@ void rf_end_group( RfStop* stop, int done )
         stop->recent_units = RECENT * stop->recent_units + stop->group_units;
     }
     stop->begun = true;
-    double share = share_of( stop, stop->group );
+    double share = rf_shares_of( stop, stop->group );
     stop->last_rate = share > 0.0 ? stop->due / share : 0.0; // whole passes would never fall
     stop->owed = fmin( fmax( stop->due + stop->owed - done, 0.0 ), 1.0 );
 }

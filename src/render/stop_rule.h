@@ -136,10 +136,4 @@ typedef struct RfMissed
 } RfMissed;
 RfMissed rf_note_finished( RfStop* stop, RfFrameNoise frame );
 
-// v of F1² of a frame and the next (of the one before and the last) by the plan of groups.
-double rf_planned_flicker( const RfStop* stop, int frame, RfPairNoise pair );
-
-// Weight of a frame's groups from number `from` on for one pass a share.
-double rf_planned_weight( const RfStop* stop, int frame, int from );
-
 #endif

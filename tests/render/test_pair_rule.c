@@ -1,6 +1,7 @@
 // What a pair of frames will flicker when both are finished, foretold after some of their groups: by numbers alone, for
 // samples of variance 1 of which a common one has the correlation RHO in two neighbouring frames.
 #include "render/pair_rule.h"
+#include "render/stop_plan.h"
 
 #include <math.h>
 #include <setjmp.h>
