@@ -10,6 +10,8 @@
 #define AIM 0.95       // of the wanted error: most frames are then below it at the first estimate
 #define RECENT 0.8     // weight of a group beside the one after it, in what is foretold
 #define PRIOR 1.0      // groups that the estimates count like there
+#define FLICKER_PRIOR 4.0
+#define SPARED 1.25 // what the margins of pairs take, in what is foretold
 
 RfStop rf_create_stop( const RfGroupPlan* plan, int most_spp, const RfStopGoals* goals )
 {
@@ -138,14 +140,30 @@ static bool is_any_known( const RfStop* stop, const RfNoiseEstimates* look )
     return known;
 }
 
-// Passes that a share wants by the estimates of a group, for frames ahead that do not lie at an end of the path.
-static double rate_by_estimates( const RfStop* stop, const RfNoiseEstimates* look )
+// Passes that a share of a frame's groups wants by the pooled estimates.
+static double rate_of_frame( const RfStop* stop, const RfNoiseEstimates* look, int frame )
 {
-    int at = look->frames[look->count - 1].frame, most = stop->plan.frames - 1 - stop->plan.eyes, first, last;
-    RfFrameNoise ahead = { .frame = at + stop->plan.eyes < most ? at + stop->plan.eyes : at < most ? most : at };
-    rf_groups_of_frame( &stop->plan, ahead.frame, &first, &last );
-    double needed = rf_needed_weight( stop, look, &ahead, false, true ) / AIM;
-    return fmax( stop->least, fmin( needed / rf_planned_weight( stop, ahead.frame, first ), stop->most ) );
+    int first, last;
+    rf_groups_of_frame( &stop->plan, frame, &first, &last );
+    double needed = rf_needed_weight( stop, look, &( RfFrameNoise ){ .frame = frame }, false, true ) / AIM;
+    return fmax( stop->least, fmin( needed / rf_planned_weight( stop, frame, first ), stop->most ) );
+}
+
+// The mean over the shares to come, after `rate` in this group. Of noise that of frames ahead which do not lie at an end of
+// the path. Flicker follows the pairs: one at the start of the path is the hardest, and the rates fall slowly from there.
+static double rate_ahead( const RfStop* stop, const RfNoiseEstimates* look, double rate )
+{
+    int at = look->frames[look->count - 1].frame, eyes = stop->plan.eyes, most = stop->plan.frames - 1 - eyes;
+    if ( stop->goals.flicker <= 0.0 || eyes == 1 )
+        return rate_of_frame( stop, look, at + eyes < most ? at + eyes : at < most ? most : at );
+    double sum = 0.0, units = 0.0;
+    for ( int g = look->group + 1; g < stop->plan.groups && g <= look->group + stop->groups_left; ++g )
+    {
+        rate = fmax( rate * pow( 0.5, 1.0 / eyes ), SPARED * rate_of_frame( stop, look, rf_group( &stop->plan, g ).first ) );
+        sum += rate * rf_group_units( stop, g );
+        units += rf_group_units( stop, g );
+    }
+    return units > 0.0 ? sum / units : rate;
 }
 
 // What the group still takes, and a share of those to come. What the last groups took counts more the more there are; the
@@ -158,7 +176,9 @@ static void foretell( RfStop* stop, const RfNoiseEstimates* look, int done )
     double due = fmax( due_by_estimates( stop, look, true ), rf_shares_of( stop, look->group ) * stop->least );
     due = fmax( due, due_to_be_even( stop, look ) );
     stop->group_left = fmax( due - done, 0.0 ) * eyes;
-    stop->rate = ( stop->recent_work + PRIOR * eyes * rate_by_estimates( stop, look ) ) / ( stop->recent_units + PRIOR * eyes );
+    double prior = ( stop->goals.flicker > 0.0 ? FLICKER_PRIOR : PRIOR ) * eyes;
+    double ahead = rate_ahead( stop, look, fmax( due, done ) / rf_shares_of( stop, look->group ) );
+    stop->rate = ( stop->recent_work + prior * ahead ) / ( stop->recent_units + prior );
 }
 
 int rf_passes_due( RfStop* stop, const RfNoiseEstimates* look, int done, double now )
