@@ -5,6 +5,8 @@
 
 #include "film/film.h"
 
+#include <math.h>
+
 // Estimated means over pixels and channels of e_t² of both frames and of the product of their errors. What two frames
 // share is in the product.
 typedef struct RfFlicker
@@ -29,7 +31,7 @@ static inline double rf_flicker_f1_squared( const RfFlicker* f ) { return f->bef
 
 // Does F1 hang on a few pixels? Then it is only known to be at least what the others make of it.
 #define RF_FLICKER_AMBIGUOUS 0.3
-static inline bool rf_flicker_is_lower_bound( const RfFlicker* f ) { return f->worst_share > RF_FLICKER_AMBIGUOUS; }
+static inline bool rf_flicker_is_lower_bound( const RfFlicker* f ) { return isgreater( f->worst_share, RF_FLICKER_AMBIGUOUS ); }
 
 // F1² as it is told, and to stop by: what it hardly exceeds.
 static inline double rf_told_flicker( const RfFlicker* f )

@@ -57,11 +57,11 @@ static void drop_hopeless( RfTune* tune, int first )
 {
     int best = first;
     for ( int i = first; i < tune->count; ++i )
-        best = tune->rows[i].predicted_gain > tune->rows[best].predicted_gain ? i : best;
+        best = isgreater( tune->rows[i].predicted_gain, tune->rows[best].predicted_gain ) ? i : best;
     for ( int i = best + 1; i < tune->count; ++i )
     {
         RfTuneRow* row = tune->rows + i;
-        if ( row->excluded == NULL && row->predicted_gain < BEYOND * tune->rows[best].predicted_gain )
+        if ( row->excluded == NULL && isless( row->predicted_gain, BEYOND * tune->rows[best].predicted_gain ) )
             row->excluded = s_hopeless;
     }
 }
@@ -186,7 +186,7 @@ static RfInterval flicker_gain( const RfTrial* plain, const RfTrial* row )
 {
     double a = rf_trial_f1( plain, 1.0 ), b = rf_trial_f1( row, 1.0 );
     double gain = a * a * rf_trial_sample_seconds( plain ) / ( b * b * rf_trial_sample_seconds( row ) );
-    return ( RfInterval ){ gain > 0.0 && isfinite( gain ) ? gain : (double)NAN, (double)NAN, (double)NAN };
+    return ( RfInterval ){ isgreater( gain, 0.0 ) && isfinite( gain ) ? gain : (double)NAN, (double)NAN, (double)NAN };
 }
 
 // Of the render asked for: more samples are traced at the ends of the path, and in several sweeps.

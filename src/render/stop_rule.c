@@ -208,7 +208,7 @@ void rf_note_pass( RfStop* stop, int eyes, double now )
     stop->seconds_done = 0.95 * stop->seconds_done + ( now - stop->last );
     stop->units_done = 0.95 * stop->units_done + eyes;
     stop->work += eyes;
-    if ( stop->group_left > 0.0 ) // NaN stays
+    if ( isgreater( stop->group_left, 0.0 ) ) // NaN stays
         stop->group_left = fmax( stop->group_left - eyes, 0.0 );
     stop->last = now;
 }
@@ -256,8 +256,8 @@ void rf_end_group( RfStop* stop, int done )
 // NaN of a flicker is no miss: the pair was not rendered.
 RfMissed rf_note_finished( RfStop* stop, RfFrameNoise frame )
 {
-    RfMissed missed = { .noise = stop->goals.noise > 0.0 && !( frame.noise <= stop->goals.noise * frame.weight ),
-                        .flicker = stop->goals.flicker > 0.0 && frame.flicker > stop->goals.flicker * frame.weight };
+    RfMissed missed = { .noise = stop->goals.noise > 0.0 && !islessequal( frame.noise, stop->goals.noise * frame.weight ),
+                        .flicker = stop->goals.flicker > 0.0 && isgreater( frame.flicker, stop->goals.flicker * frame.weight ) };
     stop->missed += missed.noise;
     stop->flicker_missed += missed.flicker;
     if ( rf_is_known( stop, &frame ) )

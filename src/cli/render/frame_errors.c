@@ -11,12 +11,12 @@ void rf_note_frame_error( RfFrameErrors* errors, const RfFrameResult* result, in
     errors->lower_bounds += result->relmse_is_lower_bound;
     errors->missed += result->noise_missed;
     errors->flicker_missed += result->flicker_missed;
-    if ( result->flicker_likely > errors->worst_flicker )
+    if ( isgreater( result->flicker_likely, errors->worst_flicker ) )
     {
         errors->worst_flicker = result->flicker_likely;
         errors->worst_pair = number;
     }
-    if ( errors->frames > 1 && result->relmse_likely <= errors->worst_relmse )
+    if ( errors->frames > 1 && islessequal( result->relmse_likely, errors->worst_relmse ) )
         return;
     errors->worst_relmse = result->relmse_likely;
     errors->worst_frame = number;

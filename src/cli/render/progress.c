@@ -58,7 +58,7 @@ void rf_format_progress( const RfProgress* progress, char* text, size_t size )
     if ( progress->relmse > 0.0 && isfinite( progress->relmse ) )
         append_part( text, size, part );
     snprintf( part, sizeof part, "F1 %s%.2g", progress->flicker_is_lower_bound ? "at least " : "", progress->flicker );
-    if ( progress->flicker > 0.0 && isfinite( progress->flicker ) )
+    if ( isgreater( progress->flicker, 0.0 ) && isfinite( progress->flicker ) )
         append_part( text, size, part );
     format_rate( progress->samples / progress->seconds, part, sizeof part );
     append_part( text, size, part );
@@ -103,7 +103,7 @@ void rf_show_frame( RfProgressLine* line, const RfFrameResult* result, int numbe
         fprintf( stderr, "  relMSE %.3g", result->relmse_estimate );
     if ( result->flicker_is_lower_bound )
         fprintf( stderr, "  F1 at least %.3g, likely %.3g", result->flicker_estimate, result->flicker_likely );
-    else if ( result->flicker_estimate > 0.0 )
+    else if ( isgreater( result->flicker_estimate, 0.0 ) )
         fprintf( stderr, "  F1 %.3g", result->flicker_estimate );
     fprintf( stderr, "  %.1f samples/pixel\n", result->effective_spp );
 }
