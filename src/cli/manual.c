@@ -119,13 +119,15 @@ void rf_print_manual_tail( FILE* file )
         "thread), and that round \\fB\\-\\-spp\\fR up by at most a quarter: no clock is in it. What \\fB\\-\\-adaptive auto\\fR\n"
         "takes of memory does not count there; it is off where it would mean several sweeps. The gain beside it is by costs "
         "that\n"
-        "are measured, with sweeps. With \\fB\\-\\-noise\\fR or \\fB\\-\\-time\\fR rays and seconds are of the most samples.\n"
+        "are measured, with sweeps. With \\fB\\-\\-noise\\fR, \\fB\\-\\-flicker\\fR or \\fB\\-\\-time\\fR rays and seconds of the rows are of the most samples;\n"
+        "what a noise or a flicker takes is told above them, by short renders of the row that is taken.\n"
         ".SH TUNING\n"
         "2N+1 frames are rendered as one group, a few passes, twice with other random numbers: half the squared\n"
         "difference is the error, with which the efficiency is 1 / (relMSE x CPU seconds of a frame). All settings are\n"
         "tried at the same places of the path, first all of them on small pictures, then the better ones on larger\n"
         "pictures at more places. Tiles do less on small pictures; the output says where they are much smaller than\n"
-        "\\fB\\-\\-size\\fR. The first round is made whatever \\fB\\-\\-budget\\fR is.\n",
+        "\\fB\\-\\-size\\fR. The first round is made whatever \\fB\\-\\-budget\\fR is. With \\fB\\-\\-goal flicker\\fR\n"
+        "F1 squared takes the place of relMSE.\n",
         file );
     fputs( ".SH COST\n"
            "Frames from three places of the path are rendered with 2, 4, 8, ... samples, by path tracing and in one group with\n"

@@ -30,6 +30,7 @@ typedef struct RfCostCurve
     int count;
     RfInterval slope;      // of log relMSE against log seconds
     double relmse;         // of a single sample
+    double f1_squared;     // of a pair of frames with a sample each; NaN: no pixel was measured in two frames
     double sample_seconds; // wall-clock, per own-frame sample
     double finish_seconds; // wall-clock, per frame for finishing
 } RfCostCurve;
@@ -71,7 +72,8 @@ typedef struct RfCostPrediction
     double frame_seconds, seconds;
 } RfCostPrediction;
 
-// Predicts the cost of reaching `relmse` from a measured curve.
+// Predicts the cost of reaching `relmse` from a measured curve, and that of F1 = `flicker`.
 RfCostPrediction rf_predict_cost( const RfCostJob* job, const RfCostCurve* curve, double relmse, int per_sweep );
+RfCostPrediction rf_predict_flicker_cost( const RfCostJob* job, const RfCostCurve* curve, double flicker, int per_sweep );
 
 #endif

@@ -48,6 +48,21 @@ static RfInterval speedup_of( const RfCostStudy* s )
     return rf_trial_gain( sums, sums + 1 );
 }
 
+// All trials of a curve together, each weighing as its passes.
+static double f1_squared_of( const RfCostStudy* s, int curve )
+{
+    double sum = 0.0, weights = 0.0;
+    for ( int i = 0; i < s->unit_count; ++i )
+    {
+        double f1 = rf_trial_f1( &s->trials[i][curve], 1.0 );
+        if ( !isfinite( f1 ) )
+            continue;
+        sum += s->units[i].passes * f1 * f1;
+        weights += s->units[i].passes;
+    }
+    return weights > 0.0 ? sum / weights : (double)NAN;
+}
+
 void rf_fit_cost_curves( RfCostStudy* s )
 {
     RfCostCurve* curves[2] = { &s->cost->plain, &s->cost->reuse };
@@ -56,15 +71,16 @@ void rf_fit_cost_curves( RfCostStudy* s )
         RfCostPart sum = rf_sum_cost_units( s->units, s->unit_count, k );
         curves[k]->slope = slope_of( curves[k] );
         curves[k]->relmse = sum.relmse;
+        curves[k]->f1_squared = f1_squared_of( s, k );
         curves[k]->sample_seconds = sum.wall_seconds;
     }
     s->cost->speedup = speedup_of( s );
     s->cost->seconds = rf_wall_seconds() - s->start;
 }
 
-RfCostPrediction rf_predict_cost( const RfCostJob* job, const RfCostCurve* curve, double relmse, int per_sweep )
+// So many samples, at least two.
+static RfCostPrediction predict_samples( const RfCostJob* job, const RfCostCurve* curve, double wanted, int per_sweep )
 {
-    double wanted = ceil( curve->relmse / relmse );
     RfCostPrediction p = { .frame_seconds = (double)NAN, .seconds = (double)NAN };
     if ( !( wanted <= RF_MAX_SPP ) )
         return p;
@@ -79,4 +95,14 @@ RfCostPrediction rf_predict_cost( const RfCostJob* job, const RfCostCurve* curve
     p.frame_seconds = rf_cost_frame_seconds( job, curve, plan.spp, curve->sample_seconds );
     p.seconds = samples * rf_cost_frame_pixels( job ) * curve->sample_seconds + job->frame_count * curve->finish_seconds;
     return p;
+}
+
+RfCostPrediction rf_predict_cost( const RfCostJob* job, const RfCostCurve* curve, double relmse, int per_sweep )
+{
+    return predict_samples( job, curve, ceil( curve->relmse / relmse ), per_sweep );
+}
+
+RfCostPrediction rf_predict_flicker_cost( const RfCostJob* job, const RfCostCurve* curve, double flicker, int per_sweep )
+{
+    return predict_samples( job, curve, ceil( curve->f1_squared / ( flicker * flicker ) ), per_sweep );
 }

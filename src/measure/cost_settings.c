@@ -29,7 +29,7 @@ RfResult rf_resolve_cost_settings( RfCostStudy* s, RfError* error )
 {
     const RfCostJob* job = s->job;
     RfRenderSettings asked = *job->settings;
-    asked.noise = asked.time = 0.0;
+    asked.noise = asked.flicker = asked.time = 0.0;
     asked.hold_all = false;
     asked.adaptive = RF_ADAPTIVE_OFF;
     RfRenderSettings *plain = s->settings, *reuse = s->settings + 1;

@@ -131,7 +131,7 @@ static RfResult next_round( Tuner* t, int number, bool* last, RfError* error )
 RfResult rf_tune( const RfTuneJob* job, RfTune* tune, RfError* error )
 {
     Tuner t = { .job = job, .tune = tune, .start = rf_wall_seconds() };
-    *tune = ( RfTune ){ .chosen = -1 };
+    *tune = ( RfTune ){ .goal = job->goal, .chosen = -1 };
     RfResult result = rf_list_tune_rows( job, tune, &t.common, error );
     for ( int i = 0; i < tune->count; ++i )
         t.candidate[i] = tune->rows[i].excluded == NULL;

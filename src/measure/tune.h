@@ -48,16 +48,24 @@ typedef struct RfTuneRow
     // predictions for the requested render; NaN if not tried
     double cpu_seconds, seconds; // for all frames
     double relmse, f1, phi;      // of a frame with `spp` samples
-    double efficiency;           // 1 / (relMSE · CPU seconds of a frame)
+    double efficiency;           // 1 / (relMSE · CPU seconds of a frame), or with F1 squared in the place of relMSE
     RfInterval gain;             // efficiency relative to path tracing (group 0, tile 1), measured on the same pieces; NaN if
                                  // that was not tried
     bool chosen;
 } RfTuneRow;
 
+// What settings are compared by, at equal CPU time.
+typedef enum RfTuneGoal
+{
+    RF_TUNE_NOISE,   // relMSE
+    RF_TUNE_FLICKER, // F1 squared, which falls as 1 / samples, too
+} RfTuneGoal;
+
 typedef struct RfTune
 {
     RfTuneRow rows[RF_TUNE_ROWS]; // sorted by tile, then by group
     int count;
+    RfTuneGoal goal;
     int chosen; // −1: none yet
     RfTuneRound rounds[RF_TUNE_ROUNDS];
     int round_count; // completed
@@ -73,7 +81,8 @@ typedef struct RfTuneJob
     int frame_count;
     const RfRenderSettings* settings; // group and tile are ignored
     double budget;                    // seconds; the first round is always completed
-    const RfTrialWatch* watch;        // may be NULL; called from several threads
+    RfTuneGoal goal;
+    const RfTrialWatch* watch; // may be NULL; called from several threads
     void ( *report )( void* user, const RfTune* tune, const RfTuneRound* round,
                       int candidates ); // called before each round; may be NULL
     void* user;

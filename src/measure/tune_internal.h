@@ -14,6 +14,9 @@ RfRenderSettings rf_tune_settings( const RfTuneRow* row, const RfRenderSettings*
 // settings, resolved except for the group. Fails if no row can be tried.
 RfResult rf_list_tune_rows( const RfTuneJob* job, RfTune* tune, RfRenderSettings* common, RfError* error );
 
+// The error of a sample that the goal is about.
+double rf_tune_error( const RfTune* tune, const RfTrial* trial );
+
 // Sets log_error and log_time of each row from a fit over all rows.
 void rf_smooth_tune_rows( RfTune* tune );
 

@@ -119,7 +119,7 @@ RfResult rf_list_tune_rows( const RfTuneJob* job, RfTune* tune, RfRenderSettings
 {
     RfRenderSettings asked = *job->settings;
     asked.group = 0; // auto would compute a further plan
-    asked.noise = asked.time = 0.0;
+    asked.noise = asked.flicker = asked.time = 0.0;
     asked.hold_all = false;
     asked.adaptive = RF_ADAPTIVE_OFF;
     RfResult result = rf_resolve_settings( job->tracer, job->eyes, job->eye_count, &asked, common, error );
@@ -157,7 +157,13 @@ int rf_tune_workers( const RfTuneJob* job, const RfTune* tune, const RfRenderSet
     return room < 1 ? 1 : room < (size_t)common->threads ? (int)room : common->threads;
 }
 
-static void predict_row( RfTuneRow* row, double pixels, int frames )
+double rf_tune_error( const RfTune* tune, const RfTrial* trial )
+{
+    double f1 = rf_trial_f1( trial, 1.0 );
+    return tune->goal == RF_TUNE_FLICKER ? f1 * f1 : rf_trial_relmse( trial, 1.0 );
+}
+
+static void predict_row( const RfTune* tune, RfTuneRow* row, double pixels, int frames )
 {
     const RfTrial* trial = &row->trial;
     row->cpu_seconds = row->seconds = row->relmse = row->f1 = row->phi = row->efficiency = NAN;
@@ -167,17 +173,27 @@ static void predict_row( RfTuneRow* row, double pixels, int frames )
     double finish = trial->finish_pixels > 0.0 ? trial->finish_seconds / trial->finish_pixels : 0.0;
     row->cpu_seconds = row->samples * rf_trial_sample_seconds( trial ) * exp( row->log_time ) + frames * pixels * finish;
     row->seconds = row->cpu_seconds / row->fit.threads;
-    row->relmse = rf_trial_relmse( trial, row->spp ) * exp( row->log_error );
-    row->f1 = rf_trial_f1( trial, row->spp );
+    bool flicker = tune->goal == RF_TUNE_FLICKER; // what the trials of the other rows correct
+    row->relmse = rf_trial_relmse( trial, row->spp ) * ( flicker ? 1.0 : exp( row->log_error ) );
+    row->f1 = rf_trial_f1( trial, row->spp ) * ( flicker ? exp( 0.5 * row->log_error ) : 1.0 );
     row->phi = rf_trial_phi( trial );
-    double cost = row->relmse * row->cpu_seconds;
+    double cost = ( flicker ? row->f1 * row->f1 : row->relmse ) * row->cpu_seconds;
     row->efficiency = cost > 0.0 ? frames / cost : NAN; // the efficiency of a black image is undefined
 }
 
-// Of the render asked for: more samples are traced at the ends of the path, and in several sweeps.
-static RfInterval gain_over( const RfTuneRow* plain, const RfTuneRow* row )
+// The pieces are not told apart in the change from frame to frame: no interval.
+static RfInterval flicker_gain( const RfTrial* plain, const RfTrial* row )
 {
-    RfInterval gain = rf_trial_gain( &plain->trial, &row->trial );
+    double a = rf_trial_f1( plain, 1.0 ), b = rf_trial_f1( row, 1.0 );
+    double gain = a * a * rf_trial_sample_seconds( plain ) / ( b * b * rf_trial_sample_seconds( row ) );
+    return ( RfInterval ){ isgreater( gain, 0.0 ) && isfinite( gain ) ? gain : (double)NAN, (double)NAN, (double)NAN };
+}
+
+// Of the render asked for: more samples are traced at the ends of the path, and in several sweeps.
+static RfInterval gain_over( RfTuneGoal goal, const RfTuneRow* plain, const RfTuneRow* row )
+{
+    RfInterval gain =
+        goal == RF_TUNE_FLICKER ? flicker_gain( &plain->trial, &row->trial ) : rf_trial_gain( &plain->trial, &row->trial );
     double ends = plain->samples / plain->spp / ( row->samples / row->spp );
     return row == plain ? ( RfInterval ){ 1.0, 1.0, 1.0 }
                         : ( RfInterval ){ gain.value * ends, gain.low * ends, gain.high * ends };
@@ -191,7 +207,7 @@ void rf_predict_tune_rows( RfTune* tune, double pixels, int frames )
     for ( int i = 0; i < tune->count; ++i )
     {
         RfTuneRow* row = tune->rows + i;
-        predict_row( row, pixels, frames );
+        predict_row( tune, row, pixels, frames );
         row->chosen = false;
         rounds = row->rounds > rounds ? row->rounds : rounds;
         plain = rf_is_plain_row( row ) && row->rounds > 0 ? row : plain;
@@ -200,7 +216,7 @@ void rf_predict_tune_rows( RfTune* tune, double pixels, int frames )
     {
         RfTuneRow* row = tune->rows + i;
         if ( plain != NULL && row->rounds > 0 )
-            row->gain = gain_over( plain, row );
+            row->gain = gain_over( tune->goal, plain, row );
         if ( row->rounds == rounds && rounds > 0 && isfinite( row->efficiency ) &&
              ( tune->chosen < 0 || row->efficiency > tune->rows[tune->chosen].efficiency ) )
             tune->chosen = i;

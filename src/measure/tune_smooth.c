@@ -61,7 +61,7 @@ static void collect( const RfTune* tune, bool time, Fit* fit )
     for ( int i = 0; i < tune->count; ++i )
     {
         const RfTrial* trial = &tune->rows[i].trial;
-        double value = tune->rows[i].rounds > 0 ? log( time ? rf_trial_sample_seconds( trial ) : rf_trial_relmse( trial, 1.0 ) )
+        double value = tune->rows[i].rounds > 0 ? log( time ? rf_trial_sample_seconds( trial ) : rf_tune_error( tune, trial ) )
                                                 : (double)NAN;
         if ( !isfinite( value ) )
             continue;

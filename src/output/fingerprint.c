@@ -33,6 +33,9 @@ void rf_frame_fingerprint( const RfOutput* output, int frame, char text[RF_FINGE
     snprintf( settings, sizeof settings, "noise %.17g time %.17g adaptive %d", s->noise, s->time, adaptive[s->adaptive] );
     if ( s->noise > 0.0 || s->time > 0.0 || s->adaptive != RF_ADAPTIVE_OFF )
         hash = hash_text( hash, settings );
+    snprintf( settings, sizeof settings, "flicker %.17g", s->flicker );
+    if ( s->flicker > 0.0 ) // a frame without is what it was before it could be asked for
+        hash = hash_text( hash, settings );
     snprintf( settings, sizeof settings, "filter %s %.17g", rf_filter_name( s->filter ), s->filter_width );
     if ( s->filter != RF_FILTER_BOX || s->filter_width != 1.0 ) // a box of one pixel is what frames had before there were others
         hash = hash_text( hash, settings );

@@ -42,11 +42,16 @@ typedef enum Key
     FILTER_WIDTH,
     ADAPTIVE,
     NOISE,
+    FLICKER,
     TIME,
     RELMSE_ESTIMATE,
     RELMSE_IS_LOWER_BOUND,
     RELMSE_LIKELY,
     WORST_TEN_SHARE,
+    FLICKER_ESTIMATE,
+    FLICKER_IS_LOWER_BOUND,
+    FLICKER_LIKELY,
+    FLICKER_WORST_TEN_SHARE,
     REACHED,
     NATIVE_SPP,
     EFFECTIVE_SPP,
@@ -80,11 +85,16 @@ static const char* const s_names[KEY_COUNT] = {
     [FILTER_WIDTH] = "reframe/filter-width",
     [ADAPTIVE] = "reframe/adaptive",
     [NOISE] = "reframe/noise",
+    [FLICKER] = "reframe/flicker",
     [TIME] = "reframe/time",
     [RELMSE_ESTIMATE] = "reframe/relmse-estimate",
     [RELMSE_IS_LOWER_BOUND] = "reframe/relmse-is-lower-bound",
     [RELMSE_LIKELY] = "reframe/relmse-likely",
     [WORST_TEN_SHARE] = "reframe/worst-ten-share",
+    [FLICKER_ESTIMATE] = "reframe/flicker-estimate",
+    [FLICKER_IS_LOWER_BOUND] = "reframe/flicker-is-lower-bound",
+    [FLICKER_LIKELY] = "reframe/flicker-likely",
+    [FLICKER_WORST_TEN_SHARE] = "reframe/flicker-worst-ten-share",
     [REACHED] = "reframe/reached",
     [NATIVE_SPP] = "reframe/native-spp",
     [EFFECTIVE_SPP] = "reframe/effective-spp",
@@ -139,6 +149,8 @@ static void put_settings( Attributes* a, const RfRenderSettings* s )
         put_text( a, ADAPTIVE, s->adaptive == RF_ADAPTIVE_ON ? "yes" : rf_adaptive_name( s->adaptive ) );
     if ( s->noise > 0.0 )
         put( a, NOISE, "%.9g", s->noise );
+    if ( s->flicker > 0.0 )
+        put( a, FLICKER, "%.9g", s->flicker );
     if ( s->time > 0.0 )
         put( a, TIME, "%.9g", s->time );
     if ( s->aovs != 0 )
@@ -181,7 +193,14 @@ static void put_frame( Attributes* a, const RfOutput* output, const RfFrameResul
         put( a, RELMSE_LIKELY, "%.6g", frame->relmse_likely );
         put( a, WORST_TEN_SHARE, "%.6g", frame->worst_ten_share );
     }
-    if ( output->settings.noise > 0.0 )
+    if ( output->settings.flicker > 0.0 && isfinite( frame->flicker_estimate ) )
+    {
+        put( a, FLICKER_ESTIMATE, "%.6g", frame->flicker_estimate );
+        put_text( a, FLICKER_IS_LOWER_BOUND, frame->flicker_is_lower_bound ? "yes" : NULL );
+        put( a, FLICKER_LIKELY, "%.6g", frame->flicker_likely );
+        put( a, FLICKER_WORST_TEN_SHARE, "%.6g", frame->flicker_worst_ten_share );
+    }
+    if ( output->settings.noise > 0.0 || output->settings.flicker > 0.0 )
         put_text( a, REACHED, frame->reached ? "yes" : "no" );
     put_effects( a, rf_tracer_scene( output->tracer ) );
     put_text( a, CALLS_FOR, output->calls_for );
@@ -258,6 +277,7 @@ static const char* absent_value( Key key )
     {
         case ADAPTIVE: return rf_adaptive_name( RF_ADAPTIVE_OFF );
         case NOISE:
+        case FLICKER:
         case TIME: return "0";
         case RECONSTRUCTION: return rf_reconstruction_name( RF_RECONSTRUCTION_WEIGHTED );
         case AOV:
@@ -308,9 +328,9 @@ static void add_roulette( const RfOutput* output, const char* name, int frame, R
 
 int rf_list_frame_differences( const RfOutput* output, int frame, RfFrameDifference list[RF_MAX_DIFFERENCES] )
 {
-    static const Key keys[] = { VERSION,   FRAME,   CAMERA,    FRAMES,        GROUP,        SPP,           TILE, WEIGHTS,
-                                NORMALIZE, SEED,    MAX_DEPTH, LIGHT_SAMPLES, ADAPTIVE,     NOISE,         TIME, AOV,
-                                ESTIMATOR, EFFECTS, NO_EFFECT, FILTER,        FILTER_WIDTH, RECONSTRUCTION };
+    static const Key keys[] = { VERSION,   FRAME,     CAMERA,    FRAMES,        GROUP,    SPP,          TILE,          WEIGHTS,
+                                NORMALIZE, SEED,      MAX_DEPTH, LIGHT_SAMPLES, ADAPTIVE, NOISE,        FLICKER,       TIME,
+                                AOV,       ESTIMATOR, EFFECTS,   NO_EFFECT,     FILTER,   FILTER_WIDTH, RECONSTRUCTION };
     char name[MAX_NAME], there[RF_DIFFERENCE_SIZE];
     int count = 0;
     Attributes wanted;

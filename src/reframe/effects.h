@@ -58,7 +58,7 @@ typedef enum RfWithout
     X( TILE_CONNECTIONS, "tile-connections", IMPOSSIBLE, false, "tiles of one pixel" )                                           \
     X( TILE_ROULETTE, "tile-roulette", IMPOSSIBLE, false, "settings without it" )                                                \
     X( ADAPTIVE, "adaptive", IMPOSSIBLE, false, "settings without it" )                                                          \
-    X( STOP_RULE, "stop-rule", IMPOSSIBLE, false, "settings without a noise or a time to stop at" )                              \
+    X( STOP_RULE, "stop-rule", IMPOSSIBLE, false, "settings without a noise, a flicker or a time to stop at" )                   \
     X( PIXEL_FILTER, "pixel-filter", IMPOSSIBLE, false, "the box of one pixel" )                                                 \
     X( OTHER_PROJECTION, "other-projection", IMPOSSIBLE, false, "a camera in perspective" )                                      \
     X( GRADIENTS, "gradients", IMPOSSIBLE, false, "another estimator" )                                                          \

@@ -152,8 +152,9 @@ typedef struct RfPieces RfPieces;
 typedef struct RfRenderSettings
 {
     const RfEstimator* estimator; // by default "reuse"
-    int spp;                      // samples that a frame traces per pixel; with noise or time the most
+    int spp;                      // samples that a frame traces per pixel; with noise, flicker or time the most
     double noise;                 // each frame stops when its estimated relMSE is at most this; 0: spp are rendered
+    double flicker;               // and each pair of neighbouring frames when its estimated F1 (reframe/measure.h) is
     double time;                  // seconds for each frame asked for, on average; 0: as long as it takes
     int group;                    // half-width n, cut to the path; RF_GROUP_AUTO: chosen by the plan
     RfTile tile;                  // pixels of a frame that reuse each other's paths
@@ -176,12 +177,13 @@ typedef struct RfRenderSettings
                             // the same; else as few as serve the threads
     unsigned aovs;          // RF_AOV_BIT of the AOVs that are wanted besides the colour, which they do not change
     RfFrameFiles files;     // rf_default_frame_files where callbacks->frame writes files
-    const RfPieces* pieces; // NULL: whole frames; else not with noise, time, hold_all or extra samples
+    const RfPieces* pieces; // NULL: whole frames; else not with noise, flicker, time, hold_all or extra samples
 } RfRenderSettings;
 
 #define RF_GROUP_AUTO ( -1 )
 #define RF_MAX_SPP ( 1 << 20 )
 #define RF_MAX_NOISE 1e6
+#define RF_MAX_FLICKER 1e6
 #define RF_MAX_TIME 1e9
 #define RF_MAX_GROUP ( 1 << 20 )
 #define RF_MAX_DEPTH ( 1 << 20 )
@@ -243,7 +245,14 @@ typedef struct RfFrameResult
     double worst_ten_share;          // part of relmse_likely that its ten worst pixels carry, 0 to 1
     double native_spp;               // samples that the frame traced itself, per pixel
     double effective_spp;            // samples that landed in a pixel, its own and reused ones
-    bool reached;                    // the relMSE is at most settings.noise by all that is known, or nothing was asked
+    // With settings.flicker: F1 of this frame and the one before (NaN: that was not rendered now), as of the relMSE
+    double flicker_estimate;
+    bool flicker_is_lower_bound;
+    double flicker_likely;
+    double flicker_worst_ten_share; // of the pixels in F1 squared
+    bool noise_missed;              // the relMSE may be above settings.noise
+    bool flicker_missed;            // F1 may be above settings.flicker
+    bool reached;                   // neither, by all that is known, or nothing was asked
 } RfFrameResult;
 
 typedef struct RfProgress
@@ -254,6 +263,9 @@ typedef struct RfProgress
     double seconds; // since the start
     double relmse;  // estimate of the last finished frame; NaN: not known
     bool relmse_is_lower_bound;
+    double flicker; // of the last pair, likewise
+    bool flicker_is_lower_bound;
+    double left; // seconds to the end by what is known; NaN: nothing yet
 } RfProgress;
 
 // Either callback may be NULL. `frame` failing stops the render with its
@@ -298,6 +310,7 @@ typedef struct RfRenderStats
     int threads; // as rendered: fewer where memory is short
     RfMemoryFit fit;
     int missed;          // frames finished with an estimate above settings.noise
+    int flicker_missed;  // the same of pairs and settings.flicker, counted at the later frame
     bool hurried;        // settings.time was too short for the least: two passes of a frame
     int adaptive_frames; // finished frames with extra samples
     int entry_count;     // of the entries
@@ -306,7 +319,7 @@ typedef struct RfRenderStats
 
 // Renders `frames` (ascending indices into the `eye_count` eyes of the whole path, which have one
 // film size) and hands each to callbacks->frame as soon as it is finished, in order. A frame does
-// not depend on which others are asked for, except with noise or time, which look at what was
+// not depend on which others are asked for, except with noise, flicker or time, which look at what was
 // rendered before. Two runs, and any number of threads, give the same bits, except with time.
 // `stats` may be NULL. Fails with RF_ERROR_USAGE for settings out of range, RF_ERROR_MEMORY where the
 // smallest chunk of a single film does not fit the budget, RF_ERROR_INTERRUPTED, or as a callback does.

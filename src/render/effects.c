@@ -131,7 +131,10 @@ static void set_reuse( const Source* from )
          : adaptive                    ? "in frames where it pays"
                                        : "the settings do not ask for it, or no other frame helps" );
     if ( rf_is_stopping( s ) )
-        set( from, RF_EFFECT_STOP_RULE, true, "frames stop at %s", s->noise > 0.0 ? "a noise" : "a time" );
+        set( from, RF_EFFECT_STOP_RULE, true, "frames stop at %s",
+             s->noise > 0.0     ? "a noise"
+             : s->flicker > 0.0 ? "a flicker"
+                                : "a time" );
     else
         set( from, RF_EFFECT_STOP_RULE, false, "the samples of a frame are given" );
 }

@@ -1,11 +1,14 @@
 #include "render/frames.h"
 
 #include "base/system.h"
+#include "film/film_flicker.h"
 #include "render/adaptive.h"
 #include "render/pieces.h"
 
-// Was the frame asked for? The frames are in ascending order.
-static bool asked_for( const RfRenderer* r, int frame )
+#include <math.h>
+
+// The frames are in ascending order.
+bool rf_is_asked( const RfRenderer* r, int frame )
 {
     int low = 0, end = r->frame_count;
     while ( low < end )
@@ -28,11 +31,12 @@ void rf_open_films( RfRenderer* r, int number )
     {
         int first, last;
         rf_groups_of_frame( &r->plan, frame, &first, &last );
-        if ( first != number || !asked_for( r, frame ) )
+        if ( first != number || !rf_is_asked( r, frame ) )
             continue;
         RfLiveFilm* live = rf_find_film( r, -1 );
         live->frame = frame;
-        live->noise = live->noise_seen = 0.0;
+        live->noise = live->flicker = live->noise_seen = live->doubt = 0.0;
+        live->pair = ( RfPairNoise ){ (double)NAN, (double)NAN };
         for ( int f = 0; f < r->settings.estimator->films; ++f )
             if ( r->settings.pieces != NULL )
                 rf_clear_traced( r->settings.pieces, frame, live->films + f );
@@ -45,14 +49,33 @@ void rf_open_films( RfRenderer* r, int number )
     }
 }
 
-static bool note_finished( RfRenderer* r, int frame, const RfFilm* film, const RfRelmse* relmse )
+static RfMissed note_finished( RfRenderer* r, const RfLiveFilm* live, const RfFilm* film, const RfRelmse* relmse,
+                               const RfFlicker* flicker )
 {
     double weight = film->weight[0] + film->weight[1];
-    return rf_note_finished( &r->stop, ( RfFrameNoise ){ .frame = frame,
-                                                         .passes = film->passes[0] + film->passes[1],
-                                                         .weight = weight,
-                                                         .noise = rf_prudent_relmse( relmse ) * weight,
-                                                         .seen = weight } );
+    return rf_note_finished( &r->stop,
+                             ( RfFrameNoise ){ .frame = live->frame,
+                                               .pair = live->pair,
+                                               .passes = film->passes[0] + film->passes[1],
+                                               .weight = weight,
+                                               .noise = rf_prudent_relmse( relmse ) * weight,
+                                               .flicker = rf_flicker_doubt( flicker ) * rf_flicker_f1_squared( flicker ) * weight,
+                                               .seen = weight,
+                                               .doubt = rf_prudent_relmse( relmse ) / relmse->likely } );
+}
+
+// The flicker since the frame before, unknown where that was not rendered; keeps the error of this one for the next.
+static RfFlicker take_flicker( RfRenderer* r, const RfLiveFilm* live )
+{
+    RfFilmCombine combine = rf_film_combine( r->settings.normalize );
+    RfFlicker flicker = { .before = (double)NAN, .now = (double)NAN, .product = (double)NAN, .worst_share = (double)NAN };
+    if ( !r->sizes.paired )
+        return flicker;
+    if ( r->kept_frame == live->frame - 1 )
+        flicker = rf_flicker_since( r->memory.kept_errors, live->films, combine );
+    rf_keep_film_error( live->films, combine, r->memory.kept_errors );
+    r->kept_frame = live->frame;
+    return flicker;
 }
 
 static void finish_aovs( const RfRenderer* r, const RfLiveFilm* live, RfFrameBuffer* buffer )
@@ -72,6 +95,7 @@ static RfResult finish_film( RfRenderer* r, RfLiveFilm* live, double shared, RfE
     const RfFilm* film = live->films;
     RfFrameBuffer* buffer = rf_next_frame_buffer( &r->queue );
     RfRelmse relmse = rf_finish_picture( r, live, buffer->rgb, buffer->weight );
+    RfFlicker flicker = take_flicker( r, live );
     double now = rf_wall_seconds(), pixels = (double)r->sizes.width * (double)r->sizes.height;
     buffer->result = ( RfFrameResult ){
         .frame = live->frame,
@@ -84,10 +108,21 @@ static RfResult finish_film( RfRenderer* r, RfLiveFilm* live, double shared, RfE
         .relmse_is_lower_bound = relmse.is_lower_bound,
         .relmse_likely = relmse.likely,
         .worst_ten_share = relmse.worst_share,
+        .flicker_estimate = sqrt( fmax( rf_told_flicker( &flicker ), 0.0 * flicker.now ) ),
+        .flicker_is_lower_bound = rf_flicker_is_lower_bound( &flicker ),
+        .flicker_likely = sqrt( fmax( rf_flicker_f1_squared( &flicker ), 0.0 * flicker.now ) ),
+        .flicker_worst_ten_share = flicker.worst_share,
         .native_spp = film->passes[0] + film->passes[1] + (double)film->extra_samples / pixels,
         .effective_spp = (double)film->landed / pixels,
     };
-    buffer->result.reached = !r->sizes.stopping || note_finished( r, live->frame, film, &relmse );
+    RfMissed missed = { false, false };
+    if ( r->sizes.stopping )
+        missed = note_finished( r, live, film, &relmse, &flicker );
+    buffer->result.noise_missed = missed.noise;
+    buffer->result.flicker_missed = missed.flicker;
+    buffer->result.reached = !missed.noise && !missed.flicker;
+    r->last_flicker = buffer->result.flicker_estimate;
+    r->last_flicker_is_lower_bound = buffer->result.flicker_is_lower_bound;
     r->last_relmse = buffer->result.relmse_estimate;
     r->last_is_lower_bound = relmse.is_lower_bound;
     finish_aovs( r, live, buffer );
@@ -104,7 +139,7 @@ static bool is_closed_by( const RfRenderer* r, int number, int frame )
 {
     int first, last;
     rf_groups_of_frame( &r->plan, frame, &first, &last );
-    return last == number && asked_for( r, frame );
+    return last == number && rf_is_asked( r, frame );
 }
 
 // The time of a group that finishes several frames is shared among them equally.
@@ -139,6 +174,6 @@ bool rf_group_wanted( const RfRenderer* r, RfGroup group )
 {
     bool wanted = false;
     for ( int frame = group.first; frame < group.first + group.eyes && !wanted; ++frame )
-        wanted = asked_for( r, frame );
+        wanted = rf_is_asked( r, frame );
     return wanted;
 }

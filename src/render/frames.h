@@ -5,6 +5,9 @@
 
 #include "render/renderer.h"
 
+// Was this frame of the sweep asked for?
+bool rf_is_asked( const RfRenderer* renderer, int frame );
+
 // Was any frame of the group asked for?
 bool rf_group_wanted( const RfRenderer* renderer, RfGroup group );
 

@@ -13,9 +13,11 @@ typedef struct RfLiveFilm
     int frame;                  // −1: free
     RfFilm films[RF_MAX_FILMS]; // as many as the estimator asks for; the first counts passes and samples
     RfAovFilm aovs;
-    void* pass_state;         // the estimator's, see RfEstimatorSizes; NULL: none
-    double noise, noise_seen; // as `noise` and `seen` in RfFrameNoise
-    float* need;              // adaptive sampling: extra samples wanted by each pixel in a pass; NULL: none in this render
+    void* pass_state;                  // the estimator's, see RfEstimatorSizes; NULL: none
+    double noise, flicker, noise_seen; // as `noise`, `flicker` and `seen` in RfFrameNoise
+    double doubt;                      // likewise, and `pair`
+    RfPairNoise pair;
+    float* need; // adaptive sampling: extra samples wanted by each pixel in a pass; NULL: none in this render
     float most_need;
 } RfLiveFilm;
 
@@ -30,7 +32,8 @@ typedef struct RfRenderMemory
     int batch_slots;
     RfLiveFilm* films;
     int film_slots;
-    RfFrameNoise* noise_estimates; // as many as films; with settings.noise or time only
+    RfFrameNoise* noise_estimates; // as many as films; with settings.noise, flicker or time only
+    float* kept_errors;            // of the frame finished last; with settings.flicker only
     struct RfMaterialNoise* noise; // of each material, for adaptive sampling; NULL: all are alike
     bool noise_known;              // it has been measured
     RfFrameBuffer* buffers;        // finished frames on their way to the caller

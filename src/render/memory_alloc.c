@@ -100,6 +100,8 @@ static RfResult alloc_films( const RfRenderSizes* s, RfRenderMemory* m, RfError*
     m->film_slots = s->films;
     if ( s->stopping )
         result = rf_arena_alloc( &m->arena, "film table", rf_noise_estimates_bytes( s ), (void**)&m->noise_estimates, error );
+    if ( s->paired && result == RF_OK )
+        result = rf_arena_alloc( &m->arena, "film table", rf_kept_errors_bytes( s ), (void**)&m->kept_errors, error );
     if ( s->materials > 0 && result == RF_OK )
         result = rf_arena_alloc( &m->arena, "adaptive", rf_material_noise_bytes( s ), (void**)&m->noise, error );
     for ( int i = 0; i < s->films && result == RF_OK; ++i )
@@ -243,6 +245,7 @@ void rf_free_render_memory( const RfRenderSizes* s, RfRenderMemory* m )
     for ( int i = 0; i < m->film_slots; ++i )
         free_live_film( s, m, m->films + i );
     rf_arena_free( &m->arena, "adaptive", m->noise, rf_material_noise_bytes( s ) );
+    rf_arena_free( &m->arena, "film table", m->kept_errors, rf_kept_errors_bytes( s ) );
     rf_arena_free( &m->arena, "film table", m->noise_estimates, rf_noise_estimates_bytes( s ) );
     rf_arena_free( &m->arena, "film table", m->films, (size_t)s->films * sizeof *m->films );
     for ( int i = 0; i < m->buffer_count; ++i )

@@ -41,7 +41,7 @@ static void choose( size_t budget, int frames, RfRenderSizes* sizes )
     RfRenderSizes best = *sizes, tried = *sizes;
     best.films = best.threads = 0;
     double least = 0.0;
-    for ( tried.films = sizes->films; tried.films > 0; --tried.films )
+    for ( tried.films = sizes->films; tried.films > ( sizes->paired ? sizes->films - 1 : 0 ); --tried.films )
     {
         int threads = threads_that_fit( budget, tried );
         double time = threads > 0 ? time_of( tried.films, threads, frames, sizes->eyes ) : 0.0;
@@ -59,7 +59,8 @@ static void choose( size_t budget, int frames, RfRenderSizes* sizes )
 // Rounded up to KiB, so that it can be typed.
 static size_t least_budget( RfRenderSizes sizes )
 {
-    sizes.threads = sizes.films = 1;
+    sizes.threads = 1;
+    sizes.films = sizes.paired ? sizes.films : 1;
     return ( needed_bytes( &sizes ) + 1023 ) / 1024 * 1024;
 }
 

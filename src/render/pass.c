@@ -4,6 +4,7 @@
 #include "render/adaptive.h"
 #include "render/settings.h"
 
+#include <math.h>
 #include <omp.h>
 #include <stdlib.h>
 #include <string.h>
@@ -97,20 +98,33 @@ void rf_filter_aovs( RfRenderer* r, const RfPass* pass )
     }
 }
 
+// What is left takes as long as what is done did, in proportion to its batches.
+static double seconds_left( const RfRenderer* r, double seconds )
+{
+    if ( r->sizes.stopping )
+        return rf_stop_left( &r->stop, seconds );
+    return seconds * ( r->batches_all - r->batches_done ) / r->batches_done;
+}
+
 static bool report_progress( RfRenderer* r, int count )
 {
     r->batches_done += count;
     if ( r->callbacks.progress == NULL )
         return true;
-    double seconds = rf_wall_seconds() - r->start;
+    double seconds = rf_wall_seconds() - r->start, left = seconds_left( r, seconds );
+    double share = r->sizes.stopping ? rf_stop_share( &r->stop, seconds ) : r->batches_done / r->batches_all;
+    r->share = fmax( r->share, isfinite( left ) ? seconds / ( seconds + left ) : share ); // never backwards
     RfProgress progress = {
         .frames_done = r->frames_done,
         .frames_all = r->frames_all,
-        .share = r->sizes.stopping ? rf_stop_share( &r->stop, seconds ) : r->batches_done / r->batches_all,
+        .share = r->share,
+        .left = left,
         .samples = (double)r->rays.primary,
         .seconds = seconds,
         .relmse = r->last_relmse,
         .relmse_is_lower_bound = r->last_is_lower_bound,
+        .flicker = r->last_flicker,
+        .flicker_is_lower_bound = r->last_flicker_is_lower_bound,
     };
     return r->callbacks.progress( r->callbacks.user, &progress );
 }

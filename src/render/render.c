@@ -48,6 +48,7 @@ static double count_batches( RfRenderer* r )
             continue;
         batches += (double)group.passes * group.eyes * r->sizes.of_estimator.jobs;
         r->stop.units_left += r->sizes.stopping ? rf_group_units( &r->stop, g ) : 0.0;
+        r->stop.groups_left += 1;
     }
     return batches;
 }
@@ -124,6 +125,7 @@ static void fill_stats( const RfRenderer* r, RfRenderStats* stats )
         .threads = r->settings.threads,
         .fit = r->fit,
         .missed = r->stop.missed,
+        .flicker_missed = r->stop.flicker_missed,
         .hurried = r->stop.hurried,
         .adaptive_frames = r->adaptive_frames,
         .entry_count = r->memory.arena.entry_count,
@@ -138,7 +140,10 @@ static RfResult set_up( RfRenderer* r, int eye_count, RfError* error )
     const RfScene* scene = rf_tracer_scene( r->tracer );
     r->plan = rf_plan_groups( eye_count, settings->group, settings->spp );
     if ( rf_is_stopping( settings ) )
-        r->stop = rf_create_stop( &r->plan, settings->spp, settings->noise, settings->time * r->frames_all );
+        r->stop = rf_create_stop( &r->plan, settings->spp,
+                                  &( RfStopGoals ){ .noise = settings->noise,
+                                                    .flicker = settings->flicker * settings->flicker,
+                                                    .seconds = settings->time * r->frames_all } );
     r->sizes = rf_render_sizes( scene, r->eyes, &r->plan, r->frames_all, settings );
     r->traits = rf_running_traits( scene, rf_scene_traits( scene, r->eyes, eye_count ) );
     if ( !rf_is_plain_filter( settings ) )
@@ -155,7 +160,13 @@ static RfResult set_up( RfRenderer* r, int eye_count, RfError* error )
 RfResult rf_render( const RfTracer* tracer, const RfEye* eyes, int eye_count, const int* frames, int frame_count,
                     const RfRenderSettings* settings, const RfRenderCallbacks* callbacks, RfRenderStats* stats, RfError* error )
 {
-    RfRenderer r = { .tracer = tracer, .eyes = eyes, .frames = frames, .frames_all = frame_count, .last_relmse = (double)NAN };
+    RfRenderer r = { .tracer = tracer,
+                     .eyes = eyes,
+                     .frames = frames,
+                     .frames_all = frame_count,
+                     .last_relmse = (double)NAN,
+                     .last_flicker = (double)NAN,
+                     .kept_frame = RF_NO_FRAME };
     RfResult result = rf_resolve_settings( tracer, eyes, eye_count, settings, &r.settings, error );
     if ( result == RF_OK )
         result = check_frames( frames, frame_count, eye_count, error );

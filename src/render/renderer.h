@@ -4,6 +4,8 @@
 
 #include "render/memory.h"
 
+#define RF_NO_FRAME ( -2 ) // not even the one before the first
+
 typedef struct RfRenderer
 {
     const RfTracer* tracer;
@@ -25,10 +27,14 @@ typedef struct RfRenderer
     RfRayCounts rays;
     double start, last_frame; // seconds
     double batches_done, batches_all;
+    double share; // of the work, as last reported
     int frames_done;
     int adaptive_frames; // of these with extra samples
     double last_relmse;  // of the last finished frame
     bool last_is_lower_bound;
+    double last_flicker; // of the last pair that it finished
+    bool last_flicker_is_lower_bound;
+    int kept_frame; // whose errors memory.kept_errors holds
 } RfRenderer;
 
 // A pass of a group.

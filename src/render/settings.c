@@ -39,12 +39,14 @@ static RfResult check_settings( const RfRenderSettings* s, RfError* error )
         return rf_fail( error, RF_ERROR_USAGE, "samples per pixel must be 1 to %d, got %d", RF_MAX_SPP, s->spp );
     if ( !( s->noise >= 0.0 && s->noise <= RF_MAX_NOISE ) )
         return rf_fail( error, RF_ERROR_USAGE, "the relMSE wanted must be 0 to %g, got %g", RF_MAX_NOISE, s->noise );
+    if ( !( s->flicker >= 0.0 && s->flicker <= RF_MAX_FLICKER ) )
+        return rf_fail( error, RF_ERROR_USAGE, "the flicker wanted must be 0 to %g, got %g", RF_MAX_FLICKER, s->flicker );
     if ( !( s->time >= 0.0 && s->time <= RF_MAX_TIME ) )
         return rf_fail( error, RF_ERROR_USAGE, "the seconds for a frame must be 0 to %g, got %g", RF_MAX_TIME, s->time );
     if ( s->hold_all && rf_is_stopping( s ) )
-        return rf_fail(
-            error, RF_ERROR_USAGE,
-            "all records of a group can be held only where its passes are known: not with a noise or a time to stop at" );
+        return rf_fail( error, RF_ERROR_USAGE,
+                        "all records of a group can be held only where its passes are known: not with a noise, a flicker or a "
+                        "time to stop at" );
     if ( s->group < RF_GROUP_AUTO || s->group > RF_MAX_GROUP )
         return rf_fail( error, RF_ERROR_USAGE, "group must be 0 to %d, got %d", RF_MAX_GROUP, s->group );
     if ( s->max_depth < 1 || s->max_depth > RF_MAX_DEPTH )
@@ -77,6 +79,8 @@ static RfResult check_estimator( const RfRenderSettings* s, RfError* error )
         return rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' has no AOVs of first hits", estimator->name );
     if ( ( s->aovs & RF_AOV_BIT( RF_AOV_VARIANCE ) ) != 0 && estimator->finish != NULL )
         return rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' has no variance AOV", estimator->name );
+    if ( s->flicker > 0.0 && estimator->finish != NULL ) // the halves of its pictures are not in the films
+        return rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' has no estimate of flicker to stop at", estimator->name );
     if ( ( s->aovs & RF_GRADIENT_AOVS ) != 0 && !estimator->has_gradients )
         return rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' has no gradients", estimator->name );
     if ( ( s->aovs & RF_AOV_BIT( RF_AOV_ALPHA ) ) != 0 && ( estimator->finish != NULL || estimator->count_reuse == NULL ) )
@@ -88,7 +92,7 @@ static RfResult check_estimator( const RfRenderSettings* s, RfError* error )
         return rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' cannot render pieces", estimator->name );
     if ( s->pieces != NULL && ( rf_is_stopping( s ) || s->hold_all || s->adaptive != RF_ADAPTIVE_OFF ) )
         return rf_fail( error, RF_ERROR_USAGE,
-                        "pieces are rendered without a noise or a time to stop at, held records and extra samples" );
+                        "pieces are rendered without a noise, a flicker or a time to stop at, held records and extra samples" );
     return estimator->check != NULL ? estimator->check( s, error ) : RF_OK;
 }
 

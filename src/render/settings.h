@@ -20,7 +20,7 @@ static inline unsigned rf_built_aovs( void )
 // Is the number of passes decided while rendering?
 static inline bool rf_is_stopping( const RfRenderSettings* settings )
 {
-    return rf_calls_for( settings->noise > 0.0 || settings->time > 0.0, RF_EFFECT_STOP_RULE );
+    return rf_calls_for( settings->noise > 0.0 || settings->flicker > 0.0 || settings->time > 0.0, RF_EFFECT_STOP_RULE );
 }
 
 // Checks settings and eyes and fills in all but the group: threads, memory, normalisation,

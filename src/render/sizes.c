@@ -45,6 +45,7 @@ RfRenderSizes rf_render_sizes( const RfScene* scene, const RfEye* eyes, const Rf
         .filtered = !rf_is_plain_filter( settings ),
         .total_every = rf_film_needs_total( most, total_every ) ? total_every : 0,
         .stopping = rf_is_stopping( settings ),
+        .paired = rf_is_stopping( settings ) && settings->flicker > 0.0,
         .adaptive = adaptive,
         .materials = materials,
         .files = settings->files,
@@ -54,6 +55,8 @@ RfRenderSizes rf_render_sizes( const RfScene* scene, const RfEye* eyes, const Rf
 size_t rf_totals_bytes( const RfRenderSizes* s ) { return s->total_every > 0 ? rf_film_total_bytes( s->width, s->height ) : 0; }
 
 size_t rf_noise_estimates_bytes( const RfRenderSizes* s ) { return s->stopping ? (size_t)s->films * sizeof( RfFrameNoise ) : 0; }
+
+size_t rf_kept_errors_bytes( const RfRenderSizes* s ) { return s->paired ? film_pixels( s ) * 3 * sizeof( float ) : 0; }
 
 size_t rf_need_bytes( const RfRenderSizes* s ) { return s->adaptive ? film_pixels( s ) * sizeof( float ) : 0; }
 
@@ -87,7 +90,7 @@ size_t rf_films_bytes( const RfRenderSizes* s )
     for ( int a = 0; a < RF_AOV_COUNT; ++a )
         frame += optional( rf_aov_film_bytes( s, a ) );
     return rf_arena_size( (size_t)s->films * sizeof( RfLiveFilm ) ) + optional( rf_noise_estimates_bytes( s ) ) +
-           optional( rf_material_noise_bytes( s ) ) + (size_t)s->films * frame;
+           optional( rf_kept_errors_bytes( s ) ) + optional( rf_material_noise_bytes( s ) ) + (size_t)s->films * frame;
 }
 
 size_t rf_image_bytes( const RfRenderSizes* s )

@@ -19,7 +19,8 @@ typedef struct RfRenderSizes
     unsigned aovs;   // RF_AOV_BIT of the AOVs asked for
     bool filtered;   // by another than the plain pixel filter
     int total_every; // passes of a half of a film before it is emptied; 0: never
-    bool stopping;   // by noise or time
+    bool stopping;   // by noise, flicker or time
+    bool paired;     // by flicker: the films of a group are held at once, and the errors of one more frame
     bool adaptive;   // films may get extra samples
     int materials;   // whose noise is measured for these; 0: all are alike
     RfFrameFiles files;
@@ -60,10 +61,11 @@ size_t rf_records_bytes( const RfRenderSizes* sizes, int batches );
 size_t rf_fixed_bytes( const RfRenderSizes* sizes );
 
 // Bytes of single arrays, 0 where they are not needed: a film's totals in doubles; what is known of the
-// frames' noise; wanted samples and weights of extra samples of an adaptive film; the noise of materials; an
+// frames' noise; the errors of a finished frame; wanted samples and weights of extra samples of an adaptive film; the noise of materials; an
 // AOV while it is rendered and when it is finished.
 size_t rf_totals_bytes( const RfRenderSizes* sizes );
 size_t rf_noise_estimates_bytes( const RfRenderSizes* sizes );
+size_t rf_kept_errors_bytes( const RfRenderSizes* sizes );
 size_t rf_need_bytes( const RfRenderSizes* sizes );
 size_t rf_extra_bytes( const RfRenderSizes* sizes );
 size_t rf_material_noise_bytes( const RfRenderSizes* sizes );

@@ -1,17 +1,25 @@
 #include "render/stop_rule.h"
 
+#include "render/stop_plan.h"
+#include "render/stop_pool.h"
+
 #include <limits.h>
 #include <math.h>
 
 #define LEAST_PASSES 2 // one in each half: without both there is no estimate
 #define AIM 0.95       // of the wanted error: most frames are then below it at the first estimate
+#define RECENT 0.8     // weight of a group beside the one after it, in what is foretold
+#define PRIOR 1.0      // groups that the estimates count like there
+#define FLICKER_PRIOR 4.0
+#define SPARED 1.25 // what the margins of pairs take, in what is foretold
 
-RfStop rf_create_stop( const RfGroupPlan* plan, int most_spp, double noise, double seconds )
+RfStop rf_create_stop( const RfGroupPlan* plan, int most_spp, const RfStopGoals* goals )
 {
     int share = INT_MAX / plan->eyes < 1024 ? INT_MAX / plan->eyes : 1024;
     return ( RfStop ){
-        .noise = noise,
-        .seconds = seconds,
+        .goals = *goals,
+        .rate = (double)NAN,
+        .group_left = (double)NAN,
         .plan = rf_plan_groups( plan->frames, plan->eyes / 2, share * plan->eyes ),
         .scale = share,
         .most = (double)most_spp / plan->eyes,
@@ -19,87 +27,65 @@ RfStop rf_create_stop( const RfGroupPlan* plan, int most_spp, double noise, doub
     };
 }
 
-static double share_of( const RfStop* stop, int group ) { return rf_group( &stop->plan, group ).passes / stop->scale; }
-
-double rf_group_units( const RfStop* stop, int group ) { return share_of( stop, group ) * rf_group( &stop->plan, group ).eyes; }
+double rf_group_units( const RfStop* stop, int group )
+{
+    return rf_shares_of( stop, group ) * rf_group( &stop->plan, group ).eyes;
+}
 
 RfGroup rf_begin_group( RfStop* stop, int number )
 {
     RfGroup group = rf_group( &stop->plan, number );
     group.passes = 0;
     group.passes_before = stop->passes;
+    stop->group = number;
     stop->group_units = rf_group_units( stop, number );
     stop->group_share = 0.0;
     if ( stop->units_all <= 0.0 )
         stop->units_all = stop->units_left;
     stop->units_left -= stop->group_units;
     stop->due = 0.0;
+    stop->groups_left -= stop->groups_left > 0;
+    stop->group_left = stop->rate * rf_shares_of( stop, number ) * group.eyes;
     return group;
 }
 
-// Weight of a frame's groups from `from` on for one pass a share.
-static double planned_weight( const RfStop* stop, int frame, int from )
-{
-    int first, last;
-    rf_groups_of_frame( &stop->plan, frame, &first, &last );
-    double sum = 0.0;
-    for ( int w = from > first ? from : first; w <= last; ++w )
-        sum += share_of( stop, w ) * rf_group( &stop->plan, w ).weight;
-    return sum;
-}
-
-static bool is_known( const RfFrameNoise* f ) { return f->seen > 0.0 && isfinite( f->noise ); }
-
-// An estimate counts more the closer its frame and the more passes it is made from: with few
-// passes it is noisy, and too high, since the cross-fitted quotients are noisy, too.
-static void pool( const RfStop* stop, const RfFrameNoise* f, int frame, double* sum, double* weights )
-{
-    if ( !is_known( f ) )
-        return;
-    double reach = fmax( 1.0, stop->plan.eyes / 4.0 ), d = ( f->frame - frame ) / reach;
-    double weight = f->seen * f->seen / ( 1.0 + d * d );
-    *sum += weight * f->noise;
-    *weights += weight;
-}
-
-double rf_pooled_noise( const RfStop* stop, const RfNoiseEstimates* look, int frame )
-{
-    double sum = 0.0, weights = 0.0;
-    for ( int i = 0; i < look->count; ++i )
-        pool( stop, look->frames + i, frame, &sum, &weights );
-    for ( int i = 0; i < stop->finished_count && i < RF_STOP_HISTORY; ++i )
-        pool( stop, stop->finished + i, frame, &sum, &weights );
-    return weights > 0.0 ? sum / weights : (double)NAN;
-}
-
 // Weight that a frame still needs in its last group.
-static double missing_at_last( const RfStop* stop, const RfFrameNoise* f, double pooled, double weight_of_pass, double most )
+static double missing_at_last( const RfFrameNoise* f, double needed, double weight_of_pass, double most )
 {
-    double noise = fmax( f->noise, pooled );
-    if ( noise <= stop->noise * f->weight )
+    if ( needed <= f->weight )
         return 0.0;
-    double missing = fmax( noise / stop->noise - f->weight, fmax( weight_of_pass, f->weight / 32.0 ) );
+    double missing = fmax( needed - f->weight, fmax( weight_of_pass, f->weight / 32.0 ) );
     return fmin( missing, fmax( 0.0, most - f->weight ) );
 }
 
 // Passes of this group, including those done, that one of its frames needs: as many
 // per share as in its groups to come.
-static double due_to_frame( const RfStop* stop, const RfNoiseEstimates* look, const RfFrameNoise* f )
+static double due_to_frame( const RfStop* stop, const RfNoiseEstimates* look, const RfFrameNoise* f, bool likely )
 {
     int first, last;
     rf_groups_of_frame( &stop->plan, f->frame, &first, &last );
     RfGroup group = rf_group( &stop->plan, look->group );
-    double share = share_of( stop, look->group ), whole = planned_weight( stop, f->frame, first );
-    double pooled = rf_pooled_noise( stop, look, f->frame );
-    if ( last == look->group && is_known( f ) )
+    double share = rf_shares_of( stop, look->group ), whole = rf_planned_weight( stop, f->frame, first );
+    if ( last == look->group && rf_is_known( stop, f ) )
     {
-        double missing = missing_at_last( stop, f, pooled, group.weight, stop->most * whole );
+        double needed = rf_needed_weight( stop, look, f, true, likely );
+        double missing = missing_at_last( f, needed, group.weight, stop->most * whole );
         return missing > 0.0 ? look->done + missing / group.weight : 0.0;
     }
-    double wanted = isfinite( pooled ) ? pooled / ( AIM * stop->noise ) : stop->least * whole;
+    double needed = rf_needed_weight( stop, look, f, false, likely );
+    double wanted = isfinite( needed ) ? needed / AIM : stop->least * whole;
     wanted = fmax( stop->least * whole, fmin( wanted, stop->most * whole ) );
-    double after = share > 0.0 ? planned_weight( stop, f->frame, look->group + 1 ) / share : 0.0;
+    double after = share > 0.0 ? rf_planned_weight( stop, f->frame, look->group + 1 ) / share : 0.0;
     return ( wanted - f->weight + look->done * (double)group.weight ) / ( group.weight + after );
+}
+
+// Frames that differ much in their samples share few, and flicker: with a flicker to reach, the passes of a share fall by
+// no more than half over the length of a group, whatever the frames have already.
+static double due_to_be_even( const RfStop* stop, const RfNoiseEstimates* look )
+{
+    if ( stop->goals.flicker <= 0.0 || stop->plan.eyes == 1 )
+        return 0.0;
+    return rf_shares_of( stop, look->group ) * fmin( stop->last_rate * pow( 0.5, 1.0 / stop->plan.eyes ), stop->most );
 }
 
 // At most twice the passes that the estimates are made from: later ones are better.
@@ -107,18 +93,19 @@ static double trusted_passes( const RfStop* stop, const RfNoiseEstimates* look )
 {
     int most = 0;
     for ( int i = 0; i < look->count; ++i )
-        most = is_known( look->frames + i ) && look->frames[i].passes > most ? look->frames[i].passes : most;
+        most = rf_is_known( stop, look->frames + i ) && look->frames[i].passes > most ? look->frames[i].passes : most;
     for ( int i = 0; i < stop->finished_count && i < RF_STOP_HISTORY; ++i )
         most = stop->finished[i].passes > most ? stop->finished[i].passes : most;
     return look->done + ( most > LEAST_PASSES ? most : LEAST_PASSES );
 }
 
-static double due_by_noise( const RfStop* stop, const RfNoiseEstimates* look )
+// What is wanted by the estimates, before it is known how far they can be trusted.
+static double due_by_estimates( const RfStop* stop, const RfNoiseEstimates* look, bool likely )
 {
     double due = 0.0;
     for ( int i = 0; i < look->count; ++i )
-        due = fmax( due, due_to_frame( stop, look, look->frames + i ) );
-    return fmin( due, trusted_passes( stop, look ) );
+        due = fmax( due, due_to_frame( stop, look, look->frames + i, likely ) );
+    return due;
 }
 
 // X with pace · ( (X − done) eyes + X / share · units to come ) = what is left.
@@ -126,8 +113,8 @@ static double due_by_time( RfStop* stop, const RfNoiseEstimates* look, int done,
 {
     if ( stop->units_done <= 0.0 )
         return done + 1.0; // one pass, to measure the pace
-    double share = share_of( stop, look->group ), eyes = rf_group( &stop->plan, look->group ).eyes;
-    double left = fmax( 0.0, stop->seconds - now ) * stop->units_done / stop->seconds_done;
+    double share = rf_shares_of( stop, look->group ), eyes = rf_group( &stop->plan, look->group ).eyes;
+    double left = fmax( 0.0, stop->goals.seconds - now ) * stop->units_done / stop->seconds_done;
     return share > 0.0 ? ( left + done * eyes ) / ( eyes + stop->units_left / share ) : 0.0;
 }
 
@@ -144,12 +131,66 @@ static bool is_too_few( const RfStop* stop, const RfNoiseEstimates* look, int do
     return false;
 }
 
+// Is anything known that foretells the passes to come?
+static bool is_any_known( const RfStop* stop, const RfNoiseEstimates* look )
+{
+    bool known = stop->finished_count > 0;
+    for ( int i = 0; i < look->count && !known; ++i )
+        known = rf_is_known( stop, look->frames + i );
+    return known;
+}
+
+// Passes that a share of a frame's groups wants by the pooled estimates.
+static double rate_of_frame( const RfStop* stop, const RfNoiseEstimates* look, int frame )
+{
+    int first, last;
+    rf_groups_of_frame( &stop->plan, frame, &first, &last );
+    double needed = rf_needed_weight( stop, look, &( RfFrameNoise ){ .frame = frame }, false, true ) / AIM;
+    return fmax( stop->least, fmin( needed / rf_planned_weight( stop, frame, first ), stop->most ) );
+}
+
+// The mean over the shares to come, after `rate` in this group. Of noise that of frames ahead which do not lie at an end of
+// the path. Flicker follows the pairs: one at the start of the path is the hardest, and the rates fall slowly from there.
+static double rate_ahead( const RfStop* stop, const RfNoiseEstimates* look, double rate )
+{
+    int at = look->frames[look->count - 1].frame, eyes = stop->plan.eyes, most = stop->plan.frames - 1 - eyes;
+    if ( stop->goals.flicker <= 0.0 || eyes == 1 )
+        return rate_of_frame( stop, look, at + eyes < most ? at + eyes : at < most ? most : at );
+    double sum = 0.0, units = 0.0;
+    for ( int g = look->group + 1; g < stop->plan.groups && g <= look->group + stop->groups_left; ++g )
+    {
+        rate = fmax( rate * pow( 0.5, 1.0 / eyes ), SPARED * rate_of_frame( stop, look, rf_group( &stop->plan, g ).first ) );
+        sum += rate * rf_group_units( stop, g );
+        units += rf_group_units( stop, g );
+    }
+    return units > 0.0 ? sum / units : rate;
+}
+
+// What the group still takes, and a share of those to come. What the last groups took counts more the more there are; the
+// first one has the ends of the path.
+static void foretell( RfStop* stop, const RfNoiseEstimates* look, int done )
+{
+    double eyes = rf_group( &stop->plan, look->group ).eyes, units = stop->group_units;
+    if ( !is_any_known( stop, look ) || units <= 0.0 || look->count == 0 )
+        return;
+    double due = fmax( due_by_estimates( stop, look, true ), rf_shares_of( stop, look->group ) * stop->least );
+    due = fmax( due, due_to_be_even( stop, look ) );
+    stop->group_left = fmax( due - done, 0.0 ) * eyes;
+    double prior = ( stop->goals.flicker > 0.0 ? FLICKER_PRIOR : PRIOR ) * eyes;
+    double ahead = rate_ahead( stop, look, fmax( due, done ) / rf_shares_of( stop, look->group ) );
+    stop->rate = ( stop->recent_work + prior * ahead ) / ( stop->recent_units + prior );
+}
+
 int rf_passes_due( RfStop* stop, const RfNoiseEstimates* look, int done, double now )
 {
-    double share = share_of( stop, look->group ), least = share * stop->least, due = share * stop->most;
-    if ( stop->noise > 0.0 )
-        due = due_by_noise( stop, look );
-    if ( stop->seconds > 0.0 )
+    double share = rf_shares_of( stop, look->group ), least = share * stop->least, due = share * stop->most;
+    if ( stop->goals.noise > 0.0 || stop->goals.flicker > 0.0 )
+    {
+        due = fmax( due_by_estimates( stop, look, false ), due_to_be_even( stop, look ) );
+        foretell( stop, look, done );
+        due = fmin( due, trusted_passes( stop, look ) );
+    }
+    if ( stop->goals.seconds > 0.0 )
     {
         double by_time = due_by_time( stop, look, done, now );
         stop->hurried = stop->hurried || ( by_time < least && due > least && now > 0.0 && stop->units_done > 0.0 );
@@ -166,6 +207,9 @@ void rf_note_pass( RfStop* stop, int eyes, double now )
     // pace of about the last twenty passes: it differs along the path
     stop->seconds_done = 0.95 * stop->seconds_done + ( now - stop->last );
     stop->units_done = 0.95 * stop->units_done + eyes;
+    stop->work += eyes;
+    if ( isgreater( stop->group_left, 0.0 ) ) // NaN stays
+        stop->group_left = fmax( stop->group_left - eyes, 0.0 );
     stop->last = now;
 }
 
@@ -173,21 +217,50 @@ double rf_stop_share( const RfStop* stop, double now )
 {
     double done = stop->units_all - stop->units_left - stop->group_units * ( 1.0 - stop->group_share );
     double by_work = stop->units_all > 0.0 ? done / stop->units_all : 0.0;
-    double by_time = stop->seconds > 0.0 ? fmin( now / stop->seconds, 1.0 ) : 0.0;
+    double by_time = stop->goals.seconds > 0.0 ? fmin( now / stop->goals.seconds, 1.0 ) : 0.0;
     return fmax( by_work, by_time );
+}
+
+double rf_stop_left( const RfStop* stop, double now )
+{
+    double left = (double)NAN;
+    if ( stop->work > 0.0 )
+        left = ( now - stop->look_seconds ) / stop->work * ( stop->group_left + stop->rate * stop->units_left );
+    if ( stop->looks > 0 ) // about one look for each group
+        left += stop->groups_left * stop->look_seconds / stop->looks;
+    if ( stop->goals.seconds > 0.0 )
+        left = fmin( left, fmax( stop->goals.seconds - now, 0.0 ) );
+    return left;
+}
+
+void rf_note_look( RfStop* stop, double seconds )
+{
+    stop->look_seconds += seconds;
+    stop->looks += 1;
 }
 
 void rf_end_group( RfStop* stop, int done )
 {
     stop->passes += done;
+    if ( stop->begun )
+    {
+        stop->recent_work = RECENT * stop->recent_work + done * rf_group( &stop->plan, stop->group ).eyes;
+        stop->recent_units = RECENT * stop->recent_units + stop->group_units;
+    }
+    stop->begun = true;
+    double share = rf_shares_of( stop, stop->group );
+    stop->last_rate = share > 0.0 ? stop->due / share : 0.0; // whole passes would never fall
     stop->owed = fmin( fmax( stop->due + stop->owed - done, 0.0 ), 1.0 );
 }
 
-bool rf_note_finished( RfStop* stop, RfFrameNoise frame )
+// NaN of a flicker is no miss: the pair was not rendered.
+RfMissed rf_note_finished( RfStop* stop, RfFrameNoise frame )
 {
-    bool reached = stop->noise <= 0.0 || frame.noise <= stop->noise * frame.weight;
-    stop->missed += !reached;
-    if ( is_known( &frame ) )
+    RfMissed missed = { .noise = stop->goals.noise > 0.0 && !islessequal( frame.noise, stop->goals.noise * frame.weight ),
+                        .flicker = stop->goals.flicker > 0.0 && isgreater( frame.flicker, stop->goals.flicker * frame.weight ) };
+    stop->missed += missed.noise;
+    stop->flicker_missed += missed.flicker;
+    if ( rf_is_known( stop, &frame ) )
         stop->finished[stop->finished_count++ % RF_STOP_HISTORY] = frame;
-    return reached;
+    return missed;
 }

@@ -1,4 +1,4 @@
-// The stop rule of a render that is to reach an error (settings.noise) or to take a time
+// The stop rule of a render that is to reach an error (settings.noise), a flicker (settings.flicker) or to take a time
 // (settings.time): how many passes each group gets, decided while it is rendered.
 //
 // The plan of groups.h gives each group a number of shares, so that the passes of a frame stay
@@ -14,6 +14,10 @@
 // lucky draw seldom deceives both, and each check comes after more passes than the one
 // before, by a thirtieth or more.
 //
+// For a flicker F: F1² of a pair of frames falls as 1 / W as well, so v = F1² · W with F² in the place of E. It must be
+// the F1 of the finished pair (pair_rule.h): the earlier frame is finished before the later one, and passes that the later
+// one alone gets do not help. Passes are spread more evenly then: due_to_be_even in stop_rule.c. With both, a frame gets what the harder of the two needs.
+//
 // For a time: r is the time left over the cost of the remaining shares at the pace so far.
 //
 // There are no rays, films or clocks in here: what is known of them comes as numbers.
@@ -26,34 +30,61 @@
 
 #define RF_STOP_HISTORY 16 // finished frames that are kept for pooling
 
+// What a sample brings to a pair of frames: the mean variance of its errors, and the covariance where both have it.
+typedef struct RfPairNoise
+{
+    double variance, covariance; // NaN: not known
+} RfPairNoise;
+
 // What is known of a frame's noise.
 typedef struct RfFrameNoise
 {
     int frame;
-    int passes;    // so far
-    double weight; // of them
-    double noise;  // v, the relMSE times the weight it was estimated at
-    double seen;   // that weight; 0: v is not known
+    int passes;       // so far
+    double weight;    // of them
+    double noise;     // v, the relMSE times the weight it was estimated at
+    double flicker;   // the same of F1² of a pair that the frame is in, as rf_final_flicker has it; NaN: not known
+    RfPairNoise pair; // of this frame and the next, from which that of others is guessed
+    double seen;      // that weight; 0: neither is known
+    double doubt;     // how many times the likely value `noise` is; 0: once
 } RfFrameNoise;
+
+// What a render is to reach; 0: does not matter.
+typedef struct RfStopGoals
+{
+    double noise;   // relMSE that every frame is to come below
+    double flicker; // F1² that every pair is to come below
+    double seconds; // for all frames
+} RfStopGoals;
 
 typedef struct RfStop
 {
-    double noise;                          // relMSE that every frame is to come below; 0: does not matter
-    double seconds;                        // for all frames; 0: does not matter
+    RfStopGoals goals;
     RfGroupPlan plan;                      // of the shares
     double scale;                          // passes of a share in it
     double most, least;                    // passes for each share
     double owed;                           // part of a pass, from one group to the next
+    int group;                             // that is rendered
     double due;                            // passes of this group, as last decided
     int64_t passes;                        // of all groups before this one
     double units_left;                     // shares × eyes of all groups after this one
     double units_all;                      // the same of all groups
     double group_units;                    // of this group
     double group_share;                    // of it that is done
+    double work;                           // passes × eyes done in all
+    double group_left;                     // of this group, by what is known; NaN: nothing yet
+    double rate;                           // passes that a share gets by the last groups; NaN: not known yet
+    double recent_work, recent_units;      // of these, without the first one
+    double last_rate;                      // of the last group
+    double look_seconds;                   // spent on estimates,
+    int looks;                             // so many of them
+    int groups_left;                       // after this one
+    bool begun;                            // a group is done
     double seconds_done, units_done, last; // pace: seconds per eye and pass is their quotient
     RfFrameNoise finished[RF_STOP_HISTORY];
     int finished_count; // in all
     int missed;         // frames that were finished above the wanted error
+    int flicker_missed; // and above the wanted flicker
     bool hurried;       // a group got the least passes for lack of time
 } RfStop;
 
@@ -68,7 +99,7 @@ typedef struct RfNoiseEstimates
 
 // For a path as of rf_plan_groups, of which no frame is to get more than about
 // `most_spp` own-frame samples per pixel. `units` is of all groups, see rf_group_units.
-RfStop rf_create_stop( const RfGroupPlan* plan, int most_spp, double noise, double seconds );
+RfStop rf_create_stop( const RfGroupPlan* plan, int most_spp, const RfStopGoals* goals );
 
 // What a group costs: shares × eyes.
 double rf_group_units( const RfStop* stop, int group );
@@ -85,16 +116,24 @@ int rf_passes_due( RfStop* stop, const RfNoiseEstimates* look, int done, double 
 // A pass of the group is done.
 void rf_note_pass( RfStop* stop, int eyes, double now );
 
+// Estimates have been made, which took so long.
+void rf_note_look( RfStop* stop, double seconds );
+
 // The group is done, with so many passes.
 void rf_end_group( RfStop* stop, int done );
 
 // Estimated part of the whole render that is done, 0 to 1.
 double rf_stop_share( const RfStop* stop, double now );
 
-// Notes a finished frame. Returns true where it has reached the wanted error.
-bool rf_note_finished( RfStop* stop, RfFrameNoise frame );
+// Seconds to the end at the pace so far, by what the latest estimates, as they are likely to be, want of this group and of
+// the shares to come, and by what the last groups took. NaN before there are any.
+double rf_stop_left( const RfStop* stop, double now );
 
-// v of a frame, pooled over the estimated and the finished frames around it; NaN where nothing is known.
-double rf_pooled_noise( const RfStop* stop, const RfNoiseEstimates* look, int frame );
+// Notes a finished frame, with the flicker since the one before (NaN: not known). Tells what it has missed.
+typedef struct RfMissed
+{
+    bool noise, flicker;
+} RfMissed;
+RfMissed rf_note_finished( RfStop* stop, RfFrameNoise frame );
 
 #endif

@@ -2,18 +2,96 @@
 #include "render/until.h"
 
 #include "base/system.h"
+#include "render/frames.h"
+#include "render/pair_rule.h"
 #include "render/pass.h"
 
 #include <math.h>
 
-// The picture is made in a buffer that waits for the next frame.
-static void estimate_noise( RfRenderer* r, RfLiveFilm* live )
+static RfFrameNoise known_of( const RfLiveFilm* live )
 {
     const RfFilm* film = live->films;
-    RfFrameBuffer* buffer = rf_next_frame_buffer( &r->queue );
+    return ( RfFrameNoise ){ .frame = live->frame,
+                             .passes = film->passes[0] + film->passes[1],
+                             .weight = film->weight[0] + film->weight[1],
+                             .noise = live->noise,
+                             .flicker = live->flicker,
+                             .pair = live->pair,
+                             .seen = live->noise_seen,
+                             .doubt = live->doubt };
+}
+
+// The passes of the later frame are spread unevenly where there are few, and follow what other frames need.
+#define SPARE 0.25 // of what is planned for its last group, and a pass
+#define MARGIN 1.1 // of F1², since the later frame is estimated again when nothing can be mended
+
+// v of F1², to stop by: what a frame of group `number` and the one after it will be.
+static double flicker_ahead( const RfRenderer* r, int number, RfLiveFilm* live, RfFilmCombine combine )
+{
+    const RfLiveFilm* next = rf_find_film( r, live->frame + 1 );
+    int first, last, next_first, next_last;
+    if ( next == NULL )
+        return (double)NAN;
+    rf_groups_of_frame( &r->plan, live->frame, &first, &last );
+    rf_groups_of_frame( &r->plan, live->frame + 1, &next_first, &next_last );
+    RfFrameNoise before = known_of( live ), now = known_of( next );
+    RfPairNow pair = { number, &before, &now, rf_flicker_of_films( live->films, next->films, combine ), 0.0 };
+    if ( next_last > last )
+        pair.spare = SPARE * before.weight / ( last - first + 1 ) + rf_group( &r->plan, next_last ).weight;
+    live->pair = rf_pair_noise( &pair );
+    return ( next_last > last ? MARGIN : 1.0 ) * rf_flicker_doubt( &pair.flicker ) * rf_final_flicker( &r->stop, &pair );
+}
+
+// What the frame before, which may be finished, asks of a frame in its last group.
+static double flicker_behind( const RfRenderer* r, int number, const RfLiveFilm* live, RfFilmCombine combine )
+{
+    RfFrameNoise now = known_of( live );
+    RfLiveFilm* before = rf_find_film( r, live->frame - 1 );
+    if ( before != NULL )
+        return flicker_ahead( r, number, before, combine );
+    if ( r->kept_frame != live->frame - 1 )
+        return (double)NAN;
+    RfFlicker flicker = rf_flicker_since( r->memory.kept_errors, live->films, combine );
+    return rf_late_flicker( &r->stop, &now, &flicker );
+}
+
+// A frame whose neighbours are rendered later without sharing passes with it, or not at all, is held to what two
+// independent frames like it would have.
+static double flicker_of_two( RfLiveFilm* live, RfFilmCombine combine )
+{
+    live->pair = ( RfPairNoise ){ .variance = rf_film_mean_square( live->films, combine ) * known_of( live ).weight };
+    return 2.0 * live->pair.variance;
+}
+
+static double estimate_flicker( const RfRenderer* r, int number, RfLiveFilm* live )
+{
+    int first, last;
+    rf_groups_of_frame( &r->plan, live->frame, &first, &last );
+    RfFilmCombine combine = rf_film_combine( r->settings.normalize );
+    double ahead = flicker_ahead( r, number, live, combine ), behind = (double)NAN;
+    bool has_next = rf_is_asked( r, live->frame + 1 );
+    if ( last == number && ( !has_next || r->kept_frame == live->frame - 1 ) )
+        behind = flicker_behind( r, number, live, combine );
+    bool alone = isnan( ahead ) && ( has_next || isnan( behind ) );
+    if ( alone && ( last == number || r->plan.eyes == 1 ) )
+        ahead = flicker_of_two( live, combine );
+    return fmax( ahead, behind );
+}
+
+// The picture is made in a buffer that waits for the next frame.
+static void estimate( RfRenderer* r, int number, RfLiveFilm* live )
+{
+    const RfFilm* film = live->films;
     live->noise_seen = film->weight[0] + film->weight[1];
-    RfRelmse relmse = rf_finish_picture( r, live, buffer->rgb, NULL );
-    live->noise = live->noise_seen * rf_prudent_relmse( &relmse );
+    if ( r->settings.noise > 0.0 )
+    {
+        RfFrameBuffer* buffer = rf_next_frame_buffer( &r->queue );
+        RfRelmse relmse = rf_finish_picture( r, live, buffer->rgb, NULL );
+        live->noise = live->noise_seen * rf_prudent_relmse( &relmse );
+        live->doubt = rf_prudent_relmse( &relmse ) / relmse.likely;
+    }
+    if ( r->settings.flicker > 0.0 )
+        live->flicker = estimate_flicker( r, number, live );
 }
 
 // Estimates take time: they are made where they decide, and for enough others to
@@ -32,28 +110,30 @@ static RfNoiseEstimates estimate_films( RfRenderer* r, int number, int done )
     RfFrameNoise* frames = r->memory.noise_estimates;
     RfNoiseEstimates estimates = { .group = number, .done = done, .frames = frames };
     RfGroup group = rf_group( &r->plan, number );
+    bool has_goal = r->settings.noise > 0.0 || r->settings.flicker > 0.0;
     for ( int frame = group.first; frame < group.first + group.eyes; ++frame )
     {
         const RfLiveFilm* live = rf_find_film( r, frame );
         if ( live == NULL )
             continue;
-        const RfFilm* film = live->films;
-        frames[estimates.count++] = ( RfFrameNoise ){ .frame = frame,
-                                                      .passes = film->passes[0] + film->passes[1],
-                                                      .weight = film->weight[0] + film->weight[1],
-                                                      .noise = live->noise,
-                                                      .seen = live->noise_seen };
+        frames[estimates.count++] = known_of( live );
     }
-    for ( int i = 0; i < estimates.count && r->settings.noise > 0.0; ++i )
+    double start = rf_wall_seconds();
+    int made = 0;
+    for ( int i = 0; i < estimates.count && has_goal; ++i )
     {
         if ( frames[i].passes < 2 || !wants_estimate( r, &estimates, i ) )
             continue;
         RfLiveFilm* live = rf_find_film( r, frames[i].frame );
         if ( live->noise_seen != frames[i].weight ) // new samples since the last estimate
-            estimate_noise( r, live );
-        frames[i].noise = live->noise;
-        frames[i].seen = live->noise_seen;
+        {
+            estimate( r, number, live );
+            made += 1;
+        }
+        frames[i] = known_of( live );
     }
+    if ( made > 0 )
+        rf_note_look( &r->stop, rf_wall_seconds() - start );
     return estimates;
 }
 
@@ -65,7 +145,7 @@ RfResult rf_render_until( RfRenderer* r, const RfEstimatorGroup* estimator_group
     int due, done = 0;
     while ( ( due = rf_passes_due( stop, &estimates, done, rf_wall_seconds() - r->start ) ) > done )
     {
-        int next = stop->seconds > 0.0 ? done + 1 : due;
+        int next = stop->goals.seconds > 0.0 ? done + 1 : due;
         for ( ; done < next; ++done )
         {
             RfPass pass = rf_make_pass( estimator_group, &group, done );

@@ -1,4 +1,4 @@
-// Groups that are rendered until a noise or a time is reached.
+// Groups that are rendered until a noise, a flicker or a time is reached.
 #ifndef REFRAME_RENDER_UNTIL_H
 #define REFRAME_RENDER_UNTIL_H
 

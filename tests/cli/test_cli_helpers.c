@@ -151,22 +151,32 @@ static void test_progress_line_is_short_and_right( void** state )
 {
     (void)state;
     char text[160];
-    RfProgress progress = { .frames_done = 11, .frames_all = 48, .share = 0.25, .samples = 26.6e6, .seconds = 14.0 };
+    RfProgress progress = {
+        .frames_done = 11, .frames_all = 48, .share = 0.25, .samples = 26.6e6, .seconds = 14.0, .left = 42.0
+    };
     rf_format_progress( &progress, text, sizeof text );
     assert_string_equal( text, "frame 12/48  25 %  0:14 spent  0:42 left  1.9 M samples/s" );
     progress.relmse = 0.00314;
     rf_format_progress( &progress, text, sizeof text );
     assert_string_equal( text, "frame 12/48  25 %  0:14 spent  0:42 left  relMSE 0.0031  1.9 M samples/s" );
-    progress = ( RfProgress ){ .frames_all = 1, .relmse = (double)NAN };
+    progress.flicker = 0.0123;
+    progress.flicker_is_lower_bound = true;
+    rf_format_progress( &progress, text, sizeof text );
+    assert_string_equal( text, "frame 12/48  25 %  0:14 spent  0:42 left  relMSE 0.0031  F1 at least 0.012" );
+    progress = ( RfProgress ){ .frames_all = 1, .relmse = (double)NAN, .left = (double)NAN };
     rf_format_progress( &progress, text, sizeof text );
     assert_string_equal( text, "frame 1/1  0 %  0:00 spent  -:-- left  0 k samples/s" );
     progress = ( RfProgress ){ .frames_done = 2, .frames_all = 2, .share = 1.0, .samples = 5e3, .seconds = 10.0 };
     rf_format_progress( &progress, text, sizeof text );
     assert_string_equal( text, "frame 2/2  100 %  0:10 spent  0:00 left  0 k samples/s" );
     // what does not fit on a line of a terminal stays away, the rate first
-    progress = ( RfProgress ){
-        .frames_done = 99998, .frames_all = 99999, .share = 0.5, .samples = 4e14, .seconds = 359999.0, .relmse = 1.2345e-5
-    };
+    progress = ( RfProgress ){ .frames_done = 99998,
+                               .frames_all = 99999,
+                               .share = 0.5,
+                               .samples = 4e14,
+                               .seconds = 359999.0,
+                               .left = 359999.0,
+                               .relmse = 1.2345e-5 };
     rf_format_progress( &progress, text, sizeof text );
     assert_string_equal( text, "frame 99999/99999  50 %  99:59:59 spent  99:59:59 left  relMSE 1.2e-05" );
 }
@@ -184,7 +194,9 @@ static void test_progress_off_a_terminal( void** state )
     static const double seconds[] = { 0.1, 5.0, 9.9, 10.2, 15.0, 20.1, 20.3, 46.5, 48.0 };
     for ( size_t i = 0; i < sizeof seconds / sizeof seconds[0]; ++i )
     {
-        RfProgress progress = { .frames_all = 25, .share = seconds[i] / 50.0, .samples = 1e6, .seconds = seconds[i] };
+        RfProgress progress = {
+            .frames_all = 25, .share = seconds[i] / 50.0, .samples = 1e6, .seconds = seconds[i], .left = 50.0 - seconds[i]
+        };
         rf_show_progress( &line, &progress );
         rf_show_progress( &quiet, &progress );
     }

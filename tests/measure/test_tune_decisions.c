@@ -136,6 +136,24 @@ static void test_most_efficient_row_is_chosen( void** state )
 }
 
 // Values that follow the model stay; one that is off moves back, the less the more is known of it.
+// By F1, whose square falls with samples as relMSE does, another row may be the best.
+static void test_least_flicker_is_chosen( void** state )
+{
+    (void)state;
+    RfTune tune = made_tune( 3 );
+    tune.rows[1].trial.change = 10.0; // a fifth of F1 squared, at twice the time
+    tune.goal = RF_TUNE_FLICKER;
+    rf_predict_tune_rows( &tune, 1000.0, 10 );
+    assert_int_equal( tune.chosen, 1 );
+    const RfTuneRow *first = tune.rows, *best = tune.rows + 1;
+    assert_true( fabs( first->efficiency - 10.0 / ( first->f1 * first->f1 * first->cpu_seconds ) ) < 1e-6 * first->efficiency );
+    assert_true( fabs( best->gain.value - 2.5 ) < 1e-9 && isnan( best->gain.low ) );
+    assert_true( first->relmse == 0.1 && best->f1 < first->f1 );
+    tune.goal = RF_TUNE_NOISE;
+    rf_predict_tune_rows( &tune, 1000.0, 10 );
+    assert_int_equal( tune.chosen, 0 );
+}
+
 static void test_smoothing_follows_the_model( void** state )
 {
     (void)state;
@@ -298,10 +316,11 @@ static void test_little_memory_smaller_pieces( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_every_setting_is_a_row ),           cmocka_unit_test( test_excluded_rows_say_why ),
-        cmocka_unit_test( test_most_efficient_row_is_chosen ),     cmocka_unit_test( test_smoothing_follows_the_model ),
-        cmocka_unit_test( test_cutting_keeps_the_most_efficient ), cmocka_unit_test( test_places_are_spread_evenly ),
-        cmocka_unit_test( test_time_is_never_overdrawn ),          cmocka_unit_test( test_little_memory_smaller_pieces ),
+        cmocka_unit_test( test_every_setting_is_a_row ),       cmocka_unit_test( test_excluded_rows_say_why ),
+        cmocka_unit_test( test_most_efficient_row_is_chosen ), cmocka_unit_test( test_least_flicker_is_chosen ),
+        cmocka_unit_test( test_smoothing_follows_the_model ),  cmocka_unit_test( test_cutting_keeps_the_most_efficient ),
+        cmocka_unit_test( test_places_are_spread_evenly ),     cmocka_unit_test( test_time_is_never_overdrawn ),
+        cmocka_unit_test( test_little_memory_smaller_pieces ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -103,14 +103,14 @@ static void run_window( Trial* t, int number )
         // the estimate by which the window ended
         RfFrameNoise now = look.done == done ? frames[k] : estimate( t, frame );
         if ( last == number )
-            t->reached[frame] = rf_note_finished( &t->stop, now );
+            t->reached[frame] = !rf_note_finished( &t->stop, now ).noise;
     }
 }
 
 static void run( Trial* t )
 {
     RfGroupPlan plan = rf_plan_groups( t->frames, t->group, t->most_spp );
-    t->stop = rf_create_stop( &plan, t->most_spp, t->error, t->seconds );
+    t->stop = rf_create_stop( &plan, t->most_spp, &( RfStopGoals ){ .noise = t->error, .seconds = t->seconds } );
     t->random = t->random * 2 + 1;
     for ( int w = 0; w < plan.groups; ++w )
         t->stop.units_left += rf_group_units( &t->stop, w );
@@ -331,7 +331,7 @@ static void test_time_with_a_changing_pace( void** state )
     Trial t = make_trial( 200, 3 );
     t.seconds = 400.0;
     RfGroupPlan plan = rf_plan_groups( t.frames, t.group, t.most_spp );
-    t.stop = rf_create_stop( &plan, t.most_spp, 0.0, t.seconds );
+    t.stop = rf_create_stop( &plan, t.most_spp, &( RfStopGoals ){ .seconds = t.seconds } );
     for ( int w = 0; w < plan.groups; ++w )
         t.stop.units_left += rf_group_units( &t.stop, w );
     for ( int w = 0; w < plan.groups; ++w )
@@ -356,6 +356,34 @@ static void test_too_short_a_time( void** state )
         for ( int k = 0; k < t.frames; ++k )
             assert_true( t.passes[k] >= 2 );
         assert_true( t.work <= least_work( &t, 2.0 ) + 2.0 * t.stop.plan.eyes );
+    }
+}
+
+// After a tenth of the work the time to the end is foretold within a tenth where all frames are alike; with estimates of
+// some spread and a few that are in doubt.
+static void test_time_to_the_end_is_foretold( void** state )
+{
+    (void)state;
+    for ( int group = 0; group <= 8; group += 4 )
+    {
+        Trial whole = make_trial( 120, group ), t = whole;
+        whole.error = t.error = 0.002;
+        whole.spread = t.spread = 0.05;
+        run( &whole );
+        RfGroupPlan plan = rf_plan_groups( t.frames, t.group, t.most_spp );
+        t.stop = rf_create_stop( &plan, t.most_spp, &( RfStopGoals ){ .noise = t.error } );
+        t.random = 1;
+        for ( int w = 0; w < plan.groups; ++w )
+            t.stop.units_left += rf_group_units( &t.stop, w );
+        assert_true( isnan( rf_stop_left( &t.stop, 0.0 ) ) ); // nothing is known
+        for ( int w = 0; w < plan.groups; ++w )
+        {
+            run_window( &t, w );
+            double left = rf_stop_left( &t.stop, t.now ), all = whole.now;
+            if ( t.now > 0.1 * all && t.now < 0.9 * all )
+                assert_true( fabs( t.now + left - all ) < 0.1 * all );
+        }
+        assert_true( rf_stop_left( &t.stop, t.now ) < 0.01 * t.now );
     }
 }
 
@@ -393,6 +421,7 @@ int main( void )
         cmocka_unit_test( test_time_is_kept ),
         cmocka_unit_test( test_time_with_a_changing_pace ),
         cmocka_unit_test( test_too_short_a_time ),
+        cmocka_unit_test( test_time_to_the_end_is_foretold ),
         cmocka_unit_test( test_whichever_comes_first_stops ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );

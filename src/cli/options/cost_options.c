@@ -27,6 +27,12 @@ static const RfOption s_options[] = {
       .meta = "E[,...]",
       .default_text = ERRORS,
       .help = "relMSE whose cost is told; 1% is 0.01" },
+    { .name = "flicker",
+      .type = RF_OPTION_STRING,
+      .value = &s_parsed.flicker,
+      .meta = "F[,...]",
+      .default_text = "none",
+      .help = "F1 of neighbouring frames whose cost is told, too" },
     { .name = "svg",
       .writes = ".svg",
       .type = RF_OPTION_STRING,
@@ -65,11 +71,12 @@ static const RfCommandTable s_table = {
     .option_count = sizeof s_options / sizeof s_options[0]
 };
 
-static RfResult parse_errors( RfCostOptions* options, RfError* error )
+// The numbers of an option.
+static RfResult parse_list( const char* name, const char* text, double values[RF_COST_ERRORS], int* count, RfError* error )
 {
-    const char* text = options->noise;
-    options->error_count = 0;
-    for ( ;; )
+    const char* all = text;
+    *count = 0;
+    for ( ; text != NULL; )
     {
         char* end;
         double value = strtod( text, &end );
@@ -79,15 +86,13 @@ static RfResult parse_errors( RfCostOptions* options, RfError* error )
             end += 1;
         }
         if ( end == text || !( value > 0.0 ) || !isfinite( value ) || ( *end != ',' && *end != '\0' ) )
-            return rf_fail( error, RF_ERROR_USAGE, "--noise: wants numbers above 0 with commas between them, got '%s'",
-                            options->noise );
-        if ( options->error_count == RF_COST_ERRORS )
-            return rf_fail( error, RF_ERROR_USAGE, "--noise: more than %d numbers", RF_COST_ERRORS );
-        options->errors[options->error_count++] = value;
-        if ( *end == '\0' )
-            return RF_OK;
-        text = end + 1;
+            return rf_fail( error, RF_ERROR_USAGE, "%s: wants numbers above 0 with commas between them, got '%s'", name, all );
+        if ( *count == RF_COST_ERRORS )
+            return rf_fail( error, RF_ERROR_USAGE, "%s: more than %d numbers", name, RF_COST_ERRORS );
+        values[( *count )++] = value;
+        text = *end == '\0' ? NULL : end + 1;
     }
+    return RF_OK;
 }
 
 // Parses on top of the current values.
@@ -100,7 +105,9 @@ static RfResult parse( int argc, char** argv, RfCostOptions* options, bool* help
     rf_settle_filter( &s_parsed.render );
     result = rf_parse_tile_option( &s_parsed.render, error );
     if ( result == RF_OK )
-        result = parse_errors( &s_parsed, error );
+        result = parse_list( "--noise", s_parsed.noise, s_parsed.errors, &s_parsed.error_count, error );
+    if ( result == RF_OK )
+        result = parse_list( "--flicker", s_parsed.flicker, s_parsed.flickers, &s_parsed.flicker_count, error );
     *options = s_parsed;
     return result;
 }

@@ -15,6 +15,9 @@ typedef struct RfCostOptions
     const char* noise;             // as the user wrote it
     double errors[RF_COST_ERRORS]; // relMSE, as parsed from `noise`
     int error_count;
+    const char* flicker;             // NULL: none
+    double flickers[RF_COST_ERRORS]; // F1, as parsed from it
+    int flicker_count;
     const char* svg; // NULL: none
 } RfCostOptions;
 

@@ -18,9 +18,9 @@ static const RfOption s_options[] = {
       .max = RF_MAX_SPP,
       .meta = "S",
       .given = &s_parsed.spp_given,
-      .default_text = "28; with --noise 65536, with --time 1048576",
-      .help = "samples traced per pixel and frame in all, over the groups that hold the frame; the most that --noise and --time "
-              "may take" },
+      .default_text = "28; with --noise or --flicker 65536, with --time 1048576",
+      .help = "samples traced per pixel and frame in all, over the groups that hold the frame; the most that --noise, --flicker "
+              "and --time may take" },
     { .name = "noise",
       .type = RF_OPTION_RATIO,
       .value = &s_parsed.settings.noise,
@@ -28,7 +28,17 @@ static const RfOption s_options[] = {
       .max = RF_MAX_NOISE,
       .meta = "E",
       .default_text = "0: off",
-      .help = "a render that stops at this relMSE: what its films take; rays and seconds are of the most samples" },
+      .help =
+          "a render that stops at this relMSE: what its films take, and roughly what it takes in time; rays and the seconds of "
+          "the rows are of the most samples" },
+    { .name = "flicker",
+      .type = RF_OPTION_RATIO,
+      .value = &s_parsed.settings.flicker,
+      .min = 0,
+      .max = RF_MAX_FLICKER,
+      .meta = "F",
+      .default_text = "0: off",
+      .help = "the same for one that stops at this F1" },
     { .name = "time",
       .type = RF_OPTION_TIME,
       .value = &s_parsed.settings.time,

@@ -12,7 +12,10 @@
 #define WRITE_QUEUE 2                  // frames: one being written, one waiting
 #define MOST_SPP_FOR_NOISE ( 1 << 16 ) // noise that has not come down by then will not
 
-int rf_default_most_spp( double noise ) { return isgreater( noise, 0.0 ) ? MOST_SPP_FOR_NOISE : RF_MAX_SPP; }
+int rf_default_most_spp( double noise, double flicker )
+{
+    return isgreater( noise, 0.0 ) || isgreater( flicker, 0.0 ) ? MOST_SPP_FOR_NOISE : RF_MAX_SPP;
+}
 
 static bool ends_with( const char* text, const char* end )
 {
@@ -117,8 +120,8 @@ RfResult rf_settle_render_options( RfRenderOptions* options, RfError* error )
         result = rf_parse_aov_option( options, error );
     if ( result == RF_OK )
         result = rf_parse_effect_options( options, error );
-    if ( ( settings->noise > 0.0 || settings->time > 0.0 ) && !options->spp_given )
-        settings->spp = rf_default_most_spp( settings->noise );
+    if ( ( settings->noise > 0.0 || settings->flicker > 0.0 || settings->time > 0.0 ) && !options->spp_given )
+        settings->spp = rf_default_most_spp( settings->noise, settings->flicker );
     return result;
 }
 

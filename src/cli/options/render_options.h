@@ -46,8 +46,8 @@ typedef struct RfRenderOptions
 
 RfRenderOptions rf_default_render_options( void );
 
-// The limit of samples per pixel for --noise (0: for --time alone) where --spp is not given.
-int rf_default_most_spp( double noise );
+// The limit of samples per pixel for --noise and --flicker (both 0: for --time alone) where --spp is not given.
+int rf_default_most_spp( double noise, double flicker );
 
 // Parses and checks what can be checked without the scene. With *help set the
 // help was asked for and nothing else is valid.
@@ -79,7 +79,7 @@ RfResult rf_parse_tile_option( RfRenderOptions* options, RfError* error );
 RfResult rf_parse_aov_option( RfRenderOptions* options, RfError* error );
 
 // Completes the settings once all options are known: enums from their words, and the limit
-// of samples for --noise and --time where none was given, by one rule for all commands.
+// of samples for --noise, --flicker and --time where none was given, by one rule for all commands.
 // Fails with RF_ERROR_USAGE for options that exclude each other.
 RfResult rf_settle_render_options( RfRenderOptions* options, RfError* error );
 

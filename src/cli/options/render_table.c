@@ -59,9 +59,9 @@ static const RfOption s_options[] = {
       .max = 1048576,
       .meta = "S",
       .given = &rf_render_parse.options.spp_given,
-      .default_text = "28; with --noise 65536, with --time 1048576",
-      .help = "samples traced per pixel and frame in all, over the groups that hold the frame; the most that --noise and --time "
-              "may take" },
+      .default_text = "28; with --noise or --flicker 65536, with --time 1048576",
+      .help = "samples traced per pixel and frame in all, over the groups that hold the frame; the most that --noise, --flicker "
+              "and --time may take" },
     { .name = "noise",
       .in_file = true,
       .type = RF_OPTION_RATIO,
@@ -71,6 +71,17 @@ static const RfOption s_options[] = {
       .meta = "E",
       .default_text = "0: off",
       .help = "every frame is rendered until its estimated relMSE is at most E; 1% is 0.01" },
+    { .name = "flicker",
+      .in_file = true,
+      .type = RF_OPTION_RATIO,
+      .value = &rf_render_parse.options.settings.flicker,
+      .min = 0,
+      .max = RF_MAX_FLICKER,
+      .meta = "F",
+      .default_text = "0: off",
+      .help =
+          "neighbouring frames are rendered until the estimated F1 of every pair (reframe flicker) is at most F; with --noise, "
+          "both hold" },
     { .name = "time",
       .in_file = true,
       .type = RF_OPTION_TIME,
@@ -79,8 +90,8 @@ static const RfOption s_options[] = {
       .max = RF_MAX_TIME,
       .meta = "T",
       .default_text = "0: off",
-      .help =
-          "seconds of rendering for each frame asked for, on average, also 20s, 5m, 1h30m; with --noise, whichever comes first" },
+      .help = "seconds of rendering for each frame asked for, on average, also 20s, 5m, 1h30m; with --noise or --flicker, "
+              "whichever comes first" },
     { .name = "group",
       .in_file = true,
       .type = RF_OPTION_INT,

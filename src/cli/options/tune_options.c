@@ -9,6 +9,7 @@
 
 #define BUDGET 60.0 // seconds
 
+static const char* const s_goals[] = { "noise", "flicker", NULL }; // in the order of RfTuneGoal
 static const char* const s_files[] = { "SCENE" };
 static RfTuneOptions s_parsed; // the table points here
 static const char* s_scene;
@@ -22,6 +23,12 @@ static const RfOption s_options[] = {
       .meta = "T",
       .default_text = "60",
       .help = "seconds that it may take, or 5m; more make the choice surer" },
+    { .name = "goal",
+      .type = RF_OPTION_CHOICE,
+      .value = &s_parsed.goal,
+      .choices = s_goals,
+      .default_text = "noise",
+      .help = "what is to be least at equal CPU time: relMSE, or F1 of neighbouring frames" },
     { .name = "svg",
       .writes = ".svg",
       .type = RF_OPTION_STRING,
@@ -122,7 +129,7 @@ static void print_word( FILE* file, const char* text )
 // Is this option (with its two dashes) one of `tune` that `render` does not take?
 static bool is_own( const char* argument )
 {
-    static const char* const names[] = { "--budget", "--svg", "--json", "--quiet", "--no-quiet" };
+    static const char* const names[] = { "--budget", "--goal", "--svg", "--json", "--quiet", "--no-quiet" };
     for ( size_t i = 0; i < sizeof names / sizeof names[0]; ++i )
     {
         size_t length = strlen( names[i] );

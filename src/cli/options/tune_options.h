@@ -9,6 +9,7 @@ typedef struct RfTuneOptions
 {
     RfRenderOptions render; // without group, tile and output
     double budget;          // seconds
+    int goal;               // an RfTuneGoal
     const char* svg;        // NULL: none
 } RfTuneOptions;
 

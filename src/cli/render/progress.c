@@ -50,12 +50,15 @@ void rf_format_progress( const RfProgress* progress, char* text, size_t size )
 {
     char spent[48], left[48], part[64];
     format_duration( floor( progress->seconds ), spent, sizeof spent );
-    format_duration( progress->seconds * ( 1.0 - progress->share ) / progress->share, left, sizeof left );
+    format_duration( progress->left, left, sizeof left );
     int frame = progress->frames_done < progress->frames_all ? progress->frames_done + 1 : progress->frames_all;
     snprintf( text, size, "frame %d/%d  %.0f %%  %s spent  %s left", frame, progress->frames_all,
               floor( 100.0 * progress->share ), spent, left );
     snprintf( part, sizeof part, "relMSE %s%.2g", progress->relmse_is_lower_bound ? "at least " : "", progress->relmse );
     if ( progress->relmse > 0.0 && isfinite( progress->relmse ) )
+        append_part( text, size, part );
+    snprintf( part, sizeof part, "F1 %s%.2g", progress->flicker_is_lower_bound ? "at least " : "", progress->flicker );
+    if ( isgreater( progress->flicker, 0.0 ) && isfinite( progress->flicker ) )
         append_part( text, size, part );
     format_rate( progress->samples / progress->seconds, part, sizeof part );
     append_part( text, size, part );
@@ -98,6 +101,10 @@ void rf_show_frame( RfProgressLine* line, const RfFrameResult* result, int numbe
                  result->relmse_likely, 100.0 * result->worst_ten_share );
     else if ( isfinite( result->relmse_estimate ) )
         fprintf( stderr, "  relMSE %.3g", result->relmse_estimate );
+    if ( result->flicker_is_lower_bound )
+        fprintf( stderr, "  F1 at least %.3g, likely %.3g", result->flicker_estimate, result->flicker_likely );
+    else if ( isgreater( result->flicker_estimate, 0.0 ) )
+        fprintf( stderr, "  F1 %.3g", result->flicker_estimate );
     fprintf( stderr, "  %.1f samples/pixel\n", result->effective_spp );
 }
 

@@ -46,7 +46,7 @@ static RfResult write_frame( RfRenderJob* job, const RfFrameResult* result, int 
     rf_show_frame( &job->line, result, rf_frame_number( &job->path, result->frame ), job->frames_done, job->frame_count,
                    now() - job->start - job->seconds_scene );
     pthread_mutex_unlock( &job->speech );
-    json_array_append_new( job->frames_json, rf_frame_json( result, &job->path, job->options.settings.noise, same_as ) );
+    json_array_append_new( job->frames_json, rf_frame_json( result, &job->path, &job->options.settings, same_as ) );
     return RF_OK;
 }
 
@@ -64,6 +64,7 @@ static RfResult on_run( void* user, const RfFrameResult* run, RfError* error )
             return result;
         same_as = same_as < 0 ? frame.frame : same_as;
         frame.seconds = 0.0; // rendered once
+        rf_stop_flicker( &frame );
     }
     return RF_OK;
 }
@@ -86,6 +87,7 @@ static RfResult render( RfRenderJob* job, RfError* error )
     RfResult result = rf_render( job->tracer, job->path.runs, job->path.run_count, job->runs, job->run_count,
                                  &job->options.settings, &callbacks, &job->stats, error );
     job->stats.missed = job->errors.missed; // of frames, not of runs
+    job->stats.flicker_missed = job->errors.flicker_missed;
     rf_clear_progress( &job->line );
     if ( result == RF_ERROR_INTERRUPTED )
         return rf_fail( error, result, "interrupted: %d of %d frames are finished and kept, %s goes on",

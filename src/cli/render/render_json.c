@@ -6,7 +6,7 @@
 
 #include <stdio.h>
 
-json_t* rf_frame_json( const RfFrameResult* result, const RfCameraPath* path, double noise, int same_as )
+json_t* rf_frame_json( const RfFrameResult* result, const RfCameraPath* path, const RfRenderSettings* settings, int same_as )
 {
     json_t* json = json_pack( "{s:i, s:o, s:o, s:b, s:o, s:o, s:o, s:o, s:b}", "frame", rf_frame_number( path, result->frame ),
                               "seconds", rf_json_number( result->seconds ), "relmse_estimate",
@@ -16,7 +16,14 @@ json_t* rf_frame_json( const RfFrameResult* result, const RfCameraPath* path, do
                               "effective_spp", rf_json_number( result->effective_spp ), "kept", false );
     if ( same_as >= 0 )
         json_object_set_new( json, "same_as", json_integer( rf_frame_number( path, same_as ) ) );
-    if ( noise > 0.0 )
+    if ( settings->flicker > 0.0 )
+    {
+        json_object_set_new( json, "flicker_estimate", rf_json_number( result->flicker_estimate ) );
+        json_object_set_new( json, "flicker_is_lower_bound", json_boolean( result->flicker_is_lower_bound ) );
+        json_object_set_new( json, "flicker_likely", rf_json_number( result->flicker_likely ) );
+        json_object_set_new( json, "flicker_worst_ten_share", rf_json_number( result->flicker_worst_ten_share ) );
+    }
+    if ( settings->noise > 0.0 || settings->flicker > 0.0 )
         json_object_set_new( json, "reached", json_boolean( result->reached ) );
     return json;
 }
@@ -105,6 +112,9 @@ json_t* rf_render_json( const RfRenderOptions* options, const RfRenderRun* run )
     if ( options->settings.noise > 0.0 )
         json_object_set_new( json, "noise",
                              json_pack( "{s:f, s:i}", "wanted", options->settings.noise, "missed", stats->missed ) );
+    if ( options->settings.flicker > 0.0 )
+        json_object_set_new( json, "flicker",
+                             json_pack( "{s:f, s:i}", "wanted", options->settings.flicker, "missed", stats->flicker_missed ) );
     if ( options->settings.time > 0.0 )
         json_object_set_new( json, "time",
                              json_pack( "{s:f, s:b}", "wanted", options->settings.time, "too_short", stats->hurried ) );

@@ -7,9 +7,9 @@
 
 #include <jansson.h>
 
-// One element of "frames"; with `noise`, the relMSE wanted, also whether it was reached. `same_as` is the
+// One element of "frames"; with a noise or a flicker in the settings also whether it was reached. `same_as` is the
 // frame of this run whose picture it repeats, from 0; else −1. NULL where memory ran out.
-json_t* rf_frame_json( const RfFrameResult* result, const RfCameraPath* path, double noise, int same_as );
+json_t* rf_frame_json( const RfFrameResult* result, const RfCameraPath* path, const RfRenderSettings* settings, int same_as );
 
 // What one run of `render` did.
 typedef struct RfRenderRun

@@ -43,6 +43,9 @@ static json_t* kept_frame_json( const RfRenderOptions* options, const RfCameraPa
                            .relmse_estimate = (double)NAN,
                            .relmse_likely = (double)NAN,
                            .worst_ten_share = (double)NAN,
+                           .flicker_estimate = (double)NAN,
+                           .flicker_likely = (double)NAN,
+                           .flicker_worst_ten_share = (double)NAN,
                            .native_spp = (double)NAN,
                            .effective_spp = (double)NAN };
     char text[8];
@@ -54,11 +57,16 @@ static json_t* kept_frame_json( const RfRenderOptions* options, const RfCameraPa
         said.worst_ten_share = rf_read_exr_number( name, "reframe/worst-ten-share" );
         said.reached = rf_read_exr_string( name, "reframe/reached", text, sizeof text, NULL ) == RF_OK && text[0] == 'y';
         said.relmse_estimate = rf_read_exr_number( name, "reframe/relmse-estimate" );
+        said.flicker_estimate = rf_read_exr_number( name, "reframe/flicker-estimate" );
+        said.flicker_is_lower_bound =
+            rf_read_exr_string( name, "reframe/flicker-is-lower-bound", text, sizeof text, NULL ) == RF_OK;
+        said.flicker_likely = rf_read_exr_number( name, "reframe/flicker-likely" );
+        said.flicker_worst_ten_share = rf_read_exr_number( name, "reframe/flicker-worst-ten-share" );
         said.native_spp = rf_read_exr_number( name, "reframe/native-spp" );
         said.effective_spp = rf_read_exr_number( name, "reframe/effective-spp" );
     }
     said.seconds = older_seconds( older, &said, number );
-    json_t* json = rf_frame_json( &said, path, options->settings.noise, -1 );
+    json_t* json = rf_frame_json( &said, path, &options->settings, -1 );
     json_object_set_new( json, "kept", json_true() );
     return json;
 }

@@ -8,7 +8,8 @@
 void rf_warn_of_variance( const RfRenderSettings* s, const RfCameraPath* path, const int* frames, int frame_count, RfLog* log )
 {
     RfGroupPlan plan = rf_plan_groups( path->run_count, s->group, s->spp );
-    if ( ( s->aovs & RF_AOV_BIT( RF_AOV_VARIANCE ) ) == 0 || s->noise > 0.0 || s->time > 0.0 ) // never a single pass
+    if ( ( s->aovs & RF_AOV_BIT( RF_AOV_VARIANCE ) ) == 0 || s->noise > 0.0 || s->flicker > 0.0 ||
+         s->time > 0.0 ) // never a single pass
         return;
     for ( int i = 0; i < frame_count; ++i )
     {

@@ -151,6 +151,7 @@ static const struct
     { "reframe/filter-width", "Settings", "Filter width" },
     { "reframe/weights", "Settings", "Weights" },
     { "reframe/noise", "Settings", "Wanted relMSE" },
+    { "reframe/flicker", "Settings", "Wanted F1" },
     { "reframe/time", "Settings", "Wanted seconds" },
     { "reframe/normalize", "Settings", "Normalisation" },
     { "reframe/max-depth", "Settings", "Depth" },
@@ -180,7 +181,8 @@ static void add_samples( json_t* facts, const RfPageTrack* track )
 {
     const char* first = track->sequence->first;
     double least = INFINITY, most = -INFINITY, asked = rf_read_exr_number( first, "reframe/spp" );
-    double noise = rf_read_exr_number( first, "reframe/noise" ), time = rf_read_exr_number( first, "reframe/time" );
+    double noise = rf_read_exr_number( first, "reframe/noise" ), flicker = rf_read_exr_number( first, "reframe/flicker" ),
+           time = rf_read_exr_number( first, "reframe/time" );
     for ( int i = 0; i < track->count; ++i )
     {
         least = fmin( least, track->frames[i].samples );
@@ -190,7 +192,8 @@ static void add_samples( json_t* facts, const RfPageTrack* track )
     format_samples( least, parts[0] );
     format_samples( most, parts[1] );
     format_samples( asked, parts[2] );
-    bool is_bound = isgreater( noise, 0.0 ) || isgreater( time, 0.0 ), is_said = asked != rf_default_most_spp( noise );
+    bool is_bound = isgreater( noise, 0.0 ) || isgreater( flicker, 0.0 ) || isgreater( time, 0.0 ),
+         is_said = asked != rf_default_most_spp( noise, flicker );
     if ( islessequal( least, most ) ) // where the frames tell
         snprintf( text, sizeof text, strcmp( parts[0], parts[1] ) == 0 ? "%s" : "%s to %s", parts[0], parts[1] );
     else if ( isgreater( asked, 0.0 ) && !is_bound )

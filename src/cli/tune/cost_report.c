@@ -30,21 +30,42 @@ static void print_slope( const RfCostCurve* c, const char* name )
 // The whole render, including the loading of the scene.
 static double path_seconds( const RfCostReport* r, RfCostPrediction p ) { return p.seconds + r->load_seconds; }
 
-static void print_error( const RfCostReport* r, double relmse )
+// What is wanted: a relMSE, or an F1.
+typedef struct Goal
 {
-    RfCostPrediction reuse = rf_predict_cost( r->job, &r->cost->reuse, relmse, r->per_sweep[1] );
-    RfCostPrediction plain = rf_predict_cost( r->job, &r->cost->plain, relmse, r->per_sweep[0] );
+    const char* name;
+    double value;
+    bool is_flicker;
+} Goal;
+
+static Goal noise_goal( double relmse ) { return ( Goal ){ "relMSE", relmse, false }; }
+
+static Goal flicker_goal( double f1 ) { return ( Goal ){ "F1", f1, true }; }
+
+// By path tracing (0) or with reuse (1).
+static RfCostPrediction predict( const RfCostReport* r, Goal goal, int curve )
+{
+    const RfCostCurve* c = curve == 0 ? &r->cost->plain : &r->cost->reuse;
+    return goal.is_flicker ? rf_predict_flicker_cost( r->job, c, goal.value, r->per_sweep[curve] )
+                           : rf_predict_cost( r->job, c, goal.value, r->per_sweep[curve] );
+}
+
+static void print_goal( const RfCostReport* r, Goal goal )
+{
+    RfCostPrediction reuse = predict( r, goal, 1 ), plain = predict( r, goal, 0 );
     RfSize size = r->options->render.size;
     char name[64], frame[32], all[32], plain_frame[32], plain_all[32];
     rf_format_reuse( r->cost->reuse.eyes, &r->cost->reuse.tile, name, sizeof name );
     if ( reuse.spp == 0 )
     {
-        printf( "relMSE %g at %dx%d: more than %d samples, which is the most\n", relmse, size.width, size.height, RF_MAX_SPP );
+        printf( "%s %g at %dx%d: more than %d samples, which is the most\n", goal.name, goal.value, size.width, size.height,
+                RF_MAX_SPP );
         return;
     }
     rf_format_span( reuse.frame_seconds, frame, sizeof frame );
     rf_format_span( path_seconds( r, reuse ), all, sizeof all );
-    printf( "relMSE %g at %dx%d: %s a frame with %s (--spp %d)", relmse, size.width, size.height, frame, name, reuse.spp );
+    printf( "%s %g at %dx%d: %s a frame with %s (--spp %d)", goal.name, goal.value, size.width, size.height, frame, name,
+            reuse.spp );
     if ( plain.spp > 0 )
     {
         rf_format_span( plain.frame_seconds, plain_frame, sizeof plain_frame );
@@ -67,7 +88,7 @@ static void tell_verdict( const RfCostReport* r, char text[RF_VERDICT_SIZE] )
     if ( r->options->error_count == 0 )
         return;
     double relmse = r->options->errors[0];
-    RfCostPrediction p = rf_predict_cost( r->job, &cost->reuse, relmse, r->per_sweep[1] );
+    RfCostPrediction p = predict( r, noise_goal( relmse ), 1 );
     rf_format_span( p.frame_seconds, frame, sizeof frame );
     rf_format_span( path_seconds( r, p ), all, sizeof all );
     if ( p.spp > 0 )
@@ -101,7 +122,9 @@ void rf_print_cost( const RfCostReport* r )
         printf( " (95 %%: 1/%.2f to 1/%.2f)", cost->speedup.low, cost->speedup.high );
     printf( "\n" );
     for ( int i = 0; i < r->options->error_count; ++i )
-        print_error( r, r->options->errors[i] );
+        print_goal( r, noise_goal( r->options->errors[i] ) );
+    for ( int i = 0; i < r->options->flicker_count; ++i )
+        print_goal( r, flicker_goal( r->options->flickers[i] ) );
 }
 
 static void add_rows( json_t* rows, const RfCostCurve* c, bool reuse )
@@ -121,23 +144,27 @@ static json_t* prediction_json( const RfCostReport* r, RfCostPrediction p )
                       rf_json_number( p.frame_seconds ), "seconds", rf_json_number( path_seconds( r, p ) ) );
 }
 
+static json_t* goal_json( const RfCostReport* r, Goal goal, const char* key )
+{
+    return json_pack( "{s:f, s:o, s:o}", key, goal.value, "plain", prediction_json( r, predict( r, goal, 0 ) ), "reuse",
+                      prediction_json( r, predict( r, goal, 1 ) ) );
+}
+
 json_t* rf_cost_json( const RfCostReport* r )
 {
     const RfCost* cost = r->cost;
-    json_t *rows = json_array(), *wanted = json_array();
+    json_t *rows = json_array(), *wanted = json_array(), *flickers = json_array();
     add_rows( rows, &cost->plain, false );
     add_rows( rows, &cost->reuse, true );
     for ( int i = 0; i < r->options->error_count; ++i )
     {
-        double e = r->options->errors[i];
-        json_array_append_new(
-            wanted, json_pack( "{s:f, s:o, s:o}", "relmse", e, "plain",
-                               prediction_json( r, rf_predict_cost( r->job, &cost->plain, e, r->per_sweep[0] ) ), "reuse",
-                               prediction_json( r, rf_predict_cost( r->job, &cost->reuse, e, r->per_sweep[1] ) ) ) );
+        json_array_append_new( wanted, goal_json( r, noise_goal( r->options->errors[i] ), "relmse" ) );
     }
+    for ( int i = 0; i < r->options->flicker_count; ++i )
+        json_array_append_new( flickers, goal_json( r, flicker_goal( r->options->flickers[i] ), "f1" ) );
     char verdict[RF_VERDICT_SIZE];
     tell_verdict( r, verdict );
-    return json_pack(
+    json_t* json = json_pack(
         "{s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:i, s:i, s:f, s:i, s:i, s:f, s:f}", "verdict",
         verdict, "rows", rows, "slope", rf_json_number( cost->reuse.slope.value ), "slope_low",
         rf_json_number( cost->reuse.slope.low ), "slope_high", rf_json_number( cost->reuse.slope.high ), "slope_plain",
@@ -147,6 +174,11 @@ json_t* rf_cost_json( const RfCostReport* r )
         json_pack( "[o, o]", rf_json_number( cost->plain.relmse ), rf_json_number( cost->reuse.relmse ) ), "wanted", wanted,
         "width", r->options->render.size.width, "height", r->options->render.size.height, "pixels", cost->pixels, "places",
         cost->positions, "frames", r->job->frame_count, "seconds", cost->seconds, "budget", r->options->budget );
+    json_object_set_new(
+        json, "f1_squared_of_one_sample",
+        json_pack( "[o, o]", rf_json_number( cost->plain.f1_squared ), rf_json_number( cost->reuse.f1_squared ) ) );
+    json_object_set_new( json, "wanted_flicker", flickers );
+    return json;
 }
 
 // The points of a curve and the line fitted to them.

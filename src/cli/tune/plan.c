@@ -5,6 +5,7 @@
 #include "cli/options/plan_options.h"
 #include "cli/messages.h"
 #include "cli/ranges.h"
+#include "cli/tune/foretell.h"
 #include "cli/tune/verdict.h"
 #include "cli/options/shot.h"
 #include "measure/cost.h"
@@ -28,9 +29,10 @@ typedef struct Job
     RfRenderOptions options;
     RfShot shot; // options may point into it
     RfPlan plan;
-    double paper_bytes; // what our records take for its example
-    RfInterval tried;   // gain of the chosen row over path tracing; NaN: not tried
-    RfRanges ranges;    // for --nodes
+    double paper_bytes;        // what our records take for its example
+    RfInterval tried;          // gain of the chosen row over path tracing; NaN: not tried
+    RfCostPrediction foretold; // of --noise and --flicker, by the same trial; spp 0: nothing
+    RfRanges ranges;           // for --nodes
 } Job;
 
 static RfResult take_defaults( const RfField* defaults, void* user, RfError* error )
@@ -71,6 +73,8 @@ static RfResult try_chosen( Job* job, RfError* error )
     RfCost cost;
     RfResult result = rf_measure_cost( &trial, &cost, error );
     job->tried = result == RF_OK ? cost.speedup : job->tried;
+    if ( result == RF_OK )
+        job->foretold = rf_foretell_goals( &trial, &cost.reuse, row->fit.sweeps > 1 ? row->fit.films : job->shot.frame_count );
     return result == RF_ERROR_SCENE ? RF_OK : result; // black pictures can be planned, too
 }
 
@@ -119,24 +123,30 @@ static void print_row( const RfPlanRow* row )
             row->seconds, sweeps, excluded != NULL ? "  not auto: " : "", excluded != NULL ? excluded : "" );
 }
 
-static bool at_most( const Job* job ) { return job->options.settings.noise > 0.0 || job->options.settings.time > 0.0; }
+static bool at_most( const Job* job )
+{
+    const RfRenderSettings* s = &job->options.settings;
+    return s->noise > 0.0 || s->flicker > 0.0 || s->time > 0.0;
+}
 
 // Two lines: the chosen group and what it is worth, and what the render takes with it.
 static void tell_verdict( const Job* job, char text[RF_VERDICT_SIZE] )
 {
     const RfPlanRow* row = job->plan.rows + job->plan.chosen;
     char name[64], gain[160], all[32];
+    bool foretold = job->foretold.spp > 0 && !( job->options.settings.time > 0.0 );
     double bytes = (double)( row->fit.bytes_films + row->fit.bytes_hits + row->fit.bytes_lists );
     rf_format_reuse( row->eyes, &job->options.settings.tile, name, sizeof name );
     rf_tell_gain( &job->tried, gain, sizeof gain );
-    rf_format_span( row->seconds, all, sizeof all );
+    rf_format_span( foretold ? job->foretold.seconds : row->seconds, all, sizeof all );
     int used = snprintf( text, RF_VERDICT_SIZE, "render --group auto takes %s", name );
     if ( isfinite( job->tried.value ) )
         used += snprintf( text + used, RF_VERDICT_SIZE - (size_t)used, ", which is %s", gain );
     snprintf( text + used, RF_VERDICT_SIZE - (size_t)used,
-              "\n%d frame%s of %dx%d at %d samples take%s%s about %s and %.0f MiB beyond the scene", job->shot.frame_count,
-              job->shot.frame_count == 1 ? "" : "s", job->options.size.width, job->options.size.height, row->spp,
-              job->shot.frame_count == 1 ? "s" : "", at_most( job ) ? " at most" : "", all, ceil( bytes / 1048576.0 ) );
+              "\n%d frame%s of %dx%d at %s%d samples take%s%s about %s and %.0f MiB beyond the scene", job->shot.frame_count,
+              job->shot.frame_count == 1 ? "" : "s", job->options.size.width, job->options.size.height, foretold ? "some " : "",
+              foretold ? job->foretold.spp : row->spp, job->shot.frame_count == 1 ? "s" : "",
+              at_most( job ) && !foretold ? " at most" : "", all, ceil( bytes / 1048576.0 ) );
 }
 
 static void print_plan( const Job* job )
@@ -153,7 +163,8 @@ static void print_plan( const Job* job )
     printf( "fixed, gain: of frame reuse over the same tile alone, at most: if every sample that lands were worth one of the "
             "pixel's own; by fixed costs of rays, which the choice rests on, and by those measured here, with sweeps\n" );
     if ( at_most( job ) )
-        printf( "rays and seconds are of %d samples, the most that --noise and --time may take\n", job->options.settings.spp );
+        printf( "rays and seconds are of %d samples, the most that --noise, --flicker and --time may take\n",
+                job->options.settings.spp );
     printf( "* --group auto takes %d: %s\n", plan->rows[plan->chosen].group, plan->why );
     printf( "costs here, ns: camera ray %.0f, light at its hit %.0f, one reuse %.0f\n", 1e9 * plan->c_e, 1e9 * plan->c_l,
             1e9 * plan->c_v );
@@ -197,9 +208,10 @@ static json_t* plan_json( const Job* job )
     tell_verdict( job, verdict );
     json_t* tried = json_pack( "{s:o, s:o, s:o}", "gain", rf_json_number( job->tried.value ), "gain_low",
                                rf_json_number( job->tried.low ), "gain_high", rf_json_number( job->tried.high ) );
-    json_t* json = json_pack( "{s:s, s:o, s:o, s:s, s:s, s:b, s:o, s:o, s:o}", "verdict", verdict, "tried", tried, "rows", rows,
-                              "adaptive_mode", rf_adaptive_name( plan->adaptive ), "why", plan->why, "at_most", at_most( job ),
-                              "costs", costs, "bytes_record", record, "bytes_paper_example", paper );
+    json_t* json = json_pack( "{s:s, s:o, s:o, s:o, s:s, s:s, s:b, s:o, s:o, s:o}", "verdict", verdict, "foretold",
+                              rf_foretold_json( &job->foretold ), "tried", tried, "rows", rows, "adaptive_mode",
+                              rf_adaptive_name( plan->adaptive ), "why", plan->why, "at_most", at_most( job ), "costs", costs,
+                              "bytes_record", record, "bytes_paper_example", paper );
     if ( job->ranges.list != NULL )
         json_object_set_new( json, "nodes", rf_ranges_json( &job->ranges ) );
     return json;

@@ -82,6 +82,7 @@ static RfResult run( Job* job, RfError* error )
                        .frame_count = job->shot.frame_count,
                        .settings = &job->options.render.settings,
                        .budget = job->options.budget,
+                       .goal = (RfTuneGoal)job->options.goal,
                        .watch = &watch,
                        .report = say,
                        .user = job };

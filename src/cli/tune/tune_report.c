@@ -54,18 +54,22 @@ static void tell_verdict( const RfTuneReport* r, char text[RF_VERDICT_SIZE] )
         return;
     }
     const RfTuneRow* row = r->tune->rows + r->tune->chosen;
-    char name[64], gain[160] = "no group and no tile is faster at equal noise", all[32];
+    char name[64], gain[160], all[32];
     bool reuse = row->eyes > 1 || row->tile.kind != RF_TILE_NONE;
     rf_format_reuse( row->eyes, &row->tile, name, sizeof name );
+    bool flicker = r->tune->goal == RF_TUNE_FLICKER;
+    snprintf( gain, sizeof gain, "no group and no tile is faster at equal %s", flicker ? "flicker" : "noise" );
     if ( reuse )
-        rf_tell_gain( &row->gain, gain, sizeof gain );
+        ( flicker ? rf_tell_flicker_gain : rf_tell_gain )( &row->gain, gain, sizeof gain );
     rf_format_span( row->seconds, all, sizeof all );
-    snprintf(
+    int used = snprintf(
         text, RF_VERDICT_SIZE,
         "the best is %s: %s\nwith it %d frame%s of %dx%d at %d samples take%s about %s, with a relMSE of about %.2g: noise of "
         "%.2g %% in a pixel",
         name, gain, r->frames, r->frames == 1 ? "" : "s", r->width, r->height, row->spp, r->frames == 1 ? "s" : "", all,
         row->relmse, 100.0 * sqrt( row->relmse / 3.0 ) );
+    if ( flicker )
+        snprintf( text + used, RF_VERDICT_SIZE - (size_t)used, ", and an F1 of about %.2g", row->f1 );
 }
 
 void rf_print_tune( const RfTuneReport* r )
@@ -78,9 +82,9 @@ void rf_print_tune( const RfTuneReport* r )
             "phi", "efficiency", "gain", "95 %", "rounds" );
     for ( int i = 0; i < tune->count; ++i )
         print_row( tune->rows + i );
-    printf( "seconds: of all %d frames, wall-clock; efficiency: 1 / (relMSE x CPU seconds of a frame); gain: over "
+    printf( "seconds: of all %d frames, wall-clock; efficiency: 1 / (%s x CPU seconds of a frame); gain: over "
             "group 0, tile 1, on the same pieces\n",
-            r->frames );
+            r->frames, tune->goal == RF_TUNE_FLICKER ? "F1 squared" : "relMSE" );
     print_rounds( r );
     if ( r->command != NULL )
         printf( "* the best:\n%s\n", r->command );
@@ -115,9 +119,10 @@ json_t* rf_tune_json( const RfTuneReport* r )
     }
     char verdict[RF_VERDICT_SIZE];
     tell_verdict( r, verdict );
-    return json_pack( "{s:s, s:o, s:o, s:f, s:f, s:i, s:i, s:i, s:o}", "verdict", verdict, "rows", rows, "rounds", rounds,
-                      "seconds", r->tune->seconds, "budget", r->budget, "frames", r->frames, "width", r->width, "height",
-                      r->height, "command", r->command != NULL ? rf_json_text( r->command ) : json_null() );
+    return json_pack( "{s:s, s:s, s:o, s:o, s:f, s:f, s:i, s:i, s:i, s:o}", "verdict", verdict, "goal",
+                      r->tune->goal == RF_TUNE_FLICKER ? "flicker" : "noise", "rows", rows, "rounds", rounds, "seconds",
+                      r->tune->seconds, "budget", r->budget, "frames", r->frames, "width", r->width, "height", r->height,
+                      "command", r->command != NULL ? rf_json_text( r->command ) : json_null() );
 }
 
 typedef struct Curves
@@ -175,7 +180,9 @@ RfResult rf_write_tune_plot( const RfTuneReport* r, const char* path, RfError* e
                     .series = curves.series,
                     .series_count = curves.count,
                     .x = { .label = "memory of the render beyond the scene, MiB", .log = true },
-                    .y = { .label = "efficiency, 1 / (relMSE \xc2\xb7 CPU seconds of a frame)", .log = true } };
+                    .y = { .label = tune->goal == RF_TUNE_FLICKER ? "efficiency, 1 / (F1 squared \xc2\xb7 CPU seconds of a frame)"
+                                                                  : "efficiency, 1 / (relMSE \xc2\xb7 CPU seconds of a frame)",
+                           .log = true } };
     RfPlotNote best;
     if ( tune->chosen >= 0 )
     {

@@ -5,7 +5,7 @@
 
 void rf_tell_gain( const RfInterval* gain, char* text, size_t size )
 {
-    bool slower = gain->value < 1.0;
+    bool slower = isless( gain->value, 1.0 );
     double value = slower ? 1.0 / gain->value : gain->value;
     if ( !isfinite( value ) )
         snprintf( text, size, "not compared with path tracing" );
@@ -21,6 +21,16 @@ void rf_tell_gain( const RfInterval* gain, char* text, size_t size )
     else
         snprintf( text, size, "%.2f times %s than path tracing at equal noise (95 %%: %.2f to %.2f)", value,
                   slower ? "slower" : "faster", slower ? 1.0 / gain->high : gain->low, slower ? 1.0 / gain->low : gain->high );
+}
+
+void rf_tell_flicker_gain( const RfInterval* gain, char* text, size_t size )
+{
+    bool slower = isless( gain->value, 1.0 );
+    if ( isfinite( gain->value ) )
+        snprintf( text, size, "about %.2f times %s than path tracing at equal flicker", slower ? 1.0 / gain->value : gain->value,
+                  slower ? "slower" : "faster" );
+    else
+        snprintf( text, size, "not compared with path tracing" );
 }
 
 void rf_format_span( double seconds, char* text, size_t size )

@@ -9,6 +9,8 @@
 
 // "1.8 times faster than path tracing at equal noise (95 %: 1.5 to 2.2)".
 void rf_tell_gain( const RfInterval* gain, char* text, size_t size );
+// The same at equal flicker, of which the interval is not known.
+void rf_tell_flicker_gain( const RfInterval* gain, char* text, size_t size );
 
 // "4.1 s", "16 min", "2.6 h", "3 days".
 void rf_format_span( double seconds, char* text, size_t size );

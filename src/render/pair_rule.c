@@ -1,0 +1,60 @@
+#include "render/pair_rule.h"
+
+#include "render/stop_plan.h"
+
+#include <math.h>
+
+// With these weights of both frames and of what they share.
+static double f1_squared_of( const RfPairNow* pair, double end, double shared, double now_end )
+{
+    const RfFlicker* f = &pair->flicker;
+    double before = pair->before->weight, now = pair->now->weight;
+    return f->before * before / end + f->now * now / now_end - 2.0 * f->product * before * shared / ( end * now_end );
+}
+
+// (E13) with the passes to come: those of both frames make errors and their product smaller, those of the later frame alone
+// are independent of what the earlier one has.
+double rf_final_flicker( const RfStop* stop, const RfPairNow* pair )
+{
+    const RfFrameNoise *before = pair->before, *now = pair->now;
+    int first, last;
+    rf_groups_of_frame( &stop->plan, before->frame, &first, &last );
+    double whole = rf_planned_weight( stop, before->frame, first );
+    double both = rf_planned_weight( stop, before->frame, pair->group + 1 );
+    double alone = rf_planned_weight( stop, now->frame, last > pair->group ? last + 1 : pair->group + 1 );
+    double rate = before->weight / ( whole - both ); // passes of a share so far
+    double end = before->weight + rate * both, shared = now->weight + rate * both, now_end = shared + rate * alone;
+    double planned = f1_squared_of( pair, end, shared, now_end );
+    return fmax( fmax( planned, f1_squared_of( pair, end, shared, now_end + pair->spare ) ), 0.0 ) * end;
+}
+
+// While both are rendered the later frame shares all that it has.
+RfPairNoise rf_pair_noise( const RfPairNow* pair )
+{
+    const RfFlicker* f = &pair->flicker;
+    double doubt = rf_flicker_doubt( f ), before = pair->before->weight;
+    return ( RfPairNoise ){ .variance = 0.5 * doubt * ( f->before * before + f->now * pair->now->weight ),
+                            .covariance = doubt * f->product * before };
+}
+
+double rf_planned_flicker( const RfStop* stop, int frame, RfPairNoise pair )
+{
+    frame = frame + 1 < stop->plan.frames || frame == 0 ? frame : frame - 1;
+    if ( frame + 1 >= stop->plan.frames ) // a single frame: as with another one like it
+        return 2.0 * pair.variance;
+    int first, last, next_first, next_last;
+    rf_groups_of_frame( &stop->plan, frame, &first, &last );
+    rf_groups_of_frame( &stop->plan, frame + 1, &next_first, &next_last );
+    double whole = rf_planned_weight( stop, frame, first ), next = rf_planned_weight( stop, frame + 1, next_first );
+    double shared = next_first <= last ? rf_planned_weight( stop, frame, next_first ) : 0.0;
+    return fmax( pair.variance * ( 1.0 + whole / next ) - 2.0 * pair.covariance * shared / next, 0.0 );
+}
+
+double rf_late_flicker( const RfStop* stop, const RfFrameNoise* now, const RfFlicker* flicker )
+{
+    double doubt = rf_flicker_doubt( flicker ), wanted = stop->goals.flicker / doubt;
+    double falls = flicker->now - 2.0 * flicker->product; // with the inverse of the weight; the rest stays
+    if ( rf_flicker_f1_squared( flicker ) <= wanted || falls <= 0.0 || flicker->before >= wanted )
+        return 0.0;
+    return stop->goals.flicker * now->weight * falls / ( wanted - flicker->before );
+}

@@ -1,0 +1,105 @@
+// What a pair of frames will flicker when both are finished, foretold after some of their groups: by numbers alone, for
+// samples of variance 1 of which a common one has the correlation RHO in two neighbouring frames.
+#include "render/pair_rule.h"
+#include "render/stop_plan.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+
+#include <cmocka.h>
+
+#define RHO 0.9
+
+typedef struct Path
+{
+    RfStop stop;
+    int rate; // passes of each share
+} Path;
+
+static Path make_path( int frames, int group )
+{
+    RfGroupPlan plan = rf_plan_groups( frames, group, 28 );
+    return ( Path ){ rf_create_stop( &plan, 1 << 16, &( RfStopGoals ){ .flicker = 0.01 } ), 3 };
+}
+
+// Weight of the groups up to `end` that hold both frames.
+static double weight_until( const Path* path, int frame, int other, int end )
+{
+    int first, last, other_first, other_last;
+    rf_groups_of_frame( &path->stop.plan, frame, &first, &last );
+    rf_groups_of_frame( &path->stop.plan, other, &other_first, &other_last );
+    first = first > other_first ? first : other_first;
+    last = last < other_last ? last : other_last;
+    double all = rf_planned_weight( &path->stop, frame, first );
+    double after = rf_planned_weight( &path->stop, frame, ( last < end ? last : end ) + 1 );
+    return last < first ? 0.0 : path->rate * ( all - after );
+}
+
+static RfFlicker flicker_of( const Path* path, int frame, int end )
+{
+    double s = weight_until( path, frame, frame, end ), t = weight_until( path, frame + 1, frame + 1, end );
+    double both = weight_until( path, frame, frame + 1, end );
+    return ( RfFlicker ){ .before = 1.0 / s, .now = 1.0 / t, .product = RHO * both / ( s * t ) };
+}
+
+static RfFrameNoise known( const Path* path, int frame, int end )
+{
+    double weight = weight_until( path, frame, frame, end );
+    return ( RfFrameNoise ){ .frame = frame, .weight = weight, .seen = weight };
+}
+
+// From any group that holds both frames on, in the middle of the path and at its ends.
+static void test_the_finished_pair_is_foretold( void** state )
+{
+    (void)state;
+    static const int shapes[][2] = { { 48, 3 }, { 48, 1 }, { 48, 8 }, { 17, 8 }, { 20, 3 } };
+    for ( size_t k = 0; k < sizeof shapes / sizeof shapes[0]; ++k )
+    {
+        Path path = make_path( shapes[k][0], shapes[k][1] );
+        for ( int frame = 0; frame + 1 < shapes[k][0]; ++frame )
+        {
+            int first, last, next_first, next_last;
+            rf_groups_of_frame( &path.stop.plan, frame, &first, &last );
+            rf_groups_of_frame( &path.stop.plan, frame + 1, &next_first, &next_last );
+            RfFlicker end = flicker_of( &path, frame, next_last );
+            double wanted = rf_flicker_f1_squared( &end ) * weight_until( &path, frame, frame, last );
+            for ( int group = next_first; group <= last; ++group )
+            {
+                RfFrameNoise before = known( &path, frame, group ), now = known( &path, frame + 1, group );
+                RfPairNow pair = { group, &before, &now, flicker_of( &path, frame, group ), 0.0 };
+                double found = rf_final_flicker( &path.stop, &pair );
+                assert_true( fabs( found - wanted ) <= 1e-9 * wanted );
+            }
+        }
+    }
+}
+
+// Where much is shared, further samples of the later frame alone make a pair flicker more: none are asked for. Where
+// nothing is, so many that it comes down to what is wanted.
+static void test_the_later_frame_mends_what_it_can( void** state )
+{
+    (void)state;
+    Path path = make_path( 48, 3 );
+    RfFrameNoise now = { .frame = 20, .weight = 100.0, .seen = 100.0 };
+    RfFlicker shared = { .before = 0.02, .now = 0.02, .product = 0.012 },
+              apart = { .before = 0.004, .now = 0.009, .product = 0.0 };
+    RfFlicker hopeless = { .before = 0.011, .now = 0.009 }, enough = { .before = 0.002, .now = 0.002 };
+    assert_true( rf_flicker_f1_squared( &shared ) > path.stop.goals.flicker );
+    assert_true( rf_late_flicker( &path.stop, &now, &shared ) == 0.0 );
+    assert_true( rf_late_flicker( &path.stop, &now, &hopeless ) == 0.0 );
+    assert_true( rf_late_flicker( &path.stop, &now, &enough ) == 0.0 );
+    double needed = rf_late_flicker( &path.stop, &now, &apart ) / path.stop.goals.flicker;
+    assert_true( fabs( apart.before + apart.now * now.weight / needed - path.stop.goals.flicker ) < 1e-12 );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( test_the_finished_pair_is_foretold ),
+        cmocka_unit_test( test_the_later_frame_mends_what_it_can ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}
