@@ -15,6 +15,7 @@ struct RfGradientScratch
     int32_t own_pixel[RF_LANES]; // the same, −1 where the pixel is not its tile's own
     int32_t number[RF_LANES];    // of its tile in the pass
     int32_t source[RF_LANES];    // tiles of one pixel: of the paths (reuse/tile_copies.h)
+    float missed[RF_LANES];      // 1 where the camera ray did, with RF_AOV_ALPHA
     RfAccumulateScratch accumulate;
 };
 
@@ -156,7 +157,11 @@ static void light_hits( const RfHarvest* harvest, int count, RfGradientScratch* 
     wavefront->rays.count = 0;
     rf_scale_roulette( h, count );
     if ( harvest->path.max_depth > 1 )
+    {
         rf_trace_hit_tails( harvest, h, rays );
+        rays->thinned += (uint64_t)h->tiles->thinned;
+        rays->kept += (uint64_t)h->tiles->kept;
+    }
     rays->path += wavefront->path_rays;
     rays->shadow += wavefront->shadow_rays;
     rf_test_batch_visibility( harvest, &scratch->hits, h, rays );
@@ -169,9 +174,15 @@ static void light_hits( const RfHarvest* harvest, int count, RfGradientScratch* 
 static void add_up( const RfEstimatorGroup* group, RfGradientBatch* batch, RfGradientScratch* scratch )
 {
     memset( batch->value, 0, sizeof batch->value );
+    memset( scratch->missed, 0, sizeof scratch->missed );
+    bool alpha = ( group->settings->aovs & RF_AOV_BIT( RF_AOV_ALPHA ) ) != 0;
     RfFilm film = { .half = { batch->value[0] } };
-    RfAccumulateJob job = { .eye = batch->eye, .end_row = RF_LANES, .films = &film, .weight = 1.0f };
+    RfAccumulateJob job = {
+        .eye = batch->eye, .end_row = RF_LANES, .films = &film, .weight = 1.0f, .sky = alpha ? scratch->missed : NULL
+    };
     rf_accumulate_rows( group, job, &( void* ){ &scratch->hits }, 1, &scratch->accumulate );
+    for ( int i = 0; i < RF_LANES; ++i )
+        batch->value[i][3] = scratch->missed[i];
 }
 
 int rf_sample_patch( const RfEstimatorGroup* group, RfTraceJob job, RfGradientBatch* batch, RfGradientScratch* scratch,

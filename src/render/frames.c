@@ -57,11 +57,13 @@ static bool note_finished( RfRenderer* r, int frame, const RfFilm* film, const R
 
 static void finish_aovs( const RfRenderer* r, const RfLiveFilm* live, RfFrameBuffer* buffer )
 {
-    RfFilmCombine combine = rf_film_combine( r->settings.normalize );
+    // what several films make up is divided by counts
+    bool made = r->settings.estimator->finish != NULL;
+    RfFilmCombine combine = made ? RF_FILM_RATIO : rf_film_combine( r->settings.normalize );
     for ( int a = 0; a < RF_AOV_COUNT; ++a )
     {
         buffer->result.aovs[a] = buffer->layers[a];
-        if ( buffer->layers[a] != NULL )
+        if ( buffer->layers[a] != NULL && !( made && a == RF_AOV_VARIANCE ) )
             rf_finish_aov( &live->aovs, (RfAov)a, live->films, combine, buffer->layers[a] );
     }
 }
@@ -71,7 +73,8 @@ static RfResult finish_film( RfRenderer* r, RfLiveFilm* live, double shared, RfE
 {
     const RfFilm* film = live->films;
     RfFrameBuffer* buffer = rf_next_frame_buffer( &r->queue );
-    RfRelmse relmse = rf_finish_picture( r, live, buffer->rgb, buffer->weight );
+    RfPicture picture = { .rgb = buffer->rgb, .weight = buffer->weight, .variance = buffer->layers[RF_AOV_VARIANCE] };
+    RfRelmse relmse = rf_finish_picture( r, live, &picture );
     double now = rf_wall_seconds(), pixels = (double)r->sizes.width * (double)r->sizes.height;
     buffer->result = ( RfFrameResult ){
         .frame = live->frame,
@@ -84,6 +87,7 @@ static RfResult finish_film( RfRenderer* r, RfLiveFilm* live, double shared, RfE
         .relmse_is_lower_bound = relmse.is_lower_bound,
         .relmse_likely = relmse.likely,
         .worst_ten_share = relmse.worst_share,
+        .solved = picture.solved,
         .native_spp = film->passes[0] + film->passes[1] + (double)film->extra_samples / pixels,
         .effective_spp = (double)film->landed / pixels,
     };

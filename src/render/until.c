@@ -12,7 +12,7 @@ static void estimate_noise( RfRenderer* r, RfLiveFilm* live )
     const RfFilm* film = live->films;
     RfFrameBuffer* buffer = rf_next_frame_buffer( &r->queue );
     live->noise_seen = film->weight[0] + film->weight[1];
-    RfRelmse relmse = rf_finish_picture( r, live, buffer->rgb, NULL );
+    RfRelmse relmse = rf_finish_picture( r, live, &( RfPicture ){ .rgb = buffer->rgb } );
     live->noise = live->noise_seen * rf_prudent_relmse( &relmse );
 }
 

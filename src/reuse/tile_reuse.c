@@ -148,7 +148,7 @@ uint64_t rf_trace_tile_tails( const RfTileReuseSettings* settings, const RfVerte
                               RfWavefront* wavefront, RfTileReuse* reuse )
 {
     int tile_pixels = settings->tile_pixels;
-    reuse->second.count = 0;
+    reuse->second.count = reuse->thinned = reuse->kept = 0;
     if ( wavefront->rays.count > 0 )
         rf_find_lit_vertices( settings->path, wavefront, &wavefront->rays, true, &reuse->second );
     if ( settings->path->max_depth == 2 || reuse->second.count == 0 )

@@ -33,6 +33,7 @@ typedef struct RfTileReuse
 {
     RF_ALIGN int32_t tile_of[RF_LANES]; // by slot
     int tile_count;
+    int thinned, kept; // second vertices that the roulette on paths was about, and those it kept; 0 without it
     // hits, sorted by tile
     int32_t member[RF_LANES];
     // by hit

@@ -48,6 +48,7 @@ void rf_thin_paths( const RfPathSettings* path, RfWavefront* wavefront, RfTileRe
     float luminance[RF_LANES], mean[RF_LANES];
     rf_light_own_paths( path, wavefront, reuse, luminance );
     find_tile_means( reuse, luminance, mean );
+    reuse->thinned = reuse->kept = 0;
     for ( int a = 0; a < rf_record_count( y ); ++a )
     {
         int i = reuse->owner[a], slot = y->slot[a];
@@ -57,6 +58,8 @@ void rf_thin_paths( const RfPathSettings* path, RfWavefront* wavefront, RfTileRe
         float certain = CERTAIN_SHARE * mean[a];
         float survival = luminance[a] < certain ? rf_maxf( luminance[a] / certain, LEAST_SURVIVAL ) : 1.0f;
         bool survives = luminance[a] >= 0.0f && ( survival == 1.0f || rf_random( key, RF_DIMENSION_CONNECTIONS ) < survival );
+        reuse->thinned += 1;
+        reuse->kept += survives;
         if ( !survives )
             reuse->second_of[i] = -1;
         if ( !survives || survival < 1.0f )

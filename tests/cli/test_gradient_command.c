@@ -25,8 +25,6 @@ static void test_what_does_not_work_is_refused_by_name( void** state )
         { "--tile 1x4", "the estimator 'gradient' wants tiles of 1 pixel" },
         { "--tile 16x4", "the estimator 'gradient' wants tiles of 1 pixel" },
         { "--adaptive", "the estimator 'gradient' has no adaptive sampling" },
-        { "--aov variance", "the estimator 'gradient' has no variance AOV" },
-        { "--alpha", "the estimator 'gradient' has no alpha" },
         { "--weights eq15", "the estimator 'gradient' has exact weights only" },
         { "--normalize ratio", "the estimator 'gradient' has no normalisation to choose" },
         { "--tile-roulette", "the estimator 'gradient' has a roulette of its own" },

@@ -28,12 +28,11 @@ static bool is_long( void ) { return getenv( "REFRAME_LONG" ) != NULL; }
 static float s_difference[2][3 * WIDTH * HEIGHT];
 
 // The pixels alone.
-static RfRelmse keep_differences( const RfRenderSettings* settings, const RfFilm* films, float* rgb, float* weight,
-                                  void* scratch )
+static RfRelmse keep_differences( const RfRenderSettings* settings, const RfFilm* films, RfPicture* picture, void* scratch )
 {
     (void)settings;
     (void)scratch;
-    rf_combine_film( films + RF_FILM_PRIMAL, RF_FILM_RATIO, rgb, weight );
+    rf_combine_film( films + RF_FILM_PRIMAL, RF_FILM_RATIO, picture->rgb, picture->weight );
     rf_combine_film( films + RF_FILM_DX, RF_FILM_RATIO, s_difference[0], NULL );
     rf_combine_film( films + RF_FILM_DY, RF_FILM_RATIO, s_difference[1], NULL );
     return rf_plain_relmse( (double)NAN );

@@ -36,6 +36,7 @@ static const RfOption s_options[] = {
       .meta = "T",
       .default_text = "0: off",
       .help = "the same for one that stops after so many seconds a frame" },
+    RF_ESTIMATOR_OPTION( s_parsed ),
     RF_TILE_OPTION( s_parsed ),
     { .name = "adaptive",
       .type = RF_OPTION_CHOICE,
@@ -94,7 +95,7 @@ RfResult rf_parse_plan_options( int argc, char** argv, RfRenderOptions* options,
 RfResult rf_parse_plan_options_over( const RfField* defaults, int argc, char** argv, RfRenderOptions* options, RfError* error )
 {
     bool help;
-    RfResult result = rf_read_reuse_defaults( defaults, &s_parsed );
+    RfResult result = rf_read_render_defaults( defaults, &s_parsed );
     return result == RF_OK ? parse( argc, argv, options, &help, error ) : result;
 }
 
