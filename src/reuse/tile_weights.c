@@ -280,7 +280,10 @@ static void normalize_weights( int tile_pixels, int hits, RfTileReuse* reuse )
     {
         const RfPairingLanes* pairing = reuse->pairings + s;
         for ( int i = 0; i < hits; ++i )
-            sum[pairing->vertex[i]] += rf_maxf( pairing->weight[i], 0.0f );
+        {
+            if ( pairing->weight[i] > 0.0f ) // with the roulette most are 0
+                sum[pairing->vertex[i]] += pairing->weight[i];
+        }
     }
     for ( int s = 0; s < tile_pixels; ++s )
     {
