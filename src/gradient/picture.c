@@ -17,6 +17,7 @@
 
 // Relative residual at which the solve with weights stops, times the passes: far below the noise.
 #define TOLERANCE 1e-3
+#define LEAST_TOLERANCE 1e-6 // which floats reach
 
 // Conjugate gradients that have not converged by then are told of. Very noisy weights take some twenty.
 #define MOST_ITERATIONS 50
@@ -131,7 +132,7 @@ static RfResult solve( const RfRenderSettings* settings, const RfFilm* films, co
     RfReconstructOptions options = rf_default_reconstruct_options();
     bool variances = halves->half[0].passes >= 2.0 && halves->half[1].passes >= 2.0;
     options.alpha = ALPHA;
-    options.tolerance = TOLERANCE / ( halves->half[0].passes + halves->half[1].passes );
+    options.tolerance = fmax( TOLERANCE / ( halves->half[0].passes + halves->half[1].passes ), LEAST_TOLERANCE );
     options.max_iterations = MOST_ITERATIONS;
     options.work = work;
     options.method = RF_RECONSTRUCT_WEIGHTED;

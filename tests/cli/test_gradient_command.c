@@ -109,6 +109,45 @@ static void test_written_gradients_are_reconstructed( void** state )
                 "the estimator 'reuse' has no gradients" );
 }
 
+// What render can do, plan, cost and tune can weigh: the tiles beside path tracing, which is that of the other estimator.
+static void test_it_is_planned_and_tuned( void** state )
+{
+    (void)state;
+    static const char shot[] = "$VASE --estimator gradient --size 96x72 --frames 1-3 --quiet --threads 2";
+    const CliResult* done = cli_run( "$R plan %s --json p.json", shot );
+    assert_true( done->status == 0 && strstr( done->out, "render --estimator gradient takes 6x6 tiles" ) != NULL );
+    json_t* json = cli_read_json( "p.json" );
+    assert_true( json_array_size( json_object_get( json, "rows" ) ) == 1 );
+    assert_string_equal( json_string_value( json_object_get( json, "why" ) ), "the estimator 'gradient' reuses no frames" );
+    json_decref( json );
+    done = cli_run( "$R cost %s --tile 4x4 --budget 1 --json c.json", shot );
+    assert_true( done->status == 0 && strstr( done->out, "4x4 tiles" ) != NULL );
+    json = cli_read_json( "c.json" );
+    assert_true( json_number_value( json_object_get( json, "pixels" ) ) > 1000.0 );
+    json_decref( json );
+    done = cli_run( "$R tune %s --budget 1 --spp 4", shot );
+    assert_true( done->status == 0 && strstr( done->out, "8x8" ) != NULL );
+    const char* command = strstr( done->out, "reframe render" );
+    assert_non_null( command );
+    bool plain = strstr( command, "--tile 1 " ) != NULL;
+    assert_non_null( strstr( command, plain ? "--estimator reuse" : "--estimator gradient" ) );
+    const char* named = strstr( command, "--estimator" );
+    assert_null( strstr( named + 1, "--estimator" ) ); // once
+}
+
+static void test_variance_and_alpha_are_written( void** state )
+{
+    (void)state;
+    cli_expect( cli_run( RENDER "-o va.####.exr --frames 1 --alpha --aov variance --json va.json" ), 0, NULL );
+    cli_expect( cli_run( "$R png va.0001.exr va.png" ), 0, NULL );
+    json_t* json = cli_read_json( "va.json" );
+    const json_t* paths = json_object_get( json, "shared_paths" );
+    json_int_t found = json_integer_value( json_object_get( paths, "found" ) );
+    json_int_t kept = json_integer_value( json_object_get( paths, "kept" ) );
+    assert_true( kept > 0 && kept < found );
+    json_decref( json );
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
@@ -118,6 +157,8 @@ int main( void )
         cmocka_unit_test( test_written_gradients_are_reconstructed ),
         cmocka_unit_test( test_bias_and_few_samples_are_said ),
         cmocka_unit_test( test_noise_is_estimated_and_stops ),
+        cmocka_unit_test( test_it_is_planned_and_tuned ),
+        cmocka_unit_test( test_variance_and_alpha_are_written ),
     };
     return cmocka_run_group_tests( tests, cli_enter_group, cli_leave_group );
 }
