@@ -20,7 +20,7 @@ static void test_what_does_not_work_is_refused_by_name( void** state )
     {
         const char *options, *answer;
     } s_cases[] = {
-        { "--group 1", "the estimator 'gradient' reuses no frames: group 0, not 1" },
+        { "--group 1", "the estimator 'gradient' reuses no frames, where gradients cost more than they bring: group 0, not 1" },
         { "--tile rooks16", "the estimator 'gradient' wants tiles of 1 pixel, or blocks of 2x2 to 8x8" },
         { "--tile 1x4", "the estimator 'gradient' wants tiles of 1 pixel" },
         { "--tile 16x4", "the estimator 'gradient' wants tiles of 1 pixel" },
