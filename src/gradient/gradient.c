@@ -67,6 +67,8 @@ static uint64_t accumulate( const RfEstimatorGroup* group, RfAccumulateJob job, 
 const RfEstimator rf_gradient_estimator = {
     .name = "gradient",
     .films = RF_GRADIENT_FILMS,
+    .filters = true,
+    .draws_by_filter = true,
     .has_gradients = true,
     .has_alpha = true,
     .has_variance = true,

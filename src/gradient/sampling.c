@@ -34,6 +34,9 @@ static void extend( const RfEstimatorGroup* group, ExtendedGroup* out )
     out->settings.tile = ( RfTile ){ RF_TILE_BLOCK, tile.width + 1, tile.height + 1 };
     if ( tile.kind == RF_TILE_NONE )
         out->settings.tile = ( RfTile ){ RF_TILE_BLOCK, 2, 1 };
+    out->settings.filter = RF_FILTER_BOX; // samples are drawn by the filter, and count in their own pixels
+    out->settings.filter_width = 1.0;
+    out->group.filter = NULL;
     out->group.settings = &out->settings;
 }
 
@@ -134,12 +137,13 @@ static void set_path_keys( uint64_t pass_key, const RfEstimatorGroup* group, con
 }
 
 // Camera rays, what they hit, and direct light.
-static void find_hits( const RfHarvest* harvest, int count, RfGradientScratch* scratch, RfRayCounts* rays )
+static void find_hits( const RfHarvest* harvest, const RfPixelFilter* filter, int count, RfGradientScratch* scratch,
+                       RfRayCounts* rays )
 {
     RfHarvestScratch* h = scratch->harvest;
     RfWavefront* wavefront = &h->wavefront;
     wavefront->path_rays = wavefront->shadow_rays = 0;
-    rf_make_camera_rays( NULL, harvest->eyes + scratch->hits.eye, count, scratch->pixel, wavefront, &h->camera_rays );
+    rf_make_camera_rays( filter, harvest->eyes + scratch->hits.eye, count, scratch->pixel, wavefront, &h->camera_rays );
     rf_find_vertices( &harvest->path, &h->camera_rays, true, &h->first, &wavefront->scratch );
     rays->primary += (uint64_t)count;
     rf_follow_camera_rays( harvest, h );
@@ -206,7 +210,7 @@ int rf_sample_patch( const RfEstimatorGroup* group, RfTraceJob job, RfGradientBa
         at.path_source = scratch->source;
     }
     set_tile_keys( key, count, scratch );
-    find_hits( &at, count, scratch, rays );
+    find_hits( &at, group->filter, count, scratch, rays );
     set_path_keys( key, group, batch, scratch );
     light_hits( &at, count, scratch, rays );
     add_up( &extended.group, batch, scratch );

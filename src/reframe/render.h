@@ -142,7 +142,7 @@ const char* rf_estimator_name( const RfEstimator* estimator );
 RfTile rf_default_tile( const RfEstimator* estimator );
 
 // The pixel filter that the program takes unless told otherwise: Blackman-Harris, which has the least noise and flicker at
-// equal CPU time, or the box of one pixel where the estimator has no other. The library's own default is that box.
+// equal CPU time, or the box of one pixel where the estimator ("gradient") gains nothing by it. The library's own default is that box.
 RfFilter rf_default_filter( const RfEstimator* estimator );
 
 // The parts of the frames that alone are traced (render/pieces.h).

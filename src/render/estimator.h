@@ -130,14 +130,15 @@ typedef struct RfPicture
 
 struct RfEstimator
 {
-    const char* name;   // for rf_find_estimator
-    int films;          // per frame, 1 to RF_MAX_FILMS. Film 0 is the picture, unless `finish` makes it of all
-    bool filters;       // it heeds RfEstimatorGroup.filter; else settings with another than the plain filter are refused
-    bool has_gradients; // films 0 to 2 are values and differences: RF_GRADIENT_AOVS
-    bool has_alpha;     // it counts RfAccumulateJob.sky
-    bool has_variance;  // `finish` fills RfPicture.variance
-    int usual_passes;   // from which on `finish` works as with many passes; 0: always
-    RfTile tile;        // that it has where none is asked for (rf_default_tile)
+    const char* name;     // for rf_find_estimator
+    int films;            // per frame, 1 to RF_MAX_FILMS. Film 0 is the picture, unless `finish` makes it of all
+    bool filters;         // it heeds RfEstimatorGroup.filter; else settings with another than the plain filter are refused
+    bool draws_by_filter; // and draws its samples by it, so that each counts in its own pixel alone, in AOVs as well
+    bool has_gradients;   // films 0 to 2 are values and differences: RF_GRADIENT_AOVS
+    bool has_alpha;       // it counts RfAccumulateJob.sky
+    bool has_variance;    // `finish` fills RfPicture.variance
+    int usual_passes;     // from which on `finish` works as with many passes; 0: always
+    RfTile tile;          // that it has where none is asked for (rf_default_tile)
 
     // May be NULL. Refuses settings that this estimator cannot follow, with RF_ERROR_USAGE.
     RfResult ( *check )( const RfRenderSettings* settings, RfError* error );

@@ -57,6 +57,9 @@ static void test_bits_do_not_depend_on_company( void** state )
     cli_expect( cli_run( RENDER AOVS "-o all.####.exr --frames 1-3 --threads 1" ), 0, NULL );
     cli_expect( cli_run( RENDER AOVS "-o one.####.exr --frames 2 --threads 3 --memory 24M" ), 0, NULL );
     cli_expect( cli_run( "cmp all.0002.exr one.0002.exr" ), 0, NULL );
+    cli_expect( cli_run( RENDER AOVS "-o soft.####.exr --frames 1-2 --filter tent" ), 0, NULL );
+    cli_expect( cli_run( RENDER AOVS "-o soft3.####.exr --frames 2 --filter tent --threads 3" ), 0, NULL );
+    cli_expect( cli_run( "cmp soft.0002.exr soft3.0002.exr" ), 0, NULL );
     cli_expect( cli_run( RENDER AOVS "-o pairs.####.exr --frames 2 --tile 1" ), 0, NULL );
     cli_expect( cli_run( RENDER AOVS "-o pairs3.####.exr --frames 2-3 --tile 1 --threads 3" ), 0, NULL );
     cli_expect( cli_run( "cmp pairs.0002.exr pairs3.0002.exr" ), 0, NULL );
