@@ -15,8 +15,7 @@ static RfResult check( const RfRenderSettings* s, RfError* error )
 {
     if ( s->group > 0 )
         return rf_fail( error, RF_ERROR_USAGE,
-                        "the estimator 'gradient' reuses no frames, where gradients cost more than they bring: group 0, not %d",
-                        s->group );
+                        "the estimator 'gradient' reuses no frames, where gradients seldom pay: group 0, not %d", s->group );
     if ( !is_tile( &s->tile ) )
         return rf_fail( error, RF_ERROR_USAGE, "the estimator 'gradient' wants tiles of 1 pixel, or blocks of 2x2 to %dx%d",
                         RF_MAX_TILE_SIDE, RF_MAX_TILE_SIDE );

@@ -20,7 +20,7 @@ static void test_what_does_not_work_is_refused_by_name( void** state )
     {
         const char *options, *answer;
     } s_cases[] = {
-        { "--group 1", "the estimator 'gradient' reuses no frames, where gradients cost more than they bring: group 0, not 1" },
+        { "--group 1", "the estimator 'gradient' reuses no frames, where gradients seldom pay: group 0, not 1" },
         { "--tile rooks16", "the estimator 'gradient' wants tiles of 1 pixel, or blocks of 2x2 to 8x8" },
         { "--tile 1x4", "the estimator 'gradient' wants tiles of 1 pixel" },
         { "--tile 16x4", "the estimator 'gradient' wants tiles of 1 pixel" },
@@ -116,7 +116,7 @@ static void test_written_gradients_are_reconstructed( void** state )
 static void test_it_is_planned_and_tuned( void** state )
 {
     (void)state;
-    static const char shot[] = "$VASE --estimator gradient --size 96x72 --frames 1-3 --quiet --threads 2";
+    static const char shot[] = "$VASE --estimator gradient --size 48x36 --frames 1-2 --quiet --threads 2";
     const CliResult* done = cli_run( "$R plan %s --json p.json", shot );
     assert_true( done->status == 0 && strstr( done->out, "render --estimator gradient takes 6x6 tiles" ) != NULL );
     json_t* json = cli_read_json( "p.json" );
