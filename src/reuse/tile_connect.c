@@ -1,5 +1,6 @@
 #include "reuse/tile_connect.h"
 
+#include <float.h>
 #include <string.h>
 
 // Direction of hit i in a pairing, and ρ without density and visibility; 0 where hit and vertex face away from each other.
@@ -12,7 +13,7 @@ static inline void connect( const RfVertexLanes* restrict x, const RfTileReuse* 
     RfVec3 n = rf_vec3( x->n[0][i], x->n[1][i], x->n[2][i] );
     RfVec3 from = rf_madd( rf_vec3( x->p[0][i], x->p[1][i], x->p[2][i] ), ng, x->offset[i] );
     RfVec3 to_vertex = rf_sub( rf_vec3( y->p[0][a], y->p[1][a], y->p[2][a] ), from );
-    float d2 = rf_dot( to_vertex, to_vertex );
+    float d2 = rf_maxf( rf_dot( to_vertex, to_vertex ), FLT_MIN );
     RfVec3 wi = rf_scale( to_vertex, 1.0f / sqrtf( d2 ) );
     float cos_y = -rf_dot( rf_vec3( y->ng[0][a], y->ng[1][a], y->ng[2][a] ), wi );
     float geometry = cos_y / d2 * reuse->own_distance2_cos[a];

@@ -261,7 +261,10 @@ static void normalize_weights( int tile_pixels, int hits, RfTileReuse* reuse )
         RfPairingLanes* pairing = reuse->pairings + s;
 #pragma omp simd
         for ( int i = 0; i < hits; ++i )
-            pairing->weight[i] = pairing->weight[i] != 0.0f ? fabsf( pairing->weight[i] ) / sum[pairing->vertex[i]] : 0.0f;
+        {
+            float all = sum[pairing->vertex[i]]; // 0 where all weights are
+            pairing->weight[i] = fabsf( pairing->weight[i] ) / ( all > 0.0f ? all : 1.0f );
+        }
     }
 }
 

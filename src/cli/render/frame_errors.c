@@ -19,7 +19,7 @@ void rf_note_frame_error( RfFrameErrors* errors, const RfFrameResult* result, in
     errors->lower_bounds += result->relmse_is_lower_bound;
     errors->missed += !result->reached;
     note_solve( errors, result->solved, number );
-    if ( errors->frames > 1 && result->relmse_likely <= errors->worst_relmse )
+    if ( errors->frames > 1 && islessequal( result->relmse_likely, errors->worst_relmse ) )
         return;
     errors->worst_relmse = result->relmse_likely;
     errors->worst_frame = number;
