@@ -28,7 +28,7 @@ RfTile rf_default_tile( const RfEstimator* estimator ) { return estimator->tile;
 
 RfFilter rf_default_filter( const RfEstimator* estimator )
 {
-    return estimator->filters ? RF_FILTER_BLACKMAN_HARRIS : RF_FILTER_BOX;
+    return estimator->filters && !estimator->draws_by_filter ? RF_FILTER_BLACKMAN_HARRIS : RF_FILTER_BOX;
 }
 
 RfRenderSettings rf_default_render_settings( void )

@@ -14,7 +14,8 @@ static bool is_tile( const RfTile* tile )
 static RfResult check( const RfRenderSettings* s, RfError* error )
 {
     if ( s->group > 0 )
-        return rf_fail( error, RF_ERROR_USAGE, "the estimator 'gradient' reuses no frames: group 0, not %d", s->group );
+        return rf_fail( error, RF_ERROR_USAGE,
+                        "the estimator 'gradient' reuses no frames, where gradients seldom pay: group 0, not %d", s->group );
     if ( !is_tile( &s->tile ) )
         return rf_fail( error, RF_ERROR_USAGE, "the estimator 'gradient' wants tiles of 1 pixel, or blocks of 2x2 to %dx%d",
                         RF_MAX_TILE_SIDE, RF_MAX_TILE_SIDE );
@@ -65,7 +66,12 @@ static uint64_t accumulate( const RfEstimatorGroup* group, RfAccumulateJob job, 
 const RfEstimator rf_gradient_estimator = {
     .name = "gradient",
     .films = RF_GRADIENT_FILMS,
+    .filters = true,
+    .draws_by_filter = true,
     .has_gradients = true,
+    .has_alpha = true,
+    .has_variance = true,
+    .usual_passes = 4, // two in each half: their variances are known
     .tile = { RF_TILE_BLOCK, 6, 6 },
     .check = check,
     .sizes = sizes,

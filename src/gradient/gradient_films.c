@@ -43,6 +43,8 @@ static uint64_t add_tile( const Target* t, const RfExtendedTile* tile, float ( *
                 add_difference( t, RF_FILM_DY, pixel, here[0], here[across] );
             if ( job.landed != NULL )
                 job.landed[pixel] += 1;
+            if ( job.sky != NULL )
+                job.sky[pixel] += t->primal_weight * here[0][3];
         }
     }
     return end > first ? (uint64_t)( end - first ) * (uint64_t)across : 0;

@@ -17,6 +17,10 @@
 
 // Relative residual at which the solve with weights stops, times the passes: far below the noise.
 #define TOLERANCE 1e-3
+#define LEAST_TOLERANCE 1e-6 // which floats reach
+
+// Conjugate gradients that have not converged by then are told of. Very noisy weights take some twenty.
+#define MOST_ITERATIONS 50
 
 // Images that the solve works on, for each half: the means of the three films and their variances. The solutions.
 enum
@@ -107,7 +111,8 @@ static Halves load_halves( const RfFilm* films, float* memory )
 }
 
 // Constant weights, or L1, which is not linear: each half by itself, which tells the noise, and all data together.
-static RfResult solve_constant( const RfFilm* films, const Halves* halves, const RfReconstructOptions* options, float* rgb )
+static RfResult solve_constant( const RfFilm* films, const Halves* halves, const RfReconstructOptions* options, float* rgb,
+                                RfReconstructInfo* info )
 {
     RfResult result = RF_OK;
     for ( int h = 0; h < 2 && result == RF_OK; ++h )
@@ -118,15 +123,17 @@ static RfResult solve_constant( const RfFilm* films, const Halves* halves, const
     float* means = (float*)halves->half[0].images.primal;
     for ( int f = 0; f < RF_FILM_SQUARES; ++f )
         rf_combine_film( films + f, RF_FILM_RATIO, means + 3 * pixels_of( films ) * (size_t)f, NULL );
-    return result == RF_OK ? rf_reconstruct( &halves->half[0].images, NULL, options, rgb, NULL, NULL ) : result;
+    return result == RF_OK ? rf_reconstruct( &halves->half[0].images, NULL, options, rgb, info, NULL ) : result;
 }
 
-static RfResult solve( const RfRenderSettings* settings, const RfFilm* films, const Halves* halves, void* work, float* rgb )
+static RfResult solve( const RfRenderSettings* settings, const RfFilm* films, const Halves* halves, void* work, float* rgb,
+                       RfReconstructInfo* info )
 {
     RfReconstructOptions options = rf_default_reconstruct_options();
     bool variances = halves->half[0].passes >= 2.0 && halves->half[1].passes >= 2.0;
     options.alpha = ALPHA;
-    options.tolerance = TOLERANCE / ( halves->half[0].passes + halves->half[1].passes );
+    options.tolerance = fmax( TOLERANCE / ( halves->half[0].passes + halves->half[1].passes ), LEAST_TOLERANCE );
+    options.max_iterations = MOST_ITERATIONS;
     options.work = work;
     options.method = RF_RECONSTRUCT_WEIGHTED;
     if ( settings->reconstruction == RF_RECONSTRUCTION_L1 )
@@ -134,12 +141,12 @@ static RfResult solve( const RfRenderSettings* settings, const RfFilm* films, co
     else if ( settings->reconstruction == RF_RECONSTRUCTION_L2 || !variances )
         options.method = RF_RECONSTRUCT_L2;
     return options.method == RF_RECONSTRUCT_WEIGHTED
-               ? rf_reconstruct_halves( halves->half, &options, rgb, halves->solution, NULL, NULL )
-               : solve_constant( films, halves, &options, rgb );
+               ? rf_reconstruct_halves( halves->half, &options, rgb, halves->solution, info, NULL )
+               : solve_constant( films, halves, &options, rgb, info );
 }
 
 // The noise of the picture, as that of a film with the solutions as its halves, which are spread to four floats a pixel in place.
-static RfRelmse estimate_noise( const Halves* halves, const RfFilm* film, const float* rgb )
+static RfRelmse estimate_noise( const Halves* halves, const RfFilm* film, const RfPicture* picture )
 {
     RfFilm solved = { .width = film->width, .height = film->height };
     for ( int h = 0; h < 2; ++h )
@@ -155,22 +162,41 @@ static RfRelmse estimate_noise( const Halves* halves, const RfFilm* film, const 
         solved.passes[h] = film->passes[h];
         solved.weight[h] = halves->half[h].passes;
     }
-    return rf_estimate_relmse( &solved, RF_FILM_RATIO, rgb );
+    if ( picture->variance != NULL )
+        rf_estimate_variance( &solved, RF_FILM_RATIO, picture->variance );
+    return rf_estimate_relmse( &solved, RF_FILM_RATIO, picture->rgb );
 }
 
-RfRelmse rf_finish_gradients( const RfRenderSettings* settings, const RfFilm* films, float* rgb, float* weight, void* scratch )
+// The pixels alone.
+static RfRelmse finish_pixels( const RfFilm* primal, RfPicture* picture )
+{
+    rf_combine_film( primal, RF_FILM_RATIO, picture->rgb, NULL );
+    if ( picture->variance != NULL )
+        rf_estimate_variance( primal, RF_FILM_RATIO, picture->variance );
+    return rf_estimate_relmse( primal, RF_FILM_RATIO, picture->rgb );
+}
+
+RfRelmse rf_finish_gradients( const RfRenderSettings* settings, const RfFilm* films, RfPicture* picture, void* scratch )
 {
     const RfFilm* primal = films + RF_FILM_PRIMAL;
-    rf_combine_film( primal, RF_FILM_RATIO, rgb, weight );
+    rf_combine_film( primal, RF_FILM_RATIO, picture->rgb, picture->weight );
     if ( settings->reconstruction == RF_RECONSTRUCTION_NONE )
-        return rf_estimate_relmse( primal, RF_FILM_RATIO, rgb );
+        return finish_pixels( primal, picture );
     Halves halves = load_halves( films, scratch );
     void* work = (char*)scratch + image_bytes( films->width, films->height );
-    if ( solve( settings, films, &halves, work, rgb ) != RF_OK )
+    RfReconstructInfo info;
+    if ( solve( settings, films, &halves, work, picture->rgb, &info ) != RF_OK )
     {
         // samples that are not finite: the pixels as they are show where
-        rf_combine_film( primal, RF_FILM_RATIO, rgb, weight );
+        picture->solved = RF_SOLVED_NOT;
+        rf_combine_film( primal, RF_FILM_RATIO, picture->rgb, NULL );
+        finish_pixels( primal, picture );
         return rf_plain_relmse( (double)NAN );
     }
-    return halves.half[1].passes > 0.0 ? estimate_noise( &halves, primal, rgb ) : rf_plain_relmse( (double)NAN );
+    picture->solved = info.converged ? RF_SOLVED : RF_SOLVED_ROUGHLY;
+    if ( halves.half[1].passes > 0.0 )
+        return estimate_noise( &halves, primal, picture );
+    if ( picture->variance != NULL )
+        rf_estimate_variance( primal, RF_FILM_RATIO, picture->variance ); // 0: a single pass
+    return rf_plain_relmse( (double)NAN );
 }

@@ -8,6 +8,6 @@
 size_t rf_finish_gradients_bytes( const RfRenderSettings* settings, int width, int height );
 
 // RfEstimator.finish: the reconstruction that the settings ask for.
-RfRelmse rf_finish_gradients( const RfRenderSettings* settings, const RfFilm* films, float* rgb, float* weight, void* scratch );
+RfRelmse rf_finish_gradients( const RfRenderSettings* settings, const RfFilm* films, RfPicture* picture, void* scratch );
 
 #endif

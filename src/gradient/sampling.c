@@ -15,6 +15,7 @@ struct RfGradientScratch
     int32_t own_pixel[RF_LANES]; // the same, −1 where the pixel is not its tile's own
     int32_t number[RF_LANES];    // of its tile in the pass
     int32_t source[RF_LANES];    // tiles of one pixel: of the paths (reuse/tile_copies.h)
+    float missed[RF_LANES];      // 1 where the camera ray did, with RF_AOV_ALPHA
     RfAccumulateScratch accumulate;
 };
 
@@ -33,6 +34,9 @@ static void extend( const RfEstimatorGroup* group, ExtendedGroup* out )
     out->settings.tile = ( RfTile ){ RF_TILE_BLOCK, tile.width + 1, tile.height + 1 };
     if ( tile.kind == RF_TILE_NONE )
         out->settings.tile = ( RfTile ){ RF_TILE_BLOCK, 2, 1 };
+    out->settings.filter = RF_FILTER_BOX; // samples are drawn by the filter, and count in their own pixels
+    out->settings.filter_width = 1.0;
+    out->group.filter = NULL;
     out->group.settings = &out->settings;
 }
 
@@ -133,12 +137,13 @@ static void set_path_keys( uint64_t pass_key, const RfEstimatorGroup* group, con
 }
 
 // Camera rays, what they hit, and direct light.
-static void find_hits( const RfHarvest* harvest, int count, RfGradientScratch* scratch, RfRayCounts* rays )
+static void find_hits( const RfHarvest* harvest, const RfPixelFilter* filter, int count, RfGradientScratch* scratch,
+                       RfRayCounts* rays )
 {
     RfHarvestScratch* h = scratch->harvest;
     RfWavefront* wavefront = &h->wavefront;
     wavefront->path_rays = wavefront->shadow_rays = 0;
-    rf_make_camera_rays( NULL, harvest->eyes + scratch->hits.eye, count, scratch->pixel, wavefront, &h->camera_rays );
+    rf_make_camera_rays( filter, harvest->eyes + scratch->hits.eye, count, scratch->pixel, wavefront, &h->camera_rays );
     rf_find_vertices( &harvest->path, &h->camera_rays, true, &h->first, &wavefront->scratch );
     rays->primary += (uint64_t)count;
     rf_follow_camera_rays( harvest, h );
@@ -156,7 +161,11 @@ static void light_hits( const RfHarvest* harvest, int count, RfGradientScratch* 
     wavefront->rays.count = 0;
     rf_scale_roulette( h, count );
     if ( harvest->path.max_depth > 1 )
+    {
         rf_trace_hit_tails( harvest, h, rays );
+        rays->thinned += (uint64_t)h->tiles->thinned;
+        rays->kept += (uint64_t)h->tiles->kept;
+    }
     rays->path += wavefront->path_rays;
     rays->shadow += wavefront->shadow_rays;
     rf_test_batch_visibility( harvest, &scratch->hits, h, rays );
@@ -169,9 +178,15 @@ static void light_hits( const RfHarvest* harvest, int count, RfGradientScratch* 
 static void add_up( const RfEstimatorGroup* group, RfGradientBatch* batch, RfGradientScratch* scratch )
 {
     memset( batch->value, 0, sizeof batch->value );
+    memset( scratch->missed, 0, sizeof scratch->missed );
+    bool alpha = ( group->settings->aovs & RF_AOV_BIT( RF_AOV_ALPHA ) ) != 0;
     RfFilm film = { .half = { batch->value[0] } };
-    RfAccumulateJob job = { .eye = batch->eye, .end_row = RF_LANES, .films = &film, .weight = 1.0f };
+    RfAccumulateJob job = {
+        .eye = batch->eye, .end_row = RF_LANES, .films = &film, .weight = 1.0f, .sky = alpha ? scratch->missed : NULL
+    };
     rf_accumulate_rows( group, job, &( void* ){ &scratch->hits }, 1, &scratch->accumulate );
+    for ( int i = 0; i < RF_LANES; ++i )
+        batch->value[i][3] = scratch->missed[i];
 }
 
 int rf_sample_patch( const RfEstimatorGroup* group, RfTraceJob job, RfGradientBatch* batch, RfGradientScratch* scratch,
@@ -195,7 +210,7 @@ int rf_sample_patch( const RfEstimatorGroup* group, RfTraceJob job, RfGradientBa
         at.path_source = scratch->source;
     }
     set_tile_keys( key, count, scratch );
-    find_hits( &at, count, scratch, rays );
+    find_hits( &at, group->filter, count, scratch, rays );
     set_path_keys( key, group, batch, scratch );
     light_hits( &at, count, scratch, rays );
     add_up( &extended.group, batch, scratch );

@@ -13,7 +13,7 @@ typedef struct RfGradientBatch
     int eye; // index in the group of the frame whose pixels these are
     int tile_count;
     RfExtendedTile tile[RF_LISTED_TILES];
-    float value[RF_LANES][4]; // radiance: red, green, blue, not used; tile after tile, row after row
+    float value[RF_LANES][4]; // radiance: red, green, blue, and 1 where the camera ray missed; tile after tile, row after row
 } RfGradientBatch;
 
 // A thread's workspace.

@@ -7,7 +7,6 @@
 
 #include <math.h>
 
-#define FIRST_PASSES 2
 #define WANTED_LEVELS 4  // levels that the budget is planned for
 #define MIN_PIXELS 20000 // traced of a frame at the least
 #define PROBE_PIXELS 6000
@@ -20,14 +19,14 @@ static RfResult make_region( RfCostStudy* s, double position, double pixels, RfT
                                   s->settings + 1, job->watch, region, error );
 }
 
-// Renders all frames of the region by path tracing (curve 0), or as one group with reuse.
+// Renders all frames of the region one by one, or as one group with reuse.
 static RfResult try_curve( const RfCostStudy* s, const RfTestRegion* region, int curve, int passes, uint64_t salt, RfTrial* trial,
                            RfError* error )
 {
     RfRenderSettings settings = s->settings[curve];
     settings.seed = rf_mix64( settings.seed ^ rf_mix64( salt ) );
-    return rf_run_trial( s->job->tracer, region, curve == 0 ? region->frames : 1, passes, &settings, s->job->watch, trial,
-                         error );
+    return rf_run_trial( s->job->tracer, region, settings.group == 0 ? region->frames : 1, passes, &settings, s->job->watch,
+                         trial, error );
 }
 
 // Runs `task` for 0 … count − 1 on several threads, and returns the first failure.
@@ -61,8 +60,8 @@ static RfResult probe( RfCostStudy* s, double* pixel_seconds, RfError* error )
     RfTrial trial;
     RfResult result = make_region( s, 0.5, PROBE_PIXELS, &region, error );
     for ( int k = 0; k < 2 && result == RF_OK; ++k )
-        result = try_curve( s, &region, k, FIRST_PASSES, 0x9b0be, &trial, error );
-    *pixel_seconds = ( rf_wall_seconds() - start ) / region.pieces.pixels;
+        result = try_curve( s, &region, k, s->first_passes, 0x9b0be, &trial, error );
+    *pixel_seconds = ( rf_wall_seconds() - start ) / rf_region_pixels( &region );
     rf_destroy_test_region( &region );
     return result;
 }
@@ -93,7 +92,7 @@ static RfResult make_regions( RfCostStudy* s, RfError* error )
     if ( result == RF_OK )
         result = run_tasks( s, s->cost->positions, make_position, error );
     for ( int i = 0; i < s->cost->positions; ++i )
-        s->cost->pixels += s->regions[i].pieces.pixels / s->cost->positions;
+        s->cost->pixels += rf_region_pixels( s->regions + i ) / s->cost->positions;
     return result;
 }
 
@@ -139,14 +138,14 @@ static RfCostPart part_of( const RfCostStudy* s, const RfTrial* trial )
 static RfResult try_position( RfCostStudy* s, int number, RfError* error )
 {
     int position = number / 2, curve = number % 2;
-    return try_curve( s, s->regions + position, curve, FIRST_PASSES << s->level,
+    return try_curve( s, s->regions + position, curve, s->first_passes << s->level,
                       (uint64_t)( s->level * RF_COST_POSITIONS + position + 1 ), &s->trials[s->unit_count + position][curve],
                       error );
 }
 
 static RfResult run_level( RfCostStudy* s, int level, RfError* error )
 {
-    int passes = FIRST_PASSES << level;
+    int passes = s->first_passes << level;
     if ( s->job->report != NULL )
         s->job->report( s->job->user, s->cost, passes );
     s->level = level;

@@ -13,10 +13,10 @@ typedef struct RfCostStudy
     RfCost* cost;
     RfRenderSettings settings[2]; // resolved
     RfTestRegion regions[RF_COST_POSITIONS];
-    double pixels; // to trace of each of their frames
-    int workers;   // trials at a time, with a thread each
-    int threads;   // of the render
-    int level;
+    double pixels;                    // to trace of each of their frames
+    int workers;                      // trials at a time, with a thread each
+    int threads;                      // of the render
+    int level, first_passes;          // of the first level
     RfTrial trials[RF_COST_UNITS][2]; // per position and level: path tracing and reuse, with different seeds
     RfCostUnit units[RF_COST_UNITS];  // the measurements of these trials
     int unit_count;

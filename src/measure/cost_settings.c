@@ -2,6 +2,7 @@
 #include "measure/cost_internal.h"
 
 #include "render/groups.h"
+#include "render/settings.h"
 #include "reuse/tile.h"
 
 // As many trials at a time as have room for their films and records, with a thread each.
@@ -37,14 +38,16 @@ RfResult rf_resolve_cost_settings( RfCostStudy* s, RfError* error )
     if ( result != RF_OK )
         return result;
     *plain = *reuse;
+    plain->estimator = rf_default_render_settings().estimator;
     plain->group = 0;
     plain->tile = rf_no_tile();
     RfGroupPlan groups = rf_plan_groups( job->eye_count, reuse->group, 1 );
     reuse->group = groups.eyes / 2;
-    if ( reuse->group == 0 && reuse->tile.kind == RF_TILE_NONE )
+    if ( reuse->group == 0 && reuse->tile.kind == RF_TILE_NONE && reuse->estimator == plain->estimator )
         return rf_fail( error, RF_ERROR_USAGE,
                         "group 0 with tile 1 is path tracing, which all is compared with: take a larger group or a tile" );
     share_threads( s );
+    s->first_passes = rf_usual_passes( reuse );
     s->cost->plain = ( RfCostCurve ){ .group = 0, .eyes = 1, .tile = plain->tile };
     s->cost->reuse = ( RfCostCurve ){ .group = reuse->group, .eyes = groups.eyes, .tile = reuse->tile };
     return RF_OK;

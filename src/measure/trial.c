@@ -4,8 +4,10 @@
 
 #include "base/random.h"
 #include "film/pixel_filter.h"
+#include "measure/crops.h"
 #include "reframe/measure.h"
 #include "measure/trial_pair.h"
+#include "render/settings.h"
 #include "reuse/tile.h"
 
 #include <math.h>
@@ -73,7 +75,8 @@ static bool pilot_fits( const RfTracer* tracer, const RfTestRegion* region, cons
 static void choose_pilot_settings( const RfTracer* tracer, const RfTestRegion* region, RfRenderSettings* s )
 {
     RfTile tiles[2] = { rf_default_render_settings().tile, rf_no_tile() };
-    for ( s->group = region->frames / 2;; s->group /= 2 )
+    s->estimator = rf_default_render_settings().estimator;
+    for ( s->group = region->crops != NULL ? 0 : region->frames / 2;; s->group /= 2 )
     {
         int eyes = clamp( 2 * s->group + 1, 1, region->frames );
         s->spp = clamp( PILOT_PASSES * region->frames / eyes, PILOT_PASSES, MAX_PILOT_PASSES );
@@ -108,6 +111,16 @@ static RfResult render_pilot( const RfTracer* tracer, const RfRenderSettings* se
     return result;
 }
 
+// Parts of the pictures, or the whole of them where the estimator renders no parts.
+static RfResult choose_pieces( const RfTracer* tracer, RfTestRegion* region, int centre, double pixels, uint64_t seed,
+                               const RfRenderSettings* settings, RfError* error )
+{
+    double all = (double)region->eyes->width * region->eyes->height;
+    return rf_choose_pieces( tracer, region->eyes, region->frames, centre - region->first,
+                             rf_can_render_pieces( settings ) ? pixels : all, !rf_is_plain_filter( settings ), seed,
+                             &region->pieces, error );
+}
+
 RfResult rf_create_test_region( const RfTracer* tracer, const RfEye* eyes, int eye_count, int centre, int frames, double pixels,
                                 const RfRenderSettings* settings, const RfTrialWatch* watch, RfTestRegion* region,
                                 RfError* error )
@@ -117,8 +130,17 @@ RfResult rf_create_test_region( const RfTracer* tracer, const RfEye* eyes, int e
     region->first = clamp( centre - region->frames / 2, 0, eye_count - region->frames );
     region->eyes = eyes + region->first;
     uint64_t seed = rf_mix64( settings->seed ) ^ (uint64_t)centre;
-    RfResult result = rf_choose_pieces( tracer, region->eyes, region->frames, centre - region->first, pixels,
-                                        !rf_is_plain_filter( settings ), seed, &region->pieces, error );
+    RfResult result = RF_OK;
+    if ( !rf_can_render_pieces( settings ) )
+        result = rf_choose_crops( region->eyes, region->frames, pixels, seed, &region->crops, &region->pieces, error );
+    if ( region->crops != NULL )
+    {
+        region->eyes = region->crops;
+        region->frames = RF_CROPS;
+        region->whole = false;
+    }
+    else if ( result == RF_OK )
+        result = choose_pieces( tracer, region, centre, pixels, seed, settings, error );
     if ( result != RF_OK )
         return result;
     size_t slots = (size_t)region->pieces.first_slot[region->frames];
@@ -131,6 +153,7 @@ RfResult rf_create_test_region( const RfTracer* tracer, const RfEye* eyes, int e
 void rf_destroy_test_region( RfTestRegion* region )
 {
     rf_destroy_test_pieces( &region->pieces );
+    free( region->crops );
     free( region->weight );
     *region = ( RfTestRegion ){ 0 };
 }

@@ -25,6 +25,7 @@
 
 #include "measure/interval.h"
 #include "measure/pieces.h"
+#include "scene/eye.h"
 
 // Return false to stop with RF_ERROR_INTERRUPTED.
 typedef bool RfTrialContinueFn( void* user );
@@ -41,7 +42,8 @@ typedef struct RfTestRegion
     const RfEye* eyes; // `frames` of them, of the path
     int first;         // first frame on the path, from 0
     int frames;
-    bool whole; // the region is the whole path
+    bool whole;   // the region is the whole path
+    RfEye* crops; // of an estimator that renders no pieces: the eyes are these windows (crops.h); NULL: the path's
     RfTestPieces pieces;
     float* weight;  // relMSE weight 1 / (r̄² + 0.001) of each pixel of the pilot image, slot after slot
     double seconds; // CPU seconds spent on the pilot image
@@ -54,6 +56,12 @@ typedef struct RfTestRegion
 RfResult rf_create_test_region( const RfTracer* tracer, const RfEye* eyes, int eye_count, int centre, int frames, double pixels,
                                 const RfRenderSettings* settings, const RfTrialWatch* watch, RfTestRegion* region,
                                 RfError* error );
+
+// Pixels traced in a region of one frame, all windows together.
+static inline double rf_region_pixels( const RfTestRegion* region )
+{
+    return region->pieces.pixels * ( region->crops != NULL ? region->frames : 1 );
+}
 
 // Frees a test region and clears it.
 void rf_destroy_test_region( RfTestRegion* region );

@@ -1,6 +1,7 @@
 #include "base/system.h"
 #include "measure/tune_internal.h"
 #include "measure/tune_work.h"
+#include "render/settings.h"
 
 #include <math.h>
 
@@ -44,7 +45,9 @@ static RfResult calibrate( Tuner* t, RfError* error )
 {
     const RfTuneJob* job = t->job;
     double all = (double)job->eyes->width * job->eyes->height;
-    RfTuneRound round = { .pixels = fmin( FIRST_PIXELS, all ), .regions = t->common.threads, .passes = 2 };
+    RfTuneRound round = { .pixels = fmin( FIRST_PIXELS, all ),
+                          .regions = t->common.threads,
+                          .passes = rf_usual_passes( &t->common ) };
     RfTuneWork w;
     rf_begin_tune_work( job, t->tune, &t->common, t->candidate, &round, 0, (double)INFINITY, &w );
     double start = rf_wall_seconds(), cost = 0.0;
@@ -71,6 +74,7 @@ static RfTuneOutlook make_outlook( const Tuner* t, int number )
         .cost_second = t->cost_second,
         .memory = t->common.memory,
         .workers = t->common.threads,
+        .passes = rf_usual_passes( &t->common ),
     };
 }
 

@@ -46,6 +46,7 @@ typedef struct RfTuneOutlook
     double cost_second; // seconds per unit of RfTuneRow.cost, for rows without a trial
     size_t memory;      // bytes, for all trials that run in parallel
     int workers;
+    int passes; // at the least, of each trial
 } RfTuneOutlook;
 
 // Plans the next round: its share of the remaining time goes to larger and more pieces and, once they

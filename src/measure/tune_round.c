@@ -65,7 +65,8 @@ bool rf_plan_tune_round( const RfTune* tune, const bool* candidate, const RfTune
 {
     double all = (double)o->width * o->height,
            seconds = ( count_candidates_in( tune, candidate ) > FEW ? s_shares[o->number] : 1.0 ) * o->left;
-    *round = ( RfTuneRound ){ .regions = s_regions[o->number], .passes = s_passes[o->number], .pixels = 1.0 };
+    int passes = s_passes[o->number] > o->passes ? s_passes[o->number] : o->passes;
+    *round = ( RfTuneRound ){ .regions = s_regions[o->number], .passes = passes, .pixels = 1.0 };
     double each = rf_tune_round_cost( tune, candidate, round, o->cost_second ); // per pixel
     double pixels = seconds * o->rate / each, most = pixels_that_fit( tune, candidate, o, round->regions );
     most = most < all ? most : all;

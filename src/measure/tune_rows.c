@@ -4,12 +4,14 @@
 #include "base/remedy.h"
 #include "base/system.h"
 #include "render/groups.h"
+#include "render/settings.h"
 #include "reframe/plan.h"
 
 #include <math.h>
 
 static const int s_groups[RF_TUNE_GROUPS] = { 0, 1, 2, 3, 4, 6, 8, 12, 16 };
 static const char* const s_tiles[RF_TUNE_TILES] = { "1", "2x2", "3x3", "4x4", "rooks16" };
+static const char* const s_extended_tiles[RF_TUNE_TILES] = { "1", "2x2", "4x4", "6x6", "8x8" }; // of estimators without groups
 
 static const char s_no_room[] = "does not fit the memory", s_rounded[] = "the samples would more than double",
                   s_hopeless[] = "by the plan worth less than a smaller group";
@@ -24,6 +26,10 @@ RfRenderSettings rf_tune_settings( const RfTuneRow* row, const RfRenderSettings*
     RfRenderSettings settings = *common;
     settings.group = row->group;
     settings.tile = row->tile;
+    if ( rf_is_plain_row( row ) ) // whatever the estimator of the others is
+        settings.estimator = rf_default_render_settings().estimator;
+    if ( rf_has_groups( settings.estimator ) )
+        settings.aovs &= ~RF_GRADIENT_AOVS;
     return settings;
 }
 
@@ -70,8 +76,7 @@ static void drop_hopeless( RfTune* tune, int first )
 static RfResult list_tile( const RfTuneJob* job, const RfTile* tile, RfTune* tune, RfError* error )
 {
     RfRenderSettings settings = *job->settings;
-    settings.tile = *tile;
-    settings.group = 0;
+    settings = rf_tune_settings( &( RfTuneRow ){ .tile = *tile }, &settings );
     RfPlan plan;
     RfResult result =
         rf_plan_render( job->tracer, job->eyes, job->eye_count, job->frames, job->frame_count, &settings, &plan, error );
@@ -95,7 +100,7 @@ static RfResult list_tile( const RfTuneJob* job, const RfTile* tile, RfTune* tun
             take_plan( plan.rows + i, row );
             row->excluded = (double)row->spp > ROUNDING * settings.spp && row->group > 0 ? s_rounded : NULL;
         }
-        if ( groups.eyes == job->eye_count )
+        if ( groups.eyes == job->eye_count || !rf_has_groups( job->settings->estimator ) )
             break;
     }
     drop_hopeless( tune, first );
@@ -128,7 +133,7 @@ RfResult rf_list_tune_rows( const RfTuneJob* job, RfTune* tune, RfRenderSettings
     for ( int t = 0; t < RF_TUNE_TILES && result == RF_OK; ++t )
     {
         RfTile tile;
-        rf_parse_tile( s_tiles[t], &tile );
+        rf_parse_tile( rf_has_groups( common->estimator ) ? s_tiles[t] : s_extended_tiles[t], &tile );
         RfTuneJob resolved = *job;
         resolved.settings = common;
         result = list_tile( &resolved, &tile, tune, error );

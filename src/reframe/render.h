@@ -142,7 +142,7 @@ const char* rf_estimator_name( const RfEstimator* estimator );
 RfTile rf_default_tile( const RfEstimator* estimator );
 
 // The pixel filter that the program takes unless told otherwise: Blackman-Harris, which has the least noise and flicker at
-// equal CPU time, or the box of one pixel where the estimator has no other. The library's own default is that box.
+// equal CPU time, or the box of one pixel where the estimator ("gradient") gains nothing by it. The library's own default is that box.
 RfFilter rf_default_filter( const RfEstimator* estimator );
 
 // The parts of the frames that alone are traced (render/pieces.h).
@@ -229,6 +229,14 @@ typedef struct RfMemoryFit
 RfResult rf_fit_memory( const RfScene* scene, const RfEye* eyes, int eye_count, int frame_count, const RfRenderSettings* settings,
                         RfMemoryFit* fit, RfError* error );
 
+// How the reconstruction of a frame went (`gradient`).
+typedef enum RfSolved
+{
+    RF_SOLVED,         // or there was nothing to solve
+    RF_SOLVED_ROUGHLY, // it stopped before its residual was below the tolerance, which is far below the noise
+    RF_SOLVED_NOT,     // samples were not finite: the picture is that of the pixels alone
+} RfSolved;
+
 // A finished frame. The pixels are valid during the callback only.
 typedef struct RfFrameResult
 {
@@ -243,6 +251,7 @@ typedef struct RfFrameResult
     bool relmse_is_lower_bound;      // the estimate is what the relMSE is at least: more is not known
     double relmse_likely;            // the best guess: the estimate, or above it where that is a lower bound
     double worst_ten_share;          // part of relmse_likely that its ten worst pixels carry, 0 to 1
+    RfSolved solved;
     double native_spp;               // samples that the frame traced itself, per pixel
     double effective_spp;            // samples that landed in a pixel, its own and reused ones
     // With settings.flicker: F1 of this frame and the one before (NaN: that was not rendered now), as of the relMSE
@@ -288,6 +297,8 @@ typedef struct RfRayCounts
     uint64_t shadow;  // to lights
     uint64_t tile;    // that connect paths of a tile
     uint64_t eye;     // from hits to the eyes of other frames
+    // no rays, but paths (`gradient`): those that tiles could share, and those that its roulette left to be shared
+    uint64_t thinned, kept;
 } RfRayCounts;
 
 // Memory of a render by what it is for.

@@ -119,13 +119,26 @@ typedef struct RfReuseCount
     double eye_rays;  // visibility tests traced
 } RfReuseCount;
 
+// The picture that is made of a frame's films.
+typedef struct RfPicture
+{
+    float* rgb;      // 3 per pixel
+    float* weight;   // the mean of B, 1 per pixel; NULL: not asked for
+    float* variance; // RF_AOV_VARIANCE, 3 per pixel; NULL: not asked for
+    RfSolved solved; // how a reconstruction went
+} RfPicture;
+
 struct RfEstimator
 {
-    const char* name;   // for rf_find_estimator
-    int films;          // per frame, 1 to RF_MAX_FILMS. Film 0 is the picture, unless `finish` makes it of all
-    bool filters;       // it heeds RfEstimatorGroup.filter; else settings with another than the plain filter are refused
-    bool has_gradients; // films 0 to 2 are values and differences: RF_GRADIENT_AOVS
-    RfTile tile;        // that it has where none is asked for (rf_default_tile)
+    const char* name;     // for rf_find_estimator
+    int films;            // per frame, 1 to RF_MAX_FILMS. Film 0 is the picture, unless `finish` makes it of all
+    bool filters;         // it heeds RfEstimatorGroup.filter; else settings with another than the plain filter are refused
+    bool draws_by_filter; // and draws its samples by it, so that each counts in its own pixel alone, in AOVs as well
+    bool has_gradients;   // films 0 to 2 are values and differences: RF_GRADIENT_AOVS
+    bool has_alpha;       // it counts RfAccumulateJob.sky
+    bool has_variance;    // `finish` fills RfPicture.variance
+    int usual_passes;     // from which on `finish` works as with many passes; 0: always
+    RfTile tile;          // that it has where none is asked for (rf_default_tile)
 
     // May be NULL. Refuses settings that this estimator cannot follow, with RF_ERROR_USAGE.
     RfResult ( *check )( const RfRenderSettings* settings, RfError* error );
@@ -153,9 +166,9 @@ struct RfEstimator
     uint64_t ( *accumulate )( const RfEstimatorGroup* group, RfAccumulateJob job, void* const* batches, int batch_count,
                               void* scratch );
 
-    // May be NULL: film 0 is the picture, which RF_AOV_VARIANCE needs. Makes rgb (3 per pixel) and the mean of B (weight, 1 per
-    // pixel; may be NULL) of a frame's films and returns the estimate of its relMSE (likely: NaN where it is unknown).
-    RfRelmse ( *finish )( const RfRenderSettings* settings, const RfFilm* films, float* rgb, float* weight, void* scratch );
+    // May be NULL: film 0 is the picture. Fills the picture, all zero but for its pointers, from a frame's films and returns the
+    // estimate of its relMSE (likely: NaN where it is unknown).
+    RfRelmse ( *finish )( const RfRenderSettings* settings, const RfFilm* films, RfPicture* picture, void* scratch );
 
     // Adaptive sampling; both NULL where the estimator has none. It needs an estimator of one film without
     // pass_state and whole_pass. `add_own_shares` adds, per pixel,

@@ -80,11 +80,13 @@ static RfFlicker take_flicker( RfRenderer* r, const RfLiveFilm* live )
 
 static void finish_aovs( const RfRenderer* r, const RfLiveFilm* live, RfFrameBuffer* buffer )
 {
-    RfFilmCombine combine = rf_film_combine( r->settings.normalize );
+    // what several films make up is divided by counts
+    bool made = r->settings.estimator->finish != NULL;
+    RfFilmCombine combine = made ? RF_FILM_RATIO : rf_film_combine( r->settings.normalize );
     for ( int a = 0; a < RF_AOV_COUNT; ++a )
     {
         buffer->result.aovs[a] = buffer->layers[a];
-        if ( buffer->layers[a] != NULL )
+        if ( buffer->layers[a] != NULL && !( made && a == RF_AOV_VARIANCE ) )
             rf_finish_aov( &live->aovs, (RfAov)a, live->films, combine, buffer->layers[a] );
     }
 }
@@ -94,7 +96,8 @@ static RfResult finish_film( RfRenderer* r, RfLiveFilm* live, double shared, RfE
 {
     const RfFilm* film = live->films;
     RfFrameBuffer* buffer = rf_next_frame_buffer( &r->queue );
-    RfRelmse relmse = rf_finish_picture( r, live, buffer->rgb, buffer->weight );
+    RfPicture picture = { .rgb = buffer->rgb, .weight = buffer->weight, .variance = buffer->layers[RF_AOV_VARIANCE] };
+    RfRelmse relmse = rf_finish_picture( r, live, &picture );
     RfFlicker flicker = take_flicker( r, live );
     double now = rf_wall_seconds(), pixels = (double)r->sizes.width * (double)r->sizes.height;
     buffer->result = ( RfFrameResult ){
@@ -108,6 +111,7 @@ static RfResult finish_film( RfRenderer* r, RfLiveFilm* live, double shared, RfE
         .relmse_is_lower_bound = relmse.is_lower_bound,
         .relmse_likely = relmse.likely,
         .worst_ten_share = relmse.worst_share,
+        .solved = picture.solved,
         .flicker_estimate = sqrt( fmax( rf_told_flicker( &flicker ), 0.0 * flicker.now ) ),
         .flicker_is_lower_bound = rf_flicker_is_lower_bound( &flicker ),
         .flicker_likely = sqrt( fmax( rf_flicker_f1_squared( &flicker ), 0.0 * flicker.now ) ),

@@ -23,8 +23,9 @@ static const char s_no_room[] = "does not fit the memory", s_films[] = "films ov
 #define FLAT 0.9      // of the best gain is good enough: smaller groups need less memory, and less time for a single frame
 #define ROUNDING 1.25 // rounding up may trace so many times the samples asked for
 
-static void list_rows( int eye_count, int spp, RfPlan* plan )
+static void list_rows( int eye_count, const RfRenderSettings* settings, RfPlan* plan )
 {
+    int spp = settings->spp;
     for ( int i = 0; i < RF_PLAN_ROWS; ++i )
     {
         RfGroupPlan groups = rf_plan_samples( eye_count, s_groups[i], spp );
@@ -42,7 +43,7 @@ static void list_rows( int eye_count, int spp, RfPlan* plan )
                                                    .gain = NAN,
                                                    .measured_gain = NAN,
                                                    .seconds = NAN };
-        if ( groups.eyes == eye_count )
+        if ( groups.eyes == eye_count || !rf_has_groups( settings->estimator ) )
             break;
     }
 }
@@ -172,6 +173,11 @@ static void explain( RfPlan* plan, const RfRenderSettings* settings )
     for ( int i = 0; i < plan->count; ++i )
         best = plan->rows[i].excluded == NULL && plan->rows[i].gain > best->gain ? plan->rows + i : best;
     size_t size = sizeof plan->why;
+    if ( !rf_has_groups( settings->estimator ) )
+    {
+        snprintf( plan->why, size, "the estimator '%s' reuses no frames", settings->estimator->name );
+        return;
+    }
     size_t used =
         (size_t)snprintf( plan->why, size, "the smallest group within 10 %% of the best gain by fixed costs, %.1f with group %d",
                           best->gain, best->group );
@@ -249,7 +255,7 @@ RfResult rf_plan_render( const RfTracer* tracer, const RfEye* eyes, int eye_coun
     RfResult result = rf_resolve_common( eyes, eye_count, settings, &common, error );
     if ( result != RF_OK )
         return result;
-    list_rows( eye_count, common.spp, plan );
+    list_rows( eye_count, &common, plan );
     const RfScene* scene = rf_tracer_scene( tracer );
     result = fit_rows( scene, eyes, eye_count, frame_count, &common, plan, error );
     PlanCounts counts;

@@ -63,6 +63,8 @@ void rf_add_rays( RfRayCounts* sum, const RfRayCounts* part )
     sum->shadow += part->shadow;
     sum->tile += part->tile;
     sum->eye += part->eye;
+    sum->thinned += part->thinned;
+    sum->kept += part->kept;
 }
 
 RfFilmCombine rf_film_combine( RfNormalize normalize )
@@ -76,18 +78,18 @@ RfFilmCombine rf_film_combine( RfNormalize normalize )
     return RF_FILM_CROSSFIT;
 }
 
-RfRelmse rf_finish_picture( const RfRenderer* r, const RfLiveFilm* live, float* rgb, float* weight )
+RfRelmse rf_finish_picture( const RfRenderer* r, const RfLiveFilm* live, RfPicture* picture )
 {
     RfFilmCombine combine = rf_film_combine( r->settings.normalize );
     if ( r->settings.estimator->finish != NULL )
-        return r->settings.estimator->finish( &r->settings, live->films, rgb, weight, r->memory.finish_scratch );
+        return r->settings.estimator->finish( &r->settings, live->films, picture, r->memory.finish_scratch );
     if ( r->settings.pieces != NULL )
     {
-        rf_combine_traced( r->settings.pieces, live->frame, live->films, combine, rgb, weight );
+        rf_combine_traced( r->settings.pieces, live->frame, live->films, combine, picture->rgb, picture->weight );
         return rf_plain_relmse( (double)NAN );
     }
-    rf_combine_film( live->films, combine, rgb, weight );
-    return rf_estimate_relmse( live->films, combine, rgb );
+    rf_combine_film( live->films, combine, picture->rgb, picture->weight );
+    return rf_estimate_relmse( live->films, combine, picture->rgb );
 }
 
 RfLiveFilm* rf_find_film( const RfRenderer* r, int frame )

@@ -64,8 +64,8 @@ void rf_add_rays( RfRayCounts* sum, const RfRayCounts* part );
 // The film image that a normalisation asks for.
 RfFilmCombine rf_film_combine( RfNormalize normalize );
 
-// Makes the picture of a frame's films; returns the estimate of its relMSE. `weight` may be NULL.
-RfRelmse rf_finish_picture( const RfRenderer* renderer, const RfLiveFilm* live, float* rgb, float* weight );
+// Makes the picture of a frame's films; returns the estimate of its relMSE.
+RfRelmse rf_finish_picture( const RfRenderer* renderer, const RfLiveFilm* live, RfPicture* picture );
 
 // The film of a frame in use, −1 for a free one; NULL where there is none.
 RfLiveFilm* rf_find_film( const RfRenderer* renderer, int frame );

@@ -62,6 +62,12 @@ static RfResult check_settings( const RfRenderSettings* s, RfError* error )
     return check_choices( s, error );
 }
 
+bool rf_can_render_pieces( const RfRenderSettings* s ) { return s->estimator->is_traced != NULL && s->estimator->finish == NULL; }
+
+bool rf_has_groups( const RfEstimator* estimator ) { return estimator->count_reuse != NULL; }
+
+int rf_usual_passes( const RfRenderSettings* s ) { return s->estimator->usual_passes > 2 ? s->estimator->usual_passes : 2; }
+
 static RfResult check_estimator( const RfRenderSettings* s, RfError* error )
 {
     const RfEstimator* estimator = s->estimator;
@@ -77,18 +83,18 @@ static RfResult check_estimator( const RfRenderSettings* s, RfError* error )
         return rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' has no adaptive sampling", estimator->name );
     if ( ( s->aovs & RF_FIRST_HIT_AOVS ) != 0 && estimator->first_hits == NULL )
         return rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' has no AOVs of first hits", estimator->name );
-    if ( ( s->aovs & RF_AOV_BIT( RF_AOV_VARIANCE ) ) != 0 && estimator->finish != NULL )
+    if ( ( s->aovs & RF_AOV_BIT( RF_AOV_VARIANCE ) ) != 0 && estimator->finish != NULL && !estimator->has_variance )
         return rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' has no variance AOV", estimator->name );
     if ( s->flicker > 0.0 && estimator->finish != NULL ) // the halves of its pictures are not in the films
         return rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' has no estimate of flicker to stop at", estimator->name );
     if ( ( s->aovs & RF_GRADIENT_AOVS ) != 0 && !estimator->has_gradients )
         return rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' has no gradients", estimator->name );
-    if ( ( s->aovs & RF_AOV_BIT( RF_AOV_ALPHA ) ) != 0 && ( estimator->finish != NULL || estimator->count_reuse == NULL ) )
+    if ( ( s->aovs & RF_AOV_BIT( RF_AOV_ALPHA ) ) != 0 && !estimator->has_alpha )
         return rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' has no alpha", estimator->name );
     if ( s->hold_all &&
          ( estimator->trace_first_hits == NULL || estimator->serialise == NULL || estimator->deserialise == NULL ) )
         return rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' cannot hold all records of a group", estimator->name );
-    if ( s->pieces != NULL && ( estimator->is_traced == NULL || estimator->finish != NULL ) )
+    if ( s->pieces != NULL && !rf_can_render_pieces( s ) )
         return rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' cannot render pieces", estimator->name );
     if ( s->pieces != NULL && ( rf_is_stopping( s ) || s->hold_all || s->adaptive != RF_ADAPTIVE_OFF ) )
         return rf_fail( error, RF_ERROR_USAGE,
@@ -122,7 +128,7 @@ RfResult rf_resolve_common( const RfEye* eyes, int eye_count, const RfRenderSett
     if ( result != RF_OK )
         return result;
     *resolved = *settings;
-    if ( resolved->group == RF_GROUP_AUTO && resolved->estimator->count_reuse == NULL ) // its frames share nothing
+    if ( resolved->group == RF_GROUP_AUTO && !rf_has_groups( resolved->estimator ) ) // its frames share nothing
         resolved->group = 0;
     if ( resolved->tile.kind == RF_TILE_NONE ) // its size does not matter
         resolved->tile.width = resolved->tile.height = 1;

@@ -29,6 +29,15 @@ static inline bool rf_is_stopping( const RfRenderSettings* settings )
 RfResult rf_resolve_common( const RfEye* eyes, int eye_count, const RfRenderSettings* settings, RfRenderSettings* resolved,
                             RfError* error );
 
+// Can frames be traced in parts only (settings.pieces)?
+bool rf_can_render_pieces( const RfRenderSettings* settings );
+
+// Can frames share paths with others of a group?
+bool rf_has_groups( const RfEstimator* estimator );
+
+// Passes from which on pictures are made as with many of them; at least 2.
+int rf_usual_passes( const RfRenderSettings* settings );
+
 // The groups of a render with so many samples, of no more than RF_MAX_SPP where that is possible.
 RfGroupPlan rf_plan_samples( int frames, int half_width, int spp );
 

@@ -86,7 +86,7 @@ static void estimate( RfRenderer* r, int number, RfLiveFilm* live )
     if ( r->settings.noise > 0.0 )
     {
         RfFrameBuffer* buffer = rf_next_frame_buffer( &r->queue );
-        RfRelmse relmse = rf_finish_picture( r, live, buffer->rgb, NULL );
+        RfRelmse relmse = rf_finish_picture( r, live, &( RfPicture ){ .rgb = buffer->rgb } );
         live->noise = live->noise_seen * rf_prudent_relmse( &relmse );
         live->doubt = rf_prudent_relmse( &relmse ) / relmse.likely;
     }

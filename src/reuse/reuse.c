@@ -144,6 +144,7 @@ const RfEstimator rf_reuse_estimator = {
     .films = 1,
     .tile = { RF_TILE_BLOCK, 3, 3 },
     .filters = true,
+    .has_alpha = true,
     .check = check,
     .sizes = sizes,
     .lay_out_batch = lay_out_batch,

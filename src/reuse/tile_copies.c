@@ -2,49 +2,16 @@
 // their tiles have none of their own. For gradient-domain path tracing (Kettunen et al., 2015).
 #include "reuse/tile_copies.h"
 
+#include "reuse/tile_lanes.h"
+
 #include <string.h>
 
 #define COPIES_APART 8 // slots, at most, from a hit to its copies
 
-// Moves lane from[b] of an array to lane b.
-static void gather( const int32_t* from, int count, float* lanes )
-{
-    float old[RF_LANES];
-    memcpy( old, lanes, sizeof old );
-    for ( int b = 0; b < count; ++b )
-        lanes[b] = old[from[b]];
-}
-
-static void gather_vectors( const int32_t* from, int count, float lanes[3][RF_LANES] )
-{
-    for ( int c = 0; c < 3; ++c )
-        gather( from, count, lanes[c] );
-}
-
-// Makes the listed lanes of the second vertices, in the order of their models, the second vertices.
-static void take_vertices( const int32_t* from, const int32_t* slot, int count, RfVertexLanes* spare, RfVertexLanes* second )
-{
-    for ( int b = 0, kind = 0; b < count; ++b )
-    {
-        while ( from[b] >= second->first[kind + 1] )
-            ++kind;
-        rf_copy_vertices( second, from[b], 1, rf_bsdf_model( (RfBsdfKind)kind )->params, spare, b );
-        spare->slot[b] = slot[b];
-    }
-    for ( int kind = 0, b = 0; kind <= RF_BSDF_KIND_COUNT; ++kind )
-    {
-        while ( b < count && from[b] < second->first[kind] )
-            ++b;
-        spare->first[kind] = b;
-    }
-    spare->count = count;
-    *second = *spare;
-}
-
 void rf_drop_copies( const int32_t* source, RfWavefront* wavefront, RfTileReuse* reuse )
 {
     const RfVertexLanes* y = &reuse->second;
-    int32_t from[RF_LANES], slot[RF_LANES];
+    int32_t from[RF_LANES] = { 0 }, slot[RF_LANES] = { 0 };
     int count = 0;
     for ( int a = 0; a < y->count; ++a )
     {
@@ -52,8 +19,8 @@ void rf_drop_copies( const int32_t* source, RfWavefront* wavefront, RfTileReuse*
         slot[count] = y->slot[a];
         count += reuse->owner[a] < 0 || source[y->slot[a]] == y->slot[a];
     }
-    take_vertices( from, slot, count, &wavefront->vertices, &reuse->second );
-    gather_vectors( from, count, reuse->throughput );
+    rf_take_vertices( from, slot, count, &wavefront->vertices, &reuse->second );
+    rf_gather_vectors( from, count, reuse->throughput );
     for ( int b = 0; b < count; ++b )
         reuse->owner[b] = reuse->owner[from[b]];
 }
@@ -66,13 +33,13 @@ static void copy_light( const int32_t* from, const int32_t* slot, int count, int
     RfArrivals* at_second = &reuse->arrivals_at_second;
     for ( int j = 0; j < light_samples; ++j )
     {
-        gather_vectors( from, count, reuse->direct[j].wi );
-        gather_vectors( from, count, reuse->direct[j].radiance_cos );
-        gather( from, count, reuse->direct[j].pdf_solid_angle );
+        rf_gather_vectors( from, count, reuse->direct[j].wi );
+        rf_gather_vectors( from, count, reuse->direct[j].radiance_cos );
+        rf_gather_lanes( from, count, reuse->direct[j].pdf_solid_angle );
     }
-    gather_vectors( from, count, reuse->throughput );
-    gather_vectors( from, count, reuse->wi );
-    gather( from, count, reuse->pdf );
+    rf_gather_vectors( from, count, reuse->throughput );
+    rf_gather_vectors( from, count, reuse->wi );
+    rf_gather_lanes( from, count, reuse->pdf );
     for ( int b = 0; b < count; ++b )
     {
         int of = reuse->second.slot[from[b]];
@@ -100,7 +67,7 @@ static void scale_light( int b, int slot, int light_samples, RfTileReuse* reuse 
 void rf_restore_copies( const int32_t* source, int light_samples, RfWavefront* wavefront, RfTileReuse* reuse )
 {
     const RfVertexLanes* y = &reuse->second;
-    int32_t from[RF_LANES], slot[RF_LANES];
+    int32_t from[RF_LANES] = { 0 }, slot[RF_LANES] = { 0 };
     bool reused[RF_LANES];
     int count = 0;
     for ( int a = 0; a < y->count; ++a )
@@ -116,7 +83,7 @@ void rf_restore_copies( const int32_t* source, int light_samples, RfWavefront* w
         }
     }
     copy_light( from, slot, count, light_samples, reuse );
-    take_vertices( from, slot, count, &wavefront->vertices, &reuse->second );
+    rf_take_vertices( from, slot, count, &wavefront->vertices, &reuse->second );
     for ( int b = 0; b < count; ++b )
     {
         if ( reused[b] )

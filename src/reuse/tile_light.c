@@ -220,8 +220,9 @@ void rf_light_pairings( const RfTileReuseSettings* settings, RfWavefront* wavefr
     const RfPathSettings* path = settings->path;
     int tile_pixels = settings->tile_pixels;
     bool glossy = reuse->second.first[RF_BSDF_FIRST_GLOSSY] < rf_record_count( &reuse->second );
-    for ( int s = 0; s < ( glossy ? tile_pixels : 1 ); ++s )
-        memset( reuse->pairings[s].light, 0, sizeof reuse->pairings[s].light );
+    size_t bytes = (size_t)reuse->second.count * sizeof( float );
+    for ( int k = 0; k < 3 * ( glossy ? tile_pixels : 1 ); ++k )
+        memset( reuse->pairings[k / 3].light[k % 3], 0, bytes );
     bool reused = all_reused( reuse );
     int k = path->light_samples;
     for ( int d = 0; d <= k; ++d )

@@ -103,15 +103,15 @@ static void list_owners( const RfTileReuseSettings* settings, const RfWavefront*
 // The second vertex for each hit in a pairing; `weight` is 1 where there is one, else 0.
 static void find_neighbours( const RfTileReuse* reuse, int pairing, int count, RfPairingLanes* out )
 {
-    for ( int i = 0; i < count; ++i )
+    memset( out->vertex, 0, (size_t)count * sizeof out->vertex[0] );
+    memset( out->weight, 0, (size_t)count * sizeof out->weight[0] );
+    for ( int a = 0; a < rf_record_count( &reuse->second ); ++a )
     {
-        int size = reuse->size[i], at = reuse->rank[i] + pairing;
-        at -= at >= size ? size : 0;
-        at = pairing < size ? at : 0;
-        int vertex = reuse->second_of[reuse->member[reuse->begin[i] + at]];
-        bool there = ( pairing < size ) & ( vertex >= 0 );
-        out->vertex[i] = there ? vertex : 0;
-        out->weight[i] = there ? 1.0f : 0.0f;
+        if ( reuse->owner[a] < 0 || pairing >= reuse->size[reuse->owner[a]] )
+            continue;
+        int i = rf_receiver( reuse, a, pairing );
+        out->vertex[i] = a;
+        out->weight[i] = 1.0f;
     }
 }
 
@@ -148,7 +148,7 @@ uint64_t rf_trace_tile_tails( const RfTileReuseSettings* settings, const RfVerte
                               RfWavefront* wavefront, RfTileReuse* reuse )
 {
     int tile_pixels = settings->tile_pixels;
-    reuse->second.count = 0;
+    reuse->second.count = reuse->thinned = reuse->kept = 0;
     if ( wavefront->rays.count > 0 )
         rf_find_lit_vertices( settings->path, wavefront, &wavefront->rays, true, &reuse->second );
     if ( settings->path->max_depth == 2 || reuse->second.count == 0 )

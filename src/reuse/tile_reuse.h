@@ -33,6 +33,7 @@ typedef struct RfTileReuse
 {
     RF_ALIGN int32_t tile_of[RF_LANES]; // by slot
     int tile_count;
+    int thinned, kept; // second vertices that the roulette on paths was about, and those it kept; 0 without it
     // hits, sorted by tile
     int32_t member[RF_LANES];
     // by hit
@@ -90,7 +91,7 @@ void rf_light_pairings( const RfTileReuseSettings* settings, RfWavefront* wavefr
 void rf_light_own_paths( const RfPathSettings* path, RfWavefront* wavefront, RfTileReuse* reuse, float* luminance );
 
 // Russian roulette on the paths of the tiles by that luminance: survivors' light is scaled up. The others, and those without
-// light, keep their owner, but second_of of it becomes −1.
+// light, are dropped: second_of of their owner becomes −1.
 void rf_thin_paths( const RfPathSettings* path, RfWavefront* wavefront, RfTileReuse* reuse );
 
 // The hit that receives the light of second vertex a in a pairing.

@@ -1,7 +1,7 @@
 // Russian roulette on the paths of a tile by the light that they bring (Bauszat, Petitjean, Eisemann,
 // Gradient-Domain Path Reusing, 2017): a path that brings little is connected to the other hits of its tile
 // only now and then.
-#include "reuse/tile_reuse.h"
+#include "reuse/tile_lanes.h"
 
 // Paths are certain to survive from this share of the mean of their tile on, and with this probability at least.
 #define CERTAIN_SHARE 0.1f
@@ -42,12 +42,49 @@ static void scale_light( const RfPathSettings* path, RfTileReuse* reuse, int a, 
     }
 }
 
+// Leaves the second vertices that are connected, and those that cannot be.
+static void drop_thinned( int light_samples, RfWavefront* wavefront, RfTileReuse* reuse )
+{
+    const RfVertexLanes* y = &reuse->second;
+    int32_t from[RF_LANES] = { 0 }, slot[RF_LANES] = { 0 }, owner[RF_LANES];
+    int count = 0;
+    for ( int a = 0; a < y->count; ++a )
+    {
+        int i = reuse->owner[a];
+        bool stays = i < 0 || reuse->second_of[i] == a;
+        from[count] = a;
+        slot[count] = y->slot[a];
+        owner[count] = i;
+        count += stays;
+        for ( int c = 0; c < 3 && !stays; ++c )
+            wavefront->arrivals.rest[c][y->slot[a]] = 0.0f; // what comes by way of it
+    }
+    for ( int j = 0; j < light_samples; ++j )
+    {
+        rf_gather_vectors( from, count, reuse->direct[j].wi );
+        rf_gather_vectors( from, count, reuse->direct[j].radiance_cos );
+        rf_gather_lanes( from, count, reuse->direct[j].pdf_solid_angle );
+    }
+    rf_gather_vectors( from, count, reuse->throughput );
+    rf_gather_vectors( from, count, reuse->wi );
+    rf_gather_lanes( from, count, reuse->pdf );
+    rf_gather_lanes( from, count, reuse->own_distance2_cos );
+    rf_take_vertices( from, slot, count, &wavefront->vertices, &reuse->second );
+    for ( int b = 0; b < count; ++b )
+    {
+        reuse->owner[b] = owner[b];
+        if ( owner[b] >= 0 )
+            reuse->second_of[owner[b]] = b;
+    }
+}
+
 void rf_thin_paths( const RfPathSettings* path, RfWavefront* wavefront, RfTileReuse* reuse )
 {
     const RfVertexLanes* y = &reuse->second;
     float luminance[RF_LANES], mean[RF_LANES];
     rf_light_own_paths( path, wavefront, reuse, luminance );
     find_tile_means( reuse, luminance, mean );
+    reuse->thinned = reuse->kept = 0;
     for ( int a = 0; a < rf_record_count( y ); ++a )
     {
         int i = reuse->owner[a], slot = y->slot[a];
@@ -57,9 +94,12 @@ void rf_thin_paths( const RfPathSettings* path, RfWavefront* wavefront, RfTileRe
         float certain = CERTAIN_SHARE * mean[a];
         float survival = luminance[a] < certain && certain > 0.0f ? rf_maxf( luminance[a] / certain, LEAST_SURVIVAL ) : 1.0f;
         bool survives = luminance[a] >= 0.0f && ( survival == 1.0f || rf_random( key, RF_DIMENSION_CONNECTIONS ) < survival );
+        reuse->thinned += 1;
+        reuse->kept += survives;
         if ( !survives )
             reuse->second_of[i] = -1;
-        if ( !survives || survival < 1.0f )
-            scale_light( path, reuse, a, survives ? 1.0f / survival : 0.0f );
+        if ( survives && survival < 1.0f )
+            scale_light( path, reuse, a, 1.0f / survival );
     }
+    drop_thinned( path->light_samples, wavefront, reuse );
 }

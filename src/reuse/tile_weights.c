@@ -3,40 +3,10 @@
 #include "reuse/tile_reuse.h"
 
 #include "reuse/tile.h"
+#include "reuse/tile_connect.h"
 
-#include <float.h>
 #include <stddef.h>
 #include <string.h>
-
-// Directions of a pairing, and ρ without density and visibility; 0 where hit and
-// vertex face away from each other.
-static void connect_neighbours( const RfVertexLanes* restrict x, const RfTileReuse* restrict reuse,
-                                RfPairingLanes* restrict pairing )
-{
-    const RfVertexLanes* restrict y = &reuse->second;
-    int count = rf_record_count( x );
-#pragma omp simd
-    for ( int i = 0; i < count; ++i )
-    {
-        int a = pairing->vertex[i];
-        RfVec3 ng = rf_vec3( x->ng[0][i], x->ng[1][i], x->ng[2][i] );
-        RfVec3 n = rf_vec3( x->n[0][i], x->n[1][i], x->n[2][i] );
-        RfVec3 from = rf_madd( rf_vec3( x->p[0][i], x->p[1][i], x->p[2][i] ), ng, x->offset[i] );
-        RfVec3 to_vertex = rf_sub( rf_vec3( y->p[0][a], y->p[1][a], y->p[2][a] ), from );
-        float d2 = rf_maxf( rf_dot( to_vertex, to_vertex ), FLT_MIN );
-        RfVec3 wi = rf_scale( to_vertex, 1.0f / sqrtf( d2 ) );
-        float cos_y = -rf_dot( rf_vec3( y->ng[0][a], y->ng[1][a], y->ng[2][a] ), wi );
-        float geometry = cos_y / d2 * reuse->own_distance2_cos[a];
-        // & of int: the loop stays free of branches
-        int sees = (int)( pairing->weight[i] > 0.0f ) & (int)( cos_y > 0.0f ) & (int)( rf_dot( n, wi ) > 0.0f ) &
-                   (int)( rf_dot( ng, wi ) > 0.0f ) & (int)( geometry < 1e18f );
-        // the BSDFs need a valid direction in every lane
-        pairing->wi[0][i] = sees ? wi.x : n.x;
-        pairing->wi[1][i] = sees ? wi.y : n.y;
-        pairing->wi[2][i] = sees ? wi.z : n.z;
-        pairing->weight[i] = sees ? geometry : 0.0f;
-    }
-}
 
 static void multiply_densities( const RfVertexLanes* x, RfPairingLanes* pairing, float* pdf )
 {
@@ -281,7 +251,10 @@ static void normalize_weights( int tile_pixels, int hits, RfTileReuse* reuse )
     {
         const RfPairingLanes* pairing = reuse->pairings + s;
         for ( int i = 0; i < hits; ++i )
-            sum[pairing->vertex[i]] += rf_maxf( pairing->weight[i], 0.0f );
+        {
+            if ( pairing->weight[i] > 0.0f ) // with the roulette most are 0
+                sum[pairing->vertex[i]] += pairing->weight[i];
+        }
     }
     for ( int s = 0; s < tile_pixels; ++s )
     {
@@ -304,8 +277,10 @@ uint64_t rf_weight_pairings( const RfTileReuseSettings* settings, const RfVertex
         memcpy( reuse->pairings[0].wi[c], scattered[c], (size_t)count * sizeof( float ) );
     for ( int s = 0; s < settings->tile_pixels; ++s )
     {
-        if ( s > 0 )
-            connect_neighbours( hits, reuse, reuse->pairings + s );
+        if ( s > 0 && settings->path_roulette )
+            rf_connect_few( hits, reuse, s );
+        else if ( s > 0 )
+            rf_connect_neighbours( hits, reuse, reuse->pairings + s );
         multiply_densities( hits, reuse->pairings + s, wavefront->scratch.pdf );
     }
     uint64_t tested = test_connections( settings, hits, wavefront, reuse );

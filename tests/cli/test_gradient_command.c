@@ -20,13 +20,11 @@ static void test_what_does_not_work_is_refused_by_name( void** state )
     {
         const char *options, *answer;
     } s_cases[] = {
-        { "--group 1", "the estimator 'gradient' reuses no frames: group 0, not 1" },
+        { "--group 1", "the estimator 'gradient' reuses no frames, where gradients seldom pay: group 0, not 1" },
         { "--tile rooks16", "the estimator 'gradient' wants tiles of 1 pixel, or blocks of 2x2 to 8x8" },
         { "--tile 1x4", "the estimator 'gradient' wants tiles of 1 pixel" },
         { "--tile 16x4", "the estimator 'gradient' wants tiles of 1 pixel" },
         { "--adaptive", "the estimator 'gradient' has no adaptive sampling" },
-        { "--aov variance", "the estimator 'gradient' has no variance AOV" },
-        { "--alpha", "the estimator 'gradient' has no alpha" },
         { "--weights eq15", "the estimator 'gradient' has exact weights only" },
         { "--normalize ratio", "the estimator 'gradient' has no normalisation to choose" },
         { "--tile-roulette", "the estimator 'gradient' has a roulette of its own" },
@@ -59,6 +57,9 @@ static void test_bits_do_not_depend_on_company( void** state )
     cli_expect( cli_run( RENDER AOVS "-o all.####.exr --frames 1-3 --threads 1" ), 0, NULL );
     cli_expect( cli_run( RENDER AOVS "-o one.####.exr --frames 2 --threads 3 --memory 24M" ), 0, NULL );
     cli_expect( cli_run( "cmp all.0002.exr one.0002.exr" ), 0, NULL );
+    cli_expect( cli_run( RENDER AOVS "-o soft.####.exr --frames 1-2 --filter tent" ), 0, NULL );
+    cli_expect( cli_run( RENDER AOVS "-o soft3.####.exr --frames 2 --filter tent --threads 3" ), 0, NULL );
+    cli_expect( cli_run( "cmp soft.0002.exr soft3.0002.exr" ), 0, NULL );
     cli_expect( cli_run( RENDER AOVS "-o pairs.####.exr --frames 2 --tile 1" ), 0, NULL );
     cli_expect( cli_run( RENDER AOVS "-o pairs3.####.exr --frames 2-3 --tile 1 --threads 3" ), 0, NULL );
     cli_expect( cli_run( "cmp pairs.0002.exr pairs3.0002.exr" ), 0, NULL );
@@ -111,6 +112,45 @@ static void test_written_gradients_are_reconstructed( void** state )
                 "the estimator 'reuse' has no gradients" );
 }
 
+// What render can do, plan, cost and tune can weigh: the tiles beside path tracing, which is that of the other estimator.
+static void test_it_is_planned_and_tuned( void** state )
+{
+    (void)state;
+    static const char shot[] = "$VASE --estimator gradient --size 48x36 --frames 1-2 --quiet --threads 2";
+    const CliResult* done = cli_run( "$R plan %s --json p.json", shot );
+    assert_true( done->status == 0 && strstr( done->out, "render --estimator gradient takes 6x6 tiles" ) != NULL );
+    json_t* json = cli_read_json( "p.json" );
+    assert_true( json_array_size( json_object_get( json, "rows" ) ) == 1 );
+    assert_string_equal( json_string_value( json_object_get( json, "why" ) ), "the estimator 'gradient' reuses no frames" );
+    json_decref( json );
+    done = cli_run( "$R cost %s --tile 4x4 --budget 1 --json c.json", shot );
+    assert_true( done->status == 0 && strstr( done->out, "4x4 tiles" ) != NULL );
+    json = cli_read_json( "c.json" );
+    assert_true( json_number_value( json_object_get( json, "pixels" ) ) > 1000.0 );
+    json_decref( json );
+    done = cli_run( "$R tune %s --budget 1 --spp 4", shot );
+    assert_true( done->status == 0 && strstr( done->out, "8x8" ) != NULL );
+    const char* command = strstr( done->out, "reframe render" );
+    assert_non_null( command );
+    bool plain = strstr( command, "--tile 1 " ) != NULL;
+    assert_non_null( strstr( command, plain ? "--estimator reuse" : "--estimator gradient" ) );
+    const char* named = strstr( command, "--estimator" );
+    assert_null( strstr( named + 1, "--estimator" ) ); // once
+}
+
+static void test_variance_and_alpha_are_written( void** state )
+{
+    (void)state;
+    cli_expect( cli_run( RENDER "-o va.####.exr --frames 1 --alpha --aov variance --json va.json" ), 0, NULL );
+    cli_expect( cli_run( "$R png va.0001.exr va.png" ), 0, NULL );
+    json_t* json = cli_read_json( "va.json" );
+    const json_t* paths = json_object_get( json, "shared_paths" );
+    json_int_t found = json_integer_value( json_object_get( paths, "found" ) );
+    json_int_t kept = json_integer_value( json_object_get( paths, "kept" ) );
+    assert_true( kept > 0 && kept < found );
+    json_decref( json );
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
@@ -120,6 +160,8 @@ int main( void )
         cmocka_unit_test( test_written_gradients_are_reconstructed ),
         cmocka_unit_test( test_bias_and_few_samples_are_said ),
         cmocka_unit_test( test_noise_is_estimated_and_stops ),
+        cmocka_unit_test( test_it_is_planned_and_tuned ),
+        cmocka_unit_test( test_variance_and_alpha_are_written ),
     };
     return cmocka_run_group_tests( tests, cli_enter_group, cli_leave_group );
 }

@@ -28,12 +28,11 @@ static bool is_long( void ) { return getenv( "REFRAME_LONG" ) != NULL; }
 static float s_difference[2][3 * WIDTH * HEIGHT];
 
 // The pixels alone.
-static RfRelmse keep_differences( const RfRenderSettings* settings, const RfFilm* films, float* rgb, float* weight,
-                                  void* scratch )
+static RfRelmse keep_differences( const RfRenderSettings* settings, const RfFilm* films, RfPicture* picture, void* scratch )
 {
     (void)settings;
     (void)scratch;
-    rf_combine_film( films + RF_FILM_PRIMAL, RF_FILM_RATIO, rgb, weight );
+    rf_combine_film( films + RF_FILM_PRIMAL, RF_FILM_RATIO, picture->rgb, picture->weight );
     rf_combine_film( films + RF_FILM_DX, RF_FILM_RATIO, s_difference[0], NULL );
     rf_combine_film( films + RF_FILM_DY, RF_FILM_RATIO, s_difference[1], NULL );
     return rf_plain_relmse( (double)NAN );
@@ -170,11 +169,35 @@ static void test_glass_blending_and_lamps_are_unbiased( void** state )
         check_scene( "all lights", make_open_scene( LIT_BY_ALL ), tiles, 2, true );
 }
 
+// Samples are drawn by a pixel filter; the other estimator spreads them by it.
+static void test_filters_are_unbiased( void** state )
+{
+    (void)state;
+    RfScene scene = make_room( ROOM_GGX );
+    RfTracer* tracer = make_tracer( &scene );
+    RfEye eyes[2]; // of the second, random numbers of its own
+    orbit_eyes( eyes, 1, 0.0f, WIDTH, HEIGHT );
+    eyes[1] = eyes[0];
+    RfRenderSettings settings = settings_of( NULL, 4 ), spread = settings;
+    settings.filter = spread.filter = RF_FILTER_BLACKMAN_HARRIS;
+    settings.filter_width = spread.filter_width = 1.5;
+    spread.estimator = rf_default_render_settings().estimator;
+    spread.tile = rf_default_tile( spread.estimator );
+    spread.spp *= 6;
+    Images found = rendered_images( tracer, eyes, 1, 0, settings ), reference = rendered_images( tracer, eyes, 2, 1, spread );
+    assert_unbiased( "GGX, Blackman-Harris, weighted:", &found, &reference, BLOCK );
+    free_images( &reference );
+    free_images( &found );
+    rf_destroy_tracer( tracer );
+    rf_destroy_scene( &scene );
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( test_tiles_are_unbiased ),
         cmocka_unit_test( test_glass_blending_and_lamps_are_unbiased ),
+        cmocka_unit_test( test_filters_are_unbiased ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

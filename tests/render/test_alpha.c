@@ -60,6 +60,14 @@ static RfRenderSettings tiled( int group, int spp, const char* tile )
     return settings;
 }
 
+static RfRenderSettings by_gradients( int spp, const char* tile, RfReconstruction reconstruction )
+{
+    RfRenderSettings settings = tiled( 0, spp, tile );
+    settings.estimator = rf_find_estimator( "gradient" );
+    settings.reconstruction = reconstruction;
+    return settings;
+}
+
 // The floor, the ball and the block of an open scene, before its sky.
 static void open_eyes( RfEye* eyes, float step )
 {
@@ -106,6 +114,7 @@ static void test_over_the_sky_it_is_the_picture_without( void** state )
     ratio.normalize = RF_NORMALIZE_RATIO;
     check_over_sky( "held records, pixel filter", tracer, eyes, held );
     check_over_sky( "ratio", tracer, eyes, ratio );
+    check_over_sky( "pixels of gradients", tracer, eyes, by_gradients( 4, "6x6", RF_RECONSTRUCTION_NONE ) );
     Picture a = render( tracer, eyes, held, true );
     held.hold_all = false;
     held.threads = 3;
@@ -188,6 +197,8 @@ static void test_its_mean_is_what_rays_hit( void** state )
     open_eyes( eyes, 0.2f );
     check_mean( "path tracing", tracer, eyes, tiled( 0, 4, "1" ) );
     check_mean( "group and tiles", tracer, eyes, tiled( 2, 10, "3x3" ) );
+    check_mean( "gradients", tracer, eyes, by_gradients( 2, "6x6", RF_RECONSTRUCTION_L2 ) );
+    check_mean( "gradients, single pixels", tracer, eyes, by_gradients( 2, "1", RF_RECONSTRUCTION_L2 ) );
     RfRenderSettings adaptive = tiled( 2, 10, "3x3" );
     adaptive.adaptive = RF_ADAPTIVE_ON;
     open_eyes( eyes, 1.5f ); // much that no other frame sees

@@ -122,16 +122,16 @@ static uint64_t split_accumulate( const RfEstimatorGroup* group, RfAccumulateJob
     return add_rows( job, batches, batch_count, 1 );
 }
 
-static RfRelmse split_finish( const RfRenderSettings* settings, const RfFilm* films, float* rgb, float* weight, void* scratch )
+static RfRelmse split_finish( const RfRenderSettings* settings, const RfFilm* films, RfPicture* picture, void* scratch )
 {
     (void)settings;
     (void)scratch;
     RfFilmCombine combine = RF_FILM_CROSSFIT;
     float red[3 * WIDTH * HEIGHT];
     rf_combine_film( films + 1, combine, red, NULL );
-    rf_combine_film( films, combine, rgb, weight );
+    rf_combine_film( films, combine, picture->rgb, picture->weight );
     for ( int i = 0; i < WIDTH * HEIGHT; ++i )
-        rgb[3 * i] = red[3 * i];
+        picture->rgb[3 * i] = red[3 * i];
     return rf_plain_relmse( (double)NAN );
 }
 

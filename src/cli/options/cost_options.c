@@ -52,6 +52,7 @@ static const RfOption s_options[] = {
       .meta = "N|auto",
       .default_text = "auto",
       .help = "half-width of the groups with reuse: groups of 2N+1 frames" },
+    RF_ESTIMATOR_OPTION( s_parsed.render ),
     RF_TILE_OPTION( s_parsed.render ),
     RF_LIGHT_OPTIONS( s_parsed.render ),
     RF_FILTER_OPTIONS( s_parsed.render, true ),
@@ -102,8 +103,11 @@ static RfResult parse( int argc, char** argv, RfCostOptions* options, bool* help
     if ( result != RF_OK || *help )
         return result;
     s_parsed.render.scene = s_scene;
-    rf_settle_filter( &s_parsed.render );
-    result = rf_parse_tile_option( &s_parsed.render, error );
+    result = rf_parse_estimator_option( &s_parsed.render, error );
+    if ( result == RF_OK )
+        rf_settle_filter( &s_parsed.render );
+    if ( result == RF_OK )
+        result = rf_parse_tile_option( &s_parsed.render, error );
     if ( result == RF_OK )
         result = parse_list( "--noise", s_parsed.noise, s_parsed.errors, &s_parsed.error_count, error );
     if ( result == RF_OK )
@@ -122,7 +126,7 @@ RfResult rf_parse_cost_options_over( const RfField* defaults, int argc, char** a
 {
     bool help;
     s_parsed = ( RfCostOptions ){ .budget = BUDGET, .noise = ERRORS };
-    RfResult result = rf_read_reuse_defaults( defaults, &s_parsed.render );
+    RfResult result = rf_read_render_defaults( defaults, &s_parsed.render );
     return result == RF_OK ? parse( argc, argv, options, &help, error ) : result;
 }
 

@@ -47,6 +47,7 @@ static const RfOption s_options[] = {
       .meta = "T",
       .default_text = "0: off",
       .help = "the same for one that stops after so many seconds a frame" },
+    RF_ESTIMATOR_OPTION( s_parsed ),
     RF_NODES_OPTION( s_parsed, "also cut the frames into ranges for N machines, and say what the cuts cost" ),
     { .name = "group",
       .type = RF_OPTION_INT,
@@ -121,7 +122,7 @@ RfResult rf_parse_plan_options_over( const RfField* defaults, int argc, char** a
 {
     bool help;
     s_group_given = false;
-    RfResult result = rf_read_reuse_defaults( defaults, &s_parsed );
+    RfResult result = rf_read_render_defaults( defaults, &s_parsed );
     return result == RF_OK ? parse( argc, argv, options, &help, error ) : result;
 }
 

@@ -166,17 +166,6 @@ RfResult rf_read_render_defaults( const RfField* defaults, RfRenderOptions* opti
     return result;
 }
 
-RfResult rf_read_reuse_defaults( const RfField* defaults, RfRenderOptions* options )
-{
-    RfError error = { 0 };
-    RfField estimator = rf_field_member( defaults, "estimator" );
-    RfResult result = rf_read_render_defaults( defaults, options );
-    if ( result != RF_OK || options->settings.estimator == rf_default_render_settings().estimator )
-        return result;
-    rf_fail( &error, RF_ERROR_USAGE, "--estimator: plan, tune and cost know the estimator reuse only" );
-    return rf_fail_file_option( &estimator, &error );
-}
-
 RfResult rf_parse_render_options_over( const RfField* defaults, int argc, char** argv, RfRenderOptions* options, RfError* error )
 {
     bool help;

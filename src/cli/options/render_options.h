@@ -57,8 +57,6 @@ RfResult rf_parse_render_options( int argc, char** argv, RfRenderOptions* option
 // JSON path. Strings point into the JSON.
 struct RfField;
 RfResult rf_read_render_defaults( const struct RfField* defaults, RfRenderOptions* options );
-// The same for commands that know no other estimator than the default.
-RfResult rf_read_reuse_defaults( const struct RfField* defaults, RfRenderOptions* options );
 // The defaults, overridden by the command line, which has been parsed before.
 RfResult rf_parse_render_options_over( const struct RfField* defaults, int argc, char** argv, RfRenderOptions* options,
                                        RfError* error );

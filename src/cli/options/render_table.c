@@ -110,7 +110,7 @@ static const RfOption s_options[] = {
       .meta = "reuse|gradient",
       .default_text = "reuse",
       .help = "how pixels are estimated: reuse of frames and tiles, or gradient-domain path reusing, which has tiles but no "
-              "groups yet" },
+              "groups" },
     { .name = "tile",
       .in_file = true,
       .type = RF_OPTION_STRING,

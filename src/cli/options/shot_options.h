@@ -76,9 +76,16 @@
         .default_text = "28", .help = "samples traced per pixel and frame in all, over the groups that hold the frame"           \
     }
 
+#define RF_ESTIMATOR_OPTION( o )                                                                                                 \
+    {                                                                                                                            \
+        .name = "estimator", .type = RF_OPTION_STRING, .value = &( o ).estimator, .meta = "reuse|gradient",                      \
+        .default_text = "reuse", .help = "how pixels are estimated: reuse of frames and tiles, or gradient-domain path reusing"  \
+    }
+
 #define RF_TILE_OPTION( o )                                                                                                      \
     {                                                                                                                            \
-        .name = "tile", .type = RF_OPTION_STRING, .value = &( o ).tile, .meta = "WxH|rooksN|1", .default_text = "3x3",           \
+        .name = "tile", .type = RF_OPTION_STRING, .value = &( o ).tile, .meta = "WxH|rooksN|1",                                  \
+        .default_text = "3x3; with --estimator gradient 6x6",                                                                    \
         .help = "pixels of a frame that share their paths: blocks, N of an NxN grid, or none"                                    \
     }
 

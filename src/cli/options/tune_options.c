@@ -39,6 +39,7 @@ static const RfOption s_options[] = {
     RF_LENS_OPTIONS( s_parsed.render, true ),
     RF_EFFECT_OPTIONS( s_parsed.render, true ),
     RF_SPP_OPTION( s_parsed.render ),
+    RF_ESTIMATOR_OPTION( s_parsed.render ),
     RF_LIGHT_OPTIONS( s_parsed.render ),
     RF_FILTER_OPTIONS( s_parsed.render, true ),
     RF_SEED_OPTION( s_parsed.render ),
@@ -65,8 +66,11 @@ static RfResult parse( int argc, char** argv, RfTuneOptions* options, bool* help
     if ( result != RF_OK || *help )
         return result;
     s_parsed.render.scene = s_scene;
-    rf_settle_filter( &s_parsed.render );
-    result = rf_parse_aov_option( &s_parsed.render, error );
+    result = rf_parse_estimator_option( &s_parsed.render, error );
+    if ( result == RF_OK )
+        rf_settle_filter( &s_parsed.render );
+    if ( result == RF_OK )
+        result = rf_parse_aov_option( &s_parsed.render, error );
     *options = s_parsed;
     return result;
 }
@@ -81,7 +85,7 @@ RfResult rf_parse_tune_options_over( const RfField* defaults, int argc, char** a
 {
     bool help;
     s_parsed = ( RfTuneOptions ){ .budget = BUDGET };
-    RfResult result = rf_read_reuse_defaults( defaults, &s_parsed.render );
+    RfResult result = rf_read_render_defaults( defaults, &s_parsed.render );
     return result == RF_OK ? parse( argc, argv, options, &help, error ) : result;
 }
 
@@ -126,10 +130,10 @@ static void print_word( FILE* file, const char* text )
     fputc( '\'', file );
 }
 
-// Is this option (with its two dashes) one of `tune` that `render` does not take?
+// Is this option (with its two dashes) one of `tune` that `render` does not take, or that the best setting replaces?
 static bool is_own( const char* argument )
 {
-    static const char* const names[] = { "--budget", "--goal", "--svg", "--json", "--quiet", "--no-quiet" };
+    static const char* const names[] = { "--budget", "--goal", "--svg", "--json", "--quiet", "--no-quiet", "--estimator" };
     for ( size_t i = 0; i < sizeof names / sizeof names[0]; ++i )
     {
         size_t length = strlen( names[i] );
@@ -167,7 +171,7 @@ static void print_options( FILE* file, int argc, char** argv )
     }
 }
 
-char* rf_tuned_command( int argc, char** argv, int group, const RfTile* tile )
+char* rf_tuned_command( int argc, char** argv, const RfEstimator* estimator, int group, const RfTile* tile )
 {
     char *text = NULL, name[24];
     size_t size;
@@ -180,6 +184,8 @@ char* rf_tuned_command( int argc, char** argv, int group, const RfTile* tile )
     if ( !dash )
         print_word( file, s_scene );
     fprintf( file, " -o out/frame.####.exr --group %d --tile %s", group, name );
+    if ( estimator != NULL )
+        fprintf( file, " --estimator %s", rf_estimator_name( estimator ) );
     print_options( file, argc, argv );
     if ( dash )
     {

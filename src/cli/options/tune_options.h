@@ -24,7 +24,7 @@ void rf_print_tune_help( void );
 
 // The command line of the best settings: "reframe render SCENE -o frame.####.exr --group N
 // --tile T" and those of the user's options that `render` takes, quoted for a shell. The
-// caller frees it; NULL where memory ran out.
-char* rf_tuned_command( int argc, char** argv, int group, const RfTile* tile );
+// caller frees it; NULL where memory ran out. `estimator` is named unless it is NULL.
+char* rf_tuned_command( int argc, char** argv, const RfEstimator* estimator, int group, const RfTile* tile );
 
 #endif

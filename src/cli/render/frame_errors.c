@@ -3,6 +3,14 @@
 #include <math.h>
 #include <stdio.h>
 
+static void note_solve( RfFrameErrors* errors, RfSolved solved, int number )
+{
+    if ( solved == RF_SOLVED_ROUGHLY && errors->roughly++ == 0 )
+        errors->first_rough = number;
+    if ( solved == RF_SOLVED_NOT && errors->not_solved++ == 0 )
+        errors->first_not_solved = number;
+}
+
 void rf_note_frame_error( RfFrameErrors* errors, const RfFrameResult* result, int number )
 {
     ++errors->frames;
@@ -16,6 +24,7 @@ void rf_note_frame_error( RfFrameErrors* errors, const RfFrameResult* result, in
         errors->worst_flicker = result->flicker_likely;
         errors->worst_pair = number;
     }
+    note_solve( errors, result->solved, number );
     if ( errors->frames > 1 && islessequal( result->relmse_likely, errors->worst_relmse ) )
         return;
     errors->worst_relmse = result->relmse_likely;
@@ -39,6 +48,20 @@ void rf_print_frame_errors( const RfFrameErrors* errors )
         printf( ", relMSE at least %.3g, likely %.3g by its estimate", told, likely );
     else
         printf( ", relMSE %.3g by its estimate", told );
+}
+
+void rf_warn_of_solves( const RfFrameErrors* errors, RfLog* log )
+{
+    if ( errors->roughly > 0 )
+        rf_warn( log,
+                 "the reconstruction of %d frame%s stopped before it converged, frame %d the first: raise --spp, or try "
+                 "--reconstruction l2",
+                 errors->roughly, errors->roughly == 1 ? "" : "s", errors->first_rough );
+    if ( errors->not_solved > 0 )
+        rf_warn( log,
+                 "%d frame%s could not be reconstructed, since samples are infinite or NaN, frame %d the first: there the "
+                 "pixels are as they are with --reconstruction none",
+                 errors->not_solved, errors->not_solved == 1 ? "" : "s", errors->first_not_solved );
 }
 
 void rf_warn_of_stop( const RfFrameErrors* errors, const RfRenderSettings* settings, const RfRenderStats* stats, int frame_count,

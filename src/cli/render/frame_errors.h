@@ -17,6 +17,8 @@ typedef struct RfFrameErrors
     double worst_relmse;
     int worst_frame; // its number
     bool worst_is_lower_bound;
+    int roughly, not_solved;           // frames whose reconstruction stopped early, or failed
+    int first_rough, first_not_solved; // the number of the first of them
 } RfFrameErrors;
 
 // Adds a finished frame of this number.
@@ -27,6 +29,9 @@ void rf_stop_flicker( RfFrameResult* result );
 
 // Prints the mean over the frames as a part of a line, where there is one.
 void rf_print_frame_errors( const RfFrameErrors* errors );
+
+// Warns of reconstructions that did not converge, or failed.
+void rf_warn_of_solves( const RfFrameErrors* errors, RfLog* log );
 
 // Warns where --noise, --flicker or --time was not met.
 void rf_warn_of_stop( const RfFrameErrors* errors, const RfRenderSettings* settings, const RfRenderStats* stats, int frame_count,

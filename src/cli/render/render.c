@@ -94,6 +94,8 @@ static RfResult render( RfRenderJob* job, RfError* error )
                         job->kept_count + job->frames_done, job->kept_count + job->frame_count,
                         job->options.overwrite ? "--resume --overwrite" : "--resume" );
     if ( result == RF_OK )
+        rf_warn_of_solves( &job->errors, &job->log );
+    if ( result == RF_OK )
         rf_warn_of_stop( &job->errors, &job->options.settings, &job->stats, job->frame_count, job->run_count, &job->log );
     return result;
 }

@@ -14,6 +14,9 @@ json_t* rf_frame_json( const RfFrameResult* result, const RfCameraPath* path, co
                               "relmse_likely", rf_json_number( result->relmse_likely ), "worst_ten_share",
                               rf_json_number( result->worst_ten_share ), "native_spp", rf_json_number( result->native_spp ),
                               "effective_spp", rf_json_number( result->effective_spp ), "kept", false );
+    if ( result->solved != RF_SOLVED )
+        json_object_set_new( json, "reconstruction",
+                             json_string( result->solved == RF_SOLVED_NOT ? "failed" : "not converged" ) );
     if ( same_as >= 0 )
         json_object_set_new( json, "same_as", json_integer( rf_frame_number( path, same_as ) ) );
     if ( settings->flicker > 0.0 )
@@ -102,6 +105,9 @@ json_t* rf_render_json( const RfRenderOptions* options, const RfRenderRun* run )
     {
         json_object_set_new( json, "estimator", json_string( rf_estimator_name( options->settings.estimator ) ) );
         json_object_set_new( json, "reconstruction", json_string( rf_reconstruction_name( options->settings.reconstruction ) ) );
+        json_object_set_new(
+            json, "shared_paths",
+            json_pack( "{s:o, s:o}", "found", count_json( stats->rays.thinned ), "kept", count_json( stats->rays.kept ) ) );
     }
     json_object_set_new( json, "repeated_frames", json_integer( run->repeated ) );
     RfAdaptive adaptive = options->settings.adaptive;

@@ -41,6 +41,9 @@ static RfResult take_defaults( const RfField* defaults, void* user, RfError* err
     return rf_parse_plan_options_over( defaults, job->argc, job->argv, &job->options, error );
 }
 
+// Has the render groups, and records of hits?
+static bool has_groups( const Job* job ) { return job->options.settings.estimator == rf_default_render_settings().estimator; }
+
 // Plain records: without tiles, and one light sample, as in the paper.
 static void compare_with_paper( Job* job )
 {
@@ -139,7 +142,8 @@ static void tell_verdict( const Job* job, char text[RF_VERDICT_SIZE] )
     rf_format_reuse( row->eyes, &job->options.settings.tile, name, sizeof name );
     rf_tell_gain( &job->tried, gain, sizeof gain );
     rf_format_span( foretold ? job->foretold.seconds : row->seconds, all, sizeof all );
-    int used = snprintf( text, RF_VERDICT_SIZE, "render --group auto takes %s", name );
+    int used = snprintf( text, RF_VERDICT_SIZE, "%s %s",
+                         has_groups( job ) ? "render --group auto takes" : "render --estimator gradient takes", name );
     if ( isfinite( job->tried.value ) )
         used += snprintf( text + used, RF_VERDICT_SIZE - (size_t)used, ", which is %s", gain );
     snprintf( text + used, RF_VERDICT_SIZE - (size_t)used,
@@ -165,9 +169,12 @@ static void print_plan( const Job* job )
     if ( at_most( job ) )
         printf( "rays and seconds are of %d samples, the most that --noise, --flicker and --time may take\n",
                 job->options.settings.spp );
-    printf( "* --group auto takes %d: %s\n", plan->rows[plan->chosen].group, plan->why );
+    if ( has_groups( job ) )
+        printf( "* --group auto takes %d: %s\n", plan->rows[plan->chosen].group, plan->why );
     printf( "costs here, ns: camera ray %.0f, light at its hit %.0f, one reuse %.0f\n", 1e9 * plan->c_e, 1e9 * plan->c_l,
             1e9 * plan->c_v );
+    if ( !has_groups( job ) )
+        return;
     printf( "a hit record: diffuse %zu bytes, glossy %zu; %.1f %% of the camera rays find a glossy hit\n", plan->bytes_diffuse,
             plan->bytes_glossy, 100.0 * plan->glossy_share );
     printf( "the paper's example (800x600, 7 frames, 2 samples, no tiles), records all at once: %.0f bytes in the paper, %.0f "
@@ -203,7 +210,8 @@ static json_t* plan_json( const Job* job )
                                rf_json_number( plan->c_v ) );
     json_t* record = json_pack( "{s:I, s:I, s:f}", "diffuse", (json_int_t)plan->bytes_diffuse, "glossy",
                                 (json_int_t)plan->bytes_glossy, "glossy_share", plan->glossy_share );
-    json_t* paper = json_pack( "{s:f, s:f}", "theirs", PAPER_BYTES, "ours", job->paper_bytes );
+    json_t* paper =
+        json_pack( "{s:f, s:o}", "theirs", PAPER_BYTES, "ours", has_groups( job ) ? json_real( job->paper_bytes ) : json_null() );
     char verdict[RF_VERDICT_SIZE];
     tell_verdict( job, verdict );
     json_t* tried = json_pack( "{s:o, s:o, s:o}", "gain", rf_json_number( job->tried.value ), "gain_low",

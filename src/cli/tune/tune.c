@@ -41,12 +41,23 @@ static void say( void* user, const RfTune* tune, const RfTuneRound* round, int c
                  round->seconds );
 }
 
+// That of the best setting, where another one than the default was asked for.
+static const RfEstimator* named_estimator( const Job* job )
+{
+    const RfEstimator *usual = rf_default_render_settings().estimator, *asked = job->options.render.settings.estimator;
+    const RfTuneRow* best = job->tune.rows + job->tune.chosen;
+    if ( asked == usual )
+        return NULL;
+    return best->tile.kind == RF_TILE_NONE ? usual : asked;
+}
+
 // Reports what was found so far, also after an interruption.
 static RfResult report( Job* job, RfError* error )
 {
     const RfTuneOptions* options = &job->options;
     const RfTuneRow* best = job->tune.chosen >= 0 ? job->tune.rows + job->tune.chosen : NULL;
-    char* command = best != NULL ? rf_tuned_command( job->argc, job->argv, best->group, &best->tile ) : NULL;
+    char* command =
+        best != NULL ? rf_tuned_command( job->argc, job->argv, named_estimator( job ), best->group, &best->tile ) : NULL;
     RfTuneReport r = { .tune = &job->tune,
                        .scene = options->render.scene,
                        .command = command,

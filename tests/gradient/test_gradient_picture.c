@@ -1,0 +1,155 @@
+// The picture of the gradient estimator's films: samples that are not finite and solves that do not converge are told of,
+// and the variance is that of the picture's halves.
+#include "gradient/gradient_films.h"
+#include "gradient/picture.h"
+
+#include "base/random.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#define WIDTH 40
+#define HEIGHT 30
+#define PIXELS ( WIDTH * HEIGHT )
+#define PASSES 8
+
+typedef struct Films
+{
+    RfFilm film[RF_GRADIENT_FILMS];
+    float sums[RF_GRADIENT_FILMS][2][4 * PIXELS];
+} Films;
+
+typedef struct Solved
+{
+    float rgb[3 * PIXELS], variance[3 * PIXELS];
+    RfRelmse relmse;
+    RfSolved solved;
+} Solved;
+
+static float draw( int pass, int pixel, uint32_t dimension )
+{
+    return rf_random( rf_pixel_key( rf_pass_key( 5, (uint32_t)pass, 0, 0 ), (uint32_t)pixel ), dimension );
+}
+
+static void add( Films* films, int f, int half, int pixel, float value )
+{
+    float* sum = films->sums[f][half] + 4 * pixel;
+    for ( int c = 0; c < 3; ++c )
+        sum[c] += value;
+    sum[3] += 1.0f;
+    films->sums[RF_FILM_SQUARES][half][4 * pixel + f] += 3.0f * value * value;
+}
+
+// A slope with noise in the pixels, less of it in the differences; the noise is exp(spread · (u − 1/2)) large.
+static Films* make_films( float spread, int told_passes )
+{
+    Films* films = calloc( 1, sizeof *films );
+    assert_non_null( films );
+    for ( int f = 0; f < RF_GRADIENT_FILMS; ++f )
+        films->film[f] = ( RfFilm ){ .width = WIDTH,
+                                     .height = HEIGHT,
+                                     .half = { films->sums[f][0], films->sums[f][1] },
+                                     .passes = { told_passes / 2, told_passes / 2 },
+                                     .weight = { PASSES / 2, PASSES / 2 } };
+    for ( int pass = 0; pass < PASSES; ++pass )
+    {
+        for ( int i = 0; i < PIXELS; ++i )
+        {
+            float noise[3], size = expf( spread * ( draw( pass, i, 6 ) - 0.5f ) );
+            for ( uint32_t k = 0; k < 3; ++k )
+                noise[k] = size * ( draw( pass, i, k ) - 0.5f );
+            add( films, RF_FILM_PRIMAL, pass % 2, i, 1.0f + 0.01f * (float)( i % WIDTH ) + noise[0] );
+            add( films, RF_FILM_DX, pass % 2, i, 0.01f + 0.1f * noise[1] );
+            add( films, RF_FILM_DY, pass % 2, i, 0.1f * noise[2] );
+        }
+    }
+    return films;
+}
+
+static Solved* solve( const Films* films, RfReconstruction reconstruction )
+{
+    RfRenderSettings settings = rf_default_render_settings();
+    settings.reconstruction = reconstruction;
+    Solved* out = calloc( 1, sizeof *out );
+    void* scratch = aligned_alloc( 64, rf_finish_gradients_bytes( &settings, WIDTH, HEIGHT ) + 64 );
+    assert_true( out != NULL && scratch != NULL );
+    RfPicture picture = { .rgb = out->rgb, .variance = out->variance };
+    out->relmse = rf_finish_gradients( &settings, films->film, &picture, scratch );
+    out->solved = picture.solved;
+    free( scratch );
+    return out;
+}
+
+static void test_what_is_not_finite_is_told( void** state )
+{
+    (void)state;
+    Films* films = make_films( 0.0f, PASSES );
+    films->sums[RF_FILM_DX][0][4 * 77] = INFINITY;
+    for ( RfReconstruction r = RF_RECONSTRUCTION_WEIGHTED; r <= RF_RECONSTRUCTION_L1; ++r )
+    {
+        Solved *solved = solve( films, r ), *pixels = solve( films, RF_RECONSTRUCTION_NONE );
+        assert_int_equal( solved->solved, RF_SOLVED_NOT );
+        assert_int_equal( pixels->solved, RF_SOLVED );
+        assert_memory_equal( solved->rgb, pixels->rgb, sizeof pixels->rgb );
+        assert_memory_equal( solved->variance, pixels->variance, sizeof pixels->variance );
+        assert_true( isnan( solved->relmse.likely ) && !isnan( pixels->relmse.likely ) );
+        free( pixels );
+        free( solved );
+    }
+    free( films );
+}
+
+static void test_a_solve_that_stops_early_is_told( void** state )
+{
+    (void)state;
+    Films *quiet = make_films( 1.0f, PASSES ), *wild = make_films( 30.0f, 1 << 20 );
+    Solved *solved = solve( quiet, RF_RECONSTRUCTION_WEIGHTED ), *rough = solve( wild, RF_RECONSTRUCTION_L1 );
+    assert_int_equal( solved->solved, RF_SOLVED );
+    assert_int_equal( rough->solved, RF_SOLVED_ROUGHLY );
+    free( rough );
+    free( solved );
+    free( wild );
+    free( quiet );
+}
+
+// The error of the slope, squared, is on average what the variance says: differences make it far less than that of the pixels.
+static void test_variance_is_that_of_the_picture( void** state )
+{
+    (void)state;
+    Films* films = make_films( 0.0f, PASSES );
+    double pixels_told = 0.0;
+    for ( int r = RF_RECONSTRUCTION_NONE; r >= RF_RECONSTRUCTION_WEIGHTED; --r )
+    {
+        Solved* solved = solve( films, (RfReconstruction)r );
+        double told = 0.0, error = 0.0;
+        for ( int i = 0; i < PIXELS; ++i )
+        {
+            double away = (double)solved->rgb[3 * i] - ( 1.0 + 0.01 * ( i % WIDTH ) );
+            error += away * away;
+            told += (double)solved->variance[3 * i];
+        }
+        if ( r == RF_RECONSTRUCTION_NONE )
+            pixels_told = told;
+        if ( r != RF_RECONSTRUCTION_L1 ) // biased
+            assert_true( told > 0.6 * error && told < 1.6 * error );
+        assert_true( r == RF_RECONSTRUCTION_NONE || told < 0.3 * pixels_told );
+        free( solved );
+    }
+    free( films );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( test_what_is_not_finite_is_told ),
+        cmocka_unit_test( test_a_solve_that_stops_early_is_told ),
+        cmocka_unit_test( test_variance_is_that_of_the_picture ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}
