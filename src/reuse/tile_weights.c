@@ -3,6 +3,7 @@
 #include "reuse/tile_reuse.h"
 
 #include "reuse/tile.h"
+#include "reuse/weight_range.h"
 
 #include <stddef.h>
 #include <string.h>
@@ -288,6 +289,7 @@ static void normalize_weights( int tile_pixels, int hits, RfTileReuse* reuse )
 #pragma omp simd
         for ( int i = 0; i < hits; ++i )
             pairing->weight[i] = pairing->weight[i] != 0.0f ? fabsf( pairing->weight[i] ) / sum[pairing->vertex[i]] : 0.0f;
+        rf_note_weights( pairing->weight, hits, 1.0f );
     }
 }
 

@@ -1,0 +1,269 @@
+// Hard cases of eyes, films, paths, lenses and shutters.
+#include "hard/hard.h"
+
+#include <math.h>
+
+// A floor seen at this angle, through a lens so long that all of the film sees it at about that; eyes side by side.
+static void grazing( HardScene* h, float angle )
+{
+    hard_stage( h, hard_glossy() );
+    float distance = 1.2f, height = distance * angle;
+    // between the block and the right border of the floor
+    hard_eyes( h, rf_vec3( 1.3f, height, 1.8f ), rf_vec3( 0.02f * angle, 0, 0 ), rf_vec3( 0, -angle, -1 ), 60.0 * (double)angle );
+}
+
+static void grazing_2( HardScene* h ) { grazing( h, 1e-2f ); }
+static void grazing_5( HardScene* h ) { grazing( h, 1e-5f ); }
+
+// Eyes that see the same floor at 1e-5, 1e-4 … 1 rad: film densities of all magnitudes in one sum.
+static void grazing_beside_steep( HardScene* h )
+{
+    hard_stage( h, hard_glossy() );
+    RfVec3 target = rf_vec3( 1.3f, 0, 0.4f );
+    for ( int i = 0; i < 7; ++i )
+    {
+        float angle = powf( 10.0f, -5.0f + 5.0f * (float)( i == 3 ? 2 : i ) / 6.0f );
+        RfVec3 o = rf_vec3( 1.3f, 1.2f * sinf( angle ), 0.4f + 1.2f * cosf( angle ) );
+        h->eyes[i] = rf_make_eye( o, rf_sub( target, o ), rf_vec3( 0, 1, 0 ), 0.5, HARD_WIDTH, HARD_HEIGHT );
+    }
+}
+
+static void coincident( HardScene* h )
+{
+    hard_stage( h, hard_glossy() );
+    for ( int i = 0; i < 7; ++i )
+        h->eyes[i] = h->eyes[3];
+}
+
+static void close_by( HardScene* h )
+{
+    hard_stage( h, hard_glossy() );
+    for ( int i = 0; i < 7; ++i )
+        h->eyes[i].origin.x = 1e-6f * (float)( i - 3 );
+}
+
+// The tested eye is as good as on the floor and looks down at it, while the others see that place from afar: the density
+// of its hits leaves the range of floats.
+static void on_surface( HardScene* h )
+{
+    hard_stage( h, hard_glossy() );
+    h->eyes[2].origin = rf_vec3( 1.3f, 1e-20f, 0.7f );
+    h->eyes[4] =
+        rf_make_eye( rf_vec3( 1.3f, 1e-20f, 0.7f ), rf_vec3( 0, -1, -1e-3f ), rf_vec3( 0, 1, 0 ), 0.9, HARD_WIDTH, HARD_HEIGHT );
+    h->eyes[5] =
+        rf_make_eye( rf_vec3( 1.3f, 1e-12f, 0.7f ), rf_vec3( 0, -1, -1e-3f ), rf_vec3( 0, 1, 0 ), 0.9, HARD_WIDTH, HARD_HEIGHT );
+}
+
+// All hits of one eye at a distance of 1e-18 m from it: above the floor, straight down.
+static void touching( HardScene* h )
+{
+    hard_stage( h, hard_glossy() );
+    for ( int i = 0; i < 7; ++i )
+        h->eyes[i] = rf_make_eye( rf_vec3( 1.3f, powf( 10.0f, -3.0f * (float)( i < 3 ? i : 6 - i ) - 9.0f ), 0.7f ),
+                                  rf_vec3( 0, -1, -1e-3f ), rf_vec3( 0, 1, 0 ), 0.9, HARD_WIDTH, HARD_HEIGHT );
+}
+
+// Exactly in the plane of the floor, along which all eyes but two look.
+static void in_plane( HardScene* h )
+{
+    hard_stage( h, hard_glossy() );
+    for ( int i = 0; i < 7; ++i )
+        h->eyes[i] = rf_make_eye( rf_vec3( 1.3f, i % 3 == 0 ? 0.3f : 0.0f, 1.9f ), rf_vec3( -0.4f, -0.05f, -1 ),
+                                  rf_vec3( 0, 1, 0 ), 0.8, HARD_WIDTH, HARD_HEIGHT );
+}
+
+// In the block, where no light gets: black; the frames around are lit.
+static void inside( HardScene* h )
+{
+    hard_stage( h, hard_grey() );
+    h->eyes[3] =
+        rf_make_eye( rf_vec3( 0.1f, 0.3f, 0 ), rf_vec3( 0.3f, 0.1f, -1 ), rf_vec3( 0, 1, 0 ), 1.2, HARD_WIDTH, HARD_HEIGHT );
+}
+
+// Behind the back wall: half of the eyes see one side of it, half the other.
+static void behind( HardScene* h )
+{
+    hard_stage( h, hard_glossy() );
+    for ( int i = 1; i < 7; i += 2 )
+        h->eyes[i] = rf_make_eye( rf_vec3( 0.1f * (float)i, 1.5f, -3.0f ), rf_vec3( 0, 0, 1 ), rf_vec3( 0, 1, 0 ), 1.2,
+                                  HARD_WIDTH, HARD_HEIGHT );
+    h->eyes[3] = h->eyes[2];
+}
+
+static void angle_1( HardScene* h )
+{
+    hard_stage( h, hard_glossy() );
+    hard_eyes( h, rf_vec3( 0.2f, 1.3f, 2.1f ), rf_vec3( 1e-3f, 0, 0 ), rf_vec3( -0.1f, -0.55f, -1.0f ), 1.0 );
+}
+
+static void angle_170( HardScene* h )
+{
+    hard_stage( h, hard_glossy() );
+    hard_eyes( h, rf_vec3( 0.2f, 1.3f, 1.6f ), rf_vec3( 0.1f, 0, 0 ), rf_vec3( -0.1f, -0.45f, -1.0f ), 170.0 );
+}
+
+// From 1e5 m, by a lens of 2e-5 rad: the rounding of the eyes' coordinates is as large as what they see.
+static void far_away( HardScene* h )
+{
+    hard_stage( h, hard_glossy() );
+    RfVec3 back = rf_vec3( 1e4f, 2e4f, 1e5f );
+    hard_eyes( h, rf_vec3( back.x, back.y, back.z ), rf_vec3( 200.0f, 0, 0 ), rf_scale( back, -1.0f ), 1e-3 );
+    for ( int i = 0; i < 7; ++i )
+        h->eyes[i] = rf_make_eye( h->eyes[i].origin, rf_scale( h->eyes[i].origin, -1.0f ), rf_vec3( 0, 1, 0 ), 2e-5, HARD_WIDTH,
+                                  HARD_HEIGHT );
+}
+
+static void one_pixel( HardScene* h )
+{
+    hard_stage( h, hard_glossy() );
+    hard_film( h, 1, 1 );
+}
+
+static void one_sample( HardScene* h )
+{
+    hard_stage( h, hard_glossy() );
+    for ( int i = 0; i < 7; ++i ) // no frame sees what another does
+        h->eyes[i] = rf_make_eye( rf_vec3( 0.2f, 1.3f, 1.6f ), rf_vec3( sinf( 0.9f * (float)i ), -0.3f, cosf( 0.9f * (float)i ) ),
+                                  rf_vec3( 0, 1, 0 ), 0.3, HARD_WIDTH, HARD_HEIGHT );
+    h->spp = 1;
+}
+
+static void wide_film( HardScene* h )
+{
+    hard_stage( h, hard_grey() );
+    h->eye_count = 3;
+    h->group = 1;
+    h->spp = 3;
+    h->max_depth = 2;
+    hard_eyes( h, rf_vec3( 0.2f, 1.3f, 2.1f ), rf_vec3( 0.1f, 0, 0 ), rf_vec3( -0.1f, -0.45f, -1.0f ), 0.004 );
+    hard_film( h, 16384, 1 );
+}
+
+// Every frame looks the other way.
+static void turns( HardScene* h )
+{
+    hard_stage( h, hard_glossy() );
+    for ( int i = 0; i < 7; ++i )
+        h->eyes[i] = rf_make_eye( rf_vec3( 0.2f, 1.3f, 1.4f ), rf_vec3( 0, -0.3f, i % 2 == 1 ? -1.0f : 1.0f ),
+                                  rf_vec3( 0, i == 5 ? -1.0f : 1.0f, 0 ), 1.2, HARD_WIDTH, HARD_HEIGHT );
+}
+
+// Up and down along the vertical, with it as `up`: as good as parallel.
+static void gimbal( HardScene* h )
+{
+    hard_stage( h, hard_glossy() );
+    for ( int i = 0; i < 7; ++i )
+        h->eyes[i] = rf_make_eye( rf_vec3( 0.3f + 0.1f * (float)i, 2.2f, 1.0f ), rf_vec3( 3e-7f, -1, 1e-7f * (float)i ),
+                                  rf_vec3( 0, 1, 0 ), 0.9, HARD_WIDTH, HARD_HEIGHT );
+}
+
+static void jumps( HardScene* h )
+{
+    hard_stage( h, hard_glossy() );
+    for ( int i = 0; i < 7; ++i )
+        h->eyes[i].origin =
+            rf_madd( h->eyes[i].origin, rf_vec3( 0.3f, 0.2f, 0.5f ), i % 2 == 0 ? powf( 10.0f, (float)( i - 2 ) ) : 0.0f );
+}
+
+// A frame twice, then once more at the end.
+static void repeats( HardScene* h )
+{
+    hard_stage( h, hard_glossy() );
+    h->eyes[4] = h->eyes[3];
+    h->eyes[6] = h->eyes[3];
+}
+
+// From behind the back wall through it, one eye exactly in it.
+static void through_a_wall( HardScene* h )
+{
+    hard_stage( h, hard_glossy() );
+    hard_eyes( h, rf_vec3( 0.3f, 1.2f, -2.0f ), rf_vec3( 0, 0, 0.1f ), rf_vec3( 0.1f, -0.3f, 1 ), 70.0 );
+    h->eyes[4] = rf_make_eye( rf_vec3( 0.3f, 1.2f, -1.9f ), rf_vec3( 0.5f, -0.6f, -0.1f ), rf_vec3( 0, 1, 0 ), 1.2, HARD_WIDTH,
+                              HARD_HEIGHT );
+    h->eyes[3] = rf_make_eye( rf_vec3( 0.3f, 1.2f, -2.0f ), rf_vec3( 0.5f, -0.6f, 0.1f ), rf_vec3( 0, 1, 0 ), 1.2, HARD_WIDTH,
+                              HARD_HEIGHT );
+}
+
+static void beyond_the_path( HardScene* h )
+{
+    hard_stage( h, hard_glossy() );
+    h->eye_count = 2;
+    h->group = RF_MAX_GROUP;
+    h->spp = 6;
+}
+
+static void lens_0( HardScene* h )
+{
+    hard_stage( h, hard_glossy() );
+    for ( int i = 0; i < 7; ++i )
+        rf_set_lens( h->eyes + i, 0.0, i % 2 == 0 ? 0.0 : INFINITY, 0, 0.0 );
+}
+
+// Focused at infinity by a lens of any size, a pinhole's picture of what is infinitely far: a constant sky.
+static void lens_in_the_sky( HardScene* h, double radius, double focus )
+{
+    SceneBuilder b = { 0 };
+    add_quad( &b, add_material( &b, make_lambert( 0, 0, 0 ) ), rf_vec3( -1, -1e6f, 1 ), rf_vec3( 1, -1e6f, 1 ),
+              rf_vec3( 1, -1e6f, -1 ), rf_vec3( -1, -1e6f, -1 ) );
+    h->scene = finish_scene( &b );
+    h->scene.environment.radiance = rf_vec3( 1, 1, 1 );
+    hard_eyes( h, rf_vec3( 0, 0, 0 ), rf_vec3( 1, 0, 0 ), rf_vec3( 0, 0, -1 ), 50.0 );
+    for ( int i = 0; i < 7; ++i )
+        rf_set_lens( h->eyes + i, radius, focus, i == 4 ? 5 : 0, 0.3 );
+    h->value = 1.0;
+}
+
+static void lens_1e3( HardScene* h ) { lens_in_the_sky( h, 1e3, 10.0 ); }
+static void focus_infinite( HardScene* h ) { lens_in_the_sky( h, 1.0, INFINITY ); }
+static void focus_0( HardScene* h ) { lens_in_the_sky( h, 0.1, 0.0 ); }
+
+static void shutter_0( HardScene* h )
+{
+    hard_stage( h, hard_glossy() );
+    for ( int i = 0; i < 7; ++i )
+    {
+        RfEye still = h->eyes[i];
+        rf_set_shutter( h->eyes + i, &still, &still );
+    }
+}
+
+const HardCase g_hard_eyes[] = {
+    { "grazing-1e-2", "a floor seen at 0.01 rad", "J near 0: quotients of densities", HARD_DOUBLE, 1.5, grazing_2, NULL },
+    { "grazing-1e-5", "a floor seen at 1e-5 rad", "J near 0, cosines below the horizon of the models", HARD_DOUBLE, 1.5,
+      grazing_5, NULL },
+    { "grazing-beside-steep", "eyes that see one floor at 1e-5 to 1 rad", "densities of all magnitudes in one sum", HARD_DOUBLE,
+      1.5, grazing_beside_steep, NULL },
+    { "eyes-coincide", "seven frames of one eye", "all weights are 1/7", HARD_DOUBLE, 0.5, coincident, NULL },
+    { "eyes-1e-6-apart", "eyes 1e-6 m apart", "differences near the rounding of coordinates", HARD_DOUBLE, 0.5, close_by, NULL },
+    { "eye-on-surface", "an eye 1e-20 m above the floor that others see", "J = inf", HARD_DOUBLE, 1.5, on_surface, NULL },
+    { "eyes-touch-surface", "eyes 1e-9 to 1e-18 m from the floor", "J beyond floats, sums of it", HARD_FINITE, 0, touching,
+      NULL },
+    { "eyes-in-plane", "eyes exactly in the plane of what others see", "J = 0: 0/0", HARD_DOUBLE, 1.5, in_plane, NULL },
+    { "eye-inside", "an eye in a closed block that others see", "leaks by reprojection", HARD_BLACK, 0, inside, NULL },
+    { "eyes-behind", "eyes on both sides of a wall", "hits seen from behind", HARD_DOUBLE, 1.5, behind, NULL },
+    { "angle-1", "an angle of view of 1 degree", "pixels of 1e-3 rad", HARD_DOUBLE, 1.5, angle_1, NULL },
+    { "angle-170", "an angle of view of 170 degrees", "the cubed cosine of J at the border", HARD_DOUBLE, 1.5, angle_170, NULL },
+    { "eyes-far-away", "eyes 1e5 m away", "their rounding is 0.01 m", HARD_DOUBLE, 0.6, far_away, NULL },
+    { "one-pixel", "a film of 1 x 1", "tiles and patches beyond the film", HARD_DOUBLE, 3.0, one_pixel, NULL },
+    { "one-sample", "one sample, frames that share nothing", "an empty half of the film: 0/0", HARD_FINITE, 0, one_sample, NULL },
+    { "film-16384x1", "a film of 16384 x 1", "hits on the borders of pixels; 1e-3 px of rounding", HARD_DOUBLE, 1.5, wide_film,
+      NULL },
+    { "path-turns", "every frame looks the other way", "nothing in common with the neighbours", HARD_DOUBLE, 1.5, turns, NULL },
+    { "path-gimbal", "views along the up vector, 3e-7 rad off", "a frame from nearly parallel vectors", HARD_DOUBLE, 1.5, gimbal,
+      NULL },
+    { "path-jumps", "frames 1e4 m apart", "densities 1e10 apart", HARD_DOUBLE, 1.5, jumps, NULL },
+    { "path-stands-still", "the same eye at every frame", "as eyes-coincide, beside eyes that do not", HARD_DOUBLE, 0.5,
+      coincident, NULL },
+    { "path-repeats", "a frame three times in the group", "pairs of equal densities", HARD_DOUBLE, 1.0, repeats, NULL },
+    { "path-through-wall", "from behind a wall through it, one eye in it", "J = 0 and sides that change", HARD_DOUBLE, 1.5,
+      through_a_wall, NULL },
+    { "group-beyond-path", "a group of 2097153 in a path of 2 frames", "indices of frames, bits of visibility", HARD_DOUBLE, 1.5,
+      beyond_the_path, NULL },
+    { "lens-0", "lenses of radius 0, focused at 0 and at infinity", "0/0 and inf/inf in the shear of the film", HARD_DOUBLE, 1.5,
+      lens_0, NULL },
+    { "lens-1e3", "a lens of 1 km", "films sheared by 1e3 px and more", HARD_VALUE, 0, lens_1e3, NULL },
+    { "focus-infinite", "a lens focused at infinity", "inf in the shear of the film", HARD_VALUE, 0, focus_infinite, NULL },
+    { "focus-0", "a lens focused at 0 m", "x/0 in the shear of the film", HARD_FINITE, 0, focus_0, NULL },
+    { "shutter-0", "a shutter that is open for no time", "three equal poses", HARD_DOUBLE, 1.5, shutter_0, NULL },
+    { 0 },
+};
