@@ -43,7 +43,7 @@ typedef struct Triangle
     V p, e1, e2, n; // n: unit, of the front; 0 without area
     double area;
     const RfMaterial* material;
-    double power; // cumulative over the lights
+    bool emits;
 } Triangle;
 
 typedef struct World
@@ -51,7 +51,6 @@ typedef struct World
     const RfScene* scene;
     int count;
     Triangle* triangles;
-    double power;
 } World;
 
 static V corner( const RfTriangles* t, uint32_t i, int k )
@@ -78,8 +77,7 @@ static World make_world( const RfScene* scene )
         out->area = 0.5 * twice;
         out->n = twice > 0.0 ? times( n, 1.0 / twice ) : n;
         out->material = scene->materials + t->material[i];
-        w.power += mean( wide( out->material->emission ) ) * out->area * ( out->material->double_sided ? 2.0 : 1.0 );
-        out->power = w.power;
+        out->emits = mean( wide( out->material->emission ) ) * out->area > 0.0;
     }
     return w;
 }
@@ -202,26 +200,28 @@ static V sample( const Surface* s, Random* r, V* wi )
     return times( evaluate( s, *wi ), cos_i / ( lobed ? 0.5 * density : density ) );
 }
 
-static V area_light( const World* w, const Surface* s, V x, int skip, Random* r )
+// One sample of every emissive triangle.
+static V area_lights( const World* w, const Surface* s, V x, int skip, Random* r )
 {
-    double u = draw( r ) * w->power, distance;
-    int i = 0;
-    while ( i + 1 < w->count && !( u < w->triangles[i].power ) )
-        ++i;
-    const Triangle* t = w->triangles + i;
-    double root = sqrt( draw( r ) ), b = draw( r ) * root;
-    V z = add( t->p, add( times( t->e1, 1.0 - root ), times( t->e2, b ) ) ), way = sub( z, x );
-    double d2 = dot( way, way ), power = t->power - ( i > 0 ? w->triangles[i - 1].power : 0.0 );
-    if ( i == skip || !( power > 0.0 ) || !( d2 > 0.0 ) )
-        return v( 0, 0, 0 );
-    V wi = times( way, 1.0 / sqrt( d2 ) );
-    double cos_light = -dot( t->n, wi ), cos_x = dot( s->n, wi );
-    cos_light = t->material->double_sided ? fabs( cos_light ) : cos_light;
-    int hit = nearest( w, x, way, skip, 1.0 + 1e-9, &distance );
-    if ( cos_light <= 0.0 || cos_x <= 0.0 || ( hit >= 0 && hit != i && distance < 1.0 - 1e-9 ) )
-        return v( 0, 0, 0 );
-    double density = power / w->power / t->area * d2 / cos_light;
-    return times( mul( wide( t->material->emission ), evaluate( s, wi ) ), cos_x / density );
+    V sum = v( 0, 0, 0 );
+    for ( int i = 0; i < w->count; ++i )
+    {
+        const Triangle* t = w->triangles + i;
+        if ( !t->emits || i == skip )
+            continue;
+        double root = sqrt( draw( r ) ), b = draw( r ) * root, distance;
+        V z = add( t->p, add( times( t->e1, 1.0 - root ), times( t->e2, b ) ) ), way = sub( z, x ), wi = unit( way );
+        double cos_light = -dot( t->n, wi ), cos_x = dot( s->n, wi );
+        cos_light = t->material->double_sided ? fabs( cos_light ) : cos_light;
+        if ( !( cos_light > 0.0 && cos_x > 0.0 ) )
+            continue;
+        int hit = nearest( w, x, way, skip, 1.0 + 1e-9, &distance );
+        if ( hit >= 0 && hit != i && distance < 1.0 - 1e-9 )
+            continue;
+        double geometry = t->area * cos_x * cos_light / dot( way, way );
+        sum = add( sum, times( mul( wide( t->material->emission ), evaluate( s, wi ) ), geometry ) );
+    }
+    return sum;
 }
 
 static V point_lights( const World* w, const Surface* s, V x, int skip )
@@ -258,9 +258,7 @@ static V radiance( const World* w, V o, V d, int max_depth, Random* r )
         o = add( o, times( d, distance ) );
         Surface s = surface_at( t, d );
         skip = hit;
-        V light = point_lights( w, &s, o, skip );
-        if ( w->power > 0.0 )
-            light = add( light, area_light( w, &s, o, skip, r ) );
+        V light = add( point_lights( w, &s, o, skip ), area_lights( w, &s, o, skip, r ) );
         sum = add( sum, mul( left, light ) );
         left = mul( left, sample( &s, r, &d ) );
         if ( !( mean( left ) > 0.0 ) )

@@ -405,9 +405,39 @@ static HardInput poisson_open( void )
     PASS( "a row with the weight of one pixel, and pixels that nothing ties to it" );
 }
 
+// Eyes whose rays would not be numbers are refused; Embree ends the process where it is given such a ray.
+static HardInput unusable_eyes( void )
+{
+    HardInput out = { .holds = true };
+    HardScene h = { .eye_count = 7 };
+    hard_stage( &h, hard_grey() );
+    RfTracer* tracer = make_tracer( &h.scene );
+    RfRenderSettings s = plain_settings();
+    s.spp = s.threads = 1;
+    s.group = 0;
+    int refused = 0;
+    for ( int k = 0; k < 6; ++k )
+    {
+        RfEye eye = h.eyes[3];
+        RfError error;
+        eye.origin.x = k == 0 ? NAN : eye.origin.x;
+        eye.up.y = k == 1 ? INFINITY : eye.up.y;
+        eye.focal = k == 2 ? 0.0f : eye.focal;
+        if ( k >= 3 )
+            rf_set_lens( &eye, k == 5 ? INFINITY : 0.1, k == 3 ? 0.0 : k == 4 ? NAN : 1.0, 0, 0.0 );
+        refused += rf_render( tracer, &eye, 1, &( int ){ 0 }, 1, &s, NULL, NULL, &error ) == RF_ERROR_USAGE;
+    }
+    out.holds = refused == 6;
+    rf_destroy_tracer( tracer );
+    rf_destroy_scene( &h.scene );
+    PASS( "a focus of 0, eyes that are not finite: %d of 6 refused by a message", refused );
+}
+
 const HardCase g_hard_inputs[] = {
     { "film-corners", "hits on the border of the film and on corners of pixels, there and back", "places beyond the film",
       HARD_INPUT, 0, NULL, film_corners },
+    { "focus-0", "a lens focused at 0 m, eyes that are not finite", "x/0 in the shear of the film; rays that are no numbers",
+      HARD_INPUT, 0, NULL, unusable_eyes },
     { "density-range", "points at any distance, any normal", "products and quotients of densities beyond floats", HARD_INPUT, 0,
       NULL, projections },
     { "acne-and-leaks", "rays that leave hits, at any scale", "offsets too small or too large", HARD_INPUT, 0, NULL,

@@ -65,18 +65,18 @@ static void lamps_in_a_tiny_scene( HardScene* h )
         h->scene.materials[i].emission = rf_scale( h->scene.materials[i].emission, 1e18f );
 }
 
-// 200 lamps whose powers go from 1e-6 to 1e6; the strong ones are hidden behind the wall from all that is seen.
+// 20 lamps whose powers go from 1e-6 to 1e6; the strong ones are hidden behind the wall from all that is seen.
 static void ratios_of_power( HardScene* h )
 {
     hard_stage( h, hard_grey() );
     SceneBuilder b = hard_reopen( &h->scene );
-    for ( int i = 0; i < 60; ++i )
+    for ( int i = 0; i < 20; ++i )
     {
-        float power = powf( 10.0f, -6.0f + 12.0f * (float)( i % 20 ) / 19.0f );
-        bool hidden = i % 20 >= 10;
+        float power = powf( 10.0f, -6.0f + 12.0f * (float)i / 19.0f );
+        bool hidden = i >= 10;
         uint32_t light = add_material( &b, make_light( 2e2f * power, true ) );
         RfVec3 p =
-            rf_vec3( -1.5f + 0.05f * (float)i, hidden ? 1.0f : 2.0f, hidden ? -2.5f - 0.02f * (float)i : 0.03f * (float)i );
+            rf_vec3( -1.5f + 0.15f * (float)i, hidden ? 1.0f : 2.0f, hidden ? -2.5f - 0.02f * (float)i : 0.03f * (float)i );
         add_quad( &b, light, p, rf_madd( p, rf_vec3( 0.03f, 0, 0 ), 1.0f ), rf_add( p, rf_vec3( 0.03f, 0.03f, 0 ) ),
                   rf_madd( p, rf_vec3( 0, 0.03f, 0 ), 1.0f ) );
     }
@@ -161,7 +161,7 @@ const HardCase g_hard_light[] = {
     { "lamp-on-surface", "lamps on a floor and 1e-12 m above it", "1/d2 at d = 0", HARD_FINITE, 0, lamp_on_surface, NULL },
     { "lamps-1e-6", "lamps as bright as stars in a room of micrometres", "intensity over d2 times the density of a delta",
       HARD_DOUBLE, 1.5, lamps_in_a_tiny_scene, NULL },
-    { "powers-1e12", "60 lamps whose powers differ by 1e12, the strong ones hidden", "sums of importances in floats", HARD_DOUBLE,
+    { "powers-1e12", "20 lamps whose powers differ by 1e12, the strong ones hidden", "sums of importances in floats", HARD_DOUBLE,
       2.0, ratios_of_power, NULL },
     { "sky-one-texel", "a black sky with one bright texel", "interpolation beyond the texel, densities of 0", HARD_VALUE, 1.5,
       bright_texel, NULL },

@@ -57,17 +57,16 @@ static void mirror( HardScene* h ) { floor_under_sky( h, perfect_mirror(), rf_ve
 static void mirror_grazing( HardScene* h ) { floor_under_sky( h, perfect_mirror(), rf_vec3( 0, -1e-3f, -1 ), 1.0, 1e-4 ); }
 static void mirror_edge_on( HardScene* h ) { floor_under_sky( h, perfect_mirror(), rf_vec3( 0, -1e-5f, -1 ), 1.0, 1e-4 ); }
 
-// The stage with a mirror for a floor, looked at along it: chains, and images of eyes.
+// The stage with a sheet of mirror before the eyes, looked at along it: chains, and images of eyes.
 static void mirror_stage( HardScene* h )
 {
-    hard_stage( h, hard_grey() );
-    h->scene.materials[3] = ( RfMaterial ){ .name = h->scene.materials[3].name, .kind = RF_BSDF_GLASS };
-    RfMaterial m = make_mirror( 0.9f );
-    m.name = h->scene.materials[3].name;
-    h->scene.materials[3] = m;
-    for ( uint32_t i = 4; i < h->scene.triangles.count; ++i )
-        h->scene.triangles.material[i] = h->scene.triangles.material[i] == 3 ? 0 : h->scene.triangles.material[i];
-    hard_eyes( h, rf_vec3( 0.2f, 3e-3f, 2.2f ), rf_vec3( 0.01f, 1e-4f, 0 ), rf_vec3( 0, 0, -1 ), 30.0 );
+    hard_stage( h, hard_glossy() );
+    SceneBuilder b = hard_reopen( &h->scene );
+    uint32_t m = add_material( &b, make_mirror( 0.9f ) );
+    add_quad( &b, m, rf_vec3( -0.2f, 0.7f, 2.0f ), rf_vec3( 0.6f, 0.7f, 2.0f ), rf_vec3( 0.6f, 0.7f, 1.4f ),
+              rf_vec3( -0.2f, 0.7f, 1.4f ) );
+    h->scene = finish_scene( &b );
+    hard_eyes( h, rf_vec3( 0.2f, 0.703f, 2.2f ), rf_vec3( 0.01f, 2e-4f, 0 ), rf_vec3( 0, 0, -1 ), 20.0 );
 }
 
 // A box of glass in the sky: whatever it refracts and reflects, it is as bright as the sky.
@@ -152,7 +151,8 @@ const HardCase g_hard_materials[] = {
     { "mirror-grazing", "a mirror seen at 1e-3 rad", "images of eyes near its plane", HARD_VALUE, 0, mirror_grazing, NULL },
     { "mirror-edge-on", "a mirror seen at 1e-5 rad", "eyes below the horizon of the models", HARD_VALUE, 0, mirror_edge_on,
       NULL },
-    { "mirror-stage", "a stage seen along its mirror floor", "chains at grazing angles", HARD_PLAIN, 2.0, mirror_stage, NULL },
+    { "mirror-stage", "a sheet of mirror seen at 1e-3 to 1e-2 rad", "chains at grazing angles", HARD_PLAIN, 2.0, mirror_stage,
+      NULL },
     { "ior-1", "glass of index 1", "no reflection at all: 0/0", HARD_VALUE, 0, ior_1, NULL },
     { "ior-1.0001", "glass of index 1.0001", "total reflection at the last 0.8 degrees", HARD_VALUE, 0, ior_almost_1, NULL },
     { "ior-10", "sheets of index 10", "nearly mirrors", HARD_VALUE, 0, ior_10, NULL },
