@@ -252,8 +252,11 @@ static void compare_value( const Pictures* p, const HardCase* c, const HardScene
     out->whole_p = beyond > 0.0 && statistics ? student_p( beyond / fmax( error, 1e-300 ), p->count - 1 ) : 1.0;
 }
 
-// Tiles and gradients gain nothing from other frames.
-static double most_ratio( const HardCase* c, const Estimator* e ) { return e->frames ? c->factor : fmax( c->factor, 1.5 ); }
+// Tiles and gradients gain nothing from other frames, and gradients spread the noise of bright pixels over dark ones.
+static double most_ratio( const HardCase* c, const Estimator* e )
+{
+    return e->frames ? c->factor : fmax( c->factor, e->estimator != NULL ? 6.0 : 1.5 );
+}
 
 static bool verdict( const HardCase* c, const HardForm* form, const Estimator* e, const Result* r )
 {
