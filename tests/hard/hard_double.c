@@ -267,6 +267,15 @@ static V radiance( const World* w, V o, V d, int max_depth, Random* r )
     return sum;
 }
 
+// Moves the ray to a point of the thin lens, through what is in focus on it. `d` has the length 1 along the view.
+static void use_lens( const RfEye* eye, Random* r, V* o, V* d )
+{
+    double radius = (double)eye->lens_radius * sqrt( draw( r ) ), phi = 2.0 * PI * draw( r );
+    V at = add( times( wide( eye->right ), radius * cos( phi ) ), times( wide( eye->up ), radius * sin( phi ) ) );
+    *o = add( *o, at );
+    *d = sub( *d, times( at, 1.0 / (double)eye->focus ) );
+}
+
 void hard_double_image( const RfScene* scene, const RfEye* eye, int spp, int max_depth, uint64_t seed, double* rgb )
 {
     World w = make_world( scene );
@@ -279,7 +288,10 @@ void hard_double_image( const RfScene* scene, const RfEye* eye, int spp, int max
             double x = i % eye->width + draw( &r ) - (double)eye->axis_x, y = (double)eye->axis_y - i / eye->width - draw( &r );
             V d = add( wide( eye->forward ), add( times( wide( eye->right ), x / (double)eye->focal_x ),
                                                   times( wide( eye->up ), y / (double)eye->focal ) ) );
-            sum = add( sum, radiance( &w, wide( eye->origin ), unit( d ), max_depth, &r ) );
+            V o = wide( eye->origin );
+            if ( eye->lens_radius > 0.0f )
+                use_lens( eye, &r, &o, &d );
+            sum = add( sum, radiance( &w, o, unit( d ), max_depth, &r ) );
         }
         rgb[3 * i] = sum.x / spp;
         rgb[3 * i + 1] = sum.y / spp;

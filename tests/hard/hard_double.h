@@ -8,7 +8,7 @@
 
 #include <stdint.h>
 
-// The picture of a pinhole: 3 doubles per pixel.
+// The picture of an eye that stands still, a pinhole or with a round lens: 3 doubles per pixel.
 void hard_double_image( const RfScene* scene, const RfEye* eye, int spp, int max_depth, uint64_t seed, double* rgb );
 
 #endif

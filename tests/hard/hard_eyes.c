@@ -198,22 +198,20 @@ static void lens_0( HardScene* h )
         rf_set_lens( h->eyes + i, 0.0, i % 2 == 0 ? 0.0 : INFINITY, 0, 0.0 );
 }
 
-// Focused at infinity by a lens of any size, a pinhole's picture of what is infinitely far: a constant sky.
-static void lens_in_the_sky( HardScene* h, double radius, double focus )
+static void lens( HardScene* h, float scale, double radius, double focus )
 {
-    SceneBuilder b = { 0 };
-    add_quad( &b, add_material( &b, make_lambert( 0, 0, 0 ) ), rf_vec3( -1, -1e6f, 1 ), rf_vec3( 1, -1e6f, 1 ),
-              rf_vec3( 1, -1e6f, -1 ), rf_vec3( -1, -1e6f, -1 ) );
-    h->scene = finish_scene( &b );
-    h->scene.environment.radiance = rf_vec3( 1, 1, 1 );
-    hard_eyes( h, rf_vec3( 0, 0, 0 ), rf_vec3( 1, 0, 0 ), rf_vec3( 0, 0, -1 ), 50.0 );
+    hard_stage( h, hard_glossy() );
+    hard_move( h, scale, rf_vec3( 0, 0, 0 ) );
     for ( int i = 0; i < 7; ++i )
         rf_set_lens( h->eyes + i, radius, focus, i == 4 ? 5 : 0, 0.3 );
-    h->value = 1.0;
+    h->spp = 28; // each pass has one point of the lens
 }
 
-static void lens_1e3( HardScene* h ) { lens_in_the_sky( h, 1e3, 10.0 ); }
-static void focus_infinite( HardScene* h ) { lens_in_the_sky( h, 1.0, INFINITY ); }
+// On a stage of 40 km, focused on the block.
+static void lens_1e3( HardScene* h ) { lens( h, 1e4f, 1e3, 2.2e4 ); }
+static void lens_1e3_in_a_room( HardScene* h ) { lens( h, 1.0f, 1e3, 2.2 ); }
+static void focus_infinite( HardScene* h ) { lens( h, 1.0f, 0.05, INFINITY ); }
+static void focus_near( HardScene* h ) { lens( h, 1.0f, 0.01, 1e-6 ); }
 
 static void shutter_0( HardScene* h )
 {
@@ -259,8 +257,11 @@ const HardCase g_hard_eyes[] = {
       beyond_the_path, NULL },
     { "lens-0", "lenses of radius 0, focused at 0 and at infinity", "0/0 and inf/inf in the shear of the film", HARD_DOUBLE, 1.5,
       lens_0, NULL },
-    { "lens-1e3", "a lens of 1 km", "films sheared by 1e3 px and more", HARD_VALUE, 0, lens_1e3, NULL },
-    { "focus-infinite", "a lens focused at infinity", "inf in the shear of the film", HARD_VALUE, 0, focus_infinite, NULL },
+    { "lens-1e3", "a lens of 1 km, focused at 22 km", "films sheared by 1 px and more", HARD_DOUBLE, 1.5, lens_1e3, NULL },
+    { "lens-1e3-in-a-room", "a lens of 1 km in a room of 4 m", "films sheared by 1e4 px", HARD_FINITE, 0, lens_1e3_in_a_room,
+      NULL },
+    { "focus-infinite", "a lens focused at infinity", "inf in the shear of the film", HARD_DOUBLE, 1.5, focus_infinite, NULL },
+    { "focus-1e-6", "a lens focused at 1e-6 m", "films sheared by 1e5 px", HARD_FINITE, 0, focus_near, NULL },
     { "shutter-0", "a shutter that is open for no time", "three equal poses", HARD_DOUBLE, 1.5, shutter_0, NULL },
     { 0 },
 };

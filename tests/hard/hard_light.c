@@ -152,6 +152,23 @@ static void dark_ball( HardScene* h )
     hard_eyes( h, rf_vec3( 0, 0.1f, 0.2f ), rf_vec3( 0.03f, 0, 0 ), rf_vec3( 0.3f, 0.1f, -1 ), 100.0 );
 }
 
+static void nothing_there( HardScene* h )
+{
+    hard_stage( h, hard_grey() );
+    rf_destroy_scene( &h->scene );
+}
+
+// Inside of a box that is bright on both sides: the mean of its three channels.
+static void in_an_emitter( HardScene* h )
+{
+    SceneBuilder b = { 0 };
+    add_box( &b, add_material( &b, make_light( 2.0f, true ) ), rf_vec3( -1, -1, -1 ), rf_vec3( 1, 1, 1 ), false );
+    h->scene = finish_scene( &b );
+    hard_eyes( h, rf_vec3( 0, 0, 0 ), rf_vec3( 0.02f, 0, 0 ), rf_vec3( 0, 0, -1 ), 50.0 );
+    h->value = 2.0 * 2.9 / 3.0;
+    h->within = 1e-5;
+}
+
 const HardCase g_hard_light[] = {
     { "radiance-1e-30", "light of 1e-30 W/(m2 sr)", "products and squares below floats", HARD_DOUBLE, 1.5, dim, NULL },
     { "radiance-1e30", "light of 1e30 W/(m2 sr)", "products and squares beyond floats", HARD_DOUBLE, 1.5, bright, NULL },
@@ -166,6 +183,8 @@ const HardCase g_hard_light[] = {
     { "sky-one-texel", "a black sky with one bright texel", "interpolation beyond the texel, densities of 0", HARD_VALUE, 1.5,
       bright_texel, NULL },
     { "no-light", "a scene whose lights are black", "sums of powers of 0", HARD_BLACK, 0, no_lights, NULL },
+    { "nothing-there", "a scene without triangles", "bounds, BVH and lists of nothing", HARD_BLACK, 0, nothing_there, NULL },
+    { "in-an-emitter", "eyes inside of a light", "lights seen from behind", HARD_VALUE, 0, in_an_emitter, NULL },
     { "dark-room", "a dark room beside and below a lit one", "rays that start beyond walls of no thickness", HARD_BLACK, 0,
       dark_room_1, NULL },
     { "dark-room-1e-6", "the same, 1e-6 as large", "offsets", HARD_BLACK, 0, dark_room_small, NULL },

@@ -99,7 +99,7 @@ static void absorption_small( HardScene* h )
     RfMaterial m = make_glass( 1.1f, 0.0f, false );
     m.absorption = rf_vec3( 1e-9f, 1e-9f, 1e-9f );
     glass_in_the_sky( h, m );
-    h->within = 1e-3;
+    h->within = 5e-3;
 }
 
 static void absorption_large( HardScene* h )
