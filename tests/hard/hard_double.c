@@ -96,8 +96,9 @@ static int nearest( const World* w, V o, V d, int skip, double reach, double* di
             continue;
         V tv = sub( o, t->p ), qv = cross( tv, t->e1 );
         double a = dot( tv, pv ) / det, b = dot( d, qv ) / det, s = dot( t->e2, qv ) / det;
-        double scale = fmax( length( o ), length( t->p ) ) * 1e-13 / length( d ); // the other half of the quad it starts on
-        if ( a >= 0.0 && b >= 0.0 && a + b <= 1.0 && s > scale && s < best )
+        // the other half of the quad it starts on
+        double least = skip < 0 ? 0.0 : fmax( length( o ), length( t->p ) ) * 1e-13 / length( d );
+        if ( a >= 0.0 && b >= 0.0 && a + b <= 1.0 && s > least && s < best )
         {
             best = s;
             found = i;

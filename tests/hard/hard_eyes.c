@@ -42,25 +42,50 @@ static void close_by( HardScene* h )
         h->eyes[i].origin.x = 1e-6f * (float)( i - 3 );
 }
 
-// The tested eye is as good as on the floor and looks down at it, while the others see that place from afar: the density
-// of its hits leaves the range of floats.
-static void on_surface( HardScene* h )
+// A floor through the origin, where floats are densest, and a light.
+static void empty_stage( HardScene* h )
 {
-    hard_stage( h, hard_glossy() );
-    h->eyes[2].origin = rf_vec3( 1.3f, 1e-20f, 0.7f );
-    h->eyes[4] =
-        rf_make_eye( rf_vec3( 1.3f, 1e-20f, 0.7f ), rf_vec3( 0, -1, -1e-3f ), rf_vec3( 0, 1, 0 ), 0.9, HARD_WIDTH, HARD_HEIGHT );
-    h->eyes[5] =
-        rf_make_eye( rf_vec3( 1.3f, 1e-12f, 0.7f ), rf_vec3( 0, -1, -1e-3f ), rf_vec3( 0, 1, 0 ), 0.9, HARD_WIDTH, HARD_HEIGHT );
+    SceneBuilder b = { 0 };
+    uint32_t floor = add_material( &b, hard_glossy() ), light = add_material( &b, make_light( 10.0f, false ) );
+    add_quad( &b, floor, rf_vec3( -2, 0, 2 ), rf_vec3( 2, 0, 2 ), rf_vec3( 2, 0, -2 ), rf_vec3( -2, 0, -2 ) );
+    add_quad( &b, light, rf_vec3( -0.6f, 2.5f, -0.6f ), rf_vec3( 0.6f, 2.5f, -0.6f ), rf_vec3( 0.6f, 2.5f, 0.6f ),
+              rf_vec3( -0.6f, 2.5f, 0.6f ) );
+    h->scene = finish_scene( &b );
 }
 
-// All hits of one eye at a distance of 1e-18 m from it: above the floor, straight down.
+// One eye is as good as on the floor and looks down at it, while the others see that place from afar.
+static void on_surface( HardScene* h )
+{
+    empty_stage( h );
+    for ( int i = 0; i < 7; ++i )
+        h->eyes[i] = rf_make_eye( rf_vec3( 0, i == 4 ? 1e-20f : 0.5f + 0.2f * (float)i, 0 ), rf_vec3( 0, -1, -1e-3f ),
+                                  rf_vec3( 0, 1, 0 ), 0.9, HARD_WIDTH, HARD_HEIGHT );
+}
+
+// Distances of 1e-9 to 1e-24 m from the floor: film densities beyond floats.
 static void touching( HardScene* h )
 {
-    hard_stage( h, hard_glossy() );
+    empty_stage( h );
     for ( int i = 0; i < 7; ++i )
-        h->eyes[i] = rf_make_eye( rf_vec3( 1.3f, powf( 10.0f, -3.0f * (float)( i < 3 ? i : 6 - i ) - 9.0f ), 0.7f ),
+        h->eyes[i] = rf_make_eye( rf_vec3( 0, powf( 10.0f, -5.0f * (float)( i < 3 ? i : 6 - i ) - 9.0f ), 0 ),
                                   rf_vec3( 0, -1, -1e-3f ), rf_vec3( 0, 1, 0 ), 0.9, HARD_WIDTH, HARD_HEIGHT );
+}
+
+// Along a floor that is tilted, from 1e-7 m above it: half of the hits lie above the eye by rounding.
+static void grazing_tilted( HardScene* h )
+{
+    SceneBuilder b = { 0 };
+    uint32_t floor = add_material( &b, hard_glossy() ), light = add_material( &b, make_light( 10.0f, true ) );
+    RfVec3 x = rf_normalize( rf_vec3( 0.8f, -0.3f, 0.1f ) ), z = rf_normalize( rf_vec3( -0.1f, 0.1f, 0.9f ) );
+    RfVec3 n = rf_normalize( rf_cross( z, x ) ), at = rf_vec3( 1.3f, -0.7f, 2.1f );
+    RfVec3 p = rf_madd( rf_madd( at, x, -2 ), z, 2 ), q = rf_madd( rf_madd( at, x, 2 ), z, 2 );
+    RfVec3 r = rf_madd( rf_madd( at, x, 2 ), z, -2 ), s = rf_madd( rf_madd( at, x, -2 ), z, -2 ), up = rf_scale( n, 2.0f );
+    add_quad( &b, floor, p, q, r, s );
+    add_quad( &b, light, rf_add( p, up ), rf_add( q, up ), rf_add( r, up ), rf_add( s, up ) );
+    h->scene = finish_scene( &b );
+    for ( int i = 0; i < 7; ++i )
+        h->eyes[i] = rf_make_eye( rf_madd( rf_madd( at, n, 3e-7f ), x, 0.01f * (float)i ),
+                                  rf_madd( rf_scale( z, -1.0f ), n, -3e-7f ), n, 4e-7, HARD_WIDTH, HARD_HEIGHT );
 }
 
 // Exactly in the plane of the floor, along which all eyes but two look.
@@ -151,13 +176,13 @@ static void turns( HardScene* h )
                                   rf_vec3( 0, i == 5 ? -1.0f : 1.0f, 0 ), 1.2, HARD_WIDTH, HARD_HEIGHT );
 }
 
-// Up and down along the vertical, with it as `up`: as good as parallel.
+// The up vector is opposite to the view, but for 1e-6.
 static void gimbal( HardScene* h )
 {
     hard_stage( h, hard_glossy() );
     for ( int i = 0; i < 7; ++i )
-        h->eyes[i] = rf_make_eye( rf_vec3( 0.3f + 0.1f * (float)i, 2.2f, 1.0f ), rf_vec3( 3e-7f, -1, 1e-7f * (float)i ),
-                                  rf_vec3( 0, 1, 0 ), 0.9, HARD_WIDTH, HARD_HEIGHT );
+        h->eyes[i] = rf_make_eye( rf_vec3( 0.1f + 0.02f * (float)i, 2.2f, 0.9f ), rf_vec3( 0.1f, -0.9f, -0.3f ),
+                                  rf_vec3( -0.1f + 1e-6f, 0.9f - 1e-6f * (float)( i % 3 ), 0.3f ), 0.9, HARD_WIDTH, HARD_HEIGHT );
 }
 
 static void jumps( HardScene* h )
@@ -232,7 +257,9 @@ const HardCase g_hard_eyes[] = {
     { "eyes-coincide", "seven frames of one eye", "all weights are 1/7", HARD_DOUBLE, 0.5, coincident, NULL },
     { "eyes-1e-6-apart", "eyes 1e-6 m apart", "differences near the rounding of coordinates", HARD_DOUBLE, 0.5, close_by, NULL },
     { "eye-on-surface", "an eye 1e-20 m above the floor that others see", "J = inf", HARD_DOUBLE, 1.5, on_surface, NULL },
-    { "eyes-touch-surface", "eyes 1e-9 to 1e-18 m from the floor", "J beyond floats, sums of it", HARD_FINITE, 0, touching,
+    { "eyes-touch-surface", "eyes 1e-9 to 1e-24 m from the floor", "J beyond floats, sums of it", HARD_DOUBLE, 1.5, touching,
+      NULL },
+    { "grazing-tilted", "a tilted floor seen along it from 3e-7 m above", "J below 0 by rounding", HARD_FINITE, 0, grazing_tilted,
       NULL },
     { "eyes-in-plane", "eyes exactly in the plane of what others see", "J = 0: 0/0", HARD_DOUBLE, 1.5, in_plane, NULL },
     { "eye-inside", "an eye in a closed block that others see", "leaks by reprojection", HARD_BLACK, 0, inside, NULL },
@@ -245,7 +272,7 @@ const HardCase g_hard_eyes[] = {
     { "film-16384x1", "a film of 16384 x 1", "hits on the borders of pixels; 1e-3 px of rounding", HARD_DOUBLE, 1.5, wide_film,
       NULL },
     { "path-turns", "every frame looks the other way", "nothing in common with the neighbours", HARD_DOUBLE, 1.5, turns, NULL },
-    { "path-gimbal", "views along the up vector, 3e-7 rad off", "a frame from nearly parallel vectors", HARD_DOUBLE, 1.5, gimbal,
+    { "path-gimbal", "views along the up vector, 1e-6 rad off", "a frame from nearly parallel vectors", HARD_DOUBLE, 1.5, gimbal,
       NULL },
     { "path-jumps", "frames 1e4 m apart", "densities 1e10 apart", HARD_DOUBLE, 1.5, jumps, NULL },
     { "path-stands-still", "the same eye at every frame", "as eyes-coincide, beside eyes that do not", HARD_DOUBLE, 0.5,

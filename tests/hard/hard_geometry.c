@@ -146,6 +146,23 @@ static void fan( HardScene* h )
     hard_eyes( h, rf_vec3( 1.4f, 0.9f, 1.7f ), rf_vec3( 0.02f, 0, 0 ), rf_vec3( 0, -0.8f, -1 ), 30.0 );
 }
 
+// An edge between two walls at the origin, looked at from 1e-12 m to 1 m: hits and second vertices at all distances.
+static void corner( HardScene* h )
+{
+    SceneBuilder b = { 0 };
+    uint32_t grey = add_material( &b, hard_grey() ), light = add_material( &b, make_light( 10.0f, false ) );
+    add_quad( &b, grey, rf_vec3( 0, 0, 1 ), rf_vec3( 2, 0, 1 ), rf_vec3( 2, 0, -1 ), rf_vec3( 0, 0, -1 ) );
+    add_quad( &b, grey, rf_vec3( 0, 0, 1 ), rf_vec3( 0, 0, -1 ), rf_vec3( 0, 2, -1 ), rf_vec3( 0, 2, 1 ) );
+    add_quad( &b, light, rf_vec3( 1, 2, -1 ), rf_vec3( 2, 2, -1 ), rf_vec3( 2, 2, 1 ), rf_vec3( 1, 2, 1 ) );
+    h->scene = finish_scene( &b );
+    for ( int i = 0; i < 7; ++i )
+    {
+        float d = powf( 10.0f, -4.0f * (float)( i < 3 ? i : 6 - i ) );
+        h->eyes[i] = rf_make_eye( rf_vec3( d, 0.7f * d, 0 ), rf_vec3( -1, -0.8f, -0.1f ), rf_vec3( 0, 0, 1 ), 1.7, HARD_WIDTH,
+                                  HARD_HEIGHT );
+    }
+}
+
 // The ground is a quad of 2000 km under a room; its hits have the rounding of its corners.
 static void far_ground( HardScene* h )
 {
@@ -179,6 +196,8 @@ const HardCase g_hard_geometry[] = {
     { "depth-edges", "tiles across depth edges of 1e5", "1/d2 that differ by 1e10", HARD_DOUBLE, 3.0, depth_edges, NULL },
     { "touching-plates", "two plates 1e-12 m apart", "second vertices at distance 0", HARD_FINITE, 0, touching_plates, NULL },
     { "fan", "plates around one edge, at angles down to 1e-9", "hits next to edges", HARD_DOUBLE, 2.5, fan, NULL },
+    { "corner-1e-12", "an edge seen from 1e-12 m to 1 m", "second vertices at 1e-12 m, 1/d2 of 1e24", HARD_DOUBLE, 2.5, corner,
+      NULL },
     { "far-ground", "a tilted ground of 2000 km under a room", "hits with the rounding of its corners", HARD_DOUBLE, 1.5,
       far_ground, NULL },
     { 0 },

@@ -344,7 +344,9 @@ static double solve_equal( int width, int height, RfReconstructMethod method, fl
     free( zero );
     free( weights );
     free( rgb );
-    return result == RF_OK ? worst : weight == 0.0f && result == RF_ERROR_USAGE ? 0.0 : INFINITY;
+    if ( weight == 0.0f ) // must be refused
+        return result == RF_ERROR_USAGE ? 0.0 : INFINITY;
+    return result == RF_OK ? worst : INFINITY;
 }
 
 static HardInput poisson( void )
@@ -369,6 +371,45 @@ static HardInput poisson( void )
     }
     out.holds = worst < 1e-5;
     PASS( "1x1, 1xn, equal data, weights of 1e-38 to 1e38: off by %.2g", worst );
+}
+
+// Random data times 1e-30 and 1e30: the solution is that of the data, times as much.
+static HardInput poisson_scaled( void )
+{
+    enum
+    {
+        W = 9,
+        H = 7
+    };
+    HardInput out = { 0 };
+    static const double scales[] = { 1.0, 1e-30, 1e30 };
+    float data[3][3 * W * H], rgb[3][3 * W * H], weights[W * H];
+    double worst = 0.0;
+    for ( int m = RF_RECONSTRUCT_L2; m <= RF_RECONSTRUCT_L1; ++m )
+    {
+        for ( int s = 0; s < 3; ++s )
+        {
+            for ( uint32_t i = 0; i < 3 * W * H; ++i )
+            {
+                for ( uint32_t k = 0; k < 3; ++k )
+                    data[k][i] = (float)( scales[s] * (double)( even( i, k ) - ( k > 0 ? 0.5f : 0.0f ) ) );
+                weights[i / 3] = 0.1f + even( i, 3 );
+            }
+            RfGradientImages in = { W, H, data[0], data[1], data[2] };
+            RfGradientWeights w = { weights, weights, weights };
+            RfReconstructOptions options = rf_default_reconstruct_options();
+            RfError error;
+            options.method = (RfReconstructMethod)m;
+            RfResult result = rf_reconstruct( &in, m == RF_RECONSTRUCT_WEIGHTED ? &w : NULL, &options, rgb[s], NULL, &error );
+            for ( int i = 0; i < 3 * W * H; ++i )
+            {
+                double off = fabs( (double)rgb[s][i] / scales[s] - (double)rgb[0][i] );
+                worst = result == RF_OK && off <= 1e30 ? fmax( worst, off ) : INFINITY;
+            }
+        }
+    }
+    out.holds = worst < 1e-3;
+    PASS( "random data times 1e-30 and 1e30: off by %.2g at most", worst );
 }
 
 static HardInput poisson_zero( void )
@@ -437,6 +478,126 @@ static HardInput unusable_eyes( void )
     PASS( "a focus of 0, eyes that are not finite: %d of 6 refused by a message", refused );
 }
 
+// f of the sharpest lobes near their middle, as the formula in doubles has it for the same floats.
+static HardInput sharp_lobes( void )
+{
+    HardInput out = { .holds = true };
+    double worst[2] = { 0.0, 0.0 };
+    int close = 0, drawn = 0;
+    for ( uint32_t i = 0; i < MANY; ++i )
+    {
+        bool phong = i % 2 == 0;
+        RfVec3 n = rf_normalize( rf_vec3( even( i, 0 ) - 0.5f, even( i, 1 ) + 0.2f, even( i, 2 ) - 0.5f ) ), t, b;
+        rf_basis( n, &t, &b );
+        RfVec3 wo = rf_normalize( rf_madd( rf_madd( n, t, 2.0f * even( i, 3 ) ), b, even( i, 4 ) ) );
+        float exponent = 1e7f, alpha = RF_MIN_ALPHA, spread = phong ? 5e-4f : 2e-3f, zero = 0.0f, one = 1.0f;
+        RfVec3 mirror = rf_sub( rf_scale( n, 2.0f * rf_dot( n, wo ) ), wo ),
+               jitter = rf_madd( rf_scale( t, even( i, 5 ) - 0.5f ), b, even( i, 6 ) - 0.5f );
+        RfVec3 wi = rf_normalize( rf_madd( mirror, jitter, spread ) );
+        RfBsdfLanes lanes = { .n = { &n.x, &n.y, &n.z } };
+        for ( int p = 0; p < 3; ++p )
+        {
+            lanes.param[RF_PARAM_DIFFUSE + p] = &zero;
+            lanes.param[RF_PARAM_SPECULAR + p] = &one;
+        }
+        lanes.param[RF_PARAM_SHAPE] = phong ? &exponent : &alpha;
+        lanes.param[RF_PARAM_F90] = lanes.param[RF_PARAM_COAT_F90] = lanes.param[RF_PARAM_COAT_F0] = &one;
+        const float *o[3] = { &wo.x, &wo.y, &wo.z }, *d[3] = { &wi.x, &wi.y, &wi.z };
+        float f[3], pdf, *to[3] = { f, f + 1, f + 2 };
+        rf_bsdf_evaluate( phong ? RF_BSDF_PHONG : RF_BSDF_GGX, 1, &lanes, o, d, to, &pdf );
+        // |n x h|2 and what is along n, for h = wo + wi
+        double N[3] = { (double)n.x, (double)n.y, (double)n.z }, O[3] = { (double)wo.x, (double)wo.y, (double)wo.z };
+        double I[3] = { (double)wi.x, (double)wi.y, (double)wi.z }, C[3], across = 0.0, length2 = 0.0, cos_o = 0.0, cos_i = 0.0;
+        for ( int k = 0; k < 3; ++k )
+        {
+            int k1 = ( k + 1 ) % 3, k2 = ( k + 2 ) % 3;
+            C[k] = N[k1] * ( O[k2] + I[k2] ) - N[k2] * ( O[k1] + I[k1] );
+            across += C[k] * C[k];
+            length2 += ( O[k] + I[k] ) * ( O[k] + I[k] );
+            cos_o += N[k] * O[k];
+            cos_i += N[k] * I[k];
+        }
+        double exact, a2 = (double)alpha * (double)alpha;
+        if ( phong )
+            exact = 1e7 / ( 2.0 * 3.14159265358979324 ) *
+                    exp( 1e7 * log1p( -0.5 * ( across + ( cos_i - cos_o ) * ( cos_i - cos_o ) ) ) );
+        else
+        {
+            double q = length2 / ( a2 * ( cos_o + cos_i ) * ( cos_o + cos_i ) + across );
+            double so = sqrt( a2 + ( 1.0 - a2 ) * cos_o * cos_o ), si = sqrt( a2 + ( 1.0 - a2 ) * cos_i * cos_i );
+            exact = a2 * q * q / 3.14159265358979324 * 0.5 / ( cos_o * si + cos_i * so );
+        }
+        worst[phong] = fmax( worst[phong], fabs( (double)f[0] / exact - 1.0 ) );
+        if ( !phong )
+            continue;
+        // 1 - cos of what is drawn around the normal: below 0.1 / n with probability 1 - exp(-0.1)
+        float u0 = even( i, 7 ), u1 = even( i, 8 ), u2 = 0.5f;
+        const float *u[3] = { &u0, &u1, &u2 }, *above[3] = { &n.x, &n.y, &n.z };
+        RfVec3 in;
+        float* to_wi[3] = { &in.x, &in.y, &in.z };
+        rf_bsdf_sample( RF_BSDF_PHONG, 1, &lanes, above, u, to_wi );
+        double c0 = N[1] * (double)in.z - N[2] * (double)in.y, c1 = N[2] * (double)in.x - N[0] * (double)in.z,
+               c2 = N[0] * (double)in.y - N[1] * (double)in.x;
+        close += 0.5 * ( c0 * c0 + c1 * c1 + c2 * c2 ) < 0.1 / 1e7;
+        drawn += 1;
+    }
+    double share = (double)close / drawn, due = 1.0 - exp( -0.1 );
+    bool drawn_well = fabs( share - due ) < 5.0 * sqrt( due * ( 1.0 - due ) / drawn );
+    out.holds = worst[0] < 1e-3 && worst[1] < 1e-3 && drawn_well;
+    PASS( "%.1f million directions: GGX of alpha 1e-3 within %.2g, Phong of exponent 1e7 within %.2g, drawn near its middle %.4f "
+          "(%.4f)",
+          MANY / 1e6, worst[0], worst[1], share, due );
+}
+
+// The interval of random numbers that leads to each light must be as long as its probability says.
+static HardInput light_intervals( void )
+{
+    HardInput out = { .holds = true };
+    HardScene h = { .eye_count = 7 };
+    hard_stage( &h, hard_grey() );
+    SceneBuilder b = hard_reopen( &h.scene );
+    for ( int i = 0; i < 40; ++i )
+    {
+        uint32_t light = add_material( &b, make_light( powf( 10.0f, -6.0f + 12.0f * (float)i / 39.0f ), true ) );
+        RfVec3 p = rf_vec3( -1.5f + 0.08f * (float)( i * 7 % 40 ), 2.0f, 0.03f * (float)i );
+        add_quad( &b, light, p, rf_add( p, rf_vec3( 0.03f, 0, 0 ) ), rf_add( p, rf_vec3( 0.03f, 0.03f, 0 ) ),
+                  rf_add( p, rf_vec3( 0, 0.03f, 0 ) ) );
+    }
+    h.scene = finish_scene( &b );
+    RfTracer* tracer = make_tracer( &h.scene );
+    const RfLights* lights = rf_tracer_lights( tracer );
+    RfVec3 x = rf_vec3( 0.3f, 0.01f, 0.2f ), n = rf_vec3( 0, 1, 0 );
+    double worst = 0.0;
+    uint64_t u = 0, end = (uint64_t)1 << 53;
+    int found = 0, due = 0;
+    for ( ; u < end && found < 1000; ++found )
+    {
+        uint64_t low = u, high = end;
+        uint32_t here =
+            rf_select_light( lights, RF_LIGHTS_BY_TREE, x, n, ( uint32_t[2] ){ (uint32_t)( u >> 21 ), (uint32_t)( u << 11 ) } )
+                .light;
+        while ( high - low > 1 ) // the last number that leads here, plus 1
+        {
+            uint64_t middle = low + ( high - low ) / 2;
+            uint32_t there = rf_select_light( lights, RF_LIGHTS_BY_TREE, x, n,
+                                              ( uint32_t[2] ){ (uint32_t)( middle >> 21 ), (uint32_t)( middle << 11 ) } )
+                                 .light;
+            low = there == here ? middle : low;
+            high = there == here ? high : middle;
+        }
+        double length = (double)( high - u ) * 0x1p-53,
+               told = (double)rf_light_probability( lights, RF_LIGHTS_BY_TREE, here, x, n );
+        worst = fmax( worst, fabs( length - told ) / fmax( told, 1e-9 ) );
+        u = high;
+    }
+    for ( uint32_t k = 0; k < lights->count; ++k )
+        due += rf_light_probability( lights, RF_LIGHTS_BY_TREE, k, x, n ) > 1e-13f;
+    rf_destroy_tracer( tracer );
+    rf_destroy_scene( &h.scene );
+    out.holds = worst < 1e-5 && found >= due && found < 1000;
+    PASS( "%d lights of powers 1e12 apart: intervals as long as probabilities, within %.2g", found, worst );
+}
+
 const HardCase g_hard_inputs[] = {
     { "film-corners", "hits on the border of the film and on corners of pixels, there and back", "places beyond the film",
       HARD_INPUT, 0, NULL, film_corners },
@@ -446,6 +607,10 @@ const HardCase g_hard_inputs[] = {
       NULL, projections },
     { "acne-and-leaks", "rays that leave hits, at any scale", "offsets too small or too large", HARD_INPUT, 0, NULL,
       acne_and_leaks },
+    { "sharp-lobes", "f of the sharpest lobes next to their middle", "sines of 1e-4 as differences of cosines", HARD_INPUT, 0,
+      NULL, sharp_lobes },
+    { "light-intervals", "a light tree whose powers differ by 1e12", "sums of importances in floats", HARD_INPUT, 0, NULL,
+      light_intervals },
     { "long-sums", "sums of 2^20 samples of a constant", "a float that grows by less than its spacing", HARD_INPUT, 0, NULL,
       long_sums },
     { "halves-beyond-65504", "16-bit floats of values beyond 65504", "infinities in files", HARD_INPUT, 0, NULL, halves },
@@ -455,6 +620,8 @@ const HardCase g_hard_inputs[] = {
       subnormals },
     { "poisson-equal", "Poisson systems of 1x1, 1xn and of equal data", "no neighbours, no gradient", HARD_INPUT, 0, NULL,
       poisson },
+    { "poisson-scaled", "Poisson systems of radiance 1e-30 and 1e30", "squares of distances", HARD_INPUT, 0, NULL,
+      poisson_scaled },
     { "poisson-zero-weights", "Poisson systems whose weights are all 0", "1/diagonal", HARD_INPUT, 0, NULL, poisson_zero },
     { "poisson-open", "parts of a system that nothing ties to data", "a singular matrix", HARD_INPUT, 0, NULL, poisson_open },
     { 0 },

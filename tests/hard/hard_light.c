@@ -117,6 +117,9 @@ static void no_lights( HardScene* h )
     hard_stage( h, hard_glossy() );
     for ( uint32_t i = 0; i < h->scene.material_count; ++i )
         h->scene.materials[i].emission = rf_vec3( 0, 0, 0 );
+    h->scene.punctuals = calloc( 1, sizeof *h->scene.punctuals );
+    h->scene.punctual_count = 1;
+    h->scene.punctuals[0] = make_point_light( rf_vec3( 0.5f, 1.5f, 1.0f ), 0.0f );
 }
 
 // A lit room and a dark one that share a wall of no thickness; the eyes are in the dark one.

@@ -83,6 +83,14 @@ static void glass_in_the_sky( HardScene* h, RfMaterial m )
 }
 
 static void ior_1( HardScene* h ) { glass_in_the_sky( h, make_glass( 1.0f, 0.0f, false ) ); }
+static void ior_1_black( HardScene* h )
+{
+    RfMaterial m = make_glass( 1.0f, 0.0f, true );
+    m.tint = rf_vec3( 0, 0, 0 );
+    glass_in_the_sky( h, m );
+    h->max_depth = 4;
+}
+
 static void ior_almost_1( HardScene* h ) { glass_in_the_sky( h, make_glass( 1.0001f, 0.0f, false ) ); }
 
 // Of an index of 10 a body reflects inside most of what it gets; a sheet of it does not.
@@ -154,6 +162,8 @@ const HardCase g_hard_materials[] = {
     { "mirror-stage", "a sheet of mirror seen at 1e-3 to 1e-2 rad", "chains at grazing angles", HARD_PLAIN, 2.0, mirror_stage,
       NULL },
     { "ior-1", "glass of index 1", "no reflection at all: 0/0", HARD_VALUE, 0, ior_1, NULL },
+    { "ior-1-black", "sheets of index 1 that let nothing through", "0/0 in the choice of lobes", HARD_PLAIN, 1.5, ior_1_black,
+      NULL },
     { "ior-1.0001", "glass of index 1.0001", "total reflection at the last 0.8 degrees", HARD_VALUE, 0, ior_almost_1, NULL },
     { "ior-10", "sheets of index 10", "nearly mirrors", HARD_VALUE, 0, ior_10, NULL },
     { "ior-10-body", "a body of index 10", "radiance scaled by 1/100 and back", HARD_PLAIN, 1.5, ior_10_body, NULL },

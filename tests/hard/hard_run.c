@@ -86,7 +86,8 @@ static RfRenderSettings settings_of( const HardScene* h, const Estimator* e, con
     return s;
 }
 
-static void note_values( const Rendered* r, bool may_be_negative, Result* out )
+// `alone`: no other frame adds to it, so each sample counts 1 in its own pixel.
+static void note_values( const Rendered* r, bool may_be_negative, bool alone, Result* out )
 {
     for ( size_t i = 0; i < 3 * r->pixels * (size_t)r->count; ++i )
     {
@@ -99,6 +100,7 @@ static void note_values( const Rendered* r, bool may_be_negative, Result* out )
         out->nans += isnan( r->weight[i] );
         out->infinities += isinf( r->weight[i] );
         out->negatives += r->weight[i] < 0.0f;
+        out->off += alone && !( fabsf( r->weight[i] - 1.0f ) <= 1e-5f );
     }
 }
 
@@ -123,7 +125,7 @@ static Pictures render( const RfTracer* tracer, const HardScene* h, const Estima
         // all frames once, then the tested one
         Rendered r = p.count == 0 ? render_all( tracer, eyes, h->eye_count, &settings )
                                   : render_frames( tracer, eyes, h->eye_count, &frame, 1, &settings );
-        note_values( &r, negative, out );
+        note_values( &r, negative, settings.group == 0 && e->estimator == NULL, out );
         p.rgb[p.count] = new_picture( &p );
         const float* rgb = frame_rgb( &r, p.count == 0 ? frame : 0 );
         for ( size_t i = 0; i < 3 * r.pixels; ++i )
