@@ -71,21 +71,21 @@ static void touching( HardScene* h )
                                   rf_vec3( 0, -1, -1e-3f ), rf_vec3( 0, 1, 0 ), 0.9, HARD_WIDTH, HARD_HEIGHT );
 }
 
-// Along a floor that is tilted, from 1e-7 m above it: half of the hits lie above the eye by rounding.
+// Along a floor that is tilted, from 6e-6 m above it, 250 m from the origin: some hits lie above the eye by rounding.
 static void grazing_tilted( HardScene* h )
 {
     SceneBuilder b = { 0 };
     uint32_t floor = add_material( &b, hard_glossy() ), light = add_material( &b, make_light( 10.0f, true ) );
     RfVec3 x = rf_normalize( rf_vec3( 0.8f, -0.3f, 0.1f ) ), z = rf_normalize( rf_vec3( -0.1f, 0.1f, 0.9f ) );
-    RfVec3 n = rf_normalize( rf_cross( z, x ) ), at = rf_vec3( 1.3f, -0.7f, 2.1f );
+    RfVec3 n = rf_normalize( rf_cross( z, x ) ), at = rf_vec3( 130.0f, -70.0f, 210.0f );
     RfVec3 p = rf_madd( rf_madd( at, x, -2 ), z, 2 ), q = rf_madd( rf_madd( at, x, 2 ), z, 2 );
     RfVec3 r = rf_madd( rf_madd( at, x, 2 ), z, -2 ), s = rf_madd( rf_madd( at, x, -2 ), z, -2 ), up = rf_scale( n, 2.0f );
     add_quad( &b, floor, p, q, r, s );
     add_quad( &b, light, rf_add( p, up ), rf_add( q, up ), rf_add( r, up ), rf_add( s, up ) );
     h->scene = finish_scene( &b );
     for ( int i = 0; i < 7; ++i )
-        h->eyes[i] = rf_make_eye( rf_madd( rf_madd( at, n, 3e-7f ), x, 0.01f * (float)i ),
-                                  rf_madd( rf_scale( z, -1.0f ), n, -3e-7f ), n, 4e-7, HARD_WIDTH, HARD_HEIGHT );
+        h->eyes[i] = rf_make_eye( rf_madd( rf_madd( at, n, 6e-6f ), x, 0.01f * (float)i ),
+                                  rf_madd( rf_scale( z, -1.0f ), n, -6e-6f ), n, 8e-6, HARD_WIDTH, HARD_HEIGHT );
 }
 
 // Exactly in the plane of the floor, along which all eyes but two look.
@@ -176,13 +176,13 @@ static void turns( HardScene* h )
                                   rf_vec3( 0, i == 5 ? -1.0f : 1.0f, 0 ), 1.2, HARD_WIDTH, HARD_HEIGHT );
 }
 
-// The up vector is opposite to the view, but for 1e-6.
+// The up vector is opposite to the view, but for 3e-8.
 static void gimbal( HardScene* h )
 {
     hard_stage( h, hard_glossy() );
     for ( int i = 0; i < 7; ++i )
         h->eyes[i] = rf_make_eye( rf_vec3( 0.1f + 0.02f * (float)i, 2.2f, 0.9f ), rf_vec3( 0.1f, -0.9f, -0.3f ),
-                                  rf_vec3( -0.1f + 1e-6f, 0.9f - 1e-6f * (float)( i % 3 ), 0.3f ), 0.9, HARD_WIDTH, HARD_HEIGHT );
+                                  rf_vec3( -0.1f + 3e-8f * (float)( 1 + i % 3 ), 0.9f, 0.3f ), 0.9, HARD_WIDTH, HARD_HEIGHT );
 }
 
 static void jumps( HardScene* h )
@@ -259,7 +259,7 @@ const HardCase g_hard_eyes[] = {
     { "eye-on-surface", "an eye 1e-20 m above the floor that others see", "J = inf", HARD_DOUBLE, 1.5, on_surface, NULL },
     { "eyes-touch-surface", "eyes 1e-9 to 1e-24 m from the floor", "J beyond floats, sums of it", HARD_DOUBLE, 1.5, touching,
       NULL },
-    { "grazing-tilted", "a tilted floor seen along it from 3e-7 m above", "J below 0 by rounding", HARD_FINITE, 0, grazing_tilted,
+    { "grazing-tilted", "a tilted floor seen along it from 6e-6 m above", "J below 0 by rounding", HARD_FINITE, 0, grazing_tilted,
       NULL },
     { "eyes-in-plane", "eyes exactly in the plane of what others see", "J = 0: 0/0", HARD_DOUBLE, 1.5, in_plane, NULL },
     { "eye-inside", "an eye in a closed block that others see", "leaks by reprojection", HARD_BLACK, 0, inside, NULL },
@@ -272,7 +272,7 @@ const HardCase g_hard_eyes[] = {
     { "film-16384x1", "a film of 16384 x 1", "hits on the borders of pixels; 1e-3 px of rounding", HARD_DOUBLE, 1.5, wide_film,
       NULL },
     { "path-turns", "every frame looks the other way", "nothing in common with the neighbours", HARD_DOUBLE, 1.5, turns, NULL },
-    { "path-gimbal", "views along the up vector, 1e-6 rad off", "a frame from nearly parallel vectors", HARD_DOUBLE, 1.5, gimbal,
+    { "path-gimbal", "views along the up vector, 3e-8 rad off", "a frame from nearly parallel vectors", HARD_DOUBLE, 1.5, gimbal,
       NULL },
     { "path-jumps", "frames 1e4 m apart", "densities 1e10 apart", HARD_DOUBLE, 1.5, jumps, NULL },
     { "path-stands-still", "the same eye at every frame", "as eyes-coincide, beside eyes that do not", HARD_DOUBLE, 0.5,

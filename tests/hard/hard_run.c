@@ -69,6 +69,12 @@ static void free_pictures( Pictures* p )
     p->count = 0;
 }
 
+static int samples_of( const HardScene* h, const HardForm* form )
+{
+    bool own = h->spp > 0 && ( form->statistics || h->spp < form->spp );
+    return own ? h->spp : form->spp;
+}
+
 static RfRenderSettings settings_of( const HardScene* h, const Estimator* e, const HardForm* form )
 {
     RfRenderSettings s = plain_settings();
@@ -79,7 +85,7 @@ static RfRenderSettings settings_of( const HardScene* h, const Estimator* e, con
     s.group = e->frames ? h->group : 0;
     s.weights = e->weights;
     s.normalize = e->weights == RF_WEIGHTS_EXACT && e->estimator == NULL ? RF_NORMALIZE_CROSSFIT : s.normalize;
-    s.spp = h->spp > 0 ? h->spp : form->spp;
+    s.spp = samples_of( h, form );
     s.max_depth = h->max_depth;
     s.threads = 1; // small pictures; and the weights are watched
     s.memory = (size_t)256 << 20;
@@ -122,12 +128,12 @@ static Pictures render( const RfTracer* tracer, const HardScene* h, const Estima
     for ( ; p.count < seeds; ++p.count )
     {
         settings.seed = (uint64_t)p.count + 1;
-        // all frames once, then the tested one
-        Rendered r = p.count == 0 ? render_all( tracer, eyes, h->eye_count, &settings )
-                                  : render_frames( tracer, eyes, h->eye_count, &frame, 1, &settings );
+        bool all = p.count == 0 && form->statistics; // frames once, then the tested one
+        Rendered r = all ? render_all( tracer, eyes, h->eye_count, &settings )
+                         : render_frames( tracer, eyes, h->eye_count, &frame, 1, &settings );
         note_values( &r, negative, settings.group == 0 && e->estimator == NULL, out );
         p.rgb[p.count] = new_picture( &p );
-        const float* rgb = frame_rgb( &r, p.count == 0 ? frame : 0 );
+        const float* rgb = frame_rgb( &r, all ? frame : 0 );
         for ( size_t i = 0; i < 3 * r.pixels; ++i )
             p.rgb[p.count][i] = (double)rgb[i];
         free_rendered( &r );
@@ -139,7 +145,7 @@ static Pictures render( const RfTracer* tracer, const HardScene* h, const Estima
 static Pictures refer( const RfTracer* tracer, const HardCase* c, const HardScene* h, const HardForm* form )
 {
     const RfEye* eye = h->eyes + h->eye_count / 2;
-    int spp = form->reference * ( h->spp > 0 ? h->spp : form->spp );
+    int spp = form->reference * samples_of( h, form );
     Pictures p = { .width = eye->width, .height = eye->height };
     float* plain = malloc( 3 * (size_t)eye->width * (size_t)eye->height * sizeof *plain );
     if ( plain == NULL )

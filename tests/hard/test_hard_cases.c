@@ -47,7 +47,7 @@ int main( int argc, char** argv )
             return 0;
         }
         if ( strcmp( argv[first], "--measure" ) == 0 )
-            form = ( HardForm ){ .seeds = 24, .spp = 14, .reference = 8, .statistics = true, .rows = form.rows };
+            form = ( HardForm ){ .seeds = 16, .spp = 7, .reference = 4, .statistics = true, .rows = form.rows };
         else if ( strcmp( argv[first], "--rows" ) == 0 && first + 1 < argc )
             form.rows = fopen( argv[++first], "w" );
         else
