@@ -79,6 +79,25 @@ static HardInput film_corners( void )
           lost );
 }
 
+// Frames of eyes whose up vector is as good as parallel to the view: unit vectors at right angles.
+static HardInput eye_frames( void )
+{
+    HardInput out = { 0 };
+    double worst = 0.0;
+    for ( uint32_t i = 0; i < MANY; ++i )
+    {
+        float off = powf( 10.0f, -1.0f - 5.5f * even( i, 0 ) ), sign = i % 2 == 0 ? 1.0f : -1.0f;
+        RfVec3 f = rf_vec3( even( i, 1 ) - 0.5f, even( i, 2 ) - 0.5f, 0.1f + even( i, 3 ) );
+        RfVec3 up = rf_vec3( sign * f.x + off, sign * f.y - off * even( i, 4 ), sign * f.z );
+        RfEye e = rf_make_eye( rf_vec3( 0, 0, 0 ), f, up, 1.0, 4, 4 );
+        const RfVec3 axes[3] = { e.right, e.up, e.forward };
+        for ( int k = 0; k < 9; ++k )
+            worst = fmax( worst, fabs( (double)rf_dot( axes[k / 3], axes[k % 3] ) - ( k / 3 == k % 3 ? 1.0 : 0.0 ) ) );
+    }
+    out.holds = worst < 1e-6;
+    PASS( "%.1f million eyes with up vectors 0.1 to 3e-7 off the view: axes at right angles within %.2g", MANY / 1e6, worst );
+}
+
 // Whatever point and normal: the density is a number in its range, and the pixel is on the film.
 static HardInput projections( void )
 {
@@ -601,6 +620,8 @@ static HardInput light_intervals( void )
 const HardCase g_hard_inputs[] = {
     { "film-corners", "hits on the border of the film and on corners of pixels, there and back", "places beyond the film",
       HARD_INPUT, 0, NULL, film_corners },
+    { "eye-frames", "up vectors as good as parallel to the view", "a cross product that cancels", HARD_INPUT, 0, NULL,
+      eye_frames },
     { "focus-0", "a lens focused at 0 m, eyes that are not finite", "x/0 in the shear of the film; rays that are no numbers",
       HARD_INPUT, 0, NULL, unusable_eyes },
     { "density-range", "points at any distance, any normal", "products and quotients of densities beyond floats", HARD_INPUT, 0,

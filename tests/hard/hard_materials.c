@@ -153,7 +153,7 @@ const HardCase g_hard_materials[] = {
     { "phong-1e7", "a Phong lobe of exponent 1e7 under a sky", "cos to the n: 1/n is the spacing of floats at 1", HARD_VALUE, 0,
       phong_1e7, NULL },
     { "ggx-0", "white metal of roughness 0 under a sky", "sines of 1e-5 as differences from 1", HARD_VALUE, 0, ggx_0, NULL },
-    { "ggx-0-stage", "a stage of metal of roughness 0", "densities of 3e5 per sr", HARD_PLAIN, 2.5, ggx_sharp_stage, NULL },
+    { "ggx-0-stage", "a stage of metal of roughness 0", "densities of 3e5 per sr", HARD_PLAIN, 0, ggx_sharp_stage, NULL },
     { "ggx-1", "metal of roughness 1", "the widest lobe", HARD_DOUBLE, 1.5, ggx_1, NULL },
     { "mirror", "the limit of roughness 0, a mirror, under a sky", "infinite densities", HARD_VALUE, 0, mirror, NULL },
     { "mirror-grazing", "a mirror seen at 1e-3 rad", "images of eyes near its plane", HARD_VALUE, 0, mirror_grazing, NULL },
