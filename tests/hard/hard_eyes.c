@@ -62,14 +62,22 @@ static void on_surface( HardScene* h )
                                   rf_vec3( 0, 1, 0 ), 0.9, HARD_WIDTH, HARD_HEIGHT );
 }
 
-// Distances of 1e-9 to 1e-24 m from the floor: film densities beyond floats.
-static void touching( HardScene* h )
+// From 10^last m above the floor in the middle of the path to 1e-9 m at its ends.
+static void above_the_floor( HardScene* h, float last )
 {
     empty_stage( h );
     for ( int i = 0; i < 7; ++i )
-        h->eyes[i] = rf_make_eye( rf_vec3( 0, powf( 10.0f, -5.0f * (float)( i < 3 ? i : 6 - i ) - 9.0f ), 0 ),
-                                  rf_vec3( 0, -1, -1e-3f ), rf_vec3( 0, 1, 0 ), 0.9, HARD_WIDTH, HARD_HEIGHT );
+    {
+        float exponent = -9.0f + ( last + 9.0f ) * (float)( i < 3 ? i : 6 - i ) / 3.0f;
+        h->eyes[i] = rf_make_eye( rf_vec3( 0, powf( 10.0f, exponent ), 0 ), rf_vec3( 0, -1, -1e-3f ), rf_vec3( 0, 1, 0 ), 0.9,
+                                  HARD_WIDTH, HARD_HEIGHT );
+    }
 }
+
+static void touching( HardScene* h ) { above_the_floor( h, -13.0f ); }
+
+// Film densities beyond floats, which are cut off at 1e30 px²/m².
+static void beyond_floats( HardScene* h ) { above_the_floor( h, -24.0f ); }
 
 // Along a floor that is tilted, from 6e-6 m above it, 250 m from the origin: some hits lie above the eye by rounding.
 static void grazing_tilted( HardScene* h )
@@ -145,6 +153,7 @@ static void one_pixel( HardScene* h )
 {
     hard_stage( h, hard_glossy() );
     hard_film( h, 1, 1 );
+    h->spp = 140;
 }
 
 static void one_sample( HardScene* h )
@@ -257,7 +266,8 @@ const HardCase g_hard_eyes[] = {
     { "eyes-coincide", "seven frames of one eye", "all weights are 1/7", HARD_DOUBLE, 0.5, coincident, NULL },
     { "eyes-1e-6-apart", "eyes 1e-6 m apart", "differences near the rounding of coordinates", HARD_DOUBLE, 0.5, close_by, NULL },
     { "eye-on-surface", "an eye 1e-20 m above the floor that others see", "J = inf", HARD_DOUBLE, 1.5, on_surface, NULL },
-    { "eyes-touch-surface", "eyes 1e-9 to 1e-24 m from the floor", "J beyond floats, sums of it", HARD_DOUBLE, 1.5, touching,
+    { "eyes-touch-surface", "eyes 1e-9 to 1e-13 m from the floor", "J up to 1e28 px2/m2", HARD_DOUBLE, 1.5, touching, NULL },
+    { "density-beyond-floats", "eyes down to 1e-24 m from the floor", "J beyond floats: inf/inf", HARD_FINITE, 0, beyond_floats,
       NULL },
     { "grazing-tilted", "a tilted floor seen along it from 6e-6 m above", "J below 0 by rounding", HARD_FINITE, 0, grazing_tilted,
       NULL },
