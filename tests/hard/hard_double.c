@@ -82,7 +82,14 @@ static World make_world( const RfScene* scene )
     return w;
 }
 
-// The nearest triangle within `reach` lengths of d, apart from `skip`; −1: none.
+// Rays do not find what lies in the plane of the triangle that they leave: the other half of a quad, or a duplicate.
+static bool is_coplanar( const Triangle* a, const Triangle* b )
+{
+    double reach = fmax( length( a->p ), length( b->p ) );
+    return length( cross( a->n, b->n ) ) < 1e-13 && fabs( dot( b->n, sub( a->p, b->p ) ) ) <= 1e-15 * reach;
+}
+
+// The nearest triangle within `reach` lengths of d, apart from those in the plane of `skip`; −1: none.
 static int nearest( const World* w, V o, V d, int skip, double reach, double* distance )
 {
     int found = -1;
@@ -92,13 +99,11 @@ static int nearest( const World* w, V o, V d, int skip, double reach, double* di
         const Triangle* t = w->triangles + i;
         V pv = cross( d, t->e2 );
         double det = dot( t->e1, pv );
-        if ( i == skip || det == 0.0 )
+        if ( det == 0.0 || ( skip >= 0 && is_coplanar( t, w->triangles + skip ) ) )
             continue;
         V tv = sub( o, t->p ), qv = cross( tv, t->e1 );
         double a = dot( tv, pv ) / det, b = dot( d, qv ) / det, s = dot( t->e2, qv ) / det;
-        // the other half of the quad it starts on
-        double least = skip < 0 ? 0.0 : fmax( length( o ), length( t->p ) ) * 1e-13 / length( d );
-        if ( a >= 0.0 && b >= 0.0 && a + b <= 1.0 && s > least && s < best )
+        if ( a >= 0.0 && b >= 0.0 && a + b <= 1.0 && s > 0.0 && s < best )
         {
             best = s;
             found = i;
