@@ -1,7 +1,10 @@
 #include "render/settings.h"
 
 #include "base/system.h"
+#include "math/vec3.h"
 #include "render/estimator.h"
+
+#include <math.h>
 
 // The biased weightings count hits, which extra samples would only add to.
 static bool can_adapt( const RfRenderSettings* s )
@@ -102,6 +105,23 @@ static RfResult check_estimator( const RfRenderSettings* s, RfError* error )
     return estimator->check != NULL ? estimator->check( s, error ) : RF_OK;
 }
 
+static bool is_finite3( RfVec3 v ) { return isfinite( v.x ) && isfinite( v.y ) && isfinite( v.z ); }
+
+static bool is_usable_pose( const RfPose* p )
+{
+    return is_finite3( p->origin ) && is_finite3( p->forward ) && is_finite3( p->up ) && p->focal > 0.0f &&
+           isfinite( p->focal ) && isfinite( p->axis_x ) && isfinite( p->axis_y );
+}
+
+// Rays of eyes that are no numbers end the process in Embree. The last line is the shear of the film by the lens.
+static bool is_usable( const RfEye* e )
+{
+    RfPose own = { e->origin, e->forward, e->up, e->focal, e->axis_x, e->axis_y };
+    return is_usable_pose( &own ) && is_finite3( e->right ) && e->focal_x > 0.0f && isfinite( e->focal_x ) &&
+           ( !e->moves || ( is_usable_pose( &e->open ) && is_usable_pose( &e->close ) ) ) &&
+           ( e->lens_radius <= 0.0f || isfinite( rf_maxf( e->focal, e->focal_x ) * e->lens_radius / e->focus ) );
+}
+
 static RfResult check_eyes( const RfEye* eyes, int count, RfError* error )
 {
     if ( count < 1 )
@@ -113,6 +133,11 @@ static RfResult check_eyes( const RfEye* eyes, int count, RfError* error )
                             RF_MAX_IMAGE_SIDE, eyes[k].width, eyes[k].height );
         if ( eyes[k].width != eyes[0].width || eyes[k].height != eyes[0].height )
             return rf_fail( error, RF_ERROR_USAGE, "all frames of a path must have the same size" );
+        if ( !is_usable( eyes + k ) )
+            return rf_fail( error, RF_ERROR_USAGE,
+                            "the eye of frame %d of the path cannot be used: all of it must be finite, its focal length and, "
+                            "with a lens, its focus above 0",
+                            k );
     }
     return RF_OK;
 }

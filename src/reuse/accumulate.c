@@ -5,6 +5,7 @@
 #include "reuse/reprojection.h"
 #include "reuse/splat.h"
 #include "reuse/spread.h"
+#include "reuse/weight_range.h"
 #include "scene/lens.h"
 
 #include <string.h>
@@ -60,6 +61,7 @@ static void reprojection_weights( const Accumulation* a, int eye_index, const Rf
 #pragma omp simd
     for ( int i = 0; i < batch->count; ++i )
         ratio[i] = ( seen[i] & bit ) != 0 ? weight * ( ratio[i] / sum[i] ) : 0.0f;
+    rf_note_weights( ratio, batch->count, weight );
 }
 
 static void reproject( const Accumulation* a, int eye, const RfHitBatch* batch, RfAccumulateScratch* scratch )

@@ -4,6 +4,7 @@
 
 #include "reuse/tile.h"
 #include "reuse/tile_connect.h"
+#include "reuse/weight_range.h"
 
 #include <stddef.h>
 #include <string.h>
@@ -265,6 +266,7 @@ static void normalize_weights( int tile_pixels, int hits, RfTileReuse* reuse )
             float all = sum[pairing->vertex[i]]; // 0 where all weights are
             pairing->weight[i] = fabsf( pairing->weight[i] ) / ( all > 0.0f ? all : 1.0f );
         }
+        rf_note_weights( pairing->weight, hits, 1.0f );
     }
 }
 
