@@ -3,6 +3,7 @@
 #define REFRAME_LIGHT_EMISSION_H
 
 #include "light/light.h"
+#include "light/punctual.h"
 
 // A ray that leaves a light. Triangles: a point on them and a direction on the side of `normal`; punctual lights: their
 // position and a direction; directional lights and the sky: a point on the disc that covers the scene's bounding ball,
@@ -15,7 +16,7 @@ typedef struct RfEmission
     RfVec3 radiance;   // triangles, sky: W/(m² sr). Punctual: intensity towards `direction`, W/sr. Directional: irradiance of
                        // a surface that faces it, W/m²
     RfVec3 throughput; // radiance · cos / ( pdf_light · pdf_area · pdf_solid_angle ), cos = 1 unless a triangle: W
-    float pdf_light;   // of selecting the light, by power
+    float pdf_light;   // of selecting the light, by power, and its side: half as much for each of two
     float pdf_area;    // of the position: 1/m²; 1 where it is a delta
     float pdf_solid_angle; // of the direction: 1/sr; 1 where it is a delta
     float offset;          // lifts the ray's origin off a triangle, along the normal (rf_ray_offset); else 0
@@ -38,5 +39,21 @@ bool rf_sample_emitter( const RfLights* lights, const RfScene* scene, const floa
 // The emission in another direction from the same place: sets direction, radiance, pdf_solid_angle, throughput. Not of
 // infinite lights, whose emission does not depend on the place. False: nothing is emitted in that direction.
 bool rf_emit_towards( const RfLights* lights, const RfScene* scene, RfVec3 direction, RfEmission* emission );
+
+// Sets pdf_light, pdf_area and pdf_solid_angle of a ray whose light, position and direction are given, as
+// rf_sample_emission draws it; one of them is 0 if it never does. A delta is taken to be hit. For MIS.
+void rf_find_emission_pdf( const RfLights* lights, RfEmission* emission );
+
+// What is left of the throughput at this distance from a light whose range is limited. 1 for others.
+static inline float rf_emission_falloff( const RfEmission* emission, float distance )
+{
+    return rf_range_falloff( distance * distance, emission->range );
+}
+
+// Luminance of a light's flux, W; of light from infinity through the scene's bounding ball; of a textured triangle an estimate.
+double rf_light_power( const RfLights* lights, uint32_t light );
+
+// The same of all lights together.
+double rf_total_light_power( const RfLights* lights );
 
 #endif
