@@ -148,6 +148,10 @@ void rf_scatter_deferred( const RfPathSettings* settings, RfWavefront* wavefront
 void rf_count_deltas( const RfPathSettings* settings, RfWavefront* wavefront, const RfVertexLanes* vertices, int vertex,
                       const float* pdf );
 
+// Emission at the end of chains from evaluable vertices is left to the linker: what was hit does not shine, and nor does the
+// sky where nothing was hit.
+void rf_leave_to_links( const RfPathSettings* settings, const RfWavefront* wavefront, RfRayLanes* rays, RfVertexLanes* vertices );
+
 // Ends the paths for which `vertex` is the last one: their throughput becomes 0.
 void rf_end_spent_paths( const RfPathSettings* settings, const RfWavefront* wavefront, int vertex, RfRayLanes* rays );
 

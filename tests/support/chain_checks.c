@@ -38,8 +38,8 @@ const ChainSetting g_adaptive_and_roulette[2] = {
     { .group = 3, .tile = "3x3", .spp = 7, .roulette = true },
 };
 const ChainSetting g_linked[2] = {
-    { .group = 0, .tile = "1", .spp = 6, .linked = true },
-    { .group = 3, .tile = "3x3", .spp = 7, .linked = true },
+    { .group = 0, .tile = "1", .spp = 3, .linked = true },
+    { .group = 1, .tile = "3x3", .spp = 3, .linked = true },
 };
 
 static bool is_long( void ) { return getenv( "REFRAME_LONG" ) != NULL; }

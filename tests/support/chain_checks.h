@@ -37,7 +37,7 @@ extern const ChainSetting g_tiles_and_both[2];
 // Groups of 3 with tiles, adaptive or with roulette.
 extern const ChainSetting g_adaptive_and_roulette[2];
 
-// Path tracing, and groups of 3 with tiles, both with light paths.
+// Path tracing, and groups of 1 with tiles, both with light paths.
 extern const ChainSetting g_linked[2];
 
 // An orbit with g_tiles_and_both.
