@@ -57,10 +57,27 @@ static int scatter_unevaluable( const RfVertexLanes* v, float* const wi[3], RfWa
     return kept;
 }
 
+void rf_count_deltas( const RfPathSettings* settings, RfWavefront* wavefront, const RfVertexLanes* v, int vertex,
+                      const float* pdf )
+{
+    if ( !settings->linked )
+        return;
+    const RfMaterial* materials = rf_tracer_scene( settings->tracer )->materials;
+    int records = rf_record_count( v );
+    for ( int i = 0; i < v->count; ++i )
+    {
+        uint8_t* deltas = wavefront->deltas + v->slot[i];
+        bool follows = i >= records && vertex > 1 && pdf[i] == RF_DELTA_PDF && *deltas <= RF_MAX_CHAIN &&
+                       rf_is_chain_surface( materials + v->material[i] );
+        *deltas = i < records && vertex == 1 ? 1 : follows ? (uint8_t)( *deltas + 1 ) : RF_NOT_LINKED;
+    }
+}
+
 void rf_scatter_deferred( const RfPathSettings* settings, RfWavefront* wavefront, const RfVertexLanes* v, int vertex,
                           float* const wi[3] )
 {
     uint32_t dimension = rf_vertex_dimension( vertex, settings->light_samples ) + RF_DIMENSION_SCATTER;
     rf_scatter_lanes( wavefront, v, dimension, wi, &wavefront->scratch );
+    rf_count_deltas( settings, wavefront, v, vertex, wavefront->scratch.pdf );
     wavefront->rays.count = scatter_unevaluable( v, wi, wavefront, scatter_evaluable( v, wi, wavefront ) );
 }

@@ -192,6 +192,7 @@ static void scatter( const RfPathSettings* settings, RfWavefront* wavefront, con
     uint32_t dimension = rf_vertex_dimension( vertex, settings->light_samples );
     float* wi[3] = { s->wi[0], s->wi[1], s->wi[2] };
     rf_scatter_lanes( wavefront, v, dimension + RF_DIMENSION_SCATTER, wi, s );
+    rf_count_deltas( settings, wavefront, v, vertex, s->pdf );
     rf_draw_lanes( wavefront, v->count, v->slot, dimension + RF_DIMENSION_ROULETTE, 1, s->random );
     next->count =
         scatter_unevaluable_lanes( wavefront, rays, vertex, next, scatter_evaluable_lanes( wavefront, rays, vertex, next ) );
@@ -209,12 +210,32 @@ void rf_absorb( const RfVertexLanes* v, RfRayLanes* rays )
     }
 }
 
+// Emission at the end of chains from evaluable first vertices is left to links: what was hit does not shine, and nor does
+// the sky where nothing was hit.
+static void leave_to_links( const RfWavefront* wavefront, RfRayLanes* rays, RfVertexLanes* vertices )
+{
+    for ( int i = 0; i < vertices->count; ++i )
+    {
+        uint8_t deltas = wavefront->deltas[vertices->slot[i]];
+        if ( deltas > 1 && deltas != RF_NOT_LINKED )
+            vertices->light_pdf_solid_angle[i] = 0.0f;
+    }
+    for ( int r = 0; r < rays->count; ++r )
+    {
+        uint8_t deltas = wavefront->deltas[rays->slot[r]];
+        for ( int c = 0; c < 3 && deltas > 1 && deltas != RF_NOT_LINKED && wavefront->scratch.triangle[r] == RF_MISS; ++c )
+            rays->throughput[c][r] = 0.0f;
+    }
+}
+
 void rf_find_lit_vertices( const RfPathSettings* settings, RfWavefront* wavefront, RfRayLanes* rays, bool defer_mis,
                            RfVertexLanes* vertices )
 {
     wavefront->path_rays += (uint64_t)rays->count;
     const float* pane_probability = rf_find_vertices_past_panes( settings, rays, vertices, &wavefront->scratch );
     rf_absorb( vertices, rays );
+    if ( settings->linked )
+        leave_to_links( wavefront, rays, vertices );
     rf_add_emission_hits( settings, rays, vertices, wavefront->scratch.triangle, pane_probability, defer_mis,
                           &wavefront->arrivals );
 }

@@ -13,6 +13,7 @@ typedef struct RfPathSettings
     int max_depth;     // path vertices after the eye, ≥ 1
     int light_samples; // K ≥ 1 per vertex
     RfLightSampling light_sampling;
+    bool linked; // light that reaches evaluable first vertices through chains comes by links (src/kernel): not by chance
 } RfPathSettings;
 
 // Radiance that arrives along the ray of each path slot. Emission hit by the ray is
@@ -38,6 +39,8 @@ typedef struct RfWavefront
     // out, by slot
     RfArrivals arrivals;
     uint64_t path_rays, shadow_rays; // counted up
+    uint8_t deltas[RF_LANES]; // with settings.linked, by slot: one more than the delta vertices since an evaluable first one;
+                              // RF_NOT_LINKED: other vertices are among them
     // inside
     RfRayLanes next;
     RfVertexLanes vertices;
@@ -121,6 +124,12 @@ static inline RfVec3 rf_transmittance_from( const RfVertexLanes* v, int i, RfVec
 // densities to wavefront->scratch.pdf.
 void rf_scatter_deferred( const RfPathSettings* settings, RfWavefront* wavefront, const RfVertexLanes* vertices, int vertex,
                           float* const wi[3] );
+
+#define RF_NOT_LINKED 255
+
+// Counts the delta vertices of paths, after the path's `vertex`-th was scattered from with these densities.
+void rf_count_deltas( const RfPathSettings* settings, RfWavefront* wavefront, const RfVertexLanes* vertices, int vertex,
+                      const float* pdf );
 
 // Ends the paths for which `vertex` is the last one: their throughput becomes 0.
 void rf_end_spent_paths( const RfPathSettings* settings, const RfWavefront* wavefront, int vertex, RfRayLanes* rays );

@@ -22,6 +22,7 @@ RfBatchShape rf_batch_shape( const RfEstimatorGroup* group )
         .own_frame_light = unevaluable || chains || group->traits.sky,
         .filtered = !rf_is_plain_filter( settings ),
         .chains = chains,
+        .links = rf_wants_light_paths( &group->traits, settings ),
     };
 }
 
@@ -29,7 +30,7 @@ RfHarvest rf_make_harvest( const RfEstimatorGroup* group )
 {
     const RfRenderSettings* settings = group->settings;
     return ( RfHarvest ){
-        .path = { group->tracer, group->max_depth, settings->light_samples, settings->light_sampling },
+        .path = { group->tracer, group->max_depth, settings->light_samples, settings->light_sampling, group->shared != NULL },
         .shape = rf_batch_shape( group ),
         .patches = rf_lay_out_patches( &settings->tile, group->traits.scattered, group->width, group->height ),
         .tile_roulette = settings->tile_roulette,
@@ -45,6 +46,8 @@ RfHarvest rf_make_harvest( const RfEstimatorGroup* group )
         .round = group->round,
         .packed = group->packed,
         .first_hits_only = group->first_hits_only,
+        .light_paths = group->shared,
+        .kernel_normalization = settings->kernel_normalization,
     };
 }
 
@@ -61,7 +64,8 @@ size_t rf_harvest_scratch_bytes( const RfBatchShape* shape )
     return scratch_struct_bytes() + eyes_bytes( shape ) + (size_t)shape->light_samples * sizeof( RfLightLanes ) +
            (size_t)shape->eyes * lanes + (size_t)rf_direction_count( shape ) * lanes +
            rf_tile_reuse_bytes( shape->light_samples, shape->tile_pixels, shape->panes ) +
-           ( shape->chains ? sizeof( RfChains ) + 64 : 0 ) + ( shape->filtered ? 2 * lanes : 0 );
+           ( shape->chains ? sizeof( RfChains ) + 64 : 0 ) + ( shape->links ? sizeof( RfLinkLanes ) + 64 : 0 ) +
+           ( shape->filtered ? 2 * lanes : 0 );
 }
 
 RfHarvestScratch* rf_lay_out_harvest_scratch( const RfBatchShape* shape, void* memory )
@@ -76,6 +80,8 @@ RfHarvestScratch* rf_lay_out_harvest_scratch( const RfBatchShape* shape, void* m
     rest += rf_tile_reuse_bytes( shape->light_samples, shape->tile_pixels, shape->panes );
     scratch->chains = shape->chains ? (RfChains*)(void*)( rest + ( 64 - (uintptr_t)rest % 64 ) % 64 ) : NULL;
     rest = shape->chains ? (char*)( scratch->chains + 1 ) : rest;
+    scratch->links = shape->links ? (RfLinkLanes*)(void*)( rest + ( 64 - (uintptr_t)rest % 64 ) % 64 ) : NULL;
+    rest = shape->links ? (char*)( scratch->links + 1 ) : rest;
     for ( int c = 0; c < 2; ++c )
         scratch->place[c] = shape->filtered ? (float*)(void*)rest + c * RF_LANES : NULL;
     return scratch;
@@ -197,6 +203,14 @@ void rf_trace_hit_tails( const RfHarvest* harvest, RfHarvestScratch* scratch, Rf
         rf_trace_tails( &harvest->path, wavefront, 2 );
 }
 
+void rf_link_hits( const RfHarvest* harvest, RfHarvestScratch* scratch, RfRayCounts* rays )
+{
+    RfLinkSettings settings = { &harvest->path, harvest->light_paths, harvest->kernel_normalization, scratch->wavefront.spent };
+    scratch->links->rays = scratch->links->trials = 0;
+    rf_link_vertices( &settings, &scratch->wavefront, scratch->hits, scratch->links );
+    rays->path += scratch->links->rays;
+}
+
 void rf_follow_camera_rays( const RfHarvest* harvest, RfHarvestScratch* scratch )
 {
     const RfVertexLanes* first = &scratch->first;
@@ -285,6 +299,8 @@ static int harvest_batch( const RfHarvest* harvest, RfTraceJob job, RfHitBatch* 
     {
         rf_sample_direct( harvest, scratch, rays );
         rf_trace_hit_tails( harvest, scratch, rays );
+        if ( harvest->light_paths != NULL )
+            rf_link_hits( harvest, scratch, rays );
     }
     rays->path += wavefront->path_rays;
     rays->shadow += wavefront->shadow_rays;

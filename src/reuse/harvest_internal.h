@@ -41,6 +41,7 @@ struct RfHarvestScratch
     float* density;                          // J_l V_l: eye l, hit i at l·RF_LANES + i
     float* mixture;                          // P: direction d, glossy hit i at d·RF_LANES + i
     RfTileReuse* tiles;                      // NULL without tile reuse
+    RfLinkLanes* links;                      // NULL without light paths
 };
 
 // Tests of what the scene and the settings call for.
@@ -84,6 +85,9 @@ void rf_scale_roulette( RfHarvestScratch* scratch, int count );
 
 // Light samples at the hits.
 void rf_sample_direct( const RfHarvest* harvest, RfHarvestScratch* scratch, RfRayCounts* rays );
+
+// Links of the hits to light paths.
+void rf_link_hits( const RfHarvest* harvest, RfHarvestScratch* scratch, RfRayCounts* rays );
 
 // Samples scattered directions at the hits and traces the rest of the paths.
 void rf_trace_hit_tails( const RfHarvest* harvest, RfHarvestScratch* scratch, RfRayCounts* rays );

@@ -130,6 +130,21 @@ static const RfOption s_options[] = {
       .value = &s_parsed.settings.tile_roulette,
       .default_text = "no",
       .help = "Russian roulette on the connections in a tile that are worth little" },
+    { .name = "light-paths",
+      .in_file = true,
+      .type = RF_OPTION_CHOICE,
+      .value = &s_parsed.light_paths,
+      .choices = rf_light_paths_words,
+      .default_text = "off",
+      .help = "light that mirrors and glass send on, by paths from the lights that serve all frames of a group: caustics, lamps "
+              "behind glass; auto: where there are mirrors or clear glass" },
+    { .name = "kernel-normalization",
+      .in_file = true,
+      .type = RF_OPTION_CHOICE,
+      .value = &s_parsed.kernel_normalization,
+      .choices = rf_kernel_normalization_words,
+      .default_text = "exact",
+      .help = "of --light-paths: how links are divided by their probability; disc is faster and biased, for comparison" },
     { .name = "weights",
       .in_file = true,
       .type = RF_OPTION_CHOICE,
@@ -278,6 +293,8 @@ RfRenderOptions rf_default_render_options( void )
     options.normalize = options.settings.normalize;
     options.adaptive = options.settings.adaptive;
     options.reconstruction = options.settings.reconstruction;
+    options.light_paths = options.settings.light_paths;
+    options.kernel_normalization = options.settings.kernel_normalization;
     options.filter = -1;
     return options;
 }
@@ -295,6 +312,8 @@ static void take_words( RfRenderOptions* options )
     options->settings.normalize = (RfNormalize)options->normalize;
     options->settings.adaptive = (RfAdaptive)options->adaptive;
     options->settings.reconstruction = (RfReconstruction)options->reconstruction;
+    options->settings.light_paths = (RfLightPathsUse)options->light_paths;
+    options->settings.kernel_normalization = (RfKernelNormalization)options->kernel_normalization;
 }
 
 void rf_settle_filter( RfRenderOptions* options )

@@ -1,0 +1,359 @@
+#include "kernel/links.h"
+
+#include "base/random.h"
+#include "kernel/solve.h"
+
+#include <string.h>
+
+#define MOST_TRIALS 12    // links tried of an eye vertex
+#define MOST_REPEATS 4096 // trials of a normalisation; so many are never needed but for rounding
+#define STEP_MARGIN 2.0f  // first steps, in reaches of links
+#define SAME 0.05f        // solutions closer than this, in reaches, are one
+#define MOST_CANDIDATES 512
+
+// A light path and the eye vertex that its footprint holds.
+typedef struct Link
+{
+    int lane;
+    const RfLightPath* path;
+    RfRandomKey key;
+    float scale;   // one over the probability with which it was accepted
+    RfChain chain; // solved
+    float reach;   // of the solution
+    float repeats; // trials until it was found again
+    bool open;
+    RfVec3 wi, light;
+} Link;
+
+typedef struct Work
+{
+    const RfLinkSettings* settings;
+    const RfWavefront* keys;
+    const RfVertexLanes* v;
+    RfLinkLanes* out;
+    Link link[RF_CHAIN_BLOCK];
+    RfBend bend[RF_CHAIN_BLOCK];
+    int count;
+    float chosen[RF_LANES]; // the sum of what was drawn from
+} Work;
+
+typedef struct Candidates
+{
+    const RfLinkSettings* settings;
+    RfVec3 y, n;
+    int spent;
+    int count;
+    uint32_t path[MOST_CANDIDATES];
+    // second search, where there are more: those numbered next, next + stride …
+    double next, stride;
+    bool thinned;
+    int kept;
+} Candidates;
+
+static RfVec3 lane_of( const float ( *array )[RF_LANES], int i ) { return rf_vec3( array[0][i], array[1][i], array[2][i] ); }
+
+// Where segments to lights start as well.
+static RfVec3 start_of( const RfVertexLanes* v, int i )
+{
+    return rf_madd( lane_of( v->p, i ), lane_of( v->ng, i ), v->offset[i] );
+}
+
+static bool is_near( const RfRayPair* end, RfVec3 y, RfVec3 n, float reach )
+{
+    float step[2], miss, most = STEP_MARGIN * reach;
+    return rf_newton_step( end, y, n, step, &miss ) && step[0] * step[0] + step[1] * step[1] <= most * most;
+}
+
+static void note( void* user, uint32_t number )
+{
+    Candidates* c = user;
+    const RfLightPath* path = c->settings->paths->path + number;
+    if ( c->spent + path->length + 2 > c->settings->path->max_depth || !is_near( &path->end, c->y, c->n, path->reach ) )
+        return;
+    int k = c->count++;
+    if ( !c->thinned && k < MOST_CANDIDATES )
+        c->path[k] = number;
+    else if ( c->thinned && (double)k >= c->next && c->kept < MOST_TRIALS )
+    {
+        c->path[c->kept++] = number;
+        c->next += c->stride;
+    }
+}
+
+// Finds candidates; of more than MOST_TRIALS of them every k-th. Returns one over the probability of being accepted.
+static float find_candidates( Candidates* c, RfRandomKey key )
+{
+    rf_find_footprints( c->settings->paths, c->y, note, c );
+    c->kept = c->count;
+    if ( c->count <= MOST_TRIALS )
+        return 1.0f;
+    int all = c->count;
+    c->stride = (double)all / MOST_TRIALS;
+    c->next = c->stride * (double)rf_random( key, 0 );
+    c->kept = 0;
+    if ( all <= MOST_CANDIDATES )
+    {
+        for ( ; c->kept < MOST_TRIALS; c->next += c->stride )
+        {
+            int k = (int)c->next < all ? (int)c->next : all - 1;
+            c->path[c->kept++] = c->path[k];
+        }
+        return (float)c->stride;
+    }
+    c->count = 0;
+    c->thinned = true;
+    c->next = ceil( c->next );
+    rf_find_footprints( c->settings->paths, c->y, note, c );
+    return (float)c->stride;
+}
+
+static float distance_of( const RfEmission* a, const RfEmission* b )
+{
+    RfVec3 apart = a->infinite ? rf_sub( a->position, b->position ) : rf_sub( a->direction, b->direction );
+    return rf_length( apart );
+}
+
+// The light of a solved link before its normalisation; 0 where nothing arrives.
+static RfVec3 light_of( const Work* w, const Link* link )
+{
+    const RfVertexLanes* v = w->v;
+    const RfChain* chain = &link->chain;
+    const RfEmission* e = &chain->start;
+    int i = link->lane;
+    RfVec3 y = start_of( v, i ), none = rf_vec3( 0, 0, 0 );
+    float cos_x = rf_dot( lane_of( v->n, i ), link->wi );
+    if ( !( cos_x > 0.0f && rf_dot( lane_of( v->ng, i ), link->wi ) > 0.0f ) )
+        return none;
+    float spread = rf_chain_spread( w->settings->path->tracer, chain, y );
+    float cos_light = e->infinite || e->delta_position ? 1.0f : rf_dot( e->normal, e->direction );
+    float fixed_pdf = e->pdf_light * ( e->infinite ? e->pdf_solid_angle : e->pdf_area );
+    float last = rf_length( rf_sub( chain->vertex[chain->length - 1].p, y ) );
+    float falloff = rf_emission_falloff( e, chain->way + last );
+    float scale = cos_x * cos_light * falloff * link->scale * link->path->weight / ( spread * fixed_pdf );
+    RfVec3 absorbed = rf_vec3( expf( -chain->end_absorption.x * last ), expf( -chain->end_absorption.y * last ),
+                               expf( -chain->end_absorption.z * last ) );
+    RfVec3 light = rf_scale( rf_mul( rf_mul( e->radiance, chain->weight ), absorbed ), scale );
+    float sum = light.x + light.y + light.z;
+    return sum > 0.0f && sum < INFINITY ? light : none;
+}
+
+// Solves all links; those that fail, or whose solution is out of reach, are closed.
+static void solve( Work* w )
+{
+    const RfTracer* tracer = w->settings->path->tracer;
+    const RfLightPaths* paths = w->settings->paths;
+    for ( int k = 0; k < w->count; ++k )
+    {
+        const Link* link = w->link + k;
+        RfBend* bend = w->bend + k;
+        bend->at.start = link->path->start;
+        bend->at.events = link->path->events;
+        bend->at.length = link->path->length;
+        bend->at.end = link->path->end;
+        bend->y = start_of( w->v, link->lane );
+        bend->n = lane_of( w->v->ng, link->lane );
+        bend->most = STEP_MARGIN * link->path->reach;
+        bend->active = true;
+    }
+    rf_bend_chains( tracer, w->count, w->bend, &w->out->rays );
+    for ( int k = 0; k < w->count; ++k )
+    {
+        Link* link = w->link + k;
+        link->open = w->bend[k].met;
+        if ( !link->open )
+            continue;
+        link->chain = w->bend[k].at;
+        float pdf = rf_steer_pdf( paths, &link->chain );
+        link->reach = rf_steer_reach( paths, rf_tracer_lights( tracer ), &link->chain, pdf );
+        link->open = pdf > 0.0f && distance_of( &link->chain.start, &link->path->start ) <= link->reach;
+        RfVec3 way = rf_sub( link->chain.vertex[link->chain.length - 1].p, start_of( w->v, link->lane ) );
+        link->wi = rf_normalize( way );
+        link->light = link->open ? light_of( w, link ) : rf_vec3( 0, 0, 0 );
+        link->open = link->open && rf_max_component( link->light ) > 0.0f;
+        link->repeats = 1.0f;
+    }
+}
+
+// Shadow rays to the last vertices of the chains.
+static void test_visibility( Work* w )
+{
+    float o[3][RF_CHAIN_BLOCK], d[3][RF_CHAIN_BLOCK], visible[RF_CHAIN_BLOCK];
+    int index[RF_CHAIN_BLOCK], count = 0;
+    for ( int k = 0; k < w->count; ++k )
+    {
+        const Link* link = w->link + k;
+        if ( !link->open )
+            continue;
+        RfVec3 from = start_of( w->v, link->lane ), way = rf_sub( link->chain.end.o, from );
+        o[0][count] = from.x;
+        o[1][count] = from.y;
+        o[2][count] = from.z;
+        d[0][count] = way.x;
+        d[1][count] = way.y;
+        d[2][count] = way.z;
+        index[count++] = k;
+    }
+    const float *from[3] = { o[0], o[1], o[2] }, *way[3] = { d[0], d[1], d[2] };
+    rf_trace_segments( w->settings->path->tracer, count, from, way, visible );
+    w->out->rays += (uint64_t)count;
+    for ( int k = 0; k < count; ++k )
+        w->link[index[k]].open = visible[k] > 0.0f;
+}
+
+// Draws what steers evenly from all within reach of the solution. False: nothing is emitted there.
+static bool draw_start( const Work* w, const Link* link, uint32_t trial, RfEmission* e )
+{
+    const RfTracer* tracer = w->settings->path->tracer;
+    *e = link->chain.start;
+    float u = rf_random( link->key, 2 * trial ), phi = 2.0f * RF_PI * rf_random( link->key, 2 * trial + 1 );
+    float chord = link->reach * sqrtf( u );
+    RfVec3 t, b;
+    rf_basis( e->direction, &t, &b );
+    RfVec3 across = rf_add( rf_scale( t, cosf( phi ) ), rf_scale( b, sinf( phi ) ) );
+    if ( e->infinite )
+    {
+        e->position = rf_madd( e->position, across, chord );
+        return true;
+    }
+    float versine = 0.5f * chord * chord, sine = sqrtf( versine * ( 2.0f - versine ) );
+    RfVec3 d = rf_normalize( rf_madd( rf_scale( across, sine ), e->direction, 1.0f - versine ) );
+    return rf_emit_towards( rf_tracer_lights( tracer ), rf_tracer_scene( tracer ), d, e );
+}
+
+// One more trial of the links that are pending: light paths from around the solution, until one is found that a link would
+// bend to the same. Returns how many are pending still.
+static int try_again( Work* w, uint32_t trial, bool* pending )
+{
+    const RfTracer* tracer = w->settings->path->tracer;
+    const RfTriangleRecord* triangles = rf_tracer_triangles( tracer );
+    const RfLightPaths* paths = w->settings->paths;
+    RfChain* chains[RF_CHAIN_BLOCK];
+    bool active[RF_CHAIN_BLOCK];
+    RfLanding land;
+    for ( int k = 0; k < w->count; ++k )
+    {
+        const Link* link = w->link + k;
+        RfBend* bend = w->bend + k;
+        chains[k] = &bend->at;
+        bend->active = active[k] = pending[k] && draw_start( w, link, trial, &bend->at.start );
+        bend->at.events = link->chain.events;
+        bend->at.length = link->chain.length;
+        w->out->trials += pending[k];
+    }
+    rf_walk_chains( tracer, RF_CHAIN_COPY, NULL, active, w->count, chains, &land, &w->out->rays );
+    for ( int k = 0; k < w->count; ++k )
+    {
+        RfBend* bend = w->bend + k;
+        if ( !active[k] || bend->at.length == 0 )
+        {
+            bend->active = false;
+            continue;
+        }
+        const Link* link = w->link + k;
+        RfVec3 apart = rf_sub( start_of( w->v, link->lane ), land.p[k] );
+        float pdf = rf_steer_pdf( paths, &bend->at );
+        float reach = rf_steer_reach( paths, rf_tracer_lights( tracer ), &bend->at, pdf );
+        float radius = rf_footprint_radius( paths, triangles + land.triangle[k], &bend->at, land.p[k], reach );
+        bend->most = STEP_MARGIN * reach;
+        bend->active = pdf > 0.0f && bend->at.probability > 0.0f && rf_dot( apart, apart ) <= radius * radius;
+    }
+    rf_bend_chains( tracer, w->count, w->bend, &w->out->rays );
+    int left = 0;
+    for ( int k = 0; k < w->count; ++k )
+    {
+        if ( !pending[k] )
+            continue;
+        Link* link = w->link + k;
+        const RfBend* bend = w->bend + k;
+        bool same = bend->met && distance_of( &bend->at.start, &link->chain.start ) <= SAME * link->reach;
+        pending[k] = !same;
+        link->repeats += pending[k] ? 1.0f : 0.0f;
+        left += pending[k];
+    }
+    return left;
+}
+
+static void repeat_trials( Work* w )
+{
+    bool pending[RF_CHAIN_BLOCK];
+    int left = 0;
+    for ( int k = 0; k < w->count; ++k )
+        left += pending[k] = w->link[k].open;
+    for ( uint32_t trial = 0; left > 0 && trial < MOST_REPEATS; ++trial )
+        left = try_again( w, trial, pending );
+}
+
+static void add( Work* w, const Link* link )
+{
+    int i = link->lane;
+    RfLinkLanes* out = w->out;
+    float n = (float)w->settings->paths->emitted, found = RF_PI * link->reach * link->reach * n;
+    RfVec3 light = rf_scale( link->light, link->repeats / found );
+    float add[3] = { light.x, light.y, light.z }, weight = rf_luminance( light );
+    w->chosen[i] += weight;
+    bool choose = rf_random( link->key, 0x40000000u ) * w->chosen[i] < weight || out->found[i] == 0;
+    for ( int c = 0; c < 3; ++c )
+        out->light[c][i] += add[c];
+    out->found[i] += 1;
+    if ( !choose )
+        return;
+    float wi[3] = { link->wi.x, link->wi.y, link->wi.z };
+    for ( int c = 0; c < 3; ++c )
+    {
+        out->wi[c][i] = wi[c];
+        out->one[c][i] = add[c] / weight;
+    }
+}
+
+static void flush( Work* w )
+{
+    if ( w->count == 0 )
+        return;
+    solve( w );
+    test_visibility( w );
+    if ( w->settings->normalization == RF_KERNEL_EXACT )
+        repeat_trials( w );
+    for ( int k = 0; k < w->count; ++k )
+    {
+        if ( w->link[k].open )
+            add( w, w->link + k );
+    }
+    w->count = 0;
+}
+
+static void link_lane( Work* w, int i )
+{
+    const RfVertexLanes* v = w->v;
+    int slot = v->slot[i];
+    RfRandomKey lane = rf_pixel_key( (uint64_t)w->keys->key_a[slot] << 32 | w->keys->key_b[slot], 0x6b65726eu );
+    Candidates c = { .settings = w->settings, .y = start_of( v, i ), .n = lane_of( v->ng, i ) };
+    c.spent = w->settings->spent != NULL ? w->settings->spent[slot] : 0;
+    float scale = find_candidates( &c, lane );
+    for ( int k = 0; k < c.kept; ++k )
+    {
+        Link* link = w->link + w->count++;
+        *link = ( Link ){ .lane = i, .path = w->settings->paths->path + c.path[k], .scale = scale };
+        link->key = rf_pixel_key( (uint64_t)lane.a << 32 | lane.b, c.path[k] );
+        if ( w->count == RF_CHAIN_BLOCK )
+            flush( w );
+    }
+}
+
+void rf_link_vertices( const RfLinkSettings* settings, const RfWavefront* keys, const RfVertexLanes* v, RfLinkLanes* out )
+{
+    Work w = { .settings = settings, .keys = keys, .v = v, .out = out };
+    int count = rf_record_count( v );
+    memset( out->light, 0, sizeof out->light );
+    memset( out->one, 0, sizeof out->one );
+    memset( out->found, 0, sizeof out->found );
+    for ( int c = 0; c < 3; ++c )
+        memcpy( out->wi[c], v->n[c], (size_t)count * sizeof( float ) );
+    for ( int i = 0; i < count; ++i )
+        link_lane( &w, i );
+    flush( &w );
+    for ( int i = 0; i < count; ++i )
+    {
+        for ( int c = 0; c < 3; ++c )
+            out->one[c][i] *= w.chosen[i];
+    }
+}

@@ -1,0 +1,31 @@
+// Links: light paths whose footprint holds an eye vertex are bent so that they reach it, and divided by the probability
+// that such a path is found. src/reuse/estimators.md, section 16.
+#ifndef REFRAME_KERNEL_LINKS_H
+#define REFRAME_KERNEL_LINKS_H
+
+#include "kernel/light_paths.h"
+#include "path/wavefront.h"
+
+// What links bring to each vertex lane, in place of radiance times the cosine over its density.
+typedef struct RfLinkLanes
+{
+    RF_ALIGN float light[3][RF_LANES]; // the sum over all links
+    RF_ALIGN float wi[3][RF_LANES];    // of one of them, drawn in proportion to its light
+    RF_ALIGN float one[3][RF_LANES];   // its light over the probability of drawing it
+    uint32_t found[RF_LANES];          // links
+    uint64_t rays;                     // traced, counted up
+    uint64_t trials;                   // of the normalisation, counted up
+} RfLinkLanes;
+
+typedef struct RfLinkSettings
+{
+    const RfPathSettings* path;
+    const RfLightPaths* paths;
+    RfKernelNormalization normalization;
+    const int32_t* spent; // vertices before the lane's, by slot; NULL: none
+} RfLinkSettings;
+
+// Links the evaluable vertices. Random numbers: those of the keys of their slots.
+void rf_link_vertices( const RfLinkSettings* settings, const RfWavefront* keys, const RfVertexLanes* vertices, RfLinkLanes* out );
+
+#endif
