@@ -7,7 +7,7 @@
 #define LINKS 3.0f            // c
 #define MOST_REACH 0.3f       // of directions: a chord
 #define MOST_SHIFT 0.1f       // of the rays of infinite lights, in radii of the scene
-#define MOST_FOOTPRINT 0.1f   // likewise
+#define MOST_FOOTPRINT 0.05f // likewise
 #define FOOTPRINT_MARGIN 1.3f // over what the derivatives tell
 #define PATHS_PER_PIXEL 0.125
 #define LEAST_PATHS 4096u
@@ -123,22 +123,20 @@ float rf_steer_pdf( const RfLightPaths* paths, const RfChain* chain )
     return chain->first_area_pdf > 0.0f ? paths->pdf_area[low] / chain->first_area_pdf : 0.0f;
 }
 
-float rf_steer_reach( const RfLightPaths* paths, const RfLights* lights, const RfChain* chain, float pdf )
-{
-    float reach = sqrtf( paths->links / ( RF_PI * (float)paths->emitted * pdf ) );
-    return rf_minf( reach, chain->start.infinite ? MOST_SHIFT * lights->radius : MOST_REACH );
-}
-
-float rf_footprint_radius( const RfLightPaths* paths, const RfTriangleRecord* triangle, const RfChain* chain, RfVec3 p,
-                           float reach )
+RfFootprint rf_find_footprint( const RfLightPaths* paths, const RfLights* lights, const RfChain* chain, float pdf, RfVec3 p,
+                               RfVec3 normal )
 {
     RfVec3 meet, m[2];
-    if ( !rf_meet_plane( &chain->end, p, chain->end.d, &meet, m ) )
-        return 0.0f;
+    if ( !( pdf > 0.0f ) || !rf_meet_plane( &chain->end, p, chain->end.d, &meet, m ) )
+        return ( RfFootprint ){ 0.0f, 0.0f };
     float a = rf_dot( m[0], m[0] ), b = rf_dot( m[0], m[1] ), c = rf_dot( m[1], m[1] ), half = 0.5f * ( a - c );
     float longest = sqrtf( 0.5f * ( a + c ) + sqrtf( half * half + b * b ) );
-    float cosine = rf_maxf( fabsf( rf_dot( triangle->ng, chain->end.d ) ), 0.2f );
-    return rf_minf( FOOTPRINT_MARGIN * longest * reach / cosine, paths->most_radius );
+    float cosine = rf_maxf( fabsf( rf_dot( normal, chain->end.d ) ), 0.2f );
+    float stretch = FOOTPRINT_MARGIN * longest / cosine;
+    float reach = sqrtf( paths->links / ( RF_PI * (float)paths->emitted * pdf ) );
+    reach = rf_minf( reach, chain->start.infinite ? MOST_SHIFT * lights->radius : MOST_REACH );
+    reach = rf_minf( reach, paths->most_radius / stretch );
+    return ( RfFootprint ){ reach, reach * stretch };
 }
 
 // A point of the mirrors and glass. Path `number` of the set; neighbours in the set have neighbouring triangles and points
@@ -186,6 +184,14 @@ static bool emit( const RfEstimatorGroup* group, const RfLightPaths* paths, RfRa
     return true;
 }
 
+static float light_of( const RfLightPath* path, const RfChain* chain )
+{
+    const RfEmission* e = &path->start;
+    float cosine = e->infinite || e->delta_position ? 1.0f : rf_dot( e->normal, e->direction );
+    float scale = cosine * path->weight / ( e->pdf_light * ( e->infinite ? e->pdf_solid_angle : e->pdf_area ) );
+    return rf_luminance( rf_mul( e->radiance, chain->weight ) ) * scale / ( path->reach * path->reach );
+}
+
 static uint64_t draw_block( const RfEstimatorGroup* group, RfLightPaths* paths, uint64_t pass_key, uint32_t first )
 {
     const RfTriangleRecord* triangles = rf_tracer_triangles( group->tracer );
@@ -215,9 +221,12 @@ static uint64_t draw_block( const RfEstimatorGroup* group, RfLightPaths* paths, 
         float pdf = rf_steer_pdf( paths, c );
         *path = ( RfLightPath ){ .start = c->start, .events = c->events, .length = c->length, .p = land.p[i], .end = c->end };
         path->weight = 1.0f / ( pdf * c->probability );
-        path->reach = rf_steer_reach( paths, rf_tracer_lights( group->tracer ), c, pdf );
-        path->radius = rf_footprint_radius( paths, triangles + land.triangle[i], c, land.p[i], path->reach );
-        if ( !( pdf > 0.0f && path->radius > 0.0f ) )
+        RfFootprint footprint =
+            rf_find_footprint( paths, rf_tracer_lights( group->tracer ), c, pdf, land.p[i], triangles[land.triangle[i]].ng );
+        path->reach = footprint.reach;
+        path->radius = footprint.radius;
+        path->light = light_of( path, c );
+        if ( !( path->radius > 0.0f && path->light > 0.0f && path->light < INFINITY ) )
             path->length = 0;
     }
     return rays;

@@ -16,6 +16,7 @@ typedef struct RfLightPath
     float reach;   // of links, in what steers: a chord of the sphere of directions, or metres
     RfVec3 p;      // where it lands
     float radius;  // of its footprint, m
+    float light;   // luminance that it brings to all within reach: of a link, over the area that it spreads to
     RfRayPair end; // the ray that lands
 } RfLightPath;
 
@@ -66,11 +67,13 @@ void rf_find_footprints( const RfLightPaths* paths, RfVec3 y, RfFootprintFound* 
 // The density of what steers a chain that starts as this one does; 0: it is never drawn.
 float rf_steer_pdf( const RfLightPaths* paths, const RfChain* chain );
 
-// The reach of links around it: so far that `links` of them are found on average.
-float rf_steer_reach( const RfLightPaths* paths, const RfLights* lights, const RfChain* chain, float pdf );
-
-// The radius of the footprint of a chain that lands at p on a triangle (GK 7, for stretched footprints the longer axis).
-float rf_footprint_radius( const RfLightPaths* paths, const RfTriangleRecord* triangle, const RfChain* chain, RfVec3 p,
-                           float reach );
+// A chain as it arrives at a point of a surface.
+typedef struct RfFootprint
+{
+    float reach;  // of links around it: so far that `links` of them are found on average, and no further than footprints go
+    float radius; // of the footprint (GK 7; where it is stretched its longer axis); 0: there is none
+} RfFootprint;
+RfFootprint rf_find_footprint( const RfLightPaths* paths, const RfLights* lights, const RfChain* chain, float pdf, RfVec3 p,
+                               RfVec3 normal );
 
 #endif

@@ -5,11 +5,15 @@
 
 #include <string.h>
 
-#define MOST_TRIALS 12    // links tried of an eye vertex
+#define TRIAL_LINKS 8.0f // of an eye vertex
 #define MOST_REPEATS 4096 // trials of a normalisation; so many are never needed but for rounding
-#define STEP_MARGIN 2.0f  // first steps, in reaches of links
+#define STEP_MARGIN 1.4f // first steps, in reaches of links
 #define SAME 0.05f        // solutions closer than this, in reaches, are one
 #define MOST_CANDIDATES 512
+
+// Of the random numbers of a link; below them those of its repeated trials.
+#define DIMENSION_CHOOSE 0x40000000u
+#define DIMENSION_ACCEPT 0x40000001u
 
 // A light path and the eye vertex that its footprint holds.
 typedef struct Link
@@ -43,11 +47,12 @@ typedef struct Candidates
     RfVec3 y, n;
     int spent;
     int count;
+    int kept;
     uint32_t path[MOST_CANDIDATES];
+    float light[MOST_CANDIDATES]; // that they are expected to bring
     // second search, where there are more: those numbered next, next + stride …
     double next, stride;
     bool thinned;
-    int kept;
 } Candidates;
 
 static RfVec3 lane_of( const float ( *array )[RF_LANES], int i ) { return rf_vec3( array[0][i], array[1][i], array[2][i] ); }
@@ -58,51 +63,35 @@ static RfVec3 start_of( const RfVertexLanes* v, int i )
     return rf_madd( lane_of( v->p, i ), lane_of( v->ng, i ), v->offset[i] );
 }
 
-static bool is_near( const RfRayPair* end, RfVec3 y, RfVec3 n, float reach )
-{
-    float step[2], miss, most = STEP_MARGIN * reach;
-    return rf_newton_step( end, y, n, step, &miss ) && step[0] * step[0] + step[1] * step[1] <= most * most;
-}
-
 static void note( void* user, uint32_t number )
 {
     Candidates* c = user;
     const RfLightPath* path = c->settings->paths->path + number;
-    if ( c->spent + path->length + 2 > c->settings->path->max_depth || !is_near( &path->end, c->y, c->n, path->reach ) )
+    float step[2], miss, most = STEP_MARGIN * path->reach, spread;
+    if ( c->spent + path->length + 2 > c->settings->path->max_depth ||
+         !rf_newton_step( &path->end, c->y, c->n, step, &miss, &spread ) ||
+         !( step[0] * step[0] + step[1] * step[1] <= most * most ) )
         return;
     int k = c->count++;
-    if ( !c->thinned && k < MOST_CANDIDATES )
-        c->path[k] = number;
-    else if ( c->thinned && (double)k >= c->next && c->kept < MOST_TRIALS )
-    {
-        c->path[c->kept++] = number;
-        c->next += c->stride;
-    }
+    if ( c->thinned && (double)k < c->next )
+        return;
+    if ( c->kept == MOST_CANDIDATES )
+        return;
+    c->path[c->kept] = number;
+    c->light[c->kept++] = path->light / spread;
+    c->next += c->stride;
 }
 
-// Finds candidates; of more than MOST_TRIALS of them every k-th. Returns one over the probability of being accepted.
+// Finds candidates; of more than there is room for every k-th. Returns one over the probability of being among them.
 static float find_candidates( Candidates* c, RfRandomKey key )
 {
     rf_find_footprints( c->settings->paths, c->y, note, c );
-    c->kept = c->count;
-    if ( c->count <= MOST_TRIALS )
+    if ( c->count <= MOST_CANDIDATES )
         return 1.0f;
-    int all = c->count;
-    c->stride = (double)all / MOST_TRIALS;
+    c->stride = (double)c->count / MOST_CANDIDATES;
     c->next = c->stride * (double)rf_random( key, 0 );
-    c->kept = 0;
-    if ( all <= MOST_CANDIDATES )
-    {
-        for ( ; c->kept < MOST_TRIALS; c->next += c->stride )
-        {
-            int k = (int)c->next < all ? (int)c->next : all - 1;
-            c->path[c->kept++] = c->path[k];
-        }
-        return (float)c->stride;
-    }
-    c->count = 0;
+    c->count = c->kept = 0;
     c->thinned = true;
-    c->next = ceil( c->next );
     rf_find_footprints( c->settings->paths, c->y, note, c );
     return (float)c->stride;
 }
@@ -163,9 +152,10 @@ static void solve( Work* w )
         if ( !link->open )
             continue;
         link->chain = w->bend[k].at;
-        float pdf = rf_steer_pdf( paths, &link->chain );
-        link->reach = rf_steer_reach( paths, rf_tracer_lights( tracer ), &link->chain, pdf );
-        link->open = pdf > 0.0f && distance_of( &link->chain.start, &link->path->start ) <= link->reach;
+        link->reach = rf_find_footprint( paths, rf_tracer_lights( tracer ), &link->chain, rf_steer_pdf( paths, &link->chain ),
+                                         w->bend[k].y, w->bend[k].n )
+                          .reach;
+        link->open = link->reach > 0.0f && distance_of( &link->chain.start, &link->path->start ) <= link->reach;
         RfVec3 way = rf_sub( link->chain.vertex[link->chain.length - 1].p, start_of( w->v, link->lane ) );
         link->wi = rf_normalize( way );
         link->light = link->open ? light_of( w, link ) : rf_vec3( 0, 0, 0 );
@@ -251,11 +241,10 @@ static int try_again( Work* w, uint32_t trial, bool* pending )
         }
         const Link* link = w->link + k;
         RfVec3 apart = rf_sub( start_of( w->v, link->lane ), land.p[k] );
-        float pdf = rf_steer_pdf( paths, &bend->at );
-        float reach = rf_steer_reach( paths, rf_tracer_lights( tracer ), &bend->at, pdf );
-        float radius = rf_footprint_radius( paths, triangles + land.triangle[k], &bend->at, land.p[k], reach );
-        bend->most = STEP_MARGIN * reach;
-        bend->active = pdf > 0.0f && bend->at.probability > 0.0f && rf_dot( apart, apart ) <= radius * radius;
+        RfFootprint footprint = rf_find_footprint( paths, rf_tracer_lights( tracer ), &bend->at, rf_steer_pdf( paths, &bend->at ),
+                                                   land.p[k], triangles[land.triangle[k]].ng );
+        bend->most = STEP_MARGIN * footprint.reach;
+        bend->active = footprint.radius > 0.0f && rf_dot( apart, apart ) <= footprint.radius * footprint.radius;
     }
     rf_bend_chains( tracer, w->count, w->bend, &w->out->rays );
     int left = 0;
@@ -291,7 +280,7 @@ static void add( Work* w, const Link* link )
     RfVec3 light = rf_scale( link->light, link->repeats / found );
     float add[3] = { light.x, light.y, light.z }, weight = rf_luminance( light );
     w->chosen[i] += weight;
-    bool choose = rf_random( link->key, 0x40000000u ) * w->chosen[i] < weight || out->found[i] == 0;
+    bool choose = rf_random( link->key, DIMENSION_CHOOSE ) * w->chosen[i] < weight || out->found[i] == 0;
     for ( int c = 0; c < 3; ++c )
         out->light[c][i] += add[c];
     out->found[i] += 1;
@@ -305,11 +294,35 @@ static void add( Work* w, const Link* link )
     }
 }
 
+#ifdef DBG
+#include <stdio.h>
+#include <stdlib.h>
+static long d_cand, d_open, d_vis, d_len[10], d_k[10], d_big[10];
+static double d_light[10];
+static void d_print( void )
+{
+    fprintf( stderr, "cand %ld open %ld vis %ld\n", d_cand, d_open, d_vis );
+    for ( int i = 0; i < 10; i++ )
+        fprintf( stderr, "len %d: %ld meanK %.1f big %ld light %g\n", i, d_len[i], d_len[i] ? (double)d_k[i] / d_len[i] : 0,
+                 d_big[i], d_light[i] );
+}
+#endif
 static void flush( Work* w )
 {
     if ( w->count == 0 )
         return;
     solve( w );
+#ifdef DBG
+    static int reg;
+    if ( !reg )
+    {
+        reg = 1;
+        atexit( d_print );
+    }
+    d_cand += w->count;
+    for ( int k = 0; k < w->count; ++k )
+        d_open += w->link[k].open;
+#endif
     test_visibility( w );
     if ( w->settings->normalization == RF_KERNEL_EXACT )
         repeat_trials( w );
@@ -317,6 +330,17 @@ static void flush( Work* w )
     {
         if ( w->link[k].open )
             add( w, w->link + k );
+#ifdef DBG
+        if ( w->link[k].open )
+        {
+            int l = w->link[k].chain.length;
+            d_vis++;
+            d_len[l]++;
+            d_k[l] += w->link[k].repeats;
+            d_big[l] += w->link[k].repeats > 100;
+            d_light[l] += rf_luminance( w->link[k].light ) * w->link[k].repeats / ( w->link[k].reach * w->link[k].reach );
+        }
+#endif
     }
     w->count = 0;
 }
@@ -328,12 +352,18 @@ static void link_lane( Work* w, int i )
     RfRandomKey lane = rf_pixel_key( (uint64_t)w->keys->key_a[slot] << 32 | w->keys->key_b[slot], 0x6b65726eu );
     Candidates c = { .settings = w->settings, .y = start_of( v, i ), .n = lane_of( v->ng, i ) };
     c.spent = w->settings->spent != NULL ? w->settings->spent[slot] : 0;
-    float scale = find_candidates( &c, lane );
+    float scale = find_candidates( &c, lane ), sum = 0.0f;
+    for ( int k = 0; k < c.kept; ++k )
+        sum += c.light[k];
     for ( int k = 0; k < c.kept; ++k )
     {
+        // trial links: so many, in proportion to what they are expected to bring
+        RfRandomKey key = rf_pixel_key( (uint64_t)lane.a << 32 | lane.b, c.path[k] );
+        float accepted = rf_minf( TRIAL_LINKS * c.light[k] / sum, 1.0f );
+        if ( rf_random( key, DIMENSION_ACCEPT ) >= accepted )
+            continue;
         Link* link = w->link + w->count++;
-        *link = ( Link ){ .lane = i, .path = w->settings->paths->path + c.path[k], .scale = scale };
-        link->key = rf_pixel_key( (uint64_t)lane.a << 32 | lane.b, c.path[k] );
+        *link = ( Link ){ .lane = i, .path = w->settings->paths->path + c.path[k], .key = key, .scale = scale / accepted };
         if ( w->count == RF_CHAIN_BLOCK )
             flush( w );
     }

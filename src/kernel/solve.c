@@ -5,7 +5,7 @@
 #define RELATIVE_MISS 2e-5f // of the last segment's length
 #define ABSOLUTE_MISS 1e-6f // of the scene's radius
 
-bool rf_newton_step( const RfRayPair* ray, RfVec3 y, RfVec3 n, float step[2], float* miss )
+bool rf_newton_step( const RfRayPair* ray, RfVec3 y, RfVec3 n, float step[2], float* miss, float* spread )
 {
     RfVec3 meet, moves[2];
     if ( !rf_meet_plane( ray, y, n, &meet, moves ) )
@@ -15,6 +15,7 @@ bool rf_newton_step( const RfRayPair* ray, RfVec3 y, RfVec3 n, float step[2], fl
     float det = rf_dot( rf_cross( moves[0], moves[1] ), n );
     if ( !( fabsf( det ) > 1e-20f ) )
         return false;
+    *spread = fabsf( det );
     step[0] = -rf_dot( rf_cross( f, moves[1] ), n ) / det;
     step[1] = -rf_dot( rf_cross( moves[0], f ), n ) / det;
     return true;
@@ -33,20 +34,20 @@ static float tolerance( const RfTracer* tracer, const RfBend* b )
     return RELATIVE_MISS * rf_length( rf_sub( b->at.end.o, b->y ) ) + ABSOLUTE_MISS * rf_tracer_lights( tracer )->radius;
 }
 
-static void start( const RfTracer* tracer, RfBend* b, Next* next )
+static void start( RfBend* b, Next* next )
 {
-    (void)tracer;
+    float spread;
     b->met = false;
     *next = ( Next ){ .damping = 1.0f };
-    b->active = b->active && rf_newton_step( &b->at.end, b->y, b->n, next->step, &next->miss ) &&
+    b->active = b->active && rf_newton_step( &b->at.end, b->y, b->n, next->step, &next->miss, &spread ) &&
                 next->step[0] * next->step[0] + next->step[1] * next->step[1] <= b->most * b->most;
 }
 
 // Takes or refuses the chain that was tried.
 static void judge( const RfTracer* tracer, RfBend* b, const RfChain* tried, Next* next )
 {
-    float step[2], miss;
-    if ( tried->length == b->at.length && rf_newton_step( &tried->end, b->y, b->n, step, &miss ) &&
+    float step[2], miss, spread;
+    if ( tried->length == b->at.length && rf_newton_step( &tried->end, b->y, b->n, step, &miss, &spread ) &&
          ( miss < next->miss || !next->walked ) && ( next->walked || miss < 4.0f * next->miss + tolerance( tracer, b ) ) )
     {
         b->at = *tried;
@@ -67,7 +68,7 @@ void rf_bend_chains( const RfTracer* tracer, int count, RfBend* bends, uint64_t*
     for ( int i = 0; i < count; ++i )
     {
         chains[i] = tried + i;
-        start( tracer, bends + i, next + i );
+        start( bends + i, next + i );
     }
     for ( int k = 0; k < MOST_STEPS; ++k )
     {

@@ -15,8 +15,9 @@ typedef struct RfBend
     bool met; // out: `at` meets y
 } RfBend;
 
-// The step of Newton's method from a ray towards y. False: there is none.
-bool rf_newton_step( const RfRayPair* ray, RfVec3 y, RfVec3 n, float step[2], float* miss );
+// The step of Newton's method from a ray towards y; by how far it misses; the area on the plane per unit of what steers.
+// False: there is none.
+bool rf_newton_step( const RfRayPair* ray, RfVec3 y, RfVec3 n, float step[2], float* miss, float* spread );
 
 // Bends the active ones of `count` ≤ RF_CHAIN_BLOCK chains. Of `at` only start, events, length and end need be set. Whether
 // and where it succeeds depends on these and on y alone.
