@@ -7,7 +7,7 @@
 #define LINKS 3.0f            // c
 #define MOST_REACH 0.3f       // of directions: a chord
 #define MOST_SHIFT 0.1f       // of the rays of infinite lights, in radii of the scene
-#define MOST_FOOTPRINT 0.05f // likewise
+#define MOST_FOOTPRINT 0.05f  // likewise
 #define FOOTPRINT_MARGIN 1.3f // over what the derivatives tell
 #define PATHS_PER_PIXEL 0.125
 #define LEAST_PATHS 4096u

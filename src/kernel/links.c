@@ -5,10 +5,11 @@
 
 #include <string.h>
 
-#define TRIAL_LINKS 8.0f // of an eye vertex
-#define MOST_REPEATS 4096 // trials of a normalisation; so many are never needed but for rounding
-#define STEP_MARGIN 1.4f // first steps, in reaches of links
-#define SAME 0.05f        // solutions closer than this, in reaches, are one
+#define TRIAL_LINKS 8.0f        // of an eye's first vertex
+#define TRIAL_LINKS_BEYOND 1.0f // of others
+#define MOST_REPEATS 4096       // trials of a normalisation; so many are never needed but for rounding
+#define STEP_MARGIN 1.4f        // first steps, in reaches of links
+#define SAME 0.05f              // solutions closer than this, in reaches, are one
 #define MOST_CANDIDATES 512
 
 // Of the random numbers of a link; below them those of its repeated trials.
@@ -31,8 +32,9 @@ typedef struct Link
 
 typedef struct Work
 {
-    const RfLinkSettings* settings;
-    const RfWavefront* keys;
+    const RfKernelLinker* settings;
+    RfWavefront* keys;
+    int vertex;
     const RfVertexLanes* v;
     RfLinkLanes* out;
     Link link[RF_CHAIN_BLOCK];
@@ -43,7 +45,7 @@ typedef struct Work
 
 typedef struct Candidates
 {
-    const RfLinkSettings* settings;
+    const RfKernelLinker* settings;
     RfVec3 y, n;
     int spent;
     int count;
@@ -349,17 +351,18 @@ static void link_lane( Work* w, int i )
 {
     const RfVertexLanes* v = w->v;
     int slot = v->slot[i];
-    RfRandomKey lane = rf_pixel_key( (uint64_t)w->keys->key_a[slot] << 32 | w->keys->key_b[slot], 0x6b65726eu );
+    RfRandomKey lane =
+        rf_pixel_key( (uint64_t)w->keys->key_a[slot] << 32 | w->keys->key_b[slot], 0x6b65726eu + (uint32_t)w->vertex );
     Candidates c = { .settings = w->settings, .y = start_of( v, i ), .n = lane_of( v->ng, i ) };
-    c.spent = w->settings->spent != NULL ? w->settings->spent[slot] : 0;
-    float scale = find_candidates( &c, lane ), sum = 0.0f;
+    c.spent = w->vertex - 1 + ( w->keys->spent != NULL ? w->keys->spent[slot] : 0 );
+    float scale = find_candidates( &c, lane ), sum = 0.0f, trials = w->vertex == 1 ? TRIAL_LINKS : TRIAL_LINKS_BEYOND;
     for ( int k = 0; k < c.kept; ++k )
         sum += c.light[k];
     for ( int k = 0; k < c.kept; ++k )
     {
         // trial links: so many, in proportion to what they are expected to bring
         RfRandomKey key = rf_pixel_key( (uint64_t)lane.a << 32 | lane.b, c.path[k] );
-        float accepted = rf_minf( TRIAL_LINKS * c.light[k] / sum, 1.0f );
+        float accepted = rf_minf( trials * c.light[k] / sum, 1.0f );
         if ( rf_random( key, DIMENSION_ACCEPT ) >= accepted )
             continue;
         Link* link = w->link + w->count++;
@@ -369,10 +372,12 @@ static void link_lane( Work* w, int i )
     }
 }
 
-void rf_link_vertices( const RfLinkSettings* settings, const RfWavefront* keys, const RfVertexLanes* v, RfLinkLanes* out )
+void rf_link_vertices( const RfKernelLinker* linker, RfWavefront* keys, const RfVertexLanes* v, int vertex )
 {
-    Work w = { .settings = settings, .keys = keys, .v = v, .out = out };
+    RfLinkLanes* out = linker->out;
+    Work w = { .settings = linker, .keys = keys, .vertex = vertex, .v = v, .out = out };
     int count = rf_record_count( v );
+    out->rays = out->trials = 0;
     memset( out->light, 0, sizeof out->light );
     memset( out->one, 0, sizeof out->one );
     memset( out->found, 0, sizeof out->found );
@@ -386,4 +391,31 @@ void rf_link_vertices( const RfLinkSettings* settings, const RfWavefront* keys, 
         for ( int c = 0; c < 3; ++c )
             out->one[c][i] *= w.chosen[i];
     }
+    keys->path_rays += out->rays;
+}
+
+// Links as light samples.
+static void sample( const RfLinker* linker, RfWavefront* keys, const RfVertexLanes* v, int vertex, RfLightLanes* out )
+{
+    const RfKernelLinker* kernel = (const RfKernelLinker*)(const void*)linker;
+    const RfLinkLanes* links = kernel->out;
+    int count = rf_record_count( v );
+    rf_link_vertices( kernel, keys, v, vertex );
+    float scale = RF_DELTA_PDF * (float)kernel->path->light_samples;
+    for ( int i = 0; i < v->count; ++i )
+    {
+        bool found = i < count && links->found[i] > 0;
+        for ( int c = 0; c < 3; ++c )
+        {
+            out->wi[c][i] = found ? links->wi[c][i] : v->n[c][i];
+            out->radiance_cos[c][i] = found ? links->one[c][i] * scale : 0.0f;
+        }
+        out->pdf_solid_angle[i] = found ? RF_DELTA_PDF : 1.0f;
+    }
+}
+
+RfKernelLinker rf_make_linker( const RfLightPaths* paths, RfKernelNormalization normalization, const RfPathSettings* path,
+                               RfLinkLanes* lanes )
+{
+    return ( RfKernelLinker ){ { sample }, path, paths, normalization, lanes };
 }

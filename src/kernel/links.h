@@ -17,15 +17,21 @@ typedef struct RfLinkLanes
     uint64_t trials;                   // of the normalisation, counted up
 } RfLinkLanes;
 
-typedef struct RfLinkSettings
+typedef struct RfKernelLinker
 {
+    RfLinker linker;
     const RfPathSettings* path;
     const RfLightPaths* paths;
     RfKernelNormalization normalization;
-    const int32_t* spent; // vertices before the lane's, by slot; NULL: none
-} RfLinkSettings;
+    RfLinkLanes* out;
+} RfKernelLinker;
 
-// Links the evaluable vertices. Random numbers: those of the keys of their slots.
-void rf_link_vertices( const RfLinkSettings* settings, const RfWavefront* keys, const RfVertexLanes* vertices, RfLinkLanes* out );
+// A linker with a workspace; all must outlive it.
+RfKernelLinker rf_make_linker( const RfLightPaths* paths, RfKernelNormalization normalization, const RfPathSettings* path,
+                               RfLinkLanes* lanes );
+
+// Links evaluable vertices, their paths' `vertex`-th, to light paths: linker->out. Random numbers: those of the keys of
+// their slots. Adds to keys->path_rays.
+void rf_link_vertices( const RfKernelLinker* linker, RfWavefront* keys, const RfVertexLanes* vertices, int vertex );
 
 #endif

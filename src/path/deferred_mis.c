@@ -60,7 +60,7 @@ static int scatter_unevaluable( const RfVertexLanes* v, float* const wi[3], RfWa
 void rf_count_deltas( const RfPathSettings* settings, RfWavefront* wavefront, const RfVertexLanes* v, int vertex,
                       const float* pdf )
 {
-    if ( !settings->linked )
+    if ( settings->linker == NULL )
         return;
     const RfMaterial* materials = rf_tracer_scene( settings->tracer )->materials;
     int records = rf_record_count( v );
@@ -69,7 +69,7 @@ void rf_count_deltas( const RfPathSettings* settings, RfWavefront* wavefront, co
         uint8_t* deltas = wavefront->deltas + v->slot[i];
         bool follows = i >= records && vertex > 1 && pdf[i] == RF_DELTA_PDF && *deltas <= RF_MAX_CHAIN &&
                        rf_is_chain_surface( materials + v->material[i] );
-        *deltas = i < records && vertex == 1 ? 1 : follows ? (uint8_t)( *deltas + 1 ) : RF_NOT_LINKED;
+        *deltas = i < records ? 1 : follows ? (uint8_t)( *deltas + 1 ) : RF_NOT_LINKED;
     }
 }
 

@@ -97,10 +97,13 @@ static void add_light_samples( const RfPathSettings* settings, RfWavefront* wave
     RfLightLanes* lights = &wavefront->lights;
     RfLaneScratch* s = &wavefront->scratch;
     float k = (float)settings->light_samples;
-    for ( int j = 0; j < settings->light_samples; ++j )
+    for ( int j = 0; j < rf_light_lanes_count( settings ); ++j )
     {
         uint32_t dimension = rf_vertex_dimension( vertex, settings->light_samples ) + RF_DIMENSION_LIGHTS + 3u * (uint32_t)j;
-        wavefront->shadow_rays += (uint64_t)rf_sample_lights( settings, wavefront, v, dimension, lights, s );
+        if ( j < settings->light_samples )
+            wavefront->shadow_rays += (uint64_t)rf_sample_lights( settings, wavefront, v, dimension, lights, s );
+        else
+            settings->linker->sample( settings->linker, wavefront, v, vertex, lights );
         const float* wi[3] = { lights->wi[0], lights->wi[1], lights->wi[2] };
         float* f[3] = { s->f[0], s->f[1], s->f[2] };
         rf_evaluate_lanes( v, wi, f, s->pdf );
@@ -210,7 +213,7 @@ void rf_absorb( const RfVertexLanes* v, RfRayLanes* rays )
     }
 }
 
-// Emission at the end of chains from evaluable first vertices is left to links: what was hit does not shine, and nor does
+// Emission at the end of chains from evaluable vertices is left to links: what was hit does not shine, and nor does
 // the sky where nothing was hit.
 static void leave_to_links( const RfWavefront* wavefront, RfRayLanes* rays, RfVertexLanes* vertices )
 {
@@ -234,7 +237,7 @@ void rf_find_lit_vertices( const RfPathSettings* settings, RfWavefront* wavefron
     wavefront->path_rays += (uint64_t)rays->count;
     const float* pane_probability = rf_find_vertices_past_panes( settings, rays, vertices, &wavefront->scratch );
     rf_absorb( vertices, rays );
-    if ( settings->linked )
+    if ( settings->linker != NULL )
         leave_to_links( wavefront, rays, vertices );
     rf_add_emission_hits( settings, rays, vertices, wavefront->scratch.triangle, pane_probability, defer_mis,
                           &wavefront->arrivals );

@@ -6,6 +6,8 @@
 
 #include "path/lanes.h"
 
+typedef struct RfLinker RfLinker;
+
 // What all paths of a render share.
 typedef struct RfPathSettings
 {
@@ -13,7 +15,7 @@ typedef struct RfPathSettings
     int max_depth;     // path vertices after the eye, ≥ 1
     int light_samples; // K ≥ 1 per vertex
     RfLightSampling light_sampling;
-    bool linked; // light that reaches evaluable first vertices through chains comes by links (src/kernel): not by chance
+    const RfLinker* linker; // NULL: light that mirrors and glass send on is hit by chance
 } RfPathSettings;
 
 // Radiance that arrives along the ray of each path slot. Emission hit by the ray is
@@ -39,14 +41,29 @@ typedef struct RfWavefront
     // out, by slot
     RfArrivals arrivals;
     uint64_t path_rays, shadow_rays; // counted up
-    uint8_t deltas[RF_LANES]; // with settings.linked, by slot: one more than the delta vertices since an evaluable first one;
-                              // RF_NOT_LINKED: other vertices are among them
+    uint8_t deltas[RF_LANES];        // with a linker, by slot: one more than the delta vertices since the last evaluable one;
+                                     // RF_NOT_LINKED: none yet, or others are among them
     // inside
     RfRayLanes next;
     RfVertexLanes vertices;
     RfLightLanes lights;
     RfLaneScratch scratch;
 } RfWavefront;
+
+// Finds the light that reaches evaluable vertices through chains of mirrors and glass (src/kernel), in the place of
+// emission that is hit by chance.
+struct RfLinker
+{
+    // Samples such light for the path's `vertex`-th vertices, like a light that no scattered ray finds: densities are
+    // RF_DELTA_PDF, or 1 where there is none. Adds to keys->path_rays.
+    void ( *sample )( const RfLinker* linker, RfWavefront* keys, const RfVertexLanes* vertices, int vertex, RfLightLanes* out );
+};
+
+// Light samples of a vertex with those of the linker.
+static inline int rf_light_lanes_count( const RfPathSettings* settings )
+{
+    return settings->light_samples + ( settings->linker != NULL );
+}
 
 // Traces the rays and fills the vertices they hit, sorted by scattering model and
 // by ray within a model. Rays that miss leave no vertex. `coherent` is a hint for

@@ -30,7 +30,7 @@ RfHarvest rf_make_harvest( const RfEstimatorGroup* group )
 {
     const RfRenderSettings* settings = group->settings;
     return ( RfHarvest ){
-        .path = { group->tracer, group->max_depth, settings->light_samples, settings->light_sampling, group->shared != NULL },
+        .path = { group->tracer, group->max_depth, settings->light_samples, settings->light_sampling, NULL },
         .shape = rf_batch_shape( group ),
         .patches = rf_lay_out_patches( &settings->tile, group->traits.scattered, group->width, group->height ),
         .tile_roulette = settings->tile_roulette,
@@ -63,7 +63,7 @@ size_t rf_harvest_scratch_bytes( const RfBatchShape* shape )
     size_t lanes = RF_LANES * sizeof( float );
     return scratch_struct_bytes() + eyes_bytes( shape ) + (size_t)shape->light_samples * sizeof( RfLightLanes ) +
            (size_t)shape->eyes * lanes + (size_t)rf_direction_count( shape ) * lanes +
-           rf_tile_reuse_bytes( shape->light_samples, shape->tile_pixels, shape->panes ) +
+           rf_tile_reuse_bytes( shape->light_samples + shape->links, shape->tile_pixels, shape->panes ) +
            ( shape->chains ? sizeof( RfChains ) + 64 : 0 ) + ( shape->links ? sizeof( RfLinkLanes ) + 64 : 0 ) +
            ( shape->filtered ? 2 * lanes : 0 );
 }
@@ -76,8 +76,8 @@ RfHarvestScratch* rf_lay_out_harvest_scratch( const RfBatchShape* shape, void* m
     scratch->density = (float*)( scratch->direct + shape->light_samples );
     scratch->mixture = scratch->density + (size_t)shape->eyes * RF_LANES;
     char* rest = (char*)( scratch->mixture + (size_t)rf_direction_count( shape ) * RF_LANES );
-    scratch->tiles = rf_lay_out_tile_reuse( shape->light_samples, shape->tile_pixels, shape->panes, rest );
-    rest += rf_tile_reuse_bytes( shape->light_samples, shape->tile_pixels, shape->panes );
+    scratch->tiles = rf_lay_out_tile_reuse( shape->light_samples + shape->links, shape->tile_pixels, shape->panes, rest );
+    rest += rf_tile_reuse_bytes( shape->light_samples + shape->links, shape->tile_pixels, shape->panes );
     scratch->chains = shape->chains ? (RfChains*)(void*)( rest + ( 64 - (uintptr_t)rest % 64 ) % 64 ) : NULL;
     rest = shape->chains ? (char*)( scratch->chains + 1 ) : rest;
     scratch->links = shape->links ? (RfLinkLanes*)(void*)( rest + ( 64 - (uintptr_t)rest % 64 ) % 64 ) : NULL;
@@ -203,14 +203,6 @@ void rf_trace_hit_tails( const RfHarvest* harvest, RfHarvestScratch* scratch, Rf
         rf_trace_tails( &harvest->path, wavefront, 2 );
 }
 
-void rf_link_hits( const RfHarvest* harvest, RfHarvestScratch* scratch, RfRayCounts* rays )
-{
-    RfLinkSettings settings = { &harvest->path, harvest->light_paths, harvest->kernel_normalization, scratch->wavefront.spent };
-    scratch->links->rays = scratch->links->trials = 0;
-    rf_link_vertices( &settings, &scratch->wavefront, scratch->hits, scratch->links );
-    rays->path += scratch->links->rays;
-}
-
 void rf_follow_camera_rays( const RfHarvest* harvest, RfHarvestScratch* scratch )
 {
     const RfVertexLanes* first = &scratch->first;
@@ -284,6 +276,21 @@ int rf_harvest_first_hits( const RfHarvest* harvest, RfTraceJob job, RfHitBatch*
     return harvest_first_hits( &at, job, batch, scratch, rays );
 }
 
+// Beyond the hits; with light paths, links at all vertices.
+static void trace_tails( const RfHarvest* harvest, RfHarvestScratch* scratch, RfRayCounts* rays )
+{
+    if ( harvest->light_paths == NULL )
+    {
+        rf_trace_hit_tails( harvest, scratch, rays );
+        return;
+    }
+    RfKernelLinker linker = rf_make_linker( harvest->light_paths, harvest->kernel_normalization, &harvest->path, scratch->links );
+    RfHarvest linked = *harvest;
+    linked.path.linker = &linker.linker;
+    rf_trace_hit_tails( &linked, scratch, rays );
+    rf_link_vertices( &linker, &scratch->wavefront, scratch->hits, 1 );
+}
+
 static int harvest_batch( const RfHarvest* harvest, RfTraceJob job, RfHitBatch* batch, RfHarvestScratch* scratch,
                           RfRayCounts* rays )
 {
@@ -298,9 +305,7 @@ static int harvest_batch( const RfHarvest* harvest, RfTraceJob job, RfHitBatch* 
     if ( lit )
     {
         rf_sample_direct( harvest, scratch, rays );
-        rf_trace_hit_tails( harvest, scratch, rays );
-        if ( harvest->light_paths != NULL )
-            rf_link_hits( harvest, scratch, rays );
+        trace_tails( harvest, scratch, rays );
     }
     rays->path += wavefront->path_rays;
     rays->shadow += wavefront->shadow_rays;

@@ -86,9 +86,6 @@ void rf_scale_roulette( RfHarvestScratch* scratch, int count );
 // Light samples at the hits.
 void rf_sample_direct( const RfHarvest* harvest, RfHarvestScratch* scratch, RfRayCounts* rays );
 
-// Links of the hits to light paths.
-void rf_link_hits( const RfHarvest* harvest, RfHarvestScratch* scratch, RfRayCounts* rays );
-
 // Samples scattered directions at the hits and traces the rest of the paths.
 void rf_trace_hit_tails( const RfHarvest* harvest, RfHarvestScratch* scratch, RfRayCounts* rays );
 
