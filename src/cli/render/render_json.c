@@ -96,6 +96,12 @@ json_t* rf_render_json( const RfRenderOptions* options, const RfRenderRun* run )
         json_object_set_new( json, "estimator", json_string( rf_estimator_name( options->settings.estimator ) ) );
         json_object_set_new( json, "reconstruction", json_string( rf_reconstruction_name( options->settings.reconstruction ) ) );
     }
+    if ( options->settings.light_paths != RF_LIGHT_PATHS_OFF )
+    {
+        json_object_set_new( json, "light_paths", json_string( rf_light_paths_name( options->settings.light_paths ) ) );
+        json_object_set_new( json, "kernel_normalization",
+                             json_string( rf_kernel_normalization_name( options->settings.kernel_normalization ) ) );
+    }
     json_object_set_new( json, "repeated_frames", json_integer( run->repeated ) );
     RfAdaptive adaptive = options->settings.adaptive;
     json_object_set_new( json, "adaptive", json_boolean( adaptive == RF_ADAPTIVE_ON || stats->adaptive_frames > 0 ) );
