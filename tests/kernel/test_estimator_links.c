@@ -21,7 +21,9 @@ static RfScene make_ceiling( RfPunctual lamp, bool mirror )
 {
     SceneBuilder b = { 0 };
     uint32_t white = add_material( &b, make_lambert( 0.7f, 0.6f, 0.5f ) );
-    uint32_t floor = add_material( &b, make_mirror( 1.0f ) );
+    RfMaterial perfect = make_mirror( 1.0f );
+    perfect.specular = rf_vec3( 1, 1, 1 );
+    uint32_t floor = add_material( &b, perfect );
     add_quad( &b, white, rf_vec3( -2, 3, -2 ), rf_vec3( 2, 3, -2 ), rf_vec3( 2, 3, 2 ), rf_vec3( -2, 3, 2 ) );
     if ( mirror )
         add_quad( &b, floor, rf_vec3( -9, 0, 9 ), rf_vec3( 9, 0, 9 ), rf_vec3( 9, 0, -9 ), rf_vec3( -9, 0, -9 ) );
