@@ -254,6 +254,13 @@ float rf_glass_reflection( const RfMaterial* material, float cos_o, RfVec3* weig
     return probability;
 }
 
+void rf_glass_delta_lobes( const RfMaterial* m, float ior, float cos_o, RfVec3* reflected, RfVec3* transmitted )
+{
+    Glass g = { .base = m->diffuse, .specular = m->specular, .tint = m->tint, .ior = ior, .metal = m->f90 };
+    *reflected = reflectance( &g, cos_o );
+    *transmitted = ior > 0.0f ? rf_scale( m->tint, 1.0f - dielectric( cos_o, ior ) ) : rf_vec3( 0, 0, 0 );
+}
+
 static void put( float* const out[3], int i, RfVec3 v )
 {
     out[0][i] = v.x;

@@ -55,6 +55,14 @@ typedef struct RfMaterial
     struct RfTextured* textured; // what varies over the surface (scene/textured.h); NULL: nothing
 } RfMaterial;
 
+// True of the surfaces that light paths follow: perfect mirrors and smooth glass with an inside, without textures.
+static inline bool rf_is_chain_surface( const RfMaterial* m )
+{
+    return m->kind == RF_BSDF_GLASS && m->alpha == 0.0f && m->textured == NULL && !m->thin;
+}
+
+#define RF_MAX_CHAIN 8 // vertices of a chain that light paths follow
+
 #define RF_MIN_ALPHA 1e-3f
 
 // GGX lobes with a smaller alpha (roughness 0.1) are so narrow that directions of other paths do not fall into them.

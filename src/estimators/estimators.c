@@ -39,6 +39,8 @@ RfRenderSettings rf_default_render_settings( void )
         .group = RF_GROUP_AUTO,
         .tile = s_estimators[0]->tile,
         .tile_roulette = false,
+        .light_paths = RF_LIGHT_PATHS_OFF,
+        .kernel_normalization = RF_KERNEL_EXACT,
         .adaptive = RF_ADAPTIVE_AUTO,
         .weights = RF_WEIGHTS_EXACT,
         .normalize = RF_NORMALIZE_CROSSFIT,

@@ -51,6 +51,9 @@ void rf_frame_fingerprint( const RfOutput* output, int frame, char text[RF_FINGE
         hash = hash_text( hash, rf_estimator_name( s->estimator ) );
     if ( s->reconstruction != RF_RECONSTRUCTION_WEIGHTED )
         hash = hash_text( hash, rf_reconstruction_name( s->reconstruction ) );
+    if ( s->light_paths != RF_LIGHT_PATHS_OFF )
+        hash = hash_text( hash_text( hash, rf_light_paths_name( s->light_paths ) ),
+                          rf_kernel_normalization_name( s->kernel_normalization ) );
     const RfScene* scene = rf_tracer_scene( output->tracer );
     snprintf( settings, sizeof settings, "effects forced %llx without %llx", (unsigned long long)scene->effects_forced,
               (unsigned long long)scene->effects_left_out );

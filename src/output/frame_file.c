@@ -58,6 +58,8 @@ typedef enum Key
     AOV,
     ESTIMATOR,
     RECONSTRUCTION,
+    LIGHT_PATHS,
+    KERNEL_NORMALIZATION,
     EFFECTS,
     NO_EFFECT,
     CALLS_FOR,
@@ -101,6 +103,8 @@ static const char* const s_names[KEY_COUNT] = {
     [AOV] = "reframe/aov",
     [ESTIMATOR] = "reframe/estimator",
     [RECONSTRUCTION] = "reframe/reconstruction",
+    [LIGHT_PATHS] = "reframe/light-paths",
+    [KERNEL_NORMALIZATION] = "reframe/kernel-normalization",
     [EFFECTS] = "reframe/effects",
     [NO_EFFECT] = "reframe/no-effect",
     [CALLS_FOR] = "reframe/calls-for",
@@ -157,6 +161,10 @@ static void put_settings( Attributes* a, const RfRenderSettings* s )
         put( a, AOV, "%s", aovs );
     if ( s->estimator != rf_default_render_settings().estimator )
         put_text( a, ESTIMATOR, rf_estimator_name( s->estimator ) );
+    if ( s->light_paths != RF_LIGHT_PATHS_OFF )
+        put_text( a, LIGHT_PATHS, rf_light_paths_name( s->light_paths ) );
+    if ( s->light_paths != RF_LIGHT_PATHS_OFF && s->kernel_normalization != RF_KERNEL_EXACT )
+        put_text( a, KERNEL_NORMALIZATION, rf_kernel_normalization_name( s->kernel_normalization ) );
     if ( s->reconstruction != RF_RECONSTRUCTION_WEIGHTED )
         put_text( a, RECONSTRUCTION, rf_reconstruction_name( s->reconstruction ) );
 }
@@ -280,6 +288,8 @@ static const char* absent_value( Key key )
         case FLICKER:
         case TIME: return "0";
         case RECONSTRUCTION: return rf_reconstruction_name( RF_RECONSTRUCTION_WEIGHTED );
+        case LIGHT_PATHS: return rf_light_paths_name( RF_LIGHT_PATHS_OFF );
+        case KERNEL_NORMALIZATION: return rf_kernel_normalization_name( RF_KERNEL_EXACT );
         case AOV:
         case NO_EFFECT: return "none";
         case EFFECTS: return "auto";
@@ -328,9 +338,11 @@ static void add_roulette( const RfOutput* output, const char* name, int frame, R
 
 int rf_list_frame_differences( const RfOutput* output, int frame, RfFrameDifference list[RF_MAX_DIFFERENCES] )
 {
-    static const Key keys[] = { VERSION,   FRAME,     CAMERA,    FRAMES,        GROUP,    SPP,          TILE,          WEIGHTS,
-                                NORMALIZE, SEED,      MAX_DEPTH, LIGHT_SAMPLES, ADAPTIVE, NOISE,        FLICKER,       TIME,
-                                AOV,       ESTIMATOR, EFFECTS,   NO_EFFECT,     FILTER,   FILTER_WIDTH, RECONSTRUCTION };
+    static const Key keys[] = { VERSION,   FRAME,         CAMERA,         FRAMES,      GROUP,
+                                SPP,       TILE,          WEIGHTS,        NORMALIZE,   SEED,
+                                MAX_DEPTH, LIGHT_SAMPLES, ADAPTIVE,       NOISE,       TIME,
+                                AOV,       FLICKER,       ESTIMATOR,      EFFECTS,     NO_EFFECT,
+                                FILTER,    FILTER_WIDTH,  RECONSTRUCTION, LIGHT_PATHS, KERNEL_NORMALIZATION };
     char name[MAX_NAME], there[RF_DIFFERENCE_SIZE];
     int count = 0;
     Attributes wanted;

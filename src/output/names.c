@@ -6,6 +6,18 @@ const char* const rf_weights_words[] = {
 const char* const rf_normalize_words[] = {
     [RF_NORMALIZE_CROSSFIT] = "crossfit", [RF_NORMALIZE_RATIO] = "ratio", [RF_NORMALIZE_NONE] = "none", NULL
 };
+const char* const rf_light_paths_words[] = {
+    [RF_LIGHT_PATHS_AUTO] = "auto",
+    [RF_LIGHT_PATHS_ON] = "on",
+    [RF_LIGHT_PATHS_OFF] = "off",
+    NULL,
+};
+const char* const rf_kernel_normalization_words[] = {
+    [RF_KERNEL_EXACT] = "exact",
+    [RF_KERNEL_DISC] = "disc",
+    [RF_KERNEL_DENSITY] = "density",
+    NULL,
+};
 const char* const rf_reconstruction_words[] = {
     [RF_RECONSTRUCTION_WEIGHTED] = "weighted",
     [RF_RECONSTRUCTION_L2] = "l2",
@@ -24,6 +36,11 @@ const char* rf_weights_name( RfWeights weights ) { return rf_weights_words[weigh
 
 const char* rf_normalize_name( RfNormalize normalize ) { return rf_normalize_words[normalize]; }
 
+const char* rf_light_paths_name( RfLightPathsUse use ) { return rf_light_paths_words[use]; }
+const char* rf_kernel_normalization_name( RfKernelNormalization normalization )
+{
+    return rf_kernel_normalization_words[normalization];
+}
 const char* rf_reconstruction_name( RfReconstruction reconstruction ) { return rf_reconstruction_words[reconstruction]; }
 
 const char* rf_filter_name( RfFilter filter ) { return rf_filter_words[filter]; }

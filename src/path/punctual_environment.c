@@ -1,21 +1,5 @@
 #include "path/punctual_environment.h"
-
-static float cone_falloff( const RfPunctual* p, RfVec3 wi )
-{
-    if ( p->kind != RF_PUNCTUAL_SPOT )
-        return 1.0f;
-    float cos_axis = -rf_dot( p->direction, wi );
-    float t = ( cos_axis - p->cos_outer ) / rf_maxf( p->cos_inner - p->cos_outer, 1e-4f );
-    t = rf_clampf( t, 0.0f, 1.0f );
-    return t * t;
-}
-
-// Attenuation by range, as the text of KHR_lights_punctual recommends.
-static float range_falloff( float distance2, float range )
-{
-    float ratio2 = distance2 / ( range * range );
-    return rf_clampf( 1.0f - ratio2 * ratio2, 0.0f, 1.0f );
-}
+#include "light/punctual.h"
 
 // Radiance and density in the right ratio, the radiance as large as may be: the density remains far above those
 // of scattering models, which it competes with in MIS.
@@ -50,7 +34,8 @@ static RfPunctualEnvironmentSample sample_punctual( const RfLights* lights, cons
     // bounds the radiance next to the light
     float least = 1e-5f * lights->radius;
     d2 = rf_maxf( d2, least * least );
-    float falloff = cone_falloff( p, sample.wi ) * range_falloff( d2, p->range ), scale = falloff / d2 * RF_DELTA_PDF;
+    float falloff = rf_spot_falloff( p, -rf_dot( p->direction, sample.wi ) ) * rf_range_falloff( d2, p->range ),
+          scale = falloff / d2 * RF_DELTA_PDF;
     if ( rf_max_component( p->intensity ) * scale < RF_MAX_PUNCTUAL_RADIANCE )
         sample.radiance = rf_scale( p->intensity, scale );
     else

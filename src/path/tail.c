@@ -97,10 +97,16 @@ static void add_light_samples( const RfPathSettings* settings, RfWavefront* wave
     RfLightLanes* lights = &wavefront->lights;
     RfLaneScratch* s = &wavefront->scratch;
     float k = (float)settings->light_samples;
-    for ( int j = 0; j < settings->light_samples; ++j )
+    for ( int j = 0; j < rf_light_lanes_count( settings ); ++j )
     {
         uint32_t dimension = rf_vertex_dimension( vertex, settings->light_samples ) + RF_DIMENSION_LIGHTS + 3u * (uint32_t)j;
-        wavefront->shadow_rays += (uint64_t)rf_sample_lights( settings, wavefront, v, dimension, lights, s );
+        if ( j < settings->light_samples )
+        {
+            wavefront->shadow_rays += (uint64_t)rf_sample_lights( settings, wavefront, v, dimension, lights, s );
+            rf_note_lit( settings, wavefront, lights, j, v->count );
+        }
+        else
+            settings->linker->sample( settings->linker, wavefront, v, vertex, lights );
         const float* wi[3] = { lights->wi[0], lights->wi[1], lights->wi[2] };
         float* f[3] = { s->f[0], s->f[1], s->f[2] };
         rf_evaluate_lanes( v, wi, f, s->pdf );
@@ -192,6 +198,7 @@ static void scatter( const RfPathSettings* settings, RfWavefront* wavefront, con
     uint32_t dimension = rf_vertex_dimension( vertex, settings->light_samples );
     float* wi[3] = { s->wi[0], s->wi[1], s->wi[2] };
     rf_scatter_lanes( wavefront, v, dimension + RF_DIMENSION_SCATTER, wi, s );
+    rf_count_deltas( settings, wavefront, v, vertex, s->pdf );
     rf_draw_lanes( wavefront, v->count, v->slot, dimension + RF_DIMENSION_ROULETTE, 1, s->random );
     next->count =
         scatter_unevaluable_lanes( wavefront, rays, vertex, next, scatter_evaluable_lanes( wavefront, rays, vertex, next ) );
@@ -215,6 +222,7 @@ void rf_find_lit_vertices( const RfPathSettings* settings, RfWavefront* wavefron
     wavefront->path_rays += (uint64_t)rays->count;
     const float* pane_probability = rf_find_vertices_past_panes( settings, rays, vertices, &wavefront->scratch );
     rf_absorb( vertices, rays );
+    rf_leave_to_links( settings, wavefront, rays, vertices );
     rf_add_emission_hits( settings, rays, vertices, wavefront->scratch.triangle, pane_probability, defer_mis,
                           &wavefront->arrivals );
 }

@@ -6,6 +6,8 @@
 
 #include "path/lanes.h"
 
+typedef struct RfLinker RfLinker;
+
 // What all paths of a render share.
 typedef struct RfPathSettings
 {
@@ -13,6 +15,7 @@ typedef struct RfPathSettings
     int max_depth;     // path vertices after the eye, ≥ 1
     int light_samples; // K ≥ 1 per vertex
     RfLightSampling light_sampling;
+    const RfLinker* linker; // NULL: light that mirrors and glass send on is hit by chance
 } RfPathSettings;
 
 // Radiance that arrives along the ray of each path slot. Emission hit by the ray is
@@ -38,12 +41,30 @@ typedef struct RfWavefront
     // out, by slot
     RfArrivals arrivals;
     uint64_t path_rays, shadow_rays; // counted up
+    uint8_t deltas[RF_LANES];        // with a linker, by slot: one more than the delta vertices since the last evaluable one;
+                                     // RF_NOT_LINKED: none yet, or others are among them
+    float lit[RF_LANES];             // with a linker, by vertex lane: luminance of the irradiance that light samples found there
     // inside
     RfRayLanes next;
     RfVertexLanes vertices;
     RfLightLanes lights;
     RfLaneScratch scratch;
 } RfWavefront;
+
+// Finds the light that reaches evaluable vertices through chains of mirrors and glass (src/kernel), in the place of
+// emission that is hit by chance.
+struct RfLinker
+{
+    // Samples such light, the less the more is lit by light samples, for the path's `vertex`-th vertices, like a light that no scattered ray finds: densities are
+    // RF_DELTA_PDF, or 1 where there is none. Adds to keys->path_rays.
+    void ( *sample )( const RfLinker* linker, RfWavefront* keys, const RfVertexLanes* vertices, int vertex, RfLightLanes* out );
+};
+
+// Light samples of a vertex with those of the linker.
+static inline int rf_light_lanes_count( const RfPathSettings* settings )
+{
+    return settings->light_samples + ( settings->linker != NULL );
+}
 
 // Traces the rays and fills the vertices they hit, sorted by scattering model and
 // by ray within a model. Rays that miss leave no vertex. `coherent` is a hint for
@@ -121,6 +142,19 @@ static inline RfVec3 rf_transmittance_from( const RfVertexLanes* v, int i, RfVec
 // densities to wavefront->scratch.pdf.
 void rf_scatter_deferred( const RfPathSettings* settings, RfWavefront* wavefront, const RfVertexLanes* vertices, int vertex,
                           float* const wi[3] );
+
+#define RF_NOT_LINKED 255
+
+// Adds one of a vertex's light samples to wavefront->lit, the first of them (`sample` 0) in place of what is there.
+void rf_note_lit( const RfPathSettings* settings, RfWavefront* wavefront, const RfLightLanes* lights, int sample, int count );
+
+// Counts the delta vertices of paths, after the path's `vertex`-th was scattered from with these densities.
+void rf_count_deltas( const RfPathSettings* settings, RfWavefront* wavefront, const RfVertexLanes* vertices, int vertex,
+                      const float* pdf );
+
+// Emission at the end of chains from evaluable vertices is left to the linker: what was hit does not shine, and nor does the
+// sky where nothing was hit.
+void rf_leave_to_links( const RfPathSettings* settings, const RfWavefront* wavefront, RfRayLanes* rays, RfVertexLanes* vertices );
 
 // Ends the paths for which `vertex` is the last one: their throughput becomes 0.
 void rf_end_spent_paths( const RfPathSettings* settings, const RfWavefront* wavefront, int vertex, RfRayLanes* rays );

@@ -54,6 +54,7 @@ typedef enum RfWithout
     X( SMOOTH_METALS, "smooth-metals", IMPOSSIBLE, true, "it goes with chains: leave those out" )                                \
     X( LIGHT_TREE, "light-tree", OTHER_NOISE, false, "lights are drawn by their power alone" )                                   \
     X( CHAINS, "chains", OTHER_NOISE, true, "what mirrors and glass show is not reused, in tiles nor in other frames" )          \
+    X( LIGHT_PATHS, "light-paths", IMPOSSIBLE, false, "settings without it" )                                                    \
     X( FRAME_GROUPS, "frame-groups", IMPOSSIBLE, false, "groups of one frame" )                                                  \
     X( TILE_CONNECTIONS, "tile-connections", IMPOSSIBLE, false, "tiles of one pixel" )                                           \
     X( TILE_ROULETTE, "tile-roulette", IMPOSSIBLE, false, "settings without it" )                                                \

@@ -85,6 +85,28 @@ typedef enum RfAdaptive
 // "auto", "on", "off".
 const char* rf_adaptive_name( RfAdaptive adaptive );
 
+// Light paths through mirrors and glass, bent to what the eyes see (src/kernel/README.md).
+typedef enum RfLightPathsUse
+{
+    RF_LIGHT_PATHS_AUTO, // where light can reach mirrors or glass
+    RF_LIGHT_PATHS_ON,   // likewise: elsewhere there are none
+    RF_LIGHT_PATHS_OFF,
+} RfLightPathsUse;
+
+// "auto", "on", "off".
+const char* rf_light_paths_name( RfLightPathsUse use );
+
+// How a link to a light path is divided by the probability of finding it.
+typedef enum RfKernelNormalization
+{
+    RF_KERNEL_EXACT,   // by repeated trials: unbiased
+    RF_KERNEL_DISC,    // as if every light path near enough were found: biased, for comparison
+    RF_KERNEL_DENSITY, // no links: density estimation by the same footprints, as in photon mapping; blurred, for comparison
+} RfKernelNormalization;
+
+// "exact", "disc", "density".
+const char* rf_kernel_normalization_name( RfKernelNormalization normalization );
+
 // How the lights of a vertex are sampled.
 typedef enum RfLightSampling
 {
@@ -168,6 +190,8 @@ typedef struct RfRenderSettings
     RfFilter filter;                 // of the pixels; depth and motion have the box of one pixel whatever it is
     double filter_width;             // pixels; 0: the filter's default
     RfLightSampling light_sampling;
+    RfLightPathsUse light_paths; // RF_WEIGHTS_EXACT only
+    RfKernelNormalization kernel_normalization;
     uint64_t seed;
     int threads;            // 0: all cores
     size_t memory;          // budget in bytes, beyond scene and BVH; 0: half of what is free

@@ -112,6 +112,24 @@ static void set_chains( const Source* from )
         set( from, RF_EFFECT_CHAINS, true, "%s: %.120s", reason->name, reason->why );
 }
 
+static void set_light_paths( const Source* from )
+{
+    const RfSceneTraits* t = &from->traits;
+    const RfRenderSettings* s = from->settings;
+    bool on = rf_wants_light_paths( t, s );
+    if ( s->light_paths == RF_LIGHT_PATHS_OFF )
+        set( from, RF_EFFECT_LIGHT_PATHS, false, "the settings do not ask for it" );
+    else if ( on )
+        set( from, RF_EFFECT_LIGHT_PATHS, true, "%u triangles of mirrors or clear glass", t->chain_triangles );
+    else
+        set( from, RF_EFFECT_LIGHT_PATHS, false, "%s",
+             t->chain_triangles == 0          ? "no perfect mirror, no smooth glass with an inside"
+             : t->panes                       ? "there are thin panes, which light paths do not pass"
+             : t->blended                     ? "surfaces are partly transparent, which light paths do not pass"
+             : s->weights != RF_WEIGHTS_EXACT ? "they want exact weights"
+                                              : "the estimator has none" );
+}
+
 static void set_reuse( const Source* from )
 {
     const RfRenderSettings* s = from->settings;
@@ -189,6 +207,7 @@ int rf_list_render_effects( const RfScene* scene, const RfEye* eyes, int eye_cou
         set_path( &from, eyes );
     set_light_tree( &from );
     set_chains( &from );
+    set_light_paths( &from );
     set_reuse( &from );
     set_projection( &from, eyes );
     set_film( &from );

@@ -39,19 +39,20 @@ typedef struct RfSceneTraits
     RF_TRAIT_LIST( RF_TRAIT_FLAG )
 #undef RF_TRAIT_FLAG
     // what is a matter of the scene alone, whatever is forced
-    bool grouped_chains; // other frames can use what chains find
-    bool scattered;      // the pixels of a batch lie apart: its one point of the lens is not to be seen
+    bool grouped_chains;      // other frames can use what chains find
+    bool scattered;           // the pixels of a batch lie apart: its one point of the lens is not to be seen
+    uint32_t chain_triangles; // that light paths can follow (rf_is_chain_surface)
 } RfSceneTraits;
 
 // Whether batches have points of the lens and moments of the shutter.
 static inline bool rf_is_blurred( const RfSceneTraits* traits ) { return traits->lens || traits->shutter; }
 
 // Whether camera rays go on through mirrors and glass: where the pixels of a tile, or other frames, can use what they find.
-static inline bool rf_wants_chains( const RfSceneTraits* traits, const RfRenderSettings* settings, int tile_pixels )
-{
-    bool grouped = settings->group != 0 && traits->grouped_chains;
-    return traits->chains && settings->weights == RF_WEIGHTS_EXACT && ( tile_pixels > 1 || grouped );
-}
+bool rf_wants_chains( const RfSceneTraits* traits, const RfRenderSettings* settings, int tile_pixels );
+
+// Whether the light that mirrors and glass send on comes by light paths. Not through thin panes and partly transparent
+// surfaces, which rays pass by chance.
+bool rf_wants_light_paths( const RfSceneTraits* traits, const RfRenderSettings* settings );
 
 // A group of frames, as every batch of it sees it.
 typedef struct RfEstimatorGroup
@@ -72,6 +73,7 @@ typedef struct RfEstimatorGroup
     int round;
     bool packed;          // instead all of them, as many tiles at once as fill a batch: the batch number `round` of these
     bool first_hits_only; // no light: for add_own_shares alone
+    const void* shared;   // what `prepare` made for the pass; NULL: there is nothing
 } RfEstimatorGroup;
 
 // Sizes in bytes and counts for groups of up to group->eye_count frames.
@@ -83,6 +85,7 @@ typedef struct RfEstimatorSizes
     size_t accumulate_scratch; // workspace of `accumulate`, per thread
     size_t finish_scratch;     // workspace of `finish`; 0: none
     size_t pass_state;         // per frame, all zero at the start of each pass; 0: none
+    size_t shared;             // what all batches of a pass share, all zero at first; 0: nothing
     bool whole_pass;           // `accumulate` needs all batches of a pass at once, and whole films
     // for the report of the plan
     size_t diffuse_record, shiny_record; // bytes of one hit
@@ -150,6 +153,9 @@ struct RfEstimator
     // A batch laid out for a group serves groups of fewer eyes, too.
     void ( *lay_out_batch )( const RfEstimatorGroup* group, void* batch );
     void ( *lay_out_scratch )( const RfEstimatorGroup* group, void* scratch );
+
+    // May be NULL. Makes what all batches of a pass of a group share, sizes.shared bytes. By all threads of the settings.
+    void ( *prepare )( const RfEstimatorGroup* group, int pass, void* shared, RfRayCounts* rays );
 
     // Traces one batch into records and adds to the counts of rays. Returns its own-frame samples.
     // Called by several threads, each with its own batch and scratch.

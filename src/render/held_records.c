@@ -36,6 +36,7 @@ static RfResult hold( RfRenderer* r, const RfEstimatorGroup* group, int count, H
 static RfResult trace_pass( RfRenderer* r, const RfPass* pass, int jobs, Held* held, RfError* error )
 {
     RfResult result = RF_OK;
+    rf_prepare_pass( r, pass );
     for ( int first = 0; first < jobs && result == RF_OK; first += r->memory.batch_slots )
     {
         int count = jobs - first < r->memory.batch_slots ? jobs - first : r->memory.batch_slots;

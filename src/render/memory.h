@@ -28,6 +28,7 @@ typedef struct RfRenderMemory
     void** trace_scratch;      // per thread
     void** accumulate_scratch; // per thread
     void* finish_scratch;      // NULL: none
+    void* shared;              // by the batches of a pass; NULL: nothing is
     void** batches;
     int batch_slots;
     RfLiveFilm* films;

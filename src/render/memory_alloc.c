@@ -6,6 +6,7 @@
 
 #include <string.h>
 
+#define SHARED "light paths"
 #define WRITER "writer" // of files: allocated by OpenEXRCore while a frame is handed over
 
 static size_t film_pixels( const RfRenderSizes* s ) { return (size_t)s->width * (size_t)s->height; }
@@ -138,6 +139,10 @@ static RfResult alloc_scratch( const RfEstimatorGroup* group, const RfRenderSize
         result = alloc_blocks( m, "scratch", s->threads, s->of_estimator.accumulate_scratch, &m->accumulate_scratch, error );
     if ( result == RF_OK && s->of_estimator.finish_scratch > 0 )
         result = rf_arena_alloc( &m->arena, "scratch", s->of_estimator.finish_scratch, &m->finish_scratch, error );
+    if ( result == RF_OK && s->of_estimator.shared > 0 )
+        result = rf_arena_alloc( &m->arena, SHARED, s->of_estimator.shared, &m->shared, error );
+    if ( result == RF_OK && s->of_estimator.shared > 0 )
+        memset( m->shared, 0, s->of_estimator.shared );
     return result;
 }
 
@@ -254,5 +259,6 @@ void rf_free_render_memory( const RfRenderSizes* s, RfRenderMemory* m )
     free_blocks( m, "scratch", s->threads, s->of_estimator.trace_scratch, m->trace_scratch );
     free_blocks( m, "scratch", s->threads, s->of_estimator.accumulate_scratch, m->accumulate_scratch );
     rf_arena_free( &m->arena, "scratch", m->finish_scratch, s->of_estimator.finish_scratch );
+    rf_arena_free( &m->arena, SHARED, m->shared, s->of_estimator.shared );
     free_blocks( m, "hit records", m->batch_slots, s->of_estimator.batch, m->batches );
 }

@@ -136,6 +136,12 @@ RfResult rf_end_chunk( RfRenderer* r, int count, RfError* error )
     return rf_check_frame_queue( &r->queue, error );
 }
 
+void rf_prepare_pass( RfRenderer* r, const RfPass* pass )
+{
+    if ( r->memory.shared != NULL )
+        r->settings.estimator->prepare( pass->group, pass->number, r->memory.shared, &r->rays );
+}
+
 void rf_begin_pass( RfRenderer* r )
 {
     for ( int i = 0; i < r->memory.film_slots; ++i )
@@ -186,6 +192,7 @@ static int list_jobs( RfRenderer* r, const RfPass* pass )
 RfResult rf_render_pass( RfRenderer* r, const RfPass* pass, RfError* error )
 {
     rf_begin_pass( r );
+    rf_prepare_pass( r, pass );
     int jobs = list_jobs( r, pass );
     for ( int first = 0; first < jobs; first += r->memory.batch_slots )
     {

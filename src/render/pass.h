@@ -10,6 +10,9 @@ void rf_trace_chunk( RfRenderer* renderer, const RfPass* pass, int first, int co
 // Adds memory.batches[0 … count) to the films of all frames of the group.
 void rf_accumulate_chunk( RfRenderer* renderer, const RfPass* pass, int count );
 
+// Before batches of a pass are traced: what they share.
+void rf_prepare_pass( RfRenderer* renderer, const RfPass* pass );
+
 // Around the chunks of a pass: clears what the estimator keeps per pass; traces extra samples and
 // counts the pass.
 void rf_begin_pass( RfRenderer* renderer );

@@ -26,6 +26,7 @@ static RfResult render_group( RfRenderer* r, int number, RfError* error )
 {
     RfGroup group = rf_group( &r->plan, number );
     RfEstimatorGroup estimator_group = rf_estimator_group( r, number );
+    estimator_group.shared = r->memory.shared;
     rf_open_films( r, number );
     RfResult result;
     if ( r->sizes.stopping )

@@ -105,6 +105,7 @@ size_t rf_scratch_bytes( const RfRenderSizes* s )
 {
     size_t threads = (size_t)s->threads;
     return 2 * rf_arena_size( threads * sizeof( void* ) ) + optional( s->of_estimator.finish_scratch ) +
+           optional( s->of_estimator.shared ) +
            threads * ( rf_arena_size( s->of_estimator.trace_scratch ) + rf_arena_size( s->of_estimator.accumulate_scratch ) );
 }
 

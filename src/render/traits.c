@@ -10,9 +10,10 @@ RfSceneTraits rf_scene_traits( const RfScene* scene, const RfEye* eyes, int eye_
     RfSceneTraits traits = { .sky = rf_max_component( scene->environment.radiance ) > 0.0f };
     for ( uint32_t i = 0; i < scene->triangles.count; ++i )
     {
+        const RfMaterial* material = scene->materials + scene->triangles.material[i];
+        traits.chain_triangles += rf_is_chain_surface( material );
         if ( i > 0 && scene->triangles.material[i] == scene->triangles.material[i - 1] )
             continue;
-        const RfMaterial* material = scene->materials + scene->triangles.material[i];
         traits.kinds |= 1u << material->kind;
         traits.blended = traits.blended || rf_is_blended( material );
         traits.panes = traits.panes || rf_may_be_pane( material );
@@ -31,6 +32,21 @@ RfSceneTraits rf_scene_traits( const RfScene* scene, const RfEye* eyes, int eye_
     traits.grouped_chains = traits.mirrors || traits.smooth || traits.panes;
     traits.scattered = traits.lens || traits.shutter;
     return traits;
+}
+
+bool rf_wants_light_paths( const RfSceneTraits* traits, const RfRenderSettings* settings )
+{
+    return rf_calls_for( settings->light_paths != RF_LIGHT_PATHS_OFF && settings->estimator->prepare != NULL &&
+                             settings->weights == RF_WEIGHTS_EXACT && traits->chain_triangles > 0 && !traits->panes &&
+                             !traits->blended,
+                         RF_EFFECT_LIGHT_PATHS );
+}
+
+bool rf_wants_chains( const RfSceneTraits* traits, const RfRenderSettings* settings, int tile_pixels )
+{
+    bool grouped = settings->group != 0 && traits->grouped_chains;
+    return traits->chains && settings->weights == RF_WEIGHTS_EXACT &&
+           ( tile_pixels > 1 || grouped || rf_wants_light_paths( traits, settings ) );
 }
 
 // The models that materials with these effects scatter by.

@@ -22,6 +22,7 @@ RfBatchShape rf_batch_shape( const RfEstimatorGroup* group )
         .own_frame_light = unevaluable || chains || group->traits.sky,
         .filtered = !rf_is_plain_filter( settings ),
         .chains = chains,
+        .links = rf_wants_light_paths( &group->traits, settings ),
     };
 }
 
@@ -29,7 +30,7 @@ RfHarvest rf_make_harvest( const RfEstimatorGroup* group )
 {
     const RfRenderSettings* settings = group->settings;
     return ( RfHarvest ){
-        .path = { group->tracer, group->max_depth, settings->light_samples, settings->light_sampling },
+        .path = { group->tracer, group->max_depth, settings->light_samples, settings->light_sampling, NULL },
         .shape = rf_batch_shape( group ),
         .patches = rf_lay_out_patches( &settings->tile, group->traits.scattered, group->width, group->height ),
         .tile_roulette = settings->tile_roulette,
@@ -45,6 +46,8 @@ RfHarvest rf_make_harvest( const RfEstimatorGroup* group )
         .round = group->round,
         .packed = group->packed,
         .first_hits_only = group->first_hits_only,
+        .light_paths = group->shared,
+        .kernel_normalization = settings->kernel_normalization,
     };
 }
 
@@ -60,8 +63,9 @@ size_t rf_harvest_scratch_bytes( const RfBatchShape* shape )
     size_t lanes = RF_LANES * sizeof( float );
     return scratch_struct_bytes() + eyes_bytes( shape ) + (size_t)shape->light_samples * sizeof( RfLightLanes ) +
            (size_t)shape->eyes * lanes + (size_t)rf_direction_count( shape ) * lanes +
-           rf_tile_reuse_bytes( shape->light_samples, shape->tile_pixels, shape->panes ) +
-           ( shape->chains ? sizeof( RfChains ) + 64 : 0 ) + ( shape->filtered ? 2 * lanes : 0 );
+           rf_tile_reuse_bytes( shape->light_samples + shape->links, shape->tile_pixels, shape->panes ) +
+           ( shape->chains ? sizeof( RfChains ) + 64 : 0 ) + ( shape->links ? sizeof( RfLinkLanes ) + 64 : 0 ) +
+           ( shape->filtered ? 2 * lanes : 0 );
 }
 
 RfHarvestScratch* rf_lay_out_harvest_scratch( const RfBatchShape* shape, void* memory )
@@ -72,10 +76,12 @@ RfHarvestScratch* rf_lay_out_harvest_scratch( const RfBatchShape* shape, void* m
     scratch->density = (float*)( scratch->direct + shape->light_samples );
     scratch->mixture = scratch->density + (size_t)shape->eyes * RF_LANES;
     char* rest = (char*)( scratch->mixture + (size_t)rf_direction_count( shape ) * RF_LANES );
-    scratch->tiles = rf_lay_out_tile_reuse( shape->light_samples, shape->tile_pixels, shape->panes, rest );
-    rest += rf_tile_reuse_bytes( shape->light_samples, shape->tile_pixels, shape->panes );
+    scratch->tiles = rf_lay_out_tile_reuse( shape->light_samples + shape->links, shape->tile_pixels, shape->panes, rest );
+    rest += rf_tile_reuse_bytes( shape->light_samples + shape->links, shape->tile_pixels, shape->panes );
     scratch->chains = shape->chains ? (RfChains*)(void*)( rest + ( 64 - (uintptr_t)rest % 64 ) % 64 ) : NULL;
     rest = shape->chains ? (char*)( scratch->chains + 1 ) : rest;
+    scratch->links = shape->links ? (RfLinkLanes*)(void*)( rest + ( 64 - (uintptr_t)rest % 64 ) % 64 ) : NULL;
+    rest = shape->links ? (char*)( scratch->links + 1 ) : rest;
     for ( int c = 0; c < 2; ++c )
         scratch->place[c] = shape->filtered ? (float*)(void*)rest + c * RF_LANES : NULL;
     return scratch;
@@ -270,6 +276,23 @@ int rf_harvest_first_hits( const RfHarvest* harvest, RfTraceJob job, RfHitBatch*
     return harvest_first_hits( &at, job, batch, scratch, rays );
 }
 
+// Beyond the hits; with light paths, links at all vertices.
+static void trace_tails( const RfHarvest* harvest, RfHarvestScratch* scratch, RfRayCounts* rays )
+{
+    if ( harvest->light_paths == NULL )
+    {
+        rf_trace_hit_tails( harvest, scratch, rays );
+        return;
+    }
+    RfKernelLinker linker = rf_make_linker( harvest->light_paths, harvest->kernel_normalization, &harvest->path, scratch->links );
+    RfHarvest linked = *harvest;
+    linked.path.linker = &linker.linker;
+    rf_trace_hit_tails( &linked, scratch, rays );
+    for ( int j = 0; j < harvest->path.light_samples; ++j )
+        rf_note_lit( &linked.path, &scratch->wavefront, scratch->direct + j, j, scratch->hits->count );
+    rf_link_vertices( &linker, &scratch->wavefront, scratch->hits, 1 );
+}
+
 static int harvest_batch( const RfHarvest* harvest, RfTraceJob job, RfHitBatch* batch, RfHarvestScratch* scratch,
                           RfRayCounts* rays )
 {
@@ -284,7 +307,7 @@ static int harvest_batch( const RfHarvest* harvest, RfTraceJob job, RfHitBatch* 
     if ( lit )
     {
         rf_sample_direct( harvest, scratch, rays );
-        rf_trace_hit_tails( harvest, scratch, rays );
+        trace_tails( harvest, scratch, rays );
     }
     rays->path += wavefront->path_rays;
     rays->shadow += wavefront->shadow_rays;

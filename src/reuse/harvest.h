@@ -4,6 +4,7 @@
 #ifndef REFRAME_REUSE_HARVEST_H
 #define REFRAME_REUSE_HARVEST_H
 
+#include "kernel/links.h"
 #include "path/wavefront.h"
 #include "reuse/records.h"
 #include "render/estimator.h"
@@ -31,6 +32,8 @@ typedef struct RfHarvest
     int round;
     bool packed;
     bool first_hits_only;
+    const RfLightPaths* light_paths; // NULL: none
+    RfKernelNormalization kernel_normalization;
 } RfHarvest;
 
 // The group in the terms of the harvest.

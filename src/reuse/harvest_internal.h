@@ -41,6 +41,7 @@ struct RfHarvestScratch
     float* density;                          // J_l V_l: eye l, hit i at l·RF_LANES + i
     float* mixture;                          // P: direction d, glossy hit i at d·RF_LANES + i
     RfTileReuse* tiles;                      // NULL without tile reuse
+    RfLinkLanes* links;                      // NULL without light paths
 };
 
 // Tests of what the scene and the settings call for.

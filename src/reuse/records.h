@@ -65,6 +65,7 @@ typedef struct RfBatchShape
     bool blurred;         // batches have their points of the lens and moments of the shutter
     bool filtered;        // samples need their place in the pixel
     bool chains;          // camera rays go on through mirrors and glass
+    bool links;           // light that mirrors and glass send to hits comes by links to light paths: one direction more
 } RfBatchShape;
 
 // How a hit was found.
@@ -103,7 +104,11 @@ static inline bool rf_is_blurred_shape( const RfBatchShape* shape )
 // True if it matters how the batch's hits were found.
 static inline bool rf_has_views( const RfHitBatch* batch ) { return rf_calls_for( batch->has_views, RF_EFFECT_CHAINS ); }
 
-static inline int rf_direction_count( const RfBatchShape* shape ) { return shape->light_samples + shape->tile_pixels; }
+// The direction of the links is the last.
+static inline int rf_direction_count( const RfBatchShape* shape )
+{
+    return shape->light_samples + shape->tile_pixels + shape->links;
+}
 static inline int rf_seen_words( int eyes ) { return ( eyes + 31 ) / 32; }
 
 // The parameters that the glossy ones of some models have; `kinds`: a bit per RfBsdfKind.

@@ -30,6 +30,7 @@ static RfEstimatorSizes sizes( const RfEstimatorGroup* group )
         .trace_scratch = rf_harvest_scratch_bytes( &shape ),
         .accumulate_scratch = rf_accumulate_scratch_bytes( &shape ),
         .pass_state = shape.eq15 ? pixels * (size_t)rf_seen_words( shape.eyes ) * sizeof( uint32_t ) : 0,
+        .shared = shape.links ? rf_light_paths_bytes( group ) : 0,
         .whole_pass = shape.eq15,
         .diffuse_record = per_lane( rf_batch_bytes( &diffuse ) ),
         .shiny_record = per_lane( rf_batch_bytes( &shape ) ),
@@ -54,6 +55,12 @@ static int trace( const RfEstimatorGroup* group, RfTraceJob job, void* batch, vo
 {
     RfHarvest harvest = rf_make_harvest( group );
     return rf_harvest_batch( &harvest, job, batch, scratch, rays );
+}
+
+static void prepare( const RfEstimatorGroup* group, int pass, void* shared, RfRayCounts* rays )
+{
+    rf_draw_light_paths( group, pass, shared );
+    rays->path += ( (const RfLightPaths*)shared )->rays;
 }
 
 static bool is_traced( const RfEstimatorGroup* group, RfTraceJob job )
@@ -149,6 +156,7 @@ const RfEstimator rf_reuse_estimator = {
     .sizes = sizes,
     .lay_out_batch = lay_out_batch,
     .lay_out_scratch = lay_out_scratch,
+    .prepare = prepare,
     .trace = trace,
     .is_traced = is_traced,
     .first_hits = first_hits,

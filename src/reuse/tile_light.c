@@ -190,7 +190,7 @@ void rf_light_own_paths( const RfPathSettings* path, RfWavefront* wavefront, RfT
     const RfVertexLanes* y = &reuse->second;
     RfLaneScratch* s = &wavefront->scratch;
     float* f[3] = { s->f[0], s->f[1], s->f[2] };
-    int k = path->light_samples;
+    int k = rf_light_lanes_count( path );
     for ( int a = 0; a < rf_record_count( y ); ++a )
         luminance[a] = -1.0f;
     for ( int d = 0; d <= k; ++d )
@@ -224,7 +224,7 @@ void rf_light_pairings( const RfTileReuseSettings* settings, RfWavefront* wavefr
     for ( int k = 0; k < 3 * ( glossy ? tile_pixels : 1 ); ++k )
         memset( reuse->pairings[k / 3].light[k % 3], 0, bytes );
     bool reused = all_reused( reuse );
-    int k = path->light_samples;
+    int k = rf_light_lanes_count( path );
     for ( int d = 0; d <= k; ++d )
     {
         float( *from )[RF_LANES] = d < k ? reuse->direct[d].wi : reuse->wi;

@@ -7,21 +7,21 @@
 
 static size_t struct_bytes( void ) { return ( sizeof( RfTileReuse ) + 63 ) / 64 * 64; }
 
-size_t rf_tile_reuse_bytes( int light_samples, int tile_pixels, bool panes )
+size_t rf_tile_reuse_bytes( int light_lanes, int tile_pixels, bool panes )
 {
     if ( tile_pixels == 1 )
         return 0;
-    return struct_bytes() + (size_t)light_samples * sizeof( RfLightLanes ) + (size_t)tile_pixels * sizeof( RfPairingLanes ) +
+    return struct_bytes() + (size_t)light_lanes * sizeof( RfLightLanes ) + (size_t)tile_pixels * sizeof( RfPairingLanes ) +
            ( panes ? (size_t)tile_pixels * 3 * RF_LANES * sizeof( float ) : 0 );
 }
 
-RfTileReuse* rf_lay_out_tile_reuse( int light_samples, int tile_pixels, bool panes, void* memory )
+RfTileReuse* rf_lay_out_tile_reuse( int light_lanes, int tile_pixels, bool panes, void* memory )
 {
     if ( tile_pixels == 1 )
         return NULL;
     RfTileReuse* reuse = memory;
     reuse->direct = (RfLightLanes*)( (char*)memory + struct_bytes() );
-    reuse->pairings = (RfPairingLanes*)( reuse->direct + light_samples );
+    reuse->pairings = (RfPairingLanes*)( reuse->direct + light_lanes );
     reuse->pane_weight = panes ? ( float( * )[3][RF_LANES] )(void*)( reuse->pairings + tile_pixels ) : NULL;
     return reuse;
 }
@@ -134,6 +134,10 @@ static void trace_beyond( const RfPathSettings* settings, RfWavefront* wavefront
     for ( int j = 0; j < k; ++j )
         wavefront->shadow_rays += (uint64_t)rf_sample_lights( settings, wavefront, &reuse->second, dimension + 3u * (uint32_t)j,
                                                               reuse->direct + j, &wavefront->scratch );
+    for ( int j = 0; j < k; ++j )
+        rf_note_lit( settings, wavefront, reuse->direct + j, j, reuse->second.count );
+    if ( settings->linker != NULL )
+        settings->linker->sample( settings->linker, wavefront, &reuse->second, 2, reuse->direct + k );
     memcpy( &reuse->arrivals_at_hits, &wavefront->arrivals, sizeof wavefront->arrivals );
     memset( &wavefront->arrivals, 0, sizeof wavefront->arrivals );
     float* wi[3] = { reuse->wi[0], reuse->wi[1], reuse->wi[2] };

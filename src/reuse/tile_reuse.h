@@ -54,7 +54,7 @@ typedef struct RfTileReuse
     float a[3][RF_LANES], b[3][RF_LANES], light_pdf[RF_LANES];
     RfArrivals arrivals_at_hits;         // by slot: along the rays scattered at the hits
     RfArrivals arrivals_at_second;       // by slot: along wi at the second vertices
-    RfLightLanes* direct;                // light samples at the second vertices, K of them
+    RfLightLanes* direct;                // light samples at the second vertices, K of them, and one of the linker
     RfPairingLanes* pairings;            // one per pixel of a tile
     float ( *pane_weight )[3][RF_LANES]; // by pairing and hit: κ of the panes between (section 11); NULL: no panes
 } RfTileReuse;
@@ -68,8 +68,9 @@ typedef struct RfTileReuseSettings
     const int32_t* source; // of the paths (reuse/tile_copies.h); NULL: each hit has its own
 } RfTileReuseSettings;
 
-size_t rf_tile_reuse_bytes( int light_samples, int tile_pixels, bool panes );
-RfTileReuse* rf_lay_out_tile_reuse( int light_samples, int tile_pixels, bool panes, void* memory );
+// `light_lanes`: light samples of a vertex, with those of a linker (rf_light_lanes_count).
+size_t rf_tile_reuse_bytes( int light_lanes, int tile_pixels, bool panes );
+RfTileReuse* rf_lay_out_tile_reuse( int light_lanes, int tile_pixels, bool panes, void* memory );
 
 // Like rf_trace_tails for the rays scattered at the hits, but second vertices are
 // reused inside the tiles reuse->tile_of. wavefront->arrivals is as returned there,

@@ -14,8 +14,8 @@
 #define LOAD_SECONDS 5.0
 
 static const char* const s_scenes[] = {
-    "vase-room.glb",           "bounced-room.glb", "bounced-room-spots.glb", "still-life.glb",
-    "still-life-no-glass.glb", "turntable.json",   "textured-room.glb",      "office-floor.glb",
+    "vase-room.glb", "bounced-room.glb",        "bounced-room-spots.glb", "still-life.glb",    "glass-lamp.glb",
+    "sun-pane.glb",  "still-life-no-glass.glb", "turntable.json",         "textured-room.glb", "office-floor.glb",
 };
 
 static void test_every_scene_renders_without_a_warning( void** state )

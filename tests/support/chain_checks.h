@@ -16,6 +16,7 @@ typedef struct ChainSetting
     int spp;       // four times as many with REFRAME_LONG
     bool adaptive; // extra samples
     bool roulette; // on connections in tiles
+    bool linked;   // light paths
 } ChainSetting;
 
 typedef struct ChainCase
@@ -35,6 +36,9 @@ extern const ChainSetting g_tiles_and_both[2];
 
 // Groups of 3 with tiles, adaptive or with roulette.
 extern const ChainSetting g_adaptive_and_roulette[2];
+
+// Path tracing, and groups of 1 with tiles, both with light paths.
+extern const ChainSetting g_linked[2];
 
 // An orbit with g_tiles_and_both.
 ChainCase chain_case( const char* what, int max_depth );

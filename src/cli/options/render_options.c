@@ -47,6 +47,8 @@ RfRenderOptions rf_default_render_options( void )
     options.normalize = options.settings.normalize;
     options.adaptive = options.settings.adaptive;
     options.reconstruction = options.settings.reconstruction;
+    options.light_paths = options.settings.light_paths;
+    options.kernel_normalization = options.settings.kernel_normalization;
     options.filter = -1;
     return options;
 }
@@ -64,6 +66,8 @@ static void take_words( RfRenderOptions* options )
     options->settings.normalize = (RfNormalize)options->normalize;
     options->settings.adaptive = (RfAdaptive)options->adaptive;
     options->settings.reconstruction = (RfReconstruction)options->reconstruction;
+    options->settings.light_paths = (RfLightPathsUse)options->light_paths;
+    options->settings.kernel_normalization = (RfKernelNormalization)options->kernel_normalization;
 }
 
 void rf_settle_filter( RfRenderOptions* options )

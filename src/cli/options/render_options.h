@@ -30,10 +30,11 @@ typedef struct RfRenderOptions
     uint64_t left_out;     // a set of RF_EFFECT_BITs: those of no_effect
     RfRenderSettings settings;
     bool spp_given;
-    int weights, normalize, adaptive, filter, reconstruction; // indices of their words; of the filter -1: not given
-    const char* estimator;                                    // its name
-    const char* tile;                                         // NULL: that of the estimator
-    const char* aov;                                          // NULL: none
+    int weights, normalize, adaptive, filter, reconstruction, light_paths,
+        kernel_normalization; // indices of their words; of the filter -1: not given
+    const char* estimator;    // its name
+    const char* tile;         // NULL: that of the estimator
+    const char* aov;          // NULL: none
     bool alpha;
     const char* output;
     bool resume;

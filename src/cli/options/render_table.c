@@ -134,6 +134,23 @@ static const RfOption s_options[] = {
       .value = &rf_render_parse.options.settings.tile_roulette,
       .default_text = "no",
       .help = "Russian roulette on the connections in a tile that are worth little" },
+    { .name = "light-paths",
+      .in_file = true,
+      .type = RF_OPTION_CHOICE,
+      .value = &rf_render_parse.options.light_paths,
+      .choices = rf_light_paths_words,
+      .default_text = "off",
+      .help = "light that mirrors and glass send on, by paths from the lights that serve all frames of a group: caustics, lamps "
+              "behind glass; auto: where there are mirrors or clear glass" },
+    { .name = "kernel-normalization",
+      .in_file = true,
+      .type = RF_OPTION_CHOICE,
+      .value = &rf_render_parse.options.kernel_normalization,
+      .choices = rf_kernel_normalization_words,
+      .default_text = "exact",
+      .help =
+          "of --light-paths: how links are divided by their probability; disc is faster and biased, density is photon mapping "
+          "by the same footprints, both for comparison" },
     { .name = "weights",
       .in_file = true,
       .type = RF_OPTION_CHOICE,

@@ -109,6 +109,12 @@ json_t* rf_render_json( const RfRenderOptions* options, const RfRenderRun* run )
             json, "shared_paths",
             json_pack( "{s:o, s:o}", "found", count_json( stats->rays.thinned ), "kept", count_json( stats->rays.kept ) ) );
     }
+    if ( options->settings.light_paths != RF_LIGHT_PATHS_OFF )
+    {
+        json_object_set_new( json, "light_paths", json_string( rf_light_paths_name( options->settings.light_paths ) ) );
+        json_object_set_new( json, "kernel_normalization",
+                             json_string( rf_kernel_normalization_name( options->settings.kernel_normalization ) ) );
+    }
     json_object_set_new( json, "repeated_frames", json_integer( run->repeated ) );
     RfAdaptive adaptive = options->settings.adaptive;
     json_object_set_new( json, "adaptive", json_boolean( adaptive == RF_ADAPTIVE_ON || stats->adaptive_frames > 0 ) );

@@ -1,0 +1,84 @@
+// Delta chains seen from the light: from an emitter through mirrors and smooth glass to where they leave. A chain is
+// steered by two numbers, the direction of a light with a place, or the place of a ray of an infinite light; its
+// differentials tell how its end moves (Igehy, Tracing Ray Differentials, 1999), and how its start moves when the end stays.
+// src/reuse/estimators.md, section 16.
+#ifndef REFRAME_KERNEL_CHAIN_H
+#define REFRAME_KERNEL_CHAIN_H
+
+#include "base/random.h"
+#include "light/emission.h"
+#include "trace/trace.h"
+
+// A ray with its derivatives by two parameters.
+typedef struct RfRayPair
+{
+    RfVec3 o, d;
+    RfVec3 dp[2], dd[2];
+} RfRayPair;
+
+typedef struct RfChainVertex
+{
+    RfVec3 p;
+    RfVec3 n;   // unit shading normal, on the side that the light comes from
+    RfVec3 out; // unit, in which the light goes on
+    uint32_t triangle;
+    float normal_scale; // of the derivatives of the normal: its side over the length of the interpolated one; 0: flat
+    float eta;          // index of the far side over that of the near one; 0: a mirror
+    bool refracted;
+} RfChainVertex;
+
+typedef struct RfChain
+{
+    RfEmission start; // with position and direction
+    uint32_t events;  // bit k: vertex k refracts
+    int length;
+    RfChainVertex vertex[RF_MAX_CHAIN];
+    RfVec3 weight;     // what reflections, refractions and media leave of the light
+    float probability; // of these events, where they were drawn
+    RfRayPair end;     // the ray that leaves, with its derivatives by the parameters that steer
+    float way;         // m, up to the last vertex
+    uint32_t first_triangle;
+    float first_area_pdf;  // the first vertex: |cos| over distance² (with a place), or |cos|
+    RfVec3 end_absorption; // of what the ray that leaves runs through, 1/m
+} RfChain;
+
+// How chains take events.
+typedef enum RfChainEvents
+{
+    RF_CHAIN_DRAW, // at random, until they leave the delta surfaces
+    RF_CHAIN_COPY, // those in `events`, `length` of them
+} RfChainEvents;
+
+// Walks `count` ≤ RF_CHAIN_BLOCK chains from their starts. Chains whose index is not in `active` are left alone. Those that
+// cannot be walked get length 0. Drawn chains that lead to more than RF_MAX_CHAIN vertices or to nothing do so too.
+// Drawn: *land has the triangle and barycentrics where they end. Copied, with `land` ≠ NULL: likewise, and a chain that
+// does not end on another surface than those of chains gets length 0.
+#define RF_CHAIN_BLOCK 64
+typedef struct RfLanding
+{
+    uint32_t triangle[RF_CHAIN_BLOCK];
+    RfVec3 p[RF_CHAIN_BLOCK];
+} RfLanding;
+void rf_walk_chains( const RfTracer* tracer, RfChainEvents events, const RfRandomKey* keys, const bool* active, int count,
+                     RfChain* const* chains, RfLanding* land, uint64_t* rays );
+
+// The ray at the plane through p with normal n: where it meets it, and how that moves. False: it does not.
+bool rf_meet_plane( const RfRayPair* ray, RfVec3 p, RfVec3 n, RfVec3* meet, RfVec3 moves[2] );
+
+// The measure of what is sampled at the light per unit solid angle at y, for light that comes to y by this chain: for lights
+// with a place, the area perpendicular to the ray at the light; for infinite ones the solid angle.
+float rf_chain_spread( const RfTracer* tracer, const RfChain* chain, RfVec3 y );
+
+// Steers a start: directions by a tangent vector, infinite lights' positions by a shift.
+static inline void rf_steer( RfEmission* e, float s1, float s2 )
+{
+    RfVec3 t, b;
+    rf_basis( e->direction, &t, &b );
+    RfVec3 shift = rf_add( rf_scale( t, s1 ), rf_scale( b, s2 ) );
+    if ( e->infinite )
+        e->position = rf_add( e->position, shift );
+    else
+        e->direction = rf_normalize( rf_add( e->direction, shift ) );
+}
+
+#endif

@@ -1,0 +1,257 @@
+#include "kernel/light_paths.h"
+
+#include "base/random.h"
+
+#include <string.h>
+
+#define LINKS 3.0f            // c
+#define MOST_REACH 0.3f       // of directions: a chord
+#define MOST_SHIFT 0.1f       // of the rays of infinite lights, in radii of the scene
+#define MOST_FOOTPRINT 0.05f  // likewise
+#define FOOTPRINT_MARGIN 1.3f // over what the derivatives tell
+#define PATHS_PER_PIXEL 0.125
+#define LEAST_PATHS 512u
+#define MOST_PATHS 65536u
+#define LIGHT_PATHS 0xfffffff1u // in the place of a frame, for the random numbers
+#define EVENTS 0x51ed270bu      // makes the key of a chain's events
+
+enum
+{
+    DIMENSION_EMITTER, // four
+    DIMENSION_SURFACE = DIMENSION_EMITTER + 4,
+};
+
+uint32_t rf_light_path_count( const RfEstimatorGroup* group )
+{
+    double wanted = PATHS_PER_PIXEL * group->width * group->height * group->eye_count;
+    uint32_t n = wanted < LEAST_PATHS ? LEAST_PATHS : wanted > MOST_PATHS ? MOST_PATHS : (uint32_t)wanted;
+    return ( n + RF_CHAIN_BLOCK - 1 ) / RF_CHAIN_BLOCK * RF_CHAIN_BLOCK;
+}
+
+static size_t aligned( size_t bytes ) { return ( bytes + 63 ) / 64 * 64; }
+
+size_t rf_light_paths_bytes( const RfEstimatorGroup* group )
+{
+    size_t n = rf_light_path_count( group ), s = group->traits.chain_triangles;
+    return aligned( sizeof( RfLightPaths ) ) + aligned( n * sizeof( RfLightPath ) ) + aligned( n * sizeof( uint32_t ) ) +
+           aligned( n * sizeof( RfFootprintNode ) ) + aligned( s * sizeof( uint32_t ) ) + aligned( s * sizeof( double ) ) +
+           aligned( s * sizeof( float ) );
+}
+
+static void* take( char** at, size_t bytes )
+{
+    void* here = *at;
+    *at += aligned( bytes );
+    return here;
+}
+
+// Every material has the same share of the points, and every point of a material the same density.
+static void list_surfaces( const RfTracer* tracer, RfLightPaths* paths )
+{
+    const RfScene* scene = rf_tracer_scene( tracer );
+    const RfTriangleRecord* triangles = rf_tracer_triangles( tracer );
+    uint32_t count = 0, materials = 0;
+    for ( uint32_t i = 0; i < scene->triangles.count; ++i )
+    {
+        if ( rf_is_chain_surface( scene->materials + scene->triangles.material[i] ) )
+            paths->triangle[count++] = i;
+    }
+    paths->surface_count = count;
+    for ( uint32_t m = 0; m < scene->material_count; ++m )
+    {
+        double area = 0.0;
+        for ( uint32_t k = 0; k < count && rf_is_chain_surface( scene->materials + m ); ++k )
+        {
+            const RfTriangleRecord* t = triangles + paths->triangle[k];
+            double twice;
+            rf_unit_cross( t->e1, t->e2, &twice );
+            area += t->material == m ? 0.5 * twice : 0.0;
+        }
+        if ( !( area > 0.0 ) )
+            continue;
+        materials += 1;
+        for ( uint32_t k = 0; k < count; ++k )
+        {
+            if ( triangles[paths->triangle[k]].material == m )
+                paths->pdf_area[k] = (float)( 1.0 / area );
+        }
+    }
+    double sum = 0.0;
+    for ( uint32_t k = 0; k < count; ++k )
+    {
+        const RfTriangleRecord* t = triangles + paths->triangle[k];
+        double twice;
+        rf_unit_cross( t->e1, t->e2, &twice );
+        paths->pdf_area[k] /= (float)materials;
+        sum += 0.5 * twice * (double)paths->pdf_area[k];
+        paths->cumulative[k] = sum;
+    }
+}
+
+// The surfaces are listed once; groups at the ends of a camera's path have fewer light paths than others.
+static RfLightPaths* lay_out( const RfEstimatorGroup* group, void* memory )
+{
+    size_t n = rf_light_path_count( group ), s = group->traits.chain_triangles;
+    char* at = memory;
+    RfLightPaths* paths = take( &at, sizeof *paths );
+    paths->triangle = take( &at, s * sizeof *paths->triangle );
+    paths->cumulative = take( &at, s * sizeof *paths->cumulative );
+    paths->pdf_area = take( &at, s * sizeof *paths->pdf_area );
+    paths->path = take( &at, n * sizeof *paths->path );
+    paths->order = take( &at, n * sizeof *paths->order );
+    paths->node = take( &at, n * sizeof *paths->node );
+    paths->emitted = (uint32_t)n;
+    paths->links = LINKS;
+    paths->most_radius = MOST_FOOTPRINT * rf_tracer_lights( group->tracer )->radius;
+    if ( !paths->prepared )
+        list_surfaces( group->tracer, paths );
+    paths->prepared = true;
+    return paths;
+}
+
+float rf_steer_pdf( const RfLightPaths* paths, const RfChain* chain )
+{
+    uint32_t low = 0, high = paths->surface_count;
+    while ( low < high )
+    {
+        uint32_t middle = ( low + high ) / 2;
+        if ( paths->triangle[middle] < chain->first_triangle )
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return chain->first_area_pdf > 0.0f ? paths->pdf_area[low] / chain->first_area_pdf : 0.0f;
+}
+
+RfFootprint rf_find_footprint( const RfLightPaths* paths, const RfLights* lights, const RfChain* chain, float pdf, RfVec3 p,
+                               RfVec3 normal )
+{
+    RfVec3 meet, m[2];
+    if ( !( pdf > 0.0f ) || !rf_meet_plane( &chain->end, p, chain->end.d, &meet, m ) )
+        return ( RfFootprint ){ 0.0f, 0.0f };
+    float a = rf_dot( m[0], m[0] ), b = rf_dot( m[0], m[1] ), c = rf_dot( m[1], m[1] ), half = 0.5f * ( a - c );
+    float longest = sqrtf( 0.5f * ( a + c ) + sqrtf( half * half + b * b ) );
+    float cosine = rf_maxf( fabsf( rf_dot( normal, chain->end.d ) ), 0.2f );
+    float stretch = FOOTPRINT_MARGIN * longest / cosine;
+    float reach = sqrtf( paths->links / ( RF_PI * (float)paths->emitted * pdf ) );
+    reach = rf_minf( reach, chain->start.infinite ? MOST_SHIFT * lights->radius : MOST_REACH );
+    reach = rf_minf( reach, paths->most_radius / stretch );
+    return ( RfFootprint ){ reach, reach * stretch };
+}
+
+// A point of the mirrors and glass. Path `number` of the set; neighbours in the set have neighbouring triangles and points
+// of a sequence of low discrepancy (Roberts, R2).
+static RfVec3 sample_surface( const RfLightPaths* paths, const RfTracer* tracer, RfRandomKey shift, RfRandomKey key,
+                              uint32_t number, uint32_t* triangle )
+{
+    double u = ( (double)number + (double)rf_random( key, DIMENSION_SURFACE ) ) / (double)paths->emitted *
+               paths->cumulative[paths->surface_count - 1];
+    uint32_t low = 0, high = paths->surface_count - 1;
+    while ( low < high )
+    {
+        uint32_t middle = ( low + high ) / 2;
+        if ( paths->cumulative[middle] <= u )
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    const RfTriangleRecord* t = rf_tracer_triangles( tracer ) + paths->triangle[low];
+    double a = (double)number * 0.75487766624669276 + (double)rf_random( shift, 0 );
+    double b = (double)number * 0.56984029099805327 + (double)rf_random( shift, 1 );
+    float root = sqrtf( (float)( a - floor( a ) ) ), v = (float)( b - floor( b ) ) * root;
+    *triangle = paths->triangle[low];
+    return rf_add( t->p0, rf_add( rf_scale( t->e1, 1.0f - root ), rf_scale( t->e2, v ) ) );
+}
+
+// Emission towards a point of the mirrors and glass.
+static bool emit( const RfEstimatorGroup* group, const RfLightPaths* paths, RfRandomKey shift, RfRandomKey key, uint32_t number,
+                  RfEmission* e, uint32_t* triangle )
+{
+    const RfLights* lights = rf_tracer_lights( group->tracer );
+    float u[4];
+    for ( uint32_t k = 0; k < 4; ++k )
+        u[k] = rf_random( key, DIMENSION_EMITTER + k );
+    RfVec3 to = sample_surface( paths, group->tracer, shift, key, number, triangle );
+    if ( !rf_sample_emitter( lights, rf_tracer_scene( group->tracer ), u, e ) )
+        return false;
+    if ( !e->infinite )
+    {
+        RfVec3 way = rf_sub( to, rf_madd( e->position, e->normal, e->offset ) );
+        return rf_dot( way, way ) > 0.0f && rf_emit_towards( lights, rf_tracer_scene( group->tracer ), rf_normalize( way ), e );
+    }
+    float back = rf_dot( rf_sub( to, lights->center ), e->direction ) + 1.1f * lights->radius;
+    e->position = rf_madd( to, e->direction, -back );
+    return true;
+}
+
+static RfVec3 flux_of( const RfLightPath* path, const RfChain* chain )
+{
+    const RfEmission* e = &path->start;
+    float cosine = e->infinite || e->delta_position ? 1.0f : rf_dot( e->normal, e->direction );
+    float scale = cosine * path->weight / ( e->pdf_light * ( e->infinite ? e->pdf_solid_angle : e->pdf_area ) );
+    return rf_scale( rf_mul( e->radiance, chain->weight ), scale );
+}
+
+static uint64_t draw_block( const RfEstimatorGroup* group, RfLightPaths* paths, uint64_t pass_key, uint32_t first )
+{
+    const RfTriangleRecord* triangles = rf_tracer_triangles( group->tracer );
+    RfChain chain[RF_CHAIN_BLOCK], *chains[RF_CHAIN_BLOCK];
+    RfRandomKey events[RF_CHAIN_BLOCK], shift = rf_pixel_key( pass_key, UINT32_MAX );
+    bool active[RF_CHAIN_BLOCK];
+    uint32_t target[RF_CHAIN_BLOCK];
+    RfLanding land;
+    uint64_t rays = 0;
+    for ( int i = 0; i < RF_CHAIN_BLOCK; ++i )
+    {
+        RfRandomKey key = rf_pixel_key( pass_key, first + (uint32_t)i );
+        chains[i] = chain + i;
+        chain[i].length = 0;
+        chain[i].events = 0;
+        events[i] = ( RfRandomKey ){ key.a ^ EVENTS, key.b };
+        active[i] = emit( group, paths, shift, key, first + (uint32_t)i, &chain[i].start, target + i );
+    }
+    rf_walk_chains( group->tracer, RF_CHAIN_DRAW, events, active, RF_CHAIN_BLOCK, chains, &land, &rays );
+    for ( int i = 0; i < RF_CHAIN_BLOCK; ++i )
+    {
+        const RfChain* c = chain + i;
+        RfLightPath* path = paths->path + first + (uint32_t)i;
+        path->length = 0;
+        if ( !active[i] || c->length == 0 || c->first_triangle != target[i] )
+            continue;
+        float pdf = rf_steer_pdf( paths, c );
+        *path = ( RfLightPath ){ .start = c->start, .events = c->events, .length = c->length, .p = land.p[i], .end = c->end };
+        path->weight = 1.0f / ( pdf * c->probability );
+        RfFootprint footprint =
+            rf_find_footprint( paths, rf_tracer_lights( group->tracer ), c, pdf, land.p[i], triangles[land.triangle[i]].ng );
+        path->reach = footprint.reach;
+        path->radius = footprint.radius;
+        path->flux = flux_of( path, c );
+        path->light = rf_luminance( path->flux ) / ( path->reach * path->reach );
+        if ( !( path->radius > 0.0f && path->light > 0.0f && path->light < INFINITY ) )
+            path->length = 0;
+    }
+    return rays;
+}
+
+void rf_draw_light_paths( const RfEstimatorGroup* group, int pass, void* memory )
+{
+    RfLightPaths* paths = lay_out( group, memory );
+    uint64_t key = rf_pass_key( group->settings->seed, LIGHT_PATHS, (uint32_t)group->number, (uint32_t)pass ), rays = 0;
+    bool lit = rf_tracer_lights( group->tracer )->count > 0;
+    int blocks = lit && paths->surface_count > 0 ? (int)( paths->emitted / RF_CHAIN_BLOCK ) : 0;
+#pragma omp parallel num_threads( group->settings->threads ) reduction( + : rays )
+    {
+        rf_set_float_mode();
+#pragma omp for schedule( dynamic, 4 )
+        for ( int b = 0; b < blocks; ++b )
+            rays += draw_block( group, paths, key, (uint32_t)b * RF_CHAIN_BLOCK );
+    }
+    paths->count = 0;
+    for ( uint32_t i = 0; i < (uint32_t)blocks * RF_CHAIN_BLOCK; ++i )
+    {
+        if ( paths->path[i].length > 0 )
+            paths->path[paths->count++] = paths->path[i];
+    }
+    paths->rays = rays;
+    rf_build_footprints( paths );
+}

@@ -1,0 +1,80 @@
+// Light paths: from emitters to mirrors or glass, through them, and to the first surface that can be asked. They know no
+// eye, so a set of them serves all frames of a group. src/reuse/estimators.md, section 16.
+#ifndef REFRAME_KERNEL_LIGHT_PATHS_H
+#define REFRAME_KERNEL_LIGHT_PATHS_H
+
+#include "kernel/chain.h"
+#include "render/estimator.h"
+
+// A light path with what a link needs of it.
+typedef struct RfLightPath
+{
+    RfEmission start;
+    uint32_t events;
+    int length;    // vertices of its chain
+    float weight;  // 1 over the density of what steers it and the probability of its events
+    float reach;   // of links, in what steers: a chord of the sphere of directions, or metres
+    RfVec3 p;      // where it lands
+    float radius;  // of its footprint, m
+    RfVec3 flux;   // over the density of the path, W
+    float light;   // luminance that it brings to all within reach: of a link, over the area that it spreads to
+    RfRayPair end; // the ray that lands
+} RfLightPath;
+
+// A ball tree over footprints.
+typedef struct RfFootprintNode
+{
+    RfVec3 low, high; // of all its footprints
+    uint32_t first;   // leaf: of its footprints in `order`; else its first child, the second follows the first's subtree
+    uint32_t second;  // 0: a leaf
+    uint32_t count;
+} RfFootprintNode;
+
+typedef struct RfLightPaths
+{
+    bool prepared;
+    uint32_t emitted;  // n, with those that came to nothing
+    uint32_t count;    // stored
+    float links;       // c: links that an eye vertex finds per way in which light comes to it, on average
+    float most_radius; // of footprints
+    RfLightPath* path;
+    uint32_t* order;
+    RfFootprintNode* node;
+    uint32_t node_count;
+    // mirrors and glass, sorted by triangle
+    uint32_t surface_count;
+    uint32_t* triangle;
+    double* cumulative; // of their probabilities
+    float* pdf_area;    // of their points
+    uint64_t rays;      // traced for this set
+} RfLightPaths;
+
+// How many light paths serve a pass of a group.
+uint32_t rf_light_path_count( const RfEstimatorGroup* group );
+
+// The bytes of a set, and its layout in memory of that size, aligned to 64.
+size_t rf_light_paths_bytes( const RfEstimatorGroup* group );
+
+// Draws the light paths of a pass of a group. The same bits for any number of threads.
+void rf_draw_light_paths( const RfEstimatorGroup* group, int pass, void* memory );
+
+// Builds the tree over the stored paths.
+void rf_build_footprints( RfLightPaths* paths );
+
+// Calls `found` for each path whose footprint holds y.
+typedef void RfFootprintFound( void* user, uint32_t path );
+void rf_find_footprints( const RfLightPaths* paths, RfVec3 y, RfFootprintFound* found, void* user );
+
+// The density of what steers a chain that starts as this one does; 0: it is never drawn.
+float rf_steer_pdf( const RfLightPaths* paths, const RfChain* chain );
+
+// A chain as it arrives at a point of a surface.
+typedef struct RfFootprint
+{
+    float reach;  // of links around it: so far that `links` of them are found on average, and no further than footprints go
+    float radius; // of the footprint (GK 7; where it is stretched its longer axis); 0: there is none
+} RfFootprint;
+RfFootprint rf_find_footprint( const RfLightPaths* paths, const RfLights* lights, const RfChain* chain, float pdf, RfVec3 p,
+                               RfVec3 normal );
+
+#endif

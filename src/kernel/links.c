@@ -1,0 +1,231 @@
+#include "kernel/links_internal.h"
+
+#include <string.h>
+
+#define TRIAL_LINKS 8.0f        // of an eye's first vertex
+#define TRIAL_LINKS_BEYOND 1.0f // of others
+#define LEAST_SHARE 0.02f       // of these, where other light is so much stronger
+
+// The light of a solved link before its normalisation; 0 where nothing arrives.
+static RfVec3 light_of( const RfLinkWork* w, const RfLink* link )
+{
+    const RfVertexLanes* v = w->v;
+    const RfChain* chain = &link->chain;
+    const RfEmission* e = &chain->start;
+    int i = link->lane;
+    RfVec3 y = rf_start_of( v, i ), none = rf_vec3( 0, 0, 0 );
+    float cos_x = rf_dot( rf_lane_of( v->n, i ), link->wi );
+    if ( !( cos_x > 0.0f && rf_dot( rf_lane_of( v->ng, i ), link->wi ) > 0.0f ) )
+        return none;
+    float spread = rf_chain_spread( w->settings->path->tracer, chain, y );
+    float cos_light = e->infinite || e->delta_position ? 1.0f : rf_dot( e->normal, e->direction );
+    float fixed_pdf = e->pdf_light * ( e->infinite ? e->pdf_solid_angle : e->pdf_area );
+    float last = rf_length( rf_sub( chain->vertex[chain->length - 1].p, y ) );
+    float falloff = rf_emission_falloff( e, chain->way + last );
+    float scale = cos_x * cos_light * falloff * link->scale * link->path->weight / ( spread * fixed_pdf );
+    RfVec3 absorbed = rf_vec3( expf( -chain->end_absorption.x * last ), expf( -chain->end_absorption.y * last ),
+                               expf( -chain->end_absorption.z * last ) );
+    RfVec3 light = rf_scale( rf_mul( rf_mul( e->radiance, chain->weight ), absorbed ), scale );
+    float sum = light.x + light.y + light.z;
+    return sum > 0.0f && sum < INFINITY ? light : none;
+}
+
+// Solves all links; those that fail, or whose solution is out of reach, are closed.
+static void solve( RfLinkWork* w )
+{
+    const RfTracer* tracer = w->settings->path->tracer;
+    const RfLightPaths* paths = w->settings->paths;
+    for ( int k = 0; k < w->count; ++k )
+    {
+        const RfLink* link = w->link + k;
+        RfBend* bend = w->bend + k;
+        bend->at.start = link->path->start;
+        bend->at.events = link->path->events;
+        bend->at.length = link->path->length;
+        bend->at.end = link->path->end;
+        bend->y = rf_start_of( w->v, link->lane );
+        bend->n = rf_lane_of( w->v->ng, link->lane );
+        bend->most = RF_STEP_MARGIN * link->path->reach;
+        bend->active = true;
+    }
+    rf_bend_chains( tracer, w->count, w->bend, &w->out->rays );
+    for ( int k = 0; k < w->count; ++k )
+    {
+        RfLink* link = w->link + k;
+        link->open = w->bend[k].met;
+        if ( !link->open )
+            continue;
+        link->chain = w->bend[k].at;
+        link->reach = rf_find_footprint( paths, rf_tracer_lights( tracer ), &link->chain, rf_steer_pdf( paths, &link->chain ),
+                                         w->bend[k].y, w->bend[k].n )
+                          .reach;
+        link->open = link->reach > 0.0f && rf_steered_apart( &link->chain.start, &link->path->start ) <= link->reach;
+        RfVec3 way = rf_sub( link->chain.vertex[link->chain.length - 1].p, rf_start_of( w->v, link->lane ) );
+        link->wi = rf_normalize( way );
+        link->light = link->open ? light_of( w, link ) : rf_vec3( 0, 0, 0 );
+        link->open = link->open && rf_max_component( link->light ) > 0.0f;
+        link->repeats = 1.0f;
+    }
+}
+
+// Shadow rays to the last vertices of the chains.
+static void test_visibility( RfLinkWork* w )
+{
+    float o[3][RF_CHAIN_BLOCK], d[3][RF_CHAIN_BLOCK], visible[RF_CHAIN_BLOCK];
+    int index[RF_CHAIN_BLOCK], count = 0;
+    for ( int k = 0; k < w->count; ++k )
+    {
+        const RfLink* link = w->link + k;
+        if ( !link->open )
+            continue;
+        RfVec3 from = rf_start_of( w->v, link->lane ), way = rf_sub( link->chain.end.o, from );
+        o[0][count] = from.x;
+        o[1][count] = from.y;
+        o[2][count] = from.z;
+        d[0][count] = way.x;
+        d[1][count] = way.y;
+        d[2][count] = way.z;
+        index[count++] = k;
+    }
+    const float *from[3] = { o[0], o[1], o[2] }, *way[3] = { d[0], d[1], d[2] };
+    rf_trace_segments( w->settings->path->tracer, count, from, way, visible );
+    w->out->rays += (uint64_t)count;
+    for ( int k = 0; k < count; ++k )
+        w->link[index[k]].open = visible[k] > 0.0f;
+}
+
+static void add( RfLinkWork* w, const RfLink* link )
+{
+    int i = link->lane;
+    RfLinkLanes* out = w->out;
+    float n = (float)w->settings->paths->emitted, found = RF_PI * link->reach * link->reach * n;
+    RfVec3 light = rf_scale( link->light, link->repeats / found );
+    float add[3] = { light.x, light.y, light.z }, weight = rf_luminance( light );
+    w->chosen[i] += weight;
+    bool choose = rf_random( link->key, RF_DIMENSION_CHOOSE ) * w->chosen[i] < weight || out->found[i] == 0;
+    for ( int c = 0; c < 3; ++c )
+        out->light[c][i] += add[c];
+    out->found[i] += 1;
+    if ( !choose )
+        return;
+    float wi[3] = { link->wi.x, link->wi.y, link->wi.z };
+    for ( int c = 0; c < 3; ++c )
+    {
+        out->wi[c][i] = wi[c];
+        out->one[c][i] = add[c] / weight;
+    }
+}
+
+// Photon mapping: what lands around the eye vertex is taken to land there, evenly over the footprint.
+static void estimate_density( RfLinkWork* w )
+{
+    for ( int k = 0; k < w->count; ++k )
+    {
+        RfLink* link = w->link + k;
+        link->wi = rf_scale( link->path->end.d, -1.0f );
+        link->light = rf_scale( link->path->flux, link->scale );
+        link->reach = link->path->radius;
+        link->repeats = 1.0f;
+        link->open = rf_dot( rf_lane_of( w->v->n, link->lane ), link->wi ) > 0.0f &&
+                     rf_dot( rf_lane_of( w->v->ng, link->lane ), link->wi ) > 0.0f;
+    }
+}
+
+static void bend_links( RfLinkWork* w )
+{
+    solve( w );
+    test_visibility( w );
+    if ( w->settings->normalization == RF_KERNEL_EXACT )
+        rf_repeat_trials( w );
+}
+
+static void flush( RfLinkWork* w )
+{
+    if ( w->count == 0 )
+        return;
+    if ( w->settings->normalization == RF_KERNEL_DENSITY )
+        estimate_density( w );
+    else
+        bend_links( w );
+    for ( int k = 0; k < w->count; ++k )
+    {
+        if ( w->link[k].open )
+            add( w, w->link + k );
+    }
+    w->count = 0;
+}
+
+static void link_lane( RfLinkWork* w, int i )
+{
+    const RfVertexLanes* v = w->v;
+    int slot = v->slot[i];
+    RfRandomKey lane =
+        rf_pixel_key( (uint64_t)w->keys->key_a[slot] << 32 | w->keys->key_b[slot], 0x6b65726eu + (uint32_t)w->vertex );
+    RfCandidates c = { .settings = w->settings, .y = rf_start_of( v, i ), .n = rf_lane_of( v->ng, i ) };
+    c.spent = w->vertex - 1 + ( w->keys->spent != NULL ? w->keys->spent[slot] : 0 );
+    float scale = rf_find_candidates( &c, lane ), sum = 0.0f, most = w->vertex == 1 ? TRIAL_LINKS : TRIAL_LINKS_BEYOND;
+    for ( int k = 0; k < c.kept; ++k )
+        sum += c.light[k];
+    float promised = sum * scale * RF_INV_PI / (float)w->settings->paths->emitted;
+    float trials = most * rf_maxf( promised / ( promised + w->keys->lit[i] ), LEAST_SHARE );
+    for ( int k = 0; k < c.kept; ++k )
+    {
+        // in proportion to what they are expected to bring
+        RfRandomKey key = rf_pixel_key( (uint64_t)lane.a << 32 | lane.b, c.path[k] );
+        float accepted = rf_minf( trials * c.light[k] / sum, 1.0f );
+        if ( rf_random( key, RF_DIMENSION_ACCEPT ) >= accepted )
+            continue;
+        RfLink* link = w->link + w->count++;
+        *link = ( RfLink ){ .lane = i, .path = w->settings->paths->path + c.path[k], .key = key, .scale = scale / accepted };
+        if ( w->count == RF_CHAIN_BLOCK )
+            flush( w );
+    }
+}
+
+void rf_link_vertices( const RfKernelLinker* linker, RfWavefront* keys, const RfVertexLanes* v, int vertex )
+{
+    RfLinkLanes* out = linker->out;
+    RfLinkWork w = { .settings = linker, .keys = keys, .vertex = vertex, .v = v, .out = out };
+    int count = rf_record_count( v );
+    out->rays = out->trials = 0;
+    memset( out->light, 0, sizeof out->light );
+    memset( out->one, 0, sizeof out->one );
+    memset( out->found, 0, sizeof out->found );
+    for ( int c = 0; c < 3; ++c )
+        memcpy( out->wi[c], v->n[c], (size_t)count * sizeof( float ) );
+    for ( int i = 0; i < count; ++i )
+        link_lane( &w, i );
+    flush( &w );
+    for ( int i = 0; i < count; ++i )
+    {
+        for ( int c = 0; c < 3; ++c )
+            out->one[c][i] *= w.chosen[i];
+    }
+    keys->path_rays += out->rays;
+}
+
+// Links as light samples.
+static void sample( const RfLinker* linker, RfWavefront* keys, const RfVertexLanes* v, int vertex, RfLightLanes* out )
+{
+    const RfKernelLinker* kernel = (const RfKernelLinker*)(const void*)linker;
+    const RfLinkLanes* links = kernel->out;
+    int count = rf_record_count( v );
+    rf_link_vertices( kernel, keys, v, vertex );
+    float scale = RF_DELTA_PDF * (float)kernel->path->light_samples;
+    for ( int i = 0; i < v->count; ++i )
+    {
+        bool found = i < count && links->found[i] > 0;
+        for ( int c = 0; c < 3; ++c )
+        {
+            out->wi[c][i] = found ? links->wi[c][i] : v->n[c][i];
+            out->radiance_cos[c][i] = found ? links->one[c][i] * scale : 0.0f;
+        }
+        out->pdf_solid_angle[i] = found ? RF_DELTA_PDF : 1.0f;
+    }
+}
+
+RfKernelLinker rf_make_linker( const RfLightPaths* paths, RfKernelNormalization normalization, const RfPathSettings* path,
+                               RfLinkLanes* lanes )
+{
+    return ( RfKernelLinker ){ { sample }, path, paths, normalization, lanes };
+}

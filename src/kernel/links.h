@@ -1,0 +1,37 @@
+// Links: light paths whose footprint holds an eye vertex are bent so that they reach it, and divided by the probability
+// that such a path is found. src/reuse/estimators.md, section 16.
+#ifndef REFRAME_KERNEL_LINKS_H
+#define REFRAME_KERNEL_LINKS_H
+
+#include "kernel/light_paths.h"
+#include "path/wavefront.h"
+
+// What links bring to each vertex lane, in place of radiance times the cosine over its density.
+typedef struct RfLinkLanes
+{
+    RF_ALIGN float light[3][RF_LANES]; // the sum over all links
+    RF_ALIGN float wi[3][RF_LANES];    // of one of them, drawn in proportion to its light
+    RF_ALIGN float one[3][RF_LANES];   // its light over the probability of drawing it
+    uint32_t found[RF_LANES];          // links
+    uint64_t rays;                     // traced, counted up
+    uint64_t trials;                   // of the normalisation, counted up
+} RfLinkLanes;
+
+typedef struct RfKernelLinker
+{
+    RfLinker linker;
+    const RfPathSettings* path;
+    const RfLightPaths* paths;
+    RfKernelNormalization normalization;
+    RfLinkLanes* out;
+} RfKernelLinker;
+
+// A linker with a workspace; all must outlive it.
+RfKernelLinker rf_make_linker( const RfLightPaths* paths, RfKernelNormalization normalization, const RfPathSettings* path,
+                               RfLinkLanes* lanes );
+
+// Links evaluable vertices, their paths' `vertex`-th, to light paths: linker->out. Random numbers: those of the keys of
+// their slots. Adds to keys->path_rays.
+void rf_link_vertices( const RfKernelLinker* linker, RfWavefront* keys, const RfVertexLanes* vertices, int vertex );
+
+#endif

@@ -1,0 +1,87 @@
+// The exact normalisation of links: by repeated trials (src/reuse/estimators.md, section 16).
+#include "kernel/links_internal.h"
+
+#define MOST_REPEATS 4096 // so many are never needed but for rounding
+#define SAME 0.05f        // solutions closer than this, in reaches, are one
+
+// Draws what steers evenly from all within reach of the solution. False: nothing is emitted there.
+static bool draw_start( const RfLinkWork* w, const RfLink* link, uint32_t trial, RfEmission* e )
+{
+    const RfTracer* tracer = w->settings->path->tracer;
+    *e = link->chain.start;
+    float u = rf_random( link->key, 2 * trial ), phi = 2.0f * RF_PI * rf_random( link->key, 2 * trial + 1 );
+    float chord = link->reach * sqrtf( u );
+    RfVec3 t, b;
+    rf_basis( e->direction, &t, &b );
+    RfVec3 across = rf_add( rf_scale( t, cosf( phi ) ), rf_scale( b, sinf( phi ) ) );
+    if ( e->infinite )
+    {
+        e->position = rf_madd( e->position, across, chord );
+        return true;
+    }
+    float versine = 0.5f * chord * chord, sine = sqrtf( versine * ( 2.0f - versine ) );
+    RfVec3 d = rf_normalize( rf_madd( rf_scale( across, sine ), e->direction, 1.0f - versine ) );
+    return rf_emit_towards( rf_tracer_lights( tracer ), rf_tracer_scene( tracer ), d, e );
+}
+
+// One more trial of the links that are pending: light paths from around the solution, until one is found that a link would
+// bend to the same. Returns how many are pending still.
+static int try_again( RfLinkWork* w, uint32_t trial, bool* pending )
+{
+    const RfTracer* tracer = w->settings->path->tracer;
+    const RfTriangleRecord* triangles = rf_tracer_triangles( tracer );
+    const RfLightPaths* paths = w->settings->paths;
+    RfChain* chains[RF_CHAIN_BLOCK];
+    bool active[RF_CHAIN_BLOCK];
+    RfLanding land;
+    for ( int k = 0; k < w->count; ++k )
+    {
+        const RfLink* link = w->link + k;
+        RfBend* bend = w->bend + k;
+        chains[k] = &bend->at;
+        bend->active = active[k] = pending[k] && draw_start( w, link, trial, &bend->at.start );
+        bend->at.events = link->chain.events;
+        bend->at.length = link->chain.length;
+        w->out->trials += pending[k];
+    }
+    rf_walk_chains( tracer, RF_CHAIN_COPY, NULL, active, w->count, chains, &land, &w->out->rays );
+    for ( int k = 0; k < w->count; ++k )
+    {
+        RfBend* bend = w->bend + k;
+        if ( !active[k] || bend->at.length == 0 )
+        {
+            bend->active = false;
+            continue;
+        }
+        const RfLink* link = w->link + k;
+        RfVec3 apart = rf_sub( rf_start_of( w->v, link->lane ), land.p[k] );
+        RfFootprint footprint = rf_find_footprint( paths, rf_tracer_lights( tracer ), &bend->at, rf_steer_pdf( paths, &bend->at ),
+                                                   land.p[k], triangles[land.triangle[k]].ng );
+        bend->most = RF_STEP_MARGIN * footprint.reach;
+        bend->active = footprint.radius > 0.0f && rf_dot( apart, apart ) <= footprint.radius * footprint.radius;
+    }
+    rf_bend_chains( tracer, w->count, w->bend, &w->out->rays );
+    int left = 0;
+    for ( int k = 0; k < w->count; ++k )
+    {
+        if ( !pending[k] )
+            continue;
+        RfLink* link = w->link + k;
+        const RfBend* bend = w->bend + k;
+        bool same = bend->met && rf_steered_apart( &bend->at.start, &link->chain.start ) <= SAME * link->reach;
+        pending[k] = !same;
+        link->repeats += pending[k] ? 1.0f : 0.0f;
+        left += pending[k];
+    }
+    return left;
+}
+
+void rf_repeat_trials( RfLinkWork* w )
+{
+    bool pending[RF_CHAIN_BLOCK];
+    int left = 0;
+    for ( int k = 0; k < w->count; ++k )
+        left += pending[k] = w->link[k].open;
+    for ( uint32_t trial = 0; left > 0 && trial < MOST_REPEATS; ++trial )
+        left = try_again( w, trial, pending );
+}

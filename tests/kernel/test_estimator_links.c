@@ -1,0 +1,110 @@
+// Links to light paths bring the light of mirrors and glass without bias: that of lamps without size in a mirror against
+// the mirrored lamps, that of area lights against paths that hit them by chance. Welch tests over 16 seeds.
+#include "support/chain_checks.h"
+#include "support/mirror_rooms.h"
+#include "support/unbiased.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdlib.h>
+
+#include <cmocka.h>
+
+#define WIDTH 24
+#define HEIGHT 18
+
+static int samples( int spp ) { return getenv( "REFRAME_LONG" ) != NULL ? 16 * spp : spp; }
+
+// A ceiling over a floor that is a perfect mirror, or over the mirrored lamp alone.
+static RfScene make_ceiling( RfPunctual lamp, bool mirror )
+{
+    SceneBuilder b = { 0 };
+    uint32_t white = add_material( &b, make_lambert( 0.7f, 0.6f, 0.5f ) );
+    RfMaterial perfect = make_mirror( 1.0f );
+    perfect.specular = rf_vec3( 1, 1, 1 );
+    uint32_t floor = add_material( &b, perfect );
+    add_quad( &b, white, rf_vec3( -2, 3, -2 ), rf_vec3( 2, 3, -2 ), rf_vec3( 2, 3, 2 ), rf_vec3( -2, 3, 2 ) );
+    if ( mirror )
+        add_quad( &b, floor, rf_vec3( -9, 0, 9 ), rf_vec3( 9, 0, 9 ), rf_vec3( 9, 0, -9 ), rf_vec3( -9, 0, -9 ) );
+    RfScene scene = finish_scene( &b );
+    scene.punctuals = malloc( 2 * sizeof *scene.punctuals );
+    if ( scene.punctuals == NULL )
+        abort();
+    scene.punctuals[0] = scene.punctuals[1] = lamp;
+    scene.punctuals[1].position.y *= -1.0f;
+    scene.punctuals[1].direction.y *= -1.0f;
+    scene.punctuals[0].name = scene.punctuals[1].name = NULL;
+    scene.punctual_count = mirror ? 1 : 2;
+    return scene;
+}
+
+static Images ceiling_images( RfPunctual lamp, bool mirror, int spp )
+{
+    RfScene scene = make_ceiling( lamp, mirror );
+    RfTracer* tracer = make_tracer( &scene );
+    RfEye eye = rf_make_eye( rf_vec3( 0, 1, 0 ), rf_vec3( 0.2f, 1, 0.1f ), rf_vec3( 0, 0, 1 ), 0.9, WIDTH, HEIGHT );
+    RfRenderSettings settings = plain_settings();
+    settings.group = 0;
+    settings.spp = spp;
+    settings.max_depth = 3;
+    settings.light_paths = mirror ? RF_LIGHT_PATHS_ON : RF_LIGHT_PATHS_OFF;
+    Images images = rendered_images( tracer, &eye, 1, 0, settings );
+    rf_destroy_tracer( tracer );
+    rf_destroy_scene( &scene );
+    return images;
+}
+
+static void check_lamp( const char* what, RfPunctual lamp )
+{
+    Images linked = ceiling_images( lamp, true, samples( 4 ) ), mirrored = ceiling_images( lamp, false, samples( 16 ) );
+    assert_unbiased( what, &linked, &mirrored, 4 );
+    free_images( &linked );
+    free_images( &mirrored );
+}
+
+static void test_lamps_without_size_shine_in_mirrors( void** state )
+{
+    (void)state;
+    RfPunctual lamp = make_point_light( rf_vec3( 0.3f, 1.2f, -0.2f ), 3.0f );
+    check_lamp( "point", lamp );
+    lamp.kind = RF_PUNCTUAL_SPOT;
+    lamp.direction = rf_normalize( rf_vec3( -0.3f, -1.0f, 0.1f ) );
+    lamp.cos_inner = 0.8f;
+    lamp.cos_outer = 0.4f;
+    check_lamp( "spot", lamp );
+    lamp.kind = RF_PUNCTUAL_DIRECTIONAL;
+    lamp.direction = rf_normalize( rf_vec3( -1.0f, -0.7f, 0.1f ) ); // comes in below the ceiling
+    check_lamp( "sun", lamp );
+}
+
+static void check_room( const char* what, MirrorRoom kind, int max_depth, const ChainSetting* setting )
+{
+    ChainCase c = chain_case( what, max_depth );
+    c.settings = setting;
+    c.setting_count = 1;
+    check_chains( &c, make_mirror_room( kind ) );
+}
+
+static void test_area_lights_shine_through_glass( void** state )
+{
+    (void)state;
+    check_room( "glass ball", GLASS_BALL, 5, g_linked + 1 );
+    check_room( "layered slab", LAYERED_SLAB, 5, g_linked );
+}
+
+static void test_area_lights_shine_in_mirrors( void** state )
+{
+    (void)state;
+    check_room( "mirror ball", MIRROR_BALL, 4, g_linked );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( test_lamps_without_size_shine_in_mirrors ),
+        cmocka_unit_test( test_area_lights_shine_in_mirrors ),
+        cmocka_unit_test( test_area_lights_shine_through_glass ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}

@@ -1,0 +1,417 @@
+// Rays that leave emitters carry the flux of closed forms, follow their densities, which integrate to one, and light a
+// floor as the light samples of the path tracer do.
+#include "light/emission.h"
+#include "trace/trace.h"
+#include "support/render_support.h"
+#include "support/statistics.h"
+#include "support/textured_room.h"
+
+#include "base/random.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include <cmocka.h>
+
+#define PI 3.14159265358979324
+
+static void numbers_of( uint64_t seed, uint32_t i, float u[6] )
+{
+    RfRandomKey key = rf_pixel_key( rf_pass_key( seed, 0, 0, 0 ), i );
+    for ( uint32_t k = 0; k < 6; ++k )
+        u[k] = rf_random( key, k );
+}
+
+static RfLights collect( const RfScene* scene )
+{
+    RfLights lights;
+    RfError error;
+    assert_int_equal( rf_collect_lights( scene, &lights, &error ), RF_OK );
+    assert_true( lights.count > 0 );
+    return lights;
+}
+
+static void add_lamp( RfScene* scene, RfPunctual lamp )
+{
+    scene->punctuals = realloc( scene->punctuals, (size_t)( scene->punctual_count + 1 ) * sizeof lamp );
+    scene->punctuals[scene->punctual_count++] = lamp;
+}
+
+static RfPunctual make_spot( RfVec3 position, RfVec3 direction, float intensity, float cos_inner, float cos_outer )
+{
+    RfPunctual spot = make_point_light( position, intensity );
+    spot.kind = RF_PUNCTUAL_SPOT;
+    spot.direction = rf_normalize( direction );
+    spot.cos_inner = cos_inner;
+    spot.cos_outer = cos_outer;
+    return spot;
+}
+
+static RfPunctual make_sun( RfVec3 direction, float irradiance )
+{
+    RfPunctual sun = make_point_light( rf_vec3( 0, 0, 0 ), irradiance );
+    sun.kind = RF_PUNCTUAL_DIRECTIONAL;
+    sun.direction = rf_normalize( direction );
+    return sun;
+}
+
+// A square of side 2, and what lights it.
+static RfScene make_square( RfMaterial material )
+{
+    SceneBuilder b = { 0 };
+    uint32_t m = add_material( &b, material );
+    add_quad( &b, m, rf_vec3( -1, 0, 1 ), rf_vec3( 1, 0, 1 ), rf_vec3( 1, 0, -1 ), rf_vec3( -1, 0, -1 ) );
+    return finish_scene( &b );
+}
+
+static RfScene make_lit_square( RfPunctual lamp )
+{
+    RfScene scene = make_square( make_lambert( 0.5f, 0.5f, 0.5f ) );
+    add_lamp( &scene, lamp );
+    return scene;
+}
+
+// Red flux of the emitted rays against the closed form, to a tolerance besides four standard errors.
+static void check_flux( const char* what, RfScene scene, double expected, double tolerance )
+{
+    enum
+    {
+        COUNT = 40000
+    };
+    RfLights lights = collect( &scene );
+    double sum = 0.0, sum2 = 0.0, luminance = 0.0;
+    for ( uint32_t i = 0; i < COUNT; ++i )
+    {
+        float u[6];
+        numbers_of( 1, i, u );
+        RfEmission e;
+        if ( !rf_sample_emission( &lights, &scene, u, &e ) )
+            continue;
+        assert_true( fabsf( rf_length( e.direction ) - 1.0f ) < 1e-5f && fabsf( rf_length( e.normal ) - 1.0f ) < 1e-5f );
+        assert_true( rf_dot( e.normal, e.direction ) > 0.0f );
+        double value = (double)e.throughput.x;
+        sum += value / COUNT;
+        sum2 += value * value / COUNT;
+        luminance += (double)rf_luminance( e.throughput ) / COUNT;
+    }
+    double error = sqrt( fmax( sum2 - sum * sum, 0.0 ) / COUNT );
+    printf( "%s: flux %.5g (SE %.2g), expected %.5g\n", what, sum, error, expected );
+    assert_true( fabs( sum - expected ) <= 4.0 * error + tolerance * expected );
+    double power = rf_total_light_power( &lights );
+    assert_true( fabs( luminance - power ) <= 4.0 * error * power / expected + fmax( tolerance, 1e-6 ) * power );
+    rf_destroy_lights( &lights );
+    rf_destroy_scene( &scene );
+}
+
+static void test_flux_is_the_closed_form( void** state )
+{
+    (void)state;
+    RfVec3 above = rf_vec3( 0, 2, 0 ), down = rf_vec3( 0.3f, -1, 0.1f );
+    check_flux( "one-sided square", make_square( make_light( 3.0f, false ) ), PI * 4.0 * 3.0, 1e-5 );
+    check_flux( "two-sided square", make_square( make_light( 3.0f, true ) ), 2.0 * PI * 4.0 * 3.0, 1e-5 );
+    check_flux( "point", make_lit_square( make_point_light( above, 5.0f ) ), 4.0 * PI * 5.0, 1e-5 );
+    // 2π times ∫ t² over the blend, and the rest
+    check_flux( "spot", make_lit_square( make_spot( above, down, 5.0f, 0.9f, 0.8f ) ), 2.0 * PI * ( 0.1 / 3.0 + 0.1 ) * 5.0,
+                1e-5 );
+    check_flux( "spot without blend", make_lit_square( make_spot( above, down, 5.0f, 0.8f, 0.8f ) ), 2.0 * PI * 0.2 * 5.0, 1e-3 );
+    check_flux( "spot that is all blend", make_lit_square( make_spot( above, down, 5.0f, 1.0f, 0.5f ) ),
+                2.0 * PI * 0.5 / 3.0 * 5.0, 1e-5 );
+    // the ball around the square has the radius √2
+    check_flux( "sun", make_lit_square( make_sun( down, 7.0f ) ), PI * 2.0 * 7.0, 1e-5 );
+    RfScene scene = make_square( make_lambert( 0.5f, 0.5f, 0.5f ) );
+    scene.environment.radiance = rf_vec3( 2, 2, 1 );
+    check_flux( "even sky", scene, 4.0 * PI * 2.0 * PI * 2.0, 1e-5 );
+}
+
+// The mean over a map's interpolated pixels, by quadrature.
+static void test_flux_of_a_map( void** state )
+{
+    (void)state;
+    enum
+    {
+        ROWS = 400
+    };
+    RfScene scene = make_open_scene( LIT_BY_MAP );
+    RfLights lights = collect( &scene );
+    double light = 0.0, radius2 = (double)lights.radius * (double)lights.radius;
+    for ( int i = 0; i < 2 * ROWS * ROWS; ++i )
+    {
+        double z = 1.0 - ( i / ( 2 * ROWS ) + 0.5 ) * 2.0 / ROWS, phi = ( i % ( 2 * ROWS ) + 0.5 ) * PI / ROWS,
+               r = sqrt( 1.0 - z * z );
+        RfVec3 d = rf_vec3( (float)( r * cos( phi ) ), (float)z, (float)( r * sin( phi ) ) );
+        light += (double)rf_sky_radiance( &lights.sky, d ).x * 4.0 * PI / ( 2.0 * ROWS * ROWS );
+    }
+    rf_destroy_lights( &lights );
+    check_flux( "map", scene, light * PI * radius2, 3e-3 );
+}
+
+// The flux of textured light is π times the mean radiance of its area; what blends emits that much less.
+static void test_flux_of_a_texture( void** state )
+{
+    (void)state;
+    enum
+    {
+        SIDE = 300
+    };
+    for ( int blended = 0; blended < 2; ++blended )
+    {
+        RfScene scene = make_square( make_light( 3.0f, false ) );
+        add_test_textures( &scene );
+        RfFactors factors = { .base = { 1, 1, 1, blended ? 0.25 : 1 }, .roughness = 1, .ior = 1.5 };
+        RfTextured* t = texture_material( &scene, 0, factors );
+        t->blended = blended;
+        use_texture( t, RF_TEXTURE_EMISSIVE, 3, 0 );
+        double mean = 0.0;
+        for ( int i = 0; i < 2 * SIDE * SIDE; ++i )
+        {
+            float root = sqrtf( ( (float)( i / 2 % SIDE ) + 0.5f ) / SIDE ), v = ( (float)( i / 2 / SIDE ) + 0.5f ) / SIDE;
+            mean += (double)rf_emission_at( &scene, scene.materials, (uint32_t)( i % 2 ), 1.0f - root, v * root ).x /
+                    ( 2.0 * SIDE * SIDE );
+        }
+        RfLights lights = collect( &scene );
+        double sum = 0.0, sum2 = 0.0, expected = PI * 4.0 * mean * ( blended ? 0.25 : 1.0 );
+        for ( uint32_t i = 0; i < 100000; ++i )
+        {
+            float u[6];
+            numbers_of( 2, i, u );
+            RfEmission e;
+            double value = rf_sample_emission( &lights, &scene, u, &e ) ? (double)e.throughput.x : 0.0;
+            sum += value * 1e-5;
+            sum2 += value * value * 1e-5;
+        }
+        double error = sqrt( ( sum2 - sum * sum ) * 1e-5 );
+        printf( "textured, blended %d: flux %.5g (SE %.2g), expected %.5g\n", blended, sum, error, expected );
+        assert_true( fabs( sum - expected ) < 4.0 * error + 2e-3 * expected && error < 0.02 * expected );
+        rf_destroy_lights( &lights );
+        rf_destroy_scene( &scene );
+    }
+}
+
+static RfVec3 sphere_direction( float u, float v )
+{
+    float z = 1.0f - 2.0f * u, r = sqrtf( 1.0f - z * z );
+    return rf_vec3( r * cosf( 2.0f * RF_PI * v ), z, r * sinf( 2.0f * RF_PI * v ) );
+}
+
+// What a density asked for a given ray must be: one in the integral over directions, and that of the samples.
+static void check_density( const char* what, RfScene scene )
+{
+    enum
+    {
+        ROWS = 300
+    };
+    RfLights lights = collect( &scene );
+    double selected = 0.0;
+    for ( uint32_t i = 0; i < lights.count; ++i )
+    {
+        double integral = 0.0;
+        RfEmission e = { .light = i, .position = lights.center };
+        for ( int k = 0; k < 2 * ROWS * ROWS; ++k )
+        {
+            e.direction = sphere_direction( ( (float)( k / ( 2 * ROWS ) ) + 0.5f ) / ROWS,
+                                            ( (float)( k % ( 2 * ROWS ) ) + 0.5f ) / ( 2 * ROWS ) );
+            rf_find_emission_pdf( &lights, &e );
+            integral += (double)e.pdf_solid_angle * 4.0 * PI / ( 2.0 * ROWS * ROWS );
+        }
+        bool directional = i >= lights.triangle_count && (int)( i - lights.triangle_count ) < lights.punctual_count &&
+                           lights.punctual[i - lights.triangle_count].kind == RF_PUNCTUAL_DIRECTIONAL;
+        bool two_sided = i < lights.triangle_count && lights.light[i].two_sided;
+        selected += (double)e.pdf_light * ( two_sided ? 2.0 : 1.0 );
+        if ( !directional && fabs( integral - ( two_sided ? 2.0 : 1.0 ) ) > 5e-3 )
+            fail_msg( "%s, light %u: directions integrate to %g", what, i, integral );
+    }
+    assert_true( fabs( selected - 1.0 ) < 1e-5 );
+    for ( uint32_t i = 0; i < 4000; ++i )
+    {
+        float u[6];
+        numbers_of( 3, i, u );
+        RfEmission e;
+        if ( !rf_sample_emission( &lights, &scene, u, &e ) )
+            continue;
+        RfEmission asked = { .light = e.light, .position = e.position, .direction = e.direction };
+        rf_find_emission_pdf( &lights, &asked );
+        assert_true( asked.pdf_light == e.pdf_light && fabsf( asked.pdf_area / e.pdf_area - 1.0f ) < 1e-4f );
+        assert_true( fabsf( asked.pdf_solid_angle / e.pdf_solid_angle - 1.0f ) < 2e-3f );
+    }
+    rf_destroy_lights( &lights );
+    rf_destroy_scene( &scene );
+}
+
+static void test_densities_integrate_to_one( void** state )
+{
+    (void)state;
+    check_density( "all lights", make_open_scene( LIT_BY_ALL ) );
+    check_density( "even sky", make_open_scene( LIT_BY_SKY ) );
+    check_density( "one-sided", make_square( make_light( 1.0f, false ) ) );
+    RfScene scene = make_square( make_light( 3.0f, true ) );
+    RfLights lights = collect( &scene );
+    assert_true( lights.light[0].pdf_area == 0.5f ); // a triangle of half the square
+    // outside of the ball nothing of a sky starts
+    scene.environment.radiance = rf_vec3( 1, 1, 1 );
+    rf_destroy_lights( &lights );
+    lights = collect( &scene );
+    RfEmission e = { .light = rf_sky_number( &lights ), .position = rf_vec3( 0, 1.5f, 0 ), .direction = rf_vec3( 1, 0, 0 ) };
+    rf_find_emission_pdf( &lights, &e );
+    assert_true( e.pdf_area == 0.0f && e.pdf_solid_angle > 0.0f );
+    e.direction = rf_vec3( 0, 1, 0 );
+    rf_find_emission_pdf( &lights, &e );
+    assert_true( fabs( (double)e.pdf_area * PI * 2.0 - 1.0 ) < 1e-5 );
+    rf_destroy_lights( &lights );
+    rf_destroy_scene( &scene );
+}
+
+// A given direction from a place has the throughput over the density that the ray would have if it were drawn.
+static void test_steered_rays( void** state )
+{
+    (void)state;
+    RfScene scene = make_open_scene( LIT_BY_ALL );
+    RfLights lights = collect( &scene );
+    int lit = 0;
+    for ( uint32_t i = 0; i < 20000; ++i )
+    {
+        float u[6];
+        numbers_of( 4, i, u );
+        RfEmission e, plain;
+        if ( !rf_sample_emitter( &lights, &scene, u, &e ) || e.infinite )
+            continue;
+        bool emits = rf_emit_towards( &lights, &scene, sphere_direction( u[4], u[5] ), &e );
+        if ( e.light < lights.triangle_count )
+            assert_true( emits == ( rf_dot( e.normal, e.direction ) > 0.0f ) );
+        if ( !emits )
+            continue;
+        ++lit;
+        plain = e;
+        rf_find_emission_pdf( &lights, &plain );
+        assert_true( plain.pdf_light == e.pdf_light && plain.pdf_area == e.pdf_area );
+        assert_true( fabsf( plain.pdf_solid_angle / e.pdf_solid_angle - 1.0f ) < 1e-5f );
+        float cosine = e.light < lights.triangle_count ? rf_dot( e.normal, e.direction ) : 1.0f;
+        float expected = e.radiance.x * cosine / ( e.pdf_light * e.pdf_area * e.pdf_solid_angle );
+        assert_true( fabsf( e.throughput.x / expected - 1.0f ) < 1e-5f );
+    }
+    assert_true( lit > 200 );
+    rf_destroy_lights( &lights );
+    rf_destroy_scene( &scene );
+}
+
+enum
+{
+    PATCHES = 4, // along each side of the floor
+    SEEDS = 12,
+    RAYS = 200000
+};
+
+// A floor of side 2 under a black ball: no light is reflected to it.
+static RfScene make_shaded_floor( void )
+{
+    SceneBuilder b = { 0 };
+    uint32_t white = add_material( &b, make_lambert( 1, 1, 1 ) ), black = add_material( &b, make_lambert( 0, 0, 0 ) );
+    add_quad( &b, white, rf_vec3( -1, 0, 1 ), rf_vec3( 1, 0, 1 ), rf_vec3( 1, 0, -1 ), rf_vec3( -1, 0, -1 ) );
+    add_sphere( &b, black, rf_vec3( 0.3f, 0.5f, 0 ), 0.25f, 8 );
+    uint32_t lamp = add_material( &b, make_light( 2.0f, true ) );
+    add_quad( &b, lamp, rf_vec3( -0.9f, 0.9f, -0.3f ), rf_vec3( -0.6f, 0.9f, -0.3f ), rf_vec3( -0.6f, 1.2f, 0.3f ),
+              rf_vec3( -0.9f, 1.2f, 0.3f ) );
+    RfScene scene = finish_scene( &b );
+    add_lamp( &scene, make_point_light( rf_vec3( 0.5f, 1.2f, 0.3f ), 1.0f ) );
+    scene.punctuals[0].range = 2.0f;
+    add_lamp( &scene, make_spot( rf_vec3( 0.6f, 1.0f, -0.6f ), rf_vec3( -0.4f, -1, 0.2f ), 2.0f, 0.95f, 0.8f ) );
+    add_lamp( &scene, make_sun( rf_vec3( 0.5f, -1, 0.4f ), 0.6f ) );
+    scene.environment.radiance = rf_vec3( 0.3f, 0.3f, 0.3f );
+    return scene;
+}
+
+// Irradiance of the patches by rays that arrive, W/m².
+static void irradiance_by_rays( const RfTracer* tracer, uint64_t seed, double irradiance[PATCHES * PATCHES] )
+{
+    const RfLights* lights = rf_tracer_lights( tracer );
+    double patch_area = 4.0 / ( PATCHES * PATCHES );
+    for ( int i = 0; i < PATCHES * PATCHES; ++i )
+        irradiance[i] = 0.0;
+    for ( uint32_t i = 0; i < RAYS; ++i )
+    {
+        float u[6], b1, b2;
+        uint32_t triangle;
+        RfEmission e;
+        numbers_of( seed, i, u );
+        if ( !rf_sample_emission( lights, rf_tracer_scene( tracer ), u, &e ) )
+            continue;
+        RfVec3 from = rf_madd( e.position, e.normal, e.offset );
+        const float* o[3] = { &from.x, &from.y, &from.z };
+        const float* d[3] = { &e.direction.x, &e.direction.y, &e.direction.z };
+        rf_trace_nearest( tracer, 1, o, d, false, &triangle, &b1, &b2 );
+        if ( triangle > 1 ) // the floor comes first
+            continue;
+        const RfTriangleRecord* t = rf_tracer_triangles( tracer ) + triangle;
+        if ( rf_dot( t->ng, e.direction ) >= 0.0f )
+            continue; // from below
+        RfVec3 p = rf_add( t->p0, rf_add( rf_scale( t->e1, b1 ), rf_scale( t->e2, b2 ) ) );
+        int column = (int)( ( p.x + 1.0f ) * 0.5f * PATCHES ), row = (int)( ( p.z + 1.0f ) * 0.5f * PATCHES );
+        int patch = ( row < PATCHES ? row : PATCHES - 1 ) * PATCHES + ( column < PATCHES ? column : PATCHES - 1 );
+        irradiance[patch] +=
+            (double)( e.throughput.x * rf_emission_falloff( &e, rf_length( rf_sub( p, from ) ) ) ) / ( RAYS * patch_area );
+    }
+}
+
+// The same by light samples: π times what a parallel eye below the lamps sees of a white floor.
+static void irradiance_by_light_samples( const RfTracer* tracer, uint64_t seed, double irradiance[PATCHES * PATCHES] )
+{
+    RfEye eye =
+        rf_make_orthographic_eye( rf_vec3( 0, 0.2f, 0 ), rf_vec3( 0, -1, 0 ), rf_vec3( 0, 0, -1 ), 1.0, PATCHES, PATCHES );
+    RfRenderSettings settings = plain_settings();
+    settings.group = 0;
+    settings.spp = 3000;
+    settings.max_depth = 2;
+    settings.seed = seed;
+    settings.threads = 1;
+    int frame = 0;
+    Rendered r = render_frames( tracer, &eye, 1, &frame, 1, &settings );
+    for ( int i = 0; i < PATCHES * PATCHES; ++i )
+        irradiance[i] = PI * (double)r.rgb[3 * i];
+    free_rendered( &r );
+}
+
+static void test_floor_is_lit_as_by_light_samples( void** state )
+{
+    (void)state;
+    RfScene scene = make_shaded_floor();
+    RfTracer* tracer = make_tracer( &scene );
+    static double rays[PATCHES * PATCHES][SEEDS], samples[PATCHES * PATCHES][SEEDS];
+    for ( int k = 0; k < SEEDS; ++k )
+    {
+        double by_rays[PATCHES * PATCHES], by_samples[PATCHES * PATCHES];
+        irradiance_by_rays( tracer, (uint64_t)k + 10, by_rays );
+        irradiance_by_light_samples( tracer, (uint64_t)k + 1, by_samples );
+        for ( int i = 0; i < PATCHES * PATCHES; ++i )
+        {
+            rays[i][k] = by_rays[i];
+            samples[i][k] = by_samples[i];
+        }
+    }
+    for ( int i = 0; i < PATCHES * PATCHES; ++i )
+    {
+        double error[2], a = mean_of( rays[i], SEEDS, error ), b = mean_of( samples[i], SEEDS, error + 1 ),
+                         p = welch_p( rays[i], SEEDS, samples[i], SEEDS );
+        printf( "patch %2d: %.4f (SE %.4f) by emitted rays, %.4f (SE %.4f) by light samples, p %.3g\n", i, a, error[0], b,
+                error[1], p );
+        assert_true( p > 1e-4 && error[0] < 0.015 * a && error[1] < 0.01 * b );
+    }
+    rf_destroy_tracer( tracer );
+    rf_destroy_scene( &scene );
+}
+
+int main( void )
+{
+    rf_set_float_mode();
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( test_flux_is_the_closed_form ),
+        cmocka_unit_test( test_flux_of_a_map ),
+        cmocka_unit_test( test_flux_of_a_texture ),
+        cmocka_unit_test( test_densities_integrate_to_one ),
+        cmocka_unit_test( test_steered_rays ),
+        cmocka_unit_test( test_floor_is_lit_as_by_light_samples ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}
