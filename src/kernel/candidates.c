@@ -7,10 +7,11 @@ static void note( void* user, uint32_t number )
 {
     RfCandidates* c = user;
     const RfLightPath* path = c->settings->paths->path + number;
-    float step[2], miss, most = RF_STEP_MARGIN * path->reach, spread;
-    if ( c->spent + path->length + 2 > c->settings->path->max_depth ||
-         !rf_newton_step( &path->end, c->y, c->n, step, &miss, &spread ) ||
-         !( step[0] * step[0] + step[1] * step[1] <= most * most ) )
+    float step[2], miss, most = RF_STEP_MARGIN * path->reach, spread = 1.0f;
+    if ( c->spent + path->length + 2 > c->settings->path->max_depth )
+        return;
+    if ( c->settings->normalization != RF_KERNEL_DENSITY && ( !rf_newton_step( &path->end, c->y, c->n, step, &miss, &spread ) ||
+                                                              !( step[0] * step[0] + step[1] * step[1] <= most * most ) ) )
         return;
     int k = c->count++;
     if ( c->thinned && (double)k < c->next )

@@ -184,12 +184,12 @@ static bool emit( const RfEstimatorGroup* group, const RfLightPaths* paths, RfRa
     return true;
 }
 
-static float light_of( const RfLightPath* path, const RfChain* chain )
+static RfVec3 flux_of( const RfLightPath* path, const RfChain* chain )
 {
     const RfEmission* e = &path->start;
     float cosine = e->infinite || e->delta_position ? 1.0f : rf_dot( e->normal, e->direction );
     float scale = cosine * path->weight / ( e->pdf_light * ( e->infinite ? e->pdf_solid_angle : e->pdf_area ) );
-    return rf_luminance( rf_mul( e->radiance, chain->weight ) ) * scale / ( path->reach * path->reach );
+    return rf_scale( rf_mul( e->radiance, chain->weight ), scale );
 }
 
 static uint64_t draw_block( const RfEstimatorGroup* group, RfLightPaths* paths, uint64_t pass_key, uint32_t first )
@@ -225,7 +225,8 @@ static uint64_t draw_block( const RfEstimatorGroup* group, RfLightPaths* paths, 
             rf_find_footprint( paths, rf_tracer_lights( group->tracer ), c, pdf, land.p[i], triangles[land.triangle[i]].ng );
         path->reach = footprint.reach;
         path->radius = footprint.radius;
-        path->light = light_of( path, c );
+        path->flux = flux_of( path, c );
+        path->light = rf_luminance( path->flux ) / ( path->reach * path->reach );
         if ( !( path->radius > 0.0f && path->light > 0.0f && path->light < INFINITY ) )
             path->length = 0;
     }

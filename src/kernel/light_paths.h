@@ -16,6 +16,7 @@ typedef struct RfLightPath
     float reach;   // of links, in what steers: a chord of the sphere of directions, or metres
     RfVec3 p;      // where it lands
     float radius;  // of its footprint, m
+    RfVec3 flux;   // over the density of the path, W
     float light;   // luminance that it brings to all within reach: of a link, over the area that it spreads to
     RfRayPair end; // the ray that lands
 } RfLightPath;

@@ -115,14 +115,37 @@ static void add( RfLinkWork* w, const RfLink* link )
     }
 }
 
-static void flush( RfLinkWork* w )
+// Photon mapping: what lands around the eye vertex is taken to land there, evenly over the footprint.
+static void estimate_density( RfLinkWork* w )
 {
-    if ( w->count == 0 )
-        return;
+    for ( int k = 0; k < w->count; ++k )
+    {
+        RfLink* link = w->link + k;
+        link->wi = rf_scale( link->path->end.d, -1.0f );
+        link->light = rf_scale( link->path->flux, link->scale );
+        link->reach = link->path->radius;
+        link->repeats = 1.0f;
+        link->open = rf_dot( rf_lane_of( w->v->n, link->lane ), link->wi ) > 0.0f &&
+                     rf_dot( rf_lane_of( w->v->ng, link->lane ), link->wi ) > 0.0f;
+    }
+}
+
+static void bend_links( RfLinkWork* w )
+{
     solve( w );
     test_visibility( w );
     if ( w->settings->normalization == RF_KERNEL_EXACT )
         rf_repeat_trials( w );
+}
+
+static void flush( RfLinkWork* w )
+{
+    if ( w->count == 0 )
+        return;
+    if ( w->settings->normalization == RF_KERNEL_DENSITY )
+        estimate_density( w );
+    else
+        bend_links( w );
     for ( int k = 0; k < w->count; ++k )
     {
         if ( w->link[k].open )

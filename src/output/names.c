@@ -15,6 +15,7 @@ const char* const rf_light_paths_words[] = {
 const char* const rf_kernel_normalization_words[] = {
     [RF_KERNEL_EXACT] = "exact",
     [RF_KERNEL_DISC] = "disc",
+    [RF_KERNEL_DENSITY] = "density",
     NULL,
 };
 const char* const rf_reconstruction_words[] = {

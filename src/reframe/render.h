@@ -99,11 +99,12 @@ const char* rf_light_paths_name( RfLightPathsUse use );
 // How a link to a light path is divided by the probability of finding it.
 typedef enum RfKernelNormalization
 {
-    RF_KERNEL_EXACT, // by repeated trials: unbiased
-    RF_KERNEL_DISC,  // as if every light path near enough were found: biased, for comparison
+    RF_KERNEL_EXACT,   // by repeated trials: unbiased
+    RF_KERNEL_DISC,    // as if every light path near enough were found: biased, for comparison
+    RF_KERNEL_DENSITY, // no links: density estimation by the same footprints, as in photon mapping; blurred, for comparison
 } RfKernelNormalization;
 
-// "exact", "disc".
+// "exact", "disc", "density".
 const char* rf_kernel_normalization_name( RfKernelNormalization normalization );
 
 // How the lights of a vertex are sampled.

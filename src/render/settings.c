@@ -24,7 +24,7 @@ static RfResult check_choices( const RfRenderSettings* s, RfError* error )
                         RF_MAX_FILTER_WIDTH, s->filter_width );
     if ( (unsigned)s->light_sampling > RF_LIGHTS_BY_POWER )
         return rf_fail( error, RF_ERROR_USAGE, "there is no light sampling %d", (int)s->light_sampling );
-    if ( (unsigned)s->light_paths > RF_LIGHT_PATHS_OFF || (unsigned)s->kernel_normalization > RF_KERNEL_DISC )
+    if ( (unsigned)s->light_paths > RF_LIGHT_PATHS_OFF || (unsigned)s->kernel_normalization > RF_KERNEL_DENSITY )
         return rf_fail( error, RF_ERROR_USAGE, "there is no use of light paths %d, or no normalisation of kernels %d",
                         (int)s->light_paths, (int)s->kernel_normalization );
     if ( (unsigned)s->reconstruction > RF_RECONSTRUCTION_NONE )

@@ -14,6 +14,8 @@
 #define WIDTH 24
 #define HEIGHT 18
 
+static int samples( int spp ) { return getenv( "REFRAME_LONG" ) != NULL ? 16 * spp : spp; }
+
 // A ceiling over a floor that is a perfect mirror, or over the mirrored lamp alone.
 static RfScene make_ceiling( RfPunctual lamp, bool mirror )
 {
@@ -53,7 +55,7 @@ static Images ceiling_images( RfPunctual lamp, bool mirror, int spp )
 
 static void check_lamp( const char* what, RfPunctual lamp )
 {
-    Images linked = ceiling_images( lamp, true, 4 ), mirrored = ceiling_images( lamp, false, 16 );
+    Images linked = ceiling_images( lamp, true, samples( 4 ) ), mirrored = ceiling_images( lamp, false, samples( 16 ) );
     assert_unbiased( what, &linked, &mirrored, 4 );
     free_images( &linked );
     free_images( &mirrored );
