@@ -10,7 +10,7 @@
 #define MOST_FOOTPRINT 0.05f  // likewise
 #define FOOTPRINT_MARGIN 1.3f // over what the derivatives tell
 #define PATHS_PER_PIXEL 0.125
-#define LEAST_PATHS 4096u
+#define LEAST_PATHS 512u
 #define MOST_PATHS 65536u
 #define LIGHT_PATHS 0xfffffff1u // in the place of a frame, for the random numbers
 #define EVENTS 0x51ed270bu      // makes the key of a chain's events

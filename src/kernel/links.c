@@ -4,6 +4,7 @@
 
 #define TRIAL_LINKS 8.0f        // of an eye's first vertex
 #define TRIAL_LINKS_BEYOND 1.0f // of others
+#define LEAST_SHARE 0.02f       // of these, where other light is so much stronger
 
 // The light of a solved link before its normalisation; 0 where nothing arrives.
 static RfVec3 light_of( const RfLinkWork* w, const RfLink* link )
@@ -162,12 +163,14 @@ static void link_lane( RfLinkWork* w, int i )
         rf_pixel_key( (uint64_t)w->keys->key_a[slot] << 32 | w->keys->key_b[slot], 0x6b65726eu + (uint32_t)w->vertex );
     RfCandidates c = { .settings = w->settings, .y = rf_start_of( v, i ), .n = rf_lane_of( v->ng, i ) };
     c.spent = w->vertex - 1 + ( w->keys->spent != NULL ? w->keys->spent[slot] : 0 );
-    float scale = rf_find_candidates( &c, lane ), sum = 0.0f, trials = w->vertex == 1 ? TRIAL_LINKS : TRIAL_LINKS_BEYOND;
+    float scale = rf_find_candidates( &c, lane ), sum = 0.0f, most = w->vertex == 1 ? TRIAL_LINKS : TRIAL_LINKS_BEYOND;
     for ( int k = 0; k < c.kept; ++k )
         sum += c.light[k];
+    float promised = sum * scale * RF_INV_PI / (float)w->settings->paths->emitted;
+    float trials = most * rf_maxf( promised / ( promised + w->keys->lit[i] ), LEAST_SHARE );
     for ( int k = 0; k < c.kept; ++k )
     {
-        // trial links: so many, in proportion to what they are expected to bring
+        // in proportion to what they are expected to bring
         RfRandomKey key = rf_pixel_key( (uint64_t)lane.a << 32 | lane.b, c.path[k] );
         float accepted = rf_minf( trials * c.light[k] / sum, 1.0f );
         if ( rf_random( key, RF_DIMENSION_ACCEPT ) >= accepted )

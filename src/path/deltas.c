@@ -1,6 +1,18 @@
 // With a linker (src/kernel): which emission is left to it.
 #include "path/wavefront.h"
 
+void rf_note_lit( const RfPathSettings* settings, RfWavefront* wavefront, const RfLightLanes* lights, int sample, int count )
+{
+    if ( settings->linker == NULL )
+        return;
+    for ( int i = 0; i < count; ++i )
+    {
+        RfVec3 radiance = rf_vec3( lights->radiance_cos[0][i], lights->radiance_cos[1][i], lights->radiance_cos[2][i] );
+        float lit = rf_luminance( radiance ) / ( (float)settings->light_samples * lights->pdf_solid_angle[i] );
+        wavefront->lit[i] = lit + ( sample > 0 ? wavefront->lit[i] : 0.0f );
+    }
+}
+
 void rf_count_deltas( const RfPathSettings* settings, RfWavefront* wavefront, const RfVertexLanes* v, int vertex,
                       const float* pdf )
 {

@@ -101,7 +101,10 @@ static void add_light_samples( const RfPathSettings* settings, RfWavefront* wave
     {
         uint32_t dimension = rf_vertex_dimension( vertex, settings->light_samples ) + RF_DIMENSION_LIGHTS + 3u * (uint32_t)j;
         if ( j < settings->light_samples )
+        {
             wavefront->shadow_rays += (uint64_t)rf_sample_lights( settings, wavefront, v, dimension, lights, s );
+            rf_note_lit( settings, wavefront, lights, j, v->count );
+        }
         else
             settings->linker->sample( settings->linker, wavefront, v, vertex, lights );
         const float* wi[3] = { lights->wi[0], lights->wi[1], lights->wi[2] };

@@ -43,6 +43,7 @@ typedef struct RfWavefront
     uint64_t path_rays, shadow_rays; // counted up
     uint8_t deltas[RF_LANES];        // with a linker, by slot: one more than the delta vertices since the last evaluable one;
                                      // RF_NOT_LINKED: none yet, or others are among them
+    float lit[RF_LANES];             // with a linker, by vertex lane: luminance of the irradiance that light samples found there
     // inside
     RfRayLanes next;
     RfVertexLanes vertices;
@@ -54,7 +55,7 @@ typedef struct RfWavefront
 // emission that is hit by chance.
 struct RfLinker
 {
-    // Samples such light for the path's `vertex`-th vertices, like a light that no scattered ray finds: densities are
+    // Samples such light, the less the more is lit by light samples, for the path's `vertex`-th vertices, like a light that no scattered ray finds: densities are
     // RF_DELTA_PDF, or 1 where there is none. Adds to keys->path_rays.
     void ( *sample )( const RfLinker* linker, RfWavefront* keys, const RfVertexLanes* vertices, int vertex, RfLightLanes* out );
 };
@@ -143,6 +144,9 @@ void rf_scatter_deferred( const RfPathSettings* settings, RfWavefront* wavefront
                           float* const wi[3] );
 
 #define RF_NOT_LINKED 255
+
+// Adds one of a vertex's light samples to wavefront->lit, the first of them (`sample` 0) in place of what is there.
+void rf_note_lit( const RfPathSettings* settings, RfWavefront* wavefront, const RfLightLanes* lights, int sample, int count );
 
 // Counts the delta vertices of paths, after the path's `vertex`-th was scattered from with these densities.
 void rf_count_deltas( const RfPathSettings* settings, RfWavefront* wavefront, const RfVertexLanes* vertices, int vertex,

@@ -134,6 +134,8 @@ static void trace_beyond( const RfPathSettings* settings, RfWavefront* wavefront
     for ( int j = 0; j < k; ++j )
         wavefront->shadow_rays += (uint64_t)rf_sample_lights( settings, wavefront, &reuse->second, dimension + 3u * (uint32_t)j,
                                                               reuse->direct + j, &wavefront->scratch );
+    for ( int j = 0; j < k; ++j )
+        rf_note_lit( settings, wavefront, reuse->direct + j, j, reuse->second.count );
     if ( settings->linker != NULL )
         settings->linker->sample( settings->linker, wavefront, &reuse->second, 2, reuse->direct + k );
     memcpy( &reuse->arrivals_at_hits, &wavefront->arrivals, sizeof wavefront->arrivals );

@@ -15,7 +15,7 @@
 #define EYES 3
 #define WIDTH 20
 #define HEIGHT 14
-#define LIGHT_PATHS 4096 // of so small a film
+#define LIGHT_PATHS 512 // of so small a film
 
 static RfRenderSettings linked( int group )
 {
@@ -94,7 +94,7 @@ static void test_memory_of_light_paths_is_counted( void** state )
         bytes += strcmp( rendered.stats.entries[i].name, "light paths" ) == 0 ? rendered.stats.entries[i].peak : 0;
     printf( "%zu bytes for each of %d light paths\n", bytes / LIGHT_PATHS, LIGHT_PATHS );
     assert_true( bytes >= LIGHT_PATHS * sizeof( RfLightPath ) );
-    assert_true( bytes <= LIGHT_PATHS * 384 );
+    assert_true( bytes <= LIGHT_PATHS * 448 );
     free_rendered( &rendered );
     rf_destroy_scene( &scene );
 }
