@@ -1,0 +1,44 @@
+// render --light-paths: JSON and header name them, and --resume tells frames apart.
+#include "support/cli_run.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#define LAMP "'" REFRAME_SCENE_FOLDER "/glass-lamp.glb' "
+#define RENDER "$R render " LAMP "--size 24x16 --spp 2 --group 0 --tile 1 --frames 1 --quiet "
+
+static void test_json_names_them( void** state )
+{
+    (void)state;
+    const CliResult* done = cli_run( RENDER "-o on.####.exr --light-paths on --json on.json" );
+    assert_int_equal( done->status, 0 );
+    json_t* json = cli_read_json( "on.json" );
+    assert_string_equal( json_string_value( json_object_get( json, "light_paths" ) ), "on" );
+    assert_string_equal( json_string_value( json_object_get( json, "kernel_normalization" ) ), "exact" );
+    json_decref( json );
+    cli_expect( cli_run( RENDER "-o off.####.exr --light-paths wherever" ), 2, "--light-paths: wants one of auto, on or off" );
+}
+
+static void test_frames_are_told_apart( void** state )
+{
+    (void)state;
+    cli_expect( cli_run( RENDER "-o apart.####.exr --light-paths on --overwrite" ), 0, NULL );
+    cli_expect( cli_run( RENDER "-o apart.####.exr --light-paths on --resume" ), 0, NULL );
+    cli_expect( cli_run( RENDER "-o apart.####.exr --resume" ), 1, "light-paths on" );
+    cli_expect( cli_run( RENDER "-o apart.####.exr --light-paths on --kernel-normalization disc --resume" ), 1,
+                "kernel-normalization exact" );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( test_json_names_them ),
+        cmocka_unit_test( test_frames_are_told_apart ),
+    };
+    return cmocka_run_group_tests( tests, cli_enter_group, cli_leave_group );
+}
