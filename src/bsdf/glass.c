@@ -35,15 +35,20 @@ static Glass glass_of( const RfBsdfLanes* lanes, int i )
     };
 }
 
+// The square of ior cosθt by Snell's law, at most 0 where all is reflected. 1 − sin²θ would lose the digits of grazing angles,
+// where an index of 1 must give cosθo itself.
+static float refracted2( float cos_o, float ior ) { return cos_o * cos_o + ( ior - 1.0f ) * ( ior + 1.0f ); }
+
 // Fresnel reflectance of a dielectric for unpolarised light.
 static float dielectric( float cos_o, float ior )
 {
-    float sin2 = ( 1.0f - cos_o * cos_o ) / ( ior * ior );
-    if ( sin2 >= 1.0f )
+    cos_o = rf_maxf( cos_o, 0.0f ); // rounding may turn a grazing facet away
+    float t2 = refracted2( cos_o, ior );
+    if ( t2 <= 0.0f )
         return 1.0f;
-    float cos_t = sqrtf( 1.0f - sin2 );
-    float s = ( cos_o - ior * cos_t ) / ( cos_o + ior * cos_t );
-    float p = ( ior * cos_o - cos_t ) / ( ior * cos_o + cos_t );
+    float t = sqrtf( t2 ), dense = ior * ior * cos_o;
+    float s = ( cos_o - t ) / ( cos_o + t );
+    float p = ( dense - t ) / ( dense + t );
     return 0.5f * ( s * s + p * p );
 }
 
@@ -109,13 +114,13 @@ static RfScattering evaluate( const Glass* g, RfEyeLane eye, RfVec3 wi )
     }
     if ( g->alpha == 0.0f )
         return s;
-    RfVec3 h = rf_normalize( rf_add( eye.wo, wi ) );
+    RfVec3 sum = rf_add( eye.wo, wi ), h = rf_normalize( sum );
     RfVec3 cross = rf_cross( g->n, h );
     float along = rf_dot( g->n, h ), a2 = g->alpha * g->alpha;
     float q = a2 * along * along + rf_dot( cross, cross );
     float d = a2 * RF_INV_PI / ( q * q );
     float so = smith( g->alpha, cos_o ), si = smith( g->alpha, cos_i );
-    RfVec3 f = reflectance( g, rf_dot( eye.wo, h ) );
+    RfVec3 f = reflectance( g, 0.5f * rf_length( sum ) ); // wo·h, of which the product keeps two digits at grazing angles
     s.f = rf_add( s.f, rf_scale( f, d * 2.0f / ( so + si ) / ( 4.0f * cos_o * cos_i ) ) );
     s.pdf_solid_angle += ( 1.0f - probability ) * reflection_probability( g, f ) * d * 2.0f / ( 1.0f + so ) / ( 4.0f * cos_o );
     return s;
@@ -147,8 +152,8 @@ static RfVec3 transmitted( const Glass* g, RfVec3 wo, RfVec3 h )
         return rf_madd( r, g->n, -2.0f * rf_dot( r, g->n ) );
     }
     float cos_o = rf_dot( wo, h ), inverse = 1.0f / g->ior;
-    float cos_t = sqrtf( rf_maxf( 1.0f - inverse * inverse * ( 1.0f - cos_o * cos_o ), 0.0f ) );
-    return rf_normalize( rf_madd( rf_scale( wo, -inverse ), h, inverse * cos_o - cos_t ) );
+    float t = sqrtf( rf_maxf( refracted2( cos_o, g->ior ), 0.0f ) );
+    return rf_normalize( rf_madd( rf_scale( wo, -inverse ), h, inverse * ( cos_o - t ) ) );
 }
 
 // A direction, its weight f |cos| / density, and the density.
@@ -194,7 +199,7 @@ static GlassSample sample( const Glass* g, RfEyeLane eye, const float u[3] )
     RfVec3 h = sample_facet( g, eye, u[0], u[1] );
     RfVec3 f = reflectance( g, rf_dot( eye.wo, h ) );
     float reflect = reflection_probability( g, f );
-    if ( u_facet >= reflect )
+    if ( u_facet >= reflect && reflect < 1.0f ) // the quotient may be 1
         return sample_transmission( g, eye, h, ( 1.0f - base ) * ( 1.0f - reflect ) );
     RfVec3 wi = mirrored( eye.wo, h );
     if ( g->alpha > 0.0f )

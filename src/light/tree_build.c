@@ -96,9 +96,10 @@ static void find_extent( const RfTreeLight* lights, uint32_t count, double low[3
 // The best split along an axis; returns its cost.
 static double split_along( const RfTreeLight* lights, uint32_t count, int axis, double low, double high, Split* split )
 {
-    *split = ( Split ){ axis, low, BINS / ( high - low ), 0 };
-    if ( !( high > low ) || !isfinite( split->scale ) )
+    *split = ( Split ){ axis, low, 0.0, 0 };
+    if ( !( high > low ) || !isfinite( BINS / ( high - low ) ) )
         return INFINITY;
+    split->scale = BINS / ( high - low );
     RfLightBounds bin[BINS];
     for ( int k = 0; k < BINS; ++k )
         bin[k] = rf_no_lights();
@@ -124,11 +125,11 @@ static Split find_split( const Builder* builder, const Range* range )
             continue;
         Split split;
         // prefers to split long boxes across
-        double factor = longest / ( range->bounds.high[axis] - range->bounds.low[axis] );
-        double cost = split_along( lights, range->count, axis, low[axis], high[axis], &split ) * factor;
-        if ( split.bin > 0 && cost < least )
+        double cost = split_along( lights, range->count, axis, low[axis], high[axis], &split );
+        double extent = range->bounds.high[axis] - range->bounds.low[axis]; // above 0 where there is a split
+        if ( split.bin > 0 && cost * ( longest / extent ) < least )
         {
-            least = cost;
+            least = cost * ( longest / extent );
             best = split;
         }
     }

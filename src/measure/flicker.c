@@ -91,7 +91,7 @@ void rf_add_flicker( RfFlickerSums* sums, const RfFlickerSums* more )
 
 static double find_phi( const RfFlickerSums* sums )
 {
-    if ( sums->square > 0.0 && isfinite( sums->square ) )
+    if ( isgreater( sums->square, 0.0 ) && isfinite( sums->square ) )
         return sums->difference / sums->square;
     return sums->square == 0.0 && sums->difference == 0.0 ? 0.0 : NAN;
 }

@@ -3,6 +3,7 @@
 #include "base/remedy.h"
 #include "measure/error.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -29,7 +30,7 @@ int rf_sequence_step( const char* pattern, int number )
     if ( rf_sequence_name( pattern, number, name, sizeof name, NULL ) != RF_OK )
         return 1;
     double step = rf_read_exr_number( name, "reframe/step" );
-    return step >= 1.0 && step <= 1e6 ? (int)step : 1;
+    return isgreaterequal( step, 1.0 ) && step <= 1e6 ? (int)step : 1;
 }
 
 RfResult rf_match_sequences( const char* a, const char* b, int** numbers, int* count, RfError* error )

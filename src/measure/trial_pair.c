@@ -2,6 +2,7 @@
 
 #include "base/system.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -187,7 +188,7 @@ RfResult rf_compare_second( void* user, const RfFrameResult* frame, RfError* err
 // the whole path, there are only the steps. NaN if no pixel is measured in two consecutive frames.
 static double change_of( const RfTrialPair* p )
 {
-    double ends = 0.5 * ( p->first_mean + p->last_mean ), step = p->steps / p->step_count; // NaN: 0 of 0
+    double ends = 0.5 * ( p->first_mean + p->last_mean ), step = p->step_count > 0 ? p->steps / p->step_count : (double)NAN;
     if ( p->eyes == 1 )
         return ends;
     return p->whole ? 0.5 * step : ( ends + 0.5 * step * ( p->eyes - 1 ) ) / p->eyes;

@@ -57,11 +57,11 @@ static void drop_hopeless( RfTune* tune, int first )
 {
     int best = first;
     for ( int i = first; i < tune->count; ++i )
-        best = tune->rows[i].predicted_gain > tune->rows[best].predicted_gain ? i : best;
+        best = isgreater( tune->rows[i].predicted_gain, tune->rows[best].predicted_gain ) ? i : best;
     for ( int i = best + 1; i < tune->count; ++i )
     {
         RfTuneRow* row = tune->rows + i;
-        if ( row->excluded == NULL && row->predicted_gain < BEYOND * tune->rows[best].predicted_gain )
+        if ( row->excluded == NULL && isless( row->predicted_gain, BEYOND * tune->rows[best].predicted_gain ) )
             row->excluded = s_hopeless;
     }
 }

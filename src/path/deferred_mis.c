@@ -33,7 +33,7 @@ static int scatter_evaluable( const RfVertexLanes* v, float* const wi[3], RfWave
         for ( int c = 0; c < 3; ++c )
             rays->throughput[c][kept] = 1.0f;
         write_ray( v, i, wi, 1.0f, pdf, rays, kept );
-        float weight = rf_maxf( s->f[0][i], rf_maxf( s->f[1][i], s->f[2][i] ) ) * cos_x / pdf;
+        float weight = pdf > 0.0f ? rf_maxf( s->f[0][i], rf_maxf( s->f[1][i], s->f[2][i] ) ) * cos_x / pdf : 0.0f;
         wavefront->roulette_scale[v->slot[i]] *= rf_maxf( weight, MIN_ROULETTE_SCALE );
         kept += ( cos_x > 0.0f ) & ( cos_g > 0.0f ) & ( pdf > 0.0f );
     }

@@ -2,6 +2,8 @@
 #include "path/punctual_environment.h"
 #include "path/wavefront.h"
 
+#include <float.h>
+
 // The sampled points on the lights, gathered for the vector loop.
 typedef struct LightPoints
 {
@@ -132,12 +134,12 @@ static void connect( const RfVertexLanes* restrict v, const LightPoints* restric
         RfVec3 from = start_of( v, i );
         RfVec3 to_light = rf_sub( z, from );
         float d2 = rf_dot( to_light, to_light );
-        RfVec3 wi = rf_scale( to_light, 1.0f / sqrtf( d2 ) );
+        RfVec3 wi = rf_scale( to_light, 1.0f / sqrtf( rf_maxf( d2, FLT_MIN ) ) );
         float facing = -rf_dot( nz, wi );
         float side = facing < 0.0f ? -1.0f : 1.0f;
         float cos_light = points->two_sided[i] > 0.0f ? fabsf( facing ) : facing;
         float cos_x = rf_dot( n, wi );
-        float pdf = points->pdf_area[i] * d2 / cos_light;
+        float pdf = points->pdf_area[i] * d2 / ( cos_light > 0.0f ? cos_light : 1.0f );
         int arrives = ( cos_x > 0.0f ) & ( rf_dot( ng, wi ) > 0.0f ) & ( cos_light > 0.0f ) & ( pdf < 1e30f ) & ( d2 > 0.0f );
         float scale = arrives ? cos_x : 0.0f;
         // the BSDFs need a valid direction in every lane

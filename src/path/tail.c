@@ -155,13 +155,13 @@ static int scatter_evaluable_lanes( RfWavefront* wavefront, const RfRayLanes* ra
         float cos_g = v->ng[0][i] * wi[0] + v->ng[1][i] * wi[1] + v->ng[2][i] * wi[2];
         float pdf = s->pdf[i];
         int r = v->ray[i];
-        float scale = cos_x / pdf;
+        float scale = pdf > 0.0f ? cos_x / pdf : 0.0f;
         float t[3];
         for ( int c = 0; c < 3; ++c )
             t[c] = rays->throughput[c][r] * s->f[c][i] * scale;
         float q = survival( wavefront, vertex, v->slot[i], t );
         for ( int c = 0; c < 3; ++c )
-            next->throughput[c][kept] = t[c] / q;
+            next->throughput[c][kept] = q > 0.0f ? t[c] / q : 0.0f;
         write_ray( v, i, wi, 1.0f, pdf, next, kept );
         kept += ( cos_x > 0.0f ) & ( cos_g > 0.0f ) & ( pdf > 0.0f ) & ( s->random[0][i] < q );
     }
@@ -183,7 +183,7 @@ static int scatter_unevaluable_lanes( RfWavefront* wavefront, const RfRayLanes* 
             t[c] = rays->throughput[c][r] * s->f[c][i];
         float q = survival( wavefront, vertex, v->slot[i], t );
         for ( int c = 0; c < 3; ++c )
-            next->throughput[c][kept] = t[c] / q;
+            next->throughput[c][kept] = q > 0.0f ? t[c] / q : 0.0f;
         write_ray( v, i, wi, side, s->pdf[i], next, kept );
         kept += ( side != 0.0f ) & ( rf_maxf( t[0], rf_maxf( t[1], t[2] ) ) > 0.0f ) & ( s->random[0][i] < q );
     }

@@ -91,7 +91,7 @@ static void list_owners( const RfTileReuseSettings* settings, const RfWavefront*
             way2 += way * way;
             cos_y += y->ng[c][a] * y->wo[c][a];
         }
-        float distance2_cos = way2 / cos_y;
+        float distance2_cos = cos_y > 0.0f ? way2 / cos_y : 0.0f;
         if ( !( distance2_cos > 0.0f && distance2_cos < 1e30f ) ) // too close or edge-on
             continue;
         reuse->own_distance2_cos[a] = distance2_cos;

@@ -55,7 +55,7 @@ void rf_thin_paths( const RfPathSettings* path, RfWavefront* wavefront, RfTileRe
             continue;
         RfRandomKey key = { wavefront->key_a[slot], wavefront->key_b[slot] };
         float certain = CERTAIN_SHARE * mean[a];
-        float survival = luminance[a] < certain ? rf_maxf( luminance[a] / certain, LEAST_SURVIVAL ) : 1.0f;
+        float survival = luminance[a] < certain && certain > 0.0f ? rf_maxf( luminance[a] / certain, LEAST_SURVIVAL ) : 1.0f;
         bool survives = luminance[a] >= 0.0f && ( survival == 1.0f || rf_random( key, RF_DIMENSION_CONNECTIONS ) < survival );
         if ( !survives )
             reuse->second_of[i] = -1;

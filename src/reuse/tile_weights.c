@@ -4,6 +4,7 @@
 
 #include "reuse/tile.h"
 
+#include <float.h>
 #include <stddef.h>
 #include <string.h>
 
@@ -22,7 +23,7 @@ static void connect_neighbours( const RfVertexLanes* restrict x, const RfTileReu
         RfVec3 n = rf_vec3( x->n[0][i], x->n[1][i], x->n[2][i] );
         RfVec3 from = rf_madd( rf_vec3( x->p[0][i], x->p[1][i], x->p[2][i] ), ng, x->offset[i] );
         RfVec3 to_vertex = rf_sub( rf_vec3( y->p[0][a], y->p[1][a], y->p[2][a] ), from );
-        float d2 = rf_dot( to_vertex, to_vertex );
+        float d2 = rf_maxf( rf_dot( to_vertex, to_vertex ), FLT_MIN );
         RfVec3 wi = rf_scale( to_vertex, 1.0f / sqrtf( d2 ) );
         float cos_y = -rf_dot( rf_vec3( y->ng[0][a], y->ng[1][a], y->ng[2][a] ), wi );
         float geometry = cos_y / d2 * reuse->own_distance2_cos[a];
@@ -287,7 +288,10 @@ static void normalize_weights( int tile_pixels, int hits, RfTileReuse* reuse )
         RfPairingLanes* pairing = reuse->pairings + s;
 #pragma omp simd
         for ( int i = 0; i < hits; ++i )
-            pairing->weight[i] = pairing->weight[i] != 0.0f ? fabsf( pairing->weight[i] ) / sum[pairing->vertex[i]] : 0.0f;
+        {
+            float all = sum[pairing->vertex[i]]; // 0 where all weights are
+            pairing->weight[i] = fabsf( pairing->weight[i] ) / ( all > 0.0f ? all : 1.0f );
+        }
     }
 }
 

@@ -6,6 +6,7 @@
 
 #include "scene/eye.h"
 
+#include <float.h>
 #include <stdint.h>
 
 // Where all rays of an eye start.
@@ -27,13 +28,16 @@ static inline RfVec3 rf_pinhole_ray( const RfEye* eye, const float inverse[2], i
     return rf_scale( d, 1.0f / sqrtf( rf_dot( d, d ) ) );
 }
 
+// A divisor that is not 0. What lies in the plane of the eye is not seen, whatever the quotient.
+static inline float rf_pinhole_divisor( float depth, float instead ) { return depth != 0.0f ? depth : instead; }
+
 // Where a direction from the eye (any length) meets the film: pixels from its centre, +x right, +y up.
 // Returns its part along the viewing direction; the position means nothing unless that is above 0.
 static inline float rf_pinhole_position( const RfEye* eye, RfVec3 direction, float at[2] )
 {
-    float depth = rf_dot( direction, eye->forward );
-    at[0] = rf_dot( direction, eye->right ) * ( eye->focal_x / depth ) + ( eye->axis_x - 0.5f * (float)eye->width );
-    at[1] = rf_dot( direction, eye->up ) * ( eye->focal / depth ) + ( 0.5f * (float)eye->height - eye->axis_y );
+    float depth = rf_dot( direction, eye->forward ), ahead = rf_pinhole_divisor( depth, 1.0f );
+    at[0] = rf_dot( direction, eye->right ) * ( eye->focal_x / ahead ) + ( eye->axis_x - 0.5f * (float)eye->width );
+    at[1] = rf_dot( direction, eye->up ) * ( eye->focal / ahead ) + ( 0.5f * (float)eye->height - eye->axis_y );
     return depth;
 }
 
@@ -57,12 +61,12 @@ typedef struct RfProjection
 static inline RfProjection rf_project( const RfEye* eye, RfVec3 x, RfVec3 ng )
 {
     RfVec3 v = rf_sub( x, rf_pinhole_origin( eye ) );
-    float depth = rf_dot( v, eye->forward );
+    float depth = rf_dot( v, eye->forward ), ahead = rf_pinhole_divisor( depth, 1.0f );
     float facing = -rf_dot( v, ng );
-    float fx = eye->axis_x + rf_dot( v, eye->right ) * ( eye->focal_x / depth );
-    float fy = eye->axis_y - rf_dot( v, eye->up ) * ( eye->focal / depth );
-    float density = eye->focal_x * eye->focal * facing / ( depth * depth * depth );
-    density = density > RF_MIN_DENSITY ? density : RF_MIN_DENSITY; // also where it is NaN
+    float fx = eye->axis_x + rf_dot( v, eye->right ) * ( eye->focal_x / ahead );
+    float fy = eye->axis_y - rf_dot( v, eye->up ) * ( eye->focal / ahead );
+    float density = eye->focal_x * eye->focal * facing / rf_pinhole_divisor( depth * depth * depth, FLT_MIN );
+    density = density > RF_MIN_DENSITY ? density : RF_MIN_DENSITY;
     density = density < RF_MAX_DENSITY ? density : RF_MAX_DENSITY;
     int seen = ( depth > 0.0f ) & ( facing > 0.0f ) & ( fx >= 0.0f ) & ( fx < (float)eye->width ) & ( fy >= 0.0f ) &
                ( fy < (float)eye->height );

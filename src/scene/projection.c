@@ -73,7 +73,7 @@ static float parallel_density( const RfEye* eye, float facing ) { return eye->fo
 static float panoramic_density( const RfEye* eye, RfVec3 way, float facing )
 {
     float x = rf_dot( way, eye->right ), z = rf_dot( way, eye->forward ), d2 = rf_dot( way, way );
-    return eye->focal_x * eye->focal * facing / ( d2 * sqrtf( x * x + z * z ) );
+    return eye->focal_x * eye->focal * facing / rf_pinhole_divisor( d2 * sqrtf( x * x + z * z ), FLT_MIN );
 }
 
 RfProjection rf_project_otherwise( const RfEye* eye, RfVec3 x, RfVec3 ng )
@@ -82,7 +82,7 @@ RfProjection rf_project_otherwise( const RfEye* eye, RfVec3 x, RfVec3 ng )
     bool parallel = rf_is_parallel( eye );
     float facing = -rf_dot( parallel ? rf_parallel_direction( eye ) : way, ng ), depth = rf_dot( way, eye->forward ), at[2];
     float density = parallel ? parallel_density( eye, facing ) : panoramic_density( eye, way, facing );
-    density = density > RF_MIN_DENSITY ? density : RF_MIN_DENSITY; // also where it is NaN
+    density = density > RF_MIN_DENSITY ? density : RF_MIN_DENSITY;
     density = density < RF_MAX_DENSITY ? density : RF_MAX_DENSITY;
     if ( parallel )
         parallel_position( eye, way, depth, at );

@@ -1,5 +1,6 @@
 #include "trace/bvh.h"
 
+#include "base/float_traps.h"
 #include "scene/leave_out.h"
 #include "scene/textured.h"
 #include "trace/far_triangle.h"
@@ -103,6 +104,13 @@ static void attach( RTCDevice device, RfBvh* bvh, RTCBuffer positions, uint32_t 
     rtcReleaseGeometry( geometry );
 }
 
+static void commit( RTCScene scene )
+{
+    int traps = rf_pause_float_traps(); // see query.c; its threads inherit them
+    rtcCommitScene( scene );
+    rf_resume_float_traps( traps );
+}
+
 // Build quality MEDIUM with ROBUST is deterministic with any number of threads; HIGH is not.
 RfResult rf_build_bvh( RTCDevice device, const RfScene* scene, RfBvh* bvh, RfError* error )
 {
@@ -119,7 +127,7 @@ RfResult rf_build_bvh( RTCDevice device, const RfScene* scene, RfBvh* bvh, RfErr
     attach( device, bvh, positions, bvh->masked_first, scene->triangles.count - bvh->masked_first, MASKED );
     if ( positions != NULL )
         rtcReleaseBuffer( positions );
-    rtcCommitScene( bvh->embree_scene );
+    commit( bvh->embree_scene );
     return RF_OK;
 }
 
@@ -142,7 +150,7 @@ RTCScene rf_build_mirror_scene( RTCDevice device, const RfScene* scene, float sc
     rtcReleaseGeometry( geometry );
     if ( positions != NULL )
         rtcReleaseBuffer( positions );
-    rtcCommitScene( out );
+    commit( out );
     return out;
 }
 

@@ -1,5 +1,6 @@
 #include "trace/filter.h"
 
+#include "base/float_traps.h"
 #include "base/random.h"
 #include "bsdf/bsdf.h"
 #include "scene/textured.h"
@@ -132,7 +133,7 @@ static bool misses_far( const struct RTCFilterFunctionNArguments* args, unsigned
     return ( (const RfQuery*)args->context )->kind == RF_QUERY_SEGMENTS && distance > 1.0;
 }
 
-void rf_filter_hits( const struct RTCFilterFunctionNArguments* args )
+static void filter_hits( const struct RTCFilterFunctionNArguments* args )
 {
     const RfBvh* bvh = args->geometryUserPtr;
     const RfScene* scene = bvh->scene;
@@ -160,4 +161,12 @@ void rf_filter_hits( const struct RTCFilterFunctionNArguments* args )
         if ( ignored || opacity <= 0.0f || !is_hit( args, i, &x, opacity, may_be_pane ) || query->kind == RF_QUERY_PANES )
             args->valid[i] = 0;
     }
+}
+
+void rf_filter_hits( const struct RTCFilterFunctionNArguments* args )
+{
+    // Embree, which calls this, runs without traps
+    rf_resume_float_traps( ( (const RfQuery*)args->context )->traps );
+    filter_hits( args );
+    rf_pause_float_traps();
 }

@@ -21,6 +21,7 @@ typedef struct RfQuery
     RfQueryKind kind;
     bool pass_panes; // else panes are surfaces like any others
     bool passed;     // some pane was passed
+    int traps;       // of the caller (base/float_traps.h)
     // per ray, initially 1
     float transmittance[RF_PACKET];
     float pane_probability[RF_PACKET];

@@ -1,8 +1,24 @@
 // Rays and segments, in packets of 16.
+#include "base/float_traps.h"
 #include "trace/filter.h"
 #include "trace/tracer.h"
 
 #include <string.h>
+
+// Embree's traversal raises the flag for invalid operations: empty slots of its nodes have infinite bounds.
+static void intersect( const int* valid, RTCScene scene, RfQuery* query, struct RTCRayHit16* packet )
+{
+    query->traps = rf_pause_float_traps();
+    rtcIntersect16( valid, scene, &query->context, packet );
+    rf_resume_float_traps( query->traps );
+}
+
+static void occluded( const int* valid, RTCScene scene, RfQuery* query, struct RTCRay16* ray )
+{
+    query->traps = rf_pause_float_traps();
+    rtcOccluded16( valid, scene, &query->context, ray );
+    rf_resume_float_traps( query->traps );
+}
 
 static void reset_panes( RfQuery* query )
 {
@@ -91,7 +107,7 @@ static void find_panes( const RfTracer* tracer, const int* valid, const struct R
     memcpy( out->hit, triangle, (size_t)lanes * sizeof *triangle );
     for ( int i = 0; i < RF_PACKET; ++i )
         packet.hit.geomID[i] = packet.hit.primID[i] = RTC_INVALID_GEOMETRY_ID;
-    rtcIntersect16( valid, tracer->bvh.embree_scene, &out->context, &packet );
+    intersect( valid, tracer->bvh.embree_scene, out, &packet );
 }
 
 // `panes`: NULL if they are surfaces like any others.
@@ -109,7 +125,7 @@ static void trace_nearest( const RfTracer* tracer, int count, const float* const
         set_ray( &packet.ray, lanes, d, first, 1.0f, INFINITY );
         for ( int i = 0; i < RF_PACKET; ++i )
             packet.hit.geomID[i] = packet.hit.primID[i] = RTC_INVALID_GEOMETRY_ID;
-        rtcIntersect16( valid, tracer->bvh.embree_scene, &query.context, &packet );
+        intersect( valid, tracer->bvh.embree_scene, &query, &packet );
         for ( int i = 0; i < lanes; ++i )
         {
             triangle[first + i] = packet.hit.primID[i];
@@ -152,7 +168,7 @@ static void trace_segments( const RfTracer* tracer, int count, const float* cons
         int lanes = set_valid( valid, first, count );
         set_origins( &ray, lanes, o, first, tracer->bvh.scale );
         set_ray( &ray, lanes, d, first, tracer->bvh.scale, 1.0f );
-        rtcOccluded16( valid, tracer->bvh.embree_scene, &query.context, &ray );
+        occluded( valid, tracer->bvh.embree_scene, &query, &ray );
         for ( int i = 0; i < lanes; ++i )
             visible[first + i] = ray.tfar[i] < 0.0f ? 0.0f : query.transmittance[i]; // −inf if occluded
         reset_transmittance( tracer, &query );
@@ -215,7 +231,7 @@ static int trace_from_origin( const RfTracer* tracer, RfVec3 origin, int count, 
         {
             for ( int i = 0; i < RF_PACKET; ++i )
                 ray.tfar[i] = 1.0f;
-            rtcOccluded16( valid, tracer->bvh.embree_scene, &query.context, &ray );
+            occluded( valid, tracer->bvh.embree_scene, &query, &ray );
             for ( int i = 0; i < lanes; ++i )
                 weight[first + i] = ray.tfar[i] < 0.0f ? 0.0f : weight[first + i] * query.transmittance[i]; // −inf if occluded
             reset_transmittance( tracer, &query );
@@ -261,7 +277,7 @@ void rf_trace_mirrors( const RfTracer* tracer, RfVec3 origin, int count, const f
             packet.ray.mask[i] = 0xffffffffu;
             packet.hit.geomID[i] = packet.hit.primID[i] = RTC_INVALID_GEOMETRY_ID;
         }
-        rtcIntersect16( valid, tracer->mirror_scene, &query.context, &packet );
+        intersect( valid, tracer->mirror_scene, &query, &packet );
         for ( int i = 0; i < lanes; ++i )
         {
             uint32_t number = packet.hit.primID[i];

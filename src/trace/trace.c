@@ -1,5 +1,6 @@
 #include "trace/tracer.h"
 
+#include "base/float_traps.h"
 #include "light/light.h"
 #include "scene/leave_out.h"
 #include "trace/far_triangle.h"
@@ -14,6 +15,7 @@ void rf_set_float_mode( void )
 {
     _MM_SET_FLUSH_ZERO_MODE( _MM_FLUSH_ZERO_ON );
     _MM_SET_DENORMALS_ZERO_MODE( _MM_DENORMALS_ZERO_ON );
+    rf_enable_float_traps();
 }
 
 static void on_device_error( void* user, enum RTCError code, const char* text )

@@ -383,6 +383,8 @@ static Arriving arriving_light( const RfTracer* tracer, const ReferenceSettings*
         result.rest = direct( tracer, s, &x, key, vertex, throughput, result.rest );
         uint32_t dimension = rf_vertex_dimension( vertex, s->light_samples );
         Onward onward = scatter( &x, key, dimension + RF_DIMENSION_SCATTER );
+        if ( !( onward.pdf > 0.0f ) )
+            break;
         pdf_scatter = onward.pdf;
         throughput = is_native( &x ) ? rf_mul( throughput, onward.weight )
                                      : rf_scale( rf_mul( throughput, onward.f ), onward.cos_x / onward.pdf );
@@ -417,7 +419,7 @@ static RfVec3 scattered_light( const RfTracer* tracer, const ReferenceSettings* 
         Arriving in = arriving_light( tracer, &left, key, ray, onward.weight, 1.0f );
         return rf_add( rf_scale( in.emitted, onward.pdf / ( onward.pdf + k * in.light_pdf ) ), in.rest );
     }
-    float roulette_scale = rf_maxf( rf_max_component( onward.f ) * onward.cos_x / onward.pdf, 0.1f );
+    float roulette_scale = onward.pdf > 0.0f ? rf_maxf( rf_max_component( onward.f ) * onward.cos_x / onward.pdf, 0.1f ) : 0.1f;
     Arriving in = arriving_light( tracer, s, key, ray, rf_vec3( 1, 1, 1 ), roulette_scale );
     RfVec3 emitted = rf_scale( rf_scale( in.emitted, onward.cos_x ), 1.0f / ( k * in.light_pdf + onward.pdf ) );
     return rf_mul( onward.f, rf_add( emitted, rf_scale( rf_scale( in.rest, onward.cos_x ), 1.0f / onward.pdf ) ) );

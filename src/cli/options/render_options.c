@@ -6,12 +6,13 @@
 #include "cli/options/render_table.h"
 #include "output/names.h"
 
+#include <math.h>
 #include <string.h>
 
 #define WRITE_QUEUE 2                  // frames: one being written, one waiting
 #define MOST_SPP_FOR_NOISE ( 1 << 16 ) // noise that has not come down by then will not
 
-int rf_default_most_spp( double noise ) { return noise > 0.0 ? MOST_SPP_FOR_NOISE : RF_MAX_SPP; }
+int rf_default_most_spp( double noise ) { return isgreater( noise, 0.0 ) ? MOST_SPP_FOR_NOISE : RF_MAX_SPP; }
 
 static bool ends_with( const char* text, const char* end )
 {

@@ -10,7 +10,7 @@ void rf_note_frame_error( RfFrameErrors* errors, const RfFrameResult* result, in
     errors->likely_sum += result->relmse_likely;
     errors->lower_bounds += result->relmse_is_lower_bound;
     errors->missed += !result->reached;
-    if ( errors->frames > 1 && result->relmse_likely <= errors->worst_relmse )
+    if ( errors->frames > 1 && islessequal( result->relmse_likely, errors->worst_relmse ) )
         return;
     errors->worst_relmse = result->relmse_likely;
     errors->worst_frame = number;

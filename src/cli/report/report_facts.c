@@ -188,13 +188,13 @@ static void add_samples( json_t* facts, const RfPageTrack* track )
     format_samples( least, parts[0] );
     format_samples( most, parts[1] );
     format_samples( asked, parts[2] );
-    bool is_bound = noise > 0.0 || time > 0.0, is_said = asked != rf_default_most_spp( noise );
-    if ( least <= most ) // where the frames tell
+    bool is_bound = isgreater( noise, 0.0 ) || isgreater( time, 0.0 ), is_said = asked != rf_default_most_spp( noise );
+    if ( islessequal( least, most ) ) // where the frames tell
         snprintf( text, sizeof text, strcmp( parts[0], parts[1] ) == 0 ? "%s" : "%s to %s", parts[0], parts[1] );
-    else if ( asked > 0.0 && !is_bound )
+    else if ( isgreater( asked, 0.0 ) && !is_bound )
         snprintf( text, sizeof text, "%s", parts[2] );
     size_t used = strlen( text );
-    if ( asked > 0.0 && is_bound && is_said )
+    if ( isgreater( asked, 0.0 ) && is_bound && is_said )
         snprintf( text + used, sizeof text - used, "%sat most %s", used > 0 ? ", " : "", parts[2] );
     if ( text[0] != '\0' )
         add( facts, "Settings", "Samples a pixel", text );

@@ -17,7 +17,7 @@ static bool is_compared( const RfPageTrack* track )
 {
     bool has_error = false;
     for ( int i = 0; i < track->count; ++i )
-        has_error |= track->frames[i].relmse > 0.0;
+        has_error |= isgreater( track->frames[i].relmse, 0.0 );
     return has_error && !track->sequence->is_reference;
 }
 
@@ -58,7 +58,7 @@ static int common_threads( const RfPageData* data )
         if ( !is_compared( data->tracks + i ) )
             continue;
         double here = rf_json_number_of( data->tracks[i].sequence->render, "threads" );
-        if ( !( here >= 1.0 ) || ( isfinite( threads ) && here != threads ) )
+        if ( !isgreaterequal( here, 1.0 ) || ( isfinite( threads ) && here != threads ) )
             return 0;
         threads = here;
     }
@@ -162,7 +162,7 @@ static void single_words( const RfPageData* data, const Contest* c, char* text, 
     double speedup = rf_json_number_of( single_cost( data, c ), "speedup_at_equal_error" );
     char number[32];
     size_t used = strlen( text );
-    if ( !( speedup > 0.0 ) )
+    if ( !isgreater( speedup, 0.0 ) )
         return;
     double times = speedup < 1.0 ? 1.0 / speedup : speedup;
     format_times( times, number );
@@ -185,7 +185,7 @@ static void basis_words( const RfPageData* data, const Contest* c, char* text, s
     else if ( c->compared > 1 )
         used += (size_t)snprintf( text + used, size - used,
                                   "; times are not compared: they need render --json with the same number of threads" );
-    else if ( rf_json_number_of( single_cost( data, c ), "speedup_at_equal_error" ) > 0.0 )
+    else if ( isgreater( rf_json_number_of( single_cost( data, c ), "speedup_at_equal_error" ), 0.0 ) )
         used += (size_t)snprintf( text + used, size - used, "; times as cost measured them" );
     if ( bounds > 0 )
         snprintf( text + used, size - used, "; %d estimate%s a lower bound: only --reference tells the error", bounds,

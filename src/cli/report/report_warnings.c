@@ -37,7 +37,7 @@ static void add_told( const List* list, const json_t* render )
     double missed = rf_json_number_of( json_object_get( render, "noise" ), "missed" );
     char text[128];
     snprintf( text, sizeof text, "--noise was not reached in %.0f frame%s", missed, missed == 1.0 ? "" : "s" );
-    if ( missed > 0.0 && json_object_get( render, "warnings" ) == NULL )
+    if ( isgreater( missed, 0.0 ) && json_object_get( render, "warnings" ) == NULL )
         add( list, text );
     if ( json_is_true( json_object_get( render, "interrupted" ) ) )
         add( list, "the render was interrupted: --resume goes on" );

@@ -31,10 +31,10 @@ void rf_format_span( double seconds, char* text, size_t size )
         const char* name;
     } units[] = { { 120.0, 1.0, "s" }, { 7200.0, 60.0, "min" }, { 172800.0, 3600.0, "h" }, { INFINITY, 86400.0, "days" } };
     int k = 0;
-    while ( k < 3 && !( seconds < units[k].below ) )
+    while ( k < 3 && !isless( seconds, units[k].below ) )
         k += 1;
     double value = seconds / units[k].unit;
-    snprintf( text, size, value < 10.0 ? "%.2g %s" : "%.0f %s", value, units[k].name );
+    snprintf( text, size, isless( value, 10.0 ) ? "%.2g %s" : "%.0f %s", value, units[k].name );
 }
 
 void rf_format_reuse( int eyes, const RfTile* tile, char* text, size_t size )

@@ -1,0 +1,51 @@
+// Random lanes of every scattering model, as inputs of the references too. Included by the files that check models.
+#ifndef REFRAME_TESTS_DIFFERENTIAL_MODELS_H
+#define REFRAME_TESTS_DIFFERENTIAL_MODELS_H
+
+#include "differential/differential.h"
+#include "differential/reference.h"
+#include "support/bsdf_lanes.h"
+
+enum
+{
+    TINT = PARAM + RF_PARAM_TINT,
+    IOR = PARAM + RF_PARAM_IOR,
+};
+
+// A grey surface, and the eye that looks at it.
+typedef struct Surface
+{
+    RfVec3 n, wo;
+    float diffuse, specular, shape, f90, coat_f0, coat_f90, clearcoat, clearcoat_alpha;
+    RfVec3 coat_n;
+    float tint, ior; // of glass, whose metallic fraction is f90
+} Surface;
+
+Surface random_surface( RfBsdfKind kind, uint32_t stream, long i );
+
+static inline void put_grey( int array, int lane, float value )
+{
+    s_lanes[array][lane] = s_lanes[array + 1][lane] = s_lanes[array + 2][lane] = value;
+}
+
+static inline void put_lane( int lane, const Surface* s )
+{
+    put( N, lane, s->n );
+    put( WO, lane, s->wo );
+    put_grey( DIFFUSE, lane, s->diffuse );
+    put_grey( SPECULAR, lane, s->specular );
+    put_grey( TINT, lane, s->tint );
+    s_lanes[SHAPE][lane] = s->shape;
+    s_lanes[F90][lane] = s->f90;
+    s_lanes[COAT_F0][lane] = s->coat_f0;
+    s_lanes[COAT_F90][lane] = s->coat_f90;
+    s_lanes[CLEARCOAT][lane] = s->clearcoat;
+    s_lanes[CLEARCOAT_ALPHA][lane] = s->clearcoat_alpha;
+    put( COAT_N, lane, s->coat_n );
+    s_lanes[IOR][lane] = s->ior;
+}
+
+// The inputs of the references: n, wo, wi and parameters.
+void add_surface( Inputs* in, RfBsdfKind kind, const Surface* s, RfVec3 wi );
+
+#endif
