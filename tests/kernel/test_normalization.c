@@ -1,0 +1,170 @@
+// The exact normalisation of links: the mean number of repeated trials is one over the probability that a light path drawn
+// around a solution is bent to it, as counted by drawing many.
+#include "kernel/links_internal.h"
+#include "render/estimator.h"
+#include "support/mirror_rooms.h"
+#include "support/render_support.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#define TRIALS 8192
+#define LINKS 8 // solutions looked at
+#define MOST_SIGMAS 4.5
+
+typedef struct Setting
+{
+    RfTracer* tracer;
+    RfRenderSettings settings;
+    RfEstimatorGroup group;
+    RfPathSettings path;
+    RfLightPaths* paths;
+} Setting;
+
+static Setting make_setting( const RfScene* scene )
+{
+    Setting s = { .tracer = make_tracer( scene ), .settings = plain_settings() };
+    s.settings.threads = 1;
+    s.group = ( RfEstimatorGroup ){ .tracer = s.tracer, .settings = &s.settings, .width = 64, .height = 64, .eye_count = 1 };
+    for ( uint32_t i = 0; i < scene->triangles.count; ++i )
+        s.group.traits.chain_triangles += rf_is_chain_surface( scene->materials + scene->triangles.material[i] );
+    s.path = ( RfPathSettings ){ .tracer = s.tracer, .max_depth = 12, .light_samples = 1 };
+    size_t bytes = rf_light_paths_bytes( &s.group );
+    s.paths = aligned_alloc( 64, bytes );
+    assert_non_null( s.paths );
+    memset( s.paths, 0, bytes );
+    return s;
+}
+
+// An eye vertex a part of the footprint away from where a light path lands, and the link from that path to it, solved.
+static bool solve_link( const Setting* s, const RfLightPath* path, float part, RfVertexLanes* v, RfLink* link )
+{
+    RfVec3 t, b, n = rf_scale( path->end.d, -1.0f );
+    rf_basis( n, &t, &b );
+    RfVec3 y = rf_madd( path->p, t, part * path->radius );
+    v->p[0][0] = y.x;
+    v->p[1][0] = y.y;
+    v->p[2][0] = y.z;
+    v->ng[0][0] = n.x;
+    v->ng[1][0] = n.y;
+    v->ng[2][0] = n.z;
+    RfBend bend = { .y = y, .n = n, .most = RF_STEP_MARGIN * path->reach, .active = true };
+    uint64_t rays = 0;
+    bend.at.start = path->start;
+    bend.at.events = path->events;
+    bend.at.length = path->length;
+    bend.at.end = path->end;
+    rf_bend_chains( s->tracer, 1, &bend, &rays );
+    if ( !bend.met )
+        return false;
+    *link = ( RfLink ){ .path = path, .chain = bend.at, .open = true };
+    link->reach =
+        rf_find_footprint( s->paths, rf_tracer_lights( s->tracer ), &bend.at, rf_steer_pdf( s->paths, &bend.at ), y, n ).reach;
+    return rf_steered_apart( &bend.at.start, &path->start ) <= link->reach;
+}
+
+// Repeats the trial of one link as 64 links with random numbers of their own, `first` and those that follow.
+static void count_repeats( RfLinkWork* work, const RfLink* link, uint32_t first, double* sum )
+{
+    for ( int k = 0; k < RF_CHAIN_BLOCK; ++k )
+    {
+        work->link[k] = *link;
+        work->link[k].repeats = 1.0f;
+        work->bend[k].y = rf_start_of( work->v, 0 );
+        work->bend[k].n = rf_lane_of( work->v->ng, 0 );
+        work->link[k].key = rf_pixel_key( 77, first + (uint32_t)k );
+    }
+    work->count = RF_CHAIN_BLOCK;
+    rf_repeat_trials( work );
+    for ( int k = 0; k < RF_CHAIN_BLOCK; ++k )
+        *sum += (double)work->link[k].repeats;
+}
+
+// The share of starts, drawn evenly around the solution, from which it is found.
+static double count_found( const Setting* s, const RfLink* link, const RfBend* target )
+{
+    const RfTriangleRecord* triangles = rf_tracer_triangles( s->tracer );
+    int found = 0;
+    uint64_t rays = 0;
+    for ( uint32_t k = 0; k < TRIALS; ++k )
+    {
+        RfRandomKey key = rf_pixel_key( 99, k );
+        RfBend bend = *target;
+        RfChain* chain = &bend.at;
+        RfVec3 t, b;
+        // evenly over the chord's disc, by rejection
+        float x = 2.0f * rf_random( key, 0 ) - 1.0f, z = 2.0f * rf_random( key, 1 ) - 1.0f, chord2 = x * x + z * z;
+        for ( uint32_t d = 2; chord2 > 1.0f; d += 2, chord2 = x * x + z * z )
+        {
+            x = 2.0f * rf_random( key, d ) - 1.0f;
+            z = 2.0f * rf_random( key, d + 1 ) - 1.0f;
+        }
+        chord2 *= link->reach * link->reach;
+        rf_basis( link->chain.start.direction, &t, &b );
+        RfVec3 across = rf_scale( rf_add( rf_scale( t, x ), rf_scale( b, z ) ), link->reach * sqrtf( 1.0f - 0.25f * chord2 ) );
+        RfVec3 d = rf_normalize( rf_madd( across, link->chain.start.direction, 1.0f - 0.5f * chord2 ) );
+        *chain = link->chain;
+        bool active = rf_emit_towards( rf_tracer_lights( s->tracer ), rf_tracer_scene( s->tracer ), d, &chain->start );
+        RfLanding land;
+        rf_walk_chains( s->tracer, RF_CHAIN_COPY, NULL, &active, 1, &chain, &land, &rays );
+        if ( !active || chain->length == 0 )
+            continue;
+        RfFootprint f = rf_find_footprint( s->paths, rf_tracer_lights( s->tracer ), chain, rf_steer_pdf( s->paths, chain ),
+                                           land.p[0], triangles[land.triangle[0]].ng );
+        bend.active = rf_length( rf_sub( bend.y, land.p[0] ) ) <= f.radius;
+        bend.most = RF_STEP_MARGIN * f.reach;
+        rf_bend_chains( s->tracer, 1, &bend, &rays );
+        found += bend.met && rf_steered_apart( &chain->start, &link->chain.start ) <= 0.05f * link->reach;
+    }
+    return (double)found / TRIALS;
+}
+
+static void test_repeated_trials_are_one_over_the_probability( void** state )
+{
+    (void)state;
+    static RfVertexLanes v;
+    static RfLinkLanes out;
+    static RfLinkWork work;
+    RfScene scene = make_mirror_room( GLASS_BALL );
+    Setting s = make_setting( &scene );
+    rf_draw_light_paths( &s.group, 0, s.paths );
+    RfKernelLinker linker = rf_make_linker( s.paths, RF_KERNEL_EXACT, &s.path, &out );
+    work = ( RfLinkWork ){ .settings = &linker, .v = &v, .out = &out };
+    int links = 0, uncertain = 0;
+    for ( uint32_t i = 0; i < s.paths->count && links < LINKS; ++i )
+    {
+        RfLink link;
+        if ( !solve_link( &s, s.paths->path + i, 0.1f * (float)( i % 7 ), &v, &link ) )
+            continue;
+        double sum = 0.0;
+        for ( uint32_t k = 0; k < TRIALS; k += RF_CHAIN_BLOCK )
+            count_repeats( &work, &link, k, &sum );
+        RfBend target = { .y = rf_vec3( v.p[0][0], v.p[1][0], v.p[2][0] ), .n = rf_vec3( v.ng[0][0], v.ng[1][0], v.ng[2][0] ) };
+        double p = count_found( &s, &link, &target ), mean = sum / TRIALS;
+        // the mean of a geometric distribution has the variance ( 1 − p ) / p²; few trials may know no failure
+        double fails = fmax( 1.0 - p, 4.0 / TRIALS ), sigma = sqrt( fails * ( 1.0 + 1.0 / p ) / ( p * p * TRIALS ) );
+        assert_true( p > 0.0 );
+        printf( "mean of the trials %.4f, 1/p %.4f\n", mean, 1.0 / p );
+        assert_true( fabs( mean - 1.0 / p ) <= MOST_SIGMAS * sigma );
+        links += 1;
+        uncertain += p < 0.95;
+    }
+    printf( "%d links, %d of them found in less than 95 %% of the trials\n", links, uncertain );
+    assert_int_equal( links, LINKS );
+    assert_true( uncertain > 0 );
+    free( s.paths );
+    rf_destroy_tracer( s.tracer );
+    rf_destroy_scene( &scene );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = { cmocka_unit_test( test_repeated_trials_are_one_over_the_probability ) };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}
