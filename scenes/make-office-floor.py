@@ -8,7 +8,9 @@ each; groups of desks between partitions, with screen, keyboard, cup, papers and
 chair; round columns, plants, and a gangway along which the camera moves. Uses only
 Python's standard library; the same arguments give the same bytes.
 
-  make-office-floor.py OUT.glb [--frames N]
+  make-office-floor.py OUT.glb [--frames N] [--glass]
+
+--glass makes the cups of glass and the frames of the desks mirrors, for light paths.
 """
 
 import math
@@ -125,16 +127,23 @@ def make_plant(chance):
     return mesh
 
 
-def add_desks(gltf, chance):
+def glass(name):
+    result = material(name, [1.0, 1.0, 1.0], roughness=0.0, double_sided=False)
+    result["extensions"] = {"KHR_materials_transmission": {"transmissionFactor": 1.0}, "KHR_materials_ior": {"ior": 1.5},
+                            "KHR_materials_volume": {"thicknessFactor": 1.0}}
+    return result
+
+
+def add_desks(gltf, chance, clear):
     """Groups of four desks around a cross of partitions; one node per object."""
     top = material("desk top", [0.42, 0.3, 0.2], roughness=0.22)
     dark, cloth = material("dark plastic", [0.03, 0.03, 0.035], roughness=0.3), lambert("partition", [0.25, 0.33, 0.42])
     things = {
         "desk": (make_box((1.5, 0.03, 0.75)), top), "frame": (merged([box((0.04, 0.7, 0.6), (x, 0.0, 0.0)) for x in (-0.7, 0.7)]),
-                                                             material("steel", [0.6, 0.6, 0.62], metallic=1.0, roughness=0.35)),
+                                                             material("steel", [0.6, 0.6, 0.62], metallic=1.0, roughness=0.0 if clear else 0.35)),
         "chair": (make_chair(), lambert("chair", [0.05, 0.06, 0.1])), "monitor": (make_monitor(), dark),
         "keyboard": (make_keyboard(), dark), "cup": (make_lathe(CUP_PROFILE, 10, 6),
-                                                    material("cup", [0.7, 0.68, 0.6], roughness=0.2)),
+                                                    glass("cup") if clear else material("cup", [0.7, 0.68, 0.6], roughness=0.2)),
         "paper": (make_box((0.21, 0.004, 0.297)), lambert("paper", [0.8, 0.8, 0.78])),
     }
     numbers = {name: gltf.add_mesh(name, mesh, kind) for name, (mesh, kind) in things.items()}
@@ -189,11 +198,13 @@ def walk(frames):
 
 
 def main():
-    arguments = glb.make_parser("Writes an office floor with 2,450 lamps.").parse_args()
+    parser = glb.make_parser("Writes an office floor with 2,450 lamps.")
+    parser.add_argument("--glass", action="store_true", help="cups of glass, frames of desks that are mirrors")
+    arguments = parser.parse_args()
     gltf, chance = glb.Gltf("make-office-floor.py", "office floor"), random.Random(2002)
     add_room(gltf)
     add_lamps(gltf)
-    add_desks(gltf, chance)
+    add_desks(gltf, chance, arguments.glass)
     add_rest(gltf, chance)
     gltf.camera(walk(arguments.frames), math.radians(50.0))
     glb.save("make-office-floor.py", gltf, arguments.out)
