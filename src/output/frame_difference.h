@@ -4,7 +4,7 @@
 
 #include "reframe/output.h"
 
-#define RF_MAX_DIFFERENCES 26
+#define RF_MAX_DIFFERENCES 28
 #define RF_DIFFERENCE_SIZE 256
 
 typedef struct RfFrameDifference

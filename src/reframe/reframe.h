@@ -56,6 +56,7 @@
 #include "reframe/plan.h"
 #include "reframe/reconstruct.h"
 #include "reframe/render.h"
+#include "reframe/render_settings.h"
 #include "reframe/scene.h"
 #include "reframe/types.h"
 

@@ -1,0 +1,212 @@
+// What is to be rendered, and how: samples, groups, tiles, filters, estimators, when to stop.
+#ifndef REFRAME_REFRAME_RENDER_SETTINGS_H
+#define REFRAME_REFRAME_RENDER_SETTINGS_H
+
+#include "reframe/aov.h"
+#include "reframe/error.h"
+#include "reframe/image.h"
+#include "reframe/types.h"
+
+RF_API_BEGIN
+
+// How reused samples are weighted.
+typedef enum RfWeights
+{
+    RF_WEIGHTS_EXACT,      // the balance heuristic over all eyes: unbiased
+    RF_WEIGHTS_EQ15,       // (15) of Reusing Frames in Camera Animation: biased, for comparison
+    RF_WEIGHTS_UNWEIGHTED, // all hits of a pixel averaged: biased, for comparison
+} RfWeights;
+
+// How the sum A of weighted samples is divided by the sum B of weights.
+typedef enum RfNormalize
+{
+    RF_NORMALIZE_CROSSFIT, // by a B that does not depend on the samples: unbiased
+    RF_NORMALIZE_RATIO,    // A/B: small bias
+    RF_NORMALIZE_NONE,     // A: unbiased, noisy
+} RfNormalize;
+
+// How samples count in the pixels around them. The width w of each is Blender's.
+typedef enum RfFilter
+{
+    RF_FILTER_BOX,             // evenly over a square of w pixels: with w = 1 in their own pixel, which is fastest
+    RF_FILTER_TENT,            // falls linearly to 0 at w pixels
+    RF_FILTER_GAUSSIAN,        // a standard deviation of w/4, cut off at w pixels
+    RF_FILTER_BLACKMAN_HARRIS, // a window that reaches w pixels to each side
+} RfFilter;
+
+#define RF_MIN_FILTER_WIDTH 0.5 // pixels
+#define RF_MAX_FILTER_WIDTH 4.0
+
+// "box", "tent", "gaussian", "blackman-harris".
+const char* rf_filter_name( RfFilter filter );
+
+// 1, 1, 1.5 and 1.5 pixels.
+double rf_default_filter_width( RfFilter filter );
+
+// "exact", "eq15", "unweighted".
+const char* rf_weights_name( RfWeights weights );
+
+// "crossfit", "ratio", "none".
+const char* rf_normalize_name( RfNormalize normalize );
+
+// How the estimator "gradient" makes a picture of pixels and differences of neighbours.
+typedef enum RfReconstruction
+{
+    RF_RECONSTRUCTION_WEIGHTED, // least squares, weighted by variances that the other half of the samples tells: unbiased
+    RF_RECONSTRUCTION_L2,       // least squares with constant weights: unbiased
+    RF_RECONSTRUCTION_L1,       // least absolute differences: robust, but biased
+    RF_RECONSTRUCTION_NONE,     // the pixels alone, for comparison: unbiased
+} RfReconstruction;
+
+// "weighted", "l2", "l1", "none".
+const char* rf_reconstruction_name( RfReconstruction reconstruction );
+
+// Extra own-frame samples for pixels that few other frames help.
+typedef enum RfAdaptive
+{
+    RF_ADAPTIVE_AUTO, // in frames where a coarse look finds that they pay; off where they cannot be had
+    RF_ADAPTIVE_ON,   // wherever they pay; an error where they cannot be had
+    RF_ADAPTIVE_OFF,
+} RfAdaptive;
+
+// "auto", "on", "off".
+const char* rf_adaptive_name( RfAdaptive adaptive );
+
+// Light paths through mirrors and glass, bent to what the eyes see (src/kernel/README.md).
+typedef enum RfLightPathsUse
+{
+    RF_LIGHT_PATHS_AUTO, // where light can reach mirrors or glass
+    RF_LIGHT_PATHS_ON,   // likewise: elsewhere there are none
+    RF_LIGHT_PATHS_OFF,
+} RfLightPathsUse;
+
+// "auto", "on", "off".
+const char* rf_light_paths_name( RfLightPathsUse use );
+
+// How a link to a light path is divided by the probability of finding it.
+typedef enum RfKernelNormalization
+{
+    RF_KERNEL_EXACT,   // by repeated trials: unbiased
+    RF_KERNEL_DISC,    // as if every light path near enough were found: biased, for comparison
+    RF_KERNEL_DENSITY, // no links: density estimation by the same footprints, as in photon mapping; blurred, for comparison
+} RfKernelNormalization;
+
+// "exact", "disc", "density".
+const char* rf_kernel_normalization_name( RfKernelNormalization normalization );
+
+// How the lights of a vertex are sampled.
+typedef enum RfLightSampling
+{
+    RF_LIGHTS_BY_TREE,  // in proportion to what they may send to the vertex; by power where there are few
+    RF_LIGHTS_BY_POWER, // wherever the vertex is: for comparison
+} RfLightSampling;
+
+typedef enum RfTileKind
+{
+    RF_TILE_NONE,  // no reuse between pixels
+    RF_TILE_BLOCK, // width × height neighbours
+    RF_TILE_ROOKS, // N pixels of an N × N grid, each row and column used once; N tiles make up the grid
+} RfTileKind;
+
+// A set of pixels of one frame that reuse each other's paths.
+typedef struct RfTile
+{
+    RfTileKind kind;
+    int width, height; // of a block, pixels; both N with rooks; not used without tiles
+} RfTile;
+
+#define RF_MAX_TILE_PIXELS 64
+#define RF_TILE_NAME_SIZE 24
+
+// "1", "WxH" or "rooksN" with at most RF_MAX_TILE_PIXELS pixels to a tile; false where it is none of
+// them. Tiles of one pixel are RF_TILE_NONE.
+bool rf_parse_tile( const char* text, RfTile* tile );
+
+// The name that parses to it.
+void rf_tile_name( const RfTile* tile, char text[RF_TILE_NAME_SIZE] );
+
+// The files that callbacks->frame writes: their format. The memory for writing one is part of the
+// budget.
+typedef struct RfFrameFiles
+{
+    bool written; // else the rest does not matter
+    bool half;    // 16-bit floats for colour, albedo and normal; else 32 bits for all
+    RfExrCompression compression;
+} RfFrameFiles;
+
+// Files of 16-bit floats, ZIP, as rf_write_frame writes them for the settings' `files`.
+RfFrameFiles rf_default_frame_files( void );
+
+// How the pixels of a frame are estimated.
+typedef struct RfEstimator RfEstimator;
+
+// The estimator called `name`; NULL where there is none. "reuse" is the one of frames and tiles, "gradient" that of
+// gradient-domain path reusing.
+const RfEstimator* rf_find_estimator( const char* name );
+
+// The name that finds it.
+const char* rf_estimator_name( const RfEstimator* estimator );
+
+// The tile that it has where none is asked for.
+RfTile rf_default_tile( const RfEstimator* estimator );
+
+// The pixel filter that the program takes unless told otherwise: Blackman-Harris, which has the least noise and flicker at
+// equal CPU time, or the box of one pixel where the estimator ("gradient") gains nothing by it. The library's own default is that box.
+RfFilter rf_default_filter( const RfEstimator* estimator );
+
+// The parts of the frames that alone are traced (render/pieces.h).
+typedef struct RfPieces RfPieces;
+
+// What is to be rendered, and how. From rf_default_render_settings.
+typedef struct RfRenderSettings
+{
+    const RfEstimator* estimator; // by default "reuse"
+    int spp;                      // samples that a frame traces per pixel; with noise, flicker or time the most
+    double noise;                 // each frame stops when its estimated relMSE is at most this; 0: spp are rendered
+    double flicker;               // and each pair of neighbouring frames when its estimated F1 (reframe/measure.h) is
+    double time;                  // seconds for each frame asked for, on average; 0: as long as it takes
+    int group;                    // half-width n, cut to the path; RF_GROUP_AUTO: chosen by the plan
+    RfTile tile;                  // pixels of a frame that reuse each other's paths
+    bool tile_roulette;           // Russian roulette on connections in a tile that contribute little
+    RfAdaptive adaptive;          // extra samples for pixels that few other frames help; RF_WEIGHTS_EXACT only
+    RfWeights weights;
+    RfNormalize normalize;
+    RfReconstruction reconstruction; // of "gradient"
+    int max_depth;                   // path vertices after the eye
+    int light_samples;               // per vertex
+    RfFilter filter;                 // of the pixels; depth and motion have the box of one pixel whatever it is
+    double filter_width;             // pixels; 0: the filter's default
+    RfLightSampling light_sampling;
+    RfLightPathsUse light_paths; // RF_WEIGHTS_EXACT only
+    RfKernelNormalization kernel_normalization;
+    uint64_t seed;
+    int threads;            // 0: all cores
+    size_t memory;          // budget in bytes, beyond scene and BVH; 0: half of what is free
+    int queue;              // finished frames, at most, that callbacks->frame is given in a thread of its own
+                            // while rendering goes on; fewer where memory is short. 0: it is called in between
+    bool hold_all;          // all hit records of a group at once, as in the paper: for comparison, the pictures are
+                            // the same; else as few as serve the threads
+    unsigned aovs;          // RF_AOV_BIT of the AOVs that are wanted besides the colour, which they do not change
+    RfFrameFiles files;     // rf_default_frame_files where callbacks->frame writes files
+    const RfPieces* pieces; // NULL: whole frames; else not with noise, flicker, time, hold_all or extra samples
+} RfRenderSettings;
+
+#define RF_GROUP_AUTO ( -1 )
+#define RF_MAX_SPP ( 1 << 20 )
+#define RF_MAX_NOISE 1e6
+#define RF_MAX_FLICKER 1e6
+#define RF_MAX_TIME 1e9
+#define RF_MAX_GROUP ( 1 << 20 )
+#define RF_MAX_DEPTH ( 1 << 20 )
+#define RF_MAX_LIGHT_SAMPLES 64
+#define RF_MAX_QUEUE 64
+#define RF_MAX_THREADS 4096
+#define RF_MAX_IMAGE_SIDE ( 1 << 15 ) // pixels
+
+// 28 samples, the group that the plan chooses, tiles of 3×3, extra samples where they pay, exact weights, a box of one
+// pixel as filter, depth 12, seed 1, all cores, half of the free memory, no AOVs, no files, no light paths.
+RfRenderSettings rf_default_render_settings( void );
+
+RF_API_END
+
+#endif
