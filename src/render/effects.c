@@ -117,7 +117,10 @@ static void set_light_paths( const Source* from )
     const RfSceneTraits* t = &from->traits;
     const RfRenderSettings* s = from->settings;
     bool on = rf_wants_light_paths( t, s );
-    if ( s->light_paths == RF_LIGHT_PATHS_OFF )
+    if ( s->light_paths == RF_LIGHT_PATHS_OFF && t->chain_triangles > 0 && !t->panes && !t->blended )
+        set( from, RF_EFFECT_LIGHT_PATHS, false, "the settings do not ask for it, though %u triangles are mirrors or clear glass",
+             t->chain_triangles );
+    else if ( s->light_paths == RF_LIGHT_PATHS_OFF )
         set( from, RF_EFFECT_LIGHT_PATHS, false, "the settings do not ask for it" );
     else if ( on )
         set( from, RF_EFFECT_LIGHT_PATHS, true, "%u triangles of mirrors or clear glass", t->chain_triangles );
