@@ -21,7 +21,9 @@ PROGRAM, SCENE, CAMERA = sys.argv[1:4] if len(sys.argv) > 3 else (None, None, No
 TOP = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 SCRIPT = os.path.join(TOP, "scripts", "slurm-render")
 NEEDED = ("munged", "slurmctld", "slurmd", "sbatch", "scontrol")
-SHOT = ["--camera", CAMERA, "--size", "32x18", "--spp", "24", "--group", "1", "--frames", "1-16", "--threads", "1"]
+# a task takes seconds, so that it can be killed on the way
+SPP = "480"
+SHOT = ["--camera", CAMERA, "--size", "32x18", "--spp", SPP, "--group", "1", "--frames", "1-16", "--threads", "1"]
 PATIENCE = 60.0
 
 CONFIGURATION = """
@@ -165,9 +167,9 @@ class SlurmRender(unittest.TestCase):
         cls.cluster.stop()
         shutil.rmtree(cls.cluster.folder, ignore_errors=True)
 
-    def slurm_render(self, name, *more, spp="24"):
+    def slurm_render(self, name, *more, spp=SPP):
         self.folder = os.path.join(self.cluster.folder, name)
-        shot = [spp if word == "24" else word for word in SHOT]
+        shot = [spp if word == SPP else word for word in SHOT]
         return subprocess.run([SCRIPT, SCENE, *shot, "-o", self.folder + "/f.####.exr", "--nodes", "2", "--binary", PROGRAM, *more],
                               stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, timeout=PATIENCE)
 
@@ -194,11 +196,11 @@ class SlurmRender(unittest.TestCase):
         return found
 
     def test_a_killed_and_a_requeued_task_go_on_to_the_same_bytes(self):
-        done = self.slurm_render("killed", spp="24")
+        done = self.slurm_render("killed")
         self.assertEqual(done.returncode, 0, done.stderr)
         job = self.job()
         self.assertEqual([r["frames"] for r in job["nodes"]["ranges"]], ["1-8", "9-16"])
-        until(lambda: self.finished() >= 2, "two frames are finished")
+        until(lambda: self.finished() >= 2 and self.processes(0), "two frames are finished, task 0 runs")
         victims = self.processes(0)
         self.assertTrue(victims, "task 0 runs")
         os.kill(victims[0], signal.SIGKILL)  # as the system does where memory runs out
@@ -228,7 +230,7 @@ class SlurmRender(unittest.TestCase):
         self.assertEqual(frames(self.folder), self.right)
         again = self.slurm_render("waited")
         self.assertEqual((again.returncode, again.stdout.strip()), (0, "complete: 16 frames, nothing to submit"))
-        other = self.slurm_render("waited", spp="27")
+        other = self.slurm_render("waited", spp="483")
         self.assertEqual(other.returncode, 1)
         self.assertIn("of another render", other.stderr)
 
@@ -236,10 +238,10 @@ class SlurmRender(unittest.TestCase):
         done = self.slurm_render("hopeless", "--memory", "1M", "--wait")
         self.assertEqual(done.returncode, 1, done.stdout)
         self.assertIn("memory", done.stderr)
-        done = self.slurm_render("cancelled", spp="3000")
+        done = self.slurm_render("cancelled", spp="30000")
         self.assertEqual(done.returncode, 0, done.stderr)
         until(lambda: self.processes(0) or self.processes(1), "a task runs")
-        again = self.slurm_render("cancelled", spp="3000")
+        again = self.slurm_render("cancelled", spp="30000")
         self.assertIn("scancel them first", again.stderr)
         subprocess.run(["scancel", self.job()["array"]], check=True)
         until(lambda: self.job()["state"] != "running", "the check ends")

@@ -25,17 +25,20 @@ typedef struct Estimator
     RfWeights weights;
     bool lens;     // all eyes get a lens
     bool unbiased; // compared with the reference
+    bool links;    // light paths, in scenes where they have mirrors or glass to follow
 } Estimator;
 
 static const Estimator s_estimators[] = {
-    { "path", NULL, false, NULL, RF_WEIGHTS_EXACT, false, true },
-    { "tiles", NULL, false, "3x3", RF_WEIGHTS_EXACT, false, true },
-    { "frames", NULL, true, NULL, RF_WEIGHTS_EXACT, false, true },
-    { "both", NULL, true, "3x3", RF_WEIGHTS_EXACT, false, true },
-    { "gradient", "gradient", false, "3x3", RF_WEIGHTS_EXACT, false, true },
-    { "both, eq15", NULL, true, "3x3", RF_WEIGHTS_EQ15, false, false },
-    { "both, unweighted", NULL, true, "3x3", RF_WEIGHTS_UNWEIGHTED, false, false },
-    { "both, lens", NULL, true, "3x3", RF_WEIGHTS_EXACT, true, false },
+    { "path", NULL, false, NULL, RF_WEIGHTS_EXACT, false, true, false },
+    { "tiles", NULL, false, "3x3", RF_WEIGHTS_EXACT, false, true, false },
+    { "frames", NULL, true, NULL, RF_WEIGHTS_EXACT, false, true, false },
+    { "both", NULL, true, "3x3", RF_WEIGHTS_EXACT, false, true, false },
+    { "gradient", "gradient", false, "3x3", RF_WEIGHTS_EXACT, false, true, false },
+    { "both, eq15", NULL, true, "3x3", RF_WEIGHTS_EQ15, false, false, false },
+    { "both, unweighted", NULL, true, "3x3", RF_WEIGHTS_UNWEIGHTED, false, false, false },
+    { "both, lens", NULL, true, "3x3", RF_WEIGHTS_EXACT, true, false, false },
+    { "path, links", NULL, false, NULL, RF_WEIGHTS_EXACT, false, true, true },
+    { "both, links", NULL, true, "3x3", RF_WEIGHTS_EXACT, false, true, true },
 };
 
 // Pictures of the tested frame, one per seed.
@@ -85,11 +88,21 @@ static RfRenderSettings settings_of( const HardScene* h, const Estimator* e, con
     s.group = e->frames ? h->group : 0;
     s.weights = e->weights;
     s.normalize = e->weights == RF_WEIGHTS_EXACT && e->estimator == NULL ? RF_NORMALIZE_CROSSFIT : s.normalize;
+    s.light_paths = e->links ? RF_LIGHT_PATHS_ON : RF_LIGHT_PATHS_OFF;
     s.spp = samples_of( h, form );
     s.max_depth = h->max_depth;
     s.threads = 1; // small pictures; and the weights are watched
     s.memory = (size_t)256 << 20;
     return s;
+}
+
+// Light paths are drawn where there are mirrors or clear glass alone.
+static bool is_for( const Estimator* e, const HardScene* h, const HardForm* form )
+{
+    RfEffect effects[RF_MAX_EFFECTS];
+    RfRenderSettings settings = settings_of( h, e, form );
+    rf_list_render_effects( &h->scene, h->eyes, h->eye_count, &settings, effects );
+    return !e->links || effects[RF_EFFECT_LIGHT_PATHS].on;
 }
 
 // `alone`: no other frame adds to it, so each sample counts 1 in its own pixel.
@@ -308,6 +321,8 @@ static bool run_pictures( const HardCase* c, const HardForm* form )
     for ( size_t i = 0; i < sizeof s_estimators / sizeof *s_estimators; ++i )
     {
         const Estimator* e = s_estimators + i;
+        if ( !is_for( e, &h, form ) )
+            continue;
         Result r = { 0 };
         Pictures p = render( tracer, &h, e, form, &r );
         if ( refers && e->unbiased )
