@@ -35,7 +35,7 @@ RF_KERNEL float specular_probability( const Parameters* p, float weight )
     float specular = f0 + ( p->f90 - f0 ) * weight;
     float base = rf_mean( p->diffuse ) * coat_transmission( p, weight );
     float sum = specular + base;
-    float ratio = specular / sum;
+    float ratio = specular / ( sum > 0.0f ? sum : 1.0f );
     return sum > 0.0f ? ratio : 1.0f;
 }
 

@@ -9,7 +9,7 @@ RF_KERNEL float diffuse_probability( RfVec3 diffuse, RfVec3 specular )
 {
     float d = rf_mean( diffuse );
     float sum = d + rf_mean( specular );
-    float ratio = d / sum;
+    float ratio = d / ( sum > 0.0f ? sum : 1.0f );
     return sum > 0.0f ? ratio : 1.0f;
 }
 

@@ -167,7 +167,7 @@ static void link_lane( RfLinkWork* w, int i )
     for ( int k = 0; k < c.kept; ++k )
         sum += c.light[k];
     float promised = sum * scale * RF_INV_PI / (float)w->settings->paths->emitted;
-    float trials = most * rf_maxf( promised / ( promised + w->keys->lit[i] ), LEAST_SHARE );
+    float trials = most * rf_maxf( promised / rf_maxf( promised + w->keys->lit[i], 1e-30f ), LEAST_SHARE );
     for ( int k = 0; k < c.kept; ++k )
     {
         // in proportion to what they are expected to bring

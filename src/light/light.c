@@ -25,7 +25,7 @@ static RfLight make_light( const RfScene* scene, uint32_t triangle )
     double twice;
     light.normal = rf_unit_cross( light.e1, light.e2, &twice );
     light.area = (float)( 0.5 * twice );
-    light.pdf_area = 1.0f / light.area;
+    light.pdf_area = light.area > 0.0f ? 1.0f / light.area : INFINITY;
     light.offset = rf_ray_offset(
         rf_maxf( rf_largest_coordinate( light.p0 ), rf_maxf( rf_largest_coordinate( vertex( t, triangle, 1 ) ),
                                                              rf_largest_coordinate( vertex( t, triangle, 2 ) ) ) ) );

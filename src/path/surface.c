@@ -97,7 +97,7 @@ static inline RfVec3 shading_normal( const RfTriangleRecord* t, float u, float v
 {
     RfVec3 n = rf_add( t->n0, rf_add( rf_scale( t->d1, u ), rf_scale( t->d2, v ) ) );
     float length2 = rf_dot( n, n );
-    n = rf_scale( n, side / sqrtf( length2 ) );
+    n = rf_scale( n, side / sqrtf( rf_maxf( length2, 1e-30f ) ) );
     // normals that face the wrong way or cancel are replaced
     return rf_dot( n, ng ) > 0.0f && length2 > 1e-12f ? n : ng;
 }

@@ -122,7 +122,8 @@ static bool is_usable( const RfEye* e )
     RfPose own = { e->origin, e->forward, e->up, e->focal, e->axis_x, e->axis_y };
     return is_usable_pose( &own ) && is_finite3( e->right ) && e->focal_x > 0.0f && isfinite( e->focal_x ) &&
            ( !e->moves || ( is_usable_pose( &e->open ) && is_usable_pose( &e->close ) ) ) &&
-           ( e->lens_radius <= 0.0f || isfinite( rf_maxf( e->focal, e->focal_x ) * e->lens_radius / e->focus ) );
+           ( e->lens_radius <= 0.0f ||
+             ( e->focus != 0.0f && isfinite( rf_maxf( e->focal, e->focal_x ) * e->lens_radius / e->focus ) ) );
 }
 
 static RfResult check_eyes( const RfEye* eyes, int count, RfError* error )

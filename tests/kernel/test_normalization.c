@@ -27,19 +27,22 @@ typedef struct Setting
     RfLightPaths* paths;
 } Setting;
 
-static Setting make_setting( const RfScene* scene )
+// The group points to its settings, which so have to stay where they are.
+static void make_setting( const RfScene* scene, Setting* setting )
 {
     Setting s = { .tracer = make_tracer( scene ), .settings = plain_settings() };
     s.settings.threads = 1;
-    s.group = ( RfEstimatorGroup ){ .tracer = s.tracer, .settings = &s.settings, .width = 64, .height = 64, .eye_count = 1 };
+    s.group =
+        ( RfEstimatorGroup ){ .tracer = s.tracer, .settings = &setting->settings, .width = 64, .height = 64, .eye_count = 1 };
     for ( uint32_t i = 0; i < scene->triangles.count; ++i )
         s.group.traits.chain_triangles += rf_is_chain_surface( scene->materials + scene->triangles.material[i] );
     s.path = ( RfPathSettings ){ .tracer = s.tracer, .max_depth = 12, .light_samples = 1 };
+    setting->settings = s.settings;
     size_t bytes = rf_light_paths_bytes( &s.group );
     s.paths = aligned_alloc( 64, bytes );
     assert_non_null( s.paths );
     memset( s.paths, 0, bytes );
-    return s;
+    *setting = s;
 }
 
 // An eye vertex a part of the footprint away from where a light path lands, and the link from that path to it, solved.
@@ -132,7 +135,8 @@ static void test_repeated_trials_are_one_over_the_probability( void** state )
     static RfLinkLanes out;
     static RfLinkWork work;
     RfScene scene = make_mirror_room( GLASS_BALL );
-    Setting s = make_setting( &scene );
+    Setting s;
+    make_setting( &scene, &s );
     rf_draw_light_paths( &s.group, 0, s.paths );
     RfKernelLinker linker = rf_make_linker( s.paths, RF_KERNEL_EXACT, &s.path, &out );
     work = ( RfLinkWork ){ .settings = &linker, .v = &v, .out = &out };
