@@ -34,11 +34,32 @@ static void test_frames_are_told_apart( void** state )
                 "kernel-normalization exact" );
 }
 
+static void test_what_cannot_be_done_is_told( void** state )
+{
+    (void)state;
+    const CliResult* done = cli_run( "$R render '" REFRAME_SCENE_FOLDER
+                                     "/vase-room.glb' --size 24x16 --spp 2 --group 0 --tile 1 --frames 1 -o none.####.exr "
+                                     "--light-paths on --quiet" );
+    assert_int_equal( done->status, 0 );
+    assert_non_null( strstr( done->err, "--light-paths on: there are none: no perfect mirror" ) );
+    done =
+        cli_run( "$R render " LAMP "--size 24x16 --spp 2 --frames 1 -o gradient.####.exr --estimator gradient --light-paths on" );
+    assert_int_equal( done->status, 0 );
+    assert_non_null( strstr( done->err, "--light-paths on: there are none: the estimator has none" ) );
+    done = cli_run( RENDER "-o disc.####.exr --light-paths on --kernel-normalization disc" );
+    assert_int_equal( done->status, 0 );
+    assert_non_null( strstr( done->err, "--kernel-normalization disc: is biased" ) );
+    done = cli_run( RENDER "-o exact.####.exr --light-paths on" );
+    assert_int_equal( done->status, 0 );
+    assert_null( strstr( done->err, "light-paths" ) );
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( test_json_names_them ),
         cmocka_unit_test( test_frames_are_told_apart ),
+        cmocka_unit_test( test_what_cannot_be_done_is_told ),
     };
     return cmocka_run_group_tests( tests, cli_enter_group, cli_leave_group );
 }

@@ -123,4 +123,5 @@ void rf_warn_before_render( RfRenderJob* job )
     rf_warn_of_scene( &job->options, &job->scene, job->tracer, &job->log );
     rf_warn_of_variance( &job->options.settings, &job->path, job->frames, job->frame_count, &job->log );
     rf_warn_of_reconstruction( &job->options.settings, &job->log );
+    rf_warn_of_light_paths( &job->options.settings, job->effects + RF_EFFECT_LIGHT_PATHS, &job->log );
 }

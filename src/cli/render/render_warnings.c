@@ -45,3 +45,12 @@ void rf_warn_of_reconstruction( const RfRenderSettings* s, RfLog* log )
     else if ( s->reconstruction == RF_RECONSTRUCTION_WEIGHTED && s->spp < LEAST_WEIGHTED_PASSES )
         rf_warn( log, "--reconstruction weighted: is l2 with less than %d samples: raise --spp", LEAST_WEIGHTED_PASSES );
 }
+
+void rf_warn_of_light_paths( const RfRenderSettings* s, const RfEffect* effect, RfLog* log )
+{
+    if ( s->light_paths == RF_LIGHT_PATHS_ON && !effect->on )
+        rf_warn( log, "--light-paths on: there are none: %s", effect->why );
+    else if ( effect->on && s->kernel_normalization != RF_KERNEL_EXACT )
+        rf_warn( log, "--kernel-normalization %s: is biased, and the error estimate does not know by how much",
+                 rf_kernel_normalization_name( s->kernel_normalization ) );
+}

@@ -4,6 +4,7 @@
 
 #include "cli/options/render_options.h"
 #include "reframe/camera.h"
+#include "reframe/effects.h"
 
 // A picture that will be black or empty.
 void rf_warn_of_scene( const RfRenderOptions* options, const RfScene* scene, const RfTracer* tracer, RfLog* log );
@@ -14,5 +15,8 @@ void rf_warn_of_variance( const RfRenderSettings* settings, const RfCameraPath* 
 
 // A reconstruction that is biased, or that so few samples cannot have.
 void rf_warn_of_reconstruction( const RfRenderSettings* settings, RfLog* log );
+
+// Light paths that were asked for and that there are none of, or whose normalisation is biased.
+void rf_warn_of_light_paths( const RfRenderSettings* settings, const RfEffect* effect, RfLog* log );
 
 #endif
