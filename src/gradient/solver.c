@@ -1,10 +1,9 @@
 #include "gradient/solver.h"
 
+#include "trace/trace.h"
+
 #include <math.h>
 #include <stdlib.h>
-#include <xmmintrin.h>
-
-#define FLUSH_TO_ZERO 0x8040u // and denormals are zeros: light that fades out in the dark would take forever
 
 size_t rf_reconstruct_bytes( int width, int height )
 {
@@ -63,10 +62,8 @@ void rf_solve_weighted( const RfReconstructOptions* options, RfGradientSolver* s
 #pragma omp parallel for schedule( static, 1 )
     for ( int c = 0; c < 3; ++c )
     {
-        unsigned int mode = _mm_getcsr();
-        _mm_setcsr( mode | FLUSH_TO_ZERO );
+        rf_set_float_mode(); // light that fades out in the dark would take forever in subnormals
         rf_solve_channel( &solver->grid, options->tolerance, options->max_iterations, solver->channels + c );
-        _mm_setcsr( mode );
     }
 }
 
@@ -81,10 +78,8 @@ RfResult rf_solve_constant_channels( double a, RfGradientSolver* solver, RfError
 #pragma omp parallel for schedule( static, 1 )
     for ( int c = 0; c < 3; ++c )
     {
-        unsigned int mode = _mm_getcsr();
-        _mm_setcsr( mode | FLUSH_TO_ZERO );
+        rf_set_float_mode();
         rf_solve_channel_constant( system, &transform, a, solver->channels + c );
-        _mm_setcsr( mode );
     }
     rf_destroy_transform( &transform );
     return RF_OK;

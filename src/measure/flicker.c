@@ -1,5 +1,7 @@
 #include "measure/flicker.h"
 
+#include "trace/trace.h"
+
 #include <math.h>
 #include <stdlib.h>
 
@@ -65,7 +67,10 @@ RfResult rf_measure_flicker( const RfFlickerFrame* now, const RfFlickerFrame* be
     Pair pair = { rf_follow( now, before, compensate ), has_error };
 #pragma omp parallel for schedule( static )
     for ( int y = 0; y < height; ++y )
+    {
+        rf_set_float_mode();
         add_row( &pair, y, rows + y );
+    }
     for ( int y = 0; y < height; ++y )
         rf_add_flicker( sums, rows + y );
     free( rows );

@@ -1,5 +1,7 @@
 #include "measure/spectrum.h"
 
+#include "trace/trace.h"
+
 #include <math.h>
 #include <stdlib.h>
 
@@ -108,7 +110,10 @@ RfResult rf_add_spectrum_group( RfSpectrumSums* sums, const RfFlickerFrame* cons
         return rf_fail( error, RF_ERROR_MEMORY, "no memory left to measure %d rows", height );
 #pragma omp parallel for schedule( static )
     for ( int y = 0; y < height; ++y )
+    {
+        rf_set_float_mode();
         add_row( &group, y, rows + y );
+    }
     for ( int y = 0; y < height; ++y )
         add_sums( sums, rows + y );
     free( rows );

@@ -57,7 +57,10 @@ static void accumulate_pass( RfRenderer* r, const RfPass* pass, int jobs, const 
         int count = jobs - first < r->memory.batch_slots ? jobs - first : r->memory.batch_slots;
 #pragma omp parallel for num_threads( r->settings.threads ) schedule( dynamic, 1 )
         for ( int i = 0; i < count; ++i )
+        {
+            rf_set_float_mode();
             r->settings.estimator->deserialise( pass->group, held[first + i].memory, r->memory.batches[i] );
+        }
         rf_accumulate_chunk( r, pass, count );
     }
     rf_end_pass( r, pass );

@@ -110,6 +110,14 @@ static RfResult alloc_films( const RfRenderSizes* s, RfRenderMemory* m, RfError*
     return result;
 }
 
+// Pieces clear their frames only where they are traced. What lands elsewhere is never looked at, but it must not be added to
+// what the memory happens to hold.
+static void clear_films( const RfRenderSizes* s, RfRenderMemory* m )
+{
+    for ( int i = 0; i < s->films * s->estimator->films; ++i )
+        rf_clear_film( m->films[i / s->estimator->films].films + i % s->estimator->films );
+}
+
 // `count` blocks of `bytes` each, with a table of pointers to them.
 static RfResult alloc_blocks( RfRenderMemory* m, const char* name, int count, size_t bytes, void*** blocks, RfError* error )
 {
@@ -215,6 +223,8 @@ RfResult rf_alloc_render_memory( const RfEstimatorGroup* group, const RfRenderSi
     memory->has_writer = rf_writer_bytes( sizes ) > 0 && result == RF_OK;
     if ( result == RF_OK )
         result = alloc_films( sizes, memory, error );
+    if ( result == RF_OK && group->settings->pieces != NULL )
+        clear_films( sizes, memory );
     if ( result == RF_OK )
         result = alloc_first_buffer( sizes, memory, error );
     if ( result == RF_OK )

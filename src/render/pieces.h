@@ -32,7 +32,7 @@ static inline bool rf_is_traced( const RfPieces* pieces, const uint8_t* cells, i
     return cells[(size_t)( y / RF_CELL_SIDE ) * (size_t)pieces->across + (size_t)( x / RF_CELL_SIDE )] != 0;
 }
 
-// Clears a frame's film where it is traced, and its counts; what lands elsewhere is never looked at.
+// Clears a frame's film where it is traced, and its counts; what lands elsewhere adds up and is never looked at.
 void rf_clear_traced( const RfPieces* pieces, int frame, RfFilm* film );
 
 // Combines a frame's film where it is traced; the rest of rgb and weight stays as it is.
