@@ -8,12 +8,15 @@
 
 #define RF_HALF_MAX 65504.0f
 
-// Clamps to ±65504. Infinity is kept, so that it can be detected.
+// Clamps to ±65504. Infinity and NaN are kept, so that they can be detected.
 static inline float rf_clamp_half( float value )
 {
-    if ( isinf( value ) )
+    uint32_t bits;
+    memcpy( &bits, &value, sizeof bits );
+    uint32_t size = bits & 0x7fffffffu;
+    if ( size >= 0x7f800000u || size <= 0x477fe000u ) // not finite, or in the range
         return value;
-    return value > RF_HALF_MAX ? RF_HALF_MAX : value < -RF_HALF_MAX ? -RF_HALF_MAX : value;
+    return bits >> 31 ? -RF_HALF_MAX : RF_HALF_MAX;
 }
 
 static inline float rf_half_to_float( uint16_t half )

@@ -258,15 +258,18 @@ void rf_add_trial( RfTrial* sum, const RfTrial* trial )
         sum->pieces[sum->piece_count++] = trial->pieces[i];
 }
 
-double rf_trial_relmse( const RfTrial* trial, double spp ) { return trial->relmse / trial->weight / spp; }
+// NaN where nothing was measured.
+static double mean( double sum, double count ) { return count > 0.0 ? sum / count : (double)NAN; }
 
-static double mean_change( const RfTrial* trial ) { return trial->change / trial->change_weight; }
+double rf_trial_relmse( const RfTrial* trial, double spp ) { return mean( trial->relmse, trial->weight ) / spp; }
+
+static double mean_change( const RfTrial* trial ) { return mean( trial->change, trial->change_weight ); }
 
 double rf_trial_f1( const RfTrial* trial, double spp ) { return sqrt( 2.0 * mean_change( trial ) / spp ); }
 
 double rf_trial_phi( const RfTrial* trial ) { return trial->mse > 0.0 ? mean_change( trial ) * trial->weight / trial->mse : 0.0; }
 
-double rf_trial_sample_seconds( const RfTrial* trial ) { return trial->cpu_seconds / trial->timed_samples; }
+double rf_trial_sample_seconds( const RfTrial* trial ) { return mean( trial->cpu_seconds, trial->timed_samples ); }
 
 double rf_trial_efficiency( const RfTrial* trial, double pixels )
 {

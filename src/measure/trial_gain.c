@@ -47,7 +47,7 @@ static double tail_margin( const RfTrial* trial )
     double worst = 0.0;
     for ( int k = 0; k < RF_WORST_CELLS; ++k )
         worst += trial->worst[k];
-    return trial->relmse > 0.0 ? TAIL_MARGIN * worst / trial->relmse : 0.0;
+    return isgreater( trial->relmse, 0.0 ) ? TAIL_MARGIN * worst / trial->relmse : 0.0;
 }
 
 RfInterval rf_trial_gain( const RfTrial* plain, const RfTrial* reuse )
@@ -56,10 +56,12 @@ RfInterval rf_trial_gain( const RfTrial* plain, const RfTrial* reuse )
     double influence[RF_TRIAL_PIECES];
     int count = plain->piece_count < reuse->piece_count ? plain->piece_count : reuse->piece_count;
     Sums s = sum_pieces( trials, count );
-    double value = s.relmse[0] / s.weight[0] * rf_trial_sample_seconds( plain ) /
-                   ( s.relmse[1] / s.weight[1] * rf_trial_sample_seconds( reuse ) );
-    if ( !isfinite( value ) || !( value > 0.0 ) )
+    // cost times both weights
+    double plain_cost = s.relmse[0] * s.weight[1] * rf_trial_sample_seconds( plain );
+    double reuse_cost = s.relmse[1] * s.weight[0] * rf_trial_sample_seconds( reuse );
+    if ( !isgreater( plain_cost, 0.0 ) || !isgreater( reuse_cost, 0.0 ) || isinf( plain_cost ) || isinf( reuse_cost ) )
         return ( RfInterval ){ (double)NAN, (double)NAN, (double)NAN };
+    double value = plain_cost / reuse_cost;
     for ( int i = 0; i < count; ++i )
         influence[i] = influence_on( plain, i, s.weight[0], s.relmse[0] ) - influence_on( reuse, i, s.weight[1], s.relmse[1] );
     double margin = rf_influence_margin( influence, count, time_variance( plain ) + time_variance( reuse ) );

@@ -183,14 +183,15 @@ static void predict_row( const RfTune* tune, RfTuneRow* row, double pixels, int 
     row->f1 = rf_trial_f1( trial, row->spp ) * ( flicker ? exp( 0.5 * row->log_error ) : 1.0 );
     row->phi = rf_trial_phi( trial );
     double cost = ( flicker ? row->f1 * row->f1 : row->relmse ) * row->cpu_seconds;
-    row->efficiency = cost > 0.0 ? frames / cost : NAN; // the efficiency of a black image is undefined
+    row->efficiency = isgreater( cost, 0.0 ) ? frames / cost : NAN; // the efficiency of a black image is undefined
 }
 
 // The pieces are not told apart in the change from frame to frame: no interval.
 static RfInterval flicker_gain( const RfTrial* plain, const RfTrial* row )
 {
     double a = rf_trial_f1( plain, 1.0 ), b = rf_trial_f1( row, 1.0 );
-    double gain = a * a * rf_trial_sample_seconds( plain ) / ( b * b * rf_trial_sample_seconds( row ) );
+    double cost = b * b * rf_trial_sample_seconds( row );
+    double gain = isgreater( cost, 0.0 ) ? a * a * rf_trial_sample_seconds( plain ) / cost : (double)NAN;
     return ( RfInterval ){ isgreater( gain, 0.0 ) && isfinite( gain ) ? gain : (double)NAN, (double)NAN, (double)NAN };
 }
 

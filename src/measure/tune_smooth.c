@@ -61,12 +61,13 @@ static void collect( const RfTune* tune, bool time, Fit* fit )
     for ( int i = 0; i < tune->count; ++i )
     {
         const RfTrial* trial = &tune->rows[i].trial;
-        double value = tune->rows[i].rounds > 0 ? log( time ? rf_trial_sample_seconds( trial ) : rf_tune_error( tune, trial ) )
-                                                : (double)NAN;
-        if ( !isfinite( value ) )
+        if ( tune->rows[i].rounds == 0 )
+            continue;
+        double measured = time ? rf_trial_sample_seconds( trial ) : rf_tune_error( tune, trial );
+        if ( !isgreater( measured, 0.0 ) || isinf( measured ) )
             continue;
         Point* p = fit->points + fit->count++;
-        *p = ( Point ){ .value = value, .evidence = trial->weight, .row = i };
+        *p = ( Point ){ .value = log( measured ), .evidence = trial->weight, .row = i };
         least = p->evidence < least ? p->evidence : least;
         double x = log( tune->rows[i].eyes ), power = 1.0;
         for ( int k = 0; k < powers; ++k, power *= x )

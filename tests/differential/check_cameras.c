@@ -6,6 +6,7 @@
 #include "scene/lens.h"
 #include "scene/mirrors.h"
 #include "scene/projection.h"
+#include "scene/scene.h"
 
 #include <stdio.h>
 
@@ -152,15 +153,15 @@ static void random_hit( const RfEye* eye, uint32_t stream, long i, RfVec3* p, Rf
         *ng = rf_scale( *ng, -1.0f );
 }
 
-static void fill_inputs( Inputs* in, const RfEye* eye, const double lens[3], const RfMirror* mirror, RfVec3 p, RfVec3 ng )
+// `start` is where rays start: a point of the lens is a float in the world, too.
+static void fill_inputs( Inputs* in, const RfEye* eye, RfVec3 start, const double lens[3], const RfMirror* mirror, RfVec3 p,
+                         RfVec3 ng )
 {
-    float largest =
-        rf_maxf( rf_max_component( rf_vec3( fabsf( p.x ), fabsf( p.y ), fabsf( p.z ) ) ),
-                 rf_max_component( rf_vec3( fabsf( eye->origin.x ), fabsf( eye->origin.y ), fabsf( eye->origin.z ) ) ) );
+    float largest = rf_maxf( rf_largest_coordinate( p ), rf_largest_coordinate( eye->origin ) );
     *in = ( Inputs ){ 0 };
     add_point( in, p, largest );
     add_direction( in, ng );
-    add_point( in, eye->origin, largest );
+    add_point( in, eye->origin, rf_maxf( largest, rf_largest_coordinate( start ) ) );
     add_direction( in, eye->forward );
     add_direction( in, eye->right );
     add_direction( in, eye->up );
@@ -201,7 +202,7 @@ static int is_wrongly_seen( const Check* check, const Inputs* in, RfProjection a
     double margin = 8.0 * ( spread[1] + spread[2] + UNIT_ROUNDOFF * ( in->x[X_SIZE] + in->x[X_SIZE + 1] ) );
     D3 way = d3_sum( d3_at( in->x + X_P ), -1.0, d3_at( in->x + X_ORIGIN ) );
     bool is_ahead = in->x[X_KIND] == RF_PANORAMIC || d3_length( d3_at( in->x + X_MIRROR ) ) > 0.0 ||
-                    d3_dot( way, d3_at( in->x + X_FORWARD ) ) > 32.0 * in->step[X_P];
+                    d3_dot( way, d3_at( in->x + X_FORWARD ) ) > 32.0 * in->step[X_ORIGIN];
     return is_ahead && fabs( to_border ) > margin &&
            spread[0] < 0.05 * y[0]; // and which way the surface faces is no matter of rounding
 }
@@ -246,14 +247,15 @@ static int check_kind( Check* check, Kind kind, uint32_t stream, long count )
         RfProjection at;
         TRAPPED( at = rf_project_any( &through, p, ng ) );
         Inputs in;
-        fill_inputs( &in, &eye, lens, kind.mirror ? &mirror : NULL, p, ng );
+        fill_inputs( &in, &eye, kind.lens ? through.origin : eye.origin, lens, kind.mirror ? &mirror : NULL, p, ng );
         double y[3], got[3] = { (double)at.density, (double)at.x + (double)at.u, (double)at.y + (double)at.v };
         reference( in.x, y );
         for ( int o = 0; o < 3; ++o )
             check->row[o].scale = o > 0 ? (double)( o == 1 ? eye.width : eye.height ) : 0.0;
         wrong += is_wrongly_seen( check, &in, at, y );
         // nothing tells where a point is seen whose depth is a matter of rounding
-        if ( !at.seen || ( kind.projection == RF_PERSPECTIVE && (double)rf_pinhole_depth( &through, p ) < 256.0 * in.step[X_P] ) )
+        if ( !at.seen ||
+             ( kind.projection == RF_PERSPECTIVE && (double)rf_pinhole_depth( &through, p ) < 256.0 * in.step[X_ORIGIN] ) )
             continue;
         if ( kind.projection == RF_PANORAMIC ) // the shorter way round
             got[1] -= eye.width * floor( ( got[1] - y[1] ) / eye.width + 0.5 );

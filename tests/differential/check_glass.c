@@ -32,8 +32,9 @@ static D3 facet_of( const double* x, D3 n, D3 o, D3 i )
         return d3_unit( d3_sum( o, 1.0, i ) );
     if ( ior < 0.0 ) // a thin wall: the reflection, turned over
         return d3_unit( d3_sum( o, 1.0, d3_sum( i, -2.0 * d3_dot( i, n ), n ) ) );
-    D3 h = d3_unit( d3_sum( o, ior, i ) ); // Walter et al. 2007
-    return d3_dot( h, n ) > 0.0 ? h : ( D3 ){ -h.x, -h.y, -h.z };
+    // Walter et al. 2007; on the side of the eye, since on that of n it may lie in the surface by less than a rounding
+    D3 h = d3_unit( d3_sum( o, ior, i ) );
+    return d3_dot( h, o ) > 0.0 ? h : ( D3 ){ -h.x, -h.y, -h.z };
 }
 
 // Where the facet sends the eye's ray: by the law of reflection, or Snell's.

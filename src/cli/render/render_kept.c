@@ -26,7 +26,7 @@ static bool is_same( double a, double b )
 static double older_seconds( Older* older, const RfFrameResult* said, int number )
 {
     size_t all = json_array_size( older->frames );
-    while ( older->next < all && rf_json_number_of( json_array_get( older->frames, older->next ), "frame" ) < number )
+    while ( older->next < all && isless( rf_json_number_of( json_array_get( older->frames, older->next ), "frame" ), number ) )
         ++older->next;
     const json_t* row = json_array_get( older->frames, older->next );
     bool is_it = rf_json_number_of( row, "frame" ) == number &&
@@ -81,7 +81,8 @@ json_t* rf_join_kept_frames( const RfRenderOptions* options, const RfCameraPath*
         older.frames = json_object_get( older.json, "frames" );
     for ( int i = 0; i < count; ++i )
     {
-        while ( next < all && rf_json_number_of( json_array_get( rendered, next ), "frame" ) < rf_frame_number( path, kept[i] ) )
+        while ( next < all &&
+                isless( rf_json_number_of( json_array_get( rendered, next ), "frame" ), rf_frame_number( path, kept[i] ) ) )
             json_array_append( frames, json_array_get( rendered, next++ ) );
         json_array_append_new( frames, kept_frame_json( options, path, kept[i], &older ) );
     }

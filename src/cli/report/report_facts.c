@@ -173,7 +173,10 @@ static void add_known( json_t* facts, const char* path, const char* group )
     }
 }
 
-static void format_samples( double samples, char text[32] ) { snprintf( text, 32, samples < 1000.0 ? "%.4g" : "%.0f", samples ); }
+static void format_samples( double samples, char text[32] )
+{
+    snprintf( text, 32, isless( samples, 1000.0 ) ? "%.4g" : "%.0f", samples );
+}
 
 // Samples traced, least and most of all frames; with --noise and --time also their limit,
 // where it is known.

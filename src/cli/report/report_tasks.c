@@ -3,6 +3,7 @@
 #include "cli/messages.h"
 #include "image/sequence.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -49,7 +50,7 @@ void rf_join_task_json( json_t** all, const json_t* task )
     add_up( *all, task, "seconds" );
     add_up( *all, task, "seconds_scene" );
     json_object_set_new( *all, "tasks", json_integer( json_integer_value( json_object_get( *all, "tasks" ) ) + 1 ) );
-    if ( rf_json_number_of( task, "peak_bytes" ) > rf_json_number_of( *all, "peak_bytes" ) )
+    if ( isgreater( rf_json_number_of( task, "peak_bytes" ), rf_json_number_of( *all, "peak_bytes" ) ) )
         json_object_set( *all, "peak_bytes", json_object_get( task, "peak_bytes" ) );
     if ( !json_equal( json_object_get( *all, "threads" ), json_object_get( task, "threads" ) ) )
         json_object_del( *all, "threads" );
@@ -114,7 +115,7 @@ json_t* rf_task_progress_json( const json_t* plan, const int* numbers, int numbe
     const RfTaskFrames there = { numbers, number_count };
     const json_t* nodes = json_object_get( plan, "nodes" );
     double told = rf_json_number_of( nodes, "step" );
-    long step = told >= 1.0 && told <= MOST_FRAMES ? (long)told : 1;
+    long step = isgreaterequal( told, 1.0 ) && islessequal( told, MOST_FRAMES ) ? (long)told : 1;
     json_t *tasks = json_array(), *left = json_array();
     int asked = 0, finished = 0, count = 0;
     size_t i;

@@ -27,7 +27,8 @@ static bool is_common( const RfPageData* data, int frame, double least )
     for ( int i = 0; i < data->track_count; ++i )
     {
         const RfPageFrame* told = data->tracks[i].frames + frame;
-        if ( is_compared( data->tracks + i ) && ( !( told->relmse > 0.0 ) || ( least >= 0.0 && !( told->seconds >= least ) ) ) )
+        if ( is_compared( data->tracks + i ) &&
+             ( !isgreater( told->relmse, 0.0 ) || ( least >= 0.0 && !isgreaterequal( told->seconds, least ) ) ) )
             return false;
     }
     return true;
@@ -44,8 +45,8 @@ static Mean mean_of( const RfPageData* data, int track, bool with_seconds )
         mean.seconds += data->tracks[track].frames[i].seconds;
         ++mean.frames;
     }
-    mean.relmse /= mean.frames;
-    mean.seconds /= mean.frames;
+    mean.relmse = mean.frames > 0 ? mean.relmse / mean.frames : (double)NAN;
+    mean.seconds = mean.frames > 0 ? mean.seconds / mean.frames : (double)NAN;
     return mean;
 }
 
@@ -87,12 +88,12 @@ static Contest hold_contest( const RfPageData* data )
             continue;
         Mean mean = mean_of( data, i, c.with_seconds );
         ++c.compared;
-        if ( c.best < 0 || score( mean ) < score( c.means[0] ) )
+        if ( c.best < 0 || isless( score( mean ), score( c.means[0] ) ) )
         {
             c.best = i;
             c.means[0] = mean;
         }
-        if ( c.worst < 0 || score( mean ) >= score( c.means[1] ) )
+        if ( c.worst < 0 || isgreaterequal( score( mean ), score( c.means[1] ) ) )
         {
             c.worst = i;
             c.means[1] = mean;
@@ -200,7 +201,7 @@ int rf_worst_page_frame( const RfPageData* data, int* track )
     for ( int i = 0; i < data->count && c.best >= 0; ++i )
     {
         const RfPageFrame* frames = data->tracks[c.best].frames;
-        if ( frames[i].relmse > 0.0 && ( worst < 0 || frames[i].relmse > frames[worst].relmse ) )
+        if ( isgreater( frames[i].relmse, 0.0 ) && ( worst < 0 || frames[i].relmse > frames[worst].relmse ) )
             worst = i;
     }
     return worst;
