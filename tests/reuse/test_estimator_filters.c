@@ -40,7 +40,7 @@ static RfRenderSettings settings_of( const Way* way )
     settings.filter = way->filter;
     settings.filter_width = way->width;
     settings.group = way->group;
-    settings.spp = way->spp;
+    settings.spp = way->spp * ( is_long() ? 4 : 1 ); // as skewed as a few samples through glass are, t is not Student's
     settings.adaptive = way->adaptive ? RF_ADAPTIVE_ON : RF_ADAPTIVE_OFF;
     settings.max_depth = 4;
     settings.memory = (size_t)512 << 20;
