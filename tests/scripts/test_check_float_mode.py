@@ -59,7 +59,7 @@ class FloatMode(unittest.TestCase):
     def bad(self, text, where):
         status, output = check(text)
         self.assertEqual((status, output.count("\n")), (1, 2), output)
-        self.assertIn("src/render/a.c:%d: " % where, output)
+        self.assertIn("a.c:%d: " % where, output)
 
     def test_with_it(self):
         for text in (LOOP % CALL, REGION % (CALL, ""), THREAD % CALL):
