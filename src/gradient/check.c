@@ -10,9 +10,9 @@ RfResult rf_check_reconstruct_options( const RfReconstructOptions* options, bool
                         weighted ? "the weighted reconstruction wants weights, and got none"
                                  : "weights are of the weighted reconstruction, not of the others" );
     // a square of alpha that is no float or drowns in the gradients says nothing of the image
-    if ( !weighted && !( options->alpha >= 1e-4f && options->alpha <= 1e4f ) )
+    if ( !weighted && ( !isgreaterequal( options->alpha, 1e-4f ) || !islessequal( options->alpha, 1e4f ) ) )
         return rf_fail( error, RF_ERROR_USAGE, "alpha is %g: choose one from 0.0001 to 10000", (double)options->alpha );
-    if ( options->method != RF_RECONSTRUCT_L2 && ( !( options->tolerance > 0.0 ) || options->max_iterations < 1 ) )
+    if ( options->method != RF_RECONSTRUCT_L2 && ( !isgreater( options->tolerance, 0.0 ) || options->max_iterations < 1 ) )
         return rf_fail( error, RF_ERROR_USAGE, "the tolerance must be above 0 and the iterations at least 1, got %g and %d",
                         options->tolerance, options->max_iterations );
     if ( options->method == RF_RECONSTRUCT_L1 && options->l1_rounds < 1 )
@@ -27,7 +27,7 @@ RfResult rf_check_plane( const float* plane, int width, int height, int skip_x, 
         for ( int x = 0; x < width - skip_x; ++x )
         {
             float value = plane[(size_t)y * (size_t)width + (size_t)x];
-            if ( !( value >= 0.0f && value <= 3.4e38f ) )
+            if ( !isgreaterequal( value, 0.0f ) || !islessequal( value, 3.4e38f ) )
                 return rf_fail( error, RF_ERROR_USAGE, "%s: %g at pixel (%d, %d): must be finite and at least 0", what,
                                 (double)value, x, y );
         }

@@ -59,7 +59,7 @@ RfFollow rf_follow( const RfFlickerFrame* now, const RfFlickerFrame* before, boo
 // Splits a coordinate inside the image into integer and fraction; false outside.
 static bool split( double x, int size, int* first, double* rest )
 {
-    if ( !( x >= -FORGIVEN && x <= size - 1 + FORGIVEN ) )
+    if ( !isgreaterequal( x, -FORGIVEN ) || !islessequal( x, size - 1 + FORGIVEN ) )
         return false;
     x = x < 0.0 ? 0.0 : x > size - 1 ? size - 1 : x;
     *first = (int)x;
