@@ -268,7 +268,7 @@ static int check_kind( Check* check, Kind kind, uint32_t stream, long count )
 
 #define ROWS( name )                                                                                                             \
     {                                                                                                                            \
-        { name ": J", .limit = 64 }, { name ": column", .limit = 16 }, { name ": row", .limit = 16 }                             \
+        { name ": J", .limit = 8 }, { name ": column", .limit = 4 }, { name ": row", .limit = 4 }                                \
     }
 
 int check_cameras( long count )
