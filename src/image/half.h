@@ -24,7 +24,8 @@ static inline float rf_half_to_float( uint16_t half )
     uint32_t exponent = half >> 10 & 31u, mantissa = half & 1023u;
     if ( exponent == 0 )
         return ( half & 0x8000u ? -0x1p-24f : 0x1p-24f ) * (float)mantissa;
-    uint32_t bits = ( half & 0x8000u ) << 16 | mantissa << 13 | ( exponent == 31 ? 255u : exponent + 112u ) << 23;
+    uint32_t quiet = exponent == 31 && mantissa != 0 ? 0x400000u : 0; // a signalling NaN of a file raises no flag later on
+    uint32_t bits = ( half & 0x8000u ) << 16 | mantissa << 13 | ( exponent == 31 ? 255u : exponent + 112u ) << 23 | quiet;
     float value;
     memcpy( &value, &bits, sizeof value );
     return value;
