@@ -125,6 +125,12 @@ static void copy_throughput( const RfRayLanes* rays, RfTileReuse* reuse )
     }
 }
 
+static void note_panes( const RfRayLanes* rays, const float* pane_probability, RfTileReuse* reuse )
+{
+    for ( int r = 0; r < rays->count && pane_probability != NULL; ++r )
+        reuse->own_pane_probability[rays->slot[r]] = pane_probability[r];
+}
+
 // Continues the paths beyond the second vertices: light samples there, and the
 // radiance along the directions scattered there.
 static void trace_beyond( const RfPathSettings* settings, RfWavefront* wavefront, RfTileReuse* reuse )
@@ -154,7 +160,8 @@ uint64_t rf_trace_tile_tails( const RfTileReuseSettings* settings, const RfVerte
     int tile_pixels = settings->tile_pixels;
     reuse->second.count = reuse->thinned = reuse->kept = 0;
     if ( wavefront->rays.count > 0 )
-        rf_find_lit_vertices( settings->path, wavefront, &wavefront->rays, true, &reuse->second );
+        note_panes( &wavefront->rays, rf_find_lit_vertices( settings->path, wavefront, &wavefront->rays, true, &reuse->second ),
+                    reuse );
     if ( settings->path->max_depth == 2 || reuse->second.count == 0 )
     {
         for ( int s = 0; s < tile_pixels; ++s )
