@@ -102,16 +102,6 @@ static inline void queue_segment( Queue* q, const RfTileReuse* reuse, RfVec3 fro
         test_segments( q );
 }
 
-// Paths to their own second vertex, through nothing but panes: their rays have found q, and carry κ already.
-static void pass_own_panes( RfTileReuse* reuse )
-{
-    for ( int a = 0; a < rf_record_count( &reuse->second ); ++a )
-    {
-        if ( reuse->owner[a] >= 0 )
-            reuse->pairings[0].weight[reuse->owner[a]] *= reuse->own_pane_probability[reuse->second.slot[a]];
-    }
-}
-
 // Tests the connections of paths to their own second vertex, which matters only with
 // blended surfaces. Their rays carry κ already. The path did get through, so the result is never 0.
 static void test_own_paths( Queue* q, int hits, RfTileReuse* reuse )
@@ -233,8 +223,6 @@ static uint64_t test_connections( const RfTileReuseSettings* settings, const RfV
     lift_hits( x, reuse );
     if ( in_part && rf_tracer_is_blended( q.tracer ) )
         test_own_paths( &q, rf_record_count( x ), reuse );
-    else if ( in_part )
-        pass_own_panes( reuse );
     for ( int a = 0; a < rf_record_count( y ); ++a )
     {
         if ( reuse->owner[a] < 0 )
