@@ -216,8 +216,8 @@ void rf_absorb( const RfVertexLanes* v, RfRayLanes* rays )
     }
 }
 
-void rf_find_lit_vertices( const RfPathSettings* settings, RfWavefront* wavefront, RfRayLanes* rays, bool defer_mis,
-                           RfVertexLanes* vertices )
+const float* rf_find_lit_vertices( const RfPathSettings* settings, RfWavefront* wavefront, RfRayLanes* rays, bool defer_mis,
+                                   RfVertexLanes* vertices )
 {
     wavefront->path_rays += (uint64_t)rays->count;
     const float* pane_probability = rf_find_vertices_past_panes( settings, rays, vertices, &wavefront->scratch );
@@ -225,6 +225,7 @@ void rf_find_lit_vertices( const RfPathSettings* settings, RfWavefront* wavefron
     rf_leave_to_links( settings, wavefront, rays, vertices );
     rf_add_emission_hits( settings, rays, vertices, wavefront->scratch.triangle, pane_probability, defer_mis,
                           &wavefront->arrivals );
+    return pane_probability;
 }
 
 void rf_end_spent_paths( const RfPathSettings* settings, const RfWavefront* wavefront, int vertex, RfRayLanes* rays )

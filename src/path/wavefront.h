@@ -163,9 +163,9 @@ void rf_end_spent_paths( const RfPathSettings* settings, const RfWavefront* wave
 void rf_absorb( const RfVertexLanes* vertices, RfRayLanes* rays );
 
 // Finds the vertices that the rays hit, behind panes perhaps, applies absorption, and adds their emission
-// to wavefront->arrivals (see rf_add_emission_hits).
-void rf_find_lit_vertices( const RfPathSettings* settings, RfWavefront* wavefront, RfRayLanes* rays, bool defer_mis,
-                           RfVertexLanes* vertices );
+// to wavefront->arrivals (see rf_add_emission_hits). Returns what rf_find_vertices_past_panes returns.
+const float* rf_find_lit_vertices( const RfPathSettings* settings, RfWavefront* wavefront, RfRayLanes* rays, bool defer_mis,
+                                   RfVertexLanes* vertices );
 
 // Computes the radiance that arrives along wavefront->rays, which left vertex
 // first_vertex − 1 of their paths: light and BSDF sampling at all further vertices,

@@ -125,6 +125,24 @@ static void copy_throughput( const RfRayLanes* rays, RfTileReuse* reuse )
     }
 }
 
+// What paths passed on the way to their own second vertex.
+static void note_panes( const RfRayLanes* rays, const float* pane_probability, RfTileReuse* reuse )
+{
+    for ( int r = 0; r < rays->count && pane_probability != NULL; ++r )
+        reuse->own_pane_probability[rays->slot[r]] = pane_probability[r];
+}
+
+// Where nothing is blended that is their V, which is not traced again.
+static void pass_own_panes( const RfTracer* tracer, RfTileReuse* reuse )
+{
+    bool passed = rf_tracer_has_panes( tracer ) && !rf_tracer_is_blended( tracer );
+    for ( int a = 0; passed && a < rf_record_count( &reuse->second ); ++a )
+    {
+        if ( reuse->owner[a] >= 0 )
+            reuse->pairings[0].weight[reuse->owner[a]] *= reuse->own_pane_probability[reuse->second.slot[a]];
+    }
+}
+
 // Continues the paths beyond the second vertices: light samples there, and the
 // radiance along the directions scattered there.
 static void trace_beyond( const RfPathSettings* settings, RfWavefront* wavefront, RfTileReuse* reuse )
@@ -154,7 +172,8 @@ uint64_t rf_trace_tile_tails( const RfTileReuseSettings* settings, const RfVerte
     int tile_pixels = settings->tile_pixels;
     reuse->second.count = reuse->thinned = reuse->kept = 0;
     if ( wavefront->rays.count > 0 )
-        rf_find_lit_vertices( settings->path, wavefront, &wavefront->rays, true, &reuse->second );
+        note_panes( &wavefront->rays, rf_find_lit_vertices( settings->path, wavefront, &wavefront->rays, true, &reuse->second ),
+                    reuse );
     if ( settings->path->max_depth == 2 || reuse->second.count == 0 )
     {
         for ( int s = 0; s < tile_pixels; ++s )
@@ -185,6 +204,7 @@ uint64_t rf_trace_tile_tails( const RfTileReuseSettings* settings, const RfVerte
         rf_thin_paths( settings->path, wavefront, reuse );
     for ( int s = 0; s < tile_pixels; ++s )
         find_neighbours( reuse, s, rf_record_count( hits ), reuse->pairings + s );
+    pass_own_panes( settings->path->tracer, reuse );
     uint64_t tested = rf_weight_pairings( settings, hits, scattered, wavefront, reuse );
     rf_light_pairings( settings, wavefront, reuse );
     return tested;

@@ -41,13 +41,14 @@ typedef struct RfTileReuse
     int32_t second_of[RF_LANES];                             // second vertex of its path; −1: none, or not reused
     // second vertices
     RfVertexLanes second;
-    RF_ALIGN float lifted[3][RF_LANES]; // hits lifted off their surface, the ends of connections
-    int32_t owner[RF_LANES];            // the hit whose path it belongs to; −1: not reused
-    float throughput[3][RF_LANES];      // of the ray that hit it
-    float own_distance2_cos[RF_LANES];  // 1 / G_own
-    float sum[RF_LANES];                // Σ ρ
-    float cutoff[RF_LANES];             // cutoff of ρ if it excludes the vertex's own path; else 0
-    float wi[3][RF_LANES];              // scattered direction of its path
+    RF_ALIGN float lifted[3][RF_LANES];   // hits lifted off their surface, the ends of connections
+    int32_t owner[RF_LANES];              // the hit whose path it belongs to; −1: not reused
+    float throughput[3][RF_LANES];        // of the ray that hit it
+    float own_distance2_cos[RF_LANES];    // 1 / G_own
+    float own_pane_probability[RF_LANES]; // by slot: q of the panes that the ray to it passed; not set without panes
+    float sum[RF_LANES];                  // Σ ρ
+    float cutoff[RF_LANES];               // cutoff of ρ if it excludes the vertex's own path; else 0
+    float wi[3][RF_LANES];                // scattered direction of its path
     float pdf[RF_LANES];
     float wo[3][RF_LANES]; // to the receivers of a pairing
     float mixture[RF_LANES];

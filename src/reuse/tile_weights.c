@@ -103,7 +103,7 @@ static inline void queue_segment( Queue* q, const RfTileReuse* reuse, RfVec3 fro
 }
 
 // Tests the connections of paths to their own second vertex, which matters only with
-// partially transparent surfaces. Their rays carry κ already. The path did get through, so the result is never 0.
+// blended surfaces. Their rays carry κ already. The path did get through, so the result is never 0.
 static void test_own_paths( Queue* q, int hits, RfTileReuse* reuse )
 {
     float* weight = reuse->pairings[0].weight;
@@ -221,7 +221,7 @@ static uint64_t test_connections( const RfTileReuseSettings* settings, const RfV
     bool in_part = rf_tracer_is_partial( q.tracer );
     int cut_off_count = settings->roulette && !in_part ? y->first[RF_BSDF_FIRST_GLOSSY] : 0;
     lift_hits( x, reuse );
-    if ( in_part )
+    if ( in_part && rf_tracer_is_blended( q.tracer ) )
         test_own_paths( &q, rf_record_count( x ), reuse );
     for ( int a = 0; a < rf_record_count( y ); ++a )
     {

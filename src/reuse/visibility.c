@@ -101,25 +101,42 @@ static void clear_panes( const RfHitBatch* batch )
     }
 }
 
+// Lists in way[] the hits that panes or blended surfaces may hide from their own eye in part, with their densities; returns
+// their number. To the others the camera ray has tested the way.
+static int list_partial( const RfHarvest* harvest, const RfHarvestScratch* scratch, int count, const float* density, float* way )
+{
+    bool all = rf_tracer_is_blended( harvest->path.tracer ), chains = rf_follows_chains( scratch );
+    int listed = 0;
+    for ( int i = 0; i < count; ++i )
+    {
+        bool partial = all || ( chains && scratch->chains->straight[scratch->hits->slot[i]] );
+        way[i] = partial ? density[i] : 0.0f;
+        listed += partial;
+    }
+    return listed;
+}
+
 // A hit's own eye sees it in the pixel it was drawn in, whatever rounding does to its
 // projection.
-static void see_from_own_eye( const RfHarvest* harvest, const RfHitBatch* batch, const float* const lifted[3], int32_t* pixel,
-                              float* density, RfRayCounts* rays )
+static void see_from_own_eye( const RfHarvest* harvest, const RfHitBatch* batch, const float* const lifted[3],
+                              RfHarvestScratch* scratch, float* density, RfRayCounts* rays )
 {
+    int32_t* pixel = scratch->landed_pixel;
     const RfEye* eye = harvest->eyes + batch->eye;
     rf_own_densities( rf_tracer_mirrors( harvest->path.tracer ), eye, batch, density, NULL );
     memcpy( pixel, batch->pixel, (size_t)batch->count * sizeof *pixel );
-    if ( !rf_tracer_is_partial( harvest->path.tracer ) )
-        clear_panes( batch );
-    if ( batch->densities == NULL || !rf_tracer_is_partial( harvest->path.tracer ) )
+    clear_panes( batch );
+    float way[RF_LANES];
+    bool partial = batch->densities != NULL && rf_tracer_is_partial( harvest->path.tracer );
+    if ( !partial || list_partial( harvest, scratch, batch->count, density, way ) == 0 )
         return;
+    bool listed[RF_LANES];
+    for ( int i = 0; i < batch->count; ++i )
+        listed[i] = way[i] > 0.0f;
+    rays->eye += (uint64_t)see( harvest, batch->eye, batch, lifted, way );
     // transmittance is never 0: the camera ray did get through
-    float least[RF_LANES];
     for ( int i = 0; i < batch->count; ++i )
-        least[i] = 1e-12f * density[i];
-    rays->eye += (uint64_t)see( harvest, batch->eye, batch, lifted, density );
-    for ( int i = 0; i < batch->count; ++i )
-        density[i] = density[i] > least[i] ? density[i] : least[i];
+        density[i] = listed[i] ? rf_maxf( way[i], 1e-12f * density[i] ) : density[i];
 }
 
 void rf_test_batch_visibility( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch, RfRayCounts* rays )
@@ -134,7 +151,7 @@ void rf_test_batch_visibility( const RfHarvest* harvest, RfHitBatch* batch, RfHa
         const RfEye* eye = harvest->eyes + l;
         float* density = scratch->density + (size_t)l * RF_LANES;
         if ( l == batch->eye )
-            see_from_own_eye( harvest, batch, lifted, scratch->landed_pixel, density, rays );
+            see_from_own_eye( harvest, batch, lifted, scratch, density, rays );
         else
         {
             rf_project_batch( rf_tracer_mirrors( harvest->path.tracer ), eye, batch, scratch->landed_pixel, density, NULL, NULL );
