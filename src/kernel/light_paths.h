@@ -46,7 +46,12 @@ typedef struct RfLightPaths
     uint32_t* triangle;
     double* cumulative; // of their probabilities
     float* pdf_area;    // of their points
-    uint64_t rays;      // traced for this set
+    bool* linked;       // by material, then the sky: its emission comes by links (light/divide.h)
+    // the lights that light paths start from
+    uint32_t light_count;
+    uint32_t* light;
+    double* light_cumulative; // of their powers
+    uint64_t rays;            // traced for this set
 } RfLightPaths;
 
 // How many light paths serve a pass of a group.

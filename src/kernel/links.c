@@ -227,5 +227,5 @@ static void sample( const RfLinker* linker, RfWavefront* keys, const RfVertexLan
 RfKernelLinker rf_make_linker( const RfLightPaths* paths, RfKernelNormalization normalization, const RfPathSettings* path,
                                RfLinkLanes* lanes )
 {
-    return ( RfKernelLinker ){ { sample }, path, paths, normalization, lanes };
+    return ( RfKernelLinker ){ { sample, paths->linked }, path, paths, normalization, lanes };
 }
