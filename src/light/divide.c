@@ -1,5 +1,4 @@
 #include "light/divide.h"
-#include <stdlib.h>
 
 #define POINTS 64       // of each kind
 #define MOST_DIVIDED 64 // materials that emit; any further ones are linked
@@ -163,7 +162,7 @@ RfDivision rf_divide_emitters( const RfScene* scene, bool* linked )
     {
         bool emits = rf_max_component( scene->materials[m].emission ) > 0.0f, many = emits && divided++ >= MOST_DIVIDED;
         double image = emits && !many ? image_of( scene, m, &chain, &receivers ) : 0.0;
-        bool small = many || ( image > 0.0 && image <= (getenv("RFT")?atof(getenv("RFT")):RF_LARGE_EMITTER) );
+        bool small = many || ( image > 0.0 && image <= RF_LARGE_EMITTER );
         emits = emits && image >= 0.0;
         division.all += emits;
         division.linked += small;

@@ -84,6 +84,25 @@ static void test_without_mirrors_and_glass_nothing_changes( void** state )
     rf_destroy_scene( &scene );
 }
 
+// As seen in its ball, the room's lamp is large.
+static void test_large_emitters_are_left_to_chance( void** state )
+{
+    (void)state;
+    RfScene scene = make_mirror_room( GLASS_BALL );
+    RfDivision division = rf_divide_emitters( &scene, NULL );
+    assert_int_equal( division.all, 1 );
+    assert_int_equal( division.linked, 0 );
+    RfRenderSettings settings = linked( 1 );
+    settings.light_paths = RF_LIGHT_PATHS_AUTO;
+    Rendered divided = render( &scene, settings );
+    settings.light_paths = RF_LIGHT_PATHS_OFF;
+    Rendered off = render( &scene, settings );
+    assert_true( same( &divided, &off ) );
+    free_rendered( &divided );
+    free_rendered( &off );
+    rf_destroy_scene( &scene );
+}
+
 static void test_memory_of_light_paths_is_counted( void** state )
 {
     (void)state;
@@ -104,6 +123,7 @@ int main( void )
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( test_threads_and_held_records_change_no_bit ),
         cmocka_unit_test( test_without_mirrors_and_glass_nothing_changes ),
+        cmocka_unit_test( test_large_emitters_are_left_to_chance ),
         cmocka_unit_test( test_memory_of_light_paths_is_counted ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
