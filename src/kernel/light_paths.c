@@ -21,11 +21,13 @@ enum
     DIMENSION_SURFACE = DIMENSION_EMITTER + 4,
 };
 
+static uint32_t in_blocks( double n ) { return (uint32_t)ceil( n / RF_CHAIN_BLOCK ) * RF_CHAIN_BLOCK; }
+
 uint32_t rf_light_path_count( const RfEstimatorGroup* group )
 {
     double wanted = PATHS_PER_PIXEL * group->width * group->height * group->eye_count;
     uint32_t n = wanted < LEAST_PATHS ? LEAST_PATHS : wanted > MOST_PATHS ? MOST_PATHS : (uint32_t)wanted;
-    return ( n + RF_CHAIN_BLOCK - 1 ) / RF_CHAIN_BLOCK * RF_CHAIN_BLOCK;
+    return in_blocks( (double)n );
 }
 
 static size_t aligned( size_t bytes ) { return ( bytes + 63 ) / 64 * 64; }
@@ -134,7 +136,7 @@ static RfLightPaths* lay_out( const RfEstimatorGroup* group, void* memory )
     paths->path = take( &at, n * sizeof *paths->path );
     paths->order = take( &at, n * sizeof *paths->order );
     paths->node = take( &at, n * sizeof *paths->node );
-    paths->emitted = (uint32_t)n;
+    paths->emitted = paths->share > 0.0f ? in_blocks( (double)paths->share * (double)n ) : (uint32_t)n;
     paths->links = LINKS;
     paths->most_radius = MOST_FOOTPRINT * rf_tracer_lights( group->tracer )->radius;
     if ( !paths->prepared )

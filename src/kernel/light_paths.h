@@ -33,6 +33,8 @@ typedef struct RfFootprintNode
 typedef struct RfLightPaths
 {
     bool prepared;
+    int share_of;      // the group that `share` was chosen for, from 1; 0: none yet
+    float share;       // of the light paths and links of a set that is drawn; 0: all
     uint32_t emitted;  // n, with those that came to nothing
     uint32_t count;    // stored
     float links;       // c: links that an eye vertex finds per way in which light comes to it, on average

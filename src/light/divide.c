@@ -1,6 +1,7 @@
 #include "light/divide.h"
 
-#define POINTS 64       // of each kind
+#define POINTS 64       // of mirrors and glass
+#define FEW_POINTS 16   // of an emitter; of what is lit
 #define MOST_DIVIDED 64 // materials that emit; any further ones are linked
 #define PI 3.14159265358979324
 
@@ -48,7 +49,7 @@ static double area_of( const RfTriangles* t, uint32_t triangle, int number, Poin
     return 0.5 * twice;
 }
 
-static void spread_points( const RfScene* scene, Kind kind, Points* points )
+static void spread_points( const RfScene* scene, Kind kind, int most, Points* points )
 {
     Point unused;
     points->area = 0.0;
@@ -61,7 +62,7 @@ static void spread_points( const RfScene* scene, Kind kind, Points* points )
         if ( !is_of_kind( scene, i, kind ) )
             continue;
         run += area_of( &scene->triangles, i, 0, &unused );
-        while ( points->count < POINTS && run > ( points->count + 0.5 ) / POINTS * points->area )
+        while ( points->count < most && run > ( points->count + 0.5 ) / most * points->area )
         {
             area_of( &scene->triangles, i, points->count, points->point + points->count );
             points->count += 1;
@@ -116,7 +117,7 @@ static double mean_image( const Points* emitter, bool two_sided, const Points* c
 static double image_of( const RfScene* scene, uint32_t material, const Points* chain, const Points* receivers )
 {
     Points emitter;
-    spread_points( scene, ( Kind ){ .of_material = true, .material = material }, &emitter );
+    spread_points( scene, ( Kind ){ .of_material = true, .material = material }, FEW_POINTS, &emitter );
     if ( emitter.count == 0 )
         return -1.0;
     return mean_image( &emitter, scene->materials[material].double_sided, chain, receivers );
@@ -125,8 +126,8 @@ static double image_of( const RfScene* scene, uint32_t material, const Points* c
 double rf_image_solid_angle( const RfScene* scene, uint32_t material )
 {
     Points chain, receivers;
-    spread_points( scene, ( Kind ){ .chain = true }, &chain );
-    spread_points( scene, ( Kind ){ .chain = false }, &receivers );
+    spread_points( scene, ( Kind ){ .chain = true }, POINTS, &chain );
+    spread_points( scene, ( Kind ){ .chain = false }, FEW_POINTS, &receivers );
     return fmax( image_of( scene, material, &chain, &receivers ), 0.0 );
 }
 
@@ -154,8 +155,8 @@ double rf_sky_solid_angle( const RfEnvironment* e )
 RfDivision rf_divide_emitters( const RfScene* scene, bool* linked )
 {
     Points chain, receivers;
-    spread_points( scene, ( Kind ){ .chain = true }, &chain );
-    spread_points( scene, ( Kind ){ .chain = false }, &receivers );
+    spread_points( scene, ( Kind ){ .chain = true }, POINTS, &chain );
+    spread_points( scene, ( Kind ){ .chain = false }, FEW_POINTS, &receivers );
     RfDivision division = { (uint32_t)scene->punctual_count, (uint32_t)scene->punctual_count };
     uint32_t divided = 0;
     for ( uint32_t m = 0; m < scene->material_count; ++m )
