@@ -1,7 +1,8 @@
 #include "light/divide.h"
 
-#define POINTS 64       // of mirrors and glass
-#define FEW_POINTS 16   // of an emitter; of what is lit
+#define POINTS 64     // of mirrors and glass
+#define FEW_POINTS 16 // of an emitter
+#define MOST_TRIANGLES 2048
 #define MOST_DIVIDED 64 // materials that emit; any further ones are linked
 #define PI 3.14159265358979324
 
@@ -49,15 +50,22 @@ static double area_of( const RfTriangles* t, uint32_t triangle, int number, Poin
     return 0.5 * twice;
 }
 
+// Of many triangles one in so many is looked at. Of emitters all are: their area counts.
+static uint32_t stride_of( const RfScene* scene, Kind kind )
+{
+    return kind.of_material ? 1 : 1 + scene->triangles.count / MOST_TRIANGLES;
+}
+
 static void spread_points( const RfScene* scene, Kind kind, int most, Points* points )
 {
     Point unused;
+    uint32_t stride = stride_of( scene, kind );
     points->area = 0.0;
     points->count = 0;
-    for ( uint32_t i = 0; i < scene->triangles.count; ++i )
+    for ( uint32_t i = 0; i < scene->triangles.count; i += stride )
         points->area += is_of_kind( scene, i, kind ) ? area_of( &scene->triangles, i, 0, &unused ) : 0.0;
     double run = 0.0;
-    for ( uint32_t i = 0; i < scene->triangles.count && points->count < POINTS; ++i )
+    for ( uint32_t i = 0; i < scene->triangles.count && points->count < POINTS; i += stride )
     {
         if ( !is_of_kind( scene, i, kind ) )
             continue;
@@ -127,7 +135,7 @@ double rf_image_solid_angle( const RfScene* scene, uint32_t material )
 {
     Points chain, receivers;
     spread_points( scene, ( Kind ){ .chain = true }, POINTS, &chain );
-    spread_points( scene, ( Kind ){ .chain = false }, FEW_POINTS, &receivers );
+    spread_points( scene, ( Kind ){ .chain = false }, POINTS, &receivers );
     return fmax( image_of( scene, material, &chain, &receivers ), 0.0 );
 }
 
@@ -156,7 +164,7 @@ RfDivision rf_divide_emitters( const RfScene* scene, bool* linked )
 {
     Points chain, receivers;
     spread_points( scene, ( Kind ){ .chain = true }, POINTS, &chain );
-    spread_points( scene, ( Kind ){ .chain = false }, FEW_POINTS, &receivers );
+    spread_points( scene, ( Kind ){ .chain = false }, POINTS, &receivers );
     RfDivision division = { (uint32_t)scene->punctual_count, (uint32_t)scene->punctual_count };
     uint32_t divided = 0;
     for ( uint32_t m = 0; m < scene->material_count; ++m )
