@@ -161,12 +161,20 @@ static void link_lane( RfLinkWork* w, int i )
     int slot = v->slot[i];
     RfRandomKey lane =
         rf_pixel_key( (uint64_t)w->keys->key_a[slot] << 32 | w->keys->key_b[slot], 0x6b65726eu + (uint32_t)w->vertex );
-    RfCandidates c = { .settings = w->settings, .y = rf_start_of( v, i ), .n = rf_lane_of( v->ng, i ) };
+    RfCandidates c; // its arrays are large: they stay as they are
+    c.settings = w->settings;
+    c.y = rf_start_of( v, i );
+    c.n = rf_lane_of( v->ng, i );
+    c.count = c.kept = 0;
+    c.next = c.stride = 0.0;
+    c.thinned = false;
     c.spent = w->vertex - 1 + ( w->keys->spent != NULL ? w->keys->spent[slot] : 0 );
     float scale = rf_find_candidates( &c, lane ), sum = 0.0f, most = w->vertex == 1 ? TRIAL_LINKS : TRIAL_LINKS_BEYOND;
     for ( int k = 0; k < c.kept; ++k )
         sum += c.light[k];
     float promised = sum * scale * RF_INV_PI / (float)w->settings->paths->emitted;
+    if ( w->settings->paths->share > 0.0f )
+        most *= w->settings->paths->share;
     float trials = most * rf_maxf( promised / rf_maxf( promised + w->keys->lit[i], 1e-30f ), LEAST_SHARE );
     for ( int k = 0; k < c.kept; ++k )
     {
@@ -185,7 +193,14 @@ static void link_lane( RfLinkWork* w, int i )
 void rf_link_vertices( const RfKernelLinker* linker, RfWavefront* keys, const RfVertexLanes* v, int vertex )
 {
     RfLinkLanes* out = linker->out;
-    RfLinkWork w = { .settings = linker, .keys = keys, .vertex = vertex, .v = v, .out = out };
+    RfLinkWork w; // likewise
+    w.settings = linker;
+    w.keys = keys;
+    w.vertex = vertex;
+    w.v = v;
+    w.out = out;
+    w.count = 0;
+    memset( w.chosen, 0, sizeof w.chosen );
     int count = rf_record_count( v );
     out->rays = out->trials = 0;
     memset( out->light, 0, sizeof out->light );
@@ -202,6 +217,7 @@ void rf_link_vertices( const RfKernelLinker* linker, RfWavefront* keys, const Rf
             out->one[c][i] *= w.chosen[i];
     }
     keys->path_rays += out->rays;
+    out->all_rays += out->rays;
 }
 
 // Links as light samples.
@@ -227,5 +243,5 @@ static void sample( const RfLinker* linker, RfWavefront* keys, const RfVertexLan
 RfKernelLinker rf_make_linker( const RfLightPaths* paths, RfKernelNormalization normalization, const RfPathSettings* path,
                                RfLinkLanes* lanes )
 {
-    return ( RfKernelLinker ){ { sample }, path, paths, normalization, lanes };
+    return ( RfKernelLinker ){ { sample, paths->linked }, path, paths, normalization, lanes };
 }

@@ -14,6 +14,7 @@ typedef struct RfLinkLanes
     RF_ALIGN float one[3][RF_LANES];   // its light over the probability of drawing it
     uint32_t found[RF_LANES];          // links
     uint64_t rays;                     // traced, counted up
+    uint64_t all_rays;                 // likewise, over all vertices
     uint64_t trials;                   // of the normalisation, counted up
 } RfLinkLanes;
 

@@ -58,6 +58,7 @@ struct RfLinker
     // Samples such light, the less the more is lit by light samples, for the path's `vertex`-th vertices, like a light that no scattered ray finds: densities are
     // RF_DELTA_PDF, or 1 where there is none. Adds to keys->path_rays.
     void ( *sample )( const RfLinker* linker, RfWavefront* keys, const RfVertexLanes* vertices, int vertex, RfLightLanes* out );
+    const bool* linked; // by material, then the sky: whose emission it finds
 };
 
 // Light samples of a vertex with those of the linker.
