@@ -236,7 +236,11 @@ void rf_walk_chains( const RfTracer* tracer, RfChainEvents events, const RfRando
                 continue;
             }
             land->triangle[i] = triangle;
-            land->p[i] = rf_hit_point( triangles + triangle, now.u[k], now.v[k], chain->end.o, chain->end.d ).p;
+            RfHitPoint hit = rf_hit_point( triangles + triangle, now.u[k], now.v[k], chain->end.o, chain->end.d );
+            land->u[i] = now.u[k];
+            land->v[i] = now.v[k];
+            land->p[i] = hit.p;
+            land->offset[i] = hit.offset;
         }
     }
 }

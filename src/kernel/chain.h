@@ -57,6 +57,8 @@ typedef enum RfChainEvents
 typedef struct RfLanding
 {
     uint32_t triangle[RF_CHAIN_BLOCK];
+    float u[RF_CHAIN_BLOCK], v[RF_CHAIN_BLOCK];
+    float offset[RF_CHAIN_BLOCK]; // of rays that start there
     RfVec3 p[RF_CHAIN_BLOCK];
 } RfLanding;
 void rf_walk_chains( const RfTracer* tracer, RfChainEvents events, const RfRandomKey* keys, const bool* active, int count,

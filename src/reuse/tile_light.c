@@ -87,7 +87,61 @@ static void find_receivers( const RfTileReuse* reuse, int pairing, float wo[3][R
     }
 }
 
-static void add_glossy( const float* const wi[3], int tile_pixels, RfTileReuse* reuse, RfLaneScratch* s )
+// The weight of the links at a second vertex in the light that a hit receives from there: a link at the hit may find it as well.
+static float link_weight( const RfPathSettings* settings, const RfTileReuse* reuse, int i, int a )
+{
+    const RfVertexLanes *x = reuse->hits, *y = &reuse->second;
+    if ( i < 0 || reuse->link_area[a] == INFINITY || !rf_is_matte_lane( settings, x, i ) )
+        return 1.0f;
+    RfVec3 from =
+        rf_madd( rf_vec3( x->p[0][i], x->p[1][i], x->p[2][i] ), rf_vec3( x->ng[0][i], x->ng[1][i], x->ng[2][i] ), x->offset[i] );
+    return rf_own_weight( settings->linker->parents, reuse->link_area[a], from, rf_vec3( x->n[0][i], x->n[1][i], x->n[2][i] ),
+                          rf_vec3( y->p[0][a], y->p[1][a], y->p[2][a] ), rf_vec3( y->ng[0][a], y->ng[1][a], y->ng[2][a] ) );
+}
+
+// The same for the receivers of a pairing; 1 for light that is no link's, and 0 without a receiver.
+static void find_link_weights( const RfPathSettings* settings, const RfTileReuse* reuse, int pairing, bool links, float* weight )
+{
+    for ( int a = 0; a < rf_record_count( &reuse->second ); ++a )
+    {
+        int i = reuse->owner[a];
+        bool has_receiver = i >= 0 && pairing < reuse->size[i];
+        weight[a] = links ? 0.0f : 1.0f;
+        if ( links && has_receiver )
+            weight[a] = link_weight( settings, reuse, rf_receiver( reuse, a, pairing ), a );
+    }
+}
+
+// Diffuse vertices scatter the light of links with the weight of each receiver; all other light was added before.
+static void add_diffuse_links( const RfPathSettings* settings, const float* const wi[3], int tile_pixels, RfTileReuse* reuse,
+                               RfLaneScratch* s )
+{
+    const RfVertexLanes* y = &reuse->second;
+    int count = y->first[RF_BSDF_FIRST_GLOSSY];
+    const float* wo[3] = { y->wo[0], y->wo[1], y->wo[2] };
+    float *f[3] = { s->f[0], s->f[1], s->f[2] }, *weight = s->visible;
+    rf_evaluate_seen_from( y, RF_BSDF_LAMBERT, wo, wi, f, s->pdf );
+    for ( int a = 0; a < count; ++a )
+    {
+        float q[3];
+        light_of( reuse, a, s->pdf[a], q );
+        for ( int c = 0; c < 3; ++c )
+            f[c][a] *= q[c];
+    }
+    for ( int pairing = tile_pixels - 1; pairing >= 0; --pairing )
+    {
+        RfPairingLanes* t = reuse->pairings + pairing;
+        find_link_weights( settings, reuse, pairing, true, weight );
+        for ( int c = 0; c < 3; ++c )
+        {
+            for ( int a = 0; a < count; ++a )
+                t->light[c][a] = reuse->pairings[0].light[c][a] + weight[a] * f[c][a];
+        }
+    }
+}
+
+static void add_glossy( const RfPathSettings* settings, const float* const wi[3], int tile_pixels, bool links, RfTileReuse* reuse,
+                        RfLaneScratch* s )
 {
     const RfVertexLanes* y = &reuse->second;
     int first = y->first[RF_BSDF_FIRST_GLOSSY], end = rf_record_count( y );
@@ -120,11 +174,13 @@ static void add_glossy( const float* const wi[3], int tile_pixels, RfTileReuse* 
     for ( int pairing = 0; pairing < tile_pixels; ++pairing )
     {
         RfPairingLanes* t = reuse->pairings + pairing;
+        const float* weight = s->visible;
+        find_link_weights( settings, reuse, pairing, links, s->visible );
         for ( int c = 0; c < 3; ++c )
         {
 #pragma omp simd
             for ( int a = first; a < end; ++a )
-                t->light[c][a] += t->f[c][a] * reuse->a[c][a];
+                t->light[c][a] += t->f[c][a] * reuse->a[c][a] * weight[a];
         }
     }
 }
@@ -132,7 +188,7 @@ static void add_glossy( const float* const wi[3], int tile_pixels, RfTileReuse* 
 // Light of vertices that are not reused reaches its own hit as it would without
 // tiles: either surface is unevaluable.
 static void add_not_reused( const RfPathSettings* settings, RfWavefront* wavefront, const float* const wi[3], bool scattered,
-                            RfTileReuse* reuse )
+                            bool links, RfTileReuse* reuse )
 {
     const RfVertexLanes* y = &reuse->second;
     RfLaneScratch* s = &wavefront->scratch;
@@ -145,10 +201,11 @@ static void add_not_reused( const RfPathSettings* settings, RfWavefront* wavefro
         int slot = y->slot[a];
         bool unevaluable = scattered && a >= rf_record_count( y ); // its ray carried the weight
         float pdf = unevaluable ? reuse->pdf[a] : s->pdf[a], q[3];
+        float weight = links ? link_weight( settings, reuse, reuse->hit_of[a], a ) : 1.0f;
         light_of( reuse, a, pdf, q );
         for ( int c = 0; c < 3; ++c )
         {
-            float light = f[c][a] * q[c];
+            float light = f[c][a] * q[c] * weight;
             if ( unevaluable )
             {
                 float k = (float)settings->light_samples * reuse->arrivals_at_second.light_pdf_solid_angle[slot];
@@ -221,22 +278,29 @@ void rf_light_pairings( const RfTileReuseSettings* settings, RfWavefront* wavefr
     int tile_pixels = settings->tile_pixels;
     bool glossy = reuse->second.first[RF_BSDF_FIRST_GLOSSY] < rf_record_count( &reuse->second );
     size_t bytes = (size_t)reuse->second.count * sizeof( float );
-    for ( int k = 0; k < 3 * ( glossy ? tile_pixels : 1 ); ++k )
+    bool linked = path->linker != NULL;
+    reuse->shared = linked ? 0 : reuse->second.first[RF_BSDF_FIRST_GLOSSY];
+    for ( int k = 0; k < 3 * ( glossy || linked ? tile_pixels : 1 ); ++k )
         memset( reuse->pairings[k / 3].light[k % 3], 0, bytes );
     bool reused = all_reused( reuse );
-    int k = rf_light_lanes_count( path );
-    for ( int d = 0; d <= k; ++d )
+    int k = path->light_samples;
+    for ( int d = 0; d <= k + linked; ++d ) // light samples, what was scattered, links
     {
-        float( *from )[RF_LANES] = d < k ? reuse->direct[d].wi : reuse->wi;
-        const float* wi[3] = { from[0], from[1], from[2] };
-        if ( d < k )
-            gather_light_sample( path, reuse, d );
-        else
+        const RfLightLanes* direct = reuse->direct + ( d < k ? d : k );
+        bool scattered = d == k, links = d > k;
+        const float* wi[3] = { scattered ? reuse->wi[0] : direct->wi[0], scattered ? reuse->wi[1] : direct->wi[1],
+                               scattered ? reuse->wi[2] : direct->wi[2] };
+        if ( scattered )
             gather_scattered( path, reuse );
+        else
+            gather_light_sample( path, reuse, links ? k : d );
         if ( !reused )
-            add_not_reused( path, wavefront, wi, d == k, reuse );
-        add_diffuse( wi, reuse, &wavefront->scratch );
-        add_glossy( wi, tile_pixels, reuse, &wavefront->scratch );
+            add_not_reused( path, wavefront, wi, scattered, links, reuse );
+        if ( links )
+            add_diffuse_links( path, wi, tile_pixels, reuse, &wavefront->scratch );
+        else
+            add_diffuse( wi, reuse, &wavefront->scratch );
+        add_glossy( path, wi, tile_pixels, links, reuse, &wavefront->scratch );
     }
     store_own( wavefront, reuse );
 }
@@ -244,7 +308,7 @@ void rf_light_pairings( const RfTileReuseSettings* settings, RfWavefront* wavefr
 void rf_gather_tile_light( const RfTileReuse* reuse, int pairing, const RfVertexLanes* hits, int first, int end,
                            float light[3][RF_LANES] )
 {
-    int diffuse = reuse->second.first[RF_BSDF_FIRST_GLOSSY];
+    int diffuse = reuse->shared;
     const RfPairingLanes *t = reuse->pairings + pairing, *own = reuse->pairings;
     for ( int i = first; i < end; ++i )
     {
@@ -279,7 +343,7 @@ static void sum_behind_panes( const RfPairingLanes* t, float pane_weight[3][RF_L
 
 void rf_gather_diffuse_tile_light( const RfTileReuse* reuse, int pairings, int count, float sum[3][RF_LANES] )
 {
-    int diffuse = reuse->second.first[RF_BSDF_FIRST_GLOSSY];
+    int diffuse = reuse->shared;
     const RfPairingLanes* own = reuse->pairings;
     for ( int c = 0; c < 3; ++c )
         memset( sum[c], 0, (size_t)count * sizeof( float ) );

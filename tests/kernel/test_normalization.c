@@ -50,7 +50,7 @@ static bool solve_link( const Setting* s, const RfLightPath* path, float part, R
 {
     RfVec3 t, b, n = rf_scale( path->end.d, -1.0f );
     rf_basis( n, &t, &b );
-    RfVec3 y = rf_madd( path->p, t, part * path->radius );
+    RfVec3 y = rf_madd( path->at.p, t, part * path->at.radius );
     v->p[0][0] = y.x;
     v->p[1][0] = y.y;
     v->p[2][0] = y.z;
