@@ -164,6 +164,7 @@ static bool step( const RfTracer* tracer, uint32_t triangle, float bu, float bv,
     float offset = rf_hit_point( t, bu, bv, from, v->out ).offset;
     chain->end.o = rf_madd( v->p, ng, v->refracted ? -offset : offset );
     bool inside = rf_dot( v->out, t->ng ) < 0.0f;
+    chain->ends_inside = inside && m->ior > 0.0f;
     chain->end_absorption = inside ? m->absorption : rf_vec3( 0, 0, 0 );
     chain->length += 1;
     return true;

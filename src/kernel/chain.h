@@ -40,6 +40,7 @@ typedef struct RfChain
     uint32_t first_triangle;
     float first_area_pdf;  // the first vertex: |cos| over distance² (with a place), or |cos|
     RfVec3 end_absorption; // of what the ray that leaves runs through, 1/m
+    bool ends_inside;      // of a body
 } RfChain;
 
 // How chains take events.

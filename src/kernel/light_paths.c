@@ -231,7 +231,7 @@ static uint64_t draw_block( const RfEstimatorGroup* group, RfLightPaths* paths, 
         path->light = rf_luminance( path->flux ) / ( path->reach * path->reach );
         if ( !( path->at.radius > 0.0f && path->light > 0.0f && path->light < INFINITY ) )
             path->length = 0;
-        rf_set_parent( group->tracer, paths, &land, i, path );
+        rf_set_parent( group->tracer, paths, c, &land, i, path );
     }
     return rays;
 }

@@ -14,7 +14,8 @@ typedef struct RfParent
     RfVec3 ng, n;  // unit geometric and shading normal, on the side that the light comes from
     uint32_t triangle;
     float u, v, offset;
-    float area; // m², that a link covers here, over the links found in it (rf_own_weight)
+    float falloff; // of the light here, by its range
+    float area;    // m², that a link covers here, over the links found in it (rf_own_weight)
 } RfParent;
 
 // A light path with what a link needs of it.

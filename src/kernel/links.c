@@ -30,7 +30,7 @@ static RfVec3 light_of( const RfLinkWork* w, const RfLink* link )
 static float area_of( const RfLinkWork* w, const RfLink* link, const RfBend* bend )
 {
     float step[2], miss, spread;
-    if ( !rf_is_matte_lane( w->settings->path, w->v, link->lane ) ||
+    if ( !rf_may_scatter( w->settings->path->tracer, &link->chain ) || !rf_is_matte_lane( w->settings->path, w->v, link->lane ) ||
          !rf_newton_step( &link->chain.end, bend->y, bend->n, step, &miss, &spread ) )
         return INFINITY;
     return RF_PI * link->reach * link->reach * spread / w->settings->paths->links;

@@ -69,7 +69,7 @@ static RfVec3 scattered_light( const RfTracer* tracer, const RfLightPath* path, 
     rf_bsdf_evaluate( m->kind, 1, &lanes, wo_in, wi_in, out, NULL );
     // flux comes through the area, the model asks for irradiance by the shading normal
     float cosines = rf_dot( parent->n, wi ) / rf_maxf( rf_dot( parent->ng, wi ), 1e-6f );
-    return rf_scale( rf_mul( path->flux, f ), cosines );
+    return rf_scale( rf_mul( path->flux, f ), cosines * parent->falloff );
 }
 
 static void test_visibility( RfLinkWork* w )

@@ -47,7 +47,8 @@ static RfVec3 shading_normal( const RfScene* scene, const RfMaterial* m, const R
     return rf_scale( rf_normal_at( scene, m, parent->triangle, parent->u, parent->v, rf_scale( n, side ), t->ng ), side );
 }
 
-void rf_set_parent( const RfTracer* tracer, const RfLightPaths* paths, const RfLanding* land, int i, RfLightPath* path )
+void rf_set_parent( const RfTracer* tracer, const RfLightPaths* paths, const RfChain* chain, const RfLanding* land, int i,
+                    RfLightPath* path )
 {
     RfParent* parent = &path->parent;
     const RfScene* scene = rf_tracer_scene( tracer );
@@ -68,7 +69,10 @@ void rf_set_parent( const RfTracer* tracer, const RfLightPaths* paths, const RfL
     }
     bool reached = rf_newton_step( &path->end, path->at.p, parent->ng, step, &miss, &spread );
     parent->area = RF_PI * path->reach * path->reach * spread / paths->links;
-    parent->scatters = reached && path->length > 0 && rf_is_matte( m->kind, shape ) && rf_dot( parent->n, wi ) > 0.0f;
+    parent->falloff =
+        rf_emission_falloff( &path->start, chain->way + rf_length( rf_sub( path->at.p, chain->vertex[chain->length - 1].p ) ) );
+    parent->scatters = reached && rf_may_scatter( tracer, chain ) && parent->falloff > 0.0f && path->length > 0 &&
+                       rf_is_matte( m->kind, shape ) && rf_dot( parent->n, wi ) > 0.0f;
 }
 
 float rf_scattered_radius( const RfLightPaths* paths, const RfLightPath* path, RfVec3 hit, RfVec3 ng )

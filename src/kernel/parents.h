@@ -13,8 +13,16 @@
 size_t rf_scattered_bytes( size_t n );
 void rf_lay_out_scattered( RfLightPaths* paths, void* memory );
 
-// Sets path->parent from where the chain of lane `i` landed.
-void rf_set_parent( const RfTracer* tracer, const RfLightPaths* paths, const RfLanding* land, int i, RfLightPath* path );
+// Sets path->parent from where its chain, that of lane `i`, landed.
+void rf_set_parent( const RfTracer* tracer, const RfLightPaths* paths, const RfChain* chain, const RfLanding* land, int i,
+                    RfLightPath* path );
+
+// Whether parents are linked where a chain ends. Not inside of bodies, where flux and radiance scale differently, and nowhere
+// if rays pass surfaces by chance.
+static inline bool rf_may_scatter( const RfTracer* tracer, const RfChain* chain )
+{
+    return !chain->ends_inside && !rf_tracer_has_panes( tracer ) && !rf_tracer_is_blended( tracer );
+}
 
 // Draws what the stored paths scatter. Returns the rays traced.
 uint64_t rf_scatter_light_paths( const RfEstimatorGroup* group, RfLightPaths* paths, uint64_t pass_key );

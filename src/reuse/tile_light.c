@@ -3,7 +3,7 @@
 // at a vertex could have been sampled by any path of the tile that reaches the
 // vertex, so it is weighted over them as directions at a first hit are over the eyes:
 // Q = A / (K p_L + P) + B / P with P = Σ_k (ρ_k / Σ ρ) p(ω; seen from x^k).
-#include "reuse/tile_reuse.h"
+#include "reuse/tile_links.h"
 
 #include <string.h>
 
@@ -87,59 +87,6 @@ static void find_receivers( const RfTileReuse* reuse, int pairing, float wo[3][R
     }
 }
 
-// The weight of the links at a second vertex in the light that a hit receives from there: a link at the hit may find it as well.
-static float link_weight( const RfPathSettings* settings, const RfTileReuse* reuse, int i, int a )
-{
-    const RfVertexLanes *x = reuse->hits, *y = &reuse->second;
-    if ( i < 0 || reuse->link_area[a] == INFINITY || !rf_is_matte_lane( settings, x, i ) )
-        return 1.0f;
-    RfVec3 from =
-        rf_madd( rf_vec3( x->p[0][i], x->p[1][i], x->p[2][i] ), rf_vec3( x->ng[0][i], x->ng[1][i], x->ng[2][i] ), x->offset[i] );
-    return rf_own_weight( settings->linker->parents, reuse->link_area[a], from, rf_vec3( x->n[0][i], x->n[1][i], x->n[2][i] ),
-                          rf_vec3( y->p[0][a], y->p[1][a], y->p[2][a] ), rf_vec3( y->ng[0][a], y->ng[1][a], y->ng[2][a] ) );
-}
-
-// The same for the receivers of a pairing; 1 for light that is no link's, and 0 without a receiver.
-static void find_link_weights( const RfPathSettings* settings, const RfTileReuse* reuse, int pairing, bool links, float* weight )
-{
-    for ( int a = 0; a < rf_record_count( &reuse->second ); ++a )
-    {
-        int i = reuse->owner[a];
-        bool has_receiver = i >= 0 && pairing < reuse->size[i];
-        weight[a] = links ? 0.0f : 1.0f;
-        if ( links && has_receiver )
-            weight[a] = link_weight( settings, reuse, rf_receiver( reuse, a, pairing ), a );
-    }
-}
-
-// Diffuse vertices scatter the light of links with the weight of each receiver; all other light was added before.
-static void add_diffuse_links( const RfPathSettings* settings, const float* const wi[3], int tile_pixels, RfTileReuse* reuse,
-                               RfLaneScratch* s )
-{
-    const RfVertexLanes* y = &reuse->second;
-    int count = y->first[RF_BSDF_FIRST_GLOSSY];
-    const float* wo[3] = { y->wo[0], y->wo[1], y->wo[2] };
-    float *f[3] = { s->f[0], s->f[1], s->f[2] }, *weight = s->visible;
-    rf_evaluate_seen_from( y, RF_BSDF_LAMBERT, wo, wi, f, s->pdf );
-    for ( int a = 0; a < count; ++a )
-    {
-        float q[3];
-        light_of( reuse, a, s->pdf[a], q );
-        for ( int c = 0; c < 3; ++c )
-            f[c][a] *= q[c];
-    }
-    for ( int pairing = tile_pixels - 1; pairing >= 0; --pairing )
-    {
-        RfPairingLanes* t = reuse->pairings + pairing;
-        find_link_weights( settings, reuse, pairing, true, weight );
-        for ( int c = 0; c < 3; ++c )
-        {
-            for ( int a = 0; a < count; ++a )
-                t->light[c][a] = reuse->pairings[0].light[c][a] + weight[a] * f[c][a];
-        }
-    }
-}
-
 static void add_glossy( const RfPathSettings* settings, const float* const wi[3], int tile_pixels, bool links, RfTileReuse* reuse,
                         RfLaneScratch* s )
 {
@@ -175,7 +122,7 @@ static void add_glossy( const RfPathSettings* settings, const float* const wi[3]
     {
         RfPairingLanes* t = reuse->pairings + pairing;
         const float* weight = s->visible;
-        find_link_weights( settings, reuse, pairing, links, s->visible );
+        rf_find_link_weights( settings, reuse, pairing, links, s->visible );
         for ( int c = 0; c < 3; ++c )
         {
 #pragma omp simd
@@ -201,7 +148,7 @@ static void add_not_reused( const RfPathSettings* settings, RfWavefront* wavefro
         int slot = y->slot[a];
         bool unevaluable = scattered && a >= rf_record_count( y ); // its ray carried the weight
         float pdf = unevaluable ? reuse->pdf[a] : s->pdf[a], q[3];
-        float weight = links ? link_weight( settings, reuse, reuse->hit_of[a], a ) : 1.0f;
+        float weight = links ? rf_link_weight( settings, reuse, reuse->hit_of[a], a ) : 1.0f;
         light_of( reuse, a, pdf, q );
         for ( int c = 0; c < 3; ++c )
         {
@@ -297,72 +244,10 @@ void rf_light_pairings( const RfTileReuseSettings* settings, RfWavefront* wavefr
         if ( !reused )
             add_not_reused( path, wavefront, wi, scattered, links, reuse );
         if ( links )
-            add_diffuse_links( path, wi, tile_pixels, reuse, &wavefront->scratch );
+            rf_add_diffuse_links( path, wi, tile_pixels, reuse, &wavefront->scratch );
         else
             add_diffuse( wi, reuse, &wavefront->scratch );
         add_glossy( path, wi, tile_pixels, links, reuse, &wavefront->scratch );
     }
     store_own( wavefront, reuse );
-}
-
-void rf_gather_tile_light( const RfTileReuse* reuse, int pairing, const RfVertexLanes* hits, int first, int end,
-                           float light[3][RF_LANES] )
-{
-    int diffuse = reuse->shared;
-    const RfPairingLanes *t = reuse->pairings + pairing, *own = reuse->pairings;
-    for ( int i = first; i < end; ++i )
-    {
-        int a = t->vertex[i];
-        float weight = t->weight[i];
-        float cos_x = hits->n[0][i] * t->wi[0][i] + hits->n[1][i] * t->wi[1][i] + hits->n[2][i] * t->wi[2][i];
-        const RfPairingLanes* from = a < diffuse ? own : t;
-        for ( int c = 0; c < 3; ++c )
-            light[c][i] = weight > 0.0f ? cos_x * weight * from->light[c][a] : 0.0f;
-    }
-    for ( int c = 0; c < 3 && reuse->pane_weight != NULL; ++c )
-    {
-        for ( int i = first; i < end; ++i )
-            light[c][i] = t->weight[i] > 0.0f ? light[c][i] * reuse->pane_weight[pairing][c][i] : 0.0f;
-    }
-}
-
-// The sum of a pairing whose light comes through panes.
-static void sum_behind_panes( const RfPairingLanes* t, float pane_weight[3][RF_LANES], const RfPairingLanes* own, int diffuse,
-                              int count, float sum[3][RF_LANES] )
-{
-    for ( int i = 0; i < count; ++i )
-    {
-        if ( t->weight[i] == 0.0f )
-            continue;
-        int a = t->vertex[i];
-        const RfPairingLanes* from = a < diffuse ? own : t;
-        for ( int c = 0; c < 3; ++c )
-            sum[c][i] += t->weight[i] * pane_weight[c][i] * from->light[c][a];
-    }
-}
-
-void rf_gather_diffuse_tile_light( const RfTileReuse* reuse, int pairings, int count, float sum[3][RF_LANES] )
-{
-    int diffuse = reuse->shared;
-    const RfPairingLanes* own = reuse->pairings;
-    for ( int c = 0; c < 3; ++c )
-        memset( sum[c], 0, (size_t)count * sizeof( float ) );
-    for ( int s = 1; s < pairings; ++s )
-    {
-        const RfPairingLanes* t = reuse->pairings + s;
-        if ( reuse->pane_weight != NULL )
-        {
-            sum_behind_panes( t, reuse->pane_weight[s], own, diffuse, count, sum );
-            continue;
-        }
-        for ( int i = 0; i < count; ++i )
-        {
-            if ( t->weight[i] == 0.0f )
-                continue;
-            int a = t->vertex[i];
-            const RfPairingLanes* from = a < diffuse ? own : t;
-            for ( int c = 0; c < 3; ++c )
-                sum[c][i] += t->weight[i] * from->light[c][a];
-        }
-    }
 }
