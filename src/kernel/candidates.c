@@ -67,7 +67,8 @@ RfAcceptance rf_weigh_candidates( const RfLinkWork* w, RfRandomKey lane, float s
         a.sum += c->light[k];
     float promised = a.sum * scale * RF_INV_PI / (float)w->settings->paths->emitted;
     float share = promised / rf_maxf( promised + w->keys->lit[i], 1e-30f );
-    a.trials = ( w->vertex == 1 ? TRIAL_LINKS : TRIAL_LINKS_BEYOND ) * rf_maxf( share, LEAST_SHARE );
+    float most = w->settings->paths->share > 0.0f ? w->settings->paths->share : 1.0f;
+    a.trials = most * ( w->vertex == 1 ? TRIAL_LINKS : TRIAL_LINKS_BEYOND ) * rf_maxf( share, LEAST_SHARE );
     return a;
 }
 

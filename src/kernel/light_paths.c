@@ -21,21 +21,25 @@ enum
     DIMENSION_SURFACE = DIMENSION_EMITTER + 4,
 };
 
+static uint32_t in_blocks( double n ) { return (uint32_t)ceil( n / RF_CHAIN_BLOCK ) * RF_CHAIN_BLOCK; }
+
 uint32_t rf_light_path_count( const RfEstimatorGroup* group )
 {
     double wanted = PATHS_PER_PIXEL * group->width * group->height * group->eye_count;
     uint32_t n = wanted < LEAST_PATHS ? LEAST_PATHS : wanted > MOST_PATHS ? MOST_PATHS : (uint32_t)wanted;
-    return ( n + RF_CHAIN_BLOCK - 1 ) / RF_CHAIN_BLOCK * RF_CHAIN_BLOCK;
+    return in_blocks( (double)n );
 }
 
 static size_t aligned( size_t bytes ) { return ( bytes + 63 ) / 64 * 64; }
 
 size_t rf_light_paths_bytes( const RfEstimatorGroup* group )
 {
-    size_t n = rf_light_path_count( group ), s = group->traits.chain_triangles;
+    size_t n = rf_light_path_count( group ), s = group->traits.chain_triangles, l = group->traits.most_lights;
     return aligned( sizeof( RfLightPaths ) ) + aligned( n * sizeof( RfLightPath ) ) + aligned( n * sizeof( uint32_t ) ) +
            aligned( n * sizeof( RfFootprintNode ) ) + rf_scattered_bytes( n ) + aligned( s * sizeof( uint32_t ) ) +
-           aligned( s * sizeof( double ) ) + aligned( s * sizeof( float ) );
+           aligned( s * sizeof( double ) ) + aligned( s * sizeof( float ) ) +
+           aligned( ( group->traits.materials + 1 ) * sizeof( bool ) ) + aligned( l * sizeof( uint32_t ) ) +
+           aligned( l * sizeof( double ) );
 }
 
 static void* take( char** at, size_t bytes )
@@ -88,16 +92,49 @@ static void list_surfaces( const RfTracer* tracer, RfLightPaths* paths )
     }
 }
 
+static bool is_linked( const RfTracer* tracer, const RfLightPaths* paths, uint32_t light )
+{
+    const RfLights* lights = rf_tracer_lights( tracer );
+    const RfScene* scene = rf_tracer_scene( tracer );
+    if ( light < lights->triangle_count )
+        return paths->linked[scene->triangles.material[lights->light[light].triangle]];
+    bool sky = light >= lights->triangle_count + (uint32_t)lights->punctual_count;
+    return !sky || paths->linked[scene->material_count];
+}
+
+static void list_emitters( const RfEstimatorGroup* group, RfLightPaths* paths )
+{
+    const RfLights* lights = rf_tracer_lights( group->tracer );
+    const RfScene* scene = rf_tracer_scene( group->tracer );
+    rf_divide_emitters( scene, paths->linked );
+    for ( uint32_t m = 0; m <= scene->material_count && group->settings->light_paths == RF_LIGHT_PATHS_ON; ++m )
+        paths->linked[m] = true;
+    double sum = 0.0;
+    uint32_t count = 0;
+    for ( uint32_t i = 0; i < lights->count; ++i )
+    {
+        if ( !is_linked( group->tracer, paths, i ) || !( lights->power_fraction[i] > 0.0f ) )
+            continue;
+        sum += (double)lights->power_fraction[i];
+        paths->light[count] = i;
+        paths->light_cumulative[count++] = sum;
+    }
+    paths->light_count = count;
+}
+
 // The surfaces are listed once; groups at the ends of a camera's path have fewer light paths than others.
 static RfLightPaths* lay_out( const RfEstimatorGroup* group, void* memory )
 {
-    size_t n = rf_light_path_count( group ), s = group->traits.chain_triangles;
+    size_t n = rf_light_path_count( group ), s = group->traits.chain_triangles, l = group->traits.most_lights;
     char* at = memory;
     RfLightPaths* paths = take( &at, sizeof *paths );
-    paths->emitted = (uint32_t)n;
+    paths->emitted = paths->share > 0.0f ? in_blocks( (double)paths->share * (double)n ) : (uint32_t)n;
     paths->triangle = take( &at, s * sizeof *paths->triangle );
     paths->cumulative = take( &at, s * sizeof *paths->cumulative );
     paths->pdf_area = take( &at, s * sizeof *paths->pdf_area );
+    paths->linked = take( &at, ( group->traits.materials + 1 ) * sizeof *paths->linked );
+    paths->light = take( &at, l * sizeof *paths->light );
+    paths->light_cumulative = take( &at, l * sizeof *paths->light_cumulative );
     paths->path = take( &at, n * sizeof *paths->path );
     paths->tree = ( RfFootprintTree ){ .balls = (const char*)&paths->path->at, .stride = sizeof *paths->path };
     paths->tree.order = take( &at, n * sizeof *paths->tree.order );
@@ -106,7 +143,10 @@ static RfLightPaths* lay_out( const RfEstimatorGroup* group, void* memory )
     paths->links = LINKS;
     paths->most_radius = MOST_FOOTPRINT * rf_tracer_lights( group->tracer )->radius;
     if ( !paths->prepared )
+    {
         list_surfaces( group->tracer, paths );
+        list_emitters( group, paths );
+    }
     paths->prepared = true;
     return paths;
 }
@@ -141,22 +181,28 @@ RfFootprint rf_find_footprint( const RfLightPaths* paths, const RfLights* lights
     return ( RfFootprint ){ reach, reach * stretch };
 }
 
+// One of `count` by a number u in [0, 1).
+static uint32_t select_by( const double* cumulative, uint32_t count, double u )
+{
+    uint32_t low = 0, high = count - 1;
+    while ( low < high )
+    {
+        uint32_t middle = ( low + high ) / 2;
+        if ( cumulative[middle] <= u * cumulative[count - 1] )
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
 // A point of the mirrors and glass. Path `number` of the set; neighbours in the set have neighbouring triangles and points
 // of a sequence of low discrepancy (Roberts, R2).
 static RfVec3 sample_surface( const RfLightPaths* paths, const RfTracer* tracer, RfRandomKey shift, RfRandomKey key,
                               uint32_t number, uint32_t* triangle )
 {
-    double u = ( (double)number + (double)rf_random( key, DIMENSION_SURFACE ) ) / (double)paths->emitted *
-               paths->cumulative[paths->surface_count - 1];
-    uint32_t low = 0, high = paths->surface_count - 1;
-    while ( low < high )
-    {
-        uint32_t middle = ( low + high ) / 2;
-        if ( paths->cumulative[middle] <= u )
-            low = middle + 1;
-        else
-            high = middle;
-    }
+    double u = ( (double)number + (double)rf_random( key, DIMENSION_SURFACE ) ) / (double)paths->emitted;
+    uint32_t low = select_by( paths->cumulative, paths->surface_count, u );
     const RfTriangleRecord* t = rf_tracer_triangles( tracer ) + paths->triangle[low];
     double a = (double)number * 0.75487766624669276 + (double)rf_random( shift, 0 );
     double b = (double)number * 0.56984029099805327 + (double)rf_random( shift, 1 );
@@ -174,7 +220,9 @@ static bool emit( const RfEstimatorGroup* group, const RfLightPaths* paths, RfRa
     for ( uint32_t k = 0; k < 4; ++k )
         u[k] = rf_random( key, DIMENSION_EMITTER + k );
     RfVec3 to = sample_surface( paths, group->tracer, shift, key, number, triangle );
-    if ( !rf_sample_emitter( lights, rf_tracer_scene( group->tracer ), u, e ) )
+    uint32_t light = paths->light[select_by( paths->light_cumulative, paths->light_count, (double)u[0] )];
+    float pdf = lights->power_fraction[light] / (float)paths->light_cumulative[paths->light_count - 1];
+    if ( !rf_sample_emitter_of( lights, rf_tracer_scene( group->tracer ), light, pdf, u[1], u + 2, e ) )
         return false;
     if ( !e->infinite )
     {
@@ -240,8 +288,7 @@ void rf_draw_light_paths( const RfEstimatorGroup* group, int pass, void* memory 
 {
     RfLightPaths* paths = lay_out( group, memory );
     uint64_t key = rf_pass_key( group->settings->seed, LIGHT_PATHS, (uint32_t)group->number, (uint32_t)pass ), rays = 0;
-    bool lit = rf_tracer_lights( group->tracer )->count > 0;
-    int blocks = lit && paths->surface_count > 0 ? (int)( paths->emitted / RF_CHAIN_BLOCK ) : 0;
+    int blocks = paths->light_count > 0 && paths->surface_count > 0 ? (int)( paths->emitted / RF_CHAIN_BLOCK ) : 0;
 #pragma omp parallel num_threads( group->settings->threads ) reduction( + : rays )
     {
         rf_set_float_mode();

@@ -43,6 +43,8 @@ typedef struct RfScatteredPath
 typedef struct RfLightPaths
 {
     bool prepared;
+    int share_of;      // the group that `share` was chosen for, from 1; 0: none yet
+    float share;       // of the light paths and links of a set that is drawn; 0: all
     uint32_t emitted;  // n, with those that came to nothing
     uint32_t count;    // stored
     float links;       // c: links that an eye vertex finds per way in which light comes to it, on average
@@ -59,7 +61,12 @@ typedef struct RfLightPaths
     uint32_t* triangle;
     double* cumulative; // of their probabilities
     float* pdf_area;    // of their points
-    uint64_t rays;      // traced for this set
+    bool* linked;       // by material, then the sky: its emission comes by links (light/divide.h)
+    // the lights that light paths start from
+    uint32_t light_count;
+    uint32_t* light;
+    double* light_cumulative; // of their powers
+    uint64_t rays;            // traced for this set
 } RfLightPaths;
 
 // How many light paths serve a pass of a group.

@@ -182,7 +182,15 @@ void rf_link_vertices( const RfKernelLinker* linker, RfWavefront* keys, const Rf
                        int vertex )
 {
     RfLinkLanes* out = linker->out;
-    RfLinkWork w = { .settings = linker, .keys = keys, .rays = rays, .vertex = vertex, .v = v, .out = out };
+    RfLinkWork w; // its arrays are large: they stay as they are
+    w.settings = linker;
+    w.keys = keys;
+    w.rays = rays;
+    w.vertex = vertex;
+    w.v = v;
+    w.out = out;
+    w.count = w.parent_count = 0;
+    memset( w.chosen, 0, sizeof w.chosen );
     int count = rf_record_count( v );
     out->rays = out->trials = 0;
     memset( out->light, 0, sizeof out->light );
@@ -205,6 +213,7 @@ void rf_link_vertices( const RfKernelLinker* linker, RfWavefront* keys, const Rf
             out->one[c][i] *= w.chosen[i];
     }
     keys->path_rays += out->rays;
+    out->all_rays += out->rays;
 }
 
 // Links as light samples.
@@ -233,5 +242,5 @@ static void sample( const RfLinker* linker, RfWavefront* keys, const RfRayLanes*
 RfKernelLinker rf_make_linker( const RfLightPaths* paths, RfKernelNormalization normalization, const RfPathSettings* path,
                                RfLinkLanes* lanes )
 {
-    return ( RfKernelLinker ){ { sample, paths->parents }, path, paths, normalization, lanes };
+    return ( RfKernelLinker ){ { sample, paths->parents, paths->linked }, path, paths, normalization, lanes };
 }

@@ -15,6 +15,7 @@ typedef struct RfLinkLanes
     float area[RF_LANES];              // its area (rf_own_weight)
     uint32_t found[RF_LANES];          // links
     uint64_t rays;                     // traced, counted up
+    uint64_t all_rays;                 // likewise, over all vertices
     uint64_t trials;                   // of the normalisation, counted up
 } RfLinkLanes;
 

@@ -105,24 +105,27 @@ static bool sample_infinite( const RfLights* lights, const RfPunctual* sun, cons
     return shines( e->radiance );
 }
 
-bool rf_sample_emitter( const RfLights* lights, const RfScene* scene, const float u[4], RfEmission* e )
+bool rf_sample_emitter_of( const RfLights* lights, const RfScene* scene, uint32_t light, float pdf_light, float side,
+                           const float u[2], RfEmission* e )
 {
-    *e = ( RfEmission ){ .range = INFINITY };
-    e->light = rf_select_light_by_power( lights, bits_of( u[0] ), bits_of( u[1] ) );
-    e->pdf_light = lights->power_fraction[e->light];
+    *e = ( RfEmission ){ .range = INFINITY, .light = light, .pdf_light = pdf_light };
     const RfPunctual* lamp = punctual_of( lights, e->light );
     if ( e->light < lights->triangle_count )
-    {
-        float column = u[0] * (float)lights->count;
-        return sample_triangle( lights, scene, column - floorf( column ), u + 2, e );
-    }
+        return sample_triangle( lights, scene, side, u, e );
     if ( lamp == NULL || lamp->kind == RF_PUNCTUAL_DIRECTIONAL )
-        return sample_infinite( lights, lamp, u + 2, e );
+        return sample_infinite( lights, lamp, u, e );
     e->delta_position = true;
     e->position = lamp->position;
     e->pdf_area = 1.0f;
     e->range = lamp->range;
     return shines( lamp->intensity );
+}
+
+bool rf_sample_emitter( const RfLights* lights, const RfScene* scene, const float u[4], RfEmission* e )
+{
+    uint32_t light = rf_select_light_by_power( lights, bits_of( u[0] ), bits_of( u[1] ) );
+    float column = u[0] * (float)lights->count;
+    return rf_sample_emitter_of( lights, scene, light, lights->power_fraction[light], column - floorf( column ), u + 2, e );
 }
 
 bool rf_emit_towards( const RfLights* lights, const RfScene* scene, RfVec3 direction, RfEmission* e )

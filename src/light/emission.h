@@ -36,6 +36,10 @@ bool rf_sample_emission( const RfLights* lights, const RfScene* scene, const flo
 // place: position and pdf_area; infinite ones: direction and pdf_solid_angle. For callers that steer rays themselves.
 bool rf_sample_emitter( const RfLights* lights, const RfScene* scene, const float u[4], RfEmission* emission );
 
+// The same of a light that was selected with this probability. `side`: a number of its own in [0, 1), for two-sided lights.
+bool rf_sample_emitter_of( const RfLights* lights, const RfScene* scene, uint32_t light, float pdf_light, float side,
+                           const float u[2], RfEmission* emission );
+
 // The emission in another direction from the same place: sets direction, radiance, pdf_solid_angle, throughput. Not of
 // infinite lights, whose emission does not depend on the place. False: nothing is emitted in that direction.
 bool rf_emit_towards( const RfLights* lights, const RfScene* scene, RfVec3 direction, RfEmission* emission );

@@ -37,10 +37,11 @@ void rf_leave_to_links( const RfPathSettings* settings, const RfWavefront* wavef
     for ( int i = 0; i < vertices->count; ++i )
     {
         uint8_t deltas = wavefront->deltas[vertices->slot[i]];
-        if ( deltas > 1 && deltas != RF_NOT_LINKED )
+        if ( deltas > 1 && deltas != RF_NOT_LINKED && settings->linker->linked[vertices->material[i]] )
             vertices->light_pdf_solid_angle[i] = 0.0f;
     }
-    for ( int r = 0; r < rays->count; ++r )
+    bool sky = settings->linker->linked[rf_tracer_scene( settings->tracer )->material_count];
+    for ( int r = 0; r < rays->count && sky; ++r )
     {
         uint8_t deltas = wavefront->deltas[rays->slot[r]];
         for ( int c = 0; c < 3 && deltas > 1 && deltas != RF_NOT_LINKED && wavefront->scratch.triangle[r] == RF_MISS; ++c )

@@ -64,6 +64,7 @@ struct RfLinker
                       int vertex, RfLightLanes* out, float* area );
     // Links that a point finds, on average, to parents that one light path brings into being.
     float parents;
+    const bool* linked; // by material, then the sky: whose emission it finds
 };
 
 // Light samples of a vertex with those of the linker.

@@ -75,8 +75,8 @@ const char* rf_adaptive_name( RfAdaptive adaptive );
 // Light paths through mirrors and glass, bent to what the eyes see (src/kernel/README.md).
 typedef enum RfLightPathsUse
 {
-    RF_LIGHT_PATHS_AUTO, // where light can reach mirrors or glass
-    RF_LIGHT_PATHS_ON,   // likewise: elsewhere there are none
+    RF_LIGHT_PATHS_AUTO, // from emitters that look small in mirrors and glass (src/light/divide.h)
+    RF_LIGHT_PATHS_ON,   // from all emitters
     RF_LIGHT_PATHS_OFF,
 } RfLightPathsUse;
 

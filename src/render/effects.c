@@ -117,11 +117,15 @@ static void set_light_paths( const Source* from )
     const RfSceneTraits* t = &from->traits;
     const RfRenderSettings* s = from->settings;
     bool on = rf_wants_light_paths( t, s );
-    if ( s->light_paths == RF_LIGHT_PATHS_OFF && t->chain_triangles > 0 && !t->panes && !t->blended )
-        set( from, RF_EFFECT_LIGHT_PATHS, false, "the settings do not ask for it, though %u triangles are mirrors or clear glass",
-             t->chain_triangles );
+    if ( s->light_paths == RF_LIGHT_PATHS_OFF && t->emitters.linked > 0 )
+        set( from, RF_EFFECT_LIGHT_PATHS, false,
+             "the settings do not ask for it, though mirrors or clear glass pass on light of %u small emitters",
+             t->emitters.linked );
     else if ( s->light_paths == RF_LIGHT_PATHS_OFF )
         set( from, RF_EFFECT_LIGHT_PATHS, false, "the settings do not ask for it" );
+    else if ( on && s->light_paths == RF_LIGHT_PATHS_AUTO )
+        set( from, RF_EFFECT_LIGHT_PATHS, true, "%u triangles of mirrors or clear glass; %u of %u emitters are small",
+             t->chain_triangles, t->emitters.linked, t->emitters.all );
     else if ( on )
         set( from, RF_EFFECT_LIGHT_PATHS, true, "%u triangles of mirrors or clear glass", t->chain_triangles );
     else
@@ -130,7 +134,8 @@ static void set_light_paths( const Source* from )
              : t->panes                       ? "there are thin panes, which light paths do not pass"
              : t->blended                     ? "surfaces are partly transparent, which light paths do not pass"
              : s->weights != RF_WEIGHTS_EXACT ? "they want exact weights"
-                                              : "the estimator has none" );
+             : s->estimator->prepare == NULL  ? "the estimator has none"
+                                              : "mirrors and glass meet large emitters alone, which chance finds" );
 }
 
 static void set_reuse( const Source* from )

@@ -18,6 +18,7 @@
 #include "film/aov_film.h"
 #include "film/film.h"
 #include "film/pixel_filter.h"
+#include "light/divide.h"
 #include "reframe/render.h"
 
 // The flags of a scene's traits, each with the effect of which it is the reason: X( flag, EFFECT ).
@@ -42,6 +43,9 @@ typedef struct RfSceneTraits
     bool grouped_chains;      // other frames can use what chains find
     bool scattered;           // the pixels of a batch lie apart: its one point of the lens is not to be seen
     uint32_t chain_triangles; // that light paths can follow (rf_is_chain_surface)
+    uint32_t materials;
+    uint32_t most_lights; // triangles that emit, punctual lights, the sky
+    RfDivision emitters;  // by light/divide.h
 } RfSceneTraits;
 
 // Whether batches have points of the lens and moments of the shutter.

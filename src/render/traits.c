@@ -12,6 +12,7 @@ RfSceneTraits rf_scene_traits( const RfScene* scene, const RfEye* eyes, int eye_
     {
         const RfMaterial* material = scene->materials + scene->triangles.material[i];
         traits.chain_triangles += rf_is_chain_surface( material );
+        traits.most_lights += rf_max_component( material->emission ) > 0.0f;
         if ( i > 0 && scene->triangles.material[i] == scene->triangles.material[i - 1] )
             continue;
         traits.kinds |= 1u << material->kind;
@@ -31,6 +32,10 @@ RfSceneTraits rf_scene_traits( const RfScene* scene, const RfEye* eyes, int eye_
     }
     traits.grouped_chains = traits.mirrors || traits.smooth || traits.panes;
     traits.scattered = traits.lens || traits.shutter;
+    traits.materials = scene->material_count;
+    traits.most_lights += (uint32_t)scene->punctual_count + 1;
+    if ( traits.chain_triangles > 0 && !traits.panes && !traits.blended )
+        traits.emitters = rf_divide_emitters( scene, NULL );
     return traits;
 }
 
@@ -38,7 +43,7 @@ bool rf_wants_light_paths( const RfSceneTraits* traits, const RfRenderSettings* 
 {
     return rf_calls_for( settings->light_paths != RF_LIGHT_PATHS_OFF && settings->estimator->prepare != NULL &&
                              settings->weights == RF_WEIGHTS_EXACT && traits->chain_triangles > 0 && !traits->panes &&
-                             !traits->blended,
+                             !traits->blended && ( settings->light_paths == RF_LIGHT_PATHS_ON || traits->emitters.linked > 0 ),
                          RF_EFFECT_LIGHT_PATHS );
 }
 

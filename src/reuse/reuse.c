@@ -4,6 +4,7 @@
 #include "reuse/accumulate.h"
 #include "reuse/glossy.h"
 #include "reuse/harvest_internal.h"
+#include "reuse/link_share.h"
 #include "reuse/serialise.h"
 
 static size_t header_bytes( void ) { return ( sizeof( RfHitBatch ) + 63 ) / 64 * 64; }
@@ -30,7 +31,7 @@ static RfEstimatorSizes sizes( const RfEstimatorGroup* group )
         .trace_scratch = rf_harvest_scratch_bytes( &shape ),
         .accumulate_scratch = rf_accumulate_scratch_bytes( &shape ),
         .pass_state = shape.eq15 ? pixels * (size_t)rf_seen_words( shape.eyes ) * sizeof( uint32_t ) : 0,
-        .shared = shape.links ? rf_light_paths_bytes( group ) : 0,
+        .shared = shape.links ? rf_light_paths_bytes( group ) + rf_link_share_bytes( group ) : 0,
         .whole_pass = shape.eq15,
         .diffuse_record = per_lane( rf_batch_bytes( &diffuse ) ),
         .shiny_record = per_lane( rf_batch_bytes( &shape ) ),
@@ -59,8 +60,12 @@ static int trace( const RfEstimatorGroup* group, RfTraceJob job, void* batch, vo
 
 static void prepare( const RfEstimatorGroup* group, int pass, void* shared, RfRayCounts* rays )
 {
+    RfLightPaths* paths = shared;
+    if ( paths->share_of != group->number + 1 )
+        rf_choose_link_share( group, paths, (char*)shared + rf_light_paths_bytes( group ), rays );
+    paths->share_of = group->number + 1;
     rf_draw_light_paths( group, pass, shared );
-    rays->path += ( (const RfLightPaths*)shared )->rays;
+    rays->path += paths->rays;
 }
 
 static bool is_traced( const RfEstimatorGroup* group, RfTraceJob job )

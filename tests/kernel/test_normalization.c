@@ -37,6 +37,9 @@ static void make_setting( const RfScene* scene, Setting* setting )
         ( RfEstimatorGroup ){ .tracer = s.tracer, .settings = &setting->settings, .width = 64, .height = 64, .eye_count = 1 };
     for ( uint32_t i = 0; i < scene->triangles.count; ++i )
         s.group.traits.chain_triangles += rf_is_chain_surface( scene->materials + scene->triangles.material[i] );
+    s.group.traits.materials = scene->material_count;
+    s.group.traits.most_lights = scene->triangles.count + 1;
+    setting->settings.light_paths = s.settings.light_paths = RF_LIGHT_PATHS_ON;
     s.path = ( RfPathSettings ){ .tracer = s.tracer, .max_depth = 12, .light_samples = 1 };
     setting->settings = s.settings;
     size_t bytes = rf_light_paths_bytes( &s.group );

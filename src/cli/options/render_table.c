@@ -141,7 +141,7 @@ static const RfOption s_options[] = {
       .choices = rf_light_paths_words,
       .default_text = "off",
       .help = "light that mirrors and glass send on, by paths from the lights that serve all frames of a group: caustics, lamps "
-              "behind glass; auto: where there are mirrors or clear glass" },
+              "behind glass; auto: of lamps without size and of small emitters alone, where it pays" },
     { .name = "kernel-normalization",
       .in_file = true,
       .type = RF_OPTION_CHOICE,

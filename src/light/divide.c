@@ -1,0 +1,188 @@
+#include "light/divide.h"
+
+#define POINTS 64     // of mirrors and glass
+#define FEW_POINTS 16 // of an emitter
+#define MOST_TRIANGLES 2048
+#define MOST_DIVIDED 64 // materials that emit; any further ones are linked
+#define PI 3.14159265358979324
+
+typedef struct Point
+{
+    RfVec3 p, n;
+} Point;
+
+// Points spread evenly over the area of triangles of one kind.
+typedef struct Points
+{
+    double area;
+    int count;
+    Point point[POINTS];
+} Points;
+
+// Which triangles are meant: those of a material, or of all that are, or are not, mirrors and clear glass.
+typedef struct Kind
+{
+    bool of_material, chain;
+    uint32_t material;
+} Kind;
+
+static bool is_of_kind( const RfScene* scene, uint32_t triangle, Kind kind )
+{
+    uint32_t material = scene->triangles.material[triangle];
+    return kind.of_material ? material == kind.material : rf_is_chain_surface( scene->materials + material ) == kind.chain;
+}
+
+static RfVec3 corner( const RfTriangles* t, uint32_t triangle, int k )
+{
+    const float* p = t->positions + 3 * (size_t)t->indices[3 * (size_t)triangle + (size_t)k];
+    return rf_vec3( p[0], p[1], p[2] );
+}
+
+// A triangle's area; `out`: its next point of a sequence of low discrepancy (Roberts, R2).
+static double area_of( const RfTriangles* t, uint32_t triangle, int number, Point* out )
+{
+    RfVec3 p0 = corner( t, triangle, 0 ), e1 = rf_sub( corner( t, triangle, 1 ), p0 ),
+           e2 = rf_sub( corner( t, triangle, 2 ), p0 );
+    double twice, a = ( number + 1 ) * 0.75487766624669276, b = ( number + 1 ) * 0.56984029099805327;
+    out->n = rf_unit_cross( e1, e2, &twice );
+    float root = sqrtf( (float)( a - floor( a ) ) ), v = (float)( b - floor( b ) ) * root;
+    out->p = rf_add( p0, rf_add( rf_scale( e1, 1.0f - root ), rf_scale( e2, v ) ) );
+    return 0.5 * twice;
+}
+
+// Of many triangles one in so many is looked at. Of emitters all are: their area counts.
+static uint32_t stride_of( const RfScene* scene, Kind kind )
+{
+    return kind.of_material ? 1 : 1 + scene->triangles.count / MOST_TRIANGLES;
+}
+
+static void spread_points( const RfScene* scene, Kind kind, int most, Points* points )
+{
+    Point unused;
+    uint32_t stride = stride_of( scene, kind );
+    points->area = 0.0;
+    points->count = 0;
+    for ( uint32_t i = 0; i < scene->triangles.count; i += stride )
+        points->area += is_of_kind( scene, i, kind ) ? area_of( &scene->triangles, i, 0, &unused ) : 0.0;
+    double run = 0.0;
+    for ( uint32_t i = 0; i < scene->triangles.count && points->count < POINTS; i += stride )
+    {
+        if ( !is_of_kind( scene, i, kind ) )
+            continue;
+        run += area_of( &scene->triangles, i, 0, &unused );
+        while ( points->count < most && run > ( points->count + 0.5 ) / most * points->area )
+        {
+            area_of( &scene->triangles, i, points->count, points->point + points->count );
+            points->count += 1;
+        }
+    }
+}
+
+// Of the way from a to b.
+typedef struct Way
+{
+    double distance, cos_a, cos_b;
+} Way;
+
+static Way way_of( const Point* a, const Point* b )
+{
+    RfVec3 way = rf_sub( b->p, a->p );
+    double distance = fmax( (double)rf_length( way ), 1e-12 );
+    return ( Way ){ distance, (double)rf_dot( a->n, way ) / distance, -(double)rf_dot( b->n, way ) / distance };
+}
+
+// The mean over the ways of light from the emitter by a point of a chain to a receiver, weighted by the light.
+static double mean_image( const Points* emitter, bool two_sided, const Points* chain, const Points* receivers )
+{
+    double sum = 0.0, weights = 0.0;
+    for ( int c = 0; c < chain->count; ++c )
+    {
+        Way in[POINTS];
+        double light = 0.0;
+        for ( int k = 0; k < emitter->count; ++k )
+        {
+            in[k] = way_of( emitter->point + k, chain->point + c );
+            in[k].cos_a = two_sided ? fabs( in[k].cos_a ) : fmax( in[k].cos_a, 0.0 );
+            light += in[k].cos_a * fabs( in[k].cos_b ) / ( in[k].distance * in[k].distance );
+        }
+        for ( int y = 0; y < receivers->count && light > 0.0; ++y )
+        {
+            Way out = way_of( chain->point + c, receivers->point + y );
+            double weight = light * fabs( out.cos_b ) / ( out.distance * out.distance ), image = 0.0;
+            for ( int k = 0; k < emitter->count; ++k )
+            {
+                double distance = in[k].distance + out.distance;
+                image += in[k].cos_a / ( distance * distance );
+            }
+            sum += weight * fmin( image * emitter->area / emitter->count, 2.0 * PI );
+            weights += weight;
+        }
+    }
+    return weights > 0.0 ? sum / weights : 0.0;
+}
+
+// Negative: the material has no triangles.
+static double image_of( const RfScene* scene, uint32_t material, const Points* chain, const Points* receivers )
+{
+    Points emitter;
+    spread_points( scene, ( Kind ){ .of_material = true, .material = material }, FEW_POINTS, &emitter );
+    if ( emitter.count == 0 )
+        return -1.0;
+    return mean_image( &emitter, scene->materials[material].double_sided, chain, receivers );
+}
+
+double rf_image_solid_angle( const RfScene* scene, uint32_t material )
+{
+    Points chain, receivers;
+    spread_points( scene, ( Kind ){ .chain = true }, POINTS, &chain );
+    spread_points( scene, ( Kind ){ .chain = false }, POINTS, &receivers );
+    return fmax( image_of( scene, material, &chain, &receivers ), 0.0 );
+}
+
+double rf_sky_solid_angle( const RfEnvironment* e )
+{
+    if ( !( rf_max_component( e->radiance ) > 0.0f ) )
+        return 0.0;
+    if ( e->map == NULL )
+        return 4.0 * PI;
+    double sum = 0.0, squares = 0.0;
+    for ( int y = 0; y < e->height; ++y )
+    {
+        double pixel = ( cos( y * PI / e->height ) - cos( ( y + 1 ) * PI / e->height ) ) * 2.0 * PI / e->width;
+        for ( int x = 0; x < e->width; ++x )
+        {
+            const float* rgb = e->map + 3 * ( (size_t)y * (size_t)e->width + (size_t)x );
+            double light = (double)rf_luminance( rf_mul( e->radiance, rf_vec3( rgb[0], rgb[1], rgb[2] ) ) );
+            sum += light * pixel;
+            squares += light * light * pixel;
+        }
+    }
+    return squares > 0.0 ? sum * sum / squares : 0.0;
+}
+
+RfDivision rf_divide_emitters( const RfScene* scene, bool* linked )
+{
+    Points chain, receivers;
+    spread_points( scene, ( Kind ){ .chain = true }, POINTS, &chain );
+    spread_points( scene, ( Kind ){ .chain = false }, POINTS, &receivers );
+    RfDivision division = { (uint32_t)scene->punctual_count, (uint32_t)scene->punctual_count };
+    uint32_t divided = 0;
+    for ( uint32_t m = 0; m < scene->material_count; ++m )
+    {
+        bool emits = rf_max_component( scene->materials[m].emission ) > 0.0f, many = emits && divided++ >= MOST_DIVIDED;
+        double image = emits && !many ? image_of( scene, m, &chain, &receivers ) : 0.0;
+        bool small = many || ( image > 0.0 && image <= RF_LARGE_EMITTER );
+        emits = emits && image >= 0.0;
+        division.all += emits;
+        division.linked += small;
+        if ( linked != NULL )
+            linked[m] = small;
+    }
+    double sky = rf_sky_solid_angle( &scene->environment );
+    bool small = sky > 0.0 && sky <= RF_LARGE_EMITTER;
+    division.all += sky > 0.0;
+    division.linked += small;
+    if ( linked != NULL )
+        linked[scene->material_count] = small;
+    return division;
+}
