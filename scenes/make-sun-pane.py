@@ -62,16 +62,16 @@ def make_slab(middle, bevel, bullseye, cells):
     for x_of, sign in ((outside, -1.0), (lambda y, z: LOW[0] + 0.5 * THICK, 1.0)):
         point, rows = side(x_of, sign)
         if sign < 0.0:
-            mesh.grid(lambda row, column: point(rows - row, column), rows, rows)
+            mesh.grid(point, rows, rows)
         else:
-            mesh.grid(lambda row, column: point(rows - row, rows - column), rows, rows)
+            mesh.grid(lambda row, column: point(row, rows - column), rows, rows)
     # the four sides, thinner where the outside is bevelled: a little inside of the frame
     inner, z0, z1, y0, y1 = LOW[0] + 0.5 * THICK, middle - 0.5 * PANE[0], middle + 0.5 * PANE[0], BOTTOM, BOTTOM + PANE[1]
     depth = (outside(y0, z0) - inner, 0.0, 0.0)
-    mesh.quad((inner, y0, z0), depth, (0.0, 0.0, PANE[0]))
-    mesh.quad((inner, y1, z1), depth, (0.0, 0.0, -PANE[0]))
-    mesh.quad((inner, y1, z0), depth, (0.0, -PANE[1], 0.0))
-    mesh.quad((inner, y0, z1), depth, (0.0, PANE[1], 0.0))
+    mesh.quad((inner, y0, z0), (0.0, 0.0, PANE[0]), depth)
+    mesh.quad((inner, y1, z1), (0.0, 0.0, -PANE[0]), depth)
+    mesh.quad((inner, y1, z0), (0.0, -PANE[1], 0.0), depth)
+    mesh.quad((inner, y0, z1), (0.0, PANE[1], 0.0), depth)
     return mesh
 
 

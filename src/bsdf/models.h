@@ -61,6 +61,13 @@ static inline bool rf_is_chain_surface( const RfMaterial* m )
     return m->kind == RF_BSDF_GLASS && m->alpha == 0.0f && m->textured == NULL && !m->thin;
 }
 
+// True of evaluable surfaces that scatter so widely that a direction drawn by the cosine serves as well as one drawn by the
+// model. `shape`: Phong's exponent, or alpha.
+static inline bool rf_is_matte( RfBsdfKind kind, float shape )
+{
+    return kind == RF_BSDF_LAMBERT || ( kind == RF_BSDF_GGX && shape >= 0.25f ) || ( kind == RF_BSDF_PHONG && shape <= 8.0f );
+}
+
 #define RF_MAX_CHAIN 8 // vertices of a chain that light paths follow
 
 #define RF_MIN_ALPHA 1e-3f

@@ -1,37 +1,80 @@
-// Light paths that may be linked to an eye vertex.
+// Light paths and particles that may be linked to an eye vertex, and trial links among them.
 #include "kernel/links_internal.h"
 
 #include <math.h>
 
-static void note( void* user, uint32_t number )
+#define TRIAL_LINKS 8.0f        // of an eye's first vertex
+#define TRIAL_LINKS_BEYOND 1.0f // of others
+#define LEAST_SHARE 0.02f       // of these, where other light is so much stronger
+
+void rf_begin_candidates( const RfLinkWork* w, int i, const RfFootprintTree* tree, RfFootprintFound* note, RfCandidates* c )
 {
-    RfCandidates* c = user;
-    const RfLightPath* path = c->settings->paths->path + number;
-    float step[2], miss, most = RF_STEP_MARGIN * path->reach, spread = 1.0f;
-    if ( c->spent + path->length + 2 > c->settings->path->max_depth )
-        return;
-    if ( c->settings->normalization != RF_KERNEL_DENSITY && ( !rf_newton_step( &path->end, c->y, c->n, step, &miss, &spread ) ||
-                                                              !( step[0] * step[0] + step[1] * step[1] <= most * most ) ) )
-        return;
+    const RfVertexLanes* v = w->v;
+    c->settings = w->settings;
+    c->tree = tree;
+    c->note = note;
+    c->y = rf_start_of( v, i );
+    c->ng = rf_lane_of( v->ng, i );
+    c->n = rf_lane_of( v->n, i );
+    c->spent = w->vertex - 1 + ( w->keys->spent != NULL ? w->keys->spent[v->slot[i]] : 0 );
+    c->count = c->kept = 0;
+    c->next = c->stride = 0.0;
+    c->thinned = false;
+}
+
+void rf_keep_candidate( RfCandidates* c, uint32_t number, float light )
+{
     int k = c->count++;
     if ( c->thinned && (double)k < c->next )
         return;
     if ( c->kept == RF_MOST_CANDIDATES )
         return;
     c->path[c->kept] = number;
-    c->light[c->kept++] = path->light / spread;
+    c->light[c->kept++] = light;
     c->next += c->stride;
+}
+
+void rf_note_path( void* user, uint32_t number )
+{
+    RfCandidates* c = user;
+    const RfLightPath* path = c->settings->paths->path + number;
+    float step[2], miss, most = RF_STEP_MARGIN * path->reach, spread = 1.0f;
+    if ( c->spent + path->length + 2 > c->settings->path->max_depth )
+        return;
+    if ( c->settings->normalization != RF_KERNEL_DENSITY && ( !rf_newton_step( &path->end, c->y, c->ng, step, &miss, &spread ) ||
+                                                              !( step[0] * step[0] + step[1] * step[1] <= most * most ) ) )
+        return;
+    rf_keep_candidate( c, number, path->light / spread );
 }
 
 float rf_find_candidates( RfCandidates* c, RfRandomKey key )
 {
-    rf_find_footprints( c->settings->paths, c->y, note, c );
+    rf_find_footprints( c->tree, c->y, c->note, c );
     if ( c->count <= RF_MOST_CANDIDATES )
         return 1.0f;
     c->stride = (double)c->count / RF_MOST_CANDIDATES;
     c->next = c->stride * (double)rf_random( key, 0 );
     c->count = c->kept = 0;
     c->thinned = true;
-    rf_find_footprints( c->settings->paths, c->y, note, c );
+    rf_find_footprints( c->tree, c->y, c->note, c );
     return (float)c->stride;
+}
+
+RfAcceptance rf_weigh_candidates( const RfLinkWork* w, RfRandomKey lane, float scale, int i, const RfCandidates* c )
+{
+    RfAcceptance a = { .lane = lane, .scale = scale };
+    for ( int k = 0; k < c->kept; ++k )
+        a.sum += c->light[k];
+    float promised = a.sum * scale * RF_INV_PI / (float)w->settings->paths->emitted;
+    float share = promised / rf_maxf( promised + w->keys->lit[i], 1e-30f );
+    float most = w->settings->paths->share > 0.0f ? w->settings->paths->share : 1.0f;
+    a.trials = most * ( w->vertex == 1 ? TRIAL_LINKS : TRIAL_LINKS_BEYOND ) * rf_maxf( share, LEAST_SHARE );
+    return a;
+}
+
+float rf_accept( const RfAcceptance* a, const RfCandidates* c, int k, RfRandomKey* key )
+{
+    *key = rf_pixel_key( (uint64_t)a->lane.a << 32 | a->lane.b, c->path[k] );
+    float accepted = rf_minf( a->trials * c->light[k] / a->sum, 1.0f );
+    return rf_random( *key, RF_DIMENSION_ACCEPT ) < accepted ? a->scale / accepted : 0.0f;
 }

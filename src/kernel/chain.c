@@ -164,6 +164,7 @@ static bool step( const RfTracer* tracer, uint32_t triangle, float bu, float bv,
     float offset = rf_hit_point( t, bu, bv, from, v->out ).offset;
     chain->end.o = rf_madd( v->p, ng, v->refracted ? -offset : offset );
     bool inside = rf_dot( v->out, t->ng ) < 0.0f;
+    chain->ends_inside = inside && m->ior > 0.0f;
     chain->end_absorption = inside ? m->absorption : rf_vec3( 0, 0, 0 );
     chain->length += 1;
     return true;
@@ -236,7 +237,11 @@ void rf_walk_chains( const RfTracer* tracer, RfChainEvents events, const RfRando
                 continue;
             }
             land->triangle[i] = triangle;
-            land->p[i] = rf_hit_point( triangles + triangle, now.u[k], now.v[k], chain->end.o, chain->end.d ).p;
+            RfHitPoint hit = rf_hit_point( triangles + triangle, now.u[k], now.v[k], chain->end.o, chain->end.d );
+            land->u[i] = now.u[k];
+            land->v[i] = now.v[k];
+            land->p[i] = hit.p;
+            land->offset[i] = hit.offset;
         }
     }
 }

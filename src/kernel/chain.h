@@ -40,6 +40,7 @@ typedef struct RfChain
     uint32_t first_triangle;
     float first_area_pdf;  // the first vertex: |cos| over distance² (with a place), or |cos|
     RfVec3 end_absorption; // of what the ray that leaves runs through, 1/m
+    bool ends_inside;      // of a body
 } RfChain;
 
 // How chains take events.
@@ -57,6 +58,8 @@ typedef enum RfChainEvents
 typedef struct RfLanding
 {
     uint32_t triangle[RF_CHAIN_BLOCK];
+    float u[RF_CHAIN_BLOCK], v[RF_CHAIN_BLOCK];
+    float offset[RF_CHAIN_BLOCK]; // of rays that start there
     RfVec3 p[RF_CHAIN_BLOCK];
 } RfLanding;
 void rf_walk_chains( const RfTracer* tracer, RfChainEvents events, const RfRandomKey* keys, const bool* active, int count,

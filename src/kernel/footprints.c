@@ -1,36 +1,41 @@
 // A tree over balls, for all that hold a point.
-#include "kernel/light_paths.h"
+#include "kernel/footprints.h"
 
 #define LEAF 4
 
 static float coordinate( RfVec3 v, int axis ) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
 
-static void bound( const RfLightPaths* paths, RfFootprintNode* node, uint32_t first, uint32_t count )
+static const RfBall* ball_of( const RfFootprintTree* tree, uint32_t number )
+{
+    return (const RfBall*)(const void*)( tree->balls + (size_t)number * tree->stride );
+}
+
+static void bound( const RfFootprintTree* tree, RfFootprintNode* node, uint32_t first, uint32_t count )
 {
     node->low = rf_vec3( INFINITY, INFINITY, INFINITY );
     node->high = rf_vec3( -INFINITY, -INFINITY, -INFINITY );
     for ( uint32_t k = first; k < first + count; ++k )
     {
-        const RfLightPath* path = paths->path + paths->order[k];
-        RfVec3 p = path->p;
-        float r = path->radius;
+        const RfBall* ball = ball_of( tree, tree->order[k] );
+        RfVec3 p = ball->p;
+        float r = ball->radius;
         node->low = rf_vec3( rf_minf( node->low.x, p.x - r ), rf_minf( node->low.y, p.y - r ), rf_minf( node->low.z, p.z - r ) );
         node->high =
             rf_vec3( rf_maxf( node->high.x, p.x + r ), rf_maxf( node->high.y, p.y + r ), rf_maxf( node->high.z, p.z + r ) );
     }
 }
 
-// Moves the smaller half of `count` paths by one coordinate to the front (quickselect; ties by number).
-static void split( const RfLightPaths* paths, uint32_t* order, uint32_t count, uint32_t middle, int axis )
+// Moves the smaller half of `count` balls by one coordinate to the front (quickselect; ties by number).
+static void split( const RfFootprintTree* tree, uint32_t* order, uint32_t count, uint32_t middle, int axis )
 {
     uint32_t low = 0, high = count - 1;
     while ( low < high )
     {
         uint32_t pivot = order[low + ( high - low ) / 2], i = low, j = high;
-        float at = coordinate( paths->path[pivot].p, axis );
+        float at = coordinate( ball_of( tree, pivot )->p, axis );
         for ( ;; )
         {
-            float x = coordinate( paths->path[order[i]].p, axis ), z = coordinate( paths->path[order[j]].p, axis );
+            float x = coordinate( ball_of( tree, order[i] )->p, axis ), z = coordinate( ball_of( tree, order[j] )->p, axis );
             if ( x < at || ( x == at && order[i] < pivot ) )
                 ++i;
             else if ( z > at || ( z == at && order[j] > pivot ) )
@@ -53,29 +58,29 @@ static void split( const RfLightPaths* paths, uint32_t* order, uint32_t count, u
     }
 }
 
-static uint32_t build( RfLightPaths* paths, uint32_t first, uint32_t count )
+static uint32_t build( RfFootprintTree* tree, uint32_t first, uint32_t count )
 {
-    uint32_t number = paths->node_count++;
-    RfFootprintNode* node = paths->node + number;
-    bound( paths, node, first, count );
+    uint32_t number = tree->node_count++;
+    RfFootprintNode* node = tree->node + number;
+    bound( tree, node, first, count );
     *node = ( RfFootprintNode ){ .low = node->low, .high = node->high, .first = first, .count = count };
     if ( count <= LEAF )
         return number;
     RfVec3 size = rf_sub( node->high, node->low );
     int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-    split( paths, paths->order + first, count, count / 2, axis );
-    build( paths, first, count / 2 );
-    node->second = build( paths, first + count / 2, count - count / 2 );
+    split( tree, tree->order + first, count, count / 2, axis );
+    build( tree, first, count / 2 );
+    node->second = build( tree, first + count / 2, count - count / 2 );
     return number;
 }
 
-void rf_build_footprints( RfLightPaths* paths )
+void rf_build_footprints( RfFootprintTree* tree )
 {
-    paths->node_count = 0;
-    for ( uint32_t i = 0; i < paths->count; ++i )
-        paths->order[i] = i;
-    if ( paths->count > 0 )
-        build( paths, 0, paths->count );
+    tree->node_count = 0;
+    for ( uint32_t i = 0; i < tree->count; ++i )
+        tree->order[i] = i;
+    if ( tree->count > 0 )
+        build( tree, 0, tree->count );
 }
 
 static bool holds( const RfFootprintNode* node, RfVec3 y )
@@ -84,16 +89,16 @@ static bool holds( const RfFootprintNode* node, RfVec3 y )
            y.z <= node->high.z;
 }
 
-void rf_find_footprints( const RfLightPaths* paths, RfVec3 y, RfFootprintFound* found, void* user )
+void rf_find_footprints( const RfFootprintTree* tree, RfVec3 y, RfFootprintFound* found, void* user )
 {
     uint32_t stack[64];
     int top = 0;
-    if ( paths->node_count > 0 )
+    if ( tree->node_count > 0 )
         stack[top++] = 0;
     while ( top > 0 )
     {
         uint32_t number = stack[--top];
-        const RfFootprintNode* node = paths->node + number;
+        const RfFootprintNode* node = tree->node + number;
         if ( !holds( node, y ) )
             continue;
         if ( node->second != 0 )
@@ -104,10 +109,10 @@ void rf_find_footprints( const RfLightPaths* paths, RfVec3 y, RfFootprintFound* 
         }
         for ( uint32_t k = node->first; k < node->first + node->count; ++k )
         {
-            const RfLightPath* path = paths->path + paths->order[k];
-            RfVec3 apart = rf_sub( y, path->p );
-            if ( rf_dot( apart, apart ) <= path->radius * path->radius )
-                found( user, paths->order[k] );
+            const RfBall* ball = ball_of( tree, tree->order[k] );
+            RfVec3 apart = rf_sub( y, ball->p );
+            if ( rf_dot( apart, apart ) <= ball->radius * ball->radius )
+                found( user, tree->order[k] );
         }
     }
 }

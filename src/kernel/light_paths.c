@@ -1,4 +1,4 @@
-#include "kernel/light_paths.h"
+#include "kernel/parents.h"
 
 #include "base/random.h"
 
@@ -36,9 +36,10 @@ size_t rf_light_paths_bytes( const RfEstimatorGroup* group )
 {
     size_t n = rf_light_path_count( group ), s = group->traits.chain_triangles, l = group->traits.most_lights;
     return aligned( sizeof( RfLightPaths ) ) + aligned( n * sizeof( RfLightPath ) ) + aligned( n * sizeof( uint32_t ) ) +
-           aligned( n * sizeof( RfFootprintNode ) ) + aligned( s * sizeof( uint32_t ) ) + aligned( s * sizeof( double ) ) +
-           aligned( s * sizeof( float ) ) + aligned( ( group->traits.materials + 1 ) * sizeof( bool ) ) +
-           aligned( l * sizeof( uint32_t ) ) + aligned( l * sizeof( double ) );
+           aligned( n * sizeof( RfFootprintNode ) ) + rf_scattered_bytes( n ) + aligned( s * sizeof( uint32_t ) ) +
+           aligned( s * sizeof( double ) ) + aligned( s * sizeof( float ) ) +
+           aligned( ( group->traits.materials + 1 ) * sizeof( bool ) ) + aligned( l * sizeof( uint32_t ) ) +
+           aligned( l * sizeof( double ) );
 }
 
 static void* take( char** at, size_t bytes )
@@ -127,6 +128,7 @@ static RfLightPaths* lay_out( const RfEstimatorGroup* group, void* memory )
     size_t n = rf_light_path_count( group ), s = group->traits.chain_triangles, l = group->traits.most_lights;
     char* at = memory;
     RfLightPaths* paths = take( &at, sizeof *paths );
+    paths->emitted = paths->share > 0.0f ? in_blocks( (double)paths->share * (double)n ) : (uint32_t)n;
     paths->triangle = take( &at, s * sizeof *paths->triangle );
     paths->cumulative = take( &at, s * sizeof *paths->cumulative );
     paths->pdf_area = take( &at, s * sizeof *paths->pdf_area );
@@ -134,9 +136,10 @@ static RfLightPaths* lay_out( const RfEstimatorGroup* group, void* memory )
     paths->light = take( &at, l * sizeof *paths->light );
     paths->light_cumulative = take( &at, l * sizeof *paths->light_cumulative );
     paths->path = take( &at, n * sizeof *paths->path );
-    paths->order = take( &at, n * sizeof *paths->order );
-    paths->node = take( &at, n * sizeof *paths->node );
-    paths->emitted = paths->share > 0.0f ? in_blocks( (double)paths->share * (double)n ) : (uint32_t)n;
+    paths->tree = ( RfFootprintTree ){ .balls = (const char*)&paths->path->at, .stride = sizeof *paths->path };
+    paths->tree.order = take( &at, n * sizeof *paths->tree.order );
+    paths->tree.node = take( &at, n * sizeof *paths->tree.node );
+    rf_lay_out_scattered( paths, take( &at, rf_scattered_bytes( n ) ) );
     paths->links = LINKS;
     paths->most_radius = MOST_FOOTPRINT * rf_tracer_lights( group->tracer )->radius;
     if ( !paths->prepared )
@@ -266,16 +269,17 @@ static uint64_t draw_block( const RfEstimatorGroup* group, RfLightPaths* paths, 
         if ( !active[i] || c->length == 0 || c->first_triangle != target[i] )
             continue;
         float pdf = rf_steer_pdf( paths, c );
-        *path = ( RfLightPath ){ .start = c->start, .events = c->events, .length = c->length, .p = land.p[i], .end = c->end };
+        *path = ( RfLightPath ){ .start = c->start, .events = c->events, .length = c->length, .end = c->end };
         path->weight = 1.0f / ( pdf * c->probability );
         RfFootprint footprint =
             rf_find_footprint( paths, rf_tracer_lights( group->tracer ), c, pdf, land.p[i], triangles[land.triangle[i]].ng );
         path->reach = footprint.reach;
-        path->radius = footprint.radius;
+        path->at = ( RfBall ){ land.p[i], footprint.radius };
         path->flux = flux_of( path, c );
         path->light = rf_luminance( path->flux ) / ( path->reach * path->reach );
-        if ( !( path->radius > 0.0f && path->light > 0.0f && path->light < INFINITY ) )
+        if ( !( path->at.radius > 0.0f && path->light > 0.0f && path->light < INFINITY ) )
             path->length = 0;
+        rf_set_parent( group->tracer, paths, c, &land, i, path );
     }
     return rays;
 }
@@ -298,6 +302,7 @@ void rf_draw_light_paths( const RfEstimatorGroup* group, int pass, void* memory 
         if ( paths->path[i].length > 0 )
             paths->path[paths->count++] = paths->path[i];
     }
-    paths->rays = rays;
-    rf_build_footprints( paths );
+    paths->tree.count = paths->count;
+    rf_build_footprints( &paths->tree );
+    paths->rays = rays + rf_scatter_light_paths( group, paths, key );
 }

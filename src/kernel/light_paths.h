@@ -4,7 +4,19 @@
 #define REFRAME_KERNEL_LIGHT_PATHS_H
 
 #include "kernel/chain.h"
+#include "kernel/footprints.h"
 #include "render/estimator.h"
+
+// Where a light path lands: the parent of what is scattered there.
+typedef struct RfParent
+{
+    bool scatters; // it is matte, so that paths go on from it
+    RfVec3 ng, n;  // unit geometric and shading normal, on the side that the light comes from
+    uint32_t triangle;
+    float u, v, offset;
+    float falloff; // of the light here, by its range
+    float area;    // m², that a link covers here, over the links found in it (rf_own_weight)
+} RfParent;
 
 // A light path with what a link needs of it.
 typedef struct RfLightPath
@@ -14,21 +26,19 @@ typedef struct RfLightPath
     int length;    // vertices of its chain
     float weight;  // 1 over the density of what steers it and the probability of its events
     float reach;   // of links, in what steers: a chord of the sphere of directions, or metres
-    RfVec3 p;      // where it lands
-    float radius;  // of its footprint, m
+    RfBall at;     // where it lands, with its footprint
     RfVec3 flux;   // over the density of the path, W
     float light;   // luminance that it brings to all within reach: of a link, over the area that it spreads to
     RfRayPair end; // the ray that lands
+    RfParent parent;
 } RfLightPath;
 
-// A ball tree over footprints.
-typedef struct RfFootprintNode
+// A particle that a light path's parent scattered, where it landed.
+typedef struct RfScatteredPath
 {
-    RfVec3 low, high; // of all its footprints
-    uint32_t first;   // leaf: of its footprints in `order`; else its first child, the second follows the first's subtree
-    uint32_t second;  // 0: a leaf
-    uint32_t count;
-} RfFootprintNode;
+    RfBall at;
+    uint32_t path;
+} RfScatteredPath;
 
 typedef struct RfLightPaths
 {
@@ -40,9 +50,12 @@ typedef struct RfLightPaths
     float links;       // c: links that an eye vertex finds per way in which light comes to it, on average
     float most_radius; // of footprints
     RfLightPath* path;
-    uint32_t* order;
-    RfFootprintNode* node;
-    uint32_t node_count;
+    RfFootprintTree tree; // of `path`
+    // what they scatter
+    float parents; // links of a point to parents that one light path brings into being, on average
+    uint32_t scattered_count;
+    RfScatteredPath* scattered;
+    RfFootprintTree scattered_tree;
     // mirrors and glass, sorted by triangle
     uint32_t surface_count;
     uint32_t* triangle;
@@ -64,13 +77,6 @@ size_t rf_light_paths_bytes( const RfEstimatorGroup* group );
 
 // Draws the light paths of a pass of a group. The same bits for any number of threads.
 void rf_draw_light_paths( const RfEstimatorGroup* group, int pass, void* memory );
-
-// Builds the tree over the stored paths.
-void rf_build_footprints( RfLightPaths* paths );
-
-// Calls `found` for each path whose footprint holds y.
-typedef void RfFootprintFound( void* user, uint32_t path );
-void rf_find_footprints( const RfLightPaths* paths, RfVec3 y, RfFootprintFound* found, void* user );
 
 // The density of what steers a chain that starts as this one does; 0: it is never drawn.
 float rf_steer_pdf( const RfLightPaths* paths, const RfChain* chain );

@@ -2,10 +2,6 @@
 
 #include <string.h>
 
-#define TRIAL_LINKS 8.0f        // of an eye's first vertex
-#define TRIAL_LINKS_BEYOND 1.0f // of others
-#define LEAST_SHARE 0.02f       // of these, where other light is so much stronger
-
 // The light of a solved link before its normalisation; 0 where nothing arrives.
 static RfVec3 light_of( const RfLinkWork* w, const RfLink* link )
 {
@@ -28,6 +24,16 @@ static RfVec3 light_of( const RfLinkWork* w, const RfLink* link )
     RfVec3 light = rf_scale( rf_mul( rf_mul( e->radiance, chain->weight ), absorbed ), scale );
     float sum = light.x + light.y + light.z;
     return sum > 0.0f && sum < INFINITY ? light : none;
+}
+
+// The area that a link covers at a matte vertex, where light paths scatter (rf_own_weight).
+static float area_of( const RfLinkWork* w, const RfLink* link, const RfBend* bend )
+{
+    float step[2], miss, spread;
+    if ( !rf_may_scatter( w->settings->path->tracer, &link->chain ) || !rf_is_matte_lane( w->settings->path, w->v, link->lane ) ||
+         !rf_newton_step( &link->chain.end, bend->y, bend->n, step, &miss, &spread ) )
+        return INFINITY;
+    return RF_PI * link->reach * link->reach * spread / w->settings->paths->links;
 }
 
 // Solves all links; those that fail, or whose solution is out of reach, are closed.
@@ -65,6 +71,7 @@ static void solve( RfLinkWork* w )
         link->light = link->open ? light_of( w, link ) : rf_vec3( 0, 0, 0 );
         link->open = link->open && rf_max_component( link->light ) > 0.0f;
         link->repeats = 1.0f;
+        link->area = area_of( w, link, w->bend + k );
     }
 }
 
@@ -94,26 +101,24 @@ static void test_visibility( RfLinkWork* w )
         w->link[index[k]].open = visible[k] > 0.0f;
 }
 
+// The weight of a link at a vertex that a ray of the vertex before has found.
+static float own_weight( const RfLinkWork* w, const RfLink* link )
+{
+    const RfVertexLanes* v = w->v;
+    const RfRayLanes* rays = w->rays;
+    int i = link->lane, r = v->ray[i];
+    if ( rays == NULL || !w->keys->matte[v->slot[i]] )
+        return 1.0f;
+    return rf_own_weight( w->settings->linker.parents, link->area, rf_lane_of( rays->o, r ), rf_lane_of( rays->n, r ),
+                          rf_lane_of( v->p, i ), rf_lane_of( v->ng, i ) );
+}
+
 static void add( RfLinkWork* w, const RfLink* link )
 {
-    int i = link->lane;
-    RfLinkLanes* out = w->out;
     float n = (float)w->settings->paths->emitted, found = RF_PI * link->reach * link->reach * n;
-    RfVec3 light = rf_scale( link->light, link->repeats / found );
-    float add[3] = { light.x, light.y, light.z }, weight = rf_luminance( light );
-    w->chosen[i] += weight;
-    bool choose = rf_random( link->key, RF_DIMENSION_CHOOSE ) * w->chosen[i] < weight || out->found[i] == 0;
-    for ( int c = 0; c < 3; ++c )
-        out->light[c][i] += add[c];
-    out->found[i] += 1;
-    if ( !choose )
-        return;
-    float wi[3] = { link->wi.x, link->wi.y, link->wi.z };
-    for ( int c = 0; c < 3; ++c )
-    {
-        out->wi[c][i] = wi[c];
-        out->one[c][i] = add[c] / weight;
-    }
+    RfVec3 light = rf_scale( link->light, link->repeats * own_weight( w, link ) / found );
+    if ( rf_max_component( light ) > 0.0f )
+        rf_add_light( w, link->lane, link->key, link->wi, light, link->area );
 }
 
 // Photon mapping: what lands around the eye vertex is taken to land there, evenly over the footprint.
@@ -124,8 +129,9 @@ static void estimate_density( RfLinkWork* w )
         RfLink* link = w->link + k;
         link->wi = rf_scale( link->path->end.d, -1.0f );
         link->light = rf_scale( link->path->flux, link->scale );
-        link->reach = link->path->radius;
+        link->reach = link->path->at.radius;
         link->repeats = 1.0f;
+        link->area = INFINITY;
         link->open = rf_dot( rf_lane_of( w->v->n, link->lane ), link->wi ) > 0.0f &&
                      rf_dot( rf_lane_of( w->v->ng, link->lane ), link->wi ) > 0.0f;
     }
@@ -155,51 +161,35 @@ static void flush( RfLinkWork* w )
     w->count = 0;
 }
 
-static void link_lane( RfLinkWork* w, int i )
+static void link_lane( RfLinkWork* w, RfRandomKey lane, int i )
 {
-    const RfVertexLanes* v = w->v;
-    int slot = v->slot[i];
-    RfRandomKey lane =
-        rf_pixel_key( (uint64_t)w->keys->key_a[slot] << 32 | w->keys->key_b[slot], 0x6b65726eu + (uint32_t)w->vertex );
-    RfCandidates c; // its arrays are large: they stay as they are
-    c.settings = w->settings;
-    c.y = rf_start_of( v, i );
-    c.n = rf_lane_of( v->ng, i );
-    c.count = c.kept = 0;
-    c.next = c.stride = 0.0;
-    c.thinned = false;
-    c.spent = w->vertex - 1 + ( w->keys->spent != NULL ? w->keys->spent[slot] : 0 );
-    float scale = rf_find_candidates( &c, lane ), sum = 0.0f, most = w->vertex == 1 ? TRIAL_LINKS : TRIAL_LINKS_BEYOND;
-    for ( int k = 0; k < c.kept; ++k )
-        sum += c.light[k];
-    float promised = sum * scale * RF_INV_PI / (float)w->settings->paths->emitted;
-    if ( w->settings->paths->share > 0.0f )
-        most *= w->settings->paths->share;
-    float trials = most * rf_maxf( promised / rf_maxf( promised + w->keys->lit[i], 1e-30f ), LEAST_SHARE );
+    RfCandidates c;
+    rf_begin_candidates( w, i, &w->settings->paths->tree, rf_note_path, &c );
+    float scale = rf_find_candidates( &c, lane );
+    RfAcceptance trials = rf_weigh_candidates( w, lane, scale, i, &c );
     for ( int k = 0; k < c.kept; ++k )
     {
-        // in proportion to what they are expected to bring
-        RfRandomKey key = rf_pixel_key( (uint64_t)lane.a << 32 | lane.b, c.path[k] );
-        float accepted = rf_minf( trials * c.light[k] / sum, 1.0f );
-        if ( rf_random( key, RF_DIMENSION_ACCEPT ) >= accepted )
-            continue;
-        RfLink* link = w->link + w->count++;
-        *link = ( RfLink ){ .lane = i, .path = w->settings->paths->path + c.path[k], .key = key, .scale = scale / accepted };
+        RfLink* link = w->link + w->count;
+        *link = ( RfLink ){ .lane = i, .path = w->settings->paths->path + c.path[k] };
+        link->scale = rf_accept( &trials, &c, k, &link->key );
+        w->count += link->scale > 0.0f;
         if ( w->count == RF_CHAIN_BLOCK )
             flush( w );
     }
 }
 
-void rf_link_vertices( const RfKernelLinker* linker, RfWavefront* keys, const RfVertexLanes* v, int vertex )
+void rf_link_vertices( const RfKernelLinker* linker, RfWavefront* keys, const RfRayLanes* rays, const RfVertexLanes* v,
+                       int vertex )
 {
     RfLinkLanes* out = linker->out;
-    RfLinkWork w; // likewise
+    RfLinkWork w; // its arrays are large: they stay as they are
     w.settings = linker;
     w.keys = keys;
+    w.rays = rays;
     w.vertex = vertex;
     w.v = v;
     w.out = out;
-    w.count = 0;
+    w.count = w.parent_count = 0;
     memset( w.chosen, 0, sizeof w.chosen );
     int count = rf_record_count( v );
     out->rays = out->trials = 0;
@@ -209,8 +199,14 @@ void rf_link_vertices( const RfKernelLinker* linker, RfWavefront* keys, const Rf
     for ( int c = 0; c < 3; ++c )
         memcpy( out->wi[c], v->n[c], (size_t)count * sizeof( float ) );
     for ( int i = 0; i < count; ++i )
-        link_lane( &w, i );
+    {
+        int slot = v->slot[i];
+        RfRandomKey lane = rf_pixel_key( (uint64_t)keys->key_a[slot] << 32 | keys->key_b[slot], 0x6b65726eu + (uint32_t)vertex );
+        link_lane( &w, lane, i );
+        rf_link_parents( &w, lane, i );
+    }
     flush( &w );
+    rf_flush_parents( &w );
     for ( int i = 0; i < count; ++i )
     {
         for ( int c = 0; c < 3; ++c )
@@ -221,12 +217,13 @@ void rf_link_vertices( const RfKernelLinker* linker, RfWavefront* keys, const Rf
 }
 
 // Links as light samples.
-static void sample( const RfLinker* linker, RfWavefront* keys, const RfVertexLanes* v, int vertex, RfLightLanes* out )
+static void sample( const RfLinker* linker, RfWavefront* keys, const RfRayLanes* rays, const RfVertexLanes* v, int vertex,
+                    RfLightLanes* out, float* area )
 {
     const RfKernelLinker* kernel = (const RfKernelLinker*)(const void*)linker;
     const RfLinkLanes* links = kernel->out;
     int count = rf_record_count( v );
-    rf_link_vertices( kernel, keys, v, vertex );
+    rf_link_vertices( kernel, keys, area == NULL ? rays : NULL, v, vertex );
     float scale = RF_DELTA_PDF * (float)kernel->path->light_samples;
     for ( int i = 0; i < v->count; ++i )
     {
@@ -238,10 +235,12 @@ static void sample( const RfLinker* linker, RfWavefront* keys, const RfVertexLan
         }
         out->pdf_solid_angle[i] = found ? RF_DELTA_PDF : 1.0f;
     }
+    for ( int i = 0; i < v->count && area != NULL; ++i )
+        area[i] = i < count && links->found[i] > 0 ? links->area[i] : INFINITY;
 }
 
 RfKernelLinker rf_make_linker( const RfLightPaths* paths, RfKernelNormalization normalization, const RfPathSettings* path,
                                RfLinkLanes* lanes )
 {
-    return ( RfKernelLinker ){ { sample, paths->linked }, path, paths, normalization, lanes };
+    return ( RfKernelLinker ){ { sample, paths->parents, paths->linked }, path, paths, normalization, lanes };
 }

@@ -12,6 +12,7 @@ typedef struct RfLinkLanes
     RF_ALIGN float light[3][RF_LANES]; // the sum over all links
     RF_ALIGN float wi[3][RF_LANES];    // of one of them, drawn in proportion to its light
     RF_ALIGN float one[3][RF_LANES];   // its light over the probability of drawing it
+    float area[RF_LANES];              // its area (rf_own_weight)
     uint32_t found[RF_LANES];          // links
     uint64_t rays;                     // traced, counted up
     uint64_t all_rays;                 // likewise, over all vertices
@@ -31,8 +32,9 @@ typedef struct RfKernelLinker
 RfKernelLinker rf_make_linker( const RfLightPaths* paths, RfKernelNormalization normalization, const RfPathSettings* path,
                                RfLinkLanes* lanes );
 
-// Links evaluable vertices, their paths' `vertex`-th, to light paths: linker->out. Random numbers: those of the keys of
-// their slots. Adds to keys->path_rays.
-void rf_link_vertices( const RfKernelLinker* linker, RfWavefront* keys, const RfVertexLanes* vertices, int vertex );
+// Links evaluable vertices, their paths' `vertex`-th, to light paths and to their parents: linker->out. Random numbers: those
+// of the keys of their slots. Adds to keys->path_rays. With the rays that hit the vertices, links have their weights.
+void rf_link_vertices( const RfKernelLinker* linker, RfWavefront* keys, const RfRayLanes* rays, const RfVertexLanes* vertices,
+                       int vertex );
 
 #endif

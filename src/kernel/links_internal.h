@@ -3,6 +3,7 @@
 #define REFRAME_KERNEL_LINKS_INTERNAL_H
 
 #include "kernel/links.h"
+#include "kernel/parents.h"
 #include "kernel/solve.h"
 
 #define RF_STEP_MARGIN 1.4f // first steps, in reaches of links
@@ -23,27 +24,50 @@ typedef struct RfLink
     float reach;   // of the solution
     float repeats; // trials until it was found again
     bool open;
+    float area; // that it covers at the vertex, for rf_own_weight
     RfVec3 wi, light;
 } RfLink;
+
+// A particle whose footprint holds an eye vertex, and its parent.
+typedef struct RfParentLink
+{
+    int lane;
+    const RfLightPath* path;
+    RfRandomKey key;
+    float scale;   // one over the probability with which it was accepted
+    RfVec3 d;      // from the parent to the vertex, unit
+    float cosine;  // at which that leaves the parent
+    float cone;    // squared sine of the cone around it
+    float versine; // of the same cone
+    float most;    // the largest cosine in it
+    float repeats;
+    bool open;
+    RfVec3 light;
+} RfParentLink;
 
 typedef struct RfLinkWork
 {
     const RfKernelLinker* settings;
     RfWavefront* keys;
+    const RfRayLanes* rays; // NULL: links are not weighted
     int vertex;
     const RfVertexLanes* v;
     RfLinkLanes* out;
     RfLink link[RF_CHAIN_BLOCK];
     RfBend bend[RF_CHAIN_BLOCK];
     int count;
+    RfParentLink parent_link[RF_CHAIN_BLOCK];
+    int parent_count;
     float chosen[RF_LANES]; // the sum of what was drawn from
 } RfLinkWork;
 
-// Light paths whose footprint holds an eye vertex.
+// Light paths, or particles, whose footprint holds an eye vertex.
 typedef struct RfCandidates
 {
     const RfKernelLinker* settings;
-    RfVec3 y, n;
+    const RfFootprintTree* tree;
+    RfFootprintFound* note; // counts those that are candidates, and keeps them by rf_keep_candidate
+    RfVec3 y, ng, n;
     int spent;
     int count;
     int kept;
@@ -71,6 +95,36 @@ static inline float rf_steered_apart( const RfEmission* a, const RfEmission* b )
     RfVec3 apart = a->infinite ? rf_sub( a->position, b->position ) : rf_sub( a->direction, b->direction );
     return rf_length( apart );
 }
+
+// Sets up the search for the candidates of a lane.
+void rf_begin_candidates( const RfLinkWork* work, int i, const RfFootprintTree* tree, RfFootprintFound* note,
+                          RfCandidates* candidates );
+
+// Counts a candidate that is expected to bring so much light; keeps it if there is room.
+void rf_keep_candidate( RfCandidates* candidates, uint32_t number, float light );
+
+// Notes light paths, and particles.
+RfFootprintFound rf_note_path, rf_note_particle;
+
+// The trial links of one lane: each candidate is accepted in proportion to what it is expected to bring.
+typedef struct RfAcceptance
+{
+    RfRandomKey lane;
+    float scale;  // from rf_find_candidates
+    float trials; // links wanted
+    float sum;    // that all candidates are expected to bring
+} RfAcceptance;
+RfAcceptance rf_weigh_candidates( const RfLinkWork* work, RfRandomKey lane, float scale, int i, const RfCandidates* candidates );
+
+// The key of a candidate, and one over the probability of accepting it; 0: it was not.
+float rf_accept( const RfAcceptance* acceptance, const RfCandidates* candidates, int k, RfRandomKey* key );
+
+// Links a lane to parents, and does what is left to do.
+void rf_link_parents( RfLinkWork* work, RfRandomKey lane, int i );
+void rf_flush_parents( RfLinkWork* work );
+
+// Adds the light of a link to its lane.
+void rf_add_light( RfLinkWork* work, int i, RfRandomKey key, RfVec3 wi, RfVec3 light, float area );
 
 // Finds candidates; of more than there is room for every k-th. Returns one over the probability of being among them.
 float rf_find_candidates( RfCandidates* candidates, RfRandomKey key );

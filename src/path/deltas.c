@@ -25,6 +25,7 @@ void rf_count_deltas( const RfPathSettings* settings, RfWavefront* wavefront, co
         uint8_t* deltas = wavefront->deltas + v->slot[i];
         bool follows = i >= records && vertex > 1 && pdf[i] == RF_DELTA_PDF && *deltas <= RF_MAX_CHAIN &&
                        rf_is_chain_surface( materials + v->material[i] );
+        wavefront->matte[v->slot[i]] = i < records && rf_is_matte_lane( settings, v, i );
         *deltas = i < records ? 1 : follows ? (uint8_t)( *deltas + 1 ) : RF_NOT_LINKED;
     }
 }

@@ -106,7 +106,7 @@ static void add_light_samples( const RfPathSettings* settings, RfWavefront* wave
             rf_note_lit( settings, wavefront, lights, j, v->count );
         }
         else
-            settings->linker->sample( settings->linker, wavefront, v, vertex, lights );
+            settings->linker->sample( settings->linker, wavefront, rays, v, vertex, lights, NULL );
         const float* wi[3] = { lights->wi[0], lights->wi[1], lights->wi[2] };
         float* f[3] = { s->f[0], s->f[1], s->f[2] };
         rf_evaluate_lanes( v, wi, f, s->pdf );

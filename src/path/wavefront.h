@@ -43,6 +43,7 @@ typedef struct RfWavefront
     uint64_t path_rays, shadow_rays; // counted up
     uint8_t deltas[RF_LANES];        // with a linker, by slot: one more than the delta vertices since the last evaluable one;
                                      // RF_NOT_LINKED: none yet, or others are among them
+    bool matte[RF_LANES];            // with a linker, by slot: whether the ray left a matte vertex (rf_is_matte)
     float lit[RF_LANES];             // with a linker, by vertex lane: luminance of the irradiance that light samples found there
     // inside
     RfRayLanes next;
@@ -55,9 +56,14 @@ typedef struct RfWavefront
 // emission that is hit by chance.
 struct RfLinker
 {
-    // Samples such light, the less the more is lit by light samples, for the path's `vertex`-th vertices, like a light that no scattered ray finds: densities are
-    // RF_DELTA_PDF, or 1 where there is none. Adds to keys->path_rays.
-    void ( *sample )( const RfLinker* linker, RfWavefront* keys, const RfVertexLanes* vertices, int vertex, RfLightLanes* out );
+    // Samples such light, the less the more is lit by light samples, for the path's `vertex`-th vertices, which `rays` hit,
+    // like a light that no scattered ray finds: densities are RF_DELTA_PDF, or 1 where there is none. Adds to
+    // keys->path_rays. Links that the vertex before may find as well are weighted, unless `area` is given: it gets what
+    // rf_own_weight asks for.
+    void ( *sample )( const RfLinker* linker, RfWavefront* keys, const RfRayLanes* rays, const RfVertexLanes* vertices,
+                      int vertex, RfLightLanes* out, float* area );
+    // Links that a point finds, on average, to parents that one light path brings into being.
+    float parents;
     const bool* linked; // by material, then the sky: whose emission it finds
 };
 
@@ -145,6 +151,31 @@ void rf_scatter_deferred( const RfPathSettings* settings, RfWavefront* wavefront
                           float* const wi[3] );
 
 #define RF_NOT_LINKED 255
+
+// Links are sought at least as if light came in at this cosine.
+#define RF_LEAST_PARENT_COSINE 0.1f
+
+// Light that comes to a vertex x by a chain, is scattered there and arrives at y before it, both matte, is found in two ways: by a
+// ray that y scatters and a link at x, and by a link at y to a light path that landed at x. The balance weight of the first, with
+// densities by the cosine (src/reuse/estimators.md, section 16). `area` is that of the footprint of the link at x, over
+// the links that are found in it; infinity: there is no other way.
+static inline float rf_own_weight( float parents, float area, RfVec3 y, RfVec3 n_y, RfVec3 x, RfVec3 ng_x )
+{
+    if ( area == INFINITY )
+        return 1.0f;
+    RfVec3 way = rf_sub( x, y );
+    float d2 = rf_maxf( rf_dot( way, way ), 1e-20f ), inverse = 1.0f / sqrtf( d2 );
+    float cos_y = rf_maxf( rf_dot( way, n_y ) * inverse, 0.0f ), cos_x = rf_maxf( -rf_dot( way, ng_x ) * inverse, 0.0f );
+    float by_ray = RF_INV_PI * cos_y * area / d2; // over cos_x, like the next
+    return by_ray / ( by_ray + parents / rf_maxf( cos_x, RF_LEAST_PARENT_COSINE ) );
+}
+
+// Whether a lane is matte.
+static inline bool rf_is_matte_lane( const RfPathSettings* settings, const RfVertexLanes* v, int i )
+{
+    RfBsdfKind kind = rf_tracer_scene( settings->tracer )->materials[v->material[i]].kind;
+    return rf_is_matte( kind, kind == RF_BSDF_LAMBERT ? 0.0f : v->param[RF_PARAM_SHAPE][i] );
+}
 
 // Adds one of a vertex's light samples to wavefront->lit, the first of them (`sample` 0) in place of what is there.
 void rf_note_lit( const RfPathSettings* settings, RfWavefront* wavefront, const RfLightLanes* lights, int sample, int count );

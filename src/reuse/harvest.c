@@ -290,7 +290,7 @@ static void trace_tails( const RfHarvest* harvest, RfHarvestScratch* scratch, Rf
     rf_trace_hit_tails( &linked, scratch, rays );
     for ( int j = 0; j < harvest->path.light_samples; ++j )
         rf_note_lit( &linked.path, &scratch->wavefront, scratch->direct + j, j, scratch->hits->count );
-    rf_link_vertices( &linker, &scratch->wavefront, scratch->hits, 1 );
+    rf_link_vertices( &linker, &scratch->wavefront, NULL, scratch->hits, 1 );
 }
 
 static int harvest_batch( const RfHarvest* harvest, RfTraceJob job, RfHitBatch* batch, RfHarvestScratch* scratch,

@@ -3,7 +3,7 @@
 // at a vertex could have been sampled by any path of the tile that reaches the
 // vertex, so it is weighted over them as directions at a first hit are over the eyes:
 // Q = A / (K p_L + P) + B / P with P = Σ_k (ρ_k / Σ ρ) p(ω; seen from x^k).
-#include "reuse/tile_reuse.h"
+#include "reuse/tile_links.h"
 
 #include <string.h>
 
@@ -87,7 +87,8 @@ static void find_receivers( const RfTileReuse* reuse, int pairing, float wo[3][R
     }
 }
 
-static void add_glossy( const float* const wi[3], int tile_pixels, RfTileReuse* reuse, RfLaneScratch* s )
+static void add_glossy( const RfPathSettings* settings, const float* const wi[3], int tile_pixels, bool links, RfTileReuse* reuse,
+                        RfLaneScratch* s )
 {
     const RfVertexLanes* y = &reuse->second;
     int first = y->first[RF_BSDF_FIRST_GLOSSY], end = rf_record_count( y );
@@ -120,11 +121,13 @@ static void add_glossy( const float* const wi[3], int tile_pixels, RfTileReuse* 
     for ( int pairing = 0; pairing < tile_pixels; ++pairing )
     {
         RfPairingLanes* t = reuse->pairings + pairing;
+        const float* weight = s->visible;
+        rf_find_link_weights( settings, reuse, pairing, links, s->visible );
         for ( int c = 0; c < 3; ++c )
         {
 #pragma omp simd
             for ( int a = first; a < end; ++a )
-                t->light[c][a] += t->f[c][a] * reuse->a[c][a];
+                t->light[c][a] += t->f[c][a] * reuse->a[c][a] * weight[a];
         }
     }
 }
@@ -132,7 +135,7 @@ static void add_glossy( const float* const wi[3], int tile_pixels, RfTileReuse* 
 // Light of vertices that are not reused reaches its own hit as it would without
 // tiles: either surface is unevaluable.
 static void add_not_reused( const RfPathSettings* settings, RfWavefront* wavefront, const float* const wi[3], bool scattered,
-                            RfTileReuse* reuse )
+                            bool links, RfTileReuse* reuse )
 {
     const RfVertexLanes* y = &reuse->second;
     RfLaneScratch* s = &wavefront->scratch;
@@ -145,10 +148,11 @@ static void add_not_reused( const RfPathSettings* settings, RfWavefront* wavefro
         int slot = y->slot[a];
         bool unevaluable = scattered && a >= rf_record_count( y ); // its ray carried the weight
         float pdf = unevaluable ? reuse->pdf[a] : s->pdf[a], q[3];
+        float weight = links ? rf_link_weight( settings, reuse, reuse->hit_of[a], a ) : 1.0f;
         light_of( reuse, a, pdf, q );
         for ( int c = 0; c < 3; ++c )
         {
-            float light = f[c][a] * q[c];
+            float light = f[c][a] * q[c] * weight;
             if ( unevaluable )
             {
                 float k = (float)settings->light_samples * reuse->arrivals_at_second.light_pdf_solid_angle[slot];
@@ -221,84 +225,29 @@ void rf_light_pairings( const RfTileReuseSettings* settings, RfWavefront* wavefr
     int tile_pixels = settings->tile_pixels;
     bool glossy = reuse->second.first[RF_BSDF_FIRST_GLOSSY] < rf_record_count( &reuse->second );
     size_t bytes = (size_t)reuse->second.count * sizeof( float );
-    for ( int k = 0; k < 3 * ( glossy ? tile_pixels : 1 ); ++k )
+    bool linked = path->linker != NULL;
+    reuse->shared = linked ? 0 : reuse->second.first[RF_BSDF_FIRST_GLOSSY];
+    for ( int k = 0; k < 3 * ( glossy || linked ? tile_pixels : 1 ); ++k )
         memset( reuse->pairings[k / 3].light[k % 3], 0, bytes );
     bool reused = all_reused( reuse );
-    int k = rf_light_lanes_count( path );
-    for ( int d = 0; d <= k; ++d )
+    int k = path->light_samples;
+    for ( int d = 0; d <= k + linked; ++d ) // light samples, what was scattered, links
     {
-        float( *from )[RF_LANES] = d < k ? reuse->direct[d].wi : reuse->wi;
-        const float* wi[3] = { from[0], from[1], from[2] };
-        if ( d < k )
-            gather_light_sample( path, reuse, d );
-        else
+        const RfLightLanes* direct = reuse->direct + ( d < k ? d : k );
+        bool scattered = d == k, links = d > k;
+        const float* wi[3] = { scattered ? reuse->wi[0] : direct->wi[0], scattered ? reuse->wi[1] : direct->wi[1],
+                               scattered ? reuse->wi[2] : direct->wi[2] };
+        if ( scattered )
             gather_scattered( path, reuse );
+        else
+            gather_light_sample( path, reuse, links ? k : d );
         if ( !reused )
-            add_not_reused( path, wavefront, wi, d == k, reuse );
-        add_diffuse( wi, reuse, &wavefront->scratch );
-        add_glossy( wi, tile_pixels, reuse, &wavefront->scratch );
+            add_not_reused( path, wavefront, wi, scattered, links, reuse );
+        if ( links )
+            rf_add_diffuse_links( path, wi, tile_pixels, reuse, &wavefront->scratch );
+        else
+            add_diffuse( wi, reuse, &wavefront->scratch );
+        add_glossy( path, wi, tile_pixels, links, reuse, &wavefront->scratch );
     }
     store_own( wavefront, reuse );
-}
-
-void rf_gather_tile_light( const RfTileReuse* reuse, int pairing, const RfVertexLanes* hits, int first, int end,
-                           float light[3][RF_LANES] )
-{
-    int diffuse = reuse->second.first[RF_BSDF_FIRST_GLOSSY];
-    const RfPairingLanes *t = reuse->pairings + pairing, *own = reuse->pairings;
-    for ( int i = first; i < end; ++i )
-    {
-        int a = t->vertex[i];
-        float weight = t->weight[i];
-        float cos_x = hits->n[0][i] * t->wi[0][i] + hits->n[1][i] * t->wi[1][i] + hits->n[2][i] * t->wi[2][i];
-        const RfPairingLanes* from = a < diffuse ? own : t;
-        for ( int c = 0; c < 3; ++c )
-            light[c][i] = weight > 0.0f ? cos_x * weight * from->light[c][a] : 0.0f;
-    }
-    for ( int c = 0; c < 3 && reuse->pane_weight != NULL; ++c )
-    {
-        for ( int i = first; i < end; ++i )
-            light[c][i] = t->weight[i] > 0.0f ? light[c][i] * reuse->pane_weight[pairing][c][i] : 0.0f;
-    }
-}
-
-// The sum of a pairing whose light comes through panes.
-static void sum_behind_panes( const RfPairingLanes* t, float pane_weight[3][RF_LANES], const RfPairingLanes* own, int diffuse,
-                              int count, float sum[3][RF_LANES] )
-{
-    for ( int i = 0; i < count; ++i )
-    {
-        if ( t->weight[i] == 0.0f )
-            continue;
-        int a = t->vertex[i];
-        const RfPairingLanes* from = a < diffuse ? own : t;
-        for ( int c = 0; c < 3; ++c )
-            sum[c][i] += t->weight[i] * pane_weight[c][i] * from->light[c][a];
-    }
-}
-
-void rf_gather_diffuse_tile_light( const RfTileReuse* reuse, int pairings, int count, float sum[3][RF_LANES] )
-{
-    int diffuse = reuse->second.first[RF_BSDF_FIRST_GLOSSY];
-    const RfPairingLanes* own = reuse->pairings;
-    for ( int c = 0; c < 3; ++c )
-        memset( sum[c], 0, (size_t)count * sizeof( float ) );
-    for ( int s = 1; s < pairings; ++s )
-    {
-        const RfPairingLanes* t = reuse->pairings + s;
-        if ( reuse->pane_weight != NULL )
-        {
-            sum_behind_panes( t, reuse->pane_weight[s], own, diffuse, count, sum );
-            continue;
-        }
-        for ( int i = 0; i < count; ++i )
-        {
-            if ( t->weight[i] == 0.0f )
-                continue;
-            int a = t->vertex[i];
-            const RfPairingLanes* from = a < diffuse ? own : t;
-            for ( int c = 0; c < 3; ++c )
-                sum[c][i] += t->weight[i] * from->light[c][a];
-        }
-    }
 }

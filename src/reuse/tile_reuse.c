@@ -82,6 +82,7 @@ static void list_owners( const RfTileReuseSettings* settings, const RfWavefront*
     {
         int i = hit_of_slot[y->slot[a]];
         reuse->owner[a] = -1;
+        reuse->hit_of[a] = i;
         if ( i < 0 || a >= rf_record_count( y ) || is_spent( settings, wavefront, reuse, a ) )
             continue;
         float way2 = 0.0f, cos_y = 0.0f;
@@ -155,7 +156,7 @@ static void trace_beyond( const RfPathSettings* settings, RfWavefront* wavefront
     for ( int j = 0; j < k; ++j )
         rf_note_lit( settings, wavefront, reuse->direct + j, j, reuse->second.count );
     if ( settings->linker != NULL )
-        settings->linker->sample( settings->linker, wavefront, &reuse->second, 2, reuse->direct + k );
+        settings->linker->sample( settings->linker, wavefront, NULL, &reuse->second, 2, reuse->direct + k, reuse->link_area );
     memcpy( &reuse->arrivals_at_hits, &wavefront->arrivals, sizeof wavefront->arrivals );
     memset( &wavefront->arrivals, 0, sizeof wavefront->arrivals );
     float* wi[3] = { reuse->wi[0], reuse->wi[1], reuse->wi[2] };
@@ -170,7 +171,8 @@ uint64_t rf_trace_tile_tails( const RfTileReuseSettings* settings, const RfVerte
                               RfWavefront* wavefront, RfTileReuse* reuse )
 {
     int tile_pixels = settings->tile_pixels;
-    reuse->second.count = reuse->thinned = reuse->kept = 0;
+    reuse->second.count = reuse->thinned = reuse->kept = reuse->shared = 0;
+    reuse->hits = hits;
     if ( wavefront->rays.count > 0 )
         note_panes( &wavefront->rays, rf_find_lit_vertices( settings->path, wavefront, &wavefront->rays, true, &reuse->second ),
                     reuse );

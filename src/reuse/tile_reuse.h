@@ -26,7 +26,9 @@ typedef struct RfPairingLanes
     int32_t vertex[RF_LANES];       // second vertex of the neighbour path; if it has none 0, with weight 0
     // lanes: glossy second vertices
     float f[3][RF_LANES];
-    float light[3][RF_LANES]; // scattered to the receiver; in pairing 0 diffuse vertices too, the same to all
+    float
+        light[3]
+             [RF_LANES]; // scattered to the receiver; in pairing 0 diffuse vertices too, the same to all unless links bring some
 } RfPairingLanes;
 
 typedef struct RfTileReuse
@@ -41,7 +43,11 @@ typedef struct RfTileReuse
     int32_t second_of[RF_LANES];                             // second vertex of its path; −1: none, or not reused
     // second vertices
     RfVertexLanes second;
-    RF_ALIGN float lifted[3][RF_LANES];   // hits lifted off their surface, the ends of connections
+    RF_ALIGN float lifted[3][RF_LANES]; // hits lifted off their surface, the ends of connections
+    const RfVertexLanes* hits;
+    int32_t hit_of[RF_LANES];             // the hit whose ray found it; −1: one of an unevaluable surface
+    float link_area[RF_LANES];            // of the linker's sample (rf_own_weight)
+    int shared;                           // the first of them scatter the same light to all receivers
     int32_t owner[RF_LANES];              // the hit whose path it belongs to; −1: not reused
     float throughput[3][RF_LANES];        // of the ray that hit it
     float own_distance2_cos[RF_LANES];    // 1 / G_own

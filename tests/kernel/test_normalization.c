@@ -16,6 +16,7 @@
 
 #define TRIALS 8192
 #define LINKS 8 // solutions looked at
+#define PARTICLES 400000
 #define MOST_SIGMAS 4.5
 
 typedef struct Setting
@@ -53,7 +54,7 @@ static bool solve_link( const Setting* s, const RfLightPath* path, float part, R
 {
     RfVec3 t, b, n = rf_scale( path->end.d, -1.0f );
     rf_basis( n, &t, &b );
-    RfVec3 y = rf_madd( path->p, t, part * path->radius );
+    RfVec3 y = rf_madd( path->at.p, t, part * path->at.radius );
     v->p[0][0] = y.x;
     v->p[1][0] = y.y;
     v->p[2][0] = y.z;
@@ -170,8 +171,120 @@ static void test_repeated_trials_are_one_over_the_probability( void** state )
     rf_destroy_scene( &scene );
 }
 
+// An eye vertex where a particle landed, facing its parent, and the link between them.
+static bool find_parent_link( const Setting* s, const RfScatteredPath* particle, RfLinkWork* work, RfVertexLanes* v )
+{
+    const RfScene* scene = rf_tracer_scene( s->tracer );
+    RfVec3 n = rf_normalize( rf_sub( s->paths->path[particle->path].at.p, particle->at.p ) );
+    float p[3] = { particle->at.p.x, particle->at.p.y, particle->at.p.z }, ng[3] = { n.x, n.y, n.z };
+    for ( int c = 0; c < 3; ++c )
+    {
+        v->p[c][0] = p[c];
+        v->ng[c][0] = v->n[c][0] = ng[c];
+    }
+    v->offset[0] = 1e-4f;
+    for ( uint32_t m = 0; m < scene->material_count; ++m )
+    {
+        if ( scene->materials[m].kind == RF_BSDF_LAMBERT )
+            v->material[0] = (int32_t)m;
+    }
+    work->vertex = 1;
+    work->parent_count = 0;
+    rf_link_parents( work, rf_pixel_key( 5, particle->path ), 0 );
+    return work->parent_count > 0;
+}
+
+// The mean number of trials until a particle covers the vertex.
+static double count_parent_trials( RfLinkWork* work, const RfParentLink* link )
+{
+    double sum = 0.0;
+    for ( uint32_t first = 0; first < TRIALS; first += RF_CHAIN_BLOCK )
+    {
+        work->parent_count = RF_CHAIN_BLOCK;
+        for ( uint32_t k = 0; k < RF_CHAIN_BLOCK; ++k )
+        {
+            work->parent_link[k] = *link;
+            work->parent_link[k].key = rf_pixel_key( 78, first + k );
+        }
+        rf_flush_parents( work );
+        for ( int k = 0; k < RF_CHAIN_BLOCK; ++k )
+            sum += (double)work->parent_link[k].repeats;
+    }
+    return sum / TRIALS;
+}
+
+// The share of all particles of a parent that cover the vertex.
+static double count_covering( const Setting* s, const RfParentLink* link, RfVec3 y )
+{
+    const RfParent* parent = &link->path->parent;
+    const RfTriangleRecord* triangles = rf_tracer_triangles( s->tracer );
+    RfVec3 o = rf_parent_start( link->path ), t, b;
+    const float* from[3] = { &o.x, &o.y, &o.z };
+    rf_basis( parent->ng, &t, &b );
+    int found = 0;
+    for ( uint32_t k = 0; k < PARTICLES; ++k )
+    {
+        RfRandomKey key = rf_pixel_key( 101, k );
+        float u = rf_random( key, 0 ), phi = 2.0f * RF_PI * rf_random( key, 1 );
+        RfVec3 d = rf_add( rf_scale( t, sqrtf( u ) * cosf( phi ) ), rf_scale( b, sqrtf( u ) * sinf( phi ) ) );
+        d = rf_normalize( rf_madd( d, parent->ng, sqrtf( 1.0f - u ) ) );
+        RfVec3 across = rf_cross( d, link->d );
+        if ( rf_dot( d, link->d ) <= 0.0f || rf_dot( across, across ) > link->cone )
+            continue;
+        const float* way[3] = { &d.x, &d.y, &d.z };
+        uint32_t hit;
+        float bu, bv;
+        rf_trace_nearest( s->tracer, 1, from, way, false, &hit, &bu, &bv );
+        if ( hit == RF_MISS || rf_tracer_scene( s->tracer )->materials[triangles[hit].material].kind == RF_BSDF_GLASS )
+            continue;
+        RfVec3 p = rf_hit_point( triangles + hit, bu, bv, o, d ).p;
+        found += rf_length( rf_sub( p, y ) ) <= rf_scattered_radius( s->paths, link->path, p, triangles[hit].ng );
+    }
+    return (double)found / PARTICLES;
+}
+
+static void test_trials_of_parents_are_one_over_the_probability( void** state )
+{
+    (void)state;
+    static RfVertexLanes v;
+    static RfLinkLanes out;
+    static RfLinkWork work;
+    static RfWavefront keys;
+    RfScene scene = make_mirror_room( GLASS_BALL );
+    Setting s;
+    make_setting( &scene, &s );
+    rf_draw_light_paths( &s.group, 0, s.paths );
+    RfKernelLinker linker = rf_make_linker( s.paths, RF_KERNEL_EXACT, &s.path, &out );
+    work = ( RfLinkWork ){ .settings = &linker, .v = &v, .out = &out, .keys = &keys };
+    int links = 0, uncertain = 0;
+    assert_true( s.paths->scattered_count > 100 );
+    for ( uint32_t i = 0; i < s.paths->scattered_count && links < LINKS; i += 13 )
+    {
+        if ( !find_parent_link( &s, s.paths->scattered + i, &work, &v ) )
+            continue;
+        RfParentLink link = work.parent_link[0];
+        double mean = count_parent_trials( &work, &link ), drawn = 2.0 * (double)link.versine * (double)link.most;
+        if ( !work.parent_link[0].open ) // occluded
+            continue;
+        double n = count_covering( &s, &link, rf_start_of( &v, 0 ) ), p = 1.0 / mean;
+        double sigma = sqrt( ( 1.0 - p + 4.0 / TRIALS ) / TRIALS + 1.0 / ( n * PARTICLES ) );
+        printf( "one over the trials %.5f, share of the particles %.5f\n", drawn * p, n );
+        assert_true( n > 0.0 );
+        assert_true( fabs( drawn * p / n - 1.0 ) <= MOST_SIGMAS * sigma );
+        links += 1;
+        uncertain += p < 0.8;
+    }
+    printf( "%d links, %d of them found in less than 80 %% of the trials\n", links, uncertain );
+    assert_int_equal( links, LINKS );
+    assert_true( uncertain > 0 );
+    free( s.paths );
+    rf_destroy_tracer( s.tracer );
+    rf_destroy_scene( &scene );
+}
+
 int main( void )
 {
-    const struct CMUnitTest tests[] = { cmocka_unit_test( test_repeated_trials_are_one_over_the_probability ) };
+    const struct CMUnitTest tests[] = { cmocka_unit_test( test_repeated_trials_are_one_over_the_probability ),
+                                        cmocka_unit_test( test_trials_of_parents_are_one_over_the_probability ) };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }
