@@ -28,26 +28,32 @@ int rf_aov_channels( RfAov aov ) { return (int)strlen( s_aovs[aov].letters ); }
 
 bool rf_aov_is_half( RfAov aov ) { return s_aovs[aov].half; }
 
-// The AOV called by `length` characters, or −1.
-static int find_aov( const char* word, size_t length )
+static bool is_word( const char* name, const char* word, size_t length )
 {
+    return strlen( name ) == length && strncmp( name, word, length ) == 0;
+}
+
+// The AOVs called by `length` characters, 0 if there are none.
+static unsigned find_aovs( const char* word, size_t length )
+{
+    if ( is_word( RF_GRADIENT_AOVS_NAME, word, length ) )
+        return RF_GRADIENT_AOVS;
     for ( int i = 0; i < RF_AOV_ALPHA; ++i )
     {
-        const char* name = rf_aov_name( (RfAov)i );
-        if ( strlen( name ) == length && strncmp( name, word, length ) == 0 )
-            return i;
+        if ( is_word( rf_aov_name( (RfAov)i ), word, length ) )
+            return RF_AOV_BIT( i );
     }
-    return -1;
+    return 0;
 }
 
 static RfResult fail_unknown( const char* word, size_t length, RfError* error )
 {
-    const char* names[RF_AOV_ALPHA];
+    const char* names[RF_AOV_ALPHA + 1] = { [RF_AOV_ALPHA] = RF_GRADIENT_AOVS_NAME };
     for ( int i = 0; i < RF_AOV_ALPHA; ++i )
         names[i] = rf_aov_name( (RfAov)i );
     char copy[32], all[RF_AOVS_TEXT_SIZE];
     snprintf( copy, sizeof copy, "%.*s", (int)( length < 31 ? length : 31 ), word );
-    const char* nearest = length > 0 ? rf_nearest_word( copy, names, RF_AOV_ALPHA ) : NULL;
+    const char* nearest = length > 0 ? rf_nearest_word( copy, names, RF_AOV_ALPHA + 1 ) : NULL;
     if ( nearest != NULL )
         return rf_fail( error, RF_ERROR_USAGE, "'%s' is no AOV, did you mean %s?", copy, nearest );
     rf_format_aovs( RF_ALL_AOVS, all, sizeof all );
@@ -60,12 +66,15 @@ RfResult rf_parse_aovs( const char* text, unsigned* aovs, RfError* error )
     while ( text != NULL )
     {
         size_t length = strcspn( text, "," );
-        int aov = find_aov( text, length );
-        if ( aov < 0 )
+        unsigned found = find_aovs( text, length );
+        if ( found == 0 )
             return fail_unknown( text, length, error );
-        if ( ( *aovs & RF_AOV_BIT( aov ) ) != 0 )
-            return rf_fail( error, RF_ERROR_USAGE, "AOV %s is given twice", rf_aov_name( (RfAov)aov ) );
-        *aovs |= RF_AOV_BIT( aov );
+        for ( int i = 0; i < RF_AOV_ALPHA; ++i )
+        {
+            if ( ( *aovs & found & RF_AOV_BIT( i ) ) != 0 )
+                return rf_fail( error, RF_ERROR_USAGE, "AOV %s is given twice", rf_aov_name( (RfAov)i ) );
+        }
+        *aovs |= found;
         text = text[length] == ',' ? text + length + 1 : NULL;
     }
     return RF_OK;

@@ -20,13 +20,14 @@ static inline void add( const Target* t, int film, size_t pixel, float weight, c
     t->film[RF_FILM_SQUARES][4 * pixel + (size_t)film] += weight * square;
 }
 
-static inline void add_difference( const Target* t, int film, size_t pixel, const float here[4], const float there[4] )
+static inline void add_difference( const Target* t, int film, size_t pixel, const float here[3], const float there[3] )
 {
     add( t, film, pixel, t->weight, ( float[3] ){ there[0] - here[0], there[1] - here[1], there[2] - here[2] } );
 }
 
 // Adds the rows of a tile that belong to the job. All its pixels and pairs count, also those that other tiles have.
-static uint64_t add_tile( const Target* t, const RfExtendedTile* tile, float ( *value )[4], RfAccumulateJob job )
+static uint64_t add_tile( const Target* t, const RfExtendedTile* tile, const RfGradientBatch* batch, int lane,
+                          RfAccumulateJob job )
 {
     int across = tile->x1 - tile->x0;
     int first = tile->y0 > job.first_row ? tile->y0 : job.first_row, end = tile->y1 < job.end_row ? tile->y1 : job.end_row;
@@ -34,17 +35,17 @@ static uint64_t add_tile( const Target* t, const RfExtendedTile* tile, float ( *
     {
         for ( int x = tile->x0; x < tile->x1; ++x )
         {
-            float( *here )[4] = value + ( y - tile->y0 ) * across + ( x - tile->x0 );
+            int here = lane + ( y - tile->y0 ) * across + ( x - tile->x0 );
             size_t pixel = (size_t)y * (size_t)t->width + (size_t)x;
-            add( t, RF_FILM_PRIMAL, pixel, t->primal_weight, here[0] );
+            add( t, RF_FILM_PRIMAL, pixel, t->primal_weight, batch->value[here] );
             if ( x + 1 < tile->x1 )
-                add_difference( t, RF_FILM_DX, pixel, here[0], here[1] );
+                add_difference( t, RF_FILM_DX, pixel, batch->common[here], batch->common[here + 1] );
             if ( y + 1 < tile->y1 )
-                add_difference( t, RF_FILM_DY, pixel, here[0], here[across] );
+                add_difference( t, RF_FILM_DY, pixel, batch->common[here], batch->common[here + across] );
             if ( job.landed != NULL )
                 job.landed[pixel] += 1;
             if ( job.sky != NULL )
-                job.sky[pixel] += t->primal_weight * here[0][3];
+                job.sky[pixel] += t->primal_weight * batch->value[here][3];
         }
     }
     return end > first ? (uint64_t)( end - first ) * (uint64_t)across : 0;
@@ -60,12 +61,12 @@ uint64_t rf_accumulate_gradients( const RfEstimatorGroup* group, RfAccumulateJob
     uint64_t landed = 0;
     for ( int k = 0; k < batch_count; ++k )
     {
-        RfGradientBatch* batch = batches[k];
-        float( *value )[4] = batch->value;
+        const RfGradientBatch* batch = batches[k];
+        int lane = 0;
         for ( int i = 0; i < batch->tile_count && batch->eye == job.eye; ++i )
         {
-            landed += add_tile( &target, batch->tile + i, value, job );
-            value += rf_tile_area( batch->tile + i );
+            landed += add_tile( &target, batch->tile + i, batch, lane, job );
+            lane += rf_tile_area( batch->tile + i );
         }
     }
     return landed;

@@ -169,24 +169,38 @@ static void light_hits( const RfHarvest* harvest, int count, RfGradientScratch* 
     rays->path += wavefront->path_rays;
     rays->shadow += wavefront->shadow_rays;
     rf_test_batch_visibility( harvest, &scratch->hits, h, rays );
-    rf_weight_batch( harvest, &scratch->hits, h );
-    if ( harvest->shape.own_frame_light )
-        rf_light_own_frame( harvest, &scratch->hits, h );
 }
 
 // The radiance of every lane, by way of a film with a pixel for each.
-static void add_up( const RfEstimatorGroup* group, RfGradientBatch* batch, RfGradientScratch* scratch )
+static void add_up( const RfEstimatorGroup* group, const RfHarvest* harvest, float ( *value )[4], RfGradientScratch* scratch )
 {
-    memset( batch->value, 0, sizeof batch->value );
+    rf_weight_batch( harvest, &scratch->hits, scratch->harvest );
+    if ( harvest->shape.own_frame_light )
+        rf_light_own_frame( harvest, &scratch->hits, scratch->harvest );
+    memset( value, 0, sizeof( float[RF_LANES][4] ) );
     memset( scratch->missed, 0, sizeof scratch->missed );
     bool alpha = ( group->settings->aovs & RF_AOV_BIT( RF_AOV_ALPHA ) ) != 0;
-    RfFilm film = { .half = { batch->value[0] } };
+    RfFilm film = { .half = { value[0] } };
     RfAccumulateJob job = {
-        .eye = batch->eye, .end_row = RF_LANES, .films = &film, .weight = 1.0f, .sky = alpha ? scratch->missed : NULL
+        .eye = scratch->hits.eye, .end_row = RF_LANES, .films = &film, .weight = 1.0f, .sky = alpha ? scratch->missed : NULL
     };
     rf_accumulate_rows( group, job, &( void* ){ &scratch->hits }, 1, &scratch->accumulate );
     for ( int i = 0; i < RF_LANES; ++i )
-        batch->value[i][3] = scratch->missed[i];
+        value[i][3] = scratch->missed[i];
+}
+
+// Values with the light samples that tiles have in common, then with those of each pixel. The single path of a pair has
+// light samples of its own anyway.
+static void find_values( const RfEstimatorGroup* group, const RfHarvest* harvest, bool pairs, RfGradientBatch* batch,
+                         RfGradientScratch* scratch, RfRayCounts* rays )
+{
+    add_up( group, harvest, batch->value, scratch );
+    for ( int i = 0; i < RF_LANES; ++i )
+        memcpy( batch->common[i], batch->value[i], sizeof batch->common[i] );
+    if ( pairs || harvest->path.max_depth == 1 )
+        return;
+    rf_sample_direct( harvest, scratch->harvest, rays );
+    add_up( group, harvest, batch->value, scratch );
 }
 
 int rf_sample_patch( const RfEstimatorGroup* group, RfTraceJob job, RfGradientBatch* batch, RfGradientScratch* scratch,
@@ -213,7 +227,7 @@ int rf_sample_patch( const RfEstimatorGroup* group, RfTraceJob job, RfGradientBa
     find_hits( &at, group->filter, count, scratch, rays );
     set_path_keys( key, group, batch, scratch );
     light_hits( &at, count, scratch, rays );
-    add_up( &extended.group, batch, scratch );
+    find_values( &extended.group, &at, layout.pairs, batch, scratch, rays );
     return count;
 }
 

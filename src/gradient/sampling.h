@@ -1,5 +1,7 @@
 // Traces the pixels of extended tiles: all pixels of a tile share their paths (src/reuse/estimators.md, E4), have the
-// same point inside their pixel, and the same random numbers for direct light and on the way through mirrors and glass.
+// same point inside their pixel, and the same random numbers on the way through mirrors and glass. So they have for direct
+// light, as far as differences are concerned; the values have light samples of their own, else the error of a sample would be
+// that of a whole tile, which no difference tells of.
 #ifndef REFRAME_GRADIENT_SAMPLING_H
 #define REFRAME_GRADIENT_SAMPLING_H
 
@@ -13,7 +15,8 @@ typedef struct RfGradientBatch
     int eye; // index in the group of the frame whose pixels these are
     int tile_count;
     RfExtendedTile tile[RF_LISTED_TILES];
-    float value[RF_LANES][4]; // radiance: red, green, blue, and 1 where the camera ray missed; tile after tile, row after row
+    float value[RF_LANES][4];  // radiance: red, green, blue, and 1 where the camera ray missed; tile after tile, row after row
+    float common[RF_LANES][3]; // the same, with the light samples that all pixels of a tile have in common: for differences
 } RfGradientBatch;
 
 // A thread's workspace.

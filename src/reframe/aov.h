@@ -47,6 +47,7 @@ typedef enum RfAov
 #define RF_ALL_AOVS ( RF_AOV_BIT( RF_AOV_ALPHA ) - 1u ) // of the list
 #define RF_GRADIENT_AOVS                                                                                                         \
     ( RF_AOV_BIT( RF_AOV_PRIMAL ) | RF_AOV_BIT( RF_AOV_DX ) | RF_AOV_BIT( RF_AOV_DY ) ) // of "gradient" alone
+#define RF_GRADIENT_AOVS_NAME "gradients" // all three
 
 // RF_AOV_ALPHA is the coverage of a pixel by what is not sky, 0 to 1: the share of its camera rays that hit something, be
 // it a mirror or glass. It is reused and combined as the colour is, so it is unbiased, and where the weights of reused
@@ -64,7 +65,7 @@ const char* rf_aov_letters( RfAov aov );
 // Its floats per pixel: as many as letters.
 int rf_aov_channels( RfAov aov );
 
-// "albedo,depth" to a set of RF_AOV_BITs; NULL is none. Fails with RF_ERROR_USAGE for a word that
+// "albedo,depth" to a set of RF_AOV_BITs, "gradients" to RF_GRADIENT_AOVS; NULL is none. Fails with RF_ERROR_USAGE for a word that
 // is no AOV (naming the nearest, or all) or comes twice.
 RfResult rf_parse_aovs( const char* text, unsigned* aovs, RfError* error );
 

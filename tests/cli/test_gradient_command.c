@@ -102,7 +102,7 @@ static void test_noise_is_estimated_and_stops( void** state )
 static void test_written_gradients_are_reconstructed( void** state )
 {
     (void)state;
-    cli_expect( cli_run( RENDER "-o g.####.exr --frames 1 --float --reconstruction l2 --aov primal,dx,dy" ), 0, NULL );
+    cli_expect( cli_run( RENDER "-o g.####.exr --frames 1 --float --reconstruction l2 --aov gradients" ), 0, NULL );
     cli_expect( cli_run( "$R reconstruct g.0001.exr -o solved.exr --method l2 --alpha 0.5 --quiet" ), 0, NULL );
     cli_expect( cli_run( "$R compare g.0001.exr solved.exr --json c.json > /dev/null" ), 0, NULL );
     json_t* json = cli_read_json( "c.json" );
@@ -110,6 +110,20 @@ static void test_written_gradients_are_reconstructed( void** state )
     json_decref( json );
     cli_expect( cli_run( "$R render $VASE -o a.####.exr --size 40x30 --frames 1 --aov primal,dx" ), 2,
                 "the estimator 'reuse' has no gradients: choose another by --estimator, or leave that option out" );
+    cli_expect( cli_run( RENDER "-o a.####.exr --frames 1 --aov dx,gradients" ), 2, "AOV dx is given twice" );
+    cli_expect( cli_run( RENDER "-o a.####.exr --frames 1 --aov gradient" ), 2, "did you mean gradients?" );
+}
+
+// Extra samples are left out where they are not asked for, without a word.
+static void test_adaptive_auto_is_off( void** state )
+{
+    (void)state;
+    const CliResult* done = cli_run( RENDER "-o a.####.exr --frames 1 --adaptive auto --json a.json" );
+    assert_int_equal( done->status, 0 );
+    assert_string_equal( done->err, "" );
+    json_t* json = cli_read_json( "a.json" );
+    assert_int_equal( json_array_size( json_object_get( json, "warnings" ) ), 0 );
+    json_decref( json );
 }
 
 // What render can do, plan, cost and tune can weigh: the tiles beside path tracing, which is that of the other estimator.
@@ -118,7 +132,7 @@ static void test_it_is_planned_and_tuned( void** state )
     (void)state;
     static const char shot[] = "$VASE --estimator gradient --size 48x36 --frames 1-2 --quiet --threads 2";
     const CliResult* done = cli_run( "$R plan %s --json p.json", shot );
-    assert_true( done->status == 0 && strstr( done->out, "render --estimator gradient takes 6x6 tiles" ) != NULL );
+    assert_true( done->status == 0 && strstr( done->out, "render --estimator gradient takes 4x4 tiles" ) != NULL );
     json_t* json = cli_read_json( "p.json" );
     assert_true( json_array_size( json_object_get( json, "rows" ) ) == 1 );
     assert_string_equal( json_string_value( json_object_get( json, "why" ) ), "the estimator 'gradient' reuses no frames" );
@@ -160,6 +174,7 @@ int main( void )
         cmocka_unit_test( test_written_gradients_are_reconstructed ),
         cmocka_unit_test( test_bias_and_few_samples_are_said ),
         cmocka_unit_test( test_noise_is_estimated_and_stops ),
+        cmocka_unit_test( test_adaptive_auto_is_off ),
         cmocka_unit_test( test_it_is_planned_and_tuned ),
         cmocka_unit_test( test_variance_and_alpha_are_written ),
     };

@@ -84,7 +84,8 @@ static RfReconstructOptions weighted( void )
 // Both halves by weights of their own, averaged.
 static void solve_by_own_weights( const RfGradientHalf halves[2], float* rgb )
 {
-    static float scratch[PIXELS], a[PIXELS], b_x[PIXELS], b_y[PIXELS], one[3 * PIXELS];
+    static float rooms[2][PIXELS], a[PIXELS], b_x[PIXELS], b_y[PIXELS], one[3 * PIXELS];
+    float* const scratch[2] = { rooms[0], rooms[1] };
     const RfGradientWeights weights = { a, b_x, b_y };
     RfReconstructOptions options = weighted();
     RfError error;
@@ -187,8 +188,11 @@ static void test_weights_of_the_other_half_beat_constant_ones( void** state )
 static void test_weights_are_inverses_of_smoothed_variances( void** state )
 {
     (void)state;
-    float scratch[PIXELS], a[PIXELS], b_x[PIXELS], b_y[PIXELS];
+    float rooms[2][PIXELS], a[PIXELS], b_x[PIXELS], b_y[PIXELS];
+    float* const scratch[2] = { rooms[0], rooms[1] };
     RfGradientHalf half = make_half( s_planes, 1, 0 );
+    for ( int i = 0; i < 3 * PIXELS; ++i )
+        s_planes[0].primal[i] = 1.0f;
     for ( int i = 0; i < PIXELS; ++i )
         s_planes[0].variance[i] = s_planes[0].variance_dx[i] = s_planes[0].variance_dy[i] = 4.0f;
     for ( int y = 0; y < HEIGHT; ++y )
@@ -206,6 +210,30 @@ static void test_weights_are_inverses_of_smoothed_variances( void** state )
     memset( s_planes[0].variance_dy, 0, sizeof s_planes[0].variance );
     rf_weights_of_half( &half, scratch, a, b_x, b_y );
     assert_true( isfinite( a[0] ) && a[0] == b_x[0] && a[0] == b_y[0] );
+}
+
+// A window on the left, with noise at its edge: the wall beside it keeps the weight that its own noise deserves, and only
+// the differences across the edge lose theirs.
+static void test_bright_pixels_do_not_decide_on_dark_ones( void** state )
+{
+    (void)state;
+    float rooms[2][PIXELS], a[PIXELS], b_x[PIXELS], b_y[PIXELS];
+    float* const scratch[2] = { rooms[0], rooms[1] };
+    RfGradientHalf half = make_half( s_planes, 1, 0 );
+    const int edge = WIDTH / 2, row = HEIGHT / 2 * WIDTH;
+    for ( int i = 0; i < PIXELS; ++i )
+    {
+        bool window = i % WIDTH < edge;
+        for ( int c = 0; c < 3; ++c )
+            s_planes[0].primal[3 * i + c] = window ? 30.0f : 0.03f;
+        s_planes[0].variance[i] = i % WIDTH == edge - 1 ? 90.0f : 9e-5f; // a tenth of the brightness squared
+        s_planes[0].variance_dx[i] = i % WIDTH == edge - 1 ? 90.0f : 9e-6f;
+        s_planes[0].variance_dy[i] = 9e-6f;
+    }
+    rf_weights_of_half( &half, scratch, a, b_x, b_y );
+    assert_true( a[row + edge] > 0.2f * a[row + WIDTH - 1] );
+    assert_true( b_x[row + edge - 1] < 1e-4f * a[row + edge] );
+    assert_true( b_x[row + edge] > a[row + edge] && b_y[row + edge] > a[row + edge] );
 }
 
 static void test_halves_count_by_their_passes( void** state )
@@ -252,6 +280,7 @@ int main( void )
         cmocka_unit_test( test_weights_of_the_other_half_are_unbiased ),
         cmocka_unit_test( test_weights_of_the_other_half_beat_constant_ones ),
         cmocka_unit_test( test_weights_are_inverses_of_smoothed_variances ),
+        cmocka_unit_test( test_bright_pixels_do_not_decide_on_dark_ones ),
         cmocka_unit_test( test_halves_count_by_their_passes ),
         cmocka_unit_test( test_halves_that_do_not_fit_are_refused ),
     };

@@ -85,7 +85,7 @@
 #define RF_TILE_OPTION( o )                                                                                                      \
     {                                                                                                                            \
         .name = "tile", .type = RF_OPTION_STRING, .value = &( o ).tile, .meta = "WxH|rooksN|1",                                  \
-        .default_text = "3x3; with --estimator gradient 6x6",                                                                    \
+        .default_text = "3x3; with --estimator gradient 4x4",                                                                    \
         .help = "pixels of a frame that share their paths: blocks, N of an NxN grid, or none"                                    \
     }
 
@@ -155,7 +155,7 @@
 #define RF_AOV_OPTION( o, intro )                                                                                                \
     {                                                                                                                            \
         .name = "aov", .in_file = true, .type = RF_OPTION_STRING, .value = &( o ).aov, .meta = "AOV[,...]",                      \
-        .default_text = "none", .help = intro RF_AOV_LIST( RF_AOV_NAME )                                                         \
+        .default_text = "none", .help = intro RF_AOV_LIST( RF_AOV_NAME ) "; " RF_GRADIENT_AOVS_NAME " are the last three"        \
     }
 
 #define RF_RESULT_OPTIONS( o, quiet_help )                                                                                       \
