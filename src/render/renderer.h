@@ -27,6 +27,7 @@ typedef struct RfRenderer
     RfRayCounts rays;
     double start, last_frame; // seconds
     double batches_done, batches_all;
+    struct RfForecastFrame* forecast; // room for it, of all frames of the path; NULL: nothing is foretold
     double share; // of the work, as last reported
     int frames_done;
     int adaptive_frames; // of these with extra samples

@@ -57,8 +57,28 @@ typedef struct RfStopGoals
     double seconds; // for all frames
 } RfStopGoals;
 
+#define RF_STOP_PLACES 8
+
+// What a look ahead found around a frame: in small pictures, so that only its ratio to other places counts.
+typedef struct RfStopPlace
+{
+    int frame;
+    double noise;     // v
+    RfPairNoise pair; // of neighbours around it
+    double rays;      // of a sample
+    double weight;    // of what it is known from
+} RfStopPlace;
+
+typedef struct RfStopAhead
+{
+    int count; // 0: nothing is known
+    RfStopPlace places[RF_STOP_PLACES]; // ascending
+    double samples, seconds; // that it took
+} RfStopAhead;
+
 typedef struct RfStop
 {
+    RfStopAhead ahead;
     RfStopGoals goals;
     RfGroupPlan plan;                      // of the shares
     double scale;                          // passes of a share in it
@@ -72,14 +92,12 @@ typedef struct RfStop
     double group_units;                    // of this group
     double group_share;                    // of it that is done
     double work;                           // passes × eyes done in all
-    double group_left;                     // of this group, by what is known; NaN: nothing yet
-    double rate;                           // passes that a share gets by the last groups; NaN: not known yet
-    double recent_work, recent_units;      // of these, without the first one
+    double work_left;                      // as foretold; NaN: not yet
+    double foretold_at;                    // work done then
     double last_rate;                      // of the last group
     double look_seconds;                   // spent on estimates,
     int looks;                             // so many of them
     int groups_left;                       // after this one
-    bool begun;                            // a group is done
     double seconds_done, units_done, last; // pace: seconds per eye and pass is their quotient
     RfFrameNoise finished[RF_STOP_HISTORY];
     int finished_count; // in all
@@ -103,6 +121,9 @@ RfStop rf_create_stop( const RfGroupPlan* plan, int most_spp, const RfStopGoals*
 
 // What a group costs: shares × eyes.
 double rf_group_units( const RfStop* stop, int group );
+
+// Own-frame samples per pixel of so many frames, by a look ahead alone.
+double rf_expected_samples( const RfStop* stop, int frames );
 
 // A group begins. Its `passes` say nothing; the others as in rf_group, with
 // the passes that there really were before it.
