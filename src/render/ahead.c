@@ -4,33 +4,36 @@
 #include "base/system.h"
 #include "film/film_flicker.h"
 #include "render/set_up.h"
-#include "render/forecast.h"
 #include "render/frames.h"
-#include "render/pair_rule.h"
 #include "render/pass.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 
-#define EYES 5               // of a group that is looked at, at most
-#define FIRST_PIXELS 1024.0  // of a picture in the first round,
-#define FIRST_PASSES 4       // and passes
-#define MOST_PIXELS 9216.0   // in the second
+#define EYES 2             // of a group that is looked at, at most
+#define APART 7            // frames from place to place, at least
+#define FIRST_PIXELS 512.0 // of a picture in the first round,
+#define MOST_PIXELS 9216.0 // and in the second
+#define LEAST_PIXELS 256.0 // less tells nothing
+#define PASSES 4
 #define MOST_PASSES 64
-#define LEAST_PIXELS 256.0
-#define SMALLER 4.0          // times fewer pixels than those of the render, at least
-#define SHARE 0.01           // of the work of the render
+#define SHARE 0.008 // of the work of the render, as the first round foretells it
 #define AHEAD_SEED 0x61686561
+
+// All is looked at twice, with other random numbers: what differs is chance.
+enum
+{
+    TRIES = 2
+};
 
 typedef struct Look
 {
     RfRenderer* r;
-    RfEye* eyes;  // of the whole path, with a smaller film
     double pixels;
-    int passes;
-    int round;
-    double* weights; // of places
+    int passes, eye_count;
+    int runs; // so far
+    double weight[TRIES];
+    RfStopPlace places[RF_STOP_PLACES][TRIES];
 } Look;
 
 // The same eye with a film of about so many pixels.
@@ -42,16 +45,12 @@ static RfEye shrink( const RfEye* eye, double pixels )
     out.height = (int)fmax( floor( scale * eye->height + 0.5 ), 1.0 );
     float x = (float)out.width / (float)eye->width, y = (float)out.height / (float)eye->height;
     out.focal_x *= x;
-    out.focal *= y;
-    out.axis_x *= x;
-    out.axis_y *= y;
-    RfPose* poses[] = { &out.open, &out.close };
-    for ( int i = 0; i < 2; ++i )
-    {
-        poses[i]->focal *= y;
-        poses[i]->axis_x *= x;
-        poses[i]->axis_y *= y;
-    }
+    float* across[] = { &out.axis_x, &out.open.axis_x, &out.close.axis_x };
+    float* down[] = { &out.focal, &out.axis_y, &out.open.focal, &out.open.axis_y, &out.close.focal, &out.close.axis_y };
+    for ( size_t i = 0; i < sizeof across / sizeof *across; ++i )
+        *across[i] *= x;
+    for ( size_t i = 0; i < sizeof down / sizeof *down; ++i )
+        *down[i] *= y;
     return out;
 }
 
@@ -84,7 +83,7 @@ static RfRenderSettings settings_of( const Look* look, int eyes, int place )
     s.queue = 0;
     s.hold_all = false;
     s.pieces = NULL;
-    s.seed = rf_mix64( s.seed + (uint64_t)( AHEAD_SEED + look->round * RF_STOP_PLACES + place ) );
+    s.seed = rf_mix64( s.seed + (uint64_t)( AHEAD_SEED + look->runs * RF_STOP_PLACES + place ) );
     return s;
 }
 
@@ -103,72 +102,94 @@ static RfResult render_passes( RfRenderer* r, RfError* error )
     return result;
 }
 
-// Means over the frames of the group, and over its pairs.
-static void measure( RfRenderer* r, RfStopPlace* place, double weight )
+// Means over the frames of the group, and over its pairs. Without its ten worst pixels a small picture tells more of how
+// noise changes along the path.
+static RfStopPlace measure( RfRenderer* r, bool pairs )
 {
     RfFilmCombine combine = rf_film_combine( r->settings.normalize );
-    double noise = 0.0, variance = 0.0, covariance = 0.0;
+    RfStopPlace sum = { 0 };
     int eyes = r->plan.eyes;
     for ( int i = 0; i < eyes; ++i )
     {
         RfLiveFilm* live = rf_find_film( r, i );
         RfRelmse relmse = rf_finish_picture( r, live, &( RfPicture ){ .rgb = r->memory.buffers->rgb } );
-        noise += relmse.likely * r->settings.spp / eyes;
-        if ( i + 1 == eyes )
-            break;
+        sum.noise += ( 1.0 - relmse.worst_share ) * relmse.likely * r->settings.spp / eyes;
+        if ( i + 1 == eyes || !pairs )
+            continue;
         RfFlicker f = rf_flicker_of_films( live->films, rf_find_film( r, i + 1 )->films, combine );
-        variance += 0.5 * ( f.before + f.now ) * r->settings.spp / ( eyes - 1 );
-        covariance += f.product * r->settings.spp / ( eyes - 1 );
+        sum.variance += 0.5 * ( f.before + f.now ) * r->settings.spp / ( eyes - 1 );
+        sum.apart += 0.5 * rf_flicker_f1_squared( &f ) * r->settings.spp / ( eyes - 1 );
     }
-    double all = place->weight + weight;
-    place->noise += ( noise - place->noise ) * weight / all;
-    place->pair.variance += ( variance - place->pair.variance ) * weight / all;
-    place->pair.covariance += ( covariance - place->pair.covariance ) * weight / all;
-    place->weight = all;
-    const RfRayCounts* rays = &r->rays;
-    place->rays = (double)( rays->primary + rays->path + rays->shadow + rays->tile + rays->eye ) / fmax( (double)rays->primary, 1.0 );
+    return sum;
+}
+
+static double weight_of( const Look* look ) { return look->pixels * look->passes; }
+
+// The mean with what was found before.
+static void add( RfStopPlace* mean, RfStopPlace found, double before, double now )
+{
+    double t = now / ( before + now );
+    mean->noise += t * ( found.noise - mean->noise );
+    mean->variance += t * ( found.variance - mean->variance );
+    mean->apart += t * ( found.apart - mean->apart );
+}
+
+// In a small picture neighbours move by fewer pixels. Frames that are as many times farther apart move by as many as those
+// of the render do.
+static int frame_of( const Look* look, int centre, int i )
+{
+    const RfGroupPlan* plan = &look->r->plan;
+    double film = (double)look->r->eyes->width * look->r->eyes->height;
+    int step = (int)fmax( floor( sqrt( film / look->pixels ) + 0.5 ), 1.0 ), most = ( plan->frames - 1 ) / ( EYES - 1 );
+    step = step < most ? step : most > 1 ? most : 1;
+    int reach = step * ( look->eye_count - 1 ), first = centre - reach / 2, last = plan->frames - 1 - reach;
+    return ( first < 0 ? 0 : first > last ? last : first ) + i * step;
 }
 
 // Renders a small group around a place of the path.
-static RfResult look_at( const Look* look, int number, RfError* error )
+static RfResult look_at( Look* look, int number, RfError* error )
 {
     RfRenderer* outer = look->r;
     RfStopAhead* ahead = &outer->stop.ahead;
-    int eyes = outer->plan.eyes < EYES ? outer->plan.eyes : EYES, frames[EYES];
-    int first = ahead->places[number].frame - eyes / 2, last = outer->plan.frames - eyes;
-    first = first < 0 ? 0 : first > last ? last : first;
+    int eyes = look->eye_count, frames[EYES], try = look->runs % TRIES;
+    RfEye small[EYES];
     for ( int i = 0; i < eyes; ++i )
+    {
         frames[i] = i;
+        small[i] = shrink( outer->eyes + frame_of( look, ahead->places[number].frame, i ), look->pixels );
+    }
     RfRenderer r = { .tracer = outer->tracer,
-                     .eyes = look->eyes + first,
+                     .eyes = small,
                      .frames = frames,
                      .frames_all = eyes,
                      .settings = settings_of( look, eyes, number ),
                      .callbacks = { .user = outer, .progress = pass_on },
                      .kept_frame = RF_NO_FRAME };
     RfResult result = rf_set_up_render( &r, eyes, error );
-    r.batches_all = INFINITY;
+    r.batches_all = (double)INFINITY;
     if ( result == RF_OK )
         result = rf_alloc_render( &r, error );
     if ( result == RF_OK )
         result = render_passes( &r, error );
     if ( result == RF_OK )
-        measure( &r, ahead->places + number, look->passes * (double)r.sizes.width * r.sizes.height );
+        add( look->places[number] + try, measure( &r, outer->stop.goals.flicker > 0.0 ), look->weight[try], weight_of( look ) );
     ahead->samples += (double)r.rays.primary;
     free( r.traced_jobs );
     rf_free_render_memory( &r.sizes, &r.memory );
     return result;
 }
 
+// All places, twice.
 static RfResult look_around( Look* look, RfError* error )
 {
     RfRenderer* r = look->r;
-    for ( int i = 0; i < r->plan.frames; ++i )
-        look->eyes[i] = shrink( r->eyes + i, look->pixels );
     RfResult result = RF_OK;
-    for ( int i = 0; i < r->stop.ahead.count && result == RF_OK; ++i )
-        result = look_at( look, i, error );
-    look->round += 1;
+    for ( int k = 0; k < TRIES; ++k )
+    {
+        for ( int i = 0; i < r->stop.ahead.count && result == RF_OK; ++i )
+            result = look_at( look, i, error );
+        look->weight[look->runs++ % TRIES] += weight_of( look );
+    }
     return result;
 }
 
@@ -176,7 +197,7 @@ static RfResult look_around( Look* look, RfError* error )
 static void choose_places( RfRenderer* r )
 {
     RfStopAhead* ahead = &r->stop.ahead;
-    int eyes = r->plan.eyes, most = 1 + ( r->frames_all - 1 ) / eyes * 2;
+    int most = 1 + ( r->frames_all - 1 ) / APART;
     ahead->count = most < RF_STOP_PLACES ? most : RF_STOP_PLACES;
     for ( int i = 0; i < ahead->count; ++i )
     {
@@ -185,34 +206,82 @@ static void choose_places( RfRenderer* r )
     }
 }
 
+// One of the three figures of a place.
+static double* figure_of( RfStopPlace* place, int which )
+{
+    return which == 0 ? &place->noise : which == 1 ? &place->variance : &place->apart;
+}
+
+// A figure at all places: its logarithms are drawn towards their mean, by as much of their variance as is chance.
+static void settle( Look* look, int which )
+{
+    RfStopAhead* ahead = &look->r->stop.ahead;
+    double mean = 0.0, chance = 0.0, all = 0.0, n = ahead->count, value[RF_STOP_PLACES];
+    for ( int i = 0; i < ahead->count; ++i )
+    {
+        double a = *figure_of( look->places[i], which ), b = *figure_of( look->places[i] + 1, which );
+        value[i] = log( 0.5 * ( a + b ) );
+        if ( !( a > 0.0 && b > 0.0 && isfinite( value[i] ) ) )
+            return; // all stay 0: nothing is known
+        mean += value[i] / n;
+        chance += 0.25 * log( a / b ) * log( a / b ) / n;
+    }
+    for ( int i = 0; i < ahead->count; ++i )
+        all += ( value[i] - mean ) * ( value[i] - mean ) / ( n - 1.0 );
+    double kept = all > 0.0 ? fmax( 1.0 - chance / all, 0.0 ) : 0.0;
+    for ( int i = 0; i < ahead->count; ++i )
+        *figure_of( ahead->places + i, which ) = exp( mean + kept * ( value[i] - mean ) );
+}
+
+static void settle_all( Look* look )
+{
+    for ( int which = 0; which < 3; ++which )
+        settle( look, which );
+}
+
+// A second round, if the first foretells a render that is worth it.
+static RfResult look_closer( Look* look, RfError* error )
+{
+    RfRenderer* r = look->r;
+    double film = (double)r->eyes->width * r->eyes->height, all = film * rf_expected_samples( &r->stop, r->frames_all );
+    double each = ( SHARE * all - r->stop.ahead.samples ) / ( TRIES * r->stop.ahead.count * (double)look->eye_count );
+    if ( !( each > PASSES * FIRST_PIXELS ) )
+        return RF_OK;
+    look->pixels = fmin( fmin( MOST_PIXELS, 0.25 * film ), each / PASSES );
+    look->passes = (int)fmin( each / look->pixels, MOST_PASSES );
+    return look_around( look, error );
+}
+
+static RfResult look_twice( Look* look, RfError* error )
+{
+    RfResult result = look_around( look, error );
+    if ( result != RF_OK )
+        return result;
+    settle_all( look );
+    result = look_closer( look, error );
+    settle_all( look );
+    return result;
+}
+
 RfResult rf_look_ahead( RfRenderer* r, RfError* error )
 {
-    if ( !( r->settings.noise > 0.0 || r->settings.flicker > 0.0 ) )
+    bool foretells = r->settings.noise > 0.0 || r->settings.flicker > 0.0;
+    if ( !foretells || r->callbacks.progress == NULL ) // nobody is told
         return RF_OK;
-    r->forecast = calloc( (size_t)r->plan.frames, sizeof *r->forecast );
-    if ( r->forecast == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "no memory left to foretell %d frames", r->plan.frames );
+    double start = rf_wall_seconds();
+    Look look = { .r = r, .passes = PASSES, .eye_count = r->plan.eyes < EYES ? r->plan.eyes : EYES };
+    look.pixels = fmin( FIRST_PIXELS, 0.25 * r->eyes->width * r->eyes->height );
     choose_places( r );
-    RfStopAhead* ahead = &r->stop.ahead;
-    double film = (double)r->eyes->width * r->eyes->height, start = rf_wall_seconds();
-    Look look = { .r = r, .passes = FIRST_PASSES, .pixels = fmin( FIRST_PIXELS, film / SMALLER ) };
-    look.eyes = malloc( (size_t)r->plan.frames * sizeof *look.eyes );
-    if ( look.eyes == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "no memory left for %d eyes", r->plan.frames );
-    RfResult result = look_around( &look, error );
-    if ( result == RF_OK )
+    RfResult result = rf_alloc_forecast( r->plan.frames, &r->forecast, error );
+    if ( result == RF_OK && r->stop.ahead.count > 1 && look.pixels >= LEAST_PIXELS )
+        result = look_twice( &look, error );
+    else
+        r->stop.ahead.count = 0;
+    if ( result == RF_ERROR_MEMORY && r->forecast.frames != NULL ) // then without
     {
-        double samples = SHARE * film * rf_expected_samples( &r->stop, r->frames_all ) - ahead->samples;
-        if (getenv("P21")) fprintf(stderr,"expected %g, first round %g, left %g, film %g\n", rf_expected_samples( &r->stop, r->frames_all ), ahead->samples, samples,film);
-        double each = samples / ( ahead->count * (double)( r->plan.eyes < EYES ? r->plan.eyes : EYES ) );
-        look.pixels = fmin( fmin( MOST_PIXELS, film / SMALLER ), each / FIRST_PASSES );
-        look.passes = (int)fmin( each / look.pixels, MOST_PASSES );
-        if ( look.pixels >= LEAST_PIXELS )
-            result = look_around( &look, error );
+        r->stop.ahead.count = 0;
+        result = RF_OK;
     }
-    free( look.eyes );
-    ahead->seconds = rf_wall_seconds() - start;
-    if (getenv("P21")) for ( int i = 0; i < ahead->count; ++i ) fprintf(stderr,"place %d: noise %g var %g cov %g f1 %g  rays %g\n", ahead->places[i].frame, ahead->places[i].noise,ahead->places[i].pair.variance,ahead->places[i].pair.covariance,ahead->places[i].pair.variance-ahead->places[i].pair.covariance,ahead->places[i].rays);
-    if (getenv("P21")) fprintf(stderr,"samples %g of %g, %g s, px %g passes %d\n", ahead->samples, film*rf_expected_samples( &r->stop, r->frames_all ), ahead->seconds, look.pixels,look.passes);
+    r->stop.ahead.seconds = rf_wall_seconds() - start;
     return result;
 }

@@ -5,7 +5,8 @@
 
 #include "render/renderer.h"
 
-// Fills in r->ahead, before the render's memory is allocated. Where --memory has no room for it, r->ahead stays empty.
+// Fills in renderer->stop.ahead and allocates renderer->forecast, before the render's memory is allocated. Does nothing where
+// no progress is told; where the budget has no room or the pictures are tiny, stop.ahead stays empty.
 // Fails with RF_INTERRUPTED where the caller interrupts.
 RfResult rf_look_ahead( RfRenderer* renderer, RfError* error );
 

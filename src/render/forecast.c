@@ -5,14 +5,27 @@
 #include "render/stop_pool.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 #define MOST_GROUPS 128 // that are gone through; those after them are taken to be like these
-#define MOST_EYES 64    // of a group
 #define MOST_LOOKS 24   // at a group
 #define WORTH 0.03      // more work, after which it is foretold anew
+
+RfResult rf_alloc_forecast( int frames, RfForecast* f, RfError* error )
+{
+    f->frames = calloc( (size_t)frames, sizeof *f->frames );
+    f->room = malloc( (size_t)frames * sizeof *f->room );
+    return f->frames != NULL && f->room != NULL
+               ? RF_OK
+               : rf_fail( error, RF_ERROR_MEMORY, "no memory left to foretell %d frames", frames );
+}
+
+void rf_free_forecast( RfForecast* f )
+{
+    free( f->frames );
+    free( f->room );
+    *f = ( RfForecast ){ 0 };
+}
 
 typedef struct Walk
 {
@@ -20,6 +33,7 @@ typedef struct Walk
     const RfStop* now;
     const RfNoiseEstimates* known;
     RfForecastFrame* frames;
+    RfFrameNoise* room;
     int group, done;
 } Walk;
 
@@ -80,15 +94,15 @@ static double flicker_at( const Walk* w, RfFrameNoise* f )
     return fmax( ahead, behind );
 }
 
-static RfNoiseEstimates look_at( const Walk* w, RfFrameNoise* room )
+static RfNoiseEstimates look_at( const Walk* w )
 {
-    RfNoiseEstimates look = { .group = w->group, .done = w->done, .frames = room };
+    RfNoiseEstimates look = { .group = w->group, .done = w->done, .frames = w->room };
     RfGroup group = rf_group( &w->stop.plan, w->group );
-    for ( int t = group.first; t < group.first + group.eyes && look.count < MOST_EYES; ++t )
+    for ( int t = group.first; t < group.first + group.eyes; ++t )
     {
         if ( !w->frames[t].asked )
             continue;
-        RfFrameNoise* f = room + look.count++;
+        RfFrameNoise* f = w->room + look.count++;
         *f = noise_of( w, t );
         if ( w->stop.goals.flicker > 0.0 && f->seen > 0.0 )
             f->flicker = flicker_at( w, f );
@@ -112,11 +126,10 @@ static void take_passes( Walk* w, int passes )
 // The rest of a group; returns its passes × eyes.
 static double walk_group( Walk* w )
 {
-    RfFrameNoise room[MOST_EYES];
     int before = w->done;
     for ( int i = 0; i < MOST_LOOKS; ++i )
     {
-        RfNoiseEstimates look = look_at( w, room );
+        RfNoiseEstimates look = look_at( w );
         int due = rf_passes_due( &w->stop, &look, w->done, 0.0 );
         if ( due <= w->done )
             break;
@@ -144,10 +157,10 @@ static void start_walk( Walk* w )
         bool alive = t >= group.first && t < group.first + group.eyes;
         RfForecastFrame* f = w->frames + t;
         f->expects = false;
-        if ( !alive && t >= group.first )
-            f->passes = 0;
-        if ( !alive && t >= group.first )
-            f->weight = f->shared = 0.0;
+        if ( alive || t < group.first )
+            continue;
+        f->passes = 0;
+        f->weight = f->shared = 0.0;
     }
     // while both are rendered the later frame shares all that it has
     for ( int i = 0; i < w->known->count; ++i )
@@ -162,13 +175,19 @@ static void start_walk( Walk* w )
     }
 }
 
-void rf_forecast( RfStop* stop, const RfNoiseEstimates* look, int done, RfForecastFrame* frames )
+void rf_forecast( RfStop* stop, const RfNoiseEstimates* look, int done, RfForecast* forecast )
 {
-    if ( look->count == 0 || look->count > MOST_EYES || !rf_is_any_known( stop, look ) )
+    if ( look->count == 0 || !rf_is_any_known( stop, look ) )
         return;
     if ( stop->work < ( 1.0 + WORTH ) * stop->foretold_at )
         return;
-    Walk w = { .stop = *stop, .now = stop, .known = look, .frames = frames, .group = look->group, .done = done };
+    Walk w = { .stop = *stop,
+               .now = stop,
+               .known = look,
+               .frames = forecast->frames,
+               .room = forecast->room,
+               .group = look->group,
+               .done = done };
     w.stop.goals.seconds = 0.0;
     w.stop.finished_count = 0;
     start_walk( &w );
@@ -187,6 +206,4 @@ void rf_forecast( RfStop* stop, const RfNoiseEstimates* look, int done, RfForeca
     // those of further sweeps, too
     stop->work_left = work + ( units > 0.0 ? ahead * stop->units_left / units : 0.0 );
     stop->foretold_at = stop->work;
-    if ( getenv( "P21" ) ) fprintf( stderr, "P21 %g %g\n", stop->work, stop->work_left );
-    if ( getenv( "P21" )&&*getenv("P21")=='2' ) {for ( int i = 0; i < stop->plan.frames; ++i ) fprintf( stderr, "%.0f ", frames[i].weight ); fprintf(stderr,"\n");}
 }

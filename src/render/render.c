@@ -1,7 +1,6 @@
 // The driver: the groups of the path, their passes, and the frames they finish.
 #include "base/system.h"
 #include "render/ahead.h"
-#include "render/forecast.h"
 #include "render/frames.h"
 #include "render/held_records.h"
 #include "render/pass.h"
@@ -11,7 +10,6 @@
 
 #include <math.h>
 #include <omp.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -91,8 +89,8 @@ static RfResult render_sweeps( RfRenderer* r, RfError* error )
     for ( int first = 0; first < r->frames_all && result == RF_OK; first += r->frame_count )
     {
         begin_sweep( r, frames, first );
-        for ( int f = 0; f < r->plan.frames && r->forecast != NULL; ++f )
-            r->forecast[f].asked = rf_is_asked( r, f );
+        for ( int f = 0; f < r->plan.frames && r->forecast.frames != NULL; ++f )
+            r->forecast.frames[f].asked = rf_is_asked( r, f );
         result = render_groups( r, error );
     }
     return result;
@@ -135,6 +133,8 @@ static void fill_stats( const RfRenderer* r, RfRenderStats* stats )
         .flicker_missed = r->stop.flicker_missed,
         .hurried = r->stop.hurried,
         .adaptive_frames = r->adaptive_frames,
+        .ahead_seconds = r->stop.ahead.seconds,
+        .ahead_samples = r->stop.ahead.samples,
         .entry_count = r->memory.arena.entry_count,
     };
     memcpy( stats->entries, r->memory.arena.entries, sizeof stats->entries );
@@ -170,8 +170,7 @@ RfResult rf_render( const RfTracer* tracer, const RfEye* eyes, int eye_count, co
             result = render_and_deliver( &r, error );
         omp_set_num_threads( before );
         free( r.traced_jobs );
-        free( r.forecast );
-        if ( getenv( "P21" ) ) fprintf( stderr, "P21END total %g\n", r.stop.work );
+        rf_free_forecast( &r.forecast );
     }
     if ( stats != NULL )
         fill_stats( &r, stats );

@@ -17,9 +17,8 @@ static RfStopPlace place_at( const RfStopAhead* ahead, int frame )
     RfStopPlace high = ahead->places[k + 1];
     double t = (double)( frame - low.frame ) / ( high.frame - low.frame );
     low.noise += t * ( high.noise - low.noise );
-    low.pair.variance += t * ( high.pair.variance - low.pair.variance );
-    low.pair.covariance += t * ( high.pair.covariance - low.pair.covariance );
-    low.rays += t * ( high.rays - low.rays );
+    low.variance += t * ( high.variance - low.variance );
+    low.apart += t * ( high.apart - low.apart );
     return low;
 }
 
@@ -32,15 +31,26 @@ double rf_noise_ahead( const RfStop* stop, int from, int to )
     return ratio( place_at( &stop->ahead, from ).noise, place_at( &stop->ahead, to ).noise );
 }
 
-// The variance by that of the look, and the part of it that two frames do not share by the same part there.
-RfPairNoise rf_pair_ahead( const RfStop* stop, RfPairNoise pair, int from, int to )
+double rf_variance_ahead( const RfStop* stop, int from, int to )
 {
     if ( stop->ahead.count < 2 )
-        return pair;
-    RfPairNoise a = place_at( &stop->ahead, from ).pair, b = place_at( &stop->ahead, to ).pair;
-    double apart = ( pair.variance - pair.covariance ) * ratio( a.variance - a.covariance, b.variance - b.covariance );
-    double variance = pair.variance * ratio( a.variance, b.variance );
-    return ( RfPairNoise ){ variance, variance - apart };
+        return 1.0;
+    return ratio( place_at( &stop->ahead, from ).variance, place_at( &stop->ahead, to ).variance );
+}
+
+static double part_apart( RfStopPlace place ) { return place.variance > 0.0 ? fmin( place.apart / place.variance, 1.0 ) : 0.0; }
+
+double rf_apart_ahead( const RfStop* stop, int frame )
+{
+    return stop->ahead.count < 2 ? 0.0 : part_apart( place_at( &stop->ahead, frame ) );
+}
+
+double rf_usual_apart_ahead( const RfStop* stop )
+{
+    double sum = 0.0;
+    for ( int i = 0; i < stop->ahead.count && stop->ahead.count > 1; ++i )
+        sum += part_apart( stop->ahead.places[i] ) / stop->ahead.count;
+    return sum;
 }
 
 double rf_expected_samples( const RfStop* stop, int frames )
@@ -51,7 +61,10 @@ double rf_expected_samples( const RfStop* stop, int frames )
         const RfStopPlace* place = stop->ahead.places + i;
         double needed = stop->goals.noise > 0.0 ? place->noise / stop->goals.noise : 0.0;
         if ( stop->goals.flicker > 0.0 )
-            needed = fmax( needed, rf_planned_flicker( stop, place->frame, place->pair ) / stop->goals.flicker );
+            needed = fmax( needed, rf_planned_flicker( stop, place->frame,
+                                                       ( RfPairNoise ){ .variance = place->variance,
+                                                                        .covariance = place->variance - place->apart } ) /
+                                       stop->goals.flicker );
         sum += fmax( stop->least, fmin( needed / stop->plan.eyes, stop->most ) ) * stop->plan.eyes;
     }
     return sum / stop->ahead.count * frames;

@@ -7,7 +7,12 @@
 // How many times as noisy as frame `from` is frame `to`? 1 where nothing is known.
 double rf_noise_ahead( const RfStop* stop, int from, int to );
 
-// What samples bring to the pair of frame `to`, by that of frame `from`.
-RfPairNoise rf_pair_ahead( const RfStop* stop, RfPairNoise pair, int from, int to );
+// The same of the mean square of their errors.
+double rf_variance_ahead( const RfStop* stop, int from, int to );
+
+// The part of that which a frame and the next do not share although they have all samples in common, 0 to 1; and its mean
+// over the path. 0 where nothing is known.
+double rf_apart_ahead( const RfStop* stop, int frame );
+double rf_usual_apart_ahead( const RfStop* stop );
 
 #endif

@@ -45,7 +45,18 @@ typedef struct Pool
     double noise, noise_weights;
     RfPairNoise pair; // summed
     double pair_weights;
+    double apart, apart_ahead; // what neighbours do not share, and what that is by the look ahead
+    double in_doubt;           // of the latter
 } Pool;
+
+// A pair in doubt says the less of others the less of F1 it has, as where the camera hardly moves.
+static void pool_apart( const RfStop* stop, const RfFrameNoise* f, double weight, Pool* pool )
+{
+    double doubt = fmax( f->pair.doubt, 1.0 ), ahead = weight * f->pair.variance / doubt * rf_apart_ahead( stop, f->frame );
+    pool->apart += weight * ( f->pair.variance - f->pair.covariance ) / doubt;
+    pool->apart_ahead += ahead;
+    pool->in_doubt += ( doubt - 1.0 ) * f->pair.lasting * ahead;
+}
 
 static void pool( const RfStop* stop, const RfFrameNoise* f, int frame, bool likely, Pool* pool )
 {
@@ -58,9 +69,10 @@ static void pool( const RfStop* stop, const RfFrameNoise* f, int frame, bool lik
     }
     if ( f->seen > 0.0 && isfinite( f->pair.variance ) && isfinite( f->pair.covariance ) )
     {
-        RfPairNoise pair = likely ? rf_pair_ahead( stop, f->pair, f->frame, frame ) : f->pair;
-        pool->pair.variance += weight * pair.variance;
-        pool->pair.covariance += weight * pair.covariance;
+        double times = likely ? rf_variance_ahead( stop, f->frame, frame ) / fmax( f->pair.doubt, 1.0 ) : 1.0;
+        pool->pair.variance += weight * f->pair.variance * times;
+        pool->pair.covariance += weight * f->pair.covariance;
+        pool_apart( stop, f, weight, pool );
         pool->pair_weights += weight;
     }
 }
@@ -80,12 +92,21 @@ static double noise_of( const Pool* p ) { return p->noise_weights > 0.0 ? p->noi
 static RfPairNoise pair_of( const Pool* p )
 {
     double w = p->pair_weights > 0.0 ? p->pair_weights : (double)NAN;
-    return ( RfPairNoise ){ p->pair.variance / w, p->pair.covariance / w };
+    return ( RfPairNoise ){ .variance = p->pair.variance / w, .covariance = p->pair.covariance / w };
 }
 
 RfExpected rf_expect( const RfStop* stop, const RfNoiseEstimates* look, int frame )
 {
     Pool sums = pool_all( stop, look, frame, true );
+    double usual = sums.pair.variance * rf_usual_apart_ahead( stop );
+    if ( usual > 0.0 )
+    {
+        double times = fmax( ( sums.apart + usual ) / ( sums.apart_ahead + usual ), 0.0 );
+        sums.pair.covariance = sums.pair.variance * ( 1.0 - times * rf_apart_ahead( stop, frame ) );
+        double doubt = sums.apart_ahead > 0.0 ? 1.0 + sums.in_doubt / sums.apart_ahead : 1.0;
+        sums.pair.variance *= doubt;
+        sums.pair.covariance *= doubt;
+    }
     return ( RfExpected ){ .noise = noise_of( &sums ), .pair = pair_of( &sums ) };
 }
 

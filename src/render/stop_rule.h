@@ -34,6 +34,8 @@
 typedef struct RfPairNoise
 {
     double variance, covariance; // NaN: not known
+    double doubt;                // how many times the likely values they are; 0: once
+    double lasting;              // the part of the doubt that more passes are expected to leave, 0 to 1
 } RfPairNoise;
 
 // What is known of a frame's noise.
@@ -57,23 +59,21 @@ typedef struct RfStopGoals
     double seconds; // for all frames
 } RfStopGoals;
 
-#define RF_STOP_PLACES 8
+#define RF_STOP_PLACES 16
 
-// What a look ahead found around a frame: in small pictures, so that only its ratio to other places counts.
+// What a look ahead found around a frame, in small pictures: only its ratio to other places counts.
 typedef struct RfStopPlace
 {
     int frame;
-    double noise;     // v
-    RfPairNoise pair; // of neighbours around it
-    double rays;      // of a sample
-    double weight;    // of what it is known from
+    double noise;           // v
+    double variance, apart; // of pairs: of a frame's error, and the part of it that neighbours do not share
 } RfStopPlace;
 
 typedef struct RfStopAhead
 {
-    int count; // 0: nothing is known
+    int count;                          // 0: nothing is known
     RfStopPlace places[RF_STOP_PLACES]; // ascending
-    double samples, seconds; // that it took
+    double samples, seconds;            // that it took
 } RfStopAhead;
 
 typedef struct RfStop

@@ -2,7 +2,6 @@
 #include "render/until.h"
 
 #include "base/system.h"
-#include "render/forecast.h"
 #include "render/frames.h"
 #include "render/pair_rule.h"
 #include "render/pass.h"
@@ -124,8 +123,8 @@ static RfNoiseEstimates estimate_films( RfRenderer* r, int number, int done )
         }
         frames[i] = known_of( live );
     }
-    if ( has_goal && r->forecast != NULL )
-        rf_forecast( &r->stop, &estimates, done, r->forecast );
+    if ( has_goal && r->forecast.frames != NULL )
+        rf_forecast( &r->stop, &estimates, done, &r->forecast );
     if ( made > 0 )
         rf_note_look( &r->stop, rf_wall_seconds() - start );
     return estimates;
