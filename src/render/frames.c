@@ -36,7 +36,7 @@ void rf_open_films( RfRenderer* r, int number )
         RfLiveFilm* live = rf_find_film( r, -1 );
         live->frame = frame;
         live->noise = live->flicker = live->noise_seen = live->doubt = 0.0;
-        live->pair = ( RfPairNoise ){ (double)NAN, (double)NAN };
+        live->pair = ( RfPairNoise ){ .variance = (double)NAN, .covariance = (double)NAN };
         for ( int f = 0; f < r->settings.estimator->films; ++f )
             if ( r->settings.pieces != NULL )
                 rf_clear_traced( r->settings.pieces, frame, live->films + f );

@@ -28,13 +28,29 @@ double rf_final_flicker( const RfStop* stop, const RfPairNow* pair )
     return fmax( fmax( planned, f1_squared_of( pair, end, shared, now_end + pair->spare ) ), 0.0 ) * end;
 }
 
+// The passes of the later frame are spread unevenly where there are few, and follow what other frames need.
+#define SPARE 0.25 // of what is planned for its last group, and a pass
+#define MARGIN 1.1 // of F1², since the later frame is estimated again when nothing can be mended
+
+double rf_flicker_ahead( const RfStop* stop, RfPairNow* pair )
+{
+    int first, last, next_first, next_last;
+    rf_groups_of_frame( &stop->plan, pair->before->frame, &first, &last );
+    rf_groups_of_frame( &stop->plan, pair->now->frame, &next_first, &next_last );
+    if ( next_last > last )
+        pair->spare = SPARE * pair->before->weight / ( last - first + 1 ) + rf_group( &stop->plan, next_last ).weight;
+    return ( next_last > last ? MARGIN : 1.0 ) * rf_flicker_doubt( &pair->flicker ) * rf_final_flicker( stop, pair );
+}
+
 // While both are rendered the later frame shares all that it has.
 RfPairNoise rf_pair_noise( const RfPairNow* pair )
 {
     const RfFlicker* f = &pair->flicker;
     double doubt = rf_flicker_doubt( f ), before = pair->before->weight;
     return ( RfPairNoise ){ .variance = 0.5 * doubt * ( f->before * before + f->now * pair->now->weight ),
-                            .covariance = doubt * f->product * before };
+                            .covariance = doubt * f->product * before,
+                            .doubt = doubt,
+                            .lasting = fmin( fmax( f->worst_share / RF_FLICKER_AMBIGUOUS - 1.0, 0.0 ), 1.0 ) };
 }
 
 double rf_planned_flicker( const RfStop* stop, int frame, RfPairNoise pair )

@@ -22,6 +22,9 @@ typedef struct RfPairNow
 // is the larger one of those with and without.
 double rf_final_flicker( const RfStop* stop, const RfPairNow* pair );
 
+// The same to stop by, with doubts and the passes that the later frame may get beyond what is planned (pair->spare is set).
+double rf_flicker_ahead( const RfStop* stop, RfPairNow* pair );
+
 // The later frame is in its last group and the earlier one is finished. The same as a bound for the weight of the later
 // one; 0 where passes of that one alone do not bring F1² down to what is wanted.
 double rf_late_flicker( const RfStop* stop, const RfFrameNoise* now, const RfFlicker* flicker );

@@ -1,8 +1,10 @@
 // The driver: the groups of the path, their passes, and the frames they finish.
 #include "base/system.h"
+#include "render/ahead.h"
 #include "render/frames.h"
 #include "render/held_records.h"
 #include "render/pass.h"
+#include "render/set_up.h"
 #include "render/settings.h"
 #include "render/until.h"
 
@@ -87,6 +89,8 @@ static RfResult render_sweeps( RfRenderer* r, RfError* error )
     for ( int first = 0; first < r->frames_all && result == RF_OK; first += r->frame_count )
     {
         begin_sweep( r, frames, first );
+        for ( int f = 0; f < r->plan.frames && r->forecast.frames != NULL; ++f )
+            r->forecast.frames[f].asked = rf_is_asked( r, f );
         result = render_groups( r, error );
     }
     return result;
@@ -129,33 +133,11 @@ static void fill_stats( const RfRenderer* r, RfRenderStats* stats )
         .flicker_missed = r->stop.flicker_missed,
         .hurried = r->stop.hurried,
         .adaptive_frames = r->adaptive_frames,
+        .ahead_seconds = r->stop.ahead.seconds,
+        .ahead_samples = r->stop.ahead.samples,
         .entry_count = r->memory.arena.entry_count,
     };
     memcpy( stats->entries, r->memory.arena.entries, sizeof stats->entries );
-}
-
-// Frames, groups and memory, as the resolved settings have them.
-static RfResult set_up( RfRenderer* r, int eye_count, RfError* error )
-{
-    RfRenderSettings* settings = &r->settings;
-    const RfScene* scene = rf_tracer_scene( r->tracer );
-    r->plan = rf_plan_groups( eye_count, settings->group, settings->spp );
-    if ( rf_is_stopping( settings ) )
-        r->stop = rf_create_stop( &r->plan, settings->spp,
-                                  &( RfStopGoals ){ .noise = settings->noise,
-                                                    .flicker = settings->flicker * settings->flicker,
-                                                    .seconds = settings->time * r->frames_all } );
-    r->sizes = rf_render_sizes( scene, r->eyes, &r->plan, r->frames_all, settings );
-    r->traits = rf_running_traits( scene, rf_scene_traits( scene, r->eyes, eye_count ) );
-    if ( !rf_is_plain_filter( settings ) )
-        rf_make_pixel_filter( settings, &r->filter );
-    r->memory.arena = rf_create_arena( settings->memory );
-    r->start = r->last_frame = rf_wall_seconds();
-    r->frame_count = r->frames_all;
-    RfResult result = settings->hold_all ? rf_count_held( r, error ) : RF_OK;
-    if ( result == RF_OK )
-        result = rf_fit_sizes( settings->memory, r->frames_all, &r->sizes, &r->fit, error );
-    return result;
 }
 
 RfResult rf_render( const RfTracer* tracer, const RfEye* eyes, int eye_count, const int* frames, int frame_count,
@@ -175,20 +157,20 @@ RfResult rf_render( const RfTracer* tracer, const RfEye* eyes, int eye_count, co
         return result;
     if ( callbacks != NULL )
         r.callbacks = *callbacks;
-    result = set_up( &r, eye_count, error );
+    result = rf_set_up_render( &r, eye_count, error );
     if ( result == RF_OK )
     {
-        RfEstimatorGroup group = rf_frames_as_group( &r, 0, r.plan.eyes, 0 );
         r.settings.threads = r.sizes.threads;
         int before = omp_get_max_threads();
         omp_set_num_threads( r.settings.threads ); // of loops that do not say so themselves, as in a reconstruction
-        result = rf_alloc_render_memory( &group, &r.sizes, &r.memory, error );
+        result = rf_look_ahead( &r, error );
         if ( result == RF_OK )
-            result = rf_alloc_traced_jobs( &r, error );
+            result = rf_alloc_render( &r, error );
         if ( result == RF_OK )
             result = render_and_deliver( &r, error );
         omp_set_num_threads( before );
         free( r.traced_jobs );
+        rf_free_forecast( &r.forecast );
     }
     if ( stats != NULL )
         fill_stats( &r, stats );

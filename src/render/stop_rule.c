@@ -8,18 +8,13 @@
 
 #define LEAST_PASSES 2 // one in each half: without both there is no estimate
 #define AIM 0.95       // of the wanted error: most frames are then below it at the first estimate
-#define RECENT 0.8     // weight of a group beside the one after it, in what is foretold
-#define PRIOR 1.0      // groups that the estimates count like there
-#define FLICKER_PRIOR 4.0
-#define SPARED 1.25 // what the margins of pairs take, in what is foretold
 
 RfStop rf_create_stop( const RfGroupPlan* plan, int most_spp, const RfStopGoals* goals )
 {
     int share = INT_MAX / plan->eyes < 1024 ? INT_MAX / plan->eyes : 1024;
     return ( RfStop ){
         .goals = *goals,
-        .rate = (double)NAN,
-        .group_left = (double)NAN,
+        .work_left = (double)NAN,
         .plan = rf_plan_groups( plan->frames, plan->eyes / 2, share * plan->eyes ),
         .scale = share,
         .most = (double)most_spp / plan->eyes,
@@ -45,7 +40,6 @@ RfGroup rf_begin_group( RfStop* stop, int number )
     stop->units_left -= stop->group_units;
     stop->due = 0.0;
     stop->groups_left -= stop->groups_left > 0;
-    stop->group_left = stop->rate * rf_shares_of( stop, number ) * group.eyes;
     return group;
 }
 
@@ -60,7 +54,7 @@ static double missing_at_last( const RfFrameNoise* f, double needed, double weig
 
 // Passes of this group, including those done, that one of its frames needs: as many
 // per share as in its groups to come.
-static double due_to_frame( const RfStop* stop, const RfNoiseEstimates* look, const RfFrameNoise* f, bool likely )
+static double due_to_frame( const RfStop* stop, const RfNoiseEstimates* look, const RfFrameNoise* f )
 {
     int first, last;
     rf_groups_of_frame( &stop->plan, f->frame, &first, &last );
@@ -68,11 +62,11 @@ static double due_to_frame( const RfStop* stop, const RfNoiseEstimates* look, co
     double share = rf_shares_of( stop, look->group ), whole = rf_planned_weight( stop, f->frame, first );
     if ( last == look->group && rf_is_known( stop, f ) )
     {
-        double needed = rf_needed_weight( stop, look, f, true, likely );
+        double needed = rf_needed_weight( stop, look, f, true );
         double missing = missing_at_last( f, needed, group.weight, stop->most * whole );
         return missing > 0.0 ? look->done + missing / group.weight : 0.0;
     }
-    double needed = rf_needed_weight( stop, look, f, false, likely );
+    double needed = rf_needed_weight( stop, look, f, false );
     double wanted = isfinite( needed ) ? needed / AIM : stop->least * whole;
     wanted = fmax( stop->least * whole, fmin( wanted, stop->most * whole ) );
     double after = share > 0.0 ? rf_planned_weight( stop, f->frame, look->group + 1 ) / share : 0.0;
@@ -100,11 +94,11 @@ static double trusted_passes( const RfStop* stop, const RfNoiseEstimates* look )
 }
 
 // What is wanted by the estimates, before it is known how far they can be trusted.
-static double due_by_estimates( const RfStop* stop, const RfNoiseEstimates* look, bool likely )
+static double due_by_estimates( const RfStop* stop, const RfNoiseEstimates* look )
 {
     double due = 0.0;
     for ( int i = 0; i < look->count; ++i )
-        due = fmax( due, due_to_frame( stop, look, look->frames + i, likely ) );
+        due = fmax( due, due_to_frame( stop, look, look->frames + i ) );
     return due;
 }
 
@@ -131,63 +125,12 @@ static bool is_too_few( const RfStop* stop, const RfNoiseEstimates* look, int do
     return false;
 }
 
-// Is anything known that foretells the passes to come?
-static bool is_any_known( const RfStop* stop, const RfNoiseEstimates* look )
-{
-    bool known = stop->finished_count > 0;
-    for ( int i = 0; i < look->count && !known; ++i )
-        known = rf_is_known( stop, look->frames + i );
-    return known;
-}
-
-// Passes that a share of a frame's groups wants by the pooled estimates.
-static double rate_of_frame( const RfStop* stop, const RfNoiseEstimates* look, int frame )
-{
-    int first, last;
-    rf_groups_of_frame( &stop->plan, frame, &first, &last );
-    double needed = rf_needed_weight( stop, look, &( RfFrameNoise ){ .frame = frame }, false, true ) / AIM;
-    return fmax( stop->least, fmin( needed / rf_planned_weight( stop, frame, first ), stop->most ) );
-}
-
-// The mean over the shares to come, after `rate` in this group. Of noise that of frames ahead which do not lie at an end of
-// the path. Flicker follows the pairs: one at the start of the path is the hardest, and the rates fall slowly from there.
-static double rate_ahead( const RfStop* stop, const RfNoiseEstimates* look, double rate )
-{
-    int at = look->frames[look->count - 1].frame, eyes = stop->plan.eyes, most = stop->plan.frames - 1 - eyes;
-    if ( stop->goals.flicker <= 0.0 || eyes == 1 )
-        return rate_of_frame( stop, look, at + eyes < most ? at + eyes : at < most ? most : at );
-    double sum = 0.0, units = 0.0;
-    for ( int g = look->group + 1; g < stop->plan.groups && g <= look->group + stop->groups_left; ++g )
-    {
-        rate = fmax( rate * pow( 0.5, 1.0 / eyes ), SPARED * rate_of_frame( stop, look, rf_group( &stop->plan, g ).first ) );
-        sum += rate * rf_group_units( stop, g );
-        units += rf_group_units( stop, g );
-    }
-    return units > 0.0 ? sum / units : rate;
-}
-
-// What the group still takes, and a share of those to come. What the last groups took counts more the more there are; the
-// first one has the ends of the path.
-static void foretell( RfStop* stop, const RfNoiseEstimates* look, int done )
-{
-    double eyes = rf_group( &stop->plan, look->group ).eyes, units = stop->group_units;
-    if ( !is_any_known( stop, look ) || units <= 0.0 || look->count == 0 )
-        return;
-    double due = fmax( due_by_estimates( stop, look, true ), rf_shares_of( stop, look->group ) * stop->least );
-    due = fmax( due, due_to_be_even( stop, look ) );
-    stop->group_left = fmax( due - done, 0.0 ) * eyes;
-    double prior = ( stop->goals.flicker > 0.0 ? FLICKER_PRIOR : PRIOR ) * eyes;
-    double ahead = rate_ahead( stop, look, fmax( due, done ) / rf_shares_of( stop, look->group ) );
-    stop->rate = ( stop->recent_work + prior * ahead ) / ( stop->recent_units + prior );
-}
-
 int rf_passes_due( RfStop* stop, const RfNoiseEstimates* look, int done, double now )
 {
     double share = rf_shares_of( stop, look->group ), least = share * stop->least, due = share * stop->most;
     if ( stop->goals.noise > 0.0 || stop->goals.flicker > 0.0 )
     {
-        due = fmax( due_by_estimates( stop, look, false ), due_to_be_even( stop, look ) );
-        foretell( stop, look, done );
+        due = fmax( due_by_estimates( stop, look ), due_to_be_even( stop, look ) );
         due = fmin( due, trusted_passes( stop, look ) );
     }
     if ( stop->goals.seconds > 0.0 )
@@ -208,8 +151,8 @@ void rf_note_pass( RfStop* stop, int eyes, double now )
     stop->seconds_done = 0.95 * stop->seconds_done + ( now - stop->last );
     stop->units_done = 0.95 * stop->units_done + eyes;
     stop->work += eyes;
-    if ( isgreater( stop->group_left, 0.0 ) ) // NaN stays
-        stop->group_left = fmax( stop->group_left - eyes, 0.0 );
+    if ( isgreater( stop->work_left, 0.0 ) ) // NaN stays
+        stop->work_left = fmax( stop->work_left - eyes, 0.0 );
     stop->last = now;
 }
 
@@ -225,7 +168,7 @@ double rf_stop_left( const RfStop* stop, double now )
 {
     double left = (double)NAN;
     if ( stop->work > 0.0 )
-        left = ( now - stop->look_seconds ) / stop->work * ( stop->group_left + stop->rate * stop->units_left );
+        left = ( now - stop->look_seconds - stop->ahead.seconds ) / stop->work * stop->work_left;
     if ( stop->looks > 0 ) // about one look for each group
         left += stop->groups_left * stop->look_seconds / stop->looks;
     if ( stop->goals.seconds > 0.0 )
@@ -242,12 +185,6 @@ void rf_note_look( RfStop* stop, double seconds )
 void rf_end_group( RfStop* stop, int done )
 {
     stop->passes += done;
-    if ( stop->begun )
-    {
-        stop->recent_work = RECENT * stop->recent_work + done * rf_group( &stop->plan, stop->group ).eyes;
-        stop->recent_units = RECENT * stop->recent_units + stop->group_units;
-    }
-    stop->begun = true;
     double share = rf_shares_of( stop, stop->group );
     stop->last_rate = share > 0.0 ? stop->due / share : 0.0; // whole passes would never fall
     stop->owed = fmin( fmax( stop->due + stop->owed - done, 0.0 ), 1.0 );

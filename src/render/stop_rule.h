@@ -34,6 +34,8 @@
 typedef struct RfPairNoise
 {
     double variance, covariance; // NaN: not known
+    double doubt;                // how many times the likely values they are; 0: once
+    double lasting;              // the part of the doubt that more passes are expected to leave, 0 to 1
 } RfPairNoise;
 
 // What is known of a frame's noise.
@@ -57,8 +59,26 @@ typedef struct RfStopGoals
     double seconds; // for all frames
 } RfStopGoals;
 
+#define RF_STOP_PLACES 16
+
+// What a look ahead found around a frame, in small pictures: only its ratio to other places counts.
+typedef struct RfStopPlace
+{
+    int frame;
+    double noise;           // v
+    double variance, apart; // of pairs: of a frame's error, and the part of it that neighbours do not share
+} RfStopPlace;
+
+typedef struct RfStopAhead
+{
+    int count;                          // 0: nothing is known
+    RfStopPlace places[RF_STOP_PLACES]; // ascending
+    double samples, seconds;            // that it took
+} RfStopAhead;
+
 typedef struct RfStop
 {
+    RfStopAhead ahead;
     RfStopGoals goals;
     RfGroupPlan plan;                      // of the shares
     double scale;                          // passes of a share in it
@@ -72,14 +92,12 @@ typedef struct RfStop
     double group_units;                    // of this group
     double group_share;                    // of it that is done
     double work;                           // passes × eyes done in all
-    double group_left;                     // of this group, by what is known; NaN: nothing yet
-    double rate;                           // passes that a share gets by the last groups; NaN: not known yet
-    double recent_work, recent_units;      // of these, without the first one
+    double work_left;                      // as foretold; NaN: not yet
+    double foretold_at;                    // work done then
     double last_rate;                      // of the last group
     double look_seconds;                   // spent on estimates,
     int looks;                             // so many of them
     int groups_left;                       // after this one
-    bool begun;                            // a group is done
     double seconds_done, units_done, last; // pace: seconds per eye and pass is their quotient
     RfFrameNoise finished[RF_STOP_HISTORY];
     int finished_count; // in all
@@ -103,6 +121,9 @@ RfStop rf_create_stop( const RfGroupPlan* plan, int most_spp, const RfStopGoals*
 
 // What a group costs: shares × eyes.
 double rf_group_units( const RfStop* stop, int group );
+
+// Own-frame samples per pixel of so many frames, by a look ahead alone.
+double rf_expected_samples( const RfStop* stop, int frames );
 
 // A group begins. Its `passes` say nothing; the others as in rf_group, with
 // the passes that there really were before it.

@@ -21,25 +21,16 @@ static RfFrameNoise known_of( const RfLiveFilm* live )
                              .doubt = live->doubt };
 }
 
-// The passes of the later frame are spread unevenly where there are few, and follow what other frames need.
-#define SPARE 0.25 // of what is planned for its last group, and a pass
-#define MARGIN 1.1 // of F1², since the later frame is estimated again when nothing can be mended
-
 // v of F1², to stop by: what a frame of group `number` and the one after it will be.
 static double flicker_ahead( const RfRenderer* r, int number, RfLiveFilm* live, RfFilmCombine combine )
 {
     const RfLiveFilm* next = rf_find_film( r, live->frame + 1 );
-    int first, last, next_first, next_last;
     if ( next == NULL )
         return (double)NAN;
-    rf_groups_of_frame( &r->plan, live->frame, &first, &last );
-    rf_groups_of_frame( &r->plan, live->frame + 1, &next_first, &next_last );
     RfFrameNoise before = known_of( live ), now = known_of( next );
     RfPairNow pair = { number, &before, &now, rf_flicker_of_films( live->films, next->films, combine ), 0.0 };
-    if ( next_last > last )
-        pair.spare = SPARE * before.weight / ( last - first + 1 ) + rf_group( &r->plan, next_last ).weight;
     live->pair = rf_pair_noise( &pair );
-    return ( next_last > last ? MARGIN : 1.0 ) * rf_flicker_doubt( &pair.flicker ) * rf_final_flicker( &r->stop, &pair );
+    return rf_flicker_ahead( &r->stop, &pair );
 }
 
 // What the frame before, which may be finished, asks of a frame in its last group.
@@ -132,6 +123,8 @@ static RfNoiseEstimates estimate_films( RfRenderer* r, int number, int done )
         }
         frames[i] = known_of( live );
     }
+    if ( has_goal && r->forecast.frames != NULL )
+        rf_forecast( &r->stop, &estimates, done, &r->forecast );
     if ( made > 0 )
         rf_note_look( &r->stop, rf_wall_seconds() - start );
     return estimates;
