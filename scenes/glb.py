@@ -212,6 +212,7 @@ def number_between(low, high, what):
         if not low <= value <= high:
             raise argparse.ArgumentTypeError("wants %s, got '%s'" % (what, text))
         return value
+    read.__name__ = "number"  # in argparse's messages
     return read
 
 

@@ -21,6 +21,7 @@ typedef struct HardScene
     int spp;       // per seed; 0: that of the form of the run
     double value;  // of HARD_VALUE: radiance of every pixel and channel
     double within; // of HARD_VALUE: relative, besides the noise
+    bool sharp;    // what is known holds without lenses alone
 } HardScene;
 
 // What the pictures are compared with.
@@ -53,7 +54,8 @@ typedef struct HardCase
 } HardCase;
 
 // A table of cases that ends with a row without a name.
-extern const HardCase g_hard_eyes[], g_hard_geometry[], g_hard_light[], g_hard_materials[], g_hard_inputs[];
+extern const HardCase g_hard_eyes[], g_hard_geometry[], g_hard_light[], g_hard_materials[], g_hard_projections[],
+    g_hard_transport[], g_hard_numbers[], g_hard_poisson[];
 
 // How long a run takes: the short form is that of the tests.
 typedef struct HardForm

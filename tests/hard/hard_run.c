@@ -23,8 +23,8 @@ typedef struct Estimator
     bool frames;           // groups, else of one frame
     const char* tile;      // NULL: none
     RfWeights weights;
-    bool lens;     // all eyes get a lens
-    bool unbiased; // compared with the reference
+    bool lens;     // all eyes get a lens, and so does the reference
+    bool unbiased; // else only where all eyes are equal, so that all weights are
     bool links;    // light paths, in scenes where they have mirrors or glass to follow
 } Estimator;
 
@@ -36,7 +36,7 @@ static const Estimator s_estimators[] = {
     { "gradient", "gradient", false, "3x3", RF_WEIGHTS_EXACT, false, true, false },
     { "both, eq15", NULL, true, "3x3", RF_WEIGHTS_EQ15, false, false, false },
     { "both, unweighted", NULL, true, "3x3", RF_WEIGHTS_UNWEIGHTED, false, false, false },
-    { "both, lens", NULL, true, "3x3", RF_WEIGHTS_EXACT, true, false, false },
+    { "both, lens", NULL, true, "3x3", RF_WEIGHTS_EXACT, true, true, false },
     { "path, links", NULL, false, NULL, RF_WEIGHTS_EXACT, false, true, true },
     { "both, links", NULL, true, "3x3", RF_WEIGHTS_EXACT, false, true, true },
 };
@@ -46,6 +46,7 @@ typedef struct Pictures
 {
     int width, height, count;
     double* rgb[MOST_SEEDS];
+    double weight[MOST_SEEDS]; // mean of the pixels' weights, B of (E2)
 } Pictures;
 
 typedef struct Result
@@ -53,6 +54,7 @@ typedef struct Result
     int nans, infinities, negatives, off; // values; `off`: not what is exactly known
     RfWeightRange weights;
     double whole_p, block_p;
+    double weight_p;       // that the mean of the weights is 1
     double bias, interval; // of the mean, relative, and half of its 95% interval
     double ratio;          // relMSE over path tracing's; 0: not known
 } Result;
@@ -76,6 +78,21 @@ static int samples_of( const HardScene* h, const HardForm* form )
 {
     bool own = h->spp > 0 && ( form->statistics || h->spp < form->spp );
     return own ? h->spp : form->spp;
+}
+
+static bool is_same_eye( const RfEye* a, const RfEye* b )
+{
+    RfVec3 moved = rf_sub( a->origin, b->origin ), turned = rf_sub( a->forward, b->forward ), rolled = rf_sub( a->up, b->up );
+    return rf_dot( moved, moved ) + rf_dot( turned, turned ) + rf_dot( rolled, rolled ) == 0.0f && a->focal == b->focal;
+}
+
+// The biased weightings count eyes and pixels: they have no bias where all eyes are equal.
+static bool is_unbiased( const Estimator* e, const HardScene* h )
+{
+    bool unbiased = e->unbiased || h->eye_count > 1;
+    for ( int i = 1; i < h->eye_count && !e->unbiased; ++i )
+        unbiased = unbiased && is_same_eye( h->eyes, h->eyes + i );
+    return unbiased;
 }
 
 static RfRenderSettings settings_of( const HardScene* h, const Estimator* e, const HardForm* form )
@@ -123,17 +140,34 @@ static void note_values( const Rendered* r, bool may_be_negative, bool alone, Re
     }
 }
 
+// A lens for each eye; the tested one's is round, as that of the references.
+static void add_lenses( const HardScene* h, RfEye* eyes )
+{
+    float reach = rf_maxf( rf_length( rf_sub( h->scene.bounds_max, h->scene.bounds_min ) ), 1e-20f );
+    for ( int i = 0; i < h->eye_count; ++i )
+        rf_set_lens( eyes + i, 0.01 * (double)reach, 0.5 * (double)reach, i % 2 == h->eye_count / 2 % 2 ? 0 : 5, 0.1 );
+}
+
+static void keep_picture( const Rendered* r, int frame, Pictures* p )
+{
+    const float* rgb = frame_rgb( r, frame );
+    double sum = 0.0;
+    p->rgb[p->count] = new_picture( p );
+    for ( size_t i = 0; i < 3 * r->pixels; ++i )
+        p->rgb[p->count][i] = (double)rgb[i];
+    for ( size_t i = 0; i < r->pixels; ++i )
+        sum += (double)r->weight[(size_t)frame * r->pixels + i];
+    p->weight[p->count] = sum / (double)r->pixels;
+}
+
 static Pictures render( const RfTracer* tracer, const HardScene* h, const Estimator* e, const HardForm* form, Result* out )
 {
     RfRenderSettings settings = settings_of( h, e, form );
-    int seeds = e->unbiased ? form->seeds : 1, frame = h->eye_count / 2;
+    int seeds = is_unbiased( e, h ) ? form->seeds : 1, frame = h->eye_count / 2;
     RfEye eyes[HARD_MOST_EYES];
     memcpy( eyes, h->eyes, sizeof eyes );
-    for ( int i = 0; i < h->eye_count && e->lens; ++i )
-    {
-        float reach = rf_maxf( rf_length( rf_sub( h->scene.bounds_max, h->scene.bounds_min ) ), 1e-20f );
-        rf_set_lens( eyes + i, 0.01 * (double)reach, 0.5 * (double)reach, i % 2 == 0 ? 0 : 5, 0.1 );
-    }
+    if ( e->lens )
+        add_lenses( h, eyes );
     Pictures p = { .width = eyes->width, .height = eyes->height };
     out->weights = ( RfWeightRange ){ .least = FLT_MAX };
     rf_watch_weights( &out->weights );
@@ -145,20 +179,22 @@ static Pictures render( const RfTracer* tracer, const HardScene* h, const Estima
         Rendered r = all ? render_all( tracer, eyes, h->eye_count, &settings )
                          : render_frames( tracer, eyes, h->eye_count, &frame, 1, &settings );
         note_values( &r, negative, settings.group == 0 && e->estimator == NULL, out );
-        p.rgb[p.count] = new_picture( &p );
-        const float* rgb = frame_rgb( &r, all ? frame : 0 );
-        for ( size_t i = 0; i < 3 * r.pixels; ++i )
-            p.rgb[p.count][i] = (double)rgb[i];
+        keep_picture( &r, all ? frame : 0, &p );
         free_rendered( &r );
     }
     rf_watch_weights( NULL );
     return p;
 }
 
-static Pictures refer( const RfTracer* tracer, const HardCase* c, const HardScene* h, const HardForm* form )
+// With lenses only one estimator is compared: half the samples will do.
+static Pictures refer( const RfTracer* tracer, const HardCase* c, const HardScene* h, const HardForm* form, bool lens )
 {
-    const RfEye* eye = h->eyes + h->eye_count / 2;
-    int spp = form->reference * samples_of( h, form );
+    RfEye eyes[HARD_MOST_EYES];
+    memcpy( eyes, h->eyes, sizeof eyes );
+    if ( lens )
+        add_lenses( h, eyes );
+    const RfEye* eye = eyes + h->eye_count / 2;
+    int spp = ( lens ? form->reference / 2 : form->reference ) * samples_of( h, form );
     Pictures p = { .width = eye->width, .height = eye->height };
     float* plain = malloc( 3 * (size_t)eye->width * (size_t)eye->height * sizeof *plain );
     if ( plain == NULL )
@@ -227,6 +263,10 @@ static void compare( const Pictures* a, const Pictures* b, Result* out )
         for ( int x = 0; x < a->width; x += size, ++tested )
             smallest = fmin( smallest, block_p( a, b, x, y, x + size, y + size ) );
     }
+    for ( int y = 0; y < a->height && size == BLOCK; ++y, ++tested ) // rows and columns: tiles move light by pixels
+        smallest = fmin( smallest, block_p( a, b, 0, y, a->width, y + 1 ) );
+    for ( int x = 0; x < a->width && size == BLOCK; ++x, ++tested )
+        smallest = fmin( smallest, block_p( a, b, x, 0, x + 1, a->height ) );
     out->block_p = 1.0 - pow( 1.0 - smallest, tested );
 }
 
@@ -252,25 +292,36 @@ static double relmse( const Pictures* p, const Pictures* guide )
     return sum;
 }
 
-// What is known in closed form.
-static void compare_value( const Pictures* p, const HardCase* c, const HardScene* h, bool statistics, Result* out )
+// The weights that land in a pixel are 1 in the mean (E2): a wrong density shows here first, since pictures are divided by them.
+static double mean_weight_p( const Pictures* p )
 {
-    double means[MOST_SEEDS], error, value = c->reference == HARD_BLACK ? 0.0 : h->value;
+    double error, mean = mean_of( p->weight, p->count, &error );
+    return fabs( mean - 1.0 ) <= ROUNDING ? 1.0 : student_p( fabs( mean - 1.0 ) / fmax( error, 1e-300 ), p->count - 1 );
+}
+
+static int count_lit( const Pictures* p )
+{
+    int lit = 0;
+    for ( int k = 0; k < p->count; ++k )
+    {
+        for ( size_t i = 0; i < 3 * (size_t)p->width * (size_t)p->height; ++i )
+            lit += p->rgb[k][i] != 0.0;
+    }
+    return lit;
+}
+
+// What is known in closed form.
+static void compare_value( const Pictures* p, const HardScene* h, Result* out )
+{
+    double means[MOST_SEEDS], error, value = h->value;
     for ( int k = 0; k < p->count; ++k )
         means[k] = block_mean( p, k, 0, 0, p->width, p->height );
     double mean = mean_of( means, p->count, &error );
-    for ( int k = 0; k < p->count; ++k )
-    {
-        for ( size_t i = 0; c->reference == HARD_BLACK && i < 3 * (size_t)p->width * (size_t)p->height; ++i )
-            out->off += p->rgb[k][i] != 0.0;
-    }
-    out->whole_p = out->block_p = 1.0;
-    if ( c->reference == HARD_BLACK )
-        return;
     out->bias = mean / value - 1.0;
     out->interval = 1.96 * error / value;
     double beyond = fmax( fabs( mean - value ) - h->within * value, 0.0 );
-    out->whole_p = beyond > 0.0 && statistics ? student_p( beyond / fmax( error, 1e-300 ), p->count - 1 ) : 1.0;
+    out->whole_p = beyond > 0.0 ? student_p( beyond / fmax( error, 1e-300 ), p->count - 1 ) : 1.0;
+    out->block_p = 1.0;
 }
 
 // Tiles and gradients gain nothing from other frames, and gradients spread the noise of bright pixels over dark ones.
@@ -279,23 +330,27 @@ static double most_ratio( const HardCase* c, const Estimator* e )
     return e->frames ? c->factor : fmax( c->factor, e->estimator != NULL ? 6.0 : 1.5 );
 }
 
-static bool verdict( const HardCase* c, const HardForm* form, const Estimator* e, const Result* r )
+static bool is_sound( const Result* r )
 {
-    bool sound = r->nans == 0 && r->infinities == 0 && r->negatives == 0 && r->off == 0 && r->weights.nans == 0 &&
-                 r->weights.least >= 0.0f && r->weights.most <= MOST_WEIGHT;
-    if ( !form->statistics || !e->unbiased || c->reference == HARD_FINITE )
-        return sound;
-    return sound && r->whole_p > SIGNIFICANCE && r->block_p > SIGNIFICANCE &&
+    return r->nans == 0 && r->infinities == 0 && r->negatives == 0 && r->off == 0 && r->weights.nans == 0 &&
+           r->weights.least >= 0.0f && r->weights.most <= MOST_WEIGHT;
+}
+
+static bool verdict( const HardCase* c, const Estimator* e, const Result* r, bool compared )
+{
+    if ( !compared )
+        return is_sound( r );
+    return is_sound( r ) && r->whole_p > SIGNIFICANCE && r->block_p > SIGNIFICANCE && r->weight_p > SIGNIFICANCE &&
            ( c->factor == 0.0 || r->ratio <= most_ratio( c, e ) );
 }
 
-static void tell( const HardCase* c, const HardForm* form, const Estimator* e, const Result* r, bool holds )
+static void tell( const HardCase* c, const HardForm* form, const Estimator* e, const Result* r, bool compared, bool holds )
 {
     printf( "%-26s %-17s NaN %d Inf %d negative %d off %d weight %.7g..%.7g", c->name, e->name, r->nans, r->infinities,
             r->negatives, r->off, (double)r->weights.least, (double)r->weights.most );
-    if ( e->unbiased && form->statistics && c->reference != HARD_FINITE )
-        printf( " bias %+.3f%% ± %.3f%% p %.2g %.2g relMSE %.3g", 100.0 * r->bias, 100.0 * r->interval, r->whole_p, r->block_p,
-                r->ratio );
+    if ( compared )
+        printf( " bias %+.3f%% ± %.3f%% p %.2g %.2g %.2g relMSE %.3g", 100.0 * r->bias, 100.0 * r->interval, r->whole_p,
+                r->block_p, r->weight_p, r->ratio );
     printf( "%s\n", holds ? "" : "  FAILS" );
     if ( form->rows == NULL )
         return;
@@ -304,8 +359,49 @@ static void tell( const HardCase* c, const HardForm* form, const Estimator* e, c
              "\"interval\": %.9g, "
              "\"ratio\": %.9g, \"compared\": %s, \"holds\": %s}\n",
              c->name, e->name, r->nans, r->infinities, (double)r->weights.most, isfinite( r->bias ) ? r->bias : 1e30,
-             isfinite( r->interval ) ? r->interval : 1e30, isfinite( r->ratio ) ? r->ratio : 1e30,
-             e->unbiased && c->reference != HARD_FINITE ? "true" : "false", holds ? "true" : "false" );
+             isfinite( r->interval ) ? r->interval : 1e30, isfinite( r->ratio ) ? r->ratio : 1e30, compared ? "true" : "false",
+             holds ? "true" : "false" );
+}
+
+// What the pictures of a case are compared with, of sharp eyes and with lenses, and the noise of path tracing.
+typedef struct Known
+{
+    Pictures sharp, lens;
+    double path_relmse;
+} Known;
+
+static bool is_referred( const HardCase* c ) { return c->reference == HARD_DOUBLE || c->reference == HARD_PLAIN; }
+
+static void judge( const HardCase* c, const HardScene* h, const Estimator* e, const Pictures* p, Known* known, Result* r )
+{
+    const Pictures* reference = e->lens ? &known->lens : &known->sharp;
+    r->whole_p = r->block_p = r->weight_p = 1.0;
+    if ( is_referred( c ) )
+        compare( p, reference, r );
+    else if ( c->reference == HARD_VALUE )
+        compare_value( p, h, r );
+    if ( e->estimator == NULL && e->unbiased )
+        r->weight_p = mean_weight_p( p );
+    double noise = relmse( p, is_referred( c ) ? reference : p );
+    known->path_relmse = e == s_estimators ? noise : known->path_relmse;
+    // below: no noise to speak of; path tracing had no lens
+    r->ratio = known->path_relmse > 1e-9 && !e->lens ? noise / known->path_relmse : 0.0;
+}
+
+static bool run_estimator( const RfTracer* tracer, const HardCase* c, const HardScene* h, const Estimator* e,
+                           const HardForm* form, Known* known )
+{
+    Result r = { 0 };
+    bool known_here = c->reference != HARD_FINITE && !( e->lens && h->sharp );
+    bool compared = form->statistics && known_here && is_unbiased( e, h );
+    Pictures p = render( tracer, h, e, form, &r );
+    r.off += c->reference == HARD_BLACK && known_here ? count_lit( &p ) : 0;
+    if ( compared )
+        judge( c, h, e, &p, known, &r );
+    bool holds = verdict( c, e, &r, compared );
+    tell( c, form, e, &r, compared, holds );
+    free_pictures( &p );
+    return holds;
 }
 
 static bool run_pictures( const HardCase* c, const HardForm* form )
@@ -313,34 +409,17 @@ static bool run_pictures( const HardCase* c, const HardForm* form )
     HardScene h = { .eye_count = 7, .group = 3, .max_depth = 4 };
     c->make( &h );
     RfTracer* tracer = make_tracer( &h.scene );
-    bool all = true, refers = form->statistics && ( c->reference == HARD_DOUBLE || c->reference == HARD_PLAIN );
-    Pictures reference = { 0 };
-    double path_relmse = 0.0;
-    if ( refers )
-        reference = refer( tracer, c, &h, form );
-    for ( size_t i = 0; i < sizeof s_estimators / sizeof *s_estimators; ++i )
+    bool all = true;
+    Known known = { 0 };
+    if ( form->statistics && is_referred( c ) )
     {
-        const Estimator* e = s_estimators + i;
-        if ( !is_for( e, &h, form ) )
-            continue;
-        Result r = { 0 };
-        Pictures p = render( tracer, &h, e, form, &r );
-        if ( refers && e->unbiased )
-            compare( &p, &reference, &r );
-        else if ( e->unbiased && ( c->reference == HARD_VALUE || c->reference == HARD_BLACK ) )
-            compare_value( &p, c, &h, form->statistics, &r );
-        if ( form->statistics && e->unbiased )
-        {
-            double noise = relmse( &p, refers ? &reference : &p );
-            path_relmse = i == 0 ? noise : path_relmse;
-            r.ratio = path_relmse > 1e-9 ? noise / path_relmse : 0.0; // below: no noise to speak of
-        }
-        bool holds = verdict( c, form, e, &r );
-        tell( c, form, e, &r, holds );
-        all = all && holds;
-        free_pictures( &p );
+        known.sharp = refer( tracer, c, &h, form, false );
+        known.lens = refer( tracer, c, &h, form, true );
     }
-    free_pictures( &reference );
+    for ( size_t i = 0; i < sizeof s_estimators / sizeof *s_estimators; ++i )
+        all = ( !is_for( s_estimators + i, &h, form ) || run_estimator( tracer, c, &h, s_estimators + i, form, &known ) ) && all;
+    free_pictures( &known.sharp );
+    free_pictures( &known.lens );
     rf_destroy_tracer( tracer );
     rf_destroy_scene( &h.scene );
     return all;

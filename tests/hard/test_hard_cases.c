@@ -4,12 +4,14 @@
 //     test_hard_cases --measure [--rows F]   with the statistics of tests/hard/README.md; results as lines of JSON
 //     test_hard_cases --list                 the cases as lines of JSON
 //     test_hard_cases NAME...                some of them
+#include "base/float_traps.h"
 #include "hard/hard.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-static const HardCase* const s_tables[] = { g_hard_eyes, g_hard_geometry, g_hard_light, g_hard_materials, g_hard_inputs };
+static const HardCase* const s_tables[] = { g_hard_eyes,        g_hard_geometry,  g_hard_light,   g_hard_materials,
+                                            g_hard_projections, g_hard_transport, g_hard_numbers, g_hard_poisson };
 
 #define TABLES ( sizeof s_tables / sizeof *s_tables )
 
@@ -39,6 +41,7 @@ int main( int argc, char** argv )
     form = ( HardForm ){ .seeds = 1, .spp = 7, .reference = 1, .statistics = false };
 #endif
     int first = 1, failed = 0, run = 0;
+    rf_enable_float_traps(); // of builds with REFRAME_TRAP
     for ( ; first < argc && strncmp( argv[first], "--", 2 ) == 0; ++first )
     {
         if ( strcmp( argv[first], "--list" ) == 0 )
