@@ -119,7 +119,7 @@ def bake_job(job, side, cache):
     return mesh, result, fresh, key
 
 
-def bake_objects(to_bake, views, folder, is_closed, build):
+def bake_objects(to_bake, views, folder, is_solid, build):
     """Bakes what the plans of objects ask for; returns the slots (object, number, material) to be set."""
     jobs, cache = sort_jobs(to_bake), bake_cache.Cache(folder)
     new, made, known = [], {}, {}
@@ -131,8 +131,8 @@ def bake_objects(to_bake, views, folder, is_closed, build):
         except Exception as e:  # Blender's bake fails for reasons of its own
             warn("'%s': could not be baked: taken as constant: %s" % (name, " ".join(str(e).split())[:200]))
             mesh, result, fresh, key = job.objects[0].data, None, False, None
-        solid = any(p.surface.transmission != 0.0 for p in job.plans.values()) and is_closed(job.objects[0].data)
-        same = (key, solid, tuple(sorted((slot, id(p)) for slot, p in job.plans.items())))
+        solid = {slot: is_solid(p, job.objects[0]) for slot, p in job.plans.items()}
+        same = (key, tuple(sorted((slot, id(p), solid[slot]) for slot, p in job.plans.items())))
         materials = known.get(same) if key is not None else None
         if materials is None:
             materials = known[same] = make_materials(job, name, result, solid, made, build)
@@ -155,5 +155,5 @@ def make_materials(job, name, result, solid, made, build):
         made[plan] = made.get(plan, 0) + 1
         plain = plan.free_name()
         means = means_of(plan, result) if result is not None else None
-        materials[slot] = build(plan, plain if made[plan] == 1 else "%s %s" % (plain, name), textures, means, solid)
+        materials[slot] = build(plan, plain if made[plan] == 1 else "%s %s" % (plain, name), textures, means, solid[slot])
     return materials

@@ -74,13 +74,14 @@ class Recorder:
 
     def __init__(self, scene, camera, follow):
         self.scene, self.camera, self.follow = scene, camera, follow
-        self.keys, self.before = [], None
+        self.keys, self.before, self.camera_now = [], None, None
         self.projection = None  # of all frames
         self.focus = []  # of each key: f-number and distance, or None
 
     def note(self, number, depsgraph):
         # markers in the timeline may change the active camera
         camera = (self.scene.camera if self.follow and self.scene.camera else self.camera).evaluated_get(depsgraph)
+        self.camera_now = camera
         place, turn, _ = camera.matrix_world.decompose()
         if self.before is not None and self.before.dot(turn) < 0.0:
             turn.negate()  # interpolate along the shorter arc

@@ -30,6 +30,7 @@ class Surface:
     emission: object = (0.0, 0.0, 0.0)
     normal: object = None  # a Ref, or None
     one_sided: bool = False
+    thin: bool = False  # what it transmits is not refracted, also on a closed mesh
 
 
 WHITE, BLACK = (1.0, 1.0, 1.0), (0.0, 0.0, 0.0)

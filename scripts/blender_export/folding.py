@@ -1,5 +1,6 @@
 """A shader tree folded into the channels of glTF's material: mixes of shaders become mixes of channels."""
-from .channels import BLACK, F0_OF_GLTF, Ref, Surface, WHITE, f0_of, is_constant
+from .channels import BLACK, F0_OF_GLTF, Ref, Surface, WHITE, is_constant
+from .fresnel import as_one
 from .shader_tree import value_of
 
 LEFT_OUT = {  # shaders without equivalent, and what is kept of them
@@ -11,6 +12,17 @@ LEFT_OUT = {  # shaders without equivalent, and what is kept of them
     "BSDF_HAIR_PRINCIPLED": "hair: taken as diffuse",
     "EEVEE_SPECULAR": "a shader of Eevee: taken as diffuse",
     "HOLDOUT": "a holdout: taken as black",
+}
+
+CALCULATE = {
+    "ADD": lambda a, b: a + b,
+    "SUBTRACT": lambda a, b: a - b,
+    "MULTIPLY": lambda a, b: a * b,
+    "DIVIDE": lambda a, b: a / b if b != 0.0 else 0.0,
+    "MAXIMUM": max,
+    "MINIMUM": min,
+    "GREATER_THAN": lambda a, b: float(a > b),
+    "LESS_THAN": lambda a, b: float(a < b),
 }
 
 
@@ -39,7 +51,19 @@ class Folder:
         if kind == "COMBXYZ" and not any(i.is_linked for i in source.node.inputs):
             value = tuple(i.default_value for i in source.node.inputs)
             return value if colour else sum(value) / 3.0
+        value = self.calculated(source.node) if kind == "MATH" else None
+        if value is not None:
+            return (value,) * 3 if colour else value
         return self.ref(source)
+
+    def calculated(self, node):
+        """What a Math node makes of constants; None if they are not, or by an operation that is not listed."""
+        operation = CALCULATE.get(node.operation)
+        values = [self.read(i) for i in node.inputs[:2]]
+        if operation is None or not all(isinstance(v, float) for v in values):
+            return None
+        value = operation(*values)
+        return min(max(value, 0.0), 1.0) if node.use_clamp else value
 
     def put(self, value, socket):
         if isinstance(value, Ref):
@@ -201,32 +225,15 @@ class Folder:
                 self.warn(node, "its back looks different: taken as the front")
             return a
         if source is not None and source.node.type in ("FRESNEL", "LAYER_WEIGHT"):
-            coat = self.as_coat(a, b, source)
-            if coat is not None:
-                return coat
+            one = as_one(self, a, b, source, node)
+            if one is not None:
+                return one
         t = self.read(factor)
         if is_constant(t):
             t = min(max(t, 0.0), 1.0)
         else:
             t = self.number("ADD", t, 0.0, clamp=True)
         return self.mixed(a, b, t, node)
-
-    def as_coat(self, a, b, source):
-        """Diffuse under gloss by Fresnel's factor is glTF's dielectric; None if these are not the two."""
-        node = source.node
-        if b.metallic != 1.0 or a.metallic not in (None, 0.0) or a.specular != 0.0 or b.normal != a.normal:
-            return None
-        if node.type == "FRESNEL":
-            ior = self.read(node.inputs["IOR"])
-        elif source.name == "Fresnel":
-            blend = self.read(node.inputs["Blend"])
-            ior = 1.0 / (1.0 - min(blend, 0.99999)) if is_constant(blend) else None
-        else:
-            ior = None
-        if ior is None or not is_constant(ior) or not is_constant(b.base):
-            return None
-        a.specular, a.f0, a.roughness = 1.0, tuple(c * f0_of(ior) for c in b.base), b.roughness
-        return a
 
     def mixed(self, a, b, t, node):
         if t == 0.0:
@@ -251,7 +258,7 @@ class Folder:
             mine, other = self.alike(name, a, b)
             colours = name == "base" or any(isinstance(v, tuple) and is_constant(v) for v in (mine, other))
             setattr(out, name, self.blend(mine, other, share, colours))
-        out.one_sided = a.one_sided or b.one_sided
+        out.one_sided, out.thin = a.one_sided or b.one_sided, a.thin or b.thin
         return out
 
     def alike(self, name, a, b):

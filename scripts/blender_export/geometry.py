@@ -99,8 +99,10 @@ def warn_of_the_rest(objects, holes):
 
     shapes = [o for o in objects if o.type in GEOMETRY and not o.hide_render]
     tell([o for o in shapes if o.name in holes], "left out: holdouts do not exist in Reframe")
-    tell([o for o in shapes if o.name not in holes and 0 < len(hidden_ways(o)) < 5],
-         "hidden from some kinds of rays in Blender: seen by all here")
+    hidden = [o for o in shapes if o.name not in holes and 0 < len(hidden_ways(o)) < 5]
+    no_shadow = [o for o in hidden if hidden_ways(o) == ["shadow"]]
+    tell([o for o in hidden if o not in no_shadow], "hidden from some kinds of rays in Blender: seen by all here")
+    tell(no_shadow, "throws no shadow in Blender: throws one here, unless it is of glass")
     tell([o for o in shapes if o.is_shadow_catcher], "a shadow catcher in Blender: an ordinary surface here")
     for kind, what in UNREAD.items():
         tell([o for o in objects if o.type == kind and not o.hide_render], "%s: left out" % what)
@@ -185,6 +187,7 @@ class Builder:
         for key in original.keys():
             new[key] = original[key]
         new.color, new.pass_index = original.color, original.pass_index  # materials may ask for them
+        new.visible_shadow = original.visible_shadow
         for to, slot in zip(new.material_slots, original.material_slots):
             if slot.link == "OBJECT" and data == original.data:
                 to.link, to.material = "OBJECT", slot.material

@@ -79,8 +79,23 @@ def give_grey(objects):
                 mesh.materials[i] = grey
 
 
-def needs_solid(plan):
+def transmits(plan):
     return plan.surface is not None and plan.surface.transmission != 0.0
+
+
+def is_solid(plan, o):
+    """Is it a body that refracts? Says why not."""
+    s = plan.surface
+    if not transmits(plan) or s.thin or s.ior == 1.0:
+        return False
+    who = "'%s': material '%s'" % (o.name, plan.name or plan.material.name)
+    if not o.visible_shadow:
+        warn("%s: glass without a shadow: taken as a thin pane" % who)
+        return False
+    if not is_closed(o.data):
+        warn("%s: glass on a mesh that is not closed: taken as a thin pane" % who)
+        return False
+    return True
 
 
 def all_trees():
@@ -132,7 +147,7 @@ def carry(scene, args, placed, recorder):
                 to_bake.setdefault(o, {})[i] = plan
         else:
             new += carry_plan(plan)
-    new += bake.bake_objects(to_bake, views, args.bake_cache, is_closed, build) if to_bake else []
+    new += bake.bake_objects(to_bake, views, args.bake_cache, is_solid, build) if to_bake else []
     for o, i, material in new:
         o.material_slots[i].material = material
 
@@ -163,10 +178,7 @@ def carry_plan(plan):
         return []
     kinds = {}
     for o, i in plan.users:
-        solid = needs_solid(plan) and s.ior != 1.0 and is_closed(o.data)
-        if needs_solid(plan) and s.ior != 1.0 and not solid:
-            warn("'%s': material '%s': glass on a mesh that is not closed: taken as a thin pane" % (o.name, plan.name or plan.material.name))
-        kinds.setdefault(solid, []).append((o, i))
+        kinds.setdefault(is_solid(plan, o), []).append((o, i))
     made = []
     for name, (solid, places) in zip(names_for(plan, len(kinds)), kinds.items()):
         material = build(plan, name, solid=solid)

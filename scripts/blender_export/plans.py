@@ -1,10 +1,10 @@
 """What is to be done about a material: left as it is, replaced, or baked."""
-from . import shader_tree
+from . import rays, shader_tree
 from .channels import BLACK, Ref, Surface, WORDS, finish, is_constant
 from .folding import Folder
 from .images import carried, is_read, number_source
 from .messages import warn
-from .view import give_constants, view_nodes
+from .view import view_nodes
 
 VARYING = ("base", "metallic", "roughness", "emission", "alpha", "normal")  # what glTF has textures for
 EXPORTED = {"f0": "Specular", "transmission": "Transmission", "clearcoat": "Clearcoat",
@@ -111,18 +111,21 @@ def make_plan(material, users):
         plan.surface = finish(Surface(base=BLACK, specular=0.0))
         return plan
     behind = shader_tree.nodes_behind(tree, [out.inputs["Surface"]])
-    give_constants(tree, plan.tell)
+    asks = bool(rays.nodes_that_ask(behind))
+    ray, thin = rays.choose(material, behind, plan.tell)
+    rays.give_constants(tree, ray)
     only_volume = out.inputs["Volume"].is_linked and not out.inputs["Surface"].is_linked
     plan.surface = folder.fold(out.inputs["Surface"]) if not only_volume else Surface(alpha=0.0)
     tell_inside(plan, out)
     finish(plan.surface)
+    plan.surface.thin |= thin
     shine_through(plan)
     tell_images(plan, behind)
     sort_channels(plan)
     first = out.inputs["Surface"].links[0].from_node if out.inputs["Surface"].is_linked else None
     if first is not None and first.type == "BSDF_PRINCIPLED" and not grouped:
         plan.averaged -= {n for n, name in EXPORTED.items() if is_image(folder, first.inputs[name])}
-    plan.plain = (first is not None and first.type == "BSDF_PRINCIPLED" and not grouped and not plan.baked and not plan.averaged and
+    plan.plain = (first is not None and first.type == "BSDF_PRINCIPLED" and not grouped and not asks and not plan.baked and not plan.averaged and
                   is_only_output(material) and not any(first.inputs[n].is_linked for n in ("Subsurface", "Subsurface Color")) and
                   first.inputs["Subsurface"].default_value == 0.0)
     return plan

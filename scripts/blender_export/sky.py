@@ -5,7 +5,7 @@ import urllib.parse
 
 import bpy
 
-from . import embed
+from . import embed, rays, shader_tree
 from .command_line import refuse
 from .messages import fail, warn
 
@@ -50,7 +50,7 @@ def check_world(world):
         if node.image is None or not node.image.has_data and not node.image.pixels:
             fail("world '%s': the image of its node '%s' cannot be read: pack it or correct its path" % (world.name, node.name))
     if any(n.type == "LIGHT_PATH" for n in nodes):
-        warn("world '%s' looks different to the camera than to surfaces: taken as the camera sees it" % world.name)
+        warn("world '%s' looks different to the camera than to surfaces: taken as it lights the scene" % world.name)
     if world.animation_data or world.node_tree.animation_data:
         warn("world '%s' is animated: taken as in the first frame" % world.name)
     sides = [n.image.size[0] for n in images if n.type == "TEX_ENVIRONMENT"] or [SKY_MAP]
@@ -65,6 +65,9 @@ def render_map(world, across, exact, path):
     scene = bpy.data.scenes.new("reframe map")
     copy = world.copy()
     copy.cycles_visibility.camera = True
+    if any(n.type == "LIGHT_PATH" for n in nodes_behind(copy.node_tree.get_output_node("CYCLES"))):
+        shader_tree.flatten(copy.node_tree)
+        rays.give_constants(copy.node_tree, "diffuse")
     copy.cycles.sampling_method = "NONE"
     camera = bpy.data.objects.new("reframe map", bpy.data.cameras.new("reframe map"))
     camera.data.type = "PANO"

@@ -35,6 +35,7 @@ static const char* hint_of( const RfError* error )
                                            : ": raise --memory, or lower --size or --group";
         case RF_REMEDY_LIMIT: return ": lower --size, --group or --memory, or raise that limit";
         case RF_REMEDY_HOLD_LESS: return ": give --memory %zuM or more, or leave --hold-all off";
+        case RF_REMEDY_ESTIMATOR: return ": choose another by --estimator, or leave that option out";
         case RF_REMEDY_LAYER: return ": name one by --layer";
         case RF_REMEDY_MOTION: return ": choose by --motion X,Y";
         case RF_REMEDY_DEPTH: return ": choose by --depth NAME";

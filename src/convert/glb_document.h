@@ -35,7 +35,7 @@ RfResult rf_make_glb_document( const RfModel* model, RfGlbDocument* document, Rf
 // Frees the document.
 void rf_destroy_glb_document( RfGlbDocument* document );
 
-// Sets a key of an object; a failed allocation sets `failed`.
+// Pieces of JSON (glb_json.c). Sets a key of an object; a failed allocation sets `failed`.
 void rf_glb_set( RfGlbDocument* document, json_t* object, const char* key, json_t* value );
 
 // Appends to an array; a failed allocation sets `failed`.

@@ -1,5 +1,6 @@
 #include "render/settings.h"
 
+#include "base/remedy.h"
 #include "base/system.h"
 #include "math/vec3.h"
 #include "render/estimator.h"
@@ -74,6 +75,13 @@ bool rf_has_groups( const RfEstimator* estimator ) { return estimator->count_reu
 
 int rf_usual_passes( const RfRenderSettings* s ) { return s->estimator->usual_passes > 2 ? s->estimator->usual_passes : 2; }
 
+// What an estimator has not got.
+static RfResult lacks( const RfEstimator* estimator, const char* what, RfError* error )
+{
+    RfResult result = rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' has no %s", estimator->name, what );
+    return rf_advise( result, RF_REMEDY_ESTIMATOR, 0, error );
+}
+
 static RfResult check_estimator( const RfRenderSettings* s, RfError* error )
 {
     const RfEstimator* estimator = s->estimator;
@@ -83,20 +91,20 @@ static RfResult check_estimator( const RfRenderSettings* s, RfError* error )
         return rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' asks for %d films, 1 to %d can be had", estimator->name,
                         estimator->films, RF_MAX_FILMS );
     if ( !rf_is_plain_filter( s ) && !estimator->filters )
-        return rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' has no pixel filter but a box of one pixel", estimator->name );
+        return lacks( estimator, "pixel filter but a box of one pixel", error );
     if ( s->adaptive == RF_ADAPTIVE_ON &&
          ( estimator->add_own_shares == NULL || estimator->count_samples == NULL || estimator->films > 1 ) )
-        return rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' has no adaptive sampling", estimator->name );
+        return lacks( estimator, "adaptive sampling", error );
     if ( ( s->aovs & RF_FIRST_HIT_AOVS ) != 0 && estimator->first_hits == NULL )
-        return rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' has no AOVs of first hits", estimator->name );
+        return lacks( estimator, "AOVs of first hits", error );
     if ( ( s->aovs & RF_AOV_BIT( RF_AOV_VARIANCE ) ) != 0 && estimator->finish != NULL && !estimator->has_variance )
-        return rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' has no variance AOV", estimator->name );
+        return lacks( estimator, "variance AOV", error );
     if ( s->flicker > 0.0 && estimator->finish != NULL ) // the halves of its pictures are not in the films
-        return rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' has no estimate of flicker to stop at", estimator->name );
+        return lacks( estimator, "estimate of flicker to stop at", error );
     if ( ( s->aovs & RF_GRADIENT_AOVS ) != 0 && !estimator->has_gradients )
-        return rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' has no gradients", estimator->name );
+        return lacks( estimator, "gradients", error );
     if ( ( s->aovs & RF_AOV_BIT( RF_AOV_ALPHA ) ) != 0 && !estimator->has_alpha )
-        return rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' has no alpha", estimator->name );
+        return lacks( estimator, "alpha", error );
     if ( s->hold_all &&
          ( estimator->trace_first_hits == NULL || estimator->serialise == NULL || estimator->deserialise == NULL ) )
         return rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' cannot hold all records of a group", estimator->name );

@@ -132,7 +132,13 @@ static const char s_make_world[] =
     "link(at.outputs['Generated'], turn.inputs[0])\n"
     "link(turn.outputs[0], sky.inputs[0])\n"
     "link(sky.outputs[0], tree.nodes['Background'].inputs['Color'])\n"
+    "mix, white, path = new('ShaderNodeMixShader'), new('ShaderNodeBackground'), new('ShaderNodeLightPath')\n"
+    "link(path.outputs['Is Camera Ray'], mix.inputs[0])\n" // white to the camera
+    "link(tree.nodes['Background'].outputs[0], mix.inputs[1])\n"
+    "link(white.outputs[0], mix.inputs[2])\n"
+    "link(mix.outputs[0], tree.nodes['World Output'].inputs['Surface'])\n"
     "s.world.cycles_visibility.camera = False\n"
+    "s.camera.data.clip_start = 4.8\n" // the cube's near side is at 4.5
     "s.camera.data.dof.use_dof = s.render.use_motion_blur = s.eevee.use_motion_blur = True\n"
     "lamp = s.objects['POINT']\n"
     "lamp.data.keyframe_insert('energy', frame=1)\n"
@@ -248,6 +254,8 @@ static void test_world_becomes_the_environment( void** state )
     assert_int_equal( done->status, 0 );
     assert_null( strstr( done->err, "depth of field" ) );
     assert_null( strstr( done->err, "motion blur" ) );
+    assert_non_null( strstr( done->err, "'Cube': nearer to 'Eye' than its clip start in frame 1: seen here" ) );
+    assert_non_null( strstr( done->err, "looks different to the camera than to surfaces: taken as it lights the scene" ) );
     // the spot hangs on the moving camera, the cube stands still
     assert_non_null( strstr( done->err, "warning: 'POINT', 'SPOT': moves or changes: taken as in the first frame" ) );
     RfScene scene;

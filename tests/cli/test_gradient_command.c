@@ -109,7 +109,7 @@ static void test_written_gradients_are_reconstructed( void** state )
     assert_true( json_number_value( json_object_get( json, "relmse" ) ) < 1e-6 );
     json_decref( json );
     cli_expect( cli_run( "$R render $VASE -o a.####.exr --size 40x30 --frames 1 --aov primal,dx" ), 2,
-                "the estimator 'reuse' has no gradients" );
+                "the estimator 'reuse' has no gradients: choose another by --estimator, or leave that option out" );
 }
 
 // What render can do, plan, cost and tune can weigh: the tiles beside path tracing, which is that of the other estimator.

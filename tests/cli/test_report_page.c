@@ -1,6 +1,7 @@
 // reframe report as its user sees it: what the page holds, that no name breaks it, and
 // what is refused. Choice of frames and layers: test_report_frames.c; looks and playback:
 // test_report_browser.c.
+#include "output/frame_attributes.h"
 #include "support/cli_run.h"
 #include "support/page_checks.h"
 
@@ -176,6 +177,55 @@ static void test_estimates_in_headers( void** state )
     json_decref( data );
 }
 
+// Whatever Reframe writes into a header is on the page, but what tells where a frame belongs and what the page has as numbers.
+static void test_every_attribute_is_shown( void** state )
+{
+    (void)state;
+    static const RfKey elsewhere[] = {
+        RF_KEY_FRAME,
+        RF_KEY_FRAMES,
+        RF_KEY_STEP,
+        RF_KEY_SPP,
+        RF_KEY_EFFECTS,
+        RF_KEY_CALLS_FOR,
+        RF_KEY_FINGERPRINT,
+        RF_KEY_RELMSE_ESTIMATE,
+        RF_KEY_RELMSE_IS_LOWER_BOUND,
+        RF_KEY_RELMSE_LIKELY,
+        RF_KEY_WORST_TEN_SHARE,
+        RF_KEY_FLICKER_ESTIMATE,
+        RF_KEY_FLICKER_LIKELY,
+        RF_KEY_REACHED,
+        RF_KEY_FLICKER_IS_LOWER_BOUND,
+        RF_KEY_NATIVE_SPP,
+        RF_KEY_EFFECTIVE_SPP,
+        RF_KEY_FLICKER_WORST_TEN_SHARE,
+    };
+    RfExrString strings[RF_KEY_COUNT];
+    char values[RF_KEY_COUNT][32];
+    for ( int key = 0; key < RF_KEY_COUNT; ++key )
+    {
+        snprintf( values[key], sizeof values[key], "value of key %d.", key );
+        strings[key] = ( RfExrString ){ rf_key_name( (RfKey)key ), values[key] };
+    }
+    page_make_folder( "keys" );
+    page_write_frame( "keys/f1.exr", 20, 20, 1.0f, strings, RF_KEY_COUNT );
+    cli_expect( cli_run( "$R report keys -o keys.html" ), 0, NULL );
+    json_t* data = page_read_data( "keys.html", 1 );
+    char* text = json_dumps( json_object_get( page_sequence( data, 0 ), "facts" ), 0 );
+    assert_non_null( text );
+    for ( int key = 0; key < RF_KEY_COUNT; ++key )
+    {
+        bool is_elsewhere = false;
+        for ( size_t i = 0; i < sizeof elsewhere / sizeof elsewhere[0]; ++i )
+            is_elsewhere |= (int)elsewhere[i] == key;
+        if ( ( strstr( text, values[key] ) != NULL ) == is_elsewhere )
+            fail_msg( "%s", rf_key_name( (RfKey)key ) );
+    }
+    free( text );
+    json_decref( data );
+}
+
 // What the reference says of itself is no error of it.
 static void test_reference_json_is_no_error( void** state )
 {
@@ -274,6 +324,7 @@ int main( void )
         cmocka_unit_test( test_hostile_names_stay_text ),
         cmocka_unit_test( test_json_of_render_and_cost_is_read ),
         cmocka_unit_test( test_estimates_in_headers ),
+        cmocka_unit_test( test_every_attribute_is_shown ),
         cmocka_unit_test( test_width_shrinks_pictures ),
         cmocka_unit_test( test_reference_json_is_no_error ),
         cmocka_unit_test( test_render_output_as_it_is ),

@@ -239,6 +239,35 @@ def groups():
     put("cube", s.done(muted), size=1.6, location=(0.0, 0.8, -1.2))
 
 
+def other_rays():
+    """Lamps that the camera sees otherwise, or not at all; windows that let shadow rays pass, by nodes and by the object."""
+    inwards(put("cube", diffuse("wall", grey(0.6)), size=2.0 * ROOM))
+    s = Shader("dimmed")
+    path = s.add("LightPath").outputs
+    strength = s.add("Math")
+    strength.operation = "SUBTRACT"
+    s.feed(strength.inputs[0], 9.0)
+    s.feed(strength.inputs[1], s.add("MapRange", Value=path["Is Camera Ray"], To_Max=8.0))
+    lamp(s.done(s.add("Emission", Strength=strength)), 0.8, location=(0.9, 0.4, ROOM - 0.02))
+    s = Shader("unseen")
+    seen = s.add("LightPath").outputs["Is Camera Ray"]
+    lamp(s.done(s.mix(seen, s.add("Emission", Strength=6.0), s.add("BsdfTransparent"))), 0.8, location=(-0.9, 0.4, ROOM - 0.02))
+    s = Shader("window")
+    path = s.add("LightPath").outputs
+    either = s.add("Math")
+    either.operation = "MAXIMUM"
+    s.feed(either.inputs[0], path["Is Shadow Ray"])
+    s.feed(either.inputs[1], path["Is Diffuse Ray"])
+    put("cube", s.done(s.mix(either, s.add("BsdfGlass", Roughness=0.0, IOR=1.45), s.add("BsdfTransparent"))), size=1.0,
+        location=(0.8, 0.4, 0.5)).scale = (1.4, 1.4, 0.02)
+    s = Shader("glass")
+    pane = put("cube", s.done(s.add("BsdfGlass", Roughness=0.0, IOR=1.45)), size=1.0, location=(-0.8, 0.4, 0.9))
+    pane.scale, pane.visible_shadow = (1.4, 1.4, 0.02), False
+    s = Shader("facade")
+    put("plane", s.done(s.mix(s.add("Fresnel", IOR=1.4), s.add("BsdfTransparent", Color=(0.8, 0.9, 1.0, 1.0)), s.add("BsdfGlossy", Roughness=0.0))), size=1.0,
+        location=(0.0, 1.0, -0.8)).rotation_euler = (1.2, 0.0, 0.0)
+
+
 def left_out():
     """What can only be named."""
     room(diffuse("wall", grey(0.6)))
@@ -259,7 +288,7 @@ def left_out():
     bpy.ops.object.mode_set(mode="EDIT")  # in which the file is saved
 
 
-SCENES = (procedural, images, mapped, glass, transparent, emission, no_material, groups, left_out)
+SCENES = (procedural, images, mapped, glass, transparent, emission, no_material, groups, other_rays, left_out)
 
 
 def begin(size):

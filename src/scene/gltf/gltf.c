@@ -3,7 +3,8 @@
 #include "base/blend_file.h"
 #include "base/file.h"
 #include "scene/gltf/glb.h"
-#include "scene/gltf/gltf_document.h"
+#include "scene/gltf/gltf_geometry.h"
+#include "scene/gltf/gltf_materials.h"
 #include "scene/json/json_value.h"
 
 #include <stdlib.h>

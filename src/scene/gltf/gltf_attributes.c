@@ -1,6 +1,6 @@
 // Bakes the other vertex attributes: texture coordinates, colours, tangents.
 
-#include "scene/gltf/gltf_document.h"
+#include "scene/gltf/gltf_geometry.h"
 
 #include <float.h>
 #include <math.h>

@@ -1,7 +1,7 @@
 // Bakes primitives into world-space triangles by the matrix of their node, in double, rounded
 // once.
 
-#include "scene/gltf/gltf_document.h"
+#include "scene/gltf/gltf_geometry.h"
 
 #include <float.h>
 #include <math.h>

@@ -1,6 +1,6 @@
 // KHR_materials_clearcoat: a clear coat over the metallic-roughness model.
 
-#include "scene/gltf/gltf_document.h"
+#include "scene/gltf/gltf_materials.h"
 
 RfResult rf_gltf_read_clearcoat( RfGltf* gltf, const json_t* material, const char* owner, RfMaterial* out )
 {

@@ -239,31 +239,6 @@ RfResult rf_gltf_read_floats( const RfGltf* gltf, int index, uint32_t element, f
 // Reads an element as an index.
 uint32_t rf_gltf_read_index( const RfGltfAccessor* accessor, uint32_t element );
 
-// Reads all materials (gltf_material.c, gltf_lobe.c).
-RfResult rf_gltf_load_materials( RfGltf* gltf );
-
-// The index of the material for primitives without one, created on first use.
-RfResult rf_gltf_use_default_material( RfGltf* gltf, uint32_t* index );
-
-// Reads the scattering model in extras.reframe, if any (gltf_lobe.c).
-RfResult rf_gltf_read_lobes( const RfGltf* gltf, const json_t* material, const char* where, RfMaterial* out );
-
-// Reads a use of a texture, `key` of `parent` (gltf_texture.c); `info` is NULL if there is
-// none. Until rf_gltf_load_images, `texture` is 2 · image + srgb.
-RfResult rf_gltf_read_texture_info( RfGltf* gltf, const json_t* parent, const char* owner, const char* key, bool srgb,
-                                    RfTextureRef* out, const json_t** info );
-
-// Sets the `textured` member of a material after all its other properties have been read
-// (gltf_textured.c). rf_gltf_load_images removes it again if it is not needed.
-RfResult rf_gltf_read_textured( RfGltf* gltf, const json_t* json, const char* where, const RfFactors* factors, RfMaterial* out );
-
-// A struct without textures; NULL if out of memory.
-RfTextured* rf_gltf_textured( const RfFactors* factors );
-
-// Decodes the images that materials of triangles use (gltf_image.c); called after the meshes
-// are loaded.
-RfResult rf_gltf_load_images( RfGltf* gltf );
-
 // Reads the hierarchy (gltf_node.c; animations and cameras: gltf_animation.c, gltf_camera.c).
 RfResult rf_gltf_load_nodes( RfGltf* gltf );
 
@@ -276,16 +251,7 @@ RfResult rf_gltf_load_cameras( RfGltf* gltf );
 // Reads the lights of KHR_lights_punctual (gltf_light.c).
 RfResult rf_gltf_load_lights( RfGltf* gltf );
 
-// Reads KHR_materials_transmission, _volume and _unlit, and metals without roughness, after
-// all other factors (gltf_glass.c).
-RfResult rf_gltf_read_glass( const RfGltf* gltf, const json_t* material, const char* where, const RfFactors* factors,
-                             RfMaterial* out );
-
-// Reads KHR_materials_clearcoat, the last of the extensions (gltf_clearcoat.c).
-RfResult rf_gltf_read_clearcoat( RfGltf* gltf, const json_t* material, const char* where, RfMaterial* out );
-
-// True for materials with KHR_materials_unlit.
-bool rf_gltf_is_unlit( const json_t* material );
+// Does a node move?
 static inline bool rf_gltf_moves( const RfGltf* gltf, int node ) { return gltf->spans[node].start <= gltf->spans[node].end; }
 
 // Do its values differ over time, or those of an ancestor?
@@ -306,82 +272,6 @@ RfResult rf_gltf_read_warnings( RfGltf* gltf, const struct RfField* ours );
 
 // Reads the path in a camera node's extras.reframe, where there is one.
 RfResult rf_gltf_read_camera_path( RfGltf* gltf, const json_t* node, const char* where, RfCamera* camera );
-
-// The triangles of a primitive in object space, with only the vertices that they use
-// (gltf_primitive.c, gltf_triangles.c).
-typedef struct RfGltfPrimitive
-{
-    uint32_t vertex_count;
-    uint32_t triangle_count; // 0: nothing to draw
-    float* positions;
-    float* normals; // NULL: flat shading
-    float* uvs;     // or NULL, like the following
-    float* uvs1;
-    float* colors;   // 4 per vertex, in [0, 1]
-    float* tangents; // 4 per vertex
-    uint32_t* indices;
-    uint32_t material;
-} RfGltfPrimitive;
-
-// Reads a primitive.
-RfResult rf_gltf_read_primitive( RfGltf* gltf, const json_t* primitive, const char* where, RfGltfPrimitive* out );
-
-// Frees a primitive.
-void rf_gltf_free_primitive( RfGltfPrimitive* primitive );
-
-// Reads triples of vertex indices, from an index accessor or implicit, by mode.
-RfResult rf_gltf_read_triangles( RfGltf* gltf, const json_t* primitive, const char* where, int mode, uint32_t vertex_count,
-                                 uint32_t** indices, uint32_t* triangle_count );
-
-// Replaces the normals of a primitive by its face normals (gltf_flat.c).
-RfResult rf_gltf_make_flat( const RfGltf* gltf, const char* where, RfGltfPrimitive* primitive );
-
-// Generates the tangents that a normal texture needs, for a primitive with normals and the
-// texture's coordinates (gltf_tangents.c). Vertices shared by mirrored and unmirrored
-// triangles are duplicated.
-RfResult rf_gltf_make_tangents( const RfGltf* gltf, const char* where, const RfTextureRef* ref, RfGltfPrimitive* primitive );
-
-// State of baking primitives into the scene (gltf_bake.c).
-typedef struct RfGltfBaker
-{
-    uint32_t vertex_capacity, triangle_capacity;
-    float* world; // world-space positions of the current primitive
-    uint32_t world_capacity;
-    uint32_t placed; // triangles so far, including dropped ones
-    uint64_t degenerate;
-    RfWhere first_degenerate;
-} RfGltfBaker;
-
-// Appends a primitive, transformed by a matrix, to the triangles of the scene.
-RfResult rf_gltf_bake( RfGltf* gltf, RfGltfBaker* baker, const RfGltfPrimitive* primitive, const RfMat4* matrix,
-                       const char* where );
-void rf_gltf_finish_bake( RfGltf* gltf, RfGltfBaker* baker );
-
-// Bakes texture coordinates, colours and tangents (gltf_attributes.c).
-RfResult rf_gltf_reserve_attributes( const RfGltf* gltf, const RfGltfBaker* baker, const RfGltfPrimitive* primitive,
-                                     const char* where );
-void rf_gltf_copy_attributes( RfTriangles* t, uint32_t to, const RfGltfPrimitive* primitive, uint32_t from );
-
-// `sign` is −1 for a mirroring matrix.
-void rf_gltf_transform_tangent( RfTriangles* t, uint32_t to, const RfGltfPrimitive* primitive, uint32_t from,
-                                const RfMat4* matrix, double sign );
-
-// The instances of a node's mesh and their transforms within the node; a single one without
-// the extension (gltf_instancing.c).
-typedef struct RfGltfInstances
-{
-    uint32_t count;
-    int translation, rotation, scale; // accessors, or −1
-} RfGltfInstances;
-
-// Reads the instances of a node.
-RfResult rf_gltf_open_instances( RfGltf* gltf, int node, RfGltfInstances* instances );
-
-// The transform of one instance within its node.
-RfResult rf_gltf_instance_matrix( const RfGltf* gltf, const RfGltfInstances* instances, uint32_t element, RfMat4* matrix );
-
-// Bakes the meshes of all nodes of the default scene (gltf_mesh.c).
-RfResult rf_gltf_load_meshes( RfGltf* gltf );
 
 // True if the scene lies so far out that it is to be loaded around another origin, which is set (gltf_origin.c).
 bool rf_gltf_find_origin( const RfScene* scene, double origin[3] );

@@ -2,7 +2,7 @@
 // with the face normal, as the specification requires. (Other primitives get face normals in
 // gltf_bake.c.)
 
-#include "scene/gltf/gltf_document.h"
+#include "scene/gltf/gltf_geometry.h"
 
 #include <math.h>
 #include <stdlib.h>

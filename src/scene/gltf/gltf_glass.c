@@ -1,7 +1,7 @@
 // Glass and mirrors: KHR_materials_transmission with _volume, metals without roughness; also
 // KHR_materials_unlit.
 
-#include "scene/gltf/gltf_document.h"
+#include "scene/gltf/gltf_materials.h"
 
 #include <math.h>
 

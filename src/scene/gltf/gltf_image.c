@@ -1,7 +1,7 @@
 // Images: decodes those that materials of triangles use, once per colour space in which they
 // are used.
 
-#include "scene/gltf/gltf_document.h"
+#include "scene/gltf/gltf_materials.h"
 
 #include "base/file.h"
 #include "image/decode.h"

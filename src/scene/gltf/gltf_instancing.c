@@ -1,7 +1,7 @@
 // EXT_mesh_gpu_instancing: a node that instances its mesh many times, with accessors for
 // translation, rotation and scale.
 
-#include "scene/gltf/gltf_document.h"
+#include "scene/gltf/gltf_geometry.h"
 
 #include <math.h>
 

@@ -5,7 +5,7 @@
 //     {"bsdf": "mirror", "specular": [r, g, b]}
 //     {"bsdf": "glass", "ior": 1.5}
 
-#include "scene/gltf/gltf_document.h"
+#include "scene/gltf/gltf_materials.h"
 
 #include <string.h>
 

@@ -1,7 +1,7 @@
 // Materials: glTF's metallic-roughness model as a Lambert base under a GGX lobe, with
 // KHR_materials_specular, _ior and _emissive_strength.
 
-#include "scene/gltf/gltf_document.h"
+#include "scene/gltf/gltf_materials.h"
 
 #include <math.h>
 #include <stdlib.h>

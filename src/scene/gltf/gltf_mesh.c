@@ -1,7 +1,7 @@
 // Meshes: each primitive is read once and baked for every node that instances its mesh, so
 // that the reader never holds more than one primitive.
 
-#include "scene/gltf/gltf_document.h"
+#include "scene/gltf/gltf_geometry.h"
 
 #include "scene/animation.h"
 #include "scene/camera.h"

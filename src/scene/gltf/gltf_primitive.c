@@ -1,7 +1,8 @@
 // Reads a primitive of a mesh. Only the vertices that its triangles use are read: exporters
 // let many primitives share one large vertex array.
 
-#include "scene/gltf/gltf_document.h"
+#include "scene/gltf/gltf_geometry.h"
+#include "scene/gltf/gltf_materials.h"
 
 #include <stdlib.h>
 #include <string.h>

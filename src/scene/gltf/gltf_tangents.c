@@ -5,7 +5,7 @@
 // triangles, projected onto the tangent plane and weighted by the corner's angle. In double,
 // rounded once.
 
-#include "scene/gltf/gltf_document.h"
+#include "scene/gltf/gltf_geometry.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 // Uses of textures by materials: texture infos, KHR_texture_transform and samplers. The image
 // is only noted (gltf_image.c decodes it later if a triangle has the material).
 
-#include "scene/gltf/gltf_document.h"
+#include "scene/gltf/gltf_materials.h"
 
 #include <math.h>
 

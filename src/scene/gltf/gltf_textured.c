@@ -1,6 +1,6 @@
 // What makes a material vary over its surface: textures, vertex colours and alpha.
 
-#include "scene/gltf/gltf_document.h"
+#include "scene/gltf/gltf_materials.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,6 +1,6 @@
 // Vertex indices of the triangles of a primitive: indexed or not, as a list, strip or fan.
 
-#include "scene/gltf/gltf_document.h"
+#include "scene/gltf/gltf_geometry.h"
 
 #include <stdlib.h>
 
