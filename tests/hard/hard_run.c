@@ -1,19 +1,16 @@
 // The runner: a case by every estimator, and what must hold of the pictures.
 #include "hard/hard.h"
 #include "hard/hard_double.h"
+#include "hard/hard_pictures.h"
 #include "reuse/weight_range.h"
 #include "support/reference_tracer.h"
-#include "support/statistics.h"
 
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#define MOST_SEEDS 32
-#define BLOCK 4                // pixels
 #define SIGNIFICANCE 1e-5      // of the mean of a picture and, by Šidák, of its blocks
-#define ROUNDING 1e-4          // relative: films and reference sum in different orders
 #define MOST_WEIGHT 1.0000005f // a quotient of sums of 9 floats may round to a little more than 1
 
 typedef struct Estimator
@@ -41,38 +38,13 @@ static const Estimator s_estimators[] = {
     { "both, links", NULL, true, "3x3", RF_WEIGHTS_EXACT, false, true, true },
 };
 
-// Pictures of the tested frame, one per seed.
-typedef struct Pictures
-{
-    int width, height, count;
-    double* rgb[MOST_SEEDS];
-    double weight[MOST_SEEDS]; // mean of the pixels' weights, B of (E2)
-} Pictures;
-
 typedef struct Result
 {
     int nans, infinities, negatives, off; // values; `off`: not what is exactly known
     RfWeightRange weights;
-    double whole_p, block_p;
-    double weight_p;       // that the mean of the weights is 1
-    double bias, interval; // of the mean, relative, and half of its 95% interval
-    double ratio;          // relMSE over path tracing's; 0: not known
+    HardDifference is;
+    double ratio; // relMSE over path tracing's; 0: not known
 } Result;
-
-static double* new_picture( const Pictures* p )
-{
-    double* rgb = calloc( 3 * (size_t)p->width * (size_t)p->height, sizeof *rgb );
-    if ( rgb == NULL )
-        abort();
-    return rgb;
-}
-
-static void free_pictures( Pictures* p )
-{
-    for ( int k = 0; k < p->count; ++k )
-        free( p->rgb[k] );
-    p->count = 0;
-}
 
 static int samples_of( const HardScene* h, const HardForm* form )
 {
@@ -80,20 +52,8 @@ static int samples_of( const HardScene* h, const HardForm* form )
     return own ? h->spp : form->spp;
 }
 
-static bool is_same_eye( const RfEye* a, const RfEye* b )
-{
-    RfVec3 moved = rf_sub( a->origin, b->origin ), turned = rf_sub( a->forward, b->forward ), rolled = rf_sub( a->up, b->up );
-    return rf_dot( moved, moved ) + rf_dot( turned, turned ) + rf_dot( rolled, rolled ) == 0.0f && a->focal == b->focal;
-}
-
 // The biased weightings count eyes and pixels: they have no bias where all eyes are equal.
-static bool is_unbiased( const Estimator* e, const HardScene* h )
-{
-    bool unbiased = e->unbiased || h->eye_count > 1;
-    for ( int i = 1; i < h->eye_count && !e->unbiased; ++i )
-        unbiased = unbiased && is_same_eye( h->eyes, h->eyes + i );
-    return unbiased;
-}
+static bool is_unbiased( const Estimator* e, const HardScene* h ) { return e->unbiased || hard_are_eyes_equal( h ); }
 
 static RfRenderSettings settings_of( const HardScene* h, const Estimator* e, const HardForm* form )
 {
@@ -140,19 +100,11 @@ static void note_values( const Rendered* r, bool may_be_negative, bool alone, Re
     }
 }
 
-// A lens for each eye; the tested one's is round, as that of the references.
-static void add_lenses( const HardScene* h, RfEye* eyes )
-{
-    float reach = rf_maxf( rf_length( rf_sub( h->scene.bounds_max, h->scene.bounds_min ) ), 1e-20f );
-    for ( int i = 0; i < h->eye_count; ++i )
-        rf_set_lens( eyes + i, 0.01 * (double)reach, 0.5 * (double)reach, i % 2 == h->eye_count / 2 % 2 ? 0 : 5, 0.1 );
-}
-
-static void keep_picture( const Rendered* r, int frame, Pictures* p )
+static void keep_picture( const Rendered* r, int frame, HardPictures* p )
 {
     const float* rgb = frame_rgb( r, frame );
     double sum = 0.0;
-    p->rgb[p->count] = new_picture( p );
+    p->rgb[p->count] = hard_new_picture( p );
     for ( size_t i = 0; i < 3 * r->pixels; ++i )
         p->rgb[p->count][i] = (double)rgb[i];
     for ( size_t i = 0; i < r->pixels; ++i )
@@ -160,15 +112,15 @@ static void keep_picture( const Rendered* r, int frame, Pictures* p )
     p->weight[p->count] = sum / (double)r->pixels;
 }
 
-static Pictures render( const RfTracer* tracer, const HardScene* h, const Estimator* e, const HardForm* form, Result* out )
+static HardPictures render( const RfTracer* tracer, const HardScene* h, const Estimator* e, const HardForm* form, Result* out )
 {
     RfRenderSettings settings = settings_of( h, e, form );
     int seeds = is_unbiased( e, h ) ? form->seeds : 1, frame = h->eye_count / 2;
     RfEye eyes[HARD_MOST_EYES];
     memcpy( eyes, h->eyes, sizeof eyes );
     if ( e->lens )
-        add_lenses( h, eyes );
-    Pictures p = { .width = eyes->width, .height = eyes->height };
+        hard_add_lenses( h, eyes );
+    HardPictures p = { .width = eyes->width, .height = eyes->height };
     out->weights = ( RfWeightRange ){ .least = FLT_MAX };
     rf_watch_weights( &out->weights );
     bool negative = ( settings.group != 0 && e->weights == RF_WEIGHTS_EXACT ) || e->estimator != NULL;
@@ -187,21 +139,21 @@ static Pictures render( const RfTracer* tracer, const HardScene* h, const Estima
 }
 
 // With lenses only one estimator is compared: half the samples will do.
-static Pictures refer( const RfTracer* tracer, const HardCase* c, const HardScene* h, const HardForm* form, bool lens )
+static HardPictures refer( const RfTracer* tracer, const HardCase* c, const HardScene* h, const HardForm* form, bool lens )
 {
     RfEye eyes[HARD_MOST_EYES];
     memcpy( eyes, h->eyes, sizeof eyes );
     if ( lens )
-        add_lenses( h, eyes );
+        hard_add_lenses( h, eyes );
     const RfEye* eye = eyes + h->eye_count / 2;
     int spp = ( lens ? form->reference / 2 : form->reference ) * samples_of( h, form );
-    Pictures p = { .width = eye->width, .height = eye->height };
+    HardPictures p = { .width = eye->width, .height = eye->height };
     float* plain = malloc( 3 * (size_t)eye->width * (size_t)eye->height * sizeof *plain );
     if ( plain == NULL )
         abort();
     for ( ; p.count < form->seeds; ++p.count )
     {
-        double* rgb = p.rgb[p.count] = new_picture( &p );
+        double* rgb = p.rgb[p.count] = hard_new_picture( &p );
         uint64_t seed = 1000003u + (uint64_t)p.count; // far from those of the renders
         if ( c->reference == HARD_DOUBLE )
         {
@@ -217,111 +169,6 @@ static Pictures refer( const RfTracer* tracer, const HardCase* c, const HardScen
     }
     free( plain );
     return p;
-}
-
-static double block_mean( const Pictures* p, int k, int x0, int y0, int x1, int y1 )
-{
-    double sum = 0.0;
-    int count = 0;
-    for ( int y = y0; y < y1 && y < p->height; ++y )
-    {
-        for ( int x = x0; x < x1 && x < p->width; ++x, ++count )
-        {
-            const double* c = p->rgb[k] + 3 * ( (size_t)y * (size_t)p->width + (size_t)x );
-            sum += c[0] + c[1] + c[2];
-        }
-    }
-    return sum / ( 3.0 * count );
-}
-
-// Welch's test of the means of a block; those that differ by rounding alone are equal.
-static double block_p( const Pictures* a, const Pictures* b, int x0, int y0, int x1, int y1 )
-{
-    double va[MOST_SEEDS], vb[MOST_SEEDS];
-    for ( int k = 0; k < a->count; ++k )
-        va[k] = block_mean( a, k, x0, y0, x1, y1 );
-    for ( int k = 0; k < b->count; ++k )
-        vb[k] = block_mean( b, k, x0, y0, x1, y1 );
-    double ma = mean_of( va, a->count, NULL ), mb = mean_of( vb, b->count, NULL );
-    return fabs( ma - mb ) <= ROUNDING * fabs( mb ) ? 1.0 : welch_p( va, a->count, vb, b->count );
-}
-
-static void compare( const Pictures* a, const Pictures* b, Result* out )
-{
-    double va[MOST_SEEDS], vb[MOST_SEEDS], ea, eb, smallest = 1.0;
-    int tested = 0, size = a->width > 256 ? a->width / 16 : BLOCK;
-    for ( int k = 0; k < a->count; ++k )
-        va[k] = block_mean( a, k, 0, 0, a->width, a->height );
-    for ( int k = 0; k < b->count; ++k )
-        vb[k] = block_mean( b, k, 0, 0, b->width, b->height );
-    double ma = mean_of( va, a->count, &ea ), mb = mean_of( vb, b->count, &eb );
-    out->bias = mb > 0.0 ? ma / mb - 1.0 : ma;
-    out->interval = 1.96 * sqrt( ea * ea + eb * eb ) / ( mb > 0.0 ? mb : 1.0 );
-    out->whole_p = block_p( a, b, 0, 0, a->width, a->height );
-    for ( int y = 0; y < a->height; y += size )
-    {
-        for ( int x = 0; x < a->width; x += size, ++tested )
-            smallest = fmin( smallest, block_p( a, b, x, y, x + size, y + size ) );
-    }
-    for ( int y = 0; y < a->height && size == BLOCK; ++y, ++tested ) // rows and columns: tiles move light by pixels
-        smallest = fmin( smallest, block_p( a, b, 0, y, a->width, y + 1 ) );
-    for ( int x = 0; x < a->width && size == BLOCK; ++x, ++tested )
-        smallest = fmin( smallest, block_p( a, b, x, 0, x + 1, a->height ) );
-    out->block_p = 1.0 - pow( 1.0 - smallest, tested );
-}
-
-// Σ variance over the seeds / (mean² + (mean of the picture / 10)²): the relMSE of pictures without bias.
-static double relmse( const Pictures* p, const Pictures* guide )
-{
-    double whole = 0.0, sum = 0.0;
-    size_t values = 3 * (size_t)p->width * (size_t)p->height;
-    for ( int k = 0; k < guide->count; ++k )
-        whole += block_mean( guide, k, 0, 0, p->width, p->height ) / guide->count;
-    for ( size_t i = 0; i < values; ++i )
-    {
-        double mean = 0.0, square = 0.0, of_guide = 0.0;
-        for ( int k = 0; k < p->count; ++k )
-            mean += p->rgb[k][i] / p->count;
-        for ( int k = 0; k < p->count; ++k )
-            square += ( p->rgb[k][i] - mean ) * ( p->rgb[k][i] - mean ) / ( p->count - 1 );
-        for ( int k = 0; k < guide->count; ++k )
-            of_guide += guide->rgb[k][i] / guide->count;
-        double least = whole > 0.0 ? 0.01 * whole * whole : 1.0;
-        sum += square / ( of_guide * of_guide + least ) / (double)values;
-    }
-    return sum;
-}
-
-// The weights that land in a pixel are 1 in the mean (E2): a wrong density shows here first, since pictures are divided by them.
-static double mean_weight_p( const Pictures* p )
-{
-    double error, mean = mean_of( p->weight, p->count, &error );
-    return fabs( mean - 1.0 ) <= ROUNDING ? 1.0 : student_p( fabs( mean - 1.0 ) / fmax( error, 1e-300 ), p->count - 1 );
-}
-
-static int count_lit( const Pictures* p )
-{
-    int lit = 0;
-    for ( int k = 0; k < p->count; ++k )
-    {
-        for ( size_t i = 0; i < 3 * (size_t)p->width * (size_t)p->height; ++i )
-            lit += p->rgb[k][i] != 0.0;
-    }
-    return lit;
-}
-
-// What is known in closed form.
-static void compare_value( const Pictures* p, const HardScene* h, Result* out )
-{
-    double means[MOST_SEEDS], error, value = h->value;
-    for ( int k = 0; k < p->count; ++k )
-        means[k] = block_mean( p, k, 0, 0, p->width, p->height );
-    double mean = mean_of( means, p->count, &error );
-    out->bias = mean / value - 1.0;
-    out->interval = 1.96 * error / value;
-    double beyond = fmax( fabs( mean - value ) - h->within * value, 0.0 );
-    out->whole_p = beyond > 0.0 ? student_p( beyond / fmax( error, 1e-300 ), p->count - 1 ) : 1.0;
-    out->block_p = 1.0;
 }
 
 // Tiles and gradients gain nothing from other frames, and gradients spread the noise of bright pixels over dark ones.
@@ -340,7 +187,7 @@ static bool verdict( const HardCase* c, const Estimator* e, const Result* r, boo
 {
     if ( !compared )
         return is_sound( r );
-    return is_sound( r ) && r->whole_p > SIGNIFICANCE && r->block_p > SIGNIFICANCE && r->weight_p > SIGNIFICANCE &&
+    return is_sound( r ) && r->is.whole_p > SIGNIFICANCE && r->is.block_p > SIGNIFICANCE && r->is.weight_p > SIGNIFICANCE &&
            ( c->factor == 0.0 || r->ratio <= most_ratio( c, e ) );
 }
 
@@ -349,8 +196,8 @@ static void tell( const HardCase* c, const HardForm* form, const Estimator* e, c
     printf( "%-26s %-17s NaN %d Inf %d negative %d off %d weight %.7g..%.7g", c->name, e->name, r->nans, r->infinities,
             r->negatives, r->off, (double)r->weights.least, (double)r->weights.most );
     if ( compared )
-        printf( " bias %+.3f%% ± %.3f%% p %.2g %.2g %.2g relMSE %.3g", 100.0 * r->bias, 100.0 * r->interval, r->whole_p,
-                r->block_p, r->weight_p, r->ratio );
+        printf( " bias %+.3f%% ± %.3f%% p %.2g %.2g %.2g relMSE %.3g", 100.0 * r->is.bias, 100.0 * r->is.interval, r->is.whole_p,
+                r->is.block_p, r->is.weight_p, r->ratio );
     printf( "%s\n", holds ? "" : "  FAILS" );
     if ( form->rows == NULL )
         return;
@@ -358,31 +205,31 @@ static void tell( const HardCase* c, const HardForm* form, const Estimator* e, c
              "{\"case\": \"%s\", \"estimator\": \"%s\", \"nan\": %d, \"inf\": %d, \"weight\": %.9g, \"bias\": %.9g, "
              "\"interval\": %.9g, "
              "\"ratio\": %.9g, \"compared\": %s, \"holds\": %s}\n",
-             c->name, e->name, r->nans, r->infinities, (double)r->weights.most, isfinite( r->bias ) ? r->bias : 1e30,
-             isfinite( r->interval ) ? r->interval : 1e30, isfinite( r->ratio ) ? r->ratio : 1e30, compared ? "true" : "false",
-             holds ? "true" : "false" );
+             c->name, e->name, r->nans, r->infinities, (double)r->weights.most, isfinite( r->is.bias ) ? r->is.bias : 1e30,
+             isfinite( r->is.interval ) ? r->is.interval : 1e30, isfinite( r->ratio ) ? r->ratio : 1e30,
+             compared ? "true" : "false", holds ? "true" : "false" );
 }
 
 // What the pictures of a case are compared with, of sharp eyes and with lenses, and the noise of path tracing.
 typedef struct Known
 {
-    Pictures sharp, lens;
+    HardPictures sharp, lens;
     double path_relmse;
 } Known;
 
 static bool is_referred( const HardCase* c ) { return c->reference == HARD_DOUBLE || c->reference == HARD_PLAIN; }
 
-static void judge( const HardCase* c, const HardScene* h, const Estimator* e, const Pictures* p, Known* known, Result* r )
+static void judge( const HardCase* c, const HardScene* h, const Estimator* e, const HardPictures* p, Known* known, Result* r )
 {
-    const Pictures* reference = e->lens ? &known->lens : &known->sharp;
-    r->whole_p = r->block_p = r->weight_p = 1.0;
+    const HardPictures* reference = e->lens ? &known->lens : &known->sharp;
+    r->is.whole_p = r->is.block_p = r->is.weight_p = 1.0;
     if ( is_referred( c ) )
-        compare( p, reference, r );
+        hard_compare( p, reference, &r->is );
     else if ( c->reference == HARD_VALUE )
-        compare_value( p, h, r );
+        hard_compare_value( p, h, &r->is );
     if ( e->estimator == NULL && e->unbiased )
-        r->weight_p = mean_weight_p( p );
-    double noise = relmse( p, is_referred( c ) ? reference : p );
+        r->is.weight_p = hard_mean_weight_p( p );
+    double noise = hard_relmse( p, is_referred( c ) ? reference : p );
     known->path_relmse = e == s_estimators ? noise : known->path_relmse;
     // below: no noise to speak of; path tracing had no lens
     r->ratio = known->path_relmse > 1e-9 && !e->lens ? noise / known->path_relmse : 0.0;
@@ -394,13 +241,13 @@ static bool run_estimator( const RfTracer* tracer, const HardCase* c, const Hard
     Result r = { 0 };
     bool known_here = c->reference != HARD_FINITE && !( e->lens && h->sharp );
     bool compared = form->statistics && known_here && is_unbiased( e, h );
-    Pictures p = render( tracer, h, e, form, &r );
-    r.off += c->reference == HARD_BLACK && known_here ? count_lit( &p ) : 0;
+    HardPictures p = render( tracer, h, e, form, &r );
+    r.off += c->reference == HARD_BLACK && known_here ? hard_count_lit( &p ) : 0;
     if ( compared )
         judge( c, h, e, &p, known, &r );
     bool holds = verdict( c, e, &r, compared );
     tell( c, form, e, &r, compared, holds );
-    free_pictures( &p );
+    hard_free_pictures( &p );
     return holds;
 }
 
@@ -418,8 +265,8 @@ static bool run_pictures( const HardCase* c, const HardForm* form )
     }
     for ( size_t i = 0; i < sizeof s_estimators / sizeof *s_estimators; ++i )
         all = ( !is_for( s_estimators + i, &h, form ) || run_estimator( tracer, c, &h, s_estimators + i, form, &known ) ) && all;
-    free_pictures( &known.sharp );
-    free_pictures( &known.lens );
+    hard_free_pictures( &known.sharp );
+    hard_free_pictures( &known.lens );
     rf_destroy_tracer( tracer );
     rf_destroy_scene( &h.scene );
     return all;

@@ -10,8 +10,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const HardCase* const s_tables[] = { g_hard_eyes,        g_hard_geometry,  g_hard_light,   g_hard_materials,
-                                            g_hard_projections, g_hard_transport, g_hard_numbers, g_hard_poisson };
+static const HardCase* const s_tables[] = { g_hard_eyes,      g_hard_lenses,    g_hard_geometry,
+                                            g_hard_light,     g_hard_materials, g_hard_projections,
+                                            g_hard_transport, g_hard_numbers,   g_hard_poisson };
 
 #define TABLES ( sizeof s_tables / sizeof *s_tables )
 
