@@ -52,7 +52,7 @@ static int samples_of( const HardScene* h, const HardForm* form )
     return own ? h->spp : form->spp;
 }
 
-// The biased weightings count eyes and pixels: they have no bias where all eyes are equal.
+// The biased weightings have no bias where all eyes are equal (and no ray misses).
 static bool is_unbiased( const Estimator* e, const HardScene* h ) { return e->unbiased || hard_are_eyes_equal( h ); }
 
 static RfRenderSettings settings_of( const HardScene* h, const Estimator* e, const HardForm* form )
