@@ -38,6 +38,14 @@ def lambert(name, color):
     return material(name, color, specular=0.0)
 
 
+def glass(name):
+    """Smooth and clear, of index 1.5, with an inside."""
+    result = material(name, [1.0, 1.0, 1.0], roughness=0.0, double_sided=False)
+    result["extensions"] = {"KHR_materials_transmission": {"transmissionFactor": 1.0}, "KHR_materials_ior": {"ior": 1.5},
+                            "KHR_materials_volume": {"thicknessFactor": 1.0}}
+    return result
+
+
 def look_rotation(eye, target):
     """Quaternion x y z w of a camera that looks along -z, +y up."""
     back = normalize(sub(eye, target))
@@ -195,6 +203,17 @@ def frame_count(text):
     if not 1 <= count <= 100000:
         raise argparse.ArgumentTypeError("wants a whole number from 1 to 100000, got '%s'" % text)
     return count
+
+
+def number_between(low, high, what):
+    """The type of an option whose value lies between two numbers; `what` names them and their unit."""
+    def read(text):
+        value = float(text)
+        if not low <= value <= high:
+            raise argparse.ArgumentTypeError("wants %s, got '%s'" % (what, text))
+        return value
+    read.__name__ = "number"  # in argparse's messages
+    return read
 
 
 def make_parser(description):

@@ -12,11 +12,10 @@ Python's standard library; the same arguments give the same bytes.
 the point, which paths from the eye can find: for comparisons.
 """
 
-import argparse
 import math
 
 import glb
-from glb import lambert, material
+from glb import glass, lambert, material
 from shapes import Mesh, cross, make_box, make_lathe, make_quad, make_room, make_sphere, normalize, sub
 
 LOW, HIGH = (-1.5, 0.0, -1.2), (1.5, 2.2, 1.8)
@@ -69,13 +68,6 @@ def make_shade(columns, rows):
     return mesh
 
 
-def glass(name):
-    result = material(name, [1.0, 1.0, 1.0], roughness=0.0, double_sided=False)
-    result["extensions"] = {"KHR_materials_transmission": {"transmissionFactor": 1.0}, "KHR_materials_ior": {"ior": 1.5},
-                            "KHR_materials_volume": {"thicknessFactor": 1.0}}
-    return result
-
-
 def add_room(gltf):
     colors = {"floor": [0.25, 0.2, 0.16], "ceiling": [0.7, 0.7, 0.7], "back wall": [0.5, 0.5, 0.46], "left wall": [0.55, 0.42, 0.35],
               "right wall": [0.4, 0.48, 0.5], "front wall": [0.5, 0.5, 0.5]}
@@ -96,16 +88,9 @@ def add_lamp(gltf, bulb):
     gltf.mesh("bulb", make_sphere(bulb, 24, 12), shine, [LAMP])
 
 
-def radius(text):
-    value = float(text)
-    if not 1e-4 <= value <= 0.04:
-        raise argparse.ArgumentTypeError("wants metres from 0.0001 to 0.04, got '%s'" % text)
-    return value
-
-
 def main():
     parser = glb.make_parser("Writes a lamp without size in a shade of thick glass.")
-    parser.add_argument("--bulb", type=radius, metavar="RADIUS", help="a shining ball of so many metres in the place of the point")
+    parser.add_argument("--bulb", type=glb.number_between(1e-4, 0.04, "metres from 0.0001 to 0.04"), metavar="RADIUS", help="a shining ball of so many metres in the place of the point")
     arguments = parser.parse_args()
     gltf = glb.Gltf("make-glass-lamp.py", "glass lamp")
     add_room(gltf)

@@ -17,7 +17,7 @@ import math
 import random
 
 import glb
-from glb import lambert, material
+from glb import glass, lambert, material
 from shapes import Mesh, add, make_box, make_lathe, make_quad, make_room, make_sphere
 
 LOW, HIGH = (-21.0, 0.0, -18.5), (21.0, 3.0, 18.5)
@@ -125,13 +125,6 @@ def make_plant(chance):
         along = (0.14 * math.sin(turn), chance.uniform(0.0, 0.2), 0.14 * math.cos(turn))
         mesh.quad((x, height, z), (0.05 * math.cos(turn), 0.0, -0.05 * math.sin(turn)), along)
     return mesh
-
-
-def glass(name):
-    result = material(name, [1.0, 1.0, 1.0], roughness=0.0, double_sided=False)
-    result["extensions"] = {"KHR_materials_transmission": {"transmissionFactor": 1.0}, "KHR_materials_ior": {"ior": 1.5},
-                            "KHR_materials_volume": {"thicknessFactor": 1.0}}
-    return result
 
 
 def add_desks(gltf, chance, clear):

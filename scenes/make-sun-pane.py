@@ -13,11 +13,10 @@ arguments give the same bytes.
 irradiance, in the place of the sun, which paths from the eye can find: for comparisons.
 """
 
-import argparse
 import math
 
 import glb
-from glb import lambert, material
+from glb import glass, lambert, material
 from shapes import Mesh, add, cross, make_box, make_quad, make_room, make_sphere, normalize, sub
 
 LOW, HIGH = (-1.5, 0.0, -1.5), (1.5, 2.3, 1.7)
@@ -75,13 +74,6 @@ def make_slab(middle, bevel, bullseye, cells):
     return mesh
 
 
-def glass(name):
-    result = material(name, [1.0, 1.0, 1.0], roughness=0.0, double_sided=False)
-    result["extensions"] = {"KHR_materials_transmission": {"transmissionFactor": 1.0}, "KHR_materials_ior": {"ior": 1.5},
-                            "KHR_materials_volume": {"thicknessFactor": 1.0}}
-    return result
-
-
 def add_room(gltf):
     colors = {"floor": [0.5, 0.45, 0.38], "ceiling": [0.75, 0.75, 0.75], "back wall": [0.55, 0.55, 0.5], "right wall": [0.6, 0.55, 0.48],
               "front wall": [0.5, 0.5, 0.5]}
@@ -127,16 +119,9 @@ def add_sun(gltf, degrees):
     gltf.mesh("sun", mesh, material("sun", [0.0, 0.0, 0.0], specular=0.0, emissive=COLOR, strength=strength, double_sided=False))
 
 
-def angle(text):
-    value = float(text)
-    if not 0.1 <= value <= 10.0:
-        raise argparse.ArgumentTypeError("wants degrees from 0.1 to 10, got '%s'" % text)
-    return value
-
-
 def main():
     parser = glb.make_parser("Writes a sun that shines through a window of thick glass.")
-    parser.add_argument("--disc", type=angle, metavar="DEGREES", help="a shining disc of so many degrees in radius in the place of the sun")
+    parser.add_argument("--disc", type=glb.number_between(0.1, 10.0, "degrees from 0.1 to 10"), metavar="DEGREES", help="a shining disc of so many degrees in radius in the place of the sun")
     arguments = parser.parse_args()
     gltf = glb.Gltf("make-sun-pane.py", "sun pane")
     add_room(gltf)

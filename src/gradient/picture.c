@@ -194,7 +194,7 @@ RfRelmse rf_finish_gradients( const RfRenderSettings* settings, const RfFilm* fi
         return rf_plain_relmse( (double)NAN );
     }
     picture->solved = info.converged ? RF_SOLVED : RF_SOLVED_ROUGHLY;
-    if ( halves.half[1].passes > 0.0 )
+    if ( halves.half[0].passes > 0.0 && halves.half[1].passes > 0.0 ) // a single pass may lie in either half
         return estimate_noise( &halves, primal, picture );
     if ( picture->variance != NULL )
         rf_estimate_variance( primal, RF_FILM_RATIO, picture->variance ); // 0: a single pass

@@ -16,6 +16,7 @@ void rf_set_float_mode( void )
 {
     _MM_SET_FLUSH_ZERO_MODE( _MM_FLUSH_ZERO_ON );
     _MM_SET_DENORMALS_ZERO_MODE( _MM_DENORMALS_ZERO_ON );
+    _MM_SET_ROUNDING_MODE( _MM_ROUND_NEAREST ); // math/fastmath.h rounds by additions
     rf_enable_float_traps();
 }
 

@@ -152,7 +152,7 @@ int rf_trace_from_origin_past_panes( const RfTracer* tracer, RfVec3 origin, int 
 void rf_trace_mirrors( const RfTracer* tracer, RfVec3 origin, int count, const float* const point[3], const uint8_t* mirror,
                        float* const hit[3], float* weight );
 
-// Enables flush-to-zero for the calling thread. Call at the start of main and of every
+// Enables flush-to-zero and rounding to nearest for the calling thread. Call at the start of main and of every
 // parallel region, so that results do not depend on the thread.
 void rf_set_float_mode( void );
 

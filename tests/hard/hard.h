@@ -21,6 +21,7 @@ typedef struct HardScene
     int spp;       // per seed; 0: that of the form of the run
     double value;  // of HARD_VALUE: radiance of every pixel and channel
     double within; // of HARD_VALUE: relative, besides the noise
+    bool sharp;    // what is known holds without lenses alone
 } HardScene;
 
 // What the pictures are compared with.
@@ -53,7 +54,8 @@ typedef struct HardCase
 } HardCase;
 
 // A table of cases that ends with a row without a name.
-extern const HardCase g_hard_eyes[], g_hard_geometry[], g_hard_light[], g_hard_materials[], g_hard_inputs[];
+extern const HardCase g_hard_eyes[], g_hard_lenses[], g_hard_geometry[], g_hard_light[], g_hard_materials[], g_hard_projections[],
+    g_hard_transport[], g_hard_numbers[], g_hard_poisson[];
 
 // How long a run takes: the short form is that of the tests.
 typedef struct HardForm
@@ -85,8 +87,11 @@ void hard_film( HardScene* h, int width, int height );
 // x to scale x + shift: the scene, its lamps and its eyes.
 void hard_move( HardScene* h, float scale, RfVec3 shift );
 
-// Bounds of a scene whose vertices have changed.
-void hard_bound( RfScene* scene );
+// Gives each of a copy of the eyes a lens; the tested one's is round, as that of the references.
+void hard_add_lenses( const HardScene* h, RfEye* eyes );
+
+// True if all eyes see the same.
+bool hard_are_eyes_equal( const HardScene* h );
 
 // Opens a finished scene for more; then finish_scene.
 SceneBuilder hard_reopen( RfScene* scene );

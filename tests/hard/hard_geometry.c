@@ -40,15 +40,21 @@ static void duplicates( HardScene* h )
     h->scene = finish_scene( &b );
 }
 
-// Surfaces of several materials, one of them a light, in one plane.
+// A second floor in the plane of the first, seen from above like it, but its underside shines. All leans, so that hits have
+// rounding; the corners of the floors are exact, and so is their plane.
 static void coincident( HardScene* h )
 {
     hard_stage( h, hard_glossy() );
     SceneBuilder b = hard_reopen( &h->scene );
-    uint32_t light = add_material( &b, make_light( 4.0f, true ) );
-    add_quad( &b, light, rf_vec3( -1.5f, 0, 1.5f ), rf_vec3( 1.5f, 0, 1.5f ), rf_vec3( 1.5f, 0, -1.5f ),
-              rf_vec3( -1.5f, 0, -1.5f ) );
-    add_quad( &b, 1, rf_vec3( -1.5f, 0, -1.5f ), rf_vec3( 1.5f, 0, -1.5f ), rf_vec3( 1.5f, 0, 1.5f ), rf_vec3( -1.5f, 0, 1.5f ) );
+    RfMaterial shining = hard_glossy();
+    shining.emission = rf_vec3( 4, 4, 4 );
+    shining.double_sided = false;
+    uint32_t below = add_material( &b, shining );
+    add_quad( &b, below, rf_vec3( -1.5f, 0, -1.5f ), rf_vec3( 1.5f, 0, -1.5f ), rf_vec3( 1.5f, 0, 1.5f ),
+              rf_vec3( -1.5f, 0, 1.5f ) );
+    for ( uint32_t i = 0; i < b.scene.triangles.vertex_count; ++i )
+        b.scene.triangles.positions[3 * (size_t)i + 1] += 0.25f * b.scene.triangles.positions[3 * (size_t)i];
+    memset( b.scene.triangles.normals, 0, 3 * (size_t)b.scene.triangles.vertex_count * sizeof( float ) );
     h->scene = finish_scene( &b );
 }
 
@@ -126,8 +132,11 @@ static void touching_plates( HardScene* h )
     h->scene = finish_scene( &b );
     // between the plates and above them
     for ( int i = 0; i < 7; ++i )
-        h->eyes[i] = rf_make_eye( rf_vec3( 0.1f * (float)i, i % 2 == 0 ? 5e-13f : 0.4f, 0.2f ), rf_vec3( 0.1f, -1, -1 ),
+        h->eyes[i] = rf_make_eye( rf_vec3( 1e-13f * (float)i, i % 2 == 1 ? 5e-13f : 0.4f, 0 ), rf_vec3( 0.1f, -1, -1 ),
                                   rf_vec3( 0, 1, 0 ), 0.7, HARD_WIDTH, HARD_HEIGHT );
+    h->value = 1.0 + 0.5 + 0.25 + 0.125; // of 4 vertices
+    h->within = 1e-3;
+    h->sharp = true;
 }
 
 // A corner whose walls the hits touch, in a crowd of scales: a fan of 30 plates around one edge.
@@ -187,7 +196,8 @@ const HardCase g_hard_geometry[] = {
       1.5, moved, NULL },
     { "degenerate", "triangles without area, needles down to nothing", "normals 0/0", HARD_DOUBLE, 1.5, degenerate, NULL },
     { "duplicates", "a block four times in one place", "rays that find themselves again", HARD_DOUBLE, 1.5, duplicates, NULL },
-    { "coincident", "surfaces and a light in one plane", "light at distance 0", HARD_FINITE, 0, coincident, NULL },
+    { "coincident", "two floors in one plane, one of them a light from below",
+      "rays that find the other one; light at distance 0", HARD_DOUBLE, 1.5, coincident, NULL },
     { "zero-normals", "vertex normals of 0", "0/0", HARD_DOUBLE, 1.5, zero_normals, NULL },
     { "flipped-normals", "vertex normals that face into the surface", "cosines below 0", HARD_DOUBLE, 1.5, flipped_normals,
       NULL },
@@ -195,7 +205,7 @@ const HardCase g_hard_geometry[] = {
       leaning_normals, NULL },
     { "sheet", "a sheet seen from both sides", "hits of one side seen from the other", HARD_DOUBLE, 1.5, sheet, NULL },
     { "depth-edges", "tiles across depth edges of 1e5", "1/d2 that differ by 1e10", HARD_DOUBLE, 3.0, depth_edges, NULL },
-    { "touching-plates", "two plates 1e-12 m apart", "second vertices at distance 0", HARD_FINITE, 0, touching_plates, NULL },
+    { "touching-plates", "two plates 1e-12 m apart", "second vertices 1e-12 m away", HARD_VALUE, 0, touching_plates, NULL },
     { "fan", "plates around one edge, at angles down to 1e-9", "hits next to edges", HARD_DOUBLE, 2.5, fan, NULL },
     { "corner-1e-12", "an edge seen from 1e-12 m to 1 m", "second vertices at 1e-12 m, 1/d2 of 1e24", HARD_DOUBLE, 2.5, corner,
       NULL },

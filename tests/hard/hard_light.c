@@ -46,8 +46,8 @@ static void lamp_on_surface( HardScene* h )
     hard_stage( h, hard_glossy() );
     h->scene.punctuals = calloc( 2, sizeof *h->scene.punctuals );
     h->scene.punctual_count = 2;
-    h->scene.punctuals[0] = make_point_light( rf_vec3( 1.3f, 1e-12f, 0.7f ), 0.5f );
-    h->scene.punctuals[1] = make_point_light( rf_vec3( -1.0f, 0.0f, 1.0f ), 0.5f );
+    h->scene.punctuals[0] = make_point_light( rf_vec3( 1.3f, 1e-12f, 0.7f ), 1e22f );
+    h->scene.punctuals[1] = make_point_light( rf_vec3( -1.0f, 0.0f, 1.0f ), 1e22f );
 }
 
 // Two lamps over the floor of a scene of micrometres: W/sr over m² beyond floats.
@@ -178,7 +178,8 @@ const HardCase g_hard_light[] = {
     { "lights-1e-12-1e6", "a light of 1e-12 m2 beside one of 1e6 m2", "densities per area of 1e12, sums of powers", HARD_DOUBLE,
       1.5, tiny_beside_huge, NULL },
     { "lights-without-area", "emissive points and lines", "1/area", HARD_DOUBLE, 1.5, without_area, NULL },
-    { "lamp-on-surface", "lamps on a floor and 1e-12 m above it", "1/d2 at d = 0", HARD_FINITE, 0, lamp_on_surface, NULL },
+    { "lamp-on-surface", "lamps as bright as stars on a floor and 1e-12 m above it", "1/d2 beyond floats", HARD_FINITE, 0,
+      lamp_on_surface, NULL },
     { "lamps-1e-6", "lamps as bright as stars in a room of micrometres", "intensity over d2 times the density of a delta",
       HARD_DOUBLE, 1.5, lamps_in_a_tiny_scene, NULL },
     { "powers-1e12", "20 lamps whose powers differ by 1e12, the strong ones hidden", "sums of importances in floats", HARD_DOUBLE,

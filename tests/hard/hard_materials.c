@@ -1,5 +1,6 @@
 // Hard cases of materials.
 #include "hard/hard.h"
+#include "scene/textured.h"
 
 #include <math.h>
 
@@ -32,19 +33,19 @@ static void phong_1e7( HardScene* h )
     floor_under_sky( h, make_phong( 0.0f, 0.9f, 1e7f ), rf_vec3( 0, -1, 1e-3f ), (double)0.9f, 5e-4 );
 }
 
-// White metal of the least alpha reflects all, but for what Smith's shadowing takes.
-static RfMaterial white_metal( float alpha )
+// White metal of roughness 0, as files have it, reflects all, but for what Smith's shadowing takes.
+static RfMaterial white_metal( void )
 {
+    RfFactors factors = { .base = { 1, 1, 1, 1 }, .metallic = 1, .roughness = 0, .specular = 1, .ior = 1.5 };
     RfMaterial m = make_metal( 1.0f, 1.0f );
-    m.specular = rf_vec3( 1, 1, 1 );
-    m.alpha = alpha;
+    rf_derive_lobes( &factors, &m );
     return m;
 }
 
-static void ggx_0( HardScene* h ) { floor_under_sky( h, white_metal( RF_MIN_ALPHA ), rf_vec3( 0, -1, -0.3f ), 1.0, 1e-3 ); }
+static void ggx_0( HardScene* h ) { floor_under_sky( h, white_metal(), rf_vec3( 0, -1, -0.3f ), 1.0, 1e-3 ); }
 
 // Sharp metal beside rough things, lit by a lamp.
-static void ggx_sharp_stage( HardScene* h ) { hard_stage( h, white_metal( RF_MIN_ALPHA ) ); }
+static void ggx_sharp_stage( HardScene* h ) { hard_stage( h, white_metal() ); }
 
 static RfMaterial perfect_mirror( void )
 {
@@ -82,7 +83,20 @@ static void glass_in_the_sky( HardScene* h, RfMaterial m )
     h->within = 1e-4;
 }
 
-static void ior_1( HardScene* h ) { glass_in_the_sky( h, make_glass( 1.0f, 0.0f, false ) ); }
+// Along a body of index 1 onto a black wall behind it. What it would reflect is a light.
+static void ior_1( HardScene* h )
+{
+    SceneBuilder b = { 0 };
+    uint32_t glass = add_material( &b, make_glass( 1.0f, 0.0f, false ) ), black = add_material( &b, make_lambert( 0, 0, 0 ) );
+    uint32_t light = add_material( &b, make_light( 1e6f, true ) );
+    add_box( &b, glass, rf_vec3( -1, -1, -1 ), rf_vec3( 1, 0, 1 ), false );
+    add_quad( &b, black, rf_vec3( -9, -9, -2 ), rf_vec3( 9, -9, -2 ), rf_vec3( 9, 0, -2 ), rf_vec3( -9, 0, -2 ) );
+    add_quad( &b, light, rf_vec3( -9, 1e-4f, -2 ), rf_vec3( 9, 1e-4f, -2 ), rf_vec3( 9, 9, -2 ), rf_vec3( -9, 9, -2 ) );
+    h->scene = finish_scene( &b );
+    hard_eyes( h, rf_vec3( 0, 5e-4f, 0.5f ), rf_vec3( 0.01f, 1e-5f, 0 ), rf_vec3( 0, -1e-3f, -1 ), 0.02 );
+    h->max_depth = 8;
+    h->sharp = true;
+}
 static void ior_1_black( HardScene* h )
 {
     RfMaterial m = make_glass( 1.0f, 0.0f, true );
@@ -140,6 +154,12 @@ static void clear_coat( HardScene* h )
     m.clearcoat = 1.0f;
     m.clearcoat_alpha = RF_MIN_ALPHA;
     hard_stage( h, m );
+    // normals that lean by 1e-2 rad: some eyes are below the horizon of the coat
+    for ( uint32_t i = 0; i < h->scene.triangles.vertex_count; ++i )
+    {
+        float* n = h->scene.triangles.normals + 3 * (size_t)i;
+        n[2] += n[1] > 0.5f ? ( i % 2 == 0 ? -0.01f : 0.005f ) : 0.0f;
+    }
     hard_eyes( h, rf_vec3( 1.3f, 2e-3f, 1.9f ), rf_vec3( 1e-3f, 1e-4f, 0 ), rf_vec3( 0, -2e-3f, -1 ), 1.0 );
 }
 
@@ -161,7 +181,8 @@ const HardCase g_hard_materials[] = {
       NULL },
     { "mirror-stage", "a sheet of mirror seen at 1e-3 to 1e-2 rad", "chains at grazing angles", HARD_PLAIN, 2.0, mirror_stage,
       NULL },
-    { "ior-1", "glass of index 1", "no reflection at all: 0/0", HARD_VALUE, 0, ior_1, NULL },
+    { "ior-1", "glass of index 1 seen at 1e-3 rad", "no reflection at all; 1 - sin2 keeps two digits of cos2", HARD_BLACK, 0,
+      ior_1, NULL },
     { "ior-1-black", "sheets of index 1 that let nothing through", "0/0 in the choice of lobes", HARD_PLAIN, 1.5, ior_1_black,
       NULL },
     { "ior-1.0001", "glass of index 1.0001", "total reflection at the last 0.8 degrees", HARD_VALUE, 0, ior_almost_1, NULL },
@@ -172,6 +193,7 @@ const HardCase g_hard_materials[] = {
       absorption_large, NULL },
     { "rough-glass", "glass of roughness 1", "refraction below horizons", HARD_PLAIN, 1.5, rough_glass, NULL },
     { "rough-glass-grazing", "sharp rough glass at 1e-3 rad", "1/cos of the model", HARD_PLAIN, 0, rough_glass_grazing, NULL },
-    { "clear-coat-grazing", "the smoothest coat at 1e-3 rad", "1/cos of the coat", HARD_PLAIN, 0, clear_coat, NULL },
+    { "clear-coat-grazing", "the smoothest coat at 1e-3 rad, above and below its horizon", "1/cos of the coat", HARD_PLAIN, 0,
+      clear_coat, NULL },
     { 0 },
 };

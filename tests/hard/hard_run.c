@@ -1,19 +1,16 @@
 // The runner: a case by every estimator, and what must hold of the pictures.
 #include "hard/hard.h"
 #include "hard/hard_double.h"
+#include "hard/hard_pictures.h"
 #include "reuse/weight_range.h"
 #include "support/reference_tracer.h"
-#include "support/statistics.h"
 
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#define MOST_SEEDS 32
-#define BLOCK 4                // pixels
 #define SIGNIFICANCE 1e-5      // of the mean of a picture and, by Šidák, of its blocks
-#define ROUNDING 1e-4          // relative: films and reference sum in different orders
 #define MOST_WEIGHT 1.0000005f // a quotient of sums of 9 floats may round to a little more than 1
 
 typedef struct Estimator
@@ -23,8 +20,8 @@ typedef struct Estimator
     bool frames;           // groups, else of one frame
     const char* tile;      // NULL: none
     RfWeights weights;
-    bool lens;     // all eyes get a lens
-    bool unbiased; // compared with the reference
+    bool lens;     // all eyes get a lens, and so does the reference
+    bool unbiased; // else only where all eyes are equal, so that all weights are
     bool links;    // light paths, in scenes where they have mirrors or glass to follow
 } Estimator;
 
@@ -36,47 +33,27 @@ static const Estimator s_estimators[] = {
     { "gradient", "gradient", false, "3x3", RF_WEIGHTS_EXACT, false, true, false },
     { "both, eq15", NULL, true, "3x3", RF_WEIGHTS_EQ15, false, false, false },
     { "both, unweighted", NULL, true, "3x3", RF_WEIGHTS_UNWEIGHTED, false, false, false },
-    { "both, lens", NULL, true, "3x3", RF_WEIGHTS_EXACT, true, false, false },
+    { "both, lens", NULL, true, "3x3", RF_WEIGHTS_EXACT, true, true, false },
     { "path, links", NULL, false, NULL, RF_WEIGHTS_EXACT, false, true, true },
     { "both, links", NULL, true, "3x3", RF_WEIGHTS_EXACT, false, true, true },
 };
-
-// Pictures of the tested frame, one per seed.
-typedef struct Pictures
-{
-    int width, height, count;
-    double* rgb[MOST_SEEDS];
-} Pictures;
 
 typedef struct Result
 {
     int nans, infinities, negatives, off; // values; `off`: not what is exactly known
     RfWeightRange weights;
-    double whole_p, block_p;
-    double bias, interval; // of the mean, relative, and half of its 95% interval
-    double ratio;          // relMSE over path tracing's; 0: not known
+    HardDifference is;
+    double ratio; // relMSE over path tracing's; 0: not known
 } Result;
-
-static double* new_picture( const Pictures* p )
-{
-    double* rgb = calloc( 3 * (size_t)p->width * (size_t)p->height, sizeof *rgb );
-    if ( rgb == NULL )
-        abort();
-    return rgb;
-}
-
-static void free_pictures( Pictures* p )
-{
-    for ( int k = 0; k < p->count; ++k )
-        free( p->rgb[k] );
-    p->count = 0;
-}
 
 static int samples_of( const HardScene* h, const HardForm* form )
 {
     bool own = h->spp > 0 && ( form->statistics || h->spp < form->spp );
     return own ? h->spp : form->spp;
 }
+
+// The biased weightings have no bias where all eyes are equal (and no ray misses).
+static bool is_unbiased( const Estimator* e, const HardScene* h ) { return e->unbiased || hard_are_eyes_equal( h ); }
 
 static RfRenderSettings settings_of( const HardScene* h, const Estimator* e, const HardForm* form )
 {
@@ -123,18 +100,27 @@ static void note_values( const Rendered* r, bool may_be_negative, bool alone, Re
     }
 }
 
-static Pictures render( const RfTracer* tracer, const HardScene* h, const Estimator* e, const HardForm* form, Result* out )
+static void keep_picture( const Rendered* r, int frame, HardPictures* p )
+{
+    const float* rgb = frame_rgb( r, frame );
+    double sum = 0.0;
+    p->rgb[p->count] = hard_new_picture( p );
+    for ( size_t i = 0; i < 3 * r->pixels; ++i )
+        p->rgb[p->count][i] = (double)rgb[i];
+    for ( size_t i = 0; i < r->pixels; ++i )
+        sum += (double)r->weight[(size_t)frame * r->pixels + i];
+    p->weight[p->count] = sum / (double)r->pixels;
+}
+
+static HardPictures render( const RfTracer* tracer, const HardScene* h, const Estimator* e, const HardForm* form, Result* out )
 {
     RfRenderSettings settings = settings_of( h, e, form );
-    int seeds = e->unbiased ? form->seeds : 1, frame = h->eye_count / 2;
+    int seeds = is_unbiased( e, h ) ? form->seeds : 1, frame = h->eye_count / 2;
     RfEye eyes[HARD_MOST_EYES];
     memcpy( eyes, h->eyes, sizeof eyes );
-    for ( int i = 0; i < h->eye_count && e->lens; ++i )
-    {
-        float reach = rf_maxf( rf_length( rf_sub( h->scene.bounds_max, h->scene.bounds_min ) ), 1e-20f );
-        rf_set_lens( eyes + i, 0.01 * (double)reach, 0.5 * (double)reach, i % 2 == 0 ? 0 : 5, 0.1 );
-    }
-    Pictures p = { .width = eyes->width, .height = eyes->height };
+    if ( e->lens )
+        hard_add_lenses( h, eyes );
+    HardPictures p = { .width = eyes->width, .height = eyes->height };
     out->weights = ( RfWeightRange ){ .least = FLT_MAX };
     rf_watch_weights( &out->weights );
     bool negative = ( settings.group != 0 && e->weights == RF_WEIGHTS_EXACT ) || e->estimator != NULL;
@@ -145,27 +131,29 @@ static Pictures render( const RfTracer* tracer, const HardScene* h, const Estima
         Rendered r = all ? render_all( tracer, eyes, h->eye_count, &settings )
                          : render_frames( tracer, eyes, h->eye_count, &frame, 1, &settings );
         note_values( &r, negative, settings.group == 0 && e->estimator == NULL, out );
-        p.rgb[p.count] = new_picture( &p );
-        const float* rgb = frame_rgb( &r, all ? frame : 0 );
-        for ( size_t i = 0; i < 3 * r.pixels; ++i )
-            p.rgb[p.count][i] = (double)rgb[i];
+        keep_picture( &r, all ? frame : 0, &p );
         free_rendered( &r );
     }
     rf_watch_weights( NULL );
     return p;
 }
 
-static Pictures refer( const RfTracer* tracer, const HardCase* c, const HardScene* h, const HardForm* form )
+// With lenses only one estimator is compared: half the samples will do.
+static HardPictures refer( const RfTracer* tracer, const HardCase* c, const HardScene* h, const HardForm* form, bool lens )
 {
-    const RfEye* eye = h->eyes + h->eye_count / 2;
-    int spp = form->reference * samples_of( h, form );
-    Pictures p = { .width = eye->width, .height = eye->height };
+    RfEye eyes[HARD_MOST_EYES];
+    memcpy( eyes, h->eyes, sizeof eyes );
+    if ( lens )
+        hard_add_lenses( h, eyes );
+    const RfEye* eye = eyes + h->eye_count / 2;
+    int spp = ( lens ? form->reference / 2 : form->reference ) * samples_of( h, form );
+    HardPictures p = { .width = eye->width, .height = eye->height };
     float* plain = malloc( 3 * (size_t)eye->width * (size_t)eye->height * sizeof *plain );
     if ( plain == NULL )
         abort();
     for ( ; p.count < form->seeds; ++p.count )
     {
-        double* rgb = p.rgb[p.count] = new_picture( &p );
+        double* rgb = p.rgb[p.count] = hard_new_picture( &p );
         uint64_t seed = 1000003u + (uint64_t)p.count; // far from those of the renders
         if ( c->reference == HARD_DOUBLE )
         {
@@ -183,119 +171,33 @@ static Pictures refer( const RfTracer* tracer, const HardCase* c, const HardScen
     return p;
 }
 
-static double block_mean( const Pictures* p, int k, int x0, int y0, int x1, int y1 )
-{
-    double sum = 0.0;
-    int count = 0;
-    for ( int y = y0; y < y1 && y < p->height; ++y )
-    {
-        for ( int x = x0; x < x1 && x < p->width; ++x, ++count )
-        {
-            const double* c = p->rgb[k] + 3 * ( (size_t)y * (size_t)p->width + (size_t)x );
-            sum += c[0] + c[1] + c[2];
-        }
-    }
-    return sum / ( 3.0 * count );
-}
-
-// Welch's test of the means of a block; those that differ by rounding alone are equal.
-static double block_p( const Pictures* a, const Pictures* b, int x0, int y0, int x1, int y1 )
-{
-    double va[MOST_SEEDS], vb[MOST_SEEDS];
-    for ( int k = 0; k < a->count; ++k )
-        va[k] = block_mean( a, k, x0, y0, x1, y1 );
-    for ( int k = 0; k < b->count; ++k )
-        vb[k] = block_mean( b, k, x0, y0, x1, y1 );
-    double ma = mean_of( va, a->count, NULL ), mb = mean_of( vb, b->count, NULL );
-    return fabs( ma - mb ) <= ROUNDING * fabs( mb ) ? 1.0 : welch_p( va, a->count, vb, b->count );
-}
-
-static void compare( const Pictures* a, const Pictures* b, Result* out )
-{
-    double va[MOST_SEEDS], vb[MOST_SEEDS], ea, eb, smallest = 1.0;
-    int tested = 0, size = a->width > 256 ? a->width / 16 : BLOCK;
-    for ( int k = 0; k < a->count; ++k )
-        va[k] = block_mean( a, k, 0, 0, a->width, a->height );
-    for ( int k = 0; k < b->count; ++k )
-        vb[k] = block_mean( b, k, 0, 0, b->width, b->height );
-    double ma = mean_of( va, a->count, &ea ), mb = mean_of( vb, b->count, &eb );
-    out->bias = mb > 0.0 ? ma / mb - 1.0 : ma;
-    out->interval = 1.96 * sqrt( ea * ea + eb * eb ) / ( mb > 0.0 ? mb : 1.0 );
-    out->whole_p = block_p( a, b, 0, 0, a->width, a->height );
-    for ( int y = 0; y < a->height; y += size )
-    {
-        for ( int x = 0; x < a->width; x += size, ++tested )
-            smallest = fmin( smallest, block_p( a, b, x, y, x + size, y + size ) );
-    }
-    out->block_p = 1.0 - pow( 1.0 - smallest, tested );
-}
-
-// Σ variance over the seeds / (mean² + (mean of the picture / 10)²): the relMSE of pictures without bias.
-static double relmse( const Pictures* p, const Pictures* guide )
-{
-    double whole = 0.0, sum = 0.0;
-    size_t values = 3 * (size_t)p->width * (size_t)p->height;
-    for ( int k = 0; k < guide->count; ++k )
-        whole += block_mean( guide, k, 0, 0, p->width, p->height ) / guide->count;
-    for ( size_t i = 0; i < values; ++i )
-    {
-        double mean = 0.0, square = 0.0, of_guide = 0.0;
-        for ( int k = 0; k < p->count; ++k )
-            mean += p->rgb[k][i] / p->count;
-        for ( int k = 0; k < p->count; ++k )
-            square += ( p->rgb[k][i] - mean ) * ( p->rgb[k][i] - mean ) / ( p->count - 1 );
-        for ( int k = 0; k < guide->count; ++k )
-            of_guide += guide->rgb[k][i] / guide->count;
-        double least = whole > 0.0 ? 0.01 * whole * whole : 1.0;
-        sum += square / ( of_guide * of_guide + least ) / (double)values;
-    }
-    return sum;
-}
-
-// What is known in closed form.
-static void compare_value( const Pictures* p, const HardCase* c, const HardScene* h, bool statistics, Result* out )
-{
-    double means[MOST_SEEDS], error, value = c->reference == HARD_BLACK ? 0.0 : h->value;
-    for ( int k = 0; k < p->count; ++k )
-        means[k] = block_mean( p, k, 0, 0, p->width, p->height );
-    double mean = mean_of( means, p->count, &error );
-    for ( int k = 0; k < p->count; ++k )
-    {
-        for ( size_t i = 0; c->reference == HARD_BLACK && i < 3 * (size_t)p->width * (size_t)p->height; ++i )
-            out->off += p->rgb[k][i] != 0.0;
-    }
-    out->whole_p = out->block_p = 1.0;
-    if ( c->reference == HARD_BLACK )
-        return;
-    out->bias = mean / value - 1.0;
-    out->interval = 1.96 * error / value;
-    double beyond = fmax( fabs( mean - value ) - h->within * value, 0.0 );
-    out->whole_p = beyond > 0.0 && statistics ? student_p( beyond / fmax( error, 1e-300 ), p->count - 1 ) : 1.0;
-}
-
 // Tiles and gradients gain nothing from other frames, and gradients spread the noise of bright pixels over dark ones.
 static double most_ratio( const HardCase* c, const Estimator* e )
 {
     return e->frames ? c->factor : fmax( c->factor, e->estimator != NULL ? 6.0 : 1.5 );
 }
 
-static bool verdict( const HardCase* c, const HardForm* form, const Estimator* e, const Result* r )
+static bool is_sound( const Result* r )
 {
-    bool sound = r->nans == 0 && r->infinities == 0 && r->negatives == 0 && r->off == 0 && r->weights.nans == 0 &&
-                 r->weights.least >= 0.0f && r->weights.most <= MOST_WEIGHT;
-    if ( !form->statistics || !e->unbiased || c->reference == HARD_FINITE )
-        return sound;
-    return sound && r->whole_p > SIGNIFICANCE && r->block_p > SIGNIFICANCE &&
+    return r->nans == 0 && r->infinities == 0 && r->negatives == 0 && r->off == 0 && r->weights.nans == 0 &&
+           r->weights.least >= 0.0f && r->weights.most <= MOST_WEIGHT;
+}
+
+static bool verdict( const HardCase* c, const Estimator* e, const Result* r, bool compared )
+{
+    if ( !compared )
+        return is_sound( r );
+    return is_sound( r ) && r->is.whole_p > SIGNIFICANCE && r->is.block_p > SIGNIFICANCE && r->is.weight_p > SIGNIFICANCE &&
            ( c->factor == 0.0 || r->ratio <= most_ratio( c, e ) );
 }
 
-static void tell( const HardCase* c, const HardForm* form, const Estimator* e, const Result* r, bool holds )
+static void tell( const HardCase* c, const HardForm* form, const Estimator* e, const Result* r, bool compared, bool holds )
 {
     printf( "%-26s %-17s NaN %d Inf %d negative %d off %d weight %.7g..%.7g", c->name, e->name, r->nans, r->infinities,
             r->negatives, r->off, (double)r->weights.least, (double)r->weights.most );
-    if ( e->unbiased && form->statistics && c->reference != HARD_FINITE )
-        printf( " bias %+.3f%% ± %.3f%% p %.2g %.2g relMSE %.3g", 100.0 * r->bias, 100.0 * r->interval, r->whole_p, r->block_p,
-                r->ratio );
+    if ( compared )
+        printf( " bias %+.3f%% ± %.3f%% p %.2g %.2g %.2g relMSE %.3g", 100.0 * r->is.bias, 100.0 * r->is.interval, r->is.whole_p,
+                r->is.block_p, r->is.weight_p, r->ratio );
     printf( "%s\n", holds ? "" : "  FAILS" );
     if ( form->rows == NULL )
         return;
@@ -303,9 +205,50 @@ static void tell( const HardCase* c, const HardForm* form, const Estimator* e, c
              "{\"case\": \"%s\", \"estimator\": \"%s\", \"nan\": %d, \"inf\": %d, \"weight\": %.9g, \"bias\": %.9g, "
              "\"interval\": %.9g, "
              "\"ratio\": %.9g, \"compared\": %s, \"holds\": %s}\n",
-             c->name, e->name, r->nans, r->infinities, (double)r->weights.most, isfinite( r->bias ) ? r->bias : 1e30,
-             isfinite( r->interval ) ? r->interval : 1e30, isfinite( r->ratio ) ? r->ratio : 1e30,
-             e->unbiased && c->reference != HARD_FINITE ? "true" : "false", holds ? "true" : "false" );
+             c->name, e->name, r->nans, r->infinities, (double)r->weights.most, isfinite( r->is.bias ) ? r->is.bias : 1e30,
+             isfinite( r->is.interval ) ? r->is.interval : 1e30, isfinite( r->ratio ) ? r->ratio : 1e30,
+             compared ? "true" : "false", holds ? "true" : "false" );
+}
+
+// What the pictures of a case are compared with, of sharp eyes and with lenses, and the noise of path tracing.
+typedef struct Known
+{
+    HardPictures sharp, lens;
+    double path_relmse;
+} Known;
+
+static bool is_referred( const HardCase* c ) { return c->reference == HARD_DOUBLE || c->reference == HARD_PLAIN; }
+
+static void judge( const HardCase* c, const HardScene* h, const Estimator* e, const HardPictures* p, Known* known, Result* r )
+{
+    const HardPictures* reference = e->lens ? &known->lens : &known->sharp;
+    r->is.whole_p = r->is.block_p = r->is.weight_p = 1.0;
+    if ( is_referred( c ) )
+        hard_compare( p, reference, &r->is );
+    else if ( c->reference == HARD_VALUE )
+        hard_compare_value( p, h, &r->is );
+    if ( e->estimator == NULL && e->unbiased )
+        r->is.weight_p = hard_mean_weight_p( p );
+    double noise = hard_relmse( p, is_referred( c ) ? reference : p );
+    known->path_relmse = e == s_estimators ? noise : known->path_relmse;
+    // below: no noise to speak of; path tracing had no lens
+    r->ratio = known->path_relmse > 1e-9 && !e->lens ? noise / known->path_relmse : 0.0;
+}
+
+static bool run_estimator( const RfTracer* tracer, const HardCase* c, const HardScene* h, const Estimator* e,
+                           const HardForm* form, Known* known )
+{
+    Result r = { 0 };
+    bool known_here = c->reference != HARD_FINITE && !( e->lens && h->sharp );
+    bool compared = form->statistics && known_here && is_unbiased( e, h );
+    HardPictures p = render( tracer, h, e, form, &r );
+    r.off += c->reference == HARD_BLACK && known_here ? hard_count_lit( &p ) : 0;
+    if ( compared )
+        judge( c, h, e, &p, known, &r );
+    bool holds = verdict( c, e, &r, compared );
+    tell( c, form, e, &r, compared, holds );
+    hard_free_pictures( &p );
+    return holds;
 }
 
 static bool run_pictures( const HardCase* c, const HardForm* form )
@@ -313,34 +256,17 @@ static bool run_pictures( const HardCase* c, const HardForm* form )
     HardScene h = { .eye_count = 7, .group = 3, .max_depth = 4 };
     c->make( &h );
     RfTracer* tracer = make_tracer( &h.scene );
-    bool all = true, refers = form->statistics && ( c->reference == HARD_DOUBLE || c->reference == HARD_PLAIN );
-    Pictures reference = { 0 };
-    double path_relmse = 0.0;
-    if ( refers )
-        reference = refer( tracer, c, &h, form );
-    for ( size_t i = 0; i < sizeof s_estimators / sizeof *s_estimators; ++i )
+    bool all = true;
+    Known known = { 0 };
+    if ( form->statistics && is_referred( c ) )
     {
-        const Estimator* e = s_estimators + i;
-        if ( !is_for( e, &h, form ) )
-            continue;
-        Result r = { 0 };
-        Pictures p = render( tracer, &h, e, form, &r );
-        if ( refers && e->unbiased )
-            compare( &p, &reference, &r );
-        else if ( e->unbiased && ( c->reference == HARD_VALUE || c->reference == HARD_BLACK ) )
-            compare_value( &p, c, &h, form->statistics, &r );
-        if ( form->statistics && e->unbiased )
-        {
-            double noise = relmse( &p, refers ? &reference : &p );
-            path_relmse = i == 0 ? noise : path_relmse;
-            r.ratio = path_relmse > 1e-9 ? noise / path_relmse : 0.0; // below: no noise to speak of
-        }
-        bool holds = verdict( c, form, e, &r );
-        tell( c, form, e, &r, holds );
-        all = all && holds;
-        free_pictures( &p );
+        known.sharp = refer( tracer, c, &h, form, false );
+        known.lens = refer( tracer, c, &h, form, true );
     }
-    free_pictures( &reference );
+    for ( size_t i = 0; i < sizeof s_estimators / sizeof *s_estimators; ++i )
+        all = ( !is_for( s_estimators + i, &h, form ) || run_estimator( tracer, c, &h, s_estimators + i, form, &known ) ) && all;
+    hard_free_pictures( &known.sharp );
+    hard_free_pictures( &known.lens );
     rf_destroy_tracer( tracer );
     rf_destroy_scene( &h.scene );
     return all;

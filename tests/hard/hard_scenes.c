@@ -1,4 +1,5 @@
 #include "hard/hard.h"
+#include "scene/lens.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -41,35 +42,9 @@ void hard_stage( HardScene* h, RfMaterial object )
     hard_eyes( h, rf_vec3( 0.2f, 1.3f, 2.1f ), rf_vec3( 0.1f, 0, 0 ), rf_vec3( -0.1f, -0.45f, -1.0f ), 50.0 );
 }
 
-void hard_bound( RfScene* scene )
-{
-    for ( uint32_t i = 0; i < scene->triangles.vertex_count; ++i )
-    {
-        const float* p = scene->triangles.positions + 3 * (size_t)i;
-        RfVec3 v = rf_vec3( p[0], p[1], p[2] ), low = scene->bounds_min, high = scene->bounds_max;
-        scene->bounds_min = i == 0 ? v : rf_vec3( rf_minf( low.x, v.x ), rf_minf( low.y, v.y ), rf_minf( low.z, v.z ) );
-        scene->bounds_max = i == 0 ? v : rf_vec3( rf_maxf( high.x, v.x ), rf_maxf( high.y, v.y ), rf_maxf( high.z, v.z ) );
-    }
-}
-
 void hard_move( HardScene* h, float scale, RfVec3 shift )
 {
-    RfScene* scene = &h->scene;
-    for ( uint32_t i = 0; i < scene->triangles.vertex_count; ++i )
-    {
-        float* p = scene->triangles.positions + 3 * (size_t)i;
-        p[0] = p[0] * scale + shift.x;
-        p[1] = p[1] * scale + shift.y;
-        p[2] = p[2] * scale + shift.z;
-    }
-    for ( int i = 0; i < scene->punctual_count; ++i )
-    {
-        RfPunctual* lamp = scene->punctuals + i;
-        lamp->position = rf_madd( shift, lamp->position, scale );
-        lamp->intensity = rf_scale( lamp->intensity, scale * scale );
-        lamp->range *= scale;
-    }
-    hard_bound( scene );
+    move_scene( &h->scene, scale, shift );
     for ( int i = 0; i < h->eye_count; ++i )
     {
         h->eyes[i].origin = rf_madd( shift, h->eyes[i].origin, scale );
@@ -85,4 +60,23 @@ SceneBuilder hard_reopen( RfScene* scene )
     b.scene.path = NULL;
     *scene = ( RfScene ){ 0 };
     return b;
+}
+
+void hard_add_lenses( const HardScene* h, RfEye* eyes )
+{
+    float reach = rf_maxf( rf_length( rf_sub( h->scene.bounds_max, h->scene.bounds_min ) ), 1e-20f );
+    for ( int i = 0; i < h->eye_count; ++i )
+        rf_set_lens( eyes + i, 0.01 * (double)reach, 0.5 * (double)reach, i % 2 == h->eye_count / 2 % 2 ? 0 : 5, 0.1 );
+}
+
+bool hard_are_eyes_equal( const HardScene* h )
+{
+    bool equal = h->eye_count > 1;
+    for ( int i = 1; i < h->eye_count; ++i )
+    {
+        const RfEye *a = h->eyes, *b = h->eyes + i;
+        RfVec3 moved = rf_sub( a->origin, b->origin ), turned = rf_sub( a->forward, b->forward ), rolled = rf_sub( a->up, b->up );
+        equal = equal && rf_dot( moved, moved ) + rf_dot( turned, turned ) + rf_dot( rolled, rolled ) == 0.0f;
+    }
+    return equal;
 }

@@ -17,36 +17,13 @@
 #define HEIGHT 18
 #define SEED_COUNT 8
 
-// x ↦ scale x + shift, for the scene and its eyes.
-static void move_all( RfScene* scene, RfEye* eyes, float scale, RfVec3 shift )
-{
-    for ( uint32_t i = 0; i < scene->triangles.vertex_count; ++i )
-    {
-        float* p = scene->triangles.positions + 3 * (size_t)i;
-        p[0] = p[0] * scale + shift.x;
-        p[1] = p[1] * scale + shift.y;
-        p[2] = p[2] * scale + shift.z;
-    }
-    for ( int i = 0; i < scene->punctual_count; ++i )
-    {
-        RfPunctual* lamp = scene->punctuals + i;
-        if ( lamp->kind == RF_PUNCTUAL_DIRECTIONAL )
-            continue;
-        lamp->position = rf_madd( shift, lamp->position, scale );
-        lamp->intensity = rf_scale( lamp->intensity, scale * scale );
-        lamp->range *= scale;
-    }
-    scene->bounds_min = rf_madd( shift, scene->bounds_min, scale );
-    scene->bounds_max = rf_madd( shift, scene->bounds_max, scale );
-    for ( int i = 0; i < EYES; ++i )
-        eyes[i].origin = rf_madd( shift, eyes[i].origin, scale );
-}
-
 static void seed_means( RfScene scene, int group, float scale, RfVec3 shift, double means[SEED_COUNT] )
 {
     RfEye eyes[EYES];
     orbit_eyes( eyes, EYES, 3.0f, WIDTH, HEIGHT );
-    move_all( &scene, eyes, scale, shift );
+    move_scene( &scene, scale, shift );
+    for ( int i = 0; i < EYES; ++i )
+        eyes[i].origin = rf_madd( shift, eyes[i].origin, scale );
     RfTracer* tracer = make_tracer( &scene );
     for ( int k = 0; k < SEED_COUNT; ++k )
     {

@@ -334,3 +334,25 @@ void orbit_eyes( RfEye* eyes, int count, float degrees, int width, int height )
         eyes[i] = rf_make_eye( o, rf_sub( target, o ), rf_vec3( 0, 1, 0 ), 0.9, width, height );
     }
 }
+
+void move_scene( RfScene* scene, float scale, RfVec3 shift )
+{
+    for ( uint32_t i = 0; i < scene->triangles.vertex_count; ++i )
+    {
+        float* p = scene->triangles.positions + 3 * (size_t)i;
+        p[0] = p[0] * scale + shift.x;
+        p[1] = p[1] * scale + shift.y;
+        p[2] = p[2] * scale + shift.z;
+    }
+    for ( int i = 0; i < scene->punctual_count; ++i )
+    {
+        RfPunctual* lamp = scene->punctuals + i;
+        if ( lamp->kind == RF_PUNCTUAL_DIRECTIONAL )
+            continue;
+        lamp->position = rf_madd( shift, lamp->position, scale );
+        lamp->intensity = rf_scale( lamp->intensity, scale * scale );
+        lamp->range *= scale;
+    }
+    scene->bounds_min = rf_madd( shift, scene->bounds_min, scale );
+    scene->bounds_max = rf_madd( shift, scene->bounds_max, scale );
+}

@@ -32,6 +32,9 @@ void add_sphere( SceneBuilder* builder, uint32_t material, RfVec3 center, float 
 // The scene, owned by the caller; the builder is empty afterwards.
 RfScene finish_scene( SceneBuilder* builder );
 
+// x to scale x + shift: triangles, lamps at places, bounds.
+void move_scene( RfScene* scene, float scale, RfVec3 shift );
+
 typedef enum RoomKind
 {
     ROOM_DIFFUSE,
