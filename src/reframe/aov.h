@@ -47,7 +47,7 @@ typedef enum RfAov
 #define RF_ALL_AOVS ( RF_AOV_BIT( RF_AOV_ALPHA ) - 1u ) // of the list
 #define RF_GRADIENT_AOVS                                                                                                         \
     ( RF_AOV_BIT( RF_AOV_PRIMAL ) | RF_AOV_BIT( RF_AOV_DX ) | RF_AOV_BIT( RF_AOV_DY ) ) // of "gradient" alone
-#define RF_GRADIENT_AOVS_NAME "gradients" // all three
+#define RF_GRADIENT_AOVS_NAME "gradients"                                               // all three
 
 // RF_AOV_ALPHA is the coverage of a pixel by what is not sky, 0 to 1: the share of its camera rays that hit something, be
 // it a mirror or glass. It is reused and combined as the colour is, so it is unbiased, and where the weights of reused

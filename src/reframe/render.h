@@ -144,13 +144,13 @@ typedef struct RfRenderStats
     int spp;     // as rendered: rounded up to what the groups need
     int threads; // as rendered: fewer where memory is short
     RfMemoryFit fit;
-    int missed;          // frames finished with an estimate above settings.noise
-    int flicker_missed;  // the same of pairs and settings.flicker, counted at the later frame
-    bool hurried;        // settings.time was too short for the least: two passes of a frame
-    int adaptive_frames; // finished frames with extra samples
+    int missed;           // frames finished with an estimate above settings.noise
+    int flicker_missed;   // the same of pairs and settings.flicker, counted at the later frame
+    bool hurried;         // settings.time was too short for the least: two passes of a frame
+    int adaptive_frames;  // finished frames with extra samples
     double ahead_seconds; // of a look along the path, from which the time to the end of a noise or flicker is foretold,
     double ahead_samples; // and its samples, which are not in `rays`; 0: there was none
-    int entry_count;     // of the entries
+    int entry_count;      // of the entries
     RfMemoryEntry entries[RF_MAX_MEMORY_ENTRIES];
 } RfRenderStats;
 
