@@ -119,8 +119,8 @@ static void set_light_paths( const Source* from )
     bool on = rf_wants_light_paths( t, s );
     if ( s->light_paths == RF_LIGHT_PATHS_OFF && t->emitters.linked > 0 )
         set( from, RF_EFFECT_LIGHT_PATHS, false,
-             "the settings do not ask for it, though mirrors or clear glass pass on light of %u small emitters",
-             t->emitters.linked );
+             "the settings do not ask for it, though mirrors or clear glass pass on light of %u small emitter%s",
+             t->emitters.linked, t->emitters.linked == 1 ? "" : "s" );
     else if ( s->light_paths == RF_LIGHT_PATHS_OFF )
         set( from, RF_EFFECT_LIGHT_PATHS, false, "the settings do not ask for it" );
     else if ( on && s->light_paths == RF_LIGHT_PATHS_AUTO )
@@ -203,14 +203,23 @@ static void set_aovs( const Source* from )
     }
 }
 
-int rf_list_render_effects( const RfScene* scene, const RfEye* eyes, int eye_count, const RfRenderSettings* settings,
-                            RfEffect effects[RF_MAX_EFFECTS] )
+// Settings of which "auto" is asked tell whether light paths would serve, even if they are off.
+static RfSceneTraits traits_of( const RfScene* scene, const RfEye* eyes, int eye_count, RfRenderSettings settings, bool tell )
+{
+    if ( tell )
+        settings.light_paths = RF_LIGHT_PATHS_AUTO;
+    return rf_running_traits( scene, rf_scene_traits( scene, eyes, eye_count, &settings ) );
+}
+
+// `tell`: reasons are read, also where finding one takes time.
+static int list_effects( const RfScene* scene, const RfEye* eyes, int eye_count, const RfRenderSettings* settings, bool tell,
+                         RfEffect effects[RF_MAX_EFFECTS] )
 {
     RfEffect of_scene[RF_MAX_EFFECTS];
     int count = rf_list_effects( scene, of_scene );
     for ( int i = 0; i < count; ++i )
         effects[of_scene[i].id] = of_scene[i];
-    Source from = { scene, settings, rf_running_traits( scene, rf_scene_traits( scene, eyes, eye_count ) ), eye_count, effects };
+    Source from = { scene, settings, traits_of( scene, eyes, eye_count, *settings, tell ), eye_count, effects };
     if ( eye_count > 0 )
         set_path( &from, eyes );
     set_light_tree( &from );
@@ -223,12 +232,18 @@ int rf_list_render_effects( const RfScene* scene, const RfEye* eyes, int eye_cou
     return RF_EFFECT_COUNT;
 }
 
+int rf_list_render_effects( const RfScene* scene, const RfEye* eyes, int eye_count, const RfRenderSettings* settings,
+                            RfEffect effects[RF_MAX_EFFECTS] )
+{
+    return list_effects( scene, eyes, eye_count, settings, true, effects );
+}
+
 void rf_name_effects( const RfScene* scene, const RfEye* eyes, int eye_count, const RfRenderSettings* settings,
                       char text[RF_EFFECTS_TEXT_SIZE] )
 {
     RfEffect effects[RF_MAX_EFFECTS];
     uint64_t on = 0;
-    int count = rf_list_render_effects( scene, eyes, eye_count, settings, effects );
+    int count = list_effects( scene, eyes, eye_count, settings, false, effects );
     for ( int i = 0; i < count; ++i )
         on |= effects[i].on ? RF_EFFECT_BIT( effects[i].id ) : 0;
     rf_format_effects( on, text, RF_EFFECTS_TEXT_SIZE );
@@ -240,7 +255,7 @@ RfResult rf_check_built( const RfScene* scene, const RfEye* eyes, int eye_count,
     RfEffect effects[RF_MAX_EFFECTS];
     if ( RF_EFFECTS_NOT_BUILT == 0 )
         return RF_OK;
-    int count = rf_list_render_effects( scene, eyes, eye_count, settings, effects );
+    int count = list_effects( scene, eyes, eye_count, settings, false, effects );
     for ( int i = 0; i < count; ++i )
     {
         if ( effects[i].on && !rf_is_built( effects[i].id ) )

@@ -61,8 +61,11 @@ static RfFrameNoise noise_of( const Walk* w, int frame )
                              .seen = f->passes >= 2 ? f->weight : 0.0 };
 }
 
+// NaN: not known, since the next frame has no samples yet.
 static double flicker_ahead( const Walk* w, RfFrameNoise* before )
 {
+    if ( !( w->frames[before->frame + 1].weight > 0.0 ) )
+        return (double)NAN;
     RfFrameNoise now = noise_of( w, before->frame + 1 );
     RfFlicker flicker = flicker_of( w, before->pair, before->frame );
     RfPairNow pair = { .group = w->group, .before = before, .now = &now, .flicker = flicker };

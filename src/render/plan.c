@@ -281,7 +281,7 @@ RfResult rf_plan_render( const RfTracer* tracer, const RfEye* eyes, int eye_coun
 void rf_record_bytes( const RfScene* scene, const RfRenderSettings* settings, int eyes, size_t* diffuse, size_t* glossy )
 {
     RfEye eye = { .width = 1, .height = 1 };
-    RfEstimatorGroup group = rf_size_group( scene, rf_scene_traits( scene, &eye, 1 ), &eye, eyes, settings );
+    RfEstimatorGroup group = rf_size_group( scene, rf_scene_traits( scene, &eye, 1, settings ), &eye, eyes, settings );
     RfEstimatorSizes sizes = settings->estimator->sizes( &group );
     *diffuse = sizes.diffuse_record;
     *glossy = sizes.shiny_record;

@@ -26,7 +26,8 @@ RfResult rf_begin_probe( const RfTracer* tracer, const RfEye* eyes, int eye_coun
     probe->settings.seed = PROBE_SEED;
     probe->arena = rf_create_arena( settings->memory );
     probe->sizes = rf_render_sizes( scene, eyes, &plan, 1, settings );
-    probe->group = rf_size_group( scene, rf_scene_traits( scene, eyes, eye_count ), eyes, plan.eyes, &probe->settings );
+    probe->group =
+        rf_size_group( scene, rf_scene_traits( scene, eyes, eye_count, &probe->settings ), eyes, plan.eyes, &probe->settings );
     probe->group.tracer = tracer;
     probe->group.max_depth = rf_tracer_lights( tracer )->count > 0 ? settings->max_depth : 1;
     return alloc_probe( probe, error );

@@ -16,7 +16,7 @@ RfResult rf_set_up_render( RfRenderer* r, int eye_count, RfError* error )
                                                     .flicker = settings->flicker * settings->flicker,
                                                     .seconds = settings->time * r->frames_all } );
     r->sizes = rf_render_sizes( scene, r->eyes, &r->plan, r->frames_all, settings );
-    r->traits = rf_running_traits( scene, rf_scene_traits( scene, r->eyes, eye_count ) );
+    r->traits = rf_running_traits( scene, rf_scene_traits( scene, r->eyes, eye_count, settings ) );
     if ( !rf_is_plain_filter( settings ) )
         rf_make_pixel_filter( settings, &r->filter );
     r->memory.arena = rf_create_arena( settings->memory );

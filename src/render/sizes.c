@@ -20,7 +20,7 @@ static bool may_adapt( const RfRenderSettings* settings, int eyes )
 RfRenderSizes rf_render_sizes( const RfScene* scene, const RfEye* eyes, const RfGroupPlan* plan, int films,
                                const RfRenderSettings* settings )
 {
-    RfSceneTraits called = rf_scene_traits( scene, eyes, plan->frames );
+    RfSceneTraits called = rf_scene_traits( scene, eyes, plan->frames, settings );
     RfEstimatorGroup group = rf_size_group( scene, called, eyes, plan->eyes, settings );
     // as many additions to a pixel as eyes, and half of the passes in each half
     bool adaptive = may_adapt( settings, plan->eyes );

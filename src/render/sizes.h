@@ -27,8 +27,9 @@ typedef struct RfRenderSizes
     size_t held; // bytes of held records besides the batches, the most of any group; with settings.hold_all only
 } RfRenderSizes;
 
-// Scans the triangles and the environment of a scene, and the eyes of a path.
-RfSceneTraits rf_scene_traits( const RfScene* scene, const RfEye* eyes, int eye_count );
+// Scans the triangles and the environment of a scene, and the eyes of a path. Emitters are divided where the settings make
+// light paths depend on it.
+RfSceneTraits rf_scene_traits( const RfScene* scene, const RfEye* eyes, int eye_count, const RfRenderSettings* settings );
 
 // What runs where a scene calls for these: without what is left out of it, and with what is forced.
 RfSceneTraits rf_running_traits( const RfScene* scene, RfSceneTraits called );

@@ -5,7 +5,7 @@
 #include "scene/mirrors.h"
 #include "scene/textured.h"
 
-RfSceneTraits rf_scene_traits( const RfScene* scene, const RfEye* eyes, int eye_count )
+RfSceneTraits rf_scene_traits( const RfScene* scene, const RfEye* eyes, int eye_count, const RfRenderSettings* settings )
 {
     RfSceneTraits traits = { .sky = rf_max_component( scene->environment.radiance ) > 0.0f };
     for ( uint32_t i = 0; i < scene->triangles.count; ++i )
@@ -34,7 +34,7 @@ RfSceneTraits rf_scene_traits( const RfScene* scene, const RfEye* eyes, int eye_
     traits.scattered = traits.lens || traits.shutter;
     traits.materials = scene->material_count;
     traits.most_lights += (uint32_t)scene->punctual_count + 1;
-    if ( traits.chain_triangles > 0 && !traits.panes && !traits.blended )
+    if ( settings->light_paths == RF_LIGHT_PATHS_AUTO && traits.chain_triangles > 0 && !traits.panes && !traits.blended )
         traits.emitters = rf_divide_emitters( scene, NULL );
     return traits;
 }

@@ -237,11 +237,12 @@ static void test_noise_is_measured( void** state )
 {
     (void)state;
     RfScene scene = make_glass_room();
-    RfSceneTraits glass = rf_scene_traits( &scene, NULL, 0 );
+    RfRenderSettings settings = rf_default_render_settings();
+    RfSceneTraits glass = rf_scene_traits( &scene, NULL, 0, &settings );
     assert_true( rf_noise_differs( &glass ) );
     rf_destroy_scene( &scene );
     scene = make_room( ROOM_PHONG );
-    RfSceneTraits walls = rf_scene_traits( &scene, NULL, 0 );
+    RfSceneTraits walls = rf_scene_traits( &scene, NULL, 0, &settings );
     assert_true( !rf_noise_differs( &walls ) );
     rf_destroy_scene( &scene );
 }

@@ -60,7 +60,7 @@ static void test_every_trait_has_its_row( void** state )
         RfEffect rows[RF_MAX_EFFECTS];
         rf_set_lens( eyes, k % 2 == 0 ? 0.0 : 0.05, 2.0, 0, 0.0 );
         eyes[1].moves = k % 2 == 0 ? 0 : 1;
-        RfSceneTraits traits = rf_scene_traits( &scene, eyes, EYES );
+        RfSceneTraits traits = rf_scene_traits( &scene, eyes, EYES, &settings );
         assert_int_equal( rf_list_render_effects( &scene, eyes, EYES, &settings, rows ), RF_EFFECT_COUNT );
 #define CHECK( flag, effect )                                                                                                    \
     assert_int_equal( rows[RF_EFFECT_##effect].on, traits.flag );                                                                \
