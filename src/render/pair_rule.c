@@ -4,11 +4,13 @@
 
 #include <math.h>
 
-// With these weights of both frames and of what they share.
+// With these weights of both frames and of what they share. 0: the later frame has none, and none are planned yet.
 static double f1_squared_of( const RfPairNow* pair, double end, double shared, double now_end )
 {
     const RfFlicker* f = &pair->flicker;
     double before = pair->before->weight, now = pair->now->weight;
+    if ( !( now_end > 0.0 ) )
+        return 0.0;
     return f->before * before / end + f->now * now / now_end - 2.0 * f->product * before * shared / ( end * now_end );
 }
 
