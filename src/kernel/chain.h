@@ -84,4 +84,15 @@ static inline void rf_steer( RfEmission* e, float s1, float s2 )
         e->direction = rf_normalize( rf_add( e->direction, shift ) );
 }
 
+// Ray number `i` of a block, as rf_trace_nearest and rf_trace_segments take them.
+static inline void rf_put_ray( float o[3][RF_CHAIN_BLOCK], float d[3][RF_CHAIN_BLOCK], int i, RfVec3 from, RfVec3 way )
+{
+    o[0][i] = from.x;
+    o[1][i] = from.y;
+    o[2][i] = from.z;
+    d[0][i] = way.x;
+    d[1][i] = way.y;
+    d[2][i] = way.z;
+}
+
 #endif

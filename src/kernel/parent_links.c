@@ -82,12 +82,7 @@ static void test_visibility( RfLinkWork* w )
         if ( !link->open )
             continue;
         RfVec3 from = rf_parent_start( link->path ), way = rf_sub( rf_start_of( w->v, link->lane ), from );
-        o[0][count] = from.x;
-        o[1][count] = from.y;
-        o[2][count] = from.z;
-        d[0][count] = way.x;
-        d[1][count] = way.y;
-        d[2][count] = way.z;
+        rf_put_ray( o, d, count, from, way );
         index[count++] = k;
     }
     const float *from[3] = { o[0], o[1], o[2] }, *way[3] = { d[0], d[1], d[2] };
@@ -137,12 +132,7 @@ static int try_again( RfLinkWork* w, uint32_t trial, bool* pending )
         link->repeats += pending[k] ? 1.0f : 0.0f;
         if ( !pending[k] || !draw_direction( link, trial, &way ) )
             continue;
-        o[0][count] = from.x;
-        o[1][count] = from.y;
-        o[2][count] = from.z;
-        d[0][count] = way.x;
-        d[1][count] = way.y;
-        d[2][count] = way.z;
+        rf_put_ray( o, d, count, from, way );
         index[count++] = k;
     }
     const float *from[3] = { o[0], o[1], o[2] }, *way[3] = { d[0], d[1], d[2] };

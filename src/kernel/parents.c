@@ -112,12 +112,7 @@ static uint64_t scatter_block( const RfEstimatorGroup* group, RfLightPaths* path
         if ( !path->parent.scatters )
             continue;
         RfVec3 from = rf_parent_start( path ), way = draw_direction( shift, k, path->parent.ng );
-        o[0][rays] = from.x;
-        o[1][rays] = from.y;
-        o[2][rays] = from.z;
-        d[0][rays] = way.x;
-        d[1][rays] = way.y;
-        d[2][rays] = way.z;
+        rf_put_ray( o, d, rays, from, way );
         number[rays++] = k;
     }
     const float *from[3] = { o[0], o[1], o[2] }, *way[3] = { d[0], d[1], d[2] };
