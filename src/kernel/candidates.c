@@ -3,9 +3,7 @@
 
 #include <math.h>
 
-#define TRIAL_LINKS 8.0f        // of an eye's first vertex
-#define TRIAL_LINKS_BEYOND 1.0f // of others
-#define LEAST_SHARE 0.02f       // of these, where other light is so much stronger
+#define LEAST_SHARE 0.02f // of trial links, where other light is so much stronger
 
 void rf_begin_candidates( const RfLinkWork* w, int i, const RfFootprintTree* tree, RfFootprintFound* note, RfCandidates* c )
 {
@@ -17,6 +15,7 @@ void rf_begin_candidates( const RfLinkWork* w, int i, const RfFootprintTree* tre
     c->ng = rf_lane_of( v->ng, i );
     c->n = rf_lane_of( v->n, i );
     c->spent = w->vertex - 1 + ( w->keys->spent != NULL ? w->keys->spent[v->slot[i]] : 0 );
+    c->vertex = w->vertex;
     c->count = c->kept = 0;
     c->next = c->stride = 0.0;
     c->thinned = false;
@@ -44,7 +43,11 @@ void rf_note_path( void* user, uint32_t number )
     if ( c->settings->normalization != RF_KERNEL_DENSITY && ( !rf_newton_step( &path->end, c->y, c->ng, step, &miss, &spread ) ||
                                                               !( step[0] * step[0] + step[1] * step[1] <= most * most ) ) )
         return;
-    rf_keep_candidate( c, number, path->light / spread );
+    float light = path->light / spread;
+    if ( c->settings->normalization != RF_KERNEL_DENSITY )
+        light *= rf_link_weight( c->settings->paths, path->chance, -rf_dot( c->n, path->end.d ), c->vertex );
+    if ( light > 0.0f )
+        rf_keep_candidate( c, number, light );
 }
 
 float rf_find_candidates( RfCandidates* c, RfRandomKey key )
@@ -67,8 +70,7 @@ RfAcceptance rf_weigh_candidates( const RfLinkWork* w, RfRandomKey lane, float s
         a.sum += c->light[k];
     float promised = a.sum * scale * RF_INV_PI / (float)w->settings->paths->emitted;
     float share = promised / rf_maxf( promised + w->keys->lit[i], 1e-30f );
-    float most = w->settings->paths->share > 0.0f ? w->settings->paths->share : 1.0f;
-    a.trials = most * ( w->vertex == 1 ? TRIAL_LINKS : TRIAL_LINKS_BEYOND ) * rf_maxf( share, LEAST_SHARE );
+    a.trials = rf_trial_links( w->settings->paths, w->vertex ) * rf_maxf( share, LEAST_SHARE );
     return a;
 }
 

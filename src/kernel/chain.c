@@ -63,7 +63,7 @@ static void scatter_pair( RfRayPair* ray, const RfTriangleRecord* t, const RfCha
     ray->d = out;
 }
 
-static void begin( RfChain* chain )
+void rf_begin_chain( RfChain* chain )
 {
     const RfEmission* e = &chain->start;
     RfVec3 t, b, none = rf_vec3( 0, 0, 0 );
@@ -75,6 +75,7 @@ static void begin( RfChain* chain )
         chain->end.dp[k] = e->infinite ? unit : none;
         chain->end.dd[k] = e->infinite ? none : unit;
     }
+    chain->length = 0;
     chain->weight = rf_vec3( 1, 1, 1 );
     chain->probability = 1.0f;
     chain->way = 0.0f;
@@ -135,9 +136,8 @@ static bool take_event( const RfMaterial* m, RfChainVertex* v, RfVec3 ng, RfChai
            rf_max_component( chain->weight ) > 0.0f && chain->probability > 0.0f;
 }
 
-// A chain at its next delta surface. False: it ends there.
-static bool step( const RfTracer* tracer, uint32_t triangle, float bu, float bv, RfChainEvents events, RfRandomKey key,
-                  RfChain* chain )
+bool rf_step_chain( const RfTracer* tracer, uint32_t triangle, float bu, float bv, RfChainEvents events, RfRandomKey key,
+                    RfChain* chain )
 {
     const RfTriangleRecord* t = rf_tracer_triangles( tracer ) + triangle;
     const RfMaterial* m = rf_tracer_scene( tracer )->materials + t->material;
@@ -203,8 +203,7 @@ void rf_walk_chains( const RfTracer* tracer, RfChainEvents events, const RfRando
         if ( !active[i] )
             continue;
         wanted[i] = events == RF_CHAIN_COPY ? chains[i]->length : RF_MAX_CHAIN;
-        begin( chains[i] );
-        chains[i]->length = 0;
+        rf_begin_chain( chains[i] );
         add_ray( &rays, i, &chains[i]->end );
     }
     while ( rays.count > 0 )
@@ -223,7 +222,8 @@ void rf_walk_chains( const RfTracer* tracer, RfChainEvents events, const RfRando
             bool delta = m != NULL && rf_is_chain_surface( m );
             bool full = chain->length == wanted[i];
             if ( delta && !full &&
-                 step( tracer, triangle, now.u[k], now.v[k], events, keys != NULL ? keys[i] : ( RfRandomKey ){ 0, 0 }, chain ) )
+                 rf_step_chain( tracer, triangle, now.u[k], now.v[k], events, keys != NULL ? keys[i] : ( RfRandomKey ){ 0, 0 },
+                                chain ) )
             {
                 if ( events == RF_CHAIN_DRAW || chain->length < wanted[i] || land != NULL )
                     add_ray( &rays, i, &chain->end );

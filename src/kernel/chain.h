@@ -65,6 +65,12 @@ typedef struct RfLanding
 void rf_walk_chains( const RfTracer* tracer, RfChainEvents events, const RfRandomKey* keys, const bool* active, int count,
                      RfChain* const* chains, RfLanding* land, uint64_t* rays );
 
+// A chain from its start, without vertices, and its next one, at a surface that it is known to hit; a step of
+// rf_walk_chains. False: it ends there.
+void rf_begin_chain( RfChain* chain );
+bool rf_step_chain( const RfTracer* tracer, uint32_t triangle, float u, float v, RfChainEvents events, RfRandomKey key,
+                    RfChain* chain );
+
 // The ray at the plane through p with normal n: where it meets it, and how that moves. False: it does not.
 bool rf_meet_plane( const RfRayPair* ray, RfVec3 p, RfVec3 n, RfVec3* meet, RfVec3 moves[2] );
 

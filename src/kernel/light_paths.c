@@ -275,6 +275,7 @@ static uint64_t draw_block( const RfEstimatorGroup* group, RfLightPaths* paths, 
             rf_find_footprint( paths, rf_tracer_lights( group->tracer ), c, pdf, land.p[i], triangles[land.triangle[i]].ng );
         path->reach = footprint.reach;
         path->at = ( RfBall ){ land.p[i], footprint.radius };
+        path->chance = rf_chance_area( paths, c, path->reach, pdf, land.p[i] );
         path->flux = flux_of( path, c );
         path->light = rf_luminance( path->flux ) / ( path->reach * path->reach );
         if ( !( path->at.radius > 0.0f && path->light > 0.0f && path->light < INFINITY ) )

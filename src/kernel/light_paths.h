@@ -7,6 +7,9 @@
 #include "kernel/footprints.h"
 #include "render/estimator.h"
 
+#define RF_TRIAL_LINKS 8.0f        // of an eye's first vertex
+#define RF_TRIAL_LINKS_BEYOND 1.0f // of others
+
 // Where a light path lands: the parent of what is scattered there.
 typedef struct RfParent
 {
@@ -16,6 +19,7 @@ typedef struct RfParent
     float u, v, offset;
     float falloff; // of the light here, by its range
     float area;    // m², that a link covers here, over the links found in it (rf_own_weight)
+    float share;   // of its light that is left to links (rf_link_weight)
 } RfParent;
 
 // A light path with what a link needs of it.
@@ -28,6 +32,7 @@ typedef struct RfLightPath
     float reach;   // of links, in what steers: a chord of the sphere of directions, or metres
     RfBall at;     // where it lands, with its footprint
     RfVec3 flux;   // over the density of the path, W
+    float chance;  // sr, of rf_chance_area
     float light;   // luminance that it brings to all within reach: of a link, over the area that it spreads to
     RfRayPair end; // the ray that lands
     RfParent parent;
@@ -80,6 +85,24 @@ void rf_draw_light_paths( const RfEstimatorGroup* group, int pass, void* memory 
 
 // The density of what steers a chain that starts as this one does; 0: it is never drawn.
 float rf_steer_pdf( const RfLightPaths* paths, const RfChain* chain );
+
+// One over the number of links, by solid angle at p, that find the light which arrives there by a chain: a function of the path
+// alone. 0: nothing else finds it. Infinity: they do not.
+float rf_chance_area( const RfLightPaths* paths, const RfChain* chain, float reach, float steer_pdf, RfVec3 p );
+
+// Links of a path's `vertex`-th vertex that are tried at most.
+static inline float rf_trial_links( const RfLightPaths* paths, int vertex )
+{
+    return ( paths->share > 0.0f ? paths->share : 1.0f ) * ( vertex == 1 ? RF_TRIAL_LINKS : RF_TRIAL_LINKS_BEYOND );
+}
+
+// The balance weight of a link to an emitter at a path's `vertex`-th vertex against rays that are scattered there by the cosine
+// (src/reuse/estimators.md, section 16). `chance`: from rf_chance_area.
+static inline float rf_link_weight( const RfLightPaths* paths, float chance, float cosine, int vertex )
+{
+    float tried = rf_minf( rf_trial_links( paths, vertex ) / paths->links, 1.0f );
+    return tried / ( tried + chance * RF_INV_PI * rf_maxf( cosine, 1e-6f ) );
+}
 
 // A chain as it arrives at a point of a surface.
 typedef struct RfFootprint

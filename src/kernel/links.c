@@ -62,13 +62,14 @@ static void solve( RfLinkWork* w )
         if ( !link->open )
             continue;
         link->chain = w->bend[k].at;
-        link->reach = rf_find_footprint( paths, rf_tracer_lights( tracer ), &link->chain, rf_steer_pdf( paths, &link->chain ),
-                                         w->bend[k].y, w->bend[k].n )
-                          .reach;
+        RfVec3 y = w->bend[k].y;
+        float pdf = rf_steer_pdf( paths, &link->chain );
+        link->reach = rf_find_footprint( paths, rf_tracer_lights( tracer ), &link->chain, pdf, y, w->bend[k].n ).reach;
         link->open = link->reach > 0.0f && rf_steered_apart( &link->chain.start, &link->path->start ) <= link->reach;
-        RfVec3 way = rf_sub( link->chain.vertex[link->chain.length - 1].p, rf_start_of( w->v, link->lane ) );
-        link->wi = rf_normalize( way );
-        link->light = link->open ? light_of( w, link ) : rf_vec3( 0, 0, 0 );
+        link->wi = rf_normalize( rf_sub( link->chain.vertex[link->chain.length - 1].p, y ) );
+        float chance = rf_chance_area( paths, &link->chain, link->reach, pdf, y );
+        float weight = rf_link_weight( paths, chance, rf_dot( rf_lane_of( w->v->n, link->lane ), link->wi ), w->vertex );
+        link->light = link->open ? rf_scale( light_of( w, link ), weight ) : rf_vec3( 0, 0, 0 );
         link->open = link->open && rf_max_component( link->light ) > 0.0f;
         link->repeats = 1.0f;
         link->area = area_of( w, link, w->bend + k );
@@ -237,5 +238,6 @@ static void sample( const RfLinker* linker, RfWavefront* keys, const RfRayLanes*
 RfKernelLinker rf_make_linker( const RfLightPaths* paths, RfKernelNormalization normalization, const RfPathSettings* path,
                                RfLinkLanes* lanes )
 {
-    return ( RfKernelLinker ){ { sample, paths->parents, paths->linked }, path, paths, normalization, lanes };
+    RfLinker linker = { sample, paths->parents, paths->linked, lanes->trail, rf_weigh_chance };
+    return ( RfKernelLinker ){ linker, path, paths, normalization, lanes };
 }

@@ -17,6 +17,7 @@ typedef struct RfLinkLanes
     uint64_t rays;                     // traced, counted up
     uint64_t all_rays;                 // likewise, over all vertices
     uint64_t trials;                   // of the normalisation, counted up
+    RfTrail trail[RF_LANES];           // by slot
 } RfLinkLanes;
 
 typedef struct RfKernelLinker
@@ -27,6 +28,9 @@ typedef struct RfKernelLinker
     RfKernelNormalization normalization;
     RfLinkLanes* out;
 } RfKernelLinker;
+
+// The weight of a scattered ray (RfLinker).
+float rf_weigh_chance( const RfLinker* linker, const RfTrail* trail, int length, uint32_t triangle, RfVec3 point );
 
 // A linker with a workspace; all must outlive it.
 RfKernelLinker rf_make_linker( const RfLightPaths* paths, RfKernelNormalization normalization, const RfPathSettings* path,

@@ -68,7 +68,7 @@ typedef struct RfCandidates
     const RfFootprintTree* tree;
     RfFootprintFound* note; // counts those that are candidates, and keeps them by rf_keep_candidate
     RfVec3 y, ng, n;
-    int spent;
+    int spent, vertex;
     int count;
     int kept;
     uint32_t path[RF_MOST_CANDIDATES];

@@ -25,7 +25,8 @@ static bool find_way( const RfLightPaths* paths, const RfLightPath* path, RfVec3
 static float weight_of( const RfCandidates* c, const RfLightPath* path )
 {
     const RfLightPaths* paths = c->settings->paths;
-    return 1.0f - rf_own_weight( paths->parents, path->parent.area, c->y, c->n, path->at.p, path->parent.ng );
+    return path->parent.share *
+           ( 1.0f - rf_own_weight( paths->parents, path->parent.area, c->y, c->n, path->at.p, path->parent.ng ) );
 }
 
 void rf_note_particle( void* user, uint32_t number )

@@ -69,6 +69,7 @@ void rf_set_parent( const RfTracer* tracer, const RfLightPaths* paths, const RfC
     }
     bool reached = rf_newton_step( &path->end, path->at.p, parent->ng, step, &miss, &spread );
     parent->area = RF_PI * path->reach * path->reach * spread / paths->links;
+    parent->share = rf_link_weight( paths, path->chance, -rf_dot( parent->n, path->end.d ), 2 );
     parent->falloff =
         rf_emission_falloff( &path->start, chain->way + rf_length( rf_sub( path->at.p, chain->vertex[chain->length - 1].p ) ) );
     parent->scatters = reached && rf_may_scatter( tracer, chain ) && parent->falloff > 0.0f && path->length > 0 &&

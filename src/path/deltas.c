@@ -13,6 +13,14 @@ void rf_note_lit( const RfPathSettings* settings, RfWavefront* wavefront, const 
     }
 }
 
+static void begin_trail( const RfVertexLanes* v, int i, int vertex, RfTrail* trail )
+{
+    trail->n = rf_vec3( v->n[0][i], v->n[1][i], v->n[2][i] );
+    trail->ng = rf_vec3( v->ng[0][i], v->ng[1][i], v->ng[2][i] );
+    trail->start = rf_madd( rf_vec3( v->p[0][i], v->p[1][i], v->p[2][i] ), trail->ng, v->offset[i] );
+    trail->vertex = vertex;
+}
+
 void rf_count_deltas( const RfPathSettings* settings, RfWavefront* wavefront, const RfVertexLanes* v, int vertex,
                       const float* pdf )
 {
@@ -26,8 +34,31 @@ void rf_count_deltas( const RfPathSettings* settings, RfWavefront* wavefront, co
         bool follows = i >= records && vertex > 1 && pdf[i] == RF_DELTA_PDF && *deltas <= RF_MAX_CHAIN &&
                        rf_is_chain_surface( materials + v->material[i] );
         wavefront->matte[v->slot[i]] = i < records && rf_is_matte_lane( settings, v, i );
+        if ( i < records )
+            begin_trail( v, i, vertex, settings->linker->trails + v->slot[i] );
         *deltas = i < records ? 1 : follows ? (uint8_t)( *deltas + 1 ) : RF_NOT_LINKED;
     }
+}
+
+// Of a vertex lane that a path has come to by so many delta vertices.
+static void share_emission( const RfPathSettings* settings, const RfLaneScratch* hits, RfVertexLanes* v, int i, int length )
+{
+    const RfLinker* linker = settings->linker;
+    RfTrail* trail = linker->trails + v->slot[i];
+    int r = v->ray[i];
+    if ( length > 0 && linker->linked[v->material[i]] && v->light_pdf_solid_angle[i] > 0.0f )
+    {
+        RfVec3 p = rf_vec3( v->p[0][i], v->p[1][i], v->p[2][i] );
+        float weight = linker->weigh_chance( linker, trail, length, hits->triangle[r], p );
+        v->light_pdf_solid_angle[i] = weight > 0.0f ? v->light_pdf_solid_angle[i] : 0.0f;
+        for ( int c = 0; c < 3; ++c )
+            v->emission[c][i] *= weight;
+    }
+    if ( i < rf_record_count( v ) || length >= RF_MAX_CHAIN )
+        return;
+    trail->triangle[length] = hits->triangle[r];
+    trail->u[length] = hits->u[r];
+    trail->v[length] = hits->v[r];
 }
 
 void rf_leave_to_links( const RfPathSettings* settings, const RfWavefront* wavefront, RfRayLanes* rays, RfVertexLanes* vertices )
@@ -37,8 +68,8 @@ void rf_leave_to_links( const RfPathSettings* settings, const RfWavefront* wavef
     for ( int i = 0; i < vertices->count; ++i )
     {
         uint8_t deltas = wavefront->deltas[vertices->slot[i]];
-        if ( deltas > 1 && deltas != RF_NOT_LINKED && settings->linker->linked[vertices->material[i]] )
-            vertices->light_pdf_solid_angle[i] = 0.0f;
+        if ( deltas != RF_NOT_LINKED )
+            share_emission( settings, &wavefront->scratch, vertices, i, deltas - 1 );
     }
     bool sky = settings->linker->linked[rf_tracer_scene( settings->tracer )->material_count];
     for ( int r = 0; r < rays->count && sky; ++r )

@@ -52,8 +52,18 @@ typedef struct RfWavefront
     RfLaneScratch scratch;
 } RfWavefront;
 
-// Finds the light that reaches evaluable vertices through chains of mirrors and glass (src/kernel), in the place of
-// emission that is hit by chance.
+// How a path came from an evaluable vertex through mirrors and glass.
+typedef struct RfTrail
+{
+    RfVec3 start;                    // where rays leave the vertex
+    RfVec3 n, ng;                    // unit shading and geometric normal there
+    int vertex;                      // its number in the path
+    uint32_t triangle[RF_MAX_CHAIN]; // that were hit, with barycentrics
+    float u[RF_MAX_CHAIN], v[RF_MAX_CHAIN];
+} RfTrail;
+
+// Finds the light that reaches evaluable vertices through chains of mirrors and glass (src/kernel), which scattered rays may
+// find by chance as well.
 struct RfLinker
 {
     // Samples such light, the less the more is lit by light samples, for the path's `vertex`-th vertices, which `rays` hit,
@@ -65,6 +75,10 @@ struct RfLinker
     // Links that a point finds, on average, to parents that one light path brings into being.
     float parents;
     const bool* linked; // by material, then the sky: whose emission it finds
+    RfTrail* trails;    // by slot: workspace
+    // The weight of a scattered ray that came by `length` vertices of a trail to a point of an emitter: one less that of the
+    // links that find the same light.
+    float ( *weigh_chance )( const RfLinker* linker, const RfTrail* trail, int length, uint32_t triangle, RfVec3 point );
 };
 
 // Light samples of a vertex with those of the linker.
@@ -184,8 +198,8 @@ void rf_note_lit( const RfPathSettings* settings, RfWavefront* wavefront, const 
 void rf_count_deltas( const RfPathSettings* settings, RfWavefront* wavefront, const RfVertexLanes* vertices, int vertex,
                       const float* pdf );
 
-// Emission at the end of chains from evaluable vertices is left to the linker: what was hit does not shine, and nor does the
-// sky where nothing was hit.
+// Emission at the end of chains from evaluable vertices is shared with the linker: what was hit shines as much as its weight
+// tells; the sky where nothing was hit is left to the linker. Notes the vertices for what comes.
 void rf_leave_to_links( const RfPathSettings* settings, const RfWavefront* wavefront, RfRayLanes* rays, RfVertexLanes* vertices );
 
 // Ends the paths for which `vertex` is the last one: their throughput becomes 0.
