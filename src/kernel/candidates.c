@@ -70,7 +70,7 @@ RfAcceptance rf_weigh_candidates( const RfLinkWork* w, RfRandomKey lane, float s
         a.sum += c->light[k];
     float promised = a.sum * scale * RF_INV_PI / (float)w->settings->paths->emitted;
     float share = promised / rf_maxf( promised + w->keys->lit[i], 1e-30f );
-    a.trials = rf_trial_links( w->settings->paths, w->vertex ) * rf_maxf( share, LEAST_SHARE );
+    a.trials = rf_trial_links( w->settings->paths->share, w->vertex ) * rf_maxf( share, LEAST_SHARE );
     return a;
 }
 

@@ -128,7 +128,8 @@ static RfLightPaths* lay_out( const RfEstimatorGroup* group, void* memory )
     size_t n = rf_light_path_count( group ), s = group->traits.chain_triangles, l = group->traits.most_lights;
     char* at = memory;
     RfLightPaths* paths = take( &at, sizeof *paths );
-    paths->emitted = paths->share > 0.0f ? in_blocks( (double)paths->share * (double)n ) : (uint32_t)n;
+    paths->share = paths->share > 0.0f ? paths->share : 1.0f;
+    paths->emitted = in_blocks( (double)paths->share * (double)n );
     paths->triangle = take( &at, s * sizeof *paths->triangle );
     paths->cumulative = take( &at, s * sizeof *paths->cumulative );
     paths->pdf_area = take( &at, s * sizeof *paths->pdf_area );
@@ -170,15 +171,14 @@ RfFootprint rf_find_footprint( const RfLightPaths* paths, const RfLights* lights
 {
     RfVec3 meet, m[2];
     if ( !( pdf > 0.0f ) || !rf_meet_plane( &chain->end, p, chain->end.d, &meet, m ) )
-        return ( RfFootprint ){ 0.0f, 0.0f };
+        return ( RfFootprint ){ 0.0f, 0.0f, 0.0f };
     float a = rf_dot( m[0], m[0] ), b = rf_dot( m[0], m[1] ), c = rf_dot( m[1], m[1] ), half = 0.5f * ( a - c );
     float longest = sqrtf( 0.5f * ( a + c ) + sqrtf( half * half + b * b ) );
     float cosine = rf_maxf( fabsf( rf_dot( normal, chain->end.d ) ), 0.2f );
     float stretch = FOOTPRINT_MARGIN * longest / cosine;
-    float reach = sqrtf( paths->links / ( RF_PI * (float)paths->emitted * pdf ) );
-    reach = rf_minf( reach, chain->start.infinite ? MOST_SHIFT * lights->radius : MOST_REACH );
-    reach = rf_minf( reach, paths->most_radius / stretch );
-    return ( RfFootprint ){ reach, reach * stretch };
+    float most = rf_minf( chain->start.infinite ? MOST_SHIFT * lights->radius : MOST_REACH, paths->most_radius / stretch );
+    float reach = rf_minf( sqrtf( paths->links / ( RF_PI * (float)paths->emitted * pdf ) ), most );
+    return ( RfFootprint ){ reach, most, reach * stretch };
 }
 
 // One of `count` by a number u in [0, 1).

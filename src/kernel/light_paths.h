@@ -9,6 +9,7 @@
 
 #define RF_TRIAL_LINKS 8.0f        // of an eye's first vertex
 #define RF_TRIAL_LINKS_BEYOND 1.0f // of others
+#define RF_TRIED 0.3f              // of these where other light is as strong
 
 // Where a light path lands: the parent of what is scattered there.
 typedef struct RfParent
@@ -49,7 +50,8 @@ typedef struct RfLightPaths
 {
     bool prepared;
     int share_of;      // the group that `share` was chosen for, from 1; 0: none yet
-    float share;       // of the light paths and links of a set that is drawn; 0: all
+    float share;       // of the light paths and links of a set that is drawn
+    bool measures;     // links tell what their error would be with other shares (RfLinkLanes)
     uint32_t emitted;  // n, with those that came to nothing
     uint32_t count;    // stored
     float links;       // c: links that an eye vertex finds per way in which light comes to it, on average
@@ -83,6 +85,12 @@ size_t rf_light_paths_bytes( const RfEstimatorGroup* group );
 // Draws the light paths of a pass of a group. The same bits for any number of threads.
 void rf_draw_light_paths( const RfEstimatorGroup* group, int pass, void* memory );
 
+// The set, or NULL: none was drawn.
+static inline const RfLightPaths* rf_drawn_light_paths( const RfLightPaths* paths )
+{
+    return paths != NULL && paths->share > 0.0f ? paths : NULL;
+}
+
 // The density of what steers a chain that starts as this one does; 0: it is never drawn.
 float rf_steer_pdf( const RfLightPaths* paths, const RfChain* chain );
 
@@ -90,17 +98,24 @@ float rf_steer_pdf( const RfLightPaths* paths, const RfChain* chain );
 // alone. 0: nothing else finds it. Infinity: they do not.
 float rf_chance_area( const RfLightPaths* paths, const RfChain* chain, float reach, float steer_pdf, RfVec3 p );
 
-// Links of a path's `vertex`-th vertex that are tried at most.
-static inline float rf_trial_links( const RfLightPaths* paths, int vertex )
+// Links of a path's `vertex`-th vertex that are tried at most, with this share.
+static inline float rf_trial_links( float share, int vertex )
 {
-    return ( paths->share > 0.0f ? paths->share : 1.0f ) * ( vertex == 1 ? RF_TRIAL_LINKS : RF_TRIAL_LINKS_BEYOND );
+    return share * ( vertex == 1 ? RF_TRIAL_LINKS : RF_TRIAL_LINKS_BEYOND );
+}
+
+// The share of the links found that are tried, as weights take it: the number that the light of a vertex calls for is not known
+// from other vertices.
+static inline float rf_tried( const RfLightPaths* paths, float share, int vertex )
+{
+    return rf_minf( RF_TRIED * rf_trial_links( share, vertex ) / paths->links, 1.0f );
 }
 
 // The balance weight of a link to an emitter at a path's `vertex`-th vertex against rays that are scattered there by the cosine
 // (src/reuse/estimators.md, section 16). `chance`: from rf_chance_area.
 static inline float rf_link_weight( const RfLightPaths* paths, float chance, float cosine, int vertex )
 {
-    float tried = rf_minf( rf_trial_links( paths, vertex ) / paths->links, 1.0f );
+    float tried = rf_tried( paths, paths->share, vertex );
     return tried / ( tried + chance * RF_INV_PI * rf_maxf( cosine, 1e-6f ) );
 }
 
@@ -108,6 +123,7 @@ static inline float rf_link_weight( const RfLightPaths* paths, float chance, flo
 typedef struct RfFootprint
 {
     float reach;  // of links around it: so far that `links` of them are found on average, and no further than footprints go
+    float most;   // that footprints allow
     float radius; // of the footprint (GK 7; where it is stretched its longer axis); 0: there is none
 } RfFootprint;
 RfFootprint rf_find_footprint( const RfLightPaths* paths, const RfLights* lights, const RfChain* chain, float pdf, RfVec3 p,

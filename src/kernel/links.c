@@ -64,12 +64,13 @@ static void solve( RfLinkWork* w )
         link->chain = w->bend[k].at;
         RfVec3 y = w->bend[k].y;
         float pdf = rf_steer_pdf( paths, &link->chain );
-        link->reach = rf_find_footprint( paths, rf_tracer_lights( tracer ), &link->chain, pdf, y, w->bend[k].n ).reach;
+        RfFootprint footprint = rf_find_footprint( paths, rf_tracer_lights( tracer ), &link->chain, pdf, y, w->bend[k].n );
+        link->reach = footprint.reach;
+        link->most = (float)paths->emitted / paths->share * pdf * RF_PI * footprint.most * footprint.most;
         link->open = link->reach > 0.0f && rf_steered_apart( &link->chain.start, &link->path->start ) <= link->reach;
         link->wi = rf_normalize( rf_sub( link->chain.vertex[link->chain.length - 1].p, y ) );
-        float chance = rf_chance_area( paths, &link->chain, link->reach, pdf, y );
-        float weight = rf_link_weight( paths, chance, rf_dot( rf_lane_of( w->v->n, link->lane ), link->wi ), w->vertex );
-        link->light = link->open ? rf_scale( light_of( w, link ), weight ) : rf_vec3( 0, 0, 0 );
+        link->chance = rf_chance_area( paths, &link->chain, link->reach, pdf, y );
+        link->light = link->open && link->chance < INFINITY ? light_of( w, link ) : rf_vec3( 0, 0, 0 );
         link->open = link->open && rf_max_component( link->light ) > 0.0f;
         link->repeats = 1.0f;
         link->area = area_of( w, link, w->bend + k );
@@ -111,8 +112,13 @@ static float own_weight( const RfLinkWork* w, const RfLink* link )
 
 static void add( RfLinkWork* w, const RfLink* link )
 {
-    float n = (float)w->settings->paths->emitted, found = RF_PI * link->reach * link->reach * n;
-    RfVec3 light = rf_scale( link->light, link->repeats * own_weight( w, link ) / found );
+    const RfLightPaths* paths = w->settings->paths;
+    float found = RF_PI * link->reach * link->reach * (float)paths->emitted, weight = own_weight( w, link );
+    if ( w->settings->normalization != RF_KERNEL_DENSITY )
+        weight *= rf_link_weight( paths, link->chance, rf_dot( rf_lane_of( w->v->n, link->lane ), link->wi ), w->vertex );
+    if ( paths->measures )
+        rf_measure_link( w, link, rf_luminance( link->light ) * link->repeats / found );
+    RfVec3 light = rf_scale( link->light, link->repeats * weight / found );
     if ( rf_max_component( light ) > 0.0f )
         rf_add_light( w, link->lane, link->key, link->wi, light, link->area );
 }
@@ -168,6 +174,7 @@ static void link_lane( RfLinkWork* w, RfRandomKey lane, int i )
         RfLink* link = w->link + w->count;
         *link = ( RfLink ){ .lane = i, .path = w->settings->paths->path + c.path[k] };
         link->scale = rf_accept( &trials, &c, k, &link->key );
+        link->offered = trials.trials * c.light[k] / ( trials.sum * w->settings->paths->share );
         w->count += link->scale > 0.0f;
         if ( w->count == RF_CHAIN_BLOCK )
             flush( w );
@@ -189,6 +196,7 @@ void rf_link_vertices( const RfKernelLinker* linker, RfWavefront* keys, const Rf
     memset( w.chosen, 0, sizeof w.chosen );
     int count = rf_record_count( v );
     out->rays = out->trials = 0;
+    out->searched += (uint64_t)count;
     memset( out->light, 0, sizeof out->light );
     memset( out->one, 0, sizeof out->one );
     memset( out->found, 0, sizeof out->found );

@@ -6,6 +6,10 @@
 #include "kernel/light_paths.h"
 #include "path/wavefront.h"
 
+// Shares of light paths and links, the first of them none.
+#define RF_LINK_SHARES 7
+extern const float rf_link_shares[RF_LINK_SHARES];
+
 // What links bring to each vertex lane, in place of radiance times the cosine over its density.
 typedef struct RfLinkLanes
 {
@@ -17,7 +21,10 @@ typedef struct RfLinkLanes
     uint64_t rays;                     // traced, counted up
     uint64_t all_rays;                 // likewise, over all vertices
     uint64_t trials;                   // of the normalisation, counted up
-    RfTrail trail[RF_LANES];           // by slot
+    uint64_t searched;                 // vertices, counted up
+    double moment[RF_LINK_SHARES]; // of the light that links and chance bring to first vertices, the sum of the squares that are
+                                   // expected with each of rf_link_shares; counted up where light paths measure
+    RfTrail trail[RF_LANES];       // by slot
 } RfLinkLanes;
 
 typedef struct RfKernelLinker

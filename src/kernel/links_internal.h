@@ -20,6 +20,9 @@ typedef struct RfLink
     const RfLightPath* path;
     RfRandomKey key;
     float scale;   // one over the probability with which it was accepted
+    float offered; // that probability with all links, more than one perhaps
+    float chance;  // of rf_chance_area
+    float most;    // links of a way that all light paths could find; `links` of them are wanted
     RfChain chain; // solved
     float reach;   // of the solution
     float repeats; // trials until it was found again
@@ -125,6 +128,9 @@ void rf_flush_parents( RfLinkWork* work );
 
 // Adds the light of a link to its lane.
 void rf_add_light( RfLinkWork* work, int i, RfRandomKey key, RfVec3 wi, RfVec3 light, float area );
+
+// Counts up what the square of this light would be with other shares, before its balance weight.
+void rf_measure_link( const RfLinkWork* work, const RfLink* link, float light );
 
 // Finds candidates; of more than there is room for every k-th. Returns one over the probability of being among them.
 float rf_find_candidates( RfCandidates* candidates, RfRandomKey key );

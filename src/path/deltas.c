@@ -1,4 +1,4 @@
-// With a linker (src/kernel): which emission is left to it.
+// With a linker (src/kernel): which emission it finds as well.
 #include "path/wavefront.h"
 
 void rf_note_lit( const RfPathSettings* settings, RfWavefront* wavefront, const RfLightLanes* lights, int sample, int count )

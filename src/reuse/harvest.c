@@ -46,7 +46,7 @@ RfHarvest rf_make_harvest( const RfEstimatorGroup* group )
         .round = group->round,
         .packed = group->packed,
         .first_hits_only = group->first_hits_only,
-        .light_paths = group->shared,
+        .light_paths = rf_drawn_light_paths( group->shared ),
         .kernel_normalization = settings->kernel_normalization,
     };
 }

@@ -5,14 +5,24 @@
 #include <limits.h>
 #include <string.h>
 
-#define MOST_JOBS 8
-#define LEAST_SHARE 0.03     // a caustic may lie where no batch of these looks
+#define MOST_JOBS 6
+#define LEAST_JOBS 1
+#define AHEAD 0.1       // of the batches of a pass, twice
+#define AT_AHEAD 4      // of rf_link_shares, with which they are traced
+#define LEAST_NEEDED 4  // likewise, for lamps without size, suns and the sky
+#define LEAST_REST 0.25 // of the error, that is taken not to be that of links
+#define LEAST_MEAN 0.1  // of the square of the mean: dark batches are no darker
+#define GAIN 0.85       // that links must bring, or there are none
+// costs, in rays that are traced in packets
+#define LINK_RAY 5.0
+#define SEARCH 3.5           // for light paths around a vertex
 #define PASS ( INT_MAX - 2 ) // and the next: their random numbers are no other pass's
 
 // Irradiance found at each hit by a batch, by slot; negative: there is none.
 typedef struct Found
 {
     float light[RF_LANES];
+    double moment[RF_LINK_SHARES]; // RfLinkLanes
 } Found;
 
 typedef struct Pilot
@@ -21,8 +31,8 @@ typedef struct Pilot
     RfRenderSettings settings;
     RfHitBatch* batch;
     RfHarvestScratch* scratch;
-    Found *first, *other_paths, *other_pass; // by batch
-    uint64_t rays, link_rays;
+    Found *first, *other; // by batch
+    uint64_t rays, link_rays, searched;
 } Pilot;
 
 static size_t aligned( size_t bytes ) { return ( bytes + 63 ) / 64 * 64; }
@@ -31,7 +41,7 @@ size_t rf_link_share_bytes( const RfEstimatorGroup* group )
 {
     RfBatchShape shape = rf_batch_shape( group );
     return aligned( sizeof( Pilot ) ) + aligned( sizeof( RfHitBatch ) ) + aligned( rf_batch_bytes( &shape ) ) +
-           aligned( rf_harvest_scratch_bytes( &shape ) ) + 3 * MOST_JOBS * aligned( sizeof( Found ) );
+           aligned( rf_harvest_scratch_bytes( &shape ) ) + 2 * MOST_JOBS * aligned( sizeof( Found ) );
 }
 
 static Pilot* lay_out( const RfEstimatorGroup* group, void* memory )
@@ -50,8 +60,7 @@ static Pilot* lay_out( const RfEstimatorGroup* group, void* memory )
     pilot->scratch = rf_lay_out_harvest_scratch( &shape, at );
     at += aligned( rf_harvest_scratch_bytes( &shape ) );
     pilot->first = (Found*)(void*)at;
-    pilot->other_paths = (Found*)(void*)( at + MOST_JOBS * aligned( sizeof( Found ) ) );
-    pilot->other_pass = (Found*)(void*)( at + 2 * MOST_JOBS * aligned( sizeof( Found ) ) );
+    pilot->other = (Found*)(void*)( at + MOST_JOBS * aligned( sizeof( Found ) ) );
     return pilot;
 }
 
@@ -70,7 +79,8 @@ static void trace( Pilot* pilot, const RfLightPaths* paths, int pass, int count,
     {
         RfRayCounts now = { 0 };
         int at = (int)( ( (int64_t)2 * k + 1 ) * all / ( 2 * count ) ), jobs = all / pilot->group.eye_count;
-        s->links->all_rays = 0;
+        s->links->all_rays = s->links->searched = 0;
+        memset( s->links->moment, 0, sizeof s->links->moment );
         s->wavefront.path_rays = s->wavefront.shadow_rays = 0;
         rf_harvest_batch( &harvest, ( RfTraceJob ){ .eye = at / jobs, .job = at % jobs, .pass = pass }, pilot->batch, s, &now );
         for ( int i = 0; i < RF_LANES; ++i )
@@ -82,7 +92,9 @@ static void trace( Pilot* pilot, const RfLightPaths* paths, int pass, int count,
                                    luminance_of( s->links->light, i );
         }
         pilot->rays += now.primary + now.path + now.shadow + now.tile + now.eye;
+        memcpy( found[k].moment, s->links->moment, sizeof found[k].moment );
         pilot->link_rays += s->links->all_rays;
+        pilot->searched += s->links->searched;
         rays->primary += now.primary;
         rays->path += now.path;
         rays->shadow += now.shadow;
@@ -91,8 +103,14 @@ static void trace( Pilot* pilot, const RfLightPaths* paths, int pass, int count,
     }
 }
 
-// Half the mean square of the difference of two samples, over the square of their mean.
-static double variance( const Found* a, const Found* b )
+// Of two samples of a batch: half the mean square of their difference, and the square of their mean.
+typedef struct Pair
+{
+    double error, square;
+    int count;
+} Pair;
+
+static Pair compare( const Found* a, const Found* b )
 {
     double squares = 0.0, sum = 0.0;
     int count = 0;
@@ -105,37 +123,83 @@ static double variance( const Found* a, const Found* b )
         sum += 0.5 * ( (double)a->light[i] + (double)b->light[i] );
         count += 1;
     }
-    return sum > 0.0 ? squares * count / ( sum * sum ) : 0.0;
+    return count > 0 ? ( Pair ){ squares / count, sum / count * sum / count, count } : ( Pair ){ 0.0, 0.0, 0 };
 }
 
-// Variance V/s + W and cost s C + D are least together at s = sqrt( V D / ( W C ) ).
-static double best_share( double links, double all, double link_cost, double rest_cost )
+// The error of all light, relative and on average over the batches, and the part of each share of links.
+static double find_errors( const Pilot* pilot, int count, double* moment )
 {
-    double rest = fmax( all - links, 0.0 );
-    if ( !( rest > 0.0 ) )
-        return 1.0;
-    return fmin( fmax( sqrt( links * rest_cost / ( rest * fmax( link_cost, 1.0 ) ) ), LEAST_SHARE ), 1.0 );
+    Pair pair[MOST_JOBS];
+    double square = 0.0, all = 0.0;
+    for ( int k = 0; k < count; ++k )
+    {
+        pair[k] = compare( pilot->first + k, pilot->other + k );
+        square += LEAST_MEAN * pair[k].square / count;
+    }
+    for ( int k = 0; k < count && square > 0.0; ++k )
+    {
+        double scale = 1.0 / ( pair[k].square + square );
+        all += pair[k].error * scale;
+        for ( int s = 0; s < RF_LINK_SHARES && pair[k].count > 0; ++s )
+            moment[s] += 0.5 * ( pilot->first[k].moment[s] + pilot->other[k].moment[s] ) / pair[k].count * scale;
+    }
+    return all;
+}
+
+// The first of rf_link_shares that may be chosen: none, unless links are asked for. Light that nothing else finds has more of
+// them, or it would be left to spikes.
+static int least_share( const RfEstimatorGroup* group, const RfLightPaths* paths )
+{
+    for ( uint32_t i = 0; i < paths->light_count; ++i )
+    {
+        if ( paths->light[i] >= rf_tracer_lights( group->tracer )->triangle_count )
+            return LEAST_NEEDED;
+    }
+    return group->settings->light_paths == RF_LIGHT_PATHS_ON ? 1 : 0;
+}
+
+// Of the batches that were traced ahead.
+typedef struct Costs
+{
+    double per_share, search; // of links: of all of them, and of any
+    double rest;
+} Costs;
+
+// Of the shares that links have measured, that of the least error times cost. Links pay only where they gain enough.
+static float best_share( const double* moment, double error, const Costs* costs, int first )
+{
+    double rest = fmax( error - moment[AT_AHEAD], LEAST_REST * error ), least = INFINITY;
+    int best = first;
+    for ( int k = first; k < RF_LINK_SHARES; ++k )
+    {
+        double cost = costs->rest + ( k > 0 ? costs->search + (double)rf_link_shares[k] * costs->per_share : 0.0 );
+        double product = ( rest + moment[k] ) * cost / ( k > 0 ? GAIN : 1.0 );
+        if ( !( product < least ) )
+            continue;
+        least = product;
+        best = k;
+    }
+    return rf_link_shares[best];
 }
 
 void rf_choose_link_share( const RfEstimatorGroup* group, RfLightPaths* paths, void* memory, RfRayCounts* rays )
 {
     Pilot* pilot = lay_out( group, memory );
     RfHarvest harvest = rf_make_harvest( group );
-    int all = harvest.patches.count * group->eye_count, count = all / 3 < 1 ? 1 : all / 3 < MOST_JOBS ? all / 3 : MOST_JOBS;
-    paths->share = 1.0f;
-    rf_draw_light_paths( group, PASS + 1, paths );
-    uint64_t drawn = paths->rays;
-    trace( pilot, paths, PASS, count, all, pilot->other_paths, rays );
+    int all = harvest.patches.count * group->eye_count, count = (int)fmax( AHEAD * all, LEAST_JOBS );
+    count = count > MOST_JOBS ? MOST_JOBS : count > all ? all : count;
+    paths->measures = group->settings->kernel_normalization != RF_KERNEL_DENSITY;
+    paths->share = paths->measures ? rf_link_shares[AT_AHEAD] : 1.0f;
+    if ( !paths->measures )
+        return;
     rf_draw_light_paths( group, PASS, paths );
-    rays->path += drawn + paths->rays;
+    rays->path += paths->rays;
     trace( pilot, paths, PASS, count, all, pilot->first, rays );
-    trace( pilot, paths, PASS + 1, count, all, pilot->other_pass, rays );
-    double links = 0.0, both = 0.0;
-    for ( int k = 0; k < count; ++k )
-    {
-        links += variance( pilot->first + k, pilot->other_paths + k );
-        both += variance( pilot->first + k, pilot->other_pass + k );
-    }
-    double link_rays = (double)pilot->link_rays + 3.0 * (double)paths->rays * count / all;
-    paths->share = (float)best_share( links, both, link_rays, (double)( pilot->rays - pilot->link_rays ) );
+    trace( pilot, paths, PASS + 1, count, all, pilot->other, rays );
+    paths->measures = false;
+    double moment[RF_LINK_SHARES] = { 0.0 }, error = find_errors( pilot, count, moment );
+    double links = (double)pilot->link_rays + 2.0 * (double)paths->rays * count / all;
+    Costs costs = { LINK_RAY * links / (double)paths->share, SEARCH * (double)pilot->searched,
+                    (double)( pilot->rays - pilot->link_rays ) };
+    paths->share = best_share( moment, error, &costs, least_share( group, paths ) );
 }

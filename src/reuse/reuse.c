@@ -64,6 +64,8 @@ static void prepare( const RfEstimatorGroup* group, int pass, void* shared, RfRa
     if ( paths->share_of != group->number + 1 )
         rf_choose_link_share( group, paths, (char*)shared + rf_light_paths_bytes( group ), rays );
     paths->share_of = group->number + 1;
+    if ( rf_drawn_light_paths( paths ) == NULL )
+        return;
     rf_draw_light_paths( group, pass, shared );
     rays->path += paths->rays;
 }

@@ -78,7 +78,7 @@ static Images ceiling_images( RfPunctual lamp, bool squares, bool mirror, int sp
 
 static void check_lamp( const char* what, RfPunctual lamp )
 {
-    Images linked = ceiling_images( lamp, false, true, samples( 4 ) ),
+    Images linked = ceiling_images( lamp, false, true, samples( 48 ) ),
            mirrored = ceiling_images( lamp, false, false, samples( 16 ) );
     assert_unbiased( what, &linked, &mirrored, 4 );
     free_images( &linked );

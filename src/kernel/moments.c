@@ -1,0 +1,39 @@
+// What the error would be with other shares of light paths and links (src/reuse/estimators.md, section 16).
+#include "kernel/links_internal.h"
+
+#define SCATTERED 0.5f // that a surface is taken to scatter of what arrives, beyond the first vertex
+
+const float rf_link_shares[RF_LINK_SHARES] = { 0.0f, 0.03f, 0.06f, 0.125f, 0.25f, 0.5f, 1.0f };
+
+// How the light of a vertex counts at the first one.
+static float throughput_of( const RfLinkWork* w, int i )
+{
+    if ( w->vertex == 1 )
+        return 1.0f;
+    int r = w->v->ray[i];
+    return SCATTERED *
+           ( w->rays == NULL
+                 ? 1.0f
+                 : rf_luminance( rf_vec3( w->rays->throughput[0][r], w->rays->throughput[1][r], w->rays->throughput[2][r] ) ) );
+}
+
+void rf_measure_link( const RfLinkWork* w, const RfLink* link, float light )
+{
+    const RfChain* chain = &link->chain;
+    float cosine = rf_dot( rf_lane_of( w->v->n, link->lane ), link->wi ), chance = RF_INV_PI * cosine,
+          through = throughput_of( w, link->lane );
+    // what a scattered ray that finds the same light brings
+    float found = rf_luminance( rf_mul( chain->start.radiance, chain->weight ) ) * cosine / ( chance * chain->probability );
+    float wanted = w->settings->paths->links, found_now = rf_minf( wanted, w->settings->paths->share * link->most );
+    for ( int k = 0; k < RF_LINK_SHARES; ++k )
+    {
+        float share = rf_link_shares[k], tried = rf_tried( w->settings->paths, share, w->vertex );
+        float fewer = share > 0.0f ? found_now / rf_minf( wanted, share * link->most ) : 0.0f;
+        float weight = share == 0.0f ? 0.0f : link->chance > 0.0f ? tried / ( tried + link->chance * fewer * chance ) : 1.0f;
+        float accepted = rf_minf( w->settings->paths->share * link->offered, 1.0f ),
+              then = rf_minf( share * link->offered, 1.0f );
+        float by_links = share > 0.0f ? weight * weight * light * light * fewer * accepted / then : 0.0f;
+        float by_chance = ( 1.0f - weight ) * ( 1.0f - weight ) * light * found;
+        w->out->moment[k] += (double)( through * through ) * (double)( by_links + by_chance );
+    }
+}
