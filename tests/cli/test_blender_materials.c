@@ -110,15 +110,16 @@ static void test_means_are_those_of_cycles( void** state )
     {
         const char* name;
         bool is_baked;
-    } scenes[] = { { "procedural", true },  { "images", false },  { "mapped", true },       { "glass", false },
-                   { "transparent", true }, { "emission", true }, { "no_material", false }, { "groups", true } };
+    } scenes[] = { { "procedural", true },   { "images", false },     { "mapped", true },
+                   { "glass", false },       { "transparent", true }, { "emission", true },
+                   { "no_material", false }, { "groups", true },      { "lamps", false } };
     if ( !enter_with_blender() )
         skip();
-    assert_int_equal( cli_run( MAKE
-                               "procedural images mapped glass transparent emission no_material groups --samples 256 --size " SIZE
-                               " > log 2>&1" )
-                          ->status,
-                      0 );
+    assert_int_equal(
+        cli_run( MAKE "procedural images mapped glass transparent emission no_material groups lamps --samples 256 --size " SIZE
+                      " > log 2>&1" )
+            ->status,
+        0 );
     for ( size_t i = 0; i < sizeof scenes / sizeof scenes[0]; ++i )
     {
         const CliResult* done = cli_run( BLENDER "%s.blend -P " REFRAME_SOURCE_DIR
