@@ -220,8 +220,7 @@ class Folder:
     def fold_mix(self, node):
         factor = node.inputs[0]
         source = factor.links[0].from_socket if factor.is_linked else None
-        glass = as_glass(self, node, source)
-        if glass is not None:
+        if (glass := as_glass(self, node, source)) is not None:
             return glass
         a, b = self.fold(node.inputs[1]), self.fold(node.inputs[2])
         if source is not None and source.node.type == "NEW_GEOMETRY" and source.name == "Backfacing":

@@ -221,6 +221,8 @@ static void test_looks_of_other_rays( void** state )
         assert_true( pane->kind == RF_BSDF_GLASS && pane->thin );
         assert_true( fabsf( pane->ior - ( i == 2 ? 1.4f : 1.45f ) ) < 1e-5f );
     }
+    const RfMaterial* marble = find_material( &scene, "marble" );
+    assert_true( marble->kind == RF_BSDF_GLASS && !marble->thin && fabsf( marble->ior - 1.35f ) < 1e-5f );
     rf_destroy_scene( &scene );
     cli_leave();
 }

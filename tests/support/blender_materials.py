@@ -159,8 +159,7 @@ def mapped():
 def glass():
     plain_room(strength=1.0, size=3.6)
     s = Shader("glass")
-    both = s.mix(s.add("Fresnel", IOR=1.45), s.add("BsdfRefraction", IOR=1.45, Roughness=0.0), s.add("BsdfGlossy", Roughness=0.0, Color=grey(1.0)))
-    put("uv_sphere", s.done(both), segments=48, ring_count=24, radius=0.6, location=(-0.7, 0.3, -0.8))
+    put("uv_sphere", s.done(s.add("BsdfGlass", IOR=1.45, Roughness=0.0)), segments=48, ring_count=24, radius=0.6, location=(-0.7, 0.3, -0.8))
     bpy.ops.object.shade_smooth()
     s = Shader("frosted")
     put("cube", s.done(s.add("BsdfGlass", IOR=1.5, Roughness=0.4)), size=0.9, location=(0.8, 0.6, -1.2))
@@ -267,15 +266,19 @@ def other_rays():
     s = Shader("facade")
     put("plane", s.done(s.mix(s.add("Fresnel", IOR=1.4), s.add("BsdfTransparent", Color=(0.8, 0.9, 1.0, 1.0)), s.add("BsdfGlossy", Roughness=0.0))), size=1.0,
         location=(0.0, 1.0, -0.8)).rotation_euler = (1.2, 0.0, 0.0)
+    s = Shader("marble")
+    both = s.mix(s.add("Fresnel", IOR=1.35), s.add("BsdfRefraction", IOR=1.35, Roughness=0.0), s.add("BsdfGlossy", Roughness=0.0, Color=grey(1.0)))
+    put("uv_sphere", s.done(both), radius=0.2, location=(0.0, 0.4, -1.6))
 
 
 def lamps():
-    """Area lamps, one with nodes, a portal, a spot, and a point with the colour of a black body."""
+    """Area lamps, one with nodes, a portal, a spot, and a point with the colour of a black body. Area lamps are small: here
+    they take the light that falls on them, which in Cycles passes."""
     inwards(put("cube", diffuse("wall", grey(0.6)), size=2.0 * ROOM))
     shapes = ("SQUARE", (-1.0, 0.6)), ("DISK", (0.0, 0.6)), ("ELLIPSE", (1.0, 0.6)), ("RECTANGLE", (0.0, -0.6))
     for shape, (x, y) in shapes:
         o = hang("AREA", (x, y, ROOM - 0.02), 30.0)
-        o.data.shape, o.data.size, o.data.size_y = shape, 0.8, 0.5
+        o.data.shape, o.data.size, o.data.size_y = shape, 0.4, 0.25
         o.data.cycles.is_portal = shape == "RECTANGLE"
     o.data.energy = 1e4  # which a portal does not give
     kelvin = nodes_of(hang("POINT", (-0.8, -0.5, 0.5), 20.0), 1.5)
