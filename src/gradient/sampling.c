@@ -196,7 +196,8 @@ static bool drop_unshared( const RfTileReuse* reuse, bool shares, RfArrivals* ar
 {
     bool shared[RF_LANES] = { false }, any = false;
     const RfVertexLanes* y = &reuse->second;
-    for ( int a = 0; a < rf_record_count( y ) && shares; ++a )
+    int count = shares && y->count > 0 ? rf_record_count( y ) : 0; // without rays, the vertices are not sorted by kind
+    for ( int a = 0; a < count; ++a )
         shared[y->slot[a]] = reuse->owner[a] >= 0;
     for ( int c = 0; c < 3; ++c )
     {
