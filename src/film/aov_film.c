@@ -250,9 +250,12 @@ void rf_finish_aov( const RfAovFilm* film, RfAov aov, const RfFilm* colour, RfFi
     switch ( aov )
     {
         case RF_AOV_VARIANCE: rf_estimate_variance( colour, combine, image ); break;
-        case RF_AOV_PRIMAL:
+        case RF_AOV_PRIMAL: rf_combine_film( colour, RF_FILM_RATIO, image, NULL ); break;
         case RF_AOV_DX:
-        case RF_AOV_DY: rf_combine_film( colour + ( aov - RF_AOV_PRIMAL ), RF_FILM_RATIO, image, NULL ); break;
+        case RF_AOV_DY:
+            rf_combine_film( colour + ( aov - RF_AOV_PRIMAL ), RF_FILM_RATIO, image, NULL );
+            rf_add_film_steps( colour + RF_UNSHARED_FILM, 0, 1, aov == RF_AOV_DY, image );
+            break;
         case RF_AOV_ALPHA: rf_combine_alpha( colour, combine, mean, image ); break;
         case RF_AOV_SAMPLES:
             for ( size_t i = 0; i < pixels; ++i )

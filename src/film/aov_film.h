@@ -9,6 +9,9 @@
 #include "path/lanes.h"
 #include "scene/eye.h"
 
+// Of the films of gradients, what differences lack (src/gradient/gradient_films.h).
+#define RF_UNSHARED_FILM 4
+
 typedef struct RfAovFilm
 {
     // per pixel, NULL where not asked for

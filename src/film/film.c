@@ -109,3 +109,27 @@ void rf_estimate_variance( const RfFilm* film, RfFilmCombine combine, float* var
         }
     }
 }
+
+static double mean_of_halves( const RfFilm* film, int first, int last, size_t i, size_t c )
+{
+    double sum = 0.0, count = 0.0;
+    for ( int h = first; h <= last; ++h )
+    {
+        const double* total = film->total[h];
+        sum += (double)film->half[h][4 * i + c] + ( total != NULL ? total[4 * i + c] : 0.0 );
+        count += (double)film->half[h][4 * i + 3] + ( total != NULL ? total[4 * i + 3] : 0.0 );
+    }
+    return count > 0.0 ? sum / count : 0.0;
+}
+
+void rf_add_film_steps( const RfFilm* film, int first, int last, bool down, float* image )
+{
+    size_t width = (size_t)film->width, height = (size_t)film->height, step = down ? width : 1;
+    for ( size_t i = 0; i < width * height; ++i )
+    {
+        bool inside = down ? i / width + 1 < height : i % width + 1 < width;
+        for ( size_t c = 0; c < 3 && inside; ++c )
+            image[3 * i + c] +=
+                (float)( mean_of_halves( film, first, last, i + step, c ) - mean_of_halves( film, first, last, i, c ) );
+    }
+}

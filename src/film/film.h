@@ -64,6 +64,10 @@ void rf_combine_film( const RfFilm* film, RfFilmCombine combine, float* rgb, flo
 // The same for pixels [first, first + count) only.
 void rf_combine_film_pixels( const RfFilm* film, RfFilmCombine combine, size_t first, size_t count, float* rgb, float* weight );
 
+// Adds to each pixel of `image` what the mean of its right neighbour, or of the one below, has more than its own: of the halves
+// `first` to `last`.
+void rf_add_film_steps( const RfFilm* film, int first, int last, bool down, float* image );
+
 // Coverage of the pixels by what camera rays hit, combined like the colour. `sky`: the weight of the rays that missed,
 // a plane of pixels for each half.
 void rf_combine_alpha( const RfFilm* film, RfFilmCombine combine, const float* sky, float* alpha );

@@ -25,6 +25,14 @@ static inline void add_difference( const Target* t, int film, size_t pixel, cons
     add( t, film, pixel, t->weight, ( float[3] ){ there[0] - here[0], there[1] - here[1], there[2] - here[2] } );
 }
 
+static inline void add_unshared( const Target* t, size_t pixel, const float value[3] )
+{
+    float* sum = t->film[RF_FILM_UNSHARED] + 4 * pixel;
+    for ( int c = 0; c < 3; ++c )
+        sum[c] += t->primal_weight * value[c];
+    sum[3] += t->primal_weight;
+}
+
 // Adds the rows of a tile that belong to the job. All its pixels and pairs count, also those that other tiles have.
 static uint64_t add_tile( const Target* t, const RfExtendedTile* tile, const RfGradientBatch* batch, int lane,
                           RfAccumulateJob job )
@@ -38,6 +46,7 @@ static uint64_t add_tile( const Target* t, const RfExtendedTile* tile, const RfG
             int here = lane + ( y - tile->y0 ) * across + ( x - tile->x0 );
             size_t pixel = (size_t)y * (size_t)t->width + (size_t)x;
             add( t, RF_FILM_PRIMAL, pixel, t->primal_weight, batch->value[here] );
+            add_unshared( t, pixel, batch->unshared[here] );
             if ( x + 1 < tile->x1 )
                 add_difference( t, RF_FILM_DX, pixel, batch->common[here], batch->common[here + 1] );
             if ( y + 1 < tile->y1 )

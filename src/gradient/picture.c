@@ -76,6 +76,13 @@ static void find_means( const RfFilm* films, int f, int h, float* mean, float* v
     }
 }
 
+// Differences get what tiles do not share from the means of the pixels, so that all four of a pixel have the same.
+static void add_unshared( const RfFilm* films, int first, int last, float* means )
+{
+    for ( int f = RF_FILM_DX; f <= RF_FILM_DY; ++f )
+        rf_add_film_steps( films + RF_FILM_UNSHARED, first, last, f == RF_FILM_DY, means + 3 * pixels_of( films ) * (size_t)f );
+}
+
 static void bound_variances( float share, size_t pixels, float* variance )
 {
     for ( size_t i = 0; i < pixels; ++i )
@@ -96,6 +103,7 @@ static Halves load_halves( const RfFilm* films, float* memory )
         memory += FLOATS_OF_HALF * pixels;
         for ( int f = 0; f < RF_FILM_SQUARES; ++f )
             find_means( films, f, h, means + 3 * pixels * (size_t)f, variance + pixels * (size_t)f );
+        add_unshared( films, h, h, means );
         bound_variances( LEAST_SHARE / (float)( films->passes[0] + films->passes[1] ), pixels, variance );
         out.half[h] = ( RfGradientHalf ){
             .images = { films->width, films->height, means, means + 3 * pixels, means + 6 * pixels },
@@ -123,6 +131,7 @@ static RfResult solve_constant( const RfFilm* films, const Halves* halves, const
     float* means = (float*)halves->half[0].images.primal;
     for ( int f = 0; f < RF_FILM_SQUARES; ++f )
         rf_combine_film( films + f, RF_FILM_RATIO, means + 3 * pixels_of( films ) * (size_t)f, NULL );
+    add_unshared( films, 0, 1, means );
     return result == RF_OK ? rf_reconstruct( &halves->half[0].images, NULL, options, rgb, info, NULL ) : result;
 }
 

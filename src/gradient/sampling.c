@@ -17,6 +17,7 @@ struct RfGradientScratch
     int32_t source[RF_LANES];    // tiles of one pixel: of the paths (reuse/tile_copies.h)
     float missed[RF_LANES];      // 1 where the camera ray did, with RF_AOV_ALPHA
     RfAccumulateScratch accumulate;
+    RfArrivals arrivals; // kept while some are left out
 };
 
 // The group as the harvest of frames and tiles sees it: whole extended tiles.
@@ -189,18 +190,64 @@ static void add_up( const RfEstimatorGroup* group, const RfHarvest* harvest, flo
         value[i][3] = scratch->missed[i];
 }
 
-// Values with the light samples that tiles have in common, then with those of each pixel. The single path of a pair has
-// light samples of its own anyway.
+// Takes out of the arrivals what tiles do not share: light that a scattered ray meets, and what comes by way of second vertices
+// that no other pixel can connect to. Returns whether there was any.
+static bool drop_unshared( const RfTileReuse* reuse, bool shares, RfArrivals* arrivals )
+{
+    bool shared[RF_LANES] = { false }, any = false;
+    const RfVertexLanes* y = &reuse->second;
+    int count = shares && y->count > 0 ? rf_record_count( y ) : 0; // without rays, the vertices are not sorted by kind
+    for ( int a = 0; a < count; ++a )
+        shared[y->slot[a]] = reuse->owner[a] >= 0;
+    for ( int c = 0; c < 3; ++c )
+    {
+        for ( int i = 0; i < RF_LANES; ++i )
+        {
+            float rest = shared[i] ? arrivals->rest[c][i] : 0.0f;
+            any = any || arrivals->emitted[c][i] != 0.0f || arrivals->rest[c][i] != rest;
+            arrivals->emitted[c][i] = 0.0f;
+            arrivals->rest[c][i] = rest;
+        }
+    }
+    return any;
+}
+
+// Values with the light samples that tiles have in common: without what tiles do not share, and that by itself.
+static void find_common( const RfEstimatorGroup* group, const RfHarvest* harvest, RfGradientBatch* batch,
+                         RfGradientScratch* scratch )
+{
+    RfArrivals* arrivals = &scratch->harvest->wavefront.arrivals;
+    scratch->arrivals = *arrivals;
+    bool any = drop_unshared( scratch->harvest->tiles, harvest->path.max_depth > 2, arrivals );
+    add_up( group, harvest, batch->value, scratch );
+    *arrivals = scratch->arrivals;
+    for ( int i = 0; i < RF_LANES; ++i )
+        memcpy( batch->common[i], batch->value[i], sizeof batch->common[i] );
+    if ( any )
+        add_up( group, harvest, batch->value, scratch );
+    for ( int i = 0; i < RF_LANES; ++i )
+    {
+        for ( int c = 0; c < 3; ++c )
+            batch->unshared[i][c] = batch->value[i][c] - batch->common[i][c];
+    }
+}
+
+// The values with light samples of each pixel as well. The single path of a pair has such anyway, and its differences are those
+// of its values.
 static void find_values( const RfEstimatorGroup* group, const RfHarvest* harvest, bool pairs, RfGradientBatch* batch,
                          RfGradientScratch* scratch, RfRayCounts* rays )
 {
+    if ( !pairs && harvest->path.max_depth > 1 )
+    {
+        find_common( group, harvest, batch, scratch );
+        rf_sample_direct( harvest, scratch->harvest, rays );
+        add_up( group, harvest, batch->value, scratch );
+        return;
+    }
     add_up( group, harvest, batch->value, scratch );
+    memset( batch->unshared, 0, sizeof batch->unshared );
     for ( int i = 0; i < RF_LANES; ++i )
         memcpy( batch->common[i], batch->value[i], sizeof batch->common[i] );
-    if ( pairs || harvest->path.max_depth == 1 )
-        return;
-    rf_sample_direct( harvest, scratch->harvest, rays );
-    add_up( group, harvest, batch->value, scratch );
 }
 
 int rf_sample_patch( const RfEstimatorGroup* group, RfTraceJob job, RfGradientBatch* batch, RfGradientScratch* scratch,

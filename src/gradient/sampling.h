@@ -15,8 +15,9 @@ typedef struct RfGradientBatch
     int eye; // index in the group of the frame whose pixels these are
     int tile_count;
     RfExtendedTile tile[RF_LISTED_TILES];
-    float value[RF_LANES][4];  // radiance: red, green, blue, and 1 where the camera ray missed; tile after tile, row after row
-    float common[RF_LANES][3]; // the same, with the light samples that all pixels of a tile have in common: for differences
+    float value[RF_LANES][4];    // radiance: red, green, blue, and 1 where the camera ray missed; tile after tile, row after row
+    float common[RF_LANES][3];   // the same, with the light samples that all pixels of a tile have in common: for differences
+    float unshared[RF_LANES][3]; // what tiles do not share, which is not in `common`
 } RfGradientBatch;
 
 // A thread's workspace.

@@ -144,12 +144,49 @@ static void test_variance_is_that_of_the_picture( void** state )
     free( films );
 }
 
+// Light that tiles do not share, of a single pixel in a single pass, ends up in that pixel and nowhere else.
+static void test_what_is_not_shared_stays_in_its_pixel( void** state )
+{
+    (void)state;
+    enum
+    {
+        AT = 10 * WIDTH + 17,
+        HALF = 1,
+    };
+    const float light = 5.0f * PASSES;
+    Films *films = make_films( 1.0f, PASSES ), *lit = make_films( 1.0f, PASSES );
+    for ( int i = 0; i < PIXELS; ++i )
+    {
+        for ( int h = 0; h < 2; ++h )
+            lit->sums[RF_FILM_UNSHARED][h][4 * i + 3] = (float)PASSES / 2.0f;
+    }
+    for ( int c = 0; c < 3; ++c )
+    {
+        lit->sums[RF_FILM_PRIMAL][HALF][4 * AT + c] += light;
+        lit->sums[RF_FILM_UNSHARED][HALF][4 * AT + c] += light;
+    }
+    Solved *before = solve( films, RF_RECONSTRUCTION_L2 ), *after = solve( lit, RF_RECONSTRUCTION_L2 );
+    for ( int i = 0; i < PIXELS; ++i )
+    {
+        for ( int c = 0; c < 3; ++c )
+        {
+            float more = after->rgb[3 * i + c] - before->rgb[3 * i + c];
+            assert_true( fabsf( more - ( i == AT ? light / PASSES : 0.0f ) ) < 1e-4f );
+        }
+    }
+    free( after );
+    free( before );
+    free( lit );
+    free( films );
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( test_what_is_not_finite_is_told ),
         cmocka_unit_test( test_a_solve_that_stops_early_is_told ),
         cmocka_unit_test( test_variance_is_that_of_the_picture ),
+        cmocka_unit_test( test_what_is_not_shared_stays_in_its_pixel ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }
