@@ -60,7 +60,7 @@ static void test_pictures_are_the_same( void** state )
     for ( size_t i = 0; i < sizeof s_cases / sizeof s_cases[0]; ++i )
     {
         char options[256];
-        const char* size = i == 5 ? "" : "--size 64x48 ";
+        const char* size = i == 5 ? "" : "--size 40x30 ";
         snprintf( options, sizeof options, "%s%s --memory 512M -o few.####.exr", size, s_cases[i].options );
         render( s_cases[i].scene, options );
         assert_true( read_bytes().held == 0.0 );

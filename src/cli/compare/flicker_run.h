@@ -55,4 +55,10 @@ RfResult rf_find_flicker_frames( RfFlickerRun* flicker, RfError* error );
 // in additional figures, where any frame has it.
 RfResult rf_find_layers_to_read( RfFlickerRun* flicker, RfError* error );
 
+// Groups, the window of the spectrum and the slit-scan, by the frames found.
+RfResult rf_prepare_flicker( RfFlickerRun* flicker, RfError* error );
+
+// Measures all frames and writes what is asked for.
+RfResult rf_go_through_frames( RfFlickerRun* flicker, RfError* error );
+
 #endif
