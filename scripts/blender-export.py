@@ -5,7 +5,7 @@
 
 Uses Blender's own glTF exporter and adds what it leaves out. The camera is baked
 frame by frame, whatever animates it (parents, constraints, drivers). Area lights
-become one-sided emissive quads or discs of the same power. Point, spot and sun lamps
+become one-sided emissive quads or discs, as bright as in Cycles. Point, spot and sun lamps
 are written in W/sr and W/m2 (the exporter's "unitless" mode), as Reframe expects
 them. A world of constant colour becomes the environment in the scene's custom
 property `reframe`; any other world (a rotated environment texture, a sky, any nodes)
@@ -70,7 +70,7 @@ def main():
     materials.restore_coordinate_objects(targets)
     cameras.bake_camera(scene, name, recorder)
     materials.carry(scene, args, placed, recorder)
-    lights.replace_area_lights(scene)
+    lights.carry(scene)
     sky.keep_world(scene, args)
     glb.export(os.path.abspath(args.out))
     if not os.path.exists(args.out):

@@ -1,6 +1,7 @@
 """A shader tree folded into the channels of glTF's material: mixes of shaders become mixes of channels."""
+from .blackbody import colour_of
 from .channels import BLACK, F0_OF_GLTF, Ref, Surface, WHITE, is_constant
-from .fresnel import as_one
+from .fresnel import as_glass, as_one
 from .shader_tree import value_of
 
 LEFT_OUT = {  # shaders without equivalent, and what is kept of them
@@ -51,6 +52,8 @@ class Folder:
         if kind == "COMBXYZ" and not any(i.is_linked for i in source.node.inputs):
             value = tuple(i.default_value for i in source.node.inputs)
             return value if colour else sum(value) / 3.0
+        if kind == "BLACKBODY" and colour and not source.node.inputs[0].is_linked:
+            return colour_of(source.node.inputs[0].default_value)
         value = self.calculated(source.node) if kind == "MATH" else None
         if value is not None:
             return (value,) * 3 if colour else value
@@ -215,9 +218,11 @@ class Folder:
     # mixtures
 
     def fold_mix(self, node):
-        a, b = self.fold(node.inputs[1]), self.fold(node.inputs[2])
         factor = node.inputs[0]
         source = factor.links[0].from_socket if factor.is_linked else None
+        if (glass := as_glass(self, node, source)) is not None:
+            return glass
+        a, b = self.fold(node.inputs[1]), self.fold(node.inputs[2])
         if source is not None and source.node.type == "NEW_GEOMETRY" and source.name == "Backfacing":
             if b.emission != a.emission:
                 a.one_sided = b.emission == BLACK and a.emission != BLACK

@@ -9,7 +9,7 @@ def ior_of(folder, source):
     node = source.node
     if node.type == "FRESNEL":
         ior = folder.read(node.inputs["IOR"])
-    elif source.name == "Fresnel":
+    elif node.type == "LAYER_WEIGHT" and source.name == "Fresnel":
         blend = folder.read(node.inputs["Blend"])
         ior = 1.0 / (1.0 - min(blend, 0.99999)) if is_constant(blend) else None
     else:
@@ -33,6 +33,21 @@ def as_pane(a, b, ior):
         return None
     return Surface(base=WHITE if clear else a.base, metallic=0.0, roughness=0.0, specular=1.0, transmission=1.0, ior=max(ior, 1.0),
                    thin=True)
+
+
+def as_glass(folder, node, source):
+    """Refraction and reflection mixed by Fresnel's factor are glass; None if these are not the two."""
+    below, above = (i.links[0].from_node if i.is_linked else None for i in node.inputs[1:3])
+    if below is None or above is None or below.type != "BSDF_REFRACTION" or above.type != "BSDF_GLOSSY":
+        return None
+    if source is None or ior_of(folder, source) is None:
+        return None
+    glass, gloss = folder.of_bsdf_glass(below), folder.of_bsdf_glossy(above)
+    if gloss.base != WHITE:
+        folder.warn(node, "the colour of its reflection: taken as white")
+    if gloss.roughness != glass.roughness:
+        folder.warn(node, "the roughness of its reflection: taken as that of its refraction")
+    return glass
 
 
 def as_one(folder, a, b, source, node):

@@ -1,9 +1,12 @@
-"""Area lights as one-sided emissive quads and discs of the same power."""
+"""Lamps as glTF has them: their nodes folded, spots as bright as in Cycles, area lights as one-sided emissive quads and discs."""
 import math
 
 import bpy
 
-from . import materials
+from . import materials, shader_tree
+from .channels import WHITE, is_constant
+from .folding import Folder
+from .messages import list_names, warn
 
 DISC_CORNERS = 64
 
@@ -29,16 +32,83 @@ def replace_area_light(scene, lamp):
         return
     mesh = bpy.data.meshes.new(lamp.name)
     mesh.from_pydata(corners, [], [list(range(len(corners)))])
-    # a one-sided surface of radiance L and area A emits the power pi A L
+    # Cycles' radiance is the lamp's watts over 4 A, where pi A would give them all
     largest = max(light.color) or 1.0
     color = [c / largest for c in light.color]
-    mesh.materials.append(materials.glow(lamp.name, color, light.energy * largest / (math.pi * area)))
+    mesh.materials.append(materials.glow(lamp.name, color, light.energy * largest / (4.0 * area)))
     quad = bpy.data.objects.new(lamp.name + " area", mesh)
     quad.matrix_world = lamp.matrix_world.copy()
     scene.collection.objects.link(quad)
 
 
-def replace_area_lights(scene):
+def shine_of_nodes(lamp):
+    """What a lamp's nodes multiply its colour by."""
+    def tell(node, text):
+        warn("'%s': lamp, node '%s': %s" % (lamp.name, node.name, text))
+    tree = lamp.data.node_tree
+    shader_tree.flatten(tree)
+    out = tree.get_output_node("CYCLES")
+    if out is None or not out.inputs["Surface"].is_linked:
+        return (0.0, 0.0, 0.0)
+    shine = Folder(tree, tell).fold(out.inputs["Surface"]).emission
+    if is_constant(shine):
+        return shine
+    tell(tree.nodes[shine.node], "varies or is not known here: the lamp is taken without its nodes")
+    return WHITE
+
+
+def fold_nodes(lamp):
+    """Blender's exporter would take one part of a lamp's nodes and leave the other."""
+    light = lamp.data
+    light.color = [max(a * b, 0.0) for a, b in zip(light.color, shine_of_nodes(lamp))]
+    largest = max(light.color)
+    if largest > 0.0:
+        light.color = [c / largest for c in light.color]
+    light.energy *= largest
+    light.use_nodes = False
+
+
+def fit_spot(light):
+    """Cycles' spots fall off with the cosine, and smoothly at the edge; glTF's do not. Of the same power they become."""
+    outer = 0.5 * light.spot_size
+    least = math.cos(outer)
+    edge = (1.0 - least) * light.spot_blend
+    full = least + edge  # the cosine from which on all light arrives
+    power = 0.5 * (1.0 - full * full) + edge * (0.5 * least + 0.35 * edge)
+    light.energy *= power / (1.0 - full + 0.5 * edge)
+    light.spot_blend = 1.0 - math.acos(0.75 * full + 0.25 * least) / outer  # glTF: the square of a ramp, a third of its width
+
+
+def tell_lost(lamps):
+    """Says what lamps lose by their kind."""
+    for lamp in lamps:
+        if lamp.data.type == "AREA" and lamp.data.spread < 0.999 * math.pi:
+            warn("'%s': spread of %.0f degrees: left out, the light goes to all sides" % (lamp.name, math.degrees(lamp.data.spread)))
+    sized = [o.name for o in lamps if o.data.type in ("POINT", "SPOT") and o.data.shadow_soft_size > 0.0]
+    if sized:
+        warn("point and spot lamps have no radius here: sharp shadows, not seen in mirrors, no light through solid glass: " + list_names(sized))
+
+
+def prepare(scene):
+    """Gives every lamp data of its own, with what its nodes and its cone make of it; portals are none."""
+    lamps = []
+    for lamp in [o for o in scene.objects if o.type == "LIGHT"]:
+        if lamp.data.type == "AREA" and lamp.data.cycles.is_portal:
+            bpy.data.objects.remove(lamp)
+        elif not lamp.hide_render:
+            lamps.append(lamp)
+    for lamp in lamps:
+        lamp.data = lamp.data.copy()
+        lamp.data.animation_data_clear()
+        if lamp.data.use_nodes and lamp.data.node_tree is not None:
+            fold_nodes(lamp)
+        if lamp.data.type == "SPOT":
+            fit_spot(lamp.data)
+    tell_lost(lamps)
+
+
+def carry(scene):
+    prepare(scene)
     lamps = [o for o in scene.objects if o.type == "LIGHT" and o.data.type == "AREA"]
     for lamp in lamps:
         if not lamp.hide_render:

@@ -110,15 +110,16 @@ static void test_means_are_those_of_cycles( void** state )
     {
         const char* name;
         bool is_baked;
-    } scenes[] = { { "procedural", true },  { "images", false },  { "mapped", true },       { "glass", false },
-                   { "transparent", true }, { "emission", true }, { "no_material", false }, { "groups", true } };
+    } scenes[] = { { "procedural", true },   { "images", false },     { "mapped", true },
+                   { "glass", false },       { "transparent", true }, { "emission", true },
+                   { "no_material", false }, { "groups", true },      { "lamps", false } };
     if ( !enter_with_blender() )
         skip();
-    assert_int_equal( cli_run( MAKE
-                               "procedural images mapped glass transparent emission no_material groups --samples 256 --size " SIZE
-                               " > log 2>&1" )
-                          ->status,
-                      0 );
+    assert_int_equal(
+        cli_run( MAKE "procedural images mapped glass transparent emission no_material groups lamps --samples 256 --size " SIZE
+                      " > log 2>&1" )
+            ->status,
+        0 );
     for ( size_t i = 0; i < sizeof scenes / sizeof scenes[0]; ++i )
     {
         const CliResult* done = cli_run( BLENDER "%s.blend -P " REFRAME_SOURCE_DIR
@@ -220,6 +221,8 @@ static void test_looks_of_other_rays( void** state )
         assert_true( pane->kind == RF_BSDF_GLASS && pane->thin );
         assert_true( fabsf( pane->ior - ( i == 2 ? 1.4f : 1.45f ) ) < 1e-5f );
     }
+    const RfMaterial* marble = find_material( &scene, "marble" );
+    assert_true( marble->kind == RF_BSDF_GLASS && !marble->thin && fabsf( marble->ior - 1.35f ) < 1e-5f );
     rf_destroy_scene( &scene );
     cli_leave();
 }

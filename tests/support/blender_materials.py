@@ -266,6 +266,44 @@ def other_rays():
     s = Shader("facade")
     put("plane", s.done(s.mix(s.add("Fresnel", IOR=1.4), s.add("BsdfTransparent", Color=(0.8, 0.9, 1.0, 1.0)), s.add("BsdfGlossy", Roughness=0.0))), size=1.0,
         location=(0.0, 1.0, -0.8)).rotation_euler = (1.2, 0.0, 0.0)
+    s = Shader("marble")
+    both = s.mix(s.add("Fresnel", IOR=1.35), s.add("BsdfRefraction", IOR=1.35, Roughness=0.0), s.add("BsdfGlossy", Roughness=0.0, Color=grey(1.0)))
+    put("uv_sphere", s.done(both), radius=0.2, location=(0.0, 0.4, -1.6))
+
+
+def lamps():
+    """Area lamps, one with nodes, a portal, a spot, and a point with the colour of a black body. Area lamps are small: here
+    they take the light that falls on them, which in Cycles passes."""
+    inwards(put("cube", diffuse("wall", grey(0.6)), size=2.0 * ROOM))
+    shapes = ("SQUARE", (-1.0, 0.6)), ("DISK", (0.0, 0.6)), ("ELLIPSE", (1.0, 0.6)), ("RECTANGLE", (0.0, -0.6))
+    for shape, (x, y) in shapes:
+        o = hang("AREA", (x, y, ROOM - 0.02), 30.0)
+        o.data.shape, o.data.size, o.data.size_y = shape, 0.4, 0.25
+        o.data.cycles.is_portal = shape == "RECTANGLE"
+    o.data.energy = 1e4  # which a portal does not give
+    kelvin = nodes_of(hang("POINT", (-0.8, -0.5, 0.5), 20.0), 1.5)
+    node = kelvin.id_data.nodes.new("ShaderNodeBlackbody")
+    node.inputs[0].default_value = 3000.0
+    kelvin.id_data.links.new(node.outputs[0], kelvin.inputs["Color"])
+    nodes_of(bpy.data.objects["AREA"], 2.0).inputs["Color"].default_value = (0.2, 1.0, 0.5, 1.0)
+    o = hang("SPOT", (0.6, 0.2, 1.0), 300.0)
+    o.data.spot_size, o.data.spot_blend = 1.4, 0.4
+
+
+def hang(kind, where, watts):
+    o = bpy.data.objects.new(kind, bpy.data.lights.new(kind, kind))
+    o.location, o.data.energy = where, watts
+    if kind != "AREA":
+        o.data.shadow_soft_size = 0.0
+    bpy.context.scene.collection.objects.link(o)
+    return o
+
+
+def nodes_of(o, strength):
+    o.data.use_nodes = True
+    emission = o.data.node_tree.nodes["Emission"]
+    emission.inputs["Strength"].default_value = strength
+    return emission
 
 
 def left_out():
@@ -288,7 +326,7 @@ def left_out():
     bpy.ops.object.mode_set(mode="EDIT")  # in which the file is saved
 
 
-SCENES = (procedural, images, mapped, glass, transparent, emission, no_material, groups, other_rays, left_out)
+SCENES = (procedural, images, mapped, glass, transparent, emission, no_material, groups, other_rays, lamps, left_out)
 
 
 def begin(size):
