@@ -17,7 +17,7 @@
 
 #define EYES 9
 #ifdef REFRAME_SANITIZED // which take their time
-#define WIDTH 25 // no side is a multiple of a tile's
+#define WIDTH 25
 #define HEIGHT 23
 #else
 #define WIDTH 39
