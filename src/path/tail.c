@@ -126,7 +126,7 @@ static float survival( const RfWavefront* wavefront, int vertex, int slot, const
     if ( vertex < ROULETTE_AFTER )
         return 1.0f;
     float carried = rf_maxf( throughput[0], rf_maxf( throughput[1], throughput[2] ) ) * wavefront->roulette_scale[slot];
-    return rf_minf( carried, 1.0f );
+    return rf_minf( carried / RF_ROULETTE_BELOW, 1.0f );
 }
 
 // Writes the ray that leaves vertex lane i to lane `at` of next.

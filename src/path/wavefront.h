@@ -28,6 +28,10 @@ typedef struct RfArrivals
     float rest[3][RF_LANES];               // all longer paths
 } RfArrivals;
 
+// From the third vertex on, paths whose throughput is below this end by Russian roulette. They have cost most of their rays
+// by then: ending them sooner adds more noise than it saves time (src/reuse/README.md, "How long paths are followed").
+#define RF_ROULETTE_BELOW 0.25f
+
 // A thread's wavefront.
 typedef struct RfWavefront
 {

@@ -215,24 +215,24 @@ static void test_what_it_takes_is_foretold( void** state )
 {
     (void)state;
     cli_expect(
-        cli_run( "$R cost " ROOM " --frames 3-6 --size 48x27 --group 1 --flicker 0.1,0.05 --budget 1 --quiet --json c.json" ), 0,
-        NULL );
+        cli_run( "$R cost " ROOM " --frames 3-6 --size 48x27 --group 1 --flicker 0.05,0.025 --budget 1 --quiet --json c.json" ),
+        0, NULL );
     cli_expect( cli_run( "$R render " ROOM
                          " -o c.####.exr --frames 3-6 --size 48x27 --group 0 --tile 1 --filter box --no-adaptive "
-                         "--flicker 0.1 --quiet --json d.json" ),
+                         "--flicker 0.025 --quiet --json d.json" ),
                 0, NULL );
     json_t *cost = cli_read_json( "c.json" ), *json = cli_read_json( "d.json" );
     const json_t* wanted = json_object_get( cost, "wanted_flicker" );
     assert_int_equal( json_array_size( wanted ), 2 );
     const json_t *easy = json_array_get( wanted, 0 ), *hard = json_array_get( wanted, 1 );
-    assert_true( number( easy, "f1" ) == 0.1 && number( hard, "f1" ) == 0.05 );
+    assert_true( number( easy, "f1" ) == 0.05 && number( hard, "f1" ) == 0.025 );
     double spp = number( json_object_get( hard, "plain" ), "spp" ),
            ratio = spp / number( json_object_get( easy, "plain" ), "spp" );
     assert_true( ratio > 3.3 && ratio < 4.7 );
     double taken = 0.0;
     for ( size_t i = 0; i < 4; ++i )
         taken += number( frame_of( json, i ), "native_spp" ) / 4.0;
-    printf( "samples for F1 0.1: foretold %.0f, taken %.1f\n", spp, taken );
+    printf( "samples for F1 0.025: foretold %.0f, taken %.1f\n", spp, taken );
     assert_true( spp > 0.4 * taken && spp < 2.5 * taken );
     json_decref( cost );
     json_decref( json );

@@ -388,7 +388,7 @@ static Arriving arriving_light( const RfTracer* tracer, const ReferenceSettings*
         pdf_scatter = onward.pdf;
         throughput = is_native( &x ) ? rf_mul( throughput, onward.weight )
                                      : rf_scale( rf_mul( throughput, onward.f ), onward.cos_x / onward.pdf );
-        float q = vertex < 3 ? 1.0f : rf_minf( rf_max_component( throughput ) * roulette_scale, 1.0f );
+        float q = vertex < 3 ? 1.0f : rf_minf( rf_max_component( throughput ) * roulette_scale / RF_ROULETTE_BELOW, 1.0f );
         if ( !( onward.side != 0.0f && rf_random( key, dimension + RF_DIMENSION_ROULETTE ) < q ) )
             break;
         throughput = rf_vec3( throughput.x / q, throughput.y / q, throughput.z / q );
