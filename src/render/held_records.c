@@ -63,6 +63,8 @@ static void accumulate_pass( RfRenderer* r, const RfPass* pass, int jobs, const 
         }
         rf_accumulate_chunk( r, pass, count );
     }
+    if ( r->sizes.adaptive )
+        rf_prepare_pass( r, pass ); // for its extra samples
     rf_end_pass( r, pass );
 }
 

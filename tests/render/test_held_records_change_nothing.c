@@ -40,7 +40,7 @@ static void render( const char* scene, const char* options )
 }
 
 // Diffuse and glossy hits; misses; mirrors and glass; blended surfaces and coats;
-// cut groups at the end of a path, and more eyes than bits in a word.
+// cut groups at the end of a path, and more eyes than bits in a word; extra samples with the light paths of their pass.
 static const struct
 {
     const char *scene, *options;
@@ -52,6 +52,7 @@ static const struct
     { "vase-room-phong", "--group 1 --frames 24 --spp 6 --tile 1 --weights eq15" },
     { "vase-room-wide", "--group 16 --frames 24 --spp 33 --size 24x16 --tile 1" },
     { "still-life", "--group 3 --frames 2 --spp 14 --tile 3x3 --filter tent --aov albedo,depth" },
+    { "noise-lantern", "--group 1 --frames 9 --spp 12 --tile 1 --light-paths on" },
 };
 
 static void test_pictures_are_the_same( void** state )
