@@ -35,34 +35,48 @@ static int run_batch( Meter* m, RfTraceJob job, int eyes )
     return samples;
 }
 
-// Seconds per own-frame sample in groups of `eyes` frames, with paths of at most `depth` vertices.
-static double seconds_per_sample( Meter* m, int eyes, int depth, double seconds )
+// Samples of some groups, with paths of at most `depth` vertices.
+typedef struct Timing
+{
+    int eyes, depth;
+    double seconds, samples;
+} Timing;
+
+static void time_batch( Meter* m, int frame, int number, int pass, Timing* t )
 {
     PlanProbe* p = m->probe;
-    int max_depth = p->group.max_depth;
-    p->group.max_depth = depth < max_depth ? depth : max_depth;
-    double start = rf_thread_seconds(), now = start, samples = 0.0;
-    for ( int pass = 0; now - start < seconds || pass == 0; ++pass )
-    {
-        for ( int i = 0; i < PLAN_FRAMES * PLAN_JOBS && ( now - start < seconds || pass == 0 ); ++i )
-        {
-            int frame = i % PLAN_FRAMES, job = rf_probe_job( p, frame, i / PLAN_FRAMES );
-            rf_aim_probe( p, rf_probe_frame( p, frame ), eyes );
-            samples += run_batch( m, ( RfTraceJob ){ p->eye, job, pass }, eyes );
-            now = rf_thread_seconds();
-        }
-    }
+    int max_depth = p->group.max_depth, job = rf_probe_job( p, frame, number );
+    rf_aim_probe( p, rf_probe_frame( p, frame ), t->eyes );
+    p->group.max_depth = t->depth < max_depth ? t->depth : max_depth;
+    double start = rf_thread_seconds();
+    t->samples += run_batch( m, ( RfTraceJob ){ p->eye, job, pass }, t->eyes );
+    t->seconds += rf_thread_seconds() - start;
     p->group.max_depth = max_depth;
-    return samples > 0.0 ? ( now - start ) / samples : 0.0;
 }
+
+// Times the same batches in all ways, in turns: differences do not depend on which batches there was time for.
+static void time_batches( Meter* m, double seconds, int count, Timing* timings )
+{
+    double start = rf_thread_seconds();
+    for ( int i = 0; i == 0 || rf_thread_seconds() - start < seconds; ++i )
+    {
+        int k = i % ( PLAN_FRAMES * PLAN_JOBS );
+        for ( int t = 0; t < count; ++t )
+            time_batch( m, k % PLAN_FRAMES, k / PLAN_FRAMES, i / ( PLAN_FRAMES * PLAN_JOBS ), timings + t );
+    }
+}
+
+static double seconds_per_sample( const Timing* t ) { return t->samples > 0.0 ? t->seconds / t->samples : 0.0; }
 
 static void measure( Meter* m, int eyes, double seconds, RfPlan* plan )
 {
+    int depth = m->probe->group.max_depth;
+    Timing warm[] = { { 1, depth, 0.0, 0.0 } }; // caches, pages
+    Timing timings[] = { { 1, 1, 0.0, 0.0 }, { 1, depth, 0.0, 0.0 }, { eyes, depth, 0.0, 0.0 } };
     rf_set_float_mode();
-    seconds_per_sample( m, eyes, m->probe->group.max_depth, 0.0 ); // warms up: caches, pages
-    double bare = seconds_per_sample( m, 1, 1, 0.2 * seconds );
-    double own = seconds_per_sample( m, 1, m->probe->group.max_depth, 0.4 * seconds );
-    double all = eyes > 1 ? seconds_per_sample( m, eyes, m->probe->group.max_depth, 0.4 * seconds ) : own;
+    time_batches( m, 0.0, 1, warm );
+    time_batches( m, seconds, eyes > 1 ? 3 : 2, timings );
+    double bare = seconds_per_sample( timings ), own = seconds_per_sample( timings + 1 ), all = seconds_per_sample( timings + 2 );
     plan->c_e = bare;
     plan->c_l = own > bare ? own - bare : 0.0;
     plan->c_v = eyes > 1 ? fmax( all - own, 0.0 ) / ( eyes - 1 ) : 0.0;
