@@ -53,6 +53,10 @@ def add_extensions(gltf):
         if patch.get("extensions"):
             material.setdefault("extensions", {}).update(patch["extensions"])
             used.update(patch["extensions"])
+        if patch.get("base", 1.0) != 1.0:
+            part = material.setdefault("pbrMetallicRoughness", {})
+            colour = part.get("baseColorFactor", [1.0] * 4)
+            part["baseColorFactor"] = [min(c * patch["base"], 1.0) for c in colour[:3]] + [colour[3]]
         if "extras" in patch:
             material.setdefault("extras", {}).update(patch["extras"])
     if used:
