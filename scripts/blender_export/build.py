@@ -4,7 +4,8 @@ import math
 import bpy
 
 from . import shader_tree
-from .channels import BLACK, COLOURS, Ref, WHITE, base_gain, is_constant
+from .channels import BLACK, COLOURS, Ref, WHITE, is_constant
+from .fresnel import base_of_principled
 from .images import strength_of
 from .plans import VARYING
 from .textures import link_textures
@@ -136,7 +137,7 @@ def patch_of(plan, value, solid):
         if f0 != WHITE:
             extensions["KHR_materials_specular"]["specularColorFactor"] = list(f0)
     s = plan.surface
-    patch = {"extensions": extensions, "base": base_gain(s)}
+    patch = {"extensions": extensions, "base": base_of_principled(s)}
     if s.principled and specular > 0.0 and transmission == 0.0:
         patch["extras"] = ADDED_COAT
     if plan.copy is not None and value("metallic") == 1.0 and value("roughness") < MIRROR and is_constant(s.base):

@@ -46,15 +46,6 @@ def f0_of(ior):
     return ((ior - 1.0) / (ior + 1.0)) ** 2 / F0_OF_GLTF
 
 
-def base_gain(surface):
-    """What the diffuse lobe of Principled reflects of uniform light, where Lambert's reflects 1: Disney's model integrated by
-    both cosines, .953 to 1.065, by a line that is at most .001 off. 1 where base colours metal or glass too."""
-    s = surface
-    if not s.principled or not is_constant(s.roughness) or s.metallic != 0.0 or s.transmission != 0.0:
-        return 1.0
-    return 0.9525 + 0.1123 * s.roughness
-
-
 def finish(surface):
     """Closes what was left open, clamps constants; emission becomes that of the part which is there."""
     s = surface

@@ -277,12 +277,15 @@ class Folder:
 
     def share_of_glass(self, a, b, share, out, node):
         """Glass and what lets nothing pass have one colour in glTF: each gets its own light by its share of the transmission."""
-        values = (a.base, b.base, a.transmission, b.transmission, share)
-        if None in values or not all(is_constant(v) for v in values) or a.transmission == b.transmission or a.base == b.base:
+        values = (a.base, b.base, out.transmission, share)
+        if None in values or not all(is_constant(v) for v in values) or a.base == b.base or 0.0 in (a.alpha, b.alpha):
+            return
+        passes = [s.transmission or 0.0 for s in (a, b)]
+        if passes[0] == passes[1] or not all(is_constant(p) for p in passes):
             return
         weights = [w * sum(s.base) for w, s in ((1.0 - share, a), (share, b))]
-        if sum(weights) > 0.0:
-            out.transmission = (weights[0] * a.transmission + weights[1] * b.transmission) / sum(weights)
+        if min(weights) > 0.0:
+            out.transmission = sum(w * p for w, p in zip(weights, passes)) / sum(weights)
         if min(weights) > 0.0 and max(abs(x / sum(a.base) - y / sum(b.base)) for x, y in zip(a.base, b.base)) > 0.02:
             self.warn(node, "a mixture of glass with a surface of another colour: both have the mean of the two")
 
