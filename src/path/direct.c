@@ -47,6 +47,23 @@ static void draw_bits( const RfWavefront* keys, int count, const int32_t* slot, 
     }
 }
 
+// The numbers of a light sample: two words that select the light, and the place on it.
+static void draw_numbers( const RfWavefront* keys, int count, const int32_t* slot, uint32_t dimension, RfLaneScratch* scratch )
+{
+    uint32_t own = dimension & ~RF_DIMENSION_OPPOSITE;
+    draw_bits( keys, count, slot, own, scratch->bits );
+    rf_draw_lanes( keys, count, slot, own + 1, 2, scratch->random );
+    if ( own == dimension )
+        return;
+    float *u = scratch->random[0], *v = scratch->random[1];
+    for ( int i = 0; i < count; ++i )
+    {
+        scratch->bits[0][i] ^= 0x80000000u;
+        u[i] += u[i] < 0.5f ? 0.5f : -0.5f;
+        v[i] += v[i] < 0.5f ? 0.5f : -0.5f;
+    }
+}
+
 // Where scattered rays start as well, so that both techniques of (E3) measure the
 // same directions and distances.
 static inline RfVec3 start_of( const RfVertexLanes* v, int i )
@@ -259,8 +276,7 @@ int rf_sample_lights( const RfPathSettings* settings, const RfWavefront* keys, c
         return 0;
     }
     LightPoints points;
-    draw_bits( keys, count, vertices->slot, dimension, scratch->bits );
-    rf_draw_lanes( keys, count, vertices->slot, dimension + 1, 2, scratch->random );
+    draw_numbers( keys, count, vertices->slot, dimension, scratch );
     select_lights( settings, vertices, scratch, points.selection );
     sample_points( lights, count, scratch, &points );
     if ( rf_tracer_is_textured( settings->tracer ) )
