@@ -1,6 +1,7 @@
 // A small lamp behind a slab of glass, behind a glass ball, and seen by way of a mirror: links bring its light without bias.
 // The lamp covers some 0.014 sr as seen from the floor, so the reference tracer still hits it by chance. Welch tests over
 // 16 seeds, by path tracing and in groups of frames with tiles.
+#include "support/bidirectional.h"
 #include "support/scene_builder.h"
 #include "support/unbiased.h"
 
@@ -69,6 +70,21 @@ static void make_eyes( RfEye eyes[EYES] )
                                WIDTH, HEIGHT );
 }
 
+static Images bidirectional_images( const RfTracer* tracer, const RfEye* eye, int spp, int max_depth )
+{
+    Images images = { .width = eye->width, .height = eye->height, .count = SEEDS };
+    assert_null( bidirectional_lacks( tracer, eye ) );
+    for ( int k = 0; k < SEEDS; ++k )
+    {
+        images.rgb[k] = malloc( 3 * (size_t)eye->width * (size_t)eye->height * sizeof( float ) );
+        if ( images.rgb[k] == NULL )
+            abort();
+        BidirectionalSettings settings = { .spp = spp, .max_depth = max_depth, .seed = (uint64_t)( 7001 + k ) };
+        bidirectional_image( tracer, eye, &settings, images.rgb[k] );
+    }
+    return images;
+}
+
 static void check_body( const char* what, Body body, int max_depth )
 {
     RfScene scene = make_scene( body );
@@ -86,10 +102,13 @@ static void check_body( const char* what, Body body, int max_depth )
     assert_true( rf_parse_tile( "3x3", &settings.tile ) );
     settings.spp = samples( 14 );
     Images together = rendered_images( tracer, eyes, EYES, 1, settings );
+    Images bidirectional = bidirectional_images( tracer, eyes + 1, samples( 24 ), max_depth );
     printf( "%s\n", what );
+    assert_unbiased( "  bidirectional", &bidirectional, &reference, BLOCK );
     assert_unbiased( "  alone", &alone, &reference, BLOCK );
     assert_unbiased( "  group 3, tiles 3x3", &together, &reference, BLOCK );
     free_images( &reference );
+    free_images( &bidirectional );
     free_images( &alone );
     free_images( &together );
     rf_destroy_tracer( tracer );
@@ -114,9 +133,29 @@ static void test_by_way_of_a_mirror( void** state )
     check_body( "mirror", MIRROR, 5 );
 }
 
+// The referee with all its ways: connections, and glossy surfaces with interpolated normals.
+static void test_bidirectional_path_tracing( void** state )
+{
+    (void)state;
+    RfScene scene = make_room( ROOM_GGX );
+    RfTracer* tracer = make_tracer( &scene );
+    RfEye eye;
+    orbit_eyes( &eye, 1, 0.0f, WIDTH, HEIGHT );
+    RfRenderSettings settings = plain_settings();
+    settings.max_depth = 5;
+    Images reference = reference_images( tracer, &eye, 0, samples( 64 ), &settings );
+    Images bidirectional = bidirectional_images( tracer, &eye, samples( 24 ), 5 );
+    assert_unbiased( "bidirectional, closed room", &bidirectional, &reference, BLOCK );
+    free_images( &reference );
+    free_images( &bidirectional );
+    rf_destroy_tracer( tracer );
+    rf_destroy_scene( &scene );
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test( test_bidirectional_path_tracing ),
         cmocka_unit_test( test_a_slab_of_glass ),
         cmocka_unit_test( test_a_glass_ball ),
         cmocka_unit_test( test_by_way_of_a_mirror ),
