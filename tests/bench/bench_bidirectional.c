@@ -28,9 +28,16 @@ static int run( char** argv )
     RfError error = { 0 };
     RfLog log = { 0 };
     RfEye eye;
-    int camera, frame = atoi( argv[3] ), width = atoi( argv[4] ), height = atoi( argv[5] );
-    if ( rf_load_scene( argv[1], &scene, &log, &error ) != RF_OK || rf_find_camera( &scene, NULL, &camera, &error ) != RF_OK ||
-         rf_camera_eye( &scene, scene.cameras + camera, (double)frame, 24, 1, width, height, &eye, &error ) != RF_OK )
+    int camera, first, step, width = atoi( argv[4] ), height = atoi( argv[5] );
+    bool loaded =
+        rf_load_scene( argv[1], &scene, &log, &error ) == RF_OK && rf_find_camera( &scene, NULL, &camera, &error ) == RF_OK;
+    if ( loaded )
+    {
+        rf_camera_numbers( scene.cameras + camera, &first, &step );
+        double frame = (double)( atoi( argv[3] ) - first ) / step;
+        loaded = rf_camera_eye( &scene, scene.cameras + camera, frame, 24, 1, width, height, &eye, &error ) == RF_OK;
+    }
+    if ( !loaded )
     {
         fprintf( stderr, "bench_bidirectional: %s\n", error.text );
         return 2;
