@@ -4,162 +4,11 @@
 #include "bsdf/bsdf.h"
 #include "light/light.h"
 #include "path/wavefront.h"
+#include "support/points.h"
 
 #include <stdlib.h>
 
 #define LENS_DIMENSION 0x10000000u // random numbers that nothing else uses
-
-// A surface point, seen along −wo.
-typedef struct Point
-{
-    RfVec3 p, ng, n, wo;
-    RfVec3 coat_n;
-    RfMaterial material; // as it is here
-    bool inside;         // seen from behind
-    float ior;           // relative, for glass
-    RfVec3 emission;
-    float offset;
-    uint32_t light;  // its number, or RF_NO_LIGHT
-    float light_pdf; // of a light sample at the ray's origin choosing this point, once the light is picked
-} Point;
-
-// The thin panes on a straight way: the probability of passing, and the colour over it.
-typedef struct Panes
-{
-    float probability;
-    RfVec3 weight;
-} Panes;
-
-// `panes`: those on the way; NULL: they are found like other surfaces.
-static bool find( const RfTracer* tracer, RfVec3 o, RfVec3 d, Point* out, Panes* panes )
-{
-    const float* ro[3] = { &o.x, &o.y, &o.z };
-    const float* rd[3] = { &d.x, &d.y, &d.z };
-    uint32_t triangle;
-    float u, v;
-    if ( panes != NULL )
-    {
-        RfPaneLanes lanes = { &panes->probability, { &panes->weight.x, &panes->weight.y, &panes->weight.z } };
-        rf_trace_nearest_past_panes( tracer, 1, ro, rd, &triangle, &u, &v, &lanes );
-    }
-    else
-        rf_trace_nearest( tracer, 1, ro, rd, false, &triangle, &u, &v );
-    if ( triangle == RF_MISS )
-        return false;
-    const RfTriangleRecord* t = rf_tracer_triangles( tracer ) + triangle;
-    RfHitPoint hit = rf_hit_point( t, u, v, o, d );
-    out->p = hit.p;
-    out->wo = rf_scale( d, -1.0f );
-    float facing = rf_dot( t->ng, out->wo );
-    float side = facing < 0.0f ? -1.0f : 1.0f;
-    out->ng = rf_scale( t->ng, side );
-    RfVec3 n = rf_add( t->n0, rf_add( rf_scale( t->d1, u ), rf_scale( t->d2, v ) ) );
-    float length2 = rf_dot( n, n );
-    n = rf_scale( n, side / sqrtf( length2 ) );
-    out->n = !t->flat && rf_dot( n, out->ng ) > 0.0f && length2 > 1e-12f ? n : out->ng;
-    out->coat_n = out->n;
-    const RfScene* scene = rf_tracer_scene( tracer );
-    const RfMaterial* material = scene->materials + t->material;
-    out->material = *material;
-    if ( material->textured != NULL )
-    {
-        rf_material_at( scene, material, triangle, u, v, &out->material );
-        RfVec3 front = rf_scale( out->n, side );
-        out->n = rf_scale( rf_normal_at( scene, material, triangle, u, v, front, t->ng ), side );
-        out->coat_n = rf_scale( rf_coat_normal_at( scene, material, triangle, u, v, front, t->ng ), side );
-    }
-    out->inside = facing < 0.0f;
-    out->ior = out->material.thin ? -out->material.ior
-                                  : ( out->inside && out->material.ior > 0.0f ? 1.0f / out->material.ior : out->material.ior );
-    out->emission = rf_vec3( 0, 0, 0 );
-    out->offset = hit.offset;
-    out->light_pdf = 0.0f;
-    out->light = t->light;
-    if ( t->light != RF_NO_LIGHT )
-    {
-        const RfLight* light = rf_tracer_lights( tracer )->light + t->light;
-        if ( facing > 0.0f || light->two_sided )
-        {
-            RfVec3 way = rf_sub( out->p, o );
-            out->emission = light->textured ? rf_emission_at( scene, material, triangle, u, v ) : light->radiance;
-            out->light_pdf = light->pdf_area * rf_dot( way, way ) / fabsf( facing );
-        }
-    }
-    return true;
-}
-
-// Parameters of a point as one lane.
-typedef struct Lane
-{
-    float param[RF_PARAM_COUNT];
-    RfBsdfLanes lanes;
-} Lane;
-
-static void fill_lane( const Point* x, Lane* lane )
-{
-    lane->lanes = ( RfBsdfLanes ){ .n = { &x->n.x, &x->n.y, &x->n.z } };
-    for ( int p = 0; p < RF_PARAM_COUNT; ++p )
-    {
-        lane->param[p] =
-            rf_has_param( RF_PARAMS_OF_HIT, (RfBsdfParam)p ) ? 0.0f : *rf_material_param( &x->material, (RfBsdfParam)p );
-        lane->lanes.param[p] = lane->param + p;
-    }
-    lane->param[RF_PARAM_CLEARCOAT_N] = x->coat_n.x;
-    lane->param[RF_PARAM_CLEARCOAT_N + 1] = x->coat_n.y;
-    lane->param[RF_PARAM_CLEARCOAT_N + 2] = x->coat_n.z;
-    lane->param[RF_PARAM_IOR] = x->ior;
-}
-
-static bool is_native( const Point* x ) { return x->material.kind == RF_BSDF_GLASS; }
-
-static RfVec3 evaluate( const Point* x, RfVec3 wi, float* pdf )
-{
-    Lane lane;
-    fill_lane( x, &lane );
-    const float* wo[3] = { &x->wo.x, &x->wo.y, &x->wo.z };
-    const float* in[3] = { &wi.x, &wi.y, &wi.z };
-    RfVec3 f;
-    float* out[3] = { &f.x, &f.y, &f.z };
-    rf_bsdf_evaluate( x->material.kind, 1, &lane.lanes, wo, in, out, pdf );
-    return f;
-}
-
-// Where a path goes on from a point: direction, f |cos| / density, density,
-// and where the ray starts; side 0 where it ends.
-typedef struct Onward
-{
-    RfVec3 wi, weight, f;
-    float pdf, cos_x, side;
-} Onward;
-
-static Onward scatter( const Point* x, RfRandomKey key, uint32_t dimension )
-{
-    Lane lane;
-    fill_lane( x, &lane );
-    float random[3];
-    for ( uint32_t k = 0; k < 3; ++k )
-        random[k] = rf_random( key, dimension + k );
-    const float* wo[3] = { &x->wo.x, &x->wo.y, &x->wo.z };
-    const float* u[3] = { random, random + 1, random + 2 };
-    Onward out = { 0 };
-    float* wi[3] = { &out.wi.x, &out.wi.y, &out.wi.z };
-    float* weight[3] = { &out.weight.x, &out.weight.y, &out.weight.z };
-    if ( is_native( x ) )
-    {
-        rf_bsdf_sample_weighted( x->material.kind, 1, &lane.lanes, wo, u, wi, weight, &out.pdf );
-        float cos_g = rf_dot( x->ng, out.wi );
-        out.cos_x = rf_dot( x->n, out.wi );
-        out.side = out.cos_x * cos_g <= 0.0f || rf_max_component( out.weight ) == 0.0f ? 0.0f : ( cos_g > 0.0f ? 1.0f : -1.0f );
-        return out;
-    }
-    rf_bsdf_sample( x->material.kind, 1, &lane.lanes, wo, u, wi );
-    out.f = evaluate( x, out.wi, &out.pdf );
-    out.cos_x = rf_dot( x->n, out.wi );
-    out.side = out.cos_x > 0.0f && rf_dot( x->ng, out.wi ) > 0.0f && out.pdf > 0.0f ? 1.0f : 0.0f;
-    return out;
-}
-
-static RfVec3 start_of( const Point* x, const Onward* onward ) { return rf_madd( x->p, x->ng, onward->side * x->offset ); }
 
 // A ray, and the normal where it started: what lights were picked by there.
 typedef struct Ray
@@ -297,7 +146,7 @@ static RfVec3 direct( const RfTracer* tracer, const ReferenceSettings* s, const 
         RfVec3 arriving = sample_light( tracer, s, x, key, dimension, &wi, &pdf_light );
         if ( rf_max_component( arriving ) == 0.0f )
             continue;
-        RfVec3 f = evaluate( x, wi, &pdf );
+        RfVec3 f = evaluate_point( x, wi, &pdf );
         float scale = 1.0f / ( (float)k * pdf_light + pdf );
         sum = rf_add( sum, rf_scale( rf_mul( rf_mul( throughput, f ), arriving ), scale ) );
     }
@@ -312,21 +161,13 @@ typedef struct Arriving
     float light_pdf;
 } Arriving;
 
-// Of the light from x to o, which is inside of the body if x is seen from there.
-static RfVec3 part_left( const Point* x, RfVec3 o )
-{
-    if ( is_native( x ) && x->inside && !x->material.thin && rf_max_component( x->material.absorption ) > 0.0f )
-        return rf_transmittance( x->material.absorption, rf_length( rf_sub( x->p, o ) ) );
-    return rf_vec3( 1, 1, 1 );
-}
-
 // A ray that did not pass a pane, which has a probability: only base and reflection are left of it.
 static void stop_at_pane( Point* x, RfVec3* throughput )
 {
-    if ( !is_native( x ) )
+    if ( !is_native_point( x ) )
         return;
     Lane lane;
-    fill_lane( x, &lane );
+    fill_point_lane( x, &lane );
     RfPane pane = rf_pane_of_lane( &lane.lanes, 0, x->wo );
     if ( pane.probability == 0.0f )
         return;
@@ -340,7 +181,7 @@ static bool meet( const RfTracer* tracer, const ReferenceSettings* s, const Ray*
                   float* light_pdf )
 {
     Panes panes = { 1.0f, { 1, 1, 1 } };
-    bool found = find( tracer, ray->o, ray->d, x, s->panes_are_vertices ? NULL : &panes );
+    bool found = find_point( tracer, ray->o, ray->d, x, s->panes_are_vertices ? NULL : &panes );
     *throughput = rf_mul( *throughput, panes.weight );
     if ( !found )
     {
@@ -353,7 +194,7 @@ static bool meet( const RfTracer* tracer, const ReferenceSettings* s, const Ray*
     *light = x->emission;
     *light_pdf = x->light_pdf > 0.0f ? x->light_pdf * chance_at_origin( tracer, s, ray, x->light ) : 0.0f;
     *light_pdf /= panes.probability;
-    *throughput = rf_mul( *throughput, part_left( x, ray->o ) );
+    *throughput = rf_mul( *throughput, part_left_at( x, ray->o ) );
     return true;
 }
 
@@ -382,17 +223,17 @@ static Arriving arriving_light( const RfTracer* tracer, const ReferenceSettings*
             break;
         result.rest = direct( tracer, s, &x, key, vertex, throughput, result.rest );
         uint32_t dimension = rf_vertex_dimension( vertex, s->light_samples );
-        Onward onward = scatter( &x, key, dimension + RF_DIMENSION_SCATTER );
+        Onward onward = scatter_at( &x, key, dimension + RF_DIMENSION_SCATTER );
         if ( !( onward.pdf > 0.0f ) )
             break;
         pdf_scatter = onward.pdf;
-        throughput = is_native( &x ) ? rf_mul( throughput, onward.weight )
-                                     : rf_scale( rf_mul( throughput, onward.f ), onward.cos_x / onward.pdf );
+        throughput = is_native_point( &x ) ? rf_mul( throughput, onward.weight )
+                                           : rf_scale( rf_mul( throughput, onward.f ), onward.cos_x / onward.pdf );
         float q = vertex < 3 ? 1.0f : rf_minf( rf_max_component( throughput ) * roulette_scale / RF_ROULETTE_BELOW, 1.0f );
         if ( !( onward.side != 0.0f && rf_random( key, dimension + RF_DIMENSION_ROULETTE ) < q ) )
             break;
         throughput = rf_vec3( throughput.x / q, throughput.y / q, throughput.z / q );
-        ray = ( Ray ){ start_of( &x, &onward ), onward.wi, x.n };
+        ray = ( Ray ){ onward_start( &x, &onward ), onward.wi, x.n };
     }
     return result;
 }
@@ -401,18 +242,18 @@ static Arriving arriving_light( const RfTracer* tracer, const ReferenceSettings*
 static bool passes_pane( const ReferenceSettings* s, const Point* x, const Onward* onward )
 {
     Lane lane;
-    fill_lane( x, &lane );
+    fill_point_lane( x, &lane );
     return !s->panes_are_vertices && onward->side < 0.0f && rf_pane_of_lane( &lane.lanes, 0, x->wo ).probability > 0.0f;
 }
 
 static RfVec3 scattered_light( const RfTracer* tracer, const ReferenceSettings* s, RfRandomKey key, const Point* x )
 {
-    Onward onward = scatter( x, key, rf_vertex_dimension( 1, s->light_samples ) + RF_DIMENSION_SCATTER );
+    Onward onward = scatter_at( x, key, rf_vertex_dimension( 1, s->light_samples ) + RF_DIMENSION_SCATTER );
     if ( onward.side == 0.0f )
         return rf_vec3( 0, 0, 0 );
-    Ray ray = { start_of( x, &onward ), onward.wi, x->n };
+    Ray ray = { onward_start( x, &onward ), onward.wi, x->n };
     float k = (float)s->light_samples;
-    if ( is_native( x ) )
+    if ( is_native_point( x ) )
     {
         ReferenceSettings left = *s;
         left.max_depth += passes_pane( s, x, &onward );
@@ -516,14 +357,14 @@ RfVec3 reference_sample( const RfTracer* tracer, const RfEye* eye, const Referen
     Ray ray = first_ray( eye, key, x, y );
     if ( eye->lens_radius > 0.0f )
         bend_ray( eye, key, &ray );
-    if ( !find( tracer, ray.o, ray.d, &hit, NULL ) )
+    if ( !find_point( tracer, ray.o, ray.d, &hit, NULL ) )
     {
         float pdf;
         bool hidden = rf_tracer_scene( tracer )->environment.hidden;
         return hidden ? rf_vec3( 0, 0, 0 ) : sky_along( tracer, s, &ray, &pdf );
     }
     RfVec3 sum = seen_light( tracer, s, key, &hit );
-    return rf_mul( sum, part_left( &hit, ray.o ) );
+    return rf_mul( sum, part_left_at( &hit, ray.o ) );
 }
 
 static RfVec3 seen_light( const RfTracer* tracer, const ReferenceSettings* s, RfRandomKey key, const Point* hit )
@@ -537,7 +378,7 @@ static RfVec3 seen_light( const RfTracer* tracer, const ReferenceSettings* s, Rf
         RfVec3 wi = { 0 };
         float pdf_light = 1.0f, pdf;
         RfVec3 arriving = sample_light( tracer, s, hit, key, dimension, &wi, &pdf_light );
-        RfVec3 f = evaluate( hit, wi, &pdf );
+        RfVec3 f = evaluate_point( hit, wi, &pdf );
         sum = rf_add( sum, rf_mul( f, rf_scale( arriving, 1.0f / ( (float)s->light_samples * pdf_light + pdf ) ) ) );
     }
     return rf_add( sum, scattered_light( tracer, s, key, hit ) );
