@@ -105,7 +105,8 @@
           .help = "path vertices after the eye" },                                                                               \
     {                                                                                                                            \
         .name = "light-samples", .type = RF_OPTION_INT, .value = &( o ).settings.light_samples, .min = 1,                        \
-        .max = RF_MAX_LIGHT_SAMPLES, .meta = "K", .default_text = "1", .help = "light samples per vertex"                        \
+        .max = RF_MAX_LIGHT_SAMPLES, .meta = "K", .default_text = "1",                                                           \
+        .help = "light samples per vertex; with tiles first hits have two at least"                                              \
     }
 
 // `file`: a scene file's defaults may have them.
