@@ -23,6 +23,17 @@ static float find_count( const RfLightPaths* paths, const RfLink* link, float sh
     return rf_maxf( rf_minf( paths->links, share * link->most ), rf_minf( paths->rare_links, share * link->rare_most ) );
 }
 
+// Counts up the scattered rays that would find light on their own.
+static void count_chance( RfLinkLanes* out, double light, double found, double through )
+{
+    if ( !( found * through > 0.0 && found < INFINITY ) )
+        return;
+    int octave = (int)floor( log2( found * through ) ) - RF_FIRST_OCTAVE;
+    octave = octave < 0 ? 0 : octave >= RF_CHANCE_OCTAVES ? RF_CHANCE_OCTAVES - 1 : octave;
+    out->chance[octave].rays += light / found;
+    out->chance[octave].square += through * through * light * found;
+}
+
 void rf_measure_link( const RfLinkWork* w, const RfLink* link, float light )
 {
     const RfChain* chain = &link->chain;
@@ -31,6 +42,7 @@ void rf_measure_link( const RfLinkWork* w, const RfLink* link, float light )
     // what a scattered ray that finds the same light brings
     float found = rf_luminance( rf_mul( chain->start.radiance, chain->weight ) ) * cosine / ( chance * chain->probability );
     const RfLightPaths* paths = w->settings->paths;
+    count_chance( w->out, (double)light, (double)found, (double)through );
     float found_now = find_count( paths, link, paths->share );
     for ( int k = 0; k < RF_LINK_SHARES; ++k )
     {
