@@ -2,7 +2,7 @@
 // (src/reuse/estimators.md, section 16).
 #include "kernel/links_internal.h"
 
-float rf_chance_area( const RfLightPaths* paths, const RfChain* chain, float reach, float steer_pdf, RfVec3 p )
+float rf_chance_area( const RfLightPaths* paths, const RfChain* chain, float area, float steer_pdf, RfVec3 p )
 {
     const RfEmission* e = &chain->start;
     RfVec3 meet, m[2];
@@ -12,6 +12,6 @@ float rf_chance_area( const RfLightPaths* paths, const RfChain* chain, float rea
         return INFINITY;
     float spread = fabsf( rf_dot( rf_cross( m[0], m[1] ), chain->end.d ) ), cosine = rf_dot( e->normal, e->direction );
     float starts = e->pdf_light * e->pdf_area * spread / rf_maxf( cosine, 1e-6f ); // per solid angle at p
-    float links = (float)paths->emitted * RF_PI * reach * reach * steer_pdf * starts;
+    float links = (float)paths->emitted * area * steer_pdf * starts;
     return links > 0.0f ? 1.0f / links : INFINITY;
 }

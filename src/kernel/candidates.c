@@ -3,6 +3,7 @@
 
 #include <math.h>
 
+#define EVENLY 0.25f      // of the trial links, whatever they promise: derivatives err near foci
 #define LEAST_SHARE 0.02f // of trial links, where other light is so much stronger
 
 void rf_begin_candidates( const RfLinkWork* w, int i, const RfFootprintTree* tree, RfFootprintFound* note, RfCandidates* c )
@@ -37,11 +38,17 @@ void rf_note_path( void* user, uint32_t number )
 {
     RfCandidates* c = user;
     const RfLightPath* path = c->settings->paths->path + number;
-    float step[2], miss, most = RF_STEP_MARGIN * path->reach, spread = 1.0f;
+    float step[2], miss, spread = 1.0f;
     if ( c->spent + path->length + 2 > c->settings->path->max_depth )
         return;
-    if ( c->settings->normalization != RF_KERNEL_DENSITY && ( !rf_newton_step( &path->end, c->y, c->ng, step, &miss, &spread ) ||
-                                                              !( step[0] * step[0] + step[1] * step[1] <= most * most ) ) )
+    RfVec3 apart = rf_sub( c->y, path->at.p );
+    if ( c->settings->normalization == RF_KERNEL_DENSITY )
+    {
+        if ( rf_dot( apart, apart ) > path->at.half.x * path->at.half.x )
+            return;
+    }
+    else if ( !rf_newton_step( &path->end, c->y, c->ng, step, &miss, &spread ) ||
+              !( rf_reach_squared( &path->reach, step[0], step[1] ) <= RF_STEP_MARGIN * RF_STEP_MARGIN ) )
         return;
     float light = path->light / spread;
     if ( c->settings->normalization != RF_KERNEL_DENSITY )
@@ -74,9 +81,14 @@ RfAcceptance rf_weigh_candidates( const RfLinkWork* w, RfRandomKey lane, float s
     return a;
 }
 
+float rf_offered( const RfAcceptance* a, const RfCandidates* c, int k )
+{
+    return ( 1.0f - EVENLY ) * c->light[k] / a->sum + EVENLY / (float)c->kept;
+}
+
 float rf_accept( const RfAcceptance* a, const RfCandidates* c, int k, RfRandomKey* key )
 {
     *key = rf_pixel_key( (uint64_t)a->lane.a << 32 | a->lane.b, c->path[k] );
-    float accepted = rf_minf( a->trials * c->light[k] / a->sum, 1.0f );
+    float accepted = rf_minf( a->trials * rf_offered( a, c, k ), 1.0f );
     return rf_random( *key, RF_DIMENSION_ACCEPT ) < accepted ? a->scale / accepted : 0.0f;
 }

@@ -1,13 +1,13 @@
-// A tree over balls, for all that hold a point.
+// A tree over boxes around footprints, for all that hold a point.
 #include "kernel/footprints.h"
 
 #define LEAF 4
 
 static float coordinate( RfVec3 v, int axis ) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
 
-static const RfBall* ball_of( const RfFootprintTree* tree, uint32_t number )
+static const RfFootprintBox* box_of( const RfFootprintTree* tree, uint32_t number )
 {
-    return (const RfBall*)(const void*)( tree->balls + (size_t)number * tree->stride );
+    return (const RfFootprintBox*)(const void*)( tree->boxes + (size_t)number * tree->stride );
 }
 
 static void bound( const RfFootprintTree* tree, RfFootprintNode* node, uint32_t first, uint32_t count )
@@ -16,26 +16,24 @@ static void bound( const RfFootprintTree* tree, RfFootprintNode* node, uint32_t 
     node->high = rf_vec3( -INFINITY, -INFINITY, -INFINITY );
     for ( uint32_t k = first; k < first + count; ++k )
     {
-        const RfBall* ball = ball_of( tree, tree->order[k] );
-        RfVec3 p = ball->p;
-        float r = ball->radius;
-        node->low = rf_vec3( rf_minf( node->low.x, p.x - r ), rf_minf( node->low.y, p.y - r ), rf_minf( node->low.z, p.z - r ) );
-        node->high =
-            rf_vec3( rf_maxf( node->high.x, p.x + r ), rf_maxf( node->high.y, p.y + r ), rf_maxf( node->high.z, p.z + r ) );
+        const RfFootprintBox* box = box_of( tree, tree->order[k] );
+        RfVec3 low = rf_sub( box->p, box->half ), high = rf_add( box->p, box->half );
+        node->low = rf_vec3( rf_minf( node->low.x, low.x ), rf_minf( node->low.y, low.y ), rf_minf( node->low.z, low.z ) );
+        node->high = rf_vec3( rf_maxf( node->high.x, high.x ), rf_maxf( node->high.y, high.y ), rf_maxf( node->high.z, high.z ) );
     }
 }
 
-// Moves the smaller half of `count` balls by one coordinate to the front (quickselect; ties by number).
+// Moves the smaller half of `count` boxes by one coordinate to the front (quickselect; ties by number).
 static void split( const RfFootprintTree* tree, uint32_t* order, uint32_t count, uint32_t middle, int axis )
 {
     uint32_t low = 0, high = count - 1;
     while ( low < high )
     {
         uint32_t pivot = order[low + ( high - low ) / 2], i = low, j = high;
-        float at = coordinate( ball_of( tree, pivot )->p, axis );
+        float at = coordinate( box_of( tree, pivot )->p, axis );
         for ( ;; )
         {
-            float x = coordinate( ball_of( tree, order[i] )->p, axis ), z = coordinate( ball_of( tree, order[j] )->p, axis );
+            float x = coordinate( box_of( tree, order[i] )->p, axis ), z = coordinate( box_of( tree, order[j] )->p, axis );
             if ( x < at || ( x == at && order[i] < pivot ) )
                 ++i;
             else if ( z > at || ( z == at && order[j] > pivot ) )
@@ -109,9 +107,7 @@ void rf_find_footprints( const RfFootprintTree* tree, RfVec3 y, RfFootprintFound
         }
         for ( uint32_t k = node->first; k < node->first + node->count; ++k )
         {
-            const RfBall* ball = ball_of( tree, tree->order[k] );
-            RfVec3 apart = rf_sub( y, ball->p );
-            if ( rf_dot( apart, apart ) <= ball->radius * ball->radius )
+            if ( rf_box_holds( box_of( tree, tree->order[k] ), y ) )
                 found( user, tree->order[k] );
         }
     }

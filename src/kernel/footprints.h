@@ -1,17 +1,25 @@
-// A tree over footprints, which are balls.
+// A tree over footprints, by the boxes around them.
 #ifndef REFRAME_KERNEL_FOOTPRINTS_H
 #define REFRAME_KERNEL_FOOTPRINTS_H
 
 #include "math/vec3.h"
 
+#include <math.h>
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
-typedef struct RfBall
+typedef struct RfFootprintBox
 {
-    RfVec3 p;
-    float radius; // m
-} RfBall;
+    RfVec3 p;    // its middle
+    RfVec3 half; // of its sides, m
+} RfFootprintBox;
+
+static inline bool rf_box_holds( const RfFootprintBox* box, RfVec3 y )
+{
+    RfVec3 apart = rf_sub( y, box->p );
+    return fabsf( apart.x ) <= box->half.x && fabsf( apart.y ) <= box->half.y && fabsf( apart.z ) <= box->half.z;
+}
 
 typedef struct RfFootprintNode
 {
@@ -23,18 +31,18 @@ typedef struct RfFootprintNode
 
 typedef struct RfFootprintTree
 {
-    const char* balls; // the first of `count` RfBall
+    const char* boxes; // the first of `count` RfFootprintBox
     size_t stride;     // from one to the next, bytes
     uint32_t count;
     uint32_t node_count;
-    uint32_t* order;       // as many as balls
+    uint32_t* order;       // as many as boxes
     RfFootprintNode* node; // likewise
 } RfFootprintTree;
 
-// Builds the tree over its balls.
+// Builds the tree over its boxes.
 void rf_build_footprints( RfFootprintTree* tree );
 
-// Calls `found` with the number of each ball that holds y.
+// Calls `found` with the number of each box that holds y.
 typedef void RfFootprintFound( void* user, uint32_t number );
 void rf_find_footprints( const RfFootprintTree* tree, RfVec3 y, RfFootprintFound* found, void* user );
 

@@ -4,11 +4,9 @@
 
 #include <string.h>
 
-#define LINKS 3.0f            // c
-#define MOST_REACH 0.3f       // of directions: a chord
-#define MOST_SHIFT 0.1f       // of the rays of infinite lights, in radii of the scene
-#define MOST_FOOTPRINT 0.05f  // likewise
-#define FOOTPRINT_MARGIN 1.3f // over what the derivatives tell
+#define LINKS 3.0f           // c
+#define MOST_FOOTPRINT 0.05f // of half the axes, in radii of the scene
+#define RARE_LINKS 0.2f      // found where MOST_FOOTPRINT allows fewer, by larger ones
 #define PATHS_PER_PIXEL 0.125
 #define LEAST_PATHS 512u
 #define MOST_PATHS 65536u
@@ -137,11 +135,12 @@ static RfLightPaths* lay_out( const RfEstimatorGroup* group, void* memory )
     paths->light = take( &at, l * sizeof *paths->light );
     paths->light_cumulative = take( &at, l * sizeof *paths->light_cumulative );
     paths->path = take( &at, n * sizeof *paths->path );
-    paths->tree = ( RfFootprintTree ){ .balls = (const char*)&paths->path->at, .stride = sizeof *paths->path };
+    paths->tree = ( RfFootprintTree ){ .boxes = (const char*)&paths->path->at, .stride = sizeof *paths->path };
     paths->tree.order = take( &at, n * sizeof *paths->tree.order );
     paths->tree.node = take( &at, n * sizeof *paths->tree.node );
     rf_lay_out_scattered( paths, take( &at, rf_scattered_bytes( n ) ) );
     paths->links = LINKS;
+    paths->rare_links = RARE_LINKS;
     paths->most_radius = MOST_FOOTPRINT * rf_tracer_lights( group->tracer )->radius;
     if ( !paths->prepared )
     {
@@ -164,21 +163,6 @@ float rf_steer_pdf( const RfLightPaths* paths, const RfChain* chain )
             high = middle;
     }
     return chain->first_area_pdf > 0.0f ? paths->pdf_area[low] / chain->first_area_pdf : 0.0f;
-}
-
-RfFootprint rf_find_footprint( const RfLightPaths* paths, const RfLights* lights, const RfChain* chain, float pdf, RfVec3 p,
-                               RfVec3 normal )
-{
-    RfVec3 meet, m[2];
-    if ( !( pdf > 0.0f ) || !rf_meet_plane( &chain->end, p, chain->end.d, &meet, m ) )
-        return ( RfFootprint ){ 0.0f, 0.0f, 0.0f };
-    float a = rf_dot( m[0], m[0] ), b = rf_dot( m[0], m[1] ), c = rf_dot( m[1], m[1] ), half = 0.5f * ( a - c );
-    float longest = sqrtf( 0.5f * ( a + c ) + sqrtf( half * half + b * b ) );
-    float cosine = rf_maxf( fabsf( rf_dot( normal, chain->end.d ) ), 0.2f );
-    float stretch = FOOTPRINT_MARGIN * longest / cosine;
-    float most = rf_minf( chain->start.infinite ? MOST_SHIFT * lights->radius : MOST_REACH, paths->most_radius / stretch );
-    float reach = rf_minf( sqrtf( paths->links / ( RF_PI * (float)paths->emitted * pdf ) ), most );
-    return ( RfFootprint ){ reach, most, reach * stretch };
 }
 
 // One of `count` by a number u in [0, 1).
@@ -274,11 +258,13 @@ static uint64_t draw_block( const RfEstimatorGroup* group, RfLightPaths* paths, 
         RfFootprint footprint =
             rf_find_footprint( paths, rf_tracer_lights( group->tracer ), c, pdf, land.p[i], triangles[land.triangle[i]].ng );
         path->reach = footprint.reach;
-        path->at = ( RfBall ){ land.p[i], footprint.radius };
-        path->chance = rf_chance_area( paths, c, path->reach, pdf, land.p[i] );
+        path->at = ( RfFootprintBox ){ land.p[i], footprint.half };
+        if ( group->settings->kernel_normalization == RF_KERNEL_DENSITY )
+            path->at.half = rf_vec3( footprint.radius, footprint.radius, footprint.radius );
+        path->chance = rf_chance_area( paths, c, rf_reach_area( &path->reach ), pdf, land.p[i] );
         path->flux = flux_of( path, c );
-        path->light = rf_luminance( path->flux ) / ( path->reach * path->reach );
-        if ( !( path->at.radius > 0.0f && path->light > 0.0f && path->light < INFINITY ) )
+        path->light = rf_luminance( path->flux ) / ( path->reach.along * path->reach.across );
+        if ( !( path->reach.along > 0.0f && path->light > 0.0f && path->light < INFINITY ) )
             path->length = 0;
         rf_set_parent( group->tracer, paths, c, &land, i, path );
     }

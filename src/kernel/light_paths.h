@@ -5,6 +5,7 @@
 
 #include "kernel/chain.h"
 #include "kernel/footprints.h"
+#include "kernel/reach.h"
 #include "render/estimator.h"
 
 #define RF_TRIAL_LINKS 8.0f        // of an eye's first vertex
@@ -28,21 +29,21 @@ typedef struct RfLightPath
 {
     RfEmission start;
     uint32_t events;
-    int length;    // vertices of its chain
-    float weight;  // 1 over the density of what steers it and the probability of its events
-    float reach;   // of links, in what steers: a chord of the sphere of directions, or metres
-    RfBall at;     // where it lands, with its footprint
-    RfVec3 flux;   // over the density of the path, W
-    float chance;  // sr, of rf_chance_area
-    float light;   // luminance that it brings to all within reach: of a link, over the area that it spreads to
-    RfRayPair end; // the ray that lands
+    int length;        // vertices of its chain
+    float weight;      // 1 over the density of what steers it and the probability of its events
+    RfReach reach;     // of links
+    RfFootprintBox at; // where it lands, with its footprint
+    RfVec3 flux;       // over the density of the path, W
+    float chance;      // sr, of rf_chance_area
+    float light;       // luminance that it brings to all within reach: of a link, over the area that it spreads to
+    RfRayPair end;     // the ray that lands
     RfParent parent;
 } RfLightPath;
 
 // A particle that a light path's parent scattered, where it landed.
 typedef struct RfScatteredPath
 {
-    RfBall at;
+    RfFootprintBox at; // around a ball
     uint32_t path;
 } RfScatteredPath;
 
@@ -55,6 +56,7 @@ typedef struct RfLightPaths
     uint32_t emitted;  // n, with those that came to nothing
     uint32_t count;    // stored
     float links;       // c: links that an eye vertex finds per way in which light comes to it, on average
+    float rare_links;  // likewise, where footprints are cut
     float most_radius; // of footprints
     RfLightPath* path;
     RfFootprintTree tree; // of `path`
@@ -96,7 +98,7 @@ float rf_steer_pdf( const RfLightPaths* paths, const RfChain* chain );
 
 // One over the number of links, by solid angle at p, that find the light which arrives there by a chain: a function of the path
 // alone. 0: nothing else finds it. Infinity: they do not.
-float rf_chance_area( const RfLightPaths* paths, const RfChain* chain, float reach, float steer_pdf, RfVec3 p );
+float rf_chance_area( const RfLightPaths* paths, const RfChain* chain, float area, float steer_pdf, RfVec3 p );
 
 // Links of a path's `vertex`-th vertex that are tried at most, with this share.
 static inline float rf_trial_links( float share, int vertex )
@@ -122,9 +124,11 @@ static inline float rf_link_weight( const RfLightPaths* paths, float chance, flo
 // A chain as it arrives at a point of a surface.
 typedef struct RfFootprint
 {
-    float reach;  // of links around it: so far that `links` of them are found on average, and no further than footprints go
-    float most;   // that footprints allow
-    float radius; // of the footprint (GK 7; where it is stretched its longer axis); 0: there is none
+    RfReach
+        reach; // of links around it: so far that `links` of them are found on average, as far as footprints go; 0: there is none
+    float most, rare_most; // the area that footprints allow it, and where fewer than rare_links are found
+    RfVec3 half;           // of the box around the footprint, m
+    float radius;          // of a ball in its place (GK 7; where it is stretched its longer axis)
 } RfFootprint;
 RfFootprint rf_find_footprint( const RfLightPaths* paths, const RfLights* lights, const RfChain* chain, float pdf, RfVec3 p,
                                RfVec3 normal );

@@ -33,7 +33,7 @@ static float area_of( const RfLinkWork* w, const RfLink* link, const RfBend* ben
     if ( !rf_may_scatter( w->settings->path->tracer, &link->chain ) || !rf_is_matte_lane( w->settings->path, w->v, link->lane ) ||
          !rf_newton_step( &link->chain.end, bend->y, bend->n, step, &miss, &spread ) )
         return INFINITY;
-    return RF_PI * link->reach * link->reach * spread / w->settings->paths->links;
+    return rf_reach_area( &link->reach ) * spread / w->settings->paths->links;
 }
 
 // Solves all links; those that fail, or whose solution is out of reach, are closed.
@@ -51,7 +51,7 @@ static void solve( RfLinkWork* w )
         bend->at.end = link->path->end;
         bend->y = rf_start_of( w->v, link->lane );
         bend->n = rf_lane_of( w->v->ng, link->lane );
-        bend->most = RF_STEP_MARGIN * link->path->reach;
+        bend->most = rf_scaled_reach( &link->path->reach, RF_STEP_MARGIN );
         bend->active = true;
     }
     rf_bend_chains( tracer, w->count, w->bend, &w->out->rays );
@@ -66,10 +66,12 @@ static void solve( RfLinkWork* w )
         float pdf = rf_steer_pdf( paths, &link->chain );
         RfFootprint footprint = rf_find_footprint( paths, rf_tracer_lights( tracer ), &link->chain, pdf, y, w->bend[k].n );
         link->reach = footprint.reach;
-        link->most = (float)paths->emitted / paths->share * pdf * RF_PI * footprint.most * footprint.most;
-        link->open = link->reach > 0.0f && rf_steered_apart( &link->chain.start, &link->path->start ) <= link->reach;
+        float found = (float)paths->emitted / paths->share * pdf;
+        link->most = found * footprint.most;
+        link->rare_most = found * footprint.rare_most;
+        link->open = link->reach.along > 0.0f && rf_reach_to( &link->reach, &link->chain.start, &link->path->start ) <= 1.0f;
         link->wi = rf_normalize( rf_sub( link->chain.vertex[link->chain.length - 1].p, y ) );
-        link->chance = rf_chance_area( paths, &link->chain, link->reach, pdf, y );
+        link->chance = rf_chance_area( paths, &link->chain, rf_reach_area( &link->reach ), pdf, y );
         link->light = link->open && link->chance < INFINITY ? light_of( w, link ) : rf_vec3( 0, 0, 0 );
         link->open = link->open && rf_max_component( link->light ) > 0.0f;
         link->repeats = 1.0f;
@@ -113,7 +115,7 @@ static float own_weight( const RfLinkWork* w, const RfLink* link )
 static void add( RfLinkWork* w, const RfLink* link )
 {
     const RfLightPaths* paths = w->settings->paths;
-    float found = RF_PI * link->reach * link->reach * (float)paths->emitted, weight = own_weight( w, link );
+    float found = rf_reach_area( &link->reach ) * (float)paths->emitted, weight = own_weight( w, link );
     if ( w->settings->normalization != RF_KERNEL_DENSITY )
         weight *= rf_link_weight( paths, link->chance, rf_dot( rf_lane_of( w->v->n, link->lane ), link->wi ), w->vertex );
     if ( paths->measures )
@@ -131,7 +133,7 @@ static void estimate_density( RfLinkWork* w )
         RfLink* link = w->link + k;
         link->wi = rf_scale( link->path->end.d, -1.0f );
         link->light = rf_scale( link->path->flux, link->scale );
-        link->reach = link->path->at.radius;
+        link->reach = ( RfReach ){ { 1.0f, 0.0f }, link->path->at.half.x, link->path->at.half.x };
         link->repeats = 1.0f;
         link->area = INFINITY;
         link->open = rf_dot( rf_lane_of( w->v->n, link->lane ), link->wi ) > 0.0f &&
@@ -174,7 +176,7 @@ static void link_lane( RfLinkWork* w, RfRandomKey lane, int i )
         RfLink* link = w->link + w->count;
         *link = ( RfLink ){ .lane = i, .path = w->settings->paths->path + c.path[k] };
         link->scale = rf_accept( &trials, &c, k, &link->key );
-        link->offered = trials.trials * c.light[k] / ( trials.sum * w->settings->paths->share );
+        link->offered = trials.trials * rf_offered( &trials, &c, k ) / w->settings->paths->share;
         w->count += link->scale > 0.0f;
         if ( w->count == RF_CHAIN_BLOCK )
             flush( w );

@@ -11,6 +11,15 @@
 extern const float rf_link_shares[RF_LINK_SHARES];
 
 // What links bring to each vertex lane, in place of radiance times the cosine over its density.
+// What chance alone would bring, by its brightness: octaves of light at the first vertex.
+#define RF_CHANCE_OCTAVES 48
+#define RF_FIRST_OCTAVE ( -16 )
+typedef struct RfChanceOctave
+{
+    double rays;   // that bring it
+    double square; // the sum of its squares
+} RfChanceOctave;
+
 typedef struct RfLinkLanes
 {
     RF_ALIGN float light[3][RF_LANES]; // the sum over all links
@@ -24,7 +33,8 @@ typedef struct RfLinkLanes
     uint64_t searched;                 // vertices, counted up
     double moment[RF_LINK_SHARES]; // of the light that links and chance bring to first vertices, the sum of the squares that are
                                    // expected with each of rf_link_shares; counted up where light paths measure
-    RfTrail trail[RF_LANES];       // by slot
+    RfChanceOctave chance[RF_CHANCE_OCTAVES]; // counted up likewise
+    RfTrail trail[RF_LANES];                  // by slot
 } RfLinkLanes;
 
 typedef struct RfKernelLinker

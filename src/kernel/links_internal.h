@@ -19,13 +19,13 @@ typedef struct RfLink
     int lane;
     const RfLightPath* path;
     RfRandomKey key;
-    float scale;   // one over the probability with which it was accepted
-    float offered; // that probability with all links, more than one perhaps
-    float chance;  // of rf_chance_area
-    float most;    // links of a way that all light paths could find; `links` of them are wanted
-    RfChain chain; // solved
-    float reach;   // of the solution
-    float repeats; // trials until it was found again
+    float scale;           // one over the probability with which it was accepted
+    float offered;         // that probability with all links, more than one perhaps
+    float chance;          // of rf_chance_area
+    float most, rare_most; // links of a way that all light paths could find; `links` of them, or rare_links, are wanted
+    RfChain chain;         // solved
+    RfReach reach;         // of the solution
+    float repeats;         // trials until it was found again
     bool open;
     float area; // that it covers at the vertex, for rf_own_weight
     RfVec3 wi, light;
@@ -92,13 +92,6 @@ static inline RfVec3 rf_start_of( const RfVertexLanes* v, int i )
     return rf_madd( rf_lane_of( v->p, i ), rf_lane_of( v->ng, i ), v->offset[i] );
 }
 
-// How far two starts are apart, in what steers them.
-static inline float rf_steered_apart( const RfEmission* a, const RfEmission* b )
-{
-    RfVec3 apart = a->infinite ? rf_sub( a->position, b->position ) : rf_sub( a->direction, b->direction );
-    return rf_length( apart );
-}
-
 // Sets up the search for the candidates of a lane.
 void rf_begin_candidates( const RfLinkWork* work, int i, const RfFootprintTree* tree, RfFootprintFound* note,
                           RfCandidates* candidates );
@@ -118,6 +111,9 @@ typedef struct RfAcceptance
     float sum;    // that all candidates are expected to bring
 } RfAcceptance;
 RfAcceptance rf_weigh_candidates( const RfLinkWork* work, RfRandomKey lane, float scale, int i, const RfCandidates* candidates );
+
+// The part of the trial links that a candidate is offered.
+float rf_offered( const RfAcceptance* acceptance, const RfCandidates* candidates, int k );
 
 // The key of a candidate, and one over the probability of accepting it; 0: it was not.
 float rf_accept( const RfAcceptance* acceptance, const RfCandidates* candidates, int k, RfRandomKey* key );

@@ -17,6 +17,23 @@ static float throughput_of( const RfLinkWork* w, int i )
                  : rf_luminance( rf_vec3( w->rays->throughput[0][r], w->rays->throughput[1][r], w->rays->throughput[2][r] ) ) );
 }
 
+// Links of its way that are found with a share of all light paths (rf_find_footprint).
+static float find_count( const RfLightPaths* paths, const RfLink* link, float share )
+{
+    return rf_maxf( rf_minf( paths->links, share * link->most ), rf_minf( paths->rare_links, share * link->rare_most ) );
+}
+
+// Counts up the scattered rays that would find light on their own.
+static void count_chance( RfLinkLanes* out, double light, double found, double through )
+{
+    if ( !( found * through > 0.0 && found < INFINITY ) )
+        return;
+    int octave = (int)floor( log2( found * through ) ) - RF_FIRST_OCTAVE;
+    octave = octave < 0 ? 0 : octave >= RF_CHANCE_OCTAVES ? RF_CHANCE_OCTAVES - 1 : octave;
+    out->chance[octave].rays += light / found;
+    out->chance[octave].square += through * through * light * found;
+}
+
 void rf_measure_link( const RfLinkWork* w, const RfLink* link, float light )
 {
     const RfChain* chain = &link->chain;
@@ -24,11 +41,13 @@ void rf_measure_link( const RfLinkWork* w, const RfLink* link, float light )
           through = throughput_of( w, link->lane );
     // what a scattered ray that finds the same light brings
     float found = rf_luminance( rf_mul( chain->start.radiance, chain->weight ) ) * cosine / ( chance * chain->probability );
-    float wanted = w->settings->paths->links, found_now = rf_minf( wanted, w->settings->paths->share * link->most );
+    const RfLightPaths* paths = w->settings->paths;
+    count_chance( w->out, (double)light, (double)found, (double)through );
+    float found_now = find_count( paths, link, paths->share );
     for ( int k = 0; k < RF_LINK_SHARES; ++k )
     {
         float share = rf_link_shares[k], tried = rf_tried( w->settings->paths, share, w->vertex );
-        float fewer = share > 0.0f ? found_now / rf_minf( wanted, share * link->most ) : 0.0f;
+        float fewer = share > 0.0f ? found_now / find_count( paths, link, share ) : 0.0f;
         float weight = share == 0.0f ? 0.0f : link->chance > 0.0f ? tried / ( tried + link->chance * fewer * chance ) : 1.0f;
         float accepted = rf_minf( w->settings->paths->share * link->offered, 1.0f ),
               then = rf_minf( share * link->offered, 1.0f );

@@ -37,6 +37,9 @@ void rf_note_particle( void* user, uint32_t number )
     const RfLightPath* path = paths->path + particle->path;
     RfParentLink link;
     float distance2;
+    RfVec3 apart = rf_sub( c->y, particle->at.p );
+    if ( rf_dot( apart, apart ) > particle->at.half.x * particle->at.half.x )
+        return;
     if ( c->spent + path->length + 3 > c->settings->path->max_depth || !find_way( paths, path, c->y, &link, &distance2 ) )
         return;
     float cos_n = -rf_dot( link.d, c->n ), cos_g = -rf_dot( link.d, c->ng );

@@ -25,7 +25,7 @@ void rf_lay_out_scattered( RfLightPaths* paths, void* memory )
     char* at = memory;
     paths->scattered = (RfScatteredPath*)(void*)at;
     at += aligned( n * sizeof( RfScatteredPath ) );
-    paths->scattered_tree = ( RfFootprintTree ){ .balls = (const char*)paths->scattered, .stride = sizeof *paths->scattered };
+    paths->scattered_tree = ( RfFootprintTree ){ .boxes = (const char*)paths->scattered, .stride = sizeof *paths->scattered };
     paths->scattered_tree.order = (uint32_t*)(void*)at;
     paths->scattered_tree.node = (RfFootprintNode*)(void*)( at + aligned( n * sizeof( uint32_t ) ) );
     paths->parents = RF_PARENT_LINKS / (float)paths->emitted;
@@ -68,7 +68,7 @@ void rf_set_parent( const RfTracer* tracer, const RfLightPaths* paths, const RfC
         shape = here.alpha;
     }
     bool reached = rf_newton_step( &path->end, path->at.p, parent->ng, step, &miss, &spread );
-    parent->area = RF_PI * path->reach * path->reach * spread / paths->links;
+    parent->area = rf_reach_area( &path->reach ) * spread / paths->links;
     parent->share = rf_link_weight( paths, path->chance, -rf_dot( parent->n, path->end.d ), 2 );
     parent->falloff =
         rf_emission_falloff( &path->start, chain->way + rf_length( rf_sub( path->at.p, chain->vertex[chain->length - 1].p ) ) );
@@ -109,7 +109,7 @@ static uint64_t scatter_block( const RfEstimatorGroup* group, RfLightPaths* path
     for ( uint32_t k = first; k < first + count; ++k )
     {
         const RfLightPath* path = paths->path + k / RF_SCATTERED_PER_PATH;
-        paths->scattered[k].at.radius = 0.0f;
+        paths->scattered[k].at.half.x = 0.0f;
         if ( !path->parent.scatters )
             continue;
         RfVec3 from = rf_parent_start( path ), way = draw_direction( shift, k, path->parent.ng );
@@ -126,7 +126,7 @@ static uint64_t scatter_block( const RfEstimatorGroup* group, RfLightPaths* path
         uint32_t path = number[k] / RF_SCATTERED_PER_PATH;
         RfVec3 p = rf_hit_point( t, u[k], v[k], rf_vec3( o[0][k], o[1][k], o[2][k] ), rf_vec3( d[0][k], d[1][k], d[2][k] ) ).p;
         float radius = rf_scattered_radius( paths, paths->path + path, p, t->ng );
-        paths->scattered[number[k]] = ( RfScatteredPath ){ { p, radius }, path };
+        paths->scattered[number[k]] = ( RfScatteredPath ){ { p, rf_vec3( radius, radius, radius ) }, path };
     }
     return (uint64_t)rays;
 }
@@ -150,7 +150,7 @@ uint64_t rf_scatter_light_paths( const RfEstimatorGroup* group, RfLightPaths* pa
     paths->scattered_count = 0;
     for ( uint32_t k = 0; k < count; ++k )
     {
-        if ( paths->scattered[k].at.radius > 0.0f )
+        if ( paths->scattered[k].at.half.x > 0.0f )
             paths->scattered[paths->scattered_count++] = paths->scattered[k];
     }
     paths->scattered_tree.count = paths->scattered_count;

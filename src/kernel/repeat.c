@@ -9,11 +9,9 @@ static bool draw_start( const RfLinkWork* w, const RfLink* link, uint32_t trial,
 {
     const RfTracer* tracer = w->settings->path->tracer;
     *e = link->chain.start;
-    float u = rf_random( link->key, 2 * trial ), phi = 2.0f * RF_PI * rf_random( link->key, 2 * trial + 1 );
-    float chord = link->reach * sqrtf( u );
-    RfVec3 t, b;
-    rf_basis( e->direction, &t, &b );
-    RfVec3 across = rf_add( rf_scale( t, cosf( phi ) ), rf_scale( b, sinf( phi ) ) );
+    float chord;
+    RfVec3 across = rf_sample_reach( &link->reach, e->direction, rf_random( link->key, 2 * trial ),
+                                     rf_random( link->key, 2 * trial + 1 ), &chord );
     if ( e->infinite )
     {
         e->position = rf_madd( e->position, across, chord );
@@ -54,11 +52,11 @@ static int try_again( RfLinkWork* w, uint32_t trial, bool* pending )
             continue;
         }
         const RfLink* link = w->link + k;
-        RfVec3 apart = rf_sub( rf_start_of( w->v, link->lane ), land.p[k] );
         RfFootprint footprint = rf_find_footprint( paths, rf_tracer_lights( tracer ), &bend->at, rf_steer_pdf( paths, &bend->at ),
                                                    land.p[k], triangles[land.triangle[k]].ng );
-        bend->most = RF_STEP_MARGIN * footprint.reach;
-        bend->active = footprint.radius > 0.0f && rf_dot( apart, apart ) <= footprint.radius * footprint.radius;
+        RfFootprintBox box = { land.p[k], footprint.half };
+        bend->most = rf_scaled_reach( &footprint.reach, RF_STEP_MARGIN );
+        bend->active = footprint.reach.along > 0.0f && rf_box_holds( &box, rf_start_of( w->v, link->lane ) );
     }
     rf_bend_chains( tracer, w->count, w->bend, &w->out->rays );
     int left = 0;
@@ -68,7 +66,7 @@ static int try_again( RfLinkWork* w, uint32_t trial, bool* pending )
             continue;
         RfLink* link = w->link + k;
         const RfBend* bend = w->bend + k;
-        bool same = bend->met && rf_steered_apart( &bend->at.start, &link->chain.start ) <= SAME * link->reach;
+        bool same = bend->met && rf_reach_to( &link->reach, &link->chain.start, &bend->at.start ) <= SAME * SAME;
         pending[k] = !same;
         link->repeats += pending[k] ? 1.0f : 0.0f;
         left += pending[k];

@@ -40,7 +40,7 @@ static void start( RfBend* b, Next* next )
     b->met = false;
     *next = ( Next ){ .damping = 1.0f };
     b->active = b->active && rf_newton_step( &b->at.end, b->y, b->n, next->step, &next->miss, &spread ) &&
-                next->step[0] * next->step[0] + next->step[1] * next->step[1] <= b->most * b->most;
+                rf_reach_squared( &b->most, next->step[0], next->step[1] ) <= 1.0f;
 }
 
 // Takes or refuses the chain that was tried.

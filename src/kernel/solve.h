@@ -3,14 +3,15 @@
 #define REFRAME_KERNEL_SOLVE_H
 
 #include "kernel/chain.h"
+#include "kernel/reach.h"
 
 // A chain on its way to a point.
 typedef struct RfBend
 {
-    RfChain at; // the best so far
-    RfVec3 y;   // to be met
-    RfVec3 n;   // unit geometric normal there
-    float most; // refuses first steps beyond this
+    RfChain at;   // the best so far
+    RfVec3 y;     // to be met
+    RfVec3 n;     // unit geometric normal there
+    RfReach most; // refuses first steps beyond this
     bool active;
     bool met; // out: `at` meets y
 } RfBend;

@@ -48,7 +48,7 @@ float rf_weigh_chance( const RfLinker* linker, const RfTrail* trail, int length,
         return 1.0f;
     chain.start.pdf_light /= (float)paths->light_cumulative[paths->light_count - 1];
     float pdf = rf_steer_pdf( paths, &chain );
-    float reach = rf_find_footprint( paths, rf_tracer_lights( tracer ), &chain, pdf, trail->start, trail->ng ).reach;
-    float area = rf_chance_area( paths, &chain, reach, pdf, trail->start );
+    RfReach reach = rf_find_footprint( paths, rf_tracer_lights( tracer ), &chain, pdf, trail->start, trail->ng ).reach;
+    float area = rf_chance_area( paths, &chain, rf_reach_area( &reach ), pdf, trail->start );
     return 1.0f - rf_link_weight( paths, area, -rf_dot( trail->n, chain.end.d ), trail->vertex );
 }

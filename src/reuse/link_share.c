@@ -12,7 +12,7 @@
 #define LEAST_NEEDED 4  // likewise, for lamps without size, suns and the sky
 #define LEAST_REST 0.25 // of the error, that is taken not to be that of links
 #define LEAST_MEAN 0.1  // of the square of the mean: dark batches are no darker
-#define GAIN 0.85       // that links must bring, or there are none
+#define GAIN 0.7        // that links must bring, or there are none
 // costs, in rays that are traced in packets
 #define LINK_RAY 5.0
 #define SEARCH 3.5           // for light paths around a vertex
@@ -22,7 +22,9 @@
 typedef struct Found
 {
     float light[RF_LANES];
+    int hits;
     double moment[RF_LINK_SHARES]; // RfLinkLanes
+    RfChanceOctave chance[RF_CHANCE_OCTAVES];
 } Found;
 
 typedef struct Pilot
@@ -81,11 +83,13 @@ static void trace( Pilot* pilot, const RfLightPaths* paths, int pass, int count,
         int at = (int)( ( (int64_t)2 * k + 1 ) * all / ( 2 * count ) ), jobs = all / pilot->group.eye_count;
         s->links->all_rays = s->links->searched = 0;
         memset( s->links->moment, 0, sizeof s->links->moment );
+        memset( s->links->chance, 0, sizeof s->links->chance );
         s->wavefront.path_rays = s->wavefront.shadow_rays = 0;
         rf_harvest_batch( &harvest, ( RfTraceJob ){ .eye = at / jobs, .job = at % jobs, .pass = pass }, pilot->batch, s, &now );
         for ( int i = 0; i < RF_LANES; ++i )
             found[k].light[i] = -1.0f;
-        for ( int i = 0; i < rf_record_count( s->hits ); ++i )
+        found[k].hits = rf_record_count( s->hits );
+        for ( int i = 0; i < found[k].hits; ++i )
         {
             int slot = s->hits->slot[i];
             found[k].light[slot] = s->wavefront.lit[i] + RF_PI * luminance_of( s->wavefront.arrivals.rest, slot ) +
@@ -93,6 +97,7 @@ static void trace( Pilot* pilot, const RfLightPaths* paths, int pass, int count,
         }
         pilot->rays += now.primary + now.path + now.shadow + now.tile + now.eye;
         memcpy( found[k].moment, s->links->moment, sizeof found[k].moment );
+        memcpy( found[k].chance, s->links->chance, sizeof found[k].chance );
         pilot->link_rays += s->links->all_rays;
         pilot->searched += s->links->searched;
         rays->primary += now.primary;
@@ -124,6 +129,30 @@ static Pair compare( const Found* a, const Found* b )
         count += 1;
     }
     return count > 0 ? ( Pair ){ squares / count, sum / count * sum / count, count } : ( Pair ){ 0.0, 0.0, 0 };
+}
+
+// Caps what chance alone brings (moment 0 of each batch) where fewer than one ray of a picture would bring more: such
+// light is missing in most pictures, and few show the spike that stands for it. `samples`: of a picture.
+static void cap_chance( Pilot* pilot, int count, double samples )
+{
+    double lanes = 0.0, rays = 0.0;
+    int cap = RF_CHANCE_OCTAVES;
+    for ( int k = 0; k < count; ++k )
+        lanes += pilot->first[k].hits + pilot->other[k].hits;
+    while ( cap > 0 && lanes > 0.0 && rays * samples / lanes < 1.0 )
+    {
+        cap -= 1;
+        for ( int k = 0; k < count; ++k )
+            rays += pilot->first[k].chance[cap].rays + pilot->other[k].chance[cap].rays;
+    }
+    double most = ldexp( 1.0, cap + RF_FIRST_OCTAVE + 1 );
+    for ( int k = 0; k < 2 * count; ++k )
+    {
+        Found* f = k < count ? pilot->first + k : pilot->other + k - count;
+        f->moment[0] = 0.0;
+        for ( int o = 0; o < RF_CHANCE_OCTAVES; ++o )
+            f->moment[0] += fmin( f->chance[o].square, most * most * f->chance[o].rays );
+    }
 }
 
 // The error of all light, relative and on average over the batches, and the part of each share of links.
@@ -197,6 +226,7 @@ void rf_choose_link_share( const RfEstimatorGroup* group, RfLightPaths* paths, v
     trace( pilot, paths, PASS, count, all, pilot->first, rays );
     trace( pilot, paths, PASS + 1, count, all, pilot->other, rays );
     paths->measures = false;
+    cap_chance( pilot, count, (double)group->settings->spp * group->width * group->height * group->eye_count );
     double moment[RF_LINK_SHARES] = { 0.0 }, error = find_errors( pilot, count, moment );
     double links = (double)pilot->link_rays + 2.0 * (double)paths->rays * count / all;
     Costs costs = { LINK_RAY * links / (double)paths->share, SEARCH * (double)pilot->searched,

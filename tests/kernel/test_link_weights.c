@@ -30,7 +30,7 @@ static RfLightPaths* draw_paths( const RfEstimatorGroup* group )
 // The chain of a light path bent to a point near to where it lands.
 static bool bend( const RfTracer* tracer, const RfLightPath* path, RfVec3 y, RfVec3 n, RfChain* chain )
 {
-    RfBend b = { .y = y, .n = n, .most = RF_STEP_MARGIN * path->reach, .active = true };
+    RfBend b = { .y = y, .n = n, .most = rf_scaled_reach( &path->reach, RF_STEP_MARGIN ), .active = true };
     uint64_t rays = 0;
     b.at.start = path->start;
     b.at.events = path->events;
@@ -89,13 +89,14 @@ static void check_path( const RfTracer* tracer, const RfKernelLinker* linker, co
     uint32_t emitter;
     rf_basis( n, &t, &b );
     n = rf_normalize( rf_madd( n, b, 0.5f ) );
-    RfVec3 y = rf_madd( path->at.p, t, 0.3f * path->at.radius );
+    RfVec3 y = rf_madd( path->at.p, t, 0.3f * rf_minf( path->at.half.x, rf_minf( path->at.half.y, path->at.half.z ) ) );
     if ( !bend( tracer, path, y, n, &chain ) || !follow( tracer, &chain, y, n, vertex, &trail, &emitter, &point ) )
         return;
-    float pdf = rf_steer_pdf( paths, &chain ),
-          reach = rf_find_footprint( paths, rf_tracer_lights( tracer ), &chain, pdf, y, n ).reach;
+    float pdf = rf_steer_pdf( paths, &chain );
+    RfReach reach = rf_find_footprint( paths, rf_tracer_lights( tracer ), &chain, pdf, y, n ).reach;
     RfVec3 wi = rf_normalize( rf_sub( chain.vertex[chain.length - 1].p, y ) );
-    float by_link = rf_link_weight( paths, rf_chance_area( paths, &chain, reach, pdf, y ), rf_dot( n, wi ), vertex );
+    float by_link =
+        rf_link_weight( paths, rf_chance_area( paths, &chain, rf_reach_area( &reach ), pdf, y ), rf_dot( n, wi ), vertex );
     float by_ray = linker->linker.weigh_chance( &linker->linker, &trail, chain.length, emitter, point );
     assert_true( by_link >= 0.0f && by_ray >= 0.0f );
     if ( !( fabsf( by_link + by_ray - 1.0f ) < CLOSE ) )

@@ -54,14 +54,14 @@ static bool solve_link( const Setting* s, const RfLightPath* path, float part, R
 {
     RfVec3 t, b, n = rf_scale( path->end.d, -1.0f );
     rf_basis( n, &t, &b );
-    RfVec3 y = rf_madd( path->at.p, t, part * path->at.radius );
+    RfVec3 y = rf_madd( path->at.p, t, part * rf_minf( path->at.half.x, rf_minf( path->at.half.y, path->at.half.z ) ) );
     v->p[0][0] = y.x;
     v->p[1][0] = y.y;
     v->p[2][0] = y.z;
     v->ng[0][0] = n.x;
     v->ng[1][0] = n.y;
     v->ng[2][0] = n.z;
-    RfBend bend = { .y = y, .n = n, .most = RF_STEP_MARGIN * path->reach, .active = true };
+    RfBend bend = { .y = y, .n = n, .most = rf_scaled_reach( &path->reach, RF_STEP_MARGIN ), .active = true };
     uint64_t rays = 0;
     bend.at.start = path->start;
     bend.at.events = path->events;
@@ -73,7 +73,7 @@ static bool solve_link( const Setting* s, const RfLightPath* path, float part, R
     *link = ( RfLink ){ .path = path, .chain = bend.at, .open = true };
     link->reach =
         rf_find_footprint( s->paths, rf_tracer_lights( s->tracer ), &bend.at, rf_steer_pdf( s->paths, &bend.at ), y, n ).reach;
-    return rf_steered_apart( &bend.at.start, &path->start ) <= link->reach;
+    return rf_reach_to( &link->reach, &bend.at.start, &path->start ) <= 1.0f;
 }
 
 // Repeats the trial of one link as 64 links with random numbers of their own, `first` and those that follow.
@@ -105,29 +105,32 @@ static double count_found( const Setting* s, const RfLink* link, const RfBend* t
         RfBend bend = *target;
         RfChain* chain = &bend.at;
         RfVec3 t, b;
-        // evenly over the chord's disc, by rejection
-        float x = 2.0f * rf_random( key, 0 ) - 1.0f, z = 2.0f * rf_random( key, 1 ) - 1.0f, chord2 = x * x + z * z;
-        for ( uint32_t d = 2; chord2 > 1.0f; d += 2, chord2 = x * x + z * z )
+        // evenly over the chords, by rejection from the disc around the ellipse
+        float r = rf_maxf( link->reach.along, link->reach.across ), x, z, chord2;
+        uint32_t d = 0;
+        do
         {
-            x = 2.0f * rf_random( key, d ) - 1.0f;
-            z = 2.0f * rf_random( key, d + 1 ) - 1.0f;
-        }
-        chord2 *= link->reach * link->reach;
+            x = r * ( 2.0f * rf_random( key, d ) - 1.0f );
+            z = r * ( 2.0f * rf_random( key, d + 1 ) - 1.0f );
+            d += 2;
+        } while ( rf_reach_squared( &link->reach, x, z ) > 1.0f );
+        chord2 = x * x + z * z;
         rf_basis( link->chain.start.direction, &t, &b );
-        RfVec3 across = rf_scale( rf_add( rf_scale( t, x ), rf_scale( b, z ) ), link->reach * sqrtf( 1.0f - 0.25f * chord2 ) );
-        RfVec3 d = rf_normalize( rf_madd( across, link->chain.start.direction, 1.0f - 0.5f * chord2 ) );
+        RfVec3 across = rf_scale( rf_add( rf_scale( t, x ), rf_scale( b, z ) ), sqrtf( 1.0f - 0.25f * chord2 ) );
+        RfVec3 towards = rf_normalize( rf_madd( across, link->chain.start.direction, 1.0f - 0.5f * chord2 ) );
         *chain = link->chain;
-        bool active = rf_emit_towards( rf_tracer_lights( s->tracer ), rf_tracer_scene( s->tracer ), d, &chain->start );
+        bool active = rf_emit_towards( rf_tracer_lights( s->tracer ), rf_tracer_scene( s->tracer ), towards, &chain->start );
         RfLanding land;
         rf_walk_chains( s->tracer, RF_CHAIN_COPY, NULL, &active, 1, &chain, &land, &rays );
         if ( !active || chain->length == 0 )
             continue;
         RfFootprint f = rf_find_footprint( s->paths, rf_tracer_lights( s->tracer ), chain, rf_steer_pdf( s->paths, chain ),
                                            land.p[0], triangles[land.triangle[0]].ng );
-        bend.active = rf_length( rf_sub( bend.y, land.p[0] ) ) <= f.radius;
-        bend.most = RF_STEP_MARGIN * f.reach;
+        RfVec3 apart = rf_sub( bend.y, land.p[0] );
+        bend.active = fabsf( apart.x ) <= f.half.x && fabsf( apart.y ) <= f.half.y && fabsf( apart.z ) <= f.half.z;
+        bend.most = rf_scaled_reach( &f.reach, RF_STEP_MARGIN );
         rf_bend_chains( s->tracer, 1, &bend, &rays );
-        found += bend.met && rf_steered_apart( &chain->start, &link->chain.start ) <= 0.05f * link->reach;
+        found += bend.met && rf_reach_to( &link->reach, &link->chain.start, &chain->start ) <= 0.05f * 0.05f;
     }
     return (double)found / TRIALS;
 }
