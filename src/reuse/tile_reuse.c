@@ -101,14 +101,37 @@ static void list_owners( const RfTileReuseSettings* settings, const RfWavefront*
     }
 }
 
-// The second vertex for each hit in a pairing; `weight` is 1 where there is one, else 0.
+// Finds the second vertices at which no light arrives, in many rooms most of them: their connections would bring nothing.
+static void find_dark( const RfPathSettings* path, RfTileReuse* reuse )
+{
+    const RfVertexLanes* y = &reuse->second;
+    const RfArrivals* arrivals = &reuse->arrivals_at_second;
+    float sum[RF_LANES];
+    for ( int a = 0; a < y->count; ++a )
+    {
+        int slot = y->slot[a];
+        sum[a] = arrivals->emitted[0][slot] + arrivals->emitted[1][slot] + arrivals->emitted[2][slot] + arrivals->rest[0][slot] +
+                 arrivals->rest[1][slot] + arrivals->rest[2][slot];
+    }
+    for ( int j = 0; j < rf_light_lanes_count( path ); ++j )
+    {
+        const RfLightLanes* direct = reuse->direct + j;
+#pragma omp simd
+        for ( int a = 0; a < y->count; ++a )
+            sum[a] += direct->radiance_cos[0][a] + direct->radiance_cos[1][a] + direct->radiance_cos[2][a];
+    }
+    for ( int a = 0; a < y->count; ++a )
+        reuse->dark[a] = sum[a] == 0.0f;
+}
+
+// The second vertex for each hit in a pairing; `weight` is 1 where there is one that light arrives at, else 0.
 static void find_neighbours( const RfTileReuse* reuse, int pairing, int count, RfPairingLanes* out )
 {
     memset( out->vertex, 0, (size_t)count * sizeof out->vertex[0] );
     memset( out->weight, 0, (size_t)count * sizeof out->weight[0] );
     for ( int a = 0; a < rf_record_count( &reuse->second ); ++a )
     {
-        if ( reuse->owner[a] < 0 || pairing >= reuse->size[reuse->owner[a]] )
+        if ( reuse->owner[a] < 0 || reuse->dark[a] || pairing >= reuse->size[reuse->owner[a]] )
             continue;
         int i = rf_receiver( reuse, a, pairing );
         out->vertex[i] = a;
@@ -204,6 +227,7 @@ uint64_t rf_trace_tile_tails( const RfTileReuseSettings* settings, const RfVerte
     list_owners( settings, wavefront, hits, reuse );
     if ( settings->path_roulette )
         rf_thin_paths( settings->path, wavefront, reuse );
+    find_dark( settings->path, reuse );
     for ( int s = 0; s < tile_pixels; ++s )
         find_neighbours( reuse, s, rf_record_count( hits ), reuse->pairings + s );
     pass_own_panes( settings->path->tracer, reuse );

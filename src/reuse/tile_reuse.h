@@ -49,6 +49,7 @@ typedef struct RfTileReuse
     float link_area[RF_LANES];            // of the linker's sample (rf_own_weight)
     int shared;                           // the first of them scatter the same light to all receivers
     int32_t owner[RF_LANES];              // the hit whose path it belongs to; −1: not reused
+    bool dark[RF_LANES];                  // no light arrives there: reused, but not connected
     float throughput[3][RF_LANES];        // of the ray that hit it
     float own_distance2_cos[RF_LANES];    // 1 / G_own
     float own_pane_probability[RF_LANES]; // by slot: q of the panes that the ray to it passed; not set without panes
