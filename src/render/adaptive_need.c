@@ -11,8 +11,9 @@
 #define COST_OF_EXTRA 1.2
 #define LEAST_GAIN 0.02 // by these figures, which are rough
 #define LOOK_GAIN 0.01  // that justifies a pilot: a coarse look may miss some of it
-// Where materials differ in noise: θ from the least to RF_MOST_EXTRA_NOISY, over about so many pixels.
+// Where materials differ in noise: θ from the least to the most, over about so many pixels.
 #define LEAST_THETA 0.05
+#define MOST_THETA 64.0
 #define THETA_STEP 1.1
 #define SOME_PIXELS 4096
 
@@ -52,10 +53,17 @@ static float pixel_variance( const RfPilotSums* sums, size_t i )
     return sums->noise != NULL && sums->noise[4 * i + 1] > 0.0f ? sums->noise[4 * i] / sums->noise[4 * i + 1] : 1.0f;
 }
 
-// Extra samples of a pixel in a pass.
-static float extra_of( const RfPilotSums* sums, float share, float variance, double theta )
+// The mean cost of a pixel's samples. Only ratios matter.
+static float pixel_cost( const RfPilotSums* sums, size_t i )
 {
-    float extra = fmaxf( 0.0f, (float)theta * sqrtf( variance ) - 1.0f / share ) / (float)sums->worth;
+    return sums->noise != NULL && sums->noise[4 * i + 1] > 0.0f ? sums->noise[4 * i + 2] / sums->noise[4 * i + 1] : 1.0f;
+}
+
+// Extra samples of a pixel in a pass: the error is least for its cost where samples go with the root of variance over cost.
+static float extra_of( const RfPilotSums* sums, size_t i, float share, double theta )
+{
+    float wanted = (float)theta * sqrtf( pixel_variance( sums, i ) / pixel_cost( sums, i ) );
+    float extra = fmaxf( 0.0f, wanted - 1.0f / share ) / (float)sums->worth;
     return fminf( extra, RF_MOST_EXTRA_NOISY );
 }
 
@@ -82,20 +90,20 @@ static double threshold_alike( const RfPilotSums* sums, double least_gain )
 // Error times cost for a theta, over some pixels.
 static double error_times_cost( const RfPilotSums* sums, size_t stride, double theta )
 {
-    double error = 0.0, cost = 0.0, seen = 0.0;
+    double error = 0.0, cost = 0.0, passes = 0.0;
     for ( size_t i = 0; i < sums->pixels; i += stride )
     {
         if ( sums->samples != NULL && sums->samples[i] == 0.0f )
             continue;
-        seen += 1.0;
+        passes += (double)pixel_cost( sums, i );
         float share = pixel_share( sums, i );
         if ( share <= 0.0f )
             continue;
-        float extra = extra_of( sums, share, pixel_variance( sums, i ), theta );
+        float extra = extra_of( sums, i, share, theta );
         error += (double)( pixel_variance( sums, i ) / ( 1.0f / share + (float)sums->worth * extra ) );
-        cost += COST_OF_EXTRA * (double)extra;
+        cost += COST_OF_EXTRA * (double)( extra * pixel_cost( sums, i ) );
     }
-    return error * ( seen * ( 1.0 + COST_OF_EYE * ( sums->eyes - 1 ) ) + cost );
+    return error * ( passes * ( 1.0 + COST_OF_EYE * ( sums->eyes - 1 ) ) + cost );
 }
 
 // The same where materials differ. 0: no extra samples pay.
@@ -103,7 +111,7 @@ static double threshold_noisy( const RfPilotSums* sums, double least_gain )
 {
     size_t stride = sums->pixels / SOME_PIXELS + 1;
     double without = error_times_cost( sums, stride, 0.0 ), least = without, best = 0.0;
-    for ( double theta = LEAST_THETA; theta <= RF_MOST_EXTRA_NOISY; theta *= THETA_STEP )
+    for ( double theta = LEAST_THETA; theta <= MOST_THETA; theta *= THETA_STEP )
     {
         double product = error_times_cost( sums, stride, theta );
         if ( product >= least )
@@ -127,7 +135,7 @@ float rf_set_need( const RfPilotSums* sums )
     for ( size_t i = 0; i < sums->pixels; ++i )
     {
         float share = pixel_share( sums, i );
-        sums->share[i] = share > 0.0f ? extra_of( sums, share, pixel_variance( sums, i ), theta ) : 0.0f;
+        sums->share[i] = share > 0.0f ? extra_of( sums, i, share, theta ) : 0.0f;
         most = fmaxf( most, sums->share[i] );
     }
     return most;

@@ -8,8 +8,8 @@
 // What a pilot found, per pixel.
 typedef struct RfPilotSums
 {
-    float* share;         // sums of ρ over the passes
-    const float* noise;   // four per pixel: the sum of the variances of its hits' classes, and of the hits; NULL: all alike
+    float* share;       // sums of ρ over the passes
+    const float* noise; // four per pixel: sums of the variances of its hits' classes, of the hits, and of costs; NULL: all alike
     const float* samples; // camera rays of the pixel; NULL: one in each pass
     size_t pixels;
     float passes;

@@ -38,6 +38,7 @@ void rf_add_noise( const RfMaterialNoise* noise, RfFirstHits first, float* sums 
         float* sum = sums + 4 * (size_t)first.pixel[v->slot[i]];
         sum[0] += noise[v->material[i]].variance;
         sum[1] += 1.0f;
+        sum[2] += noise[v->material[i]].cost;
     }
 }
 
@@ -56,12 +57,21 @@ static void draw_blocks( const RfRenderer* r, int frame, double share, float* dr
     }
 }
 
-// Notes the class of each pixel's hit, plus 1.
+// Notes the class of each pixel's hit, plus 1, and counts the rays of its sample. Counts of integers do not depend on
+// the order of threads.
 static void note_classes( const RfRenderer* r, RfFirstHits first, float* classes )
 {
     const RfVertexLanes* v = first.hits;
     for ( int i = 0; i < v->count; ++i )
-        classes[first.pixel[v->slot[i]]] = 1.0f + (float)class_of( r->memory.noise, r->sizes.materials, v->material[i] );
+    {
+        int class = class_of( r->memory.noise, r->sizes.materials, v->material[i] );
+        RfMaterialNoise* n = r->memory.noise + class;
+        classes[first.pixel[v->slot[i]]] = 1.0f + (float)class;
+#pragma omp atomic
+        n->samples += 1;
+#pragma omp atomic
+        n->rays += first.path_rays != NULL ? first.path_rays[v->slot[i]] : 1;
+    }
 }
 
 static void trace_half( RfRenderer* r, const RfPass* pass, RfLiveFilm* live, int first, int count )
@@ -180,6 +190,25 @@ static void sum_blocks( RfMaterialNoise* noise, const RfFilm* film )
 // Σ of a class. One block with a firefly counts as much as all others together at most.
 static double robust_sum( const RfMaterialNoise* n ) { return n->sum - n->most + fmin( n->most, n->sum - n->most ); }
 
+// The mean rays of a class. One that was hardly seen costs what the mean of all does.
+static void find_costs( RfMaterialNoise* noise, int materials )
+{
+    double samples = 0.0, rays = 0.0;
+    for ( int k = 0; k <= materials; ++k )
+    {
+        samples += (double)noise[k].samples;
+        rays += (double)noise[k].rays;
+    }
+    double mean = samples > 0.0 ? rays / samples : 1.0;
+    for ( int k = 0; k <= materials; ++k )
+    {
+        RfMaterialNoise* n = noise + k;
+        n->cost = (float)( 1.0 + ( (double)n->rays + PRIOR_PIXELS * mean ) / ( (double)n->samples + PRIOR_PIXELS ) );
+    }
+    for ( int k = 0; k < materials; ++k )
+        noise[k].cost = noise[k].special ? noise[k].cost : noise[materials].cost;
+}
+
 // From sums to variances.
 static void find_variances( RfMaterialNoise* noise, int materials )
 {
@@ -237,5 +266,6 @@ void rf_measure_noise( RfRenderer* r, RfLiveFilm* live )
     live->aovs.mean[RF_AOV_ALPHA] = sky;
     memset( live->need, 0, rf_need_bytes( &r->sizes ) );
     find_variances( r->memory.noise, r->sizes.materials );
+    find_costs( r->memory.noise, r->sizes.materials );
     r->memory.noise_known = true;
 }

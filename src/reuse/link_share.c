@@ -81,7 +81,7 @@ static void trace( Pilot* pilot, const RfLightPaths* paths, int pass, int count,
         int at = (int)( ( (int64_t)2 * k + 1 ) * all / ( 2 * count ) ), jobs = all / pilot->group.eye_count;
         s->links->all_rays = s->links->searched = 0;
         memset( s->links->moment, 0, sizeof s->links->moment );
-        s->wavefront.path_rays = s->wavefront.shadow_rays = 0;
+        rf_clear_ray_counts( &s->wavefront );
         rf_harvest_batch( &harvest, ( RfTraceJob ){ .eye = at / jobs, .job = at % jobs, .pass = pass }, pilot->batch, s, &now );
         for ( int i = 0; i < RF_LANES; ++i )
             found[k].light[i] = -1.0f;
