@@ -8,8 +8,9 @@
 // What a pilot found, per pixel.
 typedef struct RfPilotSums
 {
-    float* share;       // sums of ρ over the passes
-    const float* noise; // four per pixel: sums of the variances of its hits' classes, of the hits, and of costs; NULL: all alike
+    float* share; // sums of ρ over the passes
+    const float*
+        noise; // four per pixel: sums of the two variances of its hits' classes, of the hits, and of costs; NULL: all alike
     const float* samples; // camera rays of the pixel; NULL: one in each pass
     size_t pixels;
     float passes;
