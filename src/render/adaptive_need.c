@@ -11,6 +11,9 @@
 #define COST_OF_EXTRA 1.2
 #define LEAST_GAIN 0.02 // by these figures, which are rough
 #define LOOK_GAIN 0.01  // that justifies a pilot: a coarse look may miss some of it
+// The same where materials differ in noise: what was measured of it is rough, too, and chains make the pilot dearer.
+#define LEAST_GAIN_NOISY 0.1
+#define LOOK_GAIN_NOISY 0.07
 // Where materials differ in noise: θ from the least to the most, over about so many pixels.
 #define LEAST_THETA 0.05
 #define MOST_THETA 64.0
@@ -151,12 +154,12 @@ static double threshold_noisy( const RfPilotSums* sums, double least_gain )
 
 bool rf_extra_may_pay( const RfPilotSums* sums )
 {
-    return sums->noise != NULL ? threshold_noisy( sums, LOOK_GAIN ) > 0.0 : threshold_alike( sums, LOOK_GAIN ) > 1.0;
+    return sums->noise != NULL ? threshold_noisy( sums, LOOK_GAIN_NOISY ) > 0.0 : threshold_alike( sums, LOOK_GAIN ) > 1.0;
 }
 
 float rf_set_need( const RfPilotSums* sums )
 {
-    double theta = sums->noise != NULL ? threshold_noisy( sums, LEAST_GAIN ) : threshold_alike( sums, LEAST_GAIN );
+    double theta = sums->noise != NULL ? threshold_noisy( sums, LEAST_GAIN_NOISY ) : threshold_alike( sums, LEAST_GAIN );
     float most = 0.0f;
 
     for ( size_t i = 0; i < sums->pixels; ++i )
