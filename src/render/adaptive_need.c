@@ -9,9 +9,10 @@
 // of an extra one, which comes in broken wavefronts.
 #define COST_OF_EYE 0.05
 #define COST_OF_EXTRA 1.2
-#define LEAST_GAIN 0.02 // by these figures, which are rough
-#define LOOK_GAIN 0.01  // that justifies a pilot: a coarse look may miss some of it
-// The same where materials differ in noise: what was measured of it is rough, too, and chains make the pilot dearer.
+#define COST_OF_EXTRA_NOISY 1.6 // packed into few batches, with a pilot that follows chains
+#define LEAST_GAIN 0.02         // by these figures, which are rough
+#define LOOK_GAIN 0.01          // that justifies a pilot: a coarse look may miss some of it
+// The same with RF_ADAPTIVE_AUTO where materials differ in noise, of which little is known, too.
 #define LEAST_GAIN_NOISY 0.1
 #define LOOK_GAIN_NOISY 0.07
 // Where materials differ in noise: θ from the least to the most, over about so many pixels.
@@ -116,7 +117,7 @@ static double error_times_cost( const RfPilotSums* sums, Measured placed_by, Mea
             continue;
         float extra = extra_of( sums, i, placed_by, share, theta );
         error += (double)( pixel_variance( sums, i, judged_by ) / ( 1.0f / share + (float)sums->worth * extra ) );
-        cost += COST_OF_EXTRA * (double)( extra * pixel_cost( sums, i ) );
+        cost += COST_OF_EXTRA_NOISY * (double)( extra * pixel_cost( sums, i ) );
     }
     return error * ( passes * ( 1.0 + COST_OF_EYE * ( sums->eyes - 1 ) ) + cost );
 }
@@ -136,9 +137,9 @@ static double best_theta( const RfPilotSums* sums, Measured which )
     return best;
 }
 
-// The same where materials differ. A few bright paths make a material look noisier than it is, and samples that are placed
+// The same, where a margin is asked for. A few bright paths make a material look noisier than it is, and samples that are placed
 // by them look better than they are. So what is placed by each measurement is judged by the other.
-static double threshold_noisy( const RfPilotSums* sums, double least_gain )
+static double threshold_wary( const RfPilotSums* sums, double least_gain )
 {
     double with = 0.0, without = 0.0;
     for ( int judge = FIRST; judge <= SECOND; ++judge )
@@ -152,14 +153,24 @@ static double threshold_noisy( const RfPilotSums* sums, double least_gain )
     return with > ( 1.0 - least_gain ) * without || without == 0.0 ? 0.0 : best_theta( sums, BOTH );
 }
 
+// The same where materials differ. 0: no extra samples pay.
+static double threshold_noisy( const RfPilotSums* sums )
+{
+    if ( sums->wary )
+        return threshold_wary( sums, LEAST_GAIN_NOISY );
+    double theta = best_theta( sums, BOTH );
+    bool pays = error_times_cost( sums, BOTH, BOTH, theta ) < ( 1.0 - LEAST_GAIN ) * error_times_cost( sums, BOTH, BOTH, 0.0 );
+    return pays ? theta : 0.0;
+}
+
 bool rf_extra_may_pay( const RfPilotSums* sums )
 {
-    return sums->noise != NULL ? threshold_noisy( sums, LOOK_GAIN_NOISY ) > 0.0 : threshold_alike( sums, LOOK_GAIN ) > 1.0;
+    return sums->noise != NULL ? threshold_wary( sums, LOOK_GAIN_NOISY ) > 0.0 : threshold_alike( sums, LOOK_GAIN ) > 1.0;
 }
 
 float rf_set_need( const RfPilotSums* sums )
 {
-    double theta = sums->noise != NULL ? threshold_noisy( sums, LEAST_GAIN_NOISY ) : threshold_alike( sums, LEAST_GAIN );
+    double theta = sums->noise != NULL ? threshold_noisy( sums ) : threshold_alike( sums, LEAST_GAIN );
     float most = 0.0f;
 
     for ( size_t i = 0; i < sums->pixels; ++i )

@@ -15,6 +15,7 @@ typedef struct RfPilotSums
     size_t pixels;
     float passes;
     int eyes;     // of the group
+    bool wary;    // extra samples must pay by a margin (RF_ADAPTIVE_AUTO), where materials differ in noise
     double worth; // of an extra sample beside one of a pass: 1 without a pixel filter (film/pixel_filter.h)
 } RfPilotSums;
 
