@@ -31,17 +31,19 @@ from blender_export.messages import fail, repeat_warnings, warn  # noqa: E402
 def watch(scene, camera, follow, numbers):
     """Goes through the frames; returns the camera's recorder and the names of what else moves. Ends in the first."""
     recorder, watcher, clipped = cameras.Recorder(scene, camera, follow), moves.Watcher(scene), clipping.Clipping(scene)
+    in_view = lights.InView(scene)
     few = {numbers[0], numbers[len(numbers) // 2], numbers[-1]}  # counting instances takes time
     for number in numbers:
         scene.frame_set(number)
         depsgraph = bpy.context.evaluated_depsgraph_get()
         recorder.note(number, depsgraph)
         watcher.note(depsgraph, number in few)
+        in_view.note(recorder.camera_now)
         if number in few:
             clipped.note(recorder.camera_now, depsgraph, number)
     clipped.tell()
     scene.frame_set(numbers[0])
-    return recorder, watcher.finish(bpy.context.evaluated_depsgraph_get())
+    return recorder, watcher.finish(bpy.context.evaluated_depsgraph_get()), in_view.names
 
 
 def rate_of(scene):
@@ -59,7 +61,7 @@ def main():
     sky.refuse_early(scene, args)
     effects.warn_of_effects(scene, camera)
     geometry.settle(scene)
-    recorder, moving = watch(scene, camera, args.camera is None, range(first, last + 1, step))
+    recorder, moving, in_view = watch(scene, camera, args.camera is None, range(first, last + 1, step))
     cameras.tell_others(scene, name)
     if first < 0:
         warn("frame numbers start at 0 in Reframe: frame %d is called 0, and so on" % first)
@@ -70,7 +72,7 @@ def main():
     materials.restore_coordinate_objects(targets)
     cameras.bake_camera(scene, name, recorder)
     materials.carry(scene, args, placed, recorder)
-    lights.carry(scene)
+    lights.carry(scene, in_view)
     sky.keep_world(scene, args)
     glb.export(os.path.abspath(args.out))
     if not os.path.exists(args.out):

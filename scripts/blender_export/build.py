@@ -5,6 +5,7 @@ import bpy
 
 from . import shader_tree
 from .channels import BLACK, COLOURS, Ref, WHITE, is_constant
+from .fresnel import base_of_principled
 from .images import strength_of
 from .plans import VARYING
 from .textures import link_textures
@@ -13,6 +14,9 @@ GREY = 0.8  # of Blender's surfaces without a material
 MIRROR = 0.0316  # smoother metal is a perfect mirror to Reframe
 
 NO_COAT = {"extensions": {"KHR_materials_specular": {"specularFactor": 0.0}}}
+
+# Principled's coat takes nothing from the base: src/scene/gltf/gltf_lobe.c
+ADDED_COAT = {"reframe": {"coat": "added"}}
 
 patches = {}  # what Blender's exporter cannot write: for glb.finish, by the names of materials
 
@@ -126,12 +130,16 @@ def patch_of(plan, value, solid):
                 inside["attenuationDistance"] = 1.0 / density
                 inside["attenuationColor"] = [math.exp(min(max(c, 0.0), 1.0) - 1.0) for c in colour]
             extensions["KHR_materials_volume"] = inside
+        if transmission < 1.0:  # Cycles mixes the two, no coat covers both
+            extensions["KHR_materials_specular"] = {"specularFactor": 0.0}
     elif specular < 1.0 or f0 != WHITE:
         extensions["KHR_materials_specular"] = {"specularFactor": specular}
         if f0 != WHITE:
             extensions["KHR_materials_specular"]["specularColorFactor"] = list(f0)
-    patch = {"extensions": extensions}
     s = plan.surface
+    patch = {"extensions": extensions, "base": base_of_principled(s)}
+    if s.principled and specular > 0.0 and transmission == 0.0:
+        patch["extras"] = ADDED_COAT
     if plan.copy is not None and value("metallic") == 1.0 and value("roughness") < MIRROR and is_constant(s.base):
         if transmission == 0.0 and s.emission == BLACK and s.alpha == 1.0 and s.normal is None and s.specular == 0.0:
             patch["extras"] = {"reframe": {"bsdf": "mirror", "specular": list(s.base)}}

@@ -31,6 +31,7 @@ class Surface:
     normal: object = None  # a Ref, or None
     one_sided: bool = False
     thin: bool = False  # what it transmits is not refracted, also on a closed mesh
+    principled: bool = False  # Blender's own model, or a mixture with it
 
 
 WHITE, BLACK = (1.0, 1.0, 1.0), (0.0, 0.0, 0.0)

@@ -53,6 +53,12 @@ def add_extensions(gltf):
         if patch.get("extensions"):
             material.setdefault("extensions", {}).update(patch["extensions"])
             used.update(patch["extensions"])
+        if patch.get("base") is not None:
+            factor, summand = patch["base"]
+            part = material.setdefault("pbrMetallicRoughness", {})
+            colour = part.get("baseColorFactor", [1.0] * 4)
+            summand = 0.0 if "baseColorTexture" in part else summand
+            part["baseColorFactor"] = [min(max(c * factor + summand, 0.0), 1.0) for c in colour[:3]] + [colour[3]]
         if "extras" in patch:
             material.setdefault("extras", {}).update(patch["extras"])
     if used:

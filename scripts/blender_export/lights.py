@@ -1,7 +1,10 @@
-"""Lamps as glTF has them: their nodes folded, spots as bright as in Cycles, area lights as one-sided emissive quads and discs."""
+"""Lamps as glTF has them: their nodes folded, spots as bright as in Cycles, area lights as one-sided emissive quads and discs,
+round lamps out of view as spheres."""
 import math
 
+import bmesh
 import bpy
+from bpy_extras.object_utils import world_to_camera_view
 
 from . import materials, shader_tree
 from .channels import WHITE, is_constant
@@ -39,6 +42,39 @@ def replace_area_light(scene, lamp):
     quad = bpy.data.objects.new(lamp.name + " area", mesh)
     quad.matrix_world = lamp.matrix_world.copy()
     scene.collection.objects.link(quad)
+
+
+def replace_point_light(scene, lamp):
+    """A sphere that radiates I = watts / (4 pi) to all sides, as Cycles' lamps do; its faces are a little smaller than it."""
+    light = lamp.data
+    work = bmesh.new()
+    bmesh.ops.create_icosphere(work, subdivisions=2, radius=light.shadow_soft_size)
+    area = sum(f.calc_area() for f in work.faces)
+    mesh = bpy.data.meshes.new(lamp.name)
+    work.to_mesh(mesh)
+    work.free()
+    largest = max(light.color) or 1.0
+    # a convex body of radiance L radiates pi L times its surface
+    radiance = light.energy * largest / (math.pi * area)
+    mesh.materials.append(materials.glow(lamp.name, [c / largest for c in light.color], radiance))
+    ball = bpy.data.objects.new(lamp.name + " sphere", mesh)
+    ball.location = lamp.matrix_world.translation
+    scene.collection.objects.link(ball)
+
+
+class InView:
+    """Notes which point lamps come into the picture, where Cycles does not show them."""
+
+    def __init__(self, scene):
+        self.scene, self.names = scene, set()
+
+    def note(self, camera):
+        for lamp in [o for o in self.scene.objects if o.type == "LIGHT" and o.data.type == "POINT"]:
+            x, y, depth = world_to_camera_view(self.scene, camera, lamp.matrix_world.translation)
+            size = lamp.data.shadow_soft_size
+            edge = 0.05 + size / max(depth, 1e-3)
+            if camera.data.type == "PANO" or depth > -size and -edge < x < 1.0 + edge and -edge < y < 1.0 + edge:
+                self.names.add(lamp.name)
 
 
 def shine_of_nodes(lamp):
@@ -79,17 +115,21 @@ def fit_spot(light):
     light.spot_blend = 1.0 - math.acos(0.75 * full + 0.25 * least) / outer  # glTF: the square of a ramp, a third of its width
 
 
-def tell_lost(lamps):
+def is_sized(lamp):
+    return lamp.data.type in ("POINT", "SPOT") and lamp.data.shadow_soft_size > 0.0
+
+
+def tell_lost(lamps, spheres):
     """Says what lamps lose by their kind."""
     for lamp in lamps:
         if lamp.data.type == "AREA" and lamp.data.spread < 0.999 * math.pi:
             warn("'%s': spread of %.0f degrees: left out, the light goes to all sides" % (lamp.name, math.degrees(lamp.data.spread)))
-    sized = [o.name for o in lamps if o.data.type in ("POINT", "SPOT") and o.data.shadow_soft_size > 0.0]
+    sized = [o.name for o in lamps if is_sized(o) and o.name not in spheres]
     if sized:
-        warn("point and spot lamps have no radius here: sharp shadows, not seen in mirrors, no light through solid glass: " + list_names(sized))
+        warn("spot lamps, and point lamps in view, have no radius here: sharp shadows, not seen in mirrors, no light through solid glass: " + list_names(sized))
 
 
-def prepare(scene):
+def prepare(scene, in_view):
     """Gives every lamp data of its own, with what its nodes and its cone make of it; portals are none."""
     lamps = []
     for lamp in [o for o in scene.objects if o.type == "LIGHT"]:
@@ -104,11 +144,16 @@ def prepare(scene):
             fold_nodes(lamp)
         if lamp.data.type == "SPOT":
             fit_spot(lamp.data)
-    tell_lost(lamps)
+    spheres = {o.name for o in lamps if is_sized(o) and o.data.type == "POINT" and o.name not in in_view and o.data.energy > 0.0}
+    tell_lost(lamps, spheres)
+    return spheres
 
 
-def carry(scene):
-    prepare(scene)
+def carry(scene, in_view):
+    """`in_view`: the point lamps that stay points, since as spheres they would be seen."""
+    for name in sorted(prepare(scene, in_view)):
+        replace_point_light(scene, scene.objects[name])
+        bpy.data.objects.remove(scene.objects[name])
     lamps = [o for o in scene.objects if o.type == "LIGHT" and o.data.type == "AREA"]
     for lamp in lamps:
         if not lamp.hide_render:

@@ -5,7 +5,8 @@ import bpy
 import numpy
 
 from . import bake
-from .build import GREY, NO_COAT, build, patches
+from .build import ADDED_COAT, GREY, NO_COAT, build, patches
+from .fresnel import base_of_principled
 from .messages import warn
 from .plans import channels_tell, is_ours, make_plan
 
@@ -173,8 +174,7 @@ def carry_plan(plan):
     """The slots of a material that needs no bake, with what replaces it."""
     s = plan.surface
     if plan.plain and s.transmission == 0.0 and (s.alpha == 1.0 or plan.material.blend_method != "OPAQUE"):
-        if s.specular == 0.0:
-            patches[plan.material.name] = NO_COAT
+        patches[plan.material.name] = {**(NO_COAT if s.specular == 0.0 else {"extras": ADDED_COAT}), "base": base_of_principled(s)}
         return []
     kinds = {}
     for o, i in plan.users:

@@ -13,9 +13,10 @@ typedef struct Glass
 {
     RfVec3 n, base, specular, tint;
     float alpha;
-    float ior;   // of the far side over the near one; 0: mirror, which has no base: base.x is what its reflectance at
-                 // grazing angles lacks of 1
-    float metal; // fraction that is metal with F0 `specular`; base and tint are scaled by the rest
+    float ior;              // of the far side over the near one; 0: mirror, which has no base: base.x is what its reflectance at
+                            // grazing angles lacks of 1
+    float metal;            // fraction that is metal with F0 `specular`; base and tint are scaled by the rest
+    float base_share, bare; // fraction of the rest that is base, and the fraction of that which no coat covers
     bool thin;
 } Glass;
 
@@ -31,6 +32,8 @@ static Glass glass_of( const RfBsdfLanes* lanes, int i )
         .alpha = lanes->param[RF_PARAM_SHAPE][i],
         .ior = fabsf( lanes->param[RF_PARAM_IOR][i] ),
         .metal = lanes->param[RF_PARAM_F90][i],
+        .base_share = lanes->param[RF_PARAM_COAT_F0][i],
+        .bare = lanes->param[RF_PARAM_COAT_F90][i],
         .thin = lanes->param[RF_PARAM_IOR][i] < 0.0f,
     };
 }
@@ -58,6 +61,15 @@ static float schlick_weight( float cos_o )
     return m2 * m2 * m;
 }
 
+// Seen from inside a body, where total reflection would add to what the base reflects.
+static bool is_inside( const Glass* g ) { return !g->thin && g->ior < 1.0f; }
+
+// The most that can be reflected and transmitted together: bare base does neither.
+static float glass_share( const Glass* g )
+{
+    return 1.0f - g->base_share * ( is_inside( g ) ? 1.0f : g->bare ) * ( 1.0f - g->metal );
+}
+
 // Reflectance: of mirrors and metals by Schlick, coloured.
 static RfVec3 reflectance( const Glass* g, float cos_o )
 {
@@ -67,14 +79,18 @@ static RfVec3 reflectance( const Glass* g, float cos_o )
         float grazing = w * ( 1.0f - g->base.x );
         return rf_add( rf_scale( g->specular, 1.0f - w ), rf_vec3( grazing, grazing, grazing ) );
     }
-    float f = dielectric( cos_o, g->ior ) * ( 1.0f - g->metal ) + w * g->metal;
+    float share = 1.0f - g->base_share * ( is_inside( g ) ? 1.0f : g->bare );
+    float f = dielectric( cos_o, g->ior ) * share * ( 1.0f - g->metal ) + w * g->metal;
     return rf_add( rf_vec3( f, f, f ), rf_scale( g->specular, 1.0f - w ) );
 }
 
-// Transmission of the surface to the base, one way.
+// Transmission of the coat over the base, one way. Inside there is no coat: the base has its share of the surface, and the
+// rest reflects and transmits.
 static float base_transmission( const Glass* g, float cos_theta )
 {
-    return g->ior > 0.0f ? 1.0f - dielectric( cos_theta, g->ior > 1.0f ? g->ior : 1.0f / g->ior ) : 0.0f;
+    if ( g->ior <= 0.0f )
+        return 0.0f;
+    return is_inside( g ) ? 1.0f : 1.0f - ( 1.0f - g->bare ) * dielectric( cos_theta, g->ior );
 }
 
 // The probability of sampling the base, from the eye's cosine alone.
@@ -89,7 +105,7 @@ static float base_probability( const Glass* g, float cos_o )
 // The probability of reflection rather than transmission, given the facet.
 static float reflection_probability( const Glass* g, RfVec3 f )
 {
-    float reflected = rf_mean( f ), transmitted = ( 1.0f - reflected ) * rf_mean( g->tint );
+    float reflected = rf_mean( f ), transmitted = rf_maxf( glass_share( g ) - reflected, 0.0f ) * rf_mean( g->tint );
     return reflected + transmitted > 0.0f ? reflected / ( reflected + transmitted ) : 1.0f;
 }
 
@@ -228,6 +244,8 @@ RfPane rf_pane_of_material( const RfMaterial* m, float cos_o )
         .alpha = m->alpha,
         .ior = m->ior,
         .metal = m->f90,
+        .base_share = m->coat_f0,
+        .bare = m->coat_f90,
         .thin = m->thin && m->ior > 0.0f,
     };
     return pane( &g, cos_o );
@@ -246,6 +264,8 @@ float rf_glass_reflection( const RfMaterial* material, float cos_o, RfVec3* weig
                 .tint = material->tint,
                 .ior = material->ior,
                 .metal = material->f90,
+                .base_share = material->coat_f0,
+                .bare = material->coat_f90,
                 .thin = material->thin };
     float base = base_probability( &g, cos_o );
     RfVec3 f = reflectance( &g, cos_o );
@@ -256,7 +276,13 @@ float rf_glass_reflection( const RfMaterial* material, float cos_o, RfVec3* weig
 
 void rf_glass_delta_lobes( const RfMaterial* m, float ior, float cos_o, RfVec3* reflected, RfVec3* transmitted )
 {
-    Glass g = { .base = m->diffuse, .specular = m->specular, .tint = m->tint, .ior = ior, .metal = m->f90 };
+    Glass g = { .base = m->diffuse,
+                .specular = m->specular,
+                .tint = m->tint,
+                .ior = ior,
+                .metal = m->f90,
+                .base_share = m->coat_f0,
+                .bare = m->coat_f90 };
     *reflected = reflectance( &g, cos_o );
     *transmitted = ior > 0.0f ? rf_scale( m->tint, 1.0f - dielectric( cos_o, ior ) ) : rf_vec3( 0, 0, 0 );
 }

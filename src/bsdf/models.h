@@ -43,7 +43,8 @@ typedef struct RfMaterial
     };
     float f90;             // GGX: reflectance at grazing incidence; GLASS: metallic fraction
     float coat_f0;         // GGX: Fresnel reflectance that the base loses, at normal and
-    float coat_f90;        //      at grazing incidence (scalars: the largest channel)
+    float coat_f90;        //      at grazing incidence (scalars: the largest channel);
+                           // GLASS: the share of the surface that is base, and of that what has no coat
     float clearcoat;       // COATED: strength, 0 to 1
     float clearcoat_alpha; // COATED: roughness² of the coat, in [RF_MIN_ALPHA, 1]
     RfVec3 tint;           // GLASS: transmittance of the surface, times 1 − F; 0 for mirrors
@@ -160,7 +161,7 @@ static inline const RfBsdfModel* rf_bsdf_model( RfBsdfKind kind )
         GGX = PHONG | RF_PARAM_BIT( RF_PARAM_F90 ) | RF_PARAM_BIT( RF_PARAM_COAT_F0 ) | RF_PARAM_BIT( RF_PARAM_COAT_F90 ),
         COATED = GGX | RF_PARAM_BIT( RF_PARAM_CLEARCOAT ) | RF_PARAM_BIT( RF_PARAM_CLEARCOAT_ALPHA ) |
                  RF_PARAM_BITS3( RF_PARAM_CLEARCOAT_N ),
-        GLASS = PHONG | RF_PARAM_BIT( RF_PARAM_F90 ) | RF_PARAM_BITS3( RF_PARAM_TINT ) | RF_PARAM_BIT( RF_PARAM_IOR ),
+        GLASS = GGX | RF_PARAM_BITS3( RF_PARAM_TINT ) | RF_PARAM_BIT( RF_PARAM_IOR ),
     };
     static const RfBsdfModel s_models[RF_BSDF_KIND_COUNT] = {
         [RF_BSDF_LAMBERT] = { "lambert", LAMBERT, rf_lambert_evaluate, rf_lambert_sample, NULL },

@@ -38,6 +38,7 @@ static void extend( const RfEstimatorGroup* group, ExtendedGroup* out )
     out->settings.filter = RF_FILTER_BOX; // samples are drawn by the filter, and count in their own pixels
     out->settings.filter_width = 1.0;
     out->group.filter = NULL;
+    out->group.even_light_samples = true; // in differences of pixels with common random numbers most of their noise is gone
     out->group.settings = &out->settings;
 }
 

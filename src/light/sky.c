@@ -74,6 +74,55 @@ static double sum_rows( const RfEnvironment* e, RfSky* sky )
     return total / ( 4.0 * 3.14159265358979324 );
 }
 
+// The last entry from `low` on that is not above u, of those that are followed by a larger one; the next is at `high` at most.
+static int find_row( const double* sum, int low, int high, double u )
+{
+    while ( high - low > 1 )
+    {
+        int middle = ( low + high ) / 2;
+        if ( sum[middle] <= u )
+            low = middle;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+static int find_column( const float* sum, int low, int high, double u )
+{
+    while ( high - low > 1 )
+    {
+        int middle = ( low + high ) / 2;
+        if ( (double)sum[middle] <= u )
+            low = middle;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+// A power of two, so that the parts' borders are exact; some four entries each.
+static int parts_of( int count )
+{
+    int parts = 1;
+    while ( parts * 8 <= count )
+        parts *= 2;
+    return parts;
+}
+
+static void note_guides( const RfEnvironment* e, RfSky* sky )
+{
+    for ( int k = 0; k <= sky->row_parts; ++k )
+        sky->row_guide[k] = find_row( sky->row_cdf, 0, e->height, (double)k / sky->row_parts );
+    for ( int y = 0; y < e->height; ++y )
+    {
+        const float* columns = sky->column_cdf + (size_t)y * ( (size_t)e->width + 1 );
+        int32_t* guide = sky->column_guide + (size_t)y * ( (size_t)sky->column_parts + 1 );
+        for ( int k = 0; k <= sky->column_parts; ++k )
+            guide[k] = find_column( columns, 0, e->width, (double)k / sky->column_parts );
+    }
+}
+
 static RfVec3 direction_of( const RfSky* sky, double u, double cos_up );
 
 // Mean of luminance times direction over the sphere.
@@ -108,7 +157,12 @@ RfResult rf_make_sky( const RfEnvironment* e, RfSky* sky, RfError* error )
         sky->row_cdf = malloc( ( (size_t)e->height + 1 ) * sizeof *sky->row_cdf );
         sky->column_cdf = malloc( (size_t)e->height * ( (size_t)e->width + 1 ) * sizeof *sky->column_cdf );
         sky->row_density = malloc( (size_t)e->height * sizeof *sky->row_density );
-        if ( sky->row_cdf == NULL || sky->column_cdf == NULL || sky->row_density == NULL )
+        sky->row_parts = parts_of( e->height );
+        sky->column_parts = parts_of( e->width );
+        sky->row_guide = malloc( ( (size_t)sky->row_parts + 1 ) * sizeof *sky->row_guide );
+        sky->column_guide = malloc( (size_t)e->height * ( (size_t)sky->column_parts + 1 ) * sizeof *sky->column_guide );
+        if ( sky->row_cdf == NULL || sky->column_cdf == NULL || sky->row_density == NULL || sky->row_guide == NULL ||
+             sky->column_guide == NULL )
         {
             rf_destroy_sky( sky );
             return rf_fail( error, RF_ERROR_MEMORY, "no memory for the distribution of an environment of %d x %d pixels",
@@ -116,6 +170,7 @@ RfResult rf_make_sky( const RfEnvironment* e, RfSky* sky, RfError* error )
         }
         sky->mean_luminance = (float)sum_rows( e, sky );
         sky->luminance_moment = luminance_moment( sky, e );
+        note_guides( e, sky );
     }
     if ( !( sky->mean_luminance > 0.0f ) )
     {
@@ -131,6 +186,8 @@ void rf_destroy_sky( RfSky* sky )
     free( sky->row_cdf );
     free( sky->row_density );
     free( sky->column_cdf );
+    free( sky->row_guide );
+    free( sky->column_guide );
     *sky = ( RfSky ){ 0 };
 }
 
@@ -192,35 +249,6 @@ float rf_sky_pdf_solid_angle( const RfSky* sky, RfVec3 wi )
     return pixel_pdf( sky, clamp_index( at.x, e->width ), clamp_index( at.y, e->height ) );
 }
 
-// The last entry that is not above u, of those that are followed by a larger one.
-static int find_row( const double* sum, int count, double u )
-{
-    int low = 0, high = count;
-    while ( high - low > 1 )
-    {
-        int middle = ( low + high ) / 2;
-        if ( sum[middle] <= u )
-            low = middle;
-        else
-            high = middle;
-    }
-    return low;
-}
-
-static int find_column( const float* sum, int count, double u )
-{
-    int low = 0, high = count;
-    while ( high - low > 1 )
-    {
-        int middle = ( low + high ) / 2;
-        if ( (double)sum[middle] <= u )
-            low = middle;
-        else
-            high = middle;
-    }
-    return low;
-}
-
 // Unit vector at azimuth 2π (u − ½) from the centre of the map, and the given height.
 static RfVec3 direction_of( const RfSky* sky, double u, double cos_up )
 {
@@ -231,24 +259,32 @@ static RfVec3 direction_of( const RfSky* sky, double u, double cos_up )
     return rf_vec3( (float)( x * c + z * s ), (float)cos_up, (float)( z * c - x * s ) );
 }
 
-RfSkySample rf_sample_sky( const RfSky* sky, const uint32_t bits[2], const float u[2] )
+RfSkySample rf_sample_sky_direction( const RfSky* sky, const uint32_t bits[2], const float u[2] )
 {
     const RfEnvironment* e = sky->environment;
-    RfSkySample sample;
+    RfSkySample sample = { .radiance = rf_vec3( 0, 0, 0 ) };
     if ( e->map == NULL )
     {
         sample.wi = direction_of( sky, (double)u[0], 1.0 - 2.0 * (double)u[1] );
-        sample.radiance = e->radiance;
         sample.pdf_solid_angle = 0.25f * RF_INV_PI;
         return sample;
     }
-    int y = find_row( sky->row_cdf, e->height, (double)bits[0] * 0x1p-32 );
-    int x = find_column( sky->column_cdf + (size_t)y * ( (size_t)e->width + 1 ), e->width, (double)bits[1] * 0x1p-32 );
+    double of_row = (double)bits[0] * 0x1p-32, of_column = (double)bits[1] * 0x1p-32;
+    const int32_t* guide = sky->row_guide + (int)( of_row * sky->row_parts );
+    int y = find_row( sky->row_cdf, guide[0], guide[1] + 1, of_row );
+    guide = sky->column_guide + (size_t)y * ( (size_t)sky->column_parts + 1 ) + (int)( of_column * sky->column_parts );
+    int x = find_column( sky->column_cdf + (size_t)y * ( (size_t)e->width + 1 ), guide[0], guide[1] + 1, of_column );
     double top = cos( (double)y / e->height * 3.14159265358979324 );
     double bottom = cos( (double)( y + 1 ) / e->height * 3.14159265358979324 );
     double cos_up = top + ( (double)u[1] + 0x1p-25 ) * ( bottom - top );
     sample.wi = direction_of( sky, ( x + (double)u[0] + 0x1p-25 ) / e->width, cos_up );
-    sample.radiance = rf_sky_radiance( sky, sample.wi );
     sample.pdf_solid_angle = pixel_pdf( sky, x, y );
+    return sample;
+}
+
+RfSkySample rf_sample_sky( const RfSky* sky, const uint32_t bits[2], const float u[2] )
+{
+    RfSkySample sample = rf_sample_sky_direction( sky, bits, u );
+    sample.radiance = rf_sky_radiance( sky, sample.wi );
     return sample;
 }

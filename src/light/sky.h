@@ -15,6 +15,10 @@ typedef struct RfSky
     double* row_cdf;    // height + 1
     float* row_density; // height: the row's probability over the solid angle of one of its pixels
     float* column_cdf;  // height × ( width + 1 )
+    // where searches begin: the entries at every 1 / row_parts and 1 / column_parts, powers of two
+    int row_parts, column_parts;
+    int32_t* row_guide;    // row_parts + 1
+    int32_t* column_guide; // height × ( column_parts + 1 )
 } RfSky;
 
 // A direction towards the sky and what comes from there.
@@ -48,5 +52,7 @@ float rf_sky_pdf_solid_angle( const RfSky* sky, RfVec3 wi );
 // `bits` select the pixel: 32 for its row, 32 for its column. `u`: two uniform
 // numbers in [0, 1) for the point within it.
 RfSkySample rf_sample_sky( const RfSky* sky, const uint32_t bits[2], const float u[2] );
+// The same without the radiance, which is 0: most directions are never asked for it.
+RfSkySample rf_sample_sky_direction( const RfSky* sky, const uint32_t bits[2], const float u[2] );
 
 #endif

@@ -3,6 +3,7 @@
 #include "path/wavefront.h"
 
 #include <float.h>
+#include <string.h>
 
 // The sampled points on the lights, gathered for the vector loop.
 typedef struct LightPoints
@@ -16,34 +17,8 @@ typedef struct LightPoints
     RfLightSelection selection[RF_LANES];
     int32_t non_area_count; // lanes whose light is punctual or the environment
     int32_t non_area[RF_LANES];
+    bool sky[RF_LANES]; // where non_area_count > 0
 } LightPoints;
-
-void rf_draw_lanes( const RfWavefront* keys, int count, const int32_t* slot, uint32_t dimension, int numbers,
-                    float random[][RF_LANES] )
-{
-    for ( int k = 0; k < numbers; ++k )
-    {
-        float* restrict out = random[k];
-#pragma omp simd
-        for ( int i = 0; i < count; ++i )
-        {
-            RfRandomKey key = { keys->key_a[slot[i]], keys->key_b[slot[i]] };
-            out[i] = rf_random( key, dimension + (uint32_t)k );
-        }
-    }
-}
-
-// Two words to select a light: of the dimension and of its twin.
-static void draw_bits( const RfWavefront* keys, int count, const int32_t* slot, uint32_t dimension, uint32_t bits[2][RF_LANES] )
-{
-#pragma omp simd
-    for ( int i = 0; i < count; ++i )
-    {
-        RfRandomKey key = { keys->key_a[slot[i]], keys->key_b[slot[i]] };
-        bits[0][i] = rf_random_bits( key, dimension );
-        bits[1][i] = rf_random_bits( key, dimension | RF_DIMENSION_TWIN );
-    }
-}
 
 // Where scattered rays start as well, so that both techniques of (E3) measure the
 // same directions and distances.
@@ -161,10 +136,11 @@ static void connect( const RfVertexLanes* restrict v, const LightPoints* restric
     }
 }
 
-// connect() for punctual lights and the environment.
-static void connect_non_area( const RfLights* lights, const RfWavefront* keys, const RfVertexLanes* v, const LightPoints* points,
+// connect() for punctual lights and the environment, whose radiance is still 1.
+static void connect_non_area( const RfLights* lights, const RfWavefront* keys, const RfVertexLanes* v, LightPoints* points,
                               uint32_t dimension, RfLightLanes* out, RfLaneScratch* scratch )
 {
+    memset( points->sky, 0, sizeof points->sky );
     for ( int k = 0; k < points->non_area_count; ++k )
     {
         int i = points->non_area[k];
@@ -186,6 +162,7 @@ static void connect_non_area( const RfLights* lights, const RfWavefront* keys, c
             scratch->d[c][i] = wi[c] * s.distance;
         }
         out->pdf_solid_angle[i] = s.pdf_solid_angle;
+        points->sky[i] = s.sky;
     }
 }
 
@@ -207,20 +184,34 @@ static int compact_segments( const RfLightLanes* lights, int count, RfLaneScratc
     return kept;
 }
 
-// Segments and light behind panes: times κ, and the density over q (src/reuse/estimators.md, section 11).
-static void trace_past_panes( const RfTracer* tracer, int kept, const float* const o[3], const float* const d[3],
-                              RfLightLanes* out, RfLaneScratch* scratch )
+// The radiance of the sky where it is visible.
+static void look_up_sky( const RfLights* lights, const LightPoints* points, int kept, RfLightLanes* out,
+                         const RfLaneScratch* scratch )
 {
-    RfPaneLanes panes = { scratch->pdf, { scratch->f[0], scratch->f[1], scratch->f[2] } };
-    rf_trace_segments_past_panes( tracer, kept, o, d, scratch->visible, &panes );
+    for ( int k = 0; k < kept; ++k )
+    {
+        int i = scratch->index[k];
+        if ( !points->sky[i] || scratch->visible[k] == 0.0f )
+            continue;
+        RfVec3 l = rf_sky_radiance( &lights->sky, rf_vec3( out->wi[0][i], out->wi[1][i], out->wi[2][i] ) );
+        float radiance[3] = { l.x, l.y, l.z };
+        bool bounded = rf_max_component( l ) <= RF_MAX_PUNCTUAL_RADIANCE;
+        for ( int c = 0; c < 3; ++c )
+            out->radiance_cos[c][i] = bounded ? radiance[c] * out->radiance_cos[c][i] : 0.0f;
+    }
+}
+
+// Light behind panes: times κ, and the density over q (src/reuse/estimators.md, section 11).
+static void dim_behind_panes( int kept, const RfPaneLanes* panes, RfLightLanes* out, const RfLaneScratch* scratch )
+{
     for ( int k = 0; k < kept; ++k )
     {
         int i = scratch->index[k];
         if ( scratch->visible[k] == 0.0f )
             continue;
-        out->pdf_solid_angle[i] /= panes.probability[k];
+        out->pdf_solid_angle[i] /= panes->probability[k];
         for ( int c = 0; c < 3; ++c )
-            out->radiance_cos[c][i] *= panes.weight[c][k];
+            out->radiance_cos[c][i] *= panes->weight[c][k];
     }
 }
 
@@ -241,8 +232,7 @@ int rf_sample_lights( const RfPathSettings* settings, const RfWavefront* keys, c
         return 0;
     }
     LightPoints points;
-    draw_bits( keys, count, vertices->slot, dimension, scratch->bits );
-    rf_draw_lanes( keys, count, vertices->slot, dimension + 1, 2, scratch->random );
+    rf_draw_light_numbers( keys, count, vertices->slot, dimension, scratch );
     select_lights( settings, vertices, scratch, points.selection );
     sample_points( lights, count, scratch, &points );
     if ( rf_tracer_is_textured( settings->tracer ) )
@@ -254,10 +244,15 @@ int rf_sample_lights( const RfPathSettings* settings, const RfWavefront* keys, c
     int kept = compact_segments( out, count, scratch );
     const float* o[3] = { scratch->o[0], scratch->o[1], scratch->o[2] };
     const float* d[3] = { scratch->d[0], scratch->d[1], scratch->d[2] };
+    RfPaneLanes panes = { scratch->pdf, { scratch->f[0], scratch->f[1], scratch->f[2] } };
     if ( rf_tracer_has_panes( settings->tracer ) )
-        trace_past_panes( settings->tracer, kept, o, d, out, scratch );
+        rf_trace_segments_past_panes( settings->tracer, kept, o, d, scratch->visible, &panes );
     else
         rf_trace_segments( settings->tracer, kept, o, d, scratch->visible );
+    if ( points.non_area_count > 0 && rf_has_sky( lights ) )
+        look_up_sky( lights, &points, kept, out, scratch );
+    if ( rf_tracer_has_panes( settings->tracer ) )
+        dim_behind_panes( kept, &panes, out, scratch );
     for ( int k = 0; k < kept; ++k )
     {
         int i = scratch->index[k];

@@ -93,6 +93,8 @@ enum
     RF_DIMENSION_ROULETTE = RF_DIMENSION_SCATTER + 3,
     RF_DIMENSION_LIGHTS, // three for each light sample
 };
+// A light sample with the random numbers of another, each half an interval further: what lies where the other does not.
+#define RF_DIMENSION_OPPOSITE 0x10000000u
 // The vertices of chains, from which camera rays go on to the vertex that is numbered 1.
 #define RF_DIMENSION_CHAINS 0x20000000u
 // Roulette on connections inside a tile, plus the index of the connected path.

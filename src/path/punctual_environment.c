@@ -46,14 +46,16 @@ static RfPunctualEnvironmentSample sample_punctual( const RfLights* lights, cons
 static RfPunctualEnvironmentSample sample_sky( const RfLights* lights, RfRandomKey key, uint32_t dimension, const float u[2],
                                                float probability, RfVec3 from )
 {
-    uint32_t bits[2] = { rf_random_bits( key, ( dimension + 1 ) | RF_DIMENSION_TWIN ),
-                         rf_random_bits( key, ( dimension + 2 ) | RF_DIMENSION_TWIN ) };
-    RfSkySample sky = rf_sample_sky( &lights->sky, bits, u );
+    uint32_t own = dimension & ~RF_DIMENSION_OPPOSITE, half = own == dimension ? 0 : 0x80000000u;
+    uint32_t bits[2] = { rf_random_bits( key, ( own + 1 ) | RF_DIMENSION_TWIN ) ^ half,
+                         rf_random_bits( key, ( own + 2 ) | RF_DIMENSION_TWIN ) ^ half };
+    RfSkySample sky = rf_sample_sky_direction( &lights->sky, bits, u );
     return ( RfPunctualEnvironmentSample ){
         .wi = sky.wi,
-        .radiance = sky.radiance,
+        .radiance = rf_vec3( 1.0f, 1.0f, 1.0f ),
         .pdf_solid_angle = sky.pdf_solid_angle * probability,
         .distance = 2.0f * ( rf_length( rf_sub( from, lights->center ) ) + lights->radius ),
+        .sky = true,
     };
 }
 

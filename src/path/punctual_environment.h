@@ -12,9 +12,10 @@
 
 typedef struct RfPunctualEnvironmentSample
 {
-    RfVec3 wi, radiance;
+    RfVec3 wi, radiance; // of the sky: 1, to be looked up where nothing is in the way
     float pdf_solid_angle;
     float distance;
+    bool sky;
 } RfPunctualEnvironmentSample;
 
 // Samples the light selected at `from`, which must not be a triangle. `u`: the

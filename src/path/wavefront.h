@@ -123,6 +123,10 @@ const float* rf_find_vertices_past_panes( const RfPathSettings* settings, RfRayL
 void rf_draw_lanes( const RfWavefront* keys, int count, const int32_t* slot, uint32_t dimension, int numbers,
                     float random[][RF_LANES] );
 
+// The numbers of a light sample in the scratch: two words that select the light, and two numbers for the place on it. With
+// RF_DIMENSION_OPPOSITE in `dimension`, those half an interval from the numbers without it.
+void rf_draw_light_numbers( const RfWavefront* keys, int count, const int32_t* slot, uint32_t dimension, RfLaneScratch* scratch );
+
 // Takes one light sample per vertex lane and tests its visibility. Random numbers:
 // `dimension` and the two after it. Returns the number of shadow rays.
 int rf_sample_lights( const RfPathSettings* settings, const RfWavefront* keys, const RfVertexLanes* vertices, uint32_t dimension,

@@ -75,9 +75,10 @@ typedef struct RfEstimatorGroup
     // Of them this is the part between `round` and `round` + 1.
     const float* need;
     int round;
-    bool packed;          // instead all of them, as many tiles at once as fill a batch: the batch number `round` of these
-    bool first_hits_only; // no light: for add_own_shares alone
-    const void* shared;   // what `prepare` made for the pass; NULL: there is nothing
+    bool packed;             // instead all of them, as many tiles at once as fill a batch: the batch number `round` of these
+    bool first_hits_only;    // no light: for add_own_shares alone
+    bool even_light_samples; // first hits have no more light samples than other vertices
+    const void* shared;      // what `prepare` made for the pass; NULL: there is nothing
 } RfEstimatorGroup;
 
 // Sizes in bytes and counts for groups of up to group->eye_count frames.

@@ -4,15 +4,26 @@
 
 #include <string.h>
 
+// Tiles share all light but that of light samples at first hits, which are cheap beside the rest of a path: with tiles there
+// are as many at least (src/reuse/README.md, "Tiles").
+#define DIRECT_SAMPLES 2
+
+static int direct_samples( const RfEstimatorGroup* group, int tile_pixels, bool links )
+{
+    int least = tile_pixels == 1 || links || group->even_light_samples ? 1 : DIRECT_SAMPLES;
+    return group->settings->light_samples > least ? group->settings->light_samples : least;
+}
+
 RfBatchShape rf_batch_shape( const RfEstimatorGroup* group )
 {
     const RfRenderSettings* settings = group->settings;
     bool unevaluable = ( group->traits.kinds & ~0u << RF_BSDF_FIRST_UNEVALUABLE ) != 0;
     int tile_pixels = rf_tile_pixels( &settings->tile );
     bool chains = rf_wants_chains( &group->traits, settings, tile_pixels );
+    bool links = rf_wants_light_paths( &group->traits, settings );
     return ( RfBatchShape ){
         .eyes = group->eye_count,
-        .light_samples = settings->light_samples,
+        .light_samples = direct_samples( group, tile_pixels, links ),
         .tile_pixels = tile_pixels,
         .params = rf_glossy_params( group->traits.kinds ),
         .eq15 = settings->weights == RF_WEIGHTS_EQ15,
@@ -22,7 +33,7 @@ RfBatchShape rf_batch_shape( const RfEstimatorGroup* group )
         .own_frame_light = unevaluable || chains || group->traits.sky,
         .filtered = !rf_is_plain_filter( settings ),
         .chains = chains,
-        .links = rf_wants_light_paths( &group->traits, settings ),
+        .links = links,
     };
 }
 
@@ -161,11 +172,14 @@ void rf_make_camera_rays( const RfPixelFilter* filter, const RfEye* eye, int cou
 void rf_sample_direct( const RfHarvest* harvest, RfHarvestScratch* scratch, RfRayCounts* rays )
 {
     int k = harvest->path.light_samples;
-    uint32_t dimension = rf_vertex_dimension( 1, k ) + RF_DIMENSION_LIGHTS;
-    for ( int j = 0; j < k; ++j )
-        rays->shadow +=
-            (uint64_t)rf_sample_lights( &harvest->path, &scratch->wavefront, scratch->hits, dimension + 3u * (uint32_t)j,
-                                        scratch->direct + j, &scratch->wavefront.scratch );
+    for ( int j = 0; j < harvest->shape.light_samples; ++j )
+    {
+        uint32_t dimension =
+            j < k ? rf_vertex_dimension( 1, k ) + RF_DIMENSION_LIGHTS + 3u * (uint32_t)j
+                  : rf_vertex_dimension( 1, k ) + RF_DIMENSION_LIGHTS + 3u * (uint32_t)( j - k ) + RF_DIMENSION_OPPOSITE;
+        rays->shadow += (uint64_t)rf_sample_lights( &harvest->path, &scratch->wavefront, scratch->hits, dimension,
+                                                    scratch->direct + j, &scratch->wavefront.scratch );
+    }
 }
 
 // Panes that camera rays pass do not count in max_depth.

@@ -13,7 +13,7 @@ typedef RfArrivalLanes Arrival;
 // the neighbour paths of the tile.
 static void direction_lanes( const RfHarvest* harvest, RfHarvestScratch* scratch, int direction, const float* wi[3] )
 {
-    int pairing = direction - harvest->path.light_samples;
+    int pairing = direction - harvest->shape.light_samples;
     float( *lanes )[RF_LANES] = pairing == harvest->shape.tile_pixels ? scratch->links->wi
                                 : pairing < 0                         ? scratch->direct[direction].wi
                                 : pairing == 0                        ? scratch->scattered
@@ -26,7 +26,7 @@ static void gather_light_sample( const RfHarvest* harvest, const RfHarvestScratc
 {
     const RfLightLanes* direct = scratch->direct + sample;
     size_t bytes = (size_t)scratch->hits->count * sizeof( float );
-    float k = (float)harvest->path.light_samples;
+    float k = (float)harvest->shape.light_samples;
     for ( int c = 0; c < 3; ++c )
     {
         memcpy( out->a[c], direct->radiance_cos[c], bytes );
@@ -41,7 +41,7 @@ static void gather_scattered( const RfHarvest* harvest, const RfHarvestScratch* 
     const RfVertexLanes* v = scratch->hits;
     const RfArrivals* arrivals = &scratch->wavefront.arrivals;
     const float( *wi )[RF_LANES] = scratch->scattered;
-    float k = (float)harvest->path.light_samples;
+    float k = (float)harvest->shape.light_samples;
     int count = rf_record_count( v );
     for ( int i = 0; i < count; ++i )
     {
@@ -137,7 +137,7 @@ static void add_density( const RfHarvest* harvest, const RfHitBatch* batch, RfHa
 // the hit's own eye.
 static void mix_densities( const RfHarvest* harvest, const RfHitBatch* batch, RfHarvestScratch* scratch )
 {
-    int directions = harvest->path.light_samples + harvest->shape.tile_pixels; // links do not depend on densities
+    int directions = harvest->shape.light_samples + harvest->shape.tile_pixels; // links do not depend on densities
     float* wo[3] = { scratch->wo[0], scratch->wo[1], scratch->wo[2] };
     memset( scratch->mixture, 0, (size_t)directions * RF_LANES * sizeof( float ) );
     for ( int l = 0; l < harvest->shape.eyes; ++l )
@@ -179,7 +179,7 @@ static void store_direction( const RfHarvest* harvest, const RfHitBatch* batch, 
 static void weight_direction( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch, int direction )
 {
     Arrival* arrival = &scratch->arrival;
-    int pairing = direction - harvest->path.light_samples;
+    int pairing = direction - harvest->shape.light_samples;
     if ( pairing < 0 )
         gather_light_sample( harvest, scratch, direction, arrival );
     else if ( pairing == 0 )
@@ -258,7 +258,7 @@ void rf_weight_batch( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScra
         mix_densities( harvest, batch, scratch );
     if ( rf_reuses_tiles( scratch ) )
         add_diffuse_tile_light( harvest, scratch, batch );
-    int directions = harvest->path.light_samples + ( glossy ? harvest->shape.tile_pixels : 1 );
+    int directions = harvest->shape.light_samples + ( glossy ? harvest->shape.tile_pixels : 1 );
     for ( int d = 0; d < directions; ++d )
         weight_direction( harvest, batch, scratch, d );
     if ( harvest->shape.links )

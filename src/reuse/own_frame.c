@@ -33,8 +33,8 @@ static void add_light_samples( const RfHarvest* harvest, RfHarvestScratch* scrat
     const RfVertexLanes* v = &scratch->first;
     RfLaneScratch* s = &scratch->wavefront.scratch;
     float* f[3] = { s->f[0], s->f[1], s->f[2] };
-    float k = (float)harvest->path.light_samples;
-    for ( int j = 0; j < harvest->path.light_samples; ++j )
+    float k = (float)harvest->shape.light_samples;
+    for ( int j = 0; j < harvest->shape.light_samples; ++j )
     {
         const RfLightLanes* direct = scratch->direct + j;
         const float* wi[3] = { direct->wi[0], direct->wi[1], direct->wi[2] };
@@ -53,7 +53,7 @@ static void add_scattered( const RfHarvest* harvest, const RfHarvestScratch* scr
 {
     const RfVertexLanes* v = &scratch->first;
     const RfArrivals* arrivals = &scratch->wavefront.arrivals;
-    float k = (float)harvest->path.light_samples;
+    float k = (float)harvest->shape.light_samples;
     for ( int i = rf_record_count( v ); i < v->count; ++i )
     {
         int slot = v->slot[i], n = i - rf_record_count( v );

@@ -55,7 +55,7 @@ typedef struct RfHitBatch
 typedef struct RfBatchShape
 {
     int eyes;          // in a group
-    int light_samples; // K
+    int light_samples; // K, at first hits
     int tile_pixels;   // N, 1 without tiles
     uint32_t params;   // of the glossy models in the scene (rf_glossy_params); 0: it has none
     bool eq15;

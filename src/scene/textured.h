@@ -15,6 +15,7 @@ typedef struct RfFactors
     double specular;
     double specular_color[3];
     double ior;
+    bool coat_is_added; // to the base, as Blender's Principled does, as far as no energy is gained
 } RfFactors;
 
 typedef enum RfTextureSlot
@@ -64,7 +65,7 @@ struct RfTextured
 // coat_f0, coat_f90 and alpha of `out`.
 void rf_derive_lobes( const RfFactors* factors, RfMaterial* out );
 
-// The same for glass: sets diffuse, specular, f90, tint and alpha of `out`.
+// The same for glass: sets diffuse, specular, f90, coat_f0, coat_f90, tint and alpha of `out`.
 void rf_derive_glass( const RfFactors* factors, double transmission, RfMaterial* out );
 
 // Sets clearcoat and clearcoat_alpha of `out`.

@@ -16,6 +16,7 @@ typedef struct Glass
 {
     RfVec3 base, specular, tint;
     float alpha, ior, metal;
+    float base_share, bare;
 } Glass;
 
 typedef struct Drawn
@@ -37,6 +38,8 @@ static RfBsdfLanes lanes_of( const Glass* g )
         &g->specular.z,
         [RF_PARAM_SHAPE] = &g->alpha,
         [RF_PARAM_F90] = &g->metal,
+        [RF_PARAM_COAT_F0] = &g->base_share,
+        [RF_PARAM_COAT_F90] = &g->bare,
         [RF_PARAM_TINT] = &g->tint.x,
         &g->tint.y,
         &g->tint.z,
@@ -230,6 +233,32 @@ static void test_rough_glass_is_reciprocal( void** state )
     }
 }
 
+// A white surface that is glass in part reflects and transmits what arrives, and no more: all of it from inside, where total
+// reflection must not add to the base, and from outside without a coat.
+static void test_mixed_glass_gains_no_energy( void** state )
+{
+    (void)state;
+    static const float alphas[] = { 0.0f, 0.2f }, iors[] = { 1.5f, 1.0f / 1.5f, -1.5f };
+    for ( int k = 0; k < 2 * 3 * 2 * 8; ++k )
+    {
+        Glass g = { .base = { 0.3f, 0.3f, 0.3f }, .tint = { 0.7f, 0.7f, 0.7f }, .base_share = 0.3f };
+        g.alpha = alphas[k % 2];
+        g.ior = iors[k / 2 % 3];
+        g.bare = (float)( k / 6 % 2 );
+        RfVec3 wo = tilted( 5.0f + 11.0f * (float)( k / 12 ) );
+        double sum = 0.0;
+        for ( int i = 0; i < 4000; ++i )
+        {
+            float u[3] = { uniform( i, 3 * k ), uniform( i, 3 * k + 1 ), uniform( i, 3 * k + 2 ) };
+            Drawn d = draw( &g, wo, u );
+            double radiance_scale = d.wi.z < 0.0f && g.ior > 0.0f ? (double)( g.ior * g.ior ) : 1.0;
+            sum += (double)d.weight.x * radiance_scale / 4000.0;
+        }
+        bool whole = g.alpha == 0.0f && ( g.bare == 1.0f || ( g.ior > 0.0f && g.ior < 1.0f ) );
+        assert_true( sum <= 1.02 && sum > ( whole ? 0.98 : 0.7 ) );
+    }
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
@@ -238,6 +267,7 @@ int main( void )
         cmocka_unit_test( test_rough_lobes_agree_with_themselves ),
         cmocka_unit_test( test_half_a_metal_transmits_the_rest ),
         cmocka_unit_test( test_rough_glass_is_reciprocal ),
+        cmocka_unit_test( test_mixed_glass_gains_no_energy ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

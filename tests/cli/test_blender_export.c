@@ -36,7 +36,7 @@ static const char s_make[] =
     "    return o\n"
     "area = lamp('AREA', (0, 0, 3), 100)\n"
     "area.data.shape, area.data.size, area.data.size_y = 'RECTANGLE', 2.0, 0.5\n"
-    "lamp('POINT', (-2, -1, 2), 40)\n"
+    "lamp('POINT', (-2, -1, 2), 40).data.shadow_soft_size = 0.0\n"
     "w = bpy.data.worlds.new('w')\n"
     "s.world = w\n"
     "w.use_nodes = True\n"

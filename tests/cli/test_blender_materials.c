@@ -110,14 +110,14 @@ static void test_means_are_those_of_cycles( void** state )
     {
         const char* name;
         bool is_baked;
-    } scenes[] = { { "procedural", true },   { "images", false },     { "mapped", true },
-                   { "glass", false },       { "transparent", true }, { "emission", true },
-                   { "no_material", false }, { "groups", true },      { "lamps", false } };
+    } scenes[] = { { "procedural", true },  { "images", false },     { "mapped", true },       { "glass", false },
+                   { "transparent", true }, { "emission", true },    { "no_material", false }, { "groups", true },
+                   { "lamps", false },      { "principled", false }, { "mixed_glass", false } };
     if ( !enter_with_blender() )
         skip();
     assert_int_equal(
-        cli_run( MAKE "procedural images mapped glass transparent emission no_material groups lamps --samples 256 --size " SIZE
-                      " > log 2>&1" )
+        cli_run( MAKE "procedural images mapped glass transparent emission no_material groups lamps principled mixed_glass "
+                      "--samples 256 --size " SIZE " > log 2>&1" )
             ->status,
         0 );
     for ( size_t i = 0; i < sizeof scenes / sizeof scenes[0]; ++i )

@@ -21,6 +21,7 @@ static void make_glass_of( Surface* s, uint32_t stream, long i )
     float metal = random_number( stream, i, 32 ) < 0.5 ? 0.0f : unit( stream, i, 33 );
     s->ior = random_ior( stream, i );
     s->f90 = metal;
+    s->coat_f0 = s->coat_f90 = 0.0f; // whose shares of the surface test_glass checks
     s->shape = random_number( stream, i, 34 ) < 0.3 ? 0.0f : (float)random_wide( (double)RF_MIN_ALPHA, 1.0, stream, i, 22 );
     if ( s->ior == 0.0f )
     {

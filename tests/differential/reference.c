@@ -216,7 +216,9 @@ double glass_reflectance( const double* p, double cos_theta )
 static double base_transmission( const double* p, double cos_theta )
 {
     double ior = fabs( p[IOR] );
-    return ior > 0.0 ? 1.0 - fresnel( acos( fmin( cos_theta, 1.0 ) ), ior > 1.0 ? ior : 1.0 / ior ) : 0.0;
+    if ( p[IOR] > 0.0 && p[IOR] < 1.0 ) // seen from inside, the base has no coat
+        return 1.0;
+    return ior > 0.0 ? 1.0 - fresnel( acos( fmin( cos_theta, 1.0 ) ), ior ) : 0.0;
 }
 
 double glass_base_probability( const double* p, double cos_o )

@@ -306,6 +306,27 @@ def nodes_of(o, strength):
     return emission
 
 
+def principled():
+    """Blender's own material on all walls: its coat takes nothing from the base. A closed room shows it with every bounce."""
+    s = Shader("wall")
+    room(s.done(s.add("BsdfPrincipled", Base_Color=grey(0.6))))
+    s = Shader("polished")
+    put("cube", s.done(s.add("BsdfPrincipled", Base_Color=(0.7, 0.3, 0.1, 1.0), Roughness=0.2, Specular=0.8)), size=1.2, location=(-0.7, 0.6, -1.3))
+    s = Shader("dull")
+    put("uv_sphere", s.done(s.add("BsdfPrincipled", Base_Color=(0.1, 0.3, 0.7, 1.0), Roughness=1.0, Specular=0.0)), radius=0.5, location=(0.8, 0.6, -1.4))
+
+
+def mixed_glass():
+    """A slab that is diffuse in part, and a bulb above it: a sphere, whose light comes through glass."""
+    inwards(put("cube", diffuse("wall", grey(0.6)), size=2.0 * ROOM))
+    s = Shader("sandblasted")
+    glass = s.add("BsdfGlass", Roughness=0.1, IOR=1.45)
+    glass.distribution = "GGX"
+    put("cube", s.done(s.mix(0.3, glass, s.add("BsdfDiffuse", Color=grey(0.9)))), size=1.0, location=(0.0, 0.6, 0.4)).scale = (3.0, 0.05, 3.0)
+    bulb = hang("POINT", (0.0, -ROOM + 0.8, ROOM - 0.3), 100.0)
+    bulb.data.shadow_soft_size = 0.25
+
+
 def left_out():
     """What can only be named."""
     room(diffuse("wall", grey(0.6)))
@@ -326,7 +347,7 @@ def left_out():
     bpy.ops.object.mode_set(mode="EDIT")  # in which the file is saved
 
 
-SCENES = (procedural, images, mapped, glass, transparent, emission, no_material, groups, other_rays, lamps, left_out)
+SCENES = (procedural, images, mapped, glass, transparent, emission, no_material, groups, other_rays, lamps, principled, mixed_glass, left_out)
 
 
 def begin(size):

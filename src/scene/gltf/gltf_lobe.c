@@ -4,6 +4,7 @@
 //     {"bsdf": "lambert", "diffuse": [r, g, b]}
 //     {"bsdf": "mirror", "specular": [r, g, b]}
 //     {"bsdf": "glass", "ior": 1.5}
+//     {"coat": "added"}: glTF's own model, with a coat that takes nothing from the base, as in Blender's Principled
 
 #include "scene/gltf/gltf_materials.h"
 
@@ -119,11 +120,35 @@ static RfResult read_glass( const RfGltf* gltf, const json_t* json, const char* 
     return RF_OK;
 }
 
-RfResult rf_gltf_read_lobes( const RfGltf* gltf, const json_t* material, const char* where, RfMaterial* out )
+static const json_t* own_extras( const json_t* material )
 {
     // extras of other programs may have any type
-    const json_t* json = json_object_get( json_object_get( material, "extras" ), "reframe" );
-    if ( json == NULL )
+    return json_object_get( json_object_get( material, "extras" ), "reframe" );
+}
+
+// Is `coat` given, so that the scattering model is glTF's?
+static bool keeps_model( const json_t* own )
+{
+    return json_object_get( own, "coat" ) != NULL && json_object_get( own, "bsdf" ) == NULL;
+}
+
+RfResult rf_gltf_read_coat( const RfGltf* gltf, const json_t* material, const char* where, RfFactors* out )
+{
+    const json_t* own = own_extras( material );
+    if ( !keeps_model( own ) )
+        return RF_OK;
+    RfWhere self = rf_where( "%s.extras.reframe", where );
+    const char* coat = json_string_value( json_object_get( own, "coat" ) );
+    if ( json_object_size( own ) != 1 || coat == NULL || strcmp( coat, "added" ) != 0 )
+        return fault( gltf, self.text, "wants coat \"added\" and nothing else, or a bsdf" );
+    out->coat_is_added = true;
+    return RF_OK;
+}
+
+RfResult rf_gltf_read_lobes( const RfGltf* gltf, const json_t* material, const char* where, RfMaterial* out )
+{
+    const json_t* json = own_extras( material );
+    if ( json == NULL || keeps_model( json ) )
         return RF_OK;
     RfWhere self = rf_where( "%s.extras.reframe", where );
     const char* bsdf = json_string_value( json_object_get( json, "bsdf" ) );

@@ -126,6 +126,8 @@ static RfResult load_material( RfGltf* gltf, int index, RfMaterial* out )
     if ( result == RF_OK )
         result = read_ior( gltf, json, where.text, &factors.lobes );
     if ( result == RF_OK )
+        result = rf_gltf_read_coat( gltf, json, where.text, &factors.lobes );
+    if ( result == RF_OK )
         result = read_emission( gltf, json, where.text, &factors );
     if ( result == RF_OK )
         result = rf_gltf_get_bool( gltf, json, where.text, "doubleSided", &out->double_sided );

@@ -13,6 +13,9 @@ RfResult rf_gltf_use_default_material( RfGltf* gltf, uint32_t* index );
 // Reads the scattering model in extras.reframe, if any (gltf_lobe.c).
 RfResult rf_gltf_read_lobes( const RfGltf* gltf, const json_t* material, const char* where, RfMaterial* out );
 
+// Reads from extras.reframe, if it has no scattering model, whether the coat is added to the base (gltf_lobe.c).
+RfResult rf_gltf_read_coat( const RfGltf* gltf, const json_t* material, const char* where, RfFactors* out );
+
 // Reads a use of a texture, `key` of `parent` (gltf_texture.c); `info` is NULL if there is
 // none. Until rf_gltf_load_images, `texture` is 2 · image + srgb.
 RfResult rf_gltf_read_texture_info( RfGltf* gltf, const json_t* parent, const char* owner, const char* key, bool srgb,
