@@ -41,8 +41,9 @@ typedef struct RfFirstHits
 {
     const RfVertexLanes* hits;
     const RfRayLanes* rays;
-    const int32_t* pixel;  // of each ray, by slot: y·width + x; −1: another ray of the pass has the AOVs of its pixel
-    const float* place[2]; // in it, to the right and down, 0 to 1; NULL with the plain pixel filter
+    const int32_t* pixel;      // of each ray, by slot: y·width + x; −1: another ray of the pass has the AOVs of its pixel
+    const float* place[2];     // in it, to the right and down, 0 to 1; NULL with the plain pixel filter
+    const uint16_t* path_rays; // traced so far beyond the camera ray, by slot; NULL: not counted
 } RfFirstHits;
 
 // What a batch adds to: the film of its own frame.

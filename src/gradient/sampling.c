@@ -144,7 +144,7 @@ static void find_hits( const RfHarvest* harvest, const RfPixelFilter* filter, in
 {
     RfHarvestScratch* h = scratch->harvest;
     RfWavefront* wavefront = &h->wavefront;
-    wavefront->path_rays = wavefront->shadow_rays = 0;
+    rf_clear_ray_counts( wavefront );
     rf_make_camera_rays( filter, harvest->eyes + scratch->hits.eye, count, scratch->pixel, wavefront, &h->camera_rays );
     rf_find_vertices( &harvest->path, &h->camera_rays, true, &h->first, &wavefront->scratch );
     rays->primary += (uint64_t)count;

@@ -219,7 +219,7 @@ void rf_absorb( const RfVertexLanes* v, RfRayLanes* rays )
 const float* rf_find_lit_vertices( const RfPathSettings* settings, RfWavefront* wavefront, RfRayLanes* rays, bool defer_mis,
                                    RfVertexLanes* vertices )
 {
-    wavefront->path_rays += (uint64_t)rays->count;
+    rf_count_path_rays( wavefront, rays );
     const float* pane_probability = rf_find_vertices_past_panes( settings, rays, vertices, &wavefront->scratch );
     rf_absorb( vertices, rays );
     rf_leave_to_links( settings, wavefront, rays, vertices );

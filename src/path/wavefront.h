@@ -6,6 +6,8 @@
 
 #include "path/lanes.h"
 
+#include <string.h>
+
 typedef struct RfLinker RfLinker;
 
 // What all paths of a render share.
@@ -45,6 +47,7 @@ typedef struct RfWavefront
     // out, by slot
     RfArrivals arrivals;
     uint64_t path_rays, shadow_rays; // counted up
+    uint16_t rays_of[RF_LANES];      // path rays by slot, counted up
     uint8_t deltas[RF_LANES];        // with a linker, by slot: one more than the delta vertices since the last evaluable one;
                                      // RF_NOT_LINKED: none yet, or others are among them
     bool matte[RF_LANES];            // with a linker, by slot: whether the ray left a matte vertex (rf_is_matte)
@@ -55,6 +58,19 @@ typedef struct RfWavefront
     RfLightLanes lights;
     RfLaneScratch scratch;
 } RfWavefront;
+
+static inline void rf_clear_ray_counts( RfWavefront* wavefront )
+{
+    wavefront->path_rays = wavefront->shadow_rays = 0;
+    memset( wavefront->rays_of, 0, sizeof wavefront->rays_of );
+}
+
+static inline void rf_count_path_rays( RfWavefront* wavefront, const RfRayLanes* rays )
+{
+    wavefront->path_rays += (uint64_t)rays->count;
+    for ( int r = 0; r < rays->count; ++r )
+        wavefront->rays_of[rays->slot[r]] += 1;
+}
 
 // How a path came from an evaluable vertex through mirrors and glass.
 typedef struct RfTrail

@@ -70,7 +70,7 @@ static bool look_for_gain( RfRenderer* r, RfEstimatorGroup group, RfLiveFilm* li
         drawn[i] = (float)fmax( LOOK_SHARE, LOOK_PIXELS / (double)pixels );
     group.need = drawn;
     run_pilot_pass( r, &group, PILOT_PASSES, live, samples );
-    RfPilotSums sums = { live->need, noise_sums( r, live ), samples, pixels, 1.0f, group.eye_count, rf_extra_worth( r ) };
+    RfPilotSums sums = { live->need, noise_sums( r, live ), samples, pixels, 1.0f, group.eye_count, true, rf_extra_worth( r ) };
     bool pays = rf_extra_may_pay( &sums );
     memset( live->need, 0, rf_need_bytes( &r->sizes ) );
     rf_clear_film( live->films );
@@ -85,7 +85,14 @@ static void find_need( RfRenderer* r, RfLiveFilm* live )
     for ( int pass = 0; pass < PILOT_PASSES; ++pass )
         run_pilot_pass( r, &group, pass, live, NULL );
     size_t pixels = (size_t)r->sizes.width * (size_t)r->sizes.height;
-    RfPilotSums sums = { live->need, noise_sums( r, live ), NULL, pixels, PILOT_PASSES, group.eye_count, rf_extra_worth( r ) };
+    RfPilotSums sums = { live->need,
+                         noise_sums( r, live ),
+                         NULL,
+                         pixels,
+                         PILOT_PASSES,
+                         group.eye_count,
+                         r->settings.adaptive == RF_ADAPTIVE_AUTO,
+                         rf_extra_worth( r ) };
     live->most_need = rf_set_need( &sums );
     rf_clear_film( live->films );
 }

@@ -8,12 +8,14 @@
 // What a pilot found, per pixel.
 typedef struct RfPilotSums
 {
-    float* share;         // sums of ρ over the passes
-    const float* noise;   // four per pixel: the sum of the variances of its hits' classes, and of the hits; NULL: all alike
+    float* share; // sums of ρ over the passes
+    const float*
+        noise; // four per pixel: sums of the two variances of its hits' classes, of the hits, and of costs; NULL: all alike
     const float* samples; // camera rays of the pixel; NULL: one in each pass
     size_t pixels;
     float passes;
     int eyes;     // of the group
+    bool wary;    // extra samples must pay by a margin (RF_ADAPTIVE_AUTO), where materials differ in noise
     double worth; // of an extra sample beside one of a pass: 1 without a pixel filter (film/pixel_filter.h)
 } RfPilotSums;
 

@@ -36,8 +36,11 @@ void rf_add_noise( const RfMaterialNoise* noise, RfFirstHits first, float* sums 
     for ( int i = 0; i < v->count; ++i )
     {
         float* sum = sums + 4 * (size_t)first.pixel[v->slot[i]];
-        sum[0] += noise[v->material[i]].variance;
-        sum[1] += 1.0f;
+        const RfMaterialNoise* n = noise + v->material[i];
+        sum[0] += n->variance[0];
+        sum[1] += n->variance[1];
+        sum[2] += 1.0f;
+        sum[3] += n->cost;
     }
 }
 
@@ -56,12 +59,21 @@ static void draw_blocks( const RfRenderer* r, int frame, double share, float* dr
     }
 }
 
-// Notes the class of each pixel's hit, plus 1.
+// Notes the class of each pixel's hit, plus 1, and counts the rays of its sample. Counts of integers do not depend on
+// the order of threads.
 static void note_classes( const RfRenderer* r, RfFirstHits first, float* classes )
 {
     const RfVertexLanes* v = first.hits;
     for ( int i = 0; i < v->count; ++i )
-        classes[first.pixel[v->slot[i]]] = 1.0f + (float)class_of( r->memory.noise, r->sizes.materials, v->material[i] );
+    {
+        int class = class_of( r->memory.noise, r->sizes.materials, v->material[i] );
+        RfMaterialNoise* n = r->memory.noise + class;
+        classes[first.pixel[v->slot[i]]] = 1.0f + (float)class;
+#pragma omp atomic
+        n->samples += 1;
+#pragma omp atomic
+        n->rays += first.path_rays != NULL ? first.path_rays[v->slot[i]] : 1;
+    }
 }
 
 static void trace_half( RfRenderer* r, const RfPass* pass, RfLiveFilm* live, int first, int count )
@@ -125,14 +137,14 @@ static double pixel_square( const RfFilm* film, size_t i )
 }
 
 // Adds a part of a block to its class, once.
-static void end_part( RfMaterialNoise* n, double mean )
+static void end_part( RfMaterialNoise* n, int set, double mean )
 {
     if ( n->part_pixels == 0.0 )
         return;
     double part = n->part_square / ( mean * mean + DARK );
-    n->pixels += n->part_pixels;
-    n->sum += part;
-    n->most = fmax( n->most, part );
+    n->pixels[set] += n->part_pixels;
+    n->sum[set] += part;
+    n->most[set] = fmax( n->most[set], part );
     n->part_pixels = n->part_square = 0.0;
 }
 
@@ -150,7 +162,7 @@ static double add_pixel( RfMaterialNoise* noise, const RfFilm* film, size_t i )
 }
 
 // A block of the film: the mean around its pixels is that of all of them.
-static void sum_block( RfMaterialNoise* noise, const RfFilm* film, int x0, int y0 )
+static void sum_block( RfMaterialNoise* noise, int set, const RfFilm* film, int x0, int y0 )
 {
     size_t found[BLOCK * BLOCK];
     double mean = 0.0;
@@ -165,39 +177,61 @@ static void sum_block( RfMaterialNoise* noise, const RfFilm* film, int x0, int y
         found[count++] = i;
     }
     for ( int k = 0; k < 2 * count; ++k )
-        end_part( noise + (int)film->extra[k % 2][found[k / 2]] - 1, mean / count );
+        end_part( noise + (int)film->extra[k % 2][found[k / 2]] - 1, set, mean / count );
 }
 
-static void sum_blocks( RfMaterialNoise* noise, const RfFilm* film )
+static void sum_blocks( RfMaterialNoise* noise, int set, const RfFilm* film )
 {
     for ( int y = 0; y < film->height; y += BLOCK )
     {
         for ( int x = 0; x < film->width; x += BLOCK )
-            sum_block( noise, film, x, y );
+            sum_block( noise, set, film, x, y );
     }
 }
 
 // Σ of a class. One block with a firefly counts as much as all others together at most.
-static double robust_sum( const RfMaterialNoise* n ) { return n->sum - n->most + fmin( n->most, n->sum - n->most ); }
+static double robust_sum( const RfMaterialNoise* n, int set )
+{
+    return n->sum[set] - n->most[set] + fmin( n->most[set], n->sum[set] - n->most[set] );
+}
+
+// The mean rays of a class. One that was hardly seen costs what the mean of all does.
+static void find_costs( RfMaterialNoise* noise, int materials )
+{
+    double samples = 0.0, rays = 0.0;
+    for ( int k = 0; k <= materials; ++k )
+    {
+        samples += (double)noise[k].samples;
+        rays += (double)noise[k].rays;
+    }
+    double mean = samples > 0.0 ? rays / samples : 1.0;
+    for ( int k = 0; k <= materials; ++k )
+    {
+        RfMaterialNoise* n = noise + k;
+        n->cost = (float)( 1.0 + ( (double)n->rays + PRIOR_PIXELS * mean ) / ( (double)n->samples + PRIOR_PIXELS ) );
+    }
+    for ( int k = 0; k < materials; ++k )
+        noise[k].cost = noise[k].special ? noise[k].cost : noise[materials].cost;
+}
 
 // From sums to variances.
-static void find_variances( RfMaterialNoise* noise, int materials )
+static void find_variances( RfMaterialNoise* noise, int materials, int set )
 {
     double sum = 0.0, pixels = 0.0;
     for ( int k = 0; k < materials; ++k )
     {
-        sum += robust_sum( noise + k );
-        pixels += noise[k].pixels;
+        sum += robust_sum( noise + k, set );
+        pixels += noise[k].pixels[set];
     }
     const RfMaterialNoise* alike = noise + materials;
     double mean = pixels > 0.0 ? sum / pixels : 0.0;
-    double unit = alike->pixels >= PRIOR_PIXELS ? robust_sum( alike ) / alike->pixels : mean;
+    double unit = alike->pixels[set] >= PRIOR_PIXELS ? robust_sum( alike, set ) / alike->pixels[set] : mean;
     for ( int k = 0; k <= materials; ++k )
     {
         RfMaterialNoise* n = noise + k;
-        double variance = ( robust_sum( n ) + PRIOR_PIXELS * mean ) / ( n->pixels + PRIOR_PIXELS );
+        double variance = ( robust_sum( n, set ) + PRIOR_PIXELS * mean ) / ( n->pixels[set] + PRIOR_PIXELS );
         bool measured = n->special && pixels > 0.0 && unit > 0.0;
-        n->variance = measured ? (float)fmin( fmax( variance / unit, LEAST_VARIANCE ), MOST_VARIANCE ) : 1.0f;
+        n->variance[set] = measured ? (float)fmin( fmax( variance / unit, LEAST_VARIANCE ), MOST_VARIANCE ) : 1.0f;
     }
 }
 
@@ -229,13 +263,15 @@ void rf_measure_noise( RfRenderer* r, RfLiveFilm* live )
         int looked_at = (int)( ( 2 * (int64_t)k + 1 ) * path / ( 2 * frames ) );
         draw_blocks( r, looked_at, pairs / ( pixels * frames ), live->need );
         render_blocks( r, looked_at, live );
-        sum_blocks( r->memory.noise, live->films );
+        sum_blocks( r->memory.noise, k % 2, live->films );
         rf_clear_film( live->films );
     }
     live->frame = frame;
     live->aovs.landed = landed;
     live->aovs.mean[RF_AOV_ALPHA] = sky;
     memset( live->need, 0, rf_need_bytes( &r->sizes ) );
-    find_variances( r->memory.noise, r->sizes.materials );
+    for ( int set = 0; set < 2; ++set )
+        find_variances( r->memory.noise, r->sizes.materials, set );
+    find_costs( r->memory.noise, r->sizes.materials );
     r->memory.noise_known = true;
 }

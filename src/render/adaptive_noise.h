@@ -13,11 +13,14 @@
 // One class: a material, or in the last place all that are alike.
 typedef struct RfMaterialNoise
 {
-    float variance; // of a sample, relative to that of the materials that are alike
+    // of a sample, relative to that of the materials that are alike: by every other frame that was looked at, and by the others
+    float variance[2];
+    float cost; // of a sample: rays from vertex to vertex, with the one from the eye
     bool special;
     // while it is measured: pixels and squares in a block, then over all blocks
+    uint64_t samples, rays; // path rays of its samples
     double part_pixels, part_square;
-    double pixels, sum, most; // most: of any block
+    double pixels[2], sum[2], most[2]; // most: of any block
 } RfMaterialNoise;
 
 // Does the scene have materials whose noise is to be measured?
@@ -29,7 +32,7 @@ static inline bool rf_noise_differs( const RfSceneTraits* traits )
 // Measures the classes, if there are any and it has not been done. Borrows a film that has just been cleared.
 void rf_measure_noise( RfRenderer* renderer, RfLiveFilm* live );
 
-// Adds to each pixel of `sums` (four floats, of which two are used) the variance of its hit's class, and 1.
+// Adds to each pixel of `sums` (four floats) the two variances of its hit's class, 1, and its cost.
 void rf_add_noise( const RfMaterialNoise* noise, RfFirstHits first, float* sums );
 
 #endif

@@ -127,7 +127,7 @@ static void light_reflections( const RfPathSettings* path, const RfVertexLanes* 
     rf_scatter_chains( path, 1, reflections, wavefront, chains );
     if ( wavefront->rays.count == 0 )
         return;
-    wavefront->path_rays += (uint64_t)wavefront->rays.count;
+    rf_count_path_rays( wavefront, &wavefront->rays );
     const float* pane_probability =
         rf_find_vertices_past_panes( path, &wavefront->rays, &wavefront->vertices, &wavefront->scratch );
     rf_absorb( &wavefront->vertices, &wavefront->rays );

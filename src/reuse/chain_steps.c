@@ -1,6 +1,6 @@
 #include "reuse/chain_steps.h"
 
-// Chains this long end by Russian roulette.
+// Chains this long end by Russian roulette, from the same throughput on as paths.
 #define ROULETTE_AFTER 4
 
 void rf_go_to( const RfVertexLanes* found, RfVertexLanes* at )
@@ -93,7 +93,7 @@ void rf_scatter_chains( const RfPathSettings* path, int vertex, const RfVertexLa
         float direction[3] = { s->wi[0][i], s->wi[1][i], s->wi[2][i] };
         float side = rf_leaving_side( v, i, direction );
         RfVec3 t = rf_mul( rf_throughput_of( chains, v->slot[i] ), rf_vec3( s->f[0][i], s->f[1][i], s->f[2][i] ) );
-        float survival = vertex < ROULETTE_AFTER ? 1.0f : rf_minf( rf_max_component( t ), 1.0f );
+        float survival = vertex < ROULETTE_AFTER ? 1.0f : rf_minf( rf_max_component( t ) / RF_ROULETTE_BELOW, 1.0f );
         if ( side == 0.0f || !( rf_max_component( t ) > 0.0f ) || s->random[0][i] >= survival )
             continue;
         chains->reflected[v->slot[i]] = side > 0.0f;

@@ -202,7 +202,7 @@ void rf_follow_chains( const RfPathSettings* path, const RfVertexLanes* first, c
         if ( wavefront->rays.count == 0 )
             break;
         note_events( vertex, wavefront, chains );
-        wavefront->path_rays += (uint64_t)wavefront->rays.count;
+        rf_count_path_rays( wavefront, &wavefront->rays );
         const float* pane_probability =
             rf_find_vertices_past_panes( path, &wavefront->rays, &wavefront->vertices, &wavefront->scratch );
         if ( pane_probability != NULL )

@@ -240,7 +240,7 @@ static int harvest_first_hits( const RfHarvest* harvest, RfTraceJob job, RfHitBa
     RfWavefront* wavefront = &scratch->wavefront;
     uint64_t key = rf_harvest_key( harvest, job.eye, job.pass );
     batch->eye = job.eye;
-    wavefront->path_rays = wavefront->shadow_rays = 0;
+    rf_clear_ray_counts( wavefront );
 
     int tiles, count = rf_list_patch( &harvest->patches, eye, key, job.job, scratch->pixel, scratch->tile_of, &tiles );
     int32_t copy[RF_LANES];

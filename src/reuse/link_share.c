@@ -84,7 +84,7 @@ static void trace( Pilot* pilot, const RfLightPaths* paths, int pass, int count,
         s->links->all_rays = s->links->searched = 0;
         memset( s->links->moment, 0, sizeof s->links->moment );
         memset( s->links->chance, 0, sizeof s->links->chance );
-        s->wavefront.path_rays = s->wavefront.shadow_rays = 0;
+        rf_clear_ray_counts( &s->wavefront );
         rf_harvest_batch( &harvest, ( RfTraceJob ){ .eye = at / jobs, .job = at % jobs, .pass = pass }, pilot->batch, s, &now );
         for ( int i = 0; i < RF_LANES; ++i )
             found[k].light[i] = -1.0f;

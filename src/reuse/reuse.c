@@ -79,7 +79,11 @@ static bool is_traced( const RfEstimatorGroup* group, RfTraceJob job )
 static RfFirstHits first_hits( const void* memory )
 {
     const RfHarvestScratch* scratch = memory;
-    return ( RfFirstHits ){ &scratch->first, &scratch->camera_rays, scratch->pixel, { scratch->place[0], scratch->place[1] } };
+    return ( RfFirstHits ){ &scratch->first,
+                            &scratch->camera_rays,
+                            scratch->pixel,
+                            { scratch->place[0], scratch->place[1] },
+                            scratch->wavefront.rays_of };
 }
 
 static uint64_t accumulate( const RfEstimatorGroup* group, RfAccumulateJob job, void* const* batches, int batch_count,

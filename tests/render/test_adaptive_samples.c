@@ -48,7 +48,8 @@ static void check_nothing_else_decides( const RfTracer* tracer, RfRenderSettings
     settings.hold_all = false;
     settings.memory = all.stats.fit.least;
     Rendered tight = render( tracer, settings, -1 );
-    assert_true( all.stats.adaptive_frames > 0 && one.stats.adaptive_frames > 0 ); // else nothing was tested
+    if ( settings.adaptive == RF_ADAPTIVE_ON ) // else nothing was tested; auto decides for each frame, by a pilot of its own
+        assert_true( all.stats.adaptive_frames > 0 && one.stats.adaptive_frames > 0 );
     assert_memory_equal( frame_rgb( &all, 3 ), frame_rgb( &one, 0 ), 3 * all.pixels * sizeof( float ) );
     assert_memory_equal( frame_rgb( &all, 0 ), frame_rgb( &tight, 0 ), 3 * all.pixels * EYES * sizeof( float ) );
     assert_memory_equal( frame_rgb( &all, 0 ), frame_rgb( &held, 0 ), 3 * all.pixels * EYES * sizeof( float ) );
@@ -214,10 +215,10 @@ static void test_need_follows_the_noise( void** state )
     for ( int i = 0; i < PIXELS; ++i )
     {
         share[i] = i < 60 ? 2.0f : 2.0f / 7.0f; // sums of two passes
-        noise[4 * i] = 2.0f * ( i < 20 ? 16.0f : i < 40 ? 4.0f : 1.0f );
-        noise[4 * i + 1] = 2.0f;
+        noise[4 * i] = noise[4 * i + 1] = 2.0f * ( i < 20 ? 16.0f : i < 40 ? 4.0f : 1.0f );
+        noise[4 * i + 2] = noise[4 * i + 3] = 2.0f;
     }
-    RfPilotSums sums = { share, noise, NULL, PIXELS, 2.0f, 7, 1.0 };
+    RfPilotSums sums = { share, noise, NULL, PIXELS, 2.0f, 7, false, 1.0 };
     assert_true( rf_extra_may_pay( &sums ) );
     float most = rf_set_need( &sums );
     printf( "extra samples: %.2f %.2f %.2f %.2f\n", (double)share[0], (double)share[20], (double)share[40], (double)share[999] );
@@ -229,6 +230,50 @@ static void test_need_follows_the_noise( void** state )
     double counts[7] = { 940.0, 0, 0, 0, 0, 0, 60.0 };
     double theta = rf_extra_threshold( counts, 7, PIXELS, 7 );
     assert_true( (double)share[0] > theta - 1.0 );
+}
+
+// Of 1000 pixels the first 300 have no help; all of these are as noisy, and the first 150 cost `cost` times as much. By
+// the second measurement their noise is `second`.
+static float set_need( float first, float second, float cost, bool wary, float share[1000] )
+{
+    enum
+    {
+        PIXELS = 1000
+    };
+    static float noise[4 * PIXELS];
+    for ( int i = 0; i < PIXELS; ++i )
+    {
+        share[i] = i < 300 ? 2.0f : 2.0f / 7.0f;
+        noise[4 * i] = 2.0f * ( i < 300 ? first : 1.0f );
+        noise[4 * i + 1] = 2.0f * ( i < 300 ? second : 1.0f );
+        noise[4 * i + 2] = 2.0f;
+        noise[4 * i + 3] = 2.0f * ( i < 150 ? cost : 1.0f );
+    }
+    RfPilotSums sums = { share, noise, NULL, PIXELS, 2.0f, 7, wary, 1.0 };
+    return rf_set_need( &sums );
+}
+
+// Samples that cost more rays are fewer, as the root of their cost.
+static void test_need_follows_the_cost( void** state )
+{
+    (void)state;
+    static float share[1000];
+    assert_true( set_need( 30.0f, 30.0f, 4.0f, true, share ) > 0.0f );
+    printf( "extra samples: %.2f of dear pixels, %.2f of others\n", (double)share[0], (double)share[299] );
+    assert_true( share[0] > 0.0f && share[299] < RF_MOST_EXTRA_NOISY && share[999] == 0.0f );
+    assert_true( fabsf( ( 1.0f + share[299] ) / ( 1.0f + share[0] ) - 2.0f ) < 0.01f );
+}
+
+// What is noisy by both measurements gets extra samples. What one of them finds noisy, by a single bright path, gets none
+// with RF_ADAPTIVE_AUTO.
+static void test_need_wants_two_witnesses( void** state )
+{
+    (void)state;
+    static float share[1000];
+    assert_true( set_need( 4.0f, 4.0f, 4.0f, true, share ) > 0.0f );
+    assert_true( set_need( 7.99f, 0.01f, 4.0f, true, share ) == 0.0f );
+    assert_true( set_need( 0.01f, 7.99f, 4.0f, true, share ) == 0.0f );
+    assert_true( set_need( 0.01f, 7.99f, 4.0f, false, share ) > 0.0f );
 }
 
 // Of the classes: glass that few paths find light through is measured to be noisier than walls, and gets more
@@ -281,7 +326,8 @@ int main( void )
         cmocka_unit_test( test_nothing_else_decides ),          cmocka_unit_test( test_single_frames_are_as_without ),
         cmocka_unit_test( test_auto_decides_by_frame ),         cmocka_unit_test( test_auto_is_off_where_it_must ),
         cmocka_unit_test( test_threshold_follows_the_weights ), cmocka_unit_test( test_command_line_takes_it ),
-        cmocka_unit_test( test_need_follows_the_noise ),        cmocka_unit_test( test_noise_is_measured ),
+        cmocka_unit_test( test_need_follows_the_noise ),        cmocka_unit_test( test_need_follows_the_cost ),
+        cmocka_unit_test( test_need_wants_two_witnesses ),      cmocka_unit_test( test_noise_is_measured ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }
