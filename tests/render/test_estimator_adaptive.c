@@ -62,7 +62,7 @@ static void check_noisy( const char* what, MirrorRoom kind )
 }
 
 // Eyes `degrees` apart, but the middle one, whose picture it is, 3 `aside` degrees off the middle.
-static void check( const char* what, RfScene scene, float degrees, float aside )
+static void check( const char* what, RfScene scene, float degrees, float aside, RfAdaptive adaptive )
 {
     RfTracer* tracer = make_tracer( &scene );
     RfEye eyes[EYES];
@@ -79,6 +79,7 @@ static void check( const char* what, RfScene scene, float degrees, float aside )
         char name[64];
         snprintf( name, sizeof name, "%s group 3 tile %s:", what, tiles[t] );
         RfRenderSettings settings = settings_of( 3, 10 * more, tiles[t] );
+        settings.adaptive = adaptive;
         Images rendered = rendered_images( tracer, eyes, EYES, frame, settings );
         assert_unbiased( name, &rendered, &reference, BLOCK );
         free_images( &rendered );
@@ -95,7 +96,7 @@ static void check( const char* what, RfScene scene, float degrees, float aside )
 static void test_glass_room( void** state )
 {
     (void)state;
-    check( "glass", make_glass_room(), 12.0f, 2.0f );
+    check( "glass", make_glass_room(), 12.0f, 2.0f, RF_ADAPTIVE_ON );
 }
 
 // Glass takes several samples of a pixel into one batch.
@@ -111,7 +112,7 @@ static void test_noisy_glass( void** state )
 static void test_another_view( void** state )
 {
     (void)state;
-    check( "aside, Phong", make_room( ROOM_PHONG ), 2.0f, 15.0f );
+    check( "aside, Phong", make_room( ROOM_PHONG ), 2.0f, 15.0f, RF_ADAPTIVE_AUTO );
 }
 
 // Over seeds.
