@@ -204,13 +204,13 @@ static void test_wrong_values_are_refused( void** state )
 static void test_defaults_of_a_scene_file( void** state )
 {
     (void)state;
-    static const char scene[] = "{\"scene\":\"room.glb\",\"render\":{\"noise\":0.03,\"spp\":3}}";
+    static const char scene[] = "{\"scene\":\"room.glb\",\"render\":{\"noise\":0.012,\"spp\":3}}";
     cli_expect( cli_run( "ln -sf $VASE room.glb" ), 0, NULL );
     cli_write( "scene.json", scene, sizeof scene - 1 );
     cli_expect( cli_run( "$R render scene.json -o d.exr --frames 5 --json d.json " SMALL ), 0, NULL );
     json_t* json = cli_read_json( "d.json" );
     assert_true( number( frame_of( json, 0 ), "native_spp" ) > 3.0 );
-    assert_true( number( frame_of( json, 0 ), "relmse_estimate" ) <= 0.03 );
+    assert_true( number( frame_of( json, 0 ), "relmse_estimate" ) <= 0.012 );
     json_decref( json );
     cli_expect( cli_run( "$R render scene.json -o d.exr --overwrite --spp 3 --frames 5 " SMALL ), 0, "not reached in 1 of 1" );
     cli_expect( cli_run( "$R render scene.json -o d.exr --overwrite --noise 0 --frames 5 " SMALL
