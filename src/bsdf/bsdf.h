@@ -73,6 +73,16 @@ RfPane rf_pane_of_lane( const RfBsdfLanes* lanes, int lane, RfVec3 wo );
 // RF_BSDF_GLASS that is seen from its front at this cosine, and the weight of the reflection.
 float rf_glass_reflection( const RfMaterial* material, float cos_o, RfVec3* weight );
 
+// One event at a mirror or smooth glass: the direction, its weight f |cos| / probability, and the probability of drawing it.
+typedef struct RfDeltaEvent
+{
+    RfVec3 wi, weight;
+    float probability; // 0: it cannot be drawn
+} RfDeltaEvent;
+
+// Reflection or transmission at a lane of GLASS seen from wo, as sampling does it. Never at rough lanes.
+RfDeltaEvent rf_glass_event( const RfBsdfLanes* lanes, int lane, RfVec3 wo, bool transmits );
+
 // What a smooth, untextured surface of RF_BSDF_GLASS reflects and lets through as deltas, seen at this cosine from a side
 // on which `ior` is the index of the far side over the near one (RF_PARAM_IOR). Without the scale of radiance.
 void rf_glass_delta_lobes( const RfMaterial* material, float ior, float cos_o, RfVec3* reflected, RfVec3* transmitted );

@@ -63,5 +63,6 @@ void rf_scatter_deferred( const RfPathSettings* settings, RfWavefront* wavefront
     uint32_t dimension = rf_vertex_dimension( vertex, settings->light_samples ) + RF_DIMENSION_SCATTER;
     rf_scatter_lanes( wavefront, v, dimension, wi, &wavefront->scratch );
     rf_count_deltas( settings, wavefront, v, vertex, wavefront->scratch.pdf );
+    rf_note_chain_events( wavefront->chain_light, v, vertex, (const float* const*)wi, wavefront->scratch.pdf );
     wavefront->rays.count = scatter_unevaluable( v, wi, wavefront, scatter_evaluable( v, wi, wavefront ) );
 }

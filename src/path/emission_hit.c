@@ -2,22 +2,33 @@
 // found it as well (src/reuse/estimators.md, E3).
 #include "path/wavefront.h"
 
-static inline void add_arrival( const RfPathSettings* settings, const RfRayLanes* rays, int r, bool defer_mis, RfVec3 light,
-                                float light_pdf, RfArrivals* arrivals )
+// Where emission goes.
+typedef struct Receiver
 {
+    bool defer_mis;
+    RfChainLight* chain_light;
+    RfArrivals* arrivals;
+} Receiver;
+
+static inline void add_arrival( const RfPathSettings* settings, const RfRayLanes* rays, int r, RfVec3 light, float light_pdf,
+                                const Receiver* to )
+{
+    RfArrivals* arrivals = to->arrivals;
     int slot = rays->slot[r];
-    float l[3] = { light.x, light.y, light.z };
-    if ( defer_mis )
+    float l[3] = { light.x * rays->throughput[0][r], light.y * rays->throughput[1][r], light.z * rays->throughput[2][r] };
+    if ( to->chain_light != NULL && rf_take_chain_light( to->chain_light, slot, l ) )
+        return;
+    if ( to->defer_mis )
     {
         for ( int c = 0; c < 3; ++c )
-            arrivals->emitted[c][slot] = rays->throughput[c][r] * l[c];
+            arrivals->emitted[c][slot] = l[c];
         arrivals->light_pdf_solid_angle[slot] = light_pdf;
         return;
     }
     float pdf = rays->pdf_solid_angle[r];
     float weight = pdf / ( pdf + (float)settings->light_samples * light_pdf );
     for ( int c = 0; c < 3; ++c )
-        arrivals->rest[c][slot] += rays->throughput[c][r] * l[c] * weight;
+        arrivals->rest[c][slot] += l[c] * weight;
 }
 
 // The probability that a light sample at the ray's origin selects this light.
@@ -36,7 +47,7 @@ static inline float light_pdf_behind( const float* pane_probability, int r, floa
 }
 
 static void add_emission( const RfPathSettings* settings, const RfRayLanes* rays, const RfVertexLanes* v,
-                          const uint32_t* triangle, const float* pane_probability, bool defer_mis, RfArrivals* arrivals )
+                          const uint32_t* triangle, const float* pane_probability, const Receiver* to )
 {
     const RfTriangleRecord* triangles = rf_tracer_triangles( settings->tracer );
     for ( int i = 0; i < v->count; ++i )
@@ -47,12 +58,12 @@ static void add_emission( const RfPathSettings* settings, const RfRayLanes* rays
         RfVec3 emission = rf_vec3( v->emission[0][i], v->emission[1][i], v->emission[2][i] );
         float probability = selection_probability( settings, rays, r, triangles[triangle[r]].light );
         float light_pdf = light_pdf_behind( pane_probability, r, v->light_pdf_solid_angle[i] * probability );
-        add_arrival( settings, rays, r, defer_mis, emission, light_pdf, arrivals );
+        add_arrival( settings, rays, r, emission, light_pdf, to );
     }
 }
 
 static void add_sky( const RfPathSettings* settings, const RfRayLanes* rays, const uint32_t* triangle,
-                     const float* pane_probability, bool defer_mis, RfArrivals* arrivals )
+                     const float* pane_probability, const Receiver* to )
 {
     const RfLights* lights = rf_tracer_lights( settings->tracer );
     if ( !rf_has_sky( lights ) )
@@ -65,13 +76,15 @@ static void add_sky( const RfPathSettings* settings, const RfRayLanes* rays, con
         RfVec3 sky = rf_sky_radiance( &lights->sky, d );
         float light_pdf =
             rf_sky_pdf_solid_angle( &lights->sky, d ) * selection_probability( settings, rays, r, rf_sky_number( lights ) );
-        add_arrival( settings, rays, r, defer_mis, sky, light_pdf_behind( pane_probability, r, light_pdf ), arrivals );
+        add_arrival( settings, rays, r, sky, light_pdf_behind( pane_probability, r, light_pdf ), to );
     }
 }
 
 void rf_add_emission_hits( const RfPathSettings* settings, const RfRayLanes* rays, const RfVertexLanes* vertices,
-                           const uint32_t* triangle, const float* pane_probability, bool defer_mis, RfArrivals* arrivals )
+                           const uint32_t* triangle, const float* pane_probability, bool defer_mis, RfChainLight* chain_light,
+                           RfArrivals* arrivals )
 {
-    add_emission( settings, rays, vertices, triangle, pane_probability, defer_mis, arrivals );
-    add_sky( settings, rays, triangle, pane_probability, defer_mis, arrivals );
+    Receiver to = { defer_mis, chain_light, arrivals };
+    add_emission( settings, rays, vertices, triangle, pane_probability, &to );
+    add_sky( settings, rays, triangle, pane_probability, &to );
 }

@@ -199,6 +199,7 @@ static void scatter( const RfPathSettings* settings, RfWavefront* wavefront, con
     float* wi[3] = { s->wi[0], s->wi[1], s->wi[2] };
     rf_scatter_lanes( wavefront, v, dimension + RF_DIMENSION_SCATTER, wi, s );
     rf_count_deltas( settings, wavefront, v, vertex, s->pdf );
+    rf_note_chain_events( wavefront->chain_light, v, vertex, (const float* const*)wi, s->pdf );
     rf_draw_lanes( wavefront, v->count, v->slot, dimension + RF_DIMENSION_ROULETTE, 1, s->random );
     next->count =
         scatter_unevaluable_lanes( wavefront, rays, vertex, next, scatter_evaluable_lanes( wavefront, rays, vertex, next ) );
@@ -224,7 +225,7 @@ const float* rf_find_lit_vertices( const RfPathSettings* settings, RfWavefront* 
     rf_absorb( vertices, rays );
     rf_leave_to_links( settings, wavefront, rays, vertices );
     rf_add_emission_hits( settings, rays, vertices, wavefront->scratch.triangle, pane_probability, defer_mis,
-                          &wavefront->arrivals );
+                          wavefront->chain_light, &wavefront->arrivals );
     return pane_probability;
 }
 

@@ -4,7 +4,7 @@
 #ifndef REFRAME_PATH_WAVEFRONT_H
 #define REFRAME_PATH_WAVEFRONT_H
 
-#include "path/lanes.h"
+#include "path/chain_light.h"
 
 #include <string.h>
 
@@ -52,6 +52,7 @@ typedef struct RfWavefront
                                      // RF_NOT_LINKED: none yet, or others are among them
     bool matte[RF_LANES];            // with a linker, by slot: whether the ray left a matte vertex (rf_is_matte)
     float lit[RF_LANES];             // with a linker, by vertex lane: luminance of the irradiance that light samples found there
+    RfChainLight* chain_light;       // keeps such light apart from the arrivals; NULL: it is among them
     // inside
     RfRayLanes next;
     RfVertexLanes vertices;
@@ -148,10 +149,11 @@ void rf_scatter_lanes( const RfWavefront* keys, const RfVertexLanes* vertices, u
 
 // Adds emission hit by the rays, of surfaces (the vertices) and of the sky, to the
 // arrivals. With `defer_mis` it goes to `emitted`, unweighted; otherwise to `rest`,
-// weighted by the balance heuristic. The rays have passed panes with these probabilities
-// (NULL: no panes).
+// weighted by the balance heuristic. What `chain_light` waits for goes there instead (NULL: nothing). The rays have passed
+// panes with these probabilities (NULL: no panes).
 void rf_add_emission_hits( const RfPathSettings* settings, const RfRayLanes* rays, const RfVertexLanes* vertices,
-                           const uint32_t* triangle, const float* pane_probability, bool defer_mis, RfArrivals* arrivals );
+                           const uint32_t* triangle, const float* pane_probability, bool defer_mis, RfChainLight* chain_light,
+                           RfArrivals* arrivals );
 
 // The side on which wi leaves an unevaluable lane: 1 that of wo, −1 the other; 0
 // where shading and geometric normal disagree and the path ends.

@@ -132,7 +132,7 @@ static void light_reflections( const RfPathSettings* path, const RfVertexLanes* 
         rf_find_vertices_past_panes( path, &wavefront->rays, &wavefront->vertices, &wavefront->scratch );
     rf_absorb( &wavefront->vertices, &wavefront->rays );
     rf_add_emission_hits( path, &wavefront->rays, &wavefront->vertices, wavefront->scratch.triangle, pane_probability, false,
-                          &wavefront->arrivals );
+                          NULL, &wavefront->arrivals );
 }
 
 void rf_start_chains( const RfPathSettings* path, const RfVertexLanes* first, const RfRayLanes* camera_rays, bool lit,

@@ -87,7 +87,7 @@ static void add_emission( const RfPathSettings* path, const float* pane_probabil
         kept[i] = !is_last( path, chains, found->slot[i], vertex + 1 ) && rays->pdf_solid_angle[found->ray[i]] >= RF_DELTA_PDF;
         found->light_pdf_solid_angle[i] = kept[i] ? 0.0f : found->light_pdf_solid_angle[i];
     }
-    rf_add_emission_hits( path, rays, found, wavefront->scratch.triangle, pane_probability, false, &wavefront->arrivals );
+    rf_add_emission_hits( path, rays, found, wavefront->scratch.triangle, pane_probability, false, NULL, &wavefront->arrivals );
     for ( int i = 0; i < rf_record_count( found ); ++i )
     {
         for ( int c = 0; c < 3 && !kept[i]; ++c )

@@ -101,11 +101,21 @@ static void note_passed_panes( const RfHarvest* harvest, RfHarvestScratch* scrat
     scratch->wavefront.spent = scratch->spent;
 }
 
+// Tiles share the light of chains; not where links find it, nor where replayed rays could meet other surfaces, nor in gradients.
+static bool shares_chain_light( const RfHarvest* harvest, const RfHarvestScratch* scratch )
+{
+    return rf_reuses_tiles( scratch ) && rf_calls_for( scratch->chains != NULL, RF_EFFECT_CHAINS ) &&
+           !rf_tracer_is_blended( harvest->path.tracer ) && harvest->path.linker == NULL && !harvest->path_roulette &&
+           harvest->path_source == NULL;
+}
+
 void rf_trace_hit_tails( const RfHarvest* harvest, RfHarvestScratch* scratch, RfRayCounts* rays )
 {
     const RfVertexLanes* v = scratch->hits;
     RfWavefront* wavefront = &scratch->wavefront;
     float* wi[3] = { scratch->scattered[0], scratch->scattered[1], scratch->scattered[2] };
+    bool chain_light = shares_chain_light( harvest, scratch );
+    wavefront->chain_light = chain_light ? &scratch->tiles->chain_light : NULL;
     rf_scatter_deferred( &harvest->path, wavefront, v, 1, wi );
     int unevaluable = v->count - rf_record_count( v );
     if ( unevaluable > 0 )
@@ -116,7 +126,7 @@ void rf_trace_hit_tails( const RfHarvest* harvest, RfHarvestScratch* scratch, Rf
     {
         RfTileReuseSettings settings = { &harvest->path, harvest->shape.tile_pixels,
                                          rf_calls_for( harvest->tile_roulette, RF_EFFECT_TILE_ROULETTE ), harvest->path_roulette,
-                                         harvest->path_source };
+                                         chain_light, harvest->path_source };
         rays->tile += rf_trace_tile_tails( &settings, v, wi, wavefront, scratch->tiles );
     }
     else

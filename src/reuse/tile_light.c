@@ -143,7 +143,7 @@ static void add_not_reused( const RfPathSettings* settings, RfWavefront* wavefro
     rf_evaluate_lanes( y, wi, f, s->pdf );
     for ( int a = 0; a < y->count; ++a )
     {
-        if ( reuse->owner[a] >= 0 )
+        if ( rf_scatters_to_tile( reuse, a ) )
             continue;
         int slot = y->slot[a];
         bool unevaluable = scattered && a >= rf_record_count( y ); // its ray carried the weight
@@ -168,7 +168,7 @@ static bool all_reused( const RfTileReuse* reuse )
 {
     for ( int a = 0; a < reuse->second.count; ++a )
     {
-        if ( reuse->owner[a] < 0 )
+        if ( !rf_scatters_to_tile( reuse, a ) )
             return false;
     }
     return true;
@@ -224,7 +224,7 @@ void rf_light_pairings( const RfTileReuseSettings* settings, RfWavefront* wavefr
     const RfPathSettings* path = settings->path;
     int tile_pixels = settings->tile_pixels;
     bool glossy = reuse->second.first[RF_BSDF_FIRST_GLOSSY] < rf_record_count( &reuse->second );
-    size_t bytes = (size_t)reuse->second.count * sizeof( float );
+    size_t bytes = (size_t)rf_record_count( &reuse->second ) * sizeof( float ); // beyond is the light of chains
     bool linked = path->linker != NULL;
     reuse->shared = linked ? 0 : reuse->second.first[RF_BSDF_FIRST_GLOSSY];
     for ( int k = 0; k < 3 * ( glossy || linked ? tile_pixels : 1 ); ++k )

@@ -1,6 +1,7 @@
 // The steps of tile reuse, and the pairing of hits with second vertices.
 #include "reuse/tile_reuse.h"
 
+#include "reuse/tile_chains.h"
 #include "reuse/tile_copies.h"
 
 #include <string.h>
@@ -65,8 +66,8 @@ static bool is_spent( const RfTileReuseSettings* settings, const RfWavefront* wa
     return wavefront->spent != NULL && wavefront->spent[reuse->second.slot[a]] + 2 >= settings->path->max_depth;
 }
 
-// Finds the second vertices that are reused: both the hit and the vertex must be
-// evaluable. All hits of the tile could have sampled them, including those whose
+// Finds the second vertices that are reused: the hit must be evaluable, and the vertex too or
+// the first of a chain that found light. All hits of the tile could have sampled them, including those whose
 // own path has no second vertex.
 static void list_owners( const RfTileReuseSettings* settings, const RfWavefront* wavefront, const RfVertexLanes* hits,
                          RfTileReuse* reuse )
@@ -83,7 +84,8 @@ static void list_owners( const RfTileReuseSettings* settings, const RfWavefront*
         int i = hit_of_slot[y->slot[a]];
         reuse->owner[a] = -1;
         reuse->hit_of[a] = i;
-        if ( i < 0 || a >= rf_record_count( y ) || is_spent( settings, wavefront, reuse, a ) )
+        if ( i < 0 || !( a < rf_record_count( y ) || rf_has_chain_light( settings, reuse, a ) ) ||
+             is_spent( settings, wavefront, reuse, a ) )
             continue;
         float way2 = 0.0f, cos_y = 0.0f;
         for ( int c = 0; c < 3; ++c )
@@ -121,7 +123,7 @@ static void find_dark( const RfPathSettings* path, RfTileReuse* reuse )
             sum[a] += direct->radiance_cos[0][a] + direct->radiance_cos[1][a] + direct->radiance_cos[2][a];
     }
     for ( int a = 0; a < y->count; ++a )
-        reuse->dark[a] = sum[a] == 0.0f;
+        reuse->dark[a] = a < rf_record_count( y ) && sum[a] == 0.0f;
 }
 
 // The second vertex for each hit in a pairing; `weight` is 1 where there is one that light arrives at, else 0.
@@ -129,7 +131,7 @@ static void find_neighbours( const RfTileReuse* reuse, int pairing, int count, R
 {
     memset( out->vertex, 0, (size_t)count * sizeof out->vertex[0] );
     memset( out->weight, 0, (size_t)count * sizeof out->weight[0] );
-    for ( int a = 0; a < rf_record_count( &reuse->second ); ++a )
+    for ( int a = 0; a < reuse->second.count; ++a )
     {
         if ( reuse->owner[a] < 0 || reuse->dark[a] || pairing >= reuse->size[reuse->owner[a]] )
             continue;
@@ -160,7 +162,7 @@ static void note_panes( const RfRayLanes* rays, const float* pane_probability, R
 static void pass_own_panes( const RfTracer* tracer, RfTileReuse* reuse )
 {
     bool passed = rf_tracer_has_panes( tracer ) && !rf_tracer_is_blended( tracer );
-    for ( int a = 0; passed && a < rf_record_count( &reuse->second ); ++a )
+    for ( int a = 0; passed && a < reuse->second.count; ++a )
     {
         if ( reuse->owner[a] >= 0 )
             reuse->pairings[0].weight[reuse->owner[a]] *= reuse->own_pane_probability[reuse->second.slot[a]];
@@ -228,10 +230,13 @@ uint64_t rf_trace_tile_tails( const RfTileReuseSettings* settings, const RfVerte
     if ( settings->path_roulette )
         rf_thin_paths( settings->path, wavefront, reuse );
     find_dark( settings->path, reuse );
+    if ( settings->chain_light )
+        rf_sort_chains( reuse );
     for ( int s = 0; s < tile_pixels; ++s )
         find_neighbours( reuse, s, rf_record_count( hits ), reuse->pairings + s );
     pass_own_panes( settings->path->tracer, reuse );
     uint64_t tested = rf_weight_pairings( settings, hits, scattered, wavefront, reuse );
     rf_light_pairings( settings, wavefront, reuse );
+    rf_add_chain_light( settings, wavefront, reuse );
     return tested;
 }

@@ -48,8 +48,10 @@ typedef struct RfTileReuse
     int32_t hit_of[RF_LANES];             // the hit whose ray found it; −1: one of an unevaluable surface
     float link_area[RF_LANES];            // of the linker's sample (rf_own_weight)
     int shared;                           // the first of them scatter the same light to all receivers
-    int32_t owner[RF_LANES];              // the hit whose path it belongs to; −1: not reused
+    int32_t owner[RF_LANES];              // the hit whose path it belongs to; −1: not reused. Of an unevaluable vertex
+                                          // only the light is that its path finds by a chain (reuse/tile_chains.h)
     bool dark[RF_LANES];                  // no light arrives there: reused, but not connected
+    bool parallel[RF_LANES];              // the chain that begins there is followed in the same direction (reuse/tile_chains.h)
     float throughput[3][RF_LANES];        // of the ray that hit it
     float own_distance2_cos[RF_LANES];    // 1 / G_own
     float own_pane_probability[RF_LANES]; // by slot: q of the panes that the ray to it passed; not set without panes
@@ -60,6 +62,7 @@ typedef struct RfTileReuse
     float wo[3][RF_LANES]; // to the receivers of a pairing
     float mixture[RF_LANES];
     float a[3][RF_LANES], b[3][RF_LANES], light_pdf[RF_LANES];
+    RfChainLight chain_light;            // of the paths; all 0 unless it is shared
     RfArrivals arrivals_at_hits;         // by slot: along the rays scattered at the hits
     RfArrivals arrivals_at_second;       // by slot: along wi at the second vertices
     RfLightLanes* direct;                // light samples at the second vertices, K of them, and one of the linker
@@ -73,6 +76,7 @@ typedef struct RfTileReuseSettings
     int tile_pixels;       // of a whole tile
     bool roulette;         // on connections of low weight
     bool path_roulette;    // on paths that bring little light; those that bring none are not connected at all
+    bool chain_light;      // is shared (reuse/tile_chains.h)
     const int32_t* source; // of the paths (reuse/tile_copies.h); NULL: each hit has its own
 } RfTileReuseSettings;
 
@@ -102,6 +106,12 @@ void rf_light_own_paths( const RfPathSettings* path, RfWavefront* wavefront, RfT
 // Russian roulette on the paths of the tiles by that luminance: survivors' light is scaled up. The others, and those without
 // light, are dropped: second_of of their owner becomes −1.
 void rf_thin_paths( const RfPathSettings* path, RfWavefront* wavefront, RfTileReuse* reuse );
+
+// True of second vertices whose scattered light is reused.
+static inline bool rf_scatters_to_tile( const RfTileReuse* reuse, int a )
+{
+    return a < rf_record_count( &reuse->second ) && reuse->owner[a] >= 0;
+}
 
 // The hit that receives the light of second vertex a in a pairing.
 static inline int rf_receiver( const RfTileReuse* reuse, int a, int pairing )

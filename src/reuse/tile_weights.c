@@ -3,6 +3,7 @@
 #include "reuse/tile_reuse.h"
 
 #include "reuse/tile.h"
+#include "reuse/tile_chains.h"
 #include "reuse/tile_connect.h"
 #include "reuse/weight_range.h"
 
@@ -223,9 +224,9 @@ static uint64_t test_connections( const RfTileReuseSettings* settings, const RfV
     lift_hits( x, reuse );
     if ( in_part && rf_tracer_is_blended( q.tracer ) )
         test_own_paths( &q, rf_record_count( x ), reuse );
-    for ( int a = 0; a < rf_record_count( y ); ++a )
+    for ( int a = 0; a < y->count; ++a )
     {
-        if ( reuse->owner[a] < 0 )
+        if ( reuse->owner[a] < 0 || rf_is_parallel( reuse, a ) )
             continue;
         RfRandomKey key = { wavefront->key_a[y->slot[a]], wavefront->key_b[y->slot[a]] };
         if ( a < cut_off_count )
@@ -283,9 +284,12 @@ uint64_t rf_weight_pairings( const RfTileReuseSettings* settings, const RfVertex
             rf_connect_few( hits, reuse, s );
         else if ( s > 0 )
             rf_connect_neighbours( hits, reuse, reuse->pairings + s );
+        if ( s > 0 && settings->chain_light )
+            rf_aim_at_chains( scattered, s, reuse );
         multiply_densities( hits, reuse->pairings + s, wavefront->scratch.pdf );
     }
     uint64_t tested = test_connections( settings, hits, wavefront, reuse );
+    tested += rf_follow_chain_light( settings, wavefront, reuse );
     normalize_weights( settings->tile_pixels, count, reuse );
     return tested;
 }

@@ -1,0 +1,259 @@
+// Follows the chains of a tile from its other hits, vertex by vertex.
+#include "reuse/tile.h"
+#include "reuse/tile_chains.h"
+
+// Hits that follow the chain of a path of their tile.
+typedef struct Followers
+{
+    int count;
+    int32_t vertex[RF_PATCH_PIXELS]; // second vertex: the first of the chain that they follow
+    int32_t pairing[RF_PATCH_PIXELS];
+    int32_t hit[RF_PATCH_PIXELS];
+    float probability[RF_PATCH_PIXELS]; // of the events so far; in the end 0 if they do not lead to emission
+    float light[3][RF_PATCH_PIXELS];    // that leaves the first vertex; in parallel, that arrives at the hit
+} Followers;
+
+typedef struct Walk
+{
+    const RfPathSettings* path;
+    RfWavefront* wavefront;
+    RfTileReuse* reuse;
+    Followers all;
+    float scale[RF_LANES]; // by second vertex: the light of its path over what following finds, by roulette more
+    uint64_t rays;
+} Walk;
+
+static int slot_of( const Walk* walk, int follower ) { return walk->reuse->second.slot[walk->all.vertex[follower]]; }
+
+static void put( float ( *array )[RF_LANES], int i, RfVec3 v )
+{
+    array[0][i] = v.x;
+    array[1][i] = v.y;
+    array[2][i] = v.z;
+}
+
+static RfVec3 get( float ( *const array )[RF_LANES], int i ) { return rf_vec3( array[0][i], array[1][i], array[2][i] ); }
+
+static RfDeltaEvent event_at( const Walk* walk, int follower, int at, const RfVertexLanes* v, int i, RfVec3 wo )
+{
+    const float *n[3] = { v->n[0], v->n[1], v->n[2] }, *param[RF_PARAM_COUNT];
+    for ( int p = 0; p < RF_PARAM_COUNT; ++p )
+        param[p] = v->param[p];
+    RfBsdfLanes lanes = rf_bsdf_lanes( RF_BSDF_GLASS, n, param, 0 );
+    bool pane = rf_tracer_has_panes( walk->path->tracer ) && v->param[RF_PARAM_IOR][i] < 0.0f; // passed by chance
+    if ( i < rf_record_count( v ) || pane )
+        return ( RfDeltaEvent ){ wo, { 0, 0, 0 }, 0.0f };
+    unsigned events = walk->reuse->chain_light.transmitted[slot_of( walk, follower )];
+    return rf_glass_event( &lanes, i, wo, ( events >> at & 1u ) != 0 );
+}
+
+// Lets a follower take the event of its chain's vertex number `at`, which is lane i: the ray that leaves goes to `next`.
+static void take_event( Walk* walk, int follower, int at, const RfVertexLanes* v, int i, RfVec3 wo, RfVec3 throughput,
+                        RfRayLanes* next )
+{
+    RfDeltaEvent event = event_at( walk, follower, at, v, i, wo );
+    float wi[3] = { event.wi.x, event.wi.y, event.wi.z };
+    float side = rf_leaving_side( v, i, wi );
+    RfVec3 t = rf_mul( throughput, event.weight );
+    float* probability = walk->all.probability + follower;
+    *probability = side != 0.0f && rf_max_component( t ) > 0.0f ? *probability * event.probability : 0.0f;
+    if ( !( *probability > 0.0f ) )
+        return;
+    int to = next->count++;
+    for ( int c = 0; c < 3; ++c )
+        next->o[c][to] = v->p[c][i] + v->ng[c][i] * ( side * v->offset[i] );
+    put( next->d, to, event.wi );
+    put( next->throughput, to, t );
+    next->slot[to] = follower;
+}
+
+static void end( Walk* walk, int follower, RfVec3 light )
+{
+    walk->all.light[0][follower] = light.x;
+    walk->all.light[1][follower] = light.y;
+    walk->all.light[2][follower] = light.z;
+    if ( !( light.x + light.y + light.z > 0.0f ) )
+        walk->all.probability[follower] = 0.0f;
+}
+
+// Rays to the sky.
+static void end_misses( Walk* walk, int at, const RfRayLanes* rays )
+{
+    const RfLights* lights = rf_tracer_lights( walk->path->tracer );
+    for ( int r = 0; r < rays->count; ++r )
+    {
+        if ( walk->wavefront->scratch.triangle[r] != RF_MISS )
+            continue;
+        int follower = rays->slot[r];
+        RfVec3 d = rf_vec3( rays->d[0][r], rays->d[1][r], rays->d[2][r] ), sky = rf_vec3( 0, 0, 0 );
+        if ( rf_has_sky( lights ) && at == walk->reuse->chain_light.length[slot_of( walk, follower )] )
+            sky = rf_sky_radiance( &lights->sky, d );
+        end( walk, follower, rf_mul( sky, rf_vec3( rays->throughput[0][r], rays->throughput[1][r], rays->throughput[2][r] ) ) );
+    }
+}
+
+// At vertex number `at` a follower finds emission if its chain did so there, and no sooner, or goes on.
+static void arrive( Walk* walk, int at, int i, const RfRayLanes* rays, RfRayLanes* next )
+{
+    const RfTileReuse* reuse = walk->reuse;
+    const RfVertexLanes* v = &walk->wavefront->vertices;
+    int follower = v->slot[i], r = v->ray[i];
+    RfVec3 t = rf_vec3( rays->throughput[0][r], rays->throughput[1][r], rays->throughput[2][r] ), light = rf_vec3( 0, 0, 0 );
+    if ( v->light_pdf_solid_angle[i] > 0.0f )
+        light = rf_mul( t, rf_vec3( v->emission[0][i], v->emission[1][i], v->emission[2][i] ) );
+    bool lit = rf_max_component( light ) > 0.0f, ends = at == reuse->chain_light.length[slot_of( walk, follower )];
+    bool strays = at == 0 && !rf_is_near_chain( reuse, walk->all.hit[follower], v, i );
+    if ( ends )
+        end( walk, follower, light );
+    else if ( lit || strays )
+        walk->all.probability[follower] = 0.0f;
+    else
+        take_event( walk, follower, at, v, i, rf_vec3( v->wo[0][i], v->wo[1][i], v->wo[2][i] ), t, next );
+}
+
+// The rays go to the chains' vertices number `at`, and what leaves these to `next`.
+static void advance( Walk* walk, int at, RfRayLanes* rays, RfRayLanes* next )
+{
+    RfWavefront* wavefront = walk->wavefront;
+    if ( rays->count == 0 )
+        return;
+    rf_find_vertices( walk->path, rays, false, &wavefront->vertices, &wavefront->scratch );
+    rf_absorb( &wavefront->vertices, rays );
+    walk->rays += (uint64_t)rays->count;
+    end_misses( walk, at, rays );
+    for ( int i = 0; i < wavefront->vertices.count; ++i )
+        arrive( walk, at, i, rays, next );
+}
+
+// Aimed followers stand at the first vertex already; the others get rays to theirs.
+static void start( Walk* walk, RfRayLanes* to_first, RfRayLanes* beyond )
+{
+    const RfTileReuse* reuse = walk->reuse;
+    Followers* all = &walk->all;
+    to_first->count = beyond->count = 0;
+    for ( int k = 0; k < all->count; ++k )
+    {
+        int a = all->vertex[k], i = all->hit[k];
+        RfVec3 wi = get( reuse->pairings[all->pairing[k]].wi, i );
+        all->probability[k] = 1.0f;
+        if ( !reuse->parallel[a] )
+        {
+            take_event( walk, k, 0, &reuse->second, a, rf_scale( wi, -1.0f ), rf_vec3( 1, 1, 1 ), beyond );
+            continue;
+        }
+        int to = to_first->count++;
+        for ( int c = 0; c < 3; ++c )
+            to_first->o[c][to] = reuse->lifted[c][i];
+        put( to_first->d, to, wi );
+        put( to_first->throughput, to, rf_vec3( 1, 1, 1 ) );
+        to_first->slot[to] = k;
+    }
+}
+
+static void follow( Walk* walk )
+{
+    RfRayLanes *rays = &walk->wavefront->rays, *next = &walk->wavefront->next;
+    start( walk, next, rays );
+    advance( walk, 0, next, rays );
+    for ( int at = 1; rays->count > 0; ++at )
+    {
+        next->count = 0;
+        advance( walk, at, rays, next );
+        RfRayLanes* swap = rays;
+        rays = next;
+        next = swap;
+    }
+}
+
+static void add_follower( Followers* all, int vertex, int pairing, int hit )
+{
+    all->vertex[all->count] = vertex;
+    all->pairing[all->count] = pairing;
+    all->hit[all->count++] = hit;
+}
+
+// A path that did not come to the same end keeps its light for itself.
+static void keep_own( RfTileReuse* reuse, int a, int hit )
+{
+    for ( int s = 0; s < reuse->size[hit]; ++s )
+        reuse->pairings[s].weight[rf_receiver( reuse, a, s )] = 0.0f;
+    reuse->owner[a] = -1;
+}
+
+static void finish_own( Walk* walk, int k )
+{
+    RfTileReuse* reuse = walk->reuse;
+    const Followers* all = &walk->all;
+    int a = all->vertex[k], brightest = 0;
+    RfVec3 light = get( reuse->chain_light.light, slot_of( walk, k ) );
+    if ( reuse->parallel[a] )
+        light = rf_mul( light, get( reuse->throughput, a ) );
+    float found[3] = { light.x, light.y, light.z };
+    for ( int c = 1; c < 3; ++c )
+        brightest = found[c] > found[brightest] ? c : brightest;
+    if ( !( all->probability[k] > 0.0f && all->light[brightest][k] > 0.0f ) )
+    {
+        keep_own( reuse, a, all->hit[k] );
+        return;
+    }
+    walk->scale[a] = found[brightest] / all->light[brightest][k];
+    reuse->pairings[0].weight[all->hit[k]] *= all->probability[k];
+}
+
+// The paths that found the light follow their own chains, for the probability of the events. They fail to where they have
+// passed panes by chance.
+static void follow_own( Walk* walk )
+{
+    const RfVertexLanes* y = &walk->reuse->second;
+    walk->all.count = 0;
+    for ( int a = rf_record_count( y ); a < y->count; ++a )
+    {
+        if ( walk->reuse->owner[a] >= 0 )
+            add_follower( &walk->all, a, 0, walk->reuse->owner[a] );
+    }
+    follow( walk );
+    for ( int k = 0; k < walk->all.count; ++k )
+        finish_own( walk, k );
+}
+
+// Gives the pairings what the followers found, and forgets these.
+static void follow_others( Walk* walk )
+{
+    RfTileReuse* reuse = walk->reuse;
+    Followers* all = &walk->all;
+    follow( walk );
+    for ( int k = 0; k < all->count; ++k )
+    {
+        int a = all->vertex[k], i = all->hit[k];
+        RfPairingLanes* pairing = reuse->pairings + all->pairing[k];
+        RfVec3 left = rf_vec3( 1, 1, 1 ), light = rf_vec3( all->light[0][k], all->light[1][k], all->light[2][k] );
+        if ( !reuse->parallel[a] )
+            left = rf_transmittance_from( &reuse->second, a, get( reuse->lifted, i ) );
+        pairing->weight[i] *= all->probability[k];
+        put( pairing->light, a, rf_scale( rf_mul( light, left ), walk->scale[a] ) );
+    }
+    all->count = 0;
+}
+
+uint64_t rf_follow_chain_light( const RfTileReuseSettings* settings, RfWavefront* wavefront, RfTileReuse* reuse )
+{
+    const RfVertexLanes* y = &reuse->second;
+    if ( !settings->chain_light || rf_record_count( y ) == y->count )
+        return 0;
+    Walk walk = { .path = settings->path, .wavefront = wavefront, .reuse = reuse };
+    follow_own( &walk );
+    walk.all.count = 0;
+    for ( int a = rf_record_count( y ); a < y->count; ++a )
+    {
+        for ( int s = 1; reuse->owner[a] >= 0 && s < reuse->size[reuse->owner[a]]; ++s )
+        {
+            int i = rf_receiver( reuse, a, s );
+            if ( reuse->pairings[s].weight[i] > 0.0f )
+                add_follower( &walk.all, a, s, i );
+            if ( walk.all.count == RF_PATCH_PIXELS )
+                follow_others( &walk );
+        }
+    }
+    follow_others( &walk );
+    return walk.rays;
+}
