@@ -56,6 +56,8 @@ void rf_aim_at_chains( float* const scattered[3], int s, RfTileReuse* reuse )
         if ( own < 0 || s >= reuse->size[own] )
             continue;
         int i = rf_receiver( reuse, a, s );
+        for ( int c = 0; c < 3 && reuse->parallel[a] && reuse->pane_weight != NULL; ++c )
+            reuse->pane_weight[s][c][i] = 1.0f; // chains that pass panes are not followed
         if ( reuse->parallel[a] )
             leave_parallel( reuse->hits, i, direction_of( scattered, own ), pairing );
         else if ( rf_is_near_chain( reuse, i, y, a ) )

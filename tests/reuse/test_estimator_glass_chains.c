@@ -46,6 +46,14 @@ static void test_slabs_of_glass_are_unbiased( void** state )
     check_room( "layered slab", LAYERED_SLAB, 6 );
 }
 
+static void test_light_that_comes_by_chains_is_unbiased( void** state )
+{
+    (void)state;
+    check_room( "lamp in glass", LAMP_IN_GLASS, 7 );
+    check_room( "lamp in glass, depth 4", LAMP_IN_GLASS, 4 );
+    check_room( "slab on the floor", SLAB_ON_FLOOR, 6 );
+}
+
 static void test_rough_glass_is_unbiased( void** state )
 {
     (void)state;
@@ -79,10 +87,15 @@ static void test_sharp_lobes_are_unbiased( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_a_mirror_ball_is_unbiased ),      cmocka_unit_test( test_balls_of_glass_are_unbiased ),
-        cmocka_unit_test( test_slabs_of_glass_are_unbiased ),    cmocka_unit_test( test_rough_glass_is_unbiased ),
-        cmocka_unit_test( test_eyes_within_glass_are_unbiased ), cmocka_unit_test( test_panes_are_unbiased ),
-        cmocka_unit_test( test_sharp_lobes_are_unbiased ),       cmocka_unit_test( test_extra_samples_and_roulette_are_unbiased ),
+        cmocka_unit_test( test_a_mirror_ball_is_unbiased ),
+        cmocka_unit_test( test_balls_of_glass_are_unbiased ),
+        cmocka_unit_test( test_slabs_of_glass_are_unbiased ),
+        cmocka_unit_test( test_rough_glass_is_unbiased ),
+        cmocka_unit_test( test_eyes_within_glass_are_unbiased ),
+        cmocka_unit_test( test_panes_are_unbiased ),
+        cmocka_unit_test( test_light_that_comes_by_chains_is_unbiased ),
+        cmocka_unit_test( test_sharp_lobes_are_unbiased ),
+        cmocka_unit_test( test_extra_samples_and_roulette_are_unbiased ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }
