@@ -29,13 +29,14 @@ static RfMaterial make_layered( void )
 static void add_lamp_in_glass( SceneBuilder* b )
 {
     add_ball( b, make_absorbing( 0.0f ) );
-    add_box( b, add_material( b, make_light( 12.0f, false ) ), rf_vec3( -0.25f, 0.95f, -0.05f ), rf_vec3( 0.05f, 1.25f, 0.25f ),
+    add_box( b, add_material( b, make_light( 40.0f, false ) ), rf_vec3( -0.25f, 0.95f, -0.05f ), rf_vec3( 0.05f, 1.25f, 0.25f ),
              false );
 }
 
-static void add_slab_on_floor( SceneBuilder* b )
+static void add_slab_on_wall( SceneBuilder* b )
 {
-    add_box( b, add_material( b, make_absorbing( 0.0f ) ), rf_vec3( -1.4f, 0.002f, 0.45f ), rf_vec3( 0.6f, 0.15f, 1.5f ), false );
+    add_box( b, add_material( b, make_absorbing( 0.0f ) ), rf_vec3( -1.2f, 0.7f, -1.968f ), rf_vec3( 0.9f, 2.1f, -1.85f ),
+             false );
 }
 
 static void add_panes( SceneBuilder* b )
@@ -93,7 +94,7 @@ void add_glass( SceneBuilder* b, MirrorRoom kind )
         case ROUGH_SLAB: add_slab( b, make_absorbing( 0.25f ) ); break;
         case LAYERED_SLAB: add_slab( b, make_layered() ); break;
         case LAMP_IN_GLASS: add_lamp_in_glass( b ); break;
-        case SLAB_ON_FLOOR: add_slab_on_floor( b ); break;
+        case SLAB_ON_WALL: add_slab_on_wall( b ); break;
         case PANES_IN_A_ROW: add_panes( b ); break;
         case GLASS_TANK: add_tank( b ); break;
         case SHARP_METAL: add_polished( b, make_metal( 0.9f, 0.05f ) ); break;

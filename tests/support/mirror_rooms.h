@@ -31,7 +31,7 @@ typedef enum MirrorRoom
     LAYERED_SLAB,   // glass over a diffuse base that shines a little
     PANES_IN_A_ROW, // three tinted thin walls
     LAMP_IN_GLASS,  // a lamp within an absorbing ball
-    SLAB_ON_FLOOR,  // of absorbing glass: what it stands on is lit through it alone
+    SLAB_ON_WALL,   // of absorbing glass, 2 mm off: what is behind it is lit through it alone
     GLASS_TANK,     // eyes within an absorbing body
     SHARP_METAL,    // GGX of roughness 0.05: a ball, a panel on the wall
     SMOOTH_PLASTIC, // the smoothest dielectric over a diffuse base, likewise
