@@ -124,9 +124,12 @@ void rf_trace_hit_tails( const RfHarvest* harvest, RfHarvestScratch* scratch, Rf
         note_passed_panes( harvest, scratch, wi );
     if ( rf_reuses_tiles( scratch ) )
     {
-        RfTileReuseSettings settings = { &harvest->path, harvest->shape.tile_pixels,
-                                         rf_calls_for( harvest->tile_roulette, RF_EFFECT_TILE_ROULETTE ), harvest->path_roulette,
-                                         chain_light, harvest->path_source };
+        RfTileReuseSettings settings = { &harvest->path,
+                                         harvest->shape.tile_pixels,
+                                         rf_calls_for( harvest->tile_roulette, RF_EFFECT_TILE_ROULETTE ),
+                                         harvest->path_roulette,
+                                         chain_light,
+                                         harvest->path_source };
         rays->tile += rf_trace_tile_tails( &settings, v, wi, wavefront, scratch->tiles );
     }
     else

@@ -1,5 +1,7 @@
 #include "support/mirror_rooms_internal.h"
 
+#include <stdlib.h>
+
 static void add_ball( SceneBuilder* b, RfMaterial material )
 {
     add_sphere( b, add_material( b, material ), rf_vec3( -0.1f, 1.1f, 0.1f ), 0.6f, 12 );
@@ -30,12 +32,6 @@ static void add_lamp_in_glass( SceneBuilder* b )
 {
     add_ball( b, make_absorbing( 0.0f ) );
     add_box( b, add_material( b, make_light( 40.0f, false ) ), rf_vec3( -0.25f, 0.95f, -0.05f ), rf_vec3( 0.05f, 1.25f, 0.25f ),
-             false );
-}
-
-static void add_slab_on_wall( SceneBuilder* b )
-{
-    add_box( b, add_material( b, make_absorbing( 0.0f ) ), rf_vec3( -1.2f, 0.7f, -1.968f ), rf_vec3( 0.9f, 2.1f, -1.85f ),
              false );
 }
 
@@ -94,7 +90,6 @@ void add_glass( SceneBuilder* b, MirrorRoom kind )
         case ROUGH_SLAB: add_slab( b, make_absorbing( 0.25f ) ); break;
         case LAYERED_SLAB: add_slab( b, make_layered() ); break;
         case LAMP_IN_GLASS: add_lamp_in_glass( b ); break;
-        case SLAB_ON_WALL: add_slab_on_wall( b ); break;
         case PANES_IN_A_ROW: add_panes( b ); break;
         case GLASS_TANK: add_tank( b ); break;
         case SHARP_METAL: add_polished( b, make_metal( 0.9f, 0.05f ) ); break;
@@ -102,5 +97,25 @@ void add_glass( SceneBuilder* b, MirrorRoom kind )
         case SHARP_PLASTIC: add_polished( b, plastic ); break;
         case CLEAR_COAT: add_polished( b, make_clear_coat() ); break;
         default: break;
+    }
+}
+
+RfScene make_glass_in_the_open( void )
+{
+    RfScene scene = make_open_scene( LIT_BY_SKY );
+    SceneBuilder b = { .scene = scene, .vertex_room = scene.triangles.vertex_count, .triangle_room = scene.triangles.count };
+    uint32_t glass = add_material( &b, make_absorbing( 0.0f ) );
+    add_box( &b, glass, rf_vec3( -1.6f, 0.9f, -1.2f ), rf_vec3( 1.6f, 1.1f, 1.2f ), false );
+    add_box( &b, glass, rf_vec3( -1.2f, 0.002f, 0.0f ), rf_vec3( -0.1f, 0.1f, 1.2f ), false );
+    free( b.scene.path );
+    return finish_scene( &b );
+}
+
+void low_eyes( RfEye* eyes, int count, int width, int height )
+{
+    for ( int i = 0; i < count; ++i )
+    {
+        RfVec3 o = rf_vec3( 0.05f * (float)( i - count / 2 ), 0.8f, 2.4f );
+        eyes[i] = rf_make_eye( o, rf_vec3( 0.0f, -0.3f, -1.0f ), rf_vec3( 0, 1, 0 ), 0.9, width, height );
     }
 }

@@ -31,7 +31,6 @@ typedef enum MirrorRoom
     LAYERED_SLAB,   // glass over a diffuse base that shines a little
     PANES_IN_A_ROW, // three tinted thin walls
     LAMP_IN_GLASS,  // a lamp within an absorbing ball
-    SLAB_ON_WALL,   // of absorbing glass, 2 mm off: what is behind it is lit through it alone
     GLASS_TANK,     // eyes within an absorbing body
     SHARP_METAL,    // GGX of roughness 0.05: a ball, a panel on the wall
     SMOOTH_PLASTIC, // the smoothest dielectric over a diffuse base, likewise
@@ -46,6 +45,13 @@ RfScene make_mirror_room( MirrorRoom kind );
 
 // The open scene with a mirror behind its ball.
 RfScene make_mirror_in_the_open( OpenLight light );
+
+// The open scene under a constant sky, with absorbing slabs: one above the ground, which lights through it, and one that lies 2 mm
+// over it.
+RfScene make_glass_in_the_open( void );
+
+// Eyes that see the ground below these slabs, past them and through them.
+void low_eyes( RfEye* eyes, int count, int width, int height );
 
 // Eyes that turn by 8 degrees a frame, so that NARROW_MIRROR leaves the film.
 void sweep_eyes( RfEye* eyes, int count, int width, int height );
