@@ -105,7 +105,7 @@ static void note_passed_panes( const RfHarvest* harvest, RfHarvestScratch* scrat
 static bool shares_chain_light( const RfHarvest* harvest, const RfHarvestScratch* scratch )
 {
     return rf_reuses_tiles( scratch ) && rf_calls_for( scratch->chains != NULL, RF_EFFECT_CHAINS ) &&
-           !rf_tracer_is_blended( harvest->path.tracer ) && harvest->path.linker == NULL && !harvest->path_roulette &&
+           !rf_tracer_runs( harvest->path.tracer ).any_blended && harvest->path.linker == NULL && !harvest->path_roulette &&
            harvest->path_source == NULL;
 }
 

@@ -35,16 +35,16 @@ static RfResult sort_masked( RfBvh* bvh, RfError* error )
     const RfScene* scene = bvh->scene;
     const RfTriangles* t = &scene->triangles;
     uint32_t masked = 0;
-    bvh->blended = rf_is_forced( scene, RF_EFFECT_ALPHA_BLEND );
     bvh->panes = rf_is_forced( scene, RF_EFFECT_PANES );
     for ( uint32_t i = 0; i < t->count; ++i )
     {
         const RfMaterial* m = scene->materials + t->material[i];
         masked += has_filter( bvh, i );
-        bvh->blended = bvh->blended || rf_is_blended( m );
+        bvh->any_blended = bvh->any_blended || rf_is_blended( m );
         bvh->panes = bvh->panes || is_pane( scene, m );
         bvh->partial = bvh->partial || rf_is_blended( m ) || is_pane( scene, m );
     }
+    bvh->blended = bvh->any_blended || rf_is_forced( scene, RF_EFFECT_ALPHA_BLEND );
     bvh->masked_first = t->count - masked;
     if ( masked == 0 )
         return RF_OK;

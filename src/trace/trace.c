@@ -157,7 +157,8 @@ void rf_destroy_tracer( RfTracer* tracer )
 const RfScene* rf_tracer_scene( const RfTracer* tracer ) { return tracer->scene; }
 RfTracerRuns rf_tracer_runs( const RfTracer* tracer )
 {
-    return ( RfTracerRuns ){ tracer->bvh.blended, tracer->bvh.panes, tracer->textured, tracer->bvh.partial };
+    return ( RfTracerRuns ){ tracer->bvh.blended, tracer->bvh.panes, tracer->textured, tracer->bvh.any_blended,
+                             tracer->bvh.partial };
 }
 const RfMirrors* rf_tracer_mirrors( const RfTracer* tracer ) { return &tracer->mirrors; }
 const RfLights* rf_tracer_lights( const RfTracer* tracer ) { return &tracer->lights; }

@@ -16,10 +16,11 @@
 // What the code for some effects runs for: for scenes that call for these, unless they are left out, or where they are forced.
 typedef struct RfTracerRuns
 {
-    bool blended;  // some surface is alpha-blended
-    bool panes;    // some may be a thin pane
-    bool textured; // some material has `textured`
-    bool partial;  // segments may be open in part: a surface is blended or a pane, and not because of what is forced
+    bool blended;     // some surface is alpha-blended
+    bool panes;       // some may be a thin pane
+    bool textured;    // some material has `textured`
+    bool any_blended; // some surface is blended, and not because of what is forced
+    bool partial;     // segments may be open in part: a surface is blended or a pane, and not because of what is forced
 } RfTracerRuns;
 
 // rf_create_tracer with a BVH that is built by so many threads; 0: all cores this process may use.
