@@ -101,4 +101,17 @@ static inline void rf_put_ray( float o[3][RF_CHAIN_BLOCK], float d[3][RF_CHAIN_B
     d[2][i] = way.z;
 }
 
+// What flux keeps of a chain over what radiance keeps, which scales with the squared index: other than 1 if light starts within a
+// body and ends outside.
+static inline float rf_flux_over_radiance( const RfChain* chain )
+{
+    float scale = 1.0f;
+    for ( int k = 0; k < chain->length; ++k )
+    {
+        const RfChainVertex* v = chain->vertex + k;
+        scale /= v->refracted ? v->eta * v->eta : 1.0f;
+    }
+    return scale;
+}
+
 #endif

@@ -223,7 +223,7 @@ static RfVec3 flux_of( const RfLightPath* path, const RfChain* chain )
     const RfEmission* e = &path->start;
     float cosine = e->infinite || e->delta_position ? 1.0f : rf_dot( e->normal, e->direction );
     float scale = cosine * path->weight / ( e->pdf_light * ( e->infinite ? e->pdf_solid_angle : e->pdf_area ) );
-    return rf_scale( rf_mul( e->radiance, chain->weight ), scale );
+    return rf_scale( rf_mul( e->radiance, chain->weight ), scale * rf_flux_over_radiance( chain ) );
 }
 
 static uint64_t draw_block( const RfEstimatorGroup* group, RfLightPaths* paths, uint64_t pass_key, uint32_t first )

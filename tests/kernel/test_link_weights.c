@@ -2,6 +2,7 @@
 // from a chain that a light path was bent to, and from what rays hit that went the same way from the other end.
 #include "kernel/links_internal.h"
 #include "render/estimator.h"
+#include "support/light_path_set.h"
 #include "support/mirror_rooms.h"
 #include "support/render_support.h"
 
@@ -16,16 +17,6 @@
 
 #define LEAST_PATHS 100
 #define CLOSE 2e-3f
-
-static RfLightPaths* draw_paths( const RfEstimatorGroup* group )
-{
-    size_t bytes = rf_light_paths_bytes( group );
-    RfLightPaths* paths = aligned_alloc( 64, bytes );
-    assert_non_null( paths );
-    memset( paths, 0, bytes );
-    rf_draw_light_paths( group, 0, paths );
-    return paths;
-}
 
 // The chain of a light path bent to a point near to where it lands.
 static bool bend( const RfTracer* tracer, const RfLightPath* path, RfVec3 y, RfVec3 n, RfChain* chain )
@@ -107,29 +98,20 @@ static void check_path( const RfTracer* tracer, const RfKernelLinker* linker, co
 
 static void check_room( MirrorRoom kind, float share )
 {
+    static LightPathSet set;
     static RfLinkLanes lanes;
     RfScene scene = make_mirror_room( kind );
-    RfTracer* tracer = make_tracer( &scene );
-    RfRenderSettings settings = plain_settings();
-    settings.threads = 1;
-    settings.light_paths = RF_LIGHT_PATHS_ON;
-    RfEstimatorGroup group = { .tracer = tracer, .settings = &settings, .width = 256, .height = 128, .eye_count = 1 };
-    for ( uint32_t i = 0; i < scene.triangles.count; ++i )
-        group.traits.chain_triangles += rf_is_chain_surface( scene.materials + scene.triangles.material[i] );
-    group.traits.materials = scene.material_count;
-    group.traits.most_lights = scene.triangles.count + 1;
-    RfPathSettings path = { .tracer = tracer, .max_depth = 12, .light_samples = 1 };
-    RfLightPaths* paths = draw_paths( &group );
+    draw_light_path_set( &scene, 256, 128, &set );
+    RfLightPaths* paths = set.paths;
     paths->share = share;
-    RfKernelLinker linker = rf_make_linker( paths, RF_KERNEL_EXACT, &path, &lanes );
+    RfKernelLinker linker = rf_make_linker( paths, RF_KERNEL_EXACT, &set.path, &lanes );
     int count[2] = { 0, 0 };
     for ( uint32_t k = 0; k < paths->count; ++k )
-        check_path( tracer, &linker, paths->path + k, 1 + (int)( k % 2 ), count );
+        check_path( set.tracer, &linker, paths->path + k, 1 + (int)( k % 2 ), count );
     printf( "room %d, share %g: %d paths, %d of them divided\n", (int)kind, (double)share, count[0], count[1] );
     assert_true( count[0] >= LEAST_PATHS );
     assert_true( count[1] > 0 );
-    free( paths );
-    rf_destroy_tracer( tracer );
+    free_light_path_set( &set );
     rf_destroy_scene( &scene );
 }
 

@@ -2,6 +2,7 @@
 // around a solution is bent to it, as counted by drawing many.
 #include "kernel/links_internal.h"
 #include "render/estimator.h"
+#include "support/light_path_set.h"
 #include "support/mirror_rooms.h"
 #include "support/render_support.h"
 
@@ -19,38 +20,8 @@
 #define PARTICLES 400000
 #define MOST_SIGMAS 4.5
 
-typedef struct Setting
-{
-    RfTracer* tracer;
-    RfRenderSettings settings;
-    RfEstimatorGroup group;
-    RfPathSettings path;
-    RfLightPaths* paths;
-} Setting;
-
-// The group points to its settings, which so have to stay where they are.
-static void make_setting( const RfScene* scene, Setting* setting )
-{
-    Setting s = { .tracer = make_tracer( scene ), .settings = plain_settings() };
-    s.settings.threads = 1;
-    s.group =
-        ( RfEstimatorGroup ){ .tracer = s.tracer, .settings = &setting->settings, .width = 64, .height = 64, .eye_count = 1 };
-    for ( uint32_t i = 0; i < scene->triangles.count; ++i )
-        s.group.traits.chain_triangles += rf_is_chain_surface( scene->materials + scene->triangles.material[i] );
-    s.group.traits.materials = scene->material_count;
-    s.group.traits.most_lights = scene->triangles.count + 1;
-    setting->settings.light_paths = s.settings.light_paths = RF_LIGHT_PATHS_ON;
-    s.path = ( RfPathSettings ){ .tracer = s.tracer, .max_depth = 12, .light_samples = 1 };
-    setting->settings = s.settings;
-    size_t bytes = rf_light_paths_bytes( &s.group );
-    s.paths = aligned_alloc( 64, bytes );
-    assert_non_null( s.paths );
-    memset( s.paths, 0, bytes );
-    *setting = s;
-}
-
 // An eye vertex a part of the footprint away from where a light path lands, and the link from that path to it, solved.
-static bool solve_link( const Setting* s, const RfLightPath* path, float part, RfVertexLanes* v, RfLink* link )
+static bool solve_link( const LightPathSet* s, const RfLightPath* path, float part, RfVertexLanes* v, RfLink* link )
 {
     RfVec3 t, b, n = rf_scale( path->end.d, -1.0f );
     rf_basis( n, &t, &b );
@@ -94,7 +65,7 @@ static void count_repeats( RfLinkWork* work, const RfLink* link, uint32_t first,
 }
 
 // The share of starts, drawn evenly around the solution, from which it is found.
-static double count_found( const Setting* s, const RfLink* link, const RfBend* target )
+static double count_found( const LightPathSet* s, const RfLink* link, const RfBend* target )
 {
     const RfTriangleRecord* triangles = rf_tracer_triangles( s->tracer );
     int found = 0;
@@ -142,9 +113,8 @@ static void test_repeated_trials_are_one_over_the_probability( void** state )
     static RfLinkLanes out;
     static RfLinkWork work;
     RfScene scene = make_mirror_room( GLASS_BALL );
-    Setting s;
-    make_setting( &scene, &s );
-    rf_draw_light_paths( &s.group, 0, s.paths );
+    static LightPathSet s;
+    draw_light_path_set( &scene, 64, 64, &s );
     RfKernelLinker linker = rf_make_linker( s.paths, RF_KERNEL_EXACT, &s.path, &out );
     work = ( RfLinkWork ){ .settings = &linker, .v = &v, .out = &out };
     int links = 0, uncertain = 0;
@@ -169,13 +139,12 @@ static void test_repeated_trials_are_one_over_the_probability( void** state )
     printf( "%d links, %d of them found in less than 95 %% of the trials\n", links, uncertain );
     assert_int_equal( links, LINKS );
     assert_true( uncertain > 0 );
-    free( s.paths );
-    rf_destroy_tracer( s.tracer );
+    free_light_path_set( &s );
     rf_destroy_scene( &scene );
 }
 
 // An eye vertex where a particle landed, facing its parent, and the link between them.
-static bool find_parent_link( const Setting* s, const RfScatteredPath* particle, RfLinkWork* work, RfVertexLanes* v )
+static bool find_parent_link( const LightPathSet* s, const RfScatteredPath* particle, RfLinkWork* work, RfVertexLanes* v )
 {
     const RfScene* scene = rf_tracer_scene( s->tracer );
     RfVec3 n = rf_normalize( rf_sub( s->paths->path[particle->path].at.p, particle->at.p ) );
@@ -217,7 +186,7 @@ static double count_parent_trials( RfLinkWork* work, const RfParentLink* link )
 }
 
 // The share of all particles of a parent that cover the vertex.
-static double count_covering( const Setting* s, const RfParentLink* link, RfVec3 y )
+static double count_covering( const LightPathSet* s, const RfParentLink* link, RfVec3 y )
 {
     const RfParent* parent = &link->path->parent;
     const RfTriangleRecord* triangles = rf_tracer_triangles( s->tracer );
@@ -254,9 +223,8 @@ static void test_trials_of_parents_are_one_over_the_probability( void** state )
     static RfLinkWork work;
     static RfWavefront keys;
     RfScene scene = make_mirror_room( GLASS_BALL );
-    Setting s;
-    make_setting( &scene, &s );
-    rf_draw_light_paths( &s.group, 0, s.paths );
+    static LightPathSet s;
+    draw_light_path_set( &scene, 64, 64, &s );
     RfKernelLinker linker = rf_make_linker( s.paths, RF_KERNEL_EXACT, &s.path, &out );
     work = ( RfLinkWork ){ .settings = &linker, .v = &v, .out = &out, .keys = &keys };
     int links = 0, uncertain = 0;
@@ -280,8 +248,7 @@ static void test_trials_of_parents_are_one_over_the_probability( void** state )
     printf( "%d links, %d of them found in less than 80 %% of the trials\n", links, uncertain );
     assert_int_equal( links, LINKS );
     assert_true( uncertain > 0 );
-    free( s.paths );
-    rf_destroy_tracer( s.tracer );
+    free_light_path_set( &s );
     rf_destroy_scene( &scene );
 }
 
