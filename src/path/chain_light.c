@@ -1,15 +1,9 @@
 #include "path/chain_light.h"
 
-// Whether a lane scattered along wi as a mirror or smooth glass does.
-static bool is_delta( const RfVertexLanes* v, int i, float pdf )
-{
-    return i >= rf_record_count( v ) && pdf == RF_DELTA_PDF && v->param[RF_PARAM_SHAPE][i] == 0.0f;
-}
-
 static void add_event( RfChainLight* chain_light, const RfVertexLanes* v, int i, const float* const wi[3], float pdf )
 {
     int slot = v->slot[i], at = chain_light->length[slot];
-    if ( !chain_light->open[slot] || at == RF_MAX_CHAIN_LIGHT || !is_delta( v, i, pdf ) )
+    if ( !chain_light->open[slot] || at == RF_MAX_CHAIN_LIGHT || !rf_is_chain_event( v, i, pdf ) )
     {
         chain_light->open[slot] = false;
         return;

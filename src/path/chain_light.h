@@ -16,6 +16,14 @@ typedef struct RfChainLight
     bool open[RF_LANES];               // the path has only seen such vertices since its hit, and no emission yet
 } RfChainLight;
 
+// Whether a lane scattered along a ray of density `pdf` as a mirror or smooth glass does. Thin panes are none: rays that pass
+// them by chance do not stop there.
+static inline bool rf_is_chain_event( const RfVertexLanes* v, int i, float pdf )
+{
+    return i >= rf_record_count( v ) && pdf == RF_DELTA_PDF && v->param[RF_PARAM_SHAPE][i] == 0.0f &&
+           v->param[RF_PARAM_IOR][i] >= 0.0f;
+}
+
 // Notes what happened at the path's `vertex`-th vertices, from which it goes on to wi. The first of them begins it.
 void rf_note_chain_events( RfChainLight* chain_light, const RfVertexLanes* vertices, int vertex, const float* const wi[3],
                            const float* pdf_solid_angle );
@@ -28,6 +36,13 @@ static inline bool rf_take_chain_light( RfChainLight* chain_light, int slot, con
         chain_light->light[c][slot] = light[c];
     chain_light->open[slot] = chain_light->open[slot] && !taken;
     return taken;
+}
+
+// A path that hits emission without a chain has no chain light.
+static inline void rf_close_chain( RfChainLight* chain_light, int slot, const float light[3] )
+{
+    if ( chain_light != NULL && light[0] + light[1] + light[2] > 0.0f )
+        chain_light->open[slot] = false;
 }
 
 #endif

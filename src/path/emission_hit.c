@@ -18,6 +18,7 @@ static inline void add_arrival( const RfPathSettings* settings, const RfRayLanes
     float l[3] = { light.x * rays->throughput[0][r], light.y * rays->throughput[1][r], light.z * rays->throughput[2][r] };
     if ( to->chain_light != NULL && rf_take_chain_light( to->chain_light, slot, l ) )
         return;
+    rf_close_chain( to->chain_light, slot, l );
     if ( to->defer_mis )
     {
         for ( int c = 0; c < 3; ++c )

@@ -95,6 +95,8 @@ enum
 };
 // A light sample with the random numbers of another, each half an interval further: what lies where the other does not.
 #define RF_DIMENSION_OPPOSITE 0x10000000u
+// Chain samples (path/chain_samples.h).
+#define RF_DIMENSION_CHAIN_SAMPLES 0x08000000u
 // The vertices of chains, from which camera rays go on to the vertex that is numbered 1.
 #define RF_DIMENSION_CHAINS 0x20000000u
 // Roulette on connections inside a tile, plus the index of the connected path.

@@ -115,7 +115,9 @@ void rf_trace_hit_tails( const RfHarvest* harvest, RfHarvestScratch* scratch, Rf
     RfWavefront* wavefront = &scratch->wavefront;
     float* wi[3] = { scratch->scattered[0], scratch->scattered[1], scratch->scattered[2] };
     bool chain_light = shares_chain_light( harvest, scratch );
-    wavefront->chain_light = chain_light ? &scratch->tiles->chain_light : NULL;
+    wavefront->chain_light = !( chain_light || scratch->chain_samples != NULL ) ? NULL
+                             : rf_reuses_tiles( scratch )                       ? &scratch->tiles->chain_light
+                                                                                : scratch->chain_light;
     rf_scatter_deferred( &harvest->path, wavefront, v, 1, wi );
     int unevaluable = v->count - rf_record_count( v );
     if ( unevaluable > 0 )
@@ -134,6 +136,8 @@ void rf_trace_hit_tails( const RfHarvest* harvest, RfHarvestScratch* scratch, Rf
     }
     else
         rf_trace_tails( &harvest->path, wavefront, 2 );
+    if ( wavefront->chain_light != NULL )
+        rf_add_chain_light( harvest, scratch, rf_chain_sampling( harvest, chain_light ) );
 }
 
 void rf_follow_camera_rays( const RfHarvest* harvest, RfHarvestScratch* scratch )

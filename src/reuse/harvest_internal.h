@@ -2,6 +2,7 @@
 #ifndef REFRAME_REUSE_HARVEST_INTERNAL_H
 #define REFRAME_REUSE_HARVEST_INTERNAL_H
 
+#include "path/chain_samples.h"
 #include "reuse/chains.h"
 #include "reuse/glossy.h"
 #include "reuse/harvest.h"
@@ -42,6 +43,8 @@ struct RfHarvestScratch
     float* mixture;                          // P: direction d, glossy hit i at d·RF_LANES + i
     RfTileReuse* tiles;                      // NULL without tile reuse
     RfLinkLanes* links;                      // NULL without light paths
+    RfChainSamples* chain_samples;           // NULL without
+    RfChainLight* chain_light;               // of the paths, where tiles do not share it; NULL without chain samples
 };
 
 // Tests of what the scene and the settings call for.
@@ -109,6 +112,23 @@ void rf_test_batch_visibility( const RfHarvest* harvest, RfHitBatch* batch, RfHa
 
 // Radiance of the misses: the sky, and that of unevaluable hits, which are listed behind them.
 void rf_light_own_frame( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch );
+
+// Adds the light that paths found by chains to what arrives at their hits, and takes the chain samples.
+void rf_add_chain_light( const RfHarvest* harvest, RfHarvestScratch* scratch, RfChainSampling sampling );
+
+// What chain samples found, as light samples.
+void rf_gather_chain_samples( const RfHarvestScratch* scratch, RfArrivalLanes* out );
+
+// The light of a pairing at glossy hits: what came by a chain could have been found by chain samples as well.
+void rf_share_chain_light( const RfHarvest* harvest, const RfHarvestScratch* scratch, int pairing, RfArrivalLanes* out );
+
+// What a path finds by a chain is worth more where its tile shares it (`shared`). Any number is right; this one is about by how much
+// sharing divides the squared error of such light in the still life.
+#define RF_SHARED_CHAIN_WORTH 3.0f
+static inline RfChainSampling rf_chain_sampling( const RfHarvest* harvest, bool shared )
+{
+    return ( RfChainSampling ){ harvest->shape.chain_samples, shared ? RF_SHARED_CHAIN_WORTH : 1.0f };
+}
 
 // The light of the records: batch->radiance, and the glossy hits' directions.
 void rf_weight_batch( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch );

@@ -11,6 +11,9 @@ static int direct_samples( const RfEstimatorGroup* group, int tile_pixels, bool 
     return group->settings->light_samples > least ? group->settings->light_samples : least;
 }
 
+// Chain samples of a hit behind a chain (path/chain_samples.h): in the still life 8 bring no more than they cost.
+#define CHAIN_SAMPLES 4
+
 RfBatchShape rf_batch_shape( const RfEstimatorGroup* group )
 {
     const RfRenderSettings* settings = group->settings;
@@ -18,6 +21,7 @@ RfBatchShape rf_batch_shape( const RfEstimatorGroup* group )
     int tile_pixels = rf_tile_pixels( &settings->tile );
     bool chains = rf_wants_chains( &group->traits, settings, tile_pixels );
     bool links = rf_wants_light_paths( &group->traits, settings );
+    bool samples = chains && group->traits.chain_triangles > 0 && !links && !group->even_light_samples; // not in gradients
     return ( RfBatchShape ){
         .eyes = group->eye_count,
         .light_samples = direct_samples( group, tile_pixels, links ),
@@ -30,6 +34,7 @@ RfBatchShape rf_batch_shape( const RfEstimatorGroup* group )
         .own_frame_light = unevaluable || chains || group->traits.sky,
         .filtered = !rf_is_plain_filter( settings ),
         .chains = chains,
+        .chain_samples = rf_calls_for( samples, RF_EFFECT_CHAINS ) ? CHAIN_SAMPLES : 0,
         .links = links,
     };
 }
@@ -73,6 +78,7 @@ size_t rf_harvest_scratch_bytes( const RfBatchShape* shape )
            (size_t)shape->eyes * lanes + (size_t)rf_direction_count( shape ) * lanes +
            rf_tile_reuse_bytes( shape->light_samples + shape->links, shape->tile_pixels, shape->panes ) +
            ( shape->chains ? sizeof( RfChains ) + 64 : 0 ) + ( shape->links ? sizeof( RfLinkLanes ) + 64 : 0 ) +
+           ( shape->chain_samples > 0 ? sizeof( RfChainSamples ) + sizeof( RfChainLight ) + 64 : 0 ) +
            ( shape->filtered ? 2 * lanes : 0 );
 }
 
@@ -90,6 +96,10 @@ RfHarvestScratch* rf_lay_out_harvest_scratch( const RfBatchShape* shape, void* m
     rest = shape->chains ? (char*)( scratch->chains + 1 ) : rest;
     scratch->links = shape->links ? (RfLinkLanes*)(void*)( rest + ( 64 - (uintptr_t)rest % 64 ) % 64 ) : NULL;
     rest = shape->links ? (char*)( scratch->links + 1 ) : rest;
+    bool samples = shape->chain_samples > 0;
+    scratch->chain_samples = samples ? (RfChainSamples*)(void*)( rest + ( 64 - (uintptr_t)rest % 64 ) % 64 ) : NULL;
+    scratch->chain_light = samples ? (RfChainLight*)(void*)( scratch->chain_samples + 1 ) : NULL;
+    rest = samples ? (char*)( scratch->chain_light + 1 ) : rest;
     for ( int c = 0; c < 2; ++c )
         scratch->place[c] = shape->filtered ? (float*)(void*)rest + c * RF_LANES : NULL;
     return scratch;

@@ -9,15 +9,14 @@
 
 typedef RfArrivalLanes Arrival;
 
-// Directions are numbered: the light samples, the scattered one, and those of
-// the neighbour paths of the tile.
 static void direction_lanes( const RfHarvest* harvest, RfHarvestScratch* scratch, int direction, const float* wi[3] )
 {
-    int pairing = direction - harvest->shape.light_samples;
-    float( *lanes )[RF_LANES] = pairing == harvest->shape.tile_pixels ? scratch->links->wi
-                                : pairing < 0                         ? scratch->direct[direction].wi
-                                : pairing == 0                        ? scratch->scattered
-                                                                      : scratch->tiles->pairings[pairing].wi;
+    int pairing = direction - rf_first_pairing( &harvest->shape );
+    float( *lanes )[RF_LANES] = pairing == harvest->shape.tile_pixels      ? scratch->links->wi
+                                : direction < harvest->shape.light_samples ? scratch->direct[direction].wi
+                                : pairing < 0                              ? scratch->chain_samples->found.wi
+                                : pairing == 0                             ? scratch->scattered
+                                                                           : scratch->tiles->pairings[pairing].wi;
     for ( int c = 0; c < 3; ++c )
         wi[c] = lanes[c];
 }
@@ -57,7 +56,7 @@ static void gather_scattered( const RfHarvest* harvest, const RfHarvestScratch* 
 }
 
 // Of the glossy hits.
-static void gather_tile_light( const RfHarvestScratch* scratch, int pairing, Arrival* out )
+static void gather_tile_light( const RfHarvest* harvest, const RfHarvestScratch* scratch, int pairing, Arrival* out )
 {
     int first = scratch->hits->first[RF_BSDF_FIRST_GLOSSY], end = rf_record_count( scratch->hits );
     size_t bytes = (size_t)( end - first ) * sizeof( float );
@@ -65,6 +64,8 @@ static void gather_tile_light( const RfHarvestScratch* scratch, int pairing, Arr
     for ( int c = 0; c < 3; ++c )
         memset( out->a[c] + first, 0, bytes );
     memset( out->light_pdf + first, 0, bytes );
+    if ( harvest->shape.chain_samples > 0 )
+        rf_share_chain_light( harvest, scratch, pairing, out );
 }
 
 // Q = A / (K p_L + P) + B / P, at lane i.
@@ -102,7 +103,11 @@ static void add_diffuse_tile_light( const RfHarvest* harvest, RfHarvestScratch* 
     int count = batch->first[RF_BSDF_FIRST_GLOSSY];
     const RfVertexLanes* v = scratch->hits;
     float( *sum )[RF_LANES] = scratch->arrival.b;
-    rf_gather_diffuse_tile_light( scratch->tiles, harvest->shape.tile_pixels, count, sum );
+    const RfChainSamples* samples = scratch->chain_samples;
+    RfChainSampling sampling = rf_chain_sampling( harvest, true );
+    float worth = sampling.worth / ( sampling.worth + (float)sampling.count ); // of diffuse hits, for any direction
+    rf_gather_diffuse_tile_light( scratch->tiles, harvest->shape.tile_pixels, count, samples != NULL ? samples->taken : NULL,
+                                  worth, sum );
     for ( int i = 0; i < count; ++i )
     {
         for ( int c = 0; c < 3; ++c )
@@ -137,7 +142,7 @@ static void add_density( const RfHarvest* harvest, const RfHitBatch* batch, RfHa
 // the hit's own eye.
 static void mix_densities( const RfHarvest* harvest, const RfHitBatch* batch, RfHarvestScratch* scratch )
 {
-    int directions = harvest->shape.light_samples + harvest->shape.tile_pixels; // links do not depend on densities
+    int directions = rf_first_pairing( &harvest->shape ) + harvest->shape.tile_pixels; // links do not depend on densities
     float* wo[3] = { scratch->wo[0], scratch->wo[1], scratch->wo[2] };
     memset( scratch->mixture, 0, (size_t)directions * RF_LANES * sizeof( float ) );
     for ( int l = 0; l < harvest->shape.eyes; ++l )
@@ -179,13 +184,15 @@ static void store_direction( const RfHarvest* harvest, const RfHitBatch* batch, 
 static void weight_direction( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch, int direction )
 {
     Arrival* arrival = &scratch->arrival;
-    int pairing = direction - harvest->shape.light_samples;
-    if ( pairing < 0 )
+    int pairing = direction - rf_first_pairing( &harvest->shape );
+    if ( direction < harvest->shape.light_samples )
         gather_light_sample( harvest, scratch, direction, arrival );
+    else if ( pairing < 0 )
+        rf_gather_chain_samples( scratch, arrival );
     else if ( pairing == 0 )
         gather_scattered( harvest, scratch, arrival );
     else
-        gather_tile_light( scratch, pairing, arrival );
+        gather_tile_light( harvest, scratch, pairing, arrival );
     const float* wi[3];
     direction_lanes( harvest, scratch, direction, wi );
     if ( pairing <= 0 )
@@ -258,7 +265,7 @@ void rf_weight_batch( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScra
         mix_densities( harvest, batch, scratch );
     if ( rf_reuses_tiles( scratch ) )
         add_diffuse_tile_light( harvest, scratch, batch );
-    int directions = harvest->shape.light_samples + ( glossy ? harvest->shape.tile_pixels : 1 );
+    int directions = rf_first_pairing( &harvest->shape ) + ( glossy ? harvest->shape.tile_pixels : 1 );
     for ( int d = 0; d < directions; ++d )
         weight_direction( harvest, batch, scratch, d );
     if ( harvest->shape.links )

@@ -48,7 +48,7 @@ typedef struct RfHitBatch
     float* n[3];
     float* wo[3];                 // back along the camera ray
     float* param[RF_PARAM_COUNT]; // NULL where the glossy models of the scene lack it
-    RfDirectionLanes* directions; // K light samples, the scattered direction, N − 1 connections of the tile
+    RfDirectionLanes* directions; // numbered as by rf_first_pairing
 } RfHitBatch;
 
 // What the layout of a batch depends on.
@@ -65,6 +65,7 @@ typedef struct RfBatchShape
     bool blurred;         // batches have their points of the lens and moments of the shutter
     bool filtered;        // samples need their place in the pixel
     bool chains;          // camera rays go on through mirrors and glass
+    int chain_samples;    // of hits behind chains (path/chain_samples.h): one direction more, but for 0
     bool links;           // light that mirrors and glass send to hits comes by links to light paths: one direction more
 } RfBatchShape;
 
@@ -104,10 +105,12 @@ static inline bool rf_is_blurred_shape( const RfBatchShape* shape )
 // True if it matters how the batch's hits were found.
 static inline bool rf_has_views( const RfHitBatch* batch ) { return rf_calls_for( batch->has_views, RF_EFFECT_CHAINS ); }
 
-// The direction of the links is the last.
+// Directions are numbered: the light samples, what chain samples found, the scattered one and those of the neighbour paths of
+// the tile, the links.
+static inline int rf_first_pairing( const RfBatchShape* shape ) { return shape->light_samples + ( shape->chain_samples > 0 ); }
 static inline int rf_direction_count( const RfBatchShape* shape )
 {
-    return shape->light_samples + shape->tile_pixels + shape->links;
+    return rf_first_pairing( shape ) + shape->tile_pixels + shape->links;
 }
 static inline int rf_seen_words( int eyes ) { return ( eyes + 31 ) / 32; }
 

@@ -65,14 +65,14 @@ void rf_aim_at_chains( float* const scattered[3], int s, RfTileReuse* reuse )
     }
 }
 
-void rf_add_chain_light( const RfTileReuseSettings* settings, RfWavefront* wavefront, const RfTileReuse* reuse )
+void rf_weight_chain_light( RfTileReuse* reuse )
 {
     const RfVertexLanes* y = &reuse->second;
-    for ( int a = rf_record_count( y ); a < y->count && settings->chain_light; ++a )
+    for ( int a = rf_record_count( y ); a < y->count; ++a )
     {
         int i = reuse->owner[a], slot = y->slot[a];
         float weight = i >= 0 ? reuse->pairings[0].weight[i] : 1.0f;
-        for ( int c = 0; c < 3 && rf_has_chain_light( settings, reuse, a ); ++c )
-            wavefront->arrivals.rest[c][slot] += weight * reuse->throughput[c][a] * reuse->chain_light.light[c][slot];
+        for ( int c = 0; c < 3; ++c )
+            reuse->chain_light.light[c][slot] = weight * reuse->throughput[c][a] * reuse->chain_light.light[c][slot];
     }
 }

@@ -36,7 +36,7 @@ void rf_aim_at_chains( float* const scattered[3], int s, RfTileReuse* reuse );
 // probability of the events, or 0 where they lead elsewhere. Returns the rays that it took.
 uint64_t rf_follow_chain_light( const RfTileReuseSettings* settings, RfWavefront* wavefront, RfTileReuse* reuse );
 
-// Adds their light to that of the paths which found it.
-void rf_add_chain_light( const RfTileReuseSettings* settings, RfWavefront* wavefront, const RfTileReuse* reuse );
+// Leaves in reuse->chain_light what of their light arrives at the hits whose paths found it.
+void rf_weight_chain_light( RfTileReuse* reuse );
 
 #endif

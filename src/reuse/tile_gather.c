@@ -26,7 +26,7 @@ void rf_gather_tile_light( const RfTileReuse* reuse, int pairing, const RfVertex
 
 // The sum of a pairing whose light comes through panes.
 static void sum_behind_panes( const RfPairingLanes* t, float pane_weight[3][RF_LANES], const RfPairingLanes* own, int diffuse,
-                              int count, float sum[3][RF_LANES] )
+                              const float* weight, int count, float sum[3][RF_LANES] )
 {
     for ( int i = 0; i < count; ++i )
     {
@@ -35,11 +35,12 @@ static void sum_behind_panes( const RfPairingLanes* t, float pane_weight[3][RF_L
         int a = t->vertex[i];
         const RfPairingLanes* from = a < diffuse ? own : t;
         for ( int c = 0; c < 3; ++c )
-            sum[c][i] += t->weight[i] * pane_weight[c][i] * from->light[c][a];
+            sum[c][i] += weight[i] * pane_weight[c][i] * from->light[c][a];
     }
 }
 
-void rf_gather_diffuse_tile_light( const RfTileReuse* reuse, int pairings, int count, float sum[3][RF_LANES] )
+void rf_gather_diffuse_tile_light( const RfTileReuse* reuse, int pairings, int count, const bool* weighted, float chain_weight,
+                                   float sum[3][RF_LANES] )
 {
     int diffuse = reuse->shared;
     const RfPairingLanes* own = reuse->pairings;
@@ -48,9 +49,17 @@ void rf_gather_diffuse_tile_light( const RfTileReuse* reuse, int pairings, int c
     for ( int s = 1; s < pairings; ++s )
     {
         const RfPairingLanes* t = reuse->pairings + s;
+        const float* weight = t->weight;
+        float scaled[RF_LANES];
+        if ( weighted != NULL )
+        {
+            for ( int i = 0; i < count; ++i )
+                scaled[i] = t->weight[i] * ( weighted[i] && rf_receives_chain_light( reuse, s, i ) ? chain_weight : 1.0f );
+            weight = scaled;
+        }
         if ( reuse->pane_weight != NULL )
         {
-            sum_behind_panes( t, reuse->pane_weight[s], own, diffuse, count, sum );
+            sum_behind_panes( t, reuse->pane_weight[s], own, diffuse, weight, count, sum );
             continue;
         }
         for ( int i = 0; i < count; ++i )
@@ -60,7 +69,7 @@ void rf_gather_diffuse_tile_light( const RfTileReuse* reuse, int pairings, int c
             int a = t->vertex[i];
             const RfPairingLanes* from = a < diffuse ? own : t;
             for ( int c = 0; c < 3; ++c )
-                sum[c][i] += t->weight[i] * from->light[c][a];
+                sum[c][i] += weight[i] * from->light[c][a];
         }
     }
 }

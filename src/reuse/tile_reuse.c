@@ -237,6 +237,7 @@ uint64_t rf_trace_tile_tails( const RfTileReuseSettings* settings, const RfVerte
     pass_own_panes( settings->path->tracer, reuse );
     uint64_t tested = rf_weight_pairings( settings, hits, scattered, wavefront, reuse );
     rf_light_pairings( settings, wavefront, reuse );
-    rf_add_chain_light( settings, wavefront, reuse );
+    if ( wavefront->chain_light != NULL )
+        rf_weight_chain_light( reuse );
     return tested;
 }

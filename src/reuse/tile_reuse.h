@@ -126,7 +126,16 @@ void rf_gather_tile_light( const RfTileReuse* reuse, int pairing, const RfVertex
                            float light[3][RF_LANES] );
 
 // Its sum over all pairings from 1 on for diffuse hits [0, count), divided by the
-// density of the directions: multiply by the albedo, which is f cos / density.
-void rf_gather_diffuse_tile_light( const RfTileReuse* reuse, int pairings, int count, float sum[3][RF_LANES] );
+// density of the directions: multiply by the albedo, which is f cos / density. The light of chains has this weight at
+// the hits in `weighted` (NULL: none).
+void rf_gather_diffuse_tile_light( const RfTileReuse* reuse, int pairings, int count, const bool* weighted, float chain_weight,
+                                   float sum[3][RF_LANES] );
+
+// Whether a hit gets the light of a chain by a pairing.
+static inline bool rf_receives_chain_light( const RfTileReuse* reuse, int pairing, int hit )
+{
+    const RfPairingLanes* t = reuse->pairings + pairing;
+    return t->weight[hit] > 0.0f && t->vertex[hit] >= rf_record_count( &reuse->second );
+}
 
 #endif

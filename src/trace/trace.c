@@ -127,6 +127,8 @@ RfResult rf_create_tracer_by( int threads, const RfScene* scene, RfTracer** out,
     if ( result == RF_OK && rf_runs( scene, true, RF_EFFECT_FLAT_MIRRORS ) )
         result = rf_find_mirrors( scene, &tracer->mirrors, error );
     if ( result == RF_OK )
+        result = rf_bound_chains( scene, &tracer->chain_bounds, error );
+    if ( result == RF_OK )
         result = build_bvh( tracer, error );
     if ( result == RF_OK )
         result = fill_records( tracer, error );
@@ -161,6 +163,7 @@ RfTracerRuns rf_tracer_runs( const RfTracer* tracer )
                              tracer->bvh.partial };
 }
 const RfMirrors* rf_tracer_mirrors( const RfTracer* tracer ) { return &tracer->mirrors; }
+const RfChainBounds* rf_tracer_chain_bounds( const RfTracer* tracer ) { return &tracer->chain_bounds; }
 const RfLights* rf_tracer_lights( const RfTracer* tracer ) { return &tracer->lights; }
 
 bool rf_tracer_has_light( const RfTracer* tracer )

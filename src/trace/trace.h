@@ -7,6 +7,7 @@
 
 #include "base/built_in.h"
 #include "light/light.h"
+#include "scene/chain_bounds.h"
 #include "scene/mirrors.h"
 #include "scene/scene.h"
 
@@ -58,6 +59,9 @@ const RfLights* rf_tracer_lights( const RfTracer* tracer );
 
 // The flat mirrors of the scene.
 const RfMirrors* rf_tracer_mirrors( const RfTracer* tracer );
+
+// Where its mirrors and its glass are.
+const RfChainBounds* rf_tracer_chain_bounds( const RfTracer* tracer );
 
 #define RF_MISS 0xffffffffu
 #define RF_NO_MIRROR 0xffu

@@ -3,6 +3,7 @@
 #define REFRAME_TRACE_TRACER_H
 
 #include "light/light.h"
+#include "scene/chain_bounds.h"
 #include "trace/bvh.h"
 #include "trace/trace.h"
 
@@ -15,6 +16,7 @@ struct RfTracer
     RfBvh bvh;
     RfLights lights;
     RfMirrors mirrors;
+    RfChainBounds chain_bounds;
     RTCScene mirror_scene; // the triangles of the mirrors alone; NULL: none
     RfTriangleRecord* triangles;
     bool textured;

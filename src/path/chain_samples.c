@@ -1,0 +1,244 @@
+#include "path/chain_samples.h"
+
+#include "math/fastmath.h"
+
+#include <math.h>
+
+// A sequence of low discrepancy (Roberts, R2).
+#define STEP_U 0.75487766624669276f
+#define STEP_V 0.56984029099805327f
+
+static uint32_t dimension_of( int sample, int vertex )
+{
+    return RF_DIMENSION_CHAIN_SAMPLES + 3u * (uint32_t)( sample * ( RF_MAX_CHAIN_LIGHT + 3 ) + vertex );
+}
+
+static float step( float u, float by )
+{
+    u += by;
+    return rf_minf( u - floorf( u ), 0x1.fffffep-1f );
+}
+
+#define LANE( array, i ) rf_vec3( ( array )[0][i], ( array )[1][i], ( array )[2][i] )
+
+static void put( float ( *array )[RF_LANES], int i, RfVec3 v )
+{
+    array[0][i] = v.x;
+    array[1][i] = v.y;
+    array[2][i] = v.z;
+}
+
+// A direction by the cosine.
+static RfVec3 direction_by( RfVec3 n, float u0, float u1 )
+{
+    RfVec3 t, b;
+    float s, c;
+    rf_basis( n, &t, &b );
+    rf_sincos_2pi( u1, &s, &c );
+    RfVec3 across = rf_madd( rf_scale( t, c ), b, s );
+    return rf_madd( rf_scale( across, sqrtf( u0 ) ), n, sqrtf( 1.0f - u0 ) );
+}
+
+// Random numbers for the hits in their list.
+static void draw( const RfVertexLanes* v, int sample, int first, int numbers, RfWavefront* wavefront,
+                  const RfChainSamples* samples )
+{
+    int32_t* slot = wavefront->scratch.index;
+    for ( int k = 0; k < samples->count; ++k )
+        slot[k] = v->slot[samples->hit[k]];
+    rf_draw_lanes( wavefront, samples->count, slot, dimension_of( sample, 0 ) + (uint32_t)first, numbers,
+                   wavefront->scratch.random );
+}
+
+// The rays of one sample of all hits.
+static void leave( const RfVertexLanes* v, int sample, RfWavefront* wavefront, RfChainSamples* samples )
+{
+    RfRayLanes* rays = &wavefront->rays;
+    float( *random )[RF_LANES] = wavefront->scratch.random;
+    draw( v, 0, 0, 2, wavefront, samples );
+    rays->count = 0;
+    for ( int k = 0; k < samples->count; ++k )
+    {
+        int i = samples->hit[k];
+        float u0 = step( random[0][k], (float)sample * STEP_U ), u1 = step( random[1][k], (float)sample * STEP_V );
+        RfVec3 n = LANE( v->n, i ), ng = LANE( v->ng, i );
+        RfVec3 d = direction_by( n, u0, u1 );
+        int slot = v->slot[i], at = rays->count;
+        put( samples->way, slot, d );
+        put( samples->light, slot, rf_vec3( 0, 0, 0 ) );
+        put( rays->o, at, rf_madd( LANE( v->p, i ), ng, v->offset[i] ) );
+        put( rays->d, at, d );
+        put( rays->throughput, at, rf_vec3( 1, 1, 1 ) );
+        rays->slot[at] = slot;
+        rays->count += rf_dot( d, ng ) > 0.0f && rf_dot( d, n ) > 0.0f;
+    }
+}
+
+// Of the rays those that are wanted.
+static void compact( const float* wanted, RfRayLanes* rays )
+{
+    int count = 0;
+    for ( int r = 0; r < rays->count; ++r )
+    {
+        put( rays->o, count, LANE( rays->o, r ) );
+        put( rays->d, count, LANE( rays->d, r ) );
+        rays->slot[count] = rays->slot[r];
+        count += wanted[r] > 0.0f;
+    }
+    rays->count = count;
+}
+
+// Keeps the rays that meet a mirror or glass first: few do, and to find all about a vertex takes longer than to find it.
+static void keep_chains( const RfPathSettings* settings, RfWavefront* wavefront )
+{
+    RfRayLanes* rays = &wavefront->rays;
+    RfLaneScratch* s = &wavefront->scratch;
+    const float *o[3] = { rays->o[0], rays->o[1], rays->o[2] }, *d[3] = { rays->d[0], rays->d[1], rays->d[2] };
+    const RfTriangleRecord* triangles = rf_tracer_triangles( settings->tracer );
+    const RfMaterial* materials = rf_tracer_scene( settings->tracer )->materials;
+    rf_meet_chain_bounds( rf_tracer_chain_bounds( settings->tracer ), rays->count, o, d, s->visible );
+    compact( s->visible, rays );
+    wavefront->path_rays += (uint64_t)rays->count; // not by slot: most lead to no vertex, and cost little beside others
+    rf_trace_nearest( settings->tracer, rays->count, o, d, false, s->triangle, s->u, s->v );
+    for ( int r = 0; r < rays->count; ++r )
+        s->visible[r] = s->triangle[r] != RF_MISS && materials[triangles[s->triangle[r]].material].kind == RF_BSDF_GLASS;
+    compact( s->visible, rays );
+}
+
+// The emission that rays have met behind a chain.
+static void add_emission( const RfPathSettings* settings, const RfWavefront* wavefront, const RfRayLanes* rays,
+                          RfChainSamples* samples )
+{
+    const RfLights* lights = rf_tracer_lights( settings->tracer );
+    const RfVertexLanes* v = &wavefront->vertices;
+    for ( int i = 0; i < v->count; ++i )
+    {
+        if ( v->light_pdf_solid_angle[i] > 0.0f )
+            put( samples->light, v->slot[i], rf_mul( LANE( rays->throughput, v->ray[i] ), LANE( v->emission, i ) ) );
+    }
+    for ( int r = 0; r < rays->count && rf_has_sky( lights ); ++r )
+    {
+        if ( wavefront->scratch.triangle[r] == RF_MISS )
+            put( samples->light, rays->slot[r],
+                 rf_mul( LANE( rays->throughput, r ), rf_sky_radiance( &lights->sky, LANE( rays->d, r ) ) ) );
+    }
+}
+
+static bool emits( const RfVertexLanes* v, int i )
+{
+    return v->light_pdf_solid_angle[i] > 0.0f && v->emission[0][i] + v->emission[1][i] + v->emission[2][i] > 0.0f;
+}
+
+// Mirrors and smooth glass send the rays on; all others end.
+static void scatter( const RfRayLanes* rays, int sample, int vertex, RfWavefront* wavefront, RfRayLanes* next )
+{
+    RfVertexLanes* v = &wavefront->vertices;
+    RfLaneScratch* s = &wavefront->scratch;
+    float* wi[3] = { s->wi[0], s->wi[1], s->wi[2] };
+    int first = rf_record_count( v );
+    for ( int kind = 0; kind < RF_BSDF_FIRST_UNEVALUABLE; ++kind )
+        v->first[kind] = first; // the others need no direction
+    next->count = 0;
+    if ( first == v->count )
+        return;
+    rf_scatter_lanes( wavefront, v, dimension_of( sample, vertex - 1 ), wi, s );
+    for ( int i = first; i < v->count; ++i )
+    {
+        float way[3] = { s->wi[0][i], s->wi[1][i], s->wi[2][i] };
+        float side = rf_leaving_side( v, i, way );
+        RfVec3 t = rf_mul( LANE( rays->throughput, v->ray[i] ), LANE( s->f, i ) );
+        if ( !rf_is_chain_event( v, i, s->pdf[i] ) || emits( v, i ) || side == 0.0f || !( rf_max_component( t ) > 0.0f ) )
+            continue;
+        int at = next->count++;
+        put( next->o, at, rf_madd( LANE( v->p, i ), LANE( v->ng, i ), side * v->offset[i] ) );
+        put( next->d, at, LANE( s->wi, i ) );
+        put( next->throughput, at, t );
+        next->slot[at] = v->slot[i];
+    }
+}
+
+// Follows the chains of one sample.
+static void follow( const RfPathSettings* settings, int sample, RfWavefront* wavefront, RfChainSamples* samples )
+{
+    RfRayLanes *rays = &wavefront->rays, *next = &wavefront->next;
+    int most = settings->max_depth + ( wavefront->spent != NULL && rf_tracer_has_panes( settings->tracer ) );
+    most = most < RF_MAX_CHAIN_LIGHT + 2 ? most : RF_MAX_CHAIN_LIGHT + 2;
+    for ( int vertex = 2; vertex <= most && rays->count > 0; ++vertex )
+    {
+        if ( vertex > 2 )
+            rf_count_path_rays( wavefront, rays );
+        rf_find_vertices_past_panes( settings, rays, &wavefront->vertices, &wavefront->scratch );
+        rf_absorb( &wavefront->vertices, rays );
+        if ( vertex > 2 )
+            add_emission( settings, wavefront, rays, samples );
+        if ( vertex == most )
+            break;
+        rf_end_spent_paths( settings, wavefront, vertex, rays );
+        scatter( rays, sample, vertex, wavefront, next );
+        RfRayLanes* swap = rays;
+        rays = next;
+        next = swap;
+    }
+}
+
+// Glossy hits keep one of the directions, drawn by the luminance found there.
+static void keep_one( const RfVertexLanes* v, int i, float random, RfChainSamples* samples )
+{
+    RfLightLanes* found = &samples->found;
+    int slot = v->slot[i];
+    RfVec3 light = LANE( samples->light, slot );
+    float luminance = rf_luminance( light );
+    samples->sum[slot] += luminance;
+    if ( !( luminance > 0.0f && random * samples->sum[slot] < luminance ) )
+        return;
+    put( found->wi, i, LANE( samples->way, slot ) );
+    put( found->radiance_cos, i, rf_scale( light, 1.0f / luminance ) );
+}
+
+static void keep( const RfVertexLanes* v, int sample, RfWavefront* wavefront, RfChainSamples* samples )
+{
+    RfLightLanes* found = &samples->found;
+    draw( v, sample, 2, 1, wavefront, samples );
+    for ( int k = 0; k < samples->count; ++k )
+    {
+        int i = samples->hit[k];
+        if ( i >= v->first[RF_BSDF_FIRST_GLOSSY] )
+            keep_one( v, i, wavefront->scratch.random[0][k], samples );
+        for ( int c = 0; c < 3 && i < v->first[RF_BSDF_FIRST_GLOSSY]; ++c )
+            found->radiance_cos[c][i] += samples->light[c][v->slot[i]];
+    }
+}
+
+static void clear( const RfVertexLanes* v, RfChainSamples* samples )
+{
+    for ( int i = 0; i < v->count; ++i )
+    {
+        put( samples->found.wi, i, LANE( v->n, i ) );
+        put( samples->found.radiance_cos, i, rf_vec3( 0, 0, 0 ) );
+        samples->found.pdf_solid_angle[i] = 0.0f;
+        samples->sum[v->slot[i]] = 0.0f;
+    }
+}
+
+void rf_trace_chain_samples( const RfPathSettings* settings, RfChainSampling sampling, const RfVertexLanes* v,
+                             RfWavefront* wavefront, RfChainSamples* samples )
+{
+    RfLightLanes* found = &samples->found;
+    clear( v, samples );
+    for ( int k = 0; k < sampling.count && samples->count > 0; ++k )
+    {
+        leave( v, k, wavefront, samples );
+        keep_chains( settings, wavefront );
+        follow( settings, k, wavefront, samples );
+        keep( v, k, wavefront, samples );
+    }
+    for ( int k = 0; k < samples->count; ++k )
+    {
+        int i = samples->hit[k];
+        float cosine = rf_maxf( rf_dot( LANE( v->n, i ), LANE( found->wi, i ) ), 0.0f );
+        float scale = ( i < v->first[RF_BSDF_FIRST_GLOSSY] ? 1.0f : samples->sum[v->slot[i]] ) * cosine / sampling.worth;
+        for ( int c = 0; c < 3; ++c )
+            found->radiance_cos[c][i] *= scale;
+        found->pdf_solid_angle[i] = rf_chain_sample_pdf( sampling, cosine );
+    }
+}

@@ -1,0 +1,82 @@
+// Light that comes to first hits by chains: what their paths found, and chain samples (path/chain_samples.h). Chain samples are
+// to it what light samples are to emission: the balance heuristic weights both (src/reuse/estimators.md, section 10).
+#include "reuse/harvest_internal.h"
+
+#include <string.h>
+
+// Takes them where a camera ray has come by a chain: no other frame helps such hits, and a sample there has cost the most.
+static void list_hits( const RfHarvestScratch* scratch, RfChainSamples* samples )
+{
+    const RfVertexLanes* v = scratch->hits;
+    samples->count = 0;
+    for ( int i = 0; i < rf_record_count( v ); ++i )
+    {
+        samples->taken[i] = rf_follows_chains( scratch ) && scratch->chains->view[v->slot[i]] == RF_VIEW_CHAIN;
+        samples->hit[samples->count] = i;
+        samples->count += samples->taken[i];
+    }
+}
+
+static void add_own( const RfHarvest* harvest, const RfHarvestScratch* scratch, RfChainSampling sampling, RfArrivals* arrivals )
+{
+    const RfVertexLanes* v = scratch->hits;
+    const RfChainLight* chain_light = scratch->wavefront.chain_light;
+    for ( int i = 0; i < rf_record_count( v ); ++i )
+    {
+        int slot = v->slot[i];
+        bool taken = scratch->chain_samples != NULL && scratch->chain_samples->taken[i];
+        float( *to )[RF_LANES] = taken ? arrivals->emitted : arrivals->rest, found = 0.0f;
+        for ( int c = 0; c < 3; ++c )
+            found += chain_light->light[c][slot];
+        if ( !( found > 0.0f ) )
+            continue;
+        float cosine = 0.0f;
+        for ( int c = 0; c < 3; ++c )
+        {
+            to[c][slot] += chain_light->light[c][slot];
+            cosine += v->n[c][i] * scratch->scattered[c][i];
+        }
+        if ( taken )
+            arrivals->light_pdf_solid_angle[slot] = rf_chain_sample_pdf( sampling, cosine ) / (float)harvest->shape.light_samples;
+    }
+}
+
+void rf_add_chain_light( const RfHarvest* harvest, RfHarvestScratch* scratch, RfChainSampling sampling )
+{
+    if ( scratch->chain_samples != NULL )
+        list_hits( scratch, scratch->chain_samples );
+    add_own( harvest, scratch, sampling, &scratch->wavefront.arrivals );
+    if ( scratch->chain_samples != NULL )
+        rf_trace_chain_samples( &harvest->path, sampling, scratch->hits, &scratch->wavefront, scratch->chain_samples );
+}
+
+void rf_gather_chain_samples( const RfHarvestScratch* scratch, RfArrivalLanes* out )
+{
+    const RfLightLanes* found = &scratch->chain_samples->found;
+    size_t bytes = (size_t)scratch->hits->count * sizeof( float );
+    for ( int c = 0; c < 3; ++c )
+    {
+        memcpy( out->a[c], found->radiance_cos[c], bytes );
+        memset( out->b[c], 0, bytes );
+    }
+    memcpy( out->light_pdf, found->pdf_solid_angle, bytes );
+}
+
+void rf_share_chain_light( const RfHarvest* harvest, const RfHarvestScratch* scratch, int pairing, RfArrivalLanes* out )
+{
+    const RfVertexLanes* v = scratch->hits;
+    const RfPairingLanes* t = scratch->tiles->pairings + pairing;
+    for ( int i = v->first[RF_BSDF_FIRST_GLOSSY]; i < rf_record_count( v ); ++i )
+    {
+        if ( !( scratch->chain_samples->taken[i] && rf_receives_chain_light( scratch->tiles, pairing, i ) ) )
+            continue;
+        float cosine = 0.0f;
+        for ( int c = 0; c < 3; ++c )
+        {
+            cosine += v->n[c][i] * t->wi[c][i];
+            out->a[c][i] = out->b[c][i];
+            out->b[c][i] = 0.0f;
+        }
+        out->light_pdf[i] = rf_chain_sample_pdf( rf_chain_sampling( harvest, true ), cosine );
+    }
+}
