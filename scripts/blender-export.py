@@ -42,6 +42,7 @@ def watch(scene, camera, follow, numbers):
         if number in few:
             clipped.note(recorder.camera_now, depsgraph, number)
     clipped.tell()
+    in_view.tell()
     scene.frame_set(numbers[0])
     return recorder, watcher.finish(bpy.context.evaluated_depsgraph_get()), in_view.names
 

@@ -62,19 +62,36 @@ def replace_point_light(scene, lamp):
     scene.collection.objects.link(ball)
 
 
+def extent_of(lamp):
+    """The radius of a sphere around what shines."""
+    if lamp.data.type != "AREA":
+        return lamp.data.shadow_soft_size
+    corners, _ = corners_of(lamp.data)
+    scale = lamp.matrix_world.to_scale()
+    return max(math.hypot(x * scale.x, y * scale.y) for x, y, _ in corners)
+
+
 class InView:
-    """Notes which point lamps come into the picture, where Cycles does not show them."""
+    """Notes which point and area lamps come into the picture, where Cycles' camera does not see them."""
 
     def __init__(self, scene):
-        self.scene, self.names = scene, set()
+        self.scene, self.names, self.flat = scene, set(), set()
 
     def note(self, camera):
-        for lamp in [o for o in self.scene.objects if o.type == "LIGHT" and o.data.type == "POINT"]:
+        for lamp in [o for o in self.scene.objects if o.type == "LIGHT" and o.data.type in ("POINT", "AREA")]:
+            if lamp.visible_camera or not lamp.visible_get():
+                continue
             x, y, depth = world_to_camera_view(self.scene, camera, lamp.matrix_world.translation)
-            size = lamp.data.shadow_soft_size
+            size = extent_of(lamp)
             edge = 0.05 + size / max(depth, 1e-3)
             if camera.data.type == "PANO" or depth > -size and -edge < x < 1.0 + edge and -edge < y < 1.0 + edge:
-                self.names.add(lamp.name)
+                (self.names if lamp.data.type == "POINT" else self.flat).add(lamp.name)
+
+    def tell(self):
+        lamps = [self.scene.objects[n] for n in sorted(self.flat)]
+        flat = [o.name for o in lamps if o.data.energy > 0.0 and not o.data.cycles.is_portal]
+        if flat:
+            warn("%s: an area lamp that the camera does not see in Blender: may be in view here, and hides what is behind" % list_names(flat))
 
 
 def shine_of_nodes(lamp):

@@ -105,6 +105,11 @@ def refuse_early(scene, args):
         refuse(args, map_path(args))
 
 
+def hidden_ways(world):
+    """The rays that do not see it, but for the camera's, which Reframe knows."""
+    return [way for way in ("diffuse", "glossy", "transmission") if not getattr(world.cycles_visibility, way)]
+
+
 def keep_world(scene, args):
     world = scene.world
     own = scene["reframe"].to_dict() if "reframe" in scene else {}
@@ -113,6 +118,8 @@ def keep_world(scene, args):
     radiance = plain_radiance(world)
     if radiance is not None and max(radiance) <= 0.0:
         return
+    if hidden_ways(world):
+        warn("world '%s' is hidden from some kinds of rays in Blender: lights all surfaces here" % world.name)
     own["environment"] = environment = {}
     if radiance is not None:
         environment["radiance"] = radiance

@@ -1,0 +1,97 @@
+// What scripts/blender-export.py cannot carry is named, with the object: small scenes made inside Blender
+// (support/blender_losses.py) are exported, and the warnings read. Skipped where Blender or its numpy is missing.
+#include "support/cli_run.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+// another Python first in the path would hide the numpy of Debian's
+#define BLENDER "PATH=/usr/bin:$PATH blender -b "
+#define MOST 24
+
+static bool enter_with_blender( void )
+{
+    cli_enter();
+    if ( cli_run( BLENDER "--factory-startup --python-exit-code 9 --python-expr 'import numpy' > log 2>&1" )->status == 0 )
+        return true;
+    cli_leave();
+    print_message( "skipped: there is no blender with numpy\n" );
+    return false;
+}
+
+// Makes the scene, exports it, and compares all warnings, each of which is printed twice, with those told.
+static void expect_warnings( const char* scene, const char* const told[MOST] )
+{
+    if ( !enter_with_blender() )
+        skip();
+    cli_expect( cli_run( BLENDER "--factory-startup --python-exit-code 9 -P " REFRAME_SOURCE_DIR
+                                 "/tests/support/blender_losses.py -- %s > log 2>&1",
+                         scene ),
+                0, NULL );
+    const CliResult* done = cli_run(
+        BLENDER "%s.blend -P " REFRAME_SOURCE_DIR "/scripts/blender-export.py -- %s.glb --bake-cache cache > log", scene, scene );
+    assert_int_equal( done->status, 0 );
+    int count = 0, lines = 0;
+    for ( ; told[count] != NULL; ++count )
+    {
+        char line[512];
+        snprintf( line, sizeof line, "blender-export: warning: %s\n", told[count] );
+        if ( strstr( done->err, line ) == NULL )
+            fail_msg( "%s: is not told: %s\nbut:\n%s", scene, told[count], done->err );
+    }
+    for ( const char* at = done->err; ( at = strstr( at, "blender-export: warning: " ) ) != NULL; ++at )
+        ++lines;
+    if ( lines != 2 * count )
+        fail_msg( "%s: %d warnings instead of %d:\n%s", scene, lines / 2, count, done->err );
+    cli_leave();
+}
+
+static void test_plain_scene_has_no_warning( void** state )
+{
+    (void)state;
+    expect_warnings( "plain", ( const char* const[MOST] ){ NULL } );
+}
+
+static void test_lamps_that_rays_treat_otherwise( void** state )
+{
+    (void)state;
+    expect_warnings( "lamps",
+                     ( const char* const[MOST] ){
+                         "'through walls': lights through everything in Blender: throws shadows here",
+                         "'for gloss': hidden from some kinds of rays in Blender: lights all surfaces here",
+                         "'lens': seen by the camera in Blender: not seen here",
+                         "'window': an area lamp that the camera does not see in Blender: may be in view here, and hides what is "
+                         "behind",
+                         "world 'sky' is hidden from some kinds of rays in Blender: lights all surfaces here",
+                         "spot lamps, and point lamps in view, have no radius here: sharp shadows, not seen in mirrors, no light "
+                         "through solid glass: 'lens'",
+                     } );
+}
+
+static void test_instances_are_told_as_well( void** state )
+{
+    (void)state;
+    expect_warnings( "instances", ( const char* const[MOST] ){
+                                      "'torch': lights through everything in Blender: throws shadows here",
+                                      "'ghost': hidden from some kinds of rays in Blender: seen by all here",
+                                      "'pit': left out: holdouts do not exist in Reframe",
+                                      "'fur': hair: left out",
+                                      "'dust': a point cloud: left out",
+                                      "'far': collections that the camera does not see in Blender: seen by all rays here",
+                                  } );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( test_plain_scene_has_no_warning ),
+        cmocka_unit_test( test_lamps_that_rays_treat_otherwise ),
+        cmocka_unit_test( test_instances_are_told_as_well ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}

@@ -1,0 +1,106 @@
+"""For test_blender_losses.c: NAME.blend for each function below, in which a little is set that Reframe does not have.
+
+    blender -b -P blender_losses.py -- NAME...
+"""
+import math
+import os
+import sys
+
+import bpy
+
+
+def lamp(scene, kind, name, place=(0, 0, 3), turn=(0, 0, 0)):
+    o = bpy.data.objects.new(name, bpy.data.lights.new(name, kind))
+    o.location, o.rotation_euler = place, [math.radians(a) for a in turn]
+    o.data.energy = 20.0
+    scene.collection.objects.link(o)
+    return o
+
+
+def cube(name, place=(0, 0, 0)):
+    bpy.ops.mesh.primitive_cube_add(size=1, location=place)
+    bpy.context.object.name = name
+    return bpy.context.object
+
+
+def plain():
+    """A scene of which nothing is lost."""
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    scene = bpy.context.scene
+    scene.frame_start, scene.frame_end = 1, 3
+    scene.render.engine = "CYCLES"
+    scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = 32, 24, 100
+    cube("cube")
+    lamp(scene, "AREA", "key")
+    eye = bpy.data.objects.new("Eye", bpy.data.cameras.new("Eye"))
+    eye.location, eye.rotation_euler = (0, -6, 0), (math.pi / 2, 0, 0)
+    scene.collection.objects.link(eye)
+    scene.camera = eye
+    return scene
+
+
+def lamps():
+    """Lamps that some rays do not see, or that throw no shadow."""
+    scene = plain()
+    lamp(scene, "POINT", "through walls").data.cycles.cast_shadow = False
+    lamp(scene, "SUN", "for gloss").visible_diffuse = False
+    lamp(scene, "SPOT", "lens").visible_camera = True
+    lamp(scene, "AREA", "window", (0, 2, 0), (90, 0, 0))
+    shown = lamp(scene, "AREA", "shown", (0, 2, 0), (90, 0, 0))
+    shown.visible_camera = True
+    portal = lamp(scene, "AREA", "portal", (0, 2, 0), (90, 0, 0))
+    portal.data.cycles.is_portal, portal.data.cycles.cast_shadow = True, False
+    scene.world = bpy.data.worlds.new("sky")
+    scene.world.cycles_visibility.glossy = False
+    unlit = lamp(scene, "POINT", "unlit")
+    unlit.visible_diffuse = unlit.visible_glossy = unlit.visible_transmission = False
+
+
+def points_on(o):
+    tree = bpy.data.node_groups.new("points", "GeometryNodeTree")
+    tree.inputs.new("NodeSocketGeometry", "Geometry")
+    tree.outputs.new("NodeSocketGeometry", "Geometry")
+    start, points, end = (tree.nodes.new(n) for n in ("NodeGroupInput", "GeometryNodeMeshToPoints", "NodeGroupOutput"))
+    tree.links.new(start.outputs[0], points.inputs[0])
+    tree.links.new(points.outputs[0], end.inputs[0])
+    o.modifiers.new("points", "NODES").node_group = tree
+
+
+def instances():
+    """What is in a collection that only instances show is told as well; what is hidden is not."""
+    scene = plain()
+    group = bpy.data.collections.new("group")
+    for name in ("ghost", "hole", "fur", "dust"):
+        scene.collection.objects.unlink(cube(name))
+        group.objects.link(bpy.data.objects[name])
+    bpy.data.objects["ghost"].visible_glossy = False
+    bpy.data.objects["hole"].is_holdout = True  # which does not count: instances are held out by what makes them
+    with bpy.context.temp_override(object=bpy.data.objects["fur"]):
+        bpy.data.objects["fur"].modifiers.new("hair", "PARTICLE_SYSTEM")
+    bpy.data.objects["fur"].particle_systems[0].settings.type = "HAIR"
+    points_on(bpy.data.objects["dust"])
+    torch = lamp(scene, "POINT", "torch")
+    torch.data.cycles.cast_shadow = False
+    scene.collection.objects.unlink(torch)
+    group.objects.link(torch)
+    place = bpy.data.objects.new("place", None)
+    place.instance_type, place.instance_collection = "COLLECTION", group
+    scene.collection.objects.link(place)
+    pit = bpy.data.objects.new("pit", None)
+    pit.instance_type, pit.instance_collection, pit.is_holdout = "COLLECTION", group, True
+    scene.collection.objects.link(pit)
+    off = bpy.data.collections.new("off")
+    scene.collection.children.link(off)
+    off.hide_render = True
+    unseen = cube("unseen")
+    scene.collection.objects.unlink(unseen)
+    off.objects.link(unseen)
+    unseen.is_shadow_catcher = True
+    far = bpy.data.collections.new("far")
+    scene.collection.children.link(far)
+    bpy.context.view_layer.layer_collection.children["far"].indirect_only = True
+
+
+for name in sys.argv[sys.argv.index("--") + 1:]:
+    globals()[name]()
+    bpy.ops.wm.save_as_mainfile(filepath=os.path.abspath(name + ".blend"))
