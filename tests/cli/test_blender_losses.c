@@ -6,6 +6,7 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include <cmocka.h>
@@ -24,8 +25,8 @@ static bool enter_with_blender( void )
     return false;
 }
 
-// Makes the scene, exports it, and compares all warnings, each of which is printed twice, with those told.
-static void expect_warnings( const char* scene, const char* const told[MOST] )
+// Makes the scene, exports it, and compares all warnings, each of which is printed twice, with those told. The folder stays.
+static void export_and_expect( const char* scene, const char* const told[MOST] )
 {
     if ( !enter_with_blender() )
         skip();
@@ -48,7 +49,24 @@ static void expect_warnings( const char* scene, const char* const told[MOST] )
         ++lines;
     if ( lines != 2 * count )
         fail_msg( "%s: %d warnings instead of %d:\n%s", scene, lines / 2, count, done->err );
+}
+
+static void expect_warnings( const char* scene, const char* const told[MOST] )
+{
+    export_and_expect( scene, told );
     cli_leave();
+}
+
+// Is there a node of this name in the .glb? Its JSON begins behind 20 bytes.
+static bool has_node( const char* file, const char* name )
+{
+    size_t size;
+    char text[80], *glb = cli_read( file, &size );
+    snprintf( text, sizeof text, "\"name\":\"%s\"", name );
+    assert_true( size > 20 );
+    bool found = strstr( glb + 20, text ) != NULL;
+    free( glb );
+    return found;
 }
 
 static void test_plain_scene_has_no_warning( void** state )
@@ -86,12 +104,27 @@ static void test_instances_are_told_as_well( void** state )
                                   } );
 }
 
+static void test_objects_that_are_hidden_in_some_frames( void** state )
+{
+    (void)state;
+    export_and_expect( "switched",
+                       ( const char* const[MOST] ){
+                           "'builds': moves or changes: taken as in the first frame",
+                           "'blinks', 'comes', 'goes', 'place': hidden in some of the frames: taken as in the first frame",
+                       } );
+    assert_true( has_node( "switched.glb", "goes" ) && has_node( "switched.glb", "stays" ) &&
+                 has_node( "switched.glb", "piece" ) );
+    assert_false( has_node( "switched.glb", "comes" ) || has_node( "switched.glb", "is away" ) );
+    cli_leave();
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( test_plain_scene_has_no_warning ),
         cmocka_unit_test( test_lamps_that_rays_treat_otherwise ),
         cmocka_unit_test( test_instances_are_told_as_well ),
+        cmocka_unit_test( test_objects_that_are_hidden_in_some_frames ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -101,6 +101,36 @@ def instances():
     bpy.context.view_layer.layer_collection.children["far"].indirect_only = True
 
 
+def key(o, path, *values):
+    """A value of a property in each of the frames from the first on."""
+    for frame, value in enumerate(values, 1):
+        setattr(o, path, value)
+        o.keyframe_insert(path, frame=frame)
+
+
+def switched():
+    """Objects that are hidden in some frames; saved in another frame than the first."""
+    scene = plain()
+    key(cube("goes", (2, 0, 0)), "hide_render", False, False, True)
+    key(cube("comes", (-2, 0, 0)), "hide_render", True, False, False)
+    # what the viewport hides counts for nothing
+    key(cube("stays", (0, 2, 0)), "hide_viewport", False, True, True)
+    unseen = cube("is away", (0, -2, 0))
+    key(unseen, "hide_render", True, True)
+    key(unseen, "hide_viewport", False, True)
+    key(lamp(scene, "POINT", "blinks"), "hide_render", False, True, False)
+    builds = cube("builds").modifiers.new("array", "ARRAY")
+    key(builds, "show_render", True, False)
+    group = bpy.data.collections.new("group")
+    scene.collection.objects.unlink(cube("piece"))
+    group.objects.link(bpy.data.objects["piece"])
+    place = bpy.data.objects.new("place", None)
+    place.instance_type, place.instance_collection = "COLLECTION", group
+    scene.collection.objects.link(place)
+    key(place, "hide_render", False, True, True)
+    scene.frame_set(3)
+
+
 for name in sys.argv[sys.argv.index("--") + 1:]:
     globals()[name]()
     bpy.ops.wm.save_as_mainfile(filepath=os.path.abspath(name + ".blend"))
