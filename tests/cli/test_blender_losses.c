@@ -80,6 +80,7 @@ static void test_lamps_that_rays_treat_otherwise( void** state )
     (void)state;
     expect_warnings( "lamps",
                      ( const char* const[MOST] ){
+                         "'for gloss': a sun of 0.5 degrees: its shadows are sharp here, and it is not seen in mirrors",
                          "'through walls': lights through everything in Blender: throws shadows here",
                          "'for gloss': hidden from some kinds of rays in Blender: lights all surfaces here",
                          "'lens': seen by the camera in Blender: not seen here",
@@ -118,6 +119,24 @@ static void test_objects_that_are_hidden_in_some_frames( void** state )
     cli_leave();
 }
 
+static void test_what_changes( void** state )
+{
+    (void)state;
+    expect_warnings( "changes",
+                     ( const char* const[MOST] ){
+                         "'ball', 'cone', 'edge', 'spread', 'wide': moves or changes: taken as in the first frame",
+                         "'bulb': lamp, node 'Emission': animated or driven: taken as in the first frame",
+                         "world 'sky', node 'Background': animated or driven: taken as in the first frame",
+                         "spot lamps, and point lamps in view, have no radius here: sharp shadows, not seen in mirrors, no light "
+                         "through solid glass: 'edge'",
+                     } );
+    expect_warnings( "more_changes", ( const char* const[MOST] ){
+                                         "'bright', 'red', 'size', 'sun': moves or changes: taken as in the first frame",
+                                         "'sun': a sun of 5.7 degrees: its shadows are sharp here, and it is not seen in mirrors",
+                                         "'cube': material 'paint': animated or driven: taken as in the first frame",
+                                     } );
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
@@ -125,6 +144,7 @@ int main( void )
         cmocka_unit_test( test_lamps_that_rays_treat_otherwise ),
         cmocka_unit_test( test_instances_are_told_as_well ),
         cmocka_unit_test( test_objects_that_are_hidden_in_some_frames ),
+        cmocka_unit_test( test_what_changes ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -131,6 +131,45 @@ def switched():
     scene.frame_set(3)
 
 
+def key_input(node, name, *values):
+    for frame, value in enumerate(values, 1):
+        node.inputs[name].default_value = value
+        node.inputs[name].keyframe_insert("default_value", frame=frame)
+
+
+def changes():
+    """Each of a lamp's settings that changes, nodes of a lamp, a world of one colour."""
+    scene = plain()
+    beam = lamp(scene, "AREA", "wide")
+    beam.data.shape = "RECTANGLE"
+    key(beam.data, "size_y", 1.0, 1.0, 2.0)
+    key(lamp(scene, "AREA", "spread").data, "spread", math.pi, 2.0, math.pi)
+    key(lamp(scene, "SPOT", "edge").data, "spot_blend", 0.1, 0.1, 0.2)
+    key(lamp(scene, "POINT", "ball").data, "shadow_soft_size", 0.1, 0.2)
+    scene.world = bpy.data.worlds.new("sky")
+    scene.world.use_nodes = True
+    key_input(scene.world.node_tree.nodes["Background"], "Strength", 0.0, 1.0)
+    nodes = lamp(scene, "POINT", "bulb")
+    nodes.data.use_nodes = True
+    key_input(nodes.data.node_tree.nodes["Emission"], "Strength", 1.0, 2.0)
+    cone = lamp(scene, "SPOT", "cone")
+    key(cone.data, "spot_size", 0.5, 0.6)
+    key(cone.data, "shadow_soft_size", 0.0)
+
+
+def more_changes():
+    """The rest of them, and a sun, a material without nodes, and one that a driver changes."""
+    scene = plain()
+    key(lamp(scene, "POINT", "bright").data, "energy", 1.0, 2.0)
+    key(lamp(scene, "POINT", "red").data, "color", (1, 1, 1), (1, 0, 0))
+    key(lamp(scene, "AREA", "size").data, "size", 1.0, 2.0)
+    key(lamp(scene, "SUN", "sun").data, "angle", 0.1, 0.2)
+    paint = bpy.data.materials.new("paint")
+    paint.use_nodes = False
+    key(paint, "diffuse_color", (1, 0, 0, 1), (0, 1, 0, 1))
+    bpy.data.objects["cube"].data.materials.append(paint)
+
+
 for name in sys.argv[sys.argv.index("--") + 1:]:
     globals()[name]()
     bpy.ops.wm.save_as_mainfile(filepath=os.path.abspath(name + ".blend"))
