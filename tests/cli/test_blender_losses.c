@@ -137,6 +137,18 @@ static void test_what_changes( void** state )
                                      } );
 }
 
+static void test_what_blender_does_to_pictures( void** state )
+{
+    (void)state;
+    expect_warnings( "pictures", ( const char* const[MOST] ){
+                                     "Freestyle's lines are left out",
+                                     "view layers 'back': left out: 'ViewLayer' is exported",
+                                     "view layer 'ViewLayer' is rendered without the world in Blender: exported with it",
+                                     "view layer 'ViewLayer' is rendered without surfaces in Blender: exported with them",
+                                     "the render region is ignored: the whole picture is exported",
+                                 } );
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
@@ -145,6 +157,7 @@ int main( void )
         cmocka_unit_test( test_instances_are_told_as_well ),
         cmocka_unit_test( test_objects_that_are_hidden_in_some_frames ),
         cmocka_unit_test( test_what_changes ),
+        cmocka_unit_test( test_what_blender_does_to_pictures ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

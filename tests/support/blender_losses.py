@@ -170,6 +170,15 @@ def more_changes():
     bpy.data.objects["cube"].data.materials.append(paint)
 
 
+def pictures():
+    """A part of the picture, lines over it, and several layers."""
+    scene = plain()
+    scene.render.use_border, scene.render.use_freestyle = True, True
+    scene.view_layers.new("back")
+    scene.view_layers.new("unused").use = False
+    bpy.context.view_layer.use_solid = bpy.context.view_layer.use_sky = False
+
+
 for name in sys.argv[sys.argv.index("--") + 1:]:
     globals()[name]()
     bpy.ops.wm.save_as_mainfile(filepath=os.path.abspath(name + ".blend"))
