@@ -24,17 +24,19 @@ sys.dont_write_bytecode = True  # no __pycache__ beside the installed or checked
 sys.path.insert(0, os.path.dirname(os.path.realpath(__file__)))
 
 import bpy  # noqa: E402
-from blender_export import cameras, clipping, command_line, effects, geometry, glb, lights, materials, moves, sky  # noqa: E402
+from blender_export import cameras, clipping, command_line, effects, geometry, glb, hiding, lights, materials, moves, sky  # noqa: E402
 from blender_export.messages import fail, repeat_warnings, warn  # noqa: E402
 
 
 def watch(scene, camera, follow, numbers):
     """Goes through the frames; returns the camera's recorder and the names of what else moves. Ends in the first."""
-    recorder, watcher, clipped = cameras.Recorder(scene, camera, follow), moves.Watcher(scene), clipping.Clipping(scene)
-    in_view = lights.InView(scene)
+    frames = hiding.Frames(scene)
+    frames.set(numbers[0])
+    recorder, watcher = cameras.Recorder(scene, camera, follow), moves.Watcher(scene, bpy.context.view_layer)
+    clipped, in_view = clipping.Clipping(scene), lights.InView(scene)
     few = {numbers[0], numbers[len(numbers) // 2], numbers[-1]}  # counting instances takes time
     for number in numbers:
-        scene.frame_set(number)
+        frames.set(number)
         depsgraph = bpy.context.evaluated_depsgraph_get()
         recorder.note(number, depsgraph)
         watcher.note(depsgraph, number in few)
@@ -42,7 +44,8 @@ def watch(scene, camera, follow, numbers):
         if number in few:
             clipped.note(recorder.camera_now, depsgraph, number)
     clipped.tell()
-    scene.frame_set(numbers[0])
+    in_view.tell()
+    frames.set(numbers[0])
     return recorder, watcher.finish(bpy.context.evaluated_depsgraph_get()), in_view.names
 
 
@@ -58,6 +61,7 @@ def main():
     scene.frame_start, scene.frame_end = first, last
     camera = cameras.find_camera(scene, args.camera)
     name = camera.name
+    scene.frame_set(first)
     sky.refuse_early(scene, args)
     effects.warn_of_effects(scene, camera)
     geometry.settle(scene)

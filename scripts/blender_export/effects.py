@@ -1,7 +1,9 @@
 """Effects of the camera and the world: what Reframe has as the "lens" of a camera path, and what it does not have."""
 import math
 
-from .messages import warn
+import bpy
+
+from .messages import list_names, warn
 
 
 def is_box(curve):
@@ -25,9 +27,23 @@ def warn_of_pictures(scene):
         warn("the rolling shutter is taken as one that opens for all lines at once")
     if cycles and render.use_motion_blur and not is_box(render.motion_blur_shutter_curve):
         warn("the shutter's curve is taken as open all the time")
+    if render.use_freestyle:
+        warn("Freestyle's lines are left out")
+    warn_of_layers(scene)
     for layer in scene.view_layers:
         if layer.use and layer.material_override is not None:
             warn("view layer '%s' overrides materials by '%s': objects keep their own" % (layer.name, layer.material_override.name))
+
+
+def warn_of_layers(scene):
+    """One view layer is exported, with all that is in it."""
+    shown = bpy.context.view_layer
+    others = [layer.name for layer in scene.view_layers if layer.use and layer.name != shown.name]
+    if others:
+        warn("view layers %s: left out: '%s' is exported" % (list_names(others), shown.name))
+    for switch, what in (("use_sky", "the world in Blender: exported with it"), ("use_solid", "surfaces in Blender: exported with them")):
+        if not getattr(shown, switch):
+            warn("view layer '%s' is rendered without %s" % (shown.name, what))
 
 
 def warn_of_effects(scene, camera):
@@ -36,7 +52,7 @@ def warn_of_effects(scene, camera):
     if camera.data.type == "PANO" and camera.data.dof.use_dof:
         warn("'%s' is panoramic: exported without its depth of field" % camera.name)
     warn_of_pictures(scene)
-    if scene.render.use_border and scene.render.use_crop_to_border:
+    if scene.render.use_border:
         warn("the render region is ignored: the whole picture is exported")
     out = scene.world.node_tree.get_output_node("CYCLES") if scene.world is not None and scene.world.use_nodes else None
     if out is not None and out.inputs["Volume"].is_linked:

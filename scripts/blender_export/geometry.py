@@ -7,25 +7,13 @@ EXT_mesh_gpu_instancing.
 import bpy
 import mathutils
 
-from .messages import list_names, note, warn
+from .messages import list_names, note
 from .moves import GEOMETRY
+from .visibility import held_out, is_left_out, layer_collections, tell_what_differs
 
-UNREAD = {"VOLUME": "a volume", "CURVES": "hair curves", "GPENCIL": "grease pencil", "POINTCLOUD": "a point cloud"}
 FEW_INSTANCES = 4  # of which each becomes an object
 RENDER_LEVELS = (("levels", "render_levels"), ("steps", "render_steps"), ("viewport_resolution", "resolution"),
                  ("show_viewport", "show_render"))
-
-
-def layer_collections(root):
-    yield root
-    for child in root.children:
-        yield from layer_collections(child)
-
-
-def hidden_ways(o):
-    """The rays for which an object is hidden."""
-    ways = ("camera", "diffuse", "glossy", "transmission", "shadow")
-    return [way for way in ways if not getattr(o, "visible_" + way)]
 
 
 def settle_modifiers(o):
@@ -78,38 +66,6 @@ def settle(scene):
         note("%s: left out, as hidden in renders" % list_names(left))
 
 
-def held_out(view_layer):
-    """Names of objects that leave a hole in Blender's pictures, by themselves or by their collection."""
-    names = {o.name for o in view_layer.objects if o.is_holdout}
-    for layer in layer_collections(view_layer.layer_collection):
-        if layer.holdout:
-            names.update(o.name for o in layer.collection.all_objects)
-    return names
-
-
-def is_left_out(o, holes):
-    return o.name in holes or len(hidden_ways(o)) == 5
-
-
-def warn_of_the_rest(objects, holes):
-    def tell(chosen, text):
-        names = sorted(o.name for o in chosen)
-        if names:
-            warn("%s: %s" % (list_names(names), text))
-
-    shapes = [o for o in objects if o.type in GEOMETRY and not o.hide_render]
-    tell([o for o in shapes if o.name in holes], "left out: holdouts do not exist in Reframe")
-    hidden = [o for o in shapes if o.name not in holes and 0 < len(hidden_ways(o)) < 5]
-    no_shadow = [o for o in hidden if hidden_ways(o) == ["shadow"]]
-    tell([o for o in hidden if o not in no_shadow], "hidden from some kinds of rays in Blender: seen by all here")
-    tell(no_shadow, "throws no shadow in Blender: throws one here, unless it is of glass")
-    tell([o for o in shapes if o.is_shadow_catcher], "a shadow catcher in Blender: an ordinary surface here")
-    for kind, what in UNREAD.items():
-        tell([o for o in objects if o.type == kind and not o.hide_render], "%s: left out" % what)
-    tell([o for o in shapes if any(s.settings.type == "HAIR" and s.settings.render_type == "PATH" for s in o.particle_systems)],
-         "hair: left out")
-
-
 def has_shear(matrix):
     place, turn, scale = matrix.decompose()
     again = mathutils.Matrix.LocRotScale(place, turn, scale)
@@ -149,7 +105,7 @@ def read_sources(depsgraph, holes):
     for instance in depsgraph.object_instances:
         o = instance.object
         # text, curves and metaballs come twice: as themselves, and as the mesh that they become
-        if o.type not in ("LIGHT", "MESH") or is_left_out(o.original, holes):
+        if o.type not in ("LIGHT", "MESH") or is_left_out(instance, holes):
             continue
         if not instance.is_instance and (not instance.show_self or is_pattern(o.original)):
             continue
@@ -233,8 +189,8 @@ def realise(scene):
     """Makes plain objects of what is rendered in this frame; returns the matrices of instances by object name."""
     view_layer = bpy.context.view_layer
     holes = held_out(view_layer)
-    warn_of_the_rest(view_layer.objects, holes)
     depsgraph = bpy.context.evaluated_depsgraph_get()
+    tell_what_differs(scene, depsgraph, holes)
     builder = Builder()
     for source in list(read_sources(depsgraph, holes)):
         builder.add(source, depsgraph)

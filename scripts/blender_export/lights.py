@@ -7,6 +7,7 @@ import bpy
 from bpy_extras.object_utils import world_to_camera_view
 
 from . import materials, shader_tree
+from .animated import tell_animation
 from .channels import WHITE, is_constant
 from .folding import Folder
 from .messages import list_names, warn
@@ -62,25 +63,48 @@ def replace_point_light(scene, lamp):
     scene.collection.objects.link(ball)
 
 
+def extent_of(lamp):
+    """The radius of a sphere around what shines."""
+    if lamp.data.type != "AREA":
+        return lamp.data.shadow_soft_size
+    corners, _ = corners_of(lamp.data)
+    scale = lamp.matrix_world.to_scale()
+    return max(math.hypot(x * scale.x, y * scale.y) for x, y, _ in corners)
+
+
 class InView:
-    """Notes which point lamps come into the picture, where Cycles does not show them."""
+    """Notes which point and area lamps come into the picture, where Cycles' camera does not see them."""
 
     def __init__(self, scene):
-        self.scene, self.names = scene, set()
+        self.scene, self.names, self.flat = scene, set(), set()
 
     def note(self, camera):
-        for lamp in [o for o in self.scene.objects if o.type == "LIGHT" and o.data.type == "POINT"]:
+        for lamp in [o for o in self.scene.objects if o.type == "LIGHT" and o.data.type in ("POINT", "AREA")]:
+            if lamp.visible_camera or not lamp.visible_get():
+                continue
             x, y, depth = world_to_camera_view(self.scene, camera, lamp.matrix_world.translation)
-            size = lamp.data.shadow_soft_size
+            size = extent_of(lamp)
             edge = 0.05 + size / max(depth, 1e-3)
             if camera.data.type == "PANO" or depth > -size and -edge < x < 1.0 + edge and -edge < y < 1.0 + edge:
-                self.names.add(lamp.name)
+                (self.names if lamp.data.type == "POINT" else self.flat).add(lamp.name)
+
+    def tell(self):
+        lamps = [self.scene.objects[n] for n in sorted(self.flat)]
+        flat = [o.name for o in lamps if o.data.energy > 0.0 and not o.data.cycles.is_portal]
+        if flat:
+            warn("%s: an area lamp that the camera does not see in Blender: may be in view here, and hides what is behind" % list_names(flat))
+
+
+def teller(lamp):
+    """Warns of a lamp's nodes."""
+    def tell(node, text):
+        warn("'%s': lamp%s: %s" % (lamp.name, ", node '%s'" % node.name if node is not None else "", text))
+    return tell
 
 
 def shine_of_nodes(lamp):
     """What a lamp's nodes multiply its colour by."""
-    def tell(node, text):
-        warn("'%s': lamp, node '%s': %s" % (lamp.name, node.name, text))
+    tell = teller(lamp)
     tree = lamp.data.node_tree
     shader_tree.flatten(tree)
     out = tree.get_output_node("CYCLES")
@@ -124,6 +148,8 @@ def tell_lost(lamps, spheres):
     for lamp in lamps:
         if lamp.data.type == "AREA" and lamp.data.spread < 0.999 * math.pi:
             warn("'%s': spread of %.0f degrees: left out, the light goes to all sides" % (lamp.name, math.degrees(lamp.data.spread)))
+        if lamp.data.type == "SUN" and lamp.data.angle > 0.0:
+            warn("'%s': a sun of %.1f degrees: its shadows are sharp here, and it is not seen in mirrors" % (lamp.name, math.degrees(lamp.data.angle)))
     sized = [o.name for o in lamps if is_sized(o) and o.name not in spheres]
     if sized:
         warn("spot lamps, and point lamps in view, have no radius here: sharp shadows, not seen in mirrors, no light through solid glass: " + list_names(sized))
@@ -138,6 +164,8 @@ def prepare(scene, in_view):
         elif not lamp.hide_render:
             lamps.append(lamp)
     for lamp in lamps:
+        if lamp.data.use_nodes and lamp.data.node_tree is not None:
+            tell_animation(lamp.data.node_tree, teller(lamp))
         lamp.data = lamp.data.copy()
         lamp.data.animation_data_clear()
         if lamp.data.use_nodes and lamp.data.node_tree is not None:

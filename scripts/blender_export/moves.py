@@ -4,16 +4,18 @@ import hashlib
 import bpy
 import numpy
 
+from . import hiding
 from .messages import list_names, warn
 
 GEOMETRY = ("MESH", "CURVE", "SURFACE", "META", "FONT")
+LAMP = ("energy", "size", "size_y", "spread", "spot_size", "spot_blend", "shadow_soft_size", "angle")  # each for some kinds
 
 
 def state_of(o):
     """The transform of an object that is visible or emits, and the settings of a lamp."""
     numbers = [v for row in o.matrix_world for v in row]
     if o.type == "LIGHT":
-        numbers += [o.data.energy, *o.data.color, getattr(o.data, "size", 0.0), getattr(o.data, "spot_size", 0.0)]
+        numbers += [*o.data.color, *(getattr(o.data, name, 0.0) for name in LAMP)]
     return numbers
 
 
@@ -37,11 +39,19 @@ def instances_of(depsgraph):
     return found
 
 
-class Watcher:
-    """Compares the frames with the first one."""
+def is_shown(o):
+    """Is it an object that is seen, emits, or makes instances?"""
+    return o.type in ("LIGHT", *GEOMETRY) or o.instance_type != "NONE"
 
-    def __init__(self, scene):
+
+class Watcher:
+    """Compares the frames with the first one; `view_layer` shows what is rendered."""
+
+    def __init__(self, scene, view_layer):
         self.scene, self.first, self.moving = scene, None, set()
+        # what is hidden by its collection is so in all frames
+        self.objects = [o for o in view_layer.objects if is_shown(o) and (o.visible_get() or o.hide_render)]
+        self.hidden = set()  # names of those that are hidden in some frames
         self.shapes = {}  # by name, of objects whose geometry Blender has updated
         self.instances = None
         self.updated = set()  # names of objects that Blender has made anew for this frame
@@ -49,21 +59,21 @@ class Watcher:
 
     def collect(self, scene, depsgraph):
         """The list of updates is there only during this call."""
-        self.updated = {u.id.name for u in depsgraph.updates if u.is_updated_geometry and isinstance(u.id, bpy.types.Object)}
-
-    def visible(self):
-        return [o for o in self.scene.objects if o.type in ("LIGHT", *GEOMETRY) and not o.hide_render]
+        self.updated |= {u.id.name for u in depsgraph.updates if u.is_updated_geometry and isinstance(u.id, bpy.types.Object)}
 
     def note(self, depsgraph, with_instances):
-        now = {o.name: state_of(o.evaluated_get(depsgraph)) for o in self.visible()}
+        now = {o.name: state_of(o.evaluated_get(depsgraph)) for o in self.objects if not o.hide_render}
         if self.first is None:
             self.first = now
+            self.moving = {o.name for o in self.objects if o.name in now and hiding.changes_in_renders(o)}
+        self.hidden |= set(now) ^ set(self.first)
         self.moving.update(n for n in now
                            if n in self.first and max(abs(a - b) for a, b in zip(now[n], self.first[n])) > 1e-6)
         for name in self.updated & set(now) - self.moving:
             o = self.scene.objects[name]
             if o.type in GEOMETRY:
                 self.shapes.setdefault(o.name, set()).add(shape_of(o.evaluated_get(depsgraph)))
+        self.updated.clear()
         if with_instances:
             found = instances_of(depsgraph)
             self.instances = found if self.instances is None else self.instances
@@ -78,7 +88,7 @@ class Watcher:
         for name, shapes in self.shapes.items():
             if shapes - {shape_of(self.scene.objects[name].evaluated_get(depsgraph))}:
                 self.moving.add(name)
-        names = sorted(self.moving)
-        if names:
-            warn("%s: moves or changes: taken as in the first frame" % list_names(names))
-        return names
+        for names, what in ((self.moving - self.hidden, "moves or changes"), (self.hidden, "hidden in some of the frames")):
+            if names:
+                warn("%s: %s: taken as in the first frame" % (list_names(sorted(names)), what))
+        return sorted(self.moving | self.hidden)

@@ -1,7 +1,9 @@
 """What is to be done about a material: left as it is, replaced, or baked."""
 from . import rays, shader_tree
+from .animated import tell_animation
 from .channels import BLACK, Ref, Surface, WORDS, finish, is_constant
 from .folding import Folder
+from .hiding import animated_paths
 from .images import carried, is_read, number_source
 from .messages import warn
 from .view import view_nodes
@@ -50,24 +52,6 @@ def copy_of(material):
     return copy
 
 
-def tell_animation(plan):
-    """Materials are taken as in the first frame."""
-    trees, left = [], [plan.material.node_tree]
-    while left:
-        tree = left.pop()
-        if tree is not None and tree not in trees:
-            trees.append(tree)
-            left += [n.node_tree for n in tree.nodes if n.type == "GROUP"]
-    for tree in trees:
-        moving = tree.animation_data
-        if moving is None:
-            continue
-        curves = list(moving.drivers) + (list(moving.action.fcurves) if moving.action is not None else [])
-        for path in sorted({c.data_path for c in curves}):
-            node = tree.nodes.get(path.split('"')[1]) if path.startswith('nodes["') else None
-            plan.tell(node, "animated or driven: taken as in the first frame")
-
-
 def tell_inside(plan, out):
     """Remembers an absorbing inside; says what else is lost with volume and displacement."""
     socket = out.inputs["Displacement"]
@@ -94,9 +78,11 @@ def is_ours(material):
 def make_plan(material, users):
     plan = Plan(material, users)
     if not material.use_nodes or material.node_tree is None:
+        if animated_paths(material):
+            plan.tell(None, "animated or driven: taken as in the first frame")
         plan.surface = finish(Surface(base=tuple(material.diffuse_color)[:3], specular=0.0))
         return plan
-    tell_animation(plan)
+    tell_animation(material.node_tree, plan.tell)
     plan.copy = copy_of(material)
     tree = plan.copy.node_tree
     for node in tree.nodes:

@@ -6,7 +6,9 @@ import urllib.parse
 import bpy
 
 from . import embed, rays, shader_tree
+from .animated import tell_animation
 from .command_line import refuse
+from .hiding import animated_paths
 from .messages import fail, warn
 
 LARGEST_MAP = 8192  # pixels across
@@ -51,8 +53,6 @@ def check_world(world):
             fail("world '%s': the image of its node '%s' cannot be read: pack it or correct its path" % (world.name, node.name))
     if any(n.type == "LIGHT_PATH" for n in nodes):
         warn("world '%s' looks different to the camera than to surfaces: taken as it lights the scene" % world.name)
-    if world.animation_data or world.node_tree.animation_data:
-        warn("world '%s' is animated: taken as in the first frame" % world.name)
     sides = [n.image.size[0] for n in images if n.type == "TEX_ENVIRONMENT"] or [SKY_MAP]
     if max(sides) > LARGEST_MAP:
         warn("world '%s': its image is %d pixels wide: reduced to %d" % (world.name, max(sides), LARGEST_MAP))
@@ -105,14 +105,31 @@ def refuse_early(scene, args):
         refuse(args, map_path(args))
 
 
+def hidden_ways(world):
+    """The rays that do not see it, but for the camera's, which Reframe knows."""
+    return [way for way in ("diffuse", "glossy", "transmission") if not getattr(world.cycles_visibility, way)]
+
+
+def tell_changes(world):
+    def tell(node, text):
+        warn("world '%s'%s: %s" % (world.name, ", node '%s'" % node.name if node is not None else "", text))
+    if world.use_nodes:
+        tell_animation(world.node_tree, tell)
+    elif animated_paths(world):
+        tell(None, "animated or driven: taken as in the first frame")
+
+
 def keep_world(scene, args):
     world = scene.world
     own = scene["reframe"].to_dict() if "reframe" in scene else {}
     if world is None or "environment" in own:
         return
+    tell_changes(world)
     radiance = plain_radiance(world)
     if radiance is not None and max(radiance) <= 0.0:
         return
+    if hidden_ways(world):
+        warn("world '%s' is hidden from some kinds of rays in Blender: lights all surfaces here" % world.name)
     own["environment"] = environment = {}
     if radiance is not None:
         environment["radiance"] = radiance

@@ -1,0 +1,163 @@
+// What scripts/blender-export.py cannot carry is named, with the object: small scenes made inside Blender
+// (support/blender_losses.py) are exported, and the warnings read. Skipped where Blender or its numpy is missing.
+#include "support/cli_run.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+// another Python first in the path would hide the numpy of Debian's
+#define BLENDER "PATH=/usr/bin:$PATH blender -b "
+#define MOST 24
+
+static bool enter_with_blender( void )
+{
+    cli_enter();
+    if ( cli_run( BLENDER "--factory-startup --python-exit-code 9 --python-expr 'import numpy' > log 2>&1" )->status == 0 )
+        return true;
+    cli_leave();
+    print_message( "skipped: there is no blender with numpy\n" );
+    return false;
+}
+
+// Makes the scene, exports it, and compares all warnings, each of which is printed twice, with those told. The folder stays.
+static void export_and_expect( const char* scene, const char* const told[MOST] )
+{
+    if ( !enter_with_blender() )
+        skip();
+    cli_expect( cli_run( BLENDER "--factory-startup --python-exit-code 9 -P " REFRAME_SOURCE_DIR
+                                 "/tests/support/blender_losses.py -- %s > log 2>&1",
+                         scene ),
+                0, NULL );
+    const CliResult* done = cli_run(
+        BLENDER "%s.blend -P " REFRAME_SOURCE_DIR "/scripts/blender-export.py -- %s.glb --bake-cache cache > log", scene, scene );
+    assert_int_equal( done->status, 0 );
+    int count = 0, lines = 0;
+    for ( ; told[count] != NULL; ++count )
+    {
+        char line[512];
+        snprintf( line, sizeof line, "blender-export: warning: %s\n", told[count] );
+        if ( strstr( done->err, line ) == NULL )
+            fail_msg( "%s: is not told: %s\nbut:\n%s", scene, told[count], done->err );
+    }
+    for ( const char* at = done->err; ( at = strstr( at, "blender-export: warning: " ) ) != NULL; ++at )
+        ++lines;
+    if ( lines != 2 * count )
+        fail_msg( "%s: %d warnings instead of %d:\n%s", scene, lines / 2, count, done->err );
+}
+
+static void expect_warnings( const char* scene, const char* const told[MOST] )
+{
+    export_and_expect( scene, told );
+    cli_leave();
+}
+
+// Is there a node of this name in the .glb? Its JSON begins behind 20 bytes.
+static bool has_node( const char* file, const char* name )
+{
+    size_t size;
+    char text[80], *glb = cli_read( file, &size );
+    snprintf( text, sizeof text, "\"name\":\"%s\"", name );
+    assert_true( size > 20 );
+    bool found = strstr( glb + 20, text ) != NULL;
+    free( glb );
+    return found;
+}
+
+static void test_plain_scene_has_no_warning( void** state )
+{
+    (void)state;
+    expect_warnings( "plain", ( const char* const[MOST] ){ NULL } );
+}
+
+static void test_lamps_that_rays_treat_otherwise( void** state )
+{
+    (void)state;
+    expect_warnings( "lamps",
+                     ( const char* const[MOST] ){
+                         "'for gloss': a sun of 0.5 degrees: its shadows are sharp here, and it is not seen in mirrors",
+                         "'through walls': lights through everything in Blender: throws shadows here",
+                         "'for gloss': hidden from some kinds of rays in Blender: lights all surfaces here",
+                         "'lens': seen by the camera in Blender: not seen here",
+                         "'window': an area lamp that the camera does not see in Blender: may be in view here, and hides what is "
+                         "behind",
+                         "world 'sky' is hidden from some kinds of rays in Blender: lights all surfaces here",
+                         "spot lamps, and point lamps in view, have no radius here: sharp shadows, not seen in mirrors, no light "
+                         "through solid glass: 'lens'",
+                     } );
+}
+
+static void test_instances_are_told_as_well( void** state )
+{
+    (void)state;
+    expect_warnings( "instances", ( const char* const[MOST] ){
+                                      "'torch': lights through everything in Blender: throws shadows here",
+                                      "'ghost': hidden from some kinds of rays in Blender: seen by all here",
+                                      "'pit': left out: holdouts do not exist in Reframe",
+                                      "'fur': hair: left out",
+                                      "'dust': a point cloud: left out",
+                                      "'far': collections that the camera does not see in Blender: seen by all rays here",
+                                  } );
+}
+
+static void test_objects_that_are_hidden_in_some_frames( void** state )
+{
+    (void)state;
+    export_and_expect( "switched",
+                       ( const char* const[MOST] ){
+                           "'builds': moves or changes: taken as in the first frame",
+                           "'blinks', 'comes', 'goes', 'place': hidden in some of the frames: taken as in the first frame",
+                       } );
+    assert_true( has_node( "switched.glb", "goes" ) && has_node( "switched.glb", "stays" ) &&
+                 has_node( "switched.glb", "piece" ) );
+    assert_false( has_node( "switched.glb", "comes" ) || has_node( "switched.glb", "is away" ) );
+    cli_leave();
+}
+
+static void test_what_changes( void** state )
+{
+    (void)state;
+    expect_warnings( "changes",
+                     ( const char* const[MOST] ){
+                         "'ball', 'cone', 'edge', 'spread', 'wide': moves or changes: taken as in the first frame",
+                         "'bulb': lamp, node 'Emission': animated or driven: taken as in the first frame",
+                         "world 'sky', node 'Background': animated or driven: taken as in the first frame",
+                         "spot lamps, and point lamps in view, have no radius here: sharp shadows, not seen in mirrors, no light "
+                         "through solid glass: 'edge'",
+                     } );
+    expect_warnings( "more_changes", ( const char* const[MOST] ){
+                                         "'bright', 'red', 'size', 'sun': moves or changes: taken as in the first frame",
+                                         "'sun': a sun of 5.7 degrees: its shadows are sharp here, and it is not seen in mirrors",
+                                         "'cube': material 'paint': animated or driven: taken as in the first frame",
+                                     } );
+}
+
+static void test_what_blender_does_to_pictures( void** state )
+{
+    (void)state;
+    expect_warnings( "pictures", ( const char* const[MOST] ){
+                                     "Freestyle's lines are left out",
+                                     "view layers 'back': left out: 'ViewLayer' is exported",
+                                     "view layer 'ViewLayer' is rendered without the world in Blender: exported with it",
+                                     "view layer 'ViewLayer' is rendered without surfaces in Blender: exported with them",
+                                     "the render region is ignored: the whole picture is exported",
+                                 } );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( test_plain_scene_has_no_warning ),
+        cmocka_unit_test( test_lamps_that_rays_treat_otherwise ),
+        cmocka_unit_test( test_instances_are_told_as_well ),
+        cmocka_unit_test( test_objects_that_are_hidden_in_some_frames ),
+        cmocka_unit_test( test_what_changes ),
+        cmocka_unit_test( test_what_blender_does_to_pictures ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}

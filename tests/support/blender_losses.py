@@ -1,0 +1,184 @@
+"""For test_blender_losses.c: NAME.blend for each function below, in which a little is set that Reframe does not have.
+
+    blender -b -P blender_losses.py -- NAME...
+"""
+import math
+import os
+import sys
+
+import bpy
+
+
+def lamp(scene, kind, name, place=(0, 0, 3), turn=(0, 0, 0)):
+    o = bpy.data.objects.new(name, bpy.data.lights.new(name, kind))
+    o.location, o.rotation_euler = place, [math.radians(a) for a in turn]
+    o.data.energy = 20.0
+    scene.collection.objects.link(o)
+    return o
+
+
+def cube(name, place=(0, 0, 0)):
+    bpy.ops.mesh.primitive_cube_add(size=1, location=place)
+    bpy.context.object.name = name
+    return bpy.context.object
+
+
+def plain():
+    """A scene of which nothing is lost."""
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    scene = bpy.context.scene
+    scene.frame_start, scene.frame_end = 1, 3
+    scene.render.engine = "CYCLES"
+    scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = 32, 24, 100
+    cube("cube")
+    lamp(scene, "AREA", "key")
+    eye = bpy.data.objects.new("Eye", bpy.data.cameras.new("Eye"))
+    eye.location, eye.rotation_euler = (0, -6, 0), (math.pi / 2, 0, 0)
+    scene.collection.objects.link(eye)
+    scene.camera = eye
+    return scene
+
+
+def lamps():
+    """Lamps that some rays do not see, or that throw no shadow."""
+    scene = plain()
+    lamp(scene, "POINT", "through walls").data.cycles.cast_shadow = False
+    lamp(scene, "SUN", "for gloss").visible_diffuse = False
+    lamp(scene, "SPOT", "lens").visible_camera = True
+    lamp(scene, "AREA", "window", (0, 2, 0), (90, 0, 0))
+    shown = lamp(scene, "AREA", "shown", (0, 2, 0), (90, 0, 0))
+    shown.visible_camera = True
+    portal = lamp(scene, "AREA", "portal", (0, 2, 0), (90, 0, 0))
+    portal.data.cycles.is_portal, portal.data.cycles.cast_shadow = True, False
+    scene.world = bpy.data.worlds.new("sky")
+    scene.world.cycles_visibility.glossy = False
+    unlit = lamp(scene, "POINT", "unlit")
+    unlit.visible_diffuse = unlit.visible_glossy = unlit.visible_transmission = False
+
+
+def points_on(o):
+    tree = bpy.data.node_groups.new("points", "GeometryNodeTree")
+    tree.inputs.new("NodeSocketGeometry", "Geometry")
+    tree.outputs.new("NodeSocketGeometry", "Geometry")
+    start, points, end = (tree.nodes.new(n) for n in ("NodeGroupInput", "GeometryNodeMeshToPoints", "NodeGroupOutput"))
+    tree.links.new(start.outputs[0], points.inputs[0])
+    tree.links.new(points.outputs[0], end.inputs[0])
+    o.modifiers.new("points", "NODES").node_group = tree
+
+
+def instances():
+    """What is in a collection that only instances show is told as well; what is hidden is not."""
+    scene = plain()
+    group = bpy.data.collections.new("group")
+    for name in ("ghost", "hole", "fur", "dust"):
+        scene.collection.objects.unlink(cube(name))
+        group.objects.link(bpy.data.objects[name])
+    bpy.data.objects["ghost"].visible_glossy = False
+    bpy.data.objects["hole"].is_holdout = True  # which does not count: instances are held out by what makes them
+    with bpy.context.temp_override(object=bpy.data.objects["fur"]):
+        bpy.data.objects["fur"].modifiers.new("hair", "PARTICLE_SYSTEM")
+    bpy.data.objects["fur"].particle_systems[0].settings.type = "HAIR"
+    points_on(bpy.data.objects["dust"])
+    torch = lamp(scene, "POINT", "torch")
+    torch.data.cycles.cast_shadow = False
+    scene.collection.objects.unlink(torch)
+    group.objects.link(torch)
+    place = bpy.data.objects.new("place", None)
+    place.instance_type, place.instance_collection = "COLLECTION", group
+    scene.collection.objects.link(place)
+    pit = bpy.data.objects.new("pit", None)
+    pit.instance_type, pit.instance_collection, pit.is_holdout = "COLLECTION", group, True
+    scene.collection.objects.link(pit)
+    off = bpy.data.collections.new("off")
+    scene.collection.children.link(off)
+    off.hide_render = True
+    unseen = cube("unseen")
+    scene.collection.objects.unlink(unseen)
+    off.objects.link(unseen)
+    unseen.is_shadow_catcher = True
+    far = bpy.data.collections.new("far")
+    scene.collection.children.link(far)
+    bpy.context.view_layer.layer_collection.children["far"].indirect_only = True
+
+
+def key(o, path, *values):
+    """A value of a property in each of the frames from the first on."""
+    for frame, value in enumerate(values, 1):
+        setattr(o, path, value)
+        o.keyframe_insert(path, frame=frame)
+
+
+def switched():
+    """Objects that are hidden in some frames; saved in another frame than the first."""
+    scene = plain()
+    key(cube("goes", (2, 0, 0)), "hide_render", False, False, True)
+    key(cube("comes", (-2, 0, 0)), "hide_render", True, False, False)
+    # what the viewport hides counts for nothing
+    key(cube("stays", (0, 2, 0)), "hide_viewport", False, True, True)
+    unseen = cube("is away", (0, -2, 0))
+    key(unseen, "hide_render", True, True)
+    key(unseen, "hide_viewport", False, True)
+    key(lamp(scene, "POINT", "blinks"), "hide_render", False, True, False)
+    builds = cube("builds").modifiers.new("array", "ARRAY")
+    key(builds, "show_render", True, False)
+    group = bpy.data.collections.new("group")
+    scene.collection.objects.unlink(cube("piece"))
+    group.objects.link(bpy.data.objects["piece"])
+    place = bpy.data.objects.new("place", None)
+    place.instance_type, place.instance_collection = "COLLECTION", group
+    scene.collection.objects.link(place)
+    key(place, "hide_render", False, True, True)
+    scene.frame_set(3)
+
+
+def key_input(node, name, *values):
+    for frame, value in enumerate(values, 1):
+        node.inputs[name].default_value = value
+        node.inputs[name].keyframe_insert("default_value", frame=frame)
+
+
+def changes():
+    """Each of a lamp's settings that changes, nodes of a lamp, a world of one colour."""
+    scene = plain()
+    beam = lamp(scene, "AREA", "wide")
+    beam.data.shape = "RECTANGLE"
+    key(beam.data, "size_y", 1.0, 1.0, 2.0)
+    key(lamp(scene, "AREA", "spread").data, "spread", math.pi, 2.0, math.pi)
+    key(lamp(scene, "SPOT", "edge").data, "spot_blend", 0.1, 0.1, 0.2)
+    key(lamp(scene, "POINT", "ball").data, "shadow_soft_size", 0.1, 0.2)
+    scene.world = bpy.data.worlds.new("sky")
+    scene.world.use_nodes = True
+    key_input(scene.world.node_tree.nodes["Background"], "Strength", 0.0, 1.0)
+    nodes = lamp(scene, "POINT", "bulb")
+    nodes.data.use_nodes = True
+    key_input(nodes.data.node_tree.nodes["Emission"], "Strength", 1.0, 2.0)
+    cone = lamp(scene, "SPOT", "cone")
+    key(cone.data, "spot_size", 0.5, 0.6)
+    key(cone.data, "shadow_soft_size", 0.0)
+
+
+def more_changes():
+    """The rest of them, and a sun, a material without nodes, and one that a driver changes."""
+    scene = plain()
+    key(lamp(scene, "POINT", "bright").data, "energy", 1.0, 2.0)
+    key(lamp(scene, "POINT", "red").data, "color", (1, 1, 1), (1, 0, 0))
+    key(lamp(scene, "AREA", "size").data, "size", 1.0, 2.0)
+    key(lamp(scene, "SUN", "sun").data, "angle", 0.1, 0.2)
+    paint = bpy.data.materials.new("paint")
+    paint.use_nodes = False
+    key(paint, "diffuse_color", (1, 0, 0, 1), (0, 1, 0, 1))
+    bpy.data.objects["cube"].data.materials.append(paint)
+
+
+def pictures():
+    """A part of the picture, lines over it, and several layers."""
+    scene = plain()
+    scene.render.use_border, scene.render.use_freestyle = True, True
+    scene.view_layers.new("back")
+    scene.view_layers.new("unused").use = False
+    bpy.context.view_layer.use_solid = bpy.context.view_layer.use_sky = False
+
+
+for name in sys.argv[sys.argv.index("--") + 1:]:
+    globals()[name]()
+    bpy.ops.wm.save_as_mainfile(filepath=os.path.abspath(name + ".blend"))
