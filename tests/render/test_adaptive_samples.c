@@ -4,6 +4,7 @@
 #include "render/adaptive.h"
 #include "render/adaptive_need.h"
 #include "render/adaptive_noise.h"
+#include "support/mirror_rooms.h"
 #include "support/render_support.h"
 #include "support/scene_builder.h"
 
@@ -64,7 +65,7 @@ static void check_nothing_else_decides( const RfTracer* tracer, RfRenderSettings
 static void test_nothing_else_decides( void** state )
 {
     (void)state;
-    RfScene scene = make_glass_room();
+    RfScene scene = make_mirror_room( MIRROR_BALL );
     RfTracer* tracer = make_tracer( &scene );
     RfRenderSettings settings = adaptive_settings();
     check_nothing_else_decides( tracer, settings );
@@ -105,8 +106,8 @@ static void check_auto( RfScene scene, float degrees, const char* tile, RfAdapti
 static void test_auto_decides_by_frame( void** state )
 {
     (void)state;
-    check_auto( make_glass_room(), 3.0f, "1", RF_ADAPTIVE_ON );
-    check_auto( make_glass_room(), 3.0f, "3x3", RF_ADAPTIVE_ON );
+    check_auto( make_mirror_room( MIRROR_BALL ), 3.0f, "1", RF_ADAPTIVE_ON );
+    check_auto( make_mirror_room( MIRROR_BALL ), 3.0f, "3x3", RF_ADAPTIVE_ON );
     check_auto( make_room( ROOM_DIFFUSE ), 0.2f, "1", RF_ADAPTIVE_OFF );
     check_auto( make_room( ROOM_DIFFUSE ), 0.2f, "3x3", RF_ADAPTIVE_OFF );
 }
