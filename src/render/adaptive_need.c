@@ -19,7 +19,7 @@
 #define LEAST_THETA 0.05
 #define MOST_THETA 64.0
 #define THETA_STEP 1.1
-#define SOME_PIXELS 4096
+#define SOME_PIXELS 1024
 
 // rf_extra_threshold for gains from `least_gain` on.
 static double threshold( const double* counts, int bins, double all, int eyes, double worth, double least_gain )
