@@ -1,7 +1,17 @@
 // From rays to vertices: hits, their surfaces, sorted by scattering model.
 #include "path/wavefront.h"
 
+#include "scene/texture_prefetch.h"
+
 #include <string.h>
+
+#define AHEAD 12 // records of triangles are fetched so many lanes before they are read
+
+static inline void prefetch_record( const RfTriangleRecord* t )
+{
+    __builtin_prefetch( t );
+    __builtin_prefetch( &t->material );
+}
 
 // Stable counting sort of the hits by model: index[] lists their ray lanes.
 static void sort_by_kind( const RfTracer* tracer, int count, RfLaneScratch* scratch, RfVertexLanes* vertices )
@@ -12,6 +22,8 @@ static void sort_by_kind( const RfTracer* tracer, int count, RfLaneScratch* scra
     for ( int i = 0; i < count; ++i )
     {
         uint32_t t = scratch->triangle[i];
+        if ( i + AHEAD < count && scratch->triangle[i + AHEAD] != RF_MISS )
+            prefetch_record( triangles + scratch->triangle[i + AHEAD] );
         int kind = t == RF_MISS ? RF_BSDF_KIND_COUNT : (int)materials[triangles[t].material].kind;
         scratch->kind[i] = (uint8_t)kind;
         bucket[kind] += 1;
@@ -178,10 +190,26 @@ static void look_up_lane( const RfScene* scene, const Source* from, const RfMate
 
 #define BLOCK 32 // lanes whose materials are looked up before their parameters are gathered
 
+static void prefetch_block( const RfScene* scene, const Source* from, const RfVertexLanes* v, int first, int end )
+{
+    RfTexturedPoint points[BLOCK];
+    int count = 0;
+    for ( int i = first; i < end; ++i )
+    {
+        const RfMaterial* m = from->materials + v->material[i];
+        int r = from->scratch->index[i];
+        if ( m->textured != NULL )
+            points[count++] = ( RfTexturedPoint ){ m, from->scratch->triangle[r], from->scratch->u[r], from->scratch->v[r] };
+    }
+    if ( count > 0 )
+        rf_prefetch_textures( scene, points, count );
+}
+
 static void look_up_block( const RfScene* scene, const Source* from, RfVertexLanes* v, RfBsdfKind kind, int first, int end )
 {
     RfMaterial here[BLOCK];
     int32_t number[BLOCK];
+    prefetch_block( scene, from, v, first, end );
     for ( int i = first; i < end; ++i )
     {
         const RfMaterial* m = from->materials + v->material[i];

@@ -73,6 +73,19 @@ void rf_look_up( const RfTexture* t, const RfTextureRef* ref, const float at[2],
     }
 }
 
+void rf_prefetch_texels( const RfTexture* t, const RfTextureRef* ref, const float at[2] )
+{
+    float shift = ref->nearest ? 0.0f : 0.5f;
+    int x = wrap_index( ref->wrap[0], (int)floorf( to_pixels( at[0], t->width ) - shift ), t->width );
+    int y = (int)floorf( to_pixels( at[1], t->height ) - shift );
+    for ( int row = 0; row < ( ref->nearest ? 1 : 2 ); ++row )
+    {
+        size_t texel = (size_t)wrap_index( ref->wrap[1], y + row, t->height ) * (size_t)t->width + (size_t)x;
+        size_t k = texel * (size_t)t->channels;
+        __builtin_prefetch( t->bytes != NULL ? (const void*)( t->bytes + k ) : (const void*)( t->floats + k ) );
+    }
+}
+
 float rf_texture_bound( const RfTexture* t, const RfTextureRef* ref, const float low[2], const float high[2] )
 {
     int size[2] = { t->width, t->height }, first[2], count[2];

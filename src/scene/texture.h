@@ -39,6 +39,9 @@ void rf_transform_uv( const RfTextureRef* ref, const float uv[2], float out[2] )
 // to RGB; without an alpha channel alpha is 1.
 void rf_look_up( const RfTexture* texture, const RfTextureRef* ref, const float at[2], float rgba[4] );
 
+// Fetches the texels of such a lookup into the cache.
+void rf_prefetch_texels( const RfTexture* texture, const RfTextureRef* ref, const float at[2] );
+
 // An upper bound of the colour values that lookups give between the corners `low` and `high`
 // in u', v'; 0 means that they are all black.
 float rf_texture_bound( const RfTexture* texture, const RfTextureRef* ref, const float low[2], const float high[2] );
