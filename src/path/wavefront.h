@@ -108,6 +108,9 @@ static inline int rf_light_lanes_count( const RfPathSettings* settings )
     return settings->light_samples + ( settings->linker != NULL );
 }
 
+// Fills the vertices of the rays' hits, which are in the scratch, as rf_find_vertices does.
+void rf_fill_vertices( const RfTracer* tracer, const RfRayLanes* rays, RfVertexLanes* vertices, RfLaneScratch* scratch );
+
 // Traces the rays and fills the vertices they hit, sorted by scattering model and
 // by ray within a model. Rays that miss leave no vertex. `coherent` is a hint for
 // the traversal.

@@ -1,0 +1,48 @@
+// Vertices of rays that pass thin panes on their way.
+#include "path/wavefront.h"
+
+// Panes that rays did not pass, which has the probability 1 − q: what is left of them is
+// their base and their reflection.
+static void stop_at_panes( const RfVertexLanes* v, RfRayLanes* rays, float* const tint[3] )
+{
+    const float* n[3] = { v->n[0], v->n[1], v->n[2] };
+    const float* param[RF_PARAM_COUNT];
+    for ( int p = 0; p < RF_PARAM_COUNT; ++p )
+        param[p] = v->param[p];
+    RfBsdfLanes lanes = rf_bsdf_lanes( RF_BSDF_GLASS, n, param, 0 );
+    for ( int i = v->first[RF_BSDF_GLASS]; i < v->first[RF_BSDF_GLASS + 1]; ++i )
+    {
+        RfPane pane = rf_pane_of_lane( &lanes, i, rf_vec3( v->wo[0][i], v->wo[1][i], v->wo[2][i] ) );
+        if ( !( pane.probability > 0.0f ) )
+            continue;
+        float stopped = rf_maxf( 1.0f - pane.probability, 0x1p-24f );
+        for ( int c = 0; c < 3; ++c )
+        {
+            rays->throughput[c][v->ray[i]] /= stopped;
+            tint[c][i] = 0.0f;
+        }
+    }
+}
+
+const float* rf_find_vertices_past_panes( const RfPathSettings* settings, RfRayLanes* rays, RfVertexLanes* vertices,
+                                          RfLaneScratch* scratch )
+{
+    if ( !rf_tracer_has_panes( settings->tracer ) )
+    {
+        rf_find_vertices( settings, rays, false, vertices, scratch );
+        return NULL;
+    }
+    const float* o[3] = { rays->o[0], rays->o[1], rays->o[2] };
+    const float* d[3] = { rays->d[0], rays->d[1], rays->d[2] };
+    RfPaneLanes panes = { scratch->visible, { scratch->f[0], scratch->f[1], scratch->f[2] } };
+    rf_trace_nearest_past_panes( settings->tracer, rays->count, o, d, scratch->triangle, scratch->u, scratch->v, &panes );
+    rf_fill_vertices( settings->tracer, rays, vertices, scratch );
+    for ( int c = 0; c < 3; ++c )
+    {
+        for ( int r = 0; r < rays->count; ++r )
+            rays->throughput[c][r] *= panes.weight[c][r];
+    }
+    float* tint[3] = { vertices->param[RF_PARAM_TINT], vertices->param[RF_PARAM_TINT + 1], vertices->param[RF_PARAM_TINT + 2] };
+    stop_at_panes( vertices, rays, tint );
+    return panes.probability;
+}
