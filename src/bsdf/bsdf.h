@@ -69,6 +69,10 @@ RfPane rf_pane_of_material( const RfMaterial* material, float cos_o );
 // The same for a lane of GLASS seen from wo.
 RfPane rf_pane_of_lane( const RfBsdfLanes* lanes, int lane, RfVec3 wo );
 
+// The probability that sampling at a lane of GLASS without a base, seen from wo, reflects rather than transmits: that of a
+// facet along the shading normal.
+float rf_reflection_probability_of_lane( const RfBsdfLanes* lanes, int lane, RfVec3 wo );
+
 // The probability with which sampling reflects at a smooth (alpha 0), untextured surface of
 // RF_BSDF_GLASS that is seen from its front at this cosine, and the weight of the reflection.
 float rf_glass_reflection( const RfMaterial* material, float cos_o, RfVec3* weight );

@@ -80,3 +80,9 @@ void rf_glass_delta_lobes( const RfMaterial* m, float ior, float cos_o, RfVec3* 
     *reflected = reflectance( &g, cos_o );
     *transmitted = ior > 0.0f ? rf_scale( m->tint, 1.0f - dielectric( cos_o, ior ) ) : rf_vec3( 0, 0, 0 );
 }
+
+float rf_reflection_probability_of_lane( const RfBsdfLanes* lanes, int lane, RfVec3 wo )
+{
+    Glass g = glass_of( lanes, lane );
+    return reflection_probability( &g, reflectance( &g, rf_lift_to_horizon( g.n, wo ).cos_o ) );
+}

@@ -167,7 +167,7 @@ static void follow( const RfPathSettings* settings, int sample, RfWavefront* wav
     {
         if ( vertex > 2 )
             rf_count_path_rays( wavefront, rays );
-        rf_find_vertices_past_panes( settings, rays, &wavefront->vertices, &wavefront->scratch );
+        rf_find_vertices_past_panes( settings, rays, 0, &wavefront->vertices, &wavefront->scratch );
         rf_absorb( &wavefront->vertices, rays );
         if ( vertex > 2 )
             add_emission( settings, wavefront, rays, samples );

@@ -221,7 +221,7 @@ const float* rf_find_lit_vertices( const RfPathSettings* settings, RfWavefront* 
                                    RfVertexLanes* vertices )
 {
     rf_count_path_rays( wavefront, rays );
-    const float* pane_probability = rf_find_vertices_past_panes( settings, rays, vertices, &wavefront->scratch );
+    const float* pane_probability = rf_find_vertices_past_panes( settings, rays, 0, vertices, &wavefront->scratch );
     rf_absorb( vertices, rays );
     rf_leave_to_links( settings, wavefront, rays, vertices );
     rf_add_emission_hits( settings, rays, vertices, wavefront->scratch.triangle, pane_probability, defer_mis,

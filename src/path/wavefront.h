@@ -117,11 +117,11 @@ void rf_fill_vertices( const RfTracer* tracer, const RfRayLanes* rays, RfVertexL
 void rf_find_vertices( const RfPathSettings* settings, const RfRayLanes* rays, bool coherent, RfVertexLanes* vertices,
                        RfLaneScratch* scratch );
 
-// The same for rays that pass thin panes, by chance: their throughput gets the panes' factor κ, and they are not
-// bent. Panes that rays did not pass are vertices without transmission. Returns the probability q of each ray of
-// passing its panes, in the scratch; NULL: the scene has no panes (src/reuse/estimators.md, section 11).
-const float* rf_find_vertices_past_panes( const RfPathSettings* settings, RfRayLanes* rays, RfVertexLanes* vertices,
-                                          RfLaneScratch* scratch );
+// The same for rays of which those from `first_past` on pass thin panes, by chance: their throughput gets the panes' factor
+// κ, and they are not bent. Panes that these did not pass are vertices without transmission. Returns the probability q of
+// each ray of passing its panes, in the scratch; NULL: the scene has no panes (src/reuse/estimators.md, section 11).
+const float* rf_find_vertices_past_panes( const RfPathSettings* settings, RfRayLanes* rays, int first_past,
+                                          RfVertexLanes* vertices, RfLaneScratch* scratch );
 
 // `numbers` uniform random numbers per lane, from `dimension` on.
 void rf_draw_lanes( const RfWavefront* keys, int count, const int32_t* slot, uint32_t dimension, int numbers,

@@ -1,5 +1,4 @@
-// Where chains start: at mirrors and glass, and at coats so smooth that they are better followed than evaluated. What the
-// reflection there sees of lights directly is always traced, rather than only when a ray happens to reflect.
+// Where chains start: at mirrors and glass, and at coats so smooth that they are better followed than evaluated.
 #include "reuse/chain_steps.h"
 #include "reuse/coats.h"
 
@@ -26,7 +25,7 @@ static uint8_t view_of( const RfPathSettings* path, const RfVertexLanes* v, int 
     return mirror == RF_NO_MIRROR || cos_o < RF_MIN_COS || inside ? RF_VIEW_CHAIN : (uint8_t)( RF_VIEW_FIRST_MIRROR + mirror );
 }
 
-bool rf_starts_at_pane( const RfTracer* tracer, const RfVertexLanes* v, int i )
+bool rf_is_at_pane( const RfTracer* tracer, const RfVertexLanes* v, int i )
 {
     if ( !rf_tracer_has_panes( tracer ) )
         return false;
@@ -47,7 +46,6 @@ static void start_at_glass( const RfPathSettings* path, const RfRayLanes* rays, 
         RfVec3 t = rf_transmittance_from( v, i, rf_vec3( rays->o[0][slot], rays->o[1][slot], rays->o[2][slot] ) );
         float left[3] = { t.x, t.y, t.z };
         rf_set_throughput( chains, slot, t );
-        chains->pane[slot] = rf_starts_at_pane( path->tracer, v, i );
         chains->view[slot] = view_of( path, v, i, wavefront->scratch.triangle[v->ray[i]], t );
         for ( int c = 0; c < 3; ++c )
             wavefront->arrivals.rest[c][slot] += left[c] * v->emission[c][i];
@@ -83,64 +81,13 @@ static void start_at_coats( const RfVertexLanes* first, RfWavefront* wavefront, 
     }
 }
 
-// The reflecting lobes of first vertices that do other things as well.
-static void list_reflections( const RfVertexLanes* first, RfChains* chains, RfVertexLanes* out )
-{
-    const RfVertexLanes* at = &chains->at;
-    for ( int kind = 0; kind <= RF_BSDF_KIND_COUNT; ++kind )
-        out->first[kind] = 0;
-    out->count = 0;
-    for ( int i = 0; i < at->count; ++i )
-    {
-        float base = 0.0f, tint = 0.0f;
-        for ( int c = 0; c < 3; ++c )
-        {
-            base += at->param[RF_PARAM_DIFFUSE + c][i];
-            tint += at->param[RF_PARAM_TINT + c][i];
-        }
-        if ( base > 0.0f || tint == 0.0f )
-            continue;
-        rf_copy_vertices( at, i, 1, rf_bsdf_model( RF_BSDF_GLASS )->params, out, out->count );
-        for ( int c = 0; c < 3; ++c )
-            out->param[RF_PARAM_TINT + c][out->count] = 0.0f;
-        chains->split[out->slot[out->count]] = 1;
-        append( out, 1 );
-    }
-    for ( int i = first->first[RF_BSDF_GGX]; i < first->first[RF_BSDF_GGX + 1]; ++i )
-    {
-        if ( !rf_is_smooth_coat( first, i ) )
-            continue;
-        rf_make_lobe( first, i, out, out->count );
-        chains->split[first->slot[i]] = 1;
-        append( out, 1 );
-    }
-}
-
-// What the reflections see of lights, by light samples and by rays.
-static void light_reflections( const RfPathSettings* path, const RfVertexLanes* first, RfWavefront* wavefront, RfChains* chains )
-{
-    RfVertexLanes* reflections = &chains->ends; // not in use yet
-    list_reflections( first, chains, reflections );
-    if ( reflections->count == 0 )
-        return;
-    rf_light_chains( path, 1, reflections, wavefront, chains );
-    rf_scatter_chains( path, 1, reflections, wavefront, chains );
-    if ( wavefront->rays.count == 0 )
-        return;
-    rf_count_path_rays( wavefront, &wavefront->rays );
-    const float* pane_probability =
-        rf_find_vertices_past_panes( path, &wavefront->rays, &wavefront->vertices, &wavefront->scratch );
-    rf_absorb( &wavefront->vertices, &wavefront->rays );
-    rf_add_emission_hits( path, &wavefront->rays, &wavefront->vertices, wavefront->scratch.triangle, pane_probability, false,
-                          NULL, &wavefront->arrivals );
-}
-
 void rf_start_chains( const RfPathSettings* path, const RfVertexLanes* first, const RfRayLanes* camera_rays, bool lit,
                       RfWavefront* wavefront, RfChains* chains )
 {
     memset( chains->length, 0, sizeof chains->length );
     memset( chains->view, RF_VIEW_DIRECT, sizeof chains->view );
     memset( chains->split, 0, sizeof chains->split );
+    memset( chains->counted, 0, sizeof chains->counted );
     memset( chains->pane, 0, sizeof chains->pane );
     memset( chains->straight, 0, sizeof chains->straight );
     memset( &wavefront->arrivals, 0, sizeof wavefront->arrivals );
@@ -153,7 +100,7 @@ void rf_start_chains( const RfPathSettings* path, const RfVertexLanes* first, co
     start_at_glass( path, camera_rays, wavefront, chains );
     start_at_coats( first, wavefront, chains );
     if ( lit && path->max_depth > 1 )
-        light_reflections( path, first, wavefront, chains );
+        rf_split_reflections( path, 1, first, wavefront, chains );
     for ( int i = 0; i < chains->at.count; ++i )
     {
         int slot = chains->at.slot[i];

@@ -80,24 +80,54 @@ static void write_ray( const RfVertexLanes* v, int i, const RfLaneScratch* s, fl
     rays->slot[to] = v->slot[i];
 }
 
-void rf_scatter_chains( const RfPathSettings* path, int vertex, const RfVertexLanes* v, RfWavefront* wavefront, RfChains* chains )
+// A vertex of chains that scatters.
+typedef struct Scattering
 {
-    RfRayLanes* rays = &wavefront->rays;
-    RfLaneScratch* s = &wavefront->scratch;
-    float* wi[3] = { s->wi[0], s->wi[1], s->wi[2] };
-    rf_scatter_lanes( wavefront, v, dimension_of( path, vertex ) + RF_DIMENSION_SCATTER, wi, s );
-    rf_draw_lanes( wavefront, v->count, v->slot, dimension_of( path, vertex ) + RF_DIMENSION_ROULETTE, 1, s->random );
-    int kept = 0;
+    const RfPathSettings* path;
+    int vertex; // of its chains
+    bool roulette;
+    const RfVertexLanes* v;
+    const RfLaneScratch* s;
+} Scattering;
+
+// Whether panes are vertices to the ray that leaves lane i on this side: to those of delta lobes, which no light sample competes
+// with, that have room for one within max_depth.
+static bool ends_at_panes( const Scattering* at, const RfChains* chains, int i, float side )
+{
+    int slot = at->v->slot[i], passed = chains->straight[slot] + ( chains->pane[slot] && side < 0.0f );
+    return at->s->pdf[i] >= RF_DELTA_PDF && at->vertex + 1 - passed < at->path->max_depth;
+}
+
+// Appends the rays that end at panes, or the others.
+static void append_rays( const Scattering* at, bool end_at_panes, RfChains* chains, RfRayLanes* rays )
+{
+    const RfVertexLanes* v = at->v;
+    const RfLaneScratch* s = at->s;
     for ( int i = 0; i < v->count; ++i )
     {
         float direction[3] = { s->wi[0][i], s->wi[1][i], s->wi[2][i] };
         float side = rf_leaving_side( v, i, direction );
         RfVec3 t = rf_mul( rf_throughput_of( chains, v->slot[i] ), rf_vec3( s->f[0][i], s->f[1][i], s->f[2][i] ) );
-        float survival = vertex < ROULETTE_AFTER ? 1.0f : rf_minf( rf_max_component( t ) / RF_ROULETTE_BELOW, 1.0f );
-        if ( side == 0.0f || !( rf_max_component( t ) > 0.0f ) || s->random[0][i] >= survival )
+        float survival = at->roulette ? rf_minf( rf_max_component( t ) / RF_ROULETTE_BELOW, 1.0f ) : 1.0f;
+        if ( side == 0.0f || !( rf_max_component( t ) > 0.0f ) || s->random[0][i] >= survival ||
+             ends_at_panes( at, chains, i, side ) != end_at_panes )
             continue;
         chains->reflected[v->slot[i]] = side > 0.0f;
-        write_ray( v, i, s, side, rf_scale( t, 1.0f / survival ), rays, kept++ );
+        write_ray( v, i, s, side, rf_scale( t, 1.0f / survival ), rays, rays->count++ );
     }
-    rays->count = kept;
+}
+
+int rf_scatter_chains( const RfPathSettings* path, int vertex, int followed, const RfVertexLanes* v, RfWavefront* wavefront,
+                       RfChains* chains )
+{
+    RfLaneScratch* s = &wavefront->scratch;
+    float* wi[3] = { s->wi[0], s->wi[1], s->wi[2] };
+    rf_scatter_lanes( wavefront, v, dimension_of( path, vertex ) + RF_DIMENSION_SCATTER, wi, s );
+    rf_draw_lanes( wavefront, v->count, v->slot, dimension_of( path, vertex ) + RF_DIMENSION_ROULETTE, 1, s->random );
+    Scattering at = { path, vertex, followed >= ROULETTE_AFTER, v, s };
+    wavefront->rays.count = 0;
+    append_rays( &at, true, chains, &wavefront->rays );
+    int end_at_panes = wavefront->rays.count;
+    append_rays( &at, false, chains, &wavefront->rays );
+    return end_at_panes;
 }

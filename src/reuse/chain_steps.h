@@ -21,6 +21,11 @@ static inline void rf_set_throughput( RfChains* chains, int slot, RfVec3 t )
 void rf_start_chains( const RfPathSettings* path, const RfVertexLanes* first, const RfRayLanes* camera_rays, bool lit,
                       RfWavefront* wavefront, RfChains* chains );
 
+// What reflections at the chains' `vertex`-th vertices see of lights, added to wavefront->arrivals; notes them in
+// chains->split. With `coats`, smooth coats among these first vertices as well; NULL: later ones.
+void rf_split_reflections( const RfPathSettings* path, int vertex, const RfVertexLanes* coats, RfWavefront* wavefront,
+                           RfChains* chains );
+
 // Makes the unevaluable lanes of `found` the vertices where chains are.
 void rf_go_to( const RfVertexLanes* found, RfVertexLanes* at );
 
@@ -28,8 +33,9 @@ void rf_go_to( const RfVertexLanes* found, RfVertexLanes* at );
 void rf_light_chains( const RfPathSettings* path, int vertex, const RfVertexLanes* v, RfWavefront* wavefront,
                       const RfChains* chains );
 
-// Scatters vertices of chains: wavefront->rays gets the rays, with the throughput of their chains.
-void rf_scatter_chains( const RfPathSettings* path, int vertex, const RfVertexLanes* v, RfWavefront* wavefront,
-                        RfChains* chains );
+// Scatters vertices of chains: wavefront->rays gets the rays, with the throughput of their chains, first those to which panes
+// may be vertices. Returns how many these are. How many vertices they were `followed` over decides about roulette.
+int rf_scatter_chains( const RfPathSettings* path, int vertex, int followed, const RfVertexLanes* v, RfWavefront* wavefront,
+                       RfChains* chains );
 
 #endif

@@ -3,16 +3,14 @@
 
 #include <string.h>
 
-// Light samples where chains are. First vertices that are split have theirs.
+// So many vertices of a chain have their reflections split, and panes for vertices.
+#define MOST_SPLIT 4
+
+// Light samples where chains are. Vertices that are split have theirs.
 static void light_chains( const RfPathSettings* path, int vertex, RfWavefront* wavefront, RfChains* chains )
 {
-    RfVertexLanes* at = &chains->at;
-    if ( vertex > 1 )
-    {
-        rf_light_chains( path, vertex, at, wavefront, chains );
-        return;
-    }
-    RfVertexLanes* unlit = &chains->ends; // not in use yet
+    const RfVertexLanes* at = &chains->at;
+    RfVertexLanes* unlit = &chains->hits; // not in use yet
     for ( int kind = 0; kind <= RF_BSDF_KIND_COUNT; ++kind )
         unlit->first[kind] = 0;
     unlit->count = 0;
@@ -26,10 +24,26 @@ static void light_chains( const RfPathSettings* path, int vertex, RfWavefront* w
         unlit->first[kind] = unlit->count;
     if ( unlit->count > 0 )
         rf_light_chains( path, vertex, unlit, wavefront, chains );
-    unlit->count = 0;
 }
 
-// Sorts the chains by what happened: what is behind a pane is seen straight, flat mirrors show what one reflection sees,
+// What chains see of lights at their vertices.
+static void find_lights( const RfPathSettings* path, int vertex, RfWavefront* wavefront, RfChains* chains )
+{
+    for ( int i = 0; vertex > MOST_SPLIT && i < chains->at.count; ++i )
+        chains->split[chains->at.slot[i]] = 0;
+    if ( vertex > 1 && vertex <= MOST_SPLIT )
+        rf_split_reflections( path, vertex, NULL, wavefront, chains );
+    light_chains( path, vertex, wavefront, chains );
+}
+
+static void note_panes_at( const RfPathSettings* path, RfChains* chains )
+{
+    const RfVertexLanes* at = &chains->at;
+    for ( int i = 0; i < at->count; ++i )
+        chains->pane[at->slot[i]] = rf_is_at_pane( path->tracer, at, i );
+}
+
+// Sorts the chains by what happened: what is behind panes is seen straight, flat mirrors show what one reflection sees,
 // and the light that split reflections see is counted already.
 static void note_events( int vertex, RfWavefront* wavefront, RfChains* chains )
 {
@@ -37,25 +51,25 @@ static void note_events( int vertex, RfWavefront* wavefront, RfChains* chains )
     for ( int r = 0; r < rays->count; ++r )
     {
         int slot = rays->slot[r];
-        bool first_reflection = vertex == 1 && chains->reflected[slot];
-        bool passed = vertex == 1 && chains->pane[slot] && !chains->reflected[slot];
-        chains->straight[slot] |= passed;
-        chains->split[slot] = chains->split[slot] && first_reflection;
-        if ( passed )
+        bool reflected = chains->reflected[slot], passed = chains->pane[slot] && !reflected;
+        bool straight = passed && ( vertex == 1 || chains->view[slot] == RF_VIEW_DIRECT );
+        chains->straight[slot] += passed;
+        chains->counted[slot] |= chains->split[slot] && reflected;
+        if ( straight )
             chains->view[slot] = RF_VIEW_DIRECT;
-        else if ( !first_reflection || rays->pdf_solid_angle[r] < RF_DELTA_PDF )
+        else if ( vertex > 1 || !reflected || rays->pdf_solid_angle[r] < RF_DELTA_PDF )
             chains->view[slot] = RF_VIEW_CHAIN;
     }
 }
 
 // Takes the light away that is counted already.
-static void drop_split_light( const RfChains* chains, RfWavefront* wavefront )
+static void drop_counted_light( const RfChains* chains, RfWavefront* wavefront )
 {
     RfVertexLanes* found = &wavefront->vertices;
     RfRayLanes* rays = &wavefront->rays;
     for ( int i = 0; i < found->count; ++i )
     {
-        if ( !chains->split[found->slot[i]] )
+        if ( !chains->counted[found->slot[i]] )
             continue;
         found->light_pdf_solid_angle[i] = 0.0f;
         for ( int c = 0; c < 3; ++c )
@@ -63,7 +77,7 @@ static void drop_split_light( const RfChains* chains, RfWavefront* wavefront )
     }
     for ( int r = 0; r < rays->count; ++r )
     {
-        for ( int c = 0; c < 3 && chains->split[rays->slot[r]] && wavefront->scratch.triangle[r] == RF_MISS; ++c )
+        for ( int c = 0; c < 3 && chains->counted[rays->slot[r]] && wavefront->scratch.triangle[r] == RF_MISS; ++c )
             rays->throughput[c][r] = 0.0f;
     }
 }
@@ -192,24 +206,25 @@ void rf_follow_chains( const RfPathSettings* path, const RfVertexLanes* first, c
                        RfWavefront* wavefront, RfChains* chains )
 {
     rf_start_chains( path, first, camera_rays, lit, wavefront, chains );
-    int end = path->max_depth == 1 ? 1 : path->max_depth + rf_tracer_has_panes( path->tracer );
+    int end = path->max_depth == 1 ? 1 : path->max_depth + MOST_SPLIT * rf_tracer_has_panes( path->tracer );
     for ( int vertex = 1; vertex < end && chains->at.count > 0; ++vertex )
     {
         end_last( path, vertex, chains );
+        note_panes_at( path, chains );
         if ( lit )
-            light_chains( path, vertex, wavefront, chains );
-        rf_scatter_chains( path, vertex, &chains->at, wavefront, chains );
+            find_lights( path, vertex, wavefront, chains );
+        int end_at_panes = rf_scatter_chains( path, vertex, vertex, &chains->at, wavefront, chains );
         if ( wavefront->rays.count == 0 )
             break;
         note_events( vertex, wavefront, chains );
         rf_count_path_rays( wavefront, &wavefront->rays );
+        int first_past = vertex < MOST_SPLIT ? end_at_panes : 0;
         const float* pane_probability =
-            rf_find_vertices_past_panes( path, &wavefront->rays, &wavefront->vertices, &wavefront->scratch );
+            rf_find_vertices_past_panes( path, &wavefront->rays, first_past, &wavefront->vertices, &wavefront->scratch );
         if ( pane_probability != NULL )
             note_panes( &wavefront->rays, pane_probability, chains );
         rf_absorb( &wavefront->vertices, &wavefront->rays );
-        if ( vertex == 1 )
-            drop_split_light( chains, wavefront );
+        drop_counted_light( chains, wavefront );
         add_emission( path, pane_probability, vertex, wavefront, chains );
         note_ends( path, &wavefront->vertices, &wavefront->rays, vertex, chains );
         rf_go_to( &wavefront->vertices, &chains->at );

@@ -17,9 +17,10 @@ typedef struct RfChains
     RF_ALIGN float light[3][RF_LANES];      // that the chain itself brings, for its own pixel
     int32_t length[RF_LANES];               // vertices before the hit; 0: the camera ray found it
     uint8_t view[RF_LANES];
-    uint8_t pane[RF_LANES];      // 1: starts at a thin pane
-    uint8_t straight[RF_LANES];  // 1: passed that pane, which does not count in max_depth
-    uint8_t split[RF_LANES];     // 1: the light that the first reflection sees is counted already
+    uint8_t pane[RF_LANES];      // 1: is at a thin pane
+    uint8_t straight[RF_LANES];  // panes among its vertices that it passed, which do not count in max_depth
+    uint8_t split[RF_LANES];     // 1: what the reflection here shows of lights is counted already
+    uint8_t counted[RF_LANES];   // 1: was reflected where it was split
     uint8_t reflected[RF_LANES]; // 1: the last event was a reflection
     float lobe_weight[RF_LANES]; // 1 over the probability of drawing the lobe of a coat
     // by end
@@ -30,7 +31,7 @@ typedef struct RfChains
 bool rf_has_chains( const RfVertexLanes* first );
 
 // True if unevaluable vertex i is a thin pane at this angle (src/reuse/estimators.md, section 11).
-bool rf_starts_at_pane( const RfTracer* tracer, const RfVertexLanes* v, int i );
+bool rf_is_at_pane( const RfTracer* tracer, const RfVertexLanes* v, int i );
 
 // Follows the chains that start at some vertices of `first`, and fills everything.
 // Uses the wavefront, whose keys must be set. Without `lit`, leaves light sampling out.

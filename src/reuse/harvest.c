@@ -96,7 +96,7 @@ static void note_passed_panes( const RfHarvest* harvest, RfHarvestScratch* scrat
     for ( int i = rf_record_count( v ); i < v->count; ++i )
     {
         float cos_g = v->ng[0][i] * wi[0][i] + v->ng[1][i] * wi[1][i] + v->ng[2][i] * wi[2][i];
-        scratch->spent[v->slot[i]] = cos_g < 0.0f && rf_starts_at_pane( harvest->path.tracer, v, i ) ? -1 : 0;
+        scratch->spent[v->slot[i]] = cos_g < 0.0f && rf_is_at_pane( harvest->path.tracer, v, i ) ? -1 : 0;
     }
     scratch->wavefront.spent = scratch->spent;
 }

@@ -83,6 +83,15 @@ static void test_panes_are_unbiased( void** state )
     check_room( "mirror behind a pane", MIRROR_BEHIND_PANE, 6 );
 }
 
+// Where panes and mirrors show it again and again.
+static void test_lamps_in_bulbs_are_unbiased( void** state )
+{
+    (void)state;
+    check_room( "bulb", MIRROR_BEHIND_BULB, 6 );
+    check_room_if_long( "bulb, depth 3", MIRROR_BEHIND_BULB, 3 );
+    check_room_if_long( "bulb, depth 2", MIRROR_BEHIND_BULB, 2 );
+}
+
 static void test_sharp_lobes_are_unbiased( void** state )
 {
     (void)state;
@@ -96,15 +105,11 @@ static void test_sharp_lobes_are_unbiased( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_a_mirror_ball_is_unbiased ),
-        cmocka_unit_test( test_balls_of_glass_are_unbiased ),
-        cmocka_unit_test( test_slabs_of_glass_are_unbiased ),
-        cmocka_unit_test( test_rough_glass_is_unbiased ),
-        cmocka_unit_test( test_eyes_within_glass_are_unbiased ),
-        cmocka_unit_test( test_panes_are_unbiased ),
-        cmocka_unit_test( test_light_that_comes_by_chains_is_unbiased ),
-        cmocka_unit_test( test_sharp_lobes_are_unbiased ),
-        cmocka_unit_test( test_extra_samples_and_roulette_are_unbiased ),
+        cmocka_unit_test( test_a_mirror_ball_is_unbiased ),      cmocka_unit_test( test_balls_of_glass_are_unbiased ),
+        cmocka_unit_test( test_slabs_of_glass_are_unbiased ),    cmocka_unit_test( test_rough_glass_is_unbiased ),
+        cmocka_unit_test( test_eyes_within_glass_are_unbiased ), cmocka_unit_test( test_panes_are_unbiased ),
+        cmocka_unit_test( test_lamps_in_bulbs_are_unbiased ),    cmocka_unit_test( test_light_that_comes_by_chains_is_unbiased ),
+        cmocka_unit_test( test_sharp_lobes_are_unbiased ),       cmocka_unit_test( test_extra_samples_and_roulette_are_unbiased ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -117,10 +117,10 @@ static void add_standing_mirror( SceneBuilder* b )
     add_box( b, add_material( b, shining ), rf_vec3( 1.0f, 0.9f, -1.1f ), rf_vec3( 1.4f, 1.9f, -0.7f ), false );
 }
 
-static void add_sign( SceneBuilder* b )
+static void add_sign( SceneBuilder* b, float radiance )
 {
     add_flat_mirror( b );
-    uint32_t sign = add_material( b, make_light( 3.0f, false ) );
+    uint32_t sign = add_material( b, make_light( radiance, false ) );
     add_quad( b, sign, rf_vec3( 0.9f, 1.4f, -BACK ), rf_vec3( -0.6f, 1.4f, -BACK ), rf_vec3( -0.6f, 2.2f, -BACK ),
               rf_vec3( 0.9f, 2.2f, -BACK ) );
 }
@@ -146,7 +146,11 @@ static void add_mirrors( SceneBuilder* b, MirrorRoom kind )
         case STANDING_MIRROR: add_standing_mirror( b ); break;
         case MASKED_SCREENS:
         case BLENDED_SCREENS: add_screens( b ); break;
-        case MIRROR_BY_SIGN: add_sign( b ); break;
+        case MIRROR_BY_SIGN: add_sign( b, 3.0f ); break;
+        case MIRROR_BEHIND_BULB:
+            add_sign( b, 20.0f );
+            add_sphere( b, add_material( b, make_pane( 0.9f, 0.8f, 0.7f ) ), rf_vec3( -0.1f, 1.1f, -0.6f ), 0.6f, 12 );
+            break;
         case MIRROR_BEHIND_PANE:
             add_flat_mirror( b );
             add_upright( b, add_material( b, make_pane( 0.7f, 0.9f, 0.8f ) ), -1.3f, 0.6f, 1.0f, 2.1f, -1.2f );

@@ -22,6 +22,7 @@ typedef enum MirrorRoom
     BLENDED_SCREENS,  // the same, half transparent
     MIRROR_BY_SIGN,   // a lamp behind the eyes, seen in the mirror
     MIRROR_BEHIND_PANE,
+    MIRROR_BEHIND_BULB, // of thin glass, which the mirror shows too; both show a lamp behind the eyes
     MIRROR_BALL,
     GLASS_BALL,
     ABSORBING_BALL,
