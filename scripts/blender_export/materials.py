@@ -173,7 +173,9 @@ def names_for(plan, count):
 def carry_plan(plan):
     """The slots of a material that needs no bake, with what replaces it."""
     s = plan.surface
-    if plan.plain and s.transmission == 0.0 and (s.alpha == 1.0 or plan.material.blend_method != "OPAQUE"):
+    if plan.plain and s.transmission == 0.0:
+        plan.material.use_backface_culling = False
+        plan.material.blend_method = "OPAQUE" if s.alpha == 1.0 else "BLEND"
         patches[plan.material.name] = {**(NO_COAT if s.specular == 0.0 else {"extras": ADDED_COAT}), "base": base_of_principled(s)}
         return []
     kinds = {}

@@ -327,6 +327,22 @@ def mixed_glass():
     bulb.data.shadow_soft_size = 0.25
 
 
+def for_eevee():
+    """What materials say of culling and clipping, which Cycles ignores: an emitter seen from behind, and leaves."""
+    room(diffuse("walls", grey(0.5)), strength=2.0)
+    for name, turn, sets in (("glow", 1.5708, {"Emission": (1.0, 0.6, 0.3, 1.0), "Emission Strength": 2.0}),
+                             ("back", -1.5708, {"Emission": (0.3, 0.6, 1.0, 1.0), "Emission Strength": 2.0}),
+                             ("leaf", 1.2, {"Base Color": (0.2, 0.7, 0.2, 1.0), "Alpha": 0.3, "Specular": 0.0})):
+        material = bpy.data.materials.new(name)
+        material.use_nodes = material.use_backface_culling = True
+        material.blend_method, material.alpha_threshold = "CLIP", 0.5
+        for socket, value in sets.items():
+            material.node_tree.nodes["Principled BSDF"].inputs[socket].default_value = value
+        where = {"glow": (-1.0, 0.5, 0.2), "back": (1.0, 0.5, 0.2), "leaf": (0.0, 0.0, -0.5)}[name]
+        bpy.ops.mesh.primitive_plane_add(size=0.8, location=where, rotation=(turn, 0.0, 0.0))
+        bpy.context.object.data.materials.append(material)
+
+
 def left_out():
     """What can only be named."""
     room(diffuse("wall", grey(0.6)))
@@ -347,7 +363,8 @@ def left_out():
     bpy.ops.object.mode_set(mode="EDIT")  # in which the file is saved
 
 
-SCENES = (procedural, images, mapped, glass, transparent, emission, no_material, groups, other_rays, lamps, principled, mixed_glass, left_out)
+SCENES = (procedural, images, mapped, glass, transparent, emission, no_material, groups, other_rays, lamps, principled, mixed_glass,
+          for_eevee, left_out)
 
 
 def begin(size):
