@@ -132,8 +132,9 @@ def patch_of(plan, value, solid):
         if f0 != WHITE:
             extensions["KHR_materials_specular"]["specularColorFactor"] = list(f0)
     s = plan.surface
-    patch = {"extensions": extensions, "base": base_of_principled(s)}
-    if s.principled and specular > 0.0 and transmission == 0.0:
+    scaled = (s.scale / s.covered, s.lift) if (s.scale, s.lift) != (1.0, BLACK) else None
+    patch = {"extensions": extensions, "base": base_of_principled(s) or scaled}
+    if (s.principled or s.added) and specular > 0.0 and transmission == 0.0:
         patch["extras"] = ADDED_COAT
     if plan.copy is not None and value("metallic") == 1.0 and value("roughness") < MIRROR and is_constant(s.base):
         if transmission == 0.0 and s.emission == BLACK and s.alpha == 1.0 and s.normal is None and s.specular == 0.0:

@@ -148,6 +148,33 @@ static void test_means_are_those_of_cycles( void** state )
     cli_leave();
 }
 
+// Diffuse and gloss of two colours are one surface, as bright as in Cycles. Each surface alone is within a per cent; the
+// mean of a closed room of them shows ten times that.
+static void test_mixtures_of_gloss( void** state )
+{
+    (void)state;
+    static const char* const scenes[] = { "shares_of_gloss", "gloss_by_fresnel", "furnace" };
+    if ( !enter_with_blender() )
+        skip();
+    assert_int_equal( cli_run( MAKE "shares_of_gloss gloss_by_fresnel furnace --samples 256 --size " SIZE " > log 2>&1" )->status,
+                      0 );
+    for ( size_t i = 0; i < sizeof scenes / sizeof scenes[0]; ++i )
+    {
+        const CliResult* done = cli_run( BLENDER "%s.blend -P " REFRAME_SOURCE_DIR
+                                                 "/scripts/blender-export.py -- %s.glb --bake 64 --bake-cache cache",
+                                         scenes[i], scenes[i] );
+        assert_int_equal( done->status, 0 );
+        assert_null( strstr( done->out, "baked" ) ); // images are carried unchanged
+        assert_null( strstr( done->err, "mean of the two" ) );
+        assert_true( ( i == 1 ) ==
+                     ( strstr( done->err, "'tinted', node 'Mix Shader': the colour of its reflection: at grazing angles as "
+                                          "bright in all colours as in the brightest" ) != NULL ) );
+        compare( scenes[i], 0.98, 1.02 );
+    }
+    assert_true( mean_of( "furnace.r.exr" ) < 1.0005 );
+    cli_leave();
+}
+
 static void expect_line( const char* text, const char* part )
 {
     if ( strstr( text, part ) == NULL )
@@ -231,7 +258,7 @@ static void test_looks_of_other_rays( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = { cmocka_unit_test( test_means_are_those_of_cycles ),
-                                        cmocka_unit_test( test_looks_of_other_rays ),
+                                        cmocka_unit_test( test_mixtures_of_gloss ), cmocka_unit_test( test_looks_of_other_rays ),
                                         cmocka_unit_test( test_what_is_left_out_is_named ) };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

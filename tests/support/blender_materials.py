@@ -327,6 +327,62 @@ def mixed_glass():
     bulb.data.shadow_soft_size = 0.25
 
 
+def gloss_of(s, roughness, colour=(1.0, 1.0, 1.0, 1.0)):
+    return s.add("BsdfGlossy", Roughness=roughness, Color=colour)
+
+
+def shares_of_gloss():
+    """Diffuse and gloss of two colours in fixed shares: constant, of an image, tinted, of Principled, added, mixed again."""
+    s = Shader("wall")
+    room(s.done(s.mix(0.3, s.add("BsdfDiffuse", Color=(0.7, 0.3, 0.2, 1.0)), gloss_of(s, 0.4, grey(0.9)))))
+    s = Shader("printed")
+    put("cube", s.done(s.mix(0.3, s.add("BsdfDiffuse", Color=striped(s)), gloss_of(s, 0.3))), size=1.2, location=(-1.2, 0.7, -1.3))
+    s = Shader("tinted")
+    dull = s.add("BsdfPrincipled", Base_Color=(0.2, 0.5, 0.7, 1.0), Roughness=0.1, Specular=0.0)
+    put("uv_sphere", s.done(s.mix(0.4, gloss_of(s, 0.2, (0.9, 0.5, 0.1, 1.0)), dull)), radius=0.5, location=(0.1, 0.7, -1.4))
+    s = Shader("sum")
+    both = s.add("AddShader")
+    s.feed(both.inputs[0], s.add("BsdfDiffuse", Color=(0.1, 0.5, 0.2, 1.0)))
+    s.feed(both.inputs[1], gloss_of(s, 0.1, grey(0.3)))
+    put("cube", s.done(s.mix(0.5, both, s.add("BsdfDiffuse", Color=(0.6, 0.1, 0.5, 1.0)))), size=0.9, location=(1.3, 0.9, -1.4))
+
+
+def gloss_by_fresnel():
+    """Diffuse under gloss by Fresnel's factor: constant, of an image, tinted, of Principled, mixed again."""
+    s = Shader("wall")
+    room(s.done(s.mix(s.add("Fresnel", IOR=1.5), s.add("BsdfDiffuse", Color=(0.6, 0.5, 0.4, 1.0)), gloss_of(s, 0.3))))
+    s = Shader("printed")
+    put("cube", s.done(s.mix(s.add("Fresnel", IOR=1.5), s.add("BsdfDiffuse", Color=striped(s)), gloss_of(s, 0.5))), size=1.2,
+        location=(-1.2, 0.7, -1.3))
+    s = Shader("tinted")
+    dull = s.add("BsdfPrincipled", Base_Color=(0.2, 0.5, 0.7, 1.0), Roughness=0.9, Specular=0.0)
+    put("uv_sphere", s.done(s.mix(s.add("Fresnel", IOR=2.0), dull, gloss_of(s, 0.2, (0.9, 0.5, 0.1, 1.0)))), radius=0.5,
+        location=(0.1, 0.7, -1.4))
+    s = Shader("half")
+    coated = s.mix(s.add("LayerWeight", Blend=0.4).outputs["Fresnel"], s.add("BsdfDiffuse", Color=(0.1, 0.5, 0.2, 1.0)), gloss_of(s, 0.1))
+    put("cube", s.done(s.mix(0.5, coated, s.add("BsdfDiffuse", Color=(0.6, 0.1, 0.5, 1.0)))), size=0.9, location=(1.3, 0.9, -1.4))
+
+
+def furnace():
+    """White balls in uniform white light: whatever reflects more than arrives is brighter than what is behind it."""
+    world = bpy.data.worlds.new("white")
+    world.use_nodes = True
+    world.node_tree.nodes["Background"].inputs[0].default_value = grey(1.0)
+    bpy.context.scene.world = world
+    for i, roughness in enumerate((0.1, 0.6)):
+        where = {"radius": 0.45, "segments": 48, "ring_count": 24}
+        fixed, sheer, added = Shader("fixed %d" % i), Shader("sheer %d" % i), Shader("added %d" % i)
+        both = added.add("AddShader")
+        added.feed(both.inputs[0], added.add("BsdfDiffuse", Color=grey(0.6)))
+        added.feed(both.inputs[1], gloss_of(added, roughness, grey(0.4)))
+        added.done(both)
+        fixed.done(fixed.mix(0.3, fixed.add("BsdfDiffuse", Color=grey(1.0)), gloss_of(fixed, roughness, grey(0.99))))
+        sheer.done(sheer.mix(sheer.add("Fresnel", IOR=1.8), sheer.add("BsdfDiffuse", Color=grey(1.0)), gloss_of(sheer, roughness)))
+        for k, s in enumerate((fixed, sheer, added)):
+            put("uv_sphere", s.material, location=(1.0 * k - 0.8, 0.5, 0.6 - i), **where)
+            bpy.ops.object.shade_smooth()
+
+
 def for_eevee():
     """What materials say of culling and clipping, which Cycles ignores: an emitter seen from behind, and leaves."""
     room(diffuse("walls", grey(0.5)), strength=2.0)
@@ -364,7 +420,7 @@ def left_out():
 
 
 SCENES = (procedural, images, mapped, glass, transparent, emission, no_material, groups, other_rays, lamps, principled, mixed_glass,
-          for_eevee, left_out)
+          shares_of_gloss, gloss_by_fresnel, furnace, for_eevee, left_out)
 
 
 def begin(size):
