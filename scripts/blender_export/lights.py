@@ -108,7 +108,8 @@ def tell_lost(lamps, spheres):
         if lamp.data.type == "AREA" and lamp.data.spread < 0.999 * math.pi:
             warn("'%s': spread of %.0f degrees: left out, the light goes to all sides" % (lamp.name, math.degrees(lamp.data.spread)))
         if lamp.data.type == "SUN" and lamp.data.angle > 0.0:
-            warn("'%s': a sun of %.1f degrees: its shadows are sharp here, and it is not seen in mirrors" % (lamp.name, math.degrees(lamp.data.angle)))
+            warn("'%s': a sun of %.1f degrees: its shadows are sharp here, it is not seen in mirrors, and lights nothing through solid glass" %
+                 (lamp.name, math.degrees(lamp.data.angle)))
     sized = [o.name for o in lamps if is_sized(o) and o.name not in spheres]
     if sized:
         warn("spot lamps, and point lamps in view, have no radius here: sharp shadows, not seen in mirrors, no light through solid glass: " + list_names(sized))

@@ -255,10 +255,46 @@ static void test_looks_of_other_rays( void** state )
     cli_leave();
 }
 
+static void expect_glass( const RfScene* scene, const char* name, bool is_thin )
+{
+    const RfMaterial* found = find_material( scene, name );
+    if ( found->kind != RF_BSDF_GLASS || found->thin != is_thin )
+        fail_msg( "'%s' is not %s glass", name, is_thin ? "thin" : "solid" );
+}
+
+// A thin box of glass is two panes, through which lamps and the sun light a room; what bends light, or has something on its
+// walls or in it, stays a body.
+static void test_thin_boxes_of_glass( void** state )
+{
+    (void)state;
+    static const char* const thin[] = { "window", "cover", "dense" };
+    static const char* const solid[] = { "wedge", "lens", "thick", "strip", "tank", "water", "mirror", "paperweight" };
+    if ( !enter_with_blender() )
+        skip();
+    assert_int_equal( cli_run( MAKE "panes odd_glass --samples 1024 --size " SIZE " > log 2>&1" )->status, 0 );
+    const CliResult* done = cli_run( EXPORT( "panes" ) );
+    expect_line( done->err, "material 'window': glass as a thin box: its sides are taken as panes, which bend nothing" );
+    compare( "panes", 0.98, 1.02 );
+    RfScene scene;
+    load( "panes.glb", &scene );
+    for ( size_t i = 0; i < sizeof thin / sizeof thin[0]; ++i )
+        expect_glass( &scene, thin[i], true );
+    rf_destroy_scene( &scene );
+    done = cli_run( EXPORT( "odd_glass" ) );
+    assert_int_equal( done->status, 0 );
+    assert_null( strstr( done->err, "thin box" ) );
+    load( "odd_glass.glb", &scene );
+    for ( size_t i = 0; i < sizeof solid / sizeof solid[0]; ++i )
+        expect_glass( &scene, solid[i], false );
+    rf_destroy_scene( &scene );
+    cli_leave();
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = { cmocka_unit_test( test_means_are_those_of_cycles ),
-                                        cmocka_unit_test( test_mixtures_of_gloss ), cmocka_unit_test( test_looks_of_other_rays ),
+                                        cmocka_unit_test( test_mixtures_of_gloss ), cmocka_unit_test( test_thin_boxes_of_glass ),
+                                        cmocka_unit_test( test_looks_of_other_rays ),
                                         cmocka_unit_test( test_what_is_left_out_is_named ) };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -383,6 +383,48 @@ def furnace():
             bpy.ops.object.shade_smooth()
 
 
+def clear(name, ior=1.45):
+    s = Shader(name)
+    return s.done(s.add("BsdfGlass", IOR=ior, Roughness=0.0))
+
+
+def box(material, where, size, turn=0.0):
+    o = put("cube", material, size=1.0, location=where)
+    o.scale, o.rotation_euler = size, (turn, 0.0, 0.0)
+    return o
+
+
+def panes():
+    """Thin boxes of glass: a window held by a frame, double and mirrored, the cover of a picture, one turned and of dense glass."""
+    plain_room(strength=3.0, size=1.6)
+    window = box(clear("window"), (-0.9, 0.3, 0.4), (1.6, 0.02, 2.0))
+    for z in (-0.55, 1.35):
+        box(diffuse("frame", grey(0.3)), (-0.9, 0.3, z), (1.7, 0.1, 0.15))
+    box(window.data.materials[0], (-0.9, 0.36, 0.4), (-1.6, 0.02, 2.0))
+    s = Shader("picture")
+    put("plane", s.done(s.add("BsdfDiffuse", Color=striped(s))), size=1.4, location=(0.9, 1.9, 0.2), rotation=(1.5708, 0.0, 0.0))
+    box(clear("cover"), (0.9, 1.87, 0.2), (1.5, 0.02, 1.5))
+    box(clear("dense", 2.0), (0.6, 0.4, -1.0), (1.6, 0.02, 1.2), 0.6)
+
+
+def odd_glass():
+    """Glass that bends what is seen through it, or in which something lies: not panes."""
+    plain_room()
+    for v in box(clear("wedge"), (-1.2, 0.5, 1.0), (1.0, 0.015, 1.0)).data.vertices:
+        v.co.y += 1.0 if v.co.x > 0.0 and v.co.y > 0.0 else 0.0
+    put("uv_sphere", clear("lens"), radius=0.5, segments=64, ring_count=32, location=(0.0, 0.5, 1.0)).scale = (1.0, 0.015, 1.0)
+    box(clear("thick"), (1.2, 0.5, 1.0), (1.0, 0.05, 1.0))
+    box(clear("strip"), (1.8, 0.5, 1.0), (0.02, 0.006, 1.5))
+    box(clear("tank"), (-1.2, 0.5, -0.5), (1.0, 0.01, 1.0))
+    box(clear("water", 1.33), (-1.2, 0.705, -0.5), (1.0, 0.4, 1.0))
+    s = Shader("silver")
+    silver = s.done(s.add("BsdfGlossy", Roughness=0.0))
+    put("plane", silver, size=1.0, location=(0.0, 0.5052, -0.5), rotation=(1.5708, 0.0, 0.0))
+    box(clear("mirror"), (0.0, 0.5, -0.5), (1.0, 0.01, 1.0))
+    put("plane", silver, size=1.0, location=(1.2, 0.5, -0.5), rotation=(1.5708, 0.0, 0.0))
+    box(clear("paperweight"), (1.2, 0.5, -0.5), (1.0, 0.01, 1.0))
+
+
 def for_eevee():
     """What materials say of culling and clipping, which Cycles ignores: an emitter seen from behind, and leaves."""
     room(diffuse("walls", grey(0.5)), strength=2.0)
@@ -420,7 +462,7 @@ def left_out():
 
 
 SCENES = (procedural, images, mapped, glass, transparent, emission, no_material, groups, other_rays, lamps, principled, mixed_glass,
-          shares_of_gloss, gloss_by_fresnel, furnace, for_eevee, left_out)
+          shares_of_gloss, gloss_by_fresnel, furnace, panes, odd_glass, for_eevee, left_out)
 
 
 def begin(size):
