@@ -80,7 +80,8 @@ static void test_lamps_that_rays_treat_otherwise( void** state )
     (void)state;
     expect_warnings( "lamps",
                      ( const char* const[MOST] ){
-                         "'for gloss': a sun of 0.5 degrees: its shadows are sharp here, it is not seen in mirrors, and lights nothing through solid glass",
+                         "'for gloss': a sun of 0.5 degrees: its shadows are sharp here, it is not seen in mirrors, and lights "
+                         "nothing through solid glass",
                          "'through walls': lights through everything in Blender: throws shadows here",
                          "'for gloss': hidden from some kinds of rays in Blender: lights all surfaces here",
                          "'lens': seen by the camera in Blender: not seen here",
@@ -132,7 +133,8 @@ static void test_what_changes( void** state )
                      } );
     expect_warnings( "more_changes", ( const char* const[MOST] ){
                                          "'bright', 'red', 'size', 'sun': moves or changes: taken as in the first frame",
-                                         "'sun': a sun of 5.7 degrees: its shadows are sharp here, it is not seen in mirrors, and lights nothing through solid glass",
+                                         "'sun': a sun of 5.7 degrees: its shadows are sharp here, it is not seen in mirrors, "
+                                         "and lights nothing through solid glass",
                                          "'cube': material 'paint': animated or driven: taken as in the first frame",
                                      } );
 }
