@@ -25,6 +25,7 @@ sys.path.insert(0, os.path.dirname(os.path.realpath(__file__)))
 
 import bpy  # noqa: E402
 from blender_export import cameras, clipping, command_line, effects, geometry, glb, hiding, lights, materials, moves, sky  # noqa: E402
+from blender_export.in_view import InView  # noqa: E402
 from blender_export.messages import fail, repeat_warnings, warn  # noqa: E402
 
 
@@ -33,7 +34,7 @@ def watch(scene, camera, follow, numbers):
     frames = hiding.Frames(scene)
     frames.set(numbers[0])
     recorder, watcher = cameras.Recorder(scene, camera, follow), moves.Watcher(scene, bpy.context.view_layer)
-    clipped, in_view = clipping.Clipping(scene), lights.InView(scene)
+    clipped, in_view = clipping.Clipping(scene), InView(scene, bpy.context.evaluated_depsgraph_get())
     few = {numbers[0], numbers[len(numbers) // 2], numbers[-1]}  # counting instances takes time
     for number in numbers:
         frames.set(number)
@@ -46,7 +47,7 @@ def watch(scene, camera, follow, numbers):
     clipped.tell()
     in_view.tell()
     frames.set(numbers[0])
-    return recorder, watcher.finish(bpy.context.evaluated_depsgraph_get()), in_view.names
+    return recorder, watcher.finish(bpy.context.evaluated_depsgraph_get()), in_view.places
 
 
 def rate_of(scene):

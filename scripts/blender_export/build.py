@@ -34,8 +34,6 @@ def new_material(like, name):
         for key in like.keys():
             if key not in ("cycles",):
                 material[key] = like[key]
-        material.use_backface_culling = like.use_backface_culling
-        material.blend_method, material.alpha_threshold = like.blend_method, like.alpha_threshold
     return material
 
 
@@ -103,14 +101,11 @@ def build(plan, name, textures=None, means=None, solid=False):
     for node in list(tree.nodes):
         if node.name not in behind and node.type != "OUTPUT_MATERIAL":
             tree.nodes.remove(node)
-    if s.one_sided:
-        material.use_backface_culling = True
+    # what a material says of culling and clipping is for Eevee
+    material.use_backface_culling = s.one_sided
     alpha = value("alpha")
     varies = principled.inputs["Alpha"].is_linked
-    if varies or alpha < 1.0:
-        material.blend_method = "CLIP" if plan.material is not None and plan.material.blend_method == "CLIP" else "BLEND"
-    else:
-        material.blend_method = "OPAQUE"
+    material.blend_method = "BLEND" if varies or alpha < 1.0 else "OPAQUE"
     patches[material.name] = {**patch_of(plan, value, solid), "name": name}  # Blender counts up names that a library has
     return material
 
@@ -137,8 +132,9 @@ def patch_of(plan, value, solid):
         if f0 != WHITE:
             extensions["KHR_materials_specular"]["specularColorFactor"] = list(f0)
     s = plan.surface
-    patch = {"extensions": extensions, "base": base_of_principled(s)}
-    if s.principled and specular > 0.0 and transmission == 0.0:
+    scaled = (s.scale / s.covered, s.lift) if (s.scale, s.lift) != (1.0, BLACK) else None
+    patch = {"extensions": extensions, "base": base_of_principled(s) or scaled}
+    if (s.principled or s.added) and specular > 0.0 and transmission == 0.0:
         patch["extras"] = ADDED_COAT
     if plan.copy is not None and value("metallic") == 1.0 and value("roughness") < MIRROR and is_constant(s.base):
         if transmission == 0.0 and s.emission == BLACK and s.alpha == 1.0 and s.normal is None and s.specular == 0.0:

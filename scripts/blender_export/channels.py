@@ -32,6 +32,10 @@ class Surface:
     one_sided: bool = False
     thin: bool = False  # what it transmits is not refracted, also on a closed mesh
     principled: bool = False  # Blender's own model, or a mixture with it
+    added: bool = False  # the coat takes nothing from the base
+    scale: float = 1.0  # of the base, and
+    lift: tuple = (0.0, 0.0, 0.0)  # what is added to it, when it is exported: images are carried unchanged
+    covered: float = 1.0  # of the base, on average, what the coat leaves: it is divided by this
 
 
 WHITE, BLACK = (1.0, 1.0, 1.0), (0.0, 0.0, 0.0)

@@ -29,10 +29,44 @@ def warn_of_pictures(scene):
         warn("the shutter's curve is taken as open all the time")
     if render.use_freestyle:
         warn("Freestyle's lines are left out")
+    warn_of_view(scene)
+    if cycles:
+        warn_of_light(scene)
     warn_of_layers(scene)
     for layer in scene.view_layers:
         if layer.use and layer.material_override is not None:
             warn("view layer '%s' overrides materials by '%s': objects keep their own" % (layer.name, layer.material_override.name))
+
+
+def warn_of_view(scene):
+    """Pictures are scene-linear; the view transform, which every scene has, is not named."""
+    view = scene.view_settings
+    changes = [("exposure of %g" % view.exposure, view.exposure != 0.0), ("gamma of %g" % view.gamma, view.gamma != 1.0),
+               ("look '%s'" % view.look, view.look != "None"), ("curves", view.use_curve_mapping)]
+    names = [name for name, is_set in changes if is_set]
+    if names:
+        warn("the view's %s: left out: pictures have the scene's own light" % ", ".join(names))
+
+
+def warn_of_light(scene):
+    """Light that Cycles leaves out by its settings where they are lower than at first."""
+    cycles = scene.cycles
+    lows = [("%d in all" % cycles.max_bounces, cycles.max_bounces < 12), ("%d diffuse" % cycles.diffuse_bounces, cycles.diffuse_bounces < 4),
+            ("%d glossy" % cycles.glossy_bounces, cycles.glossy_bounces < 4),
+            ("%d by transmission" % cycles.transmission_bounces, cycles.transmission_bounces < 12),
+            ("%d transparent" % cycles.transparent_max_bounces, cycles.transparent_max_bounces < 8)]
+    limits = [name for name, is_low in lows if is_low]
+    if limits:
+        warn("light ends after few bounces in Blender (%s): it goes on here (see --max-depth)" % ", ".join(limits))
+    for switch, what in (("caustics_reflective", "mirrors"), ("caustics_refractive", "glass")):
+        if not getattr(cycles, switch):
+            warn("caustics by %s are off in Blender: on here" % what)
+    if cycles.sample_clamp_direct > 0.0 or 0.0 < cycles.sample_clamp_indirect < 10.0:
+        warn("light is clamped in Blender: all of it is here")
+    if cycles.use_fast_gi:
+        warn("light is approximated after some bounces in Blender (fast GI): not here")
+    if scene.render.film_transparent and cycles.film_transparent_glass:
+        warn("the film is transparent behind glass in Blender: glass shows the world here")
 
 
 def warn_of_layers(scene):

@@ -1,8 +1,8 @@
 """A shader tree folded into the channels of glTF's material: mixes of shaders become mixes of channels."""
-from .blackbody import colour_of
 from .channels import BLACK, F0_OF_GLTF, Ref, Surface, WHITE, is_constant
 from .fresnel import as_glass, as_one
-from .shader_tree import value_of
+from .gloss import as_gloss
+from .values import Values
 
 LEFT_OUT = {  # shaders without equivalent, and what is kept of them
     "BSDF_TRANSLUCENT": "light that shines through: taken as diffuse",
@@ -15,120 +15,9 @@ LEFT_OUT = {  # shaders without equivalent, and what is kept of them
     "HOLDOUT": "a holdout: taken as black",
 }
 
-CALCULATE = {
-    "ADD": lambda a, b: a + b,
-    "SUBTRACT": lambda a, b: a - b,
-    "MULTIPLY": lambda a, b: a * b,
-    "DIVIDE": lambda a, b: a / b if b != 0.0 else 0.0,
-    "MAXIMUM": max,
-    "MINIMUM": min,
-    "GREATER_THAN": lambda a, b: float(a > b),
-    "LESS_THAN": lambda a, b: float(a < b),
-}
 
-
-class Folder:
-    def __init__(self, tree, warn):
-        self.tree, self.nodes, self.warn = tree, tree.nodes, warn
-
-    def ref(self, socket):
-        return Ref(socket.node.name, list(socket.node.outputs).index(socket))
-
-    def socket(self, ref):
-        return self.nodes[ref.node].outputs[ref.output]
-
-    def read(self, socket):
-        """The value that an input has."""
-        if not socket.is_linked or not socket.links[0].is_valid:
-            return value_of(socket)
-        source = socket.links[0].from_socket
-        kind, colour = source.node.type, socket.type in ("RGBA", "VECTOR")
-        if kind == "RGB":
-            value = value_of(source)
-            return value if colour else 0.2126 * value[0] + 0.7152 * value[1] + 0.0722 * value[2]
-        if kind == "VALUE":
-            value = value_of(source)
-            return (value,) * 3 if colour else value
-        if kind == "COMBXYZ" and not any(i.is_linked for i in source.node.inputs):
-            value = tuple(i.default_value for i in source.node.inputs)
-            return value if colour else sum(value) / 3.0
-        if kind == "BLACKBODY" and colour and not source.node.inputs[0].is_linked:
-            return colour_of(source.node.inputs[0].default_value)
-        value = self.calculated(source.node) if kind == "MATH" else None
-        if value is not None:
-            return (value,) * 3 if colour else value
-        return self.ref(source)
-
-    def calculated(self, node):
-        """What a Math node makes of constants; None if they are not, or by an operation that is not listed."""
-        operation = CALCULATE.get(node.operation)
-        values = [self.read(i) for i in node.inputs[:2]]
-        if operation is None or not all(isinstance(v, float) for v in values):
-            return None
-        value = operation(*values)
-        return min(max(value, 0.0), 1.0) if node.use_clamp else value
-
-    def put(self, value, socket):
-        if isinstance(value, Ref):
-            self.tree.links.new(self.socket(value), socket)
-        else:
-            room = getattr(socket.default_value, "__len__", None)
-            if room is None:
-                socket.default_value = value if isinstance(value, (int, float)) else sum(value) / 3.0
-            else:
-                three = (value,) * 3 if isinstance(value, (int, float)) else tuple(value)
-                socket.default_value = (three + (1.0,))[:room()]
-
-    def vector(self, operation, *values):
-        node = self.nodes.new("ShaderNodeVectorMath")
-        node.operation = operation
-        for value, socket in zip(values, node.inputs):
-            self.put(value, socket)
-        return self.ref(node.outputs[0])
-
-    def number(self, operation, *values, clamp=False):
-        node = self.nodes.new("ShaderNodeMath")
-        node.operation, node.use_clamp = operation, clamp
-        for value, socket in zip(values, node.inputs):
-            self.put(value, socket)
-        return self.ref(node.outputs[0])
-
-    def times(self, a, b, colour=False):
-        """The product; b is a number or a colour, a colour only where `colour` is true."""
-        if is_constant(a) and is_constant(b):
-            if not colour:
-                return a * b
-            a, b = ((v,) * 3 if isinstance(v, (int, float)) else v for v in (a, b))
-            return tuple(x * y for x, y in zip(a, b))
-        for one, other in ((a, b), (b, a)):
-            if one == 1.0 or one == WHITE:
-                return other
-            if one == 0.0 or one == BLACK:
-                return BLACK if colour else 0.0
-        return self.vector("MULTIPLY", a, b) if colour else self.number("MULTIPLY", a, b)
-
-    def plus(self, a, b, colour=False):
-        if is_constant(a) and is_constant(b):
-            return tuple(x + y for x, y in zip(a, b)) if colour else a + b
-        for one, other in ((a, b), (b, a)):
-            if one == 0.0 or one == BLACK:
-                return other
-        return self.vector("ADD", a, b) if colour else self.number("ADD", a, b)
-
-    def rest(self, t):
-        return 1.0 - t if is_constant(t) else self.number("SUBTRACT", 1.0, t)
-
-    def blend(self, a, b, t, colour=False):
-        """a for t = 0, b for t = 1; what one side leaves open is the other's."""
-        if a is None or b is None or a == b:
-            return b if a is None else a
-        if t == 0.0:
-            return a
-        if t == 1.0:
-            return b
-        return self.plus(self.times(a, self.rest(t), colour), self.times(b, t, colour), colour)
-
-    # shaders
+class Folder(Values):
+    """Surfaces of the shaders of a tree."""
 
     def fold(self, socket):
         if not socket.is_linked or not socket.links[0].is_valid:
@@ -252,6 +141,11 @@ class Folder:
             return a
         if t == 1.0:
             return b
+        self.settle_base(a)
+        self.settle_base(b)
+        one = as_gloss(self, a, b, (self.rest(t), t), node)
+        if one is not None:
+            return one
         if a.normal != b.normal and a.normal is not None and b.normal is not None:
             self.warn(node, "its shaders have different normals: that of the first is taken")
         light = self.blend(a.emission, b.emission, t, True)
@@ -271,7 +165,7 @@ class Folder:
             colours = name == "base" or any(isinstance(v, tuple) and is_constant(v) for v in (mine, other))
             setattr(out, name, self.blend(mine, other, share, colours))
         out.one_sided, out.thin = a.one_sided or b.one_sided, a.thin or b.thin
-        out.principled = a.principled or b.principled
+        out.principled, out.added = a.principled or b.principled, a.added or b.added
         self.share_of_glass(a, b, share, out, node)
         return out
 
@@ -288,6 +182,13 @@ class Folder:
             out.transmission = sum(w * p for w, p in zip(weights, passes)) / sum(weights)
         if min(weights) > 0.0 and max(abs(x / sum(a.base) - y / sum(b.base)) for x, y in zip(a.base, b.base)) > 0.02:
             self.warn(node, "a mixture of glass with a surface of another colour: both have the mean of the two")
+
+    def settle_base(self, s):
+        """In a mixture the base itself is scaled, and no coat takes from it."""
+        if (s.scale, s.lift) != (1.0, BLACK):
+            base = self.plus(self.times(s.base, (s.scale,) * 3, True), s.lift, True)
+            s.base = tuple(min(max(c, 0.0), 1.0) for c in base) if is_constant(base) else base
+            s.scale, s.lift, s.covered, s.added = 1.0, BLACK, 1.0, True
 
     def alike(self, name, a, b):
         """A channel of both sides of a mixture, as values that can be blended."""
@@ -313,6 +214,11 @@ class Folder:
         if a.alpha == 0.0 or b.alpha == 0.0:
             self.warn(node, "a sum with what passes straight through: taken as half of each")
             return self.mixed(a, b, 0.5, node)
+        self.settle_base(a)
+        self.settle_base(b)
+        one = as_gloss(self, a, b, (1.0, 1.0), node)
+        if one is not None:
+            return one
         weights = [sum(s.base) if s.base is not None and is_constant(s.base) else None for s in (a, b)]
         t = 0.5 if None in weights or sum(weights) == 0.0 else weights[1] / sum(weights)
         light = self.plus(a.emission, b.emission, True)

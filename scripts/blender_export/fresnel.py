@@ -1,7 +1,8 @@
 """Two shaders mixed by Fresnel's factor, where glTF has that as one surface."""
 import math
 
-from .channels import F0_OF_GLTF, Surface, WHITE, f0_of, is_constant
+from .channels import F0_OF_GLTF, Surface, WHITE, is_constant
+from .gloss import as_coat
 
 SHARP = 0.1  # reflections of a pane are taken as sharp up to this roughness
 
@@ -33,22 +34,15 @@ def ior_of(folder, source):
 
 
 def base_of_principled(surface):
-    """A factor and a summand that give a base the brightness of Blender's own: its diffuse lobe is Disney's, which reflects
+    """A factor and a colour to add that give a base the brightness of Blender's own: its diffuse lobe is Disney's, which reflects
     .953 to 1.065 of uniform light where Lambert's reflects 1 (a line is at most .001 off), and its coat is not Schlick's.
     None where the base colours metal or glass too."""
     s = surface
     if not s.principled or not is_constant(s.roughness) or s.metallic != 0.0 or s.transmission != 0.0:
         return None
     coated = is_constant(s.f0) and not isinstance(s.f0, tuple) and s.specular != 0.0
-    return 0.9525 + 0.1123 * s.roughness, lack_of_schlick(F0_OF_GLTF * s.f0) if coated else 0.0
-
-
-def as_coat(a, b, ior):
-    """Diffuse under gloss is glTF's dielectric; None if these are not the two."""
-    if a.metallic not in (None, 0.0) or a.specular != 0.0 or b.normal != a.normal or not is_constant(b.base):
-        return None
-    a.specular, a.f0, a.roughness = 1.0, tuple(c * f0_of(ior) for c in b.base), b.roughness
-    return a
+    lack = lack_of_schlick(F0_OF_GLTF * s.f0) if coated else 0.0
+    return 0.9525 + 0.1123 * s.roughness, (lack,) * 3
 
 
 def as_pane(a, b, ior):
@@ -82,6 +76,8 @@ def as_one(folder, a, b, source, node):
     if ior is None or b.metallic != 1.0 or b.alpha != 1.0:
         return None
     pane = as_pane(a, b, ior)
+    if pane is None and is_constant(b.base) and min(b.base) < 0.9 * max(b.base):
+        folder.warn(node, "the colour of its reflection: at grazing angles as bright in all colours as in the brightest")
     if pane is not None and b.base != WHITE:
         folder.warn(node, "the colour of its reflection: taken as white")
     return pane if pane is not None else as_coat(a, b, ior)

@@ -7,10 +7,11 @@ EXT_mesh_gpu_instancing.
 import bpy
 import mathutils
 
-from .messages import list_names, note
+from .messages import list_names, note, warn
 from .moves import GEOMETRY
 from .visibility import held_out, is_left_out, layer_collections, tell_what_differs
 
+ADAPTIVE_LEVELS, ADAPTIVE_FACES = 5, 250000  # at most, in the place of adaptive subdivision
 FEW_INSTANCES = 4  # of which each becomes an object
 RENDER_LEVELS = (("levels", "render_levels"), ("steps", "render_steps"), ("viewport_resolution", "resolution"),
                  ("show_viewport", "show_render"))
@@ -27,6 +28,23 @@ def settle_modifiers(o):
         settings.display_method = "RENDER"
         settings.child_nbr = settings.rendered_child_count
         settings.display_step = settings.render_step
+
+
+def settle_adaptive(scene, objects):
+    """Cycles' adaptive subdivision follows the camera, on top of what the modifier does: further levels in its place."""
+    if scene.render.engine != "CYCLES" or scene.cycles.feature_set != "EXPERIMENTAL":
+        return
+    for o in objects:
+        last = o.modifiers[-1] if o.type == "MESH" and o.modifiers else None
+        if last is None or last.type != "SUBSURF" or not last.show_render or not o.cycles.use_adaptive_subdivision:
+            continue
+        more, faces = 0, len(o.data.polygons) * 4 ** last.render_levels
+        while more < ADAPTIVE_LEVELS and 4 * faces <= ADAPTIVE_FACES:
+            more, faces = more + 1, 4 * faces
+        subdivision = o.modifiers.new("adaptive", "SUBSURF")
+        subdivision.subdivision_type, subdivision.uv_smooth = last.subdivision_type, last.uv_smooth
+        subdivision.levels = subdivision.render_levels = more
+        warn("'%s': adaptive subdivision: taken as %d further levels" % (o.name, more))
 
 
 def settle_data(data):
@@ -58,6 +76,7 @@ def settle(scene):
         o.show_instancer_for_viewport = o.show_instancer_for_render
         settle_modifiers(o)
         settle_data(o.data)
+    settle_adaptive(scene, [o for o in bpy.data.objects if not o.hide_render])
     for o in view_layer.objects:
         o.hide_set(False)
     view_layer.update()

@@ -57,8 +57,8 @@ def add_extensions(gltf):
             factor, summand = patch["base"]
             part = material.setdefault("pbrMetallicRoughness", {})
             colour = part.get("baseColorFactor", [1.0] * 4)
-            summand = 0.0 if "baseColorTexture" in part else summand
-            part["baseColorFactor"] = [min(max(c * factor + summand, 0.0), 1.0) for c in colour[:3]] + [colour[3]]
+            added = (0.0,) * 3 if "baseColorTexture" in part else summand
+            part["baseColorFactor"] = [min(max(c * factor + x, 0.0), 1.0) for c, x in zip(colour, added)] + [colour[3]]
         if "extras" in patch:
             material.setdefault("extras", {}).update(patch["extras"])
     if used:

@@ -4,27 +4,13 @@ import math
 
 import bmesh
 import bpy
-from bpy_extras.object_utils import world_to_camera_view
 
 from . import materials, shader_tree
 from .animated import tell_animation
 from .channels import WHITE, is_constant
 from .folding import Folder
+from .in_view import corners_of, place_of
 from .messages import list_names, warn
-
-DISC_CORNERS = 64
-
-
-def corners_of(light):
-    """The outline of a flat shape in x and y, counter-clockwise seen from -z, and its area."""
-    x = 0.5 * light.size
-    y = 0.5 * (light.size_y if light.shape in ("RECTANGLE", "ELLIPSE") else light.size)
-    if light.shape in ("SQUARE", "RECTANGLE"):
-        return [(-x, -y, 0), (-x, y, 0), (x, y, 0), (x, -y, 0)], 4 * x * y
-    turns = [-2 * math.pi * i / DISC_CORNERS for i in range(DISC_CORNERS)]
-    area = 0.5 * DISC_CORNERS * math.sin(2 * math.pi / DISC_CORNERS) * x * y
-    return [(x * math.cos(a), y * math.sin(a), 0) for a in turns], area
-
 
 def replace_area_light(scene, lamp):
     """Applies the world scale to shape and area; the power is unchanged."""
@@ -63,38 +49,6 @@ def replace_point_light(scene, lamp):
     scene.collection.objects.link(ball)
 
 
-def extent_of(lamp):
-    """The radius of a sphere around what shines."""
-    if lamp.data.type != "AREA":
-        return lamp.data.shadow_soft_size
-    corners, _ = corners_of(lamp.data)
-    scale = lamp.matrix_world.to_scale()
-    return max(math.hypot(x * scale.x, y * scale.y) for x, y, _ in corners)
-
-
-class InView:
-    """Notes which point and area lamps come into the picture, where Cycles' camera does not see them."""
-
-    def __init__(self, scene):
-        self.scene, self.names, self.flat = scene, set(), set()
-
-    def note(self, camera):
-        for lamp in [o for o in self.scene.objects if o.type == "LIGHT" and o.data.type in ("POINT", "AREA")]:
-            if lamp.visible_camera or not lamp.visible_get():
-                continue
-            x, y, depth = world_to_camera_view(self.scene, camera, lamp.matrix_world.translation)
-            size = extent_of(lamp)
-            edge = 0.05 + size / max(depth, 1e-3)
-            if camera.data.type == "PANO" or depth > -size and -edge < x < 1.0 + edge and -edge < y < 1.0 + edge:
-                (self.names if lamp.data.type == "POINT" else self.flat).add(lamp.name)
-
-    def tell(self):
-        lamps = [self.scene.objects[n] for n in sorted(self.flat)]
-        flat = [o.name for o in lamps if o.data.energy > 0.0 and not o.data.cycles.is_portal]
-        if flat:
-            warn("%s: an area lamp that the camera does not see in Blender: may be in view here, and hides what is behind" % list_names(flat))
-
-
 def teller(lamp):
     """Warns of a lamp's nodes."""
     def tell(node, text):
@@ -103,7 +57,9 @@ def teller(lamp):
 
 
 def shine_of_nodes(lamp):
-    """What a lamp's nodes multiply its colour by."""
+    """What a lamp's nodes multiply its colour by; nothing without nodes."""
+    if not lamp.data.use_nodes or lamp.data.node_tree is None:
+        return WHITE
     tell = teller(lamp)
     tree = lamp.data.node_tree
     shader_tree.flatten(tree)
@@ -118,14 +74,17 @@ def shine_of_nodes(lamp):
 
 
 def fold_nodes(lamp):
-    """Blender's exporter would take one part of a lamp's nodes and leave the other."""
+    """Blender's exporter would take one part of a lamp's nodes and leave the other. False for a lamp that only takes light away."""
     light = lamp.data
-    light.color = [max(a * b, 0.0) for a, b in zip(light.color, shine_of_nodes(lamp))]
-    largest = max(light.color)
+    watts = [light.energy * a * b for a, b in zip(light.color, shine_of_nodes(lamp))]
+    if min(watts) < 0.0:
+        teller(lamp)(None, "takes light away in Blender: left out" + (" in some colours" if max(watts) > 0.0 else ""))
+    largest = max(*watts, 0.0)
     if largest > 0.0:
-        light.color = [c / largest for c in light.color]
-    light.energy *= largest
+        light.color = [max(w, 0.0) / largest for w in watts]
+    light.energy = largest
     light.use_nodes = False
+    return largest > 0.0 or min(watts) == 0.0
 
 
 def fit_spot(light):
@@ -149,7 +108,8 @@ def tell_lost(lamps, spheres):
         if lamp.data.type == "AREA" and lamp.data.spread < 0.999 * math.pi:
             warn("'%s': spread of %.0f degrees: left out, the light goes to all sides" % (lamp.name, math.degrees(lamp.data.spread)))
         if lamp.data.type == "SUN" and lamp.data.angle > 0.0:
-            warn("'%s': a sun of %.1f degrees: its shadows are sharp here, and it is not seen in mirrors" % (lamp.name, math.degrees(lamp.data.angle)))
+            warn("'%s': a sun of %.1f degrees: its shadows are sharp here, it is not seen in mirrors, and lights nothing through solid glass" %
+                 (lamp.name, math.degrees(lamp.data.angle)))
     sized = [o.name for o in lamps if is_sized(o) and o.name not in spheres]
     if sized:
         warn("spot lamps, and point lamps in view, have no radius here: sharp shadows, not seen in mirrors, no light through solid glass: " + list_names(sized))
@@ -157,7 +117,7 @@ def tell_lost(lamps, spheres):
 
 def prepare(scene, in_view):
     """Gives every lamp data of its own, with what its nodes and its cone make of it; portals are none."""
-    lamps = []
+    lamps, kept, spheres = [], [], set()
     for lamp in [o for o in scene.objects if o.type == "LIGHT"]:
         if lamp.data.type == "AREA" and lamp.data.cycles.is_portal:
             bpy.data.objects.remove(lamp)
@@ -166,19 +126,24 @@ def prepare(scene, in_view):
     for lamp in lamps:
         if lamp.data.use_nodes and lamp.data.node_tree is not None:
             tell_animation(lamp.data.node_tree, teller(lamp))
+        seen = place_of(lamp) in in_view
         lamp.data = lamp.data.copy()
         lamp.data.animation_data_clear()
-        if lamp.data.use_nodes and lamp.data.node_tree is not None:
-            fold_nodes(lamp)
+        is_plain = not (lamp.data.use_nodes and lamp.data.node_tree is not None) and lamp.data.energy >= 0.0
+        if not is_plain and not fold_nodes(lamp):
+            bpy.data.objects.remove(lamp)
+            continue
         if lamp.data.type == "SPOT":
             fit_spot(lamp.data)
-    spheres = {o.name for o in lamps if is_sized(o) and o.data.type == "POINT" and o.name not in in_view and o.data.energy > 0.0}
-    tell_lost(lamps, spheres)
+        kept.append(lamp)
+        if is_sized(lamp) and lamp.data.type == "POINT" and not seen and lamp.data.energy > 0.0:
+            spheres.add(lamp.name)
+    tell_lost(kept, spheres)
     return spheres
 
 
 def carry(scene, in_view):
-    """`in_view`: the point lamps that stay points, since as spheres they would be seen."""
+    """`in_view`: the places of point lamps that stay points, since as spheres they would be seen."""
     for name in sorted(prepare(scene, in_view)):
         replace_point_light(scene, scene.objects[name])
         bpy.data.objects.remove(scene.objects[name])

@@ -4,8 +4,9 @@ import os
 import bpy
 import numpy
 
-from . import bake
-from .build import ADDED_COAT, GREY, NO_COAT, build, patches
+from . import bake, slabs
+from .build import ADDED_COAT, GREY, MIRROR, NO_COAT, build, patches
+from .channels import is_constant
 from .fresnel import base_of_principled
 from .messages import warn
 from .plans import channels_tell, is_ours, make_plan
@@ -96,6 +97,10 @@ def is_solid(plan, o):
     if not is_closed(o.data):
         warn("%s: glass on a mesh that is not closed: taken as a thin pane" % who)
         return False
+    is_clear = is_constant(s.roughness) and s.roughness < MIRROR and s.transmission == 1.0 and plan.absorption is None
+    if is_clear and s.normal is None and slabs.has_slabs(o, plan.material):
+        warn("%s: glass as a thin box: its sides are taken as panes, which bend nothing" % who)
+        return False
     return True
 
 
@@ -173,7 +178,9 @@ def names_for(plan, count):
 def carry_plan(plan):
     """The slots of a material that needs no bake, with what replaces it."""
     s = plan.surface
-    if plan.plain and s.transmission == 0.0 and (s.alpha == 1.0 or plan.material.blend_method != "OPAQUE"):
+    if plan.plain and s.transmission == 0.0:
+        plan.material.use_backface_culling = False
+        plan.material.blend_method = "OPAQUE" if s.alpha == 1.0 else "BLEND"
         patches[plan.material.name] = {**(NO_COAT if s.specular == 0.0 else {"extras": ADDED_COAT}), "base": base_of_principled(s)}
         return []
     kinds = {}

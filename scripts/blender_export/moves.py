@@ -19,13 +19,25 @@ def state_of(o):
     return numbers
 
 
+def carried_by(mesh):
+    """Texture coordinates, colours and other attributes, and the materials of faces: each with a name and the length of its values."""
+    kinds = {"FLOAT_COLOR": ("color", 4), "BYTE_COLOR": ("color", 4), "FLOAT_VECTOR": ("vector", 3), "FLOAT2": ("vector", 2),
+             "FLOAT": ("value", 1), "INT": ("value", 1)}
+    found = [(layer.data, "uv", 2) for layer in mesh.uv_layers] + [(mesh.polygons, "material_index", 1)]
+    return found + [(a.data, *kinds[a.data_type]) for a in mesh.attributes if a.data_type in kinds and a.name != "position"]
+
+
 def shape_of(o):
-    """A digest of an evaluated object's own shape."""
+    """A digest of an evaluated object's own shape, and of what its vertices, corners and faces carry for materials."""
     digest = hashlib.md5(repr([tuple(corner) for corner in o.bound_box]).encode())
     if o.type == "MESH":
         points = numpy.empty(3 * len(o.data.vertices), numpy.float32)
         o.data.vertices.foreach_get("co", points)
         digest.update(points.tobytes())
+        for values, name, width in carried_by(o.data):
+            numbers = numpy.empty(width * len(values), numpy.float32)
+            values.foreach_get(name, numbers)
+            digest.update(numbers.tobytes())
     return digest.digest()
 
 

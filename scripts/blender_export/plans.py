@@ -103,8 +103,10 @@ def make_plan(material, users):
     only_volume = out.inputs["Volume"].is_linked and not out.inputs["Surface"].is_linked
     plan.surface = folder.fold(out.inputs["Surface"]) if not only_volume else Surface(alpha=0.0)
     tell_inside(plan, out)
+    is_odd = tell_odd(plan)
     finish(plan.surface)
     plan.surface.thin |= thin
+    tell_shadows(plan)
     shine_through(plan)
     tell_images(plan, behind)
     sort_channels(plan)
@@ -113,8 +115,27 @@ def make_plan(material, users):
         plan.averaged -= {n for n, name in EXPORTED.items() if is_image(folder, first.inputs[name])}
     plan.plain = (first is not None and first.type == "BSDF_PRINCIPLED" and not grouped and not asks and not plan.baked and not plan.averaged and
                   is_only_output(material) and not any(first.inputs[n].is_linked for n in ("Subsurface", "Subsurface Color")) and
-                  first.inputs["Subsurface"].default_value == 0.0)
+                  first.inputs["Subsurface"].default_value == 0.0 and not is_odd)
     return plan
+
+
+def tell_odd(plan):
+    """Constants that no surface has, which are clamped."""
+    s, odd = plan.surface, []
+    if is_constant(s.emission) and min(s.emission) < 0.0:
+        odd.append("takes light away in Blender: does not shine here")
+    if s.base is not None and is_constant(s.base) and max(s.base) > 1.0:
+        odd.append("reflects more light than arrives in Blender: its colour is taken as 1 at most")
+    for text in odd:
+        plan.tell(None, text)
+    return bool(odd)
+
+
+def tell_shadows(plan):
+    s = plan.surface
+    passes = s.alpha != 1.0 or s.transmission != 0.0 and s.ior == 1.0
+    if passes and not plan.material.cycles.use_transparent_shadow:
+        plan.tell(None, "has no transparent shadows in Blender: has them here")
 
 
 def is_image(folder, socket):

@@ -126,7 +126,10 @@ def keep_world(scene, args):
         return
     tell_changes(world)
     radiance = plain_radiance(world)
-    if radiance is not None and max(radiance) <= 0.0:
+    if radiance is not None and min(radiance) < 0.0:
+        warn("world '%s' takes light away in Blender: left out%s" % (world.name, " in some colours" if max(radiance) > 0.0 else ""))
+        radiance = [max(r, 0.0) for r in radiance]
+    if radiance is not None and max(radiance) == 0.0:
         return
     if hidden_ways(world):
         warn("world '%s' is hidden from some kinds of rays in Blender: lights all surfaces here" % world.name)

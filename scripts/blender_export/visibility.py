@@ -62,6 +62,8 @@ def tell_lamps(lamps, engine):
     lamps = [(o, ways) for o, ways in lamps if not (o.data.type == "AREA" and o.data.cycles.is_portal)]
     tell([o for o, _ in lamps if throws_no_shadow(o, engine)], "lights through everything in Blender: throws shadows here")
     tell([o for o, ways in lamps if ways - {"camera", "shadow"}], "hidden from some kinds of rays in Blender: lights all surfaces here")
+    tell([o for o, _ in lamps if engine == "CYCLES" and o.data.cycles.max_bounces < min(bpy.context.scene.cycles.max_bounces, 1024)],
+         "lights by few bounces in Blender: by all here")
     seen = [o for o, ways in lamps if "camera" not in ways and (o.data.type == "SPOT" and o.data.shadow_soft_size > 0.0 or
                                                                 o.data.type == "SUN" and o.data.angle > 0.0)]
     tell(seen, "seen by the camera in Blender: not seen here")

@@ -80,7 +80,8 @@ static void test_lamps_that_rays_treat_otherwise( void** state )
     (void)state;
     expect_warnings( "lamps",
                      ( const char* const[MOST] ){
-                         "'for gloss': a sun of 0.5 degrees: its shadows are sharp here, and it is not seen in mirrors",
+                         "'for gloss': a sun of 0.5 degrees: its shadows are sharp here, it is not seen in mirrors, and lights "
+                         "nothing through solid glass",
                          "'through walls': lights through everything in Blender: throws shadows here",
                          "'for gloss': hidden from some kinds of rays in Blender: lights all surfaces here",
                          "'lens': seen by the camera in Blender: not seen here",
@@ -132,7 +133,8 @@ static void test_what_changes( void** state )
                      } );
     expect_warnings( "more_changes", ( const char* const[MOST] ){
                                          "'bright', 'red', 'size', 'sun': moves or changes: taken as in the first frame",
-                                         "'sun': a sun of 5.7 degrees: its shadows are sharp here, and it is not seen in mirrors",
+                                         "'sun': a sun of 5.7 degrees: its shadows are sharp here, it is not seen in mirrors, "
+                                         "and lights nothing through solid glass",
                                          "'cube': material 'paint': animated or driven: taken as in the first frame",
                                      } );
 }
@@ -149,6 +151,70 @@ static void test_what_blender_does_to_pictures( void** state )
                                  } );
 }
 
+static void test_what_takes_light_away( void** state )
+{
+    (void)state;
+    export_and_expect( "darkness", ( const char* const[MOST] ){
+                                       "'dark area': lamp: takes light away in Blender: left out",
+                                       "'dark point': lamp: takes light away in Blender: left out",
+                                       "'dark sun': lamp: takes light away in Blender: left out",
+                                       "'dark spot': lamp: takes light away in Blender: left out",
+                                       "'nodes': lamp: takes light away in Blender: left out",
+                                       "'hole': material 'hole': takes light away in Blender: does not shine here",
+                                       "'bright': material 'bright': reflects more light than arrives in Blender: its colour is "
+                                       "taken as 1 at most",
+                                       "world 'sky' takes light away in Blender: left out",
+                                   } );
+    assert_true( has_node( "darkness.glb", "twice area" ) && has_node( "darkness.glb", "key area" ) );
+    // the file is one that is read
+    cli_expect( cli_run( "$R info darkness.glb > log" ), 0, NULL );
+    cli_leave();
+}
+
+static void test_lamps_of_instances_in_view( void** state )
+{
+    (void)state;
+    export_and_expect(
+        "placed_lamps",
+        ( const char* const[MOST] ){
+            "'panel': an area lamp that the camera does not see in Blender: may be in view here, and hides what "
+            "is behind",
+            "spot lamps, and point lamps in view, have no radius here: sharp shadows, not seen in mirrors, no light "
+            "through solid glass: 'torch.001'",
+        } );
+    assert_true( has_node( "placed_lamps.glb", "torch sphere" ) ); // behind the camera
+    assert_false( has_node( "placed_lamps.glb", "torch.001 sphere" ) );
+    cli_leave();
+}
+
+static void test_what_cycles_leaves_out_by_its_settings( void** state )
+{
+    (void)state;
+    expect_warnings(
+        "cycles_settings",
+        ( const char* const[MOST] ){
+            "light ends after few bounces in Blender (8 in all, 2 glossy): it goes on here (see --max-depth)",
+            "caustics by mirrors are off in Blender: on here",
+            "caustics by glass are off in Blender: on here",
+            "light is clamped in Blender: all of it is here",
+            "light is approximated after some bounces in Blender (fast GI): not here",
+            "the film is transparent behind glass in Blender: glass shows the world here",
+            "the view's exposure of 1, gamma of 2, look 'High Contrast', curves: left out: pictures have the scene's "
+            "own light",
+            "'once': lights by few bounces in Blender: by all here",
+            "'cube': material 'veil': has no transparent shadows in Blender: has them here",
+            "'rock': adaptive subdivision: taken as 5 further levels",
+        } );
+}
+
+static void test_what_meshes_carry_over_time( void** state )
+{
+    (void)state;
+    expect_warnings( "carried", ( const char* const[MOST] ){
+                                    "'colours', 'coordinates', 'materials': moves or changes: taken as in the first frame",
+                                } );
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
@@ -158,6 +224,10 @@ int main( void )
         cmocka_unit_test( test_objects_that_are_hidden_in_some_frames ),
         cmocka_unit_test( test_what_changes ),
         cmocka_unit_test( test_what_blender_does_to_pictures ),
+        cmocka_unit_test( test_what_takes_light_away ),
+        cmocka_unit_test( test_lamps_of_instances_in_view ),
+        cmocka_unit_test( test_what_cycles_leaves_out_by_its_settings ),
+        cmocka_unit_test( test_what_meshes_carry_over_time ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

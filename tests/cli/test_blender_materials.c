@@ -112,11 +112,12 @@ static void test_means_are_those_of_cycles( void** state )
         bool is_baked;
     } scenes[] = { { "procedural", true },  { "images", false },     { "mapped", true },       { "glass", false },
                    { "transparent", true }, { "emission", true },    { "no_material", false }, { "groups", true },
-                   { "lamps", false },      { "principled", false }, { "mixed_glass", false } };
+                   { "lamps", false },      { "principled", false }, { "mixed_glass", false }, { "for_eevee", false } };
     if ( !enter_with_blender() )
         skip();
     assert_int_equal(
         cli_run( MAKE "procedural images mapped glass transparent emission no_material groups lamps principled mixed_glass "
+                      "for_eevee "
                       "--samples 256 --size " SIZE " > log 2>&1" )
             ->status,
         0 );
@@ -144,6 +145,33 @@ static void test_means_are_those_of_cycles( void** state )
     const RfMaterial* grey = find_material( &scene, "no material" );
     assert_true( grey->kind == RF_BSDF_LAMBERT && fabsf( grey->diffuse.x - 0.8f ) < 1e-5f );
     rf_destroy_scene( &scene );
+    cli_leave();
+}
+
+// Diffuse and gloss of two colours are one surface, as bright as in Cycles. Each surface alone is within a per cent; the
+// mean of a closed room of them shows ten times that.
+static void test_mixtures_of_gloss( void** state )
+{
+    (void)state;
+    static const char* const scenes[] = { "shares_of_gloss", "gloss_by_fresnel", "furnace" };
+    if ( !enter_with_blender() )
+        skip();
+    assert_int_equal( cli_run( MAKE "shares_of_gloss gloss_by_fresnel furnace --samples 256 --size " SIZE " > log 2>&1" )->status,
+                      0 );
+    for ( size_t i = 0; i < sizeof scenes / sizeof scenes[0]; ++i )
+    {
+        const CliResult* done = cli_run( BLENDER "%s.blend -P " REFRAME_SOURCE_DIR
+                                                 "/scripts/blender-export.py -- %s.glb --bake 64 --bake-cache cache",
+                                         scenes[i], scenes[i] );
+        assert_int_equal( done->status, 0 );
+        assert_null( strstr( done->out, "baked" ) ); // images are carried unchanged
+        assert_null( strstr( done->err, "mean of the two" ) );
+        assert_true( ( i == 1 ) ==
+                     ( strstr( done->err, "'tinted', node 'Mix Shader': the colour of its reflection: at grazing angles as "
+                                          "bright in all colours as in the brightest" ) != NULL ) );
+        compare( scenes[i], 0.98, 1.02 );
+    }
+    assert_true( mean_of( "furnace.r.exr" ) < 1.0005 );
     cli_leave();
 }
 
@@ -227,9 +255,45 @@ static void test_looks_of_other_rays( void** state )
     cli_leave();
 }
 
+static void expect_glass( const RfScene* scene, const char* name, bool is_thin )
+{
+    const RfMaterial* found = find_material( scene, name );
+    if ( found->kind != RF_BSDF_GLASS || found->thin != is_thin )
+        fail_msg( "'%s' is not %s glass", name, is_thin ? "thin" : "solid" );
+}
+
+// A thin box of glass is two panes, through which lamps and the sun light a room; what bends light, or has something on its
+// walls or in it, stays a body.
+static void test_thin_boxes_of_glass( void** state )
+{
+    (void)state;
+    static const char* const thin[] = { "window", "cover", "dense" };
+    static const char* const solid[] = { "wedge", "lens", "thick", "strip", "tank", "water", "mirror", "paperweight" };
+    if ( !enter_with_blender() )
+        skip();
+    assert_int_equal( cli_run( MAKE "panes odd_glass --samples 1024 --size " SIZE " > log 2>&1" )->status, 0 );
+    const CliResult* done = cli_run( EXPORT( "panes" ) );
+    expect_line( done->err, "material 'window': glass as a thin box: its sides are taken as panes, which bend nothing" );
+    compare( "panes", 0.98, 1.02 );
+    RfScene scene;
+    load( "panes.glb", &scene );
+    for ( size_t i = 0; i < sizeof thin / sizeof thin[0]; ++i )
+        expect_glass( &scene, thin[i], true );
+    rf_destroy_scene( &scene );
+    done = cli_run( EXPORT( "odd_glass" ) );
+    assert_int_equal( done->status, 0 );
+    assert_null( strstr( done->err, "thin box" ) );
+    load( "odd_glass.glb", &scene );
+    for ( size_t i = 0; i < sizeof solid / sizeof solid[0]; ++i )
+        expect_glass( &scene, solid[i], false );
+    rf_destroy_scene( &scene );
+    cli_leave();
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = { cmocka_unit_test( test_means_are_those_of_cycles ),
+                                        cmocka_unit_test( test_mixtures_of_gloss ), cmocka_unit_test( test_thin_boxes_of_glass ),
                                         cmocka_unit_test( test_looks_of_other_rays ),
                                         cmocka_unit_test( test_what_is_left_out_is_named ) };
     return cmocka_run_group_tests( tests, NULL, NULL );

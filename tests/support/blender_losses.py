@@ -179,6 +179,97 @@ def pictures():
     bpy.context.view_layer.use_solid = bpy.context.view_layer.use_sky = False
 
 
+def darkness():
+    """What takes light away: lamps of each kind, a lamp's nodes, a surface, a world; and a surface that is too bright."""
+    scene = plain()
+    for kind in ("AREA", "POINT", "SUN", "SPOT"):
+        lamp(scene, kind, "dark " + kind.lower()).data.energy = -20.0
+    bulb = lamp(scene, "POINT", "nodes")
+    bulb.data.use_nodes = True
+    bulb.data.node_tree.nodes["Emission"].inputs["Strength"].default_value = -1.0
+    twice = lamp(scene, "AREA", "twice")  # which gives light again
+    twice.data.energy, twice.data.use_nodes = -20.0, True
+    twice.data.node_tree.nodes["Emission"].inputs["Strength"].default_value = -1.0
+    for name, socket, value in (("hole", "Emission Strength", -1.0), ("bright", "Base Color", (1.5, 1.0, 1.0, 1.0))):
+        material = bpy.data.materials.new(name)
+        material.use_nodes = True
+        node = material.node_tree.nodes["Principled BSDF"]
+        node.inputs["Emission"].default_value = (1.0, 1.0, 1.0, 1.0)
+        node.inputs["Emission Strength"].default_value = 0.0
+        node.inputs[socket].default_value = value
+        cube(name).data.materials.append(material)
+    scene.world = bpy.data.worlds.new("sky")
+    scene.world.use_nodes = True
+    scene.world.node_tree.nodes["Background"].inputs["Strength"].default_value = -1.0
+
+
+def place_group(scene, group, where):
+    place = bpy.data.objects.new("place", None)
+    place.instance_type, place.instance_collection, place.location = "COLLECTION", group, where
+    scene.collection.objects.link(place)
+
+
+def placed_lamps():
+    """Lamps that instances bring: a point lamp and an area lamp in view, the same ones behind the camera."""
+    scene = plain()
+    group = bpy.data.collections.new("group")
+    for kind, name in (("POINT", "torch"), ("AREA", "panel")):
+        o = lamp(scene, kind, name, (0, 0, 0.5))
+        o.data.shadow_soft_size = 0.2
+        scene.collection.objects.unlink(o)
+        group.objects.link(o)
+    place_group(scene, group, (0, 2, 0))
+    place_group(scene, group, (0, -20, 0))
+
+
+def cycles_settings():
+    """What Cycles leaves out by its settings, for a lamp, a material, an object, or the whole scene."""
+    scene = plain()
+    cycles, view = scene.cycles, scene.view_settings
+    cycles.max_bounces, cycles.glossy_bounces = 8, 2
+    cycles.caustics_reflective = cycles.caustics_refractive = False
+    cycles.sample_clamp_indirect, cycles.use_fast_gi = 3.0, True
+    scene.render.film_transparent, cycles.film_transparent_glass = True, True
+    view.exposure, view.gamma, view.use_curve_mapping = 1.0, 2.0, True
+    view.look = "High Contrast"
+    lamp(scene, "AREA", "once").data.cycles.max_bounces = 0
+    veil = bpy.data.materials.new("veil")
+    veil.use_nodes = True
+    veil.node_tree.nodes["Principled BSDF"].inputs["Alpha"].default_value = 0.5
+    veil.cycles.use_transparent_shadow = False
+    bpy.data.objects["cube"].data.materials.append(veil)
+    cycles.feature_set = "EXPERIMENTAL"
+    rock = cube("rock", (2, 0, 0))
+    rock.modifiers.new("round", "SUBSURF")
+    rock.cycles.use_adaptive_subdivision = True
+
+
+def over_time(o, kind, value, **settings):
+    """Sets what a mesh carries by the number of the frame."""
+    tree = bpy.data.node_groups.new(o.name, "GeometryNodeTree")
+    tree.inputs.new("NodeSocketGeometry", "Geometry")
+    tree.outputs.new("NodeSocketGeometry", "Geometry")
+    start, change, end, time = (tree.nodes.new(n) for n in ("NodeGroupInput", kind, "NodeGroupOutput", "GeometryNodeInputSceneTime"))
+    for name, setting in settings.items():
+        setattr(change, name, setting)
+    if "Name" in change.inputs:
+        change.inputs["Name"].default_value = "paint"
+    tree.links.new(start.outputs[0], change.inputs[0])
+    tree.links.new(time.outputs["Frame"], next(i for i in change.inputs if i.name == value and i.enabled))
+    tree.links.new(change.outputs[0], end.inputs[0])
+    o.modifiers.new("over time", "NODES").node_group = tree
+
+
+def carried():
+    """Shapes that stay, with texture coordinates, colours and materials that change."""
+    scene = plain()
+    key(cube("coordinates").modifiers.new("warp", "UV_WARP"), "offset", (0, 0), (0.5, 0))
+    over_time(cube("colours"), "GeometryNodeStoreNamedAttribute", "Value", data_type="FLOAT_COLOR")
+    over_time(cube("materials"), "GeometryNodeSetMaterialIndex", "Material Index")
+    steady = cube("steady").modifiers.new("steady", "UV_WARP")
+    key(steady, "offset", (0, 0), (0, 0))
+
+
 for name in sys.argv[sys.argv.index("--") + 1:]:
     globals()[name]()
     bpy.ops.wm.save_as_mainfile(filepath=os.path.abspath(name + ".blend"))

@@ -327,6 +327,120 @@ def mixed_glass():
     bulb.data.shadow_soft_size = 0.25
 
 
+def gloss_of(s, roughness, colour=(1.0, 1.0, 1.0, 1.0)):
+    return s.add("BsdfGlossy", Roughness=roughness, Color=colour)
+
+
+def shares_of_gloss():
+    """Diffuse and gloss of two colours in fixed shares: constant, of an image, tinted, of Principled, added, mixed again."""
+    s = Shader("wall")
+    room(s.done(s.mix(0.3, s.add("BsdfDiffuse", Color=(0.7, 0.3, 0.2, 1.0)), gloss_of(s, 0.4, grey(0.9)))))
+    s = Shader("printed")
+    put("cube", s.done(s.mix(0.3, s.add("BsdfDiffuse", Color=striped(s)), gloss_of(s, 0.3))), size=1.2, location=(-1.2, 0.7, -1.3))
+    s = Shader("tinted")
+    dull = s.add("BsdfPrincipled", Base_Color=(0.2, 0.5, 0.7, 1.0), Roughness=0.1, Specular=0.0)
+    put("uv_sphere", s.done(s.mix(0.4, gloss_of(s, 0.2, (0.9, 0.5, 0.1, 1.0)), dull)), radius=0.5, location=(0.1, 0.7, -1.4))
+    s = Shader("sum")
+    both = s.add("AddShader")
+    s.feed(both.inputs[0], s.add("BsdfDiffuse", Color=(0.1, 0.5, 0.2, 1.0)))
+    s.feed(both.inputs[1], gloss_of(s, 0.1, grey(0.3)))
+    put("cube", s.done(s.mix(0.5, both, s.add("BsdfDiffuse", Color=(0.6, 0.1, 0.5, 1.0)))), size=0.9, location=(1.3, 0.9, -1.4))
+
+
+def gloss_by_fresnel():
+    """Diffuse under gloss by Fresnel's factor: constant, of an image, tinted, of Principled, mixed again."""
+    s = Shader("wall")
+    room(s.done(s.mix(s.add("Fresnel", IOR=1.5), s.add("BsdfDiffuse", Color=(0.6, 0.5, 0.4, 1.0)), gloss_of(s, 0.3))))
+    s = Shader("printed")
+    put("cube", s.done(s.mix(s.add("Fresnel", IOR=1.5), s.add("BsdfDiffuse", Color=striped(s)), gloss_of(s, 0.5))), size=1.2,
+        location=(-1.2, 0.7, -1.3))
+    s = Shader("tinted")
+    dull = s.add("BsdfPrincipled", Base_Color=(0.2, 0.5, 0.7, 1.0), Roughness=0.9, Specular=0.0)
+    put("uv_sphere", s.done(s.mix(s.add("Fresnel", IOR=2.0), dull, gloss_of(s, 0.2, (0.9, 0.5, 0.1, 1.0)))), radius=0.5,
+        location=(0.1, 0.7, -1.4))
+    s = Shader("half")
+    coated = s.mix(s.add("LayerWeight", Blend=0.4).outputs["Fresnel"], s.add("BsdfDiffuse", Color=(0.1, 0.5, 0.2, 1.0)), gloss_of(s, 0.1))
+    put("cube", s.done(s.mix(0.5, coated, s.add("BsdfDiffuse", Color=(0.6, 0.1, 0.5, 1.0)))), size=0.9, location=(1.3, 0.9, -1.4))
+
+
+def furnace():
+    """White balls in uniform white light: whatever reflects more than arrives is brighter than what is behind it."""
+    world = bpy.data.worlds.new("white")
+    world.use_nodes = True
+    world.node_tree.nodes["Background"].inputs[0].default_value = grey(1.0)
+    bpy.context.scene.world = world
+    for i, roughness in enumerate((0.1, 0.6)):
+        where = {"radius": 0.45, "segments": 48, "ring_count": 24}
+        fixed, sheer, added = Shader("fixed %d" % i), Shader("sheer %d" % i), Shader("added %d" % i)
+        both = added.add("AddShader")
+        added.feed(both.inputs[0], added.add("BsdfDiffuse", Color=grey(0.6)))
+        added.feed(both.inputs[1], gloss_of(added, roughness, grey(0.4)))
+        added.done(both)
+        fixed.done(fixed.mix(0.3, fixed.add("BsdfDiffuse", Color=grey(1.0)), gloss_of(fixed, roughness, grey(0.99))))
+        sheer.done(sheer.mix(sheer.add("Fresnel", IOR=1.8), sheer.add("BsdfDiffuse", Color=grey(1.0)), gloss_of(sheer, roughness)))
+        for k, s in enumerate((fixed, sheer, added)):
+            put("uv_sphere", s.material, location=(1.0 * k - 0.8, 0.5, 0.6 - i), **where)
+            bpy.ops.object.shade_smooth()
+
+
+def clear(name, ior=1.45):
+    s = Shader(name)
+    return s.done(s.add("BsdfGlass", IOR=ior, Roughness=0.0))
+
+
+def box(material, where, size, turn=0.0):
+    o = put("cube", material, size=1.0, location=where)
+    o.scale, o.rotation_euler = size, (turn, 0.0, 0.0)
+    return o
+
+
+def panes():
+    """Thin boxes of glass: a window held by a frame, double and mirrored, the cover of a picture, one turned and of dense glass."""
+    plain_room(strength=3.0, size=1.6)
+    window = box(clear("window"), (-0.9, 0.3, 0.4), (1.6, 0.02, 2.0))
+    for z in (-0.55, 1.35):
+        box(diffuse("frame", grey(0.3)), (-0.9, 0.3, z), (1.7, 0.1, 0.15))
+    box(window.data.materials[0], (-0.9, 0.36, 0.4), (-1.6, 0.02, 2.0))
+    s = Shader("picture")
+    put("plane", s.done(s.add("BsdfDiffuse", Color=striped(s))), size=1.4, location=(0.9, 1.9, 0.2), rotation=(1.5708, 0.0, 0.0))
+    box(clear("cover"), (0.9, 1.87, 0.2), (1.5, 0.02, 1.5))
+    box(clear("dense", 2.0), (0.6, 0.4, -1.0), (1.6, 0.02, 1.2), 0.6)
+
+
+def odd_glass():
+    """Glass that bends what is seen through it, or in which something lies: not panes."""
+    plain_room()
+    for v in box(clear("wedge"), (-1.2, 0.5, 1.0), (1.0, 0.015, 1.0)).data.vertices:
+        v.co.y += 1.0 if v.co.x > 0.0 and v.co.y > 0.0 else 0.0
+    put("uv_sphere", clear("lens"), radius=0.5, segments=64, ring_count=32, location=(0.0, 0.5, 1.0)).scale = (1.0, 0.015, 1.0)
+    box(clear("thick"), (1.2, 0.5, 1.0), (1.0, 0.05, 1.0))
+    box(clear("strip"), (1.8, 0.5, 1.0), (0.02, 0.006, 1.5))
+    box(clear("tank"), (-1.2, 0.5, -0.5), (1.0, 0.01, 1.0))
+    box(clear("water", 1.33), (-1.2, 0.705, -0.5), (1.0, 0.4, 1.0))
+    s = Shader("silver")
+    silver = s.done(s.add("BsdfGlossy", Roughness=0.0))
+    put("plane", silver, size=1.0, location=(0.0, 0.5052, -0.5), rotation=(1.5708, 0.0, 0.0))
+    box(clear("mirror"), (0.0, 0.5, -0.5), (1.0, 0.01, 1.0))
+    put("plane", silver, size=1.0, location=(1.2, 0.5, -0.5), rotation=(1.5708, 0.0, 0.0))
+    box(clear("paperweight"), (1.2, 0.5, -0.5), (1.0, 0.01, 1.0))
+
+
+def for_eevee():
+    """What materials say of culling and clipping, which Cycles ignores: an emitter seen from behind, and leaves."""
+    room(diffuse("walls", grey(0.5)), strength=2.0)
+    for name, turn, sets in (("glow", 1.5708, {"Emission": (1.0, 0.6, 0.3, 1.0), "Emission Strength": 2.0}),
+                             ("back", -1.5708, {"Emission": (0.3, 0.6, 1.0, 1.0), "Emission Strength": 2.0}),
+                             ("leaf", 1.2, {"Base Color": (0.2, 0.7, 0.2, 1.0), "Alpha": 0.3, "Specular": 0.0})):
+        material = bpy.data.materials.new(name)
+        material.use_nodes = material.use_backface_culling = True
+        material.blend_method, material.alpha_threshold = "CLIP", 0.5
+        for socket, value in sets.items():
+            material.node_tree.nodes["Principled BSDF"].inputs[socket].default_value = value
+        where = {"glow": (-1.0, 0.5, 0.2), "back": (1.0, 0.5, 0.2), "leaf": (0.0, 0.0, -0.5)}[name]
+        bpy.ops.mesh.primitive_plane_add(size=0.8, location=where, rotation=(turn, 0.0, 0.0))
+        bpy.context.object.data.materials.append(material)
+
+
 def left_out():
     """What can only be named."""
     room(diffuse("wall", grey(0.6)))
@@ -347,7 +461,8 @@ def left_out():
     bpy.ops.object.mode_set(mode="EDIT")  # in which the file is saved
 
 
-SCENES = (procedural, images, mapped, glass, transparent, emission, no_material, groups, other_rays, lamps, principled, mixed_glass, left_out)
+SCENES = (procedural, images, mapped, glass, transparent, emission, no_material, groups, other_rays, lamps, principled, mixed_glass,
+          shares_of_gloss, gloss_by_fresnel, furnace, panes, odd_glass, for_eevee, left_out)
 
 
 def begin(size):

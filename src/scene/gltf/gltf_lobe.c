@@ -132,6 +132,12 @@ static bool keeps_model( const json_t* own )
     return json_object_get( own, "coat" ) != NULL && json_object_get( own, "bsdf" ) == NULL;
 }
 
+bool rf_gltf_has_own_model( const json_t* material )
+{
+    const json_t* own = own_extras( material );
+    return own != NULL && !keeps_model( own );
+}
+
 RfResult rf_gltf_read_coat( const RfGltf* gltf, const json_t* material, const char* where, RfFactors* out )
 {
     const json_t* own = own_extras( material );

@@ -13,6 +13,9 @@ RfResult rf_gltf_use_default_material( RfGltf* gltf, uint32_t* index );
 // Reads the scattering model in extras.reframe, if any (gltf_lobe.c).
 RfResult rf_gltf_read_lobes( const RfGltf* gltf, const json_t* material, const char* where, RfMaterial* out );
 
+// Has a material in extras.reframe a scattering model that glTF lacks (gltf_lobe.c)?
+bool rf_gltf_has_own_model( const json_t* material );
+
 // Reads from extras.reframe, if it has no scattering model, whether the coat is added to the base (gltf_lobe.c).
 RfResult rf_gltf_read_coat( const RfGltf* gltf, const json_t* material, const char* where, RfFactors* out );
 

@@ -118,7 +118,7 @@ static RfResult read_alpha( RfGltf* gltf, const json_t* material, const char* wh
 
 static RfTexturedModel find_model( const RfMaterial* material, const json_t* json )
 {
-    if ( json_object_get( json_object_get( json, "extras" ), "reframe" ) != NULL )
+    if ( rf_gltf_has_own_model( json ) )
         return RF_TEXTURED_DIFFUSE;
     if ( rf_gltf_is_unlit( json ) )
         return RF_TEXTURED_UNLIT;

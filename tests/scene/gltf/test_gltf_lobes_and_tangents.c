@@ -105,6 +105,27 @@ static void test_transmission_textures( void** state )
     rf_destroy_scene( &scene );
 }
 
+// A coat that is added leaves the model glTF's: textures vary all of it, and base and coat are those of constant factors.
+static void test_textures_of_added_coats( void** state )
+{
+    (void)state;
+#define ADDED( more ) MATERIAL( "\"extras\":{\"reframe\":{\"coat\":\"added\"}},\"pbrMetallicRoughness\":{" more "}" )
+    RfScene scene = load_material( ADDED( "\"baseColorFactor\":[0.5,0.5,0.5,1],\"baseColorTexture\":{\"index\":0},"
+                                          "\"metallicRoughnessTexture\":{\"index\":0}" ) );
+    RfMaterial m = at( &scene, 1 ), constant = { 0 };
+    assert_int_equal( scene.materials[0].textured->model, RF_TEXTURED_COATED );
+    RfFactors factors = scene.materials[0].textured->factors;
+    double grey = 0.5 * pow( ( 200.0 / 255.0 + 0.055 ) / 1.055, 2.4 );
+    factors.base[0] = factors.base[1] = factors.base[2] = grey;
+    factors.roughness = factors.metallic = 200.0 / 255.0;
+    rf_derive_lobes( &factors, &constant );
+    gltf_assert_near( m.diffuse.x, constant.diffuse.x );
+    gltf_assert_near( m.specular.x, constant.specular.x );
+    gltf_assert_near( m.alpha, constant.alpha );
+    assert_true( m.coat_f0 == 0.0f && m.coat_f90 == 0.0f ); // nothing is taken from so dark a base
+    rf_destroy_scene( &scene );
+}
+
 // A body's thickness is that of its mesh: the texture changes nothing.
 static void test_thickness_textures_change_nothing( void** state )
 {
@@ -461,6 +482,7 @@ int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( test_transmission_textures ),
+        cmocka_unit_test( test_textures_of_added_coats ),
         cmocka_unit_test( test_thickness_textures_change_nothing ),
         cmocka_unit_test( test_clearcoat_textures ),
         cmocka_unit_test( test_faults_are_one_line ),
