@@ -56,6 +56,10 @@ class Sums(unittest.TestCase):
             self.assertAlmostEqual(second[key][0], figure)
             self.assertAlmostEqual(second[key][1], 0.0)
 
+        with self.assertRaises(SystemExit) as raised:
+            builds.make_rows({"a": of(0.4, 3.0, 1.0), "b": of(0.0, 6.0, 0.0)})
+        self.assertIn("b: no error is left", raised.exception.code)
+
     def test_standard_error(self):
         # of a mean the jackknife gives s / sqrt(n) exactly
         values = np.array([1.0, 4.0, 2.0, 7.0, 3.0])
