@@ -17,10 +17,10 @@ def numbers(text):
     return [int(n) for n in text.split(",")]
 
 
-def run(command, output=subprocess.DEVNULL):
-    """Runs a child process; returns its output, CPU seconds (user + system) and peak resident bytes."""
+def run(command, output=subprocess.DEVNULL, env=None):
+    """Runs a child process, with further environment variables; returns its output, CPU seconds (user + system) and peak resident bytes."""
     # waiting threads sleep instead of spinning, which would count as CPU time and disturb others
-    child = subprocess.Popen(command, stdout=output, env=dict(os.environ, OMP_WAIT_POLICY="passive"))
+    child = subprocess.Popen(command, stdout=output, env={**os.environ, "OMP_WAIT_POLICY": "passive", **(env or {})})
     text = child.stdout.read() if output == subprocess.PIPE else None
     _, status, usage = os.wait4(child.pid, 0)
     child.returncode = os.waitstatus_to_exitcode(status)
@@ -53,7 +53,7 @@ def filter_of(words):
     return [] if any(word.split("=")[0] == "--filter" for word in words) else ["--filter", "box"]
 
 
-def render(binary, scene, pattern, size, setting, spp, seed, frames="", threads=1, more=()):
+def render(binary, scene, pattern, size, setting, spp, seed, frames="", threads=1, more=(), env=None):
     """Renders with GROUP:TILE, without extra samples unless `more` asks for them; returns the output of `render --json` plus `cpu` seconds and `resident` bytes."""
     group, tile = setting.split(":")
     report = pattern.replace("####.exr", "json")
@@ -62,7 +62,7 @@ def render(binary, scene, pattern, size, setting, spp, seed, frames="", threads=
     command += [] if any(word.split("=")[0] in ("--adaptive", "--no-adaptive") for word in more) else ["--no-adaptive"]
     command += ["--threads", str(threads)] if threads else []
     command += ["--frames", frames] if frames else []
-    _, cpu, resident = run(command + filter_of(more) + list(more))
+    _, cpu, resident = run(command + filter_of(more) + list(more), env=env)
     with open(report) as file:
         result = json.load(file)
     result.update(cpu=cpu, resident=resident)

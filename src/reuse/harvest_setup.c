@@ -2,7 +2,7 @@
 #include "reuse/harvest_internal.h"
 
 // Tiles share all light but that of light samples at first hits, which are cheap beside the rest of a path: with tiles there
-// are as many at least (src/reuse/README.md, "Tiles").
+// are as many at least (src/reuse/measurements.md, "The second light sample").
 #define DIRECT_SAMPLES 2
 
 static int direct_samples( const RfEstimatorGroup* group, int tile_pixels, bool links )
