@@ -183,7 +183,7 @@ static void add_variation( RfScene* scene, MirrorRoom kind )
 RfScene make_mirror_room( MirrorRoom kind )
 {
     SceneBuilder b = start_room();
-    if ( kind < MIRROR_BALL )
+    if ( kind < MIRROR_BALL || kind == MIRROR_BEHIND_BULB )
         add_mirrors( &b, kind );
     else
         add_glass( &b, kind );

@@ -22,21 +22,21 @@ typedef enum MirrorRoom
     BLENDED_SCREENS,  // the same, half transparent
     MIRROR_BY_SIGN,   // a lamp behind the eyes, seen in the mirror
     MIRROR_BEHIND_PANE,
-    MIRROR_BEHIND_BULB, // of thin glass, which the mirror shows too; both show a lamp behind the eyes
     MIRROR_BALL,
     GLASS_BALL,
     ABSORBING_BALL,
     GLASS_SLAB,
     ABSORBING_SLAB,
     ROUGH_SLAB,
-    LAYERED_SLAB,   // glass over a diffuse base that shines a little
-    PANES_IN_A_ROW, // three tinted thin walls
-    LAMP_IN_GLASS,  // a lamp within an absorbing ball
-    GLASS_TANK,     // eyes within an absorbing body
-    SHARP_METAL,    // GGX of roughness 0.05: a ball, a panel on the wall
-    SMOOTH_PLASTIC, // the smoothest dielectric over a diffuse base, likewise
-    SHARP_PLASTIC,  // roughness 0.05
-    CLEAR_COAT,     // the smoothest clear coat
+    LAYERED_SLAB,       // glass over a diffuse base that shines a little
+    PANES_IN_A_ROW,     // three tinted thin walls
+    LAMP_IN_GLASS,      // a lamp within an absorbing ball
+    GLASS_TANK,         // eyes within an absorbing body
+    SHARP_METAL,        // GGX of roughness 0.05: a ball, a panel on the wall
+    SMOOTH_PLASTIC,     // the smoothest dielectric over a diffuse base, likewise
+    SHARP_PLASTIC,      // roughness 0.05
+    CLEAR_COAT,         // the smoothest clear coat
+    MIRROR_BEHIND_BULB, // of thin glass, which the mirror shows too; both show a lamp behind the eyes
     MIRROR_ROOM_COUNT
 } MirrorRoom;
 
