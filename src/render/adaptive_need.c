@@ -12,9 +12,10 @@
 #define COST_OF_EXTRA_NOISY 1.6 // packed into few batches, with a pilot that follows chains
 #define LEAST_GAIN 0.02         // by these figures, which are rough
 #define LOOK_GAIN 0.01          // that justifies a pilot: a coarse look may miss some of it
-// The same with RF_ADAPTIVE_AUTO where materials differ in noise, of which little is known, too.
-#define LEAST_GAIN_NOISY 0.1
-#define LOOK_GAIN_NOISY 0.07
+// The same with RF_ADAPTIVE_AUTO where materials differ in noise, of which little is known, too: samples that promised a fifth of
+// error times cost brought nothing (src/reuse/measurements.md, "Extra samples").
+#define LEAST_GAIN_NOISY 0.25
+#define LOOK_GAIN_NOISY 0.2
 // Where materials differ in noise: θ from the least to the most, over about so many pixels.
 #define LEAST_THETA 0.05
 #define MOST_THETA 64.0

@@ -106,8 +106,8 @@ static void check_auto( RfScene scene, float degrees, const char* tile, RfAdapti
 static void test_auto_decides_by_frame( void** state )
 {
     (void)state;
-    check_auto( make_mirror_room( MIRROR_BALL ), 3.0f, "1", RF_ADAPTIVE_ON );
-    check_auto( make_mirror_room( MIRROR_BALL ), 3.0f, "3x3", RF_ADAPTIVE_ON );
+    check_auto( make_mirror_room( BUMPY_MIRROR ), 3.0f, "3x3", RF_ADAPTIVE_ON );
+    check_auto( make_room( ROOM_DIFFUSE ), 15.0f, "1", RF_ADAPTIVE_ON );
     check_auto( make_room( ROOM_DIFFUSE ), 0.2f, "1", RF_ADAPTIVE_OFF );
     check_auto( make_room( ROOM_DIFFUSE ), 0.2f, "3x3", RF_ADAPTIVE_OFF );
 }
@@ -271,10 +271,10 @@ static void test_need_wants_two_witnesses( void** state )
 {
     (void)state;
     static float share[1000];
-    assert_true( set_need( 4.0f, 4.0f, 4.0f, true, share ) > 0.0f );
-    assert_true( set_need( 7.99f, 0.01f, 4.0f, true, share ) == 0.0f );
-    assert_true( set_need( 0.01f, 7.99f, 4.0f, true, share ) == 0.0f );
-    assert_true( set_need( 0.01f, 7.99f, 4.0f, false, share ) > 0.0f );
+    assert_true( set_need( 8.0f, 8.0f, 4.0f, true, share ) > 0.0f );
+    assert_true( set_need( 15.99f, 0.01f, 4.0f, true, share ) == 0.0f );
+    assert_true( set_need( 0.01f, 15.99f, 4.0f, true, share ) == 0.0f );
+    assert_true( set_need( 0.01f, 15.99f, 4.0f, false, share ) > 0.0f );
 }
 
 // Of the classes: glass that few paths find light through is measured to be noisier than walls, and gets more
