@@ -1,7 +1,5 @@
 #include "scene/texture.h"
 
-#include "math/vec3.h"
-
 #include <math.h>
 #include <stddef.h>
 
@@ -110,7 +108,7 @@ float rf_texture_bound( const RfTexture* t, const RfTextureRef* ref, const float
         {
             float rgba[4];
             fetch( t, wrap_index( ref->wrap[0], first[0] + i, size[0] ), y, rgba );
-            largest = rf_maxf( largest, rf_maxf( rgba[0], rf_maxf( rgba[1], rgba[2] ) ) );
+            largest = fmaxf( largest, fmaxf( rgba[0], fmaxf( rgba[1], rgba[2] ) ) );
         }
     }
     return largest;
