@@ -109,16 +109,6 @@ static void add_emission( const RfPathSettings* path, const float* pane_probabil
     }
 }
 
-// Mirrored eyes do not see through panes.
-static void note_panes( const RfRayLanes* rays, const float* pane_probability, RfChains* chains )
-{
-    for ( int r = 0; r < rays->count; ++r )
-    {
-        if ( pane_probability[r] < 1.0f && chains->view[rays->slot[r]] != RF_VIEW_DIRECT )
-            chains->view[rays->slot[r]] = RF_VIEW_CHAIN;
-    }
-}
-
 // True where an eye in front of the pane would draw the base or the lobe of a coat.
 static bool is_coat_behind_pane( const RfChains* chains, int slot, const RfVertexLanes* found, int kind, int i )
 {
@@ -221,8 +211,6 @@ void rf_follow_chains( const RfPathSettings* path, const RfVertexLanes* first, c
         int first_past = vertex < MOST_SPLIT ? end_at_panes : 0;
         const float* pane_probability =
             rf_find_vertices_past_panes( path, &wavefront->rays, first_past, &wavefront->vertices, &wavefront->scratch );
-        if ( pane_probability != NULL )
-            note_panes( &wavefront->rays, pane_probability, chains );
         rf_absorb( &wavefront->vertices, &wavefront->rays );
         drop_counted_light( chains, wavefront );
         add_emission( path, pane_probability, vertex, wavefront, chains );

@@ -145,22 +145,6 @@ static void pack( const RfMirrors* mirrors, const RfEye* eye, const RfHitBatch* 
     }
 }
 
-// Panes close the way from mirror to hit, those with holes as well: whoever passes one does not count as mirrored.
-static void trace_to_hits( const RfTracer* tracer, int count, const float* const from[3], const float* const way[3],
-                           float* visible )
-{
-    if ( !rf_tracer_has_panes( tracer ) || !rf_tracer_is_blended( tracer ) )
-    {
-        rf_trace_segments( tracer, count, from, way, visible );
-        return;
-    }
-    RF_ALIGN float probability[RF_LANES], weight[3][RF_LANES];
-    rf_trace_segments_past_panes( tracer, count, from, way, visible,
-                                  &( RfPaneLanes ){ probability, { weight[0], weight[1], weight[2] } } );
-    for ( int k = 0; k < count; ++k )
-        visible[k] = probability[k] < 1.0f ? 0.0f : visible[k];
-}
-
 int rf_see_mirrored( const RfTracer* tracer, const RfEye* eye, const RfHitBatch* batch, const float* const lifted[3],
                      float* density )
 {
@@ -188,7 +172,8 @@ int rf_see_mirrored( const RfTracer* tracer, const RfEye* eye, const RfHitBatch*
         packed.lane[kept++] = packed.lane[k];
     }
     const float* way[3] = { packed.way[0], packed.way[1], packed.way[2] };
-    trace_to_hits( tracer, kept, from, way, packed.visible );
+    // panes are vertices to the camera rays as well, but for the holes of blended ones
+    rf_trace_segments( tracer, kept, from, way, packed.visible );
     for ( int k = 0; k < kept; ++k )
         density[packed.lane[k]] = packed.weight[k] * packed.visible[k];
     return rays + kept;
