@@ -58,6 +58,10 @@ static void take_panes( RfQuery* query, int lanes, int first, const RfPaneLanes*
         reset_panes( query );
 }
 
+// Rays this long end before they begin. Embree without AVX-512 does not have packets of 16, and traces their rays without
+// regard to `valid`: lanes that must not be traced need such a length as well.
+#define NO_RAY ( -INFINITY )
+
 // Masks the lanes of a packet beyond `count`.
 static int set_valid( int* valid, int first, int count )
 {
@@ -79,7 +83,7 @@ static void set_ray( struct RTCRay16* ray, int lanes, const float* const d[3], i
     for ( int i = 0; i < RF_PACKET; ++i )
     {
         ray->tnear[i] = 0.0f;
-        ray->tfar[i] = far;
+        ray->tfar[i] = i < lanes ? far : NO_RAY;
         ray->time[i] = 0.0f;
         ray->mask[i] = 0xffffffffu;
         ray->id[i] = (unsigned int)i;
@@ -230,7 +234,7 @@ static int trace_from_origin( const RfTracer* tracer, RfVec3 origin, int count, 
         if ( tested > 0 )
         {
             for ( int i = 0; i < RF_PACKET; ++i )
-                ray.tfar[i] = 1.0f;
+                ray.tfar[i] = valid[i] != 0 ? 1.0f : NO_RAY;
             occluded( valid, tracer->bvh.embree_scene, &query, &ray );
             for ( int i = 0; i < lanes; ++i )
                 weight[first + i] = ray.tfar[i] < 0.0f ? 0.0f : weight[first + i] * query.transmittance[i]; // −inf if occluded
@@ -273,7 +277,7 @@ void rf_trace_mirrors( const RfTracer* tracer, RfVec3 origin, int count, const f
             packet.ray.org_y[i] = scale * origin.y;
             packet.ray.org_z[i] = scale * origin.z;
             packet.ray.tnear[i] = 0.0f;
-            packet.ray.tfar[i] = INFINITY;
+            packet.ray.tfar[i] = valid[i] != 0 ? INFINITY : NO_RAY;
             packet.ray.mask[i] = 0xffffffffu;
             packet.hit.geomID[i] = packet.hit.primID[i] = RTC_INVALID_GEOMETRY_ID;
         }
