@@ -2,6 +2,7 @@
 // traced, rather than only when a ray happens to reflect.
 #include "reuse/chain_steps.h"
 #include "reuse/coats.h"
+#include "reuse/mirrored.h"
 
 #include <string.h>
 
@@ -15,8 +16,10 @@ static void append( RfVertexLanes* lanes, int count )
 // Reflections that are drawn more often than this are left to chance: splitting them would follow them twice.
 #define SELDOM 0.5f
 
-// Whether reflection at lane i of GLASS is one of the things that may happen there, and a rare one.
-static bool reflects_seldom( const RfVertexLanes* v, int i )
+// Whether reflection at lane i of GLASS is one of the things that may happen there, and a rare one. At flat mirrors
+// (`mirrored`) at normal incidence: the hits that they show are reused, so all eyes must agree about whose emission is
+// counted, whatever their angle.
+static bool reflects_seldom( const RfVertexLanes* v, int i, bool mirrored )
 {
     float base = 0.0f, tint = 0.0f;
     for ( int c = 0; c < 3; ++c )
@@ -30,12 +33,12 @@ static bool reflects_seldom( const RfVertexLanes* v, int i )
     for ( int p = 0; p < RF_PARAM_COUNT; ++p )
         param[p] = v->param[p];
     RfBsdfLanes lanes = rf_bsdf_lanes( RF_BSDF_GLASS, n, param, 0 );
-    RfVec3 wo = rf_vec3( v->wo[0][i], v->wo[1][i], v->wo[2][i] );
+    RfVec3 wo = mirrored ? rf_vec3( n[0][i], n[1][i], n[2][i] ) : rf_vec3( v->wo[0][i], v->wo[1][i], v->wo[2][i] );
     return rf_reflection_probability_of_lane( &lanes, i, wo ) < SELDOM;
 }
 
 // The reflecting lobes of vertices that do other things as well, but for chains whose light is counted already.
-static void list_reflections( RfChains* chains, RfVertexLanes* out )
+static void list_reflections( int vertex, RfChains* chains, RfVertexLanes* out )
 {
     const RfVertexLanes* at = &chains->at;
     for ( int kind = 0; kind <= RF_BSDF_KIND_COUNT; ++kind )
@@ -44,7 +47,8 @@ static void list_reflections( RfChains* chains, RfVertexLanes* out )
     for ( int i = 0; i < at->count; ++i )
     {
         int slot = at->slot[i];
-        chains->split[slot] = !chains->counted[slot] && reflects_seldom( at, i );
+        bool mirrored = vertex == 1 && rf_is_mirrored( chains->view[slot] );
+        chains->split[slot] = !chains->counted[slot] && reflects_seldom( at, i, mirrored );
         if ( !chains->split[slot] )
             continue;
         rf_copy_vertices( at, i, 1, rf_bsdf_model( RF_BSDF_GLASS )->params, out, out->count );
@@ -95,7 +99,7 @@ void rf_split_reflections( const RfPathSettings* path, int vertex, const RfVerte
                            RfChains* chains )
 {
     RfVertexLanes* at = &chains->hits; // not in use yet
-    list_reflections( chains, at );
+    list_reflections( vertex, chains, at );
     if ( coats != NULL )
         list_coats( coats, chains, at );
     if ( at->count == 0 )

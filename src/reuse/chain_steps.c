@@ -1,7 +1,8 @@
 #include "reuse/chain_steps.h"
 
-// Chains this long end by Russian roulette, from the same throughput on as paths.
-#define ROULETTE_AFTER 4
+// Chains longer than this end by Russian roulette, from the same throughput on as paths. Up to there they may have passed panes
+// straight, and what an eye sees straight is weighted by the panes' q alone (reuse/visibility.c).
+#define NO_ROULETTE_UP_TO RF_MOST_SPLIT
 
 void rf_go_to( const RfVertexLanes* found, RfVertexLanes* at )
 {
@@ -124,7 +125,7 @@ int rf_scatter_chains( const RfPathSettings* path, int vertex, int followed, con
     float* wi[3] = { s->wi[0], s->wi[1], s->wi[2] };
     rf_scatter_lanes( wavefront, v, dimension_of( path, vertex ) + RF_DIMENSION_SCATTER, wi, s );
     rf_draw_lanes( wavefront, v->count, v->slot, dimension_of( path, vertex ) + RF_DIMENSION_ROULETTE, 1, s->random );
-    Scattering at = { path, vertex, followed >= ROULETTE_AFTER, v, s };
+    Scattering at = { path, vertex, followed > NO_ROULETTE_UP_TO, v, s };
     wavefront->rays.count = 0;
     append_rays( &at, true, chains, &wavefront->rays );
     int end_at_panes = wavefront->rays.count;

@@ -4,6 +4,9 @@
 
 #include "reuse/chains.h"
 
+// So many vertices of a chain have their reflections split, and panes for vertices.
+#define RF_MOST_SPLIT 4
+
 static inline RfVec3 rf_throughput_of( const RfChains* chains, int slot )
 {
     return rf_vec3( chains->throughput[0][slot], chains->throughput[1][slot], chains->throughput[2][slot] );

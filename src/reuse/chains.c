@@ -3,9 +3,6 @@
 
 #include <string.h>
 
-// So many vertices of a chain have their reflections split, and panes for vertices.
-#define MOST_SPLIT 4
-
 // Light samples where chains are. Vertices that are split have theirs.
 static void light_chains( const RfPathSettings* path, int vertex, RfWavefront* wavefront, RfChains* chains )
 {
@@ -29,9 +26,9 @@ static void light_chains( const RfPathSettings* path, int vertex, RfWavefront* w
 // What chains see of lights at their vertices.
 static void find_lights( const RfPathSettings* path, int vertex, RfWavefront* wavefront, RfChains* chains )
 {
-    for ( int i = 0; vertex > MOST_SPLIT && i < chains->at.count; ++i )
+    for ( int i = 0; vertex > RF_MOST_SPLIT && i < chains->at.count; ++i )
         chains->split[chains->at.slot[i]] = 0;
-    if ( vertex > 1 && vertex <= MOST_SPLIT )
+    if ( vertex > 1 && vertex <= RF_MOST_SPLIT )
         rf_split_reflections( path, vertex, NULL, wavefront, chains );
     light_chains( path, vertex, wavefront, chains );
 }
@@ -196,7 +193,7 @@ void rf_follow_chains( const RfPathSettings* path, const RfVertexLanes* first, c
                        RfWavefront* wavefront, RfChains* chains )
 {
     rf_start_chains( path, first, camera_rays, lit, wavefront, chains );
-    int end = path->max_depth == 1 ? 1 : path->max_depth + MOST_SPLIT * rf_tracer_has_panes( path->tracer );
+    int end = path->max_depth == 1 ? 1 : path->max_depth + RF_MOST_SPLIT * rf_tracer_has_panes( path->tracer );
     for ( int vertex = 1; vertex < end && chains->at.count > 0; ++vertex )
     {
         end_last( path, vertex, chains );
@@ -208,7 +205,7 @@ void rf_follow_chains( const RfPathSettings* path, const RfVertexLanes* first, c
             break;
         note_events( vertex, wavefront, chains );
         rf_count_path_rays( wavefront, &wavefront->rays );
-        int first_past = vertex < MOST_SPLIT ? end_at_panes : 0;
+        int first_past = vertex < RF_MOST_SPLIT ? end_at_panes : 0;
         const float* pane_probability =
             rf_find_vertices_past_panes( path, &wavefront->rays, first_past, &wavefront->vertices, &wavefront->scratch );
         rf_absorb( &wavefront->vertices, &wavefront->rays );

@@ -1,5 +1,6 @@
 // Split reflections (src/reuse/estimators.md, section 10): stacks of panes, slabs of glass and both in a mirror reflect what
-// closed forms say, and with far less noise than if reflections were left to chance.
+// closed forms say, and with far less noise than if reflections were left to chance. So do what is seen through many dark panes
+// and what one of them reflects, whatever frames share of it.
 #include "support/pane_room.h"
 #include "support/render_support.h"
 #include "support/scene_builder.h"
@@ -138,9 +139,124 @@ static void test_panes_in_a_mirror( void** state )
     check( "panes in a mirror", IN_MIRROR, 4, both * reflected( 3, f, true ), 0.1 );
 }
 
+static void assert_near( const char* what, double found, double wanted, double tolerance )
+{
+    printf( "%s: %.5f, wanted %.5f\n", what, found, wanted );
+    assert_true( fabs( found / wanted - 1.0 ) < tolerance );
+}
+
+#define DARK 0.5f
+
+// A wall that shines behind panes so dark that a chain over four of them would be a case for Russian roulette.
+static void test_a_lamp_behind_many_dark_panes( void** state )
+{
+    (void)state;
+    double pass = (double)DARK * ( 1.0 - fresnel( 1.0, 1.5 ) );
+    for ( int panes = 3; panes <= 6; ++panes )
+    {
+        SceneBuilder b = { 0 };
+        add_sheet( &b, add_material( &b, make_light( 1.0f, false ) ), 9.0f, -3.0f );
+        uint32_t dark = add_material( &b, make_thin_pane( rf_vec3( DARK, DARK, DARK ), 0.0f ) );
+        for ( int k = 0; k < panes; ++k )
+            add_sheet( &b, dark, 2.0f, 0.2f * (float)k );
+        RfScene scene = finish_scene( &b );
+        RfTracer* tracer = make_tracer( &scene );
+        RfEye eyes[3];
+        for ( int i = 0; i < 3; ++i )
+            eyes[i] = rf_make_eye( rf_vec3( 0, 0, 4.0f - 0.01f * (float)i ), rf_vec3( 0, 0, -1 ), rf_vec3( 0, 1, 0 ), 0.05, WIDTH,
+                                   WIDTH );
+        for ( int group = 0; group < 2; ++group )
+        {
+            RfRenderSettings settings = plain_settings();
+            settings.group = group;
+            settings.spp = 64;
+            settings.max_depth = 2;
+            assert_true( rf_parse_tile( "2x2", &settings.tile ) );
+            Rendered r = render_frames( tracer, eyes, 3, &( int ){ 1 }, 1, &settings );
+            double sum = 0.0;
+            for ( size_t i = 0; i < r.pixels; ++i )
+                sum += (double)r.rgb[3 * i + 1] / (double)r.pixels;
+            char what[64];
+            snprintf( what, sizeof what, "%d dark panes, group %d", panes, group );
+            assert_near( what, sum, pow( pass, panes ), 0.1 );
+            free_rendered( &r );
+        }
+        rf_destroy_tracer( tracer );
+        rf_destroy_scene( &scene );
+    }
+}
+
+// Rows of the picture of a wall that shines, in a dark pane: F by the angle of each row.
+static double reflected_in_row( const RfEye* eye, int row )
+{
+    enum
+    {
+        PARTS = 16
+    };
+    double sum = 0.0;
+    for ( int k = 0; k < PARTS * PARTS; ++k )
+    {
+        float fx = ( (float)( k % PARTS ) + 0.5f ) / PARTS * (float)eye->width - eye->axis_x;
+        float fy = eye->axis_y - (float)row - ( (float)( k / PARTS ) + 0.5f ) / PARTS;
+        RfVec3 d = rf_madd( rf_madd( eye->forward, eye->right, fx / eye->focal_x ), eye->up, fy / eye->focal );
+        sum += fresnel( -(double)rf_normalize( d ).y, 1.5 ) / ( PARTS * PARTS );
+    }
+    return sum;
+}
+
+// Some of the eyes see what it shows at angles at which it reflects more often than not, others do not.
+static void test_a_lamp_in_a_dark_pane( void** state )
+{
+    (void)state;
+    enum
+    {
+        HEIGHT = 18,
+        EYES = 7
+    };
+    SceneBuilder b = { 0 };
+    uint32_t pane = add_material( &b, make_thin_pane( rf_vec3( 0.05f, 0.05f, 0.05f ), 0.0f ) );
+    uint32_t black = add_material( &b, make_lambert( 0, 0, 0 ) ), lamp = add_material( &b, make_light( 1.0f, true ) );
+    for ( int k = 0; k < 2; ++k )
+    {
+        float y = k == 0 ? 0.0f : -0.1f;
+        add_quad( &b, k == 0 ? pane : black, rf_vec3( -30, y, 9 ), rf_vec3( 30, y, 9 ), rf_vec3( 30, y, -9 ),
+                  rf_vec3( -30, y, -9 ) );
+    }
+    add_quad( &b, lamp, rf_vec3( -60, 0, -9 ), rf_vec3( 60, 0, -9 ), rf_vec3( 60, 60, -9 ), rf_vec3( -60, 60, -9 ) );
+    RfScene scene = finish_scene( &b );
+    RfTracer* tracer = make_tracer( &scene );
+    RfEye eyes[EYES];
+    for ( int i = 0; i < EYES; ++i )
+        eyes[i] = rf_make_eye( rf_vec3( 0, 0.8f + 0.5f * (float)i, 2.6f ), rf_vec3( 0, -1, -1 ), rf_vec3( 0, 1, 0 ), 0.7, WIDTH,
+                               HEIGHT );
+    for ( int group = 0; group <= 3; group += 3 )
+    {
+        RfRenderSettings settings = plain_settings();
+        settings.group = group;
+        settings.spp = 128;
+        settings.max_depth = 4;
+        assert_true( rf_parse_tile( "2x2", &settings.tile ) );
+        Rendered r = render_frames( tracer, eyes, EYES, &( int ){ EYES / 2 }, 1, &settings );
+        for ( int row = 0; row < HEIGHT; ++row )
+        {
+            double sum = 0.0;
+            for ( int x = 0; x < WIDTH; ++x )
+                sum += (double)r.rgb[3 * ( row * WIDTH + x ) + 1] / WIDTH;
+            char what[64];
+            snprintf( what, sizeof what, "dark pane, group %d, row %d", group, row );
+            assert_near( what, sum, reflected_in_row( eyes + EYES / 2, row ), 0.04 );
+        }
+        free_rendered( &r );
+    }
+    rf_destroy_tracer( tracer );
+    rf_destroy_scene( &scene );
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test( test_a_lamp_behind_many_dark_panes ),
+        cmocka_unit_test( test_a_lamp_in_a_dark_pane ),
         cmocka_unit_test( test_panes_in_a_row ),
         cmocka_unit_test( test_a_slab ),
         cmocka_unit_test( test_panes_in_a_mirror ),
