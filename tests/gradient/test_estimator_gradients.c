@@ -4,6 +4,7 @@
 #include "gradient/gradient_films.h"
 #include "support/pane_room.h"
 #include "support/scene_builder.h"
+#include "support/statistics.h"
 #include "support/textured_room.h"
 #include "support/unbiased.h"
 
@@ -201,5 +202,5 @@ int main( void )
         cmocka_unit_test( test_glass_blending_and_lamps_are_unbiased ),
         cmocka_unit_test( test_filters_are_unbiased ),
     };
-    return cmocka_run_group_tests( tests, NULL, NULL );
+    return run_statistical_tests( tests, sizeof tests / sizeof *tests );
 }

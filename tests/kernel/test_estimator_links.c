@@ -3,6 +3,7 @@
 #include "light/divide.h"
 #include "support/chain_checks.h"
 #include "support/mirror_rooms.h"
+#include "support/statistics.h"
 #include "support/unbiased.h"
 
 #include <setjmp.h>
@@ -141,5 +142,5 @@ int main( void )
         cmocka_unit_test( test_area_lights_shine_in_mirrors ),
         cmocka_unit_test( test_area_lights_shine_through_glass ),
     };
-    return cmocka_run_group_tests( tests, NULL, NULL );
+    return run_statistical_tests( tests, sizeof tests / sizeof *tests );
 }

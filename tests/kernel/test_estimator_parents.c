@@ -2,6 +2,7 @@
 // against paths that hit it by chance. Welch tests over 16 seeds.
 #include "support/chain_checks.h"
 #include "support/scene_builder.h"
+#include "support/statistics.h"
 #include "support/unbiased.h"
 
 #include <setjmp.h>
@@ -79,5 +80,5 @@ int main( void )
 {
     const struct CMUnitTest tests[] = { cmocka_unit_test( test_light_of_the_second_kind ),
                                         cmocka_unit_test( test_light_of_the_second_kind_of_a_smaller_lamp ) };
-    return cmocka_run_group_tests( tests, NULL, NULL );
+    return run_statistical_tests( tests, sizeof tests / sizeof *tests );
 }

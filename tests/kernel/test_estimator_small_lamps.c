@@ -4,6 +4,7 @@
 // where a pixel of the reference is hit once or never, Welch's test takes the small variance of what it has for the whole.
 #include "support/bidirectional.h"
 #include "support/scene_builder.h"
+#include "support/statistics.h"
 #include "support/unbiased.h"
 
 #include <setjmp.h>
@@ -185,5 +186,5 @@ int main( void )
         cmocka_unit_test( test_a_glass_ball ),
         cmocka_unit_test( test_by_way_of_a_mirror ),
     };
-    return cmocka_run_group_tests( tests, NULL, NULL );
+    return run_statistical_tests( tests, sizeof tests / sizeof *tests );
 }

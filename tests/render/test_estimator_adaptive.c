@@ -162,5 +162,5 @@ int main( void )
         cmocka_unit_test( test_noisy_glass ),
         cmocka_unit_test( test_mean_weight ),
     };
-    return cmocka_run_group_tests( tests, NULL, NULL );
+    return run_statistical_tests( tests, sizeof tests / sizeof *tests );
 }

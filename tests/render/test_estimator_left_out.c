@@ -2,6 +2,7 @@
 // (Without the light tree it has the bits of selection by power: tests/render/test_effects.c.)
 #include "support/mirror_rooms.h"
 #include "support/pane_room.h"
+#include "support/statistics.h"
 #include "support/unbiased.h"
 
 #include <setjmp.h>
@@ -69,5 +70,5 @@ int main( void )
         cmocka_unit_test( test_flat_mirrors_change_noise_alone ),
         cmocka_unit_test( test_panes_change_noise_alone ),
     };
-    return cmocka_run_group_tests( tests, NULL, NULL );
+    return run_statistical_tests( tests, sizeof tests / sizeof *tests );
 }

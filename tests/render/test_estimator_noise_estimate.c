@@ -8,6 +8,7 @@
 #include "support/render_support.h"
 #include "scene/camera.h"
 #include "scene/json/scene_file.h"
+#include "support/statistics.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -204,5 +205,5 @@ int main( void )
         cmocka_unit_test( test_what_is_told_is_true ),
         cmocka_unit_test( test_caustics_are_lower_bounds ),
     };
-    return cmocka_run_group_tests( tests, NULL, NULL );
+    return run_statistical_tests( tests, sizeof tests / sizeof *tests );
 }

@@ -169,5 +169,5 @@ int main( void )
         cmocka_unit_test( test_slabs_let_through_what_fresnel_says ),
         cmocka_unit_test( test_ggx_has_its_single_scattering_albedo ),
     };
-    return cmocka_run_group_tests( tests, NULL, NULL );
+    return run_statistical_tests( tests, sizeof tests / sizeof *tests );
 }

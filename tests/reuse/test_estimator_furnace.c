@@ -159,5 +159,5 @@ int main( void )
         cmocka_unit_test( test_albedo_half ),
         cmocka_unit_test( test_albedo_high ),
     };
-    return cmocka_run_group_tests( tests, NULL, NULL );
+    return run_statistical_tests( tests, sizeof tests / sizeof *tests );
 }

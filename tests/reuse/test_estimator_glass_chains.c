@@ -2,6 +2,7 @@
 // tiles, by groups of frames and by both, against independent references over 16 seeds.
 #include "support/chain_checks.h"
 #include "support/mirror_rooms.h"
+#include "support/statistics.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -111,5 +112,5 @@ int main( void )
         cmocka_unit_test( test_lamps_in_bulbs_are_unbiased ),    cmocka_unit_test( test_light_that_comes_by_chains_is_unbiased ),
         cmocka_unit_test( test_sharp_lobes_are_unbiased ),       cmocka_unit_test( test_extra_samples_and_roulette_are_unbiased ),
     };
-    return cmocka_run_group_tests( tests, NULL, NULL );
+    return run_statistical_tests( tests, sizeof tests / sizeof *tests );
 }

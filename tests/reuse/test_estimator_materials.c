@@ -2,6 +2,7 @@
 // and where colour, roughness, normals, alpha and emission are textured or blended:
 // against independent references, over 16 seeds.
 #include "support/scene_builder.h"
+#include "support/statistics.h"
 #include "support/textured_room.h"
 #include "support/unbiased.h"
 
@@ -103,5 +104,5 @@ int main( void )
         cmocka_unit_test( test_varied_glass_and_coats_are_unbiased ),
         cmocka_unit_test( test_blending_is_unbiased ),
     };
-    return cmocka_run_group_tests( tests, NULL, NULL );
+    return run_statistical_tests( tests, sizeof tests / sizeof *tests );
 }

@@ -3,6 +3,7 @@
 // independent references over 16 seeds.
 #include "support/chain_checks.h"
 #include "support/mirror_rooms.h"
+#include "support/statistics.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -50,5 +51,5 @@ int main( void )
         cmocka_unit_test( test_mirrors_with_holes_are_unbiased ),
         cmocka_unit_test( test_screens_about_a_mirror_are_unbiased ),
     };
-    return cmocka_run_group_tests( tests, NULL, NULL );
+    return run_statistical_tests( tests, sizeof tests / sizeof *tests );
 }

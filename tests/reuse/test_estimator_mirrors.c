@@ -4,6 +4,7 @@
 // paths cut at any vertex, with every kind of light.
 #include "support/chain_checks.h"
 #include "support/mirror_rooms.h"
+#include "support/statistics.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -110,5 +111,5 @@ int main( void )
         cmocka_unit_test( test_lights_in_a_mirror_are_unbiased ),
         cmocka_unit_test( test_extra_samples_and_roulette_are_unbiased ),
     };
-    return cmocka_run_group_tests( tests, NULL, NULL );
+    return run_statistical_tests( tests, sizeof tests / sizeof *tests );
 }

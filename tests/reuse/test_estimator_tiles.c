@@ -4,6 +4,7 @@
 // the bars of a fence, with several light samples, with a single shared bounce, with
 // Russian roulette.
 #include "support/scene_builder.h"
+#include "support/statistics.h"
 #include "support/textured_room.h"
 #include "support/unbiased.h"
 
@@ -197,5 +198,5 @@ int main( void )
         cmocka_unit_test( test_fence_is_unbiased ),
         cmocka_unit_test( test_corner_is_unbiased ),
     };
-    return cmocka_run_group_tests( tests, NULL, NULL );
+    return run_statistical_tests( tests, sizeof tests / sizeof *tests );
 }

@@ -1,5 +1,6 @@
 #include "support/bidirectional.h"
 
+#include "support/statistics.h"
 #include "support/walks.h"
 
 #include <math.h>
@@ -248,13 +249,14 @@ void bidirectional_image( const RfTracer* tracer, const RfEye* eye, const Bidire
     Bidirectional b = { tracer, eye, settings, calloc( 3 * (size_t)pixels, sizeof( double ) ), (float)pixels };
     if ( b.film == NULL || settings->max_depth > MAX_VERTICES )
         abort();
-    for ( int pass = 0; pass < settings->spp; ++pass )
+    int spp = settings->spp * suite_samples();
+    for ( int pass = 0; pass < spp; ++pass )
     {
-        uint64_t key = rf_pass_key( settings->seed, 0, 0, (uint32_t)pass );
+        uint64_t key = rf_pass_key( settings->seed + suite_seed(), 0, 0, (uint32_t)pass );
         for ( int i = 0; i < pixels; ++i )
             add_to_film( &b, i, traced( &b, rf_pixel_key( key, (uint32_t)i ), i ) );
     }
     for ( int i = 0; i < 3 * pixels; ++i )
-        rgb[i] = (float)( b.film[i] / settings->spp );
+        rgb[i] = (float)( b.film[i] / spp );
     free( b.film );
 }

@@ -17,7 +17,6 @@
 
 #define BLOCK 4
 #define PIXELS ( CHAIN_WIDTH * CHAIN_HEIGHT )
-#define SIGNIFICANCE 1e-4
 #define REFERENCE_SPP 24 // of frames that are tested by block and pixel
 #define REFERENCE_SPP_REST 12
 #define FRAMES 3
@@ -168,7 +167,7 @@ static void assert_marked_unbiased( const FrameImages* rendered, const FrameImag
     double mean = mean_of( a, SEEDS, &error_a ), expected = mean_of( b, SEEDS, &error_b ), p = welch_p( a, SEEDS, b, SEEDS );
     printf( "    %2d %% of the pixels: off by %.2f %% ± %.2f %%, p %.3g\n", 100 * marked->count / ( FRAMES * PIXELS ),
             100.0 * ( mean / expected - 1.0 ), 100.0 * sqrt( error_a * error_a + error_b * error_b ) / expected, p );
-    assert_true( p > SIGNIFICANCE );
+    assert_true( is_likely( p ) );
 }
 
 static void check_setting( const ChainCase* c, const RfTracer* tracer, RfRenderSettings settings, const ChainSetting* s,

@@ -5,6 +5,7 @@
 #include "light/light.h"
 #include "path/wavefront.h"
 #include "support/points.h"
+#include "support/statistics.h"
 
 #include <stdlib.h>
 
@@ -384,8 +385,11 @@ static RfVec3 seen_light( const RfTracer* tracer, const ReferenceSettings* s, Rf
     return rf_add( sum, scattered_light( tracer, s, key, hit ) );
 }
 
-void reference_image( const RfTracer* tracer, const RfEye* eye, const ReferenceSettings* s, float* rgb )
+void reference_image( const RfTracer* tracer, const RfEye* eye, const ReferenceSettings* settings, float* rgb )
 {
+    ReferenceSettings of_suite = *settings, *s = &of_suite;
+    s->seed += suite_seed();
+    s->spp *= suite_samples();
     for ( int y = 0; y < eye->height; ++y )
     {
         for ( int x = 0; x < eye->width; ++x )

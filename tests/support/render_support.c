@@ -1,5 +1,6 @@
 #include "support/render_support.h"
 #include "reuse/tile.h"
+#include "support/statistics.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -48,7 +49,10 @@ Rendered render_frames( const RfTracer* tracer, const RfEye* eyes, int eye_count
     r.weight = must_alloc( r.pixels * (size_t)frame_count * sizeof( float ) );
     RfRenderCallbacks callbacks = { &r, keep_frame, NULL };
     RfError error;
-    must( rf_render( tracer, eyes, eye_count, frames, frame_count, settings, &callbacks, &r.stats, &error ), &error );
+    RfRenderSettings of_suite = *settings;
+    of_suite.seed += suite_seed();
+    of_suite.spp *= suite_samples();
+    must( rf_render( tracer, eyes, eye_count, frames, frame_count, &of_suite, &callbacks, &r.stats, &error ), &error );
     return r;
 }
 

@@ -1,7 +1,12 @@
 #include "support/statistics.h"
 
 #include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
 #include <stdlib.h>
+
+#include <cmocka.h>
 
 // Regularised incomplete beta function by Lentz' continued fraction
 // (Abramowitz & Stegun 26.5.8); x below the mean (a+1)/(a+b+2).
@@ -41,7 +46,48 @@ static double incomplete_beta( double a, double b, double x )
 
 double student_p( double t, double df ) { return incomplete_beta( 0.5 * df, 0.5, df / ( df + t * t ) ); }
 
-bool is_far_off( double t, double df ) { return !( student_p( t, df ) > 6.3e-5 ); }
+static int s_comparisons;
+static bool s_repeats;
+
+bool is_likely( double p )
+{
+#pragma omp atomic
+    s_comparisons += 1;
+    return p > ( s_repeats ? -expm1( log1p( -SUITE_LEVEL ) / SUITE_COMPARISONS ) : FIRST_LEVEL );
+}
+
+bool is_far_off( double t, double df ) { return !is_likely( student_p( t, df ) ); }
+
+// Apart by more than any test adds to it.
+#define SEED_STRIDE 10000000u
+
+uint64_t suite_seed( void )
+{
+    const char* base = getenv( "REFRAME_SEED" );
+    return ( base != NULL ? strtoull( base, NULL, 10 ) * SEED_STRIDE : 0 ) + ( s_repeats ? SEED_STRIDE / 2 : 0 );
+}
+
+int suite_samples( void ) { return s_repeats ? 4 : 1; }
+
+int run_statistical_tests( const struct CMUnitTest* tests, size_t count )
+{
+    int failed = 0, counted = 0;
+    for ( size_t i = 0; i < count; ++i )
+    {
+        struct CMUnitTest one[1] = { tests[i] };
+        s_comparisons = 0;
+        bool unlikely = _cmocka_run_group_tests( tests[i].name, one, 1, NULL, NULL ) != 0;
+        counted += s_comparisons;
+        if ( !unlikely )
+            continue;
+        printf( "%s: unlikely; once more with other seeds and four times the samples\n", tests[i].name );
+        s_repeats = true;
+        failed += _cmocka_run_group_tests( tests[i].name, one, 1, NULL, NULL );
+        s_repeats = false;
+    }
+    printf( "%d comparisons\n", counted );
+    return failed;
+}
 
 double mean_of( const double* values, int count, double* standard_error )
 {

@@ -1,9 +1,10 @@
-// Tests of hypotheses, for tests of estimators.
+// Tests of hypotheses, for tests of estimators, and the level that they share.
 #ifndef REFRAME_TESTS_STATISTICS_H
 #define REFRAME_TESTS_STATISTICS_H
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 // Two-sided p-value of Student's t with `df` degrees of freedom.
 double student_p( double t, double df );
@@ -18,11 +19,29 @@ double uniform_p( double* values, int count );
 // Upper tail of the χ² distribution.
 double chi_square_p( double chi_square, double df );
 
-// Is a mean `t` standard errors off, and is that as unlikely as 4 of them are
-// where the error is known (6e-5)? It comes from df + 1 values here.
+// Whether p may be chance: the statistical tests of the suite together fail by chance once in SUITE_LEVEL⁻¹ runs with fresh
+// seeds, however many p-values they compare. A test (below) that falls below FIRST_LEVEL is run again with other seeds and four
+// times the samples, where each comparison has its share of SUITE_LEVEL, by Šidák: 1 − (1 − SUITE_LEVEL)^(1/SUITE_COMPARISONS).
+// Counts the comparison.
+bool is_likely( double p );
+#define FIRST_LEVEL 1e-4
+#define SUITE_LEVEL 1e-3
+#define SUITE_COMPARISONS 8000 // at least as many as there are, with REFRAME_LONG too; scripts/test counts them
+
+// Is a mean that comes from df + 1 values too many of its standard errors off? A comparison like is_likely.
 bool is_far_off( double t, double df );
 
-// Mean, and the standard error of the mean.
+// Mean, and the standard error of the mean (NULL: not wanted).
 double mean_of( const double* values, int count, double* standard_error );
+
+// What the helpers that render add to the seeds of all renders and references: REFRAME_SEED (0), and whether this is a repetition,
+// choose it.
+uint64_t suite_seed( void );
+// By what they multiply the samples: 4 in a repetition.
+int suite_samples( void );
+
+struct CMUnitTest;
+// For main(): runs tests, those that fail once more as above, and prints the number of comparisons. Returns how many tests fail.
+int run_statistical_tests( const struct CMUnitTest* tests, size_t count );
 
 #endif

@@ -31,13 +31,12 @@ typedef struct Verdict
     double uniform_p;  // that the p-values of the blocks are uniform
 } Verdict;
 
-// Compares luminance in blocks of block × block pixels.
-Verdict compare_images( const Images* a, const Images* b, int block );
+// Compares luminance in blocks of block × block pixels. Prints each block of more than a pixel whose own p is below FIRST_LEVEL,
+// under a name; NULL: none.
+Verdict compare_images( const char* what, const Images* a, const Images* b, int block );
 
-// Fails unless the means agree: of the images, of blocks of block × block
-// pixels and of pixels; prints the p-values under a name. A run of a program
-// makes some 30 of these with 4 p-values each; at the level of 1e-4 one in a
-// hundred runs with fresh seeds would fail by chance.
+// Fails unless the means agree: of the images, of blocks of block × block pixels and of pixels; prints the p-values under a name.
+// Four comparisons (support/statistics.h).
 void assert_unbiased( const char* what, const Images* rendered, const Images* reference, int block );
 
 #endif

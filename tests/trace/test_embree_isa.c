@@ -1,41 +1,24 @@
 // Rays and segments on processors of all kinds: Embree with packets of 16 (AVX-512) and without. Lanes that are not to be traced
 // are left alone, and what is found does not depend on the kind.
-#define _GNU_SOURCE // RTLD_NEXT
+#include "support/embree_kind.h"
 #include "support/pane_room.h"
 #include "support/render_support.h"
 #include "trace/trace.h"
 
-#include <dlfcn.h>
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
-#include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include <cmocka.h>
-
-static const char* s_isa; // NULL: the best of this machine
-
-// In the place of Embree's: asks it for the kind of processor to be tested.
-void* rtcNewDevice( const char* configuration );
-
-void* rtcNewDevice( const char* configuration )
-{
-    void* ( *create )( const char* );
-    *(void**)&create = dlsym( RTLD_NEXT, "rtcNewDevice" );
-    char asked[128];
-    snprintf( asked, sizeof asked, "%s%s%s", configuration, s_isa != NULL ? ",isa=" : "", s_isa != NULL ? s_isa : "" );
-    return create( asked );
-}
 
 static const char* const s_kinds[] = { NULL, "avx2", "sse4.2" };
 #define KINDS (int)( sizeof s_kinds / sizeof *s_kinds )
 
 static RfTracer* make_tracer_of_kind( const RfScene* scene, int kind )
 {
-    s_isa = s_kinds[kind];
+    use_embree_for( s_kinds[kind] );
     return make_tracer( scene );
 }
 
