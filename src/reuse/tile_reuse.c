@@ -192,6 +192,17 @@ static void trace_beyond( const RfPathSettings* settings, RfWavefront* wavefront
     memcpy( &wavefront->arrivals, &reuse->arrivals_at_hits, sizeof wavefront->arrivals );
 }
 
+// Whether max_depth leaves no path a vertex after the second. Where camera rays are not followed, one that passed a pane has one more.
+static bool all_end_at_second( const RfPathSettings* path, const RfWavefront* wavefront )
+{
+    for ( int r = 0; r < wavefront->rays.count && path->max_depth == 2 && wavefront->spent != NULL; ++r )
+    {
+        if ( wavefront->spent[wavefront->rays.slot[r]] < 0 )
+            return false;
+    }
+    return path->max_depth == 2;
+}
+
 uint64_t rf_trace_tile_tails( const RfTileReuseSettings* settings, const RfVertexLanes* hits, float* const scattered[3],
                               RfWavefront* wavefront, RfTileReuse* reuse )
 {
@@ -201,7 +212,7 @@ uint64_t rf_trace_tile_tails( const RfTileReuseSettings* settings, const RfVerte
     if ( wavefront->rays.count > 0 )
         note_panes( &wavefront->rays, rf_find_lit_vertices( settings->path, wavefront, &wavefront->rays, true, &reuse->second ),
                     reuse );
-    if ( settings->path->max_depth == 2 || reuse->second.count == 0 )
+    if ( all_end_at_second( settings->path, wavefront ) || reuse->second.count == 0 )
     {
         for ( int s = 0; s < tile_pixels; ++s )
             memset( reuse->pairings[s].weight, 0, sizeof reuse->pairings[s].weight );

@@ -186,6 +186,48 @@ static void test_a_lamp_behind_many_dark_panes( void** state )
     }
 }
 
+// What is seen through a pane at --max-depth 2 has light samples, by all weights; those that compare do not follow camera rays.
+static void test_a_floor_below_a_pane( void** state )
+{
+    (void)state;
+    SceneBuilder b = { 0 };
+    uint32_t ground = add_material( &b, make_lambert( 0.5f, 0.5f, 0.5f ) );
+    uint32_t pane = add_material( &b, make_thin_pane( rf_vec3( 1, 1, 1 ), 0.0f ) );
+    for ( int k = 0; k < 2; ++k )
+        add_quad( &b, k == 0 ? ground : pane, rf_vec3( -9, (float)k, 9 ), rf_vec3( 9, (float)k, 9 ), rf_vec3( 9, (float)k, -9 ),
+                  rf_vec3( -9, (float)k, -9 ) );
+    RfScene scene = finish_scene( &b );
+    scene.punctual_count = 1;
+    scene.punctuals = calloc( 1, sizeof *scene.punctuals );
+    scene.punctuals[0] = make_point_light( rf_vec3( 0, 3.0f, 0 ), 10.0f );
+    RfTracer* tracer = make_tracer( &scene );
+    RfEye eyes[3];
+    for ( int i = 0; i < 3; ++i )
+        eyes[i] = rf_make_eye( rf_vec3( 0.02f * (float)i - 0.02f, 2.5f, 0 ), rf_vec3( 0, -1, 0 ), rf_vec3( 0, 0, -1 ), 0.05,
+                               WIDTH, WIDTH );
+    double pass = 1.0 - fresnel( 1.0, 1.5 ), want = 0.5 / 3.14159265358979 * 10.0 / 9.0 * pass * pass;
+    static const RfWeights s_weights[] = { RF_WEIGHTS_EXACT, RF_WEIGHTS_EQ15, RF_WEIGHTS_UNWEIGHTED };
+    for ( int w = 0; w < 3; ++w )
+    {
+        RfRenderSettings settings = plain_settings();
+        settings.weights = s_weights[w];
+        settings.group = 1;
+        settings.spp = 64;
+        settings.max_depth = 2;
+        assert_true( rf_parse_tile( "2x2", &settings.tile ) );
+        Rendered r = render_frames( tracer, eyes, 3, &( int ){ 1 }, 1, &settings );
+        double sum = 0.0;
+        for ( size_t i = 0; i < r.pixels; ++i )
+            sum += (double)r.rgb[3 * i + 1] / (double)r.pixels;
+        char what[64];
+        snprintf( what, sizeof what, "floor below a pane, weights %d", w );
+        assert_near( what, sum, want, 0.02 );
+        free_rendered( &r );
+    }
+    rf_destroy_tracer( tracer );
+    rf_destroy_scene( &scene );
+}
+
 // Rows of the picture of a wall that shines, in a dark pane: F by the angle of each row.
 static double reflected_in_row( const RfEye* eye, int row )
 {
@@ -257,6 +299,7 @@ int main( void )
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( test_a_lamp_behind_many_dark_panes ),
         cmocka_unit_test( test_a_lamp_in_a_dark_pane ),
+        cmocka_unit_test( test_a_floor_below_a_pane ),
         cmocka_unit_test( test_panes_in_a_row ),
         cmocka_unit_test( test_a_slab ),
         cmocka_unit_test( test_panes_in_a_mirror ),
