@@ -192,15 +192,17 @@ static void trace_beyond( const RfPathSettings* settings, RfWavefront* wavefront
     memcpy( &wavefront->arrivals, &reuse->arrivals_at_hits, sizeof wavefront->arrivals );
 }
 
-// Whether max_depth leaves no path a vertex after the second. Where camera rays are not followed, one that passed a pane has one more.
+// Whether max_depth leaves no path a vertex after the second. A path whose camera ray passed a pane may have one more.
 static bool all_end_at_second( const RfPathSettings* path, const RfWavefront* wavefront )
 {
-    for ( int r = 0; r < wavefront->rays.count && path->max_depth == 2 && wavefront->spent != NULL; ++r )
+    if ( path->max_depth > 2 )
+        return false;
+    for ( int r = 0; r < wavefront->rays.count && wavefront->spent != NULL; ++r )
     {
         if ( wavefront->spent[wavefront->rays.slot[r]] < 0 )
             return false;
     }
-    return path->max_depth == 2;
+    return true;
 }
 
 uint64_t rf_trace_tile_tails( const RfTileReuseSettings* settings, const RfVertexLanes* hits, float* const scattered[3],

@@ -145,6 +145,23 @@ static void assert_near( const char* what, double found, double wanted, double t
     assert_true( fabs( found / wanted - 1.0 ) < tolerance );
 }
 
+// Of the middle one of three frames, with tiles and --max-depth 2.
+static double mean_green( const RfTracer* tracer, const RfEye* eyes, int group, RfWeights weights )
+{
+    RfRenderSettings settings = plain_settings();
+    settings.group = group;
+    settings.weights = weights;
+    settings.spp = 64;
+    settings.max_depth = 2;
+    assert_true( rf_parse_tile( "2x2", &settings.tile ) );
+    Rendered r = render_frames( tracer, eyes, 3, &( int ){ 1 }, 1, &settings );
+    double sum = 0.0;
+    for ( size_t i = 0; i < r.pixels; ++i )
+        sum += (double)r.rgb[3 * i + 1] / (double)r.pixels;
+    free_rendered( &r );
+    return sum;
+}
+
 #define DARK 0.5f
 
 // A wall that shines behind panes so dark that a chain over four of them would be a case for Russian roulette.
@@ -167,19 +184,9 @@ static void test_a_lamp_behind_many_dark_panes( void** state )
                                    WIDTH );
         for ( int group = 0; group < 2; ++group )
         {
-            RfRenderSettings settings = plain_settings();
-            settings.group = group;
-            settings.spp = 64;
-            settings.max_depth = 2;
-            assert_true( rf_parse_tile( "2x2", &settings.tile ) );
-            Rendered r = render_frames( tracer, eyes, 3, &( int ){ 1 }, 1, &settings );
-            double sum = 0.0;
-            for ( size_t i = 0; i < r.pixels; ++i )
-                sum += (double)r.rgb[3 * i + 1] / (double)r.pixels;
             char what[64];
             snprintf( what, sizeof what, "%d dark panes, group %d", panes, group );
-            assert_near( what, sum, pow( pass, panes ), 0.1 );
-            free_rendered( &r );
+            assert_near( what, mean_green( tracer, eyes, group, RF_WEIGHTS_EXACT ), pow( pass, panes ), 0.1 );
         }
         rf_destroy_tracer( tracer );
         rf_destroy_scene( &scene );
@@ -209,20 +216,9 @@ static void test_a_floor_below_a_pane( void** state )
     static const RfWeights s_weights[] = { RF_WEIGHTS_EXACT, RF_WEIGHTS_EQ15, RF_WEIGHTS_UNWEIGHTED };
     for ( int w = 0; w < 3; ++w )
     {
-        RfRenderSettings settings = plain_settings();
-        settings.weights = s_weights[w];
-        settings.group = 1;
-        settings.spp = 64;
-        settings.max_depth = 2;
-        assert_true( rf_parse_tile( "2x2", &settings.tile ) );
-        Rendered r = render_frames( tracer, eyes, 3, &( int ){ 1 }, 1, &settings );
-        double sum = 0.0;
-        for ( size_t i = 0; i < r.pixels; ++i )
-            sum += (double)r.rgb[3 * i + 1] / (double)r.pixels;
         char what[64];
         snprintf( what, sizeof what, "floor below a pane, weights %d", w );
-        assert_near( what, sum, want, 0.02 );
-        free_rendered( &r );
+        assert_near( what, mean_green( tracer, eyes, 1, s_weights[w] ), want, 0.02 );
     }
     rf_destroy_tracer( tracer );
     rf_destroy_scene( &scene );

@@ -19,8 +19,8 @@ double uniform_p( double* values, int count );
 // Upper tail of the χ² distribution.
 double chi_square_p( double chi_square, double df );
 
-// Whether p may be chance: the statistical tests of the suite together fail by chance once in SUITE_LEVEL⁻¹ runs with fresh
-// seeds, however many p-values they compare. A test (below) that falls below FIRST_LEVEL is run again with other seeds and four
+// Whether p may be chance: by their p-values, the statistical tests of the suite together fail by chance at most once in
+// SUITE_LEVEL⁻¹ runs with fresh seeds, as far as t-tests hold (not for pixels that live on a few rare paths). A test (below) that falls below FIRST_LEVEL is run again with other seeds and four
 // times the samples, where each comparison has its share of SUITE_LEVEL, by Šidák: 1 − (1 − SUITE_LEVEL)^(1/SUITE_COMPARISONS).
 // Counts the comparison.
 bool is_likely( double p );
