@@ -5,9 +5,8 @@
 
 #include "scene/mirrors.h"
 #include "scene/scene.h"
+#include "trace/embree.h"
 #include "trace/trace.h"
-
-#include <embree3/rtcore.h>
 
 typedef struct RfBvh
 {

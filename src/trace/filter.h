@@ -17,7 +17,7 @@ typedef enum RfQueryKind
 // The query that a packet belongs to; the ids of its rays are their lanes.
 typedef struct RfQuery
 {
-    struct RTCIntersectContext context; // first member: Embree passes its address to the filter
+    RfRayContext context; // first member: Embree passes its address to the filter
     RfQueryKind kind;
     bool pass_panes; // else panes are surfaces like any others
     bool passed;     // some pane was passed

@@ -9,14 +9,14 @@
 static void intersect( const int* valid, RTCScene scene, RfQuery* query, struct RTCRayHit16* packet )
 {
     query->traps = rf_pause_float_traps();
-    rtcIntersect16( valid, scene, &query->context, packet );
+    rf_intersect_packet( valid, scene, &query->context, packet );
     rf_resume_float_traps( query->traps );
 }
 
 static void occluded( const int* valid, RTCScene scene, RfQuery* query, struct RTCRay16* ray )
 {
     query->traps = rf_pause_float_traps();
-    rtcOccluded16( valid, scene, &query->context, ray );
+    rf_occlude_packet( valid, scene, &query->context, ray );
     rf_resume_float_traps( query->traps );
 }
 
@@ -30,8 +30,7 @@ static void reset_panes( RfQuery* query )
 static RfQuery begin_query( RfQueryKind kind, bool coherent, bool pass_panes )
 {
     RfQuery query;
-    rtcInitIntersectContext( &query.context );
-    query.context.flags = coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+    rf_init_ray_context( &query.context, coherent );
     query.kind = kind;
     query.pass_panes = pass_panes;
     for ( int i = 0; i < RF_PACKET; ++i )

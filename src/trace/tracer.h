@@ -7,8 +7,6 @@
 #include "trace/bvh.h"
 #include "trace/trace.h"
 
-#include <embree3/rtcore.h>
-
 struct RfTracer
 {
     const RfScene* scene;
