@@ -1,6 +1,7 @@
 #include "base/file.h"
 #include "import/assimp_import.h"
 
+#include <assimp/version.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -84,11 +85,18 @@ static bool has_aspect_ratios( const RfImport* import )
     return all;
 }
 
-// The vertical field of view, or 0 if unknown. assimp's is the full horizontal angle for
-// Collada and FBX; for some other formats it is half of that, so these are ignored.
+// The horizontal field of view. assimp gives FBX cameras half of it from 5.3 on.
+static double horizontal_angle( const RfImport* import, const struct aiCamera* from )
+{
+    bool is_half = import->format == RF_SOURCE_FBX && 100 * aiGetVersionMajor() + aiGetVersionMinor() >= 503;
+    return ( is_half ? 2.0 : 1.0 ) * (double)from->mHorizontalFOV;
+}
+
+// The vertical field of view, or 0 if unknown. assimp's is that of Collada and FBX; for some other
+// formats it is half of the angle, so these are ignored.
 static double vertical_angle( const RfImport* import, const struct aiCamera* from, bool aspects )
 {
-    double whole = (double)from->mHorizontalFOV, aspect = (double)from->mAspect;
+    double whole = horizontal_angle( import, from ), aspect = (double)from->mAspect;
     bool known = import->format == RF_SOURCE_FBX || ( import->format == RF_SOURCE_COLLADA && aspects );
     if ( !known || from->mOrthographicWidth > 0.0f || !( whole > 0.0 && whole < PI ) || !( aspect > 0.01 && aspect < 100.0 ) )
         return 0.0;
@@ -112,7 +120,7 @@ static void take_camera( RfImport* import, const struct aiCamera* from, bool asp
         return;
     if ( import->format == RF_SOURCE_FBX )
         rf_warn( import->log, "camera '%s': its field of view is taken as %.4g degrees across: compare it with the source",
-                 from->mName.data, (double)from->mHorizontalFOV * 180.0 / PI );
+                 from->mName.data, horizontal_angle( import, from ) * 180.0 / PI );
     model->cameras[model->camera_count++] =
         ( RfModelCamera ){ .name = rf_import_text( &from->mName ), .yfov = yfov, .node = node };
 }
