@@ -115,7 +115,10 @@ static void commit( RTCScene scene )
 RfResult rf_build_bvh( RTCDevice device, const RfScene* scene, RfBvh* bvh, RfError* error )
 {
     float reach = rf_median_reach( &scene->triangles );
-    *bvh = ( RfBvh ){ .scene = scene, .scale = rf_embree_scale( reach ), .far_error = rf_far_error( reach ) };
+    *bvh = ( RfBvh ){ .scene = scene,
+                      .scale = rf_embree_scale( reach ),
+                      .far_error = rf_far_error( reach ),
+                      .halved = rf_halves_packets( device ) };
     RfResult result = sort_masked( bvh, error );
     if ( result != RF_OK )
         return result;

@@ -16,6 +16,7 @@ typedef struct RfBvh
     bool blended;          // some triangles are alpha-blended
     bool panes;            // some may be thin panes
     bool any_blended;      // some triangles are blended, and not because it is forced
+    bool halved;           // packets are traced in halves (trace/embree.h)
     bool partial;          // one of the two, and not because it is forced
     float scale;           // of Embree's scene and its rays over the scene: a power of two, 1 but for tiny and huge scenes
     float far_error;       // triangles beyond this error are checked (trace/far_triangle.h)

@@ -27,10 +27,10 @@ static void reset_panes( RfQuery* query )
         query->pane_probability[i] = query->pane_weight[0][i] = query->pane_weight[1][i] = query->pane_weight[2][i] = 1.0f;
 }
 
-static RfQuery begin_query( RfQueryKind kind, bool coherent, bool pass_panes )
+static RfQuery begin_query( const RfTracer* tracer, RfQueryKind kind, bool coherent, bool pass_panes )
 {
     RfQuery query;
-    rf_init_ray_context( &query.context, coherent );
+    rf_init_ray_context( &query.context, coherent, tracer->bvh.halved );
     query.kind = kind;
     query.pass_panes = pass_panes;
     for ( int i = 0; i < RF_PACKET; ++i )
@@ -57,7 +57,7 @@ static void take_panes( RfQuery* query, int lanes, int first, const RfPaneLanes*
         reset_panes( query );
 }
 
-// Rays this long end before they begin. Embree without AVX-512 does not have packets of 16, and traces their rays without
+// Rays this long end before they begin. Embree 3 on processors that have packets of 4 alone traces those of 16 without
 // regard to `valid`: lanes that must not be traced need such a length as well.
 #define NO_RAY ( -INFINITY )
 
@@ -106,7 +106,7 @@ static void find_panes( const RfTracer* tracer, const int* valid, const struct R
                         const uint32_t* triangle, RfQuery* out )
 {
     struct RTCRayHit16 packet = *found;
-    *out = begin_query( RF_QUERY_PANES, false, true );
+    *out = begin_query( tracer, RF_QUERY_PANES, false, true );
     memcpy( out->hit, triangle, (size_t)lanes * sizeof *triangle );
     for ( int i = 0; i < RF_PACKET; ++i )
         packet.hit.geomID[i] = packet.hit.primID[i] = RTC_INVALID_GEOMETRY_ID;
@@ -117,7 +117,7 @@ static void find_panes( const RfTracer* tracer, const int* valid, const struct R
 static void trace_nearest( const RfTracer* tracer, int count, const float* const o[3], const float* const d[3], bool coherent,
                            uint32_t* triangle, float* u, float* v, const RfPaneLanes* panes )
 {
-    RfQuery query = begin_query( RF_QUERY_NEAREST, coherent, panes != NULL );
+    RfQuery query = begin_query( tracer, RF_QUERY_NEAREST, coherent, panes != NULL );
     _Alignas( 64 ) int valid[RF_PACKET];
     struct RTCRayHit16 packet;
     memset( &packet, 0, sizeof packet );
@@ -162,7 +162,7 @@ void rf_trace_nearest_past_panes( const RfTracer* tracer, int count, const float
 static void trace_segments( const RfTracer* tracer, int count, const float* const o[3], const float* const d[3], float* visible,
                             const RfPaneLanes* panes )
 {
-    RfQuery query = begin_query( RF_QUERY_SEGMENTS, false, panes != NULL );
+    RfQuery query = begin_query( tracer, RF_QUERY_SEGMENTS, false, panes != NULL );
     _Alignas( 64 ) int valid[RF_PACKET];
     struct RTCRay16 ray;
     memset( &ray, 0, sizeof ray );
@@ -212,7 +212,7 @@ static int trace_from_origin( const RfTracer* tracer, RfVec3 origin, int count, 
                               const RfPaneLanes* panes )
 {
     // although these rays are coherent, Embree's incoherent packet traversal is faster here
-    RfQuery query = begin_query( RF_QUERY_SEGMENTS, false, panes != NULL );
+    RfQuery query = begin_query( tracer, RF_QUERY_SEGMENTS, false, panes != NULL );
     float scale = tracer->bvh.scale;
     _Alignas( 64 ) int valid[RF_PACKET];
     struct RTCRay16 ray;
@@ -260,7 +260,7 @@ int rf_trace_from_origin_past_panes( const RfTracer* tracer, RfVec3 origin, int 
 void rf_trace_mirrors( const RfTracer* tracer, RfVec3 origin, int count, const float* const point[3], const uint8_t* mirror,
                        float* const hit[3], float* weight )
 {
-    RfQuery query = begin_query( RF_QUERY_NEAREST, true, false );
+    RfQuery query = begin_query( tracer, RF_QUERY_NEAREST, true, false );
     float scale = tracer->bvh.scale;
     float least = rf_ray_offset( rf_largest_coordinate( origin ) ); // clear of the rounding of its coordinates
     _Alignas( 64 ) int valid[RF_PACKET];
