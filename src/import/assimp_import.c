@@ -3,6 +3,7 @@
 #include <assimp/cimport.h>
 #include <assimp/config.h>
 #include <assimp/postprocess.h>
+#include <assimp/version.h>
 
 #include <ctype.h>
 #include <stdlib.h>
@@ -56,23 +57,52 @@ static RfResult fail_import( const char* reason, RfError* error )
                     *reason != 0 ? reason : "the importer gives no reason" );
 }
 
-// assimp rotates Collada files to Y-up; for FBX it only reports the axis.
-static void warn_of_up_axis( RfImport* import )
+// A whole number among what the file says of itself; `otherwise` where it is not there.
+static int number_of_file( const struct aiScene* scene, const char* name, int otherwise )
 {
-    const struct aiMetadata* data = import->scene->mMetaData;
-    for ( unsigned i = 0; data != NULL && import->format == RF_SOURCE_FBX && i < data->mNumProperties; ++i )
+    const struct aiMetadata* data = scene->mMetaData;
+    for ( unsigned i = 0; data != NULL && i < data->mNumProperties; ++i )
     {
         const struct aiMetadataEntry* entry = data->mValues + i;
-        int axis = 1;
-        if ( strcmp( data->mKeys[i].data, "UpAxis" ) == 0 && entry->mType == AI_INT32 && entry->mData != NULL )
-            memcpy( &axis, entry->mData, sizeof axis );
-        if ( axis == 2 )
-            rf_warn( import->log, "its z points up: unless that is given already, convert it with z up" );
+        if ( strcmp( data->mKeys[i].data, name ) == 0 && entry->mType == AI_INT32 && entry->mData != NULL )
+            memcpy( &otherwise, entry->mData, sizeof otherwise );
+    }
+    return otherwise;
+}
+
+// assimp turns Collada files to y up; FBX files only from 5.4 on, by a rotation of the root. That is taken out: whether z
+// is up in the file is the user's to say, who has other formats too.
+static void leave_fbx_axes( RfImport* import )
+{
+    static const char* const names[3][2] = { { "CoordAxis", "CoordAxisSign" },
+                                             { "UpAxis", "UpAxisSign" },
+                                             { "FrontAxis", "FrontAxisSign" } };
+    if ( import->format != RF_SOURCE_FBX )
+        return;
+    if ( number_of_file( import->scene, "UpAxis", 1 ) == 2 )
+        rf_warn( import->log, "its z points up: unless that is given already, convert it with z up" );
+    if ( 100 * aiGetVersionMajor() + aiGetVersionMinor() < 504 )
+        return;
+    float back[3][3] = { { 0 } }; // its rows are the columns of assimp's rotation, whose rows are these axes
+    for ( int i = 0; i < 3; ++i )
+    {
+        int axis = number_of_file( import->scene, names[i][0], i );
+        if ( axis < 0 || axis > 2 )
+            return;
+        back[axis][i] = number_of_file( import->scene, names[i][1], 1 ) < 0 ? -1.0f : 1.0f;
+    }
+    float* m = &import->scene->mRootNode->mTransformation.a1;
+    for ( int row = 0; row < 3; ++row, m += 4 )
+    {
+        const float old[3] = { m[0], m[1], m[2] };
+        for ( int i = 0; i < 3; ++i )
+            m[i] = old[0] * back[0][i] + old[1] * back[1][i] + old[2] * back[2][i];
     }
 }
 
 static RfResult take_all( RfImport* import, RfError* error )
 {
+    leave_fbx_axes( import );
     RfResult result = rf_import_materials( import, error );
     if ( result == RF_OK )
         result = rf_import_meshes( import, error );
@@ -82,7 +112,6 @@ static RfResult take_all( RfImport* import, RfError* error )
         return result;
     rf_import_cameras( import );
     rf_import_lights( import );
-    warn_of_up_axis( import );
     if ( import->scene->mNumAnimations > 0 )
         rf_warn( import->log, "%u animations are left out: only static geometry is converted", import->scene->mNumAnimations );
     if ( import->model->mesh_count == 0 )
