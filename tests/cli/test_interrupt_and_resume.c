@@ -19,7 +19,11 @@
 #define FRAMES 8
 #define TINY "--frames 1-8 --size 16x9 --spp 2 --group 0 --quiet "
 // One thread: also a fast machine takes a moment for the frames after the first.
+#ifdef REFRAME_SANITIZED // which is slow enough
+#define SLOW "--frames 1-8 --size 48x27 --spp 8 --group 0 --threads 1 --quiet "
+#else
 #define SLOW "--frames 1-8 --size 48x27 --spp 48 --group 0 --threads 1 --quiet "
+#endif
 
 static double number( const json_t* json, const char* key ) { return json_number_value( json_object_get( json, key ) ); }
 
