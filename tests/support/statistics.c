@@ -101,14 +101,43 @@ double mean_of( const double* values, int count, double* standard_error )
     return mean;
 }
 
+Sample sample_of( const double* values, int count )
+{
+    double error, mean = mean_of( values, count, &error );
+    return ( Sample ){ count, mean, error * error };
+}
+
+double welch_of( Sample a, Sample b )
+{
+    double both = a.variance + b.variance;
+    if ( both == 0.0 )
+        return a.mean == b.mean ? 1.0 : 0.0;
+    double df = both * both / ( a.variance * a.variance / ( a.count - 1 ) + b.variance * b.variance / ( b.count - 1 ) );
+    return student_p( ( a.mean - b.mean ) / sqrt( both ), df );
+}
+
 double welch_p( const double* a, int count_a, const double* b, int count_b )
 {
-    double ea, eb, ma = mean_of( a, count_a, &ea ), mb = mean_of( b, count_b, &eb );
-    double va = ea * ea, vb = eb * eb;
-    if ( va + vb == 0.0 )
-        return ma == mb ? 1.0 : 0.0;
-    double df = ( va + vb ) * ( va + vb ) / ( va * va / ( count_a - 1 ) + vb * vb / ( count_b - 1 ) );
-    return student_p( ( ma - mb ) / sqrt( va + vb ), df );
+    return welch_of( sample_of( a, count_a ), sample_of( b, count_b ) );
+}
+
+double place_p( const Sample* a, const Sample* b, int across, int down, int i )
+{
+    double squares = 0.0, variance_a = 0.0, variance_b = 0.0; // sums, to which dark places hardly add
+    for ( int n = 0; n < 9; ++n )
+    {
+        int x = i % across + n % 3 - 1, y = i / across + n / 3 - 1, k = y * across + x;
+        if ( x < 0 || y < 0 || x >= across || y >= down || a[k].count == 0 )
+            continue;
+        squares += 0.25 * ( a[k].mean + b[k].mean ) * ( a[k].mean + b[k].mean );
+        variance_a += a[k].variance;
+        variance_b += b[k].variance;
+    }
+    double here = 0.25 * ( a[i].mean + b[i].mean ) * ( a[i].mean + b[i].mean );
+    Sample of_a = a[i], of_b = b[i];
+    of_a.variance = fmax( of_a.variance, squares > 0.0 ? here * variance_a / squares : 0.0 );
+    of_b.variance = fmax( of_b.variance, squares > 0.0 ? here * variance_b / squares : 0.0 );
+    return fmax( welch_of( of_a, of_b ), welch_of( a[i], b[i] ) );
 }
 
 static int compare_doubles( const void* a, const void* b )

@@ -12,6 +12,22 @@ double student_p( double t, double df );
 // Welch's test that two samples have the same mean. Equal constant samples: 1.
 double welch_p( const double* a, int count_a, const double* b, int count_b );
 
+// What a t-test takes of independent values.
+typedef struct Sample
+{
+    int count; // 0: nothing to test
+    double mean;
+    double variance; // of the mean
+} Sample;
+
+Sample sample_of( const double* values, int count );
+double welch_of( Sample a, Sample b );
+
+// Welch's test at place i of a grid of `across` × `down`, where a few rare values may decide: a mean that lacks them has too
+// small a variance as well. So its relative variance counts as no smaller than that of the up to 3 × 3 places around it, where some
+// will have them. Never below Welch's p.
+double place_p( const Sample* a, const Sample* b, int across, int down, int i );
+
 // Kolmogorov–Smirnov: p-value of `count` numbers (sorted in place) being
 // uniform in [0, 1].
 double uniform_p( double* values, int count );
@@ -20,7 +36,7 @@ double uniform_p( double* values, int count );
 double chi_square_p( double chi_square, double df );
 
 // Whether p may be chance: by their p-values, the statistical tests of the suite together fail by chance at most once in
-// SUITE_LEVEL⁻¹ runs with fresh seeds, as far as t-tests hold (not for pixels that live on a few rare paths). A test (below) that falls below FIRST_LEVEL is run again with other seeds and four
+// SUITE_LEVEL⁻¹ runs with fresh seeds, as far as t-tests hold (place_p, where rare paths decide). A test (below) that falls below FIRST_LEVEL is run again with other seeds and four
 // times the samples, where each comparison has its share of SUITE_LEVEL, by Šidák: 1 − (1 − SUITE_LEVEL)^(1/SUITE_COMPARISONS).
 // Counts the comparison.
 bool is_likely( double p );

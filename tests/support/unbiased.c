@@ -106,42 +106,64 @@ static bool are_constant( const double* a, int count_a, const double* b, int cou
     return high - low <= 3e-5 * fabs( high );
 }
 
-// −1 where there is nothing to test. `what`: NULL prints nothing.
-static double block_p( const char* what, const Images* a, const Images* b, int x0, int y0, int x1, int y1 )
+// Of the means of a block. Where there is nothing to test their count is 0.
+static void block_samples( const Images* a, const Images* b, int x0, int y0, int x1, int y1, Sample* of_a, Sample* of_b )
 {
     double va[SEEDS] = { 0 }, vb[SEEDS] = { 0 };
     for ( int k = 0; k < a->count; ++k )
         va[k] = block_mean( a, k, x0, y0, x1, y1 );
     for ( int k = 0; k < b->count; ++k )
         vb[k] = block_mean( b, k, x0, y0, x1, y1 );
+    *of_a = sample_of( va, a->count );
+    *of_b = sample_of( vb, b->count );
     if ( are_constant( va, a->count, vb, b->count ) )
-        return -1.0;
-    double p = welch_p( va, a->count, vb, b->count );
-    if ( what != NULL && p < FIRST_LEVEL )
-        printf( "%s block %d,%d is off by %.2f %%, p %.2g\n", what, x0, y0,
-                100.0 * ( mean_of( va, a->count, NULL ) / mean_of( vb, b->count, NULL ) - 1.0 ), p );
-    return p;
+        of_a->count = of_b->count = 0;
+}
+
+static Verdict whole_verdict( const Images* a, const Images* b )
+{
+    Sample of_a, of_b;
+    block_samples( a, b, 0, 0, a->width, a->height, &of_a, &of_b );
+    return ( Verdict ){
+        .whole_off = of_a.mean / of_b.mean - 1.0,
+        .whole_error = sqrt( of_a.variance + of_b.variance ) / of_b.mean,
+        .whole_p = of_a.count > 0 ? welch_of( of_a, of_b ) : -1.0,
+    };
 }
 
 Verdict compare_images( const char* what, const Images* a, const Images* b, int block )
 {
     int across = ( a->width + block - 1 ) / block, down = ( a->height + block - 1 ) / block, count = across * down;
-    int tested = 0;
+    Sample *of_a = malloc( (size_t)count * sizeof *of_a ), *of_b = malloc( (size_t)count * sizeof *of_b );
     double* p = malloc( (size_t)count * sizeof *p );
-    if ( p == NULL )
+    if ( p == NULL || of_a == NULL || of_b == NULL )
         abort();
     for ( int i = 0; i < count; ++i )
     {
         int x0 = i % across * block, y0 = i / across * block;
         int x1 = x0 + block < a->width ? x0 + block : a->width, y1 = y0 + block < a->height ? y0 + block : a->height;
-        p[tested] = block_p( block > 1 ? what : NULL, a, b, x0, y0, x1, y1 );
-        tested += p[tested] >= 0.0;
+        block_samples( a, b, x0, y0, x1, y1, of_a + i, of_b + i );
     }
-    Verdict v = { .whole_p = block_p( NULL, a, b, 0, 0, a->width, a->height ) };
+    int tested = 0;
+    double smallest = 1.0;
+    for ( int i = 0; i < count; ++i )
+    {
+        if ( of_a[i].count == 0 )
+            continue;
+        double here = place_p( of_a, of_b, across, down, i );
+        smallest = fmin( smallest, here );
+        p[tested++] = welch_of( of_a[i], of_b[i] );
+        if ( what != NULL && block > 1 && here < FIRST_LEVEL )
+            printf( "%s block %d,%d is off by %.2f %%, p %.2g\n", what, i % across * block, i / across * block,
+                    100.0 * ( of_a[i].mean / of_b[i].mean - 1.0 ), here );
+    }
     if ( tested == 0 )
-        abort();                          // a test of nothing
-    v.uniform_p = uniform_p( p, tested ); // sorts
-    v.smallest_p = 1.0 - pow( 1.0 - p[0], tested );
+        abort(); // a test of nothing
+    Verdict v = whole_verdict( a, b );
+    v.uniform_p = uniform_p( p, tested );
+    v.smallest_p = 1.0 - pow( 1.0 - smallest, tested );
+    free( of_a );
+    free( of_b );
     free( p );
     return v;
 }
@@ -149,8 +171,8 @@ Verdict compare_images( const char* what, const Images* a, const Images* b, int 
 void assert_unbiased( const char* what, const Images* rendered, const Images* reference, int block )
 {
     Verdict b = compare_images( what, rendered, reference, block ), p = compare_images( what, rendered, reference, 1 );
-    printf( "%-34s whole p %.3g, per block smallest p %.3g, uniform p %.3g; per pixel smallest p %.3g\n", what, b.whole_p,
-            b.smallest_p, b.uniform_p, p.smallest_p );
+    printf( "%-34s whole %+.3f %% ± %.3f %%, p %.3g, per block smallest p %.3g, uniform p %.3g; per pixel smallest p %.3g\n",
+            what, 100.0 * b.whole_off, 100.0 * b.whole_error, b.whole_p, b.smallest_p, b.uniform_p, p.smallest_p );
     assert_true( is_likely( b.whole_p ) );
     assert_true( is_likely( b.smallest_p ) );
     assert_true( is_likely( b.uniform_p ) );

@@ -26,9 +26,11 @@ void free_images( Images* images );
 
 typedef struct Verdict
 {
+    double whole_off; // relative difference of the image means, and its standard error
+    double whole_error;
     double whole_p;    // of the image means
-    double smallest_p; // of all blocks, times their number (Šidák)
-    double uniform_p;  // that the p-values of the blocks are uniform
+    double smallest_p; // of all blocks (place_p), times their number (Šidák)
+    double uniform_p;  // that Welch's p-values of the blocks are uniform
 } Verdict;
 
 // Compares luminance in blocks of block × block pixels. Prints each block of more than a pixel whose own p is below FIRST_LEVEL,
