@@ -53,6 +53,9 @@ Rendered render_frames( const RfTracer* tracer, const RfEye* eyes, int eye_count
     of_suite.seed += suite_seed();
     of_suite.spp *= suite_samples();
     must( rf_render( tracer, eyes, eye_count, frames, frame_count, &of_suite, &callbacks, &r.stats, &error ), &error );
+    float bias = settings->group > 0 || settings->tile.kind != RF_TILE_NONE ? (float)suite_bias() : 1.0f;
+    for ( size_t i = 0; bias != 1.0f && i < 3 * r.pixels * (size_t)r.count; ++i )
+        r.rgb[i] *= bias;
     return r;
 }
 

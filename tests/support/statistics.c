@@ -69,6 +69,12 @@ uint64_t suite_seed( void )
 
 int suite_samples( void ) { return s_repeats ? 4 : 1; }
 
+double suite_bias( void )
+{
+    const char* bias = getenv( "REFRAME_BIAS" );
+    return bias != NULL ? strtod( bias, NULL ) : 1.0;
+}
+
 int run_statistical_tests( const struct CMUnitTest* tests, size_t count )
 {
     int failed = 0, counted = 0;

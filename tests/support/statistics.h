@@ -56,6 +56,9 @@ uint64_t suite_seed( void );
 // By what they multiply the samples: 4 in a repetition.
 int suite_samples( void );
 
+// A bias built in: by what the helpers that render multiply the pictures of renders with reuse, REFRAME_BIAS (1).
+double suite_bias( void );
+
 struct CMUnitTest;
 // For main(): runs tests, those that fail once more as above, and prints the number of comparisons. Returns how many tests fail.
 int run_statistical_tests( const struct CMUnitTest* tests, size_t count );

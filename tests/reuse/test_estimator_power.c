@@ -1,0 +1,80 @@
+// A bias of 0.3 % in what reuse yields does not pass: the standard error of the whole picture is some 0.03 %, for groups, for
+// tiles and for both. `scripts/test --seeds N --bias` builds such a bias in, and all three must find it.
+#include "support/scene_builder.h"
+#include "support/statistics.h"
+#include "support/unbiased.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+
+#include <cmocka.h>
+
+#define WIDTH 48
+#define HEIGHT 36
+#define BLOCK 6
+#define EYES 7
+#define FRAME ( EYES / 2 )
+#define LARGEST_ERROR 0.0005 // relative, of which a first round finds 4.5
+
+static RfScene s_scene;
+static RfTracer* s_tracer;
+static RfEye s_eyes[EYES];
+
+static void check( const char* what, int group, const char* tile, int spp )
+{
+    static Images reference;
+    static int samples; // of the reference: a repetition has its own
+    RfRenderSettings settings = plain_settings();
+    settings.max_depth = 4;
+    settings.light_samples = 2;
+    if ( samples != suite_samples() )
+    {
+        free_images( &reference );
+        reference = reference_images( s_tracer, s_eyes, FRAME, 80, &settings );
+        samples = suite_samples();
+    }
+    settings.group = group;
+    settings.spp = spp;
+    assert_true( rf_parse_tile( tile, &settings.tile ) );
+    Images rendered = rendered_images( s_tracer, s_eyes, EYES, FRAME, settings );
+    double error = compare_images( NULL, &rendered, &reference, BLOCK ).whole_error;
+    assert_true( error < LARGEST_ERROR );
+    assert_unbiased( what, &rendered, &reference, BLOCK );
+    free_images( &rendered );
+}
+
+static void test_groups( void** state )
+{
+    (void)state;
+    check( "groups", 3, "1", 8 );
+}
+
+static void test_tiles( void** state )
+{
+    (void)state;
+    check( "tiles", 0, "3x3", 64 );
+}
+
+static void test_groups_with_tiles( void** state )
+{
+    (void)state;
+    check( "groups with tiles", 3, "3x3", 8 );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( test_groups ),
+        cmocka_unit_test( test_tiles ),
+        cmocka_unit_test( test_groups_with_tiles ),
+    };
+    s_scene = make_room( ROOM_DIFFUSE );
+    s_tracer = make_tracer( &s_scene );
+    orbit_eyes( s_eyes, EYES, 3.0f, WIDTH, HEIGHT );
+    int failed = run_statistical_tests( tests, sizeof tests / sizeof *tests );
+    rf_destroy_tracer( s_tracer );
+    rf_destroy_scene( &s_scene );
+    return failed;
+}
