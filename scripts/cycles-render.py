@@ -17,6 +17,10 @@ import bmesh
 import bpy
 import numpy
 
+sys.dont_write_bytecode = True
+sys.path.insert(0, os.path.dirname(os.path.realpath(__file__)))
+import cycleslib  # noqa: E402
+
 numpy.bool = bool  # the importer of Blender 3.4 uses a name that numpy has removed
 
 
@@ -125,20 +129,7 @@ def set_up(job, gltf):
     scene.camera.data.clip_start = 1e-3
     set_world(scene, job, gltf)
     scene.frame_set(0)
-    render, cycles = scene.render, scene.cycles
-    render.engine = "CYCLES"
-    render.resolution_x, render.resolution_y = job["size"]
-    render.resolution_percentage = 100
-    render.threads_mode, render.threads = "FIXED", job["threads"]
-    render.image_settings.file_format, render.image_settings.color_depth = "OPEN_EXR", "32"
-    scene.view_settings.view_transform = "Raw"
-    cycles.device, cycles.samples, cycles.pixel_filter_type = "CPU", job["samples"], "BOX"
-    cycles.filter_width = 1.0
-    cycles.max_bounces = cycles.diffuse_bounces = cycles.glossy_bounces = cycles.transmission_bounces = job["bounces"]
-    cycles.sample_clamp_direct = cycles.sample_clamp_indirect = cycles.blur_glossy = 0.0
-    cycles.caustics_reflective = cycles.caustics_refractive = True
-    cycles.light_sampling_threshold = 0.0
-    cycles.use_adaptive_sampling = cycles.use_denoising = False
+    cycleslib.set_cycles(scene, job)
 
 
 def mean(file_name):

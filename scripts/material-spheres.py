@@ -1,0 +1,247 @@
+"""The Blender side of compare-materials: a .blend of spheres, one for each material, rendered with Cycles.
+
+  blender -b --factory-startup --python-exit-code 1 -P material-spheres.py -- JOB.json
+
+In the scene "even" the spheres hang far apart in a uniform white world, in "room" in a closed grey
+room under one lamp. The camera looks at sphere N in frame N. The job's "made" lists the materials in
+this order, and those that this version of Blender lacks. Written for Blender 3.4 and 4.3.
+"""
+
+import json
+import math
+import os
+import sys
+
+import bpy
+
+sys.dont_write_bytecode = True
+sys.path.insert(0, os.path.dirname(os.path.realpath(__file__)))
+import cycleslib  # noqa: E402
+
+RADIUS = 0.5
+DISTANCE = 5.0  # of the camera from a sphere
+COLUMNS = 7
+SPACING = {"even": 6.0, "room": 2.0}  # so far apart, a sphere in the open sees 1 % of the others
+
+RED, BLUE, GOLD = (0.6, 0.05, 0.03), (0.1, 0.3, 0.7), (1.0, 0.77, 0.34)
+
+SOCKETS = {  # of the Principled BSDF, in 3.4 and in 4.3, where the names differ
+    "specular": ("Specular", "Specular IOR Level"), "transmission": ("Transmission", "Transmission Weight"),
+    "coat": ("Clearcoat", "Coat Weight"), "coat_roughness": ("Clearcoat Roughness", "Coat Roughness"),
+    "sheen": ("Sheen", "Sheen Weight"), "subsurface": ("Subsurface", "Subsurface Weight"), "film": ("Thin Film Thickness",),
+}
+
+
+class Absent(Exception):
+    """This version of Blender has no such node or socket."""
+
+
+class Shader:
+    """A few words for making nodes."""
+
+    def __init__(self, name):
+        self.material = bpy.data.materials.new(name)
+        self.material.use_nodes = True
+        self.tree = self.material.node_tree
+        self.tree.nodes.clear()
+
+    def add(self, kind, **inputs):
+        if not hasattr(bpy.types, "ShaderNode" + kind) and kind != "BsdfGlossy":  # which 4.3 knows by another name
+            raise Absent
+        node = self.tree.nodes.new("ShaderNode" + kind)
+        for name, value in inputs.items():
+            self.feed(node, name, value)
+        return node
+
+    def feed(self, node, name, value):
+        names = SOCKETS.get(name, (name.replace("_", " ").title().replace("Ior", "IOR"),))
+        socket = next((node.inputs[n] for n in names if n in node.inputs), None)
+        if socket is None:
+            raise Absent
+        if isinstance(value, bpy.types.Node):
+            self.tree.links.new(value.outputs[0], socket)
+        else:
+            socket.default_value = (*value, 1.0) if isinstance(value, tuple) else value
+
+    def of_two(self, kind, a, b, factor=None):
+        node = self.tree.nodes.new("ShaderNode" + kind)
+        for socket, value in zip(node.inputs, (a, b) if factor is None else (factor, a, b)):
+            self.tree.links.new(value.outputs[0], socket)
+        return node
+
+    def done(self, shader):
+        out = self.tree.nodes.new("ShaderNodeOutputMaterial")
+        self.tree.links.new(shader.outputs[0], out.inputs["Surface"])
+        return self.material
+
+
+def bsdf(kind, **inputs):
+    return lambda s: s.add("Bsdf" + kind, **inputs)
+
+
+def principled(colour=(0.8, 0.8, 0.8), **inputs):
+    return bsdf("Principled", base_color=colour, **inputs)
+
+
+def tinted_specular(s):
+    """A share of the base colour in 3.4, a colour in 4.3."""
+    node = s.add("BsdfPrincipled", base_color=RED, specular=1.0)
+    tint = node.inputs["Specular Tint"]
+    tint.default_value = (*RED, 1.0) if hasattr(tint.default_value, "__len__") else 1.0
+    return node
+
+
+def gloss_by_fresnel(s):
+    return s.of_two("MixShader", s.add("BsdfDiffuse", color=BLUE), s.add("BsdfGlossy", color=(1.0, 1.0, 1.0), roughness=0.3), s.add("Fresnel", ior=1.5))
+
+
+def glowing(s):
+    return s.of_two("AddShader", s.add("BsdfDiffuse", color=BLUE), s.add("Emission", color=(1.0, 0.5, 0.2), strength=0.5))
+
+
+def velvet(s):
+    """Velvet became Sheen in 4.0."""
+    return s.add("BsdfVelvet" if hasattr(bpy.types, "ShaderNodeBsdfVelvet") else "BsdfSheen", color=(0.8, 0.8, 0.8))
+
+
+MATERIALS = {
+    "matte": principled(specular=0.0),
+    "default": principled(),
+    "plastic .2": principled(BLUE, roughness=0.2),
+    "plastic 1": principled(BLUE, roughness=1.0),
+    "dark": principled((0.02, 0.02, 0.02), roughness=0.3),
+    "saturated": principled((0.9, 0.05, 0.02)),
+    "specular .8": principled(BLUE, specular=0.8, roughness=0.3),
+    "IOR 1.8": principled(BLUE, ior=1.8, roughness=0.3),
+    "specular tint": tinted_specular,
+    "gold .1": principled(GOLD, metallic=1.0, roughness=0.1),
+    "gold .3": principled(GOLD, metallic=1.0, roughness=0.3),
+    "gold .8": principled(GOLD, metallic=1.0, roughness=0.8),
+    "white metal 1": principled((1.0, 1.0, 1.0), metallic=1.0, roughness=1.0),
+    "half metal": principled(GOLD, metallic=0.5),
+    "coat": principled(RED, coat=1.0),
+    "rough coat": principled(RED, coat=1.0, coat_roughness=0.4),
+    "glass": principled((1.0, 1.0, 1.0), transmission=1.0, roughness=0.0, ior=1.45),
+    "rough glass": principled((1.0, 1.0, 1.0), transmission=1.0, roughness=0.3, ior=1.45),
+    "anisotropic": principled(GOLD, metallic=1.0, roughness=0.4, anisotropic=0.8),
+    "sheen": principled(RED, sheen=1.0),
+    "subsurface": principled((0.8, 0.5, 0.4), subsurface=1.0),
+    "diffuse": bsdf("Diffuse", color=(0.8, 0.8, 0.8)),
+    "rough diffuse": bsdf("Diffuse", color=(0.8, 0.8, 0.8), roughness=1.0),
+    "glossy BSDF": bsdf("Glossy", color=(0.9, 0.9, 0.9), roughness=0.3),
+    "rough glossy BSDF": bsdf("Glossy", color=(0.9, 0.9, 0.9), roughness=0.8),
+    "anisotropic BSDF": bsdf("Anisotropic", color=(0.9, 0.9, 0.9), roughness=0.4, anisotropy=0.8),
+    "glass BSDF": bsdf("Glass", ior=1.45, roughness=0.0),
+    "rough glass BSDF": bsdf("Glass", ior=1.45, roughness=0.3),
+    "gloss by Fresnel": gloss_by_fresnel,
+    "translucent": bsdf("Translucent", color=(0.8, 0.8, 0.8)),
+    "glowing": glowing,
+    "velvet": velvet,
+    "rough Principled": principled(diffuse_roughness=1.0, specular=0.0),
+    "coat tint": principled(coat=1.0, coat_tint=(0.9, 0.5, 0.2)),
+    "thin film": principled(GOLD, metallic=1.0, roughness=0.3, film=400.0),
+    "metallic BSDF": bsdf("Metallic", base_color=GOLD, edge_tint=(1.0, 0.9, 0.7), roughness=0.3),
+}
+
+
+def make_materials(wanted):
+    made, absent = [], []
+    for name in wanted:
+        shader = Shader(name)
+        try:
+            made.append(shader.done(MATERIALS[name](shader)))
+        except Absent:
+            bpy.data.materials.remove(shader.material)
+            absent.append(name)
+    return made, absent
+
+
+def last_added(name, material):
+    o = bpy.context.object
+    o.name = name
+    o.data.materials.append(material)
+    return o
+
+
+def put_spheres(materials, spacing):
+    """In rows from the origin upwards; returns their places."""
+    places = [(spacing * (i % COLUMNS), 0.0, spacing * (i // COLUMNS)) for i in range(len(materials))]
+    for place, material in zip(places, materials):
+        bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=6, radius=RADIUS, location=place)
+        bpy.ops.object.shade_smooth()
+        last_added("ball " + material.name, material)
+    return places
+
+
+def put_room(places, spacing):
+    """Grey walls around the spheres and the camera's path, and a lamp below the whole ceiling."""
+    high = [max(p[i] for p in places) + spacing for i in range(3)]
+    low = [min(p[i] for p in places) - spacing for i in range(3)]
+    low[1] = -DISTANCE - 1.0
+    size, middle = [a - b for a, b in zip(high, low)], [0.5 * (a + b) for a, b in zip(high, low)]
+    bpy.ops.mesh.primitive_cube_add(size=1.0, location=middle)
+    walls = Shader("wall")
+    room = last_added("room", walls.done(walls.add("BsdfDiffuse", color=(0.6, 0.6, 0.6))))
+    room.scale = size
+    room.data.flip_normals()
+    # cut into many faces: near one of two triangles Cycles is 1 to 2 per cent too dark
+    bpy.ops.mesh.primitive_grid_add(x_subdivisions=16, y_subdivisions=16, size=1.0, location=(middle[0], middle[1], high[2] - 0.05))
+    lamp = Shader("lamp")
+    last_added("lamp", lamp.done(lamp.add("Emission", strength=3.0))).scale = (0.7 * size[0], 0.7 * size[1], 1.0)
+
+
+def put_camera(scene, places, fill):
+    """Looks at each sphere in a frame of its own; `fill` of the picture's width is the silhouette's."""
+    camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
+    scene.collection.objects.link(camera)
+    scene.camera = camera
+    camera.rotation_euler = (0.5 * math.pi, 0.0, 0.0)
+    camera.data.angle = 2.0 * math.atan(RADIUS / math.sqrt(DISTANCE * DISTANCE - RADIUS * RADIUS) / fill)
+    for i, (x, y, z) in enumerate(places):
+        camera.location = (x, y - DISTANCE, z)
+        camera.keyframe_insert("location", frame=i + 1)
+    scene.frame_start, scene.frame_end = 1, len(places)
+
+
+def put_world(scene, brightness):
+    scene.world = bpy.data.worlds.new("world")
+    scene.world.use_nodes = True
+    scene.world.node_tree.nodes["Background"].inputs["Color"].default_value = (*(brightness,) * 3, 1.0)
+    scene.world.cycles.sampling_method = "NONE"  # scattered rays alone have the least noise in even light
+
+
+def make(job):
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    scene = bpy.context.scene
+    cycleslib.set_cycles(scene, job)
+    made, absent = make_materials(job["materials"] or list(MATERIALS))
+    spacing = SPACING[job["light"]]
+    places = put_spheres(made, spacing)
+    put_world(scene, 1.0 if job["light"] == "even" else 0.0)
+    if job["light"] == "room":
+        put_room(places, spacing)
+    put_camera(scene, places, job["fill"])
+    bpy.ops.wm.save_as_mainfile(filepath=job["blend"])
+    with open(job["made"], "w", encoding="utf-8") as file:
+        json.dump({"made": [m.name for m in made], "absent": absent, "version": bpy.app.version_string}, file)
+
+
+def render(job):
+    """Every frame with every seed."""
+    scene = bpy.context.scene
+    scene.render.use_persistent_data = True
+    scene.render.image_settings.color_mode, scene.render.image_settings.exr_codec = "RGB", "NONE"
+    for seed, pattern in enumerate(job["cycles"]):
+        scene.cycles.seed = seed
+        scene.render.filepath = pattern
+        bpy.ops.render.render(animation=True)
+
+
+def main():
+    with open(sys.argv[sys.argv.index("--") + 1], encoding="utf-8") as file:
+        job = json.load(file)
+    make(job)
+    render(job)
+
+
+main()
