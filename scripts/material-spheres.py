@@ -21,7 +21,7 @@ import cycleslib  # noqa: E402
 RADIUS = 0.5
 DISTANCE = 5.0  # of the camera from a sphere
 COLUMNS = 7
-SPACING = {"even": 6.0, "room": 2.0}  # so far apart, a sphere in the open sees 1 % of the others
+SPACING = {"even": 6.0, "room": 2.5}  # so far apart that what one lacks is little to the others
 
 RED, BLUE, GOLD = (0.6, 0.05, 0.03), (0.1, 0.3, 0.7), (1.0, 0.77, 0.34)
 
@@ -146,6 +146,9 @@ MATERIALS = {
 
 def make_materials(wanted):
     made, absent = [], []
+    unknown = [name for name in wanted if name not in MATERIALS]
+    if unknown:
+        sys.exit("--materials: there is no '%s', but %s" % (unknown[0], ", ".join(MATERIALS)))
     for name in wanted:
         shader = Shader(name)
         try:
@@ -153,6 +156,8 @@ def make_materials(wanted):
         except Absent:
             bpy.data.materials.remove(shader.material)
             absent.append(name)
+    if not made:
+        sys.exit("--materials: this Blender has none of them")
     return made, absent
 
 
@@ -187,7 +192,7 @@ def put_room(places, spacing):
     # cut into many faces: near one of two triangles Cycles is 1 to 2 per cent too dark
     bpy.ops.mesh.primitive_grid_add(x_subdivisions=16, y_subdivisions=16, size=1.0, location=(middle[0], middle[1], high[2] - 0.05))
     lamp = Shader("lamp")
-    last_added("lamp", lamp.done(lamp.add("Emission", strength=3.0))).scale = (0.7 * size[0], 0.7 * size[1], 1.0)
+    last_added("lamp", lamp.done(lamp.add("Emission", strength=1.5))).scale = (0.7 * size[0], 0.7 * size[1], 1.0)
 
 
 def put_camera(scene, places, fill):
