@@ -24,9 +24,14 @@ sys.dont_write_bytecode = True  # no __pycache__ beside the installed or checked
 sys.path.insert(0, os.path.dirname(os.path.realpath(__file__)))
 
 import bpy  # noqa: E402
+from blender_export.messages import fail, repeat_warnings, warn  # noqa: E402
+
+try:
+    import numpy  # noqa: F401
+except ImportError:  # Debian's Blender 4 comes without it
+    fail("this Blender's Python has no numpy, which its glTF exporter needs: install it (Debian: python3-numpy)")
 from blender_export import cameras, clipping, command_line, effects, geometry, glb, hiding, lights, materials, moves, sky  # noqa: E402
 from blender_export.in_view import InView  # noqa: E402
-from blender_export.messages import fail, repeat_warnings, warn  # noqa: E402
 
 
 def watch(scene, camera, follow, numbers):

@@ -7,6 +7,7 @@ from . import shader_tree
 from .channels import BLACK, COLOURS, Ref, WHITE, is_constant
 from .fresnel import base_of_principled
 from .images import strength_of
+from .names import socket as input_of
 from .plans import VARYING
 from .textures import link_textures
 
@@ -59,7 +60,7 @@ INPUTS = {"base": "Base Color", "metallic": "Metallic", "roughness": "Roughness"
 
 
 def set_constant(principled, name, value):
-    socket = principled.inputs[INPUTS[name]]
+    socket = input_of(principled, INPUTS[name])
     if name in COLOURS:
         socket.default_value = (*value, 1.0)
     else:
@@ -73,7 +74,7 @@ def build(plan, name, textures=None, means=None, solid=False):
     lit = 1.0
     value = lambda n: means.get(n, guess(n)) if isinstance(getattr(s, n), Ref) else getattr(s, n)  # noqa: E731
     for n in VARYING:
-        socket = principled.inputs[INPUTS[n]]
+        socket = input_of(principled, INPUTS[n])
         if n in plan.carried:
             ref = getattr(s, n)
             if n == "emission":
@@ -89,14 +90,14 @@ def build(plan, name, textures=None, means=None, solid=False):
     if textures is not None:
         shining = link_textures(tree, principled, textures, [n for n in plan.baked if n not in means])
         strength = shining or strength
-    if "emission" not in plan.carried and not principled.inputs["Emission"].is_linked:
+    if "emission" not in plan.carried and not input_of(principled, "Emission").is_linked:
         light = value("emission")
         strength = max(max(light), 1e-30)
-        principled.inputs["Emission"].default_value = (*(c / strength for c in light), 1.0)
+        input_of(principled, "Emission").default_value = (*(c / strength for c in light), 1.0)
     principled.inputs["Emission Strength"].default_value = strength
-    principled.inputs["Specular"].default_value = 0.5
-    principled.inputs["Clearcoat"].default_value = value("clearcoat")
-    principled.inputs["Clearcoat Roughness"].default_value = value("clearcoat_roughness")
+    input_of(principled, "Specular").default_value = 0.5
+    input_of(principled, "Clearcoat").default_value = value("clearcoat")
+    input_of(principled, "Clearcoat Roughness").default_value = value("clearcoat_roughness")
     behind = {n.name for n in shader_tree.nodes_behind(tree, list(principled.inputs))} | {principled.name}
     for node in list(tree.nodes):
         if node.name not in behind and node.type != "OUTPUT_MATERIAL":

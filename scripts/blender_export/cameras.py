@@ -6,6 +6,7 @@ import mathutils
 
 from .effects import focus_of, lens_of_path
 from .messages import fail, list_names, note
+from .names import panorama_of
 
 SHARP = 1e6  # f-number
 Y_UP = mathutils.Quaternion((math.sqrt(0.5), -math.sqrt(0.5), 0.0, 0.0))  # from Blender's axes to glTF's
@@ -46,11 +47,11 @@ def projection_of(scene, camera):
         return "perspective"
     if camera.data.type == "ORTHO":
         return "orthographic"
-    cycles = camera.data.cycles
-    kind = cycles.panorama_type.lower().replace("_", " ") if scene.render.engine == "CYCLES" else "panoramic, which only Cycles renders"
+    panorama = panorama_of(camera.data)
+    kind = panorama.panorama_type.lower().replace("_", " ") if scene.render.engine == "CYCLES" else "panoramic, which only Cycles renders"
     if kind != "equirectangular":
         fail("'%s' is %s: of panoramas only equirectangular ones can be exported" % (camera.name, kind))
-    whole = (cycles.longitude_min, cycles.longitude_max, cycles.latitude_min, cycles.latitude_max)
+    whole = (panorama.longitude_min, panorama.longitude_max, panorama.latitude_min, panorama.latitude_max)
     if max(abs(a - b) for a, b in zip(whole, (-math.pi, math.pi, -0.5 * math.pi, 0.5 * math.pi))) > 1e-4:
         fail("'%s' shows a part of the sphere: only whole panoramas can be exported" % camera.name)
     return "panoramic"

@@ -4,6 +4,7 @@ import math
 import bpy
 
 from .messages import list_names, warn
+from .names import motion_blur_of
 
 
 def is_box(curve):
@@ -110,16 +111,9 @@ def focus_of(camera, projection):
 
 def shutter_of(scene):
     """When the shutter opens and closes, in frames from the frame itself; None without motion blur."""
-    render = scene.render
-    if render.engine == "BLENDER_EEVEE":
-        if not scene.eevee.use_motion_blur:
-            return None
-        length, position = scene.eevee.motion_blur_shutter, scene.eevee.motion_blur_position
-    else:
-        if not render.use_motion_blur:
-            return None
-        length = render.motion_blur_shutter
-        position = scene.cycles.motion_blur_position if render.engine == "CYCLES" else "CENTER"
+    is_on, length, position = motion_blur_of(scene)
+    if not is_on:
+        return None
     start = {"START": 0.0, "CENTER": -0.5, "END": -1.0}[position]
     return start * length, (start + 1.0) * length
 

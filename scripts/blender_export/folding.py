@@ -2,6 +2,7 @@
 from .channels import BLACK, F0_OF_GLTF, Ref, Surface, WHITE, is_constant
 from .fresnel import as_glass, as_one
 from .gloss import as_gloss
+from .names import is_principled_2, socket
 from .values import Values
 
 LEFT_OUT = {  # shaders without equivalent, and what is kept of them
@@ -96,6 +97,8 @@ class Folder(Values):
     of_background = of_emission
 
     def of_bsdf_principled(self, node):
+        if is_principled_2(node):
+            return self.of_principled_2(node)
         get = lambda name: self.read(node.inputs[name])  # noqa: E731
         for name, what in (("Subsurface", "subsurface scattering: taken as diffuse"), ("Sheen", "sheen: left out"),
                            ("Anisotropic", "anisotropy: taken as equally rough in all directions")):
@@ -110,6 +113,13 @@ class Folder(Values):
                        f0=self.times(specular, 0.08 / F0_OF_GLTF), transmission=get("Transmission"), ior=ior,
                        clearcoat=get("Clearcoat"), clearcoat_roughness=get("Clearcoat Roughness"), alpha=alpha, emission=light,
                        normal=self.normal_of(node), principled=True)
+
+    def of_principled_2(self, node):
+        get = lambda name: self.read(socket(node, name))  # noqa: E731
+        light = self.times(get("Emission"), self.times(get("Emission Strength"), get("Alpha")), True)
+        return Surface(base=get("Base Color"), metallic=get("Metallic"), roughness=get("Roughness"), specular=1.0, f0=1.0,
+                       transmission=get("Transmission"), ior=get("IOR"), clearcoat=get("Clearcoat"),
+                       clearcoat_roughness=get("Clearcoat Roughness"), alpha=get("Alpha"), emission=light, normal=self.normal_of(node))
 
     # mixtures
 

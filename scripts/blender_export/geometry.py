@@ -9,6 +9,7 @@ import mathutils
 
 from .messages import list_names, note, warn
 from .moves import GEOMETRY
+from .names import children_of
 from .visibility import held_out, is_left_out, layer_collections, tell_what_differs
 
 ADAPTIVE_LEVELS, ADAPTIVE_FACES = 5, 250000  # at most, in the place of adaptive subdivision
@@ -26,7 +27,7 @@ def settle_modifiers(o):
         settings = system.settings
         settings.display_percentage = 100
         settings.display_method = "RENDER"
-        settings.child_nbr = settings.rendered_child_count
+        setattr(settings, children_of(settings), settings.rendered_child_count)
         settings.display_step = settings.render_step
 
 

@@ -4,20 +4,24 @@ import struct
 
 import numpy
 
-numpy.bool = bool  # the exporter of Blender 3.4 uses a name that numpy has removed
+if not hasattr(numpy, "bool"):
+    numpy.bool = bool  # the exporter of Blender 3.4 uses a name that numpy 1.24 has removed
 import bpy  # noqa: E402
 
 from . import embed  # noqa: E402
 from .build import patches  # noqa: E402
+from .names import offered  # noqa: E402
 
 
 def export(path):
-    bpy.ops.export_scene.gltf(
+    operator = bpy.ops.export_scene.gltf
+    operator(
         filepath=path, export_format="GLB", export_cameras=True, export_lights=True, export_extras=True, export_apply=True,
-        export_colors=False,  # glTF multiplies by them whether the material uses them or not: they are baked
         use_renderable=True,  # skips objects hidden from render: cutters, targets, parents
         export_yup=True, export_animations=True, export_frame_range=True, export_force_sampling=False,
-        convert_lighting_mode="COMPAT")
+        # glTF multiplies by vertex colours whether the material uses them or not: they are baked
+        **offered(operator, export_colors=False, export_vertex_color="NONE",
+                  convert_lighting_mode="COMPAT", export_import_convert_lighting_mode="COMPAT"))
 
 
 def read(path):

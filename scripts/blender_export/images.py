@@ -4,7 +4,7 @@ import numpy
 from .channels import Ref, is_constant
 
 COLOUR_SPACES = ("sRGB",)
-DATA_SPACES = ("Non-Color", "Linear", "Raw")
+DATA_SPACES = ("Non-Color", "Linear", "Linear Rec.709", "Raw")
 PICTURES = 64  # an image is grey if the channels of so many of its pixels agree
 
 _grey = {}

@@ -9,6 +9,7 @@ from .build import ADDED_COAT, GREY, MIRROR, NO_COAT, build, patches
 from .channels import is_constant
 from .fresnel import base_of_principled
 from .messages import warn
+from .names import socket
 from .plans import channels_tell, is_ours, make_plan
 
 
@@ -19,8 +20,8 @@ def glow(name, color, strength):
     principled = material.node_tree.nodes["Principled BSDF"]
     principled.inputs["Base Color"].default_value = (0, 0, 0, 1)
     principled.inputs["Roughness"].default_value = 1.0
-    principled.inputs["Specular"].default_value = 0.0
-    principled.inputs["Emission"].default_value = (*color, 1)
+    socket(principled, "Specular").default_value = 0.0
+    socket(principled, "Emission").default_value = (*color, 1)
     principled.inputs["Emission Strength"].default_value = strength
     patches[material.name] = NO_COAT
     return material

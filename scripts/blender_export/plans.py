@@ -6,6 +6,7 @@ from .folding import Folder
 from .hiding import animated_paths
 from .images import carried, is_read, number_source
 from .messages import warn
+from .names import has_transparent_shadow, is_principled_2
 from .view import view_nodes
 
 VARYING = ("base", "metallic", "roughness", "emission", "alpha", "normal")  # what glTF has textures for
@@ -111,9 +112,10 @@ def make_plan(material, users):
     tell_images(plan, behind)
     sort_channels(plan)
     first = out.inputs["Surface"].links[0].from_node if out.inputs["Surface"].is_linked else None
-    if first is not None and first.type == "BSDF_PRINCIPLED" and not grouped:
-        plan.averaged -= {n for n, name in EXPORTED.items() if is_image(folder, first.inputs[name])}
-    plan.plain = (first is not None and first.type == "BSDF_PRINCIPLED" and not grouped and not asks and not plan.baked and not plan.averaged and
+    if first is None or first.type != "BSDF_PRINCIPLED" or grouped or is_principled_2(first):
+        return plan
+    plan.averaged -= {n for n, name in EXPORTED.items() if is_image(folder, first.inputs[name])}
+    plan.plain = (not asks and not plan.baked and not plan.averaged and
                   is_only_output(material) and not any(first.inputs[n].is_linked for n in ("Subsurface", "Subsurface Color")) and
                   first.inputs["Subsurface"].default_value == 0.0 and not is_odd)
     return plan
@@ -134,7 +136,7 @@ def tell_odd(plan):
 def tell_shadows(plan):
     s = plan.surface
     passes = s.alpha != 1.0 or s.transmission != 0.0 and s.ior == 1.0
-    if passes and not plan.material.cycles.use_transparent_shadow:
+    if passes and not has_transparent_shadow(plan.material):
         plan.tell(None, "has no transparent shadows in Blender: has them here")
 
 

@@ -10,6 +10,7 @@ from .animated import tell_animation
 from .command_line import refuse
 from .hiding import animated_paths
 from .messages import fail, warn
+from .names import panorama_of
 
 LARGEST_MAP = 8192  # pixels across
 SKY_MAP = 2048  # if no image determines the size
@@ -71,7 +72,7 @@ def render_map(world, across, exact, path):
     copy.cycles.sampling_method = "NONE"
     camera = bpy.data.objects.new("reframe map", bpy.data.cameras.new("reframe map"))
     camera.data.type = "PANO"
-    camera.data.cycles.panorama_type = "EQUIRECTANGULAR"
+    panorama_of(camera.data).panorama_type = "EQUIRECTANGULAR"
     camera.rotation_euler = (0.5 * math.pi, 0.0, 0.0)
     scene.collection.objects.link(camera)
     scene.camera, scene.world = camera, copy

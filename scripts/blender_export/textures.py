@@ -3,6 +3,7 @@ import bpy
 import numpy
 
 from .channels import LAYER, MEANS, NUMBERS
+from .names import socket
 
 STEP = 0.6 / 255.0  # a texture that varies less is a constant
 
@@ -89,7 +90,7 @@ def link_textures(tree, principled, textures, names):
             tree.links.new(node.outputs["Alpha"], principled.inputs["Alpha"])
     if "emission" in names:
         image, strength = textures["emission"]
-        tree.links.new(show(image).outputs["Color"], principled.inputs["Emission"])
+        tree.links.new(show(image).outputs["Color"], socket(principled, "Emission"))
     if "normal" in names:
         node = tree.nodes.new("ShaderNodeNormalMap")
         node.uv_map = LAYER

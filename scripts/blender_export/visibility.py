@@ -3,9 +3,10 @@ import bpy
 
 from .messages import list_names, warn
 from .moves import GEOMETRY
+from .names import throws_shadow
 
 WAYS = ("camera", "diffuse", "glossy", "transmission", "shadow")
-UNREAD = {"VOLUME": "a volume", "CURVES": "hair curves", "GPENCIL": "grease pencil", "POINTCLOUD": "a point cloud"}
+UNREAD = {"VOLUME": "a volume", "CURVES": "hair curves", "GPENCIL": "grease pencil", "GREASEPENCIL": "grease pencil", "POINTCLOUD": "a point cloud"}
 
 
 def maker_of(instance):
@@ -53,14 +54,10 @@ def tell(chosen, text):
         warn("%s: %s" % (list_names(names), text))
 
 
-def throws_no_shadow(lamp, engine):
-    return not (lamp.data.use_shadow if engine == "BLENDER_EEVEE" else lamp.data.cycles.cast_shadow)
-
-
 def tell_lamps(lamps, engine):
     """`lamps`: with the rays that do not see them. Cycles' camera sees none unless that is asked for: lights.InView tells of those."""
     lamps = [(o, ways) for o, ways in lamps if not (o.data.type == "AREA" and o.data.cycles.is_portal)]
-    tell([o for o, _ in lamps if throws_no_shadow(o, engine)], "lights through everything in Blender: throws shadows here")
+    tell([o for o, _ in lamps if not throws_shadow(o.data, engine)], "lights through everything in Blender: throws shadows here")
     tell([o for o, ways in lamps if ways - {"camera", "shadow"}], "hidden from some kinds of rays in Blender: lights all surfaces here")
     tell([o for o, _ in lamps if engine == "CYCLES" and o.data.cycles.max_bounces < min(bpy.context.scene.cycles.max_bounces, 1024)],
          "lights by few bounces in Blender: by all here")
@@ -75,6 +72,14 @@ def tell_shapes(shapes):
     tell([o for o, ways in shapes if ways == {"shadow"}], "throws no shadow in Blender: throws one here, unless it is of glass")
     tell([o for o, _ in shapes if any(s.settings.type == "HAIR" and s.settings.render_type == "PATH" for s in o.particle_systems)],
          "hair: left out")
+
+
+def tell_linking(lamps):
+    """Objects with light linking, which Blender 4 has."""
+    linked = [(o, o.light_linking) for o in lamps if hasattr(o, "light_linking")]
+    tell([o for o, link in linked if link.receiver_collection is not None], "lights some objects only in Blender (light linking): all here")
+    tell([o for o, link in linked if link.blocker_collection is not None],
+         "only some objects throw its shadows in Blender (shadow linking): all do here")
 
 
 class Rendered:
@@ -107,6 +112,7 @@ def tell_what_differs(scene, depsgraph, holes):
     """Called before the objects are replaced; they are shown as rendered."""
     found = Rendered(depsgraph, holes)
     tell_lamps(found.of_types("LIGHT"), scene.render.engine)
+    tell_linking([o for o, _ in found.of_types("LIGHT", *GEOMETRY)])
     tell(found.holes.values(), "left out: holdouts do not exist in Reframe")
     tell_shapes(found.of_types(*GEOMETRY))
     tell(found.catchers.values(), "a shadow catcher in Blender: an ordinary surface here")

@@ -1,6 +1,6 @@
 // Cameras out of Blender see what Cycles sees: with depth of field, orthographic and panoramic. The mean of the picture is
 // that of Cycles within 1 %, and so, within their noise, are the means of its parts. Skipped where Blender is missing.
-#include "support/cli_run.h"
+#include "support/blender_run.h"
 
 #include "reframe/image.h"
 
@@ -74,9 +74,8 @@ static Difference compare( const char* ours, const char* cycles )
 
 static void render_camera( const char* name )
 {
-    const CliResult* done = cli_run( "PATH=/usr/bin:$PATH blender -b cameras.blend -P " REFRAME_SOURCE_DIR
-                                     "/scripts/blender-export.py -- %s.glb --camera %s > log",
-                                     name, name );
+    const CliResult* done = cli_run(
+        BLENDER "cameras.blend -P " REFRAME_SOURCE_DIR "/scripts/blender-export.py -- %s.glb --camera %s > log", name, name );
     assert_int_equal( done->status, 0 );
     assert_non_null( strstr( done->err, "warning: the film's exposure of 2 is ignored" ) );
     assert_non_null( strstr( done->err, "warning: the compositor's nodes are left out" ) );
@@ -90,15 +89,9 @@ static void render_camera( const char* name )
 static void test_cameras_see_what_cycles_sees( void** state )
 {
     (void)state;
-    cli_enter();
-    if ( cli_run( "PATH=/usr/bin:$PATH blender -b --python-exit-code 9 --python-expr 'import numpy' > log 2>&1" )->status != 0 )
-    {
-        cli_leave();
-        print_message( "skipped: there is no blender with numpy\n" );
+    if ( !enter_with_blender() )
         skip();
-    }
-    cli_expect( cli_run( "PATH=/usr/bin:$PATH blender -b --python-exit-code 9 -P " REFRAME_SOURCE_DIR
-                         "/tests/support/blender_cameras.py > log 2>&1" ),
+    cli_expect( cli_run( BLENDER "--python-exit-code 9 -P " REFRAME_SOURCE_DIR "/tests/support/blender_cameras.py > log 2>&1" ),
                 0, NULL );
     static const char* const s_names[] = { "Lens", "Flat", "Round" };
     for ( int i = 0; i < 3; ++i )

@@ -1,7 +1,7 @@
 // Materials that glTF cannot carry as they are, from Blender to a picture: small scenes made inside Blender
 // (support/blender_materials.py) are exported, rendered, and held against Cycles by their mean. Skipped where Blender
 // or its numpy is missing.
-#include "support/cli_run.h"
+#include "support/blender_run.h"
 
 #include "reframe/image.h"
 #include "scene/gltf/gltf.h"
@@ -18,21 +18,9 @@
 
 #include <cmocka.h>
 
-// another Python first in the path would hide the numpy of Debian's
-#define BLENDER "PATH=/usr/bin:$PATH blender -b "
 #define EXPORT( scene )                                                                                                          \
     BLENDER scene ".blend -P " REFRAME_SOURCE_DIR "/scripts/blender-export.py -- " scene ".glb --bake-cache cache "
 #define MAKE BLENDER "--factory-startup --python-exit-code 9 -P " REFRAME_SOURCE_DIR "/tests/support/blender_materials.py -- . "
-
-static bool enter_with_blender( void )
-{
-    cli_enter();
-    if ( cli_run( BLENDER "--factory-startup --python-exit-code 9 --python-expr 'import numpy' > log 2>&1" )->status == 0 )
-        return true;
-    cli_leave();
-    print_message( "skipped: there is no blender with numpy\n" );
-    return false;
-}
 
 static double mean_of( const char* name )
 {

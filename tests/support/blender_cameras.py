@@ -4,8 +4,13 @@ box filter (NAME.exr), and that of the first without its lens (Sharp.exr).
 """
 import math
 import os
+import sys
 
 import bpy
+
+sys.path.insert(0, os.path.dirname(os.path.realpath(__file__)))
+sys.dont_write_bytecode = True
+from blender_both import panorama_of  # noqa: E402
 
 SAMPLES = int(os.environ.get("CYCLES_SAMPLES", "96"))
 CAMERAS = ("Lens", "Flat", "Round")
@@ -55,7 +60,7 @@ def add_cameras(scene):
     flat.type, flat.ortho_scale, flat.shift_x, flat.shift_y = "ORTHO", 7.0, 0.08, -0.05
     flat.dof.use_dof, flat.dof.focus_distance, flat.dof.aperture_fstop = True, 5.0, 1.2
     add_camera(scene, "Round", (0.2, 0.9, 1.1), (80, 10, 50)).type = "PANO"
-    bpy.data.cameras["Round"].cycles.panorama_type = "EQUIRECTANGULAR"
+    panorama_of(bpy.data.cameras["Round"]).panorama_type = "EQUIRECTANGULAR"
 
 
 def render(scene, camera, path):

@@ -9,6 +9,7 @@ import bpy
 
 sys.path.insert(0, os.path.dirname(os.path.realpath(__file__)))
 sys.dont_write_bytecode = True
+from blender_both import geometry_tree  # noqa: E402
 from blender_shot import cycles_picture, shine  # noqa: E402
 
 
@@ -22,9 +23,7 @@ def mesh(name, kind, colour, place, **how):
 
 def geometry_nodes(o, source):
     """Instances of an object on the points of the mesh, scaled and turned."""
-    tree = bpy.data.node_groups.new("scatter", "GeometryNodeTree")
-    tree.inputs.new("NodeSocketGeometry", "Geometry")
-    tree.outputs.new("NodeSocketGeometry", "Geometry")
+    tree = geometry_tree("scatter")
     start, end = tree.nodes.new("NodeGroupInput"), tree.nodes.new("NodeGroupOutput")
     info, scatter = tree.nodes.new("GeometryNodeObjectInfo"), tree.nodes.new("GeometryNodeInstanceOnPoints")
     info.inputs["Object"].default_value = source

@@ -8,11 +8,15 @@ import sys
 
 import bpy
 
+sys.path.insert(0, os.path.dirname(os.path.realpath(__file__)))
+sys.dont_write_bytecode = True
+from blender_both import geometry_tree, lights_without_shadow, socket  # noqa: E402
+
 
 def lamp(scene, kind, name, place=(0, 0, 3), turn=(0, 0, 0)):
     o = bpy.data.objects.new(name, bpy.data.lights.new(name, kind))
     o.location, o.rotation_euler = place, [math.radians(a) for a in turn]
-    o.data.energy = 20.0
+    o.data.energy, o.data.shadow_soft_size = 20.0, 0.25
     scene.collection.objects.link(o)
     return o
 
@@ -42,24 +46,39 @@ def plain():
 def lamps():
     """Lamps that some rays do not see, or that throw no shadow."""
     scene = plain()
-    lamp(scene, "POINT", "through walls").data.cycles.cast_shadow = False
+    lights_without_shadow(lamp(scene, "POINT", "through walls").data)
     lamp(scene, "SUN", "for gloss").visible_diffuse = False
     lamp(scene, "SPOT", "lens").visible_camera = True
     lamp(scene, "AREA", "window", (0, 2, 0), (90, 0, 0))
     shown = lamp(scene, "AREA", "shown", (0, 2, 0), (90, 0, 0))
     shown.visible_camera = True
     portal = lamp(scene, "AREA", "portal", (0, 2, 0), (90, 0, 0))
-    portal.data.cycles.is_portal, portal.data.cycles.cast_shadow = True, False
+    portal.data.cycles.is_portal = True
+    lights_without_shadow(portal.data)
     scene.world = bpy.data.worlds.new("sky")
     scene.world.cycles_visibility.glossy = False
     unlit = lamp(scene, "POINT", "unlit")
     unlit.visible_diffuse = unlit.visible_glossy = unlit.visible_transmission = False
 
 
+def linked():
+    """Lamps that light some objects only, or throw shadows of some only; a scaled spot, and soft lamps near a surface and far from all."""
+    scene = plain()
+    scene.objects["cube"].light_linking.receiver_collection = bpy.data.collections.new("receivers")
+    lamp(scene, "POINT", "for some").light_linking.receiver_collection = bpy.data.collections.new("some")
+    lamp(scene, "SUN", "past some", turn=(0, 0, 1)).light_linking.blocker_collection = bpy.data.collections.new("blockers")
+    bpy.data.lights["past some"].angle = 0.0
+    bpy.data.lights["for some"].use_soft_falloff = False
+    lamp(scene, "SPOT", "wide", (0, 0, -9)).scale = (2, 1, 1)
+    lamp(scene, "POINT", "close", (0, 0, 1.5))
+    lamp(scene, "POINT", "far", (0, 0, 9))
+    for name in ("wide", "close", "far", "for some"):
+        scene.objects[name].location.y = -7.0  # behind the camera
+    scene.objects["close"].location.y = 0.0
+
+
 def points_on(o):
-    tree = bpy.data.node_groups.new("points", "GeometryNodeTree")
-    tree.inputs.new("NodeSocketGeometry", "Geometry")
-    tree.outputs.new("NodeSocketGeometry", "Geometry")
+    tree = geometry_tree("points")
     start, points, end = (tree.nodes.new(n) for n in ("NodeGroupInput", "GeometryNodeMeshToPoints", "NodeGroupOutput"))
     tree.links.new(start.outputs[0], points.inputs[0])
     tree.links.new(points.outputs[0], end.inputs[0])
@@ -80,7 +99,7 @@ def instances():
     bpy.data.objects["fur"].particle_systems[0].settings.type = "HAIR"
     points_on(bpy.data.objects["dust"])
     torch = lamp(scene, "POINT", "torch")
-    torch.data.cycles.cast_shadow = False
+    lights_without_shadow(torch.data)
     scene.collection.objects.unlink(torch)
     group.objects.link(torch)
     place = bpy.data.objects.new("place", None)
@@ -190,13 +209,13 @@ def darkness():
     twice = lamp(scene, "AREA", "twice")  # which gives light again
     twice.data.energy, twice.data.use_nodes = -20.0, True
     twice.data.node_tree.nodes["Emission"].inputs["Strength"].default_value = -1.0
-    for name, socket, value in (("hole", "Emission Strength", -1.0), ("bright", "Base Color", (1.5, 1.0, 1.0, 1.0))):
+    for name, which, value in (("hole", "Emission Strength", -1.0), ("bright", "Base Color", (1.5, 1.0, 1.0, 1.0))):
         material = bpy.data.materials.new(name)
         material.use_nodes = True
         node = material.node_tree.nodes["Principled BSDF"]
-        node.inputs["Emission"].default_value = (1.0, 1.0, 1.0, 1.0)
+        socket(node, "Emission").default_value = (1.0, 1.0, 1.0, 1.0)
         node.inputs["Emission Strength"].default_value = 0.0
-        node.inputs[socket].default_value = value
+        node.inputs[which].default_value = value
         cube(name).data.materials.append(material)
     scene.world = bpy.data.worlds.new("sky")
     scene.world.use_nodes = True
@@ -231,12 +250,12 @@ def cycles_settings():
     cycles.sample_clamp_indirect, cycles.use_fast_gi = 3.0, True
     scene.render.film_transparent, cycles.film_transparent_glass = True, True
     view.exposure, view.gamma, view.use_curve_mapping = 1.0, 2.0, True
-    view.look = "High Contrast"
+    view.look = "AgX - High Contrast" if view.view_transform == "AgX" else "High Contrast"
     lamp(scene, "AREA", "once").data.cycles.max_bounces = 0
     veil = bpy.data.materials.new("veil")
     veil.use_nodes = True
     veil.node_tree.nodes["Principled BSDF"].inputs["Alpha"].default_value = 0.5
-    veil.cycles.use_transparent_shadow = False
+    (veil if hasattr(veil, "use_transparent_shadow") else veil.cycles).use_transparent_shadow = False
     bpy.data.objects["cube"].data.materials.append(veil)
     cycles.feature_set = "EXPERIMENTAL"
     rock = cube("rock", (2, 0, 0))
@@ -246,9 +265,7 @@ def cycles_settings():
 
 def over_time(o, kind, value, **settings):
     """Sets what a mesh carries by the number of the frame."""
-    tree = bpy.data.node_groups.new(o.name, "GeometryNodeTree")
-    tree.inputs.new("NodeSocketGeometry", "Geometry")
-    tree.outputs.new("NodeSocketGeometry", "Geometry")
+    tree = geometry_tree(o.name)
     start, change, end, time = (tree.nodes.new(n) for n in ("NodeGroupInput", kind, "NodeGroupOutput", "GeometryNodeInputSceneTime"))
     for name, setting in settings.items():
         setattr(change, name, setting)

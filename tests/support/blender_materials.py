@@ -12,6 +12,10 @@ import sys
 import bpy
 import numpy
 
+sys.path.insert(0, os.path.dirname(os.path.realpath(__file__)))
+sys.dont_write_bytecode = True
+from blender_both import add_socket, socket  # noqa: E402
+
 ROOM = 2.0  # half a side
 
 
@@ -28,7 +32,7 @@ class Shader:
     def add(self, kind, **inputs):
         node = self.tree.nodes.new("ShaderNode" + kind)
         for name, value in inputs.items():
-            self.feed(node.inputs[name.replace("_", " ")], value)
+            self.feed(socket(node, name.replace("_", " ")), value)
         return node
 
     def feed(self, socket, value):
@@ -206,16 +210,16 @@ def groups():
     """Groups within groups, reroutes, muted nodes, several outputs."""
     room(diffuse("wall", grey(0.6)))
     inner = bpy.data.node_groups.new("colour", "ShaderNodeTree")
-    inner.inputs.new("NodeSocketFloat", "Scale")
-    inner.outputs.new("NodeSocketColor", "Colour")
+    add_socket(inner, "INPUT", "NodeSocketFloat", "Scale")
+    add_socket(inner, "OUTPUT", "NodeSocketColor", "Colour")
     a, b = inner.nodes.new("NodeGroupInput"), inner.nodes.new("NodeGroupOutput")
     checker = inner.nodes.new("ShaderNodeTexChecker")
     checker.inputs["Color1"].default_value, checker.inputs["Color2"].default_value = (0.9, 0.1, 0.1, 1.0), (0.1, 0.1, 0.9, 1.0)
     inner.links.new(a.outputs["Scale"], checker.inputs["Scale"])
     inner.links.new(checker.outputs["Color"], b.inputs["Colour"])
     group = bpy.data.node_groups.new("surface", "ShaderNodeTree")
-    group.inputs.new("NodeSocketFloat", "Scale")
-    group.outputs.new("NodeSocketShader", "Surface")
+    add_socket(group, "INPUT", "NodeSocketFloat", "Scale")
+    add_socket(group, "OUTPUT", "NodeSocketShader", "Surface")
     a, b = group.nodes.new("NodeGroupInput"), group.nodes.new("NodeGroupOutput")
     colour, shader = group.nodes.new("ShaderNodeGroup"), group.nodes.new("ShaderNodeBsdfDiffuse")
     colour.node_tree = inner
@@ -434,8 +438,8 @@ def for_eevee():
         material = bpy.data.materials.new(name)
         material.use_nodes = material.use_backface_culling = True
         material.blend_method, material.alpha_threshold = "CLIP", 0.5
-        for socket, value in sets.items():
-            material.node_tree.nodes["Principled BSDF"].inputs[socket].default_value = value
+        for which, value in sets.items():
+            socket(material.node_tree.nodes["Principled BSDF"], which).default_value = value
         where = {"glow": (-1.0, 0.5, 0.2), "back": (1.0, 0.5, 0.2), "leaf": (0.0, 0.0, -0.5)}[name]
         bpy.ops.mesh.primitive_plane_add(size=0.8, location=where, rotation=(turn, 0.0, 0.0))
         bpy.context.object.data.materials.append(material)
