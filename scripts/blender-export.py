@@ -82,7 +82,7 @@ def main():
     materials.restore_coordinate_objects(targets)
     cameras.bake_camera(scene, name, recorder)
     materials.carry(scene, args, placed, recorder)
-    lights.carry(scene, in_view)
+    lights.carry(scene, in_view, placed)
     sky.keep_world(scene, args)
     glb.export(os.path.abspath(args.out))
     if not os.path.exists(args.out):

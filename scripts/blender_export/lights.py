@@ -4,6 +4,7 @@ import math
 
 import bmesh
 import bpy
+import mathutils
 
 from . import materials, shader_tree
 from .animated import tell_animation
@@ -11,6 +12,10 @@ from .channels import WHITE, is_constant
 from .folding import Folder
 from .in_view import corners_of, place_of
 from .messages import list_names, warn
+from .names import LAMPS_OF_4
+
+NEAR = 7.0  # radii from a lamp of soft falloff, within which it gives 2 % less light than a sphere
+
 
 def replace_area_light(scene, lamp):
     """Applies the world scale to shape and area; the power is unchanged."""
@@ -22,10 +27,11 @@ def replace_area_light(scene, lamp):
         return
     mesh = bpy.data.meshes.new(lamp.name)
     mesh.from_pydata(corners, [], [list(range(len(corners)))])
-    # Cycles' radiance is the lamp's watts over 4 A, where pi A would give them all
+    # pi A gives all of the lamp's watts; in Cycles of Blender 3 the radiance is its watts over 4 A
+    spread = (math.pi if LAMPS_OF_4 else 4.0) * area
     largest = max(light.color) or 1.0
     color = [c / largest for c in light.color]
-    mesh.materials.append(materials.glow(lamp.name, color, light.energy * largest / (4.0 * area)))
+    mesh.materials.append(materials.glow(lamp.name, color, light.energy * largest / spread))
     quad = bpy.data.objects.new(lamp.name + " area", mesh)
     quad.matrix_world = lamp.matrix_world.copy()
     scene.collection.objects.link(quad)
@@ -98,6 +104,34 @@ def fit_spot(light):
     light.spot_blend = 1.0 - math.acos(0.75 * full + 0.25 * least) / outer  # glTF: the square of a ramp, a third of its width
 
 
+def cone_of(light, widened):
+    """The cosine of the edge of a spot's cone that is `widened` by its scale, and the integral of its light over the cosines."""
+    half = 0.5 * light.spot_size
+    least = math.cos(half)
+    edge = max((1.0 - least) * light.spot_blend, 1e-9)
+    outer = math.atan(widened * math.tan(half)) if half < 0.4999 * math.pi else 0.5 * math.pi
+    end, steps, lit = math.cos(outer), 4000, 0.0
+    for i in range(steps):
+        cosine = end + (1.0 - end) * (i + 0.5) / steps
+        own = cosine / math.hypot(cosine, math.sqrt(1.0 - cosine * cosine) / widened)
+        t = min(max((own - least) / edge, 0.0), 1.0)
+        lit += t * t * (3.0 - 2.0 * t) * (1.0 - end) / steps
+    return end, lit
+
+
+def fit_scaled_spot(lamp):
+    """Spots of Blender 4 fall off at the edge alone, smoothly; glTF's by the square of a ramp, whose integral is a third of its width.
+    The power is kept."""
+    light, scale = lamp.data, [max(abs(s), 1e-6) for s in lamp.matrix_world.to_scale()]
+    if abs(scale[0] / scale[1] - 1.0) > 0.01:
+        warn("'%s': the cone of a spot that is scaled by %.3g and %.3g: taken as round" % (lamp.name, scale[0], scale[1]))
+    end, lit = cone_of(light, math.sqrt(scale[0] * scale[1]) / scale[2])
+    outer = math.acos(end)
+    inner = min(end + 1.5 * (1.0 - end - lit), 1.0)
+    light.spot_size = 2.0 * outer
+    light.spot_blend = min(max(1.0 - math.acos(inner) / outer, 0.0), 1.0)
+
+
 def is_sized(lamp):
     return lamp.data.type in ("POINT", "SPOT") and lamp.data.shadow_soft_size > 0.0
 
@@ -111,11 +145,40 @@ def tell_lost(lamps, spheres):
             warn("'%s': a sun of %.1f degrees: its shadows are sharp here, it is not seen in mirrors, and lights nothing through solid glass" %
                  (lamp.name, math.degrees(lamp.data.angle)))
     sized = [o.name for o in lamps if is_sized(o) and o.name not in spheres]
+    soft = [o.name for o in lamps if LAMPS_OF_4 and o.data.type == "SPOT" and o.data.spot_blend > 0.0]
+    if soft:
+        warn("the edges of spots have the light of Blender's on the whole, but fall off otherwise: " + list_names(soft))
     if sized:
         warn("spot lamps, and point lamps in view, have no radius here: sharp shadows, not seen in mirrors, no light through solid glass: " + list_names(sized))
 
 
-def prepare(scene, in_view):
+def distance_to(o, matrix, place):
+    """The distance of a place from the surface of a mesh."""
+    found, nearest, _, _ = o.closest_point_on_mesh(matrix.inverted_safe() @ place)
+    return (matrix @ nearest - place).length if found else math.inf
+
+
+def box_distance(o, matrix, place):
+    corners = [matrix @ mathutils.Vector(c) for c in o.bound_box]
+    middle = sum(corners, mathutils.Vector()) / 8.0
+    return (middle - place).length - max((c - middle).length for c in corners)
+
+
+def tell_soft_falloff(scene, lamps, placed):
+    """A lamp of soft falloff is a disc that turns to each surface: of a radius r, at a distance d, it has 1 / (1 + (r/d)^2) of a sphere's light."""
+    meshes = [(o, matrix) for o in scene.objects if o.type == "MESH" and o.data.polygons for matrix in placed.get(o.name, [o.matrix_world])]
+    for lamp in lamps:
+        if not is_sized(lamp) or not getattr(lamp.data, "use_soft_falloff", False):
+            continue
+        radius, place = lamp.data.shadow_soft_size, lamp.matrix_world.translation
+        near = [pair for pair in meshes if box_distance(*pair, place) < NEAR * radius]
+        least = min((distance_to(o, matrix, place) for o, matrix in near), default=math.inf)
+        if least < NEAR * radius:
+            more = min((radius / max(least, 1e-6)) ** 2, 10.0)
+            warn("'%s': soft falloff: left out, which gives what is near up to %.0f %% more light" % (lamp.name, 100.0 * more))
+
+
+def prepare(scene, in_view, placed):
     """Gives every lamp data of its own, with what its nodes and its cone make of it; portals are none."""
     lamps, kept, spheres = [], [], set()
     for lamp in [o for o in scene.objects if o.type == "LIGHT"]:
@@ -134,17 +197,18 @@ def prepare(scene, in_view):
             bpy.data.objects.remove(lamp)
             continue
         if lamp.data.type == "SPOT":
-            fit_spot(lamp.data)
+            fit_scaled_spot(lamp) if LAMPS_OF_4 else fit_spot(lamp.data)
         kept.append(lamp)
         if is_sized(lamp) and lamp.data.type == "POINT" and not seen and lamp.data.energy > 0.0:
             spheres.add(lamp.name)
     tell_lost(kept, spheres)
+    tell_soft_falloff(scene, kept, placed)
     return spheres
 
 
-def carry(scene, in_view):
-    """`in_view`: the places of point lamps that stay points, since as spheres they would be seen."""
-    for name in sorted(prepare(scene, in_view)):
+def carry(scene, in_view, placed):
+    """`in_view`: the places of point lamps that stay points, since as spheres they would be seen; `placed`: where instances are."""
+    for name in sorted(prepare(scene, in_view, placed)):
         replace_point_light(scene, scene.objects[name])
         bpy.data.objects.remove(scene.objects[name])
     lamps = [o for o in scene.objects if o.type == "LIGHT" and o.data.type == "AREA"]
