@@ -1,14 +1,16 @@
 """A shader tree folded into the channels of glTF's material: mixes of shaders become mixes of channels."""
+from . import layered
 from .channels import BLACK, F0_OF_GLTF, Ref, Surface, WHITE, is_constant
 from .fresnel import as_glass, as_one
 from .gloss import as_gloss
-from .names import is_principled_2, socket
+from .names import IS_4, is_principled_2
 from .values import Values
 
 LEFT_OUT = {  # shaders without equivalent, and what is kept of them
     "BSDF_TRANSLUCENT": "light that shines through: taken as diffuse",
     "SUBSURFACE_SCATTERING": "subsurface scattering: taken as diffuse",
     "BSDF_VELVET": "velvet: taken as diffuse",
+    "BSDF_SHEEN": "sheen: taken as diffuse",
     "BSDF_TOON": "toon shading: taken as diffuse",
     "BSDF_HAIR": "hair: taken as diffuse",
     "BSDF_HAIR_PRINCIPLED": "hair: taken as diffuse",
@@ -53,11 +55,16 @@ class Folder(Values):
         return Surface(base=self.read(node.inputs["Color"]), specular=0.0, normal=self.normal_of(node))
 
     def of_bsdf_glossy(self, node):
+        if "Anisotropy" in node.inputs and node.type == "BSDF_GLOSSY":
+            return layered.glossy(self, node)
         if node.type == "BSDF_GLOSSY" and getattr(node, "distribution", "") == "SHARP":
             roughness = 0.0
         else:
             roughness = self.read(node.inputs["Roughness"])
         return Surface(base=self.read(node.inputs["Color"]), metallic=1.0, roughness=roughness, normal=self.normal_of(node))
+
+    def of_bsdf_metallic(self, node):
+        return layered.metallic(self, node)
 
     def of_bsdf_anisotropic(self, node):
         if self.read(node.inputs["Anisotropy"]) != 0.0:
@@ -66,6 +73,8 @@ class Folder(Values):
 
     def of_bsdf_glass(self, node):
         self.tell_distribution(node)
+        if IS_4 and node.type == "BSDF_GLASS" and self.read(node.inputs["Color"]) != WHITE:
+            self.warn(node, "the colour of its reflection: taken as white")
         roughness = 0.0 if node.distribution == "SHARP" else self.read(node.inputs["Roughness"])
         return Surface(base=self.read(node.inputs["Color"]), metallic=0.0, roughness=roughness, specular=1.0, transmission=1.0,
                        ior=self.read(node.inputs["IOR"]), normal=self.normal_of(node))
@@ -98,7 +107,7 @@ class Folder(Values):
 
     def of_bsdf_principled(self, node):
         if is_principled_2(node):
-            return self.of_principled_2(node)
+            return layered.principled(self, node)
         get = lambda name: self.read(node.inputs[name])  # noqa: E731
         for name, what in (("Subsurface", "subsurface scattering: taken as diffuse"), ("Sheen", "sheen: left out"),
                            ("Anisotropic", "anisotropy: taken as equally rough in all directions")):
@@ -113,13 +122,6 @@ class Folder(Values):
                        f0=self.times(specular, 0.08 / F0_OF_GLTF), transmission=get("Transmission"), ior=ior,
                        clearcoat=get("Clearcoat"), clearcoat_roughness=get("Clearcoat Roughness"), alpha=alpha, emission=light,
                        normal=self.normal_of(node), principled=True)
-
-    def of_principled_2(self, node):
-        get = lambda name: self.read(socket(node, name))  # noqa: E731
-        light = self.times(get("Emission"), self.times(get("Emission Strength"), get("Alpha")), True)
-        return Surface(base=get("Base Color"), metallic=get("Metallic"), roughness=get("Roughness"), specular=1.0, f0=1.0,
-                       transmission=get("Transmission"), ior=get("IOR"), clearcoat=get("Clearcoat"),
-                       clearcoat_roughness=get("Clearcoat Roughness"), alpha=get("Alpha"), emission=light, normal=self.normal_of(node))
 
     # mixtures
 
@@ -195,7 +197,7 @@ class Folder(Values):
 
     def settle_base(self, s):
         """In a mixture the base itself is scaled, and no coat takes from it."""
-        if (s.scale, s.lift) != (1.0, BLACK):
+        if (s.scale, s.lift, s.covered) != (1.0, BLACK, 1.0):
             base = self.plus(self.times(s.base, (s.scale,) * 3, True), s.lift, True)
             s.base = tuple(min(max(c, 0.0), 1.0) for c in base) if is_constant(base) else base
             s.scale, s.lift, s.covered, s.added = 1.0, BLACK, 1.0, True

@@ -27,10 +27,10 @@ def smith(cosine, alpha):
 
 
 @functools.lru_cache(maxsize=None)
-def means_of_lobe(roughness, ior):
-    """Means over directions of view of what GGX reflects of uniform light (single scattering; normals that are seen are sampled as in Heitz 2018, 'Sampling the GGX
-    distribution of visible normals') times Fresnel's factor of the direction of view, and times 1 and Schlick's (1 - cos)^5 of the
-    half vector."""
+def lobe(roughness):
+    """Directions of view and normals of GGX (single scattering; normals that are seen are sampled as in Heitz 2018, 'Sampling the GGX
+    distribution of visible normals'): the cosine of the view, that of the half vector, the weight of the view, and what is reflected
+    of white light."""
     alpha = max(roughness * roughness, 1e-3)
     middle = lambda n: (numpy.arange(n) + 0.5) / n  # noqa: E731
     cosine, a, b = numpy.meshgrid(middle(VIEWS), middle(STEPS), middle(STEPS), indexing="ij")
@@ -48,7 +48,15 @@ def means_of_lobe(roughness, ior):
     out = 2.0 * seen * half[2] - cosine
     up = numpy.maximum(out, 1e-6)
     near = 1.0 + smith(cosine, alpha)
-    weight = (FRONT + 1.0) * cosine**FRONT * numpy.where(out > 0.0, near / (near + smith(up, alpha)), 0.0)
+    return cosine, seen, (FRONT + 1.0) * cosine**FRONT, numpy.where(out > 0.0, near / (near + smith(up, alpha)), 0.0)
+
+
+@functools.lru_cache(maxsize=None)
+def means_of_lobe(roughness, ior):
+    """Means over directions of view of what GGX reflects of uniform light times Fresnel's factor of the direction of view, and times 1
+    and Schlick's (1 - cos)^5 of the half vector."""
+    cosine, seen, front, gain = lobe(roughness)
+    weight = front * gain
     mean = lambda f: float((weight * f).mean())  # noqa: E731
     return mean(fresnel(cosine, ior)), mean(1.0), mean((1.0 - seen) ** 5)
 

@@ -12,7 +12,7 @@ from .channels import WHITE, is_constant
 from .folding import Folder
 from .in_view import corners_of, place_of
 from .messages import list_names, warn
-from .names import LAMPS_OF_4
+from .names import IS_4
 
 NEAR = 7.0  # radii from a lamp of soft falloff, within which it gives 2 % less light than a sphere
 
@@ -28,7 +28,7 @@ def replace_area_light(scene, lamp):
     mesh = bpy.data.meshes.new(lamp.name)
     mesh.from_pydata(corners, [], [list(range(len(corners)))])
     # pi A gives all of the lamp's watts; in Cycles of Blender 3 the radiance is its watts over 4 A
-    spread = (math.pi if LAMPS_OF_4 else 4.0) * area
+    spread = (math.pi if IS_4 else 4.0) * area
     largest = max(light.color) or 1.0
     color = [c / largest for c in light.color]
     mesh.materials.append(materials.glow(lamp.name, color, light.energy * largest / spread))
@@ -145,7 +145,7 @@ def tell_lost(lamps, spheres):
             warn("'%s': a sun of %.1f degrees: its shadows are sharp here, it is not seen in mirrors, and lights nothing through solid glass" %
                  (lamp.name, math.degrees(lamp.data.angle)))
     sized = [o.name for o in lamps if is_sized(o) and o.name not in spheres]
-    soft = [o.name for o in lamps if LAMPS_OF_4 and o.data.type == "SPOT" and o.data.spot_blend > 0.0]
+    soft = [o.name for o in lamps if IS_4 and o.data.type == "SPOT" and o.data.spot_blend > 0.0]
     if soft:
         warn("the edges of spots have the light of Blender's on the whole, but fall off otherwise: " + list_names(soft))
     if sized:
@@ -197,7 +197,7 @@ def prepare(scene, in_view, placed):
             bpy.data.objects.remove(lamp)
             continue
         if lamp.data.type == "SPOT":
-            fit_scaled_spot(lamp) if LAMPS_OF_4 else fit_spot(lamp.data)
+            fit_scaled_spot(lamp) if IS_4 else fit_spot(lamp.data)
         kept.append(lamp)
         if is_sized(lamp) and lamp.data.type == "POINT" and not seen and lamp.data.energy > 0.0:
             spheres.add(lamp.name)

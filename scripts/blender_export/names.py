@@ -7,7 +7,7 @@ PRINCIPLED = {  # sockets of Principled, by the names of Blender 3
 
 # How Cycles' lamps radiate, measured with 3.4.1 and 4.3.2: area lamps radiate all of their watts, once pi/4 of them; spots do not
 # fall off with the cosine, and their cone is scaled with them.
-LAMPS_OF_4 = bpy.app.version >= (4, 0, 0)
+IS_4 = bpy.app.version >= (4, 0, 0)
 
 
 def socket(node, name):

@@ -5,6 +5,7 @@ from .channels import BLACK, Ref, Surface, WORDS, finish, is_constant
 from .folding import Folder
 from .hiding import animated_paths
 from .images import carried, is_read, number_source
+from .layered import settle_flat
 from .messages import warn
 from .names import has_transparent_shadow, is_principled_2
 from .view import view_nodes
@@ -106,6 +107,7 @@ def make_plan(material, users):
     tell_inside(plan, out)
     is_odd = tell_odd(plan)
     finish(plan.surface)
+    settle_flat(plan.surface)
     plan.surface.thin |= thin
     tell_shadows(plan)
     shine_through(plan)

@@ -1,0 +1,257 @@
+"""Shaders of Blender 4 as surfaces of glTF that reflect as much: Principled, Glossy, Metallic (layers.py)."""
+from .channels import BLACK, F0_OF_GLTF, Surface, WHITE, f0_of, is_constant
+from .layers import Layers, Shell, gloss_of, mean, of_conductor, of_metal, reflected, schlick, views
+from .names import socket
+
+TOLD = 0.02  # differences are named from here on
+BETWEEN = 0.5  # what is taken for a roughness that varies
+FEW = 0.25, 0.85  # roughnesses for which that is checked
+LEFT_OUT = (("Subsurface", "subsurface scattering: taken as diffuse"), ("Sheen", "sheen: left out"),
+            ("Anisotropic", "anisotropy: taken as equally rough in all directions"),
+            ("Diffuse Roughness", "its diffuse roughness (Oren-Nayar): taken as Lambert"))
+FACETS = "MULTI_GGX", "GGX"  # distributions that are modelled
+
+
+def known(value, otherwise):
+    return value if is_constant(value) else otherwise
+
+
+def tell_difference(folder, node, ratio, why):
+    """`ratio`: of what is reflected here and in Blender."""
+    if abs(ratio - 1.0) > TOLD:
+        folder.warn(node, "%s: reflects up to %.0f %% %s than in Blender" % (why, 100.0 * abs(ratio - 1.0), "less" if ratio < 1.0 else "more"))
+
+
+def farthest(ratios):
+    return max(ratios, key=lambda r: abs(r - 1.0))
+
+
+def tint_of(folder, node, name):
+    """A tint, which has one value per material."""
+    value = folder.read(node.inputs[name])
+    if is_constant(value):
+        return tuple(max(c, 0.0) for c in value)
+    folder.warn(node, "%s varies: taken as white" % name.lower())
+    return WHITE
+
+
+def tell_lost(folder, node):
+    for name, what in LEFT_OUT:
+        if (name in node.inputs or name in ("Subsurface", "Sheen")) and folder.read(socket(node, name)) != 0.0:
+            folder.warn(node, what)
+    film = node.inputs.get("Thin Film Thickness")
+    thickness = folder.read(film) if film is not None else 0.0
+    if not is_constant(thickness) or thickness > 0.1:  # nanometres
+        folder.warn(node, "a thin film: left out")
+    if folder.read(socket(node, "Clearcoat")) != 0.0 and node.inputs["Coat Normal"].is_linked:
+        folder.warn(node, "the normal of the clear coat: taken as that of the shape")
+
+
+class Principled:
+    """The node's values."""
+
+    def __init__(self, folder, node):
+        get = lambda name: folder.read(socket(node, name))  # noqa: E731
+        self.folder, self.node = folder, node
+        self.base, self.metallic, self.roughness = get("Base Color"), get("Metallic"), get("Roughness")
+        self.ior, self.level, self.transmission = get("IOR"), get("Specular"), get("Transmission")
+        self.coat, self.coat_roughness = get("Clearcoat"), get("Clearcoat Roughness")
+        self.coat_ior = get("Coat IOR")
+        self.tint = tint_of(folder, node, "Specular Tint")
+        self.coat_tint = tint_of(folder, node, "Coat Tint") if self.coat != 0.0 else WHITE
+        self.is_multiple = node.distribution == "MULTI_GGX"
+
+    def layers(self, roughness=None, metallic=None):
+        within = lambda v: min(max(v, 0.0), 1.0)  # noqa: E731
+        return Layers(within(known(self.metallic, 0.0) if metallic is None else metallic),
+                      within(known(self.roughness, BETWEEN) if roughness is None else roughness), max(known(self.ior, 1.5), 1e-3),
+                      max(known(self.level, 0.5), 0.0), within(known(self.coat, 0.0)), within(known(self.coat_roughness, 0.03)),
+                      known(self.coat_ior, 1.5), self.is_multiple)
+
+    def wanted(self, layers, base):
+        return [layers.parts(b, t, c, max(self.tint)) for b, t, c in zip(base, self.tint, self.coat_tint)]
+
+    def f0_of(self, layers):
+        return [min(layers.f0 * t, 1.0) for t in self.tint]
+
+    def opaque(self):
+        layers = self.layers()
+        out = Surface(base=self.base, metallic=self.metallic, roughness=self.roughness, specular=1.0 if layers.f0 > 0.0 else 0.0,
+                      transmission=0.0, ior=1.5, clearcoat=self.coat, clearcoat_roughness=self.coat_roughness,
+                      normal=self.folder.normal_of(self.node))
+        f0 = self.f0_of(layers)
+        f0 = self.fit(out, layers, f0) if is_constant(self.base) and is_constant(self.metallic) else self.fit_image(out, layers, f0)
+        out.f0 = f0[0] / F0_OF_GLTF if len(set(f0)) == 1 else tuple(f / F0_OF_GLTF for f in f0)
+        if not is_constant(self.level):
+            out.f0 = self.folder.times(self.level, 2.0 * f0_of(known(self.ior, 1.5)))
+        elif not is_constant(self.ior):
+            self.folder.warn(self.node, "IOR varies: taken as 1.5")
+        self.tell_varying(out, f0)
+        return out
+
+    def fit(self, out, layers, f0):
+        """Chooses the base; the coat takes from it as in glTF where no base gets above 1 by that."""
+        wanted = self.wanted(layers, self.base)
+        added, plain = (Shell(layers, f0, out.specular, is_added) for is_added in (True, False))
+        bases = [[shell.base_for(w, i) for i, w in enumerate(wanted)] for shell in (added, plain)]
+        out.added = max(bases[1]) > 1.0
+        out.covered = 1.0 if out.added else plain.below / added.below
+        if max(self.base) > 1.0:
+            out.base, out.added, out.covered = self.base, True, 1.0
+            return f0
+        out.base = tuple(min(max(b, 0.0), 1.0) for b in bases[0])
+        if is_constant(self.coat):
+            out.clearcoat = added.clearcoat
+        here = [c + added.below * b for c, b in zip(added.coats, out.base)]
+        tell_difference(self.folder, self.node, farthest([(h + 1e-3) / (w + 1e-3) for h, w in zip(here, wanted)]),
+                        "rough metal" if layers.metallic > 0.5 else "its colour")
+        return f0
+
+    def fit_image(self, out, layers, f0):
+        """Images are scaled only: the coat makes up for what they cannot."""
+        shell = Shell(layers, f0, out.specular, True)
+        low, high = (0.2, 0.8) if layers.metallic == 1.0 else (0.0, 1.0)
+        dark, bright = (self.wanted(layers, (b,) * 3) for b in (low, high))
+        slopes = [(b - a) / (high - low) for a, b in zip(dark, bright)]
+        out.scale, out.added = min(sum(slopes) / 3.0 / shell.below, 1.0), True
+        if is_constant(self.coat):
+            out.clearcoat = shell.clearcoat
+        if layers.metallic < 1.0 and out.specular > 0.0:
+            each = (1.0 - layers.metallic) * shell.gloss
+            f0 = [min(max(f + (d - s * low - c) / each, 0.0), 1.0) for f, d, s, c in zip(f0, dark, slopes, shell.coats)]
+            shell = Shell(layers, f0, out.specular, True)
+        wanted = self.wanted(layers, (0.6,) * 3)
+        here = [c + shell.below * out.scale * 0.6 for c in shell.coats]
+        tell_difference(self.folder, self.node, farthest([h / w for h, w in zip(here, wanted)]), "an image as the colour of rough metal"
+                        if layers.metallic > 0.5 else "an image as its colour")
+        return f0
+
+    def tell_varying(self, out, f0):
+        """What a roughness or metal that varies makes of it."""
+        checks = []
+        if not is_constant(self.roughness):
+            checks.append(("roughness varies, and is taken as %g for its brightness" % BETWEEN, [self.layers(roughness=r) for r in FEW]))
+        if not is_constant(self.metallic):
+            checks.append(("metallic varies: metal", [self.layers(metallic=1.0)]))
+        base = known(self.base, (0.6,) * 3)
+        for why, several in checks:
+            ratios = []
+            for layers in several:
+                shell = Shell(layers, f0, out.specular, True)
+                here = known(out.base, tuple(out.scale * b for b in base))
+                here = [c + shell.below * b * (1.0 if is_constant(out.base) and is_constant(self.metallic) else out.scale if is_constant(out.base) else 1.0)
+                        for c, b in zip(shell.coats, here)]
+                ratios += [(h + 1e-3) / (w + 1e-3) for h, w in zip(here, self.wanted(layers, base))]
+            tell_difference(self.folder, self.node, farthest(ratios), why)
+
+    def glass(self):
+        if self.tint != WHITE:
+            self.folder.warn(self.node, "the specular tint of glass: left out")
+        self.folder.tell_distribution(self.node)
+        base = self.base
+        if is_constant(base):
+            base = tuple(min(max(c, 0.0), 1.0) ** 0.5 for c in base)  # Cycles takes the root at each surface
+        else:
+            root = self.folder.nodes.new("ShaderNodeGamma")
+            root.inputs["Gamma"].default_value = 0.5
+            self.folder.put(base, root.inputs["Color"])
+            base = self.folder.ref(root.outputs[0])
+        return Surface(base=base, metallic=self.metallic, roughness=self.roughness, specular=1.0, f0=1.0, transmission=1.0, ior=self.ior,
+                       clearcoat=self.coat, clearcoat_roughness=self.coat_roughness, normal=self.folder.normal_of(self.node))
+
+
+def principled(folder, node):
+    tell_lost(folder, node)
+    values = Principled(folder, node)
+    share = values.transmission
+    if share != 0.0 and is_constant(values.metallic) and values.metallic >= 1.0:
+        share = 0.0
+    if share != 0.0 and values.metallic != 0.0:
+        folder.warn(node, "metal and glass in one: both have one colour")
+    if is_constant(share):
+        share = min(max(share, 0.0), 1.0)
+    if share == 0.0:
+        out = values.opaque()
+    elif share == 1.0:
+        out = values.glass()
+    else:
+        out = folder.mixed(values.opaque(), values.glass(), share, node)
+    out.alpha = folder.read(node.inputs["Alpha"])
+    light = folder.times(folder.read(socket(node, "Emission")), folder.times(folder.read(node.inputs["Emission Strength"]), out.alpha), True)
+    layers = values.layers()
+    if layers.coat > 0.0 and light != BLACK:
+        light = folder.times(light, tuple(layers.shine(t) for t in values.coat_tint), True)
+    out.emission = light
+    return out
+
+
+def tell_facets(folder, node, roughness):
+    if getattr(node, "distribution", "GGX") not in FACETS and (not is_constant(roughness) or roughness > 0.25):
+        folder.warn(node, "rough gloss of the distribution %s: taken as GGX" % node.distribution.replace("_", " ").lower())
+
+
+def glossy(folder, node):
+    """Gloss whose colour is the same from everywhere; its energy is kept by a brighter colour."""
+    roughness, colour = folder.read(node.inputs["Roughness"]), folder.read(node.inputs["Color"])
+    if folder.read(node.inputs["Anisotropy"]) != 0.0:
+        folder.warn(node, "anisotropy: taken as equally rough in all directions")
+    tell_facets(folder, node, roughness)
+    out = Surface(base=colour, metallic=1.0, roughness=roughness, normal=folder.normal_of(node), is_flat=True)
+    rough = known(roughness, BETWEEN)
+    straight = mean(rough, views(rough)[1])
+    is_multiple = node.distribution == "MULTI_GGX"
+    wanted = [mean(rough, gloss_of(rough, lambda c, b=b: b + 0.0 * c, is_multiple)) for b in known(colour, (0.6,) * 3)]
+    if is_constant(colour) and is_constant(roughness):
+        bright = [w / straight for w in wanted]
+        tell_difference(folder, node, min(1.0 / max(*bright, 1e-6), 1.0), "rough metal")
+        out.base = tuple(min(b, 1.0) for b in bright)
+    else:
+        base, steep = known(colour, (0.6,) * 3), mean(rough, reflected(rough, schlick))
+        out.is_flat = False
+        tell_difference(folder, node, farthest([(b * (straight - steep) + steep) / max(w, 1e-3) for b, w in zip(base, wanted)]),
+                        "gloss that varies")
+    return out
+
+
+def settle_flat(s):
+    """Gloss that stayed alone, by a coat over black: glTF's metal is white at grazing angles."""
+    if not s.is_flat or s.roughness < 0.0316 or max(s.base) <= 0.0:
+        return
+    straight, steep = mean(s.roughness, views(s.roughness)[1]), mean(s.roughness, reflected(s.roughness, schlick))
+    s.specular = max(s.base)
+    f0 = [max(b * straight - s.specular * steep, 0.0) / (straight - steep) for b in s.base]
+    s.f0 = tuple(f / F0_OF_GLTF / s.specular for f in f0)
+    s.base, s.metallic, s.is_flat, s.transmission, s.ior = BLACK, 0.0, False, 0.0, 1.5
+
+
+def metallic(folder, node):
+    """A metal by its colours or by its index."""
+    roughness = folder.read(node.inputs["Roughness"])
+    if folder.read(node.inputs["Anisotropy"]) != 0.0:
+        folder.warn(node, "anisotropy: taken as equally rough in all directions")
+    tell_facets(folder, node, roughness)
+    names, make = (("IOR", "Extinction"), of_conductor) if node.fresnel_type == "PHYSICAL_CONDUCTOR" else (("Base Color", "Edge Tint"), of_metal)
+    values = [folder.read(node.inputs[name]) for name in names]
+    out = Surface(base=values[0], metallic=1.0, roughness=roughness, normal=folder.normal_of(node))
+    if not all(is_constant(v) for v in values):
+        folder.warn(node, "its %s varies: taken as of metal that is white at its edges" % " or ".join(n.lower() for n in names))
+        if make is of_conductor:
+            out.base = (0.6,) * 3
+        return out
+    rough = known(roughness, BETWEEN)
+    pairs = [(max(a, 0.0), max(b, 0.0)) for a, b in zip(*values)]
+    pairs = [(min(a, 1.0), min(b, 1.0)) for a, b in pairs] if make is of_metal else pairs
+    steep = mean(rough, reflected(rough, schlick))
+    straight = mean(rough, views(rough)[1])
+    wanted = [mean(rough, gloss_of(rough, make(a, b), node.distribution == "MULTI_GGX")) for a, b in pairs]
+    out.base = tuple(min(max((w - steep) / (straight - steep), 0.0), 1.0) for w in wanted)
+    here = [b * (straight - steep) + steep for b in out.base]
+    tell_difference(folder, node, farthest([h / max(w, 1e-3) for h, w in zip(here, wanted)]), "rough metal" if rough > 0.2 else "its colour")
+    if not is_constant(roughness):
+        ratios = []
+        for r in FEW:
+            at = mean(r, reflected(r, schlick)), mean(r, views(r)[1])
+            ratios += [(b * (at[1] - at[0]) + at[0]) / max(mean(r, gloss_of(r, make(*p), node.distribution == "MULTI_GGX")), 1e-3)
+                       for b, p in zip(out.base, pairs)]
+        tell_difference(folder, node, farthest(ratios), "roughness varies, and is taken as %g for its brightness" % BETWEEN)
+    return out

@@ -1,0 +1,161 @@
+"""The surfaces of Blender 4, whose layers take from each other what they reflect, as glTF's base under a coat.
+
+Principled, from the top: clear coat, metal, dielectric coat, Lambert. Each layer leaves to those below what its mean over the lights
+leaves, seen from the camera; gloss of the distribution "multiple scattering" keeps the energy that rough facets lose to each other
+(Kulla, Conty 2017, 'Revisiting Physically Based Shading at Imageworks'). glTF's surface has other curves: its base is chosen such that
+both reflect the same of light from all sides, in the mean over directions of view (gloss.FRONT).
+"""
+import functools
+
+import numpy
+
+from .channels import F0_OF_GLTF
+from .gloss import fresnel, lobe
+
+METAL_EDGE = 1.0 / 7.0  # the cosine for which the edge tint of metals is defined
+
+
+@functools.lru_cache(maxsize=None)
+def views(roughness):
+    """By cosine of the direction of view: its weight, what a lobe of white facets reflects, and the mean of it over uniform light."""
+    cosine, _, weight, gain = lobe(roughness)
+    front = weight.mean(axis=(1, 2))
+    white = gain.mean(axis=(1, 2))
+    across = cosine[:, 0, 0]
+    return front / front.mean(), white, float((2.0 * across * white).mean() / (2.0 * across).mean()), across
+
+
+def mean(roughness, values):
+    return float((views(roughness)[0] * values).mean())
+
+
+def reflected(roughness, reflectance):
+    """What facets reflect, by direction of view, of a reflectance by the cosine to the half vector."""
+    _, seen, _, gain = lobe(roughness)
+    return (gain * reflectance(seen)).mean(axis=(1, 2))
+
+
+def kept(roughness, average):
+    """What multiple scattering multiplies a lobe by, whose Fresnel factor is `average` for uniform light."""
+    _, white, whole, _ = views(roughness)
+    many = average * whole / (1.0 - average * (1.0 - whole))
+    return 1.0 + many * (1.0 - white) / white
+
+
+def average(reflectance):
+    """Of uniform light."""
+    cosine = (numpy.arange(400) + 0.5) / 400.0
+    return float((2.0 * cosine * reflectance(cosine)).mean())
+
+
+def schlick(cosine):
+    return numpy.maximum(1.0 - cosine, 0.0) ** 5
+
+
+def of_metal(f0, tint):
+    """F82: Schlick's factor, less a term that makes it `tint` times that at METAL_EDGE."""
+    edge = f0 + (1.0 - f0) * schlick(METAL_EDGE)
+    b = edge * (1.0 - tint) / (METAL_EDGE * (1.0 - METAL_EDGE) ** 6)
+    return lambda c: numpy.clip(f0 + (1.0 - f0) * schlick(c) - b * c * numpy.maximum(1.0 - c, 0.0) ** 6, 0.0, 1.0)
+
+
+def of_conductor(n, k):
+    """Fresnel's equations of an index n + i k, of unpolarised light."""
+    def reflectance(c):
+        square = n * n + k * k
+        parallel = (square * c * c - 2.0 * n * c + 1.0) / (square * c * c + 2.0 * n * c + 1.0)
+        across = (square - 2.0 * n * c + c * c) / (square + 2.0 * n * c + c * c)
+        return 0.5 * (parallel + across)
+    return reflectance
+
+
+def of_dielectric(f0, tint, ior):
+    """Fresnel's equations, from f0 times tint straight on to 1."""
+    def reflectance(c):
+        share = numpy.clip((fresnel(c, ior) - f0) / (1.0 - f0), 0.0, 1.0)
+        return min(f0 * tint, 1.0) * (1.0 - share) + share
+    return reflectance
+
+
+def gloss_of(roughness, reflectance, is_multiple):
+    """The mean of a glossy lobe, by direction of view."""
+    return reflected(roughness, reflectance) * (kept(roughness, average(reflectance)) if is_multiple else 1.0)
+
+
+def ior_of(f0):
+    root = min(f0, 0.99) ** 0.5
+    return (1.0 + root) / (1.0 - root)
+
+
+class Layers:
+    """Principled's numbers: `base` and tints are of one channel."""
+
+    def __init__(self, metallic, roughness, ior, level, coat, coat_roughness, coat_ior, is_multiple):
+        self.metallic, self.roughness, self.is_multiple = metallic, roughness, is_multiple
+        self.f0 = min(2.0 * level * ((ior - 1.0) / (ior + 1.0)) ** 2, 0.98)
+        self.coat, self.coat_roughness = coat, coat_roughness
+        self.coat_ior = max(coat_ior, 1.0)
+
+    @property
+    def white(self):
+        return views(self.roughness)[1]
+
+    def above(self):
+        """What the clear coat reflects, and what it leaves, by direction of view, but for its tint."""
+        if self.coat == 0.0:
+            return 0.0, 1.0
+        ways = reflected(self.coat_roughness, lambda c: fresnel(c, self.coat_ior))
+        return self.coat * ways, 1.0 - min(self.coat, 1.0) * ways / views(self.coat_roughness)[1]
+
+    def tinted(self, tint):
+        """By the way of light through the coat, of length 1 straight on."""
+        across = views(self.roughness)[3]
+        inner = numpy.sqrt(1.0 - (1.0 - across * across) / self.coat_ior ** 2)
+        return 1.0 - self.coat + self.coat * tint ** (1.0 / inner)
+
+    def parts(self, base, specular, coat_tint, brightest):
+        """What Cycles reflects on average. `specular`: the tint of this channel, `brightest` of all."""
+        coat, left = self.above()
+        below = self.metallic * gloss_of(self.roughness, of_metal(min(base, 1.0), min(specular, 1.0)), self.is_multiple) if self.metallic > 0.0 else 0.0
+        if self.metallic < 1.0:
+            layer = cover = 0.0
+            if self.f0 > 0.0:
+                ior = ior_of(self.f0)
+                layer = gloss_of(self.roughness, of_dielectric(self.f0, specular, ior), self.is_multiple)
+                cover = reflected(self.roughness, of_dielectric(self.f0, brightest, ior)) / self.white
+            below = below + (1.0 - self.metallic) * (layer + (1.0 - cover) * base)
+        return mean(self.roughness, coat + left * self.tinted(coat_tint) * below)
+
+    def shine(self, coat_tint):
+        """What the coat leaves of light from below it."""
+        return mean(self.roughness, self.above()[1] * self.tinted(coat_tint))
+
+
+class Shell:
+    """glTF's surface as Reframe has it (src/bsdf/ggx.c, coated.c): its mean is that of the coats, and `below` times the base."""
+
+    def __init__(self, layers, f0, specular, is_added):
+        r, m = layers.roughness, layers.metallic
+        self.straight, self.steep = layers.white, reflected(r, schlick)
+        across = views(r)[3]
+        through = lambda start, most: 1.0 - start - (most - start) * schlick(across)  # noqa: E731
+        passed = 1.0
+        if not is_added and m < 1.0:
+            passed = through(max(f0), specular) * (1.0 - max(f0) - (specular - max(f0)) / 21.0)
+        self.clearcoat, coat, over, under = 0.0, 0.0, 1.0, 1.0
+        if layers.coat > 0.0:
+            one = reflected(layers.coat_roughness, lambda c: F0_OF_GLTF + (1.0 - F0_OF_GLTF) * schlick(c))
+            wanted = mean(r, layers.above()[0]) / mean(r, one)
+            self.clearcoat, self.lacks = min(wanted, 1.0), wanted > 1.02
+            top = 1.0 - self.clearcoat * (F0_OF_GLTF + (1.0 - F0_OF_GLTF) * schlick(across))
+            average_top = 1.0 - self.clearcoat * (F0_OF_GLTF + (1.0 - F0_OF_GLTF) / 21.0)
+            coat, over, under = self.clearcoat * one, top * top, top * average_top  # of gloss, and of what is diffuse
+        else:
+            self.lacks = False
+        most = (1.0 - m) * specular + m
+        self.gloss = mean(r, over * (self.straight - self.steep))  # for each f0
+        self.coats = [mean(r, coat + over * ((1.0 - m) * f * (self.straight - self.steep) + most * self.steep)) for f in f0]
+        self.below = (1.0 - m) * mean(r, under * passed) + m * self.gloss
+
+    def base_for(self, wanted, channel):
+        return (wanted - self.coats[channel]) / self.below
