@@ -26,14 +26,14 @@ def smith(cosine, alpha):
     return 0.5 * (numpy.sqrt(1.0 + alpha * alpha * (1.0 / (cosine * cosine) - 1.0)) - 1.0)
 
 
-@functools.lru_cache(maxsize=None)
-def lobe(roughness):
+@functools.lru_cache(maxsize=8)
+def lobe(roughness, steps=STEPS):
     """Directions of view and normals of GGX (single scattering; normals that are seen are sampled as in Heitz 2018, 'Sampling the GGX
     distribution of visible normals'): the cosine of the view, that of the half vector, the weight of the view, and what is reflected
     of white light."""
     alpha = max(roughness * roughness, 1e-3)
     middle = lambda n: (numpy.arange(n) + 0.5) / n  # noqa: E731
-    cosine, a, b = numpy.meshgrid(middle(VIEWS), middle(STEPS), middle(STEPS), indexing="ij")
+    cosine, a, b = numpy.meshgrid(middle(VIEWS), middle(steps), middle(steps), indexing="ij")
     sine = numpy.sqrt(1.0 - cosine * cosine)
     long = numpy.sqrt((alpha * sine) ** 2 + cosine * cosine)
     x, z = alpha * sine / long, cosine / long
@@ -76,7 +76,7 @@ def under(base, gloss, kept, share, reflected, most, grazing):
     out.specular = min(most * brightest, 1.0)
     straight, steep = grazing
     f0 = [min(share * c, out.specular) for c in gloss.base]
-    lift = [c * reflected - f * (straight - steep) - out.specular * steep for c, f in zip(gloss.base, f0)]
+    lift = [c * reflected * gloss.gain - f * (straight - steep) - out.specular * steep for c, f in zip(gloss.base, f0)]
     if is_constant(base.base):
         out.lift = tuple(lift)
     else:  # nothing is added to an image: the coat reflects it

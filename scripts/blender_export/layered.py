@@ -10,6 +10,7 @@ LEFT_OUT = (("Subsurface", "subsurface scattering: taken as diffuse"), ("Sheen",
             ("Anisotropic", "anisotropy: taken as equally rough in all directions"),
             ("Diffuse Roughness", "its diffuse roughness (Oren-Nayar): taken as Lambert"))
 FACETS = "MULTI_GGX", "GGX"  # distributions that are modelled
+SMOOTH = 0.0316  # smoother metal is a perfect mirror to Reframe
 
 
 def known(value, otherwise):
@@ -92,19 +93,24 @@ class Principled:
     def fit(self, out, layers, f0):
         """Chooses the base; the coat takes from it as in glTF where no base gets above 1 by that."""
         wanted = self.wanted(layers, self.base)
+        if max(self.base) > 1.0:  # which is told, and taken as 1
+            out.added = True
+            return f0
+        out.clearcoat = Shell(layers, f0, out.specular, True).clearcoat if is_constant(self.coat) else self.coat
         added, plain = (Shell(layers, f0, out.specular, is_added) for is_added in (True, False))
         bases = [[shell.base_for(w, i) for i, w in enumerate(wanted)] for shell in (added, plain)]
-        out.added = max(bases[1]) > 1.0
+        if layers.metallic > 0.0 and max(bases[0]) > 1.0:
+            f0 = [(1.0 - layers.metallic) * f + layers.metallic * b for f, b in zip(f0, self.base)]
+            out.metallic, out.specular = 0.0, 1.0
+            added = Shell(self.layers(metallic=0.0), f0, 1.0, True)
+            bases = [[added.base_for(w, i) for i, w in enumerate(wanted)]] * 2
+            out.added = True
+        else:
+            out.added = max(bases[1]) > 1.0
         out.covered = 1.0 if out.added else plain.below / added.below
-        if max(self.base) > 1.0:
-            out.base, out.added, out.covered = self.base, True, 1.0
-            return f0
         out.base = tuple(min(max(b, 0.0), 1.0) for b in bases[0])
-        if is_constant(self.coat):
-            out.clearcoat = added.clearcoat
         here = [c + added.below * b for c, b in zip(added.coats, out.base)]
-        tell_difference(self.folder, self.node, farthest([(h + 1e-3) / (w + 1e-3) for h, w in zip(here, wanted)]),
-                        "rough metal" if layers.metallic > 0.5 else "its colour")
+        tell_difference(self.folder, self.node, farthest([(h + 1e-3) / (w + 1e-3) for h, w in zip(here, wanted)]), "its colour")
         return f0
 
     def fit_image(self, out, layers, f0):
@@ -202,9 +208,7 @@ def glossy(folder, node):
     is_multiple = node.distribution == "MULTI_GGX"
     wanted = [mean(rough, gloss_of(rough, lambda c, b=b: b + 0.0 * c, is_multiple)) for b in known(colour, (0.6,) * 3)]
     if is_constant(colour) and is_constant(roughness):
-        bright = [w / straight for w in wanted]
-        tell_difference(folder, node, min(1.0 / max(*bright, 1e-6), 1.0), "rough metal")
-        out.base = tuple(min(b, 1.0) for b in bright)
+        out.gain = sum(wanted) / max(straight * sum(colour), 1e-9)
     else:
         base, steep = known(colour, (0.6,) * 3), mean(rough, reflected(rough, schlick))
         out.is_flat = False
@@ -214,14 +218,19 @@ def glossy(folder, node):
 
 
 def settle_flat(s):
-    """Gloss that stayed alone, by a coat over black: glTF's metal is white at grazing angles."""
-    if not s.is_flat or s.roughness < 0.0316 or max(s.base) <= 0.0:
+    """Gloss that stayed alone, by a coat over what its facets lose: glTF's metal is white at grazing angles."""
+    if not s.is_flat or s.roughness < SMOOTH or max(s.base) <= 0.0:
         return
+    cover(s, s.base, max(s.base), [b * s.gain * mean(s.roughness, views(s.roughness)[1]) for b in s.base])
+
+
+def cover(s, f0, most, wanted):
+    """A coat that reflects f0 straight on and `most` at grazing angles, over a base that makes up for the rest of what is wanted."""
     straight, steep = mean(s.roughness, views(s.roughness)[1]), mean(s.roughness, reflected(s.roughness, schlick))
-    s.specular = max(s.base)
-    f0 = [max(b * straight - s.specular * steep, 0.0) / (straight - steep) for b in s.base]
-    s.f0 = tuple(f / F0_OF_GLTF / s.specular for f in f0)
-    s.base, s.metallic, s.is_flat, s.transmission, s.ior = BLACK, 0.0, False, 0.0, 1.5
+    f0 = [min(f, max(w - most * steep, 0.0) / (straight - steep)) for f, w in zip(f0, wanted)]
+    s.base = tuple(min(max(w - f * (straight - steep) - most * steep, 0.0), 1.0) for f, w in zip(f0, wanted))
+    s.specular, s.f0 = most, tuple(f / F0_OF_GLTF / most for f in f0)
+    s.metallic, s.transmission, s.ior, s.is_flat, s.added = 0.0, 0.0, 1.5, False, True
 
 
 def metallic(folder, node):
@@ -244,9 +253,13 @@ def metallic(folder, node):
     steep = mean(rough, reflected(rough, schlick))
     straight = mean(rough, views(rough)[1])
     wanted = [mean(rough, gloss_of(rough, make(a, b), node.distribution == "MULTI_GGX")) for a, b in pairs]
-    out.base = tuple(min(max((w - steep) / (straight - steep), 0.0), 1.0) for w in wanted)
+    base = [max((w - steep) / (straight - steep), 0.0) for w in wanted]
+    out.base = tuple(min(b, 1.0) for b in base)
+    if max(base) > 1.0 and is_constant(roughness):
+        cover(out, [float(make(a, b)(1.0)) for a, b in pairs], 1.0, wanted)
+        return out
     here = [b * (straight - steep) + steep for b in out.base]
-    tell_difference(folder, node, farthest([h / max(w, 1e-3) for h, w in zip(here, wanted)]), "rough metal" if rough > 0.2 else "its colour")
+    tell_difference(folder, node, farthest([(h + 1e-3) / (w + 1e-3) for h, w in zip(here, wanted)]), "its colour")
     if not is_constant(roughness):
         ratios = []
         for r in FEW:

@@ -12,13 +12,14 @@ import numpy
 from .channels import F0_OF_GLTF
 from .gloss import fresnel, lobe
 
+STEPS = 80  # of each of two random numbers, in lobes
 METAL_EDGE = 1.0 / 7.0  # the cosine for which the edge tint of metals is defined
 
 
 @functools.lru_cache(maxsize=None)
 def views(roughness):
     """By cosine of the direction of view: its weight, what a lobe of white facets reflects, and the mean of it over uniform light."""
-    cosine, _, weight, gain = lobe(roughness)
+    cosine, _, weight, gain = lobe(roughness, STEPS)
     front = weight.mean(axis=(1, 2))
     white = gain.mean(axis=(1, 2))
     across = cosine[:, 0, 0]
@@ -31,7 +32,7 @@ def mean(roughness, values):
 
 def reflected(roughness, reflectance):
     """What facets reflect, by direction of view, of a reflectance by the cosine to the half vector."""
-    _, seen, _, gain = lobe(roughness)
+    _, seen, _, gain = lobe(roughness, STEPS)
     return (gain * reflectance(seen)).mean(axis=(1, 2))
 
 
@@ -105,7 +106,8 @@ class Layers:
         if self.coat == 0.0:
             return 0.0, 1.0
         ways = reflected(self.coat_roughness, lambda c: fresnel(c, self.coat_ior))
-        return self.coat * ways, 1.0 - min(self.coat, 1.0) * ways / views(self.coat_roughness)[1]
+        # Cycles takes from what is below as a smooth coat would
+        return self.coat * ways, 1.0 - self.coat * fresnel(views(self.coat_roughness)[3], self.coat_ior)
 
     def tinted(self, tint):
         """By the way of light through the coat, of length 1 straight on."""
@@ -122,7 +124,8 @@ class Layers:
             if self.f0 > 0.0:
                 ior = ior_of(self.f0)
                 layer = gloss_of(self.roughness, of_dielectric(self.f0, specular, ior), self.is_multiple)
-                cover = reflected(self.roughness, of_dielectric(self.f0, brightest, ior)) / self.white
+                cover = gloss_of(self.roughness, of_dielectric(self.f0, brightest, ior), self.is_multiple)
+                cover = cover if self.is_multiple else cover / self.white
             below = below + (1.0 - self.metallic) * (layer + (1.0 - cover) * base)
         return mean(self.roughness, coat + left * self.tinted(coat_tint) * below)
 
