@@ -10,7 +10,6 @@ LEFT_OUT = {  # shaders without equivalent, and what is kept of them
     "BSDF_TRANSLUCENT": "light that shines through: taken as diffuse",
     "SUBSURFACE_SCATTERING": "subsurface scattering: taken as diffuse",
     "BSDF_VELVET": "velvet: taken as diffuse",
-    "BSDF_SHEEN": "sheen: taken as diffuse",
     "BSDF_TOON": "toon shading: taken as diffuse",
     "BSDF_HAIR": "hair: taken as diffuse",
     "BSDF_HAIR_PRINCIPLED": "hair: taken as diffuse",
@@ -49,10 +48,17 @@ class Folder(Values):
         value = self.read(socket) if socket is not None and socket.is_linked else None
         return value if isinstance(value, Ref) else None
 
+    def of_bsdf_sheen(self, node):
+        self.warn(node, "sheen: taken as diffuse")
+        return layered.sheen(self, node)
+
     def of_bsdf_diffuse(self, node):
-        if self.read(node.inputs["Roughness"]) != 0.0:
+        roughness, colour = (self.read(node.inputs[name]) for name in ("Roughness", "Color"))
+        if roughness != 0.0:
             self.warn(node, "its roughness (Oren-Nayar): taken as Lambert")
-        return Surface(base=self.read(node.inputs["Color"]), specular=0.0, normal=self.normal_of(node))
+            if IS_4 and is_constant(roughness) and is_constant(colour):
+                colour = layered.rough_diffuse(colour, roughness)
+        return Surface(base=colour, specular=0.0, normal=self.normal_of(node))
 
     def of_bsdf_glossy(self, node):
         if "Anisotropy" in node.inputs and node.type == "BSDF_GLOSSY":

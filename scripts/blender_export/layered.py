@@ -1,13 +1,12 @@
 """Shaders of Blender 4 as surfaces of glTF that reflect as much: Principled, Glossy, Metallic (layers.py)."""
 from .channels import BLACK, F0_OF_GLTF, Surface, WHITE, f0_of, is_constant
-from .layers import Layers, Shell, gloss_of, mean, of_conductor, of_metal, reflected, schlick, views
+from .layers import Layers, Shell, gloss_of, mean, of_conductor, of_metal, of_rough_diffuse, of_sheen, reflected, schlick, views
 from .names import socket
 
 TOLD = 0.02  # differences are named from here on
 BETWEEN = 0.5  # what is taken for a roughness that varies
 FEW = 0.25, 0.85  # roughnesses for which that is checked
-LEFT_OUT = (("Subsurface", "subsurface scattering: taken as diffuse"), ("Sheen", "sheen: left out"),
-            ("Anisotropic", "anisotropy: taken as equally rough in all directions"),
+LEFT_OUT = (("Subsurface", "subsurface scattering: taken as diffuse"), ("Anisotropic", "anisotropy: taken as equally rough in all directions"),
             ("Diffuse Roughness", "its diffuse roughness (Oren-Nayar): taken as Lambert"))
 FACETS = "MULTI_GGX", "GGX"  # distributions that are modelled
 SMOOTH = 0.0316  # smoother metal is a perfect mirror to Reframe
@@ -38,7 +37,7 @@ def tint_of(folder, node, name):
 
 def tell_lost(folder, node):
     for name, what in LEFT_OUT:
-        if (name in node.inputs or name in ("Subsurface", "Sheen")) and folder.read(socket(node, name)) != 0.0:
+        if (name in node.inputs or name == "Subsurface") and folder.read(socket(node, name)) != 0.0:
             folder.warn(node, what)
     film = node.inputs.get("Thin Film Thickness")
     thickness = folder.read(film) if film is not None else 0.0
@@ -60,7 +59,22 @@ class Principled:
         self.coat_ior = get("Coat IOR")
         self.tint = tint_of(folder, node, "Specular Tint")
         self.coat_tint = tint_of(folder, node, "Coat Tint") if self.coat != 0.0 else WHITE
+        rough = node.inputs.get("Diffuse Roughness")
+        self.diffuse_roughness = known(folder.read(rough), 0.0) if rough is not None else 0.0
+        self.sheen = self.sheen_of(get("Sheen"), get("Sheen Roughness"))
         self.is_multiple = node.distribution == "MULTI_GGX"
+
+    def sheen_of(self, weight, roughness):
+        """What it reflects on average, in each colour."""
+        if weight == 0.0:
+            return BLACK
+        tint = tint_of(self.folder, self.node, "Sheen Tint")
+        values = (weight, roughness, self.base, self.metallic)
+        if self.transmission != 0.0 or not all(is_constant(v) for v in values):
+            self.folder.warn(self.node, "sheen: left out")
+            return BLACK
+        self.folder.warn(self.node, "sheen: its light is taken as diffuse")
+        return tuple(min(max(weight, 0.0) * t * of_sheen(roughness), 1.0) for t in tint)
 
     def layers(self, roughness=None, metallic=None):
         within = lambda v: min(max(v, 0.0), 1.0)  # noqa: E731
@@ -70,7 +84,9 @@ class Principled:
                       known(self.coat_ior, 1.5), self.is_multiple)
 
     def wanted(self, layers, base):
-        return [layers.parts(b, t, c, max(self.tint)) for b, t, c in zip(base, self.tint, self.coat_tint)]
+        below = [layers.parts(b, t, c, max(self.tint), of_rough_diffuse(min(b, 1.0), self.diffuse_roughness) if self.diffuse_roughness > 0.0 else b)
+                 for b, t, c in zip(base, self.tint, self.coat_tint)]
+        return [s + (1.0 - max(self.sheen)) * b for s, b in zip(self.sheen, below)]
 
     def f0_of(self, layers):
         return [min(layers.f0 * t, 1.0) for t in self.tint]
@@ -185,8 +201,8 @@ def principled(folder, node):
     out.alpha = folder.read(node.inputs["Alpha"])
     light = folder.times(folder.read(socket(node, "Emission")), folder.times(folder.read(node.inputs["Emission Strength"]), out.alpha), True)
     layers = values.layers()
-    if layers.coat > 0.0 and light != BLACK:
-        light = folder.times(light, tuple(layers.shine(t) for t in values.coat_tint), True)
+    if (layers.coat > 0.0 or values.sheen != BLACK) and light != BLACK:
+        light = folder.times(light, tuple((1.0 - max(values.sheen)) * layers.shine(t) for t in values.coat_tint), True)
     out.emission = light
     return out
 
@@ -268,3 +284,15 @@ def metallic(folder, node):
                        for b, p in zip(out.base, pairs)]
         tell_difference(folder, node, farthest(ratios), "roughness varies, and is taken as %g for its brightness" % BETWEEN)
     return out
+
+
+def rough_diffuse(colour, roughness):
+    """A colour that is as bright for Lambert."""
+    return tuple(of_rough_diffuse(min(max(c, 0.0), 1.0), min(max(roughness, 0.0), 1.0)) for c in colour)
+
+
+def sheen(folder, node):
+    """Diffuse of the same brightness."""
+    colour, roughness = (folder.read(node.inputs[name]) for name in ("Color", "Roughness"))
+    share = of_sheen(known(roughness, BETWEEN), node.distribution)
+    return Surface(base=folder.times(colour, (share,) * 3, True), specular=0.0, normal=folder.normal_of(node))

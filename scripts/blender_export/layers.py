@@ -6,6 +6,7 @@ leaves, seen from the camera; gloss of the distribution "multiple scattering" ke
 both reflect the same of light from all sides, in the mean over directions of view (gloss.FRONT).
 """
 import functools
+import math
 
 import numpy
 
@@ -88,6 +89,26 @@ def ior_of(f0):
     return (1.0 + root) / (1.0 - root)
 
 
+# What Cycles' sheen reflects on average for roughnesses from 0 to 1, measured with 4.3.2: spheres in even light, weighed by FRONT
+SHEEN = {"MICROFIBER": (0.0, 0.0003, 0.0043, 0.0199, 0.0506, 0.0962, 0.1545, 0.2216, 0.2931, 0.3645, 0.4319),
+         "ASHIKHMIN": (0.0, 0.0020, 0.0183, 0.0521, 0.0987, 0.1532, 0.2115, 0.2699, 0.3262, 0.3789, 0.4274)}
+
+
+def of_sheen(roughness, kind="MICROFIBER"):
+    return float(numpy.interp(roughness, numpy.linspace(0.0, 1.0, 11), SHEEN[kind]))
+
+
+def of_rough_diffuse(colour, roughness):
+    """The mean of the improved Oren-Nayar model of Fujii, with the multiple scattering that Cycles adds."""
+    across = views(1.0)[3]
+    sine, angle = numpy.sqrt(1.0 - across * across), numpy.arccos(across)
+    a = 1.0 / (math.pi + roughness * (0.5 * math.pi - 2.0 / 3.0))
+    g = sine * (angle - 2.0 / 3.0 - sine * across) + 2.0 / 3.0 * sine / across * (1.0 - sine ** 3)
+    once = a * math.pi + roughness * a * g
+    whole = a * math.pi + (2.0 * math.pi - 5.6) / 3.0 * roughness * a
+    return mean(1.0, colour * (once + colour * colour * whole * (1.0 - once) / (1.0 - colour * (1.0 - whole))))
+
+
 class Layers:
     """Principled's numbers: `base` and tints are of one channel."""
 
@@ -115,8 +136,8 @@ class Layers:
         inner = numpy.sqrt(1.0 - (1.0 - across * across) / self.coat_ior ** 2)
         return 1.0 - self.coat + self.coat * tint ** (1.0 / inner)
 
-    def parts(self, base, specular, coat_tint, brightest):
-        """What Cycles reflects on average. `specular`: the tint of this channel, `brightest` of all."""
+    def parts(self, base, specular, coat_tint, brightest, diffuse):
+        """What Cycles reflects on average. `specular`: the tint of this channel, `brightest` of all; `diffuse`: of the base alone."""
         coat, left = self.above()
         below = self.metallic * gloss_of(self.roughness, of_metal(min(base, 1.0), min(specular, 1.0)), self.is_multiple) if self.metallic > 0.0 else 0.0
         if self.metallic < 1.0:
@@ -126,7 +147,7 @@ class Layers:
                 layer = gloss_of(self.roughness, of_dielectric(self.f0, specular, ior), self.is_multiple)
                 cover = gloss_of(self.roughness, of_dielectric(self.f0, brightest, ior), self.is_multiple)
                 cover = cover if self.is_multiple else cover / self.white
-            below = below + (1.0 - self.metallic) * (layer + (1.0 - cover) * base)
+            below = below + (1.0 - self.metallic) * (layer + (1.0 - cover) * diffuse)
         return mean(self.roughness, coat + left * self.tinted(coat_tint) * below)
 
     def shine(self, coat_tint):
