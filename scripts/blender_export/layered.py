@@ -3,7 +3,7 @@ from .channels import BLACK, F0_OF_GLTF, Surface, WHITE, f0_of, is_constant
 from .layers import Layers, Shell, gloss_of, mean, of_conductor, of_metal, of_rough_diffuse, of_sheen, reflected, schlick, views
 from .names import socket
 
-TOLD = 0.02  # differences are named from here on
+TOLD = 0.015  # differences are named from here on
 BETWEEN = 0.5  # what is taken for a roughness that varies
 FEW = 0.25, 0.85  # roughnesses for which that is checked
 LEFT_OUT = (("Subsurface", "subsurface scattering: taken as diffuse"), ("Anisotropic", "anisotropy: taken as equally rough in all directions"),
@@ -20,6 +20,12 @@ def tell_difference(folder, node, ratio, why):
     """`ratio`: of what is reflected here and in Blender."""
     if abs(ratio - 1.0) > TOLD:
         folder.warn(node, "%s: reflects up to %.0f %% %s than in Blender" % (why, 100.0 * abs(ratio - 1.0), "less" if ratio < 1.0 else "more"))
+
+
+def tell_spread(folder, node, ratios, why):
+    most = max(abs(r - 1.0) for r in ratios)
+    if most > TOLD:
+        folder.warn(node, "%s: what it reflects differs from Blender's by up to %.0f %%" % (why, 100.0 * most))
 
 
 def farthest(ratios):
@@ -125,7 +131,7 @@ class Principled:
             out.added = max(bases[1]) > 1.0
         out.covered = 1.0 if out.added else plain.below / added.below
         out.base = tuple(min(max(b, 0.0), 1.0) for b in bases[0])
-        here = [c + added.below * b for c, b in zip(added.coats, out.base)]
+        here = added.reflects(out.base) if out.added else wanted
         tell_difference(self.folder, self.node, farthest([(h + 1e-3) / (w + 1e-3) for h, w in zip(here, wanted)]), "its colour")
         return f0
 
@@ -150,21 +156,32 @@ class Principled:
 
     def tell_varying(self, out, f0):
         """What a roughness or metal that varies makes of it."""
-        checks = []
+        several = []
         if not is_constant(self.roughness):
-            checks.append(("roughness varies, and is taken as %g for its brightness" % BETWEEN, [self.layers(roughness=r) for r in FEW]))
+            several.append(("roughness varies, and is taken as %g for its brightness" % BETWEEN, [self.layers(roughness=r) for r in FEW]))
         if not is_constant(self.metallic):
-            checks.append(("metallic varies: metal", [self.layers(metallic=1.0)]))
+            several.append(("metallic varies, and surfaces are fitted without it", [self.layers(metallic=1.0)]))
         base = known(self.base, (0.6,) * 3)
-        for why, several in checks:
+        factor = out.scale / out.covered
+        here = tuple(factor * b for b in known(out.base, base))
+        for why, others in several:
             ratios = []
-            for layers in several:
-                shell = Shell(layers, f0, out.specular, True)
-                here = known(out.base, tuple(out.scale * b for b in base))
-                here = [c + shell.below * b * (1.0 if is_constant(out.base) and is_constant(self.metallic) else out.scale if is_constant(out.base) else 1.0)
-                        for c, b in zip(shell.coats, here)]
-                ratios += [(h + 1e-3) / (w + 1e-3) for h, w in zip(here, self.wanted(layers, base))]
-            tell_difference(self.folder, self.node, farthest(ratios), why)
+            for layers in others:
+                if out.metallic == 0.0 and self.metallic != 0.0 and is_constant(self.metallic):  # metal as a coat
+                    shell = Shell(self.layers(layers.roughness, 0.0), f0, out.specular, out.added)
+                else:
+                    shell = Shell(layers, f0, out.specular, out.added)
+                ratios += [(h + 1e-3) / (w + 1e-3) for h, w in zip(shell.reflects(here), self.wanted(layers, base))]
+            tell_spread(self.folder, self.node, ratios, why)
+
+    def dull(self):
+        """The part of a surface that is not glass: no coat covers both."""
+        self.folder.warn(self.node, "glass in part: the rest has no gloss of its own")
+        base = self.base
+        if is_constant(base) and is_constant(self.metallic):
+            base = tuple(min(w, 1.0) for w in self.wanted(self.layers(), base))
+        return Surface(base=base, metallic=0.0, roughness=self.roughness, specular=0.0, transmission=0.0, ior=self.ior,
+                       normal=self.folder.normal_of(self.node))
 
     def glass(self):
         if self.tint != WHITE:
@@ -197,7 +214,7 @@ def principled(folder, node):
     elif share == 1.0:
         out = values.glass()
     else:
-        out = folder.mixed(values.opaque(), values.glass(), share, node)
+        out = folder.mixed(values.dull(), values.glass(), share, node)
     out.alpha = folder.read(node.inputs["Alpha"])
     light = folder.times(folder.read(socket(node, "Emission")), folder.times(folder.read(node.inputs["Emission Strength"]), out.alpha), True)
     layers = values.layers()
@@ -282,7 +299,7 @@ def metallic(folder, node):
             at = mean(r, reflected(r, schlick)), mean(r, views(r)[1])
             ratios += [(b * (at[1] - at[0]) + at[0]) / max(mean(r, gloss_of(r, make(*p), node.distribution == "MULTI_GGX")), 1e-3)
                        for b, p in zip(out.base, pairs)]
-        tell_difference(folder, node, farthest(ratios), "roughness varies, and is taken as %g for its brightness" % BETWEEN)
+        tell_spread(folder, node, ratios, "roughness varies, and is taken as %g for its brightness" % BETWEEN)
     return out
 
 

@@ -181,5 +181,12 @@ class Shell:
         self.coats = [mean(r, coat + over * ((1.0 - m) * f * (self.straight - self.steep) + most * self.steep)) for f in f0]
         self.below = (1.0 - m) * mean(r, under * passed) + m * self.gloss
 
+        self.held = average(lambda c: max(f0) + (specular - max(f0)) * schlick(c)) * views(r)[2] if is_added and m < 1.0 else 0.0
+
+    def reflects(self, base):
+        """What it reflects in each colour; base and added coat never more than arrives (src/scene/textured.c)."""
+        share = min((1.0 - self.held) / max(*base, 1e-6), 1.0)
+        return [c + self.below * share * b for c, b in zip(self.coats, base)]
+
     def base_for(self, wanted, channel):
         return (wanted - self.coats[channel]) / self.below
