@@ -133,7 +133,7 @@ def patch_of(plan, value, solid):
         if f0 != WHITE:
             extensions["KHR_materials_specular"]["specularColorFactor"] = list(f0)
     s = plan.surface
-    scaled = (s.scale / s.covered, s.lift) if (s.scale, s.lift, s.covered) != (1.0, BLACK, 1.0) else None
+    scaled = (s.scale / s.covered, s.lift) if (s.scale, s.lift) != (1.0, BLACK) else None
     patch = {"extensions": extensions, "base": base_of_principled(s) or scaled}
     if (s.principled or s.added) and specular > 0.0 and transmission == 0.0:
         patch["extras"] = ADDED_COAT

@@ -203,7 +203,7 @@ class Folder(Values):
 
     def settle_base(self, s):
         """In a mixture the base itself is scaled, and no coat takes from it."""
-        if (s.scale, s.lift, s.covered) != (1.0, BLACK, 1.0):
+        if (s.scale, s.lift) != (1.0, BLACK):
             base = self.plus(self.times(s.base, (s.scale,) * 3, True), s.lift, True)
             s.base = tuple(min(max(c, 0.0), 1.0) for c in base) if is_constant(base) else base
             s.scale, s.lift, s.covered, s.added = 1.0, BLACK, 1.0, True

@@ -113,31 +113,28 @@ class Principled:
         return out
 
     def fit(self, out, layers, f0):
-        """Chooses the base; the coat takes from it as in glTF where no base gets above 1 by that."""
+        """Chooses the base; metal that would be brighter than white becomes a coat over it."""
         wanted = self.wanted(layers, self.base)
+        out.added = True
         if max(self.base) > 1.0:  # which is told, and taken as 1
-            out.added = True
             return f0
-        out.clearcoat = Shell(layers, f0, out.specular, True).clearcoat if is_constant(self.coat) else self.coat
-        added, plain = (Shell(layers, f0, out.specular, is_added) for is_added in (True, False))
-        bases = [[shell.base_for(w, i) for i, w in enumerate(wanted)] for shell in (added, plain)]
-        if layers.metallic > 0.0 and max(bases[0]) > 1.0:
+        shell = Shell(layers, f0, out.specular)
+        bases = [shell.base_for(w, i) for i, w in enumerate(wanted)]
+        if layers.metallic > 0.0 and max(bases) > 1.0:
             f0 = [(1.0 - layers.metallic) * f + layers.metallic * b for f, b in zip(f0, self.base)]
             out.metallic, out.specular = 0.0, 1.0
-            added = Shell(self.layers(metallic=0.0), f0, 1.0, True)
-            bases = [[added.base_for(w, i) for i, w in enumerate(wanted)]] * 2
-            out.added = True
-        else:
-            out.added = max(bases[1]) > 1.0
-        out.covered = 1.0 if out.added else plain.below / added.below
-        out.base = tuple(min(max(b, 0.0), 1.0) for b in bases[0])
-        here = added.reflects(out.base) if out.added else wanted
-        tell_difference(self.folder, self.node, farthest([(h + 1e-3) / (w + 1e-3) for h, w in zip(here, wanted)]), "its colour")
+            shell = Shell(self.layers(metallic=0.0), f0, 1.0)
+            bases = [shell.base_for(w, i) for i, w in enumerate(wanted)]
+        out.base = tuple(min(max(b, 0.0), 1.0) for b in bases)
+        if is_constant(self.coat):
+            out.clearcoat = shell.clearcoat
+        ratios = [(h + 1e-3) / (w + 1e-3) for h, w in zip(shell.reflects(out.base), wanted)]
+        tell_difference(self.folder, self.node, farthest(ratios), "its colour")
         return f0
 
     def fit_image(self, out, layers, f0):
         """Images are scaled only: the coat makes up for what they cannot."""
-        shell = Shell(layers, f0, out.specular, True)
+        shell = Shell(layers, f0, out.specular)
         low, high = (0.2, 0.8) if layers.metallic == 1.0 else (0.0, 1.0)
         dark, bright = (self.wanted(layers, (b,) * 3) for b in (low, high))
         slopes = [(b - a) / (high - low) for a, b in zip(dark, bright)]
@@ -147,7 +144,7 @@ class Principled:
         if layers.metallic < 1.0 and out.specular > 0.0:
             each = (1.0 - layers.metallic) * shell.gloss
             f0 = [min(max(f + (d - s * low - c) / each, 0.0), 1.0) for f, d, s, c in zip(f0, dark, slopes, shell.coats)]
-            shell = Shell(layers, f0, out.specular, True)
+            shell = Shell(layers, f0, out.specular)
         wanted = self.wanted(layers, (0.6,) * 3)
         here = [c + shell.below * out.scale * 0.6 for c in shell.coats]
         tell_difference(self.folder, self.node, farthest([h / w for h, w in zip(here, wanted)]), "an image as the colour of rough metal"
@@ -162,15 +159,14 @@ class Principled:
         if not is_constant(self.metallic):
             several.append(("metallic varies, and surfaces are fitted without it", [self.layers(metallic=1.0)]))
         base = known(self.base, (0.6,) * 3)
-        factor = out.scale / out.covered
-        here = tuple(factor * b for b in known(out.base, base))
+        here = tuple(out.scale * b for b in known(out.base, base))
         for why, others in several:
             ratios = []
             for layers in others:
                 if out.metallic == 0.0 and self.metallic != 0.0 and is_constant(self.metallic):  # metal as a coat
-                    shell = Shell(self.layers(layers.roughness, 0.0), f0, out.specular, out.added)
+                    shell = Shell(self.layers(layers.roughness, 0.0), f0, out.specular)
                 else:
-                    shell = Shell(layers, f0, out.specular, out.added)
+                    shell = Shell(layers, f0, out.specular)
                 ratios += [(h + 1e-3) / (w + 1e-3) for h, w in zip(shell.reflects(here), self.wanted(layers, base))]
             tell_spread(self.folder, self.node, ratios, why)
 

@@ -156,32 +156,27 @@ class Layers:
 
 
 class Shell:
-    """glTF's surface as Reframe has it (src/bsdf/ggx.c, coated.c): its mean is that of the coats, and `below` times the base."""
+    """glTF's surface, with a coat that is added, as Reframe has it (src/bsdf/ggx.c, coated.c): its mean is that of the coats, and `below`
+    times the base."""
 
-    def __init__(self, layers, f0, specular, is_added):
+    def __init__(self, layers, f0, specular):
         r, m = layers.roughness, layers.metallic
         self.straight, self.steep = layers.white, reflected(r, schlick)
         across = views(r)[3]
-        through = lambda start, most: 1.0 - start - (most - start) * schlick(across)  # noqa: E731
-        passed = 1.0
-        if not is_added and m < 1.0:
-            passed = through(max(f0), specular) * (1.0 - max(f0) - (specular - max(f0)) / 21.0)
         self.clearcoat, coat, over, under = 0.0, 0.0, 1.0, 1.0
         if layers.coat > 0.0:
             one = reflected(layers.coat_roughness, lambda c: F0_OF_GLTF + (1.0 - F0_OF_GLTF) * schlick(c))
             wanted = mean(r, layers.above()[0]) / mean(r, one)
-            self.clearcoat, self.lacks = min(wanted, 1.0), wanted > 1.02
+            self.clearcoat = min(wanted, 1.0)
             top = 1.0 - self.clearcoat * (F0_OF_GLTF + (1.0 - F0_OF_GLTF) * schlick(across))
             average_top = 1.0 - self.clearcoat * (F0_OF_GLTF + (1.0 - F0_OF_GLTF) / 21.0)
             coat, over, under = self.clearcoat * one, top * top, top * average_top  # of gloss, and of what is diffuse
-        else:
-            self.lacks = False
         most = (1.0 - m) * specular + m
         self.gloss = mean(r, over * (self.straight - self.steep))  # for each f0
         self.coats = [mean(r, coat + over * ((1.0 - m) * f * (self.straight - self.steep) + most * self.steep)) for f in f0]
-        self.below = (1.0 - m) * mean(r, under * passed) + m * self.gloss
+        self.below = (1.0 - m) * mean(r, under * numpy.ones(len(across))) + m * self.gloss
 
-        self.held = average(lambda c: max(f0) + (specular - max(f0)) * schlick(c)) * views(r)[2] if is_added and m < 1.0 else 0.0
+        self.held = average(lambda c: max(f0) + (specular - max(f0)) * schlick(c)) * views(r)[2] if m < 1.0 else 0.0
 
     def reflects(self, base):
         """What it reflects in each colour; base and added coat never more than arrives (src/scene/textured.c)."""

@@ -166,7 +166,10 @@ def glass():
     put("uv_sphere", s.done(s.add("BsdfGlass", IOR=1.45, Roughness=0.0)), segments=48, ring_count=24, radius=0.6, location=(-0.7, 0.3, -0.8))
     bpy.ops.object.shade_smooth()
     s = Shader("frosted")
-    put("cube", s.done(s.add("BsdfGlass", IOR=1.5, Roughness=0.4)), size=0.9, location=(0.8, 0.6, -1.2))
+    rough = s.add("BsdfGlass", IOR=1.5, Roughness=0.4)
+    if rough.distribution == "MULTI_GGX":  # as in Blender 4, whose light the facets here lose
+        rough.distribution = "GGX"
+    put("cube", s.done(rough), size=0.9, location=(0.8, 0.6, -1.2))
 
 
 def transparent():
@@ -329,6 +332,8 @@ def mixed_glass():
     put("cube", s.done(s.mix(0.3, glass, s.add("BsdfDiffuse", Color=grey(0.9)))), size=1.0, location=(0.0, 0.6, 0.4)).scale = (3.0, 0.05, 3.0)
     bulb = hang("POINT", (0.0, -ROOM + 0.8, ROOM - 0.3), 100.0)
     bulb.data.shadow_soft_size = 0.25
+    if hasattr(bulb.data, "use_soft_falloff"):
+        bulb.data.use_soft_falloff = False
 
 
 def gloss_of(s, roughness, colour=(1.0, 1.0, 1.0, 1.0)):
