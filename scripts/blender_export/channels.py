@@ -36,7 +36,7 @@ class Surface:
     scale: float = 1.0  # of the base, and
     lift: tuple = (0.0, 0.0, 0.0)  # what is added to it, when it is exported: images are carried unchanged
     is_flat: bool = False  # metal whose colour is the same at all angles
-    gain: float = 1.0  # of gloss: its facets lose no light to each other
+    gain: tuple = (1.0, 1.0, 1.0)  # of gloss whose facets lose no light to each other
     covered: float = 1.0  # of the base, on average, what the coat leaves: it is divided by this
 
 

@@ -1,5 +1,5 @@
 """A shader tree folded into the channels of glTF's material: mixes of shaders become mixes of channels."""
-from . import layered
+from . import layered, metals
 from .channels import BLACK, F0_OF_GLTF, Ref, Surface, WHITE, is_constant
 from .fresnel import as_glass, as_one
 from .gloss import as_gloss
@@ -50,19 +50,19 @@ class Folder(Values):
 
     def of_bsdf_sheen(self, node):
         self.warn(node, "sheen: taken as diffuse")
-        return layered.sheen(self, node)
+        return metals.sheen(self, node)
 
     def of_bsdf_diffuse(self, node):
         roughness, colour = (self.read(node.inputs[name]) for name in ("Roughness", "Color"))
         if roughness != 0.0:
             self.warn(node, "its roughness (Oren-Nayar): taken as Lambert")
             if IS_4 and is_constant(roughness) and is_constant(colour):
-                colour = layered.rough_diffuse(colour, roughness)
+                colour = metals.rough_diffuse(colour, roughness)
         return Surface(base=colour, specular=0.0, normal=self.normal_of(node))
 
     def of_bsdf_glossy(self, node):
         if "Anisotropy" in node.inputs and node.type == "BSDF_GLOSSY":
-            return layered.glossy(self, node)
+            return metals.glossy(self, node)
         if node.type == "BSDF_GLOSSY" and getattr(node, "distribution", "") == "SHARP":
             roughness = 0.0
         else:
@@ -70,7 +70,7 @@ class Folder(Values):
         return Surface(base=self.read(node.inputs["Color"]), metallic=1.0, roughness=roughness, normal=self.normal_of(node))
 
     def of_bsdf_metallic(self, node):
-        return layered.metallic(self, node)
+        return metals.metallic(self, node)
 
     def of_bsdf_anisotropic(self, node):
         if self.read(node.inputs["Anisotropy"]) != 0.0:

@@ -76,7 +76,7 @@ def under(base, gloss, kept, share, reflected, most, grazing):
     out.specular = min(most * brightest, 1.0)
     straight, steep = grazing
     f0 = [min(share * c, out.specular) for c in gloss.base]
-    lift = [c * reflected * gloss.gain - f * (straight - steep) - out.specular * steep for c, f in zip(gloss.base, f0)]
+    lift = [c * reflected * gain - f * (straight - steep) - out.specular * steep for c, gain, f in zip(gloss.base, gloss.gain, f0)]
     if is_constant(base.base):
         out.lift = tuple(lift)
     else:  # nothing is added to an image: the coat reflects it

@@ -164,18 +164,22 @@ def box_distance(o, matrix, place):
     return (middle - place).length - max((c - middle).length for c in corners)
 
 
-def tell_soft_falloff(scene, lamps, placed):
-    """A lamp of soft falloff is a disc that turns to each surface: of a radius r, at a distance d, it has 1 / (1 + (r/d)^2) of a sphere's light."""
+def tell_near(scene, lamps, spheres, placed):
+    """What the size of a lamp does to surfaces near to it. One of soft falloff is a disc that turns to each surface: of a radius r, at a
+    distance d, it has 1 / (1 + (r/d)^2) of a sphere's light. Light passes lamps in Blender."""
     meshes = [(o, matrix) for o in scene.objects if o.type == "MESH" and o.data.polygons for matrix in placed.get(o.name, [o.matrix_world])]
     for lamp in lamps:
-        if not is_sized(lamp) or not getattr(lamp.data, "use_soft_falloff", False):
+        is_soft = getattr(lamp.data, "use_soft_falloff", False)
+        if not IS_4 or not is_sized(lamp) or not (is_soft or lamp.name in spheres):
             continue
         radius, place = lamp.data.shadow_soft_size, lamp.matrix_world.translation
         near = [pair for pair in meshes if box_distance(*pair, place) < NEAR * radius]
         least = min((distance_to(o, matrix, place) for o, matrix in near), default=math.inf)
-        if least < NEAR * radius:
-            more = min((radius / max(least, 1e-6)) ** 2, 10.0)
-            warn("'%s': soft falloff: left out, which gives what is near up to %.0f %% more light" % (lamp.name, 100.0 * more))
+        share = min((radius / max(least, 1e-6)) ** 2, 10.0)
+        if share > NEAR**-2 and is_soft:
+            warn("'%s': soft falloff: left out, which gives what is near up to %.0f %% more light" % (lamp.name, 100.0 * share))
+        if share > NEAR**-2 and lamp.name in spheres:
+            warn("'%s': a sphere here, which takes up to %.0f %% of the light that what is near returns" % (lamp.name, min(100.0 * share, 100.0)))
 
 
 def prepare(scene, in_view, placed):
@@ -202,7 +206,7 @@ def prepare(scene, in_view, placed):
         if is_sized(lamp) and lamp.data.type == "POINT" and not seen and lamp.data.energy > 0.0:
             spheres.add(lamp.name)
     tell_lost(kept, spheres)
-    tell_soft_falloff(scene, kept, placed)
+    tell_near(scene, kept, spheres, placed)
     return spheres
 
 

@@ -5,8 +5,8 @@ from .channels import BLACK, Ref, Surface, WORDS, finish, is_constant
 from .folding import Folder
 from .hiding import animated_paths
 from .images import carried, is_read, number_source
-from .layered import settle_flat
 from .messages import warn
+from .metals import settle_flat
 from .names import has_transparent_shadow, is_principled_2
 from .view import view_nodes
 

@@ -101,6 +101,7 @@ static void test_means_are_those_of_cycles( void** state )
     } scenes[] = { { "procedural", true },  { "images", false },     { "mapped", true },       { "glass", false },
                    { "transparent", true }, { "emission", true },    { "no_material", false }, { "groups", true },
                    { "lamps", false },      { "principled", false }, { "mixed_glass", false }, { "for_eevee", false } };
+    bool is_4 = blender_major() >= 4;
     if ( !enter_with_blender() )
         skip();
     assert_int_equal(
@@ -118,7 +119,12 @@ static void test_means_are_those_of_cycles( void** state )
         assert_null( strstr( done->err, "Traceback" ) );
         assert_null( strstr( done->err, "not understood" ) );
         assert_true( scenes[i].is_baked == ( strstr( done->out, "baked" ) != NULL ) );
-        compare( scenes[i].name, 0.98, 1.02 );
+        // a bulb as bright as a sphere, near to the ceiling, takes light back; a disc that is dimmer there makes up for it in 3.4
+        bool is_dimmed = is_4 && strcmp( scenes[i].name, "mixed_glass" ) == 0;
+        if ( is_dimmed )
+            assert_non_null(
+                strstr( done->err, "'POINT': a sphere here, which takes up to 69 % of the light that what is near" ) );
+        compare( scenes[i].name, is_dimmed ? 0.93 : 0.98, 1.02 );
     }
     // a second time nothing is baked, and the same comes out
     const CliResult* again = cli_run( EXPORT( "procedural" ) "--bake 128 --overwrite" );
@@ -278,11 +284,45 @@ static void test_thin_boxes_of_glass( void** state )
     cli_leave();
 }
 
+// Layers of Blender 4, which reflect as much as in its Cycles, or are named.
+static void test_surfaces_of_blender_4( void** state )
+{
+    (void)state;
+    static const char* const said[] = {
+        "material 'film', node 'Principled BSDF': a thin film: left out",
+        "material 'skin', node 'Principled BSDF': subsurface scattering: taken as diffuse",
+        "material 'brushed', node 'Principled BSDF': anisotropy: taken as equally rough in all directions",
+        "material 'clay', node 'Principled BSDF': its diffuse roughness (Oren-Nayar): taken as Lambert",
+        "material 'bottle', node 'Principled BSDF': glass in part: the rest has no gloss of its own",
+        "material 'cloth', node 'Principled BSDF': sheen: its light is taken as diffuse",
+        "material 'satin', node 'Sheen BSDF': sheen: taken as diffuse",
+        "material 'scratched', node 'Principled BSDF': roughness varies, and is taken as 0.5 for its brightness",
+    };
+    if ( blender_major() < 4 || !enter_with_blender() )
+        skip();
+    assert_int_equal( cli_run( MAKE "layered named --samples 256 --size " SIZE " > log 2>&1" )->status, 0 );
+    const CliResult* done = cli_run( EXPORT( "layered" ) "--bake 64" );
+    assert_int_equal( done->status, 0 );
+    assert_null( strstr( done->out, "baked" ) );
+    assert_null( strstr( done->err, "warning" ) );
+    compare( "layered", 0.98, 1.02 );
+    RfScene scene;
+    load( "layered.glb", &scene );
+    assert_true( find_material( &scene, "copper" )->specular.x > 0.8f );
+    rf_destroy_scene( &scene );
+    done = cli_run( EXPORT( "named" ) "--bake 64 > log" );
+    assert_int_equal( done->status, 0 );
+    for ( size_t i = 0; i < sizeof said / sizeof said[0]; ++i )
+        expect_line( done->err, said[i] );
+    cli_leave();
+}
+
 int main( void )
 {
-    const struct CMUnitTest tests[] = { cmocka_unit_test( test_means_are_those_of_cycles ),
-                                        cmocka_unit_test( test_mixtures_of_gloss ), cmocka_unit_test( test_thin_boxes_of_glass ),
-                                        cmocka_unit_test( test_looks_of_other_rays ),
-                                        cmocka_unit_test( test_what_is_left_out_is_named ) };
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( test_means_are_those_of_cycles ), cmocka_unit_test( test_mixtures_of_gloss ),
+        cmocka_unit_test( test_thin_boxes_of_glass ),       cmocka_unit_test( test_looks_of_other_rays ),
+        cmocka_unit_test( test_surfaces_of_blender_4 ),     cmocka_unit_test( test_what_is_left_out_is_named )
+    };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -470,8 +470,43 @@ def left_out():
     bpy.ops.object.mode_set(mode="EDIT")  # in which the file is saved
 
 
+def layered():
+    """Of Blender 4: rough metals, coats, tints, the Metallic node, and an image under a coat."""
+    gold = (0.9, 0.6, 0.25, 1.0)
+    s = Shader("wall")
+    room(s.done(s.add("BsdfPrincipled", Base_Color=grey(0.5), Roughness=0.7)), strength=3.0, size=2.0)
+    s = Shader("rough gold")
+    put("cube", s.done(s.add("BsdfPrincipled", Base_Color=gold, Metallic=1.0, Roughness=0.8)), size=1.0, location=(-1.2, 0.7, -1.4))
+    s = Shader("half gold")
+    put("cube", s.done(s.add("BsdfPrincipled", Base_Color=gold, Metallic=0.5, Roughness=0.4, Specular_Tint=(0.3, 0.5, 1.0, 1.0))), size=0.8, location=(0.0, 1.0, -1.5))
+    s = Shader("varnish")
+    put("cube", s.done(s.add("BsdfPrincipled", Base_Color=grey(0.8), Coat_Weight=1.0, Coat_IOR=1.4, Coat_Tint=gold)), size=0.8, location=(1.2, 0.9, -1.5))
+    s = Shader("copper")
+    metal = s.tree.nodes.new("ShaderNodeBsdfMetallic")
+    metal.fresnel_type = "PHYSICAL_CONDUCTOR"
+    metal.inputs["IOR"].default_value, metal.inputs["Extinction"].default_value = (0.27, 0.68, 1.32), (3.6, 2.6, 2.3)
+    metal.inputs["Roughness"].default_value = 0.6
+    put("uv_sphere", s.done(metal), radius=0.4, location=(-0.4, -0.2, -1.6))
+    s = Shader("dense")
+    put("cube", s.done(s.add("BsdfPrincipled", Base_Color=striped(s), IOR=2.0, Roughness=0.2)), size=0.7, location=(0.6, -0.1, -1.6))
+
+
+def named():
+    """Of Blender 4: what can only be named."""
+    room(diffuse("wall", grey(0.6)))
+    for name, sets in (("film", {"Thin_Film_Thickness": 400.0}), ("skin", {"Subsurface": 0.5}), ("brushed", {"Anisotropic": 0.5, "Metallic": 1.0}),
+                       ("clay", {"Diffuse_Roughness": 1.0}), ("bottle", {"Transmission_Weight": 0.5}), ("cloth", {"Sheen": 0.5})):
+        s = Shader(name)
+        put("cube", s.done(s.add("BsdfPrincipled", **sets)), size=0.4, location=(0.3, 0.3, -1.5))
+    s = Shader("satin")
+    put("cube", s.done(s.add("BsdfSheen", Roughness=0.8)), size=0.4, location=(0.9, 0.9, -1.5))
+    s = Shader("scratched")
+    metal = s.add("BsdfPrincipled", Metallic=1.0, Roughness=s.add("TexNoise").outputs["Fac"])
+    put("cube", s.done(metal), size=0.4, location=(0.3, 0.9, -1.5))
+
+
 SCENES = (procedural, images, mapped, glass, transparent, emission, no_material, groups, other_rays, lamps, principled, mixed_glass,
-          shares_of_gloss, gloss_by_fresnel, furnace, panes, odd_glass, for_eevee, left_out)
+          shares_of_gloss, gloss_by_fresnel, furnace, panes, odd_glass, for_eevee, left_out, layered, named)
 
 
 def begin(size):
@@ -514,7 +549,7 @@ def main():
     p.add_argument("--size", default="64x48")
     args = p.parse_args(sys.argv[sys.argv.index("--") + 1:])
     for make in SCENES:
-        if args.scenes and make.__name__ not in args.scenes:
+        if make.__name__ not in (args.scenes or [m.__name__ for m in SCENES if bpy.app.version >= (4,) or m not in (layered, named)]):
             continue
         scene = begin(tuple(int(n) for n in args.size.split("x")))
         make()

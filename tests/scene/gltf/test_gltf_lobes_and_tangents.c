@@ -126,6 +126,22 @@ static void test_textures_of_added_coats( void** state )
     rf_destroy_scene( &scene );
 }
 
+// A rough coat loses light between its facets, and leaves so much more to the base that it is added to.
+static void test_rough_added_coats_leave_more( void** state )
+{
+    (void)state;
+#define WHITE_COAT( roughness )                                                                                                  \
+    MATERIAL( "\"extras\":{\"reframe\":{\"coat\":\"added\"}},\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.5,0.5,0.5,1],"     \
+              "\"metallicFactor\":0,\"roughnessFactor\":" roughness                                                              \
+              "},\"extensions\":{\"KHR_materials_specular\":{\"specularColorFactor\":[25,25,25]}}" )
+    RfScene scene = load_material( WHITE_COAT( "1" ) );
+    assert_true( scene.materials[0].specular.x == 1.0f && scene.materials[0].coat_f0 == 0.0f );
+    rf_destroy_scene( &scene );
+    scene = load_material( WHITE_COAT( "0.1" ) );
+    assert_true( scene.materials[0].coat_f0 > 0.9f ); // hardly anything is left
+    rf_destroy_scene( &scene );
+}
+
 // A body's thickness is that of its mesh: the texture changes nothing.
 static void test_thickness_textures_change_nothing( void** state )
 {
@@ -483,6 +499,7 @@ int main( void )
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( test_transmission_textures ),
         cmocka_unit_test( test_textures_of_added_coats ),
+        cmocka_unit_test( test_rough_added_coats_leave_more ),
         cmocka_unit_test( test_thickness_textures_change_nothing ),
         cmocka_unit_test( test_clearcoat_textures ),
         cmocka_unit_test( test_faults_are_one_line ),
