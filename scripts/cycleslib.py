@@ -1,4 +1,5 @@
 """Shared by the scripts that compare with Blender's Cycles, and by their Blender sides."""
+import math
 import os
 import statistics
 import subprocess
@@ -19,7 +20,10 @@ def run(command):
 def ratio_of(ours, theirs):
     """The ratio of the means over independent seeds, and its standard error by their scatter."""
     a, b = statistics.mean(ours), statistics.mean(theirs)
-    return a / b, a / b * sum((statistics.stdev(v) / statistics.mean(v)) ** 2 / len(v) for v in (ours, theirs)) ** 0.5
+    if b <= 0.0:
+        return math.inf, 0.0
+    squares = [statistics.variance(v) / len(v) for v in (ours, theirs)]
+    return a / b, (squares[0] + (a / b) ** 2 * squares[1]) ** 0.5 / b
 
 
 def verdict_of(ratio, error, limit):
