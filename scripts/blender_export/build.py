@@ -5,7 +5,7 @@ import bpy
 
 from . import shader_tree
 from .channels import BLACK, COLOURS, Ref, WHITE, is_constant
-from .fresnel import base_of_principled
+from .disney import base_of_principled
 from .images import strength_of
 from .names import socket as input_of
 from .plans import VARYING

@@ -1,23 +1,8 @@
 """Two shaders mixed by Fresnel's factor, where glTF has that as one surface."""
-import math
-
-from .channels import F0_OF_GLTF, Surface, WHITE, is_constant
+from .channels import Surface, WHITE, is_constant
 from .gloss import as_coat
 
 SHARP = 0.1  # reflections of a pane are taken as sharp up to this roughness
-
-
-def lack_of_schlick(f0):
-    """What Fresnel's equations, which Principled's coat has, reflect of uniform light more than Schlick's, which glTF's has."""
-    root = math.sqrt(min(max(f0, 0.0), 0.9))
-    ior = (1.0 + root) / (1.0 - root)
-    lack, steps = 0.0, 200
-    for i in range(steps):
-        cosine = (i + 0.5) / steps
-        inner = math.sqrt(ior * ior + cosine * cosine - 1.0)
-        s, p = (cosine - inner) / (cosine + inner), (ior * ior * cosine - inner) / (ior * ior * cosine + inner)
-        lack += 2.0 * cosine / steps * (0.5 * (s * s + p * p) - f0 - (1.0 - f0) * (1.0 - cosine) ** 5)
-    return lack
 
 
 def ior_of(folder, source):
@@ -31,18 +16,6 @@ def ior_of(folder, source):
     else:
         ior = None
     return ior if ior is not None and is_constant(ior) else None
-
-
-def base_of_principled(surface):
-    """A factor and a colour to add that give a base the brightness of Blender's own: its diffuse lobe is Disney's, which reflects
-    .953 to 1.065 of uniform light where Lambert's reflects 1 (a line is at most .001 off), and its coat is not Schlick's.
-    None where the base colours metal or glass too."""
-    s = surface
-    if not s.principled or not is_constant(s.roughness) or s.metallic != 0.0 or s.transmission != 0.0:
-        return None
-    coated = is_constant(s.f0) and not isinstance(s.f0, tuple) and s.specular != 0.0
-    lack = lack_of_schlick(F0_OF_GLTF * s.f0) if coated else 0.0
-    return 0.9525 + 0.1123 * s.roughness, (lack,) * 3
 
 
 def as_pane(a, b, ior):

@@ -10,6 +10,7 @@ import bpy  # noqa: E402
 
 from . import embed  # noqa: E402
 from .build import patches  # noqa: E402
+from .disney import CLEARCOAT  # noqa: E402
 from .names import offered  # noqa: E402
 
 
@@ -57,6 +58,9 @@ def add_extensions(gltf):
         if patch.get("extensions"):
             material.setdefault("extensions", {}).update(patch["extensions"])
             used.update(patch["extensions"])
+        coat = material.get("extensions", {}).get("KHR_materials_clearcoat")
+        if coat is not None:
+            coat["clearcoatFactor"] = CLEARCOAT * coat.get("clearcoatFactor", 0.0)
         if patch.get("base") is not None:
             factor, summand = patch["base"]
             part = material.setdefault("pbrMetallicRoughness", {})

@@ -116,6 +116,7 @@ def as_coat(a, b, ior):
         return None
     reflected, straight, steep = lobe_of(b, ior)
     kept = 1.0 - mean_of(lambda c: fresnel(c, ior))
+    reflected *= b.scale
     return cover(under(a, b, kept, min(F0_OF_GLTF * f0_of(ior), 1.0), reflected, 1.0, (straight, steep)))
 
 

@@ -7,7 +7,7 @@ import numpy
 from . import bake, slabs
 from .build import ADDED_COAT, GREY, MIRROR, NO_COAT, build, patches
 from .channels import is_constant
-from .fresnel import base_of_principled
+from .disney import base_of_principled
 from .messages import warn
 from .names import socket
 from .plans import channels_tell, is_ours, make_plan

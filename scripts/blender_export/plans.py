@@ -2,6 +2,7 @@
 from . import rays, shader_tree
 from .animated import tell_animation
 from .channels import BLACK, Ref, Surface, WORDS, finish, is_constant
+from .disney import tell_held
 from .folding import Folder
 from .hiding import animated_paths
 from .images import carried, is_read, number_source
@@ -109,6 +110,7 @@ def make_plan(material, users):
     finish(plan.surface)
     settle_flat(plan.surface)
     plan.surface.thin |= thin
+    tell_held(plan)
     tell_shadows(plan)
     shine_through(plan)
     tell_images(plan, behind)
