@@ -17,6 +17,7 @@ SCRIPTS = os.path.join(os.path.dirname(os.path.dirname(os.path.dirname(os.path.a
 sys.dont_write_bytecode = True
 sys.path.insert(0, SCRIPTS)
 import benchlib  # noqa: E402
+import cycleslib  # noqa: E402
 import errorlib  # noqa: E402
 import materiallib  # noqa: E402
 import picturelib  # noqa: E402
@@ -30,6 +31,7 @@ def load(name):
 
 
 flicker, lens, memory, mirrors, paper, tune = (load(name) for name in ("bench-flicker", "bench-lens", "bench-memory", "bench-mirrors", "bench-paper", "check-tune"))
+materials = load("compare-materials")
 
 
 class FakeJob:
@@ -340,6 +342,24 @@ class Tune(unittest.TestCase):
             text, status = tune.verdict([good, {"scene": "c", "ratio": ratio, "lost": ["8:3x3"]}], 0)
             self.assertEqual(status, 1)
             self.assertTrue("c 8:3x3" in text and "lost in the reference's noise" in text and "within 15" not in text)
+
+    def test_ratio_of_means(self):
+        ratio, error = cycleslib.ratio_of([1.0, 3.0], [4.0, 4.0])
+        self.assertAlmostEqual(ratio, 0.5)
+        self.assertAlmostEqual(error, 0.25)
+        self.assertEqual(cycleslib.ratio_of([0.0, 0.0], [1.0, 2.0]), (0.0, 0.0))
+        self.assertEqual(cycleslib.ratio_of([1.0, 1.0], [0.0, 0.0])[0], math.inf)
+        self.assertEqual([cycleslib.verdict_of(r, 0.002, 0.02) for r in (1.015, 0.985, 1.018, 1.023, 1.025, math.inf)],
+                         ["within", "within", "undecided", "undecided", "outside", "outside"])
+
+    def test_spheres_of_materials(self):
+        inside = materials.disc(64)
+        share = len(inside) / (0.25 * math.pi * (64 * materials.FILL) ** 2)
+        self.assertTrue(0.93 < share < 1.0)
+        said = ["'ball coat': material 'coat', node 'Principled BSDF': sheen: left out", "'ball coat': material 'coat': glass",
+                "'ball rough coat': material 'rough coat', node 'A': no"]
+        self.assertEqual(materials.warnings_of("coat", said + said), ["node 'Principled BSDF': sheen: left out", "glass"])
+        self.assertEqual(materials.warnings_of("plain", said), [])
 
 
 if __name__ == "__main__":
