@@ -83,6 +83,15 @@ def principled(colour=(0.8, 0.8, 0.8), **inputs):
     return bsdf("Principled", base_color=colour, **inputs)
 
 
+def metal_of(distribution):
+    """Versions have different defaults."""
+    def make(s):
+        node = s.add("BsdfPrincipled", base_color=GOLD, metallic=1.0, roughness=0.6)
+        node.distribution = distribution
+        return node
+    return make
+
+
 def tinted_specular(s):
     """A share of the base colour in 3.4, a colour in 4.3."""
     node = s.add("BsdfPrincipled", base_color=RED, specular=1.0)
@@ -118,6 +127,8 @@ MATERIALS = {
     "gold .3": principled(GOLD, metallic=1.0, roughness=0.3),
     "gold .8": principled(GOLD, metallic=1.0, roughness=0.8),
     "white metal 1": principled((1.0, 1.0, 1.0), metallic=1.0, roughness=1.0),
+    "single GGX": metal_of("GGX"),
+    "multiple GGX": metal_of("MULTI_GGX"),
     "half metal": principled(GOLD, metallic=0.5),
     "coat": principled(RED, coat=1.0),
     "rough coat": principled(RED, coat=1.0, coat_roughness=0.4),

@@ -33,6 +33,16 @@ def gloss_of_3(roughness):
     return min(float(cycles.mean() / here.mean()), 1.0)
 
 
+def tell_multiple(folder, node, metallic=1.0):
+    """Reframe's facets lose what they reflect to each other."""
+    rough = folder.read(node.inputs["Roughness"])
+    if node.distribution != "MULTI_GGX" or metallic == 0.0:
+        return
+    lost = 1.0 - float(lobes(rough)[1].mean()) if is_constant(rough) else 0.6
+    if lost > TOLD:
+        folder.warn(node, "rough metal of multiple scattering: taken as single scattering, up to %.0f %% darker" % (100.0 * lost))
+
+
 def lack_of_coat(f0, roughness):
     """What a coat reflects more in Cycles than here."""
     root = min(max(f0, 0.0), 0.9) ** 0.5

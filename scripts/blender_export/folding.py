@@ -1,7 +1,7 @@
 """A shader tree folded into the channels of glTF's material: mixes of shaders become mixes of channels."""
 from . import layered, metals
 from .channels import BLACK, F0_OF_GLTF, Ref, Surface, WHITE, is_constant
-from .disney import gloss_of_3
+from .disney import gloss_of_3, tell_multiple
 from .fresnel import as_glass, as_one
 from .gloss import as_gloss
 from .names import IS_4, is_principled_2
@@ -68,6 +68,7 @@ class Folder(Values):
             roughness = 0.0
         else:
             roughness = self.read(node.inputs["Roughness"])
+            tell_multiple(self, node)
         return Surface(base=self.read(node.inputs["Color"]), metallic=1.0, roughness=roughness, normal=self.normal_of(node),
                        scale=gloss_of_3(roughness) if node.distribution == "GGX" else 1.0)
 
@@ -121,6 +122,7 @@ class Folder(Values):
                            ("Anisotropic", "anisotropy: taken as equally rough in all directions")):
             if get(name) != 0.0:
                 self.warn(node, what)
+        tell_multiple(self, node, get("Metallic"))
         if get("Transmission") != 0.0 and (not is_constant(get("Roughness")) or get("Roughness") > 0.25):
             self.warn(node, "rough glass: up to 7 % brighter or darker than in Blender, with a roughness above 0.7 up to a third brighter")
         base = self.blend(get("Base Color"), get("Subsurface Color"), get("Subsurface"), True)
