@@ -9,7 +9,7 @@ import bpy
 import numpy
 
 from .channels import BLACK, F0_OF_GLTF, is_constant
-from .gloss import fresnel, lobe, smith
+from .gloss import diffuse_of_3, fresnel, lobe, smith
 
 CLEARCOAT = 0.25 if bpy.app.version < (4, 0, 0) else 1.0  # of glTF's clear coat
 SCHLICK = 1.0 / 21.0  # the mean of (1 - cos)^5
@@ -18,11 +18,11 @@ TOLD = 0.02  # differences are named from here on
 
 @functools.lru_cache(maxsize=None)
 def lobes(roughness):
-    """The cosine of the half vector, and what is reflected of white light here and in Cycles, by the cosine of the view."""
-    cosine, seen, _, here = lobe(roughness)
+    """The cosine of the half vector, and what is reflected of white light here and in Cycles, weighted by directions of view."""
+    cosine, seen, front, here = lobe(roughness)
     near = 1.0 + smith(cosine, max(roughness * roughness, 1e-3))
     far = near / numpy.maximum(here, 1e-6) - near  # lobe() reflects near / (near + far)
-    return seen, 2.0 * cosine * here, numpy.where(here > 0.0, 2.0 * cosine / (1.0 + far), 0.0)
+    return seen, front * here, numpy.where(here > 0.0, front / (1.0 + far), 0.0)
 
 
 def gloss_of_3(roughness):
@@ -51,8 +51,8 @@ def lack_of_coat(f0, roughness):
 
 
 def base_of_principled(surface):
-    """A factor and a colour to add that give a base the brightness of Blender's own: its diffuse lobe reflects .953 to 1.065 of
-    uniform light where Lambert's reflects 1 (a line is at most .001 off). None where the base colours metal and other things too."""
+    """A factor and a colour to add that give a base the brightness of Blender's own, which has another diffuse lobe and another coat.
+    None where the base colours metal and other things too."""
     s = surface
     if not s.principled or not is_constant(s.roughness) or s.metallic not in (0.0, 1.0) or s.transmission != 0.0:
         return None
@@ -60,7 +60,7 @@ def base_of_principled(surface):
         return gloss_of_3(s.roughness), BLACK
     coated = is_constant(s.f0) and not isinstance(s.f0, tuple) and s.specular != 0.0
     f0 = F0_OF_GLTF * s.f0 if coated else 0.0
-    factor, lack = 0.9525 + 0.1123 * s.roughness, lack_of_coat(f0, s.roughness) if coated else 0.0
+    factor, lack = diffuse_of_3(s.roughness), lack_of_coat(f0, s.roughness) if coated else 0.0
     if is_constant(s.clearcoat) and is_constant(s.clearcoat_roughness) and s.clearcoat > 0.0:
         share = CLEARCOAT * s.clearcoat
         below = (1.0 - share * (F0_OF_GLTF + (1.0 - F0_OF_GLTF) * SCHLICK)) ** 2  # what the clear coat leaves, where Cycles' adds to it
@@ -74,10 +74,10 @@ def base_of_principled(surface):
 def tell_held(plan):
     """Base and coat together reflect no more than arrives (src/scene/textured.c), in Blender they do."""
     s = plan.surface
-    values = (s.base, s.metallic, s.f0, s.transmission)
+    values = (s.base, s.metallic, s.roughness, s.f0, s.transmission)
     if not s.principled or s.specular == 0.0 or not all(is_constant(v) for v in values) or isinstance(s.f0, tuple):
         return
     f0 = F0_OF_GLTF * s.f0
-    left = (1.0 - f0 - (1.0 - f0) * SCHLICK) / max(*s.base, 1e-6)
+    left = (1.0 - (f0 + (1.0 - f0) * SCHLICK) * float(lobes(s.roughness)[1].mean())) / max(*s.base, 1e-6)
     if s.metallic < 1.0 and s.transmission == 0.0 and left < 1.0 - TOLD:
         plan.tell(None, "reflects more light than arrives in Blender: its diffuse part is %.0f %% darker" % (100.0 * (1.0 - left)))

@@ -98,15 +98,16 @@ static void test_means_are_those_of_cycles( void** state )
     {
         const char* name;
         bool is_baked;
-    } scenes[] = { { "procedural", true },  { "images", false },     { "mapped", true },       { "glass", false },
-                   { "transparent", true }, { "emission", true },    { "no_material", false }, { "groups", true },
-                   { "lamps", false },      { "principled", false }, { "mixed_glass", false }, { "for_eevee", false } };
+    } scenes[] = { { "procedural", true },       { "images", false },     { "mapped", true },       { "glass", false },
+                   { "transparent", true },      { "emission", true },    { "no_material", false }, { "groups", true },
+                   { "lamps", false },           { "principled", false }, { "mixed_glass", false }, { "for_eevee", false },
+                   { "rough_principled", false } };
     bool is_4 = blender_major() >= 4;
     if ( !enter_with_blender() )
         skip();
     assert_int_equal(
         cli_run( MAKE "procedural images mapped glass transparent emission no_material groups lamps principled mixed_glass "
-                      "for_eevee "
+                      "for_eevee rough_principled "
                       "--samples 256 --size " SIZE " > log 2>&1" )
             ->status,
         0 );

@@ -323,6 +323,20 @@ def principled():
     put("uv_sphere", s.done(s.add("BsdfPrincipled", Base_Color=(0.1, 0.3, 0.7, 1.0), Roughness=1.0, Specular=0.0)), radius=0.5, location=(0.8, 0.6, -1.4))
 
 
+def rough_principled():
+    """Rough Principled on all walls, rough metal and gloss, and a clear coat."""
+    s = Shader("wall")
+    room(s.done(s.add("BsdfPrincipled", Base_Color=grey(0.6), Roughness=0.8)), strength=3.0, size=2.0)
+    s = Shader("cast")
+    put("cube", s.done(s.add("BsdfPrincipled", Base_Color=grey(0.7), Metallic=1.0, Roughness=0.9)), size=1.4, location=(-0.9, 0.6, -1.2))
+    s = Shader("brushed")
+    put("cube", s.done(gloss_of(s, 0.9, grey(0.7))), size=1.2, location=(0.9, 0.8, -1.3))
+    s = Shader("lacquer")
+    node = s.add("BsdfPrincipled", Base_Color=(0.6, 0.05, 0.03, 1.0))
+    (node.inputs.get("Clearcoat") or node.inputs["Coat Weight"]).default_value = 1.0
+    put("uv_sphere", s.done(node), radius=0.5, location=(0.1, -0.4, -1.4))
+
+
 def mixed_glass():
     """A slab that is diffuse in part, and a bulb above it: a sphere, whose light comes through glass."""
     inwards(put("cube", diffuse("wall", grey(0.6)), size=2.0 * ROOM))
@@ -505,7 +519,7 @@ def named():
     put("cube", s.done(metal), size=0.4, location=(0.3, 0.9, -1.5))
 
 
-SCENES = (procedural, images, mapped, glass, transparent, emission, no_material, groups, other_rays, lamps, principled, mixed_glass,
+SCENES = (procedural, images, mapped, glass, transparent, emission, no_material, groups, other_rays, lamps, principled, rough_principled, mixed_glass,
           shares_of_gloss, gloss_by_fresnel, furnace, panes, odd_glass, for_eevee, left_out, layered, named)
 
 
