@@ -5,6 +5,7 @@ import math
 import bmesh
 import bpy
 import mathutils
+import numpy
 
 from . import materials, shader_tree
 from .animated import tell_animation
@@ -158,23 +159,27 @@ def distance_to(o, matrix, place):
     return (matrix @ nearest - place).length if found else math.inf
 
 
-def box_distance(o, matrix, place):
-    corners = [matrix @ mathutils.Vector(c) for c in o.bound_box]
-    middle = sum(corners, mathutils.Vector()) / 8.0
-    return (middle - place).length - max((c - middle).length for c in corners)
+def balls_around(meshes):
+    """The middles and radii of balls around meshes."""
+    boxes = numpy.array([[matrix @ mathutils.Vector(c) for c in o.bound_box] for o, matrix in meshes]).reshape(-1, 8, 3)
+    middles = boxes.mean(axis=1)
+    return middles, numpy.sqrt(((boxes - middles[:, None]) ** 2).sum(axis=2)).max(axis=1) if meshes else numpy.zeros(0)
 
 
 def tell_near(scene, lamps, spheres, placed):
     """What the size of a lamp does to surfaces near to it. One of soft falloff is a disc that turns to each surface: of a radius r, at a
     distance d, it has 1 / (1 + (r/d)^2) of a sphere's light. Light passes lamps in Blender."""
+    if not IS_4:
+        return
     meshes = [(o, matrix) for o in scene.objects if o.type == "MESH" and o.data.polygons for matrix in placed.get(o.name, [o.matrix_world])]
+    middles, radii = balls_around(meshes)
     for lamp in lamps:
         is_soft = getattr(lamp.data, "use_soft_falloff", False)
-        if not IS_4 or not is_sized(lamp) or not (is_soft or lamp.name in spheres):
+        if not is_sized(lamp) or not (is_soft or lamp.name in spheres):
             continue
         radius, place = lamp.data.shadow_soft_size, lamp.matrix_world.translation
-        near = [pair for pair in meshes if box_distance(*pair, place) < NEAR * radius]
-        least = min((distance_to(o, matrix, place) for o, matrix in near), default=math.inf)
+        near = numpy.flatnonzero(numpy.sqrt(((middles - place) ** 2).sum(axis=1)) - radii < NEAR * radius)
+        least = min((distance_to(*meshes[i], place) for i in near), default=math.inf)
         share = min((radius / max(least, 1e-6)) ** 2, 10.0)
         if share > NEAR**-2 and is_soft:
             warn("'%s': soft falloff: left out, which gives what is near up to %.0f %% more light" % (lamp.name, 100.0 * share))
@@ -200,6 +205,8 @@ def prepare(scene, in_view, placed):
         if not is_plain and not fold_nodes(lamp):
             bpy.data.objects.remove(lamp)
             continue
+        if scene.render.engine == "CYCLES":
+            lamp.data.use_custom_distance = False  # which is Eevee's, and would be glTF's range
         if lamp.data.type == "SPOT":
             fit_scaled_spot(lamp) if IS_4 else fit_spot(lamp.data)
         kept.append(lamp)
