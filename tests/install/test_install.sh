@@ -120,7 +120,7 @@ cached() { sed -n "s/^$1:[A-Z]*=//p" "$build/CMakeCache.txt"; }
     cmake -G "$(cached CMAKE_GENERATOR)" -S "$root" -B "$folder/build" -DBUILD_SHARED_LIBS="$([ $other = shared ] && echo ON || echo OFF)" \
         -DREFRAME_TESTS=OFF -DCMAKE_C_COMPILER="$compiler" -DREFRAME_MARCH="$(cached REFRAME_MARCH)" \
         -DREFRAME_SANITIZE="$(cached REFRAME_SANITIZE)" -DCMAKE_C_COMPILER_LAUNCHER="$(cached CMAKE_C_COMPILER_LAUNCHER)" &&
-        cmake --build "$folder/build" --target "$target" --parallel &&
+        cmake --build "$folder/build" --target "$target" --parallel "$(nproc)" &&
         cmake --install "$folder/build" --prefix "$folder/$other"
 } >"$folder/log" 2>&1 || { tail -30 "$folder/log" >&2; exit 1; }
 [ -s "$(find "$folder/$other" -name reframe.1)" ]
