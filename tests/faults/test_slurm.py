@@ -93,6 +93,11 @@ class Cluster:
         with open(os.path.join(self.folder, "slurm.conf"), "w") as file:
             file.write(CONFIGURATION.format(host=socket.gethostname().split(".")[0], port=port, first=first, second=second,
                                             folder=self.folder, user=subprocess.check_output(["id", "-un"], text=True).strip()))
+        # slurmd of Debian 13 ends where it may not use control groups
+        version = subprocess.check_output([find("slurmctld"), "-V"], text=True).split()[-1]
+        if int(version.split(".")[0]) >= 24:
+            with open(os.path.join(self.folder, "cgroup.conf"), "w") as file:
+                file.write("CgroupPlugin=disabled\n")
         os.environ["SLURM_CONF"] = os.path.join(self.folder, "slurm.conf")
 
     def start_daemon(self, *words):
