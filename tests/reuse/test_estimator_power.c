@@ -1,4 +1,4 @@
-// A bias of 0.3 % in what reuse yields does not pass: the standard error of the whole picture is some 0.03 %, for groups, for
+// A bias of 0.3 % in what reuse yields does not pass: the standard error of the whole picture is 0.02 to 0.03 %, for groups, for
 // tiles and for both. `scripts/test --seeds N --bias` builds such a bias in, and all three must find it.
 #include "support/scene_builder.h"
 #include "support/statistics.h"
@@ -16,7 +16,7 @@
 #define BLOCK 6
 #define EYES 7
 #define FRAME ( EYES / 2 )
-#define LARGEST_ERROR 0.0005 // relative, of which a first round finds 4.5
+#define LARGEST_ERROR 0.0004 // relative; a first round finds four of these
 
 static RfScene s_scene;
 static RfTracer* s_tracer;
@@ -32,7 +32,7 @@ static void check( const char* what, int group, const char* tile, int spp )
     if ( samples != suite_samples() )
     {
         free_images( &reference );
-        reference = reference_images( s_tracer, s_eyes, FRAME, 80, &settings );
+        reference = reference_images( s_tracer, s_eyes, FRAME, 160, &settings );
         samples = suite_samples();
     }
     settings.group = group;
@@ -48,13 +48,13 @@ static void check( const char* what, int group, const char* tile, int spp )
 static void test_groups( void** state )
 {
     (void)state;
-    check( "groups", 3, "1", 8 );
+    check( "groups", 3, "1", 16 );
 }
 
 static void test_tiles( void** state )
 {
     (void)state;
-    check( "tiles", 0, "3x3", 64 );
+    check( "tiles", 0, "3x3", 128 );
 }
 
 static void test_groups_with_tiles( void** state )
