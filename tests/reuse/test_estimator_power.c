@@ -60,7 +60,7 @@ static void test_tiles( void** state )
 static void test_groups_with_tiles( void** state )
 {
     (void)state;
-    check( "groups with tiles", 3, "3x3", 8 );
+    check( "groups with tiles", 3, "3x3", 24 );
 }
 
 int main( void )
