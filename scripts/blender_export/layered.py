@@ -117,7 +117,7 @@ class Principled:
         """Chooses the base; metal that would be brighter than white becomes a coat over it."""
         wanted = self.wanted(layers, self.base)
         out.added = True
-        if max(self.base) > 1.0:  # which is told, and taken as 1
+        if max(self.base) > 1.0:  # which is reported, and taken as 1
             return f0
         shell = Shell(layers, f0, out.specular)
         bases = [shell.base_for(w, i) for i, w in enumerate(wanted)]

@@ -83,7 +83,7 @@ def tell_linking(lamps):
 
 
 class Rendered:
-    """All that is rendered, also as instances: which objects are told of."""
+    """All that is rendered, also as instances: which objects are reported of."""
 
     def __init__(self, depsgraph, holes):
         self.objects = {}  # by full name: the original, and the rays for which it is hidden in one of its places

@@ -38,18 +38,18 @@ static inline bool rf_is_model_built( RfBsdfKind kind )
 // f (three arrays) and the density per solid angle with which sampling chooses
 // wi when seen from wo. Either output may be NULL. wo and wi are arrays of x,
 // y, z. Results of a lane depend on that lane only and are the same bits
-// whatever n and the lane's index are. Unevaluable models leave out their delta
+// whatever n and the lane's index are. Specular models leave out their delta
 // and transmitted lobes.
 void rf_bsdf_evaluate( RfBsdfKind kind, int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const wi[3],
                        float* const f[3], float* pdf_solid_angle );
 
 // Samples wi from three uniform numbers in [0, 1) per lane (u[2] selects the
-// lobe). Of models before RF_BSDF_FIRST_UNEVALUABLE only. Phong lobe directions
+// lobe). Of models before RF_BSDF_FIRST_SPECULAR only. Phong lobe directions
 // below the surface come out as they are: their f is 0.
 void rf_bsdf_sample( RfBsdfKind kind, int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const u[3],
                      float* const wi[3] );
 
-// The same for models from RF_BSDF_FIRST_UNEVALUABLE on, whose lobes may be
+// The same for models from RF_BSDF_FIRST_SPECULAR on, whose lobes may be
 // deltas and may go through the surface. Also returns weight = f |n·wi| / density
 // (three arrays, 0 where nothing is scattered) and the density, RF_DELTA_PDF for
 // directions that light sampling cannot find.

@@ -26,7 +26,7 @@ typedef enum RfBsdfKind
 
 // Models from this one on scatter along directions that no density of another
 // camera covers (delta lobes, refraction): only the hit's own frame uses them.
-#define RF_BSDF_FIRST_UNEVALUABLE RF_BSDF_GLASS
+#define RF_BSDF_FIRST_SPECULAR RF_BSDF_GLASS
 
 // Reflectances are linear RGB in [0, 1].
 typedef struct RfMaterial
@@ -62,7 +62,7 @@ static inline bool rf_is_chain_surface( const RfMaterial* m )
     return m->kind == RF_BSDF_GLASS && m->alpha == 0.0f && m->textured == NULL && !m->thin;
 }
 
-// True of evaluable surfaces that scatter so widely that a direction drawn by the cosine serves as well as one drawn by the
+// True of non-specular surfaces that scatter so widely that a direction drawn by the cosine serves as well as one drawn by the
 // model. `shape`: Phong's exponent, or alpha.
 static inline bool rf_is_matte( RfBsdfKind kind, float shape )
 {
@@ -148,7 +148,7 @@ typedef struct RfBsdfModel
     const char* name;
     uint32_t params;
     RfBsdfEvaluate* evaluate;
-    RfBsdfSample* sample;                  // NULL for unevaluable models,
+    RfBsdfSample* sample;                  // NULL for specular models,
     RfBsdfSampleWeighted* sample_weighted; // which have this instead
 } RfBsdfModel;
 

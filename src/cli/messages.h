@@ -15,7 +15,7 @@ int rf_exit_status( RfResult result );
 // Truncated to `size`.
 void rf_format_error( const RfError* error, char* text, size_t size );
 
-// A budget as users are told to give it, rounded up to MiB.
+// A budget as users are reported to give it, rounded up to MiB.
 size_t rf_whole_mib( size_t bytes );
 
 // Prints "reframe COMMAND: LINE" on standard error, with the remedy; returns the exit status.

@@ -77,7 +77,7 @@ void rf_combine_alpha( const RfFilm* film, RfFilmCombine combine, const float* s
 // is empty.
 void rf_estimate_variance( const RfFilm* film, RfFilmCombine combine, float* variance );
 
-// What can be told of a film's relMSE.
+// What can be reported of a film's relMSE.
 typedef struct RfRelmse
 {
     double likely;       // the best guess; NaN: unknown
@@ -89,8 +89,8 @@ typedef struct RfRelmse
 // A figure that nothing more is known of.
 static inline RfRelmse rf_plain_relmse( double relmse ) { return ( RfRelmse ){ .likely = relmse, .least = relmse }; }
 
-// The figure that is told.
-static inline double rf_told_relmse( const RfRelmse* r ) { return r->is_lower_bound ? r->least : r->likely; }
+// The figure that is reported.
+static inline double rf_reported_relmse( const RfRelmse* r ) { return r->is_lower_bound ? r->least : r->likely; }
 
 // With what is only known to be a lower bound, 19 of 20 true errors are below so many times `likely`.
 #define RF_RELMSE_DOUBT 2.0

@@ -13,7 +13,7 @@
 // - It is never less than what both halves have: a glint that both have seen is no firefly.
 //
 // A glint in one pixel that one sample in ten hits cannot be told from a firefly. Where the sum hangs on
-// that, in its ten worst pixels, only what it is at least can be told: those pixels with denominators from
+// that, in its ten worst pixels, only what it is at least can be reported: those pixels with denominators from
 // their own values.
 #include "film/film_pixel.h"
 #include "film/film_surroundings.h"

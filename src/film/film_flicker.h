@@ -1,4 +1,4 @@
-// What can be told of the flicker of two neighbouring frames from the halves of their films
+// What can be reported of the flicker of two neighbouring frames from the halves of their films
 // (src/reuse/estimators.md, section 17).
 #ifndef REFRAME_FILM_FILM_FLICKER_H
 #define REFRAME_FILM_FILM_FLICKER_H
@@ -33,8 +33,8 @@ static inline double rf_flicker_f1_squared( const RfFlicker* f ) { return f->bef
 #define RF_FLICKER_AMBIGUOUS 0.3
 static inline bool rf_flicker_is_lower_bound( const RfFlicker* f ) { return isgreater( f->worst_share, RF_FLICKER_AMBIGUOUS ); }
 
-// F1² as it is told, and to stop by: what it hardly exceeds.
-static inline double rf_told_flicker( const RfFlicker* f )
+// F1² as it is reported, and to stop by: what it hardly exceeds.
+static inline double rf_reported_flicker( const RfFlicker* f )
 {
     return rf_flicker_f1_squared( f ) * ( rf_flicker_is_lower_bound( f ) ? 1.0 - f->worst_share : 1.0 );
 }

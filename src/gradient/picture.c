@@ -19,7 +19,7 @@
 #define TOLERANCE 1e-3
 #define LEAST_TOLERANCE 1e-6 // which floats reach
 
-// Conjugate gradients that have not converged by then are told of. Very noisy weights take some twenty.
+// Conjugate gradients that have not converged by then are reported of. Very noisy weights take some twenty.
 #define MOST_ITERATIONS 50
 
 // Images that the solve works on, for each half: the means of the three films and their variances. The solutions.

@@ -3,7 +3,7 @@
 #define POINTS 64     // of mirrors and glass
 #define FEW_POINTS 16 // of an emitter
 #define MOST_TRIANGLES 2048
-#define MOST_DIVIDED 64 // materials that emit; any further ones are linked
+#define MOST_DIVIDED 64 // materials that emit; any further ones are connected
 #define PI 3.14159265358979324
 
 typedef struct Point
@@ -160,7 +160,7 @@ double rf_sky_solid_angle( const RfEnvironment* e )
     return squares > 0.0 ? sum * sum / squares : 0.0;
 }
 
-RfDivision rf_divide_emitters( const RfScene* scene, bool* linked )
+RfDivision rf_divide_emitters( const RfScene* scene, bool* connected )
 {
     Points chain, receivers;
     spread_points( scene, ( Kind ){ .chain = true }, POINTS, &chain );
@@ -174,15 +174,15 @@ RfDivision rf_divide_emitters( const RfScene* scene, bool* linked )
         bool small = many || ( image > 0.0 && image <= RF_LARGE_EMITTER );
         emits = emits && image >= 0.0;
         division.all += emits;
-        division.linked += small;
-        if ( linked != NULL )
-            linked[m] = small;
+        division.connected += small;
+        if ( connected != NULL )
+            connected[m] = small;
     }
     double sky = rf_sky_solid_angle( &scene->environment );
     bool small = sky > 0.0 && sky <= RF_LARGE_EMITTER;
     division.all += sky > 0.0;
-    division.linked += small;
-    if ( linked != NULL )
-        linked[scene->material_count] = small;
+    division.connected += small;
+    if ( connected != NULL )
+        connected[scene->material_count] = small;
     return division;
 }

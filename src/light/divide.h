@@ -1,4 +1,4 @@
-// Which emitters are found through mirrors and glass by links, and which by chance: a large one is hit often by what scatters,
+// Which emitters are found through mirrors and glass by connections, and which by chance: a large one is hit often by what scatters,
 // a small one hardly ever, a lamp without size never. src/reuse/estimators.md, section 16.
 #ifndef REFRAME_LIGHT_DIVIDE_H
 #define REFRAME_LIGHT_DIVIDE_H
@@ -10,7 +10,7 @@
 
 typedef struct RfDivision
 {
-    uint32_t linked, all; // emitters: materials, punctual lights, the sky
+    uint32_t connected, all; // emitters: materials, punctual lights, the sky
 } RfDivision;
 
 // The solid angle that a material's emission covers in mirrors and glass, as seen from what these light: an estimate that
@@ -20,7 +20,7 @@ double rf_image_solid_angle( const RfScene* scene, uint32_t material );
 // The solid angle of the sky, where a bright part of it counts as the whole; 0: it is black.
 double rf_sky_solid_angle( const RfEnvironment* environment );
 
-// Divides the emitters of a scene. `linked`: a flag for each material and one for the sky; NULL: not asked for.
-RfDivision rf_divide_emitters( const RfScene* scene, bool* linked );
+// Divides the emitters of a scene. `connected`: a flag for each material and one for the sky; NULL: not asked for.
+RfDivision rf_divide_emitters( const RfScene* scene, bool* connected );
 
 #endif

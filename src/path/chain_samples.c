@@ -136,7 +136,7 @@ static void scatter( const RfRayLanes* rays, int sample, int vertex, RfWavefront
     RfLaneScratch* s = &wavefront->scratch;
     float* wi[3] = { s->wi[0], s->wi[1], s->wi[2] };
     int first = rf_record_count( v );
-    for ( int kind = 0; kind < RF_BSDF_FIRST_UNEVALUABLE; ++kind )
+    for ( int kind = 0; kind < RF_BSDF_FIRST_SPECULAR; ++kind )
         v->first[kind] = first; // the others need no direction
     next->count = 0;
     if ( first == v->count )

@@ -20,7 +20,7 @@ static inline void write_ray( const RfVertexLanes* v, int i, float* const wi[3],
 }
 
 // Lanes that become records: the caller applies f and the weight.
-static int scatter_evaluable( const RfVertexLanes* v, float* const wi[3], RfWavefront* wavefront )
+static int scatter_nonspecular( const RfVertexLanes* v, float* const wi[3], RfWavefront* wavefront )
 {
     RfRayLanes* rays = &wavefront->rays;
     const RfLaneScratch* s = &wavefront->scratch;
@@ -40,8 +40,8 @@ static int scatter_evaluable( const RfVertexLanes* v, float* const wi[3], RfWave
     return kept;
 }
 
-// Unevaluable lanes: the ray carries the weight.
-static int scatter_unevaluable( const RfVertexLanes* v, float* const wi[3], RfWavefront* wavefront, int kept )
+// Specular lanes: the ray carries the weight.
+static int scatter_specular( const RfVertexLanes* v, float* const wi[3], RfWavefront* wavefront, int kept )
 {
     RfRayLanes* rays = &wavefront->rays;
     const RfLaneScratch* s = &wavefront->scratch;
@@ -64,5 +64,5 @@ void rf_scatter_deferred( const RfPathSettings* settings, RfWavefront* wavefront
     rf_scatter_lanes( wavefront, v, dimension, wi, &wavefront->scratch );
     rf_count_deltas( settings, wavefront, v, vertex, wavefront->scratch.pdf );
     rf_note_chain_events( wavefront->chain_light, v, vertex, (const float* const*)wi, wavefront->scratch.pdf );
-    wavefront->rays.count = scatter_unevaluable( v, wi, wavefront, scatter_evaluable( v, wi, wavefront ) );
+    wavefront->rays.count = scatter_specular( v, wi, wavefront, scatter_nonspecular( v, wi, wavefront ) );
 }

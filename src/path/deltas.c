@@ -1,9 +1,9 @@
-// With a linker (src/kernel): which emission it finds as well.
+// With a connector (src/light_paths): which emission it finds as well.
 #include "path/wavefront.h"
 
 void rf_note_lit( const RfPathSettings* settings, RfWavefront* wavefront, const RfLightLanes* lights, int sample, int count )
 {
-    if ( settings->linker == NULL )
+    if ( settings->connector == NULL )
         return;
     for ( int i = 0; i < count; ++i )
     {
@@ -24,7 +24,7 @@ static void begin_trail( const RfVertexLanes* v, int i, int vertex, RfTrail* tra
 void rf_count_deltas( const RfPathSettings* settings, RfWavefront* wavefront, const RfVertexLanes* v, int vertex,
                       const float* pdf )
 {
-    if ( settings->linker == NULL )
+    if ( settings->connector == NULL )
         return;
     const RfMaterial* materials = rf_tracer_scene( settings->tracer )->materials;
     int records = rf_record_count( v );
@@ -35,7 +35,7 @@ void rf_count_deltas( const RfPathSettings* settings, RfWavefront* wavefront, co
                        rf_is_chain_surface( materials + v->material[i] );
         wavefront->matte[v->slot[i]] = i < records && rf_is_matte_lane( settings, v, i );
         if ( i < records )
-            begin_trail( v, i, vertex, settings->linker->trails + v->slot[i] );
+            begin_trail( v, i, vertex, settings->connector->trails + v->slot[i] );
         *deltas = i < records ? 1 : follows ? (uint8_t)( *deltas + 1 ) : RF_NOT_LINKED;
     }
 }
@@ -43,13 +43,13 @@ void rf_count_deltas( const RfPathSettings* settings, RfWavefront* wavefront, co
 // Of a vertex lane that a path has come to by so many delta vertices.
 static void share_emission( const RfPathSettings* settings, const RfLaneScratch* hits, RfVertexLanes* v, int i, int length )
 {
-    const RfLinker* linker = settings->linker;
-    RfTrail* trail = linker->trails + v->slot[i];
+    const RfConnector* connector = settings->connector;
+    RfTrail* trail = connector->trails + v->slot[i];
     int r = v->ray[i];
-    if ( length > 0 && linker->linked[v->material[i]] && v->light_pdf_solid_angle[i] > 0.0f )
+    if ( length > 0 && connector->connected[v->material[i]] && v->light_pdf_solid_angle[i] > 0.0f )
     {
         RfVec3 p = rf_vec3( v->p[0][i], v->p[1][i], v->p[2][i] );
-        float weight = linker->weigh_chance( linker, trail, length, hits->triangle[r], p );
+        float weight = connector->weigh_chance( connector, trail, length, hits->triangle[r], p );
         v->light_pdf_solid_angle[i] = weight > 0.0f ? v->light_pdf_solid_angle[i] : 0.0f;
         for ( int c = 0; c < 3; ++c )
             v->emission[c][i] *= weight;
@@ -61,9 +61,10 @@ static void share_emission( const RfPathSettings* settings, const RfLaneScratch*
     trail->v[length] = hits->v[r];
 }
 
-void rf_leave_to_links( const RfPathSettings* settings, const RfWavefront* wavefront, RfRayLanes* rays, RfVertexLanes* vertices )
+void rf_leave_to_connections( const RfPathSettings* settings, const RfWavefront* wavefront, RfRayLanes* rays,
+                              RfVertexLanes* vertices )
 {
-    if ( settings->linker == NULL )
+    if ( settings->connector == NULL )
         return;
     for ( int i = 0; i < vertices->count; ++i )
     {
@@ -71,7 +72,7 @@ void rf_leave_to_links( const RfPathSettings* settings, const RfWavefront* wavef
         if ( deltas != RF_NOT_LINKED )
             share_emission( settings, &wavefront->scratch, vertices, i, deltas - 1 );
     }
-    bool sky = settings->linker->linked[rf_tracer_scene( settings->tracer )->material_count];
+    bool sky = settings->connector->connected[rf_tracer_scene( settings->tracer )->material_count];
     for ( int r = 0; r < rays->count && sky; ++r )
     {
         uint8_t deltas = wavefront->deltas[rays->slot[r]];

@@ -47,8 +47,8 @@ typedef struct RfVertexLanes
     int32_t slot[RF_LANES];
 } RfVertexLanes;
 
-// Number of lanes that become records; the unevaluable ones follow them.
-static inline int rf_record_count( const RfVertexLanes* v ) { return v->first[RF_BSDF_FIRST_UNEVALUABLE]; }
+// Number of lanes that become records; the specular ones follow them.
+static inline int rf_record_count( const RfVertexLanes* v ) { return v->first[RF_BSDF_FIRST_SPECULAR]; }
 
 // Copies `count` lanes from `first` on to the lanes from `at` on of another set of vertices,
 // with the parameters in the mask `params`. first[] and count are left alone.
@@ -75,7 +75,7 @@ typedef struct RfLaneScratch
     float d[3][RF_LANES];
     float random[3][RF_LANES];
     float wi[3][RF_LANES];
-    float f[3][RF_LANES]; // after scattering, for unevaluable lanes: the weight f |cos| / density
+    float f[3][RF_LANES]; // after scattering, for specular lanes: the weight f |cos| / density
     float pdf[RF_LANES];
 } RfLaneScratch;
 

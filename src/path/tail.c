@@ -48,10 +48,10 @@ void rf_evaluate_lanes( const RfVertexLanes* v, const float* const wi[3], float*
     evaluate_kinds( v, RF_BSDF_KIND_COUNT, wi, f, pdf_solid_angle );
 }
 
-// Samples directions for the lanes of evaluable models.
-static void sample_evaluable_lanes( const RfVertexLanes* v, const RfLaneScratch* scratch, float* const wi[3] )
+// Samples directions for the lanes of non-specular models.
+static void sample_nonspecular_lanes( const RfVertexLanes* v, const RfLaneScratch* scratch, float* const wi[3] )
 {
-    for ( int kind = 0; kind < RF_BSDF_FIRST_UNEVALUABLE; ++kind )
+    for ( int kind = 0; kind < RF_BSDF_FIRST_SPECULAR; ++kind )
     {
         int first = v->first[kind], count = v->first[kind + 1] - first;
         if ( count == 0 || !rf_is_model_built( (RfBsdfKind)kind ) )
@@ -64,9 +64,9 @@ static void sample_evaluable_lanes( const RfVertexLanes* v, const RfLaneScratch*
     }
 }
 
-static void sample_unevaluable_lanes( const RfVertexLanes* v, RfLaneScratch* s, float* const wi[3] )
+static void sample_specular_lanes( const RfVertexLanes* v, RfLaneScratch* s, float* const wi[3] )
 {
-    for ( int kind = RF_BSDF_FIRST_UNEVALUABLE; kind < RF_BSDF_KIND_COUNT; ++kind )
+    for ( int kind = RF_BSDF_FIRST_SPECULAR; kind < RF_BSDF_KIND_COUNT; ++kind )
     {
         int first = v->first[kind], count = v->first[kind + 1] - first;
         if ( count == 0 || !rf_is_model_built( (RfBsdfKind)kind ) )
@@ -86,9 +86,9 @@ void rf_scatter_lanes( const RfWavefront* keys, const RfVertexLanes* v, uint32_t
     const float* wi_in[3] = { wi[0], wi[1], wi[2] };
     float* f[3] = { scratch->f[0], scratch->f[1], scratch->f[2] };
     rf_draw_lanes( keys, v->count, v->slot, dimension, 3, scratch->random );
-    sample_evaluable_lanes( v, scratch, wi );
-    evaluate_kinds( v, RF_BSDF_FIRST_UNEVALUABLE, wi_in, f, scratch->pdf );
-    sample_unevaluable_lanes( v, scratch, wi );
+    sample_nonspecular_lanes( v, scratch, wi );
+    evaluate_kinds( v, RF_BSDF_FIRST_SPECULAR, wi_in, f, scratch->pdf );
+    sample_specular_lanes( v, scratch, wi );
 }
 
 static void add_light_samples( const RfPathSettings* settings, RfWavefront* wavefront, const RfRayLanes* rays, int vertex )
@@ -106,7 +106,7 @@ static void add_light_samples( const RfPathSettings* settings, RfWavefront* wave
             rf_note_lit( settings, wavefront, lights, j, v->count );
         }
         else
-            settings->linker->sample( settings->linker, wavefront, rays, v, vertex, lights, NULL );
+            settings->connector->sample( settings->connector, wavefront, rays, v, vertex, lights, NULL );
         const float* wi[3] = { lights->wi[0], lights->wi[1], lights->wi[2] };
         float* f[3] = { s->f[0], s->f[1], s->f[2] };
         rf_evaluate_lanes( v, wi, f, s->pdf );
@@ -142,8 +142,8 @@ static inline void write_ray( const RfVertexLanes* v, int i, const float wi[3], 
     next->slot[at] = v->slot[i];
 }
 
-// Lanes with an evaluable BSDF.
-static int scatter_evaluable_lanes( RfWavefront* wavefront, const RfRayLanes* rays, int vertex, RfRayLanes* next )
+// Lanes with a non-specular BSDF.
+static int scatter_nonspecular_lanes( RfWavefront* wavefront, const RfRayLanes* rays, int vertex, RfRayLanes* next )
 {
     const RfVertexLanes* v = &wavefront->vertices;
     const RfLaneScratch* s = &wavefront->scratch;
@@ -168,8 +168,8 @@ static int scatter_evaluable_lanes( RfWavefront* wavefront, const RfRayLanes* ra
     return kept;
 }
 
-// Unevaluable lanes: sampling returned their weight, and they may leave on either side.
-static int scatter_unevaluable_lanes( RfWavefront* wavefront, const RfRayLanes* rays, int vertex, RfRayLanes* next, int kept )
+// Specular lanes: sampling returned their weight, and they may leave on either side.
+static int scatter_specular_lanes( RfWavefront* wavefront, const RfRayLanes* rays, int vertex, RfRayLanes* next, int kept )
 {
     const RfVertexLanes* v = &wavefront->vertices;
     const RfLaneScratch* s = &wavefront->scratch;
@@ -202,7 +202,7 @@ static void scatter( const RfPathSettings* settings, RfWavefront* wavefront, con
     rf_note_chain_events( wavefront->chain_light, v, vertex, (const float* const*)wi, s->pdf );
     rf_draw_lanes( wavefront, v->count, v->slot, dimension + RF_DIMENSION_ROULETTE, 1, s->random );
     next->count =
-        scatter_unevaluable_lanes( wavefront, rays, vertex, next, scatter_evaluable_lanes( wavefront, rays, vertex, next ) );
+        scatter_specular_lanes( wavefront, rays, vertex, next, scatter_nonspecular_lanes( wavefront, rays, vertex, next ) );
 }
 
 void rf_absorb( const RfVertexLanes* v, RfRayLanes* rays )
@@ -223,7 +223,7 @@ const float* rf_find_lit_vertices( const RfPathSettings* settings, RfWavefront* 
     rf_count_path_rays( wavefront, rays );
     const float* pane_probability = rf_find_vertices_past_panes( settings, rays, 0, vertices, &wavefront->scratch );
     rf_absorb( vertices, rays );
-    rf_leave_to_links( settings, wavefront, rays, vertices );
+    rf_leave_to_connections( settings, wavefront, rays, vertices );
     rf_add_emission_hits( settings, rays, vertices, wavefront->scratch.triangle, pane_probability, defer_mis,
                           wavefront->chain_light, &wavefront->arrivals );
     return pane_probability;

@@ -8,7 +8,7 @@
 
 #include <string.h>
 
-typedef struct RfLinker RfLinker;
+typedef struct RfConnector RfConnector;
 
 // What all paths of a render share.
 typedef struct RfPathSettings
@@ -17,7 +17,7 @@ typedef struct RfPathSettings
     int max_depth;     // path vertices after the eye, ≥ 1
     int light_samples; // K ≥ 1 per vertex
     RfLightSampling light_sampling;
-    const RfLinker* linker; // NULL: light that mirrors and glass send on is hit by chance
+    const RfConnector* connector; // NULL: light that mirrors and glass send on is hit by chance
 } RfPathSettings;
 
 // Radiance that arrives along the ray of each path slot. Emission hit by the ray is
@@ -48,11 +48,11 @@ typedef struct RfWavefront
     RfArrivals arrivals;
     uint64_t path_rays, shadow_rays; // counted up
     uint16_t rays_of[RF_LANES];      // path rays by slot, counted up
-    uint8_t deltas[RF_LANES];        // with a linker, by slot: one more than the delta vertices since the last evaluable one;
-                                     // RF_NOT_LINKED: none yet, or others are among them
-    bool matte[RF_LANES];            // with a linker, by slot: whether the ray left a matte vertex (rf_is_matte)
-    float lit[RF_LANES];             // with a linker, by vertex lane: luminance of the irradiance that light samples found there
-    RfChainLight* chain_light;       // keeps such light apart from the arrivals; NULL: it is among them
+    uint8_t deltas[RF_LANES];  // with a connector, by slot: one more than the delta vertices since the last non-specular one;
+                               // RF_NOT_LINKED: none yet, or others are among them
+    bool matte[RF_LANES];      // with a connector, by slot: whether the ray left a matte vertex (rf_is_matte)
+    float lit[RF_LANES];       // with a connector, by vertex lane: luminance of the irradiance that light samples found there
+    RfChainLight* chain_light; // keeps such light apart from the arrivals; NULL: it is among them
     // inside
     RfRayLanes next;
     RfVertexLanes vertices;
@@ -73,7 +73,7 @@ static inline void rf_count_path_rays( RfWavefront* wavefront, const RfRayLanes*
         wavefront->rays_of[rays->slot[r]] += 1;
 }
 
-// How a path came from an evaluable vertex through mirrors and glass.
+// How a path came from a non-specular vertex through mirrors and glass.
 typedef struct RfTrail
 {
     RfVec3 start;                    // where rays leave the vertex
@@ -83,29 +83,29 @@ typedef struct RfTrail
     float u[RF_MAX_CHAIN], v[RF_MAX_CHAIN];
 } RfTrail;
 
-// Finds the light that reaches evaluable vertices through chains of mirrors and glass (src/kernel), which scattered rays may
+// Finds the light that reaches non-specular vertices through chains of mirrors and glass (src/light_paths), which scattered rays may
 // find by chance as well.
-struct RfLinker
+struct RfConnector
 {
     // Samples such light, the less the more is lit by light samples, for the path's `vertex`-th vertices, which `rays` hit,
     // like a light that no scattered ray finds: densities are RF_DELTA_PDF, or 1 where there is none. Adds to
-    // keys->path_rays. Links that the vertex before may find as well are weighted, unless `area` is given: it gets what
+    // keys->path_rays. Connections that the vertex before may find as well are weighted, unless `area` is given: it gets what
     // rf_own_weight asks for.
-    void ( *sample )( const RfLinker* linker, RfWavefront* keys, const RfRayLanes* rays, const RfVertexLanes* vertices,
+    void ( *sample )( const RfConnector* connector, RfWavefront* keys, const RfRayLanes* rays, const RfVertexLanes* vertices,
                       int vertex, RfLightLanes* out, float* area );
-    // Links that a point finds, on average, to parents that one light path brings into being.
-    float parents;
-    const bool* linked; // by material, then the sky: whose emission it finds
-    RfTrail* trails;    // by slot: workspace
+    // Connections that a point finds, on average, to VPLs that one light path brings into being.
+    float vpl_connections;
+    const bool* connected; // by material, then the sky: whose emission it finds
+    RfTrail* trails;       // by slot: workspace
     // The weight of a scattered ray that came by `length` vertices of a trail to a point of an emitter: one less that of the
-    // links that find the same light.
-    float ( *weigh_chance )( const RfLinker* linker, const RfTrail* trail, int length, uint32_t triangle, RfVec3 point );
+    // connections that find the same light.
+    float ( *weigh_chance )( const RfConnector* connector, const RfTrail* trail, int length, uint32_t triangle, RfVec3 point );
 };
 
-// Light samples of a vertex with those of the linker.
+// Light samples of a vertex with those of the connector.
 static inline int rf_light_lanes_count( const RfPathSettings* settings )
 {
-    return settings->light_samples + ( settings->linker != NULL );
+    return settings->light_samples + ( settings->connector != NULL );
 }
 
 // Fills the vertices of the rays' hits, which are in the scratch, as rf_find_vertices does.
@@ -145,7 +145,7 @@ void rf_evaluate_seen_from( const RfVertexLanes* vertices, RfBsdfKind kind, cons
                             float* const f[3], float* pdf_solid_angle );
 
 // Samples wi for all lanes of the vertices from three random numbers each. Its f
-// and density go to scratch; for unevaluable lanes the weight f |cos| / density
+// and density go to scratch; for specular lanes the weight f |cos| / density
 // takes the place of f.
 void rf_scatter_lanes( const RfWavefront* keys, const RfVertexLanes* vertices, uint32_t dimension, float* const wi[3],
                        RfLaneScratch* scratch );
@@ -158,7 +158,7 @@ void rf_add_emission_hits( const RfPathSettings* settings, const RfRayLanes* ray
                            const uint32_t* triangle, const float* pane_probability, bool defer_mis, RfChainLight* chain_light,
                            RfArrivals* arrivals );
 
-// The side on which wi leaves an unevaluable lane: 1 that of wo, −1 the other; 0
+// The side on which wi leaves a specular lane: 1 that of wo, −1 the other; 0
 // where shading and geometric normal disagree and the path ends.
 static inline float rf_leaving_side( const RfVertexLanes* v, int i, const float wi[3] )
 {
@@ -188,21 +188,21 @@ static inline RfVec3 rf_transmittance_from( const RfVertexLanes* v, int i, RfVec
 // Scatters all lanes of the vertices, the path's `vertex`-th, with deferred MIS.
 // wavefront->rays gets the rays that can carry light. Their throughput is 1 for
 // lanes that become records, whose weight only scales wavefront->roulette_scale,
-// and the weight f |cos| / density for unevaluable lanes. Directions go to wi,
+// and the weight f |cos| / density for specular lanes. Directions go to wi,
 // densities to wavefront->scratch.pdf.
 void rf_scatter_deferred( const RfPathSettings* settings, RfWavefront* wavefront, const RfVertexLanes* vertices, int vertex,
                           float* const wi[3] );
 
 #define RF_NOT_LINKED 255
 
-// Links are sought at least as if light came in at this cosine.
-#define RF_LEAST_PARENT_COSINE 0.1f
+// Connections are sought at least as if light came in at this cosine.
+#define RF_LEAST_VPL_COSINE 0.1f
 
 // Light that comes to a vertex x by a chain, is scattered there and arrives at y before it, both matte, is found in two ways: by a
-// ray that y scatters and a link at x, and by a link at y to a light path that landed at x. The balance weight of the first, with
-// densities by the cosine (src/reuse/estimators.md, section 16). `area` is that of the footprint of the link at x, over
-// the links that are found in it; infinity: there is no other way.
-static inline float rf_own_weight( float parents, float area, RfVec3 y, RfVec3 n_y, RfVec3 x, RfVec3 ng_x )
+// ray that y scatters and a connection at x, and by a connection at y to a light path that landed at x. The balance weight of the first, with
+// densities by the cosine (src/reuse/estimators.md, section 16). `area` is that of the footprint of the connection at x, over
+// the connections that are found in it; infinity: there is no other way.
+static inline float rf_own_weight( float vpl_connections, float area, RfVec3 y, RfVec3 n_y, RfVec3 x, RfVec3 ng_x )
 {
     if ( area == INFINITY )
         return 1.0f;
@@ -210,7 +210,7 @@ static inline float rf_own_weight( float parents, float area, RfVec3 y, RfVec3 n
     float d2 = rf_maxf( rf_dot( way, way ), 1e-20f ), inverse = 1.0f / sqrtf( d2 );
     float cos_y = rf_maxf( rf_dot( way, n_y ) * inverse, 0.0f ), cos_x = rf_maxf( -rf_dot( way, ng_x ) * inverse, 0.0f );
     float by_ray = RF_INV_PI * cos_y * area / d2; // over cos_x, like the next
-    return by_ray / ( by_ray + parents / rf_maxf( cos_x, RF_LEAST_PARENT_COSINE ) );
+    return by_ray / ( by_ray + vpl_connections / rf_maxf( cos_x, RF_LEAST_VPL_COSINE ) );
 }
 
 // Whether a lane is matte.
@@ -227,9 +227,10 @@ void rf_note_lit( const RfPathSettings* settings, RfWavefront* wavefront, const 
 void rf_count_deltas( const RfPathSettings* settings, RfWavefront* wavefront, const RfVertexLanes* vertices, int vertex,
                       const float* pdf );
 
-// Emission at the end of chains from evaluable vertices is shared with the linker: what was hit shines as much as its weight
-// tells; the sky where nothing was hit is left to the linker. Notes the vertices for what comes.
-void rf_leave_to_links( const RfPathSettings* settings, const RfWavefront* wavefront, RfRayLanes* rays, RfVertexLanes* vertices );
+// Emission at the end of chains from non-specular vertices is shared with the connector: what was hit shines as much as its weight
+// tells; the sky where nothing was hit is left to the connector. Notes the vertices for what comes.
+void rf_leave_to_connections( const RfPathSettings* settings, const RfWavefront* wavefront, RfRayLanes* rays,
+                              RfVertexLanes* vertices );
 
 // Ends the paths for which `vertex` is the last one: their throughput becomes 0.
 void rf_end_spent_paths( const RfPathSettings* settings, const RfWavefront* wavefront, int vertex, RfRayLanes* rays );

@@ -148,7 +148,7 @@ typedef struct RfRenderStats
     int flicker_missed;   // the same of pairs and settings.flicker, counted at the later frame
     bool hurried;         // settings.time was too short for the least: two passes of a frame
     int adaptive_frames;  // finished frames with extra samples
-    double ahead_seconds; // of a look along the path, from which the time to the end of a noise or flicker is foretold,
+    double ahead_seconds; // of a look along the path, from which the time to the end of a noise or flicker is predicted,
     double ahead_samples; // and its samples, which are not in `rays`; 0: there was none
     int entry_count;      // of the entries
     RfMemoryEntry entries[RF_MAX_MEMORY_ENTRIES];

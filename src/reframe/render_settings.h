@@ -72,7 +72,7 @@ typedef enum RfAdaptive
 // "auto", "on", "off".
 const char* rf_adaptive_name( RfAdaptive adaptive );
 
-// Light paths through mirrors and glass, bent to what the eyes see (src/kernel/README.md).
+// Light paths through mirrors and glass, bent to what the eyes see (src/light_paths/README.md).
 typedef enum RfLightPathsUse
 {
     RF_LIGHT_PATHS_AUTO, // from emitters that look small in mirrors and glass (src/light/divide.h)
@@ -83,12 +83,12 @@ typedef enum RfLightPathsUse
 // "auto", "on", "off".
 const char* rf_light_paths_name( RfLightPathsUse use );
 
-// How a link to a light path is divided by the probability of finding it.
+// How a connection to a light path is divided by the probability of finding it.
 typedef enum RfKernelNormalization
 {
     RF_KERNEL_EXACT,   // by repeated trials: unbiased
     RF_KERNEL_DISC,    // as if every light path near enough were found: biased, for comparison
-    RF_KERNEL_DENSITY, // no links: density estimation by the same footprints, as in photon mapping; blurred, for comparison
+    RF_KERNEL_DENSITY, // no connections: density estimation by the same footprints, as in photon mapping; blurred, for comparison
 } RfKernelNormalization;
 
 // "exact", "disc", "density".

@@ -17,7 +17,7 @@
 #define LEAST_PIXELS 256.0 // less tells nothing
 #define PASSES 4
 #define MOST_PASSES 64
-#define SHARE 0.008 // of the work of the render, as the first round foretells it
+#define SHARE 0.008 // of the work of the render, as the first round predicts it
 #define AHEAD_SEED 0x61686561
 
 // All is looked at twice, with other random numbers: what differs is chance.
@@ -239,7 +239,7 @@ static void settle_all( Look* look )
         settle( look, which );
 }
 
-// A second round, if the first foretells a render that is worth it.
+// A second round, if the first predicts a render that is worth it.
 static RfResult look_closer( Look* look, RfError* error )
 {
     RfRenderer* r = look->r;
@@ -265,8 +265,8 @@ static RfResult look_twice( Look* look, RfError* error )
 
 RfResult rf_look_ahead( RfRenderer* r, RfError* error )
 {
-    bool foretells = r->settings.noise > 0.0 || r->settings.flicker > 0.0;
-    if ( !foretells || r->callbacks.progress == NULL ) // nobody is told
+    bool predicts = r->settings.noise > 0.0 || r->settings.flicker > 0.0;
+    if ( !predicts || r->callbacks.progress == NULL ) // nobody is reported
         return RF_OK;
     double start = rf_wall_seconds();
     Look look = { .r = r, .passes = PASSES, .eye_count = r->plan.eyes < EYES ? r->plan.eyes : EYES };

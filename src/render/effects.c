@@ -117,15 +117,15 @@ static void set_light_paths( const Source* from )
     const RfSceneTraits* t = &from->traits;
     const RfRenderSettings* s = from->settings;
     bool on = rf_wants_light_paths( t, s );
-    if ( s->light_paths == RF_LIGHT_PATHS_OFF && t->emitters.linked > 0 )
+    if ( s->light_paths == RF_LIGHT_PATHS_OFF && t->emitters.connected > 0 )
         set( from, RF_EFFECT_LIGHT_PATHS, false,
              "the settings do not ask for it, though mirrors or clear glass pass on light of %u small emitter%s",
-             t->emitters.linked, t->emitters.linked == 1 ? "" : "s" );
+             t->emitters.connected, t->emitters.connected == 1 ? "" : "s" );
     else if ( s->light_paths == RF_LIGHT_PATHS_OFF )
         set( from, RF_EFFECT_LIGHT_PATHS, false, "the settings do not ask for it" );
     else if ( on && s->light_paths == RF_LIGHT_PATHS_AUTO )
         set( from, RF_EFFECT_LIGHT_PATHS, true, "%u triangles of mirrors or clear glass; %u of %u emitters are small",
-             t->chain_triangles, t->emitters.linked, t->emitters.all );
+             t->chain_triangles, t->emitters.connected, t->emitters.all );
     else if ( on )
         set( from, RF_EFFECT_LIGHT_PATHS, true, "%u triangles of mirrors or clear glass", t->chain_triangles );
     else

@@ -9,7 +9,7 @@
 
 #define MOST_GROUPS 128 // that are gone through; those after them are taken to be like these
 #define MOST_LOOKS 24   // at a group
-#define WORTH 0.03      // more work, after which it is foretold anew
+#define WORTH 0.03      // more work, after which it is predicted anew
 
 RfResult rf_alloc_forecast( int frames, RfForecast* f, RfError* error )
 {
@@ -17,7 +17,7 @@ RfResult rf_alloc_forecast( int frames, RfForecast* f, RfError* error )
     f->room = malloc( (size_t)frames * sizeof *f->room );
     return f->frames != NULL && f->room != NULL
                ? RF_OK
-               : rf_fail( error, RF_ERROR_MEMORY, "no memory left to foretell %d frames", frames );
+               : rf_fail( error, RF_ERROR_MEMORY, "no memory left to predict %d frames", frames );
 }
 
 void rf_free_forecast( RfForecast* f )
@@ -182,7 +182,7 @@ void rf_forecast( RfStop* stop, const RfNoiseEstimates* look, int done, RfForeca
 {
     if ( look->count == 0 || !rf_is_any_known( stop, look ) )
         return;
-    if ( stop->work < ( 1.0 + WORTH ) * stop->foretold_at )
+    if ( stop->work < ( 1.0 + WORTH ) * stop->predicted_at )
         return;
     Walk w = { .stop = *stop,
                .now = stop,
@@ -208,5 +208,5 @@ void rf_forecast( RfStop* stop, const RfNoiseEstimates* look, int done, RfForeca
     }
     // those of further sweeps, too
     stop->work_left = work + ( units > 0.0 ? ahead * stop->units_left / units : 0.0 );
-    stop->foretold_at = stop->work;
+    stop->predicted_at = stop->work;
 }

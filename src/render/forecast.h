@@ -18,7 +18,7 @@ typedef struct RfForecastFrame
 
 typedef struct RfForecast
 {
-    RfForecastFrame* frames; // of the whole path; NULL: nothing is foretold
+    RfForecastFrame* frames; // of the whole path; NULL: nothing is predicted
     RfFrameNoise* room;      // for those of a group
 } RfForecast;
 
@@ -26,7 +26,7 @@ typedef struct RfForecast
 RfResult rf_alloc_forecast( int frames, RfForecast* forecast, RfError* error );
 void rf_free_forecast( RfForecast* forecast );
 
-// Foretells stop->work_left after an estimate. Of the frames of the path `asked` is filled in.
+// Predicts stop->work_left after an estimate. Of the frames of the path `asked` is filled in.
 void rf_forecast( RfStop* stop, const RfNoiseEstimates* look, int done, RfForecast* forecast );
 
 #endif

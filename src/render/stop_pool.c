@@ -16,7 +16,7 @@ enum
 static double wanted_of( const RfStop* stop, int goal ) { return goal == NOISE ? stop->goals.noise : stop->goals.flicker; }
 
 // v of a frame for a goal; NaN: not known. A noise in doubt counts double where it is to stop by, but not where it is to
-// foretell: with more passes most doubts end. Those of flicker stay, such as the rims of lamps.
+// predict: with more passes most doubts end. Those of flicker stay, such as the rims of lamps.
 static double value_of( const RfFrameNoise* f, int goal, bool likely )
 {
     double value = goal == NOISE ? f->noise : f->flicker;

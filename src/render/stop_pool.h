@@ -7,7 +7,7 @@
 // Is all known that the frame is to reach? A frame whose neighbours are not rendered has no flicker of its own.
 bool rf_is_known( const RfStop* stop, const RfFrameNoise* frame );
 
-// Is anything known that foretells the passes to come?
+// Is anything known that predicts the passes to come?
 bool rf_is_any_known( const RfStop* stop, const RfNoiseEstimates* look );
 
 // v of the noise of a frame, and its pair, as they are likely to be, by what is known and by the look ahead.

@@ -92,8 +92,8 @@ typedef struct RfStop
     double group_units;                    // of this group
     double group_share;                    // of it that is done
     double work;                           // passes × eyes done in all
-    double work_left;                      // as foretold; NaN: not yet
-    double foretold_at;                    // work done then
+    double work_left;                      // as predicted; NaN: not yet
+    double predicted_at;                   // work done then
     double last_rate;                      // of the last group
     double look_seconds;                   // spent on estimates,
     int looks;                             // so many of them

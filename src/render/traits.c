@@ -20,7 +20,7 @@ RfSceneTraits rf_scene_traits( const RfScene* scene, const RfEye* eyes, int eye_
         traits.panes = traits.panes || rf_may_be_pane( material );
         traits.smooth = traits.smooth || rf_may_be_smooth( material );
     }
-    traits.chains = traits.smooth || ( traits.kinds & ~0u << RF_BSDF_FIRST_UNEVALUABLE ) != 0;
+    traits.chains = traits.smooth || ( traits.kinds & ~0u << RF_BSDF_FIRST_SPECULAR ) != 0;
     RfMirrors mirrors;
     if ( rf_find_mirrors( scene, &mirrors, NULL ) == RF_OK )
         traits.mirrors = mirrors.count > 0;
@@ -43,7 +43,7 @@ bool rf_wants_light_paths( const RfSceneTraits* traits, const RfRenderSettings* 
 {
     return rf_calls_for( settings->light_paths != RF_LIGHT_PATHS_OFF && settings->estimator->prepare != NULL &&
                              settings->weights == RF_WEIGHTS_EXACT && traits->chain_triangles > 0 && !traits->panes &&
-                             !traits->blended && ( settings->light_paths == RF_LIGHT_PATHS_ON || traits->emitters.linked > 0 ),
+                             !traits->blended && ( settings->light_paths == RF_LIGHT_PATHS_ON || traits->emitters.connected > 0 ),
                          RF_EFFECT_LIGHT_PATHS );
 }
 

@@ -10,8 +10,8 @@ void rf_go_to( const RfVertexLanes* found, RfVertexLanes* at )
     at->count = found->count - first;
     for ( int kind = 0; kind <= RF_BSDF_KIND_COUNT; ++kind )
     {
-        at->first[kind] = kind <= RF_BSDF_FIRST_UNEVALUABLE ? 0 : found->first[kind] - first;
-        if ( kind < RF_BSDF_FIRST_UNEVALUABLE || kind == RF_BSDF_KIND_COUNT )
+        at->first[kind] = kind <= RF_BSDF_FIRST_SPECULAR ? 0 : found->first[kind] - first;
+        if ( kind < RF_BSDF_FIRST_SPECULAR || kind == RF_BSDF_KIND_COUNT )
             continue;
         int begin = found->first[kind], count = found->first[kind + 1] - begin;
         rf_copy_vertices( found, begin, count, rf_bsdf_model( (RfBsdfKind)kind )->params, at, begin - first );

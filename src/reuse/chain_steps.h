@@ -29,7 +29,7 @@ void rf_start_chains( const RfPathSettings* path, const RfVertexLanes* first, co
 void rf_split_reflections( const RfPathSettings* path, int vertex, const RfVertexLanes* coats, RfWavefront* wavefront,
                            RfChains* chains );
 
-// Makes the unevaluable lanes of `found` the vertices where chains are.
+// Makes the specular lanes of `found` the vertices where chains are.
 void rf_go_to( const RfVertexLanes* found, RfVertexLanes* at );
 
 // Adds light samples at vertices of chains, for their lobes that are no deltas, to wavefront->arrivals.

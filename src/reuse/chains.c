@@ -17,7 +17,7 @@ static void light_chains( const RfPathSettings* path, int vertex, RfWavefront* w
             continue;
         rf_copy_vertices( at, i, 1, rf_bsdf_model( RF_BSDF_GLASS )->params, unlit, unlit->count++ );
     }
-    for ( int kind = RF_BSDF_FIRST_UNEVALUABLE + 1; kind <= RF_BSDF_KIND_COUNT; ++kind )
+    for ( int kind = RF_BSDF_FIRST_SPECULAR + 1; kind <= RF_BSDF_KIND_COUNT; ++kind )
         unlit->first[kind] = unlit->count;
     if ( unlit->count > 0 )
         rf_light_chains( path, vertex, unlit, wavefront, chains );
@@ -112,7 +112,7 @@ static bool is_coat_behind_pane( const RfChains* chains, int slot, const RfVerte
     return chains->view[slot] == RF_VIEW_DIRECT && kind == RF_BSDF_GGX && rf_is_smooth_coat( found, i );
 }
 
-// Notes the chains that have reached an evaluable vertex, and the throughputs of all.
+// Notes the chains that have reached a non-specular vertex, and the throughputs of all.
 static void note_ends( const RfPathSettings* path, const RfVertexLanes* found, const RfRayLanes* rays, int vertex,
                        RfChains* chains )
 {
@@ -120,7 +120,7 @@ static void note_ends( const RfPathSettings* path, const RfVertexLanes* found, c
     for ( int r = 0; r < rays->count; ++r )
         rf_set_throughput( chains, rays->slot[r],
                            rf_vec3( rays->throughput[0][r], rays->throughput[1][r], rays->throughput[2][r] ) );
-    for ( int kind = 0; kind < RF_BSDF_FIRST_UNEVALUABLE; ++kind )
+    for ( int kind = 0; kind < RF_BSDF_FIRST_SPECULAR; ++kind )
     {
         for ( int i = found->first[kind]; i < found->first[kind + 1]; ++i )
         {
@@ -147,7 +147,7 @@ static void end_last( const RfPathSettings* path, int vertex, RfChains* chains )
     }
 }
 
-// Appends the evaluable first hits of a model; coats that were split leave their base.
+// Appends the non-specular first hits of a model; coats that were split leave their base.
 static void append_first( const RfVertexLanes* first, int kind, const RfChains* chains, RfVertexLanes* hits )
 {
     uint32_t params = rf_bsdf_model( (RfBsdfKind)kind )->params;
@@ -170,12 +170,12 @@ static void append_first( const RfVertexLanes* first, int kind, const RfChains* 
     }
 }
 
-// Merges the evaluable first hits and the ends of chains.
+// Merges the non-specular first hits and the ends of chains.
 static void merge_hits( const RfVertexLanes* first, RfChains* chains )
 {
     RfVertexLanes* hits = &chains->hits;
     hits->count = 0;
-    for ( int kind = 0; kind < RF_BSDF_FIRST_UNEVALUABLE; ++kind )
+    for ( int kind = 0; kind < RF_BSDF_FIRST_SPECULAR; ++kind )
     {
         hits->first[kind] = hits->count;
         append_first( first, kind, chains, hits );
@@ -185,7 +185,7 @@ static void merge_hits( const RfVertexLanes* first, RfChains* chains )
                 rf_copy_vertices( &chains->ends, end, 1, rf_bsdf_model( (RfBsdfKind)kind )->params, hits, hits->count++ );
         }
     }
-    for ( int kind = RF_BSDF_FIRST_UNEVALUABLE; kind <= RF_BSDF_KIND_COUNT; ++kind )
+    for ( int kind = RF_BSDF_FIRST_SPECULAR; kind <= RF_BSDF_KIND_COUNT; ++kind )
         hits->first[kind] = hits->count;
 }
 

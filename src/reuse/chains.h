@@ -1,4 +1,4 @@
-// Chains: the runs of mirrors and glass that camera rays follow to the first evaluable
+// Chains: the runs of mirrors and glass that camera rays follow to the first non-specular
 // vertex (src/reuse/estimators.md, section 10).
 #ifndef REFRAME_REUSE_CHAINS_H
 #define REFRAME_REUSE_CHAINS_H
@@ -9,7 +9,7 @@
 
 typedef struct RfChains
 {
-    RfVertexLanes hits; // what becomes records: evaluable first hits and ends of chains, sorted by model
+    RfVertexLanes hits; // what becomes records: non-specular first hits and ends of chains, sorted by model
     RfVertexLanes ends; // of chains, in the order they were found
     RfVertexLanes at;   // the vertices where chains are now
     // by slot
@@ -30,7 +30,7 @@ typedef struct RfChains
 // True if chains start at some of these vertices.
 bool rf_has_chains( const RfVertexLanes* first );
 
-// True if unevaluable vertex i is a thin pane at this angle (src/reuse/estimators.md, section 11).
+// True if specular vertex i is a thin pane at this angle (src/reuse/estimators.md, section 11).
 bool rf_is_at_pane( const RfTracer* tracer, const RfVertexLanes* v, int i );
 
 // Follows the chains that start at some vertices of `first`, and fills everything.

@@ -101,11 +101,11 @@ static void note_passed_panes( const RfHarvest* harvest, RfHarvestScratch* scrat
     scratch->wavefront.spent = scratch->spent;
 }
 
-// Tiles share the light of chains; not where links find it, nor where replayed rays could meet other surfaces, nor in gradients.
+// Tiles share the light of chains; not where connections find it, nor where replayed rays could meet other surfaces, nor in gradients.
 static bool shares_chain_light( const RfHarvest* harvest, const RfHarvestScratch* scratch )
 {
     return rf_reuses_tiles( scratch ) && rf_calls_for( scratch->chains != NULL, RF_EFFECT_CHAINS ) &&
-           !rf_tracer_runs( harvest->path.tracer ).any_blended && harvest->path.linker == NULL && !harvest->path_roulette &&
+           !rf_tracer_runs( harvest->path.tracer ).any_blended && harvest->path.connector == NULL && !harvest->path_roulette &&
            harvest->path_source == NULL;
 }
 
@@ -119,10 +119,10 @@ void rf_trace_hit_tails( const RfHarvest* harvest, RfHarvestScratch* scratch, Rf
                              : rf_reuses_tiles( scratch )                       ? &scratch->tiles->chain_light
                                                                                 : scratch->chain_light;
     rf_scatter_deferred( &harvest->path, wavefront, v, 1, wi );
-    int unevaluable = v->count - rf_record_count( v );
-    if ( unevaluable > 0 )
-        memcpy( scratch->unevaluable_pdf, wavefront->scratch.pdf + rf_record_count( v ), (size_t)unevaluable * sizeof( float ) );
-    if ( unevaluable > 0 && rf_tracer_has_panes( harvest->path.tracer ) )
+    int specular = v->count - rf_record_count( v );
+    if ( specular > 0 )
+        memcpy( scratch->specular_pdf, wavefront->scratch.pdf + rf_record_count( v ), (size_t)specular * sizeof( float ) );
+    if ( specular > 0 && rf_tracer_has_panes( harvest->path.tracer ) )
         note_passed_panes( harvest, scratch, wi );
     if ( rf_reuses_tiles( scratch ) )
     {
@@ -213,7 +213,7 @@ int rf_harvest_first_hits( const RfHarvest* harvest, RfTraceJob job, RfHitBatch*
     return harvest_first_hits( &at, job, batch, scratch, rays );
 }
 
-// Beyond the hits; with light paths, links at all vertices.
+// Beyond the hits; with light paths, connections at all vertices.
 static void trace_tails( const RfHarvest* harvest, RfHarvestScratch* scratch, RfRayCounts* rays )
 {
     if ( harvest->light_paths == NULL )
@@ -221,13 +221,14 @@ static void trace_tails( const RfHarvest* harvest, RfHarvestScratch* scratch, Rf
         rf_trace_hit_tails( harvest, scratch, rays );
         return;
     }
-    RfKernelLinker linker = rf_make_linker( harvest->light_paths, harvest->kernel_normalization, &harvest->path, scratch->links );
-    RfHarvest linked = *harvest;
-    linked.path.linker = &linker.linker;
-    rf_trace_hit_tails( &linked, scratch, rays );
+    RfLightPathConnector connector =
+        rf_make_connector( harvest->light_paths, harvest->kernel_normalization, &harvest->path, scratch->connections );
+    RfHarvest connected = *harvest;
+    connected.path.connector = &connector.connector;
+    rf_trace_hit_tails( &connected, scratch, rays );
     for ( int j = 0; j < harvest->path.light_samples; ++j )
-        rf_note_lit( &linked.path, &scratch->wavefront, scratch->direct + j, j, scratch->hits->count );
-    rf_link_vertices( &linker, &scratch->wavefront, NULL, scratch->hits, 1 );
+        rf_note_lit( &connected.path, &scratch->wavefront, scratch->direct + j, j, scratch->hits->count );
+    rf_connection_vertices( &connector, &scratch->wavefront, NULL, scratch->hits, 1 );
 }
 
 static int harvest_batch( const RfHarvest* harvest, RfTraceJob job, RfHitBatch* batch, RfHarvestScratch* scratch,

@@ -4,7 +4,7 @@
 #ifndef REFRAME_REUSE_HARVEST_H
 #define REFRAME_REUSE_HARVEST_H
 
-#include "kernel/links.h"
+#include "light_paths/connections.h"
 #include "path/wavefront.h"
 #include "reuse/records.h"
 #include "render/estimator.h"

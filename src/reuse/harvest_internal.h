@@ -23,15 +23,15 @@ struct RfHarvestScratch
     RfRayLanes camera_rays;
     RfVertexLanes first;              // hits of the camera rays
     RfChains* chains;                 // NULL unless the shape has chains
-    const RfVertexLanes* hits;        // what becomes records, and unevaluable hits behind: `first`, or chains->hits
+    const RfVertexLanes* hits;        // what becomes records, and specular hits behind: `first`, or chains->hits
     RF_ALIGN int32_t pixel[RF_LANES]; // by slot
     RF_ALIGN int32_t tile_of[RF_LANES];
     RF_ALIGN int32_t miss_slot[RF_LANES]; // of the misses: rays that found nothing, then chains without a hit
     int ray_miss_count;                   // of the former
     int32_t glint_slot[RF_LANES];
-    RF_ALIGN float scattered[3][RF_LANES];    // direction drawn at each hit
-    int32_t spent[RF_LANES];                  // without chains: −1 for paths that begin by passing a pane
-    RF_ALIGN float unevaluable_pdf[RF_LANES]; // of the direction drawn at unevaluable hits, from 0
+    RF_ALIGN float scattered[3][RF_LANES]; // direction drawn at each hit
+    int32_t spent[RF_LANES];               // without chains: −1 for paths that begin by passing a pane
+    RF_ALIGN float specular_pdf[RF_LANES]; // of the direction drawn at specular hits, from 0
     RF_ALIGN float wo[3][RF_LANES];
     RfArrivalLanes arrival;
     RF_ALIGN int32_t landed_pixel[RF_LANES]; // pixel of each hit on the film of an eye
@@ -42,7 +42,7 @@ struct RfHarvestScratch
     float* density;                          // J_l V_l: eye l, hit i at l·RF_LANES + i
     float* mixture;                          // P: direction d, glossy hit i at d·RF_LANES + i
     RfTileReuse* tiles;                      // NULL without tile reuse
-    RfLinkLanes* links;                      // NULL without light paths
+    RfConnectionLanes* connections;          // NULL without light paths
     RfChainSamples* chain_samples;           // NULL without
     RfChainLight* chain_light;               // of the paths, where tiles do not share it; NULL without chain samples
 };
@@ -110,7 +110,7 @@ void rf_list_hits( int count, RfHarvestScratch* scratch, RfHitBatch* batch );
 // and scratch->density.
 void rf_test_batch_visibility( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch, RfRayCounts* rays );
 
-// Radiance of the misses: the sky, and that of unevaluable hits, which are listed behind them.
+// Radiance of the misses: the sky, and that of specular hits, which are listed behind them.
 void rf_light_own_frame( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch );
 
 // Adds the light that paths found by chains to what arrives at their hits, and takes the chain samples.

@@ -39,7 +39,7 @@ static void copy_views( const RfHarvestScratch* scratch, RfHitBatch* batch )
         batch->view[i] = !rf_follows_chains( scratch ) ? RF_VIEW_DIRECT : scratch->chains->view[scratch->hits->slot[i]];
 }
 
-// Lists unevaluable hits and chains without a hit, of mirrors, glass and coats, behind the rays that missed.
+// Lists specular hits and chains without a hit, of mirrors, glass and coats, behind the rays that missed.
 static void note_own_frame( const RfVertexLanes* first, const uint8_t* recorded, RfHarvestScratch* scratch, RfHitBatch* batch )
 {
     for ( int i = 0; i < first->count; ++i )

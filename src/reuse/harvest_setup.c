@@ -5,9 +5,9 @@
 // are as many at least (src/reuse/measurements.md, "The second light sample").
 #define DIRECT_SAMPLES 2
 
-static int direct_samples( const RfEstimatorGroup* group, int tile_pixels, bool links )
+static int direct_samples( const RfEstimatorGroup* group, int tile_pixels, bool connections )
 {
-    int least = tile_pixels == 1 || links || group->even_light_samples ? 1 : DIRECT_SAMPLES;
+    int least = tile_pixels == 1 || connections || group->even_light_samples ? 1 : DIRECT_SAMPLES;
     return group->settings->light_samples > least ? group->settings->light_samples : least;
 }
 
@@ -17,25 +17,25 @@ static int direct_samples( const RfEstimatorGroup* group, int tile_pixels, bool 
 RfBatchShape rf_batch_shape( const RfEstimatorGroup* group )
 {
     const RfRenderSettings* settings = group->settings;
-    bool unevaluable = ( group->traits.kinds & ~0u << RF_BSDF_FIRST_UNEVALUABLE ) != 0;
+    bool specular = ( group->traits.kinds & ~0u << RF_BSDF_FIRST_SPECULAR ) != 0;
     int tile_pixels = rf_tile_pixels( &settings->tile );
     bool chains = rf_wants_chains( &group->traits, settings, tile_pixels );
-    bool links = rf_wants_light_paths( &group->traits, settings );
-    bool samples = chains && group->traits.chain_triangles > 0 && !links && !group->even_light_samples; // not in gradients
+    bool connections = rf_wants_light_paths( &group->traits, settings );
+    bool samples = chains && group->traits.chain_triangles > 0 && !connections && !group->even_light_samples; // not in gradients
     return ( RfBatchShape ){
         .eyes = group->eye_count,
-        .light_samples = direct_samples( group, tile_pixels, links ),
+        .light_samples = direct_samples( group, tile_pixels, connections ),
         .tile_pixels = tile_pixels,
         .params = rf_glossy_params( group->traits.kinds ),
         .eq15 = settings->weights == RF_WEIGHTS_EQ15,
         .blurred = rf_is_blurred( &group->traits ),
         .blended = group->traits.blended,
         .panes = group->traits.panes,
-        .own_frame_light = unevaluable || chains || group->traits.sky,
+        .own_frame_light = specular || chains || group->traits.sky,
         .filtered = !rf_is_plain_filter( settings ),
         .chains = chains,
         .chain_samples = rf_calls_for( samples, RF_EFFECT_CHAINS ) ? CHAIN_SAMPLES : 0,
-        .links = links,
+        .connections = connections,
     };
 }
 
@@ -76,8 +76,8 @@ size_t rf_harvest_scratch_bytes( const RfBatchShape* shape )
     size_t lanes = RF_LANES * sizeof( float );
     return scratch_struct_bytes() + eyes_bytes( shape ) + (size_t)shape->light_samples * sizeof( RfLightLanes ) +
            (size_t)shape->eyes * lanes + (size_t)rf_direction_count( shape ) * lanes +
-           rf_tile_reuse_bytes( shape->light_samples + shape->links, shape->tile_pixels, shape->panes ) +
-           ( shape->chains ? sizeof( RfChains ) + 64 : 0 ) + ( shape->links ? sizeof( RfLinkLanes ) + 64 : 0 ) +
+           rf_tile_reuse_bytes( shape->light_samples + shape->connections, shape->tile_pixels, shape->panes ) +
+           ( shape->chains ? sizeof( RfChains ) + 64 : 0 ) + ( shape->connections ? sizeof( RfConnectionLanes ) + 64 : 0 ) +
            ( shape->chain_samples > 0 ? sizeof( RfChainSamples ) + sizeof( RfChainLight ) + 64 : 0 ) +
            ( shape->filtered ? 2 * lanes : 0 );
 }
@@ -90,12 +90,12 @@ RfHarvestScratch* rf_lay_out_harvest_scratch( const RfBatchShape* shape, void* m
     scratch->density = (float*)( scratch->direct + shape->light_samples );
     scratch->mixture = scratch->density + (size_t)shape->eyes * RF_LANES;
     char* rest = (char*)( scratch->mixture + (size_t)rf_direction_count( shape ) * RF_LANES );
-    scratch->tiles = rf_lay_out_tile_reuse( shape->light_samples + shape->links, shape->tile_pixels, shape->panes, rest );
-    rest += rf_tile_reuse_bytes( shape->light_samples + shape->links, shape->tile_pixels, shape->panes );
+    scratch->tiles = rf_lay_out_tile_reuse( shape->light_samples + shape->connections, shape->tile_pixels, shape->panes, rest );
+    rest += rf_tile_reuse_bytes( shape->light_samples + shape->connections, shape->tile_pixels, shape->panes );
     scratch->chains = shape->chains ? (RfChains*)(void*)( rest + ( 64 - (uintptr_t)rest % 64 ) % 64 ) : NULL;
     rest = shape->chains ? (char*)( scratch->chains + 1 ) : rest;
-    scratch->links = shape->links ? (RfLinkLanes*)(void*)( rest + ( 64 - (uintptr_t)rest % 64 ) % 64 ) : NULL;
-    rest = shape->links ? (char*)( scratch->links + 1 ) : rest;
+    scratch->connections = shape->connections ? (RfConnectionLanes*)(void*)( rest + ( 64 - (uintptr_t)rest % 64 ) % 64 ) : NULL;
+    rest = shape->connections ? (char*)( scratch->connections + 1 ) : rest;
     bool samples = shape->chain_samples > 0;
     scratch->chain_samples = samples ? (RfChainSamples*)(void*)( rest + ( 64 - (uintptr_t)rest % 64 ) % 64 ) : NULL;
     scratch->chain_light = samples ? (RfChainLight*)(void*)( scratch->chain_samples + 1 ) : NULL;

@@ -12,7 +12,7 @@ typedef RfArrivalLanes Arrival;
 static void direction_lanes( const RfHarvest* harvest, RfHarvestScratch* scratch, int direction, const float* wi[3] )
 {
     int pairing = direction - rf_first_pairing( &harvest->shape );
-    float( *lanes )[RF_LANES] = pairing == harvest->shape.tile_pixels      ? scratch->links->wi
+    float( *lanes )[RF_LANES] = pairing == harvest->shape.tile_pixels      ? scratch->connections->wi
                                 : direction < harvest->shape.light_samples ? scratch->direct[direction].wi
                                 : pairing < 0                              ? scratch->chain_samples->found.wi
                                 : pairing == 0                             ? scratch->scattered
@@ -142,7 +142,7 @@ static void add_density( const RfHarvest* harvest, const RfHitBatch* batch, RfHa
 // the hit's own eye.
 static void mix_densities( const RfHarvest* harvest, const RfHitBatch* batch, RfHarvestScratch* scratch )
 {
-    int directions = rf_first_pairing( &harvest->shape ) + harvest->shape.tile_pixels; // links do not depend on densities
+    int directions = rf_first_pairing( &harvest->shape ) + harvest->shape.tile_pixels; // connections do not depend on densities
     float* wo[3] = { scratch->wo[0], scratch->wo[1], scratch->wo[2] };
     memset( scratch->mixture, 0, (size_t)directions * RF_LANES * sizeof( float ) );
     for ( int l = 0; l < harvest->shape.eyes; ++l )
@@ -202,26 +202,26 @@ static void weight_direction( const RfHarvest* harvest, RfHitBatch* batch, RfHar
                          batch->directions + direction );
 }
 
-// The light of links. It needs no weight: nothing else brings it.
-static void add_links( const RfHarvest* harvest, RfHitBatch* batch, const RfHarvestScratch* scratch )
+// The light of connections. It needs no weight: nothing else brings it.
+static void add_connections( const RfHarvest* harvest, RfHitBatch* batch, const RfHarvestScratch* scratch )
 {
     const RfVertexLanes* v = scratch->hits;
-    const RfLinkLanes* links = scratch->links;
+    const RfConnectionLanes* connections = scratch->connections;
     int first = batch->first[RF_BSDF_FIRST_GLOSSY], count = batch->count - first;
     bool any = harvest->light_paths != NULL;
     for ( int i = 0; i < first && any; ++i )
     {
         for ( int c = 0; c < 3; ++c )
-            batch->radiance[4 * i + c] += v->param[RF_PARAM_DIFFUSE + c][i] * RF_INV_PI * links->light[c][i];
+            batch->radiance[4 * i + c] += v->param[RF_PARAM_DIFFUSE + c][i] * RF_INV_PI * connections->light[c][i];
     }
     if ( count == 0 )
         return;
     RfDirectionLanes* out = batch->directions + rf_direction_count( &harvest->shape ) - 1;
     for ( int c = 0; c < 3; ++c )
     {
-        memcpy( out->wi[c], any ? links->wi[c] + first : v->n[c] + first, (size_t)count * sizeof( float ) );
+        memcpy( out->wi[c], any ? connections->wi[c] + first : v->n[c] + first, (size_t)count * sizeof( float ) );
         if ( any )
-            memcpy( out->q[c], links->one[c] + first, (size_t)count * sizeof( float ) );
+            memcpy( out->q[c], connections->one[c] + first, (size_t)count * sizeof( float ) );
         else
             memset( out->q[c], 0, (size_t)count * sizeof( float ) );
     }
@@ -268,8 +268,8 @@ void rf_weight_batch( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScra
     int directions = rf_first_pairing( &harvest->shape ) + ( glossy ? harvest->shape.tile_pixels : 1 );
     for ( int d = 0; d < directions; ++d )
         weight_direction( harvest, batch, scratch, d );
-    if ( harvest->shape.links )
-        add_links( harvest, batch, scratch );
+    if ( harvest->shape.connections )
+        add_connections( harvest, batch, scratch );
     if ( rf_follows_chains( scratch ) )
         dim_chains( harvest, batch, scratch );
 }

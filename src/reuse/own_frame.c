@@ -1,4 +1,4 @@
-// Own-frame samples: hits of unevaluable materials, and the sky in the background.
+// Own-frame samples: hits of specular materials, and the sky in the background.
 // They are stored with the misses, which have weight 1 in their own frame and 0
 // elsewhere (src/reuse/estimators.md, section 2), but are not black.
 #include "reuse/harvest_internal.h"
@@ -27,7 +27,7 @@ static void light_misses( const RfHarvest* harvest, const RfHarvestScratch* scra
     }
 }
 
-// Adds light sampling at the unevaluable hits; their delta lobes do not contribute.
+// Adds light sampling at the specular hits; their delta lobes do not contribute.
 static void add_light_samples( const RfHarvest* harvest, RfHarvestScratch* scratch, const RfHitBatch* batch, int first_miss )
 {
     const RfVertexLanes* v = &scratch->first;
@@ -58,7 +58,7 @@ static void add_scattered( const RfHarvest* harvest, const RfHarvestScratch* scr
     {
         int slot = v->slot[i], n = i - rf_record_count( v );
         float* light = light_of( batch, first_miss + n );
-        float pdf = scratch->unevaluable_pdf[n];
+        float pdf = scratch->specular_pdf[n];
         float weight = pdf > 0.0f ? pdf / ( pdf + k * arrivals->light_pdf_solid_angle[slot] ) : 0.0f;
         for ( int c = 0; c < 3; ++c )
             light[c] += arrivals->emitted[c][slot] * weight + arrivals->rest[c][slot];
@@ -109,15 +109,15 @@ void rf_light_own_frame( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestS
         return;
     }
     const RfVertexLanes* v = &scratch->first;
-    int unevaluable = v->count - rf_record_count( v ), first_miss = batch->miss_count - unevaluable;
-    for ( int n = 0; n < unevaluable; ++n )
+    int specular = v->count - rf_record_count( v ), first_miss = batch->miss_count - specular;
+    for ( int n = 0; n < specular; ++n )
     {
         float* light = light_of( batch, first_miss + n );
         for ( int c = 0; c < 3; ++c )
             light[c] = v->emission[c][rf_record_count( v ) + n];
         light[3] = 1.0f;
     }
-    if ( unevaluable > 0 && harvest->path.max_depth > 1 )
+    if ( specular > 0 && harvest->path.max_depth > 1 )
     {
         add_light_samples( harvest, scratch, batch, first_miss );
         add_scattered( harvest, scratch, batch, first_miss );

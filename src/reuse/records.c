@@ -76,7 +76,7 @@ static RfHitBatch lay_out( const RfBatchShape* shape, Layout* layout )
 uint32_t rf_glossy_params( unsigned kinds )
 {
     uint32_t params = 0;
-    for ( int kind = RF_BSDF_FIRST_GLOSSY; kind < RF_BSDF_FIRST_UNEVALUABLE; ++kind )
+    for ( int kind = RF_BSDF_FIRST_GLOSSY; kind < RF_BSDF_FIRST_SPECULAR; ++kind )
     {
         if ( ( kinds >> kind & 1u ) != 0 && rf_is_model_built( (RfBsdfKind)kind ) )
             params |= rf_bsdf_model( (RfBsdfKind)kind )->params;

@@ -27,7 +27,7 @@ typedef struct RfHitBatch
     int eye;                           // index in the group of the frame whose pixels these are
     RfLensSample lens;                 // of all its camera rays; only where some camera of the path has a lens or shutter
     int count;                         // hits
-    int miss_count;                    // own-frame samples: rays that missed, hits of unevaluable models, and
+    int miss_count;                    // own-frame samples: rays that missed, hits of specular models, and
                                        // chains that end without a hit
     int sky_count;                     // the first of them: camera rays that missed
     int glint_count;                   // light that chains bring to pixels beside that of their hit
@@ -61,12 +61,12 @@ typedef struct RfBatchShape
     bool eq15;
     bool blended;         // visibility may be between 0 and 1
     bool panes;           // connections and, with chains, the eyes' rays may pass thin panes
-    bool own_frame_light; // misses may be lit: the scene has a sky or unevaluable materials
+    bool own_frame_light; // misses may be lit: the scene has a sky or specular materials
     bool blurred;         // batches have their points of the lens and moments of the shutter
     bool filtered;        // samples need their place in the pixel
     bool chains;          // camera rays go on through mirrors and glass
     int chain_samples;    // of hits behind chains (path/chain_samples.h): one direction more, but for 0
-    bool links;           // light that mirrors and glass send to hits comes by links to light paths: one direction more
+    bool connections;     // light that mirrors and glass send to hits comes by connections to light paths: one direction more
 } RfBatchShape;
 
 // How a hit was found.
@@ -106,11 +106,11 @@ static inline bool rf_is_blurred_shape( const RfBatchShape* shape )
 static inline bool rf_has_views( const RfHitBatch* batch ) { return rf_calls_for( batch->has_views, RF_EFFECT_CHAINS ); }
 
 // Directions are numbered: the light samples, what chain samples found, the scattered one and those of the neighbour paths of
-// the tile, the links.
+// the tile, the connections.
 static inline int rf_first_pairing( const RfBatchShape* shape ) { return shape->light_samples + ( shape->chain_samples > 0 ); }
 static inline int rf_direction_count( const RfBatchShape* shape )
 {
-    return rf_first_pairing( shape ) + shape->tile_pixels + shape->links;
+    return rf_first_pairing( shape ) + shape->tile_pixels + shape->connections;
 }
 static inline int rf_seen_words( int eyes ) { return ( eyes + 31 ) / 32; }
 

@@ -4,7 +4,7 @@
 #include "reuse/accumulate.h"
 #include "reuse/glossy.h"
 #include "reuse/harvest_internal.h"
-#include "reuse/link_share.h"
+#include "reuse/connection_share.h"
 #include "reuse/serialise.h"
 
 static size_t header_bytes( void ) { return ( sizeof( RfHitBatch ) + 63 ) / 64 * 64; }
@@ -31,7 +31,7 @@ static RfEstimatorSizes sizes( const RfEstimatorGroup* group )
         .trace_scratch = rf_harvest_scratch_bytes( &shape ),
         .accumulate_scratch = rf_accumulate_scratch_bytes( &shape ),
         .pass_state = shape.eq15 ? pixels * (size_t)rf_seen_words( shape.eyes ) * sizeof( uint32_t ) : 0,
-        .shared = shape.links ? rf_light_paths_bytes( group ) + rf_link_share_bytes( group ) : 0,
+        .shared = shape.connections ? rf_light_paths_bytes( group ) + rf_connection_share_bytes( group ) : 0,
         .whole_pass = shape.eq15,
         .diffuse_record = per_lane( rf_batch_bytes( &diffuse ) ),
         .shiny_record = per_lane( rf_batch_bytes( &shape ) ),
@@ -62,7 +62,7 @@ static void prepare( const RfEstimatorGroup* group, int pass, void* shared, RfRa
 {
     RfLightPaths* paths = shared;
     if ( paths->share_of != group->number + 1 )
-        rf_choose_link_share( group, paths, (char*)shared + rf_light_paths_bytes( group ), rays );
+        rf_choose_connection_share( group, paths, (char*)shared + rf_light_paths_bytes( group ), rays );
     paths->share_of = group->number + 1;
     if ( rf_drawn_light_paths( paths ) == NULL )
         return;

@@ -16,7 +16,7 @@ typedef struct RfPixelRange
 uint64_t rf_splat_diffuse( const RfHitBatch* batch, const RfAccumulateScratch* scratch, RfPixelRange range );
 uint64_t rf_splat_glossy( const RfHitBatch* batch, const RfAccumulateScratch* scratch, RfPixelRange range );
 
-// Misses and unevaluable hits: weight 1 in their own frame, 0 elsewhere. Returns how many landed.
+// Misses and specular hits: weight 1 in their own frame, 0 elsewhere. Returns how many landed.
 uint64_t rf_splat_misses( const RfHitBatch* batch, bool black, float weight, RfPixelRange range );
 
 // Light without a sample of its own.

@@ -16,7 +16,7 @@ typedef struct RfSpread
 // the range itself.
 uint64_t rf_spread_hits( const RfHitBatch* batch, const RfAccumulateScratch* scratch, RfSpread spread );
 
-// Misses and unevaluable hits, with weight 1 in their own frame, and glints. Returns how many but glints landed in the range.
+// Misses and specular hits, with weight 1 in their own frame, and glints. Returns how many but glints landed in the range.
 uint64_t rf_spread_own_frame( const RfHitBatch* batch, bool black, float weight, RfSpread spread );
 
 #endif

@@ -3,7 +3,7 @@
 // at a vertex could have been sampled by any path of the tile that reaches the
 // vertex, so it is weighted over them as directions at a first hit are over the eyes:
 // Q = A / (K p_L + P) + B / P with P = Σ_k (ρ_k / Σ ρ) p(ω; seen from x^k).
-#include "reuse/tile_links.h"
+#include "reuse/tile_connections.h"
 
 #include <string.h>
 
@@ -87,8 +87,8 @@ static void find_receivers( const RfTileReuse* reuse, int pairing, float wo[3][R
     }
 }
 
-static void add_glossy( const RfPathSettings* settings, const float* const wi[3], int tile_pixels, bool links, RfTileReuse* reuse,
-                        RfLaneScratch* s )
+static void add_glossy( const RfPathSettings* settings, const float* const wi[3], int tile_pixels, bool connections,
+                        RfTileReuse* reuse, RfLaneScratch* s )
 {
     const RfVertexLanes* y = &reuse->second;
     int first = y->first[RF_BSDF_FIRST_GLOSSY], end = rf_record_count( y );
@@ -102,7 +102,7 @@ static void add_glossy( const RfPathSettings* settings, const float* const wi[3]
         float* f[3] = { t->f[0], t->f[1], t->f[2] };
         float* weight = s->visible;
         find_receivers( reuse, pairing, reuse->wo, weight );
-        for ( int kind = RF_BSDF_FIRST_GLOSSY; kind < RF_BSDF_FIRST_UNEVALUABLE; ++kind )
+        for ( int kind = RF_BSDF_FIRST_GLOSSY; kind < RF_BSDF_FIRST_SPECULAR; ++kind )
         {
             if ( rf_is_model_built( (RfBsdfKind)kind ) )
                 rf_evaluate_seen_from( y, (RfBsdfKind)kind, wo, wi, f, s->pdf );
@@ -122,7 +122,7 @@ static void add_glossy( const RfPathSettings* settings, const float* const wi[3]
     {
         RfPairingLanes* t = reuse->pairings + pairing;
         const float* weight = s->visible;
-        rf_find_link_weights( settings, reuse, pairing, links, s->visible );
+        rf_find_connection_weights( settings, reuse, pairing, connections, s->visible );
         for ( int c = 0; c < 3; ++c )
         {
 #pragma omp simd
@@ -133,9 +133,9 @@ static void add_glossy( const RfPathSettings* settings, const float* const wi[3]
 }
 
 // Light of vertices that are not reused reaches its own hit as it would without
-// tiles: either surface is unevaluable.
+// tiles: either surface is specular.
 static void add_not_reused( const RfPathSettings* settings, RfWavefront* wavefront, const float* const wi[3], bool scattered,
-                            bool links, RfTileReuse* reuse )
+                            bool connections, RfTileReuse* reuse )
 {
     const RfVertexLanes* y = &reuse->second;
     RfLaneScratch* s = &wavefront->scratch;
@@ -146,14 +146,14 @@ static void add_not_reused( const RfPathSettings* settings, RfWavefront* wavefro
         if ( rf_scatters_to_tile( reuse, a ) )
             continue;
         int slot = y->slot[a];
-        bool unevaluable = scattered && a >= rf_record_count( y ); // its ray carried the weight
-        float pdf = unevaluable ? reuse->pdf[a] : s->pdf[a], q[3];
-        float weight = links ? rf_link_weight( settings, reuse, reuse->hit_of[a], a ) : 1.0f;
+        bool specular = scattered && a >= rf_record_count( y ); // its ray carried the weight
+        float pdf = specular ? reuse->pdf[a] : s->pdf[a], q[3];
+        float weight = connections ? rf_connection_weight( settings, reuse, reuse->hit_of[a], a ) : 1.0f;
         light_of( reuse, a, pdf, q );
         for ( int c = 0; c < 3; ++c )
         {
             float light = f[c][a] * q[c] * weight;
-            if ( unevaluable )
+            if ( specular )
             {
                 float k = (float)settings->light_samples * reuse->arrivals_at_second.light_pdf_solid_angle[slot];
                 light = reuse->arrivals_at_second.rest[c][slot] +
@@ -225,29 +225,29 @@ void rf_light_pairings( const RfTileReuseSettings* settings, RfWavefront* wavefr
     int tile_pixels = settings->tile_pixels;
     bool glossy = reuse->second.first[RF_BSDF_FIRST_GLOSSY] < rf_record_count( &reuse->second );
     size_t bytes = (size_t)rf_record_count( &reuse->second ) * sizeof( float ); // beyond is the light of chains
-    bool linked = path->linker != NULL;
-    reuse->shared = linked ? 0 : reuse->second.first[RF_BSDF_FIRST_GLOSSY];
-    for ( int k = 0; k < 3 * ( glossy || linked ? tile_pixels : 1 ); ++k )
+    bool connected = path->connector != NULL;
+    reuse->shared = connected ? 0 : reuse->second.first[RF_BSDF_FIRST_GLOSSY];
+    for ( int k = 0; k < 3 * ( glossy || connected ? tile_pixels : 1 ); ++k )
         memset( reuse->pairings[k / 3].light[k % 3], 0, bytes );
     bool reused = all_reused( reuse );
     int k = path->light_samples;
-    for ( int d = 0; d <= k + linked; ++d ) // light samples, what was scattered, links
+    for ( int d = 0; d <= k + connected; ++d ) // light samples, what was scattered, connections
     {
         const RfLightLanes* direct = reuse->direct + ( d < k ? d : k );
-        bool scattered = d == k, links = d > k;
+        bool scattered = d == k, connections = d > k;
         const float* wi[3] = { scattered ? reuse->wi[0] : direct->wi[0], scattered ? reuse->wi[1] : direct->wi[1],
                                scattered ? reuse->wi[2] : direct->wi[2] };
         if ( scattered )
             gather_scattered( path, reuse );
         else
-            gather_light_sample( path, reuse, links ? k : d );
+            gather_light_sample( path, reuse, connections ? k : d );
         if ( !reused )
-            add_not_reused( path, wavefront, wi, scattered, links, reuse );
-        if ( links )
-            rf_add_diffuse_links( path, wi, tile_pixels, reuse, &wavefront->scratch );
+            add_not_reused( path, wavefront, wi, scattered, connections, reuse );
+        if ( connections )
+            rf_add_diffuse_connections( path, wi, tile_pixels, reuse, &wavefront->scratch );
         else
             add_diffuse( wi, reuse, &wavefront->scratch );
-        add_glossy( path, wi, tile_pixels, links, reuse, &wavefront->scratch );
+        add_glossy( path, wi, tile_pixels, connections, reuse, &wavefront->scratch );
     }
     store_own( wavefront, reuse );
 }

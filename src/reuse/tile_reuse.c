@@ -66,7 +66,7 @@ static bool is_spent( const RfTileReuseSettings* settings, const RfWavefront* wa
     return wavefront->spent != NULL && wavefront->spent[reuse->second.slot[a]] + 2 >= settings->path->max_depth;
 }
 
-// Finds the second vertices that are reused: the hit must be evaluable, and the vertex too or
+// Finds the second vertices that are reused: the hit must be non-specular, and the vertex too or
 // the first of a chain that found light. All hits of the tile could have sampled them, including those whose
 // own path has no second vertex.
 static void list_owners( const RfTileReuseSettings* settings, const RfWavefront* wavefront, const RfVertexLanes* hits,
@@ -180,8 +180,9 @@ static void trace_beyond( const RfPathSettings* settings, RfWavefront* wavefront
                                                               reuse->direct + j, &wavefront->scratch );
     for ( int j = 0; j < k; ++j )
         rf_note_lit( settings, wavefront, reuse->direct + j, j, reuse->second.count );
-    if ( settings->linker != NULL )
-        settings->linker->sample( settings->linker, wavefront, NULL, &reuse->second, 2, reuse->direct + k, reuse->link_area );
+    if ( settings->connector != NULL )
+        settings->connector->sample( settings->connector, wavefront, NULL, &reuse->second, 2, reuse->direct + k,
+                                     reuse->connection_area );
     memcpy( &reuse->arrivals_at_hits, &wavefront->arrivals, sizeof wavefront->arrivals );
     memset( &wavefront->arrivals, 0, sizeof wavefront->arrivals );
     float* wi[3] = { reuse->wi[0], reuse->wi[1], reuse->wi[2] };

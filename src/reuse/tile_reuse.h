@@ -26,9 +26,9 @@ typedef struct RfPairingLanes
     int32_t vertex[RF_LANES];       // second vertex of the neighbour path; if it has none 0, with weight 0
     // lanes: glossy second vertices
     float f[3][RF_LANES];
-    float
-        light[3]
-             [RF_LANES]; // scattered to the receiver; in pairing 0 diffuse vertices too, the same to all unless links bring some
+    float light
+        [3]
+        [RF_LANES]; // scattered to the receiver; in pairing 0 diffuse vertices too, the same to all unless connections bring some
 } RfPairingLanes;
 
 typedef struct RfTileReuse
@@ -45,10 +45,10 @@ typedef struct RfTileReuse
     RfVertexLanes second;
     RF_ALIGN float lifted[3][RF_LANES]; // hits lifted off their surface, the ends of connections
     const RfVertexLanes* hits;
-    int32_t hit_of[RF_LANES];             // the hit whose ray found it; −1: one of an unevaluable surface
-    float link_area[RF_LANES];            // of the linker's sample (rf_own_weight)
+    int32_t hit_of[RF_LANES];             // the hit whose ray found it; −1: one of a specular surface
+    float connection_area[RF_LANES];      // of the connector's sample (rf_own_weight)
     int shared;                           // the first of them scatter the same light to all receivers
-    int32_t owner[RF_LANES];              // the hit whose path it belongs to; −1: not reused. Of an unevaluable vertex
+    int32_t owner[RF_LANES];              // the hit whose path it belongs to; −1: not reused. Of a specular vertex
                                           // only the light is that its path finds by a chain (reuse/tile_chains.h)
     bool dark[RF_LANES];                  // no light arrives there: reused, but not connected
     bool parallel[RF_LANES];              // the chain that begins there is followed in the same direction (reuse/tile_chains.h)
@@ -65,7 +65,7 @@ typedef struct RfTileReuse
     RfChainLight chain_light;            // of the paths; all 0 unless it is shared
     RfArrivals arrivals_at_hits;         // by slot: along the rays scattered at the hits
     RfArrivals arrivals_at_second;       // by slot: along wi at the second vertices
-    RfLightLanes* direct;                // light samples at the second vertices, K of them, and one of the linker
+    RfLightLanes* direct;                // light samples at the second vertices, K of them, and one of the connector
     RfPairingLanes* pairings;            // one per pixel of a tile
     float ( *pane_weight )[3][RF_LANES]; // by pairing and hit: κ of the panes between (section 11); NULL: no panes
 } RfTileReuse;
@@ -80,7 +80,7 @@ typedef struct RfTileReuseSettings
     const int32_t* source; // of the paths (reuse/tile_copies.h); NULL: each hit has its own
 } RfTileReuseSettings;
 
-// `light_lanes`: light samples of a vertex, with those of a linker (rf_light_lanes_count).
+// `light_lanes`: light samples of a vertex, with those of a connector (rf_light_lanes_count).
 size_t rf_tile_reuse_bytes( int light_lanes, int tile_pixels, bool panes );
 RfTileReuse* rf_lay_out_tile_reuse( int light_lanes, int tile_pixels, bool panes, void* memory );
 

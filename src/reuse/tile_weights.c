@@ -14,7 +14,7 @@ static void multiply_densities( const RfVertexLanes* x, RfPairingLanes* pairing,
 {
     const float* wo[3] = { x->wo[0], x->wo[1], x->wo[2] };
     const float* wi[3] = { pairing->wi[0], pairing->wi[1], pairing->wi[2] };
-    for ( int kind = 0; kind < RF_BSDF_FIRST_UNEVALUABLE; ++kind )
+    for ( int kind = 0; kind < RF_BSDF_FIRST_SPECULAR; ++kind )
     {
         if ( rf_is_model_built( (RfBsdfKind)kind ) )
             rf_evaluate_seen_from( x, (RfBsdfKind)kind, wo, wi, NULL, pdf );

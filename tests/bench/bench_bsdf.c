@@ -139,7 +139,7 @@ static double nanoseconds_per_lane( RfBsdfKind kind, int what, int count )
 
 int main( int argc, char** argv )
 {
-    static const char* names[RF_BSDF_FIRST_UNEVALUABLE] = { "lambert", "phong", "ggx", "coated" };
+    static const char* names[RF_BSDF_FIRST_SPECULAR] = { "lambert", "phong", "ggx", "coated" };
     int count = argc > 1 ? atoi( argv[1] ) : 1024;
     if ( count < 1 || count > MAX_LANES )
     {
@@ -147,7 +147,7 @@ int main( int argc, char** argv )
         return 2;
     }
     printf( "model,lanes,f+pdf_ns,f_ns,pdf_ns,sample_ns\n" );
-    for ( int kind = 0; kind < RF_BSDF_FIRST_UNEVALUABLE; ++kind )
+    for ( int kind = 0; kind < RF_BSDF_FIRST_SPECULAR; ++kind )
     {
         fill( (RfBsdfKind)kind, count );
         printf( "%s,%d", names[kind], count );

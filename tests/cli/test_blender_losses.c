@@ -102,7 +102,7 @@ static void test_lamps_of_blender_4( void** state )
                                } );
 }
 
-static void test_instances_are_told_as_well( void** state )
+static void test_instances_are_reported_as_well( void** state )
 {
     (void)state;
     expect_warnings( "instances", ( const char* const[MOST] ){
@@ -245,7 +245,7 @@ int main( void )
         cmocka_unit_test( test_plain_scene_has_no_warning ),
         cmocka_unit_test( test_lamps_that_rays_treat_otherwise ),
         cmocka_unit_test( test_lamps_of_blender_4 ),
-        cmocka_unit_test( test_instances_are_told_as_well ),
+        cmocka_unit_test( test_instances_are_reported_as_well ),
         cmocka_unit_test( test_objects_that_are_hidden_in_some_frames ),
         cmocka_unit_test( test_what_changes ),
         cmocka_unit_test( test_what_blender_does_to_pictures ),

@@ -265,7 +265,7 @@ static void test_only_chosen_frames_are_wanted( void** state )
     check_done( compare( "ca.1.exr", "cb.1.exr", NULL ) );
 }
 
-// The same holes in both sequences are told; what steps regularly has none.
+// The same holes in both sequences are reported; what steps regularly has none.
 static void test_missing_in_both( void** state )
 {
     (void)state;

@@ -56,7 +56,7 @@ static void test_verdict_says_bias_noise_and_worst_pixel( void** state )
     m = ( RfErrorMetrics ){ .worst = { .frame = -1 } };
     check_verdict( &m, -1, "no difference: every pixel is the same" );
     m.nan = 1;
-    check_verdict( &m, -1, "no error can be told: there are values that are no numbers" );
+    check_verdict( &m, -1, "no error can be reported: there are values that are no numbers" );
 }
 
 int main( void )

@@ -338,7 +338,7 @@ static void test_interrupt_keeps_finished_frames( void** state )
 static void test_full_disk_leaves_no_part_of_a_file( void** state )
 {
     (void)state;
-    // a folder in the way is told before anything is rendered, though another frame comes first
+    // a folder in the way is reported before anything is rendered, though another frame comes first
     cli_expect(
         cli_run( "mkdir -p way/f.0002.exr way/j; $R render $VASE -o way/f.####.exr --frames 1-2 --size 8x6 --spp 1 --group 0 "
                  "--quiet --overwrite" ),

@@ -204,7 +204,7 @@ static void test_layers_found_across_parts( void** state )
     check_failed( flicker( "p.#.exr", "--layer", "none", NULL ), 1, "has no layer none" );
     check_failed( flicker( "p.#.exr", "--reference", temp_path( "p.#.exr" ), "--reference-layer", "none", NULL ), 1,
                   "has no layer none" );
-    // a part that lies elsewhere: to be told, or left out beside the plain figures
+    // a part that lies elsewhere: to be reported, or left out beside the plain figures
     parts[1].x = 2;
     write_parts( "p.2.exr", parts, 4 );
     check_failed( flicker( "p.#.exr", NULL ), 1,

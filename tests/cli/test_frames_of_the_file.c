@@ -235,7 +235,7 @@ static void test_equal_eyes_are_rendered_once( void** state )
     cli_expect( cli_run( "$R plan room.gltf --quiet" ), 0, NULL );
 }
 
-static void test_still_cameras_are_told( void** state )
+static void test_still_cameras_are_reported( void** state )
 {
     (void)state;
     write_shot( "{\"kind\":\"keyed\",\"keys\":[" KEY( 1, 0, 40 ) "," KEY( 48, 0, 40 ) "]}" );
@@ -292,7 +292,7 @@ int main( void )
         cmocka_unit_test_setup_teardown( test_frames_in_steps, cli_enter_group, cli_leave_group ),
         cmocka_unit_test_setup_teardown( test_lens_of_every_frame, cli_enter_group, cli_leave_group ),
         cmocka_unit_test_setup_teardown( test_equal_eyes_are_rendered_once, cli_enter_group, cli_leave_group ),
-        cmocka_unit_test_setup_teardown( test_still_cameras_are_told, cli_enter_group, cli_leave_group ),
+        cmocka_unit_test_setup_teardown( test_still_cameras_are_reported, cli_enter_group, cli_leave_group ),
         cmocka_unit_test_setup_teardown( test_moving_objects_are_named, cli_enter_group, cli_leave_group ),
         cmocka_unit_test_setup_teardown( test_wrong_shots_are_errors, cli_enter_group, cli_leave_group ),
     };

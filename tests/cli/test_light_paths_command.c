@@ -34,7 +34,7 @@ static void test_frames_are_told_apart( void** state )
                 "kernel-normalization exact" );
 }
 
-static void test_what_cannot_be_done_is_told( void** state )
+static void test_what_cannot_be_done_is_reported( void** state )
 {
     (void)state;
     const CliResult* done = cli_run( "$R render '" REFRAME_SCENE_FOLDER
@@ -59,7 +59,7 @@ int main( void )
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( test_json_names_them ),
         cmocka_unit_test( test_frames_are_told_apart ),
-        cmocka_unit_test( test_what_cannot_be_done_is_told ),
+        cmocka_unit_test( test_what_cannot_be_done_is_reported ),
     };
     return cmocka_run_group_tests( tests, cli_enter_group, cli_leave_group );
 }

@@ -38,7 +38,7 @@ static void check( const char* name, const char* text, const char* lights, const
         assert_non_null( strstr( render->err, warning ) );
 }
 
-static void test_lamps_sky_and_darkness_are_told( void** state )
+static void test_lamps_sky_and_darkness_are_reported( void** state )
 {
     (void)state;
     cli_enter();
@@ -60,6 +60,6 @@ static void test_lamps_sky_and_darkness_are_told( void** state )
 
 int main( void )
 {
-    const struct CMUnitTest tests[] = { cmocka_unit_test( test_lamps_sky_and_darkness_are_told ) };
+    const struct CMUnitTest tests[] = { cmocka_unit_test( test_lamps_sky_and_darkness_are_reported ) };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

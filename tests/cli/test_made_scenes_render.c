@@ -30,7 +30,7 @@ static void test_every_scene_renders_without_a_warning( void** state )
                          "--group 0 --overwrite --quiet",
                          s_scenes[i], frame );
             cli_expect( result, 0, NULL );
-            // what the reader leaves out and black frames would be told here
+            // what the reader leaves out and black frames would be reported here
             if ( strstr( result->err, "warning" ) != NULL )
                 fail_msg( "%s: %s", s_scenes[i], result->err );
             cli_expect( cli_run( "$R compare t.exr t.exr" ), 0, NULL ); // fails for NaN and infinity

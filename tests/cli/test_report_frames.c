@@ -12,7 +12,7 @@
 
 #include <cmocka.h>
 
-static void test_missing_frames_are_told( void** state )
+static void test_missing_frames_are_reported( void** state )
 {
     (void)state;
     page_make_folder( "m/a" );
@@ -254,10 +254,10 @@ static void test_sizes_must_agree( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_missing_frames_are_told ),   cmocka_unit_test( test_holes_by_the_smallest_step ),
-        cmocka_unit_test( test_files_of_other_programs ),   cmocka_unit_test( test_layers_found_across_parts ),
-        cmocka_unit_test( test_values_fit_their_bytes ),    cmocka_unit_test( test_aovs_of_the_files ),
-        cmocka_unit_test( test_layers_are_chosen_by_name ), cmocka_unit_test( test_sizes_must_agree ),
+        cmocka_unit_test( test_missing_frames_are_reported ), cmocka_unit_test( test_holes_by_the_smallest_step ),
+        cmocka_unit_test( test_files_of_other_programs ),     cmocka_unit_test( test_layers_found_across_parts ),
+        cmocka_unit_test( test_values_fit_their_bytes ),      cmocka_unit_test( test_aovs_of_the_files ),
+        cmocka_unit_test( test_layers_are_chosen_by_name ),   cmocka_unit_test( test_sizes_must_agree ),
     };
     return cmocka_run_group_tests_name( "report frames", tests, cli_enter_group, cli_leave_group );
 }

@@ -75,7 +75,7 @@ static void test_verdict_compares_at_equal_noise( void** state )
     json_decref( data );
 }
 
-static void test_lower_bounds_and_warnings_are_told( void** state )
+static void test_lower_bounds_and_warnings_are_reported( void** state )
 {
     (void)state;
     write_render( "tail", 2, 2.0, 0.01, 0.03, ",\"relmse_is_lower_bound\":true,\"worst_ten_share\":0.6" );
@@ -203,8 +203,10 @@ static void test_render_and_cost_name_what_is_read( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_verdict_compares_at_equal_noise ),   cmocka_unit_test( test_lower_bounds_and_warnings_are_told ),
-        cmocka_unit_test( test_slower_is_called_slower ),           cmocka_unit_test( test_cost_of_another_scene_is_refused ),
+        cmocka_unit_test( test_verdict_compares_at_equal_noise ),
+        cmocka_unit_test( test_lower_bounds_and_warnings_are_reported ),
+        cmocka_unit_test( test_slower_is_called_slower ),
+        cmocka_unit_test( test_cost_of_another_scene_is_refused ),
         cmocka_unit_test( test_render_and_cost_name_what_is_read ),
     };
     return cmocka_run_group_tests_name( "report's words", tests, cli_enter_group, cli_leave_group );

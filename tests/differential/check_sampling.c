@@ -150,7 +150,7 @@ int check_sampling( long count )
           { { "coated: sampling, polar", .scale = 1, .limit = 32 }, { "coated: sampling, azimuth", .scale = 1, .limit = 32 } } },
     };
     int bad = 0;
-    for ( int kind = 0; kind < RF_BSDF_FIRST_UNEVALUABLE; ++kind )
+    for ( int kind = 0; kind < RF_BSDF_FIRST_SPECULAR; ++kind )
     {
         uint32_t stream = 11 + (uint32_t)kind;
         for ( long first = 0; first < count; first += BATCH )

@@ -161,18 +161,18 @@ static void test_what_is_kept_is_the_film( void** state )
     assert_true( films.now == since.now && fabs( films.worst_share - since.worst_share ) < 1e-6 );
 }
 
-// A change in one pixel is not to be trusted: what is told is what the others make of it.
+// A change in one pixel is not to be trusted: what is reported is what the others make of it.
 static void test_few_pixels_are_a_lower_bound( void** state )
 {
     (void)state;
     ratio( 0, 6, 2, 8, false, 0 );
     RfFlicker without = rf_flicker_of_films( &s_frames[0].film, &s_frames[1].film, RF_FILM_CROSSFIT );
     assert_false( rf_flicker_is_lower_bound( &without ) );
-    assert_true( rf_told_flicker( &without ) == rf_flicker_f1_squared( &without ) && rf_flicker_doubt( &without ) == 1.0 );
+    assert_true( rf_reported_flicker( &without ) == rf_flicker_f1_squared( &without ) && rf_flicker_doubt( &without ) == 1.0 );
     s_frames[1].half[0][4 * 77] += 1000.0f;
     RfFlicker with = rf_flicker_of_films( &s_frames[0].film, &s_frames[1].film, RF_FILM_CROSSFIT );
     assert_true( rf_flicker_is_lower_bound( &with ) && rf_flicker_doubt( &with ) > 1.0 );
-    double told = rf_told_flicker( &with ), others = rf_flicker_f1_squared( &without );
+    double told = rf_reported_flicker( &with ), others = rf_flicker_f1_squared( &without );
     assert_true( rf_flicker_f1_squared( &with ) > 10.0 * others && told < others && told > 0.9 * others );
 }
 

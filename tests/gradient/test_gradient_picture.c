@@ -1,4 +1,4 @@
-// The picture of the gradient estimator's films: samples that are not finite and solves that do not converge are told of,
+// The picture of the gradient estimator's films: samples that are not finite and solves that do not converge are reported of,
 // and the variance is that of the picture's halves.
 #include "gradient/gradient_films.h"
 #include "gradient/picture.h"
@@ -86,7 +86,7 @@ static Solved* solve( const Films* films, RfReconstruction reconstruction )
     return out;
 }
 
-static void test_what_is_not_finite_is_told( void** state )
+static void test_what_is_not_finite_is_reported( void** state )
 {
     (void)state;
     Films* films = make_films( 0.0f, PASSES );
@@ -105,7 +105,7 @@ static void test_what_is_not_finite_is_told( void** state )
     free( films );
 }
 
-static void test_a_solve_that_stops_early_is_told( void** state )
+static void test_a_solve_that_stops_early_is_reported( void** state )
 {
     (void)state;
     Films *quiet = make_films( 1.0f, PASSES ), *wild = make_films( 30.0f, 1 << 20 );
@@ -183,8 +183,8 @@ static void test_what_is_not_shared_stays_in_its_pixel( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_what_is_not_finite_is_told ),
-        cmocka_unit_test( test_a_solve_that_stops_early_is_told ),
+        cmocka_unit_test( test_what_is_not_finite_is_reported ),
+        cmocka_unit_test( test_a_solve_that_stops_early_is_reported ),
         cmocka_unit_test( test_variance_is_that_of_the_picture ),
         cmocka_unit_test( test_what_is_not_shared_stays_in_its_pixel ),
     };

@@ -20,9 +20,9 @@ typedef struct Estimator
     bool frames;           // groups, else of one frame
     const char* tile;      // NULL: none
     RfWeights weights;
-    bool lens;     // all eyes get a lens, and so does the reference
-    bool unbiased; // else only where all eyes are equal, so that all weights are
-    bool links;    // light paths, in scenes where they have mirrors or glass to follow
+    bool lens;        // all eyes get a lens, and so does the reference
+    bool unbiased;    // else only where all eyes are equal, so that all weights are
+    bool connections; // light paths, in scenes where they have mirrors or glass to follow
 } Estimator;
 
 static const Estimator s_estimators[] = {
@@ -34,8 +34,8 @@ static const Estimator s_estimators[] = {
     { "both, eq15", NULL, true, "3x3", RF_WEIGHTS_EQ15, false, false, false },
     { "both, unweighted", NULL, true, "3x3", RF_WEIGHTS_UNWEIGHTED, false, false, false },
     { "both, lens", NULL, true, "3x3", RF_WEIGHTS_EXACT, true, true, false },
-    { "path, links", NULL, false, NULL, RF_WEIGHTS_EXACT, false, true, true },
-    { "both, links", NULL, true, "3x3", RF_WEIGHTS_EXACT, false, true, true },
+    { "path, connections", NULL, false, NULL, RF_WEIGHTS_EXACT, false, true, true },
+    { "both, connections", NULL, true, "3x3", RF_WEIGHTS_EXACT, false, true, true },
 };
 
 typedef struct Result
@@ -65,7 +65,7 @@ static RfRenderSettings settings_of( const HardScene* h, const Estimator* e, con
     s.group = e->frames ? h->group : 0;
     s.weights = e->weights;
     s.normalize = e->weights == RF_WEIGHTS_EXACT && e->estimator == NULL ? RF_NORMALIZE_CROSSFIT : s.normalize;
-    s.light_paths = e->links ? RF_LIGHT_PATHS_ON : RF_LIGHT_PATHS_OFF;
+    s.light_paths = e->connections ? RF_LIGHT_PATHS_ON : RF_LIGHT_PATHS_OFF;
     s.spp = samples_of( h, form );
     s.max_depth = h->max_depth;
     s.threads = 1; // small pictures; and the weights are watched
@@ -79,7 +79,7 @@ static bool is_for( const Estimator* e, const HardScene* h, const HardForm* form
     RfEffect effects[RF_MAX_EFFECTS];
     RfRenderSettings settings = settings_of( h, e, form );
     rf_list_render_effects( &h->scene, h->eyes, h->eye_count, &settings, effects );
-    return !e->links || effects[RF_EFFECT_LIGHT_PATHS].on;
+    return !e->connections || effects[RF_EFFECT_LIGHT_PATHS].on;
 }
 
 // `alone`: no other frame adds to it, so each sample counts 1 in its own pixel.

@@ -228,7 +228,7 @@ static void check_refused( const char* path, RfResult wanted )
     rf_destroy_image( &image );
 }
 
-static void test_unwritable_places_are_told( void** state )
+static void test_unwritable_places_are_reported( void** state )
 {
     (void)state;
     RfError error;
@@ -428,7 +428,7 @@ int main( void )
         cmocka_unit_test( test_round_trip_incompressible ), cmocka_unit_test( test_half_rounding ),
         cmocka_unit_test( test_round_trip_half ),           cmocka_unit_test( test_same_image_same_bytes ),
         cmocka_unit_test( test_attributes_round_trip ),     cmocka_unit_test( test_strings_are_found_in_headers ),
-        cmocka_unit_test( test_png_is_srgb_of_the_light ),  cmocka_unit_test( test_unwritable_places_are_told ),
+        cmocka_unit_test( test_png_is_srgb_of_the_light ),  cmocka_unit_test( test_unwritable_places_are_reported ),
         cmocka_unit_test( test_links_are_followed ),        cmocka_unit_test( test_full_disk_leaves_no_part ),
         cmocka_unit_test( test_full_disk_keeps_old ),       cmocka_unit_test( test_sequence_names_are_read_and_made ),
         cmocka_unit_test( test_sequence_frames ),           cmocka_unit_test( test_printf_patterns_are_understood ),

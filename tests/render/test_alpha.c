@@ -255,7 +255,7 @@ static void check_sheet( const char* what, RfMaterial material, double radiance,
     rf_destroy_scene( &scene );
 }
 
-// As compositors have it unless they are told otherwise: glass covers, and shows the sky in its colour.
+// As compositors have it unless they are reported otherwise: glass covers, and shows the sky in its colour.
 static void test_panes_and_mirrors_cover( void** state )
 {
     (void)state;

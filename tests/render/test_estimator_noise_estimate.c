@@ -1,8 +1,8 @@
 // The error that a render reports, relMSE from the halves of its films, is true, in rooms whose noise is of
-// different kinds (scenes/make-noise-rooms.py; the estimate was not chosen by them): where it is told as a
+// different kinds (scenes/make-noise-rooms.py; the estimate was not chosen by them): where it is reported as a
 // plain figure, the relMSE of that picture against a converged reference with another seed is within 0.8 to
 // 1.25 of it in 5 of 6 renders, and half the renders of a setting are above, half below that; where
-// it is told as a lower bound, the relMSE is above. A lamp inside glass gives lower bounds while there are few samples.
+// it is reported as a lower bound, the relMSE is above. A lamp inside glass gives lower bounds while there are few samples.
 // With REFRAME_LONG all twelve rooms, more settings and seeds.
 #include "measure/error.h"
 #include "support/render_support.h"

@@ -22,7 +22,7 @@ static const json_t* frame_of( const json_t* json, size_t i ) { return json_arra
 
 static size_t count_of( const json_t* json ) { return json_array_size( json_object_get( json, "frames" ) ); }
 
-// Every pair that was rendered is below by what is told, and the first frame has none.
+// Every pair that was rendered is below by what is reported, and the first frame has none.
 static void check_told( const json_t* json, double wanted )
 {
     assert_true( number( json_object_get( json, "flicker" ), "wanted" ) == wanted );
@@ -38,7 +38,7 @@ static void check_told( const json_t* json, double wanted )
     }
 }
 
-// What is told against a reference, over all pairs of three seeds.
+// What is reported against a reference, over all pairs of three seeds.
 static void test_the_flicker_is_reached( void** state )
 {
     (void)state;
@@ -117,7 +117,7 @@ static void test_both_goals_hold( void** state )
     }
 }
 
-static void test_what_is_not_reached_is_told( void** state )
+static void test_what_is_not_reached_is_reported( void** state )
 {
     (void)state;
     cli_expect( cli_run( "$R render " ROOM " -o w.####.exr --frames 1-3 --flicker 1e-6 --spp 6 --json w.json " SMALL ), 0,
@@ -209,9 +209,9 @@ static void test_wrong_values_are_refused( void** state )
         "too small for frames of 400x300" );
 }
 
-// What cost foretells for path tracing is what such a render of a few frames takes, within a factor of two; plan and
+// What cost predicts for path tracing is what such a render of a few frames takes, within a factor of two; plan and
 // cost have it in their JSON.
-static void test_what_it_takes_is_foretold( void** state )
+static void test_what_it_takes_is_predicted( void** state )
 {
     (void)state;
     cli_expect(
@@ -232,7 +232,7 @@ static void test_what_it_takes_is_foretold( void** state )
     double taken = 0.0;
     for ( size_t i = 0; i < 4; ++i )
         taken += number( frame_of( json, i ), "native_spp" ) / 4.0;
-    printf( "samples for F1 0.025: foretold %.0f, taken %.1f\n", spp, taken );
+    printf( "samples for F1 0.025: predicted %.0f, taken %.1f\n", spp, taken );
     assert_true( spp > 0.4 * taken && spp < 2.5 * taken );
     json_decref( cost );
     json_decref( json );
@@ -245,12 +245,12 @@ int main( void )
         cmocka_unit_test( test_less_flicker_takes_more ),
         cmocka_unit_test( test_threads_change_nothing ),
         cmocka_unit_test( test_both_goals_hold ),
-        cmocka_unit_test( test_what_is_not_reached_is_told ),
+        cmocka_unit_test( test_what_is_not_reached_is_reported ),
         cmocka_unit_test( test_every_way_of_rendering_reaches_it ),
         cmocka_unit_test( test_resume_goes_on ),
         cmocka_unit_test( test_header_and_json_agree ),
         cmocka_unit_test( test_wrong_values_are_refused ),
-        cmocka_unit_test( test_what_it_takes_is_foretold ),
+        cmocka_unit_test( test_what_it_takes_is_predicted ),
     };
     return cmocka_run_group_tests( tests, cli_enter_group, cli_leave_group );
 }

@@ -164,7 +164,7 @@ static void test_failure_stops_the_render( void** state )
 }
 
 // What is finished when somebody stops the render is handed over all the same,
-// and if that fails, this is what is told.
+// and if that fails, this is what is reported.
 static void test_interruption_keeps_finished_frames( void** state )
 {
     (void)state;

@@ -1,4 +1,4 @@
-// The look along the path that foretells the time to the end of --noise and --flicker changes no picture.
+// The look along the path that predicts the time to the end of --noise and --flicker changes no picture.
 #include "support/scene_builder.h"
 #include "support/render_support.h"
 

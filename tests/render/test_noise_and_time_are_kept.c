@@ -81,7 +81,7 @@ static void test_threads_change_nothing( void** state )
                 0, NULL );
 }
 
-static void test_what_is_not_reached_is_told( void** state )
+static void test_what_is_not_reached_is_reported( void** state )
 {
     (void)state;
     const CliResult* result = cli_run( "$R render $VASE -o m.####.exr --frames 1-4 --noise 1e-6 --spp 9 --json m.json " SMALL );
@@ -107,7 +107,7 @@ static void test_time_is_kept_loosely( void** state )
     json_decref( json );
 }
 
-static void test_too_short_a_time_is_told( void** state )
+static void test_too_short_a_time_is_reported( void** state )
 {
     (void)state;
     cli_expect( cli_run( "$R render $VASE -o z.####.exr --frames 1-4 --time 1e-7 --json z.json " SMALL ), 0,
@@ -252,8 +252,8 @@ int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( test_the_error_is_reached ),        cmocka_unit_test( test_less_noise_takes_more ),
-        cmocka_unit_test( test_threads_change_nothing ),      cmocka_unit_test( test_what_is_not_reached_is_told ),
-        cmocka_unit_test( test_time_is_kept_loosely ),        cmocka_unit_test( test_too_short_a_time_is_told ),
+        cmocka_unit_test( test_threads_change_nothing ),      cmocka_unit_test( test_what_is_not_reached_is_reported ),
+        cmocka_unit_test( test_time_is_kept_loosely ),        cmocka_unit_test( test_too_short_a_time_is_reported ),
         cmocka_unit_test( test_whichever_comes_first_stops ), cmocka_unit_test( test_resume_keeps_frames_that_reached_it ),
         cmocka_unit_test( test_header_and_json_agree ),       cmocka_unit_test( test_wrong_values_are_refused ),
         cmocka_unit_test( test_defaults_of_a_scene_file ),    cmocka_unit_test( test_every_way_of_rendering_reaches_it ),

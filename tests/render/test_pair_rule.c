@@ -1,4 +1,4 @@
-// What a pair of frames will flicker when both are finished, foretold after some of their groups: by numbers alone, for
+// What a pair of frames will flicker when both are finished, predicted after some of their groups: by numbers alone, for
 // samples of variance 1 of which a common one has the correlation RHO in two neighbouring frames.
 #include "render/pair_rule.h"
 #include "render/stop_plan.h"
@@ -52,7 +52,7 @@ static RfFrameNoise known( const Path* path, int frame, int end )
 }
 
 // From any group that holds both frames on, in the middle of the path and at its ends.
-static void test_the_finished_pair_is_foretold( void** state )
+static void test_the_finished_pair_is_predicted( void** state )
 {
     (void)state;
     static const int shapes[][2] = { { 48, 3 }, { 48, 1 }, { 48, 8 }, { 17, 8 }, { 20, 3 } };
@@ -98,7 +98,7 @@ static void test_the_later_frame_mends_what_it_can( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_the_finished_pair_is_foretold ),
+        cmocka_unit_test( test_the_finished_pair_is_predicted ),
         cmocka_unit_test( test_the_later_frame_mends_what_it_can ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );

@@ -32,7 +32,7 @@ typedef struct Trial
     int window_passes[2 * MOST_FRAMES];
     double work, now; // eyes × passes, seconds
     bool reached[MOST_FRAMES];
-    RfForecast forecast; // empty: nothing is foretold
+    RfForecast forecast; // empty: nothing is predicted
 } Trial;
 
 static double uniform( uint64_t* state )
@@ -356,7 +356,7 @@ static void test_time_with_a_changing_pace( void** state )
     assert_true( t.passes[50] > 2 * t.passes[150] );
 }
 
-// Less time than the least takes: the least, and it is told.
+// Less time than the least takes: the least, and it is reported.
 static void test_too_short_a_time( void** state )
 {
     (void)state;
@@ -372,9 +372,9 @@ static void test_too_short_a_time( void** state )
     }
 }
 
-// After a tenth of the work the time to the end is foretold within a tenth where all frames are alike; with estimates of
+// After a tenth of the work the time to the end is predicted within a tenth where all frames are alike; with estimates of
 // some spread and a few that are in doubt.
-static void test_time_to_the_end_is_foretold( void** state )
+static void test_time_to_the_end_is_predicted( void** state )
 {
     (void)state;
     for ( int group = 0; group <= 8; group += 4 )
@@ -402,7 +402,7 @@ static void test_time_to_the_end_is_foretold( void** state )
     }
 }
 
-// The greatest error of what is foretold of the whole from a tenth of it on, where the noise grows fourfold along the path.
+// The greatest error of what is predicted of the whole from a tenth of it on, where the noise grows fourfold along the path.
 static double worst_where_noise_grows( bool looks_ahead )
 {
     Trial t = make_trial( 120, 3 );
@@ -427,11 +427,11 @@ static double worst_where_noise_grows( bool looks_ahead )
             worst = fmax( worst, fabs( t.now + rf_stop_left( &t.stop, t.now ) - whole.now ) / whole.now );
     }
     rf_free_forecast( &t.forecast );
-    assert_true( t.now == whole.now ); // what is foretold changes nothing
+    assert_true( t.now == whole.now ); // what is predicted changes nothing
     return worst;
 }
 
-static void test_what_lies_ahead_is_foretold( void** state )
+static void test_what_lies_ahead_is_predicted( void** state )
 {
     (void)state;
     assert_true( worst_where_noise_grows( true ) < 0.05 );
@@ -472,8 +472,8 @@ int main( void )
         cmocka_unit_test( test_time_is_kept ),
         cmocka_unit_test( test_time_with_a_changing_pace ),
         cmocka_unit_test( test_too_short_a_time ),
-        cmocka_unit_test( test_time_to_the_end_is_foretold ),
-        cmocka_unit_test( test_what_lies_ahead_is_foretold ),
+        cmocka_unit_test( test_time_to_the_end_is_predicted ),
+        cmocka_unit_test( test_what_lies_ahead_is_predicted ),
         cmocka_unit_test( test_whichever_comes_first_stops ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );

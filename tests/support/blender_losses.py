@@ -86,7 +86,7 @@ def points_on(o):
 
 
 def instances():
-    """What is in a collection that only instances show is told as well; what is hidden is not."""
+    """What is in a collection that only instances show is reported as well; what is hidden is not."""
     scene = plain()
     group = bpy.data.collections.new("group")
     for name in ("ghost", "hole", "fur", "dust"):

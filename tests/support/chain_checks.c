@@ -36,9 +36,9 @@ const ChainSetting g_adaptive_and_roulette[2] = {
     { .group = 3, .tile = "3x3", .spp = 7, .adaptive = true },
     { .group = 3, .tile = "3x3", .spp = 7, .roulette = true },
 };
-const ChainSetting g_linked[2] = {
-    { .group = 0, .tile = "1", .spp = 3, .linked = true },
-    { .group = 1, .tile = "3x3", .spp = 3, .linked = true },
+const ChainSetting g_connected[2] = {
+    { .group = 0, .tile = "1", .spp = 3, .connected = true },
+    { .group = 1, .tile = "3x3", .spp = 3, .connected = true },
 };
 
 static bool is_long( void ) { return getenv( "REFRAME_LONG" ) != NULL; }
@@ -177,7 +177,7 @@ static void check_setting( const ChainCase* c, const RfTracer* tracer, RfRenderS
     settings.spp = samples( s->spp );
     settings.adaptive = s->adaptive ? RF_ADAPTIVE_ON : RF_ADAPTIVE_OFF;
     settings.tile_roulette = s->roulette;
-    settings.light_paths = s->linked ? RF_LIGHT_PATHS_ON : RF_LIGHT_PATHS_OFF;
+    settings.light_paths = s->connected ? RF_LIGHT_PATHS_ON : RF_LIGHT_PATHS_OFF;
     assert_true( rf_parse_tile( s->tile, &settings.tile ) );
     FrameImages rendered = rendered_frames( c, tracer, settings );
     for ( int f = 0; f < FRAMES; ++f )
@@ -186,7 +186,7 @@ static void check_setting( const ChainCase* c, const RfTracer* tracer, RfRenderS
         if ( c->every_frame )
             snprintf( number, sizeof number, ", frame %d", s_frames[f] );
         snprintf( name, sizeof name, "%s%s, group %d tile %s%s%s%s:", c->what, number, s->group, s->tile,
-                  s->adaptive ? ", adaptive" : "", s->roulette ? ", roulette" : "", s->linked ? ", linked" : "" );
+                  s->adaptive ? ", adaptive" : "", s->roulette ? ", roulette" : "", s->connected ? ", connected" : "" );
         if ( c->every_frame || f == MIDDLE )
             assert_unbiased( name, rendered.frame + f, reference->frame + f, BLOCK );
     }

@@ -13,10 +13,10 @@ typedef struct ChainSetting
 {
     int group;
     const char* tile;
-    int spp;       // four times as many with REFRAME_LONG
-    bool adaptive; // extra samples
-    bool roulette; // on connections in tiles
-    bool linked;   // light paths
+    int spp;        // four times as many with REFRAME_LONG
+    bool adaptive;  // extra samples
+    bool roulette;  // on connections in tiles
+    bool connected; // light paths
 } ChainSetting;
 
 typedef struct ChainCase
@@ -38,7 +38,7 @@ extern const ChainSetting g_tiles_and_both[2];
 extern const ChainSetting g_adaptive_and_roulette[2];
 
 // Path tracing, and groups of 1 with tiles, both with light paths.
-extern const ChainSetting g_linked[2];
+extern const ChainSetting g_connected[2];
 
 // An orbit with g_tiles_and_both.
 ChainCase chain_case( const char* what, int max_depth );

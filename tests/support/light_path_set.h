@@ -2,7 +2,7 @@
 #ifndef REFRAME_TESTS_LIGHT_PATH_SET_H
 #define REFRAME_TESTS_LIGHT_PATH_SET_H
 
-#include "kernel/light_paths.h"
+#include "light_paths/light_paths.h"
 #include "path/wavefront.h"
 
 typedef struct LightPathSet
@@ -14,7 +14,7 @@ typedef struct LightPathSet
     RfLightPaths* paths;
 } LightPathSet;
 
-// Draws the set of the first pass of a group of one eye, whose film has this many pixels; all emitters are linked. It must stay where
+// Draws the set of the first pass of a group of one eye, whose film has this many pixels; all emitters are connected. It must stay where
 // it is.
 void draw_light_path_set( const RfScene* scene, int width, int height, LightPathSet* set );
 

@@ -46,7 +46,7 @@ static void pass_delta( Walk* w, const Point* x, const Onward* onward )
     w->vc *= out_g * in_n / ( out_n * index2 );
 }
 
-static void pass_evaluable( Walk* w, const Point* x, const Onward* onward )
+static void pass_nonspecular( Walk* w, const Point* x, const Onward* onward )
 {
     float reverse, out_g = rf_dot( x->ng, onward->wi );
     RfVec3 f = carried_light( x, onward->wi, &reverse ); // of light paths
@@ -66,7 +66,7 @@ bool scatter_walk( Walk* w, const Point* x )
     if ( is_native_point( x ) )
         pass_delta( w, x, &onward );
     else
-        pass_evaluable( w, x, &onward );
+        pass_nonspecular( w, x, &onward );
     float bright = rf_max_component( w->throughput ) / w->full;
     float q = w->hits < ROULETTE_AFTER ? 1.0f : rf_minf( bright / RF_ROULETTE_BELOW, 1.0f );
     if ( !( bright > 0.0f ) || rf_random( w->key, roulette ) >= q )

@@ -163,10 +163,10 @@ static RfResult check_finite( const Compare* compare, const RfErrorMetrics* m, R
     const char* const* patterns = compare->in.patterns;
     if ( image && reference )
         return rf_fail( error, RF_ERROR_FORMAT,
-                        "%.380s: %zu pixels with NaN, %zu with infinity, and %.380s: %zu and %zu: no error can be told",
+                        "%.380s: %zu pixels with NaN, %zu with infinity, and %.380s: %zu and %zu: no error can be reported",
                         patterns[0], m->nan, m->inf, patterns[1], m->reference_nan, m->reference_inf );
     if ( image || reference )
-        return rf_fail( error, RF_ERROR_FORMAT, "%s: %zu pixels with NaN, %zu with infinity: no error can be told",
+        return rf_fail( error, RF_ERROR_FORMAT, "%s: %zu pixels with NaN, %zu with infinity: no error can be reported",
                         patterns[reference], image ? m->nan : m->reference_nan, image ? m->inf : m->reference_inf );
     return RF_OK;
 }

@@ -112,7 +112,7 @@ void rf_error_verdict( const RfErrorMetrics* m, int worst_frame, char* text, siz
     text[0] = '\0';
     if ( rf_has_no_error( m ) )
     {
-        append( text, size, "no error can be told: there are values that are no numbers" );
+        append( text, size, "no error can be reported: there are values that are no numbers" );
         return;
     }
     if ( m->max == 0.0 )

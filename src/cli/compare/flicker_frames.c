@@ -137,10 +137,10 @@ static RfResult check_finite( const RfFlickerRun* flicker, RfError* error )
 {
     const RfErrorMetrics* m = &flicker->report.errors;
     if ( m->nan > 0 || m->inf > 0 )
-        return rf_fail( error, RF_ERROR_FORMAT, "%s: %zu pixels with NaN, %zu with infinity: no flicker can be told",
+        return rf_fail( error, RF_ERROR_FORMAT, "%s: %zu pixels with NaN, %zu with infinity: no flicker can be reported",
                         flicker->pattern, m->nan, m->inf );
     if ( flicker->reference != NULL && rf_has_no_error( m ) )
-        return rf_fail( error, RF_ERROR_FORMAT, "%s: %zu pixels with NaN, %zu with infinity: no flicker can be told",
+        return rf_fail( error, RF_ERROR_FORMAT, "%s: %zu pixels with NaN, %zu with infinity: no flicker can be reported",
                         flicker->reference, m->reference_nan, m->reference_inf );
     return RF_OK;
 }

@@ -168,7 +168,7 @@ static void tell_verdict( const RfFlickerReport* report, char text[VERDICT_SIZE]
     long long worst = worst_pair( report, &most );
     int used;
     if ( !isfinite( m.f1 ) )
-        used = snprintf( text, VERDICT_SIZE, "no flicker can be told" );
+        used = snprintf( text, VERDICT_SIZE, "no flicker can be reported" );
     else if ( isfinite( m.phi ) && m.mse > 0.0 && is_error )
         used = snprintf( text, VERDICT_SIZE, "%s (phi %.2f)", describe_phi( m.phi ), m.phi );
     else if ( isfinite( m.phi ) && m.mse > 0.0 )

@@ -148,9 +148,9 @@ static const RfOption s_options[] = {
       .value = &rf_render_parse.options.kernel_normalization,
       .choices = rf_kernel_normalization_words,
       .default_text = "exact",
-      .help =
-          "of --light-paths: how links are divided by their probability; disc is faster and biased, density is photon mapping "
-          "by the same footprints, both for comparison" },
+      .help = "of --light-paths: how connections are divided by their probability; disc is faster and biased, density is photon "
+              "mapping "
+              "by the same footprints, both for comparison" },
     { .name = "weights",
       .in_file = true,
       .type = RF_OPTION_CHOICE,

@@ -5,7 +5,7 @@
 #include "cli/options/plan_options.h"
 #include "cli/messages.h"
 #include "cli/ranges.h"
-#include "cli/tune/foretell.h"
+#include "cli/tune/predict.h"
 #include "cli/tune/verdict.h"
 #include "cli/options/shot.h"
 #include "measure/cost.h"
@@ -29,10 +29,10 @@ typedef struct Job
     RfRenderOptions options;
     RfShot shot; // options may point into it
     RfPlan plan;
-    double paper_bytes;        // what our records take for its example
-    RfInterval tried;          // gain of the chosen row over path tracing; NaN: not tried
-    RfCostPrediction foretold; // of --noise and --flicker, by the same trial; spp 0: nothing
-    RfRanges ranges;           // for --nodes
+    double paper_bytes;         // what our records take for its example
+    RfInterval tried;           // gain of the chosen row over path tracing; NaN: not tried
+    RfCostPrediction predicted; // of --noise and --flicker, by the same trial; spp 0: nothing
+    RfRanges ranges;            // for --nodes
 } Job;
 
 static RfResult take_defaults( const RfField* defaults, void* user, RfError* error )
@@ -77,7 +77,7 @@ static RfResult try_chosen( Job* job, RfError* error )
     RfResult result = rf_measure_cost( &trial, &cost, error );
     job->tried = result == RF_OK ? cost.speedup : job->tried;
     if ( result == RF_OK )
-        job->foretold = rf_foretell_goals( &trial, &cost.reuse, row->fit.sweeps > 1 ? row->fit.films : job->shot.frame_count );
+        job->predicted = rf_predict_goals( &trial, &cost.reuse, row->fit.sweeps > 1 ? row->fit.films : job->shot.frame_count );
     return result == RF_ERROR_SCENE ? RF_OK : result; // black pictures can be planned, too
 }
 
@@ -137,20 +137,20 @@ static void tell_verdict( const Job* job, char text[RF_VERDICT_SIZE] )
 {
     const RfPlanRow* row = job->plan.rows + job->plan.chosen;
     char name[64], gain[160], all[32];
-    bool foretold = job->foretold.spp > 0 && !( job->options.settings.time > 0.0 );
+    bool predicted = job->predicted.spp > 0 && !( job->options.settings.time > 0.0 );
     double bytes = (double)( row->fit.bytes_films + row->fit.bytes_hits + row->fit.bytes_lists );
     rf_format_reuse( row->eyes, &job->options.settings.tile, name, sizeof name );
     rf_tell_gain( &job->tried, gain, sizeof gain );
-    rf_format_span( foretold ? job->foretold.seconds : row->seconds, all, sizeof all );
+    rf_format_span( predicted ? job->predicted.seconds : row->seconds, all, sizeof all );
     int used = snprintf( text, RF_VERDICT_SIZE, "%s %s",
                          has_groups( job ) ? "render --group auto takes" : "render --estimator gradient takes", name );
     if ( isfinite( job->tried.value ) )
         used += snprintf( text + used, RF_VERDICT_SIZE - (size_t)used, ", which is %s", gain );
     snprintf( text + used, RF_VERDICT_SIZE - (size_t)used,
               "\n%d frame%s of %dx%d at %s%d samples take%s%s about %s and %.0f MiB beyond the scene", job->shot.frame_count,
-              job->shot.frame_count == 1 ? "" : "s", job->options.size.width, job->options.size.height, foretold ? "some " : "",
-              foretold ? job->foretold.spp : row->spp, job->shot.frame_count == 1 ? "s" : "",
-              at_most( job ) && !foretold ? " at most" : "", all, ceil( bytes / 1048576.0 ) );
+              job->shot.frame_count == 1 ? "" : "s", job->options.size.width, job->options.size.height, predicted ? "some " : "",
+              predicted ? job->predicted.spp : row->spp, job->shot.frame_count == 1 ? "s" : "",
+              at_most( job ) && !predicted ? " at most" : "", all, ceil( bytes / 1048576.0 ) );
 }
 
 static void print_plan( const Job* job )
@@ -216,8 +216,8 @@ static json_t* plan_json( const Job* job )
     tell_verdict( job, verdict );
     json_t* tried = json_pack( "{s:o, s:o, s:o}", "gain", rf_json_number( job->tried.value ), "gain_low",
                                rf_json_number( job->tried.low ), "gain_high", rf_json_number( job->tried.high ) );
-    json_t* json = json_pack( "{s:s, s:o, s:o, s:o, s:s, s:s, s:b, s:o, s:o, s:o}", "verdict", verdict, "foretold",
-                              rf_foretold_json( &job->foretold ), "tried", tried, "rows", rows, "adaptive_mode",
+    json_t* json = json_pack( "{s:s, s:o, s:o, s:o, s:s, s:s, s:b, s:o, s:o, s:o}", "verdict", verdict, "predicted",
+                              rf_predicted_json( &job->predicted ), "tried", tried, "rows", rows, "adaptive_mode",
                               rf_adaptive_name( plan->adaptive ), "why", plan->why, "at_most", at_most( job ), "costs", costs,
                               "bytes_record", record, "bytes_paper_example", paper );
     if ( job->ranges.list != NULL )

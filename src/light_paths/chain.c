@@ -1,0 +1,283 @@
+#include "light_paths/chain.h"
+
+#include "bsdf/bsdf.h"
+
+// Where a normal is nearly perpendicular to a direction, eyes would be lifted to the horizon (bsdf/bsdf.h); chains end.
+#define MIN_COS RF_MIN_COS
+
+// To the plane of a surface through the hit.
+static void transfer( RfRayPair* ray, RfVec3 p, RfVec3 n )
+{
+    float along = rf_dot( ray->d, n ), t = rf_dot( rf_sub( p, ray->o ), n ) / along;
+    for ( int k = 0; k < 2; ++k )
+    {
+        RfVec3 moved = rf_madd( ray->dp[k], ray->dd[k], t );
+        ray->dp[k] = rf_madd( moved, ray->d, -rf_dot( moved, n ) / along );
+    }
+    ray->o = p;
+}
+
+// How the interpolated normal changes along dp.
+static RfVec3 normal_change( const RfTriangleRecord* t, const RfChainVertex* v, RfVec3 n, float sign, RfVec3 dp )
+{
+    if ( v->normal_scale == 0.0f )
+        return rf_vec3( 0, 0, 0 );
+    RfVec3 cross = rf_cross( t->e1, t->e2 );
+    float inverse = 1.0f / rf_dot( cross, cross );
+    float du = rf_dot( dp, rf_cross( t->e2, cross ) ) * inverse, dv = rf_dot( dp, rf_cross( cross, t->e1 ) ) * inverse;
+    RfVec3 raw = rf_add( rf_scale( t->d1, du ), rf_scale( t->d2, dv ) );
+    raw = rf_sub( raw, rf_scale( n, rf_dot( n, raw ) ) );
+    return rf_scale( raw, v->normal_scale * sign );
+}
+
+// The refracted direction; false: total reflection.
+static bool refract( RfVec3 d, RfVec3 n, float eta, RfVec3* out )
+{
+    float c = -rf_dot( d, n ), inverse = 1.0f / eta, cos2 = 1.0f - inverse * inverse * ( 1.0f - c * c );
+    if ( cos2 <= 0.0f )
+        return false;
+    *out = rf_normalize( rf_madd( rf_scale( d, inverse ), n, inverse * c - sqrtf( cos2 ) ) );
+    return true;
+}
+
+// The ray goes on at a vertex in the direction `out`. n is on the side that it comes from, eta as seen from there; sign is
+// −1 where that is not the side that the light comes from.
+static void scatter_pair( RfRayPair* ray, const RfTriangleRecord* t, const RfChainVertex* v, RfVec3 n, float eta, float sign,
+                          RfVec3 out )
+{
+    RfVec3 d = ray->d;
+    float c = -rf_dot( d, n );
+    for ( int k = 0; k < 2; ++k )
+    {
+        RfVec3 dn = normal_change( t, v, n, sign, ray->dp[k] ), dd = ray->dd[k];
+        float dc = -( rf_dot( dd, n ) + rf_dot( d, dn ) );
+        if ( v->refracted )
+        {
+            float inverse = 1.0f / eta, ct = sqrtf( rf_maxf( 1.0f - inverse * inverse * ( 1.0f - c * c ), 1e-12f ) );
+            float dct = inverse * inverse * c * dc / ct;
+            ray->dd[k] = rf_add( rf_madd( rf_scale( dd, inverse ), n, inverse * dc - dct ), rf_scale( dn, inverse * c - ct ) );
+        }
+        else
+            ray->dd[k] = rf_add( dd, rf_add( rf_scale( n, 2.0f * dc ), rf_scale( dn, 2.0f * c ) ) );
+    }
+    ray->d = out;
+}
+
+void rf_begin_chain( RfChain* chain )
+{
+    const RfEmission* e = &chain->start;
+    RfVec3 t, b, none = rf_vec3( 0, 0, 0 );
+    rf_basis( e->direction, &t, &b );
+    chain->end = ( RfRayPair ){ .o = rf_madd( e->position, e->normal, e->offset ), .d = e->direction };
+    for ( int k = 0; k < 2; ++k )
+    {
+        RfVec3 unit = k == 0 ? t : b;
+        chain->end.dp[k] = e->infinite ? unit : none;
+        chain->end.dd[k] = e->infinite ? none : unit;
+    }
+    chain->length = 0;
+    chain->weight = rf_vec3( 1, 1, 1 );
+    chain->probability = 1.0f;
+    chain->way = 0.0f;
+    chain->end_absorption = none;
+}
+
+static RfVec3 transmittance( RfVec3 absorption, float distance )
+{
+    return rf_vec3( expf( -absorption.x * distance ), expf( -absorption.y * distance ), expf( -absorption.z * distance ) );
+}
+
+// The geometry of a vertex. False: its normals disagree.
+static bool fill_vertex( const RfTriangleRecord* t, float u, float v, const RfMaterial* m, const RfRayPair* ray,
+                         RfChainVertex* out, float* facing )
+{
+    RfHitPoint hit = rf_hit_point( t, u, v, ray->o, ray->d );
+    *facing = -rf_dot( t->ng, ray->d );
+    float side = *facing < 0.0f ? -1.0f : 1.0f;
+    RfVec3 ng = rf_scale( t->ng, side );
+    *out = ( RfChainVertex ){ .p = hit.p, .n = ng };
+    if ( !t->flat )
+    {
+        RfVec3 n = rf_add( t->n0, rf_add( rf_scale( t->d1, u ), rf_scale( t->d2, v ) ) );
+        float length = rf_length( n );
+        RfVec3 unit = rf_scale( n, side / length );
+        if ( length > 1e-6f && rf_dot( unit, ng ) > 0.0f )
+        {
+            out->n = unit;
+            out->normal_scale = side / length;
+        }
+    }
+    out->eta = *facing >= 0.0f || m->ior == 0.0f ? m->ior : 1.0f / m->ior;
+    return -rf_dot( out->n, ray->d ) > MIN_COS;
+}
+
+// Takes an event at the vertex. False: it cannot be.
+static bool take_event( const RfMaterial* m, RfChainVertex* v, RfVec3 ng, RfChainEvents events, float random, RfChain* chain )
+{
+    RfVec3 d = chain->end.d, reflected, transmitted;
+    float cos_o = -rf_dot( d, v->n );
+    rf_glass_delta_lobes( m, v->eta, cos_o, &reflected, &transmitted );
+    float r = reflected.x + reflected.y + reflected.z, t = transmitted.x + transmitted.y + transmitted.z;
+    float reflect = r + t > 0.0f ? r / ( r + t ) : 0.0f;
+    int k = chain->length;
+    v->refracted = events == RF_CHAIN_DRAW ? random >= reflect : ( chain->events >> k & 1u ) != 0;
+    chain->probability *= v->refracted ? 1.0f - reflect : reflect;
+    if ( v->refracted && ( v->eta == 0.0f || !refract( d, v->n, v->eta, &v->out ) ) )
+        return false;
+    if ( !v->refracted )
+        v->out = rf_sub( d, rf_scale( v->n, 2.0f * rf_dot( d, v->n ) ) );
+    if ( events == RF_CHAIN_DRAW )
+        chain->events = ( chain->events & ~( 1u << k ) ) | (uint32_t)v->refracted << k;
+    // radiance scales with the squared index, from the end's side
+    RfVec3 left = v->refracted ? rf_scale( transmitted, v->eta * v->eta ) : reflected;
+    chain->weight = rf_mul( chain->weight, left );
+    float cos_n = rf_dot( v->out, v->n ), cos_g = rf_dot( v->out, ng );
+    return cos_n * cos_g > 0.0f && ( cos_n < 0.0f ) == v->refracted && fabsf( cos_n ) > MIN_COS &&
+           rf_max_component( chain->weight ) > 0.0f && chain->probability > 0.0f;
+}
+
+bool rf_step_chain( const RfTracer* tracer, uint32_t triangle, float bu, float bv, RfChainEvents events, RfRandomKey key,
+                    RfChain* chain )
+{
+    const RfTriangleRecord* t = rf_tracer_triangles( tracer ) + triangle;
+    const RfMaterial* m = rf_tracer_scene( tracer )->materials + t->material;
+    RfChainVertex* v = chain->vertex + chain->length;
+    float facing;
+    if ( !fill_vertex( t, bu, bv, m, &chain->end, v, &facing ) )
+        return false;
+    v->triangle = triangle;
+    RfVec3 ng = rf_scale( t->ng, facing < 0.0f ? -1.0f : 1.0f );
+    RfVec3 from = chain->length > 0 ? chain->vertex[chain->length - 1].p : chain->start.position;
+    float distance = rf_length( rf_sub( v->p, from ) );
+    chain->way += distance;
+    if ( chain->length == 0 )
+    {
+        chain->first_triangle = triangle;
+        chain->first_area_pdf = chain->start.infinite ? fabsf( facing ) : fabsf( facing ) / ( distance * distance );
+    }
+    else if ( facing < 0.0f )
+        chain->weight = rf_mul( chain->weight, transmittance( m->absorption, distance ) );
+    transfer( &chain->end, v->p, t->ng );
+    if ( !take_event( m, v, ng, events, rf_random( key, (uint32_t)chain->length ), chain ) )
+        return false;
+    scatter_pair( &chain->end, t, v, v->n, v->eta, 1.0f, v->out );
+    float offset = rf_hit_point( t, bu, bv, from, v->out ).offset;
+    chain->end.o = rf_madd( v->p, ng, v->refracted ? -offset : offset );
+    bool inside = rf_dot( v->out, t->ng ) < 0.0f;
+    chain->ends_inside = inside && m->ior > 0.0f;
+    chain->end_absorption = inside ? m->absorption : rf_vec3( 0, 0, 0 );
+    chain->length += 1;
+    return true;
+}
+
+typedef struct Rays
+{
+    float o[3][RF_CHAIN_BLOCK], d[3][RF_CHAIN_BLOCK];
+    uint32_t triangle[RF_CHAIN_BLOCK];
+    float u[RF_CHAIN_BLOCK], v[RF_CHAIN_BLOCK];
+    int index[RF_CHAIN_BLOCK];
+    int count;
+} Rays;
+
+static void add_ray( Rays* rays, int index, const RfRayPair* ray )
+{
+    int k = rays->count++;
+    rays->o[0][k] = ray->o.x;
+    rays->o[1][k] = ray->o.y;
+    rays->o[2][k] = ray->o.z;
+    rays->d[0][k] = ray->d.x;
+    rays->d[1][k] = ray->d.y;
+    rays->d[2][k] = ray->d.z;
+    rays->index[k] = index;
+}
+
+void rf_walk_chains( const RfTracer* tracer, RfChainEvents events, const RfRandomKey* keys, const bool* active, int count,
+                     RfChain* const* chains, RfLanding* land, uint64_t* ray_count )
+{
+    const RfTriangleRecord* triangles = rf_tracer_triangles( tracer );
+    const RfMaterial* materials = rf_tracer_scene( tracer )->materials;
+    int wanted[RF_CHAIN_BLOCK];
+    Rays rays = { .count = 0 };
+    for ( int i = 0; i < count; ++i )
+    {
+        if ( !active[i] )
+            continue;
+        wanted[i] = events == RF_CHAIN_COPY ? chains[i]->length : RF_MAX_CHAIN;
+        rf_begin_chain( chains[i] );
+        add_ray( &rays, i, &chains[i]->end );
+    }
+    while ( rays.count > 0 )
+    {
+        Rays now = rays;
+        const float *o[3] = { now.o[0], now.o[1], now.o[2] }, *d[3] = { now.d[0], now.d[1], now.d[2] };
+        rf_trace_nearest( tracer, now.count, o, d, false, now.triangle, now.u, now.v );
+        *ray_count += (uint64_t)now.count;
+        rays.count = 0;
+        for ( int k = 0; k < now.count; ++k )
+        {
+            int i = now.index[k];
+            RfChain* chain = chains[i];
+            uint32_t triangle = now.triangle[k];
+            const RfMaterial* m = triangle != RF_MISS ? materials + triangles[triangle].material : NULL;
+            bool delta = m != NULL && rf_is_chain_surface( m );
+            bool full = chain->length == wanted[i];
+            if ( delta && !full &&
+                 rf_step_chain( tracer, triangle, now.u[k], now.v[k], events, keys != NULL ? keys[i] : ( RfRandomKey ){ 0, 0 },
+                                chain ) )
+            {
+                if ( events == RF_CHAIN_DRAW || chain->length < wanted[i] || land != NULL )
+                    add_ray( &rays, i, &chain->end );
+                continue;
+            }
+            bool lands = !delta && m != NULL && m->kind < RF_BSDF_FIRST_SPECULAR && land != NULL && chain->length > 0 &&
+                         ( events == RF_CHAIN_DRAW || full );
+            if ( !lands )
+            {
+                chain->length = 0;
+                continue;
+            }
+            land->triangle[i] = triangle;
+            RfHitPoint hit = rf_hit_point( triangles + triangle, now.u[k], now.v[k], chain->end.o, chain->end.d );
+            land->u[i] = now.u[k];
+            land->v[i] = now.v[k];
+            land->p[i] = hit.p;
+            land->offset[i] = hit.offset;
+        }
+    }
+}
+
+bool rf_meet_plane( const RfRayPair* ray, RfVec3 p, RfVec3 n, RfVec3* meet, RfVec3 moves[2] )
+{
+    float along = rf_dot( ray->d, n ), t = rf_dot( rf_sub( p, ray->o ), n ) / along;
+    if ( !( fabsf( along ) > 1e-5f && t > 0.0f ) )
+        return false;
+    *meet = rf_madd( ray->o, ray->d, t );
+    for ( int k = 0; k < 2; ++k )
+    {
+        RfVec3 moved = rf_madd( ray->dp[k], ray->dd[k], t );
+        moves[k] = rf_madd( moved, ray->d, -rf_dot( moved, n ) / along );
+    }
+    return true;
+}
+
+float rf_chain_spread( const RfTracer* tracer, const RfChain* chain, RfVec3 y )
+{
+    const RfTriangleRecord* triangles = rf_tracer_triangles( tracer );
+    const RfChainVertex* last = chain->vertex + chain->length - 1;
+    RfRayPair ray = { .o = y, .d = rf_normalize( rf_sub( last->p, y ) ) };
+    rf_basis( ray.d, ray.dd, ray.dd + 1 );
+    for ( int k = chain->length - 1; k >= 0; --k )
+    {
+        const RfChainVertex* v = chain->vertex + k;
+        const RfTriangleRecord* t = triangles + v->triangle;
+        RfVec3 in = k > 0 ? chain->vertex[k - 1].out : chain->start.direction;
+        float sign = v->refracted ? -1.0f : 1.0f, eta = v->refracted ? 1.0f / v->eta : v->eta;
+        transfer( &ray, v->p, t->ng );
+        scatter_pair( &ray, t, v, rf_scale( v->n, sign ), eta, sign, rf_scale( in, -1.0f ) );
+    }
+    if ( chain->start.infinite )
+        return fabsf( rf_dot( rf_cross( ray.dd[0], ray.dd[1] ), ray.d ) );
+    float distance = rf_length( rf_sub( chain->start.position, ray.o ) );
+    RfVec3 a = rf_madd( ray.dp[0], ray.dd[0], distance ), b = rf_madd( ray.dp[1], ray.dd[1], distance );
+    return fabsf( rf_dot( rf_cross( a, b ), ray.d ) );
+}

@@ -1,0 +1,62 @@
+// Connections: light paths whose footprint holds an eye vertex are bent so that they reach it, and divided by the probability
+// that such a path is found. src/reuse/estimators.md, section 16.
+#ifndef REFRAME_LIGHT_PATHS_CONNECTIONS_H
+#define REFRAME_LIGHT_PATHS_CONNECTIONS_H
+
+#include "light_paths/light_paths.h"
+#include "path/wavefront.h"
+
+// Shares of light paths and connections, the first of them none.
+#define RF_CONNECTION_SHARES 7
+extern const float rf_connection_shares[RF_CONNECTION_SHARES];
+
+// What connections bring to each vertex lane, in place of radiance times the cosine over its density.
+// What chance alone would bring, by its brightness: octaves of light at the first vertex.
+#define RF_CHANCE_OCTAVES 48
+#define RF_FIRST_OCTAVE ( -16 )
+typedef struct RfChanceOctave
+{
+    double rays;   // that bring it
+    double square; // the sum of its squares
+} RfChanceOctave;
+
+typedef struct RfConnectionLanes
+{
+    RF_ALIGN float light[3][RF_LANES]; // the sum over all connections
+    RF_ALIGN float wi[3][RF_LANES];    // of one of them, drawn in proportion to its light
+    RF_ALIGN float one[3][RF_LANES];   // its light over the probability of drawing it
+    float area[RF_LANES];              // its area (rf_own_weight)
+    uint32_t found[RF_LANES];          // connections
+    uint64_t rays;                     // traced, counted up
+    uint64_t all_rays;                 // likewise, over all vertices
+    uint64_t trials;                   // of the normalisation, counted up
+    uint64_t searched;                 // vertices, counted up
+    double moment
+        [RF_CONNECTION_SHARES]; // of the light that connections and chance bring to first vertices, the sum of the squares that are
+                                // expected with each of rf_connection_shares; counted up where light paths measure
+    RfChanceOctave chance[RF_CHANCE_OCTAVES]; // counted up likewise
+    RfTrail trail[RF_LANES];                  // by slot
+} RfConnectionLanes;
+
+typedef struct RfLightPathConnector
+{
+    RfConnector connector;
+    const RfPathSettings* path;
+    const RfLightPaths* paths;
+    RfKernelNormalization normalization;
+    RfConnectionLanes* out;
+} RfLightPathConnector;
+
+// The weight of a scattered ray (RfConnector).
+float rf_weigh_chance( const RfConnector* connector, const RfTrail* trail, int length, uint32_t triangle, RfVec3 point );
+
+// A connector with a workspace; all must outlive it.
+RfLightPathConnector rf_make_connector( const RfLightPaths* paths, RfKernelNormalization normalization,
+                                        const RfPathSettings* path, RfConnectionLanes* lanes );
+
+// Connections non-specular vertices, their paths' `vertex`-th, to light paths and to their VPLs: connector->out. Random numbers: those
+// of the keys of their slots. Adds to keys->path_rays. With the rays that hit the vertices, connections have their weights.
+void rf_connection_vertices( const RfLightPathConnector* connector, RfWavefront* keys, const RfRayLanes* rays,
+                             const RfVertexLanes* vertices, int vertex );
+
+#endif

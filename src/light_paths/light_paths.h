@@ -1,0 +1,136 @@
+// Light paths: from emitters to mirrors or glass, through them, and to the first surface that can be asked. They know no
+// eye, so a set of them serves all frames of a group. src/reuse/estimators.md, section 16.
+#ifndef REFRAME_LIGHT_PATHS_LIGHT_PATHS_H
+#define REFRAME_LIGHT_PATHS_LIGHT_PATHS_H
+
+#include "light_paths/chain.h"
+#include "light_paths/footprints.h"
+#include "light_paths/reach.h"
+#include "render/estimator.h"
+
+#define RF_TRIAL_CONNECTIONS 8.0f        // of an eye's first vertex
+#define RF_TRIAL_CONNECTIONS_BEYOND 1.0f // of others
+#define RF_TRIED 0.3f                    // of these where other light is as strong
+
+// Where a light path lands: the VPL of what is scattered there.
+typedef struct RfVpl
+{
+    bool scatters; // it is matte, so that paths go on from it
+    RfVec3 ng, n;  // unit geometric and shading normal, on the side that the light comes from
+    uint32_t triangle;
+    float u, v, offset;
+    float falloff; // of the light here, by its range
+    float area;    // m², that a connection covers here, over the connections found in it (rf_own_weight)
+    float share;   // of its light that is left to connections (rf_connection_weight)
+} RfVpl;
+
+// A light path with what a connection needs of it.
+typedef struct RfLightPath
+{
+    RfEmission start;
+    uint32_t events;
+    int length;        // vertices of its chain
+    float weight;      // 1 over the density of what steers it and the probability of its events
+    RfReach reach;     // of connections
+    RfFootprintBox at; // where it lands, with its footprint
+    RfVec3 flux;       // over the density of the path, W
+    float chance;      // sr, of rf_chance_area
+    float light;       // luminance that it brings to all within reach: of a connection, over the area that it spreads to
+    RfRayPair end;     // the ray that lands
+    RfVpl vpl;
+} RfLightPath;
+
+// A particle that a light path's VPL scattered, where it landed.
+typedef struct RfScatteredPath
+{
+    RfFootprintBox at; // around a ball
+    uint32_t path;
+} RfScatteredPath;
+
+typedef struct RfLightPaths
+{
+    bool prepared;
+    int share_of;           // the group that `share` was chosen for, from 1; 0: none yet
+    float share;            // of the light paths and connections of a set that is drawn
+    bool measures;          // connections tell what their error would be with other shares (RfConnectionLanes)
+    uint32_t emitted;       // n, with those that came to nothing
+    uint32_t count;         // stored
+    float connections;      // c: connections that an eye vertex finds per way in which light comes to it, on average
+    float rare_connections; // likewise, where footprints are cut
+    float most_radius;      // of footprints
+    RfLightPath* path;
+    RfFootprintTree tree; // of `path`
+    // what they scatter
+    float vpl_connections; // connections of a point to VPLs that one light path brings into being, on average
+    uint32_t scattered_count;
+    RfScatteredPath* scattered;
+    RfFootprintTree scattered_tree;
+    // mirrors and glass, sorted by triangle
+    uint32_t surface_count;
+    uint32_t* triangle;
+    double* cumulative; // of their probabilities
+    float* pdf_area;    // of their points
+    bool* connected;    // by material, then the sky: its emission comes by connections (light/divide.h)
+    // the lights that light paths start from
+    uint32_t light_count;
+    uint32_t* light;
+    double* light_cumulative; // of their powers
+    uint64_t rays;            // traced for this set
+} RfLightPaths;
+
+// How many light paths serve a pass of a group.
+uint32_t rf_light_path_count( const RfEstimatorGroup* group );
+
+// The bytes of a set, and its layout in memory of that size, aligned to 64.
+size_t rf_light_paths_bytes( const RfEstimatorGroup* group );
+
+// Draws the light paths of a pass of a group. The same bits for any number of threads.
+void rf_draw_light_paths( const RfEstimatorGroup* group, int pass, void* memory );
+
+// The set, or NULL: none was drawn.
+static inline const RfLightPaths* rf_drawn_light_paths( const RfLightPaths* paths )
+{
+    return paths != NULL && paths->share > 0.0f ? paths : NULL;
+}
+
+// The density of what steers a chain that starts as this one does; 0: it is never drawn.
+float rf_steer_pdf( const RfLightPaths* paths, const RfChain* chain );
+
+// One over the number of connections, by solid angle at p, that find the light which arrives there by a chain: a function of the path
+// alone. 0: nothing else finds it. Infinity: they do not.
+float rf_chance_area( const RfLightPaths* paths, const RfChain* chain, float area, float steer_pdf, RfVec3 p );
+
+// Connections of a path's `vertex`-th vertex that are tried at most, with this share.
+static inline float rf_trial_connections( float share, int vertex )
+{
+    return share * ( vertex == 1 ? RF_TRIAL_CONNECTIONS : RF_TRIAL_CONNECTIONS_BEYOND );
+}
+
+// The share of the connections found that are tried, as weights take it: the number that the light of a vertex calls for is not known
+// from other vertices.
+static inline float rf_tried( const RfLightPaths* paths, float share, int vertex )
+{
+    return rf_minf( RF_TRIED * rf_trial_connections( share, vertex ) / paths->connections, 1.0f );
+}
+
+// The balance weight of a connection to an emitter at a path's `vertex`-th vertex against rays that are scattered there by the cosine
+// (src/reuse/estimators.md, section 16). `chance`: from rf_chance_area.
+static inline float rf_connection_weight( const RfLightPaths* paths, float chance, float cosine, int vertex )
+{
+    float tried = rf_tried( paths, paths->share, vertex );
+    return tried / ( tried + chance * RF_INV_PI * rf_maxf( cosine, 1e-6f ) );
+}
+
+// A chain as it arrives at a point of a surface.
+typedef struct RfFootprint
+{
+    RfReach
+        reach; // of connections around it: so far that `connections` of them are found on average, as far as footprints go; 0: there is none
+    float most, rare_most; // the area that footprints allow it, and where fewer than rare_connections are found
+    RfVec3 half;           // of the box around the footprint, m
+    float radius;          // of a ball in its place (GK 7; where it is stretched its longer axis)
+} RfFootprint;
+RfFootprint rf_find_footprint( const RfLightPaths* paths, const RfLights* lights, const RfChain* chain, float pdf, RfVec3 p,
+                               RfVec3 normal );
+
+#endif

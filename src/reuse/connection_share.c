@@ -1,0 +1,235 @@
+#include "reuse/connection_share.h"
+
+#include "reuse/harvest_internal.h"
+
+#include <limits.h>
+#include <string.h>
+
+#define MOST_JOBS 6
+#define LEAST_JOBS 1
+#define AHEAD 0.1       // of the batches of a pass, twice
+#define AT_AHEAD 4      // of rf_connection_shares, with which they are traced
+#define LEAST_NEEDED 4  // likewise, for lamps without size, suns and the sky
+#define LEAST_REST 0.25 // of the error, that is taken not to be that of connections
+#define LEAST_MEAN 0.1  // of the square of the mean: dark batches are no darker
+#define GAIN 0.7        // that connections must bring, or there are none
+// costs, in rays that are traced in packets
+#define LINK_RAY 5.0
+#define SEARCH 3.5           // for light paths around a vertex
+#define PASS ( INT_MAX - 2 ) // and the next: their random numbers are no other pass's
+
+// Irradiance found at each hit by a batch, by slot; negative: there is none.
+typedef struct Found
+{
+    float light[RF_LANES];
+    int hits;
+    double moment[RF_CONNECTION_SHARES]; // RfConnectionLanes
+    RfChanceOctave chance[RF_CHANCE_OCTAVES];
+} Found;
+
+typedef struct Pilot
+{
+    RfEstimatorGroup group;
+    RfRenderSettings settings;
+    RfHitBatch* batch;
+    RfHarvestScratch* scratch;
+    Found *first, *other; // by batch
+    uint64_t rays, connection_rays, searched;
+} Pilot;
+
+static size_t aligned( size_t bytes ) { return ( bytes + 63 ) / 64 * 64; }
+
+size_t rf_connection_share_bytes( const RfEstimatorGroup* group )
+{
+    RfBatchShape shape = rf_batch_shape( group );
+    return aligned( sizeof( Pilot ) ) + aligned( sizeof( RfHitBatch ) ) + aligned( rf_batch_bytes( &shape ) ) +
+           aligned( rf_harvest_scratch_bytes( &shape ) ) + 2 * MOST_JOBS * aligned( sizeof( Found ) );
+}
+
+static Pilot* lay_out( const RfEstimatorGroup* group, void* memory )
+{
+    char* at = memory;
+    Pilot* pilot = memory;
+    RfBatchShape shape = rf_batch_shape( group );
+    *pilot = ( Pilot ){ .group = *group, .settings = *group->settings };
+    pilot->settings.pieces = NULL; // whole frames decide for all of their parts
+    pilot->group.settings = &pilot->settings;
+    pilot->group.need = NULL;
+    at += aligned( sizeof *pilot );
+    pilot->batch = (RfHitBatch*)(void*)at;
+    *pilot->batch = rf_lay_out_batch( &shape, at + aligned( sizeof( RfHitBatch ) ) );
+    at += aligned( sizeof( RfHitBatch ) ) + aligned( rf_batch_bytes( &shape ) );
+    pilot->scratch = rf_lay_out_harvest_scratch( &shape, at );
+    at += aligned( rf_harvest_scratch_bytes( &shape ) );
+    pilot->first = (Found*)(void*)at;
+    pilot->other = (Found*)(void*)( at + MOST_JOBS * aligned( sizeof( Found ) ) );
+    return pilot;
+}
+
+static float luminance_of( float ( *light )[RF_LANES], int i )
+{
+    return rf_luminance( rf_vec3( light[0][i], light[1][i], light[2][i] ) );
+}
+
+// Traces the batches, `count` of `all`, evenly spread over the frames.
+static void trace( Pilot* pilot, const RfLightPaths* paths, int pass, int count, int all, Found* found, RfRayCounts* rays )
+{
+    RfHarvestScratch* s = pilot->scratch;
+    pilot->group.shared = paths;
+    RfHarvest harvest = rf_make_harvest( &pilot->group );
+    for ( int k = 0; k < count; ++k )
+    {
+        RfRayCounts now = { 0 };
+        int at = (int)( ( (int64_t)2 * k + 1 ) * all / ( 2 * count ) ), jobs = all / pilot->group.eye_count;
+        s->connections->all_rays = s->connections->searched = 0;
+        memset( s->connections->moment, 0, sizeof s->connections->moment );
+        memset( s->connections->chance, 0, sizeof s->connections->chance );
+        rf_clear_ray_counts( &s->wavefront );
+        rf_harvest_batch( &harvest, ( RfTraceJob ){ .eye = at / jobs, .job = at % jobs, .pass = pass }, pilot->batch, s, &now );
+        for ( int i = 0; i < RF_LANES; ++i )
+            found[k].light[i] = -1.0f;
+        found[k].hits = rf_record_count( s->hits );
+        for ( int i = 0; i < found[k].hits; ++i )
+        {
+            int slot = s->hits->slot[i];
+            found[k].light[slot] = s->wavefront.lit[i] + RF_PI * luminance_of( s->wavefront.arrivals.rest, slot ) +
+                                   luminance_of( s->connections->light, i );
+        }
+        pilot->rays += now.primary + now.path + now.shadow + now.tile + now.eye;
+        memcpy( found[k].moment, s->connections->moment, sizeof found[k].moment );
+        memcpy( found[k].chance, s->connections->chance, sizeof found[k].chance );
+        pilot->connection_rays += s->connections->all_rays;
+        pilot->searched += s->connections->searched;
+        rays->primary += now.primary;
+        rays->path += now.path;
+        rays->shadow += now.shadow;
+        rays->tile += now.tile;
+        rays->eye += now.eye;
+    }
+}
+
+// Of two samples of a batch: half the mean square of their difference, and the square of their mean.
+typedef struct Pair
+{
+    double error, square;
+    int count;
+} Pair;
+
+static Pair compare( const Found* a, const Found* b )
+{
+    double squares = 0.0, sum = 0.0;
+    int count = 0;
+    for ( int i = 0; i < RF_LANES; ++i )
+    {
+        if ( a->light[i] < 0.0f || b->light[i] < 0.0f )
+            continue;
+        double apart = (double)a->light[i] - (double)b->light[i];
+        squares += 0.5 * apart * apart;
+        sum += 0.5 * ( (double)a->light[i] + (double)b->light[i] );
+        count += 1;
+    }
+    return count > 0 ? ( Pair ){ squares / count, sum / count * sum / count, count } : ( Pair ){ 0.0, 0.0, 0 };
+}
+
+// Caps what chance alone brings (moment 0 of each batch) where fewer than one ray of a picture would bring more: such
+// light is missing in most pictures, and few show the spike that stands for it. `samples`: of a picture.
+static void cap_chance( Pilot* pilot, int count, double samples )
+{
+    double lanes = 0.0, rays = 0.0;
+    int cap = RF_CHANCE_OCTAVES;
+    for ( int k = 0; k < count; ++k )
+        lanes += pilot->first[k].hits + pilot->other[k].hits;
+    while ( cap > 0 && lanes > 0.0 && rays * samples / lanes < 1.0 )
+    {
+        cap -= 1;
+        for ( int k = 0; k < count; ++k )
+            rays += pilot->first[k].chance[cap].rays + pilot->other[k].chance[cap].rays;
+    }
+    double most = ldexp( 1.0, cap + RF_FIRST_OCTAVE + 1 );
+    for ( int k = 0; k < 2 * count; ++k )
+    {
+        Found* f = k < count ? pilot->first + k : pilot->other + k - count;
+        f->moment[0] = 0.0;
+        for ( int o = 0; o < RF_CHANCE_OCTAVES; ++o )
+            f->moment[0] += fmin( f->chance[o].square, most * most * f->chance[o].rays );
+    }
+}
+
+// The error of all light, relative and on average over the batches, and the part of each share of connections.
+static double find_errors( const Pilot* pilot, int count, double* moment )
+{
+    Pair pair[MOST_JOBS];
+    double square = 0.0, all = 0.0;
+    for ( int k = 0; k < count; ++k )
+    {
+        pair[k] = compare( pilot->first + k, pilot->other + k );
+        square += LEAST_MEAN * pair[k].square / count;
+    }
+    for ( int k = 0; k < count && square > 0.0; ++k )
+    {
+        double scale = 1.0 / ( pair[k].square + square );
+        all += pair[k].error * scale;
+        for ( int s = 0; s < RF_CONNECTION_SHARES && pair[k].count > 0; ++s )
+            moment[s] += 0.5 * ( pilot->first[k].moment[s] + pilot->other[k].moment[s] ) / pair[k].count * scale;
+    }
+    return all;
+}
+
+// The first of rf_connection_shares that may be chosen: none, unless connections are asked for. Light that nothing else finds has more of
+// them, or it would be left to spikes.
+static int least_share( const RfEstimatorGroup* group, const RfLightPaths* paths )
+{
+    for ( uint32_t i = 0; i < paths->light_count; ++i )
+    {
+        if ( paths->light[i] >= rf_tracer_lights( group->tracer )->triangle_count )
+            return LEAST_NEEDED;
+    }
+    return group->settings->light_paths == RF_LIGHT_PATHS_ON ? 1 : 0;
+}
+
+// Of the batches that were traced ahead.
+typedef struct Costs
+{
+    double per_share, search; // of connections: of all of them, and of any
+    double rest;
+} Costs;
+
+// Of the shares that connections have measured, that of the least error times cost. Connections pay only where they gain enough.
+static float best_share( const double* moment, double error, const Costs* costs, int first )
+{
+    double rest = fmax( error - moment[AT_AHEAD], LEAST_REST * error ), least = INFINITY;
+    int best = first;
+    for ( int k = first; k < RF_CONNECTION_SHARES; ++k )
+    {
+        double cost = costs->rest + ( k > 0 ? costs->search + (double)rf_connection_shares[k] * costs->per_share : 0.0 );
+        double product = ( rest + moment[k] ) * cost / ( k > 0 ? GAIN : 1.0 );
+        if ( !( product < least ) )
+            continue;
+        least = product;
+        best = k;
+    }
+    return rf_connection_shares[best];
+}
+
+void rf_choose_connection_share( const RfEstimatorGroup* group, RfLightPaths* paths, void* memory, RfRayCounts* rays )
+{
+    Pilot* pilot = lay_out( group, memory );
+    RfHarvest harvest = rf_make_harvest( group );
+    int all = harvest.patches.count * group->eye_count, count = (int)fmax( AHEAD * all, LEAST_JOBS );
+    count = count > MOST_JOBS ? MOST_JOBS : count > all ? all : count;
+    paths->measures = group->settings->kernel_normalization != RF_KERNEL_DENSITY;
+    paths->share = paths->measures ? rf_connection_shares[AT_AHEAD] : 1.0f;
+    if ( !paths->measures )
+        return;
+    rf_draw_light_paths( group, PASS, paths );
+    rays->path += paths->rays;
+    trace( pilot, paths, PASS, count, all, pilot->first, rays );
+    trace( pilot, paths, PASS + 1, count, all, pilot->other, rays );
+    paths->measures = false;
+    cap_chance( pilot, count, (double)group->settings->spp * group->width * group->height * group->eye_count );
+    double moment[RF_CONNECTION_SHARES] = { 0.0 }, error = find_errors( pilot, count, moment );
+    double connections = (double)pilot->connection_rays + 2.0 * (double)paths->rays * count / all;
+    Costs costs = { LINK_RAY * connections / (double)paths->share, SEARCH * (double)pilot->searched,
+                    (double)( pilot->rays - pilot->connection_rays ) };
+    paths->share = best_share( moment, error, &costs, least_share( group, paths ) );
+}

@@ -1,0 +1,144 @@
+// Light paths and connections: the same bits for any number of threads and with all records held, memory in the budget's account,
+// and no difference where there is nothing to follow.
+#include "light_paths/light_paths.h"
+#include "support/mirror_rooms.h"
+#include "support/render_support.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#define EYES 3
+#define WIDTH 20
+#define HEIGHT 14
+#define LIGHT_PATHS 512 // of a film of 64 x 64, and a film twice as large has as many more
+
+static RfRenderSettings connected( int group )
+{
+    RfRenderSettings settings = plain_settings();
+    settings.group = group;
+    settings.spp = 2;
+    settings.max_depth = 5;
+    settings.memory = (size_t)128 << 20;
+    settings.light_paths = RF_LIGHT_PATHS_ON;
+    assert_true( rf_parse_tile( group == 0 ? "1" : "2x2", &settings.tile ) );
+    return settings;
+}
+
+static Rendered render( RfScene* scene, RfRenderSettings settings )
+{
+    RfTracer* tracer = make_tracer( scene );
+    RfEye eyes[EYES];
+    orbit_eyes( eyes, EYES, 4.0f, WIDTH, HEIGHT );
+    Rendered rendered = render_all( tracer, eyes, EYES, &settings );
+    rf_destroy_tracer( tracer );
+    return rendered;
+}
+
+static bool same( const Rendered* a, const Rendered* b )
+{
+    return memcmp( a->rgb, b->rgb, 3 * a->pixels * (size_t)a->count * sizeof( float ) ) == 0;
+}
+
+static void test_threads_and_held_records_change_no_bit( void** state )
+{
+    (void)state;
+    RfScene scene = make_mirror_room( GLASS_BALL );
+    for ( int group = 0; group < 2; ++group )
+    {
+        RfRenderSettings settings = connected( group );
+        settings.threads = 1;
+        Rendered one = render( &scene, settings );
+        settings.threads = 3;
+        Rendered three = render( &scene, settings );
+        settings.hold_all = true;
+        Rendered held = render( &scene, settings );
+        settings.light_paths = RF_LIGHT_PATHS_OFF;
+        Rendered off = render( &scene, settings );
+        assert_true( same( &one, &three ) );
+        assert_true( same( &one, &held ) );
+        assert_false( same( &one, &off ) );
+        free_rendered( &one );
+        free_rendered( &three );
+        free_rendered( &held );
+        free_rendered( &off );
+    }
+    rf_destroy_scene( &scene );
+}
+
+static void test_without_mirrors_and_glass_nothing_changes( void** state )
+{
+    (void)state;
+    RfScene scene = make_room( ROOM_GGX );
+    RfRenderSettings settings = connected( 1 );
+    Rendered on = render( &scene, settings );
+    settings.light_paths = RF_LIGHT_PATHS_OFF;
+    Rendered off = render( &scene, settings );
+    assert_true( same( &on, &off ) );
+    free_rendered( &on );
+    free_rendered( &off );
+    rf_destroy_scene( &scene );
+}
+
+// As seen in its ball, the room's lamp is large.
+static void test_large_emitters_are_left_to_chance( void** state )
+{
+    (void)state;
+    RfScene scene = make_mirror_room( GLASS_BALL );
+    RfDivision division = rf_divide_emitters( &scene, NULL );
+    assert_int_equal( division.all, 1 );
+    assert_int_equal( division.connected, 0 );
+    RfRenderSettings settings = connected( 1 );
+    settings.light_paths = RF_LIGHT_PATHS_AUTO;
+    Rendered divided = render( &scene, settings );
+    settings.light_paths = RF_LIGHT_PATHS_OFF;
+    Rendered off = render( &scene, settings );
+    assert_true( same( &divided, &off ) );
+    free_rendered( &divided );
+    free_rendered( &off );
+    rf_destroy_scene( &scene );
+}
+
+// Of a film of one eye: at first the tables and the batches traced ahead.
+static size_t bytes_of( int width, int height )
+{
+    RfRenderSettings settings = connected( 0 );
+    RfScene scene = make_mirror_room( MIRROR_BALL );
+    RfTracer* tracer = make_tracer( &scene );
+    RfEye eyes[EYES];
+    orbit_eyes( eyes, EYES, 4.0f, width, height );
+    settings.spp = 1;
+    Rendered rendered = render_all( tracer, eyes, 1, &settings );
+    size_t bytes = 0;
+    for ( int i = 0; i < rendered.stats.entry_count; ++i )
+        bytes += strcmp( rendered.stats.entries[i].name, "light paths" ) == 0 ? rendered.stats.entries[i].peak : 0;
+    free_rendered( &rendered );
+    rf_destroy_tracer( tracer );
+    rf_destroy_scene( &scene );
+    return bytes;
+}
+
+static void test_memory_of_light_paths_is_counted( void** state )
+{
+    (void)state;
+    size_t few = bytes_of( 64, 64 ), many = bytes_of( 128, 64 ), each = ( many - few ) / ( LIGHT_PATHS );
+    printf( "%zu bytes for each light path\n", each );
+    assert_true( many > few );
+    assert_true( each >= sizeof( RfLightPath ) );
+    assert_true( each <= 480 );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( test_threads_and_held_records_change_no_bit ),
+        cmocka_unit_test( test_without_mirrors_and_glass_nothing_changes ),
+        cmocka_unit_test( test_large_emitters_are_left_to_chance ),
+        cmocka_unit_test( test_memory_of_light_paths_is_counted ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}

@@ -1,0 +1,146 @@
+// Connections to light paths bring the light of mirrors and glass without bias: that of lamps without size in a mirror against
+// the mirrored lamps, that of area lights against paths that hit them by chance. Welch tests over 16 seeds.
+#include "light/divide.h"
+#include "support/chain_checks.h"
+#include "support/mirror_rooms.h"
+#include "support/statistics.h"
+#include "support/unbiased.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdlib.h>
+
+#include <cmocka.h>
+
+#define WIDTH 24
+#define HEIGHT 18
+
+static int samples( int spp ) { return getenv( "REFRAME_LONG" ) != NULL ? 16 * spp : spp; }
+
+// A square lamp that faces down, or up.
+static void add_square_lamp( SceneBuilder* b, float radiance, float x, float y, float half, bool up )
+{
+    uint32_t light = add_material( b, make_light( radiance, false ) );
+    float z = up ? -half : half;
+    add_quad( b, light, rf_vec3( x - half, y, -z ), rf_vec3( x + half, y, -z ), rf_vec3( x + half, y, z ),
+              rf_vec3( x - half, y, z ) );
+}
+
+// A ceiling over a floor that is a perfect mirror, or over the mirrored lamp alone; `squares`: with a large lamp and a small one.
+static RfScene make_ceiling( RfPunctual lamp, bool squares, bool mirror )
+{
+    SceneBuilder b = { 0 };
+    uint32_t white = add_material( &b, make_lambert( 0.7f, 0.6f, 0.5f ) );
+    RfMaterial perfect = make_mirror( 1.0f );
+    perfect.specular = rf_vec3( 1, 1, 1 );
+    uint32_t floor = add_material( &b, perfect );
+    add_quad( &b, white, rf_vec3( -2, 3, -2 ), rf_vec3( 2, 3, -2 ), rf_vec3( 2, 3, 2 ), rf_vec3( -2, 3, 2 ) );
+    if ( mirror )
+        add_quad( &b, floor, rf_vec3( -9, 0, 9 ), rf_vec3( 9, 0, 9 ), rf_vec3( 9, 0, -9 ), rf_vec3( -9, 0, -9 ) );
+    for ( int up = 0; squares && up < 2 - mirror; ++up )
+    {
+        add_square_lamp( &b, 3.0f, 1.7f, up ? -1.2f : 1.2f, 0.8f, up );
+        add_square_lamp( &b, 300.0f, -1.2f, up ? -1.0f : 1.0f, 0.04f, up );
+    }
+    RfScene scene = finish_scene( &b );
+    scene.punctuals = malloc( 2 * sizeof *scene.punctuals );
+    if ( scene.punctuals == NULL )
+        abort();
+    scene.punctuals[0] = scene.punctuals[1] = lamp;
+    scene.punctuals[1].position.y *= -1.0f;
+    scene.punctuals[1].direction.y *= -1.0f;
+    scene.punctuals[0].name = scene.punctuals[1].name = NULL;
+    scene.punctual_count = mirror ? 1 : 2;
+    return scene;
+}
+
+static Images ceiling_images( RfPunctual lamp, bool squares, bool mirror, int spp )
+{
+    RfScene scene = make_ceiling( lamp, squares, mirror );
+    if ( squares && mirror )
+    {
+        RfDivision division = rf_divide_emitters( &scene, NULL );
+        assert_int_equal( division.all, 3 );
+        assert_int_equal( division.connected, 2 );
+    }
+    RfTracer* tracer = make_tracer( &scene );
+    RfEye eye = rf_make_eye( rf_vec3( 0, 1, 0 ), rf_vec3( 0.2f, 1, 0.1f ), rf_vec3( 0, 0, 1 ), 0.9, WIDTH, HEIGHT );
+    RfRenderSettings settings = plain_settings();
+    settings.group = 0;
+    settings.spp = spp;
+    settings.max_depth = 3;
+    settings.light_paths = !mirror ? RF_LIGHT_PATHS_OFF : squares ? RF_LIGHT_PATHS_AUTO : RF_LIGHT_PATHS_ON;
+    Images images = rendered_images( tracer, &eye, 1, 0, settings );
+    rf_destroy_tracer( tracer );
+    rf_destroy_scene( &scene );
+    return images;
+}
+
+static void check_lamp( const char* what, RfPunctual lamp )
+{
+    Images connected = ceiling_images( lamp, false, true, samples( 48 ) ),
+           mirrored = ceiling_images( lamp, false, false, samples( 16 ) );
+    assert_unbiased( what, &connected, &mirrored, 4 );
+    free_images( &connected );
+    free_images( &mirrored );
+}
+
+static void test_lamps_without_size_shine_in_mirrors( void** state )
+{
+    (void)state;
+    RfPunctual lamp = make_point_light( rf_vec3( 0.3f, 1.2f, -0.2f ), 3.0f );
+    check_lamp( "point", lamp );
+    lamp.kind = RF_PUNCTUAL_SPOT;
+    lamp.direction = rf_normalize( rf_vec3( -0.3f, -1.0f, 0.1f ) );
+    lamp.cos_inner = 0.8f;
+    lamp.cos_outer = 0.4f;
+    check_lamp( "spot", lamp );
+    lamp.kind = RF_PUNCTUAL_DIRECTIONAL;
+    lamp.direction = rf_normalize( rf_vec3( -1.0f, -0.7f, 0.1f ) ); // comes in below the ceiling
+    check_lamp( "sun", lamp );
+}
+
+// The large lamp is left to chance, the small one and that without size to connections.
+static void test_emitters_are_divided( void** state )
+{
+    (void)state;
+    RfPunctual lamp = make_point_light( rf_vec3( 0.3f, 1.2f, -0.2f ), 2.0f );
+    Images divided = ceiling_images( lamp, true, true, samples( 32 ) ),
+           mirrored = ceiling_images( lamp, true, false, samples( 16 ) );
+    assert_unbiased( "divided", &divided, &mirrored, 4 );
+    free_images( &divided );
+    free_images( &mirrored );
+}
+
+static void check_room( const char* what, MirrorRoom kind, int max_depth, const ChainSetting* setting )
+{
+    ChainCase c = chain_case( what, max_depth );
+    c.settings = setting;
+    c.setting_count = 1;
+    check_chains( &c, make_mirror_room( kind ) );
+}
+
+static void test_area_lights_shine_through_glass( void** state )
+{
+    (void)state;
+    check_room( "glass ball", GLASS_BALL, 5, g_connected + 1 );
+    check_room( "layered slab", LAYERED_SLAB, 5, g_connected );
+}
+
+static void test_area_lights_shine_in_mirrors( void** state )
+{
+    (void)state;
+    check_room( "mirror ball", MIRROR_BALL, 4, g_connected );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( test_lamps_without_size_shine_in_mirrors ),
+        cmocka_unit_test( test_emitters_are_divided ),
+        cmocka_unit_test( test_area_lights_shine_in_mirrors ),
+        cmocka_unit_test( test_area_lights_shine_through_glass ),
+    };
+    return run_statistical_tests( tests, sizeof tests / sizeof *tests );
+}
