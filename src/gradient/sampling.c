@@ -1,7 +1,7 @@
 #include "gradient/sampling.h"
 
-#include "reuse/accumulate.h"
-#include "reuse/harvest_internal.h"
+#include "reuse/accumulate/accumulate.h"
+#include "reuse/harvest/harvest_internal.h"
 
 #include <string.h>
 

@@ -3,7 +3,7 @@
 #ifndef REFRAME_REUSE_COATS_H
 #define REFRAME_REUSE_COATS_H
 
-#include "reuse/records.h"
+#include "reuse/harvest/records.h"
 #include "scene/eye.h"
 
 static inline bool rf_is_smooth_coat( const RfVertexLanes* v, int i )

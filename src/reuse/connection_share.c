@@ -1,6 +1,6 @@
 #include "reuse/connection_share.h"
 
-#include "reuse/harvest_internal.h"
+#include "reuse/harvest/harvest_internal.h"
 
 #include <limits.h>
 #include <string.h>

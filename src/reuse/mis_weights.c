@@ -1,6 +1,6 @@
 // The light of hit records, weighted over the eyes that could have drawn each
 // direction (src/reuse/estimators.md, E1 and E3).
-#include "reuse/harvest_internal.h"
+#include "reuse/harvest/harvest_internal.h"
 
 #include <string.h>
 

@@ -1,11 +1,11 @@
 // The row of frame and tile reuse in the table of estimators.
 #include "reuse/reuse.h"
 
-#include "reuse/accumulate.h"
-#include "reuse/glossy.h"
-#include "reuse/harvest_internal.h"
+#include "reuse/accumulate/accumulate.h"
+#include "reuse/accumulate/reprojection.h"
+#include "reuse/harvest/harvest_internal.h"
 #include "reuse/connection_share.h"
-#include "reuse/serialise.h"
+#include "reuse/harvest/serialise.h"
 
 static size_t header_bytes( void ) { return ( sizeof( RfHitBatch ) + 63 ) / 64 * 64; }
 

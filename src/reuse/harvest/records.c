@@ -1,4 +1,4 @@
-#include "reuse/records.h"
+#include "reuse/harvest/records.h"
 
 // Hands out pieces of a block of memory; with base NULL only counts bytes.
 typedef struct Layout

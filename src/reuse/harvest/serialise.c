@@ -1,4 +1,4 @@
-#include "reuse/serialise.h"
+#include "reuse/harvest/serialise.h"
 
 #include <string.h>
 

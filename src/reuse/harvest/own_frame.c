@@ -1,7 +1,7 @@
 // Own-frame samples: hits of specular materials, and the sky in the background.
 // They are stored with the misses, which have weight 1 in their own frame and 0
 // elsewhere (src/reuse/estimators.md, section 2), but are not black.
-#include "reuse/harvest_internal.h"
+#include "reuse/harvest/harvest_internal.h"
 
 static inline float* light_of( const RfHitBatch* batch, int miss ) { return rf_miss_radiance( batch ) + 4 * (size_t)miss; }
 

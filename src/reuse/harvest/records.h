@@ -1,8 +1,8 @@
 // Hit records: what the harvest passes on to accumulation. A batch holds the hits
 // of one patch of one frame in one pass, as structures of arrays. Diffuse hits come
 // first; they need no storage per direction.
-#ifndef REFRAME_REUSE_RECORDS_H
-#define REFRAME_REUSE_RECORDS_H
+#ifndef REFRAME_REUSE_HARVEST_RECORDS_H
+#define REFRAME_REUSE_HARVEST_RECORDS_H
 
 #include "base/arena.h"
 #include "path/lanes.h"

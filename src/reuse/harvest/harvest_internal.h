@@ -1,12 +1,11 @@
 // Shared by the files of the harvest: the workspace and its steps.
-#ifndef REFRAME_REUSE_HARVEST_INTERNAL_H
-#define REFRAME_REUSE_HARVEST_INTERNAL_H
+#ifndef REFRAME_REUSE_HARVEST_HARVEST_INTERNAL_H
+#define REFRAME_REUSE_HARVEST_HARVEST_INTERNAL_H
 
 #include "path/chain_samples.h"
-#include "reuse/chains.h"
-#include "reuse/glossy.h"
-#include "reuse/harvest.h"
-#include "reuse/reprojection.h"
+#include "reuse/chains/chains.h"
+#include "reuse/accumulate/reprojection.h"
+#include "reuse/harvest/harvest.h"
 #include "reuse/tile_reuse.h"
 
 // One direction of all hits: where from, and the light in its two parts.
@@ -73,9 +72,6 @@ RfLensSample rf_draw_lens( const RfHarvest* harvest, RfTraceJob job );
 // The harvest with the pinholes that the eyes are at a point of the lens and a moment of the shutter, in scratch->eyes.
 RfHarvest rf_harvest_at( const RfHarvest* harvest, RfLensSample lens, RfHarvestScratch* scratch );
 
-// Turns uniform numbers into places drawn by the filter of each pixel.
-void rf_draw_places( const RfPixelFilter* filter, const RfEye* eye, int count, const int32_t* pixel, float random[][RF_LANES] );
-
 // One camera ray through a uniform point of each pixel, or one drawn by a filter (NULL: none): lane i is slot i, which must have its random key.
 void rf_make_camera_rays( const RfPixelFilter* filter, const RfEye* eye, int count, const int32_t* pixel, RfWavefront* wavefront,
                           RfRayLanes* rays );
@@ -91,17 +87,6 @@ void rf_sample_direct( const RfHarvest* harvest, RfHarvestScratch* scratch, RfRa
 
 // Samples scattered directions at the hits and traces the rest of the paths.
 void rf_trace_hit_tails( const RfHarvest* harvest, RfHarvestScratch* scratch, RfRayCounts* rays );
-
-// Keeps the listed pixels whose tiles have a pixel in the pieces that are traced. Returns how many.
-int rf_choose_traced( const RfHarvest* harvest, const RfEye* eye, int count, RfHarvestScratch* scratch );
-
-// Adaptive sampling. Keeps the listed pixels whose tiles are drawn: with the mean of what their pixels need, less
-// harvest->round, as probability. Returns how many.
-int rf_choose_needy( const RfHarvest* harvest, uint64_t key, int count, int tiles, RfHarvestScratch* scratch );
-
-// The same for all rounds at once: tiles are listed as often as they are wanted, each time as a tile of its own;
-// copy[] tells which time it is. Of wavefronts full of these it lists number harvest->round.
-int rf_pack_needy( const RfHarvest* harvest, uint64_t key, int count, int* tiles, RfHarvestScratch* scratch, int32_t* copy );
 
 // Fills the batch with the hits, misses and glints of `count` camera rays, without their light.
 void rf_list_hits( int count, RfHarvestScratch* scratch, RfHitBatch* batch );

@@ -1,6 +1,6 @@
-#include "reuse/mirrored.h"
+#include "reuse/chains/mirrored.h"
 
-#include "reuse/eye_rays.h"
+#include "reuse/harvest/eye_rays.h"
 #include "scene/projection.h"
 
 #include <string.h>

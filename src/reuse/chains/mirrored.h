@@ -1,9 +1,9 @@
 // Hits that were found in flat mirrors, and the images of the eyes in these: one more way for each eye
 // to see such a hit (src/reuse/estimators.md, section 10).
-#ifndef REFRAME_REUSE_MIRRORED_H
-#define REFRAME_REUSE_MIRRORED_H
+#ifndef REFRAME_REUSE_CHAINS_MIRRORED_H
+#define REFRAME_REUSE_CHAINS_MIRRORED_H
 
-#include "reuse/records.h"
+#include "reuse/harvest/records.h"
 #include "scene/eye.h"
 
 static inline bool rf_is_mirrored( uint8_t view )

@@ -1,6 +1,6 @@
 // Rays from eyes to points: from the one place of a pinhole or a panorama, in packets, or in parallel.
-#ifndef REFRAME_REUSE_EYE_RAYS_H
-#define REFRAME_REUSE_EYE_RAYS_H
+#ifndef REFRAME_REUSE_HARVEST_EYE_RAYS_H
+#define REFRAME_REUSE_HARVEST_EYE_RAYS_H
 
 #include "scene/eye.h"
 #include "trace/trace.h"

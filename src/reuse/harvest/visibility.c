@@ -1,9 +1,9 @@
 // Eye visibility of a batch: which eyes of the group see which hits, and with
 // what film density. The tests are packets from the eye (src/reuse/estimators.md, section 8).
-#include "reuse/harvest_internal.h"
+#include "reuse/harvest/harvest_internal.h"
 
-#include "reuse/mirrored.h"
-#include "reuse/eye_rays.h"
+#include "reuse/chains/mirrored.h"
+#include "reuse/harvest/eye_rays.h"
 #include "scene/projection.h"
 
 #include <stdint.h>

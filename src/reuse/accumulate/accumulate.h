@@ -1,10 +1,10 @@
 // Second phase, accumulate: hit records that land in a frame are weighted (E1, E3) and added to
 // the halves of its film.
-#ifndef REFRAME_REUSE_ACCUMULATE_H
-#define REFRAME_REUSE_ACCUMULATE_H
+#ifndef REFRAME_REUSE_ACCUMULATE_ACCUMULATE_H
+#define REFRAME_REUSE_ACCUMULATE_ACCUMULATE_H
 
 #include "render/estimator.h"
-#include "reuse/records.h"
+#include "reuse/harvest/records.h"
 
 #include <stddef.h>
 

@@ -1,10 +1,10 @@
 // Chains: the runs of mirrors and glass that camera rays follow to the first non-specular
 // vertex (src/reuse/estimators.md, section 10).
-#ifndef REFRAME_REUSE_CHAINS_H
-#define REFRAME_REUSE_CHAINS_H
+#ifndef REFRAME_REUSE_CHAINS_CHAINS_H
+#define REFRAME_REUSE_CHAINS_CHAINS_H
 
 #include "path/wavefront.h"
-#include "reuse/records.h"
+#include "reuse/harvest/records.h"
 #include "reuse/tile_reuse.h"
 
 typedef struct RfChains

@@ -1,9 +1,9 @@
 // Batches of hit records as byte strings, to hold many of them in memory: lossless,
 // and without what can be derived from the rest.
-#ifndef REFRAME_REUSE_SERIALISE_H
-#define REFRAME_REUSE_SERIALISE_H
+#ifndef REFRAME_REUSE_HARVEST_SERIALISE_H
+#define REFRAME_REUSE_HARVEST_SERIALISE_H
 
-#include "reuse/records.h"
+#include "reuse/harvest/records.h"
 
 // Writes a batch to `memory` and returns its size in bytes. With NULL it only counts,
 // for which normals, pixels and the number of hits per model are enough.

@@ -1,4 +1,4 @@
-#include "reuse/eye_rays.h"
+#include "reuse/harvest/eye_rays.h"
 
 #include "path/lanes.h"
 #include "scene/projection.h"

@@ -1,0 +1,505 @@
+// Adds hit records to a film: projects them to the frame's camera, weights them (E1), evaluates glossy hits, and adds each to
+// its pixel, or to the pixels around it by a pixel filter.
+#include "reuse/accumulate/accumulate.h"
+
+#include "reuse/accumulate/reprojection.h"
+#include "reuse/harvest/harvest.h"
+#include "reuse/weight_range.h"
+#include "scene/lens.h"
+
+#include <string.h>
+
+typedef float Float4 __attribute__( ( vector_size( 16 ) ) );
+
+// Only pixels [low, end) belong to this job.
+typedef struct PixelRange
+{
+    float* film; // 4 per pixel
+    int32_t low, end;
+    float* sky; // weight of the camera rays that missed, 1 per pixel; NULL: not asked for
+} PixelRange;
+
+// film += r · (value, 1), four lanes at once. Spelled out, since the compiler would go through
+// the stack and stall on it.
+static inline void add_to_pixel( float* film, float ratio, const float* value )
+{
+    Float4 v, sum;
+    memcpy( &v, value, sizeof v );
+    memcpy( &sum, film, sizeof sum );
+    sum += v * ratio;
+    memcpy( film, &sum, sizeof sum );
+}
+
+// splat_diffuse for batches with views, whose ways to the eye have filters.
+static uint64_t splat_filtered( const RfHitBatch* batch, const RfAccumulateScratch* s, PixelRange range )
+{
+    uint64_t landed = 0;
+    for ( int i = 0; i < batch->first[RF_BSDF_FIRST_GLOSSY]; ++i )
+    {
+        int32_t pixel = s->pixel[i];
+        if ( !( s->ratio[i] > 0.0f ) || pixel < range.low || pixel >= range.end )
+            continue;
+        const float* value = batch->radiance + 4 * i;
+        float filtered[4] = { value[0] * s->filter[0][i], value[1] * s->filter[1][i], value[2] * s->filter[2][i], 1.0f };
+        add_to_pixel( range.film + 4 * (size_t)pixel, s->ratio[i], filtered );
+        ++landed;
+    }
+    return landed;
+}
+
+// Hits, by the pixels, ratios and filters of the scratch; glossy ones with its sums. Return how many landed.
+// Hits, by the pixels, ratios and filters of the scratch; glossy ones with its sums. Return how many landed.
+static uint64_t splat_diffuse( const RfHitBatch* batch, const RfAccumulateScratch* s, PixelRange range )
+{
+    if ( rf_has_views( batch ) )
+        return splat_filtered( batch, s, range );
+    uint64_t landed = 0;
+    int count = batch->first[RF_BSDF_FIRST_GLOSSY];
+    for ( int i = 0; i < count; ++i )
+    {
+        int32_t pixel = s->pixel[i];
+        if ( s->ratio[i] > 0.0f && pixel >= range.low && pixel < range.end )
+        {
+            add_to_pixel( range.film + 4 * (size_t)pixel, s->ratio[i], batch->radiance + 4 * i );
+            ++landed;
+        }
+    }
+    return landed;
+}
+
+static uint64_t splat_glossy( const RfHitBatch* batch, const RfAccumulateScratch* s, PixelRange range )
+{
+    uint64_t landed = 0;
+    int first = batch->first[RF_BSDF_FIRST_GLOSSY];
+    for ( int i = first; i < batch->count; ++i )
+    {
+        int32_t pixel = s->pixel[i];
+        if ( s->ratio[i] > 0.0f && pixel >= range.low && pixel < range.end )
+        {
+            float value[4] = { s->sum[0][i - first], s->sum[1][i - first], s->sum[2][i - first], 1.0f };
+            for ( int c = 0; c < 3 && rf_has_views( batch ); ++c )
+                value[c] *= s->filter[c][i];
+            add_to_pixel( range.film + 4 * (size_t)pixel, s->ratio[i], value );
+            ++landed;
+        }
+    }
+    return landed;
+}
+
+static void splat_sky( const RfHitBatch* batch, float weight, PixelRange range )
+{
+    for ( int i = 0; i < batch->sky_count; ++i )
+    {
+        int32_t pixel = rf_miss_pixel( batch )[i];
+        if ( pixel >= range.low && pixel < range.end )
+            range.sky[pixel] += weight;
+    }
+}
+
+// Misses and specular hits: weight 1 in their own frame, 0 elsewhere. Returns how many landed.
+static uint64_t splat_misses( const RfHitBatch* batch, bool black, float weight, PixelRange range )
+{
+    if ( rf_calls_for( range.sky != NULL, RF_EFFECT_ALPHA ) )
+        splat_sky( batch, weight, range );
+    uint64_t landed = 0;
+    for ( int i = 0; i < batch->miss_count; ++i )
+    {
+        int32_t pixel = rf_miss_pixel( batch )[i];
+        if ( pixel >= range.low && pixel < range.end )
+        {
+            if ( black )
+                range.film[4 * (size_t)pixel + 3] += weight;
+            else
+                add_to_pixel( range.film + 4 * (size_t)pixel, weight, rf_miss_radiance( batch ) + 4 * (size_t)i );
+            ++landed;
+        }
+    }
+    return landed;
+}
+
+// Light without a sample of its own.
+static void splat_glints( const RfHitBatch* batch, float weight, PixelRange range )
+{
+    for ( int i = 0; i < batch->glint_count; ++i )
+    {
+        int32_t pixel = rf_glint_pixel( batch )[i];
+        if ( pixel >= range.low && pixel < range.end )
+            add_to_pixel( range.film + 4 * (size_t)pixel, weight, rf_glint_radiance( batch ) + 4 * (size_t)i );
+    }
+}
+
+// Count the samples that land in each pixel.
+static void count_landed( const RfHitBatch* batch, const RfAccumulateScratch* s, PixelRange range, uint32_t* landed )
+{
+    for ( int i = 0; i < batch->count; ++i )
+    {
+        int32_t pixel = s->pixel[i];
+        if ( s->ratio[i] > 0.0f && pixel >= range.low && pixel < range.end )
+            landed[pixel] += 1;
+    }
+}
+
+static void count_misses( const RfHitBatch* batch, PixelRange range, uint32_t* landed )
+{
+    for ( int i = 0; i < batch->miss_count; ++i )
+    {
+        int32_t pixel = rf_miss_pixel( batch )[i];
+        if ( pixel >= range.low && pixel < range.end )
+            landed[pixel] += 1;
+    }
+}
+
+// Where samples go with a pixel filter.
+typedef struct Spread
+{
+    const RfPixelFilter* filter;
+    PixelRange range;
+    int width, height; // of the film
+} Spread;
+
+// The pixels of the range that a sample counts in, and how much.
+typedef struct Footprint
+{
+    int left, columns; // the first one, and how many
+    int top, rows;
+    float across[RF_FILTER_TAPS]; // by column
+    float down[RF_FILTER_TAPS];   // by row
+    bool in_range;                // the sample's own pixel
+} Footprint;
+
+// Of `reach` pixels around q those within [low, end).
+static int clip_footprint( int q, int reach, int low, int end, float* weights, int* count )
+{
+    int first = q - reach > low ? q - reach : low, last = q + reach < end - 1 ? q + reach : end - 1;
+    int skipped = first - ( q - reach );
+    *count = last - first + 1;
+    for ( int k = 0; k < *count && skipped > 0; ++k )
+        weights[k] = weights[k + skipped];
+    return first;
+}
+
+// False where no pixel of the range is in reach.
+static bool find_footprint( const Spread* s, int32_t pixel, float u, float v, Footprint* f )
+{
+    int reach = s->filter->reach, y = pixel / s->width, x = pixel - y * s->width;
+    int low = s->range.low / s->width, end = s->range.end / s->width;
+    if ( y + reach < low || y - reach >= end )
+        return false;
+    rf_filter_weights( s->filter, x, u, s->width, f->across );
+    rf_filter_weights( s->filter, y, v, s->height, f->down );
+    f->left = clip_footprint( x, reach, 0, s->width, f->across, &f->columns );
+    f->top = clip_footprint( y, reach, low, end, f->down, &f->rows );
+    f->in_range = y >= low && y < end;
+    return true;
+}
+
+// film += weight · (value, 1) in each pixel.
+static void add_to_footprint( const Spread* s, const Footprint* f, float weight, const float* value )
+{
+    Float4 v;
+    memcpy( &v, value, sizeof v );
+    v *= weight;
+    for ( int row = 0; row < f->rows; ++row )
+    {
+        float* film = s->range.film + 4 * ( (size_t)( f->top + row ) * (size_t)s->width + (size_t)f->left );
+        Float4 of_row = v * f->down[row];
+        for ( int k = 0; k < f->columns; ++k )
+        {
+            Float4 sum;
+            memcpy( &sum, film + 4 * k, sizeof sum );
+            sum += of_row * f->across[k];
+            memcpy( film + 4 * k, &sum, sizeof sum );
+        }
+    }
+}
+
+static void add_sky_to_footprint( const Spread* s, const Footprint* f, float weight )
+{
+    for ( int row = 0; row < f->rows; ++row )
+    {
+        float* sky = s->range.sky + (size_t)( f->top + row ) * (size_t)s->width + (size_t)f->left;
+        for ( int k = 0; k < f->columns; ++k )
+            sky[k] += weight * f->down[row] * f->across[k];
+    }
+}
+
+// Hits, by the pixels, offsets, ratios and filters of the scratch; glossy ones with its sums. Returns how many landed in the
+// range itself.
+static uint64_t spread_hits( const RfHitBatch* batch, const RfAccumulateScratch* scratch, Spread s )
+{
+    uint64_t landed = 0;
+    int first_glossy = batch->first[RF_BSDF_FIRST_GLOSSY];
+    Footprint f;
+    for ( int i = 0; i < batch->count; ++i )
+    {
+        if ( !( scratch->ratio[i] > 0.0f ) ||
+             !find_footprint( &s, scratch->pixel[i], scratch->offset[0][i], scratch->offset[1][i], &f ) )
+            continue;
+        float value[4] = { 0.0f, 0.0f, 0.0f, 1.0f };
+        for ( int c = 0; c < 3; ++c )
+        {
+            value[c] = i < first_glossy ? batch->radiance[4 * i + c] : scratch->sum[c][i - first_glossy];
+            value[c] *= batch->has_views ? scratch->filter[c][i] : 1.0f;
+        }
+        add_to_footprint( &s, &f, scratch->ratio[i], value );
+        landed += f.in_range;
+    }
+    return landed;
+}
+
+// Misses and specular hits, with weight 1 in their own frame, and glints. Returns how many but glints landed in the range.
+static uint64_t spread_own_frame( const RfHitBatch* batch, bool black, float weight, Spread s )
+{
+    static const float only_weight[4] = { 0.0f, 0.0f, 0.0f, 1.0f };
+    uint64_t landed = 0;
+    int others = batch->miss_count + batch->glint_count;
+    Footprint f;
+    for ( int k = 0; k < others; ++k )
+    {
+        int i = batch->count + k;
+        if ( !find_footprint( &s, batch->pixel[i], batch->offset[0][i], batch->offset[1][i], &f ) )
+            continue;
+        bool miss = k < batch->miss_count;
+        add_to_footprint( &s, &f, weight, black && miss ? only_weight : batch->radiance + 4 * (size_t)i );
+        if ( s.range.sky != NULL && k < batch->sky_count )
+            add_sky_to_footprint( &s, &f, weight );
+        landed += miss && f.in_range;
+    }
+    return landed;
+}
+
+// What all batches of a call share.
+typedef struct Accumulation
+{
+    const RfEye* eyes;
+    const RfMirrors* mirrors;
+    RfBatchShape shape;
+    RfWeights weights;
+    const RfPixelFilter* filter; // by which samples are spread; NULL: each counts in its own pixel
+    float weight;                // of the pass in the film
+    void* const* batches;        // RfHitBatch, in the order in which they add to the film
+    int batch_count;
+} Accumulation;
+
+static RfEye eye_of( const Accumulation* a, int eye, const RfHitBatch* batch )
+{
+    return rf_is_blurred_shape( &a->shape ) ? rf_sample_eye( a->eyes + eye, batch->lens ) : a->eyes[eye];
+}
+
+// Pixels of the hits at an eye, and their weights r_t = J_t V_t / Σ J_l V_l times `weight` (E1).
+static void reprojection_weights( const Accumulation* a, int eye_index, const RfHitBatch* batch, RfAccumulateScratch* scratch )
+{
+    RfEye at = eye_of( a, eye_index, batch );
+    const RfEye* eye = &at;
+    float weight = a->weight, *restrict ratio = scratch->ratio,
+          *filter[3] = { scratch->filter[0], scratch->filter[1], scratch->filter[2] };
+    int32_t* pixel = scratch->pixel;
+    float* offset[2] = { scratch->offset[0], scratch->offset[1] };
+    bool own = eye_index == batch->eye;
+    for ( int c = 0; c < 2 && own && rf_has_filter( a->filter ); ++c )
+        memcpy( offset[c], batch->offset[c], (size_t)batch->count * sizeof( float ) );
+    if ( own )
+    {
+        memcpy( pixel, batch->pixel, (size_t)batch->count * sizeof *pixel );
+        rf_own_densities( a->mirrors, eye, batch, ratio, filter );
+    }
+    else
+        rf_project_batch( a->mirrors, eye, batch, pixel, ratio, filter, rf_has_filter( a->filter ) ? offset : NULL );
+    if ( batch->densities != NULL )
+        memcpy( ratio, batch->densities + (size_t)eye_index * RF_LANES, (size_t)batch->count * sizeof *ratio );
+    for ( int c = 0; c < 3 && batch->panes[c] != NULL; ++c )
+    {
+        const float* kappa = batch->panes[c] + (size_t)eye_index * RF_LANES;
+        for ( int i = 0; i < batch->count; ++i )
+            filter[c][i] *= kappa[i];
+    }
+    const float* restrict sum = batch->density_sum;
+    const uint32_t* restrict seen = batch->seen + ( eye_index / 32 ) * RF_LANES;
+    uint32_t bit = 1u << ( eye_index % 32 );
+#pragma omp simd
+    for ( int i = 0; i < batch->count; ++i )
+        ratio[i] = ( seen[i] & bit ) != 0 ? weight * ( ratio[i] / sum[i] ) : 0.0f;
+    rf_note_weights( ratio, batch->count, weight );
+}
+
+static void reproject( const Accumulation* a, int eye, const RfHitBatch* batch, RfAccumulateScratch* scratch )
+{
+    reprojection_weights( a, eye, batch, scratch );
+    if ( a->weights == RF_WEIGHTS_EXACT )
+        return;
+    // the biased weightings count each hit once
+    for ( int i = 0; i < batch->count; ++i )
+        scratch->ratio[i] = scratch->ratio[i] > 0.0f ? a->weight : 0.0f;
+}
+
+// Mean density over the eyes whose hits landed in the pixel: FR (15).
+static void mix_landed_eyes( const Accumulation* a, const RfHitBatch* batch, const uint32_t* landed_eyes, int direction,
+                             RfAccumulateScratch* s )
+{
+    int first = batch->first[RF_BSDF_FIRST_GLOSSY], count = rf_glossy_count( batch );
+    int words = rf_seen_words( a->shape.eyes );
+    const RfDirectionLanes* lanes = batch->directions + direction;
+    const float* wi[3] = { lanes->wi[0], lanes->wi[1], lanes->wi[2] };
+    float* wo[3] = { s->wo[0], s->wo[1], s->wo[2] };
+    const float* wo_in[3] = { wo[0], wo[1], wo[2] };
+    int32_t landed[RF_LANES] = { 0 };
+    memset( s->mixture, 0, sizeof s->mixture );
+    for ( int l = 0; l < a->shape.eyes; ++l )
+    {
+        RfEye at = eye_of( a, l, batch );
+        rf_directions_to( a->mirrors, &at, l, batch, wo );
+        rf_evaluate_glossy( batch, wo_in, wi, NULL, s->pdf );
+        for ( int i = 0; i < count; ++i )
+        {
+            uint32_t word = landed_eyes[(size_t)s->pixel[first + i] * (size_t)words + (size_t)( l / 32 )];
+            int there = word >> ( l % 32 ) & 1u;
+            s->mixture[i] += there ? s->pdf[i] : 0.0f;
+            landed[i] += there;
+        }
+    }
+    for ( int i = 0; i < count; ++i )
+        s->mixture[i] /= (float)( landed[i] > 0 ? landed[i] : 1 );
+}
+
+// sum += f Q of one direction; for eq15, Q depends on the mixture density of the pixel.
+static void add_direction( const RfDirectionLanes* lanes, int count, bool eq15, RfAccumulateScratch* s )
+{
+    for ( int c = 0; c < 3; ++c )
+    {
+        float* restrict sum = s->sum[c];
+        const float* restrict f = s->f[c];
+        const float* restrict q = lanes->q[c];
+        if ( !eq15 )
+        {
+#pragma omp simd
+            for ( int i = 0; i < count; ++i )
+                sum[i] += f[i] * q[i];
+            continue;
+        }
+        for ( int i = 0; i < count; ++i )
+        {
+            float p = s->mixture[i], both = lanes->light_pdf[i] + p;
+            sum[i] += f[i] * ( ( both > 0.0f ? lanes->a[c][i] / both : 0.0f ) + ( p > 0.0f ? lanes->b[c][i] / p : 0.0f ) );
+        }
+    }
+}
+
+// Radiance of the glossy hits towards the eye, into sum.
+static void light_glossy( const Accumulation* a, int eye, const RfHitBatch* batch, const uint32_t* landed_eyes,
+                          RfAccumulateScratch* s )
+{
+    int first = batch->first[RF_BSDF_FIRST_GLOSSY], count = rf_glossy_count( batch );
+    float* wo[3] = { s->wo[0], s->wo[1], s->wo[2] };
+    const float* wo_in[3] = { wo[0], wo[1], wo[2] };
+    float* f[3] = { s->f[0], s->f[1], s->f[2] };
+    for ( int i = 0; i < count; ++i )
+    {
+        for ( int c = 0; c < 3; ++c )
+            s->sum[c][i] = batch->radiance[4 * ( first + i ) + c];
+    }
+    RfEye at = eye_of( a, eye, batch );
+    if ( !a->shape.eq15 )
+        rf_directions_to( a->mirrors, &at, eye, batch, wo );
+    for ( int d = 0; d < rf_direction_count( &a->shape ); ++d )
+    {
+        const RfDirectionLanes* lanes = batch->directions + d;
+        const float* wi[3] = { lanes->wi[0], lanes->wi[1], lanes->wi[2] };
+        if ( a->shape.eq15 )
+        {
+            mix_landed_eyes( a, batch, landed_eyes, d, s );
+            rf_directions_to( a->mirrors, &at, eye, batch, wo );
+        }
+        rf_evaluate_glossy( batch, wo_in, wi, f, NULL );
+        add_direction( lanes, count, a->shape.eq15, s );
+    }
+}
+
+static bool reaches_rows( const Accumulation* a, const RfHitBatch* batch, RfAccumulateJob job )
+{
+    int beyond = rf_has_filter( a->filter ) ? a->filter->reach : 0, low = batch->rows[2 * job.eye],
+        high = batch->rows[2 * job.eye + 1];
+    return low <= high && low - beyond < job.end_row && high + beyond >= job.first_row;
+}
+
+// Records which eyes' hits landed in each pixel of the job's rows, for FR (15).
+static void note_landed_eyes( const Accumulation* a, RfAccumulateJob job, PixelRange range, uint32_t* landed_eyes,
+                              RfAccumulateScratch* s )
+{
+    size_t words = (size_t)rf_seen_words( a->shape.eyes );
+    for ( int k = 0; k < a->batch_count; ++k )
+    {
+        const RfHitBatch* batch = a->batches[k];
+        if ( !reaches_rows( a, batch, job ) )
+            continue;
+        reproject( a, job.eye, batch, s );
+        for ( int i = 0; i < batch->count; ++i )
+        {
+            int32_t pixel = s->pixel[i];
+            if ( s->ratio[i] > 0.0f && pixel >= range.low && pixel < range.end )
+                landed_eyes[(size_t)pixel * words + (size_t)( batch->eye / 32 )] |= 1u << ( batch->eye % 32 );
+        }
+    }
+}
+
+// By the pixel filter.
+static uint64_t spread( const Accumulation* a, int eye, const RfHitBatch* batch, PixelRange range,
+                        const RfAccumulateScratch* scratch )
+{
+    Spread s = { a->filter, range, a->eyes[eye].width, a->eyes[eye].height };
+    uint64_t landed = spread_hits( batch, scratch, s );
+    return landed + ( eye == batch->eye ? spread_own_frame( batch, !a->shape.own_frame_light, a->weight, s ) : 0 );
+}
+
+// Each sample in its own pixel.
+static uint64_t splat( const Accumulation* a, int eye, const RfHitBatch* batch, PixelRange range,
+                       const RfAccumulateScratch* scratch )
+{
+    uint64_t landed = splat_diffuse( batch, scratch, range );
+    if ( rf_glossy_count( batch ) > 0 )
+        landed += splat_glossy( batch, scratch, range );
+    if ( eye != batch->eye )
+        return landed;
+    landed += splat_misses( batch, !a->shape.own_frame_light, a->weight, range );
+    splat_glints( batch, a->weight, range );
+    return landed;
+}
+
+static uint64_t add_batch( const Accumulation* a, RfAccumulateJob job, const RfHitBatch* batch, PixelRange range,
+                           RfAccumulateScratch* scratch )
+{
+    reproject( a, job.eye, batch, scratch );
+    if ( rf_glossy_count( batch ) > 0 )
+        light_glossy( a, job.eye, batch, job.pass_state, scratch );
+    uint64_t landed =
+        rf_has_filter( a->filter ) ? spread( a, job.eye, batch, range, scratch ) : splat( a, job.eye, batch, range, scratch );
+    if ( rf_calls_for( job.landed != NULL, RF_EFFECT_AOV_SAMPLES ) )
+        count_landed( batch, scratch, range, job.landed );
+    if ( rf_calls_for( job.landed != NULL && job.eye == batch->eye, RF_EFFECT_AOV_SAMPLES ) )
+        count_misses( batch, range, job.landed );
+    return landed;
+}
+
+uint64_t rf_accumulate_rows( const RfEstimatorGroup* group, RfAccumulateJob job, void* const* batches, int batch_count,
+                             RfAccumulateScratch* scratch )
+{
+    Accumulation a = { group->eyes,
+                       rf_tracer_mirrors( group->tracer ),
+                       rf_batch_shape( group ),
+                       group->settings->weights,
+                       group->need == NULL ? group->filter : NULL,
+                       job.weight,
+                       batches,
+                       batch_count };
+    int width = group->width;
+    PixelRange range = { job.films->half[job.half], job.first_row * width, job.end_row * width, job.sky };
+    if ( a.shape.eq15 )
+        note_landed_eyes( &a, job, range, job.pass_state, scratch );
+    uint64_t landed = 0;
+    for ( int k = 0; k < batch_count; ++k )
+    {
+        const RfHitBatch* batch = batches[k];
+        if ( reaches_rows( &a, batch, job ) )
+            landed += add_batch( &a, job, batch, range, scratch );
+    }
+    return landed;
+}

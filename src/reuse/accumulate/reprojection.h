@@ -1,0 +1,35 @@
+// The hits of a batch as an eye of the group sees them: their reprojection to its film, and the scattering of glossy hits
+// towards it. Both phases do it, with the same bits: the harvest for visibility and densities, accumulation to add.
+#ifndef REFRAME_REUSE_ACCUMULATE_REPROJECTION_H
+#define REFRAME_REUSE_ACCUMULATE_REPROJECTION_H
+
+#include "reuse/harvest/records.h"
+#include "scene/eye.h"
+
+// Pixel (y·width + x) and film density J of every hit; density 0 where the hit
+// is behind the eye, outside its film or turned away, or was found by a chain that the eye
+// cannot follow. Occluders do not count. filter (three arrays; may be NULL) gets what is
+// left of the light on its way to the eye, but only of batches with views; offset (two; may be NULL) gets the place in
+// the pixel, 0 to 1.
+void rf_project_batch( const RfMirrors* mirrors, const RfEye* eye, const RfHitBatch* batch, int32_t* pixel, float* density,
+                       float* const filter[3], float* const offset[2] );
+
+// Densities at the eye whose rays found the hits: never 0, and 1 at the end of a chain.
+void rf_own_densities( const RfMirrors* mirrors, const RfEye* eye, const RfHitBatch* batch, float* density,
+                       float* const filter[3] );
+
+static inline int rf_glossy_count( const RfHitBatch* batch ) { return batch->count - batch->first[RF_BSDF_FIRST_GLOSSY]; }
+
+// Unit directions from the glossy hits to eye number `eye` of the group, or its image in the mirror in which they were found; to their
+// own eye exactly back along the ray that found them.
+void rf_directions_to( const RfMirrors* mirrors, const RfEye* at, int eye, const RfHitBatch* batch, float* const wo[3] );
+
+// f and density per solid angle of all glossy hits, from lane 0 on. Either output may
+// be NULL.
+void rf_evaluate_glossy( const RfHitBatch* batch, const float* const wo[3], const float* const wi[3], float* const f[3],
+                         float* pdf_solid_angle );
+
+// Sets the light of all directions to zero.
+void rf_clear_directions( RfHitBatch* batch, int directions, bool eq15 );
+
+#endif

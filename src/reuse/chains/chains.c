@@ -1,0 +1,614 @@
+// Specular chains from the camera. One starts at a mirror, at glass, or at a coat so smooth that it is better followed than
+// evaluated, and ends at the first non-specular vertex, which becomes a hit record. What the reflections at its first vertices
+// show of lights is traced in any case, not only when a ray happens to reflect (split reflections).
+#include "reuse/chains/chains.h"
+
+#include "reuse/chains/mirrored.h"
+#include "reuse/coats.h"
+
+#include <string.h>
+
+// So many vertices of a chain have their reflections split, and panes for vertices.
+#define MOST_SPLIT 4
+
+static inline RfVec3 throughput_of( const RfChains* chains, int slot )
+{
+    return rf_vec3( chains->throughput[0][slot], chains->throughput[1][slot], chains->throughput[2][slot] );
+}
+
+static inline void set_throughput( RfChains* chains, int slot, RfVec3 t )
+{
+    chains->throughput[0][slot] = t.x;
+    chains->throughput[1][slot] = t.y;
+    chains->throughput[2][slot] = t.z;
+}
+
+// Chains longer than this end by Russian roulette, from the same throughput on as paths. Up to there they may have passed panes
+// straight, and what an eye sees straight is weighted by the panes' q alone (reuse/harvest/visibility.c).
+#define NO_ROULETTE_UP_TO MOST_SPLIT
+
+// Makes the specular lanes of `found` the vertices where chains are.
+static void go_to( const RfVertexLanes* found, RfVertexLanes* at )
+{
+    int first = rf_record_count( found );
+    at->count = found->count - first;
+    for ( int kind = 0; kind <= RF_BSDF_KIND_COUNT; ++kind )
+    {
+        at->first[kind] = kind <= RF_BSDF_FIRST_SPECULAR ? 0 : found->first[kind] - first;
+        if ( kind < RF_BSDF_FIRST_SPECULAR || kind == RF_BSDF_KIND_COUNT )
+            continue;
+        int begin = found->first[kind], count = found->first[kind + 1] - begin;
+        rf_copy_vertices( found, begin, count, rf_bsdf_model( (RfBsdfKind)kind )->params, at, begin - first );
+    }
+}
+
+static uint32_t dimension_of( const RfPathSettings* path, int vertex )
+{
+    return RF_DIMENSION_CHAINS + rf_vertex_dimension( vertex, path->light_samples );
+}
+
+// True if light sampling can find light at a vertex: some of its lobes are no deltas.
+static bool is_lit( const RfVertexLanes* v, int i )
+{
+    float base = v->param[RF_PARAM_DIFFUSE][i] + v->param[RF_PARAM_DIFFUSE + 1][i] + v->param[RF_PARAM_DIFFUSE + 2][i];
+    return v->param[RF_PARAM_SHAPE][i] > 0.0f || base > 0.0f;
+}
+
+static bool any_is_lit( const RfVertexLanes* v )
+{
+    for ( int i = 0; i < v->count; ++i )
+    {
+        if ( is_lit( v, i ) )
+            return true;
+    }
+    return false;
+}
+
+// Adds light samples at vertices of chains, for their lobes that are no deltas, to wavefront->arrivals.
+static void light_lobes( const RfPathSettings* path, int vertex, const RfVertexLanes* v, RfWavefront* wavefront,
+                         const RfChains* chains )
+{
+    RfLightLanes* lights = &wavefront->lights;
+    RfLaneScratch* s = &wavefront->scratch;
+    float k = (float)path->light_samples, *f[3] = { s->f[0], s->f[1], s->f[2] };
+    if ( !any_is_lit( v ) )
+        return;
+    for ( int j = 0; j < path->light_samples; ++j )
+    {
+        uint32_t dimension = dimension_of( path, vertex ) + RF_DIMENSION_LIGHTS + 3u * (uint32_t)j;
+        wavefront->shadow_rays += (uint64_t)rf_sample_lights( path, wavefront, v, dimension, lights, s );
+        const float* wi[3] = { lights->wi[0], lights->wi[1], lights->wi[2] };
+        rf_evaluate_lanes( v, wi, f, s->pdf );
+        for ( int i = 0; i < v->count; ++i )
+        {
+            int slot = v->slot[i];
+            float scale = 1.0f / ( k * lights->pdf_solid_angle[i] + s->pdf[i] );
+            for ( int c = 0; c < 3; ++c )
+                wavefront->arrivals.rest[c][slot] +=
+                    chains->throughput[c][slot] * s->f[c][i] * lights->radiance_cos[c][i] * scale;
+        }
+    }
+}
+
+// Writes the ray that leaves lane i to lane `to` of the rays.
+static void write_ray( const RfVertexLanes* v, int i, const RfLaneScratch* s, float side, RfVec3 t, RfRayLanes* rays, int to )
+{
+    for ( int c = 0; c < 3; ++c )
+    {
+        rays->o[c][to] = v->p[c][i] + v->ng[c][i] * ( side * v->offset[i] );
+        rays->d[c][to] = s->wi[c][i];
+        rays->n[c][to] = v->n[c][i];
+    }
+    rays->throughput[0][to] = t.x;
+    rays->throughput[1][to] = t.y;
+    rays->throughput[2][to] = t.z;
+    rays->pdf_solid_angle[to] = s->pdf[i];
+    rays->slot[to] = v->slot[i];
+}
+
+// A vertex of chains that scatters.
+typedef struct Scattering
+{
+    const RfPathSettings* path;
+    int vertex; // of its chains
+    bool roulette;
+    const RfVertexLanes* v;
+    const RfLaneScratch* s;
+} Scattering;
+
+// Whether panes are vertices to the ray that leaves lane i on this side: to those of delta lobes, which no light sample competes
+// with, that have room for one within max_depth.
+static bool ends_at_panes( const Scattering* at, const RfChains* chains, int i, float side )
+{
+    int slot = at->v->slot[i], passed = chains->straight[slot] + ( chains->pane[slot] && side < 0.0f );
+    return at->s->pdf[i] >= RF_DELTA_PDF && at->vertex + 1 - passed < at->path->max_depth;
+}
+
+// Appends the rays that end at panes, or the others.
+static void append_rays( const Scattering* at, bool end_at_panes, RfChains* chains, RfRayLanes* rays )
+{
+    const RfVertexLanes* v = at->v;
+    const RfLaneScratch* s = at->s;
+    for ( int i = 0; i < v->count; ++i )
+    {
+        float direction[3] = { s->wi[0][i], s->wi[1][i], s->wi[2][i] };
+        float side = rf_leaving_side( v, i, direction );
+        RfVec3 t = rf_mul( throughput_of( chains, v->slot[i] ), rf_vec3( s->f[0][i], s->f[1][i], s->f[2][i] ) );
+        float survival = at->roulette ? rf_minf( rf_max_component( t ) / RF_ROULETTE_BELOW, 1.0f ) : 1.0f;
+        if ( side == 0.0f || !( rf_max_component( t ) > 0.0f ) || s->random[0][i] >= survival ||
+             ends_at_panes( at, chains, i, side ) != end_at_panes )
+            continue;
+        chains->reflected[v->slot[i]] = side > 0.0f;
+        write_ray( v, i, s, side, rf_scale( t, 1.0f / survival ), rays, rays->count++ );
+    }
+}
+
+// Scatters vertices of chains: wavefront->rays gets the rays, with the throughput of their chains, first those to which panes
+// may be vertices. Returns how many these are. How many vertices they were `followed` over decides about roulette.
+static int scatter_chains( const RfPathSettings* path, int vertex, int followed, const RfVertexLanes* v, RfWavefront* wavefront,
+                           RfChains* chains )
+{
+    RfLaneScratch* s = &wavefront->scratch;
+    float* wi[3] = { s->wi[0], s->wi[1], s->wi[2] };
+    rf_scatter_lanes( wavefront, v, dimension_of( path, vertex ) + RF_DIMENSION_SCATTER, wi, s );
+    rf_draw_lanes( wavefront, v->count, v->slot, dimension_of( path, vertex ) + RF_DIMENSION_ROULETTE, 1, s->random );
+    Scattering at = { path, vertex, followed > NO_ROULETTE_UP_TO, v, s };
+    wavefront->rays.count = 0;
+    append_rays( &at, true, chains, &wavefront->rays );
+    int end_at_panes = wavefront->rays.count;
+    append_rays( &at, false, chains, &wavefront->rays );
+    return end_at_panes;
+}
+
+static void append( RfVertexLanes* lanes, int count )
+{
+    lanes->count += count;
+    for ( int kind = RF_BSDF_GLASS + 1; kind <= RF_BSDF_KIND_COUNT; ++kind )
+        lanes->first[kind] += count;
+}
+
+// Reflections that are drawn more often than this are left to chance: splitting them would follow them twice.
+#define SELDOM 0.5f
+
+// Whether reflection at lane i of GLASS is one of the things that may happen there, and a rare one. At flat mirrors
+// (`mirrored`) at normal incidence: the hits that they show are reused, so all eyes must agree about whose emission is
+// counted, whatever their angle.
+static bool reflects_seldom( const RfVertexLanes* v, int i, bool mirrored )
+{
+    float base = 0.0f, tint = 0.0f;
+    for ( int c = 0; c < 3; ++c )
+    {
+        base += v->param[RF_PARAM_DIFFUSE + c][i];
+        tint += v->param[RF_PARAM_TINT + c][i];
+    }
+    if ( base > 0.0f || tint == 0.0f )
+        return false;
+    const float *n[3] = { v->n[0], v->n[1], v->n[2] }, *param[RF_PARAM_COUNT];
+    for ( int p = 0; p < RF_PARAM_COUNT; ++p )
+        param[p] = v->param[p];
+    RfBsdfLanes lanes = rf_bsdf_lanes( RF_BSDF_GLASS, n, param, 0 );
+    RfVec3 wo = mirrored ? rf_vec3( n[0][i], n[1][i], n[2][i] ) : rf_vec3( v->wo[0][i], v->wo[1][i], v->wo[2][i] );
+    return rf_reflection_probability_of_lane( &lanes, i, wo ) < SELDOM;
+}
+
+// The reflecting lobes of vertices that do other things as well, but for chains whose light is counted already.
+static void list_reflections( int vertex, RfChains* chains, RfVertexLanes* out )
+{
+    const RfVertexLanes* at = &chains->at;
+    for ( int kind = 0; kind <= RF_BSDF_KIND_COUNT; ++kind )
+        out->first[kind] = 0;
+    out->count = 0;
+    for ( int i = 0; i < at->count; ++i )
+    {
+        int slot = at->slot[i];
+        bool mirrored = vertex == 1 && rf_is_mirrored( chains->view[slot] );
+        chains->split[slot] = !chains->counted[slot] && reflects_seldom( at, i, mirrored );
+        if ( !chains->split[slot] )
+            continue;
+        rf_copy_vertices( at, i, 1, rf_bsdf_model( RF_BSDF_GLASS )->params, out, out->count );
+        for ( int c = 0; c < 3; ++c )
+            out->param[RF_PARAM_TINT + c][out->count] = 0.0f;
+        append( out, 1 );
+    }
+}
+
+static void list_coats( const RfVertexLanes* first, RfChains* chains, RfVertexLanes* out )
+{
+    for ( int i = first->first[RF_BSDF_GGX]; i < first->first[RF_BSDF_GGX + 1]; ++i )
+    {
+        int slot = first->slot[i];
+        if ( !rf_is_smooth_coat( first, i ) || rf_base_probability_of( first, i ) == 0.0f )
+            continue;
+        chains->split[slot] = 1;
+        rf_make_lobe( first, i, out, out->count );
+        append( out, 1 );
+    }
+}
+
+// Adds emission that the rays hit.
+static void add_reflected_emission( const RfPathSettings* path, RfWavefront* wavefront )
+{
+    rf_count_path_rays( wavefront, &wavefront->rays );
+    const float* pane_probability =
+        rf_find_vertices_past_panes( path, &wavefront->rays, 0, &wavefront->vertices, &wavefront->scratch );
+    rf_absorb( &wavefront->vertices, &wavefront->rays );
+    rf_add_emission_hits( path, &wavefront->rays, &wavefront->vertices, wavefront->scratch.triangle, pane_probability, false,
+                          NULL, &wavefront->arrivals );
+}
+
+// Makes the mirrors and glass that the rays hit the reflections' next vertices, the `vertex`-th of their chains.
+static void follow_reflections( const RfPathSettings* path, int vertex, const RfWavefront* wavefront, RfVertexLanes* at,
+                                RfChains* chains )
+{
+    const RfRayLanes* rays = &wavefront->rays;
+    for ( int r = 0; r < rays->count; ++r )
+    {
+        bool last = vertex - chains->straight[rays->slot[r]] >= path->max_depth;
+        RfVec3 t = rf_vec3( rays->throughput[0][r], rays->throughput[1][r], rays->throughput[2][r] );
+        set_throughput( chains, rays->slot[r], last ? rf_vec3( 0, 0, 0 ) : t );
+    }
+    go_to( &wavefront->vertices, at );
+}
+
+// What reflections at the chains' `vertex`-th vertices see of lights, added to wavefront->arrivals; notes them in
+// chains->split. With `coats`, smooth coats among these first vertices as well; NULL: later ones.
+static void split_reflections( const RfPathSettings* path, int vertex, const RfVertexLanes* coats, RfWavefront* wavefront,
+                               RfChains* chains )
+{
+    RfVertexLanes* at = &chains->hits; // not in use yet
+    list_reflections( vertex, chains, at );
+    if ( coats != NULL )
+        list_coats( coats, chains, at );
+    if ( at->count == 0 )
+        return;
+    light_lobes( path, vertex, at, wavefront, chains );
+    float throughput[3][RF_LANES];
+    memcpy( throughput, chains->throughput, sizeof throughput );
+    for ( int followed = 1; at->count > 0; ++followed )
+    {
+        scatter_chains( path, vertex, followed, at, wavefront, chains );
+        if ( wavefront->rays.count == 0 )
+            break;
+        add_reflected_emission( path, wavefront );
+        follow_reflections( path, ++vertex, wavefront, at, chains );
+    }
+    memcpy( chains->throughput, throughput, sizeof throughput );
+}
+
+bool rf_has_chains( const RfVertexLanes* first )
+{
+    if ( rf_record_count( first ) < first->count )
+        return true;
+    for ( int i = first->first[RF_BSDF_GGX]; i < first->first[RF_BSDF_GGX + 1]; ++i )
+    {
+        if ( rf_is_smooth_coat( first, i ) )
+            return true;
+    }
+    return false;
+}
+
+// The view of a chain that starts here, if it is reflected and then ends.
+static uint8_t view_of( const RfPathSettings* path, const RfVertexLanes* v, int i, uint32_t triangle, RfVec3 throughput )
+{
+    uint16_t mirror = rf_tracer_triangles( path->tracer )[triangle].mirror;
+    float cos_o = v->n[0][i] * v->wo[0][i] + v->n[1][i] * v->wo[1][i] + v->n[2][i] * v->wo[2][i], ior = v->param[RF_PARAM_IOR][i];
+    bool inside = rf_max_component( throughput ) < 1.0f || ( ior > 0.0f && ior < 1.0f );
+    return mirror == RF_NO_MIRROR || cos_o < RF_MIN_COS || inside ? RF_VIEW_CHAIN : (uint8_t)( RF_VIEW_FIRST_MIRROR + mirror );
+}
+
+bool rf_is_at_pane( const RfTracer* tracer, const RfVertexLanes* v, int i )
+{
+    if ( !rf_tracer_has_panes( tracer ) )
+        return false;
+    const float *n[3] = { v->n[0], v->n[1], v->n[2] }, *param[RF_PARAM_COUNT];
+    for ( int p = 0; p < RF_PARAM_COUNT; ++p )
+        param[p] = v->param[p];
+    RfBsdfLanes lanes = rf_bsdf_lanes( RF_BSDF_GLASS, n, param, 0 );
+    return rf_pane_of_lane( &lanes, i, rf_vec3( v->wo[0][i], v->wo[1][i], v->wo[2][i] ) ).probability > 0.0f;
+}
+
+// Mirrors and glass: what the eyes see of their emission, absorbed on the way if the eye is inside a body.
+static void start_at_glass( const RfPathSettings* path, const RfRayLanes* rays, RfWavefront* wavefront, RfChains* chains )
+{
+    const RfVertexLanes* v = &chains->at;
+    for ( int i = 0; i < v->count; ++i )
+    {
+        int slot = v->slot[i];
+        RfVec3 t = rf_transmittance_from( v, i, rf_vec3( rays->o[0][slot], rays->o[1][slot], rays->o[2][slot] ) );
+        float left[3] = { t.x, t.y, t.z };
+        set_throughput( chains, slot, t );
+        chains->view[slot] = view_of( path, v, i, wavefront->scratch.triangle[v->ray[i]], t );
+        for ( int c = 0; c < 3; ++c )
+            wavefront->arrivals.rest[c][slot] += left[c] * v->emission[c][i];
+    }
+}
+
+// Smooth coats: draws the base or the lobe.
+static void start_at_coats( const RfVertexLanes* first, RfWavefront* wavefront, RfChains* chains )
+{
+    RfVertexLanes* at = &chains->at;
+    for ( int i = first->first[RF_BSDF_GGX]; i < first->first[RF_BSDF_GGX + 1]; ++i )
+    {
+        if ( !rf_is_smooth_coat( first, i ) )
+            continue;
+        int slot = first->slot[i];
+        RfRandomKey key = { wavefront->key_a[slot], wavefront->key_b[slot] };
+        float base = rf_base_probability_of( first, i );
+        chains->view[slot] = rf_random( key, RF_DIMENSION_CHAINS ) < base ? RF_VIEW_BASE : RF_VIEW_CHAIN;
+        if ( chains->view[slot] == RF_VIEW_BASE )
+            continue;
+        for ( int c = 0; c < 3 && base == 0.0f; ++c ) // otherwise the base has it
+            wavefront->arrivals.rest[c][slot] += first->emission[c][i];
+        chains->lobe_weight[slot] = 1.0f / ( 1.0f - base );
+        rf_make_lobe( first, i, at, at->count );
+        append( at, 1 );
+    }
+}
+
+// Fills view, throughput and split, and makes the first vertices of chains those where they are. With `lit`, adds
+// what their reflections see of lights to wavefront->arrivals.
+static void start_chains( const RfPathSettings* path, const RfVertexLanes* first, const RfRayLanes* camera_rays, bool lit,
+                          RfWavefront* wavefront, RfChains* chains )
+{
+    memset( chains->length, 0, sizeof chains->length );
+    memset( chains->view, RF_VIEW_DIRECT, sizeof chains->view );
+    memset( chains->split, 0, sizeof chains->split );
+    memset( chains->counted, 0, sizeof chains->counted );
+    memset( chains->pane, 0, sizeof chains->pane );
+    memset( chains->straight, 0, sizeof chains->straight );
+    memset( &wavefront->arrivals, 0, sizeof wavefront->arrivals );
+    for ( int i = 0; i < camera_rays->count; ++i )
+    {
+        set_throughput( chains, i, rf_vec3( 1, 1, 1 ) );
+        chains->lobe_weight[i] = 1.0f;
+    }
+    go_to( first, &chains->at );
+    start_at_glass( path, camera_rays, wavefront, chains );
+    start_at_coats( first, wavefront, chains );
+    if ( lit && path->max_depth > 1 )
+        split_reflections( path, 1, first, wavefront, chains );
+    for ( int i = 0; i < chains->at.count; ++i )
+    {
+        int slot = chains->at.slot[i];
+        set_throughput( chains, slot, rf_scale( throughput_of( chains, slot ), chains->lobe_weight[slot] ) );
+    }
+    chains->ends.count = 0;
+}
+
+// Light samples where chains are. Vertices that are split have theirs.
+static void light_chains( const RfPathSettings* path, int vertex, RfWavefront* wavefront, RfChains* chains )
+{
+    const RfVertexLanes* at = &chains->at;
+    RfVertexLanes* unlit = &chains->hits; // not in use yet
+    for ( int kind = 0; kind <= RF_BSDF_KIND_COUNT; ++kind )
+        unlit->first[kind] = 0;
+    unlit->count = 0;
+    for ( int i = 0; i < at->count; ++i )
+    {
+        if ( chains->split[at->slot[i]] )
+            continue;
+        rf_copy_vertices( at, i, 1, rf_bsdf_model( RF_BSDF_GLASS )->params, unlit, unlit->count++ );
+    }
+    for ( int kind = RF_BSDF_FIRST_SPECULAR + 1; kind <= RF_BSDF_KIND_COUNT; ++kind )
+        unlit->first[kind] = unlit->count;
+    if ( unlit->count > 0 )
+        light_lobes( path, vertex, unlit, wavefront, chains );
+}
+
+// What chains see of lights at their vertices.
+static void find_lights( const RfPathSettings* path, int vertex, RfWavefront* wavefront, RfChains* chains )
+{
+    for ( int i = 0; vertex > MOST_SPLIT && i < chains->at.count; ++i )
+        chains->split[chains->at.slot[i]] = 0;
+    if ( vertex > 1 && vertex <= MOST_SPLIT )
+        split_reflections( path, vertex, NULL, wavefront, chains );
+    light_chains( path, vertex, wavefront, chains );
+}
+
+static void note_panes_at( const RfPathSettings* path, RfChains* chains )
+{
+    const RfVertexLanes* at = &chains->at;
+    for ( int i = 0; i < at->count; ++i )
+        chains->pane[at->slot[i]] = rf_is_at_pane( path->tracer, at, i );
+}
+
+// Sorts the chains by what happened: what is behind panes is seen straight, flat mirrors show what one reflection sees,
+// and the light that split reflections see is counted already.
+static void note_events( int vertex, RfWavefront* wavefront, RfChains* chains )
+{
+    const RfRayLanes* rays = &wavefront->rays;
+    for ( int r = 0; r < rays->count; ++r )
+    {
+        int slot = rays->slot[r];
+        bool reflected = chains->reflected[slot], passed = chains->pane[slot] && !reflected;
+        bool straight = passed && ( vertex == 1 || chains->view[slot] == RF_VIEW_DIRECT );
+        chains->straight[slot] += passed;
+        chains->counted[slot] |= chains->split[slot] && reflected;
+        if ( straight )
+            chains->view[slot] = RF_VIEW_DIRECT;
+        else if ( vertex > 1 || !reflected || rays->pdf_solid_angle[r] < RF_DELTA_PDF )
+            chains->view[slot] = RF_VIEW_CHAIN;
+    }
+}
+
+// Takes the light away that is counted already.
+static void drop_counted_light( const RfChains* chains, RfWavefront* wavefront )
+{
+    RfVertexLanes* found = &wavefront->vertices;
+    RfRayLanes* rays = &wavefront->rays;
+    for ( int i = 0; i < found->count; ++i )
+    {
+        if ( !chains->counted[found->slot[i]] )
+            continue;
+        found->light_pdf_solid_angle[i] = 0.0f;
+        for ( int c = 0; c < 3; ++c )
+            found->emission[c][i] = 0.0f;
+    }
+    for ( int r = 0; r < rays->count; ++r )
+    {
+        for ( int c = 0; c < 3 && chains->counted[rays->slot[r]] && wavefront->scratch.triangle[r] == RF_MISS; ++c )
+            rays->throughput[c][r] = 0.0f;
+    }
+}
+
+// True if max_depth leaves no vertex after the chain's `vertex`.
+static bool is_last( const RfPathSettings* path, const RfChains* chains, int slot, int vertex )
+{
+    return vertex - chains->straight[slot] >= path->max_depth;
+}
+
+// Adds the light that the rays hit. What only the chain can find stays with the vertex if the chain ends there, so
+// that it is reused with it.
+static void add_emission( const RfPathSettings* path, const float* pane_probability, int vertex, RfWavefront* wavefront,
+                          const RfChains* chains )
+{
+    RfVertexLanes* found = &wavefront->vertices;
+    const RfRayLanes* rays = &wavefront->rays;
+    bool kept[RF_LANES];
+    for ( int i = 0; i < rf_record_count( found ); ++i )
+    {
+        kept[i] = !is_last( path, chains, found->slot[i], vertex + 1 ) && rays->pdf_solid_angle[found->ray[i]] >= RF_DELTA_PDF;
+        found->light_pdf_solid_angle[i] = kept[i] ? 0.0f : found->light_pdf_solid_angle[i];
+    }
+    rf_add_emission_hits( path, rays, found, wavefront->scratch.triangle, pane_probability, false, NULL, &wavefront->arrivals );
+    for ( int i = 0; i < rf_record_count( found ); ++i )
+    {
+        for ( int c = 0; c < 3 && !kept[i]; ++c )
+            found->emission[c][i] = 0.0f;
+    }
+}
+
+// True where an eye in front of the pane would draw the base or the lobe of a coat.
+static bool is_coat_behind_pane( const RfChains* chains, int slot, const RfVertexLanes* found, int kind, int i )
+{
+    return chains->view[slot] == RF_VIEW_DIRECT && kind == RF_BSDF_GGX && rf_is_smooth_coat( found, i );
+}
+
+// Notes the chains that have reached a non-specular vertex, and the throughputs of all.
+static void note_ends( const RfPathSettings* path, const RfVertexLanes* found, const RfRayLanes* rays, int vertex,
+                       RfChains* chains )
+{
+    RfVertexLanes* ends = &chains->ends;
+    for ( int r = 0; r < rays->count; ++r )
+        set_throughput( chains, rays->slot[r],
+                        rf_vec3( rays->throughput[0][r], rays->throughput[1][r], rays->throughput[2][r] ) );
+    for ( int kind = 0; kind < RF_BSDF_FIRST_SPECULAR; ++kind )
+    {
+        for ( int i = found->first[kind]; i < found->first[kind + 1]; ++i )
+        {
+            int slot = found->slot[i];
+            if ( is_last( path, chains, slot, vertex + 1 ) )
+                continue;
+            if ( is_coat_behind_pane( chains, slot, found, kind, i ) )
+                chains->view[slot] = RF_VIEW_CHAIN;
+            chains->kind[ends->count] = (uint8_t)kind;
+            chains->length[slot] = vertex - chains->straight[slot];
+            rf_copy_vertices( found, i, 1, rf_bsdf_model( (RfBsdfKind)kind )->params, ends, ends->count++ );
+        }
+    }
+}
+
+// Ends the chains that have no vertex left.
+static void end_last( const RfPathSettings* path, int vertex, RfChains* chains )
+{
+    for ( int i = 0; i < chains->at.count; ++i )
+    {
+        int slot = chains->at.slot[i];
+        if ( is_last( path, chains, slot, vertex ) )
+            set_throughput( chains, slot, rf_vec3( 0, 0, 0 ) );
+    }
+}
+
+// Appends the non-specular first hits of a model; coats that were split leave their base.
+static void append_first( const RfVertexLanes* first, int kind, const RfChains* chains, RfVertexLanes* hits )
+{
+    uint32_t params = rf_bsdf_model( (RfBsdfKind)kind )->params;
+    int begin = first->first[kind], count = first->first[kind + 1] - begin;
+    if ( kind != RF_BSDF_GGX )
+    {
+        rf_copy_vertices( first, begin, count, params, hits, hits->count );
+        hits->count += count;
+        return;
+    }
+    for ( int i = begin; i < begin + count; ++i )
+    {
+        uint8_t view = chains->view[first->slot[i]];
+        if ( rf_is_smooth_coat( first, i ) && view != RF_VIEW_BASE )
+            continue;
+        rf_copy_vertices( first, i, 1, params, hits, hits->count );
+        if ( view == RF_VIEW_BASE )
+            rf_make_base( hits, hits->count );
+        hits->count += 1;
+    }
+}
+
+// Merges the non-specular first hits and the ends of chains.
+static void merge_hits( const RfVertexLanes* first, RfChains* chains )
+{
+    RfVertexLanes* hits = &chains->hits;
+    hits->count = 0;
+    for ( int kind = 0; kind < RF_BSDF_FIRST_SPECULAR; ++kind )
+    {
+        hits->first[kind] = hits->count;
+        append_first( first, kind, chains, hits );
+        for ( int end = 0; end < chains->ends.count; ++end )
+        {
+            if ( chains->kind[end] == kind )
+                rf_copy_vertices( &chains->ends, end, 1, rf_bsdf_model( (RfBsdfKind)kind )->params, hits, hits->count++ );
+        }
+    }
+    for ( int kind = RF_BSDF_FIRST_SPECULAR; kind <= RF_BSDF_KIND_COUNT; ++kind )
+        hits->first[kind] = hits->count;
+}
+
+void rf_follow_chains( const RfPathSettings* path, const RfVertexLanes* first, const RfRayLanes* camera_rays, bool lit,
+                       RfWavefront* wavefront, RfChains* chains )
+{
+    start_chains( path, first, camera_rays, lit, wavefront, chains );
+    int end = path->max_depth == 1 ? 1 : path->max_depth + MOST_SPLIT * rf_tracer_has_panes( path->tracer );
+    for ( int vertex = 1; vertex < end && chains->at.count > 0; ++vertex )
+    {
+        end_last( path, vertex, chains );
+        note_panes_at( path, chains );
+        if ( lit )
+            find_lights( path, vertex, wavefront, chains );
+        int end_at_panes = scatter_chains( path, vertex, vertex, &chains->at, wavefront, chains );
+        if ( wavefront->rays.count == 0 )
+            break;
+        note_events( vertex, wavefront, chains );
+        rf_count_path_rays( wavefront, &wavefront->rays );
+        int first_past = vertex < MOST_SPLIT ? end_at_panes : 0;
+        const float* pane_probability =
+            rf_find_vertices_past_panes( path, &wavefront->rays, first_past, &wavefront->vertices, &wavefront->scratch );
+        rf_absorb( &wavefront->vertices, &wavefront->rays );
+        drop_counted_light( chains, wavefront );
+        add_emission( path, pane_probability, vertex, wavefront, chains );
+        note_ends( path, &wavefront->vertices, &wavefront->rays, vertex, chains );
+        go_to( &wavefront->vertices, &chains->at );
+    }
+    memcpy( chains->light, wavefront->arrivals.rest, sizeof chains->light );
+    merge_hits( first, chains );
+}
+
+void rf_split_tiles( const RfChains* chains, RfTileReuse* tiles )
+{
+    int32_t head[RF_LANES]; // by old tile: its first new one
+    int32_t slot_of[RF_LANES], next[RF_LANES];
+    int32_t count = 0;
+    memset( head, -1, (size_t)tiles->tile_count * sizeof *head );
+    for ( int i = 0; i < chains->hits.count; ++i )
+    {
+        int slot = chains->hits.slot[i];
+        int32_t* tile = head + tiles->tile_of[slot];
+        while ( *tile >= 0 && chains->length[slot_of[*tile]] != chains->length[slot] )
+            tile = next + *tile;
+        if ( *tile < 0 )
+        {
+            *tile = count;
+            slot_of[count] = slot;
+            next[count++] = -1;
+        }
+        tiles->tile_of[slot] = *tile;
+    }
+    tiles->tile_count = count;
+}

@@ -1,0 +1,654 @@
+// Traces a batch into hit records: chooses its pixels, draws a point of the lens and a moment of the shutter for all of them,
+// traces the camera rays and their specular chains, lists what they hit, and lights the hits by the rest of their paths.
+#include "reuse/harvest/harvest_internal.h"
+
+#include "scene/projection.h"
+
+#include <math.h>
+#include <string.h>
+
+// Tiles share all light but that of light samples at first hits, which are cheap beside the rest of a path: with tiles there
+// are as many at least (src/reuse/measurements.md, "The second light sample").
+#define DIRECT_SAMPLES 2
+
+static int direct_samples( const RfEstimatorGroup* group, int tile_pixels, bool connections )
+{
+    int least = tile_pixels == 1 || connections || group->even_light_samples ? 1 : DIRECT_SAMPLES;
+    return group->settings->light_samples > least ? group->settings->light_samples : least;
+}
+
+// Chain samples of a hit behind a chain (path/chain_samples.h): in the still life 8 bring no more than they cost.
+#define CHAIN_SAMPLES 4
+
+RfBatchShape rf_batch_shape( const RfEstimatorGroup* group )
+{
+    const RfRenderSettings* settings = group->settings;
+    bool specular = ( group->traits.kinds & ~0u << RF_BSDF_FIRST_SPECULAR ) != 0;
+    int tile_pixels = rf_tile_pixels( &settings->tile );
+    bool chains = rf_wants_chains( &group->traits, settings, tile_pixels );
+    bool connections = rf_wants_light_paths( &group->traits, settings );
+    bool samples = chains && group->traits.chain_triangles > 0 && !connections && !group->even_light_samples; // not in gradients
+    return ( RfBatchShape ){
+        .eyes = group->eye_count,
+        .light_samples = direct_samples( group, tile_pixels, connections ),
+        .tile_pixels = tile_pixels,
+        .params = rf_glossy_params( group->traits.kinds ),
+        .eq15 = settings->weights == RF_WEIGHTS_EQ15,
+        .blurred = rf_is_blurred( &group->traits ),
+        .blended = group->traits.blended,
+        .panes = group->traits.panes,
+        .own_frame_light = specular || chains || group->traits.sky,
+        .filtered = !rf_is_plain_filter( settings ),
+        .chains = chains,
+        .chain_samples = rf_calls_for( samples, RF_EFFECT_CHAINS ) ? CHAIN_SAMPLES : 0,
+        .connections = connections,
+    };
+}
+
+RfHarvest rf_make_harvest( const RfEstimatorGroup* group )
+{
+    const RfRenderSettings* settings = group->settings;
+    return ( RfHarvest ){
+        .path = { group->tracer, group->max_depth, settings->light_samples, settings->light_sampling, NULL },
+        .shape = rf_batch_shape( group ),
+        .patches = rf_lay_out_patches( &settings->tile, group->traits.scattered, group->width, group->height ),
+        .tile_roulette = settings->tile_roulette,
+        .weights = settings->weights,
+        .alpha = rf_calls_for( ( settings->aovs & RF_AOV_BIT( RF_AOV_ALPHA ) ) != 0, RF_EFFECT_ALPHA ),
+        .seed = settings->seed,
+        .drawn_by = group->need != NULL ? group->filter : NULL,
+        .eyes = group->eyes,
+        .first_frame = group->first_frame,
+        .group = group->number,
+        .pieces = settings->pieces,
+        .need = group->need,
+        .round = group->round,
+        .packed = group->packed,
+        .first_hits_only = group->first_hits_only,
+        .light_paths = rf_drawn_light_paths( group->shared ),
+        .kernel_normalization = settings->kernel_normalization,
+    };
+}
+
+static size_t scratch_struct_bytes( void ) { return ( sizeof( RfHarvestScratch ) + 63 ) / 64 * 64; }
+
+static size_t eyes_bytes( const RfBatchShape* shape )
+{
+    return rf_is_blurred_shape( shape ) ? ( (size_t)shape->eyes * sizeof( RfEye ) + 63 ) / 64 * 64 : 0;
+}
+
+size_t rf_harvest_scratch_bytes( const RfBatchShape* shape )
+{
+    size_t lanes = RF_LANES * sizeof( float );
+    return scratch_struct_bytes() + eyes_bytes( shape ) + (size_t)shape->light_samples * sizeof( RfLightLanes ) +
+           (size_t)shape->eyes * lanes + (size_t)rf_direction_count( shape ) * lanes +
+           rf_tile_reuse_bytes( shape->light_samples + shape->connections, shape->tile_pixels, shape->panes ) +
+           ( shape->chains ? sizeof( RfChains ) + 64 : 0 ) + ( shape->connections ? sizeof( RfConnectionLanes ) + 64 : 0 ) +
+           ( shape->chain_samples > 0 ? sizeof( RfChainSamples ) + sizeof( RfChainLight ) + 64 : 0 ) +
+           ( shape->filtered ? 2 * lanes : 0 );
+}
+
+RfHarvestScratch* rf_lay_out_harvest_scratch( const RfBatchShape* shape, void* memory )
+{
+    RfHarvestScratch* scratch = memory;
+    scratch->eyes = (RfEye*)(void*)( (char*)memory + scratch_struct_bytes() );
+    scratch->direct = (RfLightLanes*)( (char*)memory + scratch_struct_bytes() + eyes_bytes( shape ) );
+    scratch->density = (float*)( scratch->direct + shape->light_samples );
+    scratch->mixture = scratch->density + (size_t)shape->eyes * RF_LANES;
+    char* rest = (char*)( scratch->mixture + (size_t)rf_direction_count( shape ) * RF_LANES );
+    scratch->tiles = rf_lay_out_tile_reuse( shape->light_samples + shape->connections, shape->tile_pixels, shape->panes, rest );
+    rest += rf_tile_reuse_bytes( shape->light_samples + shape->connections, shape->tile_pixels, shape->panes );
+    scratch->chains = shape->chains ? (RfChains*)(void*)( rest + ( 64 - (uintptr_t)rest % 64 ) % 64 ) : NULL;
+    rest = shape->chains ? (char*)( scratch->chains + 1 ) : rest;
+    scratch->connections = shape->connections ? (RfConnectionLanes*)(void*)( rest + ( 64 - (uintptr_t)rest % 64 ) % 64 ) : NULL;
+    rest = shape->connections ? (char*)( scratch->connections + 1 ) : rest;
+    bool samples = shape->chain_samples > 0;
+    scratch->chain_samples = samples ? (RfChainSamples*)(void*)( rest + ( 64 - (uintptr_t)rest % 64 ) % 64 ) : NULL;
+    scratch->chain_light = samples ? (RfChainLight*)(void*)( scratch->chain_samples + 1 ) : NULL;
+    rest = samples ? (char*)( scratch->chain_light + 1 ) : rest;
+    for ( int c = 0; c < 2; ++c )
+        scratch->place[c] = shape->filtered ? (float*)(void*)rest + c * RF_LANES : NULL;
+    return scratch;
+}
+
+#define LENS_SALT 0x1e4500000000u // keeps the random numbers of the lens apart
+
+RfLensSample rf_draw_lens( const RfHarvest* harvest, RfTraceJob job )
+{
+    uint64_t pass_key = rf_harvest_key( harvest, job.eye, job.pass ) ^ LENS_SALT;
+    RfRandomKey key = rf_pixel_key( rf_mix64( pass_key + (uint64_t)harvest->round ), (uint32_t)job.job );
+    return ( RfLensSample ){ rf_random( key, 0 ), rf_random( key, 1 ), rf_random( key, 2 ) };
+}
+
+RfHarvest rf_harvest_at( const RfHarvest* harvest, RfLensSample lens, RfHarvestScratch* scratch )
+{
+    RfHarvest at = *harvest;
+    if ( !rf_is_blurred_shape( &harvest->shape ) )
+        return at;
+    for ( int l = 0; l < harvest->shape.eyes; ++l )
+        scratch->eyes[l] = rf_sample_eye( harvest->eyes + l, lens );
+    at.eyes = scratch->eyes;
+    return at;
+}
+
+// The tiles of the pixels listed for a patch. Without tile reuse each pixel is a tile.
+typedef struct Tiles
+{
+    int count;
+    int32_t of[RF_LANES]; // each pixel's
+    int32_t size[RF_LANES];
+    float need[RF_LANES]; // mean over its pixels
+} Tiles;
+
+static void list_tiles( const RfHarvest* harvest, int count, int tiles, const RfHarvestScratch* scratch, Tiles* out )
+{
+    bool in_tiles = rf_reuses_tiles( scratch );
+    out->count = in_tiles ? tiles : count;
+    memset( out->size, 0, sizeof out->size );
+    memset( out->need, 0, sizeof out->need );
+    for ( int i = 0; i < count; ++i )
+    {
+        int t = in_tiles ? scratch->tile_of[i] : i;
+        out->of[i] = t;
+        out->need[t] += harvest->need[scratch->pixel[i]];
+        out->size[t] += 1;
+    }
+    for ( int t = 0; t < out->count; ++t )
+        out->need[t] = out->size[t] > 0 ? out->need[t] / (float)out->size[t] : 0.0f;
+}
+
+static float draw_tile( uint64_t key, int tile ) { return rf_random( rf_pixel_key( rf_mix64( key ), (uint32_t)tile ), 0 ); }
+
+bool rf_is_patch_traced( const RfHarvest* harvest, RfTraceJob job )
+{
+    const RfEye* eye = harvest->eyes + job.eye;
+    const uint8_t* cells = rf_frame_cells( harvest->pieces, harvest->first_frame + job.eye );
+    int x0, y0, x1, y1;
+    rf_bound_patch( &harvest->patches, eye, rf_harvest_key( harvest, job.eye, job.pass ), job.job, &x0, &y0, &x1, &y1 );
+    for ( int y = y0 / RF_CELL_SIDE; y < rf_cells_along( y1 ); ++y )
+    {
+        for ( int x = x0 / RF_CELL_SIDE; x < rf_cells_along( x1 ); ++x )
+        {
+            if ( rf_is_traced( harvest->pieces, cells, x * RF_CELL_SIDE, y * RF_CELL_SIDE ) )
+                return true;
+        }
+    }
+    return false;
+}
+
+// Keeps the listed pixels whose tiles have a pixel in the pieces that are traced. Returns how many.
+static int choose_traced( const RfHarvest* harvest, const RfEye* eye, int count, RfHarvestScratch* scratch )
+{
+    const uint8_t* cells = rf_frame_cells( harvest->pieces, harvest->first_frame + (int)( eye - harvest->eyes ) );
+    bool in_tiles = rf_reuses_tiles( scratch ), traced[RF_LANES] = { false };
+    for ( int i = 0; i < count; ++i )
+    {
+        int y = scratch->pixel[i] / eye->width, x = scratch->pixel[i] - y * eye->width;
+        int tile = in_tiles ? scratch->tile_of[i] : i;
+        traced[tile] = traced[tile] || rf_is_traced( harvest->pieces, cells, x, y );
+    }
+    int left = 0;
+    for ( int i = 0; i < count; ++i )
+    {
+        int tile = in_tiles ? scratch->tile_of[i] : i;
+        scratch->pixel[left] = scratch->pixel[i];
+        scratch->tile_of[left] = tile;
+        left += traced[tile];
+    }
+    return left;
+}
+
+// Adaptive sampling. Keeps the listed pixels whose tiles are drawn: with the mean of what their pixels need, less
+// harvest->round, as probability. Returns how many.
+static int choose_needy( const RfHarvest* harvest, uint64_t key, int count, int tiles, RfHarvestScratch* scratch )
+{
+    Tiles list;
+    list_tiles( harvest, count, tiles, scratch, &list );
+    bool chosen[RF_LANES];
+    for ( int t = 0; t < list.count; ++t )
+        chosen[t] = list.size[t] > 0 && list.need[t] - (float)harvest->round > draw_tile( key, t );
+    int left = 0;
+    for ( int i = 0; i < count; ++i )
+    {
+        scratch->pixel[left] = scratch->pixel[i];
+        scratch->tile_of[left] = list.of[i];
+        left += chosen[list.of[i]];
+    }
+    return left;
+}
+
+// Counts the samples of each tile: the whole part of its need, and one more with the rest as probability.
+static int count_copies( const Tiles* list, uint64_t key, int32_t* copies )
+{
+    int most = 0;
+    for ( int t = 0; t < list->count; ++t )
+    {
+        float whole = floorf( list->need[t] );
+        copies[t] = (int32_t)whole + ( list->need[t] - whole > draw_tile( key, t ) );
+        most = copies[t] > most ? copies[t] : most;
+    }
+    return most;
+}
+
+// The same for all rounds at once: tiles are listed as often as they are wanted, each time as a tile of its own;
+// copy[] tells which time it is. Of wavefronts full of these it lists number harvest->round.
+static int pack_needy( const RfHarvest* harvest, uint64_t key, int count, int* tiles, RfHarvestScratch* scratch, int32_t* copy )
+{
+    Tiles list;
+    int32_t copies[RF_LANES], pixel[RF_LANES], number[RF_LANES];
+    list_tiles( harvest, count, *tiles, scratch, &list );
+    memcpy( pixel, scratch->pixel, (size_t)count * sizeof *pixel );
+    int most = count_copies( &list, key, copies ), wavefront = 0, used = 0, left = 0;
+    *tiles = 0;
+    for ( int k = 0; k < most; ++k )
+    {
+        for ( int t = 0; t < list.count; ++t )
+        {
+            number[t] = -1;
+            if ( copies[t] <= k )
+                continue;
+            wavefront += used + list.size[t] > RF_PATCH_PIXELS;
+            used = used + list.size[t] > RF_PATCH_PIXELS ? list.size[t] : used + list.size[t];
+            if ( wavefront == harvest->round )
+                number[t] = ( *tiles )++;
+        }
+        for ( int i = 0; i < count; ++i )
+        {
+            if ( number[list.of[i]] < 0 )
+                continue;
+            scratch->pixel[left] = pixel[i];
+            scratch->tile_of[left] = number[list.of[i]];
+            copy[left++] = k;
+        }
+    }
+    return left;
+}
+
+// Turns uniform numbers into places drawn by the filter of each pixel.
+static void draw_places( const RfPixelFilter* filter, const RfEye* eye, int count, const int32_t* pixel,
+                         float random[][RF_LANES] )
+{
+    for ( int i = 0; i < count; ++i )
+    {
+        int y = pixel[i] / eye->width, x = pixel[i] - y * eye->width;
+        random[0][i] = rf_draw_filter_place( filter, x, eye->width, random[0][i] );
+        random[1][i] = rf_draw_filter_place( filter, y, eye->height, random[1][i] );
+    }
+}
+
+static void copy_hits( const RfVertexLanes* v, RfHitBatch* batch )
+{
+    batch->count = rf_record_count( v );
+    for ( int k = 0; k <= RF_BSDF_KIND_COUNT; ++k )
+        batch->first[k] = v->first[k] < batch->count ? v->first[k] : batch->count;
+    size_t bytes = (size_t)batch->count * sizeof( float );
+    for ( int c = 0; c < 3; ++c )
+    {
+        memcpy( batch->p[c], v->p[c], bytes );
+        memcpy( batch->ng[c], v->ng[c], bytes );
+    }
+    int first = v->first[RF_BSDF_FIRST_GLOSSY];
+    bytes = (size_t)( batch->count - first ) * sizeof( float );
+    if ( bytes == 0 )
+        return;
+    for ( int c = 0; c < 3; ++c )
+    {
+        memcpy( batch->n[c], v->n[c] + first, bytes );
+        memcpy( batch->wo[c], v->wo[c] + first, bytes );
+    }
+    for ( int p = 0; p < RF_PARAM_COUNT; ++p )
+    {
+        if ( batch->param[p] != NULL )
+            memcpy( batch->param[p], v->param[p] + first, bytes );
+    }
+}
+
+static void copy_views( const RfHarvestScratch* scratch, RfHitBatch* batch )
+{
+    batch->has_views = batch->view != NULL && ( rf_follows_chains( scratch ) || batch->panes[0] != NULL );
+    if ( batch->view == NULL )
+        return;
+    for ( int i = 0; i < batch->count; ++i )
+        batch->view[i] = !rf_follows_chains( scratch ) ? RF_VIEW_DIRECT : scratch->chains->view[scratch->hits->slot[i]];
+}
+
+// Lists specular hits and chains without a hit, of mirrors, glass and coats, behind the rays that missed.
+static void note_own_frame( const RfVertexLanes* first, const uint8_t* recorded, RfHarvestScratch* scratch, RfHitBatch* batch )
+{
+    for ( int i = 0; i < first->count; ++i )
+    {
+        int slot = first->slot[i];
+        if ( recorded[slot] )
+            continue;
+        rf_miss_pixel( batch )[batch->miss_count] = scratch->pixel[slot];
+        scratch->miss_slot[batch->miss_count++] = slot;
+    }
+}
+
+// Lists the pixels whose chain brought light and has a hit, too.
+static void note_glints( const RfHarvestScratch* scratch, RfHitBatch* batch, int32_t* glint_slot )
+{
+    const RfChains* chains = scratch->chains;
+    for ( int i = 0; i < batch->count; ++i )
+    {
+        int slot = scratch->hits->slot[i];
+        if ( chains->light[0][slot] + chains->light[1][slot] + chains->light[2][slot] == 0.0f )
+            continue;
+        rf_glint_pixel( batch )[batch->glint_count] = scratch->pixel[slot];
+        glint_slot[batch->glint_count++] = slot;
+    }
+}
+
+// Hits keep the pixel they were drawn in. Rays that hit nothing are misses; what has no record is listed behind these.
+static void note_pixels( int count, RfHarvestScratch* scratch, RfHitBatch* batch )
+{
+    uint8_t hit[RF_LANES], recorded[RF_LANES];
+    memset( hit, 0, (size_t)count );
+    memset( recorded, 0, (size_t)count );
+    for ( int i = 0; i < scratch->first.count; ++i )
+        hit[scratch->first.slot[i]] = 1;
+    for ( int i = 0; i < batch->count; ++i )
+    {
+        int slot = scratch->hits->slot[i];
+        recorded[slot] = 1;
+        batch->pixel[i] = scratch->pixel[slot];
+    }
+    int32_t* miss_pixel = rf_miss_pixel( batch );
+    batch->miss_count = batch->glint_count = 0;
+    for ( int slot = 0; slot < count; ++slot )
+    {
+        miss_pixel[batch->miss_count] = scratch->pixel[slot];
+        scratch->miss_slot[batch->miss_count] = slot;
+        batch->miss_count += !hit[slot];
+    }
+    scratch->ray_miss_count = batch->sky_count = batch->miss_count;
+    note_own_frame( &scratch->first, recorded, scratch, batch );
+    if ( rf_follows_chains( scratch ) )
+        note_glints( scratch, batch, scratch->glint_slot );
+}
+
+// Places in the pixels of what is listed from `first` on.
+static void note_offsets( const RfHarvestScratch* scratch, int first, int count, const int32_t* slot, RfHitBatch* batch )
+{
+    for ( int i = 0; i < count; ++i )
+    {
+        for ( int c = 0; c < 2; ++c )
+            batch->offset[c][first + i] = scratch->place[c][slot[i]];
+    }
+}
+
+void rf_list_hits( int count, RfHarvestScratch* scratch, RfHitBatch* batch )
+{
+    copy_hits( scratch->hits, batch );
+    copy_views( scratch, batch );
+    note_pixels( count, scratch, batch );
+    if ( batch->offset[0] == NULL )
+        return;
+    note_offsets( scratch, 0, batch->count, scratch->hits->slot, batch );
+    note_offsets( scratch, batch->count, batch->miss_count, scratch->miss_slot, batch );
+    note_offsets( scratch, batch->count + batch->miss_count, batch->glint_count, scratch->glint_slot, batch );
+}
+
+static void make_keys( uint64_t pass_key, int count, const int32_t* pixel, RfWavefront* wavefront )
+{
+#pragma omp simd
+    for ( int i = 0; i < count; ++i )
+    {
+        RfRandomKey key = rf_pixel_key( pass_key, (uint32_t)pixel[i] );
+        wavefront->key_a[i] = key.a;
+        wavefront->key_b[i] = key.b;
+    }
+}
+
+// Further samples of a pixel have the random numbers of further passes.
+static void make_copies_keys( const RfHarvest* harvest, RfTraceJob job, int count, const int32_t* copy,
+                              RfHarvestScratch* scratch )
+{
+    for ( int i = 0; i < count; ++i )
+    {
+        RfRandomKey key = rf_pixel_key( rf_harvest_key( harvest, job.eye, job.pass + copy[i] ), (uint32_t)scratch->pixel[i] );
+        scratch->wavefront.key_a[i] = key.a;
+        scratch->wavefront.key_b[i] = key.b;
+    }
+}
+
+// The rays of eyes that are no pinholes.
+static void make_other_rays( const RfEye* eye, int count, const int32_t* pixel, float ( *random )[RF_LANES], RfRayLanes* rays )
+{
+    const float inverse[2] = { 1.0f / eye->focal_x, 1.0f / eye->focal };
+    for ( int i = 0; i < count; ++i )
+    {
+        RfVec3 o, d;
+        rf_eye_ray( eye, inverse, pixel[i] % eye->width, pixel[i] / eye->width, random[0][i], random[1][i], &o, &d );
+        rays->o[0][i] = o.x;
+        rays->o[1][i] = o.y;
+        rays->o[2][i] = o.z;
+        rays->d[0][i] = d.x;
+        rays->d[1][i] = d.y;
+        rays->d[2][i] = d.z;
+    }
+}
+
+void rf_make_camera_rays( const RfPixelFilter* filter, const RfEye* eye, int count, const int32_t* pixel, RfWavefront* wavefront,
+                          RfRayLanes* rays )
+{
+    int32_t* slot = rays->slot;
+    for ( int i = 0; i < count; ++i )
+        slot[i] = i;
+    float( *random )[RF_LANES] = wavefront->scratch.random;
+    rf_draw_lanes( wavefront, count, slot, RF_DIMENSION_FILM_X, 2, random );
+    if ( rf_has_filter( filter ) )
+        draw_places( filter, eye, count, pixel, random );
+    RfEye e = *eye;
+    const float inverse[2] = { 1.0f / e.focal_x, 1.0f / e.focal };
+    RfVec3 origin = rf_pinhole_origin( &e );
+    int straight = rf_is_perspective( eye ) ? count : 0;
+    if ( straight < count )
+        make_other_rays( eye, count, pixel, random, rays );
+#pragma omp simd
+    for ( int i = 0; i < straight; ++i )
+    {
+        int y = pixel[i] / e.width, x = pixel[i] - y * e.width;
+        RfVec3 d = rf_pinhole_ray( &e, inverse, x, y, random[0][i], random[1][i] );
+        rays->o[0][i] = origin.x;
+        rays->o[1][i] = origin.y;
+        rays->o[2][i] = origin.z;
+        rays->d[0][i] = d.x;
+        rays->d[1][i] = d.y;
+        rays->d[2][i] = d.z;
+    }
+    rays->count = count;
+}
+
+void rf_sample_direct( const RfHarvest* harvest, RfHarvestScratch* scratch, RfRayCounts* rays )
+{
+    int k = harvest->path.light_samples;
+    for ( int j = 0; j < harvest->shape.light_samples; ++j )
+    {
+        uint32_t dimension =
+            j < k ? rf_vertex_dimension( 1, k ) + RF_DIMENSION_LIGHTS + 3u * (uint32_t)j
+                  : rf_vertex_dimension( 1, k ) + RF_DIMENSION_LIGHTS + 3u * (uint32_t)( j - k ) + RF_DIMENSION_OPPOSITE;
+        rays->shadow += (uint64_t)rf_sample_lights( &harvest->path, &scratch->wavefront, scratch->hits, dimension,
+                                                    scratch->direct + j, &scratch->wavefront.scratch );
+    }
+}
+
+// Panes that camera rays pass do not count in max_depth.
+static void note_passed_panes( const RfHarvest* harvest, RfHarvestScratch* scratch, float* const wi[3] )
+{
+    const RfVertexLanes* v = &scratch->first;
+    memset( scratch->spent, 0, sizeof scratch->spent );
+    for ( int i = rf_record_count( v ); i < v->count; ++i )
+    {
+        float cos_g = v->ng[0][i] * wi[0][i] + v->ng[1][i] * wi[1][i] + v->ng[2][i] * wi[2][i];
+        scratch->spent[v->slot[i]] = cos_g < 0.0f && rf_is_at_pane( harvest->path.tracer, v, i ) ? -1 : 0;
+    }
+    scratch->wavefront.spent = scratch->spent;
+}
+
+// Tiles share the light of chains; not where connections find it, nor where replayed rays could meet other surfaces, nor in gradients.
+static bool shares_chain_light( const RfHarvest* harvest, const RfHarvestScratch* scratch )
+{
+    return rf_reuses_tiles( scratch ) && rf_calls_for( scratch->chains != NULL, RF_EFFECT_CHAINS ) &&
+           !rf_tracer_runs( harvest->path.tracer ).any_blended && harvest->path.connector == NULL && !harvest->path_roulette &&
+           harvest->path_source == NULL;
+}
+
+void rf_trace_hit_tails( const RfHarvest* harvest, RfHarvestScratch* scratch, RfRayCounts* rays )
+{
+    const RfVertexLanes* v = scratch->hits;
+    RfWavefront* wavefront = &scratch->wavefront;
+    float* wi[3] = { scratch->scattered[0], scratch->scattered[1], scratch->scattered[2] };
+    bool chain_light = shares_chain_light( harvest, scratch );
+    wavefront->chain_light = !( chain_light || scratch->chain_samples != NULL ) ? NULL
+                             : rf_reuses_tiles( scratch )                       ? &scratch->tiles->chain_light
+                                                                                : scratch->chain_light;
+    rf_scatter_deferred( &harvest->path, wavefront, v, 1, wi );
+    int specular = v->count - rf_record_count( v );
+    if ( specular > 0 )
+        memcpy( scratch->specular_pdf, wavefront->scratch.pdf + rf_record_count( v ), (size_t)specular * sizeof( float ) );
+    if ( specular > 0 && rf_tracer_has_panes( harvest->path.tracer ) )
+        note_passed_panes( harvest, scratch, wi );
+    if ( rf_reuses_tiles( scratch ) )
+    {
+        RfTileReuseSettings settings = { &harvest->path,
+                                         harvest->shape.tile_pixels,
+                                         rf_calls_for( harvest->tile_roulette, RF_EFFECT_TILE_ROULETTE ),
+                                         harvest->path_roulette,
+                                         chain_light,
+                                         harvest->path_source };
+        rays->tile += rf_trace_tile_tails( &settings, v, wi, wavefront, scratch->tiles );
+    }
+    else
+        rf_trace_tails( &harvest->path, wavefront, 2 );
+    if ( wavefront->chain_light != NULL )
+        rf_add_chain_light( harvest, scratch, rf_chain_sampling( harvest, chain_light ) );
+}
+
+void rf_follow_camera_rays( const RfHarvest* harvest, RfHarvestScratch* scratch )
+{
+    const RfVertexLanes* first = &scratch->first;
+    RfWavefront* wavefront = &scratch->wavefront;
+    scratch->hits = first;
+    wavefront->spent = NULL;
+    if ( !rf_calls_for( scratch->chains != NULL, RF_EFFECT_CHAINS ) || !rf_has_chains( first ) )
+        return;
+    rf_follow_chains( &harvest->path, first, &scratch->camera_rays, !harvest->first_hits_only, wavefront, scratch->chains );
+    scratch->hits = &scratch->chains->hits;
+    wavefront->spent = scratch->chains->length;
+    if ( rf_reuses_tiles( scratch ) )
+        rf_split_tiles( scratch->chains, scratch->tiles );
+}
+
+// Of pinholes.
+static int harvest_first_hits( const RfHarvest* harvest, RfTraceJob job, RfHitBatch* batch, RfHarvestScratch* scratch,
+                               RfRayCounts* rays )
+{
+    const RfEye* eye = harvest->eyes + job.eye;
+    RfWavefront* wavefront = &scratch->wavefront;
+    uint64_t key = rf_harvest_key( harvest, job.eye, job.pass );
+    batch->eye = job.eye;
+    rf_clear_ray_counts( wavefront );
+
+    int tiles, count = rf_list_patch( &harvest->patches, eye, key, job.job, scratch->pixel, scratch->tile_of, &tiles );
+    int32_t copy[RF_LANES];
+    if ( rf_is_adaptive( harvest ) && harvest->packed )
+        count = pack_needy( harvest, key, count, &tiles, scratch, copy );
+    else if ( rf_is_adaptive( harvest ) )
+        count = choose_needy( harvest, key, count, tiles, scratch );
+    else if ( harvest->pieces != NULL )
+        count = choose_traced( harvest, eye, count, scratch );
+    if ( rf_reuses_tiles( scratch ) )
+    {
+        memcpy( scratch->tiles->tile_of, scratch->tile_of, (size_t)count * sizeof *scratch->tile_of );
+        scratch->tiles->tile_count = tiles;
+    }
+    make_keys( key, count, scratch->pixel, wavefront );
+    if ( rf_is_adaptive( harvest ) && harvest->packed )
+        make_copies_keys( harvest, job, count, copy, scratch );
+    rf_make_camera_rays( harvest->drawn_by, eye, count, scratch->pixel, wavefront, &scratch->camera_rays );
+    for ( int c = 0; c < 2 && scratch->place[0] != NULL; ++c )
+        memcpy( scratch->place[c], wavefront->scratch.random[c], (size_t)count * sizeof( float ) );
+    rf_find_vertices( &harvest->path, &scratch->camera_rays, true, &scratch->first, &wavefront->scratch );
+    rays->primary += (uint64_t)count;
+    rf_follow_camera_rays( harvest, scratch );
+    rf_list_hits( count, scratch, batch );
+    return count;
+}
+
+void rf_scale_roulette( RfHarvestScratch* scratch, int count )
+{
+    bool chains = rf_follows_chains( scratch );
+    for ( int slot = 0; slot < count; ++slot )
+    {
+        float most = 1.0f;
+        if ( chains )
+            most = rf_maxf( scratch->chains->throughput[0][slot],
+                            rf_maxf( scratch->chains->throughput[1][slot], scratch->chains->throughput[2][slot] ) );
+        scratch->wavefront.roulette_scale[slot] = rf_maxf( most, 0.1f );
+    }
+}
+
+int rf_harvest_first_hits( const RfHarvest* harvest, RfTraceJob job, RfHitBatch* batch, RfHarvestScratch* scratch,
+                           RfRayCounts* rays )
+{
+    if ( rf_is_blurred_shape( &harvest->shape ) )
+        batch->lens = rf_draw_lens( harvest, job );
+    RfHarvest at = rf_harvest_at( harvest, batch->lens, scratch );
+    return harvest_first_hits( &at, job, batch, scratch, rays );
+}
+
+// Beyond the hits; with light paths, connections at all vertices.
+static void trace_tails( const RfHarvest* harvest, RfHarvestScratch* scratch, RfRayCounts* rays )
+{
+    if ( harvest->light_paths == NULL )
+    {
+        rf_trace_hit_tails( harvest, scratch, rays );
+        return;
+    }
+    RfLightPathConnector connector =
+        rf_make_connector( harvest->light_paths, harvest->kernel_normalization, &harvest->path, scratch->connections );
+    RfHarvest connected = *harvest;
+    connected.path.connector = &connector.connector;
+    rf_trace_hit_tails( &connected, scratch, rays );
+    for ( int j = 0; j < harvest->path.light_samples; ++j )
+        rf_note_lit( &connected.path, &scratch->wavefront, scratch->direct + j, j, scratch->hits->count );
+    rf_connection_vertices( &connector, &scratch->wavefront, NULL, scratch->hits, 1 );
+}
+
+static int harvest_batch( const RfHarvest* harvest, RfTraceJob job, RfHitBatch* batch, RfHarvestScratch* scratch,
+                          RfRayCounts* rays )
+{
+    RfWavefront* wavefront = &scratch->wavefront;
+    int count = harvest_first_hits( harvest, job, batch, scratch, rays );
+
+    // the rest of their paths
+    memset( &wavefront->arrivals, 0, sizeof wavefront->arrivals );
+    wavefront->rays.count = 0;
+    rf_scale_roulette( scratch, count );
+    bool lit = harvest->path.max_depth > 1 && !harvest->first_hits_only;
+    if ( lit )
+    {
+        rf_sample_direct( harvest, scratch, rays );
+        trace_tails( harvest, scratch, rays );
+    }
+    rays->path += wavefront->path_rays;
+    rays->shadow += wavefront->shadow_rays;
+
+    // visibility from all eyes of the group, then MIS weights
+    rf_test_batch_visibility( harvest, batch, scratch, rays );
+    if ( harvest->first_hits_only )
+        return count;
+    rf_weight_batch( harvest, batch, scratch );
+    if ( harvest->shape.own_frame_light )
+        rf_light_own_frame( harvest, batch, scratch );
+    return count;
+}
+
+int rf_harvest_batch( const RfHarvest* harvest, RfTraceJob job, RfHitBatch* batch, RfHarvestScratch* scratch, RfRayCounts* rays )
+{
+    if ( rf_is_blurred_shape( &harvest->shape ) )
+        batch->lens = rf_draw_lens( harvest, job );
+    RfHarvest at = rf_harvest_at( harvest, batch->lens, scratch );
+    return harvest_batch( &at, job, batch, scratch, rays );
+}
